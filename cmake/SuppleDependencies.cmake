@@ -1,0 +1,38 @@
+# Third-party packages. docs/building.md names the Debian package of each.
+find_package(Threads REQUIRED)
+find_package(TBB CONFIG REQUIRED)
+find_package(Imath CONFIG REQUIRED)
+find_package(embree 3.13 CONFIG REQUIRED)
+find_package(OpenCV REQUIRED COMPONENTS core imgproc)
+find_package(OpenSSL REQUIRED COMPONENTS Crypto)
+find_package(ZLIB REQUIRED)
+find_package(PNG REQUIRED)
+find_package(TIFF REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(tomlplusplus REQUIRED)
+find_package(nlohmann_json REQUIRED)
+
+# Debian's FindOpenVDB.cmake brings its own FindTBB and switches delayed loading on; an imported
+# target by hand avoids both.
+find_path(OPENVDB_INCLUDE_DIR openvdb/openvdb.h REQUIRED)
+find_library(OPENVDB_LIBRARY openvdb REQUIRED)
+add_library(OpenVDB::openvdb UNKNOWN IMPORTED)
+set_target_properties(OpenVDB::openvdb PROPERTIES
+  IMPORTED_LOCATION ${OPENVDB_LIBRARY}
+  INTERFACE_SYSTEM_INCLUDE_DIRECTORIES ${OPENVDB_INCLUDE_DIR}
+  INTERFACE_COMPILE_DEFINITIONS OPENVDB_ABI_VERSION_NUMBER=10
+  INTERFACE_LINK_LIBRARIES "TBB::tbb;Imath::Imath")
+
+# Debian's NIFTI package config names a znz path that does not exist.
+find_path(NIFTI2_INCLUDE_DIR nifti/nifti2_io.h REQUIRED)
+find_library(NIFTI2_LIBRARY nifti2 REQUIRED)
+find_library(ZNZ_LIBRARY znz REQUIRED)
+add_library(NIFTI::nifti2 UNKNOWN IMPORTED)
+set_target_properties(NIFTI::nifti2 PROPERTIES
+  IMPORTED_LOCATION ${NIFTI2_LIBRARY}
+  INTERFACE_SYSTEM_INCLUDE_DIRECTORIES "${NIFTI2_INCLUDE_DIR};${NIFTI2_INCLUDE_DIR}/nifti"
+  INTERFACE_LINK_LIBRARIES "${ZNZ_LIBRARY};ZLIB::ZLIB")
+
+if(SUPPLE_TESTS)
+  find_package(GTest REQUIRED)
+endif()

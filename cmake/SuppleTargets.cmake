@@ -1,0 +1,37 @@
+# Compile options shared by every target, and the recipe for a test binary.
+add_library(supple_options INTERFACE)
+target_include_directories(supple_options INTERFACE ${PROJECT_SOURCE_DIR})
+target_compile_options(supple_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
+                                                -Wno-sign-conversion)
+if(SUPPLE_WERROR)
+  target_compile_options(supple_options INTERFACE -Werror)
+endif()
+if(SUPPLE_NATIVE)
+  target_compile_options(supple_options INTERFACE -march=native)
+endif()
+if(SUPPLE_SANITIZE)
+  target_compile_options(supple_options INTERFACE
+    -fsanitize=${SUPPLE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize=vptr,null,alignment
+    -fno-sanitize-recover=all)
+  target_link_options(supple_options INTERFACE -fsanitize=${SUPPLE_SANITIZE})
+endif()
+
+# supple_add_tests(NAME SOURCES ... LIBRARIES ... LABELS ...)
+# One binary, one CTest entry per label. A suite belongs to the label its name starts with:
+# TEST(PropertyEcm, ...) runs under the label "property".
+function(supple_add_tests name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES;LABELS" ${ARGN})
+  add_executable(test_${name} ${ARG_SOURCES})
+  target_link_libraries(test_${name} PRIVATE supple_options supple_test_support ${ARG_LIBRARIES}
+                                             GTest::gtest GTest::gtest_main)
+  foreach(label IN LISTS ARG_LABELS)
+    string(SUBSTRING ${label} 0 1 first)
+    string(SUBSTRING ${label} 1 -1 rest)
+    string(TOUPPER ${first} first)
+    add_test(NAME ${name}.${label}
+             COMMAND test_${name} --gtest_filter=${first}${rest}* --gtest_brief=1)
+    set_tests_properties(${name}.${label} PROPERTIES LABELS ${label} TIMEOUT 900
+      FAIL_REGULAR_EXPRESSION "Running 0 tests"
+      ENVIRONMENT "SUPPLE_BINARY=$<TARGET_FILE:supple>;SUPPLE_SOURCE_DIR=${PROJECT_SOURCE_DIR};SUPPLE_TEST_OUTPUT=${PROJECT_BINARY_DIR}/test-output")
+  endforeach()
+endfunction()

@@ -1,0 +1,51 @@
+// A body: voxels as nodes, the six lattice neighbours as implied 2-connectors (thesis chapter 5).
+// ECM, relaxation and mass-spring share this node state and nothing else.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "lib/material/material.h"
+#include "volumes/state/state.h"
+
+namespace supple {
+
+/// Node state in brick order: index 512 * brick + offset of `elements`.
+struct Body {
+  Geometry geometry;
+  BrickTopology elements;
+  std::vector<std::uint8_t> classes;              // material class per voxel
+  std::array<std::vector<std::int32_t>, 3> q;     // empty: that coordinate never moved
+  SlackTable slacks;
+  MaterialTable material;
+
+  /// Offset of coordinate c of a voxel that is an element; 0 for a coordinate that never moved.
+  std::int32_t offset(const Vec3i& voxel, int c) const;
+  std::size_t bytes() const;
+};
+
+/// Elements at rest.
+Body make_body(const Geometry& geometry, const DensityGrid& density,
+               const BrickTopology& elements, const MaterialTable& material);
+/// Continues a state under its own or another material.
+Body make_body(const State& state, const MaterialTable& material);
+
+/// Links whose limits the present offsets break, with the largest excess in voxels.
+struct LinkCheck {
+  std::int64_t links = 0;
+  std::int64_t violated = 0;
+  double worst_excess_voxels = 0;
+  /// True when min_length > 2 * shear (one-slice bodies: > shear) holds on every link, so that no
+  /// cell can fold.
+  bool fold_free = false;
+};
+LinkCheck check_links(const Body& body);
+
+/// Largest |q| over all elements and coordinates, in voxels.
+double max_offset_voxels(const Body& body);
+
+/// Nearest element (Euclidean, in voxels) for an error message; false when the body is empty.
+bool nearest_element(const Body& body, const Vec3i& voxel, Vec3i& nearest);
+
+}  // namespace supple

@@ -1,0 +1,55 @@
+// Enhanced ChainMail in exact integer form (thesis section 4.2, design.md section 3).
+//
+// Per coordinate the links are difference constraints; "largest constraint violation first" is
+// Dijkstra's algorithm on their slack. The result is the least solution, the same bits whatever
+// the processing order or the number of threads.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "lib/body/body.h"
+#include "volumes/base/progress.h"
+
+namespace supple {
+
+/// A grabbed voxel and how far it moves from where it is now, per grid axis in 2^-16 voxel.
+struct Handle {
+  Vec3i voxel;
+  std::array<std::int32_t, 3> by_q;
+};
+
+/// Displacement in mm along the grid axes i, j, k to fixed point, truncated toward zero.
+/// Throws InputError when not finite or beyond the range of +-16383 voxels.
+std::array<std::int32_t, 3> fixed_from_mm(const Vec3d& by_mm, const Vec3d& spacing_mm);
+
+struct EcmReport {
+  /// Part of the drag that anchors allow, kept rational; 1/1 when nothing stops it.
+  std::int64_t fraction_numerator = 1;
+  std::int64_t fraction_denominator = 1;
+  std::int64_t moved = 0;            // elements whose offset changed
+  std::int64_t projected_links = 0;  // links of an invalid start that were wrong
+  double projected_max_voxels = 0;   // largest move of the projection
+  std::int64_t visited = 0;          // queue pops, all coordinates
+  std::int64_t max_queue = 0;
+  double milliseconds = 0;
+
+  double fraction() const { return double(fraction_numerator) / double(fraction_denominator); }
+};
+
+/// Moves the handles, holds every element inside the anchor boxes where it is, and lets the body
+/// follow: median(L, q, U) of the envelopes. An invalid start is projected first, to
+/// floor((L + U) / 2). Throws InputError: a handle or anchor box without element (names the nearest
+/// one), a voxel grabbed twice or grabbed and fixed, handles that contradict each other (names the
+/// pair and the missing distance in mm), an offset beyond the range. The body is unchanged then.
+EcmReport drag(Body& body, const std::vector<Handle>& handles,
+               const std::vector<IndexBox>& anchors, Progress* progress = nullptr);
+
+/// Projects an invalid configuration to floor((L + U) / 2): the smallest possible largest move.
+struct ProjectionReport {
+  std::int64_t violated_links = 0;
+  double max_move_voxels = 0;
+};
+ProjectionReport project(Body& body);
+
+}  // namespace supple

@@ -1,0 +1,1 @@
+#include "lib/material/material.h"

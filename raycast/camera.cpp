@@ -1,0 +1,1 @@
+#include "raycast/camera.h"

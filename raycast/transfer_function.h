@@ -1,0 +1,38 @@
+// Density to colour and opacity, looked up after interpolation (post-classified), and the presets
+// named as in 3D Slicer.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+namespace supple {
+
+struct OpacityKey {
+  double density;
+  double opacity;  // per unit_distance_mm, 0…1
+};
+struct ColourKey {
+  double density;
+  std::array<double, 3> rgb;  // 0…1, sRGB
+};
+
+struct TransferFunction {
+  std::string name;
+  std::vector<OpacityKey> opacity;            // ascending; constant beyond the ends
+  std::vector<ColourKey> colour;
+  std::vector<OpacityKey> gradient_opacity;   // density per mm; empty: 1 everywhere
+  double unit_distance_mm = 1.0;              // distance over which `opacity` is reached
+  double ambient = 0.2, diffuse = 0.9, specular = 0.2, specular_power = 10;
+
+  double opacity_at(double density) const;
+  std::array<double, 3> colour_at(double density) const;
+  /// Throws InputError naming the key point.
+  void validate(const std::string& file) const;
+};
+
+/// "CT-Bone", "CT-Muscle", "CT-Soft-Tissue", "MR-Default". Throws InputError listing the names.
+TransferFunction preset(const std::string& name);
+std::vector<std::string> preset_names();
+
+}  // namespace supple

@@ -1,0 +1,104 @@
+#include <gtest/gtest.h>
+
+#include <random>
+#include <set>
+#include <tuple>
+
+#include "volumes/grid/density_grid.h"
+
+using namespace supple;
+
+namespace {
+
+using Voxel = std::tuple<int, int, int>;
+
+BrickTopology topology_of(const std::set<Voxel>& voxels) {
+  std::vector<Vec3i> origins;
+  std::vector<BrickMask> masks;
+  for (const auto& [i, j, k] : voxels) {
+    const Vec3i origin(i & ~7, j & ~7, k & ~7);
+    std::size_t b = 0;
+    while (b < origins.size() && origins[b] != origin) ++b;
+    if (b == origins.size()) {
+      origins.push_back(origin);
+      masks.push_back(BrickMask{});
+    }
+    mask_set(masks[b], brick_offset({i, j, k}));
+  }
+  return {origins, masks};
+}
+
+std::set<Voxel> random_voxels(std::mt19937& random, int count, int range) {
+  std::uniform_int_distribution<int> coordinate(-range, range);
+  std::set<Voxel> voxels;
+  for (int n = 0; n < count; ++n) {
+    voxels.insert({coordinate(random), coordinate(random), coordinate(random)});
+  }
+  return voxels;
+}
+
+}  // namespace
+
+TEST(UnitBrickTopology, VoxelsAreFoundAcrossNegativeCoordinatesAndRegions) {
+  const BrickTopology topology = topology_of({{-1, -1, -1}, {0, 0, 0}, {1000, -2000, 5}});
+  EXPECT_EQ(topology.brick_count(), 3u);
+  EXPECT_EQ(topology.active_count(), 3);
+  EXPECT_TRUE(topology.is_active({-1, -1, -1}));
+  EXPECT_TRUE(topology.is_active({1000, -2000, 5}));
+  EXPECT_FALSE(topology.is_active({1000, -2000, 6}));
+  EXPECT_EQ(topology.find({5000, 0, 0}), -1);
+  EXPECT_EQ(topology.active_bounds().lo, Vec3i(-1, -2000, -1));
+  EXPECT_EQ(topology.active_bounds().hi, Vec3i(1000, 0, 5));
+}
+
+TEST(UnitBrickTopology, FaceNeighboursPointAtEachOther) {
+  const BrickTopology topology = topology_of({{7, 0, 0}, {8, 0, 0}});
+  EXPECT_EQ(topology.neighbour(0, 1), 1);
+  EXPECT_EQ(topology.neighbour(1, 0), 0);
+  EXPECT_EQ(topology.neighbour(0, 0), -1);
+}
+
+TEST(UnitBrickTopology, ComponentsConnectThroughFacesOnly) {
+  // Two voxels that share an edge are two pieces; a row across a brick border is one.
+  const BrickTopology topology =
+      topology_of({{0, 0, 0}, {1, 1, 0}, {6, 20, 3}, {7, 20, 3}, {8, 20, 3}});
+  EXPECT_EQ(largest_components(topology, 1).active_count(), 3);
+  EXPECT_TRUE(largest_components(topology, 1).is_active({8, 20, 3}));
+  EXPECT_EQ(largest_components(topology, 2).active_count(), 4);
+  EXPECT_TRUE(largest_components(topology, 2).is_active({0, 0, 0}));
+  EXPECT_EQ(largest_components(topology, 9).active_count(), 5);
+}
+
+TEST(PropertyBrickTopology, DilationEqualsTheBruteForceBoxNeighbourhood) {
+  std::mt19937 random(7);
+  for (int rings = 1; rings <= 3; ++rings) {
+    const std::set<Voxel> voxels = random_voxels(random, 60, 25);
+    std::set<Voxel> expected;
+    for (const auto& [i, j, k] : voxels) {
+      for (int a = -rings; a <= rings; ++a) {
+        for (int b = -rings; b <= rings; ++b) {
+          for (int c = -rings; c <= rings; ++c) expected.insert({i + a, j + b, k + c});
+        }
+      }
+    }
+    EXPECT_TRUE(dilate(topology_of(voxels), rings) == topology_of(expected)) << rings;
+  }
+}
+
+TEST(PropertyBrickTopology, ADensityGridGivesBackTheValuesItWasMadeOf) {
+  std::mt19937 random(8);
+  const BrickTopology topology = topology_of(random_voxels(random, 400, 40));
+  std::vector<float> values(topology.brick_count() * kBrickVoxels, -5.0f);
+  std::uniform_real_distribution<float> density(0, 1);
+  for (std::size_t b = 0; b < topology.brick_count(); ++b) {
+    for_each_active(topology.mask(b),
+                    [&](int offset) { values[b * kBrickVoxels + offset] = density(random); });
+  }
+  const DensityGrid grid = make_density_grid(topology, values, -5.0f);
+  ASSERT_TRUE(grid.bricks() == topology);
+  for (std::size_t b = 0; b < topology.brick_count(); ++b) {
+    for (int offset = 0; offset < kBrickVoxels; ++offset) {
+      ASSERT_EQ(grid.values(b)[offset], values[b * kBrickVoxels + offset]);
+    }
+  }
+}

@@ -1,0 +1,62 @@
+#include "volumes/base/atomic_file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+
+#include "volumes/base/error.h"
+
+namespace supple {
+
+namespace {
+
+[[noreturn]] void throw_write_error(const std::string& path, int errno_value) {
+  if (errno_value == ENOENT || errno_value == ENOTDIR) {
+    throw InputError({path, "output folder", "no such folder", "an existing folder"});
+  }
+  throw SystemError(path + ": cannot write: " + std::strerror(errno_value));
+}
+
+/// The same extension as the final name, since several libraries choose the format by it.
+std::string temporary_name(const std::string& final_path) {
+  const std::filesystem::path path(final_path);
+  const std::string name = ".supple-" + std::to_string(::getpid()) + "-" + path.filename().string();
+  return (path.parent_path() / name).string();
+}
+
+}  // namespace
+
+AtomicFile::AtomicFile(std::string final_path)
+    : m_final_path(std::move(final_path)), m_temporary_path(temporary_name(m_final_path)) {
+  if (std::filesystem::is_directory(m_final_path)) {
+    throw InputError({m_final_path, "output", "a directory", "a file name"});
+  }
+  const int descriptor =
+      ::open(m_temporary_path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (descriptor < 0) throw_write_error(m_final_path, errno);
+  ::close(descriptor);
+}
+
+AtomicFile::~AtomicFile() {
+  if (!m_temporary_path.empty()) std::remove(m_temporary_path.c_str());
+}
+
+void AtomicFile::commit() {
+  const int descriptor = ::open(m_temporary_path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) throw_write_error(m_final_path, errno);
+  const bool flushed = ::fsync(descriptor) == 0;
+  const int flush_errno = errno;
+  ::close(descriptor);
+  if (!flushed) throw_write_error(m_final_path, flush_errno);
+  if (std::rename(m_temporary_path.c_str(), m_final_path.c_str()) != 0) {
+    throw_write_error(m_final_path, errno);
+  }
+  m_temporary_path.clear();
+}
+
+}  // namespace supple

@@ -1,0 +1,36 @@
+#include "volumes/base/error.h"
+
+#include <cerrno>
+#include <cstring>
+
+namespace supple {
+
+std::string to_line(const Problem& problem) {
+  std::string line;
+  const auto append = [&line](const std::string& separator, const std::string& part) {
+    if (part.empty()) return;
+    if (!line.empty()) line += separator;
+    line += part;
+  };
+  append("", problem.file);
+  append(": ", problem.field);
+  if (!problem.found.empty()) append(": ", "found " + problem.found);
+  if (!problem.expected.empty()) {
+    append(problem.found.empty() ? ": " : ", ", "expected " + problem.expected);
+  }
+  return line;
+}
+
+void throw_open_error(const std::string& file, int errno_value) {
+  switch (errno_value) {
+    case ENOENT:
+    case ENOTDIR:
+      throw InputError({file, "", "no such file", "a readable file"});
+    case EISDIR:
+      throw InputError({file, "", "a directory", "a file"});
+    default:
+      throw SystemError(file + ": " + std::strerror(errno_value));
+  }
+}
+
+}  // namespace supple

@@ -1,0 +1,42 @@
+// From the sparse offset field to dense grids: warp export and the resampled volume.
+#pragma once
+
+#include <functional>
+
+#include "volumes/base/progress.h"
+#include "volumes/field/vector_bricks.h"
+#include "volumes/grid/density_grid.h"
+
+namespace supple {
+
+/// What a dense export writes where there is no material (design.md section 2 "The air").
+enum class VoidMode {
+  nearest,  // stays void: o = 0; vacated: the nearest void voxel of the source
+  outside,  // void everywhere reads from outside the source box
+  extend    // the offsets of the material carry on smoothly
+};
+
+/// Writes the vectors of slice k, dims.x * dims.y of them, i fastest, in mm, LPS.
+using VectorSliceSource = std::function<void(int k, Vec3f* out)>;
+/// Writes the densities of slice k.
+using ScalarSliceSource = std::function<void(int k, float* out)>;
+
+/// The resample-direction field on `grid` (the source grid, or another one). `source` holds the
+/// elements and shell at rest: what is active there and not reached any more is vacated.
+VectorSliceSource dense_offsets(const OffsetField& offsets, const BrickTopology& source,
+                                const Geometry& grid, VoidMode mode);
+
+/// The material-direction field on the source grid: extended u, 0 where nothing is.
+VectorSliceSource dense_displacement(const Displacement& extended);
+
+/// The deformed volume on `grid`: the density at x + o(x), trilinear; void reads `fill`.
+ScalarSliceSource dense_resampled(const OffsetField& offsets, const DensityGrid& density,
+                                  const Geometry& grid, float fill);
+
+/// Valid deformed voxels that lie outside `grid`: material that an export would lose.
+std::int64_t count_outside(const OffsetField& offsets, const Geometry& grid);
+
+/// The source grid grown by `margin_mm` on every side (whole voxels, same affine).
+Geometry with_margin(const Geometry& geometry, double margin_mm);
+
+}  // namespace supple

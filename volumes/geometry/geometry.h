@@ -1,0 +1,57 @@
+// Where voxels lie in the patient: a full affine from the index frame to LPS millimetres.
+// Cost: a value type of 18 doubles; the inverse is kept beside the forward axes.
+#pragma once
+
+#include <array>
+
+#include "volumes/base/vec.h"
+
+namespace supple {
+
+/// Index frame: voxel (i, j, k), i fastest in memory, voxel centres at integers, unit voxel.
+/// World frame: LPS (x to the patient's left, y to posterior, z to superior), unit mm.
+/// Any invertible affine is allowed, sheared and left-handed ones included.
+class Geometry {
+ public:
+  /// One voxel of 1 mm at the origin, axes along L, P, S.
+  Geometry();
+
+  /// `axes_mm[a]`: world vector in mm of one step along index axis a (spacing times direction).
+  /// Throws InputError when a dimension is < 1, their product exceeds 2^40, a value is not
+  /// finite, or the axes are singular (|det| of the unit directions < 1e-6).
+  Geometry(const Vec3i& dims, const Vec3d& origin_lps_mm, const std::array<Vec3d, 3>& axes_mm);
+
+  const Vec3i& dims() const { return m_dims; }
+  const Vec3d& origin_lps_mm() const { return m_origin; }
+  const std::array<Vec3d, 3>& axes_mm() const { return m_axes; }
+
+  /// Lengths of the axes in mm.
+  Vec3d spacing_mm() const;
+  /// Unit vectors of i, j, k in LPS.
+  std::array<Vec3d, 3> direction() const;
+  /// Determinant of the axes in mm^3; negative for a left-handed index frame.
+  double determinant() const;
+  /// True when i, j, k are mutually perpendicular within `tolerance` (cosine of the angle).
+  bool is_orthogonal(double tolerance = 1e-4) const;
+  long long voxel_count() const;
+
+  Vec3d world_from_index(const Vec3d& index) const;
+  Vec3d index_from_world(const Vec3d& world_mm) const;
+  Vec3d world_vector_from_index(const Vec3d& step) const;
+  Vec3d index_vector_from_world(const Vec3d& vector_mm) const;
+  /// Transforms an index-space gradient (a covector) to world: (A^-T) g, unit 1/mm.
+  Vec3d world_gradient_from_index(const Vec3d& gradient) const;
+
+  /// Same affine, other dimensions.
+  Geometry with_dims(const Vec3i& dims) const;
+
+  bool operator==(const Geometry& other) const;
+
+ private:
+  Vec3i m_dims;
+  Vec3d m_origin;
+  std::array<Vec3d, 3> m_axes;
+  std::array<Vec3d, 3> m_inverse_rows;  // row a: index coordinate a of a world vector
+};
+
+}  // namespace supple

@@ -1,0 +1,99 @@
+// The set of active voxels as 8^3 bricks, mirrored from the leaves of an OpenVDB tree, so that
+// solvers and marchers need not include OpenVDB. Memory: 100 bytes per brick plus a two-level
+// look-up table that grows with occupied 128^3 regions, never with the box.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "volumes/base/vec.h"
+
+namespace supple {
+
+constexpr int kBrickDim = 8;
+constexpr int kBrickVoxels = 512;
+
+/// Bit n stands for the voxel with offset n in its brick.
+using BrickMask = std::array<std::uint64_t, 8>;
+
+/// Offset of a voxel in its brick, k fastest, as in an OpenVDB leaf: (i&7)<<6 | (j&7)<<3 | (k&7).
+inline int brick_offset(const Vec3i& voxel) {
+  return ((voxel.x & 7) << 6) | ((voxel.y & 7) << 3) | (voxel.z & 7);
+}
+
+/// Local coordinates of an offset in its brick.
+inline Vec3i brick_local(int offset) { return {offset >> 6, (offset >> 3) & 7, offset & 7}; }
+
+inline bool mask_test(const BrickMask& mask, int offset) {
+  return (mask[offset >> 6] >> (offset & 63)) & 1;
+}
+inline void mask_set(BrickMask& mask, int offset) {
+  mask[offset >> 6] |= std::uint64_t(1) << (offset & 63);
+}
+int mask_count(const BrickMask& mask);
+
+/// Immutable list of bricks in ascending (x, y, z) order of their origins (x slowest), with
+/// active-voxel masks and face neighbours. Voxel coordinates may be negative.
+class BrickTopology {
+ public:
+  BrickTopology() = default;
+
+  /// `origins` are multiples of 8 and unique; bricks are sorted, `masks` follow. Bricks with an
+  /// empty mask are dropped.
+  BrickTopology(std::vector<Vec3i> origins, std::vector<BrickMask> masks);
+
+  std::size_t brick_count() const { return m_origins.size(); }
+  bool empty() const { return m_origins.empty(); }
+  /// Smallest voxel of brick b.
+  const Vec3i& origin(std::size_t b) const { return m_origins[b]; }
+  const BrickMask& mask(std::size_t b) const { return m_masks[b]; }
+
+  /// Brick that holds the voxel, or -1.
+  std::int32_t find(const Vec3i& voxel) const;
+  bool is_active(const Vec3i& voxel) const {
+    const std::int32_t b = find(voxel);
+    return b >= 0 && mask_test(m_masks[b], brick_offset(voxel));
+  }
+  /// Brick across a face, or -1. Faces: 0 -x, 1 +x, 2 -y, 3 +y, 4 -z, 5 +z.
+  std::int32_t neighbour(std::size_t b, int face) const { return m_neighbours[b][face]; }
+
+  std::int64_t active_count() const { return m_active_count; }
+  /// Smallest box of the active voxels; empty when there are none.
+  const IndexBox& active_bounds() const { return m_active_bounds; }
+  std::size_t bytes() const;
+
+  bool operator==(const BrickTopology& other) const {
+    return m_origins == other.m_origins && m_masks == other.m_masks;
+  }
+
+ private:
+  void build_lookup();
+
+  std::vector<Vec3i> m_origins;
+  std::vector<BrickMask> m_masks;
+  std::vector<std::array<std::int32_t, 6>> m_neighbours;
+  // Two-level table over bricks: 16^3 bricks per occupied region.
+  Vec3i m_region_lo{0, 0, 0};
+  Vec3i m_region_dims{0, 0, 0};
+  std::vector<std::int32_t> m_regions;
+  std::vector<std::array<std::int32_t, 4096>> m_tables;
+  std::int64_t m_active_count = 0;
+  IndexBox m_active_bounds;
+};
+
+/// Calls `visit(offset)` for every set bit, ascending.
+template <class Visit>
+void for_each_active(const BrickMask& mask, Visit&& visit) {
+  for (int word = 0; word < 8; ++word) {
+    for (std::uint64_t bits = mask[word]; bits != 0; bits &= bits - 1) {
+      visit(word * 64 + __builtin_ctzll(bits));
+    }
+  }
+}
+
+/// All voxels within Chebyshev distance `rings` of an active voxel (26-neighbourhood dilation).
+BrickTopology dilate(const BrickTopology& topology, int rings);
+
+}  // namespace supple

@@ -1,0 +1,91 @@
+#include "volumes/grid/density_grid.h"
+
+#include <algorithm>
+#include <numeric>
+#include <tuple>
+
+#include "volumes/grid/density_grid_vdb.h"
+
+namespace supple {
+
+namespace {
+
+using Leaf = openvdb::FloatTree::LeafNodeType;
+
+Vec3i to_vec(const openvdb::Coord& c) { return {c.x(), c.y(), c.z()}; }
+
+BrickMask to_mask(const Leaf::NodeMaskType& mask) {
+  BrickMask words;
+  for (int word = 0; word < 8; ++word) words[word] = mask.getWord<openvdb::Index64>(word);
+  return words;
+}
+
+}  // namespace
+
+DensityGrid::DensityGrid() : DensityGrid(make_density_grid({}, {}, 0)) {}
+
+DensityGrid::DensityGrid(std::shared_ptr<const Vdb> vdb) : m_vdb(std::move(vdb)) {
+  const openvdb::FloatTree& tree = m_vdb->grid->tree();
+  m_background = tree.background();
+  std::vector<const Leaf*> leaves;
+  leaves.reserve(tree.leafCount());
+  for (auto leaf = tree.cbeginLeaf(); leaf; ++leaf) {
+    if (!leaf->valueMask().isOff()) leaves.push_back(&*leaf);
+  }
+  std::sort(leaves.begin(), leaves.end(),
+            [](const Leaf* a, const Leaf* b) { return a->origin() < b->origin(); });
+  std::vector<Vec3i> origins;
+  std::vector<BrickMask> masks;
+  for (const Leaf* leaf : leaves) {
+    origins.push_back(to_vec(leaf->origin()));
+    masks.push_back(to_mask(leaf->valueMask()));
+    m_values.push_back(leaf->buffer().data());
+  }
+  m_bricks = BrickTopology(std::move(origins), std::move(masks));
+}
+
+float DensityGrid::at(const Vec3i& voxel) const {
+  const std::int32_t b = m_bricks.find(voxel);
+  return b < 0 ? m_background : m_values[b][brick_offset(voxel)];
+}
+
+std::size_t DensityGrid::bytes() const {
+  return m_vdb->grid->memUsage() + m_bricks.bytes() + m_values.capacity() * sizeof(float*);
+}
+
+DensityGrid make_density_grid(const BrickTopology& bricks, const std::vector<float>& values,
+                              float background) {
+  auto grid = openvdb::FloatGrid::create(background);
+  grid->setName("density");
+  for (std::size_t b = 0; b < bricks.brick_count(); ++b) {
+    const Vec3i& origin = bricks.origin(b);
+    auto leaf = std::make_unique<Leaf>(openvdb::Coord(origin.x, origin.y, origin.z), background);
+    for_each_active(bricks.mask(b), [&](int offset) {
+      leaf->setValueOn(openvdb::Index(offset), values[b * kBrickVoxels + offset]);
+    });
+    grid->tree().addLeaf(leaf.release());
+  }
+  return DensityGrid(std::make_shared<DensityGrid::Vdb>(DensityGrid::Vdb{grid}));
+}
+
+DensityGrid restrict_to(const DensityGrid& grid, const BrickTopology& keep) {
+  std::vector<Vec3i> origins;
+  std::vector<BrickMask> masks;
+  for (std::size_t b = 0; b < grid.bricks().brick_count(); ++b) {
+    const std::int32_t kept = keep.find(grid.bricks().origin(b));
+    if (kept < 0) continue;
+    BrickMask mask = grid.bricks().mask(b);
+    for (int word = 0; word < 8; ++word) mask[word] &= keep.mask(kept)[word];
+    origins.push_back(grid.bricks().origin(b));
+    masks.push_back(mask);
+  }
+  const BrickTopology bricks(std::move(origins), std::move(masks));
+  std::vector<float> values(bricks.brick_count() * kBrickVoxels);
+  for (std::size_t b = 0; b < bricks.brick_count(); ++b) {
+    const float* source = grid.values(grid.bricks().find(bricks.origin(b)));
+    std::copy(source, source + kBrickVoxels, values.begin() + b * kBrickVoxels);
+  }
+  return make_density_grid(bricks, values, grid.background());
+}
+
+}  // namespace supple

@@ -1,0 +1,52 @@
+// A sparse density grid: an openvdb::FloatGrid in index space behind a light face. Files that
+// create or edit the grid include "volumes/grid/density_grid_vdb.h"; all others see bricks.
+// Cost: 2 kB per occupied brick; nothing for empty space.
+#pragma once
+
+#include <memory>
+
+#include "volumes/grid/brick_topology.h"
+
+namespace supple {
+
+class DensityGrid {
+ public:
+  struct Vdb;  // holds the openvdb::FloatGrid
+
+  /// Empty grid with background 0.
+  DensityGrid();
+  /// Takes a grid whose active voxels all lie in leaves (no active tiles).
+  explicit DensityGrid(std::shared_ptr<const Vdb> vdb);
+
+  /// Active voxels of the grid.
+  const BrickTopology& bricks() const { return m_bricks; }
+  /// The 512 densities of brick b in brick order; inactive ones hold background().
+  const float* values(std::size_t b) const { return m_values[b]; }
+  /// Value of inactive voxels.
+  float background() const { return m_background; }
+  /// Density of one voxel, background() where inactive.
+  float at(const Vec3i& voxel) const;
+
+  /// Memory of the tree and of the brick table.
+  std::size_t bytes() const;
+  const Vdb& vdb() const { return *m_vdb; }
+
+ private:
+  std::shared_ptr<const Vdb> m_vdb;
+  BrickTopology m_bricks;
+  std::vector<const float*> m_values;
+  float m_background = 0;
+};
+
+/// Builds a grid from bricks; `values[512 * b + offset]` as in BrickTopology order.
+DensityGrid make_density_grid(const BrickTopology& bricks, const std::vector<float>& values,
+                              float background);
+
+/// The same densities on fewer voxels: those that are active in `keep`.
+DensityGrid restrict_to(const DensityGrid& grid, const BrickTopology& keep);
+
+/// Face-connected pieces of the active voxels, largest first (ties: smallest first voxel in brick
+/// order); at most `count` of them are kept.
+BrickTopology largest_components(const BrickTopology& topology, int count);
+
+}  // namespace supple

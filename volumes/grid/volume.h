@@ -1,0 +1,32 @@
+// A scanned volume: sparse densities plus geometry, and what was said of it on the way in.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "volumes/geometry/geometry.h"
+#include "volumes/grid/density_grid.h"
+
+namespace supple {
+
+/// Facts about a file's values, gathered in the one pass that reads them.
+struct VolumeStatistics {
+  double min = 0;   // after slope and intercept, NaN left out
+  double max = 0;
+  double mean = 0;
+  std::int64_t nan_count = 0;
+  std::int64_t above_min_count = 0;  // voxels with a value > min
+};
+
+struct Volume {
+  Geometry geometry;
+  DensityGrid density;         // index space, active voxels as asked for when loading
+  VolumeStatistics statistics;  // of the whole file
+  std::string format;           // "nrrd", "metaimage", "nifti", "png", "tiff", "raw", "vdb"
+  std::string stored_type;      // numpy name, e.g. "int16"
+};
+
+/// Trilinear density at an index-space position; corners that are inactive count as `outside`.
+float sample_trilinear(const DensityGrid& grid, const Vec3d& pos_index, float outside);
+
+}  // namespace supple

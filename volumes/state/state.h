@@ -1,0 +1,50 @@
+// The state file: everything needed to continue, render or export a deformed volume (design.md
+// section 7). Authority: q, element mask, density, anchors, material table text, configuration.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "volumes/base/progress.h"
+#include "volumes/field/vector_bricks.h"
+#include "volumes/geometry/geometry.h"
+#include "volumes/grid/density_grid.h"
+
+namespace supple {
+
+/// Fixed point of all solver offsets: 2^-16 voxel; |q| <= kMaxOffset (design.md section 2).
+constexpr int kFixedBits = 16;
+constexpr double kFixedOne = 65536.0;
+constexpr std::int32_t kMaxOffset = 1 << 30;
+
+struct State {
+  Geometry geometry;         // of the source volume, index to LPS mm
+  DensityGrid density;       // elements and shell
+  BrickTopology elements;
+  /// Offsets from rest per coordinate, [512 * brick of elements + offset], 2^-16 voxel; an empty
+  /// vector stands for a coordinate that never moved. Inactive voxels hold 0.
+  std::array<std::vector<std::int32_t>, 3> q;
+  std::vector<IndexBox> anchors;
+  std::string material_toml;   // the table as text, so that a state can be continued
+  std::string configuration;   // JSON: the effective settings that produced it
+  std::string source_name;     // file name of the source volume
+  std::string source_type;     // numpy name of the stored type
+};
+
+/// u on the elements, unit voxel, from q.
+Displacement displacement_of(const State& state);
+/// u on elements and shell: displacement_of extended over the shell.
+Displacement extended_displacement_of(const State& state);
+
+/// Writes atomically; equal states give equal files. Throws SystemError (disk full, permission).
+void write_state(const std::string& path, const State& state, Progress* progress = nullptr);
+
+/// Throws InputError for a missing, truncated, damaged or foreign file.
+State read_state(const std::string& path, Progress* progress = nullptr);
+
+/// True when the file starts like OpenVDB and carries our metadata or trailer.
+bool is_state_file(const std::string& path);
+
+}  // namespace supple
