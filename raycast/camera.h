@@ -1,7 +1,10 @@
-// Perspective and orthographic cameras in the world frame (LPS, mm).
+// Perspective and orthographic cameras in the world frame (LPS, mm; design.md section 5). Since
+// the frame is the patient's and not the grid's, left-handed index frames give right-handed
+// pictures: seen from anterior, the patient's left is on the picture's right.
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "volumes/geometry/geometry.h"
 
@@ -17,7 +20,8 @@ struct Camera {
   double vertical_fov_degrees = 30;  // perspective
   double height_mm = 300;            // orthographic: world height of the picture
 
-  /// Throws InputError: not finite, position at target, up along the view, fov outside (0, 180).
+  /// Throws InputError: not finite, position at target, up along the view, fov outside (0, 180),
+  /// height not positive.
   void validate(const std::string& file) const;
 };
 
@@ -26,7 +30,14 @@ struct Ray {
   Vec3d direction_lps;  // unit
 };
 
-/// Ray through pixel coordinates (px, py), centres at +0.5, row 0 at the top.
+/// Orthonormal axes of the picture; `right` and `up` follow columns and rows (upwards).
+struct CameraFrame {
+  Vec3d right, up, forward;
+};
+CameraFrame camera_frame(const Camera& camera);
+
+/// Ray through pixel coordinates (px, py), centres at +0.5, row 0 at the top. Orthographic rays
+/// start on the plane through the camera's position; what lies behind it is not seen.
 Ray camera_ray(const Camera& camera, int width, int height, double px, double py);
 
 /// World position to pixel coordinates; false when behind the camera.
@@ -35,9 +46,11 @@ bool project_to_pixel(const Camera& camera, int width, int height, const Vec3d& 
 
 /// Named view directions: "anterior" (default), "posterior", "left", "right", "superior",
 /// "inferior"; superior up (superior and inferior views: anterior up). Frames the source box of
-/// `geometry` with a 5 % margin. Throws InputError for another name.
-Camera default_camera(const Geometry& geometry, double aspect,
-                      const std::string& view = "anterior",
+/// `geometry` with a margin of 5 % of the picture on each side. Throws InputError for another name.
+Camera default_camera(const Geometry& geometry, double aspect, const std::string& view = "anterior",
                       Projection projection = Projection::perspective);
+
+/// The names that default_camera knows.
+std::vector<std::string> view_names();
 
 }  // namespace supple

@@ -12,8 +12,8 @@ namespace supple {
 struct LatticeStyle {
   int width = 800;
   int height = 800;
-  bool grey_image = true;   // fill the deformed cells with the interpolated density
-  bool links = true;        // draw the links
+  bool grey_image = true;             // fill the deformed cells with the interpolated density
+  bool links = true;                  // draw the links
   double grey_lo = 0, grey_hi = 255;  // densities that map to black and white
 };
 

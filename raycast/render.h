@@ -20,7 +20,7 @@ struct RenderSettings {
   double step_voxels = 0.5;  // of the smallest spacing
   int stride = 4;            // steps taken at once while transparent; 1 switches it off
   bool shading = true;
-  bool transform_gradient = true;  // the (I + grad o)^T term; off only to show what it is for
+  bool transform_gradient = true;   // the (I + grad o)^T term; off only to show what it is for
   double early_termination = 0.99;  // accumulated opacity that ends a ray
 
   /// Throws InputError: sizes < 1 or > 16384, step outside (0, 16], stride outside 1…16.

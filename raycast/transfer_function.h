@@ -19,14 +19,15 @@ struct ColourKey {
 
 struct TransferFunction {
   std::string name;
-  std::vector<OpacityKey> opacity;            // ascending; constant beyond the ends
+  std::vector<OpacityKey> opacity;  // ascending; constant beyond the ends
   std::vector<ColourKey> colour;
-  std::vector<OpacityKey> gradient_opacity;   // density per mm; empty: 1 everywhere
-  double unit_distance_mm = 1.0;              // distance over which `opacity` is reached
+  std::vector<OpacityKey> gradient_opacity;  // density per mm; empty: 1 everywhere
+  double unit_distance_mm = 1.0;             // distance over which `opacity` is reached
   double ambient = 0.2, diffuse = 0.9, specular = 0.2, specular_power = 10;
 
   double opacity_at(double density) const;
   std::array<double, 3> colour_at(double density) const;
+  double gradient_opacity_at(double gradient_per_mm) const;
   /// Throws InputError naming the key point.
   void validate(const std::string& file) const;
 };

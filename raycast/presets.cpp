@@ -1,0 +1,85 @@
+// The four presets. Names and intent follow 3D Slicer's volume rendering presets
+// (Modules/Loadable/VolumeRendering/Resources/presets.xml); the tables are our own, with opacities
+// per millimetre. CT presets expect Hounsfield units. MR-Default has a fixed range, as in Slicer:
+// it suits 8-bit and similarly scaled MRI (tissue between 40 and 250); other scalings want their
+// own table.
+#include "raycast/transfer_function.h"
+#include "volumes/base/error.h"
+
+namespace supple {
+
+namespace {
+
+TransferFunction ct_bone() {
+  TransferFunction f;
+  f.name = "CT-Bone";
+  f.opacity = {{-1024, 0}, {140, 0}, {260, 0.12}, {420, 0.55}, {700, 0.85}, {3071, 0.9}};
+  f.colour = {{-1024, {0, 0, 0}},        {140, {0.72, 0.38, 0.28}},  {300, {0.85, 0.66, 0.48}},
+              {550, {0.93, 0.86, 0.70}}, {1200, {0.99, 0.96, 0.88}}, {3071, {1, 1, 1}}};
+  f.ambient = 0.12, f.diffuse = 0.88, f.specular = 0.2, f.specular_power = 12;
+  return f;
+}
+
+TransferFunction ct_muscle() {
+  TransferFunction f;
+  f.name = "CT-Muscle";
+  f.opacity = {{-1024, 0},  {-150, 0},   {-20, 0.06}, {60, 0.4},
+               {220, 0.68}, {420, 0.83}, {3071, 0.83}};
+  f.colour = {{-1024, {0, 0, 0}},        {-150, {0.55, 0.27, 0.17}}, {60, {0.72, 0.33, 0.24}},
+              {220, {0.88, 0.62, 0.42}}, {420, {0.98, 0.93, 0.86}},  {3071, {1, 1, 1}}};
+  f.ambient = 0.15, f.diffuse = 0.9, f.specular = 0.2, f.specular_power = 10;
+  return f;
+}
+
+TransferFunction ct_soft_tissue() {
+  TransferFunction f;
+  f.name = "CT-Soft-Tissue";
+  f.opacity = {{-1024, 0}, {-300, 0}, {-160, 0.9}, {3071, 0.95}};
+  f.colour = {{-1024, {0, 0, 0}},        {-300, {0.78, 0.56, 0.45}}, {-100, {0.91, 0.72, 0.60}},
+              {100, {0.93, 0.76, 0.66}}, {400, {0.98, 0.92, 0.84}},  {3071, {1, 1, 1}}};
+  f.ambient = 0.15, f.diffuse = 0.85, f.specular = 0.12, f.specular_power = 12;
+  return f;
+}
+
+TransferFunction mr_default() {
+  TransferFunction f;
+  f.name = "MR-Default";
+  f.opacity = {{0, 0}, {20, 0}, {45, 0.15}, {120, 0.3}, {220, 0.4}, {1024, 0.5}};
+  f.colour = {{0, {0, 0, 0}},
+              {20, {0.17, 0.02, 0.01}},
+              {45, {0.42, 0.16, 0.09}},
+              {120, {0.78, 0.60, 0.40}},
+              {220, {0.86, 0.83, 0.78}},
+              {1024, {1, 1, 1}}};
+  f.ambient = 0.2, f.diffuse = 1.0, f.specular = 0.2, f.specular_power = 10;
+  return f;
+}
+
+using Maker = TransferFunction (*)();
+struct Entry {
+  const char* name;
+  Maker make;
+};
+constexpr Entry kPresets[] = {{"CT-Bone", ct_bone},
+                              {"CT-Muscle", ct_muscle},
+                              {"CT-Soft-Tissue", ct_soft_tissue},
+                              {"MR-Default", mr_default}};
+
+}  // namespace
+
+TransferFunction preset(const std::string& name) {
+  std::string known;
+  for (const Entry& entry : kPresets) {
+    if (name == entry.name) return entry.make();
+    known += (known.empty() ? "" : ", ") + std::string(entry.name);
+  }
+  throw InputError({"", "preset", name, "one of " + known});
+}
+
+std::vector<std::string> preset_names() {
+  std::vector<std::string> names;
+  for (const Entry& entry : kPresets) names.emplace_back(entry.name);
+  return names;
+}
+
+}  // namespace supple

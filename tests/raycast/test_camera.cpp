@@ -1,0 +1,126 @@
+// Cameras: rays by hand, framing, and orientation in the patient's frame.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "raycast/camera.h"
+#include "volumes/base/error.h"
+
+namespace supple {
+namespace {
+
+void expect_near(const Vec3d& a, const Vec3d& b, double tolerance = 1e-12) {
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(a[c], b[c], tolerance) << "component " << c;
+}
+
+Camera from_anterior() {
+  Camera camera;
+  camera.position_lps_mm = {0, -100, 0};
+  camera.target_lps_mm = {0, 0, 0};
+  camera.vertical_fov_degrees = 90;
+  camera.height_mm = 20;
+  return camera;
+}
+
+TEST(UnitCamera, CentralPerspectiveRayLooksAtTheTarget) {
+  const Ray ray = camera_ray(from_anterior(), 4, 2, 2, 1);
+  expect_near(ray.origin_lps_mm, {0, -100, 0});
+  expect_near(ray.direction_lps, {0, 1, 0});
+}
+
+TEST(UnitCamera, PerspectiveRayThroughTheTopRightCornerByHand) {
+  // 90 degrees: half the height subtends 45 degrees; width twice the height.
+  const Ray ray = camera_ray(from_anterior(), 4, 2, 4, 0);
+  expect_near(ray.direction_lps, Vec3d(2, 1, 1) / std::sqrt(6.0));
+}
+
+TEST(UnitCamera, OrthographicRaysAreParallelAndSpacedByPixels) {
+  Camera camera = from_anterior();
+  camera.projection = Projection::orthographic;
+  const Ray ray = camera_ray(camera, 10, 10, 0.5, 9.5);
+  expect_near(ray.origin_lps_mm, {-9, -100, -9});
+  expect_near(ray.direction_lps, {0, 1, 0});
+}
+
+TEST(UnitCamera, AnteriorViewShowsThePatientsLeftOnThePicturesRightAndSuperiorUp) {
+  const Geometry geometry({10, 10, 10}, {-5, -5, -5}, {Vec3d(1, 0, 0), {0, 1, 0}, {0, 0, 1}});
+  const Camera camera = default_camera(geometry, 1.0);
+  double left_x = 0, left_y = 0, top_x = 0, top_y = 0;
+  ASSERT_TRUE(project_to_pixel(camera, 100, 100, {3, 0, 0}, left_x, left_y));
+  ASSERT_TRUE(project_to_pixel(camera, 100, 100, {0, 0, 3}, top_x, top_y));
+  EXPECT_GT(left_x, 55);
+  EXPECT_LT(top_y, 45);
+  EXPECT_LT(camera.position_lps_mm.y, -5);
+}
+
+TEST(UnitCamera, InvalidCamerasAreRejectedByName) {
+  const auto field_of = [](const Camera& camera) {
+    try {
+      camera.validate("c.toml");
+    } catch (const InputError& error) {
+      return error.problem().field;
+    }
+    return std::string("valid");
+  };
+  EXPECT_EQ(field_of(Camera()), "valid");
+  Camera camera;
+  camera.position_lps_mm = camera.target_lps_mm;
+  EXPECT_EQ(field_of(camera), "camera.position");
+  camera = Camera();
+  camera.up_lps = {0, 2, 0};
+  EXPECT_EQ(field_of(camera), "camera.up");
+  camera = Camera();
+  camera.up_lps = {0, 0, 0};
+  EXPECT_EQ(field_of(camera), "camera.up");
+  camera = Camera();
+  camera.vertical_fov_degrees = 180;
+  EXPECT_EQ(field_of(camera), "camera.fov");
+  camera = Camera();
+  camera.target_lps_mm.x = NAN;
+  EXPECT_EQ(field_of(camera), "camera.target");
+  EXPECT_THROW(default_camera(Geometry(), 1.0, "oblique"), InputError);
+}
+
+TEST(PropertyCamera, ProjectionInvertsTheRays) {
+  for (const Projection projection : {Projection::perspective, Projection::orthographic}) {
+    Camera camera;
+    camera.projection = projection;
+    camera.position_lps_mm = {30, -200, 70};
+    camera.target_lps_mm = {-4, 5, 6};
+    camera.up_lps = {0.2, 0.1, 1};
+    for (const auto& [px, py] : {std::pair(0.5, 0.5), {31.7, 80.2}, {99.0, 12.25}}) {
+      const Ray ray = camera_ray(camera, 120, 90, px, py);
+      double qx = 0, qy = 0;
+      ASSERT_TRUE(
+          project_to_pixel(camera, 120, 90, ray.origin_lps_mm + ray.direction_lps * 150.0, qx, qy));
+      EXPECT_NEAR(qx, px, 1e-9);
+      EXPECT_NEAR(qy, py, 1e-9);
+    }
+  }
+}
+
+TEST(PropertyCamera, EveryNamedViewFramesTheBoxWithItsMargin) {
+  const Geometry geometry({40, 30, 20}, {7, -3, 100},
+                          {Vec3d(-0.9, 0.1, 0), {0, 1.1, 0.2}, {0.1, 0, 2.5}});
+  for (const Projection projection : {Projection::perspective, Projection::orthographic}) {
+    for (const std::string& view : view_names()) {
+      for (const double aspect : {0.5, 1.0, 2.0}) {
+        const int height = 200, width = int(height * aspect);
+        const Camera camera = default_camera(geometry, aspect, view, projection);
+        EXPECT_NO_THROW(camera.validate(""));
+        double tightest = 1e9;
+        for (int c = 0; c < 8; ++c) {
+          const Vec3d corner((c & 1) ? 39.5 : -0.5, (c & 2) ? 29.5 : -0.5, (c & 4) ? 19.5 : -0.5);
+          double px = 0, py = 0;
+          ASSERT_TRUE(
+              project_to_pixel(camera, width, height, geometry.world_from_index(corner), px, py));
+          tightest = std::min({tightest, px / width, 1 - px / width, py / height, 1 - py / height});
+        }
+        EXPECT_NEAR(tightest, 0.05, 1e-9) << view << ", aspect " << aspect;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace supple
