@@ -15,7 +15,8 @@ struct VectorBricks {
 
   /// True and the vector, or false where invalid.
   bool at(const Vec3i& voxel, Vec3f& vector) const;
-  /// Trilinear; false when any of the eight corners is invalid.
+  /// Trilinear; false when any of the corners with a weight above 0 is invalid. At a voxel centre
+  /// the vector of that voxel, exactly.
   bool sample(const Vec3d& pos_index, Vec3d& vector) const;
   std::size_t bytes() const;
 };

@@ -1,0 +1,206 @@
+#include "volumes/field/ring_fill.h"
+
+#include <algorithm>
+#include <tuple>
+
+#include <tbb/parallel_for.h>
+
+namespace supple {
+
+namespace {
+
+bool origin_less(const Vec3i& a, const Vec3i& b) {
+  return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
+}
+
+bool any_bit(const BrickMask& mask) {
+  return std::any_of(mask.begin(), mask.end(), [](std::uint64_t word) { return word != 0; });
+}
+
+/// The 27 bricks around a brick, itself in the middle; -1 where there is none.
+using Surroundings = std::array<std::int32_t, 27>;
+
+Surroundings surroundings_of(const BrickTopology& bricks, std::size_t b) {
+  Surroundings around;
+  for (int n = 0; n < 27; ++n) {
+    const Vec3i step(n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1);
+    around[n] = bricks.find(bricks.origin(b) + step * kBrickDim);
+  }
+  return around;
+}
+
+/// Index among the surroundings and offset in that brick of a local position in [-1, 8]^3.
+struct Slot {
+  int brick;
+  int offset;
+};
+Slot slot_of(const Vec3i& local) {
+  const int x = (local.x + 8) >> 3, y = (local.y + 8) >> 3, z = (local.z + 8) >> 3;
+  return {9 * x + 3 * y + z, brick_offset(local)};
+}
+
+/// Validity of a brick and the voxel layer around it: bit z + 1 of row (x + 1, y + 1).
+struct PaddedRows {
+  std::uint16_t rows[10][10];
+
+  bool test(const Vec3i& local) const {
+    return (rows[local.x + 1][local.y + 1] >> (local.z + 1)) & 1;
+  }
+  /// True bits of row (x, y) of the brick and of all voxels that touch one.
+  std::uint8_t dilated_row(int x, int y) const {
+    unsigned bits = 0;
+    for (int dx = 0; dx < 3; ++dx) {
+      for (int dy = 0; dy < 3; ++dy) bits |= rows[x + dx][y + dy];
+    }
+    return std::uint8_t((bits | bits >> 1 | bits << 1) >> 1);
+  }
+};
+
+PaddedRows padded_rows(const Surroundings& around, const std::vector<BrickMask>& valid) {
+  PaddedRows padded;
+  for (int x = -1; x <= kBrickDim; ++x) {
+    for (int y = -1; y <= kBrickDim; ++y) {
+      const Slot slot = slot_of({x, y, 0});
+      const auto row = [&](int dz) -> unsigned {
+        const std::int32_t b = around[slot.brick + dz];
+        return b < 0 ? 0 : (valid[b][slot.offset >> 6] >> (slot.offset & 63)) & 0xff;
+      };
+      padded.rows[x + 1][y + 1] = std::uint16_t(row(-1) >> 7 | row(0) << 1 | (row(1) & 1) << 9);
+    }
+  }
+  return padded;
+}
+
+/// Wanted voxels of one brick that touch a valid one.
+BrickMask next_ring(const PaddedRows& padded, const BrickMask& wanted, const BrickMask& valid) {
+  BrickMask ring{};
+  for (int x = 0; x < kBrickDim; ++x) {
+    std::uint64_t word = 0;
+    for (int y = 0; y < kBrickDim; ++y) word |= std::uint64_t(padded.dilated_row(x, y)) << (8 * y);
+    ring[x] = word & wanted[x] & ~valid[x];
+  }
+  return ring;
+}
+
+Vec3f mean_of_neighbours(const Vec3i& local, const PaddedRows& padded, const Surroundings& around,
+                         const std::vector<Vec3f>& vectors) {
+  Vec3d sum(0);
+  int count = 0;
+  for (int n = 0; n < 27; ++n) {
+    const Vec3i q = local + Vec3i(n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1);
+    if (!padded.test(q)) continue;
+    const Slot slot = slot_of(q);
+    const Vec3f& v = vectors[std::size_t(around[slot.brick]) * kBrickVoxels + slot.offset];
+    sum += Vec3d(v.x, v.y, v.z);
+    ++count;
+  }
+  return Vec3f(sum / double(count));
+}
+
+/// Drops what is not valid; brick order stays.
+VectorBricks compact(const BrickTopology& bricks, const std::vector<BrickMask>& valid,
+                     std::vector<Vec3f> vectors, std::vector<std::uint8_t>* ring_of) {
+  std::vector<Vec3i> origins;
+  std::vector<BrickMask> masks;
+  for (std::size_t b = 0; b < bricks.brick_count(); ++b) {
+    if (!any_bit(valid[b])) continue;
+    const std::size_t from = b * kBrickVoxels, to = origins.size() * kBrickVoxels;
+    if (from != to) {
+      std::copy_n(vectors.begin() + from, kBrickVoxels, vectors.begin() + to);
+      if (ring_of) std::copy_n(ring_of->begin() + from, kBrickVoxels, ring_of->begin() + to);
+    }
+    origins.push_back(bricks.origin(b));
+    masks.push_back(valid[b]);
+  }
+  vectors.resize(origins.size() * kBrickVoxels);
+  vectors.shrink_to_fit();
+  if (ring_of) ring_of->resize(vectors.size());
+  return {BrickTopology(std::move(origins), std::move(masks)), std::move(vectors)};
+}
+
+}  // namespace
+
+BrickTopology unite(const BrickTopology& a, const BrickTopology& b) {
+  std::vector<Vec3i> origins;
+  std::vector<BrickMask> masks;
+  std::size_t m = 0, n = 0;
+  while (m < a.brick_count() || n < b.brick_count()) {
+    const bool take_a =
+        n == b.brick_count() || (m < a.brick_count() && !origin_less(b.origin(n), a.origin(m)));
+    const bool take_b =
+        m == a.brick_count() || (n < b.brick_count() && !origin_less(a.origin(m), b.origin(n)));
+    BrickMask mask{};
+    for (int word = 0; word < 8; ++word) {
+      mask[word] = (take_a ? a.mask(m)[word] : 0) | (take_b ? b.mask(n)[word] : 0);
+    }
+    origins.push_back(take_a ? a.origin(m) : b.origin(n));
+    masks.push_back(mask);
+    m += take_a;
+    n += take_b;
+  }
+  return {std::move(origins), std::move(masks)};
+}
+
+VectorBricks fill_rings(const VectorBricks& seed, const BrickTopology& target, int max_rings,
+                        std::vector<std::uint8_t>* ring_of) {
+  // Seed and target in one set of bricks.
+  const BrickTopology bricks = unite(seed.topology, target);
+  const std::size_t count = bricks.brick_count();
+  std::vector<Vec3f> vectors(count * kBrickVoxels, Vec3f(0));
+  std::vector<BrickMask> valid(count, BrickMask{});
+  if (ring_of) ring_of->assign(count * kBrickVoxels, 0);
+  std::vector<std::size_t> pending;  // bricks with wanted voxels
+  for (std::size_t b = 0; b < count; ++b) {
+    const std::int32_t s = seed.topology.find(bricks.origin(b));
+    if (s >= 0) {
+      valid[b] = seed.topology.mask(s);
+      std::copy_n(seed.vectors.begin() + std::size_t(s) * kBrickVoxels, kBrickVoxels,
+                  vectors.begin() + b * kBrickVoxels);
+    }
+    if (valid[b] != bricks.mask(b)) pending.push_back(b);
+  }
+  std::vector<Surroundings> around(pending.size());
+  tbb::parallel_for(std::size_t(0), pending.size(),
+                    [&](std::size_t n) { around[n] = surroundings_of(bricks, pending[n]); });
+
+  // Vectors of a ring are written beside the valid ones, which alone are read.
+  std::vector<BrickMask> ring(pending.size());
+  for (int number = 1; number <= max_rings; ++number) {
+    tbb::parallel_for(std::size_t(0), pending.size(), [&](std::size_t n) {
+      const std::size_t b = pending[n];
+      const PaddedRows padded = padded_rows(around[n], valid);
+      ring[n] = next_ring(padded, bricks.mask(b), valid[b]);
+      for_each_active(ring[n], [&](int offset) {
+        const std::size_t slot = b * kBrickVoxels + offset;
+        vectors[slot] = mean_of_neighbours(brick_local(offset), padded, around[n], vectors);
+        if (ring_of) (*ring_of)[slot] = std::uint8_t(std::min(number, 255));
+      });
+    });
+    bool grown = false;
+    for (std::size_t n = 0; n < pending.size(); ++n) {
+      grown = grown || any_bit(ring[n]);
+      for (int word = 0; word < 8; ++word) valid[pending[n]][word] |= ring[n][word];
+    }
+    if (!grown) break;
+  }
+  return compact(bricks, valid, std::move(vectors), ring_of);
+}
+
+BrickTopology touching_bricks(const BrickTopology& topology) {
+  std::vector<Vec3i> origins;
+  origins.reserve(topology.brick_count() * 27);
+  for (std::size_t b = 0; b < topology.brick_count(); ++b) {
+    for (int n = 0; n < 27; ++n) {
+      const Vec3i step(n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1);
+      origins.push_back(topology.origin(b) + step * kBrickDim);
+    }
+  }
+  std::sort(origins.begin(), origins.end(), origin_less);
+  origins.erase(std::unique(origins.begin(), origins.end()), origins.end());
+  BrickMask full;
+  full.fill(~std::uint64_t(0));
+  std::vector<BrickMask> masks(origins.size(), full);
+  return {std::move(origins), std::move(masks)};
+}
+
+}  // namespace supple

@@ -1,0 +1,29 @@
+// Extends a sparse vector field ring by ring into voxels where it is not valid yet (design.md
+// section 4: u in the air, o beyond the border of the material).
+//
+// Ring n are the wanted voxels with a 26-neighbour in the field after ring n - 1; each takes the
+// mean of all such neighbours, summed in double and in one fixed order. So the result depends
+// neither on the thread count nor on the order of bricks, and a constant field, zero above all,
+// stays exactly what it is. Cost: about 100 ns per new voxel and core.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "volumes/field/vector_bricks.h"
+
+namespace supple {
+
+/// The sorted union of two topologies.
+BrickTopology unite(const BrickTopology& a, const BrickTopology& b);
+
+/// `seed` extended onto the active voxels of `target` by at most `max_rings` rings. Voxels that no
+/// ring reaches stay invalid. `ring_of`, where given, receives the ring of every voxel of the
+/// result (0 on the seed), laid out like its vectors.
+VectorBricks fill_rings(const VectorBricks& seed, const BrickTopology& target, int max_rings,
+                        std::vector<std::uint8_t>* ring_of = nullptr);
+
+/// All voxels of the occupied bricks and of the 26 bricks around each.
+BrickTopology touching_bricks(const BrickTopology& topology);
+
+}  // namespace supple

@@ -1,0 +1,60 @@
+#include "volumes/field/vector_bricks.h"
+
+#include <cmath>
+
+namespace supple {
+
+namespace {
+
+// Positions beyond this have no voxel; it also keeps NaN away from the integer conversion.
+constexpr double kMaxCoordinate = 1e9;
+
+}  // namespace
+
+bool VectorBricks::at(const Vec3i& voxel, Vec3f& vector) const {
+  const std::int32_t b = topology.find(voxel);
+  const int offset = brick_offset(voxel);
+  if (b < 0 || !mask_test(topology.mask(b), offset)) return false;
+  vector = vectors[std::size_t(b) * kBrickVoxels + offset];
+  return true;
+}
+
+bool VectorBricks::sample(const Vec3d& pos_index, Vec3d& vector) const {
+  for (int a = 0; a < 3; ++a) {
+    if (!(std::abs(pos_index[a]) < kMaxCoordinate)) return false;
+  }
+  const Vec3i lo(int(std::floor(pos_index.x)), int(std::floor(pos_index.y)),
+                 int(std::floor(pos_index.z)));
+  const Vec3d t = pos_index - Vec3d(lo);
+  const Vec3d weight[2] = {Vec3d(1) - t, t};
+
+  // Eight corners; the brick is looked up again only where the cell leaves it.
+  std::int32_t brick = -1;
+  Vec3i brick_of(1, 1, 1);
+  Vec3d sum(0);
+  for (int corner = 0; corner < 8; ++corner) {
+    const int x = corner >> 2, y = (corner >> 1) & 1, z = corner & 1;
+    const double w = weight[x].x * weight[y].y * weight[z].z;
+    if (w == 0) continue;
+    const Vec3i voxel = lo + Vec3i(x, y, z);
+    const Vec3i origin(voxel.x & ~7, voxel.y & ~7, voxel.z & ~7);
+    if (origin != brick_of) {
+      brick = topology.find(voxel);
+      brick_of = origin;
+    }
+    const int offset = brick_offset(voxel);
+    if (brick < 0 || !mask_test(topology.mask(brick), offset)) return false;
+    const Vec3f& v = vectors[std::size_t(brick) * kBrickVoxels + offset];
+    sum.x += w * v.x;
+    sum.y += w * v.y;
+    sum.z += w * v.z;
+  }
+  vector = sum;
+  return true;
+}
+
+std::size_t VectorBricks::bytes() const {
+  return topology.bytes() + vectors.capacity() * sizeof(Vec3f);
+}
+
+}  // namespace supple
