@@ -20,17 +20,17 @@ constexpr double kFixedOne = 65536.0;
 constexpr std::int32_t kMaxOffset = 1 << 30;
 
 struct State {
-  Geometry geometry;         // of the source volume, index to LPS mm
-  DensityGrid density;       // elements and shell
+  Geometry geometry;    // of the source volume, index to LPS mm
+  DensityGrid density;  // elements and shell
   BrickTopology elements;
   /// Offsets from rest per coordinate, [512 * brick of elements + offset], 2^-16 voxel; an empty
   /// vector stands for a coordinate that never moved. Inactive voxels hold 0.
   std::array<std::vector<std::int32_t>, 3> q;
   std::vector<IndexBox> anchors;
-  std::string material_toml;   // the table as text, so that a state can be continued
-  std::string configuration;   // JSON: the effective settings that produced it
-  std::string source_name;     // file name of the source volume
-  std::string source_type;     // numpy name of the stored type
+  std::string material_toml;  // the table as text, so that a state can be continued
+  std::string configuration;  // JSON: the effective settings that produced it
+  std::string source_name;    // file name of the source volume
+  std::string source_type;    // numpy name of the stored type
 };
 
 /// u on the elements, unit voxel, from q.
@@ -38,13 +38,24 @@ Displacement displacement_of(const State& state);
 /// u on elements and shell: displacement_of extended over the shell.
 Displacement extended_displacement_of(const State& state);
 
-/// Writes atomically; equal states give equal files. Throws SystemError (disk full, permission).
-void write_state(const std::string& path, const State& state, Progress* progress = nullptr);
+/// Throws InputError, naming `file`, unless everything holds that later code trusts: densities
+/// finite and inside the source box, every element among them, q as long as the elements need,
+/// |q| <= kMaxOffset, 0 in inactive slots, no empty anchor box. Cost: one pass over the bricks.
+void check_state(const State& state, const std::string& file);
 
-/// Throws InputError for a missing, truncated, damaged or foreign file.
+/// Writes atomically; equal states give equal files, a coordinate of zeros counts as one that never
+/// moved. The second form adds the derived grid `offset` (resample) for other programs.
+/// Throws InputError for a state that check_state() rejects, SystemError (disk full, permission).
+void write_state(const std::string& path, const State& state, Progress* progress = nullptr);
+void write_state(const std::string& path, const State& state, const OffsetField& offsets,
+                 Progress* progress = nullptr);
+
+/// Throws InputError for a missing, truncated, damaged or foreign file. A coordinate of zeros comes
+/// back as an empty vector. Derived grids are not read back.
 State read_state(const std::string& path, Progress* progress = nullptr);
 
-/// True when the file starts like OpenVDB and carries our metadata or trailer.
+/// True when the file starts like OpenVDB and carries our metadata or trailer; a damaged state
+/// counts. Never throws.
 bool is_state_file(const std::string& path);
 
 }  // namespace supple

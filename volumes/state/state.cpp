@@ -1,0 +1,101 @@
+#include "volumes/state/state.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "volumes/base/error.h"
+#include "volumes/field/displacement.h"
+
+namespace supple {
+
+namespace {
+
+std::string to_text(const Vec3i& voxel) {
+  return std::to_string(voxel.x) + "," + std::to_string(voxel.y) + "," + std::to_string(voxel.z);
+}
+
+void check_densities(const State& state, const std::string& file) {
+  const BrickTopology& bricks = state.density.bricks();
+  const IndexBox box{{0, 0, 0}, state.geometry.dims() - Vec3i(1)};
+  const IndexBox& bounds = bricks.active_bounds();
+  if (!bounds.empty() && !(box.contains(bounds.lo) && box.contains(bounds.hi))) {
+    throw InputError({file, "density", "voxels " + to_text(bounds.lo) + " to " + to_text(bounds.hi),
+                      "voxels inside 0,0,0 to " + to_text(box.hi)});
+  }
+  if (!std::isfinite(state.density.background())) {
+    throw InputError({file, "density", "a background that is not finite", "a finite density"});
+  }
+  for (std::size_t b = 0; b < bricks.brick_count(); ++b) {
+    const float* values = state.density.values(b);
+    for_each_active(bricks.mask(b), [&](int offset) {
+      if (std::isfinite(values[offset])) return;
+      throw InputError({file, "density at " + to_text(bricks.origin(b) + brick_local(offset)),
+                        "a value that is not finite", "a finite density"});
+    });
+  }
+}
+
+void check_elements(const State& state, const std::string& file) {
+  const BrickTopology& bricks = state.density.bricks();
+  for (std::size_t b = 0; b < state.elements.brick_count(); ++b) {
+    const std::int32_t other = bricks.find(state.elements.origin(b));
+    for_each_active(state.elements.mask(b), [&](int offset) {
+      if (other >= 0 && mask_test(bricks.mask(other), offset)) return;
+      throw InputError({file,
+                        "element at " + to_text(state.elements.origin(b) + brick_local(offset)),
+                        "no density", "a density for every element"});
+    });
+  }
+}
+
+void check_offsets(const State& state, const std::string& file) {
+  const std::size_t slots = state.elements.brick_count() * kBrickVoxels;
+  for (int c = 0; c < 3; ++c) {
+    const std::vector<std::int32_t>& q = state.q[c];
+    const std::string field = std::string("q.") + "xyz"[c];
+    if (!q.empty() && q.size() != slots) {
+      throw InputError(
+          {file, field, std::to_string(q.size()) + " offsets", "0 or " + std::to_string(slots)});
+    }
+    for (std::size_t n = 0; n < q.size(); ++n) {
+      if (q[n] == 0) continue;
+      const bool active = mask_test(state.elements.mask(n / kBrickVoxels), int(n % kBrickVoxels));
+      if (active && q[n] >= -kMaxOffset && q[n] <= kMaxOffset) continue;
+      const Vec3i voxel =
+          state.elements.origin(n / kBrickVoxels) + brick_local(int(n % kBrickVoxels));
+      throw InputError({file, field + " at " + to_text(voxel), std::to_string(q[n]),
+                        active ? "-2^30 to 2^30" : "0 where there is no element"});
+    }
+  }
+}
+
+}  // namespace
+
+void check_state(const State& state, const std::string& file) {
+  check_densities(state, file);
+  check_elements(state, file);
+  check_offsets(state, file);
+  for (const IndexBox& box : state.anchors) {
+    if (!box.empty()) continue;
+    throw InputError({file, "anchors", "box " + to_text(box.lo) + " to " + to_text(box.hi),
+                      "a box with at least one voxel"});
+  }
+}
+
+Displacement displacement_of(const State& state) {
+  Displacement displacement{state.geometry, {state.elements, {}}};
+  std::vector<Vec3f>& vectors = displacement.u.vectors;
+  vectors.assign(state.elements.brick_count() * kBrickVoxels, Vec3f(0));
+  for (int c = 0; c < 3; ++c) {
+    for (std::size_t n = 0; n < state.q[c].size(); ++n) {
+      vectors[n][c] = float(state.q[c][n] / kFixedOne);
+    }
+  }
+  return displacement;
+}
+
+Displacement extended_displacement_of(const State& state) {
+  return extend(displacement_of(state), state.density.bricks());
+}
+
+}  // namespace supple

@@ -1,0 +1,311 @@
+// The OpenVDB side of the state file (design section 7). OpenVDB 10's io::File loses errors on full
+// disks and truncated files, so this is io::Stream over an fstream that throws, never delayed.
+//
+// Grids, in this order: `q` (Vec3I, only voxels that moved), `element` (Bool), `density` (Float),
+// and derived for other programs `displacement` (Vec3S, material direction) and `offset` (Vec3S,
+// resample direction), in mm LPS. The first three stay in index space; the others carry the affine
+// where OpenVDB takes it. All trees are built anew from bricks, so that their nodes, and with them
+// the file, depend on the content alone.
+// Cost: about 12 bytes per element before Blosc; see docs for measured times.
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+
+#include <openvdb/io/Stream.h>
+#include <tbb/parallel_for.h>
+
+#include "volumes/base/atomic_file.h"
+#include "volumes/grid/density_grid_vdb.h"
+#include "volumes/state/state.h"
+#include "volumes/state/state_seal.h"
+#include "volumes/state/state_text.h"
+
+namespace supple {
+
+namespace {
+
+using openvdb::BoolGrid;
+using openvdb::FloatGrid;
+using openvdb::Vec3IGrid;
+using openvdb::Vec3SGrid;
+
+constexpr const char* kFormatVersion = "state 1";
+constexpr std::size_t kMaxMessage = 1000;
+
+openvdb::Coord to_coord(const Vec3i& v) {
+  return {v.x, v.y, v.z};
+}
+Vec3i to_vec(const openvdb::Coord& c) {
+  return {c.x(), c.y(), c.z()};
+}
+
+/// A grid with one leaf per brick; `fill(leaf, b)` switches voxels on. Leaves without any are
+/// dropped.
+template <class Grid, class Fill>
+typename Grid::Ptr make_grid(const char* name, const BrickTopology& bricks,
+                             const typename Grid::ValueType& background, Fill&& fill) {
+  using Leaf = typename Grid::TreeType::LeafNodeType;
+  std::vector<std::unique_ptr<Leaf>> leaves(bricks.brick_count());
+  tbb::parallel_for(std::size_t(0), leaves.size(), [&](std::size_t b) {
+    auto leaf = std::make_unique<Leaf>(to_coord(bricks.origin(b)), background);
+    fill(*leaf, b);
+    if (!leaf->isEmpty()) leaves[b] = std::move(leaf);
+  });
+  auto grid = Grid::create(background);
+  grid->setName(name);
+  for (auto& leaf : leaves) {
+    if (leaf) grid->tree().addLeaf(leaf.release());
+  }
+  return grid;
+}
+
+openvdb::GridBase::Ptr make_q(const State& state) {
+  const auto q = [&](int c, std::size_t slot) { return state.q[c].empty() ? 0 : state.q[c][slot]; };
+  return make_grid<Vec3IGrid>("q", state.elements, openvdb::Vec3i(0),
+                              [&](auto& leaf, std::size_t b) {
+                                for_each_active(state.elements.mask(b), [&](int offset) {
+                                  const std::size_t slot = b * kBrickVoxels + offset;
+                                  const openvdb::Vec3i value(q(0, slot), q(1, slot), q(2, slot));
+                                  if (value != openvdb::Vec3i(0))
+                                    leaf.setValueOn(openvdb::Index(offset), value);
+                                });
+                              });
+}
+
+openvdb::GridBase::Ptr make_element_mask(const State& state) {
+  return make_grid<BoolGrid>("element", state.elements, false, [&](auto& leaf, std::size_t b) {
+    for_each_active(state.elements.mask(b),
+                    [&](int offset) { leaf.setValueOn(openvdb::Index(offset), true); });
+  });
+}
+
+openvdb::GridBase::Ptr make_density(const DensityGrid& density) {
+  return make_grid<FloatGrid>("density", density.bricks(), density.background(),
+                              [&](auto& leaf, std::size_t b) {
+                                const float* values = density.values(b);
+                                for_each_active(density.bricks().mask(b), [&](int offset) {
+                                  leaf.setValueOn(openvdb::Index(offset), values[offset]);
+                                });
+                              });
+}
+
+/// Attaches the affine; a geometry that OpenVDB refuses (tiny voxels) stays in index space.
+void attach_affine(openvdb::GridBase& grid, const Geometry& geometry) {
+  const auto& a = geometry.axes_mm();
+  const Vec3d& o = geometry.origin_lps_mm();
+  try {
+    openvdb::Mat4R matrix = openvdb::Mat4R::identity();
+    for (int row = 0; row < 3; ++row) {
+      matrix.setRow(row, openvdb::Vec4d(a[row].x, a[row].y, a[row].z, 0));
+    }
+    matrix.setRow(3, openvdb::Vec4d(o.x, o.y, o.z, 1));
+    grid.setTransform(openvdb::math::Transform::createLinearTransform(matrix));
+  } catch (const openvdb::ArithmeticError&) {
+    grid.insertMeta("affine", openvdb::StringMetadata("beyond OpenVDB's limits"));
+  }
+}
+
+/// A vector field in voxels of the index frame as a grid in mm LPS.
+openvdb::GridBase::Ptr make_vectors(const char* name, const char* direction,
+                                    const VectorBricks& field, const Geometry& geometry) {
+  auto grid =
+      make_grid<Vec3SGrid>(name, field.topology, openvdb::Vec3f(0), [&](auto& leaf, std::size_t b) {
+        for_each_active(field.topology.mask(b), [&](int offset) {
+          const Vec3f& v = field.vectors[b * kBrickVoxels + offset];
+          const Vec3f mm(geometry.world_vector_from_index(Vec3d(v)));
+          leaf.setValueOn(openvdb::Index(offset), openvdb::Vec3f(mm.x, mm.y, mm.z));
+        });
+      });
+  grid->setVectorType(openvdb::VEC_CONTRAVARIANT_RELATIVE);
+  grid->insertMeta("direction", openvdb::StringMetadata(direction));
+  grid->insertMeta("units", openvdb::StringMetadata("mm"));
+  grid->insertMeta("frame", openvdb::StringMetadata("LPS"));
+  attach_affine(*grid, geometry);
+  return grid;
+}
+
+openvdb::MetaMap make_metadata(const State& state) {
+  openvdb::MetaMap metadata;
+  const auto insert = [&](const std::string& name, const std::string& text) {
+    metadata.insertMeta(kStateMetadataPrefix + name, openvdb::StringMetadata(text));
+  };
+  insert("format", kFormatVersion);
+  insert("anchors", anchors_to_json(state.anchors));
+  insert("configuration", state.configuration);
+  insert("frame", "LPS");
+  insert("geometry", geometry_to_json(state.geometry));
+  insert("material", state.material_toml);
+  insert("source_name", state.source_name);
+  insert("source_type", state.source_type);
+  insert("units", "mm");
+  return metadata;
+}
+
+void write_stream(const std::string& path, const openvdb::GridCPtrVec& grids,
+                  const openvdb::MetaMap& metadata) {
+  std::ofstream out(path, std::ios::binary | std::ios::trunc);
+  out.exceptions(std::ios::failbit | std::ios::badbit);
+  openvdb::io::Stream stream(out);
+  const bool blosc = openvdb::io::Archive::hasBloscCompression();
+  stream.setCompression(openvdb::io::COMPRESS_ACTIVE_MASK |
+                        (blosc ? openvdb::io::COMPRESS_BLOSC : openvdb::io::COMPRESS_NONE));
+  stream.setGridStatsMetadataEnabled(false);
+  stream.write(grids, metadata);
+  out.close();
+}
+
+void write_file(const std::string& path, const State& state, const OffsetField* offsets,
+                Progress* progress) {
+  if (progress != nullptr) progress->stage("writing state");
+  check_state(state, path);
+  openvdb::initialize();
+  openvdb::GridCPtrVec grids = {make_q(state), make_element_mask(state),
+                                make_density(state.density)};
+  grids.push_back(
+      make_vectors("displacement", "material", displacement_of(state).u, state.geometry));
+  if (offsets != nullptr) {
+    grids.push_back(make_vectors("offset", "resample", offsets->o, offsets->geometry));
+  }
+  report(progress, 0.3);
+
+  AtomicFile file(path);
+  errno = 0;
+  try {
+    write_stream(file.path(), grids, make_metadata(state));
+  } catch (const std::exception&) {
+    throw SystemError(path + ": cannot write: " + std::strerror(errno != 0 ? errno : EIO));
+  }
+  report(progress, 0.8);
+  seal_state_file(file.path());
+  file.commit();
+  report(progress, 1);
+}
+
+/// What a stream holds; throws InputError with OpenVDB's message clamped.
+struct Content {
+  openvdb::GridPtrVecPtr grids;
+  openvdb::MetaMap::Ptr metadata;
+};
+
+Content read_stream(const std::string& path) {
+  try {
+    std::ifstream in(path, std::ios::binary);
+    in.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
+    openvdb::io::Stream stream(in, /*delayLoad=*/false);
+    return {stream.getGrids(), stream.getMetadata()};
+  } catch (const std::bad_alloc&) {
+    throw SystemError(path + ": not enough memory");
+  } catch (const std::exception& error) {
+    throw InputError({path, "", std::string(error.what()).substr(0, kMaxMessage), "OpenVDB grids"});
+  }
+}
+
+std::string text_of(const Content& content, const std::string& name, const std::string& path) {
+  const auto text =
+      content.metadata->getMetadata<openvdb::StringMetadata>(kStateMetadataPrefix + name);
+  if (!text) throw InputError({path, kStateMetadataPrefix + name, "nothing", "metadata text"});
+  return text->value();
+}
+
+/// The grid of that name and type, all its active voxels in leaves inside the box of `geometry`.
+template <class Grid>
+typename Grid::Ptr grid_of(const Content& content, const std::string& name,
+                           const Geometry& geometry, const std::string& path) {
+  typename Grid::Ptr grid;
+  for (const openvdb::GridBase::Ptr& candidate : *content.grids) {
+    if (candidate->getName() == name) grid = openvdb::gridPtrCast<Grid>(candidate);
+  }
+  if (!grid) throw InputError({path, "grid " + name, "nothing", "a grid of " + Grid::gridType()});
+  if (grid->tree().activeTileCount() != 0) {
+    throw InputError({path, "grid " + name, "active tiles", "single voxels"});
+  }
+  const Vec3i& dims = geometry.dims();
+  const openvdb::CoordBBox box(openvdb::Coord(0), to_coord(dims - Vec3i(1)));
+  const openvdb::CoordBBox bounds = grid->evalActiveVoxelBoundingBox();
+  if (!grid->empty() && !bounds.empty() && !box.isInside(bounds)) {
+    throw InputError({path, "grid " + name, "voxels outside the volume", "voxels inside its box"});
+  }
+  return grid;
+}
+
+BrickTopology bricks_of(const BoolGrid& grid) {
+  std::vector<Vec3i> origins;
+  std::vector<BrickMask> masks;
+  for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
+    origins.push_back(to_vec(leaf->origin()));
+    masks.emplace_back();
+    for (int word = 0; word < 8; ++word) {
+      masks.back()[word] = leaf->valueMask().getWord<openvdb::Index64>(word);
+    }
+  }
+  return {std::move(origins), std::move(masks)};
+}
+
+/// Densities with the background in every inactive slot, as DensityGrid promises.
+DensityGrid density_of(const FloatGrid::Ptr& grid) {
+  const float background = grid->background();
+  for (auto leaf = grid->tree().beginLeaf(); leaf; ++leaf) {
+    for (auto value = leaf->beginValueOff(); value; ++value) value.setValue(background);
+  }
+  return DensityGrid(std::make_shared<DensityGrid::Vdb>(DensityGrid::Vdb{grid}));
+}
+
+void read_q(const Vec3IGrid& grid, State& state, const std::string& path) {
+  std::array<bool, 3> moved{};
+  for (auto& q : state.q) q.assign(state.elements.brick_count() * kBrickVoxels, 0);
+  for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
+    const std::int32_t b = state.elements.find(to_vec(leaf->origin()));
+    for (auto value = leaf->cbeginValueOn(); value; ++value) {
+      if (b < 0 || !mask_test(state.elements.mask(b), int(value.pos()))) {
+        throw InputError({path, "grid q", "an offset without element", "offsets on elements only"});
+      }
+      for (int c = 0; c < 3; ++c) {
+        state.q[c][std::size_t(b) * kBrickVoxels + value.pos()] = (*value)[c];
+        moved[c] = moved[c] || (*value)[c] != 0;
+      }
+    }
+  }
+  for (int c = 0; c < 3; ++c) {
+    if (!moved[c]) state.q[c] = {};
+  }
+}
+
+}  // namespace
+
+void write_state(const std::string& path, const State& state, Progress* progress) {
+  write_file(path, state, nullptr, progress);
+}
+
+void write_state(const std::string& path, const State& state, const OffsetField& offsets,
+                 Progress* progress) {
+  write_file(path, state, &offsets, progress);
+}
+
+State read_state(const std::string& path, Progress* progress) {
+  if (progress != nullptr) progress->stage("reading state");
+  verify_state_seal(path);
+  report(progress, 0.3);
+  openvdb::initialize();
+  const Content content = read_stream(path);
+  report(progress, 0.8);
+
+  const std::string format = text_of(content, "format", path);
+  if (format != kFormatVersion) {
+    throw InputError({path, "format", format.substr(0, 80), kFormatVersion});
+  }
+  State state;
+  state.geometry = geometry_from_json(text_of(content, "geometry", path), path);
+  state.anchors = anchors_from_json(text_of(content, "anchors", path), path);
+  state.material_toml = text_of(content, "material", path);
+  state.configuration = text_of(content, "configuration", path);
+  state.source_name = text_of(content, "source_name", path);
+  state.source_type = text_of(content, "source_type", path);
+  state.density = density_of(grid_of<FloatGrid>(content, "density", state.geometry, path));
+  state.elements = bricks_of(*grid_of<BoolGrid>(content, "element", state.geometry, path));
+  read_q(*grid_of<Vec3IGrid>(content, "q", state.geometry, path), state, path);
+  check_state(state, path);
+  report(progress, 1);
+  return state;
+}
+
+}  // namespace supple

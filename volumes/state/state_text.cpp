@@ -1,0 +1,92 @@
+#include "volumes/state/state_text.h"
+
+#include <nlohmann/json.hpp>
+
+#include "volumes/base/error.h"
+
+namespace supple {
+
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::size_t kMaxFoundText = 80;
+
+Json parse_list_or_object(const std::string& text, const std::string& file, const char* field) {
+  Json json = Json::parse(text, nullptr, false);
+  if (json.is_discarded()) {
+    throw InputError({file, field, text.substr(0, kMaxFoundText), "JSON"});
+  }
+  return json;
+}
+
+int to_int(const Json& json) {
+  const auto value = json.is_number_integer() ? json.get<std::int64_t>() : std::int64_t(1) << 40;
+  if (value != std::int64_t(int(value))) throw std::out_of_range("no 32-bit integer");
+  return int(value);
+}
+
+Vec3d to_vec3d(const Json& json) {
+  if (json.size() != 3) throw std::out_of_range("no three numbers");
+  return {json.at(0).get<double>(), json.at(1).get<double>(), json.at(2).get<double>()};
+}
+
+Json from_vec(const Vec3d& v) {
+  return {v.x, v.y, v.z};
+}
+
+}  // namespace
+
+std::string geometry_to_json(const Geometry& geometry) {
+  const Vec3i& dims = geometry.dims();
+  const auto& axes = geometry.axes_mm();
+  return Json{{"dims", {dims.x, dims.y, dims.z}},
+              {"origin_lps_mm", from_vec(geometry.origin_lps_mm())},
+              {"axes_mm", {from_vec(axes[0]), from_vec(axes[1]), from_vec(axes[2])}}}
+      .dump();
+}
+
+Geometry geometry_from_json(const std::string& text, const std::string& file) {
+  const Json json = parse_list_or_object(text, file, "geometry");
+  try {
+    const Json& dims = json.at("dims");
+    const Json& axes = json.at("axes_mm");
+    return Geometry({to_int(dims.at(0)), to_int(dims.at(1)), to_int(dims.at(2))},
+                    to_vec3d(json.at("origin_lps_mm")),
+                    {to_vec3d(axes.at(0)), to_vec3d(axes.at(1)), to_vec3d(axes.at(2))});
+  } catch (const InputError& error) {
+    Problem problem = error.problem();
+    problem.file = file;
+    throw InputError(problem);
+  } catch (const std::exception&) {
+    throw InputError(
+        {file, "geometry", text.substr(0, kMaxFoundText), "dims, origin_lps_mm and axes_mm"});
+  }
+}
+
+std::string anchors_to_json(const std::vector<IndexBox>& anchors) {
+  Json json = Json::array();
+  for (const IndexBox& box : anchors) {
+    json.push_back({box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z});
+  }
+  return json.dump();
+}
+
+std::vector<IndexBox> anchors_from_json(const std::string& text, const std::string& file) {
+  const Json json = parse_list_or_object(text, file, "anchors");
+  try {
+    if (!json.is_array()) throw std::out_of_range("no list");
+    std::vector<IndexBox> anchors;
+    for (const Json& box : json) {
+      if (box.size() != 6) throw std::out_of_range("no box");
+      anchors.push_back({{to_int(box.at(0)), to_int(box.at(1)), to_int(box.at(2))},
+                         {to_int(box.at(3)), to_int(box.at(4)), to_int(box.at(5))}});
+    }
+    return anchors;
+  } catch (const std::exception&) {
+    throw InputError(
+        {file, "anchors", text.substr(0, kMaxFoundText), "a list of boxes of six integers"});
+  }
+}
+
+}  // namespace supple

@@ -1,0 +1,22 @@
+// The parts of a state that are text: geometry and anchors as JSON with numbers that read back to
+// the same bits.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "volumes/geometry/geometry.h"
+
+namespace supple {
+
+/// {"axes_mm": [i, j, k vectors], "dims": [3], "origin_lps_mm": [3]}
+std::string geometry_to_json(const Geometry& geometry);
+/// Throws InputError naming `file` when the text is no geometry.
+Geometry geometry_from_json(const std::string& text, const std::string& file);
+
+/// [[i0, j0, k0, i1, j1, k1], ...], both corners inside.
+std::string anchors_to_json(const std::vector<IndexBox>& anchors);
+/// Throws InputError naming `file` when the text is no list of boxes.
+std::vector<IndexBox> anchors_from_json(const std::string& text, const std::string& file);
+
+}  // namespace supple
