@@ -15,10 +15,13 @@ namespace supple {
 struct Body {
   Geometry geometry;
   BrickTopology elements;
-  std::vector<std::uint8_t> classes;              // material class per voxel
-  std::array<std::vector<std::int32_t>, 3> q;     // empty: that coordinate never moved
+  std::vector<std::uint8_t> classes;           // material class per voxel
+  std::array<std::vector<std::int32_t>, 3> q;  // empty: that coordinate never moved
   SlackTable slacks;
   MaterialTable material;
+  /// True while all links are known to hold, so that a drag need not check them. Whoever writes q
+  /// other than through a model that keeps links valid sets it to false.
+  bool links_known_valid = false;
 
   /// Offset of coordinate c of a voxel that is an element; 0 for a coordinate that never moved.
   std::int32_t offset(const Vec3i& voxel, int c) const;
@@ -26,20 +29,22 @@ struct Body {
 };
 
 /// Elements at rest.
-Body make_body(const Geometry& geometry, const DensityGrid& density,
-               const BrickTopology& elements, const MaterialTable& material);
+Body make_body(const Geometry& geometry, const DensityGrid& density, const BrickTopology& elements,
+               const MaterialTable& material);
 /// Continues a state under its own or another material.
 Body make_body(const State& state, const MaterialTable& material);
 
-/// Links whose limits the present offsets break, with the largest excess in voxels.
+/// Links whose limits the present offsets break, with the largest excess in voxels. A link counts
+/// once, however many of its coordinates are broken.
 struct LinkCheck {
   std::int64_t links = 0;
   std::int64_t violated = 0;
   double worst_excess_voxels = 0;
-  /// True when min_length > 2 * shear (one-slice bodies: > shear) holds on every link, so that no
-  /// cell can fold.
+  /// True when min_length > shear1 + shear2 (that is 2 * shear) holds on every link, so that no
+  /// cell can fold. An axis along which the body is one voxel thick does not count: > shear in 2D.
   bool fold_free = false;
 };
+/// One parallel pass over all links; about 30 ns per element.
 LinkCheck check_links(const Body& body);
 
 /// Largest |q| over all elements and coordinates, in voxels.

@@ -42,8 +42,8 @@ struct EcmReport {
 /// floor((L + U) / 2). Throws InputError: a handle or anchor box without element (names the nearest
 /// one), a voxel grabbed twice or grabbed and fixed, handles that contradict each other (names the
 /// pair and the missing distance in mm), an offset beyond the range. The body is unchanged then.
-EcmReport drag(Body& body, const std::vector<Handle>& handles,
-               const std::vector<IndexBox>& anchors, Progress* progress = nullptr);
+EcmReport drag(Body& body, const std::vector<Handle>& handles, const std::vector<IndexBox>& anchors,
+               Progress* progress = nullptr);
 
 /// Projects an invalid configuration to floor((L + U) / 2): the smallest possible largest move.
 struct ProjectionReport {

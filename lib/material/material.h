@@ -46,31 +46,52 @@ struct MaterialTable {
 struct LinkLimits {
   double min_length, max_length, shear1, shear2;
 };
+/// Limits of a link along grid axis `axis`: the curves at domain_lo + (a + b)/510 of the domain, or
+/// with Combine::limits the mean of both ends' curves. shear1 bounds the lower-numbered transverse
+/// grid axis, shear2 the other.
 LinkLimits limits_of(const MaterialTable& table, int axis, int class_a, int class_b);
 
 /// Integer slack of a link a -> b in the positive direction of `axis`, per coordinate c:
 ///   q_b[c] - q_a[c] <= upper[c]   and   q_a[c] - q_b[c] <= lower[c],
-/// in 2^-16 voxel, rounded down, clamped to [0, 2^30] (2^30 means unlimited).
+/// in 2^-16 voxel of the coordinate's own axis, rounded down, clamped to [0, kUnlimitedSlack].
 struct LinkSlack {
   std::array<std::int32_t, 3> upper, lower;
 };
 
-/// All slacks by look-up from the classes of both ends.
+/// A slack this large is no limit at all.
+constexpr std::int32_t kUnlimitedSlack = 1 << 30;
+
+/// All slacks by look-up from the classes of both ends. 36 kB; 4.7 MB with Combine::limits.
 class SlackTable {
  public:
   SlackTable() = default;
-  /// Transverse slack converts by the spacing: shear * h_axis mm is that many voxels of the
-  /// coordinate's own axis.
+  /// Own axis: upper = max_length - 1, lower = 1 - min_length. Transverse: shear * h_axis mm is
+  /// that many voxels of the coordinate's own axis, both ways.
   SlackTable(const MaterialTable& table, const Vec3d& spacing_mm);
 
   LinkSlack slack(int axis, std::uint8_t class_a, std::uint8_t class_b) const;
   /// slack(...).upper[coordinate] / .lower[coordinate] without building the struct.
-  std::int32_t upper(int axis, int coordinate, std::uint8_t class_a, std::uint8_t class_b) const;
-  std::int32_t lower(int axis, int coordinate, std::uint8_t class_a, std::uint8_t class_b) const;
+  std::int32_t upper(int axis, int coordinate, std::uint8_t class_a, std::uint8_t class_b) const {
+    return upper_row(axis, coordinate)[class_a * m_stride + class_b];
+  }
+  std::int32_t lower(int axis, int coordinate, std::uint8_t class_a, std::uint8_t class_b) const {
+    return lower_row(axis, coordinate)[class_a * m_stride + class_b];
+  }
+
+  /// Entry class_a * stride() + class_b of a row is one link's slack; symmetric in the classes.
+  const std::int32_t* upper_row(int axis, int coordinate) const {
+    return m_upper.data() + std::size_t(3 * axis + coordinate) * m_row_size;
+  }
+  const std::int32_t* lower_row(int axis, int coordinate) const {
+    return m_lower.data() + std::size_t(3 * axis + coordinate) * m_row_size;
+  }
+  int stride() const { return m_stride; }
+  std::size_t bytes() const;
 
  private:
-  Combine m_combine = Combine::density;
-  // density: [axis][coordinate][class_a + class_b]; limits: sums of two half-limits, see source
+  // density: rows of 511, one per sum of classes; limits: rows of 256 * 256.
+  int m_stride = 1;
+  std::size_t m_row_size = 0;
   std::vector<std::int32_t> m_upper, m_lower;
 };
 

@@ -1,0 +1,81 @@
+#include "lib/body/body.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "lib/body/lattice.h"
+
+namespace supple {
+
+std::int32_t Body::offset(const Vec3i& voxel, int c) const {
+  Slot slot;
+  if (q[c].empty() || !slot_of(elements, voxel, slot)) return 0;
+  return q[c][slot];
+}
+
+std::size_t Body::bytes() const {
+  std::size_t total = elements.bytes() + classes.capacity() + slacks.bytes();
+  for (const auto& coordinate : q) total += coordinate.capacity() * sizeof(std::int32_t);
+  return total;
+}
+
+Body make_body(const Geometry& geometry, const DensityGrid& density, const BrickTopology& elements,
+               const MaterialTable& material) {
+  Body body;
+  body.geometry = geometry;
+  body.elements = elements;
+  body.material = material;
+  body.slacks = SlackTable(material, geometry.spacing_mm());
+  body.links_known_valid = true;
+  body.classes.assign(slot_count(elements), 0);
+  for (std::size_t b = 0; b < elements.brick_count(); ++b) {
+    const std::int32_t source = density.bricks().find(elements.origin(b));
+    for_each_active(elements.mask(b), [&](int offset) {
+      const float value = source < 0 ? density.background() : density.values(source)[offset];
+      body.classes[b * kBrickVoxels + offset] = material.class_of(double(value));
+    });
+  }
+  return body;
+}
+
+Body make_body(const State& state, const MaterialTable& material) {
+  Body body = make_body(state.geometry, state.density, state.elements, material);
+  body.q = state.q;
+  for (const auto& coordinate : body.q) body.links_known_valid &= coordinate.empty();
+  return body;
+}
+
+double max_offset_voxels(const Body& body) {
+  std::int32_t largest = 0;
+  for (const auto& coordinate : body.q) {
+    for (const std::int32_t offset : coordinate) largest = std::max(largest, std::abs(offset));
+  }
+  return largest / kFixedOne;
+}
+
+bool nearest_element(const Body& body, const Vec3i& voxel, Vec3i& nearest) {
+  const BrickTopology& elements = body.elements;
+  const auto square = [](const Vec3i& d) {
+    return std::int64_t(d.x) * d.x + std::int64_t(d.y) * d.y + std::int64_t(d.z) * d.z;
+  };
+  std::int64_t best = INT64_MAX;
+  for (std::size_t b = 0; b < elements.brick_count(); ++b) {
+    // A brick whose box is no nearer than the best voxel so far cannot win.
+    Vec3i to_box(0);
+    for (int a = 0; a < 3; ++a) {
+      const int lo = elements.origin(b)[a], hi = lo + kBrickDim - 1;
+      to_box[a] = std::clamp(voxel[a], lo, hi) - voxel[a];
+    }
+    if (square(to_box) >= best) continue;
+    for_each_active(elements.mask(b), [&](int offset) {
+      const Vec3i candidate = elements.origin(b) + brick_local(offset);
+      const std::int64_t distance = square(candidate - voxel);
+      if (distance >= best) return;
+      best = distance;
+      nearest = candidate;
+    });
+  }
+  return best != INT64_MAX;
+}
+
+}  // namespace supple

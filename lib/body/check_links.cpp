@@ -1,0 +1,96 @@
+// Checks every link against its limits and against the no-fold condition (design.md section 2).
+//
+// No cell folds when every column of F = I + grad u is diagonally dominant with a positive
+// diagonal, in mm relative to the rest lengths: min_length > shear1 + shear2 on each link.
+#include <algorithm>
+#include <array>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
+#include "lib/body/body.h"
+#include "lib/body/lattice.h"
+
+namespace supple {
+
+namespace {
+
+/// Whether a link of this axis and classes can fold a cell, looked up like its slack.
+class FoldTable {
+ public:
+  explicit FoldTable(const Body& body) : m_stride(body.slacks.stride()) {
+    const IndexBox& bounds = body.elements.active_bounds();
+    const int step = m_stride == 1 ? 255 : 1;
+    for (int axis = 0; axis < 3; ++axis) {
+      m_can_fold[axis].resize(std::size_t(255) * m_stride + 256);
+      const int first = axis == 0 ? 1 : 0, second = axis == 2 ? 1 : 2;
+      const bool thick1 = bounds.hi[first] > bounds.lo[first];
+      const bool thick2 = bounds.hi[second] > bounds.lo[second];
+      for (int a = 0; a < 256; a += step) {
+        for (int b = 0; b < 256; ++b) {
+          const LinkLimits limits = limits_of(body.material, axis, a, b);
+          const double shear = (thick1 ? limits.shear1 : 0) + (thick2 ? limits.shear2 : 0);
+          m_can_fold[axis][std::size_t(a) * m_stride + b] = limits.min_length <= shear;
+        }
+      }
+    }
+  }
+  bool can_fold(int axis, std::uint8_t a, std::uint8_t b) const {
+    return m_can_fold[axis][a * m_stride + b] != 0;
+  }
+
+ private:
+  int m_stride;
+  std::array<std::vector<std::uint8_t>, 3> m_can_fold;
+};
+
+/// Units by which coordinate c of a link exceeds its limits; 0 when it holds.
+std::int64_t excess_of(const Body& body, int axis, Slot low, Slot high, int c) {
+  if (body.q[c].empty()) return 0;
+  const std::uint8_t a = body.classes[low], b = body.classes[high];
+  const std::int64_t stretch = std::int64_t(body.q[c][high]) - body.q[c][low];
+  const std::int32_t limit =
+      stretch > 0 ? body.slacks.upper(axis, c, a, b) : body.slacks.lower(axis, c, a, b);
+  if (limit >= kUnlimitedSlack) return 0;
+  return std::max<std::int64_t>(0, std::abs(stretch) - limit);
+}
+
+struct Counts {
+  std::int64_t links = 0, violated = 0, worst = 0;
+  bool can_fold = false;
+};
+
+void count_brick(const Body& body, const FoldTable& folds, std::size_t b, Counts& counts) {
+  for_each_link(body.elements, b, [&](int axis, Slot low, Slot high) {
+    ++counts.links;
+    counts.can_fold |= folds.can_fold(axis, body.classes[low], body.classes[high]);
+    std::int64_t excess = 0;
+    for (int c = 0; c < 3; ++c) {
+      excess = std::max(excess, excess_of(body, axis, low, high, c));
+    }
+    counts.violated += excess > 0;
+    counts.worst = std::max(counts.worst, excess);
+  });
+}
+
+}  // namespace
+
+LinkCheck check_links(const Body& body) {
+  const FoldTable folds(body);
+  using Range = tbb::blocked_range<std::size_t>;
+  const Counts total = tbb::parallel_reduce(
+      Range(0, body.elements.brick_count(), 64), Counts{},
+      [&](const Range& range, Counts counts) {
+        for (std::size_t b = range.begin(); b < range.end(); ++b) {
+          count_brick(body, folds, b, counts);
+        }
+        return counts;
+      },
+      [](const Counts& x, const Counts& y) {
+        return Counts{x.links + y.links, x.violated + y.violated, std::max(x.worst, y.worst),
+                      x.can_fold || y.can_fold};
+      });
+  return {total.links, total.violated, double(total.worst) / kFixedOne, !total.can_fold};
+}
+
+}  // namespace supple

@@ -1,0 +1,98 @@
+// Monotone priority queue over plain arrays: values come out in buckets of 2^shift units, in the
+// order of their distance from `start`. Inside a bucket the order is first in, first out, so the
+// user must correct labels there; the label-correcting result is exact whatever the width.
+//
+// Cost: O(1) per push and pop plus one step per bucket passed. 2048 buckets form a sliding window;
+// entries beyond it wait in one array that is redistributed when the window reaches them.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "lib/body/lattice.h"
+
+namespace supple {
+
+struct QueueEntry {
+  Slot slot;
+  std::int32_t value;
+};
+
+class BucketQueue {
+ public:
+  /// `downward`: later values are smaller than `start`, otherwise larger.
+  void reset(std::int32_t start, bool downward, int shift) {
+    for (auto& bucket : m_buckets) bucket.clear();
+    m_far.clear();
+    m_start = std::uint32_t(start);
+    m_downward = downward;
+    m_shift = shift;
+    m_current = m_next = m_in_window = m_max_size = 0;
+    m_far_first = kNever;
+  }
+
+  /// `value` must not precede the bucket of the last popped entry.
+  void push(Slot slot, std::int32_t value) {
+    const std::uint64_t number = bucket_number(value);
+    if (number < m_current + kBuckets) {
+      m_buckets[number % kBuckets].push_back({slot, value});
+      ++m_in_window;
+    } else {
+      m_far.push_back({slot, value});
+      m_far_first = std::min(m_far_first, number);
+    }
+    m_max_size = std::max(m_max_size, m_in_window + m_far.size());
+  }
+
+  /// False when the queue is empty.
+  bool pop(QueueEntry& entry) {
+    while (true) {
+      auto& bucket = m_buckets[m_current % kBuckets];
+      if (m_next < bucket.size()) {
+        entry = bucket[m_next++];
+        --m_in_window;
+        return true;
+      }
+      bucket.clear();
+      m_next = 0;
+      if (m_in_window == 0 && m_far.empty()) return false;
+      m_current = m_in_window == 0 ? m_far_first : m_current + 1;
+      if (m_current >= m_far_first) fetch_far();
+    }
+  }
+
+  std::size_t max_size() const { return m_max_size; }
+
+ private:
+  static constexpr std::uint64_t kBuckets = 2048;
+  static constexpr std::uint64_t kNever = UINT64_MAX;
+
+  std::uint64_t bucket_number(std::int32_t value) const {
+    const std::uint32_t depth =
+        m_downward ? m_start - std::uint32_t(value) : std::uint32_t(value) - m_start;
+    return depth >> m_shift;
+  }
+
+  /// Moves what now lies inside the window from the far array to its buckets.
+  void fetch_far() {
+    std::vector<QueueEntry> waiting;
+    waiting.swap(m_far);
+    m_far_first = kNever;
+    for (const QueueEntry& entry : waiting) push(entry.slot, entry.value);
+  }
+
+  std::array<std::vector<QueueEntry>, kBuckets> m_buckets;
+  std::vector<QueueEntry> m_far;
+  std::uint64_t m_far_first = kNever;
+  std::uint32_t m_start = 0;
+  bool m_downward = true;
+  int m_shift = 0;
+  std::uint64_t m_current = 0;  // bucket being emptied
+  std::size_t m_next = 0;       // next entry in it
+  std::size_t m_in_window = 0;  // entries not yet popped
+  std::size_t m_max_size = 0;
+};
+
+}  // namespace supple

@@ -1,0 +1,130 @@
+#include "lib/chainmail/ecm.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+
+#include "lib/chainmail/coordinate_drag.h"
+#include "lib/chainmail/held_voxels.h"
+
+namespace supple {
+
+namespace {
+
+/// Puts the offsets back as they were, unless dismissed: for the projection of an invalid start.
+class OffsetsGuard {
+ public:
+  explicit OffsetsGuard(Body& body) : m_body(body) {
+    m_armed = !body.links_known_valid;
+    if (m_armed) m_before = body.q;
+  }
+  ~OffsetsGuard() {
+    if (!m_armed) return;
+    m_body.q.swap(m_before);
+    m_body.links_known_valid = false;
+  }
+  OffsetsGuard(const OffsetsGuard&) = delete;
+  OffsetsGuard& operator=(const OffsetsGuard&) = delete;
+  void dismiss() { m_armed = false; }
+
+ private:
+  Body& m_body;
+  bool m_armed = false;
+  std::array<std::vector<std::int32_t>, 3> m_before;
+};
+
+using CoordinateDrags = std::vector<std::unique_ptr<CoordinateDrag>>;
+
+/// Elements that changed in any coordinate.
+std::int64_t count_moved(const Body& body, const CoordinateDrags& drags) {
+  std::vector<std::size_t> bricks;
+  for (const auto& drag : drags) {
+    bricks.insert(bricks.end(), drag->undo().bricks().begin(), drag->undo().bricks().end());
+  }
+  std::sort(bricks.begin(), bricks.end());
+  bricks.erase(std::unique(bricks.begin(), bricks.end()), bricks.end());
+
+  std::int64_t moved = 0;
+  for (const std::size_t brick : bricks) {
+    for_each_active(body.elements.mask(brick), [&](int offset) {
+      bool changed = false;
+      for (const auto& drag : drags) {
+        const std::int32_t* before = drag->undo().saved_of(brick);
+        changed |= before != nullptr &&
+                   before[offset] != drag->values()[brick * kBrickVoxels + std::size_t(offset)];
+      }
+      moved += changed;
+    });
+  }
+  return moved;
+}
+
+bool moves_along(const HeldVoxels& held, int coordinate) {
+  for (const auto& by : held.by_q) {
+    if (by[coordinate] != 0) return true;
+  }
+  return false;
+}
+
+/// All coordinates at their whole targets; again, shortened by one common fraction, when anchors
+/// stop one of them.
+CoordinateDrags solve(Body& body, const HeldVoxels& held, Fraction& fraction, Progress* progress) {
+  CoordinateDrags drags;
+  for (int c = 0; c < 3; ++c) {
+    report(progress, c / 3.0);
+    if (!moves_along(held, c)) continue;
+    drags.push_back(std::make_unique<CoordinateDrag>(body, c, held, progress));
+    drags.back()->try_whole(fraction);
+  }
+  if (!fraction.is_whole()) {
+    for (const auto& drag : drags) drag->redo(fraction);
+  }
+  return drags;
+}
+
+}  // namespace
+
+std::array<std::int32_t, 3> fixed_from_mm(const Vec3d& by_mm, const Vec3d& spacing_mm) {
+  std::array<std::int32_t, 3> by_q;
+  for (int c = 0; c < 3; ++c) {
+    const double voxels = by_mm[c] / spacing_mm[c];
+    if (!(std::abs(voxels) <= 16383)) {
+      throw InputError(
+          {"", std::string("displacement along axis ") + "ijk"[c], std::to_string(by_mm[c]) + " mm",
+           "a finite length within +-16383 voxels of " + std::to_string(spacing_mm[c]) + " mm"});
+    }
+    by_q[c] = std::int32_t(voxels * kFixedOne);
+  }
+  return by_q;
+}
+
+EcmReport drag(Body& body, const std::vector<Handle>& handles, const std::vector<IndexBox>& anchors,
+               Progress* progress) {
+  const auto begin = std::chrono::steady_clock::now();
+  EcmReport result;
+  OffsetsGuard guard(body);
+  if (!body.links_known_valid) {
+    const ProjectionReport projection = project(body);
+    result.projected_links = projection.violated_links;
+    result.projected_max_voxels = projection.max_move_voxels;
+  }
+
+  const HeldVoxels held = hold(body, handles, anchors);
+  Fraction fraction;
+  const CoordinateDrags drags = solve(body, held, fraction, progress);
+  result.fraction_numerator = fraction.numerator;
+  result.fraction_denominator = fraction.denominator;
+  result.moved = count_moved(body, drags);
+  for (const auto& coordinate : drags) {
+    result.visited += coordinate->propagator().visited();
+    result.max_queue = std::max(result.max_queue, coordinate->propagator().max_queue());
+    coordinate->commit();
+  }
+  guard.dismiss();
+  result.milliseconds =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+  return result;
+}
+
+}  // namespace supple
