@@ -2,7 +2,8 @@
 // (Modules/Loadable/VolumeRendering/Resources/presets.xml); the tables are our own, with opacities
 // per millimetre. CT presets expect Hounsfield units. MR-Default has a fixed range, as in Slicer:
 // it suits 8-bit and similarly scaled MRI (tissue between 40 and 250); other scalings want their
-// own table.
+// own table. Colours change little across the densities of a surface: where they do, samples at
+// fixed steps meet the ramp at varying depths and draw rings.
 #include "raycast/transfer_function.h"
 #include "volumes/base/error.h"
 
@@ -13,21 +14,26 @@ namespace {
 TransferFunction ct_bone() {
   TransferFunction f;
   f.name = "CT-Bone";
-  f.opacity = {{-1024, 0}, {140, 0}, {260, 0.12}, {420, 0.55}, {700, 0.85}, {3071, 0.9}};
-  f.colour = {{-1024, {0, 0, 0}},        {140, {0.72, 0.38, 0.28}},  {300, {0.85, 0.66, 0.48}},
-              {550, {0.93, 0.86, 0.70}}, {1200, {0.99, 0.96, 0.88}}, {3071, {1, 1, 1}}};
-  f.ambient = 0.12, f.diffuse = 0.88, f.specular = 0.2, f.specular_power = 12;
+  f.opacity = {{-1024, 0}, {140, 0}, {260, 0.15}, {420, 0.6}, {700, 0.85}, {3071, 0.9}};
+  f.colour = {{-1024, {0.86, 0.72, 0.56}},
+              {140, {0.86, 0.72, 0.56}},
+              {500, {0.92, 0.84, 0.69}},
+              {1200, {0.97, 0.93, 0.84}},
+              {3071, {1, 1, 1}}};
+  f.ambient = 0.12, f.diffuse = 0.8, f.specular = 0.2, f.specular_power = 12;
   return f;
 }
 
 TransferFunction ct_muscle() {
   TransferFunction f;
   f.name = "CT-Muscle";
-  f.opacity = {{-1024, 0},  {-150, 0},   {-20, 0.06}, {60, 0.4},
-               {220, 0.68}, {420, 0.83}, {3071, 0.83}};
-  f.colour = {{-1024, {0, 0, 0}},        {-150, {0.55, 0.27, 0.17}}, {60, {0.72, 0.33, 0.24}},
-              {220, {0.88, 0.62, 0.42}}, {420, {0.98, 0.93, 0.86}},  {3071, {1, 1, 1}}};
-  f.ambient = 0.15, f.diffuse = 0.9, f.specular = 0.2, f.specular_power = 10;
+  f.opacity = {{-1024, 0}, {-40, 0}, {20, 0.15}, {70, 0.5}, {220, 0.7}, {420, 0.85}, {3071, 0.85}};
+  f.colour = {{-1024, {0.70, 0.31, 0.23}},
+              {60, {0.72, 0.33, 0.24}},
+              {160, {0.86, 0.58, 0.42}},
+              {350, {0.95, 0.88, 0.76}},
+              {3071, {1, 1, 1}}};
+  f.ambient = 0.15, f.diffuse = 0.88, f.specular = 0.2, f.specular_power = 10;
   return f;
 }
 
@@ -35,8 +41,11 @@ TransferFunction ct_soft_tissue() {
   TransferFunction f;
   f.name = "CT-Soft-Tissue";
   f.opacity = {{-1024, 0}, {-300, 0}, {-160, 0.9}, {3071, 0.95}};
-  f.colour = {{-1024, {0, 0, 0}},        {-300, {0.78, 0.56, 0.45}}, {-100, {0.91, 0.72, 0.60}},
-              {100, {0.93, 0.76, 0.66}}, {400, {0.98, 0.92, 0.84}},  {3071, {1, 1, 1}}};
+  f.colour = {{-1024, {0.91, 0.72, 0.60}},
+              {0, {0.91, 0.72, 0.60}},
+              {150, {0.93, 0.76, 0.66}},
+              {400, {0.98, 0.92, 0.84}},
+              {3071, {1, 1, 1}}};
   f.ambient = 0.15, f.diffuse = 0.85, f.specular = 0.12, f.specular_power = 12;
   return f;
 }

@@ -21,16 +21,18 @@ struct RenderSettings {
   int stride = 4;            // steps taken at once while transparent; 1 switches it off
   bool shading = true;
   bool transform_gradient = true;   // the (I + grad o)^T term; off only to show what it is for
+  bool skip_empty_space = true;     // leaves out what is known to be transparent; same picture
   double early_termination = 0.99;  // accumulated opacity that ends a ray
 
-  /// Throws InputError: sizes < 1 or > 16384, step outside (0, 16], stride outside 1…16.
+  /// Throws InputError: sizes < 1 or > 16384, step outside (0, 16], stride outside 1…16,
+  /// early_termination outside (0, 1].
   void validate() const;
 };
 
 struct RenderReport {
-  std::int64_t samples = 0;
+  std::int64_t samples = 0;  // read from the source
   std::int64_t rays = 0;
-  double prepare_ms = 0;
+  double prepare_ms = 0;  // classification and bounds
   double march_ms = 0;
   std::size_t bytes = 0;  // sampling bricks and bounds
 };
@@ -39,13 +41,15 @@ struct RenderReport {
 /// offset bricks and Embree bounds of the deformed volume.
 class Renderer {
  public:
-  /// `density` is sampled where it is active and empty elsewhere; the grid must outlive nothing.
+  /// `density` is sampled where it is active and empty elsewhere; it is copied and need not
+  /// outlive the renderer.
   Renderer(const Geometry& geometry, const DensityGrid& density);
   ~Renderer();
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
 
-  /// Replaces the offsets; nullptr renders straight.
+  /// Replaces the offsets (copied); nullptr renders straight. Throws InputError when they belong
+  /// to another geometry.
   void set_offsets(const OffsetField* offsets);
 
   /// Throws Cancelled. The picture does not depend on the number of threads.

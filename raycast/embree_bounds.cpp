@@ -1,0 +1,164 @@
+#include "raycast/embree_bounds.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+
+#include <embree3/rtcore.h>
+
+#include "volumes/base/error.h"
+
+namespace supple {
+
+namespace {
+
+constexpr double kGrowth = 0.01;  // voxels; covers Embree's single precision
+
+struct Box {
+  Vec3d lo, hi;
+};
+
+/// What one traversal collects; Embree hands the context to the callback.
+struct CollectContext {
+  RTCIntersectContext base;
+  const IndexRay* ray;
+  Interval within;
+  std::vector<Interval>* out;
+};
+
+void box_bounds(const RTCBoundsFunctionArguments* args) {
+  const Box& box = static_cast<const Box*>(args->geometryUserPtr)[args->primID];
+  RTCBounds& b = *args->bounds_o;
+  b.lower_x = float(box.lo.x), b.lower_y = float(box.lo.y), b.lower_z = float(box.lo.z);
+  b.upper_x = float(box.hi.x), b.upper_y = float(box.hi.y), b.upper_z = float(box.hi.z);
+}
+
+/// Notes the interval and reports no hit, so that the traversal goes on to the end.
+void collect(const RTCIntersectFunctionNArguments* args) {
+  if (args->valid[0] == 0) return;
+  auto* context = reinterpret_cast<CollectContext*>(args->context);
+  const Box& box = static_cast<const Box*>(args->geometryUserPtr)[args->primID];
+  const Interval hit = clip_to_box(*context->ray, box.lo, box.hi, context->within);
+  if (hit.begin <= hit.end) context->out->push_back(hit);
+}
+
+/// The box around the visible bricks of every 16^3 cluster.
+std::vector<Box> cluster_boxes(const BrickTopology& topology,
+                               const std::vector<std::uint8_t>& visible) {
+  std::map<std::tuple<int, int, int>, Box> clusters;
+  for (std::size_t b = 0; b < topology.brick_count(); ++b) {
+    if (!visible[b]) continue;
+    const Vec3i& origin = topology.origin(b);
+    const Box brick{Vec3d(origin) - Vec3d(kGrowth), Vec3d(origin) + Vec3d(kBrickDim + kGrowth)};
+    const auto [at, fresh] =
+        clusters.try_emplace({origin.x >> 4, origin.y >> 4, origin.z >> 4}, brick);
+    if (fresh) continue;
+    for (int a = 0; a < 3; ++a) {
+      at->second.lo[a] = std::min(at->second.lo[a], brick.lo[a]);
+      at->second.hi[a] = std::max(at->second.hi[a], brick.hi[a]);
+    }
+  }
+  std::vector<Box> boxes;
+  boxes.reserve(clusters.size());
+  for (const auto& entry : clusters) boxes.push_back(entry.second);
+  return boxes;
+}
+
+void sort_and_merge(std::vector<Interval>& intervals) {
+  std::sort(intervals.begin(), intervals.end(),
+            [](const Interval& a, const Interval& b) { return a.begin < b.begin; });
+  std::size_t kept = 0;
+  for (const Interval& next : intervals) {
+    if (kept > 0 && next.begin <= intervals[kept - 1].end) {
+      intervals[kept - 1].end = std::max(intervals[kept - 1].end, next.end);
+    } else {
+      intervals[kept++] = next;
+    }
+  }
+  intervals.resize(kept);
+}
+
+}  // namespace
+
+Interval clip_to_box(const IndexRay& ray, const Vec3d& lo, const Vec3d& hi, Interval within) {
+  for (int a = 0; a < 3; ++a) {
+    if (ray.direction[a] == 0) {
+      if (ray.origin[a] < lo[a] || ray.origin[a] > hi[a]) return {1, 0};
+      continue;
+    }
+    const double t0 = (lo[a] - ray.origin[a]) / ray.direction[a];
+    const double t1 = (hi[a] - ray.origin[a]) / ray.direction[a];
+    within.begin = std::max(within.begin, std::min(t0, t1));
+    within.end = std::min(within.end, std::max(t0, t1));
+  }
+  return within;
+}
+
+struct VisibleBounds::Impl {
+  std::vector<Box> boxes;
+  RTCDevice device = nullptr;
+  RTCScene scene = nullptr;
+  ~Impl() {
+    if (scene != nullptr) rtcReleaseScene(scene);
+    if (device != nullptr) rtcReleaseDevice(device);
+  }
+};
+
+VisibleBounds::VisibleBounds(const BrickTopology& topology,
+                             const std::vector<std::uint8_t>& visible)
+    : m_impl(std::make_unique<Impl>()) {
+  m_impl->boxes = cluster_boxes(topology, visible);
+  if (m_impl->boxes.empty()) return;
+  m_impl->device = rtcNewDevice(nullptr);
+  if (m_impl->device == nullptr) throw SystemError("Embree: no device");
+  m_impl->scene = rtcNewScene(m_impl->device);
+  rtcSetSceneBuildQuality(m_impl->scene, RTC_BUILD_QUALITY_LOW);
+  rtcSetSceneFlags(m_impl->scene, RTC_SCENE_FLAG_ROBUST);
+  RTCGeometry geometry = rtcNewGeometry(m_impl->device, RTC_GEOMETRY_TYPE_USER);
+  rtcSetGeometryUserPrimitiveCount(geometry, unsigned(m_impl->boxes.size()));
+  rtcSetGeometryUserData(geometry, m_impl->boxes.data());
+  rtcSetGeometryBoundsFunction(
+      geometry, [](const RTCBoundsFunctionArguments* args) { box_bounds(args); }, nullptr);
+  rtcSetGeometryIntersectFunction(geometry, collect);
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometry(m_impl->scene, geometry);
+  rtcReleaseGeometry(geometry);
+  rtcCommitScene(m_impl->scene);
+  if (rtcGetDeviceError(m_impl->device) != RTC_ERROR_NONE) {
+    throw SystemError("Embree: cannot build the bounds");
+  }
+}
+
+VisibleBounds::~VisibleBounds() = default;
+
+void VisibleBounds::intervals(const IndexRay& ray, Interval within,
+                              std::vector<Interval>& out) const {
+  out.clear();
+  if (m_impl->boxes.empty()) return;
+  CollectContext context;
+  rtcInitIntersectContext(&context.base);
+  context.ray = &ray;
+  context.within = within;
+  context.out = &out;
+
+  // The float ray starts where the ray enters the box, so that far cameras lose no precision.
+  const Vec3d start = ray.at(within.begin);
+  RTCRayHit query{};
+  query.ray.org_x = float(start.x), query.ray.org_y = float(start.y);
+  query.ray.org_z = float(start.z);
+  query.ray.dir_x = float(ray.direction.x), query.ray.dir_y = float(ray.direction.y);
+  query.ray.dir_z = float(ray.direction.z);
+  query.ray.tnear = 0;
+  query.ray.tfar = float(within.end - within.begin) * 1.0001f + 1e-3f;
+  query.ray.mask = 0xffffffffu;
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(m_impl->scene, &context.base, &query);
+  sort_and_merge(out);
+}
+
+std::size_t VisibleBounds::bytes() const {
+  return m_impl->boxes.capacity() * sizeof(Box) * 2;
+}
+
+}  // namespace supple

@@ -1,0 +1,43 @@
+// Where rays can meet something visible: Embree user geometry over clusters of 2x2x2 bricks, one
+// all-hits traversal per ray (design.md section 5). The only place that knows Embree.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "volumes/grid/brick_topology.h"
+
+namespace supple {
+
+/// A ray in index space: origin + t * direction, t in mm.
+struct IndexRay {
+  Vec3d origin;
+  Vec3d direction;
+  Vec3d at(double t) const { return origin + direction * t; }
+};
+
+struct Interval {
+  double begin, end;
+};
+
+/// Part of the ray's [begin, end] inside the box lo … hi; empty (begin > end) when it misses.
+Interval clip_to_box(const IndexRay& ray, const Vec3d& lo, const Vec3d& hi, Interval within);
+
+class VisibleBounds {
+ public:
+  /// `visible[b]`: brick b holds cells that may be visible.
+  VisibleBounds(const BrickTopology& topology, const std::vector<std::uint8_t>& visible);
+  ~VisibleBounds();
+  VisibleBounds(const VisibleBounds&) = delete;
+  VisibleBounds& operator=(const VisibleBounds&) = delete;
+
+  /// Intervals of the ray outside of which nothing is visible, ascending and disjoint.
+  void intervals(const IndexRay& ray, Interval within, std::vector<Interval>& out) const;
+  std::size_t bytes() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> m_impl;
+};
+
+}  // namespace supple

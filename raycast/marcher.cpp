@@ -1,0 +1,206 @@
+#include "raycast/marcher.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace supple {
+
+namespace {
+
+/// The light stands this far above and to the left of the camera, per unit of view direction:
+/// enough for relief, near enough to a headlight to leave no dark side.
+constexpr double kLightUp = 0.35, kLightLeft = 0.25;
+
+int floor_to_int(double x) {
+  const int truncated = int(x);
+  return truncated - (x < truncated ? 1 : 0);
+}
+Vec3i floor_to_voxel(const Vec3d& p) {
+  return {floor_to_int(p.x), floor_to_int(p.y), floor_to_int(p.z)};
+}
+
+template <class Bricks>
+std::vector<std::uint8_t> visible_bricks(const Bricks& bricks, const Classifier& classifier) {
+  std::vector<std::uint8_t> visible(bricks.topology().brick_count());
+  for (std::size_t b = 0; b < visible.size(); ++b) {
+    visible[b] = classifier.may_be_visible(bricks.range(b));
+  }
+  return visible;
+}
+
+double step_of(const Geometry& geometry, const RenderSettings& settings) {
+  const Vec3d spacing = geometry.spacing_mm();
+  return settings.step_voxels * std::min({spacing.x, spacing.y, spacing.z});
+}
+
+Vec3f light_of(const Camera& camera) {
+  const CameraFrame frame = camera_frame(camera);
+  return Vec3f((frame.up * kLightUp - frame.right * kLightLeft - frame.forward).normalized());
+}
+
+}  // namespace
+
+Frame::Frame(const Geometry& geometry_, const SourceBricks& source_, const OffsetBricks& output_,
+             const Camera& camera, const TransferFunction& function_,
+             const RenderSettings& settings_)
+    : geometry(geometry_),
+      source(source_),
+      output(output_),
+      function(function_),
+      settings(settings_),
+      step_mm(step_of(geometry_, settings_)),
+      classifier(function_, source_, step_mm),
+      source_visible(visible_bricks(source_, classifier)),
+      output_visible(visible_bricks(output_, classifier)),
+      bounds(output_.topology(), output_visible),
+      light(light_of(camera)) {
+  // The source box and the deformed bounds, each with the one voxel by which material can reach
+  // beyond its outermost node. A zero displacement leaves the source box.
+  box_lo = Vec3d(-1);
+  box_hi = Vec3d(geometry.dims());
+  const IndexBox& deformed = output.valid_bounds();
+  for (int a = 0; a < 3 && !deformed.empty(); ++a) {
+    box_lo[a] = std::min(box_lo[a], deformed.lo[a] - 1.0);
+    box_hi[a] = std::max(box_hi[a], deformed.hi[a] + 1.0);
+  }
+  for (int a = 0; a < 3; ++a) {
+    Vec3d axis(0);
+    axis[a] = source.scale();
+    gradient_columns[a] = Vec3f(geometry.world_gradient_from_index(axis));
+  }
+}
+
+Marcher::Marcher(const Frame& frame)
+    : m_frame(frame),
+      m_output_cursor(frame.output.topology()),
+      m_source_cursor(frame.source.topology()),
+      m_opaque(float(frame.settings.early_termination)) {}
+
+Float4 Marcher::march(const Ray& ray) {
+  m_ray = {m_frame.geometry.index_from_world(ray.origin_lps_mm),
+           m_frame.geometry.index_vector_from_world(ray.direction_lps)};
+  m_view = Vec3f(-ray.direction_lps);
+  m_half = (m_view + m_frame.light).normalized();
+  m_sum = Float4{0, 0, 0, 0};
+  const Interval span = clip_to_box(m_ray, m_frame.box_lo, m_frame.box_hi,
+                                    {0, std::numeric_limits<double>::infinity()});
+  if (!(span.begin <= span.end)) return m_sum;
+  m_entry = span.begin;
+  m_last_sample = std::int64_t((span.end - span.begin) / m_frame.step_mm);
+
+  if (m_frame.settings.skip_empty_space) {
+    m_frame.bounds.intervals(m_ray, span, m_intervals);
+  } else {
+    m_intervals.assign(1, span);
+  }
+
+  // Blocks that an interval touches, each once.
+  const std::int64_t stride = m_frame.settings.stride;
+  std::int64_t next_block = 0;
+  for (const Interval& interval : m_intervals) {
+    const double begin = (interval.begin - m_entry) / m_frame.step_mm;
+    const double end = (interval.end - m_entry) / m_frame.step_mm;
+    const std::int64_t first_sample = std::max(std::int64_t(begin) - 1, std::int64_t(0));
+    const std::int64_t last_sample = std::min(std::int64_t(end) + 1, m_last_sample);
+    const std::int64_t first = std::max(next_block, (first_sample + stride - 1) / stride);
+    const std::int64_t last = (last_sample + stride - 1) / stride;
+    march_blocks(first, last);
+    if (opaque()) break;
+    next_block = std::max(next_block, last + 1);
+  }
+  return m_sum;
+}
+
+void Marcher::march_blocks(std::int64_t first, std::int64_t last) {
+  const std::int64_t stride = m_frame.settings.stride;
+  bool visible_before = first > 0 && probe((first - 1) * stride).visible();
+  for (std::int64_t block = first; block <= last; ++block) {
+    const Probe end = probe(block * stride);
+    if (visible_before || end.visible()) {
+      for (std::int64_t n = std::max((block - 1) * stride + 1, std::int64_t(0)); n < block * stride;
+           ++n) {
+        composite(probe(n));
+        if (opaque()) return;
+      }
+      composite(end);
+      if (opaque()) return;
+    }
+    visible_before = end.visible();
+  }
+}
+
+Marcher::Probe Marcher::probe(std::int64_t n) {
+  Probe result;
+  if (n > m_last_sample) return result;
+  Vec3d pos = m_ray.at(m_entry + double(n) * m_frame.step_mm);
+  Vec3i base = floor_to_voxel(pos);
+  const std::int32_t out = m_output_cursor.find(base);
+  if (out < 0 || !m_frame.output_visible[out]) return result;
+  if (!m_frame.output.is_identity(out)) {
+    if (!follow_offset(out, base, pos, result.offset)) return result;
+    base = floor_to_voxel(pos);
+  }
+  const std::int32_t in = m_source_cursor.find(base);
+  if (in < 0 || !m_frame.source_visible[in]) return result;
+
+  const Vec3i local = base - m_frame.source.topology().origin(in);
+  result.source = {m_frame.source.node(in, local), float(pos.x - base.x), float(pos.y - base.y),
+                   float(pos.z - base.z)};
+  ++m_samples;
+  if (sample_cell(result.source, result.encoded)) {
+    result.colour = m_frame.classifier.classify(result.encoded);
+  }
+  return result;
+}
+
+/// x + o(x); false where there is no offset.
+bool Marcher::follow_offset(std::size_t brick, const Vec3i& base, Vec3d& pos,
+                            OffsetCell& cell) const {
+  const Vec3i local = base - m_frame.output.topology().origin(brick);
+  cell = {m_frame.output.node(brick, local), float(pos.x - base.x), float(pos.y - base.y),
+          float(pos.z - base.z)};
+  const Float4 offset = sample_offset(cell);
+  if (!(offset[0] == offset[0])) return false;
+  pos += Vec3d(offset[0], offset[1], offset[2]);
+  return true;
+}
+
+Vec3f Marcher::world_gradient(const Probe& probe) const {
+  Vec3f g = sample_gradient(probe.source, probe.encoded);
+  if (probe.offset.node != nullptr && m_frame.settings.transform_gradient) {
+    g = pull_back_gradient(probe.offset, g);
+  }
+  return m_frame.gradient_columns[0] * g.x + m_frame.gradient_columns[1] * g.y +
+         m_frame.gradient_columns[2] * g.z;
+}
+
+/// Blinn-Phong with two-sided normals; a place without gradient counts as facing the light.
+Float4 Marcher::shaded(const Float4& colour, const Vec3f& gradient, float magnitude) const {
+  const TransferFunction& f = m_frame.function;
+  if (!(magnitude > 0)) return colour * float(f.ambient + f.diffuse);
+  Vec3f normal = gradient / magnitude;
+  if (normal.dot(m_view) < 0) normal = -normal;
+  const float diffuse = std::max(normal.dot(m_frame.light), 0.0f);
+  const float highlight = std::max(normal.dot(m_half), 0.0f);
+  const float specular = float(f.specular) * std::pow(highlight, float(f.specular_power));
+  return colour * (float(f.ambient) + float(f.diffuse) * diffuse) + specular;
+}
+
+void Marcher::composite(const Probe& probe) {
+  if (!probe.visible()) return;
+  Float4 colour = probe.colour;
+  float alpha = colour[3];
+  if (m_frame.settings.shading || m_frame.classifier.has_gradient_opacity()) {
+    const Vec3f gradient = world_gradient(probe);
+    const float magnitude = gradient.length();
+    if (m_frame.classifier.has_gradient_opacity()) {
+      alpha = m_frame.classifier.with_gradient(alpha, magnitude);
+    }
+    if (m_frame.settings.shading) colour = shaded(colour, gradient, magnitude);
+  }
+  colour[3] = 1;
+  m_sum += ((1 - m_sum[3]) * alpha) * colour;
+}
+
+}  // namespace supple

@@ -1,0 +1,101 @@
+// One ray through the bricks (thesis section 3.3.5, figure 3.4; design.md section 5).
+//
+// Sample n lies at t0 + n * step from the ray's entry into the box, whatever the bricks hold. With
+// stride S, block k is the samples (k-1)S+1 … kS; it contributes exactly when the sample before it,
+// (k-1)S, or its last one, kS, is not transparent. That is a statement about samples alone:
+// skipping empty space leaves out blocks that are known to be transparent and cannot change a
+// picture. Cost per sample: one brick look-up when the brick changes, one trilinear read (two when
+// deformed); six more planes per axis for the gradient, only where something is visible.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "raycast/camera.h"
+#include "raycast/classify.h"
+#include "raycast/embree_bounds.h"
+#include "raycast/render.h"
+
+namespace supple {
+
+/// What all rays of a picture share; the bricks outlive it.
+struct Frame {
+  Frame(const Geometry& geometry, const SourceBricks& source, const OffsetBricks& output,
+        const Camera& camera, const TransferFunction& function, const RenderSettings& settings);
+
+  const Geometry& geometry;
+  const SourceBricks& source;
+  const OffsetBricks& output;
+  TransferFunction function;
+  RenderSettings settings;
+  double step_mm;
+  Classifier classifier;
+  std::vector<std::uint8_t> source_visible, output_visible;  // per brick, under the function
+  VisibleBounds bounds;
+  Vec3d box_lo, box_hi;                   // index space; rays begin where they enter it
+  std::array<Vec3f, 3> gradient_columns;  // encoded index gradient to density per mm, LPS
+  Vec3f light;                            // towards the light: above and left of the camera
+};
+
+/// Finds the brick of a voxel, remembering the last one.
+class BrickCursor {
+ public:
+  explicit BrickCursor(const BrickTopology& topology) : m_topology(topology) {}
+  std::int32_t find(const Vec3i& voxel) {
+    const Vec3i brick(voxel.x >> 3, voxel.y >> 3, voxel.z >> 3);
+    if (brick != m_brick) {
+      m_brick = brick;
+      m_index = m_topology.find(voxel);
+    }
+    return m_index;
+  }
+
+ private:
+  const BrickTopology& m_topology;
+  Vec3i m_brick{1 << 30, 1 << 30, 1 << 30};
+  std::int32_t m_index = -1;
+};
+
+/// Marches rays one after another; one per thread.
+class Marcher {
+ public:
+  explicit Marcher(const Frame& frame);
+
+  /// Colour (premultiplied) and opacity.
+  Float4 march(const Ray& ray);
+  /// Samples read from the source so far.
+  std::int64_t samples() const { return m_samples; }
+
+ private:
+  /// One sample: what it read, and where, for its gradient.
+  struct Probe {
+    Float4 colour{0, 0, 0, 0};
+    float encoded = 0;
+    SourceCell source;
+    OffsetCell offset;
+    bool visible() const { return colour[3] > 0; }
+  };
+
+  Probe probe(std::int64_t n);
+  bool follow_offset(std::size_t brick, const Vec3i& base, Vec3d& pos, OffsetCell& cell) const;
+  void march_blocks(std::int64_t first, std::int64_t last);
+  void composite(const Probe& probe);
+  Vec3f world_gradient(const Probe& probe) const;
+  Float4 shaded(const Float4& colour, const Vec3f& gradient, float magnitude) const;
+  bool opaque() const { return m_sum[3] >= m_opaque; }
+
+  const Frame& m_frame;
+  BrickCursor m_output_cursor, m_source_cursor;
+  std::vector<Interval> m_intervals;
+  std::int64_t m_samples = 0;
+  float m_opaque;
+
+  // Of the ray under way.
+  IndexRay m_ray;
+  double m_entry = 0;
+  std::int64_t m_last_sample = -1;
+  Vec3f m_view, m_half;
+  Float4 m_sum{0, 0, 0, 0};
+};
+
+}  // namespace supple

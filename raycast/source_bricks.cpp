@@ -1,0 +1,140 @@
+#include "raycast/source_bricks.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <oneapi/tbb/parallel_for.h>
+
+namespace supple {
+
+namespace {
+
+constexpr double kCodes = 32767;  // encoded values lie in -kCodes … kCodes
+
+/// Range and integrality of the active densities.
+struct DensitySurvey {
+  double lo = HUGE_VAL, hi = -HUGE_VAL;
+  bool integers = true;
+};
+
+DensitySurvey survey(const DensityGrid& density) {
+  DensitySurvey result;
+  const BrickTopology& bricks = density.bricks();
+  for (std::size_t b = 0; b < bricks.brick_count(); ++b) {
+    for_each_active(bricks.mask(b), [&](int offset) {
+      const float value = density.values(b)[offset];
+      if (!std::isfinite(value)) return;
+      result.lo = std::min(result.lo, double(value));
+      result.hi = std::max(result.hi, double(value));
+      result.integers = result.integers && value == std::floor(value);
+    });
+  }
+  return result;
+}
+
+/// -1, 0 or 1: the brick beside this one that holds a local coordinate.
+int side_of(int local) {
+  return local < 0 ? -1 : local < kBrickDim ? 0 : 1;
+}
+
+/// Value at one position along an axis: the difference quotient that its neighbours allow.
+float difference(bool has_minus, float minus, float here, bool has_plus, float plus) {
+  if (has_minus && has_plus) return 0.5f * (plus - minus);
+  if (has_plus) return plus - here;
+  if (has_minus) return here - minus;
+  return 0;
+}
+
+/// Derivative along the axis of `step`; u and v are the other two axes.
+float axis_gradient(const std::int16_t* node, int step, int step_u, int step_v, float t, float u,
+                    float v, float here) {
+  float before, low = 0, high = 0, after;
+  sample_plane(node, step_u, step_v, u, v, low);
+  sample_plane(node + step, step_u, step_v, u, v, high);
+  const bool has_minus = sample_plane(node - step, step_u, step_v, u, v, before);
+  const bool has_plus = sample_plane(node + 2 * step, step_u, step_v, u, v, after);
+  const float minus = has_minus ? before + t * (low - before) : 0;
+  const float plus = has_plus ? high + t * (after - high) : 0;
+  return difference(has_minus, minus, here, has_plus, plus);
+}
+
+}  // namespace
+
+void EncodedRange::add(float value) {
+  if (empty()) {
+    lo = hi = value;
+    return;
+  }
+  lo = std::min(lo, value);
+  hi = std::max(hi, value);
+}
+
+void EncodedRange::add(const EncodedRange& other) {
+  if (other.empty()) return;
+  add(other.lo);
+  add(other.hi);
+}
+
+SourceBricks::SourceBricks(const DensityGrid& density) : m_topology(density.bricks()) {
+  choose_encoding(density);
+  const std::size_t count = m_topology.brick_count();
+  m_nodes.resize(count * kBrickNodes, kVoid);
+  m_ranges.resize(count);
+  tbb::parallel_for(std::size_t(0), count, [&](std::size_t b) { fill_brick(density, b); });
+  for (const EncodedRange& range : m_ranges) m_range.add(range);
+}
+
+void SourceBricks::choose_encoding(const DensityGrid& density) {
+  const DensitySurvey found = survey(density);
+  if (found.lo > found.hi) return;
+  const double middle = 0.5 * (found.lo + found.hi);
+  const bool exact = found.integers && found.hi - found.lo <= 2 * kCodes - 1;
+  m_offset = exact ? std::floor(middle) : middle;
+  m_scale = exact || found.hi == found.lo ? 1.0 : (found.hi - found.lo) / (2 * kCodes);
+}
+
+std::int16_t SourceBricks::encode(float density) const {
+  if (!std::isfinite(density)) return kVoid;
+  const double code = std::round((double(density) - m_offset) / m_scale);
+  return std::int16_t(std::clamp(code, -kCodes, kCodes));
+}
+
+void SourceBricks::fill_brick(const DensityGrid& density, std::size_t b) {
+  const Vec3i origin = m_topology.origin(b);
+  std::array<std::int32_t, 27> neighbours;
+  for (int n = 0; n < 27; ++n) {
+    const Vec3i side(n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1);
+    neighbours[n] = m_topology.find(origin + side * kBrickDim);
+  }
+  EncodedRange range;
+  std::int16_t* out = &m_nodes[b * kBrickNodes];
+  for (int x = -1; x < kDim - 1; ++x) {
+    for (int y = -1; y < kDim - 1; ++y) {
+      for (int z = -1; z < kDim - 1; ++z, ++out) {
+        const int n = 9 * side_of(x) + 3 * side_of(y) + side_of(z) + 13;
+        const std::int32_t from = neighbours[n];
+        const int offset = brick_offset({x, y, z});
+        if (from < 0 || !mask_test(m_topology.mask(from), offset)) continue;
+        *out = encode(density.values(from)[offset]);
+        const bool in_cells = std::min({x, y, z}) >= 0 && std::max({x, y, z}) <= kBrickDim;
+        if (in_cells && *out != kVoid) range.add(float(*out));
+      }
+    }
+  }
+  m_ranges[b] = range;
+}
+
+std::size_t SourceBricks::bytes() const {
+  return m_topology.bytes() + m_nodes.capacity() * sizeof(std::int16_t) +
+         m_ranges.capacity() * sizeof(EncodedRange);
+}
+
+Vec3f sample_gradient(const SourceCell& cell, float value) {
+  constexpr int sx = SourceBricks::kStepX, sy = SourceBricks::kStepY, sz = SourceBricks::kStepZ;
+  return {axis_gradient(cell.node, sx, sy, sz, cell.x, cell.y, cell.z, value),
+          axis_gradient(cell.node, sy, sx, sz, cell.y, cell.x, cell.z, value),
+          axis_gradient(cell.node, sz, sx, sy, cell.z, cell.x, cell.y, value)};
+}
+
+}  // namespace supple
