@@ -1,6 +1,8 @@
 // Topologies and fields that the tests of this folder share.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
 #include <map>
 #include <random>
@@ -73,6 +75,37 @@ inline Geometry unit_geometry(const Vec3i& dims) {
 inline Vec3f random_vector(std::mt19937& random, float size) {
   std::uniform_real_distribution<float> component(-size, size);
   return {component(random), component(random), component(random)};
+}
+
+inline Displacement displacement_on(const BrickTopology& topology,
+                                    const std::function<Vec3f(const Vec3i&)>& u) {
+  return {unit_geometry(topology.active_bounds().hi + Vec3i(1)), field_on(topology, u)};
+}
+
+/// Noise of at most `size` per component: links keep [1 - 2 size, 1 + 2 size] of their length and
+/// shear by at most 2 size, so that no cell folds below size = 1/6 (design.md section 2).
+inline Displacement noisy_displacement(std::mt19937& random, const BrickTopology& topology,
+                                       float size, const Vec3f& shift = Vec3f(0)) {
+  return displacement_on(topology,
+                         [&](const Vec3i&) { return shift + random_vector(random, size); });
+}
+
+/// max |o + u(x + o)| over the nodes of `o`; positions rounded off the border are put back on it.
+inline double max_residual(const VectorBricks& u, const VectorBricks& o) {
+  double worst = 0;
+  for_each_voxel(o.topology, [&](const Vec3i& x, std::size_t slot) {
+    const Vec3d offset(o.vectors[slot]);
+    Vec3d pos = Vec3d(x) + offset, moved;
+    if (!u.sample(pos, moved)) {
+      for (int a = 0; a < 3; ++a) {
+        const double nearest = std::round(pos[a]);
+        if (std::abs(pos[a] - nearest) < 1e-4) pos[a] = nearest;
+      }
+      if (!u.sample(pos, moved)) moved = Vec3d(1e30);
+    }
+    worst = std::max(worst, (offset + moved).length());
+  });
+  return worst;
 }
 
 }  // namespace supple::test

@@ -1,0 +1,299 @@
+#include <limits>
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "tests/volumes/field/field_fixtures.h"
+#include "volumes/base/error.h"
+#include "volumes/field/displacement.h"
+#include "volumes/field/invert.h"
+#include "volumes/field/procedural.h"
+
+using namespace supple;
+using namespace supple::test;
+
+namespace {
+
+double det(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+  return a.dot(b.cross(c));
+}
+
+/// Barycentric coordinates by Cramer's rule, borders left out.
+bool strictly_inside(const Vec3d (&t)[4], const Vec3d& x) {
+  const Vec3d a = t[1] - t[0], b = t[2] - t[0], c = t[3] - t[0], p = x - t[0];
+  const double volume = det(a, b, c);
+  const double l1 = det(p, b, c) / volume, l2 = det(a, p, c) / volume, l3 = det(a, b, p) / volume;
+  return std::min({l1, l2, l3, 1 - l1 - l2 - l3}) > 1e-9;
+}
+
+/// Deformed corners of a cell, index 4 x + 2 y + z; false when one is invalid.
+bool deformed_corners(const VectorBricks& u, const Vec3i& cell, Vec3d (&corners)[8]) {
+  for (int n = 0; n < 8; ++n) {
+    const Vec3i v = cell + Vec3i(n >> 2, (n >> 1) & 1, n & 1);
+    Vec3f vector;
+    if (!u.at(v, vector)) return false;
+    corners[n] = Vec3d(v) + Vec3d(vector);
+  }
+  return true;
+}
+
+bool has_all_neighbours(const VectorBricks& u, const Vec3i& cell) {
+  for (int n = 0; n < 64; ++n) {
+    if (!u.topology.is_active(cell + Vec3i(n / 16 - 1, n / 4 % 4 - 1, n % 4 - 1))) return false;
+  }
+  return true;
+}
+
+/// Lattice points inside the six tetrahedra of the deformed inner cells that `o` does not hold.
+std::int64_t missed_voxels(const VectorBricks& u, const VectorBricks& o, std::int64_t& covered) {
+  constexpr int kTetrahedra[6][4] = {{0, 4, 6, 7}, {0, 4, 5, 7}, {0, 2, 6, 7},
+                                     {0, 2, 3, 7}, {0, 1, 5, 7}, {0, 1, 3, 7}};
+  std::int64_t missed = 0;
+  for_each_voxel(u.topology, [&](const Vec3i& cell, std::size_t) {
+    Vec3d corners[8];
+    if (!has_all_neighbours(u, cell) || !deformed_corners(u, cell, corners)) return;
+    for (const auto& vertices : kTetrahedra) {
+      Vec3d t[4], lo(1e30), hi(-1e30);
+      for (int n = 0; n < 4; ++n) {
+        t[n] = corners[vertices[n]];
+        for (int a = 0; a < 3; ++a) {
+          lo[a] = std::min(lo[a], t[n][a]);
+          hi[a] = std::max(hi[a], t[n][a]);
+        }
+      }
+      for (int x = int(std::ceil(lo.x)); x <= hi.x; ++x) {
+        for (int y = int(std::ceil(lo.y)); y <= hi.y; ++y) {
+          for (int z = int(std::ceil(lo.z)); z <= hi.z; ++z) {
+            if (!strictly_inside(t, Vec3d(x, y, z))) continue;
+            ++covered;
+            if (!o.topology.is_active({x, y, z})) ++missed;
+          }
+        }
+      }
+    }
+  });
+  return missed;
+}
+
+BrickTopology ball(const Vec3d& center, double radius) {
+  const Vec3i lo = Vec3i(center - Vec3d(radius)) - Vec3i(1),
+              hi = Vec3i(center + Vec3d(radius)) + Vec3i(1);
+  return topology_where(lo, hi,
+                        [=](const Vec3i& v) { return (Vec3d(v) - center).length() <= radius; });
+}
+
+void expect_equal(const OffsetField& a, const OffsetField& b) {
+  EXPECT_TRUE(a.o.topology == b.o.topology);
+  EXPECT_EQ(a.o.vectors, b.o.vectors);
+  EXPECT_EQ(a.certificate.residual_max, b.certificate.residual_max);
+  EXPECT_EQ(a.certificate.residual_p999, b.certificate.residual_p999);
+  EXPECT_EQ(a.certificate.cells, b.certificate.cells);
+  EXPECT_EQ(a.certificate.folded_cells, b.certificate.folded_cells);
+  EXPECT_EQ(a.certificate.min_det, b.certificate.min_det);
+  EXPECT_EQ(a.certificate.unresolved, b.certificate.unresolved);
+}
+
+}  // namespace
+
+TEST(PropertyInvert, AZeroDisplacementGivesExactZerosOnItsOwnVoxels) {
+  const Displacement still = displacement_on(box_topology({-5, 3, 2}, {20, 30, 19}),
+                                             [](const Vec3i&) { return Vec3f(-0.0f); });
+  const OffsetField field = invert(still);
+  EXPECT_TRUE(field.o.topology == still.u.topology);
+  for (const Vec3f& o : field.o.vectors) {
+    ASSERT_EQ(o, Vec3f(0));
+    ASSERT_FALSE(std::signbit(o.x) || std::signbit(o.y) || std::signbit(o.z));
+  }
+  EXPECT_EQ(field.certificate.residual_max, 0);
+  EXPECT_EQ(field.certificate.residual_p999, 0);
+  EXPECT_EQ(field.certificate.cells, 25 * 27 * 17);
+  EXPECT_EQ(field.certificate.min_det, 1);
+}
+
+TEST(PropertyInvert, RegionsThatDidNotMoveStayExactlyZeroBesideOnesThatDid) {
+  const AnalyticWarp bump = bump_warp({20, 20, 20}, 7, 3);
+  const Displacement displacement =
+      sample_displacement(bump, unit_geometry({48, 41, 41}), box_topology({0, 0, 0}, {47, 40, 40}));
+  const OffsetField field = invert(displacement);
+  for_each_voxel(field.o.topology, [&](const Vec3i& v, std::size_t slot) {
+    if (std::abs(v.x - 20) >= 7 || std::abs(v.z - 20) >= 7) {
+      ASSERT_EQ(field.o.vectors[slot], Vec3f(0));
+    }
+  });
+}
+
+TEST(PropertyInvert, ATranslationIsInvertedExactly) {
+  for (const Vec3f& shift : {Vec3f(3, -17, 8), Vec3f(0.25f, -0.7f, 100.3f), Vec3f(0, 0, 1e-6f)}) {
+    const BrickTopology where = box_topology({0, 0, 0}, {12, 9, 17});
+    const OffsetField field = invert(displacement_on(where, [&](const Vec3i&) { return shift; }));
+    for_each_voxel(box_topology({-30, -30, -30}, {130, 30, 130}), [&](const Vec3i& x, std::size_t) {
+      const Vec3d source = Vec3d(x) - Vec3d(shift);
+      const bool covered = source.x >= 0 && source.x <= 12 && source.y >= 0 && source.y <= 9 &&
+                           source.z >= 0 && source.z <= 17;
+      Vec3f o;
+      ASSERT_EQ(field.o.at(x, o), covered) << x;
+      if (covered) {
+        ASSERT_EQ(o, -shift);
+      }
+    });
+    EXPECT_EQ(field.certificate.residual_max, 0);
+  }
+}
+
+TEST(PropertyInvert, LinearWarpsGiveTheirAnalyticOffsets) {
+  const Vec3d center(15, 15, 15);
+  for (const AnalyticWarp& warp : {shear_warp(center, 0.8), shear_warp(center, -2.5),
+                                   stretch_warp(center, 1.7), stretch_warp(center, 0.3)}) {
+    const Displacement displacement = sample_displacement(warp, unit_geometry({31, 31, 31}),
+                                                          box_topology({0, 0, 0}, {30, 30, 30}));
+    const OffsetField field = invert(displacement);
+    ASSERT_GT(field.o.topology.active_count(), 5000);
+    for_each_voxel(field.o.topology, [&](const Vec3i& x, std::size_t slot) {
+      ASSERT_LT((Vec3d(field.o.vectors[slot]) - warp.offset_voxels(Vec3d(x))).length(), 2e-5);
+    });
+    EXPECT_LE(field.certificate.residual_max, 1e-4);
+    EXPECT_EQ(field.certificate.unresolved_voxels, 0);
+    EXPECT_EQ(field.certificate.folded_cells, 0);
+  }
+}
+
+TEST(PropertyInvert, NoisyFieldsWithoutFoldsAreResolvedWhereverADeformedCellLies) {
+  std::mt19937 random(21);
+  for (const float size : {0.01f, 0.08f, 0.16f}) {
+    for (int n = 0; n < 3; ++n) {
+      const Vec3f shift = n == 0 ? Vec3f(0) : random_vector(random, 300);
+      const Displacement noisy = noisy_displacement(random, ball({14, 14, 14}, 11.5), size, shift);
+      const OffsetField field = invert(noisy);
+      std::int64_t covered = 0;
+      EXPECT_EQ(missed_voxels(noisy.u, field.o, covered), 0) << size;
+      EXPECT_GT(covered, 2000);
+      EXPECT_EQ(field.certificate.folded_cells, 0);
+      EXPECT_GT(field.certificate.min_det, 0);
+      EXPECT_EQ(field.certificate.unresolved_voxels, 0);
+      EXPECT_LE(max_residual(noisy.u, field.o), 1e-4) << size;
+      EXPECT_NEAR(field.certificate.residual_max, max_residual(noisy.u, field.o), 1e-6);
+    }
+  }
+}
+
+TEST(PropertyInvert, StronglyStretchedNoiseLeavesNoGaps) {
+  // Cells five voxels long: many nodes per cell, bent faces.
+  std::mt19937 random(22);
+  const Displacement displacement =
+      displacement_on(box_topology({0, 0, 0}, {10, 10, 10}), [&](const Vec3i& v) {
+        const Vec3f p(v);
+        return Vec3f(4 * p.x, 2 * p.y + 1.5f * p.x, -0.4f * p.z) + random_vector(random, 0.1f);
+      });
+  const OffsetField field = invert(displacement);
+  std::int64_t covered = 0;
+  EXPECT_EQ(missed_voxels(displacement.u, field.o, covered), 0);
+  EXPECT_GT(covered, 3000);
+  EXPECT_EQ(field.certificate.unresolved_voxels, 0);
+  EXPECT_LE(max_residual(displacement.u, field.o), 1e-4);
+}
+
+TEST(PropertyInvert, DoesNotDependOnTheNumberOfThreads) {
+  std::mt19937 random(23);
+  // Folds included, where several solutions compete.
+  const Displacement noisy = noisy_displacement(random, ball({30, 30, 30}, 24), 0.7f);
+  const auto with_threads = [&](std::size_t threads) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    return invert(noisy);
+  };
+  const OffsetField one = with_threads(1);
+  EXPECT_GT(one.certificate.folded_cells, 0);
+  expect_equal(one, with_threads(2));
+  expect_equal(one, with_threads(5));
+}
+
+TEST(PropertyInvert, AFoldIsCountedAndTheSmallestOffsetWins) {
+  // x(X) = X + u runs to 24, back to 12 and on: three sources for the nodes between.
+  const auto moved = [](int x) {
+    return x <= 16   ? 1.5f * float(x)
+           : x <= 22 ? 24 - 2.0f * float(x - 16)
+                     : 12 + 1.5f * float(x - 22);
+  };
+  const Displacement displacement =
+      displacement_on(box_topology({0, 0, 0}, {40, 6, 6}),
+                      [&](const Vec3i& v) { return Vec3f(moved(v.x) - float(v.x), 0, 0); });
+  const OffsetField field = invert(displacement);
+  EXPECT_EQ(field.certificate.folded_cells, 6 * 6 * 6);
+  EXPECT_EQ(field.certificate.min_det, -2);
+  EXPECT_LE(field.certificate.residual_max, 1e-4);
+  EXPECT_EQ(field.certificate.unresolved_voxels, 0);
+  for (int x = 0; x <= 36; ++x) {
+    double smallest = 1e30;
+    for (const double source : {x / 1.5, 16 + (24 - x) / 2.0, 22 + (x - 12) / 1.5}) {
+      const bool first = source <= 16 && source == x / 1.5;
+      const bool back = source >= 16 && source <= 22 && source == 16 + (24 - x) / 2.0;
+      const bool last = source >= 22 && source == 22 + (x - 12) / 1.5;
+      if (first || back || last) smallest = std::min(smallest, std::abs(source - x));
+    }
+    Vec3f o;
+    ASSERT_TRUE(field.o.at({x, 3, 3}, o)) << x;
+    EXPECT_NEAR(std::abs(o.x), smallest, 1e-5) << x;
+  }
+}
+
+TEST(PropertyInvert, FoldedNoiseIsReportedAndEveryOffsetStillSolvesTheEquation) {
+  std::mt19937 random(24);
+  const Displacement wild = noisy_displacement(random, ball({14, 14, 14}, 11.5), 0.9f);
+  const OffsetField field = invert(wild);
+  EXPECT_GT(field.certificate.folded_cells, 0);
+  EXPECT_LT(field.certificate.min_det, 0);
+  EXPECT_LE(max_residual(wild.u, field.o), 1e-3);
+  EXPECT_EQ(std::size_t(field.certificate.unresolved_voxels), field.certificate.unresolved.size());
+}
+
+TEST(PropertyInvert, AOneSliceBodyIsInvertedInItsPlane) {
+  const auto u = [](const Vec3i& v) { return Vec3f(0.3f * float(v.y), 0.1f * float(v.x), 0); };
+  Displacement flat{unit_geometry({20, 16, 1}), field_on(box_topology({0, 0, 0}, {19, 15, 0}), u)};
+  const OffsetField field = invert(flat);
+  EXPECT_GT(field.o.topology.active_count(), 200);
+  EXPECT_EQ(field.o.topology.active_bounds().lo.z, 0);
+  EXPECT_EQ(field.o.topology.active_bounds().hi.z, 0);
+  EXPECT_LE(max_residual(flat.u, field.o), 1e-4);
+  Vec3f o;
+  ASSERT_TRUE(field.o.at({6, 7, 0}, o));
+  const double x = (6 - 0.3 * 7) / (1 - 0.03), y = (7 - 0.1 * 6) / (1 - 0.03);
+  EXPECT_NEAR(o.x, x - 6, 1e-5);
+  EXPECT_NEAR(o.y, y - 7, 1e-5);
+}
+
+TEST(UnitInvert, ValuesWithoutAPlaceOnTheLatticeAreRefused) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const float infinity = std::numeric_limits<float>::infinity();
+  for (const Vec3f& bad : {Vec3f(nan, 0, 0), Vec3f(0, infinity, 0), Vec3f(0, 0, 2e6f)}) {
+    EXPECT_THROW(invert(displacement_on(box_topology({0, 0, 0}, {4, 4, 4}),
+                                        [&](const Vec3i& v) { return v.x == 2 ? bad : Vec3f(0); })),
+                 InputError);
+  }
+  // One torn voxel: its cells span the box to it.
+  EXPECT_THROW(invert(displacement_on(
+                   box_topology({0, 0, 0}, {4, 4, 4}),
+                   [&](const Vec3i& v) { return v == Vec3i(2) ? Vec3f(9e5f) : Vec3f(0); })),
+               InputError);
+}
+
+TEST(UnitInvert, CancellingStopsIt) {
+  struct Stop : Progress {
+    void stage(std::string_view) override {}
+    void update(double) override {}
+    bool cancelled() const override { return true; }
+  } stop;
+  EXPECT_THROW(invert(displacement_on(box_topology({0, 0, 0}, {4, 4, 4}),
+                                      [](const Vec3i&) { return Vec3f(0); }),
+                      {}, &stop),
+               Cancelled);
+}
+
+TEST(PropertyExtrapolate, ZeroOffsetsStayZeroAndTheBorderCanBeSampled) {
+  const VectorBricks zeros = field_on(ball({9, 9, 9}, 6), [](const Vec3i&) { return Vec3f(0); });
+  const VectorBricks wider = extrapolate_into_bricks(zeros, 2);
+  EXPECT_TRUE(wider.topology == dilate(zeros.topology, 2));
+  for (const Vec3f& o : wider.vectors) ASSERT_EQ(o, Vec3f(0));
+  for_each_voxel(zeros.topology, [&](const Vec3i& v, std::size_t) {
+    Vec3d o;
+    EXPECT_TRUE(wider.sample(Vec3d(v) + Vec3d(0.7, -0.6, 0.5), o));
+  });
+}

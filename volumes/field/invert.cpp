@@ -1,0 +1,316 @@
+// Forward over source cells: each deformed cell solves for the lattice nodes in its box, so every
+// cell is set up once and its nodes compete in an order-free accumulator.
+#include "volumes/field/invert.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include "volumes/field/inversion_certificate.h"
+#include "volumes/field/offset_accumulator.h"
+#include "volumes/field/ring_fill.h"
+#include "volumes/field/source_cells.h"
+
+namespace supple {
+
+namespace {
+
+// Offsets are floats: beyond a million voxels they no longer resolve a sixteenth of a voxel.
+constexpr float kMaxDisplacement = 1e6f;
+// A cell that spans more nodes is torn, not deformed.
+constexpr double kMaxNodesPerCell = 1 << 24;
+constexpr std::size_t kMaxListed = 1000;
+// Rounding of a deformed corner, in voxels.
+constexpr double kNodeSlack = 1e-5;
+
+bool vec_less(const Vec3i& a, const Vec3i& b) {
+  return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
+}
+
+std::string to_text(const Vec3i& v) {
+  return std::to_string(v.x) + " " + std::to_string(v.y) + " " + std::to_string(v.z);
+}
+
+void sort_unique(std::vector<Vec3i>& list) {
+  std::sort(list.begin(), list.end(), vec_less);
+  list.erase(std::unique(list.begin(), list.end()), list.end());
+}
+
+/// Parallel over bricks in chunks, with progress and cancellation between them.
+template <class Body>
+void for_bricks(std::size_t count, Progress* progress, Body&& body) {
+  constexpr std::size_t kChunk = 4096;
+  for (std::size_t start = 0; start < count; start += kChunk) {
+    report(progress, double(start) / double(count));
+    tbb::parallel_for(start, std::min(count, start + kChunk), body);
+  }
+}
+
+/// Sums of one thread; they merge to the same result in any order.
+struct Totals {
+  std::int64_t cells = 0;
+  std::int64_t folded_cells = 0;
+  double min_det = 1;
+  std::vector<Vec3i> undecided;
+  std::vector<OffsetAccumulator::Hit> hits;  // of the brick at work
+};
+
+/// Nodes x of the output lattice in the box of a deformed cell, relative to its lowest corner.
+IndexBox nodes_of(const CellCorners& corners, const Vec3i& cell) {
+  IndexBox nodes;
+  double count = 1;
+  for (int a = 0; a < 3; ++a) {
+    const auto [lo, hi] = std::minmax_element(corners.p[a], corners.p[a] + 8);
+    nodes.lo[a] = int(std::ceil(*lo - kNodeSlack));
+    nodes.hi[a] = int(std::floor(*hi + kNodeSlack));
+    count *= std::max(0, nodes.hi[a] - nodes.lo[a] + 1);
+  }
+  if (count > kMaxNodesPerCell) {
+    throw InputError({"", "displacement at voxel " + to_text(cell),
+                      "a cell stretched over " + to_text(nodes.hi - nodes.lo) + " voxels",
+                      "a field without tears (at most 2^24 voxels per cell)"});
+  }
+  return nodes;
+}
+
+class Inversion {
+ public:
+  Inversion(const VectorBricks& u, const Vec3i& dims, const InvertParams& params)
+      : m_u(u), m_dims(dims), m_params(params), m_folded(u.topology.brick_count(), BrickMask{}) {
+    classify_bricks();
+  }
+
+  VectorBricks run(InversionCertificate& certificate, Progress* progress);
+
+ private:
+  void classify_bricks();
+  std::vector<Vec3i> output_origins() const;
+  void add_output_origins(std::size_t b, std::vector<Vec3i>& origins) const;
+  void solve_brick(std::size_t b, OffsetAccumulator& accumulator, Totals& totals);
+  void translate_cell(const Vec3i& cell, const Vec3f& shift, Totals& totals) const;
+  bool solve_cell(const CellCorners& corners, const Vec3i& cell, Totals& totals) const;
+  void add_hit(const Vec3i& node, const Vec3d& source, const Vec3f& o, Totals& totals) const;
+
+  const VectorBricks& m_u;
+  const Vec3i m_dims;
+  const InvertParams m_params;
+  std::vector<BrickMask> m_folded;    // cells per source brick
+  std::vector<std::uint8_t> m_still;  // u = 0 at all corners of the brick's cells
+};
+
+/// Refuses values that have no place on the lattice, and finds the bricks that did not move.
+void Inversion::classify_bricks() {
+  const BrickTopology& bricks = m_u.topology;
+  std::vector<std::uint8_t> zero(bricks.brick_count());
+  tbb::parallel_for(std::size_t(0), bricks.brick_count(), [&](std::size_t b) {
+    float largest = 0;
+    for_each_active(bricks.mask(b), [&](int offset) {
+      const Vec3f& u = m_u.vectors[b * kBrickVoxels + offset];
+      const float size = std::max({std::abs(u.x), std::abs(u.y), std::abs(u.z)});
+      if (!(size <= kMaxDisplacement) || std::isnan(u.x + u.y + u.z)) {
+        throw InputError(
+            {"", "displacement at voxel " + to_text(bricks.origin(b) + brick_local(offset)),
+             "a vector that is not finite or longer than 10^6 voxels", "finite displacements"});
+      }
+      largest = std::max(largest, size);
+    });
+    zero[b] = largest == 0;
+  });
+  const bool flat = std::min({m_dims.x, m_dims.y, m_dims.z}) == 1;
+  m_still.assign(bricks.brick_count(), 0);
+  if (flat) return;
+  tbb::parallel_for(std::size_t(0), bricks.brick_count(), [&](std::size_t b) {
+    bool still = zero[b];
+    for (int n = 1; n < 8 && still; ++n) {
+      const Vec3i step(n >> 2, (n >> 1) & 1, n & 1);
+      const std::int32_t upper = bricks.find(bricks.origin(b) + step * kBrickDim);
+      still = upper < 0 || zero[upper];
+    }
+    m_still[b] = still;
+  });
+}
+
+/// Bricks of the output lattice that the box of a deformed source brick, or of its cells where
+/// that box is large, reaches.
+void Inversion::add_output_origins(std::size_t b, std::vector<Vec3i>& origins) const {
+  const auto add_box = [&](const Vec3i& lo, const Vec3i& hi) {
+    for (int x = lo.x & ~7; x <= hi.x; x += kBrickDim) {
+      for (int y = lo.y & ~7; y <= hi.y; y += kBrickDim) {
+        for (int z = lo.z & ~7; z <= hi.z; z += kBrickDim) origins.push_back({x, y, z});
+      }
+    }
+  };
+  const Vec3i& origin = m_u.topology.origin(b);
+  if (m_still[b]) {
+    add_box(origin, origin + Vec3i(kBrickDim));
+    return;
+  }
+  SourceCells cells;
+  if (!gather_cells(m_u, b, cells)) return;
+  std::vector<IndexBox> boxes;
+  IndexBox whole;
+  for_each_active(cells.mask, [&](int offset) {
+    const Vec3i cell = origin + brick_local(offset);
+    IndexBox box = nodes_of(cell_corners(cells, offset), cell);
+    if (box.empty()) return;
+    box = {cell + box.lo, cell + box.hi};
+    boxes.push_back(box);
+    if (whole.empty()) whole = box;
+    for (int a = 0; a < 3; ++a) {
+      whole.lo[a] = std::min(whole.lo[a], box.lo[a]);
+      whole.hi[a] = std::max(whole.hi[a], box.hi[a]);
+    }
+  });
+  if (boxes.empty()) return;
+  constexpr double kLarge = 64.0 * kBrickVoxels;
+  const Vec3d extent = Vec3d(whole.hi - whole.lo) + Vec3d(1);
+  if (extent.x * extent.y * extent.z <= kLarge) {
+    add_box(whole.lo, whole.hi);
+    return;
+  }
+  const std::size_t first = origins.size();
+  for (const IndexBox& box : boxes) add_box(box.lo, box.hi);
+  std::sort(origins.begin() + first, origins.end(), vec_less);
+  origins.erase(std::unique(origins.begin() + first, origins.end()), origins.end());
+}
+
+std::vector<Vec3i> Inversion::output_origins() const {
+  tbb::enumerable_thread_specific<std::vector<Vec3i>> parts;
+  tbb::parallel_for(std::size_t(0), m_u.topology.brick_count(),
+                    [&](std::size_t b) { add_output_origins(b, parts.local()); });
+  std::vector<Vec3i> origins;
+  for (std::vector<Vec3i>& part : parts) {
+    sort_unique(part);
+    origins.insert(origins.end(), part.begin(), part.end());
+  }
+  sort_unique(origins);
+  return origins;
+}
+
+/// Along an axis with one slice only what comes from that slice counts, not from its copies.
+void Inversion::add_hit(const Vec3i& node, const Vec3d& source, const Vec3f& o,
+                        Totals& totals) const {
+  for (int a = 0; a < 3; ++a) {
+    if (m_dims[a] == 1 && !(source[a] > -0.5 && source[a] <= 0.5)) return;
+  }
+  totals.hits.push_back({node, o});
+}
+
+/// All corners moved alike: o = -shift at the nodes of the moved unit cube, exactly.
+void Inversion::translate_cell(const Vec3i& cell, const Vec3f& shift, Totals& totals) const {
+  const Vec3d u(shift);
+  const Vec3i lo(int(std::ceil(u.x)), int(std::ceil(u.y)), int(std::ceil(u.z)));
+  const Vec3i hi(int(std::floor(u.x + 1)), int(std::floor(u.y + 1)), int(std::floor(u.z + 1)));
+  const Vec3f o = Vec3f(0) - shift;
+  for (int x = lo.x; x <= hi.x; ++x) {
+    for (int y = lo.y; y <= hi.y; ++y) {
+      for (int z = lo.z; z <= hi.z; ++z) {
+        const Vec3i node = cell + Vec3i(x, y, z);
+        add_hit(node, Vec3d(node) - u, o, totals);
+      }
+    }
+  }
+}
+
+/// True when the cell is folded.
+bool Inversion::solve_cell(const CellCorners& corners, const Vec3i& cell, Totals& totals) const {
+  const double min_det = min_corner_det(corners);
+  totals.min_det = std::min(totals.min_det, min_det);
+  const bool folded = min_det <= 0;
+  const IndexBox nodes = nodes_of(corners, cell);
+  if (nodes.empty()) return folded;
+
+  const DeformedCell deformed(corners, folded);
+  for (int x = nodes.lo.x; x <= nodes.hi.x; ++x) {
+    for (int y = nodes.lo.y; y <= nodes.hi.y; ++y) {
+      for (int z = nodes.lo.z; z <= nodes.hi.z; ++z) {
+        const Vec3d node(x, y, z);
+        Vec3d local;
+        const DeformedCell::Outcome outcome = deformed.solve(
+            node, m_params.residual_tolerance_voxels, m_params.max_newton_steps, local);
+        if (outcome == DeformedCell::Outcome::outside) continue;
+        const Vec3i whole_node = cell + Vec3i(x, y, z);
+        if (outcome == DeformedCell::Outcome::inside) {
+          add_hit(whole_node, Vec3d(cell) + local, Vec3f(local - node), totals);
+        } else if (covered_by_tetrahedra(corners, node)) {
+          totals.undecided.push_back(whole_node);
+        }
+      }
+    }
+  }
+  return folded;
+}
+
+void Inversion::solve_brick(std::size_t b, OffsetAccumulator& accumulator, Totals& totals) {
+  if (m_still[b]) {
+    const BrickMask cells = cell_mask(m_u.topology, b);
+    totals.cells += mask_count(cells);
+    accumulator.merge_zeros(m_u.topology.origin(b), cells);
+    return;
+  }
+  SourceCells cells;
+  if (!gather_cells(m_u, b, cells)) return;
+  totals.cells += mask_count(cells.mask);
+  totals.hits.clear();
+  for_each_active(cells.mask, [&](int offset) {
+    const Vec3i cell = cells.origin + brick_local(offset);
+    Vec3f shift;
+    if (is_translated(cells, offset, shift)) {
+      translate_cell(cell, shift, totals);
+    } else if (solve_cell(cell_corners(cells, offset), cell, totals)) {
+      mask_set(m_folded[b], offset);
+      ++totals.folded_cells;
+    }
+  });
+  accumulator.merge(totals.hits);
+}
+
+VectorBricks Inversion::run(InversionCertificate& certificate, Progress* progress) {
+  OffsetAccumulator accumulator(output_origins());
+  tbb::enumerable_thread_specific<Totals> totals;
+  for_bricks(m_u.topology.brick_count(), progress,
+             [&](std::size_t b) { solve_brick(b, accumulator, totals.local()); });
+  VectorBricks o = accumulator.finish();
+
+  // Certificate: sums, what nobody resolved, and the residual measured anew.
+  std::vector<Vec3i> unresolved;
+  for (const Totals& part : totals) {
+    certificate.cells += part.cells;
+    certificate.folded_cells += part.folded_cells;
+    certificate.min_det = std::min(certificate.min_det, part.min_det);
+    std::copy_if(part.undecided.begin(), part.undecided.end(), std::back_inserter(unresolved),
+                 [&](const Vec3i& node) { return !o.topology.is_active(node); });
+  }
+  sort_unique(unresolved);
+  certificate.unresolved_voxels = std::int64_t(unresolved.size());
+  unresolved.resize(std::min(unresolved.size(), kMaxListed));
+  certificate.unresolved = std::move(unresolved);
+  measure_residuals(m_u, o, m_folded, certificate);
+  return o;
+}
+
+}  // namespace
+
+OffsetField invert(const Displacement& displacement, const InvertParams& params,
+                   Progress* progress) {
+  if (progress != nullptr) progress->stage("inverting");
+  const Vec3i& dims = displacement.geometry.dims();
+  OffsetField field{displacement.geometry, {}, {}};
+  if (std::min({dims.x, dims.y, dims.z}) == 1) {
+    const VectorBricks thick = thickened(displacement.u, dims);
+    field.o = Inversion(thick, dims, params).run(field.certificate, progress);
+  } else {
+    field.o = Inversion(displacement.u, dims, params).run(field.certificate, progress);
+  }
+  report(progress, 1);
+  return field;
+}
+
+VectorBricks extrapolate_into_bricks(const VectorBricks& offsets, int rings) {
+  return fill_rings(offsets, touching_bricks(offsets.topology), rings);
+}
+
+}  // namespace supple
