@@ -1,8 +1,8 @@
 #include "volumes/base/sha256.h"
 
-#include <openssl/evp.h>
-
 #include <array>
+
+#include <openssl/evp.h>
 
 #include "volumes/base/error.h"
 

@@ -1,7 +1,8 @@
 #include "volumes/grid/density_grid.h"
 
 #include <algorithm>
-#include <numeric>
+#include <array>
+#include <set>
 #include <tuple>
 
 #include "volumes/grid/density_grid_vdb.h"
@@ -12,7 +13,9 @@ namespace {
 
 using Leaf = openvdb::FloatTree::LeafNodeType;
 
-Vec3i to_vec(const openvdb::Coord& c) { return {c.x(), c.y(), c.z()}; }
+Vec3i to_vec(const openvdb::Coord& c) {
+  return {c.x(), c.y(), c.z()};
+}
 
 BrickMask to_mask(const Leaf::NodeMaskType& mask) {
   BrickMask words;
@@ -36,6 +39,7 @@ DensityGrid::DensityGrid(std::shared_ptr<const Vdb> vdb) : m_vdb(std::move(vdb))
             [](const Leaf* a, const Leaf* b) { return a->origin() < b->origin(); });
   std::vector<Vec3i> origins;
   std::vector<BrickMask> masks;
+  m_values.reserve(leaves.size());
   for (const Leaf* leaf : leaves) {
     origins.push_back(to_vec(leaf->origin()));
     masks.push_back(to_mask(leaf->valueMask()));
@@ -53,19 +57,56 @@ std::size_t DensityGrid::bytes() const {
   return m_vdb->grid->memUsage() + m_bricks.bytes() + m_values.capacity() * sizeof(float*);
 }
 
-DensityGrid make_density_grid(const BrickTopology& bricks, const std::vector<float>& values,
+DensityGrid fill_density_grid(const BrickTopology& bricks,
+                              const std::function<void(std::size_t b, float* out)>& fill,
                               float background) {
   auto grid = openvdb::FloatGrid::create(background);
   grid->setName("density");
+  std::array<float, kBrickVoxels> values;
   for (std::size_t b = 0; b < bricks.brick_count(); ++b) {
     const Vec3i& origin = bricks.origin(b);
     auto leaf = std::make_unique<Leaf>(openvdb::Coord(origin.x, origin.y, origin.z), background);
-    for_each_active(bricks.mask(b), [&](int offset) {
-      leaf->setValueOn(openvdb::Index(offset), values[b * kBrickVoxels + offset]);
-    });
+    fill(b, values.data());
+    for_each_active(bricks.mask(b),
+                    [&](int offset) { leaf->setValueOn(openvdb::Index(offset), values[offset]); });
     grid->tree().addLeaf(leaf.release());
   }
   return DensityGrid(std::make_shared<DensityGrid::Vdb>(DensityGrid::Vdb{grid}));
+}
+
+DensityGrid make_density_grid(const BrickTopology& bricks, const std::vector<float>& values,
+                              float background) {
+  const auto copy_brick = [&](std::size_t b, float* out) {
+    std::copy_n(values.data() + b * kBrickVoxels, kBrickVoxels, out);
+  };
+  return fill_density_grid(bricks, copy_brick, background);
+}
+
+std::size_t density_grid_bytes(const BrickTopology& bricks) {
+  // Every node of OpenVDB's tree has a fixed size, so that four small trees tell all of them.
+  const auto tree_bytes = [](const std::vector<Vec3i>& origins) {
+    std::vector<BrickMask> masks(origins.size(), BrickMask{1});
+    const BrickTopology topology(origins, masks);
+    return make_density_grid(
+               topology, [](std::size_t, float*) {}, 0)
+        .vdb()
+        .grid->memUsage();
+  };
+  const std::size_t empty = tree_bytes({}), single = tree_bytes({Vec3i(0)});
+  const std::size_t leaf = tree_bytes({Vec3i(0), Vec3i(8, 0, 0)}) - single;
+  const std::size_t lower = tree_bytes({Vec3i(0), Vec3i(128, 0, 0)}) - single - leaf;
+  const std::size_t upper = single - empty - leaf - lower;
+
+  const auto distinct = [&](int dim_log2) {
+    std::set<std::tuple<int, int, int>> nodes;
+    for (std::size_t b = 0; b < bricks.brick_count(); ++b) {
+      const Vec3i& o = bricks.origin(b);
+      nodes.emplace(o.x >> dim_log2, o.y >> dim_log2, o.z >> dim_log2);
+    }
+    return nodes.size();
+  };
+  return empty + leaf * bricks.brick_count() + lower * distinct(7) + upper * distinct(12) +
+         bricks.bytes() + bricks.brick_count() * sizeof(float*);
 }
 
 DensityGrid restrict_to(const DensityGrid& grid, const BrickTopology& keep) {

@@ -3,6 +3,7 @@
 // Cost: 2 kB per occupied brick; nothing for empty space.
 #pragma once
 
+#include <functional>
 #include <memory>
 
 #include "volumes/grid/brick_topology.h"
@@ -41,6 +42,14 @@ class DensityGrid {
 /// Builds a grid from bricks; `values[512 * b + offset]` as in BrickTopology order.
 DensityGrid make_density_grid(const BrickTopology& bricks, const std::vector<float>& values,
                               float background);
+/// The same with `fill(b, out)` asked for the 512 values of every brick, ascending: for callers
+/// that do not hold all values at once.
+DensityGrid fill_density_grid(const BrickTopology& bricks,
+                              const std::function<void(std::size_t b, float* out)>& fill,
+                              float background);
+
+/// What bytes() of a grid with these bricks is, without building it.
+std::size_t density_grid_bytes(const BrickTopology& bricks);
 
 /// The same densities on fewer voxels: those that are active in `keep`.
 DensityGrid restrict_to(const DensityGrid& grid, const BrickTopology& keep);

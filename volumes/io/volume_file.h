@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -24,7 +23,7 @@ struct VolumeHeader {
   std::string format;  // "nrrd", "metaimage", "nifti", "png", "tiff", "raw", "vdb"
   Geometry geometry;
   ValueType type = ValueType::uint8;
-  double slope = 1;      // value = slope * stored + intercept
+  double slope = 1;  // value = slope * stored + intercept
   double intercept = 0;
 };
 
@@ -50,17 +49,21 @@ std::unique_ptr<VolumeFile> open_volume(const std::string& path, const std::stri
 /// What `supple info` prints beyond the header.
 struct VolumeDigest {
   VolumeStatistics statistics;
-  std::string sha256;  // of the stored values, little-endian, i fastest, before slope
-  std::int64_t sparse_bytes = 0;  // of the grid with every voxel above the minimum active
+  std::string sha256;             // of the stored values, little-endian, i fastest, before slope
+  std::int64_t sparse_bytes = 0;  // of load_volume's grid, counted without building it
 };
 VolumeDigest digest_volume(VolumeFile& file, Progress* progress = nullptr);
 
-/// Every voxel above the file's minimum becomes active; background is the minimum. NaN is void.
+/// Every voxel above the file's minimum becomes active; background is the minimum. NaN, infinity
+/// and what overflows a float are void (statistics.nan_count). Comparisons are those of floats.
 Volume load_volume(const std::string& path, const std::string& raw_spec = "",
                    Progress* progress = nullptr);
+/// The same from an open file of which no slice was read yet.
+Volume load_volume(VolumeFile& file, Progress* progress = nullptr);
 
 /// Densities within [lo, hi] become elements; `rings` further voxels around them (Chebyshev, inside
-/// the box) are kept as the shell of design "The air". Background is the file's minimum.
+/// the box, not NaN; 0 to 8) are kept as the shell of design "The air". Background is the file's
+/// minimum.
 struct ElementVolume {
   Volume volume;           // active: elements and shell
   BrickTopology elements;  // active: elements
@@ -68,7 +71,8 @@ struct ElementVolume {
 /// `components` > 0 keeps that many largest face-connected pieces of the elements; 0 keeps all.
 /// Throws InputError when no voxel lies in the range.
 ElementVolume load_elements(const std::string& path, const std::string& raw_spec, double lo,
-                            double hi, int components, int rings = 2,
+                            double hi, int components, int rings = 2, Progress* progress = nullptr);
+ElementVolume load_elements(VolumeFile& file, double lo, double hi, int components, int rings = 2,
                             Progress* progress = nullptr);
 
 }  // namespace supple

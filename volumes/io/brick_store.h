@@ -1,0 +1,40 @@
+// Bricks of densities that were kept while a volume streamed past, until it is known which of their
+// voxels become active. Cost: 2 kB per brick, 48 bytes for one that holds a single density.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "volumes/grid/density_grid.h"
+#include "volumes/io/slab_reader.h"
+
+namespace supple {
+
+class BrickStore {
+ public:
+  /// Keeps a brick of the slab, unless no voxel of it is finite.
+  void add(const Slab& slab, int bi, int bj);
+
+  /// Finite voxels above `threshold`, as a topology.
+  BrickTopology above(float threshold) const;
+
+  /// The grid of the finite stored voxels that are active in `where`. The store is empty
+  /// afterwards: each brick is freed as soon as the grid has it.
+  DensityGrid take_grid(const BrickTopology& where, float background);
+
+ private:
+  struct Brick {
+    Vec3i origin;
+    Vec3i extent;  // voxels inside the volume per axis
+    float constant = 0;
+    std::unique_ptr<float[]> values;  // null: `constant` all over the extent
+
+    void copy_to(float* out) const;
+    BrickMask mask_where(const std::function<bool(float)>& holds) const;
+  };
+
+  std::vector<Brick> m_bricks;
+};
+
+}  // namespace supple

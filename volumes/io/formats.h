@@ -1,0 +1,34 @@
+// The readers behind open_volume, one per format. Each takes the path as the user gave it, throws
+// InputError for every fault of the file, and returns the volume before its first slice.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "volumes/io/volume_file.h"
+
+namespace supple {
+
+/// NRRD 1 to 5, attached or detached, raw or gzip (teem.sourceforge.net/nrrd/format.html).
+std::unique_ptr<VolumeFile> open_nrrd(const std::string& path);
+/// MetaImage, .mha or .mhd (itk.org/Wiki/ITK/MetaIO/Documentation).
+std::unique_ptr<VolumeFile> open_metaimage(const std::string& path);
+/// NIfTI-1 and NIfTI-2: single file or .hdr with .img, each of them gzipped or not.
+std::unique_ptr<VolumeFile> open_nifti(const std::string& path);
+/// One grey image as a one-slice volume.
+std::unique_ptr<VolumeFile> open_png(const std::string& path);
+std::unique_ptr<VolumeFile> open_tiff(const std::string& path);
+/// Headerless values, described by `--raw`.
+std::unique_ptr<VolumeFile> open_raw(const std::string& path, const std::string& spec);
+
+/// True when the bytes (348 or more of them) are a NIfTI header.
+bool is_nifti_head(const std::string& head);
+
+/// False when `name` is none of numpy's names in ValueType.
+bool find_numpy_type(const std::string& name, ValueType& type);
+
+/// Geometry of a plain image, which says nothing about millimetres or the patient: 1 mm pixels,
+/// columns towards L (+x), rows downward towards P (+y), as an axial slice is drawn in radiology.
+Geometry image_geometry(const std::string& path, std::int64_t width, std::int64_t height);
+
+}  // namespace supple

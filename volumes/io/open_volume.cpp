@@ -1,0 +1,83 @@
+// Chooses the reader by content first, extension second.
+#include <filesystem>
+
+#include "volumes/base/error.h"
+#include "volumes/io/byte_source.h"
+#include "volumes/io/formats.h"
+#include "volumes/io/text_header.h"
+
+namespace supple {
+
+namespace {
+
+// Enough for the longest binary header that is recognised (NIfTI-2).
+constexpr std::size_t kHeadBytes = 1024;
+
+bool starts_with(const std::string& head, const std::string& mark) {
+  return head.compare(0, mark.size(), mark) == 0;
+}
+
+bool is_tiff(const std::string& head) {
+  return starts_with(head, std::string("II*\0", 4)) || starts_with(head, std::string("MM\0*", 4)) ||
+         starts_with(head, std::string("II+\0", 4)) || starts_with(head, std::string("MM\0+", 4));
+}
+
+/// The first key of every MetaImage header that is written in practice.
+bool is_metaimage(const std::string& head) {
+  for (const char* key : {"ObjectType", "NDims", "Comment", "ObjectSubType"}) {
+    if (!starts_with(head, key)) continue;
+    const std::size_t next = head.find_first_not_of(" \t", std::string(key).size());
+    if (next != std::string::npos && head[next] == '=') return true;
+  }
+  return false;
+}
+
+bool is_openvdb(const std::string& head) {
+  return starts_with(head, std::string(" BDV\0\0\0\0", 8));
+}
+
+std::string extension_of(const std::string& path) {
+  const std::filesystem::path file(path);
+  const std::string last = lower_case(file.extension().string());
+  if (last != ".gz") return last;
+  return lower_case(file.stem().extension().string()) + last;
+}
+
+}  // namespace
+
+std::unique_ptr<VolumeFile> open_volume(const std::string& path, const std::string& raw_spec) {
+  if (!raw_spec.empty()) return open_raw(path, raw_spec);
+  std::string head;
+  {
+    const InputFile file(path);
+    head = file.head(kHeadBytes);
+    if (is_gzip(head)) head = gzip_head(file, kHeadBytes);
+  }
+
+  if (starts_with(head, "NRRD")) return open_nrrd(path);
+  if (starts_with(head, "\x89PNG\r\n\x1a\n")) return open_png(path);
+  if (is_tiff(head)) return open_tiff(path);
+  if (is_nifti_head(head)) return open_nifti(path);
+  if (is_metaimage(head)) return open_metaimage(path);
+  if (is_openvdb(head)) {
+    throw InputError({path, "format", "an OpenVDB file", "a volume that is not a .vdb file"});
+  }
+
+  const std::string extension = extension_of(path);
+  if (extension == ".nrrd" || extension == ".nhdr") return open_nrrd(path);
+  if (extension == ".mha" || extension == ".mhd") return open_metaimage(path);
+  if (extension == ".nii" || extension == ".nii.gz" || extension == ".hdr" ||
+      extension == ".hdr.gz" || extension == ".img" || extension == ".img.gz") {
+    return open_nifti(path);
+  }
+  if (extension == ".png") return open_png(path);
+  if (extension == ".tif" || extension == ".tiff") return open_tiff(path);
+  if (extension == ".raw" || extension == ".bin") {
+    throw InputError({path, "format", "headerless raw values",
+                      "its .nhdr or .mhd header, or --raw dims=X,Y,Z,type=T,spacing=A,B,C"});
+  }
+  throw InputError({path, "format", "unknown content",
+                    "NRRD, MetaImage, NIfTI, PNG, TIFF, or raw values described by --raw"});
+}
+
+}  // namespace supple

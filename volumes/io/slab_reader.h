@@ -1,0 +1,52 @@
+// Eight slices of a volume at a time, as floats after slope and intercept, with the statistics of
+// everything read so far. Slabs are as thick as bricks, so that bricks fill from single slabs.
+// Cost: one stored slice plus one slab of floats, whatever the volume's length.
+#pragma once
+
+#include <vector>
+
+#include "volumes/base/sha256.h"
+#include "volumes/io/volume_file.h"
+
+namespace supple {
+
+/// Slices k0 … k0 + depth - 1, i fastest. What is not finite as a float is NaN here: void.
+struct Slab {
+  int k0 = 0;
+  int depth = 0;
+  Vec3i dims{0, 0, 0};  // of the volume
+  std::vector<float> values;
+
+  int bricks_x() const { return (dims.x + kBrickDim - 1) / kBrickDim; }
+  int bricks_y() const { return (dims.y + kBrickDim - 1) / kBrickDim; }
+  Vec3i brick_origin(int bi, int bj) const { return {bi * kBrickDim, bj * kBrickDim, k0}; }
+  /// The brick's values in brick order; NaN outside the volume.
+  void gather(int bi, int bj, float* out) const;
+};
+
+class SlabReader {
+ public:
+  /// `hash`, where given, is fed the stored values.
+  explicit SlabReader(VolumeFile& file, Progress* progress = nullptr, Sha256* hash = nullptr);
+
+  /// False when all slabs were read. The slab's memory is used again.
+  bool next(Slab& slab);
+
+  VolumeStatistics statistics() const;
+
+ private:
+  void convert_slice(float* out);
+
+  VolumeFile& m_file;
+  Progress* m_progress;
+  Sha256* m_hash;
+  std::vector<char> m_stored;
+  int m_next_k = 0;
+  double m_min, m_max;
+  double m_sum = 0;
+  std::int64_t m_finite_count = 0;
+  std::int64_t m_min_count = 0;
+  std::int64_t m_void_count = 0;
+};
+
+}  // namespace supple
