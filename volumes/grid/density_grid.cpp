@@ -62,7 +62,7 @@ DensityGrid fill_density_grid(const BrickTopology& bricks,
                               float background) {
   auto grid = openvdb::FloatGrid::create(background);
   grid->setName("density");
-  std::array<float, kBrickVoxels> values;
+  std::array<float, kBrickVoxels> values{};
   for (std::size_t b = 0; b < bricks.brick_count(); ++b) {
     const Vec3i& origin = bricks.origin(b);
     auto leaf = std::make_unique<Leaf>(openvdb::Coord(origin.x, origin.y, origin.z), background);
@@ -87,10 +87,8 @@ std::size_t density_grid_bytes(const BrickTopology& bricks) {
   const auto tree_bytes = [](const std::vector<Vec3i>& origins) {
     std::vector<BrickMask> masks(origins.size(), BrickMask{1});
     const BrickTopology topology(origins, masks);
-    return make_density_grid(
-               topology, [](std::size_t, float*) {}, 0)
-        .vdb()
-        .grid->memUsage();
+    const auto no_values = [](std::size_t, float*) {};
+    return fill_density_grid(topology, no_values, 0).vdb().grid->memUsage();
   };
   const std::size_t empty = tree_bytes({}), single = tree_bytes({Vec3i(0)});
   const std::size_t leaf = tree_bytes({Vec3i(0), Vec3i(8, 0, 0)}) - single;

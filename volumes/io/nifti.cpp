@@ -196,7 +196,8 @@ Geometry parse_geometry(const std::string& path, const nifti_2_header& header) {
   const nifti_dmat44 affine = ras_affine(path, header);
   const Vec3d lps_from_ras = Vec3d(-1, -1, 1) * mm_per_unit(header);
   const auto column = [&](int c) {
-    return Vec3d(affine.m[0][c], affine.m[1][c], affine.m[2][c]) * lps_from_ras;
+    return Vec3d(affine.m[0][c], affine.m[1][c], affine.m[2][c]) * lps_from_ras +
+           Vec3d(0);  // no -0
   };
   return make_geometry(path, dims, column(3), {column(0), column(1), column(2)});
 }

@@ -229,14 +229,14 @@ Geometry geometry_in_space(const NrrdHeader& header) {
 
   std::array<Vec3d, 3> vectors;
   for (std::size_t n = 0; n < axes.which.size(); ++n) {
-    vectors[n] = padded(field, directions[axes.which[n]]) * factors;
+    vectors[n] = padded(field, directions[axes.which[n]]) * factors + Vec3d(0);  // no -0
   }
   if (axes.which.size() == 2) vectors[2] = vectors[0].cross(vectors[1]).normalized();
   Vec3d origin(0, 0, 0);
   if (!origin_field.text.empty()) {
     const auto values = parse_vectors(origin_field);
     if (values.size() != 1) origin_field.fail("one vector");
-    origin = padded(origin_field, values[0]) * factors;
+    origin = padded(origin_field, values[0]) * factors + Vec3d(0);
   }
   return make_geometry(header.path, axes.dims, origin, vectors);
 }
