@@ -1,0 +1,116 @@
+// Random but valid states: sparse bodies with holes, sheared and left-handed geometries, offsets up
+// to the limit, coordinates that never moved.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "volumes/state/state.h"
+
+namespace supple::test {
+
+inline Geometry random_geometry(std::mt19937& random, const Vec3i& dims) {
+  std::uniform_real_distribution<double> value(-1, 1);
+  const auto vector = [&] { return Vec3d(value(random), value(random), value(random)); };
+  const Vec3d origin = vector() * 300.0;
+  for (;;) {
+    const std::array<Vec3d, 3> axes = {vector(), vector(), vector()};
+    const double volume =
+        axes[0].normalized().dot(axes[1].normalized().cross(axes[2].normalized()));
+    if (std::abs(volume) > 0.1) return {dims, origin, axes};
+  }
+}
+
+/// The voxels of a box for which `keep` says so.
+template <class Keep>
+BrickTopology bricks_where(const Vec3i& dims, Keep&& keep) {
+  std::vector<Vec3i> origins;
+  std::vector<BrickMask> masks;
+  for (int x = 0; x < dims.x; x += kBrickDim) {
+    for (int y = 0; y < dims.y; y += kBrickDim) {
+      for (int z = 0; z < dims.z; z += kBrickDim) {
+        BrickMask mask{};
+        for (int offset = 0; offset < kBrickVoxels; ++offset) {
+          const Vec3i voxel = Vec3i(x, y, z) + brick_local(offset);
+          const bool inside = voxel.x < dims.x && voxel.y < dims.y && voxel.z < dims.z;
+          if (inside && keep(voxel)) mask_set(mask, offset);
+        }
+        origins.push_back({x, y, z});
+        masks.push_back(mask);
+      }
+    }
+  }
+  return {std::move(origins), std::move(masks)};
+}
+
+inline std::int32_t random_offset(std::mt19937& random) {
+  switch (random() % 5) {
+    case 0:
+      return 0;
+    case 1:
+      return random() % 2 == 0 ? kMaxOffset : -kMaxOffset;
+    case 2:
+      return std::int32_t(random() % 7) - 3;
+    default:
+      return std::int32_t(random() % (2u << 30)) - kMaxOffset;
+  }
+}
+
+inline State random_state(unsigned seed, int max_dim = 28) {
+  std::mt19937 random(seed);
+  const auto dim = [&] { return 1 + int(random() % unsigned(max_dim)); };
+  const Vec3i dims(dim(), dim(), dim());
+  State state;
+  state.geometry = random_geometry(random, dims);
+
+  // Densities on a random part of the box, elements on a part of those.
+  const auto density_part = random() % 101, element_part = random() % 101;
+  const BrickTopology bricks =
+      bricks_where(dims, [&](const Vec3i&) { return random() % 100 < density_part; });
+  std::uniform_real_distribution<float> value(-2000, 4000);
+  std::vector<float> densities(bricks.brick_count() * kBrickVoxels, -1024);
+  for (float& density : densities) density = value(random);
+  state.density = make_density_grid(bricks, densities, -1024);
+  state.elements = bricks_where(dims, [&](const Vec3i& voxel) {
+    return bricks.is_active(voxel) && random() % 100 < element_part;
+  });
+
+  for (auto& q : state.q) {
+    if (random() % 3 == 0) continue;
+    q.assign(state.elements.brick_count() * kBrickVoxels, 0);
+    for (std::size_t b = 0; b < state.elements.brick_count(); ++b) {
+      for_each_active(state.elements.mask(b),
+                      [&](int offset) { q[b * kBrickVoxels + offset] = random_offset(random); });
+    }
+    if (std::all_of(q.begin(), q.end(), [](std::int32_t n) { return n == 0; })) q.clear();
+  }
+  for (unsigned n = random() % 4; n > 0; --n) {
+    const Vec3i lo(dim(), -dim(), dim());
+    state.anchors.push_back({lo, lo + Vec3i(dim(), dim(), dim())});
+  }
+  state.material_toml = "domain = [0, 255]\n# \xC3\xA4 \"quoted\"\n";
+  state.configuration = std::string("{\"binary\": \"\0\xFF\"}", 17);
+  state.source_name = "head " + std::to_string(seed) + ".nhdr";
+  state.source_type = "int16";
+  return state;
+}
+
+inline bool same_densities(const DensityGrid& a, const DensityGrid& b) {
+  if (!(a.bricks() == b.bricks()) || a.background() != b.background()) return false;
+  for (std::size_t n = 0; n < a.bricks().brick_count(); ++n) {
+    if (!std::equal(a.values(n), a.values(n) + kBrickVoxels, b.values(n))) return false;
+  }
+  return true;
+}
+
+/// Bit for bit.
+inline bool same_state(const State& a, const State& b) {
+  return a.geometry == b.geometry && same_densities(a.density, b.density) &&
+         a.elements == b.elements && a.q == b.q && a.anchors == b.anchors &&
+         a.material_toml == b.material_toml && a.configuration == b.configuration &&
+         a.source_name == b.source_name && a.source_type == b.source_type;
+}
+
+}  // namespace supple::test

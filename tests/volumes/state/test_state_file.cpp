@@ -1,0 +1,125 @@
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "tests/volumes/state/random_state.h"
+#include "tests/volumes/state/scratch.h"
+#include "volumes/base/error.h"
+#include "volumes/field/procedural.h"
+
+using namespace supple;
+using namespace supple::test;
+
+TEST(PropertyState, AWrittenStateReadsBackBitForBit) {
+  const ScratchFolder folder("state-round-trip");
+  std::int64_t elements = 0;
+  for (unsigned seed = 0; seed < 150; ++seed) {
+    const State state = random_state(seed);
+    write_state(folder / "a.vdb", state);
+    ASSERT_TRUE(is_state_file(folder / "a.vdb"));
+    ASSERT_TRUE(same_state(read_state(folder / "a.vdb"), state)) << "seed " << seed;
+    elements += state.elements.active_count();
+  }
+  EXPECT_GT(elements, 10000);
+  EXPECT_EQ(folder.file_count(), 1u);
+}
+
+TEST(PropertyState, EqualStatesAreEqualFilesWhateverTheThreadCount) {
+  const ScratchFolder folder("state-equal");
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    const State state = random_state(seed);
+    {
+      const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+      write_state(folder / "a.vdb", state);
+    }
+    const tbb::global_control four(tbb::global_control::max_allowed_parallelism, 4);
+    write_state(folder / "b.vdb", read_state(folder / "a.vdb"));
+    ASSERT_EQ(file_bytes(folder / "a.vdb"), file_bytes(folder / "b.vdb")) << "seed " << seed;
+  }
+}
+
+TEST(PropertyState, AStateThatDiffersInOneBitIsAnotherFile) {
+  const ScratchFolder folder("state-differs");
+  State state = random_state(5);
+  ASSERT_FALSE(state.elements.empty());
+  write_state(folder / "a.vdb", state);
+  std::vector<std::int32_t>& q = state.q[1];
+  q.resize(state.elements.brick_count() * kBrickVoxels, 0);
+  for_each_active(state.elements.mask(0), [&](int offset) { q[offset] ^= 1; });
+  write_state(folder / "b.vdb", state);
+  EXPECT_NE(file_bytes(folder / "a.vdb"), file_bytes(folder / "b.vdb"));
+  EXPECT_TRUE(same_state(read_state(folder / "b.vdb"), state));
+}
+
+TEST(UnitState, ZerosEqualACoordinateThatNeverMoved) {
+  const ScratchFolder folder("state-zeros");
+  State state = random_state(3);
+  ASSERT_FALSE(state.elements.empty());
+  state.q = {};
+  write_state(folder / "a.vdb", state);
+  state.q[2].assign(state.elements.brick_count() * kBrickVoxels, 0);
+  write_state(folder / "b.vdb", state);
+  EXPECT_EQ(file_bytes(folder / "a.vdb"), file_bytes(folder / "b.vdb"));
+  EXPECT_TRUE(read_state(folder / "b.vdb").q[2].empty());
+}
+
+TEST(UnitState, TheDisplacementIsTheFixedPointOffsetInVoxels) {
+  State state;
+  state.geometry = Geometry().with_dims({9, 1, 1});
+  state.elements = bricks_where({9, 1, 1}, [](const Vec3i&) { return true; });
+  state.q[1].assign(2 * kBrickVoxels, 0);
+  state.q[1][kBrickVoxels] = 3 << (kFixedBits - 1);
+  Vec3f u;
+  ASSERT_TRUE(displacement_of(state).u.at({8, 0, 0}, u));
+  EXPECT_EQ(u, Vec3f(0, 1.5f, 0));
+  ASSERT_TRUE(displacement_of(state).u.at({7, 0, 0}, u));
+  EXPECT_EQ(u, Vec3f(0));
+}
+
+TEST(PropertyState, TheExtendedDisplacementCoversElementsAndShell) {
+  const auto ball = [](double radius) {
+    return bricks_where({20, 20, 20}, [radius](const Vec3i& voxel) {
+      return (Vec3d(voxel) - Vec3d(9.5)).length() < radius;
+    });
+  };
+  State state;
+  state.geometry = Geometry().with_dims({20, 20, 20});
+  state.elements = ball(5);
+  const BrickTopology shell = ball(7);
+  state.density =
+      make_density_grid(shell, std::vector<float>(shell.brick_count() * kBrickVoxels, 1.0f), 0);
+  state.q[0].assign(state.elements.brick_count() * kBrickVoxels, 0);
+  for (std::size_t b = 0; b < state.elements.brick_count(); ++b) {
+    for_each_active(state.elements.mask(b),
+                    [&](int offset) { state.q[0][b * kBrickVoxels + offset] = 1 << kFixedBits; });
+  }
+  const Displacement extended = extended_displacement_of(state);
+  EXPECT_TRUE(extended.u.topology == shell);
+  Vec3f u;
+  ASSERT_TRUE(extended.u.at({3, 9, 9}, u));
+  EXPECT_EQ(u, Vec3f(1, 0, 0));
+}
+
+TEST(UnitState, OffsetsForOtherProgramsDoNotChangeTheState) {
+  const ScratchFolder folder("state-offsets");
+  const State state = random_state(11);
+  const OffsetField offsets =
+      sample_offsets(shear_warp({3, 3, 3}, 0.2), state.geometry, state.elements);
+  write_state(folder / "a.vdb", state);
+  write_state(folder / "b.vdb", state, offsets);
+  EXPECT_GT(file_bytes(folder / "b.vdb").size(), file_bytes(folder / "a.vdb").size());
+  EXPECT_TRUE(same_state(read_state(folder / "b.vdb"), state));
+}
+
+TEST(UnitState, GeometriesThatOpenVdbRefusesAreKept) {
+  const ScratchFolder folder("state-tiny");
+  State state = random_state(12);
+  for (const double scale : {1e-9, 1e9}) {
+    state.geometry = Geometry(state.geometry.dims(), Vec3d(0.1, 1.0 / 3, -0.0),
+                              {Vec3d(scale, 0, 0), {0.3 * scale, scale, 0}, {0, 0, -scale}});
+    write_state(folder / "a.vdb", state);
+    EXPECT_TRUE(same_state(read_state(folder / "a.vdb"), state)) << scale;
+  }
+}
