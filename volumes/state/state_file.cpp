@@ -2,11 +2,13 @@
 // disks and truncated files, so this is io::Stream over an fstream that throws, never delayed.
 //
 // Grids, in this order: `q` (Vec3I, only voxels that moved), `element` (Bool), `density` (Float),
-// and derived for other programs `displacement` (Vec3S, material direction) and `offset` (Vec3S,
-// resample direction), in mm LPS. The first three stay in index space; the others carry the affine
-// where OpenVDB takes it. All trees are built anew from bricks, so that their nodes, and with them
-// the file, depend on the content alone.
-// Cost: about 12 bytes per element before Blosc; see docs for measured times.
+// and derived for other programs `displacement` (Vec3S, material direction, extended over the
+// shell) and `offset` (Vec3S, resample direction), in mm LPS. The first three stay in index space;
+// the others carry the affine where OpenVDB takes it. All trees are built anew from bricks, so that
+// their nodes, and with them the file, depend on the content alone.
+//
+// Cost with Blosc, 3.5 million elements that all moved, one core: 0.5 s and 46 MB to write (0.75 s
+// and 69 MB with offsets), 0.25 s to read.
 #include <cerrno>
 #include <cstring>
 #include <fstream>
@@ -162,7 +164,7 @@ void write_file(const std::string& path, const State& state, const OffsetField* 
   openvdb::GridCPtrVec grids = {make_q(state), make_element_mask(state),
                                 make_density(state.density)};
   grids.push_back(
-      make_vectors("displacement", "material", displacement_of(state).u, state.geometry));
+      make_vectors("displacement", "material", extended_displacement_of(state).u, state.geometry));
   if (offsets != nullptr) {
     grids.push_back(make_vectors("offset", "resample", offsets->o, offsets->geometry));
   }

@@ -44,10 +44,12 @@ TEST(PropertyState, AStateThatDiffersInOneBitIsAnotherFile) {
   const ScratchFolder folder("state-differs");
   State state = random_state(5);
   ASSERT_FALSE(state.elements.empty());
+  state.q[1] = {};
   write_state(folder / "a.vdb", state);
-  std::vector<std::int32_t>& q = state.q[1];
-  q.resize(state.elements.brick_count() * kBrickVoxels, 0);
-  for_each_active(state.elements.mask(0), [&](int offset) { q[offset] ^= 1; });
+  state.q[1].assign(state.elements.brick_count() * kBrickVoxels, 0);
+  int first = 0;
+  while (!mask_test(state.elements.mask(0), first)) ++first;
+  state.q[1][first] = 1;
   write_state(folder / "b.vdb", state);
   EXPECT_NE(file_bytes(folder / "a.vdb"), file_bytes(folder / "b.vdb"));
   EXPECT_TRUE(same_state(read_state(folder / "b.vdb"), state));

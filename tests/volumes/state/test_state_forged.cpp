@@ -1,0 +1,161 @@
+// Files that are sealed and still wrong: what only a program that knows our format could write.
+// Reading checks every grid that later code trusts.
+#include <gtest/gtest.h>
+#include <openvdb/io/Stream.h>
+#include <openvdb/openvdb.h>
+
+#include "tests/volumes/state/random_state.h"
+#include "tests/volumes/state/scratch.h"
+#include "volumes/base/error.h"
+#include "volumes/state/state_seal.h"
+
+using namespace supple;
+using namespace supple::test;
+
+namespace {
+
+struct Parts {
+  openvdb::GridPtrVecPtr grids;
+  openvdb::MetaMap::Ptr metadata;
+
+  template <class Grid>
+  typename Grid::Ptr grid(const std::string& name) const {
+    for (const auto& candidate : *grids) {
+      if (candidate->getName() == name) return openvdb::gridPtrCast<Grid>(candidate);
+    }
+    return nullptr;
+  }
+};
+
+class FaultForgedState : public ::testing::Test {
+ protected:
+  FaultForgedState() : m_folder("state-forged"), m_path(m_folder / "a.vdb") {
+    openvdb::initialize();
+    State state = random_state(40, 12);
+    m_element = state.elements.origin(0);
+    while (!state.elements.is_active(m_element)) ++m_element.z;
+    write_state(m_path, state);
+    std::ifstream in(m_path, std::ios::binary);
+    openvdb::io::Stream stream(in, false);
+    m_parts = {stream.getGrids(), stream.getMetadata()};
+  }
+
+  /// Writes the parts as an OpenVDB stream, sealed or not, and returns the reader's message.
+  std::string read_error(bool sealed = true) {
+    {
+      std::ofstream out(m_path, std::ios::binary);
+      openvdb::io::Stream(out).write(*m_parts.grids, *m_parts.metadata);
+    }
+    if (sealed) seal_state_file(m_path);
+    try {
+      read_state(m_path);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  }
+  void expect_error(const std::string& part) {
+    const std::string message = read_error();
+    EXPECT_NE(message.find(part), std::string::npos) << message;
+  }
+
+  ScratchFolder m_folder;
+  std::string m_path;
+  Vec3i m_element;
+  Parts m_parts;
+};
+
+}  // namespace
+
+TEST_F(FaultForgedState, UnchangedPartsReadWell) {
+  EXPECT_EQ(read_error(), "");
+}
+
+TEST_F(FaultForgedState, AStateWithoutSealIsRejected) {
+  EXPECT_NE(read_error(false).find("no trailer"), std::string::npos);
+}
+
+TEST_F(FaultForgedState, AnotherProgramsGridIsForeign) {
+  m_parts.metadata->clearMetadata();
+  const std::string message = read_error(false);
+  EXPECT_NE(message.find("another program"), std::string::npos) << message;
+  EXPECT_FALSE(is_state_file(m_path));
+}
+
+TEST_F(FaultForgedState, OffsetsWithoutElementAreRejected) {
+  auto element = m_parts.grid<openvdb::BoolGrid>("element");
+  auto q = m_parts.grid<openvdb::Vec3IGrid>("q");
+  const openvdb::Coord voxel(m_element.x, m_element.y, m_element.z);
+  q->tree().setValueOn(voxel, openvdb::Vec3i(1, 2, 3));
+  ASSERT_EQ(read_error(), "");
+  element->tree().setActiveState(voxel, false);
+  expect_error("an offset without element");
+}
+
+TEST_F(FaultForgedState, OffsetsBeyondTheLimitAreRejected) {
+  m_parts.grid<openvdb::Vec3IGrid>("q")->tree().setValueOn(
+      openvdb::Coord(m_element.x, m_element.y, m_element.z),
+      openvdb::Vec3i(0, std::numeric_limits<int>::min(), 0));
+  expect_error("q.y at");
+}
+
+TEST_F(FaultForgedState, ElementsOutsideTheVolumeAreRejected) {
+  m_parts.grid<openvdb::BoolGrid>("element")->tree().setValueOn(openvdb::Coord(-1, 0, 0), true);
+  expect_error("grid element: found voxels outside the volume");
+}
+
+TEST_F(FaultForgedState, ElementsWithoutDensityAreRejected) {
+  m_parts.grid<openvdb::FloatGrid>("density")->tree().setActiveState(
+      openvdb::Coord(m_element.x, m_element.y, m_element.z), false);
+  expect_error("no density");
+}
+
+TEST_F(FaultForgedState, DensitiesThatAreNotFiniteAreRejected) {
+  m_parts.grid<openvdb::FloatGrid>("density")->tree().setValueOn(
+      openvdb::Coord(m_element.x, m_element.y, m_element.z),
+      std::numeric_limits<float>::infinity());
+  expect_error("not finite");
+}
+
+TEST_F(FaultForgedState, ActiveTilesAreRejected) {
+  m_parts.grid<openvdb::FloatGrid>("density")->tree().addTile(1, openvdb::Coord(4096, 0, 0), 1,
+                                                              true);
+  expect_error("active tiles");
+}
+
+TEST_F(FaultForgedState, MissingGridsAndGridsOfAnotherTypeAreRejected) {
+  m_parts.grid<openvdb::Vec3IGrid>("q")->setName("p");
+  expect_error("grid q: found nothing");
+  m_parts.grid<openvdb::Vec3SGrid>("displacement")->setName("q");
+  expect_error("grid q: found nothing");
+}
+
+TEST_F(FaultForgedState, MetadataMustBeWholeAndValid) {
+  const auto forge = [&](const char* name, const std::string& text) {
+    m_parts.metadata->removeMeta(name);
+    m_parts.metadata->insertMeta(name, openvdb::StringMetadata(text));
+  };
+  const std::string geometry =
+      m_parts.metadata->getMetadata<openvdb::StringMetadata>("supple_geometry")->value();
+  for (const char* bad :
+       {"", "nonsense", "{}", "[1, 2, 3]",
+        R"({"axes_mm":[[1,0,0],[0,1,0],[0,0,0]],"dims":[9,9,9],"origin_lps_mm":[0,0,0]})",
+        R"({"axes_mm":[[1,0,0],[0,1,0],[0,0,1]],"dims":[9,9,1e99],"origin_lps_mm":[0,0,0]})",
+        R"({"axes_mm":[[1,0,0],[0,1,0],[0,0,1]],"dims":[-9,9,9],"origin_lps_mm":[0,0,0]})",
+        R"({"axes_mm":[[1,0,0],[0,1,0],["a",0,1]],"dims":[9,9,9],"origin_lps_mm":[0,0,0]})"}) {
+    forge("supple_geometry", bad);
+    EXPECT_NE(read_error(), "") << bad;
+  }
+  forge("supple_geometry", geometry);
+  ASSERT_EQ(read_error(), "");
+  for (const char* bad :
+       {"{", "{}", "[1]", "[[1,2,3,4,5]]", "[[0,0,0,-1,0,0]]", "[[0,0,0,0,0,1.5]]"}) {
+    forge("supple_anchors", bad);
+    EXPECT_NE(read_error(), "") << bad;
+  }
+  forge("supple_anchors", "[]");
+  forge("supple_format", "state 2");
+  expect_error("format: found state 2, expected state 1");
+  m_parts.metadata->removeMeta("supple_format");
+  expect_error("supple_format: found nothing");
+}
