@@ -7,9 +7,11 @@ namespace supple {
 
 namespace {
 
-// Local coordinates this far outside still belong to the cell, so that rounding leaves no gap
-// between neighbours.
-constexpr double kEdge = 1e-6;
+// Local coordinates this far outside still belong to the cell, so that what Newton leaves opens no
+// gap between neighbours; they are clamped to the cell.
+constexpr double kEdge = 1e-5;
+// Newton stops at this part of the tolerance, well below the width of that edge.
+constexpr double kNewtonPart = 1e-2;
 // Half width of the box on which a cell is tested for injectivity.
 constexpr double kInjectiveHalf = 0.75;
 // Volume of the unit parallelepiped along G below which G counts as singular.
@@ -52,10 +54,13 @@ Moments moments(const double (&v)[8]) {
 /// Solves J step = residual; where J (columns jx, jy, jz) is singular, the shortest step in the
 /// least-squares sense.
 Vec3d newton_step(const Vec3d& jx, const Vec3d& jy, const Vec3d& jz, const Vec3d& residual) {
-  const double volume = det(jx, jy, jz);
+  const Vec3d yz = jy.cross(jz);
+  const double volume = jx.dot(yz);
   const double size = std::max({jx.length2(), jy.length2(), jz.length2()});
-  if (std::abs(volume) > kSingular * size * std::sqrt(size)) {
-    return Vec3d(det(residual, jy, jz), det(jx, residual, jz), det(jx, jy, residual)) / volume;
+  if (volume * volume > kSingular * kSingular * size * size * size) {
+    const double inverse = 1 / volume;
+    const Vec3d xr = jx.cross(residual);
+    return {residual.dot(yz) * inverse, xr.dot(jz) * inverse, -xr.dot(jy) * inverse};
   }
   if (size == 0) return Vec3d(0);
   const double ridge = 1e-8 * size;
@@ -143,18 +148,20 @@ DeformedCell::DeformedCell(const CellCorners& corners, bool folded) : m_folded(f
     m_xz[a] = s.xz;
     m_xyz[a] = s.xyz;
   }
-  m_linear[0] = gx;
-  m_linear[1] = gy;
-  m_linear[2] = gz;
-  m_inverse_rows[0] = {1, 0, 0};
-  m_inverse_rows[1] = {0, 1, 0};
-  m_inverse_rows[2] = {0, 0, 1};
 
   // Precondition by the inverse of G.
   const double volume = det(gx, gy, gz);
   const double size = std::max({gx.length2(), gy.length2(), gz.length2()});
   m_singular = !(std::abs(volume) > kSingular * size * std::sqrt(size));
-  if (m_singular) return;
+  if (m_singular) {
+    m_inverse_rows[0] = {1, 0, 0};
+    m_inverse_rows[1] = {0, 1, 0};
+    m_inverse_rows[2] = {0, 0, 1};
+    m_rest[0] = gx - m_inverse_rows[0];
+    m_rest[1] = gy - m_inverse_rows[1];
+    m_rest[2] = gz - m_inverse_rows[2];
+    return;
+  }
   m_scale = std::sqrt(size);
   const double inverse = 1 / volume;
   m_inverse_rows[0] = gy.cross(gz) * inverse;
@@ -167,29 +174,58 @@ DeformedCell::DeformedCell(const CellCorners& corners, bool folded) : m_folded(f
   m_yz = precondition(m_yz);
   m_xz = precondition(m_xz);
   m_xyz = precondition(m_xyz);
-  m_linear[0] = {1, 0, 0};
-  m_linear[1] = {0, 1, 0};
-  m_linear[2] = {0, 0, 1};
 
-  // |N| on the cell, and the row sums of N' on a larger box: below 1 the map is injective there.
+  // The row sums of N' on a box larger than the cell: below 1 the map is injective there.
   const Vec3d pairs = abs(m_xy) + abs(m_yz) + abs(m_xz);
-  m_reach = pairs / 4.0 + abs(m_xyz) / 8.0;
   constexpr double kHalf = kInjectiveHalf;
   m_injective = max_component(pairs * (2 * kHalf) + abs(m_xyz) * (3 * kHalf * kHalf)) < 1;
+
+  // The image lies in the box of its corners: with the signs of x and y fixed, those along z.
+  for (int a = 0; a < 3; ++a) {
+    const double half = a == 2 ? 0.5 : 0;
+    double lo[4], hi[4];
+    for (int n = 0; n < 4; ++n) {
+      const double x = n & 2 ? 0.5 : -0.5, y = n & 1 ? 0.5 : -0.5;
+      const double middle = (a == 0 ? x : a == 1 ? y : 0) + m_xy[a] * (x * y);
+      const double slope = half + 0.5 * (m_yz[a] * y + m_xz[a] * x + m_xyz[a] * (x * y));
+      lo[n] = middle - std::abs(slope);
+      hi[n] = middle + std::abs(slope);
+    }
+    m_lo[a] = std::min(std::min(lo[0], lo[1]), std::min(lo[2], lo[3])) - kEdge;
+    m_hi[a] = std::max(std::max(hi[0], hi[1]), std::max(hi[2], hi[3])) + kEdge;
+  }
 }
 
-Vec3d DeformedCell::value(const Vec3d& eta) const {
-  return m_linear[0] * eta.x + m_linear[1] * eta.y + m_linear[2] * eta.z + m_xy * (eta.x * eta.y) +
-         m_yz * (eta.y * eta.z) + m_xz * (eta.x * eta.z) + m_xyz * (eta.x * eta.y * eta.z);
+DeformedCell::Target DeformedCell::target_of(const Vec3d& x, double tolerance,
+                                             int max_steps) const {
+  const Vec3d d = x - m_center;
+  return {{m_inverse_rows[0].dot(d), m_inverse_rows[1].dot(d), m_inverse_rows[2].dot(d)},
+          kNewtonPart * tolerance / m_scale,
+          max_steps};
 }
 
-bool DeformedCell::newton(const Target& target, Vec3d& eta) const {
+inline Vec3d DeformedCell::value(const Vec3d& eta) const {
+  Vec3d sum = eta + m_xy * (eta.x * eta.y) + m_yz * (eta.y * eta.z) + m_xz * (eta.x * eta.z) +
+              m_xyz * (eta.x * eta.y * eta.z);
+  if (m_singular) sum += m_rest[0] * eta.x + m_rest[1] * eta.y + m_rest[2] * eta.z;
+  return sum;
+}
+
+inline bool DeformedCell::newton(const Target& target, Vec3d& eta) const {
   for (int step = 0; step <= target.max_steps; ++step) {
     const Vec3d residual = value(eta) - target.t;
-    if (max_abs(residual) * m_scale <= target.tolerance) return true;
-    const Vec3d jx = m_linear[0] + m_xy * eta.y + m_xz * eta.z + m_xyz * (eta.y * eta.z);
-    const Vec3d jy = m_linear[1] + m_xy * eta.x + m_yz * eta.z + m_xyz * (eta.x * eta.z);
-    const Vec3d jz = m_linear[2] + m_yz * eta.y + m_xz * eta.x + m_xyz * (eta.x * eta.y);
+    if (max_abs(residual) <= target.tolerance) return true;
+    Vec3d jx = m_xy * eta.y + m_xz * eta.z + m_xyz * (eta.y * eta.z);
+    Vec3d jy = m_xy * eta.x + m_yz * eta.z + m_xyz * (eta.x * eta.z);
+    Vec3d jz = m_yz * eta.y + m_xz * eta.x + m_xyz * (eta.x * eta.y);
+    jx.x += 1;
+    jy.y += 1;
+    jz.z += 1;
+    if (m_singular) {
+      jx += m_rest[0];
+      jy += m_rest[1];
+      jz += m_rest[2];
+    }
     eta = clamp(eta - newton_step(jx, jy, jz, residual), 2);
   }
   return false;
@@ -197,29 +233,25 @@ bool DeformedCell::newton(const Target& target, Vec3d& eta) const {
 
 DeformedCell::Outcome DeformedCell::solve(const Vec3d& x, double tolerance, int max_steps,
                                           Vec3d& local) const {
-  const Vec3d d = x - m_center;
-  // Far below the tolerance, since Newton converges quadratically and the step to it is cheap.
-  const Target target{
-      {m_inverse_rows[0].dot(d), m_inverse_rows[1].dot(d), m_inverse_rows[2].dot(d)},
-      1e-3 * tolerance,
-      max_steps};
-  if (m_singular) return solve_by_bisection(target, x, local);
+  if (m_singular) return Outcome::undecided;
+  const Target target = target_of(x, tolerance, max_steps);
   for (int a = 0; a < 3; ++a) {
-    if (std::abs(target.t[a]) > 0.5 + m_reach[a] + kEdge) return Outcome::outside;
+    if (target.t[a] < m_lo[a] || target.t[a] > m_hi[a]) return Outcome::outside;
   }
+  if (m_folded) return Outcome::undecided;
   Vec3d eta = clamp(target.t, 0.5);
-  if (!newton(target, eta)) return solve_by_bisection(target, x, local);
+  if (!newton(target, eta)) return Outcome::undecided;
   const double reached = max_abs(eta);
-  if (reached <= 0.5 + kEdge && !m_folded) {
+  if (reached <= 0.5 + kEdge) {
     local = clamp(eta, 0.5) + Vec3d(0.5);
     return Outcome::inside;
   }
-  if (m_injective && !m_folded && reached <= kInjectiveHalf) return Outcome::outside;
-  return solve_by_bisection(target, x, local);
+  return m_injective && reached <= kInjectiveHalf ? Outcome::outside : Outcome::undecided;
 }
 
-DeformedCell::Outcome DeformedCell::solve_by_bisection(const Target& target, const Vec3d& x,
-                                                       Vec3d& local) const {
+DeformedCell::Outcome DeformedCell::solve_by_bisection(const Vec3d& x, double tolerance,
+                                                       int max_steps, Vec3d& local) const {
+  const Target target = target_of(x, tolerance, max_steps);
   Search search{target, x, {}};
   bisect(search, Vec3d(-0.5), Vec3d(0.5), 0);
   if (search.best_squared >= 0) {
@@ -252,7 +284,7 @@ void DeformedCell::bisect(Search& search, const Vec3d& lo, const Vec3d& hi, int 
       image_hi[a] = std::max(image_hi[a], image[a]);
     }
   }
-  const double slack = kEdge + search.target.tolerance / m_scale;
+  const double slack = kEdge + search.target.tolerance;
   for (int a = 0; a < 3; ++a) {
     if (search.target.t[a] < image_lo[a] - slack || search.target.t[a] > image_hi[a] + slack) {
       return;

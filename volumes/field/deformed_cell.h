@@ -4,7 +4,7 @@
 //   P(eta) = m + G eta + Bxy ex ey + Byz ey ez + Bxz ex ez + Bxyz ex ey ez.
 // Multiplied by the inverse of G this is eta + N(eta) = t, N small for cells that are nearly
 // parallelepipeds. Newton solves it; bounds on N prove most other nodes outside without a solve,
-// and where neither Newton nor the bounds decide, bisection does: the image of a box lies in the
+// and where neither Newton nor the bounds decide, bisection can: the image of a box lies in the
 // hull of its eight corners. Valid for any corners, folded and collapsed cells included.
 // Cost: about 60 ns to set up and 25 ns per node (one core).
 #pragma once
@@ -33,24 +33,28 @@ class DeformedCell {
 
   DeformedCell(const CellCorners& corners, bool folded);
 
-  /// Finds local coordinates in [0, 1]^3 that map to `x` (relative to the lowest corner, like the
-  /// corners), to within `tolerance` voxels. In a folded cell the one with the smallest
-  /// |local - x|. `undecided` only where neither a solution nor its absence could be shown.
+  /// Looks for local coordinates in [0, 1]^3 that map to `x` (relative to the lowest corner, like
+  /// the corners) to within `tolerance` voxels. `undecided` where Newton found nothing inside and
+  /// no bound proves that there is nothing; always so in folded and collapsed cells.
   Outcome solve(const Vec3d& x, double tolerance, int max_steps, Vec3d& local) const;
+
+  /// The same by bisection: finds every solution, of which the one with the smallest |local - x|
+  /// is returned. `undecided` only where neither a solution nor its absence could be shown.
+  Outcome solve_by_bisection(const Vec3d& x, double tolerance, int max_steps, Vec3d& local) const;
 
  private:
   struct Target;
   struct Search;
+  Target target_of(const Vec3d& x, double tolerance, int max_steps) const;
   Vec3d value(const Vec3d& eta) const;
   bool newton(const Target& target, Vec3d& eta) const;
   void bisect(Search& search, const Vec3d& lo, const Vec3d& hi, int depth) const;
-  Outcome solve_by_bisection(const Target& target, const Vec3d& x, Vec3d& local) const;
 
   Vec3d m_center;           // P(0)
   Vec3d m_inverse_rows[3];  // of G; of the unit matrix where G is singular
-  Vec3d m_linear[3];        // columns: unit vectors, or G where it is singular
   Vec3d m_xy, m_yz, m_xz, m_xyz;
-  Vec3d m_reach;       // |t| beyond 1/2 + reach is outside
+  Vec3d m_lo, m_hi;    // box of the preconditioned corners
+  Vec3d m_rest[3];     // columns of G - 1 where G is singular
   double m_scale = 1;  // voxels per unit of the preconditioned equation
   bool m_singular = false;
   bool m_folded = false;

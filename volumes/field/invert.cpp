@@ -49,12 +49,18 @@ void for_bricks(std::size_t count, Progress* progress, Body&& body) {
   }
 }
 
+/// A node in the box of a cell for which the quick solve could not decide.
+struct Doubt {
+  Vec3i node;
+  Vec3i cell;
+};
+
 /// Sums of one thread; they merge to the same result in any order.
 struct Totals {
   std::int64_t cells = 0;
   std::int64_t folded_cells = 0;
   double min_det = 1;
-  std::vector<Vec3i> undecided;
+  std::vector<Doubt> doubts;
   std::vector<OffsetAccumulator::Hit> hits;  // of the brick at work
 };
 
@@ -63,9 +69,16 @@ IndexBox nodes_of(const CellCorners& corners, const Vec3i& cell) {
   IndexBox nodes;
   double count = 1;
   for (int a = 0; a < 3; ++a) {
-    const auto [lo, hi] = std::minmax_element(corners.p[a], corners.p[a] + 8);
-    nodes.lo[a] = int(std::ceil(*lo - kNodeSlack));
-    nodes.hi[a] = int(std::floor(*hi + kNodeSlack));
+    const double* p = corners.p[a];
+    double lo[4], hi[4];
+    for (int n = 0; n < 4; ++n) {
+      lo[n] = std::min(p[n], p[n + 4]);
+      hi[n] = std::max(p[n], p[n + 4]);
+    }
+    const double min = std::min(std::min(lo[0], lo[1]), std::min(lo[2], lo[3]));
+    const double max = std::max(std::max(hi[0], hi[1]), std::max(hi[2], hi[3]));
+    nodes.lo[a] = int(std::ceil(min - kNodeSlack));
+    nodes.hi[a] = int(std::floor(max + kNodeSlack));
     count *= std::max(0, nodes.hi[a] - nodes.lo[a] + 1);
   }
   if (count > kMaxNodesPerCell) {
@@ -90,6 +103,7 @@ class Inversion {
   std::vector<Vec3i> output_origins() const;
   void add_output_origins(std::size_t b, std::vector<Vec3i>& origins) const;
   void solve_brick(std::size_t b, OffsetAccumulator& accumulator, Totals& totals);
+  std::vector<Vec3i> settle(const std::vector<Doubt>& doubts, OffsetAccumulator& accumulator) const;
   void translate_cell(const Vec3i& cell, const Vec3f& shift, Totals& totals) const;
   bool solve_cell(const CellCorners& corners, const Vec3i& cell, Totals& totals) const;
   void add_hit(const Vec3i& node, const Vec3d& source, const Vec3f& o, Totals& totals) const;
@@ -224,19 +238,21 @@ bool Inversion::solve_cell(const CellCorners& corners, const Vec3i& cell, Totals
   if (nodes.empty()) return folded;
 
   const DeformedCell deformed(corners, folded);
+  const double tolerance = m_params.residual_tolerance_voxels;
   for (int x = nodes.lo.x; x <= nodes.hi.x; ++x) {
     for (int y = nodes.lo.y; y <= nodes.hi.y; ++y) {
       for (int z = nodes.lo.z; z <= nodes.hi.z; ++z) {
         const Vec3d node(x, y, z);
         Vec3d local;
-        const DeformedCell::Outcome outcome = deformed.solve(
-            node, m_params.residual_tolerance_voxels, m_params.max_newton_steps, local);
+        auto outcome = deformed.solve(node, tolerance, m_params.max_newton_steps, local);
         if (outcome == DeformedCell::Outcome::outside) continue;
-        const Vec3i whole_node = cell + Vec3i(x, y, z);
+        if (folded) {
+          outcome = deformed.solve_by_bisection(node, tolerance, m_params.max_newton_steps, local);
+        }
         if (outcome == DeformedCell::Outcome::inside) {
-          add_hit(whole_node, Vec3d(cell) + local, Vec3f(local - node), totals);
-        } else if (covered_by_tetrahedra(corners, node)) {
-          totals.undecided.push_back(whole_node);
+          add_hit(cell + Vec3i(x, y, z), Vec3d(cell) + local, Vec3f(local - node), totals);
+        } else if (outcome == DeformedCell::Outcome::undecided) {
+          totals.doubts.push_back({cell + Vec3i(x, y, z), cell});
         }
       }
     }
@@ -255,6 +271,7 @@ void Inversion::solve_brick(std::size_t b, OffsetAccumulator& accumulator, Total
   if (!gather_cells(m_u, b, cells)) return;
   totals.cells += mask_count(cells.mask);
   totals.hits.clear();
+  const std::size_t first_doubt = totals.doubts.size();
   for_each_active(cells.mask, [&](int offset) {
     const Vec3i cell = cells.origin + brick_local(offset);
     Vec3f shift;
@@ -266,6 +283,47 @@ void Inversion::solve_brick(std::size_t b, OffsetAccumulator& accumulator, Total
     }
   });
   accumulator.merge(totals.hits);
+  // Most doubtful nodes lie in the cell beside; those need no further thought.
+  const auto solved = [&](const Doubt& doubt) { return accumulator.contains(doubt.node); };
+  totals.doubts.erase(
+      std::remove_if(totals.doubts.begin() + first_doubt, totals.doubts.end(), solved),
+      totals.doubts.end());
+}
+
+/// Bisects the cells around nodes that are still without a solution; returns those that are covered
+/// by such a cell and yet stay without.
+std::vector<Vec3i> Inversion::settle(const std::vector<Doubt>& doubts,
+                                     OffsetAccumulator& accumulator) const {
+  tbb::enumerable_thread_specific<Totals> parts;
+  tbb::enumerable_thread_specific<std::vector<Vec3i>> covered;
+  tbb::parallel_for(std::size_t(0), doubts.size(), [&](std::size_t n) {
+    const auto [node, cell] = doubts[n];
+    CellCorners corners;
+    for (int c = 0; c < 8; ++c) {
+      const Vec3i step(c >> 2, (c >> 1) & 1, c & 1);
+      Vec3f u(0);
+      m_u.at(cell + step, u);
+      for (int a = 0; a < 3; ++a) corners.p[a][c] = step[a] + double(u[a]);
+    }
+    const Vec3d x(node - cell);
+    Vec3d local;
+    const auto outcome = DeformedCell(corners, min_corner_det(corners) <= 0)
+                             .solve_by_bisection(x, m_params.residual_tolerance_voxels,
+                                                 m_params.max_newton_steps, local);
+    if (outcome == DeformedCell::Outcome::inside) {
+      add_hit(node, Vec3d(cell) + local, Vec3f(local - x), parts.local());
+    } else if (outcome == DeformedCell::Outcome::undecided && covered_by_tetrahedra(corners, x)) {
+      covered.local().push_back(node);
+    }
+  });
+  for (const Totals& part : parts) accumulator.merge(part.hits);
+  std::vector<Vec3i> unresolved;
+  for (const std::vector<Vec3i>& part : covered) {
+    std::copy_if(part.begin(), part.end(), std::back_inserter(unresolved),
+                 [&](const Vec3i& node) { return !accumulator.contains(node); });
+  }
+  sort_unique(unresolved);
+  return unresolved;
 }
 
 VectorBricks Inversion::run(InversionCertificate& certificate, Progress* progress) {
@@ -273,21 +331,22 @@ VectorBricks Inversion::run(InversionCertificate& certificate, Progress* progres
   tbb::enumerable_thread_specific<Totals> totals;
   for_bricks(m_u.topology.brick_count(), progress,
              [&](std::size_t b) { solve_brick(b, accumulator, totals.local()); });
-  VectorBricks o = accumulator.finish();
 
-  // Certificate: sums, what nobody resolved, and the residual measured anew.
-  std::vector<Vec3i> unresolved;
+  // What the quick solves left open.
+  std::vector<Doubt> doubts;
   for (const Totals& part : totals) {
     certificate.cells += part.cells;
     certificate.folded_cells += part.folded_cells;
     certificate.min_det = std::min(certificate.min_det, part.min_det);
-    std::copy_if(part.undecided.begin(), part.undecided.end(), std::back_inserter(unresolved),
-                 [&](const Vec3i& node) { return !o.topology.is_active(node); });
+    std::copy_if(part.doubts.begin(), part.doubts.end(), std::back_inserter(doubts),
+                 [&](const Doubt& doubt) { return !accumulator.contains(doubt.node); });
   }
-  sort_unique(unresolved);
+  std::vector<Vec3i> unresolved = settle(doubts, accumulator);
   certificate.unresolved_voxels = std::int64_t(unresolved.size());
   unresolved.resize(std::min(unresolved.size(), kMaxListed));
   certificate.unresolved = std::move(unresolved);
+
+  VectorBricks o = accumulator.finish();
   measure_residuals(m_u, o, m_folded, certificate);
   return o;
 }

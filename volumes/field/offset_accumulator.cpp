@@ -77,6 +77,13 @@ void OffsetAccumulator::merge_zero_mask(std::int32_t b, const BrickMask& nodes) 
       taken, [&](int offset) { m_vectors[std::size_t(b) * kBrickVoxels + offset] = Vec3f(0); });
 }
 
+bool OffsetAccumulator::contains(const Vec3i& node) {
+  const std::int32_t b = m_bricks.find(node);
+  if (b < 0) return false;
+  const tbb::spin_mutex::scoped_lock lock(m_locks[b]);
+  return mask_test(m_valid[b], brick_offset(node));
+}
+
 VectorBricks OffsetAccumulator::finish() {
   std::vector<Vec3i> origins;
   for (std::size_t b = 0; b < m_bricks.brick_count(); ++b) origins.push_back(m_bricks.origin(b));

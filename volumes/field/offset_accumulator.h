@@ -29,6 +29,9 @@ class OffsetAccumulator {
   /// Thread-safe: o = 0 at the corners of the given cells of the brick at `origin`.
   void merge_zeros(const Vec3i& origin, const BrickMask& cells);
 
+  /// Thread-safe: whether the node has a solution by now.
+  bool contains(const Vec3i& node);
+
   /// Nodes with a solution; call once, after all merging.
   VectorBricks finish();
 
