@@ -1,0 +1,233 @@
+// Other people's programs apply our warp files: transformix (elastix) and plastimatch pull the
+// source volume through the exported field and must agree with our own trilinear reading of it.
+// Teem checks the NRRD headers. Each judge is skipped where it is not installed (tools/setup.sh
+// --with-judges).
+#include <cmath>
+#include <cstdlib>
+#include <functional>
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+#include "tests/volumes/state/random_state.h"
+#include "tests/volumes/state/scratch.h"
+#include "volumes/field/procedural.h"
+#include "volumes/grid/volume.h"
+#include "volumes/io/volume_file.h"
+#include "volumes/io/volume_writer.h"
+
+using namespace supple;
+using namespace supple::test;
+
+namespace {
+
+constexpr int kBorder = 2;
+constexpr double kTolerance = 0.01;  // mean grey levels; both judges are at float rounding (3e-7)
+constexpr double kFarOff = 10;       // mean grey levels; no warp at all is 12.8 away
+const Vec3i kDims(48, 40, 36);
+using Image = std::vector<float>;  // kDims, i fastest
+
+std::size_t slot(int i, int j, int k) {
+  return (std::size_t(k) * kDims.y + j) * kDims.x + i;
+}
+
+template <class Visit>
+void for_each_voxel(Visit&& visit) {
+  for (int k = 0; k < kDims.z; ++k) {
+    for (int j = 0; j < kDims.y; ++j) {
+      for (int i = 0; i < kDims.x; ++i) visit(i, j, k);
+    }
+  }
+}
+
+/// Left-handed like ct_head: j to the anterior.
+Geometry ct_like_grid() {
+  return {kDims, {-22, 25, -40}, {Vec3d(0.9, 0, 0), {0, -0.9, 0}, {0, 0, 1.5}}};
+}
+
+Geometry oblique_anisotropic_grid() {
+  const double c = std::cos(0.5), s = std::sin(0.5), d = std::cos(-0.35), t = std::sin(-0.35);
+  return {kDims,
+          {-20, 15, -33},
+          {Vec3d(c, s, 0) * 0.8, Vec3d(-s * d, c * d, t) * 1.4, Vec3d(s * t, -c * t, d) * 2.3}};
+}
+
+/// Smooth grey values, 7 to 247.
+Image grey_source() {
+  Image image(slot(0, 0, kDims.z));
+  for_each_voxel([&](int i, int j, int k) {
+    image[slot(i, j, k)] = float(127 + 60 * std::sin(0.3 * i) * std::cos(0.25 * j) +
+                                 60 * std::sin(0.35 * k + 0.1 * i));
+  });
+  return image;
+}
+
+/// Offsets of several voxels that vanish on the faces of the box.
+Vec3d windowed_offset(const Vec3d& p) {
+  constexpr double kPi = 3.14159265358979323846;
+  const double window = std::sin(kPi * p.x / (kDims.x - 1)) * std::sin(kPi * p.y / (kDims.y - 1)) *
+                        std::sin(kPi * p.z / (kDims.z - 1));
+  return Vec3d(4.5 * std::cos(0.12 * p.y), -4 * std::cos(0.15 * p.z), 3 * std::cos(0.1 * p.x)) *
+         window;
+}
+
+BrickTopology whole_box() {
+  return bricks_where(kDims, [](const Vec3i&) { return true; });
+}
+
+DensityGrid grid_of(const Image& image) {
+  const BrickTopology bricks = whole_box();
+  std::vector<float> values(bricks.brick_count() * kBrickVoxels);
+  for_each_voxel([&](int i, int j, int k) {
+    values[std::size_t(bricks.find({i, j, k})) * kBrickVoxels + brick_offset({i, j, k})] =
+        image[slot(i, j, k)];
+  });
+  return make_density_grid(bricks, values, 0);
+}
+
+/// out(x) = in(x + sign * o(x)), both trilinear: what a judge should answer.
+Image own_reading(const Image& source, const OffsetField& offsets, double sign) {
+  const DensityGrid grid = grid_of(source);
+  Image image(source.size());
+  for_each_voxel([&](int i, int j, int k) {
+    Vec3f o;
+    EXPECT_TRUE(offsets.o.at({i, j, k}, o));
+    image[slot(i, j, k)] = sample_trilinear(grid, Vec3d(i, j, k) + Vec3d(o) * sign, 0);
+  });
+  return image;
+}
+
+void export_warp(const std::string& path, const OffsetField& offsets, double sign) {
+  const Geometry& geometry = offsets.geometry;
+  write_warp(path, geometry, WarpDirection::resample, [&](int k, Vec3f* out) {
+    for (int j = 0; j < kDims.y; ++j) {
+      for (int i = 0; i < kDims.x; ++i) {
+        Vec3f o;
+        offsets.o.at({i, j, k}, o);
+        *out++ = Vec3f(geometry.world_vector_from_index(Vec3d(o) * sign));
+      }
+    }
+  });
+}
+
+Image read_image(const std::string& path) {
+  const auto file = open_volume(path);
+  EXPECT_EQ(file->header().type, ValueType::float32);
+  EXPECT_EQ(file->header().geometry.dims(), kDims);
+  Image image(slot(0, 0, kDims.z));
+  for (int k = 0; k < kDims.z; ++k) file->read_slice(&image[slot(0, 0, k)]);
+  return image;
+}
+
+double mean_difference(const Image& a, const Image& b) {
+  double sum = 0;
+  int count = 0;
+  for (int k = kBorder; k < kDims.z - kBorder; ++k) {
+    for (int j = kBorder; j < kDims.y - kBorder; ++j) {
+      for (int i = kBorder; i < kDims.x - kBorder; ++i, ++count) {
+        sum += std::abs(double(a[slot(i, j, k)]) - b[slot(i, j, k)]);
+      }
+    }
+  }
+  return sum / count;
+}
+
+bool runs(const std::string& command) {
+  return std::system((command + " > /dev/null 2>&1").c_str()) == 0;
+}
+
+/// Pulls `source` through the field at `warp`; returns the path of the result.
+using Judge =
+    std::function<std::string(const ScratchFolder&, const Geometry&, const std::string& warp)>;
+
+std::string transformix(const ScratchFolder& folder, const Geometry& geometry,
+                        const std::string& warp) {
+  std::ostringstream text;
+  text.precision(17);
+  const auto put = [&](const Vec3d& v) { text << " " << v.x << " " << v.y << " " << v.z; };
+  text
+      << "(Transform \"DeformationFieldTransform\")\n(NumberOfParameters 0)\n"
+      << "(DeformationFieldFileName \"" << warp << "\")\n(DeformationFieldInterpolationOrder 1)\n"
+      << "(InitialTransformParametersFileName \"NoInitialTransform\")\n"
+      << "(HowToCombineTransforms \"Compose\")\n(FixedImageDimension 3)\n(MovingImageDimension 3)\n"
+      << "(FixedInternalImagePixelType \"float\")\n(MovingInternalImagePixelType \"float\")\n"
+      << "(Size " << kDims.x << " " << kDims.y << " " << kDims.z << ")\n(Index 0 0 0)\n(Spacing";
+  put(geometry.spacing_mm());
+  text << ")\n(Origin";
+  put(geometry.origin_lps_mm());
+  text << ")\n(Direction";
+  for (const Vec3d& axis : geometry.direction()) put(axis);
+  text
+      << ")\n(UseDirectionCosines \"true\")\n(Resampler \"DefaultResampler\")\n"
+      << "(ResampleInterpolator \"FinalBSplineInterpolator\")\n(FinalBSplineInterpolationOrder 1)\n"
+      << "(DefaultPixelValue 0)\n(ResultImageFormat \"mha\")\n(ResultImagePixelType \"float\")\n"
+      << "(CompressResultImage \"false\")\n";
+  write_bytes(folder / "transform.txt", text.str());
+  std::filesystem::remove(folder / "result.mha");
+  EXPECT_TRUE(runs("transformix -in " + (folder / "source.mha") + " -tp " +
+                   (folder / "transform.txt") + " -out " + (folder / "")));
+  return folder / "result.mha";
+}
+
+std::string plastimatch(const ScratchFolder& folder, const Geometry&, const std::string& warp) {
+  std::filesystem::remove(folder / "result.mha");
+  EXPECT_TRUE(runs("plastimatch convert --input " + (folder / "source.mha") + " --fixed " +
+                   (folder / "source.mha") + " --xf " + warp +
+                   " --interpolation linear --output-type float --output-img " +
+                   (folder / "result.mha")));
+  return folder / "result.mha";
+}
+
+/// The judge reads both formats on both grids as we do; a flipped sign or no warp at all is far
+/// off.
+void expect_agreement(const Judge& judge) {
+  const Image source = grey_source();
+  for (const Geometry& geometry : {ct_like_grid(), oblique_anisotropic_grid()}) {
+    const ScratchFolder folder("judges");
+    const OffsetField offsets = sample_offsets({{}, windowed_offset}, geometry, whole_box());
+    const Image expected = own_reading(source, offsets, 1);
+    write_volume(folder / "source.mha", geometry, ValueType::float32, [&](int k, float* out) {
+      std::copy_n(&source[slot(0, 0, k)], kDims.x * kDims.y, out);
+    });
+    EXPECT_GT(mean_difference(source, expected), kFarOff);
+
+    for (const char* name : {"warp.nrrd", "warp.mha", "warp.nhdr", "warp.mhd"}) {
+      export_warp(folder / name, offsets, 1);
+      const double off =
+          mean_difference(read_image(judge(folder, geometry, folder / name)), expected);
+      EXPECT_LE(off, kTolerance) << name;
+    }
+    export_warp(folder / "flipped.nrrd", offsets, -1);
+    const Image flipped = read_image(judge(folder, geometry, folder / "flipped.nrrd"));
+    EXPECT_GT(mean_difference(flipped, expected), kFarOff);
+    EXPECT_LE(mean_difference(flipped, own_reading(source, offsets, -1)), kTolerance);
+  }
+}
+
+}  // namespace
+
+TEST(InteropExport, TransformixPullsThroughOurWarpsAsWeDo) {
+  if (!runs("transformix --version")) GTEST_SKIP() << "transformix (elastix) is not installed";
+  expect_agreement(transformix);
+}
+
+TEST(InteropExport, PlastimatchPullsThroughOurWarpsAsWeDo) {
+  if (!runs("plastimatch --version")) GTEST_SKIP() << "plastimatch is not installed";
+  expect_agreement(plastimatch);
+}
+
+TEST(InteropExport, TeemKeepsTheDirectionAndTheGeometryOfOurNrrd) {
+  if (!runs("command -v teem-unu")) GTEST_SKIP() << "teem-apps is not installed";
+  const ScratchFolder folder("teem");
+  const Geometry geometry = oblique_anisotropic_grid();
+  export_warp(folder / "warp.nhdr", sample_offsets({{}, windowed_offset}, geometry, whole_box()),
+              1);
+  ASSERT_TRUE(
+      runs("teem-unu save -f nrrd -i " + (folder / "warp.nhdr") + " -o " + (folder / "teem.nrrd")));
+  const std::string header = file_bytes(folder / "teem.nrrd").substr(0, 1000);
+  for (const char* line : {"space: left-posterior-superior\n", "sizes: 3 48 40 36\n",
+                           "kinds: vector domain domain domain\n", "space directions: none (",
+                           "\nsupple direction:=resample\n"}) {
+    EXPECT_NE(header.find(line), std::string::npos) << line << header;
+  }
+}
