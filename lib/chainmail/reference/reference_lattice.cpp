@@ -1,0 +1,56 @@
+#include "lib/chainmail/reference/reference_lattice.h"
+
+#include "lib/body/lattice.h"
+
+namespace supple::reference {
+
+Offsets ReferenceLattice::at_rest() const {
+  Offsets offsets;
+  for (auto& coordinate : offsets) coordinate.assign(size(), 0);
+  return offsets;
+}
+
+ReferenceLattice lattice_of(const Body& body) {
+  ReferenceLattice lattice;
+  if (body.elements.empty()) return lattice;
+  const IndexBox& bounds = body.elements.active_bounds();
+  lattice.origin = bounds.lo;
+  lattice.dims = bounds.hi - bounds.lo + Vec3i(1);
+  lattice.mask.assign(lattice.size(), 0);
+  lattice.slacks.resize(lattice.size());
+  const auto index_of = [&](Slot slot) {
+    return lattice.index(voxel_of(body.elements, slot) - lattice.origin);
+  };
+  for_each_element(body.elements, [&](Slot slot) { lattice.mask[index_of(slot)] = 1; });
+  for (std::size_t b = 0; b < body.elements.brick_count(); ++b) {
+    for_each_link(body.elements, b, [&](int axis, Slot low, Slot high) {
+      lattice.slacks[index_of(low)][axis] =
+          body.slacks.slack(axis, body.classes[low], body.classes[high]);
+    });
+  }
+  return lattice;
+}
+
+Offsets offsets_of(const Body& body, const ReferenceLattice& lattice) {
+  Offsets offsets = lattice.at_rest();
+  for_each_element(body.elements, [&](Slot slot) {
+    const std::size_t index = lattice.index(voxel_of(body.elements, slot) - lattice.origin);
+    for (int c = 0; c < 3; ++c) {
+      if (!body.q[c].empty()) offsets[c][index] = body.q[c][slot];
+    }
+  });
+  return offsets;
+}
+
+Body with_offsets(const Body& body, const ReferenceLattice& lattice, const Offsets& offsets) {
+  Body changed = body;
+  changed.links_known_valid = false;
+  for (auto& coordinate : changed.q) coordinate.assign(slot_count(body.elements), 0);
+  for_each_element(body.elements, [&](Slot slot) {
+    const std::size_t index = lattice.index(voxel_of(body.elements, slot) - lattice.origin);
+    for (int c = 0; c < 3; ++c) changed.q[c][slot] = offsets[c][index];
+  });
+  return changed;
+}
+
+}  // namespace supple::reference

@@ -1,0 +1,163 @@
+// The ECM engine against brute force, bit for bit, on random bodies.
+#include <algorithm>
+#include <cstdio>
+
+#include <gtest/gtest.h>
+
+#include "lib/chainmail/ecm.h"
+#include "tests/lib/brute_force.h"
+#include "volumes/base/error.h"
+
+using namespace supple;
+using namespace supple::test;
+
+namespace {
+
+/// Handles, anchors and the engine's and the brute force's view of one drag.
+struct RandomDrag {
+  std::vector<Handle> handles;
+  std::vector<BruteForce::Grab> grabs;
+  std::vector<IndexBox> boxes;
+  std::vector<int> anchors;
+};
+
+RandomDrag random_drag(std::mt19937& random, const Block& block) {
+  RandomDrag drag;
+  std::vector<int> taken;
+  if (random() % 2) {
+    const Vec3i lo = block.voxel(random_element(random, block));
+    const Vec3i hi = lo + Vec3i(int(random() % 3), int(random() % 3), int(random() % 2));
+    drag.boxes.push_back({lo, hi});
+    for (int n = 0; n < block.size(); ++n) {
+      if (block.element[n] && drag.boxes[0].contains(block.voxel(n))) drag.anchors.push_back(n);
+    }
+    taken = drag.anchors;
+  }
+  const int handles = random() % 3 ? 1 : 1 + int(random() % 4);
+  const double reach = std::pow(10.0, std::uniform_real_distribution<double>(-1, 1.5)(random));
+  std::array<std::int32_t, 3> common{};
+  for (int h = 0; h < handles; ++h) {
+    const int node = random_element(random, block);
+    if (std::find(taken.begin(), taken.end(), node) != taken.end()) continue;
+    taken.push_back(node);
+    std::array<std::int32_t, 3> by{};
+    for (int c = 0; c < 3; ++c) {
+      const double voxels = std::uniform_real_distribution<double>(-reach, reach)(random);
+      // Mostly nearly the same displacement, so that several handles can agree.
+      const bool near_first = h > 0 && random() % 4 != 0;
+      by[c] = near_first ? common[c] + std::int32_t(voxels * 3000) : std::int32_t(voxels * 65536);
+      if (random() % 5 == 0) by[c] = 0;
+    }
+    if (h == 0) common = by;
+    drag.handles.push_back({block.voxel(node), by});
+    drag.grabs.push_back({node, {by[0], by[1], by[2]}});
+  }
+  return drag;
+}
+
+void expect_equal(const Body& body, const Block& block, const BruteForce& brute) {
+  for (int n = 0; n < block.size(); ++n) {
+    if (!block.element[n]) continue;
+    for (int c = 0; c < 3; ++c) {
+      ASSERT_EQ(body.offset(block.voxel(n), c), brute.q[c][n]) << "node " << n << " axis " << c;
+    }
+  }
+}
+
+/// The message names a pair whose missing distance is the largest there is.
+void expect_names_conflict(const std::string& message, const RandomDrag& drag, const Block& block,
+                           const BruteForce& brute, const BruteForce::Outcome& outcome) {
+  Vec3i voxels[2];
+  double missing_mm = 0;
+  char axis = ' ';
+  ASSERT_EQ(std::sscanf(message.c_str(),
+                        "grab %d,%d,%d and %d,%d,%d: found targets %lf mm further apart along "
+                        "axis %c",
+                        &voxels[0].x, &voxels[0].y, &voxels[0].z, &voxels[1].x, &voxels[1].y,
+                        &voxels[1].z, &missing_mm, &axis),
+            8)
+      << message;
+  EXPECT_EQ(axis, "ijk"[outcome.conflict_axis]);
+  const double expected_mm =
+      double(outcome.missing) / 65536 * block.spacing_mm[outcome.conflict_axis];
+  EXPECT_NEAR(missing_mm, expected_mm, 1e-5 * expected_mm);
+  const BruteForce::Grab* pair[2] = {nullptr, nullptr};
+  for (const auto& grab : drag.grabs) {
+    for (int n = 0; n < 2; ++n) {
+      if (block.voxel(grab.node) == voxels[n]) pair[n] = &grab;
+    }
+  }
+  ASSERT_TRUE(pair[0] != nullptr && pair[1] != nullptr) << message;
+  EXPECT_EQ(brute.missing(outcome.conflict_axis, *pair[0], *pair[1]), outcome.missing);
+}
+
+struct Tally {
+  int drags = 0, moved = 0, conflicts = 0, stopped = 0, shortened = 0, unlimited = 0;
+};
+
+/// Drags one random body several times, comparing after each.
+void run_case(unsigned seed, const Vec3i& max_dims, Tally& tally) {
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  std::mt19937 random(seed);
+  const Block block = random_block(random, max_dims);
+  Body body = body_of(block);
+  BruteForce brute(block);
+  for (int n = 0; n < 4; ++n) {
+    const RandomDrag drag = random_drag(random, block);
+    const BruteForce::Outcome expected = brute.drag(drag.grabs, drag.anchors);
+    EcmReport report;
+    const std::string error =
+        input_error([&] { report = supple::drag(body, drag.handles, drag.boxes); });
+    ++tally.drags;
+    ASSERT_EQ(!error.empty(), expected.conflict) << error;
+    if (expected.conflict) {
+      ++tally.conflicts;
+      expect_names_conflict(error, drag, block, brute, expected);
+    } else {
+      EXPECT_EQ(report.fraction_numerator, expected.numerator);
+      EXPECT_EQ(report.fraction_denominator, expected.denominator);
+      tally.moved += report.moved > 0;
+      tally.stopped += expected.numerator == 0;
+      tally.shortened += expected.numerator != 0 && expected.numerator != expected.denominator;
+    }
+    expect_equal(body, block, brute);
+    if (testing::Test::HasFailure()) return;
+    ASSERT_EQ(check_links(body).violated, 0);
+    ASSERT_EQ(brute.broken_links(), 0);
+  }
+}
+
+}  // namespace
+
+TEST(PropertyEcm, EqualsBruteForceBitForBitOnRandomBodiesHandlesAndAnchors) {
+  Tally tally;
+  for (unsigned seed = 0; seed < 600 && !HasFailure(); ++seed) {
+    const Vec3i max_dims = seed % 10 == 0  ? Vec3i(20, 20, 6)
+                           : seed % 3 == 0 ? Vec3i(12, 12, 1)
+                                           : Vec3i(7, 6, 5);
+    run_case(seed, max_dims, tally);
+  }
+  std::printf("drags %d, moved %d, conflicts %d, stopped at once %d, shortened %d\n", tally.drags,
+              tally.moved, tally.conflicts, tally.stopped, tally.shortened);
+  EXPECT_GE(tally.moved, 400);
+  EXPECT_GE(tally.conflicts, 50);
+  EXPECT_GE(tally.shortened, 50);
+}
+
+TEST(PropertyEcm, EqualsBruteForceOnTheLargestSizeAndOnASingleVoxel) {
+  Tally tally;
+  std::mt19937 random(77);
+  for (const Vec3i& dims : {Vec3i(1, 1, 1), Vec3i(1, 1, 30), Vec3i(20, 20, 6)}) {
+    Block block = full_block(dims, linear_table(1.5, 0.6, 0.7),
+                             [&](int, int, int) { return double(random() % 256); });
+    Body body = body_of(block);
+    BruteForce brute(block);
+    for (int n = 0; n < 3; ++n) {
+      const RandomDrag drag = random_drag(random, block);
+      const auto expected = brute.drag(drag.grabs, drag.anchors);
+      const std::string error = input_error([&] { supple::drag(body, drag.handles, drag.boxes); });
+      ASSERT_EQ(!error.empty(), expected.conflict) << error;
+      expect_equal(body, block, brute);
+    }
+  }
+}

@@ -1,0 +1,121 @@
+// What drag() refuses, in which words, and that the body is untouched then.
+#include <gtest/gtest.h>
+
+#include "lib/chainmail/ecm.h"
+#include "tests/lib/test_bodies.h"
+
+using namespace supple;
+using namespace supple::test;
+
+namespace {
+
+constexpr std::int32_t kVoxel = 65536;
+
+/// 6 x 4 x 1 voxels of 2 mm, soft, with a hole at (3, 2).
+Body soft_plate() {
+  Block block =
+      full_block({6, 4, 1}, linear_table(1.5, 0.6, 0.7), [](int, int, int) { return 255.0; });
+  block.spacing_mm = {2, 2, 2};
+  block.element[block.index(3, 2, 0)] = 0;
+  return body_of(block);
+}
+
+Handle grab(int i, int j, std::int32_t by) {
+  return {{i, j, 0}, {by, 0, 0}};
+}
+IndexBox voxel_box(int i, int j) {
+  return {{i, j, 0}, {i, j, 0}};
+}
+
+/// The error of a drag, checking that nothing changed.
+std::string drag_error(Body& body, const std::vector<Handle>& handles,
+                       const std::vector<IndexBox>& anchors = {}) {
+  const auto before = body.q;
+  const std::string error = input_error([&] { drag(body, handles, anchors); });
+  EXPECT_EQ(body.q, before);
+  return error;
+}
+
+class CancelAtOnce : public Progress {
+ public:
+  explicit CancelAtOnce(int polls) : m_polls(polls) {}
+  void stage(std::string_view) override {}
+  void update(double) override {}
+  bool cancelled() const override { return m_polls-- <= 0; }
+
+ private:
+  mutable int m_polls;
+};
+
+}  // namespace
+
+TEST(UnitEcmErrors, AHandleOnVoidNamesTheNearestElement) {
+  Body body = soft_plate();
+  EXPECT_EQ(drag_error(body, {grab(3, 2, kVoxel)}),
+            "grab 3,2,0: found no element, expected a voxel of the body; the nearest is 2,2,0");
+  EXPECT_EQ(drag_error(body, {grab(-5, 1, kVoxel)}),
+            "grab -5,1,0: found no element, expected a voxel of the body; the nearest is 0,1,0");
+}
+
+TEST(UnitEcmErrors, AVoxelGrabbedTwiceOrGrabbedAndFixedIsRefused) {
+  Body body = soft_plate();
+  EXPECT_EQ(drag_error(body, {grab(1, 1, 5), grab(1, 1, 5)}),
+            "grab 1,1,0: found the voxel grabbed twice, expected one handle per voxel");
+  EXPECT_EQ(drag_error(body, {grab(1, 1, 5)}, {{{0, 0, 0}, {1, 1, 0}}}),
+            "grab 1,1,0: found the voxel grabbed and fixed, expected one of both");
+}
+
+TEST(UnitEcmErrors, AnAnchorBoxWithoutElementsNamesTheNearestOne) {
+  Body body = soft_plate();
+  EXPECT_EQ(drag_error(body, {grab(1, 1, 5)}, {voxel_box(3, 2)}),
+            "fix 3,2,0: found no element, expected a voxel or box that holds elements; the nearest "
+            "is 2,2,0");
+  EXPECT_EQ(drag_error(body, {grab(1, 1, 5)}, {{{20, 0, 0}, {30, 3, 0}}}),
+            "fix 20,0,0:30,3,0: found no element, expected a voxel or box that holds elements; the "
+            "nearest is 5,0,0");
+}
+
+TEST(UnitEcmErrors, HandlesThatContradictEachOtherNameThePairAndTheMissingMillimetres) {
+  Body body = soft_plate();
+  // The two links behind stretch by 0.5 voxel each, so 3 voxels are 2 too many; the two ahead
+  // shorten by 26214 units each, so 144180 units are too many: 4.40002 mm.
+  EXPECT_EQ(
+      drag_error(body, {grab(0, 0, 0), grab(4, 0, 0), grab(2, 0, 3 * kVoxel)}),
+      "grab 2,0,0 and 4,0,0: found targets 4.40002 mm further apart along axis i than the links "
+      "between them allow, expected handles that agree with each other");
+}
+
+TEST(UnitEcmErrors, AnOffsetBeyondTheRangeIsAnErrorAndNeverAWrap) {
+  Body body = soft_plate();
+  const std::int32_t far = 10000 * kVoxel;
+  drag(body, {grab(1, 1, far)}, {});
+  const std::string error = drag_error(body, {grab(1, 1, far)});
+  EXPECT_NE(error.find("grab 1,1,0: found a move by 10000"), std::string::npos) << error;
+  EXPECT_NE(error.find("20000"), std::string::npos) << error;
+  EXPECT_NE(drag_error(body, {grab(1, 1, INT32_MIN)}), "");
+  drag(body, {grab(1, 1, -far)}, {});
+  EXPECT_EQ(body.offset({1, 1, 0}, 0), 0);
+}
+
+TEST(UnitEcmErrors, MillimetresBecomeFixedPointTruncatedTowardZero) {
+  const auto by = fixed_from_mm({1.0, -1.0, 3.0}, {3.0, 3.0, 2.0});
+  EXPECT_EQ(by[0], 21845);  // 65536 / 3 = 21845.33
+  EXPECT_EQ(by[1], -21845);
+  EXPECT_EQ(by[2], 98304);
+  EXPECT_NE(input_error([] { fixed_from_mm({NAN, 0, 0}, {1, 1, 1}); }), "");
+  EXPECT_NE(input_error([] { fixed_from_mm({0, HUGE_VAL, 0}, {1, 1, 1}); }), "");
+  EXPECT_NE(input_error([] { fixed_from_mm({0, 0, 8192.5}, {1, 1, 0.5}); }), "");
+}
+
+TEST(UnitEcmErrors, ACancelledDragLeavesTheBodyAsItWas) {
+  // Large enough that the solver polls while it works.
+  Body body = body_of(full_block({64, 64, 48}, linear_table(1.5, 0.6, 0.7),
+                                 [](int i, int j, int k) { return double((i * j + k) % 256); }));
+  drag(body, {{{3, 3, 3}, {30 * kVoxel, 0, 0}}}, {});
+  const auto before = body.q;
+  for (const int polls : {0, 1, 2}) {
+    CancelAtOnce cancel(polls);
+    EXPECT_THROW(drag(body, {{{3, 3, 3}, {-90 * kVoxel, 70 * kVoxel, 0}}}, {}, &cancel), Cancelled);
+    EXPECT_EQ(body.q, before);
+  }
+}
