@@ -1,0 +1,187 @@
+// Sampling bricks, offset bricks, classification, bounds: the parts of the marcher.
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "raycast/classify.h"
+#include "raycast/embree_bounds.h"
+#include "raycast/offset_bricks.h"
+#include "tests/raycast/scenes.h"
+
+namespace supple {
+namespace {
+
+VectorBricks offsets_of(const BrickTopology& where, const std::function<Vec3d(const Vec3d&)>& o) {
+  VectorBricks field{where, std::vector<Vec3f>(where.brick_count() * kBrickVoxels, Vec3f(0))};
+  for (std::size_t b = 0; b < where.brick_count(); ++b) {
+    for_each_active(where.mask(b), [&](int n) {
+      field.vectors[b * kBrickVoxels + n] = Vec3f(o(Vec3d(where.origin(b) + brick_local(n))));
+    });
+  }
+  return field;
+}
+
+SourceCell cell_at(const SourceBricks& bricks, const Vec3i& voxel, const Vec3f& within) {
+  const std::int32_t b = bricks.topology().find(voxel);
+  return {bricks.node(b, voxel - bricks.topology().origin(b)), within.x, within.y, within.z};
+}
+
+TEST(UnitBricks, OpacityIsCorrectedForTheStepByHand) {
+  EXPECT_DOUBLE_EQ(corrected_opacity(0.75, 0.5, 1.0), 0.5);
+  EXPECT_DOUBLE_EQ(corrected_opacity(0.5, 2.0, 1.0), 0.75);
+  EXPECT_DOUBLE_EQ(corrected_opacity(1.0, 0.1, 1.0), 1.0);
+  EXPECT_DOUBLE_EQ(corrected_opacity(0.0, 0.1, 1.0), 0.0);
+}
+
+TEST(UnitBricks, IntegerDataOfASixteenBitRangeAreExact) {
+  std::mt19937 random(1);
+  const BrickTopology where = voxels_of({16, 16, 16}, everywhere);
+  for (const int range : {1, 4095, 65533}) {
+    const DensityGrid grid = grid_of(where, [&](const Vec3d& p) {
+      return p.x == 0 ? -1024 : p.x == 1 ? range - 1024 : double(int(random() % range) - 1024);
+    });
+    const SourceBricks bricks(grid);
+    for (int n = 0; n < 4096; ++n) {
+      const Vec3i voxel(n >> 8, (n >> 4) & 15, n & 15);
+      ASSERT_EQ(bricks.density(*cell_at(bricks, voxel, Vec3f(0)).node), grid.at(voxel));
+    }
+  }
+}
+
+TEST(UnitBricks, ASampleIsEmptyWhenAnyCornerIsVoid) {
+  const BrickTopology where =
+      voxels_of({16, 16, 16}, [](const Vec3i& v) { return v != Vec3i(8, 8, 8); });
+  const SourceBricks bricks(grid_of(where, [](const Vec3d& p) { return p.x; }));
+  float value;
+  for (int c = 0; c < 8; ++c) {
+    const Vec3i base(8 - (c & 1), 8 - ((c >> 1) & 1), 8 - (c >> 2));
+    EXPECT_FALSE(sample_cell(cell_at(bricks, base, Vec3f(0)), value));
+  }
+  EXPECT_TRUE(sample_cell(cell_at(bricks, {6, 7, 7}, Vec3f(0.5f)), value));
+  EXPECT_FALSE(sample_cell(cell_at(bricks, {15, 3, 3}, Vec3f(0)), value));
+}
+
+TEST(UnitBricks, TheGradientOfALinearFieldIsExactAlsoAcrossBricksAndBesideTheVoid) {
+  const BrickTopology where = voxels_of({24, 24, 24}, everywhere);
+  const SourceBricks bricks(
+      grid_of(where, [](const Vec3d& p) { return 3 * p.x - 2 * p.y + 5 * p.z; }));
+  for (const Vec3i& voxel : {Vec3i(3, 3, 3), Vec3i(7, 8, 15), Vec3i(0, 0, 0), Vec3i(22, 22, 22)}) {
+    const SourceCell cell = cell_at(bricks, voxel, {0.25f, 0.5f, 0.75f});
+    float value;
+    ASSERT_TRUE(sample_cell(cell, value));
+    const Vec3d p = Vec3d(voxel) + Vec3d(0.25, 0.5, 0.75);
+    EXPECT_NEAR(bricks.density(value), 3 * p.x - 2 * p.y + 5 * p.z, 1e-4);
+    const Vec3f gradient = sample_gradient(cell, value);
+    EXPECT_NEAR(gradient.x, 3, 1e-4);
+    EXPECT_NEAR(gradient.y, -2, 1e-4);
+    EXPECT_NEAR(gradient.z, 5, 1e-4);
+  }
+}
+
+TEST(UnitBricks, ASheetOneCellThickHasNoGradientAcrossItself) {
+  const BrickTopology where =
+      voxels_of({8, 8, 8}, [](const Vec3i& v) { return v.x == 3 || v.x == 4; });
+  const SourceBricks bricks(grid_of(where, [](const Vec3d& p) { return p.x * p.x + p.y; }));
+  const SourceCell cell = cell_at(bricks, {3, 3, 3}, Vec3f(0.5f));
+  float value;
+  ASSERT_TRUE(sample_cell(cell, value));
+  const Vec3f gradient = sample_gradient(cell, value);
+  EXPECT_EQ(gradient.x, 0);
+  EXPECT_NEAR(gradient.y, 1, 1e-5);
+}
+
+TEST(UnitBricks, GradientsArePulledBackByTheTransposeOfIdentityPlusGradO) {
+  const BrickTopology where = voxels_of({8, 8, 8}, everywhere);
+  const SourceBricks source(grid_of(where, [](const Vec3d& p) { return p.x; }));
+  // o = M x with rows (0, 2, 0), (0, 0, 3), (4, 0, 0).
+  const OffsetBricks bricks(
+      source, offsets_of(where, [](const Vec3d& p) { return Vec3d(2 * p.y, 3 * p.z, 4 * p.x); }));
+  const std::size_t brick = bricks.topology().find({0, 0, 0});
+  const OffsetCell cell{bricks.node(brick, {2, 3, 4}), 0.5f, 0.25f, 0.75f};
+  const Float4 offset = sample_offset(cell);
+  EXPECT_FLOAT_EQ(offset[0], 6.5f);
+  EXPECT_FLOAT_EQ(offset[1], 14.25f);
+  EXPECT_FLOAT_EQ(offset[2], 10.0f);
+  const Vec3f g = pull_back_gradient(cell, {1, 10, 100});
+  EXPECT_NEAR(g.x, 1 + 400, 1e-3);
+  EXPECT_NEAR(g.y, 10 + 2, 1e-3);
+  EXPECT_NEAR(g.z, 100 + 30, 1e-3);
+}
+
+TEST(UnitBricks, ZeroOffsetsGiveIdentityBricksAndOneVectorMakesItsBricksDeformed) {
+  const BrickTopology where = voxels_of({32, 32, 32}, [](const Vec3i& v) { return v.x > 2; });
+  const SourceBricks source(grid_of(where, [](const Vec3d& p) { return p.y; }));
+  VectorBricks offsets = offsets_of(where, [](const Vec3d&) { return Vec3d(0); });
+  EXPECT_EQ(OffsetBricks(source, offsets).deformed_count(), 0u);
+  offsets.vectors[std::size_t(where.find({16, 16, 16})) * kBrickVoxels] = Vec3f(0.5f, 0, 0);
+  // Its own brick and the seven whose apron holds the node.
+  EXPECT_EQ(OffsetBricks(source, offsets).deformed_count(), 8u);
+}
+
+TEST(UnitBricks, AVacatedPlaceIsNotAnIdentityBrick) {
+  const BrickTopology where = voxels_of({16, 16, 16}, everywhere);
+  const SourceBricks source(grid_of(where, [](const Vec3d& p) { return p.y; }));
+  const BrickTopology reached = voxels_of({16, 16, 16}, [](const Vec3i& v) { return v.x > 5; });
+  const OffsetBricks bricks(source, offsets_of(reached, [](const Vec3d&) { return Vec3d(0); }));
+  EXPECT_FALSE(bricks.is_identity(bricks.topology().find({0, 0, 0})));
+  EXPECT_TRUE(bricks.is_identity(bricks.topology().find({8, 8, 8})));
+}
+
+TEST(PropertyBricks, RangesCallNothingTransparentThatASampleCanShow) {
+  std::mt19937 random(2);
+  const BrickTopology where = voxels_of({16, 16, 16}, everywhere);
+  const SourceBricks source(
+      grid_of(where, [&](const Vec3d&) { return double(int(random() % 4000) - 1000); }));
+  std::uniform_real_distribution<float> within(0, 1);
+  for (const double threshold : {-900.0, 500.0, 2500.0, 2998.5}) {
+    TransferFunction f;
+    f.opacity = {{threshold, 0}, {threshold + 0.5, 1}};
+    f.colour = {{0, {1, 1, 1}}};
+    const Classifier classifier(f, source, 0.5);
+    for (int n = 0; n < 4000; ++n) {
+      const Vec3i voxel(int(random() % 15), int(random() % 15), int(random() % 15));
+      float value;
+      ASSERT_TRUE(sample_cell(
+          cell_at(source, voxel, {within(random), within(random), within(random)}), value));
+      if (classifier.classify(value)[3] > 0) {
+        ASSERT_TRUE(classifier.may_be_visible(source.range(source.topology().find(voxel))));
+      }
+    }
+  }
+}
+
+TEST(PropertyBricks, IntervalsCoverEveryPlaceInsideAVisibleBrick) {
+  std::mt19937 random(3);
+  const BrickTopology where = voxels_of({64, 64, 64}, [&](const Vec3i& v) {
+    return ((v.x >> 3) * 7 + (v.y >> 3) * 5 + (v.z >> 3) * 3) % 4 == 0;
+  });
+  std::vector<std::uint8_t> visible(where.brick_count());
+  for (std::uint8_t& v : visible) v = random() % 3 == 0;
+  const VisibleBounds bounds(where, visible);
+  std::uniform_real_distribution<double> coordinate(-20, 84), unit(-1, 1);
+  std::vector<Interval> intervals;
+  for (int n = 0; n < 500; ++n) {
+    const IndexRay ray{{coordinate(random), coordinate(random), -4000},
+                       {0.02 * unit(random), 0.02 * unit(random), n % 2 ? 1.0 : 1.3}};
+    const Interval span = clip_to_box(ray, Vec3d(-1), Vec3d(64), {0, HUGE_VAL});
+    if (span.begin > span.end) continue;
+    bounds.intervals(ray, span, intervals);
+    std::size_t next = 0;
+    for (double t = span.begin; t <= span.end; t += 0.37) {
+      const Vec3d p = ray.at(t);
+      const std::int32_t b =
+          where.find({int(std::floor(p.x)), int(std::floor(p.y)), int(std::floor(p.z))});
+      while (next < intervals.size() && intervals[next].end < t) ++next;
+      const bool covered = next < intervals.size() && intervals[next].begin <= t;
+      if (b >= 0 && visible[b]) {
+        ASSERT_TRUE(covered) << "ray " << n << " at " << t;
+      }
+    }
+    for (std::size_t k = 1; k < intervals.size(); ++k) {
+      ASSERT_LT(intervals[k - 1].end, intervals[k].begin);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace supple

@@ -1,0 +1,235 @@
+// Laws of the free-sampling marcher (design.md section 5).
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include <gtest/gtest.h>
+#include <oneapi/tbb/global_control.h>
+
+#include "raycast/compare.h"
+#include "tests/raycast/scenes.h"
+#include "volumes/field/procedural.h"
+#include "volumes/io/volume_file.h"
+
+namespace supple {
+namespace {
+
+constexpr int kSize = 48;
+
+/// Noisy densities with holes: nothing that a shortcut could get right by symmetry.
+DensityGrid rough_volume() {
+  std::mt19937 random(7);
+  const BrickTopology where = voxels_of({kSize, kSize, kSize}, [&](const Vec3i& v) {
+    const bool hole = ((v.x * 7 + v.y * 13 + v.z * 5) % 97) == 0;
+    return (Vec3d(v) - Vec3d(24)).length() < 21 && !hole;
+  });
+  const DensityFunction body = lobed_body(Vec3d(23.5), 15);
+  return grid_of(where, [&](const Vec3d& p) { return std::floor(body(p)) + int(random() % 40); });
+}
+
+OffsetField zero_offsets(const Geometry& geometry, const BrickTopology& where) {
+  return {geometry, {where, std::vector<Vec3f>(where.brick_count() * kBrickVoxels, Vec3f(0))}, {}};
+}
+
+std::vector<std::string> some_views() {
+  return {"anterior", "left", "superior"};
+}
+
+TEST(PropertyRender, ZeroOffsetsGiveTheStraightPictureBitForBit) {
+  const Geometry geometry({kSize, kSize, kSize}, {3, -2, 1},
+                          {Vec3d(0.9, 0.1, 0), {0, -1.1, 0.05}, {0, 0.2, 1.4}});
+  const DensityGrid grid = rough_volume();
+  Renderer straight(geometry, grid), offset(geometry, grid);
+  const OffsetField zero = zero_offsets(geometry, grid.bricks());
+  offset.set_offsets(&zero);
+  for (const std::string& view : some_views()) {
+    for (const int stride : {1, 4}) {
+      RenderSettings settings = small_picture(96);
+      settings.stride = stride;
+      const Camera camera = default_camera(geometry, 1, view);
+      RenderReport a, b;
+      const Image expected = straight.render(camera, surface_function(), settings, &a);
+      EXPECT_EQ(expected.rgba, offset.render(camera, surface_function(), settings, &b).rgba);
+      EXPECT_EQ(a.samples, b.samples);
+      EXPECT_GT(compare(expected, Image(96, 96), true).compared_pixels, 500);
+    }
+  }
+}
+
+TEST(PropertyRender, TinyOffsetsTakeTheDeformedPathAndHardlyChangeThePicture) {
+  const Geometry geometry = cube_geometry(kSize);
+  const DensityGrid grid = rough_volume();
+  Renderer straight(geometry, grid), offset(geometry, grid);
+  OffsetField tiny = zero_offsets(geometry, grid.bricks());
+  for (Vec3f& v : tiny.o.vectors) v = Vec3f(1e-6f, 0, 0);
+  offset.set_offsets(&tiny);
+  const Camera camera = default_camera(geometry, 1);
+  const Image a = straight.render(camera, surface_function(), small_picture(96));
+  const Image b = offset.render(camera, surface_function(), small_picture(96));
+  EXPECT_GT(compare(a, b, true).ssim, 0.9999);
+}
+
+TEST(PropertyRender, SkippingEmptySpaceDoesNotChangeThePicture) {
+  const Geometry geometry = cube_geometry(kSize);
+  const DensityGrid grid = rough_volume();
+  Renderer renderer(geometry, grid);
+  const AnalyticWarp warp = bump_warp({24, 24, 24}, 18, 6);
+  const OffsetField bump = sample_offsets(warp, geometry, dilate(grid.bricks(), 6));
+  for (const OffsetField* offsets : {static_cast<const OffsetField*>(nullptr), &bump}) {
+    renderer.set_offsets(offsets);
+    for (const std::string& view : some_views()) {
+      for (const int stride : {1, 3, 4}) {
+        RenderSettings with = small_picture(80), without = with;
+        with.stride = without.stride = stride;
+        without.skip_empty_space = false;
+        RenderReport a, b;
+        const Camera camera = default_camera(geometry, 1, view);
+        EXPECT_EQ(renderer.render(camera, surface_function(), with, &a).rgba,
+                  renderer.render(camera, surface_function(), without, &b).rgba);
+        EXPECT_EQ(a.rays, b.rays);
+        EXPECT_NEAR(double(a.samples), double(b.samples), 0.02 * double(b.samples));
+      }
+    }
+  }
+}
+
+TEST(PropertyRender, ThePictureDoesNotDependOnTheNumberOfThreads) {
+  const Geometry geometry = cube_geometry(kSize);
+  const Renderer renderer(geometry, rough_volume());
+  const Camera camera = default_camera(geometry, 1);
+  const Image many = renderer.render(camera, surface_function(), small_picture(100));
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  EXPECT_EQ(many.rgba, renderer.render(camera, surface_function(), small_picture(100)).rgba);
+}
+
+TEST(PropertyRender, LeftHandedAndPermutedStoragesShowTheSamePicture) {
+  const DensityFunction body = lobed_body({2, -1, 3}, 14);  // in mm
+  const Vec3i dims(kSize, kSize, kSize);
+  const double m = 0.5 * (kSize - 1);
+  const Geometry storages[] = {
+      {dims, {-m, -m, -m}, {Vec3d(1, 0, 0), {0, 1, 0}, {0, 0, 1}}},
+      {dims, {m, -m, -m}, {Vec3d(-1, 0, 0), {0, 1, 0}, {0, 0, 1}}},   // left-handed
+      {dims, {-m, m, -m}, {Vec3d(1, 0, 0), {0, -1, 0}, {0, 0, 1}}},   // left-handed, as ct_head
+      {dims, {-m, -m, -m}, {Vec3d(0, 0, 1), {1, 0, 0}, {0, 1, 0}}}};  // permuted
+  Image first;
+  for (const Geometry& geometry : storages) {
+    const BrickTopology where = voxels_of(dims, everywhere);
+    const DensityGrid grid =
+        grid_of(where, [&](const Vec3d& p) { return body(geometry.world_from_index(p)); });
+    const Renderer renderer(geometry, grid);
+    const Camera camera = default_camera(storages[0], 1);
+    const Image image = renderer.render(camera, surface_function(), small_picture(128));
+    if (first.width == 0) first = image;
+    EXPECT_LT(compare(first, image, true).rmse, 1e-3);
+    EXPECT_GT(compare(first, image, true).ssim, 0.9999);
+  }
+}
+
+TEST(PropertyRender, ConstantOffsetsShowTheMovedVolume) {
+  const Geometry geometry = cube_geometry(kSize);
+  const Vec3i shift(5, -3, 4);
+  const auto near_centre = [](const Vec3i& v) { return (Vec3d(v) - Vec3d(24)).length() < 14; };
+  const BrickTopology here = voxels_of(geometry.dims(), near_centre);
+  const BrickTopology there =
+      voxels_of(geometry.dims(), [&](const Vec3i& v) { return near_centre(v - shift); });
+  const DensityFunction body = lobed_body(Vec3d(24), 10);
+  Renderer moved(geometry, grid_of(here, body));
+  const Renderer expected(geometry,
+                          grid_of(there, [&](const Vec3d& p) { return body(p - Vec3d(shift)); }));
+  OffsetField offsets = zero_offsets(geometry, there);
+  for (Vec3f& v : offsets.o.vectors) v = -Vec3f(shift);
+  moved.set_offsets(&offsets);
+  const Camera camera = default_camera(geometry, 1);
+  const Comparison result =
+      compare(moved.render(camera, surface_function(), small_picture(128)),
+              expected.render(camera, surface_function(), small_picture(128)), true);
+  EXPECT_GT(result.compared_pixels, 1000);
+  EXPECT_LE(result.max_diff, 2.0 / 255);
+}
+
+TEST(PropertyRender, StrideFindsWhatEverySampleFindsOnThickObjects) {
+  const Geometry geometry = cube_geometry(kSize);
+  const Renderer renderer(
+      geometry, grid_of(voxels_of(geometry.dims(), everywhere), lobed_body(Vec3d(23.5), 14)));
+  const Camera camera = default_camera(geometry, 1);
+  RenderSettings every = small_picture(128), strided = every;
+  every.stride = 1;
+  RenderReport a, b;
+  const Image expected = renderer.render(camera, surface_function(), every, &a);
+  EXPECT_GT(compare(expected, renderer.render(camera, surface_function(), strided, &b), true).ssim,
+            0.995);
+  EXPECT_LT(b.samples, a.samples);
+}
+
+TEST(PropertyRender, AHomogeneousSlabFollowsBeerAndLambert) {
+  // 16 cells of 1 mm; opacity 0.1 per mm: 1 - 0.9^16, whatever the step.
+  const Geometry geometry = cube_geometry(24);
+  const BrickTopology where =
+      voxels_of(geometry.dims(), [](const Vec3i& v) { return v.y >= 4 && v.y <= 20; });
+  const Renderer renderer(geometry, grid_of(where, [](const Vec3d&) { return 100; }));
+  const Camera camera = default_camera(geometry, 1, "anterior", Projection::orthographic);
+  for (const double step : {0.125, 0.25, 0.5, 1.0}) {
+    RenderSettings settings = small_picture(3, step);
+    settings.shading = false;
+    const Image image = renderer.render(camera, fog_function(0.1), settings);
+    EXPECT_NEAR(image.rgba[4 * 4 + 3], 255 * (1 - std::pow(0.9, 16)), 0.51) << "step " << step;
+    EXPECT_EQ(image.rgba[4 * 4], 255);
+  }
+}
+
+TEST(PropertyRender, GradientOpacityHidesHomogeneousPlaces) {
+  const Geometry geometry = cube_geometry(24);
+  const Renderer renderer(geometry,
+                          grid_of(voxels_of(geometry.dims(), everywhere),
+                                  [](const Vec3d& p) { return p.z < 12 ? 500 : 60 * p.z; }));
+  TransferFunction f = fog_function(0.5);
+  f.gradient_opacity = {{0, 0}, {30, 1}};
+  const Camera camera = default_camera(geometry, 1, "anterior", Projection::orthographic);
+  const Image image = renderer.render(camera, f, small_picture(24));
+  EXPECT_EQ(image.rgba[4 * (20 * 24 + 12) + 3], 0);   // low, constant
+  EXPECT_GT(image.rgba[4 * (4 * 24 + 12) + 3], 250);  // high, steep
+}
+
+class CancelAtOnce : public Progress {
+ public:
+  void stage(std::string_view) override {}
+  void update(double) override {}
+  bool cancelled() const override { return true; }
+};
+
+TEST(UnitRender, CancellingThrows) {
+  const Renderer renderer(cube_geometry(8), DensityGrid());
+  CancelAtOnce progress;
+  EXPECT_THROW(renderer.render(Camera(), surface_function(), small_picture(64), nullptr, &progress),
+               Cancelled);
+}
+
+TEST(UnitRender, WrongSettingsAndForeignOffsetsAreInputErrors) {
+  Renderer renderer(cube_geometry(8), DensityGrid());
+  RenderSettings settings = small_picture(8);
+  settings.step_voxels = 0;
+  EXPECT_THROW(renderer.render(Camera(), surface_function(), settings), InputError);
+  settings = small_picture(8);
+  settings.stride = 17;
+  EXPECT_THROW(renderer.render(Camera(), surface_function(), settings), InputError);
+  EXPECT_THROW(renderer.render(Camera(), surface_function(), small_picture(20000)), InputError);
+  const OffsetField foreign = zero_offsets(cube_geometry(9), {});
+  EXPECT_THROW(renderer.set_offsets(&foreign), InputError);
+}
+
+TEST(PropertyRenderCt, ZeroOffsetsGiveTheStraightPictureOfAHead) {
+  const char* root = std::getenv("SUPPLE_SOURCE_DIR");
+  const std::string path = std::string(root != nullptr ? root : ".") + "/build/data/ct_head.nhdr";
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is absent";
+  const Volume head = load_volume(path);
+  Renderer renderer(head.geometry, head.density);
+  const Camera camera = default_camera(head.geometry, 1);
+  const Image straight = renderer.render(camera, preset("CT-Bone"), small_picture(200));
+  const OffsetField zero = zero_offsets(head.geometry, head.density.bricks());
+  renderer.set_offsets(&zero);
+  EXPECT_EQ(straight.rgba, renderer.render(camera, preset("CT-Bone"), small_picture(200)).rgba);
+}
+
+}  // namespace
+}  // namespace supple
