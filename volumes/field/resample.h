@@ -1,4 +1,8 @@
 // From the sparse offset field to dense grids: warp export and the resampled volume.
+//
+// Everything is produced slice by slice, so that the memory of an export does not grow with the
+// grid. What is passed by reference must outlive the returned source. A grid point within 1e-6
+// voxel of a source voxel takes that voxel's offset exactly. Cost: 20 to 100 ns per voxel and core.
 #pragma once
 
 #include <functional>
@@ -13,7 +17,7 @@ namespace supple {
 enum class VoidMode {
   nearest,  // stays void: o = 0; vacated: the nearest void voxel of the source
   outside,  // void everywhere reads from outside the source box
-  extend    // the offsets of the material carry on smoothly
+  extend    // the offsets of the material carry on smoothly, constant far away
 };
 
 /// Writes the vectors of slice k, dims.x * dims.y of them, i fastest, in mm, LPS.
@@ -22,7 +26,9 @@ using VectorSliceSource = std::function<void(int k, Vec3f* out)>;
 using ScalarSliceSource = std::function<void(int k, float* out)>;
 
 /// The resample-direction field on `grid` (the source grid, or another one). `source` holds the
-/// elements and shell at rest: what is active there and not reached any more is vacated.
+/// elements and shell at rest: what is active there and not reached any more is vacated. Nearest in
+/// mm along the axes; where the source box holds no void voxel the vector is 0. Vectors are the
+/// world position of the source point minus that of the grid point.
 VectorSliceSource dense_offsets(const OffsetField& offsets, const BrickTopology& source,
                                 const Geometry& grid, VoidMode mode);
 

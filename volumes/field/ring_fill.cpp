@@ -46,6 +46,14 @@ struct PaddedRows {
   bool test(const Vec3i& local) const {
     return (rows[local.x + 1][local.y + 1] >> (local.z + 1)) & 1;
   }
+  /// Bits of row (x, y) of the brick whose 27 neighbours are all set.
+  std::uint8_t eroded_row(int x, int y) const {
+    unsigned bits = 0x3ff;
+    for (int dx = 0; dx < 3; ++dx) {
+      for (int dy = 0; dy < 3; ++dy) bits &= rows[x + dx][y + dy];
+    }
+    return std::uint8_t((bits & bits >> 1 & bits << 1) >> 1);
+  }
   /// True bits of row (x, y) of the brick and of all voxels that touch one.
   std::uint8_t dilated_row(int x, int y) const {
     unsigned bits = 0;
@@ -56,14 +64,16 @@ struct PaddedRows {
   }
 };
 
-PaddedRows padded_rows(const Surroundings& around, const std::vector<BrickMask>& valid) {
+/// `mask_of(b)`: valid voxels of brick b.
+template <class MaskOf>
+PaddedRows padded_rows(const Surroundings& around, MaskOf&& mask_of) {
   PaddedRows padded;
   for (int x = -1; x <= kBrickDim; ++x) {
     for (int y = -1; y <= kBrickDim; ++y) {
       const Slot slot = slot_of({x, y, 0});
       const auto row = [&](int dz) -> unsigned {
         const std::int32_t b = around[slot.brick + dz];
-        return b < 0 ? 0 : (valid[b][slot.offset >> 6] >> (slot.offset & 63)) & 0xff;
+        return b < 0 ? 0 : (mask_of(b)[slot.offset >> 6] >> (slot.offset & 63)) & 0xff;
       };
       padded.rows[x + 1][y + 1] = std::uint16_t(row(-1) >> 7 | row(0) << 1 | (row(1) & 1) << 9);
     }
@@ -168,7 +178,8 @@ VectorBricks fill_rings(const VectorBricks& seed, const BrickTopology& target, i
   for (int number = 1; number <= max_rings; ++number) {
     tbb::parallel_for(std::size_t(0), pending.size(), [&](std::size_t n) {
       const std::size_t b = pending[n];
-      const PaddedRows padded = padded_rows(around[n], valid);
+      const PaddedRows padded =
+          padded_rows(around[n], [&](std::int32_t m) -> const BrickMask& { return valid[m]; });
       ring[n] = next_ring(padded, bricks.mask(b), valid[b]);
       for_each_active(ring[n], [&](int offset) {
         const std::size_t slot = b * kBrickVoxels + offset;
@@ -184,6 +195,36 @@ VectorBricks fill_rings(const VectorBricks& seed, const BrickTopology& target, i
     if (!grown) break;
   }
   return compact(bricks, valid, std::move(vectors), ring_of);
+}
+
+BrickTopology eroded(const BrickTopology& topology) {
+  std::vector<Vec3i> origins(topology.brick_count());
+  std::vector<BrickMask> masks(topology.brick_count(), BrickMask{});
+  tbb::parallel_for(std::size_t(0), topology.brick_count(), [&](std::size_t b) {
+    origins[b] = topology.origin(b);
+    const PaddedRows padded =
+        padded_rows(surroundings_of(topology, b),
+                    [&](std::int32_t m) -> const BrickMask& { return topology.mask(m); });
+    for (int x = 0; x < kBrickDim; ++x) {
+      for (int y = 0; y < kBrickDim; ++y) {
+        masks[b][x] |= std::uint64_t(padded.eroded_row(x, y)) << (8 * y);
+      }
+    }
+  });
+  return {std::move(origins), std::move(masks)};
+}
+
+BrickTopology subtract(const BrickTopology& a, const BrickTopology& b) {
+  std::vector<Vec3i> origins;
+  std::vector<BrickMask> masks;
+  for (std::size_t n = 0; n < a.brick_count(); ++n) {
+    origins.push_back(a.origin(n));
+    masks.push_back(a.mask(n));
+    const std::int32_t other = b.find(a.origin(n));
+    if (other < 0) continue;
+    for (int word = 0; word < 8; ++word) masks.back()[word] &= ~b.mask(other)[word];
+  }
+  return {std::move(origins), std::move(masks)};
 }
 
 BrickTopology touching_bricks(const BrickTopology& topology) {

@@ -23,6 +23,12 @@ BrickTopology unite(const BrickTopology& a, const BrickTopology& b);
 VectorBricks fill_rings(const VectorBricks& seed, const BrickTopology& target, int max_rings,
                         std::vector<std::uint8_t>* ring_of = nullptr);
 
+/// The active voxels of `a` that are not active in `b`.
+BrickTopology subtract(const BrickTopology& a, const BrickTopology& b);
+
+/// The active voxels whose 26 neighbours are active too.
+BrickTopology eroded(const BrickTopology& topology);
+
 /// All voxels of the occupied bricks and of the 26 bricks around each.
 BrickTopology touching_bricks(const BrickTopology& topology);
 

@@ -1,0 +1,209 @@
+#include "volumes/field/resample.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include <tbb/parallel_for.h>
+
+#include "volumes/field/nearest_void.h"
+#include "volumes/field/ring_fill.h"
+#include "volumes/field/smooth_extension.h"
+#include "volumes/grid/volume.h"
+
+namespace supple {
+
+namespace {
+
+// Grid points this close to a source voxel, in voxels, count as lying on it.
+constexpr double kSnap = 1e-6;
+// How far beyond the source box `outside` leads, in voxels.
+constexpr double kClearMargin = 10;
+// Voxel coordinates beyond this are never looked up.
+constexpr double kMaxCoordinate = 1e8;
+
+/// Source index positions of the points of another grid.
+class GridPositions {
+ public:
+  GridPositions(const Geometry& grid, const Geometry& source)
+      : m_origin(source.index_from_world(grid.world_from_index(Vec3d(0)))) {
+    for (int a = 0; a < 3; ++a) m_step[a] = source.index_vector_from_world(grid.axes_mm()[a]);
+  }
+  Vec3d at(int i, int j, int k) const {
+    Vec3d pos = m_origin + m_step[0] * i + m_step[1] * j + m_step[2] * k;
+    for (int a = 0; a < 3; ++a) {
+      const double nearest = std::round(pos[a]);
+      if (std::abs(pos[a] - nearest) < kSnap) pos[a] = nearest;
+    }
+    return pos;
+  }
+
+ private:
+  Vec3d m_origin;
+  Vec3d m_step[3];
+};
+
+bool is_on_lattice_range(const Vec3d& pos) {
+  return std::max({std::abs(pos.x), std::abs(pos.y), std::abs(pos.z)}) < kMaxCoordinate;
+}
+
+Vec3i nearest_voxel(const Vec3d& pos) {
+  return {int(std::lround(pos.x)), int(std::lround(pos.y)), int(std::lround(pos.z))};
+}
+
+/// True when a trilinear reading at `pos` would see an active voxel.
+bool touches(const BrickTopology& topology, const Vec3d& pos) {
+  const Vec3i lo(int(std::floor(pos.x)), int(std::floor(pos.y)), int(std::floor(pos.z)));
+  const Vec3i span(pos.x > lo.x, pos.y > lo.y, pos.z > lo.z);
+  for (int n = 0; n < 8; ++n) {
+    const Vec3i step(n >> 2, (n >> 1) & 1, n & 1);
+    if (step.x > span.x || step.y > span.y || step.z > span.z) continue;
+    if (topology.is_active(lo + step)) return true;
+  }
+  return false;
+}
+
+/// What a grid point without material reads.
+class VoidOffsets {
+ public:
+  VoidOffsets(const OffsetField& offsets, const BrickTopology& source, VoidMode mode)
+      : m_source(source), m_dims(offsets.geometry.dims()), m_mode(mode) {
+    if (mode == VoidMode::extend) m_extension = std::make_unique<SmoothExtension>(offsets.o);
+    if (mode != VoidMode::nearest) return;
+    // Source voxels that were left, and those that a reading between voxels may round to.
+    const BrickTopology wanted = subtract(source, eroded(offsets.o.topology));
+    m_nearest = nearest_void(source, wanted, m_dims, offsets.geometry.spacing_mm());
+  }
+
+  Vec3d at(const Vec3d& pos) const {
+    switch (m_mode) {
+      case VoidMode::extend:
+        return m_extension->sample(pos);
+      case VoidMode::outside:
+        return out_of_the_box(pos);
+      default:
+        return to_nearest_void(pos);
+    }
+  }
+
+ private:
+  Vec3d to_nearest_void(const Vec3d& pos) const {
+    const IndexBox box{Vec3i(0), m_dims - Vec3i(1)};
+    const Vec3i voxel = nearest_voxel(pos);
+    if (!box.contains(voxel) || !touches(m_source, pos)) return Vec3d(0);
+    Vec3f step(0);
+    if (m_source.is_active(voxel) && !m_nearest.at(voxel, step)) return Vec3d(0);
+    return Vec3d(voxel) + Vec3d(step) - pos;
+  }
+  /// Through the nearest face of the box.
+  Vec3d out_of_the_box(const Vec3d& pos) const {
+    Vec3d best(0);
+    double shortest = -1;
+    for (int a = 0; a < 3; ++a) {
+      for (const double target : {-kClearMargin, m_dims[a] - 1 + kClearMargin}) {
+        const double step = target - pos[a];
+        const bool beyond = target < 0 ? step >= 0 : step <= 0;
+        if (beyond) return Vec3d(0);
+        if (shortest >= 0 && std::abs(step) >= shortest) continue;
+        shortest = std::abs(step);
+        best = Vec3d(0);
+        best[a] = step;
+      }
+    }
+    return best;
+  }
+
+  const BrickTopology& m_source;
+  Vec3i m_dims;
+  VoidMode m_mode;
+  VectorBricks m_nearest;
+  std::unique_ptr<SmoothExtension> m_extension;
+};
+
+}  // namespace
+
+VectorSliceSource dense_offsets(const OffsetField& offsets, const BrickTopology& source,
+                                const Geometry& grid, VoidMode mode) {
+  const GridPositions positions(grid, offsets.geometry);
+  const auto elsewhere = std::make_shared<const VoidOffsets>(offsets, source, mode);
+  const Vec3i dims = grid.dims();
+  return [&offsets, positions, elsewhere, dims](int k, Vec3f* out) {
+    tbb::parallel_for(0, dims.y, [&](int j) {
+      for (int i = 0; i < dims.x; ++i) {
+        const Vec3d pos = positions.at(i, j, k);
+        Vec3d o(0);
+        if (is_on_lattice_range(pos) && !offsets.o.sample(pos, o)) o = elsewhere->at(pos);
+        out[std::size_t(j) * dims.x + i] = Vec3f(offsets.geometry.world_vector_from_index(o));
+      }
+    });
+  };
+}
+
+VectorSliceSource dense_displacement(const Displacement& extended) {
+  const Vec3i dims = extended.geometry.dims();
+  return [&extended, dims](int k, Vec3f* out) {
+    tbb::parallel_for(0, dims.y, [&](int j) {
+      for (int i = 0; i < dims.x; ++i) {
+        Vec3f u(0);
+        extended.u.at({i, j, k}, u);
+        out[std::size_t(j) * dims.x + i] =
+            Vec3f(extended.geometry.world_vector_from_index(Vec3d(u)));
+      }
+    });
+  };
+}
+
+ScalarSliceSource dense_resampled(const OffsetField& offsets, const DensityGrid& density,
+                                  const Geometry& grid, float fill) {
+  const GridPositions positions(grid, offsets.geometry);
+  const Vec3i dims = grid.dims(), source_dims = offsets.geometry.dims();
+  return [&offsets, &density, positions, dims, source_dims, fill](int k, float* out) {
+    tbb::parallel_for(0, dims.y, [&](int j) {
+      for (int i = 0; i < dims.x; ++i) {
+        const Vec3d pos = positions.at(i, j, k);
+        Vec3d o, source = pos;
+        float& value = out[std::size_t(j) * dims.x + i];
+        value = fill;
+        if (!offsets.o.sample(pos, o)) continue;
+        source += o;
+        // A volume of one slice has nothing to interpolate across it.
+        for (int a = 0; a < 3; ++a) source[a] = source_dims[a] == 1 ? 0 : source[a];
+        value = sample_trilinear(density, source, fill);
+      }
+    });
+  };
+}
+
+std::int64_t count_outside(const OffsetField& offsets, const Geometry& grid) {
+  const BrickTopology& bricks = offsets.o.topology;
+  std::int64_t count = 0;
+  for (std::size_t b = 0; b < bricks.brick_count(); ++b) {
+    for_each_active(bricks.mask(b), [&](int offset) {
+      const Vec3d voxel(bricks.origin(b) + brick_local(offset));
+      const Vec3d pos = grid.index_from_world(offsets.geometry.world_from_index(voxel));
+      bool inside = true;
+      for (int a = 0; a < 3; ++a) {
+        inside = inside && pos[a] >= -0.5 - kSnap && pos[a] <= grid.dims()[a] - 0.5 + kSnap;
+      }
+      count += !inside;
+    });
+  }
+  return count;
+}
+
+Geometry with_margin(const Geometry& geometry, double margin_mm) {
+  const Vec3d spacing = geometry.spacing_mm();
+  Vec3i dims = geometry.dims(), margin;
+  for (int a = 0; a < 3; ++a) {
+    const double voxels = std::ceil(margin_mm / spacing[a] - kSnap);
+    if (!(voxels >= 0 && voxels < kMaxCoordinate)) {
+      throw InputError(
+          {"", "margin", std::to_string(margin_mm) + " mm", "a length from 0 mm to 10^8 voxels"});
+    }
+    margin[a] = int(voxels);
+    dims[a] += 2 * margin[a];
+  }
+  return {dims, geometry.world_from_index(-Vec3d(margin)), geometry.axes_mm()};
+}
+
+}  // namespace supple
