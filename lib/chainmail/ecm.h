@@ -38,10 +38,14 @@ struct EcmReport {
 };
 
 /// Moves the handles, holds every element inside the anchor boxes where it is, and lets the body
-/// follow: median(L, q, U) of the envelopes. An invalid start is projected first, to
-/// floor((L + U) / 2). Throws InputError: a handle or anchor box without element (names the nearest
-/// one), a voxel grabbed twice or grabbed and fixed, handles that contradict each other (names the
-/// pair and the missing distance in mm), an offset beyond the range. The body is unchanged then.
+/// follow: median(L, q, U) of the envelopes. Anchors shorten the whole drag by one fraction;
+/// handles must agree with each other for the whole drag, whatever the anchors allow. A start that
+/// is not known to be valid (Body::links_known_valid) is checked and, when invalid, projected
+/// first, to floor((L + U) / 2). Throws InputError: a handle or anchor box without element (names
+/// the nearest one), a voxel grabbed twice or grabbed and fixed, handles that contradict each other
+/// (names the pair and the missing distance in mm), an offset beyond the range. The body is
+/// unchanged then, also when `progress` cancels. Memory: 2 kB per brick touched and coordinate, for
+/// undoing.
 EcmReport drag(Body& body, const std::vector<Handle>& handles, const std::vector<IndexBox>& anchors,
                Progress* progress = nullptr);
 

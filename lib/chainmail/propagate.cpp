@@ -24,12 +24,12 @@ Propagator::Propagator(const Body& body, int coordinate, Progress* progress, int
   if (m_bucket_shift < 0) m_bucket_shift = fitted_shift();
 }
 
-/// A quarter of the mean positive slack: narrow enough that few labels are corrected, wide enough
-/// that few buckets are empty.
+/// A quarter of the geometric mean of the sampled slacks: narrow enough that few labels are
+/// corrected, wide enough that few buckets are empty, and unmoved by a few very wide links.
 int Propagator::fitted_shift() const {
   const std::size_t bricks = m_body.elements.brick_count();
   const std::size_t step = std::max<std::size_t>(1, bricks / kSampledBricks);
-  std::int64_t sum = 0, count = 0;
+  std::int64_t sum_of_logs = 0, count = 0;
   for (std::size_t b = 0; b < bricks; b += step) {
     for_each_link(m_body.elements, b, [&](int axis, Slot low, Slot high) {
       const std::uint8_t low_class = m_body.classes[low], high_class = m_body.classes[high];
@@ -37,14 +37,12 @@ int Propagator::fitted_shift() const {
            {m_body.slacks.upper(axis, m_coordinate, low_class, high_class),
             m_body.slacks.lower(axis, m_coordinate, low_class, high_class)}) {
         if (slack == 0 || slack >= kUnlimitedSlack) continue;
-        sum += slack;
+        sum_of_logs += 31 - __builtin_clz(unsigned(slack));
         ++count;
       }
     });
   }
-  const std::int64_t width =
-      count == 0 ? 1 << kFixedBits : std::max<std::int64_t>(sum / count / 4, 1);
-  return 63 - __builtin_clzll(std::uint64_t(width));
+  return count == 0 ? kFixedBits : int(std::max<std::int64_t>(0, sum_of_logs / count - 2));
 }
 
 void Propagator::run(Direction direction, const std::vector<Seed>& seeds,

@@ -139,7 +139,7 @@ std::vector<std::string> MaterialTable::warnings() const {
 }
 
 std::uint8_t MaterialTable::class_of(double density) const {
-  const double inside = std::clamp(density, domain_lo, domain_hi);
+  const double inside = density > domain_lo ? std::min(density, domain_hi) : domain_lo;
   return std::uint8_t(std::round(kClassMax * (inside - domain_lo) / (domain_hi - domain_lo)));
 }
 

@@ -38,7 +38,7 @@ struct MaterialTable {
   /// One line per pair of key points that fall into the same class; empty when none do.
   std::vector<std::string> warnings() const;
 
-  /// round(255 * (clamp(v) - domain_lo) / (domain_hi - domain_lo)).
+  /// round(255 * (clamp(v) - domain_lo) / (domain_hi - domain_lo)); NaN counts as domain_lo.
   std::uint8_t class_of(double density) const;
 };
 

@@ -61,6 +61,17 @@ TEST(UnitOriginalChainMail, TearsTheRigidTWhileEcmBreaksNoLink) {
   EXPECT_EQ(check_links(ecm).violated, 0);
 }
 
+TEST(UnitOriginalChainMail, EcmKeepsTheTRigidThroughTheDragsOfFigure49) {
+  const Block block = t_shape(50);
+  Body body = body_of(block);
+  const Vec3i voxel(49, 25, 0);
+  for (const auto& [i, j] : {std::pair(12, 0), {12, 0}, {0, 20}, {-40, 0}, {-30, -35}, {60, 5}}) {
+    drag(body, {{voxel, {i * kVoxel, j * kVoxel, 0}}}, {});
+    EXPECT_EQ(torn_rigid_links(body, block), 0);
+    EXPECT_EQ(check_links(body).violated, 0);
+  }
+}
+
 TEST(PropertyOriginalChainMail, EqualsEcmOnHomogeneousConvexBodies) {
   std::mt19937 random(41);
   for (int n = 0; n < 100; ++n) {
