@@ -27,7 +27,7 @@ TransferFunction ct_bone() {
 TransferFunction ct_muscle() {
   TransferFunction f;
   f.name = "CT-Muscle";
-  f.opacity = {{-1024, 0}, {-40, 0}, {20, 0.15}, {70, 0.5}, {220, 0.7}, {420, 0.85}, {3071, 0.85}};
+  f.opacity = {{-1024, 0}, {-100, 0}, {20, 0.1}, {80, 0.28}, {220, 0.6}, {420, 0.85}, {3071, 0.85}};
   f.colour = {{-1024, {0.70, 0.31, 0.23}},
               {60, {0.72, 0.33, 0.24}},
               {160, {0.86, 0.58, 0.42}},
@@ -60,7 +60,7 @@ TransferFunction mr_default() {
               {120, {0.78, 0.60, 0.40}},
               {220, {0.86, 0.83, 0.78}},
               {1024, {1, 1, 1}}};
-  f.ambient = 0.2, f.diffuse = 1.0, f.specular = 0.2, f.specular_power = 10;
+  f.ambient = 0.3, f.diffuse = 1.0, f.specular = 0.2, f.specular_power = 10;
   return f;
 }
 
