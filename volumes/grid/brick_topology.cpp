@@ -27,6 +27,7 @@ bool is_empty(const BrickMask& mask) {
 
 /// Smallest box of the set voxels of one brick, in voxels of the whole.
 void grow_bounds(IndexBox& bounds, const Vec3i& origin, const BrickMask& mask) {
+  if (bounds.contains(origin) && bounds.contains(origin + Vec3i(kBrickDim - 1))) return;
   for_each_active(mask, [&](int offset) {
     const Vec3i p = origin + brick_local(offset);
     if (bounds.empty()) {
