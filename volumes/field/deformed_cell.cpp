@@ -16,6 +16,8 @@ constexpr double kNewtonPart = 1e-2;
 constexpr double kInjectiveHalf = 0.75;
 // Volume of the unit parallelepiped along G below which G counts as singular.
 constexpr double kSingular = 1e-9;
+// det J of the preconditioned equation above which a Newton step is solved directly.
+constexpr double kRegular = 1e-3;
 constexpr int kMaxDepth = 7;
 constexpr int kMaxBoxes = 1000;
 
@@ -56,12 +58,12 @@ Moments moments(const double (&v)[8]) {
 Vec3d newton_step(const Vec3d& jx, const Vec3d& jy, const Vec3d& jz, const Vec3d& residual) {
   const Vec3d yz = jy.cross(jz);
   const double volume = jx.dot(yz);
-  const double size = std::max({jx.length2(), jy.length2(), jz.length2()});
-  if (volume * volume > kSingular * kSingular * size * size * size) {
+  if (std::abs(volume) > kRegular) {
     const double inverse = 1 / volume;
     const Vec3d xr = jx.cross(residual);
     return {residual.dot(yz) * inverse, xr.dot(jz) * inverse, -xr.dot(jy) * inverse};
   }
+  const double size = std::max({jx.length2(), jy.length2(), jz.length2()});
   if (size == 0) return Vec3d(0);
   const double ridge = 1e-8 * size;
   const Vec3d a(jx.dot(jx) + ridge, jx.dot(jy), jx.dot(jz));
@@ -178,6 +180,7 @@ DeformedCell::DeformedCell(const CellCorners& corners, bool folded) : m_folded(f
   // The row sums of N' on a box larger than the cell: below 1 the map is injective there.
   const Vec3d pairs = abs(m_xy) + abs(m_yz) + abs(m_xz);
   constexpr double kHalf = kInjectiveHalf;
+  m_bend = max_component(pairs + abs(m_xyz) * 7.0);
   m_injective = max_component(pairs * (2 * kHalf) + abs(m_xyz) * (3 * kHalf * kHalf)) < 1;
 
   // The image lies in the box of its corners: with the signs of x and y fixed, those along z.
@@ -226,7 +229,11 @@ inline bool DeformedCell::newton(const Target& target, Vec3d& eta) const {
       jy += m_rest[1];
       jz += m_rest[2];
     }
-    eta = clamp(eta - newton_step(jx, jy, jz, residual), 2);
+    const Vec3d change = newton_step(jx, jy, jz, residual);
+    eta = clamp(eta - change, 2);
+    // What the step leaves is of second order in it; often that settles it without another look.
+    const double size = max_abs(change);
+    if (!m_singular && size < 1 && m_bend * size * size <= target.tolerance) return true;
   }
   return false;
 }

@@ -56,6 +56,7 @@ class DeformedCell {
   Vec3d m_lo, m_hi;    // box of the preconditioned corners
   Vec3d m_rest[3];     // columns of G - 1 where G is singular
   double m_scale = 1;  // voxels per unit of the preconditioned equation
+  double m_bend = 0;   // |N(a + b) - N(a) - N'(a) b| <= m_bend |b|^2 for |a| <= 2, |b| <= 1
   bool m_singular = false;
   bool m_folded = false;
   bool m_injective = false;  // on a box larger than the cell

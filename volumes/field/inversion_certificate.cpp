@@ -49,10 +49,11 @@ struct Histogram {
   }
 };
 
-/// u at a source position that a rounded offset may have pushed just over the border of the valid
-/// cells.
-bool sample_at_border(const VectorBricks& u, Vec3d pos, double slack, Vec3d& vector) {
+/// u at the source position of `offset`, which rounding may have pushed just over the border of the
+/// valid cells.
+bool sample_at_border(const VectorBricks& u, Vec3d pos, const Vec3f& offset, Vec3d& vector) {
   if (u.sample(pos, vector)) return true;
+  const double slack = 1e-5 + 1e-6 * double(offset.length());
   for (int a = 0; a < 3; ++a) {
     const double nearest = std::round(pos[a]);
     if (std::abs(pos[a] - nearest) <= slack) pos[a] = nearest;
@@ -68,21 +69,21 @@ bool starts_in_folded_cell(const VectorBricks& u, const std::vector<BrickMask>& 
 }
 
 void measure_brick(const VectorBricks& u, const VectorBricks& o,
-                   const std::vector<BrickMask>& folded, std::size_t b, Histogram& histogram) {
+                   const std::vector<BrickMask>& folded, bool any_folded, std::size_t b,
+                   Histogram& histogram) {
   const Vec3i& origin = o.topology.origin(b);
   const std::int32_t same = u.topology.find(origin);
   for_each_active(o.topology.mask(b), [&](int offset) {
     const Vec3f& vector = o.vectors[b * kBrickVoxels + offset];
     if (vector == Vec3f(0) && same >= 0 && mask_test(u.topology.mask(same), offset)) {
-      if (mask_test(folded[same], offset)) return;
+      if (any_folded && mask_test(folded[same], offset)) return;
       histogram.add(u.vectors[std::size_t(same) * kBrickVoxels + offset].length());
       return;
     }
     const Vec3d pos = Vec3d(origin + brick_local(offset)) + Vec3d(vector);
-    if (starts_in_folded_cell(u, folded, pos)) return;
-    const double slack = 1e-5 + 1e-6 * Vec3d(vector).length();
+    if (any_folded && starts_in_folded_cell(u, folded, pos)) return;
     Vec3d moved;
-    const bool known = sample_at_border(u, pos, slack, moved);
+    const bool known = sample_at_border(u, pos, vector, moved);
     histogram.add(known ? float((Vec3d(vector) + moved).length())
                         : std::numeric_limits<float>::infinity());
   });
@@ -92,12 +93,13 @@ void measure_brick(const VectorBricks& u, const VectorBricks& o,
 
 void measure_residuals(const VectorBricks& u, const VectorBricks& o,
                        const std::vector<BrickMask>& folded, InversionCertificate& certificate) {
+  const bool any_folded = certificate.folded_cells > 0;
   using Range = tbb::blocked_range<std::size_t>;
   const Histogram histogram = tbb::parallel_reduce(
       Range(0, o.topology.brick_count(), 16), Histogram{},
       [&](const Range& range, Histogram part) {
         for (std::size_t b = range.begin(); b < range.end(); ++b) {
-          measure_brick(u, o, folded, b, part);
+          measure_brick(u, o, folded, any_folded, b, part);
         }
         return part;
       },

@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include "volumes/field/inversion_certificate.h"
 #include "volumes/field/offset_accumulator.h"
+#include "volumes/field/output_bricks.h"
 #include "volumes/field/ring_fill.h"
 #include "volumes/field/source_cells.h"
 
@@ -20,24 +20,7 @@ namespace {
 
 // Offsets are floats: beyond a million voxels they no longer resolve a sixteenth of a voxel.
 constexpr float kMaxDisplacement = 1e6f;
-// A cell that spans more nodes is torn, not deformed.
-constexpr double kMaxNodesPerCell = 1 << 24;
 constexpr std::size_t kMaxListed = 1000;
-// Rounding of a deformed corner, in voxels.
-constexpr double kNodeSlack = 1e-5;
-
-bool vec_less(const Vec3i& a, const Vec3i& b) {
-  return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
-}
-
-std::string to_text(const Vec3i& v) {
-  return std::to_string(v.x) + " " + std::to_string(v.y) + " " + std::to_string(v.z);
-}
-
-void sort_unique(std::vector<Vec3i>& list) {
-  std::sort(list.begin(), list.end(), vec_less);
-  list.erase(std::unique(list.begin(), list.end()), list.end());
-}
 
 /// Parallel over bricks in chunks, with progress and cancellation between them.
 template <class Body>
@@ -64,31 +47,6 @@ struct Totals {
   std::vector<OffsetAccumulator::Hit> hits;  // of the brick at work
 };
 
-/// Nodes x of the output lattice in the box of a deformed cell, relative to its lowest corner.
-IndexBox nodes_of(const CellCorners& corners, const Vec3i& cell) {
-  IndexBox nodes;
-  double count = 1;
-  for (int a = 0; a < 3; ++a) {
-    const double* p = corners.p[a];
-    double lo[4], hi[4];
-    for (int n = 0; n < 4; ++n) {
-      lo[n] = std::min(p[n], p[n + 4]);
-      hi[n] = std::max(p[n], p[n + 4]);
-    }
-    const double min = std::min(std::min(lo[0], lo[1]), std::min(lo[2], lo[3]));
-    const double max = std::max(std::max(hi[0], hi[1]), std::max(hi[2], hi[3]));
-    nodes.lo[a] = int(std::ceil(min - kNodeSlack));
-    nodes.hi[a] = int(std::floor(max + kNodeSlack));
-    count *= std::max(0, nodes.hi[a] - nodes.lo[a] + 1);
-  }
-  if (count > kMaxNodesPerCell) {
-    throw InputError({"", "displacement at voxel " + to_text(cell),
-                      "a cell stretched over " + to_text(nodes.hi - nodes.lo) + " voxels",
-                      "a field without tears (at most 2^24 voxels per cell)"});
-  }
-  return nodes;
-}
-
 class Inversion {
  public:
   Inversion(const VectorBricks& u, const Vec3i& dims, const InvertParams& params)
@@ -100,8 +58,6 @@ class Inversion {
 
  private:
   void classify_bricks();
-  std::vector<Vec3i> output_origins() const;
-  void add_output_origins(std::size_t b, std::vector<Vec3i>& origins) const;
   void solve_brick(std::size_t b, OffsetAccumulator& accumulator, Totals& totals);
   std::vector<Vec3i> settle(const std::vector<Doubt>& doubts, OffsetAccumulator& accumulator) const;
   void translate_cell(const Vec3i& cell, const Vec3f& shift, Totals& totals) const;
@@ -145,63 +101,6 @@ void Inversion::classify_bricks() {
     }
     m_still[b] = still;
   });
-}
-
-/// Bricks of the output lattice that the box of a deformed source brick, or of its cells where
-/// that box is large, reaches.
-void Inversion::add_output_origins(std::size_t b, std::vector<Vec3i>& origins) const {
-  const auto add_box = [&](const Vec3i& lo, const Vec3i& hi) {
-    for (int x = lo.x & ~7; x <= hi.x; x += kBrickDim) {
-      for (int y = lo.y & ~7; y <= hi.y; y += kBrickDim) {
-        for (int z = lo.z & ~7; z <= hi.z; z += kBrickDim) origins.push_back({x, y, z});
-      }
-    }
-  };
-  const Vec3i& origin = m_u.topology.origin(b);
-  if (m_still[b]) {
-    add_box(origin, origin + Vec3i(kBrickDim));
-    return;
-  }
-  SourceCells cells;
-  if (!gather_cells(m_u, b, cells)) return;
-  std::vector<IndexBox> boxes;
-  IndexBox whole;
-  for_each_active(cells.mask, [&](int offset) {
-    const Vec3i cell = origin + brick_local(offset);
-    IndexBox box = nodes_of(cell_corners(cells, offset), cell);
-    if (box.empty()) return;
-    box = {cell + box.lo, cell + box.hi};
-    boxes.push_back(box);
-    if (whole.empty()) whole = box;
-    for (int a = 0; a < 3; ++a) {
-      whole.lo[a] = std::min(whole.lo[a], box.lo[a]);
-      whole.hi[a] = std::max(whole.hi[a], box.hi[a]);
-    }
-  });
-  if (boxes.empty()) return;
-  constexpr double kLarge = 64.0 * kBrickVoxels;
-  const Vec3d extent = Vec3d(whole.hi - whole.lo) + Vec3d(1);
-  if (extent.x * extent.y * extent.z <= kLarge) {
-    add_box(whole.lo, whole.hi);
-    return;
-  }
-  const std::size_t first = origins.size();
-  for (const IndexBox& box : boxes) add_box(box.lo, box.hi);
-  std::sort(origins.begin() + first, origins.end(), vec_less);
-  origins.erase(std::unique(origins.begin() + first, origins.end()), origins.end());
-}
-
-std::vector<Vec3i> Inversion::output_origins() const {
-  tbb::enumerable_thread_specific<std::vector<Vec3i>> parts;
-  tbb::parallel_for(std::size_t(0), m_u.topology.brick_count(),
-                    [&](std::size_t b) { add_output_origins(b, parts.local()); });
-  std::vector<Vec3i> origins;
-  for (std::vector<Vec3i>& part : parts) {
-    sort_unique(part);
-    origins.insert(origins.end(), part.begin(), part.end());
-  }
-  sort_unique(origins);
-  return origins;
 }
 
 /// Along an axis with one slice only what comes from that slice counts, not from its copies.
@@ -327,7 +226,7 @@ std::vector<Vec3i> Inversion::settle(const std::vector<Doubt>& doubts,
 }
 
 VectorBricks Inversion::run(InversionCertificate& certificate, Progress* progress) {
-  OffsetAccumulator accumulator(output_origins());
+  OffsetAccumulator accumulator(output_origins(m_u, m_still));
   tbb::enumerable_thread_specific<Totals> totals;
   for_bricks(m_u.topology.brick_count(), progress,
              [&](std::size_t b) { solve_brick(b, accumulator, totals.local()); });

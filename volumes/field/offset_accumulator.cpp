@@ -16,17 +16,16 @@ bool is_better(const Vec3f& a, const Vec3f& b) {
   return std::tie(length_a, a.x, a.y, a.z) < std::tie(length_b, b.x, b.y, b.z);
 }
 
-BrickTopology full_bricks(std::vector<Vec3i> origins) {
-  BrickMask full;
-  full.fill(~std::uint64_t(0));
-  std::vector<BrickMask> masks(origins.size(), full);
+/// A table to find bricks by; which voxels are active is kept beside it.
+BrickTopology brick_table(std::vector<Vec3i> origins) {
+  std::vector<BrickMask> masks(origins.size(), BrickMask{1});
   return {std::move(origins), std::move(masks)};
 }
 
 }  // namespace
 
 OffsetAccumulator::OffsetAccumulator(std::vector<Vec3i> origins)
-    : m_bricks(full_bricks(std::move(origins))),
+    : m_bricks(brick_table(std::move(origins))),
       m_vectors(m_bricks.brick_count() * kBrickVoxels, Vec3f(0)),
       m_valid(m_bricks.brick_count(), BrickMask{}),
       m_locks(m_bricks.brick_count()) {}

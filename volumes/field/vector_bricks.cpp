@@ -27,21 +27,16 @@ bool VectorBricks::sample(const Vec3d& pos_index, Vec3d& vector) const {
                  int(std::floor(pos_index.z)));
   const Vec3d t = pos_index - Vec3d(lo);
   const Vec3d weight[2] = {Vec3d(1) - t, t};
+  const std::int32_t first = topology.find(lo);
+  const bool in_one_brick = ((lo.x & 7) < 7) && ((lo.y & 7) < 7) && ((lo.z & 7) < 7);
 
-  // Eight corners; the brick is looked up again only where the cell leaves it.
-  std::int32_t brick = -1;
-  Vec3i brick_of(1, 1, 1);
   Vec3d sum(0);
   for (int corner = 0; corner < 8; ++corner) {
     const int x = corner >> 2, y = (corner >> 1) & 1, z = corner & 1;
     const double w = weight[x].x * weight[y].y * weight[z].z;
     if (w == 0) continue;
     const Vec3i voxel = lo + Vec3i(x, y, z);
-    const Vec3i origin(voxel.x & ~7, voxel.y & ~7, voxel.z & ~7);
-    if (origin != brick_of) {
-      brick = topology.find(voxel);
-      brick_of = origin;
-    }
+    const std::int32_t brick = in_one_brick || corner == 0 ? first : topology.find(voxel);
     const int offset = brick_offset(voxel);
     if (brick < 0 || !mask_test(topology.mask(brick), offset)) return false;
     const Vec3f& v = vectors[std::size_t(brick) * kBrickVoxels + offset];
