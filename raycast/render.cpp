@@ -51,6 +51,29 @@ class SharedProgress {
   std::mutex m_mutex;
 };
 
+/// The voxels within `rings` of active ones that lie inside the box.
+BrickTopology grow_inside(const BrickTopology& active, int rings, const Vec3i& dims) {
+  const BrickTopology grown = dilate(active, rings);
+  const IndexBox box{{0, 0, 0}, dims - Vec3i(1)};
+  std::vector<Vec3i> origins;
+  std::vector<BrickMask> masks;
+  for (std::size_t b = 0; b < grown.brick_count(); ++b) {
+    BrickMask mask{};
+    for_each_active(grown.mask(b), [&](int offset) {
+      const Vec3i voxel = grown.origin(b) + brick_local(offset);
+      if (box.contains(voxel) || active.is_active(voxel)) mask_set(mask, offset);
+    });
+    origins.push_back(grown.origin(b));
+    masks.push_back(mask);
+  }
+  return {std::move(origins), std::move(masks)};
+}
+
+SourceBricks make_source(const Geometry& geometry, const DensityGrid& density, int rings) {
+  if (rings <= 0) return SourceBricks(density);
+  return {density, grow_inside(density.bricks(), rings, geometry.dims())};
+}
+
 void require(bool good, const char* field, double value, const char* expected) {
   if (!good) throw InputError({"", field, std::to_string(value), expected});
 }
@@ -67,16 +90,18 @@ void RenderSettings::validate() const {
 }
 
 struct Renderer::Impl {
-  Impl(const Geometry& geometry_, const DensityGrid& density)
-      : geometry(geometry_), source(density), output(std::make_unique<OffsetBricks>(source)) {}
+  Impl(const Geometry& geometry_, const DensityGrid& density, int background_rings)
+      : geometry(geometry_),
+        source(make_source(geometry_, density, background_rings)),
+        output(std::make_unique<OffsetBricks>(source)) {}
 
   Geometry geometry;
   SourceBricks source;
   std::unique_ptr<OffsetBricks> output;
 };
 
-Renderer::Renderer(const Geometry& geometry, const DensityGrid& density)
-    : m_impl(std::make_unique<Impl>(geometry, density)) {}
+Renderer::Renderer(const Geometry& geometry, const DensityGrid& density, int background_rings)
+    : m_impl(std::make_unique<Impl>(geometry, density, background_rings)) {}
 
 Renderer::~Renderer() = default;
 

@@ -42,8 +42,11 @@ struct RenderReport {
 class Renderer {
  public:
   /// `density` is sampled where it is active and empty elsewhere; it is copied and need not
-  /// outlive the renderer.
-  Renderer(const Geometry& geometry, const DensityGrid& density);
+  /// outlive the renderer. A volume as loaded leaves out the voxels at the file's minimum, which
+  /// are air, not void: `background_rings` > 0 (at most 8) samples the background in that many
+  /// rings around the active voxels, inside the box. Two rings give surfaces beside such air the
+  /// densities and gradients that a state keeps in its shell; none are wanted for a state.
+  Renderer(const Geometry& geometry, const DensityGrid& density, int background_rings = 0);
   ~Renderer();
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;

@@ -18,12 +18,12 @@ struct DensitySurvey {
   bool integers = true;
 };
 
-DensitySurvey survey(const DensityGrid& density) {
+DensitySurvey survey(const BrickTopology& where, const std::vector<const float*>& values,
+                     float background) {
   DensitySurvey result;
-  const BrickTopology& bricks = density.bricks();
-  for (std::size_t b = 0; b < bricks.brick_count(); ++b) {
-    for_each_active(bricks.mask(b), [&](int offset) {
-      const float value = density.values(b)[offset];
+  for (std::size_t b = 0; b < where.brick_count(); ++b) {
+    for_each_active(where.mask(b), [&](int offset) {
+      const float value = values[b] != nullptr ? values[b][offset] : background;
       if (!std::isfinite(value)) return;
       result.lo = std::min(result.lo, double(value));
       result.hi = std::max(result.hi, double(value));
@@ -76,17 +76,24 @@ void EncodedRange::add(const EncodedRange& other) {
   add(other.hi);
 }
 
-SourceBricks::SourceBricks(const DensityGrid& density) : m_topology(density.bricks()) {
-  choose_encoding(density);
+SourceBricks::SourceBricks(const DensityGrid& density, const BrickTopology& where)
+    : m_topology(where) {
   const std::size_t count = m_topology.brick_count();
+  Values values(count);
+  for (std::size_t b = 0; b < count; ++b) {
+    const std::int32_t from = density.bricks().find(m_topology.origin(b));
+    if (from >= 0) values[b] = density.values(from);
+  }
+  choose_encoding(density, values);
   m_nodes.resize(count * kBrickNodes, kVoid);
   m_ranges.resize(count);
-  tbb::parallel_for(std::size_t(0), count, [&](std::size_t b) { fill_brick(density, b); });
+  tbb::parallel_for(std::size_t(0), count,
+                    [&](std::size_t b) { fill_brick(values, density.background(), b); });
   for (const EncodedRange& range : m_ranges) m_range.add(range);
 }
 
-void SourceBricks::choose_encoding(const DensityGrid& density) {
-  const DensitySurvey found = survey(density);
+void SourceBricks::choose_encoding(const DensityGrid& density, const Values& values) {
+  const DensitySurvey found = survey(m_topology, values, density.background());
   if (found.lo > found.hi) return;
   const double middle = 0.5 * (found.lo + found.hi);
   const bool exact = found.integers && found.hi - found.lo <= 2 * kCodes - 1;
@@ -100,7 +107,7 @@ std::int16_t SourceBricks::encode(float density) const {
   return std::int16_t(std::clamp(code, -kCodes, kCodes));
 }
 
-void SourceBricks::fill_brick(const DensityGrid& density, std::size_t b) {
+void SourceBricks::fill_brick(const Values& values, float background, std::size_t b) {
   const Vec3i origin = m_topology.origin(b);
   std::array<std::int32_t, 27> neighbours;
   for (int n = 0; n < 27; ++n) {
@@ -116,7 +123,7 @@ void SourceBricks::fill_brick(const DensityGrid& density, std::size_t b) {
         const std::int32_t from = neighbours[n];
         const int offset = brick_offset({x, y, z});
         if (from < 0 || !mask_test(m_topology.mask(from), offset)) continue;
-        *out = encode(density.values(from)[offset]);
+        *out = encode(values[from] != nullptr ? values[from][offset] : background);
         const bool in_cells = std::min({x, y, z}) >= 0 && std::max({x, y, z}) <= kBrickDim;
         if (in_cells && *out != kVoid) range.add(float(*out));
       }

@@ -26,7 +26,9 @@ class SourceBricks {
   static constexpr int kStepX = kDim * kDim, kStepY = kDim, kStepZ = 1;
   static constexpr std::int16_t kVoid = -32768;
 
-  explicit SourceBricks(const DensityGrid& density);
+  explicit SourceBricks(const DensityGrid& density) : SourceBricks(density, density.bricks()) {}
+  /// Sampled where `where` is active; its voxels that are inactive in the grid hold the background.
+  SourceBricks(const DensityGrid& density, const BrickTopology& where);
 
   const BrickTopology& topology() const { return m_topology; }
   /// Node `local` (0 … 8 per axis, apron beyond) of brick b.
@@ -45,9 +47,11 @@ class SourceBricks {
  private:
   static constexpr std::size_t kBrickNodes = kDim * kDim * kDim + 1;
 
-  void choose_encoding(const DensityGrid& density);
+  /// The 512 densities under brick b; null where the grid has none and all are background.
+  using Values = std::vector<const float*>;
+  void choose_encoding(const DensityGrid& density, const Values& values);
   std::int16_t encode(float density) const;
-  void fill_brick(const DensityGrid& density, std::size_t b);
+  void fill_brick(const Values& values, float background, std::size_t b);
 
   BrickTopology m_topology;
   std::vector<std::int16_t> m_nodes;

@@ -148,6 +148,25 @@ TEST(PropertyRender, ConstantOffsetsShowTheMovedVolume) {
   EXPECT_LE(result.max_diff, 2.0 / 255);
 }
 
+TEST(PropertyRender, ALoadedVolumeWithBackgroundRingsLooksLikeTheWholeVolume) {
+  // The loader leaves out voxels at the minimum; surfaces beside them must not become jagged.
+  const Geometry geometry = cube_geometry(kSize);
+  const DensityFunction body = lobed_body(Vec3d(23.5), 14);
+  const auto density = [&](const Vec3d& p) { return std::max(std::floor(body(p)) - 300, 0.0); };
+  const DensityGrid whole = grid_of(voxels_of(geometry.dims(), everywhere), density);
+  const DensityGrid loaded = restrict_to(
+      whole, voxels_of(geometry.dims(), [&](const Vec3i& v) { return density(Vec3d(v)) > 0; }));
+  const Camera camera = default_camera(geometry, 1);
+  TransferFunction f = surface_function();
+  f.opacity = {{0, 0}, {100, 0.9}};
+  const auto picture = [&](const DensityGrid& grid, int rings) {
+    return Renderer(geometry, grid, rings).render(camera, f, small_picture(128));
+  };
+  const Image expected = picture(whole, 0);
+  EXPECT_EQ(picture(loaded, 2).rgba, expected.rgba);
+  EXPECT_LT(compare(picture(loaded, 0), expected, true).ssim, 0.99);
+}
+
 TEST(PropertyRender, StrideFindsWhatEverySampleFindsOnThickObjects) {
   const Geometry geometry = cube_geometry(kSize);
   const Renderer renderer(
