@@ -1,1 +1,114 @@
-int main() { return 0; }
+// The `supple` program: parses the command line, runs one subcommand, turns errors into exit codes.
+#include <oneapi/tbb/global_control.h>
+
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <new>
+#include <optional>
+#include <thread>
+
+#include "tools/command.h"
+#include "tools/version.h"
+
+namespace supple::tools {
+
+namespace {
+
+void add_global_options(CLI::App& program, GlobalOptions& options) {
+  const std::map<std::string, LogLevel> levels = {{"error", LogLevel::error},
+                                                  {"warning", LogLevel::warning},
+                                                  {"info", LogLevel::info},
+                                                  {"debug", LogLevel::debug}};
+  const auto group = "Everywhere";
+  program.add_option("--threads", options.threads, "Number of threads, 0 for all")
+      ->check(CLI::Range(0, 1024))
+      ->group(group);
+  program.add_flag("--quiet", options.quiet, "No progress, notes or warnings")->group(group);
+  program.add_flag("--json", options.json, "Results as one JSON object on stdout")->group(group);
+  program.add_flag("--force", options.force, "Overwrite existing outputs")->group(group);
+  program.add_option("--log-level", options.log_level, "error, warning, info or debug")
+      ->transform(CLI::CheckedTransformer(levels, CLI::ignore_case))
+      ->option_text("LEVEL")
+      ->group(group);
+}
+
+/// One line on stderr whatever the message holds.
+int fail(int exit_code, std::string message) {
+  for (char& c : message) {
+    if (c == '\n' || c == '\r') c = ' ';
+  }
+  std::fprintf(stderr, "supple: error: %s\n", message.c_str());
+  return exit_code;
+}
+
+/// Ends as the signal would have ended the process, so that shells see the interruption.
+int end_by_signal(int number) {
+  std::fprintf(stderr, "supple: stopped, no output was left incomplete\n");
+  std::signal(number, SIG_DFL);
+  std::raise(number);
+  return 128 + number;
+}
+
+int run_command(const Command& command, const GlobalOptions& options) {
+  std::optional<tbb::global_control> threads;
+  if (options.threads > 0) {
+    threads.emplace(tbb::global_control::max_allowed_parallelism, options.threads);
+  }
+  try {
+    Console console(options);
+    const int exit_code = command.run(options, console);
+    if (std::fflush(stdout) != 0) throw SystemError("standard output: cannot write");
+    return exit_code;
+  } catch (const UsageError& error) {
+    return fail(kUsage, error.what());
+  } catch (const InputError& error) {
+    return fail(kBadInput, error.what());
+  } catch (const SystemError& error) {
+    return fail(kSystem, error.what());
+  } catch (const Cancelled&) {
+    return end_by_signal(pending_signal());
+  } catch (const std::bad_alloc&) {
+    return fail(kSystem, "out of memory");
+  } catch (const std::filesystem::filesystem_error& error) {
+    return fail(kSystem, error.what());
+  } catch (const std::exception& error) {
+    return fail(kFailure, error.what());
+  }
+}
+
+int run_program(int argc, char** argv) {
+  GlobalOptions options;
+  CLI::App program("Supple deforms CT and MRI volumes and shows them.", "supple");
+  program.set_version_flag("--version", std::string("supple ") + kVersion);
+  program.require_subcommand(1);
+  program.fallthrough();
+  add_global_options(program, options);
+  program.footer(
+      "Examples:\n"
+      "  supple info head.nii.gz\n"
+      "  supple deform head.nhdr --material ct.toml --grab 128,211,12 --by 0,12,0 -o drag.vdb\n"
+      "  supple render drag.vdb --preset CT-Bone -o drag.png\n"
+      "Exit codes: 0 done, 1 failure or over a limit, 2 wrong command line or existing output,\n"
+      "3 unusable value or file, 4 the system refuses (disk, permission, memory).");
+  const Command commands[] = {add_info(program),     add_deform(program), add_render(program),
+                              add_export(program),   add_resample(program), add_run(program),
+                              add_compare(program)};
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return program.exit(error);
+    return fail(kUsage, std::string(error.what()) + " (see supple --help)");
+  }
+  install_signal_handlers();
+  for (const Command& command : commands) {
+    if (command.app->parsed()) return run_command(command, options);
+  }
+  return kUsage;
+}
+
+}  // namespace
+
+}  // namespace supple::tools
+
+int main(int argc, char** argv) { return supple::tools::run_program(argc, argv); }

@@ -1,0 +1,47 @@
+// What a subcommand is made of, and the helpers that several of them share.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "tools/console.h"
+
+namespace supple::tools {
+
+/// Documented exit codes (docs/errors.md, design.md section 8).
+enum ExitCode : int { kOk = 0, kFailure = 1, kUsage = 2, kBadInput = 3, kSystem = 4 };
+
+/// The command line does not parse, or an output exists and --force is missing; exit code 2.
+class UsageError : public Error {
+ public:
+  using Error::Error;
+};
+
+/// Runs with the options that its registration bound; returns an exit code.
+using Action = std::function<int(const GlobalOptions&, Console&)>;
+
+struct Command {
+  CLI::App* app;
+  Action run;
+};
+
+Command add_info(CLI::App& program);
+Command add_deform(CLI::App& program);
+Command add_export(CLI::App& program);
+Command add_resample(CLI::App& program);
+Command add_render(CLI::App& program);
+Command add_run(CLI::App& program);
+Command add_compare(CLI::App& program);
+
+/// A subcommand with its examples, one per line, below the options.
+CLI::App* add_subcommand(CLI::App& program, const std::string& name,
+                         const std::string& description, const std::string& examples);
+
+/// Throws UsageError when `path` exists and --force is not given, InputError when its folder does
+/// not exist, so that nothing is computed in vain.
+void check_output(const std::string& path, const GlobalOptions& options);
+
+}  // namespace supple::tools

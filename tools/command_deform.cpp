@@ -1,0 +1,121 @@
+// supple deform: drags voxels of a volume or state and writes the state.
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "tools/command.h"
+#include "tools/material_file.h"
+#include "tools/outputs.h"
+#include "tools/parse.h"
+
+namespace supple::tools {
+
+namespace {
+
+struct Options {
+  std::string input, raw_spec, material, output;
+  std::vector<std::string> grabs, bys, fixes;
+};
+
+std::vector<Drag> parse_drags(const Options& options) {
+  if (options.grabs.size() != options.bys.size()) {
+    throw UsageError(to_line({"", "--grab and --by",
+                              std::to_string(options.grabs.size()) + " and " +
+                                  std::to_string(options.bys.size()),
+                              "pairs, in order"}));
+  }
+  std::vector<Drag> drags;
+  for (std::size_t n = 0; n < options.grabs.size(); ++n) {
+    drags.push_back({parse_voxel("--grab", options.grabs[n]), parse_vector("--by", options.bys[n])});
+  }
+  return drags;
+}
+
+void print_text(const Session& session, const Options& options,
+                const InversionCertificate& certificate) {
+  const EcmReport& report = session.records().back().report;
+  std::printf("elements        %lld\n",
+              static_cast<long long>(session.body().elements.active_count()));
+  std::printf("moved           %lld\n", static_cast<long long>(report.moved));
+  std::printf("drag performed  %.6g (%lld/%lld)\n", report.fraction(),
+              static_cast<long long>(report.fraction_numerator),
+              static_cast<long long>(report.fraction_denominator));
+  std::printf("folds excluded  %s\n", session.links().fold_free ? "yes, by the material" : "no");
+  std::printf("folded cells    %lld of %lld, smallest det F %.4g\n",
+              static_cast<long long>(certificate.folded_cells),
+              static_cast<long long>(certificate.cells), certificate.min_det);
+  std::printf("inversion       residual max %.2g, p99.9 %.2g voxels, unresolved %lld\n",
+              certificate.residual_max, certificate.residual_p999,
+              static_cast<long long>(certificate.unresolved_voxels));
+  std::printf("state           %s\n", options.output.c_str());
+}
+
+void print_json(const Session& session, const Options& options,
+                const InversionCertificate& certificate) {
+  nlohmann::ordered_json json = to_json(session.records().back());
+  json["elements"] = session.body().elements.active_count();
+  json["fold_free_material"] = session.links().fold_free;
+  json["folded"] = certificate.folded_cells;
+  json["certificate"] = to_json(certificate);
+  json["state"] = options.output;
+  std::printf("%s\n", json.dump(2).c_str());
+}
+
+int run(const Options& options, const GlobalOptions& global, Console& console) {
+  const std::vector<Drag> drags = parse_drags(options);
+  std::vector<IndexBox> fix;
+  for (const std::string& text : options.fixes) fix.push_back(parse_box("--fix", text));
+  check_output(options.output, global);
+  std::optional<MaterialTable> material;
+  if (!options.material.empty()) material = read_material(options.material);
+
+  Session session(options.input, options.raw_spec, material, console);
+  session.step(drags, fix, false, console);
+  const State state = session.state();
+  const Deformed deformed = invert_state(state, console);
+  console.stage("write");
+  write_state(options.output, state, &deformed.offsets, &console);
+
+  const InversionCertificate& certificate = deformed.offsets.certificate;
+  if (global.json) {
+    print_json(session, options, certificate);
+  } else if (!global.quiet) {
+    print_text(session, options, certificate);
+  }
+  return kOk;
+}
+
+}  // namespace
+
+Command add_deform(CLI::App& program) {
+  auto options = std::make_shared<Options>();
+  CLI::App* app = add_subcommand(
+      program, "deform", "Drag voxels of a volume or state; the body follows (Enhanced ChainMail)",
+      "  supple deform head.nhdr --material ct.toml --grab 128,211,12 --by 0,12,0 -o drag.vdb\n"
+      "  supple deform drag.vdb --grab 128,211,12 --by 0,0,-5 --fix 20,20,60:235,150,107 "
+      "-o more.vdb\n"
+      "  supple deform slice.png --grab 40,25,0 --by 8,0,0 --json -o slice.vdb");
+  app->add_option("input", options->input, "A volume file, or a state to continue")
+      ->required()
+      ->option_text("VOLUME|STATE.vdb");
+  app->add_option("--raw", options->raw_spec,
+                  "Headerless raw: dims=X,Y,Z,type=int16,spacing=A,B,C[,endian=big][,offset=N]");
+  app->add_option("--material", options->material, "Look-up table from density to link limits")
+      ->option_text("M.toml");
+  app->add_option("--grab", options->grabs, "Voxel to drag; repeat for several handles")
+      ->allow_extra_args(false)
+      ->option_text("I,J,K");
+  app->add_option("--by", options->bys, "How far, in mm along the grid axes; one per --grab")
+      ->allow_extra_args(false)
+      ->option_text("DX,DY,DZ");
+  app->add_option("--fix", options->fixes, "Voxel or box of voxels that stays where it is")
+      ->allow_extra_args(false)
+      ->option_text("I,J,K[:I,J,K]");
+  app->add_option("-o,--output", options->output, "State file to write")
+      ->required()
+      ->option_text("STATE.vdb");
+  return {app, [options](const GlobalOptions& global, Console& console) {
+            return run(*options, global, console);
+          }};
+}
+
+}  // namespace supple::tools

@@ -1,0 +1,65 @@
+// supple export: the deformation of a state as a warp file that other programs read.
+#include "tools/command.h"
+#include "tools/outputs.h"
+
+namespace supple::tools {
+
+namespace {
+
+struct Options {
+  std::string input, output;
+  std::string direction = "resample";
+  std::string void_mode = "nearest";
+  GridChoice grid;
+};
+
+int run(const Options& options, const GlobalOptions& global, Console& console) {
+  check_output(options.output, global);
+  check_warp_name(options.output);
+  const bool material = options.direction == "material";
+  if (material && (!options.grid.file.empty() || options.grid.margin_mm > 0)) {
+    throw UsageError("--grid and --margin: found with --direction material, expected --direction "
+                     "resample (a material field lives on the source grid)");
+  }
+  console.stage("read");
+  const State state = read_state(options.input, &console);
+  const Deformed deformed = invert_state(state, console);
+  write_state_warp(options.output, state, deformed,
+                   material ? WarpDirection::material : WarpDirection::resample,
+                   parse_void_mode(options.void_mode), choose_grid(state.geometry, options.grid),
+                   console);
+  return kOk;
+}
+
+}  // namespace
+
+Command add_export(CLI::App& program) {
+  auto options = std::make_shared<Options>();
+  CLI::App* app = add_subcommand(
+      program, "export", "Write a state's deformation as a warp for ITK, elastix, Slicer, ANTs",
+      "  supple export drag.vdb -o warp.nrrd\n"
+      "  supple export drag.vdb --margin 20 --void outside -o warp.mha\n"
+      "  supple export drag.vdb --direction material -o push.nrrd");
+  app->add_option("state", options->input, "A state file")->required()->option_text("STATE.vdb");
+  app->add_option("-o,--output", options->output, "Warp to write: .nrrd, .nhdr, .mha or .mhd")
+      ->required()
+      ->option_text("FIELD");
+  app->add_option("--direction", options->direction,
+                  "resample: out(x) = in(x + o(x)); material: voxel X moves to X + u(X)")
+      ->check(CLI::IsMember({"resample", "material"}))
+      ->option_text("resample|material");
+  app->add_option("--void", options->void_mode,
+                  "Where no material is: nearest void, outside the source, or extend")
+      ->check(CLI::IsMember({"nearest", "outside", "extend"}))
+      ->option_text("nearest|outside|extend");
+  app->add_option("--grid", options->grid.file, "Take the output grid from this volume")
+      ->option_text("FILE");
+  app->add_option("--margin", options->grid.margin_mm, "Grow the grid on every side, in mm")
+      ->check(CLI::NonNegativeNumber)
+      ->option_text("MM");
+  return {app, [options](const GlobalOptions& global, Console& console) {
+            return run(*options, global, console);
+          }};
+}
+
+}  // namespace supple::tools

@@ -1,0 +1,144 @@
+// supple info: what a volume or state file holds.
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "tools/command.h"
+#include "volumes/io/volume_file.h"
+#include "volumes/state/state.h"
+
+namespace supple::tools {
+
+namespace {
+
+struct Options {
+  std::string input, raw_spec;
+};
+
+using Json = nlohmann::ordered_json;
+
+Json to_list(const Vec3d& v) { return {v.x, v.y, v.z}; }
+
+void add_geometry(Json& json, const Geometry& geometry) {
+  const Vec3d origin = geometry.origin_lps_mm();
+  const auto direction = geometry.direction();
+  const auto& axes = geometry.axes_mm();
+  json["dims"] = {geometry.dims().x, geometry.dims().y, geometry.dims().z};
+  json["spacing_mm"] = to_list(geometry.spacing_mm());
+  json["origin_lps_mm"] = to_list(origin);
+  Json rows = Json::array(), affine = Json::array();
+  for (int row = 0; row < 3; ++row) {
+    rows.push_back({direction[0][row], direction[1][row], direction[2][row]});
+    affine.push_back({axes[0][row], axes[1][row], axes[2][row], origin[row]});
+  }
+  affine.push_back({0.0, 0.0, 0.0, 1.0});
+  json["direction"] = rows;
+  json["affine_lps"] = affine;
+}
+
+Json describe_volume(const Options& options, Console& console) {
+  console.stage("read");
+  const auto file = open_volume(options.input, options.raw_spec);
+  const VolumeHeader header = file->header();
+  const VolumeDigest digest = digest_volume(*file, &console);
+  Json json;
+  json["format"] = header.format;
+  json["type"] = numpy_name(header.type);
+  add_geometry(json, header.geometry);
+  json["min"] = digest.statistics.min;
+  json["max"] = digest.statistics.max;
+  json["mean"] = digest.statistics.mean;
+  json["nan_voxels"] = digest.statistics.nan_count;
+  json["active_voxels"] = digest.statistics.above_min_count;
+  json["bytes_dense"] = header.geometry.voxel_count() * bytes_of(header.type);
+  json["bytes_sparse"] = digest.sparse_bytes;
+  json["sha256"] = digest.sha256;
+  return json;
+}
+
+Json describe_state(const Options& options, Console& console) {
+  console.stage("read");
+  const State state = read_state(options.input, &console);
+  const BrickTopology& kept = state.density.bricks();
+  double min = 0, max = 0, sum = 0;
+  std::int64_t count = 0;
+  for (std::size_t b = 0; b < kept.brick_count(); ++b) {
+    for_each_active(kept.mask(b), [&](int offset) {
+      const double value = state.density.values(b)[offset];
+      min = count == 0 ? value : std::min(min, value);
+      max = count == 0 ? value : std::max(max, value);
+      sum += value;
+      ++count;
+    });
+  }
+  std::size_t offset_bytes = 0;
+  double longest_voxels = 0;
+  for (const auto& q : state.q) {
+    offset_bytes += q.size() * sizeof(q[0]);
+    for (const std::int32_t value : q) {
+      longest_voxels = std::max(longest_voxels, std::abs(value / kFixedOne));
+    }
+  }
+  Json json;
+  json["format"] = "supple state";
+  json["type"] = state.source_type;
+  add_geometry(json, state.geometry);
+  json["min"] = min;
+  json["max"] = max;
+  json["mean"] = count > 0 ? sum / double(count) : 0.0;
+  json["active_voxels"] = state.elements.active_count();
+  json["shell_voxels"] = count - state.elements.active_count();
+  json["bytes_dense"] = state.geometry.voxel_count() * std::int64_t(sizeof(float));
+  json["bytes_sparse"] = state.density.bytes() + state.elements.bytes() + offset_bytes;
+  json["source"] = state.source_name;
+  json["anchors"] = state.anchors.size();
+  json["largest_offset_voxels"] = longest_voxels;
+  json["configuration"] = Json::parse(state.configuration, nullptr, false);
+  return json;
+}
+
+/// One "name  value" line per entry; the affine repeats the lines before it.
+void print_text(const Json& json) {
+  for (const auto& [name, value] : json.items()) {
+    if (name == "affine_lps") continue;
+    const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
+    std::printf("%-22s %s\n", name.c_str(), text.c_str());
+  }
+  const double voxels = json["dims"][0].get<double>() * json["dims"][1].get<double>() *
+                        json["dims"][2].get<double>();
+  std::printf("%-22s %.4g %%\n", "occupancy", 100 * json["active_voxels"].get<double>() / voxels);
+}
+
+int run(const Options& options, const GlobalOptions& global, Console& console) {
+  const Json json = is_state_file(options.input) ? describe_state(options, console)
+                                                 : describe_volume(options, console);
+  console.stage_seconds();
+  if (json.contains("nan_voxels") && json["nan_voxels"] > 0) {
+    console.warn(options.input + ": " + json["nan_voxels"].dump() + " NaN voxels count as void");
+  }
+  if (global.json) {
+    std::printf("%s\n", json.dump(2).c_str());
+  } else {
+    print_text(json);
+  }
+  return kOk;
+}
+
+}  // namespace
+
+Command add_info(CLI::App& program) {
+  auto options = std::make_shared<Options>();
+  CLI::App* app = add_subcommand(program, "info",
+                                 "Print geometry, type, range and memory of a volume or state",
+                                 "  supple info head.nii.gz\n"
+                                 "  supple info --json drag.vdb\n"
+                                 "  supple info scan.raw --raw "
+                                 "dims=256,256,108,type=int16,spacing=0.957,0.957,1.5");
+  app->add_option("file", options->input, "A volume or a state")->required()->option_text("FILE");
+  app->add_option("--raw", options->raw_spec,
+                  "Headerless raw: dims=X,Y,Z,type=int16,spacing=A,B,C[,endian=big][,offset=N]");
+  return {app, [options](const GlobalOptions& global, Console& console) {
+            return run(*options, global, console);
+          }};
+}
+
+}  // namespace supple::tools

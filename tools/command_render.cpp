@@ -1,0 +1,120 @@
+// supple render: a picture of a volume, or of a state without resampling it.
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "tools/command.h"
+#include "tools/material_file.h"
+#include "tools/outputs.h"
+#include "tools/parse.h"
+#include "volumes/io/volume_file.h"
+
+namespace supple::tools {
+
+namespace {
+
+struct Options {
+  std::string input, raw_spec, camera, size, view, output;
+  bool undeformed = false;
+  bool lattice = false;
+  bool orthographic = false;
+  SceneView scene_view;
+};
+
+/// Command-line options as one view of a scene.
+SceneView to_view(const Options& options) {
+  SceneView view = options.scene_view;
+  view.image = options.output;
+  view.deformed = !options.undeformed;
+  view.lattice = options.lattice;
+  if (!options.size.empty()) parse_size("--size", options.size, view.width, view.height);
+  if (!options.camera.empty()) view.camera = read_camera(options.camera);
+  if (!options.view.empty()) view.camera.view = options.view;
+  if (options.orthographic) view.camera.projection = Projection::orthographic;
+  return view;
+}
+
+Image draw_state(const Options& options, SceneView& view, RenderReport& report, Console& console) {
+  console.stage("read");
+  const State state = read_state(options.input, &console);
+  view.lattice = view.lattice || state.geometry.dims().z == 1;
+  std::optional<Deformed> deformed;
+  if (view.deformed) deformed = invert_state(state, console);
+  const MaterialTable material = parse_material(state.material_toml, options.input);
+  return draw({state.geometry, state.density, state.elements, deformed ? &*deformed : nullptr,
+               material.domain_lo, material.domain_hi},
+              view, &report, console);
+}
+
+Image draw_volume(const Options& options, SceneView& view, RenderReport& report,
+                  Console& console) {
+  if (options.undeformed) {
+    throw UsageError("--undeformed: found a volume, expected a state file");
+  }
+  console.stage("read");
+  const Volume volume = load_volume(options.input, options.raw_spec, &console);
+  if (volume.statistics.nan_count > 0) {
+    console.warn(options.input + ": " + std::to_string(volume.statistics.nan_count) +
+                 " NaN voxels treated as void");
+  }
+  view.lattice = view.lattice || volume.geometry.dims().z == 1;
+  return draw({volume.geometry, volume.density, volume.density.bricks(), nullptr,
+               volume.statistics.min, volume.statistics.max},
+              view, &report, console);
+}
+
+int run(const Options& options, const GlobalOptions& global, Console& console) {
+  SceneView view = to_view(options);
+  preset(view.preset);
+  check_output(options.output, global);
+  RenderReport report;
+  const bool is_state = is_state_file(options.input);
+  const Image image = is_state ? draw_state(options, view, report, console)
+                               : draw_volume(options, view, report, console);
+  write_png(options.output, image, describe_view(view));
+  if (global.json) {
+    nlohmann::ordered_json json = to_json(report);
+    json["image"] = options.output;
+    std::printf("%s\n", json.dump(2).c_str());
+  }
+  return kOk;
+}
+
+}  // namespace
+
+Command add_render(CLI::App& program) {
+  auto options = std::make_shared<Options>();
+  CLI::App* app = add_subcommand(
+      program, "render", "Render a volume, or a deformed state without resampling it",
+      "  supple render head.nhdr --preset CT-Bone -o head.png\n"
+      "  supple render drag.vdb --preset CT-Muscle --view left --size 800,600 -o skin.png\n"
+      "  supple render drag.vdb --undeformed --camera side.toml --step 0.25 -o before.png");
+  app->add_option("input", options->input, "A volume or a state")
+      ->required()
+      ->option_text("VOLUME|STATE.vdb");
+  app->add_option("--raw", options->raw_spec,
+                  "Headerless raw: dims=X,Y,Z,type=int16,spacing=A,B,C[,endian=big][,offset=N]");
+  app->add_flag("--undeformed", options->undeformed, "Show a state's body at rest");
+  app->add_option("--preset", options->scene_view.preset,
+                  "CT-Bone, CT-Muscle, CT-Soft-Tissue or MR-Default")
+      ->option_text("NAME");
+  app->add_option("--camera", options->camera, "Camera file")->option_text("C.toml");
+  app->add_option("--view", options->view,
+                  "From anterior, posterior, left, right, superior or inferior")
+      ->excludes("--camera")
+      ->option_text("SIDE");
+  app->add_flag("--orthographic", options->orthographic, "Parallel instead of perspective rays")
+      ->excludes("--camera");
+  app->add_flag("--lattice", options->lattice,
+                "Draw elements and links (always so for one-slice bodies)");
+  app->add_option("--size", options->size, "Pixels, 1024,1024 by default")->option_text("W,H");
+  app->add_option("--step", options->scene_view.step_voxels, "Sample distance in voxels")
+      ->option_text("S");
+  app->add_option("-o,--output", options->output, "Picture to write")
+      ->required()
+      ->option_text("IMAGE.png");
+  return {app, [options](const GlobalOptions& global, Console& console) {
+            return run(*options, global, console);
+          }};
+}
+
+}  // namespace supple::tools

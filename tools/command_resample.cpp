@@ -1,0 +1,48 @@
+// supple resample: the deformed volume on a grid, for those who do want it resampled.
+#include "tools/command.h"
+#include "tools/outputs.h"
+
+namespace supple::tools {
+
+namespace {
+
+struct Options {
+  std::string input, output;
+  GridChoice grid;
+};
+
+int run(const Options& options, const GlobalOptions& global, Console& console) {
+  check_output(options.output, global);
+  check_volume_name(options.output);
+  console.stage("read");
+  const State state = read_state(options.input, &console);
+  const Deformed deformed = invert_state(state, console);
+  write_resampled(options.output, state, deformed, choose_grid(state.geometry, options.grid),
+                  console);
+  return kOk;
+}
+
+}  // namespace
+
+Command add_resample(CLI::App& program) {
+  auto options = std::make_shared<Options>();
+  CLI::App* app = add_subcommand(
+      program, "resample", "Write the deformed volume on a regular grid",
+      "  supple resample drag.vdb -o deformed.nrrd\n"
+      "  supple resample drag.vdb --grid atlas.nii.gz -o on_atlas.nrrd\n"
+      "  supple resample drag.vdb --margin 20 -o whole.mha");
+  app->add_option("state", options->input, "A state file")->required()->option_text("STATE.vdb");
+  app->add_option("-o,--output", options->output, "Volume to write: .nrrd, .nhdr, .mha or .mhd")
+      ->required()
+      ->option_text("VOLUME");
+  app->add_option("--grid", options->grid.file, "Take the output grid from this volume")
+      ->option_text("FILE");
+  app->add_option("--margin", options->grid.margin_mm, "Grow the grid on every side, in mm")
+      ->check(CLI::NonNegativeNumber)
+      ->option_text("MM");
+  return {app, [options](const GlobalOptions& global, Console& console) {
+            return run(*options, global, console);
+          }};
+}
+
+}  // namespace supple::tools

@@ -1,0 +1,227 @@
+// supple run: everything that a scene file asks for.
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "tools/command.h"
+#include "tools/outputs.h"
+#include "tools/parse.h"
+#include "tools/scene.h"
+
+namespace supple::tools {
+
+namespace {
+
+struct Options {
+  std::string scene;
+  std::string folder = ".";
+  bool dry_run = false;
+};
+
+/// Scene handles in the frame of the volume: voxels and millimetres along the grid axes.
+std::vector<Drag> to_drags(const SceneStep& step, const Geometry& geometry) {
+  std::vector<Drag> drags;
+  for (const SceneHandle& handle : step.handles) {
+    Drag drag{handle.voxel, handle.by_mm};
+    if (handle.in_mm) {
+      const Vec3d index = geometry.index_from_world(handle.at_lps_mm);
+      for (int axis = 0; axis < 3; ++axis) {
+        if (!(index[axis] > -0.5 && index[axis] < geometry.dims()[axis] - 0.5)) {
+          throw InputError({handle.place, "at_mm", to_text(handle.at_lps_mm) + ", voxel " +
+                            to_text(index), "a position inside the volume"});
+        }
+        drag.voxel[axis] = int(std::lround(index[axis]));
+      }
+    }
+    if (handle.by_is_lps) {
+      drag.by_mm = geometry.index_vector_from_world(handle.by_mm) * geometry.spacing_mm();
+    }
+    drags.push_back(drag);
+  }
+  return drags;
+}
+
+/// Names the step in the errors of the solver.
+void run_step(Session& session, const SceneStep& step, Console& console) {
+  try {
+    session.step(to_drags(step, session.geometry()), step.fix, step.release, console);
+  } catch (const InputError& error) {
+    const Problem& problem = error.problem();
+    if (!problem.file.empty()) throw;
+    throw InputError({step.place, problem.field, problem.found, problem.expected});
+  }
+}
+
+class SceneRun {
+ public:
+  SceneRun(const Scene& scene, const Options& options, Console& console)
+      : m_scene(scene), m_folder(options.folder), m_console(console),
+        m_session(scene.volume_path, scene.raw_spec, scene.material, console) {}
+
+  void run() {
+    render_views(0);
+    for (std::size_t n = 0; n < m_scene.steps.size(); ++n) {
+      run_step(m_session, m_scene.steps[n], m_console);
+      render_views(int(n) + 1);
+    }
+    write_outputs();
+  }
+
+  const Session& session() const { return m_session; }
+  const InversionCertificate* certificate() const {
+    return m_deformed ? &m_deformed->offsets.certificate : nullptr;
+  }
+
+ private:
+  int last_step() const { return int(m_scene.steps.size()); }
+
+  std::string path_of(const std::string& name) const {
+    return (std::filesystem::path(m_folder) / name).string();
+  }
+
+  /// State and inverse after the present step, computed once and only when something needs them.
+  const Deformed& deformed(int step) {
+    if (m_deformed_step != step) {
+      m_state = m_session.state();
+      m_deformed = invert_state(m_state, m_console);
+      m_deformed_step = step;
+    }
+    return *m_deformed;
+  }
+
+  void render_views(int step) {
+    for (const SceneView& view : m_scene.views) {
+      if (view.after_step.value_or(last_step()) != step) continue;
+      const Deformed* moved = view.deformed ? &deformed(step) : nullptr;
+      if (moved == nullptr) m_state = m_session.state();
+      SceneView drawn = view;
+      drawn.lattice = view.lattice || m_state.geometry.dims().z == 1;
+      const MaterialTable& material = m_session.body().material;
+      const Image image = draw({m_state.geometry, m_state.density, m_state.elements, moved,
+                                material.domain_lo, material.domain_hi},
+                               drawn, nullptr, m_console);
+      write_png(path_of(view.image), image, describe_view(drawn));
+    }
+  }
+
+  void write_outputs() {
+    const SceneOutput& output = m_scene.output;
+    const int last = last_step();
+    if (!output.state.empty()) {
+      const Deformed& moved = deformed(last);
+      m_console.stage("write state");
+      write_state(path_of(output.state), m_state, &moved.offsets, &m_console);
+    }
+    for (const std::string& name : output.offsets) {
+      const Deformed& moved = deformed(last);
+      write_state_warp(path_of(name), m_state, moved, WarpDirection::resample, VoidMode::nearest,
+                       m_state.geometry, m_console);
+    }
+    for (const std::string& name : output.displacements) {
+      const Deformed& moved = deformed(last);
+      write_state_warp(path_of(name), m_state, moved, WarpDirection::material, VoidMode::nearest,
+                       m_state.geometry, m_console);
+    }
+    for (const std::string& name : output.volumes) {
+      const Deformed& moved = deformed(last);
+      write_resampled(path_of(name), m_state, moved, m_state.geometry, m_console);
+    }
+  }
+
+  const Scene& m_scene;
+  std::string m_folder;
+  Console& m_console;
+  Session m_session;
+  State m_state;
+  std::optional<Deformed> m_deformed;
+  int m_deformed_step = -1;
+};
+
+/// Everything that can be known to fail is checked before anything is computed.
+void check_scene(const Scene& scene, const Options& options, const GlobalOptions& global) {
+  for (const SceneView& view : scene.views) {
+    preset(view.preset);
+    view_settings(view).validate();
+  }
+  for (const auto* warps : {&scene.output.offsets, &scene.output.displacements}) {
+    for (const std::string& name : *warps) check_warp_name(name);
+  }
+  for (const std::string& name : scene.output.volumes) check_volume_name(name);
+  for (const std::string& name : scene.outputs()) {
+    check_output((std::filesystem::path(options.folder) / name).string(), global);
+  }
+}
+
+void print_plan(const Scene& scene, const Options& options) {
+  const auto header = open_volume(scene.volume_path, scene.raw_spec)->header();
+  std::printf("volume  %s (%s, %s)\n", scene.volume_path.c_str(),
+              to_text(header.geometry.dims()).c_str(), numpy_name(header.type));
+  for (std::size_t n = 0; n < scene.steps.size(); ++n) {
+    std::printf("step %zu  %zu handles, %zu fixed boxes%s\n", n + 1, scene.steps[n].handles.size(),
+                scene.steps[n].fix.size(), scene.steps[n].release ? ", releases" : "");
+  }
+  for (const std::string& name : scene.outputs()) {
+    std::printf("writes  %s\n", (std::filesystem::path(options.folder) / name).c_str());
+  }
+}
+
+void print_results(const SceneRun& run, const Scene& scene, const Options& options,
+                   const GlobalOptions& global, Console& console) {
+  const auto stages = console.stage_seconds();
+  if (global.json) {
+    nlohmann::ordered_json json;
+    json["steps"] = nlohmann::ordered_json::array();
+    for (const StepRecord& record : run.session().records()) json["steps"].push_back(to_json(record));
+    if (run.certificate() != nullptr) json["certificate"] = to_json(*run.certificate());
+    for (const auto& [name, seconds] : stages) json["stage_seconds"][name] = seconds;
+    for (const std::string& name : scene.outputs()) {
+      json["outputs"].push_back((std::filesystem::path(options.folder) / name).string());
+    }
+    std::printf("%s\n", json.dump(2).c_str());
+    return;
+  }
+  if (global.quiet) return;
+  double total = 0;
+  for (const auto& [name, seconds] : stages) total += seconds;
+  for (const auto& [name, seconds] : stages) {
+    std::printf("%-12s %7.2f s  %3.0f %%\n", name.c_str(), seconds, 100 * seconds / total);
+  }
+  for (const std::string& name : scene.outputs()) {
+    std::printf("wrote %s\n", (std::filesystem::path(options.folder) / name).c_str());
+  }
+}
+
+int run(const Options& options, const GlobalOptions& global, Console& console) {
+  const Scene scene = read_scene(options.scene);
+  if (!options.dry_run) std::filesystem::create_directories(options.folder);
+  check_scene(scene, options, global);
+  if (options.dry_run) {
+    print_plan(scene, options);
+    return kOk;
+  }
+  SceneRun scene_run(scene, options, console);
+  scene_run.run();
+  print_results(scene_run, scene, options, global, console);
+  return kOk;
+}
+
+}  // namespace
+
+Command add_run(CLI::App& program) {
+  auto options = std::make_shared<Options>();
+  CLI::App* app = add_subcommand(program, "run", "Run a scene file: deform, render and export",
+                                 "  supple run head_drag.toml\n"
+                                 "  supple run head_drag.toml -o out/head_drag --force\n"
+                                 "  supple run head_drag.toml --dry-run");
+  app->add_option("scene", options->scene, "A scene file")->required()->option_text("SCENE.toml");
+  app->add_option("-o,--output", options->folder, "Folder of the outputs, created when missing")
+      ->option_text("DIR");
+  app->add_flag("--dry-run", options->dry_run, "Check the scene and print what it would write");
+  return {app, [options](const GlobalOptions& global, Console& console) {
+            return run(*options, global, console);
+          }};
+}
+
+}  // namespace supple::tools

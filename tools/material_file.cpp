@@ -1,0 +1,154 @@
+#include "tools/material_file.h"
+
+#include <cmath>
+#include <cstdio>
+
+#include "tools/toml_table.h"
+#include "volumes/base/error.h"
+
+namespace supple::tools {
+
+namespace {
+
+constexpr const char* kAxisNames = "ijk";
+
+std::optional<Curve> read_curve(TomlTable& table, const std::string& key) {
+  const auto rows = table.rows(key, {2}, "a list of [density, value] pairs");
+  if (!rows) return std::nullopt;
+  if (rows->empty()) table.fail(key, "an empty list", "at least one [density, value] pair");
+  Curve curve;
+  for (const auto& row : *rows) curve.keys.emplace_back(row[0], row[1]);
+  return curve;
+}
+
+void read_range(TomlTable& table, const std::string& key, double& lo, double& hi) {
+  const auto values = table.numbers(key);
+  if (!values) return;
+  if (values->size() != 2) {
+    table.fail(key, std::to_string(values->size()) + " values", "two numbers [low, high]");
+  }
+  lo = (*values)[0];
+  hi = (*values)[1];
+}
+
+Combine read_combine(TomlTable& table) {
+  const std::string name = table.string("combine").value_or("density");
+  if (name == "density") return Combine::density;
+  if (name == "limits") return Combine::limits;
+  table.fail("combine", "\"" + name + "\"", "\"density\" or \"limits\"");
+}
+
+int read_components(TomlTable& table) {
+  if (!table.has("components")) return 0;
+  try {
+    const std::string name = table.string("components").value_or("");
+    if (name == "all") return 0;
+    if (name == "largest") return 1;
+  } catch (const InputError&) {
+    const long long count = table.integer("components").value_or(0);
+    if (count >= 1 && count <= 1000000) return int(count);
+  }
+  table.fail("components", "another value", "\"all\", \"largest\" or a count from 1");
+}
+
+void append_curve(std::string& text, const std::string& name, const Curve& curve) {
+  text += name + " = [";
+  for (const auto& [density, value] : curve.keys) {
+    char buffer[80];
+    std::snprintf(buffer, sizeof buffer, "[%.17g, %.17g], ", density, value);
+    text += buffer;
+  }
+  text.replace(text.size() - 2, 2, "]\n");
+}
+
+void append_range(std::string& text, const std::string& name, double lo, double hi) {
+  char buffer[80];
+  std::snprintf(buffer, sizeof buffer, " = [%.17g, %.17g]\n", lo, hi);
+  text += name + buffer;
+}
+
+}  // namespace
+
+MaterialTable read_material_table(TomlTable& table) {
+  MaterialTable material;
+  const std::string pairs = "a list of [density, value] pairs";
+  read_range(table, "domain", material.domain_lo, material.domain_hi);
+  material.active_lo = material.domain_lo;
+  material.active_hi = material.domain_hi;
+  read_range(table, "active", material.active_lo, material.active_hi);
+  material.max_length = table.require(read_curve(table, "max_length"), "max_length", pairs);
+  material.min_length = table.require(read_curve(table, "min_length"), "min_length", pairs);
+  const auto shear = read_curve(table, "shear");
+  const auto shear1 = read_curve(table, "shear1");
+  const auto shear2 = read_curve(table, "shear2");
+  if (shear && (shear1 || shear2)) {
+    table.fail("shear", "shear beside shear1 or shear2", "either shear or both shear1 and shear2");
+  }
+  material.shear1 = table.require(shear ? shear : shear1, shear2 ? "shear1" : "shear", pairs);
+  material.shear2 = table.require(shear ? shear : shear2, "shear2", pairs);
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::string suffix = std::string("_") + kAxisNames[axis];
+    material.max_length_axis[axis] = read_curve(table, "max_length" + suffix);
+    material.min_length_axis[axis] = read_curve(table, "min_length" + suffix);
+  }
+  material.combine = read_combine(table);
+  material.components = read_components(table);
+  table.finish();
+  material.validate(table.place());
+  return material;
+}
+
+MaterialTable parse_material(const std::string& text, const std::string& source) {
+  try {
+    const toml::table root = toml::parse(text, source);
+    TomlTable table(root, source, "");
+    return read_material_table(table);
+  } catch (const toml::parse_error& error) {
+    throw InputError({source + ":" + std::to_string(error.source().begin.line), "",
+                      std::string(error.description()), "TOML"});
+  }
+}
+
+MaterialTable read_material(const std::string& path) {
+  const toml::table root = read_toml_file(path);
+  TomlTable table(root, path, "");
+  return read_material_table(table);
+}
+
+std::string material_to_toml(const MaterialTable& material) {
+  std::string text;
+  append_range(text, "domain", material.domain_lo, material.domain_hi);
+  append_range(text, "active", material.active_lo, material.active_hi);
+  append_curve(text, "max_length", material.max_length);
+  append_curve(text, "min_length", material.min_length);
+  append_curve(text, "shear1", material.shear1);
+  append_curve(text, "shear2", material.shear2);
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::string suffix = std::string("_") + kAxisNames[axis];
+    if (material.max_length_axis[axis]) {
+      append_curve(text, "max_length" + suffix, *material.max_length_axis[axis]);
+    }
+    if (material.min_length_axis[axis]) {
+      append_curve(text, "min_length" + suffix, *material.min_length_axis[axis]);
+    }
+  }
+  if (material.combine == Combine::limits) text += "combine = \"limits\"\n";
+  if (material.components > 0) {
+    text += "components = " + std::to_string(material.components) + "\n";
+  }
+  return text;
+}
+
+MaterialTable homogeneous_material(double min, double max) {
+  MaterialTable material;
+  material.domain_lo = min;
+  material.domain_hi = max > min ? max : min + 1;
+  material.active_lo = std::nextafter(float(min), float(material.domain_hi));
+  material.active_hi = material.domain_hi;
+  material.max_length.keys = {{min, 1.2}};
+  material.min_length.keys = {{min, 0.8}};
+  material.shear1.keys = material.shear2.keys = {{min, 0.3}};
+  return material;
+}
+
+}  // namespace supple::tools

@@ -1,0 +1,25 @@
+// Material tables as TOML (design.md section 2).
+#pragma once
+
+#include <string>
+
+#include "lib/material/material.h"
+
+namespace supple::tools {
+
+class TomlTable;
+
+/// Reads a material file; throws InputError naming the key point.
+MaterialTable read_material(const std::string& path);
+/// Parses a table from text, e.g. the one that a state carries; `source` names it in errors.
+MaterialTable parse_material(const std::string& text, const std::string& source);
+/// Reads the keys of a material out of a table (a file's root or a scene's [material]).
+MaterialTable read_material_table(TomlTable& table);
+
+/// Canonical text: parse_material(material_to_toml(m)) equals m.
+std::string material_to_toml(const MaterialTable& material);
+
+/// For a volume without a table: every voxel above `min` is tissue of one kind.
+MaterialTable homogeneous_material(double min, double max);
+
+}  // namespace supple::tools

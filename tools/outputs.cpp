@@ -1,0 +1,171 @@
+#include "tools/outputs.h"
+
+#include <nlohmann/json.hpp>
+
+#include "raycast/lattice.h"
+#include "tools/version.h"
+#include "volumes/field/displacement.h"
+
+namespace supple::tools {
+
+Geometry choose_grid(const Geometry& source, const GridChoice& choice) {
+  const Geometry grid =
+      choice.file.empty() ? source : open_volume(choice.file)->header().geometry;
+  return choice.margin_mm > 0 ? with_margin(grid, choice.margin_mm) : grid;
+}
+
+VoidMode parse_void_mode(const std::string& name) {
+  if (name == "nearest") return VoidMode::nearest;
+  if (name == "outside") return VoidMode::outside;
+  return VoidMode::extend;
+}
+
+void write_state_warp(const std::string& path, const State& state, const Deformed& deformed,
+                      WarpDirection direction, VoidMode mode, const Geometry& grid,
+                      Console& console) {
+  console.stage("export");
+  if (direction == WarpDirection::material) {
+    write_warp(path, state.geometry, direction, dense_displacement(deformed.displacement),
+               &console);
+    return;
+  }
+  const std::int64_t lost = count_outside(deformed.offsets, grid);
+  if (lost > 0) {
+    console.warn(path + ": " + std::to_string(lost) +
+                 " voxels of material lie outside the grid (see --margin)");
+  }
+  write_warp(path, grid, direction,
+             dense_offsets(deformed.offsets, state.density.bricks(), grid, mode), &console);
+}
+
+void write_resampled(const std::string& path, const State& state, const Deformed& deformed,
+                     const Geometry& grid, Console& console) {
+  console.stage("resample");
+  const std::int64_t lost = count_outside(deformed.offsets, grid);
+  if (lost > 0) {
+    console.warn(path + ": " + std::to_string(lost) +
+                 " voxels of material lie outside the grid (see --margin)");
+  }
+  write_volume(path, grid, value_type_of(state.source_type),
+               dense_resampled(deformed.offsets, state.density, grid, state.density.background()),
+               &console);
+}
+
+Camera resolve_camera(const CameraChoice& choice, const Geometry& geometry, double aspect) {
+  if (choice.camera) return *choice.camera;
+  return default_camera(geometry, aspect, choice.view, choice.projection);
+}
+
+namespace {
+
+/// u on the elements alone: the lattice draws no shell.
+Displacement on_elements(const Subject& subject) {
+  Displacement displacement{subject.geometry, {}};
+  displacement.u.topology = subject.elements;
+  displacement.u.vectors.resize(subject.elements.brick_count() * kBrickVoxels, Vec3f(0));
+  if (subject.deformed == nullptr) return displacement;
+  for (std::size_t b = 0; b < subject.elements.brick_count(); ++b) {
+    for_each_active(subject.elements.mask(b), [&](int offset) {
+      const Vec3i voxel = subject.elements.origin(b) + brick_local(offset);
+      subject.deformed->displacement.u.at(voxel,
+                                          displacement.u.vectors[b * kBrickVoxels + offset]);
+    });
+  }
+  return displacement;
+}
+
+Image draw_body_lattice(const Subject& subject, const SceneView& view) {
+  const Displacement displacement = on_elements(subject);
+  const double aspect = double(view.width) / view.height;
+  const bool is_slice = subject.geometry.dims().z == 1;
+  const bool is_default = !view.camera.camera && view.camera.view == "anterior";
+  const Camera camera = is_slice && is_default
+                            ? lattice_camera(subject.geometry, displacement, aspect)
+                            : resolve_camera(view.camera, subject.geometry, aspect);
+  LatticeStyle style;
+  style.width = view.width;
+  style.height = view.height;
+  style.grey_lo = subject.grey_lo;
+  style.grey_hi = subject.grey_hi;
+  return draw_lattice(subject.geometry, subject.density, displacement, camera, style);
+}
+
+}  // namespace
+
+RenderSettings view_settings(const SceneView& view) {
+  RenderSettings settings;
+  settings.width = view.width;
+  settings.height = view.height;
+  settings.step_voxels = view.step_voxels;
+  return settings;
+}
+
+Image draw(const Subject& subject, const SceneView& view, RenderReport* report,
+           Console& console) {
+  console.stage("render");
+  const RenderSettings settings = view_settings(view);
+  settings.validate();
+  if (view.lattice) return draw_body_lattice(subject, view);
+  Renderer renderer(subject.geometry, subject.density);
+  if (subject.deformed != nullptr) renderer.set_offsets(&subject.deformed->offsets);
+  const Camera camera =
+      resolve_camera(view.camera, subject.geometry, double(view.width) / view.height);
+  return renderer.render(camera, preset(view.preset), settings, report, &console);
+}
+
+std::string describe_view(const SceneView& view) {
+  const auto list = [](const Vec3d& v) { return nlohmann::ordered_json{v.x, v.y, v.z}; };
+  const auto name_of = [](Projection projection) {
+    return projection == Projection::perspective ? "perspective" : "orthographic";
+  };
+  nlohmann::ordered_json json;
+  json["program"] = std::string("supple ") + kVersion;
+  json["preset"] = view.preset;
+  json["size"] = {view.width, view.height};
+  json["step"] = view.step_voxels;
+  json["deformed"] = view.deformed;
+  json["lattice"] = view.lattice;
+  if (const auto& camera = view.camera.camera) {
+    json["camera"] = {{"projection", name_of(camera->projection)},
+                      {"position", list(camera->position_lps_mm)},
+                      {"target", list(camera->target_lps_mm)},
+                      {"up", list(camera->up_lps)},
+                      {"fov", camera->vertical_fov_degrees},
+                      {"height", camera->height_mm}};
+  } else {
+    json["camera"] = {{"projection", name_of(view.camera.projection)}, {"view", view.camera.view}};
+  }
+  return json.dump();
+}
+
+nlohmann::ordered_json to_json(const InversionCertificate& certificate) {
+  return {{"residual_max_voxels", certificate.residual_max},
+          {"residual_p999_voxels", certificate.residual_p999},
+          {"cells", certificate.cells},
+          {"folded_cells", certificate.folded_cells},
+          {"unresolved_voxels", certificate.unresolved_voxels},
+          {"min_det", certificate.min_det}};
+}
+
+nlohmann::ordered_json to_json(const StepRecord& record) {
+  const EcmReport& report = record.report;
+  return {{"fraction", report.fraction()},
+          {"fraction_exact", std::to_string(report.fraction_numerator) + "/" +
+                                 std::to_string(report.fraction_denominator)},
+          {"moved", report.moved},
+          {"projected", report.projected_links},
+          {"projected_max_voxels", report.projected_max_voxels},
+          {"visited", report.visited},
+          {"max_queue", report.max_queue},
+          {"solve_ms", report.milliseconds}};
+}
+
+nlohmann::ordered_json to_json(const RenderReport& report) {
+  return {{"rays", report.rays},
+          {"samples", report.samples},
+          {"prepare_ms", report.prepare_ms},
+          {"march_ms", report.march_ms},
+          {"bytes", report.bytes}};
+}
+
+}  // namespace supple::tools

@@ -1,0 +1,53 @@
+// Writing what commands produce: warps, resampled volumes, pictures; and reports as JSON.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+
+#include "raycast/render.h"
+#include "tools/scene.h"
+#include "tools/session.h"
+#include "volumes/field/resample.h"
+#include "volumes/io/volume_writer.h"
+
+namespace supple::tools {
+
+/// The grid of a dense output: the source grid, another file's, or grown by a margin.
+struct GridChoice {
+  std::string file;
+  double margin_mm = 0;
+};
+Geometry choose_grid(const Geometry& source, const GridChoice& choice);
+
+VoidMode parse_void_mode(const std::string& name);
+
+/// Warns of material that leaves the grid.
+void write_state_warp(const std::string& path, const State& state, const Deformed& deformed,
+                      WarpDirection direction, VoidMode mode, const Geometry& grid,
+                      Console& console);
+void write_resampled(const std::string& path, const State& state, const Deformed& deformed,
+                     const Geometry& grid, Console& console);
+
+/// The camera that a choice stands for, over the source box of `geometry`.
+Camera resolve_camera(const CameraChoice& choice, const Geometry& geometry, double aspect);
+
+/// Marches (or draws the lattice of a one-slice body) and returns the picture.
+struct Subject {
+  const Geometry& geometry;
+  const DensityGrid& density;
+  const BrickTopology& elements;
+  const Deformed* deformed;  // null: straight
+  double grey_lo, grey_hi;   // of the lattice
+};
+RenderSettings view_settings(const SceneView& view);
+Image draw(const Subject& subject, const SceneView& view, RenderReport* report, Console& console);
+
+/// Effective configuration of a picture, embedded in the PNG.
+std::string describe_view(const SceneView& view);
+
+nlohmann::ordered_json to_json(const InversionCertificate& certificate);
+nlohmann::ordered_json to_json(const StepRecord& record);
+nlohmann::ordered_json to_json(const RenderReport& report);
+
+}  // namespace supple::tools

@@ -1,0 +1,21 @@
+// Values of command-line options: lists of numbers, voxels and boxes. All throw UsageError when the
+// text does not parse.
+#pragma once
+
+#include <string>
+
+#include "volumes/base/vec.h"
+
+namespace supple::tools {
+
+Vec3i parse_voxel(const std::string& option, const std::string& text);
+Vec3d parse_vector(const std::string& option, const std::string& text);
+/// "I,J,K" or "I,J,K:I,J,K"; the corners may come in any order.
+IndexBox parse_box(const std::string& option, const std::string& text);
+/// "W,H".
+void parse_size(const std::string& option, const std::string& text, int& width, int& height);
+
+std::string to_text(const Vec3i& v);
+std::string to_text(const Vec3d& v);
+
+}  // namespace supple::tools

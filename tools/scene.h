@@ -1,0 +1,76 @@
+// A scene file: one volume, one material, steps that deform it, views and outputs (design.md
+// section 8). Input paths are relative to the scene file; output paths to the -o folder.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lib/material/material.h"
+#include "raycast/camera.h"
+#include "volumes/base/vec.h"
+
+namespace supple::tools {
+
+struct SceneHandle {
+  std::string place;  // "file:line", for errors
+  bool in_mm = false;
+  Vec3i voxel{0, 0, 0};      // grab, when !in_mm
+  Vec3d at_lps_mm{0, 0, 0};  // at_mm, when in_mm
+  bool by_is_lps = false;
+  Vec3d by_mm{0, 0, 0};      // along the grid axes, or by_mm_lps
+};
+
+struct SceneStep {
+  std::string place;
+  std::vector<SceneHandle> handles;
+  std::vector<IndexBox> fix;
+  bool release = false;  // lets go of everything that earlier steps held
+};
+
+/// Camera as given: a named view, or a full camera.
+struct CameraChoice {
+  std::string view = "anterior";
+  Projection projection = Projection::perspective;
+  std::optional<Camera> camera;
+};
+
+struct SceneView {
+  std::string place;
+  std::string image;
+  std::string preset = "CT-Bone";
+  CameraChoice camera;
+  int width = 1024, height = 1024;
+  double step_voxels = 0.5;
+  bool deformed = true;
+  bool lattice = false;
+  std::optional<int> after_step;  // 0: before the first; absent: after the last
+};
+
+struct SceneOutput {
+  std::string state;
+  std::vector<std::string> offsets;        // resample-direction warps
+  std::vector<std::string> displacements;  // material-direction warps
+  std::vector<std::string> volumes;        // resampled volumes
+};
+
+struct Scene {
+  std::string file;
+  std::string volume_path;  // resolved
+  std::string raw_spec;
+  std::optional<MaterialTable> material;
+  std::vector<SceneStep> steps;
+  std::vector<SceneView> views;
+  SceneOutput output;
+
+  /// Every output path, relative as written.
+  std::vector<std::string> outputs() const;
+};
+
+/// Throws InputError: unknown key (line and suggestion), wrong type, missing key, a path twice.
+Scene read_scene(const std::string& path);
+
+/// A camera file: projection, view, or position/target/up with fov or height.
+CameraChoice read_camera(const std::string& path);
+
+}  // namespace supple::tools

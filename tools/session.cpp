@@ -1,0 +1,181 @@
+#include "tools/session.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "tools/material_file.h"
+#include "tools/parse.h"
+#include "tools/version.h"
+#include "volumes/field/invert.h"
+#include "volumes/io/volume_file.h"
+
+namespace supple::tools {
+
+namespace {
+
+std::string with_count(std::int64_t count, const std::string& what) {
+  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+}
+
+std::string percent(double part) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g %%", 100 * part);
+  return text;
+}
+
+void warn_of_report(const EcmReport& report, Console& console) {
+  if (report.projected_links > 0) {
+    console.warn("the start broke " + with_count(report.projected_links, "link") +
+                 "; it was projected, largest move " +
+                 std::to_string(report.projected_max_voxels) + " voxels");
+  }
+  if (report.fraction_numerator != report.fraction_denominator) {
+    console.warn("anchors stopped the drag at " + percent(report.fraction()) + " (" +
+                 std::to_string(report.fraction_numerator) + "/" +
+                 std::to_string(report.fraction_denominator) + ")");
+  }
+}
+
+}  // namespace
+
+Session::Session(const std::string& path, const std::string& raw_spec,
+                 const std::optional<MaterialTable>& material, Console& console) {
+  if (material) m_material = *material;
+  console.stage("read");
+  if (is_state_file(path)) {
+    if (!raw_spec.empty()) throw InputError({path, "--raw", "a state file", "a raw volume"});
+    m_state = read_state(path, &console);
+    if (!material) m_material = parse_material(m_state.material_toml, path + " material");
+  } else {
+    if (!material) {
+      const VolumeStatistics statistics =
+          digest_volume(*open_volume(path, raw_spec), &console).statistics;
+      m_material = homogeneous_material(statistics.min, statistics.max);
+      console.warn("no material given: every voxel above " + std::to_string(statistics.min) +
+                   " is tissue of one kind (stretch 1.2, compression 0.8, shear 0.3)");
+    }
+    open_volume_file(path, raw_spec, console);
+  }
+  for (const std::string& line : m_material.warnings()) console.warn("material: " + line);
+
+  console.stage("body");
+  m_body = make_body(m_state, m_material);
+  m_state.material_toml = material_to_toml(m_material);
+  m_links = check_links(m_body);
+  if (!m_links.fold_free) {
+    console.note("the material does not rule out folds (min_length > 2 shear fails on some link)");
+  }
+}
+
+void Session::open_volume_file(const std::string& path, const std::string& raw_spec,
+                               Console& console) {
+  ElementVolume loaded = load_elements(path, raw_spec, m_material.active_lo, m_material.active_hi,
+                                       m_material.components, 2, &console);
+  if (loaded.volume.statistics.nan_count > 0) {
+    console.warn(path + ": " + with_count(loaded.volume.statistics.nan_count, "NaN voxel") +
+                 " treated as void");
+  }
+  m_state.geometry = loaded.volume.geometry;
+  m_state.density = std::move(loaded.volume.density);
+  m_state.elements = std::move(loaded.elements);
+  m_state.source_name = std::filesystem::path(path).filename().string();
+  m_state.source_type = loaded.volume.stored_type;
+}
+
+std::vector<IndexBox> Session::held_boxes(const std::vector<Drag>& drags) const {
+  std::vector<IndexBox> boxes = m_state.anchors;
+  for (const Vec3i& voxel : m_held) {
+    const bool grabbed_again = std::any_of(drags.begin(), drags.end(), [&](const Drag& drag) {
+      return drag.voxel == voxel;
+    });
+    const bool inside_box = std::any_of(boxes.begin(), boxes.end(), [&](const IndexBox& box) {
+      return box.contains(voxel);
+    });
+    if (!grabbed_again && !inside_box) boxes.push_back({voxel, voxel});
+  }
+  return boxes;
+}
+
+const StepRecord& Session::step(const std::vector<Drag>& drags, const std::vector<IndexBox>& fix,
+                                bool release, Console& console) {
+  StepRecord record;
+  record.drags = drags;
+  record.fix = fix;
+  record.release = release;
+  if (release) {
+    m_state.anchors.clear();
+    m_held.clear();
+  }
+  for (const IndexBox& box : fix) {
+    if (std::find(m_state.anchors.begin(), m_state.anchors.end(), box) == m_state.anchors.end()) {
+      m_state.anchors.push_back(box);
+    }
+  }
+  std::vector<Handle> handles;
+  for (const Drag& drag : drags) {
+    handles.push_back({drag.voxel, fixed_from_mm(drag.by_mm, geometry().spacing_mm())});
+  }
+  console.stage("solve");
+  record.report = drag(m_body, handles, held_boxes(drags), &console);
+  warn_of_report(record.report, console);
+  for (const Drag& drag : drags) {
+    if (std::find(m_held.begin(), m_held.end(), drag.voxel) == m_held.end()) {
+      m_held.push_back(drag.voxel);
+    }
+  }
+  m_records.push_back(std::move(record));
+  return m_records.back();
+}
+
+std::string Session::configuration() const {
+  nlohmann::ordered_json steps = nlohmann::ordered_json::array();
+  if (!m_state.configuration.empty()) {
+    const auto earlier = nlohmann::ordered_json::parse(m_state.configuration, nullptr, false);
+    if (earlier.is_object() && earlier.contains("steps")) steps = earlier["steps"];
+  }
+  for (const StepRecord& record : m_records) {
+    nlohmann::ordered_json step;
+    for (const Drag& drag : record.drags) {
+      step["handles"].push_back({{"grab", {drag.voxel.x, drag.voxel.y, drag.voxel.z}},
+                                 {"by_mm", {drag.by_mm.x, drag.by_mm.y, drag.by_mm.z}}});
+    }
+    for (const IndexBox& box : record.fix) {
+      step["fix"].push_back({box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z});
+    }
+    if (record.release) step["release"] = true;
+    step["fraction"] = std::to_string(record.report.fraction_numerator) + "/" +
+                       std::to_string(record.report.fraction_denominator);
+    steps.push_back(step);
+  }
+  nlohmann::ordered_json json;
+  json["program"] = std::string("supple ") + kVersion;
+  json["model"] = "ecm";
+  json["steps"] = steps;
+  return json.dump();
+}
+
+State Session::state() const {
+  State state = m_state;
+  state.q = m_body.q;
+  state.configuration = configuration();
+  return state;
+}
+
+Deformed invert_state(const State& state, Console& console) {
+  console.stage("invert");
+  Deformed deformed;
+  deformed.displacement = extended_displacement_of(state);
+  deformed.offsets = invert(deformed.displacement, {}, &console);
+  const InversionCertificate& certificate = deformed.offsets.certificate;
+  if (certificate.folded_cells > 0) {
+    console.warn(with_count(certificate.folded_cells, "cell") + " folded, smallest det F " +
+                 std::to_string(certificate.min_det) + "; ties go to the shortest offset");
+  }
+  if (certificate.unresolved_voxels > 0) {
+    console.warn(with_count(certificate.unresolved_voxels, "voxel") + " could not be inverted");
+  }
+  return deformed;
+}
+
+}  // namespace supple::tools

@@ -1,0 +1,71 @@
+// One body from file to deformed state: what `deform` and `run` share. A session holds the source,
+// the node state and what the steps so far hold in place.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lib/chainmail/ecm.h"
+#include "tools/console.h"
+#include "volumes/state/state.h"
+
+namespace supple::tools {
+
+/// A drag in millimetres along the grid axes.
+struct Drag {
+  Vec3i voxel;
+  Vec3d by_mm;
+};
+
+/// One solve: what was asked for and what came of it.
+struct StepRecord {
+  std::vector<Drag> drags;
+  std::vector<IndexBox> fix;
+  bool release = false;
+  EcmReport report;
+};
+
+class Session {
+ public:
+  /// Opens a volume (elements at rest) or a state (continued, under its own material unless another
+  /// is given). Without any material the tissue is homogeneous, and a warning says so.
+  Session(const std::string& path, const std::string& raw_spec,
+          const std::optional<MaterialTable>& material, Console& console);
+
+  const Geometry& geometry() const { return m_state.geometry; }
+  const Body& body() const { return m_body; }
+  /// Links of the material that may fold, NaN voxels and the like have been warned of.
+  const LinkCheck& links() const { return m_links; }
+
+  /// Solves one step. Handles stay held and boxes fixed until a step releases them. Warns when
+  /// anchors stopped the drag or when the start had to be projected.
+  const StepRecord& step(const std::vector<Drag>& drags, const std::vector<IndexBox>& fix,
+                         bool release, Console& console);
+
+  const std::vector<StepRecord>& records() const { return m_records; }
+  /// The state as it is now, configuration included.
+  State state() const;
+
+ private:
+  void open_volume_file(const std::string& path, const std::string& raw_spec, Console& console);
+  std::vector<IndexBox> held_boxes(const std::vector<Drag>& drags) const;
+  std::string configuration() const;
+
+  State m_state;
+  MaterialTable m_material;
+  Body m_body;
+  LinkCheck m_links;
+  std::vector<Vec3i> m_held;  // voxels that earlier steps dragged
+  std::vector<StepRecord> m_records;
+};
+
+/// Extended displacement and its inverse: what renderer and exports read.
+struct Deformed {
+  Displacement displacement;
+  OffsetField offsets;
+};
+/// Inverts, and warns of folded cells and unresolved voxels.
+Deformed invert_state(const State& state, Console& console);
+
+}  // namespace supple::tools

@@ -1,0 +1,68 @@
+#!/usr/bin/env bash
+# Installs what is missing on Debian 12 (apt, non-interactive), configures and builds
+# build/release/bin/supple. Re-runnable: a second run only checks. Sourced by demo.sh and test.sh.
+#
+#   bash tools/setup.sh [--with-judges]     judges: other people's programs that the tests compare with
+set -euo pipefail
+
+SUPPLE_ROOT="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
+
+SUPPLE_PACKAGES=(
+  ca-certificates git build-essential cmake ninja-build python3-minimal
+  libopenvdb-dev libboost-dev libtbb-dev libembree-dev libopencv-dev
+  libtiff-dev libpng-dev libnifti2-dev zlib1g-dev libssl-dev
+  libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libgtest-dev)
+SUPPLE_JUDGES=(elastix plastimatch)
+
+say() { printf '== %s\n' "$*"; }
+
+as_root() {
+  if [ "$(id -u)" = 0 ]; then "$@"; else sudo "$@"; fi
+}
+
+missing_packages() {
+  local package
+  for package in "$@"; do
+    dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q '^install ok installed$' ||
+      printf '%s\n' "$package"
+  done
+}
+
+# Installs packages; returns 1 when they cannot be had, e.g. without a network.
+install_packages() {
+  local missing
+  mapfile -t missing < <(missing_packages "$@")
+  [ "${#missing[@]}" -gt 0 ] || return 0
+  say "installing ${#missing[@]} packages: ${missing[*]}"
+  local apt=(env DEBIAN_FRONTEND=noninteractive apt-get -q -y -o Dpkg::Use-Pty=0)
+  as_root "${apt[@]}" update >/dev/null || say "the package list could not be refreshed"
+  as_root "${apt[@]}" install --no-install-recommends "${missing[@]}" | grep -E '^(Setting up|E:)' |
+    sed -n '1~50p' || true
+  mapfile -t missing < <(missing_packages "$@")
+  [ "${#missing[@]}" -eq 0 ] || { say "not installed: ${missing[*]}"; return 1; }
+}
+
+# build_preset PRESET [cmake options]
+build_preset() {
+  local preset="$1"
+  shift
+  say "configuring build/$preset"
+  (cd "$SUPPLE_ROOT" && cmake --preset "$preset" "$@" >"build/$preset-configure.log" 2>&1) ||
+    { tail -n 20 "$SUPPLE_ROOT/build/$preset-configure.log"; return 1; }
+  say "building build/$preset"
+  (cd "$SUPPLE_ROOT" && cmake --build "build/$preset" -j "$(nproc)")
+}
+
+supple_setup() {
+  mkdir -p "$SUPPLE_ROOT/build"
+  install_packages "${SUPPLE_PACKAGES[@]}"
+}
+
+if [ "${BASH_SOURCE[0]}" = "$0" ]; then
+  supple_setup
+  if [ "${1:-}" = "--with-judges" ]; then
+    install_packages "${SUPPLE_JUDGES[@]}" || say "tests that need them will be skipped"
+  fi
+  build_preset release
+  say "built $SUPPLE_ROOT/build/release/bin/supple"
+fi

@@ -1,0 +1,21 @@
+#!/usr/bin/env bash
+# Sets up as setup.sh does, then runs the whole test suite: release build with warnings as errors,
+# then unit, property and fault tests under the address and undefined-behaviour sanitizers.
+#
+#   bash tools/test.sh [--release-only]
+set -euo pipefail
+source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
+cd "$SUPPLE_ROOT"
+
+supple_setup
+install_packages "${SUPPLE_JUDGES[@]}" || say "tests that need them will be skipped"
+bash tools/fetch_ct_head.sh || say "no head CT: tests that need it will be skipped"
+
+if [ "${1:-}" != "--release-only" ]; then
+  build_preset asan -DSUPPLE_WERROR=ON
+  say "testing build/asan (unit, property, fault)"
+  ctest --test-dir build/asan -L 'unit|property|fault' -j "$(nproc)" --output-on-failure
+fi
+build_preset release -DSUPPLE_WERROR=ON
+say "testing build/release"
+ctest --test-dir build/release -j "$(nproc)" --output-on-failure

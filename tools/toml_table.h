@@ -1,0 +1,72 @@
+// Strict reading of TOML: every key is asked for by name and type, and finish() rejects the keys
+// that nobody asked for, with line number and the nearest known name. All errors are InputError
+// with "file:line", the key, what was found and what is expected.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <toml++/toml.h>
+#include <utility>
+#include <vector>
+
+#include "volumes/base/vec.h"
+
+namespace supple::tools {
+
+/// Parses a file; throws InputError for a missing file (as volumes/io does) or a syntax error.
+toml::table read_toml_file(const std::string& path);
+
+class TomlTable {
+ public:
+  /// `table` must outlive this view; `name` is its place in the file, e.g. "step[2]", or "".
+  TomlTable(const toml::table& table, std::string file, std::string name);
+
+  bool has(const std::string& key) const { return m_table->contains(key); }
+  /// "file:line", of the key or of the table.
+  std::string place(const std::string& key = "") const;
+  const std::string& file() const { return m_file; }
+  /// Full name of a key, e.g. "step[2].grab".
+  std::string full_name(const std::string& key) const;
+
+  std::optional<std::string> string(const std::string& key);
+  std::optional<bool> boolean(const std::string& key);
+  std::optional<double> number(const std::string& key);
+  std::optional<long long> integer(const std::string& key);
+  std::optional<Vec3d> vector(const std::string& key);
+  std::optional<Vec3i> voxel(const std::string& key);
+  std::optional<std::vector<double>> numbers(const std::string& key);
+  std::optional<std::vector<std::string>> strings(const std::string& key);
+  /// List of lists of numbers, each of one of the allowed lengths.
+  std::optional<std::vector<std::vector<double>>> rows(const std::string& key,
+                                                       const std::set<std::size_t>& lengths,
+                                                       const std::string& expected);
+  std::optional<TomlTable> table(const std::string& key);
+  /// Array of tables; empty when absent.
+  std::vector<TomlTable> tables(const std::string& key);
+
+  /// The value must be there; throws InputError naming the key otherwise.
+  template <class T>
+  T require(std::optional<T> value, const std::string& key, const std::string& expected) const {
+    if (!value) fail_missing(key, expected);
+    return std::move(*value);
+  }
+  [[noreturn]] void fail(const std::string& key, const std::string& found,
+                         const std::string& expected) const;
+  [[noreturn]] void fail_missing(const std::string& key, const std::string& expected) const;
+
+  /// Throws InputError for the first key that was never asked for.
+  void finish() const;
+
+ private:
+  const toml::node* find(const std::string& key);
+  double number_of(const toml::node& node, const std::string& key, const std::string& expected);
+
+  const toml::table* m_table;
+  std::string m_file;
+  std::string m_name;
+  std::set<std::string> m_known;
+};
+
+}  // namespace supple::tools
