@@ -26,7 +26,7 @@ fetch_volume() {
   say "no network and no package invesalius-examples: a generated head phantom stands in"
   volume="a generated head phantom (the head CT could not be fetched)"
   mkdir -p build/data
-  build/release/bin/supple-phantom head build/data/ct_head.nhdr --force
+  build/release/bin/supple-examples phantom head build/data/ct_head.nhdr
 }
 
 stage install supple_setup

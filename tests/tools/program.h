@@ -1,0 +1,53 @@
+// Runs the `supple` program as a user does, and makes small inputs for it.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace supple::test {
+
+struct Outcome {
+  int exit_code = -1;  // 128 + signal when a signal ended the program
+  std::string out, err;
+  double peak_mb = 0;
+};
+
+struct RunOptions {
+  std::string directory;          // working directory, empty: the present one
+  long long max_file_bytes = -1;  // RLIMIT_FSIZE, stands in for a full disk
+  double interrupt_after_s = -1;  // sends SIGINT then
+};
+
+/// Runs build/…/bin/supple (environment SUPPLE_BINARY) with these arguments.
+Outcome run_supple(const std::vector<std::string>& arguments, const RunOptions& options = {});
+/// Any program; the first argument is its path.
+Outcome run_program(const std::vector<std::string>& arguments, const RunOptions& options = {});
+
+/// A folder that vanishes with the object.
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  ~TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  std::string operator/(const std::string& name) const { return (m_path / name).string(); }
+  std::string path() const { return m_path.string(); }
+  /// Names of everything in it, sorted.
+  std::vector<std::string> entries() const;
+
+ private:
+  std::filesystem::path m_path;
+};
+
+void write_text(const std::string& path, const std::string& text);
+std::string read_text(const std::string& path);
+
+/// A ball of uint8 densities in void, size^3 voxels, spacing 1 x 1 x 1.5 mm, as .nhdr + .raw.
+void write_ball(const TemporaryFolder& folder, const std::string& name, int size);
+/// A soft material for it, densities 1 to 255 active.
+void write_soft_material(const std::string& path);
+
+std::string source_dir();
+
+}  // namespace supple::test

@@ -1,0 +1,196 @@
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+
+#include "tests/tools/program.h"
+
+using namespace supple::test;
+
+namespace {
+
+/// One line on stderr that holds every one of `words`, the exit code, and nothing new in the folder.
+void expect_refused(const TemporaryFolder& folder, const std::vector<std::string>& arguments,
+                    int exit_code, const std::vector<std::string>& words) {
+  const auto before = folder.entries();
+  const Outcome outcome = run_supple(arguments);
+  EXPECT_EQ(outcome.exit_code, exit_code) << ::testing::PrintToString(arguments) << outcome.err;
+  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  for (const std::string& word : words) {
+    EXPECT_NE(outcome.err.find(word), std::string::npos)
+        << "expected '" << word << "' in: " << outcome.err;
+  }
+  EXPECT_EQ(folder.entries(), before) << ::testing::PrintToString(arguments);
+}
+
+std::string header(const std::string& sizes, const std::string& type = "uint8",
+                   const std::string& directions = "(1,0,0) (0,1,0) (0,0,1)") {
+  return "NRRD0004\ntype: " + type + "\ndimension: 3\nspace: left-posterior-superior\nsizes: " +
+         sizes + "\nspace directions: " + directions +
+         "\nspace origin: (0,0,0)\nencoding: raw\ndata file: data.raw\n";
+}
+
+class FaultBadInput : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    write_ball(m_folder, "ball", 16);
+    write_soft_material(m_folder / "soft.toml");
+    write_text(m_folder / "data.raw", std::string(64, 'x'));
+  }
+
+  void expect_header_refused(const std::string& text, const std::vector<std::string>& words) {
+    write_text(m_folder / "bad.nhdr", text);
+    expect_refused(m_folder, {"info", m_folder / "bad.nhdr"}, 3, words);
+  }
+
+  std::vector<std::string> deform(const std::string& volume, const std::string& grab,
+                                  const std::string& by = "2,0,0") const {
+    return {"deform", m_folder / volume, "--material", m_folder / "soft.toml", "--grab", grab,
+            "--by",   by,                "-o",         m_folder / "out.vdb"};
+  }
+
+  TemporaryFolder m_folder;
+};
+
+}  // namespace
+
+TEST_F(FaultBadInput, FilesThatAreNotVolumesAreRefused) {
+  expect_refused(m_folder, {"info", m_folder / "nothing.nhdr"}, 3, {"nothing.nhdr", "no such file"});
+  expect_refused(m_folder, {"info", m_folder.path()}, 3, {"directory"});
+  write_text(m_folder / "empty.nhdr", "");
+  expect_refused(m_folder, {"info", m_folder / "empty.nhdr"}, 3, {"empty.nhdr"});
+  write_text(m_folder / "noise.dat", "what is this");
+  expect_refused(m_folder, {"info", m_folder / "noise.dat"}, 3, {"noise.dat"});
+}
+
+TEST_F(FaultBadInput, HeadersThatContradictTheirDataAreRefusedWithBothNumbers) {
+  expect_header_refused(header("4 4 5"), {"bad.nhdr", "64", "80"});
+  expect_header_refused(header("4 4 3"), {"bad.nhdr", "64", "48"});
+  expect_header_refused(header("0 4 4"), {"0", "positive"});
+  expect_header_refused(header("-4 4 4"), {"-4"});
+  expect_header_refused(header("4000000000 4000000000 4000000000"), {"4000000000"});
+  expect_header_refused(header("9000 9000 9000"), {"64", "729000000000"});
+  expect_header_refused(header("4 4"), {"sizes"});
+}
+
+TEST_F(FaultBadInput, HeadersWithUnusableGeometryOrTypeAreRefused) {
+  expect_header_refused(header("4 4 4", "uint8", "(nan,0,0) (0,1,0) (0,0,1)"), {"bad.nhdr"});
+  expect_header_refused(header("4 4 4", "uint8", "(1,0,0) (1,0,0) (0,0,1)"), {"direction"});
+  expect_header_refused(header("4 4 4", "complex"), {"type", "complex"});
+}
+
+TEST_F(FaultBadInput, RawSpecificationsAreChecked) {
+  const std::string raw = m_folder / "data.raw";
+  const std::string good = "dims=4,4,4,type=uint8,spacing=1,1,1";
+  EXPECT_EQ(run_supple({"info", raw, "--raw", good}).exit_code, 0);
+  expect_refused(m_folder, {"info", raw, "--raw", "dims=4,4,5,type=uint8,spacing=1,1,1"}, 3,
+                 {"64", "80"});
+  expect_refused(m_folder, {"info", raw, "--raw", "dims=4,4,4,type=short8,spacing=1,1,1"}, 3,
+                 {"short8"});
+  expect_refused(m_folder, {"info", raw, "--raw", "dims=4,4,4,type=uint8,spacing=1,nan,1"}, 3, {});
+  expect_refused(m_folder, {"info", raw, "--raw", good + ",colour=red"}, 3, {"colour"});
+}
+
+TEST_F(FaultBadInput, NotANumberIsVoidAndSaid) {
+  std::string voxels;
+  for (int n = 0; n < 64; ++n) {
+    const float value = n == 7 ? std::numeric_limits<float>::quiet_NaN() : float(n);
+    voxels.append(reinterpret_cast<const char*>(&value), sizeof value);
+  }
+  write_text(m_folder / "data.raw", voxels);
+  write_text(m_folder / "nan.nhdr", header("4 4 4", "float"));
+  const Outcome info = run_supple({"info", m_folder / "nan.nhdr"});
+  EXPECT_EQ(info.exit_code, 0) << info.err;
+  EXPECT_NE(info.err.find("1 NaN voxel"), std::string::npos) << info.err;
+  // Voxel 7 is (3, 1, 0).
+  expect_refused(m_folder, {"deform", m_folder / "nan.nhdr", "--quiet", "--material",
+                            m_folder / "soft.toml", "--grab", "3,1,0", "--by", "1,0,0", "-o",
+                            m_folder / "out.vdb"},
+                 3, {"3", "nearest"});
+}
+
+TEST_F(FaultBadInput, GrabsThatHoldNothingNameTheNearestElement) {
+  expect_refused(m_folder, deform("ball.nhdr", "0,8,8"), 3, {"0", "nearest"});
+  expect_refused(m_folder, deform("ball.nhdr", "99,8,8"), 3, {"99"});
+  expect_refused(m_folder, deform("ball.nhdr", "-1,8,8"), 3, {"-1"});
+  expect_refused(m_folder, deform("ball.nhdr", "8,8,8", "nan,0,0"), 3, {"nan"});
+  expect_refused(m_folder, deform("ball.nhdr", "8,8,8", "1e9,0,0"), 3, {"16383"});
+}
+
+TEST_F(FaultBadInput, FixesThatHoldNothingOrTheGrabAreRefused) {
+  auto arguments = deform("ball.nhdr", "8,8,8");
+  arguments.insert(arguments.end(), {"--fix", "0,0,0:1,1,1"});
+  expect_refused(m_folder, arguments, 3, {"fix"});
+  arguments.back() = "7,7,7:9,9,9";
+  expect_refused(m_folder, arguments, 3, {"8"});
+}
+
+TEST_F(FaultBadInput, ContradictingHandlesAreNamedWithTheMissingDistance) {
+  auto arguments = deform("ball.nhdr", "7,8,8", "-20,0,0");
+  arguments.insert(arguments.end(), {"--grab", "9,8,8", "--by", "20,0,0"});
+  expect_refused(m_folder, arguments, 3, {"7,8,8", "9,8,8", "mm"});
+}
+
+TEST_F(FaultBadInput, TablesOutOfOrderNameTheKeyPoint) {
+  write_text(m_folder / "soft.toml",
+             "domain = [0, 255]\nmax_length = [[100, 1.3], [50, 1.2]]\nmin_length = [[0, 0.7]]\n"
+             "shear = [[0, 0.3]]\n");
+  expect_refused(m_folder, deform("ball.nhdr", "8,8,8"), 3, {"soft.toml", "max_length", "50"});
+  write_text(m_folder / "soft.toml",
+             "domain = [0, 255]\nmax_length = [[0, 0.9]]\nmin_length = [[0, 0.7]]\n"
+             "shear = [[0, 0.3]]\n");
+  expect_refused(m_folder, deform("ball.nhdr", "8,8,8"), 3, {"max_length", "0.9"});
+  write_text(m_folder / "soft.toml",
+             "domain = [0, 255]\nmax_length = [[0, 1.3]]\nmin_length = [[0, 0.7]]\n"
+             "sheer = [[0, 0.3]]\n");
+  expect_refused(m_folder, deform("ball.nhdr", "8,8,8"), 3, {"shear"});
+}
+
+TEST_F(FaultBadInput, DamagedStatesAreRefused) {
+  ASSERT_EQ(run_supple(deform("ball.nhdr", "8,8,8")).exit_code, 0);
+  const std::string state = read_text(m_folder / "out.vdb");
+  write_text(m_folder / "cut.vdb", state.substr(0, state.size() / 2));
+  expect_refused(m_folder, {"render", m_folder / "cut.vdb", "-o", m_folder / "x.png"}, 3,
+                 {"cut.vdb"});
+  std::string flipped = state;
+  flipped[flipped.size() / 2] = char(flipped[flipped.size() / 2] ^ 0x10);
+  write_text(m_folder / "flipped.vdb", flipped);
+  expect_refused(m_folder, {"export", m_folder / "flipped.vdb", "-o", m_folder / "x.nrrd"}, 3,
+                 {"flipped.vdb"});
+}
+
+TEST_F(FaultBadInput, UnusableOutputsAreRefusedBeforeTheWork) {
+  auto arguments = deform("ball.nhdr", "8,8,8");
+  arguments.back() = m_folder / "no_such_folder/out.vdb";
+  expect_refused(m_folder, arguments, 3, {"no such folder"});
+  ASSERT_EQ(run_supple(deform("ball.nhdr", "8,8,8")).exit_code, 0);
+  expect_refused(m_folder, {"export", m_folder / "out.vdb", "-o", m_folder / "warp.xyz"}, 3,
+                 {"warp.xyz", ".nrrd"});
+}
+
+TEST_F(FaultBadInput, AFullDiskLeavesNothingBehind) {
+  const auto before = m_folder.entries();
+  RunOptions small_disk;
+  small_disk.max_file_bytes = 2000;
+  const Outcome outcome = run_supple(deform("ball.nhdr", "8,8,8"), small_disk);
+  EXPECT_EQ(outcome.exit_code, 4) << outcome.err;
+  EXPECT_EQ(m_folder.entries(), before);
+
+  ASSERT_EQ(run_supple(deform("ball.nhdr", "8,8,8")).exit_code, 0);
+  const auto with_state = m_folder.entries();
+  for (const std::string name : {"x.nrrd", "x.mha"}) {
+    EXPECT_EQ(run_supple({"export", m_folder / "out.vdb", "-o", m_folder / name}, small_disk).exit_code,
+              4);
+  }
+  EXPECT_EQ(run_supple({"render", m_folder / "out.vdb", "-o", m_folder / "x.png"}, small_disk).exit_code,
+            4);
+  EXPECT_EQ(m_folder.entries(), with_state);
+}
+
+TEST_F(FaultBadInput, ReadOnlyFoldersAreASystemError) {
+  if (::access("/sys/kernel", W_OK) == 0 && ::getuid() != 0) GTEST_SKIP() << "/sys is writable";
+  auto arguments = deform("ball.nhdr", "8,8,8");
+  arguments.back() = "/sys/kernel/out.vdb";
+  const Outcome outcome = run_supple(arguments);
+  EXPECT_EQ(outcome.exit_code, 4) << outcome.err;
+}

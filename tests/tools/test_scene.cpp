@@ -1,0 +1,91 @@
+#include <gtest/gtest.h>
+
+#include "tests/tools/program.h"
+
+using namespace supple::test;
+
+namespace {
+
+class UnitScene : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    write_ball(m_folder, "ball", 16);
+    write_soft_material(m_folder / "soft.toml");
+  }
+
+  Outcome run_scene(const std::string& text, const std::vector<std::string>& more = {}) {
+    write_text(m_folder / "scene.toml", text);
+    std::vector<std::string> arguments = {"run", m_folder / "scene.toml", "-o", m_folder / "out"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_supple(arguments);
+  }
+
+  void expect_refused(const std::string& text, const std::vector<std::string>& words) {
+    const Outcome outcome = run_scene(text);
+    EXPECT_EQ(outcome.exit_code, 3) << outcome.err;
+    for (const std::string& word : words) {
+      EXPECT_NE(outcome.err.find(word), std::string::npos) << word << " in " << outcome.err;
+    }
+  }
+
+  const std::string m_head =
+      "[volume]\npath = \"ball.nhdr\"\n[material]\ntable = \"soft.toml\"\n";
+  TemporaryFolder m_folder;
+};
+
+}  // namespace
+
+TEST_F(UnitScene, TheSmallestSceneWritesWhatItNames) {
+  const Outcome outcome = run_scene(m_head +
+                                    "[[step]]\ngrab = [8, 8, 8]\nby = [2.0, 0.0, 0.0]\n"
+                                    "[[view]]\nimage = \"a.png\"\nsize = [64, 48]\n"
+                                    "[output]\nstate = \"a.vdb\"\noffsets = [\"a.nrrd\", \"a.mha\"]\n"
+                                    "displacements = [\"u.nrrd\"]\nvolumes = [\"v.nrrd\"]\n");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  for (const char* name : {"a.png", "a.vdb", "a.nrrd", "a.mha", "u.nrrd", "v.nrrd"}) {
+    EXPECT_TRUE(std::filesystem::exists(m_folder / ("out/" + std::string(name)))) << name;
+  }
+}
+
+TEST_F(UnitScene, ADryRunWritesNothing) {
+  const Outcome outcome = run_scene(m_head + "[[view]]\nimage = \"a.png\"\n", {"--dry-run"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("a.png"), std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(m_folder / "out"));
+}
+
+TEST_F(UnitScene, UnknownKeysNameLineAndSuggestion) {
+  expect_refused(m_head + "[[step]]\ngrap = [8, 8, 8]\nby = [2.0, 0.0, 0.0]\n",
+                 {"scene.toml:5"});
+  expect_refused(m_head + "[[view]]\nimage = \"a.png\"\npresett = \"CT-Bone\"\n",
+                 {"scene.toml:7", "presett", "'preset'"});
+  expect_refused(m_head + "[outputs]\nstate = \"a.vdb\"\n", {"outputs", "'output'"});
+}
+
+TEST_F(UnitScene, WrongValuesNameTheKeyAndWhatIsExpected) {
+  expect_refused("[[view]]\nimage = \"a.png\"\n", {"volume"});
+  expect_refused(m_head + "[[view]]\nimage = 3\n", {"view[1].image", "a string"});
+  expect_refused(m_head + "[[view]]\nimage = \"a.png\"\npreset = \"CT-Wood\"\n", {"CT-Wood"});
+  expect_refused(m_head + "[[view]]\nimage = \"a.png\"\nsize = [0, 9]\n", {"0"});
+  expect_refused(m_head + "[[step]]\ngrab = [8, 8]\nby = [1.0, 0.0, 0.0]\n", {"grab", "three"});
+  expect_refused(m_head + "[[step]]\ngrab = [8, 8, 8]\n", {"by"});
+  expect_refused(m_head + "[[step]]\nat_mm = [900.0, 0.0, 0.0]\nby = [1.0, 0.0, 0.0]\n",
+                 {"at_mm", "900"});
+  expect_refused(m_head + "[output]\noffsets = [\"a.nrrd\", \"a.nrrd\"]\n", {"twice"});
+  expect_refused(m_head + "[output\n", {"scene.toml:5"});
+}
+
+TEST_F(UnitScene, HandlesStayHeldUntilReleased) {
+  // The second step drags the other side of the ball; the first handle must not follow.
+  const std::string steps =
+      "[[step]]\ngrab = [8, 8, 8]\nby = [2.0, 0.0, 0.0]\n"
+      "[[step]]\ngrab = [9, 8, 8]\nby = [20.0, 0.0, 0.0]\n";
+  const Outcome held = run_scene(m_head + steps + "[output]\nstate = \"a.vdb\"\n", {"--json"});
+  ASSERT_EQ(held.exit_code, 0) << held.err;
+  EXPECT_NE(held.err.find("anchors stopped the drag"), std::string::npos) << held.err;
+  std::string released = steps;
+  released.insert(released.rfind("grab"), "release = true\n");
+  const Outcome free = run_scene(m_head + released + "[output]\nstate = \"b.vdb\"\n", {"--json"});
+  ASSERT_EQ(free.exit_code, 0) << free.err;
+  EXPECT_EQ(free.err.find("anchors stopped the drag"), std::string::npos) << free.err;
+}

@@ -1,0 +1,28 @@
+#!/usr/bin/env bash
+# Makes one figure of the thesis again, from a generated input, in out/figures/.
+#
+#   bash tools/figure.sh 4.5|4.9|4.10|4.13|4.14|4.15
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+case "${1:-}" in
+  4.5)  input=t-shape.png ;;
+  4.9)  input=t-shape.png ;;
+  4.10) input=gradient.png ;;
+  4.13) input=irregular.png ;;
+  4.14) input=cube.nhdr ;;
+  4.15) input=extruded.nhdr ;;
+  *) echo "usage: bash tools/figure.sh 4.5|4.9|4.10|4.13|4.14|4.15" >&2; exit 2 ;;
+esac
+name="figure_${1//./_}"
+bin=build/release/bin
+[ -x "$bin/supple" ] || { echo "figure.sh: build first: bash tools/setup.sh" >&2; exit 1; }
+
+mkdir -p build/data out/figures
+"$bin/supple-examples" phantom "${input%.*}" "build/data/$input"
+if [ "$1" = 4.5 ]; then
+  "$bin/supple-examples" original-chainmail "build/data/$input" out/figures
+else
+  "$bin/supple" run "docs/scenes/$name.toml" -o out/figures --force --quiet
+fi
+ls out/figures/"$name"*.png
