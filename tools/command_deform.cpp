@@ -73,7 +73,7 @@ int run(const Options& options, const GlobalOptions& global, Console& console) {
   const State state = session.state();
   const Deformed deformed = invert_state(state, console);
   console.stage("write");
-  write_state(options.output, state, &deformed.offsets, &console);
+  write_state(options.output, state, deformed.offsets, &console);
 
   const InversionCertificate& certificate = deformed.offsets.certificate;
   if (global.json) {

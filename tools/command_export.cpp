@@ -14,8 +14,7 @@ struct Options {
 };
 
 int run(const Options& options, const GlobalOptions& global, Console& console) {
-  check_output(options.output, global);
-  check_warp_name(options.output);
+  check_dense_output(options.output, global);
   const bool material = options.direction == "material";
   if (material && (!options.grid.file.empty() || options.grid.margin_mm > 0)) {
     throw UsageError("--grid and --margin: found with --direction material, expected --direction "

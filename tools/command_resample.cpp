@@ -12,8 +12,7 @@ struct Options {
 };
 
 int run(const Options& options, const GlobalOptions& global, Console& console) {
-  check_output(options.output, global);
-  check_volume_name(options.output);
+  check_dense_output(options.output, global);
   console.stage("read");
   const State state = read_state(options.input, &console);
   const Deformed deformed = invert_state(state, console);

@@ -20,6 +20,10 @@ struct Options {
   bool dry_run = false;
 };
 
+std::string path_in(const std::string& folder, const std::string& name) {
+  return (std::filesystem::path(folder) / name).string();
+}
+
 /// Scene handles in the frame of the volume: voxels and millimetres along the grid axes.
 std::vector<Drag> to_drags(const SceneStep& step, const Geometry& geometry) {
   std::vector<Drag> drags;
@@ -78,7 +82,7 @@ class SceneRun {
   int last_step() const { return int(m_scene.steps.size()); }
 
   std::string path_of(const std::string& name) const {
-    return (std::filesystem::path(m_folder) / name).string();
+    return path_in(m_folder, name);
   }
 
   /// State and inverse after the present step, computed once and only when something needs them.
@@ -112,7 +116,7 @@ class SceneRun {
     if (!output.state.empty()) {
       const Deformed& moved = deformed(last);
       m_console.stage("write state");
-      write_state(path_of(output.state), m_state, &moved.offsets, &m_console);
+      write_state(path_of(output.state), m_state, moved.offsets, &m_console);
     }
     for (const std::string& name : output.offsets) {
       const Deformed& moved = deformed(last);
@@ -145,13 +149,12 @@ void check_scene(const Scene& scene, const Options& options, const GlobalOptions
     preset(view.preset);
     view_settings(view).validate();
   }
-  for (const auto* warps : {&scene.output.offsets, &scene.output.displacements}) {
-    for (const std::string& name : *warps) check_warp_name(name);
+  const SceneOutput& output = scene.output;
+  for (const auto* names : {&output.offsets, &output.displacements, &output.volumes}) {
+    for (const std::string& name : *names) check_dense_output(path_in(options.folder, name), global);
   }
-  for (const std::string& name : scene.output.volumes) check_volume_name(name);
-  for (const std::string& name : scene.outputs()) {
-    check_output((std::filesystem::path(options.folder) / name).string(), global);
-  }
+  for (const SceneView& view : scene.views) check_output(path_in(options.folder, view.image), global);
+  if (!output.state.empty()) check_output(path_in(options.folder, output.state), global);
 }
 
 void print_plan(const Scene& scene, const Options& options) {
@@ -163,7 +166,7 @@ void print_plan(const Scene& scene, const Options& options) {
                 scene.steps[n].fix.size(), scene.steps[n].release ? ", releases" : "");
   }
   for (const std::string& name : scene.outputs()) {
-    std::printf("writes  %s\n", (std::filesystem::path(options.folder) / name).c_str());
+    std::printf("writes  %s\n", path_in(options.folder, name).c_str());
   }
 }
 
@@ -177,7 +180,7 @@ void print_results(const SceneRun& run, const Scene& scene, const Options& optio
     if (run.certificate() != nullptr) json["certificate"] = to_json(*run.certificate());
     for (const auto& [name, seconds] : stages) json["stage_seconds"][name] = seconds;
     for (const std::string& name : scene.outputs()) {
-      json["outputs"].push_back((std::filesystem::path(options.folder) / name).string());
+      json["outputs"].push_back(path_in(options.folder, name));
     }
     std::printf("%s\n", json.dump(2).c_str());
     return;
@@ -189,7 +192,7 @@ void print_results(const SceneRun& run, const Scene& scene, const Options& optio
     std::printf("%-12s %7.2f s  %3.0f %%\n", name.c_str(), seconds, 100 * seconds / total);
   }
   for (const std::string& name : scene.outputs()) {
-    std::printf("wrote %s\n", (std::filesystem::path(options.folder) / name).c_str());
+    std::printf("wrote %s\n", path_in(options.folder, name).c_str());
   }
 }
 

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "raycast/lattice.h"
+#include "tools/command.h"
 #include "tools/version.h"
 #include "volumes/field/displacement.h"
 
@@ -12,6 +13,10 @@ Geometry choose_grid(const Geometry& source, const GridChoice& choice) {
   const Geometry grid =
       choice.file.empty() ? source : open_volume(choice.file)->header().geometry;
   return choice.margin_mm > 0 ? with_margin(grid, choice.margin_mm) : grid;
+}
+
+void check_dense_output(const std::string& path, const GlobalOptions& options) {
+  for (const std::string& file : output_files(path)) check_output(file, options);
 }
 
 VoidMode parse_void_mode(const std::string& name) {

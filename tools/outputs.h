@@ -20,6 +20,9 @@ struct GridChoice {
 };
 Geometry choose_grid(const Geometry& source, const GridChoice& choice);
 
+/// check_output for every file that a dense output creates; throws InputError for an unknown format.
+void check_dense_output(const std::string& path, const GlobalOptions& options);
+
 VoidMode parse_void_mode(const std::string& name);
 
 /// Warns of material that leaves the grid.

@@ -7,8 +7,6 @@
 #include <filesystem>
 #include <map>
 
-#include "lib/chainmail/reference/original_chainmail.h"
-#include "raycast/lattice.h"
 #include "volumes/io/volume_writer.h"
 #include "volumes/phantom/phantom.h"
 

@@ -1,0 +1,112 @@
+// The way through the house, from file to picture and warp, as the program offers it.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/tools/program.h"
+
+using namespace supple::test;
+
+namespace {
+
+class PropertyMainJob : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    write_ball(m_folder, "ball", 24);
+    write_soft_material(m_folder / "soft.toml");
+  }
+
+  Outcome deform(const std::string& input, const std::string& by, const std::string& output,
+                 const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments = {"deform", m_folder / input, "--grab", "12,12,12", "--by",
+                                          by,       "-o",             m_folder / output, "--json"};
+    if (input == "ball.nhdr") arguments.insert(arguments.end(), {"--material", m_folder / "soft.toml"});
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome outcome = run_supple(arguments);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return outcome;
+  }
+
+  void render(const std::string& input, const std::string& output,
+              const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments = {"render", m_folder / input,        "--preset",
+                                          "MR-Default", "--size", "120,100", "-o",
+                                          m_folder / output};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome outcome = run_supple(arguments);
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  }
+
+  int compare_equal(const std::string& a, const std::string& b) {
+    return run_supple({"compare", m_folder / a, m_folder / b, "--max-diff", "0", "--quiet"})
+        .exit_code;
+  }
+
+  TemporaryFolder m_folder;
+};
+
+}  // namespace
+
+TEST_F(PropertyMainJob, AZeroDisplacementRendersTheUndeformedPictureBitForBit) {
+  deform("ball.nhdr", "0,0,0", "zero.vdb");
+  render("zero.vdb", "zero.png");
+  render("zero.vdb", "rest.png", {"--undeformed"});
+  render("ball.nhdr", "volume.png");
+  EXPECT_EQ(compare_equal("zero.png", "rest.png"), 0);
+  EXPECT_EQ(compare_equal("zero.png", "volume.png"), 0);
+  deform("ball.nhdr", "4,0,0", "moved.vdb");
+  render("moved.vdb", "moved.png");
+  EXPECT_EQ(compare_equal("zero.png", "moved.png"), 1);
+}
+
+TEST_F(PropertyMainJob, StateAndPictureDoNotDependOnTheNumberOfThreads) {
+  for (const char* threads : {"1", "2", "5"}) {
+    deform("ball.nhdr", "6,3,-2", std::string("t") + threads + ".vdb", {"--threads", threads});
+    render(std::string("t") + threads + ".vdb", std::string("t") + threads + ".png",
+           {"--threads", threads});
+  }
+  EXPECT_EQ(read_text(m_folder / "t1.vdb"), read_text(m_folder / "t2.vdb"));
+  EXPECT_EQ(read_text(m_folder / "t1.vdb"), read_text(m_folder / "t5.vdb"));
+  EXPECT_EQ(read_text(m_folder / "t1.png"), read_text(m_folder / "t2.png"));
+  EXPECT_EQ(read_text(m_folder / "t1.png"), read_text(m_folder / "t5.png"));
+}
+
+TEST_F(PropertyMainJob, AContinuedStateGoesOnFromWhereItWas) {
+  deform("ball.nhdr", "6,0,0", "one.vdb");
+  deform("one.vdb", "-6,0,0", "back.vdb");
+  const Outcome info = run_supple({"info", "--json", m_folder / "back.vdb"});
+  const auto json = nlohmann::json::parse(info.out);
+  EXPECT_EQ(json["configuration"]["steps"].size(), 2u);
+  EXPECT_GT(json["largest_offset_voxels"], 0.0);  // neighbours keep what slack allows
+}
+
+TEST_F(PropertyMainJob, AnAnchorStopsTheDragAndTheFractionIsReported) {
+  const Outcome outcome =
+      deform("ball.nhdr", "40,0,0", "stopped.vdb", {"--fix", "8,8,8:8,16,16"});
+  const auto json = nlohmann::json::parse(outcome.out);
+  EXPECT_GT(json["fraction"], 0.0);
+  EXPECT_LT(json["fraction"], 1.0);
+  EXPECT_NE(outcome.err.find("anchors stopped the drag"), std::string::npos) << outcome.err;
+}
+
+TEST_F(PropertyMainJob, AResampledRestStateIsTheSourceVolume) {
+  deform("ball.nhdr", "0,0,0", "zero.vdb");
+  ASSERT_EQ(run_supple({"resample", m_folder / "zero.vdb", "-o", m_folder / "same.nrrd"}).exit_code,
+            0);
+  const auto source = nlohmann::json::parse(run_supple({"info", "--json", m_folder / "ball.nhdr"}).out);
+  const auto same = nlohmann::json::parse(run_supple({"info", "--json", m_folder / "same.nrrd"}).out);
+  for (const char* key : {"sha256", "type", "dims", "affine_lps", "min", "max"}) {
+    EXPECT_EQ(source[key], same[key]) << key;
+  }
+}
+
+TEST_F(PropertyMainJob, AMarginKeepsMaterialThatLeavesTheSourceBox) {
+  deform("ball.nhdr", "15,0,0", "out.vdb");
+  const Outcome tight = run_supple({"export", m_folder / "out.vdb", "-o", m_folder / "tight.nrrd"});
+  EXPECT_EQ(tight.exit_code, 0);
+  EXPECT_NE(tight.err.find("outside the grid"), std::string::npos) << tight.err;
+  const Outcome wide = run_supple(
+      {"export", m_folder / "out.vdb", "--margin", "20", "-o", m_folder / "wide.nrrd"});
+  EXPECT_EQ(wide.exit_code, 0);
+  EXPECT_EQ(wide.err.find("outside the grid"), std::string::npos) << wide.err;
+}
