@@ -72,7 +72,6 @@ int run(const Options& options, const GlobalOptions& global, Console& console) {
   session.step(drags, fix, false, console);
   const State state = session.state();
   const Deformed deformed = invert_state(state, console);
-  console.stage("write");
   write_state(options.output, state, deformed.offsets, &console);
 
   const InversionCertificate& certificate = deformed.offsets.certificate;

@@ -20,7 +20,6 @@ int run(const Options& options, const GlobalOptions& global, Console& console) {
     throw UsageError("--grid and --margin: found with --direction material, expected --direction "
                      "resample (a material field lives on the source grid)");
   }
-  console.stage("read");
   const State state = read_state(options.input, &console);
   const Deformed deformed = invert_state(state, console);
   write_state_warp(options.output, state, deformed,

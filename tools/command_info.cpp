@@ -36,7 +36,6 @@ void add_geometry(Json& json, const Geometry& geometry) {
 }
 
 Json describe_volume(const Options& options, Console& console) {
-  console.stage("read");
   const auto file = open_volume(options.input, options.raw_spec);
   const VolumeHeader header = file->header();
   const VolumeDigest digest = digest_volume(*file, &console);
@@ -56,7 +55,6 @@ Json describe_volume(const Options& options, Console& console) {
 }
 
 Json describe_state(const Options& options, Console& console) {
-  console.stage("read");
   const State state = read_state(options.input, &console);
   const BrickTopology& kept = state.density.bricks();
   double min = 0, max = 0, sum = 0;

@@ -34,7 +34,6 @@ SceneView to_view(const Options& options) {
 }
 
 Image draw_state(const Options& options, SceneView& view, RenderReport& report, Console& console) {
-  console.stage("read");
   const State state = read_state(options.input, &console);
   view.lattice = view.lattice || state.geometry.dims().z == 1;
   std::optional<Deformed> deformed;
@@ -50,7 +49,6 @@ Image draw_volume(const Options& options, SceneView& view, RenderReport& report,
   if (options.undeformed) {
     throw UsageError("--undeformed: found a volume, expected a state file");
   }
-  console.stage("read");
   const Volume volume = load_volume(options.input, options.raw_spec, &console);
   if (volume.statistics.nan_count > 0) {
     console.warn(options.input + ": " + std::to_string(volume.statistics.nan_count) +

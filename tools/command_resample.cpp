@@ -13,7 +13,6 @@ struct Options {
 
 int run(const Options& options, const GlobalOptions& global, Console& console) {
   check_dense_output(options.output, global);
-  console.stage("read");
   const State state = read_state(options.input, &console);
   const Deformed deformed = invert_state(state, console);
   write_resampled(options.output, state, deformed, choose_grid(state.geometry, options.grid),

@@ -115,7 +115,6 @@ class SceneRun {
     const int last = last_step();
     if (!output.state.empty()) {
       const Deformed& moved = deformed(last);
-      m_console.stage("write state");
       write_state(path_of(output.state), m_state, moved.offsets, &m_console);
     }
     for (const std::string& name : output.offsets) {

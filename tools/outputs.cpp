@@ -5,6 +5,7 @@
 #include "raycast/lattice.h"
 #include "tools/command.h"
 #include "tools/version.h"
+#include "volumes/io/formats.h"
 #include "volumes/field/displacement.h"
 
 namespace supple::tools {
@@ -28,7 +29,6 @@ VoidMode parse_void_mode(const std::string& name) {
 void write_state_warp(const std::string& path, const State& state, const Deformed& deformed,
                       WarpDirection direction, VoidMode mode, const Geometry& grid,
                       Console& console) {
-  console.stage("export");
   if (direction == WarpDirection::material) {
     write_warp(path, state.geometry, direction, dense_displacement(deformed.displacement),
                &console);
@@ -45,13 +45,14 @@ void write_state_warp(const std::string& path, const State& state, const Deforme
 
 void write_resampled(const std::string& path, const State& state, const Deformed& deformed,
                      const Geometry& grid, Console& console) {
-  console.stage("resample");
   const std::int64_t lost = count_outside(deformed.offsets, grid);
   if (lost > 0) {
     console.warn(path + ": " + std::to_string(lost) +
                  " voxels of material lie outside the grid (see --margin)");
   }
-  write_volume(path, grid, value_type_of(state.source_type),
+  ValueType type = ValueType::float32;
+  find_numpy_type(state.source_type, type);
+  write_volume(path, grid, type,
                dense_resampled(deformed.offsets, state.density, grid, state.density.background()),
                &console);
 }
@@ -107,7 +108,6 @@ RenderSettings view_settings(const SceneView& view) {
 
 Image draw(const Subject& subject, const SceneView& view, RenderReport* report,
            Console& console) {
-  console.stage("render");
   const RenderSettings settings = view_settings(view);
   settings.validate();
   if (view.lattice) return draw_body_lattice(subject, view);

@@ -42,7 +42,6 @@ void warn_of_report(const EcmReport& report, Console& console) {
 Session::Session(const std::string& path, const std::string& raw_spec,
                  const std::optional<MaterialTable>& material, Console& console) {
   if (material) m_material = *material;
-  console.stage("read");
   if (is_state_file(path)) {
     if (!raw_spec.empty()) throw InputError({path, "--raw", "a state file", "a raw volume"});
     m_state = read_state(path, &console);
@@ -59,7 +58,7 @@ Session::Session(const std::string& path, const std::string& raw_spec,
   }
   for (const std::string& line : m_material.warnings()) console.warn("material: " + line);
 
-  console.stage("body");
+  console.stage("building the body");
   m_body = make_body(m_state, m_material);
   m_state.material_toml = material_to_toml(m_material);
   m_links = check_links(m_body);
@@ -116,7 +115,7 @@ const StepRecord& Session::step(const std::vector<Drag>& drags, const std::vecto
   for (const Drag& drag : drags) {
     handles.push_back({drag.voxel, fixed_from_mm(drag.by_mm, geometry().spacing_mm())});
   }
-  console.stage("solve");
+  console.stage("solving");
   record.report = drag(m_body, handles, held_boxes(drags), &console);
   warn_of_report(record.report, console);
   for (const Drag& drag : drags) {
@@ -163,7 +162,6 @@ State Session::state() const {
 }
 
 Deformed invert_state(const State& state, Console& console) {
-  console.stage("invert");
   Deformed deformed;
   deformed.displacement = extended_displacement_of(state);
   deformed.offsets = invert(deformed.displacement, {}, &console);
