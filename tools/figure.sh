@@ -6,7 +6,7 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 case "${1:-}" in
-  4.5)  input=t-shape.png ;;
+  4.5)  input= ;;
   4.9)  input=t-shape.png ;;
   4.10) input=gradient.png ;;
   4.13) input=irregular.png ;;
@@ -19,10 +19,10 @@ bin=build/release/bin
 [ -x "$bin/supple" ] || { echo "figure.sh: build first: bash tools/setup.sh" >&2; exit 1; }
 
 mkdir -p build/data out/figures
-"$bin/supple-examples" phantom "${input%.*}" "build/data/$input"
 if [ "$1" = 4.5 ]; then
-  "$bin/supple-examples" original-chainmail "build/data/$input" out/figures
+  "$bin/supple-examples" figure-4-5 out/figures
 else
+  "$bin/supple-examples" phantom "${input%.*}" "build/data/$input"
   "$bin/supple" run "docs/scenes/$name.toml" -o out/figures --force --quiet
 fi
 ls out/figures/"$name"*.png

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 
+#include "tools/examples/figure_4_5.h"
 #include "volumes/io/volume_writer.h"
 #include "volumes/phantom/phantom.h"
 
@@ -70,9 +71,15 @@ int main(int argc, char** argv) {
       ->check(CLI::IsMember(
           {"head", "small-head", "gradient", "t-shape", "irregular", "extruded", "cube"}));
   phantom->add_option("output", output, "A .png (one slice) or .nhdr file")->required();
+  CLI::App* figure = program.add_subcommand("figure-4-5", "Original ChainMail against ECM");
+  figure->add_option("folder", output, "Where the pictures go")->required();
   CLI11_PARSE(program, argc, argv);
   try {
-    write_phantom(kind, output);
+    if (figure->parsed()) {
+      supple::examples::draw_figure_4_5(t_shape_phantom(kSliceSize), output);
+    } else {
+      write_phantom(kind, output);
+    }
   } catch (const std::exception& error) {
     std::fprintf(stderr, "supple-examples: error: %s\n", error.what());
     return 1;
