@@ -174,6 +174,8 @@ void write_file(const std::string& path, const State& state, const OffsetField* 
   errno = 0;
   try {
     write_stream(file.path(), grids, make_metadata(state));
+  } catch (const std::bad_alloc&) {
+    throw SystemError(path + ": not enough memory");
   } catch (const std::exception&) {
     throw SystemError(path + ": cannot write: " + std::strerror(errno != 0 ? errno : EIO));
   }
