@@ -2,13 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace supple {
 
 namespace {
 
-constexpr int kEntries = 4096;
-constexpr float kGuardEntries = 0.01f;  // covers the rounding of interpolated densities
+constexpr int kEntries = 8192;
+constexpr float kGuardCodes = 0.05f;  // covers the rounding of interpolated densities
+
+/// Densities from the first key point to the last: the function is constant beyond.
+std::pair<double, double> domain_of(const TransferFunction& f) {
+  return {std::min(f.opacity.front().density, f.colour.front().density),
+          std::max(f.opacity.back().density, f.colour.back().density)};
+}
 
 }  // namespace
 
@@ -18,14 +25,15 @@ double corrected_opacity(double opacity, double step_mm, double unit_distance_mm
 
 Classifier::Classifier(const TransferFunction& function, const SourceBricks& source, double step_mm)
     : m_function(function), m_step_mm(step_mm) {
-  const EncodedRange range = source.range().empty() ? EncodedRange{0, 0} : source.range();
-  m_lo = range.lo;
-  m_entries_per_code = range.hi > range.lo ? float(kEntries - 1) / (range.hi - range.lo) : 0;
+  const auto [first, last] = domain_of(function);
+  const double first_code = source.encoded(first), last_code = source.encoded(last);
+  m_lo = float(first_code);
+  m_entries_per_code = last > first ? float((kEntries - 1) / (last_code - first_code)) : 0;
   m_table.resize(kEntries + 1);
   m_visible_before.assign(kEntries + 2, 0);
   for (int n = 0; n <= kEntries; ++n) {
     const double along = double(std::min(n, kEntries - 1)) / (kEntries - 1);
-    const double density = source.density(range.lo + along * double(range.hi - range.lo));
+    const double density = first + along * (last - first);
     const auto rgb = function.colour_at(density);
     const double opacity = function.opacity_at(density);
     const double alpha = has_gradient_opacity()
@@ -49,9 +57,11 @@ float Classifier::with_gradient(float opacity, float gradient_per_mm) const {
 
 bool Classifier::may_be_visible(const EncodedRange& range) const {
   if (range.empty()) return false;
-  const auto entry = [&](float encoded) { return (encoded - m_lo) * m_entries_per_code; };
-  const int first = std::clamp(int(std::floor(entry(range.lo) - kGuardEntries)), 0, kEntries);
-  const int last = std::clamp(int(std::ceil(entry(range.hi) + kGuardEntries)), 0, kEntries);
+  const auto entry = [&](float encoded) {
+    return std::clamp((encoded - m_lo) * m_entries_per_code, 0.0f, float(kEntries - 1));
+  };
+  const int first = int(std::floor(entry(range.lo - kGuardCodes)));
+  const int last = int(std::ceil(entry(range.hi + kGuardCodes)));
   return m_visible_before[last + 1] > m_visible_before[first];
 }
 

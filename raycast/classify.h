@@ -1,6 +1,7 @@
-// Post-classification: the transfer function as a fine table over the encoded densities of one
-// source, opacities corrected for the step: alpha = 1 - (1 - a)^(step / unit distance).
-// Cost: 64 kB; 4096 entries, linear between them (exact up to rounding away from key points).
+// Post-classification: the transfer function as a fine table between its first and last key point,
+// opacities corrected for the step: alpha = 1 - (1 - a)^(step / unit distance). The table does not
+// depend on the densities of the source, so that a part of a volume looks like the whole.
+// Cost: 160 kB; 8192 entries, linear between them.
 #pragma once
 
 #include <vector>

@@ -49,7 +49,7 @@ float difference(bool has_minus, float minus, float here, bool has_plus, float p
 /// Derivative along the axis of `step`; u and v are the other two axes.
 float axis_gradient(const std::int16_t* node, int step, int step_u, int step_v, float t, float u,
                     float v, float here) {
-  float before, low = 0, high = 0, after;
+  float before = 0, low = 0, high = 0, after = 0;
   sample_plane(node, step_u, step_v, u, v, low);
   sample_plane(node + step, step_u, step_v, u, v, high);
   const bool has_minus = sample_plane(node - step, step_u, step_v, u, v, before);
@@ -95,6 +95,13 @@ SourceBricks::SourceBricks(const DensityGrid& density, const BrickTopology& wher
 void SourceBricks::choose_encoding(const DensityGrid& density, const Values& values) {
   const DensitySurvey found = survey(m_topology, values, density.background());
   if (found.lo > found.hi) return;
+  // Integers keep their values, whatever part of a volume is given, so that a state and its volume
+  // read the same bits.
+  if (found.integers && found.lo >= -kCodes && found.hi <= kCodes) return;
+  if (found.integers && found.lo >= 0 && found.hi <= 2 * kCodes) {
+    m_offset = kCodes;
+    return;
+  }
   const double middle = 0.5 * (found.lo + found.hi);
   const bool exact = found.integers && found.hi - found.lo <= 2 * kCodes - 1;
   m_offset = exact ? std::floor(middle) : middle;

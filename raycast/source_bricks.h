@@ -1,6 +1,6 @@
 // The source volume as the marcher reads it: int16 bricks of 8^3 cells with an apron, mirrored from
-// the leaves of the density grid (design.md section 5). Exact for integer data that span at most
-// 65534 values; other data are rounded to 1/65534 of their range.
+// the leaves of the density grid (design.md section 5). Exact for integers that span at most 65534
+// values; other data are rounded to 1/65534 of their range.
 // Cost: 2.7 kB per occupied brick; a sample touches one brick, its central-difference gradient too.
 #pragma once
 
@@ -41,6 +41,7 @@ class SourceBricks {
   const EncodedRange& range() const { return m_range; }
 
   double density(double encoded) const { return m_offset + m_scale * encoded; }
+  double encoded(double density) const { return (density - m_offset) / m_scale; }
   double scale() const { return m_scale; }
   std::size_t bytes() const;
 

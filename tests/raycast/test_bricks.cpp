@@ -52,7 +52,7 @@ TEST(UnitBricks, ASampleIsEmptyWhenAnyCornerIsVoid) {
   const BrickTopology where =
       voxels_of({16, 16, 16}, [](const Vec3i& v) { return v != Vec3i(8, 8, 8); });
   const SourceBricks bricks(grid_of(where, [](const Vec3d& p) { return p.x; }));
-  float value;
+  float value = 0;
   for (int c = 0; c < 8; ++c) {
     const Vec3i base(8 - (c & 1), 8 - ((c >> 1) & 1), 8 - (c >> 2));
     EXPECT_FALSE(sample_cell(cell_at(bricks, base, Vec3f(0)), value));
@@ -67,7 +67,7 @@ TEST(UnitBricks, TheGradientOfALinearFieldIsExactAlsoAcrossBricksAndBesideTheVoi
       grid_of(where, [](const Vec3d& p) { return 3 * p.x - 2 * p.y + 5 * p.z; }));
   for (const Vec3i& voxel : {Vec3i(3, 3, 3), Vec3i(7, 8, 15), Vec3i(0, 0, 0), Vec3i(22, 22, 22)}) {
     const SourceCell cell = cell_at(bricks, voxel, {0.25f, 0.5f, 0.75f});
-    float value;
+    float value = 0;
     ASSERT_TRUE(sample_cell(cell, value));
     const Vec3d p = Vec3d(voxel) + Vec3d(0.25, 0.5, 0.75);
     EXPECT_NEAR(bricks.density(value), 3 * p.x - 2 * p.y + 5 * p.z, 1e-4);
@@ -83,7 +83,7 @@ TEST(UnitBricks, ASheetOneCellThickHasNoGradientAcrossItself) {
       voxels_of({8, 8, 8}, [](const Vec3i& v) { return v.x == 3 || v.x == 4; });
   const SourceBricks bricks(grid_of(where, [](const Vec3d& p) { return p.x * p.x + p.y; }));
   const SourceCell cell = cell_at(bricks, {3, 3, 3}, Vec3f(0.5f));
-  float value;
+  float value = 0;
   ASSERT_TRUE(sample_cell(cell, value));
   const Vec3f gradient = sample_gradient(cell, value);
   EXPECT_EQ(gradient.x, 0);
@@ -140,7 +140,7 @@ TEST(PropertyBricks, RangesCallNothingTransparentThatASampleCanShow) {
     const Classifier classifier(f, source, 0.5);
     for (int n = 0; n < 4000; ++n) {
       const Vec3i voxel(int(random() % 15), int(random() % 15), int(random() % 15));
-      float value;
+      float value = 0;
       ASSERT_TRUE(sample_cell(
           cell_at(source, voxel, {within(random), within(random), within(random)}), value));
       if (classifier.classify(value)[3] > 0) {

@@ -167,6 +167,21 @@ TEST(PropertyRender, ALoadedVolumeWithBackgroundRingsLooksLikeTheWholeVolume) {
   EXPECT_LT(compare(picture(loaded, 0), expected, true).ssim, 0.99);
 }
 
+TEST(PropertyRender, ElementsWithTheirShellLookLikeTheVolumeBitForBit) {
+  const Geometry geometry = cube_geometry(kSize);
+  const DensityFunction body = lobed_body(Vec3d(23.5), 14);
+  const DensityGrid whole = grid_of(voxels_of(geometry.dims(), everywhere), [&](const Vec3d& p) {
+    return p.x < 2 ? -1900 : std::floor(body(p));
+  });
+  const BrickTopology elements =
+      voxels_of(geometry.dims(), [&](const Vec3i& v) { return whole.at(v) >= 350; });
+  const DensityGrid state = restrict_to(whole, dilate(elements, 2));
+  ASSERT_LT(state.bricks().active_count(), whole.bricks().active_count() / 2);
+  const Camera camera = default_camera(geometry, 1);
+  EXPECT_EQ(Renderer(geometry, state).render(camera, surface_function(), small_picture(128)).rgba,
+            Renderer(geometry, whole).render(camera, surface_function(), small_picture(128)).rgba);
+}
+
 TEST(PropertyRender, StrideFindsWhatEverySampleFindsOnThickObjects) {
   const Geometry geometry = cube_geometry(kSize);
   const Renderer renderer(
