@@ -134,7 +134,7 @@ void paint_brain(Painter& painter, const Pos& p, const Pos& mirrored) {
 void paint_orbits(Painter& painter, const Pos& p, const Pos& mirrored) {
   const Pos center(31, 68, 54);
   painter.paint(std::max(ellipsoid(mirrored, center, {23, 25, 22}), p.y - 86), hu::kSpongy);
-  painter.paint(capsule(mirrored, {10, 86, 72}, {46, 72, 70}, 5), hu::kCortical);
+  painter.paint(ellipsoid(mirrored, {27, 72, 71}, {30, 15, 8}), hu::kCortical);
   painter.paint(capsule(mirrored, {44, 74, 38}, {58, 44, 40}, 5.5), hu::kCortical);
   painter.paint(capsule(mirrored, {58, 44, 40}, {63, 2, 42}, 4), hu::kCortical);
   painter.paint(ellipsoid(mirrored, center + Pos(0, 4, 0), {18, 26, 17}), hu::kFat);
@@ -199,10 +199,10 @@ void paint_airways(Painter& painter, const Pos& p, const Pos& mirrored) {
   painter.paint(std::max(ellipsoid(p, {0, 58, 44}, {15, 36, 16}), 28.5 - p.z), hu::kAir);
   painter.paint(capsule(mirrored, {6, 84, 34}, {7, 101, 29}, 3.6), hu::kAir);
   painter.paint(ellipsoid(mirrored, {30, 64, 36}, {12.5, 14, 12.5}), hu::kAir);
-  painter.paint(box(p, {0, 62, 44}, {1.1, 36, 17}), hu::kCartilage);
+  painter.paint(box(p, {0, 58, 44}, {1.1, 32, 16}), hu::kCartilage);
   painter.paint(capsule(mirrored, {8, 40, 36}, {8, 80, 34}, 3), hu::kMuscle);
   painter.paint(capsule(mirrored, {8, 42, 46}, {8, 76, 46}, 2.4), hu::kMuscle);
-  painter.paint(ellipsoid(mirrored, {9, 86, 82}, {10, 4, 8}), hu::kAir);
+  painter.paint(ellipsoid(mirrored, {8, 80, 77}, {7, 3.5, 6}), hu::kAir);
   painter.paint(ellipsoid(p, {0, 26, 55}, {13, 11, 9}), hu::kCortical);
   painter.paint(ellipsoid(p, {0, 26, 55}, {11, 9, 7}), hu::kAir);
   painter.paint(capsule(p, {0, 28, 40}, {0, 16, 18}, 8), hu::kAir);
