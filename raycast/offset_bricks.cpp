@@ -17,6 +17,7 @@ namespace {
 constexpr int kExtrapolatedRings = 1;  // every corner of a cell that has a valid one
 constexpr double kReachGuard = 1e-3;   // voxels; covers the rounding of interpolated offsets
 constexpr double kMaxReachedBricks = 4096;
+constexpr float kMaxOffsetVoxels = 1 << 20;  // what is larger, or not a number, leads nowhere
 
 Float4 load(const float* p) {
   Float4 v;
@@ -72,6 +73,11 @@ struct OffsetBricks::Gathered {
   Vec3f hi{-HUGE_VALF, -HUGE_VALF, -HUGE_VALF};
 
   void set(float* out, const Vec3f& offset) {
+    const float size = std::abs(offset.x) + std::abs(offset.y) + std::abs(offset.z);
+    if (!(size < kMaxOffsetVoxels)) {
+      set_missing(out, false);
+      return;
+    }
     for (int a = 0; a < 3; ++a) {
       out[a] = offset[a];
       lo[a] = std::min(lo[a], offset[a]);

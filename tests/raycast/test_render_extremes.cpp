@@ -86,9 +86,12 @@ TEST(ExtremesRender, OffsetsThatLeadNowhereAreEmptyAndNotANumberIsVoid) {
   const DensityGrid grid = full({16, 16, 16});
   Renderer renderer(geometry, grid);
   const BrickTopology& where = grid.bricks();
-  for (const float far : {1e4f, std::numeric_limits<float>::quiet_NaN()}) {
+  for (const float far : {1e4f, 1e30f, std::numeric_limits<float>::infinity(),
+                          std::numeric_limits<float>::quiet_NaN()}) {
     const OffsetField offsets{
-        geometry, {where, std::vector<Vec3f>(where.brick_count() * kBrickVoxels, Vec3f(far))}, {}};
+        geometry,
+        {where, std::vector<Vec3f>(where.brick_count() * kBrickVoxels, Vec3f(0, far, 0))},
+        {}};
     renderer.set_offsets(&offsets);
     EXPECT_EQ(visible_pixels(renderer.render(default_camera(geometry, 1), fog_function(0.9),
                                              small_picture(16))),
