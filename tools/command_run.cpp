@@ -150,6 +150,10 @@ void check_scene(const Scene& scene, const Options& options, const GlobalOptions
   }
   const SceneOutput& output = scene.output;
   for (const auto* names : {&output.offsets, &output.displacements, &output.volumes}) {
+    for (const std::string& name : *names) output_files(name);
+  }
+  if (!std::filesystem::exists(options.folder)) return;
+  for (const auto* names : {&output.offsets, &output.displacements, &output.volumes}) {
     for (const std::string& name : *names) check_dense_output(path_in(options.folder, name), global);
   }
   for (const SceneView& view : scene.views) check_output(path_in(options.folder, view.image), global);
@@ -197,12 +201,12 @@ void print_results(const SceneRun& run, const Scene& scene, const Options& optio
 
 int run(const Options& options, const GlobalOptions& global, Console& console) {
   const Scene scene = read_scene(options.scene);
-  if (!options.dry_run) std::filesystem::create_directories(options.folder);
   check_scene(scene, options, global);
   if (options.dry_run) {
     print_plan(scene, options);
     return kOk;
   }
+  std::filesystem::create_directories(options.folder);
   SceneRun scene_run(scene, options, console);
   scene_run.run();
   print_results(scene_run, scene, options, global, console);

@@ -61,17 +61,20 @@ SceneStep read_step(TomlTable& table) {
     handle.finish();
   }
   // The short form of one handle.
-  const bool is_short = table.has("grab") || table.has("at_mm");
+  bool is_short = false;
+  for (const char* key : {"grab", "at_mm", "by", "by_mm_lps"}) {
+    is_short = table.has(key) || is_short;
+  }
   if (is_short && !step.handles.empty()) {
     table.fail("grab", "grab beside handles", "either the short form or handles");
   }
-  if (is_short) step.handles.push_back(read_handle(table));
   const auto rows = table.rows("fix", {3, 6}, "a list of [i, j, k] or [i0, j0, k0, i1, j1, k1]");
   if (rows) {
     for (const auto& row : *rows) step.fix.push_back(to_box(table, row));
   }
   step.release = table.boolean("release").value_or(false);
   table.finish();
+  if (is_short) step.handles.push_back(read_handle(table));
   if (step.handles.empty() && step.fix.empty() && !step.release) {
     table.fail("", "a step that does nothing", "grab, handles, fix or release");
   }

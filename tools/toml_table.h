@@ -23,7 +23,8 @@ class TomlTable {
   /// `table` must outlive this view; `name` is its place in the file, e.g. "step[2]", or "".
   TomlTable(const toml::table& table, std::string file, std::string name);
 
-  bool has(const std::string& key) const { return m_table->contains(key); }
+  /// Also makes the key a known one.
+  bool has(const std::string& key) { return find(key) != nullptr; }
   /// "file:line", of the key or of the table.
   std::string place(const std::string& key = "") const;
   const std::string& file() const { return m_file; }

@@ -50,13 +50,11 @@ Outcome run_program(const std::vector<std::string>& arguments, const RunOptions&
     ::kill(child, SIGINT);
   }
   int status = 0;
-  rusage usage = {};
-  ::wait4(child, &status, 0, &usage);
+  ::waitpid(child, &status, 0);
   Outcome outcome;
   outcome.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   outcome.out = read_text(out);
   outcome.err = read_text(err);
-  outcome.peak_mb = double(usage.ru_maxrss) / 1024;
   return outcome;
 }
 

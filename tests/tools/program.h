@@ -10,7 +10,6 @@ namespace supple::test {
 struct Outcome {
   int exit_code = -1;  // 128 + signal when a signal ended the program
   std::string out, err;
-  double peak_mb = 0;
 };
 
 struct RunOptions {

@@ -27,7 +27,7 @@ std::string header(const std::string& sizes, const std::string& type = "uint8",
                    const std::string& directions = "(1,0,0) (0,1,0) (0,0,1)") {
   return "NRRD0004\ntype: " + type + "\ndimension: 3\nspace: left-posterior-superior\nsizes: " +
          sizes + "\nspace directions: " + directions +
-         "\nspace origin: (0,0,0)\nencoding: raw\ndata file: data.raw\n";
+         "\nspace origin: (0,0,0)\nendian: little\nencoding: raw\ndata file: data.raw\n";
 }
 
 class FaultBadInput : public ::testing::Test {
@@ -64,9 +64,9 @@ TEST_F(FaultBadInput, FilesThatAreNotVolumesAreRefused) {
 }
 
 TEST_F(FaultBadInput, HeadersThatContradictTheirDataAreRefusedWithBothNumbers) {
-  expect_header_refused(header("4 4 5"), {"bad.nhdr", "64", "80"});
-  expect_header_refused(header("4 4 3"), {"bad.nhdr", "64", "48"});
-  expect_header_refused(header("0 4 4"), {"0", "positive"});
+  expect_header_refused(header("4 4 5"), {"data.raw", "64", "80"});
+  expect_header_refused(header("4 4 3"), {"data.raw", "64", "48"});
+  expect_header_refused(header("0 4 4"), {"bad.nhdr", "sizes", "0 4 4"});
   expect_header_refused(header("-4 4 4"), {"-4"});
   expect_header_refused(header("4000000000 4000000000 4000000000"), {"4000000000"});
   expect_header_refused(header("9000 9000 9000"), {"64", "729000000000"});

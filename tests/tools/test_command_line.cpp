@@ -109,10 +109,3 @@ TEST(UnitCommandLine, NegativeNumbersAreValuesNotOptions) {
   EXPECT_GT(json["moved"], 1);
   EXPECT_LE(json["certificate"]["residual_max_voxels"], 1e-3);
 }
-
-TEST(UnitCommandLine, HelpStartsInLittleMemory) {
-#if defined(__SANITIZE_ADDRESS__)
-  GTEST_SKIP() << "sanitizers need memory of their own";
-#endif
-  EXPECT_LE(run_supple({"--help"}).peak_mb, 40);
-}
