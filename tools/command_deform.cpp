@@ -40,9 +40,10 @@ void print_text(const Session& session, const Options& options,
               static_cast<long long>(report.fraction_numerator),
               static_cast<long long>(report.fraction_denominator));
   std::printf("folds excluded  %s\n", session.links().fold_free ? "yes, by the material" : "no");
-  std::printf("folded cells    %lld of %lld, smallest det F %.4g\n",
+  std::printf("folded cells    %lld of %lld, %lld of them in the air; smallest det F %.4g\n",
               static_cast<long long>(certificate.folded_cells),
-              static_cast<long long>(certificate.cells), certificate.min_det);
+              static_cast<long long>(certificate.cells),
+              static_cast<long long>(certificate.folded_air_cells), certificate.min_det);
   std::printf("inversion       residual max %.2g, p99.9 %.2g voxels, unresolved %lld\n",
               certificate.residual_max, certificate.residual_p999,
               static_cast<long long>(certificate.unresolved_voxels));
@@ -54,7 +55,7 @@ void print_json(const Session& session, const Options& options,
   nlohmann::ordered_json json = to_json(session.records().back());
   json["elements"] = session.body().elements.active_count();
   json["fold_free_material"] = session.links().fold_free;
-  json["folded"] = certificate.folded_cells;
+  json["folded"] = certificate.folded_cells - certificate.folded_air_cells;
   json["certificate"] = to_json(certificate);
   json["state"] = options.output;
   std::printf("%s\n", json.dump(2).c_str());

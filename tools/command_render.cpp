@@ -12,6 +12,9 @@ namespace supple::tools {
 
 namespace {
 
+/// Voxels around the densities above the minimum that a picture needs.
+constexpr int kShellRings = 2;
+
 struct Options {
   std::string input, raw_spec, camera, size, view, output;
   bool undeformed = false;
@@ -49,7 +52,7 @@ Image draw_volume(const Options& options, SceneView& view, RenderReport& report,
   if (options.undeformed) {
     throw UsageError("--undeformed: found a volume, expected a state file");
   }
-  const Volume volume = load_volume(options.input, options.raw_spec, &console);
+  const Volume volume = load_volume(options.input, options.raw_spec, &console, kShellRings);
   if (volume.statistics.nan_count > 0) {
     console.warn(options.input + ": " + std::to_string(volume.statistics.nan_count) +
                  " NaN voxels treated as void");

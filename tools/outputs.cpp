@@ -148,6 +148,7 @@ nlohmann::ordered_json to_json(const InversionCertificate& certificate) {
           {"residual_p999_voxels", certificate.residual_p999},
           {"cells", certificate.cells},
           {"folded_cells", certificate.folded_cells},
+          {"folded_air_cells", certificate.folded_air_cells},
           {"unresolved_voxels", certificate.unresolved_voxels},
           {"min_det", certificate.min_det}};
 }

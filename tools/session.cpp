@@ -164,11 +164,18 @@ State Session::state() const {
 Deformed invert_state(const State& state, Console& console) {
   Deformed deformed;
   deformed.displacement = extended_displacement_of(state);
-  deformed.offsets = invert(deformed.displacement, {}, &console);
+  InvertParams params;
+  params.material = &state.elements;
+  deformed.offsets = invert(deformed.displacement, params, &console);
   const InversionCertificate& certificate = deformed.offsets.certificate;
-  if (certificate.folded_cells > 0) {
-    console.warn(with_count(certificate.folded_cells, "cell") + " folded, smallest det F " +
+  const std::int64_t folded = certificate.folded_cells - certificate.folded_air_cells;
+  if (folded > 0) {
+    console.warn(with_count(folded, "cell") + " of material folded, smallest det F " +
                  std::to_string(certificate.min_det) + "; ties go to the shortest offset");
+  }
+  if (certificate.folded_air_cells > 0) {
+    console.note(with_count(certificate.folded_air_cells, "cell") +
+                 " folded in the air around the material");
   }
   if (certificate.unresolved_voxels > 0) {
     console.warn(with_count(certificate.unresolved_voxels, "voxel") + " could not be inverted");

@@ -19,13 +19,14 @@ TEST(FaultInterruption, CtrlCLeavesNoPartialFile) {
         run_supple({"deform", folder / "ball.nhdr", "--material", folder / "soft.toml", "--grab",
                     "64,64,64", "--by", "30,10,5", "-o", folder / "out.vdb", "--force"},
                    options);
-    if (outcome.exit_code == 0) {
-      // Finished before the signal: the file is whole.
-      EXPECT_EQ(run_supple({"info", folder / "out.vdb"}).exit_code, 0);
-      std::filesystem::remove(folder / "out.vdb");
-    } else {
+    if (outcome.exit_code != 0) {
       EXPECT_EQ(outcome.exit_code, 128 + SIGINT) << outcome.err;
       ++interrupted;
+    }
+    // The signal may come after the rename; what lies under the final name is whole then too.
+    if (std::filesystem::exists(folder / "out.vdb")) {
+      EXPECT_EQ(run_supple({"info", folder / "out.vdb"}).exit_code, 0);
+      std::filesystem::remove(folder / "out.vdb");
     }
     EXPECT_EQ(folder.entries(), before);
   }

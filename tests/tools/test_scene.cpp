@@ -56,7 +56,7 @@ TEST_F(UnitScene, ADryRunWritesNothing) {
 
 TEST_F(UnitScene, UnknownKeysNameLineAndSuggestion) {
   expect_refused(m_head + "[[step]]\ngrap = [8, 8, 8]\nby = [2.0, 0.0, 0.0]\n",
-                 {"scene.toml:5"});
+                 {"scene.toml:6", "grap", "'grab'"});
   expect_refused(m_head + "[[view]]\nimage = \"a.png\"\npresett = \"CT-Bone\"\n",
                  {"scene.toml:7", "presett", "'preset'"});
   expect_refused(m_head + "[outputs]\nstate = \"a.vdb\"\n", {"outputs", "'output'"});

@@ -42,6 +42,7 @@ struct Doubt {
 struct Totals {
   std::int64_t cells = 0;
   std::int64_t folded_cells = 0;
+  std::int64_t folded_air_cells = 0;
   double min_det = 1;
   std::vector<Doubt> doubts;
   std::vector<OffsetAccumulator::Hit> hits;  // of the brick at work
@@ -62,6 +63,7 @@ class Inversion {
   std::vector<Vec3i> settle(const std::vector<Doubt>& doubts, OffsetAccumulator& accumulator) const;
   void translate_cell(const Vec3i& cell, const Vec3f& shift, Totals& totals) const;
   bool solve_cell(const CellCorners& corners, const Vec3i& cell, Totals& totals) const;
+  bool reaches_into_air(const Vec3i& cell) const;
   void add_hit(const Vec3i& node, const Vec3d& source, const Vec3f& o, Totals& totals) const;
 
   const VectorBricks& m_u;
@@ -128,6 +130,20 @@ void Inversion::translate_cell(const Vec3i& cell, const Vec3f& shift, Totals& to
   }
 }
 
+/// True when a corner of the cell is no element. The cells of a one-slice volume have their far
+/// corners in the slice as well.
+bool Inversion::reaches_into_air(const Vec3i& cell) const {
+  if (m_params.material == nullptr) return false;
+  for (int corner = 0; corner < 8; ++corner) {
+    Vec3i voxel = cell + Vec3i(corner & 1, (corner >> 1) & 1, corner >> 2);
+    for (int a = 0; a < 3; ++a) {
+      if (m_dims[a] == 1) voxel[a] = 0;
+    }
+    if (!m_params.material->is_active(voxel)) return true;
+  }
+  return false;
+}
+
 /// True when the cell is folded.
 bool Inversion::solve_cell(const CellCorners& corners, const Vec3i& cell, Totals& totals) const {
   const double min_det = min_corner_det(corners);
@@ -179,6 +195,7 @@ void Inversion::solve_brick(std::size_t b, OffsetAccumulator& accumulator, Total
     } else if (solve_cell(cell_corners(cells, offset), cell, totals)) {
       mask_set(m_folded[b], offset);
       ++totals.folded_cells;
+      totals.folded_air_cells += reaches_into_air(cell);
     }
   });
   accumulator.merge(totals.hits);
@@ -236,6 +253,7 @@ VectorBricks Inversion::run(InversionCertificate& certificate, Progress* progres
   for (const Totals& part : totals) {
     certificate.cells += part.cells;
     certificate.folded_cells += part.folded_cells;
+    certificate.folded_air_cells += part.folded_air_cells;
     certificate.min_det = std::min(certificate.min_det, part.min_det);
     std::copy_if(part.doubts.begin(), part.doubts.end(), std::back_inserter(doubts),
                  [&](const Doubt& doubt) { return !accumulator.contains(doubt.node); });

@@ -9,6 +9,8 @@ namespace supple {
 struct InvertParams {
   double residual_tolerance_voxels = 1e-4;  // Newton stops at a hundredth of it
   int max_newton_steps = 20;
+  /// The elements, so that folds in the air around them are counted apart; null: all is material.
+  const BrickTopology* material = nullptr;
 };
 
 /// Inverts the extended displacement; u is trilinear on the cells whose eight corners are valid.
