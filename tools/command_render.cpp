@@ -1,5 +1,7 @@
 // supple render: a picture of a volume, or of a state without resampling it.
+#include <algorithm>
 #include <cstdio>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "tools/command.h"
@@ -12,8 +14,8 @@ namespace supple::tools {
 
 namespace {
 
-/// Voxels around the densities above the minimum that a picture needs.
-constexpr int kShellRings = 2;
+/// Voxels of air around the densities above the minimum that a surface needs.
+constexpr int kAirRings = 2;
 
 struct Options {
   std::string input, raw_spec, camera, size, view, output;
@@ -52,14 +54,21 @@ Image draw_volume(const Options& options, SceneView& view, RenderReport& report,
   if (options.undeformed) {
     throw UsageError("--undeformed: found a volume, expected a state file");
   }
-  const Volume volume = load_volume(options.input, options.raw_spec, &console, kShellRings);
-  if (volume.statistics.nan_count > 0) {
-    console.warn(options.input + ": " + std::to_string(volume.statistics.nan_count) +
+  const auto file = open_volume(options.input, options.raw_spec);
+  view.lattice = view.lattice || file->header().geometry.dims().z == 1;
+  // A lattice shows every voxel; a picture leaves out the air at the file's minimum.
+  const double everything = std::numeric_limits<double>::max();
+  const Volume volume = view.lattice
+                            ? load_elements(*file, -everything, everything, 0, 0, &console).volume
+                            : load_volume(*file, &console);
+  const VolumeStatistics& statistics = volume.statistics;
+  if (statistics.nan_count > 0) {
+    console.warn(options.input + ": " + std::to_string(statistics.nan_count) +
                  " NaN voxels treated as void");
   }
-  view.lattice = view.lattice || volume.geometry.dims().z == 1;
-  return draw({volume.geometry, volume.density, volume.density.bricks(), nullptr,
-               volume.statistics.min, volume.statistics.max},
+  const double grey_hi = std::max(statistics.max, statistics.min + 1);
+  return draw({volume.geometry, volume.density, volume.density.bricks(), nullptr, statistics.min,
+               grey_hi, kAirRings},
               view, &report, console);
 }
 

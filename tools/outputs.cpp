@@ -111,7 +111,7 @@ Image draw(const Subject& subject, const SceneView& view, RenderReport* report,
   const RenderSettings settings = view_settings(view);
   settings.validate();
   if (view.lattice) return draw_body_lattice(subject, view);
-  Renderer renderer(subject.geometry, subject.density);
+  Renderer renderer(subject.geometry, subject.density, subject.air_rings);
   if (subject.deformed != nullptr) renderer.set_offsets(&subject.deformed->offsets);
   const Camera camera =
       resolve_camera(view.camera, subject.geometry, double(view.width) / view.height);

@@ -42,6 +42,7 @@ struct Subject {
   const BrickTopology& elements;
   const Deformed* deformed;  // null: straight
   double grey_lo, grey_hi;   // of the lattice
+  int air_rings = 0;         // see Renderer; 0 for a state, which keeps its shell
 };
 RenderSettings view_settings(const SceneView& view);
 Image draw(const Subject& subject, const SceneView& view, RenderReport* report, Console& console);
