@@ -181,8 +181,10 @@ Float4 Marcher::shaded(const Float4& colour, const Vec3f& gradient, float magnit
   if (!(magnitude > 0)) return colour * float(f.ambient + f.diffuse);
   Vec3f normal = gradient / magnitude;
   if (normal.dot(m_view) < 0) normal = -normal;
-  const float diffuse = std::max(normal.dot(m_frame.light), 0.0f);
-  const float highlight = std::max(normal.dot(m_half), 0.0f);
+  const float full = float(f.full_shading_gradient);
+  const float trust = magnitude < full ? magnitude / full : 1.0f;
+  const float diffuse = 1 - trust + trust * std::max(normal.dot(m_frame.light), 0.0f);
+  const float highlight = trust * std::max(normal.dot(m_half), 0.0f);
   const float specular = float(f.specular) * std::pow(highlight, float(f.specular_power));
   return colour * (float(f.ambient) + float(f.diffuse) * diffuse) + specular;
 }

@@ -20,6 +20,7 @@ TransferFunction ct_bone() {
               {500, {0.92, 0.84, 0.69}},
               {1200, {0.97, 0.93, 0.84}},
               {3071, {1, 1, 1}}};
+  f.full_shading_gradient = 200;
   f.ambient = 0.12, f.diffuse = 0.8, f.specular = 0.2, f.specular_power = 12;
   return f;
 }
@@ -33,6 +34,7 @@ TransferFunction ct_muscle() {
               {160, {0.86, 0.58, 0.42}},
               {350, {0.95, 0.88, 0.76}},
               {3071, {1, 1, 1}}};
+  f.full_shading_gradient = 60;
   f.ambient = 0.15, f.diffuse = 0.88, f.specular = 0.2, f.specular_power = 10;
   return f;
 }
@@ -46,6 +48,7 @@ TransferFunction ct_soft_tissue() {
               {150, {0.93, 0.76, 0.66}},
               {400, {0.98, 0.92, 0.84}},
               {3071, {1, 1, 1}}};
+  f.full_shading_gradient = 150;
   f.ambient = 0.15, f.diffuse = 0.85, f.specular = 0.12, f.specular_power = 12;
   return f;
 }
