@@ -100,6 +100,8 @@ void TransferFunction::validate(const std::string& file) const {
   };
   require(unit_distance_mm > 0 && std::isfinite(unit_distance_mm), "unit_distance",
           unit_distance_mm, "more than 0 mm");
+  require(full_shading_gradient >= 0 && std::isfinite(full_shading_gradient),
+          "full_shading_gradient", full_shading_gradient, "0 or more, in density per mm");
   require(ambient >= 0 && ambient <= 1, "ambient", ambient, "a value between 0 and 1");
   require(diffuse >= 0 && diffuse <= 1, "diffuse", diffuse, "a value between 0 and 1");
   require(specular >= 0 && specular <= 1, "specular", specular, "a value between 0 and 1");

@@ -239,6 +239,26 @@ TEST(UnitRender, CancellingThrows) {
                Cancelled);
 }
 
+TEST(UnitRender, WeakGradientsFadeToFacingTheLight) {
+  // A ramp across the view: its normal points away from the camera's light, 4 densities per mm.
+  const Geometry geometry = cube_geometry(24);
+  const BrickTopology where = voxels_of(geometry.dims(), everywhere);
+  Renderer renderer(geometry, grid_of(where, [](const Vec3d& p) { return 4 * p.z; }));
+  const Camera camera = default_camera(geometry, 1, "anterior", Projection::orthographic);
+  const auto grey_at_centre = [&](double full_shading_gradient) {
+    TransferFunction f = fog_function(1);
+    f.ambient = 0.1, f.diffuse = 0.8, f.specular = 0;
+    f.full_shading_gradient = full_shading_gradient;
+    const Image image = renderer.render(camera, f, small_picture(9));
+    return double(image.rgba[4 * (4 * 9 + 4)]) / 255;
+  };
+  const double trusted = grey_at_centre(0), facing = grey_at_centre(1e9);
+  EXPECT_NEAR(facing, 0.9, 0.01);
+  EXPECT_LT(trusted, 0.6);
+  EXPECT_NEAR(grey_at_centre(8), 0.5 * (trusted + facing), 0.01);
+  EXPECT_NEAR(grey_at_centre(4), trusted, 0.005);
+}
+
 TEST(UnitRender, WrongSettingsAndForeignOffsetsAreInputErrors) {
   Renderer renderer(cube_geometry(8), DensityGrid());
   RenderSettings settings = small_picture(8);
