@@ -30,7 +30,7 @@ fetch_volume() {
 }
 
 stage install supple_setup
-stage build build_preset release
+stage build build_preset release "$SUPPLE_PROGRAMS"
 stage fetch fetch_volume
 mkdir -p out
 stage run build/release/bin/supple run docs/scenes/head_drag.toml -o out/head_drag --force

@@ -12,7 +12,8 @@ SUPPLE_PACKAGES=(
   libopenvdb-dev libboost-dev libtbb-dev libembree-dev libopencv-dev
   libtiff-dev libpng-dev libnifti2-dev zlib1g-dev libssl-dev
   libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libgtest-dev)
-SUPPLE_JUDGES=(elastix plastimatch)
+SUPPLE_JUDGES=(elastix plastimatch teem-apps python3-openvdb)
+SUPPLE_PROGRAMS="supple supple-examples"
 
 say() { printf '== %s\n' "$*"; }
 
@@ -36,21 +37,23 @@ install_packages() {
   say "installing ${#missing[@]} packages: ${missing[*]}"
   local apt=(env DEBIAN_FRONTEND=noninteractive apt-get -q -y -o Dpkg::Use-Pty=0)
   as_root "${apt[@]}" update >/dev/null || say "the package list could not be refreshed"
-  as_root "${apt[@]}" install --no-install-recommends "${missing[@]}" | grep -E '^(Setting up|E:)' |
-    sed -n '1~50p' || true
+  # One line for every 50 packages, and all errors.
+  as_root "${apt[@]}" install --no-install-recommends "${missing[@]}" 2>&1 |
+    awk '/^E:/ { print } /^Setting up/ && n++ % 50 == 0 { print $1, $2, $3; fflush() }' || true
   mapfile -t missing < <(missing_packages "$@")
   [ "${#missing[@]}" -eq 0 ] || { say "not installed: ${missing[*]}"; return 1; }
 }
 
-# build_preset PRESET [cmake options]
+# build_preset PRESET TARGETS [cmake options]
 build_preset() {
-  local preset="$1"
-  shift
+  local preset="$1" targets
+  read -ra targets <<<"$2"
+  shift 2
   say "configuring build/$preset"
   (cd "$SUPPLE_ROOT" && cmake --preset "$preset" "$@" >"build/$preset-configure.log" 2>&1) ||
     { tail -n 20 "$SUPPLE_ROOT/build/$preset-configure.log"; return 1; }
   say "building build/$preset"
-  (cd "$SUPPLE_ROOT" && cmake --build "build/$preset" -j "$(nproc)")
+  (cd "$SUPPLE_ROOT" && cmake --build "build/$preset" -j "$(nproc)" --target "${targets[@]}")
 }
 
 supple_setup() {
@@ -63,6 +66,6 @@ if [ "${BASH_SOURCE[0]}" = "$0" ]; then
   if [ "${1:-}" = "--with-judges" ]; then
     install_packages "${SUPPLE_JUDGES[@]}" || say "tests that need them will be skipped"
   fi
-  build_preset release
+  build_preset release "$SUPPLE_PROGRAMS"
   say "built $SUPPLE_ROOT/build/release/bin/supple"
 fi

@@ -12,10 +12,10 @@ install_packages "${SUPPLE_JUDGES[@]}" || say "tests that need them will be skip
 bash tools/fetch_ct_head.sh || say "no head CT: tests that need it will be skipped"
 
 if [ "${1:-}" != "--release-only" ]; then
-  build_preset asan -DSUPPLE_WERROR=ON
+  build_preset asan all -DSUPPLE_WERROR=ON
   say "testing build/asan (unit, property, fault)"
   ctest --test-dir build/asan -L 'unit|property|fault' -j "$(nproc)" --output-on-failure
 fi
-build_preset release -DSUPPLE_WERROR=ON
+build_preset release all -DSUPPLE_WERROR=ON
 say "testing build/release"
 ctest --test-dir build/release -j "$(nproc)" --output-on-failure
