@@ -23,9 +23,9 @@ struct TransferFunction {
   std::vector<ColourKey> colour;
   std::vector<OpacityKey> gradient_opacity;  // density per mm; empty: 1 everywhere
   double unit_distance_mm = 1.0;             // distance over which `opacity` is reached
-  /// Density per mm from which a gradient is trusted as a normal. Weaker ones, as on the ridge inside
-  /// a thin sheet, point anywhere; shading fades to facing the light, or samples that happen to fall
-  /// there show as dark lines. 0 trusts all.
+  /// Density per mm from which a gradient is trusted as a normal. Weaker ones, as on the ridge
+  /// inside a thin sheet, point anywhere; shading fades to facing the light, or samples that happen
+  /// to fall there show as dark lines. 0 trusts all.
   double full_shading_gradient = 0;
   double ambient = 0.2, diffuse = 0.9, specular = 0.2, specular_power = 10;
 

@@ -1,11 +1,12 @@
 // What a subcommand is made of, and the helpers that several of them share.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+
+#include <CLI/CLI.hpp>
 
 #include "tools/console.h"
 
@@ -37,8 +38,8 @@ Command add_run(CLI::App& program);
 Command add_compare(CLI::App& program);
 
 /// A subcommand with its examples, one per line, below the options.
-CLI::App* add_subcommand(CLI::App& program, const std::string& name,
-                         const std::string& description, const std::string& examples);
+CLI::App* add_subcommand(CLI::App& program, const std::string& name, const std::string& description,
+                         const std::string& examples);
 
 /// Throws UsageError when `path` exists and --force is not given, InputError when its folder does
 /// not exist, so that nothing is computed in vain.

@@ -1,5 +1,6 @@
 // supple compare: how different two pictures are, and whether that is too much.
 #include <cstdio>
+
 #include <nlohmann/json.hpp>
 
 #include "raycast/compare.h"
@@ -74,9 +75,7 @@ Command add_compare(CLI::App& program) {
       "  supple compare new.png reference.png --max-rmse 1e-3 --min-ssim 0.999\n"
       "  supple compare a.png b.png --mask foreground --diff difference.png --json");
   app->add_option("a", options->a, "A PNG file")->required()->option_text("A.png");
-  app->add_option("b", options->b, "A PNG file of the same size")
-      ->required()
-      ->option_text("B.png");
+  app->add_option("b", options->b, "A PNG file of the same size")->required()->option_text("B.png");
   app->add_option("--max-rmse", options->max_rmse, "Largest root mean square difference, 0 to 1")
       ->option_text("R");
   app->add_option("--min-ssim", options->min_ssim, "Smallest structural similarity")

@@ -1,5 +1,6 @@
 // supple deform: drags voxels of a volume or state and writes the state.
 #include <cstdio>
+
 #include <nlohmann/json.hpp>
 
 #include "tools/command.h"
@@ -18,14 +19,15 @@ struct Options {
 
 std::vector<Drag> parse_drags(const Options& options) {
   if (options.grabs.size() != options.bys.size()) {
-    throw UsageError(to_line({"", "--grab and --by",
-                              std::to_string(options.grabs.size()) + " and " +
-                                  std::to_string(options.bys.size()),
-                              "pairs, in order"}));
+    throw UsageError(to_line(
+        {"", "--grab and --by",
+         std::to_string(options.grabs.size()) + " and " + std::to_string(options.bys.size()),
+         "pairs, in order"}));
   }
   std::vector<Drag> drags;
   for (std::size_t n = 0; n < options.grabs.size(); ++n) {
-    drags.push_back({parse_voxel("--grab", options.grabs[n]), parse_vector("--by", options.bys[n])});
+    drags.push_back(
+        {parse_voxel("--grab", options.grabs[n]), parse_vector("--by", options.bys[n])});
   }
   return drags;
 }

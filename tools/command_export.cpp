@@ -17,15 +17,15 @@ int run(const Options& options, const GlobalOptions& global, Console& console) {
   check_dense_output(options.output, global);
   const bool material = options.direction == "material";
   if (material && (!options.grid.file.empty() || options.grid.margin_mm > 0)) {
-    throw UsageError("--grid and --margin: found with --direction material, expected --direction "
-                     "resample (a material field lives on the source grid)");
+    throw UsageError(
+        "--grid and --margin: found with --direction material, expected --direction "
+        "resample (a material field lives on the source grid)");
   }
   const State state = read_state(options.input, &console);
   const Deformed deformed = invert_state(state, console);
-  write_state_warp(options.output, state, deformed,
-                   material ? WarpDirection::material : WarpDirection::resample,
-                   parse_void_mode(options.void_mode), choose_grid(state.geometry, options.grid),
-                   console);
+  write_state_warp(
+      options.output, state, deformed, material ? WarpDirection::material : WarpDirection::resample,
+      parse_void_mode(options.void_mode), choose_grid(state.geometry, options.grid), console);
   return kOk;
 }
 

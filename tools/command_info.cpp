@@ -1,5 +1,6 @@
 // supple info: what a volume or state file holds.
 #include <cstdio>
+
 #include <nlohmann/json.hpp>
 
 #include "tools/command.h"
@@ -16,7 +17,9 @@ struct Options {
 
 using Json = nlohmann::ordered_json;
 
-Json to_list(const Vec3d& v) { return {v.x, v.y, v.z}; }
+Json to_list(const Vec3d& v) {
+  return {v.x, v.y, v.z};
+}
 
 void add_geometry(Json& json, const Geometry& geometry) {
   const Vec3d origin = geometry.origin_lps_mm();
@@ -101,8 +104,8 @@ void print_text(const Json& json) {
     const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
     std::printf("%-22s %s\n", name.c_str(), text.c_str());
   }
-  const double voxels = json["dims"][0].get<double>() * json["dims"][1].get<double>() *
-                        json["dims"][2].get<double>();
+  const double voxels =
+      json["dims"][0].get<double>() * json["dims"][1].get<double>() * json["dims"][2].get<double>();
   std::printf("%-22s %.4g %%\n", "occupancy", 100 * json["active_voxels"].get<double>() / voxels);
 }
 
@@ -125,12 +128,12 @@ int run(const Options& options, const GlobalOptions& global, Console& console) {
 
 Command add_info(CLI::App& program) {
   auto options = std::make_shared<Options>();
-  CLI::App* app = add_subcommand(program, "info",
-                                 "Print geometry, type, range and memory of a volume or state",
-                                 "  supple info head.nii.gz\n"
-                                 "  supple info --json drag.vdb\n"
-                                 "  supple info scan.raw --raw "
-                                 "dims=256,256,108,type=int16,spacing=0.957,0.957,1.5");
+  CLI::App* app =
+      add_subcommand(program, "info", "Print geometry, type, range and memory of a volume or state",
+                     "  supple info head.nii.gz\n"
+                     "  supple info --json drag.vdb\n"
+                     "  supple info scan.raw --raw "
+                     "dims=256,256,108,type=int16,spacing=0.957,0.957,1.5");
   app->add_option("file", options->input, "A volume or a state")->required()->option_text("FILE");
   app->add_option("--raw", options->raw_spec,
                   "Headerless raw: dims=X,Y,Z,type=int16,spacing=A,B,C[,endian=big][,offset=N]");

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <limits>
+
 #include <nlohmann/json.hpp>
 
 #include "tools/command.h"
@@ -49,8 +50,7 @@ Image draw_state(const Options& options, SceneView& view, RenderReport& report, 
               view, &report, console);
 }
 
-Image draw_volume(const Options& options, SceneView& view, RenderReport& report,
-                  Console& console) {
+Image draw_volume(const Options& options, SceneView& view, RenderReport& report, Console& console) {
   if (options.undeformed) {
     throw UsageError("--undeformed: found a volume, expected a state file");
   }

@@ -24,11 +24,10 @@ int run(const Options& options, const GlobalOptions& global, Console& console) {
 
 Command add_resample(CLI::App& program) {
   auto options = std::make_shared<Options>();
-  CLI::App* app = add_subcommand(
-      program, "resample", "Write the deformed volume on a regular grid",
-      "  supple resample drag.vdb -o deformed.nrrd\n"
-      "  supple resample drag.vdb --grid atlas.nii.gz -o on_atlas.nrrd\n"
-      "  supple resample drag.vdb --margin 20 -o whole.mha");
+  CLI::App* app = add_subcommand(program, "resample", "Write the deformed volume on a regular grid",
+                                 "  supple resample drag.vdb -o deformed.nrrd\n"
+                                 "  supple resample drag.vdb --grid atlas.nii.gz -o on_atlas.nrrd\n"
+                                 "  supple resample drag.vdb --margin 20 -o whole.mha");
   app->add_option("state", options->input, "A state file")->required()->option_text("STATE.vdb");
   app->add_option("-o,--output", options->output, "Volume to write: .nrrd, .nhdr, .mha or .mhd")
       ->required()

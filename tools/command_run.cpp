@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <map>
+
 #include <nlohmann/json.hpp>
 
 #include "tools/command.h"
@@ -33,8 +34,9 @@ std::vector<Drag> to_drags(const SceneStep& step, const Geometry& geometry) {
       const Vec3d index = geometry.index_from_world(handle.at_lps_mm);
       for (int axis = 0; axis < 3; ++axis) {
         if (!(index[axis] > -0.5 && index[axis] < geometry.dims()[axis] - 0.5)) {
-          throw InputError({handle.place, "at_mm", to_text(handle.at_lps_mm) + ", voxel " +
-                            to_text(index), "a position inside the volume"});
+          throw InputError({handle.place, "at_mm",
+                            to_text(handle.at_lps_mm) + ", voxel " + to_text(index),
+                            "a position inside the volume"});
         }
         drag.voxel[axis] = int(std::lround(index[axis]));
       }
@@ -61,7 +63,9 @@ void run_step(Session& session, const SceneStep& step, Console& console) {
 class SceneRun {
  public:
   SceneRun(const Scene& scene, const Options& options, Console& console)
-      : m_scene(scene), m_folder(options.folder), m_console(console),
+      : m_scene(scene),
+        m_folder(options.folder),
+        m_console(console),
         m_session(scene.volume_path, scene.raw_spec, scene.material, console) {}
 
   void run() {
@@ -81,9 +85,7 @@ class SceneRun {
  private:
   int last_step() const { return int(m_scene.steps.size()); }
 
-  std::string path_of(const std::string& name) const {
-    return path_in(m_folder, name);
-  }
+  std::string path_of(const std::string& name) const { return path_in(m_folder, name); }
 
   /// State and inverse after the present step, computed once and only when something needs them.
   const Deformed& deformed(int step) {
@@ -154,9 +156,11 @@ void check_scene(const Scene& scene, const Options& options, const GlobalOptions
   }
   if (!std::filesystem::exists(options.folder)) return;
   for (const auto* names : {&output.offsets, &output.displacements, &output.volumes}) {
-    for (const std::string& name : *names) check_dense_output(path_in(options.folder, name), global);
+    for (const std::string& name : *names)
+      check_dense_output(path_in(options.folder, name), global);
   }
-  for (const SceneView& view : scene.views) check_output(path_in(options.folder, view.image), global);
+  for (const SceneView& view : scene.views)
+    check_output(path_in(options.folder, view.image), global);
   if (!output.state.empty()) check_output(path_in(options.folder, output.state), global);
 }
 
@@ -179,7 +183,8 @@ void print_results(const SceneRun& run, const Scene& scene, const Options& optio
   if (global.json) {
     nlohmann::ordered_json json;
     json["steps"] = nlohmann::ordered_json::array();
-    for (const StepRecord& record : run.session().records()) json["steps"].push_back(to_json(record));
+    for (const StepRecord& record : run.session().records())
+      json["steps"].push_back(to_json(record));
     if (run.certificate() != nullptr) json["certificate"] = to_json(*run.certificate());
     for (const auto& [name, seconds] : stages) json["stage_seconds"][name] = seconds;
     for (const std::string& name : scene.outputs()) {

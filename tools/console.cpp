@@ -1,9 +1,9 @@
 #include "tools/console.h"
 
-#include <unistd.h>
-
 #include <csignal>
 #include <cstdio>
+
+#include <unistd.h>
 
 namespace supple::tools {
 
@@ -25,13 +25,17 @@ void install_signal_handlers() {
   std::signal(SIGXFSZ, SIG_IGN);
 }
 
-int pending_signal() { return g_signal; }
+int pending_signal() {
+  return g_signal;
+}
 
 Console::Console(const GlobalOptions& options)
     : m_level(options.quiet ? LogLevel::error : options.log_level),
       m_shows_progress(!options.quiet && ::isatty(STDERR_FILENO) == 1) {}
 
-Console::~Console() { clear_line(); }
+Console::~Console() {
+  clear_line();
+}
 
 void Console::print(LogLevel level, const char* prefix, const std::string& line) {
   if (level > m_level) return;
@@ -39,11 +43,19 @@ void Console::print(LogLevel level, const char* prefix, const std::string& line)
   std::fprintf(stderr, "supple: %s%s\n", prefix, line.c_str());
 }
 
-void Console::warn(const std::string& line) { print(LogLevel::warning, "warning: ", line); }
-void Console::note(const std::string& line) { print(LogLevel::info, "", line); }
-void Console::debug(const std::string& line) { print(LogLevel::debug, "debug: ", line); }
+void Console::warn(const std::string& line) {
+  print(LogLevel::warning, "warning: ", line);
+}
+void Console::note(const std::string& line) {
+  print(LogLevel::info, "", line);
+}
+void Console::debug(const std::string& line) {
+  print(LogLevel::debug, "debug: ", line);
+}
 
-bool Console::cancelled() const { return g_signal != 0; }
+bool Console::cancelled() const {
+  return g_signal != 0;
+}
 
 void Console::clear_line() {
   if (!m_line_open) return;

@@ -1,12 +1,12 @@
 // The `supple` program: parses the command line, runs one subcommand, turns errors into exit codes.
-#include <oneapi/tbb/global_control.h>
-
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <new>
 #include <optional>
 #include <thread>
+
+#include <oneapi/tbb/global_control.h>
 
 #include "tools/command.h"
 #include "tools/version.h"
@@ -91,8 +91,8 @@ int run_program(int argc, char** argv) {
       "  supple render drag.vdb --preset CT-Bone -o drag.png\n"
       "Exit codes: 0 done, 1 failure or over a limit, 2 wrong command line or existing output,\n"
       "3 unusable value or file, 4 the system refuses (disk, permission, memory).");
-  const Command commands[] = {add_info(program),     add_deform(program), add_render(program),
-                              add_export(program),   add_resample(program), add_run(program),
+  const Command commands[] = {add_info(program),   add_deform(program),   add_render(program),
+                              add_export(program), add_resample(program), add_run(program),
                               add_compare(program)};
   try {
     program.parse(argc, argv);
@@ -111,4 +111,6 @@ int run_program(int argc, char** argv) {
 
 }  // namespace supple::tools
 
-int main(int argc, char** argv) { return supple::tools::run_program(argc, argv); }
+int main(int argc, char** argv) {
+  return supple::tools::run_program(argc, argv);
+}

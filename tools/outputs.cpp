@@ -5,14 +5,13 @@
 #include "raycast/lattice.h"
 #include "tools/command.h"
 #include "tools/version.h"
-#include "volumes/io/formats.h"
 #include "volumes/field/displacement.h"
+#include "volumes/io/formats.h"
 
 namespace supple::tools {
 
 Geometry choose_grid(const Geometry& source, const GridChoice& choice) {
-  const Geometry grid =
-      choice.file.empty() ? source : open_volume(choice.file)->header().geometry;
+  const Geometry grid = choice.file.empty() ? source : open_volume(choice.file)->header().geometry;
   return choice.margin_mm > 0 ? with_margin(grid, choice.margin_mm) : grid;
 }
 
@@ -73,8 +72,7 @@ Displacement on_elements(const Subject& subject) {
   for (std::size_t b = 0; b < subject.elements.brick_count(); ++b) {
     for_each_active(subject.elements.mask(b), [&](int offset) {
       const Vec3i voxel = subject.elements.origin(b) + brick_local(offset);
-      subject.deformed->displacement.u.at(voxel,
-                                          displacement.u.vectors[b * kBrickVoxels + offset]);
+      subject.deformed->displacement.u.at(voxel, displacement.u.vectors[b * kBrickVoxels + offset]);
     });
   }
   return displacement;
@@ -106,8 +104,7 @@ RenderSettings view_settings(const SceneView& view) {
   return settings;
 }
 
-Image draw(const Subject& subject, const SceneView& view, RenderReport* report,
-           Console& console) {
+Image draw(const Subject& subject, const SceneView& view, RenderReport* report, Console& console) {
   const RenderSettings settings = view_settings(view);
   settings.validate();
   if (view.lattice) return draw_body_lattice(subject, view);
@@ -131,12 +128,10 @@ std::string describe_view(const SceneView& view) {
   json["deformed"] = view.deformed;
   json["lattice"] = view.lattice;
   if (const auto& camera = view.camera.camera) {
-    json["camera"] = {{"projection", name_of(camera->projection)},
-                      {"position", list(camera->position_lps_mm)},
-                      {"target", list(camera->target_lps_mm)},
-                      {"up", list(camera->up_lps)},
-                      {"fov", camera->vertical_fov_degrees},
-                      {"height", camera->height_mm}};
+    json["camera"] = {
+        {"projection", name_of(camera->projection)}, {"position", list(camera->position_lps_mm)},
+        {"target", list(camera->target_lps_mm)},     {"up", list(camera->up_lps)},
+        {"fov", camera->vertical_fov_degrees},       {"height", camera->height_mm}};
   } else {
     json["camera"] = {{"projection", name_of(view.camera.projection)}, {"view", view.camera.view}};
   }

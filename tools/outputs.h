@@ -1,9 +1,10 @@
 // Writing what commands produce: warps, resampled volumes, pictures; and reports as JSON.
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
+
+#include <nlohmann/json_fwd.hpp>
 
 #include "raycast/render.h"
 #include "tools/scene.h"
@@ -20,7 +21,8 @@ struct GridChoice {
 };
 Geometry choose_grid(const Geometry& source, const GridChoice& choice);
 
-/// check_output for every file that a dense output creates; throws InputError for an unknown format.
+/// check_output for every file that a dense output creates; throws InputError for an unknown
+/// format.
 void check_dense_output(const std::string& path, const GlobalOptions& options);
 
 VoidMode parse_void_mode(const std::string& name);

@@ -18,7 +18,7 @@ struct SceneHandle {
   Vec3i voxel{0, 0, 0};      // grab, when !in_mm
   Vec3d at_lps_mm{0, 0, 0};  // at_mm, when in_mm
   bool by_is_lps = false;
-  Vec3d by_mm{0, 0, 0};      // along the grid axes, or by_mm_lps
+  Vec3d by_mm{0, 0, 0};  // along the grid axes, or by_mm_lps
 };
 
 struct SceneStep {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+
 #include <nlohmann/json.hpp>
 
 #include "tools/material_file.h"
@@ -27,8 +28,8 @@ std::string percent(double part) {
 void warn_of_report(const EcmReport& report, Console& console) {
   if (report.projected_links > 0) {
     console.warn("the start broke " + with_count(report.projected_links, "link") +
-                 "; it was projected, largest move " +
-                 std::to_string(report.projected_max_voxels) + " voxels");
+                 "; it was projected, largest move " + std::to_string(report.projected_max_voxels) +
+                 " voxels");
   }
   if (report.fraction_numerator != report.fraction_denominator) {
     console.warn("anchors stopped the drag at " + percent(report.fraction()) + " (" +
@@ -85,12 +86,10 @@ void Session::open_volume_file(const std::string& path, const std::string& raw_s
 std::vector<IndexBox> Session::held_boxes(const std::vector<Drag>& drags) const {
   std::vector<IndexBox> boxes = m_state.anchors;
   for (const Vec3i& voxel : m_held) {
-    const bool grabbed_again = std::any_of(drags.begin(), drags.end(), [&](const Drag& drag) {
-      return drag.voxel == voxel;
-    });
-    const bool inside_box = std::any_of(boxes.begin(), boxes.end(), [&](const IndexBox& box) {
-      return box.contains(voxel);
-    });
+    const bool grabbed_again = std::any_of(drags.begin(), drags.end(),
+                                           [&](const Drag& drag) { return drag.voxel == voxel; });
+    const bool inside_box = std::any_of(boxes.begin(), boxes.end(),
+                                        [&](const IndexBox& box) { return box.contains(voxel); });
     if (!grabbed_again && !inside_box) boxes.push_back({voxel, voxel});
   }
   return boxes;

@@ -7,9 +7,10 @@
 #include <optional>
 #include <set>
 #include <string>
-#include <toml++/toml.h>
 #include <utility>
 #include <vector>
+
+#include <toml++/toml.h>
 
 #include "volumes/base/vec.h"
 

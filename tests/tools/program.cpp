@@ -1,10 +1,5 @@
 #include "tests/tools/program.h"
 
-#include <fcntl.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -14,6 +9,11 @@
 #include <sstream>
 #include <stdexcept>
 #include <thread>
+
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 namespace supple::test {
 
@@ -115,7 +115,8 @@ void write_ball(const TemporaryFolder& folder, const std::string& name, int size
              "NRRD0004\ntype: uint8\ndimension: 3\nspace: left-posterior-superior\nsizes: " + dim +
                  " " + dim + " " + dim +
                  "\nspace directions: (1,0,0) (0,1,0) (0,0,1.5)\nspace origin: (0,0,0)\n"
-                 "encoding: raw\ndata file: " + name + ".raw\n");
+                 "encoding: raw\ndata file: " +
+                 name + ".raw\n");
 }
 
 void write_soft_material(const std::string& path) {

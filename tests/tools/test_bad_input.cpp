@@ -1,7 +1,7 @@
+#include <algorithm>
+
 #include <gtest/gtest.h>
 #include <unistd.h>
-
-#include <algorithm>
 
 #include "tests/tools/program.h"
 
@@ -9,7 +9,8 @@ using namespace supple::test;
 
 namespace {
 
-/// One line on stderr that holds every one of `words`, the exit code, and nothing new in the folder.
+/// One line on stderr that holds every one of `words`, the exit code, and nothing new in the
+/// folder.
 void expect_refused(const TemporaryFolder& folder, const std::vector<std::string>& arguments,
                     int exit_code, const std::vector<std::string>& words) {
   const auto before = folder.entries();
@@ -25,8 +26,9 @@ void expect_refused(const TemporaryFolder& folder, const std::vector<std::string
 
 std::string header(const std::string& sizes, const std::string& type = "uint8",
                    const std::string& directions = "(1,0,0) (0,1,0) (0,0,1)") {
-  return "NRRD0004\ntype: " + type + "\ndimension: 3\nspace: left-posterior-superior\nsizes: " +
-         sizes + "\nspace directions: " + directions +
+  return "NRRD0004\ntype: " + type +
+         "\ndimension: 3\nspace: left-posterior-superior\nsizes: " + sizes +
+         "\nspace directions: " + directions +
          "\nspace origin: (0,0,0)\nendian: little\nencoding: raw\ndata file: data.raw\n";
 }
 
@@ -45,8 +47,11 @@ class FaultBadInput : public ::testing::Test {
 
   std::vector<std::string> deform(const std::string& volume, const std::string& grab,
                                   const std::string& by = "2,0,0") const {
-    return {"deform", m_folder / volume, "--material", m_folder / "soft.toml", "--grab", grab,
-            "--by",   by,                "-o",         m_folder / "out.vdb"};
+    return {"deform",     m_folder / volume,
+            "--material", m_folder / "soft.toml",
+            "--grab",     grab,
+            "--by",       by,
+            "-o",         m_folder / "out.vdb"};
   }
 
   TemporaryFolder m_folder;
@@ -55,7 +60,8 @@ class FaultBadInput : public ::testing::Test {
 }  // namespace
 
 TEST_F(FaultBadInput, FilesThatAreNotVolumesAreRefused) {
-  expect_refused(m_folder, {"info", m_folder / "nothing.nhdr"}, 3, {"nothing.nhdr", "no such file"});
+  expect_refused(m_folder, {"info", m_folder / "nothing.nhdr"}, 3,
+                 {"nothing.nhdr", "no such file"});
   expect_refused(m_folder, {"info", m_folder.path()}, 3, {"directory"});
   write_text(m_folder / "empty.nhdr", "");
   expect_refused(m_folder, {"info", m_folder / "empty.nhdr"}, 3, {"empty.nhdr"});
@@ -103,9 +109,9 @@ TEST_F(FaultBadInput, NotANumberIsVoidAndSaid) {
   EXPECT_EQ(info.exit_code, 0) << info.err;
   EXPECT_NE(info.err.find("1 NaN voxel"), std::string::npos) << info.err;
   // Voxel 7 is (3, 1, 0).
-  expect_refused(m_folder, {"deform", m_folder / "nan.nhdr", "--quiet", "--material",
-                            m_folder / "soft.toml", "--grab", "3,1,0", "--by", "1,0,0", "-o",
-                            m_folder / "out.vdb"},
+  expect_refused(m_folder,
+                 {"deform", m_folder / "nan.nhdr", "--quiet", "--material", m_folder / "soft.toml",
+                  "--grab", "3,1,0", "--by", "1,0,0", "-o", m_folder / "out.vdb"},
                  3, {"3", "nearest"});
 }
 
@@ -179,11 +185,13 @@ TEST_F(FaultBadInput, AFullDiskLeavesNothingBehind) {
   ASSERT_EQ(run_supple(deform("ball.nhdr", "8,8,8")).exit_code, 0);
   const auto with_state = m_folder.entries();
   for (const std::string name : {"x.nrrd", "x.mha"}) {
-    EXPECT_EQ(run_supple({"export", m_folder / "out.vdb", "-o", m_folder / name}, small_disk).exit_code,
-              4);
+    EXPECT_EQ(
+        run_supple({"export", m_folder / "out.vdb", "-o", m_folder / name}, small_disk).exit_code,
+        4);
   }
-  EXPECT_EQ(run_supple({"render", m_folder / "out.vdb", "-o", m_folder / "x.png"}, small_disk).exit_code,
-            4);
+  EXPECT_EQ(
+      run_supple({"render", m_folder / "out.vdb", "-o", m_folder / "x.png"}, small_disk).exit_code,
+      4);
   EXPECT_EQ(m_folder.entries(), with_state);
 }
 

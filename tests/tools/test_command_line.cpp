@@ -1,6 +1,6 @@
-#include <gtest/gtest.h>
-
 #include <algorithm>
+
+#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "tests/tools/program.h"
@@ -83,10 +83,11 @@ TEST(UnitCommandLine, ExistingOutputsNeedForce) {
   write_ball(folder, "ball", 16);
   write_soft_material(folder / "soft.toml");
   write_text(folder / "out.vdb", "precious");
-  std::vector<std::string> arguments = {"deform",          folder / "ball.nhdr", "--material",
-                                        folder / "soft.toml", "--grab",          "8,8,8",
-                                        "--by",            "3,0,0",              "-o",
-                                        folder / "out.vdb"};
+  std::vector<std::string> arguments = {"deform",     folder / "ball.nhdr",
+                                        "--material", folder / "soft.toml",
+                                        "--grab",     "8,8,8",
+                                        "--by",       "3,0,0",
+                                        "-o",         folder / "out.vdb"};
   EXPECT_EQ(run_supple(arguments).exit_code, 2);
   EXPECT_EQ(read_text(folder / "out.vdb"), "precious");
   arguments.push_back("--force");

@@ -1,10 +1,10 @@
 // Golden images: small deterministic renders against committed references. On failure the image,
 // the reference and their difference are kept under the build folder's test-output/golden.
 // `bash tools/update_golden.sh` renders the references anew.
-#include <gtest/gtest.h>
-
 #include <cstdlib>
 #include <map>
+
+#include <gtest/gtest.h>
 
 #include "raycast/compare.h"
 #include "raycast/render.h"
@@ -31,7 +31,8 @@ class GoldenScene {
         std::filesystem::path(std::getenv("SUPPLE_BINARY")).parent_path();
     const std::string kind = std::filesystem::path(input).stem().string();
     EXPECT_EQ(run_program({(bin / "supple-examples").string(), "phantom", kind, m_folder / input})
-                  .exit_code, 0);
+                  .exit_code,
+              0);
     std::filesystem::copy_file(source_dir() + kGolden + scene, m_folder / scene);
     m_outcome = run_supple({"run", m_folder / scene, "-o", m_folder.path()});
     EXPECT_EQ(m_outcome.exit_code, 0) << m_outcome.err;
@@ -53,10 +54,9 @@ std::string kept(const std::string& name) {
 void expect_golden(const GoldenScene& scene, const std::string& name) {
   const std::string image = scene / name;
   const std::string reference = source_dir() + kGolden + "reference/" + name;
-  const Outcome outcome = run_supple({"compare", image, reference, "--max-rmse",
-                                      std::to_string(kMaxRmse), "--min-ssim",
-                                      std::to_string(kMinSsim), "--max-diff",
-                                      std::to_string(kMaxDiff)});
+  const Outcome outcome =
+      run_supple({"compare", image, reference, "--max-rmse", std::to_string(kMaxRmse), "--min-ssim",
+                  std::to_string(kMinSsim), "--max-diff", std::to_string(kMaxDiff)});
   if (outcome.exit_code == 0) return;
   const std::string stem = std::filesystem::path(name).stem().string();
   std::filesystem::copy_file(image, kept(stem + "_image.png"),
@@ -71,8 +71,8 @@ void expect_golden(const GoldenScene& scene, const std::string& name) {
 
 TEST(GoldenImages, TheHeadPhantomLooksAsItDid) {
   const GoldenScene scene("head.toml", "small-head.nhdr");
-  for (const char* name : {"head_bone_rest.png", "head_bone_drag.png", "head_skin_drag.png",
-                           "head_soft_drag.png"}) {
+  for (const char* name :
+       {"head_bone_rest.png", "head_bone_drag.png", "head_skin_drag.png", "head_soft_drag.png"}) {
     expect_golden(scene, name);
   }
 }

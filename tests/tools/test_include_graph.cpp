@@ -1,10 +1,10 @@
 // The arrows of the architecture: which folder may include which (docs/architecture.md).
-#include <gtest/gtest.h>
-
 #include <fstream>
 #include <map>
 #include <regex>
 #include <set>
+
+#include <gtest/gtest.h>
 
 #include "tests/tools/program.h"
 
@@ -21,8 +21,8 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
 
 /// Third-party headers that may appear in some folders only.
 const std::map<std::string, std::set<std::string>> kThirdPartyHomes = {
-    {"embree3/", {"raycast"}},    {"opencv2/", {"raycast"}},     {"toml++/", {"tools"}},
-    {"CLI/", {"tools"}},          {"openvdb/", {"volumes"}},     {"tiff", {"volumes"}},
+    {"embree3/", {"raycast"}}, {"opencv2/", {"raycast"}}, {"toml++/", {"tools"}},
+    {"CLI/", {"tools"}},       {"openvdb/", {"volumes"}}, {"tiff", {"volumes"}},
     {"nifti", {"volumes"}},
 };
 
@@ -64,8 +64,7 @@ TEST(UnitIncludeGraph, FoldersIncludeOnlyWhatTheArchitectureAllows) {
     }
     for (const auto& [prefix, homes] : kThirdPartyHomes) {
       if (include.target.rfind(prefix, 0) != 0) continue;
-      EXPECT_EQ(homes.count(include.folder), 1u)
-          << include.file << " includes " << include.target;
+      EXPECT_EQ(homes.count(include.folder), 1u) << include.file << " includes " << include.target;
     }
   }
 }

@@ -1,6 +1,5 @@
 // The way through the house, from file to picture and warp, as the program offers it.
 #include <gtest/gtest.h>
-
 #include <nlohmann/json.hpp>
 
 #include "tests/tools/program.h"
@@ -18,9 +17,11 @@ class PropertyMainJob : public ::testing::Test {
 
   Outcome deform(const std::string& input, const std::string& by, const std::string& output,
                  const std::vector<std::string>& more = {}) {
-    std::vector<std::string> arguments = {"deform", m_folder / input, "--grab", "12,12,12", "--by",
-                                          by,       "-o",             m_folder / output, "--json"};
-    if (input == "ball.nhdr") arguments.insert(arguments.end(), {"--material", m_folder / "soft.toml"});
+    std::vector<std::string> arguments = {
+        "deform", m_folder / input,  "--grab", "12,12,12", "--by", by,
+        "-o",     m_folder / output, "--json"};
+    if (input == "ball.nhdr")
+      arguments.insert(arguments.end(), {"--material", m_folder / "soft.toml"});
     arguments.insert(arguments.end(), more.begin(), more.end());
     const Outcome outcome = run_supple(arguments);
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
@@ -29,9 +30,9 @@ class PropertyMainJob : public ::testing::Test {
 
   void render(const std::string& input, const std::string& output,
               const std::vector<std::string>& more = {}) {
-    std::vector<std::string> arguments = {"render", m_folder / input,        "--preset",
-                                          "MR-Default", "--size", "120,100", "-o",
-                                          m_folder / output};
+    std::vector<std::string> arguments = {"render",     m_folder / input, "--preset",
+                                          "MR-Default", "--size",         "120,100",
+                                          "-o",         m_folder / output};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const Outcome outcome = run_supple(arguments);
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
@@ -81,8 +82,7 @@ TEST_F(PropertyMainJob, AContinuedStateGoesOnFromWhereItWas) {
 }
 
 TEST_F(PropertyMainJob, AnAnchorStopsTheDragAndTheFractionIsReported) {
-  const Outcome outcome =
-      deform("ball.nhdr", "40,0,0", "stopped.vdb", {"--fix", "8,8,8:8,16,16"});
+  const Outcome outcome = deform("ball.nhdr", "40,0,0", "stopped.vdb", {"--fix", "8,8,8:8,16,16"});
   const auto json = nlohmann::json::parse(outcome.out);
   EXPECT_GT(json["fraction"], 0.0);
   EXPECT_LT(json["fraction"], 1.0);
@@ -93,8 +93,10 @@ TEST_F(PropertyMainJob, AResampledRestStateIsTheSourceVolume) {
   deform("ball.nhdr", "0,0,0", "zero.vdb");
   ASSERT_EQ(run_supple({"resample", m_folder / "zero.vdb", "-o", m_folder / "same.nrrd"}).exit_code,
             0);
-  const auto source = nlohmann::json::parse(run_supple({"info", "--json", m_folder / "ball.nhdr"}).out);
-  const auto same = nlohmann::json::parse(run_supple({"info", "--json", m_folder / "same.nrrd"}).out);
+  const auto source =
+      nlohmann::json::parse(run_supple({"info", "--json", m_folder / "ball.nhdr"}).out);
+  const auto same =
+      nlohmann::json::parse(run_supple({"info", "--json", m_folder / "same.nrrd"}).out);
   for (const char* key : {"sha256", "type", "dims", "affine_lps", "min", "max"}) {
     EXPECT_EQ(source[key], same[key]) << key;
   }
@@ -105,8 +107,8 @@ TEST_F(PropertyMainJob, AMarginKeepsMaterialThatLeavesTheSourceBox) {
   const Outcome tight = run_supple({"export", m_folder / "out.vdb", "-o", m_folder / "tight.nrrd"});
   EXPECT_EQ(tight.exit_code, 0);
   EXPECT_NE(tight.err.find("outside the grid"), std::string::npos) << tight.err;
-  const Outcome wide = run_supple(
-      {"export", m_folder / "out.vdb", "--margin", "20", "-o", m_folder / "wide.nrrd"});
+  const Outcome wide =
+      run_supple({"export", m_folder / "out.vdb", "--margin", "20", "-o", m_folder / "wide.nrrd"});
   EXPECT_EQ(wide.exit_code, 0);
   EXPECT_EQ(wide.err.find("outside the grid"), std::string::npos) << wide.err;
 }

@@ -28,19 +28,19 @@ class UnitScene : public ::testing::Test {
     }
   }
 
-  const std::string m_head =
-      "[volume]\npath = \"ball.nhdr\"\n[material]\ntable = \"soft.toml\"\n";
+  const std::string m_head = "[volume]\npath = \"ball.nhdr\"\n[material]\ntable = \"soft.toml\"\n";
   TemporaryFolder m_folder;
 };
 
 }  // namespace
 
 TEST_F(UnitScene, TheSmallestSceneWritesWhatItNames) {
-  const Outcome outcome = run_scene(m_head +
-                                    "[[step]]\ngrab = [8, 8, 8]\nby = [2.0, 0.0, 0.0]\n"
-                                    "[[view]]\nimage = \"a.png\"\nsize = [64, 48]\n"
-                                    "[output]\nstate = \"a.vdb\"\noffsets = [\"a.nrrd\", \"a.mha\"]\n"
-                                    "displacements = [\"u.nrrd\"]\nvolumes = [\"v.nrrd\"]\n");
+  const Outcome outcome =
+      run_scene(m_head +
+                "[[step]]\ngrab = [8, 8, 8]\nby = [2.0, 0.0, 0.0]\n"
+                "[[view]]\nimage = \"a.png\"\nsize = [64, 48]\n"
+                "[output]\nstate = \"a.vdb\"\noffsets = [\"a.nrrd\", \"a.mha\"]\n"
+                "displacements = [\"u.nrrd\"]\nvolumes = [\"v.nrrd\"]\n");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   for (const char* name : {"a.png", "a.vdb", "a.nrrd", "a.mha", "u.nrrd", "v.nrrd"}) {
     EXPECT_TRUE(std::filesystem::exists(m_folder / ("out/" + std::string(name)))) << name;

@@ -1,11 +1,11 @@
 // supple-examples: what the examples need beyond `supple` itself: the generated volumes, and figure
 // 4.5 of the thesis, which shows the original ChainMail that `supple` does not offer.
-#include <png.h>
-
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <map>
+
+#include <CLI/CLI.hpp>
+#include <png.h>
 
 #include "tools/examples/figure_4_5.h"
 #include "volumes/io/volume_writer.h"

@@ -45,7 +45,8 @@ Geometry::Geometry(const Vec3i& dims, const Vec3d& origin_lps_mm,
   }
   for (const Vec3d& axis : m_axes) {
     if (!is_finite(axis) || axis.length() <= 0) {
-      throw InputError({"", "spacing and direction", to_text(axis), "finite axes longer than 0 mm"});
+      throw InputError(
+          {"", "spacing and direction", to_text(axis), "finite axes longer than 0 mm"});
     }
   }
   const auto unit = direction();
@@ -70,7 +71,9 @@ std::array<Vec3d, 3> Geometry::direction() const {
   return {m_axes[0].normalized(), m_axes[1].normalized(), m_axes[2].normalized()};
 }
 
-double Geometry::determinant() const { return m_axes[0].dot(m_axes[1].cross(m_axes[2])); }
+double Geometry::determinant() const {
+  return m_axes[0].dot(m_axes[1].cross(m_axes[2]));
+}
 
 bool Geometry::is_orthogonal(double tolerance) const {
   const auto unit = direction();
@@ -104,7 +107,9 @@ Vec3d Geometry::world_gradient_from_index(const Vec3d& gradient) const {
          m_inverse_rows[2] * gradient.z;
 }
 
-Geometry Geometry::with_dims(const Vec3i& dims) const { return {dims, m_origin, m_axes}; }
+Geometry Geometry::with_dims(const Vec3i& dims) const {
+  return {dims, m_origin, m_axes};
+}
 
 bool Geometry::operator==(const Geometry& other) const {
   return m_dims == other.m_dims && m_origin == other.m_origin && m_axes == other.m_axes;

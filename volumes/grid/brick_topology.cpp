@@ -12,7 +12,9 @@ namespace {
 constexpr std::array<std::array<int, 3>, 6> kFaces = {
     {{-8, 0, 0}, {8, 0, 0}, {0, -8, 0}, {0, 8, 0}, {0, 0, -8}, {0, 0, 8}}};
 
-int region_of(int voxel) { return voxel >> 7; }
+int region_of(int voxel) {
+  return voxel >> 7;
+}
 int table_offset(const Vec3i& v) {
   return (((v.x >> 3) & 15) << 8) | (((v.y >> 3) & 15) << 4) | ((v.z >> 3) & 15);
 }
@@ -52,12 +54,11 @@ int mask_count(const BrickMask& mask) {
 BrickTopology::BrickTopology(std::vector<Vec3i> origins, std::vector<BrickMask> masks) {
   std::vector<std::size_t> order(origins.size());
   std::iota(order.begin(), order.end(), std::size_t(0));
-  order.erase(std::remove_if(order.begin(), order.end(),
-                             [&](std::size_t b) { return is_empty(masks[b]); }),
-              order.end());
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return origin_less(origins[a], origins[b]);
-  });
+  order.erase(
+      std::remove_if(order.begin(), order.end(), [&](std::size_t b) { return is_empty(masks[b]); }),
+      order.end());
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return origin_less(origins[a], origins[b]); });
   m_origins.reserve(order.size());
   m_masks.reserve(order.size());
   for (const std::size_t b : order) {
@@ -88,9 +89,10 @@ void BrickTopology::build_lookup() {
   // One table of 16^3 bricks per occupied region.
   for (std::size_t b = 0; b < m_origins.size(); ++b) {
     const Vec3i& o = m_origins[b];
-    const std::size_t region =
-        (std::size_t(region_of(o.x) - m_region_lo.x) * m_region_dims.y +
-         (region_of(o.y) - m_region_lo.y)) * m_region_dims.z + (region_of(o.z) - m_region_lo.z);
+    const std::size_t region = (std::size_t(region_of(o.x) - m_region_lo.x) * m_region_dims.y +
+                                (region_of(o.y) - m_region_lo.y)) *
+                                   m_region_dims.z +
+                               (region_of(o.z) - m_region_lo.z);
     if (m_regions[region] < 0) {
       m_regions[region] = std::int32_t(m_tables.size());
       m_tables.emplace_back();

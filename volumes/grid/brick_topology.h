@@ -24,7 +24,9 @@ inline int brick_offset(const Vec3i& voxel) {
 }
 
 /// Local coordinates of an offset in its brick.
-inline Vec3i brick_local(int offset) { return {offset >> 6, (offset >> 3) & 7, offset & 7}; }
+inline Vec3i brick_local(int offset) {
+  return {offset >> 6, (offset >> 3) & 7, offset & 7};
+}
 
 inline bool mask_test(const BrickMask& mask, int offset) {
   return (mask[offset >> 6] >> (offset & 63)) & 1;

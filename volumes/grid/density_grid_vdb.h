@@ -11,5 +11,4 @@ struct DensityGrid::Vdb {
   openvdb::FloatGrid::ConstPtr grid;
 };
 
-
 }  // namespace supple

@@ -11,7 +11,7 @@ namespace supple {
 
 /// Facts about a file's values, gathered in the one pass that reads them.
 struct VolumeStatistics {
-  double min = 0;   // after slope and intercept, NaN left out
+  double min = 0;  // after slope and intercept, NaN left out
   double max = 0;
   double mean = 0;
   std::int64_t nan_count = 0;
@@ -20,7 +20,7 @@ struct VolumeStatistics {
 
 struct Volume {
   Geometry geometry;
-  DensityGrid density;         // index space, active voxels as asked for when loading
+  DensityGrid density;          // index space, active voxels as asked for when loading
   VolumeStatistics statistics;  // of the whole file
   std::string format;           // "nrrd", "metaimage", "nifti", "png", "tiff", "raw", "vdb"
   std::string stored_type;      // numpy name, e.g. "int16"

@@ -1,8 +1,8 @@
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <limits>
 #include <random>
+
+#include <gtest/gtest.h>
 
 #include "volumes/base/error.h"
 #include "volumes/geometry/geometry.h"
@@ -28,15 +28,20 @@ TEST(UnitGeometry, GradientsAreCovectors) {
 TEST(PropertyGeometry, WorldAndIndexInvertEachOtherAtAnyScaleAndShear) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> coordinate(-1, 1);
-  const auto vector = [&] { return Vec3d(coordinate(random), coordinate(random), coordinate(random)); };
+  const auto vector = [&] {
+    return Vec3d(coordinate(random), coordinate(random), coordinate(random));
+  };
   for (const double scale : {1e-8, 1.0, 1e8}) {
     for (int n = 0; n < 100; ++n) {
       std::array<Vec3d, 3> axes = {vector(), vector(), vector()};
-      if (std::abs(axes[0].normalized().dot(axes[1].normalized().cross(axes[2].normalized()))) < 0.05) continue;
+      if (std::abs(axes[0].normalized().dot(axes[1].normalized().cross(axes[2].normalized()))) <
+          0.05)
+        continue;
       for (Vec3d& axis : axes) axis *= scale;
       const Geometry geometry({9, 9, 9}, vector() * scale, axes);
       const Vec3d index = vector() * 100.0;
-      EXPECT_LT((geometry.index_from_world(geometry.world_from_index(index)) - index).length(), 1e-9);
+      EXPECT_LT((geometry.index_from_world(geometry.world_from_index(index)) - index).length(),
+                1e-9);
     }
   }
 }
@@ -48,7 +53,8 @@ TEST(UnitGeometry, UnusableGeometriesAreRejected) {
   EXPECT_THROW(Geometry({-3, 1, 1}, {0, 0, 0}, unit), InputError);
   EXPECT_THROW(Geometry({2000000, 2000000, 2000000}, {0, 0, 0}, unit), InputError);
   EXPECT_THROW(Geometry({1, 1, 1}, {nan, 0, 0}, unit), InputError);
-  EXPECT_THROW(Geometry({1, 1, 1}, {0, 0, 0}, {Vec3d(nan, 0, 0), {0, 1, 0}, {0, 0, 1}}), InputError);
+  EXPECT_THROW(Geometry({1, 1, 1}, {0, 0, 0}, {Vec3d(nan, 0, 0), {0, 1, 0}, {0, 0, 1}}),
+               InputError);
   EXPECT_THROW(Geometry({1, 1, 1}, {0, 0, 0}, {Vec3d(1, 0, 0), {1, 0, 0}, {0, 0, 1}}), InputError);
   EXPECT_THROW(Geometry({1, 1, 1}, {0, 0, 0}, {Vec3d(0, 0, 0), {0, 1, 0}, {0, 0, 1}}), InputError);
 }
