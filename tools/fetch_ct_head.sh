@@ -7,10 +7,14 @@ set -euo pipefail
 
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 data="$root/build/data"
-raw_bytes=$((256 * 256 * 108 * 2))
 
-[ -f "$data/ct_head.nhdr" ] && [ "$(stat -c %s "$data/ct_head.raw" 2>/dev/null)" = "$raw_bytes" ] &&
-  exit 0
+# True when the file holds the scan, not the phantom that stands in without a network.
+is_scan() {
+  echo "d87fd5e6aaf2c4fdf4f3fe28ee3335192fc2464ed8e9682fc78530cb837938da  $1" |
+    sha256sum --check --status 2>/dev/null
+}
+
+[ -f "$data/ct_head.nhdr" ] && is_scan "$data/ct_head.raw" && exit 0
 
 mkdir -p "$data"
 work="$(mktemp -d "$data/fetch.XXXXXX")"
@@ -22,8 +26,8 @@ if [ ! -f "$archive" ]; then
   archive="$work/package$archive"
 fi
 tar xzOf "$archive" --wildcards '*/matrix.dat' >"$work/ct_head.raw"
-if [ "$(stat -c %s "$work/ct_head.raw")" != "$raw_bytes" ]; then
-  echo "fetch_ct_head: found $(stat -c %s "$work/ct_head.raw") bytes of voxels, expected $raw_bytes" >&2
+if ! is_scan "$work/ct_head.raw"; then
+  echo "fetch_ct_head: found other voxels in $archive, expected those of version 3.1.99998" >&2
   exit 1
 fi
 
