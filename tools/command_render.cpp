@@ -1,4 +1,5 @@
-// supple render: a picture of a volume, or of a state without resampling it.
+// supple render: a picture of a volume, of a volume through any warp, or of a state, none of them
+// resampled.
 #include <algorithm>
 #include <cstdio>
 #include <limits>
@@ -10,6 +11,7 @@
 #include "tools/outputs.h"
 #include "tools/parse.h"
 #include "volumes/io/volume_file.h"
+#include "volumes/io/warp_file.h"
 
 namespace supple::tools {
 
@@ -19,7 +21,7 @@ namespace {
 constexpr int kAirRings = 2;
 
 struct Options {
-  std::string input, raw_spec, camera, size, view, output;
+  std::string input, raw_spec, offsets, camera, size, view, output;
   bool undeformed = false;
   bool lattice = false;
   bool orthographic = false;
@@ -40,14 +42,27 @@ SceneView to_view(const Options& options) {
 }
 
 Image draw_state(const Options& options, SceneView& view, RenderReport& report, Console& console) {
+  if (!options.offsets.empty()) {
+    throw UsageError("--offsets: found a state file, expected a volume (a state has its own)");
+  }
   const State state = read_state(options.input, &console);
   view.lattice = view.lattice || state.geometry.dims().z == 1;
   std::optional<Deformed> deformed;
   if (view.deformed) deformed = invert_state(state, console);
   const MaterialTable material = parse_material(state.material_toml, options.input);
-  return draw({state.geometry, state.density, state.elements, deformed ? &*deformed : nullptr,
-               material.domain_lo, material.domain_hi},
-              view, &report, console);
+  return draw(
+      {state.geometry, state.density, state.elements, deformed ? &deformed->offsets : nullptr,
+       deformed ? &deformed->displacement : nullptr, material.domain_lo, material.domain_hi},
+      view, &report, console);
+}
+
+/// The warp file as offsets of the volume; warns when none of them leads into it.
+OffsetField read_offsets(const std::string& path, const Geometry& source, Console& console) {
+  OffsetField offsets = offsets_from_warp(read_warp(path, &console), source, &console);
+  if (offsets.o.topology.empty()) {
+    console.warn(path + ": no vector leads into the volume, the picture is empty");
+  }
+  return offsets;
 }
 
 Image draw_volume(const Options& options, SceneView& view, RenderReport& report, Console& console) {
@@ -55,7 +70,14 @@ Image draw_volume(const Options& options, SceneView& view, RenderReport& report,
     throw UsageError("--undeformed: found a volume, expected a state file");
   }
   const auto file = open_volume(options.input, options.raw_spec);
-  view.lattice = view.lattice || file->header().geometry.dims().z == 1;
+  const Geometry& geometry = file->header().geometry;
+  view.lattice = view.lattice || geometry.dims().z == 1;
+  if (view.lattice && !options.offsets.empty()) {
+    throw UsageError("--offsets: found a lattice to draw, expected a volume of several slices");
+  }
+  // Before the volume, so that the warp's vectors are gone when its voxels come.
+  std::optional<OffsetField> offsets;
+  if (!options.offsets.empty()) offsets = read_offsets(options.offsets, geometry, console);
   // A lattice shows every voxel; a picture leaves out the air at the file's minimum.
   const double everything = std::numeric_limits<double>::max();
   const Volume volume = view.lattice
@@ -67,8 +89,8 @@ Image draw_volume(const Options& options, SceneView& view, RenderReport& report,
                  " NaN voxels treated as void");
   }
   const double grey_hi = std::max(statistics.max, statistics.min + 1);
-  return draw({volume.geometry, volume.density, volume.density.bricks(), nullptr, statistics.min,
-               grey_hi, kAirRings},
+  return draw({volume.geometry, volume.density, volume.density.bricks(),
+               offsets ? &*offsets : nullptr, nullptr, statistics.min, grey_hi, kAirRings},
               view, &report, console);
 }
 
@@ -94,16 +116,20 @@ int run(const Options& options, const GlobalOptions& global, Console& console) {
 Command add_render(CLI::App& program) {
   auto options = std::make_shared<Options>();
   CLI::App* app = add_subcommand(
-      program, "render", "Render a volume, or a deformed state without resampling it",
+      program, "render",
+      "Render a volume, also through a warp, or a deformed state, without resampling",
       "  supple render head.nhdr --preset CT-Bone -o head.png\n"
       "  supple render drag.vdb --preset CT-Muscle --view left --size 800,600 -o skin.png\n"
-      "  supple render drag.vdb --undeformed --camera side.toml --step 0.25 -o before.png");
+      "  supple render head.nhdr --offsets warp.nrrd --camera side.toml -o warped.png");
   app->add_option("input", options->input, "A volume or a state")
       ->required()
       ->option_text("VOLUME|STATE.vdb");
   app->add_option("--raw", options->raw_spec,
                   "Headerless raw: dims=X,Y,Z,type=int16,spacing=A,B,C[,endian=big][,offset=N]");
   app->add_flag("--undeformed", options->undeformed, "Show a state's body at rest");
+  app->add_option("--offsets", options->offsets,
+                  "Show a volume through a resample-direction warp (NRRD, MetaImage)")
+      ->option_text("FIELD");
   app->add_option("--preset", options->scene_view.preset,
                   "CT-Bone, CT-Muscle, CT-Soft-Tissue or MR-Default")
       ->option_text("NAME");
@@ -115,7 +141,8 @@ Command add_render(CLI::App& program) {
   app->add_flag("--orthographic", options->orthographic, "Parallel instead of perspective rays")
       ->excludes("--camera");
   app->add_flag("--lattice", options->lattice,
-                "Draw elements and links (always so for one-slice bodies)");
+                "Draw elements and links (always so for one-slice bodies)")
+      ->excludes("--offsets");
   app->add_option("--size", options->size, "Pixels, 1024,1024 by default")->option_text("W,H");
   app->add_option("--step", options->scene_view.step_voxels, "Sample distance in voxels")
       ->option_text("S");

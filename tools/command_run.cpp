@@ -105,7 +105,9 @@ class SceneRun {
       SceneView drawn = view;
       drawn.lattice = view.lattice || m_state.geometry.dims().z == 1;
       const MaterialTable& material = m_session.body().material;
-      const Image image = draw({m_state.geometry, m_state.density, m_state.elements, moved,
+      const Image image = draw({m_state.geometry, m_state.density, m_state.elements,
+                                moved != nullptr ? &moved->offsets : nullptr,
+                                moved != nullptr ? &moved->displacement : nullptr,
                                 material.domain_lo, material.domain_hi},
                                drawn, nullptr, m_console);
       write_png(path_of(view.image), image, describe_view(drawn));

@@ -6,7 +6,6 @@
 #include "tools/command.h"
 #include "tools/version.h"
 #include "volumes/field/displacement.h"
-#include "volumes/io/formats.h"
 
 namespace supple::tools {
 
@@ -68,11 +67,11 @@ Displacement on_elements(const Subject& subject) {
   Displacement displacement{subject.geometry, {}};
   displacement.u.topology = subject.elements;
   displacement.u.vectors.resize(subject.elements.brick_count() * kBrickVoxels, Vec3f(0));
-  if (subject.deformed == nullptr) return displacement;
+  if (subject.displacement == nullptr) return displacement;
   for (std::size_t b = 0; b < subject.elements.brick_count(); ++b) {
     for_each_active(subject.elements.mask(b), [&](int offset) {
       const Vec3i voxel = subject.elements.origin(b) + brick_local(offset);
-      subject.deformed->displacement.u.at(voxel, displacement.u.vectors[b * kBrickVoxels + offset]);
+      subject.displacement->u.at(voxel, displacement.u.vectors[b * kBrickVoxels + offset]);
     });
   }
   return displacement;
@@ -109,7 +108,7 @@ Image draw(const Subject& subject, const SceneView& view, RenderReport* report, 
   settings.validate();
   if (view.lattice) return draw_body_lattice(subject, view);
   Renderer renderer(subject.geometry, subject.density, subject.air_rings);
-  if (subject.deformed != nullptr) renderer.set_offsets(&subject.deformed->offsets);
+  if (subject.offsets != nullptr) renderer.set_offsets(subject.offsets);
   const Camera camera =
       resolve_camera(view.camera, subject.geometry, double(view.width) / view.height);
   return renderer.render(camera, preset(view.preset), settings, report, &console);

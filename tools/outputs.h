@@ -42,9 +42,10 @@ struct Subject {
   const Geometry& geometry;
   const DensityGrid& density;
   const BrickTopology& elements;
-  const Deformed* deformed;  // null: straight
-  double grey_lo, grey_hi;   // of the lattice
-  int air_rings = 0;         // see Renderer; 0 for a state, which keeps its shell
+  const OffsetField* offsets;        // null: straight
+  const Displacement* displacement;  // of the lattice; null: at rest
+  double grey_lo, grey_hi;           // of the lattice
+  int air_rings = 0;                 // see Renderer; 0 for a state, which keeps its shell
 };
 RenderSettings view_settings(const SceneView& view);
 Image draw(const Subject& subject, const SceneView& view, RenderReport* report, Console& console);

@@ -202,3 +202,28 @@ TEST_F(FaultBadInput, ReadOnlyFoldersAreASystemError) {
   const Outcome outcome = run_supple(arguments);
   EXPECT_EQ(outcome.exit_code, 4) << outcome.err;
 }
+
+TEST_F(FaultBadInput, WarpsThatCannotBeOffsetsAreRefused) {
+  const std::string state = m_folder / "state.vdb";
+  std::vector<std::string> arguments = deform("ball.nhdr", "8,8,8");
+  arguments.back() = state;
+  ASSERT_EQ(run_supple(arguments).exit_code, 0);
+  ASSERT_EQ(run_supple({"export", state, "-o", m_folder / "pull.nrrd"}).exit_code, 0);
+  ASSERT_EQ(run_supple({"export", state, "--direction", "material", "-o", m_folder / "push.mha"})
+                .exit_code,
+            0);
+  const auto refused = [&](const std::string& input, const std::string& warp, int exit_code,
+                           const std::vector<std::string>& words,
+                           const std::vector<std::string>& more = {}) {
+    std::vector<std::string> all = {"render", m_folder / input,  "--offsets", m_folder / warp,
+                                    "-o",     m_folder / "x.png"};
+    all.insert(all.end(), more.begin(), more.end());
+    expect_refused(m_folder, all, exit_code, words);
+  };
+  refused("state.vdb", "pull.nrrd", 2, {"--offsets", "state file"});
+  refused("ball.nhdr", "pull.nrrd", 2, {"--lattice", "--offsets"}, {"--lattice"});
+  refused("ball.nhdr", "push.mha", 3, {"push.mha", "direction", "material", "resample"});
+  refused("ball.nhdr", "ball.nhdr", 3, {"ball.nhdr", "one component", "a warp"});
+  refused("pull.nrrd", "pull.nrrd", 3, {"pull.nrrd", "3 components", "scalar", "--offsets"});
+  refused("ball.nhdr", "none.nrrd", 3, {"none.nrrd", "no such file"});
+}

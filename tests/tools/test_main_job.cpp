@@ -3,7 +3,10 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/tools/program.h"
+#include "volumes/io/volume_writer.h"
+#include "volumes/io/warp_file.h"
 
+using namespace supple;
 using namespace supple::test;
 
 namespace {
@@ -111,4 +114,43 @@ TEST_F(PropertyMainJob, AMarginKeepsMaterialThatLeavesTheSourceBox) {
       run_supple({"export", m_folder / "out.vdb", "--margin", "20", "-o", m_folder / "wide.nrrd"});
   EXPECT_EQ(wide.exit_code, 0);
   EXPECT_EQ(wide.err.find("outside the grid"), std::string::npos) << wide.err;
+}
+
+TEST_F(PropertyMainJob, AVolumeThroughItsExportedWarpIsThePictureOfTheState) {
+  deform("ball.nhdr", "5,2,-3", "moved.vdb");
+  render("moved.vdb", "state.png");
+  const auto ssim_through = [&](const std::string& warp) {
+    render("ball.nhdr", warp + ".png", {"--offsets", m_folder / warp});
+    const Outcome outcome =
+        run_supple({"compare", m_folder / "state.png", m_folder / (warp + ".png"), "--mask",
+                    "foreground", "--json"});
+    const double ssim = nlohmann::json::parse(outcome.out)["ssim"];
+    RecordProperty(warp, std::to_string(ssim));
+    return ssim;
+  };
+  const auto write = [&](const std::string& warp, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"export", m_folder / "moved.vdb", "-o", m_folder / warp};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome outcome = run_supple(arguments);
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  };
+  write("warp.nrrd", {"--void", "outside"});
+  write("warp.mha", {"--void", "outside"});
+  write("wide.nrrd", {"--void", "outside", "--margin", "5"});
+  for (const char* warp : {"warp.nrrd", "warp.mha", "wide.nrrd"}) {
+    EXPECT_GE(ssim_through(warp), 0.99) << warp;
+  }
+
+  // The bar tells a warp from none and from its mirror image.
+  const Warp warp = read_warp(m_folder / "warp.nrrd");
+  for (const float factor : {0.0f, -1.0f}) {
+    const std::string name = factor == 0 ? "zero.nrrd" : "mirrored.nrrd";
+    const Vec3i& dims = warp.geometry.dims();
+    const auto slices = [&](int k, Vec3f* out) {
+      const std::size_t count = std::size_t(dims.x) * dims.y;
+      for (std::size_t n = 0; n < count; ++n) out[n] = warp.vectors[k * count + n] * factor;
+    };
+    write_warp(m_folder / name, warp.geometry, WarpDirection::resample, slices);
+    EXPECT_LT(ssim_through(name), 0.95) << name;
+  }
 }

@@ -6,6 +6,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include "volumes/field/grid_positions.h"
 #include "volumes/field/nearest_void.h"
 #include "volumes/field/ring_fill.h"
 #include "volumes/field/smooth_extension.h"
@@ -15,33 +16,10 @@ namespace supple {
 
 namespace {
 
-// Grid points this close to a source voxel, in voxels, count as lying on it.
-constexpr double kSnap = 1e-6;
 // How far beyond the source box `outside` leads, in voxels.
 constexpr double kClearMargin = 10;
 // Voxel coordinates beyond this are never looked up.
 constexpr double kMaxCoordinate = 1e8;
-
-/// Source index positions of the points of another grid.
-class GridPositions {
- public:
-  GridPositions(const Geometry& grid, const Geometry& source)
-      : m_origin(source.index_from_world(grid.world_from_index(Vec3d(0)))) {
-    for (int a = 0; a < 3; ++a) m_step[a] = source.index_vector_from_world(grid.axes_mm()[a]);
-  }
-  Vec3d at(int i, int j, int k) const {
-    Vec3d pos = m_origin + m_step[0] * i + m_step[1] * j + m_step[2] * k;
-    for (int a = 0; a < 3; ++a) {
-      const double nearest = std::round(pos[a]);
-      if (std::abs(pos[a] - nearest) < kSnap) pos[a] = nearest;
-    }
-    return pos;
-  }
-
- private:
-  Vec3d m_origin;
-  Vec3d m_step[3];
-};
 
 bool is_on_lattice_range(const Vec3d& pos) {
   return std::max({std::abs(pos.x), std::abs(pos.y), std::abs(pos.z)}) < kMaxCoordinate;
@@ -183,7 +161,7 @@ std::int64_t count_outside(const OffsetField& offsets, const Geometry& grid) {
       const Vec3d pos = grid.index_from_world(offsets.geometry.world_from_index(voxel));
       bool inside = true;
       for (int a = 0; a < 3; ++a) {
-        inside = inside && pos[a] >= -0.5 - kSnap && pos[a] <= grid.dims()[a] - 0.5 + kSnap;
+        inside = inside && pos[a] >= -0.5 - kNodeSnap && pos[a] <= grid.dims()[a] - 0.5 + kNodeSnap;
       }
       count += !inside;
     });
@@ -195,7 +173,7 @@ Geometry with_margin(const Geometry& geometry, double margin_mm) {
   const Vec3d spacing = geometry.spacing_mm();
   Vec3i dims = geometry.dims(), margin;
   for (int a = 0; a < 3; ++a) {
-    const double voxels = std::ceil(margin_mm / spacing[a] - kSnap);
+    const double voxels = std::ceil(margin_mm / spacing[a] - kNodeSnap);
     if (!(voxels >= 0 && voxels < kMaxCoordinate)) {
       throw InputError(
           {"", "margin", std::to_string(margin_mm) + " mm", "a length from 0 mm to 10^8 voxels"});

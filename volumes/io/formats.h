@@ -21,11 +21,14 @@ std::unique_ptr<VolumeFile> open_tiff(const std::string& path);
 /// Headerless values, described by `--raw`.
 std::unique_ptr<VolumeFile> open_raw(const std::string& path, const std::string& spec);
 
+/// What open_volume opens, or a file of vectors.
+std::unique_ptr<VolumeFile> open_scalars_or_vectors(const std::string& path,
+                                                    const std::string& raw_spec = "");
+/// Throws InputError for a file of vectors.
+void require_scalars(const VolumeHeader& header);
+
 /// True when the bytes (348 or more of them) are a NIfTI header.
 bool is_nifti_head(const std::string& head);
-
-/// False when `name` is none of numpy's names in ValueType.
-bool find_numpy_type(const std::string& name, ValueType& type);
 
 /// Geometry of a plain image, which says nothing about millimetres or the patient: 1 mm pixels,
 /// columns towards L (+x), rows downward towards P (+y), as an axial slice is drawn in radiology.

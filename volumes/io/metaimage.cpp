@@ -1,6 +1,6 @@
-// MetaImage headers (.mha, .mhd) and the place of their values. Scalar volumes of 2 or 3
-// dimensions, raw or zlib-compressed, in one data file. The frame is LPS mm; the first NDims
-// numbers of TransformMatrix are the direction of i, as ITK reads and writes them.
+// MetaImage headers (.mha, .mhd) and the place of their values. Volumes of 2 or 3 dimensions,
+// scalar or of three channels, raw or zlib-compressed, in one data file. The frame is LPS mm; the
+// first NDims numbers of TransformMatrix are the direction of i, as ITK reads and writes them.
 // Source: https://itk.org/Wiki/ITK/MetaIO/Documentation. Keys that describe no geometry and no
 // values are skipped, since the format lets everyone add some.
 #include <algorithm>
@@ -104,6 +104,13 @@ Geometry parse_geometry(const MetaHeader& header) {
   return make_geometry(header.path, dims, origin, axes);
 }
 
+/// What supple's own writer says of a warp: "supple direction NAME, …"; empty in other comments.
+std::string direction_in(const std::string& comment) {
+  const std::string mark = "supple direction ";
+  if (comment.compare(0, mark.size(), mark) != 0) return "";
+  return comment.substr(mark.size(), comment.find(',') - mark.size());
+}
+
 StreamLayout layout_of(const MetaHeader& header) {
   StreamLayout layout;
   layout.header.path = header.path;
@@ -111,7 +118,11 @@ StreamLayout layout_of(const MetaHeader& header) {
   layout.header.geometry = parse_geometry(header);
   layout.header.type = parse_type(header.field("ElementType"));
   const HeaderField channels = header.field("ElementNumberOfChannels");
-  if (!channels.text.empty() && channels.integer() != 1) channels.fail("1 (a scalar volume)");
+  if (!channels.text.empty() && channels.integer() != 1) {
+    if (channels.integer() != 3) channels.fail("1 (a scalar volume) or 3 (a warp)");
+    layout.header.components = 3;
+    layout.header.warp_direction = direction_in(header.field("Comment").text);
+  }
   const HeaderField binary = header.field("BinaryData");
   if (!binary.text.empty() && !binary.boolean()) binary.fail("True (values as text are not read)");
 
@@ -135,7 +146,7 @@ void apply_header_size(const MetaHeader& header, const InputFile& data, StreamLa
   if (skip == 0) return;
   layout.range.surplus = Surplus::ignore;
   if (skip == -1 && layout.range.compression == Compression::none) {
-    const std::int64_t size = layout.header.geometry.voxel_count() * bytes_of(layout.header.type);
+    const std::int64_t size = stored_bytes(layout.header);
     layout.range.file_offset = std::max(layout.range.file_offset, data.size() - size);
     return;
   }

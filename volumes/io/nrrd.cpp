@@ -1,5 +1,6 @@
-// NRRD headers and the place of their values. Scalar volumes of 2 or 3 axes (further axes only when
-// they have one sample and no direction); encodings raw and gzip; one data file.
+// NRRD headers and the place of their values. Volumes of 2 or 3 axes (further axes only when they
+// have one sample and no direction), scalar or with three components per voxel on the first axis;
+// encodings raw and gzip; one data file.
 // Source: http://teem.sourceforge.net/nrrd/format.html. Without `space`, spacings span LPS axes and
 // axis mins give the origin, as ITK reads them; spaces that name no patient axes count as LPS.
 #include <algorithm>
@@ -7,103 +8,12 @@
 
 #include "volumes/base/error.h"
 #include "volumes/io/formats.h"
+#include "volumes/io/nrrd_header.h"
 #include "volumes/io/streamed_volume.h"
-#include "volumes/io/text_header.h"
 
 namespace supple {
 
 namespace {
-
-struct NrrdHeader {
-  std::string path;
-  std::map<std::string, std::string> fields;  // by canonical name
-  std::size_t end = 0;                        // offset behind the blank line, attached data only
-
-  bool has(const std::string& name) const { return fields.count(name) > 0; }
-  HeaderField field(const std::string& name) const {
-    const auto found = fields.find(name);
-    return {path, name, found == fields.end() ? "" : found->second};
-  }
-};
-
-/// Spellings that the format allows for one field.
-std::string canonical_name(const std::string& name) {
-  static const std::map<std::string, std::string> aliases = {
-      {"datafile", "data file"}, {"lineskip", "line skip"},      {"byteskip", "byte skip"},
-      {"centerings", "centers"}, {"axismins", "axis mins"},      {"axis mins", "axis mins"},
-      {"axismaxs", "axis maxs"}, {"blocksize", "block size"},    {"oldmin", "old min"},
-      {"oldmax", "old max"},     {"sampleunits", "sample units"}};
-  const std::string lower = lower_case(name);
-  const auto found = aliases.find(lower);
-  return found == aliases.end() ? lower : found->second;
-}
-
-bool is_known(const std::string& name) {
-  static const char* const known[] = {"type",
-                                      "dimension",
-                                      "sizes",
-                                      "spacings",
-                                      "space",
-                                      "space dimension",
-                                      "space directions",
-                                      "space origin",
-                                      "space units",
-                                      "kinds",
-                                      "centers",
-                                      "endian",
-                                      "encoding",
-                                      "data file",
-                                      "line skip",
-                                      "byte skip",
-                                      "axis mins",
-                                      "axis maxs",
-                                      "thicknesses",
-                                      "units",
-                                      "labels",
-                                      "content",
-                                      "min",
-                                      "max",
-                                      "old min",
-                                      "old max",
-                                      "number",
-                                      "measurement frame",
-                                      "sample units",
-                                      "block size"};
-  return std::find(std::begin(known), std::end(known), name) != std::end(known);
-}
-
-NrrdHeader parse_header(const InputFile& file) {
-  NrrdHeader header;
-  header.path = file.path();
-  const std::string text = file.head(kMaxTextHeader);
-  LineReader lines(text);
-  std::string line;
-  lines.next(line);
-  if (line.size() != 8 || line.compare(0, 7, "NRRD000") != 0 || line[7] < '1' || line[7] > '5') {
-    HeaderField{header.path, "magic", line}.fail("NRRD0001 to NRRD0005");
-  }
-  while (lines.next(line)) {
-    if (line.empty()) {
-      header.end = lines.position();
-      return header;
-    }
-    if (line[0] == '#') continue;
-    const std::size_t colon = line.find(':');
-    if (colon == std::string::npos) {
-      HeaderField{header.path, "header line", line}.fail("\"field: value\"");
-    }
-    if (colon + 1 < line.size() && line[colon + 1] == '=') continue;  // key:=value, no field
-    const std::string name = canonical_name(trimmed(line.substr(0, colon)));
-    if (!is_known(name)) HeaderField{header.path, "header field", name}.fail("a field of NRRD");
-    if (!header.fields.emplace(name, trimmed(line.substr(colon + 1))).second) {
-      HeaderField{header.path, name, "the field twice"}.fail("it once");
-    }
-  }
-  if (!header.has("data file")) {
-    HeaderField{header.path, "header", "its end"}.fail("a blank line or a field \"data file\"");
-  }
-  return header;
-}
 
 ValueType parse_type(const HeaderField& field) {
   static const std::map<std::string, ValueType> types = [] {
@@ -183,11 +93,29 @@ double mm_per_unit(const HeaderField& units) {
   return found == factors.end() ? 1.0 : found->second;
 }
 
-/// Axes that carry samples; further ones must be single and without direction.
+/// Axes that span the lattice; further ones must be single and without direction.
 struct SpatialAxes {
   std::vector<std::size_t> which;
   Vec3i dims;
+  int components = 1;  // on the first axis, which is not among `which` then
 };
+
+/// The first axis holds three components: `kinds` says so, or it has no direction and no kind.
+bool has_vectors(const NrrdHeader& header, const std::vector<std::int64_t>& sizes,
+                 const std::vector<std::vector<double>>& directions) {
+  const std::vector<std::string> kinds = words_of(header.field("kinds").text);
+  if (!kinds.empty() && kinds.size() != sizes.size()) {
+    header.field("kinds").fail("one kind per axis");
+  }
+  if (sizes.size() < 3 || sizes[0] != 3) return false;
+  if (!directions.empty() && !directions[0].empty()) return false;
+  const std::string kind = kinds.empty() ? "" : lower_case(kinds[0]);
+  if (kind == "vector" || kind == "covariant-vector" || kind == "3-vector" || kind == "list") {
+    return true;
+  }
+  const bool is_unsaid = kind.empty() || kind == "???" || kind == "none";
+  return is_unsaid && !directions.empty();
+}
 
 SpatialAxes spatial_axes(const NrrdHeader& header,
                          const std::vector<std::vector<double>>& directions) {
@@ -200,13 +128,17 @@ SpatialAxes spatial_axes(const NrrdHeader& header,
   }
   SpatialAxes axes;
   std::vector<std::int64_t> kept;
-  for (std::size_t a = 0; a < sizes.size(); ++a) {
-    const bool undirected = directions.empty() ? a >= 3 : directions[a].empty();
+  const std::size_t first = has_vectors(header, sizes, directions) ? 1 : 0;
+  if (first > 0) axes.components = 3;
+  for (std::size_t a = first; a < sizes.size(); ++a) {
+    const bool undirected = directions.empty() ? a >= first + 3 : directions[a].empty();
     if (undirected && sizes[a] == 1) continue;
     axes.which.push_back(a);
     kept.push_back(sizes[a]);
   }
-  if (kept.size() < 2 || kept.size() > 3) sizes_field.fail("a scalar volume of 2 or 3 axes");
+  if (kept.size() < 2 || kept.size() > 3) {
+    sizes_field.fail("a volume of 2 or 3 axes, vectors of three components on the first axis");
+  }
   axes.dims = dims_from(sizes_field, kept);
   return axes;
 }
@@ -216,14 +148,10 @@ Vec3d padded(const HeaderField& field, const std::vector<double>& values) {
   return {values[0], values[1], values.size() > 2 ? values[2] : 0.0};
 }
 
-Geometry geometry_in_space(const NrrdHeader& header) {
+Geometry geometry_in_space(const NrrdHeader& header, const SpatialAxes& axes,
+                           const std::vector<std::vector<double>>& directions) {
   const HeaderField field = header.field("space directions");
   const HeaderField origin_field = header.field("space origin");
-  const std::vector<std::vector<double>> directions = parse_vectors(field);
-  if (double(directions.size()) != header.field("dimension").number()) {
-    field.fail("one vector or \"none\" per axis");
-  }
-  const SpatialAxes axes = spatial_axes(header, directions);
   const Vec3d factors =
       factors_to_lps(header.field("space")) * mm_per_unit(header.field("space units"));
 
@@ -248,14 +176,22 @@ std::vector<double> per_axis(const HeaderField& field, std::size_t axis_count) {
   return values;
 }
 
-Geometry geometry_from_spacings(const NrrdHeader& header) {
-  const SpatialAxes axes = spatial_axes(header, {});
+/// The units of the lattice's axes, without that of the vectors.
+HeaderField units_of_axes(const NrrdHeader& header, const SpatialAxes& axes) {
+  HeaderField units = header.field("units");
+  if (axes.components == 1) return units;
+  const std::size_t end = units.text.find_first_of(" \t");
+  units.text = end == std::string::npos ? "" : units.text.substr(end);
+  return units;
+}
+
+Geometry geometry_from_spacings(const NrrdHeader& header, const SpatialAxes& axes) {
   const HeaderField field = header.field("spacings");
   const std::size_t axis_count = header.field("sizes").integers().size();
   const std::vector<double> spacings = per_axis(field, axis_count);
   const std::vector<double> mins = per_axis(header.field("axis mins"), axis_count);
   const std::vector<std::string> centers = words_of(header.field("centers").text);
-  const double scale = mm_per_unit(header.field("units"));
+  const double scale = mm_per_unit(units_of_axes(header, axes));
 
   Vec3d origin(0, 0, 0);
   std::array<Vec3d, 3> vectors = {Vec3d(1, 0, 0), {0, 1, 0}, {0, 0, 1}};
@@ -272,13 +208,46 @@ Geometry geometry_from_spacings(const NrrdHeader& header) {
   return make_geometry(header.path, axes.dims, origin, vectors);
 }
 
+/// Vectors are mm along the axes of LPS whatever `space` says, as ITK reads and writes them; what
+/// asks for something else is refused.
+void check_frame_of_vectors(const NrrdHeader& header, const SpatialAxes& axes) {
+  for (const HeaderField& units : {header.field("space units"), units_of_axes(header, axes)}) {
+    if (mm_per_unit(units) != 1) units.fail("mm in a file of vectors");
+  }
+  const HeaderField frame = header.field("measurement frame");
+  const std::vector<std::vector<double>> identity = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  if (!frame.text.empty() && parse_vectors(frame) != identity) {
+    frame.fail("(1,0,0) (0,1,0) (0,0,1) in a file of vectors");
+  }
+}
+
+/// Geometry, components, and the direction that supple's own writer records.
+void read_lattice(const NrrdHeader& header, VolumeHeader& volume) {
+  const bool in_space = header.has("space directions");
+  std::vector<std::vector<double>> directions;
+  if (in_space) {
+    const HeaderField field = header.field("space directions");
+    directions = parse_vectors(field);
+    if (double(directions.size()) != header.field("dimension").number()) {
+      field.fail("one vector or \"none\" per axis");
+    }
+  }
+  const SpatialAxes axes = spatial_axes(header, directions);
+  volume.geometry =
+      in_space ? geometry_in_space(header, axes, directions) : geometry_from_spacings(header, axes);
+  volume.components = axes.components;
+  if (axes.components == 1) return;
+  check_frame_of_vectors(header, axes);
+  const auto direction = header.keys.find("supple direction");
+  if (direction != header.keys.end()) volume.warp_direction = direction->second;
+}
+
 StreamLayout layout_of(const NrrdHeader& header) {
   StreamLayout layout;
   layout.header.path = header.path;
   layout.header.format = "nrrd";
   layout.header.type = parse_type(header.field("type"));
-  layout.header.geometry =
-      header.has("space directions") ? geometry_in_space(header) : geometry_from_spacings(header);
+  read_lattice(header, layout.header);
   const HeaderField endian = header.field("endian");
   const std::string order = lower_case(endian.text);
   const bool needed = bytes_of(layout.header.type) > 1;
@@ -305,7 +274,7 @@ void apply_skips(const NrrdHeader& header, const InputFile& data, StreamLayout& 
   layout.range.surplus = Surplus::ignore;
   const bool plain = layout.range.compression == Compression::none;
   if (skip == -1 && plain) {
-    const std::int64_t size = layout.header.geometry.voxel_count() * bytes_of(layout.header.type);
+    const std::int64_t size = stored_bytes(layout.header);
     layout.range.file_offset = std::max(layout.range.file_offset, data.size() - size);
     return;
   }
@@ -322,7 +291,7 @@ void apply_skips(const NrrdHeader& header, const InputFile& data, StreamLayout& 
 
 std::unique_ptr<VolumeFile> open_nrrd(const std::string& path) {
   auto file = std::make_shared<InputFile>(path);
-  const NrrdHeader header = parse_header(*file);
+  const NrrdHeader header = parse_nrrd_header(*file);
   StreamLayout layout = layout_of(header);
   if (header.has("data file")) {
     const HeaderField name = header.field("data file");

@@ -45,7 +45,8 @@ std::string extension_of(const std::string& path) {
 
 }  // namespace
 
-std::unique_ptr<VolumeFile> open_volume(const std::string& path, const std::string& raw_spec) {
+std::unique_ptr<VolumeFile> open_scalars_or_vectors(const std::string& path,
+                                                    const std::string& raw_spec) {
   if (!raw_spec.empty()) return open_raw(path, raw_spec);
   std::string head;
   {
@@ -78,6 +79,19 @@ std::unique_ptr<VolumeFile> open_volume(const std::string& path, const std::stri
   }
   throw InputError({path, "format", "unknown content",
                     "NRRD, MetaImage, NIfTI, PNG, TIFF, or raw values described by --raw"});
+}
+
+void require_scalars(const VolumeHeader& header) {
+  if (header.components == 1) return;
+  throw InputError({header.path, "values",
+                    std::to_string(header.components) + " components per voxel",
+                    "a scalar volume; a warp goes to --offsets"});
+}
+
+std::unique_ptr<VolumeFile> open_volume(const std::string& path, const std::string& raw_spec) {
+  std::unique_ptr<VolumeFile> file = open_scalars_or_vectors(path, raw_spec);
+  require_scalars(file->header());
+  return file;
 }
 
 }  // namespace supple

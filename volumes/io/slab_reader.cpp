@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
+
+#include "volumes/io/formats.h"
+#include "volumes/io/stored_values.h"
 
 namespace supple {
 
@@ -19,44 +21,6 @@ struct BlockStatistics {
   std::size_t finite = 0;
   std::size_t at_min = 0;
 };
-
-template <class T>
-void scale_block(const char* stored, std::size_t count, double slope, double intercept,
-                 double* values) {
-  for (std::size_t n = 0; n < count; ++n) {
-    T value;
-    std::memcpy(&value, stored + n * sizeof(T), sizeof(T));
-    values[n] = slope * double(value) + intercept;
-  }
-}
-
-using ScaleBlock = void (*)(const char*, std::size_t, double, double, double*);
-
-ScaleBlock scale_block_of(ValueType type) {
-  switch (type) {
-    case ValueType::int8:
-      return scale_block<std::int8_t>;
-    case ValueType::uint8:
-      return scale_block<std::uint8_t>;
-    case ValueType::int16:
-      return scale_block<std::int16_t>;
-    case ValueType::uint16:
-      return scale_block<std::uint16_t>;
-    case ValueType::int32:
-      return scale_block<std::int32_t>;
-    case ValueType::uint32:
-      return scale_block<std::uint32_t>;
-    case ValueType::int64:
-      return scale_block<std::int64_t>;
-    case ValueType::uint64:
-      return scale_block<std::uint64_t>;
-    case ValueType::float32:
-      return scale_block<float>;
-    case ValueType::float64:
-      return scale_block<double>;
-  }
-  return scale_block<std::uint8_t>;
-}
 
 /// Sums run in eight lanes, which the compiler turns into vectors, in a fixed order.
 BlockStatistics statistics_of(const double* values, std::size_t count, float* out) {
@@ -102,6 +66,7 @@ SlabReader::SlabReader(VolumeFile& file, Progress* progress, Sha256* hash)
       m_min(std::numeric_limits<double>::infinity()),
       m_max(-m_min) {
   const VolumeHeader& header = file.header();
+  require_scalars(header);
   const Vec3i& dims = header.geometry.dims();
   m_stored.resize(std::size_t(dims.x) * dims.y * bytes_of(header.type));
   if (m_progress != nullptr) m_progress->stage("reading");
@@ -128,7 +93,7 @@ bool SlabReader::next(Slab& slab) {
 
 void SlabReader::convert_slice(float* out) {
   const VolumeHeader& header = m_file.header();
-  const ScaleBlock scale = scale_block_of(header.type);
+  const ScaleValues scale = scale_values_of(header.type);
   const std::size_t width = std::size_t(bytes_of(header.type));
   const std::size_t total = m_stored.size() / width;
   double values[kBlock];

@@ -29,7 +29,7 @@ class StreamedVolume : public VolumeFile {
     if (m_slices_read >= dims.z) {
       throw Error(m_header.path + ": more slices were asked for than the volume has");
     }
-    const std::size_t values = std::size_t(dims.x) * dims.y;
+    const std::size_t values = std::size_t(dims.x) * dims.y * m_header.components;
     const int width = bytes_of(m_header.type);
     m_source->read(out, values * width);
     if (m_swap && width > 1) swap_bytes(out, values, width);
@@ -46,7 +46,7 @@ class StreamedVolume : public VolumeFile {
 
 std::unique_ptr<VolumeFile> open_stream(std::shared_ptr<const InputFile> data,
                                         StreamLayout layout) {
-  layout.range.size = layout.header.geometry.voxel_count() * bytes_of(layout.header.type);
+  layout.range.size = stored_bytes(layout.header);
   std::unique_ptr<ByteSource> source = open_source(std::move(data), layout.range);
   return std::make_unique<StreamedVolume>(std::move(layout), std::move(source));
 }

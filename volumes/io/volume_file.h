@@ -15,6 +15,8 @@ namespace supple {
 /// Element types of files; names as numpy's.
 enum class ValueType { int8, uint8, int16, uint16, int32, uint32, int64, uint64, float32, float64 };
 const char* numpy_name(ValueType type);
+/// False when `name` is none of numpy's names in ValueType.
+bool find_numpy_type(const std::string& name, ValueType& type);
 int bytes_of(ValueType type);
 
 /// What a header claims, checked against the file's length before anything is allocated.
@@ -25,14 +27,20 @@ struct VolumeHeader {
   ValueType type = ValueType::uint8;
   double slope = 1;  // value = slope * stored + intercept
   double intercept = 0;
+  int components = 1;          // values per voxel: 1, or 3 in a file of vectors
+  std::string warp_direction;  // of vectors, where the header records it as write_warp does
 };
+
+/// Bytes of all values, before compression.
+std::int64_t stored_bytes(const VolumeHeader& header);
 
 /// A file being read front to back.
 class VolumeFile {
  public:
   virtual ~VolumeFile() = default;
   const VolumeHeader& header() const { return m_header; }
-  /// Reads the next slice k (dims.x * dims.y stored values in native byte order).
+  /// Reads the next slice k: dims.x * dims.y stored values in native byte order, times the
+  /// components, which lie together.
   /// Throws InputError when the data end early or cannot be decoded.
   virtual void read_slice(void* out) = 0;
 
@@ -43,7 +51,8 @@ class VolumeFile {
 /// Chooses the format by the file's content first and its extension second.
 /// `raw_spec` (of `--raw dims=X,Y,Z,type=int16,spacing=A,B,C[,endian=big][,offset=BYTES]`) makes
 /// the file headerless raw; empty otherwise.
-/// Throws InputError: missing, folder, empty, unknown format, bad header, wrong length.
+/// Throws InputError: missing, folder, empty, unknown format, bad header, wrong length, vectors
+/// instead of scalars (read_warp of warp_file.h takes those).
 std::unique_ptr<VolumeFile> open_volume(const std::string& path, const std::string& raw_spec = "");
 
 /// What `supple info` prints beyond the header.

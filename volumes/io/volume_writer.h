@@ -6,11 +6,10 @@
 #include <vector>
 
 #include "volumes/field/resample.h"
+#include "volumes/field/warp.h"
 #include "volumes/io/volume_file.h"
 
 namespace supple {
-
-enum class WarpDirection { resample, material };
 
 /// Scalar volume; the format follows the extension: .nrrd, .nhdr (+ .raw), .mha, .mhd (+ .raw).
 /// Values are rounded and clamped for integer types; NaN becomes 0 there.

@@ -9,6 +9,7 @@
 
 #include "tests/volumes/io/io_fixtures.h"
 #include "volumes/base/error.h"
+#include "volumes/io/warp_file.h"
 
 namespace supple::test {
 namespace {
@@ -155,7 +156,7 @@ TEST(FaultHeader, MetaImageFieldsAreCheckedOneByOne) {
   expect("1 1 1", "1 0 1", {"ElementSpacing"});
   expect("ElementSpacing", "TransformMatrix = 1 0 0 0 1 0 1 0 0\nElementSpacing", {"direction"});
   expect("ElementSpacing", "CompressedData = maybe\nElementSpacing", {"CompressedData", "maybe"});
-  expect("ElementSpacing", "ElementNumberOfChannels = 3\nElementSpacing", {"Channels", "3"});
+  expect("ElementSpacing", "ElementNumberOfChannels = 4\nElementSpacing", {"Channels", "4"});
   expect("ElementSpacing", "HeaderSize = -7\nElementSpacing", {"HeaderSize", "-7"});
   expect("LOCAL", "LIST", {"ElementDataFile", "LIST"});
   expect("ElementDataFile = LOCAL", "", {"header line"});
@@ -316,6 +317,40 @@ TEST(FaultFuzz, MutatedFilesReadOrThrowInputError) {
   }
   EXPECT_GT(read, 100);
   EXPECT_GT(refused, 1000);
+}
+
+TEST(FaultFuzz, MutatedFilesOfVectorsReadOrThrowInputError) {
+  const TemporaryFolder folder;
+  const std::string data = bytes_of_values(std::vector<float>(3 * 5 * 6 * 7, 0.5f));
+  const std::string axes =
+      "space: LPS\nspace directions: none (1,0,0) (0,1,0) (0,0,1)\nspace units: \"mm\" \"mm\"\n"
+      "measurement frame: (1,0,0) (0,1,0) (0,0,1)\nsupple direction:=resample\n";
+  const std::vector<std::pair<std::string, std::string>> seeds = {
+      {"a.nrrd",
+       "NRRD0005\ntype: float\ndimension: 4\nsizes: 3 5 6 7\nendian: little\n"
+       "kinds: vector domain domain domain\nencoding: raw\n" +
+           axes + "\n" + data},
+      {"b.mha",
+       "Comment = supple direction resample, vectors in mm LPS\nNDims = 3\nDimSize = 5 6 7\n"
+       "ElementNumberOfChannels = 3\nElementType = MET_FLOAT\nElementDataFile = LOCAL\n" +
+           data}};
+  std::mt19937 random(42);
+  int read = 0, refused = 0;
+  for (const auto& [name, sound] : seeds) {
+    ASSERT_NO_THROW(read_warp(folder.write(name, sound)));
+    for (int round = 0; round < 400; ++round) {
+      const std::string path = folder.write(name, mutated(sound, random));
+      try {
+        read_warp(path);
+        ++read;
+      } catch (const InputError& error) {
+        ++refused;
+        ASSERT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+      }
+    }
+  }
+  EXPECT_GT(read, 20);
+  EXPECT_GT(refused, 100);
 }
 
 TEST(FaultFuzz, MutatedRawSpecsReadOrThrowInputError) {
