@@ -30,7 +30,7 @@ bool is_finite(const Vec3d& v) {
 }
 
 std::string to_text(const Vec3d& v) {
-  return std::to_string(v.x) + " " + std::to_string(v.y) + " " + std::to_string(v.z);
+  return number_text(v.x) + " " + number_text(v.y) + " " + number_text(v.z);
 }
 
 double half_height_at_unit_distance(const Camera& camera) {
@@ -78,10 +78,10 @@ void Camera::validate(const std::string& file) const {
   }
   if (!(vertical_fov_degrees > 0 && vertical_fov_degrees < 180)) {
     throw InputError(
-        {file, "camera.fov", std::to_string(vertical_fov_degrees), "degrees between 0 and 180"});
+        {file, "camera.fov", number_text(vertical_fov_degrees), "degrees between 0 and 180"});
   }
   if (!(height_mm > 0 && std::isfinite(height_mm))) {
-    throw InputError({file, "camera.height", std::to_string(height_mm), "more than 0 mm"});
+    throw InputError({file, "camera.height", number_text(height_mm), "more than 0 mm"});
   }
 }
 

@@ -75,7 +75,7 @@ SourceBricks make_source(const Geometry& geometry, const DensityGrid& density, i
 }
 
 void require(bool good, const char* field, double value, const char* expected) {
-  if (!good) throw InputError({"", field, std::to_string(value), expected});
+  if (!good) throw InputError({"", field, number_text(value), expected});
 }
 
 }  // namespace
@@ -83,7 +83,7 @@ void require(bool good, const char* field, double value, const char* expected) {
 void RenderSettings::validate() const {
   require(width >= 1 && width <= 16384, "width", width, "1 to 16384 pixels");
   require(height >= 1 && height <= 16384, "height", height, "1 to 16384 pixels");
-  require(step_voxels > 0 && step_voxels <= 16, "step", step_voxels, "more than 0, at most 16");
+  require(step_voxels >= 0.01 && step_voxels <= 16, "step", step_voxels, "0.01 to 16 voxels");
   require(stride >= 1 && stride <= 16, "stride", stride, "1 to 16");
   require(early_termination > 0 && early_termination <= 1, "early_termination", early_termination,
           "more than 0, at most 1");

@@ -24,7 +24,7 @@ struct RenderSettings {
   bool skip_empty_space = true;     // leaves out what is known to be transparent; same picture
   double early_termination = 0.99;  // accumulated opacity that ends a ray
 
-  /// Throws InputError: sizes < 1 or > 16384, step outside (0, 16], stride outside 1…16,
+  /// Throws InputError: sizes < 1 or > 16384, step outside 0.01…16, stride outside 1…16,
   /// early_termination outside (0, 1].
   void validate() const;
 };

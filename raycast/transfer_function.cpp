@@ -96,7 +96,7 @@ void TransferFunction::validate(const std::string& file) const {
   check_opacities(KeyChecker(file, "gradient_opacity"), gradient_opacity);
 
   const auto require = [&](bool good, const char* field, double value, const char* expected) {
-    if (!good) throw InputError({file, field, std::to_string(value), expected});
+    if (!good) throw InputError({file, field, number_text(value), expected});
   };
   require(unit_distance_mm > 0 && std::isfinite(unit_distance_mm), "unit_distance",
           unit_distance_mm, "more than 0 mm");

@@ -2,6 +2,8 @@
 
 #include <filesystem>
 
+#include "volumes/base/atomic_file.h"
+
 namespace supple::tools {
 
 CLI::App* add_subcommand(CLI::App& program, const std::string& name, const std::string& description,
@@ -12,16 +14,9 @@ CLI::App* add_subcommand(CLI::App& program, const std::string& name, const std::
 }
 
 void check_output(const std::string& path, const GlobalOptions& options) {
-  const std::filesystem::path file(path);
-  if (std::filesystem::is_directory(file)) {
-    throw InputError({path, "output", "a directory", "a file name"});
-  }
-  if (!options.force && std::filesystem::exists(file)) {
+  check_output_place(path);
+  if (!options.force && std::filesystem::exists(path)) {
     throw UsageError(path + ": output exists, add --force to overwrite it");
-  }
-  const std::filesystem::path folder = file.parent_path();
-  if (!folder.empty() && !std::filesystem::is_directory(folder)) {
-    throw InputError({path, "output folder", "no such folder", "an existing folder"});
   }
 }
 

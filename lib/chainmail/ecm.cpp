@@ -91,8 +91,8 @@ std::array<std::int32_t, 3> fixed_from_mm(const Vec3d& by_mm, const Vec3d& spaci
     const double voxels = by_mm[c] / spacing_mm[c];
     if (!(std::abs(voxels) <= 16383)) {
       throw InputError(
-          {"", std::string("displacement along axis ") + "ijk"[c], std::to_string(by_mm[c]) + " mm",
-           "a finite length within +-16383 voxels of " + std::to_string(spacing_mm[c]) + " mm"});
+          {"", std::string("displacement along axis ") + "ijk"[c], number_text(by_mm[c]) + " mm",
+           "a finite length within +-16383 voxels of " + number_text(spacing_mm[c]) + " mm"});
     }
     by_q[c] = std::int32_t(voxels * kFixedOne);
   }

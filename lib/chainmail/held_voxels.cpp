@@ -46,8 +46,8 @@ void require_range(const Body& body, const Handle& handle) {
     const std::int64_t by = handle.by_q[c];
     if (std::llabs(target) <= kMaxOffset && std::llabs(by) < kMaxOffset) continue;
     throw InputError({"", "grab " + voxel_text(handle.voxel),
-                      "a move by " + std::to_string(double(by) / kFixedOne) +
-                          " voxels to an offset of " + std::to_string(double(target) / kFixedOne) +
+                      "a move by " + number_text(double(by) / kFixedOne) +
+                          " voxels to an offset of " + number_text(double(target) / kFixedOne) +
                           " voxels along axis " + "ijk"[c],
                       "moves and offsets within +-16383 voxels"});
   }

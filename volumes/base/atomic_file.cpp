@@ -31,14 +31,36 @@ std::string temporary_name(const std::string& final_path) {
 
 }  // namespace
 
-AtomicFile::AtomicFile(std::string final_path)
-    : m_final_path(std::move(final_path)), m_temporary_path(temporary_name(m_final_path)) {
-  if (std::filesystem::is_directory(m_final_path)) {
-    throw InputError({m_final_path, "output", "a directory", "a file name"});
+void check_output_place(const std::string& path) {
+  std::error_code ignored;
+  const std::filesystem::file_status status = std::filesystem::status(path, ignored);
+  if (std::filesystem::is_directory(status)) {
+    throw InputError({path, "output", "a directory", "a file name"});
   }
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+    throw InputError({path, "output", "a device, pipe or socket", "the name of a plain file"});
+  }
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  if (!folder.empty() && !std::filesystem::is_directory(folder, ignored)) {
+    throw InputError({path, "output folder", "no such folder", "an existing folder"});
+  }
+}
+
+AtomicFile::AtomicFile(std::string final_path) : m_final_path(std::move(final_path)) {
+  check_output_place(m_final_path);
+  // A link goes on pointing at its file, which is replaced.
+  std::error_code ignored;
+  if (std::filesystem::is_symlink(m_final_path, ignored)) {
+    m_final_path = std::filesystem::weakly_canonical(m_final_path).string();
+  }
+  m_temporary_path = temporary_name(m_final_path);
+  ::unlink(m_temporary_path.c_str());
   const int descriptor =
-      ::open(m_temporary_path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (descriptor < 0) throw_write_error(m_final_path, errno);
+      ::open(m_temporary_path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+  if (descriptor < 0) {
+    m_temporary_path.clear();
+    throw_write_error(m_final_path, errno);
+  }
   ::close(descriptor);
 }
 

@@ -5,12 +5,16 @@
 
 namespace supple {
 
+/// Throws InputError unless `path` can name an output: not a directory, device, pipe or socket, and
+/// its folder exists.
+void check_output_place(const std::string& path);
+
 /// Owns a temporary file beside `final_path`. Write to `path()` by any means, then commit().
 /// Without commit() the destructor removes the temporary file and the final name is untouched.
 class AtomicFile {
  public:
-  /// Creates the temporary file. Throws SystemError (no permission, disk full) or InputError
-  /// (the folder does not exist, the final path is a folder).
+  /// Creates the temporary file; a link as final path stands for the file it points at. Throws
+  /// SystemError (no permission, disk full) or as check_output_place.
   explicit AtomicFile(std::string final_path);
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;

@@ -1,6 +1,7 @@
 #include "volumes/base/error.h"
 
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 
 namespace supple {
@@ -19,6 +20,12 @@ std::string to_line(const Problem& problem) {
     append(problem.found.empty() ? ": " : ", ", "expected " + problem.expected);
   }
   return line;
+}
+
+std::string number_text(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", value);
+  return text;
 }
 
 void throw_open_error(const std::string& file, int errno_value) {

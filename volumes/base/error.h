@@ -18,6 +18,9 @@ struct Problem {
 /// The one line that a user reads.
 std::string to_line(const Problem& problem);
 
+/// A number as messages show it: six significant digits.
+std::string number_text(double value);
+
 /// Base of all errors of this project; exit code 1.
 class Error : public std::runtime_error {
  public:

@@ -152,13 +152,14 @@ ScalarSliceSource dense_resampled(const OffsetField& offsets, const DensityGrid&
   };
 }
 
-std::int64_t count_outside(const OffsetField& offsets, const Geometry& grid) {
-  const BrickTopology& bricks = offsets.o.topology;
+std::int64_t count_outside(const Displacement& material, const Geometry& grid) {
+  const BrickTopology& bricks = material.u.topology;
   std::int64_t count = 0;
   for (std::size_t b = 0; b < bricks.brick_count(); ++b) {
     for_each_active(bricks.mask(b), [&](int offset) {
-      const Vec3d voxel(bricks.origin(b) + brick_local(offset));
-      const Vec3d pos = grid.index_from_world(offsets.geometry.world_from_index(voxel));
+      const Vec3d moved = Vec3d(bricks.origin(b) + brick_local(offset)) +
+                          Vec3d(material.u.vectors[b * kBrickVoxels + offset]);
+      const Vec3d pos = grid.index_from_world(material.geometry.world_from_index(moved));
       bool inside = true;
       for (int a = 0; a < 3; ++a) {
         inside = inside && pos[a] >= -0.5 - kNodeSnap && pos[a] <= grid.dims()[a] - 0.5 + kNodeSnap;
@@ -176,7 +177,7 @@ Geometry with_margin(const Geometry& geometry, double margin_mm) {
     const double voxels = std::ceil(margin_mm / spacing[a] - kNodeSnap);
     if (!(voxels >= 0 && voxels < kMaxCoordinate)) {
       throw InputError(
-          {"", "margin", std::to_string(margin_mm) + " mm", "a length from 0 mm to 10^8 voxels"});
+          {"", "margin", number_text(margin_mm) + " mm", "a length from 0 mm to 10^8 voxels"});
     }
     margin[a] = int(voxels);
     dims[a] += 2 * margin[a];

@@ -39,8 +39,9 @@ VectorSliceSource dense_displacement(const Displacement& extended);
 ScalarSliceSource dense_resampled(const OffsetField& offsets, const DensityGrid& density,
                                   const Geometry& grid, float fill);
 
-/// Valid deformed voxels that lie outside `grid`: material that an export would lose.
-std::int64_t count_outside(const OffsetField& offsets, const Geometry& grid);
+/// Voxels X of the material whose place X + u(X) lies beyond the outer voxel faces of `grid`: what a
+/// dense output would lose. Takes u on the elements, not extended into the air.
+std::int64_t count_outside(const Displacement& material, const Geometry& grid);
 
 /// The source grid grown by `margin_mm` on every side (whole voxels, same affine).
 Geometry with_margin(const Geometry& geometry, double margin_mm);
