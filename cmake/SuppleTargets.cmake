@@ -32,7 +32,7 @@ function(supple_add_tests name)
     add_test(NAME ${name}.${label}
              COMMAND test_${name} --gtest_filter=${first}${rest}* --gtest_brief=1)
     set_tests_properties(${name}.${label} PROPERTIES LABELS ${label} TIMEOUT 900
-      FAIL_REGULAR_EXPRESSION "Running 0 tests"
+      FAIL_REGULAR_EXPRESSION "0 tests from 0 test suites"
       ENVIRONMENT "SUPPLE_BINARY=$<TARGET_FILE:supple>;SUPPLE_SOURCE_DIR=${PROJECT_SOURCE_DIR};SUPPLE_TEST_OUTPUT=${PROJECT_BINARY_DIR}/test-output")
   endforeach()
 endfunction()

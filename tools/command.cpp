@@ -1,9 +1,5 @@
 #include "tools/command.h"
 
-#include <filesystem>
-
-#include "volumes/base/atomic_file.h"
-
 namespace supple::tools {
 
 CLI::App* add_subcommand(CLI::App& program, const std::string& name, const std::string& description,
@@ -13,11 +9,9 @@ CLI::App* add_subcommand(CLI::App& program, const std::string& name, const std::
   return app;
 }
 
-void check_output(const std::string& path, const GlobalOptions& options) {
-  check_output_place(path);
-  if (!options.force && std::filesystem::exists(path)) {
-    throw UsageError(path + ": output exists, add --force to overwrite it");
-  }
+void require_within(const std::string& option, double value, double lo, double hi) {
+  if (value >= lo && value <= hi) return;
+  throw InputError({"", option, number_text(value), number_text(lo) + " to " + number_text(hi)});
 }
 
 }  // namespace supple::tools

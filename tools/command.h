@@ -41,8 +41,7 @@ Command add_compare(CLI::App& program);
 CLI::App* add_subcommand(CLI::App& program, const std::string& name, const std::string& description,
                          const std::string& examples);
 
-/// Throws UsageError when `path` exists and --force is not given, InputError when its folder does
-/// not exist, so that nothing is computed in vain.
-void check_output(const std::string& path, const GlobalOptions& options);
+/// Throws InputError for NaN, infinity and numbers outside [lo, hi]; `option` names it.
+void require_within(const std::string& option, double value, double lo, double hi);
 
 }  // namespace supple::tools

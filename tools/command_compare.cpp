@@ -5,6 +5,7 @@
 
 #include "raycast/compare.h"
 #include "tools/command.h"
+#include "tools/output_plan.h"
 
 namespace supple::tools {
 
@@ -43,7 +44,13 @@ std::vector<std::string> broken_limits(const Options& options, const Comparison&
 }
 
 int run(const Options& options, const GlobalOptions& global, Console& console) {
-  if (!options.difference.empty()) check_output(options.difference, global);
+  if (options.max_rmse) require_within("--max-rmse", *options.max_rmse, 0, 1);
+  if (options.min_ssim) require_within("--min-ssim", *options.min_ssim, -1, 1);
+  if (options.max_diff) require_within("--max-diff", *options.max_diff, 0, 1);
+  OutputPlan plan(global);
+  plan.protect(options.a);
+  plan.protect(options.b);
+  if (!options.difference.empty()) plan.add_image(options.difference);
   const Image a = read_png(options.a);
   const Image b = read_png(options.b);
   const Comparison comparison = compare(a, b, options.mask == "foreground");
@@ -61,7 +68,7 @@ int run(const Options& options, const GlobalOptions& global, Console& console) {
     std::printf("rmse %.6g  ssim %.6g  max_diff %.6g\n", comparison.rmse, comparison.ssim,
                 comparison.max_diff);
   }
-  for (const std::string& line : broken) console.warn(line);
+  for (const std::string& line : broken) console.note("over the limit: " + line);
   return broken.empty() ? kOk : kFailure;
 }
 

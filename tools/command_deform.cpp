@@ -5,6 +5,7 @@
 
 #include "tools/command.h"
 #include "tools/material_file.h"
+#include "tools/output_plan.h"
 #include "tools/outputs.h"
 #include "tools/parse.h"
 
@@ -41,11 +42,10 @@ void print_text(const Session& session, const Options& options,
   std::printf("drag performed  %.6g (%lld/%lld)\n", report.fraction(),
               static_cast<long long>(report.fraction_numerator),
               static_cast<long long>(report.fraction_denominator));
-  std::printf("folds excluded  %s\n", session.links().fold_free ? "yes, by the material" : "no");
-  std::printf("folded cells    %lld of %lld, %lld of them in the air; smallest det F %.4g\n",
-              static_cast<long long>(certificate.folded_cells),
-              static_cast<long long>(certificate.cells),
-              static_cast<long long>(certificate.folded_air_cells), certificate.min_det);
+  std::printf("folded cells    %lld of material%s, %lld in the air around it\n",
+              static_cast<long long>(certificate.folded_cells - certificate.folded_air_cells),
+              session.links().fold_free ? " (its limits exclude folds)" : "",
+              static_cast<long long>(certificate.folded_air_cells));
   std::printf("inversion       residual max %.2g, p99.9 %.2g voxels, unresolved %lld\n",
               certificate.residual_max, certificate.residual_p999,
               static_cast<long long>(certificate.unresolved_voxels));
@@ -67,7 +67,12 @@ int run(const Options& options, const GlobalOptions& global, Console& console) {
   const std::vector<Drag> drags = parse_drags(options);
   std::vector<IndexBox> fix;
   for (const std::string& text : options.fixes) fix.push_back(parse_box("--fix", text));
-  check_output(options.output, global);
+  if (drags.empty() && fix.empty()) {
+    throw UsageError("deform: found neither --grab nor --fix, expected something to do");
+  }
+  OutputPlan plan(global);
+  if (!is_state_file(options.input)) plan.protect(options.input);
+  plan.add_state(options.output);
   std::optional<MaterialTable> material;
   if (!options.material.empty()) material = read_material(options.material);
 

@@ -1,5 +1,6 @@
 // supple export: the deformation of a state as a warp file that other programs read.
 #include "tools/command.h"
+#include "tools/output_plan.h"
 #include "tools/outputs.h"
 
 namespace supple::tools {
@@ -14,18 +15,24 @@ struct Options {
 };
 
 int run(const Options& options, const GlobalOptions& global, Console& console) {
-  check_dense_output(options.output, global);
+  OutputPlan(global).add_dense(options.output);
+  require_within("--margin", options.grid.margin_mm, 0, 1e6);
   const bool material = options.direction == "material";
-  if (material && (!options.grid.file.empty() || options.grid.margin_mm > 0)) {
+  const bool has_grid = !options.grid.file.empty() || options.grid.margin_mm != 0;
+  if (material && (has_grid || options.void_mode != "nearest")) {
     throw UsageError(
-        "--grid and --margin: found with --direction material, expected --direction "
-        "resample (a material field lives on the source grid)");
+        "--grid, --margin and --void: found with --direction material, expected "
+        "--direction resample (a material field lives on the source grid)");
   }
   const State state = read_state(options.input, &console);
   const Deformed deformed = invert_state(state, console);
-  write_state_warp(
+  const Geometry grid = choose_grid(state.geometry, options.grid);
+  const std::int64_t lost = write_state_warp(
       options.output, state, deformed, material ? WarpDirection::material : WarpDirection::resample,
-      parse_void_mode(options.void_mode), choose_grid(state.geometry, options.grid), console);
+      parse_void_mode(options.void_mode), grid, console);
+  if (global.json) {
+    print_dense_report(options.output, grid, lost, deformed.offsets.certificate);
+  }
   return kOk;
 }
 
@@ -53,7 +60,6 @@ Command add_export(CLI::App& program) {
   app->add_option("--grid", options->grid.file, "Take the output grid from this volume")
       ->option_text("FILE");
   app->add_option("--margin", options->grid.margin_mm, "Grow the grid on every side, in mm")
-      ->check(CLI::NonNegativeNumber)
       ->option_text("MM");
   return {app, [options](const GlobalOptions& global, Console& console) {
             return run(*options, global, console);

@@ -8,6 +8,7 @@
 
 #include "tools/command.h"
 #include "tools/material_file.h"
+#include "tools/output_plan.h"
 #include "tools/outputs.h"
 #include "tools/parse.h"
 #include "volumes/io/volume_file.h"
@@ -96,8 +97,10 @@ Image draw_volume(const Options& options, SceneView& view, RenderReport& report,
 
 int run(const Options& options, const GlobalOptions& global, Console& console) {
   SceneView view = to_view(options);
-  preset(view.preset);
-  check_output(options.output, global);
+  check_view(view);
+  OutputPlan plan(global);
+  plan.protect(options.input);
+  plan.add_image(options.output);
   RenderReport report;
   const bool is_state = is_state_file(options.input);
   const Image image = is_state ? draw_state(options, view, report, console)
@@ -131,7 +134,7 @@ Command add_render(CLI::App& program) {
                   "Show a volume through a resample-direction warp (NRRD, MetaImage)")
       ->option_text("FIELD");
   app->add_option("--preset", options->scene_view.preset,
-                  "CT-Bone, CT-Muscle, CT-Soft-Tissue or MR-Default")
+                  "CT-Bone (default with HU), CT-Muscle, CT-Soft-Tissue, MR-Default")
       ->option_text("NAME");
   app->add_option("--camera", options->camera, "Camera file")->option_text("C.toml");
   app->add_option("--view", options->view,

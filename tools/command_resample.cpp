@@ -1,5 +1,6 @@
 // supple resample: the deformed volume on a grid, for those who do want it resampled.
 #include "tools/command.h"
+#include "tools/output_plan.h"
 #include "tools/outputs.h"
 
 namespace supple::tools {
@@ -12,11 +13,15 @@ struct Options {
 };
 
 int run(const Options& options, const GlobalOptions& global, Console& console) {
-  check_dense_output(options.output, global);
+  OutputPlan(global).add_dense(options.output);
+  require_within("--margin", options.grid.margin_mm, 0, 1e6);
   const State state = read_state(options.input, &console);
   const Deformed deformed = invert_state(state, console);
-  write_resampled(options.output, state, deformed, choose_grid(state.geometry, options.grid),
-                  console);
+  const Geometry grid = choose_grid(state.geometry, options.grid);
+  const std::int64_t lost = write_resampled(options.output, state, deformed, grid, console);
+  if (global.json) {
+    print_dense_report(options.output, grid, lost, deformed.offsets.certificate);
+  }
   return kOk;
 }
 
@@ -35,7 +40,6 @@ Command add_resample(CLI::App& program) {
   app->add_option("--grid", options->grid.file, "Take the output grid from this volume")
       ->option_text("FILE");
   app->add_option("--margin", options->grid.margin_mm, "Grow the grid on every side, in mm")
-      ->check(CLI::NonNegativeNumber)
       ->option_text("MM");
   return {app, [options](const GlobalOptions& global, Console& console) {
             return run(*options, global, console);

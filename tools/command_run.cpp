@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/command.h"
+#include "tools/output_plan.h"
 #include "tools/outputs.h"
 #include "tools/parse.h"
 #include "tools/scene.h"
@@ -49,6 +50,27 @@ std::vector<Drag> to_drags(const SceneStep& step, const Geometry& geometry) {
   return drags;
 }
 
+/// Voxels are checked before anything is solved. Elements are known only to the body.
+void check_step(const SceneStep& step, const Geometry& geometry) {
+  const Vec3i& dims = geometry.dims();
+  for (const Drag& drag : to_drags(step, geometry)) {
+    const IndexBox box{{0, 0, 0}, dims - Vec3i(1)};
+    if (!box.contains(drag.voxel)) {
+      throw InputError(
+          {step.place, "grab", to_text(drag.voxel), "a voxel of the volume, " + to_text(dims)});
+    }
+    fixed_from_mm(drag.by_mm, geometry.spacing_mm());
+  }
+  for (const IndexBox& box : step.fix) {
+    bool outside = false;
+    for (int a = 0; a < 3; ++a) outside = outside || box.hi[a] < 0 || box.lo[a] >= dims[a];
+    if (outside) {
+      throw InputError({step.place, "fix", to_text(box.lo) + ":" + to_text(box.hi),
+                        "a box that meets the volume, " + to_text(dims)});
+    }
+  }
+}
+
 /// Names the step in the errors of the solver.
 void run_step(Session& session, const SceneStep& step, Console& console) {
   try {
@@ -68,11 +90,19 @@ class SceneRun {
         m_console(console),
         m_session(scene.volume_path, scene.raw_spec, scene.material, console) {}
 
+  /// Solves and draws everything first, so that a scene that fails leaves nothing behind.
   void run() {
-    render_views(0);
+    draw_views(0);
     for (std::size_t n = 0; n < m_scene.steps.size(); ++n) {
       run_step(m_session, m_scene.steps[n], m_console);
-      render_views(int(n) + 1);
+      draw_views(int(n) + 1);
+    }
+    if (writes_fields()) deformed(last_step());
+    for (const std::string& name : m_scene.outputs()) {
+      std::filesystem::create_directories(std::filesystem::path(path_of(name)).parent_path());
+    }
+    for (const auto& [view, image] : m_images) {
+      write_png(path_of(view.image), image, describe_view(view));
     }
     write_outputs();
   }
@@ -84,6 +114,11 @@ class SceneRun {
 
  private:
   int last_step() const { return int(m_scene.steps.size()); }
+  bool writes_fields() const {
+    const SceneOutput& output = m_scene.output;
+    return !(output.state.empty() && output.offsets.empty() && output.displacements.empty() &&
+             output.volumes.empty());
+  }
 
   std::string path_of(const std::string& name) const { return path_in(m_folder, name); }
 
@@ -97,7 +132,7 @@ class SceneRun {
     return *m_deformed;
   }
 
-  void render_views(int step) {
+  void draw_views(int step) {
     for (const SceneView& view : m_scene.views) {
       if (view.after_step.value_or(last_step()) != step) continue;
       const Deformed* moved = view.deformed ? &deformed(step) : nullptr;
@@ -105,12 +140,11 @@ class SceneRun {
       SceneView drawn = view;
       drawn.lattice = view.lattice || m_state.geometry.dims().z == 1;
       const MaterialTable& material = m_session.body().material;
-      const Image image = draw({m_state.geometry, m_state.density, m_state.elements,
-                                moved != nullptr ? &moved->offsets : nullptr,
-                                moved != nullptr ? &moved->displacement : nullptr,
-                                material.domain_lo, material.domain_hi},
-                               drawn, nullptr, m_console);
-      write_png(path_of(view.image), image, describe_view(drawn));
+      m_images.emplace_back(drawn, draw({m_state.geometry, m_state.density, m_state.elements,
+                                         moved != nullptr ? &moved->offsets : nullptr,
+                                         moved != nullptr ? &moved->displacement : nullptr,
+                                         material.domain_lo, material.domain_hi},
+                                        drawn, nullptr, m_console));
     }
   }
 
@@ -144,32 +178,32 @@ class SceneRun {
   State m_state;
   std::optional<Deformed> m_deformed;
   int m_deformed_step = -1;
+  std::vector<std::pair<SceneView, Image>> m_images;
 };
 
 /// Everything that can be known to fail is checked before anything is computed.
 void check_scene(const Scene& scene, const Options& options, const GlobalOptions& global) {
+  OutputPlan plan(global, true);
+  plan.protect(scene.file);
+  plan.protect(scene.volume_path);
+  if (!scene.material_path.empty()) plan.protect(scene.material_path);
   for (const SceneView& view : scene.views) {
-    preset(view.preset);
-    view_settings(view).validate();
+    check_view(view);
+    plan.add_image(path_in(options.folder, view.image));
   }
   const SceneOutput& output = scene.output;
+  if (!output.state.empty()) plan.add_state(path_in(options.folder, output.state));
   for (const auto* names : {&output.offsets, &output.displacements, &output.volumes}) {
-    for (const std::string& name : *names) output_files(name);
+    for (const std::string& name : *names) plan.add_dense(path_in(options.folder, name));
   }
-  if (!std::filesystem::exists(options.folder)) return;
-  for (const auto* names : {&output.offsets, &output.displacements, &output.volumes}) {
-    for (const std::string& name : *names)
-      check_dense_output(path_in(options.folder, name), global);
-  }
-  for (const SceneView& view : scene.views)
-    check_output(path_in(options.folder, view.image), global);
-  if (!output.state.empty()) check_output(path_in(options.folder, output.state), global);
+  const Geometry geometry = is_state_file(scene.volume_path)
+                                ? read_state(scene.volume_path).geometry
+                                : open_volume(scene.volume_path, scene.raw_spec)->header().geometry;
+  for (const SceneStep& step : scene.steps) check_step(step, geometry);
 }
 
 void print_plan(const Scene& scene, const Options& options) {
-  const auto header = open_volume(scene.volume_path, scene.raw_spec)->header();
-  std::printf("volume  %s (%s, %s)\n", scene.volume_path.c_str(),
-              to_text(header.geometry.dims()).c_str(), numpy_name(header.type));
+  std::printf("volume  %s\n", scene.volume_path.c_str());
   for (std::size_t n = 0; n < scene.steps.size(); ++n) {
     std::printf("step %zu  %zu handles, %zu fixed boxes%s\n", n + 1, scene.steps[n].handles.size(),
                 scene.steps[n].fix.size(), scene.steps[n].release ? ", releases" : "");
@@ -213,7 +247,6 @@ int run(const Options& options, const GlobalOptions& global, Console& console) {
     print_plan(scene, options);
     return kOk;
   }
-  std::filesystem::create_directories(options.folder);
   SceneRun scene_run(scene, options, console);
   scene_run.run();
   print_results(scene_run, scene, options, global, console);

@@ -54,7 +54,8 @@ class Console final : public Progress {
   std::vector<std::pair<std::string, double>> m_seconds;
 };
 
-/// Installs handlers for SIGINT and SIGTERM that only set a flag; a second signal ends the process.
+/// Installs handlers for SIGINT, SIGTERM and SIGHUP that only set a flag; a second signal ends the
+/// process.
 void install_signal_handlers();
 /// The signal that asked to stop, or 0.
 int pending_signal();

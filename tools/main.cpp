@@ -1,7 +1,10 @@
 // The `supple` program: parses the command line, runs one subcommand, turns errors into exit codes.
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
+#include <iterator>
+#include <map>
 #include <new>
 #include <optional>
 #include <thread>
@@ -15,11 +18,12 @@ namespace supple::tools {
 
 namespace {
 
+const std::map<std::string, LogLevel> kLevels = {{"error", LogLevel::error},
+                                                 {"warning", LogLevel::warning},
+                                                 {"info", LogLevel::info},
+                                                 {"debug", LogLevel::debug}};
+
 void add_global_options(CLI::App& program, GlobalOptions& options) {
-  const std::map<std::string, LogLevel> levels = {{"error", LogLevel::error},
-                                                  {"warning", LogLevel::warning},
-                                                  {"info", LogLevel::info},
-                                                  {"debug", LogLevel::debug}};
   const auto group = "Everywhere";
   program.add_option("--threads", options.threads, "Number of threads, 0 for all")
       ->check(CLI::Range(0, 1024))
@@ -27,8 +31,12 @@ void add_global_options(CLI::App& program, GlobalOptions& options) {
   program.add_flag("--quiet", options.quiet, "No progress, notes or warnings")->group(group);
   program.add_flag("--json", options.json, "Results as one JSON object on stdout")->group(group);
   program.add_flag("--force", options.force, "Overwrite existing outputs")->group(group);
-  program.add_option("--log-level", options.log_level, "error, warning, info or debug")
-      ->transform(CLI::CheckedTransformer(levels, CLI::ignore_case))
+  program
+      .add_option_function<std::string>(
+          "--log-level",
+          [&options](const std::string& name) { options.log_level = kLevels.at(name); },
+          "error, warning, info or debug")
+      ->check(CLI::IsMember({"error", "warning", "info", "debug"}))
       ->option_text("LEVEL")
       ->group(group);
 }
@@ -94,6 +102,12 @@ int run_program(int argc, char** argv) {
   const Command commands[] = {add_info(program),   add_deform(program),   add_render(program),
                               add_export(program), add_resample(program), add_run(program),
                               add_compare(program)};
+  const auto is_named = [&](const Command& command) { return command.app->check_name(argv[1]); };
+  if (argc > 1 && argv[1][0] != '-' &&
+      std::none_of(std::begin(commands), std::end(commands), is_named)) {
+    return fail(kUsage, to_line({"", "subcommand", std::string("'") + argv[1] + "'",
+                                 "info, deform, render, export, resample, run or compare"}));
+  }
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -71,6 +71,9 @@ void append_range(std::string& text, const std::string& name, double lo, double 
 
 MaterialTable read_material_table(TomlTable& table) {
   MaterialTable material;
+  table.know({"domain", "active", "max_length", "min_length", "shear", "shear1", "shear2",
+              "max_length_i", "max_length_j", "max_length_k", "min_length_i", "min_length_j",
+              "min_length_k", "combine", "components"});
   const std::string pairs = "a list of [density, value] pairs";
   read_range(table, "domain", material.domain_lo, material.domain_hi);
   material.active_lo = material.domain_lo;
@@ -99,14 +102,9 @@ MaterialTable read_material_table(TomlTable& table) {
 }
 
 MaterialTable parse_material(const std::string& text, const std::string& source) {
-  try {
-    const toml::table root = toml::parse(text, source);
-    TomlTable table(root, source, "");
-    return read_material_table(table);
-  } catch (const toml::parse_error& error) {
-    throw InputError({source + ":" + std::to_string(error.source().begin.line), "",
-                      std::string(error.description()), "TOML"});
-  }
+  const toml::table root = parse_toml(text, source);
+  TomlTable table(root, source, "");
+  return read_material_table(table);
 }
 
 MaterialTable read_material(const std::string& path) {

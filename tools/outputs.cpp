@@ -3,7 +3,6 @@
 #include <nlohmann/json.hpp>
 
 #include "raycast/lattice.h"
-#include "tools/command.h"
 #include "tools/version.h"
 #include "volumes/field/displacement.h"
 
@@ -14,9 +13,19 @@ Geometry choose_grid(const Geometry& source, const GridChoice& choice) {
   return choice.margin_mm > 0 ? with_margin(grid, choice.margin_mm) : grid;
 }
 
-void check_dense_output(const std::string& path, const GlobalOptions& options) {
-  for (const std::string& file : output_files(path)) check_output(file, options);
+namespace {
+
+std::int64_t warn_of_lost_material(const std::string& path, const State& state,
+                                   const Geometry& grid, Console& console) {
+  const std::int64_t lost = count_outside(displacement_of(state), grid);
+  if (lost > 0) {
+    console.warn(path + ": " + std::to_string(lost) +
+                 " voxels of material lie outside the grid (see --margin)");
+  }
+  return lost;
 }
+
+}  // namespace
 
 VoidMode parse_void_mode(const std::string& name) {
   if (name == "nearest") return VoidMode::nearest;
@@ -24,35 +33,39 @@ VoidMode parse_void_mode(const std::string& name) {
   return VoidMode::extend;
 }
 
-void write_state_warp(const std::string& path, const State& state, const Deformed& deformed,
-                      WarpDirection direction, VoidMode mode, const Geometry& grid,
-                      Console& console) {
+std::int64_t write_state_warp(const std::string& path, const State& state, const Deformed& deformed,
+                              WarpDirection direction, VoidMode mode, const Geometry& grid,
+                              Console& console) {
   if (direction == WarpDirection::material) {
     write_warp(path, state.geometry, direction, dense_displacement(deformed.displacement),
                &console);
-    return;
+    return 0;
   }
-  const std::int64_t lost = count_outside(deformed.offsets, grid);
-  if (lost > 0) {
-    console.warn(path + ": " + std::to_string(lost) +
-                 " voxels of material lie outside the grid (see --margin)");
-  }
+  const std::int64_t lost = warn_of_lost_material(path, state, grid, console);
   write_warp(path, grid, direction,
              dense_offsets(deformed.offsets, state.density.bricks(), grid, mode), &console);
+  return lost;
 }
 
-void write_resampled(const std::string& path, const State& state, const Deformed& deformed,
-                     const Geometry& grid, Console& console) {
-  const std::int64_t lost = count_outside(deformed.offsets, grid);
-  if (lost > 0) {
-    console.warn(path + ": " + std::to_string(lost) +
-                 " voxels of material lie outside the grid (see --margin)");
-  }
+std::int64_t write_resampled(const std::string& path, const State& state, const Deformed& deformed,
+                             const Geometry& grid, Console& console) {
+  const std::int64_t lost = warn_of_lost_material(path, state, grid, console);
   ValueType type = ValueType::float32;
   find_numpy_type(state.source_type, type);
   write_volume(path, grid, type,
                dense_resampled(deformed.offsets, state.density, grid, state.density.background()),
                &console);
+  return lost;
+}
+
+void print_dense_report(const std::string& path, const Geometry& grid, std::int64_t lost_voxels,
+                        const InversionCertificate& certificate) {
+  const Vec3i& dims = grid.dims();
+  const nlohmann::ordered_json json = {{"output", path},
+                                       {"dims", {dims.x, dims.y, dims.z}},
+                                       {"lost_voxels", lost_voxels},
+                                       {"certificate", to_json(certificate)}};
+  std::printf("%s\n", json.dump(2).c_str());
 }
 
 Camera resolve_camera(const CameraChoice& choice, const Geometry& geometry, double aspect) {
@@ -103,15 +116,30 @@ RenderSettings view_settings(const SceneView& view) {
   return settings;
 }
 
+void check_view(const SceneView& view) {
+  try {
+    if (!view.preset.empty()) preset(view.preset);
+    view_settings(view).validate();
+  } catch (const InputError& error) {
+    const Problem& problem = error.problem();
+    throw InputError({view.place, problem.field, problem.found, problem.expected});
+  }
+}
+
+std::string default_preset(double min_density) {
+  return min_density < -200 ? "CT-Bone" : "MR-Default";
+}
+
 Image draw(const Subject& subject, const SceneView& view, RenderReport* report, Console& console) {
   const RenderSettings settings = view_settings(view);
-  settings.validate();
   if (view.lattice) return draw_body_lattice(subject, view);
+  const std::string name =
+      view.preset.empty() ? default_preset(subject.density.background()) : view.preset;
   Renderer renderer(subject.geometry, subject.density, subject.air_rings);
   if (subject.offsets != nullptr) renderer.set_offsets(subject.offsets);
   const Camera camera =
       resolve_camera(view.camera, subject.geometry, double(view.width) / view.height);
-  return renderer.render(camera, preset(view.preset), settings, report, &console);
+  return renderer.render(camera, preset(name), settings, report, &console);
 }
 
 std::string describe_view(const SceneView& view) {

@@ -21,18 +21,18 @@ struct GridChoice {
 };
 Geometry choose_grid(const Geometry& source, const GridChoice& choice);
 
-/// check_output for every file that a dense output creates; throws InputError for an unknown
-/// format.
-void check_dense_output(const std::string& path, const GlobalOptions& options);
-
 VoidMode parse_void_mode(const std::string& name);
 
-/// Warns of material that leaves the grid.
-void write_state_warp(const std::string& path, const State& state, const Deformed& deformed,
-                      WarpDirection direction, VoidMode mode, const Geometry& grid,
-                      Console& console);
-void write_resampled(const std::string& path, const State& state, const Deformed& deformed,
-                     const Geometry& grid, Console& console);
+/// Both warn of material that leaves the grid and return how many voxels of it do.
+std::int64_t write_state_warp(const std::string& path, const State& state, const Deformed& deformed,
+                              WarpDirection direction, VoidMode mode, const Geometry& grid,
+                              Console& console);
+std::int64_t write_resampled(const std::string& path, const State& state, const Deformed& deformed,
+                             const Geometry& grid, Console& console);
+
+/// What `export` and `resample` print with --json.
+void print_dense_report(const std::string& path, const Geometry& grid, std::int64_t lost_voxels,
+                        const InversionCertificate& certificate);
 
 /// The camera that a choice stands for, over the source box of `geometry`.
 Camera resolve_camera(const CameraChoice& choice, const Geometry& geometry, double aspect);
@@ -48,6 +48,11 @@ struct Subject {
   int air_rings = 0;                 // see Renderer; 0 for a state, which keeps its shell
 };
 RenderSettings view_settings(const SceneView& view);
+/// Checks what does not depend on the volume, with the view's place in errors.
+void check_view(const SceneView& view);
+/// The preset of a view that names none: CT-Bone where densities reach below -200, as Hounsfield
+/// units of air do, else MR-Default.
+std::string default_preset(double min_density);
 Image draw(const Subject& subject, const SceneView& view, RenderReport* report, Console& console);
 
 /// Effective configuration of a picture, embedded in the PNG.

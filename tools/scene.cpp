@@ -1,8 +1,8 @@
 #include "tools/scene.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
-#include <set>
 
 #include "tools/material_file.h"
 #include "tools/toml_table.h"
@@ -21,16 +21,19 @@ std::string beside(const std::string& scene_file, const std::string& path) {
 
 SceneHandle read_handle(TomlTable& table) {
   SceneHandle handle;
+  table.know({"grab", "at_mm", "by", "by_mm_lps"});
   handle.place = table.place("grab");
   const auto grab = table.voxel("grab");
   const auto at_mm = table.vector("at_mm");
   const auto by = table.vector("by");
   const auto by_lps = table.vector("by_mm_lps");
   if (grab.has_value() == at_mm.has_value()) {
-    table.fail("grab", grab ? "grab and at_mm" : "nothing", "either grab = [i, j, k] or at_mm");
+    if (!grab) table.fail_missing("grab", "either grab = [i, j, k] or at_mm");
+    table.fail("grab", "grab and at_mm", "either grab = [i, j, k] or at_mm");
   }
   if (by.has_value() == by_lps.has_value()) {
-    table.fail("by", by ? "by and by_mm_lps" : "nothing", "either by = [x, y, z] or by_mm_lps");
+    if (!by) table.fail_missing("by", "either by = [x, y, z] or by_mm_lps");
+    table.fail("by", "by and by_mm_lps", "either by = [x, y, z] or by_mm_lps");
   }
   handle.in_mm = at_mm.has_value();
   if (grab) handle.voxel = *grab;
@@ -40,12 +43,17 @@ SceneHandle read_handle(TomlTable& table) {
   return handle;
 }
 
+/// True for what an int holds exactly.
+bool is_integer(double value) {
+  return std::abs(value) <= 2147483647.0 && value == std::floor(value);
+}
+
 IndexBox to_box(TomlTable& table, const std::vector<double>& row) {
   IndexBox box;
   const std::size_t last = row.size() - 3;
   for (int axis = 0; axis < 3; ++axis) {
     for (const double value : {row[axis], row[last + axis]}) {
-      if (value != int(value)) table.fail("fix", std::to_string(value), "integer voxels");
+      if (!is_integer(value)) table.fail("fix", number_text(value), "integer voxels");
     }
     box.lo[axis] = int(std::min(row[axis], row[last + axis]));
     box.hi[axis] = int(std::max(row[axis], row[last + axis]));
@@ -90,8 +98,15 @@ Projection read_projection(TomlTable& table) {
 
 CameraChoice read_camera_table(TomlTable& table) {
   CameraChoice choice;
+  table.know({"projection", "view", "position", "target", "up", "fov", "height"});
   choice.projection = read_projection(table);
   choice.view = table.string("view").value_or(choice.view);
+  const std::vector<std::string> views = view_names();
+  if (std::find(views.begin(), views.end(), choice.view) == views.end()) {
+    std::string expected = "one of";
+    for (const std::string& name : views) expected += " " + name;
+    table.fail("view", "\"" + choice.view + "\"", expected);
+  }
   const auto position = table.vector("position");
   const auto target = table.vector("target");
   const auto up = table.vector("up");
@@ -102,6 +117,9 @@ CameraChoice read_camera_table(TomlTable& table) {
   if (table.has("view")) {
     table.fail("view", "view beside position", "a named view or a position, not both");
   }
+  const bool perspective = choice.projection == Projection::perspective;
+  if (perspective && height) table.fail("height", "height", "fov for a perspective camera");
+  if (!perspective && fov) table.fail("fov", "fov", "height for an orthographic camera");
   Camera camera;
   camera.projection = choice.projection;
   camera.position_lps_mm = table.require(position, "position", "three numbers in LPS mm");
@@ -117,11 +135,12 @@ CameraChoice read_camera_table(TomlTable& table) {
 SceneView read_view(TomlTable& table, int steps) {
   SceneView view;
   view.place = table.place();
+  table.know({"image", "preset", "camera", "size", "step", "deformed", "lattice", "after_step"});
   view.image = table.require(table.string("image"), "image", "the name of a PNG file");
   view.preset = table.string("preset").value_or(view.preset);
   if (auto camera = table.table("camera")) view.camera = read_camera_table(*camera);
   if (const auto size = table.numbers("size")) {
-    if (size->size() != 2 || (*size)[0] != int((*size)[0]) || (*size)[1] != int((*size)[1])) {
+    if (size->size() != 2 || !is_integer((*size)[0]) || !is_integer((*size)[1])) {
       table.fail("size", "another list", "two integers [width, height]");
     }
     view.width = int((*size)[0]);
@@ -150,16 +169,6 @@ SceneOutput read_output(TomlTable& table) {
   return output;
 }
 
-void check_unique_outputs(const Scene& scene) {
-  std::set<std::string> seen;
-  for (const std::string& path : scene.outputs()) {
-    if (path.empty()) throw InputError({scene.file, "output", "an empty name", "a file name"});
-    if (!seen.insert(path).second) {
-      throw InputError({scene.file, "output", "'" + path + "' twice", "different file names"});
-    }
-  }
-}
-
 }  // namespace
 
 std::vector<std::string> Scene::outputs() const {
@@ -178,7 +187,9 @@ Scene read_scene(const std::string& path) {
   Scene scene;
   scene.file = path;
 
+  root.know({"volume", "material", "step", "view", "output"});
   TomlTable volume = root.require(root.table("volume"), "volume", "a table [volume] with a path");
+  volume.know({"path", "raw"});
   scene.volume_path =
       beside(path, volume.require(volume.string("path"), "path", "the path of a volume"));
   scene.raw_spec = volume.string("raw").value_or("");
@@ -187,7 +198,8 @@ Scene read_scene(const std::string& path) {
   if (auto material = root.table("material")) {
     if (const auto file = material->string("table")) {
       material->finish();
-      scene.material = read_material(beside(path, *file));
+      scene.material_path = beside(path, *file);
+      scene.material = read_material(scene.material_path);
     } else {
       scene.material = read_material_table(*material);
     }
@@ -197,7 +209,6 @@ Scene read_scene(const std::string& path) {
   for (TomlTable& view : root.tables("view")) scene.views.push_back(read_view(view, steps));
   if (auto output = root.table("output")) scene.output = read_output(*output);
   root.finish();
-  check_unique_outputs(scene);
   return scene;
 }
 

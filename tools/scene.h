@@ -38,7 +38,7 @@ struct CameraChoice {
 struct SceneView {
   std::string place;
   std::string image;
-  std::string preset = "CT-Bone";
+  std::string preset;  // empty: chosen by the densities
   CameraChoice camera;
   int width = 1024, height = 1024;
   double step_voxels = 0.5;
@@ -59,6 +59,7 @@ struct Scene {
   std::string volume_path;  // resolved
   std::string raw_spec;
   std::optional<MaterialTable> material;
+  std::string material_path;  // resolved; empty for an inline table
   std::vector<SceneStep> steps;
   std::vector<SceneView> views;
   SceneOutput output;
@@ -67,7 +68,7 @@ struct Scene {
   std::vector<std::string> outputs() const;
 };
 
-/// Throws InputError: unknown key (line and suggestion), wrong type, missing key, a path twice.
+/// Throws InputError: unknown key (line and suggestion), wrong type or value, missing key.
 Scene read_scene(const std::string& path);
 
 /// A camera file: projection, view, or position/target/up with fov or height.

@@ -80,7 +80,7 @@ void Session::open_volume_file(const std::string& path, const std::string& raw_s
   m_state.density = std::move(loaded.volume.density);
   m_state.elements = std::move(loaded.elements);
   m_state.source_name = std::filesystem::path(path).filename().string();
-  m_state.source_type = loaded.volume.stored_type;
+  m_state.source_type = loaded.volume.value_type;
 }
 
 std::vector<IndexBox> Session::held_boxes(const std::vector<Drag>& drags) const {
@@ -117,6 +117,9 @@ const StepRecord& Session::step(const std::vector<Drag>& drags, const std::vecto
   console.stage("solving");
   record.report = drag(m_body, handles, held_boxes(drags), &console);
   warn_of_report(record.report, console);
+  console.debug("solve: " + std::to_string(record.report.visited) + " visits, longest queue " +
+                std::to_string(record.report.max_queue) + ", body " +
+                std::to_string(m_body.bytes() >> 20) + " MiB");
   for (const Drag& drag : drags) {
     if (std::find(m_held.begin(), m_held.end(), drag.voxel) == m_held.end()) {
       m_held.push_back(drag.voxel);
@@ -173,8 +176,8 @@ Deformed invert_state(const State& state, Console& console) {
                  std::to_string(certificate.min_det) + "; ties go to the shortest offset");
   }
   if (certificate.folded_air_cells > 0) {
-    console.note(with_count(certificate.folded_air_cells, "cell") +
-                 " folded in the air around the material");
+    console.debug(with_count(certificate.folded_air_cells, "cell") +
+                  " folded in the air around the material");
   }
   if (certificate.unresolved_voxels > 0) {
     console.warn(with_count(certificate.unresolved_voxels, "voxel") + " could not be inverted");

@@ -21,6 +21,11 @@ as_root() {
   if [ "$(id -u)" = 0 ]; then "$@"; else sudo "$@"; fi
 }
 
+can_install() {
+  [ "$(id -u)" = 0 ] || command -v sudo >/dev/null ||
+    { say "installing packages needs root or sudo"; return 1; }
+}
+
 missing_packages() {
   local package
   for package in "$@"; do
@@ -34,6 +39,7 @@ install_packages() {
   local missing
   mapfile -t missing < <(missing_packages "$@")
   [ "${#missing[@]}" -gt 0 ] || return 0
+  can_install || return 1
   say "installing ${#missing[@]} packages: ${missing[*]}"
   local apt=(env DEBIAN_FRONTEND=noninteractive apt-get -q -y -o Dpkg::Use-Pty=0)
   as_root "${apt[@]}" update >/dev/null || say "the package list could not be refreshed"

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <numeric>
 #include <sstream>
 
@@ -40,18 +42,23 @@ std::string text_of(const toml::node& node) {
 
 }  // namespace
 
+toml::table parse_toml(const std::string& text, const std::string& source) {
+  try {
+    return toml::parse(text, source);
+  } catch (const toml::parse_error& error) {
+    throw InputError({source + ":" + std::to_string(error.source().begin.line),
+                      "not TOML: " + std::string(error.description()), "", ""});
+  }
+}
+
 toml::table read_toml_file(const std::string& path) {
   std::ifstream stream(path, std::ios::binary);
   if (!stream) throw_open_error(path, errno);
-  std::ostringstream text;
-  text << stream.rdbuf();
-  if (stream.bad() || (text.str().empty() && !stream.eof())) throw_open_error(path, EISDIR);
-  try {
-    return toml::parse(text.str(), path);
-  } catch (const toml::parse_error& error) {
-    throw InputError({path + ":" + std::to_string(error.source().begin.line), "",
-                      std::string(error.description()), "TOML"});
-  }
+  if (std::filesystem::is_directory(path)) throw_open_error(path, EISDIR);
+  const std::string text((std::istreambuf_iterator<char>(stream)),
+                         std::istreambuf_iterator<char>());
+  if (text.empty()) throw InputError({path, "", "an empty file", "TOML"});
+  return parse_toml(text, path);
 }
 
 TomlTable::TomlTable(const toml::table& table, std::string file, std::string name)
@@ -75,6 +82,7 @@ void TomlTable::fail(const std::string& key, const std::string& found,
 }
 
 void TomlTable::fail_missing(const std::string& key, const std::string& expected) const {
+  finish();
   fail(key, "nothing", expected);
 }
 

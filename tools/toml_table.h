@@ -16,6 +16,8 @@
 
 namespace supple::tools {
 
+/// Parses text; `source` names it in errors. Throws InputError with the line of a syntax error.
+toml::table parse_toml(const std::string& text, const std::string& source);
 /// Parses a file; throws InputError for a missing file (as volumes/io does) or a syntax error.
 toml::table read_toml_file(const std::string& path);
 
@@ -24,6 +26,8 @@ class TomlTable {
   /// `table` must outlive this view; `name` is its place in the file, e.g. "step[2]", or "".
   TomlTable(const toml::table& table, std::string file, std::string name);
 
+  /// Declares keys, so that an unknown one is reported before a missing one.
+  void know(std::initializer_list<const char*> keys) { m_known.insert(keys.begin(), keys.end()); }
   /// Also makes the key a known one.
   bool has(const std::string& key) { return find(key) != nullptr; }
   /// "file:line", of the key or of the table.

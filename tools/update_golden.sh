@@ -7,6 +7,7 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 bin=build/release/bin
+cmake --build build/release --target supple supple-examples
 work="$(mktemp -d)"
 trap 'rm -rf "$work"' EXIT
 "$bin/supple-examples" phantom small-head "$work/small-head.nhdr"

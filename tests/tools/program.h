@@ -15,6 +15,7 @@ struct Outcome {
 struct RunOptions {
   std::string directory;          // working directory, empty: the present one
   long long max_file_bytes = -1;  // RLIMIT_FSIZE, stands in for a full disk
+  bool as_nobody = false;         // drops root, for whom no folder is read-only
   double interrupt_after_s = -1;  // sends SIGINT then
 };
 

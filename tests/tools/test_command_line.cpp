@@ -46,7 +46,9 @@ TEST(UnitCommandLine, AWrongCommandLineIsOneLineAndExitCodeTwo) {
       {"deform", "a.nhdr", "--grab", "1,2,3", "--by", "a,b,c", "-o", "x.vdb"},
       {"deform", "a.nhdr", "--fix", "1,2,3:4", "-o", "x.vdb"},
       {"export", "a.vdb", "-o", "x.nrrd", "--direction", "sideways"},
-      {"export", "a.vdb", "-o", "x.nrrd", "--margin", "-3"},
+      {"export", "a.vdb", "-o", "x.nrrd", "--direction", "material", "--void", "extend"},
+      {"infoo", "a.nhdr"},
+      {"info", "a", "--log-level", "loud"},
       {"render", "a.nhdr", "-o", "x.png", "--size", "big"},
       {"info", "a", "--threads", "-1"}};
   for (const auto& arguments : cases) {

@@ -154,3 +154,33 @@ TEST_F(PropertyMainJob, AVolumeThroughItsExportedWarpIsThePictureOfTheState) {
     EXPECT_LT(ssim_through(name), 0.95) << name;
   }
 }
+
+TEST_F(PropertyMainJob, ScaledVolumesAreResampledInFloat) {
+  write_text(m_folder / "scaled.mhd",
+             "ObjectType = Image\nNDims = 3\nDimSize = 24 24 24\nElementType = MET_UCHAR\n"
+             "ElementSpacing = 1 1 1.5\nElementToIntensityFunctionSlope = 0.5\n"
+             "ElementToIntensityFunctionOffset = -50\nElementDataFile = ball.raw\n");
+  ASSERT_EQ(run_supple({"deform", m_folder / "scaled.mhd", "--grab", "12,12,12", "--by", "0,0,0",
+                        "--quiet", "-o", m_folder / "zero.vdb"})
+                .exit_code,
+            0);
+  ASSERT_EQ(run_supple({"resample", m_folder / "zero.vdb", "-o", m_folder / "same.nrrd"}).exit_code,
+            0);
+  const auto json =
+      nlohmann::json::parse(run_supple({"info", "--json", m_folder / "same.nrrd"}).out);
+  EXPECT_EQ(json["type"], "float32");
+  EXPECT_EQ(json["min"], -50.0);
+  EXPECT_EQ(json["max"], 50.0);
+}
+
+TEST_F(PropertyMainJob, ExportAndResampleReportAsJson) {
+  deform("ball.nhdr", "15,0,0", "out.vdb");
+  for (const char* command : {"export", "resample"}) {
+    const Outcome outcome = run_supple({command, m_folder / "out.vdb", "--json", "-o",
+                                        m_folder / (std::string(command) + ".nrrd")});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const auto json = nlohmann::json::parse(outcome.out);
+    EXPECT_GT(json["lost_voxels"], 0) << command;
+    EXPECT_EQ(json["dims"], nlohmann::json({24, 24, 24}));
+  }
+}

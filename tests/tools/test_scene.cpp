@@ -59,6 +59,10 @@ TEST_F(UnitScene, UnknownKeysNameLineAndSuggestion) {
                  {"scene.toml:6", "grap", "'grab'"});
   expect_refused(m_head + "[[view]]\nimage = \"a.png\"\npresett = \"CT-Bone\"\n",
                  {"scene.toml:7", "presett", "'preset'"});
+  expect_refused(m_head + "[[view]]\nimge = \"a.png\"\n", {"scene.toml:6", "imge", "'image'"});
+  expect_refused("[volume]\npth = \"ball.nhdr\"\n", {"scene.toml:2", "pth", "'path'"});
+  expect_refused(m_head + "[[step]]\nhandles = [{ grap = [8, 8, 8], by = [1.0, 0.0, 0.0] }]\n",
+                 {"scene.toml:6", "grap", "'grab'"});
   expect_refused(m_head + "[outputs]\nstate = \"a.vdb\"\n", {"outputs", "'output'"});
 }
 
@@ -66,13 +70,46 @@ TEST_F(UnitScene, WrongValuesNameTheKeyAndWhatIsExpected) {
   expect_refused("[[view]]\nimage = \"a.png\"\n", {"volume"});
   expect_refused(m_head + "[[view]]\nimage = 3\n", {"view[1].image", "a string"});
   expect_refused(m_head + "[[view]]\nimage = \"a.png\"\npreset = \"CT-Wood\"\n", {"CT-Wood"});
-  expect_refused(m_head + "[[view]]\nimage = \"a.png\"\nsize = [0, 9]\n", {"0"});
+  expect_refused(m_head + "[[view]]\nimage = \"a.png\"\nsize = [0, 9]\n",
+                 {"scene.toml:5", "width"});
+  expect_refused(m_head + "[[view]]\nimage = \"a.png\"\nstep = 0.0\n", {"scene.toml:5", "step"});
+  expect_refused(m_head + "[[view]]\nimage = \"a.png\"\ncamera = { view = \"lft\" }\n",
+                 {"scene.toml:7", "view[1].camera.view", "left"});
+  expect_refused(m_head + "[[view]]\nimage = \"a.jpg\"\n", {"a.jpg", ".png"});
   expect_refused(m_head + "[[step]]\ngrab = [8, 8]\nby = [1.0, 0.0, 0.0]\n", {"grab", "three"});
   expect_refused(m_head + "[[step]]\ngrab = [8, 8, 8]\n", {"by"});
   expect_refused(m_head + "[[step]]\nat_mm = [900.0, 0.0, 0.0]\nby = [1.0, 0.0, 0.0]\n",
                  {"at_mm", "900"});
-  expect_refused(m_head + "[output]\noffsets = [\"a.nrrd\", \"a.nrrd\"]\n", {"twice"});
+  expect_refused(m_head + "[output]\noffsets = [\"a.nrrd\", \"a.nrrd\"]\n", {"another output"});
   expect_refused(m_head + "[output\n", {"scene.toml:5"});
+}
+
+TEST_F(UnitScene, PositionsAndVectorsInLpsMeanTheSameAsVoxels) {
+  // The ball's axes are L, P, S with 1.5 mm along k.
+  const std::string voxels = "[[step]]\ngrab = [8, 8, 8]\nby = [2.0, 0.0, 3.0]\n";
+  const std::string lps = "[[step]]\nat_mm = [8.2, 7.9, 12.1]\nby_mm_lps = [2.0, 0.0, 3.0]\n";
+  const std::string output = "[output]\nvolumes = [\"v.nrrd\"]\n";
+  ASSERT_EQ(run_scene(m_head + voxels + output).exit_code, 0);
+  const std::string expected = read_text(m_folder / "out/v.nrrd");
+  ASSERT_EQ(run_scene(m_head + lps + output, {"--force"}).exit_code, 0);
+  EXPECT_EQ(read_text(m_folder / "out/v.nrrd"), expected);
+}
+
+TEST_F(UnitScene, ViewsShowTheStepTheyName) {
+  const std::string step = "[[step]]\ngrab = [8, 8, 8]\nby = [3.0, 0.0, 0.0]\n";
+  const std::string look = "preset = \"MR-Default\"\nsize = [64, 64]\n";
+  const Outcome outcome =
+      run_scene(m_head + step + "[[view]]\nimage = \"rest.png\"\ndeformed = false\n" + look +
+                "[[view]]\nimage = \"before.png\"\nafter_step = 0\n" + look +
+                "[[view]]\nimage = \"after.png\"\n" + look);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto differ = [&](const std::string& a, const std::string& b) {
+    return run_supple({"compare", m_folder / ("out/" + a), m_folder / ("out/" + b), "--max-diff",
+                       "0", "--quiet"})
+        .exit_code;
+  };
+  EXPECT_EQ(differ("rest.png", "before.png"), 0);
+  EXPECT_EQ(differ("rest.png", "after.png"), 1);
 }
 
 TEST_F(UnitScene, HandlesStayHeldUntilReleased) {

@@ -23,7 +23,7 @@ struct Volume {
   DensityGrid density;          // index space, active voxels as asked for when loading
   VolumeStatistics statistics;  // of the whole file
   std::string format;           // "nrrd", "metaimage", "nifti", "png", "tiff", "raw", "vdb"
-  std::string stored_type;      // numpy name, e.g. "int16"
+  std::string value_type;  // numpy name: the stored type, float32 when slope or intercept apply
 };
 
 /// Trilinear density at an index-space position; corners that are inactive count as `outside`.

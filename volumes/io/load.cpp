@@ -100,7 +100,9 @@ Volume describe(const VolumeFile& file, const SlabReader& reader) {
   volume.geometry = file.header().geometry;
   volume.statistics = reader.statistics();
   volume.format = file.header().format;
-  volume.stored_type = numpy_name(file.header().type);
+  // Scaled values need not fit the type that they were stored in.
+  const bool scaled = file.header().slope != 1 || file.header().intercept != 0;
+  volume.value_type = numpy_name(scaled ? ValueType::float32 : file.header().type);
   return volume;
 }
 

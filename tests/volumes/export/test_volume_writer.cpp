@@ -160,7 +160,7 @@ TEST(PropertyWriter, OurReadersGiveBackGeometryAndValuesOfEveryFormatAndType) {
     });
 
     const Volume volume = load_volume(folder / name);
-    EXPECT_EQ(volume.stored_type, numpy_name(type));
+    EXPECT_EQ(volume.value_type, numpy_name(type));
     EXPECT_EQ(volume.geometry.dims(), dims);
     for (int c = 0; c < 3; ++c) {
       EXPECT_LT((volume.geometry.axes_mm()[c] - geometry.axes_mm()[c]).length(), 1e-12) << name;
