@@ -47,7 +47,7 @@ Image draw_state(const Options& options, SceneView& view, RenderReport& report, 
     throw UsageError("--offsets: found a state file, expected a volume (a state has its own)");
   }
   const State state = read_state(options.input, &console);
-  view.lattice = view.lattice || state.geometry.dims().z == 1;
+  view = effective_view(view, state.geometry, state.density.background());
   std::optional<Deformed> deformed;
   if (view.deformed) deformed = invert_state(state, console);
   const MaterialTable material = parse_material(state.material_toml, options.input);
@@ -90,6 +90,7 @@ Image draw_volume(const Options& options, SceneView& view, RenderReport& report,
                  " NaN voxels treated as void");
   }
   const double grey_hi = std::max(statistics.max, statistics.min + 1);
+  view = effective_view(view, geometry, statistics.min);
   return draw({volume.geometry, volume.density, volume.density.bricks(),
                offsets ? &*offsets : nullptr, nullptr, statistics.min, grey_hi, kAirRings},
               view, &report, console);

@@ -137,8 +137,7 @@ class SceneRun {
       if (view.after_step.value_or(last_step()) != step) continue;
       const Deformed* moved = view.deformed ? &deformed(step) : nullptr;
       if (moved == nullptr) m_state = m_session.state();
-      SceneView drawn = view;
-      drawn.lattice = view.lattice || m_state.geometry.dims().z == 1;
+      const SceneView drawn = effective_view(view, m_state.geometry, m_state.density.background());
       const MaterialTable& material = m_session.body().material;
       m_images.emplace_back(drawn, draw({m_state.geometry, m_state.density, m_state.elements,
                                          moved != nullptr ? &moved->offsets : nullptr,

@@ -126,20 +126,21 @@ void check_view(const SceneView& view) {
   }
 }
 
-std::string default_preset(double min_density) {
-  return min_density < -200 ? "CT-Bone" : "MR-Default";
+SceneView effective_view(const SceneView& view, const Geometry& geometry, double min_density) {
+  SceneView effective = view;
+  effective.lattice = view.lattice || geometry.dims().z == 1;
+  if (view.preset.empty()) effective.preset = min_density < -200 ? "CT-Bone" : "MR-Default";
+  return effective;
 }
 
 Image draw(const Subject& subject, const SceneView& view, RenderReport* report, Console& console) {
   const RenderSettings settings = view_settings(view);
   if (view.lattice) return draw_body_lattice(subject, view);
-  const std::string name =
-      view.preset.empty() ? default_preset(subject.density.background()) : view.preset;
   Renderer renderer(subject.geometry, subject.density, subject.air_rings);
   if (subject.offsets != nullptr) renderer.set_offsets(subject.offsets);
   const Camera camera =
       resolve_camera(view.camera, subject.geometry, double(view.width) / view.height);
-  return renderer.render(camera, preset(name), settings, report, &console);
+  return renderer.render(camera, preset(view.preset), settings, report, &console);
 }
 
 std::string describe_view(const SceneView& view) {

@@ -50,9 +50,9 @@ struct Subject {
 RenderSettings view_settings(const SceneView& view);
 /// Checks what does not depend on the volume, with the view's place in errors.
 void check_view(const SceneView& view);
-/// The preset of a view that names none: CT-Bone where densities reach below -200, as Hounsfield
-/// units of air do, else MR-Default.
-std::string default_preset(double min_density);
+/// The view as it will be drawn: one-slice bodies as lattices, and where no preset is named CT-Bone
+/// if densities reach below -200, as Hounsfield units of air do, else MR-Default.
+SceneView effective_view(const SceneView& view, const Geometry& geometry, double min_density);
 Image draw(const Subject& subject, const SceneView& view, RenderReport* report, Console& console);
 
 /// Effective configuration of a picture, embedded in the PNG.
