@@ -41,6 +41,9 @@ Command add_compare(CLI::App& program);
 CLI::App* add_subcommand(CLI::App& program, const std::string& name, const std::string& description,
                          const std::string& examples);
 
+/// --grid FILE and --margin MM of dense outputs.
+void add_grid_options(CLI::App& app, std::string& file, double& margin_mm);
+
 /// Throws InputError for NaN, infinity and numbers outside [lo, hi]; `option` names it.
 void require_within(const std::string& option, double value, double lo, double hi);
 

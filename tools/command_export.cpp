@@ -57,10 +57,7 @@ Command add_export(CLI::App& program) {
                   "Where no material is: nearest void, outside the source, or extend")
       ->check(CLI::IsMember({"nearest", "outside", "extend"}))
       ->option_text("nearest|outside|extend");
-  app->add_option("--grid", options->grid.file, "Take the output grid from this volume")
-      ->option_text("FILE");
-  app->add_option("--margin", options->grid.margin_mm, "Grow the grid on every side, in mm")
-      ->option_text("MM");
+  add_grid_options(*app, options->grid.file, options->grid.margin_mm);
   return {app, [options](const GlobalOptions& global, Console& console) {
             return run(*options, global, console);
           }};

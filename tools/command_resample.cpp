@@ -37,10 +37,7 @@ Command add_resample(CLI::App& program) {
   app->add_option("-o,--output", options->output, "Volume to write: .nrrd, .nhdr, .mha or .mhd")
       ->required()
       ->option_text("VOLUME");
-  app->add_option("--grid", options->grid.file, "Take the output grid from this volume")
-      ->option_text("FILE");
-  app->add_option("--margin", options->grid.margin_mm, "Grow the grid on every side, in mm")
-      ->option_text("MM");
+  add_grid_options(*app, options->grid.file, options->grid.margin_mm);
   return {app, [options](const GlobalOptions& global, Console& console) {
             return run(*options, global, console);
           }};

@@ -39,8 +39,8 @@ VectorSliceSource dense_displacement(const Displacement& extended);
 ScalarSliceSource dense_resampled(const OffsetField& offsets, const DensityGrid& density,
                                   const Geometry& grid, float fill);
 
-/// Voxels X of the material whose place X + u(X) lies beyond the outer voxel faces of `grid`: what a
-/// dense output would lose. Takes u on the elements, not extended into the air.
+/// Voxels X of the material whose place X + u(X) lies beyond the outer voxel faces of `grid`: what
+/// a dense output would lose. Takes u on the elements, not extended into the air.
 std::int64_t count_outside(const Displacement& material, const Geometry& grid);
 
 /// The source grid grown by `margin_mm` on every side (whole voxels, same affine).
