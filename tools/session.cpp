@@ -111,6 +111,7 @@ const StepRecord& Session::step(const std::vector<Drag>& drags, const std::vecto
     }
   }
   std::vector<Handle> handles;
+  handles.reserve(drags.size());
   for (const Drag& drag : drags) {
     handles.push_back({drag.voxel, fixed_from_mm(drag.by_mm, geometry().spacing_mm())});
   }
