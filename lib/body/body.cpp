@@ -45,14 +45,6 @@ Body make_body(const State& state, const MaterialTable& material) {
   return body;
 }
 
-double max_offset_voxels(const Body& body) {
-  std::int32_t largest = 0;
-  for (const auto& coordinate : body.q) {
-    for (const std::int32_t offset : coordinate) largest = std::max(largest, std::abs(offset));
-  }
-  return largest / kFixedOne;
-}
-
 bool nearest_element(const Body& body, const Vec3i& voxel, Vec3i& nearest) {
   const BrickTopology& elements = body.elements;
   const auto square = [](const Vec3i& d) {

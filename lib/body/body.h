@@ -47,9 +47,6 @@ struct LinkCheck {
 /// One parallel pass over all links; about 30 ns per element.
 LinkCheck check_links(const Body& body);
 
-/// Largest |q| over all elements and coordinates, in voxels.
-double max_offset_voxels(const Body& body);
-
 /// Nearest element (Euclidean, in voxels) for an error message; false when the body is empty.
 bool nearest_element(const Body& body, const Vec3i& voxel, Vec3i& nearest);
 

@@ -11,14 +11,4 @@ namespace supple {
 /// reaches stay invalid. Without it u = 0 in the air tears the surface (SSIM 0.89 against 0.9988).
 Displacement extend(const Displacement& displacement, const BrickTopology& target);
 
-/// Bounds in index space of all deformed valid voxels X + u(X): lo and hi corner.
-struct DeformedBounds {
-  Vec3d lo_index;
-  Vec3d hi_index;
-};
-DeformedBounds deformed_bounds(const Displacement& displacement);
-
-/// Largest |u| in voxels.
-double max_length_voxels(const Displacement& displacement);
-
 }  // namespace supple

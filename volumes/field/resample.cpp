@@ -134,7 +134,7 @@ VectorSliceSource dense_displacement(const Displacement& extended) {
 ScalarSliceSource dense_resampled(const OffsetField& offsets, const DensityGrid& density,
                                   const Geometry& grid, float fill) {
   const GridPositions positions(grid, offsets.geometry);
-  const Vec3i& dims = grid.dims(), source_dims = offsets.geometry.dims();
+  const Vec3i &dims = grid.dims(), source_dims = offsets.geometry.dims();
   return [&offsets, &density, positions, dims, source_dims, fill](int k, float* out) {
     tbb::parallel_for(0, dims.y, [&](int j) {
       for (int i = 0; i < dims.x; ++i) {

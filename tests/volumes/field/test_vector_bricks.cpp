@@ -50,18 +50,6 @@ TEST(PropertyVectorBricks, TrilinearSamplingReproducesTrilinearFunctionsAcrossBr
   }
 }
 
-TEST(UnitDisplacement, BoundsAndLengthAreThoseOfTheMovedVoxels) {
-  Displacement displacement{unit_geometry({16, 16, 16}),
-                            field_on(box_topology({2, 2, 2}, {10, 10, 10}), [](const Vec3i& v) {
-                              return v == Vec3i(5, 5, 5) ? Vec3f(30, 0, -40) : Vec3f(0);
-                            })};
-  const DeformedBounds bounds = deformed_bounds(displacement);
-  EXPECT_EQ(bounds.lo_index, Vec3d(2, 2, -35));
-  EXPECT_EQ(bounds.hi_index, Vec3d(35, 10, 10));
-  EXPECT_EQ(max_length_voxels(displacement), 50);
-  EXPECT_EQ(max_length_voxels(Displacement{}), 0);
-}
-
 TEST(PropertyProceduralWarps, DisplacementAndOffsetInvertEachOther) {
   std::mt19937 random(4);
   for (const AnalyticWarp& warp : {shear_warp({3, 4, 5}, 0.7), stretch_warp({3, 4, 5}, 1.6),
