@@ -1,8 +1,7 @@
 // supple run: everything that a scene file asks for.
-#include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <map>
 
 #include <nlohmann/json.hpp>
 
@@ -232,7 +231,7 @@ void print_results(const SceneRun& run, const Scene& scene, const Options& optio
   double total = 0;
   for (const auto& [name, seconds] : stages) total += seconds;
   for (const auto& [name, seconds] : stages) {
-    std::printf("%-12s %7.2f s  %3.0f %%\n", name.c_str(), seconds, 100 * seconds / total);
+    std::printf("%-18s %7.2f s  %3.0f %%\n", name.c_str(), seconds, 100 * seconds / total);
   }
   for (const std::string& name : scene.outputs()) {
     std::printf("wrote %s\n", path_in(options.folder, name).c_str());

@@ -85,13 +85,19 @@ TEST_F(UnitScene, WrongValuesNameTheKeyAndWhatIsExpected) {
 }
 
 TEST_F(UnitScene, PositionsAndVectorsInLpsMeanTheSameAsVoxels) {
-  // The ball's axes are L, P, S with 1.5 mm along k.
-  const std::string voxels = "[[step]]\ngrab = [8, 8, 8]\nby = [2.0, 0.0, 3.0]\n";
-  const std::string lps = "[[step]]\nat_mm = [8.2, 7.9, 12.1]\nby_mm_lps = [2.0, 0.0, 3.0]\n";
+  // Index j runs to anterior, so that LPS and grid axes differ in sign: voxel (8, 8, 8) lies at
+  // (8, 7, 12) mm.
+  write_text(m_folder / "flipped.nhdr",
+             "NRRD0004\ntype: uint8\ndimension: 3\nspace: left-posterior-superior\n"
+             "sizes: 16 16 16\nspace directions: (1,0,0) (0,-1,0) (0,0,1.5)\n"
+             "space origin: (0,15,0)\nencoding: raw\ndata file: ball.raw\n");
+  const std::string head = "[volume]\npath = \"flipped.nhdr\"\n[material]\ntable = \"soft.toml\"\n";
+  const std::string voxels = "[[step]]\ngrab = [8, 8, 8]\nby = [2.0, 1.0, 3.0]\n";
+  const std::string lps = "[[step]]\nat_mm = [8.2, 6.9, 12.1]\nby_mm_lps = [2.0, -1.0, 3.0]\n";
   const std::string output = "[output]\nvolumes = [\"v.nrrd\"]\n";
-  ASSERT_EQ(run_scene(m_head + voxels + output).exit_code, 0);
+  ASSERT_EQ(run_scene(head + voxels + output).exit_code, 0);
   const std::string expected = read_text(m_folder / "out/v.nrrd");
-  ASSERT_EQ(run_scene(m_head + lps + output, {"--force"}).exit_code, 0);
+  ASSERT_EQ(run_scene(head + lps + output, {"--force"}).exit_code, 0);
   EXPECT_EQ(read_text(m_folder / "out/v.nrrd"), expected);
 }
 
