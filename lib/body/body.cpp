@@ -14,7 +14,7 @@ std::int32_t Body::offset(const Vec3i& voxel, int c) const {
 }
 
 std::size_t Body::bytes() const {
-  std::size_t total = elements.bytes() + classes.capacity() + slacks.bytes();
+  std::size_t total = elements.bytes() + classes.capacity() + slacks.bytes() + cuts.bytes();
   for (const auto& coordinate : q) total += coordinate.capacity() * sizeof(std::int32_t);
   return total;
 }
@@ -41,6 +41,7 @@ Body make_body(const Geometry& geometry, const DensityGrid& density, const Brick
 Body make_body(const State& state, const MaterialTable& material) {
   Body body = make_body(state.geometry, state.density, state.elements, material);
   body.q = state.q;
+  body.cuts = state.cuts;
   for (const auto& coordinate : body.q) body.links_known_valid &= coordinate.empty();
   return body;
 }

@@ -17,6 +17,7 @@ struct Body {
   BrickTopology elements;
   std::vector<std::uint8_t> classes;           // material class per voxel
   std::array<std::vector<std::int32_t>, 3> q;  // empty: that coordinate never moved
+  LinkCuts cuts;                               // links between elements that are absent
   SlackTable slacks;
   MaterialTable material;
   /// True while all links are known to hold, so that a drag need not check them. Whoever writes q

@@ -61,7 +61,7 @@ struct Counts {
 };
 
 void count_brick(const Body& body, const FoldTable& folds, std::size_t b, Counts& counts) {
-  for_each_link(body.elements, b, [&](int axis, Slot low, Slot high) {
+  for_each_link(body.elements, body.cuts, b, [&](int axis, Slot low, Slot high) {
     ++counts.links;
     counts.can_fold |= folds.can_fold(axis, body.classes[low], body.classes[high]);
     std::int64_t excess = 0;

@@ -1,11 +1,12 @@
 // Slots of a body and their lattice neighbours: slot = 512 * brick + offset, in brick order.
 // A neighbour inside the brick is an addition; at a brick's border BrickTopology::neighbour is
-// asked. Nothing is stored per link.
+// asked. Only links that were cut are stored.
 #pragma once
 
 #include <cstdint>
 
 #include "volumes/grid/brick_topology.h"
+#include "volumes/grid/link_cuts.h"
 
 namespace supple {
 
@@ -30,9 +31,9 @@ inline Vec3i voxel_of(const BrickTopology& elements, Slot slot) {
   return elements.origin(slot / kBrickVoxels) + brick_local(int(slot % kBrickVoxels));
 }
 
-/// The element one step along `axis`; false when there is none.
-inline bool neighbour_slot(const BrickTopology& elements, Slot slot, int axis, bool positive,
-                           Slot& neighbour) {
+/// The element that a link joins one step along `axis`; false when there is none or it is cut.
+inline bool neighbour_slot(const BrickTopology& elements, const LinkCuts& cuts, Slot slot, int axis,
+                           bool positive, Slot& neighbour) {
   const Slot brick = slot / kBrickVoxels;
   const int offset = int(slot % kBrickVoxels);
   const int stride = kSlotStride[axis];
@@ -47,6 +48,10 @@ inline bool neighbour_slot(const BrickTopology& elements, Slot slot, int axis, b
     other_offset = positive ? offset - 7 * stride : offset + 7 * stride;
   }
   if (!mask_test(elements.mask(other), other_offset)) return false;
+  if (!cuts.empty() && (positive ? cuts.is_cut(brick, offset, axis)
+                                 : cuts.is_cut(std::size_t(other), other_offset, axis))) {
+    return false;
+  }
   neighbour = Slot(other) * kBrickVoxels + Slot(other_offset);
   return true;
 }
@@ -62,12 +67,13 @@ void for_each_element(const BrickTopology& elements, Visit&& visit) {
 
 /// Calls `visit(axis, low, high)` for every link of brick b whose low end lies in it.
 template <class Visit>
-void for_each_link(const BrickTopology& elements, std::size_t b, Visit&& visit) {
+void for_each_link(const BrickTopology& elements, const LinkCuts& cuts, std::size_t b,
+                   Visit&& visit) {
   for_each_active(elements.mask(b), [&](int offset) {
     const Slot low = Slot(b * kBrickVoxels + std::size_t(offset));
     Slot high;
     for (int axis = 0; axis < 3; ++axis) {
-      if (neighbour_slot(elements, low, axis, true, high)) visit(axis, low, high);
+      if (neighbour_slot(elements, cuts, low, axis, true, high)) visit(axis, low, high);
     }
   });
 }

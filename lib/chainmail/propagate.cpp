@@ -31,7 +31,7 @@ int Propagator::fitted_shift() const {
   const std::size_t step = std::max<std::size_t>(1, bricks / kSampledBricks);
   std::int64_t sum_of_logs = 0, count = 0;
   for (std::size_t b = 0; b < bricks; b += step) {
-    for_each_link(m_body.elements, b, [&](int axis, Slot low, Slot high) {
+    for_each_link(m_body.elements, m_body.cuts, b, [&](int axis, Slot low, Slot high) {
       const std::uint8_t low_class = m_body.classes[low], high_class = m_body.classes[high];
       for (const std::int32_t slack :
            {m_body.slacks.upper(axis, m_coordinate, low_class, high_class),
@@ -96,7 +96,7 @@ void Propagator::spread(QueueEntry from, std::vector<std::int32_t>& values, Undo
   for (int axis = 0; axis < 3; ++axis) {
     for (const bool positive : {false, true}) {
       Slot to;
-      if (!neighbour_slot(m_body.elements, from.slot, axis, positive, to)) continue;
+      if (!neighbour_slot(m_body.elements, m_body.cuts, from.slot, axis, positive, to)) continue;
       if (!lies_beyond<kRaise>(from.value, values[to])) continue;
 
       // Raising the low end lifts the high end once `lower` is used up; and so on, mirrored.

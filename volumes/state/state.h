@@ -11,6 +11,7 @@
 #include "volumes/field/vector_bricks.h"
 #include "volumes/geometry/geometry.h"
 #include "volumes/grid/density_grid.h"
+#include "volumes/grid/link_cuts.h"
 
 namespace supple {
 
@@ -26,6 +27,7 @@ struct State {
   /// Offsets from rest per coordinate, [512 * brick of elements + offset], 2^-16 voxel; an empty
   /// vector stands for a coordinate that never moved. Inactive voxels hold 0.
   std::array<std::vector<std::int32_t>, 3> q;
+  LinkCuts cuts;  // links between elements that are absent; bricks as in `elements`
   std::vector<IndexBox> anchors;
   std::string material_toml;  // the table as text, so that a state can be continued
   std::string configuration;  // JSON: the effective settings that produced it

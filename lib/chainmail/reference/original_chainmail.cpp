@@ -21,8 +21,10 @@ class Lists {
 
   void add_neighbour(const Vec3i& node, int list) {
     Vec3i candidate = node;
-    candidate[kHeadings[list].axis] += kHeadings[list].step;
-    if (m_lattice.is_element(candidate)) m_lists[list].push_back(candidate);
+    const Heading& heading = kHeadings[list];
+    candidate[heading.axis] += heading.step;
+    if (m_lattice.is_linked(heading.step > 0 ? node : candidate, heading.axis))
+      m_lists[list].push_back(candidate);
   }
 
   /// Checks each candidate against the neighbour it came from until the list is empty. A moved one

@@ -23,11 +23,19 @@ ReferenceLattice lattice_of(const Body& body) {
   };
   for_each_element(body.elements, [&](Slot slot) { lattice.mask[index_of(slot)] = 1; });
   for (std::size_t b = 0; b < body.elements.brick_count(); ++b) {
-    for_each_link(body.elements, b, [&](int axis, Slot low, Slot high) {
+    for_each_link(body.elements, body.cuts, b, [&](int axis, Slot low, Slot high) {
       lattice.slacks[index_of(low)][axis] =
           body.slacks.slack(axis, body.classes[low], body.classes[high]);
     });
   }
+  if (body.cuts.empty()) return lattice;
+  lattice.cut.assign(lattice.size(), 0);
+  for_each_element(body.elements, [&](Slot slot) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const bool cut = body.cuts.is_cut(slot / kBrickVoxels, int(slot % kBrickVoxels), axis);
+      lattice.cut[index_of(slot)] |= std::uint8_t(cut << axis);
+    }
+  });
   return lattice;
 }
 

@@ -18,6 +18,7 @@ struct ReferenceLattice {
   Vec3i dims{0, 0, 0};
   std::vector<std::uint8_t> mask;                // 1: element; i fastest
   std::vector<std::array<LinkSlack, 3>> slacks;  // link to the next node along i, j, k
+  std::vector<std::uint8_t> cut;  // bit a: no link to the next node along axis a; empty: none cut
 
   std::size_t size() const { return std::size_t(dims.x) * dims.y * dims.z; }
   bool inside(const Vec3i& node) const {
@@ -32,6 +33,13 @@ struct ReferenceLattice {
     return {int(index % dims.x), int(index / dims.x % dims.y), int(index / dims.x / dims.y)};
   }
   bool is_element(const Vec3i& node) const { return inside(node) && mask[index(node)] != 0; }
+  /// Whether a link joins a node to the next one along the axis.
+  bool is_linked(const Vec3i& node, int axis) const {
+    Vec3i next = node;
+    ++next[axis];
+    if (!is_element(node) || !is_element(next)) return false;
+    return cut.empty() || ((cut[index(node)] >> axis) & 1) == 0;
+  }
   /// All elements at rest.
   Offsets at_rest() const;
 };

@@ -68,10 +68,9 @@ template <class Scalar>
 void ThesisEcm<Scalar>::link_nodes(const ReferenceLattice& lattice) {
   m_chains.reserve(3 * lattice.size());
   for (std::size_t n = 0; n < m_nodes.size(); ++n) {
-    if (!lattice.mask[n]) continue;
     for (int axis = 0; axis < 3; ++axis) {
+      if (!lattice.is_linked(lattice.node(n), axis)) continue;
       const Vec3i next = lattice.node(n) + unit(axis);
-      if (!lattice.is_element(next)) continue;
       Node& other = m_nodes[lattice.index(next)];
       Chain chain{&m_nodes[n], &other, {}, {}};
       const LinkSlack& slack = lattice.slacks[n][axis];

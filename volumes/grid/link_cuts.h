@@ -1,0 +1,50 @@
+// Links of the voxel lattice that are absent though both their ends are elements: where tissue has
+// been cut. Memory: nothing while nothing is cut, then 4 bytes per brick up to the last cut one and
+// 192 bytes per brick with a cut.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "volumes/grid/brick_topology.h"
+
+namespace supple {
+
+/// Bricks and offsets are those of the BrickTopology of the elements. A link belongs to its end at
+/// the lower index: axis a of a voxel is the link to the next voxel along index axis a.
+class LinkCuts {
+ public:
+  /// Per axis, the voxels of a brick whose link to the next voxel is absent.
+  using BrickCuts = std::array<BrickMask, 3>;
+
+  bool empty() const { return m_records.empty(); }
+  /// Null where no link of the brick's voxels is cut; any b.
+  const BrickCuts* brick(std::size_t b) const {
+    if (b >= m_record_of.size() || m_record_of[b] < 0) return nullptr;
+    return &m_records[std::size_t(m_record_of[b])];
+  }
+  bool is_cut(std::size_t b, int offset, int axis) const {
+    const BrickCuts* cuts = brick(b);
+    return cuts != nullptr && mask_test((*cuts)[axis], offset);
+  }
+  /// Marks the link as absent; whether it exists is for the caller to know. False when it already
+  /// was.
+  bool cut(std::size_t b, int offset, int axis);
+
+  /// Links that are cut.
+  std::int64_t count() const { return m_count; }
+  std::size_t bytes() const;
+
+  /// The same links, in whatever order they were cut.
+  bool operator==(const LinkCuts& other) const;
+  bool operator!=(const LinkCuts& other) const { return !(*this == other); }
+
+ private:
+  std::vector<std::int32_t> m_record_of;  // per brick, index into m_records or -1
+  std::vector<BrickCuts> m_records;
+  std::int64_t m_count = 0;
+};
+
+}  // namespace supple
