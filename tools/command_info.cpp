@@ -89,8 +89,10 @@ Json describe_state(const Options& options, Console& console) {
   json["active_voxels"] = state.elements.active_count();
   json["shell_voxels"] = count - state.elements.active_count();
   json["bytes_dense"] = state.geometry.voxel_count() * std::int64_t(sizeof(float));
-  json["bytes_sparse"] = state.density.bytes() + state.elements.bytes() + offset_bytes;
+  json["bytes_sparse"] =
+      state.density.bytes() + state.elements.bytes() + state.cuts.bytes() + offset_bytes;
   json["source"] = state.source_name;
+  json["cut_links"] = state.cuts.count();
   json["anchors"] = state.anchors.size();
   json["largest_offset_voxels"] = longest_voxels;
   json["configuration"] = Json::parse(state.configuration, nullptr, false);

@@ -160,6 +160,7 @@ std::string Session::configuration() const {
 State Session::state() const {
   State state = m_state;
   state.q = m_body.q;
+  state.cuts = m_body.cuts;
   state.configuration = configuration();
   return state;
 }

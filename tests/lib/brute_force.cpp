@@ -53,6 +53,7 @@ BruteForce::BruteForce(const Block& block) : m_nodes(block.size()) {
     const int position[3] = {low % dims[0], low / dims[0] % dims[1], low / dims[0] / dims[1]};
     for (int axis = 0; axis < 3; ++axis) {
       if (position[axis] + 1 == dims[axis]) continue;
+      if (!block.cut.empty() && (block.cut[low] >> axis & 1)) continue;
       const int high = low + step[axis];
       if (!block.element[low] || !block.element[high]) continue;
       const MaterialTable& table = block.table;

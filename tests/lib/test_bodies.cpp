@@ -66,6 +66,18 @@ void carve(std::mt19937& random, Block& block) {
   if (std::count(block.element.begin(), block.element.end(), 1) == 0) block.element = before;
 }
 
+/// The cut links of one voxel whose both ends are elements.
+void mark_cuts(const Block& block, int n, Body& body) {
+  const Vec3i voxel = block.voxel(n);
+  for (int axis = 0; axis < 3; ++axis) {
+    Vec3i next = voxel;
+    ++next[axis];
+    const bool is_link = body.elements.is_active(voxel) && body.elements.is_active(next);
+    if (!is_link || !(block.cut[n] >> axis & 1)) continue;
+    body.cuts.cut(std::size_t(body.elements.find(voxel)), brick_offset(voxel), axis);
+  }
+}
+
 }  // namespace
 
 MaterialTable linear_table(double longest, double shortest, double shear) {
@@ -111,6 +123,27 @@ Block random_block(std::mt19937& random, const Vec3i& max_dims) {
   return block;
 }
 
+void cut_randomly(std::mt19937& random, Block& block) {
+  block.cut.assign(std::size_t(block.size()), 0);
+  const int plane_axis = int(random() % 3), plane_at = int(random() % block.dims[plane_axis]);
+  const Vec3i corner = block.voxel(int(random() % unsigned(block.size())));
+  const IndexBox freed{corner,
+                       corner + Vec3i(int(random() % 4), int(random() % 4), int(random() % 4))};
+  const bool has_plane = chance(random, 0.6), has_box = chance(random, 0.5);
+  const double noise = chance(random, 0.5) ? pick(random, 0, 0.4) : 0;
+  for (int n = 0; n < block.size(); ++n) {
+    const Vec3i voxel = block.voxel(n);
+    for (int axis = 0; axis < 3; ++axis) {
+      Vec3i next = voxel;
+      ++next[axis];
+      const bool in_plane =
+          has_plane && axis == plane_axis && voxel[axis] - block.origin[axis] == plane_at;
+      const bool leaves_box = has_box && freed.contains(voxel) != freed.contains(next);
+      if (in_plane || leaves_box || chance(random, noise)) block.cut[n] |= char(1 << axis);
+    }
+  }
+}
+
 Body body_of(const Block& block) {
   std::vector<Vec3i> origins;
   std::vector<BrickMask> masks;
@@ -137,7 +170,9 @@ Body body_of(const Block& block) {
   const Geometry geometry({64, 64, 64}, {0, 0, 0},
                           {Vec3d(block.spacing_mm.x, 0, 0), Vec3d(0, block.spacing_mm.y, 0),
                            Vec3d(0, 0, block.spacing_mm.z)});
-  return make_body(geometry, make_density_grid(elements, values, 0), elements, block.table);
+  Body body = make_body(geometry, make_density_grid(elements, values, 0), elements, block.table);
+  for (int n = 0; n < int(block.cut.size()); ++n) mark_cuts(block, n, body);
+  return body;
 }
 
 int random_element(std::mt19937& random, const Block& block) {

@@ -17,6 +17,7 @@ struct Block {
   Vec3d spacing_mm{1, 1, 1};
   std::vector<char> element;
   std::vector<double> density;
+  std::vector<char> cut;  // bit a: no link to the next voxel along axis a; empty: none cut
   MaterialTable table;
 
   int size() const { return dims.x * dims.y * dims.z; }
@@ -36,6 +37,9 @@ Block full_block(const Vec3i& dims, const MaterialTable& table,
 /// Random shape with holes, densities, table (zero slack, overrides, both ways to combine) and
 /// spacing; dims at most `max_dims`.
 Block random_block(std::mt19937& random, const Vec3i& max_dims);
+
+/// Cuts planes, a box free of the rest and single links out of the block, at random.
+void cut_randomly(std::mt19937& random, Block& block);
 
 Body body_of(const Block& block);
 

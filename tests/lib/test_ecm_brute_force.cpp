@@ -96,10 +96,11 @@ struct Tally {
 };
 
 /// Drags one random body several times, comparing after each.
-void run_case(unsigned seed, const Vec3i& max_dims, Tally& tally) {
+void run_case(unsigned seed, const Vec3i& max_dims, bool with_cuts, Tally& tally) {
   SCOPED_TRACE("seed " + std::to_string(seed));
   std::mt19937 random(seed);
-  const Block block = random_block(random, max_dims);
+  Block block = random_block(random, max_dims);
+  if (with_cuts) cut_randomly(random, block);
   Body body = body_of(block);
   BruteForce brute(block);
   for (int n = 0; n < 4; ++n) {
@@ -135,13 +136,26 @@ TEST(PropertyEcm, EqualsBruteForceBitForBitOnRandomBodiesHandlesAndAnchors) {
     const Vec3i max_dims = seed % 10 == 0  ? Vec3i(20, 20, 6)
                            : seed % 3 == 0 ? Vec3i(12, 12, 1)
                                            : Vec3i(7, 6, 5);
-    run_case(seed, max_dims, tally);
+    run_case(seed, max_dims, false, tally);
   }
   std::printf("drags %d, moved %d, conflicts %d, stopped at once %d, shortened %d\n", tally.drags,
               tally.moved, tally.conflicts, tally.stopped, tally.shortened);
   EXPECT_GE(tally.moved, 400);
   EXPECT_GE(tally.conflicts, 50);
   EXPECT_GE(tally.shortened, 50);
+}
+
+TEST(PropertyEcm, EqualsBruteForceBitForBitWhereLinksAreCut) {
+  Tally tally;
+  for (unsigned seed = 1000; seed < 1300 && !HasFailure(); ++seed) {
+    const Vec3i max_dims = seed % 3 == 0 ? Vec3i(12, 12, 1) : Vec3i(10, 9, 5);
+    run_case(seed, max_dims, true, tally);
+  }
+  std::printf("drags %d, moved %d, conflicts %d, stopped at once %d, shortened %d\n", tally.drags,
+              tally.moved, tally.conflicts, tally.stopped, tally.shortened);
+  EXPECT_GE(tally.moved, 400);
+  EXPECT_GE(tally.conflicts, 20);
+  EXPECT_GE(tally.shortened, 20);
 }
 
 TEST(PropertyEcm, EqualsBruteForceOnTheLargestSizeAndOnASingleVoxel) {

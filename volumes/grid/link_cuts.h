@@ -33,6 +33,8 @@ class LinkCuts {
   /// was.
   bool cut(std::size_t b, int offset, int axis);
 
+  /// No brick at or beyond it has a cut link.
+  std::size_t brick_end() const { return m_record_of.size(); }
   /// Links that are cut.
   std::int64_t count() const { return m_count; }
   std::size_t bytes() const;

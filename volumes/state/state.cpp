@@ -69,12 +69,34 @@ void check_offsets(const State& state, const std::string& file) {
   }
 }
 
+void check_cuts(const State& state, const std::string& file) {
+  if (state.cuts.brick_end() > state.elements.brick_count()) {
+    throw InputError(
+        {file, "cut_links", "more bricks than the elements have", "links of elements"});
+  }
+  for (std::size_t b = 0; b < state.elements.brick_count(); ++b) {
+    const LinkCuts::BrickCuts* cuts = state.cuts.brick(b);
+    for (int axis = 0; cuts != nullptr && axis < 3; ++axis) {
+      for_each_active((*cuts)[axis], [&](int offset) {
+        const Vec3i voxel = state.elements.origin(b) + brick_local(offset);
+        Vec3i next = voxel;
+        ++next[axis];
+        if (state.elements.is_active(voxel) && state.elements.is_active(next)) return;
+        throw InputError({file, "cut_links at " + to_text(voxel),
+                          std::string("a cut along ") + "ijk"[axis] + " where there is no link",
+                          "cuts between two elements only"});
+      });
+    }
+  }
+}
+
 }  // namespace
 
 void check_state(const State& state, const std::string& file) {
   check_densities(state, file);
   check_elements(state, file);
   check_offsets(state, file);
+  check_cuts(state, file);
   for (const IndexBox& box : state.anchors) {
     if (!box.empty()) continue;
     throw InputError({file, "anchors", "box " + to_text(box.lo) + " to " + to_text(box.hi),

@@ -42,7 +42,8 @@ Displacement extended_displacement_of(const State& state);
 
 /// Throws InputError, naming `file`, unless everything holds that later code trusts: densities
 /// finite and inside the source box, every element among them, q as long as the elements need,
-/// |q| <= kMaxOffset, 0 in inactive slots, no empty anchor box. Cost: one pass over the bricks.
+/// |q| <= kMaxOffset, 0 in inactive slots, cut links between elements, no empty anchor box. Cost:
+/// one pass over the bricks.
 void check_state(const State& state, const std::string& file);
 
 /// Writes atomically; equal states give equal files, a coordinate of zeros counts as one that never

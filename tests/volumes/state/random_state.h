@@ -58,6 +58,22 @@ inline std::int32_t random_offset(std::mt19937& random) {
   }
 }
 
+/// Every link is cut with a probability that is drawn first.
+inline LinkCuts random_cuts(std::mt19937& random, const BrickTopology& elements) {
+  LinkCuts cuts;
+  const auto cut_part = random() % 2 == 0 ? 0 : random() % 101;
+  for (std::size_t b = 0; b < elements.brick_count(); ++b) {
+    for_each_active(elements.mask(b), [&](int offset) {
+      for (int axis = 0; axis < 3; ++axis) {
+        Vec3i next = elements.origin(b) + brick_local(offset);
+        ++next[axis];
+        if (elements.is_active(next) && random() % 100 < cut_part) cuts.cut(b, offset, axis);
+      }
+    });
+  }
+  return cuts;
+}
+
 inline State random_state(unsigned seed, int max_dim = 28) {
   std::mt19937 random(seed);
   const auto dim = [&] { return 1 + int(random() % unsigned(max_dim)); };
@@ -94,6 +110,7 @@ inline State random_state(unsigned seed, int max_dim = 28) {
   state.configuration = std::string("{\"binary\": \"\0\xFF\"}", 17);
   state.source_name = "head " + std::to_string(seed) + ".nhdr";
   state.source_type = "int16";
+  state.cuts = random_cuts(random, state.elements);
   return state;
 }
 
@@ -108,7 +125,7 @@ inline bool same_densities(const DensityGrid& a, const DensityGrid& b) {
 /// Bit for bit.
 inline bool same_state(const State& a, const State& b) {
   return a.geometry == b.geometry && same_densities(a.density, b.density) &&
-         a.elements == b.elements && a.q == b.q && a.anchors == b.anchors &&
+         a.elements == b.elements && a.q == b.q && a.cuts == b.cuts && a.anchors == b.anchors &&
          a.material_toml == b.material_toml && a.configuration == b.configuration &&
          a.source_name == b.source_name && a.source_type == b.source_type;
 }

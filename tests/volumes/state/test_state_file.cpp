@@ -14,15 +14,17 @@ using namespace supple::test;
 
 TEST(PropertyState, AWrittenStateReadsBackBitForBit) {
   const ScratchFolder folder("state-round-trip");
-  std::int64_t elements = 0;
+  std::int64_t elements = 0, cuts = 0;
   for (unsigned seed = 0; seed < 150; ++seed) {
     const State state = random_state(seed);
     write_state(folder / "a.vdb", state);
     ASSERT_TRUE(is_state_file(folder / "a.vdb"));
     ASSERT_TRUE(same_state(read_state(folder / "a.vdb"), state)) << "seed " << seed;
     elements += state.elements.active_count();
+    cuts += state.cuts.count();
   }
   EXPECT_GT(elements, 10000);
+  EXPECT_GT(cuts, 1000);
   EXPECT_EQ(folder.file_count(), 1u);
 }
 
@@ -65,6 +67,30 @@ TEST(UnitState, ZerosEqualACoordinateThatNeverMoved) {
   write_state(folder / "b.vdb", state);
   EXPECT_EQ(file_bytes(folder / "a.vdb"), file_bytes(folder / "b.vdb"));
   EXPECT_TRUE(read_state(folder / "b.vdb").q[2].empty());
+}
+
+TEST(UnitState, LinksCutInAnotherOrderGiveTheSameFileAndNoneGivesNoGrid) {
+  const ScratchFolder folder("state-cuts");
+  State state;
+  state.geometry = Geometry().with_dims({20, 2, 2});
+  state.elements = bricks_where({20, 2, 2}, [](const Vec3i&) { return true; });
+  state.density = make_density_grid(state.elements, std::vector<float>(3 * kBrickVoxels, 1.0f), 0);
+  write_state(folder / "none.vdb", state);
+  EXPECT_EQ(file_bytes(folder / "none.vdb").find("cut_links"), std::string::npos);
+  const int last = brick_offset({7, 1, 0});
+  EXPECT_TRUE(state.cuts.cut(1, last, 0));
+  EXPECT_FALSE(state.cuts.cut(1, last, 0));
+  EXPECT_TRUE(state.cuts.cut(0, 0, 2));
+  EXPECT_EQ(state.cuts.count(), 2);
+  write_state(folder / "a.vdb", state);
+  LinkCuts reversed;
+  reversed.cut(0, 0, 2);
+  EXPECT_FALSE(reversed == state.cuts);
+  reversed.cut(1, last, 0);
+  EXPECT_TRUE(reversed == state.cuts);
+  state.cuts = reversed;
+  write_state(folder / "b.vdb", state);
+  EXPECT_EQ(file_bytes(folder / "a.vdb"), file_bytes(folder / "b.vdb"));
 }
 
 TEST(UnitState, TheDisplacementIsTheFixedPointOffsetInVoxels) {

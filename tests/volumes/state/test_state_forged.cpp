@@ -130,6 +130,43 @@ TEST_F(FaultForgedState, MissingGridsAndGridsOfAnotherTypeAreRejected) {
   expect_error("grid q: found nothing");
 }
 
+TEST_F(FaultForgedState, CutsWhereThereIsNoLinkAreRejected) {
+  const auto forge = [&](const Vec3i& voxel, int bits) {
+    for (auto& grid : *m_parts.grids) {
+      if (grid->getName() == "cut_links") grid->setName("was cut_links");
+    }
+    auto cuts = openvdb::Int32Grid::create(0);
+    cuts->setName("cut_links");
+    cuts->tree().setValueOn(openvdb::Coord(voxel.x, voxel.y, voxel.z), bits);
+    m_parts.grids->push_back(cuts);
+  };
+  const auto element = m_parts.grid<openvdb::BoolGrid>("element");
+  const auto is_element = [&](const Vec3i& voxel) {
+    return element->tree().isValueOn(openvdb::Coord(voxel.x, voxel.y, voxel.z));
+  };
+  Vec3i linked = m_element, lonely = m_element, empty = m_element;
+  while (!(is_element(linked) && is_element(linked + Vec3i(0, 1, 0)))) ++linked.z;
+  while (!is_element(lonely) || is_element(lonely + Vec3i(0, 0, 1))) ++lonely.z;
+  while (is_element(empty)) ++empty.z;
+  forge(linked, 2);
+  ASSERT_EQ(read_error(), "");
+  forge(linked, 8 | 2);
+  expect_error("grid cut_links: found 10, expected bits 1 to 7");
+  forge(linked, 0);
+  expect_error("grid cut_links: found 0, expected bits 1 to 7");
+  forge(linked, -1);
+  expect_error("grid cut_links: found -1");
+  forge(lonely, 4);
+  expect_error("a cut along k where there is no link");
+  forge(empty, 1);
+  expect_error("where there is no link");
+  forge({-1, 0, 0}, 1);
+  expect_error("grid cut_links: found voxels outside the volume");
+  m_parts.grids->back()->setName("none");
+  m_parts.grid<openvdb::Vec3SGrid>("displacement")->setName("cut_links");
+  expect_error("grid cut_links: found nothing, expected a grid of");
+}
+
 TEST_F(FaultForgedState, MetadataMustBeWholeAndValid) {
   const auto forge = [&](const char* name, const std::string& text) {
     m_parts.metadata->removeMeta(name);
