@@ -83,18 +83,6 @@ void Session::open_volume_file(const std::string& path, const std::string& raw_s
   m_state.source_type = loaded.volume.value_type;
 }
 
-std::vector<IndexBox> Session::held_boxes(const std::vector<Drag>& drags) const {
-  std::vector<IndexBox> boxes = m_state.anchors;
-  for (const Vec3i& voxel : m_held) {
-    const bool grabbed_again = std::any_of(drags.begin(), drags.end(),
-                                           [&](const Drag& drag) { return drag.voxel == voxel; });
-    const bool inside_box = std::any_of(boxes.begin(), boxes.end(),
-                                        [&](const IndexBox& box) { return box.contains(voxel); });
-    if (!grabbed_again && !inside_box) boxes.push_back({voxel, voxel});
-  }
-  return boxes;
-}
-
 const StepRecord& Session::step(const std::vector<Drag>& drags, const std::vector<IndexBox>& fix,
                                 bool release, Console& console) {
   StepRecord record;
@@ -103,7 +91,7 @@ const StepRecord& Session::step(const std::vector<Drag>& drags, const std::vecto
   record.release = release;
   if (release) {
     m_state.anchors.clear();
-    m_held.clear();
+    m_holds = {};
   }
   for (const IndexBox& box : fix) {
     if (std::find(m_state.anchors.begin(), m_state.anchors.end(), box) == m_state.anchors.end()) {
@@ -116,16 +104,12 @@ const StepRecord& Session::step(const std::vector<Drag>& drags, const std::vecto
     handles.push_back({drag.voxel, fixed_from_mm(drag.by_mm, geometry().spacing_mm())});
   }
   console.stage("solving");
-  record.report = drag(m_body, handles, held_boxes(drags), &console);
+  record.report =
+      drag(m_body, handles, {m_state.anchors.begin(), m_state.anchors.end()}, m_holds, &console);
   warn_of_report(record.report, console);
   console.debug("solve: " + std::to_string(record.report.visited) + " visits, longest queue " +
                 std::to_string(record.report.max_queue) + ", body " +
                 std::to_string(m_body.bytes() >> 20) + " MiB");
-  for (const Drag& drag : drags) {
-    if (std::find(m_held.begin(), m_held.end(), drag.voxel) == m_held.end()) {
-      m_held.push_back(drag.voxel);
-    }
-  }
   m_records.push_back(std::move(record));
   return m_records.back();
 }

@@ -49,14 +49,13 @@ class Session {
 
  private:
   void open_volume_file(const std::string& path, const std::string& raw_spec, Console& console);
-  std::vector<IndexBox> held_boxes(const std::vector<Drag>& drags) const;
   std::string configuration() const;
 
   State m_state;
   MaterialTable m_material;
   Body m_body;
   LinkCheck m_links;
-  std::vector<Vec3i> m_held;  // voxels that earlier steps dragged
+  Holds m_holds;  // what earlier steps dragged
   std::vector<StepRecord> m_records;
 };
 

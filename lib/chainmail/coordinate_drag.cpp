@@ -1,12 +1,23 @@
 #include "lib/chainmail/coordinate_drag.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <numeric>
 
 #include "volumes/base/error.h"
 
 namespace supple {
+
+namespace {
+
+bool by_slot(const Bound& a, const Bound& b) {
+  return a.slot < b.slot;
+}
+
+std::vector<Bound>::const_iterator first_bound_from(const std::vector<Bound>& bounds, Slot slot) {
+  return std::lower_bound(bounds.begin(), bounds.end(), Bound{slot, 0}, by_slot);
+}
+
+}  // namespace
 
 void Fraction::limit_to(std::int64_t other_numerator, std::int64_t other_denominator) {
   if (other_numerator * denominator >= numerator * other_denominator) return;
@@ -29,7 +40,6 @@ CoordinateDrag::CoordinateDrag(Body& body, int coordinate, const HeldVoxels& hel
       m_undo(body.elements.brick_count()),
       m_propagator(body, coordinate, progress) {
   if (m_was_empty) m_values.assign(slot_count(body.elements), 0);
-  for (const Slot slot : held.slots) m_start.push_back(m_values[slot]);
 }
 
 CoordinateDrag::~CoordinateDrag() {
@@ -47,121 +57,184 @@ void CoordinateDrag::commit() {
 }
 
 void CoordinateDrag::try_whole(Fraction& fraction) {
-  set_targets({});
-  bool pulled_up = false, pushed_down = false;
-  solve(pulled_up, pushed_down);
+  const Excess excess = solve();
   require_agreement();
-  if (pulled_up) limit_by_anchors(Direction::raise, fraction);
-  if (pushed_down) limit_by_anchors(Direction::lower, fraction);
+  if (excess.up > 0) limit_by_held(Direction::raise, excess.up, fraction);
+  if (excess.down > 0) limit_by_held(Direction::lower, excess.down, fraction);
 }
 
 void CoordinateDrag::redo(const Fraction& fraction) {
   m_undo.roll_back(m_values);
-  set_targets(fraction);
-  bool pulled_up = false, pushed_down = false;
-  solve(pulled_up, pushed_down);
+  m_fraction = fraction;
+  const Excess excess = solve();
   require_agreement();
-  if (pulled_up || pushed_down) throw Error("ECM: an anchor moved after the drag was shortened");
-}
-
-void CoordinateDrag::set_targets(const Fraction& fraction) {
-  m_targets.clear();
-  for (std::size_t h = 0; h < m_start.size(); ++h) {
-    m_targets.push_back(m_start[h] + fraction.scale(m_held.by_q[h][m_coordinate]));
+  if (excess.up > 0 || excess.down > 0) {
+    throw Error("ECM: something held moved after the drag was shortened");
   }
 }
 
-/// median(L, q, U): up to L from the handles that rise, then down to U from those that sink.
-void CoordinateDrag::solve(bool& pulled_up, bool& pushed_down) {
-  for (const Direction direction : {Direction::raise, Direction::lower}) {
-    std::vector<Seed> seeds;
-    for (std::size_t h = 0; h < m_targets.size(); ++h) {
-      const std::int32_t present = m_values[m_held.slots[h]];
-      if (direction == Direction::raise ? m_targets[h] > present : m_targets[h] < present) {
-        seeds.push_back({m_held.slots[h], m_targets[h]});
-      }
-    }
-    m_propagator.run(direction, seeds, m_values, &m_undo);
-    (direction == Direction::raise ? pulled_up : pushed_down) = anchors_moved(direction);
-  }
-}
-
-bool CoordinateDrag::anchors_moved(Direction direction) const {
-  for (std::size_t n = 0; n < m_held.anchor_bricks.size(); ++n) {
-    const std::size_t brick = m_held.anchor_bricks[n];
-    const std::int32_t* before = m_undo.saved_of(brick);
-    if (before == nullptr) continue;
-    const std::int32_t* now = m_values.data() + brick * kBrickVoxels;
-    bool moved = false;
-    for_each_active(m_held.anchor_masks[n], [&](int offset) {
-      moved |= direction == Direction::raise ? now[offset] > before[offset]
-                                             : now[offset] < before[offset];
+template <class Visit>
+void CoordinateDrag::for_each_target(const HeldHandle& handle, Visit&& visit) const {
+  const std::int32_t by = m_fraction.scale(handle.by(m_coordinate));
+  for (const SlotSet::Brick& entry : handle.slots.bricks()) {
+    const std::int32_t* saved = m_undo.saved_of(entry.brick);
+    const Slot first = entry.brick * kBrickVoxels;
+    const std::int32_t* now = m_values.data() + first;
+    const std::int32_t* before = saved != nullptr ? saved : now;
+    for_each_active(entry.mask, [&](int offset) {
+      visit(first + Slot(offset), before[offset] + by, now[offset]);
     });
-    if (moved) return true;
   }
-  return false;
 }
 
-/// The smallest (dist(a, b) - (q_a - q_b)) / D_a over handles a that rise (D_a > 0) and anchors b.
-/// One run serves all pairs: anchors pulled down by D = max D_a lower a handle by
-/// D - min_b (dist(a, b) - (q_a - q_b)), unless that is negative. Sinking handles: mirrored.
-void CoordinateDrag::limit_by_anchors(Direction direction, Fraction& fraction) {
+/// The elements that a handle takes beyond their present place.
+std::vector<Seed> CoordinateDrag::seeds(Direction direction) const {
+  std::vector<Seed> seeds;
+  for (const HeldHandle& handle : m_held.handles) {
+    if (!handle.bounds(direction, m_coordinate)) continue;
+    for_each_target(handle, [&](Slot slot, std::int32_t target, std::int32_t present) {
+      if (direction == Direction::raise ? target > present : target < present) {
+        seeds.push_back({slot, target});
+      }
+    });
+  }
+  return seeds;
+}
+
+/// median(L, q, U): up to L from the lower bounds, then down to U from the upper ones.
+CoordinateDrag::Excess CoordinateDrag::solve() {
+  Excess excess;
+  m_propagator.run(Direction::raise, seeds(Direction::raise), m_values, &m_undo);
+  excess.up = excess_of_held(Direction::raise);
+  m_propagator.run(Direction::lower, seeds(Direction::lower), m_values, &m_undo);
+  excess.down = excess_of_held(Direction::lower);
+  return excess;
+}
+
+/// Only bricks that the run touched can hold any.
+std::int64_t CoordinateDrag::excess_of_held(Direction direction) const {
+  const std::int64_t sign = direction == Direction::raise ? 1 : -1;
+  const auto& bounds = direction == Direction::raise ? m_held.at_most[std::size_t(m_coordinate)]
+                                                     : m_held.at_least[std::size_t(m_coordinate)];
+  std::int64_t excess = 0;
+  for (const std::size_t brick : m_undo.bricks()) {
+    const std::int32_t* now = m_values.data() + brick * kBrickVoxels;
+    if (const BrickMask* anchored = m_held.anchors.find(brick)) {
+      const std::int32_t* saved = m_undo.saved_of(brick);
+      for_each_active(*anchored, [&](int offset) {
+        excess = std::max(excess, sign * (std::int64_t(now[offset]) - saved[offset]));
+      });
+    }
+    const Slot first = Slot(brick * kBrickVoxels);
+    for (auto bound = first_bound_from(bounds, first);
+         bound != bounds.end() && bound->slot < first + kBrickVoxels; ++bound) {
+      excess = std::max(excess, sign * (std::int64_t(now[bound->slot - first]) - bound->value));
+    }
+  }
+  return excess;
+}
+
+/// The smallest (dist(a, b) - (q_a - u_b)) / D_a over handles a that rise (D_a > 0) and held upper
+/// bounds b. When all rise by the same D, the excess of the whole drag is D minus the smallest
+/// numerator. Otherwise one run serves all pairs: held elements pulled down to u_b - max D_a lower
+/// a handle by max D_a minus its smallest numerator, unless that is negative. Sinking handles:
+/// mirrored.
+void CoordinateDrag::limit_by_held(Direction direction, std::int64_t excess, Fraction& fraction) {
   const int sign = direction == Direction::raise ? 1 : -1;
-  std::int32_t furthest = 0;
-  for (const auto& by : m_held.by_q) furthest = std::max(furthest, sign * by[m_coordinate]);
+  std::int32_t furthest = 0, nearest = INT32_MAX;
+  for (const HeldHandle& handle : m_held.handles) {
+    const std::int32_t by = sign * handle.by(m_coordinate);
+    if (by <= 0) continue;
+    furthest = std::max(furthest, by);
+    nearest = std::min(nearest, by);
+  }
+  if (nearest == furthest) return fraction.limit_to(furthest - excess, furthest);
 
   m_undo.roll_back(m_values);
   std::vector<Seed> seeds;
-  m_held.for_each_anchor([&](Slot slot) {
+  m_held.anchors.for_each([&](Slot slot) {
     seeds.push_back({slot, m_values[slot] - sign * furthest});
   });
+  for (const Bound& bound : direction == Direction::raise
+                                ? m_held.at_most[std::size_t(m_coordinate)]
+                                : m_held.at_least[std::size_t(m_coordinate)]) {
+    seeds.push_back({bound.slot, bound.value - sign * furthest});
+  }
   m_propagator.run(sign > 0 ? Direction::lower : Direction::raise, seeds, m_values, &m_undo);
-  for (std::size_t h = 0; h < m_start.size(); ++h) {
-    const std::int32_t by = sign * m_held.by_q[h][m_coordinate];
+  for (const HeldHandle& handle : m_held.handles) {
+    const std::int32_t by = sign * handle.by(m_coordinate);
     if (by <= 0) continue;
-    const std::int64_t followed = sign * (std::int64_t(m_start[h]) - m_values[m_held.slots[h]]);
-    fraction.limit_to(furthest - followed, by);
+    std::int64_t room = furthest;
+    for_each_target(handle, [&](Slot, std::int32_t target, std::int32_t present) {
+      // sign * (target - present) = by + how far the handle followed.
+      room = std::min(room, furthest + by - sign * (std::int64_t(target) - present));
+    });
+    fraction.limit_to(room, by);
   }
 }
 
-/// Every conflict between handles leaves the upper one of a pair below its target: U of the lower
-/// one reaches it, since the configuration before the lowering is valid.
+/// Every conflict between handles leaves the upper one of a pair below its lower bound: U of the
+/// other one reaches it, since the configuration before the lowering is valid.
 void CoordinateDrag::require_agreement() {
   std::int64_t worst = 0;
-  std::size_t handle_above = 0;
-  for (std::size_t h = 0; h < m_targets.size(); ++h) {
-    const std::int64_t missing = std::int64_t(m_targets[h]) - m_values[m_held.slots[h]];
-    if (missing <= worst) continue;
-    worst = missing;
-    handle_above = h;
+  Target above{};
+  for (const HeldHandle& handle : m_held.handles) {
+    if (!handle.bounds(Direction::raise, m_coordinate)) continue;
+    for_each_target(handle, [&](Slot slot, std::int32_t target, std::int32_t present) {
+      const std::int64_t missing = std::int64_t(target) - present;
+      if (missing <= worst) return;
+      worst = missing;
+      above = {&handle, slot, target};
+    });
   }
-  if (worst > 0) report_conflict(handle_above, worst);
+  if (worst > 0) report_conflict(above, worst);
 }
 
-/// Raising the upper handle alone from the present (valid, low) configuration lifts its partner
-/// above the partner's target by the same missing distance.
-void CoordinateDrag::report_conflict(std::size_t handle_above, std::int64_t missing) {
-  m_propagator.run(Direction::raise, {{m_held.slots[handle_above], m_targets[handle_above]}},
-                   m_values, &m_undo);
-  std::size_t handle_below = handle_above;
-  for (std::size_t h = 0; h < m_targets.size(); ++h) {
-    if (h == handle_above || m_values[m_held.slots[h]] - std::int64_t(m_targets[h]) < missing) {
-      continue;
-    }
-    handle_below = h;
-    break;
+/// Raising the upper element alone from the present (valid, low) configuration lifts its partner
+/// above the partner's upper bound by the same missing distance.
+void CoordinateDrag::report_conflict(const Target& above, std::int64_t missing) {
+  m_propagator.run(Direction::raise, {{above.slot, above.value}}, m_values, &m_undo);
+  Target below = above;
+  for (const HeldHandle& handle : m_held.handles) {
+    if (!handle.bounds(Direction::lower, m_coordinate) || below.slot != above.slot) continue;
+    for_each_target(handle, [&](Slot slot, std::int32_t target, std::int32_t present) {
+      if (below.slot != above.slot || slot == above.slot) return;
+      if (present - std::int64_t(target) >= missing) below = {&handle, slot, target};
+    });
   }
+  throw_conflict(above, below, missing);
+}
+
+void CoordinateDrag::throw_conflict(const Target& above, const Target& below,
+                                    std::int64_t missing) const {
+  const std::string names[2] = {above.handle->source->region.name(),
+                                below.handle->source->region.name()};
+  const std::string voxels[2] = {voxel_text(voxel_of(m_body.elements, above.slot)),
+                                 voxel_text(voxel_of(m_body.elements, below.slot))};
+  const bool single = names[0] == voxels[0] && names[1] == voxels[1];
   const double missing_mm =
       double(missing) / kFixedOne * m_body.geometry.spacing_mm()[m_coordinate];
-  char found[128];
-  std::snprintf(found, sizeof found,
-                "targets %.6g mm further apart along axis %c than the links between them allow",
-                missing_mm, "ijk"[m_coordinate]);
-  const BrickTopology& elements = m_body.elements;
-  throw InputError({"",
-                    "grab " + voxel_text(voxel_of(elements, m_held.slots[handle_above])) + " and " +
-                        voxel_text(voxel_of(elements, m_held.slots[handle_below])),
-                    found, "handles that agree with each other"});
+  throw InputError({"", "grab " + names[0] + " and " + names[1],
+                    "targets " + number_text(missing_mm) + " mm further apart along axis " +
+                        "ijk"[m_coordinate] + " than the links between " +
+                        (single ? "them" : "voxels " + voxels[0] + " and " + voxels[1]) + " allow",
+                    "handles that agree with each other"});
+}
+
+void CoordinateDrag::add_push_bounds(Holds& holds) const {
+  const auto add = [&](Direction direction, std::vector<Bound>& bounds) {
+    const std::size_t earlier = bounds.size();
+    for (const HeldHandle& handle : m_held.handles) {
+      if (handle.source->kind != HandleKind::push) continue;
+      if (!handle.bounds(direction, m_coordinate)) continue;
+      for_each_target(handle, [&](Slot slot, std::int32_t target, std::int32_t) {
+        bounds.push_back({slot, target});
+      });
+    }
+    if (bounds.size() != earlier) std::sort(bounds.begin(), bounds.end(), by_slot);
+  };
+  add(Direction::raise, holds.at_least[std::size_t(m_coordinate)]);
+  add(Direction::lower, holds.at_most[std::size_t(m_coordinate)]);
 }
 
 }  // namespace supple

@@ -1,10 +1,25 @@
 // One coordinate of a drag: targets, envelopes, conflicts and the part that anchors allow.
 //
-// With T the targets of the handles and dist(a, b) the shortest path on static slack, the targets
-// are feasible iff T_a - T_b <= dist(a, b) for all ordered pairs (design.md section 3). Then
-//   L_j = max_a (T_a - dist(a, j)),   U_j = min_a (T_a + dist(j, a)),   q_j <- median(L, q, U),
-// where L is only needed above q and U only below. Conflicts show in the same runs: an anchor that
-// moved, or a handle that ends below its target.
+// Let A be the elements with a lower bound l_a, B those with an upper bound u_b, and dist(a, b) the
+// shortest path on static slack: q_a - q_b <= dist(a, b) in every valid configuration. The bounds
+// can be met iff l_a - u_b <= dist(a, b) for all a in A, b in B (design.md section 3). Then
+//   L_j = max over A (l_a - dist(a, j)),   U_j = min over B (u_b + dist(j, b)),
+// L <= U by the triangle inequality, and q_j <- median(L, q, U) is valid, meets every bound and
+// moves least. L is only needed above q and U only below. Who bounds what, with D the displacement
+// of a handle, f the fraction of the drag and q the offsets before it:
+//   two-sided handle     in A and B   l = u = q + f D
+//   push handle, D > 0   in A         l = q + f D          D = 0: in neither
+//                D < 0   in B         u = q + f D
+//   anchor, held voxel   in A and B   l = u = q
+//   held push            in A or B    l <= q or u >= q, the bound that it was pushed to
+// Handles must agree at f = 1. Two push handles of one direction always do, as A meets no B.
+// At f = 0 the bounds are met, so what is held only limits f: for a handle a that rises and a held
+// upper bound b, f D_a <= dist(a, b) - (q_a - u_b), and mirrored for sinking handles. Truncating
+// the targets toward zero keeps them feasible: trunc(f D_a) - trunc(f D_b) <= max(0, D_a - D_b)
+// where both fit at f = 1, and it only shortens moves against what is held.
+//
+// Conflicts show in the same runs: a held element above its upper bound after the raise, below its
+// lower bound after the lowering, or a handle that ends below its lower bound.
 #pragma once
 
 #include <cstdint>
@@ -35,11 +50,13 @@ class CoordinateDrag {
   CoordinateDrag(const CoordinateDrag&) = delete;
   CoordinateDrag& operator=(const CoordinateDrag&) = delete;
 
-  /// Moves the handles by the whole and tightens `fraction` by what the anchors allow. Throws
-  /// InputError when handles contradict each other, whatever the anchors say.
+  /// Moves the handles by the whole and tightens `fraction` by what is held. Throws InputError when
+  /// handles contradict each other, whatever the anchors say.
   void try_whole(Fraction& fraction);
   /// Starts over and moves the handles by that part.
   void redo(const Fraction& fraction);
+  /// Adds the bounds to which the push handles came.
+  void add_push_bounds(Holds& holds) const;
   /// Keeps the result.
   void commit();
 
@@ -48,12 +65,28 @@ class CoordinateDrag {
   const Propagator& propagator() const { return m_propagator; }
 
  private:
-  void set_targets(const Fraction& fraction);
-  void solve(bool& pulled_up, bool& pushed_down);
-  bool anchors_moved(Direction direction) const;
-  void limit_by_anchors(Direction direction, Fraction& fraction);
+  /// How far held elements were moved beyond their bounds, upwards and downwards.
+  struct Excess {
+    std::int64_t up = 0, down = 0;
+  };
+  struct Target {
+    const HeldHandle* handle;
+    Slot slot;
+    std::int32_t value;
+  };
+
+  Excess solve();
+  std::vector<Seed> seeds(Direction direction) const;
+  std::int64_t excess_of_held(Direction direction) const;
+  void limit_by_held(Direction direction, std::int64_t excess, Fraction& fraction);
   void require_agreement();
-  [[noreturn]] void report_conflict(std::size_t handle_above, std::int64_t missing);
+  [[noreturn]] void report_conflict(const Target& above, std::int64_t missing);
+  [[noreturn]] void throw_conflict(const Target& above, const Target& below,
+                                   std::int64_t missing) const;
+
+  /// Calls `visit(slot, target, present)` for the elements of a handle.
+  template <class Visit>
+  void for_each_target(const HeldHandle& handle, Visit&& visit) const;
 
   Body& m_body;
   const int m_coordinate;
@@ -61,8 +94,7 @@ class CoordinateDrag {
   std::vector<std::int32_t>& m_values;
   const bool m_was_empty;
   bool m_committed = false;
-  std::vector<std::int32_t> m_start;    // value of each handle before the drag
-  std::vector<std::int32_t> m_targets;  // and after it
+  Fraction m_fraction;  // of the targets
   UndoLog m_undo;
   Propagator m_propagator;
 };

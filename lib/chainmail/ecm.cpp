@@ -61,10 +61,8 @@ std::int64_t count_moved(const Body& body, const CoordinateDrags& drags) {
 }
 
 bool moves_along(const HeldVoxels& held, int coordinate) {
-  for (const auto& by : held.by_q) {
-    if (by[coordinate] != 0) return true;
-  }
-  return false;
+  return std::any_of(held.handles.begin(), held.handles.end(),
+                     [&](const HeldHandle& handle) { return handle.by(coordinate) != 0; });
 }
 
 /// All coordinates at their whole targets; again, shortened by one common fraction, when anchors
@@ -83,6 +81,21 @@ CoordinateDrags solve(Body& body, const HeldVoxels& held, Fraction& fraction, Pr
   return drags;
 }
 
+/// What is held after the drag: the rest of the earlier holds, and its own handles.
+Holds holds_after(const HeldVoxels& held, Holds holds, const CoordinateDrags& drags) {
+  holds.still.remove(held.grabbed);
+  std::vector<SlotSet::Brick> still = holds.still.bricks();
+  for (const HeldHandle& handle : held.handles) {
+    if (handle.source->kind == HandleKind::push) continue;
+    still.insert(still.end(), handle.slots.bricks().begin(), handle.slots.bricks().end());
+  }
+  holds.still = SlotSet(std::move(still));
+  holds.at_least = held.at_least;
+  holds.at_most = held.at_most;
+  for (const auto& drag : drags) drag->add_push_bounds(holds);
+  return holds;
+}
+
 }  // namespace
 
 std::array<std::int32_t, 3> fixed_from_mm(const Vec3d& by_mm, const Vec3d& spacing_mm) {
@@ -99,8 +112,14 @@ std::array<std::int32_t, 3> fixed_from_mm(const Vec3d& by_mm, const Vec3d& spaci
   return by_q;
 }
 
-EcmReport drag(Body& body, const std::vector<Handle>& handles, const std::vector<IndexBox>& anchors,
+EcmReport drag(Body& body, const std::vector<Handle>& handles, const std::vector<Region>& anchors,
                Progress* progress) {
+  Holds none;
+  return drag(body, handles, anchors, none, progress);
+}
+
+EcmReport drag(Body& body, const std::vector<Handle>& handles, const std::vector<Region>& anchors,
+               Holds& holds, Progress* progress) {
   const auto begin = std::chrono::steady_clock::now();
   EcmReport result;
   OffsetsGuard guard(body);
@@ -110,18 +129,20 @@ EcmReport drag(Body& body, const std::vector<Handle>& handles, const std::vector
     result.projected_max_voxels = projection.max_move_voxels;
   }
 
-  const HeldVoxels held = hold(body, handles, anchors);
+  const HeldVoxels held = hold(body, handles, anchors, holds);
   Fraction fraction;
   const CoordinateDrags drags = solve(body, held, fraction, progress);
   result.fraction_numerator = fraction.numerator;
   result.fraction_denominator = fraction.denominator;
   result.moved = count_moved(body, drags);
+  Holds next = holds_after(held, holds, drags);
   for (const auto& coordinate : drags) {
     result.visited += coordinate->propagator().visited();
     result.max_queue = std::max(result.max_queue, coordinate->propagator().max_queue());
     coordinate->commit();
   }
   guard.dismiss();
+  holds = std::move(next);
   result.milliseconds =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
   return result;

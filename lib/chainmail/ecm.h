@@ -5,18 +5,48 @@
 // the processing order or the number of threads.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "lib/body/body.h"
+#include "lib/body/region.h"
 #include "volumes/base/progress.h"
 
 namespace supple {
 
-/// A grabbed voxel and how far it moves from where it is now, per grid axis in 2^-16 voxel.
+/// A two-sided handle takes its elements along whichever way it goes. A push handle moves them only
+/// ahead of itself, like a tool that does not stick: in a coordinate with by > 0 they end at least
+/// that far, with by < 0 at most, and by = 0 asks for nothing.
+enum class HandleKind { two_sided, push };
+
+/// A grabbed region and how far all its elements move from where they are now, as one, per grid
+/// axis in 2^-16 voxel.
 struct Handle {
-  Vec3i voxel;
+  Handle(const Vec3i& grabbed, const std::array<std::int32_t, 3>& by,
+         HandleKind how = HandleKind::two_sided)
+      : region(grabbed), by_q(by), kind(how) {}
+  Handle(Region grabbed, const std::array<std::int32_t, 3>& by,
+         HandleKind how = HandleKind::two_sided)
+      : region(std::move(grabbed)), by_q(by), kind(how) {}
+
+  Region region;
   std::array<std::int32_t, 3> by_q;
+  HandleKind kind = HandleKind::two_sided;
+};
+
+/// An offset that an element may not pass.
+struct Bound {
+  Slot slot;
+  std::int32_t value;
+};
+
+/// What the handles of earlier drags still hold in one body: elements of two-sided handles stay
+/// where they are; those of push handles stay at or beyond where they were pushed to.
+struct Holds {
+  SlotSet still;
+  std::array<std::vector<Bound>, 3> at_least, at_most;  // per coordinate, ascending slots
 };
 
 /// Displacement in mm along the grid axes i, j, k to fixed point, truncated toward zero.
@@ -37,17 +67,22 @@ struct EcmReport {
   double fraction() const { return double(fraction_numerator) / double(fraction_denominator); }
 };
 
-/// Moves the handles, holds every element inside the anchor boxes where it is, and lets the body
-/// follow: median(L, q, U) of the envelopes. Anchors shorten the whole drag by one fraction;
-/// handles must agree with each other for the whole drag, whatever the anchors allow. A start that
-/// is not known to be valid (Body::links_known_valid) is checked and, when invalid, projected
-/// first, to floor((L + U) / 2). Throws InputError: a handle or anchor box without element (names
-/// the nearest one), a voxel grabbed twice or grabbed and fixed, handles that contradict each other
+/// Moves the handles, holds every element of the anchors where it is, and lets the body follow:
+/// median(L, q, U) of the envelopes. Anchors shorten the whole drag by one fraction; handles must
+/// agree with each other for the whole drag, whatever the anchors allow. A start that is not known
+/// to be valid (Body::links_known_valid) is checked and, when invalid, projected first, to
+/// floor((L + U) / 2). Throws InputError: a handle or anchor without element (names the nearest
+/// one), a voxel in two handles or in a handle and an anchor, handles that contradict each other
 /// (names the pair and the missing distance in mm), an offset beyond the range. The body is
 /// unchanged then, also when `progress` cancels. Memory: 2 kB per brick touched and coordinate, for
 /// undoing.
-EcmReport drag(Body& body, const std::vector<Handle>& handles, const std::vector<IndexBox>& anchors,
+EcmReport drag(Body& body, const std::vector<Handle>& handles, const std::vector<Region>& anchors,
                Progress* progress = nullptr);
+
+/// The same among what earlier drags hold, which counts as anchors: adds these handles to `holds`.
+/// Elements that are grabbed again are let go first.
+EcmReport drag(Body& body, const std::vector<Handle>& handles, const std::vector<Region>& anchors,
+               Holds& holds, Progress* progress = nullptr);
 
 /// Projects an invalid configuration to floor((L + U) / 2): the smallest possible largest move.
 struct ProjectionReport {

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <map>
-#include <unordered_set>
 
 #include "volumes/base/error.h"
 
@@ -11,43 +9,73 @@ namespace supple {
 
 namespace {
 
-std::string nearest_text(const Body& body, const Vec3i& voxel) {
-  Vec3i nearest;
-  if (!nearest_element(body, voxel, nearest)) return "; the body has no elements";
-  return "; the nearest is " + voxel_text(nearest);
+/// Names the two regions that share an element.
+[[noreturn]] void throw_shared(const Body& body, const std::string& first,
+                               const std::string& second, Slot slot) {
+  throw InputError({"", first + " and " + second,
+                    "voxel " + voxel_text(voxel_of(body.elements, slot)) + " in both",
+                    "every voxel in one of them"});
 }
 
-void hold_box(const Body& body, const IndexBox& box, std::map<std::size_t, BrickMask>& masks) {
-  const BrickTopology& elements = body.elements;
-  bool any = false;
-  for (std::size_t b = 0; b < elements.brick_count(); ++b) {
-    const Vec3i& lo = elements.origin(b);
-    const Vec3i hi = lo + Vec3i(kBrickDim - 1);
-    if (lo.x > box.hi.x || lo.y > box.hi.y || lo.z > box.hi.z || hi.x < box.lo.x ||
-        hi.y < box.lo.y || hi.z < box.lo.z) {
-      continue;
-    }
-    for_each_active(elements.mask(b), [&](int offset) {
-      if (!box.contains(lo + brick_local(offset))) return;
-      mask_set(masks.try_emplace(b, BrickMask{}).first->second, offset);
-      any = true;
-    });
+std::string grab_name(const Handle& handle) {
+  return "grab " + handle.region.name();
+}
+
+/// The union of all handles; an element that two of them hold is an error.
+SlotSet all_grabbed(const Body& body, const std::vector<HeldHandle>& handles) {
+  std::vector<SlotSet::Brick> bricks;
+  std::size_t grabbed = 0;
+  for (const HeldHandle& handle : handles) {
+    const auto& own = handle.slots.bricks();
+    bricks.insert(bricks.end(), own.begin(), own.end());
+    grabbed += handle.slots.size();
   }
-  if (any) return;
-  const bool single = box.lo == box.hi;
-  const std::string text = voxel_text(box.lo) + (single ? "" : ":" + voxel_text(box.hi));
-  throw InputError({"", "fix " + text, "no element",
-                    "a voxel or box that holds elements" + nearest_text(body, box.lo)});
+  const SlotSet all(std::move(bricks));
+  if (all.size() == grabbed) return all;
+  for (std::size_t b = 1; b < handles.size(); ++b) {
+    for (std::size_t a = 0; a < b; ++a) {
+      Slot slot;
+      if (handles[a].slots.first_common(handles[b].slots, slot)) {
+        throw_shared(body, grab_name(*handles[a].source), grab_name(*handles[b].source), slot);
+      }
+    }
+  }
+  return all;
 }
 
-void require_range(const Body& body, const Handle& handle) {
+SlotSet all_anchored(const Body& body, const std::vector<Region>& anchors,
+                     const std::vector<HeldHandle>& handles, const SlotSet& grabbed) {
+  std::vector<SlotSet::Brick> bricks;
+  for (const Region& anchor : anchors) {
+    const SlotSet own = elements_of(body, anchor, "fix");
+    Slot slot;
+    if (own.first_common(grabbed, slot)) {
+      for (const HeldHandle& handle : handles) {
+        if (!handle.slots.contains(slot)) continue;
+        throw_shared(body, grab_name(*handle.source), "fix " + anchor.name(), slot);
+      }
+    }
+    bricks.insert(bricks.end(), own.bricks().begin(), own.bricks().end());
+  }
+  return SlotSet(std::move(bricks));
+}
+
+std::int32_t offset_of(const Body& body, std::size_t coordinate, Slot slot) {
+  return body.q[coordinate].empty() ? 0 : body.q[coordinate][slot];
+}
+
+void require_range(const Body& body, const HeldHandle& handle) {
   for (int c = 0; c < 3; ++c) {
-    const std::int64_t target = std::int64_t(body.offset(handle.voxel, c)) + handle.by_q[c];
-    const std::int64_t by = handle.by_q[c];
-    if (std::llabs(target) <= kMaxOffset && std::llabs(by) < kMaxOffset) continue;
-    throw InputError({"", "grab " + voxel_text(handle.voxel),
+    const std::int64_t by = handle.by(c);
+    std::int64_t furthest = 0;
+    handle.slots.for_each([&](Slot slot) {
+      const std::int64_t target = offset_of(body, std::size_t(c), slot) + by;
+      if (std::llabs(target) > std::llabs(furthest)) furthest = target;
+    });
+    if (std::llabs(furthest) <= kMaxOffset && std::llabs(by) < kMaxOffset) continue;
+    throw InputError({"", grab_name(*handle.source),
                       "a move by " + number_text(double(by) / kFixedOne) +
-                          " voxels to an offset of " + number_text(double(target) / kFixedOne) +
+                          " voxels to an offset of " + number_text(double(furthest) / kFixedOne) +
                           " voxels along axis " + "ijk"[c],
                       "moves and offsets within +-16383 voxels"});
   }
@@ -55,45 +83,30 @@ void require_range(const Body& body, const Handle& handle) {
 
 }  // namespace
 
-std::string voxel_text(const Vec3i& voxel) {
-  return std::to_string(voxel.x) + "," + std::to_string(voxel.y) + "," + std::to_string(voxel.z);
-}
-
-bool HeldVoxels::is_anchored(Slot slot) const {
-  const std::size_t brick = slot / kBrickVoxels;
-  const auto found = std::lower_bound(anchor_bricks.begin(), anchor_bricks.end(), brick);
-  return found != anchor_bricks.end() && *found == brick &&
-         mask_test(anchor_masks[std::size_t(found - anchor_bricks.begin())],
-                   int(slot % kBrickVoxels));
-}
-
 HeldVoxels hold(const Body& body, const std::vector<Handle>& handles,
-                const std::vector<IndexBox>& anchors) {
+                const std::vector<Region>& anchors, const Holds& earlier) {
   HeldVoxels held;
-  std::map<std::size_t, BrickMask> masks;
-  for (const IndexBox& box : anchors) hold_box(body, box, masks);
-  for (const auto& [brick, mask] : masks) {
-    held.anchor_bricks.push_back(brick);
-    held.anchor_masks.push_back(mask);
-  }
-
-  std::unordered_set<Slot> grabbed;
   for (const Handle& handle : handles) {
-    const std::string field = "grab " + voxel_text(handle.voxel);
-    Slot slot;
-    if (!slot_of(body.elements, handle.voxel, slot)) {
-      throw InputError(
-          {"", field, "no element", "a voxel of the body" + nearest_text(body, handle.voxel)});
+    held.handles.push_back({elements_of(body, handle.region, "grab"), &handle});
+    require_range(body, held.handles.back());
+  }
+  held.grabbed = all_grabbed(body, held.handles);
+  held.anchors = all_anchored(body, anchors, held.handles, held.grabbed);
+
+  SlotSet still = earlier.still;
+  still.remove(held.grabbed);
+  held.anchors.add(still);
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (const Bound& bound : earlier.at_least[c]) {
+      if (held.grabbed.contains(bound.slot)) continue;
+      held.at_least[c].push_back(
+          {bound.slot, std::min(bound.value, offset_of(body, c, bound.slot))});
     }
-    if (!grabbed.insert(slot).second) {
-      throw InputError({"", field, "the voxel grabbed twice", "one handle per voxel"});
+    for (const Bound& bound : earlier.at_most[c]) {
+      if (held.grabbed.contains(bound.slot)) continue;
+      held.at_most[c].push_back(
+          {bound.slot, std::max(bound.value, offset_of(body, c, bound.slot))});
     }
-    if (held.is_anchored(slot)) {
-      throw InputError({"", field, "the voxel grabbed and fixed", "one of both"});
-    }
-    require_range(body, handle);
-    held.slots.push_back(slot);
-    held.by_q.push_back(handle.by_q);
   }
   return held;
 }

@@ -1,40 +1,41 @@
-// What a drag holds: grabbed voxels with their displacements, and anchored ones that stay.
+// What a drag holds, found in the body: grabbed elements with their displacements, elements that
+// stay, and bounds that earlier push handles left.
 #pragma once
 
 #include <array>
-#include <string>
 #include <vector>
 
-#include "lib/body/lattice.h"
 #include "lib/chainmail/ecm.h"
+#include "lib/chainmail/propagate.h"
 
 namespace supple {
 
-struct HeldVoxels {
-  std::vector<Slot> slots;                        // grabbed, in the order of the handles
-  std::vector<std::array<std::int32_t, 3>> by_q;  // and how far each is to move
-  std::vector<std::size_t> anchor_bricks;         // ascending bricks with anchored voxels
-  std::vector<BrickMask> anchor_masks;            // and which of their voxels
+/// A handle in the body; `source` is the handle as given and outlives the drag.
+struct HeldHandle {
+  SlotSet slots;
+  const Handle* source;
 
-  /// Calls `visit(slot)` for every anchored voxel.
-  template <class Visit>
-  void for_each_anchor(Visit&& visit) const {
-    for (std::size_t n = 0; n < anchor_bricks.size(); ++n) {
-      for_each_active(anchor_masks[n], [&](int offset) {
-        visit(Slot(anchor_bricks[n] * kBrickVoxels + std::size_t(offset)));
-      });
-    }
+  std::int32_t by(int coordinate) const { return source->by_q[std::size_t(coordinate)]; }
+  /// Whether it keeps its elements from sinking (raise) or rising (lower) beyond their targets.
+  bool bounds(Direction direction, int coordinate) const {
+    if (source->kind == HandleKind::two_sided) return true;
+    return direction == Direction::raise ? by(coordinate) > 0 : by(coordinate) < 0;
   }
-  bool is_anchored(Slot slot) const;
 };
 
-/// "i,j,k", as on the command line.
-std::string voxel_text(const Vec3i& voxel);
+struct HeldVoxels {
+  std::vector<HeldHandle> handles;
+  SlotSet grabbed;                                      // the elements of all handles
+  SlotSet anchors;                                      // stay where they are
+  std::array<std::vector<Bound>, 3> at_least, at_most;  // per coordinate, ascending slots
+};
 
-/// Finds handles and anchors in the body. Throws InputError: a handle on void (names the nearest
-/// element) or grabbed twice or also fixed, an anchor box without elements, a target beyond the
-/// range of +-16384 voxels.
+/// Finds handles and anchors in the body. Elements that are grabbed are not held any more; a bound
+/// that an element has already passed, as after a projection, counts from where it is. Throws
+/// InputError: a region without element, a voxel in two handles or in a handle and an anchor, a
+/// target beyond the range of +-16384 voxels. Cost: the bricks of all regions, and the offsets of
+/// the grabbed elements.
 HeldVoxels hold(const Body& body, const std::vector<Handle>& handles,
-                const std::vector<IndexBox>& anchors);
+                const std::vector<Region>& anchors, const Holds& earlier);
 
 }  // namespace supple

@@ -108,7 +108,7 @@ void run_case(unsigned seed, const Vec3i& max_dims, bool with_cuts, Tally& tally
     const BruteForce::Outcome expected = brute.drag(drag.grabs, drag.anchors);
     EcmReport report;
     const std::string error =
-        input_error([&] { report = supple::drag(body, drag.handles, drag.boxes); });
+        input_error([&] { report = supple::drag(body, drag.handles, {drag.boxes.begin(), drag.boxes.end()}); });
     ++tally.drags;
     ASSERT_EQ(!error.empty(), expected.conflict) << error;
     if (expected.conflict) {
@@ -169,7 +169,7 @@ TEST(PropertyEcm, EqualsBruteForceOnTheLargestSizeAndOnASingleVoxel) {
     for (int n = 0; n < 3; ++n) {
       const RandomDrag drag = random_drag(random, block);
       const auto expected = brute.drag(drag.grabs, drag.anchors);
-      const std::string error = input_error([&] { supple::drag(body, drag.handles, drag.boxes); });
+      const std::string error = input_error([&] { supple::drag(body, drag.handles, {drag.boxes.begin(), drag.boxes.end()}); });
       ASSERT_EQ(!error.empty(), expected.conflict) << error;
       expect_equal(body, block, brute);
     }

@@ -21,7 +21,7 @@ Body soft_plate() {
 }
 
 Handle grab(int i, int j, std::int32_t by) {
-  return {{i, j, 0}, {by, 0, 0}};
+  return {Vec3i(i, j, 0), {by, 0, 0}};
 }
 IndexBox voxel_box(int i, int j) {
   return {{i, j, 0}, {i, j, 0}};
@@ -29,7 +29,7 @@ IndexBox voxel_box(int i, int j) {
 
 /// The error of a drag, checking that nothing changed.
 std::string drag_error(Body& body, const std::vector<Handle>& handles,
-                       const std::vector<IndexBox>& anchors = {}) {
+                       const std::vector<Region>& anchors = {}) {
   const auto before = body.q;
   const std::string error = input_error([&] { drag(body, handles, anchors); });
   EXPECT_EQ(body.q, before);
@@ -52,27 +52,33 @@ class CancelAtOnce : public Progress {
 TEST(UnitEcmErrors, AHandleOnVoidNamesTheNearestElement) {
   Body body = soft_plate();
   EXPECT_EQ(drag_error(body, {grab(3, 2, kVoxel)}),
-            "grab 3,2,0: found no element, expected a voxel of the body; the nearest is 2,2,0");
+            "grab 3,2,0: found no element, expected a voxel of the body; the nearest is 2,2,0, 2 "
+            "mm away");
   EXPECT_EQ(drag_error(body, {grab(-5, 1, kVoxel)}),
-            "grab -5,1,0: found no element, expected a voxel of the body; the nearest is 0,1,0");
+            "grab -5,1,0: found no element, expected a voxel of the body; the nearest is 0,1,0, 10 "
+            "mm away");
 }
 
 TEST(UnitEcmErrors, AVoxelGrabbedTwiceOrGrabbedAndFixedIsRefused) {
   Body body = soft_plate();
-  EXPECT_EQ(drag_error(body, {grab(1, 1, 5), grab(1, 1, 5)}),
-            "grab 1,1,0: found the voxel grabbed twice, expected one handle per voxel");
-  EXPECT_EQ(drag_error(body, {grab(1, 1, 5)}, {{{0, 0, 0}, {1, 1, 0}}}),
-            "grab 1,1,0: found the voxel grabbed and fixed, expected one of both");
+  EXPECT_EQ(
+      drag_error(body, {grab(1, 1, 5), grab(1, 1, 5)}),
+      "grab 1,1,0 and grab 1,1,0: found voxel 1,1,0 in both, expected every voxel in one of them");
+  EXPECT_EQ(
+      drag_error(body, {grab(1, 1, 5)}, {{{0, 0, 0}, {1, 1, 0}}}),
+      "grab 1,1,0 and fix 0,0,0:1,1,0: found voxel 1,1,0 in both, expected every voxel in one of "
+      "them");
 }
 
 TEST(UnitEcmErrors, AnAnchorBoxWithoutElementsNamesTheNearestOne) {
   Body body = soft_plate();
   EXPECT_EQ(drag_error(body, {grab(1, 1, 5)}, {voxel_box(3, 2)}),
-            "fix 3,2,0: found no element, expected a voxel or box that holds elements; the nearest "
-            "is 2,2,0");
-  EXPECT_EQ(drag_error(body, {grab(1, 1, 5)}, {{{20, 0, 0}, {30, 3, 0}}}),
-            "fix 20,0,0:30,3,0: found no element, expected a voxel or box that holds elements; the "
-            "nearest is 5,0,0");
+            "fix 3,2,0: found no element, expected a voxel of the body; the nearest is 2,2,0, 2 mm "
+            "away");
+  EXPECT_EQ(
+      drag_error(body, {grab(1, 1, 5)}, {{{20, 0, 0}, {30, 3, 0}}}),
+      "fix 20,0,0:30,3,0: found no element, expected a region that holds elements; the nearest "
+      "is 5,0,0, 30 mm away");
 }
 
 TEST(UnitEcmErrors, HandlesThatContradictEachOtherNameThePairAndTheMissingMillimetres) {

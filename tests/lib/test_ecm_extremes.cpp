@@ -93,7 +93,7 @@ TEST(ExtremesEcm, ThousandsOfAlternatingDragsDoNotDrift) {
   const Block block = full_block({12, 11, 5}, linear_table(1.5, 0.6, 0.7),
                                  [&](int, int, int) { return double(random() % 256); });
   Body body = body_of(block);
-  const std::vector<IndexBox> anchor{{{0, 0, 0}, {1, 1, 1}}};
+  const std::vector<Region> anchor{{{0, 0, 0}, {1, 1, 1}}};
   for (int n = 0; n < 2000; ++n) {
     const int sign = n % 2 ? -1 : 1;
     drag(body, {{{11, 10, 4}, {sign * 2 * kVoxel, sign * kVoxel + 1, sign * 3}}}, anchor);
