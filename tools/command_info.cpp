@@ -73,10 +73,10 @@ Json describe_state(const Options& options, Console& console) {
   }
   std::size_t offset_bytes = 0;
   double longest_voxels = 0;
-  for (const auto& q : state.q) {
-    offset_bytes += q.size() * sizeof(q[0]);
-    for (const std::int32_t value : q) {
-      longest_voxels = std::max(longest_voxels, std::abs(value / kFixedOne));
+  for (const BrickValues& q : state.q) {
+    offset_bytes += q.bytes();
+    for (std::size_t slot = 0; !q.empty() && slot < q.brick_count() * kBrickVoxels; ++slot) {
+      longest_voxels = std::max(longest_voxels, std::abs(q.at(slot) / kFixedOne));
     }
   }
   Json json;

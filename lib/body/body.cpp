@@ -9,13 +9,12 @@ namespace supple {
 
 std::int32_t Body::offset(const Vec3i& voxel, int c) const {
   Slot slot;
-  if (q[c].empty() || !slot_of(elements, voxel, slot)) return 0;
-  return q[c][slot];
+  return slot_of(elements, voxel, slot) ? q[c].at(slot) : 0;
 }
 
 std::size_t Body::bytes() const {
   std::size_t total = elements.bytes() + classes.capacity() + slacks.bytes() + cuts.bytes();
-  for (const auto& coordinate : q) total += coordinate.capacity() * sizeof(std::int32_t);
+  for (const BrickValues& coordinate : q) total += coordinate.bytes();
   return total;
 }
 
@@ -42,7 +41,7 @@ Body make_body(const State& state, const MaterialTable& material) {
   Body body = make_body(state.geometry, state.density, state.elements, material);
   body.q = state.q;
   body.cuts = state.cuts;
-  for (const auto& coordinate : body.q) body.links_known_valid &= coordinate.empty();
+  for (const BrickValues& coordinate : body.q) body.links_known_valid &= coordinate.empty();
   return body;
 }
 

@@ -11,13 +11,13 @@
 
 namespace supple {
 
-/// Node state in brick order: index 512 * brick + offset of `elements`.
+/// Node state in brick order: slot 512 * brick + offset of `elements`.
 struct Body {
   Geometry geometry;
   BrickTopology elements;
-  std::vector<std::uint8_t> classes;           // material class per voxel
-  std::array<std::vector<std::int32_t>, 3> q;  // empty: that coordinate never moved
-  LinkCuts cuts;                               // links between elements that are absent
+  std::vector<std::uint8_t> classes;  // material class per voxel
+  std::array<BrickValues, 3> q;       // offsets from rest, 2^-16 voxel; stored where they moved
+  LinkCuts cuts;                      // links between elements that are absent
   SlackTable slacks;
   MaterialTable material;
   /// True while all links are known to hold, so that a drag need not check them. Whoever writes q

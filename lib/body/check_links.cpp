@@ -48,7 +48,7 @@ class FoldTable {
 std::int64_t excess_of(const Body& body, int axis, Slot low, Slot high, int c) {
   if (body.q[c].empty()) return 0;
   const std::uint8_t a = body.classes[low], b = body.classes[high];
-  const std::int64_t stretch = std::int64_t(body.q[c][high]) - body.q[c][low];
+  const std::int64_t stretch = std::int64_t(body.q[c].at(high)) - body.q[c].at(low);
   const std::int32_t limit =
       stretch > 0 ? body.slacks.upper(axis, c, a, b) : body.slacks.lower(axis, c, a, b);
   if (limit >= kUnlimitedSlack) return 0;

@@ -36,24 +36,13 @@ CoordinateDrag::CoordinateDrag(Body& body, int coordinate, const HeldVoxels& hel
       m_coordinate(coordinate),
       m_held(held),
       m_values(body.q[coordinate]),
-      m_was_empty(body.q[coordinate].empty()),
-      m_undo(body.elements.brick_count()),
       m_propagator(body, coordinate, progress) {
-  if (m_was_empty) m_values.assign(slot_count(body.elements), 0);
+  m_values.resize(body.elements.brick_count());
 }
 
 CoordinateDrag::~CoordinateDrag() {
-  if (m_committed) return;
-  if (m_was_empty) {
-    m_values = {};
-  } else {
-    m_undo.roll_back(m_values);
-  }
-}
-
-void CoordinateDrag::commit() {
-  m_committed = true;
-  if (m_was_empty && m_undo.bricks().empty()) m_values = {};
+  if (!m_committed) m_undo.roll_back(m_values);
+  if (m_values.empty()) m_values.clear();
 }
 
 void CoordinateDrag::try_whole(Fraction& fraction) {
@@ -79,7 +68,7 @@ void CoordinateDrag::for_each_target(const HeldHandle& handle, Visit&& visit) co
   for (const SlotSet::Brick& entry : handle.slots.bricks()) {
     const std::int32_t* saved = m_undo.saved_of(entry.brick);
     const Slot first = entry.brick * kBrickVoxels;
-    const std::int32_t* now = m_values.data() + first;
+    const std::int32_t* now = m_values.brick_or_zero(entry.brick);
     const std::int32_t* before = saved != nullptr ? saved : now;
     for_each_active(entry.mask, [&](int offset) {
       visit(first + Slot(offset), before[offset] + by, now[offset]);
@@ -118,7 +107,7 @@ std::int64_t CoordinateDrag::excess_of_held(Direction direction) const {
                                                      : m_held.at_least[std::size_t(m_coordinate)];
   std::int64_t excess = 0;
   for (const std::size_t brick : m_undo.bricks()) {
-    const std::int32_t* now = m_values.data() + brick * kBrickVoxels;
+    const std::int32_t* now = m_values.brick_or_zero(brick);
     if (const BrickMask* anchored = m_held.anchors.find(brick)) {
       const std::int32_t* saved = m_undo.saved_of(brick);
       for_each_active(*anchored, [&](int offset) {
@@ -153,7 +142,7 @@ void CoordinateDrag::limit_by_held(Direction direction, std::int64_t excess, Fra
   m_undo.roll_back(m_values);
   std::vector<Seed> seeds;
   m_held.anchors.for_each([&](Slot slot) {
-    seeds.push_back({slot, m_values[slot] - sign * furthest});
+    seeds.push_back({slot, m_values.at(slot) - sign * furthest});
   });
   for (const Bound& bound : direction == Direction::raise
                                 ? m_held.at_most[std::size_t(m_coordinate)]

@@ -43,8 +43,8 @@ struct Fraction {
 
 class CoordinateDrag {
  public:
-  /// Gives the coordinate its array if it never moved; the destructor rolls back unless commit()
-  /// was called.
+  /// Gives the coordinate its table of bricks if it never moved; the destructor rolls back unless
+  /// commit() was called.
   CoordinateDrag(Body& body, int coordinate, const HeldVoxels& held, Progress* progress);
   ~CoordinateDrag();
   CoordinateDrag(const CoordinateDrag&) = delete;
@@ -58,10 +58,10 @@ class CoordinateDrag {
   /// Adds the bounds to which the push handles came.
   void add_push_bounds(Holds& holds) const;
   /// Keeps the result.
-  void commit();
+  void commit() { m_committed = true; }
 
   const UndoLog& undo() const { return m_undo; }
-  const std::vector<std::int32_t>& values() const { return m_values; }
+  const BrickValues& values() const { return m_values; }
   const Propagator& propagator() const { return m_propagator; }
 
  private:
@@ -91,8 +91,7 @@ class CoordinateDrag {
   Body& m_body;
   const int m_coordinate;
   const HeldVoxels& m_held;
-  std::vector<std::int32_t>& m_values;
-  const bool m_was_empty;
+  BrickValues& m_values;
   bool m_committed = false;
   Fraction m_fraction;  // of the targets
   UndoLog m_undo;

@@ -31,7 +31,7 @@ class OffsetsGuard {
  private:
   Body& m_body;
   bool m_armed = false;
-  std::array<std::vector<std::int32_t>, 3> m_before;
+  std::array<BrickValues, 3> m_before;
 };
 
 using CoordinateDrags = std::vector<std::unique_ptr<CoordinateDrag>>;
@@ -51,8 +51,8 @@ std::int64_t count_moved(const Body& body, const CoordinateDrags& drags) {
       bool changed = false;
       for (const auto& drag : drags) {
         const std::int32_t* before = drag->undo().saved_of(brick);
-        changed |= before != nullptr &&
-                   before[offset] != drag->values()[brick * kBrickVoxels + std::size_t(offset)];
+        changed |=
+            before != nullptr && before[offset] != drag->values().brick_or_zero(brick)[offset];
       }
       moved += changed;
     });

@@ -61,7 +61,7 @@ SlotSet all_anchored(const Body& body, const std::vector<Region>& anchors,
 }
 
 std::int32_t offset_of(const Body& body, std::size_t coordinate, Slot slot) {
-  return body.q[coordinate].empty() ? 0 : body.q[coordinate][slot];
+  return body.q[coordinate].at(slot);
 }
 
 void require_range(const Body& body, const HeldHandle& handle) {

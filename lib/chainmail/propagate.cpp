@@ -45,8 +45,8 @@ int Propagator::fitted_shift() const {
   return count == 0 ? kFixedBits : int(std::max<std::int64_t>(0, sum_of_logs / count - 2));
 }
 
-void Propagator::run(Direction direction, const std::vector<Seed>& seeds,
-                     std::vector<std::int32_t>& values, UndoLog* undo) {
+void Propagator::run(Direction direction, const std::vector<Seed>& seeds, BrickValues& values,
+                     UndoLog* undo) {
   if (seeds.empty()) return;
   if (direction == Direction::raise) {
     start<true>(seeds, values, undo);
@@ -59,8 +59,7 @@ void Propagator::run(Direction direction, const std::vector<Seed>& seeds,
 }
 
 template <bool kRaise>
-void Propagator::start(const std::vector<Seed>& seeds, std::vector<std::int32_t>& values,
-                       UndoLog* undo) {
+void Propagator::start(const std::vector<Seed>& seeds, BrickValues& values, UndoLog* undo) {
   // The first bucket is that of the seed which moves furthest.
   std::int32_t first = seeds.front().value;
   for (const Seed& seed : seeds) {
@@ -68,36 +67,37 @@ void Propagator::start(const std::vector<Seed>& seeds, std::vector<std::int32_t>
   }
   m_queue.reset(first, kRaise, m_bucket_shift);
   for (const Seed& seed : seeds) {
-    if (lies_beyond<kRaise>(seed.value, values[seed.slot])) {
+    if (lies_beyond<kRaise>(seed.value, values.at(seed.slot))) {
       if (undo != nullptr) undo->before_change(seed.slot / kBrickVoxels, values);
-      values[seed.slot] = seed.value;
+      values.set(seed.slot, seed.value);
     }
-    if (values[seed.slot] == seed.value) m_queue.push(seed.slot, seed.value);
+    if (values.at(seed.slot) == seed.value) m_queue.push(seed.slot, seed.value);
   }
 }
 
 template <bool kRaise>
-void Propagator::drain(std::vector<std::int32_t>& values, UndoLog* undo) {
+void Propagator::drain(BrickValues& values, UndoLog* undo) {
   QueueEntry entry;
   while (m_queue.pop(entry)) {
     if ((++m_visited & kPollMask) == 0 && m_progress != nullptr && m_progress->cancelled()) {
       throw Cancelled();
     }
     // A later push of the same slot has superseded this entry.
-    if (values[entry.slot] != entry.value) continue;
+    if (values.at(entry.slot) != entry.value) continue;
     spread<kRaise>(entry, values, undo);
   }
 }
 
 template <bool kRaise>
-void Propagator::spread(QueueEntry from, std::vector<std::int32_t>& values, UndoLog* undo) {
+void Propagator::spread(QueueEntry from, BrickValues& values, UndoLog* undo) {
   const SlackTable& slacks = m_body.slacks;
   const std::uint8_t from_class = m_body.classes[from.slot];
   for (int axis = 0; axis < 3; ++axis) {
     for (const bool positive : {false, true}) {
       Slot to;
       if (!neighbour_slot(m_body.elements, m_body.cuts, from.slot, axis, positive, to)) continue;
-      if (!lies_beyond<kRaise>(from.value, values[to])) continue;
+      const std::int32_t present = values.at(to);
+      if (!lies_beyond<kRaise>(from.value, present)) continue;
 
       // Raising the low end lifts the high end once `lower` is used up; and so on, mirrored.
       const std::uint8_t to_class = m_body.classes[to];
@@ -106,10 +106,10 @@ void Propagator::spread(QueueEntry from, std::vector<std::int32_t>& values, Undo
                                      : slacks.upper(axis, m_coordinate, from_class, to_class);
       if (slack >= kUnlimitedSlack) continue;
       const std::int32_t bound = kRaise ? from.value - slack : from.value + slack;
-      if (!lies_beyond<kRaise>(bound, values[to])) continue;
+      if (!lies_beyond<kRaise>(bound, present)) continue;
 
       if (undo != nullptr) undo->before_change(to / kBrickVoxels, values);
-      values[to] = bound;
+      values.set(to, bound);
       m_queue.push(to, bound);
     }
   }

@@ -35,19 +35,18 @@ class Propagator {
 
   /// Moves `values` to the envelope of the seeds. A seed that lies at the present value spreads
   /// from there, which matters where links are broken. `undo` may be null.
-  void run(Direction direction, const std::vector<Seed>& seeds, std::vector<std::int32_t>& values,
-           UndoLog* undo);
+  void run(Direction direction, const std::vector<Seed>& seeds, BrickValues& values, UndoLog* undo);
 
   std::int64_t visited() const { return m_visited; }
   std::int64_t max_queue() const { return m_max_queue; }
 
  private:
   template <bool kRaise>
-  void start(const std::vector<Seed>& seeds, std::vector<std::int32_t>& values, UndoLog* undo);
+  void start(const std::vector<Seed>& seeds, BrickValues& values, UndoLog* undo);
   template <bool kRaise>
-  void drain(std::vector<std::int32_t>& values, UndoLog* undo);
+  void drain(BrickValues& values, UndoLog* undo);
   template <bool kRaise>
-  void spread(QueueEntry from, std::vector<std::int32_t>& values, UndoLog* undo);
+  void spread(QueueEntry from, BrickValues& values, UndoLog* undo);
   int fitted_shift() const;
 
   const Body& m_body;

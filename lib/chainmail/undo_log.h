@@ -1,51 +1,82 @@
 // Keeps the offsets of every brick as they were before its first change: 2 kB per touched brick,
-// 4 bytes per brick of the body.
+// nothing for one that was not stored. What is not touched costs nothing either: the index grows
+// by pages of 1024 bricks.
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
-#include "volumes/grid/brick_topology.h"
+#include "volumes/grid/brick_values.h"
 
 namespace supple {
 
 class UndoLog {
  public:
-  explicit UndoLog(std::size_t brick_count) : m_entry(brick_count, -1) {}
-
-  /// To be called before a value of the brick changes.
-  void before_change(std::size_t brick, const std::vector<std::int32_t>& values) {
-    if (m_entry[brick] >= 0) return;
-    const auto first = values.begin() + std::ptrdiff_t(brick * kBrickVoxels);
-    m_saved.insert(m_saved.end(), first, first + kBrickVoxels);
-    m_bricks.push_back(brick);
-    m_entry[brick] = std::int32_t(m_bricks.size() - 1);
+  /// To be called before a value of the brick changes, or the brick is stored.
+  void before_change(std::size_t brick, const BrickValues& values) {
+    if (entry_of(brick) == 0) record(brick, values);
   }
 
-  /// Puts every value back and forgets all.
-  void roll_back(std::vector<std::int32_t>& values) {
+  /// Puts every value back, releases bricks that were not stored, and forgets all.
+  void roll_back(BrickValues& values) {
     for (std::size_t n = 0; n < m_bricks.size(); ++n) {
-      std::copy_n(saved(n), kBrickVoxels,
-                  values.begin() + std::ptrdiff_t(m_bricks[n] * kBrickVoxels));
-      m_entry[m_bricks[n]] = -1;
+      if (m_copies[n] == kNotStored) {
+        values.release(m_bricks[n]);
+      } else {
+        std::copy_n(saved(n), kBrickVoxels, values.touch(m_bricks[n]));
+      }
     }
+    clear();
+  }
+
+  /// Forgets all and keeps the memory for the next use: O(touched bricks).
+  void clear() {
+    for (const std::size_t brick : m_bricks)
+      (*m_pages[brick / kPageBricks])[brick % kPageBricks] = 0;
     m_bricks.clear();
+    m_copies.clear();
     m_saved.clear();
   }
 
   /// Bricks that were announced, in order of their first change.
   const std::vector<std::size_t>& bricks() const { return m_bricks; }
-  /// The 512 old values of bricks()[n].
-  const std::int32_t* saved(std::size_t n) const { return m_saved.data() + n * kBrickVoxels; }
+  /// The 512 old values of bricks()[n]; zeros when it was not stored.
+  const std::int32_t* saved(std::size_t n) const {
+    return m_copies[n] == kNotStored ? kZeroBrick : m_saved.data() + m_copies[n] * kBrickVoxels;
+  }
   /// The 512 old values of a brick, or null when it was not touched.
   const std::int32_t* saved_of(std::size_t brick) const {
-    return m_entry[brick] < 0 ? nullptr : saved(std::size_t(m_entry[brick]));
+    const std::uint32_t entry = entry_of(brick);
+    return entry == 0 ? nullptr : saved(entry - 1);
   }
 
  private:
-  std::vector<std::int32_t> m_entry;  // per brick, index into m_bricks or -1
+  static constexpr std::size_t kPageBricks = 1024;
+  static constexpr std::size_t kNotStored = SIZE_MAX;
+  using Page = std::array<std::uint32_t, kPageBricks>;
+
+  std::uint32_t entry_of(std::size_t brick) const {
+    const std::size_t page = brick / kPageBricks;
+    return page < m_pages.size() && m_pages[page] ? (*m_pages[page])[brick % kPageBricks] : 0;
+  }
+
+  void record(std::size_t brick, const BrickValues& values) {
+    const std::size_t page = brick / kPageBricks;
+    if (page >= m_pages.size()) m_pages.resize(page + 1);
+    if (!m_pages[page]) m_pages[page] = std::make_unique<Page>();
+    const std::int32_t* before = values.brick(brick);
+    m_copies.push_back(before == nullptr ? kNotStored : m_saved.size() / kBrickVoxels);
+    if (before != nullptr) m_saved.insert(m_saved.end(), before, before + kBrickVoxels);
+    m_bricks.push_back(brick);
+    (*m_pages[page])[brick % kPageBricks] = std::uint32_t(m_bricks.size());
+  }
+
+  std::vector<std::unique_ptr<Page>> m_pages;  // per brick: 1 + its index in m_bricks, or 0
   std::vector<std::size_t> m_bricks;
+  std::vector<std::size_t> m_copies;  // where m_saved holds bricks()[n], in bricks
   std::vector<std::int32_t> m_saved;
 };
 

@@ -33,16 +33,16 @@ TEST(UnitBody, LinksAreCheckedAcrossBricksWithTheirExcess) {
   EXPECT_EQ(check_links(body).violated, 0);
   // Voxel 8 pulled 0.75 voxel from voxel 7, where 0.5 is allowed; both coordinates of it count
   // once.
-  body.q[0].assign(body.classes.size(), 0);
-  body.q[0][kBrickVoxels] = 49152;
-  body.q[1].assign(body.classes.size(), 0);
-  body.q[1][kBrickVoxels] = 49152;
+  body.q[0].resize(2);
+  body.q[0].set(kBrickVoxels, 49152);
+  body.q[1].resize(2);
+  body.q[1].set(kBrickVoxels, 49152);
   const LinkCheck check = check_links(body);
   EXPECT_EQ(check.violated, 1);
   EXPECT_DOUBLE_EQ(check.worst_excess_voxels, 0.25);
   // Pushed 0.5 voxel towards it, where floor(0.4 * 65536) units are allowed.
   body.q[1].clear();
-  body.q[0][kBrickVoxels] = -32768;
+  body.q[0].set(kBrickVoxels, -32768);
   EXPECT_DOUBLE_EQ(check_links(body).worst_excess_voxels, (32768 - 26214) / 65536.0);
 }
 
@@ -95,8 +95,8 @@ TEST(UnitBody, AStateContinuesWithItsOffsetsAndIsNotTrustedToBeValid) {
   state.density = make_density_grid(rest.elements, std::vector<float>(rest.classes.size(), 255), 0);
   state.elements = rest.elements;
   EXPECT_TRUE(make_body(state, rest.material).links_known_valid);
-  state.q[2].assign(rest.classes.size(), 0);
-  state.q[2][kBrickVoxels] = 65536;
+  state.q[2].resize(2);
+  state.q[2].set(kBrickVoxels, 65536);
   const Body body = make_body(state, rest.material);
   EXPECT_FALSE(body.links_known_valid);
   EXPECT_EQ(body.offset({8, 0, 0}, 2), 65536);

@@ -20,14 +20,13 @@ Body scrambled(std::mt19937& random, const Block& block, BruteForce& brute, int 
   Body body = body_of(block);
   body.links_known_valid = false;
   for (int c = 0; c < 3; ++c) {
-    body.q[c].assign(body.classes.size(), 0);
+    body.q[c].resize(body.elements.brick_count());
     for (int n = 0; n < block.size(); ++n) {
       if (!block.element[n]) continue;
       const Vec3i voxel = block.voxel(n);
       const std::int32_t value = std::int32_t(random() % unsigned(2 * reach)) - reach;
       brute.q[c][n] = value;
-      body.q[c][std::size_t(body.elements.find(voxel)) * kBrickVoxels + brick_offset(voxel)] =
-          value;
+      body.q[c].touch(std::size_t(body.elements.find(voxel)))[brick_offset(voxel)] = value;
     }
   }
   return body;
@@ -67,6 +66,42 @@ TEST(PropertyEcm, CoordinatesThatNeverMoveStayWithoutMemory) {
   EXPECT_TRUE(rigid.q[2].empty());
 }
 
+TEST(PropertyEcm, OnlyBricksThatADragReachesHaveMemory) {
+  // A pull by 4 voxels is followed over 8 nodes (0.5 per link), a push over 10 (0.4): 192 to 199
+  // lie in one of 25 bricks, 93 to 109 in three.
+  const Body rest = body_of(
+      full_block({200, 1, 1}, linear_table(1.5, 0.6, 0.7), [](int, int, int) { return 255.0; }));
+  Body body = rest;
+  drag(body, {{{199, 0, 0}, {4 * kVoxel, 0, 0}}}, {});
+  EXPECT_EQ(body.q[0].stored_bricks(), 1u);
+  drag(body, {{{100, 0, 0}, {4 * kVoxel, 0, 0}}}, {});
+  EXPECT_EQ(body.q[0].stored_bricks(), 4u);
+  EXPECT_LE(body.bytes() - rest.bytes(), 25 * (2048 + 64));
+  // Two handles in conflict far away: all is as before, also what the attempt had stored.
+  const auto before = body.q;
+  EXPECT_NE(input_error([&] {
+              drag(body, {{{9, 0, 0}, {0, 0, 0}}, {{10, 0, 0}, {kVoxel, 0, 0}}}, {});
+            }),
+            "");
+  EXPECT_EQ(body.q, before);
+  EXPECT_EQ(body.q[0].stored_bricks(), 4u);
+}
+
+TEST(PropertyProjection, BricksThatItDoesNotReachStayWithoutMemory) {
+  Body body = body_of(
+      full_block({200, 1, 1}, linear_table(1.5, 0.6, 0.7), [](int, int, int) { return 255.0; }));
+  // One voxel at a brick's end, 3 voxels up: half of the excess on both sides, in two bricks.
+  body.q[0].resize(body.elements.brick_count());
+  body.q[0].set(std::size_t(body.elements.find({103, 0, 0})) * kBrickVoxels +
+                    std::size_t(brick_offset({103, 0, 0})),
+                3 * kVoxel);
+  body.links_known_valid = false;
+  EXPECT_EQ(project(body).violated_links, 2);
+  EXPECT_EQ(check_links(body).violated, 0);
+  EXPECT_GT(body.offset({104, 0, 0}, 0), 0);
+  EXPECT_EQ(body.q[0].stored_bricks(), 2u);
+}
+
 TEST(PropertyEcm, TheResultDoesNotDependOnTheProcessingOrder) {
   std::mt19937 random(11);
   for (int n = 0; n < 60; ++n) {
@@ -75,9 +110,9 @@ TEST(PropertyEcm, TheResultDoesNotDependOnTheProcessingOrder) {
     const Vec3i voxel = block.voxel(random_element(random, block));
     const Slot slot = Slot(body.elements.find(voxel)) * kBrickVoxels + Slot(brick_offset(voxel));
     const std::int32_t by = std::int32_t(random() % (40u * kVoxel));
-    std::vector<std::int32_t> first;
+    BrickValues first;
     for (const int shift : {-1, 0, 3, 9, 14, 20, 31}) {
-      std::vector<std::int32_t> values(body.classes.size(), 0);
+      BrickValues values(body.elements.brick_count());
       Propagator(body, n % 3, nullptr, shift).run(Direction::raise, {{slot, by}}, values, nullptr);
       Propagator(body, n % 3, nullptr, shift).run(Direction::lower, {{slot, -by}}, values, nullptr);
       if (first.empty()) first = values;

@@ -48,23 +48,30 @@ void check_elements(const State& state, const std::string& file) {
   }
 }
 
+void check_offsets_of_brick(const State& state, std::size_t b, const std::int32_t* values,
+                            const std::string& file, const std::string& field) {
+  for (int offset = 0; offset < kBrickVoxels; ++offset) {
+    const std::int32_t value = values[offset];
+    if (value == 0) continue;
+    const bool active = mask_test(state.elements.mask(b), offset);
+    if (active && value >= -kMaxOffset && value <= kMaxOffset) continue;
+    const Vec3i voxel = state.elements.origin(b) + brick_local(offset);
+    throw InputError({file, field + " at " + to_text(voxel), std::to_string(value),
+                      active ? "-2^30 to 2^30" : "0 where there is no element"});
+  }
+}
+
 void check_offsets(const State& state, const std::string& file) {
-  const std::size_t slots = state.elements.brick_count() * kBrickVoxels;
+  const std::size_t bricks = state.elements.brick_count();
   for (int c = 0; c < 3; ++c) {
-    const std::vector<std::int32_t>& q = state.q[c];
+    const BrickValues& q = state.q[c];
     const std::string field = std::string("q.") + "xyz"[c];
-    if (!q.empty() && q.size() != slots) {
-      throw InputError(
-          {file, field, std::to_string(q.size()) + " offsets", "0 or " + std::to_string(slots)});
+    if (q.brick_count() != 0 && q.brick_count() != bricks) {
+      throw InputError({file, field, std::to_string(q.brick_count()) + " bricks",
+                        "0 or " + std::to_string(bricks)});
     }
-    for (std::size_t n = 0; n < q.size(); ++n) {
-      if (q[n] == 0) continue;
-      const bool active = mask_test(state.elements.mask(n / kBrickVoxels), int(n % kBrickVoxels));
-      if (active && q[n] >= -kMaxOffset && q[n] <= kMaxOffset) continue;
-      const Vec3i voxel =
-          state.elements.origin(n / kBrickVoxels) + brick_local(int(n % kBrickVoxels));
-      throw InputError({file, field + " at " + to_text(voxel), std::to_string(q[n]),
-                        active ? "-2^30 to 2^30" : "0 where there is no element"});
+    for (std::size_t b = 0; b < q.brick_count(); ++b) {
+      if (q.brick(b) != nullptr) check_offsets_of_brick(state, b, q.brick(b), file, field);
     }
   }
 }
@@ -109,8 +116,12 @@ Displacement displacement_of(const State& state) {
   std::vector<Vec3f>& vectors = displacement.u.vectors;
   vectors.assign(state.elements.brick_count() * kBrickVoxels, Vec3f(0));
   for (int c = 0; c < 3; ++c) {
-    for (std::size_t n = 0; n < state.q[c].size(); ++n) {
-      vectors[n][c] = float(state.q[c][n] / kFixedOne);
+    for (std::size_t b = 0; b < state.q[c].brick_count(); ++b) {
+      const std::int32_t* values = state.q[c].brick(b);
+      if (values == nullptr) continue;
+      for (std::size_t offset = 0; offset < kBrickVoxels; ++offset) {
+        vectors[b * kBrickVoxels + offset][c] = float(values[offset] / kFixedOne);
+      }
     }
   }
   return displacement;

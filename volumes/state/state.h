@@ -10,6 +10,7 @@
 #include "volumes/base/progress.h"
 #include "volumes/field/vector_bricks.h"
 #include "volumes/geometry/geometry.h"
+#include "volumes/grid/brick_values.h"
 #include "volumes/grid/density_grid.h"
 #include "volumes/grid/link_cuts.h"
 
@@ -24,9 +25,9 @@ struct State {
   Geometry geometry;    // of the source volume, index to LPS mm
   DensityGrid density;  // elements and shell
   BrickTopology elements;
-  /// Offsets from rest per coordinate, [512 * brick of elements + offset], 2^-16 voxel; an empty
-  /// vector stands for a coordinate that never moved. Inactive voxels hold 0.
-  std::array<std::vector<std::int32_t>, 3> q;
+  /// Offsets from rest per coordinate on the bricks of `elements`, 2^-16 voxel; empty for a
+  /// coordinate that never moved. Inactive voxels hold 0.
+  std::array<BrickValues, 3> q;
   LinkCuts cuts;  // links between elements that are absent; bricks as in `elements`
   std::vector<IndexBox> anchors;
   std::string material_toml;  // the table as text, so that a state can be continued
@@ -41,7 +42,7 @@ Displacement displacement_of(const State& state);
 Displacement extended_displacement_of(const State& state);
 
 /// Throws InputError, naming `file`, unless everything holds that later code trusts: densities
-/// finite and inside the source box, every element among them, q as long as the elements need,
+/// finite and inside the source box, every element among them, q on the bricks of the elements,
 /// |q| <= kMaxOffset, 0 in inactive slots, cut links between elements, no empty anchor box. Cost:
 /// one pass over the bricks.
 void check_state(const State& state, const std::string& file);
@@ -54,7 +55,7 @@ void write_state(const std::string& path, const State& state, const OffsetField&
                  Progress* progress = nullptr);
 
 /// Throws InputError for a missing, truncated, damaged or foreign file. A coordinate of zeros comes
-/// back as an empty vector. Derived grids are not read back.
+/// back empty. Derived grids are not read back.
 State read_state(const std::string& path, Progress* progress = nullptr);
 
 /// True when the file starts like OpenVDB and carries our metadata or trailer; a damaged state

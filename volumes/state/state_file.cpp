@@ -65,12 +65,13 @@ typename Grid::Ptr make_grid(const char* name, const BrickTopology& bricks,
 }
 
 openvdb::GridBase::Ptr make_q(const State& state) {
-  const auto q = [&](int c, std::size_t slot) { return state.q[c].empty() ? 0 : state.q[c][slot]; };
   return make_grid<Vec3IGrid>("q", state.elements, openvdb::Vec3i(0),
                               [&](auto& leaf, std::size_t b) {
+                                const std::int32_t* x = state.q[0].brick_or_zero(b);
+                                const std::int32_t* y = state.q[1].brick_or_zero(b);
+                                const std::int32_t* z = state.q[2].brick_or_zero(b);
                                 for_each_active(state.elements.mask(b), [&](int offset) {
-                                  const std::size_t slot = b * kBrickVoxels + offset;
-                                  const openvdb::Vec3i value(q(0, slot), q(1, slot), q(2, slot));
+                                  const openvdb::Vec3i value(x[offset], y[offset], z[offset]);
                                   if (value != openvdb::Vec3i(0))
                                     leaf.setValueOn(openvdb::Index(offset), value);
                                 });
@@ -276,8 +277,7 @@ DensityGrid density_of(const FloatGrid::Ptr& grid) {
 }
 
 void read_q(const Vec3IGrid& grid, State& state, const std::string& path) {
-  std::array<bool, 3> moved{};
-  for (auto& q : state.q) q.assign(state.elements.brick_count() * kBrickVoxels, 0);
+  for (BrickValues& q : state.q) q.resize(state.elements.brick_count());
   for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
     const std::int32_t b = state.elements.find(to_vec(leaf->origin()));
     for (auto value = leaf->cbeginValueOn(); value; ++value) {
@@ -285,13 +285,13 @@ void read_q(const Vec3IGrid& grid, State& state, const std::string& path) {
         throw InputError({path, "grid q", "an offset without element", "offsets on elements only"});
       }
       for (int c = 0; c < 3; ++c) {
-        state.q[c][std::size_t(b) * kBrickVoxels + value.pos()] = (*value)[c];
-        moved[c] = moved[c] || (*value)[c] != 0;
+        if ((*value)[c] == 0) continue;
+        state.q[c].set(std::size_t(b) * kBrickVoxels + value.pos(), (*value)[c]);
       }
     }
   }
-  for (int c = 0; c < 3; ++c) {
-    if (!moved[c]) state.q[c] = {};
+  for (BrickValues& q : state.q) {
+    if (q.empty()) q.clear();
   }
 }
 

@@ -43,9 +43,7 @@ Offsets offsets_of(const Body& body, const ReferenceLattice& lattice) {
   Offsets offsets = lattice.at_rest();
   for_each_element(body.elements, [&](Slot slot) {
     const std::size_t index = lattice.index(voxel_of(body.elements, slot) - lattice.origin);
-    for (int c = 0; c < 3; ++c) {
-      if (!body.q[c].empty()) offsets[c][index] = body.q[c][slot];
-    }
+    for (int c = 0; c < 3; ++c) offsets[c][index] = body.q[c].at(slot);
   });
   return offsets;
 }
@@ -53,10 +51,12 @@ Offsets offsets_of(const Body& body, const ReferenceLattice& lattice) {
 Body with_offsets(const Body& body, const ReferenceLattice& lattice, const Offsets& offsets) {
   Body changed = body;
   changed.links_known_valid = false;
-  for (auto& coordinate : changed.q) coordinate.assign(slot_count(body.elements), 0);
+  for (auto& coordinate : changed.q) coordinate = BrickValues(body.elements.brick_count());
   for_each_element(body.elements, [&](Slot slot) {
     const std::size_t index = lattice.index(voxel_of(body.elements, slot) - lattice.origin);
-    for (int c = 0; c < 3; ++c) changed.q[c][slot] = offsets[c][index];
+    for (int c = 0; c < 3; ++c) {
+      if (offsets[c][index] != 0) changed.q[c].set(slot, offsets[c][index]);
+    }
   });
   return changed;
 }

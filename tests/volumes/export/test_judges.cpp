@@ -218,13 +218,13 @@ State pushed_ball(const Geometry& geometry, const Image& grey, double height) {
   state.elements = ball(11);
   state.density = restrict_to(grid_of(grey), ball(13));
   for (int c = 0; c < 3; ++c) {
-    state.q[c].assign(state.elements.brick_count() * kBrickVoxels, 0);
+    state.q[c].resize(state.elements.brick_count());
     for (std::size_t b = 0; b < state.elements.brick_count(); ++b) {
       for_each_active(state.elements.mask(b), [&](int offset) {
         const Vec3d pos(state.elements.origin(b) + brick_local(offset));
         const double distance = (pos - Vec3d(22, 24, 20)).length();
         const double push = height / (1 + c) * std::exp(-distance * distance / 60);
-        state.q[c][b * kBrickVoxels + offset] = std::int32_t(push * kFixedOne);
+        state.q[c].touch(b)[offset] = std::int32_t(push * kFixedOne);
       });
     }
   }

@@ -95,12 +95,11 @@ inline State random_state(unsigned seed, int max_dim = 28) {
 
   for (auto& q : state.q) {
     if (random() % 3 == 0) continue;
-    q.assign(state.elements.brick_count() * kBrickVoxels, 0);
+    q.resize(state.elements.brick_count());
     for (std::size_t b = 0; b < state.elements.brick_count(); ++b) {
       for_each_active(state.elements.mask(b),
-                      [&](int offset) { q[b * kBrickVoxels + offset] = random_offset(random); });
+                      [&](int offset) { q.touch(b)[offset] = random_offset(random); });
     }
-    if (std::all_of(q.begin(), q.end(), [](std::int32_t n) { return n == 0; })) q.clear();
   }
   for (unsigned n = random() % 4; n > 0; --n) {
     const Vec3i lo(dim(), -dim(), dim());

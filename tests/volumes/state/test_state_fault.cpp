@@ -160,13 +160,12 @@ TEST(FaultState, AnInvalidStateIsNotWritten) {
     return text.find(part) != std::string::npos;
   };
   ASSERT_EQ(write_error([](State& state) { state.q = {}; }), "");
+  EXPECT_TRUE(
+      has(write_error([](State& state) { state.q[0].resize(state.elements.brick_count() + 1); }),
+          "bricks, expected 0 or "));
   EXPECT_TRUE(has(write_error([](State& state) {
-                    state.q[0] = {1, 2, 3};
-                  }),
-                  "q.x: found 3 offsets"));
-  EXPECT_TRUE(has(write_error([](State& state) {
-                    auto& q = state.q[2];
-                    q.assign(state.elements.brick_count() * kBrickVoxels, kMaxOffset + 1);
+                    state.q[2].resize(state.elements.brick_count());
+                    std::fill_n(state.q[2].touch(0), kBrickVoxels, kMaxOffset + 1);
                   }),
                   "q.z at "));
   EXPECT_TRUE(has(write_error([](State& state) {

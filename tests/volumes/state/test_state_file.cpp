@@ -48,10 +48,10 @@ TEST(PropertyState, AStateThatDiffersInOneBitIsAnotherFile) {
   ASSERT_FALSE(state.elements.empty());
   state.q[1] = {};
   write_state(folder / "a.vdb", state);
-  state.q[1].assign(state.elements.brick_count() * kBrickVoxels, 0);
+  state.q[1].resize(state.elements.brick_count());
   int first = 0;
   while (!mask_test(state.elements.mask(0), first)) ++first;
-  state.q[1][first] = 1;
+  state.q[1].touch(0)[first] = 1;
   write_state(folder / "b.vdb", state);
   EXPECT_NE(file_bytes(folder / "a.vdb"), file_bytes(folder / "b.vdb"));
   EXPECT_TRUE(same_state(read_state(folder / "b.vdb"), state));
@@ -63,7 +63,8 @@ TEST(UnitState, ZerosEqualACoordinateThatNeverMoved) {
   ASSERT_FALSE(state.elements.empty());
   state.q = {};
   write_state(folder / "a.vdb", state);
-  state.q[2].assign(state.elements.brick_count() * kBrickVoxels, 0);
+  state.q[2].resize(state.elements.brick_count());
+  for (std::size_t b = 0; b < state.elements.brick_count(); ++b) state.q[2].touch(b);
   write_state(folder / "b.vdb", state);
   EXPECT_EQ(file_bytes(folder / "a.vdb"), file_bytes(folder / "b.vdb"));
   EXPECT_TRUE(read_state(folder / "b.vdb").q[2].empty());
@@ -97,8 +98,8 @@ TEST(UnitState, TheDisplacementIsTheFixedPointOffsetInVoxels) {
   State state;
   state.geometry = Geometry().with_dims({9, 1, 1});
   state.elements = bricks_where({9, 1, 1}, [](const Vec3i&) { return true; });
-  state.q[1].assign(2 * kBrickVoxels, 0);
-  state.q[1][kBrickVoxels] = 3 << (kFixedBits - 1);
+  state.q[1].resize(2);
+  state.q[1].set(kBrickVoxels, 3 << (kFixedBits - 1));
   Vec3f u;
   ASSERT_TRUE(displacement_of(state).u.at({8, 0, 0}, u));
   EXPECT_EQ(u, Vec3f(0, 1.5f, 0));
@@ -118,10 +119,10 @@ TEST(PropertyState, TheExtendedDisplacementCoversElementsAndShell) {
   const BrickTopology shell = ball(7);
   state.density =
       make_density_grid(shell, std::vector<float>(shell.brick_count() * kBrickVoxels, 1.0f), 0);
-  state.q[0].assign(state.elements.brick_count() * kBrickVoxels, 0);
+  state.q[0].resize(state.elements.brick_count());
   for (std::size_t b = 0; b < state.elements.brick_count(); ++b) {
     for_each_active(state.elements.mask(b),
-                    [&](int offset) { state.q[0][b * kBrickVoxels + offset] = 1 << kFixedBits; });
+                    [&](int offset) { state.q[0].touch(b)[offset] = 1 << kFixedBits; });
   }
   const Displacement extended = extended_displacement_of(state);
   EXPECT_TRUE(extended.u.topology == shell);

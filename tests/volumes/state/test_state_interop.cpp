@@ -30,11 +30,10 @@ TEST(InteropState, PythonOpenVdbReadsTheDerivedGridsInMillimetres) {
   state.elements = bricks_where({9, 8, 8}, [](const Vec3i& v) { return v.y == 3; });
   state.density =
       make_density_grid(state.elements, std::vector<float>(2 * kBrickVoxels, 7.5f), -1000);
-  state.q[0].assign(2 * kBrickVoxels, 0);
+  state.q[0].resize(2);
   for (std::size_t b = 0; b < 2; ++b) {
-    for_each_active(state.elements.mask(b), [&](int offset) {
-      state.q[0][b * kBrickVoxels + offset] = 1 << (kFixedBits - 1);
-    });
+    for_each_active(state.elements.mask(b),
+                    [&](int offset) { state.q[0].touch(b)[offset] = 1 << (kFixedBits - 1); });
   }
   const OffsetField offsets = sample_offsets({{}, [](const Vec3d&) { return Vec3d(-0.5, 0, 0); }},
                                              state.geometry, state.elements);

@@ -1,0 +1,75 @@
+#include "volumes/grid/brick_values.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace supple {
+
+namespace {
+
+constexpr std::size_t kMaxChunk = 64;
+
+}  // namespace
+
+BrickValues::BrickValues(const BrickValues& other) : BrickValues(other.brick_count()) {
+  for (std::size_t b = 0; b < other.brick_count(); ++b) {
+    if (other.m_table[b] != nullptr) std::copy_n(other.m_table[b], kBrickVoxels, touch(b));
+  }
+}
+
+void BrickValues::swap(BrickValues& other) noexcept {
+  m_table.swap(other.m_table);
+  m_chunks.swap(other.m_chunks);
+  m_free.swap(other.m_free);
+  std::swap(m_stored, other.m_stored);
+  std::swap(m_chunk_bricks, other.m_chunk_bricks);
+}
+
+std::int32_t* BrickValues::store(std::size_t b) {
+  if (m_free.empty()) add_chunk();
+  std::int32_t* const values = m_free.back();
+  m_free.pop_back();
+  std::memset(values, 0, sizeof(Brick));
+  m_table[b] = values;
+  ++m_stored;
+  return values;
+}
+
+/// Up to 64 bricks, never more than are left to store; handed out in ascending order.
+void BrickValues::add_chunk() {
+  const std::size_t count = std::min(kMaxChunk, m_table.size() - m_stored);
+  // So that release() never allocates.
+  const std::size_t wanted = m_chunk_bricks + count;
+  if (m_free.capacity() < wanted) m_free.reserve(std::max(wanted, 2 * m_free.capacity()));
+  m_chunks.push_back(std::unique_ptr<Brick[]>(new Brick[count]));
+  m_chunk_bricks += count;
+  for (std::size_t n = count; n > 0; --n) m_free.push_back(m_chunks.back()[n - 1].values);
+}
+
+void BrickValues::release(std::size_t b) {
+  if (brick(b) == nullptr) return;
+  m_free.push_back(m_table[b]);
+  m_table[b] = nullptr;
+  --m_stored;
+}
+
+void BrickValues::resize(std::size_t brick_count) {
+  for (std::size_t b = brick_count; b < m_table.size(); ++b) release(b);
+  m_table.resize(brick_count, nullptr);
+}
+
+std::size_t BrickValues::bytes() const {
+  return m_chunk_bricks * sizeof(Brick) + m_chunks.capacity() * sizeof(m_chunks[0]) +
+         (m_table.capacity() + m_free.capacity()) * sizeof(std::int32_t*);
+}
+
+bool BrickValues::operator==(const BrickValues& other) const {
+  const std::size_t count = std::max(brick_count(), other.brick_count());
+  for (std::size_t b = 0; b < count; ++b) {
+    if (brick(b) == other.brick(b)) continue;
+    if (std::memcmp(brick_or_zero(b), other.brick_or_zero(b), sizeof(Brick)) != 0) return false;
+  }
+  return true;
+}
+
+}  // namespace supple
