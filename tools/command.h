@@ -36,6 +36,7 @@ Command add_resample(CLI::App& program);
 Command add_render(CLI::App& program);
 Command add_run(CLI::App& program);
 Command add_compare(CLI::App& program);
+Command add_bench(CLI::App& program);
 
 /// A subcommand with its examples, one per line, below the options.
 CLI::App* add_subcommand(CLI::App& program, const std::string& name, const std::string& description,

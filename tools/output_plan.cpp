@@ -40,6 +40,11 @@ void OutputPlan::add_state(const std::string& path) {
   add_file(path);
 }
 
+void OutputPlan::add_report(const std::string& path) {
+  require_extension(path, ".json");
+  add_file(path);
+}
+
 void OutputPlan::add_dense(const std::string& path) {
   for (const std::string& file : output_files(path)) add_file(file);
 }

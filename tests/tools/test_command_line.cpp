@@ -9,8 +9,8 @@ using namespace supple::test;
 
 namespace {
 
-const std::vector<std::string> kCommands = {"info",     "deform", "render", "export",
-                                            "resample", "run",    "compare"};
+const std::vector<std::string> kCommands = {"info",     "deform", "render",  "export",
+                                            "resample", "run",    "compare", "bench"};
 
 std::size_t count_of(const std::string& text, const std::string& part) {
   std::size_t count = 0;
@@ -47,6 +47,9 @@ TEST(UnitCommandLine, AWrongCommandLineIsOneLineAndExitCodeTwo) {
       {"deform", "a.nhdr", "--fix", "1,2,3:4", "-o", "x.vdb"},
       {"export", "a.vdb", "-o", "x.nrrd", "--direction", "sideways"},
       {"export", "a.vdb", "-o", "x.nrrd", "--direction", "material", "--void", "extend"},
+      {"bench"},
+      {"bench", "frobnicate"},
+      {"bench", "ecm", "--only"},
       {"infoo", "a.nhdr"},
       {"info", "a", "--log-level", "loud"},
       {"render", "a.nhdr", "-o", "x.png", "--size", "big"},

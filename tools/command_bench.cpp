@@ -1,0 +1,60 @@
+// supple bench: times engines on generated bodies and on the head CT, side by side.
+#include <cstdio>
+
+#include "tools/bench/bench_ecm.h"
+#include "tools/command.h"
+#include "tools/output_plan.h"
+
+namespace supple::tools {
+
+namespace {
+
+struct Options {
+  std::string name, output;
+  bool markdown = false;
+  EcmBenchOptions ecm;
+};
+
+int run(Options& options, const GlobalOptions& global, Console& console) {
+  OutputPlan plan(global);
+  if (!options.output.empty()) plan.add_report(options.output);
+  options.ecm.threads = global.threads;
+  const BenchReport report = bench_ecm(options.ecm, console);
+  if (!options.output.empty()) write_json(options.output, report);
+  if (global.json) {
+    std::printf("%s\n", to_json(report).dump(2).c_str());
+  } else if (!global.quiet) {
+    std::fputs((options.markdown ? to_markdown(report) : to_text(report)).c_str(), stdout);
+  }
+  return kOk;
+}
+
+}  // namespace
+
+Command add_bench(CLI::App& program) {
+  auto options = std::make_shared<Options>();
+  CLI::App* app =
+      add_subcommand(program, "bench", "Time the engines side by side and say what they hold",
+                     "  supple bench ecm --quick\n"
+                     "  supple bench ecm --only 'all/noise/128*+x/rest' --json ecm.json\n"
+                     "  supple bench ecm --only local --only stream --markdown");
+  app->add_option("name", options->name, "Which benchmark: ecm")
+      ->required()
+      ->check(CLI::IsMember({"ecm"}))
+      ->option_text("NAME");
+  app->add_flag("--quick", options->ecm.quick, "The rows that matter most, within a minute");
+  app->add_option("--only", options->ecm.only,
+                  "Rows whose name holds this; * stands for anything; may be repeated")
+      ->allow_extra_args(false)
+      ->option_text("PATTERN");
+  app->add_option("--json", options->output, "Write the rows as JSON")->option_text("FILE");
+  app->add_flag("--markdown", options->markdown, "Print tables of a Markdown document");
+  app->add_option("--ct-head", options->ecm.ct_head,
+                  "The head CT; build/data/ct_head.nhdr where that exists")
+      ->option_text("FILE");
+  return {app, [options](const GlobalOptions& global, Console& console) {
+            return run(*options, global, console);
+          }};
+}
+
+}  // namespace supple::tools
