@@ -1,0 +1,73 @@
+#include <charconv>
+
+#include "volumes/base/error.h"
+#include "volumes/io/text_header.h"
+#include "volumes/mesh/mesh_formats.h"
+
+namespace supple {
+
+namespace {
+
+bool is_blank(char c) {
+  return c == ' ' || c == '\t' || c == '\r' || c == '\f' || c == '\v';
+}
+
+}  // namespace
+
+std::string_view MeshWords::next_on_line() {
+  while (m_position < m_text.size() && is_blank(m_text[m_position])) ++m_position;
+  const std::size_t first = m_position;
+  while (m_position < m_text.size() && !is_blank(m_text[m_position]) &&
+         m_text[m_position] != '\n') {
+    ++m_position;
+  }
+  return m_text.substr(first, m_position - first);
+}
+
+std::string_view MeshWords::next() {
+  while (true) {
+    const std::string_view word = next_on_line();
+    if (!word.empty() || m_position >= m_text.size()) return word;
+    skip_line();
+  }
+}
+
+void MeshWords::skip_line() {
+  const std::size_t newline = m_text.find('\n', m_position);
+  m_position = newline == std::string_view::npos ? m_text.size() : newline + 1;
+  ++m_line;
+}
+
+void MeshWords::expect(std::string_view word) {
+  const std::string_view found = next();
+  if (lower_case(std::string(found)) != word) fail(found, std::string(word));
+}
+
+double MeshWords::number(std::string_view word) const {
+  std::string_view digits = word;
+  if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);
+  double value = 0;
+  const char* end = digits.data() + digits.size();
+  const auto [stop, error] = std::from_chars(digits.data(), end, value);
+  if (error != std::errc() || stop != end) fail(word, "a number");
+  return value;
+}
+
+Vec3d MeshWords::vector() {
+  Vec3d v;
+  for (int a = 0; a < 3; ++a) v[a] = number();
+  return v;
+}
+
+void MeshWords::fail(std::string_view found, const std::string& expected) const {
+  throw InputError({m_path, "line " + std::to_string(m_line),
+                    found.empty() ? "nothing" : printable(std::string(found)), expected});
+}
+
+void add_polygon(const std::vector<int>& polygon, TriangleMesh& mesh) {
+  for (std::size_t n = 2; n < polygon.size(); ++n) {
+    mesh.triangles.push_back({polygon[0], polygon[n - 1], polygon[n]});
+  }
+}
+
+}  // namespace supple

@@ -1,0 +1,70 @@
+// Chooses the reader by extension and checks what all of them return.
+#include <cmath>
+#include <filesystem>
+
+#include "volumes/base/error.h"
+#include "volumes/io/byte_source.h"
+#include "volumes/io/text_header.h"
+#include "volumes/mesh/mesh_formats.h"
+
+namespace supple {
+
+namespace {
+
+/// Fewer vertices than an int counts, in every format.
+constexpr std::int64_t kMaxFileBytes = std::int64_t(1) << 34;
+
+/// Where STL, PLY and OBJ files of 3D Slicer name their frame.
+constexpr std::size_t kHeadBytes = 512;
+
+std::string read_content(const std::string& path) {
+  const InputFile file(path);
+  if (file.size() > kMaxFileBytes) {
+    throw InputError({path, "", std::to_string(file.size()) + " bytes",
+                      "a mesh of at most " + std::to_string(kMaxFileBytes) + " bytes"});
+  }
+  std::string content(std::size_t(file.size()), '\0');
+  content.resize(file.read_at(0, content.data(), content.size()));
+  return content;
+}
+
+void check_mesh(const std::string& path, const TriangleMesh& mesh) {
+  const std::size_t count = mesh.vertices_lps_mm.size();
+  if (mesh.triangles.empty()) throw InputError({path, "mesh", "no triangle", "a surface"});
+  for (const auto& triangle : mesh.triangles) {
+    for (const int index : triangle) {
+      if (index >= 0 && std::size_t(index) < count) continue;
+      throw InputError({path, "face", "vertex " + std::to_string(index) + ", counted from 0",
+                        "one of " + std::to_string(count) + " vertices"});
+    }
+  }
+  for (std::size_t n = 0; n < count; ++n) {
+    const Vec3d& v = mesh.vertices_lps_mm[n];
+    if (std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z)) continue;
+    throw InputError({path, "vertex " + std::to_string(n) + ", counted from 0",
+                      "a coordinate that is not finite", "LPS mm"});
+  }
+}
+
+TriangleMesh parse(const std::string& path, const std::string& content) {
+  const std::string extension = lower_case(std::filesystem::path(path).extension().string());
+  if (extension == ".stl") return read_stl(path, content);
+  if (extension == ".ply") return read_ply(path, content);
+  if (extension == ".obj") return read_obj(path, content);
+  throw InputError(
+      {path, "extension", extension.empty() ? "none" : printable(extension), ".stl, .ply or .obj"});
+}
+
+}  // namespace
+
+TriangleMesh read_mesh(const std::string& path) {
+  const std::string content = read_content(path);
+  TriangleMesh mesh = parse(path, content);
+  check_mesh(path, mesh);
+  if (content.substr(0, kHeadBytes).find("SPACE=RAS") != std::string::npos) {
+    for (Vec3d& v : mesh.vertices_lps_mm) v = {-v.x, -v.y, v.z};
+  }
+  return mesh;
+}
+
+}  // namespace supple
