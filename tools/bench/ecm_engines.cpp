@@ -40,7 +40,9 @@ class BodyEngine final : public EcmEngine {
       : m_name(std::move(name)), m_body(body), m_cancel(cancel) {}
 
   void reset() override {
-    for (auto& coordinate : m_body.q) std::fill(coordinate.begin(), coordinate.end(), 0);
+    for (BrickValues& q : m_body.q) {
+      for (std::size_t b = 0; b < q.brick_count(); ++b) q.release(b);
+    }
     m_body.links_known_valid = true;
   }
   void pull(const Pull& pull) override { m_report = drag_with(m_name, m_body, pull, m_cancel); }
@@ -64,8 +66,7 @@ class BodyEngine final : public EcmEngine {
     for_each_active(m_body.elements.mask(b), [&](int offset) {
       const Vec3i voxel = m_body.elements.origin(b) + brick_local(offset);
       for (int c = 0; c < 3; ++c) {
-        const auto& q = m_body.q[c];
-        sum += offset_hash(voxel, c, q.empty() ? 0 : q[b * kBrickVoxels + std::size_t(offset)]);
+        sum += offset_hash(voxel, c, m_body.q[c].brick_or_zero(b)[offset]);
       }
     });
     return sum;
@@ -138,7 +139,7 @@ std::int64_t expected_multiset_bytes(const Vec3i& size) {
 }
 
 void release_offsets(Body& body) {
-  for (auto& coordinate : body.q) std::remove_reference_t<decltype(coordinate)>().swap(coordinate);
+  for (BrickValues& q : body.q) q.clear();
   body.links_known_valid = true;
 }
 
