@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "volumes/base/error.h"
+#include "volumes/io/text_header.h"
 #include "volumes/mesh/mesh_formats.h"
 
 namespace supple {
@@ -188,7 +189,7 @@ class Values {
 std::vector<double> read_list(const std::string& path, const Property& property, Values& values) {
   const double count = values.next(*property.count_type);
   if (!(count >= 0 && count <= double(values.bytes_left()) && count == std::floor(count))) {
-    throw InputError({path, "PLY list " + property.name, number_text(count) + " values",
+    throw InputError({path, "PLY list " + printable(property.name), number_text(count) + " values",
                       "as many as the file can hold"});
   }
   std::vector<double> list(std::size_t(count), 0.0);
@@ -212,7 +213,7 @@ void read_items(const std::string& path, const Element& element, Values& values,
                 TriangleMesh& mesh) {
   if (element.count > 0 &&
       (element.properties.empty() || std::size_t(element.count) > values.bytes_left())) {
-    throw InputError({path, "PLY element " + element.name,
+    throw InputError({path, "PLY element " + printable(element.name),
                       std::to_string(element.count) + " items of " +
                           std::to_string(element.properties.size()) + " properties in " +
                           std::to_string(values.bytes_left()) + " bytes",
