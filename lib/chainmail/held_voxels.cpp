@@ -60,16 +60,12 @@ SlotSet all_anchored(const Body& body, const std::vector<Region>& anchors,
   return SlotSet(std::move(bricks));
 }
 
-std::int32_t offset_of(const Body& body, std::size_t coordinate, Slot slot) {
-  return body.q[coordinate].at(slot);
-}
-
 void require_range(const Body& body, const HeldHandle& handle) {
   for (int c = 0; c < 3; ++c) {
     const std::int64_t by = handle.by(c);
     std::int64_t furthest = 0;
     handle.slots.for_each([&](Slot slot) {
-      const std::int64_t target = offset_of(body, std::size_t(c), slot) + by;
+      const std::int64_t target = body.q[std::size_t(c)].at(slot) + by;
       if (std::llabs(target) > std::llabs(furthest)) furthest = target;
     });
     if (std::llabs(furthest) <= kMaxOffset && std::llabs(by) < kMaxOffset) continue;
@@ -99,13 +95,11 @@ HeldVoxels hold(const Body& body, const std::vector<Handle>& handles,
   for (std::size_t c = 0; c < 3; ++c) {
     for (const Bound& bound : earlier.at_least[c]) {
       if (held.grabbed.contains(bound.slot)) continue;
-      held.at_least[c].push_back(
-          {bound.slot, std::min(bound.value, offset_of(body, c, bound.slot))});
+      held.at_least[c].push_back({bound.slot, std::min(bound.value, body.q[c].at(bound.slot))});
     }
     for (const Bound& bound : earlier.at_most[c]) {
       if (held.grabbed.contains(bound.slot)) continue;
-      held.at_most[c].push_back(
-          {bound.slot, std::max(bound.value, offset_of(body, c, bound.slot))});
+      held.at_most[c].push_back({bound.slot, std::max(bound.value, body.q[c].at(bound.slot))});
     }
   }
   return held;
