@@ -54,7 +54,12 @@ Vec3i Region::some_voxel() const {
     return voxels->empty() ? Vec3i(0) : voxels->front();
   }
   const BrickTopology& mask = *std::get<Mask>(m_shape);
-  return mask.empty() ? Vec3i(0) : mask.origin(0);
+  Vec3i voxel(0);
+  if (!mask.empty()) {
+    for_each_active(mask.mask(0),
+                    [&](int offset) { voxel = mask.origin(0) + brick_local(offset); });
+  }
+  return voxel;
 }
 
 SlotSet elements_of(const Body& body, const Region& region, const std::string& role) {

@@ -9,12 +9,9 @@ namespace supple {
 
 namespace {
 
-bool by_slot(const Bound& a, const Bound& b) {
-  return a.slot < b.slot;
-}
-
 std::vector<Bound>::const_iterator first_bound_from(const std::vector<Bound>& bounds, Slot slot) {
-  return std::lower_bound(bounds.begin(), bounds.end(), Bound{slot, 0}, by_slot);
+  return std::lower_bound(bounds.begin(), bounds.end(), slot,
+                          [](const Bound& bound, Slot wanted) { return bound.slot < wanted; });
 }
 
 }  // namespace
@@ -63,8 +60,16 @@ void CoordinateDrag::redo(const Fraction& fraction) {
 }
 
 template <class Visit>
-void CoordinateDrag::for_each_target(const HeldHandle& handle, Visit&& visit) const {
+void CoordinateDrag::for_each_target(const HeldHandle& handle, Direction direction,
+                                     Visit&& visit) const {
   const std::int32_t by = m_fraction.scale(handle.by(m_coordinate));
+  if (handle.is_push()) {
+    const auto& tool = direction == Direction::raise ? handle.below : handle.above;
+    for (const Bound& place : tool[std::size_t(m_coordinate)]) {
+      visit(place.slot, place.value + by, m_values.at(place.slot));
+    }
+    return;
+  }
   for (const SlotSet::Brick& entry : handle.slots.bricks()) {
     const std::int32_t* saved = m_undo.saved_of(entry.brick);
     const Slot first = entry.brick * kBrickVoxels;
@@ -80,8 +85,7 @@ void CoordinateDrag::for_each_target(const HeldHandle& handle, Visit&& visit) co
 std::vector<Seed> CoordinateDrag::seeds(Direction direction) const {
   std::vector<Seed> seeds;
   for (const HeldHandle& handle : m_held.handles) {
-    if (!handle.bounds(direction, m_coordinate)) continue;
-    for_each_target(handle, [&](Slot slot, std::int32_t target, std::int32_t present) {
+    for_each_target(handle, direction, [&](Slot slot, std::int32_t target, std::int32_t present) {
       if (direction == Direction::raise ? target > present : target < present) {
         seeds.push_back({slot, target});
       }
@@ -100,11 +104,16 @@ CoordinateDrag::Excess CoordinateDrag::solve() {
   return excess;
 }
 
+/// What stops a move in that direction.
+const std::vector<Bound>& CoordinateDrag::held_bounds(Direction direction) const {
+  const Holds& rest = m_held.rest;
+  return (direction == Direction::raise ? rest.at_most : rest.at_least)[std::size_t(m_coordinate)];
+}
+
 /// Only bricks that the run touched can hold any.
 std::int64_t CoordinateDrag::excess_of_held(Direction direction) const {
   const std::int64_t sign = direction == Direction::raise ? 1 : -1;
-  const auto& bounds = direction == Direction::raise ? m_held.at_most[std::size_t(m_coordinate)]
-                                                     : m_held.at_least[std::size_t(m_coordinate)];
+  const auto& bounds = held_bounds(direction);
   std::int64_t excess = 0;
   for (const std::size_t brick : m_undo.bricks()) {
     const std::int32_t* now = m_values.brick_or_zero(brick);
@@ -144,9 +153,7 @@ void CoordinateDrag::limit_by_held(Direction direction, std::int64_t excess, Fra
   m_held.anchors.for_each([&](Slot slot) {
     seeds.push_back({slot, m_values.at(slot) - sign * furthest});
   });
-  for (const Bound& bound : direction == Direction::raise
-                                ? m_held.at_most[std::size_t(m_coordinate)]
-                                : m_held.at_least[std::size_t(m_coordinate)]) {
+  for (const Bound& bound : held_bounds(direction)) {
     seeds.push_back({bound.slot, bound.value - sign * furthest});
   }
   m_propagator.run(sign > 0 ? Direction::lower : Direction::raise, seeds, m_values, &m_undo);
@@ -154,7 +161,7 @@ void CoordinateDrag::limit_by_held(Direction direction, std::int64_t excess, Fra
     const std::int32_t by = sign * handle.by(m_coordinate);
     if (by <= 0) continue;
     std::int64_t room = furthest;
-    for_each_target(handle, [&](Slot, std::int32_t target, std::int32_t present) {
+    for_each_target(handle, direction, [&](Slot, std::int32_t target, std::int32_t present) {
       // sign * (target - present) = by + how far the handle followed.
       room = std::min(room, furthest + by - sign * (std::int64_t(target) - present));
     });
@@ -168,13 +175,13 @@ void CoordinateDrag::require_agreement() {
   std::int64_t worst = 0;
   Target above{};
   for (const HeldHandle& handle : m_held.handles) {
-    if (!handle.bounds(Direction::raise, m_coordinate)) continue;
-    for_each_target(handle, [&](Slot slot, std::int32_t target, std::int32_t present) {
-      const std::int64_t missing = std::int64_t(target) - present;
-      if (missing <= worst) return;
-      worst = missing;
-      above = {&handle, slot, target};
-    });
+    for_each_target(handle, Direction::raise,
+                    [&](Slot slot, std::int32_t target, std::int32_t present) {
+                      const std::int64_t missing = std::int64_t(target) - present;
+                      if (missing <= worst) return;
+                      worst = missing;
+                      above = {&handle, slot, target};
+                    });
   }
   if (worst > 0) report_conflict(above, worst);
 }
@@ -185,11 +192,12 @@ void CoordinateDrag::report_conflict(const Target& above, std::int64_t missing) 
   m_propagator.run(Direction::raise, {{above.slot, above.value}}, m_values, &m_undo);
   Target below = above;
   for (const HeldHandle& handle : m_held.handles) {
-    if (!handle.bounds(Direction::lower, m_coordinate) || below.slot != above.slot) continue;
-    for_each_target(handle, [&](Slot slot, std::int32_t target, std::int32_t present) {
-      if (below.slot != above.slot || slot == above.slot) return;
-      if (present - std::int64_t(target) >= missing) below = {&handle, slot, target};
-    });
+    for_each_target(handle, Direction::lower,
+                    [&](Slot slot, std::int32_t target, std::int32_t present) {
+                      if (below.slot != above.slot || slot == above.slot) return;
+                      if (present - std::int64_t(target) >= missing)
+                        below = {&handle, slot, target};
+                    });
   }
   throw_conflict(above, below, missing);
 }
@@ -208,22 +216,6 @@ void CoordinateDrag::throw_conflict(const Target& above, const Target& below,
                         "ijk"[m_coordinate] + " than the links between " +
                         (single ? "them" : "voxels " + voxels[0] + " and " + voxels[1]) + " allow",
                     "handles that agree with each other"});
-}
-
-void CoordinateDrag::add_push_bounds(Holds& holds) const {
-  const auto add = [&](Direction direction, std::vector<Bound>& bounds) {
-    const std::size_t earlier = bounds.size();
-    for (const HeldHandle& handle : m_held.handles) {
-      if (handle.source->kind != HandleKind::push) continue;
-      if (!handle.bounds(direction, m_coordinate)) continue;
-      for_each_target(handle, [&](Slot slot, std::int32_t target, std::int32_t) {
-        bounds.push_back({slot, target});
-      });
-    }
-    if (bounds.size() != earlier) std::sort(bounds.begin(), bounds.end(), by_slot);
-  };
-  add(Direction::raise, holds.at_least[std::size_t(m_coordinate)]);
-  add(Direction::lower, holds.at_most[std::size_t(m_coordinate)]);
 }
 
 }  // namespace supple

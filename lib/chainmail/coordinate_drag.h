@@ -8,13 +8,16 @@
 // moves least. L is only needed above q and U only below. Who bounds what, with D the displacement
 // of a handle, f the fraction of the drag and q the offsets before it:
 //   two-sided handle     in A and B   l = u = q + f D
-//   push handle, D > 0   in A         l = q + f D          D = 0: in neither
-//                D < 0   in B         u = q + f D
+//   push handle          in A or B    l = t + f D or u = t + f D
 //   anchor, held voxel   in A and B   l = u = q
-//   held push            in A or B    l <= q or u >= q, the bound that it was pushed to
+//   held push            in A or B    l = t or u = t
+// A push handle is a tool at the place t: on elements that it does not hold yet t = q, and it is in
+// A when D > 0, in B when D < 0, in neither when D = 0; later it stays on its side, t <= q in A and
+// t >= q in B, so that withdrawing it moves nothing.
 // Handles must agree at f = 1. Two push handles of one direction always do, as A meets no B.
-// At f = 0 the bounds are met, so what is held only limits f: for a handle a that rises and a held
-// upper bound b, f D_a <= dist(a, b) - (q_a - u_b), and mirrored for sinking handles. Truncating
+// At f = 0 the bounds are met, so what is held only limits f: for a handle a in A that rises and a
+// held upper bound b, f D_a <= dist(a, b) - (l_a - u_b), l_a before the drag; and mirrored for
+// sinking handles. Truncating
 // the targets toward zero keeps them feasible: trunc(f D_a) - trunc(f D_b) <= max(0, D_a - D_b)
 // where both fit at f = 1, and it only shortens moves against what is held.
 //
@@ -55,8 +58,6 @@ class CoordinateDrag {
   void try_whole(Fraction& fraction);
   /// Starts over and moves the handles by that part.
   void redo(const Fraction& fraction);
-  /// Adds the bounds to which the push handles came.
-  void add_push_bounds(Holds& holds) const;
   /// Keeps the result.
   void commit() { m_committed = true; }
 
@@ -77,6 +78,7 @@ class CoordinateDrag {
 
   Excess solve();
   std::vector<Seed> seeds(Direction direction) const;
+  const std::vector<Bound>& held_bounds(Direction direction) const;
   std::int64_t excess_of_held(Direction direction) const;
   void limit_by_held(Direction direction, std::int64_t excess, Fraction& fraction);
   void require_agreement();
@@ -84,9 +86,10 @@ class CoordinateDrag {
   [[noreturn]] void throw_conflict(const Target& above, const Target& below,
                                    std::int64_t missing) const;
 
-  /// Calls `visit(slot, target, present)` for the elements of a handle.
+  /// Calls `visit(slot, target, present)` for the elements that a handle keeps from sinking below
+  /// their target (raise) or from rising above it (lower).
   template <class Visit>
-  void for_each_target(const HeldHandle& handle, Visit&& visit) const;
+  void for_each_target(const HeldHandle& handle, Direction direction, Visit&& visit) const;
 
   Body& m_body;
   const int m_coordinate;

@@ -81,18 +81,34 @@ CoordinateDrags solve(Body& body, const HeldVoxels& held, Fraction& fraction, Pr
   return drags;
 }
 
+/// The places that a push handle came to; one that was withdrawn beyond the range asks nothing
+/// more.
+void add_bounds(const std::vector<Bound>& places, std::int32_t by, std::vector<Bound>& bounds) {
+  for (const Bound& place : places) {
+    bounds.push_back({place.slot, std::clamp(place.value + by, -kMaxOffset, kMaxOffset)});
+  }
+}
+
 /// What is held after the drag: the rest of the earlier holds, and its own handles.
-Holds holds_after(const HeldVoxels& held, Holds holds, const CoordinateDrags& drags) {
-  holds.still.remove(held.grabbed);
+Holds holds_after(const HeldVoxels& held, const Fraction& fraction) {
+  Holds holds = held.rest;
   std::vector<SlotSet::Brick> still = holds.still.bricks();
   for (const HeldHandle& handle : held.handles) {
-    if (handle.source->kind == HandleKind::push) continue;
-    still.insert(still.end(), handle.slots.bricks().begin(), handle.slots.bricks().end());
+    if (!handle.is_push()) {
+      still.insert(still.end(), handle.slots.bricks().begin(), handle.slots.bricks().end());
+      continue;
+    }
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::int32_t by = fraction.scale(handle.by(int(c)));
+      add_bounds(handle.below[c], by, holds.at_least[c]);
+      add_bounds(handle.above[c], by, holds.at_most[c]);
+    }
   }
   holds.still = SlotSet(std::move(still));
-  holds.at_least = held.at_least;
-  holds.at_most = held.at_most;
-  for (const auto& drag : drags) drag->add_push_bounds(holds);
+  const auto by_slot = [](const Bound& a, const Bound& b) { return a.slot < b.slot; };
+  for (auto* side : {&holds.at_least, &holds.at_most}) {
+    for (std::vector<Bound>& bounds : *side) std::sort(bounds.begin(), bounds.end(), by_slot);
+  }
   return holds;
 }
 
@@ -135,7 +151,7 @@ EcmReport drag(Body& body, const std::vector<Handle>& handles, const std::vector
   result.fraction_numerator = fraction.numerator;
   result.fraction_denominator = fraction.denominator;
   result.moved = count_moved(body, drags);
-  Holds next = holds_after(held, holds, drags);
+  Holds next = holds_after(held, fraction);
   for (const auto& coordinate : drags) {
     result.visited += coordinate->propagator().visited();
     result.max_queue = std::max(result.max_queue, coordinate->propagator().max_queue());

@@ -16,9 +16,10 @@
 
 namespace supple {
 
-/// A two-sided handle takes its elements along whichever way it goes. A push handle moves them only
-/// ahead of itself, like a tool that does not stick: in a coordinate with by > 0 they end at least
-/// that far, with by < 0 at most, and by = 0 asks for nothing.
+/// A two-sided handle takes its elements along whichever way it goes. A push handle is a tool that
+/// does not stick: in a coordinate with by > 0 its elements end at least that far, with by < 0 at
+/// most, and by = 0 asks for nothing. Held through later drags it keeps its side: it pushes on from
+/// where it is, and withdrawing it leaves the tissue where that was pushed to.
 enum class HandleKind { two_sided, push };
 
 /// A grabbed region and how far all its elements move from where they are now, as one, per grid
@@ -79,8 +80,9 @@ struct EcmReport {
 EcmReport drag(Body& body, const std::vector<Handle>& handles, const std::vector<Region>& anchors,
                Progress* progress = nullptr);
 
-/// The same among what earlier drags hold, which counts as anchors: adds these handles to `holds`.
-/// Elements that are grabbed again are let go first.
+/// The same among what earlier drags hold, which counts as anchors, and adds these handles to
+/// `holds`. Elements that are grabbed again are no anchors; where both times a push handle did, the
+/// new one is the same tool and goes on.
 EcmReport drag(Body& body, const std::vector<Handle>& handles, const std::vector<Region>& anchors,
                Holds& holds, Progress* progress = nullptr);
 

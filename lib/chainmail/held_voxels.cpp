@@ -77,30 +77,70 @@ void require_range(const Body& body, const HeldHandle& handle) {
   }
 }
 
+const Bound* find_bound(const std::vector<Bound>& bounds, Slot slot) {
+  const auto found =
+      std::lower_bound(bounds.begin(), bounds.end(), slot,
+                       [](const Bound& bound, Slot wanted) { return bound.slot < wanted; });
+  return found != bounds.end() && found->slot == slot ? &*found : nullptr;
+}
+
+/// A tool that is still there keeps its place and side; a new one begins at the elements, on the
+/// side that it moves away from.
+void place_tool(const Body& body, const Holds& earlier, HeldHandle& handle) {
+  for (std::size_t c = 0; c < 3; ++c) {
+    const std::int32_t by = handle.source->by_q[c];
+    handle.slots.for_each([&](Slot slot) {
+      if (const Bound* least = find_bound(earlier.at_least[c], slot)) {
+        handle.below[c].push_back(*least);
+      } else if (const Bound* most = find_bound(earlier.at_most[c], slot)) {
+        handle.above[c].push_back(*most);
+      } else if (by != 0) {
+        (by > 0 ? handle.below : handle.above)[c].push_back({slot, body.q[c].at(slot)});
+      }
+    });
+  }
+}
+
+/// A bound that an element has already passed, as after a projection, counts from where it is.
+Holds met_by(const Body& body, Holds holds) {
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (Bound& bound : holds.at_least[c]) {
+      bound.value = std::min(bound.value, body.q[c].at(bound.slot));
+    }
+    for (Bound& bound : holds.at_most[c]) {
+      bound.value = std::max(bound.value, body.q[c].at(bound.slot));
+    }
+  }
+  return holds;
+}
+
+std::vector<Bound> without(const std::vector<Bound>& bounds, const SlotSet& set) {
+  std::vector<Bound> kept;
+  std::copy_if(bounds.begin(), bounds.end(), std::back_inserter(kept),
+               [&](const Bound& bound) { return !set.contains(bound.slot); });
+  return kept;
+}
+
 }  // namespace
 
 HeldVoxels hold(const Body& body, const std::vector<Handle>& handles,
-                const std::vector<Region>& anchors, const Holds& earlier) {
+                const std::vector<Region>& anchors, const Holds& holds) {
+  const Holds earlier = met_by(body, holds);
   HeldVoxels held;
   for (const Handle& handle : handles) {
     held.handles.push_back({elements_of(body, handle.region, "grab"), &handle});
     require_range(body, held.handles.back());
+    if (handle.kind == HandleKind::push) place_tool(body, earlier, held.handles.back());
   }
   held.grabbed = all_grabbed(body, held.handles);
   held.anchors = all_anchored(body, anchors, held.handles, held.grabbed);
 
-  SlotSet still = earlier.still;
-  still.remove(held.grabbed);
-  held.anchors.add(still);
+  held.rest.still = earlier.still;
+  held.rest.still.remove(held.grabbed);
+  held.anchors.add(held.rest.still);
   for (std::size_t c = 0; c < 3; ++c) {
-    for (const Bound& bound : earlier.at_least[c]) {
-      if (held.grabbed.contains(bound.slot)) continue;
-      held.at_least[c].push_back({bound.slot, std::min(bound.value, body.q[c].at(bound.slot))});
-    }
-    for (const Bound& bound : earlier.at_most[c]) {
-      if (held.grabbed.contains(bound.slot)) continue;
-      held.at_most[c].push_back({bound.slot, std::max(bound.value, body.q[c].at(bound.slot))});
-    }
+    held.rest.at_least[c] = without(earlier.at_least[c], held.grabbed);
+    held.rest.at_most[c] = without(earlier.at_most[c], held.grabbed);
   }
   return held;
 }

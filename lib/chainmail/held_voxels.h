@@ -14,28 +14,26 @@ namespace supple {
 struct HeldHandle {
   SlotSet slots;
   const Handle* source;
+  /// Of a push handle, per coordinate: the elements that it keeps from sinking, and from rising,
+  /// with the tool's place before the drag.
+  std::array<std::vector<Bound>, 3> below = {}, above = {};
 
+  bool is_push() const { return source->kind == HandleKind::push; }
   std::int32_t by(int coordinate) const { return source->by_q[std::size_t(coordinate)]; }
-  /// Whether it keeps its elements from sinking (raise) or rising (lower) beyond their targets.
-  bool bounds(Direction direction, int coordinate) const {
-    if (source->kind == HandleKind::two_sided) return true;
-    return direction == Direction::raise ? by(coordinate) > 0 : by(coordinate) < 0;
-  }
 };
 
 struct HeldVoxels {
   std::vector<HeldHandle> handles;
-  SlotSet grabbed;                                      // the elements of all handles
-  SlotSet anchors;                                      // stay where they are
-  std::array<std::vector<Bound>, 3> at_least, at_most;  // per coordinate, ascending slots
+  SlotSet grabbed;  // the elements of all handles
+  SlotSet anchors;  // stay where they are: fixed ones and rest.still
+  Holds rest;       // earlier holds of elements that are not grabbed
 };
 
-/// Finds handles and anchors in the body. Elements that are grabbed are not held any more; a bound
-/// that an element has already passed, as after a projection, counts from where it is. Throws
-/// InputError: a region without element, a voxel in two handles or in a handle and an anchor, a
-/// target beyond the range of +-16384 voxels. Cost: the bricks of all regions, and the offsets of
-/// the grabbed elements.
+/// Finds handles and anchors in the body. Elements that are grabbed are not held any more; a push
+/// handle goes on from where it pushed them to. Throws InputError: a region without element, a
+/// voxel in two handles or in a handle and an anchor, a target beyond the range of +-16384 voxels.
+/// Cost: the bricks of all regions, the offsets of the grabbed elements and the bounds.
 HeldVoxels hold(const Body& body, const std::vector<Handle>& handles,
-                const std::vector<Region>& anchors, const Holds& earlier);
+                const std::vector<Region>& anchors, const Holds& holds);
 
 }  // namespace supple

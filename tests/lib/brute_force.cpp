@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include <gtest/gtest.h>
+
 namespace supple::test {
 
 namespace {
@@ -34,6 +36,12 @@ Real at_link(const MaterialTable& table, const Curve& curve, int a, int b) {
   };
   if (table.combine == Combine::limits) return (at(Real(a) / 255) + at(Real(b) / 255)) / 2;
   return at(Real(a + b) / 510);
+}
+
+/// The part of a displacement that is performed, truncated toward zero.
+Wide part_of(Wide by, const BruteForce::Outcome& outcome) {
+  const Wide sign = by < 0 ? -1 : 1;
+  return sign * (sign * by * outcome.numerator / outcome.denominator);
 }
 
 Wide units_below(Real voxels) {
@@ -114,62 +122,138 @@ int BruteForce::broken_links() const {
 }
 
 Wide BruteForce::missing(int c, const Grab& a, const Grab& b) const {
-  return q[c][a.node] + a.by[c] - q[c][b.node] - b.by[c] - distances_from(c, a.node)[b.node];
+  Wide largest = -kNoPath;
+  for (const Limit& from : limits(c, true, {a}, {})) {
+    if (!from.is_handle) continue;
+    const std::vector<Wide> distance = distances_from(c, from.node);
+    for (const Limit& to : limits(c, false, {b}, {})) {
+      if (!to.is_handle) continue;
+      largest = std::max(largest, from.at + from.by - to.at - to.by - distance[to.node]);
+    }
+  }
+  return largest;
 }
 
-BruteForce::Outcome BruteForce::drag(const std::vector<Grab>& grabs,
-                                     const std::vector<int>& anchors) {
-  std::vector<Grab> held = grabs;
-  for (const int node : anchors) held.push_back({node, {0, 0, 0}});
-  const std::size_t handles = grabs.size();
-  Outcome outcome;
-  for (int c = 0; c < 3 && !outcome.conflict; ++c) {
-    for (std::size_t a = 0; a < held.size(); ++a) {
-      const std::vector<Wide> distance = distances_from(c, held[a].node);
-      for (std::size_t b = 0; b < held.size(); ++b) {
-        const Wide spread = held[a].by[c] - held[b].by[c];
-        const Wide room = distance[held[b].node] - (q[c][held[a].node] - q[c][held[b].node]);
-        if (spread <= room) continue;
-        if (a < handles && b < handles) {
-          outcome.conflict = true;
-          outcome.conflict_axis = c;
-          outcome.missing = std::max(outcome.missing, spread - room);
-        } else if (__int128(room) * outcome.denominator < __int128(outcome.numerator) * spread) {
-          const Wide divisor = std::gcd(room, spread);
-          outcome.numerator = room / divisor;
-          outcome.denominator = spread / divisor;
-        }
+std::optional<Wide> BruteForce::tool_at(int c, bool lower, const Grab& grab, int node) const {
+  for (const Kept& kept : m_kept) {
+    if (kept.node != node || kept.still) continue;
+    const bool is_below = kept.least[c] > -kNoPath, is_above = kept.most[c] < kNoPath;
+    if (!is_below && !is_above) break;
+    if (lower != is_below) return {};
+    return lower ? kept.least[c] : kept.most[c];
+  }
+  if (lower ? grab.by[c] > 0 : grab.by[c] < 0) return q[c][node];
+  return {};
+}
+
+std::vector<BruteForce::Limit> BruteForce::limits(int c, bool lower, const std::vector<Grab>& grabs,
+                                                  const std::vector<int>& anchors) const {
+  std::vector<Limit> list;
+  std::vector<char> grabbed(std::size_t(m_nodes), 0);
+  for (const int node : anchors) list.push_back({node, q[c][node], 0, false});
+  for (const Grab& grab : grabs) {
+    for (const int node : grab.nodes) {
+      grabbed[std::size_t(node)] = 1;
+      const std::optional<Wide> at =
+          grab.push ? tool_at(c, lower, grab, node) : std::optional<Wide>(q[c][node]);
+      if (at) list.push_back({node, *at, grab.by[c], true});
+    }
+  }
+  for (const Kept& kept : m_kept) {
+    if (grabbed[std::size_t(kept.node)]) continue;
+    const Wide bound = kept.still ? q[c][kept.node] : lower ? kept.least[c] : kept.most[c];
+    if (bound > -kNoPath && bound < kNoPath) list.push_back({kept.node, bound, 0, false});
+  }
+  return list;
+}
+
+/// All pairs: handles must agree, everything else scales the drag.
+void BruteForce::compare(int c, const std::vector<Limit>& lower, const std::vector<Limit>& upper,
+                         Outcome& outcome) const {
+  for (const Limit& a : lower) {
+    const std::vector<Wide> distance = distances_from(c, a.node);
+    for (const Limit& b : upper) {
+      const Wide spread = a.by - b.by;
+      const Wide room = distance[b.node] - (a.at - b.at);
+      if (spread <= room) continue;
+      if (a.is_handle && b.is_handle) {
+        outcome.conflict = true;
+        outcome.conflict_axis = c;
+        outcome.missing = std::max(outcome.missing, spread - room);
+      } else if (__int128(room) * outcome.denominator < __int128(outcome.numerator) * spread) {
+        const Wide divisor = std::gcd(room, spread);
+        outcome.numerator = room / divisor;
+        outcome.denominator = spread / divisor;
       }
     }
   }
-  if (outcome.conflict) return outcome;
+}
 
-  std::vector<int> nodes;
-  for (const Grab& grab : held) nodes.push_back(grab.node);
+BruteForce::Outcome BruteForce::drag(const std::vector<Grab>& grabs,
+                                     const std::vector<int>& anchors, bool keep) {
+  std::array<std::vector<Limit>, 3> lower, upper;
+  Outcome outcome;
   for (int c = 0; c < 3; ++c) {
-    std::vector<Wide> targets;
-    for (const Grab& grab : held) {
-      const Wide sign = grab.by[c] < 0 ? -1 : 1;
-      targets.push_back(q[c][grab.node] +
-                        sign * (sign * grab.by[c] * outcome.numerator / outcome.denominator));
-    }
-    move_between(c, nodes, targets);
+    lower[c] = limits(c, true, grabs, anchors);
+    upper[c] = limits(c, false, grabs, anchors);
+    compare(c, lower[c], upper[c], outcome);
+    if (outcome.conflict) return outcome;
   }
+  const std::vector<Kept> next = kept_after(grabs, outcome);
+  for (int c = 0; c < 3; ++c) move_between(c, lower[c], upper[c], outcome);
+  if (keep) m_kept = next;
   return outcome;
 }
 
-/// q = median(L, q, U) with the envelopes of all held nodes.
-void BruteForce::move_between(int c, const std::vector<int>& held,
-                              const std::vector<Wide>& targets) {
+/// q = median(L, q, U) with the envelopes of all limits.
+void BruteForce::move_between(int c, const std::vector<Limit>& lower,
+                              const std::vector<Limit>& upper, const Outcome& outcome) {
   std::vector<Wide> least(m_nodes, -kNoPath * 4), greatest(m_nodes, kNoPath * 4);
-  for (std::size_t a = 0; a < held.size(); ++a) {
-    const std::vector<Wide> from = distances_from(c, held[a]), to = distances_to(c, held[a]);
+  for (const Limit& a : lower) {
+    const std::vector<Wide> from = distances_from(c, a.node);
     for (int j = 0; j < m_nodes; ++j) {
-      if (from[j] < kNoPath) least[j] = std::max(least[j], targets[a] - from[j]);
-      if (to[j] < kNoPath) greatest[j] = std::min(greatest[j], targets[a] + to[j]);
+      if (from[j] < kNoPath) least[j] = std::max(least[j], a.at + part_of(a.by, outcome) - from[j]);
+    }
+  }
+  for (const Limit& b : upper) {
+    const std::vector<Wide> to = distances_to(c, b.node);
+    for (int j = 0; j < m_nodes; ++j) {
+      if (to[j] < kNoPath)
+        greatest[j] = std::min(greatest[j], b.at + part_of(b.by, outcome) + to[j]);
     }
   }
   for (int j = 0; j < m_nodes; ++j) q[c][j] = std::clamp(q[c][j], least[j], greatest[j]);
+}
+
+std::vector<BruteForce::Kept> BruteForce::kept_after(const std::vector<Grab>& grabs,
+                                                     const Outcome& outcome) const {
+  std::vector<Kept> kept_nodes;
+  std::vector<char> grabbed(std::size_t(m_nodes), 0);
+  for (const Grab& grab : grabs) {
+    for (const int node : grab.nodes) {
+      Kept kept{node, !grab.push, {-kNoPath, -kNoPath, -kNoPath}, {kNoPath, kNoPath, kNoPath}};
+      for (int c = 0; c < 3; ++c) {
+        const Wide part = part_of(grab.by[c], outcome);
+        if (const auto at = tool_at(c, true, grab, node)) kept.least[c] = *at + part;
+        if (const auto at = tool_at(c, false, grab, node)) kept.most[c] = *at + part;
+      }
+      kept_nodes.push_back(kept);
+      grabbed[std::size_t(node)] = 1;
+    }
+  }
+  for (const Kept& kept : m_kept) {
+    if (!grabbed[std::size_t(kept.node)]) kept_nodes.push_back(kept);
+  }
+  return kept_nodes;
+}
+
+void expect_equal(const Body& body, const Block& block, const BruteForce& brute) {
+  for (int n = 0; n < block.size(); ++n) {
+    if (!block.element[n]) continue;
+    for (int c = 0; c < 3; ++c) {
+      ASSERT_EQ(body.offset(block.voxel(n), c), brute.q[c][n]) << "node " << n << " axis " << c;
+    }
+  }
 }
 
 }  // namespace supple::test

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,8 +21,9 @@ class BruteForce {
   explicit BruteForce(const Block& block);
 
   struct Grab {
-    int node;
+    std::vector<int> nodes;
     std::array<Wide, 3> by;
+    bool push = false;
   };
   struct Outcome {
     bool conflict = false;
@@ -29,10 +31,12 @@ class BruteForce {
     Wide missing = 0;  // the largest over pairs of handles, first coordinate that has any
     Wide numerator = 1, denominator = 1;
   };
-  /// Moves q unless handles contradict each other.
-  Outcome drag(const std::vector<Grab>& grabs, const std::vector<int>& anchors);
+  /// Moves q unless handles contradict each other; among what earlier drags held, and keeps hold
+  /// of these handles, when `keep` says so.
+  Outcome drag(const std::vector<Grab>& grabs, const std::vector<int>& anchors, bool keep = false);
+  void let_go() { m_kept.clear(); }
 
-  /// T_a - T_b - dist(a, b) of two handles for the whole drag.
+  /// The largest T_a - T_b - dist(a, b) of two handles for the whole drag.
   Wide missing(int c, const Grab& a, const Grab& b) const;
 
   /// Shortest path in slack from `source` to every node, or from every node to it.
@@ -47,11 +51,35 @@ class BruteForce {
     int low, high;
     std::array<Wide, 3> upper, lower;
   };
+  /// A node that may not sink below (or rise above) `at` + the moved part of `by`.
+  struct Limit {
+    int node;
+    Wide at, by;
+    bool is_handle;
+  };
+  /// A node that an earlier drag holds: where it is, or by a bound per coordinate.
+  struct Kept {
+    int node;
+    bool still;
+    std::array<Wide, 3> least, most;
+  };
   std::vector<Wide> relax(int c, int source, bool from) const;
-  void move_between(int c, const std::vector<int>& held, const std::vector<Wide>& targets);
+  std::vector<Limit> limits(int c, bool lower, const std::vector<Grab>& grabs,
+                            const std::vector<int>& anchors) const;
+  void compare(int c, const std::vector<Limit>& lower, const std::vector<Limit>& upper,
+               Outcome& outcome) const;
+  void move_between(int c, const std::vector<Limit>& lower, const std::vector<Limit>& upper,
+                    const Outcome& outcome);
+  /// Where the tool of a push handle limits a node in one coordinate, none where it does not.
+  std::optional<Wide> tool_at(int c, bool lower, const Grab& grab, int node) const;
+  std::vector<Kept> kept_after(const std::vector<Grab>& grabs, const Outcome& outcome) const;
 
+  std::vector<Kept> m_kept;
   int m_nodes;
   std::vector<Link> m_links;
 };
+
+/// Fails the test unless every offset is the same.
+void expect_equal(const Body& body, const Block& block, const BruteForce& brute);
 
 }  // namespace supple::test

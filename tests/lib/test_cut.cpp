@@ -517,7 +517,7 @@ TEST(PropertyCuts, TenThousandRandomCutsAndDragsKeepEveryLinkValid) {
       ASSERT_EQ(broken_links(body), 0) << "body " << n << " round " << round;
       if (!with_oracle) continue;
       brute = rebuilt(block, body, brute);
-      brute.drag({{node, {by[0], by[1], by[2]}}}, {});
+      brute.drag({{{node}, {by[0], by[1], by[2]}}}, {});
       for_each_element(body.elements, [&](Slot slot) {
         const Vec3i voxel = voxel_of(body.elements, slot), at = voxel - block.origin;
         for (int c = 0; c < 3; ++c) {
