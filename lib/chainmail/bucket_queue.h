@@ -63,6 +63,18 @@ class BucketQueue {
     }
   }
 
+  /// Takes all entries of the first bucket that has some; false when the queue is empty.
+  bool take_bucket(std::vector<QueueEntry>& entries) {
+    entries.clear();
+    QueueEntry first;
+    if (!pop(first)) return false;
+    auto& bucket = m_buckets[m_current % kBuckets];
+    m_in_window -= bucket.size() - m_next;
+    entries.swap(bucket);
+    m_next = 0;
+    return true;
+  }
+
   std::size_t max_size() const { return m_max_size; }
 
  private:

@@ -28,12 +28,15 @@ std::int32_t Fraction::scale(std::int32_t value) const {
 }
 
 CoordinateDrag::CoordinateDrag(Body& body, int coordinate, const HeldVoxels& held,
-                               Progress* progress)
+                               Propagator& propagator, UndoLog& undo, Progress* progress)
     : m_body(body),
       m_coordinate(coordinate),
       m_held(held),
       m_values(body.q[coordinate]),
-      m_propagator(body, coordinate, progress) {
+      m_undo(undo),
+      m_propagator(propagator),
+      m_progress(progress) {
+  m_undo.clear();
   m_values.resize(body.elements.brick_count());
 }
 
@@ -94,12 +97,19 @@ std::vector<Seed> CoordinateDrag::seeds(Direction direction) const {
   return seeds;
 }
 
+void CoordinateDrag::propagate(Direction direction, const std::vector<Seed>& seeds) {
+  const PropagationCounts counts =
+      m_propagator.run({m_coordinate, direction, m_values, &m_undo, m_progress}, seeds);
+  m_counts.visits += counts.visits;
+  m_counts.max_queue = std::max(m_counts.max_queue, counts.max_queue);
+}
+
 /// median(L, q, U): up to L from the lower bounds, then down to U from the upper ones.
 CoordinateDrag::Excess CoordinateDrag::solve() {
   Excess excess;
-  m_propagator.run(Direction::raise, seeds(Direction::raise), m_values, &m_undo);
+  propagate(Direction::raise, seeds(Direction::raise));
   excess.up = excess_of_held(Direction::raise);
-  m_propagator.run(Direction::lower, seeds(Direction::lower), m_values, &m_undo);
+  propagate(Direction::lower, seeds(Direction::lower));
   excess.down = excess_of_held(Direction::lower);
   return excess;
 }
@@ -156,7 +166,7 @@ void CoordinateDrag::limit_by_held(Direction direction, std::int64_t excess, Fra
   for (const Bound& bound : held_bounds(direction)) {
     seeds.push_back({bound.slot, bound.value - sign * furthest});
   }
-  m_propagator.run(sign > 0 ? Direction::lower : Direction::raise, seeds, m_values, &m_undo);
+  propagate(sign > 0 ? Direction::lower : Direction::raise, seeds);
   for (const HeldHandle& handle : m_held.handles) {
     const std::int32_t by = sign * handle.by(m_coordinate);
     if (by <= 0) continue;
@@ -189,7 +199,7 @@ void CoordinateDrag::require_agreement() {
 /// Raising the upper element alone from the present (valid, low) configuration lifts its partner
 /// above the partner's upper bound by the same missing distance.
 void CoordinateDrag::report_conflict(const Target& above, std::int64_t missing) {
-  m_propagator.run(Direction::raise, {{above.slot, above.value}}, m_values, &m_undo);
+  propagate(Direction::raise, {{above.slot, above.value}});
   Target below = above;
   for (const HeldHandle& handle : m_held.handles) {
     for_each_target(handle, Direction::lower,

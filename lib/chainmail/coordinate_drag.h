@@ -48,7 +48,9 @@ class CoordinateDrag {
  public:
   /// Gives the coordinate its table of bricks if it never moved; the destructor rolls back unless
   /// commit() was called.
-  CoordinateDrag(Body& body, int coordinate, const HeldVoxels& held, Progress* progress);
+  /// `undo` tells the result from the start until the next drag.
+  CoordinateDrag(Body& body, int coordinate, const HeldVoxels& held, Propagator& propagator,
+                 UndoLog& undo, Progress* progress);
   ~CoordinateDrag();
   CoordinateDrag(const CoordinateDrag&) = delete;
   CoordinateDrag& operator=(const CoordinateDrag&) = delete;
@@ -63,7 +65,7 @@ class CoordinateDrag {
 
   const UndoLog& undo() const { return m_undo; }
   const BrickValues& values() const { return m_values; }
-  const Propagator& propagator() const { return m_propagator; }
+  const PropagationCounts& counts() const { return m_counts; }
 
  private:
   /// How far held elements were moved beyond their bounds, upwards and downwards.
@@ -76,6 +78,7 @@ class CoordinateDrag {
     std::int32_t value;
   };
 
+  void propagate(Direction direction, const std::vector<Seed>& seeds);
   Excess solve();
   std::vector<Seed> seeds(Direction direction) const;
   const std::vector<Bound>& held_bounds(Direction direction) const;
@@ -97,8 +100,10 @@ class CoordinateDrag {
   BrickValues& m_values;
   bool m_committed = false;
   Fraction m_fraction;  // of the targets
-  UndoLog m_undo;
-  Propagator m_propagator;
+  UndoLog& m_undo;
+  Propagator& m_propagator;
+  Progress* m_progress;
+  PropagationCounts m_counts;
 };
 
 }  // namespace supple

@@ -37,25 +37,26 @@ class OffsetsGuard {
 using CoordinateDrags = std::vector<std::unique_ptr<CoordinateDrag>>;
 
 /// Elements that changed in any coordinate.
-std::int64_t count_moved(const Body& body, const CoordinateDrags& drags) {
+std::int64_t count_moved(const CoordinateDrags& drags) {
   std::vector<std::size_t> bricks;
   for (const auto& drag : drags) {
     bricks.insert(bricks.end(), drag->undo().bricks().begin(), drag->undo().bricks().end());
   }
-  std::sort(bricks.begin(), bricks.end());
-  bricks.erase(std::unique(bricks.begin(), bricks.end()), bricks.end());
+  if (drags.size() > 1) {
+    std::sort(bricks.begin(), bricks.end());
+    bricks.erase(std::unique(bricks.begin(), bricks.end()), bricks.end());
+  }
 
   std::int64_t moved = 0;
   for (const std::size_t brick : bricks) {
-    for_each_active(body.elements.mask(brick), [&](int offset) {
-      bool changed = false;
-      for (const auto& drag : drags) {
-        const std::int32_t* before = drag->undo().saved_of(brick);
-        changed |=
-            before != nullptr && before[offset] != drag->values().brick_or_zero(brick)[offset];
-      }
-      moved += changed;
-    });
+    std::int32_t changes[kBrickVoxels] = {};
+    for (const auto& drag : drags) {
+      const std::int32_t* before = drag->undo().saved_of(brick);
+      if (before == nullptr) continue;
+      const std::int32_t* now = drag->values().brick_or_zero(brick);
+      for (int n = 0; n < kBrickVoxels; ++n) changes[n] |= before[n] ^ now[n];
+    }
+    moved += kBrickVoxels - std::count(changes, changes + kBrickVoxels, 0);
   }
   return moved;
 }
@@ -67,12 +68,13 @@ bool moves_along(const HeldVoxels& held, int coordinate) {
 
 /// All coordinates at their whole targets; again, shortened by one common fraction, when anchors
 /// stop one of them.
-CoordinateDrags solve(Body& body, const HeldVoxels& held, Fraction& fraction, Progress* progress) {
+CoordinateDrags solve(Body& body, const HeldVoxels& held, Propagator& propagator,
+                      std::array<UndoLog, 3>& undo, Fraction& fraction, Progress* progress) {
   CoordinateDrags drags;
   for (int c = 0; c < 3; ++c) {
     report(progress, c / 3.0);
     if (!moves_along(held, c)) continue;
-    drags.push_back(std::make_unique<CoordinateDrag>(body, c, held, progress));
+    drags.push_back(std::make_unique<CoordinateDrag>(body, c, held, propagator, undo[c], progress));
     drags.back()->try_whole(fraction);
   }
   if (!fraction.is_whole()) {
@@ -128,33 +130,34 @@ std::array<std::int32_t, 3> fixed_from_mm(const Vec3d& by_mm, const Vec3d& spaci
   return by_q;
 }
 
-EcmReport drag(Body& body, const std::vector<Handle>& handles, const std::vector<Region>& anchors,
-               Progress* progress) {
+EcmReport EcmSolver::drag(const std::vector<Handle>& handles, const std::vector<Region>& anchors,
+                          Progress* progress) {
   Holds none;
-  return drag(body, handles, anchors, none, progress);
+  return drag(handles, anchors, none, progress);
 }
 
-EcmReport drag(Body& body, const std::vector<Handle>& handles, const std::vector<Region>& anchors,
-               Holds& holds, Progress* progress) {
+EcmReport EcmSolver::drag(const std::vector<Handle>& handles, const std::vector<Region>& anchors,
+                          Holds& holds, Progress* progress) {
   const auto begin = std::chrono::steady_clock::now();
   EcmReport result;
-  OffsetsGuard guard(body);
-  if (!body.links_known_valid) {
-    const ProjectionReport projection = project(body);
+  result.engine = engine();
+  OffsetsGuard guard(m_body);
+  if (!m_body.links_known_valid) {
+    const ProjectionReport projection = project(m_body);
     result.projected_links = projection.violated_links;
     result.projected_max_voxels = projection.max_move_voxels;
   }
 
-  const HeldVoxels held = hold(body, handles, anchors, holds);
+  const HeldVoxels held = hold(m_body, handles, anchors, holds);
   Fraction fraction;
-  const CoordinateDrags drags = solve(body, held, fraction, progress);
+  const CoordinateDrags drags = solve(m_body, held, m_propagator, m_undo, fraction, progress);
   result.fraction_numerator = fraction.numerator;
   result.fraction_denominator = fraction.denominator;
-  result.moved = count_moved(body, drags);
+  result.moved = count_moved(drags);
   Holds next = holds_after(held, fraction);
   for (const auto& coordinate : drags) {
-    result.visited += coordinate->propagator().visited();
-    result.max_queue = std::max(result.max_queue, coordinate->propagator().max_queue());
+    result.visited += coordinate->counts().visits;
+    result.max_queue = std::max(result.max_queue, coordinate->counts().max_queue);
     coordinate->commit();
   }
   guard.dismiss();
@@ -162,6 +165,22 @@ EcmReport drag(Body& body, const std::vector<Handle>& handles, const std::vector
   result.milliseconds =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
   return result;
+}
+
+std::size_t EcmSolver::bytes() const {
+  std::size_t total = m_propagator.bytes();
+  for (const UndoLog& undo : m_undo) total += undo.bytes();
+  return total;
+}
+
+EcmReport drag(Body& body, const std::vector<Handle>& handles, const std::vector<Region>& anchors,
+               Progress* progress) {
+  return EcmSolver(body).drag(handles, anchors, progress);
+}
+
+EcmReport drag(Body& body, const std::vector<Handle>& handles, const std::vector<Region>& anchors,
+               Holds& holds, Progress* progress) {
+  return EcmSolver(body).drag(handles, anchors, holds, progress);
 }
 
 }  // namespace supple

@@ -12,6 +12,7 @@
 
 #include "lib/body/body.h"
 #include "lib/body/region.h"
+#include "lib/chainmail/propagate.h"
 #include "volumes/base/progress.h"
 
 namespace supple {
@@ -61,8 +62,9 @@ struct EcmReport {
   std::int64_t moved = 0;            // elements whose offset changed
   std::int64_t projected_links = 0;  // links of an invalid start that were wrong
   double projected_max_voxels = 0;   // largest move of the projection
-  std::int64_t visited = 0;          // queue pops, all coordinates
-  std::int64_t max_queue = 0;
+  Engine engine = Engine::flat;      // that solved it
+  std::int64_t visited = 0;          // bricks (block engine) or nodes, all coordinates
+  std::int64_t max_queue = 0;        // that waited at one time
   double milliseconds = 0;
 
   double fraction() const { return double(fraction_numerator) / double(fraction_denominator); }
@@ -85,6 +87,30 @@ EcmReport drag(Body& body, const std::vector<Handle>& handles, const std::vector
 /// new one is the same tool and goes on.
 EcmReport drag(Body& body, const std::vector<Handle>& handles, const std::vector<Region>& anchors,
                Holds& holds, Progress* progress = nullptr);
+
+/// The same for many drags of one body: queues, tables and undo memory stay, so that a local drag
+/// costs what it moves. The body's elements, classes, slacks and cuts must not change between
+/// drags; its offsets may.
+class EcmSolver {
+ public:
+  explicit EcmSolver(Body& body, Engine engine = Engine::automatic)
+      : m_body(body), m_propagator(body, engine) {}
+
+  EcmReport drag(const std::vector<Handle>& handles, const std::vector<Region>& anchors,
+                 Progress* progress = nullptr);
+  EcmReport drag(const std::vector<Handle>& handles, const std::vector<Region>& anchors,
+                 Holds& holds, Progress* progress = nullptr);
+
+  /// block or flat.
+  Engine engine() const { return m_propagator.engine(); }
+  /// Memory kept between drags, the body's not included.
+  std::size_t bytes() const;
+
+ private:
+  Body& m_body;
+  Propagator m_propagator;
+  std::array<UndoLog, 3> m_undo;  // per coordinate
+};
 
 /// Projects an invalid configuration to floor((L + U) / 2): the smallest possible largest move.
 struct ProjectionReport {

@@ -14,29 +14,6 @@ namespace supple {
 
 namespace {
 
-bool near_stored(const BrickTopology& elements, const BrickValues& values, std::size_t b) {
-  if (values.brick(b) != nullptr) return true;
-  for (int face = 0; face < 6; ++face) {
-    const std::int32_t other = elements.neighbour(b, face);
-    if (other >= 0 && values.brick(std::size_t(other)) != nullptr) return true;
-  }
-  return false;
-}
-
-/// Every element that may have a broken link, at its value; only those that have one will spread.
-/// Links between bricks that are not stored hold, since both ends are at rest.
-std::vector<Seed> seeds_of(const Body& body, const BrickValues& values) {
-  std::vector<Seed> seeds;
-  for (std::size_t b = 0; b < body.elements.brick_count(); ++b) {
-    if (!near_stored(body.elements, values, b)) continue;
-    const std::int32_t* present = values.brick_or_zero(b);
-    for_each_active(body.elements.mask(b), [&](int offset) {
-      seeds.push_back({Slot(b * kBrickVoxels + std::size_t(offset)), present[offset]});
-    });
-  }
-  return seeds;
-}
-
 /// floor((above + below) / 2) in place of `above`.
 void average(BrickValues& above, const BrickValues& below) {
   for (std::size_t b = 0; b < above.brick_count(); ++b) {
@@ -50,12 +27,10 @@ void average(BrickValues& above, const BrickValues& below) {
   }
 }
 
-BrickValues projected(const Body& body, int c) {
-  const std::vector<Seed> seeds = seeds_of(body, body.q[c]);
+BrickValues projected(const Body& body, Propagator& propagator, int c) {
   BrickValues above = body.q[c], below = body.q[c];
-  Propagator propagator(body, c, nullptr);
-  propagator.run(Direction::raise, seeds, above, nullptr);
-  propagator.run(Direction::lower, seeds, below, nullptr);
+  propagator.close({c, Direction::raise, above});
+  propagator.close({c, Direction::lower, below});
   average(above, below);
   return above;
 }
@@ -79,11 +54,12 @@ ProjectionReport project(Body& body) {
   ProjectionReport report;
   report.violated_links = check_links(body).violated;
   if (report.violated_links > 0) {
+    Propagator propagator(body);
     std::array<BrickValues, 3> valid;
     std::int64_t largest = 0;
     for (int c = 0; c < 3; ++c) {
       if (body.q[c].empty()) continue;
-      valid[c] = projected(body, c);
+      valid[c] = projected(body, propagator, c);
       largest = std::max(largest, largest_move(body.q[c], valid[c]));
     }
     report.max_move_voxels = double(largest) / kFixedOne;

@@ -6,113 +6,107 @@ namespace supple {
 
 namespace {
 
-/// Queue pops between two looks at the cancel flag.
-constexpr std::int64_t kPollMask = (1 << 17) - 1;
+/// Fewer elements per brick than this, and visiting them one by one is faster.
+constexpr std::int64_t kFlatElements = 100;
 
 /// Bricks whose links are sampled to choose the bucket width.
 constexpr std::size_t kSampledBricks = 16;
 
-template <bool kRaise>
-bool lies_beyond(std::int32_t value, std::int32_t present) {
-  return kRaise ? value > present : value < present;
+Engine fitting_engine(const BrickTopology& elements) {
+  const std::int64_t bricks = std::int64_t(elements.brick_count());
+  return elements.active_count() < kFlatElements * bricks ? Engine::flat : Engine::block;
 }
 
-}  // namespace
-
-Propagator::Propagator(const Body& body, int coordinate, Progress* progress, int bucket_shift)
-    : m_body(body), m_coordinate(coordinate), m_progress(progress), m_bucket_shift(bucket_shift) {
-  if (m_bucket_shift < 0) m_bucket_shift = fitted_shift();
-}
-
-/// A quarter of the geometric mean of the sampled slacks: narrow enough that few labels are
-/// corrected, wide enough that few buckets are empty, and unmoved by a few very wide links.
-int Propagator::fitted_shift() const {
-  const std::size_t bricks = m_body.elements.brick_count();
+/// The geometric mean of the sampled slacks, as a power of two: unmoved by a few very wide links.
+int typical_slack_bits(const Body& body, int coordinate) {
+  const std::size_t bricks = body.elements.brick_count();
   const std::size_t step = std::max<std::size_t>(1, bricks / kSampledBricks);
   std::int64_t sum_of_logs = 0, count = 0;
   for (std::size_t b = 0; b < bricks; b += step) {
-    for_each_link(m_body.elements, m_body.cuts, b, [&](int axis, Slot low, Slot high) {
-      const std::uint8_t low_class = m_body.classes[low], high_class = m_body.classes[high];
+    for_each_link(body.elements, body.cuts, b, [&](int axis, Slot low, Slot high) {
+      const std::uint8_t low_class = body.classes[low], high_class = body.classes[high];
       for (const std::int32_t slack :
-           {m_body.slacks.upper(axis, m_coordinate, low_class, high_class),
-            m_body.slacks.lower(axis, m_coordinate, low_class, high_class)}) {
+           {body.slacks.upper(axis, coordinate, low_class, high_class),
+            body.slacks.lower(axis, coordinate, low_class, high_class)}) {
         if (slack == 0 || slack >= kUnlimitedSlack) continue;
         sum_of_logs += 31 - __builtin_clz(unsigned(slack));
         ++count;
       }
     });
   }
-  return count == 0 ? kFixedBits : int(std::max<std::int64_t>(0, sum_of_logs / count - 2));
+  return count == 0 ? kFixedBits : int(sum_of_logs / count);
 }
 
-void Propagator::run(Direction direction, const std::vector<Seed>& seeds, BrickValues& values,
-                     UndoLog* undo) {
-  if (seeds.empty()) return;
-  if (direction == Direction::raise) {
-    start<true>(seeds, values, undo);
-    drain<true>(values, undo);
+/// Whether a brick or a face neighbour of it holds offsets.
+bool near_stored(const BrickTopology& elements, const BrickValues& values, std::size_t b) {
+  if (values.brick(b) != nullptr) return true;
+  for (int face = 0; face < 6; ++face) {
+    const std::int32_t other = elements.neighbour(b, face);
+    if (other >= 0 && values.brick(std::size_t(other)) != nullptr) return true;
+  }
+  return false;
+}
+
+/// Every element that may have a broken link, at its value; only those that have one will spread.
+/// Links between bricks that are not stored hold, since both ends are at rest.
+std::vector<Seed> present_values(const Body& body, const BrickValues& values) {
+  std::vector<Seed> seeds;
+  for (std::size_t b = 0; b < body.elements.brick_count(); ++b) {
+    if (!near_stored(body.elements, values, b)) continue;
+    const std::int32_t* present = values.brick_or_zero(b);
+    for_each_active(body.elements.mask(b), [&](int offset) {
+      seeds.push_back({Slot(b * kBrickVoxels + std::size_t(offset)), present[offset]});
+    });
+  }
+  return seeds;
+}
+
+/// The levels of the block engine hold offsets within the range only.
+bool within_range(const std::vector<Seed>& seeds) {
+  return std::all_of(seeds.begin(), seeds.end(), [](const Seed& seed) {
+    return seed.value >= -kMaxOffset && seed.value <= kMaxOffset;
+  });
+}
+
+}  // namespace
+
+Propagator::Propagator(const Body& body, Engine engine, int bucket_shift)
+    : m_body(body),
+      m_engine(engine == Engine::automatic ? fitting_engine(body.elements) : engine),
+      m_block(body),
+      m_flat(body),
+      m_bucket_shift(bucket_shift) {}
+
+/// Buckets of the flat engine are a quarter of a typical slack wide: narrow enough that few labels
+/// are corrected, wide enough that few are empty. Crossing a brick takes eight slacks; the block
+/// engine gathers what is due within one.
+int Propagator::bucket_shift(Engine engine, int coordinate) {
+  if (m_bucket_shift >= 0) return m_bucket_shift;
+  int& bits = m_slack_bits[coordinate];
+  if (bits < 0) bits = typical_slack_bits(m_body, coordinate);
+  return engine == Engine::block ? std::min(bits + 3, 30) : std::max(bits - 2, 0);
+}
+
+PropagationCounts Propagator::run(const PropagationTask& task, const std::vector<Seed>& seeds) {
+  PropagationCounts counts;
+  if (seeds.empty()) return counts;
+  if (m_engine == Engine::block && within_range(seeds)) {
+    m_block.run(task, seeds, bucket_shift(Engine::block, task.coordinate), counts);
   } else {
-    start<false>(seeds, values, undo);
-    drain<false>(values, undo);
+    m_flat.run(task, seeds, bucket_shift(Engine::flat, task.coordinate), counts);
   }
-  m_max_queue = std::max(m_max_queue, std::int64_t(m_queue.max_size()));
+  return counts;
 }
 
-template <bool kRaise>
-void Propagator::start(const std::vector<Seed>& seeds, BrickValues& values, UndoLog* undo) {
-  // The first bucket is that of the seed which moves furthest.
-  std::int32_t first = seeds.front().value;
-  for (const Seed& seed : seeds) {
-    if (lies_beyond<kRaise>(seed.value, first)) first = seed.value;
+PropagationCounts Propagator::close(const PropagationTask& task) {
+  PropagationCounts counts;
+  const int shift = bucket_shift(m_engine, task.coordinate);
+  if (m_engine == Engine::block) {
+    m_block.close(task, shift, counts);
+  } else {
+    m_flat.run(task, present_values(m_body, task.values), shift, counts);
   }
-  m_queue.reset(first, kRaise, m_bucket_shift);
-  for (const Seed& seed : seeds) {
-    if (lies_beyond<kRaise>(seed.value, values.at(seed.slot))) {
-      if (undo != nullptr) undo->before_change(seed.slot / kBrickVoxels, values);
-      values.set(seed.slot, seed.value);
-    }
-    if (values.at(seed.slot) == seed.value) m_queue.push(seed.slot, seed.value);
-  }
-}
-
-template <bool kRaise>
-void Propagator::drain(BrickValues& values, UndoLog* undo) {
-  QueueEntry entry;
-  while (m_queue.pop(entry)) {
-    if ((++m_visited & kPollMask) == 0 && m_progress != nullptr && m_progress->cancelled()) {
-      throw Cancelled();
-    }
-    // A later push of the same slot has superseded this entry.
-    if (values.at(entry.slot) != entry.value) continue;
-    spread<kRaise>(entry, values, undo);
-  }
-}
-
-template <bool kRaise>
-void Propagator::spread(QueueEntry from, BrickValues& values, UndoLog* undo) {
-  const SlackTable& slacks = m_body.slacks;
-  const std::uint8_t from_class = m_body.classes[from.slot];
-  for (int axis = 0; axis < 3; ++axis) {
-    for (const bool positive : {false, true}) {
-      Slot to;
-      if (!neighbour_slot(m_body.elements, m_body.cuts, from.slot, axis, positive, to)) continue;
-      const std::int32_t present = values.at(to);
-      if (!lies_beyond<kRaise>(from.value, present)) continue;
-
-      // Raising the low end lifts the high end once `lower` is used up; and so on, mirrored.
-      const std::uint8_t to_class = m_body.classes[to];
-      const std::int32_t slack = kRaise == positive
-                                     ? slacks.lower(axis, m_coordinate, from_class, to_class)
-                                     : slacks.upper(axis, m_coordinate, from_class, to_class);
-      if (slack >= kUnlimitedSlack) continue;
-      const std::int32_t bound = kRaise ? from.value - slack : from.value + slack;
-      if (!lies_beyond<kRaise>(bound, present)) continue;
-
-      if (undo != nullptr) undo->before_change(to / kBrickVoxels, values);
-      values.set(to, bound);
-      m_queue.push(to, bound);
-    }
-  }
+  return counts;
 }
 
 }  // namespace supple

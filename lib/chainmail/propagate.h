@@ -1,61 +1,51 @@
-// One-sided propagation through the links of one coordinate: Dijkstra on static slack with a
-// bucket queue (design.md section 3, thesis section 4.2.2 "largest constraint violation first").
+// One-sided propagation through the links of one coordinate, by the engine that suits the body.
 //
 //   raise:  q_j = max(q_j, q_i - W(i -> j))   least solution above the seeds
 //   lower:  q_j = min(q_j, q_i + W(j -> i))   greatest solution below the seeds
 //
-// Integers only, so the fixed point is unique: the bits do not depend on the order. Propagation
-// stops where the present value already satisfies the link, so a valid body is visited only where
-// it moves. About 100 ns per moved node on one core.
+// Integers only, so the fixed point is unique: the bits depend neither on the engine nor on order,
+// bucket width or threads. Propagation stops where the present value already satisfies the link.
 #pragma once
 
-#include <cstdint>
+#include <array>
 #include <vector>
 
-#include "lib/body/body.h"
-#include "lib/chainmail/bucket_queue.h"
-#include "lib/chainmail/undo_log.h"
-#include "volumes/base/progress.h"
+#include "lib/chainmail/block_propagate.h"
+#include "lib/chainmail/flat_propagate.h"
 
 namespace supple {
 
-enum class Direction { raise, lower };
+/// automatic: flat where bricks hold fewer than 100 elements on average (thin and 2D bodies).
+enum class Engine { automatic, block, flat };
 
-/// A slot and the value that it is to take (when that lies in the direction of the run).
-struct Seed {
-  Slot slot;
-  std::int32_t value;
-};
-
+/// Keeps queues and tables between runs, so that a local run costs what it moves.
 class Propagator {
  public:
-  /// `bucket_shift`: buckets are 2^bucket_shift units wide; negative: fitted to the body's slack.
-  /// The width changes the time, never the result.
-  Propagator(const Body& body, int coordinate, Progress* progress, int bucket_shift = -1);
+  /// Refers to the body, whose elements, classes and slacks must not change meanwhile.
+  /// `bucket_shift`: width of the queue's buckets, 2^bucket_shift units; negative: fitted to the
+  /// body's slack. It changes the time, never the result.
+  explicit Propagator(const Body& body, Engine engine = Engine::automatic, int bucket_shift = -1);
 
-  /// Moves `values` to the envelope of the seeds. A seed that lies at the present value spreads
-  /// from there, which matters where links are broken. `undo` may be null.
-  void run(Direction direction, const std::vector<Seed>& seeds, BrickValues& values, UndoLog* undo);
+  /// Moves the values to the envelope of the seeds. A seed that lies at the present value spreads
+  /// from there, which matters where links are broken. Seeds may lie beyond the range of offsets by
+  /// as much again, for results that are rolled back. Throws Cancelled.
+  PropagationCounts run(const PropagationTask& task, const std::vector<Seed>& seeds);
+  /// The same with every element as a seed at its present value: the envelope of an invalid start.
+  PropagationCounts close(const PropagationTask& task);
 
-  std::int64_t visited() const { return m_visited; }
-  std::int64_t max_queue() const { return m_max_queue; }
+  /// block or flat.
+  Engine engine() const { return m_engine; }
+  std::size_t bytes() const { return m_block.bytes(); }
 
  private:
-  template <bool kRaise>
-  void start(const std::vector<Seed>& seeds, BrickValues& values, UndoLog* undo);
-  template <bool kRaise>
-  void drain(BrickValues& values, UndoLog* undo);
-  template <bool kRaise>
-  void spread(QueueEntry from, BrickValues& values, UndoLog* undo);
-  int fitted_shift() const;
+  int bucket_shift(Engine engine, int coordinate);
 
   const Body& m_body;
-  int m_coordinate;
-  Progress* m_progress;
+  Engine m_engine;
+  BlockPropagator m_block;
+  FlatPropagator m_flat;
   int m_bucket_shift;
-  BucketQueue m_queue;
-  std::int64_t m_visited = 0;
-  std::int64_t m_max_queue = 0;
+  std::array<int, 3> m_slack_bits{-1, -1, -1};  // per coordinate, once asked for
 };
 
 }  // namespace supple

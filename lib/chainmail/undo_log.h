@@ -41,6 +41,13 @@ class UndoLog {
     m_saved.clear();
   }
 
+  std::size_t bytes() const {
+    std::size_t total = m_saved.capacity() * sizeof(std::int32_t) +
+                        (m_bricks.capacity() + m_copies.capacity()) * sizeof(std::size_t);
+    for (const auto& page : m_pages) total += page ? sizeof(Page) : 0;
+    return total;
+  }
+
   /// Bricks that were announced, in order of their first change.
   const std::vector<std::size_t>& bricks() const { return m_bricks; }
   /// The 512 old values of bricks()[n]; zeros when it was not stored.

@@ -95,12 +95,13 @@ void run_case(unsigned seed, const Vec3i& max_dims, bool with_cuts, Tally& tally
   if (with_cuts) cut_randomly(random, block);
   Body body = body_of(block);
   BruteForce brute(block);
+  EcmSolver solver(body, seed % 2 ? Engine::flat : Engine::block);
   for (int n = 0; n < 4; ++n) {
     const RandomDrag drag = random_drag(random, block);
     const BruteForce::Outcome expected = brute.drag(drag.grabs, drag.anchors);
     EcmReport report;
     const std::string error =
-        input_error([&] { report = supple::drag(body, drag.handles, drag.fixed); });
+        input_error([&] { report = solver.drag(drag.handles, drag.fixed); });
     ++tally.drags;
     ASSERT_EQ(!error.empty(), expected.conflict) << error;
     if (expected.conflict) {
@@ -125,7 +126,7 @@ void run_case(unsigned seed, const Vec3i& max_dims, bool with_cuts, Tally& tally
 TEST(PropertyEcm, EqualsBruteForceBitForBitOnRandomBodiesHandlesAndAnchors) {
   Tally tally;
   for (unsigned seed = 0; seed < 600 && !HasFailure(); ++seed) {
-    const Vec3i max_dims = seed % 10 == 0  ? Vec3i(20, 20, 6)
+    const Vec3i max_dims = seed % 10 < 2   ? Vec3i(20, 20, 6)
                            : seed % 3 == 0 ? Vec3i(12, 12, 1)
                                            : Vec3i(7, 6, 5);
     run_case(seed, max_dims, false, tally);

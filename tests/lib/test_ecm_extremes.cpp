@@ -35,7 +35,7 @@ TEST(ExtremesEcm, OneVoxelGoesWhereItIsTakenToTheEndOfTheRange) {
   Body body = body_of(uniform({1, 1, 1}, 255));
   const std::int32_t most = 16383 * kVoxel;
   EXPECT_EQ(drag(body, {{{0, 0, 0}, {most, -most, 0}}}, {}).moved, 1);
-  drag(body, {{{0, 0, 0}, {kVoxel, -kVoxel, 0}}}, {});
+  drag(body, {{{0, 0, 0}, {kVoxel - 1, 1 - kVoxel, 0}}}, {});
   EXPECT_EQ(body.offset({0, 0, 0}, 0), kMaxOffset);
   EXPECT_EQ(body.offset({0, 0, 0}, 1), -kMaxOffset);
   EXPECT_NE(input_error([&] { drag(body, {{{0, 0, 0}, {1, 0, 0}}}, {}); }), "");

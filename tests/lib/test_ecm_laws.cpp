@@ -102,7 +102,7 @@ TEST(PropertyProjection, BricksThatItDoesNotReachStayWithoutMemory) {
   EXPECT_EQ(body.q[0].stored_bricks(), 2u);
 }
 
-TEST(PropertyEcm, TheResultDoesNotDependOnTheProcessingOrder) {
+TEST(PropertyEcm, TheResultDependsNeitherOnTheEngineNorOnTheProcessingOrder) {
   std::mt19937 random(11);
   for (int n = 0; n < 60; ++n) {
     const Block block = random_block(random, {14, 14, 6});
@@ -111,12 +111,15 @@ TEST(PropertyEcm, TheResultDoesNotDependOnTheProcessingOrder) {
     const Slot slot = Slot(body.elements.find(voxel)) * kBrickVoxels + Slot(brick_offset(voxel));
     const std::int32_t by = std::int32_t(random() % (40u * kVoxel));
     BrickValues first;
-    for (const int shift : {-1, 0, 3, 9, 14, 20, 31}) {
-      BrickValues values(body.elements.brick_count());
-      Propagator(body, n % 3, nullptr, shift).run(Direction::raise, {{slot, by}}, values, nullptr);
-      Propagator(body, n % 3, nullptr, shift).run(Direction::lower, {{slot, -by}}, values, nullptr);
-      if (first.empty()) first = values;
-      ASSERT_EQ(values, first) << "bucket shift " << shift;
+    for (const Engine engine : {Engine::flat, Engine::block}) {
+      for (const int shift : {-1, 0, 3, 9, 14, 20, 31}) {
+        BrickValues values(body.elements.brick_count());
+        Propagator propagator(body, engine, shift);
+        propagator.run({n % 3, Direction::raise, values}, {{slot, by}});
+        propagator.run({n % 3, Direction::lower, values}, {{slot, -by}});
+        if (first.empty()) first = values;
+        ASSERT_EQ(values, first) << "engine " << int(engine) << " bucket shift " << shift;
+      }
     }
   }
 }

@@ -57,7 +57,7 @@ void check_offsets_of_brick(const State& state, std::size_t b, const std::int32_
     if (active && value >= -kMaxOffset && value <= kMaxOffset) continue;
     const Vec3i voxel = state.elements.origin(b) + brick_local(offset);
     throw InputError({file, field + " at " + to_text(voxel), std::to_string(value),
-                      active ? "-2^30 to 2^30" : "0 where there is no element"});
+                      active ? "an offset within +-(2^30 - 1)" : "0 where there is no element"});
   }
 }
 

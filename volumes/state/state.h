@@ -19,7 +19,7 @@ namespace supple {
 /// Fixed point of all solver offsets: 2^-16 voxel; |q| <= kMaxOffset (design.md section 2).
 constexpr int kFixedBits = 16;
 constexpr double kFixedOne = 65536.0;
-constexpr std::int32_t kMaxOffset = 1 << 30;
+constexpr std::int32_t kMaxOffset = (1 << 30) - 1;
 
 struct State {
   Geometry geometry;    // of the source volume, index to LPS mm

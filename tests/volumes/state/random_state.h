@@ -54,7 +54,7 @@ inline std::int32_t random_offset(std::mt19937& random) {
     case 2:
       return std::int32_t(random() % 7) - 3;
     default:
-      return std::int32_t(random() % (2u << 30)) - kMaxOffset;
+      return std::int32_t(random() % (2u * kMaxOffset + 1)) - kMaxOffset;
   }
 }
 

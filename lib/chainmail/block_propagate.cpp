@@ -1,0 +1,250 @@
+#include "lib/chainmail/block_propagate.h"
+
+#include <algorithm>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include "lib/chainmail/brick_faces.h"
+#include "lib/chainmail/brick_kernel.h"
+
+namespace supple {
+
+namespace {
+
+/// Entrance of a brick besides its faces 0…5: a seed was set inside.
+constexpr int kSeeded = 6;
+
+/// Fewer bricks than this are visited faster than other threads wake up.
+constexpr std::size_t kParallelBricks = 12;
+constexpr std::size_t kBricksPerTask = 4;
+
+/// One visit of a brick: reads its neighbours, writes its own values.
+class BrickVisit {
+ public:
+  BrickVisit(const Body& body, const LinkCosts& costs, const PropagationTask& task, std::size_t b)
+      : m_body(body),
+        m_costs(costs),
+        m_values(task.values),
+        m_direction(task.direction),
+        m_brick(b) {
+    load_levels(offsets(b), m_direction, m_levels);
+  }
+
+  /// Draws in what the neighbour across a face sends.
+  void draw(int face) {
+    const std::int32_t other = m_body.elements.neighbour(m_brick, face);
+    alignas(64) Level own[kFaceVoxels];
+    alignas(64) std::int32_t sent[kFaceVoxels];
+    take_face(offsets(std::size_t(other)), opposite_face(face), sent);
+    take_face(m_levels, face, own);
+    look_up_face(face, std::size_t(other), !is_high_face(face));
+    for (int n = 0; n < kFaceVoxels; ++n) {
+      const std::int32_t level = std::int32_t(level_of(sent[n], m_direction) - m_face_costs[n]);
+      own[n] = Level(std::max(level, std::int32_t(own[n])));
+    }
+    put_face(own, face, m_levels);
+  }
+
+  void close() {
+    BrickCosts costs;
+    const BrickLinks links =
+        links_inside(m_body.elements.mask(m_brick), m_body.cuts.brick(m_brick));
+    look_up_costs(m_costs, classes(m_brick), links, costs);
+    close_brick(costs, m_levels);
+  }
+
+  /// Stores the values; returns the faces whose values changed, as bits.
+  unsigned store(std::int32_t* q) const { return store_levels(m_levels, m_direction, q); }
+
+  /// The largest level that crosses a face and changes the neighbour; 0: none does.
+  Level send(int face) {
+    const std::int32_t other = m_body.elements.neighbour(m_brick, face);
+    if (other < 0) return 0;
+    alignas(64) Level own[kFaceVoxels];
+    alignas(64) std::int32_t present[kFaceVoxels];
+    take_face(m_levels, face, own);
+    take_face(offsets(std::size_t(other)), opposite_face(face), present);
+    look_up_face(face, std::size_t(other), is_high_face(face));
+    std::int32_t largest = 0;
+    for (int n = 0; n < kFaceVoxels; ++n) {
+      const std::int32_t level = std::int32_t(own[n] - m_face_costs[n]);
+      const std::int32_t there = std::int32_t(level_of(present[n], m_direction));
+      largest = std::max(largest, level > there ? level : 0);
+    }
+    return Level(largest);
+  }
+
+ private:
+  const std::int32_t* offsets(std::size_t brick) const { return m_values.brick_or_zero(brick); }
+  const std::uint8_t* classes(std::size_t brick) const {
+    return m_body.classes.data() + brick * kBrickVoxels;
+  }
+
+  /// Costs of the links across a face, for levels that travel towards higher or lower voxels.
+  void look_up_face(int face, std::size_t other, bool upward) {
+    const int axis = axis_of_face(face);
+    const BrickTopology& elements = m_body.elements;
+    std::uint64_t links = face_bits(elements.mask(m_brick), face) &
+                          face_bits(elements.mask(other), opposite_face(face));
+    const std::size_t low_brick = is_high_face(face) ? m_brick : other;
+    const LinkCuts::BrickCuts* cuts = m_body.cuts.brick(low_brick);
+    if (cuts != nullptr) links &= ~face_bits((*cuts)[axis], 2 * axis + 1);
+    alignas(64) std::uint8_t own[kFaceVoxels], others[kFaceVoxels];
+    take_face(classes(m_brick), face, own);
+    take_face(classes(other), opposite_face(face), others);
+    look_up_face_costs(m_costs.row(axis, upward), m_costs.stride(), own, others, links,
+                       m_face_costs);
+  }
+
+  const Body& m_body;
+  const LinkCosts& m_costs;
+  const BrickValues& m_values;
+  const Direction m_direction;
+  const std::size_t m_brick;
+  alignas(64) Level m_levels[kBrickVoxels];
+  alignas(64) Level m_face_costs[kFaceVoxels];
+};
+
+int parity(const Vec3i& origin) {
+  return ((origin.x ^ origin.y ^ origin.z) >> 3) & 1;
+}
+
+}  // namespace
+
+BlockPropagator::BlockPropagator(const Body& body)
+    : m_body(body), m_waiting(body.elements.brick_count()) {}
+
+const LinkCosts& BlockPropagator::costs_of(const PropagationTask& task) {
+  LinkCosts& costs = m_costs[task.coordinate][task.direction == Direction::lower];
+  if (costs.empty()) costs = LinkCosts(m_body.slacks, task.coordinate, task.direction);
+  return costs;
+}
+
+void BlockPropagator::start(const PropagationTask& task, Level first, int bucket_shift) {
+  costs_of(task);
+  task.values.resize(m_body.elements.brick_count());
+  m_queue.reset(std::int32_t(first), true, bucket_shift);
+}
+
+void BlockPropagator::run(const PropagationTask& task, const std::vector<Seed>& seeds,
+                          int bucket_shift, PropagationCounts& counts) {
+  Level first = 0;
+  for (const Seed& seed : seeds) first = std::max(first, level_of(seed.value, task.direction));
+  start(task, first, bucket_shift);
+  for (const Seed& seed : seeds) {
+    const Level level = level_of(seed.value, task.direction);
+    const Level present = level_of(task.values.at(seed.slot), task.direction);
+    const std::size_t brick = seed.slot / kBrickVoxels;
+    if (level > present) {
+      if (task.undo != nullptr) task.undo->before_change(brick, task.values);
+      task.values.set(seed.slot, seed.value);
+    }
+    if (level >= present) wait(brick, level, kSeeded);
+  }
+  drain(task, counts);
+}
+
+void BlockPropagator::close(const PropagationTask& task, int bucket_shift,
+                            PropagationCounts& counts) {
+  // Bricks at rest matter only beside stored ones.
+  std::vector<Level> largest(m_body.elements.brick_count(), 0);
+  Level first = 0;
+  for (std::size_t b = 0; b < largest.size(); ++b) {
+    const std::int32_t* q = task.values.brick(b);
+    if (q == nullptr) continue;
+    for_each_active(m_body.elements.mask(b), [&](int offset) {
+      largest[b] = std::max(largest[b], level_of(q[offset], task.direction));
+    });
+    for (int face = 0; face < 6; ++face) {
+      const std::int32_t other = m_body.elements.neighbour(b, face);
+      if (other >= 0) largest[other] = std::max(largest[other], kLevelBias);
+    }
+    first = std::max({first, largest[b], kLevelBias});
+  }
+  start(task, first, bucket_shift);
+  for (std::size_t b = 0; b < largest.size(); ++b) {
+    if (largest[b] != 0) wait(b, largest[b], kSeeded);
+  }
+  drain(task, counts);
+}
+
+/// Lets a brick wait for what enters by a face or was set inside; a larger level moves it forward.
+void BlockPropagator::wait(std::size_t brick, Level level, int entrance) {
+  Waiting& waiting = m_waiting[brick];
+  waiting.faces = std::uint8_t(waiting.faces | 1 << entrance);
+  if (level <= waiting.level) return;
+  waiting.level = level;
+  m_queue.push(Slot(brick), std::int32_t(level));
+}
+
+void BlockPropagator::drain(const PropagationTask& task, PropagationCounts& counts) {
+  while (m_queue.take_bucket(m_round)) {
+    if (task.progress != nullptr && task.progress->cancelled()) {
+      std::fill(m_waiting.begin(), m_waiting.end(), Waiting{});
+      throw Cancelled();
+    }
+    for (const QueueEntry& entry : m_round) {
+      // A larger level has moved the brick forward, or it was visited already.
+      if (m_waiting[entry.slot].level != Level(entry.value)) continue;
+      m_phases[parity(m_body.elements.origin(entry.slot))].push_back(entry.slot);
+    }
+    for (auto& bricks : m_phases) {
+      counts.visits += std::int64_t(bricks.size());
+      visit_phase(task, bricks);
+      bricks.clear();
+    }
+  }
+  counts.max_queue = std::max(counts.max_queue, std::int64_t(m_queue.max_size()));
+}
+
+/// Visits bricks of one parity; only the last loop depends on their order.
+void BlockPropagator::visit_phase(const PropagationTask& task, std::vector<std::uint32_t>& bricks) {
+  const LinkCosts& costs = costs_of(task);
+  for (const std::uint32_t brick : bricks) {
+    if (task.undo != nullptr) task.undo->before_change(brick, task.values);
+    task.values.touch(brick);
+  }
+  m_outgoing.resize(bricks.size());
+  const auto visit = [&](std::size_t n) {
+    const std::size_t brick = bricks[n];
+    const unsigned entered = m_waiting[brick].faces;
+    m_waiting[brick] = {};
+    BrickVisit here(m_body, costs, task, brick);
+    for (int face = 0; face < 6; ++face) {
+      if (entered >> face & 1) here.draw(face);
+    }
+    here.close();
+    const unsigned changed = here.store(task.values.touch(brick));
+    const unsigned leaving = entered >> kSeeded & 1 ? ~0u : changed;
+    for (int face = 0; face < 6; ++face) {
+      m_outgoing[n][face] = leaving >> face & 1 ? here.send(face) : 0;
+    }
+  };
+  if (bricks.size() < kParallelBricks || tbb::this_task_arena::max_concurrency() == 1) {
+    for (std::size_t n = 0; n < bricks.size(); ++n) visit(n);
+  } else {
+    using Range = tbb::blocked_range<std::size_t>;
+    tbb::parallel_for(Range(0, bricks.size(), kBricksPerTask), [&](const Range& range) {
+      for (std::size_t n = range.begin(); n < range.end(); ++n) visit(n);
+    });
+  }
+  for (std::size_t n = 0; n < bricks.size(); ++n) {
+    for (int face = 0; face < 6; ++face) {
+      if (m_outgoing[n][face] == 0) continue;
+      wait(std::size_t(m_body.elements.neighbour(bricks[n], face)), m_outgoing[n][face],
+           opposite_face(face));
+    }
+  }
+}
+
+std::size_t BlockPropagator::bytes() const {
+  std::size_t total = m_waiting.capacity() * sizeof(Waiting);
+  for (const auto& coordinate : m_costs) {
+    for (const LinkCosts& costs : coordinate) total += costs.bytes();
+  }
+  return total;
+}
+
+}  // namespace supple

@@ -1,0 +1,317 @@
+#include "lib/chainmail/brick_kernel.h"
+
+#include <cstring>
+#include <utility>
+
+namespace supple {
+
+namespace {
+
+constexpr std::uint64_t kAllBits = ~std::uint64_t(0);
+/// Distance in a brick to the next voxel along each axis.
+constexpr int kOffsetStep[3] = {64, 8, 1};
+
+/// One row of a brick, and as many rows as the machine's vectors hold.
+using Row = Level __attribute__((vector_size(32)));
+using SignedRow = std::int32_t __attribute__((vector_size(32)));
+#ifdef __AVX512F__
+using Rows = Level __attribute__((vector_size(64)));
+using SignedRows = std::int32_t __attribute__((vector_size(64)));
+#else
+using Rows = Row;
+using SignedRows = SignedRow;
+#endif
+constexpr int kRowLanes = 8;
+constexpr int kLanes = sizeof(Rows) / sizeof(Level);
+constexpr int kVectors = kBrickVoxels / kLanes;
+constexpr int kPlaneVectors = 64 / kLanes;
+
+inline Row larger(Row a, Row b) {
+  return SignedRow(a) > SignedRow(b) ? a : b;
+}
+#ifdef __AVX512F__
+inline Rows larger(Rows a, Rows b) {
+  return SignedRows(a) > SignedRows(b) ? a : b;
+}
+#endif
+
+template <class Vector>
+bool any_set(Vector v) {
+  Level all = 0;
+  for (std::size_t lane = 0; lane < sizeof(Vector) / sizeof(Level); ++lane) all |= v[lane];
+  return all != 0;
+}
+
+/// Every row moved by `Step` lanes towards higher k (lower when negative); the ends repeat.
+constexpr int source_lane(int lane, int step) {
+  const int within = lane % kRowLanes - step;
+  return lane / kRowLanes * kRowLanes + (within < 0            ? 0
+                                         : within >= kRowLanes ? kRowLanes - 1
+                                                               : within);
+}
+template <int Step, std::size_t... Lane>
+inline Rows moved(Rows v, std::index_sequence<Lane...>) {
+  return __builtin_shufflevector(v, v, source_lane(int(Lane), Step)...);
+}
+template <int Step>
+inline Rows moved(Rows v) {
+  return moved<Step>(v, std::make_index_sequence<kLanes>());
+}
+
+/// kNoLink in the `Step` lanes that no other lane reaches, and a mask of the other lanes.
+template <int Step>
+struct Edge {
+  Rows no_link{}, reached{};
+  Edge() {
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const int from = lane % kRowLanes - Step;
+      const bool inside = from >= 0 && from < kRowLanes;
+      no_link[lane] = inside ? 0 : kNoLink;
+      reached[lane] = inside ? ~Level(0) : 0;
+    }
+  }
+};
+
+/// a + b for costs up to kNoLink, at most kNoLink.
+inline Rows capped_sum(Rows a, Rows b) {
+  const Rows room = Rows{} + kNoLink - b;
+  return (a < room ? a : room) + b;
+}
+
+/// costs[n] = row[index[n]]: plain loads beat the gather instructions.
+void gather(const Level* __restrict row, const std::uint16_t* __restrict index, int count,
+            Level* __restrict out) {
+  for (int n = 0; n < count; ++n) out[n] = row[index[n]];
+}
+
+/// Entries of a cost row for the links from every voxel to the one `stride` offsets on.
+void link_entries(const std::uint8_t* __restrict classes, int offset_step, int class_stride,
+                  std::uint16_t* __restrict out) {
+  const int count = kBrickVoxels - offset_step;
+  for (int n = 0; n < count; ++n) {
+    out[n] = std::uint16_t(classes[n] * class_stride + classes[n + offset_step]);
+  }
+}
+
+/// Costs to reach a voxel in 1, 2 and 4 steps along its row from the cost of each single link,
+/// given in the lane of its low end.
+template <int Way>
+void sum_along_rows(const Level* links, Level (&out)[3][64][8]) {
+  static const Edge<Way> one;
+  static const Edge<2 * Way> two;
+  static const Edge<4 * Way> four;
+  Rows* to1 = reinterpret_cast<Rows*>(out[0]);
+  Rows* to2 = reinterpret_cast<Rows*>(out[1]);
+  Rows* to4 = reinterpret_cast<Rows*>(out[2]);
+  for (int n = 0; n < kVectors; ++n) {
+    Rows w;
+    std::memcpy(&w, links + n * kLanes, sizeof w);
+    const Rows entering = Way > 0 ? moved<1>(w) : w;
+    const Rows w1 = (entering & one.reached) | one.no_link;
+    const Rows w2 = (capped_sum(w1, moved<Way>(w1)) & two.reached) | two.no_link;
+    const Rows w4 = (capped_sum(w2, moved<2 * Way>(w2)) & four.reached) | four.no_link;
+    to1[n] = w1;
+    to2[n] = w2;
+    to4[n] = w4;
+  }
+}
+
+/// kNoLink where a bit is missing, for `rows` times 8 costs.
+void remove_missing(std::uint64_t links, int rows, Level* costs) {
+  if (links == kAllBits) return;
+  constexpr Row kBit = {1, 2, 4, 8, 16, 32, 64, 128};
+  for (int r = 0; r < rows; ++r) {
+    Row row;
+    std::memcpy(&row, costs + 8 * r, sizeof row);
+    const Row bits = (Row{} + Level(links >> (8 * r) & 0xff)) & kBit;
+    row = bits == 0 ? Row{} + kNoLink : row;
+    std::memcpy(costs + 8 * r, &row, sizeof row);
+  }
+}
+
+void look_up_along_i(const Level* row, const std::uint16_t* entries, const BrickMask& links,
+                     Level (&out)[7][64]) {
+  gather(row, entries, 7 * 64, out[0]);
+  for (int p = 0; p < 7; ++p) remove_missing(links[p], 8, out[p]);
+}
+
+void look_up_along_j(const Level* row, const std::uint16_t* entries, const BrickMask& links,
+                     Level (&out)[8][7][8]) {
+  constexpr std::uint64_t kLastRow = std::uint64_t(0xff) << 56;
+  for (int plane = 0; plane < 8; ++plane) {
+    gather(row, entries + 64 * plane, 7 * 8, out[plane][0]);
+    remove_missing(links[plane] | kLastRow, 7, out[plane][0]);
+  }
+}
+
+void look_up_along_k(const Level* row, const std::uint16_t* entries, const BrickMask& links,
+                     Level* out) {
+  constexpr std::uint64_t kLastColumn = 0x8080808080808080u;
+  gather(row, entries, kBrickVoxels - 1, out);
+  out[kBrickVoxels - 1] = kNoLink;
+  for (int plane = 0; plane < 8; ++plane) {
+    remove_missing(links[plane] | kLastColumn, 8, out + 64 * plane);
+  }
+}
+
+/// q to level and back is the same map but for the bias: q or its mirror image.
+Level flip_of(Direction direction) {
+  return direction == Direction::raise ? 0 : ~Level(0);
+}
+
+bool sweep_i(const BrickCosts& costs, Rows* levels) {
+  const Rows* up = reinterpret_cast<const Rows*>(costs.i[1]);
+  const Rows* down = reinterpret_cast<const Rows*>(costs.i[0]);
+  Rows changed{};
+  for (int n = 0; n < kPlaneVectors; ++n) {
+    Rows* column = levels + n;
+    Rows level = column[0];
+    const auto step = [&](int to, Rows cost) {
+      const Rows before = column[to * kPlaneVectors];
+      level = larger(before, level - cost);
+      changed |= level ^ before;
+      column[to * kPlaneVectors] = level;
+    };
+    for (int p = 0; p < 7; ++p) step(p + 1, up[p * kPlaneVectors + n]);
+    for (int p = 6; p >= 0; --p) step(p, down[p * kPlaneVectors + n]);
+  }
+  return any_set(changed);
+}
+
+bool sweep_j(const BrickCosts& costs, Row* levels) {
+  Row changed{};
+  for (int plane = 0; plane < 8; ++plane) {
+    const Row* up = reinterpret_cast<const Row*>(costs.j[1][plane]);
+    const Row* down = reinterpret_cast<const Row*>(costs.j[0][plane]);
+    Row* rows = levels + 8 * plane;
+    Row level = rows[0];
+    const auto step = [&](int to, Row cost) {
+      const Row before = rows[to];
+      level = larger(before, level - cost);
+      changed |= level ^ before;
+      rows[to] = level;
+    };
+    for (int p = 0; p < 7; ++p) step(p + 1, up[p]);
+    for (int p = 6; p >= 0; --p) step(p, down[p]);
+  }
+  return any_set(changed);
+}
+
+bool sweep_k(const BrickCosts& costs, Rows* levels) {
+  const Rows *up[3], *down[3];
+  for (int n = 0; n < 3; ++n) {
+    up[n] = reinterpret_cast<const Rows*>(costs.k[1][n]);
+    down[n] = reinterpret_cast<const Rows*>(costs.k[0][n]);
+  }
+  Rows changed{};
+  for (int n = 0; n < kVectors; ++n) {
+    const Rows before = levels[n];
+    Rows level = before;
+    level = larger(level, moved<1>(level) - up[0][n]);
+    level = larger(level, moved<2>(level) - up[1][n]);
+    level = larger(level, moved<4>(level) - up[2][n]);
+    level = larger(level, moved<-1>(level) - down[0][n]);
+    level = larger(level, moved<-2>(level) - down[1][n]);
+    level = larger(level, moved<-4>(level) - down[2][n]);
+    changed |= level ^ before;
+    levels[n] = level;
+  }
+  return any_set(changed);
+}
+
+}  // namespace
+
+BrickLinks links_inside(const BrickMask& elements, const LinkCuts::BrickCuts* cuts) {
+  constexpr std::uint64_t kLastRow = std::uint64_t(0xff) << 56;
+  constexpr std::uint64_t kLastColumn = 0x8080808080808080u;
+  BrickLinks links{};
+  for (int plane = 0; plane < 8; ++plane) {
+    const std::uint64_t bits = elements[plane];
+    if (plane < 7) links[0][plane] = bits & elements[plane + 1];
+    links[1][plane] = bits & (bits >> 8) & ~kLastRow;
+    links[2][plane] = bits & (bits >> 1) & ~kLastColumn;
+    if (cuts == nullptr) continue;
+    for (int axis = 0; axis < 3; ++axis) links[axis][plane] &= ~(*cuts)[axis][plane];
+  }
+  return links;
+}
+
+void look_up_costs(const LinkCosts& costs, const std::uint8_t* classes, const BrickLinks& links,
+                   BrickCosts& out) {
+  alignas(64) std::uint16_t entries[kBrickVoxels];
+  alignas(64) Level along_k[kBrickVoxels];
+  for (int axis = 0; axis < 3; ++axis) {
+    out.any[axis] = links[axis] != BrickMask{};
+    if (!out.any[axis]) continue;
+    link_entries(classes, kOffsetStep[axis], costs.stride(), entries);
+    for (const bool upward : {false, true}) {
+      const bool looked_up = upward && costs.is_symmetric(axis);
+      const Level* row = costs.row(axis, upward);
+      if (axis == 0 && !looked_up) look_up_along_i(row, entries, links[0], out.i[upward]);
+      if (axis == 0 && looked_up) std::memcpy(out.i[1], out.i[0], sizeof out.i[0]);
+      if (axis == 1 && !looked_up) look_up_along_j(row, entries, links[1], out.j[upward]);
+      if (axis == 1 && looked_up) std::memcpy(out.j[1], out.j[0], sizeof out.j[0]);
+      if (axis == 2 && !looked_up) look_up_along_k(row, entries, links[2], along_k);
+      if (axis == 2 && upward) sum_along_rows<1>(along_k, out.k[1]);
+      if (axis == 2 && !upward) sum_along_rows<-1>(along_k, out.k[0]);
+    }
+  }
+}
+
+void load_levels(const std::int32_t* q, Direction direction, Level* levels) {
+  const Level flip = flip_of(direction);
+  for (int n = 0; n < kBrickVoxels; ++n) levels[n] = kLevelBias + ((Level(q[n]) ^ flip) - flip);
+}
+
+unsigned store_levels(const Level* levels, Direction direction, std::int32_t* q) {
+  const Level flip = flip_of(direction);
+  Row planes[8] = {}, rows[8] = {}, all{};
+  for (int i = 0; i < 8; ++i) {
+    for (int j = 0; j < 8; ++j) {
+      Row level, before;
+      std::memcpy(&level, levels + 64 * i + 8 * j, sizeof level);
+      std::memcpy(&before, q + 64 * i + 8 * j, sizeof before);
+      const Row after = ((level - kLevelBias) ^ flip) - flip;
+      const Row changed = after ^ before;
+      planes[i] |= changed;
+      rows[j] |= changed;
+      std::memcpy(q + 64 * i + 8 * j, &after, sizeof after);
+    }
+    all |= planes[i];
+  }
+  const bool faces[6] = {any_set(planes[0]), any_set(planes[7]), any_set(rows[0]),
+                         any_set(rows[7]),   all[0] != 0,        all[7] != 0};
+  unsigned bits = 0;
+  for (int face = 0; face < 6; ++face) bits |= unsigned(faces[face]) << face;
+  return bits;
+}
+
+void look_up_face_costs(const Level* row, int stride, const std::uint8_t* low_classes,
+                        const std::uint8_t* high_classes, std::uint64_t links, Level* out) {
+  alignas(64) std::uint16_t entries[64];
+  for (int n = 0; n < 64; ++n)
+    entries[n] = std::uint16_t(low_classes[n] * stride + high_classes[n]);
+  gather(row, entries, 64, out);
+  remove_missing(links, 8, out);
+}
+
+int close_brick(const BrickCosts& costs, Level* levels) {
+  int axes[3], count = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (costs.any[axis]) axes[count++] = axis;
+  }
+  if (count == 0) return 0;
+  Rows* wide = reinterpret_cast<Rows*>(levels);
+  int sweeps = 0;
+  for (int quiet = 0; quiet < count; ++sweeps) {
+    const int axis = axes[sweeps % count];
+    const bool changed = axis == 0   ? sweep_i(costs, wide)
+                         : axis == 1 ? sweep_j(costs, reinterpret_cast<Row*>(levels))
+                                     : sweep_k(costs, wide);
+    // A sweep closes its own axis, so it counts as quiet itself.
+    quiet = changed ? 1 : quiet + 1;
+  }
+  return sweeps;
+}
+
+}  // namespace supple

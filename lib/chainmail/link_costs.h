@@ -1,0 +1,48 @@
+// What one link takes from a value that travels through it, looked up from the classes of its ends:
+// the slack of design.md section 3 for one coordinate and one direction of propagation.
+//
+// Values travel as levels, biased so that a missing link needs no branch:
+//   raise:  level = q + 2^30      lower:  level = 2^30 - q      1 <= level < 2^31 as |q| < 2^30
+//   level_j = max(level_j, level_i - cost)   unsigned subtraction, signed maximum
+// A cost is below 2^30 or kNoLink = 2^31, which leaves a negative level that never wins.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "lib/chainmail/direction.h"
+#include "lib/material/material.h"
+
+namespace supple {
+
+using Level = std::uint32_t;
+
+constexpr Level kLevelBias = Level(1) << 30;
+constexpr Level kNoLink = Level(1) << 31;
+
+inline Level level_of(std::int32_t q, Direction direction) {
+  return direction == Direction::raise ? kLevelBias + Level(q) : kLevelBias - Level(q);
+}
+
+/// Costs of one coordinate and direction; entry class_a * stride() + class_b of a row.
+class LinkCosts {
+ public:
+  LinkCosts() = default;
+  LinkCosts(const SlackTable& slacks, int coordinate, Direction direction);
+
+  bool empty() const { return m_rows[0][0].empty(); }
+  int stride() const { return m_stride; }
+  /// Cost of travelling along `axis` towards higher (`upward`) or lower voxels.
+  const Level* row(int axis, bool upward) const { return m_rows[axis][upward].data(); }
+  /// Across its own axis a coordinate pays the same both ways.
+  bool is_symmetric(int axis) const { return m_symmetric[axis]; }
+  std::size_t bytes() const;
+
+ private:
+  int m_stride = 1;
+  std::array<std::array<std::vector<Level>, 2>, 3> m_rows;  // [axis][upward]
+  std::array<bool, 3> m_symmetric{};
+};
+
+}  // namespace supple
