@@ -38,7 +38,8 @@ void print_text(const Session& session, const Options& options,
   const EcmReport& report = session.records().back().report;
   std::printf("elements        %lld\n",
               static_cast<long long>(session.body().elements.active_count()));
-  std::printf("moved           %lld\n", static_cast<long long>(report.moved));
+  std::printf("moved           %lld, by the %s engine in %.3g ms\n",
+              static_cast<long long>(report.moved), name_of(report.engine), report.milliseconds);
   std::printf("drag performed  %.6g (%lld/%lld)\n", report.fraction(),
               static_cast<long long>(report.fraction_numerator),
               static_cast<long long>(report.fraction_denominator));

@@ -181,6 +181,7 @@ nlohmann::ordered_json to_json(const StepRecord& record) {
   return {{"fraction", report.fraction()},
           {"fraction_exact", std::to_string(report.fraction_numerator) + "/" +
                                  std::to_string(report.fraction_denominator)},
+          {"engine", name_of(report.engine)},
           {"moved", report.moved},
           {"projected", report.projected_links},
           {"projected_max_voxels", report.projected_max_voxels},

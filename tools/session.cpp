@@ -63,6 +63,7 @@ Session::Session(const std::string& path, const std::string& raw_spec,
   m_body = make_body(m_state, m_material);
   m_state.material_toml = material_to_toml(m_material);
   m_links = check_links(m_body);
+  m_solver = std::make_unique<EcmSolver>(m_body);
   if (!m_links.fold_free) {
     console.note("the material does not rule out folds (min_length > 2 shear fails on some link)");
   }
@@ -105,9 +106,10 @@ const StepRecord& Session::step(const std::vector<Drag>& drags, const std::vecto
   }
   console.stage("solving");
   record.report =
-      drag(m_body, handles, {m_state.anchors.begin(), m_state.anchors.end()}, m_holds, &console);
+      m_solver->drag(handles, {m_state.anchors.begin(), m_state.anchors.end()}, m_holds, &console);
   warn_of_report(record.report, console);
-  console.debug("solve: " + std::to_string(record.report.visited) + " visits, longest queue " +
+  console.debug(std::string("solve: ") + name_of(record.report.engine) + " engine, " +
+                std::to_string(record.report.visited) + " visits, longest queue " +
                 std::to_string(record.report.max_queue) + ", body " +
                 std::to_string(m_body.bytes() >> 20) + " MiB");
   m_records.push_back(std::move(record));

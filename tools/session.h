@@ -2,6 +2,7 @@
 // the node state and what the steps so far hold in place.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -54,6 +55,7 @@ class Session {
   State m_state;
   MaterialTable m_material;
   Body m_body;
+  std::unique_ptr<EcmSolver> m_solver;  // of m_body
   LinkCheck m_links;
   Holds m_holds;  // what earlier steps dragged
   std::vector<StepRecord> m_records;

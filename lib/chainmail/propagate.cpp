@@ -70,6 +70,10 @@ bool within_range(const std::vector<Seed>& seeds) {
 
 }  // namespace
 
+const char* name_of(Engine engine) {
+  return engine == Engine::block ? "block" : engine == Engine::flat ? "flat" : "automatic";
+}
+
 Propagator::Propagator(const Body& body, Engine engine, int bucket_shift)
     : m_body(body),
       m_engine(engine == Engine::automatic ? fitting_engine(body.elements) : engine),

@@ -17,11 +17,12 @@ namespace supple {
 
 /// automatic: flat where bricks hold fewer than 100 elements on average (thin and 2D bodies).
 enum class Engine { automatic, block, flat };
+const char* name_of(Engine engine);
 
 /// Keeps queues and tables between runs, so that a local run costs what it moves.
 class Propagator {
  public:
-  /// Refers to the body, whose elements, classes and slacks must not change meanwhile.
+  /// Refers to the body, whose elements, classes and slacks must not change meanwhile; cuts may.
   /// `bucket_shift`: width of the queue's buckets, 2^bucket_shift units; negative: fitted to the
   /// body's slack. It changes the time, never the result.
   explicit Propagator(const Body& body, Engine engine = Engine::automatic, int bucket_shift = -1);
