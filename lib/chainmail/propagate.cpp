@@ -7,7 +7,7 @@ namespace supple {
 namespace {
 
 /// Fewer elements per brick than this, and visiting them one by one is faster.
-constexpr std::int64_t kFlatElements = 100;
+constexpr std::int64_t kFlatElements = 24;
 
 /// Bricks whose links are sampled to choose the bucket width.
 constexpr std::size_t kSampledBricks = 16;
