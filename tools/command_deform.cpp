@@ -15,7 +15,7 @@ namespace {
 
 struct Options {
   std::string input, raw_spec, material, output;
-  std::vector<std::string> grabs, bys, fixes;
+  std::vector<std::string> grabs, bys, fixes, cuts;
 };
 
 std::vector<Drag> parse_drags(const Options& options) {
@@ -38,6 +38,10 @@ void print_text(const Session& session, const Options& options,
   const EcmReport& report = session.records().back().report;
   std::printf("elements        %lld\n",
               static_cast<long long>(session.body().elements.active_count()));
+  if (!options.cuts.empty()) {
+    std::printf("cut links       %lld\n",
+                static_cast<long long>(session.records().back().cut_links));
+  }
   std::printf("moved           %lld, by the %s engine in %.3g ms\n",
               static_cast<long long>(report.moved), name_of(report.engine), report.milliseconds);
   std::printf("drag performed  %.6g (%lld/%lld)\n", report.fraction(),
@@ -68,17 +72,20 @@ int run(const Options& options, const GlobalOptions& global, Console& console) {
   const std::vector<Drag> drags = parse_drags(options);
   std::vector<IndexBox> fix;
   for (const std::string& text : options.fixes) fix.push_back(parse_box("--fix", text));
-  if (drags.empty() && fix.empty()) {
-    throw UsageError("deform: found neither --grab nor --fix, expected something to do");
+  if (drags.empty() && fix.empty() && options.cuts.empty()) {
+    throw UsageError("deform: found neither --grab nor --fix nor --cut, expected something to do");
   }
   OutputPlan plan(global);
   if (!is_state_file(options.input)) plan.protect(options.input);
   plan.add_state(options.output);
+  for (const std::string& path : options.cuts) plan.protect(path);
+  std::vector<CutSurface> cuts;
+  for (const std::string& path : options.cuts) cuts.push_back(mesh_cut(path));
   std::optional<MaterialTable> material;
   if (!options.material.empty()) material = read_material(options.material);
 
   Session session(options.input, options.raw_spec, material, console);
-  session.step(drags, fix, false, console);
+  session.step(drags, fix, false, cuts, console);
   const State state = session.state();
   const Deformed deformed = invert_state(state, console);
   write_state(options.output, state, deformed.offsets, &console);
@@ -118,6 +125,10 @@ Command add_deform(CLI::App& program) {
   app->add_option("--fix", options->fixes, "Voxel or box of voxels that stays where it is")
       ->allow_extra_args(false)
       ->option_text("I,J,K[:I,J,K]");
+  app->add_option("--cut", options->cuts,
+                  "Cut the body at rest along a surface in LPS mm: .stl, .ply or .obj; repeatable")
+      ->allow_extra_args(false)
+      ->option_text("MESH");
   app->add_option("-o,--output", options->output, "State file to write")
       ->required()
       ->option_text("STATE.vdb");

@@ -73,7 +73,7 @@ void check_step(const SceneStep& step, const Geometry& geometry) {
 /// Names the step in the errors of the solver.
 void run_step(Session& session, const SceneStep& step, Console& console) {
   try {
-    session.step(to_drags(step, session.geometry()), step.fix, step.release, console);
+    session.step(to_drags(step, session.geometry()), step.fix, step.release, step.cuts, console);
   } catch (const InputError& error) {
     const Problem& problem = error.problem();
     if (!problem.file.empty()) throw;
@@ -185,6 +185,11 @@ void check_scene(const Scene& scene, const Options& options, const GlobalOptions
   plan.protect(scene.file);
   plan.protect(scene.volume_path);
   if (!scene.material_path.empty()) plan.protect(scene.material_path);
+  for (const SceneStep& step : scene.steps) {
+    for (const CutSurface& cut : step.cuts) {
+      if (cut.mesh) plan.protect(cut.place);
+    }
+  }
   for (const SceneView& view : scene.views) {
     check_view(view);
     plan.add_image(path_in(options.folder, view.image));
@@ -203,8 +208,9 @@ void check_scene(const Scene& scene, const Options& options, const GlobalOptions
 void print_plan(const Scene& scene, const Options& options) {
   std::printf("volume  %s\n", scene.volume_path.c_str());
   for (std::size_t n = 0; n < scene.steps.size(); ++n) {
-    std::printf("step %zu  %zu handles, %zu fixed boxes%s\n", n + 1, scene.steps[n].handles.size(),
-                scene.steps[n].fix.size(), scene.steps[n].release ? ", releases" : "");
+    const SceneStep& step = scene.steps[n];
+    std::printf("step %zu  %zu handles, %zu fixed boxes, %zu cuts%s\n", n + 1, step.handles.size(),
+                step.fix.size(), step.cuts.size(), step.release ? ", releases" : "");
   }
   for (const std::string& name : scene.outputs()) {
     std::printf("writes  %s\n", path_in(options.folder, name).c_str());

@@ -183,6 +183,7 @@ nlohmann::ordered_json to_json(const StepRecord& record) {
                                  std::to_string(report.fraction_denominator)},
           {"engine", name_of(report.engine)},
           {"moved", report.moved},
+          {"cut_links", record.cut_links},
           {"projected", report.projected_links},
           {"projected_max_voxels", report.projected_max_voxels},
           {"visited", report.visited},

@@ -61,7 +61,38 @@ IndexBox to_box(TomlTable& table, const std::vector<double>& row) {
   return box;
 }
 
-SceneStep read_step(TomlTable& table) {
+CutSurface read_plane(TomlTable& table) {
+  CutSurface surface;
+  surface.place = table.place();
+  table.know({"corner", "edge1", "edge2", "frame"});
+  surface.corner = table.require(table.vector("corner"), "corner", "a point [x, y, z]");
+  surface.edge1 = table.require(table.vector("edge1"), "edge1", "a vector [x, y, z]");
+  surface.edge2 = table.require(table.vector("edge2"), "edge2", "a vector [x, y, z]");
+  if (surface.edge1.cross(surface.edge2) == Vec3d(0)) {
+    table.fail("edge2", "edges that span no area", "two vectors that differ in direction");
+  }
+  const std::string frame = table.string("frame").value_or("lps");
+  if (frame != "lps" && frame != "voxel") {
+    table.fail("frame", "\"" + frame + "\"", "\"lps\" (mm) or \"voxel\"");
+  }
+  surface.in_voxels = frame == "voxel";
+  table.finish();
+  return surface;
+}
+
+CutSurface read_cut(TomlTable& table, const std::string& scene_file) {
+  table.know({"plane", "mesh"});
+  auto plane = table.table("plane");
+  const auto mesh = table.string("mesh");
+  table.finish();
+  if (plane.has_value() == mesh.has_value()) {
+    if (!mesh) table.fail_missing("mesh", "either mesh or plane");
+    table.fail("mesh", "mesh and plane", "either mesh or plane");
+  }
+  return plane ? read_plane(*plane) : mesh_cut(beside(scene_file, *mesh));
+}
+
+SceneStep read_step(TomlTable& table, const std::string& scene_file) {
   SceneStep step;
   step.place = table.place();
   for (TomlTable& handle : table.tables("handles")) {
@@ -81,10 +112,11 @@ SceneStep read_step(TomlTable& table) {
     for (const auto& row : *rows) step.fix.push_back(to_box(table, row));
   }
   step.release = table.boolean("release").value_or(false);
+  for (TomlTable& cut : table.tables("cut")) step.cuts.push_back(read_cut(cut, scene_file));
   table.finish();
   if (is_short) step.handles.push_back(read_handle(table));
-  if (step.handles.empty() && step.fix.empty() && !step.release) {
-    table.fail("", "a step that does nothing", "grab, handles, fix or release");
+  if (step.handles.empty() && step.fix.empty() && !step.release && step.cuts.empty()) {
+    table.fail("", "a step that does nothing", "grab, handles, fix, cut or release");
   }
   return step;
 }
@@ -204,7 +236,9 @@ Scene read_scene(const std::string& path) {
       scene.material = read_material_table(*material);
     }
   }
-  for (TomlTable& step : root.tables("step")) scene.steps.push_back(read_step(step));
+  for (TomlTable& step : root.tables("step")) {
+    scene.steps.push_back(read_step(step, path));
+  }
   const int steps = int(scene.steps.size());
   for (TomlTable& view : root.tables("view")) scene.views.push_back(read_view(view, steps));
   if (auto output = root.table("output")) scene.output = read_output(*output);

@@ -8,6 +8,7 @@
 
 #include "lib/material/material.h"
 #include "raycast/camera.h"
+#include "tools/cut_surface.h"
 #include "volumes/base/vec.h"
 
 namespace supple::tools {
@@ -26,6 +27,7 @@ struct SceneStep {
   std::vector<SceneHandle> handles;
   std::vector<IndexBox> fix;
   bool release = false;  // lets go of everything that earlier steps held
+  std::vector<CutSurface> cuts;
 };
 
 /// Camera as given: a named view, or a full camera.

@@ -85,11 +85,13 @@ void Session::open_volume_file(const std::string& path, const std::string& raw_s
 }
 
 const StepRecord& Session::step(const std::vector<Drag>& drags, const std::vector<IndexBox>& fix,
-                                bool release, Console& console) {
+                                bool release, const std::vector<CutSurface>& cuts,
+                                Console& console) {
   StepRecord record;
   record.drags = drags;
   record.fix = fix;
   record.release = release;
+  record.cuts = cuts;
   if (release) {
     m_state.anchors.clear();
     m_holds = {};
@@ -104,6 +106,8 @@ const StepRecord& Session::step(const std::vector<Drag>& drags, const std::vecto
   for (const Drag& drag : drags) {
     handles.push_back({drag.voxel, fixed_from_mm(drag.by_mm, geometry().spacing_mm())});
   }
+  record.cut_links = apply_cuts(m_body, cuts, console);
+  m_links.fold_free = m_links.fold_free && m_body.cuts.empty();
   console.stage("solving");
   record.report =
       m_solver->drag(handles, {m_state.anchors.begin(), m_state.anchors.end()}, m_holds, &console);
@@ -132,6 +136,8 @@ std::string Session::configuration() const {
       step["fix"].push_back({box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z});
     }
     if (record.release) step["release"] = true;
+    for (const CutSurface& surface : record.cuts) step["cut"].push_back(to_json(surface));
+    if (!record.cuts.empty()) step["cut_links"] = record.cut_links;
     step["fraction"] = std::to_string(record.report.fraction_numerator) + "/" +
                        std::to_string(record.report.fraction_denominator);
     steps.push_back(step);

@@ -9,6 +9,7 @@
 
 #include "lib/chainmail/ecm.h"
 #include "tools/console.h"
+#include "tools/cut_surface.h"
 #include "volumes/state/state.h"
 
 namespace supple::tools {
@@ -24,6 +25,8 @@ struct StepRecord {
   std::vector<Drag> drags;
   std::vector<IndexBox> fix;
   bool release = false;
+  std::vector<CutSurface> cuts;
+  std::int64_t cut_links = 0;  // that the cuts removed
   EcmReport report;
 };
 
@@ -39,10 +42,11 @@ class Session {
   /// Links of the material that may fold, NaN voxels and the like have been warned of.
   const LinkCheck& links() const { return m_links; }
 
-  /// Solves one step. Handles stay held and boxes fixed until a step releases them. Warns when
-  /// anchors stopped the drag or when the start had to be projected.
+  /// Cuts, then solves one step. Cuts are made in the body at rest and stay. Handles stay held and
+  /// boxes fixed until a step releases them. Warns when anchors stopped the drag or when the start
+  /// had to be projected.
   const StepRecord& step(const std::vector<Drag>& drags, const std::vector<IndexBox>& fix,
-                         bool release, Console& console);
+                         bool release, const std::vector<CutSurface>& cuts, Console& console);
 
   const std::vector<StepRecord>& records() const { return m_records; }
   /// The state as it is now, configuration included.

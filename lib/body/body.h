@@ -43,6 +43,7 @@ struct LinkCheck {
   double worst_excess_voxels = 0;
   /// True when min_length > shear1 + shear2 (that is 2 * shear) holds on every link, so that no
   /// cell can fold. An axis along which the body is one voxel thick does not count: > shear in 2D.
+  /// False where links are cut: nothing keeps the sides of a cut from passing through each other.
   bool fold_free = false;
 };
 /// One parallel pass over all links; about 30 ns per element.

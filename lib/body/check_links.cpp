@@ -90,7 +90,8 @@ LinkCheck check_links(const Body& body) {
         return Counts{x.links + y.links, x.violated + y.violated, std::max(x.worst, y.worst),
                       x.can_fold || y.can_fold};
       });
-  return {total.links, total.violated, double(total.worst) / kFixedOne, !total.can_fold};
+  const bool fold_free = !total.can_fold && body.cuts.empty();
+  return {total.links, total.violated, double(total.worst) / kFixedOne, fold_free};
 }
 
 }  // namespace supple

@@ -68,6 +68,18 @@ TEST(UnitBody, OneSoftLinkIsEnoughToLoseTheFoldGuarantee) {
   EXPECT_FALSE(check_links(body_of(block)).fold_free);
 }
 
+TEST(UnitBody, ACutLosesTheFoldGuaranteeAndItsLinksAreNotChecked) {
+  Body body = row_of_three();
+  EXPECT_TRUE(check_links(body).fold_free);
+  body.cuts.cut(0, brick_offset({7, 0, 0}), 0);
+  for (auto& q : body.q) q.resize(body.elements.brick_count());
+  body.q[0].set(kBrickVoxels, 99 << 16);
+  const LinkCheck check = check_links(body);
+  EXPECT_EQ(check.links, 1);
+  EXPECT_EQ(check.violated, 0);
+  EXPECT_FALSE(check.fold_free);
+}
+
 TEST(PropertyBody, TheNearestElementIsTheNearest) {
   std::mt19937 random(5);
   for (int n = 0; n < 100; ++n) {

@@ -1,0 +1,63 @@
+#include "tools/cut_surface.h"
+
+#include <filesystem>
+
+#include <nlohmann/json.hpp>
+
+namespace supple::tools {
+
+namespace {
+
+PlanePatch plane_of(const CutSurface& surface, const Geometry& geometry) {
+  if (!surface.in_voxels) return {surface.corner, surface.edge1, surface.edge2};
+  return {geometry.world_from_index(surface.corner),
+          geometry.world_vector_from_index(surface.edge1),
+          geometry.world_vector_from_index(surface.edge2)};
+}
+
+/// Names the surface in the errors of the cut.
+CutReport cut_along(const CutSurface& surface, Body& body) {
+  try {
+    if (surface.mesh) return cut(body, *surface.mesh);
+    return cut(body, plane_of(surface, body.geometry));
+  } catch (const InputError& error) {
+    const Problem& problem = error.problem();
+    throw InputError({surface.place, problem.field, problem.found, problem.expected});
+  }
+}
+
+}  // namespace
+
+CutSurface mesh_cut(const std::string& path) {
+  CutSurface surface;
+  surface.place = path;
+  surface.mesh_file = std::filesystem::path(path).filename().string();
+  surface.mesh = std::make_shared<TriangleMesh>(read_mesh(path));
+  return surface;
+}
+
+std::int64_t apply_cuts(Body& body, const std::vector<CutSurface>& surfaces, Console& console) {
+  if (!surfaces.empty()) console.stage("cutting");
+  std::int64_t cut_links = 0;
+  for (const CutSurface& surface : surfaces) {
+    const CutReport report = cut_along(surface, body);
+    cut_links += report.newly_cut;
+    if (report.crossed == 0) console.warn(surface.place + ": the cut crosses no link of the body");
+    console.debug(surface.place + ": the cut crosses " + std::to_string(report.crossed) +
+                  " links, " + std::to_string(report.newly_cut) + " of them new; " +
+                  std::to_string(report.degenerate) + " triangles without area");
+  }
+  return cut_links;
+}
+
+nlohmann::ordered_json to_json(const CutSurface& surface) {
+  if (surface.mesh) return {{"mesh", surface.mesh_file}};
+  const auto list = [](const Vec3d& v) { return nlohmann::ordered_json{v.x, v.y, v.z}; };
+  return {{"plane",
+           {{"corner", list(surface.corner)},
+            {"edge1", list(surface.edge1)},
+            {"edge2", list(surface.edge2)},
+            {"frame", surface.in_voxels ? "voxel" : "lps"}}}};
+}
+
+}  // namespace supple::tools

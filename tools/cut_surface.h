@@ -1,0 +1,33 @@
+// Where a step cuts the body: a triangle mesh from a file, or a plane patch from a scene.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "lib/body/cut.h"
+#include "tools/console.h"
+
+namespace supple::tools {
+
+struct CutSurface {
+  std::string place;                         // for errors: "scene:line", or the mesh file
+  std::string mesh_file;                     // without folder
+  std::shared_ptr<const TriangleMesh> mesh;  // null: a plane
+  Vec3d corner{0, 0, 0}, edge1{0, 0, 0}, edge2{0, 0, 0};  // of the plane patch
+  bool in_voxels = false;                                 // of the volume, instead of LPS mm
+};
+
+/// Reads the mesh; throws InputError as read_mesh.
+CutSurface mesh_cut(const std::string& path);
+
+/// Cuts the body along all surfaces and returns how many links that removed. Warns of a surface
+/// that crosses no link.
+std::int64_t apply_cuts(Body& body, const std::vector<CutSurface>& surfaces, Console& console);
+
+/// As a configuration records it.
+nlohmann::ordered_json to_json(const CutSurface& surface);
+
+}  // namespace supple::tools
