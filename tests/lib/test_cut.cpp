@@ -502,6 +502,7 @@ TEST(PropertyCuts, TenThousandRandomCutsAndDragsKeepEveryLinkValid) {
     Body body = body_of(block);
     const bool with_oracle = n % 10 == 0;
     BruteForce brute(block);
+    EcmSolver block_engine(body, Engine::block), flat_engine(body, Engine::flat);
     for (int round = 0; round < kRounds; ++round) {
       const std::int64_t before = body.cuts.count();
       const CutReport report = random_cut(random, body);
@@ -512,7 +513,8 @@ TEST(PropertyCuts, TenThousandRandomCutsAndDragsKeepEveryLinkValid) {
       const int node = random_element(random, block);
       std::array<std::int32_t, 3> by;
       for (std::int32_t& q : by) q = int(random() % 2000001) - 1000000;
-      moved += drag(body, {Handle(block.voxel(node), by)}, {}).moved > 0;
+      EcmSolver& solver = random() % 2 == 0 ? block_engine : flat_engine;
+      moved += solver.drag({Handle(block.voxel(node), by)}, {}).moved > 0;
       ++drags;
       ASSERT_EQ(broken_links(body), 0) << "body " << n << " round " << round;
       if (!with_oracle) continue;
