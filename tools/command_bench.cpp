@@ -11,14 +11,20 @@ namespace {
 
 struct Options {
   std::string name, output;
-  bool markdown = false;
+  bool list = false, markdown = false;
   EcmBenchOptions ecm;
 };
 
 int run(Options& options, const GlobalOptions& global, Console& console) {
+  options.ecm.threads = global.threads;
+  if (options.list) {
+    for (const std::string& name : ecm_row_names(options.ecm, console)) {
+      std::printf("%s\n", name.c_str());
+    }
+    return kOk;
+  }
   OutputPlan plan(global);
   if (!options.output.empty()) plan.add_report(options.output);
-  options.ecm.threads = global.threads;
   const BenchReport report = bench_ecm(options.ecm, console);
   if (!options.output.empty()) write_json(options.output, report);
   if (global.json) {
@@ -37,7 +43,7 @@ Command add_bench(CLI::App& program) {
       add_subcommand(program, "bench", "Time the engines side by side and say what they hold",
                      "  supple bench ecm --quick\n"
                      "  supple bench ecm --only 'all/noise/128*+x/rest' --json ecm.json\n"
-                     "  supple bench ecm --only local --only stream --markdown");
+                     "  supple bench ecm --only local --only stream --list");
   app->add_option("name", options->name, "Which benchmark: ecm")
       ->required()
       ->check(CLI::IsMember({"ecm"}))
@@ -47,6 +53,7 @@ Command add_bench(CLI::App& program) {
                   "Rows whose name holds this; * stands for anything; may be repeated")
       ->allow_extra_args(false)
       ->option_text("PATTERN");
+  app->add_flag("--list", options->list, "Print the names of the rows and measure none");
   app->add_option("--json", options->output, "Write the rows as JSON")->option_text("FILE");
   app->add_flag("--markdown", options->markdown, "Print tables of a Markdown document");
   app->add_option("--ct-head", options->ecm.ct_head,

@@ -1,3 +1,7 @@
+#include <algorithm>
+#include <csignal>
+#include <sstream>
+
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -15,6 +19,14 @@ std::vector<std::string> tiny_with(const std::vector<std::string>& more) {
   std::vector<std::string> arguments = kTiny;
   arguments.insert(arguments.end(), more.begin(), more.end());
   return arguments;
+}
+
+std::vector<std::string> row_names(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), {"bench", "ecm", "--list", "--threads", "2"});
+  std::istringstream lines(run_supple(arguments).out);
+  std::vector<std::string> names;
+  for (std::string line; std::getline(lines, line);) names.push_back(line);
+  return names;
 }
 
 }  // namespace
@@ -76,4 +88,47 @@ TEST(UnitBench, AnExistingReportNeedsForce) {
   EXPECT_EQ(read_text(folder / "ecm.json"), "precious");
   EXPECT_EQ(run_supple(tiny_with({"--json", folder / "ecm.json", "--force"})).exit_code, 0);
   EXPECT_NE(read_text(folder / "ecm.json"), "precious");
+}
+
+TEST(UnitBench, AQuickRunKeepsEveryRowThatFiguresName) {
+  const std::vector<std::string> names = row_names({"--quick"});
+  std::vector<std::string> wanted = {
+      "all/noise/128x128x128/xyz/rest/supple/1", "all/ct/128x128x128/+x/rest/supple/2",
+      "all/noise/512x512x512/+x/rest/supple/1", "stream/head_phantom/512x512x256/+y/pull/supple/2",
+      "stream/head_phantom/512x512x256/+y/wander/supple/2"};
+  for (const char* size : {"22x26x20", "100x100x10", "316x316x1", "64x64x64", "128x128x128"}) {
+    for (const char* side : {"multiset/1", "bucket/1", "supple/1", "supple/2"}) {
+      wanted.push_back(std::string("all/noise/") + size + "/+x/rest/" + side);
+    }
+  }
+  for (const char* size : {"64x64x64", "256x256x256", "512x512x512"}) {
+    for (const char* moved : {"10000", "100000", "1000000"}) {
+      // A million does not fit the smallest.
+      if (size[0] == '6' && std::string(moved) == "1000000") continue;
+      wanted.push_back(std::string("local/noise/") + size + "/+x/rest/" + moved + "/supple/1");
+      wanted.push_back(std::string("local/noise/") + size + "/+x/repeat/" + moved + "/supple/1");
+    }
+  }
+  for (const std::string& name : wanted) {
+    EXPECT_EQ(std::count(names.begin(), names.end(), name), 1) << name;
+  }
+}
+
+TEST(UnitBench, PatternsChooseTheRowsThatHoldOneOfThem) {
+  EXPECT_EQ(
+      row_names({"--only", "100x100x1/xy/repeat/supple", "--only", "x12x1/-x/*/multiset"}),
+      (std::vector<std::string>{
+          "all/noise/12x12x1/-x/rest/multiset/1", "all/noise/12x12x1/-x/repeat/multiset/1",
+          "all/noise/100x100x1/xy/repeat/supple/1", "all/noise/100x100x1/xy/repeat/supple/2"}));
+}
+
+TEST(FaultBench, CtrlCLeavesNoReport) {
+  const TemporaryFolder folder;
+  RunOptions options;
+  options.interrupt_after_s = 1.5;
+  const Outcome outcome = run_supple(
+      {"bench", "ecm", "--only", "all/noise/64x64x64", "--json", folder / "ecm.json"}, options);
+  EXPECT_EQ(outcome.exit_code, 128 + SIGINT) << outcome.err;
+  EXPECT_TRUE(folder.entries().empty());
+  EXPECT_TRUE(outcome.out.empty()) << outcome.out;
 }

@@ -32,14 +32,16 @@ class CancelOnly final : public Progress {
 std::string head_file(const EcmBenchOptions& options, Console& console) {
   if (!options.ct_head.empty()) return options.ct_head;
   if (std::filesystem::exists(kDefaultHead)) return kDefaultHead;
-  console.note(std::string("no ") + kDefaultHead + ": rows of ct_head are left out");
+  if (options.only.empty()) {
+    console.note(std::string("no ") + kDefaultHead + ": rows of ct_head are left out");
+  }
   return "";
 }
 
 EcmCaseLimits limits_of(bool quick) {
   EcmCaseLimits limits;
   limits.rounds = quick ? RoundLimits{3, 25, 250} : RoundLimits{5, 100, 2000};
-  limits.multiset_repeats_below = quick ? 5'000 : 3'000'000;
+  limits.multiset_repeats_below = quick ? 150'000 : 3'000'000;
   return limits;
 }
 
@@ -87,10 +89,7 @@ class Bodies {
   std::unique_ptr<MeasuredBody> m_body;
 };
 
-}  // namespace
-
-BenchReport bench_ecm(const EcmBenchOptions& options, Console& console) {
-  const std::string head = head_file(options, console);
+std::vector<EcmWorkload> checked_plan(const EcmBenchOptions& options, const std::string& head) {
   EcmPlanOptions plan_options;
   plan_options.quick = options.quick;
   plan_options.threads = options.threads;
@@ -102,7 +101,22 @@ BenchReport bench_ecm(const EcmBenchOptions& options, Console& console) {
                               "part of a row's name, such as "
                               "all/noise/128x128x128/+x/rest/supple/1"}));
   }
+  return plan;
+}
 
+}  // namespace
+
+std::vector<std::string> ecm_row_names(const EcmBenchOptions& options, Console& console) {
+  std::vector<std::string> names;
+  for (const EcmWorkload& workload : checked_plan(options, head_file(options, console))) {
+    for (const EcmSide& side : workload.sides) names.push_back(row_name(workload, side));
+  }
+  return names;
+}
+
+BenchReport bench_ecm(const EcmBenchOptions& options, Console& console) {
+  const std::string head = head_file(options, console);
+  std::vector<EcmWorkload> plan = checked_plan(options, head);
   BenchReport result{"ecm", measure_machine(), {}};
   Bodies bodies(head);
   CancelOnly cancel(console);

@@ -17,6 +17,10 @@ struct EcmBenchOptions {
   std::string ct_head;  // a volume; empty: build/data/ct_head.nhdr where that exists
 };
 
+/// Names of the rows that these options choose, in order, without measuring any. Throws UsageError
+/// when `only` leaves none.
+std::vector<std::string> ecm_row_names(const EcmBenchOptions& options, Console& console);
+
 /// Throws UsageError when `only` leaves no row, Error when engines disagree.
 BenchReport bench_ecm(const EcmBenchOptions& options, Console& console);
 

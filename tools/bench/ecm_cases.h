@@ -17,6 +17,7 @@ struct MeasuredBody {
 struct EcmCaseLimits {
   RoundLimits rounds;
   std::int64_t multiset_repeats_below = 0;  // larger bodies meet the multiset engine only once
+  int multiset_runs = 3;                    // and smaller ones so often
   int stream_events = 200;
 };
 

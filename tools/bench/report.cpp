@@ -113,9 +113,10 @@ std::string to_text(const BenchReport& report) {
 }
 
 std::string to_markdown(const BenchReport& report) {
-  std::string text = machine_line(report.machine) + "\n";
+  std::string text = "# supple bench " + report.benchmark + "\n\nsupple " + kVersion + ", " +
+                     machine_line(report.machine) + "\n";
   for (const Table& table : tables_of(report)) {
-    text += "\n### " + table.title + "\n\n";
+    text += "\n## " + table.title + "\n\n";
     for (std::size_t line = 0; line < table.lines.size(); ++line) {
       for (const std::string& content : table.lines[line]) text += "| " + content + " ";
       text += "|\n";
