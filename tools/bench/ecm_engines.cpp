@@ -29,15 +29,10 @@ std::uint64_t offset_hash(const Vec3i& voxel, int c, std::int32_t offset) {
   return mix(mix(place) + std::uint32_t(offset));
 }
 
-/// The one place that knows how each engine of lib/chainmail is chosen and run.
-EcmReport drag_with(const std::string& /*engine*/, Body& body, const Pull& pull, Progress* cancel) {
-  return drag(body, {Handle{pull.voxel, pull.by_q}}, {}, cancel);
-}
-
 class BodyEngine final : public EcmEngine {
  public:
-  BodyEngine(std::string name, Body& body, Progress* cancel)
-      : m_name(std::move(name)), m_body(body), m_cancel(cancel) {}
+  BodyEngine(Body& body, Engine engine, Progress* cancel)
+      : m_body(body), m_solver(body, engine), m_cancel(cancel) {}
 
   void reset() override {
     for (BrickValues& q : m_body.q) {
@@ -45,9 +40,14 @@ class BodyEngine final : public EcmEngine {
     }
     m_body.links_known_valid = true;
   }
-  void pull(const Pull& pull) override { m_report = drag_with(m_name, m_body, pull, m_cancel); }
+  void pull(const Pull& pull) override {
+    m_report = m_solver.drag({Handle(pull.voxel, pull.by_q)}, {}, m_cancel);
+  }
   std::int64_t moved() override { return m_report.moved; }
   std::int64_t max_list() const override { return m_report.max_queue; }
+  std::string path() const override {
+    return m_solver.engine() == Engine::block ? "block" : "flat";
+  }
 
   std::uint64_t checksum() const override {
     using Range = tbb::blocked_range<std::size_t>;
@@ -72,8 +72,8 @@ class BodyEngine final : public EcmEngine {
     return sum;
   }
 
-  std::string m_name;
   Body& m_body;
+  EcmSolver m_solver;
   Progress* m_cancel;
   EcmReport m_report;
 };
@@ -106,6 +106,7 @@ class MultisetEngine final : public EcmEngine {
     return count;
   }
   std::int64_t max_list() const override { return std::int64_t(m_solver->max_candidates()); }
+  std::string path() const override { return "multiset"; }
 
   std::uint64_t checksum() const override {
     const reference::Offsets offsets = m_solver->offsets();
@@ -131,7 +132,8 @@ class MultisetEngine final : public EcmEngine {
 
 std::unique_ptr<EcmEngine> make_engine(const std::string& name, Body& body, Progress* cancel) {
   if (name == "multiset") return std::make_unique<MultisetEngine>(body);
-  return std::make_unique<BodyEngine>(name, body, cancel);
+  const Engine engine = name == "bucket" ? Engine::flat : Engine::automatic;
+  return std::make_unique<BodyEngine>(body, engine, cancel);
 }
 
 std::int64_t expected_multiset_bytes(const Vec3i& size) {

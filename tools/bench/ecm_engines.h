@@ -26,14 +26,17 @@ class EcmEngine {
   virtual void pull(const Pull& pull) = 0;
   /// Elements that the last pull moved.
   virtual std::int64_t moved() = 0;
-  /// Largest candidate list of a pull so far.
+  /// Most nodes (bricks on the path `block`) that waited at one time during the last pull.
   virtual std::int64_t max_list() const = 0;
+  /// What did the work: multiset, flat or block.
+  virtual std::string path() const = 0;
   /// Equal for equal offsets of equal elements, whatever their order in memory.
   virtual std::uint64_t checksum() const = 0;
 };
 
 /// `name`: "multiset" (the thesis' algorithm in exact arithmetic, on nodes and chains of its own),
-/// "bucket" or "supple", which move `body` itself. `cancel` may be polled while they run.
+/// "bucket" (the flat engine) or "supple" (which chooses by itself), which move `body` itself.
+/// `cancel` may be polled while they run.
 std::unique_ptr<EcmEngine> make_engine(const std::string& name, Body& body, Progress* cancel);
 
 /// What the multiset engine is expected to take for that many voxels of the body's box.

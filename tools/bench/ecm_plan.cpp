@@ -55,6 +55,7 @@ class Planner {
       add("noise", Vec3i(n), "+x", "repeat", repeated);
       if (!m_options.quick) add("noise", Vec3i(n), "xyz", "repeat", {"bucket", "supple"});
       add("noise", Vec3i(n), "xyz", "rest", {"supple"});
+      if (m_options.quick) add("noise", Vec3i(n), "xyz", "repeat", {"supple"});
     }
   }
 
@@ -79,10 +80,11 @@ class Planner {
         add(field, Vec3i(256), "+x", start, engines);
       }
     }
-    add("noise", Vec3i(512), "+x", "rest",
-        m_options.quick ? std::vector<std::string>{"supple"}
-                        : std::vector<std::string>{"multiset", "bucket", "supple"});
-    if (m_options.quick) return;
+    if (m_options.quick) {
+      m_plan.push_back({"all", "noise", Vec3i(512), "+x", "rest", 0, {{"supple", 1}}});
+      return;
+    }
+    add("noise", Vec3i(512), "+x", "rest", {"multiset", "bucket", "supple"});
     add("noise", Vec3i(512), "+x", "repeat", {"supple"});
     add("noise", Vec3i(512), "xyz", "rest", {"supple"});
     add("ct", Vec3i(512), "+x", "rest", {"supple"});

@@ -52,6 +52,7 @@ BenchRow row_of(const EcmWorkload& workload, const WarmSide& warm, const Body& b
   const double nodes = double(body.elements.active_count());
   BenchRow row = {{"case", workload.kind},
                   {"engine", warm.side.engine},
+                  {"path", warm.engine->path()},
                   {"field", workload.field},
                   {"size", {workload.size.x, workload.size.y, workload.size.z}},
                   {"direction", workload.direction},
