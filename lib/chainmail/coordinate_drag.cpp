@@ -36,7 +36,6 @@ CoordinateDrag::CoordinateDrag(Body& body, int coordinate, const HeldVoxels& hel
       m_undo(undo),
       m_propagator(propagator),
       m_progress(progress) {
-  m_undo.clear();
   m_values.resize(body.elements.brick_count());
 }
 

@@ -48,7 +48,7 @@ class CoordinateDrag {
  public:
   /// Gives the coordinate its table of bricks if it never moved; the destructor rolls back unless
   /// commit() was called.
-  /// `undo` tells the result from the start until the next drag.
+  /// `undo` must be empty.
   CoordinateDrag(Body& body, int coordinate, const HeldVoxels& held, Propagator& propagator,
                  UndoLog& undo, Progress* progress);
   ~CoordinateDrag();

@@ -61,6 +61,12 @@ std::int64_t count_moved(const CoordinateDrags& drags) {
   return moved;
 }
 
+/// Undo memory that stays for the next drag: one byte per element and coordinate, so that local
+/// drags find theirs and whole ones do not hold on to theirs.
+std::size_t kept_undo_bricks(const Body& body) {
+  return std::size_t(body.elements.active_count()) / (kBrickVoxels * sizeof(std::int32_t)) + 256;
+}
+
 bool moves_along(const HeldVoxels& held, int coordinate) {
   return std::any_of(held.handles.begin(), held.handles.end(),
                      [&](const HeldHandle& handle) { return handle.by(coordinate) != 0; });
@@ -160,6 +166,7 @@ EcmReport EcmSolver::drag(const std::vector<Handle>& handles, const std::vector<
     result.max_queue = std::max(result.max_queue, coordinate->counts().max_queue);
     coordinate->commit();
   }
+  for (UndoLog& undo : m_undo) undo.clear(kept_undo_bricks(m_body));
   guard.dismiss();
   holds = std::move(next);
   result.milliseconds =

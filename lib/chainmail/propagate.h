@@ -16,8 +16,8 @@
 namespace supple {
 
 /// automatic: flat where bricks hold fewer than 24 elements on average (chains, wires, dust);
-/// sheets one voxel thick fill 64 of 512 lanes and still gain from bricks, as axes without links are
-/// skipped.
+/// sheets one voxel thick fill 64 of 512 lanes and still gain from bricks, as axes without links
+/// are skipped.
 enum class Engine { automatic, block, flat };
 const char* name_of(Engine engine);
 

@@ -32,17 +32,20 @@ class UndoLog {
     clear();
   }
 
-  /// Forgets all and keeps the memory for the next use: O(touched bricks).
-  void clear() {
-    for (const std::size_t brick : m_bricks)
+  /// Forgets all, O(touched bricks), and keeps memory for that many saved bricks.
+  void clear(std::size_t kept_bricks = SIZE_MAX) {
+    for (const std::size_t brick : m_bricks) {
       (*m_pages[brick / kPageBricks])[brick % kPageBricks] = 0;
+    }
     m_bricks.clear();
     m_copies.clear();
-    m_saved.clear();
+    m_copied = 0;
+    const std::size_t kept_chunks = kept_bricks / kChunkBricks;
+    if (m_chunks.size() > kept_chunks) m_chunks.resize(kept_chunks);
   }
 
   std::size_t bytes() const {
-    std::size_t total = m_saved.capacity() * sizeof(std::int32_t) +
+    std::size_t total = m_chunks.size() * sizeof(Chunk) +
                         (m_bricks.capacity() + m_copies.capacity()) * sizeof(std::size_t);
     for (const auto& page : m_pages) total += page ? sizeof(Page) : 0;
     return total;
@@ -52,7 +55,7 @@ class UndoLog {
   const std::vector<std::size_t>& bricks() const { return m_bricks; }
   /// The 512 old values of bricks()[n]; zeros when it was not stored.
   const std::int32_t* saved(std::size_t n) const {
-    return m_copies[n] == kNotStored ? kZeroBrick : m_saved.data() + m_copies[n] * kBrickVoxels;
+    return m_copies[n] == kNotStored ? kZeroBrick : copy(m_copies[n]);
   }
   /// The 512 old values of a brick, or null when it was not touched.
   const std::int32_t* saved_of(std::size_t brick) const {
@@ -63,7 +66,15 @@ class UndoLog {
  private:
   static constexpr std::size_t kPageBricks = 1024;
   static constexpr std::size_t kNotStored = SIZE_MAX;
+  static constexpr std::size_t kChunkBricks = 16;
   using Page = std::array<std::uint32_t, kPageBricks>;
+  using Chunk = std::array<std::int32_t, kChunkBricks * kBrickVoxels>;
+
+  /// Not zeroed: every copy overwrites its part.
+  static std::unique_ptr<Chunk> new_chunk() { return std::unique_ptr<Chunk>(new Chunk); }
+  std::int32_t* copy(std::size_t n) const {
+    return m_chunks[n / kChunkBricks]->data() + n % kChunkBricks * kBrickVoxels;
+  }
 
   std::uint32_t entry_of(std::size_t brick) const {
     const std::size_t page = brick / kPageBricks;
@@ -75,16 +86,20 @@ class UndoLog {
     if (page >= m_pages.size()) m_pages.resize(page + 1);
     if (!m_pages[page]) m_pages[page] = std::make_unique<Page>();
     const std::int32_t* before = values.brick(brick);
-    m_copies.push_back(before == nullptr ? kNotStored : m_saved.size() / kBrickVoxels);
-    if (before != nullptr) m_saved.insert(m_saved.end(), before, before + kBrickVoxels);
+    m_copies.push_back(before == nullptr ? kNotStored : m_copied);
+    if (before != nullptr) {
+      if (m_copied == m_chunks.size() * kChunkBricks) m_chunks.push_back(new_chunk());
+      std::copy_n(before, kBrickVoxels, copy(m_copied++));
+    }
     m_bricks.push_back(brick);
     (*m_pages[page])[brick % kPageBricks] = std::uint32_t(m_bricks.size());
   }
 
   std::vector<std::unique_ptr<Page>> m_pages;  // per brick: 1 + its index in m_bricks, or 0
   std::vector<std::size_t> m_bricks;
-  std::vector<std::size_t> m_copies;  // where m_saved holds bricks()[n], in bricks
-  std::vector<std::int32_t> m_saved;
+  std::vector<std::size_t> m_copies;  // which copy is that of bricks()[n]
+  std::vector<std::unique_ptr<Chunk>> m_chunks;
+  std::size_t m_copied = 0;
 };
 
 }  // namespace supple
