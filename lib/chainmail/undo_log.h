@@ -3,7 +3,6 @@
 // by pages of 1024 bricks.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -21,35 +20,12 @@ class UndoLog {
   }
 
   /// Puts every value back, releases bricks that were not stored, and forgets all.
-  void roll_back(BrickValues& values) {
-    for (std::size_t n = 0; n < m_bricks.size(); ++n) {
-      if (m_copies[n] == kNotStored) {
-        values.release(m_bricks[n]);
-      } else {
-        std::copy_n(saved(n), kBrickVoxels, values.touch(m_bricks[n]));
-      }
-    }
-    clear();
-  }
+  void roll_back(BrickValues& values);
 
   /// Forgets all, O(touched bricks), and keeps memory for that many saved bricks.
-  void clear(std::size_t kept_bricks = SIZE_MAX) {
-    for (const std::size_t brick : m_bricks) {
-      (*m_pages[brick / kPageBricks])[brick % kPageBricks] = 0;
-    }
-    m_bricks.clear();
-    m_copies.clear();
-    m_copied = 0;
-    const std::size_t kept_chunks = kept_bricks / kChunkBricks;
-    if (m_chunks.size() > kept_chunks) m_chunks.resize(kept_chunks);
-  }
+  void clear(std::size_t kept_bricks = SIZE_MAX);
 
-  std::size_t bytes() const {
-    std::size_t total = m_chunks.size() * sizeof(Chunk) +
-                        (m_bricks.capacity() + m_copies.capacity()) * sizeof(std::size_t);
-    for (const auto& page : m_pages) total += page ? sizeof(Page) : 0;
-    return total;
-  }
+  std::size_t bytes() const;
 
   /// Bricks that were announced, in order of their first change.
   const std::vector<std::size_t>& bricks() const { return m_bricks; }
@@ -70,8 +46,6 @@ class UndoLog {
   using Page = std::array<std::uint32_t, kPageBricks>;
   using Chunk = std::array<std::int32_t, kChunkBricks * kBrickVoxels>;
 
-  /// Not zeroed: every copy overwrites its part.
-  static std::unique_ptr<Chunk> new_chunk() { return std::unique_ptr<Chunk>(new Chunk); }
   std::int32_t* copy(std::size_t n) const {
     return m_chunks[n / kChunkBricks]->data() + n % kChunkBricks * kBrickVoxels;
   }
@@ -81,19 +55,7 @@ class UndoLog {
     return page < m_pages.size() && m_pages[page] ? (*m_pages[page])[brick % kPageBricks] : 0;
   }
 
-  void record(std::size_t brick, const BrickValues& values) {
-    const std::size_t page = brick / kPageBricks;
-    if (page >= m_pages.size()) m_pages.resize(page + 1);
-    if (!m_pages[page]) m_pages[page] = std::make_unique<Page>();
-    const std::int32_t* before = values.brick(brick);
-    m_copies.push_back(before == nullptr ? kNotStored : m_copied);
-    if (before != nullptr) {
-      if (m_copied == m_chunks.size() * kChunkBricks) m_chunks.push_back(new_chunk());
-      std::copy_n(before, kBrickVoxels, copy(m_copied++));
-    }
-    m_bricks.push_back(brick);
-    (*m_pages[page])[brick % kPageBricks] = std::uint32_t(m_bricks.size());
-  }
+  void record(std::size_t brick, const BrickValues& values);
 
   std::vector<std::unique_ptr<Page>> m_pages;  // per brick: 1 + its index in m_bricks, or 0
   std::vector<std::size_t> m_bricks;
