@@ -44,6 +44,11 @@ TEST(UnitBench, EcmRowsAsJsonHaveTheDocumentedFields) {
   EXPECT_GT(json["machine"]["triad_gb_s"], 0.0);
   std::vector<std::string> engines;
   for (const auto& row : json["rows"]) {
+    for (const char* key :
+         {"case", "engine", "field", "size", "direction", "start", "nodes", "moved", "ns_per_node",
+          "bytes_per_node", "max_list", "median_ms", "min_ms", "max_ms", "runs", "threads"}) {
+      ASSERT_TRUE(row.contains(key)) << key;
+    }
     engines.push_back(row["engine"]);
     EXPECT_EQ(row["case"], "all");
     EXPECT_EQ(row["field"], "noise");
