@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/command.h"
+#include "tools/handles.h"
 #include "tools/material_file.h"
 #include "tools/output_plan.h"
 #include "tools/outputs.h"
@@ -16,21 +17,69 @@ namespace {
 struct Options {
   std::string input, raw_spec, material, output;
   std::vector<std::string> grabs, bys, fixes, cuts;
+  bool push = false;
 };
 
-std::vector<Drag> parse_drags(const Options& options) {
-  if (options.grabs.size() != options.bys.size()) {
-    throw UsageError(to_line(
-        {"", "--grab and --by",
-         std::to_string(options.grabs.size()) + " and " + std::to_string(options.bys.size()),
-         "pairs, in order"}));
+/// Every --grab takes the next --by, except files whose points have displacements of their own.
+std::vector<GivenHandle> parse_handles(const Options& options) {
+  std::vector<GivenHandle> handles;
+  std::size_t bys = 0;
+  for (const std::string& text : options.grabs) {
+    GivenHandle handle;
+    handle.push = options.push;
+    if (is_point_file_name(text)) {
+      handle.points = read_point_file(text);
+    } else {
+      handle.box = parse_box("--grab", text);
+    }
+    if (!handle.points || !handle.points->has_displacements) {
+      if (bys < options.bys.size()) handle.by_mm = parse_vector("--by", options.bys[bys]);
+      ++bys;
+    }
+    handles.push_back(std::move(handle));
   }
+  if (bys != options.bys.size()) {
+    throw UsageError(to_line({"", "--grab and --by",
+                              std::to_string(bys) + " handles that take a --by and " +
+                                  std::to_string(options.bys.size()),
+                              "pairs, in order; files with dx,dy,dz take none"}));
+  }
+  return handles;
+}
+
+/// What the options fix; points are read at once and looked up when the grid is known.
+struct Fixes {
+  std::vector<IndexBox> boxes;
+  std::vector<PointFile> points;
+};
+
+Fixes parse_fixes(const Options& options) {
+  Fixes fixes;
+  for (const std::string& text : options.fixes) {
+    if (is_point_file_name(text)) {
+      fixes.points.push_back(read_point_file(text));
+    } else {
+      fixes.boxes.push_back(parse_box("--fix", text));
+    }
+  }
+  return fixes;
+}
+
+/// One solve of everything that the options ask for.
+void solve(Session& session, const std::vector<GivenHandle>& handles, const Fixes& fixes,
+           const std::vector<CutSurface>& cuts, Console& console) {
   std::vector<Drag> drags;
-  for (std::size_t n = 0; n < options.grabs.size(); ++n) {
-    drags.push_back(
-        {parse_voxel("--grab", options.grabs[n]), parse_vector("--by", options.bys[n])});
+  for (const GivenHandle& handle : handles) {
+    if (handle.points) require_in_body(*handle.points, session.body());
+    for (Drag& drag : to_drags(handle, session.geometry())) drags.push_back(std::move(drag));
   }
-  return drags;
+  std::vector<IndexBox> boxes = fixes.boxes;
+  for (const PointFile& points : fixes.points) {
+    require_in_body(points, session.body());
+    const std::vector<IndexBox> voxels = boxes_of(points, session.geometry());
+    boxes.insert(boxes.end(), voxels.begin(), voxels.end());
+  }
+  session.step(drags, boxes, false, cuts, console);
 }
 
 void print_text(const Session& session, const Options& options,
@@ -69,10 +118,9 @@ void print_json(const Session& session, const Options& options,
 }
 
 int run(const Options& options, const GlobalOptions& global, Console& console) {
-  const std::vector<Drag> drags = parse_drags(options);
-  std::vector<IndexBox> fix;
-  for (const std::string& text : options.fixes) fix.push_back(parse_box("--fix", text));
-  if (drags.empty() && fix.empty() && options.cuts.empty()) {
+  const std::vector<GivenHandle> handles = parse_handles(options);
+  const Fixes fixes = parse_fixes(options);
+  if (handles.empty() && options.fixes.empty() && options.cuts.empty()) {
     throw UsageError("deform: found neither --grab nor --fix nor --cut, expected something to do");
   }
   OutputPlan plan(global);
@@ -85,7 +133,7 @@ int run(const Options& options, const GlobalOptions& global, Console& console) {
   if (!options.material.empty()) material = read_material(options.material);
 
   Session session(options.input, options.raw_spec, material, console);
-  session.step(drags, fix, false, cuts, console);
+  solve(session, handles, fixes, cuts, console);
   const State state = session.state();
   const Deformed deformed = invert_state(state, console);
   write_state(options.output, state, deformed.offsets, &console);
@@ -104,11 +152,12 @@ int run(const Options& options, const GlobalOptions& global, Console& console) {
 Command add_deform(CLI::App& program) {
   auto options = std::make_shared<Options>();
   CLI::App* app = add_subcommand(
-      program, "deform", "Drag voxels of a volume or state; the body follows (Enhanced ChainMail)",
+      program, "deform", "Drag parts of a volume or state; the body follows (Enhanced ChainMail)",
       "  supple deform head.nhdr --material ct.toml --grab 128,211,12 --by 0,12,0 -o drag.vdb\n"
       "  supple deform drag.vdb --grab 128,211,12 --by 0,0,-5 --fix 20,20,60:235,150,107 "
       "-o more.vdb\n"
-      "  supple deform slice.png --grab 40,25,0 --by 8,0,0 --json -o slice.vdb");
+      "  supple deform head.nhdr --grab 90,200,8:160,210,14 --by 0,-8,0 --push --fix pins.csv "
+      "-o push.vdb");
   app->add_option("input", options->input, "A volume file, or a state to continue")
       ->required()
       ->option_text("VOLUME|STATE.vdb");
@@ -116,15 +165,23 @@ Command add_deform(CLI::App& program) {
                   "Headerless raw: dims=X,Y,Z,type=int16,spacing=A,B,C[,endian=big][,offset=N]");
   app->add_option("--material", options->material, "Look-up table from density to link limits")
       ->option_text("M.toml");
-  app->add_option("--grab", options->grabs, "Voxel to drag; repeat for several handles")
+  app->add_option(
+         "--grab", options->grabs,
+         "Voxel, box or points (x,y,z in LPS mm) to drag as one; repeat for several handles. "
+         "Points with columns dx,dy,dz too move each by its own")
       ->allow_extra_args(false)
-      ->option_text("I,J,K");
-  app->add_option("--by", options->bys, "How far, in mm along the grid axes; one per --grab")
+      ->option_text("I,J,K[:I,J,K]|FILE.csv");
+  app->add_option(
+         "--by", options->bys,
+         "How far, in mm along the grid axes; one per --grab, in order, but none for a file "
+         "with dx,dy,dz")
       ->allow_extra_args(false)
       ->option_text("DX,DY,DZ");
-  app->add_option("--fix", options->fixes, "Voxel or box of voxels that stays where it is")
+  app->add_option("--fix", options->fixes, "Voxel, box or points that stay where they are")
       ->allow_extra_args(false)
-      ->option_text("I,J,K[:I,J,K]");
+      ->option_text("I,J,K[:I,J,K]|FILE.csv");
+  app->add_flag("--push", options->push,
+                "Handles only push: in every axis they move tissue ahead of them, not back");
   app->add_option("--cut", options->cuts,
                   "Cut the body at rest along a surface in LPS mm: .stl, .ply or .obj; repeatable")
       ->allow_extra_args(false)

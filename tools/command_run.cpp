@@ -1,11 +1,11 @@
 // supple run: everything that a scene file asks for.
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 
 #include <nlohmann/json.hpp>
 
 #include "tools/command.h"
+#include "tools/handles.h"
 #include "tools/output_plan.h"
 #include "tools/outputs.h"
 #include "tools/parse.h"
@@ -25,55 +25,59 @@ std::string path_in(const std::string& folder, const std::string& name) {
   return (std::filesystem::path(folder) / name).string();
 }
 
-/// Scene handles in the frame of the volume: voxels and millimetres along the grid axes.
-std::vector<Drag> to_drags(const SceneStep& step, const Geometry& geometry) {
+/// What a step asks of the solver, on the grid of the volume.
+struct StepOnGrid {
   std::vector<Drag> drags;
-  for (const SceneHandle& handle : step.handles) {
-    Drag drag{handle.voxel, handle.by_mm};
-    if (handle.in_mm) {
-      const Vec3d index = geometry.index_from_world(handle.at_lps_mm);
-      for (int axis = 0; axis < 3; ++axis) {
-        if (!(index[axis] > -0.5 && index[axis] < geometry.dims()[axis] - 0.5)) {
-          throw InputError({handle.place, "at_mm",
-                            to_text(handle.at_lps_mm) + ", voxel " + to_text(index),
-                            "a position inside the volume"});
-        }
-        drag.voxel[axis] = int(std::lround(index[axis]));
-      }
-    }
-    if (handle.by_is_lps) {
-      drag.by_mm = geometry.index_vector_from_world(handle.by_mm) * geometry.spacing_mm();
-    }
-    drags.push_back(drag);
+  std::vector<IndexBox> fix;
+};
+
+StepOnGrid on_grid(const SceneStep& step, const Geometry& geometry) {
+  StepOnGrid result;
+  for (const GivenHandle& handle : step.handles) {
+    for (Drag& drag : to_drags(handle, geometry)) result.drags.push_back(std::move(drag));
   }
-  return drags;
+  result.fix = step.fix;
+  if (step.fix_points) {
+    const std::vector<IndexBox> points = boxes_of(*step.fix_points, geometry);
+    result.fix.insert(result.fix.end(), points.begin(), points.end());
+  }
+  return result;
+}
+
+void require_meets_volume(const IndexBox& box, const std::string& place, const std::string& field,
+                          const Vec3i& dims) {
+  bool outside = false;
+  for (int a = 0; a < 3; ++a) outside = outside || box.hi[a] < 0 || box.lo[a] >= dims[a];
+  if (!outside) return;
+  const bool single = box.lo == box.hi;
+  throw InputError(
+      {place, field, to_text(box.lo) + (single ? "" : ":" + to_text(box.hi)),
+       std::string(single ? "a voxel of the volume, " : "a box that meets the volume, ") +
+           to_text(dims)});
 }
 
 /// Voxels are checked before anything is solved. Elements are known only to the body.
 void check_step(const SceneStep& step, const Geometry& geometry) {
-  const Vec3i& dims = geometry.dims();
-  for (const Drag& drag : to_drags(step, geometry)) {
-    const IndexBox box{{0, 0, 0}, dims - Vec3i(1)};
-    if (!box.contains(drag.voxel)) {
-      throw InputError(
-          {step.place, "grab", to_text(drag.voxel), "a voxel of the volume, " + to_text(dims)});
-    }
-    fixed_from_mm(drag.by_mm, geometry.spacing_mm());
+  for (const GivenHandle& handle : step.handles) {
+    if (handle.box) require_meets_volume(*handle.box, step.place, "grab", geometry.dims());
   }
   for (const IndexBox& box : step.fix) {
-    bool outside = false;
-    for (int a = 0; a < 3; ++a) outside = outside || box.hi[a] < 0 || box.lo[a] >= dims[a];
-    if (outside) {
-      throw InputError({step.place, "fix", to_text(box.lo) + ":" + to_text(box.hi),
-                        "a box that meets the volume, " + to_text(dims)});
-    }
+    require_meets_volume(box, step.place, "fix", geometry.dims());
+  }
+  for (const Drag& drag : on_grid(step, geometry).drags) {
+    fixed_from_mm(drag.by_mm, geometry.spacing_mm());
   }
 }
 
 /// Names the step in the errors of the solver.
 void run_step(Session& session, const SceneStep& step, Console& console) {
   try {
-    session.step(to_drags(step, session.geometry()), step.fix, step.release, step.cuts, console);
+    for (const GivenHandle& handle : step.handles) {
+      if (handle.points) require_in_body(*handle.points, session.body());
+    }
+    if (step.fix_points) require_in_body(*step.fix_points, session.body());
+    const StepOnGrid solved = on_grid(step, session.geometry());
+    session.step(solved.drags, solved.fix, step.release, step.cuts, console);
   } catch (const InputError& error) {
     const Problem& problem = error.problem();
     if (!problem.file.empty()) throw;
@@ -209,8 +213,10 @@ void print_plan(const Scene& scene, const Options& options) {
   std::printf("volume  %s\n", scene.volume_path.c_str());
   for (std::size_t n = 0; n < scene.steps.size(); ++n) {
     const SceneStep& step = scene.steps[n];
-    std::printf("step %zu  %zu handles, %zu fixed boxes, %zu cuts%s\n", n + 1, step.handles.size(),
-                step.fix.size(), step.cuts.size(), step.release ? ", releases" : "");
+    const std::size_t points = step.fix_points ? step.fix_points->rows.size() : 0;
+    std::printf("step %zu  %zu handles, %zu fixed boxes and points, %zu cuts%s\n", n + 1,
+                step.handles.size(), step.fix.size() + points, step.cuts.size(),
+                step.release ? ", releases" : "");
   }
   for (const std::string& name : scene.outputs()) {
     std::printf("writes  %s\n", path_in(options.folder, name).c_str());

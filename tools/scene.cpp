@@ -19,41 +19,17 @@ std::string beside(const std::string& scene_file, const std::string& path) {
   return (std::filesystem::path(scene_file).parent_path() / input).string();
 }
 
-SceneHandle read_handle(TomlTable& table) {
-  SceneHandle handle;
-  table.know({"grab", "at_mm", "by", "by_mm_lps"});
-  handle.place = table.place("grab");
-  const auto grab = table.voxel("grab");
-  const auto at_mm = table.vector("at_mm");
-  const auto by = table.vector("by");
-  const auto by_lps = table.vector("by_mm_lps");
-  if (grab.has_value() == at_mm.has_value()) {
-    if (!grab) table.fail_missing("grab", "either grab = [i, j, k] or at_mm");
-    table.fail("grab", "grab and at_mm", "either grab = [i, j, k] or at_mm");
-  }
-  if (by.has_value() == by_lps.has_value()) {
-    if (!by) table.fail_missing("by", "either by = [x, y, z] or by_mm_lps");
-    table.fail("by", "by and by_mm_lps", "either by = [x, y, z] or by_mm_lps");
-  }
-  handle.in_mm = at_mm.has_value();
-  if (grab) handle.voxel = *grab;
-  if (at_mm) handle.at_lps_mm = *at_mm;
-  handle.by_is_lps = by_lps.has_value();
-  handle.by_mm = by ? *by : *by_lps;
-  return handle;
-}
-
 /// True for what an int holds exactly.
 bool is_integer(double value) {
   return std::abs(value) <= 2147483647.0 && value == std::floor(value);
 }
 
-IndexBox to_box(TomlTable& table, const std::vector<double>& row) {
+IndexBox to_box(TomlTable& table, const std::string& key, const std::vector<double>& row) {
   IndexBox box;
   const std::size_t last = row.size() - 3;
   for (int axis = 0; axis < 3; ++axis) {
     for (const double value : {row[axis], row[last + axis]}) {
-      if (!is_integer(value)) table.fail("fix", number_text(value), "integer voxels");
+      if (!is_integer(value)) table.fail(key, number_text(value), "integer voxels");
     }
     box.lo[axis] = int(std::min(row[axis], row[last + axis]));
     box.hi[axis] = int(std::max(row[axis], row[last + axis]));
@@ -92,6 +68,56 @@ CutSurface read_cut(TomlTable& table, const std::string& scene_file) {
   return plane ? read_plane(*plane) : mesh_cut(beside(scene_file, *mesh));
 }
 
+/// What a handle may have, in `handles` and in a step's short form.
+constexpr std::initializer_list<const char*> kHandleKeys = {"grab", "grab_box",  "at_mm", "points",
+                                                            "by",   "by_mm_lps", "push"};
+
+std::optional<PointFile> read_points(TomlTable& table, const std::string& key) {
+  const auto path = table.string(key);
+  if (!path) return std::nullopt;
+  return read_point_file(beside(table.file(), *path));
+}
+
+/// Which elements, by exactly one of the keys.
+void read_grab(TomlTable& table, GivenHandle& handle) {
+  if (const auto voxel = table.voxel("grab")) handle.box = IndexBox{*voxel, *voxel};
+  if (const auto corners = table.numbers("grab_box")) {
+    if (handle.box) table.fail("grab_box", "grab and grab_box", "one of both");
+    if (corners->size() != 6) {
+      table.fail("grab_box", std::to_string(corners->size()) + " numbers",
+                 "six integers [i0, j0, k0, i1, j1, k1]");
+    }
+    handle.box = to_box(table, "grab_box", *corners);
+  }
+  handle.at_lps_mm = table.vector("at_mm");
+  handle.points = read_points(table, "points");
+  const int given = int(handle.box.has_value()) + int(handle.at_lps_mm.has_value()) +
+                    int(handle.points.has_value());
+  const char* expected = "one of grab = [i, j, k], grab_box, at_mm and points";
+  if (given == 0) table.fail_missing("grab", expected);
+  if (given > 1) table.fail("grab", "several of grab, at_mm and points", expected);
+}
+
+GivenHandle read_handle(TomlTable& table) {
+  GivenHandle handle;
+  table.know(kHandleKeys);
+  handle.place = table.place("grab");
+  read_grab(table, handle);
+  handle.by_mm = table.vector("by");
+  handle.by_lps_mm = table.vector("by_mm_lps");
+  handle.push = table.boolean("push").value_or(false);
+  if (handle.points && handle.points->has_displacements) {
+    if (!handle.by_mm && !handle.by_lps_mm) return handle;
+    table.fail(handle.by_mm ? "by" : "by_mm_lps", "a displacement beside those of the points",
+               "one of both");
+  }
+  if (handle.by_mm.has_value() == handle.by_lps_mm.has_value()) {
+    if (!handle.by_mm) table.fail_missing("by", "either by = [x, y, z] or by_mm_lps");
+    table.fail("by", "by and by_mm_lps", "either by = [x, y, z] or by_mm_lps");
+  }
+  return handle;
+}
+
 SceneStep read_step(TomlTable& table, const std::string& scene_file) {
   SceneStep step;
   step.place = table.place();
@@ -101,7 +127,7 @@ SceneStep read_step(TomlTable& table, const std::string& scene_file) {
   }
   // The short form of one handle.
   bool is_short = false;
-  for (const char* key : {"grab", "at_mm", "by", "by_mm_lps"}) {
+  for (const char* key : kHandleKeys) {
     is_short = table.has(key) || is_short;
   }
   if (is_short && !step.handles.empty()) {
@@ -109,14 +135,16 @@ SceneStep read_step(TomlTable& table, const std::string& scene_file) {
   }
   const auto rows = table.rows("fix", {3, 6}, "a list of [i, j, k] or [i0, j0, k0, i1, j1, k1]");
   if (rows) {
-    for (const auto& row : *rows) step.fix.push_back(to_box(table, row));
+    for (const auto& row : *rows) step.fix.push_back(to_box(table, "fix", row));
   }
+  step.fix_points = read_points(table, "fix_points");
   step.release = table.boolean("release").value_or(false);
   for (TomlTable& cut : table.tables("cut")) step.cuts.push_back(read_cut(cut, scene_file));
   table.finish();
   if (is_short) step.handles.push_back(read_handle(table));
-  if (step.handles.empty() && step.fix.empty() && !step.release && step.cuts.empty()) {
-    table.fail("", "a step that does nothing", "grab, handles, fix, cut or release");
+  if (step.handles.empty() && step.fix.empty() && !step.fix_points && !step.release &&
+      step.cuts.empty()) {
+    table.fail("", "a step that does nothing", "grab, handles, fix, fix_points, cut or release");
   }
   return step;
 }

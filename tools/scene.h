@@ -9,23 +9,16 @@
 #include "lib/material/material.h"
 #include "raycast/camera.h"
 #include "tools/cut_surface.h"
+#include "tools/handles.h"
 #include "volumes/base/vec.h"
 
 namespace supple::tools {
 
-struct SceneHandle {
-  std::string place;  // "file:line", for errors
-  bool in_mm = false;
-  Vec3i voxel{0, 0, 0};      // grab, when !in_mm
-  Vec3d at_lps_mm{0, 0, 0};  // at_mm, when in_mm
-  bool by_is_lps = false;
-  Vec3d by_mm{0, 0, 0};  // along the grid axes, or by_mm_lps
-};
-
 struct SceneStep {
-  std::string place;
-  std::vector<SceneHandle> handles;
+  std::string place;  // "file:line", for errors
+  std::vector<GivenHandle> handles;
   std::vector<IndexBox> fix;
+  std::optional<PointFile> fix_points;
   bool release = false;  // lets go of everything that earlier steps held
   std::vector<CutSurface> cuts;
 };

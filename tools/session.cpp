@@ -38,6 +38,34 @@ void warn_of_report(const EcmReport& report, Console& console) {
   }
 }
 
+nlohmann::ordered_json to_json(const Vec3i& voxel) {
+  return {voxel.x, voxel.y, voxel.z};
+}
+
+nlohmann::ordered_json to_json(const IndexBox& box) {
+  return {box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z};
+}
+
+/// With the voxels themselves, so that the record does not depend on other files.
+nlohmann::ordered_json to_json(const Drag& drag) {
+  nlohmann::ordered_json json;
+  if (const IndexBox* box = drag.region.box()) {
+    if (box->lo == box->hi) {
+      json["grab"] = to_json(box->lo);
+    } else {
+      json["grab_box"] = to_json(*box);
+    }
+  } else {
+    json["name"] = drag.region.name();
+    if (drag.region.points() != nullptr) {
+      for (const Vec3i& voxel : *drag.region.points()) json["voxels"].push_back(to_json(voxel));
+    }
+  }
+  json["by_mm"] = {drag.by_mm.x, drag.by_mm.y, drag.by_mm.z};
+  if (drag.kind == HandleKind::push) json["push"] = true;
+  return json;
+}
+
 }  // namespace
 
 Session::Session(const std::string& path, const std::string& raw_spec,
@@ -104,7 +132,8 @@ const StepRecord& Session::step(const std::vector<Drag>& drags, const std::vecto
   std::vector<Handle> handles;
   handles.reserve(drags.size());
   for (const Drag& drag : drags) {
-    handles.push_back({drag.voxel, fixed_from_mm(drag.by_mm, geometry().spacing_mm())});
+    handles.emplace_back(drag.region, fixed_from_mm(drag.by_mm, geometry().spacing_mm()),
+                         drag.kind);
   }
   record.cut_links = apply_cuts(m_body, cuts, console);
   m_links.fold_free = m_links.fold_free && m_body.cuts.empty();
@@ -129,11 +158,10 @@ std::string Session::configuration() const {
   for (const StepRecord& record : m_records) {
     nlohmann::ordered_json step;
     for (const Drag& drag : record.drags) {
-      step["handles"].push_back({{"grab", {drag.voxel.x, drag.voxel.y, drag.voxel.z}},
-                                 {"by_mm", {drag.by_mm.x, drag.by_mm.y, drag.by_mm.z}}});
+      step["handles"].push_back(to_json(drag));
     }
     for (const IndexBox& box : record.fix) {
-      step["fix"].push_back({box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z});
+      step["fix"].push_back(to_json(box));
     }
     if (record.release) step["release"] = true;
     for (const CutSurface& surface : record.cuts) step["cut"].push_back(to_json(surface));

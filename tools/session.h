@@ -14,10 +14,11 @@
 
 namespace supple::tools {
 
-/// A drag in millimetres along the grid axes.
+/// A handle with its displacement in millimetres along the grid axes.
 struct Drag {
-  Vec3i voxel;
+  Region region;
   Vec3d by_mm;
+  HandleKind kind = HandleKind::two_sided;
 };
 
 /// One solve: what was asked for and what came of it.

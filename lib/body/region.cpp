@@ -20,6 +20,18 @@ SlotSet slots_at(const Body& body, const std::vector<Vec3i>& voxels, const std::
   return SlotSet(std::move(slots));
 }
 
+/// Any voxel of it, from which to look for the nearest element.
+Vec3i some_voxel(const Region& region) {
+  if (region.box() != nullptr) return region.box()->lo;
+  Vec3i voxel(0);
+  if (region.mask() != nullptr && !(*region.mask())->empty()) {
+    const BrickTopology& mask = **region.mask();
+    for_each_active(mask.mask(0),
+                    [&](int offset) { voxel = mask.origin(0) + brick_local(offset); });
+  }
+  return voxel;
+}
+
 }  // namespace
 
 std::string voxel_text(const Vec3i& voxel) {
@@ -43,42 +55,22 @@ Region Region::of_mask(std::shared_ptr<const BrickTopology> mask, std::string na
 }
 
 std::string Region::name() const {
-  const auto* box = std::get_if<IndexBox>(&m_shape);
-  if (box == nullptr) return m_name;
-  return voxel_text(box->lo) + (box->lo == box->hi ? "" : ":" + voxel_text(box->hi));
-}
-
-Vec3i Region::some_voxel() const {
-  if (const auto* box = std::get_if<IndexBox>(&m_shape)) return box->lo;
-  if (const auto* voxels = std::get_if<std::vector<Vec3i>>(&m_shape)) {
-    return voxels->empty() ? Vec3i(0) : voxels->front();
-  }
-  const BrickTopology& mask = *std::get<Mask>(m_shape);
-  Vec3i voxel(0);
-  if (!mask.empty()) {
-    for_each_active(mask.mask(0),
-                    [&](int offset) { voxel = mask.origin(0) + brick_local(offset); });
-  }
-  return voxel;
+  if (box() == nullptr) return m_name;
+  return voxel_text(box()->lo) + (box()->lo == box()->hi ? "" : ":" + voxel_text(box()->hi));
 }
 
 SlotSet elements_of(const Body& body, const Region& region, const std::string& role) {
   const std::string field = role + " " + region.name();
-  SlotSet slots;
-  bool single = false;
-  if (const auto* box = std::get_if<IndexBox>(&region.m_shape)) {
-    single = box->lo == box->hi;
-    slots = slots_in_box(body.elements, *box);
-  } else if (const auto* voxels = std::get_if<std::vector<Vec3i>>(&region.m_shape)) {
-    slots = slots_at(body, *voxels, field);
-  } else {
-    slots = slots_in_mask(body.elements, *std::get<Region::Mask>(region.m_shape));
-  }
+  const IndexBox* box = region.box();
+  SlotSet slots = box != nullptr               ? slots_in_box(body.elements, *box)
+                  : region.points() != nullptr ? slots_at(body, *region.points(), field)
+                                               : slots_in_mask(body.elements, **region.mask());
   if (!slots.empty()) return slots;
+  const bool single = box != nullptr && box->lo == box->hi;
   throw InputError(
       {"", field, "no element",
        std::string(single ? "a voxel of the body; " : "a region that holds elements; ") +
-           nearest_text(body, region.some_voxel())});
+           nearest_text(body, some_voxel(region))});
 }
 
 }  // namespace supple

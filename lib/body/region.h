@@ -25,16 +25,18 @@ class Region {
   /// The elements among the voxels of a mask, for example of a label. Shared, as masks are large.
   static Region of_mask(std::shared_ptr<const BrickTopology> mask, std::string name);
 
+  using Mask = std::shared_ptr<const BrickTopology>;
+
   /// As the user wrote it.
   std::string name() const;
+  /// Which of the three it is; the others are null.
+  const IndexBox* box() const { return std::get_if<IndexBox>(&m_shape); }
+  const std::vector<Vec3i>* points() const { return std::get_if<std::vector<Vec3i>>(&m_shape); }
+  const Mask* mask() const { return std::get_if<Mask>(&m_shape); }
 
  private:
-  using Mask = std::shared_ptr<const BrickTopology>;
   using Shape = std::variant<IndexBox, std::vector<Vec3i>, Mask>;
-  friend SlotSet elements_of(const Body& body, const Region& region, const std::string& role);
   Region(Shape shape, std::string name) : m_shape(std::move(shape)), m_name(std::move(name)) {}
-  /// Any voxel of it, from which to look for the nearest element.
-  Vec3i some_voxel() const;
 
   Shape m_shape;
   std::string m_name;

@@ -1,0 +1,87 @@
+// Point files computed by hand: columns, frames, comments, damage.
+#include <gtest/gtest.h>
+
+#include "tests/volumes/io/io_fixtures.h"
+#include "volumes/base/error.h"
+#include "volumes/io/point_file.h"
+
+namespace supple::test {
+namespace {
+
+PointFile read(const std::string& text, const std::string& name = "a.csv") {
+  const TemporaryFolder folder;
+  return read_point_file(folder.write(name, text));
+}
+
+/// The error without the folder.
+std::string error_of(const std::string& text) {
+  try {
+    read(text);
+  } catch (const InputError& error) {
+    const std::string line = error.what();
+    return line.substr(line.find("a.csv"));
+  }
+  return "none";
+}
+
+TEST(UnitPointFile, ColumnsComeInAnyOrderAndCaseAndOthersAreIgnored) {
+  const PointFile points = read("label, Z ,x,colour,Y\nnose,3,1,red,2\n\"a, b\",-3.5,+1e1,,0\n");
+  EXPECT_FALSE(points.has_displacements);
+  ASSERT_EQ(points.rows.size(), 2u);
+  EXPECT_EQ(points.rows[0].at_lps_mm, Vec3d(1, 2, 3));
+  EXPECT_EQ(points.rows[1].at_lps_mm, Vec3d(10, 0, -3.5));
+  EXPECT_EQ(points.rows[1].line, 3);
+}
+
+TEST(UnitPointFile, DisplacementsCommentsBlankLinesAndWindowsLineEndsAreRead) {
+  const PointFile points =
+      read("\xef\xbb\xbf# by hand\r\n\r\nx,y,z,dx,dy,dz\r\n# nose\r\n1,2,3,4,5,6\r\n\r\n");
+  EXPECT_TRUE(points.has_displacements);
+  ASSERT_EQ(points.rows.size(), 1u);
+  EXPECT_EQ(points.rows[0].at_lps_mm, Vec3d(1, 2, 3));
+  EXPECT_EQ(points.rows[0].by_lps_mm, Vec3d(4, 5, 6));
+  EXPECT_EQ(points.rows[0].line, 5);
+}
+
+TEST(UnitPointFile, SlicerFiducialsAreReadInTheirFrame) {
+  const std::string head = "# Markups fiducial file version = 4.11\n# CoordinateSystem = ";
+  const std::string tail =
+      "\n# columns = id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc\n"
+      "1,10,20,30,0,0,0,1,1,1,0,F-1,\n";
+  for (const char* lps : {"LPS", "1"}) {
+    EXPECT_EQ(read(head + lps + tail, "a.fcsv").rows[0].at_lps_mm, Vec3d(10, 20, 30));
+  }
+  for (const char* ras : {"RAS", "0"}) {
+    EXPECT_EQ(read(head + ras + tail, "a.fcsv").rows[0].at_lps_mm, Vec3d(-10, -20, 30));
+  }
+  const PointFile moved = read("# CoordinateSystem = RAS\nx,y,z,dx,dy,dz\n1,2,3,4,5,6\n");
+  EXPECT_EQ(moved.rows[0].at_lps_mm, Vec3d(-1, -2, 3));
+  EXPECT_EQ(moved.rows[0].by_lps_mm, Vec3d(-4, -5, 6));
+}
+
+TEST(FaultPointFile, WhatIsWrongIsNamedWithItsLine) {
+  EXPECT_EQ(error_of("x,y,z\n1,2,3\n1,two,3\n"), "a.csv:3: y: found two, expected a number");
+  EXPECT_EQ(error_of("x,y,z\n1,nan,3\n"),
+            "a.csv:2: y: found nan, expected a finite number of millimetres");
+  EXPECT_EQ(error_of("x,y,z\n1,,3\n"), "a.csv:2: y: found nothing, expected a number");
+  EXPECT_EQ(error_of("x,y,z\n1,2\n"), "a.csv:2: z: found 2 columns, expected it in column 3");
+  EXPECT_EQ(error_of("1,2,3\n"),
+            "a.csv:1: header: found '1,2,3', expected columns x,y,z, with or without dx,dy,dz, "
+            "separated by commas");
+  EXPECT_NE(error_of("x,y,z,dx\n1,2,3,4\n").find("a.csv:1: header"), std::string::npos);
+  EXPECT_EQ(error_of("# CoordinateSystem = scanner\nx,y,z\n1,2,3\n"),
+            "a.csv:1: CoordinateSystem: found 'scanner', expected LPS or RAS");
+  EXPECT_EQ(error_of("x,y,z\n"),
+            "a.csv: points: found none, expected one point a line below the header");
+  EXPECT_EQ(error_of(""),
+            "a.csv: points: found none, expected a header line with x,y,z and one point a line");
+}
+
+TEST(FaultPointFile, MissingFilesAndFoldersAreRefused) {
+  const TemporaryFolder folder;
+  EXPECT_THROW(read_point_file(folder.file("none.csv")), InputError);
+  EXPECT_THROW(read_point_file(folder.file("")), InputError);
+}
+
+}  // namespace
+}  // namespace supple::test

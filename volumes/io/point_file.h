@@ -1,0 +1,36 @@
+// Points with or without displacements as CSV: a header line that names the columns x, y, z and,
+// where each point has a displacement of its own, dx, dy, dz (any case, any order, others are
+// ignored), then one point a line, in millimetres. Lines that begin with # are comments, among them
+// those of 3D Slicer's .fcsv: "# columns = …" stands for the header line and "# CoordinateSystem =
+// LPS|RAS|0|1" for the frame, which is LPS where nothing is said.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "volumes/base/vec.h"
+
+namespace supple {
+
+struct PointFile {
+  struct Row {
+    int line;  // in the file, from 1
+    Vec3d at_lps_mm;
+    Vec3d by_lps_mm{0, 0, 0};
+  };
+  std::string path;
+  bool has_displacements = false;
+  std::vector<Row> rows;  // at least one
+
+  /// "file:line" of a row, for errors.
+  std::string place(const Row& row) const { return path + ":" + std::to_string(row.line); }
+};
+
+/// Throws InputError, with file:line, for a missing file or column, a value that is no finite
+/// number, a short line, an unknown frame, or no points at all.
+PointFile read_point_file(const std::string& path);
+
+/// True for names that end in .csv or .fcsv.
+bool is_point_file_name(const std::string& path);
+
+}  // namespace supple
