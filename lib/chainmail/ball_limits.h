@@ -1,0 +1,71 @@
+// Enhanced ChainMail with ball limits (thesis section 4.2.4, eq. 4.6, figures 4.17 to 4.19): the
+// Euclidean length of every link stays in [min_length h, max_length h]. A candidate that violates
+// this moves along the straight line to its sponsor onto the nearest allowed length.
+//
+// The coordinates are not independent any more, and the result DEPENDS ON THE PROCESSING ORDER
+// (figure 4.18; a test shows two orders that end apart). So the order is fixed: the largest
+// violation in mm first, among equal ones the candidate with the lower slot, then the sponsor with
+// the lower slot; one thread; double precision, without any source of chance. Nor is there a least
+// solution to reach: neighbours push each other back and forth, so moves are capped and what is
+// left is counted. A length has no side: a handle that jumps past its neighbour turns the link
+// round, so large drags are better given in parts of less than a voxel. `drag()` of ecm.h has none
+// of these defects and is the default.
+//
+// Cost: some 300 ns per move (a heap of links), 1 to 10 moves per element; 14 kB per brick touched.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "lib/body/body.h"
+#include "lib/body/region.h"
+#include "lib/chainmail/ecm.h"
+#include "volumes/base/progress.h"
+
+namespace supple {
+
+/// first_moved_first is the original ChainMail's order, there to show how much the order matters.
+enum class BallOrder { largest_violation_first, first_moved_first };
+
+struct BallParams {
+  /// Excess over its limits, in rest lengths, that a link may keep.
+  double tolerance = 1e-3;
+  /// The drag ends after this many moves per element that moved, on average over them.
+  int moves_per_element = 100;
+  BallOrder order = BallOrder::largest_violation_first;
+
+  /// Throws InputError: tolerance outside 1e-4 ... 1, no moves.
+  void validate() const;
+};
+
+struct BallReport {
+  std::int64_t moves = 0;          // of candidates, repeated ones included
+  std::int64_t moved = 0;          // elements whose offset changed
+  bool capped = false;             // moves_per_element ended it
+  std::int64_t links = 0;          // that end at an element that moved
+  std::int64_t violated = 0;       // of these, beyond the tolerance
+  double worst_excess_voxels = 0;  // of these, in rest lengths of the link
+  std::int64_t max_queue = 0;      // links that waited at one time
+  std::size_t bytes = 0;           // working memory
+  double milliseconds = 0;
+};
+
+/// Moves the handles by the whole and lets the body follow. Elements of handles and anchors never
+/// move as candidates: a link from a moved element to one of them moves the element back. Handles
+/// and anchors that contradict each other are no error here: what they tear is in the report.
+/// Links that are violated from the start move only when they meet one that moves. Offsets are
+/// rounded to 2^-16 voxel at the end; cut links are absent. Body::links_known_valid is false
+/// afterwards, as the box limits need not hold, and the next drag() projects. Throws InputError: a
+/// region without element, a voxel held twice, a push handle, an offset beyond the range. The body
+/// is unchanged then, also when `progress` cancels.
+BallReport drag_ball(Body& body, const std::vector<Handle>& handles,
+                     const std::vector<Region>& anchors, const BallParams& params = {},
+                     Progress* progress = nullptr);
+
+/// The same among what earlier drags hold, and holds these handles too. Push handles that are still
+/// held are an InputError.
+BallReport drag_ball(Body& body, const std::vector<Handle>& handles,
+                     const std::vector<Region>& anchors, Holds& holds, const BallParams& params,
+                     Progress* progress = nullptr);
+
+}  // namespace supple
