@@ -12,11 +12,11 @@ constexpr std::uint64_t kAllBits = ~std::uint64_t(0);
 constexpr int kOffsetStep[3] = {64, 8, 1};
 
 /// One row of a brick, and as many rows as the machine's vectors hold.
-using Row = Level __attribute__((vector_size(32)));
-using SignedRow = std::int32_t __attribute__((vector_size(32)));
+using Row = Level __attribute__((vector_size(32), may_alias));
+using SignedRow = std::int32_t __attribute__((vector_size(32), may_alias));
 #ifdef __AVX512F__
-using Rows = Level __attribute__((vector_size(64)));
-using SignedRows = std::int32_t __attribute__((vector_size(64)));
+using Rows = Level __attribute__((vector_size(64), may_alias));
+using SignedRows = std::int32_t __attribute__((vector_size(64), may_alias));
 #else
 using Rows = Row;
 using SignedRows = SignedRow;
