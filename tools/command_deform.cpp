@@ -18,6 +18,7 @@ struct Options {
   std::string input, raw_spec, material, output;
   std::vector<std::string> grabs, bys, fixes, cuts;
   bool push = false;
+  std::string limits = "box";
 };
 
 /// Every --grab takes the next --by, except files whose points have displacements of their own.
@@ -67,7 +68,7 @@ Fixes parse_fixes(const Options& options) {
 
 /// One solve of everything that the options ask for.
 void solve(Session& session, const std::vector<GivenHandle>& handles, const Fixes& fixes,
-           const std::vector<CutSurface>& cuts, Console& console) {
+           const std::vector<CutSurface>& cuts, Limits limits, Console& console) {
   std::vector<Drag> drags;
   for (const GivenHandle& handle : handles) {
     if (handle.points) require_in_body(*handle.points, session.body());
@@ -79,23 +80,35 @@ void solve(Session& session, const std::vector<GivenHandle>& handles, const Fixe
     const std::vector<IndexBox> voxels = boxes_of(points, session.geometry());
     boxes.insert(boxes.end(), voxels.begin(), voxels.end());
   }
-  session.step(drags, boxes, false, cuts, console);
+  session.step(drags, boxes, false, cuts, limits, console);
+}
+
+void print_solve(const StepRecord& record) {
+  const EcmReport& report = record.report;
+  std::printf("moved           %lld, by the %s engine in %.3g ms\n",
+              static_cast<long long>(report.moved), record.ball ? "ball" : name_of(report.engine),
+              report.milliseconds);
+  if (record.ball) {
+    std::printf("links violated  %lld of %lld, by at most %.3g voxels, after %lld moves\n",
+                static_cast<long long>(record.ball->violated),
+                static_cast<long long>(record.ball->links), record.ball->worst_excess_voxels,
+                static_cast<long long>(record.ball->moves));
+    return;
+  }
+  std::printf("drag performed  %.6g (%lld/%lld)\n", report.fraction(),
+              static_cast<long long>(report.fraction_numerator),
+              static_cast<long long>(report.fraction_denominator));
 }
 
 void print_text(const Session& session, const Options& options,
                 const InversionCertificate& certificate) {
-  const EcmReport& report = session.records().back().report;
   std::printf("elements        %lld\n",
               static_cast<long long>(session.body().elements.active_count()));
   if (!options.cuts.empty()) {
     std::printf("cut links       %lld\n",
                 static_cast<long long>(session.records().back().cut_links));
   }
-  std::printf("moved           %lld, by the %s engine in %.3g ms\n",
-              static_cast<long long>(report.moved), name_of(report.engine), report.milliseconds);
-  std::printf("drag performed  %.6g (%lld/%lld)\n", report.fraction(),
-              static_cast<long long>(report.fraction_numerator),
-              static_cast<long long>(report.fraction_denominator));
+  print_solve(session.records().back());
   std::printf("folded cells    %lld of material%s, %lld in the air around it\n",
               static_cast<long long>(certificate.folded_cells - certificate.folded_air_cells),
               session.links().fold_free ? " (its limits exclude folds)" : "",
@@ -133,7 +146,8 @@ int run(const Options& options, const GlobalOptions& global, Console& console) {
   if (!options.material.empty()) material = read_material(options.material);
 
   Session session(options.input, options.raw_spec, material, console);
-  solve(session, handles, fixes, cuts, console);
+  const Limits limits = options.limits == "ball" ? Limits::ball : Limits::box;
+  solve(session, handles, fixes, cuts, limits, console);
   const State state = session.state();
   const Deformed deformed = invert_state(state, console);
   write_state(options.output, state, deformed.offsets, &console);
@@ -182,6 +196,10 @@ Command add_deform(CLI::App& program) {
       ->option_text("I,J,K[:I,J,K]|FILE.csv");
   app->add_flag("--push", options->push,
                 "Handles only push: in every axis they move tissue ahead of them, not back");
+  app->add_option("--limits", options->limits,
+                  "box: each component of a link (default); ball: its length, order-dependent")
+      ->check(CLI::IsMember({"box", "ball"}))
+      ->option_text("box|ball");
   app->add_option("--cut", options->cuts,
                   "Cut the body at rest along a surface in LPS mm: .stl, .ply or .obj; repeatable")
       ->allow_extra_args(false)

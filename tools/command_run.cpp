@@ -77,7 +77,7 @@ void run_step(Session& session, const SceneStep& step, Console& console) {
     }
     if (step.fix_points) require_in_body(*step.fix_points, session.body());
     const StepOnGrid solved = on_grid(step, session.geometry());
-    session.step(solved.drags, solved.fix, step.release, step.cuts, console);
+    session.step(solved.drags, solved.fix, step.release, step.cuts, step.limits, console);
   } catch (const InputError& error) {
     const Problem& problem = error.problem();
     if (!problem.file.empty()) throw;

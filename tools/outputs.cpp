@@ -176,9 +176,24 @@ nlohmann::ordered_json to_json(const InversionCertificate& certificate) {
           {"min_det", certificate.min_det}};
 }
 
+nlohmann::ordered_json to_json(const BallReport& report, std::int64_t cut_links) {
+  return {{"limits", "ball"},
+          {"moved", report.moved},
+          {"cut_links", cut_links},
+          {"moves", report.moves},
+          {"capped", report.capped},
+          {"links", report.links},
+          {"violated", report.violated},
+          {"worst_excess_voxels", report.worst_excess_voxels},
+          {"max_queue", report.max_queue},
+          {"solve_ms", report.milliseconds}};
+}
+
 nlohmann::ordered_json to_json(const StepRecord& record) {
   const EcmReport& report = record.report;
-  return {{"fraction", report.fraction()},
+  if (record.ball) return to_json(*record.ball, record.cut_links);
+  return {{"limits", "box"},
+          {"fraction", report.fraction()},
           {"fraction_exact", std::to_string(report.fraction_numerator) + "/" +
                                  std::to_string(report.fraction_denominator)},
           {"engine", name_of(report.engine)},

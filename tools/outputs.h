@@ -59,6 +59,7 @@ Image draw(const Subject& subject, const SceneView& view, RenderReport* report, 
 std::string describe_view(const SceneView& view);
 
 nlohmann::ordered_json to_json(const InversionCertificate& certificate);
+nlohmann::ordered_json to_json(const BallReport& report, std::int64_t cut_links);
 nlohmann::ordered_json to_json(const StepRecord& record);
 nlohmann::ordered_json to_json(const RenderReport& report);
 

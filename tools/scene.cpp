@@ -118,6 +118,14 @@ GivenHandle read_handle(TomlTable& table) {
   return handle;
 }
 
+Limits read_limits(TomlTable& table) {
+  const std::string name = table.string("limits").value_or("box");
+  if (name != "box" && name != "ball") {
+    table.fail("limits", "\"" + name + "\"", "\"box\" or \"ball\"");
+  }
+  return name == "ball" ? Limits::ball : Limits::box;
+}
+
 SceneStep read_step(TomlTable& table, const std::string& scene_file) {
   SceneStep step;
   step.place = table.place();
@@ -139,6 +147,7 @@ SceneStep read_step(TomlTable& table, const std::string& scene_file) {
   }
   step.fix_points = read_points(table, "fix_points");
   step.release = table.boolean("release").value_or(false);
+  step.limits = read_limits(table);
   for (TomlTable& cut : table.tables("cut")) step.cuts.push_back(read_cut(cut, scene_file));
   table.finish();
   if (is_short) step.handles.push_back(read_handle(table));

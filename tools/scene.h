@@ -10,6 +10,7 @@
 #include "raycast/camera.h"
 #include "tools/cut_surface.h"
 #include "tools/handles.h"
+#include "tools/session.h"
 #include "volumes/base/vec.h"
 
 namespace supple::tools {
@@ -19,6 +20,7 @@ struct SceneStep {
   std::vector<GivenHandle> handles;
   std::vector<IndexBox> fix;
   std::optional<PointFile> fix_points;
+  Limits limits = Limits::box;
   bool release = false;  // lets go of everything that earlier steps held
   std::vector<CutSurface> cuts;
 };

@@ -66,6 +66,14 @@ nlohmann::ordered_json to_json(const Drag& drag) {
   return json;
 }
 
+void warn_of_report(const BallReport& report, Console& console) {
+  if (report.violated == 0) return;
+  console.warn("ball limits leave " + with_count(report.violated, "link") + " of " +
+               std::to_string(report.links) + " violated, by at most " +
+               std::to_string(report.worst_excess_voxels) + " voxels" +
+               (report.capped ? "; the moves reached their limit" : ""));
+}
+
 }  // namespace
 
 Session::Session(const std::string& path, const std::string& raw_spec,
@@ -113,7 +121,7 @@ void Session::open_volume_file(const std::string& path, const std::string& raw_s
 }
 
 const StepRecord& Session::step(const std::vector<Drag>& drags, const std::vector<IndexBox>& fix,
-                                bool release, const std::vector<CutSurface>& cuts,
+                                bool release, const std::vector<CutSurface>& cuts, Limits limits,
                                 Console& console) {
   StepRecord record;
   record.drags = drags;
@@ -138,15 +146,30 @@ const StepRecord& Session::step(const std::vector<Drag>& drags, const std::vecto
   record.cut_links = apply_cuts(m_body, cuts, console);
   m_links.fold_free = m_links.fold_free && m_body.cuts.empty();
   console.stage("solving");
-  record.report =
-      m_solver->drag(handles, {m_state.anchors.begin(), m_state.anchors.end()}, m_holds, &console);
-  warn_of_report(record.report, console);
-  console.debug(std::string("solve: ") + name_of(record.report.engine) + " engine, " +
-                std::to_string(record.report.visited) + " visits, longest queue " +
+  solve(handles, limits, record, console);
+  console.debug(std::string("solve: ") + (record.ball ? "ball" : name_of(record.report.engine)) +
+                " engine, " + std::to_string(record.report.visited) + " visits, longest queue " +
                 std::to_string(record.report.max_queue) + ", body " +
                 std::to_string(m_body.bytes() >> 20) + " MiB");
   m_records.push_back(std::move(record));
   return m_records.back();
+}
+
+void Session::solve(const std::vector<Handle>& handles, Limits limits, StepRecord& record,
+                    Console& console) {
+  const std::vector<Region> anchors(m_state.anchors.begin(), m_state.anchors.end());
+  if (limits == Limits::box) {
+    record.report = m_solver->drag(handles, anchors, m_holds, &console);
+    warn_of_report(record.report, console);
+    return;
+  }
+  record.ball = drag_ball(m_body, handles, anchors, m_holds, BallParams(), &console);
+  m_links.fold_free = false;
+  record.report.moved = record.ball->moved;
+  record.report.visited = record.ball->moves;
+  record.report.max_queue = record.ball->max_queue;
+  record.report.milliseconds = record.ball->milliseconds;
+  warn_of_report(*record.ball, console);
 }
 
 std::string Session::configuration() const {
@@ -164,6 +187,7 @@ std::string Session::configuration() const {
       step["fix"].push_back(to_json(box));
     }
     if (record.release) step["release"] = true;
+    if (record.ball) step["limits"] = "ball";
     for (const CutSurface& surface : record.cuts) step["cut"].push_back(to_json(surface));
     if (!record.cuts.empty()) step["cut_links"] = record.cut_links;
     step["fraction"] = std::to_string(record.report.fraction_numerator) + "/" +

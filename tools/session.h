@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "lib/chainmail/ball_limits.h"
 #include "lib/chainmail/ecm.h"
 #include "tools/console.h"
 #include "tools/cut_surface.h"
@@ -21,14 +22,18 @@ struct Drag {
   HandleKind kind = HandleKind::two_sided;
 };
 
+/// box: each component of a link is limited on its own (eqs. 4.3-4.5); ball: its length (eq. 4.6).
+enum class Limits { box, ball };
+
 /// One solve: what was asked for and what came of it.
 struct StepRecord {
   std::vector<Drag> drags;
   std::vector<IndexBox> fix;
   bool release = false;
   std::vector<CutSurface> cuts;
-  std::int64_t cut_links = 0;  // that the cuts removed
-  EcmReport report;
+  std::int64_t cut_links = 0;      // that the cuts removed
+  EcmReport report;                // of ball limits: what both have in common
+  std::optional<BallReport> ball;  // when the step was solved under ball limits
 };
 
 class Session {
@@ -44,10 +49,11 @@ class Session {
   const LinkCheck& links() const { return m_links; }
 
   /// Cuts, then solves one step. Cuts are made in the body at rest and stay. Handles stay held and
-  /// boxes fixed until a step releases them. Warns when anchors stopped the drag or when the start
-  /// had to be projected.
+  /// boxes fixed until a step releases them. Warns when anchors stopped the drag, when the start
+  /// had to be projected or when ball limits leave links violated.
   const StepRecord& step(const std::vector<Drag>& drags, const std::vector<IndexBox>& fix,
-                         bool release, const std::vector<CutSurface>& cuts, Console& console);
+                         bool release, const std::vector<CutSurface>& cuts, Limits limits,
+                         Console& console);
 
   const std::vector<StepRecord>& records() const { return m_records; }
   /// The state as it is now, configuration included.
@@ -56,6 +62,8 @@ class Session {
  private:
   void open_volume_file(const std::string& path, const std::string& raw_spec, Console& console);
   std::string configuration() const;
+  void solve(const std::vector<Handle>& handles, Limits limits, StepRecord& record,
+             Console& console);
 
   State m_state;
   MaterialTable m_material;

@@ -105,7 +105,7 @@ class BallDrag {
       for_each_active(m_pages[b]->moved,
                       [&, c = c, b = b](int offset) { values[offset] = rounded(b, offset, c); });
     }
-    m_body.links_known_valid = false;
+    if (!changed.empty()) m_body.links_known_valid = false;
   }
 
   BallReport finish() {

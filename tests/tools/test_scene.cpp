@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "tests/tools/program.h"
 
@@ -131,4 +132,38 @@ TEST_F(UnitScene, HandlesStayHeldUntilReleased) {
   const Outcome free = run_scene(m_head + released + "[output]\nstate = \"b.vdb\"\n", {"--json"});
   ASSERT_EQ(free.exit_code, 0) << free.err;
   EXPECT_EQ(free.err.find("anchors stopped the drag"), std::string::npos) << free.err;
+}
+
+TEST_F(UnitScene, AStepUnderBallLimitsSaysSoInReportAndConfiguration) {
+  const std::string step = "[[step]]\ngrab = [8, 8, 8]\nby = [2.0, 0.0, 0.0]\n";
+  const Outcome outcome = run_scene(
+      m_head + step + "limits = \"ball\"\n" + step + "[output]\nstate = \"a.vdb\"\n", {"--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto steps = nlohmann::json::parse(outcome.out)["steps"];
+  EXPECT_EQ(steps[0]["limits"], "ball");
+  EXPECT_GT(steps[0]["moved"], 0);
+  EXPECT_GT(steps[0]["moves"], 0);
+  EXPECT_EQ(steps[0]["violated"], 0);
+  EXPECT_EQ(steps[1]["limits"], "box");
+  EXPECT_NE(read_text(m_folder / "out/a.vdb").find("\"limits\":\"ball\""), std::string::npos);
+  expect_refused(m_head + step + "limits = \"cube\"\n", {"limits", "cube", "ball"});
+}
+
+TEST_F(UnitScene, DeformKnowsBallLimits) {
+  const std::vector<std::string> deform = {"deform",     m_folder / "ball.nhdr",
+                                           "--material", m_folder / "soft.toml",
+                                           "--grab",     "8,8,8",
+                                           "--by",       "2,0,0",
+                                           "--json",     "-o"};
+  const auto with = [&](const std::string& limits, const std::string& name) {
+    std::vector<std::string> arguments = deform;
+    arguments.insert(arguments.end(), {m_folder / name, "--limits", limits});
+    return run_supple(arguments);
+  };
+  const Outcome ball = with("ball", "ball.vdb"), box = with("box", "box.vdb");
+  ASSERT_EQ(ball.exit_code, 0) << ball.err;
+  ASSERT_EQ(box.exit_code, 0) << box.err;
+  EXPECT_EQ(nlohmann::json::parse(ball.out)["limits"], "ball");
+  EXPECT_EQ(nlohmann::json::parse(box.out)["limits"], "box");
+  EXPECT_EQ(with("cube", "cube.vdb").exit_code, 2);
 }
