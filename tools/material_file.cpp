@@ -1,5 +1,6 @@
 #include "tools/material_file.h"
 
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 
@@ -67,35 +68,84 @@ void append_range(std::string& text, const std::string& name, double lo, double 
   text += name + buffer;
 }
 
-}  // namespace
+void append_limits(std::string& text, const LimitTable& limits) {
+  append_curve(text, "max_length", limits.max_length);
+  append_curve(text, "min_length", limits.min_length);
+  append_curve(text, "shear1", limits.shear1);
+  append_curve(text, "shear2", limits.shear2);
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::string suffix = std::string("_") + kAxisNames[axis];
+    if (limits.max_length_axis[axis]) {
+      append_curve(text, "max_length" + suffix, *limits.max_length_axis[axis]);
+    }
+    if (limits.min_length_axis[axis]) {
+      append_curve(text, "min_length" + suffix, *limits.min_length_axis[axis]);
+    }
+  }
+}
 
-MaterialTable read_material_table(TomlTable& table) {
-  MaterialTable material;
-  table.know({"domain", "active", "max_length", "min_length", "shear", "shear1", "shear2",
-              "max_length_i", "max_length_j", "max_length_k", "min_length_i", "min_length_j",
-              "min_length_k", "combine", "components"});
+void know_limits(TomlTable& table) {
+  table.know({"domain", "max_length", "min_length", "shear", "shear1", "shear2", "max_length_i",
+              "max_length_j", "max_length_k", "min_length_i", "min_length_j", "min_length_k"});
+}
+
+void read_curves(TomlTable& table, LimitTable& limits) {
   const std::string pairs = "a list of [density, value] pairs";
-  read_range(table, "domain", material.domain_lo, material.domain_hi);
-  material.active_lo = material.domain_lo;
-  material.active_hi = material.domain_hi;
-  read_range(table, "active", material.active_lo, material.active_hi);
-  material.max_length = table.require(read_curve(table, "max_length"), "max_length", pairs);
-  material.min_length = table.require(read_curve(table, "min_length"), "min_length", pairs);
+  limits.max_length = table.require(read_curve(table, "max_length"), "max_length", pairs);
+  limits.min_length = table.require(read_curve(table, "min_length"), "min_length", pairs);
   const auto shear = read_curve(table, "shear");
   const auto shear1 = read_curve(table, "shear1");
   const auto shear2 = read_curve(table, "shear2");
   if (shear && (shear1 || shear2)) {
     table.fail("shear", "shear beside shear1 or shear2", "either shear or both shear1 and shear2");
   }
-  material.shear1 = table.require(shear ? shear : shear1, shear2 ? "shear1" : "shear", pairs);
-  material.shear2 = table.require(shear ? shear : shear2, "shear2", pairs);
+  limits.shear1 = table.require(shear ? shear : shear1, shear2 ? "shear1" : "shear", pairs);
+  limits.shear2 = table.require(shear ? shear : shear2, "shear2", pairs);
   for (int axis = 0; axis < 3; ++axis) {
     const std::string suffix = std::string("_") + kAxisNames[axis];
-    material.max_length_axis[axis] = read_curve(table, "max_length" + suffix);
-    material.min_length_axis[axis] = read_curve(table, "min_length" + suffix);
+    limits.max_length_axis[axis] = read_curve(table, "max_length" + suffix);
+    limits.min_length_axis[axis] = read_curve(table, "min_length" + suffix);
   }
+}
+
+std::int32_t parse_label(const TomlTable& labels, const std::string& key) {
+  std::int32_t label = 0;
+  const auto result = std::from_chars(key.data(), key.data() + key.size(), label);
+  const bool is_number = result.ec == std::errc() && result.ptr == key.data() + key.size();
+  // "03" is another key than "3", so that it would be the same label twice.
+  if (is_number && label >= 1 && label <= kMaxLabel && std::to_string(label) == key) return label;
+  labels.fail(key, "\"" + key + "\"", "a label, 1 to " + std::to_string(kMaxLabel));
+}
+
+/// [label.N] tables, each with the domain of `material` unless it has its own.
+void read_labels(TomlTable& labels, MaterialTable& material) {
+  for (const std::string& key : labels.keys()) {
+    const std::int32_t label = parse_label(labels, key);
+    TomlTable table = *labels.table(key);
+    LimitTable& limits = material.labels[label];
+    know_limits(table);
+    limits.domain_lo = material.domain_lo;
+    limits.domain_hi = material.domain_hi;
+    read_range(table, "domain", limits.domain_lo, limits.domain_hi);
+    read_curves(table, limits);
+    table.finish();
+  }
+}
+
+}  // namespace
+
+MaterialTable read_material_table(TomlTable& table) {
+  MaterialTable material;
+  know_limits(table);
+  table.know({"active", "combine", "components", "label"});
+  read_range(table, "domain", material.domain_lo, material.domain_hi);
+  material.active_lo = material.domain_lo;
+  material.active_hi = material.domain_hi;
+  read_range(table, "active", material.active_lo, material.active_hi);
+  read_curves(table, material);
   material.combine = read_combine(table);
   material.components = read_components(table);
+  if (auto labels = table.table("label")) read_labels(*labels, material);
   table.finish();
   material.validate(table.place());
   return material;
@@ -117,22 +167,15 @@ std::string material_to_toml(const MaterialTable& material) {
   std::string text;
   append_range(text, "domain", material.domain_lo, material.domain_hi);
   append_range(text, "active", material.active_lo, material.active_hi);
-  append_curve(text, "max_length", material.max_length);
-  append_curve(text, "min_length", material.min_length);
-  append_curve(text, "shear1", material.shear1);
-  append_curve(text, "shear2", material.shear2);
-  for (int axis = 0; axis < 3; ++axis) {
-    const std::string suffix = std::string("_") + kAxisNames[axis];
-    if (material.max_length_axis[axis]) {
-      append_curve(text, "max_length" + suffix, *material.max_length_axis[axis]);
-    }
-    if (material.min_length_axis[axis]) {
-      append_curve(text, "min_length" + suffix, *material.min_length_axis[axis]);
-    }
-  }
+  append_limits(text, material);
   if (material.combine == Combine::limits) text += "combine = \"limits\"\n";
   if (material.components > 0) {
     text += "components = " + std::to_string(material.components) + "\n";
+  }
+  for (const auto& [label, limits] : material.labels) {
+    text += "\n[label." + std::to_string(label) + "]\n";
+    append_range(text, "domain", limits.domain_lo, limits.domain_hi);
+    append_limits(text, limits);
   }
   return text;
 }

@@ -193,6 +193,12 @@ std::optional<TomlTable> TomlTable::table(const std::string& key) {
   return TomlTable(*node->as_table(), m_file, full_name(key));
 }
 
+std::vector<std::string> TomlTable::keys() const {
+  std::vector<std::string> names;
+  for (const auto& [key, node] : *m_table) names.emplace_back(key.str());
+  return names;
+}
+
 std::vector<TomlTable> TomlTable::tables(const std::string& key) {
   const toml::node* node = find(key);
   if (node == nullptr) return {};

@@ -49,6 +49,8 @@ class TomlTable {
                                                        const std::set<std::size_t>& lengths,
                                                        const std::string& expected);
   std::optional<TomlTable> table(const std::string& key);
+  /// The names of all keys, ascending.
+  std::vector<std::string> keys() const;
   /// Array of tables; empty when absent.
   std::vector<TomlTable> tables(const std::string& key);
 

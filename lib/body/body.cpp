@@ -19,7 +19,7 @@ std::size_t Body::bytes() const {
 }
 
 Body make_body(const Geometry& geometry, const DensityGrid& density, const BrickTopology& elements,
-               const MaterialTable& material) {
+               const MaterialTable& material, const BrickValues& labels) {
   Body body;
   body.geometry = geometry;
   body.elements = elements;
@@ -27,18 +27,21 @@ Body make_body(const Geometry& geometry, const DensityGrid& density, const Brick
   body.slacks = SlackTable(material, geometry.spacing_mm());
   body.links_known_valid = true;
   body.classes.assign(slot_count(elements), 0);
+  const MaterialClasses classes(material);
   for (std::size_t b = 0; b < elements.brick_count(); ++b) {
     const std::int32_t source = density.bricks().find(elements.origin(b));
+    const std::int32_t* brick_labels = labels.brick_or_zero(b);
     for_each_active(elements.mask(b), [&](int offset) {
       const float value = source < 0 ? density.background() : density.values(source)[offset];
-      body.classes[b * kBrickVoxels + offset] = material.class_of(double(value));
+      body.classes[b * kBrickVoxels + offset] =
+          classes.class_of(double(value), brick_labels[offset]);
     });
   }
   return body;
 }
 
 Body make_body(const State& state, const MaterialTable& material) {
-  Body body = make_body(state.geometry, state.density, state.elements, material);
+  Body body = make_body(state.geometry, state.density, state.elements, material, state.labels);
   body.q = state.q;
   body.cuts = state.cuts;
   for (const BrickValues& coordinate : body.q) body.links_known_valid &= coordinate.empty();

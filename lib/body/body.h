@@ -29,9 +29,9 @@ struct Body {
   std::size_t bytes() const;
 };
 
-/// Elements at rest.
+/// Elements at rest; `labels`, on their bricks, choose among the material's tables.
 Body make_body(const Geometry& geometry, const DensityGrid& density, const BrickTopology& elements,
-               const MaterialTable& material);
+               const MaterialTable& material, const BrickValues& labels = {});
 /// Continues a state under its own or another material.
 Body make_body(const State& state, const MaterialTable& material);
 

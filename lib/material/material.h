@@ -1,16 +1,19 @@
 // Look-up tables from density to link limits (thesis section 4.2.3, figure 4.11; design.md
 // section 2). Densities become 256 classes; a link looks its limits up at the mean of both ends,
-// half classes kept.
+// half classes kept. Labels of a segmentation may have tables of their own; links then take the
+// mean of both ends' limits.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "volumes/base/vec.h"
+#include "volumes/grid/labels.h"
 
 namespace supple {
 
@@ -22,23 +25,37 @@ struct Curve {
 
 enum class Combine { density, limits };
 
-/// The table as the user wrote it. Lengths are factors of the rest length.
-struct MaterialTable {
-  double domain_lo = 0, domain_hi = 255;  // densities spanned by the 256 classes
-  double active_lo = 1, active_hi = 255;  // densities that are elements
+/// Curves over the densities of a domain. Lengths are factors of the rest length.
+struct LimitTable {
+  double domain_lo = 0, domain_hi = 255;  // densities spanned by the table's classes
   Curve max_length, min_length, shear1, shear2;
   /// Overrides for one grid axis, e.g. max_length_i (figure 4.7).
   std::array<std::optional<Curve>, 3> max_length_axis, min_length_axis;
+
+  /// True when the limits do not depend on the density.
+  bool is_constant() const;
+};
+
+/// The table as the user wrote it.
+struct MaterialTable : LimitTable {
+  double active_lo = 1, active_hi = 255;  // densities that are elements
   Combine combine = Combine::density;
   int components = 0;  // 0: all pieces; n: the n largest ("largest" is 1)
+  /// Tables of labels (volumes/grid/labels.h), which replace the common one there.
+  std::map<std::int32_t, LimitTable> labels;
+
+  /// Links take the mean of both ends' limits; tables of labels always do.
+  bool combines_limits() const { return combine == Combine::limits || !labels.empty(); }
 
   /// Throws InputError naming table, key point, value and expectation: 0 < min_length <= 1 <=
-  /// max_length, shear >= 0, densities strictly ascending and inside the domain, lo < hi.
+  /// max_length, shear >= 0, densities strictly ascending and inside the domain, lo < hi; labels
+  /// within 1 to kMaxLabel and not more tables than classes.
   void validate(const std::string& file) const;
   /// One line per pair of key points that fall into the same class; empty when none do.
   std::vector<std::string> warnings() const;
 
-  /// round(255 * (clamp(v) - domain_lo) / (domain_hi - domain_lo)); NaN counts as domain_lo.
+  /// round(255 * (clamp(v) - domain_lo) / (domain_hi - domain_lo)), as MaterialClasses has it
+  /// without labels; NaN counts as domain_lo.
   std::uint8_t class_of(double density) const;
 };
 
@@ -46,9 +63,42 @@ struct MaterialTable {
 struct LinkLimits {
   double min_length, max_length, shear1, shear2;
 };
-/// Limits of a link along grid axis `axis`: the curves at domain_lo + (a + b)/510 of the domain, or
-/// with Combine::limits the mean of both ends' curves. shear1 bounds the lower-numbered transverse
-/// grid axis, shear2 the other.
+
+/// How the 256 classes are shared out. Without labels the common table has them all. With labels, a
+/// table whose limits are constant takes one class and the others share the rest equally, the
+/// common table first, then by ascending label.
+class MaterialClasses {
+ public:
+  /// The material must outlive this. Throws InputError when there are too many tables: every one
+  /// needs a class, two if its limits vary.
+  explicit MaterialClasses(const MaterialTable& material);
+
+  /// first + round((count - 1) * (clamp(v) - domain_lo) / (domain_hi - domain_lo)) with the classes
+  /// and the domain of the label's table, or of the common one; NaN counts as domain_lo.
+  std::uint8_t class_of(double density, std::int32_t label = 0) const;
+
+  /// Limits of a link along grid axis `axis`: the curves at domain_lo + (a + b)/510 of the domain,
+  /// or the mean of both ends' curves (combines_limits). shear1 bounds the lower-numbered
+  /// transverse grid axis, shear2 the other. Classes of no table count as the last one.
+  LinkLimits limits(int axis, int class_a, int class_b) const;
+
+  struct Share {
+    std::int32_t label;  // 0: the common table
+    const LimitTable* table;
+    int first, count;  // classes
+  };
+  const std::vector<Share>& shares() const { return m_shares; }
+
+ private:
+  LinkLimits limits_at_end(int axis, int end) const;
+
+  bool m_combines_limits;
+  std::vector<Share> m_shares;  // ascending classes
+  std::vector<std::int16_t>
+      m_of_label;  // index into m_shares, up to the largest label with a table
+};
+
+/// As MaterialClasses::limits, for a few links.
 LinkLimits limits_of(const MaterialTable& table, int axis, int class_a, int class_b);
 
 /// Integer slack of a link a -> b in the positive direction of `axis`, per coordinate c:
@@ -61,7 +111,7 @@ struct LinkSlack {
 /// A slack this large is no limit at all.
 constexpr std::int32_t kUnlimitedSlack = 1 << 30;
 
-/// All slacks by look-up from the classes of both ends. 36 kB; 4.7 MB with Combine::limits.
+/// All slacks by look-up from the classes of both ends. 36 kB; 4.7 MB where limits are combined.
 class SlackTable {
  public:
   SlackTable() = default;

@@ -23,19 +23,86 @@ Real evaluate(const Curve& curve, Real density) {
   return keys.back().second;
 }
 
-int class_by_hand(const MaterialTable& table, double density) {
-  const Real t = (Real(density) - table.domain_lo) / (Real(table.domain_hi) - table.domain_lo);
-  return int(std::floor(255 * std::min(Real(1), std::max(Real(0), t)) + Real(0.5)));
+/// Limits of a material as one end of a link sees them.
+struct End {
+  const LimitTable* table;
+  Real position;  // of its class in the table's domain, 0…1
+};
+
+bool varies(const Curve& curve) {
+  for (const auto& key : curve.keys) {
+    if (key.second != curve.keys[0].second) return true;
+  }
+  return false;
 }
 
-/// Curve at the mean of two classes, or the mean of the curve at both.
-Real at_link(const MaterialTable& table, const Curve& curve, int a, int b) {
-  const Real width = Real(table.domain_hi) - table.domain_lo;
-  const auto at = [&](Real position) {
-    return evaluate(curve, table.domain_lo + position * width);
+bool varies(const LimitTable& table) {
+  bool any = varies(table.max_length) || varies(table.min_length) || varies(table.shear1) ||
+             varies(table.shear2);
+  for (int axis = 0; axis < 3; ++axis) {
+    any = any || (table.max_length_axis[axis] && varies(*table.max_length_axis[axis]));
+    any = any || (table.min_length_axis[axis] && varies(*table.min_length_axis[axis]));
+  }
+  return any;
+}
+
+/// Classes of each table that varies, where labels have tables: what constant ones leave, shared.
+int classes_of_each(const MaterialTable& material) {
+  if (material.labels.empty()) return 256;
+  int left = 256, sharing = 0;
+  const auto count = [&](const LimitTable& table) {
+    if (varies(table)) {
+      ++sharing;
+    } else {
+      --left;
+    }
   };
-  if (table.combine == Combine::limits) return (at(Real(a) / 255) + at(Real(b) / 255)) / 2;
-  return at(Real(a + b) / 510);
+  count(material);
+  for (const auto& entry : material.labels) count(entry.second);
+  return sharing == 0 ? 1 : left / sharing;
+}
+
+End end_by_hand(const Block& block, int node, int classes) {
+  const MaterialTable& material = block.table;
+  const LimitTable* table = &material;
+  if (!block.label.empty()) {
+    const auto own = material.labels.find(block.label[std::size_t(node)]);
+    if (own != material.labels.end()) table = &own->second;
+  }
+  if (!material.labels.empty() && !varies(*table)) return {table, 0};
+  const double density = block.density[std::size_t(node)];
+  const Real t = (Real(density) - table->domain_lo) / (Real(table->domain_hi) - table->domain_lo);
+  const Real steps = classes - 1;
+  return {table, std::floor(steps * std::min(Real(1), std::max(Real(0), t)) + Real(0.5)) / steps};
+}
+
+using CurveOf = const Curve& (*)(const LimitTable& table, int axis);
+
+Real at_end(const End& end, const Curve& curve) {
+  const LimitTable& table = *end.table;
+  return evaluate(curve,
+                  table.domain_lo + end.position * (Real(table.domain_hi) - table.domain_lo));
+}
+
+/// Curve at the mean of two classes, or the mean of the curves at both.
+Real at_link(const MaterialTable& material, CurveOf curve, int axis, const End& a, const End& b) {
+  if (material.combine == Combine::limits || !material.labels.empty()) {
+    return (at_end(a, curve(*a.table, axis)) + at_end(b, curve(*b.table, axis))) / 2;
+  }
+  return at_end({a.table, (a.position + b.position) / 2}, curve(material, axis));
+}
+
+const Curve& longest_of(const LimitTable& table, int axis) {
+  return table.max_length_axis[axis] ? *table.max_length_axis[axis] : table.max_length;
+}
+const Curve& shortest_of(const LimitTable& table, int axis) {
+  return table.min_length_axis[axis] ? *table.min_length_axis[axis] : table.min_length;
+}
+const Curve& shear1_of(const LimitTable& table, int) {
+  return table.shear1;
+}
+const Curve& shear2_of(const LimitTable& table, int) {
+  return table.shear2;
 }
 
 /// The part of a displacement that is performed, truncated toward zero.
@@ -56,6 +123,7 @@ BruteForce::BruteForce(const Block& block) : m_nodes(block.size()) {
   for (auto& coordinate : q) coordinate.assign(m_nodes, 0);
   const int dims[3] = {block.dims.x, block.dims.y, block.dims.z};
   const int step[3] = {1, dims[0], dims[0] * dims[1]};
+  const int classes = classes_of_each(block.table);
   const double h[3] = {block.spacing_mm.x, block.spacing_mm.y, block.spacing_mm.z};
   for (int low = 0; low < m_nodes; ++low) {
     const int position[3] = {low % dims[0], low / dims[0] % dims[1], low / dims[0] / dims[1]};
@@ -65,20 +133,16 @@ BruteForce::BruteForce(const Block& block) : m_nodes(block.size()) {
       const int high = low + step[axis];
       if (!block.element[low] || !block.element[high]) continue;
       const MaterialTable& table = block.table;
-      const int a = class_by_hand(table, block.density[low]);
-      const int b = class_by_hand(table, block.density[high]);
+      const End a = end_by_hand(block, low, classes), b = end_by_hand(block, high, classes);
       Link link{low, high, {}, {}};
-      const Curve& longest =
-          table.max_length_axis[axis] ? *table.max_length_axis[axis] : table.max_length;
-      const Curve& shortest =
-          table.min_length_axis[axis] ? *table.min_length_axis[axis] : table.min_length;
-      link.upper[axis] = units_below(at_link(table, longest, a, b) - 1);
-      link.lower[axis] = units_below(1 - at_link(table, shortest, a, b));
+      link.upper[axis] = units_below(at_link(table, longest_of, axis, a, b) - 1);
+      link.lower[axis] = units_below(1 - at_link(table, shortest_of, axis, a, b));
       bool first = true;
       for (int c = 0; c < 3; ++c) {
         if (c == axis) continue;
-        const Curve& shear = first ? table.shear1 : table.shear2;
-        link.upper[c] = link.lower[c] = units_below(at_link(table, shear, a, b) * h[axis] / h[c]);
+        const CurveOf shear = first ? shear1_of : shear2_of;
+        link.upper[c] = link.lower[c] =
+            units_below(at_link(table, shear, axis, a, b) * h[axis] / h[c]);
         first = false;
       }
       m_links.push_back(link);

@@ -29,12 +29,9 @@ Curve random_curve(std::mt19937& random, double lo, double hi, double rigid, dou
   return curve;
 }
 
-MaterialTable random_table(std::mt19937& random) {
-  MaterialTable table;
+void random_limits(std::mt19937& random, LimitTable& table) {
   table.domain_lo = chance(random, 0.5) ? 0 : -1000;
   table.domain_hi = table.domain_lo + (chance(random, 0.5) ? 255 : 3000);
-  table.active_lo = table.domain_lo;
-  table.active_hi = table.domain_hi;
   const auto curve = [&](double rigid, double extreme) {
     return random_curve(random, table.domain_lo, table.domain_hi, rigid, extreme);
   };
@@ -47,6 +44,13 @@ MaterialTable random_table(std::mt19937& random) {
     if (chance(random, 0.2)) table.max_length_axis[axis] = curve(1, 1.7);
     if (chance(random, 0.2)) table.min_length_axis[axis] = curve(1, 0.5);
   }
+}
+
+MaterialTable random_table(std::mt19937& random) {
+  MaterialTable table;
+  random_limits(random, table);
+  table.active_lo = table.domain_lo;
+  table.active_hi = table.domain_hi;
   if (chance(random, 0.25)) table.combine = Combine::limits;
   return table;
 }
@@ -144,6 +148,30 @@ void cut_randomly(std::mt19937& random, Block& block) {
   }
 }
 
+void label_randomly(std::mt19937& random, Block& block) {
+  const int count = 1 + int(random() % 6), width = 1 + int(random() % 4);
+  const auto label_at = [&](int n) { return n % 3 == 2 ? 1000 * n : n; };
+  const double noise = chance(random, 0.5) ? 0.2 : 0;
+  block.label.assign(std::size_t(block.size()), 0);
+  for (int n = 0; n < block.size(); ++n) {
+    const Vec3i at = block.voxel(n) - block.origin;
+    const int blob = at.x / width + at.y / width + at.z / width;
+    block.label[std::size_t(n)] =
+        label_at(chance(random, noise) ? int(random() % 7) : blob % (count + 1));
+  }
+  const double constant = pick(random, 0, 1);
+  for (int n = 1; n <= count; ++n) {
+    if (chance(random, 0.2)) continue;
+    LimitTable& table = block.table.labels[label_at(n)];
+    random_limits(random, table);
+    if (!chance(random, constant)) continue;
+    for (Curve* curve : {&table.max_length, &table.min_length, &table.shear1, &table.shear2}) {
+      curve->keys.resize(1);
+    }
+    table.max_length_axis = table.min_length_axis = {};
+  }
+}
+
 Body body_of(const Block& block) {
   std::vector<Vec3i> origins;
   std::vector<BrickMask> masks;
@@ -161,16 +189,20 @@ Body body_of(const Block& block) {
   }
   const BrickTopology elements(origins, masks);
   std::vector<float> values(elements.brick_count() * kBrickVoxels, 0.0f);
+  BrickValues labels(elements.brick_count());
   for (int n = 0; n < block.size(); ++n) {
     if (!block.element[n]) continue;
     const Vec3i voxel = block.voxel(n);
-    values[std::size_t(elements.find(voxel)) * kBrickVoxels + brick_offset(voxel)] =
-        float(block.density[n]);
+    const std::size_t slot =
+        std::size_t(elements.find(voxel)) * kBrickVoxels + std::size_t(brick_offset(voxel));
+    values[slot] = float(block.density[n]);
+    if (!block.label.empty()) labels.set(slot, block.label[std::size_t(n)]);
   }
   const Geometry geometry({64, 64, 64}, {0, 0, 0},
                           {Vec3d(block.spacing_mm.x, 0, 0), Vec3d(0, block.spacing_mm.y, 0),
                            Vec3d(0, 0, block.spacing_mm.z)});
-  Body body = make_body(geometry, make_density_grid(elements, values, 0), elements, block.table);
+  Body body =
+      make_body(geometry, make_density_grid(elements, values, 0), elements, block.table, labels);
   for (int n = 0; n < int(block.cut.size()); ++n) mark_cuts(block, n, body);
   return body;
 }

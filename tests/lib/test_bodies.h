@@ -17,7 +17,8 @@ struct Block {
   Vec3d spacing_mm{1, 1, 1};
   std::vector<char> element;
   std::vector<double> density;
-  std::vector<char> cut;  // bit a: no link to the next voxel along axis a; empty: none cut
+  std::vector<char> cut;   // bit a: no link to the next voxel along axis a; empty: none cut
+  std::vector<int> label;  // of a segmentation; empty: none
   MaterialTable table;
 
   int size() const { return dims.x * dims.y * dims.z; }
@@ -40,6 +41,9 @@ Block random_block(std::mt19937& random, const Vec3i& max_dims);
 
 /// Cuts planes, a box free of the rest and single links out of the block, at random.
 void cut_randomly(std::mt19937& random, Block& block);
+
+/// Labels in blobs and noise, some with tables of their own and some without.
+void label_randomly(std::mt19937& random, Block& block);
 
 Body body_of(const Block& block);
 

@@ -87,12 +87,15 @@ struct Tally {
   int drags = 0, moved = 0, conflicts = 0, stopped = 0, shortened = 0, unlimited = 0;
 };
 
+enum class With { nothing, cuts, labels };
+
 /// Drags one random body several times, comparing after each.
-void run_case(unsigned seed, const Vec3i& max_dims, bool with_cuts, Tally& tally) {
+void run_case(unsigned seed, const Vec3i& max_dims, With with, Tally& tally) {
   SCOPED_TRACE("seed " + std::to_string(seed));
   std::mt19937 random(seed);
   Block block = random_block(random, max_dims);
-  if (with_cuts) cut_randomly(random, block);
+  if (with == With::cuts) cut_randomly(random, block);
+  if (with == With::labels) label_randomly(random, block);
   Body body = body_of(block);
   BruteForce brute(block);
   EcmSolver solver(body, seed % 2 ? Engine::flat : Engine::block);
@@ -100,8 +103,7 @@ void run_case(unsigned seed, const Vec3i& max_dims, bool with_cuts, Tally& tally
     const RandomDrag drag = random_drag(random, block);
     const BruteForce::Outcome expected = brute.drag(drag.grabs, drag.anchors);
     EcmReport report;
-    const std::string error =
-        input_error([&] { report = solver.drag(drag.handles, drag.fixed); });
+    const std::string error = input_error([&] { report = solver.drag(drag.handles, drag.fixed); });
     ++tally.drags;
     ASSERT_EQ(!error.empty(), expected.conflict) << error;
     if (expected.conflict) {
@@ -129,7 +131,7 @@ TEST(PropertyEcm, EqualsBruteForceBitForBitOnRandomBodiesHandlesAndAnchors) {
     const Vec3i max_dims = seed % 10 < 2   ? Vec3i(20, 20, 6)
                            : seed % 3 == 0 ? Vec3i(12, 12, 1)
                                            : Vec3i(7, 6, 5);
-    run_case(seed, max_dims, false, tally);
+    run_case(seed, max_dims, With::nothing, tally);
   }
   std::printf("drags %d, moved %d, conflicts %d, stopped at once %d, shortened %d\n", tally.drags,
               tally.moved, tally.conflicts, tally.stopped, tally.shortened);
@@ -142,7 +144,20 @@ TEST(PropertyEcm, EqualsBruteForceBitForBitWhereLinksAreCut) {
   Tally tally;
   for (unsigned seed = 1000; seed < 1300 && !HasFailure(); ++seed) {
     const Vec3i max_dims = seed % 3 == 0 ? Vec3i(12, 12, 1) : Vec3i(10, 9, 5);
-    run_case(seed, max_dims, true, tally);
+    run_case(seed, max_dims, With::cuts, tally);
+  }
+  std::printf("drags %d, moved %d, conflicts %d, stopped at once %d, shortened %d\n", tally.drags,
+              tally.moved, tally.conflicts, tally.stopped, tally.shortened);
+  EXPECT_GE(tally.moved, 400);
+  EXPECT_GE(tally.conflicts, 20);
+  EXPECT_GE(tally.shortened, 20);
+}
+
+TEST(PropertyEcm, EqualsBruteForceBitForBitWhereLabelsHaveTablesOfTheirOwn) {
+  Tally tally;
+  for (unsigned seed = 2000; seed < 2300 && !HasFailure(); ++seed) {
+    const Vec3i max_dims = seed % 3 == 0 ? Vec3i(12, 12, 1) : Vec3i(10, 9, 5);
+    run_case(seed, max_dims, With::labels, tally);
   }
   std::printf("drags %d, moved %d, conflicts %d, stopped at once %d, shortened %d\n", tally.drags,
               tally.moved, tally.conflicts, tally.stopped, tally.shortened);

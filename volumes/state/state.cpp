@@ -5,6 +5,7 @@
 
 #include "volumes/base/error.h"
 #include "volumes/field/displacement.h"
+#include "volumes/grid/labels.h"
 
 namespace supple {
 
@@ -97,6 +98,40 @@ void check_cuts(const State& state, const std::string& file) {
   }
 }
 
+void check_labels(const State& state, const std::string& file) {
+  const std::size_t bricks = state.elements.brick_count();
+  if (state.labels.brick_count() != 0 && state.labels.brick_count() != bricks) {
+    throw InputError({file, "label", std::to_string(state.labels.brick_count()) + " bricks",
+                      "0 or " + std::to_string(bricks)});
+  }
+  for (std::size_t b = 0; b < state.labels.brick_count(); ++b) {
+    const std::int32_t* labels = state.labels.brick_or_zero(b);
+    for (int offset = 0; offset < kBrickVoxels; ++offset) {
+      const bool is_element = mask_test(state.elements.mask(b), offset);
+      if (labels[offset] >= 0 && labels[offset] <= (is_element ? kMaxLabel : 0)) continue;
+      throw InputError(
+          {file, "label at " + to_text(state.elements.origin(b) + brick_local(offset)),
+           std::to_string(labels[offset]),
+           is_element ? "0 to " + std::to_string(kMaxLabel) : "0 where there is no element"});
+    }
+  }
+}
+
+void check_anchors(const State& state, const std::string& file) {
+  for (const IndexBox& box : state.anchors) {
+    if (!box.empty()) continue;
+    throw InputError({file, "anchors", "box " + to_text(box.lo) + " to " + to_text(box.hi),
+                      "a box with at least one voxel"});
+  }
+  if (state.anchor_labels.empty()) return;
+  const auto counts = label_counts(state.labels);
+  for (const std::int32_t label : state.anchor_labels) {
+    if (counts.count(label) != 0) continue;
+    throw InputError({file, "anchors", "label " + std::to_string(label) + " without elements",
+                      "a label of the state"});
+  }
+}
+
 }  // namespace
 
 void check_state(const State& state, const std::string& file) {
@@ -104,11 +139,8 @@ void check_state(const State& state, const std::string& file) {
   check_elements(state, file);
   check_offsets(state, file);
   check_cuts(state, file);
-  for (const IndexBox& box : state.anchors) {
-    if (!box.empty()) continue;
-    throw InputError({file, "anchors", "box " + to_text(box.lo) + " to " + to_text(box.hi),
-                      "a box with at least one voxel"});
-  }
+  check_labels(state, file);
+  check_anchors(state, file);
 }
 
 Displacement displacement_of(const State& state) {

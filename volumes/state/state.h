@@ -1,5 +1,6 @@
 // The state file: everything needed to continue, render or export a deformed volume (design.md
-// section 7). Authority: q, element mask, density, anchors, material table text, configuration.
+// section 7). Authority: q, element mask, density, labels, anchors, material table text,
+// configuration.
 #pragma once
 
 #include <array>
@@ -29,11 +30,15 @@ struct State {
   /// coordinate that never moved. Inactive voxels hold 0.
   std::array<BrickValues, 3> q;
   LinkCuts cuts;  // links between elements that are absent; bricks as in `elements`
+  /// Of a segmentation, 1 to 65535, 0 at elements without one; empty when none are in use. Bricks
+  /// as in `elements`, 0 where there is no element.
+  BrickValues labels;
   std::vector<IndexBox> anchors;
-  std::string material_toml;  // the table as text, so that a state can be continued
-  std::string configuration;  // JSON: the effective settings that produced it
-  std::string source_name;    // file name of the source volume
-  std::string source_type;    // numpy name of the stored type
+  std::vector<std::int32_t> anchor_labels;  // whose elements stay where they are too
+  std::string material_toml;                // the table as text, so that a state can be continued
+  std::string configuration;                // JSON: the effective settings that produced it
+  std::string source_name;                  // file name of the source volume
+  std::string source_type;                  // numpy name of the stored type
 };
 
 /// u on the elements, unit voxel, from q.
@@ -43,8 +48,9 @@ Displacement extended_displacement_of(const State& state);
 
 /// Throws InputError, naming `file`, unless everything holds that later code trusts: densities
 /// finite and inside the source box, every element among them, q on the bricks of the elements,
-/// |q| <= kMaxOffset, 0 in inactive slots, cut links between elements, no empty anchor box. Cost:
-/// one pass over the bricks.
+/// |q| <= kMaxOffset, 0 in inactive slots, cut links between elements, labels 0 to 65535 and only
+/// at elements, no empty anchor box, no anchor label without elements. Cost: one pass over the
+/// bricks.
 void check_state(const State& state, const std::string& file);
 
 /// Writes atomically; equal states give equal files, a coordinate of zeros counts as one that never

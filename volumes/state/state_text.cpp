@@ -64,28 +64,33 @@ Geometry geometry_from_json(const std::string& text, const std::string& file) {
   }
 }
 
-std::string anchors_to_json(const std::vector<IndexBox>& anchors) {
+std::string anchors_to_json(const Anchors& anchors) {
   Json json = Json::array();
-  for (const IndexBox& box : anchors) {
+  for (const IndexBox& box : anchors.boxes) {
     json.push_back({box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z});
   }
+  for (const std::int32_t label : anchors.labels) json.push_back({{"label", label}});
   return json.dump();
 }
 
-std::vector<IndexBox> anchors_from_json(const std::string& text, const std::string& file) {
+Anchors anchors_from_json(const std::string& text, const std::string& file) {
   const Json json = parse_list_or_object(text, file, "anchors");
   try {
     if (!json.is_array()) throw std::out_of_range("no list");
-    std::vector<IndexBox> anchors;
-    for (const Json& box : json) {
-      if (box.size() != 6) throw std::out_of_range("no box");
-      anchors.push_back({{to_int(box.at(0)), to_int(box.at(1)), to_int(box.at(2))},
-                         {to_int(box.at(3)), to_int(box.at(4)), to_int(box.at(5))}});
+    Anchors anchors;
+    for (const Json& item : json) {
+      if (item.is_object()) {
+        anchors.labels.push_back(to_int(item.at("label")));
+        continue;
+      }
+      if (item.size() != 6) throw std::out_of_range("no box");
+      anchors.boxes.push_back({{to_int(item.at(0)), to_int(item.at(1)), to_int(item.at(2))},
+                               {to_int(item.at(3)), to_int(item.at(4)), to_int(item.at(5))}});
     }
     return anchors;
   } catch (const std::exception&) {
-    throw InputError(
-        {file, "anchors", text.substr(0, kMaxFoundText), "a list of boxes of six integers"});
+    throw InputError({file, "anchors", text.substr(0, kMaxFoundText),
+                      "a list of boxes of six integers and of labels"});
   }
 }
 

@@ -7,6 +7,7 @@
 #include <random>
 #include <vector>
 
+#include "volumes/grid/labels.h"
 #include "volumes/state/state.h"
 
 namespace supple::test {
@@ -74,6 +75,22 @@ inline LinkCuts random_cuts(std::mt19937& random, const BrickTopology& elements)
   return cuts;
 }
 
+/// A label at some of the elements, drawn apart from the rest of the state.
+inline BrickValues random_labels(unsigned seed, const BrickTopology& elements) {
+  std::mt19937 random(seed);
+  BrickValues labels;
+  if (random() % 3 == 0) return labels;
+  labels.resize(elements.brick_count());
+  const auto part = random() % 101;
+  for (std::size_t b = 0; b < elements.brick_count(); ++b) {
+    for_each_active(elements.mask(b), [&](int offset) {
+      if (random() % 100 >= part) return;
+      labels.touch(b)[offset] = random() % 2 == 0 ? std::int32_t(random() % 4) : kMaxLabel;
+    });
+  }
+  return labels;
+}
+
 inline State random_state(unsigned seed, int max_dim = 28) {
   std::mt19937 random(seed);
   const auto dim = [&] { return 1 + int(random() % unsigned(max_dim)); };
@@ -110,6 +127,10 @@ inline State random_state(unsigned seed, int max_dim = 28) {
   state.source_name = "head " + std::to_string(seed) + ".nhdr";
   state.source_type = "int16";
   state.cuts = random_cuts(random, state.elements);
+  state.labels = random_labels(seed + 1, state.elements);
+  for (const auto& [label, count] : label_counts(state.labels)) {
+    if (count % 2 == 0) state.anchor_labels.push_back(label);
+  }
   return state;
 }
 
@@ -125,6 +146,7 @@ inline bool same_densities(const DensityGrid& a, const DensityGrid& b) {
 inline bool same_state(const State& a, const State& b) {
   return a.geometry == b.geometry && same_densities(a.density, b.density) &&
          a.elements == b.elements && a.q == b.q && a.cuts == b.cuts && a.anchors == b.anchors &&
+         a.labels == b.labels && a.anchor_labels == b.anchor_labels &&
          a.material_toml == b.material_toml && a.configuration == b.configuration &&
          a.source_name == b.source_name && a.source_type == b.source_type;
 }

@@ -181,4 +181,27 @@ TEST(FaultState, AnInvalidStateIsNotWritten) {
                   }),
                   "not finite"));
   EXPECT_TRUE(has(write_error([](State& state) { state.anchors.emplace_back(); }), "anchors"));
+  const auto label = [](std::int32_t value, bool at_element) {
+    return [=](State& state) {
+      state.anchor_labels.clear();
+      state.labels = BrickValues(state.elements.brick_count());
+      int offset = 0;
+      while (mask_test(state.elements.mask(0), offset) != at_element) ++offset;
+      state.labels.touch(0)[offset] = value;
+    };
+  };
+  EXPECT_EQ(write_error(label(65535, true)), "");
+  EXPECT_TRUE(has(write_error(label(65536, true)), "found 65536, expected 0 to 65535"));
+  EXPECT_TRUE(has(write_error(label(-1, true)), "found -1"));
+  EXPECT_TRUE(has(write_error(label(1, false)), "expected 0 where there is no element"));
+  EXPECT_TRUE(has(write_error([](State& state) {
+                    state.anchor_labels.clear();
+                    state.labels = BrickValues(state.elements.brick_count() + 1);
+                  }),
+                  "label: found "));
+  EXPECT_TRUE(has(write_error([&](State& state) {
+                    label(7, true)(state);
+                    state.anchor_labels = {7, 8};
+                  }),
+                  "label 8 without elements"));
 }

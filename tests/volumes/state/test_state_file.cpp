@@ -94,6 +94,26 @@ TEST(UnitState, LinksCutInAnotherOrderGiveTheSameFileAndNoneGivesNoGrid) {
   EXPECT_EQ(file_bytes(folder / "a.vdb"), file_bytes(folder / "b.vdb"));
 }
 
+TEST(UnitState, LabelsThatNoElementHasGiveNoGrid) {
+  const ScratchFolder folder("state-labels");
+  State state;
+  state.geometry = Geometry().with_dims({20, 2, 2});
+  state.elements = bricks_where({20, 2, 2}, [](const Vec3i&) { return true; });
+  state.density = make_density_grid(state.elements, std::vector<float>(3 * kBrickVoxels, 1.0f), 0);
+  write_state(folder / "none.vdb", state);
+  EXPECT_EQ(file_bytes(folder / "none.vdb").find("label"), std::string::npos);
+  state.labels.resize(3);
+  state.labels.touch(1);
+  write_state(folder / "zeros.vdb", state);
+  EXPECT_EQ(file_bytes(folder / "none.vdb"), file_bytes(folder / "zeros.vdb"));
+  state.labels.set(2 * kBrickVoxels, kMaxLabel);
+  state.anchor_labels = {kMaxLabel};
+  write_state(folder / "one.vdb", state);
+  const State back = read_state(folder / "one.vdb");
+  EXPECT_TRUE(same_state(back, state));
+  EXPECT_EQ(back.labels.stored_bricks(), 1u);
+}
+
 TEST(UnitState, TheDisplacementIsTheFixedPointOffsetInVoxels) {
   State state;
   state.geometry = Geometry().with_dims({9, 1, 1});

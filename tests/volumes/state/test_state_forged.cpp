@@ -167,6 +167,38 @@ TEST_F(FaultForgedState, CutsWhereThereIsNoLinkAreRejected) {
   expect_error("grid cut_links: found nothing, expected a grid of");
 }
 
+TEST_F(FaultForgedState, LabelsThatNoElementCanHaveAreRejected) {
+  const auto forge = [&](const Vec3i& voxel, int value) {
+    for (auto& grid : *m_parts.grids) {
+      if (grid->getName() == "label") grid->setName("was label");
+    }
+    auto labels = openvdb::Int32Grid::create(0);
+    labels->setName("label");
+    labels->tree().setValueOn(openvdb::Coord(voxel.x, voxel.y, voxel.z), value);
+    m_parts.grids->push_back(labels);
+  };
+  m_parts.metadata->removeMeta("supple_anchors");
+  m_parts.metadata->insertMeta("supple_anchors", openvdb::StringMetadata(R"([{"label": 9}])"));
+  forge(m_element, 9);
+  ASSERT_EQ(read_error(), "");
+  forge(m_element, 8);
+  expect_error("label 9 without elements");
+  forge(m_element, 0);
+  expect_error("grid label: found 0");
+  forge(m_element, 65536);
+  expect_error("found 65536, expected 0 to 65535");
+  forge({-1, 0, 0}, 1);
+  expect_error("grid label: found voxels outside the volume");
+  const auto element = m_parts.grid<openvdb::BoolGrid>("element");
+  Vec3i empty = m_element;
+  while (element->tree().isValueOn(openvdb::Coord(empty.x, empty.y, empty.z))) ++empty.z;
+  forge(empty, 9);
+  EXPECT_NE(read_error(), "");
+  m_parts.grids->back()->setName("none");
+  m_parts.grid<openvdb::Vec3SGrid>("displacement")->setName("label");
+  expect_error("grid label: found nothing, expected a grid of");
+}
+
 TEST_F(FaultForgedState, MetadataMustBeWholeAndValid) {
   const auto forge = [&](const char* name, const std::string& text) {
     m_parts.metadata->removeMeta(name);
@@ -186,7 +218,8 @@ TEST_F(FaultForgedState, MetadataMustBeWholeAndValid) {
   forge("supple_geometry", geometry);
   ASSERT_EQ(read_error(), "");
   for (const char* bad :
-       {"{", "{}", "[1]", "[[1,2,3,4,5]]", "[[0,0,0,-1,0,0]]", "[[0,0,0,0,0,1.5]]"}) {
+       {"{", "{}", "[1]", "[[1,2,3,4,5]]", "[[0,0,0,-1,0,0]]", "[[0,0,0,0,0,1.5]]", "[{}]",
+        "[{\"label\": 65536}]", "[{\"label\": 1.5}]"}) {
     forge("supple_anchors", bad);
     EXPECT_NE(read_error(), "") << bad;
   }
