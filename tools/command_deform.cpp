@@ -15,7 +15,7 @@ namespace supple::tools {
 namespace {
 
 struct Options {
-  std::string input, raw_spec, material, output;
+  std::string input, raw_spec, material, labels, output;
   std::vector<std::string> grabs, bys, fixes, cuts;
   bool push = false;
   std::string limits = "box";
@@ -28,9 +28,10 @@ std::vector<GivenHandle> parse_handles(const Options& options) {
   for (const std::string& text : options.grabs) {
     GivenHandle handle;
     handle.push = options.push;
+    handle.label = parse_label("--grab", text);
     if (is_point_file_name(text)) {
       handle.points = read_point_file(text);
-    } else {
+    } else if (!handle.label) {
       handle.box = parse_box("--grab", text);
     }
     if (!handle.points || !handle.points->has_displacements) {
@@ -52,12 +53,15 @@ std::vector<GivenHandle> parse_handles(const Options& options) {
 struct Fixes {
   std::vector<IndexBox> boxes;
   std::vector<PointFile> points;
+  std::vector<std::int32_t> labels;
 };
 
 Fixes parse_fixes(const Options& options) {
   Fixes fixes;
   for (const std::string& text : options.fixes) {
-    if (is_point_file_name(text)) {
+    if (const auto label = parse_label("--fix", text)) {
+      fixes.labels.push_back(*label);
+    } else if (is_point_file_name(text)) {
       fixes.points.push_back(read_point_file(text));
     } else {
       fixes.boxes.push_back(parse_box("--fix", text));
@@ -66,21 +70,35 @@ Fixes parse_fixes(const Options& options) {
   return fixes;
 }
 
+std::vector<CutSurface> parse_cuts(const Options& options) {
+  std::vector<CutSurface> cuts;
+  for (const std::string& text : options.cuts) {
+    const auto label = parse_label("--cut", text);
+    cuts.push_back(label ? label_cut(*label, "--cut") : mesh_cut(text));
+  }
+  return cuts;
+}
+
 /// One solve of everything that the options ask for.
 void solve(Session& session, const std::vector<GivenHandle>& handles, const Fixes& fixes,
            const std::vector<CutSurface>& cuts, Limits limits, Console& console) {
-  std::vector<Drag> drags;
+  StepRequest request;
   for (const GivenHandle& handle : handles) {
     if (handle.points) require_in_body(*handle.points, session.body());
-    for (Drag& drag : to_drags(handle, session.geometry())) drags.push_back(std::move(drag));
+    for (Drag& drag : to_drags(handle, session.geometry())) {
+      request.drags.push_back(std::move(drag));
+    }
   }
-  std::vector<IndexBox> boxes = fixes.boxes;
+  request.fix = fixes.boxes;
   for (const PointFile& points : fixes.points) {
     require_in_body(points, session.body());
     const std::vector<IndexBox> voxels = boxes_of(points, session.geometry());
-    boxes.insert(boxes.end(), voxels.begin(), voxels.end());
+    request.fix.insert(request.fix.end(), voxels.begin(), voxels.end());
   }
-  session.step(drags, boxes, false, cuts, limits, console);
+  request.fix_labels = fixes.labels;
+  request.cuts = cuts;
+  request.limits = limits;
+  session.step(request, console);
 }
 
 void print_solve(const StepRecord& record) {
@@ -133,19 +151,21 @@ void print_json(const Session& session, const Options& options,
 int run(const Options& options, const GlobalOptions& global, Console& console) {
   const std::vector<GivenHandle> handles = parse_handles(options);
   const Fixes fixes = parse_fixes(options);
+  const std::vector<CutSurface> cuts = parse_cuts(options);
   if (handles.empty() && options.fixes.empty() && options.cuts.empty()) {
     throw UsageError("deform: found neither --grab nor --fix nor --cut, expected something to do");
   }
   OutputPlan plan(global);
   if (!is_state_file(options.input)) plan.protect(options.input);
   plan.add_state(options.output);
-  for (const std::string& path : options.cuts) plan.protect(path);
-  std::vector<CutSurface> cuts;
-  for (const std::string& path : options.cuts) cuts.push_back(mesh_cut(path));
+  if (!options.labels.empty()) plan.protect(options.labels);
+  for (const CutSurface& cut : cuts) {
+    if (cut.mesh) plan.protect(cut.place);
+  }
   std::optional<MaterialTable> material;
   if (!options.material.empty()) material = read_material(options.material);
 
-  Session session(options.input, options.raw_spec, material, console);
+  Session session(options.input, options.raw_spec, material, options.labels, console);
   const Limits limits = options.limits == "ball" ? Limits::ball : Limits::box;
   solve(session, handles, fixes, cuts, limits, console);
   const State state = session.state();
@@ -179,31 +199,34 @@ Command add_deform(CLI::App& program) {
                   "Headerless raw: dims=X,Y,Z,type=int16,spacing=A,B,C[,endian=big][,offset=N]");
   app->add_option("--material", options->material, "Look-up table from density to link limits")
       ->option_text("M.toml");
-  app->add_option(
-         "--grab", options->grabs,
-         "Voxel, box or points (x,y,z in LPS mm) to drag as one; repeat for several handles. "
-         "Points with columns dx,dy,dz too move each by its own")
+  app->add_option("--labels", options->labels,
+                  "Label volume on the same grid: for [label.N] of the material, and label:N below")
+      ->option_text("FILE");
+  app->add_option("--grab", options->grabs,
+                  "Voxel, box, label or points (x,y,z in LPS mm) to drag as one; repeat for "
+                  "several handles. Points with columns dx,dy,dz too move each by its own")
       ->allow_extra_args(false)
-      ->option_text("I,J,K[:I,J,K]|FILE.csv");
+      ->option_text("I,J,K[:I,J,K]|FILE.csv|label:N");
   app->add_option(
          "--by", options->bys,
          "How far, in mm along the grid axes; one per --grab, in order, but none for a file "
          "with dx,dy,dz")
       ->allow_extra_args(false)
       ->option_text("DX,DY,DZ");
-  app->add_option("--fix", options->fixes, "Voxel, box or points that stay where they are")
+  app->add_option("--fix", options->fixes, "Voxel, box, label or points that stay where they are")
       ->allow_extra_args(false)
-      ->option_text("I,J,K[:I,J,K]|FILE.csv");
+      ->option_text("I,J,K[:I,J,K]|FILE.csv|label:N");
+  app->add_option("--cut", options->cuts,
+                  "Cut the body at rest along a surface in LPS mm (.stl, .ply, .obj) or around a "
+                  "label; repeatable")
+      ->allow_extra_args(false)
+      ->option_text("MESH|label:N");
   app->add_flag("--push", options->push,
                 "Handles only push: in every axis they move tissue ahead of them, not back");
   app->add_option("--limits", options->limits,
                   "box: each component of a link (default); ball: its length, order-dependent")
       ->check(CLI::IsMember({"box", "ball"}))
       ->option_text("box|ball");
-  app->add_option("--cut", options->cuts,
-                  "Cut the body at rest along a surface in LPS mm: .stl, .ply or .obj; repeatable")
-      ->allow_extra_args(false)
-      ->option_text("MESH");
   app->add_option("-o,--output", options->output, "State file to write")
       ->required()
       ->option_text("STATE.vdb");

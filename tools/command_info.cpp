@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/command.h"
+#include "volumes/grid/labels.h"
 #include "volumes/io/volume_file.h"
 #include "volumes/state/state.h"
 
@@ -89,11 +90,13 @@ Json describe_state(const Options& options, Console& console) {
   json["active_voxels"] = state.elements.active_count();
   json["shell_voxels"] = count - state.elements.active_count();
   json["bytes_dense"] = state.geometry.voxel_count() * std::int64_t(sizeof(float));
-  json["bytes_sparse"] =
-      state.density.bytes() + state.elements.bytes() + state.cuts.bytes() + offset_bytes;
+  json["bytes_sparse"] = state.density.bytes() + state.elements.bytes() + state.cuts.bytes() +
+                         state.labels.bytes() + offset_bytes;
   json["source"] = state.source_name;
   json["cut_links"] = state.cuts.count();
-  json["anchors"] = state.anchors.size();
+  json["anchors"] = state.anchors.size() + state.anchor_labels.size();
+  const auto labels = label_counts(state.labels);
+  for (const auto& [label, elements] : labels) json["labels"][std::to_string(label)] = elements;
   json["largest_offset_voxels"] = longest_voxels;
   json["configuration"] = Json::parse(state.configuration, nullptr, false);
   return json;

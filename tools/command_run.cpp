@@ -26,22 +26,21 @@ std::string path_in(const std::string& folder, const std::string& name) {
 }
 
 /// What a step asks of the solver, on the grid of the volume.
-struct StepOnGrid {
-  std::vector<Drag> drags;
-  std::vector<IndexBox> fix;
-};
-
-StepOnGrid on_grid(const SceneStep& step, const Geometry& geometry) {
-  StepOnGrid result;
+StepRequest on_grid(const SceneStep& step, const Geometry& geometry) {
+  StepRequest request;
   for (const GivenHandle& handle : step.handles) {
-    for (Drag& drag : to_drags(handle, geometry)) result.drags.push_back(std::move(drag));
+    for (Drag& drag : to_drags(handle, geometry)) request.drags.push_back(std::move(drag));
   }
-  result.fix = step.fix;
+  request.fix = step.fix;
   if (step.fix_points) {
     const std::vector<IndexBox> points = boxes_of(*step.fix_points, geometry);
-    result.fix.insert(result.fix.end(), points.begin(), points.end());
+    request.fix.insert(request.fix.end(), points.begin(), points.end());
   }
-  return result;
+  request.fix_labels = step.fix_labels;
+  request.release = step.release;
+  request.cuts = step.cuts;
+  request.limits = step.limits;
+  return request;
 }
 
 void require_meets_volume(const IndexBox& box, const std::string& place, const std::string& field,
@@ -76,8 +75,7 @@ void run_step(Session& session, const SceneStep& step, Console& console) {
       if (handle.points) require_in_body(*handle.points, session.body());
     }
     if (step.fix_points) require_in_body(*step.fix_points, session.body());
-    const StepOnGrid solved = on_grid(step, session.geometry());
-    session.step(solved.drags, solved.fix, step.release, step.cuts, step.limits, console);
+    session.step(on_grid(step, session.geometry()), console);
   } catch (const InputError& error) {
     const Problem& problem = error.problem();
     if (!problem.file.empty()) throw;
@@ -91,7 +89,7 @@ class SceneRun {
       : m_scene(scene),
         m_folder(options.folder),
         m_console(console),
-        m_session(scene.volume_path, scene.raw_spec, scene.material, console) {}
+        m_session(scene.volume_path, scene.raw_spec, scene.material, scene.labels_path, console) {}
 
   /// Solves and draws everything first, so that a scene that fails leaves nothing behind.
   void run() {
@@ -188,6 +186,7 @@ void check_scene(const Scene& scene, const Options& options, const GlobalOptions
   OutputPlan plan(global, true);
   plan.protect(scene.file);
   plan.protect(scene.volume_path);
+  if (!scene.labels_path.empty()) plan.protect(scene.labels_path);
   if (!scene.material_path.empty()) plan.protect(scene.material_path);
   for (const SceneStep& step : scene.steps) {
     for (const CutSurface& cut : step.cuts) {
@@ -214,9 +213,9 @@ void print_plan(const Scene& scene, const Options& options) {
   for (std::size_t n = 0; n < scene.steps.size(); ++n) {
     const SceneStep& step = scene.steps[n];
     const std::size_t points = step.fix_points ? step.fix_points->rows.size() : 0;
-    std::printf("step %zu  %zu handles, %zu fixed boxes and points, %zu cuts%s\n", n + 1,
-                step.handles.size(), step.fix.size() + points, step.cuts.size(),
-                step.release ? ", releases" : "");
+    std::printf("step %zu  %zu handles, %zu fixed boxes, points and labels, %zu cuts%s\n", n + 1,
+                step.handles.size(), step.fix.size() + step.fix_labels.size() + points,
+                step.cuts.size(), step.release ? ", releases" : "");
   }
   for (const std::string& name : scene.outputs()) {
     std::printf("writes  %s\n", path_in(options.folder, name).c_str());

@@ -58,6 +58,7 @@ Region region_of(const GivenHandle& given, const Geometry& geometry) {
     }
     return Region::of_points(std::move(voxels), file_name(*given.points));
   }
+  if (given.label) return Vec3i(0);  // the session finds the elements
   if (given.at_lps_mm) return voxel_at(*given.at_lps_mm, geometry, given.place, "at_mm");
   return *given.box;
 }
@@ -69,8 +70,10 @@ std::vector<Drag> to_drags(const GivenHandle& given, const Geometry& geometry) {
   if (given.points && given.points->has_displacements) {
     return drags_of_points(*given.points, kind, geometry);
   }
-  return {{region_of(given, geometry),
-           given.by_mm ? *given.by_mm : along_grid(*given.by_lps_mm, geometry), kind}};
+  Drag drag{region_of(given, geometry),
+            given.by_mm ? *given.by_mm : along_grid(*given.by_lps_mm, geometry), kind,
+            given.label.value_or(0)};
+  return {std::move(drag)};
 }
 
 void require_in_body(const PointFile& points, const Body& body) {

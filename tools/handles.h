@@ -1,5 +1,5 @@
 // Handles and anchors as users write them, on the command line and in scenes: voxels, boxes,
-// positions in LPS millimetres and files of points.
+// positions in LPS millimetres, files of points and labels.
 #pragma once
 
 #include <optional>
@@ -11,13 +11,14 @@
 
 namespace supple::tools {
 
-/// Exactly one of box, at_lps_mm and points, and one of by_mm and by_lps_mm unless the points have
-/// displacements of their own.
+/// Exactly one of box, at_lps_mm, points and label, and one of by_mm and by_lps_mm unless the
+/// points have displacements of their own.
 struct GivenHandle {
   std::string place;            // "file:line" of a scene, for errors
   std::optional<IndexBox> box;  // a voxel is a box of one
   std::optional<Vec3d> at_lps_mm;
   std::optional<PointFile> points;
+  std::optional<std::int32_t> label;
   std::optional<Vec3d> by_mm;  // along the grid axes i, j, k
   std::optional<Vec3d> by_lps_mm;
   bool push = false;

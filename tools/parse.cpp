@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tools/command.h"
+#include "volumes/grid/labels.h"
 
 namespace supple::tools {
 
@@ -70,6 +71,16 @@ IndexBox parse_box(const std::string& option, const std::string& text) {
     box.hi[axis] = std::max(a[axis], b[axis]);
   }
   return box;
+}
+
+std::optional<std::int32_t> parse_label(const std::string& option, const std::string& text) {
+  const std::string prefix = "label:";
+  if (text.compare(0, prefix.size(), prefix) != 0) return std::nullopt;
+  int label = 0;
+  if (!read_int(text.substr(prefix.size()), label) || label < 1 || label > kMaxLabel) {
+    throw_unparsed(option, text, "label:N with N from 1 to " + std::to_string(kMaxLabel));
+  }
+  return label;
 }
 
 void parse_size(const std::string& option, const std::string& text, int& width, int& height) {

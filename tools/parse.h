@@ -2,6 +2,8 @@
 // text does not parse.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 
 #include "volumes/base/vec.h"
@@ -12,6 +14,8 @@ Vec3i parse_voxel(const std::string& option, const std::string& text);
 Vec3d parse_vector(const std::string& option, const std::string& text);
 /// "I,J,K" or "I,J,K:I,J,K"; the corners may come in any order.
 IndexBox parse_box(const std::string& option, const std::string& text);
+/// N of "label:N", 1 to 65535; nothing when the text does not start with "label:".
+std::optional<std::int32_t> parse_label(const std::string& option, const std::string& text);
 /// "W,H".
 void parse_size(const std::string& option, const std::string& text, int& width, int& height);
 

@@ -37,45 +37,27 @@ IndexBox to_box(TomlTable& table, const std::string& key, const std::vector<doub
   return box;
 }
 
-CutSurface read_plane(TomlTable& table) {
-  CutSurface surface;
-  surface.place = table.place();
-  table.know({"corner", "edge1", "edge2", "frame"});
-  surface.corner = table.require(table.vector("corner"), "corner", "a point [x, y, z]");
-  surface.edge1 = table.require(table.vector("edge1"), "edge1", "a vector [x, y, z]");
-  surface.edge2 = table.require(table.vector("edge2"), "edge2", "a vector [x, y, z]");
-  if (surface.edge1.cross(surface.edge2) == Vec3d(0)) {
-    table.fail("edge2", "edges that span no area", "two vectors that differ in direction");
-  }
-  const std::string frame = table.string("frame").value_or("lps");
-  if (frame != "lps" && frame != "voxel") {
-    table.fail("frame", "\"" + frame + "\"", "\"lps\" (mm) or \"voxel\"");
-  }
-  surface.in_voxels = frame == "voxel";
-  table.finish();
-  return surface;
-}
-
-CutSurface read_cut(TomlTable& table, const std::string& scene_file) {
-  table.know({"plane", "mesh"});
-  auto plane = table.table("plane");
-  const auto mesh = table.string("mesh");
-  table.finish();
-  if (plane.has_value() == mesh.has_value()) {
-    if (!mesh) table.fail_missing("mesh", "either mesh or plane");
-    table.fail("mesh", "mesh and plane", "either mesh or plane");
-  }
-  return plane ? read_plane(*plane) : mesh_cut(beside(scene_file, *mesh));
-}
-
 /// What a handle may have, in `handles` and in a step's short form.
-constexpr std::initializer_list<const char*> kHandleKeys = {"grab", "grab_box",  "at_mm", "points",
-                                                            "by",   "by_mm_lps", "push"};
+constexpr std::initializer_list<const char*> kHandleKeys = {
+    "grab", "grab_box", "grab_label", "at_mm", "points", "by", "by_mm_lps", "push"};
 
 std::optional<PointFile> read_points(TomlTable& table, const std::string& key) {
   const auto path = table.string(key);
   if (!path) return std::nullopt;
   return read_point_file(beside(table.file(), *path));
+}
+
+std::int32_t to_label(TomlTable& table, const std::string& key, double value) {
+  const bool is_label = is_integer(value) && value >= 1 && value <= kMaxLabel;
+  if (!is_label) {
+    table.fail(key, number_text(value), "labels from 1 to " + std::to_string(kMaxLabel));
+  }
+  return std::int32_t(value);
+}
+
+std::int32_t read_label(TomlTable& table, const std::string& key) {
+  const auto value = table.number(key);
+  return to_label(table, key, table.require(value, key, "a label"));
 }
 
 /// Which elements, by exactly one of the keys.
@@ -91,11 +73,12 @@ void read_grab(TomlTable& table, GivenHandle& handle) {
   }
   handle.at_lps_mm = table.vector("at_mm");
   handle.points = read_points(table, "points");
+  if (table.has("grab_label")) handle.label = read_label(table, "grab_label");
   const int given = int(handle.box.has_value()) + int(handle.at_lps_mm.has_value()) +
-                    int(handle.points.has_value());
-  const char* expected = "one of grab = [i, j, k], grab_box, at_mm and points";
+                    int(handle.points.has_value()) + int(handle.label.has_value());
+  const char* expected = "one of grab = [i, j, k], grab_box, grab_label, at_mm and points";
   if (given == 0) table.fail_missing("grab", expected);
-  if (given > 1) table.fail("grab", "several of grab, at_mm and points", expected);
+  if (given > 1) table.fail("grab", "several of them", expected);
 }
 
 GivenHandle read_handle(TomlTable& table) {
@@ -118,6 +101,38 @@ GivenHandle read_handle(TomlTable& table) {
   return handle;
 }
 
+CutSurface read_plane(TomlTable& table) {
+  CutSurface surface;
+  surface.place = table.place();
+  table.know({"corner", "edge1", "edge2", "frame"});
+  surface.corner = table.require(table.vector("corner"), "corner", "a point [x, y, z]");
+  surface.edge1 = table.require(table.vector("edge1"), "edge1", "a vector [x, y, z]");
+  surface.edge2 = table.require(table.vector("edge2"), "edge2", "a vector [x, y, z]");
+  if (surface.edge1.cross(surface.edge2) == Vec3d(0)) {
+    table.fail("edge2", "edges that span no area", "two vectors that differ in direction");
+  }
+  const std::string frame = table.string("frame").value_or("lps");
+  if (frame != "lps" && frame != "voxel") {
+    table.fail("frame", "\"" + frame + "\"", "\"lps\" (mm) or \"voxel\"");
+  }
+  surface.in_voxels = frame == "voxel";
+  table.finish();
+  return surface;
+}
+
+CutSurface read_cut(TomlTable& table) {
+  table.know({"plane", "mesh", "label"});
+  auto plane = table.table("plane");
+  const auto mesh = table.string("mesh");
+  const bool has_label = table.has("label");
+  table.finish();
+  const int given = int(plane.has_value()) + int(mesh.has_value()) + int(has_label);
+  if (given == 0) table.fail_missing("mesh", "either mesh, plane or label");
+  if (given > 1) table.fail("mesh", "several of them", "either mesh, plane or label");
+  if (has_label) return label_cut(read_label(table, "label"), table.place());
+  return plane ? read_plane(*plane) : mesh_cut(beside(table.file(), *mesh));
+}
+
 Limits read_limits(TomlTable& table) {
   const std::string name = table.string("limits").value_or("box");
   if (name != "box" && name != "ball") {
@@ -126,7 +141,7 @@ Limits read_limits(TomlTable& table) {
   return name == "ball" ? Limits::ball : Limits::box;
 }
 
-SceneStep read_step(TomlTable& table, const std::string& scene_file) {
+SceneStep read_step(TomlTable& table) {
   SceneStep step;
   step.place = table.place();
   for (TomlTable& handle : table.tables("handles")) {
@@ -146,14 +161,20 @@ SceneStep read_step(TomlTable& table, const std::string& scene_file) {
     for (const auto& row : *rows) step.fix.push_back(to_box(table, "fix", row));
   }
   step.fix_points = read_points(table, "fix_points");
+  if (const auto labels = table.numbers("fix_label")) {
+    for (const double label : *labels) {
+      step.fix_labels.push_back(to_label(table, "fix_label", label));
+    }
+  }
   step.release = table.boolean("release").value_or(false);
   step.limits = read_limits(table);
-  for (TomlTable& cut : table.tables("cut")) step.cuts.push_back(read_cut(cut, scene_file));
+  for (TomlTable& cut : table.tables("cut")) step.cuts.push_back(read_cut(cut));
   table.finish();
   if (is_short) step.handles.push_back(read_handle(table));
   if (step.handles.empty() && step.fix.empty() && !step.fix_points && !step.release &&
-      step.cuts.empty()) {
-    table.fail("", "a step that does nothing", "grab, handles, fix, fix_points, cut or release");
+      step.fix_labels.empty() && step.cuts.empty()) {
+    table.fail("", "a step that does nothing",
+               "grab, handles, fix, fix_label, fix_points, cut or release");
   }
   return step;
 }
@@ -256,7 +277,7 @@ Scene read_scene(const std::string& path) {
   Scene scene;
   scene.file = path;
 
-  root.know({"volume", "material", "step", "view", "output"});
+  root.know({"volume", "labels", "material", "step", "view", "output"});
   TomlTable volume = root.require(root.table("volume"), "volume", "a table [volume] with a path");
   volume.know({"path", "raw"});
   scene.volume_path =
@@ -264,6 +285,11 @@ Scene read_scene(const std::string& path) {
   scene.raw_spec = volume.string("raw").value_or("");
   volume.finish();
 
+  if (auto labels = root.table("labels")) {
+    scene.labels_path =
+        beside(path, labels->require(labels->string("path"), "path", "the path of a volume"));
+    labels->finish();
+  }
   if (auto material = root.table("material")) {
     if (const auto file = material->string("table")) {
       material->finish();
@@ -274,7 +300,7 @@ Scene read_scene(const std::string& path) {
     }
   }
   for (TomlTable& step : root.tables("step")) {
-    scene.steps.push_back(read_step(step, path));
+    scene.steps.push_back(read_step(step));
   }
   const int steps = int(scene.steps.size());
   for (TomlTable& view : root.tables("view")) scene.views.push_back(read_view(view, steps));

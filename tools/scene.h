@@ -1,5 +1,5 @@
-// A scene file: one volume, one material, steps that deform it, views and outputs (design.md
-// section 8). Input paths are relative to the scene file; output paths to the -o folder.
+// A scene file: one volume, its labels, one material, steps that deform it, views and outputs
+// (design.md section 8). Input paths are relative to the scene file; output paths to the -o folder.
 #pragma once
 
 #include <optional>
@@ -19,6 +19,7 @@ struct SceneStep {
   std::string place;  // "file:line", for errors
   std::vector<GivenHandle> handles;
   std::vector<IndexBox> fix;
+  std::vector<std::int32_t> fix_labels;
   std::optional<PointFile> fix_points;
   Limits limits = Limits::box;
   bool release = false;  // lets go of everything that earlier steps held
@@ -55,6 +56,7 @@ struct Scene {
   std::string file;
   std::string volume_path;  // resolved
   std::string raw_spec;
+  std::string labels_path;  // resolved; empty without labels
   std::optional<MaterialTable> material;
   std::string material_path;  // resolved; empty for an inline table
   std::vector<SceneStep> steps;

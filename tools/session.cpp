@@ -9,7 +9,7 @@
 #include "tools/parse.h"
 #include "tools/version.h"
 #include "volumes/field/invert.h"
-#include "volumes/io/volume_file.h"
+#include "volumes/io/label_file.h"
 
 namespace supple::tools {
 
@@ -49,7 +49,9 @@ nlohmann::ordered_json to_json(const IndexBox& box) {
 /// With the voxels themselves, so that the record does not depend on other files.
 nlohmann::ordered_json to_json(const Drag& drag) {
   nlohmann::ordered_json json;
-  if (const IndexBox* box = drag.region.box()) {
+  if (drag.label != 0) {
+    json["grab_label"] = drag.label;
+  } else if (const IndexBox* box = drag.region.box()) {
     if (box->lo == box->hi) {
       json["grab"] = to_json(box->lo);
     } else {
@@ -77,7 +79,8 @@ void warn_of_report(const BallReport& report, Console& console) {
 }  // namespace
 
 Session::Session(const std::string& path, const std::string& raw_spec,
-                 const std::optional<MaterialTable>& material, Console& console) {
+                 const std::optional<MaterialTable>& material, const std::string& labels_path,
+                 Console& console) {
   if (material) m_material = *material;
   if (is_state_file(path)) {
     if (!raw_spec.empty()) throw InputError({path, "--raw", "a state file", "a raw volume"});
@@ -93,7 +96,8 @@ Session::Session(const std::string& path, const std::string& raw_spec,
     }
     open_volume_file(path, raw_spec, console);
   }
-  for (const std::string& line : m_material.warnings()) console.warn("material: " + line);
+  if (!labels_path.empty()) open_labels(labels_path, console);
+  warn_of_material(console);
 
   console.stage("building the body");
   m_body = make_body(m_state, m_material);
@@ -120,33 +124,73 @@ void Session::open_volume_file(const std::string& path, const std::string& raw_s
   m_state.source_type = loaded.volume.value_type;
 }
 
-const StepRecord& Session::step(const std::vector<Drag>& drags, const std::vector<IndexBox>& fix,
-                                bool release, const std::vector<CutSurface>& cuts, Limits limits,
-                                Console& console) {
-  StepRecord record;
-  record.drags = drags;
-  record.fix = fix;
-  record.release = release;
-  record.cuts = cuts;
-  if (release) {
+void Session::open_labels(const std::string& path, Console& console) {
+  if (!m_state.anchor_labels.empty()) {
+    throw InputError({path, "labels", "labels beside those that fix parts of the state",
+                      "a state without fixed labels"});
+  }
+  m_state.labels = read_labels(path, m_state.geometry, m_state.elements, &console);
+  if (m_state.labels.empty()) console.warn(path + ": no element has a label");
+}
+
+void Session::warn_of_material(Console& console) const {
+  for (const std::string& line : m_material.warnings()) console.warn("material: " + line);
+  if (m_material.labels.empty()) return;
+  const auto counts = label_counts(m_state.labels);
+  for (const auto& [label, table] : m_material.labels) {
+    if (counts.count(label) != 0) continue;
+    console.warn("material: label." + std::to_string(label) + ": no element has this label");
+  }
+}
+
+Region Session::region_of_label(std::int32_t label, const std::string& role) const {
+  require_label(m_state.labels, label, role);
+  return Region::of_mask(
+      std::make_shared<BrickTopology>(label_mask(m_state.elements, m_state.labels, label)),
+      "label:" + std::to_string(label));
+}
+
+void Session::fix(const StepRequest& request) {
+  const auto add = [](auto& list, const auto& item) {
+    if (std::find(list.begin(), list.end(), item) == list.end()) list.push_back(item);
+  };
+  for (const IndexBox& box : request.fix) add(m_state.anchors, box);
+  for (const std::int32_t label : request.fix_labels) {
+    require_label(m_state.labels, label, "fix");
+    add(m_state.anchor_labels, label);
+  }
+}
+
+std::vector<Handle> Session::handles_of(const std::vector<Drag>& drags) const {
+  std::vector<Handle> handles;
+  for (const Drag& drag : drags) {
+    handles.emplace_back(drag.label != 0 ? region_of_label(drag.label, "grab") : drag.region,
+                         fixed_from_mm(drag.by_mm, geometry().spacing_mm()), drag.kind);
+  }
+  return handles;
+}
+
+std::vector<Region> Session::anchors() const {
+  std::vector<Region> regions(m_state.anchors.begin(), m_state.anchors.end());
+  for (const std::int32_t label : m_state.anchor_labels) {
+    regions.push_back(region_of_label(label, "fix"));
+  }
+  return regions;
+}
+
+const StepRecord& Session::step(const StepRequest& request, Console& console) {
+  StepRecord record{request, 0, {}, {}};
+  if (request.release) {
     m_state.anchors.clear();
+    m_state.anchor_labels.clear();
     m_holds = {};
   }
-  for (const IndexBox& box : fix) {
-    if (std::find(m_state.anchors.begin(), m_state.anchors.end(), box) == m_state.anchors.end()) {
-      m_state.anchors.push_back(box);
-    }
-  }
-  std::vector<Handle> handles;
-  handles.reserve(drags.size());
-  for (const Drag& drag : drags) {
-    handles.emplace_back(drag.region, fixed_from_mm(drag.by_mm, geometry().spacing_mm()),
-                         drag.kind);
-  }
-  record.cut_links = apply_cuts(m_body, cuts, console);
+  fix(request);
+  const std::vector<Handle> handles = handles_of(request.drags);
+  record.cut_links = apply_cuts(m_body, m_state.labels, request.cuts, console);
   m_links.fold_free = m_links.fold_free && m_body.cuts.empty();
   console.stage("solving");
-  solve(handles, limits, record, console);
+  solve(handles, record, console);
   console.debug(std::string("solve: ") + (record.ball ? "ball" : name_of(record.report.engine)) +
                 " engine, " + std::to_string(record.report.visited) + " visits, longest queue " +
                 std::to_string(record.report.max_queue) + ", body " +
@@ -155,15 +199,13 @@ const StepRecord& Session::step(const std::vector<Drag>& drags, const std::vecto
   return m_records.back();
 }
 
-void Session::solve(const std::vector<Handle>& handles, Limits limits, StepRecord& record,
-                    Console& console) {
-  const std::vector<Region> anchors(m_state.anchors.begin(), m_state.anchors.end());
-  if (limits == Limits::box) {
-    record.report = m_solver->drag(handles, anchors, m_holds, &console);
+void Session::solve(const std::vector<Handle>& handles, StepRecord& record, Console& console) {
+  if (record.limits == Limits::box) {
+    record.report = m_solver->drag(handles, anchors(), m_holds, &console);
     warn_of_report(record.report, console);
     return;
   }
-  record.ball = drag_ball(m_body, handles, anchors, m_holds, BallParams(), &console);
+  record.ball = drag_ball(m_body, handles, anchors(), m_holds, BallParams(), &console);
   m_links.fold_free = false;
   record.report.moved = record.ball->moved;
   record.report.visited = record.ball->moves;
@@ -186,6 +228,7 @@ std::string Session::configuration() const {
     for (const IndexBox& box : record.fix) {
       step["fix"].push_back(to_json(box));
     }
+    if (!record.fix_labels.empty()) step["fix_label"] = record.fix_labels;
     if (record.release) step["release"] = true;
     if (record.ball) step["limits"] = "ball";
     for (const CutSurface& surface : record.cuts) step["cut"].push_back(to_json(surface));

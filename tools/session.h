@@ -20,17 +20,24 @@ struct Drag {
   Region region;
   Vec3d by_mm;
   HandleKind kind = HandleKind::two_sided;
+  std::int32_t label = 0;  // whose elements are grabbed, as one, instead of the region
 };
 
 /// box: each component of a link is limited on its own (eqs. 4.3-4.5); ball: its length (eq. 4.6).
 enum class Limits { box, ball };
 
-/// One solve: what was asked for and what came of it.
-struct StepRecord {
+/// What one solve is asked for.
+struct StepRequest {
   std::vector<Drag> drags;
   std::vector<IndexBox> fix;
+  std::vector<std::int32_t> fix_labels;
   bool release = false;
   std::vector<CutSurface> cuts;
+  Limits limits = Limits::box;
+};
+
+/// And what came of it.
+struct StepRecord : StepRequest {
   std::int64_t cut_links = 0;      // that the cuts removed
   EcmReport report;                // of ball limits: what both have in common
   std::optional<BallReport> ball;  // when the step was solved under ball limits
@@ -38,10 +45,12 @@ struct StepRecord {
 
 class Session {
  public:
-  /// Opens a volume (elements at rest) or a state (continued, under its own material unless another
-  /// is given). Without any material the tissue is homogeneous, and a warning says so.
+  /// Opens a volume (elements at rest) or a state (continued, under its own material and labels
+  /// unless others are given). Without any material the tissue is homogeneous, and a warning says
+  /// so. `labels_path` may be empty.
   Session(const std::string& path, const std::string& raw_spec,
-          const std::optional<MaterialTable>& material, Console& console);
+          const std::optional<MaterialTable>& material, const std::string& labels_path,
+          Console& console);
 
   const Geometry& geometry() const { return m_state.geometry; }
   const Body& body() const { return m_body; }
@@ -49,11 +58,9 @@ class Session {
   const LinkCheck& links() const { return m_links; }
 
   /// Cuts, then solves one step. Cuts are made in the body at rest and stay. Handles stay held and
-  /// boxes fixed until a step releases them. Warns when anchors stopped the drag, when the start
-  /// had to be projected or when ball limits leave links violated.
-  const StepRecord& step(const std::vector<Drag>& drags, const std::vector<IndexBox>& fix,
-                         bool release, const std::vector<CutSurface>& cuts, Limits limits,
-                         Console& console);
+  /// boxes and labels fixed until a step releases them. Warns when anchors stopped the drag, when
+  /// the start had to be projected or when ball limits leave links violated.
+  const StepRecord& step(const StepRequest& request, Console& console);
 
   const std::vector<StepRecord>& records() const { return m_records; }
   /// The state as it is now, configuration included.
@@ -61,9 +68,14 @@ class Session {
 
  private:
   void open_volume_file(const std::string& path, const std::string& raw_spec, Console& console);
+  void open_labels(const std::string& path, Console& console);
+  void warn_of_material(Console& console) const;
+  Region region_of_label(std::int32_t label, const std::string& role) const;
+  void fix(const StepRequest& request);
+  std::vector<Handle> handles_of(const std::vector<Drag>& drags) const;
+  std::vector<Region> anchors() const;
   std::string configuration() const;
-  void solve(const std::vector<Handle>& handles, Limits limits, StepRecord& record,
-             Console& console);
+  void solve(const std::vector<Handle>& handles, StepRecord& record, Console& console);
 
   State m_state;
   MaterialTable m_material;

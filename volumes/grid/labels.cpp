@@ -1,5 +1,7 @@
 #include "volumes/grid/labels.h"
 
+#include "volumes/base/error.h"
+
 namespace supple {
 
 std::map<std::int32_t, std::int64_t> label_counts(const BrickValues& labels) {
@@ -32,6 +34,18 @@ BrickTopology label_mask(const BrickTopology& elements, const BrickValues& label
     masks.push_back(mask);
   }
   return {std::move(origins), std::move(masks)};
+}
+
+void require_label(const BrickValues& labels, std::int32_t label, const std::string& field) {
+  const auto counts = label_counts(labels);
+  if (counts.count(label) != 0) return;
+  std::string found = "no labels";
+  if (!counts.empty()) {
+    found = "labels from " + std::to_string(counts.begin()->first) + " to " +
+            std::to_string(counts.rbegin()->first) + " without it";
+  }
+  throw InputError(
+      {"", field + " label:" + std::to_string(label), found, "a label that elements have"});
 }
 
 }  // namespace supple

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <map>
+#include <string>
 
 #include "volumes/grid/brick_values.h"
 
@@ -17,5 +18,8 @@ std::map<std::int32_t, std::int64_t> label_counts(const BrickValues& labels);
 /// The elements of one label. One pass over the stored bricks.
 BrickTopology label_mask(const BrickTopology& elements, const BrickValues& labels,
                          std::int32_t label);
+
+/// Throws InputError, naming `field`, unless some element has the label.
+void require_label(const BrickValues& labels, std::int32_t label, const std::string& field);
 
 }  // namespace supple
