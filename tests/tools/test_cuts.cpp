@@ -118,7 +118,7 @@ TEST_F(UnitCutting, UnusableCutsAreRefusedWithTheirPlace) {
   expect_refused("{ mesh = \"none.stl\" }", {"none.stl", "no such file"});
   expect_refused("{ mesh = \"soft.toml\" }", {"soft.toml", "extension", ".stl, .ply or .obj"});
   expect_refused("{ mesh = \"knife.obj\", " + plane + "[0, 1, 0] } }", {"scene.toml:6", "either"});
-  expect_refused("{ }", {"scene.toml:6", "either mesh or plane"});
+  expect_refused("{ }", {"scene.toml:6", "either mesh, plane or label"});
   expect_refused("{ label = 3 }", {"scene.toml:6", "label"});
   expect_refused("{ " + plane + "[2, 0, 0] } }", {"scene.toml:6", "edge2", "span no area"});
   expect_refused("{ " + plane + "[0, 1, 0], frame = \"ras\" } }", {"frame", "\"voxel\""});
