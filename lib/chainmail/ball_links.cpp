@@ -4,8 +4,7 @@
 
 namespace supple {
 
-BallLinks::BallLinks(const Body& body)
-    : m_stride(body.material.combine == Combine::density ? 1 : 256) {
+BallLinks::BallLinks(const Body& body) : m_stride(body.slacks.stride()) {
   std::array<Vec3d, 3> step_mm;
   for (int axis = 0; axis < 3; ++axis) {
     Vec3d step(0);
@@ -18,11 +17,12 @@ BallLinks::BallLinks(const Body& body)
   }
 
   const int step = m_stride == 1 ? 255 : 1;
+  const MaterialClasses classes(body.material);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     m_ranges[axis].resize(std::size_t(255 * m_stride + 256));
     for (int a = 0; a < 256; a += step) {
       for (int b = 0; b < 256; ++b) {
-        const LinkLimits limits = limits_of(body.material, int(axis), a, b);
+        const LinkLimits limits = classes.limits(int(axis), a, b);
         m_ranges[axis][std::size_t(a * m_stride + b)] = {limits.min_length * m_rest_mm[axis],
                                                          limits.max_length * m_rest_mm[axis]};
       }

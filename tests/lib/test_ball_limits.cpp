@@ -78,6 +78,20 @@ TEST(UnitBallLimits, AlongAChainTheyAreTheBoxLimits) {
   }
 }
 
+TEST(UnitBallLimits, AlongAChainWithATableOfALabelTheyAreTheBoxLimits) {
+  Block chain = homogeneous({20, 1, 1}, 1.25, 0.75, 0);
+  chain.table.labels[3] = linear_table(1, 1, 0);
+  for (int i = 0; i < 20; ++i) chain.label.push_back(i > 4 && i < 15 ? 3 : 0);
+  for (const double pull : {4.0, -0.9}) {
+    Body ball = body_of(chain);
+    Body box = ball;
+    drag_ball(ball, {{Vec3i(19, 0, 0), by_voxels(pull, 0, 0)}}, {});
+    drag(box, {{Vec3i(19, 0, 0), by_voxels(pull, 0, 0)}}, {});
+    EXPECT_TRUE(same_offsets(ball, box)) << pull;
+    EXPECT_EQ(box.offset({5, 0, 0}, 0), box.offset({14, 0, 0}, 0));
+  }
+}
+
 TEST(UnitBallLimits, AHandleThatJumpsPastItsNeighbourTurnsTheLinkRound) {
   Body body = body_of(homogeneous({2, 1, 1}, 1.25, 0.75, 0));
   drag_ball(body, {{Vec3i(1, 0, 0), by_voxels(-3, 0, 0)}}, {});
