@@ -132,14 +132,19 @@ TEST(PropertyBallLimits, ATurnedSheetKeepsItsLengthsWhereBoxLimitsStretchItsDiag
 
 TEST(PropertyBallLimits, LinksBeyondTheToleranceAreExactlyThoseReported) {
   std::mt19937 random(5);
-  int resolved = 0;
+  int resolved = 0, torn = 0;
   for (int n = 0; n < 60; ++n) {
     Block block = random_block(random, {9, 8, 5});
     if (n % 3 == 0) cut_randomly(random, block);
     Body body = body_of(block);
     const Vec3i voxel = block.voxel(random_element(random, block));
-    const BallReport report = drag_ball(
-        body, {{voxel, by_voxels(int(random() % 9) - 4.0, int(random() % 9) - 4.0, 2)}}, {});
+    const auto by = by_voxels(int(random() % 9) - 4.0, int(random() % 9) - 4.0, 2);
+    // Every other body is torn: an anchor stays and the handle goes far.
+    std::vector<Region> anchors;
+    const Vec3i other = block.voxel(random_element(random, block));
+    if (n % 2 == 1 && other != voxel) anchors.push_back(other);
+    const Handle handle(voxel, anchors.empty() ? by : by_voxels(60, 0, 0));
+    const BallReport report = drag_ball(body, {handle}, anchors);
     EXPECT_FALSE(body.links_known_valid);
     std::int64_t violated = 0;
     double worst = 0;
@@ -160,8 +165,10 @@ TEST(PropertyBallLimits, LinksBeyondTheToleranceAreExactlyThoseReported) {
     EXPECT_NEAR(report.worst_excess_voxels, worst, 1e-9) << n;
     EXPECT_TRUE(report.violated == 0 || report.capped) << n;
     resolved += report.violated == 0;
+    torn += report.violated > 1;
   }
-  EXPECT_EQ(resolved, 60);
+  EXPECT_GE(resolved, 30);
+  EXPECT_GE(torn, 10);
 }
 
 TEST(PropertyBallLimits, TheResultIsTheSameBitsWhateverTheThreads) {

@@ -1,5 +1,5 @@
-// supple-examples: what the examples need beyond `supple` itself: the generated volumes, and figure
-// 4.5 of the thesis, which shows the original ChainMail that `supple` does not offer.
+// supple-examples: what the examples need beyond `supple` itself: the generated volumes, and the
+// figures of the original ChainMail, which `supple` does not offer.
 #include <cstdio>
 #include <filesystem>
 #include <map>
@@ -7,7 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <png.h>
 
-#include "tools/examples/figure_4_5.h"
+#include "tools/examples/original_figures.h"
 #include "volumes/io/volume_writer.h"
 #include "volumes/phantom/phantom.h"
 
@@ -73,10 +73,14 @@ int main(int argc, char** argv) {
   phantom->add_option("output", output, "A .png (one slice) or .nhdr file")->required();
   CLI::App* figure = program.add_subcommand("figure-4-5", "Original ChainMail against ECM");
   figure->add_option("folder", output, "Where the pictures go")->required();
+  CLI::App* u_shape = program.add_subcommand("u-shape", "The same for a U of one material");
+  u_shape->add_option("folder", output, "Where the pictures go")->required();
   CLI11_PARSE(program, argc, argv);
   try {
     if (figure->parsed()) {
       supple::examples::draw_figure_4_5(t_shape_phantom(kSliceSize), output);
+    } else if (u_shape->parsed()) {
+      supple::examples::draw_u_shape(output);
     } else {
       write_phantom(kind, output);
     }

@@ -1,4 +1,4 @@
-#include "tools/examples/figure_4_5.h"
+#include "tools/examples/original_figures.h"
 
 #include <cstdio>
 
@@ -27,6 +27,7 @@ struct Slice {
   DensityGrid density;
 };
 
+/// Negative densities are void.
 Slice to_slice(const Phantom& phantom) {
   const Vec3i dims = phantom.geometry.dims();
   std::vector<Vec3i> origins;
@@ -39,6 +40,7 @@ Slice to_slice(const Phantom& phantom) {
       values.resize(values.size() + kBrickVoxels);
       for (int i = i0; i < std::min(i0 + kBrickDim, dims.x); ++i) {
         for (int j = j0; j < std::min(j0 + kBrickDim, dims.y); ++j) {
+          if (phantom.density(i, j, 0) < 0) continue;
           const int offset = brick_offset({i, j, 0});
           mask_set(masks.back(), offset);
           values[values.size() - kBrickVoxels + offset] = phantom.density(i, j, 0);
@@ -65,22 +67,40 @@ void draw(const std::string& path, const Body& body, const Slice& slice) {
               check.worst_excess_voxels);
 }
 
+/// Two arms of 4 voxels with a gap of 4 on a bar of 4, all of density 255.
+Phantom u_phantom() {
+  constexpr int kSize = 12;
+  Phantom phantom = constant_phantom({kSize, kSize, 1}, 255);
+  phantom.density = [](int i, int j, int) { return i >= 4 && i < 8 && j < 8 ? -1.0f : 255.0f; };
+  return phantom;
+}
+
+/// At rest, under the original ChainMail and under ECM.
+void draw_three(const std::string& prefix, const Slice& slice, const Vec3i& grabbed,
+                const Vec3d& by_mm) {
+  const Body rest =
+      make_body(slice.geometry, slice.density, slice.density.bricks(), grey_material());
+  const auto by_q = fixed_from_mm(by_mm, slice.geometry.spacing_mm());
+
+  draw(prefix + "_rest.png", rest, slice);
+  draw(prefix + "_original.png", reference::original_chainmail(rest, grabbed, by_q), slice);
+  Body ecm = rest;
+  drag(ecm, {{grabbed, by_q}}, {});
+  draw(prefix + "_ecm.png", ecm, slice);
+}
+
 }  // namespace
 
 void draw_figure_4_5(const Phantom& t_shape, const std::string& folder) {
-  const Slice slice = to_slice(t_shape);
-  const Body rest =
-      make_body(slice.geometry, slice.density, slice.density.bricks(), grey_material());
-  const Vec3i dims = slice.geometry.dims();
-  const Vec3i grabbed(dims.x - 1, dims.y / 2, 0);
-  const auto by_q = fixed_from_mm({kPullMm, 0, 0}, slice.geometry.spacing_mm());
+  const Vec3i dims = t_shape.geometry.dims();
+  draw_three(folder + "/figure_4_5", to_slice(t_shape), {dims.x - 1, dims.y / 2, 0},
+             {kPullMm, 0, 0});
+}
 
-  draw(folder + "/figure_4_5_rest.png", rest, slice);
-  draw(folder + "/figure_4_5_original.png", reference::original_chainmail(rest, grabbed, by_q),
-       slice);
-  Body ecm = rest;
-  drag(ecm, {{grabbed, by_q}}, {});
-  draw(folder + "/figure_4_5_ecm.png", ecm, slice);
+void draw_u_shape(const std::string& folder) {
+  const Phantom u = u_phantom();
+  const double spacing_mm = u.geometry.spacing_mm().x;
+  draw_three(folder + "/figure_u_shape", to_slice(u), {0, 0, 0}, {-20 * spacing_mm, 0, 0});
 }
 
 }  // namespace supple::examples
