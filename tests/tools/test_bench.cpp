@@ -79,6 +79,22 @@ TEST(UnitBench, TheTableShowsEveryRow) {
   }
 }
 
+TEST(UnitBench, RowsOfBallLimitsSayHowFarTheyAreFromBoxLimits) {
+  const TemporaryFolder folder;
+  const Outcome outcome =
+      run_supple({"bench", "ecm", "--only", "ball/noise/12x12x1", "--json", folder / "ball.json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto rows = nlohmann::json::parse(read_text(folder / "ball.json"))["rows"];
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(rows[0]["engine"], "supple");
+  EXPECT_EQ(rows[1]["engine"], "ball");
+  EXPECT_EQ(rows[1]["threads"], 1);
+  EXPECT_GT(rows[1]["moves"], 0);
+  EXPECT_GE(rows[1]["violated"], 0);
+  EXPECT_GT(rows[1]["mean_distance_voxels"], 0.0);
+  EXPECT_LE(rows[1]["mean_distance_voxels"], rows[1]["max_distance_voxels"]);
+}
+
 TEST(UnitBench, APatternWithoutRowsIsAWrongCommandLine) {
   const Outcome outcome = run_supple({"bench", "ecm", "--only", "no-such-row"});
   EXPECT_EQ(outcome.exit_code, 2);

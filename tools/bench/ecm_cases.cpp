@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "tools/bench/ecm_ball.h"
 #include "tools/bench/ecm_sides.h"
 #include "tools/bench/ecm_stream.h"
 
@@ -85,6 +86,7 @@ void add_speedups(std::vector<BenchRow>& rows) {
 
 std::vector<BenchRow> measure_sides(const EcmWorkload& workload, MeasuredBody& measured,
                                     const EcmCaseLimits& limits, Progress& cancel) {
+  if (workload.kind == "ball") return measure_ball(workload, measured, limits, cancel);
   if (workload.kind == "stream") return measure_stream(workload, measured, limits, cancel);
   if (workload.kind == "all") {
     return measure_motion(workload, measured, motion_of_all(workload, measured.body), limits,

@@ -30,6 +30,7 @@ class Planner {
     add_head();
     for (const int size : {64, 256, 512}) add_local(size);
     add_stream();
+    add_ball();
     keep_only();
     return std::move(m_plan);
   }
@@ -122,6 +123,17 @@ class Planner {
       }
       if (m_options.quick || m_threads > 1) workload.sides.push_back({"supple", m_threads});
       m_plan.push_back(workload);
+    }
+  }
+
+  /// Small bodies, as ball limits are a sequential model and another one.
+  void add_ball() {
+    for (const Vec3i& size : kThesisSizes) {
+      const bool is_quick = size == Vec3i(50, 50, 1) || size == Vec3i(22, 26, 20);
+      if (size.x > 100 || (m_options.quick && !is_quick)) continue;
+      for (const std::string field : {"noise", "smooth"}) {
+        m_plan.push_back({"ball", field, size, "+x", "rest", 0, {{"supple", 1}, {"ball", 1}}});
+      }
     }
   }
 

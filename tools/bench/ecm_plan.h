@@ -12,13 +12,13 @@ namespace supple::tools {
 
 /// One row of a comparison.
 struct EcmSide {
-  std::string engine;  // multiset, bucket or supple
+  std::string engine;  // multiset, bucket, supple or ball
   int threads = 1;
 };
 
 /// What the sides of one comparison do.
 struct EcmWorkload {
-  std::string kind;  // the row's `case`: all, local or stream
+  std::string kind;  // the row's `case`: all, local, stream or ball
   std::string field;
   Vec3i size;
   std::string direction;
