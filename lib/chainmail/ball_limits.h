@@ -11,8 +11,8 @@
 // round, so large drags are better given in parts of less than a voxel. `drag()` of ecm.h has none
 // of these defects and is the default.
 //
-// Cost, measured: 0.2 to 1.3 us per move (a heap of links), 1 to 14 moves per element that moves, so
-// 0.2 to 15 us per element, 5 to 1000 times that of drag(); 14 kB per brick touched.
+// Cost, measured: 0.2 to 1.3 us per move (a heap of links), 1 to 14 moves per element that moves,
+// so 0.2 to 15 us per element, 5 to 1000 times that of drag(); 14 kB per brick touched.
 #pragma once
 
 #include <cstdint>
