@@ -1,7 +1,12 @@
 #include "lib/chainmail/brick_kernel.h"
 
+#include <algorithm>
 #include <cstring>
 #include <utility>
+
+#ifdef __AVX512VBMI__
+#include <immintrin.h>
+#endif
 
 namespace supple {
 
@@ -81,10 +86,69 @@ inline Rows capped_sum(Rows a, Rows b) {
   return (a < room ? a : room) + b;
 }
 
-/// costs[n] = row[index[n]]: plain loads beat the gather instructions.
-void gather(const Level* __restrict row, const std::uint16_t* __restrict index, int count,
+#ifdef __AVX512VBMI__
+/// 64 costs at a time from a table in 16 vector registers: three times as fast as loads.
+class ByteTable {
+ public:
+  explicit ByteTable(const std::vector<std::uint8_t>& bytes) {
+    for (int n = 0; n < 8; ++n) {
+      m_low[n] = _mm512_loadu_si512(bytes.data() + 64 * n);
+      m_high[n] = _mm512_loadu_si512(bytes.data() + 512 + 64 * n);
+    }
+  }
+
+  void look_up(const std::uint16_t* index, Level* out) const {
+    const __m512i first = _mm512_loadu_si512(index), second = _mm512_loadu_si512(index + 32);
+    const __m512i within = narrow(first, second);
+    const __m512i block = narrow(_mm512_srli_epi16(first, 7), _mm512_srli_epi16(second, 7));
+    const __mmask64 odd = _mm512_test_epi8_mask(block, _mm512_set1_epi8(1));
+    const __mmask64 upper = _mm512_test_epi8_mask(block, _mm512_set1_epi8(2));
+    const __m512i low = entries(m_low, within, odd, upper);
+    const __m512i high = entries(m_high, within, odd, upper);
+    store(_mm512_extracti32x4_epi32(low, 0), _mm512_extracti32x4_epi32(high, 0), out);
+    store(_mm512_extracti32x4_epi32(low, 1), _mm512_extracti32x4_epi32(high, 1), out + 16);
+    store(_mm512_extracti32x4_epi32(low, 2), _mm512_extracti32x4_epi32(high, 2), out + 32);
+    store(_mm512_extracti32x4_epi32(low, 3), _mm512_extracti32x4_epi32(high, 3), out + 48);
+  }
+
+ private:
+  static __m512i narrow(__m512i first, __m512i second) {
+    return _mm512_inserti64x4(_mm512_castsi256_si512(_mm512_cvtepi16_epi8(first)),
+                              _mm512_cvtepi16_epi8(second), 1);
+  }
+  /// 128 bytes per instruction, chosen by the low 7 bits; the masks choose among the four.
+  static __m512i entries(const __m512i* table, __m512i within, __mmask64 odd, __mmask64 upper) {
+    const __m512i lower_half =
+        _mm512_mask_blend_epi8(odd, _mm512_permutex2var_epi8(table[0], within, table[1]),
+                               _mm512_permutex2var_epi8(table[2], within, table[3]));
+    const __m512i upper_half =
+        _mm512_mask_blend_epi8(odd, _mm512_permutex2var_epi8(table[4], within, table[5]),
+                               _mm512_permutex2var_epi8(table[6], within, table[7]));
+    return _mm512_mask_blend_epi8(upper, lower_half, upper_half);
+  }
+  static void store(__m128i low, __m128i high, Level* out) {
+    const __m512i cost = _mm512_or_si512(_mm512_cvtepu8_epi32(low),
+                                         _mm512_slli_epi32(_mm512_cvtepu8_epi32(high), 8));
+    const __mmask16 missing = _mm512_cmpeq_epi32_mask(cost, _mm512_set1_epi32(0xffff));
+    _mm512_storeu_si512(out, _mm512_mask_mov_epi32(cost, missing, _mm512_set1_epi32(int(kNoLink))));
+  }
+
+  __m512i m_low[8], m_high[8];
+};
+#endif
+
+/// out[n] = row[index[n]] for a multiple of 64 links. Plain loads beat the gather instructions.
+void gather(const CostRow& row, const std::uint16_t* __restrict index, int count,
             Level* __restrict out) {
-  for (int n = 0; n < count; ++n) out[n] = row[index[n]];
+#ifdef __AVX512VBMI__
+  if (!row.bytes.empty()) {
+    const ByteTable table(row.bytes);
+    for (int n = 0; n < count; n += 64) table.look_up(index + n, out + n);
+    return;
+  }
+#endif
+  const Level* __restrict levels = row.levels.data();
+  for (int n = 0; n < count; ++n) out[n] = levels[index[n]];
 }
 
 /// Entries of a cost row for the links from every voxel to the one `stride` offsets on.
@@ -94,6 +158,7 @@ void link_entries(const std::uint8_t* __restrict classes, int offset_step, int c
   for (int n = 0; n < count; ++n) {
     out[n] = std::uint16_t(classes[n] * class_stride + classes[n + offset_step]);
   }
+  std::fill(out + count, out + kBrickVoxels, std::uint16_t(0));
 }
 
 /// Costs to reach a voxel in 1, 2 and 4 steps along its row from the cost of each single link,
@@ -132,26 +197,25 @@ void remove_missing(std::uint64_t links, int rows, Level* costs) {
   }
 }
 
-void look_up_along_i(const Level* row, const std::uint16_t* entries, const BrickMask& links,
+void look_up_along_i(const CostRow& row, const std::uint16_t* entries, const BrickMask& links,
                      Level (&out)[7][64]) {
   gather(row, entries, 7 * 64, out[0]);
   for (int p = 0; p < 7; ++p) remove_missing(links[p], 8, out[p]);
 }
 
-void look_up_along_j(const Level* row, const std::uint16_t* entries, const BrickMask& links,
-                     Level (&out)[8][7][8]) {
+void look_up_along_j(const CostRow& row, const std::uint16_t* entries, const BrickMask& links,
+                     Level (&out)[8][8][8]) {
   constexpr std::uint64_t kLastRow = std::uint64_t(0xff) << 56;
+  gather(row, entries, kBrickVoxels, out[0][0]);
   for (int plane = 0; plane < 8; ++plane) {
-    gather(row, entries + 64 * plane, 7 * 8, out[plane][0]);
     remove_missing(links[plane] | kLastRow, 7, out[plane][0]);
   }
 }
 
-void look_up_along_k(const Level* row, const std::uint16_t* entries, const BrickMask& links,
+void look_up_along_k(const CostRow& row, const std::uint16_t* entries, const BrickMask& links,
                      Level* out) {
   constexpr std::uint64_t kLastColumn = 0x8080808080808080u;
-  gather(row, entries, kBrickVoxels - 1, out);
-  out[kBrickVoxels - 1] = kNoLink;
+  gather(row, entries, kBrickVoxels, out);
   for (int plane = 0; plane < 8; ++plane) {
     remove_missing(links[plane] | kLastColumn, 8, out + 64 * plane);
   }
@@ -249,7 +313,7 @@ void look_up_costs(const LinkCosts& costs, const std::uint8_t* classes, const Br
     link_entries(classes, kOffsetStep[axis], costs.stride(), entries);
     for (const bool upward : {false, true}) {
       const bool looked_up = upward && costs.is_symmetric(axis);
-      const Level* row = costs.row(axis, upward);
+      const CostRow& row = costs.row(axis, upward);
       if (axis == 0 && !looked_up) look_up_along_i(row, entries, links[0], out.i[upward]);
       if (axis == 0 && looked_up) std::memcpy(out.i[1], out.i[0], sizeof out.i[0]);
       if (axis == 1 && !looked_up) look_up_along_j(row, entries, links[1], out.j[upward]);
@@ -289,11 +353,12 @@ unsigned store_levels(const Level* levels, Direction direction, std::int32_t* q)
   return bits;
 }
 
-void look_up_face_costs(const Level* row, int stride, const std::uint8_t* low_classes,
+void look_up_face_costs(const CostRow& row, int stride, const std::uint8_t* low_classes,
                         const std::uint8_t* high_classes, std::uint64_t links, Level* out) {
   alignas(64) std::uint16_t entries[64];
-  for (int n = 0; n < 64; ++n)
+  for (int n = 0; n < 64; ++n) {
     entries[n] = std::uint16_t(low_classes[n] * stride + high_classes[n]);
+  }
   gather(row, entries, 64, out);
   remove_missing(links, 8, out);
 }

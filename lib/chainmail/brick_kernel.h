@@ -19,7 +19,7 @@ namespace supple {
 /// Costs of the links inside a brick, [upward] each. 24 kB.
 struct alignas(64) BrickCosts {
   Level i[2][7][64];        // between planes p and p + 1
-  Level j[2][8][7][8];      // plane, between rows p and p + 1
+  Level j[2][8][8][8];      // plane, between rows p and p + 1; the last row stays unused
   Level k[2][3][64][8];     // row, to this voxel from the one 1, 2, 4 steps away
   std::array<bool, 3> any;  // some link along that axis
 };
@@ -38,7 +38,7 @@ void load_levels(const std::int32_t* q, Direction direction, Level* levels);
 unsigned store_levels(const Level* levels, Direction direction, std::int32_t* q);
 
 /// Costs of 64 links across a face; `links` has the bits of those that exist.
-void look_up_face_costs(const Level* row, int stride, const std::uint8_t* low_classes,
+void look_up_face_costs(const CostRow& row, int stride, const std::uint8_t* low_classes,
                         const std::uint8_t* high_classes, std::uint64_t links, Level* out);
 
 /// Raises 512 levels (64-byte aligned) to the closure; returns the number of sweeps.

@@ -4,12 +4,29 @@ namespace supple {
 
 namespace {
 
-std::vector<Level> costs_of(const std::int32_t* slacks, std::size_t count) {
-  std::vector<Level> costs(count);
-  for (std::size_t n = 0; n < count; ++n) {
-    costs[n] = slacks[n] >= kUnlimitedSlack ? kNoLink : Level(slacks[n]);
+constexpr std::size_t kByteEntries = 512;
+constexpr Level kNoLinkInBytes = 0xffff;
+
+std::vector<std::uint8_t> bytes_of(const std::vector<Level>& levels) {
+  if (levels.size() > kByteEntries) return {};
+  std::vector<std::uint8_t> bytes(2 * kByteEntries);
+  for (std::size_t n = 0; n < levels.size(); ++n) {
+    const Level level = levels[n] == kNoLink ? kNoLinkInBytes : levels[n];
+    if (level > kNoLinkInBytes || (level == kNoLinkInBytes && levels[n] != kNoLink)) return {};
+    bytes[n] = std::uint8_t(level);
+    bytes[kByteEntries + n] = std::uint8_t(level >> 8);
   }
-  return costs;
+  return bytes;
+}
+
+CostRow costs_of(const std::int32_t* slacks, std::size_t count) {
+  CostRow row;
+  row.levels.resize(count);
+  for (std::size_t n = 0; n < count; ++n) {
+    row.levels[n] = slacks[n] >= kUnlimitedSlack ? kNoLink : Level(slacks[n]);
+  }
+  row.bytes = bytes_of(row.levels);
+  return row;
 }
 
 }  // namespace
@@ -33,7 +50,9 @@ LinkCosts::LinkCosts(const SlackTable& slacks, int coordinate, Direction directi
 std::size_t LinkCosts::bytes() const {
   std::size_t total = 0;
   for (const auto& axis : m_rows) {
-    for (const auto& row : axis) total += row.capacity() * sizeof(Level);
+    for (const CostRow& row : axis) {
+      total += row.levels.capacity() * sizeof(Level) + row.bytes.capacity();
+    }
   }
   return total;
 }

@@ -25,23 +25,33 @@ inline Level level_of(std::int32_t q, Direction direction) {
   return direction == Direction::raise ? kLevelBias + Level(q) : kLevelBias - Level(q);
 }
 
+/// One row of costs: of all links along one axis, in one direction of travel.
+struct CostRow {
+  std::vector<Level> levels;  // by class_a * stride + class_b
+  /// The same as 512 low and 512 high bytes, for table look-ups in vector registers: where there
+  /// are no more entries and every cost is below 2^16 - 1, which stands for kNoLink.
+  std::vector<std::uint8_t> bytes;
+
+  bool operator==(const CostRow& other) const { return levels == other.levels; }
+};
+
 /// Costs of one coordinate and direction; entry class_a * stride() + class_b of a row.
 class LinkCosts {
  public:
   LinkCosts() = default;
   LinkCosts(const SlackTable& slacks, int coordinate, Direction direction);
 
-  bool empty() const { return m_rows[0][0].empty(); }
+  bool empty() const { return m_rows[0][0].levels.empty(); }
   int stride() const { return m_stride; }
   /// Cost of travelling along `axis` towards higher (`upward`) or lower voxels.
-  const Level* row(int axis, bool upward) const { return m_rows[axis][upward].data(); }
+  const CostRow& row(int axis, bool upward) const { return m_rows[axis][upward]; }
   /// Across its own axis a coordinate pays the same both ways.
   bool is_symmetric(int axis) const { return m_symmetric[axis]; }
   std::size_t bytes() const;
 
  private:
   int m_stride = 1;
-  std::array<std::array<std::vector<Level>, 2>, 3> m_rows;  // [axis][upward]
+  std::array<std::array<CostRow, 2>, 3> m_rows;  // [axis][upward]
   std::array<bool, 3> m_symmetric{};
 };
 

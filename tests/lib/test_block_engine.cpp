@@ -217,8 +217,8 @@ TEST(UnitBrickKernel, ClosureEqualsRepeatedRelaxationOfEveryLink) {
             to = from - cost;
             changed = true;
           };
-          relax(expected[v], costs.row(axis, true)[entry], expected[w]);
-          relax(expected[w], costs.row(axis, false)[entry], expected[v]);
+          relax(expected[v], costs.row(axis, true).levels[entry], expected[w]);
+          relax(expected[w], costs.row(axis, false).levels[entry], expected[v]);
         }
       }
     }
