@@ -103,6 +103,7 @@ Session::Session(const std::string& path, const std::string& raw_spec,
   m_body = make_body(m_state, m_material);
   m_state.material_toml = material_to_toml(m_material);
   m_links = check_links(m_body);
+  m_body.links_known_valid = m_links.violated == 0;
   m_solver = std::make_unique<EcmSolver>(m_body);
   if (!m_links.fold_free) {
     console.note("the material does not rule out folds (min_length > 2 shear fails on some link)");

@@ -123,6 +123,8 @@ const LinkCosts& BlockPropagator::costs_of(const PropagationTask& task) {
 }
 
 void BlockPropagator::start(const PropagationTask& task, Level first, int bucket_shift) {
+  if (m_running) forget_waiting();
+  m_running = true;
   costs_of(task);
   task.values.resize(m_body.elements.brick_count());
   m_queue.reset(std::int32_t(first), true, bucket_shift);
@@ -181,10 +183,7 @@ void BlockPropagator::wait(std::size_t brick, Level level, int entrance) {
 
 void BlockPropagator::drain(const PropagationTask& task, PropagationCounts& counts) {
   while (m_queue.take_bucket(m_round)) {
-    if (task.progress != nullptr && task.progress->cancelled()) {
-      std::fill(m_waiting.begin(), m_waiting.end(), Waiting{});
-      throw Cancelled();
-    }
+    if (task.progress != nullptr && task.progress->cancelled()) throw Cancelled();
     for (const QueueEntry& entry : m_round) {
       // A larger level has moved the brick forward, or it was visited already.
       if (m_waiting[entry.slot].level != Level(entry.value)) continue;
@@ -196,7 +195,14 @@ void BlockPropagator::drain(const PropagationTask& task, PropagationCounts& coun
       bricks.clear();
     }
   }
+  m_running = false;
   counts.max_queue = std::max(counts.max_queue, std::int64_t(m_queue.max_size()));
+}
+
+/// After a run that an exception ended.
+void BlockPropagator::forget_waiting() {
+  std::fill(m_waiting.begin(), m_waiting.end(), Waiting{});
+  for (auto& bricks : m_phases) bricks.clear();
 }
 
 /// Visits bricks of one parity; only the last loop depends on their order.
@@ -240,7 +246,10 @@ void BlockPropagator::visit_phase(const PropagationTask& task, std::vector<std::
 }
 
 std::size_t BlockPropagator::bytes() const {
-  std::size_t total = m_waiting.capacity() * sizeof(Waiting);
+  std::size_t total = m_waiting.capacity() * sizeof(Waiting) + m_queue.bytes() +
+                      m_round.capacity() * sizeof(QueueEntry) +
+                      m_outgoing.capacity() * sizeof(Outgoing);
+  for (const auto& bricks : m_phases) total += bricks.capacity() * sizeof(std::uint32_t);
   for (const auto& coordinate : m_costs) {
     for (const LinkCosts& costs : coordinate) total += costs.bytes();
   }

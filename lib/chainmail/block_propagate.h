@@ -48,6 +48,7 @@ class BlockPropagator {
   void start(const PropagationTask& task, Level first, int bucket_shift);
   void wait(std::size_t brick, Level level, int entrance);
   void drain(const PropagationTask& task, PropagationCounts& counts);
+  void forget_waiting();
   void visit_phase(const PropagationTask& task, std::vector<std::uint32_t>& bricks);
 
   const Body& m_body;
@@ -57,6 +58,7 @@ class BlockPropagator {
   std::vector<QueueEntry> m_round;
   std::array<std::vector<std::uint32_t>, 2> m_phases;  // bricks of a round by parity
   std::vector<Outgoing> m_outgoing;
+  bool m_running = false;  // still true in start(): an exception ended the last run
 };
 
 }  // namespace supple

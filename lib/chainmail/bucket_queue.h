@@ -24,7 +24,10 @@ class BucketQueue {
  public:
   /// `downward`: later values are smaller than `start`, otherwise larger.
   void reset(std::int32_t start, bool downward, int shift) {
-    for (auto& bucket : m_buckets) bucket.clear();
+    m_buckets[m_current % kBuckets].clear();
+    if (m_in_window > 0) {
+      for (auto& bucket : m_buckets) bucket.clear();
+    }
     m_far.clear();
     m_start = std::uint32_t(start);
     m_downward = downward;
@@ -76,6 +79,12 @@ class BucketQueue {
   }
 
   std::size_t max_size() const { return m_max_size; }
+
+  std::size_t bytes() const {
+    std::size_t entries = m_far.capacity();
+    for (const auto& bucket : m_buckets) entries += bucket.capacity();
+    return sizeof(*this) + entries * sizeof(QueueEntry);
+  }
 
  private:
   static constexpr std::uint64_t kBuckets = 2048;

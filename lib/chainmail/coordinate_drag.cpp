@@ -119,24 +119,30 @@ const std::vector<Bound>& CoordinateDrag::held_bounds(Direction direction) const
   return (direction == Direction::raise ? rest.at_most : rest.at_least)[std::size_t(m_coordinate)];
 }
 
+template <class Visit>
+void CoordinateDrag::for_each_held(std::size_t brick, Direction direction, Visit&& visit) const {
+  const Slot first = Slot(brick * kBrickVoxels);
+  if (const BrickMask* anchored = m_held.anchors.find(brick)) {
+    const std::int32_t* saved = m_undo.saved_of(brick);
+    const std::int32_t* before = saved != nullptr ? saved : m_values.brick_or_zero(brick);
+    for_each_active(*anchored, [&](int offset) { visit(first + Slot(offset), before[offset]); });
+  }
+  const auto& bounds = held_bounds(direction);
+  for (auto bound = first_bound_from(bounds, first);
+       bound != bounds.end() && bound->slot < first + kBrickVoxels; ++bound) {
+    visit(bound->slot, bound->value);
+  }
+}
+
 /// Only bricks that the run touched can hold any.
 std::int64_t CoordinateDrag::excess_of_held(Direction direction) const {
   const std::int64_t sign = direction == Direction::raise ? 1 : -1;
-  const auto& bounds = held_bounds(direction);
   std::int64_t excess = 0;
   for (const std::size_t brick : m_undo.bricks()) {
     const std::int32_t* now = m_values.brick_or_zero(brick);
-    if (const BrickMask* anchored = m_held.anchors.find(brick)) {
-      const std::int32_t* saved = m_undo.saved_of(brick);
-      for_each_active(*anchored, [&](int offset) {
-        excess = std::max(excess, sign * (std::int64_t(now[offset]) - saved[offset]));
-      });
-    }
-    const Slot first = Slot(brick * kBrickVoxels);
-    for (auto bound = first_bound_from(bounds, first);
-         bound != bounds.end() && bound->slot < first + kBrickVoxels; ++bound) {
-      excess = std::max(excess, sign * (std::int64_t(now[bound->slot - first]) - bound->value));
-    }
+    for_each_held(brick, direction, [&](Slot slot, std::int32_t limit) {
+      excess = std::max(excess, sign * (std::int64_t(now[slot % kBrickVoxels]) - limit));
+    });
   }
   return excess;
 }
@@ -144,8 +150,8 @@ std::int64_t CoordinateDrag::excess_of_held(Direction direction) const {
 /// The smallest (dist(a, b) - (q_a - u_b)) / D_a over handles a that rise (D_a > 0) and held upper
 /// bounds b. When all rise by the same D, the excess of the whole drag is D minus the smallest
 /// numerator. Otherwise one run serves all pairs: held elements pulled down to u_b - max D_a lower
-/// a handle by max D_a minus its smallest numerator, unless that is negative. Sinking handles:
-/// mirrored.
+/// a handle by max D_a minus its smallest numerator, unless that is negative. What the whole drag
+/// did not reach limits nothing. Sinking handles: mirrored.
 void CoordinateDrag::limit_by_held(Direction direction, std::int64_t excess, Fraction& fraction) {
   const int sign = direction == Direction::raise ? 1 : -1;
   std::int32_t furthest = 0, nearest = INT32_MAX;
@@ -157,13 +163,13 @@ void CoordinateDrag::limit_by_held(Direction direction, std::int64_t excess, Fra
   }
   if (nearest == furthest) return fraction.limit_to(furthest - excess, furthest);
 
+  const std::vector<std::size_t> touched = m_undo.bricks();
   m_undo.roll_back(m_values);
   std::vector<Seed> seeds;
-  m_held.anchors.for_each([&](Slot slot) {
-    seeds.push_back({slot, m_values.at(slot) - sign * furthest});
-  });
-  for (const Bound& bound : held_bounds(direction)) {
-    seeds.push_back({bound.slot, bound.value - sign * furthest});
+  for (const std::size_t brick : touched) {
+    for_each_held(brick, direction, [&](Slot slot, std::int32_t limit) {
+      seeds.push_back({slot, limit - sign * furthest});
+    });
   }
   propagate(sign > 0 ? Direction::lower : Direction::raise, seeds);
   for (const HeldHandle& handle : m_held.handles) {

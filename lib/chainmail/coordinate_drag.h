@@ -94,6 +94,11 @@ class CoordinateDrag {
   template <class Visit>
   void for_each_target(const HeldHandle& handle, Direction direction, Visit&& visit) const;
 
+  /// Calls `visit(slot, limit)` for what is held in a brick and may not rise above its limit (raise)
+  /// or sink below it (lower).
+  template <class Visit>
+  void for_each_held(std::size_t brick, Direction direction, Visit&& visit) const;
+
   Body& m_body;
   const int m_coordinate;
   const HeldVoxels& m_held;

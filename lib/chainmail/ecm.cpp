@@ -147,6 +147,7 @@ EcmReport EcmSolver::drag(const std::vector<Handle>& handles, const std::vector<
   const auto begin = std::chrono::steady_clock::now();
   EcmReport result;
   result.engine = engine();
+  if (!m_body.links_known_valid) m_body.links_known_valid = check_links(m_body).violated == 0;
   OffsetsGuard guard(m_body);
   if (!m_body.links_known_valid) {
     const ProjectionReport projection = project(m_body);

@@ -24,6 +24,8 @@ class FlatPropagator {
   void run(const PropagationTask& task, const std::vector<Seed>& seeds, int bucket_shift,
            PropagationCounts& counts);
 
+  std::size_t bytes() const { return m_queue.bytes(); }
+
  private:
   template <bool kRaise>
   void start(const PropagationTask& task, const std::vector<Seed>& seeds, int bucket_shift);

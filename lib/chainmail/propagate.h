@@ -38,7 +38,7 @@ class Propagator {
 
   /// block or flat.
   Engine engine() const { return m_engine; }
-  std::size_t bytes() const { return m_block.bytes(); }
+  std::size_t bytes() const { return m_block.bytes() + m_flat.bytes(); }
 
  private:
   int bucket_shift(Engine engine, int coordinate);

@@ -36,12 +36,17 @@ std::string drag_error(Body& body, const std::vector<Handle>& handles,
   return error;
 }
 
-class CancelAtOnce : public Progress {
+/// Stops whoever polls it with an exception, after some polls.
+template <class Exception>
+class Interrupt : public Progress {
  public:
-  explicit CancelAtOnce(int polls) : m_polls(polls) {}
+  explicit Interrupt(int polls) : m_polls(polls) {}
   void stage(std::string_view) override {}
   void update(double) override {}
-  bool cancelled() const override { return m_polls-- <= 0; }
+  bool cancelled() const override {
+    if (m_polls-- <= 0) throw Exception();
+    return false;
+  }
 
  private:
   mutable int m_polls;
@@ -113,15 +118,29 @@ TEST(UnitEcmErrors, MillimetresBecomeFixedPointTruncatedTowardZero) {
   EXPECT_NE(input_error([] { fixed_from_mm({0, 0, 8192.5}, {1, 1, 0.5}); }), "");
 }
 
-TEST(UnitEcmErrors, ACancelledDragLeavesTheBodyAsItWas) {
+class UnitEcmInterrupted : public testing::TestWithParam<Engine> {};
+INSTANTIATE_TEST_SUITE_P(, UnitEcmInterrupted, testing::Values(Engine::block, Engine::flat),
+                         [](const auto& engine) { return name_of(engine.param); });
+
+TEST_P(UnitEcmInterrupted, ADragLeavesTheBodyAsItWasAndTheSolverUsable) {
   // Large enough that the solver polls while it works.
   Body body = body_of(full_block({64, 64, 48}, linear_table(1.5, 0.6, 0.7),
                                  [](int i, int j, int k) { return double((i * j + k) % 256); }));
   drag(body, {{{3, 3, 3}, {30 * kVoxel, 0, 0}}}, {});
+  const std::vector<Handle> handles = {{{3, 3, 3}, {-90 * kVoxel, 70 * kVoxel, 0}}};
+  Body moved = body;
+  drag(moved, handles, {});
   const auto before = body.q;
-  for (const int polls : {0, 1, 2}) {
-    CancelAtOnce cancel(polls);
-    EXPECT_THROW(drag(body, {{{3, 3, 3}, {-90 * kVoxel, 70 * kVoxel, 0}}}, {}, &cancel), Cancelled);
-    EXPECT_EQ(body.q, before);
+
+  EcmSolver solver(body, GetParam());
+  for (const int polls : {0, 1, 2, 3}) {
+    Interrupt<Cancelled> cancel(polls);
+    EXPECT_THROW(solver.drag(handles, {}, &cancel), Cancelled);
+    ASSERT_EQ(body.q, before) << polls;
+    Interrupt<std::bad_alloc> fault(polls);
+    EXPECT_THROW(solver.drag(handles, {}, &fault), std::bad_alloc);
+    ASSERT_EQ(body.q, before) << polls;
   }
+  solver.drag(handles, {});
+  EXPECT_EQ(body.q, moved.q);
 }
