@@ -105,6 +105,7 @@ Session::Session(const std::string& path, const std::string& raw_spec,
   m_links = check_links(m_body);
   m_body.links_known_valid = m_links.violated == 0;
   m_solver = std::make_unique<EcmSolver>(m_body);
+  find_anchors();
   if (!m_links.fold_free) {
     console.note("the material does not rule out folds (min_length > 2 shear fails on some link)");
   }
@@ -151,7 +152,12 @@ Region Session::region_of_label(std::int32_t label, const std::string& role) con
       "label:" + std::to_string(label));
 }
 
-void Session::fix(const StepRequest& request) {
+void Session::release_and_fix(const StepRequest& request) {
+  if (request.release) {
+    m_state.anchors.clear();
+    m_state.anchor_labels.clear();
+    m_holds = {};
+  }
   const auto add = [](auto& list, const auto& item) {
     if (std::find(list.begin(), list.end(), item) == list.end()) list.push_back(item);
   };
@@ -160,6 +166,7 @@ void Session::fix(const StepRequest& request) {
     require_label(m_state.labels, label, "fix");
     add(m_state.anchor_labels, label);
   }
+  if (request.release || !request.fix.empty() || !request.fix_labels.empty()) find_anchors();
 }
 
 std::vector<Handle> Session::handles_of(const std::vector<Drag>& drags) const {
@@ -171,22 +178,16 @@ std::vector<Handle> Session::handles_of(const std::vector<Drag>& drags) const {
   return handles;
 }
 
-std::vector<Region> Session::anchors() const {
-  std::vector<Region> regions(m_state.anchors.begin(), m_state.anchors.end());
+void Session::find_anchors() {
+  m_anchors.assign(m_state.anchors.begin(), m_state.anchors.end());
   for (const std::int32_t label : m_state.anchor_labels) {
-    regions.push_back(region_of_label(label, "fix"));
+    m_anchors.push_back(region_of_label(label, "fix"));
   }
-  return regions;
 }
 
 const StepRecord& Session::step(const StepRequest& request, Console& console) {
   StepRecord record{request, 0, {}, {}};
-  if (request.release) {
-    m_state.anchors.clear();
-    m_state.anchor_labels.clear();
-    m_holds = {};
-  }
-  fix(request);
+  release_and_fix(request);
   const std::vector<Handle> handles = handles_of(request.drags);
   record.cut_links = apply_cuts(m_body, m_state.labels, request.cuts, console);
   m_links.fold_free = m_links.fold_free && m_body.cuts.empty();
@@ -202,11 +203,11 @@ const StepRecord& Session::step(const StepRequest& request, Console& console) {
 
 void Session::solve(const std::vector<Handle>& handles, StepRecord& record, Console& console) {
   if (record.limits == Limits::box) {
-    record.report = m_solver->drag(handles, anchors(), m_holds, &console);
+    record.report = m_solver->drag(handles, m_anchors, m_holds, &console);
     warn_of_report(record.report, console);
     return;
   }
-  record.ball = drag_ball(m_body, handles, anchors(), m_holds, BallParams(), &console);
+  record.ball = drag_ball(m_body, handles, m_anchors, m_holds, BallParams(), &console);
   m_links.fold_free = false;
   record.report.moved = record.ball->moved;
   record.report.visited = record.ball->moves;

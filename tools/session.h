@@ -71,9 +71,9 @@ class Session {
   void open_labels(const std::string& path, Console& console);
   void warn_of_material(Console& console) const;
   Region region_of_label(std::int32_t label, const std::string& role) const;
-  void fix(const StepRequest& request);
+  void release_and_fix(const StepRequest& request);
+  void find_anchors();
   std::vector<Handle> handles_of(const std::vector<Drag>& drags) const;
-  std::vector<Region> anchors() const;
   std::string configuration() const;
   void solve(const std::vector<Handle>& handles, StepRecord& record, Console& console);
 
@@ -82,6 +82,7 @@ class Session {
   Body m_body;
   std::unique_ptr<EcmSolver> m_solver;  // of m_body
   LinkCheck m_links;
+  std::vector<Region> m_anchors;  // the boxes and labels that the state has fixed
   Holds m_holds;  // what earlier steps dragged
   std::vector<StepRecord> m_records;
 };

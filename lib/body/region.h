@@ -27,6 +27,12 @@ class Region {
 
   using Mask = std::shared_ptr<const BrickTopology>;
 
+  /// The same name and voxels; of masks, the same mask.
+  bool operator==(const Region& other) const {
+    return m_shape == other.m_shape && m_name == other.m_name;
+  }
+  bool operator!=(const Region& other) const { return !(*this == other); }
+
   /// As the user wrote it.
   std::string name() const;
   /// Which of the three it is; the others are null.

@@ -134,7 +134,7 @@ class BallDrag {
         page.u[n][c] = m_body.q[std::size_t(c)].brick_or_zero(b)[n] / kFixedOne;
       }
     }
-    for (const SlotSet* held : {&m_held.grabbed, &m_held.anchors}) {
+    for (const SlotSet* held : {&m_held.grabbed, m_held.fixed, &m_held.rest.still}) {
       const BrickMask* mask = held->find(b);
       if (mask == nullptr) continue;
       for_each_active(*mask, [&](int offset) { mask_set(page.fixed, offset); });
@@ -351,7 +351,8 @@ BallReport drag_ball(Body& body, const std::vector<Handle>& handles,
   const auto begin = std::chrono::steady_clock::now();
   params.validate();
   refuse_push(handles, holds);
-  const HeldVoxels held = hold(body, handles, anchors, holds);
+  const FixedElements fixed = fix(body, anchors);
+  const HeldVoxels held = hold(body, handles, fixed, holds);
   Holds next = held.rest;
   next.still.add(held.grabbed);
 

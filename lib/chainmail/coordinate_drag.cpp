@@ -122,10 +122,12 @@ const std::vector<Bound>& CoordinateDrag::held_bounds(Direction direction) const
 template <class Visit>
 void CoordinateDrag::for_each_held(std::size_t brick, Direction direction, Visit&& visit) const {
   const Slot first = Slot(brick * kBrickVoxels);
-  if (const BrickMask* anchored = m_held.anchors.find(brick)) {
-    const std::int32_t* saved = m_undo.saved_of(brick);
-    const std::int32_t* before = saved != nullptr ? saved : m_values.brick_or_zero(brick);
-    for_each_active(*anchored, [&](int offset) { visit(first + Slot(offset), before[offset]); });
+  const std::int32_t* saved = m_undo.saved_of(brick);
+  const std::int32_t* before = saved != nullptr ? saved : m_values.brick_or_zero(brick);
+  for (const SlotSet* still : {m_held.fixed, &m_held.rest.still}) {
+    const BrickMask* mask = still->find(brick);
+    if (mask == nullptr) continue;
+    for_each_active(*mask, [&](int offset) { visit(first + Slot(offset), before[offset]); });
   }
   const auto& bounds = held_bounds(direction);
   for (auto bound = first_bound_from(bounds, first);

@@ -122,6 +122,13 @@ Holds holds_after(const HeldVoxels& held, const Fraction& fraction) {
 
 }  // namespace
 
+EcmSolver::EcmSolver(Body& body, Engine engine)
+    : m_body(body),
+      m_propagator(body, engine),
+      m_fixed(std::make_unique<FixedElements>()) {}
+
+EcmSolver::~EcmSolver() = default;
+
 std::array<std::int32_t, 3> fixed_from_mm(const Vec3d& by_mm, const Vec3d& spacing_mm) {
   std::array<std::int32_t, 3> by_q;
   for (int c = 0; c < 3; ++c) {
@@ -155,7 +162,8 @@ EcmReport EcmSolver::drag(const std::vector<Handle>& handles, const std::vector<
     result.projected_max_voxels = projection.max_move_voxels;
   }
 
-  const HeldVoxels held = hold(m_body, handles, anchors, holds);
+  if (m_fixed->regions != anchors) *m_fixed = fix(m_body, anchors);
+  const HeldVoxels held = hold(m_body, handles, *m_fixed, holds);
   Fraction fraction;
   const CoordinateDrags drags = solve(m_body, held, m_propagator, m_undo, fraction, progress);
   result.fraction_numerator = fraction.numerator;
@@ -176,7 +184,8 @@ EcmReport EcmSolver::drag(const std::vector<Handle>& handles, const std::vector<
 }
 
 std::size_t EcmSolver::bytes() const {
-  std::size_t total = m_propagator.bytes();
+  std::size_t total =
+      m_propagator.bytes() + m_fixed->slots.bricks().capacity() * sizeof(SlotSet::Brick);
   for (const UndoLog& undo : m_undo) total += undo.bytes();
   return total;
 }

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -16,6 +17,8 @@
 #include "volumes/base/progress.h"
 
 namespace supple {
+
+struct FixedElements;
 
 /// A two-sided handle takes its elements along whichever way it goes. A push handle is a tool that
 /// does not stick: in a coordinate with by > 0 its elements end at least that far, with by < 0 at
@@ -88,13 +91,13 @@ EcmReport drag(Body& body, const std::vector<Handle>& handles, const std::vector
 EcmReport drag(Body& body, const std::vector<Handle>& handles, const std::vector<Region>& anchors,
                Holds& holds, Progress* progress = nullptr);
 
-/// The same for many drags of one body: queues, tables and undo memory stay, so that a local drag
-/// costs what it moves. The body's elements, classes and slacks must not change between drags;
+/// The same for many drags of one body: queues, tables, undo memory and the elements of the anchors
+/// stay, so that a local drag costs what it moves. The body's elements, classes and slacks must not change between drags;
 /// its offsets and cuts may.
 class EcmSolver {
  public:
-  explicit EcmSolver(Body& body, Engine engine = Engine::automatic)
-      : m_body(body), m_propagator(body, engine) {}
+  explicit EcmSolver(Body& body, Engine engine = Engine::automatic);
+  ~EcmSolver();
 
   EcmReport drag(const std::vector<Handle>& handles, const std::vector<Region>& anchors,
                  Progress* progress = nullptr);
@@ -109,7 +112,8 @@ class EcmSolver {
  private:
   Body& m_body;
   Propagator m_propagator;
-  std::array<UndoLog, 3> m_undo;  // per coordinate
+  std::array<UndoLog, 3> m_undo;           // per coordinate
+  std::unique_ptr<FixedElements> m_fixed;  // of the last drag's anchors
 };
 
 /// Projects an invalid configuration to floor((L + U) / 2): the smallest possible largest move.

@@ -43,21 +43,18 @@ SlotSet all_grabbed(const Body& body, const std::vector<HeldHandle>& handles) {
   return all;
 }
 
-SlotSet all_anchored(const Body& body, const std::vector<Region>& anchors,
-                     const std::vector<HeldHandle>& handles, const SlotSet& grabbed) {
-  std::vector<SlotSet::Brick> bricks;
-  for (const Region& anchor : anchors) {
-    const SlotSet own = elements_of(body, anchor, "fix");
-    Slot slot;
-    if (own.first_common(grabbed, slot)) {
-      for (const HeldHandle& handle : handles) {
-        if (!handle.slots.contains(slot)) continue;
-        throw_shared(body, grab_name(*handle.source), "fix " + anchor.name(), slot);
-      }
+/// An element that is grabbed and fixed is an error.
+void require_free(const Body& body, const std::vector<HeldHandle>& handles,
+                  const FixedElements& fixed, const SlotSet& grabbed) {
+  Slot slot;
+  if (!fixed.slots.first_common(grabbed, slot)) return;
+  for (const Region& region : fixed.regions) {
+    if (!elements_of(body, region, "fix").contains(slot)) continue;
+    for (const HeldHandle& handle : handles) {
+      if (!handle.slots.contains(slot)) continue;
+      throw_shared(body, grab_name(*handle.source), "fix " + region.name(), slot);
     }
-    bricks.insert(bricks.end(), own.bricks().begin(), own.bricks().end());
   }
-  return SlotSet(std::move(bricks));
 }
 
 void require_range(const Body& body, const HeldHandle& handle) {
@@ -123,8 +120,17 @@ std::vector<Bound> without(const std::vector<Bound>& bounds, const SlotSet& set)
 
 }  // namespace
 
-HeldVoxels hold(const Body& body, const std::vector<Handle>& handles,
-                const std::vector<Region>& anchors, const Holds& holds) {
+FixedElements fix(const Body& body, const std::vector<Region>& regions) {
+  std::vector<SlotSet::Brick> bricks;
+  for (const Region& region : regions) {
+    const SlotSet own = elements_of(body, region, "fix");
+    bricks.insert(bricks.end(), own.bricks().begin(), own.bricks().end());
+  }
+  return {regions, SlotSet(std::move(bricks))};
+}
+
+HeldVoxels hold(const Body& body, const std::vector<Handle>& handles, const FixedElements& fixed,
+                const Holds& holds) {
   const Holds earlier = met_by(body, holds);
   HeldVoxels held;
   for (const Handle& handle : handles) {
@@ -133,11 +139,11 @@ HeldVoxels hold(const Body& body, const std::vector<Handle>& handles,
     if (handle.kind == HandleKind::push) place_tool(body, earlier, held.handles.back());
   }
   held.grabbed = all_grabbed(body, held.handles);
-  held.anchors = all_anchored(body, anchors, held.handles, held.grabbed);
+  require_free(body, held.handles, fixed, held.grabbed);
+  held.fixed = &fixed.slots;
 
   held.rest.still = earlier.still;
   held.rest.still.remove(held.grabbed);
-  held.anchors.add(held.rest.still);
   for (std::size_t c = 0; c < 3; ++c) {
     held.rest.at_least[c] = without(earlier.at_least[c], held.grabbed);
     held.rest.at_most[c] = without(earlier.at_most[c], held.grabbed);

@@ -22,18 +22,29 @@ struct HeldHandle {
   std::int32_t by(int coordinate) const { return source->by_q[std::size_t(coordinate)]; }
 };
 
-struct HeldVoxels {
-  std::vector<HeldHandle> handles;
-  SlotSet grabbed;  // the elements of all handles
-  SlotSet anchors;  // stay where they are: fixed ones and rest.still
-  Holds rest;       // earlier holds of elements that are not grabbed
+/// Anchors found in the body.
+struct FixedElements {
+  std::vector<Region> regions;
+  SlotSet slots;
 };
 
-/// Finds handles and anchors in the body. Elements that are grabbed are not held any more; a push
-/// handle goes on from where it pushed them to. Throws InputError: a region without element, a
-/// voxel in two handles or in a handle and an anchor, a target beyond the range of +-16384 voxels.
-/// Cost: the bricks of all regions, the offsets of the grabbed elements and the bounds.
-HeldVoxels hold(const Body& body, const std::vector<Handle>& handles,
-                const std::vector<Region>& anchors, const Holds& holds);
+/// What stays where it is: `fixed` and `rest.still`.
+struct HeldVoxels {
+  std::vector<HeldHandle> handles;
+  SlotSet grabbed;       // the elements of all handles
+  const SlotSet* fixed;  // outlives the drag
+  Holds rest;            // earlier holds of elements that are not grabbed
+};
+
+/// Finds anchors in the body. Throws InputError: a region without element. Cost: the bricks of all
+/// regions.
+FixedElements fix(const Body& body, const std::vector<Region>& regions);
+
+/// Finds handles in the body. Elements that are grabbed are not held any more; a push handle goes on
+/// from where it pushed them to. Throws InputError: a handle without element, a voxel in two handles
+/// or in a handle and an anchor, a target beyond the range of +-16384 voxels. Cost: the bricks of
+/// handles and holds, the offsets of the grabbed elements and the bounds.
+HeldVoxels hold(const Body& body, const std::vector<Handle>& handles, const FixedElements& fixed,
+                const Holds& holds);
 
 }  // namespace supple

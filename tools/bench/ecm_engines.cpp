@@ -40,8 +40,9 @@ class BodyEngine final : public EcmEngine {
     }
     m_body.links_known_valid = true;
   }
+  void fix(const IndexBox& box) override { m_anchors.push_back(box); }
   void pull(const Pull& pull) override {
-    m_report = m_solver.drag({Handle(pull.voxel, pull.by_q)}, {}, m_cancel);
+    m_report = m_solver.drag({Handle(pull.voxel, pull.by_q)}, m_anchors, m_cancel);
   }
   std::int64_t moved() override { return m_report.moved; }
   std::int64_t max_list() const override { return m_report.max_queue; }
@@ -74,6 +75,7 @@ class BodyEngine final : public EcmEngine {
 
   Body& m_body;
   EcmSolver m_solver;
+  std::vector<Region> m_anchors;
   Progress* m_cancel;
   EcmReport m_report;
 };
@@ -90,6 +92,7 @@ class MultisetEngine final : public EcmEngine {
     m_solver = std::make_unique<Solver>(lattice, lattice.at_rest());
     m_previous = {};
   }
+  void fix(const IndexBox&) override { throw Error("multiset: anchors are not part of it"); }
   void pull(const Pull& pull) override { m_solver->move(pull.voxel - m_origin, pull.by_q); }
   /// Counted since the last call or reset.
   std::int64_t moved() override {

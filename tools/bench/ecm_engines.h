@@ -22,6 +22,8 @@ class EcmEngine {
   virtual ~EcmEngine() = default;
   /// All elements at rest again, memory kept where the engine can.
   virtual void reset() = 0;
+  /// Anchors for the pulls that follow. Throws Error: multiset knows none.
+  virtual void fix(const IndexBox& box) = 0;
   /// What is timed.
   virtual void pull(const Pull& pull) = 0;
   /// Elements that the last pull moved.

@@ -64,7 +64,9 @@ class Planner {
     for (const std::string field : {"ct", "smooth"}) {
       for (const std::string& start : kStarts) {
         if (m_options.quick && start == "repeat") continue;
-        add(field, Vec3i(128), "+x", start, {"bucket", "supple"});
+        std::vector<std::string> engines = {"bucket", "supple"};
+        if (!m_options.quick && start == "rest") engines.insert(engines.begin(), "multiset");
+        add(field, Vec3i(128), "+x", start, engines);
         if (!m_options.quick) add(field, Vec3i(64), "+x", start, {"multiset", "bucket", "supple"});
       }
     }
@@ -85,9 +87,9 @@ class Planner {
       m_plan.push_back({"all", "noise", Vec3i(512), "+x", "rest", 0, {{"supple", 1}}});
       return;
     }
-    add("noise", Vec3i(512), "+x", "rest", {"multiset", "bucket", "supple"});
+    add("noise", Vec3i(512), "+x", "rest", {"bucket", "supple"});
     add("noise", Vec3i(512), "+x", "repeat", {"supple"});
-    add("noise", Vec3i(512), "xyz", "rest", {"supple"});
+    for (const std::string& start : kStarts) add("noise", Vec3i(512), "xyz", start, {"supple"});
     add("ct", Vec3i(512), "+x", "rest", {"supple"});
   }
 
@@ -115,9 +117,9 @@ class Planner {
   }
 
   void add_stream() {
-    for (const std::string script : {"pull", "wander"}) {
+    for (const std::string script : {"pull", "wander", "anchored"}) {
       EcmWorkload workload{"stream", "head_phantom", {512, 512, 256}, "+y", script, 1'000'000, {}};
-      if (!m_options.quick) {
+      if (!m_options.quick && script != "anchored") {
         workload.sides.push_back({"bucket", 1});
         workload.sides.push_back({"supple", 1});
       }

@@ -22,7 +22,7 @@ struct EcmWorkload {
   std::string field;
   Vec3i size;
   std::string direction;
-  std::string start;        // rest or repeat; of a stream, its script: pull or wander
+  std::string start;        // rest or repeat; of a stream, its script: pull, wander, anchored
   std::int64_t wanted = 0;  // elements that a local pull is to move
   std::vector<EcmSide> sides;
 };

@@ -18,7 +18,8 @@ Vec3i cheek_element(const Body& body) {
 
 /// Displacements along the direction, in voxels, after a first pull by the amplitude.
 ///   pull    the voxel goes on, a 1500th of the amplitude per event, and all that it moved follows;
-///   wander  each event takes it to the other side of its rest place, 0.9 to 1.1 amplitudes away.
+///   wander  each event takes it to the other side of its rest place, 0.9 to 1.1 amplitudes away;
+///   anchored  the same with the back half of the head fixed.
 std::vector<double> stream_steps(const std::string& script, double amplitude, int events) {
   std::vector<double> steps(std::size_t(events), amplitude / 1500);
   if (script == "pull") return steps;
@@ -30,6 +31,13 @@ std::vector<double> stream_steps(const std::string& script, double amplitude, in
     place = target;
   }
   return steps;
+}
+
+/// The half of the box behind the cheek.
+IndexBox back_half(const Body& body) {
+  IndexBox half = body.elements.active_bounds();
+  half.hi.y = (half.lo.y + half.hi.y) / 2;
+  return half;
 }
 
 }  // namespace
@@ -47,6 +55,7 @@ std::vector<BenchRow> measure_stream(const EcmWorkload& workload, MeasuredBody& 
   std::optional<std::uint64_t> checksum;
   for (const EcmSide& side : workload.sides) {
     WarmSide warm = warm_up(side, measured, first, cancel);
+    if (workload.start == "anchored") warm.engine->fix(back_half(measured.body));
     Times times, ns_per_moved;
     std::int64_t moved = 0;
     for (const double step : steps) {
