@@ -53,9 +53,13 @@ Command add_bench(CLI::App& program) {
                   "Rows whose name holds this; * stands for anything; may be repeated")
       ->allow_extra_args(false)
       ->option_text("PATTERN");
-  app->add_flag("--list", options->list, "Print the names of the rows and measure none");
-  app->add_option("--json", options->output, "Write the rows as JSON")->option_text("FILE");
-  app->add_flag("--markdown", options->markdown, "Print tables of a Markdown document");
+  CLI::Option* list =
+      app->add_flag("--list", options->list, "Print the names of the rows and measure none");
+  app->add_option("--json", options->output, "Write the rows as JSON")
+      ->excludes(list)
+      ->option_text("FILE");
+  app->add_flag("--markdown", options->markdown, "Print tables of a Markdown document")
+      ->excludes(list);
   app->add_option("--ct-head", options->ecm.ct_head,
                   "The head CT; build/data/ct_head.nhdr where that exists")
       ->option_text("FILE");

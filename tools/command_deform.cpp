@@ -17,7 +17,7 @@ namespace {
 struct Options {
   std::string input, raw_spec, material, labels, output;
   std::vector<std::string> grabs, bys, fixes, cuts;
-  bool push = false;
+  bool push = false, release = false;
   std::string limits = "box";
 };
 
@@ -41,10 +41,12 @@ std::vector<GivenHandle> parse_handles(const Options& options) {
     handles.push_back(std::move(handle));
   }
   if (bys != options.bys.size()) {
-    throw UsageError(to_line({"", "--grab and --by",
-                              std::to_string(bys) + " handles that take a --by and " +
-                                  std::to_string(options.bys.size()),
-                              "pairs, in order; files with dx,dy,dz take none"}));
+    throw UsageError(to_line({"", "--by", std::to_string(options.bys.size()) + " of them",
+                              "one for each of " + std::to_string(bys) +
+                                  " --grab, in order; files with dx,dy,dz take none"}));
+  }
+  if (options.push && handles.empty()) {
+    throw UsageError(to_line({"", "--push", "no --grab", "a handle that pushes"}));
   }
   return handles;
 }
@@ -81,8 +83,9 @@ std::vector<CutSurface> parse_cuts(const Options& options) {
 
 /// One solve of everything that the options ask for.
 void solve(Session& session, const std::vector<GivenHandle>& handles, const Fixes& fixes,
-           const std::vector<CutSurface>& cuts, Limits limits, Console& console) {
+           const std::vector<CutSurface>& cuts, const Options& options, Console& console) {
   StepRequest request;
+  request.release = options.release;
   for (const GivenHandle& handle : handles) {
     if (handle.points) require_in_body(*handle.points, session.body());
     for (Drag& drag : to_drags(handle, session.geometry())) {
@@ -97,7 +100,7 @@ void solve(Session& session, const std::vector<GivenHandle>& handles, const Fixe
   }
   request.fix_labels = fixes.labels;
   request.cuts = cuts;
-  request.limits = limits;
+  request.limits = options.limits == "ball" ? Limits::ball : Limits::box;
   session.step(request, console);
 }
 
@@ -126,7 +129,7 @@ void print_text(const Session& session, const Options& options,
     std::printf("cut links       %lld\n",
                 static_cast<long long>(session.records().back().cut_links));
   }
-  print_solve(session.records().back());
+  if (!options.grabs.empty()) print_solve(session.records().back());
   std::printf("folded cells    %lld of material%s, %lld in the air around it\n",
               static_cast<long long>(certificate.folded_cells - certificate.folded_air_cells),
               session.links().fold_free ? " (its limits exclude folds)" : "",
@@ -152,8 +155,9 @@ int run(const Options& options, const GlobalOptions& global, Console& console) {
   const std::vector<GivenHandle> handles = parse_handles(options);
   const Fixes fixes = parse_fixes(options);
   const std::vector<CutSurface> cuts = parse_cuts(options);
-  if (handles.empty() && options.fixes.empty() && options.cuts.empty()) {
-    throw UsageError("deform: found neither --grab nor --fix nor --cut, expected something to do");
+  if (handles.empty() && options.fixes.empty() && options.cuts.empty() && !options.release) {
+    throw UsageError(
+        "deform: found neither --grab nor --fix nor --cut nor --release, expected something to do");
   }
   OutputPlan plan(global);
   if (!is_state_file(options.input)) plan.protect(options.input);
@@ -166,8 +170,7 @@ int run(const Options& options, const GlobalOptions& global, Console& console) {
   if (!options.material.empty()) material = read_material(options.material);
 
   Session session(options.input, options.raw_spec, material, options.labels, console);
-  const Limits limits = options.limits == "ball" ? Limits::ball : Limits::box;
-  solve(session, handles, fixes, cuts, limits, console);
+  solve(session, handles, fixes, cuts, options, console);
   const State state = session.state();
   const Deformed deformed = invert_state(state, console);
   write_state(options.output, state, deformed.offsets, &console);
@@ -216,6 +219,7 @@ Command add_deform(CLI::App& program) {
   app->add_option("--fix", options->fixes, "Voxel, box, label or points that stay where they are")
       ->allow_extra_args(false)
       ->option_text("I,J,K[:I,J,K]|FILE.csv|label:N");
+  app->add_flag("--release", options->release, "Let go of what the state has fixed");
   app->add_option("--cut", options->cuts,
                   "Cut the body at rest along a surface in LPS mm (.stl, .ply, .obj) or around a "
                   "label; repeatable")

@@ -57,9 +57,12 @@ std::int64_t apply_cuts(Body& body, const BrickValues& labels,
     const CutReport report = cut_along(surface, body, labels);
     cut_links += report.newly_cut;
     if (report.crossed == 0) console.warn(surface.place + ": the cut crosses no link of the body");
+    if (report.degenerate > 0) {
+      console.warn(surface.place + ": " + std::to_string(report.degenerate) +
+                   " triangles without area cut nothing");
+    }
     console.debug(surface.place + ": the cut crosses " + std::to_string(report.crossed) +
-                  " links, " + std::to_string(report.newly_cut) + " of them new; " +
-                  std::to_string(report.degenerate) + " triangles without area");
+                  " links, " + std::to_string(report.newly_cut) + " of them new");
   }
   return cut_links;
 }

@@ -38,16 +38,14 @@ bool read_double(const std::string& text, double& value) {
   return !text.empty() && end == text.c_str() + text.size();
 }
 
-}  // namespace
-
-Vec3i parse_voxel(const std::string& option, const std::string& text) {
+bool read_voxel(const std::string& text, Vec3i& voxel) {
   const std::vector<std::string> parts = split(text, ',');
-  Vec3i voxel;
   bool good = parts.size() == 3;
   for (int a = 0; good && a < 3; ++a) good = read_int(parts[a], voxel[a]);
-  if (!good) throw_unparsed(option, text, "three integers I,J,K");
-  return voxel;
+  return good;
 }
+
+}  // namespace
 
 Vec3d parse_vector(const std::string& option, const std::string& text) {
   const std::vector<std::string> parts = split(text, ',');
@@ -60,11 +58,11 @@ Vec3d parse_vector(const std::string& option, const std::string& text) {
 
 IndexBox parse_box(const std::string& option, const std::string& text) {
   const std::vector<std::string> corners = split(text, ':');
-  if (corners.empty() || corners.size() > 2) {
-    throw_unparsed(option, text, "a voxel I,J,K or a box I,J,K:I,J,K");
+  Vec3i a, b;
+  if (corners.empty() || corners.size() > 2 || !read_voxel(corners.front(), a) ||
+      !read_voxel(corners.back(), b)) {
+    throw_unparsed(option, text, "I,J,K, a box I,J,K:I,J,K, label:N or a FILE.csv");
   }
-  const Vec3i a = parse_voxel(option, corners.front());
-  const Vec3i b = parse_voxel(option, corners.back());
   IndexBox box;
   for (int axis = 0; axis < 3; ++axis) {
     box.lo[axis] = std::min(a[axis], b[axis]);

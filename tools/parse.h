@@ -10,9 +10,8 @@
 
 namespace supple::tools {
 
-Vec3i parse_voxel(const std::string& option, const std::string& text);
 Vec3d parse_vector(const std::string& option, const std::string& text);
-/// "I,J,K" or "I,J,K:I,J,K"; the corners may come in any order.
+/// "I,J,K" or "I,J,K:I,J,K", the corners in any order; what was not a label or a file must be one.
 IndexBox parse_box(const std::string& option, const std::string& text);
 /// N of "label:N", 1 to 65535; nothing when the text does not start with "label:".
 std::optional<std::int32_t> parse_label(const std::string& option, const std::string& text);

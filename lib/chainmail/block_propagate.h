@@ -54,7 +54,7 @@ class BlockPropagator {
   const Body& m_body;
   std::array<std::array<LinkCosts, 2>, 3> m_costs;  // [coordinate][direction], built when asked for
   std::vector<Waiting> m_waiting;
-  BucketQueue m_queue;
+  BucketQueue m_queue{256};
   std::vector<QueueEntry> m_round;
   std::array<std::vector<std::uint32_t>, 2> m_phases;  // bricks of a round by parity
   std::vector<Outgoing> m_outgoing;

@@ -2,12 +2,11 @@
 // order of their distance from `start`. Inside a bucket the order is first in, first out, so the
 // user must correct labels there; the label-correcting result is exact whatever the width.
 //
-// Cost: O(1) per push and pop plus one step per bucket passed. 2048 buckets form a sliding window;
+// Cost: O(1) per push and pop plus one step per bucket passed. The buckets form a sliding window;
 // entries beyond it wait in one array that is redistributed when the window reaches them.
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -22,11 +21,15 @@ struct QueueEntry {
 
 class BucketQueue {
  public:
+  /// A power of two of buckets, which exist from the first reset on.
+  explicit BucketQueue(std::size_t buckets) : m_mask(buckets - 1) {}
+
   /// `downward`: later values are smaller than `start`, otherwise larger.
   void reset(std::int32_t start, bool downward, int shift) {
-    m_buckets[m_current % kBuckets].clear();
+    m_buckets.resize(m_mask + 1);
+    bucket(m_current).clear();
     if (m_in_window > 0) {
-      for (auto& bucket : m_buckets) bucket.clear();
+      for (Bucket& entries : m_buckets) entries.clear();
     }
     m_far.clear();
     m_start = std::uint32_t(start);
@@ -39,8 +42,8 @@ class BucketQueue {
   /// `value` must not precede the bucket of the last popped entry.
   void push(Slot slot, std::int32_t value) {
     const std::uint64_t number = bucket_number(value);
-    if (number < m_current + kBuckets) {
-      m_buckets[number % kBuckets].push_back({slot, value});
+    if (number <= m_current + m_mask) {
+      bucket(number).push_back({slot, value});
       ++m_in_window;
     } else {
       m_far.push_back({slot, value});
@@ -52,13 +55,13 @@ class BucketQueue {
   /// False when the queue is empty.
   bool pop(QueueEntry& entry) {
     while (true) {
-      auto& bucket = m_buckets[m_current % kBuckets];
-      if (m_next < bucket.size()) {
-        entry = bucket[m_next++];
+      auto& current = bucket(m_current);
+      if (m_next < current.size()) {
+        entry = current[m_next++];
         --m_in_window;
         return true;
       }
-      bucket.clear();
+      current.clear();
       m_next = 0;
       if (m_in_window == 0 && m_far.empty()) return false;
       m_current = m_in_window == 0 ? m_far_first : m_current + 1;
@@ -71,9 +74,9 @@ class BucketQueue {
     entries.clear();
     QueueEntry first;
     if (!pop(first)) return false;
-    auto& bucket = m_buckets[m_current % kBuckets];
-    m_in_window -= bucket.size() - m_next;
-    entries.swap(bucket);
+    auto& current = bucket(m_current);
+    m_in_window -= current.size() - m_next;
+    entries.swap(current);
     m_next = 0;
     return true;
   }
@@ -82,13 +85,15 @@ class BucketQueue {
 
   std::size_t bytes() const {
     std::size_t entries = m_far.capacity();
-    for (const auto& bucket : m_buckets) entries += bucket.capacity();
-    return sizeof(*this) + entries * sizeof(QueueEntry);
+    for (const Bucket& each : m_buckets) entries += each.capacity();
+    return m_buckets.capacity() * sizeof(Bucket) + entries * sizeof(QueueEntry);
   }
 
  private:
-  static constexpr std::uint64_t kBuckets = 2048;
+  using Bucket = std::vector<QueueEntry>;
   static constexpr std::uint64_t kNever = UINT64_MAX;
+
+  Bucket& bucket(std::uint64_t number) { return m_buckets[number & m_mask]; }
 
   std::uint64_t bucket_number(std::int32_t value) const {
     const std::uint32_t depth =
@@ -104,7 +109,8 @@ class BucketQueue {
     for (const QueueEntry& entry : waiting) push(entry.slot, entry.value);
   }
 
-  std::array<std::vector<QueueEntry>, kBuckets> m_buckets;
+  std::uint64_t m_mask;  // one less than there are buckets
+  std::vector<Bucket> m_buckets;
   std::vector<QueueEntry> m_far;
   std::uint64_t m_far_first = kNever;
   std::uint32_t m_start = 0;

@@ -35,7 +35,7 @@ class FlatPropagator {
   void spread(const PropagationTask& task, QueueEntry from);
 
   const Body& m_body;
-  BucketQueue m_queue;
+  BucketQueue m_queue{2048};
 };
 
 }  // namespace supple
