@@ -29,6 +29,7 @@ Classifier::Classifier(const TransferFunction& function, const SourceBricks& sou
   const double first_code = source.encoded(first), last_code = source.encoded(last);
   m_lo = float(first_code);
   m_entries_per_code = last > first ? float((kEntries - 1) / (last_code - first_code)) : 0;
+  const bool per_step = function.blend == Blend::composite && !has_gradient_opacity();
   m_table.resize(kEntries + 1);
   m_visible_before.assign(kEntries + 2, 0);
   for (int n = 0; n <= kEntries; ++n) {
@@ -36,9 +37,8 @@ Classifier::Classifier(const TransferFunction& function, const SourceBricks& sou
     const double density = first + along * (last - first);
     const auto rgb = function.colour_at(density);
     const double opacity = function.opacity_at(density);
-    const double alpha = has_gradient_opacity()
-                             ? opacity
-                             : corrected_opacity(opacity, step_mm, function.unit_distance_mm);
+    const double alpha =
+        per_step ? corrected_opacity(opacity, step_mm, function.unit_distance_mm) : opacity;
     m_table[n] = Float4{float(rgb[0]), float(rgb[1]), float(rgb[2]), float(alpha)};
     m_visible_before[n + 1] = m_visible_before[n] + (m_table[n][3] > 0 ? 1 : 0);
   }
@@ -60,7 +60,9 @@ bool Classifier::may_be_visible(const EncodedRange& range) const {
   const auto entry = [&](float encoded) {
     return std::clamp((encoded - m_lo) * m_entries_per_code, 0.0f, float(kEntries - 1));
   };
-  const int first = int(std::floor(entry(range.lo - kGuardCodes)));
+  // A transparent density hides the smaller ones from a maximum.
+  const bool hides = m_function.blend == Blend::maximum;
+  const int first = hides ? 0 : int(std::floor(entry(range.lo - kGuardCodes)));
   const int last = int(std::ceil(entry(range.hi + kGuardCodes)));
   return m_visible_before[last + 1] > m_visible_before[first];
 }

@@ -18,13 +18,14 @@ class Classifier {
  public:
   Classifier(const TransferFunction& function, const SourceBricks& source, double step_mm);
 
-  /// Red, green, blue, and the opacity of one step (with gradient opacity: of the unit distance).
+  /// Red, green, blue, and the opacity of one step (with gradient opacity: of the unit distance;
+  /// maximum: of the ray).
   Float4 classify(float encoded) const;
   /// Opacity of one step with the gradient's share (density per mm).
   float with_gradient(float opacity, float gradient_per_mm) const;
   bool has_gradient_opacity() const { return !m_function.gradient_opacity.empty(); }
 
-  /// False only when every density of the range is transparent.
+  /// False only when every density of the range is transparent; maximum: and none hides another.
   bool may_be_visible(const EncodedRange& range) const;
 
  private:

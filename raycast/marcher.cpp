@@ -12,6 +12,10 @@ namespace {
 /// enough for relief, near enough to a headlight to leave no dark side.
 constexpr double kLightUp = 0.35, kLightLeft = 0.25;
 
+/// Voxels behind the face of a clip that are shaded as the face; one more fades to the tissue's own
+/// gradients.
+constexpr double kFaceVoxels = 2;
+
 int floor_to_int(double x) {
   const int truncated = int(x);
   return truncated - (x < truncated ? 1 : 0);
@@ -64,6 +68,9 @@ Frame::Frame(const Geometry& geometry_, const SourceBricks& source_, const Offse
     box_lo[a] = std::min(box_lo[a], deformed.lo[a] - 1.0);
     box_hi[a] = std::max(box_hi[a], deformed.hi[a] + 1.0);
   }
+  for (const Clip& clip : settings.clips) {
+    (clip.space == ClipSpace::source ? source_clips : deformed_clips).emplace_back(clip, geometry);
+  }
   for (int a = 0; a < 3; ++a) {
     Vec3d axis(0);
     axis[a] = source.scale();
@@ -75,7 +82,8 @@ Marcher::Marcher(const Frame& frame)
     : m_frame(frame),
       m_output_cursor(frame.output.topology()),
       m_source_cursor(frame.source.topology()),
-      m_opaque(float(frame.settings.early_termination)) {}
+      m_opaque(float(frame.settings.early_termination)),
+      m_is_maximum(frame.function.blend == Blend::maximum) {}
 
 Float4 Marcher::march(const Ray& ray) {
   m_ray = {m_frame.geometry.index_from_world(ray.origin_lps_mm),
@@ -89,11 +97,16 @@ Float4 Marcher::march(const Ray& ray) {
   m_entry = span.begin;
   m_last_sample = std::int64_t((span.end - span.begin) / m_frame.step_mm);
 
+  clip_ray();
+  const Interval kept{std::max(span.begin, m_kept.begin), std::min(span.end, m_kept.end)};
+  if (!(kept.begin <= kept.end)) return m_sum;
+
   if (m_frame.settings.skip_empty_space) {
-    m_frame.bounds.intervals(m_ray, span, m_intervals);
+    m_frame.bounds.intervals(m_ray, kept, m_intervals);
   } else {
-    m_intervals.assign(1, span);
+    m_intervals.assign(1, kept);
   }
+  m_maximum = -std::numeric_limits<float>::infinity();
 
   // Blocks that an interval touches, each once.
   const std::int64_t stride = m_frame.settings.stride;
@@ -105,11 +118,69 @@ Float4 Marcher::march(const Ray& ray) {
     const std::int64_t last_sample = std::min(std::int64_t(end) + 1, m_last_sample);
     const std::int64_t first = std::max(next_block, (first_sample + stride - 1) / stride);
     const std::int64_t last = (last_sample + stride - 1) / stride;
-    march_blocks(first, last);
+    if (m_is_maximum) {
+      find_maximum(std::max((first - 1) * stride + 1, std::int64_t(0)), last * stride);
+    } else {
+      march_blocks(first, last);
+    }
     if (opaque()) break;
     next_block = std::max(next_block, last + 1);
   }
+  if (m_is_maximum && m_maximum > -std::numeric_limits<float>::infinity()) {
+    const Float4 colour = m_frame.classifier.classify(m_maximum);
+    m_sum = colour * colour[3];
+    m_sum[3] = colour[3];
+  }
   return m_sum;
+}
+
+void Marcher::clip_ray() {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  m_kept = {-kInfinity, kInfinity};
+  m_removed.clear();
+  for (const IndexClip& clip : m_frame.deformed_clips) {
+    const Interval part = clip.along(m_ray);
+    if (clip.keep() == ClipKeep::outside) {
+      if (part.begin <= part.end) m_removed.push_back(part);
+      continue;
+    }
+    m_kept = {std::max(m_kept.begin, part.begin), std::min(m_kept.end, part.end)};
+  }
+}
+
+bool Marcher::is_clipped(double t) const {
+  if (t < m_kept.begin || t > m_kept.end) return true;
+  return std::any_of(m_removed.begin(), m_removed.end(), [t](const Interval& removed) {
+    return t >= removed.begin && t <= removed.end;
+  });
+}
+
+/// Samples just behind a clip are shaded as its face: their own gradients belong to the inside of
+/// the tissue and would leave what the clip opens dark and rough.
+void Marcher::find_face(const IndexClip& clip, const Vec3d& pos, Probe& probe) const {
+  const bool is_bent = clip.space() == ClipSpace::source && probe.offset.node != nullptr;
+  const auto as_seen = [&](const Vec3d& normal) {
+    return is_bent ? pull_back_gradient(probe.offset, Vec3f(normal)) : Vec3f(normal);
+  };
+  double mm_ago = 0;
+  const IndexClip::Plane* plane = clip.face_behind(
+      pos, [&](const Vec3d& normal) { return Vec3d(as_seen(normal)).dot(m_ray.direction); },
+      mm_ago);
+  if (plane == nullptr) return;
+  const double voxels = mm_ago / m_frame.step_mm * m_frame.settings.step_voxels;
+  const float share = float(std::clamp(kFaceVoxels + 1 - voxels, 0.0, 1.0));
+  if (share <= probe.face_share) return;
+  probe.face = to_world(as_seen(plane->normal)).normalized();
+  if (probe.face.dot(m_view) < 0) probe.face = -probe.face;
+  probe.face_share = share;
+}
+
+/// Raises the maximum to that of the samples first … last.
+void Marcher::find_maximum(std::int64_t first, std::int64_t last) {
+  for (std::int64_t n = first; n <= last; ++n) {
+    const Probe sample = probe(n);
+    if (sample.is_inside) m_maximum = std::max(m_maximum, sample.encoded);
+  }
 }
 
 void Marcher::march_blocks(std::int64_t first, std::int64_t last) {
@@ -133,13 +204,20 @@ void Marcher::march_blocks(std::int64_t first, std::int64_t last) {
 Marcher::Probe Marcher::probe(std::int64_t n) {
   Probe result;
   if (n > m_last_sample) return result;
-  Vec3d pos = m_ray.at(m_entry + double(n) * m_frame.step_mm);
+  const double t = m_entry + double(n) * m_frame.step_mm;
+  if (is_clipped(t)) return result;
+  const Vec3d seen_at = m_ray.at(t);
+  Vec3d pos = seen_at;
   Vec3i base = floor_to_voxel(pos);
   const std::int32_t out = m_output_cursor.find(base);
   if (out < 0 || !m_frame.output_visible[out]) return result;
+  if (m_is_maximum && m_frame.output.range(out).hi <= m_maximum) return result;
   if (!m_frame.output.is_identity(out)) {
     if (!follow_offset(out, base, pos, result.offset)) return result;
     base = floor_to_voxel(pos);
+  }
+  for (const IndexClip& clip : m_frame.source_clips) {
+    if (!clip.keeps(pos)) return result;
   }
   const std::int32_t in = m_source_cursor.find(base);
   if (in < 0 || !m_frame.source_visible[in]) return result;
@@ -148,9 +226,12 @@ Marcher::Probe Marcher::probe(std::int64_t n) {
   result.source = {m_frame.source.node(in, local), float(pos.x - base.x), float(pos.y - base.y),
                    float(pos.z - base.z)};
   ++m_samples;
-  if (sample_cell(result.source, result.encoded)) {
-    result.colour = m_frame.classifier.classify(result.encoded);
-  }
+  result.is_inside = sample_cell(result.source, result.encoded);
+  if (!result.is_inside) return result;
+  result.colour = m_frame.classifier.classify(result.encoded);
+  if (!result.visible()) return result;
+  for (const IndexClip& clip : m_frame.deformed_clips) find_face(clip, seen_at, result);
+  for (const IndexClip& clip : m_frame.source_clips) find_face(clip, pos, result);
   return result;
 }
 
@@ -171,18 +252,29 @@ Vec3f Marcher::world_gradient(const Probe& probe) const {
   if (probe.offset.node != nullptr && m_frame.settings.transform_gradient) {
     g = pull_back_gradient(probe.offset, g);
   }
-  return m_frame.gradient_columns[0] * g.x + m_frame.gradient_columns[1] * g.y +
-         m_frame.gradient_columns[2] * g.z;
+  return to_world(g);
+}
+
+/// Encoded density per voxel to density per mm.
+Vec3f Marcher::to_world(const Vec3f& index_gradient) const {
+  const auto& columns = m_frame.gradient_columns;
+  return columns[0] * index_gradient.x + columns[1] * index_gradient.y +
+         columns[2] * index_gradient.z;
 }
 
 /// Blinn-Phong with two-sided normals; a place without gradient counts as facing the light.
-Float4 Marcher::shaded(const Float4& colour, const Vec3f& gradient, float magnitude) const {
+Float4 Marcher::shaded(const Probe& probe, const Vec3f& gradient, float magnitude) const {
   const TransferFunction& f = m_frame.function;
-  if (!(magnitude > 0)) return colour * float(f.ambient + f.diffuse);
-  Vec3f normal = gradient / magnitude;
+  const Float4& colour = probe.colour;
+  if (!(magnitude > 0) && probe.face_share == 0) return colour * float(f.ambient + f.diffuse);
+  Vec3f normal = magnitude > 0 ? gradient / magnitude : probe.face;
   if (normal.dot(m_view) < 0) normal = -normal;
   const float full = float(f.full_shading_gradient);
-  const float trust = magnitude < full ? magnitude / full : 1.0f;
+  float trust = magnitude < full ? magnitude / full : 1.0f;
+  if (probe.face_share > 0) {
+    normal = (normal * (1 - probe.face_share) + probe.face * probe.face_share).normalized();
+    trust += probe.face_share * (1 - trust);
+  }
   const float diffuse = 1 - trust + trust * std::max(normal.dot(m_frame.light), 0.0f);
   const float highlight = trust * std::max(normal.dot(m_half), 0.0f);
   const float specular = float(f.specular) * std::pow(highlight, float(f.specular_power));
@@ -199,7 +291,7 @@ void Marcher::composite(const Probe& probe) {
     if (m_frame.classifier.has_gradient_opacity()) {
       alpha = m_frame.classifier.with_gradient(alpha, magnitude);
     }
-    if (m_frame.settings.shading) colour = shaded(colour, gradient, magnitude);
+    if (m_frame.settings.shading) colour = shaded(probe, gradient, magnitude);
   }
   colour[3] = 1;
   m_sum += ((1 - m_sum[3]) * alpha) * colour;

@@ -9,10 +9,12 @@
 #pragma once
 
 #include <array>
+#include <utility>
 #include <vector>
 
 #include "raycast/camera.h"
 #include "raycast/classify.h"
+#include "raycast/clip.h"
 #include "raycast/embree_bounds.h"
 #include "raycast/render.h"
 
@@ -35,6 +37,7 @@ struct Frame {
   Vec3d box_lo, box_hi;                   // index space; rays begin where they enter it
   std::array<Vec3f, 3> gradient_columns;  // encoded index gradient to density per mm, LPS
   Vec3f light;                            // towards the light: above and left of the camera
+  std::vector<IndexClip> source_clips, deformed_clips;
 };
 
 /// Finds the brick of a voxel, remembering the last one.
@@ -71,17 +74,25 @@ class Marcher {
   struct Probe {
     Float4 colour{0, 0, 0, 0};
     float encoded = 0;
+    bool is_inside = false;  // of a cell whose corners all have a density
     SourceCell source;
     OffsetCell offset;
+    Vec3f face{0, 0, 0};   // of a clip, towards the viewer, where one is near
+    float face_share = 0;  // 1: the sample lies at it
     bool visible() const { return colour[3] > 0; }
   };
 
+  void clip_ray();
+  bool is_clipped(double t) const;
+  void find_face(const IndexClip& clip, const Vec3d& pos, Probe& probe) const;
   Probe probe(std::int64_t n);
   bool follow_offset(std::size_t brick, const Vec3i& base, Vec3d& pos, OffsetCell& cell) const;
   void march_blocks(std::int64_t first, std::int64_t last);
+  void find_maximum(std::int64_t first, std::int64_t last);
   void composite(const Probe& probe);
+  Vec3f to_world(const Vec3f& index_gradient) const;
   Vec3f world_gradient(const Probe& probe) const;
-  Float4 shaded(const Float4& colour, const Vec3f& gradient, float magnitude) const;
+  Float4 shaded(const Probe& probe, const Vec3f& gradient, float magnitude) const;
   bool opaque() const { return m_sum[3] >= m_opaque; }
 
   const Frame& m_frame;
@@ -89,11 +100,15 @@ class Marcher {
   std::vector<Interval> m_intervals;
   std::int64_t m_samples = 0;
   float m_opaque;
+  bool m_is_maximum;
 
   // Of the ray under way.
   IndexRay m_ray;
   double m_entry = 0;
   std::int64_t m_last_sample = -1;
+  Interval m_kept{};                // t of what the deformed space's clips keep,
+  std::vector<Interval> m_removed;  // but for these parts
+  float m_maximum = 0;              // encoded, of the samples so far
   Vec3f m_view, m_half;
   Float4 m_sum{0, 0, 0, 0};
 };

@@ -1,4 +1,4 @@
-// The four presets. Names and intent follow 3D Slicer's volume rendering presets
+// The presets. Names and intent follow 3D Slicer's volume rendering presets
 // (Modules/Loadable/VolumeRendering/Resources/presets.xml); the tables are our own, with opacities
 // per millimetre. CT presets expect Hounsfield units. MR-Default has a fixed range, as in Slicer:
 // it suits 8-bit and similarly scaled MRI (tissue between 40 and 250); other scalings want their
@@ -67,15 +67,33 @@ TransferFunction mr_default() {
   return f;
 }
 
+/// The window of a bone scan's projection; air and fat stay transparent.
+TransferFunction ct_mip() {
+  TransferFunction f;
+  f.name = "CT-MIP";
+  f.blend = Blend::maximum;
+  f.opacity = {{-1024, 0}, {-200, 0}, {0, 0.25}, {600, 1}, {3071, 1}};
+  f.colour = {{-1024, {0, 0, 0}}, {-200, {0, 0, 0}}, {1600, {1, 1, 1}}, {3071, {1, 1, 1}}};
+  return f;
+}
+
+TransferFunction mr_mip() {
+  TransferFunction f;
+  f.name = "MR-MIP";
+  f.blend = Blend::maximum;
+  f.opacity = {{0, 0}, {20, 0}, {100, 1}, {1024, 1}};
+  f.colour = {{0, {0, 0, 0}}, {250, {1, 1, 1}}, {1024, {1, 1, 1}}};
+  return f;
+}
+
 using Maker = TransferFunction (*)();
 struct Entry {
   const char* name;
   Maker make;
 };
-constexpr Entry kPresets[] = {{"CT-Bone", ct_bone},
-                              {"CT-Muscle", ct_muscle},
-                              {"CT-Soft-Tissue", ct_soft_tissue},
-                              {"MR-Default", mr_default}};
+constexpr Entry kPresets[] = {{"CT-Bone", ct_bone},       {"CT-MIP", ct_mip},
+                              {"CT-Muscle", ct_muscle},   {"CT-Soft-Tissue", ct_soft_tissue},
+                              {"MR-Default", mr_default}, {"MR-MIP", mr_mip}};
 
 }  // namespace
 

@@ -87,6 +87,7 @@ void RenderSettings::validate() const {
   require(stride >= 1 && stride <= 16, "stride", stride, "1 to 16");
   require(early_termination > 0 && early_termination <= 1, "early_termination", early_termination,
           "more than 0, at most 1");
+  for (const Clip& clip : clips) clip.validate("");
 }
 
 struct Renderer::Impl {

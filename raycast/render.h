@@ -4,8 +4,10 @@
 
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "raycast/camera.h"
+#include "raycast/clip.h"
 #include "raycast/image.h"
 #include "raycast/transfer_function.h"
 #include "volumes/base/progress.h"
@@ -23,9 +25,10 @@ struct RenderSettings {
   bool transform_gradient = true;   // the (I + grad o)^T term; off only to show what it is for
   bool skip_empty_space = true;     // leaves out what is known to be transparent; same picture
   double early_termination = 0.99;  // accumulated opacity that ends a ray
+  std::vector<Clip> clips;          // what is seen lies in all of them
 
   /// Throws InputError: sizes < 1 or > 16384, step outside 0.01…16, stride outside 1…16,
-  /// early_termination outside (0, 1].
+  /// early_termination outside (0, 1], a bad clip.
   void validate() const;
 };
 

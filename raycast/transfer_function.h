@@ -10,15 +10,20 @@ namespace supple {
 
 struct OpacityKey {
   double density;
-  double opacity;  // per unit_distance_mm, 0…1
+  double opacity;  // per unit_distance_mm (maximum: of the ray), 0…1
 };
 struct ColourKey {
   double density;
   std::array<double, 3> rgb;  // 0…1, sRGB
 };
 
+/// composite: front to back; maximum: the largest density of a ray, which is looked up as it is
+/// (maximum-intensity projection).
+enum class Blend { composite, maximum };
+
 struct TransferFunction {
   std::string name;
+  Blend blend = Blend::composite;
   std::vector<OpacityKey> opacity;  // ascending; constant beyond the ends
   std::vector<ColourKey> colour;
   std::vector<OpacityKey> gradient_opacity;  // density per mm; empty: 1 everywhere
@@ -36,7 +41,8 @@ struct TransferFunction {
   void validate(const std::string& file) const;
 };
 
-/// "CT-Bone", "CT-Muscle", "CT-Soft-Tissue", "MR-Default". Throws InputError listing the names.
+/// "CT-Bone", "CT-MIP", "CT-Muscle", "CT-Soft-Tissue", "MR-Default", "MR-MIP". Throws InputError
+/// listing the names.
 TransferFunction preset(const std::string& name);
 std::vector<std::string> preset_names();
 

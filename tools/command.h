@@ -33,6 +33,7 @@ Command add_info(CLI::App& program);
 Command add_deform(CLI::App& program);
 Command add_export(CLI::App& program);
 Command add_resample(CLI::App& program);
+Command add_presets(CLI::App& program);
 Command add_render(CLI::App& program);
 Command add_run(CLI::App& program);
 Command add_compare(CLI::App& program);

@@ -22,7 +22,9 @@ namespace {
 constexpr int kAirRings = 2;
 
 struct Options {
-  std::string input, raw_spec, offsets, camera, size, view, output;
+  std::string input, raw_spec, offsets, preset, camera, size, view, output;
+  std::vector<std::string> clip_planes, clip_boxes;
+  std::string clip_keep = "inside", clip_space = "deformed";
   bool undeformed = false;
   bool lattice = false;
   bool orthographic = false;
@@ -35,6 +37,17 @@ SceneView to_view(const Options& options) {
   view.image = options.output;
   view.deformed = !options.undeformed;
   view.lattice = options.lattice;
+  if (!options.preset.empty()) choose_transfer(view, options.preset);
+  for (const std::string& text : options.clip_planes) {
+    view.clips.push_back(parse_clip_plane("--clip-plane", text));
+  }
+  for (const std::string& text : options.clip_boxes) {
+    view.clips.push_back(parse_clip_box("--clip-box", text));
+  }
+  for (ClipChoice& choice : view.clips) {
+    choice.clip.keep = options.clip_keep == "outside" ? ClipKeep::outside : ClipKeep::inside;
+    choice.clip.space = options.clip_space == "source" ? ClipSpace::source : ClipSpace::deformed;
+  }
   if (!options.size.empty()) parse_size("--size", options.size, view.width, view.height);
   if (!options.camera.empty()) view.camera = read_camera(options.camera);
   if (!options.view.empty()) view.camera.view = options.view;
@@ -134,9 +147,27 @@ Command add_render(CLI::App& program) {
   app->add_option("--offsets", options->offsets,
                   "Show a volume through a resample-direction warp (NRRD, MetaImage)")
       ->option_text("FIELD");
-  app->add_option("--preset", options->scene_view.preset,
-                  "CT-Bone (default with HU), CT-Muscle, CT-Soft-Tissue, MR-Default")
-      ->option_text("NAME");
+  app->add_option(
+         "--preset", options->preset,
+         "CT-Bone (default with HU), CT-Muscle, CT-Soft-Tissue, CT-MIP, MR-Default, MR-MIP, "
+         "or a file as `supple presets NAME` prints")
+      ->option_text("NAME|F.toml");
+  app->add_option("--clip-plane", options->clip_planes,
+                  "Leave out what lies behind a point and normal in LPS mm; repeatable")
+      ->allow_extra_args(false)
+      ->option_text("X,Y,Z:NX,NY,NZ");
+  app->add_option("--clip-box", options->clip_boxes,
+                  "Leave out what lies outside a box of voxels; repeatable")
+      ->allow_extra_args(false)
+      ->option_text("I,J,K:I,J,K");
+  app->add_option("--clip-keep", options->clip_keep, "What a clip keeps: inside or outside of it")
+      ->check(CLI::IsMember({"inside", "outside"}))
+      ->option_text("inside|outside");
+  app->add_option("--clip-space", options->clip_space,
+                  "deformed: cut the picture (default); source: cut the tissue, which takes the "
+                  "cut along")
+      ->check(CLI::IsMember({"deformed", "source"}))
+      ->option_text("deformed|source");
   app->add_option("--camera", options->camera, "Camera file")->option_text("C.toml");
   app->add_option("--view", options->view,
                   "From anterior, posterior, left, right, superior or inferior")

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "raycast/lattice.h"
+#include "tools/transfer_file.h"
 #include "tools/version.h"
 #include "volumes/field/displacement.h"
 
@@ -129,32 +130,64 @@ void check_view(const SceneView& view) {
 SceneView effective_view(const SceneView& view, const Geometry& geometry, double min_density) {
   SceneView effective = view;
   effective.lattice = view.lattice || geometry.dims().z == 1;
-  if (view.preset.empty()) effective.preset = min_density < -200 ? "CT-Bone" : "MR-Default";
+  if (view.preset.empty() && !view.transfer)
+    effective.preset = min_density < -200 ? "CT-Bone" : "MR-Default";
   return effective;
 }
 
 Image draw(const Subject& subject, const SceneView& view, RenderReport* report, Console& console) {
-  const RenderSettings settings = view_settings(view);
+  if (view.lattice && !view.clips.empty()) {
+    throw InputError({view.place, "clip", "a lattice to draw", "a volume of several slices"});
+  }
   if (view.lattice) return draw_body_lattice(subject, view);
+  RenderSettings settings = view_settings(view);
+  settings.clips = resolve_clips(view.clips, subject.geometry);
   Renderer renderer(subject.geometry, subject.density, subject.air_rings);
   if (subject.offsets != nullptr) renderer.set_offsets(subject.offsets);
   const Camera camera =
       resolve_camera(view.camera, subject.geometry, double(view.width) / view.height);
-  return renderer.render(camera, preset(view.preset), settings, report, &console);
+  const TransferFunction function = view.transfer ? *view.transfer : preset(view.preset);
+  return renderer.render(camera, function, settings, report, &console);
 }
 
+namespace {
+
+nlohmann::ordered_json to_json(const Vec3d& v) {
+  return {v.x, v.y, v.z};
+}
+
+nlohmann::ordered_json to_json(const ClipChoice& choice) {
+  nlohmann::ordered_json json;
+  if (choice.voxel_corners) {
+    json["box"] = {to_json(choice.voxel_corners->first), to_json(choice.voxel_corners->second)};
+  }
+  for (const HalfSpace& half : choice.clip.region) {
+    json["plane"] = {{"point", to_json(half.point_lps_mm)}, {"normal", to_json(half.normal_lps)}};
+  }
+  json["keep"] = choice.clip.keep == ClipKeep::inside ? "inside" : "outside";
+  json["space"] = choice.clip.space == ClipSpace::deformed ? "deformed" : "source";
+  return json;
+}
+
+}  // namespace
+
 std::string describe_view(const SceneView& view) {
-  const auto list = [](const Vec3d& v) { return nlohmann::ordered_json{v.x, v.y, v.z}; };
+  const auto list = [](const Vec3d& v) { return to_json(v); };
   const auto name_of = [](Projection projection) {
     return projection == Projection::perspective ? "perspective" : "orthographic";
   };
   nlohmann::ordered_json json;
   json["program"] = std::string("supple ") + kVersion;
-  json["preset"] = view.preset;
+  if (view.transfer) {
+    json["transfer"] = to_toml(*view.transfer);
+  } else {
+    json["preset"] = view.preset;
+  }
   json["size"] = {view.width, view.height};
   json["step"] = view.step_voxels;
   json["deformed"] = view.deformed;
   json["lattice"] = view.lattice;
+  for (const ClipChoice& clip : view.clips) json["clip"].push_back(to_json(clip));
   if (const auto& camera = view.camera.camera) {
     json["camera"] = {
         {"projection", name_of(camera->projection)}, {"position", list(camera->position_lps_mm)},

@@ -1,8 +1,6 @@
 #include "tools/scene.h"
 
 #include <algorithm>
-#include <cmath>
-#include <filesystem>
 
 #include "tools/material_file.h"
 #include "tools/toml_table.h"
@@ -11,18 +9,6 @@
 namespace supple::tools {
 
 namespace {
-
-/// Relative paths of inputs start at the folder of the scene file.
-std::string beside(const std::string& scene_file, const std::string& path) {
-  const std::filesystem::path input(path);
-  if (input.is_absolute()) return path;
-  return (std::filesystem::path(scene_file).parent_path() / input).string();
-}
-
-/// True for what an int holds exactly.
-bool is_integer(double value) {
-  return std::abs(value) <= 2147483647.0 && value == std::floor(value);
-}
 
 IndexBox to_box(TomlTable& table, const std::string& key, const std::vector<double>& row) {
   IndexBox box;
@@ -42,9 +28,9 @@ constexpr std::initializer_list<const char*> kHandleKeys = {
     "grab", "grab_box", "grab_label", "at_mm", "points", "by", "by_mm_lps", "push"};
 
 std::optional<PointFile> read_points(TomlTable& table, const std::string& key) {
-  const auto path = table.string(key);
+  const auto path = table.path(key);
   if (!path) return std::nullopt;
-  return read_point_file(beside(table.file(), *path));
+  return read_point_file(*path);
 }
 
 std::int32_t to_label(TomlTable& table, const std::string& key, double value) {
@@ -123,14 +109,14 @@ CutSurface read_plane(TomlTable& table) {
 CutSurface read_cut(TomlTable& table) {
   table.know({"plane", "mesh", "label"});
   auto plane = table.table("plane");
-  const auto mesh = table.string("mesh");
+  const auto mesh = table.path("mesh");
   const bool has_label = table.has("label");
   table.finish();
   const int given = int(plane.has_value()) + int(mesh.has_value()) + int(has_label);
   if (given == 0) table.fail_missing("mesh", "either mesh, plane or label");
   if (given > 1) table.fail("mesh", "several of them", "either mesh, plane or label");
   if (has_label) return label_cut(read_label(table, "label"), table.place());
-  return plane ? read_plane(*plane) : mesh_cut(beside(table.file(), *mesh));
+  return plane ? read_plane(*plane) : mesh_cut(*mesh);
 }
 
 Limits read_limits(TomlTable& table) {
@@ -179,76 +165,6 @@ SceneStep read_step(TomlTable& table) {
   return step;
 }
 
-Projection read_projection(TomlTable& table) {
-  const std::string name = table.string("projection").value_or("perspective");
-  if (name == "perspective") return Projection::perspective;
-  if (name == "orthographic") return Projection::orthographic;
-  table.fail("projection", "\"" + name + "\"", "\"perspective\" or \"orthographic\"");
-}
-
-CameraChoice read_camera_table(TomlTable& table) {
-  CameraChoice choice;
-  table.know({"projection", "view", "position", "target", "up", "fov", "height"});
-  choice.projection = read_projection(table);
-  choice.view = table.string("view").value_or(choice.view);
-  const std::vector<std::string> views = view_names();
-  if (std::find(views.begin(), views.end(), choice.view) == views.end()) {
-    std::string expected = "one of";
-    for (const std::string& name : views) expected += " " + name;
-    table.fail("view", "\"" + choice.view + "\"", expected);
-  }
-  const auto position = table.vector("position");
-  const auto target = table.vector("target");
-  const auto up = table.vector("up");
-  const auto fov = table.number("fov");
-  const auto height = table.number("height");
-  table.finish();
-  if (!position && !target && !up && !fov && !height) return choice;
-  if (table.has("view")) {
-    table.fail("view", "view beside position", "a named view or a position, not both");
-  }
-  const bool perspective = choice.projection == Projection::perspective;
-  if (perspective && height) table.fail("height", "height", "fov for a perspective camera");
-  if (!perspective && fov) table.fail("fov", "fov", "height for an orthographic camera");
-  Camera camera;
-  camera.projection = choice.projection;
-  camera.position_lps_mm = table.require(position, "position", "three numbers in LPS mm");
-  camera.target_lps_mm = table.require(target, "target", "three numbers in LPS mm");
-  camera.up_lps = up.value_or(camera.up_lps);
-  camera.vertical_fov_degrees = fov.value_or(camera.vertical_fov_degrees);
-  camera.height_mm = height.value_or(camera.height_mm);
-  camera.validate(table.place());
-  choice.camera = camera;
-  return choice;
-}
-
-SceneView read_view(TomlTable& table, int steps) {
-  SceneView view;
-  view.place = table.place();
-  table.know({"image", "preset", "camera", "size", "step", "deformed", "lattice", "after_step"});
-  view.image = table.require(table.string("image"), "image", "the name of a PNG file");
-  view.preset = table.string("preset").value_or(view.preset);
-  if (auto camera = table.table("camera")) view.camera = read_camera_table(*camera);
-  if (const auto size = table.numbers("size")) {
-    if (size->size() != 2 || !is_integer((*size)[0]) || !is_integer((*size)[1])) {
-      table.fail("size", "another list", "two integers [width, height]");
-    }
-    view.width = int((*size)[0]);
-    view.height = int((*size)[1]);
-  }
-  view.step_voxels = table.number("step").value_or(view.step_voxels);
-  view.deformed = table.boolean("deformed").value_or(true);
-  view.lattice = table.boolean("lattice").value_or(false);
-  if (const auto after = table.integer("after_step")) {
-    if (*after < 0 || *after > steps) {
-      table.fail("after_step", std::to_string(*after), "0 to " + std::to_string(steps));
-    }
-    view.after_step = int(*after);
-  }
-  table.finish();
-  return view;
-}
-
 SceneOutput read_output(TomlTable& table) {
   SceneOutput output;
   output.state = table.string("state").value_or("");
@@ -280,20 +196,18 @@ Scene read_scene(const std::string& path) {
   root.know({"volume", "labels", "material", "step", "view", "output"});
   TomlTable volume = root.require(root.table("volume"), "volume", "a table [volume] with a path");
   volume.know({"path", "raw"});
-  scene.volume_path =
-      beside(path, volume.require(volume.string("path"), "path", "the path of a volume"));
+  scene.volume_path = volume.require(volume.path("path"), "path", "the path of a volume");
   scene.raw_spec = volume.string("raw").value_or("");
   volume.finish();
 
   if (auto labels = root.table("labels")) {
-    scene.labels_path =
-        beside(path, labels->require(labels->string("path"), "path", "the path of a volume"));
+    scene.labels_path = labels->require(labels->path("path"), "path", "the path of a volume");
     labels->finish();
   }
   if (auto material = root.table("material")) {
-    if (const auto file = material->string("table")) {
+    if (const auto file = material->path("table")) {
       material->finish();
-      scene.material_path = beside(path, *file);
+      scene.material_path = *file;
       scene.material = read_material(scene.material_path);
     } else {
       scene.material = read_material_table(*material);
@@ -307,12 +221,6 @@ Scene read_scene(const std::string& path) {
   if (auto output = root.table("output")) scene.output = read_output(*output);
   root.finish();
   return scene;
-}
-
-CameraChoice read_camera(const std::string& path) {
-  const toml::table root = read_toml_file(path);
-  TomlTable table(root, path, "");
-  return read_camera_table(table);
 }
 
 }  // namespace supple::tools

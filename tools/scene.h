@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "lib/material/material.h"
-#include "raycast/camera.h"
 #include "tools/cut_surface.h"
 #include "tools/handles.h"
 #include "tools/session.h"
+#include "tools/view.h"
 #include "volumes/base/vec.h"
 
 namespace supple::tools {
@@ -24,25 +24,6 @@ struct SceneStep {
   Limits limits = Limits::box;
   bool release = false;  // lets go of everything that earlier steps held
   std::vector<CutSurface> cuts;
-};
-
-/// Camera as given: a named view, or a full camera.
-struct CameraChoice {
-  std::string view = "anterior";
-  Projection projection = Projection::perspective;
-  std::optional<Camera> camera;
-};
-
-struct SceneView {
-  std::string place;
-  std::string image;
-  std::string preset;  // empty: chosen by the densities
-  CameraChoice camera;
-  int width = 1024, height = 1024;
-  double step_voxels = 0.5;
-  bool deformed = true;
-  bool lattice = false;
-  std::optional<int> after_step;  // 0: before the first; absent: after the last
 };
 
 struct SceneOutput {
@@ -69,8 +50,5 @@ struct Scene {
 
 /// Throws InputError: unknown key (line and suggestion), wrong type or value, missing key.
 Scene read_scene(const std::string& path);
-
-/// A camera file: projection, view, or position/target/up with fov or height.
-CameraChoice read_camera(const std::string& path);
 
 }  // namespace supple::tools

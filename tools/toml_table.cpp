@@ -42,6 +42,10 @@ std::string text_of(const toml::node& node) {
 
 }  // namespace
 
+bool is_integer(double value) {
+  return std::abs(value) <= 2147483647.0 && value == std::floor(value);
+}
+
 toml::table parse_toml(const std::string& text, const std::string& source) {
   try {
     return toml::parse(text, source);
@@ -103,6 +107,12 @@ std::optional<std::string> TomlTable::string(const std::string& key) {
   if (node == nullptr) return std::nullopt;
   if (!node->is_string()) fail(key, text_of(*node), "a string");
   return node->value<std::string>();
+}
+
+std::optional<std::string> TomlTable::path(const std::string& key) {
+  const auto text = string(key);
+  if (!text || std::filesystem::path(*text).is_absolute()) return text;
+  return (std::filesystem::path(m_file).parent_path() / *text).string();
 }
 
 std::optional<bool> TomlTable::boolean(const std::string& key) {

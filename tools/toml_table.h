@@ -21,6 +21,9 @@ toml::table parse_toml(const std::string& text, const std::string& source);
 /// Parses a file; throws InputError for a missing file (as volumes/io does) or a syntax error.
 toml::table read_toml_file(const std::string& path);
 
+/// True for what an int holds exactly.
+bool is_integer(double value);
+
 class TomlTable {
  public:
   /// `table` must outlive this view; `name` is its place in the file, e.g. "step[2]", or "".
@@ -37,6 +40,8 @@ class TomlTable {
   std::string full_name(const std::string& key) const;
 
   std::optional<std::string> string(const std::string& key);
+  /// The path of an input: relative ones start at the folder of the file.
+  std::optional<std::string> path(const std::string& key);
   std::optional<bool> boolean(const std::string& key);
   std::optional<double> number(const std::string& key);
   std::optional<long long> integer(const std::string& key);

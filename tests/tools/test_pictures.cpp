@@ -1,0 +1,86 @@
+// Looks of pictures on the command line and in scenes: transfer functions as files, clips.
+#include <gtest/gtest.h>
+
+#include "raycast/compare.h"
+#include "tests/tools/program.h"
+
+using namespace supple;
+using namespace supple::test;
+
+namespace {
+
+class UnitPictures : public testing::Test {
+ protected:
+  UnitPictures() { write_ball(m_folder, "ball", 24); }
+
+  Outcome render(const std::string& image, std::vector<std::string> more) {
+    std::vector<std::string> arguments = {"render", m_folder / "ball.nhdr", "--size", "64,64",
+                                          "-o",     m_folder / image,       "--force"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_supple(arguments);
+  }
+
+  const TemporaryFolder m_folder;
+};
+
+TEST_F(UnitPictures, APrintedPresetGivesThePictureOfThePreset) {
+  const Outcome list = run_supple({"presets"});
+  ASSERT_EQ(list.exit_code, 0);
+  std::istringstream names(list.out);
+  int count = 0;
+  for (std::string name; std::getline(names, name); ++count) {
+    const Outcome printed = run_supple({"presets", name});
+    ASSERT_EQ(printed.exit_code, 0) << name;
+    write_text(m_folder / "look.toml", printed.out);
+    ASSERT_EQ(render("preset.png", {"--preset", name}).exit_code, 0);
+    const Outcome outcome = render("file.png", {"--preset", m_folder / "look.toml"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_EQ(read_png(m_folder / "preset.png").rgba, read_png(m_folder / "file.png").rgba) << name;
+  }
+  EXPECT_EQ(count, 6);
+}
+
+TEST_F(UnitPictures, ABadTransferFunctionNamesFileLineAndKey) {
+  const auto error_of = [&](const std::string& text) {
+    write_text(m_folder / "look.toml", text);
+    const Outcome outcome = render("a.png", {"--preset", m_folder / "look.toml"});
+    EXPECT_EQ(outcome.exit_code, 3) << outcome.err;
+    return outcome.err;
+  };
+  const std::string good = "opacity = [[0, 0], [9, 1]]\ncolour = [[0, 1, 1, 1]]\n";
+  EXPECT_NE(error_of(good + "opacty = 1\n").find("look.toml:3"), std::string::npos);
+  EXPECT_NE(error_of(good + "blend = \"mip\"\n").find("\"maximum\""), std::string::npos);
+  EXPECT_NE(error_of("colour = [[0, 1, 1, 1]]\n").find("opacity"), std::string::npos);
+  EXPECT_NE(error_of(good + "unit_distance = 0\n").find("unit_distance"), std::string::npos);
+  EXPECT_NE(error_of("opacity = [[0, 2]]\ncolour = [[0, 1, 1, 1]]\n").find("opacity[0]"),
+            std::string::npos);
+  EXPECT_EQ(run_supple({"presets", "CT-Wood"}).exit_code, 3);
+}
+
+TEST_F(UnitPictures, AClipInASceneIsTheClipOfTheCommandLine) {
+  write_text(m_folder / "scene.toml",
+             "[volume]\npath = \"ball.nhdr\"\n"
+             "[[view]]\nimage = \"scene.png\"\nsize = [64, 64]\n"
+             "[[view.clip]]\nbox = [0, 0, 0, 12, 12, 40]\nkeep = \"outside\"\n");
+  const Outcome scene =
+      run_supple({"run", m_folder / "scene.toml", "-o", m_folder / "", "--force"});
+  ASSERT_EQ(scene.exit_code, 0) << scene.err;
+  ASSERT_EQ(render("whole.png", {}).exit_code, 0);
+  ASSERT_EQ(render("a.png", {"--clip-box", "0,0,0:12,12,40", "--clip-keep", "outside"}).exit_code,
+            0);
+  ASSERT_EQ(render("b.png", {"--clip-plane", "12,0,0:1,0,0"}).exit_code, 0);
+  const Image whole = read_png(m_folder / "whole.png"), clipped = read_png(m_folder / "a.png");
+  EXPECT_LT(compare(whole, clipped, true).ssim, 0.95);
+  EXPECT_LT(compare(whole, read_png(m_folder / "b.png"), true).ssim, 0.95);
+  EXPECT_GT(compare(read_png(m_folder / "scene.png"), clipped, true).ssim, 0.98);
+}
+
+TEST_F(UnitPictures, WhatIsNoClipIsRefused) {
+  EXPECT_EQ(render("a.png", {"--clip-plane", "1,2,3"}).exit_code, 2);
+  EXPECT_EQ(render("a.png", {"--clip-box", "1,2,3"}).exit_code, 2);
+  EXPECT_EQ(render("a.png", {"--clip-plane", "1,2,3:0,0,0"}).exit_code, 3);
+  EXPECT_EQ(render("a.png", {"--clip-keep", "left"}).exit_code, 2);
+  EXPECT_EQ(render("a.png", {"--lattice", "--clip-plane", "0,0,0:1,0,0"}).exit_code, 3);
+}
+
+}  // namespace

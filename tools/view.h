@@ -1,0 +1,61 @@
+// A picture as a scene's [[view]] or the options of `supple render` ask for it.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "raycast/camera.h"
+#include "raycast/clip.h"
+#include "raycast/transfer_function.h"
+#include "tools/toml_table.h"
+
+namespace supple::tools {
+
+/// Camera as given: a named view, or a full camera.
+struct CameraChoice {
+  std::string view = "anterior";
+  Projection projection = Projection::perspective;
+  std::optional<Camera> camera;
+};
+
+/// A clip as given: a box in voxels needs the volume's geometry.
+struct ClipChoice {
+  Clip clip;  // its region is empty for a box in voxels
+  std::optional<std::pair<Vec3d, Vec3d>> voxel_corners;
+};
+
+struct SceneView {
+  std::string place;
+  std::string image;
+  std::string preset;                        // a name; empty: chosen by the densities
+  std::optional<TransferFunction> transfer;  // of a file, instead of a preset
+  std::vector<ClipChoice> clips;
+  CameraChoice camera;
+  int width = 1024, height = 1024;
+  double step_voxels = 0.5;
+  bool deformed = true;
+  bool lattice = false;
+  std::optional<int> after_step;  // 0: before the first; absent: after the last
+};
+
+/// A preset's name or the path of a transfer function (.toml), read at once.
+void choose_transfer(SceneView& view, const std::string& preset_or_path);
+
+/// "X,Y,Z:NX,NY,NZ", a point and a normal in LPS mm that points to what is kept.
+ClipChoice parse_clip_plane(const std::string& option, const std::string& text);
+
+/// "I,J,K:I,J,K", from the middle of one voxel to that of another.
+ClipChoice parse_clip_box(const std::string& option, const std::string& text);
+
+/// A table [[view]] of a scene with that many steps. Throws InputError as TomlTable does.
+SceneView read_view(TomlTable& table, int steps);
+
+/// A camera file: projection, view, or position/target/up with fov or height.
+CameraChoice read_camera(const std::string& path);
+
+/// The clips of a view of the volume.
+std::vector<Clip> resolve_clips(const std::vector<ClipChoice>& choices, const Geometry& geometry);
+
+}  // namespace supple::tools
