@@ -36,6 +36,7 @@ Command add_resample(CLI::App& program);
 Command add_presets(CLI::App& program);
 Command add_render(CLI::App& program);
 Command add_run(CLI::App& program);
+Command add_slice(CLI::App& program);
 Command add_compare(CLI::App& program);
 Command add_bench(CLI::App& program);
 

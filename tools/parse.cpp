@@ -81,6 +81,13 @@ std::optional<std::int32_t> parse_label(const std::string& option, const std::st
   return label;
 }
 
+void parse_range(const std::string& option, const std::string& text, double& lo, double& hi) {
+  const std::vector<std::string> parts = split(text, ',');
+  if (parts.size() != 2 || !read_double(parts[0], lo) || !read_double(parts[1], hi)) {
+    throw_unparsed(option, text, "two numbers LO,HI");
+  }
+}
+
 void parse_size(const std::string& option, const std::string& text, int& width, int& height) {
   const std::vector<std::string> parts = split(text, ',');
   if (parts.size() != 2 || !read_int(parts[0], width) || !read_int(parts[1], height)) {

@@ -75,6 +75,54 @@ TEST_F(UnitPictures, AClipInASceneIsTheClipOfTheCommandLine) {
   EXPECT_GT(compare(read_png(m_folder / "scene.png"), clipped, true).ssim, 0.98);
 }
 
+/// A slice of the state is a slice of the volume that `supple resample` makes of it.
+TEST_F(UnitPictures, ASliceOfAStateIsASliceOfTheResampledVolume) {
+  write_soft_material(m_folder / "soft.toml");
+  const std::string state = m_folder / "drag.vdb", volume = m_folder / "drag.nrrd";
+  ASSERT_EQ(run_supple({"deform", m_folder / "ball.nhdr", "--material", m_folder / "soft.toml",
+                        "--grab", "12,12,12", "--by", "4,2,-3", "-o", state})
+                .exit_code,
+            0);
+  ASSERT_EQ(run_supple({"resample", state, "-o", volume}).exit_code, 0);
+  // Pixels of axial slices are voxels; across slices the resampled volume has been rounded twice.
+  const auto slice = [&](const std::string& input, std::vector<std::string> more) {
+    std::vector<std::string> arguments = {
+        "slice",   input,     "--at", "12,13,11", "--window", "0,255", "-o", m_folder / "slice.png",
+        "--force", "--scale", "1",    "--plane",  "axial"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome outcome = run_supple(arguments);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return read_png(m_folder / "slice.png");
+  };
+  const Image resampled = slice(volume, {});
+  EXPECT_LT(compare(slice(state, {"--no-outline"}), resampled, false).max_diff, 1.5 / 255);
+  EXPECT_GT(compare(slice(state, {"--no-outline", "--undeformed"}), resampled, false).max_diff,
+            0.2);
+  const Image outlined = slice(state, {});
+  int yellow = 0;
+  for (std::size_t n = 0; n < outlined.rgba.size(); n += 4) {
+    yellow += outlined.rgba[n] == 255 && outlined.rgba[n + 1] == 200 && outlined.rgba[n + 2] == 0;
+  }
+  EXPECT_GT(yellow, 30);
+}
+
+TEST_F(UnitPictures, WhatIsNoSliceIsRefused) {
+  const auto code = [&](std::vector<std::string> more) {
+    std::vector<std::string> arguments = {"slice", m_folder / "ball.nhdr", "-o",
+                                          m_folder / "slice.png"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_supple(arguments).exit_code;
+  };
+  EXPECT_EQ(code({"--plane", "oblique"}), 2);
+  EXPECT_EQ(code({"--window", "5"}), 2);
+  EXPECT_EQ(code({"--window", "5,5"}), 3);
+  EXPECT_EQ(code({"--at", "1,2"}), 2);
+  EXPECT_EQ(code({"--at", "1,2,300"}), 3);
+  EXPECT_EQ(code({"--scale", "0"}), 3);
+  EXPECT_EQ(code({"--undeformed"}), 2);
+  EXPECT_EQ(m_folder.entries(), (std::vector<std::string>{"ball.nhdr", "ball.raw"}));
+}
+
 TEST_F(UnitPictures, WhatIsNoClipIsRefused) {
   EXPECT_EQ(render("a.png", {"--clip-plane", "1,2,3"}).exit_code, 2);
   EXPECT_EQ(render("a.png", {"--clip-box", "1,2,3"}).exit_code, 2);
