@@ -8,10 +8,6 @@ namespace supple {
 
 namespace {
 
-/// The light stands this far above and to the left of the camera, per unit of view direction:
-/// enough for relief, near enough to a headlight to leave no dark side.
-constexpr double kLightUp = 0.35, kLightLeft = 0.25;
-
 /// Voxels behind the face of a clip that are shaded as the face; one more fades to the tissue's own
 /// gradients.
 constexpr double kFaceVoxels = 2;
@@ -38,11 +34,6 @@ double step_of(const Geometry& geometry, const RenderSettings& settings) {
   return settings.step_voxels * std::min({spacing.x, spacing.y, spacing.z});
 }
 
-Vec3f light_of(const Camera& camera) {
-  const CameraFrame frame = camera_frame(camera);
-  return Vec3f((frame.up * kLightUp - frame.right * kLightLeft - frame.forward).normalized());
-}
-
 }  // namespace
 
 Frame::Frame(const Geometry& geometry_, const SourceBricks& source_, const OffsetBricks& output_,
@@ -58,7 +49,7 @@ Frame::Frame(const Geometry& geometry_, const SourceBricks& source_, const Offse
       source_visible(visible_bricks(source_, classifier)),
       output_visible(visible_bricks(output_, classifier)),
       bounds(output_.topology(), output_visible),
-      light(light_of(camera)) {
+      shading(camera, function_) {
   // The source box and the deformed bounds, each with the one voxel by which material can reach
   // beyond its outermost node. A zero displacement leaves the source box.
   box_lo = Vec3d(-1);
@@ -88,8 +79,7 @@ Marcher::Marcher(const Frame& frame)
 Float4 Marcher::march(const Ray& ray) {
   m_ray = {m_frame.geometry.index_from_world(ray.origin_lps_mm),
            m_frame.geometry.index_vector_from_world(ray.direction_lps)};
-  m_view = Vec3f(-ray.direction_lps);
-  m_half = (m_view + m_frame.light).normalized();
+  m_view = m_frame.shading.view(ray);
   m_sum = Float4{0, 0, 0, 0};
   const Interval span = clip_to_box(m_ray, m_frame.box_lo, m_frame.box_hi,
                                     {0, std::numeric_limits<double>::infinity()});
@@ -171,7 +161,7 @@ void Marcher::find_face(const IndexClip& clip, const Vec3d& pos, Probe& probe) c
   const float share = float(std::clamp(kFaceVoxels + 1 - voxels, 0.0, 1.0));
   if (share <= probe.face_share) return;
   probe.face = to_world(as_seen(plane->normal)).normalized();
-  if (probe.face.dot(m_view) < 0) probe.face = -probe.face;
+  if (probe.face.dot(m_view.towards_eye) < 0) probe.face = -probe.face;
   probe.face_share = share;
 }
 
@@ -262,25 +252,6 @@ Vec3f Marcher::to_world(const Vec3f& index_gradient) const {
          columns[2] * index_gradient.z;
 }
 
-/// Blinn-Phong with two-sided normals; a place without gradient counts as facing the light.
-Float4 Marcher::shaded(const Probe& probe, const Vec3f& gradient, float magnitude) const {
-  const TransferFunction& f = m_frame.function;
-  const Float4& colour = probe.colour;
-  if (!(magnitude > 0) && probe.face_share == 0) return colour * float(f.ambient + f.diffuse);
-  Vec3f normal = magnitude > 0 ? gradient / magnitude : probe.face;
-  if (normal.dot(m_view) < 0) normal = -normal;
-  const float full = float(f.full_shading_gradient);
-  float trust = magnitude < full ? magnitude / full : 1.0f;
-  if (probe.face_share > 0) {
-    normal = (normal * (1 - probe.face_share) + probe.face * probe.face_share).normalized();
-    trust += probe.face_share * (1 - trust);
-  }
-  const float diffuse = 1 - trust + trust * std::max(normal.dot(m_frame.light), 0.0f);
-  const float highlight = trust * std::max(normal.dot(m_half), 0.0f);
-  const float specular = float(f.specular) * std::pow(highlight, float(f.specular_power));
-  return colour * (float(f.ambient) + float(f.diffuse) * diffuse) + specular;
-}
-
 void Marcher::composite(const Probe& probe) {
   if (!probe.visible()) return;
   Float4 colour = probe.colour;
@@ -291,7 +262,10 @@ void Marcher::composite(const Probe& probe) {
     if (m_frame.classifier.has_gradient_opacity()) {
       alpha = m_frame.classifier.with_gradient(alpha, magnitude);
     }
-    if (m_frame.settings.shading) colour = shaded(probe, gradient, magnitude);
+    if (m_frame.settings.shading) {
+      colour = m_frame.shading.shaded(
+          {probe.colour, gradient, magnitude, probe.face, probe.face_share}, m_view);
+    }
   }
   colour[3] = 1;
   m_sum += ((1 - m_sum[3]) * alpha) * colour;

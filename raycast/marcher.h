@@ -17,6 +17,7 @@
 #include "raycast/clip.h"
 #include "raycast/embree_bounds.h"
 #include "raycast/render.h"
+#include "raycast/shading.h"
 
 namespace supple {
 
@@ -36,7 +37,7 @@ struct Frame {
   VisibleBounds bounds;
   Vec3d box_lo, box_hi;                   // index space; rays begin where they enter it
   std::array<Vec3f, 3> gradient_columns;  // encoded index gradient to density per mm, LPS
-  Vec3f light;                            // towards the light: above and left of the camera
+  Shading shading;
   std::vector<IndexClip> source_clips, deformed_clips;
 };
 
@@ -92,7 +93,6 @@ class Marcher {
   void composite(const Probe& probe);
   Vec3f to_world(const Vec3f& index_gradient) const;
   Vec3f world_gradient(const Probe& probe) const;
-  Float4 shaded(const Probe& probe, const Vec3f& gradient, float magnitude) const;
   bool opaque() const { return m_sum[3] >= m_opaque; }
 
   const Frame& m_frame;
@@ -109,7 +109,7 @@ class Marcher {
   Interval m_kept{};                // t of what the deformed space's clips keep,
   std::vector<Interval> m_removed;  // but for these parts
   float m_maximum = 0;              // encoded, of the samples so far
-  Vec3f m_view, m_half;
+  Shading::View m_view;
   Float4 m_sum{0, 0, 0, 0};
 };
 
