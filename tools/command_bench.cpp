@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include "tools/bench/bench_ecm.h"
+#include "tools/bench/bench_invert.h"
 #include "tools/command.h"
 #include "tools/output_plan.h"
 
@@ -11,21 +12,37 @@ namespace {
 
 struct Options {
   std::string name, output;
-  bool list = false, markdown = false;
-  EcmBenchOptions ecm;
+  bool list = false, markdown = false, quick = false;
+  std::vector<std::string> only;
+  std::string ct_head;
 };
 
+/// One benchmark under the options that all share.
+struct Bench {
+  std::function<std::vector<std::string>()> row_names;
+  std::function<BenchReport()> measure;
+};
+
+Bench bench_of(const Options& options, int threads, Console& console) {
+  if (options.name == "invert") {
+    const InvertBenchOptions invert{options.quick, threads, options.only};
+    return {[=] { return invert_row_names(invert); },
+            [=, &console] { return bench_invert(invert, console); }};
+  }
+  const EcmBenchOptions ecm{options.quick, threads, options.only, options.ct_head};
+  return {[=, &console] { return ecm_row_names(ecm, console); },
+          [=, &console] { return bench_ecm(ecm, console); }};
+}
+
 int run(Options& options, const GlobalOptions& global, Console& console) {
-  options.ecm.threads = global.threads;
+  const Bench bench = bench_of(options, global.threads, console);
   if (options.list) {
-    for (const std::string& name : ecm_row_names(options.ecm, console)) {
-      std::printf("%s\n", name.c_str());
-    }
+    for (const std::string& name : bench.row_names()) std::printf("%s\n", name.c_str());
     return kOk;
   }
   OutputPlan plan(global);
   if (!options.output.empty()) plan.add_report(options.output);
-  const BenchReport report = bench_ecm(options.ecm, console);
+  const BenchReport report = bench.measure();
   if (!options.output.empty()) write_json(options.output, report);
   if (global.json) {
     std::printf("%s\n", to_json(report).dump(2).c_str());
@@ -43,13 +60,13 @@ Command add_bench(CLI::App& program) {
       add_subcommand(program, "bench", "Time the engines side by side and say what they hold",
                      "  supple bench ecm --quick\n"
                      "  supple bench ecm --only 'all/noise/128*+x/rest' --json ecm.json\n"
-                     "  supple bench ecm --only local --only stream --list");
-  app->add_option("name", options->name, "Which benchmark: ecm")
+                     "  supple bench invert --only 128 --json invert.json");
+  app->add_option("name", options->name, "Which benchmark: ecm or invert")
       ->required()
-      ->check(CLI::IsMember({"ecm"}))
+      ->check(CLI::IsMember({"ecm", "invert"}))
       ->option_text("NAME");
-  app->add_flag("--quick", options->ecm.quick, "The rows that matter most, within a minute");
-  app->add_option("--only", options->ecm.only,
+  app->add_flag("--quick", options->quick, "The rows that matter most, within a minute");
+  app->add_option("--only", options->only,
                   "Rows whose name holds this; * stands for anything; may be repeated")
       ->allow_extra_args(false)
       ->option_text("PATTERN");
@@ -60,8 +77,8 @@ Command add_bench(CLI::App& program) {
       ->option_text("FILE");
   app->add_flag("--markdown", options->markdown, "Print tables of a Markdown document")
       ->excludes(list);
-  app->add_option("--ct-head", options->ecm.ct_head,
-                  "The head CT; build/data/ct_head.nhdr where that exists")
+  app->add_option("--ct-head", options->ct_head,
+                  "The head CT of ecm; build/data/ct_head.nhdr where that exists")
       ->option_text("FILE");
   return {app, [options](const GlobalOptions& global, Console& console) {
             return run(*options, global, console);

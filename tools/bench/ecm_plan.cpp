@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <thread>
 
-#include <fnmatch.h>
+#include "tools/bench/row_filter.h"
 
 namespace supple::tools {
 
@@ -151,19 +151,12 @@ class Planner {
   }
 
   void keep_only() {
-    if (m_options.only.empty()) return;
-    const auto is_wanted = [this](const std::string& name) {
-      return std::any_of(m_options.only.begin(), m_options.only.end(),
-                         [&](const std::string& pattern) {
-                           return ::fnmatch(("*" + pattern + "*").c_str(), name.c_str(), 0) == 0;
-                         });
-    };
     for (EcmWorkload& workload : m_plan) {
+      const auto is_left_out = [&](const EcmSide& side) {
+        return !is_wanted_row(m_options.only, row_name(workload, side));
+      };
       auto& sides = workload.sides;
-      sides.erase(
-          std::remove_if(sides.begin(), sides.end(),
-                         [&](const EcmSide& side) { return !is_wanted(row_name(workload, side)); }),
-          sides.end());
+      sides.erase(std::remove_if(sides.begin(), sides.end(), is_left_out), sides.end());
     }
     m_plan.erase(std::remove_if(m_plan.begin(), m_plan.end(),
                                 [](const EcmWorkload& w) { return w.sides.empty(); }),
