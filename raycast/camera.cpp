@@ -80,6 +80,9 @@ void Camera::validate(const std::string& file) const {
     throw InputError(
         {file, "camera.fov", number_text(vertical_fov_degrees), "degrees between 0 and 180"});
   }
+  if (!std::isfinite(window_shift)) {
+    throw InputError({file, "camera.window_shift", number_text(window_shift), "a finite number"});
+  }
   if (!(height_mm > 0 && std::isfinite(height_mm))) {
     throw InputError({file, "camera.height", number_text(height_mm), "more than 0 mm"});
   }
@@ -93,7 +96,7 @@ CameraFrame camera_frame(const Camera& camera) {
 
 Ray camera_ray(const Camera& camera, int width, int height, double px, double py) {
   const CameraFrame frame = camera_frame(camera);
-  const double x = (2 * px - width) / height;  // in half heights of the picture
+  const double x = (2 * px - width) / height + camera.window_shift;  // in half heights
   const double y = (height - 2 * py) / height;
   if (camera.projection == Projection::orthographic) {
     const double half = camera.height_mm / 2;
@@ -114,7 +117,7 @@ bool project_to_pixel(const Camera& camera, int width, int height, const Vec3d& 
   const double half = camera.projection == Projection::orthographic
                           ? camera.height_mm / 2
                           : depth * half_height_at_unit_distance(camera);
-  px = (p.dot(frame.right) / half * height + width) / 2;
+  px = ((p.dot(frame.right) / half - camera.window_shift) * height + width) / 2;
   py = (height - p.dot(frame.up) / half * height) / 2;
   return true;
 }

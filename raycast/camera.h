@@ -19,6 +19,9 @@ struct Camera {
   Vec3d up_lps{0, 0, 1};
   double vertical_fov_degrees = 30;  // perspective
   double height_mm = 300;            // orthographic: world height of the picture
+  /// The window moved to the right, in half heights of the picture: an off-axis camera of a stereo
+  /// pair.
+  double window_shift = 0;
 
   /// Throws InputError: not finite, position at target, up along the view, fov outside (0, 180),
   /// height not positive.

@@ -8,6 +8,7 @@
 
 #include <png.h>
 
+#include "raycast/float_image.h"
 #include "volumes/base/atomic_file.h"
 #include "volumes/base/error.h"
 
@@ -64,17 +65,25 @@ struct PngReader {
   PngReader& operator=(const PngReader&) = delete;
 };
 
-bool encode(PngWriter& writer, std::FILE* file, const Image& image, png_textp text,
+/// RGBA of 8 or 16 bits (in the machine's byte order).
+struct Raster {
+  int width, height, bits;
+  bool has_alpha;
+  const void* rgba;
+};
+
+bool encode(PngWriter& writer, std::FILE* file, const Raster& image, png_textp text,
             png_bytepp rows) {
   if (setjmp(png_jmpbuf(writer.png)) != 0) return false;
   png_init_io(writer.png, file);
-  png_set_IHDR(writer.png, writer.info, png_uint_32(image.width), png_uint_32(image.height), 8,
-               image.has_alpha ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
-               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_set_IHDR(writer.png, writer.info, png_uint_32(image.width), png_uint_32(image.height),
+               image.bits, image.has_alpha ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB,
+               PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_set_sRGB(writer.png, writer.info, PNG_sRGB_INTENT_PERCEPTUAL);
   if (text != nullptr) png_set_text(writer.png, writer.info, text, 1);
   png_write_info(writer.png, writer.info);
   if (!image.has_alpha) png_set_filler(writer.png, 0, PNG_FILLER_AFTER);
+  if (image.bits == 16) png_set_swap(writer.png);  // files are big-endian
   png_write_image(writer.png, rows);
   png_write_end(writer.png, nullptr);
   return true;
@@ -104,15 +113,13 @@ bool decode_rows(PngReader& reader, png_bytepp rows) {
   return true;
 }
 
-std::vector<png_bytep> row_pointers(std::uint8_t* rgba, int width, int height) {
+std::vector<png_bytep> row_pointers(std::uint8_t* rgba, std::size_t row_bytes, int height) {
   std::vector<png_bytep> rows(height);
-  for (int y = 0; y < height; ++y) rows[y] = rgba + 4 * std::size_t(width) * y;
+  for (int y = 0; y < height; ++y) rows[y] = rgba + row_bytes * y;
   return rows;
 }
 
-}  // namespace
-
-void write_png(const std::string& path, const Image& image, const std::string& comment) {
+void write_raster(const std::string& path, const Raster& image, const std::string& comment) {
   if (image.width < 1 || image.height < 1) {
     throw InputError({path, "image",
                       std::to_string(image.width) + "x" + std::to_string(image.height) + " pixels",
@@ -124,7 +131,8 @@ void write_png(const std::string& path, const Image& image, const std::string& c
 
   // libpng takes non-const rows and text but does not change them.
   std::vector<png_bytep> rows =
-      row_pointers(const_cast<std::uint8_t*>(image.rgba.data()), image.width, image.height);
+      row_pointers(static_cast<std::uint8_t*>(const_cast<void*>(image.rgba)),
+                   std::size_t(image.width) * image.bits / 2, image.height);
   char key[] = "Comment";
   png_text text{};
   text.compression = PNG_TEXT_COMPRESSION_NONE;
@@ -140,6 +148,17 @@ void write_png(const std::string& path, const Image& image, const std::string& c
     throw SystemError(path + ": cannot write: " + std::strerror(errno));
   }
   target.commit();
+}
+
+}  // namespace
+
+void write_png(const std::string& path, const Image& image, const std::string& comment) {
+  write_raster(path, {image.width, image.height, 8, image.has_alpha, image.rgba.data()}, comment);
+}
+
+void write_png16(const std::string& path, const FloatImage& picture, const std::string& comment) {
+  const std::vector<std::uint16_t> rgba = to_16_bit(picture);
+  write_raster(path, {picture.width, picture.height, 16, picture.has_alpha, rgba.data()}, comment);
 }
 
 Image read_png(const std::string& path) {
@@ -167,7 +186,7 @@ Image read_png(const std::string& path) {
   image.width = int(width);
   image.height = int(height);
   image.rgba.resize(4 * width * height);
-  std::vector<png_bytep> rows = row_pointers(image.rgba.data(), image.width, image.height);
+  std::vector<png_bytep> rows = row_pointers(image.rgba.data(), 4 * width, image.height);
   if (!decode_rows(reader, rows.data())) {
     throw InputError({path, "PNG data", reader.failure.message, "complete image data"});
   }

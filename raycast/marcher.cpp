@@ -12,6 +12,9 @@ namespace {
 /// gradients.
 constexpr double kFaceVoxels = 2;
 
+/// Accumulated opacity at which a ray has met a surface.
+constexpr float kSurfaceOpacity = 0.5f;
+
 int floor_to_int(double x) {
   const int truncated = int(x);
   return truncated - (x < truncated ? 1 : 0);
@@ -81,6 +84,7 @@ Float4 Marcher::march(const Ray& ray) {
            m_frame.geometry.index_vector_from_world(ray.direction_lps)};
   m_view = m_frame.shading.view(ray);
   m_sum = Float4{0, 0, 0, 0};
+  m_surface = -1;
   const Interval span = clip_to_box(m_ray, m_frame.box_lo, m_frame.box_hi,
                                     {0, std::numeric_limits<double>::infinity()});
   if (!(span.begin <= span.end)) return m_sum;
@@ -169,7 +173,9 @@ void Marcher::find_face(const IndexClip& clip, const Vec3d& pos, Probe& probe) c
 void Marcher::find_maximum(std::int64_t first, std::int64_t last) {
   for (std::int64_t n = first; n <= last; ++n) {
     const Probe sample = probe(n);
-    if (sample.is_inside) m_maximum = std::max(m_maximum, sample.encoded);
+    if (!sample.is_inside || sample.encoded <= m_maximum) continue;
+    m_maximum = sample.encoded;
+    m_surface = n;
   }
 }
 
@@ -181,10 +187,10 @@ void Marcher::march_blocks(std::int64_t first, std::int64_t last) {
     if (visible_before || end.visible()) {
       for (std::int64_t n = std::max((block - 1) * stride + 1, std::int64_t(0)); n < block * stride;
            ++n) {
-        composite(probe(n));
+        composite(n, probe(n));
         if (opaque()) return;
       }
-      composite(end);
+      composite(block * stride, end);
       if (opaque()) return;
     }
     visible_before = end.visible();
@@ -252,7 +258,7 @@ Vec3f Marcher::to_world(const Vec3f& index_gradient) const {
          columns[2] * index_gradient.z;
 }
 
-void Marcher::composite(const Probe& probe) {
+void Marcher::composite(std::int64_t n, const Probe& probe) {
   if (!probe.visible()) return;
   Float4 colour = probe.colour;
   float alpha = colour[3];
@@ -269,6 +275,24 @@ void Marcher::composite(const Probe& probe) {
   }
   colour[3] = 1;
   m_sum += ((1 - m_sum[3]) * alpha) * colour;
+  if (m_surface < 0 && m_sum[3] >= kSurfaceOpacity) m_surface = n;
+}
+
+bool Marcher::surface(SeenSurface& seen) {
+  if (m_surface < 0 || m_sum[3] < kSurfaceOpacity) return false;
+  m_maximum = -std::numeric_limits<float>::infinity();  // or the sample would not be read again
+  const Probe at = probe(m_surface);
+  const Vec3f gradient = world_gradient(at);
+  seen.distance_mm = m_entry + double(m_surface) * m_frame.step_mm;
+  seen.normal_lps = facing_normal({at.colour, gradient, gradient.length(), at.face, at.face_share},
+                                  m_view.towards_eye);
+  seen.offset_mm = 0;
+  if (at.offset.node != nullptr) {
+    const Float4 o = sample_offset(at.offset);
+    seen.offset_mm =
+        float(m_frame.geometry.world_vector_from_index(Vec3d(o[0], o[1], o[2])).length());
+  }
+  return true;
 }
 
 }  // namespace supple

@@ -60,6 +60,13 @@ class BrickCursor {
   std::int32_t m_index = -1;
 };
 
+/// What a ray met, see FloatImage.
+struct SeenSurface {
+  double distance_mm = 0;  // along the ray
+  Vec3f normal_lps;
+  float offset_mm = 0;
+};
+
 /// Marches rays one after another; one per thread.
 class Marcher {
  public:
@@ -67,6 +74,8 @@ class Marcher {
 
   /// Colour (premultiplied) and opacity.
   Float4 march(const Ray& ray);
+  /// What the last ray met; false when its opacity stayed below one half. Reads its sample again.
+  bool surface(SeenSurface& seen);
   /// Samples read from the source so far.
   std::int64_t samples() const { return m_samples; }
 
@@ -90,7 +99,7 @@ class Marcher {
   bool follow_offset(std::size_t brick, const Vec3i& base, Vec3d& pos, OffsetCell& cell) const;
   void march_blocks(std::int64_t first, std::int64_t last);
   void find_maximum(std::int64_t first, std::int64_t last);
-  void composite(const Probe& probe);
+  void composite(std::int64_t n, const Probe& probe);
   Vec3f to_world(const Vec3f& index_gradient) const;
   Vec3f world_gradient(const Probe& probe) const;
   bool opaque() const { return m_sum[3] >= m_opaque; }
@@ -109,6 +118,7 @@ class Marcher {
   Interval m_kept{};                // t of what the deformed space's clips keep,
   std::vector<Interval> m_removed;  // but for these parts
   float m_maximum = 0;              // encoded, of the samples so far
+  std::int64_t m_surface = -1;      // the sample that surface() tells of
   Shading::View m_view;
   Float4 m_sum{0, 0, 0, 0};
 };

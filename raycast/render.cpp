@@ -1,55 +1,17 @@
 #include "raycast/render.h"
 
-#include <algorithm>
-#include <atomic>
 #include <chrono>
-#include <cmath>
-#include <mutex>
 
-#include <oneapi/tbb/blocked_range2d.h>
-#include <oneapi/tbb/parallel_for.h>
-
-#include "raycast/marcher.h"
+#include "raycast/march_pixels.h"
 
 namespace supple {
 
 namespace {
 
-constexpr int kTile = 16;
-
 using Clock = std::chrono::steady_clock;
 double ms_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
-
-/// Premultiplied 0…1 to straight 8 bits.
-void store_pixel(const Float4& sum, std::uint8_t* rgba) {
-  const long alpha = std::lround(std::min(sum[3], 1.0f) * 255.0f);
-  for (int c = 0; c < 3; ++c) {
-    const float straight = alpha > 0 ? sum[c] / sum[3] : 0;
-    rgba[c] = std::uint8_t(std::lround(std::clamp(straight, 0.0f, 1.0f) * 255.0f));
-  }
-  rgba[3] = std::uint8_t(alpha);
-}
-
-/// Progress from many threads: one at a time reports, any may cancel.
-class SharedProgress {
- public:
-  SharedProgress(Progress* progress, std::int64_t total) : m_progress(progress), m_total(total) {}
-  void done(std::int64_t count) {
-    const std::int64_t now = m_done += count;
-    if (m_progress == nullptr) return;
-    if (m_progress->cancelled()) throw Cancelled();
-    const std::unique_lock lock(m_mutex, std::try_to_lock);
-    if (lock) report(m_progress, double(now) / double(m_total));
-  }
-
- private:
-  Progress* m_progress;
-  std::int64_t m_total;
-  std::atomic<std::int64_t> m_done{0};
-  std::mutex m_mutex;
-};
 
 /// The voxels within `rings` of active ones that lie inside the box.
 BrickTopology grow_inside(const BrickTopology& active, int rings, const Vec3i& dims) {
@@ -117,47 +79,41 @@ void Renderer::set_offsets(const OffsetField* offsets) {
   m_impl->output = std::make_unique<OffsetBricks>(m_impl->source, offsets->o);
 }
 
-Image Renderer::render(const Camera& camera, const TransferFunction& transfer_function,
-                       const RenderSettings& settings, RenderReport* report,
-                       Progress* progress) const {
+std::unique_ptr<Frame> Renderer::prepare(const Camera& camera, const TransferFunction& function,
+                                         const RenderSettings& settings) const {
   camera.validate("");
-  transfer_function.validate("");
+  function.validate("");
   settings.validate();
+  return std::make_unique<Frame>(m_impl->geometry, m_impl->source, *m_impl->output, camera,
+                                 function, settings);
+}
+
+FloatImage Renderer::render_float(const Camera& camera, const TransferFunction& transfer_function,
+                                  const RenderSettings& settings, RenderReport* report,
+                                  Progress* progress) const {
   if (progress != nullptr) progress->stage("rendering");
   const auto start = Clock::now();
-  const Frame frame(m_impl->geometry, m_impl->source, *m_impl->output, camera, transfer_function,
-                    settings);
+  const std::unique_ptr<Frame> frame = prepare(camera, transfer_function, settings);
   const double prepare_ms = ms_since(start);
 
-  Image image(settings.width, settings.height);
-  const std::int64_t pixels = std::int64_t(settings.width) * settings.height;
-  SharedProgress shared(progress, pixels);
-  std::atomic<std::int64_t> samples{0};
+  FloatImage picture(settings.width, settings.height, settings.auxiliary);
   const auto march_start = Clock::now();
-  const tbb::blocked_range2d<int> all(0, settings.height, kTile, 0, settings.width, kTile);
-  tbb::parallel_for(
-      all,
-      [&](const tbb::blocked_range2d<int>& tile) {
-        Marcher marcher(frame);
-        for (int y = tile.rows().begin(); y < tile.rows().end(); ++y) {
-          for (int x = tile.cols().begin(); x < tile.cols().end(); ++x) {
-            const Ray ray = camera_ray(camera, settings.width, settings.height, x + 0.5, y + 0.5);
-            store_pixel(marcher.march(ray), &image.rgba[4 * (std::size_t(y) * settings.width + x)]);
-          }
-        }
-        samples += marcher.samples();
-        shared.done(std::int64_t(tile.rows().size()) * std::int64_t(tile.cols().size()));
-      },
-      tbb::simple_partitioner());
+  const std::int64_t samples = march_pixels(*frame, camera, {}, picture, progress);
 
   if (report != nullptr) {
     report->samples = samples;
-    report->rays = pixels;
+    report->rays = std::int64_t(picture.pixel_count());
     report->prepare_ms = prepare_ms;
     report->march_ms = ms_since(march_start);
-    report->bytes = m_impl->source.bytes() + m_impl->output->bytes() + frame.bounds.bytes();
+    report->bytes = m_impl->source.bytes() + m_impl->output->bytes() + frame->bounds.bytes();
   }
-  return image;
+  return picture;
+}
+
+Image Renderer::render(const Camera& camera, const TransferFunction& transfer_function,
+                       const RenderSettings& settings, RenderReport* report,
+                       Progress* progress) const {
+  return to_image(render_float(camera, transfer_function, settings, report, progress));
 }
 
 }  // namespace supple

@@ -8,13 +8,15 @@
 
 #include "raycast/camera.h"
 #include "raycast/clip.h"
-#include "raycast/image.h"
+#include "raycast/float_image.h"
 #include "raycast/transfer_function.h"
 #include "volumes/base/progress.h"
 #include "volumes/field/vector_bricks.h"
 #include "volumes/grid/density_grid.h"
 
 namespace supple {
+
+struct Frame;
 
 struct RenderSettings {
   int width = 1024;
@@ -26,6 +28,7 @@ struct RenderSettings {
   bool skip_empty_space = true;     // leaves out what is known to be transparent; same picture
   double early_termination = 0.99;  // accumulated opacity that ends a ray
   std::vector<Clip> clips;          // what is seen lies in all of them
+  bool auxiliary = false;           // depth, normal and offset beside the colours
 
   /// Throws InputError: sizes < 1 or > 16384, step outside 0.01…16, stride outside 1…16,
   /// early_termination outside (0, 1], a bad clip.
@@ -59,11 +62,20 @@ class Renderer {
   void set_offsets(const OffsetField* offsets);
 
   /// Throws Cancelled. The picture does not depend on the number of threads.
+  FloatImage render_float(const Camera& camera, const TransferFunction& transfer_function,
+                          const RenderSettings& settings, RenderReport* report = nullptr,
+                          Progress* progress = nullptr) const;
+  /// The same in 8 bits.
   Image render(const Camera& camera, const TransferFunction& transfer_function,
                const RenderSettings& settings, RenderReport* report = nullptr,
                Progress* progress = nullptr) const;
 
  private:
+  friend class ProgressiveRender;
+  /// What all rays of the picture share; throws InputError for a bad argument.
+  std::unique_ptr<Frame> prepare(const Camera& camera, const TransferFunction& function,
+                                 const RenderSettings& settings) const;
+
   struct Impl;
   std::unique_ptr<Impl> m_impl;
 };

@@ -18,6 +18,14 @@ Vec3f light_of(const Camera& camera) {
 
 }  // namespace
 
+Vec3f facing_normal(const LitSample& sample, const Vec3f& towards_eye) {
+  if (!(sample.magnitude > 0) && sample.face_share == 0) return towards_eye;
+  Vec3f normal = sample.magnitude > 0 ? sample.gradient / sample.magnitude : sample.face;
+  if (normal.dot(towards_eye) < 0) normal = -normal;
+  if (sample.face_share == 0) return normal;
+  return (normal * (1 - sample.face_share) + sample.face * sample.face_share).normalized();
+}
+
 Shading::Shading(const Camera& camera, const TransferFunction& function)
     : m_light(light_of(camera)),
       m_ambient(float(function.ambient)),
@@ -35,13 +43,9 @@ Shading::View Shading::view(const Ray& ray) const {
 Float4 Shading::shaded(const LitSample& sample, const View& view) const {
   const float magnitude = sample.magnitude, face_share = sample.face_share;
   if (!(magnitude > 0) && face_share == 0) return sample.colour * m_facing;
-  Vec3f normal = magnitude > 0 ? sample.gradient / magnitude : sample.face;
-  if (normal.dot(view.towards_eye) < 0) normal = -normal;
+  const Vec3f normal = facing_normal(sample, view.towards_eye);
   float trust = magnitude < m_full_gradient ? magnitude / m_full_gradient : 1.0f;
-  if (face_share > 0) {
-    normal = (normal * (1 - face_share) + sample.face * face_share).normalized();
-    trust += face_share * (1 - trust);
-  }
+  trust += face_share * (1 - trust);
   const float diffuse = 1 - trust + trust * std::max(normal.dot(m_light), 0.0f);
   const float highlight = trust * std::max(normal.dot(view.half), 0.0f);
   const float specular = m_specular * std::pow(highlight, m_specular_power);

@@ -18,6 +18,10 @@ struct LitSample {
   float face_share = 0;       // 1: the place lies at the face
 };
 
+/// The unit normal that a place is lit by, towards the eye; without gradient and face the direction
+/// to the eye itself.
+Vec3f facing_normal(const LitSample& sample, const Vec3f& towards_eye);
+
 /// The light of a picture.
 class Shading {
  public:

@@ -1,0 +1,89 @@
+// Scalars as colours with a legend.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "raycast/colour_map.h"
+
+namespace supple {
+namespace {
+
+using Rgb = std::array<int, 3>;
+
+Rgb pixel(const Image& image, int x, int y) {
+  const std::uint8_t* rgba = &image.rgba[4 * (std::size_t(y) * image.width + x)];
+  return {rgba[0], rgba[1], rgba[2]};
+}
+
+/// Viridis as published by its authors (S. van der Walt, N. Smith, 2015): first and last entry.
+constexpr Rgb kFirst = {68, 1, 84}, kLast = {253, 231, 37};
+constexpr Rgb kWhite = {255, 255, 255};
+
+TEST(UnitColourMap, TicksAreRoundNumbersInsideTheRange) {
+  EXPECT_EQ(legend_ticks({0, 12}), (std::vector<double>{0, 2, 4, 6, 8, 10, 12}));
+  EXPECT_EQ(legend_ticks({0, 10}), (std::vector<double>{0, 2, 4, 6, 8, 10}));
+  EXPECT_EQ(legend_ticks({431, 502}), (std::vector<double>{440, 460, 480, 500}));
+  EXPECT_TRUE(legend_ticks({3, 3}).empty());
+  for (const double hi : {0.013, 0.7, 4.0, 99.0, 12345.0}) {
+    const std::size_t count = legend_ticks({0, hi}).size();
+    EXPECT_GE(count, 4u) << hi;
+    EXPECT_LE(count, 8u) << hi;
+  }
+}
+
+TEST(UnitColourMap, TheEndsOfTheRangeHaveTheEndsOfTheMapAndTurnedSurfacesAreDarker) {
+  FloatImage picture(4, 1, true);
+  picture.offset_mm = {0, 6, 6, NAN};
+  picture.depth_mm = picture.offset_mm;
+  picture.normal_lps = {0, -1, 0, 0, -1, 0, 0, 0, 1, NAN, NAN, NAN};
+  const Image image = offset_image(picture, {0, 6}, {0, -1, 0});
+  EXPECT_EQ(pixel(image, 0, 0), kFirst);
+  EXPECT_EQ(pixel(image, 1, 0), kLast);
+  EXPECT_LT(pixel(image, 2, 0)[0], 0.7 * kLast[0]);
+  EXPECT_EQ(pixel(image, 3, 0), kWhite);
+  EXPECT_FALSE(image.has_alpha);
+}
+
+TEST(UnitColourMap, TheLegendRunsFromTheLeastAtItsFootToTheMostAtItsHead) {
+  const FloatImage nothing(300, 240, true);
+  const Image image = offset_image(nothing, {0, 6}, {0, -1, 0});
+  std::vector<Rgb> bar;
+  for (int x = 0; x < 300 && bar.empty(); ++x) {
+    if (pixel(image, x, 120) == kWhite) continue;
+    for (int y = 0; y < 240; ++y) {
+      const Rgb colour = pixel(image, x, y);
+      const bool is_grey = colour[0] == colour[1] && colour[1] == colour[2];
+      if (!is_grey) bar.push_back(colour);  // neither paper nor ink
+    }
+  }
+  ASSERT_GT(bar.size(), 100u);
+  EXPECT_EQ(bar.back(), kFirst);
+  EXPECT_EQ(bar.front(), kLast);
+  const Image small = offset_image(FloatImage(100, 100, true), {0, 6}, {0, -1, 0});
+  for (int n = 0; n < 100; ++n) EXPECT_EQ(pixel(small, n, 50), kWhite);
+}
+
+TEST(UnitColourMap, NormalsAreColoursOfLeftPosteriorSuperior) {
+  FloatImage picture(2, 1, true);
+  picture.depth_mm = {5, NAN};
+  picture.normal_lps = {0, -1, 1, NAN, NAN, NAN};
+  const Image image = normal_image(picture);
+  EXPECT_EQ(pixel(image, 0, 0), (Rgb{128, 0, 255}));
+  EXPECT_EQ(image.rgba[3], 255);
+  EXPECT_EQ(image.rgba[7], 0);
+}
+
+TEST(UnitColourMap, NearIsBrightAndTheRangeIsThatOfWhatIsThere) {
+  FloatImage picture(3, 1, true);
+  picture.depth_mm = {100, 200, NAN};
+  const ScalarRange range = range_of(picture.depth_mm);
+  EXPECT_EQ(range.lo, 100);
+  EXPECT_EQ(range.hi, 200);
+  const Image image = depth_image(picture, range);
+  EXPECT_EQ(pixel(image, 0, 0), kWhite);
+  EXPECT_EQ(pixel(image, 1, 0), (Rgb{30, 30, 30}));
+  EXPECT_EQ(pixel(image, 2, 0), (Rgb{0, 0, 0}));
+}
+
+}  // namespace
+}  // namespace supple
