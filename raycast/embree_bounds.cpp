@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <tuple>
 
-#include <embree3/rtcore.h>
-
-#include "volumes/base/error.h"
+#include "raycast/embree_scene.h"
 
 namespace supple {
 
@@ -97,12 +96,7 @@ Interval clip_to_box(const IndexRay& ray, const Vec3d& lo, const Vec3d& hi, Inte
 
 struct VisibleBounds::Impl {
   std::vector<Box> boxes;
-  RTCDevice device = nullptr;
-  RTCScene scene = nullptr;
-  ~Impl() {
-    if (scene != nullptr) rtcReleaseScene(scene);
-    if (device != nullptr) rtcReleaseDevice(device);
-  }
+  std::optional<EmbreeScene> scene;  // when there are boxes
 };
 
 VisibleBounds::VisibleBounds(const BrickTopology& topology,
@@ -110,24 +104,13 @@ VisibleBounds::VisibleBounds(const BrickTopology& topology,
     : m_impl(std::make_unique<Impl>()) {
   m_impl->boxes = cluster_boxes(topology, visible);
   if (m_impl->boxes.empty()) return;
-  m_impl->device = rtcNewDevice(nullptr);
-  if (m_impl->device == nullptr) throw SystemError("Embree: no device");
-  m_impl->scene = rtcNewScene(m_impl->device);
-  rtcSetSceneBuildQuality(m_impl->scene, RTC_BUILD_QUALITY_LOW);
-  rtcSetSceneFlags(m_impl->scene, RTC_SCENE_FLAG_ROBUST);
-  RTCGeometry geometry = rtcNewGeometry(m_impl->device, RTC_GEOMETRY_TYPE_USER);
+  RTCGeometry geometry = m_impl->scene.emplace(RTC_GEOMETRY_TYPE_USER).geometry();
   rtcSetGeometryUserPrimitiveCount(geometry, unsigned(m_impl->boxes.size()));
   rtcSetGeometryUserData(geometry, m_impl->boxes.data());
   rtcSetGeometryBoundsFunction(
       geometry, [](const RTCBoundsFunctionArguments* args) { box_bounds(args); }, nullptr);
   rtcSetGeometryIntersectFunction(geometry, collect);
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometry(m_impl->scene, geometry);
-  rtcReleaseGeometry(geometry);
-  rtcCommitScene(m_impl->scene);
-  if (rtcGetDeviceError(m_impl->device) != RTC_ERROR_NONE) {
-    throw SystemError("Embree: cannot build the bounds");
-  }
+  m_impl->scene->build(RTC_BUILD_QUALITY_LOW);
 }
 
 VisibleBounds::~VisibleBounds() = default;
@@ -143,17 +126,9 @@ void VisibleBounds::intervals(const IndexRay& ray, Interval within,
   context.out = &out;
 
   // The float ray starts where the ray enters the box, so that far cameras lose no precision.
-  const Vec3d start = ray.at(within.begin);
-  RTCRayHit query{};
-  query.ray.org_x = float(start.x), query.ray.org_y = float(start.y);
-  query.ray.org_z = float(start.z);
-  query.ray.dir_x = float(ray.direction.x), query.ray.dir_y = float(ray.direction.y);
-  query.ray.dir_z = float(ray.direction.z);
-  query.ray.tnear = 0;
-  query.ray.tfar = float(within.end - within.begin) * 1.0001f + 1e-3f;
-  query.ray.mask = 0xffffffffu;
-  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(m_impl->scene, &context.base, &query);
+  const Vec3f start(ray.at(within.begin)), direction(ray.direction);
+  m_impl->scene->traverse(&context.base, start.getValue(), direction.getValue(),
+                          float(within.end - within.begin) * 1.0001f + 1e-3f);
   sort_and_merge(out);
 }
 

@@ -1,5 +1,5 @@
 // Where rays can meet something visible: Embree user geometry over clusters of 2x2x2 bricks, one
-// all-hits traversal per ray (design.md section 5). The only place that knows Embree.
+// all-hits traversal per ray (design.md section 5).
 #pragma once
 
 #include <memory>

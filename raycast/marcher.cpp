@@ -4,9 +4,16 @@
 #include <cmath>
 #include <limits>
 
+#include "raycast/light_paths.h"
+
 namespace supple {
 
 namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Voxels of a ray that share what reaches them of the light.
+constexpr double kReachVoxels = 1;
 
 /// Voxels behind the face of a clip that are shaded as the face; one more fades to the tissue's own
 /// gradients.
@@ -41,7 +48,7 @@ double step_of(const Geometry& geometry, const RenderSettings& settings) {
 
 Frame::Frame(const Geometry& geometry_, const SourceBricks& source_, const OffsetBricks& output_,
              const Camera& camera, const TransferFunction& function_,
-             const RenderSettings& settings_)
+             const RenderSettings& settings_, const SurfaceScene* surfaces_)
     : geometry(geometry_),
       source(source_),
       output(output_),
@@ -52,7 +59,8 @@ Frame::Frame(const Geometry& geometry_, const SourceBricks& source_, const Offse
       source_visible(visible_bricks(source_, classifier)),
       output_visible(visible_bricks(output_, classifier)),
       bounds(output_.topology(), output_visible),
-      shading(camera, function_) {
+      shading(camera, function_, settings_.lighting),
+      surfaces(surfaces_ != nullptr && surfaces_->empty() ? nullptr : surfaces_) {
   // The source box and the deformed bounds, each with the one voxel by which material can reach
   // beyond its outermost node. A zero displacement leaves the source box.
   box_lo = Vec3d(-1);
@@ -70,6 +78,13 @@ Frame::Frame(const Geometry& geometry_, const SourceBricks& source_, const Offse
     axis[a] = source.scale();
     gradient_columns[a] = Vec3f(geometry.world_gradient_from_index(axis));
   }
+  if (settings.lighting.has_paths()) medium = std::make_unique<LightMedium>(*this);
+}
+
+Frame::~Frame() = default;
+
+Vec3f Frame::to_world(const Vec3f& g) const {
+  return gradient_columns[0] * g.x + gradient_columns[1] * g.y + gradient_columns[2] * g.z;
 }
 
 Marcher::Marcher(const Frame& frame)
@@ -77,23 +92,37 @@ Marcher::Marcher(const Frame& frame)
       m_output_cursor(frame.output.topology()),
       m_source_cursor(frame.source.topology()),
       m_opaque(float(frame.settings.early_termination)),
-      m_is_maximum(frame.function.blend == Blend::maximum) {}
+      m_is_maximum(frame.function.blend == Blend::maximum),
+      m_paths(frame.medium != nullptr ? std::make_unique<LightPaths>(*frame.medium) : nullptr) {}
+
+Marcher::~Marcher() = default;
 
 Float4 Marcher::march(const Ray& ray) {
   m_ray = {m_frame.geometry.index_from_world(ray.origin_lps_mm),
            m_frame.geometry.index_vector_from_world(ray.direction_lps)};
+  m_world_ray = ray;
   m_view = m_frame.shading.view(ray);
   m_sum = Float4{0, 0, 0, 0};
-  m_surface = -1;
-  const Interval span = clip_to_box(m_ray, m_frame.box_lo, m_frame.box_hi,
-                                    {0, std::numeric_limits<double>::infinity()});
-  if (!(span.begin <= span.end)) return m_sum;
+  m_surface = m_surface_crossing = -1;
+  m_reach_t = -1;
+  clip_ray();
+  find_crossings(ray);
+  march_volume();
+  while (m_next_crossing_t < kInfinity && !opaque()) composite_crossing();
+  return m_sum;
+}
+
+void Marcher::march_volume() {
+  const Interval span = clip_to_box(m_ray, m_frame.box_lo, m_frame.box_hi, {0, kInfinity});
+  if (!(span.begin <= span.end)) return;
   m_entry = span.begin;
   m_last_sample = std::int64_t((span.end - span.begin) / m_frame.step_mm);
 
-  clip_ray();
-  const Interval kept{std::max(span.begin, m_kept.begin), std::min(span.end, m_kept.end)};
-  if (!(kept.begin <= kept.end)) return m_sum;
+  // The block in which an opaque surface lies is judged as ever.
+  const double last_block_end = m_end + m_frame.settings.stride * m_frame.step_mm;
+  const Interval kept{std::max(span.begin, m_kept.begin),
+                      std::min({span.end, m_kept.end, last_block_end})};
+  if (!(kept.begin <= kept.end)) return;
 
   if (m_frame.settings.skip_empty_space) {
     m_frame.bounds.intervals(m_ray, kept, m_intervals);
@@ -124,12 +153,11 @@ Float4 Marcher::march(const Ray& ray) {
     const Float4 colour = m_frame.classifier.classify(m_maximum);
     m_sum = colour * colour[3];
     m_sum[3] = colour[3];
+    if (m_sum[3] < kSurfaceOpacity) m_surface = -1;
   }
-  return m_sum;
 }
 
 void Marcher::clip_ray() {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   m_kept = {-kInfinity, kInfinity};
   m_removed.clear();
   for (const IndexClip& clip : m_frame.deformed_clips) {
@@ -164,14 +192,14 @@ void Marcher::find_face(const IndexClip& clip, const Vec3d& pos, Probe& probe) c
   const double voxels = mm_ago / m_frame.step_mm * m_frame.settings.step_voxels;
   const float share = float(std::clamp(kFaceVoxels + 1 - voxels, 0.0, 1.0));
   if (share <= probe.face_share) return;
-  probe.face = to_world(as_seen(plane->normal)).normalized();
+  probe.face = m_frame.to_world(as_seen(plane->normal)).normalized();
   if (probe.face.dot(m_view.towards_eye) < 0) probe.face = -probe.face;
   probe.face_share = share;
 }
 
 /// Raises the maximum to that of the samples first … last.
 void Marcher::find_maximum(std::int64_t first, std::int64_t last) {
-  for (std::int64_t n = first; n <= last; ++n) {
+  for (std::int64_t n = first; n <= last && time_of(n) < m_end; ++n) {
     const Probe sample = probe(n);
     if (!sample.is_inside || sample.encoded <= m_maximum) continue;
     m_maximum = sample.encoded;
@@ -200,7 +228,7 @@ void Marcher::march_blocks(std::int64_t first, std::int64_t last) {
 Marcher::Probe Marcher::probe(std::int64_t n) {
   Probe result;
   if (n > m_last_sample) return result;
-  const double t = m_entry + double(n) * m_frame.step_mm;
+  const double t = time_of(n);
   if (is_clipped(t)) return result;
   const Vec3d seen_at = m_ray.at(t);
   Vec3d pos = seen_at;
@@ -248,44 +276,115 @@ Vec3f Marcher::world_gradient(const Probe& probe) const {
   if (probe.offset.node != nullptr && m_frame.settings.transform_gradient) {
     g = pull_back_gradient(probe.offset, g);
   }
-  return to_world(g);
-}
-
-/// Encoded density per voxel to density per mm.
-Vec3f Marcher::to_world(const Vec3f& index_gradient) const {
-  const auto& columns = m_frame.gradient_columns;
-  return columns[0] * index_gradient.x + columns[1] * index_gradient.y +
-         columns[2] * index_gradient.z;
+  return m_frame.to_world(g);
 }
 
 void Marcher::composite(std::int64_t n, const Probe& probe) {
   if (!probe.visible()) return;
   Float4 colour = probe.colour;
   float alpha = colour[3];
-  if (m_frame.settings.shading || m_frame.classifier.has_gradient_opacity()) {
+  const bool is_shaded = m_frame.settings.lighting.model != ShadingModel::none;
+  if (is_shaded || m_frame.classifier.has_gradient_opacity()) {
     const Vec3f gradient = world_gradient(probe);
     const float magnitude = gradient.length();
     if (m_frame.classifier.has_gradient_opacity()) {
       alpha = m_frame.classifier.with_gradient(alpha, magnitude);
     }
-    if (m_frame.settings.shading) {
-      colour = m_frame.shading.shaded(
-          {probe.colour, gradient, magnitude, probe.face, probe.face_share}, m_view);
+    if (is_shaded) {
+      const Shading& shading = m_frame.shading;
+      const Facing facing =
+          shading.facing(gradient, magnitude, probe.face, probe.face_share, m_view);
+      colour = m_paths != nullptr
+                   ? shading.shaded(colour, facing, m_view, reach_at(time_of(n), facing))
+                   : shading.shaded(colour, facing, m_view);
     }
   }
   colour[3] = 1;
-  m_sum += ((1 - m_sum[3]) * alpha) * colour;
-  if (m_surface < 0 && m_sum[3] >= kSurfaceOpacity) m_surface = n;
+  if (m_next_crossing_t < time_of(n + 1)) {
+    composite_between_crossings(time_of(n), colour, alpha);
+  } else {
+    add(colour, alpha);
+  }
+  if (!has_met_surface() && m_sum[3] >= kSurfaceOpacity) m_surface = n;
+}
+
+/// Neighbouring samples share what they find: paths to the light cost much more than a sample.
+const Reach& Marcher::reach_at(double t, const Facing& facing) {
+  const double shared_mm = kReachVoxels / m_frame.settings.step_voxels * m_frame.step_mm;
+  if (m_reach_t < 0 || t >= m_reach_t + shared_mm) {
+    const Vec3d pos = m_world_ray.origin_lps_mm + m_world_ray.direction_lps * t;
+    m_reach = m_paths->reach_of_sample(pos, facing, m_view.towards_eye);
+    m_reach_t = t;
+  }
+  return m_reach;
+}
+
+/// A sample stands for half a step before and behind it: surfaces divide it.
+void Marcher::composite_between_crossings(double t, const Float4& colour, float alpha) {
+  const double begin = t - 0.5 * m_frame.step_mm, end = t + 0.5 * m_frame.step_mm;
+  const auto add_part = [&](double from, double to) {
+    const double share = std::max(to - from, 0.0) / m_frame.step_mm;
+    add(colour, float(corrected_opacity(alpha, share, 1)));
+  };
+  double done = begin;
+  while (m_next_crossing_t < end && !opaque()) {
+    add_part(done, m_next_crossing_t);
+    done = std::max(done, m_next_crossing_t);
+    composite_crossing();
+  }
+  add_part(done, end);
+}
+
+/// Where the ray crosses surfaces, up to the first opaque one.
+void Marcher::find_crossings(const Ray& ray) {
+  m_next_crossing = 0;
+  m_next_crossing_t = m_end = kInfinity;
+  if (m_frame.surfaces == nullptr) return;
+  m_frame.surfaces->crossings(ray, {0, kInfinity}, m_crossings);
+  if (m_frame.settings.clip_surfaces) {
+    m_crossings.erase(std::remove_if(m_crossings.begin(), m_crossings.end(),
+                                     [&](const TriangleHit& hit) { return is_clipped(hit.t); }),
+                      m_crossings.end());
+  }
+  if (m_crossings.empty()) return;
+  m_next_crossing_t = m_crossings.front().t;
+  for (const TriangleHit& hit : m_crossings) {
+    if (m_frame.surfaces->opacity(hit) < 1) continue;
+    m_end = hit.t;
+    break;
+  }
+}
+
+/// The next surface of the ray.
+void Marcher::composite_crossing() {
+  const TriangleHit& hit = m_crossings[m_next_crossing];
+  const SurfacePoint point = m_frame.surfaces->point(m_world_ray, hit);
+  Float4 colour = point.colour;
+  if (m_frame.settings.lighting.model != ShadingModel::none) {
+    const Reach reach = m_paths != nullptr ? m_paths->reach_of_surface(point) : Reach();
+    colour = m_frame.shading.shaded(colour, {point.normal, 1}, m_view, reach);
+    colour[3] = 1;
+  }
+  add(colour, m_frame.surfaces->opacity(hit));
+  if (!has_met_surface() && m_sum[3] >= kSurfaceOpacity) m_surface_crossing = m_next_crossing;
+  ++m_next_crossing;
+  m_next_crossing_t =
+      m_next_crossing < m_crossings.size() ? m_crossings[m_next_crossing].t : kInfinity;
 }
 
 bool Marcher::surface(SeenSurface& seen) {
+  if (m_surface_crossing >= 0) {
+    const TriangleHit& hit = m_crossings[m_surface_crossing];
+    seen = {hit.t, m_frame.surfaces->point(m_world_ray, hit).normal, 0};
+    return true;
+  }
   if (m_surface < 0 || m_sum[3] < kSurfaceOpacity) return false;
   m_maximum = -std::numeric_limits<float>::infinity();  // or the sample would not be read again
   const Probe at = probe(m_surface);
   const Vec3f gradient = world_gradient(at);
-  seen.distance_mm = m_entry + double(m_surface) * m_frame.step_mm;
-  seen.normal_lps = facing_normal({at.colour, gradient, gradient.length(), at.face, at.face_share},
-                                  m_view.towards_eye);
+  seen.distance_mm = time_of(m_surface);
+  seen.normal_lps =
+      m_frame.shading.facing(gradient, gradient.length(), at.face, at.face_share, m_view).normal;
   seen.offset_mm = 0;
   if (at.offset.node != nullptr) {
     const Float4 o = sample_offset(at.offset);

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -18,13 +19,22 @@
 #include "raycast/embree_bounds.h"
 #include "raycast/render.h"
 #include "raycast/shading.h"
+#include "raycast/surface_scene.h"
 
 namespace supple {
+
+class LightMedium;
+class LightPaths;
 
 /// What all rays of a picture share; the bricks outlive it.
 struct Frame {
   Frame(const Geometry& geometry, const SourceBricks& source, const OffsetBricks& output,
-        const Camera& camera, const TransferFunction& function, const RenderSettings& settings);
+        const Camera& camera, const TransferFunction& function, const RenderSettings& settings,
+        const SurfaceScene* surfaces = nullptr);
+  ~Frame();
+
+  /// Encoded density per voxel to density per mm.
+  Vec3f to_world(const Vec3f& index_gradient) const;
 
   const Geometry& geometry;
   const SourceBricks& source;
@@ -39,6 +49,8 @@ struct Frame {
   std::array<Vec3f, 3> gradient_columns;  // encoded index gradient to density per mm, LPS
   Shading shading;
   std::vector<IndexClip> source_clips, deformed_clips;
+  const SurfaceScene* surfaces;               // null: none
+  std::unique_ptr<const LightMedium> medium;  // null: all light reaches everything
 };
 
 /// Finds the brick of a voxel, remembering the last one.
@@ -71,6 +83,7 @@ struct SeenSurface {
 class Marcher {
  public:
   explicit Marcher(const Frame& frame);
+  ~Marcher();
 
   /// Colour (premultiplied) and opacity.
   Float4 march(const Ray& ray);
@@ -92,6 +105,8 @@ class Marcher {
     bool visible() const { return colour[3] > 0; }
   };
 
+  void march_volume();
+  void find_crossings(const Ray& ray);
   void clip_ray();
   bool is_clipped(double t) const;
   void find_face(const IndexClip& clip, const Vec3d& pos, Probe& probe) const;
@@ -100,9 +115,14 @@ class Marcher {
   void march_blocks(std::int64_t first, std::int64_t last);
   void find_maximum(std::int64_t first, std::int64_t last);
   void composite(std::int64_t n, const Probe& probe);
-  Vec3f to_world(const Vec3f& index_gradient) const;
+  void composite_between_crossings(double t, const Float4& colour, float alpha);
+  void composite_crossing();
+  void add(const Float4& colour, float alpha) { m_sum += ((1 - m_sum[3]) * alpha) * colour; }
+  const Reach& reach_at(double t, const Facing& facing);
   Vec3f world_gradient(const Probe& probe) const;
+  bool has_met_surface() const { return m_surface >= 0 || m_surface_crossing >= 0; }
   bool opaque() const { return m_sum[3] >= m_opaque; }
+  double time_of(std::int64_t n) const { return m_entry + double(n) * m_frame.step_mm; }
 
   const Frame& m_frame;
   BrickCursor m_output_cursor, m_source_cursor;
@@ -111,14 +131,24 @@ class Marcher {
   float m_opaque;
   bool m_is_maximum;
 
+  std::unique_ptr<LightPaths> m_paths;
+
   // Of the ray under way.
+  Ray m_world_ray;
   IndexRay m_ray;
   double m_entry = 0;
   std::int64_t m_last_sample = -1;
-  Interval m_kept{};                // t of what the deformed space's clips keep,
-  std::vector<Interval> m_removed;  // but for these parts
-  float m_maximum = 0;              // encoded, of the samples so far
-  std::int64_t m_surface = -1;      // the sample that surface() tells of
+  Interval m_kept{};                     // t of what the deformed space's clips keep,
+  std::vector<Interval> m_removed;       // but for these parts
+  float m_maximum = 0;                   // encoded, of the samples so far
+  std::vector<TriangleHit> m_crossings;  // of meshes, ascending
+  std::size_t m_next_crossing = 0;
+  double m_next_crossing_t = 0;          // infinite: no more
+  double m_end = 0;                      // t of the first opaque crossing
+  std::int64_t m_surface = -1;           // the sample that surface() tells of
+  std::int64_t m_surface_crossing = -1;  // or the crossing
+  Reach m_reach;                         // as found at
+  double m_reach_t = 0;                  // this t; negative: not yet
   Shading::View m_view;
   Float4 m_sum{0, 0, 0, 0};
 };

@@ -12,7 +12,8 @@ namespace supple {
 
 class ProgressiveRender {
  public:
-  /// The renderer must outlive the object and keep its offsets. Throws InputError as Renderer does.
+  /// The renderer must outlive the object and keep its offsets and surfaces. Throws InputError as
+  /// Renderer does.
   ProgressiveRender(const Renderer& renderer, const Camera& camera,
                     const TransferFunction& transfer_function, const RenderSettings& settings);
   ~ProgressiveRender();

@@ -50,6 +50,7 @@ void RenderSettings::validate() const {
   require(early_termination > 0 && early_termination <= 1, "early_termination", early_termination,
           "more than 0, at most 1");
   for (const Clip& clip : clips) clip.validate("");
+  lighting.validate("");
 }
 
 struct Renderer::Impl {
@@ -61,6 +62,7 @@ struct Renderer::Impl {
   Geometry geometry;
   SourceBricks source;
   std::unique_ptr<OffsetBricks> output;
+  std::unique_ptr<SurfaceScene> surfaces;
 };
 
 Renderer::Renderer(const Geometry& geometry, const DensityGrid& density, int background_rings)
@@ -79,13 +81,18 @@ void Renderer::set_offsets(const OffsetField* offsets) {
   m_impl->output = std::make_unique<OffsetBricks>(m_impl->source, offsets->o);
 }
 
+void Renderer::set_surfaces(const std::vector<Surface>& surfaces) {
+  for (const Surface& surface : surfaces) surface.validate("");
+  m_impl->surfaces = std::make_unique<SurfaceScene>(surfaces);
+}
+
 std::unique_ptr<Frame> Renderer::prepare(const Camera& camera, const TransferFunction& function,
                                          const RenderSettings& settings) const {
   camera.validate("");
   function.validate("");
   settings.validate();
   return std::make_unique<Frame>(m_impl->geometry, m_impl->source, *m_impl->output, camera,
-                                 function, settings);
+                                 function, settings, m_impl->surfaces.get());
 }
 
 FloatImage Renderer::render_float(const Camera& camera, const TransferFunction& transfer_function,
@@ -106,6 +113,7 @@ FloatImage Renderer::render_float(const Camera& camera, const TransferFunction& 
     report->prepare_ms = prepare_ms;
     report->march_ms = ms_since(march_start);
     report->bytes = m_impl->source.bytes() + m_impl->output->bytes() + frame->bounds.bytes();
+    if (m_impl->surfaces != nullptr) report->bytes += m_impl->surfaces->bytes();
   }
   return picture;
 }

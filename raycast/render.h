@@ -9,6 +9,8 @@
 #include "raycast/camera.h"
 #include "raycast/clip.h"
 #include "raycast/float_image.h"
+#include "raycast/shading.h"
+#include "raycast/surface.h"
 #include "raycast/transfer_function.h"
 #include "volumes/base/progress.h"
 #include "volumes/field/vector_bricks.h"
@@ -23,15 +25,16 @@ struct RenderSettings {
   int height = 1024;
   double step_voxels = 0.5;  // of the smallest spacing
   int stride = 4;            // steps taken at once while transparent; 1 switches it off
-  bool shading = true;
+  Lighting lighting;
   bool transform_gradient = true;   // the (I + grad o)^T term; off only to show what it is for
   bool skip_empty_space = true;     // leaves out what is known to be transparent; same picture
   double early_termination = 0.99;  // accumulated opacity that ends a ray
   std::vector<Clip> clips;          // what is seen lies in all of them
   bool auxiliary = false;           // depth, normal and offset beside the colours
+  bool clip_surfaces = false;       // clips of the deformed space cut surfaces, too
 
   /// Throws InputError: sizes < 1 or > 16384, step outside 0.01…16, stride outside 1…16,
-  /// early_termination outside (0, 1], a bad clip.
+  /// early_termination outside (0, 1], a bad clip or light.
   void validate() const;
 };
 
@@ -60,6 +63,10 @@ class Renderer {
   /// Replaces the offsets (copied); nullptr renders straight. Throws InputError when they belong
   /// to another geometry.
   void set_offsets(const OffsetField* offsets);
+
+  /// Replaces the surfaces (copied) shown with the volume, wherever they lie; in the deformed
+  /// space. Throws InputError as Surface::validate does.
+  void set_surfaces(const std::vector<Surface>& surfaces);
 
   /// Throws Cancelled. The picture does not depend on the number of threads.
   FloatImage render_float(const Camera& camera, const TransferFunction& transfer_function,

@@ -3,53 +3,108 @@
 #include <algorithm>
 #include <cmath>
 
+#include "volumes/base/error.h"
+
 namespace supple {
 
 namespace {
 
-/// The light stands this far above and to the left of the camera, per unit of view direction:
-/// enough for relief, near enough to a headlight to leave no dark side.
-constexpr double kLightUp = 0.35, kLightLeft = 0.25;
+void require(bool good, const std::string& file, const char* field, double value,
+             const char* expected) {
+  if (!good) throw InputError({file, field, number_text(value), expected});
+}
 
-Vec3f light_of(const Camera& camera) {
-  const CameraFrame frame = camera_frame(camera);
-  return Vec3f((frame.up * kLightUp - frame.right * kLightLeft - frame.forward).normalized());
+Vec3f world_direction(const Light& light, const CameraFrame& frame) {
+  if (!light.is_of_camera) return Vec3f(light.direction.normalized());
+  const Vec3d& d = light.direction;
+  return Vec3f((frame.up * d.y + frame.right * d.x - frame.forward * d.z).normalized());
 }
 
 }  // namespace
 
-Vec3f facing_normal(const LitSample& sample, const Vec3f& towards_eye) {
-  if (!(sample.magnitude > 0) && sample.face_share == 0) return towards_eye;
-  Vec3f normal = sample.magnitude > 0 ? sample.gradient / sample.magnitude : sample.face;
-  if (normal.dot(towards_eye) < 0) normal = -normal;
-  if (sample.face_share == 0) return normal;
-  return (normal * (1 - sample.face_share) + sample.face * sample.face_share).normalized();
+void Light::validate(const std::string& file) const {
+  const double length = direction.length();
+  if (!(length > 0 && std::isfinite(length))) {
+    throw InputError({file, "light", "a direction of length " + number_text(length),
+                      "a finite vector that is not 0"});
+  }
+  for (const double channel : rgb) {
+    require(channel >= 0 && channel <= 1, file, "light.colour", channel, "a value between 0 and 1");
+  }
+  require(intensity >= 0 && intensity <= 100, file, "light.intensity", intensity, "0 to 100");
 }
 
-Shading::Shading(const Camera& camera, const TransferFunction& function)
-    : m_light(light_of(camera)),
+void Lighting::validate(const std::string& file) const {
+  if (lights.size() > std::size_t(kMaxLights)) {
+    throw InputError({file, "light", std::to_string(lights.size()) + " lights",
+                      "at most " + std::to_string(kMaxLights)});
+  }
+  for (const Light& light : lights) light.validate(file);
+  require(occlusion_radius_mm >= 0 && occlusion_radius_mm <= 1000, file, "ambient_occlusion",
+          occlusion_radius_mm, "a radius of 0 to 1000 mm");
+}
+
+Shading::Shading(const Camera& camera, const TransferFunction& function, const Lighting& lighting)
+    : m_model(lighting.model),
       m_ambient(float(function.ambient)),
       m_diffuse(float(function.diffuse)),
       m_specular(float(function.specular)),
       m_specular_power(float(function.specular_power)),
-      m_facing(float(function.ambient + function.diffuse)),
-      m_full_gradient(float(function.full_shading_gradient)) {}
-
-Shading::View Shading::view(const Ray& ray) const {
-  const Vec3f towards_eye(-ray.direction_lps);
-  return {towards_eye, (towards_eye + m_light).normalized()};
+      m_full_gradient(float(function.full_shading_gradient)) {
+  const CameraFrame frame = camera_frame(camera);
+  std::vector<Light> lights = lighting.lights;
+  if (lights.empty()) lights.emplace_back();
+  for (const Light& light : lights) {
+    FarLight& far = m_lights[m_light_count++];
+    far.towards = world_direction(light, frame);
+    for (int c = 0; c < 3; ++c) far.rgb[c] = float(light.rgb[c] * light.intensity);
+  }
 }
 
-Float4 Shading::shaded(const LitSample& sample, const View& view) const {
-  const float magnitude = sample.magnitude, face_share = sample.face_share;
-  if (!(magnitude > 0) && face_share == 0) return sample.colour * m_facing;
-  const Vec3f normal = facing_normal(sample, view.towards_eye);
-  float trust = magnitude < m_full_gradient ? magnitude / m_full_gradient : 1.0f;
-  trust += face_share * (1 - trust);
-  const float diffuse = 1 - trust + trust * std::max(normal.dot(m_light), 0.0f);
-  const float highlight = trust * std::max(normal.dot(view.half), 0.0f);
-  const float specular = m_specular * std::pow(highlight, m_specular_power);
-  return sample.colour * (m_ambient + m_diffuse * diffuse) + specular;
+Shading::View Shading::view(const Ray& ray) const {
+  View view;
+  view.towards_eye = Vec3f(-ray.direction_lps);
+  for (int n = 0; n < light_count(); ++n) {
+    view.half[n] = (view.towards_eye + m_lights[n].towards).normalized();
+  }
+  return view;
+}
+
+Facing Shading::facing(const Vec3f& gradient, float magnitude, const Vec3f& face, float face_share,
+                       const View& view) const {
+  if (!(magnitude > 0) && face_share == 0) return {view.towards_eye, 0};
+  Facing facing;
+  facing.normal = magnitude > 0 ? gradient / magnitude : face;
+  if (facing.normal.dot(view.towards_eye) < 0) facing.normal = -facing.normal;
+  facing.trust = magnitude < m_full_gradient ? magnitude / m_full_gradient : 1.0f;
+  if (face_share > 0) {
+    facing.normal = (facing.normal * (1 - face_share) + face * face_share).normalized();
+    facing.trust += face_share * (1 - facing.trust);
+  }
+  return facing;
+}
+
+/// Cosine between the normal and the half vector, or between the reflected light and the eye.
+float Shading::highlight(const Facing& facing, const View& view, int n) const {
+  if (m_model == ShadingModel::blinn) return std::max(facing.normal.dot(view.half[n]), 0.0f);
+  const Vec3f& towards = m_lights[n].towards;
+  const float cosine = facing.normal.dot(towards);
+  if (cosine <= 0) return 0;
+  return std::max((facing.normal * (2 * cosine) - towards).dot(view.towards_eye), 0.0f);
+}
+
+Float4 Shading::shaded(const Float4& colour, const Facing& facing, const View& view,
+                       const Reach& reach) const {
+  Float4 diffuse{0, 0, 0, 0}, specular{0, 0, 0, 0};
+  for (int n = 0; n < light_count(); ++n) {
+    if (reach.lights[n] == 0) continue;
+    const Float4 rgb = m_lights[n].rgb * reach.lights[n];
+    const float cosine = std::max(facing.normal.dot(m_lights[n].towards), 0.0f);
+    diffuse += rgb * (1 - facing.trust + facing.trust * cosine);
+    const float lobe = facing.trust * highlight(facing, view, n);
+    if (lobe > 0) specular += rgb * (m_specular * std::pow(lobe, m_specular_power));
+  }
+  return (colour * (m_ambient + m_diffuse * diffuse) + specular) * reach.openness;
 }
 
 }  // namespace supple

@@ -1,6 +1,11 @@
-// Light on one place of a picture: Blinn-Phong with two-sided normals (J. F. Blinn, Models of light
-// reflection for computer synthesized pictures, SIGGRAPH 1977).
+// Light on one place of a picture: Blinn-Phong or Phong with two-sided normals (B. T. Phong,
+// Illumination for computer generated pictures, CACM 18(6), 1975; J. F. Blinn, Models of light
+// reflection for computer synthesized pictures, SIGGRAPH 1977). Lights are far away and add up.
 #pragma once
+
+#include <array>
+#include <string>
+#include <vector>
 
 #include "raycast/camera.h"
 #include "raycast/offset_bricks.h"
@@ -8,39 +13,81 @@
 
 namespace supple {
 
-/// A place to be lit. Its normal is the direction of the gradient, fading to that of a face where
-/// one is near; either may point to any side.
-struct LitSample {
-  Float4 colour{0, 0, 0, 0};  // its first three
-  Vec3f gradient{0, 0, 0};    // density per mm, LPS
-  float magnitude = 0;        // of the gradient
-  Vec3f face{0, 0, 0};        // unit, LPS
-  float face_share = 0;       // 1: the place lies at the face
+enum class ShadingModel { none, phong, blinn };
+
+struct Light {
+  Vec3d direction{-0.25, 0.35, 1};  // towards the light, any length but 0
+  bool is_of_camera = true;         // direction is right, up, towards the viewer; else LPS
+  std::array<double, 3> rgb{1, 1, 1};
+  double intensity = 1;
+
+  /// Throws InputError: a direction that is not finite or 0, rgb outside 0…1, intensity outside
+  /// 0…100.
+  void validate(const std::string& file) const;
 };
 
-/// The unit normal that a place is lit by, towards the eye; without gradient and face the direction
-/// to the eye itself.
-Vec3f facing_normal(const LitSample& sample, const Vec3f& towards_eye);
+struct Lighting {
+  static constexpr int kMaxLights = 8;
 
-/// The light of a picture.
+  ShadingModel model = ShadingModel::blinn;
+  std::vector<Light> lights;  // empty: one as a Light is by default, above and left of the camera
+  bool shadows = false;       // of the volume and the meshes on both
+  double occlusion_radius_mm = 0;  // of ambient occlusion; 0: none
+
+  bool has_paths() const { return shadows || occlusion_radius_mm > 0; }
+  /// Throws InputError: more than kMaxLights, a bad light, an occlusion radius outside 0…1000.
+  void validate(const std::string& file) const;
+};
+
+/// How a place lies to the light: a unit normal on the viewer's side and the share, 0…1, in which
+/// it counts; the rest counts as facing every light.
+struct Facing {
+  Vec3f normal{0, 0, 0};
+  float trust = 0;
+};
+
+/// What of each light reaches a place, and of the light from all around, 0…1.
+struct Reach {
+  std::array<float, Lighting::kMaxLights> lights;
+  float openness = 1;
+  Reach() { lights.fill(1); }
+};
+inline const Reach kAllReaches;
+
 class Shading {
  public:
-  Shading(const Camera& camera, const TransferFunction& function);
+  Shading(const Camera& camera, const TransferFunction& function, const Lighting& lighting);
 
   /// Of the ray under way: what depends on its direction alone.
   struct View {
     Vec3f towards_eye;
-    Vec3f half;  // between the eye and the light
+    std::array<Vec3f, Lighting::kMaxLights> half;  // between the eye and each light
   };
   View view(const Ray& ray) const;
 
-  /// A place without gradient and face counts as facing the light.
-  Float4 shaded(const LitSample& sample, const View& view) const;
+  /// Of a sample with a gradient (density per mm, LPS) and its length, near a face (unit normal
+  /// towards the viewer) with that share; 1: the sample lies at the face.
+  Facing facing(const Vec3f& gradient, float magnitude, const Vec3f& face, float face_share,
+                const View& view) const;
+
+  Float4 shaded(const Float4& colour, const Facing& facing, const View& view,
+                const Reach& reach = kAllReaches) const;
+
+  int light_count() const { return m_light_count; }
+  /// Unit, towards the light, LPS.
+  const Vec3f& towards_light(int n) const { return m_lights[n].towards; }
 
  private:
-  Vec3f m_light;  // towards the light: above and left of the camera
+  struct FarLight {
+    Vec3f towards;
+    Float4 rgb;
+  };
+  float highlight(const Facing& facing, const View& view, int n) const;
+
+  ShadingModel m_model;
+  std::array<FarLight, Lighting::kMaxLights> m_lights;
+  int m_light_count = 0;
   float m_ambient, m_diffuse, m_specular, m_specular_power;
-  float m_facing;  // of a place that counts as facing the light
   float m_full_gradient;
 };
 

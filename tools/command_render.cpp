@@ -24,12 +24,30 @@ constexpr int kAirRings = 2;
 struct Options {
   std::string input, raw_spec, offsets, preset, camera, size, view, output;
   std::vector<std::string> clip_planes, clip_boxes;
+  std::vector<std::string> lights, meshes;
+  std::string shading = "blinn";
+  double occlusion_radius_mm = 0;
+  bool shadows = false, deform_meshes = false, clip_meshes = false;
   std::string clip_keep = "inside", clip_space = "deformed";
   bool undeformed = false;
   bool lattice = false;
   bool orthographic = false;
   SceneView scene_view;
 };
+
+void add_light_and_meshes(const Options& options, SceneView& view) {
+  view.lighting.model = parse_shading(options.shading);
+  view.lighting.shadows = options.shadows;
+  view.lighting.occlusion_radius_mm = options.occlusion_radius_mm;
+  for (const std::string& text : options.lights) {
+    view.lighting.lights.push_back(parse_light("--light", text));
+  }
+  for (const std::string& text : options.meshes) {
+    view.meshes.push_back(parse_mesh("--mesh", text));
+    view.meshes.back().deform = options.deform_meshes;
+  }
+  view.clip_meshes = options.clip_meshes;
+}
 
 /// Command-line options as one view of a scene.
 SceneView to_view(const Options& options) {
@@ -48,6 +66,7 @@ SceneView to_view(const Options& options) {
     choice.clip.keep = options.clip_keep == "outside" ? ClipKeep::outside : ClipKeep::inside;
     choice.clip.space = options.clip_space == "source" ? ClipSpace::source : ClipSpace::deformed;
   }
+  add_light_and_meshes(options, view);
   if (!options.size.empty()) parse_size("--size", options.size, view.width, view.height);
   if (!options.camera.empty()) view.camera = read_camera(options.camera);
   if (!options.view.empty()) view.camera.view = options.view;
@@ -168,6 +187,27 @@ Command add_render(CLI::App& program) {
                   "cut along")
       ->check(CLI::IsMember({"deformed", "source"}))
       ->option_text("deformed|source");
+  app->add_option("--light", options->lights,
+                  "Direction to a light in LPS (or of the camera: right, up, to the viewer); "
+                  "repeatable")
+      ->allow_extra_args(false)
+      ->option_text("[camera:]X,Y,Z[:INTENSITY[:#RRGGBB]]");
+  app->add_option("--shading", options->shading, "blinn (default), phong or none")
+      ->check(CLI::IsMember({"blinn", "phong", "none"}))
+      ->option_text("MODEL");
+  app->add_flag("--shadows", options->shadows, "Volume and meshes cast shadows");
+  app->add_option("--ambient-occlusion", options->occlusion_radius_mm,
+                  "Darken what is enclosed within a radius, 10 mm by default")
+      ->expected(0, 1)
+      ->default_str("10")
+      ->option_text("[MM]");
+  app->add_option("--mesh", options->meshes,
+                  "Show a surface (STL, PLY, OBJ; LPS mm), too; repeatable")
+      ->allow_extra_args(false)
+      ->option_text("FILE[:#RRGGBB[:OPACITY]]");
+  app->add_flag("--deform-meshes", options->deform_meshes,
+                "Meshes were made at rest and move along with the tissue");
+  app->add_flag("--clip-meshes", options->clip_meshes, "Clips of the picture cut meshes, too");
   app->add_option("--camera", options->camera, "Camera file")->option_text("C.toml");
   app->add_option("--view", options->view,
                   "From anterior, posterior, left, right, superior or inferior")

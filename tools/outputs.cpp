@@ -114,6 +114,8 @@ RenderSettings view_settings(const SceneView& view) {
   settings.width = view.width;
   settings.height = view.height;
   settings.step_voxels = view.step_voxels;
+  settings.lighting = view.lighting;
+  settings.clip_surfaces = view.clip_meshes;
   return settings;
 }
 
@@ -135,15 +137,36 @@ SceneView effective_view(const SceneView& view, const Geometry& geometry, double
   return effective;
 }
 
+namespace {
+
+/// A warp file says where tissue came from, not where a point of it goes.
+const Displacement* displacement_for_meshes(const Subject& subject, const SceneView& view) {
+  for (const MeshChoice& mesh : view.meshes) {
+    if (mesh.deform && subject.offsets != nullptr && subject.displacement == nullptr) {
+      throw InputError({mesh.place, "deform", "offsets of a warp file",
+                        "a state or the steps of a scene, which know where tissue goes"});
+    }
+  }
+  return subject.displacement;
+}
+
+}  // namespace
+
 Image draw(const Subject& subject, const SceneView& view, RenderReport* report, Console& console) {
   if (view.lattice && !view.clips.empty()) {
     throw InputError({view.place, "clip", "a lattice to draw", "a volume of several slices"});
+  }
+  if (view.lattice && !view.meshes.empty()) {
+    throw InputError({view.place, "mesh", "a lattice to draw", "a volume of several slices"});
   }
   if (view.lattice) return draw_body_lattice(subject, view);
   RenderSettings settings = view_settings(view);
   settings.clips = resolve_clips(view.clips, subject.geometry);
   Renderer renderer(subject.geometry, subject.density, subject.air_rings);
   if (subject.offsets != nullptr) renderer.set_offsets(subject.offsets);
+  if (!view.meshes.empty()) {
+    renderer.set_surfaces(surfaces_of(view.meshes, displacement_for_meshes(subject, view)));
+  }
   const Camera camera =
       resolve_camera(view.camera, subject.geometry, double(view.width) / view.height);
   const TransferFunction function = view.transfer ? *view.transfer : preset(view.preset);
@@ -187,6 +210,9 @@ std::string describe_view(const SceneView& view) {
   json["step"] = view.step_voxels;
   json["deformed"] = view.deformed;
   json["lattice"] = view.lattice;
+  describe(view.lighting, json);
+  for (const MeshChoice& mesh : view.meshes) json["mesh"].push_back(to_json(mesh));
+  if (view.clip_meshes) json["clip_meshes"] = true;
   for (const ClipChoice& clip : view.clips) json["clip"].push_back(to_json(clip));
   if (const auto& camera = view.camera.camera) {
     json["camera"] = {

@@ -107,7 +107,8 @@ SceneView read_view(TomlTable& table, int steps) {
   SceneView view;
   view.place = table.place();
   table.know({"image", "preset", "transfer", "camera", "size", "step", "deformed", "lattice",
-              "after_step", "clip"});
+              "after_step", "clip", "shading", "light", "shadows", "ambient_occlusion", "mesh",
+              "clip_meshes"});
   view.image = table.require(table.string("image"), "image", "the name of a PNG file");
   view.preset = table.string("preset").value_or(view.preset);
   if (const auto path = table.path("transfer")) {
@@ -115,6 +116,9 @@ SceneView read_view(TomlTable& table, int steps) {
     view.transfer = read_transfer_function(*path);
   }
   for (TomlTable& clip : table.tables("clip")) view.clips.push_back(read_clip(clip));
+  view.lighting = read_lighting(table);
+  view.meshes = read_meshes(table);
+  view.clip_meshes = table.boolean("clip_meshes").value_or(false);
   if (auto camera = table.table("camera")) view.camera = read_camera_table(*camera);
   if (const auto size = table.numbers("size")) {
     if (size->size() != 2 || !is_integer((*size)[0]) || !is_integer((*size)[1])) {

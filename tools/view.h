@@ -10,6 +10,7 @@
 #include "raycast/clip.h"
 #include "raycast/transfer_function.h"
 #include "tools/toml_table.h"
+#include "tools/view_light.h"
 
 namespace supple::tools {
 
@@ -32,6 +33,9 @@ struct SceneView {
   std::string preset;                        // a name; empty: chosen by the densities
   std::optional<TransferFunction> transfer;  // of a file, instead of a preset
   std::vector<ClipChoice> clips;
+  Lighting lighting;
+  std::vector<MeshChoice> meshes;
+  bool clip_meshes = false;
   CameraChoice camera;
   int width = 1024, height = 1024;
   double step_voxels = 0.5;

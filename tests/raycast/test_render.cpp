@@ -205,7 +205,7 @@ TEST(PropertyRender, AHomogeneousSlabFollowsBeerAndLambert) {
   const Camera camera = default_camera(geometry, 1, "anterior", Projection::orthographic);
   for (const double step : {0.125, 0.25, 0.5, 1.0}) {
     RenderSettings settings = small_picture(3, step);
-    settings.shading = false;
+    settings.lighting.model = ShadingModel::none;
     const Image image = renderer.render(camera, fog_function(0.1), settings);
     EXPECT_NEAR(image.rgba[4 * 4 + 3], 255 * (1 - std::pow(0.9, 16)), 0.51) << "step " << step;
     EXPECT_EQ(image.rgba[4 * 4], 255);

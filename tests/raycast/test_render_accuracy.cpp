@@ -103,7 +103,7 @@ double slope(const std::vector<double>& steps, const std::vector<double>& errors
 RenderSettings every_sample(double step) {
   RenderSettings settings = small_picture(1, step);
   settings.stride = 1;
-  settings.shading = false;
+  settings.lighting.model = ShadingModel::none;
   settings.early_termination = 1;
   return settings;
 }
@@ -143,7 +143,7 @@ TEST(ConvergenceRender, TheColourOfASphereConvergesWithTheStep) {
   const Camera camera = default_camera(geometry, 1);
   const auto picture = [&](double step) {
     RenderSettings settings = every_sample(step);
-    settings.shading = true;
+    settings.lighting = Lighting();
     const Frame frame(geometry, source, straight, camera, f, settings);
     Marcher marcher(frame);
     std::vector<Float4> pixels;

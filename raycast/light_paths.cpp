@@ -1,0 +1,217 @@
+#include "raycast/light_paths.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace supple {
+
+namespace {
+
+constexpr int kEntries = 4096;
+constexpr double kMostOpaque = 1 - 1e-9;  // what lets nothing through has no optical depth
+constexpr float kDark = 7;                // optical depth of 1/1000
+constexpr double kVolumeBias = 2;         // voxels
+constexpr int kDirections = 32;           // of ambient occlusion
+constexpr double kWidening = 0.25;        // its steps are this share of the way, at least a voxel
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+Vec3i floor_to_voxel(const Vec3d& p) {
+  return {int(std::floor(p.x)), int(std::floor(p.y)), int(std::floor(p.z))};
+}
+
+/// Evenly spread over the sphere (Fibonacci lattice).
+Vec3d direction_around(int n) {
+  constexpr double kGoldenAngle = 2.39996322972865332;
+  const double z = 1 - (2 * n + 1.0) / kDirections, radius = std::sqrt(1 - z * z);
+  return {radius * std::cos(n * kGoldenAngle), radius * std::sin(n * kGoldenAngle), z};
+}
+
+/// The t at which the ray leaves the brick.
+double end_of_brick(const IndexRay& ray, const Vec3i& voxel) {
+  double end = kInfinity;
+  for (int a = 0; a < 3; ++a) {
+    const int low = voxel[a] & ~(kBrickDim - 1);
+    if (ray.direction[a] > 0)
+      end = std::min(end, (low + kBrickDim - ray.origin[a]) / ray.direction[a]);
+    if (ray.direction[a] < 0) end = std::min(end, (low - ray.origin[a]) / ray.direction[a]);
+  }
+  return end;
+}
+
+}  // namespace
+
+LightMedium::LightMedium(const Frame& frame_) : frame(frame_) {
+  const auto direction = [&](const Vec3f& world) {
+    return Direction{world, frame.geometry.index_vector_from_world(Vec3d(world))};
+  };
+  for (int n = 0; n < frame.shading.light_count(); ++n) {
+    lights.push_back(direction(frame.shading.towards_light(n)));
+  }
+  for (int n = 0; n < kDirections; ++n) around.push_back(direction(Vec3f(direction_around(n))));
+  const Vec3d spacing = frame.geometry.spacing_mm();
+  voxel_mm = std::min({spacing.x, spacing.y, spacing.z});
+
+  const TransferFunction& f = frame.function;
+  const double first = frame.source.encoded(f.opacity.front().density);
+  const double last = frame.source.encoded(f.opacity.back().density);
+  m_lo = float(first);
+  m_entries_per_code = last > first ? float((kEntries - 1) / (last - first)) : 0;
+  m_extinction.resize(kEntries + 1);
+  for (int n = 0; n <= kEntries; ++n) {
+    const double code = first + std::min(n, kEntries - 1) * (last - first) / (kEntries - 1);
+    const double opacity = std::min(f.opacity_at(frame.source.density(code)), kMostOpaque);
+    m_extinction[n] = float(-std::log1p(-opacity) / f.unit_distance_mm);
+  }
+}
+
+float LightMedium::with_gradient(float extinction, float gradient_per_mm) const {
+  const double unit = frame.function.unit_distance_mm;
+  const double opacity = -std::expm1(-double(extinction) * unit);
+  const double share = frame.function.gradient_opacity_at(gradient_per_mm);
+  return float(-std::log1p(-opacity * share) / unit);
+}
+
+float LightMedium::extinction(float encoded) const {
+  const float entry = std::clamp((encoded - m_lo) * m_entries_per_code, 0.0f, float(kEntries - 1));
+  const int n = int(entry);
+  return m_extinction[n] + (entry - float(n)) * (m_extinction[n + 1] - m_extinction[n]);
+}
+
+LightPaths::LightPaths(const LightMedium& medium)
+    : m_medium(medium),
+      m_frame(medium.frame),
+      m_output_cursor(medium.frame.output.topology()),
+      m_source_cursor(medium.frame.source.topology()) {}
+
+Reach LightPaths::reach_of_sample(const Vec3d& pos_lps_mm, const Facing& facing,
+                                  const Vec3f& towards_eye) {
+  const Vec3f before = facing.normal * facing.trust + towards_eye * (1 - facing.trust);
+  const Vec3d step = m_frame.geometry.index_vector_from_world(Vec3d(before)).normalized();
+  const Vec3d pos_index = m_frame.geometry.index_from_world(pos_lps_mm);
+  return reach({pos_index + step * kVolumeBias, pos_lps_mm, facing});
+}
+
+Reach LightPaths::reach_of_surface(const SurfacePoint& point) {
+  return reach(
+      {m_frame.geometry.index_from_world(point.light_start), point.light_start, {point.normal, 1}});
+}
+
+Reach LightPaths::reach(const Place& place) {
+  Reach reach;
+  const int count = m_frame.settings.lighting.shadows ? int(m_medium.lights.size()) : 0;
+  for (int n = 0; n < count; ++n) reach.lights[n] = transmittance(place, m_medium.lights[n]);
+  if (m_frame.settings.lighting.occlusion_radius_mm > 0) reach.openness = openness(place);
+  return reach;
+}
+
+float LightPaths::surface_transmittance(const Vec3d& start, const Vec3f& direction) {
+  if (m_frame.surfaces == nullptr) return 1;
+  m_frame.surfaces->crossings({start, Vec3d(direction)}, {0, kInfinity}, m_crossings);
+  float passed = 1;
+  for (const TriangleHit& crossing : m_crossings) passed *= 1 - m_frame.surfaces->opacity(crossing);
+  return passed;
+}
+
+float LightPaths::transmittance(const Place& place, const LightMedium::Direction& towards) {
+  // What faces away from the light is not lit anyway.
+  if (place.facing.trust >= 1 && place.facing.normal.dot(towards.world) <= 0) return 0;
+  const float passed = surface_transmittance(place.surface_start, towards.world);
+  if (passed == 0) return 0;
+  const IndexRay ray{place.volume_start, towards.index};
+  const Interval span = clip_to_box(ray, m_frame.box_lo, m_frame.box_hi, {0, kInfinity});
+  const double step = m_medium.voxel_mm;
+  float depth = 0;
+  for (double t = span.begin + 0.5 * step; t <= span.end;) {
+    const double end = end_of_emptiness(ray, t);
+    if (end > t) {
+      t += step * std::max(1.0, std::ceil((end - t) / step));
+      continue;
+    }
+    depth += extinction_at(ray.at(t)) * float(step);
+    if (depth > kDark) return 0;
+    t += step;
+  }
+  return passed * std::exp(-depth);
+}
+
+float LightPaths::openness(const Place& place) {
+  const float trust = place.facing.trust;
+  float sum = 0, weights = 0;
+  for (const LightMedium::Direction& direction : m_medium.around) {
+    const float cosine = std::max(place.facing.normal.dot(direction.world), 0.0f);
+    const float weight = 0.5f * (1 - trust) + trust * cosine;
+    if (weight <= 0) continue;
+    sum += weight * ambient_along(place, direction);
+    weights += weight;
+  }
+  return sum / weights;
+}
+
+/// Of the light emitted along a path as long as the radius, the share that arrives.
+float LightPaths::ambient_along(const Place& place, const LightMedium::Direction& direction) {
+  const double radius = m_frame.settings.lighting.occlusion_radius_mm;
+  m_crossings.clear();
+  if (m_frame.surfaces != nullptr) {
+    const Ray ray{place.surface_start, Vec3d(direction.world)};
+    m_frame.surfaces->crossings(ray, {0, radius}, m_crossings);
+  }
+  auto crossing = m_crossings.begin();
+  const IndexRay ray{place.volume_start, direction.index};
+  float left = 1;
+  double arrived = 0;
+  for (double t = 0, step = 0; t < radius && left > 0; t += step) {
+    step = std::min(std::max(m_medium.voxel_mm, kWidening * t), radius - t);
+    const double middle = t + 0.5 * step;
+    for (; crossing != m_crossings.end() && crossing->t < middle; ++crossing) {
+      left *= 1 - m_frame.surfaces->opacity(*crossing);
+    }
+    const float extinction = extinction_at(ray.at(middle));
+    const float half = extinction > 0 ? std::exp(-0.5f * extinction * float(step)) : 1;
+    arrived += step * double(left * half);
+    left *= half * half;
+  }
+  return float(arrived / radius);
+}
+
+double LightPaths::end_of_emptiness(const IndexRay& ray, double t) {
+  const Vec3i voxel = floor_to_voxel(ray.at(t));
+  const std::int32_t out = m_output_cursor.find(voxel);
+  return out < 0 || !m_frame.output_visible[out] ? end_of_brick(ray, voxel) : t;
+}
+
+/// Of the deformed volume, as the marcher sees it.
+float LightPaths::extinction_at(const Vec3d& seen_at) {
+  Vec3d pos = seen_at;
+  Vec3i base = floor_to_voxel(pos);
+  const std::int32_t out = m_output_cursor.find(base);
+  if (out < 0 || !m_frame.output_visible[out]) return 0;
+  const auto is_kept = [](const std::vector<IndexClip>& clips, const Vec3d& at) {
+    return std::all_of(clips.begin(), clips.end(),
+                       [&](const IndexClip& clip) { return clip.keeps(at); });
+  };
+  if (!is_kept(m_frame.deformed_clips, seen_at)) return 0;
+  OffsetCell offset_cell;
+  if (!m_frame.output.is_identity(out)) {
+    offset_cell = {m_frame.output.node(out, base - m_frame.output.topology().origin(out)),
+                   float(pos.x - base.x), float(pos.y - base.y), float(pos.z - base.z)};
+    const Float4 offset = sample_offset(offset_cell);
+    if (!(offset[0] == offset[0])) return 0;
+    pos += Vec3d(offset[0], offset[1], offset[2]);
+    base = floor_to_voxel(pos);
+  }
+  if (!is_kept(m_frame.source_clips, pos)) return 0;
+  const std::int32_t in = m_source_cursor.find(base);
+  if (in < 0 || !m_frame.source_visible[in]) return 0;
+  const SourceCell cell{m_frame.source.node(in, base - m_frame.source.topology().origin(in)),
+                        float(pos.x - base.x), float(pos.y - base.y), float(pos.z - base.z)};
+  float encoded = 0;
+  if (!sample_cell(cell, encoded)) return 0;
+  const float extinction = m_medium.extinction(encoded);
+  if (extinction == 0 || !m_frame.classifier.has_gradient_opacity()) return extinction;
+  Vec3f gradient = sample_gradient(cell, encoded);
+  if (offset_cell.node != nullptr) gradient = pull_back_gradient(offset_cell, gradient);
+  return m_medium.with_gradient(extinction, m_frame.to_world(gradient).length());
+}
+
+}  // namespace supple
