@@ -192,7 +192,13 @@ float LightPaths::extinction_at(const Vec3d& seen_at) {
   };
   if (!is_kept(m_frame.deformed_clips, seen_at)) return 0;
   OffsetCell offset_cell;
-  if (!m_frame.output.is_identity(out)) {
+  SplitOffsets::Sample split;
+  const bool is_split = m_frame.output.is_split(out);
+  if (is_split) {
+    if (!m_frame.output.split().sample(m_frame.output.split_brick(out), pos, split)) return 0;
+    pos += split.offset;
+    base = floor_to_voxel(pos);
+  } else if (!m_frame.output.is_identity(out)) {
     offset_cell = {m_frame.output.node(out, base - m_frame.output.topology().origin(out)),
                    float(pos.x - base.x), float(pos.y - base.y), float(pos.z - base.z)};
     const Float4 offset = sample_offset(offset_cell);
@@ -211,6 +217,9 @@ float LightPaths::extinction_at(const Vec3d& seen_at) {
   if (extinction == 0 || !m_frame.classifier.has_gradient_opacity()) return extinction;
   Vec3f gradient = sample_gradient(cell, encoded);
   if (offset_cell.node != nullptr) gradient = pull_back_gradient(offset_cell, gradient);
+  if (is_split) {
+    gradient = Vec3f(m_frame.output.split().pull_back(split.piece, seen_at, Vec3d(gradient)));
+  }
   return m_medium.with_gradient(extinction, m_frame.to_world(gradient).length());
 }
 

@@ -180,19 +180,32 @@ bool Marcher::is_clipped(double t) const {
 /// Samples just behind a clip are shaded as its face: their own gradients belong to the inside of
 /// the tissue and would leave what the clip opens dark and rough.
 void Marcher::find_face(const IndexClip& clip, const Vec3d& pos, Probe& probe) const {
-  const bool is_bent = clip.space() == ClipSpace::source && probe.offset.node != nullptr;
+  const bool is_bent = clip.space() == ClipSpace::source;
   const auto as_seen = [&](const Vec3d& normal) {
-    return is_bent ? pull_back_gradient(probe.offset, Vec3f(normal)) : Vec3f(normal);
+    return is_bent ? pull_back(probe, Vec3f(normal)) : Vec3f(normal);
   };
   double mm_ago = 0;
   const IndexClip::Plane* plane = clip.face_behind(
       pos, [&](const Vec3d& normal) { return Vec3d(as_seen(normal)).dot(m_ray.direction); },
       mm_ago);
-  if (plane == nullptr) return;
+  if (plane != nullptr) set_face(as_seen(plane->normal), mm_ago, probe);
+}
+
+/// A ray that came to the sample out of a gap sees the face of the piece as it does that of a clip.
+void Marcher::find_piece_face(Probe& probe) const {
+  const SplitOffsets& split = m_frame.output.split();
+  const Vec3d x = m_ray.at(probe.t);
+  const Vec3d normal = split.face_normal(probe.piece, x);
+  const double gain = normal.dot(m_ray.direction);  // mm deeper per mm
+  if (gain > 0) set_face(Vec3f(normal), split.depth_mm(probe.piece, x) / gain, probe);
+}
+
+/// `normal`: index space, of a face that the ray crossed some mm ago.
+void Marcher::set_face(const Vec3f& normal, double mm_ago, Probe& probe) const {
   const double voxels = mm_ago / m_frame.step_mm * m_frame.settings.step_voxels;
   const float share = float(std::clamp(kFaceVoxels + 1 - voxels, 0.0, 1.0));
   if (share <= probe.face_share) return;
-  probe.face = m_frame.to_world(as_seen(plane->normal)).normalized();
+  probe.face = m_frame.to_world(normal).normalized();
   if (probe.face.dot(m_view.towards_eye) < 0) probe.face = -probe.face;
   probe.face_share = share;
 }
@@ -230,6 +243,7 @@ Marcher::Probe Marcher::probe(std::int64_t n) {
   if (n > m_last_sample) return result;
   const double t = time_of(n);
   if (is_clipped(t)) return result;
+  result.t = t;
   const Vec3d seen_at = m_ray.at(t);
   Vec3d pos = seen_at;
   Vec3i base = floor_to_voxel(pos);
@@ -237,7 +251,9 @@ Marcher::Probe Marcher::probe(std::int64_t n) {
   if (out < 0 || !m_frame.output_visible[out]) return result;
   if (m_is_maximum && m_frame.output.range(out).hi <= m_maximum) return result;
   if (!m_frame.output.is_identity(out)) {
-    if (!follow_offset(out, base, pos, result.offset)) return result;
+    const bool found = m_frame.output.is_split(out) ? follow_split(out, pos, result.piece)
+                                                    : follow_offset(out, base, pos, result.offset);
+    if (!found) return result;
     base = floor_to_voxel(pos);
   }
   for (const IndexClip& clip : m_frame.source_clips) {
@@ -256,6 +272,7 @@ Marcher::Probe Marcher::probe(std::int64_t n) {
   if (!result.visible()) return result;
   for (const IndexClip& clip : m_frame.deformed_clips) find_face(clip, seen_at, result);
   for (const IndexClip& clip : m_frame.source_clips) find_face(clip, pos, result);
+  if (result.piece >= 0) find_piece_face(result);
   return result;
 }
 
@@ -271,11 +288,27 @@ bool Marcher::follow_offset(std::size_t brick, const Vec3i& base, Vec3d& pos,
   return true;
 }
 
+/// The same in a split brick, with the offset of the sample's own piece.
+bool Marcher::follow_split(std::size_t brick, Vec3d& pos, std::int32_t& piece) const {
+  SplitOffsets::Sample found;
+  if (!m_frame.output.split().sample(m_frame.output.split_brick(brick), pos, found)) return false;
+  pos += found.offset;
+  piece = found.piece;
+  return true;
+}
+
+/// (I + grad o)^T g where the probe is.
+Vec3f Marcher::pull_back(const Probe& probe, const Vec3f& gradient) const {
+  if (probe.piece >= 0) {
+    const Vec3d x = m_ray.at(probe.t);
+    return Vec3f(m_frame.output.split().pull_back(probe.piece, x, Vec3d(gradient)));
+  }
+  return probe.offset.node != nullptr ? pull_back_gradient(probe.offset, gradient) : gradient;
+}
+
 Vec3f Marcher::world_gradient(const Probe& probe) const {
   Vec3f g = sample_gradient(probe.source, probe.encoded);
-  if (probe.offset.node != nullptr && m_frame.settings.transform_gradient) {
-    g = pull_back_gradient(probe.offset, g);
-  }
+  if (m_frame.settings.transform_gradient) g = pull_back(probe, g);
   return m_frame.to_world(g);
 }
 
@@ -390,6 +423,10 @@ bool Marcher::surface(SeenSurface& seen) {
     const Float4 o = sample_offset(at.offset);
     seen.offset_mm =
         float(m_frame.geometry.world_vector_from_index(Vec3d(o[0], o[1], o[2])).length());
+  }
+  Vec3d o;
+  if (at.piece >= 0 && m_frame.output.split().offset_of(at.piece, m_ray.at(at.t), o)) {
+    seen.offset_mm = float(m_frame.geometry.world_vector_from_index(o).length());
   }
   return true;
 }

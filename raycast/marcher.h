@@ -100,8 +100,10 @@ class Marcher {
     bool is_inside = false;  // of a cell whose corners all have a density
     SourceCell source;
     OffsetCell offset;
-    Vec3f face{0, 0, 0};   // of a clip, towards the viewer, where one is near
-    float face_share = 0;  // 1: the sample lies at it
+    std::int32_t piece = -1;  // of a split brick, whose offsets have no cell
+    double t;                 // along the ray
+    Vec3f face{0, 0, 0};      // of a clip or piece, towards the viewer, where one is near
+    float face_share = 0;     // 1: the sample lies at it
     bool visible() const { return colour[3] > 0; }
   };
 
@@ -110,8 +112,12 @@ class Marcher {
   void clip_ray();
   bool is_clipped(double t) const;
   void find_face(const IndexClip& clip, const Vec3d& pos, Probe& probe) const;
+  void find_piece_face(Probe& probe) const;
+  void set_face(const Vec3f& normal, double mm_ago, Probe& probe) const;
+  Vec3f pull_back(const Probe& probe, const Vec3f& gradient) const;
   Probe probe(std::int64_t n);
   bool follow_offset(std::size_t brick, const Vec3i& base, Vec3d& pos, OffsetCell& cell) const;
+  bool follow_split(std::size_t brick, Vec3d& pos, std::int32_t& piece) const;
   void march_blocks(std::int64_t first, std::int64_t last);
   void find_maximum(std::int64_t first, std::int64_t last);
   void composite(std::int64_t n, const Probe& probe);

@@ -126,8 +126,9 @@ OffsetBricks::Gathered OffsetBricks::gather(const VectorBricks& extrapolated,
   return result;
 }
 
-OffsetBricks::OffsetBricks(const SourceBricks& source, const VectorBricks& offsets)
-    : m_valid_bounds(offsets.topology.active_bounds()) {
+OffsetBricks::OffsetBricks(const SourceBricks& source, const VectorBricks& offsets,
+                           std::shared_ptr<const SplitOffsets> split)
+    : m_split(std::move(split)), m_valid_bounds(offsets.topology.active_bounds()) {
   const VectorBricks extrapolated = extrapolate_into_bricks(offsets, kExtrapolatedRings);
   m_topology = extrapolated.topology;
   const std::size_t count = m_topology.brick_count();
@@ -147,19 +148,32 @@ OffsetBricks::OffsetBricks(const SourceBricks& source, const VectorBricks& offse
                                   lo + Vec3d(kBrickDim) + Vec3d(found.hi) + guard);
     }
   });
+  if (m_split != nullptr) mark_split_bricks(source);
   std::int32_t slots = 0;
   for (std::int32_t& slot : m_slots) {
-    if (slot != kIdentity) slot = slots++;
+    if (slot >= 0) slot = slots++;
   }
 
   // One float more, so that the last node can be read as four.
   m_offsets.resize(slots * kBrickFloats + 1);
   tbb::parallel_for(std::size_t(0), count, [&](std::size_t b) {
-    if (m_slots[b] == kIdentity) return;
+    if (m_slots[b] < 0) return;
     const Gathered found = gather(extrapolated, source, b);
     std::copy(found.offsets.begin(), found.offsets.end(),
               m_offsets.begin() + m_slots[b] * kBrickFloats);
   });
+}
+
+void OffsetBricks::mark_split_bricks(const SourceBricks& source) {
+  for (std::size_t b = 0; b < m_slots.size(); ++b) {
+    const std::int32_t n = m_split->bricks().find(m_topology.origin(b));
+    if (n < 0) continue;
+    m_slots[b] = kIdentity - 1 - n;
+    Vec3d lo, hi;
+    m_split->reach(std::size_t(n), lo, hi);
+    m_ranges[b] =
+        lo.x > hi.x ? EncodedRange() : reached_range(source, lo - Vec3d(1), hi + Vec3d(1));
+  }
 }
 
 std::size_t OffsetBricks::bytes() const {

@@ -1,7 +1,7 @@
 // The brick table of the output lattice, {empty, identity, deformed} (design.md section 5), and
 // the offsets of deformed bricks with their apron. A brick without an entry is empty; identity
 // bricks cost what straight rays cost; straight rendering is the table whose bricks are all
-// identity.
+// identity. In split bricks the offsets jump, and each sample asks for its own (split_offsets.h).
 // Cost: 8.8 kB per deformed brick.
 #pragma once
 
@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "raycast/source_bricks.h"
-#include "volumes/field/vector_bricks.h"
+#include "volumes/field/split_offsets.h"
 
 namespace supple {
 
@@ -25,10 +25,15 @@ class OffsetBricks {
   /// Straight: every source brick is an identity brick.
   explicit OffsetBricks(const SourceBricks& source);
   /// Samples whose cell has a corner without offset (neither valid nor extrapolated) are empty.
-  OffsetBricks(const SourceBricks& source, const VectorBricks& offsets);
+  OffsetBricks(const SourceBricks& source, const VectorBricks& offsets,
+               std::shared_ptr<const SplitOffsets> split = nullptr);
 
   const BrickTopology& topology() const { return m_topology; }
   bool is_identity(std::size_t b) const { return m_slots[b] == kIdentity; }
+  bool is_split(std::size_t b) const { return m_slots[b] < kIdentity; }
+  const SplitOffsets& split() const { return *m_split; }
+  /// Which of their bricks a split brick is.
+  std::size_t split_brick(std::size_t b) const { return std::size_t(kIdentity - 1 - m_slots[b]); }
   /// Offset (three floats) of node `local` of a deformed brick; NaN where there is none. Four
   /// floats may be read.
   const float* node(std::size_t b, const Vec3i& local) const {
@@ -50,8 +55,11 @@ class OffsetBricks {
   static Gathered gather(const VectorBricks& extrapolated, const SourceBricks& source,
                          std::size_t b);
 
+  void mark_split_bricks(const SourceBricks& source);
+
   BrickTopology m_topology;
-  std::vector<std::int32_t> m_slots;
+  std::vector<std::int32_t> m_slots;  // kIdentity - 1 - n: split brick n
+  std::shared_ptr<const SplitOffsets> m_split;
   std::vector<EncodedRange> m_ranges;
   std::vector<float> m_offsets;
   IndexBox m_valid_bounds;

@@ -13,27 +13,9 @@ double ms_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-/// The voxels within `rings` of active ones that lie inside the box.
-BrickTopology grow_inside(const BrickTopology& active, int rings, const Vec3i& dims) {
-  const BrickTopology grown = dilate(active, rings);
-  const IndexBox box{{0, 0, 0}, dims - Vec3i(1)};
-  std::vector<Vec3i> origins;
-  std::vector<BrickMask> masks;
-  for (std::size_t b = 0; b < grown.brick_count(); ++b) {
-    BrickMask mask{};
-    for_each_active(grown.mask(b), [&](int offset) {
-      const Vec3i voxel = grown.origin(b) + brick_local(offset);
-      if (box.contains(voxel) || active.is_active(voxel)) mask_set(mask, offset);
-    });
-    origins.push_back(grown.origin(b));
-    masks.push_back(mask);
-  }
-  return {std::move(origins), std::move(masks)};
-}
-
 SourceBricks make_source(const Geometry& geometry, const DensityGrid& density, int rings) {
   if (rings <= 0) return SourceBricks(density);
-  return {density, grow_inside(density.bricks(), rings, geometry.dims())};
+  return {density, dilate_inside(density.bricks(), rings, geometry.dims())};
 }
 
 void require(bool good, const char* field, double value, const char* expected) {
@@ -78,7 +60,7 @@ void Renderer::set_offsets(const OffsetField* offsets) {
   if (!(offsets->geometry == m_impl->geometry)) {
     throw InputError({"", "offsets", "another geometry", "the geometry of the volume"});
   }
-  m_impl->output = std::make_unique<OffsetBricks>(m_impl->source, offsets->o);
+  m_impl->output = std::make_unique<OffsetBricks>(m_impl->source, offsets->o, offsets->split);
 }
 
 void Renderer::set_surfaces(const std::vector<Surface>& surfaces) {

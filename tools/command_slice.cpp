@@ -61,7 +61,7 @@ DensityAt density_of(const Source& source) {
       return sample_trilinear(source.density, index, outside);
     };
   }
-  const VectorBricks& offsets = source.deformed->offsets.o;
+  const OffsetField& offsets = source.deformed->offsets;
   return [&source, &offsets, outside](const Vec3d& index) {
     Vec3d offset;
     if (!offsets.sample(index, offset)) return outside;

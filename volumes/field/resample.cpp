@@ -29,18 +29,6 @@ Vec3i nearest_voxel(const Vec3d& pos) {
   return {int(std::lround(pos.x)), int(std::lround(pos.y)), int(std::lround(pos.z))};
 }
 
-/// True when a trilinear reading at `pos` would see an active voxel.
-bool touches(const BrickTopology& topology, const Vec3d& pos) {
-  const Vec3i lo(int(std::floor(pos.x)), int(std::floor(pos.y)), int(std::floor(pos.z)));
-  const Vec3i span(pos.x > lo.x, pos.y > lo.y, pos.z > lo.z);
-  for (int n = 0; n < 8; ++n) {
-    const Vec3i step(n >> 2, (n >> 1) & 1, n & 1);
-    if (step.x > span.x || step.y > span.y || step.z > span.z) continue;
-    if (topology.is_active(lo + step)) return true;
-  }
-  return false;
-}
-
 /// What a grid point without material reads.
 class VoidOffsets {
  public:
@@ -110,7 +98,7 @@ VectorSliceSource dense_offsets(const OffsetField& offsets, const BrickTopology&
       for (int i = 0; i < dims.x; ++i) {
         const Vec3d pos = positions.at(i, j, k);
         Vec3d o(0);
-        if (is_on_lattice_range(pos) && !offsets.o.sample(pos, o)) o = elsewhere->at(pos);
+        if (is_on_lattice_range(pos) && !offsets.sample(pos, o)) o = elsewhere->at(pos);
         out[std::size_t(j) * dims.x + i] = Vec3f(offsets.geometry.world_vector_from_index(o));
       }
     });
@@ -142,7 +130,7 @@ ScalarSliceSource dense_resampled(const OffsetField& offsets, const DensityGrid&
         Vec3d o, source = pos;
         float& value = out[std::size_t(j) * dims.x + i];
         value = fill;
-        if (!offsets.o.sample(pos, o)) continue;
+        if (!offsets.sample(pos, o)) continue;
         source += o;
         // A volume of one slice has nothing to interpolate across it.
         for (int a = 0; a < 3; ++a) source[a] = source_dims[a] == 1 ? 0 : source[a];

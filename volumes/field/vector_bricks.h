@@ -2,6 +2,7 @@
 // topology is active. Cost: 6 kB per brick.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "volumes/geometry/geometry.h"
@@ -39,12 +40,21 @@ struct InversionCertificate {
   double min_det = 1;                  // smallest det F = det(I + grad u) over cell corners
 };
 
+class SplitOffsets;
+
 /// Resample direction (pull): what is now at x came from x + o(x). Index frame of the source
 /// volume, unit voxel; x may lie outside the source box.
 struct OffsetField {
   Geometry geometry;  // of the source volume
   VectorBricks o;     // valid where deformed material (elements, extended shell) is now
   InversionCertificate certificate;
+  /// Where offsets jump: bricks in which they may not be interpolated (split_offsets.h). Null:
+  /// nowhere.
+  std::shared_ptr<const SplitOffsets> split = nullptr;
+
+  /// The offset at any position: that of its piece in split bricks, else trilinear as
+  /// VectorBricks::sample. False where nothing is.
+  bool sample(const Vec3d& pos_index, Vec3d& offset) const;
 };
 
 }  // namespace supple

@@ -1,6 +1,7 @@
 #include "volumes/grid/brick_topology.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <numeric>
 #include <tuple>
@@ -8,6 +9,9 @@
 namespace supple {
 
 namespace {
+
+// Positions beyond this have no voxel; it also keeps NaN away from the integer conversion.
+constexpr double kMaxCoordinate = 1e9;
 
 constexpr std::array<std::array<int, 3>, 6> kFaces = {
     {{-8, 0, 0}, {8, 0, 0}, {0, -8, 0}, {0, 8, 0}, {0, 0, -8}, {0, 0, 8}}};
@@ -127,6 +131,20 @@ std::size_t BrickTopology::bytes() const {
   return m_origins.capacity() * sizeof(Vec3i) + m_masks.capacity() * sizeof(BrickMask) +
          m_neighbours.capacity() * sizeof(m_neighbours[0]) +
          m_regions.capacity() * sizeof(std::int32_t) + m_tables.capacity() * sizeof(m_tables[0]);
+}
+
+bool touches(const BrickTopology& topology, const Vec3d& pos) {
+  for (int a = 0; a < 3; ++a) {
+    if (!(std::abs(pos[a]) < kMaxCoordinate)) return false;
+  }
+  const Vec3i lo(int(std::floor(pos.x)), int(std::floor(pos.y)), int(std::floor(pos.z)));
+  const Vec3i span(pos.x > lo.x, pos.y > lo.y, pos.z > lo.z);
+  for (int n = 0; n < 8; ++n) {
+    const Vec3i step(n >> 2, (n >> 1) & 1, n & 1);
+    if (step.x > span.x || step.y > span.y || step.z > span.z) continue;
+    if (topology.is_active(lo + step)) return true;
+  }
+  return false;
 }
 
 }  // namespace supple

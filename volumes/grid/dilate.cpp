@@ -102,4 +102,21 @@ BrickTopology dilate(const BrickTopology& topology, int rings) {
   return dilate_axis(dilate_axis(dilate_axis(topology, 0, rings), 1, rings), 2, rings);
 }
 
+BrickTopology dilate_inside(const BrickTopology& topology, int rings, const Vec3i& dims) {
+  const BrickTopology grown = dilate(topology, rings);
+  const IndexBox box{{0, 0, 0}, dims - Vec3i(1)};
+  std::vector<Vec3i> origins;
+  std::vector<BrickMask> masks;
+  for (std::size_t b = 0; b < grown.brick_count(); ++b) {
+    BrickMask mask{};
+    for_each_active(grown.mask(b), [&](int offset) {
+      const Vec3i voxel = grown.origin(b) + brick_local(offset);
+      if (box.contains(voxel) || topology.is_active(voxel)) mask_set(mask, offset);
+    });
+    origins.push_back(grown.origin(b));
+    masks.push_back(mask);
+  }
+  return {std::move(origins), std::move(masks)};
+}
+
 }  // namespace supple

@@ -1,0 +1,63 @@
+#include "volumes/field/split_offsets.h"
+
+#include <cmath>
+
+namespace supple {
+
+namespace {
+
+// Step of central differences, in voxels. Pieces are smooth: the error is its square.
+constexpr double kStep = 1.0 / 64;
+
+/// Largest coordinate with a voxel; keeps NaN away from the integer conversion, too.
+constexpr double kMaxCoordinate = 1e9;
+
+}  // namespace
+
+Vec3d SplitOffsets::pull_back(int piece, const Vec3d& x, const Vec3d& gradient) const {
+  Vec3d result = gradient;
+  for (int a = 0; a < 3; ++a) {
+    Vec3d step(0), above, below;
+    step[a] = kStep;
+    if (!offset_of(piece, x + step, above) || !offset_of(piece, x - step, below)) continue;
+    result[a] += (above - below).dot(gradient) / (2 * kStep);
+  }
+  return result;
+}
+
+Vec3d SplitOffsets::face_normal(int piece, const Vec3d& x) const {
+  Vec3d normal(0);
+  for (int a = 0; a < 3; ++a) {
+    Vec3d step(0);
+    step[a] = kStep;
+    normal[a] = (depth_mm(piece, x + step) - depth_mm(piece, x - step)) / (2 * kStep);
+    if (!std::isfinite(normal[a])) return Vec3d(0);
+  }
+  return normal;
+}
+
+void SplitOffsets::set_bricks(std::vector<Vec3i> origins) {
+  BrickMask full;
+  full.fill(~std::uint64_t(0));
+  std::vector<BrickMask> masks(origins.size(), full);
+  m_bricks = BrickTopology(std::move(origins), std::move(masks));
+}
+
+bool OffsetField::sample(const Vec3d& pos_index, Vec3d& offset) const {
+  if (split != nullptr) {
+    for (int a = 0; a < 3; ++a) {
+      if (!(std::abs(pos_index[a]) < kMaxCoordinate)) return false;
+    }
+    const std::int32_t b = split->bricks().find(
+        {int(std::floor(pos_index.x)), int(std::floor(pos_index.y)), int(std::floor(pos_index.z))});
+    SplitOffsets::Sample found;
+    if (b >= 0) {
+      if (!split->sample(std::size_t(b), pos_index, found)) return false;
+      offset = found.offset;
+      return true;
+    }
+  }
+  return o.sample(pos_index, offset);
+}
+
+}  // namespace supple

@@ -1,0 +1,51 @@
+// Offsets that jump: a body that is cut open or falls into pieces (thesis section 3.3.5:
+// "discontinuous sample paths can result in cut open objects").
+//
+// Around a jump the offsets of lattice nodes belong to different pieces, and what lies between them
+// is neither. So the bricks that a jump passes through are set apart as split: each sample in one
+// of their cells asks which piece it lies in and takes that piece's own offset, exactly. Faces are
+// as sharp as the samples are close, gaps are empty, and bricks without a jump cost what they did.
+#pragma once
+
+#include "volumes/field/vector_bricks.h"
+
+namespace supple {
+
+class SplitOffsets {
+ public:
+  struct Sample {
+    Vec3d offset;
+    int piece = 0;
+  };
+
+  virtual ~SplitOffsets() = default;
+
+  /// The split bricks, all of their voxels active.
+  const BrickTopology& bricks() const { return m_bricks; }
+
+  /// Offset and piece at x, in index space, inside the cells of split brick b. False in a gap and
+  /// in the void. Where pieces overlap the shortest offset wins.
+  virtual bool sample(std::size_t b, const Vec3d& x, Sample& found) const = 0;
+  /// The offset of one piece at x, which carries on smoothly beyond its faces; false where the
+  /// piece has none.
+  virtual bool offset_of(int piece, const Vec3d& x, Vec3d& offset) const = 0;
+  /// Distance of x from the nearest face of the piece in mm, as in the body before it was split;
+  /// negative outside, infinite for a piece whose faces are not known.
+  virtual double depth_mm(int piece, const Vec3d& x) const = 0;
+  /// Box in index space around all that samples of brick b can read; lo > hi: nothing.
+  virtual void reach(std::size_t b, Vec3d& lo, Vec3d& hi) const = 0;
+
+  /// (I + grad o)^T g with the offsets of one piece.
+  Vec3d pull_back(int piece, const Vec3d& x, const Vec3d& gradient) const;
+  /// grad depth_mm: the normal of the nearest face, into the piece, in mm per voxel. 0: no face.
+  Vec3d face_normal(int piece, const Vec3d& x) const;
+
+ protected:
+  /// All voxels of the bricks at these sorted origins.
+  void set_bricks(std::vector<Vec3i> origins);
+
+ private:
+  BrickTopology m_bricks;
+};
+
+}  // namespace supple
