@@ -12,8 +12,10 @@ constexpr int kEntries = 4096;
 constexpr double kMostOpaque = 1 - 1e-9;  // what lets nothing through has no optical depth
 constexpr float kDark = 7;                // optical depth of 1/1000
 constexpr double kVolumeBias = 2;         // voxels
-constexpr int kDirections = 32;           // of ambient occlusion
-constexpr double kWidening = 0.25;        // its steps are this share of the way, at least a voxel
+constexpr double kShadowReuse = 1, kOpennessReuse = 2;  // voxels
+constexpr int kDirections = 32;                         // of ambient occlusion
+constexpr double kWidening = 0.25;  // its steps are this share of the way, at least a voxel
+constexpr float kSpent = 1e-2f;     // of ambient light on its way
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 Vec3i floor_to_voxel(const Vec3d& p) {
@@ -84,25 +86,46 @@ LightPaths::LightPaths(const LightMedium& medium)
       m_output_cursor(medium.frame.output.topology()),
       m_source_cursor(medium.frame.source.topology()) {}
 
-Reach LightPaths::reach_of_sample(const Vec3d& pos_lps_mm, const Facing& facing,
-                                  const Vec3f& towards_eye) {
+void LightPaths::begin_ray() {
+  const Lighting& lighting = m_frame.settings.lighting;
+  m_reach = Reach();
+  m_shadows_until = lighting.shadows ? -kInfinity : kInfinity;
+  m_openness_until = lighting.occlusion_radius_mm > 0 ? -kInfinity : kInfinity;
+}
+
+const Reach& LightPaths::reach_of_sample(double t_mm, const Vec3d& pos_lps_mm, const Facing& facing,
+                                         const Vec3f& towards_eye) {
+  const bool shadows_are_due = t_mm >= m_shadows_until;
+  const bool openness_is_due = t_mm >= m_openness_until;
+  if (!shadows_are_due && !openness_is_due) return m_reach;
   const Vec3f before = facing.normal * facing.trust + towards_eye * (1 - facing.trust);
   const Vec3d step = m_frame.geometry.index_vector_from_world(Vec3d(before)).normalized();
   const Vec3d pos_index = m_frame.geometry.index_from_world(pos_lps_mm);
-  return reach({pos_index + step * kVolumeBias, pos_lps_mm, facing});
+  const Place place{pos_index + step * kVolumeBias, pos_lps_mm, facing};
+  if (shadows_are_due) {
+    find_shadows(place, m_reach);
+    m_shadows_until = t_mm + kShadowReuse * m_medium.voxel_mm;
+  }
+  if (openness_is_due) {
+    m_reach.openness = openness(place);
+    m_openness_until = t_mm + kOpennessReuse * m_medium.voxel_mm;
+  }
+  return m_reach;
 }
 
 Reach LightPaths::reach_of_surface(const SurfacePoint& point) {
-  return reach(
-      {m_frame.geometry.index_from_world(point.light_start), point.light_start, {point.normal, 1}});
-}
-
-Reach LightPaths::reach(const Place& place) {
+  const Place place{
+      m_frame.geometry.index_from_world(point.light_start), point.light_start, {point.normal, 1}};
   Reach reach;
-  const int count = m_frame.settings.lighting.shadows ? int(m_medium.lights.size()) : 0;
-  for (int n = 0; n < count; ++n) reach.lights[n] = transmittance(place, m_medium.lights[n]);
+  if (m_frame.settings.lighting.shadows) find_shadows(place, reach);
   if (m_frame.settings.lighting.occlusion_radius_mm > 0) reach.openness = openness(place);
   return reach;
+}
+
+void LightPaths::find_shadows(const Place& place, Reach& reach) {
+  for (std::size_t n = 0; n < m_medium.lights.size(); ++n) {
+    reach.lights[n] = transmittance(place, m_medium.lights[n]);
+  }
 }
 
 float LightPaths::surface_transmittance(const Vec3d& start, const Vec3f& direction) {
@@ -160,7 +183,7 @@ float LightPaths::ambient_along(const Place& place, const LightMedium::Direction
   const IndexRay ray{place.volume_start, direction.index};
   float left = 1;
   double arrived = 0;
-  for (double t = 0, step = 0; t < radius && left > 0; t += step) {
+  for (double t = 0, step = 0; t < radius && left > kSpent; t += step) {
     step = std::min(std::max(m_medium.voxel_mm, kWidening * t), radius - t);
     const double middle = t + 0.5 * step;
     for (; crossing != m_crossings.end() && crossing->t < middle; ++crossing) {

@@ -53,7 +53,11 @@ class LightPaths {
   explicit LightPaths(const LightMedium& medium);
 
   /// A place in the volume, LPS mm; `facing` as it is shaded.
-  Reach reach_of_sample(const Vec3d& pos_lps_mm, const Facing& facing, const Vec3f& towards_eye);
+  /// What it finds at one sample of a ray holds for those of the next voxel (shadows) or two
+  /// (occlusion), as paths to the light cost much more than a sample.
+  const Reach& reach_of_sample(double t_mm, const Vec3d& pos_lps_mm, const Facing& facing,
+                               const Vec3f& towards_eye);
+  void begin_ray();
   Reach reach_of_surface(const SurfacePoint& point);
 
  private:
@@ -63,7 +67,7 @@ class LightPaths {
     Vec3d surface_start;  // LPS mm: paths through surfaces
     Facing facing;
   };
-  Reach reach(const Place& place);
+  void find_shadows(const Place& place, Reach& reach);
   float transmittance(const Place& place, const LightMedium::Direction& towards);
   float openness(const Place& place);
   float ambient_along(const Place& place, const LightMedium::Direction& towards);
@@ -76,6 +80,8 @@ class LightPaths {
   const Frame& m_frame;
   BrickCursor m_output_cursor, m_source_cursor;
   std::vector<TriangleHit> m_crossings;
+  Reach m_reach;  // of the ray under way, which holds until
+  double m_shadows_until = 0, m_openness_until = 0;
 };
 
 }  // namespace supple

@@ -12,9 +12,6 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Voxels of a ray that share what reaches them of the light.
-constexpr double kReachVoxels = 1;
-
 /// Voxels behind the face of a clip that are shaded as the face; one more fades to the tissue's own
 /// gradients.
 constexpr double kFaceVoxels = 2;
@@ -104,7 +101,7 @@ Float4 Marcher::march(const Ray& ray) {
   m_view = m_frame.shading.view(ray);
   m_sum = Float4{0, 0, 0, 0};
   m_surface = m_surface_crossing = -1;
-  m_reach_t = -1;
+  if (m_paths != nullptr) m_paths->begin_ray();
   clip_ray();
   find_crossings(ray);
   march_volume();
@@ -341,15 +338,9 @@ void Marcher::composite(std::int64_t n, const Probe& probe) {
   if (!has_met_surface() && m_sum[3] >= kSurfaceOpacity) m_surface = n;
 }
 
-/// Neighbouring samples share what they find: paths to the light cost much more than a sample.
 const Reach& Marcher::reach_at(double t, const Facing& facing) {
-  const double shared_mm = kReachVoxels / m_frame.settings.step_voxels * m_frame.step_mm;
-  if (m_reach_t < 0 || t >= m_reach_t + shared_mm) {
-    const Vec3d pos = m_world_ray.origin_lps_mm + m_world_ray.direction_lps * t;
-    m_reach = m_paths->reach_of_sample(pos, facing, m_view.towards_eye);
-    m_reach_t = t;
-  }
-  return m_reach;
+  const Vec3d pos = m_world_ray.origin_lps_mm + m_world_ray.direction_lps * t;
+  return m_paths->reach_of_sample(t, pos, facing, m_view.towards_eye);
 }
 
 /// A sample stands for half a step before and behind it: surfaces divide it.

@@ -153,8 +153,6 @@ class Marcher {
   double m_end = 0;                      // t of the first opaque crossing
   std::int64_t m_surface = -1;           // the sample that surface() tells of
   std::int64_t m_surface_crossing = -1;  // or the crossing
-  Reach m_reach;                         // as found at
-  double m_reach_t = 0;                  // this t; negative: not yet
   Shading::View m_view;
   Float4 m_sum{0, 0, 0, 0};
 };

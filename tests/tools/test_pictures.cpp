@@ -131,4 +131,94 @@ TEST_F(UnitPictures, WhatIsNoClipIsRefused) {
   EXPECT_EQ(render("a.png", {"--lattice", "--clip-plane", "0,0,0:1,0,0"}).exit_code, 3);
 }
 
+/// A square of 8 mm before the ball, towards anterior.
+const char* const kSquarePly =
+    "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+    "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+    "8 -4 8\n16 -4 8\n16 -4 16\n8 -4 16\n4 0 1 2 3\n";
+
+TEST_F(UnitPictures, LightsAndMeshesOfASceneAreThoseOfTheCommandLine) {
+  write_text(m_folder / "square.ply", kSquarePly);
+  write_text(m_folder / "scene.toml",
+             "[volume]\npath = \"ball.nhdr\"\n"
+             "[[view]]\nimage = \"scene.png\"\nsize = [64, 64]\nshadows = true\n"
+             "ambient_occlusion = 4\nshading = \"phong\"\n"
+             "[[view.light]]\ndirection = [1, -1, 1]\nintensity = 0.8\ncolour = \"#FFE0C0\"\n"
+             "[[view.light]]\ndirection = [0, 0, 1]\nframe = \"camera\"\nintensity = 0.2\n"
+             "[[view.mesh]]\npath = \"square.ply\"\ncolour = \"#2040FF\"\nopacity = 0.5\n");
+  const Outcome scene =
+      run_supple({"run", m_folder / "scene.toml", "-o", m_folder / "", "--force"});
+  ASSERT_EQ(scene.exit_code, 0) << scene.err;
+  const std::string mesh = m_folder / "square.ply:#2040FF:0.5";
+  const std::vector<std::string> all = {
+      "--light", "1,-1,1:0.8:#FFE0C0", "--light", "camera:0,0,1:0.2",    "--shadows", "--mesh",
+      mesh,      "--shading",          "phong",   "--ambient-occlusion", "4"};
+  ASSERT_EQ(render("a.png", all).err, "");
+  const Image expected = read_png(m_folder / "a.png");
+  EXPECT_GT(compare(read_png(m_folder / "scene.png"), expected, true).ssim, 0.98);
+  // Each of them matters.
+  for (std::size_t n = 0; n < all.size();) {
+    const std::size_t count = all[n] == "--shadows" ? 1 : 2;
+    std::vector<std::string> fewer = all;
+    fewer.erase(fewer.begin() + n, fewer.begin() + n + count);
+    ASSERT_EQ(render("b.png", fewer).err, "");
+    EXPECT_GT(compare(read_png(m_folder / "b.png"), expected, true).max_diff, 0.01) << all[n];
+    n += count;
+  }
+}
+
+TEST_F(UnitPictures, AMeshMovesAlongWithTheTissueWhenAsked) {
+  write_soft_material(m_folder / "soft.toml");
+  write_text(m_folder / "square.ply", kSquarePly);
+  const std::string state = m_folder / "drag.vdb";
+  ASSERT_EQ(run_supple({"deform", m_folder / "ball.nhdr", "--material", m_folder / "soft.toml",
+                        "--grab", "12,12,12", "--by", "5,0,0", "-o", state})
+                .exit_code,
+            0);
+  const auto picture = [&](std::vector<std::string> more) {
+    std::vector<std::string> arguments = {
+        "render",  state,       "--mesh", m_folder / "square.ply:#FF0000",
+        "--size",  "64,64",     "-o",     m_folder / "mesh.png",
+        "--force", "--shading", "none"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    EXPECT_EQ(run_supple(arguments).err, "");
+    return read_png(m_folder / "mesh.png");
+  };
+  const auto mean_column_of_red = [](const Image& image) {
+    double sum = 0, count = 0;
+    for (int n = 0; n < image.width * image.height; ++n) {
+      if (image.rgba[4 * n] < 255 || image.rgba[4 * n + 1] > 0) continue;
+      sum += n % image.width;
+      ++count;
+    }
+    EXPECT_GT(count, 20);
+    return sum / count;
+  };
+  const double still = mean_column_of_red(picture({}));
+  EXPECT_GT(std::abs(mean_column_of_red(picture({"--deform-meshes"})) - still), 0.7);
+  EXPECT_NEAR(mean_column_of_red(picture({"--deform-meshes", "--undeformed"})), still, 0.1);
+}
+
+TEST_F(UnitPictures, WhatIsNoLightOrMeshIsRefused) {
+  write_text(m_folder / "square.ply", kSquarePly);
+  write_text(m_folder / "empty.obj", "v 0 0 0\nv 1 0 0\nf 1 2 2\n");
+  const std::string square = m_folder / "square.ply";
+  const auto code = [&](const std::string& option, const std::string& value) {
+    return render("a.png", {option, value}).exit_code;
+  };
+  EXPECT_EQ(code("--light", "1,2"), 2);
+  EXPECT_EQ(code("--light", "1,2,3:x"), 2);
+  EXPECT_EQ(code("--light", "1,2,3:1:red"), 2);
+  EXPECT_EQ(code("--light", "0,0,0"), 3);
+  EXPECT_EQ(code("--light", "1,2,3:-1"), 3);
+  EXPECT_EQ(code("--shading", "flat"), 2);
+  EXPECT_EQ(code("--ambient-occlusion", "-3"), 3);
+  EXPECT_EQ(code("--mesh", m_folder / "none.ply"), 3);
+  EXPECT_EQ(code("--mesh", m_folder / "empty.obj"), 3);
+  EXPECT_EQ(code("--mesh", square + ":#12"), 2);
+  EXPECT_EQ(code("--mesh", square + ":#123456:2"), 3);
+  EXPECT_EQ(render("a.png", {"--lattice", "--mesh", square}).exit_code, 3);
+  EXPECT_EQ(render("a.png", {"--ambient-occlusion"}).exit_code, 0);
+}
+
 }  // namespace
