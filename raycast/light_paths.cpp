@@ -29,6 +29,11 @@ Vec3d direction_around(int n) {
   return {radius * std::cos(n * kGoldenAngle), radius * std::sin(n * kGoldenAngle), z};
 }
 
+bool is_kept(const std::vector<IndexClip>& clips, const Vec3d& pos_index) {
+  return std::all_of(clips.begin(), clips.end(),
+                     [&](const IndexClip& clip) { return clip.keeps(pos_index); });
+}
+
 /// The t at which the ray leaves the brick.
 double end_of_brick(const IndexRay& ray, const Vec3i& voxel) {
   double end = kInfinity;
@@ -128,9 +133,22 @@ void LightPaths::find_shadows(const Place& place, Reach& reach) {
   }
 }
 
+void LightPaths::find_crossings(const Vec3d& start, const Vec3f& direction, double length_mm) {
+  m_crossings.clear();
+  if (m_frame.surfaces == nullptr) return;
+  const Ray ray{start, Vec3d(direction)};
+  m_frame.surfaces->crossings(ray, {0, length_mm}, m_crossings);
+  if (!m_frame.settings.clip_surfaces) return;
+  const auto is_cut = [&](const TriangleHit& hit) {
+    const Vec3d pos = m_frame.geometry.index_from_world(start + ray.direction_lps * hit.t);
+    return !is_kept(m_frame.deformed_clips, pos);
+  };
+  m_crossings.erase(std::remove_if(m_crossings.begin(), m_crossings.end(), is_cut),
+                    m_crossings.end());
+}
+
 float LightPaths::surface_transmittance(const Vec3d& start, const Vec3f& direction) {
-  if (m_frame.surfaces == nullptr) return 1;
-  m_frame.surfaces->crossings({start, Vec3d(direction)}, {0, kInfinity}, m_crossings);
+  find_crossings(start, direction, kInfinity);
   float passed = 1;
   for (const TriangleHit& crossing : m_crossings) passed *= 1 - m_frame.surfaces->opacity(crossing);
   return passed;
@@ -174,11 +192,7 @@ float LightPaths::openness(const Place& place) {
 /// Of the light emitted along a path as long as the radius, the share that arrives.
 float LightPaths::ambient_along(const Place& place, const LightMedium::Direction& direction) {
   const double radius = m_frame.settings.lighting.occlusion_radius_mm;
-  m_crossings.clear();
-  if (m_frame.surfaces != nullptr) {
-    const Ray ray{place.surface_start, Vec3d(direction.world)};
-    m_frame.surfaces->crossings(ray, {0, radius}, m_crossings);
-  }
+  find_crossings(place.surface_start, direction.world, radius);
   auto crossing = m_crossings.begin();
   const IndexRay ray{place.volume_start, direction.index};
   float left = 1;
@@ -209,10 +223,6 @@ float LightPaths::extinction_at(const Vec3d& seen_at) {
   Vec3i base = floor_to_voxel(pos);
   const std::int32_t out = m_output_cursor.find(base);
   if (out < 0 || !m_frame.output_visible[out]) return 0;
-  const auto is_kept = [](const std::vector<IndexClip>& clips, const Vec3d& at) {
-    return std::all_of(clips.begin(), clips.end(),
-                       [&](const IndexClip& clip) { return clip.keeps(at); });
-  };
   if (!is_kept(m_frame.deformed_clips, seen_at)) return 0;
   OffsetCell offset_cell;
   SplitOffsets::Sample split;

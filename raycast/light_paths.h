@@ -14,7 +14,8 @@
 // where it has none): a surface of the volume is 2 to 3 voxels thick and would shade itself. What
 // lies nearer casts no shadow on the volume; thin bone does not leak, as paths begin on the side
 // that is seen.
-// Cost: 15 ns per sample of a path in visible bricks, 10 ns per transparent brick passed.
+// Cost, measured on ct_head: about 1 µs per path to a light, 6 µs per place for an occlusion of 10
+// mm.
 #pragma once
 
 #include <vector>
@@ -71,6 +72,8 @@ class LightPaths {
   float transmittance(const Place& place, const LightMedium::Direction& towards);
   float openness(const Place& place);
   float ambient_along(const Place& place, const LightMedium::Direction& towards);
+  /// Of a path that starts at a place, LPS; leaves them in m_crossings.
+  void find_crossings(const Vec3d& start, const Vec3f& direction, double length_mm);
   float surface_transmittance(const Vec3d& start, const Vec3f& direction);
   /// Where the ray leaves the brick that it is in at t, when that is transparent; else t.
   double end_of_emptiness(const IndexRay& ray, double t);

@@ -3,7 +3,8 @@
 // the crease angle of its own, weighted by their angles there (G. Thuermer and C. Wuethrich,
 // Computing vertex normals from polygonal facets, Journal of Graphics Tools 3(1), 1998); so that a
 // rod of eight sides is round and its ends are flat. Vertices at the same place count as one, as
-// STL files repeat them. Cost: about 1 µs per triangle; 64 bytes per triangle and 12 per vertex.
+// STL files repeat them.
+// Cost: about 3 µs and 60 bytes per triangle.
 #pragma once
 
 #include <array>

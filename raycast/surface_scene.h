@@ -1,4 +1,5 @@
 // All surfaces of a picture: where rays cross them, and what lies there to be lit.
+// Cost: 180 bytes per triangle, the tree included; about 1 µs per ray that comes near.
 #pragma once
 
 #include "raycast/embree_triangles.h"

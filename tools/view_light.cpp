@@ -16,8 +16,6 @@ namespace supple::tools {
 
 namespace {
 
-constexpr double kOcclusionRadiusMm = 10;
-
 using Rgb = std::array<double, 3>;
 
 bool read_colour(const std::string& text, Rgb& rgb) {
@@ -62,17 +60,6 @@ Light read_light(TomlTable& table) {
   table.finish();
   light.validate(table.place());
   return light;
-}
-
-/// true, or a radius in mm.
-double read_occlusion(TomlTable& table) {
-  const std::string key = "ambient_occlusion";
-  if (!table.has(key)) return 0;
-  try {
-    return table.number(key).value_or(0);
-  } catch (const InputError&) {
-    return table.boolean(key).value_or(false) ? kOcclusionRadiusMm : 0;
-  }
 }
 
 MeshChoice read_mesh_choice(TomlTable& table) {
@@ -152,7 +139,7 @@ Lighting read_lighting(TomlTable& table) {
   lighting.model = parse_shading(shading);
   for (TomlTable& light : table.tables("light")) lighting.lights.push_back(read_light(light));
   lighting.shadows = table.boolean("shadows").value_or(false);
-  lighting.occlusion_radius_mm = read_occlusion(table);
+  lighting.occlusion_radius_mm = table.number("ambient_occlusion").value_or(0);
   return lighting;
 }
 

@@ -248,6 +248,17 @@ TEST(PropertySurfaceShadow, FogShadesASurfaceByBeerAndLambert) {
   EXPECT_NEAR(picture.rgba[4 * (16 * 32 + 4)], 0.1 + 0.8 * std::sqrt(0.5) * reached, 0.01);
 }
 
+TEST(UnitSurfaceShadow, WhatIsCutAwayCastsNoShadow) {
+  Renderer renderer(cube_geometry(kSize), DensityGrid());
+  // Lit from the front, where a screen is cut away.
+  renderer.set_surfaces({rectangle(0, 12, {1, 1, 1}), rectangle(-8, 12, kRed)});
+  LitScene scene({0, -1, 0});
+  scene.settings.clips = {{{{{0, -4, 0}, {0, 1, 0}}}, ClipKeep::inside, ClipSpace::deformed}};
+  scene.settings.clip_surfaces = true;
+  EXPECT_NEAR(centre(renderer.render_float(front_camera(), scene.function, scene.settings))[0],
+              0.1 + 0.8, 1e-5);
+}
+
 TEST(PropertySurfaceShadow, SurfacesShadeTheVolumeAndEachOtherByTheirOpacity) {
   // A screen between the light, which comes from the viewer's right, and what lies behind it.
   const LitScene scene({0.6, -0.8, 0});
