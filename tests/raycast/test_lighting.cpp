@@ -272,7 +272,7 @@ TEST(PropertyOcclusion, ACornerIsAsOpenAsBruteForceSays) {
   const FloatImage with = renderer.render_float(front_camera(), f, settings);
   for (int x = 14; x < 38; x += 2) {
     const double openness = red(with, 2 * x, 48) / red(without, 2 * x, 48);
-    EXPECT_NEAR(openness, openness_beside_a_wall(x - 12, 16), 0.04) << x;
+    EXPECT_NEAR(openness, openness_beside_a_wall(x - 12, 16), 0.025) << x;
   }
   EXPECT_LT(openness_beside_a_wall(2, 16), 0.75);
 }
