@@ -1,5 +1,6 @@
 // supple export: the deformation of a state as a warp file that other programs read.
 #include "tools/command.h"
+#include "tools/offset_functions.h"
 #include "tools/output_plan.h"
 #include "tools/outputs.h"
 
@@ -8,7 +9,7 @@ namespace supple::tools {
 namespace {
 
 struct Options {
-  std::string input, output;
+  std::string input, output, offset;
   std::string direction = "resample";
   std::string void_mode = "nearest";
   GridChoice grid;
@@ -24,8 +25,9 @@ int run(const Options& options, const GlobalOptions& global, Console& console) {
         "--grid, --margin and --void: found with --direction material, expected "
         "--direction resample (a material field lives on the source grid)");
   }
+  const auto functions = read_offset_file(options.offset);
   const State state = read_state(options.input, &console);
-  const Deformed deformed = invert_state(state, console);
+  const Deformed deformed = invert_and_send_along(state, functions, console);
   const Geometry grid = choose_grid(state.geometry, options.grid);
   const std::int64_t lost = write_state_warp(
       options.output, state, deformed, material ? WarpDirection::material : WarpDirection::resample,
@@ -57,6 +59,7 @@ Command add_export(CLI::App& program) {
                   "Where no material is: nearest void, outside the source, or extend")
       ->check(CLI::IsMember({"nearest", "outside", "extend"}))
       ->option_text("nearest|outside|extend");
+  add_offset_option(*app, options->offset);
   add_grid_options(*app, options->grid.file, options->grid.margin_mm);
   return {app, [options](const GlobalOptions& global, Console& console) {
             return run(*options, global, console);

@@ -8,6 +8,7 @@
 
 #include "tools/command.h"
 #include "tools/material_file.h"
+#include "tools/offset_functions.h"
 #include "tools/output_plan.h"
 #include "tools/outputs.h"
 #include "tools/parse.h"
@@ -22,7 +23,7 @@ namespace {
 constexpr int kAirRings = 2;
 
 struct Options {
-  std::string input, raw_spec, offsets, preset, camera, size, view, output;
+  std::string input, raw_spec, offsets, offset, preset, camera, size, view, output;
   std::vector<std::string> clip_planes, clip_boxes;
   std::vector<std::string> lights, meshes;
   std::string shading = "blinn";
@@ -67,6 +68,7 @@ SceneView to_view(const Options& options) {
     choice.clip.space = options.clip_space == "source" ? ClipSpace::source : ClipSpace::deformed;
   }
   add_light_and_meshes(options, view);
+  view.offset = read_offset_file(options.offset);
   if (!options.size.empty()) parse_size("--size", options.size, view.width, view.height);
   if (!options.camera.empty()) view.camera = read_camera(options.camera);
   if (!options.view.empty()) view.camera.view = options.view;
@@ -82,6 +84,10 @@ Image draw_state(const Options& options, SceneView& view, RenderReport& report, 
   view = effective_view(view, state.geometry, state.density.background());
   std::optional<Deformed> deformed;
   if (view.deformed) deformed = invert_state(state, console);
+  if (!view.offset.empty()) {
+    deformed = deformed ? send_along(view.offset, *deformed, console)
+                        : send_along(view.offset, state.geometry, state.density.bricks(), console);
+  }
   const MaterialTable material = parse_material(state.material_toml, options.input);
   return draw(
       {state.geometry, state.density, state.elements, deformed ? &deformed->offsets : nullptr,
@@ -123,9 +129,22 @@ Image draw_volume(const Options& options, SceneView& view, RenderReport& report,
   }
   const double grey_hi = std::max(statistics.max, statistics.min + 1);
   view = effective_view(view, geometry, statistics.min);
-  return draw({volume.geometry, volume.density, volume.density.bricks(),
-               offsets ? &*offsets : nullptr, nullptr, statistics.min, grey_hi, kAirRings},
-              view, &report, console);
+  std::optional<Displacement> displacement;
+  if (!view.offset.empty()) {
+    // With the air that pictures of the volume at rest read, too.
+    const BrickTopology body = dilate_inside(volume.density.bricks(), kAirRings, geometry.dims());
+    if (offsets) {
+      offsets = send_along(view.offset, *offsets, console);
+    } else {
+      Deformed seen = send_along(view.offset, geometry, body, console);
+      displacement = std::move(seen.displacement);
+      offsets = std::move(seen.offsets);
+    }
+  }
+  return draw(
+      {volume.geometry, volume.density, volume.density.bricks(), offsets ? &*offsets : nullptr,
+       displacement ? &*displacement : nullptr, statistics.min, grey_hi, kAirRings},
+      view, &report, console);
 }
 
 int run(const Options& options, const GlobalOptions& global, Console& console) {
@@ -166,6 +185,7 @@ Command add_render(CLI::App& program) {
   app->add_option("--offsets", options->offsets,
                   "Show a volume through a resample-direction warp (NRRD, MetaImage)")
       ->option_text("FIELD");
+  add_offset_option(*app, options->offset);
   app->add_option(
          "--preset", options->preset,
          "CT-Bone (default with HU), CT-Muscle, CT-Soft-Tissue, CT-MIP, MR-Default, MR-MIP, "

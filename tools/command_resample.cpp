@@ -1,5 +1,6 @@
 // supple resample: the deformed volume on a grid, for those who do want it resampled.
 #include "tools/command.h"
+#include "tools/offset_functions.h"
 #include "tools/output_plan.h"
 #include "tools/outputs.h"
 
@@ -8,15 +9,16 @@ namespace supple::tools {
 namespace {
 
 struct Options {
-  std::string input, output;
+  std::string input, output, offset;
   GridChoice grid;
 };
 
 int run(const Options& options, const GlobalOptions& global, Console& console) {
   OutputPlan(global).add_dense(options.output);
   require_within("--margin", options.grid.margin_mm, 0, 1e6);
+  const auto functions = read_offset_file(options.offset);
   const State state = read_state(options.input, &console);
-  const Deformed deformed = invert_state(state, console);
+  const Deformed deformed = invert_and_send_along(state, functions, console);
   const Geometry grid = choose_grid(state.geometry, options.grid);
   const std::int64_t lost = write_resampled(options.output, state, deformed, grid, console);
   if (global.json) {
@@ -37,6 +39,7 @@ Command add_resample(CLI::App& program) {
   app->add_option("-o,--output", options->output, "Volume to write: .nrrd, .nhdr, .mha or .mhd")
       ->required()
       ->option_text("VOLUME");
+  add_offset_option(*app, options->offset);
   add_grid_options(*app, options->grid.file, options->grid.margin_mm);
   return {app, [options](const GlobalOptions& global, Console& console) {
             return run(*options, global, console);

@@ -98,7 +98,7 @@ class SceneRun {
       run_step(m_session, m_scene.steps[n], m_console);
       draw_views(int(n) + 1);
     }
-    if (writes_fields()) deformed(last_step());
+    if (writes_fields()) seen(last_step());
     for (const std::string& name : m_scene.outputs()) {
       std::filesystem::create_directories(std::filesystem::path(path_of(name)).parent_path());
     }
@@ -133,12 +133,39 @@ class SceneRun {
     return *m_deformed;
   }
 
+  /// The same as the scene's functions show it.
+  const Deformed& seen(int step) {
+    if (m_scene.offset.empty()) return deformed(step);
+    if (m_seen_step != step) {
+      m_seen = send_along(m_scene.offset, deformed(step), m_console);
+      m_seen_step = step;
+    }
+    return *m_seen;
+  }
+
+  /// What a view shows; null: the body at rest. `own` holds what is this view's alone, and the view
+  /// gets the functions of the scene, too.
+  const Deformed* subject_of(SceneView& view, int step, std::optional<Deformed>& own) {
+    const bool has_own = !view.offset.empty();
+    if (view.deformed) {
+      view.offset.insert(view.offset.begin(), m_scene.offset.begin(), m_scene.offset.end());
+      if (!has_own) return &seen(step);
+      own = send_along(view.offset, deformed(step), m_console);
+      return &*own;
+    }
+    m_state = m_session.state();
+    if (!has_own) return nullptr;
+    own = send_along(view.offset, m_state.geometry, m_state.density.bricks(), m_console);
+    return &*own;
+  }
+
   void draw_views(int step) {
     for (const SceneView& view : m_scene.views) {
       if (view.after_step.value_or(last_step()) != step) continue;
-      const Deformed* moved = view.deformed ? &deformed(step) : nullptr;
-      if (moved == nullptr) m_state = m_session.state();
-      const SceneView drawn = effective_view(view, m_state.geometry, m_state.density.background());
+      SceneView asked = view;
+      std::optional<Deformed> own;
+      const Deformed* moved = subject_of(asked, step, own);
+      const SceneView drawn = effective_view(asked, m_state.geometry, m_state.density.background());
       const MaterialTable& material = m_session.body().material;
       m_images.emplace_back(drawn, draw({m_state.geometry, m_state.density, m_state.elements,
                                          moved != nullptr ? &moved->offsets : nullptr,
@@ -156,17 +183,17 @@ class SceneRun {
       write_state(path_of(output.state), m_state, moved.offsets, &m_console);
     }
     for (const std::string& name : output.offsets) {
-      const Deformed& moved = deformed(last);
+      const Deformed& moved = seen(last);
       write_state_warp(path_of(name), m_state, moved, WarpDirection::resample, VoidMode::nearest,
                        m_state.geometry, m_console);
     }
     for (const std::string& name : output.displacements) {
-      const Deformed& moved = deformed(last);
+      const Deformed& moved = seen(last);
       write_state_warp(path_of(name), m_state, moved, WarpDirection::material, VoidMode::nearest,
                        m_state.geometry, m_console);
     }
     for (const std::string& name : output.volumes) {
-      const Deformed& moved = deformed(last);
+      const Deformed& moved = seen(last);
       write_resampled(path_of(name), m_state, moved, m_state.geometry, m_console);
     }
   }
@@ -178,6 +205,8 @@ class SceneRun {
   State m_state;
   std::optional<Deformed> m_deformed;
   int m_deformed_step = -1;
+  std::optional<Deformed> m_seen;
+  int m_seen_step = -1;
   std::vector<std::pair<SceneView, Image>> m_images;
 };
 
@@ -206,6 +235,8 @@ void check_scene(const Scene& scene, const Options& options, const GlobalOptions
                                 ? read_state(scene.volume_path).geometry
                                 : open_volume(scene.volume_path, scene.raw_spec)->header().geometry;
   for (const SceneStep& step : scene.steps) check_step(step, geometry);
+  to_path(scene.offset, geometry);
+  for (const SceneView& view : scene.views) to_path(view.offset, geometry);
 }
 
 void print_plan(const Scene& scene, const Options& options) {

@@ -6,6 +6,7 @@
 
 #include "raycast/slice.h"
 #include "tools/command.h"
+#include "tools/offset_functions.h"
 #include "tools/output_plan.h"
 #include "tools/outputs.h"
 #include "tools/parse.h"
@@ -23,7 +24,7 @@ constexpr int kGapPixels = 8;
 constexpr double kSoftTissueLo = -160, kSoftTissueHi = 240;
 
 struct Options {
-  std::string input, raw_spec, at, window, output;
+  std::string input, raw_spec, offset, at, window, output;
   std::string plane = "all";
   double scale = 2;
   bool undeformed = false;
@@ -35,14 +36,20 @@ struct Source {
   Geometry geometry;
   DensityGrid density;
   BrickTopology rest;  // outlined; empty for a volume
-  std::optional<Deformed> deformed;
+  std::optional<OffsetField> offsets;
 };
 
 Source open_source(const Options& options, Console& console) {
+  const auto functions = read_offset_file(options.offset);
   if (is_state_file(options.input)) {
     State state = read_state(options.input, &console);
     Source source{state.geometry, state.density, {}, {}};
-    if (!options.undeformed) source.deformed = invert_state(state, console);
+    if (!options.undeformed) {
+      source.offsets = invert_and_send_along(state, functions, console).offsets;
+    } else if (!functions.empty()) {
+      source.offsets =
+          send_along(functions, state.geometry, state.density.bricks(), console).offsets;
+    }
     if (!options.no_outline) source.rest = std::move(state.elements);
     return source;
   }
@@ -50,18 +57,23 @@ Source open_source(const Options& options, Console& console) {
     throw UsageError("--undeformed: found a volume, expected a state file");
   }
   Volume volume = load_volume(*open_volume(options.input, options.raw_spec), &console);
-  return {volume.geometry, std::move(volume.density), {}, {}};
+  Source source{volume.geometry, std::move(volume.density), {}, {}};
+  if (!functions.empty()) {
+    source.offsets =
+        send_along(functions, source.geometry, source.density.bricks(), console).offsets;
+  }
+  return source;
 }
 
 /// The density that is seen at a place: that of where its tissue came from.
 DensityAt density_of(const Source& source) {
   const float outside = source.density.background();
-  if (!source.deformed) {
+  if (!source.offsets) {
     return [&source, outside](const Vec3d& index) {
       return sample_trilinear(source.density, index, outside);
     };
   }
-  const OffsetField& offsets = source.deformed->offsets;
+  const OffsetField& offsets = *source.offsets;
   return [&source, &offsets, outside](const Vec3d& index) {
     Vec3d offset;
     if (!offsets.sample(index, offset)) return outside;
@@ -146,6 +158,7 @@ Command add_slice(CLI::App& program) {
       ->option_text("VOLUME|STATE.vdb");
   app->add_option("--raw", options->raw_spec,
                   "Headerless raw: dims=X,Y,Z,type=int16,spacing=A,B,C[,endian=big][,offset=N]");
+  add_offset_option(*app, options->offset);
   app->add_option("--at", options->at, "Voxel that the slices pass through (default: the middle)")
       ->option_text("I,J,K");
   app->add_option("--plane", options->plane, "axial, coronal, sagittal, or all of them (default)")

@@ -16,9 +16,27 @@ Geometry choose_grid(const Geometry& source, const GridChoice& choice) {
 
 namespace {
 
+/// u on the elements alone, without the air around them; null: at rest.
+Displacement on_elements(const Geometry& geometry, const BrickTopology& elements,
+                         const Displacement* displacement) {
+  Displacement result{geometry, {}};
+  result.u.topology = elements;
+  result.u.vectors.resize(elements.brick_count() * kBrickVoxels, Vec3f(0));
+  if (displacement == nullptr) return result;
+  for (std::size_t b = 0; b < elements.brick_count(); ++b) {
+    for_each_active(elements.mask(b), [&](int offset) {
+      const Vec3i voxel = elements.origin(b) + brick_local(offset);
+      displacement->u.at(voxel, result.u.vectors[b * kBrickVoxels + offset]);
+    });
+  }
+  return result;
+}
+
 std::int64_t warn_of_lost_material(const std::string& path, const State& state,
-                                   const Geometry& grid, Console& console) {
-  const std::int64_t lost = count_outside(displacement_of(state), grid);
+                                   const Deformed& deformed, const Geometry& grid,
+                                   Console& console) {
+  const std::int64_t lost =
+      count_outside(on_elements(state.geometry, state.elements, &deformed.displacement), grid);
   if (lost > 0) {
     console.warn(path + ": " + std::to_string(lost) +
                  " voxels of material lie outside the grid (see --margin)");
@@ -42,7 +60,7 @@ std::int64_t write_state_warp(const std::string& path, const State& state, const
                &console);
     return 0;
   }
-  const std::int64_t lost = warn_of_lost_material(path, state, grid, console);
+  const std::int64_t lost = warn_of_lost_material(path, state, deformed, grid, console);
   write_warp(path, grid, direction,
              dense_offsets(deformed.offsets, state.density.bricks(), grid, mode), &console);
   return lost;
@@ -50,7 +68,7 @@ std::int64_t write_state_warp(const std::string& path, const State& state, const
 
 std::int64_t write_resampled(const std::string& path, const State& state, const Deformed& deformed,
                              const Geometry& grid, Console& console) {
-  const std::int64_t lost = warn_of_lost_material(path, state, grid, console);
+  const std::int64_t lost = warn_of_lost_material(path, state, deformed, grid, console);
   ValueType type = ValueType::float32;
   find_numpy_type(state.source_type, type);
   write_volume(path, grid, type,
@@ -76,23 +94,9 @@ Camera resolve_camera(const CameraChoice& choice, const Geometry& geometry, doub
 
 namespace {
 
-/// u on the elements alone: the lattice draws no shell.
-Displacement on_elements(const Subject& subject) {
-  Displacement displacement{subject.geometry, {}};
-  displacement.u.topology = subject.elements;
-  displacement.u.vectors.resize(subject.elements.brick_count() * kBrickVoxels, Vec3f(0));
-  if (subject.displacement == nullptr) return displacement;
-  for (std::size_t b = 0; b < subject.elements.brick_count(); ++b) {
-    for_each_active(subject.elements.mask(b), [&](int offset) {
-      const Vec3i voxel = subject.elements.origin(b) + brick_local(offset);
-      subject.displacement->u.at(voxel, displacement.u.vectors[b * kBrickVoxels + offset]);
-    });
-  }
-  return displacement;
-}
-
 Image draw_body_lattice(const Subject& subject, const SceneView& view) {
-  const Displacement displacement = on_elements(subject);
+  const Displacement displacement =
+      on_elements(subject.geometry, subject.elements, subject.displacement);
   const double aspect = double(view.width) / view.height;
   const bool is_slice = subject.geometry.dims().z == 1;
   const bool is_default = !view.camera.camera && view.camera.view == "anterior";
@@ -213,6 +217,9 @@ std::string describe_view(const SceneView& view) {
   describe(view.lighting, json);
   for (const MeshChoice& mesh : view.meshes) json["mesh"].push_back(to_json(mesh));
   if (view.clip_meshes) json["clip_meshes"] = true;
+  for (const OffsetFunction& function : view.offset) {
+    json["offset"].push_back(nlohmann::ordered_json::parse(function.json));
+  }
   for (const ClipChoice& clip : view.clips) json["clip"].push_back(to_json(clip));
   if (const auto& camera = view.camera.camera) {
     json["camera"] = {

@@ -193,7 +193,7 @@ Scene read_scene(const std::string& path) {
   Scene scene;
   scene.file = path;
 
-  root.know({"volume", "labels", "material", "step", "view", "output"});
+  root.know({"volume", "labels", "material", "step", "view", "offset", "output"});
   TomlTable volume = root.require(root.table("volume"), "volume", "a table [volume] with a path");
   volume.know({"path", "raw"});
   scene.volume_path = volume.require(volume.path("path"), "path", "the path of a volume");
@@ -218,6 +218,7 @@ Scene read_scene(const std::string& path) {
   }
   const int steps = int(scene.steps.size());
   for (TomlTable& view : root.tables("view")) scene.views.push_back(read_view(view, steps));
+  scene.offset = read_offset_functions(root);
   if (auto output = root.table("output")) scene.output = read_output(*output);
   root.finish();
   return scene;

@@ -42,6 +42,7 @@ struct Scene {
   std::string material_path;  // resolved; empty for an inline table
   std::vector<SceneStep> steps;
   std::vector<SceneView> views;
+  std::vector<OffsetFunction> offset;  // of all deformed views and outputs but the state
   SceneOutput output;
 
   /// Every output path, relative as written.

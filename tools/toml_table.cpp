@@ -223,6 +223,20 @@ std::vector<TomlTable> TomlTable::tables(const std::string& key) {
   return tables;
 }
 
+std::vector<TomlTable> TomlTable::table_or_tables(const std::string& key) {
+  const toml::node* node = find(key);
+  if (node == nullptr || !node->is_table()) return tables(key);
+  return {TomlTable(*node->as_table(), m_file, full_name(key))};
+}
+
+std::string TomlTable::json() const {
+  std::ostringstream text;
+  text << toml::json_formatter(*m_table);
+  std::string line = text.str();
+  line.erase(std::remove(line.begin(), line.end(), '\n'), line.end());
+  return line;
+}
+
 void TomlTable::finish() const {
   for (const auto& [key, node] : *m_table) {
     const std::string name(key.str());

@@ -58,6 +58,10 @@ class TomlTable {
   std::vector<std::string> keys() const;
   /// Array of tables; empty when absent.
   std::vector<TomlTable> tables(const std::string& key);
+  /// The same for one table or an array of them.
+  std::vector<TomlTable> table_or_tables(const std::string& key);
+  /// All of it, as one line of JSON.
+  std::string json() const;
 
   /// The value must be there; throws InputError naming the key otherwise.
   template <class T>

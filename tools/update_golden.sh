@@ -12,7 +12,7 @@ work="$(mktemp -d)"
 trap 'rm -rf "$work"' EXIT
 "$bin/supple-examples" phantom small-head "$work/small-head.nhdr"
 "$bin/supple-examples" phantom t-shape "$work/t-shape.png"
-for scene in head slice; do
+for scene in head paths slice; do
   cp "tests/golden/$scene.toml" "$work/"
   "$bin/supple" run "$work/$scene.toml" -o "$work/out" --force --quiet
 done

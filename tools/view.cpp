@@ -108,13 +108,14 @@ SceneView read_view(TomlTable& table, int steps) {
   view.place = table.place();
   table.know({"image", "preset", "transfer", "camera", "size", "step", "deformed", "lattice",
               "after_step", "clip", "shading", "light", "shadows", "ambient_occlusion", "mesh",
-              "clip_meshes"});
+              "clip_meshes", "offset"});
   view.image = table.require(table.string("image"), "image", "the name of a PNG file");
   view.preset = table.string("preset").value_or(view.preset);
   if (const auto path = table.path("transfer")) {
     if (!view.preset.empty()) table.fail("transfer", "preset and transfer", "one of both");
     view.transfer = read_transfer_function(*path);
   }
+  view.offset = read_offset_functions(table);
   for (TomlTable& clip : table.tables("clip")) view.clips.push_back(read_clip(clip));
   view.lighting = read_lighting(table);
   view.meshes = read_meshes(table);

@@ -9,6 +9,7 @@
 #include "raycast/camera.h"
 #include "raycast/clip.h"
 #include "raycast/transfer_function.h"
+#include "tools/offset_functions.h"
 #include "tools/toml_table.h"
 #include "tools/view_light.h"
 
@@ -33,6 +34,7 @@ struct SceneView {
   std::string preset;                        // a name; empty: chosen by the densities
   std::optional<TransferFunction> transfer;  // of a file, instead of a preset
   std::vector<ClipChoice> clips;
+  std::vector<OffsetFunction> offset;  // that the body is seen along
   Lighting lighting;
   std::vector<MeshChoice> meshes;
   bool clip_meshes = false;

@@ -77,6 +77,14 @@ TEST(GoldenImages, TheHeadPhantomLooksAsItDid) {
   }
 }
 
+TEST(GoldenImages, SamplingPathsLookAsTheyDid) {
+  const GoldenScene scene("paths.toml", "small-head.nhdr");
+  for (const char* name :
+       {"paths_explode_rest.png", "paths_open_twist_drag.png", "paths_bend_lattice_drag.png"}) {
+    expect_golden(scene, name);
+  }
+}
+
 TEST(GoldenImages, TheLatticeOfASliceLooksAsItDid) {
   const GoldenScene scene("slice.toml", "t-shape.png");
   expect_golden(scene, "slice_lattice.png");

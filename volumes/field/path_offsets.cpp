@@ -18,6 +18,8 @@ constexpr double kFarthest = 1e6;  // voxels
 // the node that a cell needs.
 constexpr double kSlack = 2;
 constexpr int kWideRings = 2;
+// Samples this near to a face may be shaded as the face (split_offsets.h), in voxels.
+constexpr double kFaceDepth = 3;
 constexpr int kNodes = kBrickDim + 1;  // of the cells of a brick, per axis
 
 bool less(const Vec3i& a, const Vec3i& b) {
@@ -113,6 +115,11 @@ PathOffsets::Origin PathOffsets::origin_of(int piece, const Vec3d& x) const {
   return origin;
 }
 
+double PathOffsets::largest_spacing() const {
+  const Vec3d spacing = m_geometry.spacing_mm();
+  return std::max({spacing.x, spacing.y, spacing.z});
+}
+
 /// Of the body before the path; false where it is not.
 bool PathOffsets::offset_before(const Vec3d& pos, Vec3d& offset) const {
   offset = Vec3d(0);
@@ -142,8 +149,7 @@ void PathOffsets::reach_bricks(const std::vector<Vec3d>& points_mm, std::size_t 
   if (function < m_path.size()) {
     const PathFunction& f = *m_path[function];
     const Sphere sphere = sphere_around(points_mm);
-    const Vec3d spacing = m_geometry.spacing_mm();
-    const double slack_mm = kSlack * std::max({spacing.x, spacing.y, spacing.z});
+    const double slack_mm = kSlack * largest_spacing();
     std::vector<Vec3d> moved(points_mm.size());
     for (int part = 0; part < f.pieces(); ++part) {
       if (f.depth_mm(sphere.centre, part) < -sphere.radius - slack_mm) continue;
@@ -225,6 +231,7 @@ void PathOffsets::sample_nodes(const Vec3i& brick, const std::vector<int>& piece
 PathOffsets::Survey PathOffsets::survey(const Vec3i& brick, const std::vector<int>& pieces) const {
   Survey survey;
   int owner = -1;
+  const double face_mm = kFaceDepth * largest_spacing();
   const bool may_be_split = m_pieces > 1 || (m_moved && m_moved->split != nullptr);
   for (int n = 0; n < kNodes * kNodes * kNodes && (may_be_split || !survey.moves); ++n) {
     const Vec3d node(brick + Vec3i(n / (kNodes * kNodes), n / kNodes % kNodes, n % kNodes));
@@ -237,7 +244,8 @@ PathOffsets::Survey PathOffsets::survey(const Vec3i& brick, const std::vector<in
       }
       if (!(origin.depth_mm >= 0)) continue;
       survey.moves = survey.moves || origin.step != Vec3d(0);
-      survey.is_split = survey.is_split || (owner >= 0 && owner != piece);
+      survey.is_split =
+          survey.is_split || (owner >= 0 && owner != piece) || origin.depth_mm < face_mm;
       owner = piece;
       ++owners;
     }

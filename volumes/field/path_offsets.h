@@ -43,6 +43,7 @@ class PathOffsets : public SplitOffsets {
   enum class Border { exact, wide };
 
   void count_pieces();
+  double largest_spacing() const;
   std::vector<Candidate> find_candidates(Progress* progress) const;
   void reach_bricks(const std::vector<Vec3d>& points_mm, std::size_t function, int piece,
                     int stride, bool is_split, std::vector<Candidate>& found) const;

@@ -20,7 +20,8 @@ class SplitOffsets {
 
   virtual ~SplitOffsets() = default;
 
-  /// The split bricks, all of their voxels active.
+  /// The split bricks, all of their voxels active; among them those within three voxels behind a
+  /// face, whose samples are shaded as the face.
   const BrickTopology& bricks() const { return m_bricks; }
 
   /// Offset and piece at x, in index space, inside the cells of split brick b. False in a gap and
