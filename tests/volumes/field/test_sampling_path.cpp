@@ -53,6 +53,7 @@ LatticeParams lattice_params() {
 
 std::map<std::string, Function> all_functions(const Geometry& geometry) {
   return {{"bend", bend()},
+          {"bend with a straight end", bend(30, 4)},
           {"bend back", bend(-120, 70)},
           {"twist", twist()},
           {"taper", taper()},
@@ -279,7 +280,7 @@ TEST(PropertyPath, MaterialMovesAgainstItsSamplingPath) {
   const AnalyticWarp bump = bump_warp({11.5, 11.5, 11.5}, 10, 2);
   const Displacement start = sample_displacement(bump, geometry, body_of(geometry));
   const OffsetField moved = sample_offsets(bump, geometry, dilate(body_of(geometry), 3));
-  for (const SamplingPath& path : {SamplingPath{twist(), taper()}, SamplingPath{swing()}}) {
+  for (const SamplingPath& path : {SamplingPath{twist(), bend()}, SamplingPath{swing()}}) {
     const Displacement now = move_along(path, start);
     const OffsetField field = follow_path(path, moved);
     int count = 0;
@@ -301,6 +302,15 @@ TEST(UnitPath, ABendOfAQuarterPutsTheFarEndAcross) {
   EXPECT_LT((function->forward({3, 0, 25}, 0) - Vec3d(3, r + 5, r)).length(), 1e-12);
   EXPECT_LT((function->forward({0, 2, 20}, 0) - Vec3d(0, r, r - 2)).length(), 1e-12);
   EXPECT_EQ(function->forward({1, 2, -3}, 0), Vec3d(1, 2, -3));
+}
+
+TEST(UnitPath, ABendOfMoreThanAQuarterComesBackBesideWhatStays) {
+  const Function function = make_bend({{{0, 0, 0}, {0, 0, 1}, 0, 40}, {0, 1, 0}, 180});
+  const double r = 40 / M_PI;
+  EXPECT_LT((function->forward({1, 2, 50}, 0) - Vec3d(1, 2 * r - 2, -10)).length(), 1e-12);
+  for (const Vec3d& from : {Vec3d(1, 2, 50), Vec3d(0, -3, 30), Vec3d(0, 3, -7), Vec3d(2, 0, 41)}) {
+    EXPECT_LT((function->backward(function->forward(from, 0), 0) - from).length(), 1e-12);
+  }
 }
 
 TEST(UnitPath, ATwistTurnsByItsWholeAngleAtTheEndOfTheRange) {
