@@ -94,18 +94,27 @@ CameraFrame camera_frame(const Camera& camera) {
   return {right, right.cross(forward), forward};
 }
 
-Ray camera_ray(const Camera& camera, int width, int height, double px, double py) {
-  const CameraFrame frame = camera_frame(camera);
-  const double x = (2 * px - width) / height + camera.window_shift;  // in half heights
-  const double y = (height - 2 * py) / height;
-  if (camera.projection == Projection::orthographic) {
-    const double half = camera.height_mm / 2;
-    return {camera.position_lps_mm + frame.right * (x * half) + frame.up * (y * half),
-            frame.forward};
+CameraRays::CameraRays(const Camera& camera, int width, int height)
+    : m_camera(camera),
+      m_frame(camera_frame(camera)),
+      m_half_height(camera.projection == Projection::orthographic
+                        ? camera.height_mm / 2
+                        : half_height_at_unit_distance(camera)),
+      m_width(width),
+      m_height(height) {}
+
+Ray CameraRays::at(double px, double py) const {
+  const double x = ((2 * px - m_width) / m_height + m_camera.window_shift) * m_half_height;
+  const double y = (m_height - 2 * py) / m_height * m_half_height;
+  const Vec3d aside = m_frame.right * x + m_frame.up * y;
+  if (m_camera.projection == Projection::orthographic) {
+    return {m_camera.position_lps_mm + aside, m_frame.forward};
   }
-  const double half = half_height_at_unit_distance(camera);
-  return {camera.position_lps_mm,
-          (frame.forward + frame.right * (x * half) + frame.up * (y * half)).normalized()};
+  return {m_camera.position_lps_mm, (m_frame.forward + aside).normalized()};
+}
+
+Ray camera_ray(const Camera& camera, int width, int height, double px, double py) {
+  return CameraRays(camera, width, height).at(px, py);
 }
 
 bool project_to_pixel(const Camera& camera, int width, int height, const Vec3d& world_mm,

@@ -39,8 +39,22 @@ struct CameraFrame {
 };
 CameraFrame camera_frame(const Camera& camera);
 
-/// Ray through pixel coordinates (px, py), centres at +0.5, row 0 at the top. Orthographic rays
-/// start on the plane through the camera's position; what lies behind it is not seen.
+/// The rays of one picture.
+class CameraRays {
+ public:
+  CameraRays(const Camera& camera, int width, int height);
+  /// Ray through pixel coordinates (px, py), centres at +0.5, row 0 at the top. Orthographic rays
+  /// start on the plane through the camera's position; what lies behind it is not seen.
+  Ray at(double px, double py) const;
+
+ private:
+  Camera m_camera;
+  CameraFrame m_frame;
+  double m_half_height;      // of the picture: mm, or of a perspective one at unit distance
+  double m_width, m_height;  // pixels
+};
+
+/// One ray of CameraRays.
 Ray camera_ray(const Camera& camera, int width, int height, double px, double py);
 
 /// World position to pixel coordinates; false when behind the camera.

@@ -42,6 +42,15 @@ Classifier::Classifier(const TransferFunction& function, const SourceBricks& sou
     m_table[n] = Float4{float(rgb[0]), float(rgb[1]), float(rgb[2]), float(alpha)};
     m_visible_before[n + 1] = m_visible_before[n] + (m_table[n][3] > 0 ? 1 : 0);
   }
+  m_visible_bits.assign(kEntries / 32, 0);
+  for (int n = 0; n < kEntries; ++n) {
+    const bool visible = m_table[n][3] > 0 || m_table[n + 1][3] > 0;
+    m_visible_bits[n >> 5] |= std::int32_t(std::uint32_t(visible) << (n & 31));
+  }
+}
+
+float Classifier::last_entry() const {
+  return float(kEntries - 1);
 }
 
 Float4 Classifier::classify(float encoded) const {

@@ -25,6 +25,15 @@ class Classifier {
   float with_gradient(float opacity, float gradient_per_mm) const;
   bool has_gradient_opacity() const { return !m_function.gradient_opacity.empty(); }
 
+  /// Place of an encoded density in the table: (encoded - first_code) * entries_per_code, held
+  /// between 0 and last_entry.
+  float first_code() const { return m_lo; }
+  float entries_per_code() const { return m_entries_per_code; }
+  float last_entry() const;
+  /// One bit for each two neighbouring entries, set unless both are transparent; bit n & 31 of word
+  /// n >> 5.
+  const std::vector<std::int32_t>& visible_bits() const { return m_visible_bits; }
+
   /// False only when every density of the range is transparent; maximum: and none hides another.
   bool may_be_visible(const EncodedRange& range) const;
 
@@ -33,6 +42,7 @@ class Classifier {
   double m_step_mm;
   float m_lo = 0, m_entries_per_code = 0;
   std::vector<Float4> m_table;
+  std::vector<std::int32_t> m_visible_bits;
   std::vector<std::uint32_t> m_visible_before;  // entries with opacity > 0 before this one
 };
 

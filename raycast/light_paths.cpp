@@ -85,11 +85,7 @@ float LightMedium::extinction(float encoded) const {
   return m_extinction[n] + (entry - float(n)) * (m_extinction[n + 1] - m_extinction[n]);
 }
 
-LightPaths::LightPaths(const LightMedium& medium)
-    : m_medium(medium),
-      m_frame(medium.frame),
-      m_output_cursor(medium.frame.output.topology()),
-      m_source_cursor(medium.frame.source.topology()) {}
+LightPaths::LightPaths(const LightMedium& medium) : m_medium(medium), m_frame(medium.frame) {}
 
 void LightPaths::begin_ray() {
   const Lighting& lighting = m_frame.settings.lighting;
@@ -163,15 +159,20 @@ float LightPaths::transmittance(const Place& place, const LightMedium::Direction
   const Interval span = clip_to_box(ray, m_frame.box_lo, m_frame.box_hi, {0, kInfinity});
   const double step = m_medium.voxel_mm;
   float depth = 0;
+  Stretch stretch;
   for (double t = span.begin + 0.5 * step; t <= span.end;) {
-    const double end = end_of_emptiness(ray, t);
-    if (end > t) {
-      t += step * std::max(1.0, std::ceil((end - t) / step));
-      continue;
+    for (stretch.count = 0; stretch.count < Stretch::kMost && t <= span.end;) {
+      const double end = end_of_emptiness(ray, t);
+      if (end > t) {
+        t += step * std::max(1.0, std::ceil((end - t) / step));
+        continue;
+      }
+      stretch.t[stretch.count++] = t;
+      t += step;
     }
-    depth += extinction_at(ray.at(t)) * float(step);
+    find_extinctions(ray, stretch);
+    for (int n = 0; n < stretch.count; ++n) depth += stretch.extinction[n] * float(step);
     if (depth > kDark) return 0;
-    t += step;
   }
   return passed * std::exp(-depth);
 }
@@ -197,63 +198,64 @@ float LightPaths::ambient_along(const Place& place, const LightMedium::Direction
   const IndexRay ray{place.volume_start, direction.index};
   float left = 1;
   double arrived = 0;
-  for (double t = 0, step = 0; t < radius && left > kSpent; t += step) {
-    step = std::min(std::max(m_medium.voxel_mm, kWidening * t), radius - t);
-    const double middle = t + 0.5 * step;
-    for (; crossing != m_crossings.end() && crossing->t < middle; ++crossing) {
-      left *= 1 - m_frame.surfaces->opacity(*crossing);
+  Stretch stretch;
+  std::array<double, Stretch::kMost> steps;
+  for (double t = 0; t < radius && left > kSpent;) {
+    for (stretch.count = 0; stretch.count < Stretch::kMost && t < radius; ++stretch.count) {
+      const double step = std::min(std::max(m_medium.voxel_mm, kWidening * t), radius - t);
+      steps[stretch.count] = step;
+      stretch.t[stretch.count] = t + 0.5 * step;
+      t += step;
     }
-    const float extinction = extinction_at(ray.at(middle));
-    const float half = extinction > 0 ? std::exp(-0.5f * extinction * float(step)) : 1;
-    arrived += step * double(left * half);
-    left *= half * half;
+    find_extinctions(ray, stretch);
+    for (int n = 0; n < stretch.count; ++n) {
+      for (; crossing != m_crossings.end() && crossing->t < stretch.t[n]; ++crossing) {
+        left *= 1 - m_frame.surfaces->opacity(*crossing);
+      }
+      const float extinction = stretch.extinction[n];
+      const float half = extinction > 0 ? std::exp(-0.5f * extinction * float(steps[n])) : 1;
+      arrived += steps[n] * double(left * half);
+      left *= half * half;
+    }
   }
   return float(arrived / radius);
 }
 
 double LightPaths::end_of_emptiness(const IndexRay& ray, double t) {
   const Vec3i voxel = floor_to_voxel(ray.at(t));
-  const std::int32_t out = m_output_cursor.find(voxel);
+  const std::int32_t out = m_frame.output.topology().find(voxel);
   return out < 0 || !m_frame.output_visible[out] ? end_of_brick(ray, voxel) : t;
 }
 
 /// Of the deformed volume, as the marcher sees it.
-float LightPaths::extinction_at(const Vec3d& seen_at) {
-  Vec3d pos = seen_at;
-  Vec3i base = floor_to_voxel(pos);
-  const std::int32_t out = m_output_cursor.find(base);
-  if (out < 0 || !m_frame.output_visible[out]) return 0;
-  if (!is_kept(m_frame.deformed_clips, seen_at)) return 0;
-  OffsetCell offset_cell;
-  SplitOffsets::Sample split;
-  const bool is_split = m_frame.output.is_split(out);
-  if (is_split) {
-    if (!m_frame.output.split().sample(m_frame.output.split_brick(out), pos, split)) return 0;
-    pos += split.offset;
-    base = floor_to_voxel(pos);
-  } else if (!m_frame.output.is_identity(out)) {
-    offset_cell = {m_frame.output.node(out, base - m_frame.output.topology().origin(out)),
-                   float(pos.x - base.x), float(pos.y - base.y), float(pos.z - base.z)};
-    const Float4 offset = sample_offset(offset_cell);
-    if (!(offset[0] == offset[0])) return 0;
-    pos += Vec3d(offset[0], offset[1], offset[2]);
-    base = floor_to_voxel(pos);
+void LightPaths::find_extinctions(const IndexRay& ray, Stretch& stretch) {
+  if (stretch.count == 0) return;
+  m_places.base = floor_to_voxel(ray.at(stretch.t[0]));
+  for (int n = 0; n < stretch.count; ++n) {
+    const Vec3f place(ray.at(stretch.t[n]) - Vec3d(m_places.base));
+    m_places.x[n] = place.x, m_places.y[n] = place.y, m_places.z[n] = place.z;
   }
-  if (!is_kept(m_frame.source_clips, pos)) return 0;
-  const std::int32_t in = m_source_cursor.find(base);
-  if (in < 0 || !m_frame.source_visible[in]) return 0;
-  const SourceCell cell{m_frame.source.node(in, base - m_frame.source.topology().origin(in)),
-                        float(pos.x - base.x), float(pos.y - base.y), float(pos.z - base.z)};
-  float encoded = 0;
-  if (!sample_cell(cell, encoded)) return 0;
-  const float extinction = m_medium.extinction(encoded);
-  if (extinction == 0 || !m_frame.classifier.has_gradient_opacity()) return extinction;
-  Vec3f gradient = sample_gradient(cell, encoded);
-  if (offset_cell.node != nullptr) gradient = pull_back_gradient(offset_cell, gradient);
-  if (is_split) {
-    gradient = Vec3f(m_frame.output.split().pull_back(split.piece, seen_at, Vec3d(gradient)));
+  sample_places(m_frame.tables, m_places, stretch.count, m_batch);
+  if (m_frame.classifier.has_gradient_opacity()) sample_gradients(m_frame.tables, m_batch);
+  for (int n = 0; n < stretch.count; ++n) {
+    const bool is_visible = (m_batch.visible >> n & 1) &&
+                            is_kept(m_frame.deformed_clips, ray.at(stretch.t[n])) &&
+                            is_kept(m_frame.source_clips, read_at(n));
+    stretch.extinction[n] = is_visible ? extinction_of(n, ray.at(stretch.t[n])) : 0;
   }
-  return m_medium.with_gradient(extinction, m_frame.to_world(gradient).length());
+}
+
+/// Where a lane of the batch read the source, index space.
+Vec3d LightPaths::read_at(int lane) const {
+  return Vec3d(m_places.base) + Vec3d(m_batch.px[lane], m_batch.py[lane], m_batch.pz[lane]);
+}
+
+float LightPaths::extinction_of(int lane, const Vec3d& seen_at) const {
+  const float extinction = m_medium.extinction(m_batch.encoded[lane]);
+  if (!m_frame.classifier.has_gradient_opacity()) return extinction;
+  const Vec3f gradient(m_batch.gx[lane], m_batch.gy[lane], m_batch.gz[lane]);
+  const Vec3f pulled = m_frame.pull_back(m_batch, lane, seen_at, gradient);
+  return m_medium.with_gradient(extinction, m_frame.to_world(pulled).length());
 }
 
 }  // namespace supple

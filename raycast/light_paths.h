@@ -77,11 +77,21 @@ class LightPaths {
   float surface_transmittance(const Vec3d& start, const Vec3f& direction);
   /// Where the ray leaves the brick that it is in at t, when that is transparent; else t.
   double end_of_emptiness(const IndexRay& ray, double t);
-  float extinction_at(const Vec3d& pos_index);
+  /// Places along a path and what they extinguish.
+  struct Stretch {
+    static constexpr int kMost = SampleBatch::kLanes;
+    int count = 0;
+    std::array<double, kMost> t;
+    std::array<float, kMost> extinction;
+  };
+  void find_extinctions(const IndexRay& ray, Stretch& stretch);
+  float extinction_of(int lane, const Vec3d& seen_at) const;
+  Vec3d read_at(int lane) const;
 
   const LightMedium& m_medium;
   const Frame& m_frame;
-  BrickCursor m_output_cursor, m_source_cursor;
+  SamplePlaces m_places;
+  SampleBatch m_batch;
   std::vector<TriangleHit> m_crossings;
   Reach m_reach;  // of the ray under way, which holds until
   double m_shadows_until = 0, m_openness_until = 0;

@@ -37,12 +37,12 @@ class PixelMarch {
  public:
   PixelMarch(const Frame& frame, const Camera& camera, FloatImage& picture)
       : m_marcher(frame),
-        m_camera(camera),
+        m_rays(camera, picture.width, picture.height),
         m_forward(camera_frame(camera).forward),
         m_picture(picture) {}
 
   void march(int x, int y) {
-    const Ray ray = camera_ray(m_camera, m_picture.width, m_picture.height, x + 0.5, y + 0.5);
+    const Ray ray = m_rays.at(x + 0.5, y + 0.5);
     const Float4 sum = m_marcher.march(ray);
     const std::size_t n = std::size_t(y) * m_picture.width + x;
     for (std::size_t c = 0; c < 4; ++c) m_picture.rgba[4 * n + c] = sum[c];
@@ -56,7 +56,7 @@ class PixelMarch {
 
  private:
   Marcher m_marcher;
-  const Camera& m_camera;
+  CameraRays m_rays;
   Vec3d m_forward;
   FloatImage& m_picture;
 };

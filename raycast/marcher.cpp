@@ -19,77 +19,20 @@ constexpr double kFaceVoxels = 2;
 /// Accumulated opacity at which a ray has met a surface.
 constexpr float kSurfaceOpacity = 0.5f;
 
-int floor_to_int(double x) {
-  const int truncated = int(x);
-  return truncated - (x < truncated ? 1 : 0);
-}
+constexpr std::int64_t kPieceSamples = 256;
+constexpr float kNothingYet = -std::numeric_limits<float>::infinity();
+
 Vec3i floor_to_voxel(const Vec3d& p) {
-  return {floor_to_int(p.x), floor_to_int(p.y), floor_to_int(p.z)};
-}
-
-template <class Bricks>
-std::vector<std::uint8_t> visible_bricks(const Bricks& bricks, const Classifier& classifier) {
-  std::vector<std::uint8_t> visible(bricks.topology().brick_count());
-  for (std::size_t b = 0; b < visible.size(); ++b) {
-    visible[b] = classifier.may_be_visible(bricks.range(b));
-  }
-  return visible;
-}
-
-double step_of(const Geometry& geometry, const RenderSettings& settings) {
-  const Vec3d spacing = geometry.spacing_mm();
-  return settings.step_voxels * std::min({spacing.x, spacing.y, spacing.z});
+  return {int(std::floor(p.x)), int(std::floor(p.y)), int(std::floor(p.z))};
 }
 
 }  // namespace
 
-Frame::Frame(const Geometry& geometry_, const SourceBricks& source_, const OffsetBricks& output_,
-             const Camera& camera, const TransferFunction& function_,
-             const RenderSettings& settings_, const SurfaceScene* surfaces_)
-    : geometry(geometry_),
-      source(source_),
-      output(output_),
-      function(function_),
-      settings(settings_),
-      step_mm(step_of(geometry_, settings_)),
-      classifier(function_, source_, step_mm),
-      source_visible(visible_bricks(source_, classifier)),
-      output_visible(visible_bricks(output_, classifier)),
-      bounds(output_.topology(), output_visible),
-      shading(camera, function_, settings_.lighting),
-      surfaces(surfaces_ != nullptr && surfaces_->empty() ? nullptr : surfaces_) {
-  // The source box and the deformed bounds, each with the one voxel by which material can reach
-  // beyond its outermost node. A zero displacement leaves the source box.
-  box_lo = Vec3d(-1);
-  box_hi = Vec3d(geometry.dims());
-  const IndexBox& deformed = output.valid_bounds();
-  for (int a = 0; a < 3 && !deformed.empty(); ++a) {
-    box_lo[a] = std::min(box_lo[a], deformed.lo[a] - 1.0);
-    box_hi[a] = std::max(box_hi[a], deformed.hi[a] + 1.0);
-  }
-  for (const Clip& clip : settings.clips) {
-    (clip.space == ClipSpace::source ? source_clips : deformed_clips).emplace_back(clip, geometry);
-  }
-  for (int a = 0; a < 3; ++a) {
-    Vec3d axis(0);
-    axis[a] = source.scale();
-    gradient_columns[a] = Vec3f(geometry.world_gradient_from_index(axis));
-  }
-  if (settings.lighting.has_paths()) medium = std::make_unique<LightMedium>(*this);
-}
-
-Frame::~Frame() = default;
-
-Vec3f Frame::to_world(const Vec3f& g) const {
-  return gradient_columns[0] * g.x + gradient_columns[1] * g.y + gradient_columns[2] * g.z;
-}
-
 Marcher::Marcher(const Frame& frame)
     : m_frame(frame),
-      m_output_cursor(frame.output.topology()),
-      m_source_cursor(frame.source.topology()),
       m_opaque(float(frame.settings.early_termination)),
       m_is_maximum(frame.function.blend == Blend::maximum),
+      m_is_shaded(frame.settings.lighting.model != ShadingModel::none),
       m_paths(frame.medium != nullptr ? std::make_unique<LightPaths>(*frame.medium) : nullptr) {}
 
 Marcher::~Marcher() = default;
@@ -126,7 +69,8 @@ void Marcher::march_volume() {
   } else {
     m_intervals.assign(1, kept);
   }
-  m_maximum = -std::numeric_limits<float>::infinity();
+  m_maximum = kNothingYet;
+  m_piece_number = -1;
 
   // Blocks that an interval touches, each once.
   const std::int64_t stride = m_frame.settings.stride;
@@ -146,7 +90,7 @@ void Marcher::march_volume() {
     if (opaque()) break;
     next_block = std::max(next_block, last + 1);
   }
-  if (m_is_maximum && m_maximum > -std::numeric_limits<float>::infinity()) {
+  if (m_is_maximum && m_maximum > kNothingYet) {
     const Float4 colour = m_frame.classifier.classify(m_maximum);
     m_sum = colour * colour[3];
     m_sum[3] = colour[3];
@@ -174,156 +118,138 @@ bool Marcher::is_clipped(double t) const {
   });
 }
 
-/// Samples just behind a clip are shaded as its face: their own gradients belong to the inside of
-/// the tissue and would leave what the clip opens dark and rough.
-void Marcher::find_face(const IndexClip& clip, const Vec3d& pos, Probe& probe) const {
-  const bool is_bent = clip.space() == ClipSpace::source;
-  const auto as_seen = [&](const Vec3d& normal) {
-    return is_bent ? pull_back(probe, Vec3f(normal)) : Vec3f(normal);
-  };
-  double mm_ago = 0;
-  const IndexClip::Plane* plane = clip.face_behind(
-      pos, [&](const Vec3d& normal) { return Vec3d(as_seen(normal)).dot(m_ray.direction); },
-      mm_ago);
-  if (plane != nullptr) set_face(as_seen(plane->normal), mm_ago, probe);
+/// Samples first, first + stride, … up to `last` that one batch can hold.
+int Marcher::count_in_piece(std::int64_t first, int stride, std::int64_t last) const {
+  const std::int64_t in_piece = (kPieceSamples - 1 - first % kPieceSamples) / stride + 1;
+  const std::int64_t wanted = (last - first) / stride + 1;
+  return int(std::min({in_piece, wanted, std::int64_t(SampleBatch::kLanes)}));
 }
 
-/// A ray that came to the sample out of a gap sees the face of the piece as it does that of a clip.
-void Marcher::find_piece_face(Probe& probe) const {
-  const SplitOffsets& split = m_frame.output.split();
-  const Vec3d x = m_ray.at(probe.t);
-  const Vec3d normal = split.face_normal(probe.piece, x);
-  const double gain = normal.dot(m_ray.direction);  // mm deeper per mm
-  if (gain > 0) set_face(Vec3f(normal), split.depth_mm(probe.piece, x) / gain, probe);
+void Marcher::read(std::int64_t first, int stride, int count, SampleBatch& batch) {
+  const std::int64_t number = first / kPieceSamples;
+  if (number != m_piece_number) {
+    m_piece_number = number;
+    const Vec3d start = m_ray.at(time_of(number * kPieceSamples));
+    m_piece.base = floor_to_voxel(start);
+    m_piece.first = Vec3f(start - Vec3d(m_piece.base));
+    m_piece.per_sample = Vec3f(m_ray.direction * m_frame.step_mm);
+  }
+  m_piece.above = m_maximum;
+  sample_batch(m_frame.tables, m_piece, int(first - number * kPieceSamples), stride, count, batch);
+  m_samples += __builtin_popcount(batch.read);
+  if (!m_frame.settings.clips.empty()) leave_out_clipped(first, stride, batch);
 }
 
-/// `normal`: index space, of a face that the ray crossed some mm ago.
-void Marcher::set_face(const Vec3f& normal, double mm_ago, Probe& probe) const {
-  const double voxels = mm_ago / m_frame.step_mm * m_frame.settings.step_voxels;
-  const float share = float(std::clamp(kFaceVoxels + 1 - voxels, 0.0, 1.0));
-  if (share <= probe.face_share) return;
-  probe.face = m_frame.to_world(normal).normalized();
-  if (probe.face.dot(m_view.towards_eye) < 0) probe.face = -probe.face;
-  probe.face_share = share;
+void Marcher::leave_out_clipped(std::int64_t first, int stride, SampleBatch& batch) const {
+  for (std::uint32_t rest = batch.inside; rest != 0; rest &= rest - 1) {
+    const int lane = __builtin_ctz(rest);
+    bool clipped = is_clipped(time_of(first + std::int64_t(lane) * stride));
+    for (const IndexClip& clip : m_frame.source_clips) {
+      clipped = clipped || !clip.keeps(read_at(batch, lane));
+    }
+    if (!clipped) continue;
+    batch.inside &= ~(1u << lane);
+    batch.visible &= ~(1u << lane);
+  }
 }
 
 /// Raises the maximum to that of the samples first … last.
 void Marcher::find_maximum(std::int64_t first, std::int64_t last) {
-  for (std::int64_t n = first; n <= last && time_of(n) < m_end; ++n) {
-    const Probe sample = probe(n);
-    if (!sample.is_inside || sample.encoded <= m_maximum) continue;
-    m_maximum = sample.encoded;
-    m_surface = n;
+  last = std::min(last, m_last_sample);
+  for (std::int64_t n = first; n <= last;) {
+    const int count = count_in_piece(n, 1, last);
+    read(n, 1, count, m_ends);
+    for (std::uint32_t rest = m_ends.inside; rest != 0; rest &= rest - 1) {
+      const int lane = __builtin_ctz(rest);
+      if (time_of(n + lane) >= m_end) return;
+      if (m_ends.encoded[lane] <= m_maximum) continue;
+      m_maximum = m_ends.encoded[lane];
+      m_surface = n + lane;
+    }
+    n += count;
   }
 }
 
 void Marcher::march_blocks(std::int64_t first, std::int64_t last) {
-  const std::int64_t stride = m_frame.settings.stride;
-  bool visible_before = first > 0 && probe((first - 1) * stride).visible();
-  for (std::int64_t block = first; block <= last; ++block) {
-    const Probe end = probe(block * stride);
-    if (visible_before || end.visible()) {
-      for (std::int64_t n = std::max((block - 1) * stride + 1, std::int64_t(0)); n < block * stride;
-           ++n) {
-        composite(n, probe(n));
-        if (opaque()) return;
-      }
-      composite(block * stride, end);
+  const int stride = m_frame.settings.stride;
+  if (stride == 1) return composite_samples(first, last);
+  bool visible_before = false;
+  for (std::int64_t block = std::max(first - 1, std::int64_t(0)); block <= last;) {
+    const int count = count_in_piece(block * stride, stride, last * stride);
+    const std::int64_t readable = (m_last_sample - block * stride) / stride + 1;
+    m_ends.visible = 0;
+    if (block * stride <= m_last_sample) {
+      read(block * stride, stride, int(std::min(std::int64_t(count), readable)), m_ends);
+    }
+    const std::uint32_t visible = m_ends.visible;
+    std::uint32_t contributing =
+        (visible | visible << 1 | std::uint32_t(visible_before)) & ((1u << count) - 1);
+    if (block < first) contributing &= ~1u;
+    visible_before = visible >> (count - 1) & 1;
+    while (contributing != 0) {
+      const int begin = __builtin_ctz(contributing);
+      const int length = __builtin_ctz(~(contributing >> begin));
+      composite_samples(std::max((block + begin - 1) * stride + 1, std::int64_t(0)),
+                        (block + begin + length - 1) * stride);
+      if (opaque()) return;
+      contributing &= ~(((1u << length) - 1) << begin);
+    }
+    block += count;
+  }
+}
+
+void Marcher::composite_samples(std::int64_t first, std::int64_t last) {
+  const bool needs_gradient = m_is_shaded || m_frame.classifier.has_gradient_opacity();
+  last = std::min(last, m_last_sample);
+  for (std::int64_t n = first; n <= last;) {
+    const int count = count_in_piece(n, 1, last);
+    read(n, 1, count, m_samples_between);
+    if (m_samples_between.visible != 0 && needs_gradient) {
+      sample_gradients(m_frame.tables, m_samples_between);
+    }
+    for (std::uint32_t rest = m_samples_between.visible; rest != 0; rest &= rest - 1) {
+      const int lane = __builtin_ctz(rest);
+      composite(lane, n + lane);
       if (opaque()) return;
     }
-    visible_before = end.visible();
+    n += count;
   }
 }
 
-Marcher::Probe Marcher::probe(std::int64_t n) {
-  Probe result;
-  if (n > m_last_sample) return result;
-  const double t = time_of(n);
-  if (is_clipped(t)) return result;
-  result.t = t;
-  const Vec3d seen_at = m_ray.at(t);
-  Vec3d pos = seen_at;
-  Vec3i base = floor_to_voxel(pos);
-  const std::int32_t out = m_output_cursor.find(base);
-  if (out < 0 || !m_frame.output_visible[out]) return result;
-  if (m_is_maximum && m_frame.output.range(out).hi <= m_maximum) return result;
-  if (!m_frame.output.is_identity(out)) {
-    const bool found = m_frame.output.is_split(out) ? follow_split(out, pos, result.piece)
-                                                    : follow_offset(out, base, pos, result.offset);
-    if (!found) return result;
-    base = floor_to_voxel(pos);
+/// Where a lane read the source, index space.
+Vec3d Marcher::read_at(const SampleBatch& batch, int lane) const {
+  return Vec3d(m_piece.base) + Vec3d(batch.px[lane], batch.py[lane], batch.pz[lane]);
+}
+
+/// Of a lane whose gradient was sampled.
+Marcher::LitLane Marcher::lit_lane(int lane, std::int64_t n) const {
+  const SampleBatch& batch = m_samples_between;
+  LitLane lit;
+  Vec3f gradient(batch.gx[lane], batch.gy[lane], batch.gz[lane]);
+  if (m_frame.settings.transform_gradient) {
+    gradient = m_frame.pull_back(batch, lane, m_ray.at(time_of(n)), gradient);
   }
-  for (const IndexClip& clip : m_frame.source_clips) {
-    if (!clip.keeps(pos)) return result;
-  }
-  const std::int32_t in = m_source_cursor.find(base);
-  if (in < 0 || !m_frame.source_visible[in]) return result;
-
-  const Vec3i local = base - m_frame.source.topology().origin(in);
-  result.source = {m_frame.source.node(in, local), float(pos.x - base.x), float(pos.y - base.y),
-                   float(pos.z - base.z)};
-  ++m_samples;
-  result.is_inside = sample_cell(result.source, result.encoded);
-  if (!result.is_inside) return result;
-  result.colour = m_frame.classifier.classify(result.encoded);
-  if (!result.visible()) return result;
-  for (const IndexClip& clip : m_frame.deformed_clips) find_face(clip, seen_at, result);
-  for (const IndexClip& clip : m_frame.source_clips) find_face(clip, pos, result);
-  if (result.piece >= 0) find_piece_face(result);
-  return result;
+  lit.gradient = m_frame.to_world(gradient);
+  lit.magnitude = lit.gradient.length();
+  find_faces(lane, n, lit);
+  return lit;
 }
 
-/// x + o(x); false where there is no offset.
-bool Marcher::follow_offset(std::size_t brick, const Vec3i& base, Vec3d& pos,
-                            OffsetCell& cell) const {
-  const Vec3i local = base - m_frame.output.topology().origin(brick);
-  cell = {m_frame.output.node(brick, local), float(pos.x - base.x), float(pos.y - base.y),
-          float(pos.z - base.z)};
-  const Float4 offset = sample_offset(cell);
-  if (!(offset[0] == offset[0])) return false;
-  pos += Vec3d(offset[0], offset[1], offset[2]);
-  return true;
+Facing Marcher::facing_of(const LitLane& lit) const {
+  return m_frame.shading.facing(lit.gradient, lit.magnitude, lit.face, lit.face_share, m_view);
 }
 
-/// The same in a split brick, with the offset of the sample's own piece.
-bool Marcher::follow_split(std::size_t brick, Vec3d& pos, std::int32_t& piece) const {
-  SplitOffsets::Sample found;
-  if (!m_frame.output.split().sample(m_frame.output.split_brick(brick), pos, found)) return false;
-  pos += found.offset;
-  piece = found.piece;
-  return true;
-}
-
-/// (I + grad o)^T g where the probe is.
-Vec3f Marcher::pull_back(const Probe& probe, const Vec3f& gradient) const {
-  if (probe.piece >= 0) {
-    const Vec3d x = m_ray.at(probe.t);
-    return Vec3f(m_frame.output.split().pull_back(probe.piece, x, Vec3d(gradient)));
-  }
-  return probe.offset.node != nullptr ? pull_back_gradient(probe.offset, gradient) : gradient;
-}
-
-Vec3f Marcher::world_gradient(const Probe& probe) const {
-  Vec3f g = sample_gradient(probe.source, probe.encoded);
-  if (m_frame.settings.transform_gradient) g = pull_back(probe, g);
-  return m_frame.to_world(g);
-}
-
-void Marcher::composite(std::int64_t n, const Probe& probe) {
-  if (!probe.visible()) return;
-  Float4 colour = probe.colour;
+void Marcher::composite(int lane, std::int64_t n) {
+  Float4 colour = m_frame.classifier.classify(m_samples_between.encoded[lane]);
   float alpha = colour[3];
-  const bool is_shaded = m_frame.settings.lighting.model != ShadingModel::none;
-  if (is_shaded || m_frame.classifier.has_gradient_opacity()) {
-    const Vec3f gradient = world_gradient(probe);
-    const float magnitude = gradient.length();
+  if (m_is_shaded || m_frame.classifier.has_gradient_opacity()) {
+    const LitLane lit = lit_lane(lane, n);
     if (m_frame.classifier.has_gradient_opacity()) {
-      alpha = m_frame.classifier.with_gradient(alpha, magnitude);
+      alpha = m_frame.classifier.with_gradient(alpha, lit.magnitude);
     }
-    if (is_shaded) {
+    if (m_is_shaded) {
+      const Facing facing = facing_of(lit);
       const Shading& shading = m_frame.shading;
-      const Facing facing =
-          shading.facing(gradient, magnitude, probe.face, probe.face_share, m_view);
       colour = m_paths != nullptr
                    ? shading.shaded(colour, facing, m_view, reach_at(time_of(n), facing))
                    : shading.shaded(colour, facing, m_view);
@@ -396,6 +322,46 @@ void Marcher::composite_crossing() {
       m_next_crossing < m_crossings.size() ? m_crossings[m_next_crossing].t : kInfinity;
 }
 
+/// Samples just behind a clip are shaded as its face: their own gradients belong to the inside of
+/// the tissue and would leave what the clip opens dark and rough. So are those of a piece that the
+/// ray entered out of a gap.
+void Marcher::find_faces(int lane, std::int64_t n, LitLane& lit) const {
+  const SampleBatch& batch = m_samples_between;
+  const Vec3d seen_at = m_ray.at(time_of(n));
+  for (const IndexClip& clip : m_frame.deformed_clips) find_face(clip, seen_at, lane, n, lit);
+  for (const IndexClip& clip : m_frame.source_clips) {
+    find_face(clip, read_at(batch, lane), lane, n, lit);
+  }
+  if (!(batch.split >> lane & 1)) return;
+  const SplitOffsets& split = m_frame.output.split();
+  const Vec3d normal = split.face_normal(batch.piece[lane], seen_at);
+  const double gain = normal.dot(m_ray.direction);  // mm deeper per mm
+  if (gain > 0) set_face(Vec3f(normal), split.depth_mm(batch.piece[lane], seen_at) / gain, lit);
+}
+
+void Marcher::find_face(const IndexClip& clip, const Vec3d& pos, int lane, std::int64_t n,
+                        LitLane& lit) const {
+  const auto as_seen = [&](const Vec3d& normal) {
+    if (clip.space() == ClipSpace::deformed) return Vec3f(normal);
+    return m_frame.pull_back(m_samples_between, lane, m_ray.at(time_of(n)), Vec3f(normal));
+  };
+  double mm_ago = 0;
+  const IndexClip::Plane* plane = clip.face_behind(
+      pos, [&](const Vec3d& normal) { return Vec3d(as_seen(normal)).dot(m_ray.direction); },
+      mm_ago);
+  if (plane != nullptr) set_face(as_seen(plane->normal), mm_ago, lit);
+}
+
+/// `normal`: index space, of a face that the ray crossed some mm ago.
+void Marcher::set_face(const Vec3f& normal, double mm_ago, LitLane& lit) const {
+  const double voxels = mm_ago / m_frame.step_mm * m_frame.settings.step_voxels;
+  const float share = float(std::clamp(kFaceVoxels + 1 - voxels, 0.0, 1.0));
+  if (share <= lit.face_share) return;
+  lit.face = m_frame.to_world(normal).normalized();
+  if (lit.face.dot(m_view.towards_eye) < 0) lit.face = -lit.face;
+  lit.face_share = share;
+}
+
 bool Marcher::surface(SeenSurface& seen) {
   if (m_surface_crossing >= 0) {
     const TriangleHit& hit = m_crossings[m_surface_crossing];
@@ -403,22 +369,16 @@ bool Marcher::surface(SeenSurface& seen) {
     return true;
   }
   if (m_surface < 0 || m_sum[3] < kSurfaceOpacity) return false;
-  m_maximum = -std::numeric_limits<float>::infinity();  // or the sample would not be read again
-  const Probe at = probe(m_surface);
-  const Vec3f gradient = world_gradient(at);
+  m_maximum = kNothingYet;  // or the sample would not be read again
+  SampleBatch& batch = m_samples_between;
+  read(m_surface, 1, 1, batch);
+  sample_gradients(m_frame.tables, batch);
+  const Vec3d offset = read_at(batch, 0) - m_ray.at(time_of(m_surface));
+  const bool is_bent = (batch.bent | batch.split) & 1;
   seen.distance_mm = time_of(m_surface);
-  seen.normal_lps =
-      m_frame.shading.facing(gradient, gradient.length(), at.face, at.face_share, m_view).normal;
-  seen.offset_mm = 0;
-  if (at.offset.node != nullptr) {
-    const Float4 o = sample_offset(at.offset);
-    seen.offset_mm =
-        float(m_frame.geometry.world_vector_from_index(Vec3d(o[0], o[1], o[2])).length());
-  }
-  Vec3d o;
-  if (at.piece >= 0 && m_frame.output.split().offset_of(at.piece, m_ray.at(at.t), o)) {
-    seen.offset_mm = float(m_frame.geometry.world_vector_from_index(o).length());
-  }
+  seen.normal_lps = facing_of(lit_lane(0, m_surface)).normal;
+  seen.offset_mm =
+      is_bent ? float(m_frame.geometry.world_vector_from_index(offset).length()) : 0.0f;
   return true;
 }
 

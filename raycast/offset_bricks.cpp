@@ -181,13 +181,6 @@ std::size_t OffsetBricks::bytes() const {
          m_ranges.capacity() * sizeof(EncodedRange) + m_offsets.capacity() * sizeof(float);
 }
 
-Float4 sample_offset(const OffsetCell& cell) {
-  const Corners c = corners_of(cell);
-  const Float4 low = mix(mix(c[0], c[1], cell.z), mix(c[2], c[3], cell.z), cell.y);
-  const Float4 high = mix(mix(c[4], c[5], cell.z), mix(c[6], c[7], cell.z), cell.y);
-  return mix(low, high, cell.x);
-}
-
 Vec3f pull_back_gradient(const OffsetCell& cell, const Vec3f& gradient) {
   const Corners c = corners_of(cell);
   const Float4 y0 = mix(c[0], c[1], cell.z), y1 = mix(c[2], c[3], cell.z);

@@ -31,9 +31,14 @@ class OffsetBricks {
   const BrickTopology& topology() const { return m_topology; }
   bool is_identity(std::size_t b) const { return m_slots[b] == kIdentity; }
   bool is_split(std::size_t b) const { return m_slots[b] < kIdentity; }
+  bool has_split() const { return m_split != nullptr; }
   const SplitOffsets& split() const { return *m_split; }
   /// Which of their bricks a split brick is.
   std::size_t split_brick(std::size_t b) const { return std::size_t(kIdentity - 1 - m_slots[b]); }
+  /// Place of a deformed brick among offsets(); negative for others.
+  std::int32_t slot(std::size_t b) const { return m_slots[b]; }
+  /// Three floats per node, x slowest, kDim^3 nodes per slot.
+  const float* offsets() const { return m_offsets.data(); }
   /// Offset (three floats) of node `local` of a deformed brick; NaN where there is none. Four
   /// floats may be read.
   const float* node(std::size_t b, const Vec3i& local) const {
@@ -70,9 +75,6 @@ struct OffsetCell {
   const float* node = nullptr;  // null: identity
   float x = 0, y = 0, z = 0;
 };
-
-/// Trilinear offset; not a number when a corner has none.
-Float4 sample_offset(const OffsetCell& cell);
 
 /// (I + grad o)^T g with the derivatives of the trilinear offset in its cell.
 Vec3f pull_back_gradient(const OffsetCell& cell, const Vec3f& gradient);

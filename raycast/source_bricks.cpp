@@ -38,27 +38,6 @@ int side_of(int local) {
   return local < 0 ? -1 : local < kBrickDim ? 0 : 1;
 }
 
-/// Value at one position along an axis: the difference quotient that its neighbours allow.
-float difference(bool has_minus, float minus, float here, bool has_plus, float plus) {
-  if (has_minus && has_plus) return 0.5f * (plus - minus);
-  if (has_plus) return plus - here;
-  if (has_minus) return here - minus;
-  return 0;
-}
-
-/// Derivative along the axis of `step`; u and v are the other two axes.
-float axis_gradient(const std::int16_t* node, int step, int step_u, int step_v, float t, float u,
-                    float v, float here) {
-  float before = 0, low = 0, high = 0, after = 0;
-  sample_plane(node, step_u, step_v, u, v, low);
-  sample_plane(node + step, step_u, step_v, u, v, high);
-  const bool has_minus = sample_plane(node - step, step_u, step_v, u, v, before);
-  const bool has_plus = sample_plane(node + 2 * step, step_u, step_v, u, v, after);
-  const float minus = has_minus ? before + t * (low - before) : 0;
-  const float plus = has_plus ? high + t * (after - high) : 0;
-  return difference(has_minus, minus, here, has_plus, plus);
-}
-
 }  // namespace
 
 void EncodedRange::add(float value) {
@@ -142,13 +121,6 @@ void SourceBricks::fill_brick(const Values& values, float background, std::size_
 std::size_t SourceBricks::bytes() const {
   return m_topology.bytes() + m_nodes.capacity() * sizeof(std::int16_t) +
          m_ranges.capacity() * sizeof(EncodedRange);
-}
-
-Vec3f sample_gradient(const SourceCell& cell, float value) {
-  constexpr int sx = SourceBricks::kStepX, sy = SourceBricks::kStepY, sz = SourceBricks::kStepZ;
-  return {axis_gradient(cell.node, sx, sy, sz, cell.x, cell.y, cell.z, value),
-          axis_gradient(cell.node, sy, sx, sz, cell.y, cell.x, cell.z, value),
-          axis_gradient(cell.node, sz, sx, sy, cell.z, cell.x, cell.y, value)};
 }
 
 }  // namespace supple

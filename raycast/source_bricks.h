@@ -25,6 +25,7 @@ class SourceBricks {
   static constexpr int kDim = 11;  // nodes -1 … 9: eight cells and one more node on every side
   static constexpr int kStepX = kDim * kDim, kStepY = kDim, kStepZ = 1;
   static constexpr std::int16_t kVoid = -32768;
+  static constexpr std::size_t kBrickNodes = kDim * kDim * kDim + 1;  // even: pairs stay aligned
 
   explicit SourceBricks(const DensityGrid& density) : SourceBricks(density, density.bricks()) {}
   /// Sampled where `where` is active; its voxels that are inactive in the grid hold the background.
@@ -36,6 +37,7 @@ class SourceBricks {
     return &m_nodes[b * kBrickNodes + (local.x + 1) * kStepX + (local.y + 1) * kStepY + local.z +
                     1];
   }
+  const std::int16_t* nodes() const { return m_nodes.data(); }
   /// Encoded densities that samples in the cells of brick b can take.
   const EncodedRange& range(std::size_t b) const { return m_ranges[b]; }
   const EncodedRange& range() const { return m_range; }
@@ -46,8 +48,6 @@ class SourceBricks {
   std::size_t bytes() const;
 
  private:
-  static constexpr std::size_t kBrickNodes = kDim * kDim * kDim + 1;
-
   /// The 512 densities under brick b; null where the grid has none and all are background.
   using Values = std::vector<const float*>;
   void choose_encoding(const DensityGrid& density, const Values& values);
@@ -60,39 +60,5 @@ class SourceBricks {
   EncodedRange m_range;
   double m_offset = 0, m_scale = 1;  // density = offset + scale * encoded
 };
-
-/// A place in a cell: the node at its low corner and the position within, 0 … 1.
-struct SourceCell {
-  const std::int16_t* node = nullptr;
-  float x = 0, y = 0, z = 0;
-};
-
-/// Bilinear value on the four nodes spanned by two steps; false when one of them is void.
-inline bool sample_plane(const std::int16_t* node, int step_u, int step_v, float u, float v,
-                         float& value) {
-  const std::int16_t a = node[0], b = node[step_u], c = node[step_v], d = node[step_u + step_v];
-  if ((a == SourceBricks::kVoid) | (b == SourceBricks::kVoid) | (c == SourceBricks::kVoid) |
-      (d == SourceBricks::kVoid)) {
-    return false;
-  }
-  const float low = float(a) + u * float(b - a);
-  const float high = float(c) + u * float(d - c);
-  value = low + v * (high - low);
-  return true;
-}
-
-/// Trilinear value; false (empty) when any of the eight corners is void.
-inline bool sample_cell(const SourceCell& cell, float& value) {
-  constexpr int sx = SourceBricks::kStepX, sy = SourceBricks::kStepY, sz = SourceBricks::kStepZ;
-  float low = 0, high = 0;
-  if (!sample_plane(cell.node, sy, sz, cell.y, cell.z, low)) return false;
-  if (!sample_plane(cell.node + sx, sy, sz, cell.y, cell.z, high)) return false;
-  value = low + cell.x * (high - low);
-  return true;
-}
-
-/// Index-space gradient by central differences of the trilinear density over +-1 voxel, one-sided
-/// where a neighbour is void, 0 where both are. `value` is the density at the cell's position.
-Vec3f sample_gradient(const SourceCell& cell, float value);
 
 }  // namespace supple

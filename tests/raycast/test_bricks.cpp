@@ -6,6 +6,7 @@
 #include "raycast/classify.h"
 #include "raycast/embree_bounds.h"
 #include "raycast/offset_bricks.h"
+#include "tests/raycast/scalar_sampling.h"
 #include "tests/raycast/scenes.h"
 
 namespace supple {
@@ -98,7 +99,7 @@ TEST(UnitBricks, GradientsArePulledBackByTheTransposeOfIdentityPlusGradO) {
       source, offsets_of(where, [](const Vec3d& p) { return Vec3d(2 * p.y, 3 * p.z, 4 * p.x); }));
   const std::size_t brick = bricks.topology().find({0, 0, 0});
   const OffsetCell cell{bricks.node(brick, {2, 3, 4}), 0.5f, 0.25f, 0.75f};
-  const Float4 offset = sample_offset(cell);
+  const Vec3f offset = sample_offset(cell);
   EXPECT_FLOAT_EQ(offset[0], 6.5f);
   EXPECT_FLOAT_EQ(offset[1], 14.25f);
   EXPECT_FLOAT_EQ(offset[2], 10.0f);

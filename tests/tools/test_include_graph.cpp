@@ -23,7 +23,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
 const std::map<std::string, std::set<std::string>> kThirdPartyHomes = {
     {"embree3/", {"raycast"}}, {"opencv2/", {"raycast"}}, {"toml++/", {"tools"}},
     {"CLI/", {"tools"}},       {"openvdb/", {"volumes"}}, {"tiff", {"volumes"}},
-    {"nifti", {"volumes"}},    {"OpenEXR/", {"raycast"}},
+    {"nifti", {"volumes"}},    {"OpenEXR/", {"raycast"}}, {"hwy/", {"raycast"}},
 };
 
 struct Include {

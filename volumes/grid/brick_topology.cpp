@@ -114,6 +114,11 @@ void BrickTopology::build_lookup() {
   }
 }
 
+BrickLookup BrickTopology::lookup() const {
+  if (m_tables.empty()) return {};
+  return {m_region_lo, m_region_dims, m_regions.data(), m_tables.front().data()};
+}
+
 std::int32_t BrickTopology::find(const Vec3i& voxel) const {
   const int rx = region_of(voxel.x) - m_region_lo.x;
   const int ry = region_of(voxel.y) - m_region_lo.y;

@@ -36,6 +36,15 @@ inline void mask_set(BrickMask& mask, int offset) {
 }
 int mask_count(const BrickMask& mask);
 
+/// Where bricks are looked up, as flat arrays: regions of 16^3 bricks, x slowest, each -1 (no
+/// brick) or the number of a table of 4096 brick numbers (x slowest), -1 where there is none.
+struct BrickLookup {
+  Vec3i region_lo{0, 0, 0};    // in units of 128 voxels
+  Vec3i region_dims{0, 0, 0};  // 0: no bricks
+  const std::int32_t* regions = nullptr;
+  const std::int32_t* tables = nullptr;
+};
+
 /// Immutable list of bricks in ascending (x, y, z) order of their origins (x slowest), with
 /// active-voxel masks and face neighbours. Voxel coordinates may be negative.
 class BrickTopology {
@@ -58,6 +67,8 @@ class BrickTopology {
     const std::int32_t b = find(voxel);
     return b >= 0 && mask_test(m_masks[b], brick_offset(voxel));
   }
+  /// find() for callers that look up many voxels at once; valid as long as the topology.
+  BrickLookup lookup() const;
   /// Brick across a face, or -1. Faces: 0 -x, 1 +x, 2 -y, 3 +y, 4 -z, 5 +z.
   std::int32_t neighbour(std::size_t b, int face) const { return m_neighbours[b][face]; }
 

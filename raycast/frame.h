@@ -1,0 +1,58 @@
+// What all rays of a picture share (design.md section 5): the transfer function as a table, which
+// bricks it leaves visible, where rays can meet them, lights and clips.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "raycast/camera.h"
+#include "raycast/classify.h"
+#include "raycast/clip.h"
+#include "raycast/embree_bounds.h"
+#include "raycast/render.h"
+#include "raycast/sample_batch.h"
+#include "raycast/shading.h"
+#include "raycast/surface_scene.h"
+
+namespace supple {
+
+class LightMedium;
+
+/// The bricks outlive it.
+struct Frame {
+  Frame(const Geometry& geometry, const SourceBricks& source, const OffsetBricks& output,
+        const Camera& camera, const TransferFunction& function, const RenderSettings& settings,
+        const SurfaceScene* surfaces = nullptr);
+  ~Frame();
+
+  /// Encoded density per voxel to density per mm.
+  Vec3f to_world(const Vec3f& index_gradient) const;
+  /// (I + grad o)^T g of a lane that stands for a sample seen at x, index space.
+  Vec3f pull_back(const SampleBatch& batch, int lane, const Vec3d& x, const Vec3f& gradient) const;
+
+  const Geometry& geometry;
+  const SourceBricks& source;
+  const OffsetBricks& output;
+  TransferFunction function;
+  RenderSettings settings;
+  double step_mm;
+  Classifier classifier;
+  std::vector<std::uint8_t> output_visible;  // per brick, under the function
+  VisibleBounds bounds;
+  Vec3d box_lo, box_hi;                   // index space; rays begin where they enter it
+  std::array<Vec3f, 3> gradient_columns;  // encoded index gradient to density per mm, LPS
+  Shading shading;
+  std::vector<IndexClip> source_clips, deformed_clips;
+  const SurfaceScene* surfaces;               // null: none
+  std::unique_ptr<const LightMedium> medium;  // null: all light reaches everything
+  SamplingTables tables;
+
+ private:
+  void fill_tables();
+
+  std::vector<std::int32_t> m_output_entries, m_source_entries;
+  std::vector<float> m_output_highest;
+};
+
+}  // namespace supple

@@ -1,0 +1,474 @@
+#include "raycast/sample_batch.h"
+
+#include <cstring>
+
+#include "raycast/offset_bricks.h"
+#include "raycast/source_bricks.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "raycast/sample_batch.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace supple {
+namespace HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using Floats = hn::CappedTag<float, SampleBatch::kLanes>;
+using Ints = hn::RebindToSigned<Floats>;
+using VF = hn::Vec<Floats>;
+using VI = hn::Vec<Ints>;
+using MI = hn::Mask<Ints>;
+using MF = hn::Mask<Floats>;
+
+constexpr Floats kFloats;
+constexpr Ints kInts;
+
+struct IntVector {
+  VI x, y, z;
+};
+struct FloatVector {
+  VF x, y, z;
+};
+
+HWY_INLINE HWY_ATTR VI ints(std::int32_t value) {
+  return hn::Set(kInts, value);
+}
+HWY_INLINE HWY_ATTR VF floats(float value) {
+  return hn::Set(kFloats, value);
+}
+HWY_INLINE HWY_ATTR VF mix(VF a, VF b, VF t) {
+  return hn::MulAdd(t, hn::Sub(b, a), a);
+}
+HWY_INLINE HWY_ATTR std::uint32_t bits_of(MI mask) {
+  std::uint8_t bytes[8] = {};
+  hn::StoreMaskBits(kInts, mask, bytes);
+  return bytes[0] | std::uint32_t(bytes[1]) << 8;
+}
+HWY_INLINE HWY_ATTR MI mask_of(std::uint32_t bits) {
+  const VI lane_bit = hn::Shl(ints(1), hn::Iota(kInts, 0));
+  return hn::TestBit(ints(std::int32_t(bits)), lane_bit);
+}
+
+/// 0 <= value < limit.
+HWY_INLINE HWY_ATTR MI in_range(VI value, std::int32_t limit) {
+  return hn::And(hn::Gt(value, ints(-1)), hn::Lt(value, ints(limit)));
+}
+
+/// BrickTopology::find; -1 outside `wanted`.
+HWY_INLINE HWY_ATTR VI find_bricks(const BrickLookup& lookup, const IntVector& voxel, MI wanted) {
+  const VI rx = hn::Sub(hn::ShiftRight<7>(voxel.x), ints(lookup.region_lo.x));
+  const VI ry = hn::Sub(hn::ShiftRight<7>(voxel.y), ints(lookup.region_lo.y));
+  const VI rz = hn::Sub(hn::ShiftRight<7>(voxel.z), ints(lookup.region_lo.z));
+  const MI inside =
+      hn::And(hn::And(wanted, in_range(rx, lookup.region_dims.x)),
+              hn::And(in_range(ry, lookup.region_dims.y), in_range(rz, lookup.region_dims.z)));
+  const VI row = hn::Add(hn::Mul(rx, ints(lookup.region_dims.y)), ry);
+  const VI region = hn::Add(hn::Mul(row, ints(lookup.region_dims.z)), rz);
+  const VI table = hn::GatherIndex(kInts, lookup.regions, hn::IfThenElseZero(inside, region));
+  const MI found = hn::And(inside, hn::Gt(table, ints(-1)));
+
+  const VI low = ints(15);
+  const VI bx = hn::And(hn::ShiftRight<3>(voxel.x), low);
+  const VI by = hn::And(hn::ShiftRight<3>(voxel.y), low);
+  const VI bz = hn::And(hn::ShiftRight<3>(voxel.z), low);
+  const VI entry = hn::Or(hn::ShiftLeft<12>(table),
+                          hn::Or(hn::ShiftLeft<8>(bx), hn::Or(hn::ShiftLeft<4>(by), bz)));
+  const VI brick = hn::GatherIndex(kInts, lookup.tables, hn::IfThenElseZero(found, entry));
+  return hn::IfThenElse(found, brick, ints(-1));
+}
+
+/// The entries of bricks; kSkip where there is no brick.
+HWY_INLINE HWY_ATTR VI entries_of(const std::int32_t* entries, VI brick) {
+  const MI found = hn::Gt(brick, ints(-1));
+  const VI entry = hn::GatherIndex(kInts, entries, hn::IfThenElseZero(found, brick));
+  return hn::IfThenElse(found, entry, ints(SamplingTables::kSkip));
+}
+
+/// Voxel below a position, and the place in its cell.
+HWY_INLINE HWY_ATTR IntVector split(const FloatVector& p, FloatVector& fraction) {
+  const VF x = hn::Floor(p.x), y = hn::Floor(p.y), z = hn::Floor(p.z);
+  fraction = {hn::Sub(p.x, x), hn::Sub(p.y, y), hn::Sub(p.z, z)};
+  return {hn::ConvertTo(kInts, x), hn::ConvertTo(kInts, y), hn::ConvertTo(kInts, z)};
+}
+
+HWY_INLINE HWY_ATTR IntVector from_base(const IntVector& v, const Vec3i& base) {
+  return {hn::Add(v.x, ints(base.x)), hn::Add(v.y, ints(base.y)), hn::Add(v.z, ints(base.z))};
+}
+
+/// Number of a brick's node; `step_x` … in nodes.
+HWY_INLINE HWY_ATTR VI node_of(const IntVector& voxel, int step_x, int step_y, int step_z) {
+  const VI low = ints(7);
+  return hn::Add(
+      hn::Mul(hn::And(voxel.x, low), ints(step_x)),
+      hn::Add(hn::Mul(hn::And(voxel.y, low), ints(step_y)),
+              step_z == 1 ? hn::And(voxel.z, low) : hn::Mul(hn::And(voxel.z, low), ints(step_z))));
+}
+
+HWY_INLINE HWY_ATTR Float4 load4(const float* from) {
+  Float4 value;
+  std::memcpy(&value, from, sizeof value);
+  return value;
+}
+HWY_INLINE HWY_ATTR Float4 mix4(Float4 a, Float4 b, float t) {
+  return a + t * (b - a);
+}
+
+/// Trilinear offset of one lane; not a number when a corner has none.
+HWY_INLINE HWY_ATTR Float4 trilinear_offset(const float* node, float x, float y, float z) {
+  constexpr int sx = OffsetBricks::kStepX, sy = OffsetBricks::kStepY, sz = OffsetBricks::kStepZ;
+  const Float4 a = mix4(load4(node), load4(node + sz), z);
+  const Float4 b = mix4(load4(node + sy), load4(node + sy + sz), z);
+  const Float4 c = mix4(load4(node + sx), load4(node + sx + sz), z);
+  const Float4 d = mix4(load4(node + sx + sy), load4(node + sx + sy + sz), z);
+  return mix4(mix4(a, b, y), mix4(c, d, y), x);
+}
+
+/// How far lanes are moved, and those for which that is known.
+struct Moves {
+  alignas(64) float along[3][SampleBatch::kLanes] = {};
+  std::uint32_t known = 0;
+};
+
+/// The offsets of the lanes `bent`; the batch holds where their offset cells are.
+HWY_INLINE HWY_ATTR void follow_offsets(const SamplingTables& tables, std::uint32_t bent, int at,
+                                        const SampleBatch& batch, Moves& moves) {
+  for (std::uint32_t rest = bent; rest != 0; rest &= rest - 1) {
+    const int lane = __builtin_ctz(rest);
+    const int n = at + lane;
+    const Float4 offset =
+        trilinear_offset(tables.offsets + std::int64_t(batch.offset_node[n]) * OffsetBricks::kStepZ,
+                         batch.ox[n], batch.oy[n], batch.oz[n]);
+    const float sum = offset[0] + offset[1] + offset[2];
+    if (!(sum == sum)) continue;
+    for (int a = 0; a < 3; ++a) moves.along[a][lane] = offset[a];
+    moves.known |= 1u << lane;
+  }
+}
+
+/// The offsets of the lanes `split`, each of its own piece.
+HWY_INLINE HWY_ATTR void follow_pieces(const SamplingTables& tables, std::uint32_t split, VI entry,
+                                       const FloatVector& p, const Vec3i& base, int at,
+                                       SampleBatch& batch, Moves& moves) {
+  alignas(64) std::int32_t entries[SampleBatch::kLanes];
+  alignas(64) float x[SampleBatch::kLanes], y[SampleBatch::kLanes], z[SampleBatch::kLanes];
+  hn::Store(entry, kInts, entries);
+  hn::Store(p.x, kFloats, x);
+  hn::Store(p.y, kFloats, y);
+  hn::Store(p.z, kFloats, z);
+  for (std::uint32_t rest = split; rest != 0; rest &= rest - 1) {
+    const int lane = __builtin_ctz(rest);
+    SplitOffsets::Sample found;
+    const Vec3d place = Vec3d(base) + Vec3d(x[lane], y[lane], z[lane]);
+    const std::size_t brick = std::size_t(entries[lane] - SamplingTables::kSplit);
+    if (!tables.split->sample(brick, place, found)) continue;
+    for (int a = 0; a < 3; ++a) moves.along[a][lane] = float(found.offset[a]);
+    moves.known |= 1u << lane;
+    batch.piece[at + lane] = found.piece;
+  }
+}
+
+/// Two neighbours along z.
+struct NodePair {
+  VI low, high;
+};
+
+/// Densities beside the low corners of lanes' cells, read relative to one brick: byte offsets fit
+/// into 32 bits for the lanes of `near`.
+class NodeReader {
+ public:
+  HWY_INLINE HWY_ATTR NodeReader(const SamplingTables& tables, std::int32_t brick, VI bricks,
+                                 VI node, MI wanted)
+      : m_base(reinterpret_cast<const std::int32_t*>(tables.nodes +
+                                                     std::size_t(brick) * kBrickNodes)) {
+    const VI distance = hn::Sub(bricks, ints(brick));
+    m_near = hn::And(wanted, hn::Lt(hn::Abs(distance), ints(tables.reach)));
+    const VI bytes = hn::ShiftLeft<1>(hn::Add(hn::Mul(distance, ints(kBrickNodes)), node));
+    m_bytes = hn::IfThenElse(near(), bytes, ints(2 * kOrigin));
+  }
+  HWY_INLINE HWY_ATTR MI near() const { return m_near; }
+
+  /// The nodes `step` and `step` + 1 beyond the low corner.
+  HWY_INLINE HWY_ATTR NodePair pair(int step) const {
+    const VI both = hn::GatherOffset(kInts, m_base, hn::Add(m_bytes, ints(2 * step)));
+    return {hn::ShiftRight<16>(hn::ShiftLeft<16>(both)), hn::ShiftRight<16>(both)};
+  }
+
+ private:
+  static constexpr std::int32_t kBrickNodes = SourceBricks::kBrickNodes;
+  static_assert(2 * std::int64_t(kBrickNodes) * (SamplingTables::kReach + 1) < INT32_MAX);
+  static constexpr std::int32_t kOrigin =
+      SourceBricks::kStepX + SourceBricks::kStepY + SourceBricks::kStepZ;
+
+  const std::int32_t* m_base;
+  MI m_near;
+  VI m_bytes;
+};
+
+/// A value, and the lanes where none of its nodes is void.
+struct Interpolated {
+  VF value;
+  MI known;
+};
+
+HWY_INLINE HWY_ATTR VI smallest(const NodePair& a, const NodePair& b) {
+  return hn::Min(hn::Min(a.low, a.high), hn::Min(b.low, b.high));
+}
+HWY_INLINE HWY_ATTR MI is_known(VI smallest_node) {
+  return hn::Gt(smallest_node, ints(SourceBricks::kVoid));
+}
+HWY_INLINE HWY_ATTR VF between(VI a, VI b, VF t) {
+  return mix(hn::ConvertTo(kFloats, a), hn::ConvertTo(kFloats, b), t);
+}
+
+/// Bilinear over a.low, a.high (along v) and b.low, b.high.
+HWY_INLINE HWY_ATTR Interpolated on_plane(const NodePair& a, const NodePair& b, VF u, VF v) {
+  return {mix(between(a.low, a.high, v), between(b.low, b.high, v), u), is_known(smallest(a, b))};
+}
+
+constexpr int kStepX = SourceBricks::kStepX, kStepY = SourceBricks::kStepY;
+
+HWY_INLINE HWY_ATTR Interpolated read_density(const NodeReader& nodes, const FloatVector& f) {
+  const Interpolated low = on_plane(nodes.pair(0), nodes.pair(kStepY), f.y, f.z);
+  const Interpolated high = on_plane(nodes.pair(kStepX), nodes.pair(kStepX + kStepY), f.y, f.z);
+  return {mix(low.value, high.value, f.x), hn::And(low.known, high.known)};
+}
+
+/// Lanes whose density is not transparent.
+HWY_INLINE HWY_ATTR MI visible_lanes(const SamplingTables& tables, VF encoded, MI inside) {
+  const VF entry = hn::Min(
+      hn::Max(hn::Mul(hn::Sub(encoded, floats(tables.first_code)), floats(tables.entries_per_code)),
+              floats(0)),
+      floats(tables.last_entry));
+  const VI n = hn::IfThenElseZero(inside, hn::ConvertTo(kInts, entry));
+  const VI word = hn::GatherIndex(kInts, tables.visible_bits, hn::ShiftRight<5>(n));
+  const VI bit = hn::Shl(ints(1), hn::And(n, ints(31)));
+  return hn::And(inside, hn::TestBit(word, bit));
+}
+
+/// Reads one vector of lanes, starting at lane `at`; `wanted` is relative to it.
+HWY_INLINE HWY_ATTR void sample_lanes(const SamplingTables& tables, const RayPiece& piece,
+                                      FloatVector p, MI wanted, int at, SampleBatch& batch) {
+  FloatVector f;
+  IntVector voxel = from_base(split(p, f), piece.base);
+  const VI brick = find_bricks(tables.output, voxel, wanted);
+  VI entry = entries_of(tables.output_entries, brick);
+  MI reading = hn::And(wanted, hn::Gt(entry, ints(SamplingTables::kSkip)));
+  if (piece.above > -std::numeric_limits<float>::infinity()) {
+    const VF highest =
+        hn::GatherIndex(kFloats, tables.output_highest, hn::IfThenElseZero(reading, brick));
+    reading = hn::And(reading, hn::RebindMask(kInts, hn::Gt(highest, floats(piece.above))));
+  }
+  if (hn::AllFalse(kInts, reading)) return;
+
+  const MI moved = hn::And(reading, hn::Gt(entry, ints(SamplingTables::kSplit - 1)));
+  std::uint32_t bent = 0, split_lanes = 0;
+  if (!hn::AllFalse(kInts, moved)) {
+    bent = bits_of(hn::And(moved, hn::Gt(entry, ints(SamplingTables::kDeformed - 1))));
+    split_lanes = bits_of(moved) & ~bent;
+    const VI slot = hn::Sub(entry, ints(SamplingTables::kDeformed));
+    constexpr int dim = OffsetBricks::kDim;
+    hn::Store(hn::Add(hn::Mul(slot, ints(dim * dim * dim)), node_of(voxel, dim * dim, dim, 1)),
+              kInts, batch.offset_node + at);
+    hn::Store(f.x, kFloats, batch.ox + at);
+    hn::Store(f.y, kFloats, batch.oy + at);
+    hn::Store(f.z, kFloats, batch.oz + at);
+    Moves moves;
+    follow_offsets(tables, bent, at, batch, moves);
+    if (split_lanes != 0) {
+      follow_pieces(tables, split_lanes, entry, p, piece.base, at, batch, moves);
+    }
+    p = {hn::Add(p.x, hn::Load(kFloats, moves.along[0])),
+         hn::Add(p.y, hn::Load(kFloats, moves.along[1])),
+         hn::Add(p.z, hn::Load(kFloats, moves.along[2]))};
+    voxel = from_base(split(p, f), piece.base);
+    const VI source =
+        entries_of(tables.source_entries, find_bricks(tables.source, voxel, mask_of(moves.known)));
+    entry = hn::IfThenElse(moved, source, entry);
+    reading = hn::And(reading, hn::Gt(entry, ints(SamplingTables::kSkip)));
+  }
+
+  const VI node =
+      hn::Add(node_of(voxel, kStepX, kStepY, 1), ints(kStepX + kStepY + SourceBricks::kStepZ));
+  hn::Store(entry, kInts, batch.brick + at);
+  hn::Store(node, kInts, batch.node + at);
+  hn::Store(f.x, kFloats, batch.x + at);
+  hn::Store(f.y, kFloats, batch.y + at);
+  hn::Store(f.z, kFloats, batch.z + at);
+  hn::Store(p.x, kFloats, batch.px + at);
+  hn::Store(p.y, kFloats, batch.py + at);
+  hn::Store(p.z, kFloats, batch.pz + at);
+
+  const std::uint32_t read = bits_of(reading);
+  std::uint32_t inside = 0, visible = 0;
+  for (std::uint32_t rest = read; rest != 0;) {
+    const NodeReader nodes(tables, batch.brick[at + __builtin_ctz(rest)], entry, node,
+                           mask_of(rest));
+    const Interpolated density = read_density(nodes, f);
+    const MI known = hn::And(density.known, nodes.near());
+    hn::BlendedStore(density.value, hn::RebindMask(kFloats, known), kFloats, batch.encoded + at);
+    inside |= bits_of(known);
+    visible |= bits_of(visible_lanes(tables, density.value, known));
+    rest &= ~bits_of(nodes.near());
+  }
+  batch.read |= read << at;
+  batch.inside |= inside << at;
+  batch.visible |= visible << at;
+  batch.bent |= (bent & read) << at;
+  batch.split |= (split_lanes & read) << at;
+}
+
+HWY_ATTR void sample_batch_impl(const SamplingTables& tables, const RayPiece& piece, int first,
+                                int stride, int count, SampleBatch& batch) {
+  batch.read = batch.inside = batch.visible = batch.bent = batch.split = 0;
+  const int lanes = int(hn::Lanes(kFloats));
+  for (int at = 0; at < count; at += lanes) {
+    const VI number = hn::Iota(kInts, at);
+    const VF n = hn::ConvertTo(kFloats, hn::Add(hn::Mul(number, ints(stride)), ints(first)));
+    const FloatVector p = {hn::MulAdd(n, floats(piece.per_sample.x), floats(piece.first.x)),
+                           hn::MulAdd(n, floats(piece.per_sample.y), floats(piece.first.y)),
+                           hn::MulAdd(n, floats(piece.per_sample.z), floats(piece.first.z))};
+    sample_lanes(tables, piece, p, hn::Lt(number, ints(count)), at, batch);
+  }
+}
+
+HWY_ATTR void sample_places_impl(const SamplingTables& tables, const SamplePlaces& places,
+                                 int count, SampleBatch& batch) {
+  batch.read = batch.inside = batch.visible = batch.bent = batch.split = 0;
+  RayPiece piece;
+  piece.base = places.base;
+  const int lanes = int(hn::Lanes(kFloats));
+  for (int at = 0; at < count; at += lanes) {
+    const MI wanted = hn::Lt(hn::Iota(kInts, at), ints(count));
+    const MF known = hn::RebindMask(kFloats, wanted);
+    const FloatVector p = {hn::IfThenElseZero(known, hn::Load(kFloats, places.x + at)),
+                           hn::IfThenElseZero(known, hn::Load(kFloats, places.y + at)),
+                           hn::IfThenElseZero(known, hn::Load(kFloats, places.z + at))};
+    sample_lanes(tables, piece, p, wanted, at, batch);
+  }
+}
+
+/// The difference quotient that the neighbours allow.
+HWY_INLINE HWY_ATTR VF difference(const Interpolated& minus, VF here, const Interpolated& plus) {
+  const MF has_minus = hn::RebindMask(kFloats, minus.known);
+  const MF has_plus = hn::RebindMask(kFloats, plus.known);
+  const VF both = hn::Mul(floats(0.5f), hn::Sub(plus.value, minus.value));
+  const VF forward = hn::IfThenElseZero(has_plus, hn::Sub(plus.value, here));
+  const VF one_sided =
+      hn::IfThenElse(has_plus, forward, hn::IfThenElseZero(has_minus, hn::Sub(here, minus.value)));
+  return hn::IfThenElse(hn::And(has_minus, has_plus), both, one_sided);
+}
+
+/// Derivative along an axis from the planes at -1, 0, 1, 2; t is the place between 0 and 1.
+HWY_INLINE HWY_ATTR VF axis_derivative(const Interpolated& before, VF low, VF high,
+                                       const Interpolated& after, VF t, VF here) {
+  return difference({mix(before.value, low, t), before.known}, here,
+                    {mix(high, after.value, t), after.known});
+}
+
+HWY_INLINE HWY_ATTR FloatVector read_gradient(const NodeReader& nodes, const FloatVector& f) {
+  // Rows of the cell along z: nodes -1, 0 and 1, 2.
+  const NodePair a0 = nodes.pair(-1), a1 = nodes.pair(1);
+  const NodePair b0 = nodes.pair(kStepY - 1), b1 = nodes.pair(kStepY + 1);
+  const NodePair c0 = nodes.pair(kStepX - 1), c1 = nodes.pair(kStepX + 1);
+  const NodePair d0 = nodes.pair(kStepX + kStepY - 1), d1 = nodes.pair(kStepX + kStepY + 1);
+  const VF a = between(a0.high, a1.low, f.z), b = between(b0.high, b1.low, f.z);
+  const VF c = between(c0.high, c1.low, f.z), d = between(d0.high, d1.low, f.z);
+  const VF x_low = mix(a, b, f.y), x_high = mix(c, d, f.y);
+  const VF y_low = mix(a, c, f.x), y_high = mix(b, d, f.x);
+  const VF z_low = on_plane({a0.high, b0.high}, {c0.high, d0.high}, f.x, f.y).value;
+  const VF z_high = on_plane({a1.low, b1.low}, {c1.low, d1.low}, f.x, f.y).value;
+  const VF here = mix(x_low, x_high, f.x);
+
+  const Interpolated x_before =
+      on_plane(nodes.pair(-kStepX), nodes.pair(kStepY - kStepX), f.y, f.z);
+  const Interpolated x_after =
+      on_plane(nodes.pair(2 * kStepX), nodes.pair(2 * kStepX + kStepY), f.y, f.z);
+  const Interpolated y_before =
+      on_plane(nodes.pair(-kStepY), nodes.pair(kStepX - kStepY), f.x, f.z);
+  const Interpolated y_after =
+      on_plane(nodes.pair(2 * kStepY), nodes.pair(kStepX + 2 * kStepY), f.x, f.z);
+  const Interpolated z_before = on_plane({a0.low, b0.low}, {c0.low, d0.low}, f.x, f.y);
+  const Interpolated z_after = on_plane({a1.high, b1.high}, {c1.high, d1.high}, f.x, f.y);
+  return {axis_derivative(x_before, x_low, x_high, x_after, f.x, here),
+          axis_derivative(y_before, y_low, y_high, y_after, f.y, here),
+          axis_derivative(z_before, z_low, z_high, z_after, f.z, here)};
+}
+
+HWY_ATTR void sample_gradients_impl(const SamplingTables& tables, SampleBatch& batch) {
+  const int lanes = int(hn::Lanes(kFloats));
+  for (int at = 0; at < SampleBatch::kLanes; at += lanes) {
+    const std::uint32_t all = lanes < 32 ? (1u << lanes) - 1 : ~0u;
+    std::uint32_t rest = batch.visible >> at & all;
+    const VI brick = hn::Load(kInts, batch.brick + at), node = hn::Load(kInts, batch.node + at);
+    const FloatVector f = {hn::Load(kFloats, batch.x + at), hn::Load(kFloats, batch.y + at),
+                           hn::Load(kFloats, batch.z + at)};
+    while (rest != 0) {
+      const NodeReader nodes(tables, batch.brick[at + __builtin_ctz(rest)], brick, node,
+                             mask_of(rest));
+      const FloatVector g = read_gradient(nodes, f);
+      const MF near = hn::RebindMask(kFloats, nodes.near());
+      hn::BlendedStore(g.x, near, kFloats, batch.gx + at);
+      hn::BlendedStore(g.y, near, kFloats, batch.gy + at);
+      hn::BlendedStore(g.z, near, kFloats, batch.gz + at);
+      rest &= ~bits_of(nodes.near());
+    }
+  }
+}
+
+const char* instruction_set_impl() {
+  return hwy::TargetName(HWY_TARGET);
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace supple
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace supple {
+
+HWY_EXPORT(sample_batch_impl);
+HWY_EXPORT(sample_places_impl);
+HWY_EXPORT(sample_gradients_impl);
+HWY_EXPORT(instruction_set_impl);
+
+void sample_batch(const SamplingTables& tables, const RayPiece& piece, int first, int stride,
+                  int count, SampleBatch& batch) {
+  HWY_DYNAMIC_DISPATCH(sample_batch_impl)(tables, piece, first, stride, count, batch);
+}
+
+void sample_places(const SamplingTables& tables, const SamplePlaces& places, int count,
+                   SampleBatch& batch) {
+  HWY_DYNAMIC_DISPATCH(sample_places_impl)(tables, places, count, batch);
+}
+
+void sample_gradients(const SamplingTables& tables, SampleBatch& batch) {
+  HWY_DYNAMIC_DISPATCH(sample_gradients_impl)(tables, batch);
+}
+
+const char* sampling_instruction_set() {
+  return HWY_DYNAMIC_DISPATCH(instruction_set_impl)();
+}
+
+std::vector<std::string> sampling_instruction_sets() {
+  std::vector<std::string> names;
+  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    names.push_back(hwy::TargetName(target));
+  }
+  return names;
+}
+
+void choose_sampling_instruction_set(const std::string& name) {
+  hwy::SetSupportedTargetsForTest(0);
+  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    if (name == hwy::TargetName(target)) hwy::SetSupportedTargetsForTest(target);
+  }
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+}
+
+}  // namespace supple
+#endif

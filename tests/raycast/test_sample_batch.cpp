@@ -1,0 +1,148 @@
+// Sixteen samples at once against one at a time, for every instruction set of this machine.
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "raycast/frame.h"
+#include "tests/raycast/scalar_sampling.h"
+#include "tests/raycast/scenes.h"
+#include "volumes/field/procedural.h"
+
+namespace supple {
+namespace {
+
+/// One sample by the definition.
+struct Expected {
+  bool read = false, inside = false, bent = false;
+  float encoded = 0;
+  Vec3f gradient{0, 0, 0};
+};
+
+Vec3i voxel_below(const Vec3d& p) {
+  return {int(std::floor(p.x)), int(std::floor(p.y)), int(std::floor(p.z))};
+}
+
+Expected expected_at(const SourceBricks& source, const OffsetBricks& output, Vec3d p) {
+  Expected result;
+  Vec3i voxel = voxel_below(p);
+  const std::int32_t out = output.topology().find(voxel);
+  if (out < 0) return result;
+  if (!output.is_identity(out)) {
+    const Vec3f within(p - Vec3d(voxel));
+    const Vec3f offset = sample_offset(
+        {output.node(out, voxel - output.topology().origin(out)), within.x, within.y, within.z});
+    if (!(offset.x == offset.x)) return result;
+    p += Vec3d(offset);
+    voxel = voxel_below(p);
+    result.bent = true;
+  }
+  const std::int32_t in = source.topology().find(voxel);
+  if (in < 0 || source.range(in).empty()) return result;
+  result.read = true;
+  const Vec3f within(p - Vec3d(voxel));
+  const SourceCell cell = {source.node(in, voxel - source.topology().origin(in)), within.x,
+                           within.y, within.z};
+  result.inside = sample_cell(cell, result.encoded);
+  if (result.inside) result.gradient = sample_gradient(cell, result.encoded);
+  return result;
+}
+
+/// A rough volume with holes, two bricks apart from the rest, and offsets on a part of it.
+struct RoughScene {
+  Geometry geometry = cube_geometry(40);
+  BrickTopology where = voxels_of({40, 40, 40}, [](const Vec3i& v) {
+    return (v.x * 7 + v.y * 13 + v.z * 29) % 37 != 0 && !(v.x >> 3 == 2 && v.y >> 3 == 2);
+  });
+  SourceBricks source{grid_of(where, [](const Vec3d& p) {
+    return std::floor(700 * std::sin(p.x * 0.9) * std::cos(p.y * 0.7 + p.z * 0.4));
+  })};
+  OffsetField offsets =
+      sample_offsets(bump_warp({20, 20, 20}, 15, 5), geometry, voxels_of({40, 40, 24}, everywhere));
+  OffsetBricks output{source, offsets.o};
+  Frame frame{geometry,          source,          output, default_camera(geometry, 1),
+              fog_function(0.1), RenderSettings()};
+};
+
+RayPiece random_piece(std::mt19937& random) {
+  std::uniform_real_distribution<float> place(2, 38), direction(-1, 1);
+  RayPiece piece;
+  piece.base = Vec3i(int(place(random)), int(place(random)), int(place(random)));
+  piece.first = Vec3f(direction(random), direction(random), direction(random));
+  piece.per_sample = Vec3f(direction(random), direction(random), direction(random));
+  return piece;
+}
+
+void compare_with_scalar(const RoughScene& scene, const SamplingTables& tables, int& bent,
+                         int& one_sided) {
+  std::mt19937 random(3);
+  SampleBatch batch;
+  for (int round = 0; round < 300; ++round) {
+    const RayPiece piece = random_piece(random);
+    const int first = int(random() % 8), stride = 1 + int(random() % 4);
+    const int count = 1 + int(random() % SampleBatch::kLanes);
+    sample_batch(tables, piece, first, stride, count, batch);
+    sample_gradients(tables, batch);
+    EXPECT_EQ(batch.read >> count, 0u);
+    for (int lane = 0; lane < count; ++lane) {
+      const Vec3d p = Vec3d(piece.base) + Vec3d(piece.first) +
+                      Vec3d(piece.per_sample) * double(first + lane * stride);
+      const Expected want = expected_at(scene.source, scene.output, p);
+      ASSERT_EQ(batch.read >> lane & 1, want.read);
+      ASSERT_EQ(batch.inside >> lane & 1, want.inside);
+      ASSERT_EQ(batch.bent >> lane & 1, want.bent && want.read);
+      if (!want.inside) continue;
+      bent += want.bent;
+      one_sided += want.gradient.x == 0;
+      EXPECT_NEAR(batch.encoded[lane], want.encoded, 0.05);
+      ASSERT_EQ(batch.visible >> lane & 1, 1u);
+      EXPECT_NEAR(batch.gx[lane], want.gradient.x, 0.1);
+      EXPECT_NEAR(batch.gy[lane], want.gradient.y, 0.1);
+      EXPECT_NEAR(batch.gz[lane], want.gradient.z, 0.1);
+    }
+  }
+}
+
+TEST(PropertySampleBatch, EveryInstructionSetReadsWhatOneSampleAtATimeReads) {
+  const RoughScene scene;
+  for (const std::string& name : sampling_instruction_sets()) {
+    choose_sampling_instruction_set(name);
+    ASSERT_EQ(sampling_instruction_set(), name);
+    SCOPED_TRACE(name);
+    int bent = 0, one_sided = 0;
+    compare_with_scalar(scene, scene.frame.tables, bent, one_sided);
+    EXPECT_GT(bent, 200);
+  }
+  choose_sampling_instruction_set("");
+}
+
+TEST(PropertySampleBatch, BricksFarApartAreReadOneAfterAnother) {
+  const RoughScene scene;
+  SamplingTables tables = scene.frame.tables;
+  for (const std::int32_t reach : {1, 3}) {
+    tables.reach = reach;
+    int bent = 0, one_sided = 0;
+    compare_with_scalar(scene, tables, bent, one_sided);
+  }
+}
+
+TEST(PropertySampleBatch, BricksThatHoldNothingLargerAreLeftOutOfAMaximum) {
+  const RoughScene scene;
+  std::mt19937 random(5);
+  SampleBatch all, some;
+  int skipped = 0;
+  for (int round = 0; round < 300; ++round) {
+    RayPiece piece = random_piece(random);
+    sample_batch(scene.frame.tables, piece, 0, 1, SampleBatch::kLanes, all);
+    piece.above = 690;
+    sample_batch(scene.frame.tables, piece, 0, 1, SampleBatch::kLanes, some);
+    EXPECT_EQ(some.inside & ~all.inside, 0u);
+    for (std::uint32_t rest = all.inside & ~some.inside; rest != 0; rest &= rest - 1) {
+      EXPECT_LE(all.encoded[__builtin_ctz(rest)], 690);
+      ++skipped;
+    }
+  }
+  EXPECT_GT(skipped, 10);
+}
+
+}  // namespace
+}  // namespace supple
