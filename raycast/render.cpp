@@ -24,6 +24,18 @@ void require(bool good, const char* field, double value, const char* expected) {
 
 }  // namespace
 
+Quality parse_quality(const std::string& name) {
+  if (name == "draft") return Quality::draft;
+  if (name == "default") return Quality::standard;
+  if (name == "accurate") return Quality::accurate;
+  throw InputError({"", "quality", "'" + name + "'", "draft, default or accurate"});
+}
+
+void RenderSettings::set_quality(Quality quality) {
+  step_voxels = quality == Quality::draft ? 1 : quality == Quality::accurate ? 0.25 : 0.5;
+  stride = 4;
+}
+
 void RenderSettings::validate() const {
   require(width >= 1 && width <= 16384, "width", width, "1 to 16384 pixels");
   require(height >= 1 && height <= 16384, "height", height, "1 to 16384 pixels");

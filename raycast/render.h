@@ -20,6 +20,12 @@ namespace supple {
 
 struct Frame;
 
+/// How the time that a picture takes is traded for accuracy (docs/pictures.md).
+enum class Quality { draft, standard, accurate };
+
+/// "draft", "default", "accurate". Throws InputError listing them.
+Quality parse_quality(const std::string& name);
+
 struct RenderSettings {
   int width = 1024;
   int height = 1024;
@@ -32,6 +38,9 @@ struct RenderSettings {
   std::vector<Clip> clips;          // what is seen lies in all of them
   bool auxiliary = false;           // depth, normal and offset beside the colours
   bool clip_surfaces = false;       // clips of the deformed space cut surfaces, too
+
+  /// Sets step_voxels and stride.
+  void set_quality(Quality quality);
 
   /// Throws InputError: sizes < 1 or > 16384, step outside 0.01…16, stride outside 1…16,
   /// early_termination outside (0, 1], a bad clip or light.

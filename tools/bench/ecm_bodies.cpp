@@ -7,11 +7,11 @@
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
 
+#include "tools/bench/half_sampled_head.h"
 #include "lib/body/lattice.h"
 #include "tools/material_file.h"
 #include "volumes/grid/density_grid.h"
 #include "volumes/io/volume_file.h"
-#include "volumes/phantom/phantom.h"
 
 namespace supple::tools {
 
@@ -126,41 +126,6 @@ Body body_at_rest(const Geometry& geometry, BrickTopology elements, const Materi
   return body;
 }
 
-/// Densities of a phantom at every second voxel of a grid, trilinear between.
-class HalfSampled {
- public:
-  explicit HalfSampled(const Vec3i& size) : m_dims(size / 2 + Vec3i(1)) {
-    const Phantom phantom = head_phantom(size);
-    m_values.resize(std::size_t(m_dims.x) * m_dims.y * m_dims.z);
-    tbb::parallel_for(0, m_dims.z, [&](int k) {
-      for (int j = 0; j < m_dims.y; ++j) {
-        for (int i = 0; i < m_dims.x; ++i) {
-          m_values[index(i, j, k)] = phantom.density(2 * i, 2 * j, 2 * k);
-        }
-      }
-    });
-  }
-
-  float operator()(const Vec3i& voxel) const {
-    const Vec3i lo = voxel / 2;
-    const Vec3i hi = (voxel + Vec3i(1)) / 2;
-    float sum = 0;
-    for (const int k : {lo.z, hi.z}) {
-      for (const int j : {lo.y, hi.y}) {
-        for (const int i : {lo.x, hi.x}) sum += m_values[index(i, j, k)];
-      }
-    }
-    return sum / 8;
-  }
-
- private:
-  std::size_t index(int i, int j, int k) const {
-    return (std::size_t(k) * m_dims.y + j) * m_dims.x + i;
-  }
-  Vec3i m_dims;
-  std::vector<float> m_values;
-};
-
 }  // namespace
 
 Body block_body(const std::string& field, const Vec3i& size) {
@@ -171,7 +136,7 @@ Body block_body(const std::string& field, const Vec3i& size) {
 
 Body head_phantom_body(const Vec3i& size) {
   const MaterialTable material = parse_material(kHeadMaterial, "bench head material");
-  const HalfSampled density(size);
+  const HalfSampledHead density(size);
   const BrickTopology tissue = block_topology(
       size, [&](const Vec3i& voxel) { return density(voxel) >= material.active_lo; });
   return body_at_rest(head_phantom(size).geometry, largest_components(tissue, 1), material,

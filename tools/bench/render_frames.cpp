@@ -1,0 +1,147 @@
+#include "tools/bench/render_frames.h"
+
+#include <map>
+
+#include <oneapi/tbb/global_control.h>
+
+#include "raycast/compare.h"
+#include "tools/bench/half_sampled_head.h"
+#include "volumes/field/procedural.h"
+
+namespace supple::tools {
+
+namespace {
+
+constexpr float kAir = -950;           // HU; what is below is not stored
+constexpr float kStoredZero = 1e-30f;  // no offset, but one that must be read
+constexpr double kBumpRadius = 24, kBumpHeight = 14, kShear = 0.3;  // voxels
+
+struct Head {
+  Geometry geometry;
+  DensityGrid density;
+};
+
+Head make_head(const Vec3i& size) {
+  const HalfSampledHead head(size);
+  std::vector<Vec3i> origins;
+  for (int x = 0; x < size.x; x += kBrickDim) {
+    for (int y = 0; y < size.y; y += kBrickDim) {
+      for (int z = 0; z < size.z; z += kBrickDim) origins.push_back({x, y, z});
+    }
+  }
+  std::vector<BrickMask> masks(origins.size(), BrickMask{});
+  tbb::parallel_for(std::size_t(0), origins.size(), [&](std::size_t b) {
+    for (int n = 0; n < kBrickVoxels; ++n) {
+      if (head(origins[b] + brick_local(n)) > kAir) mask_set(masks[b], n);
+    }
+  });
+  const BrickTopology tissue(std::move(origins), std::move(masks));
+  const auto fill = [&](std::size_t b, float* out) {
+    for (int n = 0; n < kBrickVoxels; ++n) out[n] = head(tissue.origin(b) + brick_local(n));
+  };
+  return {head_phantom(size).geometry, fill_density_grid(tissue, fill, -1000)};
+}
+
+RenderSettings settings_of(const std::string& name, int image_size) {
+  RenderSettings settings;
+  settings.width = settings.height = image_size;
+  if (name == "reference") {
+    settings.step_voxels = 0.1;
+    settings.stride = 1;
+    settings.early_termination = 1;
+  } else {
+    settings.set_quality(parse_quality(name));
+  }
+  return settings;
+}
+
+}  // namespace
+
+std::string frame_row_name(const FrameSide& side) {
+  return "frame/" + side.kind + "/" + side.setting + "/" + std::to_string(side.threads);
+}
+
+struct FrameBench::Impl {
+  Impl(const Vec3i& size_, int image_size_)
+      : size(size_),
+        image_size(image_size_),
+        head(make_head(size_)),
+        straight(head.geometry, head.density, kRings),
+        camera(default_camera(head.geometry, 1)) {}
+
+  OffsetField offsets_of(const std::string& kind) const {
+    const BrickTopology where = dilate(head.density.bricks(), kRings + 1);
+    const Vec3d middle = Vec3d(size) / 2;
+    if (kind == "extreme") return sample_offsets(shear_warp(middle, kShear), head.geometry, where);
+    if (kind == "local") {
+      return sample_offsets(bump_warp(middle, kBumpRadius, kBumpHeight), head.geometry, where);
+    }
+    OffsetField zero = sample_offsets(shear_warp(middle, 0), head.geometry, where);
+    for (Vec3f& offset : zero.o.vectors) offset = Vec3f(kind == "zero" ? kStoredZero : 0.0f);
+    return zero;
+  }
+
+  Image draw(const Renderer& renderer, const std::string& setting, RenderReport& report) const {
+    return renderer.render(camera, preset("CT-Bone"), settings_of(setting, image_size), &report);
+  }
+
+  static constexpr int kRings = 2;
+
+  Vec3i size;
+  int image_size;
+  Head head;
+  Renderer straight;
+  Camera camera;
+};
+
+FrameBench::FrameBench(const Vec3i& size, int image_size)
+    : m_impl(std::make_unique<Impl>(size, image_size)) {}
+
+FrameBench::~FrameBench() = default;
+
+std::vector<BenchRow> FrameBench::measure(const std::vector<FrameSide>& sides,
+                                          const RoundLimits& limits,
+                                          const std::function<void()>& before_run) {
+  const std::string kind = sides.front().kind;
+  std::unique_ptr<Renderer> bent;
+  if (kind != "straight") {
+    bent = std::make_unique<Renderer>(m_impl->head.geometry, m_impl->head.density, Impl::kRings);
+    const OffsetField offsets = m_impl->offsets_of(kind);
+    bent->set_offsets(&offsets);
+  }
+  const Renderer& renderer = bent ? *bent : m_impl->straight;
+  RenderReport ignored;
+  const Image reference = m_impl->draw(renderer, "reference", ignored);
+
+  // Side n and the straight frame with as many threads take turns.
+  std::vector<BenchRow> rows;
+  for (const FrameSide& side : sides) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                    std::size_t(side.threads));
+    Image image;
+    RenderReport report;
+    std::vector<TimedSide> timed(2);
+    timed[0].run = [&](Times& times) {
+      times.ms.push_back(time_ms([&] { image = m_impl->draw(renderer, side.setting, report); }));
+    };
+    timed[1].run = [&](Times& times) {
+      times.ms.push_back(time_ms([&] { m_impl->draw(m_impl->straight, "default", ignored); }));
+    };
+    take_turns(timed, limits, before_run);
+    const Comparison found = compare(image, reference, true);
+    BenchRow row = {{"case", side.kind},
+                    {"setting", side.setting},
+                    {"size", {m_impl->size.x, m_impl->size.y, m_impl->size.z}},
+                    {"image", {image.width, image.height}},
+                    {"samples", report.samples},
+                    {"of_straight", timed[0].times.median() / timed[1].times.median()},
+                    {"ssim", found.ssim},
+                    {"rmse", found.rmse},
+                    {"mbytes", double(report.bytes) / 1e6}};
+    add_times(row, timed[0].times, side.threads);
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+}  // namespace supple::tools
