@@ -14,7 +14,8 @@ namespace supple::tools {
 namespace {
 
 constexpr double kStep = 0.5;        // voxels
-constexpr int kRaysAcross = 64;      // of the picture, each way
+constexpr int kPictureSize = 512;    // pixels
+constexpr int kRaysAcross = 64;      // pixels of the tile in its middle
 constexpr double kMargin = 12;       // voxels that lines keep from the border
 constexpr double kAgreement = 1e-3;  // of the mean density, relative
 const Vec3i kSize(256, 256, 128);
@@ -24,14 +25,15 @@ struct Line {
   int count;
 };
 
-/// Rays of a camera in front of the face, as a picture casts them, inside the volume.
+/// Rays of neighbouring pixels of a picture, from in front of the face, inside the volume.
 std::vector<Line> lines_through(const Geometry& geometry) {
   const Camera camera = default_camera(geometry, 1);
-  const CameraRays rays(camera, kRaysAcross, kRaysAcross);
+  const CameraRays rays(camera, kPictureSize, kPictureSize);
+  const double corner = 0.5 * (kPictureSize - kRaysAcross) + 0.5;
   std::vector<Line> lines;
   for (int y = 0; y < kRaysAcross; ++y) {
     for (int x = 0; x < kRaysAcross; ++x) {
-      const Ray world = rays.at(x + 0.5, y + 0.5);
+      const Ray world = rays.at(corner + x, corner + y);
       const IndexRay ray{geometry.index_from_world(world.origin_lps_mm),
                          geometry.index_vector_from_world(world.direction_lps).normalized()};
       const Interval span =
