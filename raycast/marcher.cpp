@@ -250,9 +250,8 @@ void Marcher::composite(int lane, std::int64_t n) {
     if (m_is_shaded) {
       const Facing facing = facing_of(lit);
       const Shading& shading = m_frame.shading;
-      colour = m_paths != nullptr
-                   ? shading.shaded(colour, facing, m_view, reach_at(time_of(n), facing))
-                   : shading.shaded(colour, facing, m_view);
+      const Reach* reach = m_paths != nullptr ? &reach_at(time_of(n), facing) : nullptr;
+      colour = shading.shaded(colour, facing, m_view, reach);
     }
   }
   colour[3] = 1;
@@ -312,7 +311,7 @@ void Marcher::composite_crossing() {
   Float4 colour = point.colour;
   if (m_frame.settings.lighting.model != ShadingModel::none) {
     const Reach reach = m_paths != nullptr ? m_paths->reach_of_surface(point) : Reach();
-    colour = m_frame.shading.shaded(colour, {point.normal, 1}, m_view, reach);
+    colour = m_frame.shading.shaded(colour, {point.normal, 1}, m_view, &reach);
     colour[3] = 1;
   }
   add(colour, m_frame.surfaces->opacity(hit));

@@ -1,6 +1,5 @@
 #include "raycast/shading.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "volumes/base/error.h"
@@ -68,43 +67,6 @@ Shading::View Shading::view(const Ray& ray) const {
     view.half[n] = (view.towards_eye + m_lights[n].towards).normalized();
   }
   return view;
-}
-
-Facing Shading::facing(const Vec3f& gradient, float magnitude, const Vec3f& face, float face_share,
-                       const View& view) const {
-  if (!(magnitude > 0) && face_share == 0) return {view.towards_eye, 0};
-  Facing facing;
-  facing.normal = magnitude > 0 ? gradient / magnitude : face;
-  if (facing.normal.dot(view.towards_eye) < 0) facing.normal = -facing.normal;
-  facing.trust = magnitude < m_full_gradient ? magnitude / m_full_gradient : 1.0f;
-  if (face_share > 0) {
-    facing.normal = (facing.normal * (1 - face_share) + face * face_share).normalized();
-    facing.trust += face_share * (1 - facing.trust);
-  }
-  return facing;
-}
-
-/// Cosine between the normal and the half vector, or between the reflected light and the eye.
-float Shading::highlight(const Facing& facing, const View& view, int n) const {
-  if (m_model == ShadingModel::blinn) return std::max(facing.normal.dot(view.half[n]), 0.0f);
-  const Vec3f& towards = m_lights[n].towards;
-  const float cosine = facing.normal.dot(towards);
-  if (cosine <= 0) return 0;
-  return std::max((facing.normal * (2 * cosine) - towards).dot(view.towards_eye), 0.0f);
-}
-
-Float4 Shading::shaded(const Float4& colour, const Facing& facing, const View& view,
-                       const Reach& reach) const {
-  Float4 diffuse{0, 0, 0, 0}, specular{0, 0, 0, 0};
-  for (int n = 0; n < light_count(); ++n) {
-    if (reach.lights[n] == 0) continue;
-    const Float4 rgb = m_lights[n].rgb * reach.lights[n];
-    const float cosine = std::max(facing.normal.dot(m_lights[n].towards), 0.0f);
-    diffuse += rgb * (1 - facing.trust + facing.trust * cosine);
-    const float lobe = facing.trust * highlight(facing, view, n);
-    if (lobe > 0) specular += rgb * (m_specular * std::pow(lobe, m_specular_power));
-  }
-  return (colour * (m_ambient + m_diffuse * diffuse) + specular) * reach.openness;
 }
 
 }  // namespace supple

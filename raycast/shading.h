@@ -3,7 +3,9 @@
 // reflection for computer synthesized pictures, SIGGRAPH 1977). Lights are far away and add up.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -52,7 +54,6 @@ struct Reach {
   float openness = 1;
   Reach() { lights.fill(1); }
 };
-inline const Reach kAllReaches;
 
 class Shading {
  public:
@@ -70,8 +71,9 @@ class Shading {
   Facing facing(const Vec3f& gradient, float magnitude, const Vec3f& face, float face_share,
                 const View& view) const;
 
+  /// `reach` null: all light reaches the place.
   Float4 shaded(const Float4& colour, const Facing& facing, const View& view,
-                const Reach& reach = kAllReaches) const;
+                const Reach* reach = nullptr) const;
 
   int light_count() const { return m_light_count; }
   /// Unit, towards the light, LPS.
@@ -90,5 +92,46 @@ class Shading {
   float m_ambient, m_diffuse, m_specular, m_specular_power;
   float m_full_gradient;
 };
+
+// Inline: once per visible sample.
+
+inline Facing Shading::facing(const Vec3f& gradient, float magnitude, const Vec3f& face,
+                              float face_share, const View& view) const {
+  if (!(magnitude > 0) && face_share == 0) return {view.towards_eye, 0};
+  Facing facing;
+  facing.normal = magnitude > 0 ? gradient / magnitude : face;
+  if (facing.normal.dot(view.towards_eye) < 0) facing.normal = -facing.normal;
+  facing.trust = magnitude < m_full_gradient ? magnitude / m_full_gradient : 1.0f;
+  if (face_share > 0) {
+    facing.normal = (facing.normal * (1 - face_share) + face * face_share).normalized();
+    facing.trust += face_share * (1 - facing.trust);
+  }
+  return facing;
+}
+
+/// Cosine between the normal and the half vector, or between the reflected light and the eye.
+inline float Shading::highlight(const Facing& facing, const View& view, int n) const {
+  if (m_model == ShadingModel::blinn) return std::max(facing.normal.dot(view.half[n]), 0.0f);
+  const Vec3f& towards = m_lights[n].towards;
+  const float cosine = facing.normal.dot(towards);
+  if (cosine <= 0) return 0;
+  return std::max((facing.normal * (2 * cosine) - towards).dot(view.towards_eye), 0.0f);
+}
+
+inline Float4 Shading::shaded(const Float4& colour, const Facing& facing, const View& view,
+                              const Reach* reach) const {
+  Float4 diffuse{0, 0, 0, 0}, specular{0, 0, 0, 0};
+  for (int n = 0; n < m_light_count; ++n) {
+    const float cosine = facing.normal.dot(m_lights[n].towards);
+    const float lobe = facing.trust * highlight(facing, view, n);
+    const float lit = 1 - facing.trust + (cosine > 0 ? facing.trust * cosine : 0);
+    const float shine = m_specular * std::pow(lobe, m_specular_power);
+    const Float4 rgb = reach != nullptr ? m_lights[n].rgb * reach->lights[n] : m_lights[n].rgb;
+    diffuse += rgb * lit;
+    specular += rgb * shine;
+  }
+  const Float4 light = colour * (m_ambient + m_diffuse * diffuse) + specular;
+  return reach != nullptr ? light * reach->openness : light;
+}
 
 }  // namespace supple
