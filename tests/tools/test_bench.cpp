@@ -76,6 +76,43 @@ TEST(UnitBench, EcmRowsAsJsonHaveTheDocumentedFields) {
   EXPECT_EQ(json["rows"][3]["threads"], 2);
 }
 
+TEST(UnitBench, InvertRowsAsJsonHaveTheDocumentedFieldsAndNothingIsMissing) {
+  const TemporaryFolder folder;
+  const Outcome outcome =
+      run_supple({"bench", "invert", "--quick", "--only", "fold/128x128x128/newton/1", "--json",
+                  folder / "invert.json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto json = nlohmann::json::parse(read_text(folder / "invert.json"));
+  EXPECT_EQ(json["benchmark"], "invert");
+  ASSERT_EQ(json["rows"].size(), 1u);
+  const auto& row = json["rows"][0];
+  EXPECT_EQ(row["case"], "fold");
+  EXPECT_EQ(row["method"], "newton");
+  EXPECT_GT(row["voxels"], 2'000'000);
+  EXPECT_GT(row["mvoxels_per_s"], 0.0);
+  EXPECT_LE(row["residual_max"], 1e-3);
+  EXPECT_LE(row["residual_p999"], row["residual_max"]);
+  EXPECT_EQ(row["missing"], 0);
+  EXPECT_GT(row["folded"], 0);
+  for (const char* key : {"median_ms", "min_ms", "max_ms", "runs", "threads"}) {
+    EXPECT_TRUE(row.contains(key)) << key;
+  }
+}
+
+TEST(UnitBench, AQuickRunOfInvertKeepsEveryRowThatFiguresName) {
+  std::istringstream lines(
+      run_supple({"bench", "invert", "--quick", "--list", "--threads", "2"}).out);
+  std::vector<std::string> names;
+  for (std::string line; std::getline(lines, line);) names.push_back(line);
+  for (const char* kind : {"smooth", "extreme", "fold", "noisy"}) {
+    for (const char* side : {"newton/1", "newton/2", "tets/1"}) {
+      const std::string name = std::string(kind) + "/128x128x128/" + side;
+      EXPECT_EQ(std::count(names.begin(), names.end(), name), 1) << name;
+    }
+  }
+  EXPECT_EQ(std::count(names.begin(), names.end(), "update/512x512x256/newton/2"), 1);
+}
+
 TEST(UnitBench, TheTableShowsEveryRow) {
   const TemporaryFolder folder;
   const Outcome outcome = run_supple(tiny_with({"--threads", "1"}));

@@ -43,6 +43,13 @@ Vec3i middle_element(const Body& body) {
   return voxel;
 }
 
+Vec3i cheek_element(const Body& body) {
+  const Vec3i& dims = body.geometry.dims();
+  Vec3i voxel(dims.x * 2 / 3, dims.y - 1, dims.z / 6);
+  while (voxel.y > 0 && !body.elements.is_active(voxel)) --voxel.y;
+  return voxel;
+}
+
 Motion motion_of_all(const EcmWorkload& workload, const Body& body) {
   const Vec3i voxel = middle_element(body);
   const double voxels = displacement_that_moves_all(body, voxel);

@@ -19,6 +19,9 @@ Pull pull_of(const Vec3i& voxel, const std::string& direction, double voxels);
 /// The element nearest to the middle of the body's box.
 Vec3i middle_element(const Body& body);
 
+/// The foremost element (largest j) on the cheek of a head that fills the box.
+Vec3i cheek_element(const Body& body);
+
 /// Pulls in the middle by more than the slack of any path, so that every element moves.
 Motion motion_of_all(const EcmWorkload& workload, const Body& body);
 

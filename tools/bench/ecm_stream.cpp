@@ -8,14 +8,6 @@ namespace supple::tools {
 
 namespace {
 
-/// The foremost element (largest j) on the cheek of a head that fills the box.
-Vec3i cheek_element(const Body& body) {
-  const Vec3i& dims = body.geometry.dims();
-  Vec3i voxel(dims.x * 2 / 3, dims.y - 1, dims.z / 6);
-  while (voxel.y > 0 && !body.elements.is_active(voxel)) --voxel.y;
-  return voxel;
-}
-
 /// Displacements along the direction, in voxels, after a first pull by the amplitude.
 ///   pull    the voxel goes on, a 1500th of the amplitude per event, and all that it moved follows;
 ///   wander  each event takes it to the other side of its rest place, 0.9 to 1.1 amplitudes away;

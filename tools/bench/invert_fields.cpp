@@ -1,5 +1,6 @@
 #include "tools/bench/invert_fields.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 
@@ -9,6 +10,7 @@
 #include "tools/bench/ecm_engines.h"
 #include "tools/bench/ecm_motion.h"
 #include "volumes/field/deformed_cell.h"
+#include "volumes/field/invert.h"
 #include "volumes/field/output_bricks.h"
 #include "volumes/field/procedural.h"
 
@@ -58,7 +60,15 @@ Displacement pulled_noise(int size) {
   state.geometry = body.geometry;
   state.elements = body.elements;
   state.q = body.q;
-  return displacement_of(state);
+  Displacement displacement = displacement_of(state);
+  // Without what all share, so that methods that fill the volume's own box can be compared.
+  Vec3d sum(0);
+  for (const Vec3f& u : displacement.u.vectors) sum += Vec3d(u);
+  const Vec3d mean = sum / double(displacement.u.vectors.size());
+  const Vec3f shared(float(std::round(mean.x)), float(std::round(mean.y)),
+                     float(std::round(mean.z)));
+  for (Vec3f& u : displacement.u.vectors) u -= shared;
+  return displacement;
 }
 
 bool has_all_neighbours(const BrickTopology& voxels, const Vec3i& cell) {
@@ -109,6 +119,49 @@ std::int64_t missing_nodes(const VectorBricks& u, const VectorBricks& o) {
     });
   });
   return missing;
+}
+
+BrickTopology inner_nodes(const Displacement& displacement) {
+  const BrickTopology covered = invert(displacement).o.topology;
+  const BrickTopology& box = displacement.u.topology;
+  std::vector<Vec3i> origins;
+  std::vector<BrickMask> masks;
+  for (std::size_t b = 0; b < covered.brick_count(); ++b) {
+    const std::int32_t same = box.find(covered.origin(b));
+    if (same < 0) continue;
+    origins.push_back(covered.origin(b));
+    masks.push_back(covered.mask(b));
+    for (int word = 0; word < 8; ++word) {
+      masks.back()[word] &= box.mask(std::size_t(same))[word];
+    }
+  }
+  return BrickTopology(std::move(origins), std::move(masks));
+}
+
+Judgement judge(const VectorBricks& u, const VectorBricks& o, const BrickTopology& nodes) {
+  constexpr double kLost = 0.5;
+  Judgement judgement;
+  std::vector<double> residuals;
+  for (std::size_t b = 0; b < nodes.brick_count(); ++b) {
+    for_each_active(nodes.mask(b), [&](int offset) {
+      const Vec3i node = nodes.origin(b) + brick_local(offset);
+      Vec3f found;
+      Vec3d moved;
+      const bool is_found = o.at(node, found) && u.sample(Vec3d(node) + Vec3d(found), moved) &&
+                            (Vec3d(found) + moved).length() <= kLost;
+      if (is_found) {
+        residuals.push_back((Vec3d(found) + moved).length());
+      } else {
+        ++judgement.missing;
+      }
+    });
+  }
+  if (residuals.empty()) return judgement;
+  const auto rank = residuals.begin() + std::ptrdiff_t(0.999 * double(residuals.size() - 1));
+  std::nth_element(residuals.begin(), rank, residuals.end());
+  judgement.residual_p999 = *rank;
+  judgement.residual_max = *std::max_element(residuals.begin(), residuals.end());
+  return judgement;
 }
 
 }  // namespace supple::tools

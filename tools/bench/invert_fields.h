@@ -13,11 +13,24 @@ namespace supple::tools {
 ///   extreme  the block twisted by 2 radians about k after a bump with det F down to 0.15; no
 ///   folds; fold     a bump with det F down to -0.5, so that its front side folds over; noisy what
 ///   Enhanced ChainMail makes of a diagonal pull in the middle of noise, under the
-///            example table of design.md section 2, which lets cells fold.
+///            example table of design.md section 2, which lets cells fold; less the mean, in
+///            whole voxels.
 Displacement field_to_invert(const std::string& name, int size);
 
 /// Lattice nodes that lie inside the six tetrahedra of a deformed cell and have no offset. Cells
 /// with a face on the border of the valid ones are left out. Some 200 ns per cell and core.
 std::int64_t missing_nodes(const VectorBricks& u, const VectorBricks& o);
+
+/// Nodes of the displacement's own box that its material covers now: where methods that fill the
+/// whole box are judged.
+BrickTopology inner_nodes(const Displacement& displacement);
+
+/// Residuals |o + u(x + o)| of any method's offsets at these nodes; a node without an offset, with
+/// one that leads out of the material, or half a voxel off counts as missing.
+struct Judgement {
+  double residual_max = 0, residual_p999 = 0;
+  std::int64_t missing = 0;
+};
+Judgement judge(const VectorBricks& u, const VectorBricks& o, const BrickTopology& nodes);
 
 }  // namespace supple::tools

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 #include <numeric>
 
 namespace supple::tools {
@@ -28,6 +29,17 @@ double time_ms(const std::function<void()>& action) {
   action();
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin)
       .count();
+}
+
+double cpu_time_ms(const std::function<void()>& action) {
+  const auto now_ms = [] {
+    std::timespec now{};
+    ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return double(now.tv_sec) * 1e3 + double(now.tv_nsec) * 1e-6;
+  };
+  const double begin = now_ms();
+  action();
+  return now_ms() - begin;
 }
 
 void take_turns(std::vector<TimedSide>& sides, const RoundLimits& limits,

@@ -214,21 +214,27 @@ inline Vec3d DeformedCell::value(const Vec3d& eta) const {
   return sum;
 }
 
+/// Jacobian columns of the preconditioned map.
+inline void DeformedCell::jacobian(const Vec3d& eta, Vec3d& jx, Vec3d& jy, Vec3d& jz) const {
+  jx = m_xy * eta.y + m_xz * eta.z + m_xyz * (eta.y * eta.z);
+  jy = m_xy * eta.x + m_yz * eta.z + m_xyz * (eta.x * eta.z);
+  jz = m_yz * eta.y + m_xz * eta.x + m_xyz * (eta.x * eta.y);
+  jx.x += 1;
+  jy.y += 1;
+  jz.z += 1;
+  if (m_singular) {
+    jx += m_rest[0];
+    jy += m_rest[1];
+    jz += m_rest[2];
+  }
+}
+
 inline bool DeformedCell::newton(const Target& target, Vec3d& eta) const {
   for (int step = 0; step <= target.max_steps; ++step) {
     const Vec3d residual = value(eta) - target.t;
     if (max_abs(residual) <= target.tolerance) return true;
-    Vec3d jx = m_xy * eta.y + m_xz * eta.z + m_xyz * (eta.y * eta.z);
-    Vec3d jy = m_xy * eta.x + m_yz * eta.z + m_xyz * (eta.x * eta.z);
-    Vec3d jz = m_yz * eta.y + m_xz * eta.x + m_xyz * (eta.x * eta.y);
-    jx.x += 1;
-    jy.y += 1;
-    jz.z += 1;
-    if (m_singular) {
-      jx += m_rest[0];
-      jy += m_rest[1];
-      jz += m_rest[2];
-    }
+    Vec3d jx, jy, jz;
+    jacobian(eta, jx, jy, jz);
     const Vec3d change = newton_step(jx, jy, jz, residual);
     eta = clamp(eta - change, 2);
     // What the step leaves is of second order in it; often that settles it without another look.
@@ -266,6 +272,26 @@ DeformedCell::Outcome DeformedCell::solve_by_bisection(const Vec3d& x, double to
     return Outcome::inside;
   }
   return search.undecided ? Outcome::undecided : Outcome::outside;
+}
+
+/// True when the map is shown to be injective on a box: its Jacobian, times the inverse of that in
+/// the middle, stays within a row sum of 1 of the unit matrix.
+bool DeformedCell::is_injective(const Vec3d& middle, const Vec3d& half) const {
+  Vec3d jx, jy, jz;
+  jacobian(middle, jx, jy, jz);
+  const Vec3d yz = jy.cross(jz);
+  const double volume = jx.dot(yz);
+  if (!(std::abs(volume) > kRegular)) return false;
+  const Vec3d rows[3] = {yz / volume, jz.cross(jx) / volume, jx.cross(jy) / volume};
+  // Largest change of each column over the box, component by component.
+  const Vec3d xy = abs(m_xy + m_xyz * middle.z), yz_bend = abs(m_yz + m_xyz * middle.x),
+              xz = abs(m_xz + m_xyz * middle.y), xyz = abs(m_xyz);
+  const Vec3d change_x = xy * half.y + xz * half.z + xyz * (half.y * half.z);
+  const Vec3d change_y = xy * half.x + yz_bend * half.z + xyz * (half.x * half.z);
+  const Vec3d change_z = yz_bend * half.y + xz * half.x + xyz * (half.x * half.y);
+  const Vec3d change = change_x + change_y + change_z;
+  return std::max({abs(rows[0]).dot(change), abs(rows[1]).dot(change), abs(rows[2]).dot(change)}) <
+         1;
 }
 
 void DeformedCell::bisect(Search& search, const Vec3d& lo, const Vec3d& hi, int depth) const {
@@ -310,6 +336,13 @@ void DeformedCell::bisect(Search& search, const Vec3d& lo, const Vec3d& hi, int 
       search.best_squared = squared;
     }
   }
+  const auto is_in_box = [&](const Vec3d& v) {
+    for (int a = 0; a < 3; ++a) {
+      if (v[a] < lo[a] || v[a] > hi[a]) return false;
+    }
+    return true;
+  };
+  if (converged && is_in_box(eta) && is_injective(middle, hi - middle)) return;
   if (depth == kMaxDepth) {
     search.undecided = search.undecided || !converged;
     return;

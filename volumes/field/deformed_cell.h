@@ -47,6 +47,8 @@ class DeformedCell {
   struct Search;
   Target target_of(const Vec3d& x, double tolerance, int max_steps) const;
   Vec3d value(const Vec3d& eta) const;
+  void jacobian(const Vec3d& eta, Vec3d& jx, Vec3d& jy, Vec3d& jz) const;
+  bool is_injective(const Vec3d& middle, const Vec3d& half) const;
   bool newton(const Target& target, Vec3d& eta) const;
   void bisect(Search& search, const Vec3d& lo, const Vec3d& hi, int depth) const;
 

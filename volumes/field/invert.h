@@ -1,6 +1,9 @@
 // Inversion of a displacement to an offset field: x + o(x) + u(x + o(x)) = x.
 #pragma once
 
+#include <memory>
+#include <vector>
+
 #include "volumes/base/progress.h"
 #include "volumes/field/vector_bricks.h"
 
@@ -26,6 +29,34 @@ struct InvertParams {
 /// more than 2^24 nodes; Cancelled.
 OffsetField invert(const Displacement& displacement, const InvertParams& params = {},
                    Progress* progress = nullptr);
+
+/// An inversion that follows a displacement through local changes, such as drags: only the output
+/// bricks that changed cells reach, or reached before, are solved again, and every offset and the
+/// certificate have the bits that invert() would give them.
+/// Memory: 6 kB per output brick and 0.4 kB per source brick.
+class IncrementalInversion {
+ public:
+  /// Inverts everything. Throws like invert(), and InputError for a volume of one slice.
+  explicit IncrementalInversion(const Displacement& displacement, const InvertParams& params = {},
+                                Progress* progress = nullptr);
+  ~IncrementalInversion();
+
+  /// `displacement` has the voxels of the last one; `changed` lists, each once, the bricks of its
+  /// topology whose vectors may differ. Returns the sorted origins of the output bricks that were
+  /// solved again; some of them may hold no offsets any more. Where material was torn all are.
+  std::vector<Vec3i> update(const Displacement& displacement,
+                            const std::vector<std::int32_t>& changed);
+
+  InversionCertificate certificate() const;
+  /// Those of the given output bricks that hold offsets; `origins` ascending and unique.
+  VectorBricks bricks(const std::vector<Vec3i>& origins) const;
+  /// Everything, copied.
+  OffsetField field() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> m_impl;
+};
 
 /// Offsets at the invalid nodes of every occupied brick and of the bricks that touch it, extended
 /// ring by ring from the valid ones, for trilinear look-up at the border of the material. Zero

@@ -14,6 +14,12 @@
 
 namespace supple {
 
+/// A node in the box of a cell for which the quick solve could not decide.
+struct Doubt {
+  Vec3i node;
+  Vec3i cell;
+};
+
 class OffsetAccumulator {
  public:
   struct Hit {
@@ -21,13 +27,19 @@ class OffsetAccumulator {
     Vec3f o;
   };
 
-  /// `origins`: sorted, unique origins of all output bricks that a node may fall into.
+  /// `origins`: sorted, unique origins of the output bricks; what falls into others is dropped.
   explicit OffsetAccumulator(std::vector<Vec3i> origins);
 
-  /// Thread-safe. The hits must lie in the output bricks.
+  /// Thread-safe.
   void merge(const std::vector<Hit>& hits);
-  /// Thread-safe: o = 0 at the corners of the given cells of the brick at `origin`.
+  /// The same for nodes within a box, faster; drops the doubts whose node has a solution by now.
+  void merge(const IndexBox& reach, const std::vector<Hit>& hits, std::vector<Doubt>& doubts);
+  /// Thread-safe: o = 0 at the corners of the given cells of the brick at `origin`, where there are
+  /// output bricks.
   void merge_zeros(const Vec3i& origin, const BrickMask& cells);
+
+  /// True when a node of the box falls into an output brick.
+  bool is_reached_by(const IndexBox& reach) const;
 
   /// Thread-safe: whether the node has a solution by now.
   bool contains(const Vec3i& node);
@@ -36,6 +48,7 @@ class OffsetAccumulator {
   VectorBricks finish();
 
  private:
+  void take(std::int32_t b, const Hit& hit);
   void merge_zero_mask(std::int32_t b, const BrickMask& nodes);
 
   BrickTopology m_bricks;

@@ -19,49 +19,10 @@ constexpr double kNodeSlack = 1e-5;
 // A deformed brick in a larger box than this adds the bricks of its cells one by one.
 constexpr double kLargeBox = 64.0 * kBrickVoxels;
 
-void add_box(const Vec3i& lo, const Vec3i& hi, std::vector<Vec3i>& origins) {
-  for (int x = lo.x & ~7; x <= hi.x; x += kBrickDim) {
-    for (int y = lo.y & ~7; y <= hi.y; y += kBrickDim) {
-      for (int z = lo.z & ~7; z <= hi.z; z += kBrickDim) origins.push_back({x, y, z});
-    }
-  }
-}
-
-/// Box of the moved corners of all cells, in nodes.
-IndexBox box_of_corners(const SourceCells& cells) {
-  std::uint16_t rows[kCornerDim][kCornerDim];
-  corner_rows(cells.mask, rows);
-  Vec3f lo(3e38f), hi(-3e38f);
-  for (int x = 0; x < kCornerDim; ++x) {
-    for (int y = 0; y < kCornerDim; ++y) {
-      for (unsigned bits = rows[x][y]; bits != 0; bits &= bits - 1) {
-        const int z = __builtin_ctz(bits);
-        const Vec3f moved = Vec3f(float(x), float(y), float(z)) + cells.u[x][y][z];
-        for (int a = 0; a < 3; ++a) {
-          lo[a] = std::min(lo[a], moved[a]);
-          hi[a] = std::max(hi[a], moved[a]);
-        }
-      }
-    }
-  }
-  // Single precision may round a corner of a far displacement by a sixteenth of a voxel.
-  IndexBox box;
-  for (int a = 0; a < 3; ++a) {
-    box.lo[a] = cells.origin[a] + int(std::floor(lo[a] - 0.1f));
-    box.hi[a] = cells.origin[a] + int(std::ceil(hi[a] + 0.1f));
-  }
-  return box;
-}
-
-void add_reached_bricks(const VectorBricks& u, std::size_t b, std::vector<Vec3i>& origins) {
+/// The bricks of the cells of a torn source brick, one by one.
+void add_bricks_of_cells(const VectorBricks& u, std::size_t b, std::vector<Vec3i>& origins) {
   SourceCells cells;
   if (!gather_cells(u, b, cells)) return;
-  const IndexBox whole = box_of_corners(cells);
-  const Vec3d extent = Vec3d(whole.hi - whole.lo) + Vec3d(1);
-  if (extent.x * extent.y * extent.z <= kLargeBox) {
-    add_box(whole.lo, whole.hi, origins);
-    return;
-  }
   std::vector<Vec3i> reached;
   for_each_active(cells.mask, [&](int offset) {
     const Vec3i cell = cells.origin + brick_local(offset);
@@ -98,14 +59,14 @@ IndexBox nodes_of(const CellCorners& corners, const Vec3i& cell) {
   return nodes;
 }
 
-std::vector<Vec3i> output_origins(const VectorBricks& u, const std::vector<std::uint8_t>& still) {
+std::vector<Vec3i> output_origins(const VectorBricks& u, const std::vector<IndexBox>& reaches) {
   tbb::enumerable_thread_specific<std::vector<Vec3i>> parts;
   tbb::parallel_for(std::size_t(0), u.topology.brick_count(), [&](std::size_t b) {
-    const Vec3i& origin = u.topology.origin(b);
-    if (still[b]) {
-      add_box(origin, origin + Vec3i(kBrickDim), parts.local());
-    } else {
-      add_reached_bricks(u, b, parts.local());
+    const IndexBox& reach = reaches[b];
+    if (is_torn(reach)) {
+      add_bricks_of_cells(u, b, parts.local());
+    } else if (!reach.empty()) {
+      add_box(reach.lo, reach.hi, parts.local());
     }
   });
   std::vector<Vec3i> origins;
@@ -117,10 +78,25 @@ std::vector<Vec3i> output_origins(const VectorBricks& u, const std::vector<std::
   return origins;
 }
 
+void add_box(const Vec3i& lo, const Vec3i& hi, std::vector<Vec3i>& origins) {
+  for (int x = lo.x & ~7; x <= hi.x; x += kBrickDim) {
+    for (int y = lo.y & ~7; y <= hi.y; y += kBrickDim) {
+      for (int z = lo.z & ~7; z <= hi.z; z += kBrickDim) origins.push_back({x, y, z});
+    }
+  }
+}
+
+bool is_torn(const IndexBox& reach) {
+  const Vec3d extent = Vec3d(reach.hi) - Vec3d(reach.lo) + Vec3d(1);
+  return !reach.empty() && extent.x * extent.y * extent.z > kLargeBox;
+}
+
+bool voxel_less(const Vec3i& a, const Vec3i& b) {
+  return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
+}
+
 void sort_unique(std::vector<Vec3i>& voxels) {
-  std::sort(voxels.begin(), voxels.end(), [](const Vec3i& a, const Vec3i& b) {
-    return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
-  });
+  std::sort(voxels.begin(), voxels.end(), voxel_less);
   voxels.erase(std::unique(voxels.begin(), voxels.end()), voxels.end());
 }
 

@@ -12,10 +12,18 @@ namespace supple {
 /// for a cell stretched over more than 2^24 nodes: that is a tear, not a deformation.
 IndexBox nodes_of(const CellCorners& corners, const Vec3i& cell);
 
-/// Sorted, unique origins of the output bricks that the cells of u can reach. `still[b]`: all
-/// corners of the cells of source brick b have u = 0.
-std::vector<Vec3i> output_origins(const VectorBricks& u, const std::vector<std::uint8_t>& still);
+/// True for the reach of a source brick that is spread over more than 64 bricks.
+bool is_torn(const IndexBox& reach);
 
+/// Sorted, unique origins of the output bricks that the cells of u can reach. `reaches`: nodes in
+/// reach of each source brick (displacement_range.h).
+std::vector<Vec3i> output_origins(const VectorBricks& u, const std::vector<IndexBox>& reaches);
+
+/// The origins of all output bricks that hold a node of the box.
+void add_box(const Vec3i& lo, const Vec3i& hi, std::vector<Vec3i>& origins);
+
+/// By x, then y, then z.
+bool voxel_less(const Vec3i& a, const Vec3i& b);
 void sort_unique(std::vector<Vec3i>& voxels);
 std::string to_text(const Vec3i& v);
 

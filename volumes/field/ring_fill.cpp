@@ -107,6 +107,22 @@ Vec3f mean_of_neighbours(const Vec3i& local, const PaddedRows& padded, const Sur
   return Vec3f(sum / double(count));
 }
 
+/// The bricks and all that touch them, ascending.
+std::vector<std::int32_t> with_neighbours(const BrickTopology& topology,
+                                          const std::vector<std::int32_t>& bricks) {
+  std::vector<std::uint8_t> listed(topology.brick_count(), 0);
+  for (const std::int32_t b : bricks) {
+    for (const std::int32_t n : surroundings_of(topology, std::size_t(b))) {
+      if (n >= 0) listed[n] = 1;
+    }
+  }
+  std::vector<std::int32_t> result;
+  for (std::size_t b = 0; b < listed.size(); ++b) {
+    if (listed[b]) result.push_back(std::int32_t(b));
+  }
+  return result;
+}
+
 /// Drops what is not valid; brick order stays.
 VectorBricks compact(const BrickTopology& bricks, const std::vector<BrickMask>& valid,
                      std::vector<Vec3f> vectors, std::vector<std::uint8_t>* ring_of) {
@@ -195,6 +211,62 @@ VectorBricks fill_rings(const VectorBricks& seed, const BrickTopology& target, i
     if (!grown) break;
   }
   return compact(bricks, valid, std::move(vectors), ring_of);
+}
+
+std::vector<std::int32_t> refill_rings(VectorBricks& field,
+                                       const std::vector<std::uint8_t>& ring_of,
+                                       const std::vector<std::int32_t>& changed) {
+  const BrickTopology& topology = field.topology;
+  if (changed.empty()) return {};
+  // A ring sees one voxel further than the one before.
+  std::vector<std::int32_t> bricks = with_neighbours(topology, changed);
+  int last = 0;
+  for (int reach = kBrickDim;; reach += kBrickDim) {
+    for (const std::int32_t b : bricks) {
+      const std::uint8_t* rings = &ring_of[std::size_t(b) * kBrickVoxels];
+      for_each_active(topology.mask(std::size_t(b)),
+                      [&](int offset) { last = std::max(last, int(rings[offset])); });
+    }
+    if (last <= reach) break;
+    const std::size_t before = bricks.size();
+    bricks = with_neighbours(topology, bricks);
+    if (bricks.size() == before) break;
+  }
+  std::vector<std::uint8_t> is_changed(bricks.size());
+  for (std::size_t n = 0; n < bricks.size(); ++n) {
+    is_changed[n] = std::binary_search(changed.begin(), changed.end(), bricks[n]);
+  }
+  const std::vector<std::int32_t> seen = with_neighbours(topology, bricks);
+  std::vector<BrickMask> valid(topology.brick_count()), ring(topology.brick_count());
+  for (int number = 1; number <= last; ++number) {
+    tbb::parallel_for(std::size_t(0), seen.size(), [&](std::size_t n) {
+      const std::size_t b = std::size_t(seen[n]);
+      const std::uint8_t* rings = &ring_of[b * kBrickVoxels];
+      valid[b] = ring[b] = {};
+      for_each_active(topology.mask(b), [&](int offset) {
+        if (rings[offset] < number) mask_set(valid[b], offset);
+        if (rings[offset] == number) mask_set(ring[b], offset);
+      });
+    });
+    tbb::parallel_for(std::size_t(0), bricks.size(), [&](std::size_t n) {
+      const std::size_t b = std::size_t(bricks[n]);
+      if (!any_bit(ring[b])) return;
+      const Surroundings around = surroundings_of(topology, b);
+      const PaddedRows padded =
+          padded_rows(around, [&](std::int32_t m) -> const BrickMask& { return valid[m]; });
+      for_each_active(ring[b], [&](int offset) {
+        Vec3f& vector = field.vectors[b * kBrickVoxels + std::size_t(offset)];
+        const Vec3f mean = mean_of_neighbours(brick_local(offset), padded, around, field.vectors);
+        is_changed[n] = is_changed[n] || mean != vector;
+        vector = mean;
+      });
+    });
+  }
+  std::vector<std::int32_t> result;
+  for (std::size_t n = 0; n < bricks.size(); ++n) {
+    if (is_changed[n]) result.push_back(bricks[n]);
+  }
+  return result;
 }
 
 BrickTopology eroded(const BrickTopology& topology) {

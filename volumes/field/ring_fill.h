@@ -23,6 +23,13 @@ BrickTopology unite(const BrickTopology& a, const BrickTopology& b);
 VectorBricks fill_rings(const VectorBricks& seed, const BrickTopology& target, int max_rings,
                         std::vector<std::uint8_t>* ring_of = nullptr);
 
+/// Brings a filled field up to date after vectors of its ring 0 have changed in the given bricks
+/// (ascending): fills the rings again, as fill_rings() does, wherever they can see that. `ring_of`
+/// as it was filled. Returns the given bricks and those in which a vector changed, ascending.
+std::vector<std::int32_t> refill_rings(VectorBricks& field,
+                                       const std::vector<std::uint8_t>& ring_of,
+                                       const std::vector<std::int32_t>& changed);
+
 /// The active voxels of `a` that are not active in `b`.
 BrickTopology subtract(const BrickTopology& a, const BrickTopology& b);
 

@@ -1,6 +1,7 @@
 #include "volumes/field/source_cells.h"
 
 #include <algorithm>
+#include <cstring>
 
 #include "volumes/field/ring_fill.h"
 
@@ -26,6 +27,28 @@ unsigned voxel_row(const BrickTopology& voxels, const std::array<std::int32_t, 8
     return unsigned((voxels.mask(bricks[n])[x & 7] >> (8 * (y & 7))) & 0xff);
   };
   return row(column) | (row(column + 1) & 1) << 8;
+}
+
+const std::vector<Vec3f> kNowhere(kBrickDim, Vec3f(0));
+
+using Floats8 = float __attribute__((vector_size(32)));
+using Floats16 = float __attribute__((vector_size(64)));
+
+/// Row (x, y) of the corners: eight voxels and the first of the brick above.
+void copy_row(const Vec3f* row, const Vec3f* above, int x, int y, SourceCells& cells) {
+  // The 24 components of the row, the middle ones in both halves.
+  Floats16 low, high;
+  std::memcpy(&low, &row[0].x, sizeof low);
+  std::memcpy(&high, &row[0].x + 8, sizeof high);
+  const Floats8 u[3] = {__builtin_shufflevector(low, high, 0, 3, 6, 9, 12, 15, 26, 29),
+                        __builtin_shufflevector(low, high, 1, 4, 7, 10, 13, 24, 27, 30),
+                        __builtin_shufflevector(low, high, 2, 5, 8, 11, 14, 25, 28, 31)};
+  for (int a = 0; a < 3; ++a) {
+    const Floats8 next = Floats8{} + above[0][a];
+    const Floats8 upper = __builtin_shufflevector(u[a], next, 1, 2, 3, 4, 5, 6, 7, 8);
+    std::memcpy(cells.lower[a][x][y], &u[a], sizeof upper);
+    std::memcpy(cells.upper[a][x][y], &upper, sizeof upper);
+  }
 }
 
 BrickMask cell_mask(const BrickTopology& voxels, const std::array<std::int32_t, 8>& bricks) {
@@ -83,13 +106,11 @@ bool gather_cells(const VectorBricks& u, std::size_t b, SourceCells& cells) {
     for (int y = 0; y < kCornerDim; ++y) {
       const int column = 4 * (x >> 3) + 2 * (y >> 3);
       const int offset = ((x & 7) << 6) | ((y & 7) << 3);
-      const auto copy = [&](int n, int z, int count) {
-        if (bricks[n] < 0) return;
-        std::copy_n(&u.vectors[std::size_t(bricks[n]) * kBrickVoxels + offset], count,
-                    &cells.u[x][y][z]);
+      const auto row = [&](int n) {
+        return bricks[n] < 0 ? kNowhere.data()
+                             : &u.vectors[std::size_t(bricks[n]) * kBrickVoxels + offset];
       };
-      copy(column, 0, kBrickDim);
-      copy(column + 1, kBrickDim, 1);
+      copy_row(row(column), row(column + 1), x, y, cells);
     }
   }
   return true;
@@ -100,7 +121,7 @@ CellCorners cell_corners(const SourceCells& cells, int offset) {
   CellCorners corners;
   for (int n = 0; n < 8; ++n) {
     const int x = n >> 2, y = (n >> 1) & 1, z = n & 1;
-    const Vec3f& u = cells.u[c.x + x][c.y + y][c.z + z];
+    const Vec3f u = cells.u(c.x + x, c.y + y, c.z + z);
     corners.p[0][n] = x + double(u.x);
     corners.p[1][n] = y + double(u.y);
     corners.p[2][n] = z + double(u.z);
@@ -110,9 +131,9 @@ CellCorners cell_corners(const SourceCells& cells, int offset) {
 
 bool is_translated(const SourceCells& cells, int offset, Vec3f& shift) {
   const Vec3i c = brick_local(offset);
-  shift = cells.u[c.x][c.y][c.z];
+  shift = cells.u(c.x, c.y, c.z);
   for (int n = 7; n > 0; --n) {
-    if (cells.u[c.x + (n >> 2)][c.y + ((n >> 1) & 1)][c.z + (n & 1)] != shift) return false;
+    if (cells.u(c.x + (n >> 2), c.y + ((n >> 1) & 1), c.z + (n & 1)) != shift) return false;
   }
   return true;
 }

@@ -10,10 +10,22 @@ namespace supple {
 /// Corners of the cells of a brick: 9^3 nodes.
 constexpr int kCornerDim = kBrickDim + 1;
 
+/// u at the corners, component by component and in rows of eight cells, so that the corners of
+/// sixteen cells lie side by side; anything finite where invalid.
 struct SourceCells {
-  Vec3i origin;                                 // lowest voxel of the brick
-  BrickMask mask;                               // cells whose eight corners are valid
-  Vec3f u[kCornerDim][kCornerDim][kCornerDim];  // [x][y][z]; garbage where invalid
+  using Rows = float[3][kCornerDim][kCornerDim][kBrickDim];  // [component][x][y][z]
+
+  Vec3i origin{0, 0, 0};     // lowest voxel of the brick
+  BrickMask mask{};          // cells whose eight corners are valid
+  alignas(64) Rows lower{};  // z = 0…7
+  alignas(64) Rows upper{};  // z = 1…8
+
+  Vec3f u(int x, int y, int z) const {
+    const int shifted = z == kBrickDim;
+    const Rows& rows = shifted ? upper : lower;
+    z -= shifted;
+    return {rows[0][x][y][z], rows[1][x][y][z], rows[2][x][y][z]};
+  }
 };
 
 /// Gathers the cells of source brick b; false when none has eight valid corners.

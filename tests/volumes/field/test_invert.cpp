@@ -176,6 +176,27 @@ TEST(PropertyInvert, NoisyFieldsWithoutFoldsAreResolvedWhereverADeformedCellLies
   }
 }
 
+TEST(PropertyInvert, SinglePrecisionLanesAgreeWithTheDoublePrecisionSolver) {
+  // A finer tolerance than floats can promise sends every cell to the solver in double.
+  InvertParams fine;
+  fine.residual_tolerance_voxels = 1e-5;
+  std::mt19937 random(27);
+  for (const float size : {0.05f, 0.16f, 0.5f}) {
+    const Displacement noisy =
+        noisy_displacement(random, ball({14, 14, 14}, 11.5), size, random_vector(random, 40));
+    const OffsetField lanes = invert(noisy), scalar = invert(noisy, fine);
+    ASSERT_TRUE(lanes.o.topology == scalar.o.topology);
+    EXPECT_NEAR(lanes.certificate.min_det, scalar.certificate.min_det, 1e-5);
+    EXPECT_EQ(lanes.certificate.folded_cells, scalar.certificate.folded_cells);
+    EXPECT_EQ(lanes.certificate.unresolved, scalar.certificate.unresolved);
+    double worst = 0;
+    for (std::size_t n = 0; n < lanes.o.vectors.size(); ++n) {
+      worst = std::max(worst, double((lanes.o.vectors[n] - scalar.o.vectors[n]).length()));
+    }
+    EXPECT_LT(worst, size < 0.2f ? 2e-5 : 1e-3);
+  }
+}
+
 TEST(PropertyInvert, StronglyStretchedNoiseLeavesNoGaps) {
   // Cells five voxels long: many nodes per cell, bent faces.
   std::mt19937 random(22);

@@ -1,0 +1,54 @@
+#include "volumes/state/live_displacement.h"
+
+#include <algorithm>
+#include <limits>
+
+#include <tbb/parallel_for.h>
+
+#include "volumes/field/ring_fill.h"
+#include "volumes/state/state.h"
+
+namespace supple {
+
+LiveDisplacement::LiveDisplacement(const Geometry& geometry, const BrickTopology& elements,
+                                   const BrickTopology& shell)
+    : m_elements(elements), m_is_moved(elements.brick_count(), 0) {
+  const VectorBricks rest{elements,
+                          std::vector<Vec3f>(elements.brick_count() * kBrickVoxels, Vec3f(0))};
+  m_extended = {geometry, fill_rings(rest, shell, std::numeric_limits<int>::max(), &m_ring)};
+  for (std::size_t b = 0; b < elements.brick_count(); ++b) {
+    m_brick_of.push_back(m_extended.u.topology.find(elements.origin(b)));
+  }
+}
+
+/// Writes the elements of one brick; true when any of them changed.
+bool LiveDisplacement::take_over(const std::array<BrickValues, 3>& q, std::size_t b) {
+  const bool moves =
+      q[0].brick(b) != nullptr || q[1].brick(b) != nullptr || q[2].brick(b) != nullptr;
+  if (!moves && !m_is_moved[b]) return false;
+  m_is_moved[b] = moves;
+  const std::int32_t* values[3];
+  for (int c = 0; c < 3; ++c) values[c] = q[c].brick_or_zero(b);
+  Vec3f* u = &m_extended.u.vectors[std::size_t(m_brick_of[b]) * kBrickVoxels];
+  bool is_changed = false;
+  for_each_active(m_elements.mask(b), [&](int offset) {
+    const Vec3f now(float(values[0][offset] / kFixedOne), float(values[1][offset] / kFixedOne),
+                    float(values[2][offset] / kFixedOne));
+    is_changed = is_changed || now != u[offset];
+    u[offset] = now;
+  });
+  return is_changed;
+}
+
+std::vector<std::int32_t> LiveDisplacement::update(const std::array<BrickValues, 3>& q) {
+  std::vector<std::uint8_t> is_changed(m_elements.brick_count());
+  tbb::parallel_for(std::size_t(0), is_changed.size(),
+                    [&](std::size_t b) { is_changed[b] = take_over(q, b); });
+  std::vector<std::int32_t> changed;
+  for (std::size_t b = 0; b < is_changed.size(); ++b) {
+    if (is_changed[b]) changed.push_back(m_brick_of[b]);
+  }
+  return refill_rings(m_extended.u, m_ring, changed);
+}
+
+}  // namespace supple
