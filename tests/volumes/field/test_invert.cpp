@@ -176,6 +176,20 @@ TEST(PropertyInvert, NoisyFieldsWithoutFoldsAreResolvedWhereverADeformedCellLies
   }
 }
 
+TEST(PropertyInvert, NodesInTheLatticePlanesOfTheBorderAreCovered) {
+  // Faces across j and k stay in lattice planes, where neighbours share their nodes; those of the
+  // last cells have no neighbour.
+  const Displacement sheared = displacement_on(
+      box_topology({0, 0, 0}, {20, 13, 12}),
+      [](const Vec3i& v) { return Vec3f(0.25f * float(v.y) + 0.125f * float(v.z % 2), 0, 0); });
+  const OffsetField field = invert(sheared);
+  for_each_voxel(box_topology({6, 0, 0}, {20, 13, 12}), [&](const Vec3i& x, std::size_t) {
+    Vec3f o;
+    ASSERT_TRUE(field.o.at(x, o)) << x;
+    EXPECT_NEAR(o.x, -0.25 * x.y - 0.125 * (x.z % 2), 1e-5);
+  });
+}
+
 TEST(PropertyInvert, SinglePrecisionLanesAgreeWithTheDoublePrecisionSolver) {
   // A finer tolerance than floats can promise sends every cell to the solver in double.
   InvertParams fine;
