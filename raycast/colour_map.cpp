@@ -18,10 +18,16 @@ using Table = std::array<std::array<std::uint8_t, 3>, 256>;
 /// as turned away, light enough for the colour to be read.
 constexpr float kAmbient = 0.55f;
 
-Table viridis() {
+/// The range of magma that leaves some light in its dark end, and is not white at the other.
+constexpr int kLightest = 245, kDarkest = 50;
+
+Table light_to_dark_magma() {
   cv::Mat grey(1, 256, CV_8UC1), bgr;
-  for (int n = 0; n < 256; ++n) grey.at<std::uint8_t>(0, n) = std::uint8_t(n);
-  cv::applyColorMap(grey, bgr, cv::COLORMAP_VIRIDIS);
+  for (int n = 0; n < 256; ++n) {
+    const double along = kLightest + (kDarkest - kLightest) * n / 255.0;
+    grey.at<std::uint8_t>(0, n) = std::uint8_t(std::lround(along));
+  }
+  cv::applyColorMap(grey, bgr, cv::COLORMAP_MAGMA);
   Table table{};
   for (int n = 0; n < 256; ++n) {
     const auto& pixel = bgr.at<cv::Vec3b>(0, n);
@@ -47,60 +53,61 @@ struct Paper {
   std::uint8_t background, ink;
 };
 
-/// The colours as a bar at the right edge, from lo at its foot, with ticks and a title above.
+/// The colours as a bar, from lo at its foot, with ticks to its right and a title above.
 class Legend {
  public:
-  Legend(Image& image, const Table& table, const ScalarRange& range, const Paper& paper)
-      : m_canvas(image.height, image.width, CV_8UC4, image.rgba.data()),
-        m_table(table),
-        m_range(range),
-        m_paper(paper),
-        m_unit(std::max(image.height, 240) / 40.0),
+  Legend(int height, const ScalarRange& range, std::string title)
+      : m_range(range),
+        m_title(std::move(title)),
+        m_ticks(legend_ticks(range)),
+        m_unit(std::max(height, 240) / 40.0),
         m_scale(cv::getFontScaleFromHeight(cv::FONT_HERSHEY_SIMPLEX, int(m_unit), 1)),
-        m_thickness(std::max(1, int(std::lround(m_unit / 9)))) {}
+        m_thickness(std::max(1, int(std::lround(m_unit / 9)))) {
+    double widest = width_of(m_title);
+    for (const double tick : m_ticks) {
+      widest = std::max(widest, m_unit + gap() + width_of(number_text(tick)));
+    }
+    if (height >= kLowestWithLegend && !m_ticks.empty()) m_width = int(widest + 2 * m_unit);
+  }
 
-  void draw(const std::string& title) {
-    const std::vector<double> ticks = legend_ticks(m_range);
-    double text_width = 0;
-    for (const double tick : ticks) text_width = std::max(text_width, width_of(number_text(tick)));
-    const double bar = m_unit, gap = 0.6 * m_unit;
-    text_width = std::max(text_width, width_of(title) - bar - gap);
-    const int left = int(m_canvas.cols - m_unit - text_width - gap - bar);
-    const int right = int(left + bar);
-    const int top = m_canvas.rows / 5, bottom = m_canvas.rows * 4 / 5;
+  /// Of the strip that it stands in; 0: there is none.
+  int width() const { return m_width; }
+
+  void draw(cv::Mat strip, const Table& table, const Paper& paper) const {
+    const int left = int(m_unit), right = int(2 * m_unit);
+    const int top = strip.rows / 5, bottom = strip.rows * 4 / 5;
     for (int y = top; y < bottom; ++y) {
       const double share = double(bottom - 1 - y) / (bottom - 1 - top);
-      const auto& rgb = m_table[std::size_t(std::lround(share * 255))];
-      cv::line(m_canvas, {left, y}, {right, y}, cv::Scalar(rgb[0], rgb[1], rgb[2], 255));
+      const auto& rgb = table[std::size_t(std::lround(share * 255))];
+      cv::line(strip, {left, y}, {right, y}, cv::Scalar(rgb[0], rgb[1], rgb[2], 255));
     }
-    for (const double tick : ticks) {
+    const cv::Scalar ink(paper.ink, paper.ink, paper.ink, 255);
+    const auto write = [&](const std::string& text, int x, int y) {
+      cv::putText(strip, text, {x, y}, cv::FONT_HERSHEY_SIMPLEX, m_scale, ink, m_thickness,
+                  cv::LINE_AA);
+    };
+    for (const double tick : m_ticks) {
       const double share = (tick - m_range.lo) / (m_range.hi - m_range.lo);
       const int y = int(std::lround(bottom - 1 - share * (bottom - 1 - top)));
-      cv::line(m_canvas, {right, y}, {int(right + gap / 2), y}, ink(), m_thickness);
-      write(number_text(tick), int(right + gap), int(y + m_unit / 2));
+      cv::line(strip, {right, y}, {int(right + gap() / 2), y}, ink, m_thickness);
+      write(number_text(tick), int(right + gap()), int(y + m_unit / 2));
     }
-    write(title, left, int(top - m_unit));
+    write(m_title, left, int(top - m_unit));
   }
 
  private:
-  cv::Scalar ink() const {
-    return {double(m_paper.ink), double(m_paper.ink), double(m_paper.ink), 255};
-  }
+  double gap() const { return 0.6 * m_unit; }
   double width_of(const std::string& text) const {
     return cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, m_scale, m_thickness, nullptr).width;
   }
-  void write(const std::string& text, int x, int y) {
-    cv::putText(m_canvas, text, {x, y}, cv::FONT_HERSHEY_SIMPLEX, m_scale, ink(), m_thickness,
-                cv::LINE_AA);
-  }
 
-  cv::Mat m_canvas;
-  const Table& m_table;
   ScalarRange m_range;
-  Paper m_paper;
+  std::string m_title;
+  std::vector<double> m_ticks;
   double m_unit;  // height of the text, pixels
   double m_scale;
   int m_thickness;
+  int m_width = 0;
 };
 
 /// One grey or colour per pixel; `light(n)` darkens it.
@@ -108,20 +115,22 @@ template <class Light>
 Image map_image(const FloatImage& picture, const std::vector<float>& values, const Table& table,
                 const ScalarRange& range, const Paper& paper, const std::string& title,
                 Light&& light) {
-  Image image(picture.width, picture.height);
+  const Legend legend(picture.height, range, title);
+  Image image(picture.width + legend.width(), picture.height);
   image.has_alpha = false;
+  cv::Mat canvas(image.height, image.width, CV_8UC4, image.rgba.data());
+  canvas.setTo(cv::Scalar(paper.background, paper.background, paper.background, 255));
   for (std::size_t n = 0; n < picture.pixel_count(); ++n) {
-    const bool is_there = !std::isnan(values[n]);
-    const float share = is_there ? light(n) : 1;
-    for (std::size_t c = 0; c < 3; ++c) {
-      const std::uint8_t colour = is_there ? table[entry(values[n], range)][c] : paper.background;
-      image.rgba[4 * n + c] = std::uint8_t(std::lround(share * float(colour)));
+    if (std::isnan(values[n])) continue;
+    const int x = int(n % std::size_t(picture.width)), y = int(n / std::size_t(picture.width));
+    auto& pixel = canvas.at<cv::Vec4b>(y, x);
+    const auto& colour = table[entry(values[n], range)];
+    const float share = light(n);
+    for (int c = 0; c < 3; ++c) {
+      pixel[c] = std::uint8_t(std::lround(share * float(colour[std::size_t(c)])));
     }
-    image.rgba[4 * n + 3] = 255;
   }
-  if (std::min(image.width, image.height) >= kSmallestWithLegend && range.hi > range.lo) {
-    Legend(image, table, range, paper).draw(title);
-  }
+  if (legend.width() > 0) legend.draw(canvas.colRange(picture.width, image.width), table, paper);
   return image;
 }
 
@@ -146,8 +155,8 @@ std::vector<double> legend_ticks(const ScalarRange& range) {
     if (factor * power >= rough * 0.999) step = factor * power;
   }
   std::vector<double> ticks;
-  const auto first = std::int64_t(std::ceil(range.lo / step - 1e-9));
-  const auto last = std::int64_t(std::floor(range.hi / step + 1e-9));
+  const auto first = std::int64_t(std::ceil(range.lo / step - 0.01));
+  const auto last = std::int64_t(std::floor(range.hi / step + 0.01));
   for (std::int64_t n = first; n <= last; ++n) ticks.push_back(double(n) * step);
   return ticks;
 }
@@ -159,7 +168,8 @@ Image offset_image(const FloatImage& picture, const ScalarRange& range_mm,
     for (std::size_t c = 0; c < 3; ++c) facing += picture.normal_lps[3 * n + c] * towards_camera[c];
     return kAmbient + (1 - kAmbient) * std::max(facing, 0.0f);
   };
-  return map_image(picture, picture.offset_mm, viridis(), range_mm, {255, 0}, "offset (mm)", light);
+  return map_image(picture, picture.offset_mm, light_to_dark_magma(), range_mm, {255, 0},
+                   "offset (mm)", light);
 }
 
 Image depth_image(const FloatImage& picture, const ScalarRange& range_mm) {

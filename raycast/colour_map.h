@@ -1,7 +1,8 @@
 // Pictures of what was seen beside the colours: depth, normal, offset length.
 //
-// Scalars are shown by OpenCV's viridis (uniform in perceived lightness) with a legend; depth in
-// greys, near is bright.
+// Offsets are shown in the colours of magma from light to dark (uniform in perceived lightness), so
+// that what stayed is light and keeps its relief; depths in greys, near is bright. The legend
+// stands in a strip to the right of the picture.
 #pragma once
 
 #include <array>
@@ -20,11 +21,11 @@ ScalarRange range_of(const std::vector<float>& values);
 /// Ticks at multiples of 1, 2 or 5 times a power of ten, four to eight of them.
 std::vector<double> legend_ticks(const ScalarRange& range);
 
-/// Pictures smaller than this on a side get no legend: it would not be legible.
-constexpr int kSmallestWithLegend = 160;
+/// Pictures that are lower than this get no legend: it would not be legible.
+constexpr int kLowestWithLegend = 160;
 
 /// Offset lengths in colours, lit from the camera so that the surface can be seen, opaque on white,
-/// with a legend in mm at the right edge. `towards_camera` is a unit vector in LPS.
+/// with a legend in mm. `towards_camera` is a unit vector in LPS.
 Image offset_image(const FloatImage& picture, const ScalarRange& range_mm,
                    const std::array<float, 3>& towards_camera);
 

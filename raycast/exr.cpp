@@ -75,8 +75,8 @@ class Channels {
 
 }  // namespace
 
-void write_exr(const std::string& path, const FloatImage& picture, const std::string& comment) {
-  AtomicFile target(path);
+void write_exr(const AtomicFile& target, const FloatImage& picture, const std::string& comment) {
+  const std::string& path = target.final_path();
   Imf::Header header(picture.width, picture.height);
   header.compression() = Imf::ZIP_COMPRESSION;
   if (!comment.empty()) Imf::addComments(header, comment);
@@ -94,7 +94,6 @@ void write_exr(const std::string& path, const FloatImage& picture, const std::st
   // The library's destructor writes the table of lines and swallows errors.
   file.close();
   if (!file) throw SystemError(path + ": cannot write: " + std::strerror(errno));
-  target.commit();
 }
 
 }  // namespace supple

@@ -41,14 +41,14 @@ std::vector<std::uint16_t> to_16_bit(const FloatImage& picture);
 /// The inverse of to_image where the opacity is not 0; without auxiliary channels.
 FloatImage to_float(const Image& image);
 
-/// Straight 16 bits; otherwise as write_png.
-void write_png16(const std::string& path, const FloatImage& picture,
-                 const std::string& comment = "");
+/// Straight 16 bits; otherwise as write_png, not committed.
+void write_png16(const AtomicFile& target, const FloatImage& picture, const std::string& comment);
 
 /// Floats, compressed without loss: R, G, B (linear, premultiplied), A unless the picture is
 /// opaque, and of the auxiliary channels Z, N.X, N.Y, N.Z and offset; where there is none Z is
-/// infinite and the others 0. `comment` is the attribute `comments`. Atomic; throws as AtomicFile.
-void write_exr(const std::string& path, const FloatImage& picture, const std::string& comment = "");
+/// infinite and the others 0. `comment` is the attribute `comments`. Not committed. Throws
+/// SystemError.
+void write_exr(const AtomicFile& target, const FloatImage& picture, const std::string& comment);
 
 /// Pictures from left to right, top edges aligned, transparent (opaque ones: on black) between.
 FloatImage side_by_side(const FloatImage& left, const FloatImage& right);

@@ -119,13 +119,13 @@ std::vector<png_bytep> row_pointers(std::uint8_t* rgba, std::size_t row_bytes, i
   return rows;
 }
 
-void write_raster(const std::string& path, const Raster& image, const std::string& comment) {
+void write_raster(const AtomicFile& target, const Raster& image, const std::string& comment) {
+  const std::string& path = target.final_path();
   if (image.width < 1 || image.height < 1) {
     throw InputError({path, "image",
                       std::to_string(image.width) + "x" + std::to_string(image.height) + " pixels",
                       "at least one pixel"});
   }
-  AtomicFile target(path);
   File file(std::fopen(target.path().c_str(), "wb"));
   if (!file) throw SystemError(path + ": cannot write: " + std::strerror(errno));
 
@@ -147,18 +147,24 @@ void write_raster(const std::string& path, const Raster& image, const std::strin
   if (std::fclose(file.release()) != 0) {
     throw SystemError(path + ": cannot write: " + std::strerror(errno));
   }
-  target.commit();
 }
 
 }  // namespace
 
-void write_png(const std::string& path, const Image& image, const std::string& comment) {
-  write_raster(path, {image.width, image.height, 8, image.has_alpha, image.rgba.data()}, comment);
+void write_png(const AtomicFile& target, const Image& image, const std::string& comment) {
+  write_raster(target, {image.width, image.height, 8, image.has_alpha, image.rgba.data()}, comment);
 }
 
-void write_png16(const std::string& path, const FloatImage& picture, const std::string& comment) {
+void write_png(const std::string& path, const Image& image, const std::string& comment) {
+  AtomicFile target(path);
+  write_png(target, image, comment);
+  target.commit();
+}
+
+void write_png16(const AtomicFile& target, const FloatImage& picture, const std::string& comment) {
   const std::vector<std::uint16_t> rgba = to_16_bit(picture);
-  write_raster(path, {picture.width, picture.height, 16, picture.has_alpha, rgba.data()}, comment);
+  write_raster(target, {picture.width, picture.height, 16, picture.has_alpha, rgba.data()},
+               comment);
 }
 
 Image read_png(const std::string& path) {

@@ -18,8 +18,12 @@ struct Image {
   Image(int width_, int height_) : width(width_), height(height_), rgba(4ul * width_ * height_) {}
 };
 
+class AtomicFile;
+
 /// Atomic; `comment` goes into a tEXt chunk (effective configuration). Throws as AtomicFile.
 void write_png(const std::string& path, const Image& image, const std::string& comment = "");
+/// Without committing it.
+void write_png(const AtomicFile& target, const Image& image, const std::string& comment);
 /// Grey, RGB and palette images are expanded. Throws InputError.
 Image read_png(const std::string& path);
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/command.h"
+#include "tools/frames.h"
 #include "tools/material_file.h"
 #include "tools/offset_functions.h"
 #include "tools/output_plan.h"
@@ -33,6 +34,7 @@ struct Options {
   bool undeformed = false;
   bool lattice = false;
   bool orthographic = false;
+  bool prints_camera = false;
   SceneView scene_view;
 };
 
@@ -76,7 +78,8 @@ SceneView to_view(const Options& options) {
   return view;
 }
 
-Image draw_state(const Options& options, SceneView& view, RenderReport& report, Console& console) {
+void draw_state(const Options& options, SceneView view, PictureWriter& writer, RenderReport& report,
+                Console& console) {
   if (!options.offsets.empty()) {
     throw UsageError("--offsets: found a state file, expected a volume (a state has its own)");
   }
@@ -89,10 +92,9 @@ Image draw_state(const Options& options, SceneView& view, RenderReport& report, 
                         : send_along(view.offset, state.geometry, state.density.bricks(), console);
   }
   const MaterialTable material = parse_material(state.material_toml, options.input);
-  return draw(
-      {state.geometry, state.density, state.elements, deformed ? &deformed->offsets : nullptr,
-       deformed ? &deformed->displacement : nullptr, material.domain_lo, material.domain_hi},
-      view, &report, console);
+  draw_view({state.geometry, state.density, state.elements, deformed ? &deformed->offsets : nullptr,
+             deformed ? &deformed->displacement : nullptr, material.domain_lo, material.domain_hi},
+            view, writer, &report, console);
 }
 
 /// The warp file as offsets of the volume; warns when none of them leads into it.
@@ -104,7 +106,8 @@ OffsetField read_offsets(const std::string& path, const Geometry& source, Consol
   return offsets;
 }
 
-Image draw_volume(const Options& options, SceneView& view, RenderReport& report, Console& console) {
+void draw_volume(const Options& options, SceneView view, PictureWriter& writer,
+                 RenderReport& report, Console& console) {
   if (options.undeformed) {
     throw UsageError("--undeformed: found a volume, expected a state file");
   }
@@ -141,26 +144,47 @@ Image draw_volume(const Options& options, SceneView& view, RenderReport& report,
       offsets = std::move(seen.offsets);
     }
   }
-  return draw(
+  draw_view(
       {volume.geometry, volume.density, volume.density.bricks(), offsets ? &*offsets : nullptr,
        displacement ? &*displacement : nullptr, statistics.min, grey_hi, kAirRings},
-      view, &report, console);
+      view, writer, &report, console);
+}
+
+/// The camera file of what would be drawn.
+void print_camera(const Options& options, const SceneView& view) {
+  const Geometry geometry = is_state_file(options.input)
+                                ? read_state(options.input).geometry
+                                : open_volume(options.input, options.raw_spec)->header().geometry;
+  if (view.lattice || geometry.dims().z == 1) {
+    throw InputError({options.input, "--print-camera", "a lattice, which frames its body",
+                      "a volume of several slices"});
+  }
+  const Camera camera = resolve_camera(view.camera, geometry, double(view.width) / view.height);
+  std::fputs(to_toml(camera).c_str(), stdout);
 }
 
 int run(const Options& options, const GlobalOptions& global, Console& console) {
-  SceneView view = to_view(options);
+  const SceneView view = to_view(options);
+  if (options.prints_camera) {
+    print_camera(options, view);
+    return kOk;
+  }
+  if (options.output.empty()) throw UsageError("--output is required");
   check_view(view);
   OutputPlan plan(global);
   plan.protect(options.input);
-  plan.add_image(options.output);
+  plan.add_pictures(view.picture, view.image);
   RenderReport report;
+  PendingFiles files;
+  PictureWriter writer(files, view.image, view.picture);
   const bool is_state = is_state_file(options.input);
-  const Image image = is_state ? draw_state(options, view, report, console)
-                               : draw_volume(options, view, report, console);
-  write_png(options.output, image, describe_view(view));
+  const auto draw_input = is_state ? draw_state : draw_volume;
+  draw_input(options, view, writer, report, console);
+  files.commit();
   if (global.json) {
     nlohmann::ordered_json json = to_json(report);
     json["image"] = options.output;
+    json["files"] = picture_files(view.picture, view.image);
     std::printf("%s\n", json.dump(2).c_str());
   }
   return kOk;
@@ -241,9 +265,12 @@ Command add_render(CLI::App& program) {
   app->add_option("--size", options->size, "Pixels, 1024,1024 by default")->option_text("W,H");
   app->add_option("--step", options->scene_view.step_voxels, "Sample distance in voxels")
       ->option_text("S");
-  app->add_option("-o,--output", options->output, "Picture to write")
-      ->required()
-      ->option_text("IMAGE.png");
+  app->add_flag("--print-camera", options->prints_camera,
+                "Print the camera as a file for --camera and draw nothing");
+  add_picture_options(*app, options->scene_view.picture);
+  app->add_option("-o,--output", options->output,
+                  "Picture to write; .exr: floats with depth, normals and offsets")
+      ->option_text("IMAGE.png|.exr");
   return {app, [options](const GlobalOptions& global, Console& console) {
             return run(*options, global, console);
           }};

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/command.h"
+#include "tools/frames.h"
 #include "tools/handles.h"
 #include "tools/output_plan.h"
 #include "tools/outputs.h"
@@ -99,11 +100,9 @@ class SceneRun {
       draw_views(int(n) + 1);
     }
     if (writes_fields()) seen(last_step());
+    m_pictures.commit();
     for (const std::string& name : m_scene.outputs()) {
       std::filesystem::create_directories(std::filesystem::path(path_of(name)).parent_path());
-    }
-    for (const auto& [view, image] : m_images) {
-      write_png(path_of(view.image), image, describe_view(view));
     }
     write_outputs();
   }
@@ -167,11 +166,12 @@ class SceneRun {
       const Deformed* moved = subject_of(asked, step, own);
       const SceneView drawn = effective_view(asked, m_state.geometry, m_state.density.background());
       const MaterialTable& material = m_session.body().material;
-      m_images.emplace_back(drawn, draw({m_state.geometry, m_state.density, m_state.elements,
-                                         moved != nullptr ? &moved->offsets : nullptr,
-                                         moved != nullptr ? &moved->displacement : nullptr,
-                                         material.domain_lo, material.domain_hi},
-                                        drawn, nullptr, m_console));
+      PictureWriter writer(m_pictures, path_of(view.image), view.picture);
+      draw_view({m_state.geometry, m_state.density, m_state.elements,
+                 moved != nullptr ? &moved->offsets : nullptr,
+                 moved != nullptr ? &moved->displacement : nullptr, material.domain_lo,
+                 material.domain_hi},
+                drawn, writer, nullptr, m_console);
     }
   }
 
@@ -207,7 +207,7 @@ class SceneRun {
   int m_deformed_step = -1;
   std::optional<Deformed> m_seen;
   int m_seen_step = -1;
-  std::vector<std::pair<SceneView, Image>> m_images;
+  PendingFiles m_pictures;
 };
 
 /// Everything that can be known to fail is checked before anything is computed.
@@ -224,7 +224,7 @@ void check_scene(const Scene& scene, const Options& options, const GlobalOptions
   }
   for (const SceneView& view : scene.views) {
     check_view(view);
-    plan.add_image(path_in(options.folder, view.image));
+    plan.add_pictures(view.picture, path_in(options.folder, view.image));
   }
   const SceneOutput& output = scene.output;
   if (!output.state.empty()) plan.add_state(path_in(options.folder, output.state));

@@ -1,27 +1,15 @@
 // supple slice: axial, coronal and sagittal slices of a volume or a deformed state.
-#include <algorithm>
-#include <limits>
-
-#include <nlohmann/json.hpp>
-
-#include "raycast/slice.h"
 #include "tools/command.h"
 #include "tools/offset_functions.h"
 #include "tools/output_plan.h"
 #include "tools/outputs.h"
 #include "tools/parse.h"
-#include "tools/version.h"
+#include "tools/slice_view.h"
 #include "volumes/io/volume_file.h"
 
 namespace supple::tools {
 
 namespace {
-
-/// Between the slices of a row.
-constexpr int kGapPixels = 8;
-
-/// The usual abdominal and head window: level 40, width 400.
-constexpr double kSoftTissueLo = -160, kSoftTissueHi = 240;
 
 struct Options {
   std::string input, raw_spec, offset, at, window, output;
@@ -50,7 +38,7 @@ Source open_source(const Options& options, Console& console) {
       source.offsets =
           send_along(functions, state.geometry, state.density.bricks(), console).offsets;
     }
-    if (!options.no_outline) source.rest = std::move(state.elements);
+    source.rest = std::move(state.elements);
     return source;
   }
   if (options.undeformed) {
@@ -65,60 +53,18 @@ Source open_source(const Options& options, Console& console) {
   return source;
 }
 
-/// The density that is seen at a place: that of where its tissue came from.
-DensityAt density_of(const Source& source) {
-  const float outside = source.density.background();
-  if (!source.offsets) {
-    return [&source, outside](const Vec3d& index) {
-      return sample_trilinear(source.density, index, outside);
-    };
-  }
-  const OffsetField& offsets = *source.offsets;
-  return [&source, &offsets, outside](const Vec3d& index) {
-    Vec3d offset;
-    if (!offsets.sample(index, offset)) return outside;
-    return sample_trilinear(source.density, index + offset, outside);
-  };
-}
-
-/// Soft tissue where densities are Hounsfield units, else everything there is.
-void choose_window(const Options& options, const DensityGrid& density, SliceStyle& style) {
+SliceChoice to_choice(const Options& options) {
+  SliceChoice choice;
+  choice.plane = options.plane;
+  choice.scale = options.scale;
+  choice.outline = !options.no_outline;
+  if (!options.at.empty()) choice.at = parse_vector("--at", options.at);
   if (!options.window.empty()) {
-    parse_range("--window", options.window, style.grey_lo, style.grey_hi);
-    return;
+    double lo = 0, hi = 0;
+    parse_range("--window", options.window, lo, hi);
+    choice.window = {lo, hi};
   }
-  if (density.background() < -200) {
-    style.grey_lo = kSoftTissueLo;
-    style.grey_hi = kSoftTissueHi;
-    return;
-  }
-  float lo = density.background(), hi = lo;
-  for (std::size_t b = 0; b < density.bricks().brick_count(); ++b) {
-    const auto [least, most] =
-        std::minmax_element(density.values(b), density.values(b) + kBrickVoxels);
-    lo = std::min(lo, *least);
-    hi = std::max(hi, *most);
-  }
-  style.grey_lo = lo;
-  style.grey_hi = std::max(hi, lo + 1);
-}
-
-std::vector<SlicePlane> planes_of(const std::string& name) {
-  if (name == "axial") return {SlicePlane::axial};
-  if (name == "coronal") return {SlicePlane::coronal};
-  if (name == "sagittal") return {SlicePlane::sagittal};
-  return {SlicePlane::axial, SlicePlane::coronal, SlicePlane::sagittal};
-}
-
-std::string describe(const Options& options, const Vec3d& at, const SliceStyle& style) {
-  const nlohmann::ordered_json json = {{"program", std::string("supple ") + kVersion},
-                                       {"plane", options.plane},
-                                       {"at", {at.x, at.y, at.z}},
-                                       {"scale", options.scale},
-                                       {"window", {style.grey_lo, style.grey_hi}},
-                                       {"deformed", !options.undeformed},
-                                       {"outline", style.rest != nullptr}};
-  return json.dump();
+  return choice;
 }
 
 int run(const Options& options, const GlobalOptions& global, Console& console) {
@@ -127,20 +73,10 @@ int run(const Options& options, const GlobalOptions& global, Console& console) {
   plan.protect(options.input);
   plan.add_image(options.output);
   const Source source = open_source(options, console);
-  const Vec3d at = options.at.empty() ? Vec3d((source.geometry.dims() - Vec3i(1)) / 2)
-                                      : parse_vector("--at", options.at);
-  SliceStyle style;
-  choose_window(options, source.density, style);
-  style.validate();
-  if (!source.rest.empty()) style.rest = &source.rest;
-  const Vec3d spacing = source.geometry.spacing_mm();
-  const double pixel_mm = std::min({spacing.x, spacing.y, spacing.z}) / options.scale;
-  std::vector<Image> images;
-  for (const SlicePlane plane : planes_of(options.plane)) {
-    const Geometry slice = slice_grid(source.geometry, plane, at, pixel_mm);
-    images.push_back(draw_slice(source.geometry, slice, density_of(source), style));
-  }
-  write_png(options.output, side_by_side(images, kGapPixels), describe(options, at, style));
+  const SliceSource cut{source.geometry, source.density, &source.rest,
+                        source.offsets ? &*source.offsets : nullptr};
+  const SliceChoice choice = effective_slice(to_choice(options), cut);
+  write_png(options.output, draw_slices(cut, choice), describe_slice(choice, !options.undeformed));
   return kOk;
 }
 

@@ -35,6 +35,10 @@ void OutputPlan::add_image(const std::string& path) {
   add_file(path);
 }
 
+void OutputPlan::add_pictures(const PictureOptions& options, const std::string& image) {
+  for (const std::string& file : picture_files(options, image)) add_file(file);
+}
+
 void OutputPlan::add_state(const std::string& path) {
   require_extension(path, ".vdb");
   add_file(path);

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "tools/console.h"
+#include "tools/picture_options.h"
 
 namespace supple::tools {
 
@@ -20,10 +21,11 @@ class OutputPlan {
   void protect(const std::string& input);
 
   /// Each throws UsageError (exists, no --force) or InputError (everything else).
-  void add_image(const std::string& path);   // .png
-  void add_state(const std::string& path);   // .vdb
-  void add_report(const std::string& path);  // .json
-  void add_dense(const std::string& path);   // what volume_writer.h knows; pairs count both files
+  void add_image(const std::string& path);                                     // .png
+  void add_pictures(const PictureOptions& options, const std::string& image);  // of one view
+  void add_state(const std::string& path);                                     // .vdb
+  void add_report(const std::string& path);                                    // .json
+  void add_dense(const std::string& path);  // what volume_writer.h knows; pairs count both files
 
  private:
   void add_file(const std::string& path);

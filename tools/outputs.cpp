@@ -97,12 +97,7 @@ namespace {
 Image draw_body_lattice(const Subject& subject, const SceneView& view) {
   const Displacement displacement =
       on_elements(subject.geometry, subject.elements, subject.displacement);
-  const double aspect = double(view.width) / view.height;
-  const bool is_slice = subject.geometry.dims().z == 1;
-  const bool is_default = !view.camera.camera && view.camera.view == "anterior";
-  const Camera camera = is_slice && is_default
-                            ? lattice_camera(subject.geometry, displacement, aspect)
-                            : resolve_camera(view.camera, subject.geometry, aspect);
+  const Camera camera = camera_of(subject, view);
   LatticeStyle style;
   style.width = view.width;
   style.height = view.height;
@@ -113,6 +108,18 @@ Image draw_body_lattice(const Subject& subject, const SceneView& view) {
 
 }  // namespace
 
+Camera camera_of(const Subject& subject, const SceneView& view) {
+  const double aspect = double(view.width) / view.height;
+  const bool is_flat = view.lattice && subject.geometry.dims().z == 1;
+  const bool is_default = !view.camera.camera && view.camera.view == "anterior";
+  if (is_flat && is_default) {
+    const Displacement displacement =
+        on_elements(subject.geometry, subject.elements, subject.displacement);
+    return lattice_camera(subject.geometry, displacement, aspect);
+  }
+  return resolve_camera(view.camera, subject.geometry, aspect);
+}
+
 RenderSettings view_settings(const SceneView& view) {
   RenderSettings settings;
   settings.width = view.width;
@@ -120,16 +127,23 @@ RenderSettings view_settings(const SceneView& view) {
   settings.step_voxels = view.step_voxels;
   settings.lighting = view.lighting;
   settings.clip_surfaces = view.clip_meshes;
+  settings.auxiliary = !view.picture.aux.empty() || picture_kind(view.image) == PictureKind::exr;
   return settings;
+}
+
+void rethrow_at(const std::string& place, const InputError& error) {
+  const Problem& problem = error.problem();
+  if (!problem.file.empty() || place.empty()) throw error;
+  throw InputError({place, problem.field, problem.found, problem.expected});
 }
 
 void check_view(const SceneView& view) {
   try {
     if (!view.preset.empty()) preset(view.preset);
     view_settings(view).validate();
+    check_picture_options(view.picture, view.image, view.place);
   } catch (const InputError& error) {
-    const Problem& problem = error.problem();
-    throw InputError({view.place, problem.field, problem.found, problem.expected});
+    rethrow_at(view.place, error);
   }
 }
 
@@ -156,25 +170,36 @@ const Displacement* displacement_for_meshes(const Subject& subject, const SceneV
 
 }  // namespace
 
-Image draw(const Subject& subject, const SceneView& view, RenderReport* report, Console& console) {
+std::unique_ptr<Renderer> make_renderer(const Subject& subject, const SceneView& view) {
+  auto renderer = std::make_unique<Renderer>(subject.geometry, subject.density, subject.air_rings);
+  pose(*renderer, subject, view);
+  return renderer;
+}
+
+void pose(Renderer& renderer, const Subject& subject, const SceneView& view) {
+  renderer.set_offsets(subject.offsets);
+  if (!view.meshes.empty()) {
+    renderer.set_surfaces(surfaces_of(view.meshes, displacement_for_meshes(subject, view)));
+  }
+}
+
+FloatImage draw(const Subject& subject, const Renderer* renderer, const SceneView& view,
+                RenderReport* report, Console& console) {
+  if (view.slice) {
+    return to_float(draw_slices(
+        {subject.geometry, subject.density, &subject.elements, subject.offsets}, *view.slice));
+  }
   if (view.lattice && !view.clips.empty()) {
     throw InputError({view.place, "clip", "a lattice to draw", "a volume of several slices"});
   }
   if (view.lattice && !view.meshes.empty()) {
     throw InputError({view.place, "mesh", "a lattice to draw", "a volume of several slices"});
   }
-  if (view.lattice) return draw_body_lattice(subject, view);
+  if (view.lattice) return to_float(draw_body_lattice(subject, view));
   RenderSettings settings = view_settings(view);
   settings.clips = resolve_clips(view.clips, subject.geometry);
-  Renderer renderer(subject.geometry, subject.density, subject.air_rings);
-  if (subject.offsets != nullptr) renderer.set_offsets(subject.offsets);
-  if (!view.meshes.empty()) {
-    renderer.set_surfaces(surfaces_of(view.meshes, displacement_for_meshes(subject, view)));
-  }
-  const Camera camera =
-      resolve_camera(view.camera, subject.geometry, double(view.width) / view.height);
   const TransferFunction function = view.transfer ? *view.transfer : preset(view.preset);
-  return renderer.render(camera, function, settings, report, &console);
+  return renderer->render_float(camera_of(subject, view), function, settings, report, &console);
 }
 
 namespace {
@@ -196,9 +221,28 @@ nlohmann::ordered_json to_json(const ClipChoice& choice) {
   return json;
 }
 
+nlohmann::ordered_json to_json(const SliceChoice& choice, bool deformed) {
+  return {{"program", std::string("supple ") + kVersion},
+          {"plane", choice.plane},
+          {"at", to_json(*choice.at)},
+          {"scale", choice.scale},
+          {"window", {choice.window->first, choice.window->second}},
+          {"deformed", deformed},
+          {"outline", choice.outline}};
+}
+
 }  // namespace
 
-std::string describe_view(const SceneView& view) {
+std::string describe_slice(const SliceChoice& choice, bool deformed) {
+  return to_json(choice, deformed).dump();
+}
+
+std::string describe_view(const SceneView& view, const nlohmann::ordered_json& more) {
+  if (view.slice) {
+    nlohmann::ordered_json slices = to_json(*view.slice, view.deformed);
+    slices.update(more);
+    return slices.dump();
+  }
   const auto list = [](const Vec3d& v) { return to_json(v); };
   const auto name_of = [](Projection projection) {
     return projection == Projection::perspective ? "perspective" : "orthographic";
@@ -229,6 +273,7 @@ std::string describe_view(const SceneView& view) {
   } else {
     json["camera"] = {{"projection", name_of(view.camera.projection)}, {"view", view.camera.view}};
   }
+  json.update(more);
   return json.dump();
 }
 

@@ -1,6 +1,7 @@
 // Writing what commands produce: warps, resampled volumes, pictures; and reports as JSON.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -47,16 +48,29 @@ struct Subject {
   double grey_lo, grey_hi;           // of the lattice
   int air_rings = 0;                 // see Renderer; 0 for a state, which keeps its shell
 };
+/// The camera of an effective view, marched or drawn as a lattice.
+Camera camera_of(const Subject& subject, const SceneView& view);
 RenderSettings view_settings(const SceneView& view);
+/// The error with a view's place, unless it has one of its own.
+[[noreturn]] void rethrow_at(const std::string& place, const InputError& error);
 /// Checks what does not depend on the volume, with the view's place in errors.
 void check_view(const SceneView& view);
 /// The view as it will be drawn: one-slice bodies as lattices, and where no preset is named CT-Bone
 /// if densities reach below -200, as Hounsfield units of air do, else MR-Default.
 SceneView effective_view(const SceneView& view, const Geometry& geometry, double min_density);
-Image draw(const Subject& subject, const SceneView& view, RenderReport* report, Console& console);
+/// A renderer of the subject in its pose.
+std::unique_ptr<Renderer> make_renderer(const Subject& subject, const SceneView& view);
+/// Moves a renderer of the same volume, and the view's meshes, to where the subject is.
+void pose(Renderer& renderer, const Subject& subject, const SceneView& view);
+/// One picture, marched by `renderer` unless the view is a lattice or slices. The view is an
+/// effective one.
+FloatImage draw(const Subject& subject, const Renderer* renderer, const SceneView& view,
+                RenderReport* report, Console& console);
 
-/// Effective configuration of a picture, embedded in the PNG.
-std::string describe_view(const SceneView& view);
+/// Effective configuration of a picture, embedded in its file; `more` is an object of what else
+/// there is to say.
+std::string describe_view(const SceneView& view, const nlohmann::ordered_json& more);
+std::string describe_slice(const SliceChoice& choice, bool deformed);
 
 nlohmann::ordered_json to_json(const InversionCertificate& certificate);
 nlohmann::ordered_json to_json(const BallReport& report, std::int64_t cut_links);

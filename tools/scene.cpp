@@ -179,7 +179,10 @@ SceneOutput read_output(TomlTable& table) {
 
 std::vector<std::string> Scene::outputs() const {
   std::vector<std::string> paths;
-  for (const SceneView& view : views) paths.push_back(view.image);
+  for (const SceneView& view : views) {
+    const std::vector<std::string> files = picture_files(view.picture, view.image);
+    paths.insert(paths.end(), files.begin(), files.end());
+  }
   if (!output.state.empty()) paths.push_back(output.state);
   for (const auto* list : {&output.offsets, &output.displacements, &output.volumes}) {
     paths.insert(paths.end(), list->begin(), list->end());

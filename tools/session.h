@@ -83,7 +83,7 @@ class Session {
   std::unique_ptr<EcmSolver> m_solver;  // of m_body
   LinkCheck m_links;
   std::vector<Region> m_anchors;  // the boxes and labels that the state has fixed
-  Holds m_holds;  // what earlier steps dragged
+  Holds m_holds;                  // what earlier steps dragged
   std::vector<StepRecord> m_records;
 };
 

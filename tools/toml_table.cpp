@@ -42,6 +42,15 @@ std::string text_of(const toml::node& node) {
 
 }  // namespace
 
+std::string exact_text(double value) {
+  char text[40];
+  for (int digits = 6; digits <= 17; ++digits) {
+    std::snprintf(text, sizeof text, "%.*g", digits, value);
+    if (std::strtod(text, nullptr) == value) break;
+  }
+  return text;
+}
+
 bool is_integer(double value) {
   return std::abs(value) <= 2147483647.0 && value == std::floor(value);
 }

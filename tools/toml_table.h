@@ -21,6 +21,9 @@ toml::table parse_toml(const std::string& text, const std::string& source);
 /// Parses a file; throws InputError for a missing file (as volumes/io does) or a syntax error.
 toml::table read_toml_file(const std::string& path);
 
+/// The fewest digits that read back as the same number.
+std::string exact_text(double value);
+
 /// True for what an int holds exactly.
 bool is_integer(double value);
 

@@ -49,19 +49,10 @@ Blend read_blend(TomlTable& table) {
   table.fail("blend", "\"" + name + "\"", "\"composite\" or \"maximum\"");
 }
 
-/// The fewest digits that read back as the same number.
-std::string exact(double value) {
-  char text[40];
-  for (int digits = 6; digits <= 17; ++digits) {
-    std::snprintf(text, sizeof text, "%.*g", digits, value);
-    if (std::strtod(text, nullptr) == value) break;
-  }
-  return text;
-}
-
 std::string to_toml(const std::string& key, const std::vector<OpacityKey>& keys) {
   std::string text = key + " = [";
-  for (const OpacityKey& k : keys) text += "[" + exact(k.density) + ", " + exact(k.opacity) + "], ";
+  for (const OpacityKey& k : keys)
+    text += "[" + exact_text(k.density) + ", " + exact_text(k.opacity) + "], ";
   return text.substr(0, text.size() - 2) + "]\n";
 }
 
@@ -94,8 +85,8 @@ std::string to_toml(const TransferFunction& function) {
   text += "# [density, opacity]\n" + to_toml("opacity", function.opacity);
   text += "# [density, red, green, blue]\ncolour = [";
   for (const ColourKey& key : function.colour) {
-    text += "[" + exact(key.density);
-    for (const double channel : key.rgb) text += ", " + exact(channel);
+    text += "[" + exact_text(key.density);
+    for (const double channel : key.rgb) text += ", " + exact_text(channel);
     text += "], ";
   }
   text.replace(text.size() - 2, 2, "]\n");
@@ -104,7 +95,7 @@ std::string to_toml(const TransferFunction& function) {
         "# [density per mm, opacity]\n" + to_toml("gradient_opacity", function.gradient_opacity);
   }
   for (const Scalar& scalar : kScalars) {
-    text += std::string(scalar.key) + " = " + exact(function.*scalar.value);
+    text += std::string(scalar.key) + " = " + exact_text(function.*scalar.value);
     text += *scalar.comment == '\0' ? "\n" : std::string("  # ") + scalar.comment + "\n";
   }
   return text;

@@ -101,6 +101,14 @@ ClipChoice read_clip(TomlTable& table) {
   return choice;
 }
 
+/// Slices have their own place and scale.
+void refuse_beside_slice(TomlTable& table) {
+  for (const char* key : {"preset", "transfer", "camera", "size", "step", "lattice", "clip", "mesh",
+                          "stereo", "aux", "turntable"}) {
+    if (table.has(key)) table.fail(key, std::string(key) + " beside slice", "one of both");
+  }
+}
+
 }  // namespace
 
 SceneView read_view(TomlTable& table, int steps) {
@@ -108,7 +116,7 @@ SceneView read_view(TomlTable& table, int steps) {
   view.place = table.place();
   table.know({"image", "preset", "transfer", "camera", "size", "step", "deformed", "lattice",
               "after_step", "clip", "shading", "light", "shadows", "ambient_occlusion", "mesh",
-              "clip_meshes", "offset"});
+              "clip_meshes", "offset", "slice"});
   view.image = table.require(table.string("image"), "image", "the name of a PNG file");
   view.preset = table.string("preset").value_or(view.preset);
   if (const auto path = table.path("transfer")) {
@@ -131,6 +139,11 @@ SceneView read_view(TomlTable& table, int steps) {
   view.step_voxels = table.number("step").value_or(view.step_voxels);
   view.deformed = table.boolean("deformed").value_or(true);
   view.lattice = table.boolean("lattice").value_or(false);
+  view.picture = read_picture_options(table);
+  if (auto slice = table.table("slice")) {
+    view.slice = read_slice(*slice);
+    refuse_beside_slice(table);
+  }
   if (const auto after = table.integer("after_step")) {
     if (*after < 0 || *after > steps) {
       table.fail("after_step", std::to_string(*after), "0 to " + std::to_string(steps));
@@ -139,6 +152,19 @@ SceneView read_view(TomlTable& table, int steps) {
   }
   table.finish();
   return view;
+}
+
+std::string to_toml(const Camera& camera) {
+  const auto list = [](const Vec3d& v) {
+    return "[" + exact_text(v.x) + ", " + exact_text(v.y) + ", " + exact_text(v.z) + "]\n";
+  };
+  const bool perspective = camera.projection == Projection::perspective;
+  std::string text = "projection = \"";
+  text += perspective ? "perspective\"\n" : "orthographic\"\n";
+  text += "position = " + list(camera.position_lps_mm) + "target = " + list(camera.target_lps_mm) +
+          "up = " + list(camera.up_lps);
+  return text + (perspective ? "fov = " + exact_text(camera.vertical_fov_degrees) + "\n"
+                             : "height = " + exact_text(camera.height_mm) + "\n");
 }
 
 CameraChoice read_camera(const std::string& path) {

@@ -10,6 +10,8 @@
 #include "raycast/clip.h"
 #include "raycast/transfer_function.h"
 #include "tools/offset_functions.h"
+#include "tools/picture_options.h"
+#include "tools/slice_view.h"
 #include "tools/toml_table.h"
 #include "tools/view_light.h"
 
@@ -43,7 +45,9 @@ struct SceneView {
   double step_voxels = 0.5;
   bool deformed = true;
   bool lattice = false;
-  std::optional<int> after_step;  // 0: before the first; absent: after the last
+  PictureOptions picture;
+  std::optional<SliceChoice> slice;  // slices instead of a picture in space
+  std::optional<int> after_step;     // 0: before the first; absent: after the last
 };
 
 /// A preset's name or the path of a transfer function (.toml), read at once.
@@ -60,6 +64,9 @@ SceneView read_view(TomlTable& table, int steps);
 
 /// A camera file: projection, view, or position/target/up with fov or height.
 CameraChoice read_camera(const std::string& path);
+
+/// The file that read_camera() reads as this camera, exactly.
+std::string to_toml(const Camera& camera);
 
 /// The clips of a view of the volume.
 std::vector<Clip> resolve_clips(const std::vector<ClipChoice>& choices, const Geometry& geometry);
