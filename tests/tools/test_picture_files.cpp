@@ -7,6 +7,7 @@
 #include "raycast/compare.h"
 #include "raycast/render.h"
 #include "tests/tools/program.h"
+#include "volumes/base/error.h"
 #include "volumes/field/invert.h"
 #include "volumes/state/state.h"
 
@@ -72,6 +73,17 @@ TEST_F(UnitPictureFiles, APrintedCameraGivesThePictureOfItsView) {
     EXPECT_EQ(render("drag.vdb", "no.png", again).out, printed.out);
   }
   EXPECT_FALSE(std::filesystem::exists(m_folder / "no.png"));
+}
+
+TEST_F(UnitPictureFiles, APrintedCameraIsExact) {
+  const std::string text = render("drag.vdb", "no.png", {"--view", "left", "--print-camera"}).out;
+  const Geometry geometry = read_state(m_folder / "drag.vdb").geometry;
+  const double x = default_camera(geometry, 1, "left").position_lps_mm.x;
+  const std::string key = "position = [";
+  const std::size_t place = text.find(key);
+  ASSERT_NE(place, std::string::npos) << text;
+  EXPECT_EQ(std::strtod(text.c_str() + place + key.size(), nullptr), x);
+  EXPECT_NE(std::strtod(number_text(x).c_str(), nullptr), x);  // six digits would not do
 }
 
 TEST_F(UnitPictureFiles, TheExtensionAndTheBitsChooseTheFileAndEachHasItsConfiguration) {
