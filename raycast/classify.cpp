@@ -9,7 +9,8 @@ namespace supple {
 namespace {
 
 constexpr int kEntries = 8192;
-constexpr float kGuardCodes = 0.05f;  // covers the rounding of interpolated densities
+constexpr double kMostOpaque = 1 - 1e-9;  // what lets nothing through has no extinction
+constexpr float kGuardCodes = 0.05f;      // covers the rounding of interpolated densities
 
 /// Densities from the first key point to the last: the function is constant beyond.
 std::pair<double, double> domain_of(const TransferFunction& f) {
@@ -42,6 +43,21 @@ Classifier::Classifier(const TransferFunction& function, const SourceBricks& sou
     m_table[n] = Float4{float(rgb[0]), float(rgb[1]), float(rgb[2]), float(alpha)};
     m_visible_before[n + 1] = m_visible_before[n] + (m_table[n][3] > 0 ? 1 : 0);
   }
+  m_integrals.resize(kEntries);
+  Integral sum;
+  for (int n = 0; n < kEntries; ++n) {
+    // The trapezoidal rule, half an entry on either side.
+    const double density = first + double(n) / (kEntries - 1) * (last - first);
+    const double opacity = std::min(function.opacity_at(density), kMostOpaque);
+    const double half = -0.5 * std::log1p(-opacity) / function.unit_distance_mm;
+    const auto add_half = [&] {
+      sum.extinction += half;
+      for (int c = 0; c < 3; ++c) sum.colour[c] += half * double(m_table[n][c]);
+    };
+    if (n > 0) add_half();
+    m_integrals[n] = sum;
+    add_half();
+  }
   m_visible_bits.assign(kEntries / 32, 0);
   for (int n = 0; n < kEntries; ++n) {
     const bool visible = m_table[n][3] > 0 || m_table[n + 1][3] > 0;
@@ -57,6 +73,44 @@ Float4 Classifier::classify(float encoded) const {
   const float entry = std::clamp((encoded - m_lo) * m_entries_per_code, 0.0f, float(kEntries - 1));
   const int n = int(entry);
   return m_table[n] + (entry - float(n)) * (m_table[n + 1] - m_table[n]);
+}
+
+/// Beyond its ends the function is constant.
+Classifier::Integral Classifier::integral_at(double entry) const {
+  const int last = kEntries - 1;
+  const int n = std::clamp(int(std::floor(entry)), 0, last - 1);
+  const Integral &low = m_integrals[n], &high = m_integrals[n + 1];
+  if (entry >= 0 && entry <= last) {
+    const double t = entry - n;
+    Integral result;
+    result.extinction = low.extinction + t * (high.extinction - low.extinction);
+    for (int c = 0; c < 3; ++c) {
+      result.colour[c] = low.colour[c] + t * (high.colour[c] - low.colour[c]);
+    }
+    return result;
+  }
+  const Float4& end = entry < 0 ? m_table.front() : m_table[last];
+  const double beyond = entry < 0 ? entry : entry - last;
+  const double opacity =
+      entry < 0 ? m_function.opacity.front().opacity : m_function.opacity.back().opacity;
+  const double extinction =
+      -std::log1p(-std::min(opacity, kMostOpaque)) / m_function.unit_distance_mm;
+  Integral result = entry < 0 ? m_integrals.front() : m_integrals.back();
+  result.extinction += beyond * extinction;
+  for (int c = 0; c < 3; ++c) result.colour[c] += beyond * extinction * double(end[c]);
+  return result;
+}
+
+Float4 Classifier::integrate(float front, float back) const {
+  const double from = double(front - m_lo) * m_entries_per_code;
+  const double to = double(back - m_lo) * m_entries_per_code;
+  if (std::abs(to - from) < 1) return classify(0.5f * (front + back));
+  const Integral a = integral_at(from), b = integral_at(to);
+  const double extinction = b.extinction - a.extinction;
+  Float4 result = {0, 0, 0, float(-std::expm1(-m_step_mm * extinction / (to - from)))};
+  if (extinction == 0) return result;
+  for (int c = 0; c < 3; ++c) result[c] = float((b.colour[c] - a.colour[c]) / extinction);
+  return result;
 }
 
 float Classifier::with_gradient(float opacity, float gradient_per_mm) const {

@@ -236,7 +236,9 @@ void LightPaths::find_extinctions(const IndexRay& ray, Stretch& stretch) {
     m_places.x[n] = place.x, m_places.y[n] = place.y, m_places.z[n] = place.z;
   }
   sample_places(m_frame.tables, m_places, stretch.count, m_batch);
-  if (m_frame.classifier.has_gradient_opacity()) sample_gradients(m_frame.tables, m_batch);
+  if (m_frame.classifier.has_gradient_opacity()) {
+    sample_gradients(m_frame.tables, m_batch, m_batch.visible);
+  }
   for (int n = 0; n < stretch.count; ++n) {
     const bool is_visible = (m_batch.visible >> n & 1) &&
                             is_kept(m_frame.deformed_clips, ray.at(stretch.t[n])) &&

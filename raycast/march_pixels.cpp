@@ -7,6 +7,8 @@
 #include <oneapi/tbb/blocked_range2d.h>
 #include <oneapi/tbb/parallel_for.h>
 
+#include "raycast/blue_noise.h"
+
 namespace supple {
 
 namespace {
@@ -37,13 +39,14 @@ class PixelMarch {
  public:
   PixelMarch(const Frame& frame, const Camera& camera, FloatImage& picture)
       : m_marcher(frame),
+        m_jitter(frame.settings.jitter),
         m_rays(camera, picture.width, picture.height),
         m_forward(camera_frame(camera).forward),
         m_picture(picture) {}
 
   void march(int x, int y) {
     const Ray ray = m_rays.at(x + 0.5, y + 0.5);
-    const Float4 sum = m_marcher.march(ray);
+    const Float4 sum = m_marcher.march(ray, m_jitter ? blue_noise(x, y) : 0);
     const std::size_t n = std::size_t(y) * m_picture.width + x;
     for (std::size_t c = 0; c < 4; ++c) m_picture.rgba[4 * n + c] = sum[c];
     SeenSurface seen;
@@ -56,6 +59,7 @@ class PixelMarch {
 
  private:
   Marcher m_marcher;
+  bool m_jitter;
   CameraRays m_rays;
   Vec3d m_forward;
   FloatImage& m_picture;

@@ -20,10 +20,16 @@ constexpr double kFaceVoxels = 2;
 constexpr float kSurfaceOpacity = 0.5f;
 
 constexpr std::int64_t kPieceSamples = 256;
+constexpr float kNoDensity = std::numeric_limits<float>::quiet_NaN();
 constexpr float kNothingYet = -std::numeric_limits<float>::infinity();
 
 Vec3i floor_to_voxel(const Vec3d& p) {
   return {int(std::floor(p.x)), int(std::floor(p.y)), int(std::floor(p.z))};
+}
+
+/// Not a number where a lane is empty.
+float density_of(const SampleBatch& batch, int lane) {
+  return batch.inside >> lane & 1 ? batch.encoded[lane] : kNoDensity;
 }
 
 }  // namespace
@@ -33,11 +39,12 @@ Marcher::Marcher(const Frame& frame)
       m_opaque(float(frame.settings.early_termination)),
       m_is_maximum(frame.function.blend == Blend::maximum),
       m_is_shaded(frame.settings.lighting.model != ShadingModel::none),
+      m_is_integrated(frame.settings.classification == Classification::pre_integrated),
       m_paths(frame.medium != nullptr ? std::make_unique<LightPaths>(*frame.medium) : nullptr) {}
 
 Marcher::~Marcher() = default;
 
-Float4 Marcher::march(const Ray& ray) {
+Float4 Marcher::march(const Ray& ray, float shift) {
   m_ray = {m_frame.geometry.index_from_world(ray.origin_lps_mm),
            m_frame.geometry.index_vector_from_world(ray.direction_lps)};
   m_world_ray = ray;
@@ -47,16 +54,17 @@ Float4 Marcher::march(const Ray& ray) {
   if (m_paths != nullptr) m_paths->begin_ray();
   clip_ray();
   find_crossings(ray);
-  march_volume();
+  march_volume(shift);
   while (m_next_crossing_t < kInfinity && !opaque()) composite_crossing();
   return m_sum;
 }
 
-void Marcher::march_volume() {
+void Marcher::march_volume(float shift) {
   const Interval span = clip_to_box(m_ray, m_frame.box_lo, m_frame.box_hi, {0, kInfinity});
   if (!(span.begin <= span.end)) return;
-  m_entry = span.begin;
-  m_last_sample = std::int64_t((span.end - span.begin) / m_frame.step_mm);
+  m_entry = span.begin + double(shift) * m_frame.step_mm;
+  if (m_entry > span.end) return;
+  m_last_sample = std::int64_t((span.end - m_entry) / m_frame.step_mm);
 
   // The block in which an opaque surface lies is judged as ever.
   const double last_block_end = m_end + m_frame.settings.stride * m_frame.step_mm;
@@ -76,7 +84,7 @@ void Marcher::march_volume() {
   const std::int64_t stride = m_frame.settings.stride;
   std::int64_t next_block = 0;
   for (const Interval& interval : m_intervals) {
-    const double begin = (interval.begin - m_entry) / m_frame.step_mm;
+    const double begin = std::max((interval.begin - m_entry) / m_frame.step_mm, 0.0);
     const double end = (interval.end - m_entry) / m_frame.step_mm;
     const std::int64_t first_sample = std::max(std::int64_t(begin) - 1, std::int64_t(0));
     const std::int64_t last_sample = std::min(std::int64_t(end) + 1, m_last_sample);
@@ -174,16 +182,19 @@ void Marcher::march_blocks(std::int64_t first, std::int64_t last) {
   const int stride = m_frame.settings.stride;
   if (stride == 1) return composite_samples(first, last);
   bool visible_before = false;
+  float before = kNoDensity;
   for (std::int64_t block = std::max(first - 1, std::int64_t(0)); block <= last;) {
     const int count = count_in_piece(block * stride, stride, last * stride);
     const std::int64_t readable = (m_last_sample - block * stride) / stride + 1;
-    m_ends.visible = 0;
+    m_ends.visible = m_ends.inside = 0;
     if (block * stride <= m_last_sample) {
       read(block * stride, stride, int(std::min(std::int64_t(count), readable)), m_ends);
     }
     const std::uint32_t visible = m_ends.visible;
+    const std::uint32_t crossed = m_is_integrated ? seen_between(m_ends, before) : 0;
+    before = density_of(m_ends, count - 1);
     std::uint32_t contributing =
-        (visible | visible << 1 | std::uint32_t(visible_before)) & ((1u << count) - 1);
+        (crossed | visible | visible << 1 | std::uint32_t(visible_before)) & ((1u << count) - 1);
     if (block < first) contributing &= ~1u;
     visible_before = visible >> (count - 1) & 1;
     while (contributing != 0) {
@@ -198,20 +209,42 @@ void Marcher::march_blocks(std::int64_t first, std::int64_t last) {
   }
 }
 
+/// Lanes that hold or end a way through densities that are not transparent, each from the lane
+/// before it; `before` is the density ahead of the first.
+std::uint32_t Marcher::seen_between(const SampleBatch& batch, float before) const {
+  std::uint32_t seen = batch.visible;
+  for (std::uint32_t rest = batch.inside & ~batch.visible; rest != 0; rest &= rest - 1) {
+    const int lane = __builtin_ctz(rest);
+    const float front = lane > 0 ? density_of(batch, lane - 1) : before;
+    if (!(front == front)) continue;
+    const auto [lo, hi] = std::minmax(front, batch.encoded[lane]);
+    seen |= std::uint32_t(m_frame.classifier.may_be_visible({lo, hi})) << lane;
+  }
+  return seen;
+}
+
 void Marcher::composite_samples(std::int64_t first, std::int64_t last) {
   const bool needs_gradient = m_is_shaded || m_frame.classifier.has_gradient_opacity();
   last = std::min(last, m_last_sample);
-  for (std::int64_t n = first; n <= last;) {
+  // One sample ahead, for the way from it to the first.
+  const std::int64_t begin = m_is_integrated && first > 0 ? first - 1 : first;
+  float before = kNoDensity;
+  SampleBatch& batch = m_samples_between;
+  for (std::int64_t n = begin; n <= last;) {
     const int count = count_in_piece(n, 1, last);
-    read(n, 1, count, m_samples_between);
-    if (m_samples_between.visible != 0 && needs_gradient) {
-      sample_gradients(m_frame.tables, m_samples_between);
+    read(n, 1, count, batch);
+    if (m_is_integrated) batch.visible = seen_between(batch, before);
+    if (n < first) batch.visible &= ~1u;
+    if (batch.visible != 0 && needs_gradient) {
+      const std::uint32_t fronts = m_is_integrated ? batch.visible >> 1 & batch.inside : 0;
+      sample_gradients(m_frame.tables, batch, batch.visible | fronts);
     }
-    for (std::uint32_t rest = m_samples_between.visible; rest != 0; rest &= rest - 1) {
+    for (std::uint32_t rest = batch.visible; rest != 0; rest &= rest - 1) {
       const int lane = __builtin_ctz(rest);
-      composite(lane, n + lane);
+      composite(lane, n + lane, lane > 0 ? density_of(batch, lane - 1) : before);
       if (opaque()) return;
     }
+    before = density_of(batch, count - 1);
     n += count;
   }
 }
@@ -226,6 +259,10 @@ Marcher::LitLane Marcher::lit_lane(int lane, std::int64_t n) const {
   const SampleBatch& batch = m_samples_between;
   LitLane lit;
   Vec3f gradient(batch.gx[lane], batch.gy[lane], batch.gz[lane]);
+  if (m_is_integrated && lane > 0 && (batch.inside >> (lane - 1) & 1)) {
+    // Of the middle of the way.
+    gradient = (gradient + Vec3f(batch.gx[lane - 1], batch.gy[lane - 1], batch.gz[lane - 1])) / 2;
+  }
   if (m_frame.settings.transform_gradient) {
     gradient = m_frame.pull_back(batch, lane, m_ray.at(time_of(n)), gradient);
   }
@@ -239,8 +276,12 @@ Facing Marcher::facing_of(const LitLane& lit) const {
   return m_frame.shading.facing(lit.gradient, lit.magnitude, lit.face, lit.face_share, m_view);
 }
 
-void Marcher::composite(int lane, std::int64_t n) {
-  Float4 colour = m_frame.classifier.classify(m_samples_between.encoded[lane]);
+/// `before`: the density of the sample before, not a number when that was empty.
+void Marcher::composite(int lane, std::int64_t n, float before) {
+  const float encoded = m_samples_between.encoded[lane];
+  Float4 colour = m_is_integrated && before == before
+                      ? m_frame.classifier.integrate(before, encoded)
+                      : m_frame.classifier.classify(encoded);
   float alpha = colour[3];
   if (m_is_shaded || m_frame.classifier.has_gradient_opacity()) {
     const LitLane lit = lit_lane(lane, n);
@@ -371,7 +412,7 @@ bool Marcher::surface(SeenSurface& seen) {
   m_maximum = kNothingYet;  // or the sample would not be read again
   SampleBatch& batch = m_samples_between;
   read(m_surface, 1, 1, batch);
-  sample_gradients(m_frame.tables, batch);
+  sample_gradients(m_frame.tables, batch, 1);
   const Vec3d offset = read_at(batch, 0) - m_ray.at(time_of(m_surface));
   const bool is_bent = (batch.bent | batch.split) & 1;
   seen.distance_mm = time_of(m_surface);

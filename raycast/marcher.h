@@ -1,10 +1,10 @@
 // One ray through the bricks (thesis section 3.3.5, figure 3.4; design.md section 5).
 //
-// Sample n lies at t0 + n * step from the ray's entry into the box, whatever the bricks hold. With
-// stride S, block k is the samples (k-1)S+1 … kS; it contributes exactly when the sample before it,
-// (k-1)S, or its last one, kS, is not transparent. That is a statement about samples alone:
-// skipping empty space leaves out blocks that are known to be transparent and cannot change a
-// picture. Samples are read sixteen at a time: the last ones of blocks first, then those between.
+// Sample n lies at t0 + (n + shift) * step, t0 the ray's entry into the box, whatever bricks hold.
+// With stride S, block k is the samples (k-1)S+1 … kS; it contributes exactly when the sample
+// before it, (k-1)S, or its last one, kS, is not transparent. That is a statement about samples
+// alone: skipping empty space leaves out blocks that are known to be transparent and cannot change
+// a picture. Samples are read sixteen at a time: the last ones of blocks first, then those between.
 #pragma once
 
 #include <cstdint>
@@ -30,8 +30,8 @@ class Marcher {
   explicit Marcher(const Frame& frame);
   ~Marcher();
 
-  /// Colour (premultiplied) and opacity.
-  Float4 march(const Ray& ray);
+  /// Colour (premultiplied) and opacity. `shift`, 0 … 1: where the samples begin within a step.
+  Float4 march(const Ray& ray, float shift = 0);
   /// What the last ray met; false when its opacity stayed below one half. Reads its sample again.
   bool surface(SeenSurface& seen);
   /// Samples read from the source so far.
@@ -46,7 +46,7 @@ class Marcher {
     float face_share = 0;  // 1: the sample lies at it
   };
 
-  void march_volume();
+  void march_volume(float shift);
   void find_crossings(const Ray& ray);
   void clip_ray();
   bool is_clipped(double t) const;
@@ -55,7 +55,8 @@ class Marcher {
   void leave_out_clipped(std::int64_t first, int stride, SampleBatch& batch) const;
   void march_blocks(std::int64_t first, std::int64_t last);
   void composite_samples(std::int64_t first, std::int64_t last);
-  void composite(int lane, std::int64_t n);
+  std::uint32_t seen_between(const SampleBatch& batch, float before) const;
+  void composite(int lane, std::int64_t n, float before);
   void composite_between_crossings(double t, const Float4& colour, float alpha);
   void composite_crossing();
   void add(const Float4& colour, float alpha) { m_sum += ((1 - m_sum[3]) * alpha) * colour; }
@@ -76,7 +77,7 @@ class Marcher {
   std::vector<Interval> m_intervals;
   std::int64_t m_samples = 0;
   float m_opaque;
-  bool m_is_maximum, m_is_shaded;
+  bool m_is_maximum, m_is_shaded, m_is_integrated;
   std::unique_ptr<LightPaths> m_paths;
 
   // Of the ray under way.

@@ -32,8 +32,9 @@ Quality parse_quality(const std::string& name) {
 }
 
 void RenderSettings::set_quality(Quality quality) {
-  step_voxels = quality == Quality::draft ? 1 : quality == Quality::accurate ? 0.25 : 0.5;
-  stride = 4;
+  // Blocks of a voxel: longer ones leap over thin bone.
+  stride = quality == Quality::draft ? 2 : quality == Quality::accurate ? 5 : 3;
+  step_voxels = 1.0 / stride;
 }
 
 void RenderSettings::validate() const {
@@ -85,6 +86,11 @@ std::unique_ptr<Frame> Renderer::prepare(const Camera& camera, const TransferFun
   camera.validate("");
   function.validate("");
   settings.validate();
+  if (settings.classification == Classification::pre_integrated &&
+      !function.gradient_opacity.empty()) {
+    throw InputError({"", "classification", "pre-integrated with gradient opacity",
+                      "post, or a transfer function without gradient opacity"});
+  }
   return std::make_unique<Frame>(m_impl->geometry, m_impl->source, *m_impl->output, camera,
                                  function, settings, m_impl->surfaces.get());
 }

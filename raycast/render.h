@@ -26,11 +26,16 @@ enum class Quality { draft, standard, accurate };
 /// "draft", "default", "accurate". Throws InputError listing them.
 Quality parse_quality(const std::string& name);
 
+/// Whether densities become colours at the samples, or along the way between two.
+enum class Classification { post, pre_integrated };
+
 struct RenderSettings {
   int width = 1024;
   int height = 1024;
-  double step_voxels = 0.5;  // of the smallest spacing
-  int stride = 4;            // steps taken at once while transparent; 1 switches it off
+  double step_voxels = 1.0 / 3;  // of the smallest spacing
+  int stride = 3;                // steps taken at once while transparent; 1 switches it off
+  Classification classification = Classification::post;
+  bool jitter = false;  // begins each ray elsewhere within a step: fine noise instead of rings
   Lighting lighting;
   bool transform_gradient = true;   // the (I + grad o)^T term; off only to show what it is for
   bool skip_empty_space = true;     // leaves out what is known to be transparent; same picture

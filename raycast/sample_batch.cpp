@@ -400,11 +400,12 @@ HWY_INLINE HWY_ATTR FloatVector read_gradient(const NodeReader& nodes, const Flo
           axis_derivative(z_before, z_low, z_high, z_after, f.z, here)};
 }
 
-HWY_ATTR void sample_gradients_impl(const SamplingTables& tables, SampleBatch& batch) {
+HWY_ATTR void sample_gradients_impl(const SamplingTables& tables, SampleBatch& batch,
+                                    std::uint32_t wanted) {
   const int lanes = int(hn::Lanes(kFloats));
   for (int at = 0; at < SampleBatch::kLanes; at += lanes) {
     const std::uint32_t all = lanes < 32 ? (1u << lanes) - 1 : ~0u;
-    std::uint32_t rest = batch.visible >> at & all;
+    std::uint32_t rest = wanted >> at & all;
     const VI brick = hn::Load(kInts, batch.brick + at), node = hn::Load(kInts, batch.node + at);
     const FloatVector f = {hn::Load(kFloats, batch.x + at), hn::Load(kFloats, batch.y + at),
                            hn::Load(kFloats, batch.z + at)};
@@ -448,8 +449,8 @@ void sample_places(const SamplingTables& tables, const SamplePlaces& places, int
   HWY_DYNAMIC_DISPATCH(sample_places_impl)(tables, places, count, batch);
 }
 
-void sample_gradients(const SamplingTables& tables, SampleBatch& batch) {
-  HWY_DYNAMIC_DISPATCH(sample_gradients_impl)(tables, batch);
+void sample_gradients(const SamplingTables& tables, SampleBatch& batch, std::uint32_t wanted) {
+  HWY_DYNAMIC_DISPATCH(sample_gradients_impl)(tables, batch, wanted);
 }
 
 const char* sampling_instruction_set() {

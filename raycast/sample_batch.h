@@ -86,10 +86,10 @@ struct SamplePlaces {
 void sample_places(const SamplingTables& tables, const SamplePlaces& places, int count,
                    SampleBatch& batch);
 
-/// Fills in the index-space gradients, encoded density per voxel, of the batch's visible lanes: by
-/// central differences of the trilinear density over +-1 voxel, one-sided where a neighbour is
-/// void, 0 where both are.
-void sample_gradients(const SamplingTables& tables, SampleBatch& batch);
+/// Fills in the index-space gradients, encoded density per voxel, of these lanes, all of them
+/// inside: by central differences of the trilinear density over +-1 voxel, one-sided where a
+/// neighbour is void, 0 where both are.
+void sample_gradients(const SamplingTables& tables, SampleBatch& batch, std::uint32_t wanted);
 
 /// Instruction set that the calls above use, for example "AVX3".
 const char* sampling_instruction_set();

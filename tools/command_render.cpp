@@ -263,8 +263,14 @@ Command add_render(CLI::App& program) {
                 "Draw elements and links (always so for one-slice bodies)")
       ->excludes("--offsets");
   app->add_option("--size", options->size, "Pixels, 1024,1024 by default")->option_text("W,H");
-  app->add_option("--step", options->scene_view.step_voxels, "Sample distance in voxels")
+  Sampling& sampling = options->scene_view.sampling;
+  app->add_option("--quality", sampling.quality, "draft, default or accurate: speed for accuracy")
+      ->option_text("Q");
+  app->add_option("--step", sampling.step_voxels, "Sample distance in voxels, not the quality's")
       ->option_text("S");
+  app->add_option("--classification", sampling.classification, "post (default) or pre-integrated")
+      ->option_text("C");
+  app->add_flag("--jitter", sampling.jitter, "Fine noise instead of rings");
   app->add_flag("--print-camera", options->prints_camera,
                 "Print the camera as a file for --camera and draw nothing");
   add_picture_options(*app, options->scene_view.picture);

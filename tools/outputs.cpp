@@ -124,7 +124,7 @@ RenderSettings view_settings(const SceneView& view) {
   RenderSettings settings;
   settings.width = view.width;
   settings.height = view.height;
-  settings.step_voxels = view.step_voxels;
+  view.sampling.apply_to(settings);
   settings.lighting = view.lighting;
   settings.clip_surfaces = view.clip_meshes;
   settings.auxiliary = !view.picture.aux.empty() || picture_kind(view.image) == PictureKind::exr;
@@ -255,7 +255,9 @@ std::string describe_view(const SceneView& view, const nlohmann::ordered_json& m
     json["preset"] = view.preset;
   }
   json["size"] = {view.width, view.height};
-  json["step"] = view.step_voxels;
+  json["step"] = view_settings(view).step_voxels;
+  json["classification"] = view.sampling.classification;
+  json["jitter"] = view.sampling.jitter;
   json["deformed"] = view.deformed;
   json["lattice"] = view.lattice;
   describe(view.lighting, json);

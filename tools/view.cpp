@@ -103,20 +103,40 @@ ClipChoice read_clip(TomlTable& table) {
 
 /// Slices have their own place and scale.
 void refuse_beside_slice(TomlTable& table) {
-  for (const char* key : {"preset", "transfer", "camera", "size", "step", "lattice", "clip", "mesh",
-                          "stereo", "aux", "turntable"}) {
+  for (const char* key :
+       {"preset", "transfer", "camera", "size", "step", "quality", "classification", "jitter",
+        "lattice", "clip", "mesh", "stereo", "aux", "turntable"}) {
     if (table.has(key)) table.fail(key, std::string(key) + " beside slice", "one of both");
   }
 }
 
 }  // namespace
 
+void Sampling::apply_to(RenderSettings& settings) const {
+  settings.set_quality(parse_quality(quality));
+  if (step_voxels) settings.step_voxels = *step_voxels;
+  settings.jitter = jitter;
+  if (classification == "pre-integrated") {
+    settings.classification = Classification::pre_integrated;
+  } else if (classification != "post") {
+    throw InputError({"", "classification", "'" + classification + "'", "post or pre-integrated"});
+  }
+}
+
 SceneView read_view(TomlTable& table, int steps) {
   SceneView view;
   view.place = table.place();
-  table.know({"image", "preset", "transfer", "camera", "size", "step", "deformed", "lattice",
-              "after_step", "clip", "shading", "light", "shadows", "ambient_occlusion", "mesh",
-              "clip_meshes", "offset", "slice"});
+  table.know({"image",      "preset",
+              "transfer",   "camera",
+              "size",       "step",
+              "deformed",   "lattice",
+              "after_step", "clip",
+              "shading",    "light",
+              "shadows",    "ambient_occlusion",
+              "mesh",       "clip_meshes",
+              "offset",     "slice",
+              "quality",    "classification",
+              "jitter"});
   view.image = table.require(table.string("image"), "image", "the name of a PNG file");
   view.preset = table.string("preset").value_or(view.preset);
   if (const auto path = table.path("transfer")) {
@@ -136,7 +156,11 @@ SceneView read_view(TomlTable& table, int steps) {
     view.width = int((*size)[0]);
     view.height = int((*size)[1]);
   }
-  view.step_voxels = table.number("step").value_or(view.step_voxels);
+  view.sampling.quality = table.string("quality").value_or(view.sampling.quality);
+  view.sampling.step_voxels = table.number("step");
+  view.sampling.classification =
+      table.string("classification").value_or(view.sampling.classification);
+  view.sampling.jitter = table.boolean("jitter").value_or(false);
   view.deformed = table.boolean("deformed").value_or(true);
   view.lattice = table.boolean("lattice").value_or(false);
   view.picture = read_picture_options(table);

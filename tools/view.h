@@ -8,6 +8,7 @@
 
 #include "raycast/camera.h"
 #include "raycast/clip.h"
+#include "raycast/render.h"
 #include "raycast/transfer_function.h"
 #include "tools/offset_functions.h"
 #include "tools/picture_options.h"
@@ -30,6 +31,17 @@ struct ClipChoice {
   std::optional<std::pair<Vec3d, Vec3d>> voxel_corners;
 };
 
+/// How rays are sampled, as given.
+struct Sampling {
+  std::string quality = "default";
+  std::optional<double> step_voxels;  // instead of the quality's
+  std::string classification = "post";
+  bool jitter = false;
+
+  /// Throws InputError as parse_quality, or for another classification.
+  void apply_to(RenderSettings& settings) const;
+};
+
 struct SceneView {
   std::string place;
   std::string image;
@@ -42,7 +54,7 @@ struct SceneView {
   bool clip_meshes = false;
   CameraChoice camera;
   int width = 1024, height = 1024;
-  double step_voxels = 0.5;
+  Sampling sampling;
   bool deformed = true;
   bool lattice = false;
   PictureOptions picture;

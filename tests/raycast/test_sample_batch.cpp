@@ -81,7 +81,7 @@ void compare_with_scalar(const RoughScene& scene, const SamplingTables& tables, 
     const int first = int(random() % 8), stride = 1 + int(random() % 4);
     const int count = 1 + int(random() % SampleBatch::kLanes);
     sample_batch(tables, piece, first, stride, count, batch);
-    sample_gradients(tables, batch);
+    sample_gradients(tables, batch, batch.visible);
     EXPECT_EQ(batch.read >> count, 0u);
     for (int lane = 0; lane < count; ++lane) {
       const Vec3d p = Vec3d(piece.base) + Vec3d(piece.first) +
