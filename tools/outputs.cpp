@@ -285,6 +285,8 @@ nlohmann::ordered_json to_json(const InversionCertificate& certificate) {
           {"cells", certificate.cells},
           {"folded_cells", certificate.folded_cells},
           {"folded_air_cells", certificate.folded_air_cells},
+          {"torn_cells", certificate.torn_cells},
+          {"overlapped_voxels", certificate.overlapped_voxels},
           {"unresolved_voxels", certificate.unresolved_voxels},
           {"min_det", certificate.min_det}};
 }

@@ -8,7 +8,7 @@
 #include "tools/material_file.h"
 #include "tools/parse.h"
 #include "tools/version.h"
-#include "volumes/field/invert.h"
+#include "volumes/field/cut_offsets.h"
 #include "volumes/io/label_file.h"
 
 namespace supple::tools {
@@ -259,7 +259,8 @@ Deformed invert_state(const State& state, Console& console) {
   deformed.displacement = extended_displacement_of(state);
   InvertParams params;
   params.material = &state.elements;
-  deformed.offsets = invert(deformed.displacement, params, &console);
+  deformed.offsets =
+      invert_cut(deformed.displacement, {state.elements, state.cuts}, params, &console);
   const InversionCertificate& certificate = deformed.offsets.certificate;
   const std::int64_t folded = certificate.folded_cells - certificate.folded_air_cells;
   if (folded > 0) {
@@ -269,6 +270,10 @@ Deformed invert_state(const State& state, Console& console) {
   if (certificate.folded_air_cells > 0) {
     console.debug(with_count(certificate.folded_air_cells, "cell") +
                   " folded in the air around the material");
+  }
+  if (certificate.overlapped_voxels > 0) {
+    console.warn(with_count(certificate.overlapped_voxels, "voxel") +
+                 " around cuts are covered from several places; ties go to the shortest offset");
   }
   if (certificate.unresolved_voxels > 0) {
     console.warn(with_count(certificate.unresolved_voxels, "voxel") + " could not be inverted");

@@ -39,7 +39,7 @@ class SplitOffsets {
   /// (I + grad o)^T g with the offsets of one piece.
   Vec3d pull_back(int piece, const Vec3d& x, const Vec3d& gradient) const;
   /// grad depth_mm: the normal of the nearest face, into the piece, in mm per voxel. 0: no face.
-  Vec3d face_normal(int piece, const Vec3d& x) const;
+  virtual Vec3d face_normal(int piece, const Vec3d& x) const;
 
  protected:
   /// All voxels of the bricks at these sorted origins.

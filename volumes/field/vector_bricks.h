@@ -38,6 +38,8 @@ struct InversionCertificate {
   std::int64_t unresolved_voxels = 0;  // covered by a deformed cell's tetrahedra, yet no solution
   std::vector<Vec3i> unresolved;       // at most 1000 of them
   double min_det = 1;                  // smallest det F = det(I + grad u) over cell corners
+  std::int64_t torn_cells = 0;         // cells that a cut has opened (cut_offsets.h)
+  std::int64_t overlapped_voxels = 0;  // around cuts: voxels that tissue from several places covers
 };
 
 class SplitOffsets;

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "volumes/base/error.h"
-#include "volumes/field/displacement.h"
+#include "volumes/field/cut_offsets.h"
 #include "volumes/grid/labels.h"
 
 namespace supple {
@@ -160,7 +160,8 @@ Displacement displacement_of(const State& state) {
 }
 
 Displacement extended_displacement_of(const State& state) {
-  return extend(displacement_of(state), state.density.bricks());
+  return extend_past_cuts(displacement_of(state), state.density.bricks(),
+                          {state.elements, state.cuts});
 }
 
 }  // namespace supple

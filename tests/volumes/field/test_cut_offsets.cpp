@@ -1,0 +1,338 @@
+// Bodies whose cuts have opened (cut_offsets.h): every place is known.
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "tests/volumes/field/field_fixtures.h"
+#include "volumes/field/cut_offsets.h"
+#include "volumes/field/displacement.h"
+#include "volumes/field/resample.h"
+#include "volumes/grid/density_grid.h"
+
+using namespace supple;
+using namespace supple::test;
+
+namespace {
+
+using VoxelLaw = std::function<bool(const Vec3i&, int)>;
+
+/// Cuts the links (low end, axis) between elements that the law names.
+LinkCuts cuts_where(const BrickTopology& elements, const VoxelLaw& is_cut) {
+  LinkCuts cuts;
+  for (std::size_t b = 0; b < elements.brick_count(); ++b) {
+    for_each_active(elements.mask(b), [&](int offset) {
+      const Vec3i low = elements.origin(b) + brick_local(offset);
+      for (int axis = 0; axis < 3; ++axis) {
+        Vec3i high = low;
+        ++high[axis];
+        if (elements.is_active(high) && is_cut(low, axis)) cuts.cut(b, offset, axis);
+      }
+    });
+  }
+  return cuts;
+}
+
+/// A block cut in two at x = 13.5.
+struct CutBlock {
+  static constexpr double kFace = 13.5;
+  BrickTopology elements = box_topology({4, 4, 4}, {23, 19, 19});
+  LinkCuts cuts =
+      cuts_where(elements, [](const Vec3i& low, int axis) { return axis == 0 && low.x == 13; });
+  CutElements body{elements, cuts};
+
+  static bool is_left(const Vec3d& X) { return X.x < kFace; }
+  /// The halves moved by u, each its own.
+  Displacement moved(const std::function<Vec3d(bool is_left, const Vec3d& X)>& u) const {
+    return displacement_on(elements, [&](const Vec3i& v) {
+      return Vec3f(u(is_left(Vec3d(v)), Vec3d(v)));
+    });
+  }
+  OffsetField opened_by(double d) const {
+    return invert_cut(moved([d](bool left, const Vec3d&) { return Vec3d(left ? -d : d, 0, 0); }),
+                      body);
+  }
+};
+
+Vec3d random_place(std::mt19937& random, double lo, double hi) {
+  std::uniform_real_distribution<double> coordinate(lo, hi);
+  return {coordinate(random), coordinate(random), coordinate(random)};
+}
+
+bool is_in_block(const Vec3d& X, double margin) {
+  return X.x > 4 + margin && X.x < 23 - margin && X.y > 4 + margin && X.y < 19 - margin &&
+         X.z > 4 + margin && X.z < 19 - margin;
+}
+
+bool equal(const VectorBricks& a, const VectorBricks& b) {
+  return a.topology == b.topology && to_map(a) == to_map(b);
+}
+
+}  // namespace
+
+TEST(PropertyCutOffsets, HalvesMovedApartReadTheirOwnSideUpToTheFaceAndNothingBetween) {
+  const CutBlock block;
+  for (const double d : {0.3, 2.25, 11.0}) {
+    const OffsetField field = block.opened_by(d);
+    ASSERT_NE(field.split, nullptr);
+    std::mt19937 random(5);
+    int read = 0, in_gap = 0;
+    for (int n = 0; n < 20000; ++n) {
+      const Vec3d x = random_place(random, 0, 28) * Vec3d(1.6, 1, 1) - Vec3d(8, 0, 0);
+      const Vec3d left = x + Vec3d(d, 0, 0), right = x - Vec3d(d, 0, 0);
+      if (std::abs(left.x - 13.5) < 1e-4 || std::abs(right.x - 13.5) < 1e-4) continue;
+      const bool of_left = is_in_block(left, 1) && left.x < 13.5;
+      const bool of_right = is_in_block(right, 1) && right.x > 13.5;
+      Vec3d o;
+      const bool found = field.sample(x, o);
+      if (of_left || of_right) {
+        ASSERT_TRUE(found) << x;
+        EXPECT_LT((o - Vec3d(of_left ? d : -d, 0, 0)).length(), 1e-6) << x;
+        ++read;
+      } else if (!is_in_block(left, -1e-3) && !is_in_block(right, -1e-3)) {
+        EXPECT_FALSE(found) << x;
+      } else if (left.x > 13.5 && right.x < 13.5) {
+        EXPECT_FALSE(found) << x << " lies in the gap";
+        ++in_gap;
+      }
+    }
+    EXPECT_GT(read, 2000);
+    EXPECT_GT(in_gap, d > 1 ? 300 : 30);
+  }
+}
+
+TEST(PropertyCutOffsets, SidesThatTurnAndStretchAreInvertedExactlyUpToTheFace) {
+  const CutBlock block;
+  const auto linear = [](bool left, const Vec3d& d) {
+    return left ? Vec3d(0.1 * d.x + 0.2 * d.y, -0.15 * d.x, 0.05 * d.z)
+                : Vec3d(-0.1 * d.x, 0.25 * d.x + 0.05 * d.y, 0.1 * d.y);
+  };
+  const Vec3d pivot(13.5, 4, 11);
+  const OffsetField field = invert_cut(block.moved([&](bool left, const Vec3d& X) {
+    return linear(left, X - pivot) + Vec3d(left ? -1.5 : 1.5, 0, 0);
+  }),
+                                       block.body);
+  ASSERT_NE(field.split, nullptr);
+  EXPECT_EQ(field.certificate.overlapped_voxels, 0);
+  std::mt19937 random(6);
+  int beside_face = 0;
+  for (int n = 0; n < 20000; ++n) {
+    Vec3d X = random_place(random, 4.01, 18.99);
+    X.x = 12 + 3 * (X.x - 4) / 15;
+    if (std::abs(X.x - 13.5) < 1e-3) continue;
+    const bool left = X.x < 13.5;
+    const Vec3d x = X + linear(left, X - pivot) + Vec3d(left ? -1.5 : 1.5, 0, 0);
+    Vec3d o;
+    ASSERT_TRUE(field.sample(x, o)) << X;
+    EXPECT_LT((x + o - X).length(), 1e-4) << X;
+    beside_face += std::abs(X.x - 13.5) < 0.5;
+  }
+  EXPECT_GT(beside_face, 1000);
+}
+
+TEST(PropertyCutOffsets, NoPlaceReadsTissueFromBeyondTheFaceOfItsSide) {
+  // An oblique cut, whose links are stairs; the sides keep their volume.
+  const BrickTopology elements = box_topology({2, 2, 2}, {25, 21, 13});
+  const auto is_left = [](const Vec3i& v) { return v.x + 0.5 * v.y < 17.3; };
+  const LinkCuts cuts = cuts_where(elements, [&](const Vec3i& low, int axis) {
+    Vec3i high = low;
+    ++high[axis];
+    return is_left(low) != is_left(high);
+  });
+  const Displacement u = displacement_on(elements, [&](const Vec3i& v) {
+    return is_left(v) ? Vec3f(-2, -1, 0) : Vec3f(2, 1, 0);
+  });
+  const OffsetField field = invert_cut(u, {elements, cuts});
+  ASSERT_NE(field.split, nullptr);
+  double volume = 0, expected = 23 * 19 * 11;
+  constexpr double kStep = 0.25;
+  for (double px = -4; px < 32; px += kStep) {
+    for (double py = -2; py < 26; py += kStep) {
+      for (double pz = 1.6; pz < 14; pz += 2 * kStep) {
+        Vec3d o;
+        if (!field.sample({px, py, pz}, o)) continue;
+        volume += kStep * kStep * 2 * kStep;
+        const Vec3d X = Vec3d(px, py, pz) + o;
+        const double beyond = (X.x + 0.5 * X.y - 17.3) / std::sqrt(1.25);
+        EXPECT_LT(o.x > 0 ? beyond : -beyond, 0.75) << X;
+      }
+    }
+  }
+  EXPECT_NEAR(volume, expected, 0.02 * expected);
+}
+
+TEST(PropertyCutOffsets, WithoutAnOpenCutEverythingIsWhatInvertGives) {
+  const CutBlock block;
+  const auto bend = [](const Vec3d& X) {
+    return Vec3d(0.2 * X.y, 0.01 * X.x * X.z, -0.1 * X.x);
+  };
+  const Displacement smooth = block.moved([&](bool, const Vec3d& X) { return bend(X); });
+  const OffsetField plain = invert(smooth);
+  const LinkCuts none;
+  for (const CutElements& body : {block.body, CutElements{block.elements, none}}) {
+    const OffsetField field = invert_cut(smooth, body);
+    EXPECT_EQ(field.split, nullptr);
+    EXPECT_TRUE(equal(field.o, plain.o));
+    EXPECT_EQ(field.certificate.residual_max, plain.certificate.residual_max);
+    EXPECT_EQ(field.certificate.torn_cells, 0);
+  }
+}
+
+TEST(PropertyCutOffsets, BricksAwayFromTheCutKeepTheirBits) {
+  const BrickTopology elements = box_topology({0, 0, 0}, {63, 15, 15});
+  const LinkCuts cuts =
+      cuts_where(elements, [](const Vec3i& low, int axis) { return axis == 0 && low.x == 31; });
+  std::mt19937 random(3);
+  const Displacement u = displacement_on(elements, [&](const Vec3i& v) {
+    return random_vector(random, 0.12f) + Vec3f(v.x < 32 ? -1.3f : 1.3f, 0, 0);
+  });
+  const OffsetField plain = invert(u), field = invert_cut(u, {elements, cuts});
+  ASSERT_NE(field.split, nullptr);
+  int compared = 0;
+  for_each_voxel(field.o.topology, [&](const Vec3i& v, std::size_t slot) {
+    if (field.split->bricks().is_active(v)) return;
+    Vec3f other;
+    ASSERT_TRUE(plain.o.at(v, other));
+    EXPECT_EQ(field.o.vectors[slot], other);
+    ++compared;
+  });
+  EXPECT_GT(compared, 5000);
+  EXPECT_LT(field.split->bricks().brick_count(), 40u);
+}
+
+TEST(PropertyCutOffsets, AnIncisionOpensFromItsEndAndOnlyThere) {
+  // Cut from y = 11.5 up; below, the tissue holds. The opening grows with height.
+  const BrickTopology elements = box_topology({4, 4, 4}, {35, 23, 15});
+  const LinkCuts cuts = cuts_where(elements, [](const Vec3i& low, int axis) {
+    return axis == 0 && low.x == 19 && low.y > 11;
+  });
+  const auto opening = [](double y) { return 0.4 * std::max(0.0, y - 11.5); };
+  const OffsetField field = invert_cut(displacement_on(elements,
+                                                       [&](const Vec3i& v) {
+                                                         const float d = float(opening(v.y));
+                                                         return Vec3f(v.x < 20 ? -d : d, 0, 0);
+                                                       }),
+                                       {elements, cuts});
+  ASSERT_NE(field.split, nullptr);
+  EXPECT_EQ(field.certificate.overlapped_voxels, 0);
+  for (double y = 5; y < 22.9; y += 0.37) {
+    for (double x = 12; x < 27; x += 0.21) {
+      Vec3d o;
+      const bool found = field.sample({x, y, 9.3}, o);
+      const double from_face = std::abs(x - 19.5) - opening(y);
+      if (y < 11 || from_face > 0.05) {
+        EXPECT_TRUE(found) << x << " " << y;
+      } else if (y > 12 && from_face < -0.05) {
+        EXPECT_FALSE(found) << x << " " << y;
+      }
+      if (found && y > 12) {
+        EXPECT_GT(o.x * (19.5 - x), 0) << x << " " << y;
+      }
+    }
+  }
+}
+
+TEST(PropertyCutOffsets, SidesPushedThroughEachOtherAreCountedAndTheShortestOffsetWins) {
+  const CutBlock block;
+  const double d = -3.2;  // an overlap of 6.4 voxels
+  const OffsetField field = invert_cut(block.moved([&](bool left, const Vec3d&) {
+    return Vec3d(left ? -d : 0.5 * d, 0, 0);
+  }),
+                                       block.body);
+  ASSERT_NE(field.split, nullptr);
+  // Left now ends at 16.7, right begins at 11.9: nodes 12 to 16 of every row.
+  EXPECT_EQ(field.certificate.overlapped_voxels, 5 * 16 * 16);
+  for (double x = 8; x < 20; x += 0.17) {
+    Vec3d o;
+    ASSERT_TRUE(field.sample({x, 9.4, 12.1}, o)) << x;
+    EXPECT_NEAR(o.x, x > 11.9 ? 1.6 : -3.2, 1e-6) << x;
+  }
+}
+
+TEST(PropertyCutOffsets, TheShellGoesWithItsOwnSide) {
+  const CutBlock block;
+  const BrickTopology shell = dilate(block.elements, 2);
+  const Displacement u =
+      block.moved([](bool left, const Vec3d&) { return Vec3d(left ? -4 : 4, 0, 0); });
+  const Displacement extended = extend_past_cuts(u, shell, block.body);
+  int checked = 0;
+  for_each_voxel(shell, [&](const Vec3i& v, std::size_t) {
+    Vec3f value;
+    ASSERT_TRUE(extended.u.at(v, value));
+    EXPECT_EQ(value, Vec3f(v.x < 14 ? -4.0f : 4.0f, 0, 0)) << v;
+    ++checked;
+  });
+  EXPECT_EQ(checked, 24 * 20 * 20);
+  const OffsetField field = invert_cut(extended, block.body);
+  Vec3d o;
+  EXPECT_FALSE(field.sample({13.5, 20.5, 10}, o));
+  EXPECT_TRUE(field.sample({9.4, 20.5, 10}, o));
+}
+
+TEST(PropertyCutOffsets, AnOpenedSliceOfOneVoxelHasItsGap) {
+  const BrickTopology elements = box_topology({4, 4, 0}, {23, 19, 0});
+  const LinkCuts cuts =
+      cuts_where(elements, [](const Vec3i& low, int axis) { return axis == 0 && low.x == 13; });
+  const OffsetField field = invert_cut(
+      displacement_on(elements,
+                      [](const Vec3i& v) { return Vec3f(v.x < 14 ? -2.0f : 2.5f, 0, 0); }),
+      {elements, cuts});
+  for (double x = 3; x < 25; x += 0.3) {
+    Vec3d o;
+    const bool in_gap = x > 11.5 && x < 16;
+    EXPECT_EQ(field.sample({x, 10.25, 0}, o), !in_gap) << x;
+  }
+}
+
+TEST(PropertyCutOffsets, AResampledVolumeIsVoidInTheGapAndUntouchedBeside) {
+  const CutBlock block;
+  const Displacement u = block.moved(
+      [](bool left, const Vec3d&) { return Vec3d(left ? -2 : 2, 0, 0); });
+  const OffsetField field = invert_cut(u, block.body);
+  std::vector<float> values(block.elements.brick_count() * kBrickVoxels);
+  for_each_voxel(block.elements,
+                 [&](const Vec3i& v, std::size_t slot) { values[slot] = float(100 + v.x); });
+  const DensityGrid density = make_density_grid(block.elements, values, 0);
+  const Geometry grid = unit_geometry({28, 24, 24});
+  std::vector<float> slice(28 * 24);
+  dense_resampled(field, density, grid, -1)(10, slice.data());
+  for (int x = 2; x <= 25; ++x) {
+    const float expected = x <= 11 ? float(102 + x) : x >= 16 ? float(98 + x) : -1.0f;
+    EXPECT_EQ(slice[std::size_t(10 * 28 + x)], expected) << x;
+  }
+}
+
+TEST(PropertyCutOffsets, TheNumberOfThreadsDoesNotMatter) {
+  const CutBlock block;
+  std::mt19937 random(8);
+  const Displacement u = block.moved([&](bool left, const Vec3d&) {
+    return Vec3d(random_vector(random, 0.14f)) + Vec3d(left ? -1 : 0.7, 0, 0);
+  });
+  const OffsetField many = invert_cut(u, block.body);
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  const OffsetField single = invert_cut(u, block.body);
+  EXPECT_TRUE(equal(many.o, single.o));
+  EXPECT_EQ(many.certificate.overlapped_voxels, single.certificate.overlapped_voxels);
+  for (int n = 0; n < 3000; ++n) {
+    const Vec3d x = random_place(random, 2, 26);
+    Vec3d a(0), b(0);
+    ASSERT_EQ(many.sample(x, a), single.sample(x, b));
+    EXPECT_EQ(a, b);
+  }
+}
+
+TEST(UnitCutOffsets, AFaceKnowsItsNormalAndDepthOnEitherSide) {
+  const CutBlock block;
+  const OffsetField field = block.opened_by(2);
+  for (const double depth : {0.2, 1.0, 2.7}) {
+    for (const double side : {-1.0, 1.0}) {
+      const Vec3d x(13.5 + side * (2 + depth), 10.3, 11.6);
+      const std::int32_t b = field.split->bricks().find({int(x.x), int(x.y), int(x.z)});
+      ASSERT_GE(b, 0);
+      SplitOffsets::Sample found;
+      ASSERT_TRUE(field.split->sample(std::size_t(b), x, found));
+      EXPECT_NEAR(field.split->depth_mm(found.piece, x), depth, 1e-6);
+      EXPECT_LT((field.split->face_normal(found.piece, x) - Vec3d(side, 0, 0)).length(), 1e-6);
+      const Vec3d gradient(1, 2, 3);
+      EXPECT_LT((field.split->pull_back(found.piece, x, gradient) - gradient).length(), 1e-6);
+    }
+  }
+}
