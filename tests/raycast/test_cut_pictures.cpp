@@ -83,14 +83,14 @@ TEST(PropertyCutPictures, AnOpenedFaceIsLitAsTheFaceOfAClip) {
   // The right half moves out of the way; seen from the left, the face of the other one is what a
   // clip of the whole slab shows there.
   const CutSlab slab;
-  const OffsetField field = slab.moved(
-      [](const Vec3d& X) { return X.x < 19.5 ? Vec3d(0) : Vec3d(0, 0, 60); }, slab.cuts);
+  const OffsetField field =
+      slab.moved([](const Vec3d& X) { return X.x < 19.5 ? Vec3d(0) : Vec3d(0, 0, 60); }, slab.cuts);
   ASSERT_NE(field.split, nullptr);
   TransferFunction opaque = fog_function(0.999);
   const Clip clip{{{{0, 0, 0}, {-1, 0, 0}}}, ClipKeep::inside, ClipSpace::source};
   const Image opened = slab.picture(field, opaque, "left");
-  const Image clipped = slab.picture(slab.moved([](const Vec3d&) { return Vec3d(0); }, {}), opaque,
-                                     "left", {clip});
+  const Image clipped =
+      slab.picture(slab.moved([](const Vec3d&) { return Vec3d(0); }, {}), opaque, "left", {clip});
   int compared = 0;
   for (std::size_t n = 0; n < opened.rgba.size() / 4; ++n) {
     if (clipped.rgba[4 * n + 3] < 250) continue;
@@ -109,9 +109,7 @@ TEST(PropertyCutPictures, ACutThatStaysClosedCannotBeSeen) {
   const Image uncut = slab.picture(slab.moved(bend, none), fog_function(0.1));
   EXPECT_EQ(slab.picture(slab.moved(bend, slab.cuts), fog_function(0.1)).rgba, uncut.rgba);
   // Apart by a twentieth of a voxel more than counts as closed.
-  const auto ajar = [&](const Vec3d& X) {
-    return bend(X) + Vec3d(X.x < 19.5 ? 0 : -0.11, 0, 0);
-  };
+  const auto ajar = [&](const Vec3d& X) { return bend(X) + Vec3d(X.x < 19.5 ? 0 : -0.11, 0, 0); };
   const OffsetField field = slab.moved(ajar, slab.cuts);
   ASSERT_NE(field.split, nullptr);
   EXPECT_GT(compare(slab.picture(field, fog_function(0.1)), uncut, false).ssim, 0.99);

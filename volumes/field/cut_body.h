@@ -20,7 +20,8 @@ namespace supple {
 struct VoxelHash {
   std::size_t operator()(const Vec3i& v) const {
     std::uint64_t h = std::uint32_t(v.x);
-    for (const int part : {v.y, v.z}) h = (h ^ (h >> 29)) * 0x9E3779B97F4A7C15u + std::uint32_t(part);
+    for (const int part : {v.y, v.z})
+      h = (h ^ (h >> 29)) * 0x9E3779B97F4A7C15u + std::uint32_t(part);
     return std::size_t(h ^ (h >> 32));
   }
 };
@@ -38,8 +39,8 @@ class CutBody {
     int axis;
   };
 
-  /// `voxels`: elements and shell. `cuts`: links between elements, bricks as in `elements`. Along an
-  /// axis of `dims` with one slice, its copies below and above count as voxels, too.
+  /// `voxels`: elements and shell. `cuts`: links between elements, bricks as in `elements`. Along
+  /// an axis of `dims` with one slice, its copies below and above count as voxels, too.
   CutBody(const BrickTopology& voxels, const BrickTopology& elements, const LinkCuts& cuts,
           const Vec3i& dims);
 

@@ -360,10 +360,10 @@ VectorBricks CutInversion::joined(const VectorBricks& offsets,
   for (std::size_t b = 0; b < result.topology.brick_count(); ++b) {
     const Vec3i& origin = result.topology.origin(b);
     const auto found = number.find(origin);
-    const Vec3f* from = found != number.end()
-                            ? vectors[found->second].data()
-                            : &offsets.vectors[std::size_t(offsets.topology.find(origin)) *
-                                               kBrickVoxels];
+    const Vec3f* from =
+        found != number.end()
+            ? vectors[found->second].data()
+            : &offsets.vectors[std::size_t(offsets.topology.find(origin)) * kBrickVoxels];
     std::copy_n(from, kBrickVoxels, result.vectors.begin() + std::ptrdiff_t(b) * kBrickVoxels);
   }
   return result;

@@ -3,10 +3,10 @@
 //
 // Nothing is interpolated across a cut. Each side of a cut cell carries its displacement on, as far
 // as the cut face, which lies in the middle of the cut links (cut_faces.h), and no further. What is
-// not reached by any side is empty. Around the cut samples are inverted one by one from the source cells that reach
-// them, with no offsets on a lattice between; everywhere else offsets are those of invert().
-// Cost: 100 kB per split brick (those within three voxels of a face, and those where sides overlap);
-// about 0.4 µs per sample in one.
+// not reached by any side is empty. Around the cut samples are inverted one by one from the source
+// cells that reach them, with no offsets on a lattice between; everywhere else offsets are those of
+// invert(). Cost: 100 kB per split brick (those within three voxels of a face, and those where
+// sides overlap); about 0.4 µs per sample in one.
 #pragma once
 
 #include "volumes/field/cut_faces.h"
@@ -32,7 +32,8 @@ Displacement extend_past_cuts(const Displacement& displacement, const BrickTopol
 
 /// invert() for a body with cuts: `split` is set where they have opened. Without an open cut all is
 /// what invert() gives. The certificate counts the cells that were torn open, whose folds are not
-/// counted, and the voxels where sides overlap: there, too, the smallest |o| wins. Throws as invert() does.
+/// counted, and the voxels where sides overlap: there, too, the smallest |o| wins. Throws as
+/// invert() does.
 OffsetField invert_cut(const Displacement& displacement, const CutElements& body,
                        const InvertParams& params = {}, Progress* progress = nullptr);
 
@@ -40,7 +41,7 @@ OffsetField invert_cut(const Displacement& displacement, const CutElements& body
 struct CutBrick {
   Vec3i origin;
   std::vector<CutPiece> pieces;
-  std::vector<std::int32_t> begin;     // per cell, where its pieces begin in `reaching`; and the end
+  std::vector<std::int32_t> begin;  // per cell, where its pieces begin in `reaching`; and the end
   std::vector<std::int32_t> reaching;  // numbers of pieces
 
   /// The smallest offset at x of all pieces, and which it is; -1 in the void. `overlapping`, where

@@ -60,8 +60,8 @@ class VirtualNodes {
     m_values.resize(m_views.size());
     for (auto begin = order.begin(); begin != order.end();) {
       const int node = m_parent[std::size_t(*begin)];
-      const auto end = std::find_if(
-          begin, order.end(), [&](int view) { return m_parent[std::size_t(view)] != node; });
+      const auto end = std::find_if(begin, order.end(),
+                                    [&](int view) { return m_parent[std::size_t(view)] != node; });
       m_values[std::size_t(node)] = value_of(begin, end);
       begin = end;
     }
