@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "tools/bench/cancel_only.h"
 #include "tools/bench/ecm_bodies.h"
 #include "tools/bench/ecm_cases.h"
 #include "tools/bench/memory.h"
@@ -15,18 +16,6 @@ namespace {
 
 constexpr const char* kDefaultHead = "build/data/ct_head.nhdr";
 constexpr std::int64_t kMultisetMemory = std::int64_t(16) << 30;
-
-/// Stops an engine but prints nothing while it is timed.
-class CancelOnly final : public Progress {
- public:
-  explicit CancelOnly(const Console& console) : m_console(console) {}
-  void stage(std::string_view) override {}
-  void update(double) override {}
-  bool cancelled() const override { return m_console.cancelled(); }
-
- private:
-  const Console& m_console;
-};
 
 /// Empty when there is no head CT to measure.
 std::string head_file(const EcmBenchOptions& options, Console& console) {

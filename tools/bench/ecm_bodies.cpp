@@ -7,8 +7,9 @@
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
 
-#include "tools/bench/half_sampled_head.h"
 #include "lib/body/lattice.h"
+#include "tools/bench/block_topology.h"
+#include "tools/bench/half_sampled_head.h"
 #include "tools/material_file.h"
 #include "volumes/grid/density_grid.h"
 #include "volumes/io/volume_file.h"
@@ -86,26 +87,6 @@ void for_bricks(std::size_t count, Visit&& visit) {
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 64), [&](const auto& range) {
     for (std::size_t b = range.begin(); b < range.end(); ++b) visit(b);
   });
-}
-
-/// The voxels of a block for which `is_active` holds.
-template <class IsActive>
-BrickTopology block_topology(const Vec3i& size, IsActive&& is_active) {
-  std::vector<Vec3i> origins;
-  for (int i = 0; i < size.x; i += kBrickDim) {
-    for (int j = 0; j < size.y; j += kBrickDim) {
-      for (int k = 0; k < size.z; k += kBrickDim) origins.emplace_back(i, j, k);
-    }
-  }
-  std::vector<BrickMask> masks(origins.size(), BrickMask{});
-  for_bricks(origins.size(), [&](std::size_t b) {
-    for (int offset = 0; offset < kBrickVoxels; ++offset) {
-      const Vec3i voxel = origins[b] + brick_local(offset);
-      const bool inside = voxel.x < size.x && voxel.y < size.y && voxel.z < size.z;
-      if (inside && is_active(voxel)) mask_set(masks[b], offset);
-    }
-  });
-  return BrickTopology(std::move(origins), std::move(masks));
 }
 
 Body body_at_rest(const Geometry& geometry, BrickTopology elements, const MaterialTable& material,

@@ -2,6 +2,7 @@
 
 #include <oneapi/tbb/global_control.h>
 
+#include "tools/bench/cancel_only.h"
 #include "tools/bench/ecm_bodies.h"
 #include "tools/bench/ecm_engines.h"
 #include "tools/bench/ecm_motion.h"
@@ -12,17 +13,6 @@
 namespace supple::tools {
 
 namespace {
-
-class CancelOnly final : public Progress {
- public:
-  explicit CancelOnly(const Console& console) : m_console(console) {}
-  void stage(std::string_view) override {}
-  void update(double) override {}
-  bool cancelled() const override { return m_console.cancelled(); }
-
- private:
-  const Console& m_console;
-};
 
 /// A dragged head with what follows it.
 struct Scene {

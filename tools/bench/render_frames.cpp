@@ -5,6 +5,7 @@
 #include <oneapi/tbb/global_control.h>
 
 #include "raycast/compare.h"
+#include "tools/bench/block_topology.h"
 #include "tools/bench/half_sampled_head.h"
 #include "volumes/field/procedural.h"
 
@@ -23,19 +24,8 @@ struct Head {
 
 Head make_head(const Vec3i& size) {
   const HalfSampledHead head(size);
-  std::vector<Vec3i> origins;
-  for (int x = 0; x < size.x; x += kBrickDim) {
-    for (int y = 0; y < size.y; y += kBrickDim) {
-      for (int z = 0; z < size.z; z += kBrickDim) origins.push_back({x, y, z});
-    }
-  }
-  std::vector<BrickMask> masks(origins.size(), BrickMask{});
-  tbb::parallel_for(std::size_t(0), origins.size(), [&](std::size_t b) {
-    for (int n = 0; n < kBrickVoxels; ++n) {
-      if (head(origins[b] + brick_local(n)) > kAir) mask_set(masks[b], n);
-    }
-  });
-  const BrickTopology tissue(std::move(origins), std::move(masks));
+  const BrickTopology tissue =
+      block_topology(size, [&](const Vec3i& voxel) { return head(voxel) > kAir; });
   const auto fill = [&](std::size_t b, float* out) {
     for (int n = 0; n < kBrickVoxels; ++n) out[n] = head(tissue.origin(b) + brick_local(n));
   };

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "raycast/frame.h"
+#include "tools/bench/block_topology.h"
 #include "tools/bench/half_sampled_head.h"
 #include "volumes/base/error.h"
 #include "volumes/field/procedural.h"
@@ -43,19 +44,6 @@ std::vector<Line> lines_through(const Geometry& geometry) {
     }
   }
   return lines;
-}
-
-BrickTopology all_voxels(const Vec3i& dims) {
-  std::vector<Vec3i> origins;
-  for (int x = 0; x < dims.x; x += kBrickDim) {
-    for (int y = 0; y < dims.y; y += kBrickDim) {
-      for (int z = 0; z < dims.z; z += kBrickDim) origins.push_back({x, y, z});
-    }
-  }
-  BrickMask full;
-  full.fill(~std::uint64_t(0));
-  std::vector<BrickMask> masks(origins.size(), full);
-  return {std::move(origins), std::move(masks)};
 }
 
 DensityGrid head_grid(const BrickTopology& where) {
@@ -110,7 +98,7 @@ class SuppleLines final : public LineSampler {
 };
 
 struct Kernel {
-  BrickTopology where = all_voxels(kSize);
+  BrickTopology where = block_topology(kSize, [](const Vec3i&) { return true; });
   Geometry geometry = head_phantom(kSize).geometry;
   DensityGrid density = head_grid(where);
   SourceBricks source{density};
