@@ -12,10 +12,12 @@ work="$(mktemp -d)"
 trap 'rm -rf "$work"' EXIT
 "$bin/supple-examples" phantom small-head "$work/small-head.nhdr"
 "$bin/supple-examples" phantom t-shape "$work/t-shape.png"
-for scene in head paths slice; do
-  cp "tests/golden/$scene.toml" "$work/"
-  "$bin/supple" run "$work/$scene.toml" -o "$work/out" --force --quiet
+cp tests/golden/*.toml tests/golden/*.obj "$work/"
+# head and shear first: others read their states.
+for scene in head shear paths slice light surfaces clips sampling outputs cut fold; do
+  "$bin/supple" run "$work/$scene.toml" -o "$work" --force --quiet
 done
+rm "$work/t-shape.png"
 mkdir -p tests/golden/reference
-cp "$work"/out/*.png tests/golden/reference/
+cp "$work"/*.png tests/golden/reference/
 ls -l tests/golden/reference
