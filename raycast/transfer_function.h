@@ -41,8 +41,7 @@ struct TransferFunction {
   void validate(const std::string& file) const;
 };
 
-/// "CT-Bone", "CT-MIP", "CT-Muscle", "CT-Soft-Tissue", "MR-Default", "MR-MIP". Throws InputError
-/// listing the names.
+/// "CT-Bone", "MR-Default" and the others of preset_names(). Throws InputError listing the names.
 TransferFunction preset(const std::string& name);
 std::vector<std::string> preset_names();
 

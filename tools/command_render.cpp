@@ -212,8 +212,8 @@ Command add_render(CLI::App& program) {
   add_offset_option(*app, options->offset);
   app->add_option(
          "--preset", options->preset,
-         "CT-Bone (default with HU), CT-Muscle, CT-Soft-Tissue, CT-MIP, MR-Default, MR-MIP, "
-         "or a file as `supple presets NAME` prints")
+         "One that `supple presets` lists (default: CT-Bone with HU, else MR-Default), or a file "
+         "as `supple presets NAME` prints")
       ->option_text("NAME|F.toml");
   app->add_option("--clip-plane", options->clip_planes,
                   "Leave out what lies behind a point and normal in LPS mm; repeatable")

@@ -1,4 +1,7 @@
 // Transfer functions and presets.
+#include <algorithm>
+#include <iterator>
+
 #include <gtest/gtest.h>
 
 #include "raycast/transfer_function.h"
@@ -51,14 +54,45 @@ TEST(UnitTransferFunction, ErrorsNameTheKeyPoint) {
   EXPECT_EQ(field_of(f), "unit_distance");
 }
 
-TEST(UnitTransferFunction, PresetsAreValidTransparentInAirAndOpaqueInTissue) {
-  ASSERT_EQ(preset_names().size(), 6u);
-  for (const std::string& name : preset_names()) {
+TEST(UnitTransferFunction, PresetsAreValidAndHaveTheNamesOfTheirLists) {
+  const std::vector<std::string> names = preset_names();
+  ASSERT_EQ(names.size(), 17u);
+  EXPECT_TRUE(std::is_sorted(names.begin(), names.end()));
+  for (const std::string& name : names) {
     const TransferFunction f = preset(name);
     EXPECT_EQ(f.name, name);
-    EXPECT_EQ(field_of(f), "valid");
-    EXPECT_EQ(f.opacity_at(name[0] == 'M' ? 0 : -1000), 0);
-    EXPECT_GT(f.opacity_at(name[0] == 'M' ? 200 : 1000), 0.3);
+    EXPECT_EQ(field_of(f), "valid") << name;
+  }
+}
+
+TEST(UnitTransferFunction, EveryPresetShowsWhatItIsNamedAfterAndNotAll) {
+  struct Case {
+    const char* name;
+    double hidden, shown;  // densities
+  };
+  const Case cases[] = {{"CT-Air", 0, -900},
+                        {"CT-Bone", 60, 600},
+                        {"CT-Bones", 60, 600},
+                        {"CT-Cardiac", -1000, 250},
+                        {"CT-Chest-Contrast-Enhanced", -1000, 250},
+                        {"CT-Chest-Vessels", 60, 250},
+                        {"CT-Cropped-Volume-Bone", -1000, 600},
+                        {"CT-Fat", 60, -90},
+                        {"CT-Lung", 60, -600},
+                        {"CT-MIP", -1000, 600},
+                        {"CT-Muscle", -1000, 60},
+                        {"CT-Soft-Tissue", -1000, 60},
+                        {"CT-X-ray", -1000, 600},
+                        {"MR-Angio", 100, 250},
+                        {"MR-Default", 0, 100},
+                        {"MR-MIP", 0, 100},
+                        {"MR-T2-Brain", 0, 200}};
+  ASSERT_EQ(std::size(cases), preset_names().size());
+  for (const Case& c : cases) {
+    const TransferFunction f = preset(c.name);
+    EXPECT_EQ(f.opacity_at(c.hidden), 0) << c.name;
+    EXPECT_GT(f.opacity_at(c.shown), f.ambient == 1 ? 0.002 : 0.1) << c.name;
+    EXPECT_EQ(f.blend == Blend::maximum, f.name.find("MIP") != std::string::npos) << c.name;
   }
   EXPECT_EQ(preset("CT-Bone").opacity_at(60), 0);
   EXPECT_THROW(preset("CT-Brain"), InputError);
