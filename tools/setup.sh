@@ -4,7 +4,7 @@
 #
 #   bash tools/setup.sh [--with-judges|--with-peers]
 #     judges: other people's programs that the tests compare with
-#     peers: VTK and ITK, which `supple bench invert` compares with
+#     peers: VTK and ITK, which `supple bench` compares with
 set -euo pipefail
 
 SUPPLE_ROOT="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
@@ -15,7 +15,7 @@ SUPPLE_PACKAGES=(
   libtiff-dev libpng-dev libopenexr-dev ffmpeg libnifti2-dev zlib1g-dev libssl-dev
   libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libgtest-dev)
 SUPPLE_JUDGES=(elastix plastimatch teem-apps python3-openvdb)
-SUPPLE_PEERS=(python3-vtk9 libinsighttoolkit5-dev)
+SUPPLE_PEERS=(python3-vtk9 xvfb libinsighttoolkit5-dev)
 SUPPLE_PROGRAMS="supple supple-examples"
 
 say() { printf '== %s\n' "$*"; }
@@ -75,11 +75,15 @@ if [ "${BASH_SOURCE[0]}" = "$0" ]; then
   if [ "${1:-}" = "--with-judges" ]; then
     install_packages "${SUPPLE_JUDGES[@]}" || say "tests that need them will be skipped"
   fi
+  cmake_options=()
   if [ "${1:-}" = "--with-peers" ]; then
-    install_packages "${SUPPLE_PEERS[@]}" && SUPPLE_PROGRAMS+=" supple-itk-inverse"
-    build_preset release "$SUPPLE_PROGRAMS" -DSUPPLE_BENCH_ITK=ON
-  else
-    build_preset release "$SUPPLE_PROGRAMS"
+    if install_packages "${SUPPLE_PEERS[@]}"; then
+      SUPPLE_PROGRAMS+=" supple-itk-inverse supple-itk-warp"
+      cmake_options+=(-DSUPPLE_BENCH_ITK=ON)
+    else
+      say "benchmarks will leave out the rows that need them"
+    fi
   fi
+  build_preset release "$SUPPLE_PROGRAMS" "${cmake_options[@]}"
   say "built $SUPPLE_ROOT/build/release/bin/supple"
 fi

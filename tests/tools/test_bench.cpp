@@ -113,6 +113,55 @@ TEST(UnitBench, AQuickRunOfInvertKeepsEveryRowThatFiguresName) {
   EXPECT_EQ(std::count(names.begin(), names.end(), "update/512x512x256/newton/2"), 1);
 }
 
+TEST(UnitBench, RowsOfRenderCoverOtherRenderersAndAQuickRunKeepsItsOwn) {
+  const auto names_of = [](std::vector<std::string> more) {
+    more.insert(more.begin(), {"bench", "render", "--list", "--threads", "2"});
+    return run_supple(more).out;
+  };
+  const std::string all = names_of({}), quick = names_of({"--quick"});
+  for (const char* name :
+       {"show/process/supple/2\n", "show/process/itk+vtk/2\n", "show/session/supple/2\n",
+        "show/session/itk+vtk/2\n", "casters/blinn/vtk/0.5/2\n", "casters/blinn/supple/0.5/2\n",
+        "casters/none/supple/default/2\n"}) {
+    EXPECT_NE(all.find(name), std::string::npos) << name;
+    EXPECT_EQ(quick.find(name), std::string::npos) << name;
+  }
+  for (const char* name :
+       {"extension/bump/extended\n", "extension/bump/zero\n", "frame/local/default/2\n"}) {
+    EXPECT_NE(all.find(name), std::string::npos) << name;
+    EXPECT_NE(quick.find(name), std::string::npos) << name;
+  }
+}
+
+TEST(PropertyBench, TheExtensionIntoTheAirKeepsAPictureNearTheExactOne) {
+  const TemporaryFolder folder;
+  const Outcome outcome = run_supple({"bench", "render", "--quick", "--only", "extension/bump",
+                                      "--json", folder / "extension.json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto rows = nlohmann::json::parse(read_text(folder / "extension.json"))["rows"];
+  ASSERT_EQ(rows.size(), 3u);
+  EXPECT_EQ(rows[0]["air"], "extended");
+  EXPECT_GE(rows[0]["ssim"], 0.997);
+  EXPECT_EQ(rows[1]["air"], "analytic");
+  EXPECT_GE(rows[1]["ssim"], 0.9999);
+  EXPECT_EQ(rows[2]["air"], "zero");
+  EXPECT_LT(rows[2]["ssim"], 0.95);
+}
+
+TEST(PropertyBench, UnshadedPicturesAreThoseOfVtk) {
+  const TemporaryFolder folder;
+  const Outcome outcome = run_supple(
+      {"bench", "render", "--only", "casters/none/*/0.25/", "--json", folder / "casters.json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto rows = nlohmann::json::parse(read_text(folder / "casters.json"))["rows"];
+  if (rows.empty()) GTEST_SKIP() << "VTK is not installed (tools/setup.sh --with-peers)";
+  ASSERT_EQ(rows.size(), 2u);
+  for (const auto& row : rows) {
+    EXPECT_GE(row["ssim"], 0.995) << row;
+    EXPECT_GE(row["ssim_other"], 0.995) << row;
+  }
+}
+
 TEST(UnitBench, TheTableShowsEveryRow) {
   const TemporaryFolder folder;
   const Outcome outcome = run_supple(tiny_with({"--threads", "1"}));

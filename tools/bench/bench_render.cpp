@@ -1,11 +1,15 @@
 #include "tools/bench/bench_render.h"
 
 #include <algorithm>
+#include <functional>
 #include <memory>
 #include <thread>
 
+#include "tools/bench/render_extension.h"
 #include "tools/bench/render_frames.h"
 #include "tools/bench/render_kernel.h"
+#include "tools/bench/render_show.h"
+#include "tools/bench/render_vtk.h"
 #include "tools/bench/row_filter.h"
 #include "tools/command.h"
 
@@ -15,10 +19,30 @@ namespace {
 
 const Vec3i kHeadSize(512, 512, 256);
 
-/// What is left of both kinds of rows; frames in groups of one kind of deformation.
-struct Plan {
-  std::vector<KernelSide> kernel;
-  std::vector<std::vector<FrameSide>> frames;
+using BeforeRun = std::function<void()>;
+
+/// Rows that are measured together.
+struct Part {
+  std::string stage;
+  std::vector<std::string> names;
+  std::function<std::vector<BenchRow>(Console&, const BeforeRun&)> measure;
+};
+
+/// The head of the frames, made when the first of them is due.
+class LazyFrames {
+ public:
+  explicit LazyFrames(int image_size) : m_image_size(image_size) {}
+  FrameBench& get(Console& console) {
+    if (!m_frames) {
+      console.stage("head phantom");
+      m_frames = std::make_unique<FrameBench>(kHeadSize, m_image_size);
+    }
+    return *m_frames;
+  }
+
+ private:
+  int m_image_size;
+  std::unique_ptr<FrameBench> m_frames;
 };
 
 std::vector<FrameSide> frame_sides(const std::string& kind, int threads) {
@@ -31,26 +55,63 @@ std::vector<FrameSide> frame_sides(const std::string& kind, int threads) {
   return sides;
 }
 
-template <class Side, class NameOf>
-std::vector<Side> wanted(std::vector<Side> sides, const RenderBenchOptions& options,
-                         NameOf name_of) {
-  const auto is_left_out = [&](const Side& side) {
-    return !is_wanted_row(options.only, name_of(side));
+/// Adds what is left of the sides as one part, when there are any.
+template <class Side, class NameOf, class Measure>
+void add_part(std::vector<Part>& plan, const RenderBenchOptions& options, const std::string& stage,
+              const std::vector<Side>& sides, NameOf name_of, Measure measure) {
+  Part part{stage, {}, nullptr};
+  std::vector<Side> wanted;
+  for (const Side& side : sides) {
+    if (!is_wanted_row(options.only, name_of(side))) continue;
+    wanted.push_back(side);
+    part.names.push_back(name_of(side));
+  }
+  if (wanted.empty()) return;
+  part.measure = [=](Console& console, const BeforeRun& before_run) {
+    return measure(wanted, console, before_run);
   };
-  sides.erase(std::remove_if(sides.begin(), sides.end(), is_left_out), sides.end());
-  return sides;
+  plan.push_back(std::move(part));
 }
 
-Plan plan_render(const RenderBenchOptions& options) {
+std::vector<Part> plan_render(const RenderBenchOptions& options) {
   int threads = options.threads;
   if (threads == 0) threads = std::min(2, int(std::thread::hardware_concurrency()));
-  Plan plan;
-  plan.kernel = wanted(kernel_sides(), options, kernel_row_name);
-  for (const std::string kind : {"straight", "identity", "zero", "local", "extreme"}) {
-    auto sides = wanted(frame_sides(kind, threads), options, frame_row_name);
-    if (!sides.empty()) plan.frames.push_back(std::move(sides));
+  const auto limits = [quick = options.quick](RoundLimits of_quick, RoundLimits of_full) {
+    return quick ? of_quick : of_full;
+  };
+  std::vector<Part> plan;
+  if (!options.quick) {
+    // Before any volume is held: the memory of other programs could not be told.
+    add_part(plan, options, "deform, then show", show_sides(threads), show_row_name,
+             [](const auto& sides, Console& console, const BeforeRun& before_run) {
+               return measure_show(sides, {5, 9, 30000}, console, before_run);
+             });
+    add_part(plan, options, "ray casters", straight_sides(threads), straight_row_name,
+             [](const auto& sides, Console& console, const BeforeRun& before_run) {
+               return measure_straight(sides, {7, 9, 20000}, console, before_run);
+             });
   }
-  if (plan.kernel.empty() && plan.frames.empty()) {
+  add_part(plan, options, "kernel", kernel_sides(), kernel_row_name,
+           [rounds = limits({3, 5, 0}, {7, 25, 10000})](const auto& sides, Console&,
+                                                        const BeforeRun& before_run) {
+             return measure_kernel(sides, rounds, before_run);
+           });
+  const auto frames = std::make_shared<LazyFrames>(options.quick ? 512 : 1024);
+  for (const std::string kind : {"straight", "identity", "zero", "local", "extreme"}) {
+    add_part(plan, options, kind, frame_sides(kind, threads), frame_row_name,
+             [frames, rounds = limits({3, 5, 600}, {5, 15, 6000})](
+                 const auto& sides, Console& console, const BeforeRun& before_run) {
+               FrameBench& bench = frames->get(console);
+               console.stage(sides.front().kind);
+               return bench.measure(sides, rounds, before_run);
+             });
+  }
+  add_part(plan, options, "extension", extension_sides(), extension_row_name,
+           [rounds = limits({1, 1, 0}, {5, 5, 0})](const auto& sides, Console&,
+                                                   const BeforeRun& before_run) {
+             return measure_extension(sides, rounds, before_run);
+           });
+  if (plan.empty()) {
     throw UsageError(to_line({"", "--only", "'" + options.only.front() + "', which no row matches",
                               "part of a row's name, such as frame/local/default/1"}));
   }
@@ -60,36 +121,24 @@ Plan plan_render(const RenderBenchOptions& options) {
 }  // namespace
 
 std::vector<std::string> render_row_names(const RenderBenchOptions& options) {
-  const Plan plan = plan_render(options);
   std::vector<std::string> names;
-  for (const KernelSide& side : plan.kernel) names.push_back(kernel_row_name(side));
-  for (const auto& sides : plan.frames) {
-    for (const FrameSide& side : sides) names.push_back(frame_row_name(side));
+  for (const Part& part : plan_render(options)) {
+    names.insert(names.end(), part.names.begin(), part.names.end());
   }
   return names;
 }
 
 BenchReport bench_render(const RenderBenchOptions& options, Console& console) {
-  const Plan plan = plan_render(options);
+  const std::vector<Part> plan = plan_render(options);
   BenchReport result{"render", measure_machine(), {}};
-  const auto stop_if_cancelled = [&] {
+  const BeforeRun stop_if_cancelled = [&] {
     if (console.cancelled()) throw Cancelled();
   };
-  const auto add = [&](std::vector<BenchRow> rows) {
-    for (BenchRow& row : rows) result.rows.push_back(std::move(row));
-  };
-  if (!plan.kernel.empty()) {
-    console.stage("kernel");
-    const RoundLimits limits = options.quick ? RoundLimits{3, 5, 0} : RoundLimits{7, 25, 10000};
-    add(measure_kernel(plan.kernel, limits, stop_if_cancelled));
-  }
-  if (plan.frames.empty()) return result;
-  console.stage("head phantom");
-  FrameBench frames(kHeadSize, options.quick ? 512 : 1024);
-  const RoundLimits limits = options.quick ? RoundLimits{3, 5, 600} : RoundLimits{5, 15, 6000};
-  for (const auto& sides : plan.frames) {
-    console.stage(sides.front().kind);
-    add(frames.measure(sides, limits, stop_if_cancelled));
+  for (const Part& part : plan) {
+    console.stage(part.stage);
+    for (BenchRow& row : part.measure(console, stop_if_cancelled)) {
+      result.rows.push_back(std::move(row));
+    }
   }
   return result;
 }

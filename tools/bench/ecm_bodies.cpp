@@ -16,12 +16,7 @@
 
 namespace supple::tools {
 
-namespace {
-
-using ClassAt = std::function<std::uint8_t(const Vec3i&)>;
-
-/// The table of docs/scenes/ct_head_material.toml.
-constexpr const char* kHeadMaterial = R"(
+const char* const kHeadMaterial = R"(
 domain     = [-300, 1500]
 active     = [-300, 3100]
 components = "largest"
@@ -29,6 +24,10 @@ max_length = [[-300, 1.25], [100, 1.20], [250, 1.06], [700, 1.05]]
 min_length = [[-300, 0.75], [100, 0.80], [250, 0.94], [700, 0.95]]
 shear      = [[-300, 0.30], [100, 0.25], [250, 0.15], [700, 0.13]]
 )";
+
+namespace {
+
+using ClassAt = std::function<std::uint8_t(const Vec3i&)>;
 
 /// The example table of design.md section 2.
 MaterialTable example_material() {

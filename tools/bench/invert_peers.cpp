@@ -1,70 +1,14 @@
 #include "tools/bench/invert_peers.h"
 
-#include <cstdio>
-#include <cstdlib>
-#include <filesystem>
 #include <fstream>
 
+#include "tools/bench/peer_process.h"
+#include "tools/bench/vtk_programs.h"
 #include "volumes/base/error.h"
 
 namespace supple::tools {
 
 namespace {
-
-/// Arguments: folder, threads, nx, ny, nz. Reads u.raw, writes o.raw (floats, three per voxel, i
-/// fastest), prints the milliseconds of the inversion.
-constexpr const char* kVtkScript = R"(
-import sys, time
-from vtkmodules.vtkFiltersHybrid import vtkGridTransform, vtkTransformToGrid
-from vtkmodules.vtkIOImage import vtkImageReader2, vtkMetaImageWriter
-folder, threads, nx, ny, nz = sys.argv[1], *map(int, sys.argv[2:6])
-reader = vtkImageReader2()
-reader.SetFileName(folder + '/u.raw')
-reader.SetFileDimensionality(3)
-reader.SetDataExtent(0, nx - 1, 0, ny - 1, 0, nz - 1)
-reader.SetDataScalarTypeToFloat()
-reader.SetNumberOfScalarComponents(3)
-reader.SetDataByteOrderToLittleEndian()
-reader.Update()
-transform = vtkGridTransform()
-transform.SetDisplacementGridData(reader.GetOutput())
-transform.SetInterpolationModeToLinear()
-transform.Update()
-grid = vtkTransformToGrid()
-grid.SetInput(transform.GetInverse())
-grid.SetGridExtent(0, nx - 1, 0, ny - 1, 0, nz - 1)
-grid.SetGridScalarTypeToFloat()
-begin = time.perf_counter()
-grid.Update()
-print(1e3 * (time.perf_counter() - begin))
-writer = vtkMetaImageWriter()
-writer.SetInputData(grid.GetOutput())
-writer.SetCompression(False)
-writer.SetFileName(folder + '/o.mhd')
-writer.SetRAWFileName(folder + '/o.raw')
-writer.Write()
-)";
-
-/// A folder of its own that goes when this does.
-class Scratch {
- public:
-  Scratch() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "supple-XXXXXX").string();
-    if (::mkdtemp(pattern.data()) == nullptr) throw SystemError(pattern + ": cannot create");
-    m_path = pattern;
-  }
-  ~Scratch() {
-    std::error_code ignored;
-    std::filesystem::remove_all(m_path, ignored);
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-
-  const std::string& path() const { return m_path; }
-
- private:
-  std::string m_path;
-};
 
 void write_dense(const Displacement& displacement, const std::string& path) {
   const Vec3i& dims = displacement.geometry.dims();
@@ -97,47 +41,37 @@ VectorBricks read_dense(const BrickTopology& voxels, const Vec3i& dims, const st
   return o;
 }
 
-/// What the command prints; empty when it fails.
-std::string output_of(const std::string& command) {
-  std::string text;
-  FILE* pipe = ::popen((command + " 2>/dev/null").c_str(), "r");
-  if (pipe == nullptr) return text;
-  char buffer[256];
-  while (std::fgets(buffer, sizeof buffer, pipe) != nullptr) text += buffer;
-  return ::pclose(pipe) == 0 ? text : "";
-}
-
 /// The command up to its arguments; empty when the peer is not installed.
-std::string command_of(const std::string& peer, const std::string& folder) {
+std::vector<std::string> command_of(const std::string& peer, const std::string& folder) {
   if (peer == "itk") {
-    const auto program =
-        std::filesystem::read_symlink("/proc/self/exe").parent_path() / "supple-itk-inverse";
-    return std::filesystem::exists(program) ? program.string() : "";
+    const std::string program = program_beside("supple-itk-inverse");
+    if (program.empty()) return {};
+    return {program};
   }
-  constexpr const char* kPython = "/usr/bin/python3";
-  const std::string test =
-      std::string(kPython) + " -c 'import vtkmodules.vtkFiltersHybrid; print(1)'";
-  if (output_of(test).empty()) return "";
-  std::ofstream(folder + "/invert.py") << kVtkScript;
-  return std::string(kPython) + " " + folder + "/invert.py";
+  if (!has_python_with_vtk({"vtkFiltersHybrid", "vtkIOImage"})) return {};
+  const std::string script = folder + "/invert.py";
+  std::ofstream(script) << kVtkInverse;
+  return {kPythonWithVtk, script};
 }
 
 }  // namespace
 
 std::optional<PeerInverse> invert_by_peer(const std::string& peer, const Displacement& displacement,
                                           int threads) {
-  const Scratch scratch;
-  const std::string command = command_of(peer, scratch.path());
+  const ScratchFolder scratch;
+  std::vector<std::string> command = command_of(peer, scratch.path());
   if (command.empty()) return std::nullopt;
   const Vec3i& dims = displacement.geometry.dims();
-  write_dense(displacement, scratch.path() + "/u.raw");
-  const std::string printed = output_of(
-      command + " " + scratch.path() + " " + std::to_string(threads) + " " +
-      std::to_string(dims.x) + " " + std::to_string(dims.y) + " " + std::to_string(dims.z));
-  if (printed.empty()) throw Error(peer + ": the inversion failed");
+  write_dense(displacement, scratch / "u.raw");
+  command.push_back(scratch.path());
+  for (const int number : {threads, dims.x, dims.y, dims.z}) {
+    command.push_back(std::to_string(number));
+  }
+  PeerProcess process(command);
   PeerInverse inverse;
-  inverse.ms = std::stod(printed);
-  inverse.o = read_dense(displacement.u.topology, dims, scratch.path() + "/o.raw");
+  inverse.ms = std::stod(process.read_line());
+  process.finish();
+  inverse.o = read_dense(displacement.u.topology, dims, scratch / "o.raw");
   return inverse;
 }
 

@@ -25,6 +25,10 @@ std::int64_t heap_bytes() {
   return std::int64_t(info.uordblks + info.hblkhd);
 }
 
+std::int64_t resident_bytes() {
+  return read_kilobytes("/proc/self/status", "VmRSS");
+}
+
 std::int64_t available_bytes() {
   return read_kilobytes("/proc/meminfo", "MemAvailable");
 }
@@ -33,7 +37,7 @@ PeakMemory::PeakMemory() {
   ::malloc_trim(0);
   std::ofstream reset("/proc/self/clear_refs");
   m_works = bool(reset << "5" << std::flush);
-  m_before = read_kilobytes("/proc/self/status", "VmRSS");
+  m_before = resident_bytes();
 }
 
 std::optional<std::int64_t> PeakMemory::growth() const {

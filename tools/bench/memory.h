@@ -10,6 +10,9 @@ namespace supple::tools {
 /// in full, whether touched or not.
 std::int64_t heap_bytes();
 
+/// Resident size of this process.
+std::int64_t resident_bytes();
+
 /// Memory that the system could give this process without swapping.
 std::int64_t available_bytes();
 

@@ -1,0 +1,90 @@
+// Programs of other people that a benchmark runs beside its own: how they are found, started, asked
+// line by line, and what they cost as the system counts it.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace supple::tools {
+
+/// A folder of its own that goes when this does.
+class ScratchFolder {
+ public:
+  /// Throws SystemError.
+  ScratchFolder();
+  ~ScratchFolder();
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+
+  const std::string& path() const { return m_path; }
+  std::string operator/(const std::string& name) const { return m_path + "/" + name; }
+
+ private:
+  std::string m_path;
+};
+
+/// From its start to its end.
+struct ProcessCost {
+  double wall_ms = 0;
+  /// The largest resident size. Absent when it was not above that of this program, which Linux
+  /// counts in until the new one takes over.
+  std::optional<double> peak_mbytes;
+};
+
+/// One process with its stdin and stdout at hand; stderr is kept for error messages.
+class PeerProcess {
+ public:
+  /// `arguments` begins with the program; `environment` adds NAME=VALUE. Throws SystemError.
+  explicit PeerProcess(const std::vector<std::string>& arguments,
+                       const std::vector<std::string>& environment = {});
+  /// Ends it when it still runs.
+  ~PeerProcess();
+  PeerProcess(const PeerProcess&) = delete;
+  PeerProcess& operator=(const PeerProcess&) = delete;
+
+  /// The next line that it prints. Throws Error, with what it said last, when it ends instead.
+  std::string read_line();
+  /// Sends a line and returns the next one.
+  std::string ask(const std::string& line);
+  /// Ends its stdin and waits. Throws Error when it fails.
+  ProcessCost finish();
+
+ private:
+  std::string complaint() const;
+
+  ScratchFolder m_scratch;  // of stderr
+  std::string m_name;
+  int m_pid = -1;
+  int m_socket = -1;
+  double m_start_ms = 0;
+  double m_own_mbytes = 0;
+  std::string m_unread;
+};
+
+/// This program.
+std::string own_program();
+/// A program that the build puts beside this one; empty when it was not built.
+std::string program_beside(const std::string& name);
+/// The Python that Debian's VTK belongs to.
+constexpr const char* kPythonWithVtk = "/usr/bin/python3";
+/// True when it has these of VTK's modules.
+bool has_python_with_vtk(const std::vector<std::string>& modules);
+
+/// An X server without a screen, for programs that cannot draw without one.
+class VirtualDisplay {
+ public:
+  /// True with Xvfb.
+  static bool is_installed();
+  /// Throws Error when it does not come up.
+  VirtualDisplay();
+
+  /// "DISPLAY=:N".
+  const std::string& environment() const { return m_environment; }
+
+ private:
+  PeerProcess m_server;
+  std::string m_environment;
+};
+
+}  // namespace supple::tools
