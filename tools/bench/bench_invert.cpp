@@ -74,6 +74,7 @@ std::vector<InvertWorkload> plan_invert(const InvertBenchOptions& options) {
 struct InvertResult {
   OffsetField field;
   Times cpu;
+  bool is_absent = false;  // of a peer that is not installed
 };
 
 BenchRow row_of(const InvertWorkload& workload, const InvertSide& side, const Times& times,
@@ -128,11 +129,13 @@ void run_method(const std::string& method, const Displacement& displacement, Inv
   }));
 }
 
-/// Once; without a time when the peer is not installed.
+/// Once; without a time when the peer is not installed, which is noted the first time.
 void run_peer(const std::string& peer, const Displacement& displacement, InvertResult& result,
               Times& times, Console& console) {
+  if (result.is_absent) return;
   std::optional<PeerInverse> inverse = invert_by_peer(peer, displacement, 1);
   if (!inverse) {
+    result.is_absent = true;
     console.note(peer + " is not installed: its rows are left out");
     return;
   }
