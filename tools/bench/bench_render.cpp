@@ -106,7 +106,7 @@ std::vector<Part> plan_render(const RenderBenchOptions& options) {
                return bench.measure(sides, rounds, before_run);
              });
   }
-  add_part(plan, options, "extension", extension_sides(), extension_row_name,
+  add_part(plan, options, "extension", extension_sides(options.quick), extension_row_name,
            [rounds = limits({1, 1, 0}, {5, 5, 0})](const auto& sides, Console&,
                                                    const BeforeRun& before_run) {
              return measure_extension(sides, rounds, before_run);

@@ -1,6 +1,6 @@
 #include "tools/bench/render_extension.h"
 
-#include <optional>
+#include <map>
 
 #include <oneapi/tbb/global_control.h>
 
@@ -68,9 +68,10 @@ Displacement displacement_with(const std::string& air, const AnalyticWarp& warp,
 
 }  // namespace
 
-std::vector<ExtensionSide> extension_sides() {
+std::vector<ExtensionSide> extension_sides(bool quick) {
   std::vector<ExtensionSide> sides;
-  for (const char* warp : {"bump", "shear", "stretch"}) {
+  for (const std::string warp : {"bump", "shear", "stretch"}) {
+    if (quick && warp != "bump") continue;
     for (const char* air : {"extended", "analytic", "zero"}) sides.push_back({warp, air});
   }
   return sides;
@@ -91,13 +92,16 @@ std::vector<BenchRow> measure_extension(const std::vector<ExtensionSide>& sides,
   settings.width = settings.height = kImageSize;
   const BrickTopology box = block_topology(kSize, [](const Vec3i&) { return true; });
   Renderer renderer(body.geometry, body.density);
+  std::map<std::string, Image> expected;  // by the warp
   std::vector<BenchRow> rows;
   for (const ExtensionSide& side : sides) {
     before_run();
     const AnalyticWarp warp = warp_of(side.warp);
-    const OffsetField exact = sample_offsets(warp, body.geometry, box);
-    renderer.set_offsets(&exact);
-    const Image expected = renderer.render(camera, skin, settings);
+    if (expected.count(side.warp) == 0) {
+      const OffsetField exact = sample_offsets(warp, body.geometry, box);
+      renderer.set_offsets(&exact);
+      expected[side.warp] = renderer.render(camera, skin, settings);
+    }
     const OffsetField offsets = invert(displacement_with(side.air, warp, body));
     renderer.set_offsets(&offsets);
     const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
@@ -107,7 +111,7 @@ std::vector<BenchRow> measure_extension(const std::vector<ExtensionSide>& sides,
       times.ms.push_back(time_ms([&] { image = renderer.render(camera, skin, settings); }));
     };
     take_turns(timed, limits, before_run);
-    const Comparison found = compare(image, expected, true);
+    const Comparison found = compare(image, expected[side.warp], true);
     BenchRow row = {{"case", "extension"},
                     {"warp", side.warp},
                     {"air", side.air},

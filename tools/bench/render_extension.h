@@ -16,7 +16,8 @@ struct ExtensionSide {
   std::string air;   // u in the air around the elements: extended, analytic, or zero
 };
 
-std::vector<ExtensionSide> extension_sides();
+/// `quick`: one deformation.
+std::vector<ExtensionSide> extension_sides(bool quick);
 std::string extension_row_name(const ExtensionSide& side);
 
 /// Times the frame, one thread, and compares it.
