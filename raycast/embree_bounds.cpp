@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <optional>
-#include <tuple>
 
 #include "raycast/embree_scene.h"
 
@@ -43,24 +41,27 @@ void collect(const RTCIntersectFunctionNArguments* args) {
 }
 
 /// The box around the visible bricks of every 16^3 cluster.
-std::vector<Box> cluster_boxes(const BrickTopology& topology,
-                               const std::vector<std::uint8_t>& visible) {
-  std::map<std::tuple<int, int, int>, Box> clusters;
-  for (std::size_t b = 0; b < topology.brick_count(); ++b) {
+std::vector<Box> cluster_boxes(const BrickIndex& bricks, const std::vector<std::uint8_t>& visible) {
+  constexpr std::size_t kClusters = BrickIndex::kTableSize / 8;  // of a table
+  std::vector<std::int32_t> box_of(bricks.place_count() / 8, -1);
+  std::vector<Box> boxes;
+  for (std::size_t b = 0; b < bricks.count(); ++b) {
     if (!visible[b]) continue;
-    const Vec3i& origin = topology.origin(b);
+    const Vec3i& origin = bricks.origin(b);
     const Box brick{Vec3d(origin) - Vec3d(kGrowth), Vec3d(origin) + Vec3d(kBrickDim + kGrowth)};
-    const auto [at, fresh] =
-        clusters.try_emplace({origin.x >> 4, origin.y >> 4, origin.z >> 4}, brick);
-    if (fresh) continue;
+    const auto part = [&](int axis) { return std::size_t(origin[axis] >> 4 & 7); };
+    const std::size_t table = bricks.place(b) / BrickIndex::kTableSize;
+    std::int32_t& box = box_of[table * kClusters + (part(0) << 6 | part(1) << 3 | part(2))];
+    if (box < 0) {
+      box = std::int32_t(boxes.size());
+      boxes.push_back(brick);
+      continue;
+    }
     for (int a = 0; a < 3; ++a) {
-      at->second.lo[a] = std::min(at->second.lo[a], brick.lo[a]);
-      at->second.hi[a] = std::max(at->second.hi[a], brick.hi[a]);
+      boxes[box].lo[a] = std::min(boxes[box].lo[a], brick.lo[a]);
+      boxes[box].hi[a] = std::max(boxes[box].hi[a], brick.hi[a]);
     }
   }
-  std::vector<Box> boxes;
-  boxes.reserve(clusters.size());
-  for (const auto& entry : clusters) boxes.push_back(entry.second);
   return boxes;
 }
 
@@ -99,10 +100,9 @@ struct VisibleBounds::Impl {
   std::optional<EmbreeScene> scene;  // when there are boxes
 };
 
-VisibleBounds::VisibleBounds(const BrickTopology& topology,
-                             const std::vector<std::uint8_t>& visible)
+VisibleBounds::VisibleBounds(const BrickIndex& bricks, const std::vector<std::uint8_t>& visible)
     : m_impl(std::make_unique<Impl>()) {
-  m_impl->boxes = cluster_boxes(topology, visible);
+  m_impl->boxes = cluster_boxes(bricks, visible);
   if (m_impl->boxes.empty()) return;
   RTCGeometry geometry = m_impl->scene.emplace(RTC_GEOMETRY_TYPE_USER).geometry();
   rtcSetGeometryUserPrimitiveCount(geometry, unsigned(m_impl->boxes.size()));

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "volumes/grid/brick_topology.h"
+#include "volumes/grid/brick_index.h"
 
 namespace supple {
 
@@ -26,7 +26,7 @@ Interval clip_to_box(const IndexRay& ray, const Vec3d& lo, const Vec3d& hi, Inte
 class VisibleBounds {
  public:
   /// `visible[b]`: brick b holds cells that may be visible.
-  VisibleBounds(const BrickTopology& topology, const std::vector<std::uint8_t>& visible);
+  VisibleBounds(const BrickIndex& bricks, const std::vector<std::uint8_t>& visible);
   ~VisibleBounds();
   VisibleBounds(const VisibleBounds&) = delete;
   VisibleBounds& operator=(const VisibleBounds&) = delete;

@@ -8,9 +8,8 @@ namespace supple {
 
 namespace {
 
-template <class Bricks>
-std::vector<std::uint8_t> visible_bricks(const Bricks& bricks, const Classifier& classifier) {
-  std::vector<std::uint8_t> visible(bricks.topology().brick_count());
+std::vector<std::uint8_t> visible_bricks(const OffsetBricks& bricks, const Classifier& classifier) {
+  std::vector<std::uint8_t> visible(bricks.brick_count());
   for (std::size_t b = 0; b < visible.size(); ++b) {
     visible[b] = classifier.may_be_visible(bricks.range(b));
   }
@@ -35,7 +34,7 @@ Frame::Frame(const Geometry& geometry_, const SourceBricks& source_, const Offse
       step_mm(step_of(geometry_, settings_)),
       classifier(function_, source_, step_mm),
       output_visible(visible_bricks(output_, classifier)),
-      bounds(output_.topology(), output_visible),
+      bounds(output_.index(), output_visible),
       shading(camera, function_, settings_.lighting),
       surfaces(surfaces_ != nullptr && surfaces_->empty() ? nullptr : surfaces_) {
   // The source box and the deformed bounds, each with the one voxel by which material can reach
@@ -67,45 +66,48 @@ Vec3f Frame::to_world(const Vec3f& g) const {
 
 Vec3f Frame::pull_back(const SampleBatch& batch, int lane, const Vec3d& x,
                        const Vec3f& gradient) const {
-  if (batch.split >> lane & 1) {
-    return Vec3f(output.split().pull_back(batch.piece[lane], x, Vec3d(gradient)));
+  if (batch.pointwise >> lane & 1) {
+    return Vec3f(output.pointwise()->pull_back(batch.piece[lane], x, Vec3d(gradient)));
   }
   if (!(batch.bent >> lane & 1)) return gradient;
-  const float* node = tables.offsets + std::int64_t(batch.offset_node[lane]) * OffsetBricks::kStepZ;
+  const float* node = tables.offsets + std::int64_t(batch.offset_node[lane]) * BrickNodes::kStepZ;
   return pull_back_gradient({node, batch.ox[lane], batch.oy[lane], batch.oz[lane]}, gradient);
 }
 
 void Frame::fill_tables() {
-  const std::size_t source_count = source.topology().brick_count();
-  const std::size_t output_count = output.topology().brick_count();
-  m_source_entries.resize(source_count);
-  for (std::size_t b = 0; b < source_count; ++b) {
-    const bool visible = classifier.may_be_visible(source.range(b));
-    m_source_entries[b] = visible ? std::int32_t(b) : SamplingTables::kSkip;
+  const BrickIndex& sources = source.topology().index();
+  const auto entry_of_source = [&](std::size_t b) {
+    return classifier.may_be_visible(source.range(b)) ? std::int32_t(b) : SamplingTables::kSkip;
+  };
+  m_source_entries.assign(sources.place_count(), SamplingTables::kSkip);
+  for (std::size_t b = 0; b < sources.count(); ++b) {
+    m_source_entries[sources.place(b)] = entry_of_source(b);
   }
-  m_output_entries.resize(output_count);
-  m_output_highest.resize(output_count);
-  for (std::size_t b = 0; b < output_count; ++b) {
-    m_output_highest[b] = output.range(b).hi;
-    std::int32_t entry = SamplingTables::kSkip;
-    if (output_visible[b] && output.is_identity(b)) {
-      const std::int32_t beneath = source.topology().find(output.topology().origin(b));
-      if (beneath >= 0) entry = m_source_entries[beneath];
-    } else if (output_visible[b] && output.is_split(b)) {
-      entry = SamplingTables::kSplit + std::int32_t(output.split_brick(b));
-    } else if (output_visible[b]) {
+
+  const bool needs_highest = function.blend == Blend::maximum;
+  m_output_entries.assign(output.index().place_count(), SamplingTables::kSkip);
+  if (needs_highest) m_output_highest.resize(m_output_entries.size());
+  for (std::size_t b = 0; b < output.brick_count(); ++b) {
+    if (!output_visible[b]) continue;
+    const std::size_t place = output.index().place(b);
+    if (needs_highest) m_output_highest[place] = output.range(b).hi;
+    std::int32_t& entry = m_output_entries[place];
+    if (output.is_identity(b)) {
+      if (output.beneath(b) >= 0) entry = entry_of_source(std::size_t(output.beneath(b)));
+    } else if (output.is_pointwise(b)) {
+      entry = SamplingTables::kPointwise + std::int32_t(output.pointwise_brick(b));
+    } else if (output.is_deformed(b)) {
       entry = SamplingTables::kDeformed + output.slot(b);
     }
-    m_output_entries[b] = entry;
   }
-  tables.output = output.topology().lookup();
-  tables.source = source.topology().lookup();
-  tables.output_entries = m_output_entries.data();
-  tables.output_highest = m_output_highest.data();
-  tables.source_entries = m_source_entries.data();
+  tables.output = output.index().lookup();
+  tables.output.tables = m_output_entries.data();
+  tables.output_highest = needs_highest ? m_output_highest.data() : nullptr;
+  tables.source = sources.lookup();
+  tables.source.tables = m_source_entries.data();
   tables.nodes = source.nodes();
   tables.offsets = output.offsets();
-  tables.split = output.has_split() ? &output.split() : nullptr;
+  tables.pointwise = output.pointwise();
   tables.visible_bits = classifier.visible_bits().data();
   tables.first_code = classifier.first_code();
   tables.entries_per_code = classifier.entries_per_code();

@@ -51,8 +51,8 @@ struct Frame {
  private:
   void fill_tables();
 
-  std::vector<std::int32_t> m_output_entries, m_source_entries;
-  std::vector<float> m_output_highest;
+  std::vector<std::int32_t> m_output_entries, m_source_entries;  // as BrickIndex::lookup's tables
+  std::vector<float> m_output_highest;                           // the same; for maxima only
 };
 
 }  // namespace supple

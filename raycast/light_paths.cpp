@@ -223,7 +223,7 @@ float LightPaths::ambient_along(const Place& place, const LightMedium::Direction
 
 double LightPaths::end_of_emptiness(const IndexRay& ray, double t) {
   const Vec3i voxel = floor_to_voxel(ray.at(t));
-  const std::int32_t out = m_frame.output.topology().find(voxel);
+  const std::int32_t out = m_frame.output.find(voxel);
   return out < 0 || !m_frame.output_visible[out] ? end_of_brick(ray, voxel) : t;
 }
 

@@ -372,11 +372,12 @@ void Marcher::find_faces(int lane, std::int64_t n, LitLane& lit) const {
   for (const IndexClip& clip : m_frame.source_clips) {
     find_face(clip, read_at(batch, lane), lane, n, lit);
   }
-  if (!(batch.split >> lane & 1)) return;
-  const SplitOffsets& split = m_frame.output.split();
-  const Vec3d normal = split.face_normal(batch.piece[lane], seen_at);
+  if (!(batch.pointwise >> lane & 1)) return;
+  Vec3d normal;
+  double depth_mm;
+  if (!m_frame.output.pointwise()->face(batch.piece[lane], seen_at, normal, depth_mm)) return;
   const double gain = normal.dot(m_ray.direction);  // mm deeper per mm
-  if (gain > 0) set_face(Vec3f(normal), split.depth_mm(batch.piece[lane], seen_at) / gain, lit);
+  if (gain > 0) set_face(Vec3f(normal), depth_mm / gain, lit);
 }
 
 void Marcher::find_face(const IndexClip& clip, const Vec3d& pos, int lane, std::int64_t n,
@@ -414,7 +415,7 @@ bool Marcher::surface(SeenSurface& seen) {
   read(m_surface, 1, 1, batch);
   sample_gradients(m_frame.tables, batch, 1);
   const Vec3d offset = read_at(batch, 0) - m_ray.at(time_of(m_surface));
-  const bool is_bent = (batch.bent | batch.split) & 1;
+  const bool is_bent = (batch.bent | batch.pointwise) & 1;
   seen.distance_mm = time_of(m_surface);
   seen.normal_lps = facing_of(lit_lane(0, m_surface)).normal;
   seen.offset_mm =

@@ -3,6 +3,7 @@
 #include <chrono>
 
 #include "raycast/march_pixels.h"
+#include "volumes/field/split_offsets.h"
 
 namespace supple {
 
@@ -52,11 +53,14 @@ struct Renderer::Impl {
   Impl(const Geometry& geometry_, const DensityGrid& density, int background_rings)
       : geometry(geometry_),
         source(make_source(geometry_, density, background_rings)),
-        output(std::make_unique<OffsetBricks>(source)) {}
+        lattice(std::make_unique<OffsetBricks>(source)) {}
 
   Geometry geometry;
   SourceBricks source;
-  std::unique_ptr<OffsetBricks> output;
+  const OffsetBricks& output() const { return is_pointwise ? *pointwise : *lattice; }
+
+  std::unique_ptr<OffsetBricks> lattice, pointwise;
+  bool is_pointwise = false;
   std::unique_ptr<SurfaceScene> surfaces;
 };
 
@@ -66,14 +70,29 @@ Renderer::Renderer(const Geometry& geometry, const DensityGrid& density, int bac
 Renderer::~Renderer() = default;
 
 void Renderer::set_offsets(const OffsetField* offsets) {
-  if (offsets == nullptr) {
-    m_impl->output = std::make_unique<OffsetBricks>(m_impl->source);
-    return;
-  }
-  if (!(offsets->geometry == m_impl->geometry)) {
+  if (offsets != nullptr && !(offsets->geometry == m_impl->geometry)) {
     throw InputError({"", "offsets", "another geometry", "the geometry of the volume"});
   }
-  m_impl->output = std::make_unique<OffsetBricks>(m_impl->source, offsets->o, offsets->split);
+  m_impl->is_pointwise = false;
+  m_impl->lattice = offsets == nullptr ? std::make_unique<OffsetBricks>(m_impl->source)
+                                       : std::make_unique<OffsetBricks>(m_impl->source, offsets->o,
+                                                                        offsets->split);
+}
+
+void Renderer::update_offsets(const std::vector<Vec3i>& changed, const VectorBrickFinder& offsets) {
+  if (m_impl->lattice->pointwise() != nullptr) {
+    throw InputError({"", "offsets", "offsets that jump", "offsets set without a cut"});
+  }
+  m_impl->is_pointwise = false;
+  m_impl->lattice->update(changed, offsets);
+}
+
+void Renderer::set_pointwise_offsets(std::shared_ptr<const PointwiseOffsets> offsets) {
+  if (m_impl->pointwise == nullptr) {
+    m_impl->pointwise = std::make_unique<OffsetBricks>(m_impl->source);
+  }
+  m_impl->pointwise->set_pointwise(std::move(offsets));
+  m_impl->is_pointwise = true;
 }
 
 void Renderer::set_surfaces(const std::vector<Surface>& surfaces) {
@@ -91,7 +110,7 @@ std::unique_ptr<Frame> Renderer::prepare(const Camera& camera, const TransferFun
     throw InputError({"", "classification", "pre-integrated with gradient opacity",
                       "post, or a transfer function without gradient opacity"});
   }
-  return std::make_unique<Frame>(m_impl->geometry, m_impl->source, *m_impl->output, camera,
+  return std::make_unique<Frame>(m_impl->geometry, m_impl->source, m_impl->output(), camera,
                                  function, settings, m_impl->surfaces.get());
 }
 
@@ -112,7 +131,7 @@ FloatImage Renderer::render_float(const Camera& camera, const TransferFunction& 
     report->rays = std::int64_t(picture.pixel_count());
     report->prepare_ms = prepare_ms;
     report->march_ms = ms_since(march_start);
-    report->bytes = m_impl->source.bytes() + m_impl->output->bytes() + frame->bounds.bytes();
+    report->bytes = m_impl->source.bytes() + m_impl->output().bytes() + frame->bounds.bytes();
     if (m_impl->surfaces != nullptr) report->bytes += m_impl->surfaces->bytes();
   }
   return picture;

@@ -18,6 +18,7 @@
 
 namespace supple {
 
+class PointwiseOffsets;
 struct Frame;
 
 /// How the time that a picture takes is traded for accuracy (docs/pictures.md).
@@ -77,6 +78,16 @@ class Renderer {
   /// Replaces the offsets (copied); nullptr renders straight. Throws InputError when they belong
   /// to another geometry.
   void set_offsets(const OffsetField* offsets);
+
+  /// Follows a local change of the offsets set last: those in the bricks at these origins (unique)
+  /// are now what `offsets` finds, and may be gone. As IncrementalInversion::update and finder say.
+  /// Throws InputError when those offsets jump.
+  void update_offsets(const std::vector<Vec3i>& changed, const VectorBrickFinder& offsets);
+
+  /// Until offsets are set or updated: what is seen in the bricks of `offsets` finds its own, and
+  /// all else is at rest. To be called again when they have changed. For example ForwardOffsets,
+  /// which need no inverse.
+  void set_pointwise_offsets(std::shared_ptr<const PointwiseOffsets> offsets);
 
   /// Replaces the surfaces (copied) shown with the volume, wherever they lie; in the deformed
   /// space. Throws InputError as Surface::validate does.

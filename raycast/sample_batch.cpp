@@ -60,8 +60,13 @@ HWY_INLINE HWY_ATTR MI in_range(VI value, std::int32_t limit) {
   return hn::And(hn::Gt(value, ints(-1)), hn::Lt(value, ints(limit)));
 }
 
-/// BrickTopology::find; -1 outside `wanted`.
-HWY_INLINE HWY_ATTR VI find_bricks(const BrickLookup& lookup, const IntVector& voxel, MI wanted) {
+/// Where the tables of a look-up hold what is said about voxels' bricks, and of which.
+struct Places {
+  VI place;
+  MI found;
+};
+HWY_INLINE HWY_ATTR Places find_places(const BrickLookup& lookup, const IntVector& voxel,
+                                       MI wanted) {
   const VI rx = hn::Sub(hn::ShiftRight<7>(voxel.x), ints(lookup.region_lo.x));
   const VI ry = hn::Sub(hn::ShiftRight<7>(voxel.y), ints(lookup.region_lo.y));
   const VI rz = hn::Sub(hn::ShiftRight<7>(voxel.z), ints(lookup.region_lo.z));
@@ -77,17 +82,15 @@ HWY_INLINE HWY_ATTR VI find_bricks(const BrickLookup& lookup, const IntVector& v
   const VI bx = hn::And(hn::ShiftRight<3>(voxel.x), low);
   const VI by = hn::And(hn::ShiftRight<3>(voxel.y), low);
   const VI bz = hn::And(hn::ShiftRight<3>(voxel.z), low);
-  const VI entry = hn::Or(hn::ShiftLeft<12>(table),
+  const VI place = hn::Or(hn::ShiftLeft<12>(table),
                           hn::Or(hn::ShiftLeft<8>(bx), hn::Or(hn::ShiftLeft<4>(by), bz)));
-  const VI brick = hn::GatherIndex(kInts, lookup.tables, hn::IfThenElseZero(found, entry));
-  return hn::IfThenElse(found, brick, ints(-1));
+  return {hn::IfThenElseZero(found, place), found};
 }
 
-/// The entries of bricks; kSkip where there is no brick.
-HWY_INLINE HWY_ATTR VI entries_of(const std::int32_t* entries, VI brick) {
-  const MI found = hn::Gt(brick, ints(-1));
-  const VI entry = hn::GatherIndex(kInts, entries, hn::IfThenElseZero(found, brick));
-  return hn::IfThenElse(found, entry, ints(SamplingTables::kSkip));
+/// kSkip where there is no brick.
+HWY_INLINE HWY_ATTR VI entries_at(const BrickLookup& lookup, const Places& places) {
+  const VI entry = hn::GatherIndex(kInts, lookup.tables, places.place);
+  return hn::IfThenElse(places.found, entry, ints(SamplingTables::kSkip));
 }
 
 /// Voxel below a position, and the place in its cell.
@@ -121,7 +124,7 @@ HWY_INLINE HWY_ATTR Float4 mix4(Float4 a, Float4 b, float t) {
 
 /// Trilinear offset of one lane; not a number when a corner has none.
 HWY_INLINE HWY_ATTR Float4 trilinear_offset(const float* node, float x, float y, float z) {
-  constexpr int sx = OffsetBricks::kStepX, sy = OffsetBricks::kStepY, sz = OffsetBricks::kStepZ;
+  constexpr int sx = BrickNodes::kStepX, sy = BrickNodes::kStepY, sz = BrickNodes::kStepZ;
   const Float4 a = mix4(load4(node), load4(node + sz), z);
   const Float4 b = mix4(load4(node + sy), load4(node + sy + sz), z);
   const Float4 c = mix4(load4(node + sx), load4(node + sx + sz), z);
@@ -142,7 +145,7 @@ HWY_INLINE HWY_ATTR void follow_offsets(const SamplingTables& tables, std::uint3
     const int lane = __builtin_ctz(rest);
     const int n = at + lane;
     const Float4 offset =
-        trilinear_offset(tables.offsets + std::int64_t(batch.offset_node[n]) * OffsetBricks::kStepZ,
+        trilinear_offset(tables.offsets + std::int64_t(batch.offset_node[n]) * BrickNodes::kStepZ,
                          batch.ox[n], batch.oy[n], batch.oz[n]);
     const float sum = offset[0] + offset[1] + offset[2];
     if (!(sum == sum)) continue;
@@ -151,22 +154,22 @@ HWY_INLINE HWY_ATTR void follow_offsets(const SamplingTables& tables, std::uint3
   }
 }
 
-/// The offsets of the lanes `split`, each of its own piece.
-HWY_INLINE HWY_ATTR void follow_pieces(const SamplingTables& tables, std::uint32_t split, VI entry,
-                                       const FloatVector& p, const Vec3i& base, int at,
-                                       SampleBatch& batch, Moves& moves) {
+/// The offsets of these lanes, which each finds for itself, with the one before to begin with.
+HWY_INLINE HWY_ATTR void find_offsets(const SamplingTables& tables, std::uint32_t lanes, VI entry,
+                                      const FloatVector& p, const Vec3i& base, int at,
+                                      SampleBatch& batch, Moves& moves) {
   alignas(64) std::int32_t entries[SampleBatch::kLanes];
   alignas(64) float x[SampleBatch::kLanes], y[SampleBatch::kLanes], z[SampleBatch::kLanes];
   hn::Store(entry, kInts, entries);
   hn::Store(p.x, kFloats, x);
   hn::Store(p.y, kFloats, y);
   hn::Store(p.z, kFloats, z);
-  for (std::uint32_t rest = split; rest != 0; rest &= rest - 1) {
+  PointwiseOffsets::Sample found;
+  for (std::uint32_t rest = lanes; rest != 0; rest &= rest - 1) {
     const int lane = __builtin_ctz(rest);
-    SplitOffsets::Sample found;
     const Vec3d place = Vec3d(base) + Vec3d(x[lane], y[lane], z[lane]);
-    const std::size_t brick = std::size_t(entries[lane] - SamplingTables::kSplit);
-    if (!tables.split->sample(brick, place, found)) continue;
+    const std::size_t brick = std::size_t(entries[lane] - SamplingTables::kPointwise);
+    if (!tables.pointwise->sample(brick, place, found)) continue;
     for (int a = 0; a < 3; ++a) moves.along[a][lane] = float(found.offset[a]);
     moves.known |= 1u << lane;
     batch.piece[at + lane] = found.piece;
@@ -256,23 +259,22 @@ HWY_INLINE HWY_ATTR void sample_lanes(const SamplingTables& tables, const RayPie
                                       FloatVector p, MI wanted, int at, SampleBatch& batch) {
   FloatVector f;
   IntVector voxel = from_base(split(p, f), piece.base);
-  const VI brick = find_bricks(tables.output, voxel, wanted);
-  VI entry = entries_of(tables.output_entries, brick);
+  const Places places = find_places(tables.output, voxel, wanted);
+  VI entry = entries_at(tables.output, places);
   MI reading = hn::And(wanted, hn::Gt(entry, ints(SamplingTables::kSkip)));
   if (piece.above > -std::numeric_limits<float>::infinity()) {
-    const VF highest =
-        hn::GatherIndex(kFloats, tables.output_highest, hn::IfThenElseZero(reading, brick));
+    const VF highest = hn::GatherIndex(kFloats, tables.output_highest, places.place);
     reading = hn::And(reading, hn::RebindMask(kInts, hn::Gt(highest, floats(piece.above))));
   }
   if (hn::AllFalse(kInts, reading)) return;
 
-  const MI moved = hn::And(reading, hn::Gt(entry, ints(SamplingTables::kSplit - 1)));
-  std::uint32_t bent = 0, split_lanes = 0;
+  const MI moved = hn::And(reading, hn::Gt(entry, ints(SamplingTables::kPointwise - 1)));
+  std::uint32_t bent = 0, pointwise = 0;
   if (!hn::AllFalse(kInts, moved)) {
     bent = bits_of(hn::And(moved, hn::Gt(entry, ints(SamplingTables::kDeformed - 1))));
-    split_lanes = bits_of(moved) & ~bent;
+    pointwise = bits_of(moved) & ~bent;
     const VI slot = hn::Sub(entry, ints(SamplingTables::kDeformed));
-    constexpr int dim = OffsetBricks::kDim;
+    constexpr int dim = BrickNodes::kDim;
     hn::Store(hn::Add(hn::Mul(slot, ints(dim * dim * dim)), node_of(voxel, dim * dim, dim, 1)),
               kInts, batch.offset_node + at);
     hn::Store(f.x, kFloats, batch.ox + at);
@@ -280,15 +282,15 @@ HWY_INLINE HWY_ATTR void sample_lanes(const SamplingTables& tables, const RayPie
     hn::Store(f.z, kFloats, batch.oz + at);
     Moves moves;
     follow_offsets(tables, bent, at, batch, moves);
-    if (split_lanes != 0) {
-      follow_pieces(tables, split_lanes, entry, p, piece.base, at, batch, moves);
+    if (pointwise != 0) {
+      find_offsets(tables, pointwise, entry, p, piece.base, at, batch, moves);
     }
     p = {hn::Add(p.x, hn::Load(kFloats, moves.along[0])),
          hn::Add(p.y, hn::Load(kFloats, moves.along[1])),
          hn::Add(p.z, hn::Load(kFloats, moves.along[2]))};
     voxel = from_base(split(p, f), piece.base);
     const VI source =
-        entries_of(tables.source_entries, find_bricks(tables.source, voxel, mask_of(moves.known)));
+        entries_at(tables.source, find_places(tables.source, voxel, mask_of(moves.known)));
     entry = hn::IfThenElse(moved, source, entry);
     reading = hn::And(reading, hn::Gt(entry, ints(SamplingTables::kSkip)));
   }
@@ -320,12 +322,12 @@ HWY_INLINE HWY_ATTR void sample_lanes(const SamplingTables& tables, const RayPie
   batch.inside |= inside << at;
   batch.visible |= visible << at;
   batch.bent |= (bent & read) << at;
-  batch.split |= (split_lanes & read) << at;
+  batch.pointwise |= (pointwise & read) << at;
 }
 
 HWY_ATTR void sample_batch_impl(const SamplingTables& tables, const RayPiece& piece, int first,
                                 int stride, int count, SampleBatch& batch) {
-  batch.read = batch.inside = batch.visible = batch.bent = batch.split = 0;
+  batch.read = batch.inside = batch.visible = batch.bent = batch.pointwise = 0;
   const int lanes = int(hn::Lanes(kFloats));
   for (int at = 0; at < count; at += lanes) {
     const VI number = hn::Iota(kInts, at);
@@ -339,7 +341,7 @@ HWY_ATTR void sample_batch_impl(const SamplingTables& tables, const RayPiece& pi
 
 HWY_ATTR void sample_places_impl(const SamplingTables& tables, const SamplePlaces& places,
                                  int count, SampleBatch& batch) {
-  batch.read = batch.inside = batch.visible = batch.bent = batch.split = 0;
+  batch.read = batch.inside = batch.visible = batch.bent = batch.pointwise = 0;
   RayPiece piece;
   piece.base = places.base;
   const int lanes = int(hn::Lanes(kFloats));

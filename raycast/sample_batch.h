@@ -12,28 +12,27 @@
 #include <string>
 #include <vector>
 
-#include "volumes/field/split_offsets.h"
-#include "volumes/grid/brick_topology.h"
+#include "volumes/field/pointwise_offsets.h"
 
 namespace supple {
 
 /// The bricks of a frame as flat arrays.
 struct SamplingTables {
   static constexpr std::int32_t kSkip = -1;
-  static constexpr std::int32_t kSplit = 1 << 29;     // added to the number of a split brick
-  static constexpr std::int32_t kDeformed = 1 << 30;  // added to the slot of a deformed brick
+  static constexpr std::int32_t kPointwise = 1 << 29;  // added to the number of such a brick
+  static constexpr std::int32_t kDeformed = 1 << 30;   // added to the slot of a deformed brick
 
   static constexpr std::int32_t kReach = 400'000;  // bytes between them fit into 31 bits
 
+  // In place of brick numbers: kSkip, a source brick (of an identity brick the one beneath), or one
+  // of those two.
   BrickLookup output, source;
-  const std::int32_t* output_entries = nullptr;  // kSkip, an identity brick's source brick,
-                                                 // or one of those two
-  const float* output_highest = nullptr;         // largest code that an output brick can read
-  const std::int32_t* source_entries = nullptr;  // the brick itself, or kSkip
-  const std::int16_t* nodes = nullptr;           // SourceBricks
-  const float* offsets = nullptr;                // OffsetBricks
+  const float* output_highest = nullptr;  // largest code that an output brick can read, laid out
+                                          // as output.tables; null where none is asked for
+  const std::int16_t* nodes = nullptr;    // SourceBricks
+  const float* offsets = nullptr;         // OffsetBricks
 
-  const SplitOffsets* split = nullptr;  // of split bricks
+  const PointwiseOffsets* pointwise = nullptr;
 
   std::int32_t reach = kReach;  // bricks apart that one gather can span
 
@@ -48,18 +47,19 @@ struct RayPiece {
   Vec3i base{0, 0, 0};
   Vec3f first{0, 0, 0};
   Vec3f per_sample{0, 0, 0};
-  float above = -std::numeric_limits<float>::infinity();  // bricks without larger codes are skipped
+  // Bricks without larger codes are skipped; only where the tables say what they can read.
+  float above = -std::numeric_limits<float>::infinity();
 };
 
 /// What samples read, and where. Lanes outside a mask hold nothing of use.
 struct SampleBatch {
   static constexpr int kLanes = 16;
 
-  std::uint32_t read = 0;     // lanes that reached a source brick
-  std::uint32_t inside = 0;   // of those, lanes whose eight corners all have a density
-  std::uint32_t visible = 0;  // of those, lanes that are not transparent
-  std::uint32_t bent = 0;     // of those that were read, lanes that followed an offset,
-  std::uint32_t split = 0;    // or that of a piece
+  std::uint32_t read = 0;       // lanes that reached a source brick
+  std::uint32_t inside = 0;     // of those, lanes whose eight corners all have a density
+  std::uint32_t visible = 0;    // of those, lanes that are not transparent
+  std::uint32_t bent = 0;       // of those that were read, lanes that followed an offset,
+  std::uint32_t pointwise = 0;  // or one of their own
 
   alignas(64) float encoded[kLanes];
   alignas(64) std::int32_t brick[kLanes];                // source
@@ -67,7 +67,7 @@ struct SampleBatch {
   alignas(64) float x[kLanes], y[kLanes], z[kLanes];     // in the source cell, 0 … 1
   alignas(64) std::int32_t offset_node[kLanes];          // slot * brick + low corner, in nodes
   alignas(64) float ox[kLanes], oy[kLanes], oz[kLanes];  // in the offset cell, 0 … 1
-  std::int32_t piece[kLanes];                            // of split lanes
+  std::int32_t piece[kLanes];                            // of pointwise lanes
   alignas(64) float px[kLanes], py[kLanes], pz[kLanes];  // read at, from the piece's base
   alignas(64) float gx[kLanes], gy[kLanes], gz[kLanes];  // see sample_gradients
 };

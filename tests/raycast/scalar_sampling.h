@@ -67,12 +67,12 @@ inline Vec3f sample_gradient(const SourceCell& cell, float value) {
 }
 
 /// Trilinear offset; not a number when a corner has none.
-inline Vec3f sample_offset(const OffsetCell& cell) {
+inline Vec3f sample_offset(const NodeCell& cell) {
   Vec3f sum(0);
   for (int c = 0; c < 8; ++c) {
     const int x = c >> 2, y = (c >> 1) & 1, z = c & 1;
     const float* node =
-        cell.node + x * OffsetBricks::kStepX + y * OffsetBricks::kStepY + z * OffsetBricks::kStepZ;
+        cell.node + x * BrickNodes::kStepX + y * BrickNodes::kStepY + z * BrickNodes::kStepZ;
     const float weight =
         (x ? cell.x : 1 - cell.x) * (y ? cell.y : 1 - cell.y) * (z ? cell.z : 1 - cell.z);
     sum += Vec3f(node[0], node[1], node[2]) * weight;

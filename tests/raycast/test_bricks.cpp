@@ -97,8 +97,8 @@ TEST(UnitBricks, GradientsArePulledBackByTheTransposeOfIdentityPlusGradO) {
   // o = M x with rows (0, 2, 0), (0, 0, 3), (4, 0, 0).
   const OffsetBricks bricks(
       source, offsets_of(where, [](const Vec3d& p) { return Vec3d(2 * p.y, 3 * p.z, 4 * p.x); }));
-  const std::size_t brick = bricks.topology().find({0, 0, 0});
-  const OffsetCell cell{bricks.node(brick, {2, 3, 4}), 0.5f, 0.25f, 0.75f};
+  const std::size_t brick = bricks.find({0, 0, 0});
+  const NodeCell cell{bricks.node(brick, {2, 3, 4}), 0.5f, 0.25f, 0.75f};
   const Vec3f offset = sample_offset(cell);
   EXPECT_FLOAT_EQ(offset[0], 6.5f);
   EXPECT_FLOAT_EQ(offset[1], 14.25f);
@@ -124,8 +124,8 @@ TEST(UnitBricks, AVacatedPlaceIsNotAnIdentityBrick) {
   const SourceBricks source(grid_of(where, [](const Vec3d& p) { return p.y; }));
   const BrickTopology reached = voxels_of({16, 16, 16}, [](const Vec3i& v) { return v.x > 5; });
   const OffsetBricks bricks(source, offsets_of(reached, [](const Vec3d&) { return Vec3d(0); }));
-  EXPECT_FALSE(bricks.is_identity(bricks.topology().find({0, 0, 0})));
-  EXPECT_TRUE(bricks.is_identity(bricks.topology().find({8, 8, 8})));
+  EXPECT_FALSE(bricks.is_identity(bricks.find({0, 0, 0})));
+  EXPECT_TRUE(bricks.is_identity(bricks.find({8, 8, 8})));
 }
 
 TEST(PropertyBricks, RangesCallNothingTransparentThatASampleCanShow) {
@@ -158,7 +158,7 @@ TEST(PropertyBricks, IntervalsCoverEveryPlaceInsideAVisibleBrick) {
   });
   std::vector<std::uint8_t> visible(where.brick_count());
   for (std::uint8_t& v : visible) v = random() % 3 == 0;
-  const VisibleBounds bounds(where, visible);
+  const VisibleBounds bounds(where.index(), visible);
   std::uniform_real_distribution<double> coordinate(-20, 84), unit(-1, 1);
   std::vector<Interval> intervals;
   for (int n = 0; n < 500; ++n) {

@@ -25,12 +25,12 @@ Vec3i voxel_below(const Vec3d& p) {
 Expected expected_at(const SourceBricks& source, const OffsetBricks& output, Vec3d p) {
   Expected result;
   Vec3i voxel = voxel_below(p);
-  const std::int32_t out = output.topology().find(voxel);
+  const std::int32_t out = output.find(voxel);
   if (out < 0) return result;
   if (!output.is_identity(out)) {
     const Vec3f within(p - Vec3d(voxel));
     const Vec3f offset = sample_offset(
-        {output.node(out, voxel - output.topology().origin(out)), within.x, within.y, within.z});
+        {output.node(out, voxel - output.index().origin(out)), within.x, within.y, within.z});
     if (!(offset.x == offset.x)) return result;
     p += Vec3d(offset);
     voxel = voxel_below(p);

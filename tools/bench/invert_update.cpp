@@ -69,7 +69,11 @@ UpdateTimes drag_again_and_again(Scene& scene, int events, Progress& cancel) {
     times.both.ms.push_back(times.extend.ms.back() + times.invert.ms.back());
     times.moved = scene.engine->moved();
     times.bricks = std::int64_t(touched.size());
-    times.nodes = scene.inversion.bricks(touched).topology.active_count();
+    times.nodes = 0;
+    for (const Vec3i& origin : touched) {
+      const VectorBrickView brick = scene.inversion.finder()(origin);
+      if (brick.mask != nullptr) times.nodes += mask_count(*brick.mask);
+    }
   }
   return times;
 }

@@ -34,25 +34,6 @@ std::vector<std::int32_t> all_bricks(std::size_t count) {
   return bricks;
 }
 
-/// The bricks, and those below them whose cells have corners in them.
-std::vector<std::int32_t> with_lower_neighbours(const BrickTopology& topology,
-                                                const std::vector<std::int32_t>& bricks) {
-  std::vector<std::uint8_t> listed(topology.brick_count(), 0);
-  std::vector<std::int32_t> result;
-  for (const std::int32_t b : bricks) {
-    for (int n = 0; n < 8; ++n) {
-      const Vec3i step(n >> 2, (n >> 1) & 1, n & 1);
-      const std::int32_t lower =
-          n == 0 ? b : topology.find(topology.origin(std::size_t(b)) - step * kBrickDim);
-      if (lower < 0 || listed[lower]) continue;
-      listed[lower] = 1;
-      result.push_back(lower);
-    }
-  }
-  std::sort(result.begin(), result.end());
-  return result;
-}
-
 void add_origins(const IndexBox& reach, std::vector<Vec3i>& origins) {
   if (!reach.empty()) add_box(reach.lo, reach.hi, origins);
 }

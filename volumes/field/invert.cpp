@@ -40,8 +40,8 @@ OffsetField invert(const Displacement& displacement, const InvertParams& params,
   return field;
 }
 
-/// The output bricks in the order of their origins, each wherever its memory happens to be, so that
-/// bricks come and go without moving the others.
+/// Output bricks lie wherever their memory happens to be, so that they come and go without moving
+/// the others.
 struct IncrementalInversion::Impl {
   struct Brick {
     BrickMask mask;
@@ -57,44 +57,55 @@ struct IncrementalInversion::Impl {
   void solve_all(const Displacement& displacement, Progress* progress);
   void replace(const std::vector<Vec3i>& touched, const VectorBricks& u,
                const VectorBricks& offsets);
-  void put(const VectorBricks& offsets, std::size_t b, const BrickResiduals& residuals,
-           std::vector<std::pair<Vec3i, Brick*>>& out);
-  const Brick* find(const Vec3i& origin) const;
+  void take_over(const VectorBricks& offsets, const std::vector<BrickResiduals>& of_bricks);
+  void give_up(Brick*& brick);
+  /// Ascending.
+  std::vector<Vec3i> origins() const;
 
   Geometry geometry;
   InvertParams params;
   Inversion inversion;
-  std::vector<std::pair<Vec3i, Brick*>> bricks;  // sorted
+  BrickIndex index;            // every brick that ever held offsets
+  std::vector<Brick*> bricks;  // null: holds none
   std::deque<Brick> memory;
   std::vector<Brick*> free;
   ResidualHistogram residuals;
 };
 
 void IncrementalInversion::Impl::solve_all(const Displacement& displacement, Progress* progress) {
-  for (const auto& [origin, brick] : bricks) free.push_back(brick);
-  bricks.clear();
+  for (Brick*& brick : bricks) give_up(brick);
   const VectorBricks offsets = inversion.solve(displacement.u, progress);
   std::vector<BrickResiduals> of_bricks;
   residuals = measure_residuals(displacement.u, offsets, inversion.folded(), &of_bricks);
-  for (std::size_t b = 0; b < offsets.topology.brick_count(); ++b) {
-    put(offsets, b, of_bricks[b], bricks);
-  }
+  take_over(offsets, of_bricks);
 }
 
-void IncrementalInversion::Impl::put(const VectorBricks& offsets, std::size_t b,
-                                     const BrickResiduals& of_brick,
-                                     std::vector<std::pair<Vec3i, Brick*>>& out) {
-  if (free.empty()) {
-    memory.emplace_back();
-    free.push_back(&memory.back());
+void IncrementalInversion::Impl::give_up(Brick*& brick) {
+  if (brick != nullptr) free.push_back(brick);
+  brick = nullptr;
+}
+
+void IncrementalInversion::Impl::take_over(const VectorBricks& offsets,
+                                           const std::vector<BrickResiduals>& of_bricks) {
+  const std::size_t count = offsets.topology.brick_count();
+  std::vector<Brick*> taken(count);
+  for (std::size_t b = 0; b < count; ++b) {
+    if (free.empty()) {
+      memory.emplace_back();
+      free.push_back(&memory.back());
+    }
+    taken[b] = free.back();
+    free.pop_back();
+    const std::size_t n = index.add(offsets.topology.origin(b));
+    bricks.resize(index.count());
+    bricks[n] = taken[b];
   }
-  Brick* brick = free.back();
-  free.pop_back();
-  brick->mask = offsets.topology.mask(b);
-  brick->residuals = of_brick;
-  std::copy_n(offsets.vectors.begin() + std::ptrdiff_t(b * kBrickVoxels), kBrickVoxels,
-              brick->vectors.begin());
-  out.emplace_back(offsets.topology.origin(b), brick);
+  tbb::parallel_for(std::size_t(0), count, [&](std::size_t b) {
+    taken[b]->mask = offsets.topology.mask(b);
+    taken[b]->residuals = of_bricks[b];
+    std::copy_n(offsets.vectors.begin() + std::ptrdiff_t(b * kBrickVoxels), kBrickVoxels,
+                taken[b]->vectors.begin());
+  });
 }
 
 /// The touched bricks make way for those that were solved anew, which may be fewer or more.
@@ -102,35 +113,27 @@ void IncrementalInversion::Impl::replace(const std::vector<Vec3i>& touched, cons
                                          const VectorBricks& offsets) {
   std::vector<BrickResiduals> of_bricks;
   residuals.join(measure_residuals(u, offsets, inversion.folded(), &of_bricks));
-  std::vector<std::pair<Vec3i, Brick*>> kept, added;
-  kept.reserve(bricks.size());
-  std::size_t next = 0;
-  for (const auto& [origin, brick] : bricks) {
-    while (next < touched.size() && voxel_less(touched[next], origin)) ++next;
-    if (next < touched.size() && touched[next] == origin) {
-      residuals.remove(brick->residuals);
-      free.push_back(brick);
-    } else {
-      kept.emplace_back(origin, brick);
-    }
+  for (const Vec3i& origin : touched) {
+    const std::int32_t n = index.find(origin);
+    if (n < 0 || bricks[n] == nullptr) continue;
+    residuals.remove(bricks[n]->residuals);
+    give_up(bricks[n]);
   }
-  for (std::size_t b = 0; b < offsets.topology.brick_count(); ++b) {
-    put(offsets, b, of_bricks[b], added);
-  }
-  bricks.resize(kept.size() + added.size());
-  std::merge(kept.begin(), kept.end(), added.begin(), added.end(), bricks.begin(),
-             [](const auto& a, const auto& b) { return voxel_less(a.first, b.first); });
+  take_over(offsets, of_bricks);
   float max = 0;
-  for (const auto& [origin, brick] : bricks) max = std::max(max, brick->residuals.max);
+  for (const Brick* brick : bricks) {
+    if (brick != nullptr) max = std::max(max, brick->residuals.max);
+  }
   residuals.set_max(max);
 }
 
-const IncrementalInversion::Impl::Brick* IncrementalInversion::Impl::find(
-    const Vec3i& origin) const {
-  const auto found = std::lower_bound(
-      bricks.begin(), bricks.end(), origin,
-      [](const auto& entry, const Vec3i& wanted) { return voxel_less(entry.first, wanted); });
-  return found == bricks.end() || found->first != origin ? nullptr : found->second;
+std::vector<Vec3i> IncrementalInversion::Impl::origins() const {
+  std::vector<Vec3i> found;
+  for (std::size_t n = 0; n < bricks.size(); ++n) {
+    if (bricks[n] != nullptr) found.push_back(index.origin(n));
+  }
+  sort_unique(found);
+  return found;
 }
 
 IncrementalInversion::IncrementalInversion(const Displacement& displacement,
@@ -152,9 +155,9 @@ std::vector<Vec3i> IncrementalInversion::update(const Displacement& displacement
     m_impl->replace(touched, displacement.u, offsets);
     return touched;
   }
-  for (const auto& [origin, brick] : m_impl->bricks) touched.push_back(origin);
+  touched = m_impl->origins();
   m_impl->solve_all(displacement, nullptr);
-  for (const auto& [origin, brick] : m_impl->bricks) touched.push_back(origin);
+  for (const Vec3i& origin : m_impl->origins()) touched.push_back(origin);
   sort_unique(touched);
   return touched;
 }
@@ -165,30 +168,27 @@ InversionCertificate IncrementalInversion::certificate() const {
   return certificate;
 }
 
-VectorBricks IncrementalInversion::bricks(const std::vector<Vec3i>& origins) const {
-  std::vector<Vec3i> found_origins;
-  std::vector<BrickMask> masks;
-  std::vector<const Impl::Brick*> found;
-  for (const Vec3i& origin : origins) {
-    const Impl::Brick* brick = m_impl->find(origin);
-    if (brick == nullptr) continue;
-    found.push_back(brick);
-    found_origins.push_back(origin);
-    masks.push_back(brick->mask);
-  }
-  VectorBricks result{BrickTopology(std::move(found_origins), std::move(masks)), {}};
-  result.vectors.resize(found.size() * kBrickVoxels);
-  tbb::parallel_for(std::size_t(0), found.size(), [&](std::size_t n) {
-    std::copy(found[n]->vectors.begin(), found[n]->vectors.end(),
-              result.vectors.begin() + std::ptrdiff_t(n * kBrickVoxels));
-  });
-  return result;
+VectorBrickFinder IncrementalInversion::finder() const {
+  return [impl = m_impl.get()](const Vec3i& origin) -> VectorBrickView {
+    const std::int32_t n = impl->index.find(origin);
+    if (n < 0 || impl->bricks[n] == nullptr) return {};
+    return {&impl->bricks[n]->mask, impl->bricks[n]->vectors.data()};
+  };
 }
 
 OffsetField IncrementalInversion::field() const {
-  std::vector<Vec3i> origins;
-  for (const auto& [origin, brick] : m_impl->bricks) origins.push_back(origin);
-  return {m_impl->geometry, bricks(origins), certificate()};
+  const std::vector<Vec3i> origins = m_impl->origins();
+  const VectorBrickFinder find = finder();
+  std::vector<BrickMask> masks;
+  for (const Vec3i& origin : origins) masks.push_back(*find(origin).mask);
+  OffsetField field{
+      m_impl->geometry, {BrickTopology(origins, std::move(masks)), {}}, certificate()};
+  field.o.vectors.resize(origins.size() * kBrickVoxels);
+  tbb::parallel_for(std::size_t(0), origins.size(), [&](std::size_t n) {
+    std::copy_n(find(origins[n]).vectors, kBrickVoxels,
+                field.o.vectors.begin() + std::ptrdiff_t(n * kBrickVoxels));
+  });
+  return field;
 }
 
 VectorBricks extrapolate_into_bricks(const VectorBricks& offsets, int rings) {

@@ -48,8 +48,8 @@ class IncrementalInversion {
                             const std::vector<std::int32_t>& changed);
 
   InversionCertificate certificate() const;
-  /// Those of the given output bricks that hold offsets; `origins` ascending and unique.
-  VectorBricks bricks(const std::vector<Vec3i>& origins) const;
+  /// The offsets as they lie here, until the next update.
+  VectorBrickFinder finder() const;
   /// Everything, copied.
   OffsetField field() const;
 

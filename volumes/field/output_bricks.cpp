@@ -91,6 +91,24 @@ bool is_torn(const IndexBox& reach) {
   return !reach.empty() && extent.x * extent.y * extent.z > kLargeBox;
 }
 
+std::vector<std::int32_t> with_lower_neighbours(const BrickTopology& topology,
+                                                const std::vector<std::int32_t>& bricks) {
+  std::vector<std::uint8_t> listed(topology.brick_count(), 0);
+  std::vector<std::int32_t> result;
+  for (const std::int32_t b : bricks) {
+    for (int n = 0; n < 8; ++n) {
+      const Vec3i step(n >> 2, (n >> 1) & 1, n & 1);
+      const std::int32_t lower =
+          n == 0 ? b : topology.find(topology.origin(std::size_t(b)) - step * kBrickDim);
+      if (lower < 0 || listed[lower]) continue;
+      listed[lower] = 1;
+      result.push_back(lower);
+    }
+  }
+  std::sort(result.begin(), result.end());
+  return result;
+}
+
 bool voxel_less(const Vec3i& a, const Vec3i& b) {
   return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
 }

@@ -22,6 +22,10 @@ std::vector<Vec3i> output_origins(const VectorBricks& u, const std::vector<Index
 /// The origins of all output bricks that hold a node of the box.
 void add_box(const Vec3i& lo, const Vec3i& hi, std::vector<Vec3i>& origins);
 
+/// The bricks, and those below them whose cells have corners in them; ascending.
+std::vector<std::int32_t> with_lower_neighbours(const BrickTopology& topology,
+                                                const std::vector<std::int32_t>& bricks);
+
 /// By x, then y, then z.
 bool voxel_less(const Vec3i& a, const Vec3i& b);
 void sort_unique(std::vector<Vec3i>& voxels);

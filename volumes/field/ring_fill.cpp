@@ -213,48 +213,54 @@ VectorBricks fill_rings(const VectorBricks& seed, const BrickTopology& target, i
   return compact(bricks, valid, std::move(vectors), ring_of);
 }
 
-std::vector<std::int32_t> refill_rings(VectorBricks& field,
-                                       const std::vector<std::uint8_t>& ring_of,
+RingOrder::RingOrder(const BrickTopology& topology, const std::vector<std::uint8_t>& ring_of)
+    : m_last(topology.brick_count(), 0) {
+  std::vector<BrickMask> valid(topology.brick_count());  // so far
+  for (int ring = 0;; ++ring) {
+    bool is_last = true;
+    for (std::size_t b = 0; b < valid.size(); ++b) {
+      for_each_active(topology.mask(b), [&](int offset) {
+        const int number = ring_of[b * kBrickVoxels + std::size_t(offset)];
+        if (number == ring) mask_set(valid[b], offset);
+        if (number == ring && ring > 0) m_last[b] = std::uint8_t(ring);
+        is_last = is_last && number <= ring;
+      });
+    }
+    if (is_last) return;
+    m_before.push_back(valid);
+  }
+}
+
+std::vector<std::int32_t> refill_rings(VectorBricks& field, const RingOrder& order,
                                        const std::vector<std::int32_t>& changed) {
   const BrickTopology& topology = field.topology;
-  if (changed.empty()) return {};
   // A ring sees one voxel further than the one before.
   std::vector<std::int32_t> bricks = with_neighbours(topology, changed);
   int last = 0;
   for (int reach = kBrickDim;; reach += kBrickDim) {
-    for (const std::int32_t b : bricks) {
-      const std::uint8_t* rings = &ring_of[std::size_t(b) * kBrickVoxels];
-      for_each_active(topology.mask(std::size_t(b)),
-                      [&](int offset) { last = std::max(last, int(rings[offset])); });
-    }
+    for (const std::int32_t b : bricks) last = std::max(last, order.last(std::size_t(b)));
     if (last <= reach) break;
     const std::size_t before = bricks.size();
     bricks = with_neighbours(topology, bricks);
     if (bricks.size() == before) break;
   }
   std::vector<std::uint8_t> is_changed(bricks.size());
-  for (std::size_t n = 0; n < bricks.size(); ++n) {
-    is_changed[n] = std::binary_search(changed.begin(), changed.end(), bricks[n]);
+  for (std::size_t n = 0, next = 0; n < bricks.size() && next < changed.size(); ++n) {
+    is_changed[n] = bricks[n] == changed[next];
+    next += is_changed[n];
   }
-  const std::vector<std::int32_t> seen = with_neighbours(topology, bricks);
-  std::vector<BrickMask> valid(topology.brick_count()), ring(topology.brick_count());
   for (int number = 1; number <= last; ++number) {
-    tbb::parallel_for(std::size_t(0), seen.size(), [&](std::size_t n) {
-      const std::size_t b = std::size_t(seen[n]);
-      const std::uint8_t* rings = &ring_of[b * kBrickVoxels];
-      valid[b] = ring[b] = {};
-      for_each_active(topology.mask(b), [&](int offset) {
-        if (rings[offset] < number) mask_set(valid[b], offset);
-        if (rings[offset] == number) mask_set(ring[b], offset);
-      });
-    });
     tbb::parallel_for(std::size_t(0), bricks.size(), [&](std::size_t n) {
       const std::size_t b = std::size_t(bricks[n]);
-      if (!any_bit(ring[b])) return;
+      if (order.last(b) < number) return;
+      BrickMask ring = number == order.rings() ? topology.mask(b) : order.before(number + 1, b);
+      for (int word = 0; word < 8; ++word) ring[word] &= ~order.before(number, b)[word];
+      if (!any_bit(ring)) return;
       const Surroundings around = surroundings_of(topology, b);
-      const PaddedRows padded =
-          padded_rows(around, [&](std::int32_t m) -> const BrickMask& { return valid[m]; });
-      for_each_active(ring[b], [&](int offset) {
+      const PaddedRows padded = padded_rows(around, [&](std::int32_t m) -> const BrickMask& {
+        return order.before(number, std::size_t(m));
+      });
+      for_each_active(ring, [&](int offset) {
         Vec3f& vector = field.vectors[b * kBrickVoxels + std::size_t(offset)];
         const Vec3f mean = mean_of_neighbours(brick_local(offset), padded, around, field.vectors);
         is_changed[n] = is_changed[n] || mean != vector;

@@ -23,11 +23,28 @@ BrickTopology unite(const BrickTopology& a, const BrickTopology& b);
 VectorBricks fill_rings(const VectorBricks& seed, const BrickTopology& target, int max_rings,
                         std::vector<std::uint8_t>* ring_of = nullptr);
 
+/// In which order a field was filled: the voxels of every brick that were valid before a ring.
+class RingOrder {
+ public:
+  RingOrder() = default;
+  /// Of the result of fill_rings().
+  RingOrder(const BrickTopology& topology, const std::vector<std::uint8_t>& ring_of);
+
+  int rings() const { return int(m_before.size()); }
+  /// Before ring 1, 2, … rings().
+  const BrickMask& before(int ring, std::size_t b) const { return m_before[ring - 1][b]; }
+  /// The last ring with voxels in brick b; 0: none.
+  int last(std::size_t b) const { return m_last[b]; }
+
+ private:
+  std::vector<std::vector<BrickMask>> m_before;
+  std::vector<std::uint8_t> m_last;
+};
+
 /// Brings a filled field up to date after vectors of its ring 0 have changed in the given bricks
-/// (ascending): fills the rings again, as fill_rings() does, wherever they can see that. `ring_of`
-/// as it was filled. Returns the given bricks and those in which a vector changed, ascending.
-std::vector<std::int32_t> refill_rings(VectorBricks& field,
-                                       const std::vector<std::uint8_t>& ring_of,
+/// (ascending): fills the rings again, as fill_rings() does, wherever they can see that. Returns
+/// the given bricks and those in which a vector changed, ascending.
+std::vector<std::int32_t> refill_rings(VectorBricks& field, const RingOrder& order,
                                        const std::vector<std::int32_t>& changed);
 
 /// The active voxels of `a` that are not active in `b`.

@@ -36,11 +36,10 @@ Vec3d SplitOffsets::face_normal(int piece, const Vec3d& x) const {
   return normal;
 }
 
-void SplitOffsets::set_bricks(std::vector<Vec3i> origins) {
-  BrickMask full;
-  full.fill(~std::uint64_t(0));
-  std::vector<BrickMask> masks(origins.size(), full);
-  m_bricks = BrickTopology(std::move(origins), std::move(masks));
+bool SplitOffsets::face(int piece, const Vec3d& x, Vec3d& normal, double& depth) const {
+  normal = face_normal(piece, x);
+  depth = depth_mm(piece, x);
+  return normal != Vec3d(0);
 }
 
 bool OffsetField::sample(const Vec3d& pos_index, Vec3d& offset) const {

@@ -7,46 +7,25 @@
 // as sharp as the samples are close, gaps are empty, and bricks without a jump cost what they did.
 #pragma once
 
-#include "volumes/field/vector_bricks.h"
+#include "volumes/field/pointwise_offsets.h"
 
 namespace supple {
 
-class SplitOffsets {
+/// The bricks are the split ones; among them those within three voxels behind a face, whose samples
+/// are shaded as the face. Where pieces overlap the shortest offset wins.
+class SplitOffsets : public PointwiseOffsets {
  public:
-  struct Sample {
-    Vec3d offset;
-    int piece = 0;
-  };
-
-  virtual ~SplitOffsets() = default;
-
-  /// The split bricks, all of their voxels active; among them those within three voxels behind a
-  /// face, whose samples are shaded as the face.
-  const BrickTopology& bricks() const { return m_bricks; }
-
-  /// Offset and piece at x, in index space, inside the cells of split brick b. False in a gap and
-  /// in the void. Where pieces overlap the shortest offset wins.
-  virtual bool sample(std::size_t b, const Vec3d& x, Sample& found) const = 0;
   /// The offset of one piece at x, which carries on smoothly beyond its faces; false where the
   /// piece has none.
   virtual bool offset_of(int piece, const Vec3d& x, Vec3d& offset) const = 0;
   /// Distance of x from the nearest face of the piece in mm, as in the body before it was split;
   /// negative outside, infinite for a piece whose faces are not known.
   virtual double depth_mm(int piece, const Vec3d& x) const = 0;
-  /// Box in index space around all that samples of brick b can read; lo > hi: nothing.
-  virtual void reach(std::size_t b, Vec3d& lo, Vec3d& hi) const = 0;
-
-  /// (I + grad o)^T g with the offsets of one piece.
-  Vec3d pull_back(int piece, const Vec3d& x, const Vec3d& gradient) const;
   /// grad depth_mm: the normal of the nearest face, into the piece, in mm per voxel. 0: no face.
   virtual Vec3d face_normal(int piece, const Vec3d& x) const;
 
- protected:
-  /// All voxels of the bricks at these sorted origins.
-  void set_bricks(std::vector<Vec3i> origins);
-
- private:
-  BrickTopology m_bricks;
+  Vec3d pull_back(int piece, const Vec3d& x, const Vec3d& gradient) const override;
+  bool face(int piece, const Vec3d& x, Vec3d& normal, double& depth_mm) const override;
 };
 
 }  // namespace supple

@@ -11,6 +11,14 @@ constexpr double kMaxCoordinate = 1e9;
 
 }  // namespace
 
+VectorBrickFinder finder_of(const VectorBricks& field) {
+  return [&field](const Vec3i& origin) -> VectorBrickView {
+    const std::int32_t b = field.topology.find(origin);
+    if (b < 0) return {};
+    return {&field.topology.mask(std::size_t(b)), &field.vectors[std::size_t(b) * kBrickVoxels]};
+  };
+}
+
 bool VectorBricks::at(const Vec3i& voxel, Vec3f& vector) const {
   const std::int32_t b = topology.find(voxel);
   const int offset = brick_offset(voxel);

@@ -2,6 +2,7 @@
 // topology is active. Cost: 6 kB per brick.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -21,6 +22,18 @@ struct VectorBricks {
   bool sample(const Vec3d& pos_index, Vec3d& vector) const;
   std::size_t bytes() const;
 };
+
+/// One brick of a sparse vector field; null where there is none.
+struct VectorBrickView {
+  const BrickMask* mask = nullptr;
+  const Vec3f* vectors = nullptr;  // 512
+};
+
+/// The brick with this origin, wherever it is kept. May be asked by several threads at once.
+using VectorBrickFinder = std::function<VectorBrickView(const Vec3i& origin)>;
+
+/// Those of a field that outlives the finder.
+VectorBrickFinder finder_of(const VectorBricks& field);
 
 /// Material direction (push): voxel X is now at X + u(X). Index frame of the source, unit voxel.
 struct Displacement {

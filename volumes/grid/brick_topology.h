@@ -8,11 +8,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "volumes/base/vec.h"
+#include "volumes/grid/brick_index.h"
 
 namespace supple {
 
-constexpr int kBrickDim = 8;
 constexpr int kBrickVoxels = 512;
 
 /// Bit n stands for the voxel with offset n in its brick.
@@ -35,15 +34,10 @@ inline void mask_set(BrickMask& mask, int offset) {
   mask[offset >> 6] |= std::uint64_t(1) << (offset & 63);
 }
 int mask_count(const BrickMask& mask);
-
-/// Where bricks are looked up, as flat arrays: regions of 16^3 bricks, x slowest, each -1 (no
-/// brick) or the number of a table of 4096 brick numbers (x slowest), -1 where there is none.
-struct BrickLookup {
-  Vec3i region_lo{0, 0, 0};    // in units of 128 voxels
-  Vec3i region_dims{0, 0, 0};  // 0: no bricks
-  const std::int32_t* regions = nullptr;
-  const std::int32_t* tables = nullptr;
-};
+/// Smallest box of the set bits, in local coordinates; empty when there are none.
+IndexBox mask_bounds(const BrickMask& mask);
+/// The smallest box around both.
+IndexBox join(const IndexBox& a, const IndexBox& b);
 
 /// Immutable list of bricks in ascending (x, y, z) order of their origins (x slowest), with
 /// active-voxel masks and face neighbours. Voxel coordinates may be negative.
@@ -55,20 +49,20 @@ class BrickTopology {
   /// empty mask are dropped.
   BrickTopology(std::vector<Vec3i> origins, std::vector<BrickMask> masks);
 
-  std::size_t brick_count() const { return m_origins.size(); }
-  bool empty() const { return m_origins.empty(); }
+  std::size_t brick_count() const { return m_index.count(); }
+  bool empty() const { return m_index.empty(); }
   /// Smallest voxel of brick b.
-  const Vec3i& origin(std::size_t b) const { return m_origins[b]; }
+  const Vec3i& origin(std::size_t b) const { return m_index.origin(b); }
   const BrickMask& mask(std::size_t b) const { return m_masks[b]; }
 
   /// Brick that holds the voxel, or -1.
-  std::int32_t find(const Vec3i& voxel) const;
+  std::int32_t find(const Vec3i& voxel) const { return m_index.find(voxel); }
   bool is_active(const Vec3i& voxel) const {
     const std::int32_t b = find(voxel);
     return b >= 0 && mask_test(m_masks[b], brick_offset(voxel));
   }
-  /// find() for callers that look up many voxels at once; valid as long as the topology.
-  BrickLookup lookup() const;
+  /// The bricks without their masks.
+  const BrickIndex& index() const { return m_index; }
   /// Brick across a face, or -1. Faces: 0 -x, 1 +x, 2 -y, 3 +y, 4 -z, 5 +z.
   std::int32_t neighbour(std::size_t b, int face) const { return m_neighbours[b][face]; }
 
@@ -78,20 +72,13 @@ class BrickTopology {
   std::size_t bytes() const;
 
   bool operator==(const BrickTopology& other) const {
-    return m_origins == other.m_origins && m_masks == other.m_masks;
+    return m_index.origins() == other.m_index.origins() && m_masks == other.m_masks;
   }
 
  private:
-  void build_lookup();
-
-  std::vector<Vec3i> m_origins;
+  BrickIndex m_index;
   std::vector<BrickMask> m_masks;
   std::vector<std::array<std::int32_t, 6>> m_neighbours;
-  // Two-level table over bricks: 16^3 bricks per occupied region.
-  Vec3i m_region_lo{0, 0, 0};
-  Vec3i m_region_dims{0, 0, 0};
-  std::vector<std::int32_t> m_regions;
-  std::vector<std::array<std::int32_t, 4096>> m_tables;
   std::int64_t m_active_count = 0;
   IndexBox m_active_bounds;
 };

@@ -5,7 +5,6 @@
 
 #include <tbb/parallel_for.h>
 
-#include "volumes/field/ring_fill.h"
 #include "volumes/state/state.h"
 
 namespace supple {
@@ -15,7 +14,9 @@ LiveDisplacement::LiveDisplacement(const Geometry& geometry, const BrickTopology
     : m_elements(elements), m_is_moved(elements.brick_count(), 0) {
   const VectorBricks rest{elements,
                           std::vector<Vec3f>(elements.brick_count() * kBrickVoxels, Vec3f(0))};
-  m_extended = {geometry, fill_rings(rest, shell, std::numeric_limits<int>::max(), &m_ring)};
+  std::vector<std::uint8_t> ring_of;
+  m_extended = {geometry, fill_rings(rest, shell, std::numeric_limits<int>::max(), &ring_of)};
+  m_order = RingOrder(m_extended.u.topology, ring_of);
   for (std::size_t b = 0; b < elements.brick_count(); ++b) {
     m_brick_of.push_back(m_extended.u.topology.find(elements.origin(b)));
   }
@@ -48,7 +49,7 @@ std::vector<std::int32_t> LiveDisplacement::update(const std::array<BrickValues,
   for (std::size_t b = 0; b < is_changed.size(); ++b) {
     if (is_changed[b]) changed.push_back(m_brick_of[b]);
   }
-  return refill_rings(m_extended.u, m_ring, changed);
+  return refill_rings(m_extended.u, m_order, changed);
 }
 
 }  // namespace supple

@@ -1,14 +1,14 @@
 // The extended displacement of a body that is being dragged: kept, and brought up to date where the
 // offsets changed, with the bits that extended_displacement_of() would give.
 // Cost of an update: one comparison per voxel of the bricks that ever moved, and 100 ns per voxel
-// of the shell around the changed ones. Memory: 13 bytes per voxel of the bricks.
+// of the shell around the changed ones. Memory: 12 bytes per voxel of the bricks.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <vector>
 
-#include "volumes/field/vector_bricks.h"
+#include "volumes/field/ring_fill.h"
 #include "volumes/grid/brick_values.h"
 
 namespace supple {
@@ -30,7 +30,7 @@ class LiveDisplacement {
 
   BrickTopology m_elements;
   Displacement m_extended;
-  std::vector<std::uint8_t> m_ring;      // per voxel of the displacement, 0: element
+  RingOrder m_order;                     // of the shell
   std::vector<std::int32_t> m_brick_of;  // of the displacement, per brick of the elements
   std::vector<std::uint8_t> m_is_moved;  // per brick of the elements
 };

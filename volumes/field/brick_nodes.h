@@ -1,0 +1,69 @@
+// The vectors that the cells of one brick interpolate between: its own nodes and those of its upper
+// neighbours, gathered so that a cell is read in one place. Cost: 1 µs and 8.8 kB per brick.
+#pragma once
+
+#include <array>
+
+#include "volumes/field/vector_bricks.h"
+
+namespace supple {
+
+struct BrickNodes {
+  static constexpr int kDim = 9;                                                 // nodes 0 … 8
+  static constexpr int kStepX = 3 * kDim * kDim, kStepY = 3 * kDim, kStepZ = 3;  // in floats
+  static constexpr int kFloats = 3 * kDim * kDim * kDim;
+
+  std::array<float, kFloats> vectors;  // x slowest; not a number where there is none
+  bool is_zero = true;                 // every vector there is
+  bool is_void = true;                 // wherever there is none
+  Vec3f lo, hi;                        // smallest and largest vectors; lo > hi without any
+
+  bool empty() const { return lo.x > hi.x; }
+  /// A cell that has no vector may be read without one only if it is void.
+  bool is_identity() const { return is_zero && is_void; }
+};
+
+/// The nodes of the brick at `origin`. With `extrapolated` a ring of them is added around the valid
+/// ones, as extrapolate_into_bricks() does. `occupied` is what is not void. Vectors that are not
+/// finite or lead nowhere (2^20 voxels) count as none.
+void gather_nodes(const VectorBrickFinder& field, const BrickTopology& occupied, bool extrapolated,
+                  const Vec3i& origin, BrickNodes& nodes);
+
+/// Gathered nodes of many bricks, in slots that come and go.
+class NodeSlots {
+ public:
+  /// A slot of its own; until reserve() it has no memory.
+  std::int32_t take();
+  void give_back(std::int32_t slot) { m_free.push_back(slot); }
+  void reserve() { m_floats.resize(std::size_t(m_count) * BrickNodes::kFloats + 1); }
+  void write(std::int32_t slot, const BrickNodes& nodes);
+
+  /// kFloats per slot; four floats may be read at every node.
+  const float* data() const { return m_floats.data(); }
+  const float* at(std::int32_t slot) const {
+    return &m_floats[std::size_t(slot) * BrickNodes::kFloats];
+  }
+  std::size_t bytes() const { return m_floats.capacity() * sizeof(float); }
+
+ private:
+  std::int32_t m_count = 0;
+  std::vector<std::int32_t> m_free;
+  std::vector<float> m_floats;
+};
+
+/// A place in a cell of such nodes.
+struct NodeCell {
+  const float* node = nullptr;  // of the low corner
+  float x = 0, y = 0, z = 0;    // 0 … 1
+};
+
+/// Four packed floats, of which three count.
+using Float4 = float __attribute__((vector_size(16)));
+
+/// The trilinear vector and its derivatives along the axes.
+struct NodeDerivatives {
+  Float4 value, along_x, along_y, along_z;
+};
+NodeDerivatives derivatives_in(const NodeCell& cell);
+
+}  // namespace supple

@@ -1,0 +1,17 @@
+#include "volumes/field/pointwise_offsets.h"
+
+namespace supple {
+
+bool PointwiseOffsets::face(int /*piece*/, const Vec3d& /*x*/, Vec3d& /*normal*/,
+                            double& /*depth_mm*/) const {
+  return false;
+}
+
+void PointwiseOffsets::set_bricks(std::vector<Vec3i> origins) {
+  BrickMask full;
+  full.fill(~std::uint64_t(0));
+  std::vector<BrickMask> masks(origins.size(), full);
+  m_bricks = BrickTopology(std::move(origins), std::move(masks));
+}
+
+}  // namespace supple

@@ -1,0 +1,40 @@
+// Offsets that each sample finds for itself, in bricks in which nothing on a lattice could be
+// interpolated: where they jump (split_offsets.h), or before an inverse exists (forward_offsets.h).
+#pragma once
+
+#include "volumes/field/vector_bricks.h"
+
+namespace supple {
+
+class PointwiseOffsets {
+ public:
+  struct Sample {
+    Vec3d offset{0, 0, 0};
+    int piece = -1;  // where the sample was found; -1: nowhere
+  };
+
+  virtual ~PointwiseOffsets() = default;
+
+  /// The bricks, all of their voxels active.
+  const BrickTopology& bricks() const { return m_bricks; }
+
+  /// Offset and piece at x, in index space, inside the cells of brick b. False in a gap and in the
+  /// void. `found` may hold a sample found nearby, to begin with.
+  virtual bool sample(std::size_t b, const Vec3d& x, Sample& found) const = 0;
+  /// Box in index space around all that samples of brick b can read; lo > hi: nothing.
+  virtual void reach(std::size_t b, Vec3d& lo, Vec3d& hi) const = 0;
+  /// (I + grad o)^T g of a sample found at x in this piece.
+  virtual Vec3d pull_back(int piece, const Vec3d& x, const Vec3d& gradient) const = 0;
+  /// The face behind which a sample lies: its normal, into the piece, in mm per voxel, and the
+  /// distance to it in mm, as in the body before it was split. False: none is known.
+  virtual bool face(int piece, const Vec3d& x, Vec3d& normal, double& depth_mm) const;
+
+ protected:
+  /// All voxels of the bricks at these sorted origins.
+  void set_bricks(std::vector<Vec3i> origins);
+
+ private:
+  BrickTopology m_bricks;
+};
+
+}  // namespace supple
