@@ -9,6 +9,7 @@
 #include "tools/bench/render_frames.h"
 #include "tools/bench/render_kernel.h"
 #include "tools/bench/render_show.h"
+#include "tools/bench/render_update.h"
 #include "tools/bench/render_vtk.h"
 #include "tools/bench/row_filter.h"
 #include "tools/command.h"
@@ -18,6 +19,7 @@ namespace supple::tools {
 namespace {
 
 const Vec3i kHeadSize(512, 512, 256);
+constexpr std::int64_t kDraggedElements = 900'000;
 
 using BeforeRun = std::function<void()>;
 
@@ -95,6 +97,11 @@ std::vector<Part> plan_render(const RenderBenchOptions& options) {
            [rounds = limits({3, 5, 0}, {7, 25, 10000})](const auto& sides, Console&,
                                                         const BeforeRun& before_run) {
              return measure_kernel(sides, rounds, before_run);
+           });
+  add_part(plan, options, "dragged head", update_sides(threads), update_row_name,
+           [events = options.quick ? 5 : 30](const auto& sides, Console& console,
+                                             const BeforeRun&) {
+             return measure_render_update(kHeadSize, 512, kDraggedElements, sides, events, console);
            });
   const auto frames = std::make_shared<LazyFrames>(options.quick ? 512 : 1024);
   for (const std::string kind : {"straight", "identity", "zero", "local", "extreme"}) {

@@ -3,43 +3,12 @@
 #include <oneapi/tbb/global_control.h>
 
 #include "tools/bench/cancel_only.h"
-#include "tools/bench/ecm_bodies.h"
-#include "tools/bench/ecm_engines.h"
-#include "tools/bench/ecm_motion.h"
+#include "tools/bench/dragged_head.h"
 #include "tools/bench/timing.h"
-#include "volumes/field/invert.h"
-#include "volumes/state/live_displacement.h"
 
 namespace supple::tools {
 
 namespace {
-
-/// A dragged head with what follows it.
-struct Scene {
-  Scene(const Vec3i& size, std::int64_t wanted, Progress& cancel)
-      : body(head_phantom_body(size)),
-        live(body.geometry, body.elements, dilate(body.elements, 2)),
-        inversion(live.displacement(), params(), &cancel) {
-    workload.direction = "+y";
-    workload.start = "rest";
-    voxel = cheek_element(body);
-    amplitude = find_amplitude(workload, body, voxel, wanted, cancel);
-    engine = make_engine("supple", body, &cancel);
-  }
-  InvertParams params() const {
-    InvertParams invert_params;
-    invert_params.material = &body.elements;
-    return invert_params;
-  }
-
-  Body body;
-  LiveDisplacement live;
-  IncrementalInversion inversion;
-  EcmWorkload workload;
-  Vec3i voxel;
-  double amplitude;
-  std::unique_ptr<EcmEngine> engine;
-};
 
 void require_equal(const OffsetField& found, const OffsetField& expected) {
   if (found.o.topology == expected.o.topology && found.o.vectors == expected.o.vectors) return;
@@ -52,26 +21,27 @@ struct UpdateTimes {
   std::int64_t moved = 0, bricks = 0, nodes = 0;
 };
 
-UpdateTimes drag_again_and_again(Scene& scene, int events, Progress& cancel) {
+UpdateTimes drag_again_and_again(DraggedHead& head, IncrementalInversion& inversion, int events,
+                                 Progress& cancel) {
   UpdateTimes times;
   for (int n = 0; n < events; ++n) {
     report(&cancel, 0);
-    scene.engine->reset();
-    scene.inversion.update(scene.live.displacement(), scene.live.update(scene.body.q));
-    scene.engine->pull(pull_of(scene.voxel, scene.workload.direction, scene.amplitude));
+    const std::vector<std::int32_t> at_rest = head.reset();
+    inversion.update(head.displacement(), at_rest);
+    head.drag();
     std::vector<std::int32_t> changed;
     std::vector<Vec3i> touched;
     times.cpu.ms.push_back(cpu_time_ms([&] {
-      times.extend.ms.push_back(time_ms([&] { changed = scene.live.update(scene.body.q); }));
+      times.extend.ms.push_back(time_ms([&] { changed = head.follow(); }));
       times.invert.ms.push_back(
-          time_ms([&] { touched = scene.inversion.update(scene.live.displacement(), changed); }));
+          time_ms([&] { touched = inversion.update(head.displacement(), changed); }));
     }));
     times.both.ms.push_back(times.extend.ms.back() + times.invert.ms.back());
-    times.moved = scene.engine->moved();
+    times.moved = head.moved();
     times.bricks = std::int64_t(touched.size());
     times.nodes = 0;
     for (const Vec3i& origin : touched) {
-      const VectorBrickView brick = scene.inversion.finder()(origin);
+      const VectorBrickView brick = inversion.finder()(origin);
       if (brick.mask != nullptr) times.nodes += mask_count(*brick.mask);
     }
   }
@@ -84,22 +54,22 @@ std::vector<BenchRow> measure_update(const Vec3i& size, std::int64_t wanted,
                                      const std::vector<int>& threads, int events,
                                      Console& console) {
   CancelOnly cancel(console);
-  Scene scene(size, wanted, cancel);
+  DraggedHead head(size, wanted, cancel);
+  IncrementalInversion inversion(head.displacement(), head.params(), &cancel);
   std::vector<BenchRow> rows;
   for (const int count : threads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                     std::size_t(count));
-    const UpdateTimes times = drag_again_and_again(scene, events, cancel);
+    const UpdateTimes times = drag_again_and_again(head, inversion, events, cancel);
     if (rows.empty()) {
-      require_equal(scene.inversion.field(),
-                    invert(scene.live.displacement(), scene.params(), &cancel));
+      require_equal(inversion.field(), invert(head.displacement(), head.params(), &cancel));
     }
-    const InversionCertificate certificate = scene.inversion.certificate();
+    const InversionCertificate certificate = inversion.certificate();
     BenchRow row = {{"case", "update"},
                     {"method", "newton"},
                     {"field", "head_phantom"},
                     {"size", {size.x, size.y, size.z}},
-                    {"elements", scene.body.elements.active_count()},
+                    {"elements", head.body().elements.active_count()},
                     {"moved", times.moved},
                     {"touched_bricks", times.bricks},
                     {"touched_voxels", times.nodes},

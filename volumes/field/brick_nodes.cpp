@@ -5,6 +5,8 @@
 #include <cstring>
 #include <limits>
 
+#include "volumes/field/padded_rows.h"
+
 namespace supple {
 
 namespace {
@@ -21,46 +23,17 @@ Float4 mix(const Float4& a, const Float4& b, float t) {
   return a + t * (b - a);
 }
 
-/// The 27 bricks around a brick, itself in the middle.
-class Surroundings {
- public:
-  Surroundings(const VectorBrickFinder& find, const Vec3i& origin) {
-    for (int n = 0; n < 27; ++n) {
-      const Vec3i step(n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1);
-      m_bricks[n] = find(origin + step * kBrickDim);
-    }
-  }
+using Surroundings = std::array<VectorBrickView, 27>;
 
-  /// Of the row (x, y, 0 … 7) in the brick, or above it where x or y is 8.
-  const VectorBrickView& row(int x, int y) const { return brick({x, y, 0}); }
-  /// The node at -1 … 9; null where there is none.
-  const Vec3f* node(const Vec3i& local) const {
-    const VectorBrickView& view = brick(local);
-    const int offset = brick_offset(local);
-    return view.mask != nullptr && mask_test(*view.mask, offset) ? &view.vectors[offset] : nullptr;
-  }
-
- private:
-  const VectorBrickView& brick(const Vec3i& local) const {
-    return m_bricks[9 * ((local.x + 8) >> 3) + 3 * ((local.y + 8) >> 3) + ((local.z + 8) >> 3)];
-  }
-
-  std::array<VectorBrickView, 27> m_bricks;
-};
-
-/// The mean that ring_fill.cpp gives, bit for bit; false without a neighbour.
-bool extrapolate(const Surroundings& around, const Vec3i& local, Vec3f& mean) {
-  Vec3d sum(0);
-  int count = 0;
-  for (int n = 0; n < 27; ++n) {
-    const Vec3f* v = around.node(local + Vec3i(n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1));
-    if (v == nullptr) continue;
-    sum += Vec3d(v->x, v->y, v->z);
-    ++count;
-  }
-  if (count == 0) return false;
-  mean = Vec3f(sum / double(count));
-  return true;
+/// Bits of row (x, y, 0 … 8), counted from `origin`, that are occupied.
+unsigned occupied_row(const BrickTopology& occupied, const Vec3i& origin, int x, int y) {
+  const auto row = [&](int z) -> unsigned {
+    const Vec3i voxel = origin + Vec3i(x, y, z);
+    const std::int32_t b = occupied.find(voxel);
+    const int offset = brick_offset(voxel);
+    return b < 0 ? 0 : (occupied.mask(std::size_t(b))[offset >> 6] >> (offset & 63)) & 0xff;
+  };
+  return row(0) | (row(kBrickDim) & 1) << kBrickDim;
 }
 
 /// Smallest and largest values of rows of eight vectors, component by component.
@@ -110,36 +83,50 @@ class RowRange {
 
 void gather_nodes(const VectorBrickFinder& field, const BrickTopology& occupied, bool extrapolated,
                   const Vec3i& origin, BrickNodes& nodes) {
-  const Surroundings around(field, origin);
+  Surroundings around;
+  for (int n = 0; n < 27; ++n) around[n] = field(origin + surrounding_step(n) * kBrickDim);
+  const PaddedRows<BrickNodes::kDim> valid([&](int n) { return around[n].mask; });
+  const auto vector_at = [&](int brick, int offset) -> const Vec3f& {
+    return around[brick].vectors[offset];
+  };
+
   nodes.is_void = true;
   RowRange range;
-  const auto gather_node = [&](const Vec3i& local, float* out) {
-    Vec3f mean;
-    const Vec3f* found = around.node(local);
-    if (found == nullptr && extrapolated && extrapolate(around, local, mean)) found = &mean;
-    if (found != nullptr &&
-        std::abs(found->x) + std::abs(found->y) + std::abs(found->z) < kMaxVectorVoxels) {
-      range.add(*found);
-      for (int a = 0; a < 3; ++a) out[a] = (*found)[a];
-    } else {
-      std::fill(out, out + 3, std::numeric_limits<float>::quiet_NaN());
-      nodes.is_void = nodes.is_void && !occupied.is_active(origin + local);
-    }
-  };
+  constexpr unsigned kAll = (1u << BrickNodes::kDim) - 1, kOwn = (1u << kBrickDim) - 1;
   float* out = nodes.vectors.data();
   for (int x = 0; x < BrickNodes::kDim; ++x) {
     for (int y = 0; y < BrickNodes::kDim; ++y, out += 3 * BrickNodes::kDim) {
-      const VectorBrickView& view = around.row(x, y);
-      const int offset = brick_offset({x, y, 0});
+      const unsigned given = valid.row(x, y) & kAll;
+      unsigned known = extrapolated && given != kAll ? valid.dilated_row(x, y) : given;
       int first = 0;  // node that is still to be gathered
-      if (view.mask != nullptr && ((*view.mask)[offset >> 6] >> (offset & 63) & 0xff) == 0xff) {
-        const float* row = &view.vectors[offset].x;
+      if ((given & kOwn) == kOwn) {
+        const SurroundingVoxel start = surrounding_voxel({x, y, 0});
+        const float* row = &vector_at(start.brick, start.offset).x;
         if (range.add(row)) {
           std::memcpy(out, row, sizeof(float) * kRowFloats);
           first = kBrickDim;
         }
       }
-      for (int z = first; z < BrickNodes::kDim; ++z) gather_node({x, y, z}, out + 3 * z);
+      for (int z = first; z < BrickNodes::kDim; ++z) {
+        const Vec3i local(x, y, z);
+        Vec3f v(std::numeric_limits<float>::quiet_NaN());
+        if (given >> z & 1) {
+          const SurroundingVoxel voxel = surrounding_voxel(local);
+          v = vector_at(voxel.brick, voxel.offset);
+        } else if (known >> z & 1) {
+          v = mean_of_neighbours(valid, local, vector_at);
+        }
+        if (std::abs(v.x) + std::abs(v.y) + std::abs(v.z) < kMaxVectorVoxels) {
+          range.add(v);
+        } else {
+          v = Vec3f(std::numeric_limits<float>::quiet_NaN());
+          known &= ~(1u << z);
+        }
+        std::memcpy(out + 3 * z, &v, sizeof v);
+      }
+      if (known != kAll && nodes.is_void) {
+        nodes.is_void = (occupied_row(occupied, origin, x, y) & ~known) == 0;
+      }
     }
   }
   nodes.lo = range.lo();

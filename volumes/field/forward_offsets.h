@@ -12,8 +12,6 @@
 
 #include <limits>
 
-#include <limits>
-
 #include "volumes/field/brick_nodes.h"
 #include "volumes/field/pointwise_offsets.h"
 

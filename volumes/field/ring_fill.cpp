@@ -5,6 +5,8 @@
 
 #include <tbb/parallel_for.h>
 
+#include "volumes/field/padded_rows.h"
+
 namespace supple {
 
 namespace {
@@ -23,66 +25,21 @@ using Surroundings = std::array<std::int32_t, 27>;
 Surroundings surroundings_of(const BrickTopology& bricks, std::size_t b) {
   Surroundings around;
   for (int n = 0; n < 27; ++n) {
-    const Vec3i step(n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1);
-    around[n] = bricks.find(bricks.origin(b) + step * kBrickDim);
+    around[n] = bricks.find(bricks.origin(b) + surrounding_step(n) * kBrickDim);
   }
   return around;
 }
 
-/// Index among the surroundings and offset in that brick of a local position in [-1, 8]^3.
-struct Slot {
-  int brick;
-  int offset;
-};
-Slot slot_of(const Vec3i& local) {
-  const int x = (local.x + 8) >> 3, y = (local.y + 8) >> 3, z = (local.z + 8) >> 3;
-  return {9 * x + 3 * y + z, brick_offset(local)};
-}
-
-/// Validity of a brick and the voxel layer around it: bit z + 1 of row (x + 1, y + 1).
-struct PaddedRows {
-  std::uint16_t rows[10][10];
-
-  bool test(const Vec3i& local) const {
-    return (rows[local.x + 1][local.y + 1] >> (local.z + 1)) & 1;
-  }
-  /// Bits of row (x, y) of the brick whose 27 neighbours are all set.
-  std::uint8_t eroded_row(int x, int y) const {
-    unsigned bits = 0x3ff;
-    for (int dx = 0; dx < 3; ++dx) {
-      for (int dy = 0; dy < 3; ++dy) bits &= rows[x + dx][y + dy];
-    }
-    return std::uint8_t((bits & bits >> 1 & bits << 1) >> 1);
-  }
-  /// True bits of row (x, y) of the brick and of all voxels that touch one.
-  std::uint8_t dilated_row(int x, int y) const {
-    unsigned bits = 0;
-    for (int dx = 0; dx < 3; ++dx) {
-      for (int dy = 0; dy < 3; ++dy) bits |= rows[x + dx][y + dy];
-    }
-    return std::uint8_t((bits | bits >> 1 | bits << 1) >> 1);
-  }
-};
-
 /// `mask_of(b)`: valid voxels of brick b.
 template <class MaskOf>
-PaddedRows padded_rows(const Surroundings& around, MaskOf&& mask_of) {
-  PaddedRows padded;
-  for (int x = -1; x <= kBrickDim; ++x) {
-    for (int y = -1; y <= kBrickDim; ++y) {
-      const Slot slot = slot_of({x, y, 0});
-      const auto row = [&](int dz) -> unsigned {
-        const std::int32_t b = around[slot.brick + dz];
-        return b < 0 ? 0 : (mask_of(b)[slot.offset >> 6] >> (slot.offset & 63)) & 0xff;
-      };
-      padded.rows[x + 1][y + 1] = std::uint16_t(row(-1) >> 7 | row(0) << 1 | (row(1) & 1) << 9);
-    }
-  }
-  return padded;
+PaddedRows<kBrickDim> padded_rows(const Surroundings& around, MaskOf&& mask_of) {
+  return PaddedRows<kBrickDim>(
+      [&](int n) -> const BrickMask* { return around[n] < 0 ? nullptr : &mask_of(around[n]); });
 }
 
 /// Wanted voxels of one brick that touch a valid one.
-BrickMask next_ring(const PaddedRows& padded, const BrickMask& wanted, const BrickMask& valid) {
+BrickMask next_ring(const PaddedRows<kBrickDim>& padded, const BrickMask& wanted,
+                    const BrickMask& valid) {
   BrickMask ring{};
   for (int x = 0; x < kBrickDim; ++x) {
     std::uint64_t word = 0;
@@ -92,19 +49,11 @@ BrickMask next_ring(const PaddedRows& padded, const BrickMask& wanted, const Bri
   return ring;
 }
 
-Vec3f mean_of_neighbours(const Vec3i& local, const PaddedRows& padded, const Surroundings& around,
-                         const std::vector<Vec3f>& vectors) {
-  Vec3d sum(0);
-  int count = 0;
-  for (int n = 0; n < 27; ++n) {
-    const Vec3i q = local + Vec3i(n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1);
-    if (!padded.test(q)) continue;
-    const Slot slot = slot_of(q);
-    const Vec3f& v = vectors[std::size_t(around[slot.brick]) * kBrickVoxels + slot.offset];
-    sum += Vec3d(v.x, v.y, v.z);
-    ++count;
-  }
-  return Vec3f(sum / double(count));
+Vec3f filled(const Vec3i& local, const PaddedRows<kBrickDim>& padded, const Surroundings& around,
+             const std::vector<Vec3f>& vectors) {
+  return mean_of_neighbours(padded, local, [&](int brick, int offset) -> const Vec3f& {
+    return vectors[std::size_t(around[brick]) * kBrickVoxels + std::size_t(offset)];
+  });
 }
 
 /// The bricks and all that touch them, ascending.
@@ -194,12 +143,12 @@ VectorBricks fill_rings(const VectorBricks& seed, const BrickTopology& target, i
   for (int number = 1; number <= max_rings; ++number) {
     tbb::parallel_for(std::size_t(0), pending.size(), [&](std::size_t n) {
       const std::size_t b = pending[n];
-      const PaddedRows padded =
+      const PaddedRows<kBrickDim> padded =
           padded_rows(around[n], [&](std::int32_t m) -> const BrickMask& { return valid[m]; });
       ring[n] = next_ring(padded, bricks.mask(b), valid[b]);
       for_each_active(ring[n], [&](int offset) {
         const std::size_t slot = b * kBrickVoxels + offset;
-        vectors[slot] = mean_of_neighbours(brick_local(offset), padded, around[n], vectors);
+        vectors[slot] = filled(brick_local(offset), padded, around[n], vectors);
         if (ring_of) (*ring_of)[slot] = std::uint8_t(std::min(number, 255));
       });
     });
@@ -257,12 +206,12 @@ std::vector<std::int32_t> refill_rings(VectorBricks& field, const RingOrder& ord
       for (int word = 0; word < 8; ++word) ring[word] &= ~order.before(number, b)[word];
       if (!any_bit(ring)) return;
       const Surroundings around = surroundings_of(topology, b);
-      const PaddedRows padded = padded_rows(around, [&](std::int32_t m) -> const BrickMask& {
-        return order.before(number, std::size_t(m));
-      });
+      const PaddedRows<kBrickDim> padded = padded_rows(
+          around,
+          [&](std::int32_t m) -> const BrickMask& { return order.before(number, std::size_t(m)); });
       for_each_active(ring, [&](int offset) {
         Vec3f& vector = field.vectors[b * kBrickVoxels + std::size_t(offset)];
-        const Vec3f mean = mean_of_neighbours(brick_local(offset), padded, around, field.vectors);
+        const Vec3f mean = filled(brick_local(offset), padded, around, field.vectors);
         is_changed[n] = is_changed[n] || mean != vector;
         vector = mean;
       });
@@ -280,7 +229,7 @@ BrickTopology eroded(const BrickTopology& topology) {
   std::vector<BrickMask> masks(topology.brick_count(), BrickMask{});
   tbb::parallel_for(std::size_t(0), topology.brick_count(), [&](std::size_t b) {
     origins[b] = topology.origin(b);
-    const PaddedRows padded =
+    const PaddedRows<kBrickDim> padded =
         padded_rows(surroundings_of(topology, b),
                     [&](std::int32_t m) -> const BrickMask& { return topology.mask(m); });
     for (int x = 0; x < kBrickDim; ++x) {
@@ -310,8 +259,7 @@ BrickTopology touching_bricks(const BrickTopology& topology) {
   origins.reserve(topology.brick_count() * 27);
   for (std::size_t b = 0; b < topology.brick_count(); ++b) {
     for (int n = 0; n < 27; ++n) {
-      const Vec3i step(n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1);
-      origins.push_back(topology.origin(b) + step * kBrickDim);
+      origins.push_back(topology.origin(b) + surrounding_step(n) * kBrickDim);
     }
   }
   std::sort(origins.begin(), origins.end(), origin_less);
