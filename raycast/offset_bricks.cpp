@@ -94,8 +94,9 @@ void OffsetBricks::gather(const std::vector<std::size_t>& bricks,
   // A brick that has a slot is written at once; others first show whether they need one.
   const auto gather_brick = [&](std::size_t b) {
     BrickNodes nodes;
-    gather_nodes(offsets, m_source->topology(), true, m_index.origin(b), nodes);
-    if (m_states[b] >= 0) m_offsets.write(m_states[b], nodes);
+    float scratch[BrickNodes::kFloats];
+    gather_nodes(offsets, m_source->topology(), true, m_index.origin(b),
+                 m_states[b] >= 0 ? m_offsets.at(m_states[b]) : scratch, nodes);
     m_ranges[b] = range_of(b, nodes);
     return nodes.is_identity() ? kIdentity : nodes.empty() ? kEmpty : kDeformed;
   };

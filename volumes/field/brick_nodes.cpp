@@ -79,44 +79,52 @@ class RowRange {
   Row m_lo, m_hi;
 };
 
-}  // namespace
+bool is_full(const BrickMask& mask) {
+  std::uint64_t all = ~std::uint64_t(0);
+  for (const std::uint64_t word : mask) all &= word;
+  return all == ~std::uint64_t(0);
+}
 
-void gather_nodes(const VectorBrickFinder& field, const BrickTopology& occupied, bool extrapolated,
-                  const Vec3i& origin, BrickNodes& nodes) {
-  Surroundings around;
-  for (int n = 0; n < 27; ++n) around[n] = field(origin + surrounding_step(n) * kBrickDim);
+bool is_place(const Vec3f& v) {
+  return std::abs(v.x) + std::abs(v.y) + std::abs(v.z) < kMaxVectorVoxels;
+}
+
+/// All nodes of a brick whose own and whose neighbours' voxels are given; false when one of them is
+/// not a place on the lattice.
+bool gather_inside(const Surroundings& around, float* out, RowRange& range) {
+  for (int x = 0; x < BrickNodes::kDim; ++x) {
+    for (int y = 0; y < BrickNodes::kDim; ++y, out += 3 * BrickNodes::kDim) {
+      const SurroundingVoxel start = surrounding_voxel({x, y, 0});
+      const Vec3f* row = &around[start.brick].vectors[start.offset];
+      const Vec3f& last = around[start.brick + 1].vectors[start.offset];
+      if (!range.add(&row->x) || !is_place(last)) return false;
+      range.add(last);
+      std::memcpy(out, row, sizeof(float) * kRowFloats);
+      std::memcpy(out + kRowFloats, &last, sizeof last);
+    }
+  }
+  return true;
+}
+
+void gather_beside_void(const Surroundings& around, const BrickTopology& occupied,
+                        bool extrapolated, const Vec3i& origin, float* out, RowRange& range,
+                        bool& is_void) {
   const PaddedRows<BrickNodes::kDim> valid([&](int n) { return around[n].mask; });
-  const auto vector_at = [&](int brick, int offset) -> const Vec3f& {
-    return around[brick].vectors[offset];
-  };
-
-  nodes.is_void = true;
-  RowRange range;
-  constexpr unsigned kAll = (1u << BrickNodes::kDim) - 1, kOwn = (1u << kBrickDim) - 1;
-  float* out = nodes.vectors.data();
+  constexpr unsigned kAll = (1u << BrickNodes::kDim) - 1;
   for (int x = 0; x < BrickNodes::kDim; ++x) {
     for (int y = 0; y < BrickNodes::kDim; ++y, out += 3 * BrickNodes::kDim) {
       const unsigned given = valid.row(x, y) & kAll;
       unsigned known = extrapolated && given != kAll ? valid.dilated_row(x, y) : given;
-      int first = 0;  // node that is still to be gathered
-      if ((given & kOwn) == kOwn) {
-        const SurroundingVoxel start = surrounding_voxel({x, y, 0});
-        const float* row = &vector_at(start.brick, start.offset).x;
-        if (range.add(row)) {
-          std::memcpy(out, row, sizeof(float) * kRowFloats);
-          first = kBrickDim;
-        }
-      }
-      for (int z = first; z < BrickNodes::kDim; ++z) {
+      for (int z = 0; z < BrickNodes::kDim; ++z) {
         const Vec3i local(x, y, z);
         Vec3f v(std::numeric_limits<float>::quiet_NaN());
         if (given >> z & 1) {
           const SurroundingVoxel voxel = surrounding_voxel(local);
-          v = vector_at(voxel.brick, voxel.offset);
+          v = around[voxel.brick].vectors[voxel.offset];
         } else if (known >> z & 1) {
-          v = mean_of_neighbours(valid, local, vector_at);
+          v = mean_of_neighbours(valid, local, [&](int n) { return around[n].vectors; });
         }
-        if (std::abs(v.x) + std::abs(v.y) + std::abs(v.z) < kMaxVectorVoxels) {
+        if (is_place(v)) {
           range.add(v);
         } else {
           v = Vec3f(std::numeric_limits<float>::quiet_NaN());
@@ -124,10 +132,31 @@ void gather_nodes(const VectorBrickFinder& field, const BrickTopology& occupied,
         }
         std::memcpy(out + 3 * z, &v, sizeof v);
       }
-      if (known != kAll && nodes.is_void) {
-        nodes.is_void = (occupied_row(occupied, origin, x, y) & ~known) == 0;
+      if (known != kAll && is_void) {
+        is_void = (occupied_row(occupied, origin, x, y) & ~known) == 0;
       }
     }
+  }
+}
+
+}  // namespace
+
+void gather_nodes(const VectorBrickFinder& field, const BrickTopology& occupied, bool extrapolated,
+                  const Vec3i& origin, float* out, BrickNodes& nodes) {
+  Surroundings around;
+  bool is_inside = true;  // all nodes are given
+  for (int n = 0; n < 27; ++n) {
+    const Vec3i step = surrounding_step(n);
+    const bool is_upper = std::min({step.x, step.y, step.z}) >= 0;
+    if (!is_upper && !extrapolated) continue;
+    around[n] = field(origin + step * kBrickDim);
+    if (is_upper) is_inside = is_inside && around[n].mask != nullptr && is_full(*around[n].mask);
+  }
+  RowRange range;
+  nodes.is_void = true;
+  if (!is_inside || !gather_inside(around, out, range)) {
+    range = RowRange();
+    gather_beside_void(around, occupied, extrapolated, origin, out, range, nodes.is_void);
   }
   nodes.lo = range.lo();
   nodes.hi = range.hi();
@@ -140,11 +169,6 @@ std::int32_t NodeSlots::take() {
   const std::int32_t slot = m_free.back();
   m_free.pop_back();
   return slot;
-}
-
-void NodeSlots::write(std::int32_t slot, const BrickNodes& nodes) {
-  std::copy(nodes.vectors.begin(), nodes.vectors.end(),
-            m_floats.begin() + std::ptrdiff_t(slot) * BrickNodes::kFloats);
 }
 
 NodeDerivatives derivatives_in(const NodeCell& cell) {

@@ -8,26 +8,27 @@
 
 namespace supple {
 
+/// What the nodes of a brick are like, and how they lie in memory.
 struct BrickNodes {
   static constexpr int kDim = 9;                                                 // nodes 0 … 8
   static constexpr int kStepX = 3 * kDim * kDim, kStepY = 3 * kDim, kStepZ = 3;  // in floats
   static constexpr int kFloats = 3 * kDim * kDim * kDim;
 
-  std::array<float, kFloats> vectors;  // x slowest; not a number where there is none
-  bool is_zero = true;                 // every vector there is
-  bool is_void = true;                 // wherever there is none
-  Vec3f lo, hi;                        // smallest and largest vectors; lo > hi without any
+  bool is_zero = true;  // every vector there is
+  bool is_void = true;  // wherever there is none
+  Vec3f lo, hi;         // smallest and largest vectors; lo > hi without any
 
   bool empty() const { return lo.x > hi.x; }
   /// A cell that has no vector may be read without one only if it is void.
   bool is_identity() const { return is_zero && is_void; }
 };
 
-/// The nodes of the brick at `origin`. With `extrapolated` a ring of them is added around the valid
+/// Writes the nodes of the brick at `origin`, kFloats of them, x slowest, not a number where there
+/// is none. With `extrapolated` a ring of them is added around the valid
 /// ones, as extrapolate_into_bricks() does. `occupied` is what is not void. Vectors that are not
 /// finite or lead nowhere (2^20 voxels) count as none.
 void gather_nodes(const VectorBrickFinder& field, const BrickTopology& occupied, bool extrapolated,
-                  const Vec3i& origin, BrickNodes& nodes);
+                  const Vec3i& origin, float* out, BrickNodes& nodes);
 
 /// Gathered nodes of many bricks, in slots that come and go.
 class NodeSlots {
@@ -36,7 +37,7 @@ class NodeSlots {
   std::int32_t take();
   void give_back(std::int32_t slot) { m_free.push_back(slot); }
   void reserve() { m_floats.resize(std::size_t(m_count) * BrickNodes::kFloats + 1); }
-  void write(std::int32_t slot, const BrickNodes& nodes);
+  float* at(std::int32_t slot) { return &m_floats[std::size_t(slot) * BrickNodes::kFloats]; }
 
   /// kFloats per slot; four floats may be read at every node.
   const float* data() const { return m_floats.data(); }

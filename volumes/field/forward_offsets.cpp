@@ -67,8 +67,9 @@ void ForwardOffsets::gather(const Displacement& displacement,
   // A brick that has a slot is written at once; others first show whether they need one.
   const auto gather_brick = [&](std::size_t b) {
     BrickNodes nodes;
-    gather_nodes(find, m_source, false, m_source.origin(b), nodes);
-    if (m_slots[b] >= 0) m_nodes.write(m_slots[b], nodes);
+    float scratch[BrickNodes::kFloats];
+    gather_nodes(find, m_source, false, m_source.origin(b),
+                 m_slots[b] >= 0 ? m_nodes.at(m_slots[b]) : scratch, nodes);
     m_lo[b] = nodes.lo;
     m_hi[b] = nodes.hi;
     return nodes.is_zero;

@@ -68,21 +68,27 @@ struct PaddedRows {
 };
 
 /// The mean over the voxel and those of its 26 neighbours that are valid, summed in double and in
-/// one fixed order. `vector_at(brick, offset)`: of a surrounding brick. At least one is valid.
-template <int kLast, class VectorAt>
+/// one fixed order. `vectors_of(n)`: the 512 of surrounding brick n. At least one is valid.
+template <int kLast, class VectorsOf>
 Vec3f mean_of_neighbours(const PaddedRows<kLast>& padded, const Vec3i& local,
-                         VectorAt&& vector_at) {
-  Vec3d sum(0);
+                         VectorsOf&& vectors_of) {
+  double sum[3] = {0, 0, 0};
   int count = 0;
-  for (int n = 0; n < 27; ++n) {
-    const Vec3i q = local + surrounding_step(n);
-    if (!padded.test(q)) continue;
-    const SurroundingVoxel voxel = surrounding_voxel(q);
-    const Vec3f& v = vector_at(voxel.brick, voxel.offset);
-    sum += Vec3d(v.x, v.y, v.z);
-    ++count;
+  for (int row = 0; row < 9; ++row) {
+    const int x = local.x + row / 3 - 1, y = local.y + row % 3 - 1;
+    unsigned bits = (padded.rows[x + 1][y + 1] >> local.z) & 7;
+    if (bits == 0) continue;
+    count += __builtin_popcount(bits);
+    const SurroundingVoxel start = surrounding_voxel({x, y, 0});
+    for (; bits != 0; bits &= bits - 1) {
+      const int z = local.z - 1 + __builtin_ctz(bits);
+      const Vec3f& v = vectors_of(start.brick + ((z + 8) >> 3) - 1)[start.offset + (z & 7)];
+      sum[0] += v.x;
+      sum[1] += v.y;
+      sum[2] += v.z;
+    }
   }
-  return Vec3f(sum / double(count));
+  return Vec3f(Vec3d(sum[0], sum[1], sum[2]) / double(count));
 }
 
 }  // namespace supple

@@ -51,9 +51,8 @@ BrickMask next_ring(const PaddedRows<kBrickDim>& padded, const BrickMask& wanted
 
 Vec3f filled(const Vec3i& local, const PaddedRows<kBrickDim>& padded, const Surroundings& around,
              const std::vector<Vec3f>& vectors) {
-  return mean_of_neighbours(padded, local, [&](int brick, int offset) -> const Vec3f& {
-    return vectors[std::size_t(around[brick]) * kBrickVoxels + std::size_t(offset)];
-  });
+  return mean_of_neighbours(padded, local,
+                            [&](int n) { return &vectors[std::size_t(around[n]) * kBrickVoxels]; });
 }
 
 /// The bricks and all that touch them, ascending.
