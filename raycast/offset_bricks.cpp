@@ -91,40 +91,41 @@ void OffsetBricks::update(const std::vector<Vec3i>& changed, const VectorBrickFi
 
 void OffsetBricks::gather(const std::vector<std::size_t>& bricks,
                           const VectorBrickFinder& offsets) {
-  // A brick that has a slot is written at once; others first show whether they need one.
-  const auto gather_brick = [&](std::size_t b) {
-    BrickNodes nodes;
-    float scratch[BrickNodes::kFloats];
-    gather_nodes(offsets, m_source->topology(), true, m_index.origin(b),
-                 m_states[b] >= 0 ? m_offsets.at(m_states[b]) : scratch, nodes);
-    m_ranges[b] = range_of(b, nodes);
-    return nodes.is_identity() ? kIdentity : nodes.empty() ? kEmpty : kDeformed;
-  };
-  std::vector<std::int32_t> found(bricks.size());
-  tbb::parallel_for(std::size_t(0), bricks.size(), [&](std::size_t n) {
-    const std::size_t b = bricks[n];
-    const VectorBrickView view = offsets(m_index.origin(b));
-    m_valid[b] = {};
-    if (view.mask != nullptr) {
-      const IndexBox box = mask_bounds(*view.mask);
-      m_valid[b] = {m_index.origin(b) + box.lo, m_index.origin(b) + box.hi};
+  // In chunks, whose bricks all have slots until those turn out not to be needed.
+  constexpr std::size_t kChunk = 512;
+  m_offsets.reserve(bricks.size());
+  std::vector<std::int32_t> found(kChunk);
+  for (std::size_t start = 0; start < bricks.size(); start += kChunk) {
+    const std::size_t end = std::min(start + kChunk, bricks.size());
+    for (std::size_t n = start; n < end; ++n) {
+      std::int32_t& state = m_states[bricks[n]];
+      if (state < 0) state = m_offsets.take();
     }
-    found[n] = gather_brick(b);
-  });
-
-  std::vector<std::size_t> fresh;
-  for (std::size_t n = 0; n < bricks.size(); ++n) {
-    std::int32_t& state = m_states[bricks[n]];
-    if (found[n] != kDeformed) {
-      if (state >= 0) m_offsets.give_back(state);
-      state = found[n];
-    } else if (state < 0) {
-      state = m_offsets.take();
-      fresh.push_back(bricks[n]);
+    m_offsets.grow();
+    tbb::parallel_for(start, end,
+                      [&](std::size_t n) { found[n - start] = gather_brick(bricks[n], offsets); });
+    for (std::size_t n = start; n < end; ++n) {
+      if (found[n - start] == kDeformed) continue;
+      std::int32_t& state = m_states[bricks[n]];
+      m_offsets.give_back(state);
+      state = found[n - start];
     }
   }
-  m_offsets.reserve();
-  tbb::parallel_for(std::size_t(0), fresh.size(), [&](std::size_t n) { gather_brick(fresh[n]); });
+}
+
+/// Fills the slot of brick b and says what it needs it for.
+std::int32_t OffsetBricks::gather_brick(std::size_t b, const VectorBrickFinder& offsets) {
+  const Vec3i& origin = m_index.origin(b);
+  const VectorBrickView view = offsets(origin);
+  m_valid[b] = {};
+  if (view.mask != nullptr) {
+    const IndexBox box = mask_bounds(*view.mask);
+    m_valid[b] = {origin + box.lo, origin + box.hi};
+  }
+  BrickNodes nodes;
+  gather_nodes(offsets, m_source->topology(), true, origin, m_offsets.at(m_states[b]), nodes);
+  m_ranges[b] = range_of(b, nodes);
+  return nodes.is_identity() ? kIdentity : nodes.empty() ? kEmpty : kDeformed;
 }
 
 EncodedRange OffsetBricks::range_beneath(std::size_t b) const {
@@ -161,11 +162,14 @@ void OffsetBricks::mark_pointwise() {
     if (b < 0) continue;
     if (m_states[b] >= 0) m_offsets.give_back(m_states[b]);
     m_states[b] = kPointwise - std::int32_t(n);
+  }
+  tbb::parallel_for(std::size_t(0), m_states.size(), [&](std::size_t b) {
+    if (!is_pointwise(b)) return;
     Vec3d lo, hi;
-    m_pointwise->reach(n, lo, hi);
+    m_pointwise->reach(pointwise_brick(b), lo, hi);
     m_ranges[b] =
         lo.x > hi.x ? EncodedRange() : reached_range(*m_source, lo - Vec3d(1), hi + Vec3d(1));
-  }
+  });
 }
 
 std::size_t OffsetBricks::deformed_count() const {

@@ -66,6 +66,7 @@ class OffsetBricks {
 
   std::size_t add_brick(const Vec3i& origin);
   void gather(const std::vector<std::size_t>& bricks, const VectorBrickFinder& offsets);
+  std::int32_t gather_brick(std::size_t b, const VectorBrickFinder& offsets);
   EncodedRange range_beneath(std::size_t b) const;
   EncodedRange range_of(std::size_t b, const BrickNodes& nodes) const;
   void mark_pointwise();

@@ -88,13 +88,14 @@ TEST(PropertyLiveOffsets, WithoutMovementThePictureIsTheStraightOneBitForBit) {
   const LiveScene scene;
   Renderer renderer(scene.geometry, scene.density);
   const Image rest = scene.draw(renderer);
-  const auto offsets = std::make_shared<ForwardOffsets>(scene.displaced(bump_warp(kCentre, 20, 9)));
+  Displacement u = scene.displaced(bump_warp(kCentre, 20, 9));
+  const auto offsets = std::make_shared<ForwardOffsets>(u);
   renderer.set_pointwise_offsets(offsets);
   EXPECT_NE(scene.draw(renderer).rgba, rest.rgba);
-  const Displacement back = scene.displaced(bump_warp(kCentre, 20, 0));
+  u = scene.displaced(bump_warp(kCentre, 20, 0));
   std::vector<std::int32_t> all;
-  for (std::size_t b = 0; b < back.u.topology.brick_count(); ++b) all.push_back(int(b));
-  offsets->update(back, all);
+  for (std::size_t b = 0; b < u.u.topology.brick_count(); ++b) all.push_back(int(b));
+  offsets->update(all);
   renderer.set_pointwise_offsets(offsets);
   EXPECT_EQ(scene.draw(renderer).rgba, rest.rgba);
 }

@@ -45,7 +45,7 @@ struct Scene {
   void follow(const std::string& method, const std::vector<std::int32_t>& changed, Times& solve,
               Times& bricks) {
     if (method == "forward") {
-      solve.ms.push_back(time_ms([&] { forward->update(head.displacement(), changed); }));
+      solve.ms.push_back(time_ms([&] { forward->update(changed); }));
       bricks.ms.push_back(time_ms([&] { renderer.set_pointwise_offsets(forward); }));
       return;
     }
@@ -128,7 +128,7 @@ std::vector<BenchRow> measure_render_update(const Vec3i& size, int image_size, s
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                     std::size_t(side.threads));
     // The other method did not see the last drags.
-    scene.forward->update(scene.head.displacement(), scene.head.reset());
+    scene.forward->update(scene.head.reset());
     const UpdateTimes times = drag_again_and_again(scene, side.method, events, cancel);
     if (side.method == "inverse" && times.image.rgba != expected.rgba) {
       throw Error("bench render: the followed picture is not that of a full inversion");

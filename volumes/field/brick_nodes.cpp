@@ -109,28 +109,32 @@ bool gather_inside(const Surroundings& around, float* out, RowRange& range) {
 void gather_beside_void(const Surroundings& around, const BrickTopology& occupied,
                         bool extrapolated, const Vec3i& origin, float* out, RowRange& range,
                         bool& is_void) {
+  constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+  constexpr unsigned kAll = (1u << BrickNodes::kDim) - 1, kOwn = (1u << kBrickDim) - 1;
   const PaddedRows<BrickNodes::kDim> valid([&](int n) { return around[n].mask; });
-  constexpr unsigned kAll = (1u << BrickNodes::kDim) - 1;
   for (int x = 0; x < BrickNodes::kDim; ++x) {
     for (int y = 0; y < BrickNodes::kDim; ++y, out += 3 * BrickNodes::kDim) {
+      const SurroundingVoxel start = surrounding_voxel({x, y, 0});
       const unsigned given = valid.row(x, y) & kAll;
       unsigned known = extrapolated && given != kAll ? valid.dilated_row(x, y) : given;
-      for (int z = 0; z < BrickNodes::kDim; ++z) {
-        const Vec3i local(x, y, z);
-        Vec3f v(std::numeric_limits<float>::quiet_NaN());
-        if (given >> z & 1) {
-          const SurroundingVoxel voxel = surrounding_voxel(local);
-          v = around[voxel.brick].vectors[voxel.offset];
-        } else if (known >> z & 1) {
-          v = mean_of_neighbours(valid, local, [&](int n) { return around[n].vectors; });
-        }
+      std::fill(out, out + 3 * BrickNodes::kDim, kNone);
+      unsigned rest = known;  // still to be gathered
+      if ((given & kOwn) == kOwn && range.add(&around[start.brick].vectors[start.offset].x)) {
+        std::memcpy(out, &around[start.brick].vectors[start.offset], sizeof(float) * kRowFloats);
+        rest &= ~kOwn;
+      }
+      for (; rest != 0; rest &= rest - 1) {
+        const int z = __builtin_ctz(rest);
+        const Vec3f v =
+            given >> z & 1
+                ? around[start.brick + (z >> 3)].vectors[start.offset + (z & 7)]
+                : mean_of_neighbours(valid, {x, y, z}, [&](int n) { return around[n].vectors; });
         if (is_place(v)) {
           range.add(v);
+          std::memcpy(out + 3 * z, &v, sizeof v);
         } else {
-          v = Vec3f(std::numeric_limits<float>::quiet_NaN());
           known &= ~(1u << z);
         }
-        std::memcpy(out + 3 * z, &v, sizeof v);
       }
       if (known != kAll && is_void) {
         is_void = (occupied_row(occupied, origin, x, y) & ~known) == 0;
@@ -171,19 +175,26 @@ std::int32_t NodeSlots::take() {
   return slot;
 }
 
+void NodeSlots::reserve(std::size_t more) {
+  const std::size_t fresh = more > m_free.size() ? more - m_free.size() : 0;
+  m_floats.reserve((std::size_t(m_count) + fresh) * BrickNodes::kFloats + 1);
+}
+
+NodeDerivatives derivatives_of(const Float4 (&c)[8], float x, float y, float z) {
+  const Float4 y0 = mix(c[0], c[1], z), y1 = mix(c[2], c[3], z);
+  const Float4 y2 = mix(c[4], c[5], z), y3 = mix(c[6], c[7], z);
+  const Float4 x0 = mix(y0, y1, y), x1 = mix(y2, y3, y);
+  return {mix(x0, x1, x), x1 - x0, mix(y1 - y0, y3 - y2, x),
+          mix(mix(c[1] - c[0], c[3] - c[2], y), mix(c[5] - c[4], c[7] - c[6], y), x)};
+}
+
 NodeDerivatives derivatives_in(const NodeCell& cell) {
   constexpr int sx = BrickNodes::kStepX, sy = BrickNodes::kStepY, sz = BrickNodes::kStepZ;
   const float* n = cell.node;
-  const Float4 c000 = load(n), c001 = load(n + sz);
-  const Float4 c010 = load(n + sy), c011 = load(n + sy + sz);
-  const Float4 c100 = load(n + sx), c101 = load(n + sx + sz);
-  const Float4 c110 = load(n + sx + sy), c111 = load(n + sx + sy + sz);
-  const Float4 y0 = mix(c000, c001, cell.z), y1 = mix(c010, c011, cell.z);
-  const Float4 y2 = mix(c100, c101, cell.z), y3 = mix(c110, c111, cell.z);
-  const Float4 x0 = mix(y0, y1, cell.y), x1 = mix(y2, y3, cell.y);
-  return {
-      mix(x0, x1, cell.x), x1 - x0, mix(y1 - y0, y3 - y2, cell.x),
-      mix(mix(c001 - c000, c011 - c010, cell.y), mix(c101 - c100, c111 - c110, cell.y), cell.x)};
+  const Float4 corners[8] = {load(n),           load(n + sz),          load(n + sy),
+                             load(n + sy + sz), load(n + sx),          load(n + sx + sz),
+                             load(n + sx + sy), load(n + sx + sy + sz)};
+  return derivatives_of(corners, cell.x, cell.y, cell.z);
 }
 
 }  // namespace supple

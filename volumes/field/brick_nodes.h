@@ -33,10 +33,12 @@ void gather_nodes(const VectorBrickFinder& field, const BrickTopology& occupied,
 /// Gathered nodes of many bricks, in slots that come and go.
 class NodeSlots {
  public:
-  /// A slot of its own; until reserve() it has no memory.
+  /// A slot of its own; until grow() it has no memory.
   std::int32_t take();
   void give_back(std::int32_t slot) { m_free.push_back(slot); }
-  void reserve() { m_floats.resize(std::size_t(m_count) * BrickNodes::kFloats + 1); }
+  void grow() { m_floats.resize(std::size_t(m_count) * BrickNodes::kFloats + 1); }
+  /// Address space for so many slots more, so that growing moves nothing.
+  void reserve(std::size_t more);
   float* at(std::int32_t slot) { return &m_floats[std::size_t(slot) * BrickNodes::kFloats]; }
 
   /// kFloats per slot; four floats may be read at every node.
@@ -44,7 +46,7 @@ class NodeSlots {
   const float* at(std::int32_t slot) const {
     return &m_floats[std::size_t(slot) * BrickNodes::kFloats];
   }
-  std::size_t bytes() const { return m_floats.capacity() * sizeof(float); }
+  std::size_t bytes() const { return m_floats.size() * sizeof(float); }
 
  private:
   std::int32_t m_count = 0;
@@ -66,5 +68,7 @@ struct NodeDerivatives {
   Float4 value, along_x, along_y, along_z;
 };
 NodeDerivatives derivatives_in(const NodeCell& cell);
+/// The same from the corners, x slowest.
+NodeDerivatives derivatives_of(const Float4 (&corners)[8], float x, float y, float z);
 
 }  // namespace supple

@@ -45,51 +45,30 @@ bool solve_linear(const Vec3d along[3], const Vec3d& b, Vec3d& x) {
 }  // namespace
 
 ForwardOffsets::ForwardOffsets(const Displacement& displacement)
-    : m_source(displacement.u.topology),
-      m_slots(m_source.brick_count(), kStill),
-      m_lo(m_source.brick_count()),
-      m_hi(m_source.brick_count()) {
-  std::vector<std::int32_t> all(m_source.brick_count());
+    : m_u(displacement.u),
+      m_ranges(m_u.topology.brick_count()),
+      m_reach(m_u.topology.brick_count()),
+      m_still(m_u.topology.brick_count()) {
+  std::vector<std::int32_t> all(m_u.topology.brick_count());
   std::iota(all.begin(), all.end(), 0);
-  gather(displacement, all);
+  update(all);
+}
+
+void ForwardOffsets::update(const std::vector<std::int32_t>& changed) {
+  find_ranges(changed);
   find_reached();
 }
 
-void ForwardOffsets::update(const Displacement& displacement,
-                            const std::vector<std::int32_t>& changed) {
-  gather(displacement, with_lower_neighbours(m_source, changed));
-  find_reached();
-}
-
-void ForwardOffsets::gather(const Displacement& displacement,
-                            const std::vector<std::int32_t>& bricks) {
-  const VectorBrickFinder find = finder_of(displacement.u);
-  // A brick that has a slot is written at once; others first show whether they need one.
-  const auto gather_brick = [&](std::size_t b) {
-    BrickNodes nodes;
-    float scratch[BrickNodes::kFloats];
-    gather_nodes(find, m_source, false, m_source.origin(b),
-                 m_slots[b] >= 0 ? m_nodes.at(m_slots[b]) : scratch, nodes);
-    m_lo[b] = nodes.lo;
-    m_hi[b] = nodes.hi;
-    return nodes.is_zero;
-  };
-  std::vector<std::uint8_t> is_still(bricks.size());
-  tbb::parallel_for(std::size_t(0), bricks.size(),
-                    [&](std::size_t n) { is_still[n] = gather_brick(std::size_t(bricks[n])); });
-  std::vector<std::size_t> fresh;
-  for (std::size_t n = 0; n < bricks.size(); ++n) {
-    std::int32_t& slot = m_slots[bricks[n]];
-    if (is_still[n]) {
-      if (slot >= 0) m_nodes.give_back(slot);
-      slot = kStill;
-    } else if (slot < 0) {
-      slot = m_nodes.take();
-      fresh.push_back(std::size_t(bricks[n]));
-    }
-  }
-  m_nodes.reserve();
-  tbb::parallel_for(std::size_t(0), fresh.size(), [&](std::size_t n) { gather_brick(fresh[n]); });
+void ForwardOffsets::find_ranges(const std::vector<std::int32_t>& changed) {
+  tbb::parallel_for(std::size_t(0), changed.size(), [&](std::size_t n) {
+    m_ranges[changed[n]] = ranges_of(m_u, std::size_t(changed[n]));
+  });
+  const std::vector<std::int32_t> touched = with_lower_neighbours(m_u.topology, changed);
+  tbb::parallel_for(std::size_t(0), touched.size(), [&](std::size_t n) {
+    const std::size_t b = std::size_t(touched[n]);
+    m_reach[b] = reach_of(m_u.topology, m_ranges, b);
+    m_still[b] = is_still(m_u.topology, m_ranges, b);
+  });
 }
 
 /// The output bricks that cells of moving bricks reach, and those that such bricks have left.
@@ -103,20 +82,21 @@ void ForwardOffsets::find_reached() {
     }
     reached[n].source = join(reached[n].source, cells);
   };
-  for (std::size_t b = 0; b < m_slots.size(); ++b) {
-    if (m_slots[b] == kStill) continue;
-    const Vec3i origin = m_source.origin(b), end = origin + Vec3i(kBrickDim);
-    add(origin, {origin, end});
-    const Vec3i first = floor_of(Vec3d(origin) + Vec3d(m_lo[b]) - Vec3d(kTolerance));
-    const Vec3i last = floor_of(Vec3d(end) + Vec3d(m_hi[b]) + Vec3d(kTolerance));
-    for (int x = first.x & ~7; x <= last.x; x += kBrickDim) {
-      for (int y = first.y & ~7; y <= last.y; y += kBrickDim) {
-        for (int z = first.z & ~7; z <= last.z; z += kBrickDim) add({x, y, z}, {origin, end});
+  for (std::size_t b = 0; b < m_still.size(); ++b) {
+    if (m_still[b]) continue;
+    const Vec3i& origin = m_u.topology.origin(b);
+    const IndexBox cells{origin, origin + Vec3i(kBrickDim)};
+    add(origin, cells);
+    // A sample may lie in a cell whose upper corners only are nodes in reach.
+    const IndexBox& reach = m_reach[b];
+    for (int x = (reach.lo.x - 1) & ~7; x <= reach.hi.x; x += kBrickDim) {
+      for (int y = (reach.lo.y - 1) & ~7; y <= reach.hi.y; y += kBrickDim) {
+        for (int z = (reach.lo.z - 1) & ~7; z <= reach.hi.z; z += kBrickDim) add({x, y, z}, cells);
       }
     }
   }
-  for (std::size_t b = 0; b < m_slots.size(); ++b) {
-    if (m_slots[b] != kStill) plant_seeds(b, index, reached);
+  for (std::size_t b = 0; b < m_still.size(); ++b) {
+    if (!m_still[b]) plant_seeds(b, index, reached);
   }
 
   std::vector<Vec3i> origins = index.origins();
@@ -132,11 +112,10 @@ void ForwardOffsets::plant_seeds(std::size_t b, const BrickIndex& index,
                                  std::vector<Reached>& reached) const {
   for (int n = 0; n < 8; ++n) {
     const Vec3i local = Vec3i(n >> 2, (n >> 1) & 1, n & 1) * kSeedSpacing + Vec3i(kSeedSpacing / 2);
-    const float* u = m_nodes.at(m_slots[b]) + local.x * BrickNodes::kStepX +
-                     local.y * BrickNodes::kStepY + local.z * BrickNodes::kStepZ;
-    const Vec3f offset(-u[0], -u[1], -u[2]);
-    if (!(offset.length2() >= 0)) continue;
-    const Vec3i image = floor_of(Vec3d(m_source.origin(b) + local) - Vec3d(offset));
+    const int node = brick_offset(local);
+    if (!mask_test(m_u.topology.mask(b), node)) continue;
+    const Vec3f offset = -m_u.vectors[b * kBrickVoxels + std::size_t(node)];
+    const Vec3i image = floor_of(Vec3d(m_u.topology.origin(b) + local) - Vec3d(offset));
     const std::int32_t at = index.find(image);
     if (at < 0) continue;
     Vec3f& seed = reached[at].seed[octant_of(image)];
@@ -144,26 +123,59 @@ void ForwardOffsets::plant_seeds(std::size_t b, const BrickIndex& index,
   }
 }
 
+/// The displacements around the cell of a voxel in brick b, x slowest; false where one is missing.
+bool ForwardOffsets::corners_at(std::size_t b, const Vec3i& voxel, Float4 (&corners)[8]) const {
+  const BrickTopology& topology = m_u.topology;
+  const auto read = [&](std::size_t brick, int offset) {
+    const Vec3f& u = m_u.vectors[brick * kBrickVoxels + std::size_t(offset)];
+    return Float4{u.x, u.y, u.z, 0};
+  };
+  const Vec3i local = voxel - topology.origin(b);
+  if (std::max({local.x, local.y, local.z}) < kBrickDim - 1) {
+    constexpr std::uint64_t kSquare = 0x303;  // the four corners in a layer
+    const int shift = local.y * kBrickDim + local.z;
+    const std::uint64_t layers = topology.mask(b)[local.x] & topology.mask(b)[local.x + 1];
+    if ((layers >> shift & kSquare) != kSquare) return false;
+    const int low = brick_offset(local);
+    for (int n = 0; n < 8; ++n) {
+      corners[n] = read(b, low + (n >> 2 & 1) * 64 + (n >> 1 & 1) * 8 + (n & 1));
+    }
+    return true;
+  }
+  for (int n = 0; n < 8; ++n) {
+    const Vec3i corner = voxel + Vec3i(n >> 2, (n >> 1) & 1, n & 1);
+    const Vec3i at = local + Vec3i(n >> 2, (n >> 1) & 1, n & 1);
+    const bool is_here = std::max({at.x, at.y, at.z}) < kBrickDim;
+    const std::int32_t brick = is_here ? std::int32_t(b) : topology.find(corner);
+    const int offset = brick_offset(corner);
+    if (brick < 0 || !mask_test(topology.mask(std::size_t(brick)), offset)) return false;
+    corners[n] = read(std::size_t(brick), offset);
+  }
+  return true;
+}
+
 /// False where a corner of the cell has no displacement.
 bool ForwardOffsets::place_at(const Vec3d& y, Place& place) const {
   const Vec3i voxel = floor_of(y);
-  const std::int32_t b = m_source.find(voxel);
+  const std::int32_t b = m_u.topology.find(voxel);
   if (b < 0) return false;
   place.piece = b * kBrickVoxels + brick_offset(voxel);
-  if (m_slots[b] == kStill) {
+  if (m_still[b]) {
     place.u = place.along[0] = place.along[1] = place.along[2] = Vec3d(0);
     return true;
   }
-  const Vec3f f(y - Vec3d(voxel));
-  const Vec3i local = voxel - m_source.origin(std::size_t(b));
-  const float* node = m_nodes.at(m_slots[b]) + local.x * BrickNodes::kStepX +
-                      local.y * BrickNodes::kStepY + local.z * BrickNodes::kStepZ;
-  const NodeDerivatives d = derivatives_in({node, f.x, f.y, f.z});
+  Float4 corners[8];
+  if (!corners_at(std::size_t(b), voxel, corners)) return false;
+  set_derivatives(corners, Vec3f(y - Vec3d(voxel)), place);
+  return true;
+}
+
+void ForwardOffsets::set_derivatives(const Float4 (&corners)[8], const Vec3f& f, Place& place) {
+  const NodeDerivatives d = derivatives_of(corners, f.x, f.y, f.z);
   place.u = to_vector(d.value);
   place.along[0] = to_vector(d.along_x);
   place.along[1] = to_vector(d.along_y);
   place.along[2] = to_vector(d.along_z);
-  return place.u.length2() >= 0;
 }
 
 /// Newton from x + offset; steps that leave the material are halved.
@@ -211,23 +223,20 @@ void ForwardOffsets::reach(std::size_t b, Vec3d& lo, Vec3d& hi) const {
 
 Vec3d ForwardOffsets::pull_back(int piece, const Vec3d& x, const Vec3d& gradient) const {
   const std::size_t b = std::size_t(piece / kBrickVoxels);
-  if (m_slots[b] == kStill) return gradient;
-  const Vec3i local = brick_local(piece % kBrickVoxels);
-  const Vec3d low(m_source.origin(b) + local);
-  const float* node = m_nodes.at(m_slots[b]) + local.x * BrickNodes::kStepX +
-                      local.y * BrickNodes::kStepY + local.z * BrickNodes::kStepZ;
+  const Vec3i low = m_u.topology.origin(b) + brick_local(piece % kBrickVoxels);
+  Float4 corners[8];
+  if (m_still[b] || !corners_at(b, low, corners)) return gradient;
   // The place in its cell again, which is all there is to know of it.
-  Vec3d f(0.5), along[3];
-  for (int n = 0; n < 4; ++n) {
-    const NodeDerivatives d = derivatives_in({node, float(f.x), float(f.y), float(f.z)});
-    along[0] = to_vector(d.along_x);
-    along[1] = to_vector(d.along_y);
-    along[2] = to_vector(d.along_z);
-    const Vec3d residual = low + f + to_vector(d.value) - x;
+  Vec3d f(0.5);
+  Place place;
+  for (int n = 0; n < kMaxSteps; ++n) {
+    set_derivatives(corners, Vec3f(f), place);
+    const Vec3d residual = Vec3d(low) + f + place.u - x;
     Vec3d step;
-    if (largest(residual) <= kTolerance || !solve_linear(along, residual, step)) break;
+    if (largest(residual) <= kTolerance || !solve_linear(place.along, residual, step)) break;
     f -= step;
   }
+  const Vec3d* along = place.along;
   // g' = F^-T g: the columns of F^-T are the rows of F^-1.
   const Vec3d c0 = along[0] + Vec3d(1, 0, 0), c1 = along[1] + Vec3d(0, 1, 0),
               c2 = along[2] + Vec3d(0, 0, 1);
@@ -238,9 +247,8 @@ Vec3d ForwardOffsets::pull_back(int piece, const Vec3d& x, const Vec3d& gradient
 }
 
 std::size_t ForwardOffsets::bytes() const {
-  return m_nodes.bytes() + m_source.bytes() + bricks().bytes() +
-         m_reached.capacity() * sizeof(Reached) +
-         m_slots.capacity() * (sizeof(std::int32_t) + 2 * sizeof(Vec3f));
+  return bricks().bytes() + m_reached.capacity() * sizeof(Reached) +
+         m_ranges.capacity() * (sizeof(BrickRanges) + sizeof(IndexBox) + 1);
 }
 
 }  // namespace supple

@@ -86,7 +86,8 @@ TEST(PropertyForwardOffsets, WhereNothingMovesThereAreNoBricks) {
 }
 
 TEST(PropertyForwardOffsets, GradientsArePulledBackAsTheOffsetsThemselvesChange) {
-  const ForwardOffsets offsets(displacement_on(box_topology(Vec3i(0), Vec3i(39)), bump));
+  const Displacement displacement = displacement_on(box_topology(Vec3i(0), Vec3i(39)), bump);
+  const ForwardOffsets offsets(displacement);
   std::mt19937 random(3);
   const Vec3d g(1, -2, 0.5);
   const double h = 1e-2;
@@ -128,7 +129,7 @@ TEST(PropertyForwardOffsets, AfterLocalChangesTheyAreThoseOfTheWholeDisplacement
       const std::int32_t b = std::int32_t(slot / kBrickVoxels);
       if (changed.empty() || changed.back() != b) changed.push_back(b);
     });
-    followed.update(displacement, changed);
+    followed.update(changed);
     const ForwardOffsets anew(displacement);
     ASSERT_TRUE(followed.bricks() == anew.bricks());
     EXPECT_EQ(anew.bricks().empty(), step == 3);
