@@ -64,10 +64,10 @@ Vec3f Frame::to_world(const Vec3f& g) const {
   return gradient_columns[0] * g.x + gradient_columns[1] * g.y + gradient_columns[2] * g.z;
 }
 
-Vec3f Frame::pull_back(const SampleBatch& batch, int lane, const Vec3d& x,
+Vec3f Frame::pull_back(const SampleBatch& batch, int lane, const Vec3d& x, const Vec3d& y,
                        const Vec3f& gradient) const {
   if (batch.pointwise >> lane & 1) {
-    return Vec3f(output.pointwise()->pull_back(batch.piece[lane], x, Vec3d(gradient)));
+    return Vec3f(output.pointwise()->pull_back(batch.piece[lane], x, y, Vec3d(gradient)));
   }
   if (!(batch.bent >> lane & 1)) return gradient;
   const float* node = tables.offsets + std::int64_t(batch.offset_node[lane]) * BrickNodes::kStepZ;

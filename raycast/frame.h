@@ -28,8 +28,10 @@ struct Frame {
 
   /// Encoded density per voxel to density per mm.
   Vec3f to_world(const Vec3f& index_gradient) const;
-  /// (I + grad o)^T g of a lane that stands for a sample seen at x, index space.
-  Vec3f pull_back(const SampleBatch& batch, int lane, const Vec3d& x, const Vec3f& gradient) const;
+  /// (I + grad o)^T g of a lane that stands for a sample seen at x that reads the
+  /// source at y, index space.
+  Vec3f pull_back(const SampleBatch& batch, int lane, const Vec3d& x, const Vec3d& y,
+                  const Vec3f& gradient) const;
 
   const Geometry& geometry;
   const SourceBricks& source;

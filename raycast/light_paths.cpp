@@ -256,7 +256,7 @@ float LightPaths::extinction_of(int lane, const Vec3d& seen_at) const {
   const float extinction = m_medium.extinction(m_batch.encoded[lane]);
   if (!m_frame.classifier.has_gradient_opacity()) return extinction;
   const Vec3f gradient(m_batch.gx[lane], m_batch.gy[lane], m_batch.gz[lane]);
-  const Vec3f pulled = m_frame.pull_back(m_batch, lane, seen_at, gradient);
+  const Vec3f pulled = m_frame.pull_back(m_batch, lane, seen_at, read_at(lane), gradient);
   return m_medium.with_gradient(extinction, m_frame.to_world(pulled).length());
 }
 

@@ -264,7 +264,7 @@ Marcher::LitLane Marcher::lit_lane(int lane, std::int64_t n) const {
     gradient = (gradient + Vec3f(batch.gx[lane - 1], batch.gy[lane - 1], batch.gz[lane - 1])) / 2;
   }
   if (m_frame.settings.transform_gradient) {
-    gradient = m_frame.pull_back(batch, lane, m_ray.at(time_of(n)), gradient);
+    gradient = m_frame.pull_back(batch, lane, m_ray.at(time_of(n)), read_at(batch, lane), gradient);
   }
   lit.gradient = m_frame.to_world(gradient);
   lit.magnitude = lit.gradient.length();
@@ -384,7 +384,7 @@ void Marcher::find_face(const IndexClip& clip, const Vec3d& pos, int lane, std::
                         LitLane& lit) const {
   const auto as_seen = [&](const Vec3d& normal) {
     if (clip.space() == ClipSpace::deformed) return Vec3f(normal);
-    return m_frame.pull_back(m_samples_between, lane, m_ray.at(time_of(n)), Vec3f(normal));
+    return m_frame.pull_back(m_samples_between, lane, m_ray.at(time_of(n)), pos, Vec3f(normal));
   };
   double mm_ago = 0;
   const IndexClip::Plane* plane = clip.face_behind(

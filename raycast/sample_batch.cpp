@@ -154,7 +154,7 @@ HWY_INLINE HWY_ATTR void follow_offsets(const SamplingTables& tables, std::uint3
   }
 }
 
-/// The offsets of these lanes, which each finds for itself, with the one before to begin with.
+/// The offsets of these lanes, which each finds for itself, beginning where those before lead.
 HWY_INLINE HWY_ATTR void find_offsets(const SamplingTables& tables, std::uint32_t lanes, VI entry,
                                       const FloatVector& p, const Vec3i& base, int at,
                                       SampleBatch& batch, Moves& moves) {
@@ -165,11 +165,20 @@ HWY_INLINE HWY_ATTR void find_offsets(const SamplingTables& tables, std::uint32_
   hn::Store(p.y, kFloats, y);
   hn::Store(p.z, kFloats, z);
   PointwiseOffsets::Sample found;
+  Vec3d slope(0);  // of the offset from lane to lane
+  int last = -1;   // lane that was found
   for (std::uint32_t rest = lanes; rest != 0; rest &= rest - 1) {
     const int lane = __builtin_ctz(rest);
     const Vec3d place = Vec3d(base) + Vec3d(x[lane], y[lane], z[lane]);
     const std::size_t brick = std::size_t(entries[lane] - SamplingTables::kPointwise);
-    if (!tables.pointwise->sample(brick, place, found)) continue;
+    const Vec3d before = found.offset;
+    if (last >= 0) found.offset += slope * double(lane - last);
+    if (!tables.pointwise->sample(brick, place, found)) {
+      found.offset = before;
+      continue;
+    }
+    if (last >= 0) slope = (found.offset - before) / double(lane - last);
+    last = lane;
     for (int a = 0; a < 3; ++a) moves.along[a][lane] = float(found.offset[a]);
     moves.known |= 1u << lane;
     batch.piece[at + lane] = found.piece;

@@ -86,7 +86,7 @@ Vec3d CutOffsets::face_normal(int number, const Vec3d& x) const {
   const CutPiece& piece = piece_at(number);
   Vec3d X;
   if (!piece.source_beyond(x, X)) return Vec3d(0);
-  return pull_back(number, x, m_faces.depth(X, piece.middle()).gradient);
+  return pull_back(number, x, X, m_faces.depth(X, piece.middle()).gradient);
 }
 
 void CutOffsets::reach(std::size_t b, Vec3d& lo, Vec3d& hi) const {

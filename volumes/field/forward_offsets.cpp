@@ -12,8 +12,10 @@ namespace supple {
 
 namespace {
 
-constexpr double kTolerance = 1e-4;  // voxels
+constexpr double kLastStep =
+    0.004;  // voxels; a Newton step of this size leaves far less than 10^-3
 constexpr int kMaxSteps = 12;
+constexpr int kMaxHalvings = 3;
 constexpr double kMaxStep = 4;  // voxels
 constexpr double kMinDet = 1e-3;
 constexpr int kSeedSpacing = 4;
@@ -181,24 +183,24 @@ void ForwardOffsets::set_derivatives(const Float4 (&corners)[8], const Vec3f& f,
 /// Newton from x + offset; steps that leave the material are halved.
 bool ForwardOffsets::solve(const Vec3d& x, const Vec3d& offset, Sample& found) const {
   Vec3d y = x + offset, before = y;
+  int halvings = 0;
   for (int n = 0; n < kMaxSteps; ++n) {
     Place place;
     if (!place_at(y, place)) {
-      if (y == before) return false;
+      if (n == 0 || ++halvings > kMaxHalvings) return false;
       y = (y + before) / 2;
       continue;
     }
-    const Vec3d residual = y + place.u - x;
-    if (largest(residual) <= kTolerance) {
-      found = {y - x, place.piece};
+    Vec3d step = y + place.u - x;
+    if (!m_still[place.piece / kBrickVoxels] && !solve_linear(place.along, step, step))
+      return false;
+    before = y;
+    const double size = largest(step);
+    if (size <= kLastStep) {
+      found = {y - step - x, place.piece};
       return true;
     }
-    Vec3d step;
-    if (!solve_linear(place.along, residual, step)) return false;
-    const double size = largest(step);
-    if (size > kMaxStep) step *= kMaxStep / size;
-    before = y;
-    y -= step;
+    y -= size > kMaxStep ? step * (kMaxStep / size) : step;
   }
   return false;
 }
@@ -221,21 +223,14 @@ void ForwardOffsets::reach(std::size_t b, Vec3d& lo, Vec3d& hi) const {
   hi = Vec3d(box.hi);
 }
 
-Vec3d ForwardOffsets::pull_back(int piece, const Vec3d& x, const Vec3d& gradient) const {
+Vec3d ForwardOffsets::pull_back(int piece, const Vec3d& /*x*/, const Vec3d& y,
+                                const Vec3d& gradient) const {
   const std::size_t b = std::size_t(piece / kBrickVoxels);
   const Vec3i low = m_u.topology.origin(b) + brick_local(piece % kBrickVoxels);
   Float4 corners[8];
   if (m_still[b] || !corners_at(b, low, corners)) return gradient;
-  // The place in its cell again, which is all there is to know of it.
-  Vec3d f(0.5);
   Place place;
-  for (int n = 0; n < kMaxSteps; ++n) {
-    set_derivatives(corners, Vec3f(f), place);
-    const Vec3d residual = Vec3d(low) + f + place.u - x;
-    Vec3d step;
-    if (largest(residual) <= kTolerance || !solve_linear(place.along, residual, step)) break;
-    f -= step;
-  }
+  set_derivatives(corners, Vec3f(y - Vec3d(low)), place);
   const Vec3d* along = place.along;
   // g' = F^-T g: the columns of F^-T are the rows of F^-1.
   const Vec3d c0 = along[0] + Vec3d(1, 0, 0), c1 = along[1] + Vec3d(0, 1, 0),

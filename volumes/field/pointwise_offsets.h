@@ -23,8 +23,9 @@ class PointwiseOffsets {
   virtual bool sample(std::size_t b, const Vec3d& x, Sample& found) const = 0;
   /// Box in index space around all that samples of brick b can read; lo > hi: nothing.
   virtual void reach(std::size_t b, Vec3d& lo, Vec3d& hi) const = 0;
-  /// (I + grad o)^T g of a sample found at x in this piece.
-  virtual Vec3d pull_back(int piece, const Vec3d& x, const Vec3d& gradient) const = 0;
+  /// (I + grad o)^T g of a sample found at x in this piece, which reads the source at y.
+  virtual Vec3d pull_back(int piece, const Vec3d& x, const Vec3d& y,
+                          const Vec3d& gradient) const = 0;
   /// The face behind which a sample lies: its normal, into the piece, in mm per voxel, and the
   /// distance to it in mm, as in the body before it was split. False: none is known.
   virtual bool face(int piece, const Vec3d& x, Vec3d& normal, double& depth_mm) const;

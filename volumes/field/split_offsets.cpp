@@ -14,7 +14,8 @@ constexpr double kMaxCoordinate = 1e9;
 
 }  // namespace
 
-Vec3d SplitOffsets::pull_back(int piece, const Vec3d& x, const Vec3d& gradient) const {
+Vec3d SplitOffsets::pull_back(int piece, const Vec3d& x, const Vec3d& /*y*/,
+                              const Vec3d& gradient) const {
   Vec3d result = gradient;
   for (int a = 0; a < 3; ++a) {
     Vec3d step(0), above, below;

@@ -24,7 +24,7 @@ class SplitOffsets : public PointwiseOffsets {
   /// grad depth_mm: the normal of the nearest face, into the piece, in mm per voxel. 0: no face.
   virtual Vec3d face_normal(int piece, const Vec3d& x) const;
 
-  Vec3d pull_back(int piece, const Vec3d& x, const Vec3d& gradient) const override;
+  Vec3d pull_back(int piece, const Vec3d& x, const Vec3d& y, const Vec3d& gradient) const override;
   bool face(int piece, const Vec3d& x, Vec3d& normal, double& depth_mm) const override;
 };
 

@@ -326,7 +326,9 @@ TEST(UnitCutOffsets, AFaceKnowsItsNormalAndDepthOnEitherSide) {
       EXPECT_NEAR(field.split->depth_mm(found.piece, x), depth, 1e-6);
       EXPECT_LT((field.split->face_normal(found.piece, x) - Vec3d(side, 0, 0)).length(), 1e-6);
       const Vec3d gradient(1, 2, 3);
-      EXPECT_LT((field.split->pull_back(found.piece, x, gradient) - gradient).length(), 1e-6);
+      EXPECT_LT(
+          (field.split->pull_back(found.piece, x, x + found.offset, gradient) - gradient).length(),
+          1e-6);
     }
   }
 }

@@ -269,7 +269,8 @@ TEST(PropertyPath, SplitBricksKnowTheFaceAndTheGradientOfEachPiece) {
       step[a] = h;
       ASSERT_TRUE(split.offset_of(piece, x + step, above) &&
                   split.offset_of(piece, x - step, below));
-      EXPECT_NEAR(split.pull_back(piece, x, g)[a], g[a] + (above - below).dot(g) / (2 * h), 1e-4);
+      EXPECT_NEAR(split.pull_back(piece, x, x, g)[a], g[a] + (above - below).dot(g) / (2 * h),
+                  1e-4);
       EXPECT_NEAR(split.depth_mm(piece, x + step) - split.depth_mm(piece, x), normal[a] * h, 1e-6);
     }
   }
