@@ -111,7 +111,7 @@ void gather_beside_void(const Surroundings& around, const BrickTopology& occupie
                         bool& is_void) {
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   constexpr unsigned kAll = (1u << BrickNodes::kDim) - 1, kOwn = (1u << kBrickDim) - 1;
-  const PaddedRows<BrickNodes::kDim> valid([&](int n) { return around[n].mask; });
+  const PaddedRows<2> valid([&](int n) { return around[n].mask; });
   for (int x = 0; x < BrickNodes::kDim; ++x) {
     for (int y = 0; y < BrickNodes::kDim; ++y, out += 3 * BrickNodes::kDim) {
       const SurroundingVoxel start = surrounding_voxel({x, y, 0});
@@ -128,7 +128,7 @@ void gather_beside_void(const Surroundings& around, const BrickTopology& occupie
         const Vec3f v =
             given >> z & 1
                 ? around[start.brick + (z >> 3)].vectors[start.offset + (z & 7)]
-                : mean_of_neighbours(valid, {x, y, z}, [&](int n) { return around[n].vectors; });
+                : extrapolate<false>(valid, {x, y, z}, [&](int n) { return around[n].vectors; });
         if (is_place(v)) {
           range.add(v);
           std::memcpy(out + 3 * z, &v, sizeof v);

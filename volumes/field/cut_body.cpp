@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "volumes/field/output_bricks.h"
+#include "volumes/field/padded_rows.h"
 
 namespace supple {
 
@@ -215,30 +216,37 @@ void CutBody::find_parted_cells() {
 }
 
 void extend_beside_cuts(VectorBricks& u, const CutBody& body) {
-  std::vector<Vec3i> near;
+  // The second ring sees four voxels far.
+  std::vector<Vec3i> voxels;
   for (const Vec3i& cell : body.parted_cells()) {
-    for (int n = 0; n < 64; ++n) {
-      near.push_back(cell + Vec3i(n / 16 - 1, n / 4 % 4 - 1, n % 4 - 1));
+    for (int n = 0; n < 512; ++n) {
+      const Vec3i voxel = cell + brick_local(n) - Vec3i(3);
+      const int ring = u.topology.is_active(voxel) ? body.ring(voxel) : 0;
+      if (ring >= 1 && ring <= kShellRings) voxels.push_back(voxel);
     }
   }
-  sort_unique(near);
+  sort_unique(voxels);
   for (int ring = 1; ring <= kShellRings; ++ring) {
-    for (const Vec3i& voxel : near) {
+    for (const Vec3i& voxel : voxels) {
       const std::int32_t b = u.topology.find(voxel);
       const int offset = brick_offset(voxel);
       if (b < 0 || !mask_test(u.topology.mask(std::size_t(b)), offset)) continue;
       if (body.ring(voxel) != ring) continue;
-      Vec3d sum(0);
-      int count = 0;
+      Extrapolation extrapolation;
+      const auto value_at = [&](const Vec3i& from, const Vec3i& to, Vec3f& value) {
+        return u.at(to, value) && body.ring(to) < ring && body.connects(from, to);
+      };
       for_neighbours(voxel, [&](const Vec3i& beside) {
-        Vec3f value;
-        if (!u.at(beside, value) || body.ring(beside) >= ring) return;
-        if (!body.connects(voxel, beside)) return;
-        sum += Vec3d(value);
-        ++count;
+        Vec3f near, far;
+        if (!value_at(voxel, beside, near)) return;
+        if (value_at(beside, 2 * beside - voxel, far)) {
+          extrapolation.add_row(near, far);
+        } else {
+          extrapolation.add(near);
+        }
       });
-      if (count == 0) continue;
-      u.vectors[std::size_t(b) * kBrickVoxels + std::size_t(offset)] = Vec3f(sum / double(count));
+      if (extrapolation.empty()) continue;
+      u.vectors[std::size_t(b) * kBrickVoxels + std::size_t(offset)] = extrapolation.value();
     }
   }
 }

@@ -70,8 +70,8 @@ class CutBody {
   std::vector<Vec3i> m_parted;
 };
 
-/// u extended over the shell anew where a cut parts it: each voxel there takes the mean of its own
-/// side only. Everything else keeps its bits.
+/// u extended over the shell anew where a cut parts it: each voxel there looks at its own side
+/// only. Everything else keeps its bits.
 void extend_beside_cuts(VectorBricks& u, const CutBody& body);
 
 /// A parted cell whose sides are apart: displacements of its corners as each side has them.

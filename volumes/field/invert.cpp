@@ -192,7 +192,7 @@ OffsetField IncrementalInversion::field() const {
 }
 
 VectorBricks extrapolate_into_bricks(const VectorBricks& offsets, int rings) {
-  return fill_rings(offsets, touching_bricks(offsets.topology), rings);
+  return fill_rings(offsets, touching_bricks(offsets.topology), rings, RingFill::means);
 }
 
 }  // namespace supple

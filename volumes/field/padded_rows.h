@@ -22,73 +22,104 @@ inline Vec3i surrounding_step(int n) {
   return {n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1};
 }
 
-/// Local voxels -1 … kLast along every axis: bit z + 1 of row (x + 1, y + 1).
-template <int kLast>
+/// Local voxels -kPad … 7 + kPad along every axis: bit z + kPad of row (x + kPad, y + kPad).
+template <int kPad>
 struct PaddedRows {
-  static constexpr int kRows = kLast + 2;
+  static constexpr int kRows = kBrickDim + 2 * kPad;
   std::uint16_t rows[kRows][kRows];
 
   /// `mask_at(n)`: pointer to the valid voxels of surrounding brick n, or null.
   template <class MaskAt>
   explicit PaddedRows(MaskAt&& mask_at) {
-    for (int x = -1; x <= kLast; ++x) {
-      for (int y = -1; y <= kLast; ++y) {
-        const SurroundingVoxel voxel = surrounding_voxel({x, y, 0});
+    for (int x = 0; x < kRows; ++x) {
+      for (int y = 0; y < kRows; ++y) {
+        const SurroundingVoxel voxel = surrounding_voxel({x - kPad, y - kPad, 0});
         const auto row = [&](int dz) -> unsigned {
           const BrickMask* mask = mask_at(voxel.brick + dz);
           return mask == nullptr ? 0 : ((*mask)[voxel.offset >> 6] >> (voxel.offset & 63)) & 0xff;
         };
-        constexpr unsigned kAbove = (1u << (kLast - 7)) - 1;
-        rows[x + 1][y + 1] = std::uint16_t(row(-1) >> 7 | row(0) << 1 | (row(1) & kAbove) << 9);
+        constexpr unsigned kAbove = (1u << kPad) - 1;
+        rows[x][y] = std::uint16_t(row(-1) >> (kBrickDim - kPad) | row(0) << kPad |
+                                   (row(1) & kAbove) << (kBrickDim + kPad));
       }
     }
   }
 
   bool test(const Vec3i& local) const {
-    return (rows[local.x + 1][local.y + 1] >> (local.z + 1)) & 1;
+    return (rows[local.x + kPad][local.y + kPad] >> (local.z + kPad)) & 1;
   }
   /// Bits z of row (x, y), z from 0 on.
-  unsigned row(int x, int y) const { return rows[x + 1][y + 1] >> 1; }
-  /// Bits z, from 0 to kLast - 1, whose 27 neighbours are all set.
+  unsigned row(int x, int y) const { return rows[x + kPad][y + kPad] >> kPad; }
+  /// Bits z, from 0 to 7 + kPad - 1, whose 27 neighbours are all set.
   unsigned eroded_row(int x, int y) const {
     unsigned bits = ~0u;
-    for (int dx = 0; dx < 3; ++dx) {
-      for (int dy = 0; dy < 3; ++dy) bits &= rows[x + dx][y + dy];
-    }
-    return ((bits & bits >> 1 & bits << 1) >> 1) & ((1u << kLast) - 1);
+    for (int n = 0; n < 9; ++n) bits &= rows[x + kPad + n / 3 - 1][y + kPad + n % 3 - 1];
+    return ((bits & bits >> 1 & bits << 1) >> kPad) & kUpTo;
   }
-  /// Bits z, from 0 to kLast - 1, that are set or touch one that is.
+  /// Bits z, from 0 to 7 + kPad - 1, that are set or touch one that is.
   unsigned dilated_row(int x, int y) const {
     unsigned bits = 0;
-    for (int dx = 0; dx < 3; ++dx) {
-      for (int dy = 0; dy < 3; ++dy) bits |= rows[x + dx][y + dy];
-    }
-    return ((bits | bits >> 1 | bits << 1) >> 1) & ((1u << kLast) - 1);
+    for (int n = 0; n < 9; ++n) bits |= rows[x + kPad + n / 3 - 1][y + kPad + n % 3 - 1];
+    return ((bits | bits >> 1 | bits << 1) >> kPad) & kUpTo;
   }
+
+ private:
+  static constexpr unsigned kUpTo = (1u << (kBrickDim + kPad - 1)) - 1;
 };
 
-/// The mean over the voxel and those of its 26 neighbours that are valid, summed in double and in
-/// one fixed order. `vectors_of(n)`: the 512 of surrounding brick n. At least one is valid.
-template <int kLast, class VectorsOf>
-Vec3f mean_of_neighbours(const PaddedRows<kLast>& padded, const Vec3i& local,
-                         VectorsOf&& vectors_of) {
-  double sum[3] = {0, 0, 0};
-  int count = 0;
+/// What valid neighbours say of a voxel that has no value yet: their mean; or, when there are two
+/// voxels in a row in some directions, the mean of what continues them linearly. Differences of
+/// more than a voxel are not continued. Summed in double: exact for what is constant.
+class Extrapolation {
+ public:
+  void add(const Vec3f& near) {
+    for (int a = 0; a < 3; ++a) m_mean[a] += near[a];
+    ++m_count;
+  }
+  /// `far` lies behind `near`.
+  void add_row(const Vec3f& near, const Vec3f& far) {
+    for (int a = 0; a < 3; ++a) {
+      const double slope = double(near[a]) - double(far[a]);
+      m_linear[a] += near[a] + (slope > 1 ? 1 : slope < -1 ? -1 : slope);
+    }
+    ++m_rows;
+  }
+  bool empty() const { return m_count + m_rows == 0; }
+  Vec3f value() const {
+    const double* sum = m_rows > 0 ? m_linear : m_mean;
+    return Vec3f(Vec3d(sum[0], sum[1], sum[2]) / double(m_rows > 0 ? m_rows : m_count));
+  }
+
+ private:
+  double m_mean[3] = {0, 0, 0}, m_linear[3] = {0, 0, 0};
+  int m_count = 0, m_rows = 0;
+};
+
+/// From the 26 neighbours and, for kLinear, the voxels behind them; `vectors_of(n)`: the 512 of
+/// surrounding brick n. At least one neighbour is valid.
+template <bool kLinear, int kPad, class VectorsOf>
+Vec3f extrapolate(const PaddedRows<kPad>& padded, const Vec3i& local, VectorsOf&& vectors_of) {
+  const auto vector_at = [&](const Vec3i& q) -> const Vec3f& {
+    const SurroundingVoxel voxel = surrounding_voxel(q);
+    return vectors_of(voxel.brick)[voxel.offset];
+  };
+  static_assert(!kLinear || kPad > 1);
+  Extrapolation result;
   for (int row = 0; row < 9; ++row) {
-    const int x = local.x + row / 3 - 1, y = local.y + row % 3 - 1;
-    unsigned bits = (padded.rows[x + 1][y + 1] >> local.z) & 7;
-    if (bits == 0) continue;
-    count += __builtin_popcount(bits);
-    const SurroundingVoxel start = surrounding_voxel({x, y, 0});
+    const Vec3i step(row / 3 - 1, row % 3 - 1, -1);
+    unsigned bits =
+        (padded.rows[local.x + step.x + kPad][local.y + step.y + kPad] >> (local.z + kPad - 1)) & 7;
     for (; bits != 0; bits &= bits - 1) {
-      const int z = local.z - 1 + __builtin_ctz(bits);
-      const Vec3f& v = vectors_of(start.brick + ((z + 8) >> 3) - 1)[start.offset + (z & 7)];
-      sum[0] += v.x;
-      sum[1] += v.y;
-      sum[2] += v.z;
+      const Vec3i to = step + Vec3i(0, 0, __builtin_ctz(bits));
+      const Vec3f& near = vector_at(local + to);
+      if (kLinear && padded.test(local + 2 * to)) {
+        result.add_row(near, vector_at(local + 2 * to));
+      } else {
+        result.add(near);
+      }
     }
   }
-  return Vec3f(Vec3d(sum[0], sum[1], sum[2]) / double(count));
+  return result.value();
 }
 
 }  // namespace supple

@@ -31,28 +31,42 @@ Surroundings surroundings_of(const BrickTopology& bricks, std::size_t b) {
 }
 
 /// `mask_of(b)`: valid voxels of brick b.
-template <class MaskOf>
-PaddedRows<kBrickDim> padded_rows(const Surroundings& around, MaskOf&& mask_of) {
-  return PaddedRows<kBrickDim>(
+template <int kPad, class MaskOf>
+PaddedRows<kPad> padded_rows(const Surroundings& around, MaskOf&& mask_of) {
+  return PaddedRows<kPad>(
       [&](int n) -> const BrickMask* { return around[n] < 0 ? nullptr : &mask_of(around[n]); });
 }
 
 /// Wanted voxels of one brick that touch a valid one.
-BrickMask next_ring(const PaddedRows<kBrickDim>& padded, const BrickMask& wanted,
-                    const BrickMask& valid) {
+BrickMask next_ring(const PaddedRows<1>& padded, const BrickMask& wanted, const BrickMask& valid) {
   BrickMask ring{};
   for (int x = 0; x < kBrickDim; ++x) {
     std::uint64_t word = 0;
-    for (int y = 0; y < kBrickDim; ++y) word |= std::uint64_t(padded.dilated_row(x, y)) << (8 * y);
+    for (int y = 0; y < kBrickDim; ++y) {
+      word |= std::uint64_t(padded.dilated_row(x, y) & 0xff) << (8 * y);
+    }
     ring[x] = word & wanted[x] & ~valid[x];
   }
   return ring;
 }
 
-Vec3f filled(const Vec3i& local, const PaddedRows<kBrickDim>& padded, const Surroundings& around,
-             const std::vector<Vec3f>& vectors) {
-  return mean_of_neighbours(padded, local,
-                            [&](int n) { return &vectors[std::size_t(around[n]) * kBrickVoxels]; });
+/// Fills ring `number` of one brick: calls `set(offset, vector)`.
+template <class MaskOf, class Set>
+void fill_ring(const BrickMask& ring, int number, RingFill fill, const Surroundings& around,
+               MaskOf&& mask_of, const std::vector<Vec3f>& vectors, Set&& set) {
+  const auto vectors_of = [&](int n) { return &vectors[std::size_t(around[n]) * kBrickVoxels]; };
+  if (!any_bit(ring)) return;
+  if (number <= int(fill)) {
+    const PaddedRows<2> padded = padded_rows<2>(around, mask_of);
+    for_each_active(ring, [&](int offset) {
+      set(offset, extrapolate<true>(padded, brick_local(offset), vectors_of));
+    });
+  } else {
+    const PaddedRows<1> padded = padded_rows<1>(around, mask_of);
+    for_each_active(ring, [&](int offset) {
+      set(offset, extrapolate<false>(padded, brick_local(offset), vectors_of));
+    });
+  }
 }
 
 /// The bricks and all that touch them, ascending.
@@ -116,7 +130,7 @@ BrickTopology unite(const BrickTopology& a, const BrickTopology& b) {
 }
 
 VectorBricks fill_rings(const VectorBricks& seed, const BrickTopology& target, int max_rings,
-                        std::vector<std::uint8_t>* ring_of) {
+                        RingFill fill, std::vector<std::uint8_t>* ring_of) {
   // Seed and target in one set of bricks.
   const BrickTopology bricks = unite(seed.topology, target);
   const std::size_t count = bricks.brick_count();
@@ -142,14 +156,16 @@ VectorBricks fill_rings(const VectorBricks& seed, const BrickTopology& target, i
   for (int number = 1; number <= max_rings; ++number) {
     tbb::parallel_for(std::size_t(0), pending.size(), [&](std::size_t n) {
       const std::size_t b = pending[n];
-      const PaddedRows<kBrickDim> padded =
-          padded_rows(around[n], [&](std::int32_t m) -> const BrickMask& { return valid[m]; });
-      ring[n] = next_ring(padded, bricks.mask(b), valid[b]);
-      for_each_active(ring[n], [&](int offset) {
-        const std::size_t slot = b * kBrickVoxels + offset;
-        vectors[slot] = filled(brick_local(offset), padded, around[n], vectors);
-        if (ring_of) (*ring_of)[slot] = std::uint8_t(std::min(number, 255));
-      });
+      const auto mask_of = [&](std::int32_t m) -> const BrickMask& { return valid[m]; };
+      ring[n] = next_ring(padded_rows<1>(around[n], mask_of), bricks.mask(b), valid[b]);
+      fill_ring(ring[n], number, fill, around[n], mask_of, vectors,
+                [&](int offset, const Vec3f& v) {
+                  vectors[b * kBrickVoxels + std::size_t(offset)] = v;
+                  if (ring_of) {
+                    (*ring_of)[b * kBrickVoxels + std::size_t(offset)] =
+                        std::uint8_t(std::min(number, 255));
+                  }
+                });
     });
     bool grown = false;
     for (std::size_t n = 0; n < pending.size(); ++n) {
@@ -182,12 +198,12 @@ RingOrder::RingOrder(const BrickTopology& topology, const std::vector<std::uint8
 std::vector<std::int32_t> refill_rings(VectorBricks& field, const RingOrder& order,
                                        const std::vector<std::int32_t>& changed) {
   const BrickTopology& topology = field.topology;
-  // A ring sees one voxel further than the one before.
+  // A ring sees at most two voxels further than the one before.
   std::vector<std::int32_t> bricks = with_neighbours(topology, changed);
   int last = 0;
   for (int reach = kBrickDim;; reach += kBrickDim) {
     for (const std::int32_t b : bricks) last = std::max(last, order.last(std::size_t(b)));
-    if (last <= reach) break;
+    if (2 * last <= reach) break;
     const std::size_t before = bricks.size();
     bricks = with_neighbours(topology, bricks);
     if (bricks.size() == before) break;
@@ -205,15 +221,15 @@ std::vector<std::int32_t> refill_rings(VectorBricks& field, const RingOrder& ord
       for (int word = 0; word < 8; ++word) ring[word] &= ~order.before(number, b)[word];
       if (!any_bit(ring)) return;
       const Surroundings around = surroundings_of(topology, b);
-      const PaddedRows<kBrickDim> padded = padded_rows(
-          around,
-          [&](std::int32_t m) -> const BrickMask& { return order.before(number, std::size_t(m)); });
-      for_each_active(ring, [&](int offset) {
-        Vec3f& vector = field.vectors[b * kBrickVoxels + std::size_t(offset)];
-        const Vec3f mean = filled(brick_local(offset), padded, around, field.vectors);
-        is_changed[n] = is_changed[n] || mean != vector;
-        vector = mean;
-      });
+      const auto mask_of = [&](std::int32_t m) -> const BrickMask& {
+        return order.before(number, std::size_t(m));
+      };
+      fill_ring(ring, number, RingFill::linear, around, mask_of, field.vectors,
+                [&](int offset, const Vec3f& v) {
+                  Vec3f& vector = field.vectors[b * kBrickVoxels + std::size_t(offset)];
+                  is_changed[n] = is_changed[n] || v != vector;
+                  vector = v;
+                });
     });
   }
   std::vector<std::int32_t> result;
@@ -228,9 +244,9 @@ BrickTopology eroded(const BrickTopology& topology) {
   std::vector<BrickMask> masks(topology.brick_count(), BrickMask{});
   tbb::parallel_for(std::size_t(0), topology.brick_count(), [&](std::size_t b) {
     origins[b] = topology.origin(b);
-    const PaddedRows<kBrickDim> padded =
-        padded_rows(surroundings_of(topology, b),
-                    [&](std::int32_t m) -> const BrickMask& { return topology.mask(m); });
+    const PaddedRows<1> padded =
+        padded_rows<1>(surroundings_of(topology, b),
+                       [&](std::int32_t m) -> const BrickMask& { return topology.mask(m); });
     for (int x = 0; x < kBrickDim; ++x) {
       for (int y = 0; y < kBrickDim; ++y) {
         masks[b][x] |= std::uint64_t(padded.eroded_row(x, y)) << (8 * y);

@@ -19,7 +19,7 @@ int floor_div(int a, int b) {
 }  // namespace
 
 SmoothExtension::SmoothExtension(const VectorBricks& offsets) {
-  m_near = fill_rings(offsets, touching_bricks(offsets.topology), kRings, &m_ring);
+  m_near = fill_rings(offsets, touching_bricks(offsets.topology), kRings, RingFill::means, &m_ring);
   if (offsets.topology.empty()) return;
   average_blocks(offsets);
   spread_blocks();

@@ -10,25 +10,33 @@ using namespace supple::test;
 
 namespace {
 
-/// Ring by ring on a map of voxels, as plain as can be.
+/// Ring by ring on a map of voxels, as plain as can be: two linear ones, then means.
 VoxelField brute_force_rings(VoxelField field, const BrickTopology& target, int rings) {
   for (int ring = 0; ring < rings; ++ring) {
     VoxelField grown;
     for_each_voxel(target, [&](const Vec3i& v, std::size_t) {
       if (field.count(key(v))) return;
-      Vec3d sum(0);
-      int count = 0;
+      Vec3d sum(0), linear(0);
+      int count = 0, rows = 0;
       for (int x = -1; x <= 1; ++x) {
         for (int y = -1; y <= 1; ++y) {
           for (int z = -1; z <= 1; ++z) {
             const auto found = field.find(key(v + Vec3i(x, y, z)));
             if (found == field.end()) continue;
-            sum += Vec3d(found->second);
+            const Vec3d near(found->second);
+            sum += near;
             ++count;
+            const auto behind = field.find(key(v + 2 * Vec3i(x, y, z)));
+            if (ring >= 2 || behind == field.end()) continue;
+            for (int a = 0; a < 3; ++a) {
+              linear[a] += near[a] + std::clamp(near[a] - double(behind->second[a]), -1.0, 1.0);
+            }
+            ++rows;
           }
         }
       }
-      if (count > 0) grown[key(v)] = Vec3f(sum / double(count));
+      if (count == 0) return;
+      grown[key(v)] = rows > 0 ? Vec3f(linear / double(rows)) : Vec3f(sum / double(count));
     });
     if (grown.empty()) break;
     field.insert(grown.begin(), grown.end());
@@ -82,6 +90,37 @@ TEST(PropertyExtend, AConstantFieldStaysThatConstantExactly) {
   }
 }
 
+TEST(PropertyExtend, ALinearFieldGoesOnLinearlyForTwoRings) {
+  const auto linear = [](const Vec3i& v) {
+    return Vec3f(Vec3d(0.25 * v.x - 0.5 * v.y, 0.125 * v.z, -0.75 * v.x));
+  };
+  const BrickTopology ball = topology_where(
+      Vec3i(0), Vec3i(20), [](const Vec3i& v) { return (Vec3d(v) - Vec3d(10)).length() < 8; });
+  const BrickTopology target = dilate(ball, 4);
+  const VectorBricks extended =
+      extend({unit_geometry(Vec3i(21)), field_on(ball, linear)}, target).u;
+  const BrickTopology near = dilate(ball, 2);
+  int beyond = 0;
+  for_each_voxel(target, [&](const Vec3i& v, std::size_t slot) {
+    if (near.is_active(v)) {
+      ASSERT_EQ(extended.vectors[slot], linear(v)) << v;
+    } else {
+      beyond += extended.vectors[slot] != linear(v);
+    }
+  });
+  EXPECT_GT(beyond, 1000);  // which take means
+}
+
+TEST(PropertyExtend, JumpsAreNotContinuedByMoreThanAVoxel) {
+  const VectorBricks seed = field_on(box_topology({0, 0, 0}, {1, 0, 0}),
+                                     [](const Vec3i& v) { return Vec3f(float(50 * v.x), 0, 0); });
+  const VectorBricks extended =
+      extend({unit_geometry(Vec3i(5)), seed}, box_topology({0, 0, 0}, {3, 0, 0})).u;
+  Vec3f u;
+  ASSERT_TRUE(extended.at({2, 0, 0}, u));
+  EXPECT_EQ(u, Vec3f(51, 0, 0));
+}
+
 TEST(PropertyExtend, DoesNotDependOnTheNumberOfThreads) {
   std::mt19937 random(12);
   const VectorBricks seed = random_blob(random, {0, 0, 0}, {60, 60, 60}, 0.001);
@@ -99,7 +138,8 @@ TEST(UnitRingFill, TheRingOfAVoxelIsItsChebyshevDistanceInTheOpen) {
   const VectorBricks seed =
       field_on(box_topology({7, 7, 7}, {7, 7, 7}), [](const Vec3i&) { return Vec3f(1); });
   std::vector<std::uint8_t> ring;
-  const VectorBricks filled = fill_rings(seed, box_topology({0, 0, 0}, {20, 20, 20}), 5, &ring);
+  const VectorBricks filled =
+      fill_rings(seed, box_topology({0, 0, 0}, {20, 20, 20}), 5, RingFill::means, &ring);
   EXPECT_EQ(filled.topology.active_count(), 11 * 11 * 11);
   for_each_voxel(filled.topology, [&](const Vec3i& v, std::size_t slot) {
     const Vec3i d = v - Vec3i(7);
