@@ -70,8 +70,9 @@ Vec3f Frame::pull_back(const SampleBatch& batch, int lane, const Vec3d& x, const
     return Vec3f(output.pointwise()->pull_back(batch.piece[lane], x, y, Vec3d(gradient)));
   }
   if (!(batch.bent >> lane & 1)) return gradient;
-  const float* node = tables.offsets + std::int64_t(batch.offset_node[lane]) * BrickNodes::kStepZ;
-  return pull_back_gradient({node, batch.ox[lane], batch.oy[lane], batch.oz[lane]}, gradient);
+  const float* node = tables.offsets + std::int64_t(batch.offset_node[lane]) * 3;
+  return pull_back_gradient(
+      {node, batch.ox[lane], batch.oy[lane], batch.oz[lane], tables.offset_dim}, gradient);
 }
 
 void Frame::fill_tables() {
@@ -107,6 +108,7 @@ void Frame::fill_tables() {
   tables.source.tables = m_source_entries.data();
   tables.nodes = source.nodes();
   tables.offsets = output.offsets();
+  tables.offset_dim = output.node_dim();
   tables.pointwise = output.pointwise();
   tables.visible_bits = classifier.visible_bits().data();
   tables.first_code = classifier.first_code();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numeric>
 
 #include <oneapi/tbb/parallel_for.h>
@@ -50,6 +51,23 @@ BrickIndex with_neighbours(const std::vector<Vec3i>& origins) {
   return found;
 }
 
+void keep_every_second(const float* all, float* out) {
+  for (int x = 0; x < BrickNodes::kDim; x += 2) {
+    for (int y = 0; y < BrickNodes::kDim; y += 2) {
+      for (int z = 0; z < BrickNodes::kDim; z += 2, out += 3) {
+        std::copy_n(all + x * BrickNodes::kStepX + y * BrickNodes::kStepY + z * BrickNodes::kStepZ,
+                    3, out);
+      }
+    }
+  }
+}
+
+Float4 load(const float* p) {
+  Float4 v;
+  std::memcpy(&v, p, sizeof v);
+  return v;
+}
+
 }  // namespace
 
 OffsetBricks::OffsetBricks(const SourceBricks& source)
@@ -64,8 +82,11 @@ OffsetBricks::OffsetBricks(const SourceBricks& source)
 }
 
 OffsetBricks::OffsetBricks(const SourceBricks& source, const VectorBricks& offsets,
-                           std::shared_ptr<const PointwiseOffsets> pointwise)
-    : m_source(&source), m_pointwise(std::move(pointwise)) {
+                           std::shared_ptr<const PointwiseOffsets> pointwise, int node_spacing)
+    : m_source(&source),
+      m_node_spacing(node_spacing),
+      m_offsets(kBrickDim / node_spacing + 1),
+      m_pointwise(std::move(pointwise)) {
   update(offsets.topology.index().origins(), finder_of(offsets));
   if (m_pointwise != nullptr) mark_pointwise();
 }
@@ -123,7 +144,14 @@ std::int32_t OffsetBricks::gather_brick(std::size_t b, const VectorBrickFinder& 
     m_valid[b] = {origin + box.lo, origin + box.hi};
   }
   BrickNodes nodes;
-  gather_nodes(offsets, m_source->topology(), true, origin, m_offsets.at(m_states[b]), nodes);
+  float* out = m_offsets.at(m_states[b]);
+  if (m_node_spacing == 1) {
+    gather_nodes(offsets, m_source->topology(), true, origin, out, nodes);
+  } else {
+    float all[BrickNodes::kFloats];
+    gather_nodes(offsets, m_source->topology(), true, origin, all, nodes);
+    keep_every_second(all, out);
+  }
   m_ranges[b] = range_of(b, nodes);
   return nodes.is_identity() ? kIdentity : nodes.empty() ? kEmpty : kDeformed;
 }
@@ -184,9 +212,15 @@ std::size_t OffsetBricks::bytes() const {
 }
 
 Vec3f pull_back_gradient(const NodeCell& cell, const Vec3f& gradient) {
-  const NodeDerivatives o = derivatives_in(cell);
-  return gradient +
-         Vec3f(dot(o.along_x, gradient), dot(o.along_y, gradient), dot(o.along_z, gradient));
+  const int sz = 3, sy = sz * cell.dim, sx = sy * cell.dim;
+  const float* n = cell.node;
+  const Float4 corners[8] = {load(n),           load(n + sz),          load(n + sy),
+                             load(n + sy + sz), load(n + sx),          load(n + sx + sz),
+                             load(n + sx + sy), load(n + sx + sy + sz)};
+  const NodeDerivatives o = derivatives_of(corners, cell.x, cell.y, cell.z);
+  const float per_voxel = float(cell.dim - 1) / kBrickDim;
+  return gradient + per_voxel * Vec3f(dot(o.along_x, gradient), dot(o.along_y, gradient),
+                                      dot(o.along_z, gradient));
 }
 
 }  // namespace supple

@@ -2,7 +2,7 @@
 // the offsets of deformed bricks with their apron. A brick without an entry is empty; identity
 // bricks cost what straight rays cost; straight rendering is the table whose bricks are all
 // identity. In pointwise bricks each sample asks for its own offset (pointwise_offsets.h).
-// Cost: 8.8 kB per deformed brick.
+// Cost: 8.8 kB per deformed brick, 1.5 kB with every second offset.
 #pragma once
 
 #include <cstdint>
@@ -20,8 +20,9 @@ class OffsetBricks {
   /// Straight: every source brick is an identity brick. The source outlives the bricks.
   explicit OffsetBricks(const SourceBricks& source);
   /// Samples whose cell has a corner without offset (neither valid nor extrapolated) are empty.
+  /// `node_spacing`: 1, or 2 to keep every second offset only.
   OffsetBricks(const SourceBricks& source, const VectorBricks& offsets,
-               std::shared_ptr<const PointwiseOffsets> pointwise = nullptr);
+               std::shared_ptr<const PointwiseOffsets> pointwise = nullptr, int node_spacing = 1);
 
   /// Follows a change of the offsets: those in the bricks at these origins (unique) are now what
   /// `offsets` finds, and may be gone; all others are as they were. The bricks are then those that
@@ -44,13 +45,13 @@ class OffsetBricks {
   std::int32_t slot(std::size_t b) const { return m_states[b]; }
   /// The source brick with the same origin, or -1.
   std::int32_t beneath(std::size_t b) const { return m_beneath[b]; }
-  /// BrickNodes per slot.
+  /// Nodes along an axis of a brick: 9, or 5 where every second one is kept.
+  int node_dim() const { return kBrickDim / m_node_spacing + 1; }
+  /// node_dim()^3 offsets per slot, x slowest, three floats each; not a number where there is none.
   const float* offsets() const { return m_offsets.data(); }
-  /// Offset (three floats) of node `local` of a deformed brick; NaN where there is none. Four
-  /// floats may be read.
+  /// Offset of a node of a deformed brick, counted in nodes. Four floats may be read.
   const float* node(std::size_t b, const Vec3i& local) const {
-    return m_offsets.at(slot(b)) + local.x * BrickNodes::kStepX + local.y * BrickNodes::kStepY +
-           local.z * BrickNodes::kStepZ;
+    return m_offsets.at(slot(b)) + 3 * ((local.x * node_dim() + local.y) * node_dim() + local.z);
   }
   /// Encoded densities that samples in brick b can read, wherever their offsets lead.
   const EncodedRange& range(std::size_t b) const { return m_ranges[b]; }
@@ -72,14 +73,22 @@ class OffsetBricks {
   void mark_pointwise();
 
   const SourceBricks* m_source;
+  int m_node_spacing = 1;
   BrickIndex m_index;
   std::vector<std::int32_t> m_states;  // slot, or kPointwise - n: pointwise brick n
   std::vector<std::int32_t> m_beneath;
   std::vector<EncodedRange> m_ranges;
   std::vector<IndexBox> m_valid;  // voxels with an offset given
   IndexBox m_valid_bounds;
-  NodeSlots m_offsets;
+  NodeSlots m_offsets{BrickNodes::kDim};
   std::shared_ptr<const PointwiseOffsets> m_pointwise;
+};
+
+/// A place in a cell of a deformed brick.
+struct NodeCell {
+  const float* node = nullptr;  // of the low corner
+  float x = 0, y = 0, z = 0;    // 0 … 1
+  int dim = BrickNodes::kDim;   // nodes along an axis
 };
 
 /// (I + grad o)^T g with the derivatives of the trilinear offset in its cell.

@@ -1,5 +1,6 @@
 #include "raycast/render.h"
 
+#include <algorithm>
 #include <chrono>
 
 #include "raycast/march_pixels.h"
@@ -8,6 +9,8 @@
 namespace supple {
 
 namespace {
+
+constexpr int kMaxStride = 16;
 
 using Clock = std::chrono::steady_clock;
 double ms_since(Clock::time_point start) {
@@ -33,16 +36,20 @@ Quality parse_quality(const std::string& name) {
 }
 
 void RenderSettings::set_quality(Quality quality) {
+  set_step(1.0 / (quality == Quality::draft ? 2 : quality == Quality::accurate ? 5 : 3));
+}
+
+void RenderSettings::set_step(double voxels) {
+  step_voxels = voxels;
   // Blocks of a voxel: longer ones leap over thin bone.
-  stride = quality == Quality::draft ? 2 : quality == Quality::accurate ? 5 : 3;
-  step_voxels = 1.0 / stride;
+  stride = voxels > 0 ? int(std::clamp(1.0 / voxels + 1e-9, 1.0, double(kMaxStride))) : 1;
 }
 
 void RenderSettings::validate() const {
   require(width >= 1 && width <= 16384, "width", width, "1 to 16384 pixels");
   require(height >= 1 && height <= 16384, "height", height, "1 to 16384 pixels");
   require(step_voxels >= 0.01 && step_voxels <= 16, "step", step_voxels, "0.01 to 16 voxels");
-  require(stride >= 1 && stride <= 16, "stride", stride, "1 to 16");
+  require(stride >= 1 && stride <= kMaxStride, "stride", stride, "1 to 16");
   require(early_termination > 0 && early_termination <= 1, "early_termination", early_termination,
           "more than 0, at most 1");
   for (const Clip& clip : clips) clip.validate("");
@@ -69,14 +76,15 @@ Renderer::Renderer(const Geometry& geometry, const DensityGrid& density, int bac
 
 Renderer::~Renderer() = default;
 
-void Renderer::set_offsets(const OffsetField* offsets) {
+void Renderer::set_offsets(const OffsetField* offsets, OffsetResolution resolution) {
   if (offsets != nullptr && !(offsets->geometry == m_impl->geometry)) {
     throw InputError({"", "offsets", "another geometry", "the geometry of the volume"});
   }
   m_impl->is_pointwise = false;
   m_impl->lattice = offsets == nullptr ? std::make_unique<OffsetBricks>(m_impl->source)
-                                       : std::make_unique<OffsetBricks>(m_impl->source, offsets->o,
-                                                                        offsets->split);
+                                       : std::make_unique<OffsetBricks>(
+                                             m_impl->source, offsets->o, offsets->split,
+                                             resolution == OffsetResolution::half ? 2 : 1);
 }
 
 void Renderer::update_offsets(const std::vector<Vec3i>& changed, const VectorBrickFinder& offsets) {

@@ -48,10 +48,17 @@ struct RenderSettings {
   /// Sets step_voxels and stride.
   void set_quality(Quality quality);
 
+  /// Sets step_voxels, and a stride that still looks once in a voxel, or at every step of a longer
+  /// one.
+  void set_step(double voxels);
+
   /// Throws InputError: sizes < 1 or > 16384, step outside 0.01…16, stride outside 1…16,
   /// early_termination outside (0, 1], a bad clip or light.
   void validate() const;
 };
+
+/// Offsets that the renderer keeps: all, or every second along each axis in a sixth of the memory.
+enum class OffsetResolution { full, half };
 
 struct RenderReport {
   std::int64_t samples = 0;  // read from the source
@@ -77,7 +84,8 @@ class Renderer {
 
   /// Replaces the offsets (copied); nullptr renders straight. Throws InputError when they belong
   /// to another geometry.
-  void set_offsets(const OffsetField* offsets);
+  void set_offsets(const OffsetField* offsets,
+                   OffsetResolution resolution = OffsetResolution::full);
 
   /// Follows a local change of the offsets set last: those in the bricks at these origins (unique)
   /// are now what `offsets` finds, and may be gone. As IncrementalInversion::update and finder say.

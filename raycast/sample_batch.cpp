@@ -123,13 +123,35 @@ HWY_INLINE HWY_ATTR Float4 mix4(Float4 a, Float4 b, float t) {
 }
 
 /// Trilinear offset of one lane; not a number when a corner has none.
-HWY_INLINE HWY_ATTR Float4 trilinear_offset(const float* node, float x, float y, float z) {
-  constexpr int sx = BrickNodes::kStepX, sy = BrickNodes::kStepY, sz = BrickNodes::kStepZ;
+HWY_INLINE HWY_ATTR Float4 trilinear_offset(const float* node, int dim, float x, float y, float z) {
+  const int sz = 3, sy = sz * dim, sx = sy * dim;
   const Float4 a = mix4(load4(node), load4(node + sz), z);
   const Float4 b = mix4(load4(node + sy), load4(node + sy + sz), z);
   const Float4 c = mix4(load4(node + sx), load4(node + sx + sz), z);
   const Float4 d = mix4(load4(node + sx + sy), load4(node + sx + sy + sz), z);
   return mix4(mix4(a, b, y), mix4(c, d, y), x);
+}
+
+/// The place in a cell of two voxels, from that in the cell of one.
+HWY_INLINE HWY_ATTR VF in_wide_cell(VI voxel, VF f) {
+  return hn::Mul(floats(0.5f), hn::Add(f, hn::ConvertTo(kFloats, hn::And(voxel, ints(1)))));
+}
+
+/// Where lanes lie among the nodes of their slots, `dim` along every axis.
+HWY_INLINE HWY_ATTR void store_offset_cells(int dim, VI slot, IntVector voxel, FloatVector f,
+                                            int at, SampleBatch& batch) {
+  const VI low = ints(7);
+  voxel = {hn::And(voxel.x, low), hn::And(voxel.y, low), hn::And(voxel.z, low)};
+  if (dim < BrickNodes::kDim) {
+    f = {in_wide_cell(voxel.x, f.x), in_wide_cell(voxel.y, f.y), in_wide_cell(voxel.z, f.z)};
+    voxel = {hn::ShiftRight<1>(voxel.x), hn::ShiftRight<1>(voxel.y), hn::ShiftRight<1>(voxel.z)};
+  }
+  const VI along = ints(dim);
+  const VI row = hn::Add(hn::Mul(hn::Add(hn::Mul(slot, along), voxel.x), along), voxel.y);
+  hn::Store(hn::Add(hn::Mul(row, along), voxel.z), kInts, batch.offset_node + at);
+  hn::Store(f.x, kFloats, batch.ox + at);
+  hn::Store(f.y, kFloats, batch.oy + at);
+  hn::Store(f.z, kFloats, batch.oz + at);
 }
 
 /// How far lanes are moved, and those for which that is known.
@@ -145,7 +167,7 @@ HWY_INLINE HWY_ATTR void follow_offsets(const SamplingTables& tables, std::uint3
     const int lane = __builtin_ctz(rest);
     const int n = at + lane;
     const Float4 offset =
-        trilinear_offset(tables.offsets + std::int64_t(batch.offset_node[n]) * BrickNodes::kStepZ,
+        trilinear_offset(tables.offsets + std::int64_t(batch.offset_node[n]) * 3, tables.offset_dim,
                          batch.ox[n], batch.oy[n], batch.oz[n]);
     const float sum = offset[0] + offset[1] + offset[2];
     if (!(sum == sum)) continue;
@@ -283,12 +305,7 @@ HWY_INLINE HWY_ATTR void sample_lanes(const SamplingTables& tables, const RayPie
     bent = bits_of(hn::And(moved, hn::Gt(entry, ints(SamplingTables::kDeformed - 1))));
     pointwise = bits_of(moved) & ~bent;
     const VI slot = hn::Sub(entry, ints(SamplingTables::kDeformed));
-    constexpr int dim = BrickNodes::kDim;
-    hn::Store(hn::Add(hn::Mul(slot, ints(dim * dim * dim)), node_of(voxel, dim * dim, dim, 1)),
-              kInts, batch.offset_node + at);
-    hn::Store(f.x, kFloats, batch.ox + at);
-    hn::Store(f.y, kFloats, batch.oy + at);
-    hn::Store(f.z, kFloats, batch.oz + at);
+    store_offset_cells(tables.offset_dim, slot, voxel, f, at, batch);
     Moves moves;
     follow_offsets(tables, bent, at, batch, moves);
     if (pointwise != 0) {

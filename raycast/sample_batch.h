@@ -31,6 +31,7 @@ struct SamplingTables {
                                           // as output.tables; null where none is asked for
   const std::int16_t* nodes = nullptr;    // SourceBricks
   const float* offsets = nullptr;         // OffsetBricks
+  int offset_dim = 0;                     // OffsetBricks::node_dim
 
   const PointwiseOffsets* pointwise = nullptr;
 

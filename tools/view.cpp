@@ -114,7 +114,7 @@ void refuse_beside_slice(TomlTable& table) {
 
 void Sampling::apply_to(RenderSettings& settings) const {
   settings.set_quality(parse_quality(quality));
-  if (step_voxels) settings.step_voxels = *step_voxels;
+  if (step_voxels) settings.set_step(*step_voxels);
   settings.jitter = jitter;
   if (classification == "pre-integrated") {
     settings.classification = Classification::pre_integrated;

@@ -84,6 +84,27 @@ TEST(PropertyLiveOffsets, WithoutAnInverseThePictureIsAlmostTheSame) {
   }
 }
 
+TEST(PropertyLiveOffsets, EverySecondOffsetGivesAlmostTheSamePictureInLessMemory) {
+  const LiveScene scene;
+  Renderer renderer(scene.geometry, scene.density);
+  RenderReport straight, full, half;
+  const auto draw = [&](RenderReport& report) {
+    return renderer.render(scene.camera, surface_function(), small_picture(120, 1.0 / 3), &report);
+  };
+  const Image rest = draw(straight);
+  for (const AnalyticWarp& warp :
+       {bump_warp(kCentre + Vec3d(4, 0, 2), 20, 9), shear_warp(kCentre, 0.5)}) {
+    const OffsetField offsets = invert(scene.displaced(warp));
+    renderer.set_offsets(&offsets);
+    const Image expected = draw(full);
+    renderer.set_offsets(&offsets, OffsetResolution::half);
+    const Image image = draw(half);
+    EXPECT_GE(compare(image, expected, true).ssim, 0.99);
+    EXPECT_LT(compare(image, rest, true).ssim, 0.95);
+    EXPECT_LT(double(half.bytes - straight.bytes), 0.35 * double(full.bytes - straight.bytes));
+  }
+}
+
 TEST(PropertyLiveOffsets, WithoutMovementThePictureIsTheStraightOneBitForBit) {
   const LiveScene scene;
   Renderer renderer(scene.geometry, scene.density);

@@ -59,8 +59,11 @@ struct RoughScene {
   OffsetField offsets =
       sample_offsets(bump_warp({20, 20, 20}, 15, 5), geometry, voxels_of({40, 40, 24}, everywhere));
   OffsetBricks output{source, offsets.o};
-  Frame frame{geometry,          source,          output, default_camera(geometry, 1),
-              fog_function(0.1), RenderSettings()};
+  Frame frame = frame_with(fog_function(0.1));
+
+  Frame frame_with(const TransferFunction& function) const {
+    return {geometry, source, output, default_camera(geometry, 1), function, RenderSettings()};
+  }
 };
 
 RayPiece random_piece(std::mt19937& random) {
@@ -127,14 +130,17 @@ TEST(PropertySampleBatch, BricksFarApartAreReadOneAfterAnother) {
 
 TEST(PropertySampleBatch, BricksThatHoldNothingLargerAreLeftOutOfAMaximum) {
   const RoughScene scene;
+  TransferFunction maximum = fog_function(0.1);
+  maximum.blend = Blend::maximum;
+  const Frame frame = scene.frame_with(maximum);
   std::mt19937 random(5);
   SampleBatch all, some;
   int skipped = 0;
   for (int round = 0; round < 300; ++round) {
     RayPiece piece = random_piece(random);
-    sample_batch(scene.frame.tables, piece, 0, 1, SampleBatch::kLanes, all);
+    sample_batch(frame.tables, piece, 0, 1, SampleBatch::kLanes, all);
     piece.above = 500;
-    sample_batch(scene.frame.tables, piece, 0, 1, SampleBatch::kLanes, some);
+    sample_batch(frame.tables, piece, 0, 1, SampleBatch::kLanes, some);
     EXPECT_EQ(some.inside & ~all.inside, 0u);
     for (std::uint32_t rest = all.inside & ~some.inside; rest != 0; rest &= rest - 1) {
       EXPECT_LE(all.encoded[__builtin_ctz(rest)], 500);

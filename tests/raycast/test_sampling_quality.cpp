@@ -70,6 +70,24 @@ Image picture(double step, Classification classification, bool jitter = false,
   return Renderer(geometry, grid).render(default_camera(geometry, 1), function, settings);
 }
 
+TEST(UnitSampling, RaysAreLookedAtOncePerVoxelAndAtEveryLongerStep) {
+  RenderSettings settings;
+  const auto stride_of = [&](double step) {
+    settings.set_step(step);
+    EXPECT_EQ(settings.step_voxels, step);
+    return settings.stride;
+  };
+  EXPECT_EQ(stride_of(0.01), 16);
+  EXPECT_EQ(stride_of(0.1), 10);
+  EXPECT_EQ(stride_of(1.0 / 3), 3);
+  EXPECT_EQ(stride_of(0.5), 2);
+  EXPECT_EQ(stride_of(0.6), 1);
+  EXPECT_EQ(stride_of(2), 1);
+  settings.set_quality(Quality::accurate);
+  EXPECT_EQ(settings.stride, 5);
+  EXPECT_EQ(settings.step_voxels, 0.2);
+}
+
 TEST(ConvergenceClassification, IntegratedStepsComeNearTheFinePictureWhereSamplesMissTheSheet) {
   const Image fine = picture(0.02, Classification::post);
   const Comparison post = compare(picture(0.5, Classification::post), fine, true);

@@ -14,11 +14,6 @@ namespace {
 constexpr float kMaxVectorVoxels = 1 << 20;
 constexpr int kRowFloats = 3 * kBrickDim;
 
-Float4 load(const float* p) {
-  Float4 v;
-  std::memcpy(&v, p, sizeof v);
-  return v;
-}
 Float4 mix(const Float4& a, const Float4& b, float t) {
   return a + t * (b - a);
 }
@@ -177,7 +172,7 @@ std::int32_t NodeSlots::take() {
 
 void NodeSlots::reserve(std::size_t more) {
   const std::size_t fresh = more > m_free.size() ? more - m_free.size() : 0;
-  m_floats.reserve((std::size_t(m_count) + fresh) * BrickNodes::kFloats + 1);
+  m_floats.reserve((std::size_t(m_count) + fresh) * m_slot_floats + 1);
 }
 
 NodeDerivatives derivatives_of(const Float4 (&c)[8], float x, float y, float z) {
@@ -186,15 +181,6 @@ NodeDerivatives derivatives_of(const Float4 (&c)[8], float x, float y, float z) 
   const Float4 x0 = mix(y0, y1, y), x1 = mix(y2, y3, y);
   return {mix(x0, x1, x), x1 - x0, mix(y1 - y0, y3 - y2, x),
           mix(mix(c[1] - c[0], c[3] - c[2], y), mix(c[5] - c[4], c[7] - c[6], y), x)};
-}
-
-NodeDerivatives derivatives_in(const NodeCell& cell) {
-  constexpr int sx = BrickNodes::kStepX, sy = BrickNodes::kStepY, sz = BrickNodes::kStepZ;
-  const float* n = cell.node;
-  const Float4 corners[8] = {load(n),           load(n + sz),          load(n + sy),
-                             load(n + sy + sz), load(n + sx),          load(n + sx + sz),
-                             load(n + sx + sy), load(n + sx + sy + sz)};
-  return derivatives_of(corners, cell.x, cell.y, cell.z);
 }
 
 }  // namespace supple

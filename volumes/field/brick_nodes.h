@@ -30,34 +30,29 @@ struct BrickNodes {
 void gather_nodes(const VectorBrickFinder& field, const BrickTopology& occupied, bool extrapolated,
                   const Vec3i& origin, float* out, BrickNodes& nodes);
 
-/// Gathered nodes of many bricks, in slots that come and go.
+/// Gathered nodes of many bricks, `dim` along every axis, in slots that come and go.
 class NodeSlots {
  public:
+  explicit NodeSlots(int dim) : m_slot_floats(std::size_t(3) * dim * dim * dim) {}
+
   /// A slot of its own; until grow() it has no memory.
   std::int32_t take();
   void give_back(std::int32_t slot) { m_free.push_back(slot); }
-  void grow() { m_floats.resize(std::size_t(m_count) * BrickNodes::kFloats + 1); }
+  void grow() { m_floats.resize(std::size_t(m_count) * m_slot_floats + 1); }
   /// Address space for so many slots more, so that growing moves nothing.
   void reserve(std::size_t more);
-  float* at(std::int32_t slot) { return &m_floats[std::size_t(slot) * BrickNodes::kFloats]; }
+  float* at(std::int32_t slot) { return &m_floats[std::size_t(slot) * m_slot_floats]; }
 
-  /// kFloats per slot; four floats may be read at every node.
+  /// Three floats per node, x slowest; four floats may be read at every node.
   const float* data() const { return m_floats.data(); }
-  const float* at(std::int32_t slot) const {
-    return &m_floats[std::size_t(slot) * BrickNodes::kFloats];
-  }
+  const float* at(std::int32_t slot) const { return &m_floats[std::size_t(slot) * m_slot_floats]; }
   std::size_t bytes() const { return m_floats.size() * sizeof(float); }
 
  private:
+  std::size_t m_slot_floats;
   std::int32_t m_count = 0;
   std::vector<std::int32_t> m_free;
   std::vector<float> m_floats;
-};
-
-/// A place in a cell of such nodes.
-struct NodeCell {
-  const float* node = nullptr;  // of the low corner
-  float x = 0, y = 0, z = 0;    // 0 … 1
 };
 
 /// Four packed floats, of which three count.
@@ -67,8 +62,7 @@ using Float4 = float __attribute__((vector_size(16)));
 struct NodeDerivatives {
   Float4 value, along_x, along_y, along_z;
 };
-NodeDerivatives derivatives_in(const NodeCell& cell);
-/// The same from the corners, x slowest.
+/// From the corners of a cell, x slowest, at a place in it, 0 … 1.
 NodeDerivatives derivatives_of(const Float4 (&corners)[8], float x, float y, float z);
 
 }  // namespace supple
