@@ -92,9 +92,13 @@ bool Probe::measure_still(std::size_t b, ResidualHistogram& histogram) const {
   for (int word = 0; word < 8; ++word) {
     if ((nodes[word] & ~m_u.topology.mask(same)[word]) != 0) return false;
   }
+  const Vec3f* u = &m_u.vectors[std::size_t(same) * kBrickVoxels];
+  if (mask_count(m_folded[same]) == 0 && std::all_of(u, u + kBrickVoxels, is_zero)) {
+    histogram.add_zeros(mask_count(nodes));
+    return true;
+  }
   for_each_active(nodes, [&](int offset) {
-    if (mask_test(m_folded[same], offset)) return;
-    histogram.add(m_u.vectors[std::size_t(same) * kBrickVoxels + offset].length());
+    if (!mask_test(m_folded[same], offset)) histogram.add(u[offset].length());
   });
   return true;
 }
@@ -107,6 +111,11 @@ void ResidualHistogram::add(float value) {
   ++m_bins[bits >> kShift];
   ++m_count;
   m_max = std::max(m_max, value);
+}
+
+void ResidualHistogram::add_zeros(int count) {
+  m_bins[0] += count;
+  m_count += count;
 }
 
 void ResidualHistogram::join(const ResidualHistogram& other) {
@@ -133,7 +142,9 @@ void ResidualHistogram::remove(const BrickResiduals& brick) {
 BrickResiduals ResidualHistogram::of_one_brick() const {
   BrickResiduals brick;
   brick.max = m_max;
-  for (std::size_t n = 0; n < m_bins.size(); ++n) {
+  std::int64_t left = m_count;
+  for (std::size_t n = 0; left > 0; ++n) {
+    left -= m_bins[n];
     if (m_bins[n] > 0) brick.bins.push_back(std::uint32_t(n << 10 | std::size_t(m_bins[n])));
   }
   return brick;

@@ -20,6 +20,7 @@ struct BrickResiduals {
 class ResidualHistogram {
  public:
   void add(float value);
+  void add_zeros(int count);
   void join(const ResidualHistogram& other);
   void add(const BrickResiduals& brick);
   void remove(const BrickResiduals& brick);  // all but its maximum
