@@ -32,6 +32,7 @@ struct Options {
   bool shadows = false, deform_meshes = false, clip_meshes = false;
   std::string clip_keep = "inside", clip_space = "deformed";
   bool undeformed = false;
+  bool no_inverse = false;
   bool lattice = false;
   bool orthographic = false;
   bool prints_camera = false;
@@ -57,6 +58,7 @@ SceneView to_view(const Options& options) {
   SceneView view = options.scene_view;
   view.image = options.output;
   view.deformed = !options.undeformed;
+  view.inverse = !options.no_inverse;
   view.lattice = options.lattice;
   if (!options.preset.empty()) choose_transfer(view, options.preset);
   for (const std::string& text : options.clip_planes) {
@@ -78,6 +80,15 @@ SceneView to_view(const Options& options) {
   return view;
 }
 
+/// The displacement alone, for samples that solve for themselves.
+Deformed without_inverse(const State& state) {
+  Deformed deformed{extended_displacement_of(state), {}};
+  if (has_open_cuts(state, deformed.displacement)) {
+    throw UsageError("--no-inverse: found cuts that have opened, expected a body without");
+  }
+  return deformed;
+}
+
 void draw_state(const Options& options, SceneView view, PictureWriter& writer, RenderReport& report,
                 Console& console) {
   if (!options.offsets.empty()) {
@@ -86,13 +97,16 @@ void draw_state(const Options& options, SceneView view, PictureWriter& writer, R
   const State state = read_state(options.input, &console);
   view = effective_view(view, state.geometry, state.density.background());
   std::optional<Deformed> deformed;
-  if (view.deformed) deformed = invert_state(state, console);
+  if (view.deformed) {
+    deformed = view.inverse ? invert_state(state, console) : without_inverse(state);
+  }
   if (!view.offset.empty()) {
     deformed = deformed ? send_along(view.offset, *deformed, console)
                         : send_along(view.offset, state.geometry, state.density.bricks(), console);
   }
   const MaterialTable material = parse_material(state.material_toml, options.input);
-  draw_view({state.geometry, state.density, state.elements, deformed ? &deformed->offsets : nullptr,
+  draw_view({state.geometry, state.density, state.elements,
+             deformed && view.inverse ? &deformed->offsets : nullptr,
              deformed ? &deformed->displacement : nullptr, material.domain_lo, material.domain_hi},
             view, writer, &report, console);
 }
@@ -110,6 +124,9 @@ void draw_volume(const Options& options, SceneView view, PictureWriter& writer,
                  RenderReport& report, Console& console) {
   if (options.undeformed) {
     throw UsageError("--undeformed: found a volume, expected a state file");
+  }
+  if (options.no_inverse) {
+    throw UsageError("--no-inverse: found a volume, expected a state file");
   }
   const auto file = open_volume(options.input, options.raw_spec);
   const Geometry& geometry = file->header().geometry;
@@ -210,6 +227,11 @@ Command add_render(CLI::App& program) {
                   "Show a volume through a resample-direction warp (NRRD, MetaImage)")
       ->option_text("FIELD");
   add_offset_option(*app, options->offset);
+  app->add_flag("--no-inverse", options->no_inverse,
+                "Samples of a state solve for themselves: less memory, a slower march")
+      ->excludes("--undeformed")
+      ->excludes("--offsets")
+      ->excludes("--offset");
   app->add_option(
          "--preset", options->preset,
          "One that `supple presets` lists (default: CT-Bone with HU, else MR-Default), or a file "

@@ -109,7 +109,7 @@ class SceneRun {
 
   const Session& session() const { return m_session; }
   const InversionCertificate* certificate() const {
-    return m_deformed ? &m_deformed->offsets.certificate : nullptr;
+    return m_inverted_step >= 0 ? &m_deformed.offsets.certificate : nullptr;
   }
 
  private:
@@ -122,14 +122,25 @@ class SceneRun {
 
   std::string path_of(const std::string& name) const { return path_in(m_folder, name); }
 
-  /// State and inverse after the present step, computed once and only when something needs them.
-  const Deformed& deformed(int step) {
-    if (m_deformed_step != step) {
+  /// State and displacement after the present step, computed once and only when something needs
+  /// them.
+  const Displacement& displacement(int step) {
+    if (m_displaced_step != step) {
       m_state = m_session.state();
-      m_deformed = invert_state(m_state, m_console);
-      m_deformed_step = step;
+      m_deformed.displacement = extended_displacement_of(m_state);
+      m_displaced_step = step;
     }
-    return *m_deformed;
+    return m_deformed.displacement;
+  }
+
+  /// With the inverse.
+  const Deformed& deformed(int step) {
+    displacement(step);
+    if (m_inverted_step != step) {
+      m_deformed.offsets = invert_displacement(m_state, m_deformed.displacement, m_console);
+      m_inverted_step = step;
+    }
+    return m_deformed;
   }
 
   /// The same as the scene's functions show it.
@@ -142,9 +153,19 @@ class SceneRun {
     return *m_seen;
   }
 
-  /// What a view shows; null: the body at rest. `own` holds what is this view's alone, and the view
-  /// gets the functions of the scene, too.
-  const Deformed* subject_of(SceneView& view, int step, std::optional<Deformed>& own) {
+  /// The displacement for a view in which samples solve for themselves.
+  const Displacement& without_inverse(const SceneView& view, int step) {
+    const Displacement& moved = displacement(step);
+    if (has_open_cuts(m_state, moved)) {
+      throw InputError(
+          {view.place, "inverse", "cuts that have opened", "inverse = true, or a body without"});
+    }
+    return moved;
+  }
+
+  /// What a view shows with its inverse; null: the body at rest. `own` holds what is this view's
+  /// alone, and the view gets the functions of the scene, too.
+  const Deformed* inverted_for(SceneView& view, int step, std::optional<Deformed>& own) {
     const bool has_own = !view.offset.empty();
     if (view.deformed) {
       view.offset.insert(view.offset.begin(), m_scene.offset.begin(), m_scene.offset.end());
@@ -163,14 +184,19 @@ class SceneRun {
       if (view.after_step.value_or(last_step()) != step) continue;
       SceneView asked = view;
       std::optional<Deformed> own;
-      const Deformed* moved = subject_of(asked, step, own);
+      const OffsetField* offsets = nullptr;
+      const Displacement* moved = nullptr;
+      if (view.deformed && !view.inverse) {
+        moved = &without_inverse(view, step);
+      } else if (const Deformed* inverted = inverted_for(asked, step, own)) {
+        offsets = &inverted->offsets;
+        moved = &inverted->displacement;
+      }
       const SceneView drawn = effective_view(asked, m_state.geometry, m_state.density.background());
       const MaterialTable& material = m_session.body().material;
       PictureWriter writer(m_pictures, path_of(view.image), view.picture);
-      draw_view({m_state.geometry, m_state.density, m_state.elements,
-                 moved != nullptr ? &moved->offsets : nullptr,
-                 moved != nullptr ? &moved->displacement : nullptr, material.domain_lo,
-                 material.domain_hi},
+      draw_view({m_state.geometry, m_state.density, m_state.elements, offsets, moved,
+                 material.domain_lo, material.domain_hi},
                 drawn, writer, nullptr, m_console);
     }
   }
@@ -203,8 +229,8 @@ class SceneRun {
   Console& m_console;
   Session m_session;
   State m_state;
-  std::optional<Deformed> m_deformed;
-  int m_deformed_step = -1;
+  Deformed m_deformed;
+  int m_displaced_step = -1, m_inverted_step = -1;
   std::optional<Deformed> m_seen;
   int m_seen_step = -1;
   PendingFiles m_pictures;
@@ -224,6 +250,7 @@ void check_scene(const Scene& scene, const Options& options, const GlobalOptions
   }
   for (const SceneView& view : scene.views) {
     check_view(view);
+    check_inverse(view, scene.offset);
     plan.add_pictures(view.picture, path_in(options.folder, view.image));
   }
   const SceneOutput& output = scene.output;

@@ -18,6 +18,10 @@ void remember_signal(int number) {
 
 }  // namespace
 
+std::string with_count(std::int64_t count, const std::string& what) {
+  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+}
+
 void install_signal_handlers() {
   std::signal(SIGINT, remember_signal);
   std::signal(SIGTERM, remember_signal);

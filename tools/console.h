@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
@@ -53,6 +54,9 @@ class Console final : public Progress {
   Clock::time_point m_last_print;
   std::vector<std::pair<std::string, double>> m_seconds;
 };
+
+/// "1 cell", "2 cells".
+std::string with_count(std::int64_t count, const std::string& what);
 
 /// Installs handlers for SIGINT, SIGTERM and SIGHUP that only set a flag; a second signal ends the
 /// process.

@@ -27,38 +27,45 @@ Camera turned(const Camera& camera, double angle) {
   return around;
 }
 
-double longest_offset_mm(const OffsetField& offsets) {
-  const BrickTopology& topology = offsets.o.topology;
+double longest_mm(const VectorBricks& bricks, const Geometry& geometry) {
+  const BrickTopology& topology = bricks.topology;
   double longest = 0;
   for (std::size_t b = 0; b < topology.brick_count(); ++b) {
     for_each_active(topology.mask(b), [&](int n) {
-      const Vec3d offset(offsets.o.vectors[b * kBrickVoxels + n]);
-      longest = std::max(longest, offsets.geometry.world_vector_from_index(offset).length());
+      const Vec3d vector(bricks.vectors[b * kBrickVoxels + n]);
+      longest = std::max(longest, geometry.world_vector_from_index(vector).length());
     });
   }
   return longest;
 }
 
+/// Of a moved subject; o(x) = -u(x + o(x)), so that the longest u is the longest offset, too.
+double longest_offset_mm(const Subject& subject) {
+  return longest_mm(subject.offsets != nullptr ? subject.offsets->o : subject.displacement->u,
+                    subject.geometry);
+}
+
 /// A body on its way from rest to where it is.
 class Halfway {
  public:
-  /// A lattice needs no offsets.
-  Halfway(const Subject& subject, double fraction, bool needs_offsets, Console& console)
+  Halfway(const Subject& subject, double fraction, bool needs_inverse, Console& console)
       : m_displacement(*subject.displacement), m_subject(subject) {
     for (Vec3f& u : m_displacement.u.vectors) u *= float(fraction);
-    if (!needs_offsets) return;
+    if (!needs_inverse) return;
     InvertParams params;
     params.material = &subject.elements;
     m_offsets = invert(m_displacement, params, &console);
   }
   Subject subject() const {
-    return {m_subject.geometry, m_subject.density, m_subject.elements, &m_offsets,
-            &m_displacement,    m_subject.grey_lo, m_subject.grey_hi,  m_subject.air_rings};
+    return {m_subject.geometry, m_subject.density,
+            m_subject.elements, m_offsets ? &*m_offsets : nullptr,
+            &m_displacement,    m_subject.grey_lo,
+            m_subject.grey_hi,  m_subject.air_rings};
   }
 
  private:
   Displacement m_displacement;
-  OffsetField m_offsets;
+  std::optional<OffsetField> m_offsets;
   const Subject& m_subject;
 };
 
@@ -95,7 +102,7 @@ class ViewDrawing {
     }
     m_offset_range.hi = m_options.offset_max_mm;
     const bool needs_longest = m_options.offset_max_mm == 0 && shows("offset");
-    if (needs_longest) m_offset_range.hi = longest_offset_mm(*subject.offsets);
+    if (needs_longest) m_offset_range.hi = longest_offset_mm(subject);
   }
 
   void draw_all(PictureWriter& writer) {
@@ -128,7 +135,8 @@ class ViewDrawing {
             "nothing that is deformed", "a deformed state");
     require(m_view.offset.empty() || m_options.sequence == 0, "sequence",
             "sampling paths, whose pieces may come apart", "a deformed state alone");
-    require(m_subject.offsets != nullptr || !shows("offset"), "aux", "no offsets to show",
+    const bool is_moved = m_subject.offsets != nullptr || m_subject.displacement != nullptr;
+    require(is_moved || !shows("offset"), "aux", "no offsets to show",
             "a deformed state, or a volume through a warp");
     const bool is_flat = m_view.lattice || m_view.slice;
     require(!is_flat || m_options.aux.empty(), "aux", "a lattice or slices to draw",
@@ -139,7 +147,8 @@ class ViewDrawing {
     if (m_options.sequence == 0) return draw_eyes(m_subject, frame);
     if (fraction == 0) return draw_posed(at_rest(m_subject), frame);
     if (fraction == 1) return draw_posed(m_subject, frame);
-    const Halfway halfway(m_subject, fraction, !m_view.lattice, m_console);
+    const bool needs_inverse = m_view.inverse && !m_view.lattice;
+    const Halfway halfway(m_subject, fraction, needs_inverse, m_console);
     return draw_posed(halfway.subject(), frame);
   }
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/session.h"
+#include "tools/deformed.h"
 #include "tools/toml_table.h"
 #include "volumes/field/path_functions.h"
 

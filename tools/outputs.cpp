@@ -6,6 +6,7 @@
 #include "tools/transfer_file.h"
 #include "tools/version.h"
 #include "volumes/field/displacement.h"
+#include "volumes/field/forward_offsets.h"
 
 namespace supple::tools {
 
@@ -137,11 +138,18 @@ void rethrow_at(const std::string& place, const InputError& error) {
   throw InputError({place, problem.field, problem.found, problem.expected});
 }
 
+void check_inverse(const SceneView& view, const std::vector<OffsetFunction>& functions) {
+  if (view.inverse || !view.deformed || functions.empty()) return;
+  throw InputError({view.place, "inverse", "sampling paths, which follow offsets",
+                    "inverse = true, or a deformed state alone"});
+}
+
 void check_view(const SceneView& view) {
   try {
     if (!view.preset.empty()) preset(view.preset);
     view_settings(view).validate();
     check_picture_options(view.picture, view.image, view.place);
+    check_inverse(view, view.offset);
   } catch (const InputError& error) {
     rethrow_at(view.place, error);
   }
@@ -177,7 +185,11 @@ std::unique_ptr<Renderer> make_renderer(const Subject& subject, const SceneView&
 }
 
 void pose(Renderer& renderer, const Subject& subject, const SceneView& view) {
-  renderer.set_offsets(subject.offsets);
+  if (subject.offsets == nullptr && subject.displacement != nullptr) {
+    renderer.set_pointwise_offsets(std::make_shared<const ForwardOffsets>(*subject.displacement));
+  } else {
+    renderer.set_offsets(subject.offsets);
+  }
   if (!view.meshes.empty()) {
     renderer.set_surfaces(surfaces_of(view.meshes, displacement_for_meshes(subject, view)));
   }
@@ -259,6 +271,7 @@ std::string describe_view(const SceneView& view, const nlohmann::ordered_json& m
   json["classification"] = view.sampling.classification;
   json["jitter"] = view.sampling.jitter;
   json["deformed"] = view.deformed;
+  if (!view.inverse) json["inverse"] = false;
   json["lattice"] = view.lattice;
   describe(view.lighting, json);
   for (const MeshChoice& mesh : view.meshes) json["mesh"].push_back(to_json(mesh));

@@ -8,6 +8,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "raycast/render.h"
+#include "tools/deformed.h"
 #include "tools/scene.h"
 #include "tools/session.h"
 #include "volumes/field/resample.h"
@@ -43,8 +44,8 @@ struct Subject {
   const Geometry& geometry;
   const DensityGrid& density;
   const BrickTopology& elements;
-  const OffsetField* offsets;        // null: straight
-  const Displacement* displacement;  // of the lattice; null: at rest
+  const OffsetField* offsets;        // null: samples solve for themselves where u is known
+  const Displacement* displacement;  // u; null: at rest, or not known
   double grey_lo, grey_hi;           // of the lattice
   int air_rings = 0;                 // see Renderer; 0 for a state, which keeps its shell
 };
@@ -53,6 +54,8 @@ Camera camera_of(const Subject& subject, const SceneView& view);
 RenderSettings view_settings(const SceneView& view);
 /// The error with a view's place, unless it has one of its own.
 [[noreturn]] void rethrow_at(const std::string& place, const InputError& error);
+/// Throws InputError when a view without inverse is to be seen along functions.
+void check_inverse(const SceneView& view, const std::vector<OffsetFunction>& functions);
 /// Checks what does not depend on the volume, with the view's place in errors.
 void check_view(const SceneView& view);
 /// The view as it will be drawn: one-slice bodies as lattices, and where no preset is named CT-Bone
@@ -60,7 +63,8 @@ void check_view(const SceneView& view);
 SceneView effective_view(const SceneView& view, const Geometry& geometry, double min_density);
 /// A renderer of the subject in its pose.
 std::unique_ptr<Renderer> make_renderer(const Subject& subject, const SceneView& view);
-/// Moves a renderer of the same volume, and the view's meshes, to where the subject is.
+/// Moves a renderer of the same volume, and the view's meshes, to where the subject is. Without
+/// offsets the displacement is read by every picture and must outlive it.
 void pose(Renderer& renderer, const Subject& subject, const SceneView& view);
 /// One picture, marched by `renderer` unless the view is a lattice or slices. The view is an
 /// effective one.

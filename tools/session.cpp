@@ -8,16 +8,11 @@
 #include "tools/material_file.h"
 #include "tools/parse.h"
 #include "tools/version.h"
-#include "volumes/field/cut_offsets.h"
 #include "volumes/io/label_file.h"
 
 namespace supple::tools {
 
 namespace {
-
-std::string with_count(std::int64_t count, const std::string& what) {
-  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
-}
 
 std::string percent(double part) {
   char text[32];
@@ -252,33 +247,6 @@ State Session::state() const {
   state.cuts = m_body.cuts;
   state.configuration = configuration();
   return state;
-}
-
-Deformed invert_state(const State& state, Console& console) {
-  Deformed deformed;
-  deformed.displacement = extended_displacement_of(state);
-  InvertParams params;
-  params.material = &state.elements;
-  deformed.offsets =
-      invert_cut(deformed.displacement, {state.elements, state.cuts}, params, &console);
-  const InversionCertificate& certificate = deformed.offsets.certificate;
-  const std::int64_t folded = certificate.folded_cells - certificate.folded_air_cells;
-  if (folded > 0) {
-    console.warn(with_count(folded, "cell") + " of material folded, smallest det F " +
-                 std::to_string(certificate.min_det) + "; ties go to the shortest offset");
-  }
-  if (certificate.folded_air_cells > 0) {
-    console.debug(with_count(certificate.folded_air_cells, "cell") +
-                  " folded in the air around the material");
-  }
-  if (certificate.overlapped_voxels > 0) {
-    console.warn(with_count(certificate.overlapped_voxels, "voxel") +
-                 " around cuts are covered from several places; ties go to the shortest offset");
-  }
-  if (certificate.unresolved_voxels > 0) {
-    console.warn(with_count(certificate.unresolved_voxels, "voxel") + " could not be inverted");
-  }
-  return deformed;
 }
 
 }  // namespace supple::tools

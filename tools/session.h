@@ -87,12 +87,4 @@ class Session {
   std::vector<StepRecord> m_records;
 };
 
-/// Extended displacement and its inverse: what renderer and exports read.
-struct Deformed {
-  Displacement displacement;
-  OffsetField offsets;
-};
-/// Inverts, and warns of folded cells and unresolved voxels.
-Deformed invert_state(const State& state, Console& console);
-
 }  // namespace supple::tools

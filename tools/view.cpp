@@ -105,7 +105,7 @@ ClipChoice read_clip(TomlTable& table) {
 void refuse_beside_slice(TomlTable& table) {
   for (const char* key :
        {"preset", "transfer", "camera", "size", "step", "quality", "classification", "jitter",
-        "lattice", "clip", "mesh", "stereo", "aux", "turntable"}) {
+        "lattice", "clip", "mesh", "stereo", "aux", "turntable", "inverse"}) {
     if (table.has(key)) table.fail(key, std::string(key) + " beside slice", "one of both");
   }
 }
@@ -126,17 +126,10 @@ void Sampling::apply_to(RenderSettings& settings) const {
 SceneView read_view(TomlTable& table, int steps) {
   SceneView view;
   view.place = table.place();
-  table.know({"image",      "preset",
-              "transfer",   "camera",
-              "size",       "step",
-              "deformed",   "lattice",
-              "after_step", "clip",
-              "shading",    "light",
-              "shadows",    "ambient_occlusion",
-              "mesh",       "clip_meshes",
-              "offset",     "slice",
-              "quality",    "classification",
-              "jitter"});
+  table.know({"image",    "preset",  "transfer",          "camera",     "size",        "step",
+              "deformed", "inverse", "lattice",           "after_step", "clip",        "shading",
+              "light",    "shadows", "ambient_occlusion", "mesh",       "clip_meshes", "offset",
+              "slice",    "quality", "classification",    "jitter"});
   view.image = table.require(table.string("image"), "image", "the name of a PNG file");
   view.preset = table.string("preset").value_or(view.preset);
   if (const auto path = table.path("transfer")) {
@@ -162,6 +155,7 @@ SceneView read_view(TomlTable& table, int steps) {
       table.string("classification").value_or(view.sampling.classification);
   view.sampling.jitter = table.boolean("jitter").value_or(false);
   view.deformed = table.boolean("deformed").value_or(true);
+  view.inverse = table.boolean("inverse").value_or(true);
   view.lattice = table.boolean("lattice").value_or(false);
   view.picture = read_picture_options(table);
   if (auto slice = table.table("slice")) {

@@ -56,6 +56,7 @@ struct SceneView {
   int width = 1024, height = 1024;
   Sampling sampling;
   bool deformed = true;
+  bool inverse = true;  // false: each sample solves for itself where it reads the source
   bool lattice = false;
   PictureOptions picture;
   std::optional<SliceChoice> slice;  // slices instead of a picture in space

@@ -1,0 +1,54 @@
+#include "tools/deformed.h"
+
+#include "volumes/field/cut_offsets.h"
+#include "volumes/field/source_cells.h"
+
+namespace supple::tools {
+
+namespace {
+
+void warn_of(const InversionCertificate& certificate, Console& console) {
+  const std::int64_t folded = certificate.folded_cells - certificate.folded_air_cells;
+  if (folded > 0) {
+    console.warn(with_count(folded, "cell") + " of material folded, smallest det F " +
+                 std::to_string(certificate.min_det) + "; ties go to the shortest offset");
+  }
+  if (certificate.folded_air_cells > 0) {
+    console.debug(with_count(certificate.folded_air_cells, "cell") +
+                  " folded in the air around the material");
+  }
+  if (certificate.overlapped_voxels > 0) {
+    console.warn(with_count(certificate.overlapped_voxels, "voxel") +
+                 " around cuts are covered from several places; ties go to the shortest offset");
+  }
+  if (certificate.unresolved_voxels > 0) {
+    console.warn(with_count(certificate.unresolved_voxels, "voxel") + " could not be inverted");
+  }
+}
+
+}  // namespace
+
+OffsetField invert_displacement(const State& state, const Displacement& extended,
+                                Console& console) {
+  InvertParams params;
+  params.material = &state.elements;
+  OffsetField offsets = invert_cut(extended, {state.elements, state.cuts}, params, &console);
+  warn_of(offsets.certificate, console);
+  return offsets;
+}
+
+Deformed invert_state(const State& state, Console& console) {
+  Deformed deformed;
+  deformed.displacement = extended_displacement_of(state);
+  deformed.offsets = invert_displacement(state, deformed.displacement, console);
+  return deformed;
+}
+
+bool has_open_cuts(const State& state, const Displacement& extended) {
+  if (state.cuts.empty()) return false;
+  const Vec3i& dims = state.geometry.dims();
+  const CutBody cut(extended.u.topology, state.elements, state.cuts, dims);
+  return !torn_cells(thickened(extended.u, dims), cut, kClosedCut).empty();
+}
+
+}  // namespace supple::tools

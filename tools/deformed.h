@@ -1,0 +1,25 @@
+// Where the tissue of a state has gone, and how pictures, slices and exports find what they see: by
+// the inverse, or each sample by itself.
+#pragma once
+
+#include "tools/console.h"
+#include "volumes/state/state.h"
+
+namespace supple::tools {
+
+/// Extended displacement and its inverse: what renderer and exports read.
+struct Deformed {
+  Displacement displacement;
+  OffsetField offsets;
+};
+
+/// The inverse of a state's extended displacement; warns of folded cells and unresolved voxels.
+OffsetField invert_displacement(const State& state, const Displacement& extended, Console& console);
+/// Both.
+Deformed invert_state(const State& state, Console& console);
+
+/// Whether a cut of the body has opened, so that the displacement jumps: samples cannot solve for
+/// themselves then.
+bool has_open_cuts(const State& state, const Displacement& extended);
+
+}  // namespace supple::tools
