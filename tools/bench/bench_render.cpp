@@ -98,13 +98,13 @@ std::vector<Part> plan_render(const RenderBenchOptions& options) {
                                                         const BeforeRun& before_run) {
              return measure_kernel(sides, rounds, before_run);
            });
-  add_part(plan, options, "dragged head", update_sides(threads), update_row_name,
-           [events = options.quick ? 5 : 30](const auto& sides, Console& console,
-                                             const BeforeRun&) {
-             return measure_render_update(kHeadSize, 512, kDraggedElements, sides, events, console);
-           });
+  add_part(
+      plan, options, "dragged head", update_sides(threads), update_row_name,
+      [events = options.quick ? 5 : 30](const auto& sides, Console& console, const BeforeRun&) {
+        return measure_render_update(kHeadSize, 512, kDraggedElements, sides, events, console);
+      });
   const auto frames = std::make_shared<LazyFrames>(options.quick ? 512 : 1024);
-  for (const std::string kind : {"straight", "identity", "zero", "local", "extreme"}) {
+  for (const std::string kind : {"straight", "identity", "zero", "local", "extreme", "half"}) {
     add_part(plan, options, kind, frame_sides(kind, threads), frame_row_name,
              [frames, rounds = limits({3, 5, 600}, {5, 15, 6000})](
                  const auto& sides, Console& console, const BeforeRun& before_run) {

@@ -7,6 +7,8 @@
 #include "raycast/compare.h"
 #include "tools/bench/block_topology.h"
 #include "tools/bench/half_sampled_head.h"
+#include "volumes/field/forward_offsets.h"
+#include "volumes/field/invert.h"
 #include "volumes/field/procedural.h"
 
 namespace supple::tools {
@@ -59,14 +61,18 @@ struct FrameBench::Impl {
         straight(head.geometry, head.density, kRings),
         camera(default_camera(head.geometry, 1)) {}
 
-  OffsetField offsets_of(const std::string& kind) const {
-    const BrickTopology where = dilate(head.density.bricks(), kRings + 1);
+  /// Of the head and the air around it; null for offsets that are 0.
+  std::unique_ptr<const Displacement> movement_of(const std::string& kind) const {
+    if (kind == "identity" || kind == "zero" || kind == "straight") return nullptr;
     const Vec3d middle = Vec3d(size) / 2;
-    if (kind == "extreme") return sample_offsets(shear_warp(middle, kShear), head.geometry, where);
-    if (kind == "local") {
-      return sample_offsets(bump_warp(middle, kBumpRadius, kBumpHeight), head.geometry, where);
-    }
-    OffsetField zero = sample_offsets(shear_warp(middle, 0), head.geometry, where);
+    const AnalyticWarp warp =
+        kind == "local" ? bump_warp(middle, kBumpRadius, kBumpHeight) : shear_warp(middle, kShear);
+    return std::make_unique<const Displacement>(
+        sample_displacement(warp, head.geometry, dilate(head.density.bricks(), kRings + 1)));
+  }
+  OffsetField zero_offsets(const std::string& kind) const {
+    const BrickTopology where = dilate(head.density.bricks(), kRings + 1);
+    OffsetField zero = sample_offsets(shear_warp(Vec3d(size) / 2, 0), head.geometry, where);
     for (Vec3f& offset : zero.o.vectors) offset = Vec3f(kind == "zero" ? kStoredZero : 0.0f);
     return zero;
   }
@@ -93,15 +99,24 @@ std::vector<BenchRow> FrameBench::measure(const std::vector<FrameSide>& sides,
                                           const RoundLimits& limits,
                                           const std::function<void()>& before_run) {
   const std::string kind = sides.front().kind;
+  const std::unique_ptr<const Displacement> movement = m_impl->movement_of(kind);
   std::unique_ptr<Renderer> bent;
   if (kind != "straight") {
     bent = std::make_unique<Renderer>(m_impl->head.geometry, m_impl->head.density, Impl::kRings);
-    const OffsetField offsets = m_impl->offsets_of(kind);
-    bent->set_offsets(&offsets);
+    const OffsetField offsets = movement ? invert(*movement) : m_impl->zero_offsets(kind);
+    bent->set_offsets(&offsets, kind == "half" ? OffsetResolution::half : OffsetResolution::full);
   }
   const Renderer& renderer = bent ? *bent : m_impl->straight;
   RenderReport ignored;
-  const Image reference = m_impl->draw(renderer, "reference", ignored);
+  Image reference;
+  if (movement) {
+    // Every sample solves for itself.
+    Renderer exact(m_impl->head.geometry, m_impl->head.density, Impl::kRings);
+    exact.set_pointwise_offsets(std::make_shared<ForwardOffsets>(*movement));
+    reference = m_impl->draw(exact, "reference", ignored);
+  } else {
+    reference = m_impl->draw(renderer, "reference", ignored);
+  }
 
   // Side n and the straight frame with as many threads take turns.
   std::vector<BenchRow> rows;

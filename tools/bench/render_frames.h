@@ -14,7 +14,7 @@ namespace supple::tools {
 
 /// One picture: a kind of deformation, a quality and the threads that march.
 struct FrameSide {
-  std::string kind;     // straight, identity, zero, local, extreme
+  std::string kind;     // straight, identity, zero, local, extreme, half
   std::string setting;  // draft, default, accurate, reference
   int threads = 1;
 };
