@@ -33,6 +33,7 @@ struct Options {
   std::string clip_keep = "inside", clip_space = "deformed";
   bool undeformed = false;
   bool no_inverse = false;
+  bool half_offsets = false;
   bool lattice = false;
   bool orthographic = false;
   bool prints_camera = false;
@@ -59,6 +60,7 @@ SceneView to_view(const Options& options) {
   view.image = options.output;
   view.deformed = !options.undeformed;
   view.inverse = !options.no_inverse;
+  view.half_offsets = options.half_offsets;
   view.lattice = options.lattice;
   if (!options.preset.empty()) choose_transfer(view, options.preset);
   for (const std::string& text : options.clip_planes) {
@@ -232,6 +234,10 @@ Command add_render(CLI::App& program) {
       ->excludes("--undeformed")
       ->excludes("--offsets")
       ->excludes("--offset");
+  app->add_flag("--half-offsets", options->half_offsets,
+                "Keep every second offset along each axis: a sixth of their memory")
+      ->excludes("--no-inverse")
+      ->excludes("--undeformed");
   app->add_option(
          "--preset", options->preset,
          "One that `supple presets` lists (default: CT-Bone with HU, else MR-Default), or a file "

@@ -188,7 +188,8 @@ void pose(Renderer& renderer, const Subject& subject, const SceneView& view) {
   if (subject.offsets == nullptr && subject.displacement != nullptr) {
     renderer.set_pointwise_offsets(std::make_shared<const ForwardOffsets>(*subject.displacement));
   } else {
-    renderer.set_offsets(subject.offsets);
+    renderer.set_offsets(subject.offsets,
+                         view.half_offsets ? OffsetResolution::half : OffsetResolution::full);
   }
   if (!view.meshes.empty()) {
     renderer.set_surfaces(surfaces_of(view.meshes, displacement_for_meshes(subject, view)));
@@ -272,6 +273,7 @@ std::string describe_view(const SceneView& view, const nlohmann::ordered_json& m
   json["jitter"] = view.sampling.jitter;
   json["deformed"] = view.deformed;
   if (!view.inverse) json["inverse"] = false;
+  if (view.half_offsets) json["half_offsets"] = true;
   json["lattice"] = view.lattice;
   describe(view.lighting, json);
   for (const MeshChoice& mesh : view.meshes) json["mesh"].push_back(to_json(mesh));

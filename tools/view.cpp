@@ -105,7 +105,7 @@ ClipChoice read_clip(TomlTable& table) {
 void refuse_beside_slice(TomlTable& table) {
   for (const char* key :
        {"preset", "transfer", "camera", "size", "step", "quality", "classification", "jitter",
-        "lattice", "clip", "mesh", "stereo", "aux", "turntable", "inverse"}) {
+        "lattice", "clip", "mesh", "stereo", "aux", "turntable", "inverse", "half_offsets"}) {
     if (table.has(key)) table.fail(key, std::string(key) + " beside slice", "one of both");
   }
 }
@@ -129,7 +129,7 @@ SceneView read_view(TomlTable& table, int steps) {
   table.know({"image",    "preset",  "transfer",          "camera",     "size",        "step",
               "deformed", "inverse", "lattice",           "after_step", "clip",        "shading",
               "light",    "shadows", "ambient_occlusion", "mesh",       "clip_meshes", "offset",
-              "slice",    "quality", "classification",    "jitter"});
+              "slice",    "quality", "classification",    "jitter",     "half_offsets"});
   view.image = table.require(table.string("image"), "image", "the name of a PNG file");
   view.preset = table.string("preset").value_or(view.preset);
   if (const auto path = table.path("transfer")) {
@@ -156,6 +156,10 @@ SceneView read_view(TomlTable& table, int steps) {
   view.sampling.jitter = table.boolean("jitter").value_or(false);
   view.deformed = table.boolean("deformed").value_or(true);
   view.inverse = table.boolean("inverse").value_or(true);
+  view.half_offsets = table.boolean("half_offsets").value_or(false);
+  if (view.half_offsets && !view.inverse) {
+    table.fail("half_offsets", "half_offsets without inverse", "one of both");
+  }
   view.lattice = table.boolean("lattice").value_or(false);
   view.picture = read_picture_options(table);
   if (auto slice = table.table("slice")) {

@@ -57,6 +57,7 @@ struct SceneView {
   Sampling sampling;
   bool deformed = true;
   bool inverse = true;  // false: each sample solves for itself where it reads the source
+  bool half_offsets = false;  // every second one along each axis
   bool lattice = false;
   PictureOptions picture;
   std::optional<SliceChoice> slice;  // slices instead of a picture in space

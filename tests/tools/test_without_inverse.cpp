@@ -111,6 +111,26 @@ TEST_F(UnitWithoutInverse, ViewsWithAndWithoutInverseStandSideBySide) {
   EXPECT_EQ(file("3.png").rgba, file("a.png").rgba);
 }
 
+TEST_F(PropertyWithoutInverse, HalfOfTheOffsetsGiveAlmostThePictureOfAll) {
+  ASSERT_EQ(render("inverse_half.png", {}).exit_code, 0);
+  const Outcome outcome = render("half.png", {"--half-offsets"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_GE(ssim_of("half.png"), 0.99);
+  EXPECT_NE(file("half.png").rgba, file("inverse_half.png").rgba);
+  const Outcome scene = view(
+      "[[view]]\nimage = \"view.png\"\nhalf_offsets = true\npreset = \"CT-Soft-Tissue\"\n"
+      "size = [160, 160]\ncamera = { view = \"left\" }\n");
+  ASSERT_EQ(scene.exit_code, 0) << scene.err;
+  EXPECT_EQ(file("view.png").rgba, file("half.png").rgba);
+}
+
+TEST_F(FaultWithoutInverse, HalfOfTheOffsetsNeedOffsets) {
+  EXPECT_EQ(render("a.png", {"--half-offsets", "--no-inverse"}).exit_code, 2);
+  EXPECT_EQ(render("a.png", {"--half-offsets", "--undeformed"}).exit_code, 2);
+  expect_refused(view("[[view]]\nimage = \"a.png\"\ninverse = false\nhalf_offsets = true\n"), 3,
+                 "half_offsets without inverse");
+}
+
 TEST_F(FaultWithoutInverse, WhatNeedsAnInverseIsRefusedInOneLine) {
   write_text(m_folder / "twist.toml", "[offset]\nfunction = \"twist\"\nangle = 20\n");
   EXPECT_EQ(render("a.png", {"--no-inverse", "--offset", m_folder / "twist.toml"}).exit_code, 2);
