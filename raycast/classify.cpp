@@ -8,7 +8,6 @@ namespace supple {
 
 namespace {
 
-constexpr int kEntries = 8192;
 constexpr double kMostOpaque = 1 - 1e-9;  // what lets nothing through has no extinction
 constexpr float kGuardCodes = 0.05f;      // covers the rounding of interpolated densities
 
@@ -63,16 +62,6 @@ Classifier::Classifier(const TransferFunction& function, const SourceBricks& sou
     const bool visible = m_table[n][3] > 0 || m_table[n + 1][3] > 0;
     m_visible_bits[n >> 5] |= std::int32_t(std::uint32_t(visible) << (n & 31));
   }
-}
-
-float Classifier::last_entry() const {
-  return float(kEntries - 1);
-}
-
-Float4 Classifier::classify(float encoded) const {
-  const float entry = std::clamp((encoded - m_lo) * m_entries_per_code, 0.0f, float(kEntries - 1));
-  const int n = int(entry);
-  return m_table[n] + (entry - float(n)) * (m_table[n + 1] - m_table[n]);
 }
 
 /// Beyond its ends the function is constant.

@@ -4,6 +4,7 @@
 // Cost: 160 kB; 8192 entries, linear between them.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -21,7 +22,12 @@ class Classifier {
 
   /// Red, green, blue, and the opacity of one step (with gradient opacity: of the unit distance;
   /// maximum: of the ray).
-  Float4 classify(float encoded) const;
+  Float4 classify(float encoded) const {
+    const float last = last_entry();
+    const float entry = std::clamp((encoded - m_lo) * m_entries_per_code, 0.0f, last);
+    const int n = int(entry);
+    return m_table[n] + (entry - float(n)) * (m_table[n + 1] - m_table[n]);
+  }
   /// Red, green, blue and opacity of a step along which the density goes linearly from one code to
   /// another: opacity by the integral of the extinction, colour its mean weighted by extinction,
   /// without what the step hides of itself (after K. Engel, M. Kraus, T. Ertl, High-quality
@@ -35,7 +41,7 @@ class Classifier {
   /// between 0 and last_entry.
   float first_code() const { return m_lo; }
   float entries_per_code() const { return m_entries_per_code; }
-  float last_entry() const;
+  static constexpr float last_entry() { return float(kEntries - 1); }
   /// One bit for each two neighbouring entries, set unless both are transparent; bit n & 31 of word
   /// n >> 5.
   const std::vector<std::int32_t>& visible_bits() const { return m_visible_bits; }
@@ -44,6 +50,8 @@ class Classifier {
   bool may_be_visible(const EncodedRange& range) const;
 
  private:
+  static constexpr int kEntries = 8192;
+
   TransferFunction m_function;
   double m_step_mm;
   float m_lo = 0, m_entries_per_code = 0;

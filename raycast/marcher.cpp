@@ -40,6 +40,7 @@ Marcher::Marcher(const Frame& frame)
       m_is_maximum(frame.function.blend == Blend::maximum),
       m_is_shaded(frame.settings.lighting.model != ShadingModel::none),
       m_is_integrated(frame.settings.classification == Classification::pre_integrated),
+      m_needs_gradient(m_is_shaded || frame.classifier.has_gradient_opacity()),
       m_paths(frame.medium != nullptr ? std::make_unique<LightPaths>(*frame.medium) : nullptr) {}
 
 Marcher::~Marcher() = default;
@@ -224,7 +225,6 @@ std::uint32_t Marcher::seen_between(const SampleBatch& batch, float before) cons
 }
 
 void Marcher::composite_samples(std::int64_t first, std::int64_t last) {
-  const bool needs_gradient = m_is_shaded || m_frame.classifier.has_gradient_opacity();
   last = std::min(last, m_last_sample);
   // One sample ahead, for the way from it to the first.
   const std::int64_t begin = m_is_integrated && first > 0 ? first - 1 : first;
@@ -235,10 +235,7 @@ void Marcher::composite_samples(std::int64_t first, std::int64_t last) {
     read(n, 1, count, batch);
     if (m_is_integrated) batch.visible = seen_between(batch, before);
     if (n < first) batch.visible &= ~1u;
-    if (batch.visible != 0 && needs_gradient) {
-      const std::uint32_t fronts = m_is_integrated ? batch.visible >> 1 & batch.inside : 0;
-      sample_gradients(m_frame.tables, batch, batch.visible | fronts);
-    }
+    if (batch.visible != 0 && m_needs_gradient) light(batch.visible, n);
     for (std::uint32_t rest = batch.visible; rest != 0; rest &= rest - 1) {
       const int lane = __builtin_ctz(rest);
       composite(lane, n + lane, lane > 0 ? density_of(batch, lane - 1) : before);
@@ -254,26 +251,38 @@ Vec3d Marcher::read_at(const SampleBatch& batch, int lane) const {
   return Vec3d(m_piece.base) + Vec3d(batch.px[lane], batch.py[lane], batch.pz[lane]);
 }
 
-/// Of a lane whose gradient was sampled.
-Marcher::LitLane Marcher::lit_lane(int lane, std::int64_t n) const {
-  const SampleBatch& batch = m_samples_between;
-  LitLane lit;
-  Vec3f gradient(batch.gx[lane], batch.gy[lane], batch.gz[lane]);
-  if (m_is_integrated && lane > 0 && (batch.inside >> (lane - 1) & 1)) {
-    // Of the middle of the way.
-    gradient = (gradient + Vec3f(batch.gx[lane - 1], batch.gy[lane - 1], batch.gz[lane - 1])) / 2;
-  }
+/// How these lanes lie to the light; sample `first` is in lane 0.
+void Marcher::light(std::uint32_t lanes, std::int64_t first) {
+  SampleBatch& batch = m_samples_between;
+  const std::uint32_t fronts = m_is_integrated ? lanes >> 1 & batch.inside : 0;
+  sample_gradients(m_frame.tables, batch, lanes | fronts);
+  if (m_is_integrated) average_gradients(lanes);
   if (m_frame.settings.transform_gradient) {
-    gradient = m_frame.pull_back(batch, lane, m_ray.at(time_of(n)), read_at(batch, lane), gradient);
+    for (std::uint32_t rest = lanes & (batch.bent | batch.pointwise); rest != 0; rest &= rest - 1) {
+      const int lane = __builtin_ctz(rest);
+      const Vec3f gradient(batch.gx[lane], batch.gy[lane], batch.gz[lane]);
+      const Vec3f pulled_back = m_frame.pull_back(batch, lane, m_ray.at(time_of(first + lane)),
+                                                  read_at(batch, lane), gradient);
+      batch.gx[lane] = pulled_back.x;
+      batch.gy[lane] = pulled_back.y;
+      batch.gz[lane] = pulled_back.z;
+    }
   }
-  lit.gradient = m_frame.to_world(gradient);
-  lit.magnitude = lit.gradient.length();
-  find_faces(lane, n, lit);
-  return lit;
+  find_faces(lanes, first);
+  light_lanes(m_frame.shading, m_view, m_frame.gradient_columns, batch, lanes, m_lit);
 }
 
-Facing Marcher::facing_of(const LitLane& lit) const {
-  return m_frame.shading.facing(lit.gradient, lit.magnitude, lit.face, lit.face_share, m_view);
+/// To those of the middle of the way from the lane before; the last first, so that each finds the
+/// one before as it was sampled.
+void Marcher::average_gradients(std::uint32_t lanes) {
+  SampleBatch& batch = m_samples_between;
+  for (std::uint32_t rest = lanes & batch.inside << 1; rest != 0;) {
+    const int lane = 31 - __builtin_clz(rest);
+    for (float* along : {batch.gx, batch.gy, batch.gz}) {
+      along[lane] = (along[lane] + along[lane - 1]) / 2;
+    }
+    rest &= ~(1u << lane);
+  }
 }
 
 /// `before`: the density of the sample before, not a number when that was empty.
@@ -283,17 +292,13 @@ void Marcher::composite(int lane, std::int64_t n, float before) {
                       ? m_frame.classifier.integrate(before, encoded)
                       : m_frame.classifier.classify(encoded);
   float alpha = colour[3];
-  if (m_is_shaded || m_frame.classifier.has_gradient_opacity()) {
-    const LitLane lit = lit_lane(lane, n);
-    if (m_frame.classifier.has_gradient_opacity()) {
-      alpha = m_frame.classifier.with_gradient(alpha, lit.magnitude);
-    }
-    if (m_is_shaded) {
-      const Facing facing = facing_of(lit);
-      const Shading& shading = m_frame.shading;
-      const Reach* reach = m_paths != nullptr ? &reach_at(time_of(n), facing) : nullptr;
-      colour = shading.shaded(colour, facing, m_view, reach);
-    }
+  if (m_frame.classifier.has_gradient_opacity()) {
+    alpha = m_frame.classifier.with_gradient(alpha, m_lit.magnitude[lane]);
+  }
+  if (m_is_shaded) {
+    const Reach* reach = m_paths != nullptr ? &reach_at(time_of(n), m_lit.facing(lane)) : nullptr;
+    colour = m_frame.shading.lit(
+        colour, [&](int light) { return m_lit.terms(light, lane); }, reach);
   }
   colour[3] = 1;
   if (m_next_crossing_t < time_of(n + 1)) {
@@ -365,23 +370,41 @@ void Marcher::composite_crossing() {
 /// Samples just behind a clip are shaded as its face: their own gradients belong to the inside of
 /// the tissue and would leave what the clip opens dark and rough. So are those of a piece that the
 /// ray entered out of a gap.
-void Marcher::find_faces(int lane, std::int64_t n, LitLane& lit) const {
-  const SampleBatch& batch = m_samples_between;
-  const Vec3d seen_at = m_ray.at(time_of(n));
-  for (const IndexClip& clip : m_frame.deformed_clips) find_face(clip, seen_at, lane, n, lit);
-  for (const IndexClip& clip : m_frame.source_clips) {
-    find_face(clip, read_at(batch, lane), lane, n, lit);
+void Marcher::find_faces(std::uint32_t lanes, std::int64_t first) {
+  m_lit.faces = 0;
+  const bool has_clips = !m_frame.settings.clips.empty();
+  for (std::uint32_t rest = has_clips ? lanes : lanes & m_samples_between.pointwise; rest != 0;
+       rest &= rest - 1) {
+    const int lane = __builtin_ctz(rest);
+    const Face face = face_near(lane, first + lane);
+    if (face.share == 0) continue;
+    m_lit.faces |= 1u << lane;
+    m_lit.face.set(lane, face.normal);
+    m_lit.face_share[lane] = face.share;
   }
-  if (!(batch.pointwise >> lane & 1)) return;
+}
+
+Marcher::Face Marcher::face_near(int lane, std::int64_t n) const {
+  const SampleBatch& batch = m_samples_between;
+  Face face;
+  const Vec3d seen_at = m_ray.at(time_of(n));
+  for (const IndexClip& clip : m_frame.deformed_clips) find_face(clip, seen_at, lane, n, face);
+  for (const IndexClip& clip : m_frame.source_clips) {
+    find_face(clip, read_at(batch, lane), lane, n, face);
+  }
+  if (!(batch.pointwise >> lane & 1)) return face;
   Vec3d normal;
   double depth_mm;
-  if (!m_frame.output.pointwise()->face(batch.piece[lane], seen_at, normal, depth_mm)) return;
+  if (!m_frame.output.pointwise()->face(batch.piece[lane], seen_at, normal, depth_mm)) {
+    return face;
+  }
   const double gain = normal.dot(m_ray.direction);  // mm deeper per mm
-  if (gain > 0) set_face(Vec3f(normal), depth_mm / gain, lit);
+  if (gain > 0) set_face(Vec3f(normal), depth_mm / gain, face);
+  return face;
 }
 
 void Marcher::find_face(const IndexClip& clip, const Vec3d& pos, int lane, std::int64_t n,
-                        LitLane& lit) const {
+                        Face& face) const {
   const auto as_seen = [&](const Vec3d& normal) {
     if (clip.space() == ClipSpace::deformed) return Vec3f(normal);
     return m_frame.pull_back(m_samples_between, lane, m_ray.at(time_of(n)), pos, Vec3f(normal));
@@ -390,17 +413,17 @@ void Marcher::find_face(const IndexClip& clip, const Vec3d& pos, int lane, std::
   const IndexClip::Plane* plane = clip.face_behind(
       pos, [&](const Vec3d& normal) { return Vec3d(as_seen(normal)).dot(m_ray.direction); },
       mm_ago);
-  if (plane != nullptr) set_face(as_seen(plane->normal), mm_ago, lit);
+  if (plane != nullptr) set_face(as_seen(plane->normal), mm_ago, face);
 }
 
 /// `normal`: index space, of a face that the ray crossed some mm ago.
-void Marcher::set_face(const Vec3f& normal, double mm_ago, LitLane& lit) const {
+void Marcher::set_face(const Vec3f& normal, double mm_ago, Face& face) const {
   const double voxels = mm_ago / m_frame.step_mm * m_frame.settings.step_voxels;
   const float share = float(std::clamp(kFaceVoxels + 1 - voxels, 0.0, 1.0));
-  if (share <= lit.face_share) return;
-  lit.face = m_frame.to_world(normal).normalized();
-  if (lit.face.dot(m_view.towards_eye) < 0) lit.face = -lit.face;
-  lit.face_share = share;
+  if (share <= face.share) return;
+  face.normal = m_frame.to_world(normal).normalized();
+  if (face.normal.dot(m_view.towards_eye) < 0) face.normal = -face.normal;
+  face.share = share;
 }
 
 bool Marcher::surface(SeenSurface& seen) {
@@ -413,11 +436,11 @@ bool Marcher::surface(SeenSurface& seen) {
   m_maximum = kNothingYet;  // or the sample would not be read again
   SampleBatch& batch = m_samples_between;
   read(m_surface, 1, 1, batch);
-  sample_gradients(m_frame.tables, batch, 1);
+  light(1, m_surface);
   const Vec3d offset = read_at(batch, 0) - m_ray.at(time_of(m_surface));
   const bool is_bent = (batch.bent | batch.pointwise) & 1;
   seen.distance_mm = time_of(m_surface);
-  seen.normal_lps = facing_of(lit_lane(0, m_surface)).normal;
+  seen.normal_lps = m_lit.normal.at(0);
   seen.offset_mm =
       is_bent ? float(m_frame.geometry.world_vector_from_index(offset).length()) : 0.0f;
   return true;

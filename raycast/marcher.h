@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "raycast/frame.h"
+#include "raycast/light_lanes.h"
 
 namespace supple {
 
@@ -38,12 +39,10 @@ class Marcher {
   std::int64_t samples() const { return m_samples; }
 
  private:
-  /// What decides how a sample lies to the light.
-  struct LitLane {
-    Vec3f gradient{0, 0, 0};  // density per mm, LPS
-    float magnitude = 0;
-    Vec3f face{0, 0, 0};   // of a clip, unit, towards the viewer
-    float face_share = 0;  // 1: the sample lies at it
+  /// A face of a clip near a sample.
+  struct Face {
+    Vec3f normal{0, 0, 0};  // unit, LPS, towards the viewer
+    float share = 0;        // 1: the sample lies at it
   };
 
   void march_volume(float shift);
@@ -62,14 +61,15 @@ class Marcher {
   void add(const Float4& colour, float alpha) { m_sum += ((1 - m_sum[3]) * alpha) * colour; }
   const Reach& reach_at(double t, const Facing& facing);
   void find_maximum(std::int64_t first, std::int64_t last);
-  void find_faces(int lane, std::int64_t n, LitLane& lit) const;
+  void light(std::uint32_t lanes, std::int64_t first);
+  void average_gradients(std::uint32_t lanes);
+  void find_faces(std::uint32_t lanes, std::int64_t first);
+  Face face_near(int lane, std::int64_t n) const;
   void find_face(const IndexClip& clip, const Vec3d& pos, int lane, std::int64_t n,
-                 LitLane& lit) const;
-  void set_face(const Vec3f& normal, double mm_ago, LitLane& lit) const;
+                 Face& face) const;
+  void set_face(const Vec3f& normal, double mm_ago, Face& face) const;
   double time_of(std::int64_t n) const { return m_entry + double(n) * m_frame.step_mm; }
   Vec3d read_at(const SampleBatch& batch, int lane) const;
-  LitLane lit_lane(int lane, std::int64_t n) const;
-  Facing facing_of(const LitLane& lit) const;
   bool has_met_surface() const { return m_surface >= 0 || m_surface_crossing >= 0; }
   bool opaque() const { return m_sum[3] >= m_opaque; }
 
@@ -77,7 +77,7 @@ class Marcher {
   std::vector<Interval> m_intervals;
   std::int64_t m_samples = 0;
   float m_opaque;
-  bool m_is_maximum, m_is_shaded, m_is_integrated;
+  bool m_is_maximum, m_is_shaded, m_is_integrated, m_needs_gradient;
   std::unique_ptr<LightPaths> m_paths;
 
   // Of the ray under way.
@@ -99,6 +99,7 @@ class Marcher {
   std::int64_t m_piece_number = -1;
   RayPiece m_piece;
   SampleBatch m_ends, m_samples_between;
+  LitLanes m_lit;  // of the samples between
 };
 
 }  // namespace supple

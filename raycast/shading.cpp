@@ -1,5 +1,6 @@
 #include "raycast/shading.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "volumes/base/error.h"
@@ -7,6 +8,8 @@
 namespace supple {
 
 namespace {
+
+constexpr double kMostTrust = 1e30;  // for each density per mm; finite, so that 0 stays 0
 
 void require(bool good, const std::string& file, const char* field, double value,
              const char* expected) {
@@ -46,17 +49,20 @@ void Lighting::validate(const std::string& file) const {
 Shading::Shading(const Camera& camera, const TransferFunction& function, const Lighting& lighting)
     : m_model(lighting.model),
       m_ambient(float(function.ambient)),
-      m_diffuse(float(function.diffuse)),
-      m_specular(float(function.specular)),
       m_specular_power(float(function.specular_power)),
-      m_full_gradient(float(function.full_shading_gradient)) {
+      m_trust_per_gradient(float(std::min(1 / function.full_shading_gradient, kMostTrust))) {
   const CameraFrame frame = camera_frame(camera);
   std::vector<Light> lights = lighting.lights;
   if (lights.empty()) lights.emplace_back();
   for (const Light& light : lights) {
     FarLight& far = m_lights[m_light_count++];
     far.towards = world_direction(light, frame);
-    for (int c = 0; c < 3; ++c) far.rgb[c] = float(light.rgb[c] * light.intensity);
+    far.diffuse = far.specular = Float4{0, 0, 0, 0};
+    for (int c = 0; c < 3; ++c) {
+      const double rgb = light.rgb[c] * light.intensity;
+      far.diffuse[c] = float(function.diffuse * rgb);
+      far.specular[c] = float(function.specular * rgb);
+    }
   }
 }
 

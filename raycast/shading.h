@@ -48,6 +48,12 @@ struct Facing {
   float trust = 0;
 };
 
+/// What a light comes to at a place, 0…1, before its colour and what of it gets there: facing it,
+/// and its highlight.
+struct LightTerms {
+  float diffuse, specular;
+};
+
 /// What of each light reaches a place, and of the light from all around, 0…1.
 struct Reach {
   std::array<float, Lighting::kMaxLights> lights;
@@ -66,15 +72,17 @@ class Shading {
   };
   View view(const Ray& ray) const;
 
-  /// Of a sample with a gradient (density per mm, LPS) and its length, near a face (unit normal
-  /// towards the viewer) with that share; 1: the sample lies at the face.
-  Facing facing(const Vec3f& gradient, float magnitude, const Vec3f& face, float face_share,
-                const View& view) const;
-
-  /// `reach` null: all light reaches the place.
+  /// Colour of a place of which the terms of light n are terms_of(n). `reach` null: all light
+  /// reaches it.
+  template <class TermsOf>
+  Float4 lit(const Float4& colour, const TermsOf& terms_of, const Reach* reach) const;
   Float4 shaded(const Float4& colour, const Facing& facing, const View& view,
-                const Reach* reach = nullptr) const;
+                const Reach* reach) const;
 
+  ShadingModel model() const { return m_model; }
+  float specular_power() const { return m_specular_power; }
+  /// Facing::trust of a gradient of one density per mm, were it not at most 1.
+  float trust_per_gradient() const { return m_trust_per_gradient; }
   int light_count() const { return m_light_count; }
   /// Unit, towards the light, LPS.
   const Vec3f& towards_light(int n) const { return m_lights[n].towards; }
@@ -82,32 +90,17 @@ class Shading {
  private:
   struct FarLight {
     Vec3f towards;
-    Float4 rgb;
+    Float4 diffuse, specular;  // rgb
   };
   float highlight(const Facing& facing, const View& view, int n) const;
 
   ShadingModel m_model;
   std::array<FarLight, Lighting::kMaxLights> m_lights;
   int m_light_count = 0;
-  float m_ambient, m_diffuse, m_specular, m_specular_power;
-  float m_full_gradient;
+  float m_ambient, m_specular_power, m_trust_per_gradient;
 };
 
 // Inline: once per visible sample.
-
-inline Facing Shading::facing(const Vec3f& gradient, float magnitude, const Vec3f& face,
-                              float face_share, const View& view) const {
-  if (!(magnitude > 0) && face_share == 0) return {view.towards_eye, 0};
-  Facing facing;
-  facing.normal = magnitude > 0 ? gradient / magnitude : face;
-  if (facing.normal.dot(view.towards_eye) < 0) facing.normal = -facing.normal;
-  facing.trust = magnitude < m_full_gradient ? magnitude / m_full_gradient : 1.0f;
-  if (face_share > 0) {
-    facing.normal = (facing.normal * (1 - face_share) + face * face_share).normalized();
-    facing.trust += face_share * (1 - facing.trust);
-  }
-  return facing;
-}
 
 /// Cosine between the normal and the half vector, or between the reflected light and the eye.
 inline float Shading::highlight(const Facing& facing, const View& view, int n) const {
@@ -118,20 +111,28 @@ inline float Shading::highlight(const Facing& facing, const View& view, int n) c
   return std::max((facing.normal * (2 * cosine) - towards).dot(view.towards_eye), 0.0f);
 }
 
+template <class TermsOf>
+Float4 Shading::lit(const Float4& colour, const TermsOf& terms_of, const Reach* reach) const {
+  Float4 diffuse{m_ambient, m_ambient, m_ambient, m_ambient}, specular{0, 0, 0, 0};
+  for (int n = 0; n < m_light_count; ++n) {
+    LightTerms terms = terms_of(n);
+    if (reach != nullptr) terms.diffuse *= reach->lights[n], terms.specular *= reach->lights[n];
+    diffuse += m_lights[n].diffuse * terms.diffuse;
+    specular += m_lights[n].specular * terms.specular;
+  }
+  const Float4 light = colour * diffuse + specular;
+  return reach != nullptr ? light * reach->openness : light;
+}
+
 inline Float4 Shading::shaded(const Float4& colour, const Facing& facing, const View& view,
                               const Reach* reach) const {
-  Float4 diffuse{0, 0, 0, 0}, specular{0, 0, 0, 0};
-  for (int n = 0; n < m_light_count; ++n) {
+  const auto terms_of = [&](int n) -> LightTerms {
     const float cosine = facing.normal.dot(m_lights[n].towards);
     const float lobe = facing.trust * highlight(facing, view, n);
-    const float lit = 1 - facing.trust + (cosine > 0 ? facing.trust * cosine : 0);
-    const float shine = m_specular * std::pow(lobe, m_specular_power);
-    const Float4 rgb = reach != nullptr ? m_lights[n].rgb * reach->lights[n] : m_lights[n].rgb;
-    diffuse += rgb * lit;
-    specular += rgb * shine;
-  }
-  const Float4 light = colour * (m_ambient + m_diffuse * diffuse) + specular;
-  return reach != nullptr ? light * reach->openness : light;
+    return {1 - facing.trust + (cosine > 0 ? facing.trust * cosine : 0),
+            std::pow(lobe, m_specular_power)};
+  };
+  return lit(colour, terms_of, reach);
 }
 
 }  // namespace supple
