@@ -57,11 +57,19 @@ Classifier::Classifier(const TransferFunction& function, const SourceBricks& sou
     m_integrals[n] = sum;
     add_half();
   }
+  find_visible_intervals();
+}
+
+void Classifier::find_visible_intervals() {
   m_visible_bits.assign(kEntries / 32, 0);
+  int count = 0;
   for (int n = 0; n < kEntries; ++n) {
-    const bool visible = m_table[n][3] > 0 || m_table[n + 1][3] > 0;
-    m_visible_bits[n >> 5] |= std::int32_t(std::uint32_t(visible) << (n & 31));
+    if (!(m_table[n][3] > 0 || m_table[n + 1][3] > 0)) continue;
+    m_visible_bits[n >> 5] |= std::int32_t(1u << (n & 31));
+    if (count++ == 0) m_first_visible = n;
+    m_last_visible = n;
   }
+  if (count == m_last_visible - m_first_visible + 1) m_visible_bits.clear();
 }
 
 /// Beyond its ends the function is constant.

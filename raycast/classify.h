@@ -42,9 +42,13 @@ class Classifier {
   float first_code() const { return m_lo; }
   float entries_per_code() const { return m_entries_per_code; }
   static constexpr float last_entry() { return float(kEntries - 1); }
-  /// One bit for each two neighbouring entries, set unless both are transparent; bit n & 31 of word
-  /// n >> 5.
-  const std::vector<std::int32_t>& visible_bits() const { return m_visible_bits; }
+  /// Intervals between neighbouring entries that are not both transparent: the first and the last.
+  std::int32_t first_visible() const { return m_first_visible; }
+  std::int32_t last_visible() const { return m_last_visible; }
+  /// Null when all those between are, too; else one bit for each: bit n & 31 of word n >> 5.
+  const std::int32_t* visible_bits() const {
+    return m_visible_bits.empty() ? nullptr : m_visible_bits.data();
+  }
 
   /// False only when every density of the range is transparent; maximum: and none hides another.
   bool may_be_visible(const EncodedRange& range) const;
@@ -61,9 +65,11 @@ class Classifier {
     std::array<double, 3> colour{};
   };
   Integral integral_at(double entry) const;
+  void find_visible_intervals();
 
   std::vector<Float4> m_table;
   std::vector<Integral> m_integrals;
+  std::int32_t m_first_visible = 0, m_last_visible = -1;
   std::vector<std::int32_t> m_visible_bits;
   std::vector<std::uint32_t> m_visible_before;  // entries with opacity > 0 before this one
 };

@@ -110,7 +110,9 @@ void Frame::fill_tables() {
   tables.offsets = output.offsets();
   tables.offset_dim = output.node_dim();
   tables.pointwise = output.pointwise();
-  tables.visible_bits = classifier.visible_bits().data();
+  tables.first_visible = classifier.first_visible();
+  tables.last_visible = classifier.last_visible();
+  tables.visible_bits = classifier.visible_bits();
   tables.first_code = classifier.first_code();
   tables.entries_per_code = classifier.entries_per_code();
   tables.last_entry = classifier.last_entry();

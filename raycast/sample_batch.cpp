@@ -60,6 +60,15 @@ HWY_INLINE HWY_ATTR MI in_range(VI value, std::int32_t limit) {
   return hn::And(hn::Gt(value, ints(-1)), hn::Lt(value, ints(limit)));
 }
 
+/// table[index], index 0 in lanes that are not wanted. The samples of a ray mostly ask for the same
+/// one, which is read once.
+HWY_INLINE HWY_ATTR VI read_shared(const std::int32_t* table, VI index, MI wanted) {
+  const std::int32_t first = hn::GetLane(index);
+  const MI differs = hn::And(wanted, hn::Ne(index, ints(first)));
+  if (hn::AllFalse(kInts, differs)) return ints(table[first]);
+  return hn::GatherIndex(kInts, table, index);
+}
+
 /// Where the tables of a look-up hold what is said about voxels' bricks, and of which.
 struct Places {
   VI place;
@@ -75,7 +84,7 @@ HWY_INLINE HWY_ATTR Places find_places(const BrickLookup& lookup, const IntVecto
               hn::And(in_range(ry, lookup.region_dims.y), in_range(rz, lookup.region_dims.z)));
   const VI row = hn::Add(hn::Mul(rx, ints(lookup.region_dims.y)), ry);
   const VI region = hn::Add(hn::Mul(row, ints(lookup.region_dims.z)), rz);
-  const VI table = hn::GatherIndex(kInts, lookup.regions, hn::IfThenElseZero(inside, region));
+  const VI table = read_shared(lookup.regions, hn::IfThenElseZero(inside, region), inside);
   const MI found = hn::And(inside, hn::Gt(table, ints(-1)));
 
   const VI low = ints(15);
@@ -280,9 +289,12 @@ HWY_INLINE HWY_ATTR MI visible_lanes(const SamplingTables& tables, VF encoded, M
               floats(0)),
       floats(tables.last_entry));
   const VI n = hn::IfThenElseZero(inside, hn::ConvertTo(kInts, entry));
+  const MI between = hn::And(hn::And(inside, hn::Gt(n, ints(tables.first_visible - 1))),
+                             hn::Lt(n, ints(tables.last_visible + 1)));
+  if (tables.visible_bits == nullptr || hn::AllFalse(kInts, between)) return between;
   const VI word = hn::GatherIndex(kInts, tables.visible_bits, hn::ShiftRight<5>(n));
   const VI bit = hn::Shl(ints(1), hn::And(n, ints(31)));
-  return hn::And(inside, hn::TestBit(word, bit));
+  return hn::And(between, hn::TestBit(word, bit));
 }
 
 /// Reads one vector of lanes, starting at lane `at`; `wanted` is relative to it.

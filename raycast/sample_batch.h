@@ -37,8 +37,9 @@ struct SamplingTables {
 
   std::int32_t reach = kReach;  // bricks apart that one gather can span
 
-  // Encoded densities that are not transparent, one bit for each interval of the classifier's
-  // table: bit n & 31 of word n >> 5.
+  // Encoded densities that are not transparent: intervals of the classifier's table from the first
+  // to the last, and if not all of those, one bit for each: bit n & 31 of word n >> 5.
+  std::int32_t first_visible = 0, last_visible = -1;
   const std::int32_t* visible_bits = nullptr;
   float first_code = 0, entries_per_code = 0, last_entry = 0;
 };
