@@ -128,6 +128,51 @@ TEST(PropertySampleBatch, BricksFarApartAreReadOneAfterAnother) {
   }
 }
 
+TEST(PropertySampleBatch, VisibleSamplesAreThoseThatTheFunctionShows) {
+  const RoughScene scene;
+  TransferFunction one_range = fog_function(0.1), two_ranges = fog_function(0.1);
+  one_range.opacity = {{-400, 0}, {-100, 0}, {-99, 0.5}, {200, 0.5}, {201, 0}, {400, 0}};
+  two_ranges.opacity = {{-400, 0.5}, {-100, 0.5}, {-99, 0}, {200, 0}, {201, 0.5}, {400, 0.5}};
+  for (const TransferFunction& function : {one_range, two_ranges}) {
+    const Frame frame = scene.frame_with(function);
+    std::mt19937 random(3);
+    SampleBatch batch;
+    int shown = 0, hidden = 0;
+    for (int round = 0; round < 300; ++round) {
+      sample_batch(frame.tables, random_piece(random), 0, 1, SampleBatch::kLanes, batch);
+      for (std::uint32_t rest = batch.inside; rest != 0; rest &= rest - 1) {
+        const int lane = __builtin_ctz(rest);
+        const double density = frame.source.density(batch.encoded[lane]);
+        if (function.opacity_at(density - 1) != function.opacity_at(density + 1)) continue;
+        const bool visible = function.opacity_at(density) > 0;
+        ASSERT_EQ(batch.visible >> lane & 1, std::uint32_t(visible)) << density;
+        (visible ? shown : hidden) += 1;
+      }
+    }
+    EXPECT_GT(shown, 200);
+    EXPECT_GT(hidden, 200);
+  }
+}
+
+TEST(PropertySampleBatch, SamplesOnBothSidesOfARegionsBorderFindTheirBricks) {
+  const Vec3i dims{144, 16, 16};
+  const SourceBricks source{
+      grid_of(voxels_of(dims, everywhere), [](const Vec3d& p) { return 10 * p.x + p.y; })};
+  const Geometry geometry(dims, Vec3d(0), {Vec3d(1, 0, 0), {0, 1, 0}, {0, 0, 1}});
+  const OffsetBricks output(source);
+  const Frame frame(geometry, source, output, default_camera(geometry, 1), fog_function(0.1),
+                    RenderSettings());
+  RayPiece piece;
+  piece.base = {120, 4, 4};
+  piece.per_sample = {1, 0.25f, 0};
+  SampleBatch batch;
+  sample_batch(frame.tables, piece, 0, 1, SampleBatch::kLanes, batch);
+  ASSERT_EQ(batch.inside, 0xFFFFu);
+  for (int lane = 0; lane < SampleBatch::kLanes; ++lane) {
+    EXPECT_NEAR(frame.source.density(batch.encoded[lane]), 1204 + 10.25 * lane, 0.05);
+  }
+}
+
 TEST(PropertySampleBatch, BricksThatHoldNothingLargerAreLeftOutOfAMaximum) {
   const RoughScene scene;
   TransferFunction maximum = fog_function(0.1);
