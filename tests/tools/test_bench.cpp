@@ -120,8 +120,9 @@ TEST(UnitBench, RowsOfRenderCoverOtherRenderersAndAQuickRunKeepsItsOwn) {
   };
   const std::string all = names_of({}), quick = names_of({"--quick"});
   for (const char* name :
-       {"show/process/supple/2\n", "show/process/itk+vtk/2\n", "show/session/supple/2\n",
-        "show/session/itk+vtk/2\n", "casters/blinn/vtk/0.5/2\n", "casters/blinn/supple/0.5/2\n",
+       {"show/process/supple/2\n", "show/process/supple-no-inverse/2\n", "show/process/itk+vtk/2\n",
+        "show/session/supple/2\n", "show/session/supple-no-inverse/2\n", "show/session/itk+vtk/2\n",
+        "casters/blinn/vtk/0.5/2\n", "casters/blinn/supple/0.5/2\n",
         "casters/none/supple/default/2\n"}) {
     EXPECT_NE(all.find(name), std::string::npos) << name;
     EXPECT_EQ(quick.find(name), std::string::npos) << name;

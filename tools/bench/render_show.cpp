@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <map>
 #include <memory>
 #include <optional>
 
@@ -12,6 +13,7 @@
 #include "tools/bench/peer_head.h"
 #include "tools/bench/peer_process.h"
 #include "tools/bench/vtk_peer.h"
+#include "volumes/field/forward_offsets.h"
 #include "volumes/field/invert.h"
 #include "volumes/state/live_displacement.h"
 #include "volumes/state/state.h"
@@ -19,6 +21,8 @@
 namespace supple::tools {
 
 namespace {
+
+const std::string kWithoutInverse = "supple-no-inverse";
 
 /// What one side came to; medians are taken of the times.
 struct ShowResult {
@@ -63,27 +67,30 @@ class DraggedFiles {
   std::string m_threads;
 };
 
-/// A body held as a viewer does, dragged out of rest.
+/// A body held as a viewer does, dragged out of rest, with an inverse that follows or without any.
 class SuppleViewer {
  public:
-  explicit SuppleViewer(const std::string& state_path)
+  SuppleViewer(const std::string& state_path, bool has_inverse)
       : m_state(read_state(state_path)),
         m_renderer(m_state.geometry, m_state.density),
-        m_live(m_state.geometry, m_state.elements, m_state.density.bricks()),
-        m_inversion(m_live.displacement(), params()) {}
+        m_live(m_state.geometry, m_state.elements, m_state.density.bricks()) {
+    if (has_inverse) {
+      m_inversion = std::make_unique<IncrementalInversion>(m_live.displacement(), params());
+    } else {
+      m_forward = std::make_shared<ForwardOffsets>(m_live.displacement());
+    }
+  }
 
   double show_drag(ShowResult& result) {
-    m_inversion.update(m_live.displacement(), m_live.update({}));
-    const double prepare_ms = time_ms([&] {
-      m_inversion.update(m_live.displacement(), m_live.update(m_state.q));
-      const OffsetField offsets = m_inversion.field();
-      m_renderer.set_offsets(&offsets);
-    });
+    follow({});
+    const double prepare_ms = time_ms([&] { follow(m_state.q); });
     const double frame_ms = time_ms([&] {
       m_renderer.render(peer_camera(m_state.geometry), preset("CT-Bone"), peer_settings(true));
     });
-    return result.add(prepare_ms, frame_ms, double(m_memory.growth().value_or(0)) / 1e6);
+    return result.add(prepare_ms, frame_ms, 0);
   }
+  /// Above what was held before; of the whole process.
+  double peak_mbytes() const { return double(m_memory.growth().value_or(0)) / 1e6; }
 
  private:
   InvertParams params() const {
@@ -91,12 +98,23 @@ class SuppleViewer {
     params.material = &m_state.elements;
     return params;
   }
+  void follow(const std::array<BrickValues, 3>& q) {
+    const std::vector<std::int32_t> changed = m_live.update(q);
+    if (m_inversion != nullptr) {
+      const std::vector<Vec3i> touched = m_inversion->update(m_live.displacement(), changed);
+      m_renderer.update_offsets(touched, m_inversion->finder());
+    } else {
+      m_forward->update(changed);
+      m_renderer.set_pointwise_offsets(m_forward);
+    }
+  }
 
   PeakMemory m_memory;  // before anything is held
   State m_state;
   Renderer m_renderer;
   LiveDisplacement m_live;
-  IncrementalInversion m_inversion;
+  std::unique_ptr<IncrementalInversion> m_inversion;
+  std::shared_ptr<ForwardOffsets> m_forward;
 };
 
 /// ITK and VTK with what they need to show the dragged head.
@@ -172,6 +190,8 @@ double run_supple(const ShowSide& side, const DraggedFiles& files, ShowResult& r
   std::vector<std::string> arguments = {"render", files.state()};
   if (side.pipeline == "supple-warp") {
     arguments = {"render", files.volume(), "--offsets", files.warp()};
+  } else if (side.pipeline == kWithoutInverse) {
+    arguments.emplace_back("--no-inverse");
   }
   const std::vector<std::string> picture = {"--preset", "CT-Bone", "--size",
                                             "512,512",  "-o",      files / "supple.png"};
@@ -198,12 +218,28 @@ BenchRow row_of(const ShowSide& side, const ShowResult& result, const Times& tim
   return row;
 }
 
+using Viewers = std::map<std::string, std::unique_ptr<SuppleViewer>>;
+
+/// What each takes is measured before another is held; all stay for the rounds.
+void open_viewers(const std::vector<ShowSide>& sides, const DraggedFiles& files, Viewers& viewers,
+                  std::vector<ShowResult>& results) {
+  for (std::size_t n = 0; n < sides.size(); ++n) {
+    const std::string& pipeline = sides[n].pipeline;
+    if (sides[n].mode == "process" || pipeline == "itk+vtk") continue;
+    auto viewer = std::make_unique<SuppleViewer>(files.state(), pipeline != kWithoutInverse);
+    ShowResult ignored;
+    viewer->show_drag(ignored);
+    results[n].peak_mbytes = viewer->peak_mbytes();
+    viewers[pipeline] = std::move(viewer);
+  }
+}
+
 /// Sides of one mode.
 std::vector<BenchRow> measure_mode(const std::vector<ShowSide>& sides, const DraggedFiles& files,
                                    const RoundLimits& limits,
                                    const std::function<void()>& before_run) {
   std::unique_ptr<PeerPipeline> peers;
-  std::unique_ptr<SuppleViewer> viewer;
+  Viewers viewers;
   std::vector<ShowResult> results(sides.size());
   std::vector<TimedSide> timed(sides.size());
   for (std::size_t n = 0; n < sides.size(); ++n) {
@@ -217,11 +253,11 @@ std::vector<BenchRow> measure_mode(const std::vector<ShowSide>& sides, const Dra
       } else if (is_process) {
         times.ms.push_back(run_supple(side, files, results[n]));
       } else {
-        if (!viewer) viewer = std::make_unique<SuppleViewer>(files.state());
-        times.ms.push_back(viewer->show_drag(results[n]));
+        times.ms.push_back(viewers.at(side.pipeline)->show_drag(results[n]));
       }
     };
   }
+  open_viewers(sides, files, viewers, results);
   take_turns(timed, limits, before_run);
   std::vector<BenchRow> rows;
   for (std::size_t n = 0; n < sides.size(); ++n) {
@@ -235,10 +271,9 @@ std::vector<BenchRow> measure_mode(const std::vector<ShowSide>& sides, const Dra
 }  // namespace
 
 std::vector<ShowSide> show_sides(int threads) {
-  return {{"process", "supple", threads},
-          {"process", "supple-warp", threads},
-          {"process", "itk+vtk", threads},
-          {"session", "supple", threads},
+  return {{"process", "supple", threads},      {"process", kWithoutInverse, threads},
+          {"process", "supple-warp", threads}, {"process", "itk+vtk", threads},
+          {"session", "supple", threads},      {"session", kWithoutInverse, threads},
           {"session", "itk+vtk", threads}};
 }
 

@@ -17,8 +17,8 @@ struct ShowSide {
   /// process: programs that start, read files and write a picture; session: a viewer that holds
   /// the volume, after a drag.
   std::string mode;
-  /// supple: of a drag's state; supple-warp: `supple render --offsets` of ITK's own inputs;
-  /// itk+vtk.
+  /// supple: of a drag's state; supple-no-inverse: the same, samples solving for themselves;
+  /// supple-warp: `supple render --offsets` of ITK's own inputs; itk+vtk.
   std::string pipeline;
   int threads = 1;
 };
