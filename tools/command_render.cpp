@@ -82,12 +82,17 @@ SceneView to_view(const Options& options) {
   return view;
 }
 
-/// The displacement alone, for samples that solve for themselves.
-Deformed without_inverse(const State& state) {
+/// Where the tissue of the state has gone, as far as the view asks for it. Takes the offsets of its
+/// elements away, which nothing else reads.
+Deformed displace(State& state, const SceneView& view, Console& console) {
   Deformed deformed{extended_displacement_of(state), {}};
-  if (has_open_cuts(state, deformed.displacement)) {
+  state.q = {};
+  if (view.inverse) {
+    deformed.offsets = invert_displacement(state, deformed.displacement, console);
+  } else if (has_open_cuts(state, deformed.displacement)) {
     throw UsageError("--no-inverse: found cuts that have opened, expected a body without");
   }
+  if (!reads_displacement(view)) deformed.displacement.u = {};
   return deformed;
 }
 
@@ -96,12 +101,10 @@ void draw_state(const Options& options, SceneView view, PictureWriter& writer, R
   if (!options.offsets.empty()) {
     throw UsageError("--offsets: found a state file, expected a volume (a state has its own)");
   }
-  const State state = read_state(options.input, &console);
+  State state = read_state(options.input, &console);
   view = effective_view(view, state.geometry, state.density.background());
   std::optional<Deformed> deformed;
-  if (view.deformed) {
-    deformed = view.inverse ? invert_state(state, console) : without_inverse(state);
-  }
+  if (view.deformed) deformed = displace(state, view, console);
   if (!view.offset.empty()) {
     deformed = deformed ? send_along(view.offset, *deformed, console)
                         : send_along(view.offset, state.geometry, state.density.bricks(), console);
@@ -109,7 +112,8 @@ void draw_state(const Options& options, SceneView view, PictureWriter& writer, R
   const MaterialTable material = parse_material(state.material_toml, options.input);
   draw_view({state.geometry, state.density, state.elements,
              deformed && view.inverse ? &deformed->offsets : nullptr,
-             deformed ? &deformed->displacement : nullptr, material.domain_lo, material.domain_hi},
+             deformed && reads_displacement(view) ? &deformed->displacement : nullptr,
+             material.domain_lo, material.domain_hi},
             view, writer, &report, console);
 }
 

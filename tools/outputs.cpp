@@ -1,5 +1,7 @@
 #include "tools/outputs.h"
 
+#include <algorithm>
+
 #include <nlohmann/json.hpp>
 
 #include "raycast/lattice.h"
@@ -177,6 +179,12 @@ const Displacement* displacement_for_meshes(const Subject& subject, const SceneV
 }
 
 }  // namespace
+
+bool reads_displacement(const SceneView& view) {
+  const auto deforms = [](const MeshChoice& mesh) { return mesh.deform; };
+  return !view.inverse || view.lattice || view.picture.sequence > 0 || !view.offset.empty() ||
+         std::any_of(view.meshes.begin(), view.meshes.end(), deforms);
+}
 
 std::unique_ptr<Renderer> make_renderer(const Subject& subject, const SceneView& view) {
   auto renderer = std::make_unique<Renderer>(subject.geometry, subject.density, subject.air_rings);

@@ -61,6 +61,8 @@ void check_view(const SceneView& view);
 /// The view as it will be drawn: one-slice bodies as lattices, and where no preset is named CT-Bone
 /// if densities reach below -200, as Hounsfield units of air do, else MR-Default.
 SceneView effective_view(const SceneView& view, const Geometry& geometry, double min_density);
+/// Whether pictures of the view read the displacement beside the offsets, or the offsets alone.
+bool reads_displacement(const SceneView& view);
 /// A renderer of the subject in its pose.
 std::unique_ptr<Renderer> make_renderer(const Subject& subject, const SceneView& view);
 /// Moves a renderer of the same volume, and the view's meshes, to where the subject is. Without

@@ -6,8 +6,8 @@
 // k is absent), `label` (Int32, only when there are any; 1 to 65535), and derived for other
 // programs `displacement` (Vec3S, material direction, extended over the shell) and `offset` (Vec3S,
 // resample direction), in mm LPS. Those before stay in index space; the others carry the affine
-// where OpenVDB takes it. All trees are built anew from bricks, so that their nodes, and with them
-// the file, depend on the content alone.
+// where OpenVDB takes it, and neither they nor what follows them is read back. All trees are built
+// anew from bricks, so that their nodes, and with them the file, depend on the content alone.
 //
 // Cost with Blosc, 3.5 million elements that all moved, one core: 0.5 s and 46 MB to write (0.75 s
 // and 69 MB with offsets), 0.25 s to read.
@@ -24,6 +24,7 @@
 #include "volumes/grid/labels.h"
 #include "volumes/state/state.h"
 #include "volumes/state/state_seal.h"
+#include "volumes/state/state_stream.h"
 #include "volumes/state/state_text.h"
 
 namespace supple {
@@ -37,7 +38,6 @@ using openvdb::Vec3IGrid;
 using openvdb::Vec3SGrid;
 
 constexpr const char* kFormatVersion = "state 1";
-constexpr std::size_t kMaxMessage = 1000;
 
 openvdb::Coord to_coord(const Vec3i& v) {
   return {v.x, v.y, v.z};
@@ -192,10 +192,10 @@ void write_file(const std::string& path, const State& state, const OffsetField* 
                                 make_density(state.density)};
   if (!state.cuts.empty()) grids.push_back(make_cut_links(state));
   if (!label_counts(state.labels).empty()) grids.push_back(make_labels(state));
-  grids.push_back(
-      make_vectors("displacement", "material", extended_displacement_of(state).u, state.geometry));
+  grids.push_back(make_vectors(kDisplacementGrid, "material", extended_displacement_of(state).u,
+                               state.geometry));
   if (offsets != nullptr) {
-    grids.push_back(make_vectors("offset", "resample", offsets->o, offsets->geometry));
+    grids.push_back(make_vectors(kOffsetGrid, "resample", offsets->o, offsets->geometry));
   }
   report(progress, 0.3);
 
@@ -214,43 +214,24 @@ void write_file(const std::string& path, const State& state, const OffsetField* 
   report(progress, 1);
 }
 
-/// What a stream holds; throws InputError with OpenVDB's message clamped.
-struct Content {
-  openvdb::GridPtrVecPtr grids;
-  openvdb::MetaMap::Ptr metadata;
-};
-
-Content read_stream(const std::string& path) {
-  try {
-    std::ifstream in(path, std::ios::binary);
-    in.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
-    openvdb::io::Stream stream(in, /*delayLoad=*/false);
-    return {stream.getGrids(), stream.getMetadata()};
-  } catch (const std::bad_alloc&) {
-    throw SystemError(path + ": not enough memory");
-  } catch (const std::exception& error) {
-    throw InputError({path, "", std::string(error.what()).substr(0, kMaxMessage), "OpenVDB grids"});
-  }
-}
-
-std::string text_of(const Content& content, const std::string& name, const std::string& path) {
+std::string text_of(const StateContent& content, const std::string& name, const std::string& path) {
   const auto text =
-      content.metadata->getMetadata<openvdb::StringMetadata>(kStateMetadataPrefix + name);
+      content.metadata.getMetadata<openvdb::StringMetadata>(kStateMetadataPrefix + name);
   if (!text) throw InputError({path, kStateMetadataPrefix + name, "nothing", "metadata text"});
   return text->value();
 }
 
-bool has_grid(const Content& content, const std::string& name) {
-  return std::any_of(content.grids->begin(), content.grids->end(),
+bool has_grid(const StateContent& content, const std::string& name) {
+  return std::any_of(content.grids.begin(), content.grids.end(),
                      [&](const auto& grid) { return grid->getName() == name; });
 }
 
 /// The grid of that name and type, all its active voxels in leaves inside the box of `geometry`.
 template <class Grid>
-typename Grid::Ptr grid_of(const Content& content, const std::string& name,
+typename Grid::Ptr grid_of(const StateContent& content, const std::string& name,
                            const Geometry& geometry, const std::string& path) {
   typename Grid::Ptr grid;
-  for (const openvdb::GridBase::Ptr& candidate : *content.grids) {
+  for (const openvdb::GridBase::Ptr& candidate : content.grids) {
     if (candidate->getName() == name) grid = openvdb::gridPtrCast<Grid>(candidate);
   }
   if (!grid) throw InputError({path, "grid " + name, "nothing", "a grid of " + Grid::gridType()});
@@ -357,7 +338,7 @@ State read_state(const std::string& path, Progress* progress) {
   verify_state_seal(path);
   report(progress, 0.3);
   openvdb::initialize();
-  const Content content = read_stream(path);
+  const StateContent content = read_state_stream(path);
   report(progress, 0.8);
 
   const std::string format = text_of(content, "format", path);

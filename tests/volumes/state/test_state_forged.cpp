@@ -138,7 +138,7 @@ TEST_F(FaultForgedState, CutsWhereThereIsNoLinkAreRejected) {
     auto cuts = openvdb::Int32Grid::create(0);
     cuts->setName("cut_links");
     cuts->tree().setValueOn(openvdb::Coord(voxel.x, voxel.y, voxel.z), bits);
-    m_parts.grids->push_back(cuts);
+    m_parts.grids->insert(m_parts.grids->begin(), cuts);
   };
   const auto element = m_parts.grid<openvdb::BoolGrid>("element");
   const auto is_element = [&](const Vec3i& voxel) {
@@ -162,9 +162,20 @@ TEST_F(FaultForgedState, CutsWhereThereIsNoLinkAreRejected) {
   expect_error("where there is no link");
   forge({-1, 0, 0}, 1);
   expect_error("grid cut_links: found voxels outside the volume");
-  m_parts.grids->back()->setName("none");
+  m_parts.grids->front()->setName("none");
   m_parts.grid<openvdb::Vec3SGrid>("displacement")->setName("cut_links");
   expect_error("grid cut_links: found nothing, expected a grid of");
+}
+
+TEST_F(FaultForgedState, DerivedGridsAndWhatFollowsThemAreNotRead) {
+  auto bad = openvdb::Int32Grid::create(0);
+  bad->setName("cut_links");
+  bad->tree().setValueOn(openvdb::Coord(0), 8);
+  m_parts.grids->push_back(bad);
+  EXPECT_EQ(read_error(), "");
+  m_parts.grids->pop_back();
+  m_parts.grids->insert(m_parts.grids->begin(), bad);
+  expect_error("bits 1 to 7");
 }
 
 TEST_F(FaultForgedState, LabelsThatNoElementCanHaveAreRejected) {
@@ -175,7 +186,7 @@ TEST_F(FaultForgedState, LabelsThatNoElementCanHaveAreRejected) {
     auto labels = openvdb::Int32Grid::create(0);
     labels->setName("label");
     labels->tree().setValueOn(openvdb::Coord(voxel.x, voxel.y, voxel.z), value);
-    m_parts.grids->push_back(labels);
+    m_parts.grids->insert(m_parts.grids->begin(), labels);
   };
   m_parts.metadata->removeMeta("supple_anchors");
   m_parts.metadata->insertMeta("supple_anchors", openvdb::StringMetadata(R"([{"label": 9}])"));
@@ -194,7 +205,7 @@ TEST_F(FaultForgedState, LabelsThatNoElementCanHaveAreRejected) {
   while (element->tree().isValueOn(openvdb::Coord(empty.x, empty.y, empty.z))) ++empty.z;
   forge(empty, 9);
   EXPECT_NE(read_error(), "");
-  m_parts.grids->back()->setName("none");
+  m_parts.grids->front()->setName("none");
   m_parts.grid<openvdb::Vec3SGrid>("displacement")->setName("label");
   expect_error("grid label: found nothing, expected a grid of");
 }
