@@ -12,10 +12,6 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Voxels behind the face of a clip that are shaded as the face; one more fades to the tissue's own
-/// gradients.
-constexpr double kFaceVoxels = 2;
-
 /// Accumulated opacity at which a ray has met a surface.
 constexpr float kSurfaceOpacity = 0.5f;
 
@@ -53,10 +49,10 @@ Float4 Marcher::march(const Ray& ray, float shift) {
   m_sum = Float4{0, 0, 0, 0};
   m_surface = m_surface_crossing = -1;
   if (m_paths != nullptr) m_paths->begin_ray();
-  clip_ray();
-  find_crossings(ray);
+  m_clips.begin_ray(m_frame.deformed_clips, m_ray);
+  m_crossings.begin_ray(m_frame.surfaces, ray, m_frame.settings.clip_surfaces ? &m_clips : nullptr);
   march_volume(shift);
-  while (m_next_crossing_t < kInfinity && !opaque()) composite_crossing();
+  while (m_crossings.next_t() < kInfinity && !opaque()) composite_crossing();
   return m_sum;
 }
 
@@ -68,9 +64,9 @@ void Marcher::march_volume(float shift) {
   m_last_sample = std::int64_t((span.end - m_entry) / m_frame.step_mm);
 
   // The block in which an opaque surface lies is judged as ever.
-  const double last_block_end = m_end + m_frame.settings.stride * m_frame.step_mm;
-  const Interval kept{std::max(span.begin, m_kept.begin),
-                      std::min({span.end, m_kept.end, last_block_end})};
+  const double last_block_end = m_crossings.opaque_t() + m_frame.settings.stride * m_frame.step_mm;
+  const Interval kept{std::max(span.begin, m_clips.kept().begin),
+                      std::min({span.end, m_clips.kept().end, last_block_end})};
   if (!(kept.begin <= kept.end)) return;
 
   if (m_frame.settings.skip_empty_space) {
@@ -107,26 +103,6 @@ void Marcher::march_volume(float shift) {
   }
 }
 
-void Marcher::clip_ray() {
-  m_kept = {-kInfinity, kInfinity};
-  m_removed.clear();
-  for (const IndexClip& clip : m_frame.deformed_clips) {
-    const Interval part = clip.along(m_ray);
-    if (clip.keep() == ClipKeep::outside) {
-      if (part.begin <= part.end) m_removed.push_back(part);
-      continue;
-    }
-    m_kept = {std::max(m_kept.begin, part.begin), std::min(m_kept.end, part.end)};
-  }
-}
-
-bool Marcher::is_clipped(double t) const {
-  if (t < m_kept.begin || t > m_kept.end) return true;
-  return std::any_of(m_removed.begin(), m_removed.end(), [t](const Interval& removed) {
-    return t >= removed.begin && t <= removed.end;
-  });
-}
-
 /// Samples first, first + stride, … up to `last` that one batch can hold.
 int Marcher::count_in_piece(std::int64_t first, int stride, std::int64_t last) const {
   const std::int64_t in_piece = (kPieceSamples - 1 - first % kPieceSamples) / stride + 1;
@@ -150,11 +126,12 @@ void Marcher::read(std::int64_t first, int stride, int count, SampleBatch& batch
 }
 
 void Marcher::leave_out_clipped(std::int64_t first, int stride, SampleBatch& batch) const {
+  const RaySamples samples = samples_of(batch, first, stride);
   for (std::uint32_t rest = batch.inside; rest != 0; rest &= rest - 1) {
     const int lane = __builtin_ctz(rest);
-    bool clipped = is_clipped(time_of(first + std::int64_t(lane) * stride));
+    bool clipped = m_clips.is_clipped(samples.t_of(lane));
     for (const IndexClip& clip : m_frame.source_clips) {
-      clipped = clipped || !clip.keeps(read_at(batch, lane));
+      clipped = clipped || !clip.keeps(samples.read_at(lane));
     }
     if (!clipped) continue;
     batch.inside &= ~(1u << lane);
@@ -170,7 +147,7 @@ void Marcher::find_maximum(std::int64_t first, std::int64_t last) {
     read(n, 1, count, m_ends);
     for (std::uint32_t rest = m_ends.inside; rest != 0; rest &= rest - 1) {
       const int lane = __builtin_ctz(rest);
-      if (time_of(n + lane) >= m_end) return;
+      if (time_of(n + lane) >= m_crossings.opaque_t()) return;
       if (m_ends.encoded[lane] <= m_maximum) continue;
       m_maximum = m_ends.encoded[lane];
       m_surface = n + lane;
@@ -246,14 +223,10 @@ void Marcher::composite_samples(std::int64_t first, std::int64_t last) {
   }
 }
 
-/// Where a lane read the source, index space.
-Vec3d Marcher::read_at(const SampleBatch& batch, int lane) const {
-  return Vec3d(m_piece.base) + Vec3d(batch.px[lane], batch.py[lane], batch.pz[lane]);
-}
-
 /// How these lanes lie to the light; sample `first` is in lane 0.
 void Marcher::light(std::uint32_t lanes, std::int64_t first) {
   SampleBatch& batch = m_samples_between;
+  const RaySamples samples = samples_of(batch, first);
   const std::uint32_t fronts = m_is_integrated ? lanes >> 1 & batch.inside : 0;
   sample_gradients(m_frame.tables, batch, lanes | fronts);
   if (m_is_integrated) average_gradients(lanes);
@@ -261,14 +234,14 @@ void Marcher::light(std::uint32_t lanes, std::int64_t first) {
     for (std::uint32_t rest = lanes & (batch.bent | batch.pointwise); rest != 0; rest &= rest - 1) {
       const int lane = __builtin_ctz(rest);
       const Vec3f gradient(batch.gx[lane], batch.gy[lane], batch.gz[lane]);
-      const Vec3f pulled_back = m_frame.pull_back(batch, lane, m_ray.at(time_of(first + lane)),
-                                                  read_at(batch, lane), gradient);
+      const Vec3f pulled_back =
+          m_frame.pull_back(batch, lane, samples.seen_at(lane), samples.read_at(lane), gradient);
       batch.gx[lane] = pulled_back.x;
       batch.gy[lane] = pulled_back.y;
       batch.gz[lane] = pulled_back.z;
     }
   }
-  find_faces(lanes, first);
+  find_faces(m_frame, samples, m_view.towards_eye, lanes, m_lit);
   light_lanes(m_frame.shading, m_view, m_frame.gradient_columns, batch, lanes, m_lit);
 }
 
@@ -301,7 +274,7 @@ void Marcher::composite(int lane, std::int64_t n, float before) {
         colour, [&](int light) { return m_lit.terms(light, lane); }, reach);
   }
   colour[3] = 1;
-  if (m_next_crossing_t < time_of(n + 1)) {
+  if (m_crossings.next_t() < time_of(n + 1)) {
     composite_between_crossings(time_of(n), colour, alpha);
   } else {
     add(colour, alpha);
@@ -322,37 +295,17 @@ void Marcher::composite_between_crossings(double t, const Float4& colour, float 
     add(colour, float(corrected_opacity(alpha, share, 1)));
   };
   double done = begin;
-  while (m_next_crossing_t < end && !opaque()) {
-    add_part(done, m_next_crossing_t);
-    done = std::max(done, m_next_crossing_t);
+  while (m_crossings.next_t() < end && !opaque()) {
+    add_part(done, m_crossings.next_t());
+    done = std::max(done, m_crossings.next_t());
     composite_crossing();
   }
   add_part(done, end);
 }
 
-/// Where the ray crosses surfaces, up to the first opaque one.
-void Marcher::find_crossings(const Ray& ray) {
-  m_next_crossing = 0;
-  m_next_crossing_t = m_end = kInfinity;
-  if (m_frame.surfaces == nullptr) return;
-  m_frame.surfaces->crossings(ray, {0, kInfinity}, m_crossings);
-  if (m_frame.settings.clip_surfaces) {
-    m_crossings.erase(std::remove_if(m_crossings.begin(), m_crossings.end(),
-                                     [&](const TriangleHit& hit) { return is_clipped(hit.t); }),
-                      m_crossings.end());
-  }
-  if (m_crossings.empty()) return;
-  m_next_crossing_t = m_crossings.front().t;
-  for (const TriangleHit& hit : m_crossings) {
-    if (m_frame.surfaces->opacity(hit) < 1) continue;
-    m_end = hit.t;
-    break;
-  }
-}
-
 /// The next surface of the ray.
 void Marcher::composite_crossing() {
-  const TriangleHit& hit = m_crossings[m_next_crossing];
+  const TriangleHit& hit = m_crossings.hit(m_crossings.next());
   const SurfacePoint point = m_frame.surfaces->point(m_world_ray, hit);
   Float4 colour = point.colour;
   if (m_frame.settings.lighting.model != ShadingModel::none) {
@@ -361,74 +314,13 @@ void Marcher::composite_crossing() {
     colour[3] = 1;
   }
   add(colour, m_frame.surfaces->opacity(hit));
-  if (!has_met_surface() && m_sum[3] >= kSurfaceOpacity) m_surface_crossing = m_next_crossing;
-  ++m_next_crossing;
-  m_next_crossing_t =
-      m_next_crossing < m_crossings.size() ? m_crossings[m_next_crossing].t : kInfinity;
-}
-
-/// Samples just behind a clip are shaded as its face: their own gradients belong to the inside of
-/// the tissue and would leave what the clip opens dark and rough. So are those of a piece that the
-/// ray entered out of a gap.
-void Marcher::find_faces(std::uint32_t lanes, std::int64_t first) {
-  m_lit.faces = 0;
-  const bool has_clips = !m_frame.settings.clips.empty();
-  for (std::uint32_t rest = has_clips ? lanes : lanes & m_samples_between.pointwise; rest != 0;
-       rest &= rest - 1) {
-    const int lane = __builtin_ctz(rest);
-    const Face face = face_near(lane, first + lane);
-    if (face.share == 0) continue;
-    m_lit.faces |= 1u << lane;
-    m_lit.face.set(lane, face.normal);
-    m_lit.face_share[lane] = face.share;
-  }
-}
-
-Marcher::Face Marcher::face_near(int lane, std::int64_t n) const {
-  const SampleBatch& batch = m_samples_between;
-  Face face;
-  const Vec3d seen_at = m_ray.at(time_of(n));
-  for (const IndexClip& clip : m_frame.deformed_clips) find_face(clip, seen_at, lane, n, face);
-  for (const IndexClip& clip : m_frame.source_clips) {
-    find_face(clip, read_at(batch, lane), lane, n, face);
-  }
-  if (!(batch.pointwise >> lane & 1)) return face;
-  Vec3d normal;
-  double depth_mm;
-  if (!m_frame.output.pointwise()->face(batch.piece[lane], seen_at, normal, depth_mm)) {
-    return face;
-  }
-  const double gain = normal.dot(m_ray.direction);  // mm deeper per mm
-  if (gain > 0) set_face(Vec3f(normal), depth_mm / gain, face);
-  return face;
-}
-
-void Marcher::find_face(const IndexClip& clip, const Vec3d& pos, int lane, std::int64_t n,
-                        Face& face) const {
-  const auto as_seen = [&](const Vec3d& normal) {
-    if (clip.space() == ClipSpace::deformed) return Vec3f(normal);
-    return m_frame.pull_back(m_samples_between, lane, m_ray.at(time_of(n)), pos, Vec3f(normal));
-  };
-  double mm_ago = 0;
-  const IndexClip::Plane* plane = clip.face_behind(
-      pos, [&](const Vec3d& normal) { return Vec3d(as_seen(normal)).dot(m_ray.direction); },
-      mm_ago);
-  if (plane != nullptr) set_face(as_seen(plane->normal), mm_ago, face);
-}
-
-/// `normal`: index space, of a face that the ray crossed some mm ago.
-void Marcher::set_face(const Vec3f& normal, double mm_ago, Face& face) const {
-  const double voxels = mm_ago / m_frame.step_mm * m_frame.settings.step_voxels;
-  const float share = float(std::clamp(kFaceVoxels + 1 - voxels, 0.0, 1.0));
-  if (share <= face.share) return;
-  face.normal = m_frame.to_world(normal).normalized();
-  if (face.normal.dot(m_view.towards_eye) < 0) face.normal = -face.normal;
-  face.share = share;
+  if (!has_met_surface() && m_sum[3] >= kSurfaceOpacity) m_surface_crossing = m_crossings.next();
+  m_crossings.pass();
 }
 
 bool Marcher::surface(SeenSurface& seen) {
   if (m_surface_crossing >= 0) {
-    const TriangleHit& hit = m_crossings[m_surface_crossing];
+    const TriangleHit& hit = m_crossings.hit(m_surface_crossing);
     seen = {hit.t, m_frame.surfaces->point(m_world_ray, hit).normal, 0};
     return true;
   }
@@ -437,7 +329,8 @@ bool Marcher::surface(SeenSurface& seen) {
   SampleBatch& batch = m_samples_between;
   read(m_surface, 1, 1, batch);
   light(1, m_surface);
-  const Vec3d offset = read_at(batch, 0) - m_ray.at(time_of(m_surface));
+  const RaySamples samples = samples_of(batch, m_surface);
+  const Vec3d offset = samples.read_at(0) - samples.seen_at(0);
   const bool is_bent = (batch.bent | batch.pointwise) & 1;
   seen.distance_mm = time_of(m_surface);
   seen.normal_lps = m_lit.normal.at(0);

@@ -13,6 +13,9 @@
 
 #include "raycast/frame.h"
 #include "raycast/light_lanes.h"
+#include "raycast/ray_clips.h"
+#include "raycast/ray_crossings.h"
+#include "raycast/ray_faces.h"
 
 namespace supple {
 
@@ -39,16 +42,7 @@ class Marcher {
   std::int64_t samples() const { return m_samples; }
 
  private:
-  /// A face of a clip near a sample.
-  struct Face {
-    Vec3f normal{0, 0, 0};  // unit, LPS, towards the viewer
-    float share = 0;        // 1: the sample lies at it
-  };
-
   void march_volume(float shift);
-  void find_crossings(const Ray& ray);
-  void clip_ray();
-  bool is_clipped(double t) const;
   int count_in_piece(std::int64_t first, int stride, std::int64_t last) const;
   void read(std::int64_t first, int stride, int count, SampleBatch& batch);
   void leave_out_clipped(std::int64_t first, int stride, SampleBatch& batch) const;
@@ -63,13 +57,11 @@ class Marcher {
   void find_maximum(std::int64_t first, std::int64_t last);
   void light(std::uint32_t lanes, std::int64_t first);
   void average_gradients(std::uint32_t lanes);
-  void find_faces(std::uint32_t lanes, std::int64_t first);
-  Face face_near(int lane, std::int64_t n) const;
-  void find_face(const IndexClip& clip, const Vec3d& pos, int lane, std::int64_t n,
-                 Face& face) const;
-  void set_face(const Vec3f& normal, double mm_ago, Face& face) const;
   double time_of(std::int64_t n) const { return m_entry + double(n) * m_frame.step_mm; }
-  Vec3d read_at(const SampleBatch& batch, int lane) const;
+  /// Sample `first` is in lane 0, first + stride in lane 1.
+  RaySamples samples_of(const SampleBatch& batch, std::int64_t first, int stride = 1) const {
+    return {m_ray, batch, m_piece.base, time_of(first), stride * m_frame.step_mm};
+  }
   bool has_met_surface() const { return m_surface >= 0 || m_surface_crossing >= 0; }
   bool opaque() const { return m_sum[3] >= m_opaque; }
 
@@ -85,13 +77,9 @@ class Marcher {
   IndexRay m_ray;
   double m_entry = 0;
   std::int64_t m_last_sample = -1;
-  Interval m_kept{};                     // t of what the deformed space's clips keep,
-  std::vector<Interval> m_removed;       // but for these parts
+  RayClips m_clips;
+  RayCrossings m_crossings;
   float m_maximum = 0;                   // encoded, of the samples so far
-  std::vector<TriangleHit> m_crossings;  // of meshes, ascending
-  std::size_t m_next_crossing = 0;
-  double m_next_crossing_t = 0;          // infinite: no more
-  double m_end = 0;                      // t of the first opaque crossing
   std::int64_t m_surface = -1;           // the sample that surface() tells of
   std::int64_t m_surface_crossing = -1;  // or the crossing
   Shading::View m_view;
