@@ -24,8 +24,8 @@
 #include "volumes/grid/labels.h"
 #include "volumes/state/state.h"
 #include "volumes/state/state_seal.h"
-#include "volumes/state/state_stream.h"
 #include "volumes/state/state_text.h"
+#include "volumes/state/state_vdb.h"
 
 namespace supple {
 
@@ -338,7 +338,7 @@ State read_state(const std::string& path, Progress* progress) {
   verify_state_seal(path);
   report(progress, 0.3);
   openvdb::initialize();
-  const StateContent content = read_state_stream(path);
+  const StateContent content = read_state_grids(path);
   report(progress, 0.8);
 
   const std::string format = text_of(content, "format", path);

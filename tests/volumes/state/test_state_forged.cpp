@@ -168,6 +168,7 @@ TEST_F(FaultForgedState, CutsWhereThereIsNoLinkAreRejected) {
 }
 
 TEST_F(FaultForgedState, DerivedGridsAndWhatFollowsThemAreNotRead) {
+  m_parts.grid<openvdb::Int32Grid>("cut_links")->setName("was cut_links");
   auto bad = openvdb::Int32Grid::create(0);
   bad->setName("cut_links");
   bad->tree().setValueOn(openvdb::Coord(0), 8);

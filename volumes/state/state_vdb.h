@@ -20,6 +20,6 @@ struct StateContent {
 };
 
 /// Throws InputError with OpenVDB's message clamped; SystemError: not enough memory.
-StateContent read_state_stream(const std::string& path);
+StateContent read_state_grids(const std::string& path);
 
 }  // namespace supple

@@ -1,4 +1,4 @@
-#include "volumes/state/state_stream.h"
+#include "volumes/state/state_vdb.h"
 
 #include <fstream>
 
@@ -39,7 +39,7 @@ class StateArchive : public openvdb::io::Archive {
 
 }  // namespace
 
-StateContent read_state_stream(const std::string& path) {
+StateContent read_state_grids(const std::string& path) {
   try {
     std::ifstream in(path, std::ios::binary);
     in.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
