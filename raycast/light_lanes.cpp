@@ -1,5 +1,7 @@
 #include "raycast/light_lanes.h"
 
+#include <cmath>
+
 // As in sample_batch.cpp.
 #define HWY_DISABLED_TARGETS HWY_SSSE3
 #undef HWY_TARGET_INCLUDE
@@ -79,6 +81,15 @@ HWY_INLINE HWY_ATTR FloatVector world_gradient(const std::array<Vec3f, 3>& colum
 
 /// x to a power for x of 0 … 1.
 HWY_INLINE HWY_ATTR VF to_power(VF x, float power) {
+  constexpr float kMostMultiplied = 64;
+  if (power >= 1 && power <= kMostMultiplied && power == std::floor(power)) {
+    VF result = floats(1);
+    for (int rest = int(power); rest != 0; rest >>= 1) {
+      if (rest & 1) result = hn::Mul(result, x);
+      x = hn::Mul(x, x);
+    }
+    return result;
+  }
   constexpr float kSmallest = 1e-30f;  // has a logarithm, and no power of use
   const VF log = hn::Log(kFloats, hn::Max(x, floats(kSmallest)));
   return hn::Exp(kFloats, hn::Mul(log, floats(power)));
