@@ -8,7 +8,7 @@
 #define HWY_TARGET_INCLUDE "raycast/light_lanes.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
-
+// Not above: foreach_target.h comes first.
 #include <hwy/contrib/math/math-inl.h>
 
 HWY_BEFORE_NAMESPACE();
