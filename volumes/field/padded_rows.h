@@ -73,29 +73,24 @@ struct PaddedRows {
 class Extrapolation {
  public:
   void add(const Vec3f& near) {
-    m_mean += load(near);
+    for (int a = 0; a < 3; ++a) m_mean[a] += double(near[a]);
     ++m_count;
   }
   /// `far` lies behind `near`.
   void add_row(const Vec3f& near, const Vec3f& far) {
-    const Sum from = load(near), most = {1, 1, 1, 1};
-    Sum slope = from - load(far);
-    slope = slope > most ? most : slope;
-    slope = slope < -most ? -most : slope;
-    m_linear += from + slope;
+    for (int a = 0; a < 3; ++a) {
+      const double slope = double(near[a]) - double(far[a]);
+      m_linear[a] += double(near[a]) + (slope > 1 ? 1 : slope < -1 ? -1 : slope);
+    }
     ++m_rows;
   }
   bool empty() const { return m_count + m_rows == 0; }
   Vec3f value() const {
-    const Sum& sum = m_rows > 0 ? m_linear : m_mean;
-    return Vec3f(Vec3d(sum[0], sum[1], sum[2]) / double(m_rows > 0 ? m_rows : m_count));
+    return m_rows > 0 ? Vec3f(m_linear / double(m_rows)) : Vec3f(m_mean / double(m_count));
   }
 
  private:
-  using Sum = double __attribute__((vector_size(32)));
-  static Sum load(const Vec3f& v) { return Sum{v.x, v.y, v.z, 0}; }
-
-  Sum m_mean{}, m_linear{};
+  Vec3d m_mean{0, 0, 0}, m_linear{0, 0, 0};
   int m_count = 0, m_rows = 0;
 };
 
