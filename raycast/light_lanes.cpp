@@ -11,34 +11,15 @@
 // Not above: foreach_target.h comes first.
 #include <hwy/contrib/math/math-inl.h>
 
+#include "raycast/lanes-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace supple {
 namespace HWY_NAMESPACE {
 namespace {
 
-namespace hn = hwy::HWY_NAMESPACE;
-
-using Floats = hn::CappedTag<float, LitLanes::kLanes>;
-using Ints = hn::RebindToSigned<Floats>;
-using VF = hn::Vec<Floats>;
-using MF = hn::Mask<Floats>;
-
-constexpr Floats kFloats;
-
-struct FloatVector {
-  VF x, y, z;
-};
-
-HWY_INLINE HWY_ATTR VF floats(float value) {
-  return hn::Set(kFloats, value);
-}
-HWY_INLINE HWY_ATTR MF mask_of(std::uint32_t bits) {
-  constexpr Ints ints;
-  const auto lane_bit = hn::Shl(hn::Set(ints, 1), hn::Iota(ints, 0));
-  return hn::RebindMask(kFloats, hn::TestBit(hn::Set(ints, std::int32_t(bits)), lane_bit));
-}
-HWY_INLINE HWY_ATTR VF mix(VF a, VF b, VF t) {
-  return hn::MulAdd(t, hn::Sub(b, a), a);
+HWY_INLINE HWY_ATTR MF float_mask_of(std::uint32_t bits) {
+  return hn::RebindMask(kFloats, mask_of(bits));
 }
 HWY_INLINE HWY_ATTR VF positive(VF value) {
   return hn::Max(value, floats(0));
@@ -119,7 +100,7 @@ HWY_ATTR void light_lanes_impl(const Shading& shading, const Shading::View& view
                                std::uint32_t wanted, LitLanes& lit) {
   const int lanes = int(hn::Lanes(kFloats));
   for (int at = 0; wanted >> at != 0; at += lanes) {
-    const FloatVector gradient = world_gradient(columns, batch, mask_of(wanted >> at), at);
+    const FloatVector gradient = world_gradient(columns, batch, float_mask_of(wanted >> at), at);
     const VF magnitude = hn::Sqrt(dot(gradient, gradient));
     hn::Store(magnitude, kFloats, lit.magnitude + at);
 
@@ -133,7 +114,7 @@ HWY_ATTR void light_lanes_impl(const Shading& shading, const Shading::View& view
     facing.normal = choose(has_gradient, scaled(gradient, away), eye);
     facing.trust = hn::Min(hn::Mul(magnitude, floats(shading.trust_per_gradient())), floats(1));
     if (lit.faces != 0) {
-      facing = turn_to_faces(facing, has_gradient, lit, mask_of(lit.faces >> at), at);
+      facing = turn_to_faces(facing, has_gradient, lit, float_mask_of(lit.faces >> at), at);
     }
     store(facing.normal, at, lit.normal);
     hn::Store(facing.trust, kFloats, lit.trust + at);

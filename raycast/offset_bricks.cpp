@@ -7,6 +7,8 @@
 
 #include <oneapi/tbb/parallel_for.h>
 
+#include "volumes/field/padded_rows.h"
+
 namespace supple {
 
 namespace {
@@ -45,7 +47,7 @@ BrickIndex with_neighbours(const std::vector<Vec3i>& origins) {
   BrickIndex found;
   for (const Vec3i& origin : origins) {
     for (int n = 0; n < 27; ++n) {
-      found.add(origin + Vec3i(n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1) * kBrickDim);
+      found.add(origin + surrounding_step(n) * kBrickDim);
     }
   }
   return found;
@@ -188,7 +190,7 @@ void OffsetBricks::mark_pointwise() {
   for (std::size_t n = 0; n < bricks.brick_count(); ++n) {
     const std::int32_t b = m_index.find(bricks.origin(n));
     if (b < 0) continue;
-    if (m_states[b] >= 0) m_offsets.give_back(m_states[b]);
+    if (is_deformed(std::size_t(b))) m_offsets.give_back(m_states[b]);
     m_states[b] = kPointwise - std::int32_t(n);
   }
   tbb::parallel_for(std::size_t(0), m_states.size(), [&](std::size_t b) {
@@ -202,7 +204,7 @@ void OffsetBricks::mark_pointwise() {
 
 std::size_t OffsetBricks::deformed_count() const {
   return std::size_t(std::count_if(m_states.begin(), m_states.end(),
-                                   [](std::int32_t state) { return state >= 0; }));
+                                   [](std::int32_t state) { return state >= kDeformed; }));
 }
 
 std::size_t OffsetBricks::bytes() const {

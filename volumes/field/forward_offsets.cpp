@@ -12,8 +12,7 @@ namespace supple {
 
 namespace {
 
-constexpr double kLastStep =
-    0.004;  // voxels; a Newton step of this size leaves far less than 10^-3
+constexpr double kLastStep = 0.002;  // voxels
 constexpr int kMaxSteps = 12;
 constexpr int kMaxHalvings = 3;
 constexpr double kMaxStep = 4;  // voxels
@@ -33,16 +32,27 @@ double largest(const Vec3d& v) {
   return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }
 
-/// x with (I + grad u) x = b; false where the cell is flat.
-bool solve_linear(const Vec3d along[3], const Vec3d& b, Vec3d& x) {
-  const Vec3d c0 = along[0] + Vec3d(1, 0, 0), c1 = along[1] + Vec3d(0, 1, 0),
-              c2 = along[2] + Vec3d(0, 0, 1);
-  const Vec3d n0 = c1.cross(c2), n1 = c2.cross(c0), n2 = c0.cross(c1);
-  const double det = c0.dot(n0);
-  if (!(std::abs(det) > kMinDet)) return false;
-  x = Vec3d(n0.dot(b), n1.dot(b), n2.dot(b)) / det;
-  return true;
-}
+/// The inverse of F = I + grad u by its rows.
+struct InverseGradient {
+  Vec3d rows[3];
+
+  /// False where the cell is flat. `along`: the columns of grad u.
+  bool set(const Vec3d along[3]) {
+    const Vec3d c0 = along[0] + Vec3d(1, 0, 0), c1 = along[1] + Vec3d(0, 1, 0),
+                c2 = along[2] + Vec3d(0, 0, 1);
+    rows[0] = c1.cross(c2);
+    rows[1] = c2.cross(c0);
+    rows[2] = c0.cross(c1);
+    const double det = c0.dot(rows[0]);
+    if (!(std::abs(det) > kMinDet)) return false;
+    for (Vec3d& row : rows) row /= det;
+    return true;
+  }
+  Vec3d times(const Vec3d& v) const { return {rows[0].dot(v), rows[1].dot(v), rows[2].dot(v)}; }
+  Vec3d transposed_times(const Vec3d& v) const {
+    return rows[0] * v.x + rows[1] * v.y + rows[2] * v.z;
+  }
+};
 
 }  // namespace
 
@@ -79,9 +89,7 @@ void ForwardOffsets::find_reached() {
   std::vector<Reached> reached;
   const auto add = [&](const Vec3i& origin, const IndexBox& cells) {
     const std::size_t n = index.add(origin);
-    if (n == reached.size()) {
-      reached.emplace_back();
-    }
+    if (n == reached.size()) reached.emplace_back();
     reached[n].source = join(reached[n].source, cells);
   };
   for (std::size_t b = 0; b < m_still.size(); ++b) {
@@ -192,8 +200,11 @@ bool ForwardOffsets::solve(const Vec3d& x, const Vec3d& offset, Sample& found) c
       continue;
     }
     Vec3d step = y + place.u - x;
-    if (!m_still[place.piece / kBrickVoxels] && !solve_linear(place.along, step, step))
-      return false;
+    if (!m_still[place.piece / kBrickVoxels]) {
+      InverseGradient inverse;
+      if (!inverse.set(place.along)) return false;
+      step = inverse.times(step);
+    }
     before = y;
     const double size = largest(step);
     if (size <= kLastStep) {
@@ -231,14 +242,8 @@ Vec3d ForwardOffsets::pull_back(int piece, const Vec3d& /*x*/, const Vec3d& y,
   if (m_still[b] || !corners_at(b, low, corners)) return gradient;
   Place place;
   set_derivatives(corners, Vec3f(y - Vec3d(low)), place);
-  const Vec3d* along = place.along;
-  // g' = F^-T g: the columns of F^-T are the rows of F^-1.
-  const Vec3d c0 = along[0] + Vec3d(1, 0, 0), c1 = along[1] + Vec3d(0, 1, 0),
-              c2 = along[2] + Vec3d(0, 0, 1);
-  const Vec3d n0 = c1.cross(c2), n1 = c2.cross(c0), n2 = c0.cross(c1);
-  const double det = c0.dot(n0);
-  if (!(std::abs(det) > kMinDet)) return gradient;
-  return (n0 * gradient.x + n1 * gradient.y + n2 * gradient.z) / det;
+  InverseGradient inverse;
+  return inverse.set(place.along) ? inverse.transposed_times(gradient) : gradient;
 }
 
 std::size_t ForwardOffsets::bytes() const {

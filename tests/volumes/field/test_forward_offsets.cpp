@@ -61,7 +61,7 @@ TEST(PropertyForwardOffsets, AtNodesTheyAreThoseOfTheInversion) {
       ++missing;
       return;
     }
-    ASSERT_LT((found.offset - Vec3d(inverse.o.vectors[slot])).length(), 2e-3);
+    ASSERT_LT((found.offset - Vec3d(inverse.o.vectors[slot])).length(), 1e-3);
   });
   EXPECT_GT(nodes, 20000);
   EXPECT_LE(missing, nodes / 1000);  // on the very border
