@@ -1,4 +1,5 @@
 // Sampling bricks, offset bricks, classification, bounds: the parts of the marcher.
+#include <cstring>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -126,6 +127,64 @@ TEST(UnitBricks, AVacatedPlaceIsNotAnIdentityBrick) {
   const OffsetBricks bricks(source, offsets_of(reached, [](const Vec3d&) { return Vec3d(0); }));
   EXPECT_FALSE(bricks.is_identity(bricks.find({0, 0, 0})));
   EXPECT_TRUE(bricks.is_identity(bricks.find({8, 8, 8})));
+}
+
+/// What a sample could tell of a brick: nothing and no brick are the same.
+void expect_same_brick(const OffsetBricks& a, const OffsetBricks& b, const Vec3i& origin) {
+  const std::int32_t m = a.find(origin), n = b.find(origin);
+  const auto is = [](const OffsetBricks& bricks, std::int32_t brick, bool deformed) {
+    return brick >= 0 && (deformed ? bricks.is_deformed(brick) : bricks.is_identity(brick));
+  };
+  ASSERT_EQ(is(a, m, true), is(b, n, true)) << origin;
+  ASSERT_EQ(is(a, m, false), is(b, n, false)) << origin;
+  if (!is(a, m, true)) return;
+  EXPECT_EQ(a.range(m).lo, b.range(n).lo);
+  EXPECT_EQ(a.range(m).hi, b.range(n).hi);
+  EXPECT_EQ(
+      std::memcmp(a.node(m, {0, 0, 0}), b.node(n, {0, 0, 0}), BrickNodes::kFloats * sizeof(float)),
+      0)
+      << origin;
+}
+
+TEST(PropertyBricks, UpdatedBricksAreThoseOfTheChangedOffsets) {
+  std::mt19937 random(7);
+  const SourceBricks source(
+      grid_of(voxels_of({40, 40, 40}, everywhere), [](const Vec3d& p) { return 10 * p.x + p.y; }));
+  // Of the changed bricks some vectors, and which voxels have any.
+  BrickTopology where = voxels_of({40, 40, 40}, [](const Vec3i& v) { return v.z < 30; });
+  VectorBricks offsets = offsets_of(where, [](const Vec3d&) { return Vec3d(0); });
+  OffsetBricks followed(source, offsets);
+  for (int step = 0; step < 6; ++step) {
+    const Vec3i corner(int(random() % 32), int(random() % 32), int(random() % 32));
+    const IndexBox box{corner, corner + Vec3i(9)};
+    const VectorBricks before = offsets;
+    where = voxels_of({40, 40, 40}, [&](const Vec3i& v) {
+      return box.contains(v) ? (v.x + step) % 4 != 0 : before.topology.is_active(v);
+    });
+    offsets = offsets_of(where, [&](const Vec3d& p) {
+      const Vec3i voxel(int(p.x), int(p.y), int(p.z));
+      Vec3f old(0, 0, 0);
+      before.at(voxel, old);
+      return box.contains(voxel) ? Vec3d(0.5 * (step % 3), 0, -0.25) : Vec3d(old);
+    });
+    std::vector<Vec3i> changed;
+    for (int n = 0; n < 125; ++n) {
+      const Vec3i origin = Vec3i(n / 25, n / 5 % 5, n % 5) * kBrickDim;
+      const IndexBox brick{origin, origin + Vec3i(kBrickDim - 1)};
+      bool meets = true;
+      for (int a = 0; a < 3; ++a) {
+        meets = meets && brick.lo[a] <= box.hi[a] && box.lo[a] <= brick.hi[a];
+      }
+      if (meets) changed.push_back(origin);
+    }
+    followed.update(changed, finder_of(offsets));
+    const OffsetBricks anew(source, offsets);
+    EXPECT_TRUE(followed.valid_bounds() == anew.valid_bounds());
+    EXPECT_EQ(followed.deformed_count(), anew.deformed_count());
+    for (int n = 0; n < 343; ++n) {
+      expect_same_brick(followed, anew, (Vec3i(n / 49, n / 7 % 7, n % 7) - Vec3i(1)) * kBrickDim);
+    }
+  }
 }
 
 TEST(PropertyBricks, RangesCallNothingTransparentThatASampleCanShow) {
