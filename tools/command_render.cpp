@@ -134,6 +134,11 @@ void draw_volume(const Options& options, SceneView view, PictureWriter& writer,
   if (options.no_inverse) {
     throw UsageError("--no-inverse: found a volume, expected a state file");
   }
+  if (options.half_offsets && options.offsets.empty() && view.offset.empty()) {
+    throw UsageError(
+        "--half-offsets: found a volume, expected a state file, or --offsets or --offset beside "
+        "it");
+  }
   const auto file = open_volume(options.input, options.raw_spec);
   const Geometry& geometry = file->header().geometry;
   view.lattice = view.lattice || geometry.dims().z == 1;

@@ -117,6 +117,7 @@ TEST(PropertyLiveOffsets, WithoutMovementThePictureIsTheStraightOneBitForBit) {
   std::vector<std::int32_t> all;
   for (std::size_t b = 0; b < u.u.topology.brick_count(); ++b) all.push_back(int(b));
   offsets->update(all);
+  EXPECT_TRUE(offsets->bricks().empty());
   renderer.set_pointwise_offsets(offsets);
   EXPECT_EQ(scene.draw(renderer).rgba, rest.rgba);
 }

@@ -127,6 +127,8 @@ TEST_F(PropertyWithoutInverse, HalfOfTheOffsetsGiveAlmostThePictureOfAll) {
 TEST_F(FaultWithoutInverse, HalfOfTheOffsetsNeedOffsets) {
   EXPECT_EQ(render("a.png", {"--half-offsets", "--no-inverse"}).exit_code, 2);
   EXPECT_EQ(render("a.png", {"--half-offsets", "--undeformed"}).exit_code, 2);
+  expect_refused(render("a.png", {"--half-offsets"}, "small-head.nhdr"), 2,
+                 "--half-offsets: found a volume");
   expect_refused(view("[[view]]\nimage = \"a.png\"\ninverse = false\nhalf_offsets = true\n"), 3,
                  "half_offsets without inverse");
 }
