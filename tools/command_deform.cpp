@@ -9,13 +9,15 @@
 #include "tools/output_plan.h"
 #include "tools/outputs.h"
 #include "tools/parse.h"
+#include "tools/read_options.h"
 
 namespace supple::tools {
 
 namespace {
 
 struct Options {
-  std::string input, raw_spec, material, labels, output;
+  std::string input, material, labels, output;
+  ReadOptions read;
   std::vector<std::string> grabs, bys, fixes, cuts;
   bool push = false, release = false;
   std::string limits = "box";
@@ -169,7 +171,7 @@ int run(const Options& options, const GlobalOptions& global, Console& console) {
   std::optional<MaterialTable> material;
   if (!options.material.empty()) material = read_material(options.material);
 
-  Session session(options.input, options.raw_spec, material, options.labels, console);
+  Session session(options.input, options.read, material, options.labels, console);
   solve(session, handles, fixes, cuts, options, console);
   const State state = session.state();
   const Deformed deformed = invert_state(state, console);
@@ -198,8 +200,7 @@ Command add_deform(CLI::App& program) {
   app->add_option("input", options->input, "A volume file, or a state to continue")
       ->required()
       ->option_text("VOLUME|STATE.vdb");
-  app->add_option("--raw", options->raw_spec,
-                  "Headerless raw: dims=X,Y,Z,type=int16,spacing=A,B,C[,endian=big][,offset=N]");
+  add_read_options(*app, options->read);
   app->add_option("--material", options->material, "Look-up table from density to link limits")
       ->option_text("M.toml");
   app->add_option("--labels", options->labels,

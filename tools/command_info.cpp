@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/command.h"
+#include "tools/read_options.h"
 #include "volumes/grid/labels.h"
 #include "volumes/io/volume_file.h"
 #include "volumes/state/state.h"
@@ -13,7 +14,8 @@ namespace supple::tools {
 namespace {
 
 struct Options {
-  std::string input, raw_spec;
+  std::string input;
+  ReadOptions read;
 };
 
 using Json = nlohmann::ordered_json;
@@ -40,7 +42,7 @@ void add_geometry(Json& json, const Geometry& geometry) {
 }
 
 Json describe_volume(const Options& options, Console& console) {
-  const auto file = open_volume(options.input, options.raw_spec);
+  const auto file = open_input(options.input, options.read, console);
   const VolumeHeader header = file->header();
   const VolumeDigest digest = digest_volume(*file, &console);
   Json json;
@@ -140,8 +142,7 @@ Command add_info(CLI::App& program) {
                      "  supple info scan.raw --raw "
                      "dims=256,256,108,type=int16,spacing=0.957,0.957,1.5");
   app->add_option("file", options->input, "A volume or a state")->required()->option_text("FILE");
-  app->add_option("--raw", options->raw_spec,
-                  "Headerless raw: dims=X,Y,Z,type=int16,spacing=A,B,C[,endian=big][,offset=N]");
+  add_read_options(*app, options->read);
   return {app, [options](const GlobalOptions& global, Console& console) {
             return run(*options, global, console);
           }};

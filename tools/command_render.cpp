@@ -13,6 +13,7 @@
 #include "tools/output_plan.h"
 #include "tools/outputs.h"
 #include "tools/parse.h"
+#include "tools/read_options.h"
 #include "volumes/io/volume_file.h"
 #include "volumes/io/warp_file.h"
 
@@ -24,7 +25,8 @@ namespace {
 constexpr int kAirRings = 2;
 
 struct Options {
-  std::string input, raw_spec, offsets, offset, preset, camera, size, view, output;
+  std::string input, offsets, offset, preset, camera, size, view, output;
+  ReadOptions read;
   std::vector<std::string> clip_planes, clip_boxes;
   std::vector<std::string> lights, meshes;
   std::string shading = "blinn";
@@ -139,7 +141,7 @@ void draw_volume(const Options& options, SceneView view, PictureWriter& writer,
         "--half-offsets: found a volume, expected a state file, or --offsets or --offset beside "
         "it");
   }
-  const auto file = open_volume(options.input, options.raw_spec);
+  const auto file = open_input(options.input, options.read, console);
   const Geometry& geometry = file->header().geometry;
   view.lattice = view.lattice || geometry.dims().z == 1;
   if (view.lattice && !options.offsets.empty()) {
@@ -182,7 +184,7 @@ void draw_volume(const Options& options, SceneView view, PictureWriter& writer,
 void print_camera(const Options& options, const SceneView& view) {
   const Geometry geometry = is_state_file(options.input)
                                 ? read_state(options.input).geometry
-                                : open_volume(options.input, options.raw_spec)->header().geometry;
+                                : open_volume(options.input, options.read)->header().geometry;
   if (view.lattice || geometry.dims().z == 1) {
     throw InputError({options.input, "--print-camera", "a lattice, which frames its body",
                       "a volume of several slices"});
@@ -231,11 +233,9 @@ Command add_render(CLI::App& program) {
   app->add_option("input", options->input, "A volume or a state")
       ->required()
       ->option_text("VOLUME|STATE.vdb");
-  app->add_option("--raw", options->raw_spec,
-                  "Headerless raw: dims=X,Y,Z,type=int16,spacing=A,B,C[,endian=big][,offset=N]");
+  add_read_options(*app, options->read);
   app->add_flag("--undeformed", options->undeformed, "Show a state's body at rest");
-  app->add_option("--offsets", options->offsets,
-                  "Show a volume through a resample-direction warp (NRRD, MetaImage)")
+  app->add_option("--offsets", options->offsets, "Show a volume through a resample-direction warp")
       ->option_text("FIELD");
   add_offset_option(*app, options->offset);
   app->add_flag("--no-inverse", options->no_inverse,
@@ -267,7 +267,7 @@ Command add_render(CLI::App& program) {
                   "deformed: cut the picture (default); source: cut the tissue, which takes the "
                   "cut along")
       ->check(CLI::IsMember({"deformed", "source"}))
-      ->option_text("deformed|source");
+      ->option_text("SPACE");
   app->add_option("--light", options->lights,
                   "Direction to a light in LPS (or of the camera: right, up, to the viewer); "
                   "repeatable")

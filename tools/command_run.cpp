@@ -90,7 +90,7 @@ class SceneRun {
       : m_scene(scene),
         m_folder(options.folder),
         m_console(console),
-        m_session(scene.volume_path, scene.raw_spec, scene.material, scene.labels_path, console) {}
+        m_session(scene.volume_path, scene.read, scene.material, scene.labels_path, console) {}
 
   /// Solves and draws everything first, so that a scene that fails leaves nothing behind.
   void run() {
@@ -260,7 +260,7 @@ void check_scene(const Scene& scene, const Options& options, const GlobalOptions
   }
   const Geometry geometry = is_state_file(scene.volume_path)
                                 ? read_state(scene.volume_path).geometry
-                                : open_volume(scene.volume_path, scene.raw_spec)->header().geometry;
+                                : open_volume(scene.volume_path, scene.read)->header().geometry;
   for (const SceneStep& step : scene.steps) check_step(step, geometry);
   to_path(scene.offset, geometry);
   for (const SceneView& view : scene.views) to_path(view.offset, geometry);

@@ -4,6 +4,7 @@
 #include "tools/output_plan.h"
 #include "tools/outputs.h"
 #include "tools/parse.h"
+#include "tools/read_options.h"
 #include "tools/slice_view.h"
 #include "volumes/io/volume_file.h"
 
@@ -12,7 +13,8 @@ namespace supple::tools {
 namespace {
 
 struct Options {
-  std::string input, raw_spec, offset, at, window, output;
+  std::string input, offset, at, window, output;
+  ReadOptions read;
   std::string plane = "all";
   double scale = 2;
   bool undeformed = false;
@@ -44,7 +46,7 @@ Source open_source(const Options& options, Console& console) {
   if (options.undeformed) {
     throw UsageError("--undeformed: found a volume, expected a state file");
   }
-  Volume volume = load_volume(*open_volume(options.input, options.raw_spec), &console);
+  Volume volume = load_volume(*open_input(options.input, options.read, console), &console);
   Source source{volume.geometry, std::move(volume.density), {}, {}};
   if (!functions.empty()) {
     source.offsets =
@@ -92,8 +94,7 @@ Command add_slice(CLI::App& program) {
   app->add_option("input", options->input, "A volume or a state")
       ->required()
       ->option_text("VOLUME|STATE.vdb");
-  app->add_option("--raw", options->raw_spec,
-                  "Headerless raw: dims=X,Y,Z,type=int16,spacing=A,B,C[,endian=big][,offset=N]");
+  add_read_options(*app, options->read);
   add_offset_option(*app, options->offset);
   app->add_option("--at", options->at, "Voxel that the slices pass through (default: the middle)")
       ->option_text("I,J,K");

@@ -59,12 +59,12 @@ std::int64_t write_state_warp(const std::string& path, const State& state, const
                               WarpDirection direction, VoidMode mode, const Geometry& grid,
                               Console& console) {
   if (direction == WarpDirection::material) {
-    write_warp(path, state.geometry, direction, dense_displacement(deformed.displacement),
+    write_warp(path, {state.geometry, direction}, dense_displacement(deformed.displacement),
                &console);
     return 0;
   }
   const std::int64_t lost = warn_of_lost_material(path, state, deformed, grid, console);
-  write_warp(path, grid, direction,
+  write_warp(path, {grid, direction, to_json(deformed.offsets.certificate).dump()},
              dense_offsets(deformed.offsets, state.density.bricks(), grid, mode), &console);
   return lost;
 }

@@ -190,6 +190,26 @@ std::vector<std::string> Scene::outputs() const {
   return paths;
 }
 
+namespace {
+
+ReadOptions read_options(TomlTable& volume) {
+  ReadOptions options;
+  options.raw = volume.string("raw").value_or("");
+  for (const auto& [key, choice] :
+       {std::pair{"frame", &options.frame}, std::pair{"channel", &options.channel}}) {
+    const auto value = volume.integer(key);
+    if (!value) continue;
+    if (*value < 0 || *value > std::numeric_limits<int>::max()) {
+      volume.fail(key, std::to_string(*value), "an index from 0");
+    }
+    *choice = int(*value);
+  }
+  options.spacing_mm = volume.vector("spacing");
+  return options;
+}
+
+}  // namespace
+
 Scene read_scene(const std::string& path) {
   const toml::table root_table = read_toml_file(path);
   TomlTable root(root_table, path, "");
@@ -198,9 +218,9 @@ Scene read_scene(const std::string& path) {
 
   root.know({"volume", "labels", "material", "step", "view", "offset", "output"});
   TomlTable volume = root.require(root.table("volume"), "volume", "a table [volume] with a path");
-  volume.know({"path", "raw"});
+  volume.know({"path", "raw", "frame", "channel", "spacing"});
   scene.volume_path = volume.require(volume.path("path"), "path", "the path of a volume");
-  scene.raw_spec = volume.string("raw").value_or("");
+  scene.read = read_options(volume);
   volume.finish();
 
   if (auto labels = root.table("labels")) {

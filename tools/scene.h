@@ -36,7 +36,7 @@ struct SceneOutput {
 struct Scene {
   std::string file;
   std::string volume_path;  // resolved
-  std::string raw_spec;
+  ReadOptions read;
   std::string labels_path;  // resolved; empty without labels
   std::optional<MaterialTable> material;
   std::string material_path;  // resolved; empty for an inline table

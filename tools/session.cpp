@@ -7,6 +7,7 @@
 
 #include "tools/material_file.h"
 #include "tools/parse.h"
+#include "tools/read_options.h"
 #include "tools/version.h"
 #include "volumes/io/label_file.h"
 
@@ -73,23 +74,23 @@ void warn_of_report(const BallReport& report, Console& console) {
 
 }  // namespace
 
-Session::Session(const std::string& path, const std::string& raw_spec,
+Session::Session(const std::string& path, const ReadOptions& read,
                  const std::optional<MaterialTable>& material, const std::string& labels_path,
                  Console& console) {
   if (material) m_material = *material;
   if (is_state_file(path)) {
-    if (!raw_spec.empty()) throw InputError({path, "--raw", "a state file", "a raw volume"});
+    require_unused(read, path);
     m_state = read_state(path, &console);
     if (!material) m_material = parse_material(m_state.material_toml, path + " material");
   } else {
     if (!material) {
       const VolumeStatistics statistics =
-          digest_volume(*open_volume(path, raw_spec), &console).statistics;
+          digest_volume(*open_volume(path, read), &console).statistics;
       m_material = homogeneous_material(statistics.min, statistics.max);
       console.warn("no material given: every voxel above " + std::to_string(statistics.min) +
                    " is tissue of one kind (stretch 1.2, compression 0.8, shear 0.3)");
     }
-    open_volume_file(path, raw_spec, console);
+    open_volume_file(path, read, console);
   }
   if (!labels_path.empty()) open_labels(labels_path, console);
   warn_of_material(console);
@@ -106,10 +107,9 @@ Session::Session(const std::string& path, const std::string& raw_spec,
   }
 }
 
-void Session::open_volume_file(const std::string& path, const std::string& raw_spec,
-                               Console& console) {
-  ElementVolume loaded = load_elements(path, raw_spec, m_material.active_lo, m_material.active_hi,
-                                       m_material.components, 2, &console);
+void Session::open_volume_file(const std::string& path, const ReadOptions& read, Console& console) {
+  ElementVolume loaded = load_elements(*open_input(path, read, console), m_material.active_lo,
+                                       m_material.active_hi, m_material.components, 2, &console);
   if (loaded.volume.statistics.nan_count > 0) {
     console.warn(path + ": " + with_count(loaded.volume.statistics.nan_count, "NaN voxel") +
                  " treated as void");
@@ -126,7 +126,8 @@ void Session::open_labels(const std::string& path, Console& console) {
     throw InputError({path, "labels", "labels beside those that fix parts of the state",
                       "a state without fixed labels"});
   }
-  m_state.labels = read_labels(path, m_state.geometry, m_state.elements, &console);
+  m_state.labels =
+      read_labels(*open_input(path, {}, console), m_state.geometry, m_state.elements, &console);
   if (m_state.labels.empty()) console.warn(path + ": no element has a label");
 }
 

@@ -11,6 +11,7 @@
 #include "lib/chainmail/ecm.h"
 #include "tools/console.h"
 #include "tools/cut_surface.h"
+#include "volumes/io/volume_file.h"
 #include "volumes/state/state.h"
 
 namespace supple::tools {
@@ -48,7 +49,7 @@ class Session {
   /// Opens a volume (elements at rest) or a state (continued, under its own material and labels
   /// unless others are given). Without any material the tissue is homogeneous, and a warning says
   /// so. `labels_path` may be empty.
-  Session(const std::string& path, const std::string& raw_spec,
+  Session(const std::string& path, const ReadOptions& read,
           const std::optional<MaterialTable>& material, const std::string& labels_path,
           Console& console);
 
@@ -67,7 +68,7 @@ class Session {
   State state() const;
 
  private:
-  void open_volume_file(const std::string& path, const std::string& raw_spec, Console& console);
+  void open_volume_file(const std::string& path, const ReadOptions& read, Console& console);
   void open_labels(const std::string& path, Console& console);
   void warn_of_material(Console& console) const;
   Region region_of_label(std::int32_t label, const std::string& role) const;

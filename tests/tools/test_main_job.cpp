@@ -150,7 +150,7 @@ TEST_F(PropertyMainJob, AVolumeThroughItsExportedWarpIsThePictureOfTheState) {
       const std::size_t count = std::size_t(dims.x) * dims.y;
       for (std::size_t n = 0; n < count; ++n) out[n] = warp.vectors[k * count + n] * factor;
     };
-    write_warp(m_folder / name, warp.geometry, WarpDirection::resample, slices);
+    write_warp(m_folder / name, {warp.geometry, WarpDirection::resample}, slices);
     EXPECT_LT(ssim_through(name), 0.95) << name;
   }
 }

@@ -126,7 +126,7 @@ Body head_phantom_body(const Vec3i& size) {
 Body ct_head_body(const std::string& path) {
   const MaterialTable material = parse_material(kHeadMaterial, "bench head material");
   const ElementVolume loaded =
-      load_elements(path, "", material.active_lo, material.active_hi, material.components, 0);
+      load_elements(path, {}, material.active_lo, material.active_hi, material.components, 0);
   return make_body(loaded.volume.geometry, loaded.volume.density, loaded.elements, material);
 }
 

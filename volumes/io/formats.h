@@ -10,22 +10,30 @@
 namespace supple {
 
 /// NRRD 1 to 5, attached or detached, raw or gzip (teem.sourceforge.net/nrrd/format.html).
-std::unique_ptr<VolumeFile> open_nrrd(const std::string& path);
+std::unique_ptr<VolumeFile> open_nrrd(const std::string& path, const ReadOptions& options);
 /// MetaImage, .mha or .mhd (itk.org/Wiki/ITK/MetaIO/Documentation).
-std::unique_ptr<VolumeFile> open_metaimage(const std::string& path);
+std::unique_ptr<VolumeFile> open_metaimage(const std::string& path, const ReadOptions& options);
 /// NIfTI-1 and NIfTI-2: single file or .hdr with .img, each of them gzipped or not.
-std::unique_ptr<VolumeFile> open_nifti(const std::string& path);
+std::unique_ptr<VolumeFile> open_nifti(const std::string& path, const ReadOptions& options);
 /// One grey image as a one-slice volume.
 std::unique_ptr<VolumeFile> open_png(const std::string& path);
-std::unique_ptr<VolumeFile> open_tiff(const std::string& path);
+std::unique_ptr<VolumeFile> open_tiff(const std::string& path, const ReadOptions& options);
 /// Headerless values, described by `--raw`.
 std::unique_ptr<VolumeFile> open_raw(const std::string& path, const std::string& spec);
 
-/// What open_volume opens, or a file of vectors.
+/// What open_volume opens, or a file of vectors when no channel is chosen.
 std::unique_ptr<VolumeFile> open_scalars_or_vectors(const std::string& path,
-                                                    const std::string& raw_spec = "");
+                                                    const ReadOptions& options = {});
 /// Throws InputError for a file of vectors.
 void require_scalars(const VolumeHeader& header);
+
+/// The frame that `options` choose among `count`; 0 where there is but one. Throws InputError for a
+/// choice beyond them and for several without a choice, naming `field` of the file.
+int chosen_frame(const ReadOptions& options, std::int64_t count, const std::string& path,
+                 const std::string& field);
+
+/// One component of a file of several, as scalars.
+std::unique_ptr<VolumeFile> open_channel(std::unique_ptr<VolumeFile> file, int channel);
 
 /// True when the bytes (348 or more of them) are a NIfTI header.
 bool is_nifti_head(const std::string& head);

@@ -180,7 +180,8 @@ class TiffVolume : public VolumeFile {
 
 }  // namespace
 
-std::unique_ptr<VolumeFile> open_tiff(const std::string& path) {
+std::unique_ptr<VolumeFile> open_tiff(const std::string& path, const ReadOptions& options) {
+  chosen_frame(options, 1, path, "frames");
   return std::make_unique<TiffVolume>(path);
 }
 

@@ -153,13 +153,13 @@ ElementVolume load_elements(VolumeFile& file, double lo, double hi, int componen
   return result;
 }
 
-Volume load_volume(const std::string& path, const std::string& raw_spec, Progress* progress) {
-  return load_volume(*open_volume(path, raw_spec), progress);
+Volume load_volume(const std::string& path, const ReadOptions& options, Progress* progress) {
+  return load_volume(*open_volume(path, options), progress);
 }
 
-ElementVolume load_elements(const std::string& path, const std::string& raw_spec, double lo,
+ElementVolume load_elements(const std::string& path, const ReadOptions& options, double lo,
                             double hi, int components, int rings, Progress* progress) {
-  return load_elements(*open_volume(path, raw_spec), lo, hi, components, rings, progress);
+  return load_elements(*open_volume(path, options), lo, hi, components, rings, progress);
 }
 
 }  // namespace supple

@@ -122,6 +122,7 @@ StreamLayout layout_of(const MetaHeader& header) {
     if (channels.integer() != 3) channels.fail("1 (a scalar volume) or 3 (a warp)");
     layout.header.components = 3;
     layout.header.warp_direction = direction_in(header.field("Comment").text);
+    layout.header.certificate = header.field("SuppleCertificate").text;
   }
   const HeaderField binary = header.field("BinaryData");
   if (!binary.text.empty() && !binary.boolean()) binary.fail("True (values as text are not read)");
@@ -159,7 +160,8 @@ void apply_header_size(const MetaHeader& header, const InputFile& data, StreamLa
 
 }  // namespace
 
-std::unique_ptr<VolumeFile> open_metaimage(const std::string& path) {
+std::unique_ptr<VolumeFile> open_metaimage(const std::string& path, const ReadOptions& options) {
+  chosen_frame(options, 1, path, "frames");
   auto file = std::make_shared<InputFile>(path);
   const MetaHeader header = parse_header(*file);
   StreamLayout layout = layout_of(header);

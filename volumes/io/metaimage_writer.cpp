@@ -1,9 +1,8 @@
-// MetaImage headers as ITK reads them. TransformMatrix lists the unit vectors of i, j, k in turn.
+// MetaImage as ITK reads it. TransformMatrix lists the unit vectors of i, j, k in turn. MetaIO
+// takes the size of compressed data from the file's end, and inflates gzip as well as zlib streams.
 #include <array>
-#include <charconv>
 
-#include "volumes/base/error.h"
-#include "volumes/io/dense_header.h"
+#include "volumes/io/header_writer.h"
 
 namespace supple {
 
@@ -18,13 +17,7 @@ std::string triple(const Vec3d& v) {
   return exact_decimal(v.x) + " " + exact_decimal(v.y) + " " + exact_decimal(v.z);
 }
 
-}  // namespace
-
-std::string metaimage_header(const DenseImage& image, const std::string& path) {
-  if (!image.geometry.is_orthogonal()) {
-    throw InputError(
-        {path, "geometry", "sheared axes", "perpendicular axes in MetaImage (NRRD keeps shear)"});
-  }
+std::string header_of(const DenseImage& image, const std::string& data_file, bool compress) {
   const Vec3i& dims = image.geometry.dims();
   const auto direction = image.geometry.direction();
 
@@ -33,7 +26,7 @@ std::string metaimage_header(const DenseImage& image, const std::string& path) {
     text += "Comment = supple direction " + image.direction + ", vectors in mm LPS\n";
   }
   text += "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\n";
-  text += "CompressedData = False\n";
+  text += std::string("CompressedData = ") + (compress ? "True" : "False") + "\n";
   text += "TransformMatrix = " + triple(direction[0]) + " " + triple(direction[1]) + " " +
           triple(direction[2]) + "\n";
   text += "Offset = " + triple(image.geometry.origin_lps_mm()) + "\n";
@@ -44,14 +37,20 @@ std::string metaimage_header(const DenseImage& image, const std::string& path) {
   if (image.components > 1) {
     text += "ElementNumberOfChannels = " + std::to_string(image.components) + "\n";
   }
+  if (!image.certificate.empty()) text += "SuppleCertificate = " + image.certificate + "\n";
   text += std::string("ElementType = ") + kTypeNames[std::size_t(image.type)] + "\n";
-  return text + "ElementDataFile = " + (image.data_file.empty() ? "LOCAL" : image.data_file) + "\n";
+  return text + "ElementDataFile = " + (data_file.empty() ? "LOCAL" : data_file) + "\n";
 }
 
-std::string exact_decimal(double value) {
-  char digits[32];
-  const auto end = std::to_chars(digits, digits + sizeof digits, value).ptr;
-  return {digits, end};
+}  // namespace
+
+std::unique_ptr<DenseWriter> create_metaimage(const std::string& path, const std::string& raw_path,
+                                              const DenseImage& image,
+                                              const WriteOptions& options) {
+  require_perpendicular(image, path, "MetaImage");
+  const std::string header = header_of(image, file_name_of(raw_path), options.compress);
+  return write_after_header(path, raw_path, header, image,
+                            options.compress ? StreamCoding::gzip : StreamCoding::plain);
 }
 
 }  // namespace supple

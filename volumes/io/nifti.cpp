@@ -226,7 +226,8 @@ bool is_nifti_head(const std::string& head) {
   return decode(head, header);
 }
 
-std::unique_ptr<VolumeFile> open_nifti(const std::string& path) {
+std::unique_ptr<VolumeFile> open_nifti(const std::string& path, const ReadOptions& options) {
+  chosen_frame(options, 1, path, "frames");
   const std::string header_path = partner(path, ".img", ".hdr");
   NiftiHeader header;
   const auto header_file = std::make_shared<InputFile>(header_path);

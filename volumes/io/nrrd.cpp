@@ -240,6 +240,8 @@ void read_lattice(const NrrdHeader& header, VolumeHeader& volume) {
   check_frame_of_vectors(header, axes);
   const auto direction = header.keys.find("supple direction");
   if (direction != header.keys.end()) volume.warp_direction = direction->second;
+  const auto certificate = header.keys.find("supple certificate");
+  if (certificate != header.keys.end()) volume.certificate = certificate->second;
 }
 
 StreamLayout layout_of(const NrrdHeader& header) {
@@ -289,7 +291,8 @@ void apply_skips(const NrrdHeader& header, const InputFile& data, StreamLayout& 
 
 }  // namespace
 
-std::unique_ptr<VolumeFile> open_nrrd(const std::string& path) {
+std::unique_ptr<VolumeFile> open_nrrd(const std::string& path, const ReadOptions& options) {
+  chosen_frame(options, 1, path, "frames");
   auto file = std::make_shared<InputFile>(path);
   const NrrdHeader header = parse_nrrd_header(*file);
   StreamLayout layout = layout_of(header);

@@ -43,11 +43,9 @@ std::string extension_of(const std::string& path) {
   return lower_case(file.stem().extension().string()) + last;
 }
 
-}  // namespace
-
-std::unique_ptr<VolumeFile> open_scalars_or_vectors(const std::string& path,
-                                                    const std::string& raw_spec) {
-  if (!raw_spec.empty()) return open_raw(path, raw_spec);
+/// The reader of a file, by content first and extension second.
+std::unique_ptr<VolumeFile> open_known(const std::string& path, const ReadOptions& options) {
+  if (!options.raw.empty()) return open_raw(path, options.raw);
   std::string head;
   {
     const InputFile file(path);
@@ -55,24 +53,24 @@ std::unique_ptr<VolumeFile> open_scalars_or_vectors(const std::string& path,
     if (is_gzip(head)) head = gzip_head(file, kHeadBytes);
   }
 
-  if (starts_with(head, "NRRD")) return open_nrrd(path);
+  if (starts_with(head, "NRRD")) return open_nrrd(path, options);
   if (starts_with(head, "\x89PNG\r\n\x1a\n")) return open_png(path);
-  if (is_tiff(head)) return open_tiff(path);
-  if (is_nifti_head(head)) return open_nifti(path);
-  if (is_metaimage(head)) return open_metaimage(path);
+  if (is_tiff(head)) return open_tiff(path, options);
+  if (is_nifti_head(head)) return open_nifti(path, options);
+  if (is_metaimage(head)) return open_metaimage(path, options);
   if (is_openvdb(head)) {
     throw InputError({path, "format", "an OpenVDB file", "a volume that is not a .vdb file"});
   }
 
   const std::string extension = extension_of(path);
-  if (extension == ".nrrd" || extension == ".nhdr") return open_nrrd(path);
-  if (extension == ".mha" || extension == ".mhd") return open_metaimage(path);
+  if (extension == ".nrrd" || extension == ".nhdr") return open_nrrd(path, options);
+  if (extension == ".mha" || extension == ".mhd") return open_metaimage(path, options);
   if (extension == ".nii" || extension == ".nii.gz" || extension == ".hdr" ||
       extension == ".hdr.gz" || extension == ".img" || extension == ".img.gz") {
-    return open_nifti(path);
+    return open_nifti(path, options);
   }
   if (extension == ".png") return open_png(path);
-  if (extension == ".tif" || extension == ".tiff") return open_tiff(path);
+  if (extension == ".tif" || extension == ".tiff") return open_tiff(path, options);
   if (extension == ".raw" || extension == ".bin") {
     throw InputError({path, "format", "headerless raw values",
                       "its .nhdr or .mhd header, or --raw dims=X,Y,Z,type=T,spacing=A,B,C"});
@@ -81,15 +79,32 @@ std::unique_ptr<VolumeFile> open_scalars_or_vectors(const std::string& path,
                     "NRRD, MetaImage, NIfTI, PNG, TIFF, or raw values described by --raw"});
 }
 
+/// Readers of several frames choose among them by themselves.
+bool has_frames(const std::string& format) {
+  return format != "png" && format != "raw" && format != "vdb";
+}
+
+}  // namespace
+
+std::unique_ptr<VolumeFile> open_scalars_or_vectors(const std::string& path,
+                                                    const ReadOptions& options) {
+  std::unique_ptr<VolumeFile> file = open_known(path, options);
+  if (!has_frames(file->header().format)) chosen_frame(options, 1, path, "frames");
+  if (options.spacing_mm) file->set_spacing(*options.spacing_mm);
+  if (options.channel) file = open_channel(std::move(file), *options.channel);
+  return file;
+}
+
 void require_scalars(const VolumeHeader& header) {
   if (header.components == 1) return;
   throw InputError({header.path, "values",
                     std::to_string(header.components) + " components per voxel",
-                    "a scalar volume; a warp goes to --offsets"});
+                    "a scalar volume, or --channel 0 to " + std::to_string(header.components - 1) +
+                        "; a warp goes to --offsets"});
 }
 
-std::unique_ptr<VolumeFile> open_volume(const std::string& path, const std::string& raw_spec) {
-  std::unique_ptr<VolumeFile> file = open_scalars_or_vectors(path, raw_spec);
+std::unique_ptr<VolumeFile> open_volume(const std::string& path, const ReadOptions& options) {
+  std::unique_ptr<VolumeFile> file = open_scalars_or_vectors(path, options);
   require_scalars(file->header());
   return file;
 }

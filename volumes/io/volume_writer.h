@@ -3,27 +3,29 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "volumes/field/resample.h"
 #include "volumes/field/warp.h"
-#include "volumes/io/volume_file.h"
+#include "volumes/io/dense_writer.h"
 
 namespace supple {
 
-/// Scalar volume; the format follows the extension: .nrrd, .nhdr (+ .raw), .mha, .mhd (+ .raw).
-/// Values are rounded and clamped for integer types; NaN becomes 0 there.
-/// Throws InputError (unknown extension; sheared geometry in MetaImage) and SystemError.
+/// Scalar volume; the format follows the extension. Values are rounded and clamped for integer
+/// types; NaN becomes 0 there. Throws as create_dense.
 void write_volume(const std::string& path, const Geometry& geometry, ValueType type,
-                  const ScalarSliceSource& slices, Progress* progress = nullptr);
+                  const ScalarSliceSource& slices, Progress* progress = nullptr,
+                  const WriteOptions& options = {});
 
-/// Vector field in LPS mm, float32, components fastest; the same extensions. The direction is
-/// recorded in the header (NRRD: key `supple direction`; MetaImage: comment). Errors as above.
-void write_warp(const std::string& path, const Geometry& geometry, WarpDirection direction,
-                const VectorSliceSource& slices, Progress* progress = nullptr);
+/// What a warp file says beside its vectors.
+struct WarpFacts {
+  Geometry geometry;
+  WarpDirection direction = WarpDirection::resample;
+  std::string certificate = "";  // of the inversion, one line of JSON; empty: none
+};
 
-/// The files that writing to `path` creates or replaces: itself, and for detached headers the
-/// `.raw` beside it. Throws InputError for an unknown extension.
-std::vector<std::string> output_files(const std::string& path);
+/// Vector field in LPS mm, float32. Direction and certificate are recorded in the file. Throws as
+/// create_dense.
+void write_warp(const std::string& path, const WarpFacts& facts, const VectorSliceSource& slices,
+                Progress* progress = nullptr, const WriteOptions& options = {});
 
 }  // namespace supple

@@ -101,7 +101,7 @@ Image own_reading(const Image& source, const OffsetField& offsets, double sign) 
 
 void export_warp(const std::string& path, const OffsetField& offsets, double sign) {
   const Geometry& geometry = offsets.geometry;
-  write_warp(path, geometry, WarpDirection::resample, [&](int k, Vec3f* out) {
+  write_warp(path, {geometry, WarpDirection::resample}, [&](int k, Vec3f* out) {
     for (int j = 0; j < kDims.y; ++j) {
       for (int i = 0; i < kDims.x; ++i) {
         Vec3f o;
@@ -247,7 +247,7 @@ void expect_agreement_on_inverted_states(const Judge& judge) {
       std::copy_n(&source[slot(0, 0, k)], kDims.x * kDims.y, out);
     });
     for (const char* name : {"warp.nrrd", "warp.mha"}) {
-      write_warp(folder / name, geometry, WarpDirection::resample,
+      write_warp(folder / name, {geometry, WarpDirection::resample},
                  dense_offsets(offsets, state.density.bricks(), geometry, VoidMode::nearest));
       const Image pulled = read_image(judge(folder, geometry, folder / name));
       EXPECT_LE(mean_difference(pulled, expected), kTolerance) << name;

@@ -60,7 +60,7 @@ std::string error_of(const std::function<void()>& action) {
 
 TEST(UnitWriter, AnNrrdWarpHasExactlyTheFieldsOfTheDesign) {
   const ScratchFolder folder("writer-nrrd");
-  write_warp(folder / "a.nrrd", kOblong, WarpDirection::resample, counting_vectors);
+  write_warp(folder / "a.nrrd", {kOblong, WarpDirection::resample}, counting_vectors);
   EXPECT_EQ(file_bytes(folder / "a.nrrd"),
             "NRRD0004\n"
             "# written by supple\n"
@@ -82,7 +82,7 @@ TEST(UnitWriter, AnNrrdWarpHasExactlyTheFieldsOfTheDesign) {
 
 TEST(UnitWriter, AMetaImageWarpIsInterleavedFloatWithTheDirectionAsComment) {
   const ScratchFolder folder("writer-metaimage");
-  write_warp(folder / "a.mha", kOblong, WarpDirection::material, counting_vectors);
+  write_warp(folder / "a.mha", {kOblong, WarpDirection::material}, counting_vectors);
   EXPECT_EQ(file_bytes(folder / "a.mha"),
             "Comment = supple direction material, vectors in mm LPS\n"
             "ObjectType = Image\n"
@@ -103,10 +103,10 @@ TEST(UnitWriter, AMetaImageWarpIsInterleavedFloatWithTheDirectionAsComment) {
 
 TEST(UnitWriter, DetachedHeadersNameTheRawFileBesideThem) {
   const ScratchFolder folder("writer-detached");
-  write_warp(folder / "a.nhdr", kOblong, WarpDirection::resample, counting_vectors);
+  write_warp(folder / "a.nhdr", {kOblong, WarpDirection::resample}, counting_vectors);
   EXPECT_NE(file_bytes(folder / "a.nhdr").find("\ndata file: a.raw\n"), std::string::npos);
   EXPECT_EQ(file_bytes(folder / "a.raw"), values_of_counting_vectors());
-  write_warp(folder / "b.MHD", kOblong, WarpDirection::resample, counting_vectors);
+  write_warp(folder / "b.MHD", {kOblong, WarpDirection::resample}, counting_vectors);
   EXPECT_NE(file_bytes(folder / "b.MHD").find("ElementDataFile = b.raw\n"), std::string::npos);
   EXPECT_EQ(file_bytes(folder / "b.raw"), values_of_counting_vectors());
   EXPECT_EQ(folder.file_count(), 4u);
@@ -177,8 +177,9 @@ TEST(PropertyWriter, OurReadersGiveBackGeometryAndValuesOfEveryFormatAndType) {
 TEST(FaultWriter, ShearIsKeptByNrrdAndRefusedByMetaImage) {
   const ScratchFolder folder("writer-shear");
   for (const char* name : {"a.mha", "a.mhd"}) {
-    const std::string error = error_of(
-        [&] { write_warp(folder / name, kSheared, WarpDirection::resample, counting_vectors); });
+    const std::string error = error_of([&] {
+      write_warp(folder / name, {kSheared, WarpDirection::resample}, counting_vectors);
+    });
     EXPECT_NE(error.find("geometry: found sheared axes"), std::string::npos) << error;
   }
   EXPECT_EQ(folder.file_count(), 0u);

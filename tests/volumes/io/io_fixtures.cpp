@@ -144,9 +144,9 @@ std::string read_all(VolumeFile& file) {
   return bytes;
 }
 
-std::string failure_of(const std::string& path, const std::string& raw_spec) {
+std::string failure_of(const std::string& path, const ReadOptions& options) {
   try {
-    const auto file = open_volume(path, raw_spec);
+    const auto file = open_volume(path, options);
     read_all(*file);
   } catch (const InputError& error) {
     return error.what();

@@ -69,6 +69,6 @@ void write_tiff(const std::string& path, int width, int height, const TiffOption
 std::string read_all(VolumeFile& file);
 
 /// The line of the InputError that opening and reading the file throws; "" when it reads.
-std::string failure_of(const std::string& path, const std::string& raw_spec = "");
+std::string failure_of(const std::string& path, const ReadOptions& options = {});
 
 }  // namespace supple::test

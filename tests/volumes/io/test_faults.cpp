@@ -32,7 +32,7 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 /// The file must fail with a single line that holds all of `parts` and the file's name.
 void expect_failure(const std::string& path, const std::vector<std::string>& parts,
                     const std::string& raw_spec = "") {
-  const std::string line = failure_of(path, raw_spec);
+  const std::string line = failure_of(path, {raw_spec});
   EXPECT_NE(line, "") << path << " was read";
   EXPECT_EQ(line.find('\n'), std::string::npos) << line;
   EXPECT_LT(line.size(), 400u) << line;
@@ -361,7 +361,7 @@ TEST(FaultFuzz, MutatedRawSpecsReadOrThrowInputError) {
     const std::string spec =
         mutated("dims=2,3,2,type=int16,spacing=1,1,1,endian=big,offset=0", random);
     if (spec.empty()) continue;
-    EXPECT_NO_THROW(failure_of(path, spec)) << spec;
+    EXPECT_NO_THROW(failure_of(path, {spec})) << spec;
   }
 }
 

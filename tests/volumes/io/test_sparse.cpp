@@ -274,7 +274,7 @@ TEST(PropertyLoad, FilesOfEveryFormatDigestAlike) {
                      data);
     folder.write("a.nii.gz", gzip(nifti_header({9, 10, 11}) + data));
     EXPECT_EQ(digest_volume(*open_volume(folder.file("a.raw"),
-                                         "dims=9,10,11,type=int16,spacing=1,1,1,endian=big"))
+                                         {"dims=9,10,11,type=int16,spacing=1,1,1,endian=big"}))
                   .sha256,
               hash);
     for (const char* name : {"a.nrrd", "a.mha", "a.nii.gz"}) {
@@ -293,7 +293,7 @@ TEST(UnitRealData, HeadCtLoadsSparse) {
   EXPECT_EQ(digest.statistics.min, -1024);
   EXPECT_EQ(digest.statistics.max, 2986);
   EXPECT_EQ(digest.statistics.above_min_count, 6746434);
-  const ElementVolume head = load_elements(path, "", 300, 4000, 1);
+  const ElementVolume head = load_elements(path, {}, 300, 4000, 1);
   EXPECT_TRUE(head.elements.is_active({128, 211, 12}));
   EXPECT_LT(head.volume.density.bytes(), 12000000u);
 }

@@ -25,7 +25,7 @@ TEST(UnitRaw, SpecGivesDimsTypeSpacingEndianAndOffset) {
   const TemporaryFolder folder;
   const std::string path = folder.write("a.raw", "12345" + bytes_of_values(kShorts, true));
   const auto file =
-      open_volume(path, "dims=3,2,2,type=int16,spacing=0.5,1,2.5,endian=big,offset=5");
+      open_volume(path, {"dims=3,2,2,type=int16,spacing=0.5,1,2.5,endian=big,offset=5"});
   EXPECT_EQ(file->header().format, "raw");
   EXPECT_EQ(file->header().geometry.dims(), Vec3i(3, 2, 2));
   expect_axes(*file, {0, 0, 0}, {Vec3d(0.5, 0, 0), {0, 1, 0}, {0, 0, 2.5}});
@@ -35,7 +35,7 @@ TEST(UnitRaw, SpecGivesDimsTypeSpacingEndianAndOffset) {
 TEST(UnitRaw, TwoDimsMakeOneSlice) {
   const TemporaryFolder folder;
   const auto file = open_volume(folder.write("a.raw", bytes_of_values(kShorts)),
-                                "type=int16,dims=4,3,spacing=1,2");
+                                {"type=int16,dims=4,3,spacing=1,2"});
   EXPECT_EQ(file->header().geometry.dims(), Vec3i(4, 3, 1));
 }
 
@@ -169,11 +169,12 @@ void expect_type(ValueType type, const std::string& nrrd_name, const std::string
   }
   for (const std::string& path : paths) {
     const bool raw = path == paths[0];
-    const auto file = open_volume(path, raw ? "dims=2,2,spacing=1,1,endian=big,type=" + name : "");
+    const auto file =
+        open_volume(path, {raw ? "dims=2,2,spacing=1,1,endian=big,type=" + name : ""});
     EXPECT_EQ(file->header().type, type) << path << " " << name;
     EXPECT_EQ(read_all(*file), bytes_of_values(values)) << path << " " << name;
     const VolumeDigest digest = digest_volume(
-        *open_volume(path, raw ? "dims=2,2,spacing=1,1,endian=big,type=" + name : ""));
+        *open_volume(path, {raw ? "dims=2,2,spacing=1,1,endian=big,type=" + name : ""}));
     EXPECT_EQ(digest.statistics.min, std::min(double(T(-1)), 1.0)) << name;
     EXPECT_EQ(digest.statistics.max, std::max(double(T(-1)), 100.0)) << name;
   }

@@ -147,7 +147,7 @@ TEST(UnitWarpFile, WhatTheWriterWroteReadsBackWithItsDirection) {
   const auto slices = [&](int k, Vec3f* out) { std::copy_n(vectors.begin() + 6 * k, 6, out); };
   for (const WarpDirection direction : {WarpDirection::resample, WarpDirection::material}) {
     for (const char* name : {"a.nrrd", "a.nhdr", "a.mha", "a.mhd"}) {
-      write_warp(folder.file(name), grid, direction, slices);
+      write_warp(folder.file(name), {grid, direction}, slices);
       const Warp warp = read_warp(folder.file(name));
       EXPECT_EQ(warp.geometry, grid) << name;
       EXPECT_EQ(warp.direction, direction) << name;
@@ -173,7 +173,8 @@ TEST(FaultWarpFile, ScalarsAndVectorsAreNotMixedUp) {
                                           folder.write("a.mha", metaimage("") + data)};
   for (const std::string& path : warps) {
     const std::string line = failure_of(path);
-    EXPECT_NE(line.find("found 3 components per voxel, expected a scalar volume; a warp goes to "
+    EXPECT_NE(line.find("found 3 components per voxel, expected a scalar volume, or --channel 0 to "
+                        "2; a warp goes to "
                         "--offsets"),
               std::string::npos)
         << line;

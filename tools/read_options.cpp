@@ -1,0 +1,39 @@
+#include "tools/read_options.h"
+
+#include "tools/parse.h"
+
+namespace supple::tools {
+
+void add_read_options(CLI::App& app, ReadOptions& options) {
+  app.add_option("--raw", options.raw,
+                 "Headerless raw: dims=X,Y,Z,type=int16,spacing=A,B,C[,endian=big][,offset=N]");
+  app.add_option("--frame", options.frame, "One volume of a time series, from 0")->option_text("N");
+  app.add_option("--channel", options.channel, "One of several values per voxel, from 0")
+      ->option_text("N");
+  app.add_option_function<std::string>(
+         "--spacing",
+         [&options](const std::string& text) {
+           options.spacing_mm = parse_vector("--spacing", text);
+         },
+         "Voxel size in mm in place of the file's")
+      ->option_text("A,B,C");
+}
+
+std::unique_ptr<VolumeFile> open_input(const std::string& path, const ReadOptions& options,
+                                       Console& console) {
+  std::unique_ptr<VolumeFile> file = open_volume(path, options);
+  for (const std::string& line : file->header().warnings) console.warn(path + ": " + line);
+  return file;
+}
+
+void require_unused(const ReadOptions& options, const std::string& path) {
+  const auto refuse = [&](bool is_set, const char* name) {
+    if (is_set) throw InputError({path, name, "a state file", "a volume"});
+  };
+  refuse(!options.raw.empty(), "--raw");
+  refuse(options.frame.has_value(), "--frame");
+  refuse(options.channel.has_value(), "--channel");
+  refuse(options.spacing_mm.has_value(), "--spacing");
+}
+
+}  // namespace supple::tools

@@ -1,0 +1,17 @@
+// Writers of formats that are a text header and a run of values, attached or in a file beside it:
+// NRRD and MetaImage.
+#pragma once
+
+#include "volumes/io/dense_writer.h"
+
+namespace supple {
+
+/// Writes `header`, then the slices as they come: little-endian, plain, or as one gzip or zlib
+/// stream. Both files of a pair are complete before the first of them takes its name.
+enum class StreamCoding { plain, gzip };
+std::unique_ptr<DenseWriter> write_after_header(const std::string& path,
+                                                const std::string& raw_path,
+                                                const std::string& header, const DenseImage& image,
+                                                StreamCoding coding);
+
+}  // namespace supple

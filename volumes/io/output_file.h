@@ -1,0 +1,37 @@
+// A file written front to back under a temporary name, whose errors name the final path.
+#pragma once
+
+#include <fstream>
+#include <string>
+
+#include "volumes/base/atomic_file.h"
+
+namespace supple {
+
+/// Without commit() nothing remains. Throws SystemError (disk full, no permission) and as
+/// AtomicFile.
+class OutputFile {
+ public:
+  explicit OutputFile(const std::string& path);
+
+  void write(const void* data, std::size_t size);
+  void write(const std::string& text) { write(text.data(), text.size()); }
+  /// Where the next bytes go, from the start of the file.
+  void seek(std::int64_t offset);
+  /// Everything is handed to the system; no more writing.
+  void close();
+  /// After close(): to disk, then to the final name.
+  void commit() { m_file.commit(); }
+
+  /// For libraries that write by themselves, instead of write().
+  const std::string& temporary_path() const { return m_file.path(); }
+  const std::string& final_path() const { return m_file.final_path(); }
+
+ private:
+  void check() const;
+
+  AtomicFile m_file;
+  std::ofstream m_stream;
+};
+
+}  // namespace supple
