@@ -49,6 +49,10 @@ std::int64_t warn_of_lost_material(const std::string& path, const State& state,
 
 }  // namespace
 
+void warn_of_all(const std::string& path, const std::vector<std::string>& lines, Console& console) {
+  for (const std::string& line : lines) console.warn(path + ": " + line);
+}
+
 VoidMode parse_void_mode(const std::string& name) {
   if (name == "nearest") return VoidMode::nearest;
   if (name == "outside") return VoidMode::outside;
@@ -59,13 +63,16 @@ std::int64_t write_state_warp(const std::string& path, const State& state, const
                               WarpDirection direction, VoidMode mode, const Geometry& grid,
                               Console& console) {
   if (direction == WarpDirection::material) {
-    write_warp(path, {state.geometry, direction}, dense_displacement(deformed.displacement),
-               &console);
+    warn_of_all(path,
+                write_warp(path, {state.geometry, direction},
+                           dense_displacement(deformed.displacement), &console),
+                console);
     return 0;
   }
   const std::int64_t lost = warn_of_lost_material(path, state, deformed, grid, console);
-  write_warp(path, {grid, direction, to_json(deformed.offsets.certificate).dump()},
-             dense_offsets(deformed.offsets, state.density.bricks(), grid, mode), &console);
+  const WarpFacts facts{grid, direction, to_json(deformed.offsets.certificate).dump()};
+  const auto slices = dense_offsets(deformed.offsets, state.density.bricks(), grid, mode);
+  warn_of_all(path, write_warp(path, facts, slices, &console), console);
   return lost;
 }
 
@@ -74,9 +81,9 @@ std::int64_t write_resampled(const std::string& path, const State& state, const 
   const std::int64_t lost = warn_of_lost_material(path, state, deformed, grid, console);
   ValueType type = ValueType::float32;
   find_numpy_type(state.source_type, type);
-  write_volume(path, grid, type,
-               dense_resampled(deformed.offsets, state.density, grid, state.density.background()),
-               &console);
+  const auto slices =
+      dense_resampled(deformed.offsets, state.density, grid, state.density.background());
+  warn_of_all(path, write_volume(path, grid, type, slices, &console), console);
   return lost;
 }
 

@@ -23,6 +23,9 @@ struct GridChoice {
 };
 Geometry choose_grid(const Geometry& source, const GridChoice& choice);
 
+/// What a writer could not keep, as warnings that name the file.
+void warn_of_all(const std::string& path, const std::vector<std::string>& lines, Console& console);
+
 VoidMode parse_void_mode(const std::string& name);
 
 /// Both warn of material that leaves the grid and return how many voxels of it do.

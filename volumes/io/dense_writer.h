@@ -35,6 +35,8 @@ class DenseWriter {
   virtual void write_slice(const void* values) = 0;
   /// After the last slice: completes the files and gives them their names.
   virtual void commit() = 0;
+  /// What the format could not keep, known after commit(): each a line without the file's name.
+  virtual std::vector<std::string> warnings() const { return {}; }
 };
 
 /// Throws InputError: unknown extension, a format that cannot hold the image (sheared axes,

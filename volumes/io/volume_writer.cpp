@@ -8,10 +8,11 @@ namespace supple {
 
 namespace {
 
-/// Slices one by one; `fill(k, out)` writes the bytes of slice k.
+/// Slices one by one; `fill(k, out)` writes the bytes of slice k. Returns the writer's warnings.
 template <class Fill>
-void write_image(const std::string& path, const DenseImage& image, const WriteOptions& options,
-                 const Fill& fill, Progress* progress) {
+std::vector<std::string> write_image(const std::string& path, const DenseImage& image,
+                                     const WriteOptions& options, const Fill& fill,
+                                     Progress* progress) {
   if (progress != nullptr) progress->stage("writing");
   const std::unique_ptr<DenseWriter> writer = create_dense(path, image, options);
   const Vec3i& dims = image.geometry.dims();
@@ -22,6 +23,7 @@ void write_image(const std::string& path, const DenseImage& image, const WriteOp
     report(progress, double(k + 1) / dims.z);
   }
   writer->commit();
+  return writer->warnings();
 }
 
 template <class Value>
@@ -82,9 +84,9 @@ void convert(ValueType type, const std::vector<float>& values, char* out) {
 
 }  // namespace
 
-void write_volume(const std::string& path, const Geometry& geometry, ValueType type,
-                  const ScalarSliceSource& slices, Progress* progress,
-                  const WriteOptions& options) {
+std::vector<std::string> write_volume(const std::string& path, const Geometry& geometry,
+                                      ValueType type, const ScalarSliceSource& slices,
+                                      Progress* progress, const WriteOptions& options) {
   std::vector<float> values(std::size_t(geometry.dims().x) * geometry.dims().y);
   const auto fill = [&](int k, char* out) {
     slices(k, values.data());
@@ -93,11 +95,12 @@ void write_volume(const std::string& path, const Geometry& geometry, ValueType t
   DenseImage image;
   image.geometry = geometry;
   image.type = type;
-  write_image(path, image, options, fill, progress);
+  return write_image(path, image, options, fill, progress);
 }
 
-void write_warp(const std::string& path, const WarpFacts& facts, const VectorSliceSource& slices,
-                Progress* progress, const WriteOptions& options) {
+std::vector<std::string> write_warp(const std::string& path, const WarpFacts& facts,
+                                    const VectorSliceSource& slices, Progress* progress,
+                                    const WriteOptions& options) {
   std::vector<Vec3f> vectors(std::size_t(facts.geometry.dims().x) * facts.geometry.dims().y);
   const auto fill = [&](int k, char* out) {
     slices(k, vectors.data());
@@ -108,7 +111,7 @@ void write_warp(const std::string& path, const WarpFacts& facts, const VectorSli
   image.components = 3;
   image.direction = facts.direction == WarpDirection::resample ? "resample" : "material";
   image.certificate = facts.certificate;
-  write_image(path, image, options, fill, progress);
+  return write_image(path, image, options, fill, progress);
 }
 
 }  // namespace supple

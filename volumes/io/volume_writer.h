@@ -11,10 +11,11 @@
 namespace supple {
 
 /// Scalar volume; the format follows the extension. Values are rounded and clamped for integer
-/// types; NaN becomes 0 there. Throws as create_dense.
-void write_volume(const std::string& path, const Geometry& geometry, ValueType type,
-                  const ScalarSliceSource& slices, Progress* progress = nullptr,
-                  const WriteOptions& options = {});
+/// types; NaN becomes 0 there. Returns DenseWriter::warnings(). Throws as create_dense.
+std::vector<std::string> write_volume(const std::string& path, const Geometry& geometry,
+                                      ValueType type, const ScalarSliceSource& slices,
+                                      Progress* progress = nullptr,
+                                      const WriteOptions& options = {});
 
 /// What a warp file says beside its vectors.
 struct WarpFacts {
@@ -23,9 +24,10 @@ struct WarpFacts {
   std::string certificate = "";  // of the inversion, one line of JSON; empty: none
 };
 
-/// Vector field in LPS mm, float32. Direction and certificate are recorded in the file. Throws as
-/// create_dense.
-void write_warp(const std::string& path, const WarpFacts& facts, const VectorSliceSource& slices,
-                Progress* progress = nullptr, const WriteOptions& options = {});
+/// Vector field in LPS mm, float32. Direction and certificate are recorded in the file. Returns
+/// DenseWriter::warnings(). Throws as create_dense.
+std::vector<std::string> write_warp(const std::string& path, const WarpFacts& facts,
+                                    const VectorSliceSource& slices, Progress* progress = nullptr,
+                                    const WriteOptions& options = {});
 
 }  // namespace supple
