@@ -25,10 +25,9 @@ struct OutputFormat {
 };
 
 constexpr OutputFormat kFormats[] = {
-    {".nrrd", create_nrrd, false, false, true},
-    {".nhdr", create_nrrd, true, false, false},
-    {".mha", create_metaimage, false, false, true},
-    {".mhd", create_metaimage, true, false, false},
+    {".nrrd", create_nrrd, false, false, true},     {".nhdr", create_nrrd, true, false, false},
+    {".mha", create_metaimage, false, false, true}, {".mhd", create_metaimage, true, false, false},
+    {".nii", create_nifti, false, true, false},     {".nii.gz", create_nifti, false, true, false},
 };
 
 std::string all_extensions() {

@@ -58,6 +58,9 @@ std::unique_ptr<DenseWriter> create_nrrd(const std::string& path, const std::str
 std::unique_ptr<DenseWriter> create_metaimage(const std::string& path, const std::string& raw_path,
                                               const DenseImage& image, const WriteOptions& options);
 
+std::unique_ptr<DenseWriter> create_nifti(const std::string& path, const std::string& raw_path,
+                                          const DenseImage& image, const WriteOptions& options);
+
 /// Throws InputError for axes that are not perpendicular.
 void require_perpendicular(const DenseImage& image, const std::string& path,
                            const std::string& format);

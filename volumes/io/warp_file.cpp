@@ -19,14 +19,15 @@ std::optional<WarpDirection> parse_direction(const VolumeHeader& header) {
   HeaderField{header.path, "supple direction", name}.fail("resample or material");
 }
 
-/// One slice as floats; returns how many vectors are not finite.
+/// One slice as floats in LPS; returns how many vectors are not finite.
 std::int64_t convert_slice(const VolumeHeader& header, const std::vector<char>& stored,
                            std::vector<double>& values, Vec3f* out) {
   scale_values_of(header.type)(stored.data(), values.size(), header.slope, header.intercept,
                                values.data());
+  const Vec3d to_lps = header.vectors_in_ras ? Vec3d(-1, -1, 1) : Vec3d(1);
   std::int64_t bad = 0;
   for (std::size_t n = 0; n < values.size() / 3; ++n) {
-    out[n] = Vec3f(Vec3d(values[3 * n], values[3 * n + 1], values[3 * n + 2]));
+    out[n] = Vec3f(Vec3d(values[3 * n], values[3 * n + 1], values[3 * n + 2]) * to_lps);
     bad += !(std::isfinite(out[n].x) && std::isfinite(out[n].y) && std::isfinite(out[n].z));
   }
   return bad;
@@ -38,8 +39,11 @@ Warp read_warp(const std::string& path, Progress* progress) {
   const auto file = open_scalars_or_vectors(path);
   const VolumeHeader& header = file->header();
   if (header.components != 3) {
-    throw InputError({path, "values", "one component per voxel",
-                      "a warp: three components per voxel, NRRD or MetaImage"});
+    const std::string count = header.components == 1 ? "one" : std::to_string(header.components);
+    throw InputError(
+        {path, "values",
+         count + (header.components == 1 ? " component" : " components") + " per voxel",
+         "a warp: three components per voxel"});
   }
   Warp warp{path, header.geometry, parse_direction(header), {}};
   if (progress != nullptr) progress->stage("reading");

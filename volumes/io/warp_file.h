@@ -1,5 +1,5 @@
-// Warp files of other programs and of volume_writer.h: three components per voxel, NRRD or
-// MetaImage, whatever their value type, byte order and compression (design.md section 7).
+// Warp files of other programs and of volume_writer.h: three components per voxel in any format of
+// volumes, whatever their value type, byte order and compression (design.md section 7).
 #pragma once
 
 #include <string>
@@ -9,9 +9,9 @@
 
 namespace supple {
 
-/// Reads a whole warp. Vectors are taken as mm in LPS, as ITK does: a RAS `space` flips the grid
-/// but not the vectors. The direction is what our own writer records in the header; files of other
-/// programs do not say.
+/// Reads a whole warp. Vectors are taken as mm in LPS, as ITK does: a RAS `space` of NRRD flips the
+/// grid but not the vectors. Those of NIfTI's intent 1006 are RAS and become LPS. The direction is
+/// what our own writer records in the header; files of other programs do not say.
 /// Throws InputError for a file of scalars, vectors that are not finite (with their count), an
 /// unknown direction, and for everything that open_volume refuses. Cost: 12 bytes per voxel.
 Warp read_warp(const std::string& path, Progress* progress = nullptr);

@@ -180,7 +180,7 @@ std::string plastimatch(const ScratchFolder& folder, const Geometry&, const std:
   return folder / "result.mha";
 }
 
-/// The judge reads both formats on both grids as we do; a flipped sign or no warp at all is far
+/// The judge reads all formats on both grids as we do; a flipped sign or no warp at all is far
 /// off.
 void expect_agreement(const Judge& judge) {
   const Image source = grey_source();
@@ -193,7 +193,8 @@ void expect_agreement(const Judge& judge) {
     });
     EXPECT_GT(mean_difference(source, expected), kFarOff);
 
-    for (const char* name : {"warp.nrrd", "warp.mha", "warp.nhdr", "warp.mhd"}) {
+    for (const char* name :
+         {"warp.nrrd", "warp.mha", "warp.nhdr", "warp.mhd", "warp.nii", "warp.nii.gz"}) {
       export_warp(folder / name, offsets, 1);
       const double off =
           mean_difference(read_image(judge(folder, geometry, folder / name)), expected);

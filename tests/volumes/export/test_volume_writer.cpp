@@ -191,8 +191,10 @@ TEST(FaultWriter, AnUnknownExtensionListsTheKnownOnes) {
   const auto write = [](const char* path) {
     return error_of([&] { write_volume(path, kOblong, ValueType::uint8, counting_slices); });
   };
-  EXPECT_EQ(write("a.txt"), "a.txt: extension: found .txt, expected .nrrd, .nhdr, .mha or .mhd");
-  EXPECT_EQ(write("a"), "a: extension: found none, expected .nrrd, .nhdr, .mha or .mhd");
+  EXPECT_EQ(write("a.txt"),
+            "a.txt: extension: found .txt, expected .nrrd, .nhdr, .mha, .mhd, .nii or .nii.gz");
+  EXPECT_EQ(write("a"),
+            "a: extension: found none, expected .nrrd, .nhdr, .mha, .mhd, .nii or .nii.gz");
 }
 
 TEST(FaultWriter, AFullDiskIsASystemErrorThatKeepsTheOldFilesAndLeavesNothingElse) {

@@ -180,7 +180,8 @@ TEST(FaultHeader, NiftiFieldsAreCheckedOneByOne) {
   expect([](std::string& h) { patch(h, 108, 1e30f); }, {"vox_offset"});
   expect([](std::string& h) { patch(h, 108, 100.0f); }, {"vox_offset", "100", "352"});
   expect([](std::string& h) { patch(h, 344, 'x'); }, {"magic"});
-  expect_failure(folder.write("b.nii", nifti_header({2, 3, 1, 2}) + kData), {"dim[4]", "single"});
+  expect_failure(folder.write("b.nii", nifti_header({2, 3, 1, 2}) + kData),
+                 {"dim[4]", "2 frames", "--frame 0 to 1"});
 }
 
 TEST(FaultHeader, RawSpecsAreCheckedOneByOne) {
