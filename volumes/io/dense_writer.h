@@ -57,6 +57,8 @@ std::unique_ptr<DenseWriter> create_nrrd(const std::string& path, const std::str
                                          const DenseImage& image, const WriteOptions& options);
 std::unique_ptr<DenseWriter> create_metaimage(const std::string& path, const std::string& raw_path,
                                               const DenseImage& image, const WriteOptions& options);
+std::unique_ptr<DenseWriter> create_tiff(const std::string& path, const std::string& raw_path,
+                                         const DenseImage& image, const WriteOptions& options);
 
 std::unique_ptr<DenseWriter> create_nifti(const std::string& path, const std::string& raw_path,
                                           const DenseImage& image, const WriteOptions& options);

@@ -17,6 +17,7 @@ std::unique_ptr<VolumeFile> open_metaimage(const std::string& path, const ReadOp
 std::unique_ptr<VolumeFile> open_nifti(const std::string& path, const ReadOptions& options);
 /// One grey image as a one-slice volume.
 std::unique_ptr<VolumeFile> open_png(const std::string& path);
+/// TIFF and BigTIFF of one page or many; ImageJ stacks and OME-TIFF.
 std::unique_ptr<VolumeFile> open_tiff(const std::string& path, const ReadOptions& options);
 /// Headerless values, described by `--raw`.
 std::unique_ptr<VolumeFile> open_raw(const std::string& path, const std::string& spec);

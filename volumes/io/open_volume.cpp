@@ -4,7 +4,9 @@
 #include "volumes/base/error.h"
 #include "volumes/io/byte_source.h"
 #include "volumes/io/formats.h"
+#include "volumes/io/image_series.h"
 #include "volumes/io/text_header.h"
+#include "volumes/io/tiff_directories.h"
 
 namespace supple {
 
@@ -15,11 +17,6 @@ constexpr std::size_t kHeadBytes = 1024;
 
 bool starts_with(const std::string& head, const std::string& mark) {
   return head.compare(0, mark.size(), mark) == 0;
-}
-
-bool is_tiff(const std::string& head) {
-  return starts_with(head, std::string("II*\0", 4)) || starts_with(head, std::string("MM\0*", 4)) ||
-         starts_with(head, std::string("II+\0", 4)) || starts_with(head, std::string("MM\0+", 4));
 }
 
 /// The first key of every MetaImage header that is written in practice.
@@ -46,6 +43,9 @@ std::string extension_of(const std::string& path) {
 /// The reader of a file, by content first and extension second.
 std::unique_ptr<VolumeFile> open_known(const std::string& path, const ReadOptions& options) {
   if (!options.raw.empty()) return open_raw(path, options.raw);
+  if (std::filesystem::is_directory(path) || is_series_pattern(path)) {
+    return open_image_series(path, options);
+  }
   std::string head;
   {
     const InputFile file(path);

@@ -191,17 +191,16 @@ TEST(FaultWriter, AnUnknownExtensionListsTheKnownOnes) {
   const auto write = [](const char* path) {
     return error_of([&] { write_volume(path, kOblong, ValueType::uint8, counting_slices); });
   };
-  EXPECT_EQ(write("a.txt"),
-            "a.txt: extension: found .txt, expected .nrrd, .nhdr, .mha, .mhd, .nii or .nii.gz");
-  EXPECT_EQ(write("a"),
-            "a: extension: found none, expected .nrrd, .nhdr, .mha, .mhd, .nii or .nii.gz");
+  const std::string all = ".nrrd, .nhdr, .mha, .mhd, .nii, .nii.gz, .tif or .tiff";
+  EXPECT_EQ(write("a.txt"), "a.txt: extension: found .txt, expected " + all);
+  EXPECT_EQ(write("a"), "a: extension: found none, expected " + all);
 }
 
 TEST(FaultWriter, AFullDiskIsASystemErrorThatKeepsTheOldFilesAndLeavesNothingElse) {
   const ScratchFolder folder("writer-full-disk");
   const Geometry large({200, 100, 3}, {0, 0, 0}, kOblong.axes_mm());
   const auto slices = [](int, float* out) { std::fill_n(out, 20000, 1.0f); };
-  for (const char* name : {"a.nrrd", "a.nhdr", "b.mha", "b.mhd"}) {
+  for (const char* name : {"a.nrrd", "a.nhdr", "b.mha", "b.mhd", "c.tif"}) {
     write_volume(folder / name, kOblong, ValueType::float32, counting_slices);
     const std::string old = file_bytes(folder / name);
     const std::size_t count = folder.file_count();

@@ -98,6 +98,26 @@ void write_png(const std::string& path, int width, int height, int bits, int col
   std::fclose(file);
 }
 
+namespace {
+
+void set_optional_tags(TIFF* tiff, const TiffOptions& options) {
+  if (options.photometric == PHOTOMETRIC_PALETTE) {
+    std::vector<std::uint16_t> ramp(std::size_t(1) << options.bits, 7);
+    TIFFSetField(tiff, TIFFTAG_COLORMAP, ramp.data(), ramp.data(), ramp.data());
+  }
+  if (options.subfile != 0) TIFFSetField(tiff, TIFFTAG_SUBFILETYPE, options.subfile);
+  if (!options.description.empty()) {
+    TIFFSetField(tiff, TIFFTAG_IMAGEDESCRIPTION, options.description.c_str());
+  }
+  if (options.x_resolution != 0) TIFFSetField(tiff, TIFFTAG_XRESOLUTION, options.x_resolution);
+  if (options.y_resolution != 0) TIFFSetField(tiff, TIFFTAG_YRESOLUTION, options.y_resolution);
+  if (options.resolution_unit != 0) {
+    TIFFSetField(tiff, TIFFTAG_RESOLUTIONUNIT, options.resolution_unit);
+  }
+}
+
+}  // namespace
+
 void write_tiff(const std::string& path, int width, int height, const TiffOptions& options,
                 const std::string& rows) {
   TIFF* tiff = TIFFOpen(path.c_str(), options.mode);
@@ -108,14 +128,18 @@ void write_tiff(const std::string& path, int width, int height, const TiffOption
   TIFFSetField(tiff, TIFFTAG_SAMPLEFORMAT, options.sample_format);
   TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, options.photometric);
   TIFFSetField(tiff, TIFFTAG_COMPRESSION, options.compression);
-  TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
+  TIFFSetField(tiff, TIFFTAG_PLANARCONFIG,
+               options.planar ? PLANARCONFIG_SEPARATE : PLANARCONFIG_CONTIG);
+  set_optional_tags(tiff, options);
   std::string copy = rows;
-  const std::size_t pixel = std::size_t(options.bits) / 8 * options.samples;
+  const int planes = options.planar ? options.samples : 1;
+  const std::size_t pixel = std::size_t(options.bits) / 8 * options.samples / planes;
   const std::size_t row_bytes = pixel * width;
   if (options.tile == 0) {
     TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, 3);
-    for (int j = 0; j < height; ++j) {
-      TIFFWriteScanline(tiff, copy.data() + j * row_bytes, std::uint32_t(j), 0);
+    for (int j = 0; j < height * planes; ++j) {
+      TIFFWriteScanline(tiff, copy.data() + j * row_bytes, std::uint32_t(j % height),
+                        std::uint16_t(j / height));
     }
     TIFFClose(tiff);
     return;
@@ -138,7 +162,8 @@ void write_tiff(const std::string& path, int width, int height, const TiffOption
 
 std::string read_all(VolumeFile& file) {
   const Vec3i& dims = file.header().geometry.dims();
-  const std::size_t slice = std::size_t(dims.x) * dims.y * bytes_of(file.header().type);
+  const std::size_t slice =
+      std::size_t(dims.x) * dims.y * file.header().components * bytes_of(file.header().type);
   std::string bytes(slice * dims.z, '\0');
   for (int k = 0; k < dims.z; ++k) file.read_slice(bytes.data() + slice * k);
   return bytes;

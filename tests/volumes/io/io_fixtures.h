@@ -60,7 +60,12 @@ struct TiffOptions {
   int compression = 1;    // 1 none, 8 deflate
   int tile = 0;           // tile size, 0 for strips
   int samples = 1;
-  const char* mode = "w";  // "w8" BigTIFF, "wb" big-endian
+  bool planar = false;     // rows hold one plane after the other
+  int subfile = 0;         // 1 a reduced-resolution copy
+  const char* mode = "w";  // "w8" BigTIFF, "wb" big-endian, "a" one more page
+  std::string description = {};
+  double x_resolution = 0, y_resolution = 0;
+  int resolution_unit = 0;
 };
 void write_tiff(const std::string& path, int width, int height, const TiffOptions& options,
                 const std::string& rows);
