@@ -48,7 +48,8 @@ Command add_export(CLI::App& program) {
       "  supple export drag.vdb --margin 20 --void outside -o warp.mha\n"
       "  supple export drag.vdb --direction material -o push.nrrd");
   app->add_option("state", options->input, "A state file")->required()->option_text("STATE.vdb");
-  app->add_option("-o,--output", options->output, "Warp to write: .nrrd, .nhdr, .mha or .mhd")
+  app->add_option("-o,--output", options->output,
+                  "Warp to write: .nrrd, .nhdr, .mha, .mhd, .nii or .nii.gz")
       ->required()
       ->option_text("FIELD");
   app->add_option("--direction", options->direction,

@@ -36,7 +36,8 @@ Command add_resample(CLI::App& program) {
                                  "  supple resample drag.vdb --grid atlas.nii.gz -o on_atlas.nrrd\n"
                                  "  supple resample drag.vdb --margin 20 -o whole.mha");
   app->add_option("state", options->input, "A state file")->required()->option_text("STATE.vdb");
-  app->add_option("-o,--output", options->output, "Volume to write: .nrrd, .nhdr, .mha or .mhd")
+  app->add_option("-o,--output", options->output,
+                  "Volume to write: .nrrd, .nhdr, .mha, .mhd, .nii or .nii.gz")
       ->required()
       ->option_text("VOLUME");
   add_offset_option(*app, options->offset);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "volumes/base/progress.h"
 #include "volumes/geometry/geometry.h"
 #include "volumes/io/volume_file.h"
 
@@ -33,6 +34,9 @@ class DenseWriter {
   virtual ~DenseWriter() = default;
   /// The next slice k: dims.x * dims.y values as in memory, components together.
   virtual void write_slice(const void* values) = 0;
+  /// Work that remains after the last slice and may take long, such as compressing what had to be
+  /// put in order first. Throws Cancelled. commit() does it where the caller has not.
+  virtual void complete(Progress* progress) { static_cast<void>(progress); }
   /// After the last slice: completes the files and gives them their names.
   virtual void commit() = 0;
   /// What the format could not keep, known after commit(): each a line without the file's name.

@@ -4,8 +4,8 @@
 // Geometry: nifti_header.h. Sheared axes stay in the sform; warps with such axes are refused, since
 // ITK cannot hold them.
 // Cost: one component of one slice of memory. The components of vectors lie one volume after the
-// other: a plain file is written with seeks, a gzipped one goes through a temporary file as large
-// as the values, without a name, in the folder of the result.
+// other: a plain file is written with seeks; of a gzipped one all but the first component wait in a
+// temporary file without a name, in the folder of the result, until the last slice has come.
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -111,8 +111,21 @@ class NiftiWriter : public DenseWriter {
     ++m_slices;
   }
 
+  /// Deflates the components behind the first one.
+  void complete(Progress* progress) override {
+    if (!m_spool) return;
+    if (progress != nullptr) progress->stage("compressing");
+    const std::int64_t planes = std::int64_t(m_image.components - 1) * m_image.geometry.dims().z;
+    for (std::int64_t plane = 0; plane < planes; ++plane) {
+      m_spool->read_at(plane * std::int64_t(m_plane_bytes), m_plane.data(), m_plane_bytes);
+      m_gzip->write(m_plane.data(), m_plane_bytes);
+      report(progress, double(plane + 1) / double(planes));
+    }
+    m_spool.reset();
+  }
+
   void commit() override {
-    if (m_spool) deflate_spool();
+    complete(nullptr);
     if (m_gzip) m_gzip->finish();
     m_file.close();
     m_file.commit();
@@ -131,21 +144,17 @@ class NiftiWriter : public DenseWriter {
 
   /// Component `c` of the current slice to its place among the values.
   void put_plane(int c) {
-    const std::int64_t plane = std::int64_t(c) * m_image.geometry.dims().z + m_slices;
-    const std::int64_t at = plane * std::int64_t(m_plane_bytes);
-    if (m_spool) {
-      m_spool->write_at(at, m_plane.data(), m_plane_bytes);
-    } else {
-      m_file.seek(m_values_at + at);
+    const auto place_behind = [&](int first) {
+      const std::int64_t planes = std::int64_t(c - first) * m_image.geometry.dims().z + m_slices;
+      return planes * std::int64_t(m_plane_bytes);
+    };
+    if (!m_gzip) {
+      m_file.seek(m_values_at + place_behind(0));
       m_file.write(m_plane.data(), m_plane_bytes);
-    }
-  }
-
-  void deflate_spool() {
-    const std::int64_t planes = std::int64_t(m_image.components) * m_image.geometry.dims().z;
-    for (std::int64_t plane = 0; plane < planes; ++plane) {
-      m_spool->read_at(plane * std::int64_t(m_plane_bytes), m_plane.data(), m_plane_bytes);
+    } else if (c == 0) {
       m_gzip->write(m_plane.data(), m_plane_bytes);
+    } else {
+      m_spool->write_at(place_behind(1), m_plane.data(), m_plane_bytes);
     }
   }
 

@@ -22,6 +22,7 @@ std::vector<std::string> write_image(const std::string& path, const DenseImage& 
     writer->write_slice(slice.data());
     report(progress, double(k + 1) / dims.z);
   }
+  writer->complete(progress);
   writer->commit();
   return writer->warnings();
 }
