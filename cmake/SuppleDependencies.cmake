@@ -21,6 +21,7 @@ find_package(nlohmann_json REQUIRED)
 # target by hand avoids both.
 find_path(OPENVDB_INCLUDE_DIR openvdb/openvdb.h REQUIRED)
 find_library(OPENVDB_LIBRARY openvdb REQUIRED)
+find_library(LOG4CPLUS_LIBRARY log4cplus REQUIRED)  # where Debian's OpenVDB sends its messages
 add_library(OpenVDB::openvdb UNKNOWN IMPORTED)
 set_target_properties(OpenVDB::openvdb PROPERTIES
   IMPORTED_LOCATION ${OPENVDB_LIBRARY}

@@ -30,6 +30,7 @@ struct Command {
 };
 
 Command add_info(CLI::App& program);
+Command add_convert(CLI::App& program);
 Command add_deform(CLI::App& program);
 Command add_export(CLI::App& program);
 Command add_resample(CLI::App& program);

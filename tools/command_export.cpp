@@ -1,8 +1,9 @@
 // supple export: the deformation of a state as a warp file that other programs read.
 #include "tools/command.h"
+#include "tools/dense_outputs.h"
 #include "tools/offset_functions.h"
 #include "tools/output_plan.h"
-#include "tools/outputs.h"
+#include "tools/read_options.h"
 
 namespace supple::tools {
 
@@ -13,6 +14,7 @@ struct Options {
   std::string direction = "resample";
   std::string void_mode = "nearest";
   GridChoice grid;
+  WriteOptions write;
 };
 
 int run(const Options& options, const GlobalOptions& global, Console& console) {
@@ -30,8 +32,9 @@ int run(const Options& options, const GlobalOptions& global, Console& console) {
   const Deformed deformed = invert_and_send_along(state, functions, console);
   const Geometry grid = choose_grid(state.geometry, options.grid);
   const std::int64_t lost = write_state_warp(
-      options.output, state, deformed, material ? WarpDirection::material : WarpDirection::resample,
-      parse_void_mode(options.void_mode), grid, console);
+      {options.output, material ? WarpDirection::material : WarpDirection::resample,
+       parse_void_mode(options.void_mode), grid, options.write},
+      state, deformed, console);
   if (global.json) {
     print_dense_report(options.output, grid, lost, deformed.offsets.certificate);
   }
@@ -46,10 +49,9 @@ Command add_export(CLI::App& program) {
       program, "export", "Write a state's deformation as a warp for ITK, elastix, Slicer, ANTs",
       "  supple export drag.vdb -o warp.nrrd\n"
       "  supple export drag.vdb --margin 20 --void outside -o warp.mha\n"
-      "  supple export drag.vdb --direction material -o push.nrrd");
+      "  supple export drag.vdb --direction material -o push.nii.gz");
   app->add_option("state", options->input, "A state file")->required()->option_text("STATE.vdb");
-  app->add_option("-o,--output", options->output,
-                  "Warp to write: .nrrd, .nhdr, .mha, .mhd, .nii or .nii.gz")
+  app->add_option("-o,--output", options->output, "Warp to write; its extension chooses the format")
       ->required()
       ->option_text("FIELD");
   app->add_option("--direction", options->direction,
@@ -61,6 +63,8 @@ Command add_export(CLI::App& program) {
       ->check(CLI::IsMember({"nearest", "outside", "extend"}))
       ->option_text("nearest|outside|extend");
   add_offset_option(*app, options->offset);
+  add_write_options(*app, options->write);
+  add_warp_options(*app, options->write);
   add_grid_options(*app, options->grid.file, options->grid.margin_mm);
   return {app, [options](const GlobalOptions& global, Console& console) {
             return run(*options, global, console);

@@ -1,8 +1,9 @@
 // supple resample: the deformed volume on a grid, for those who do want it resampled.
 #include "tools/command.h"
+#include "tools/dense_outputs.h"
 #include "tools/offset_functions.h"
 #include "tools/output_plan.h"
-#include "tools/outputs.h"
+#include "tools/read_options.h"
 
 namespace supple::tools {
 
@@ -11,6 +12,7 @@ namespace {
 struct Options {
   std::string input, output, offset;
   GridChoice grid;
+  WriteOptions write;
 };
 
 int run(const Options& options, const GlobalOptions& global, Console& console) {
@@ -20,7 +22,8 @@ int run(const Options& options, const GlobalOptions& global, Console& console) {
   const State state = read_state(options.input, &console);
   const Deformed deformed = invert_and_send_along(state, functions, console);
   const Geometry grid = choose_grid(state.geometry, options.grid);
-  const std::int64_t lost = write_resampled(options.output, state, deformed, grid, console);
+  const std::int64_t lost =
+      write_resampled(options.output, state, deformed, grid, options.write, console);
   if (global.json) {
     print_dense_report(options.output, grid, lost, deformed.offsets.certificate);
   }
@@ -37,10 +40,11 @@ Command add_resample(CLI::App& program) {
                                  "  supple resample drag.vdb --margin 20 -o whole.mha");
   app->add_option("state", options->input, "A state file")->required()->option_text("STATE.vdb");
   app->add_option("-o,--output", options->output,
-                  "Volume to write: .nrrd, .nhdr, .mha, .mhd, .nii or .nii.gz")
+                  "Volume to write; its extension chooses the format")
       ->required()
       ->option_text("VOLUME");
   add_offset_option(*app, options->offset);
+  add_write_options(*app, options->write);
   add_grid_options(*app, options->grid.file, options->grid.margin_mm);
   return {app, [options](const GlobalOptions& global, Console& console) {
             return run(*options, global, console);

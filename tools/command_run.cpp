@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/command.h"
+#include "tools/dense_outputs.h"
 #include "tools/frames.h"
 #include "tools/handles.h"
 #include "tools/output_plan.h"
@@ -209,18 +210,17 @@ class SceneRun {
       write_state(path_of(output.state), m_state, moved.offsets, &m_console);
     }
     for (const std::string& name : output.offsets) {
-      const Deformed& moved = seen(last);
-      write_state_warp(path_of(name), m_state, moved, WarpDirection::resample, VoidMode::nearest,
-                       m_state.geometry, m_console);
+      write_state_warp(
+          {path_of(name), WarpDirection::resample, VoidMode::nearest, m_state.geometry}, m_state,
+          seen(last), m_console);
     }
     for (const std::string& name : output.displacements) {
-      const Deformed& moved = seen(last);
-      write_state_warp(path_of(name), m_state, moved, WarpDirection::material, VoidMode::nearest,
-                       m_state.geometry, m_console);
+      write_state_warp(
+          {path_of(name), WarpDirection::material, VoidMode::nearest, m_state.geometry}, m_state,
+          seen(last), m_console);
     }
     for (const std::string& name : output.volumes) {
-      const Deformed& moved = seen(last);
-      write_resampled(path_of(name), m_state, moved, m_state.geometry, m_console);
+      write_resampled(path_of(name), m_state, seen(last), m_state.geometry, {}, m_console);
     }
   }
 

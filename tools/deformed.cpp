@@ -51,4 +51,19 @@ bool has_open_cuts(const State& state, const Displacement& extended) {
   return !torn_cells(thickened(extended.u, dims), cut, kClosedCut).empty();
 }
 
+Displacement on_elements(const Geometry& geometry, const BrickTopology& elements,
+                         const Displacement* displacement) {
+  Displacement result{geometry, {}};
+  result.u.topology = elements;
+  result.u.vectors.resize(elements.brick_count() * kBrickVoxels, Vec3f(0));
+  if (displacement == nullptr) return result;
+  for (std::size_t b = 0; b < elements.brick_count(); ++b) {
+    for_each_active(elements.mask(b), [&](int offset) {
+      const Vec3i voxel = elements.origin(b) + brick_local(offset);
+      displacement->u.at(voxel, result.u.vectors[b * kBrickVoxels + offset]);
+    });
+  }
+  return result;
+}
+
 }  // namespace supple::tools

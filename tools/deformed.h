@@ -18,6 +18,10 @@ OffsetField invert_displacement(const State& state, const Displacement& extended
 /// Both.
 Deformed invert_state(const State& state, Console& console);
 
+/// u on the elements alone, without the air around them; null: at rest.
+Displacement on_elements(const Geometry& geometry, const BrickTopology& elements,
+                         const Displacement* displacement);
+
 /// Whether a cut of the body has opened, so that the displacement jumps: samples cannot solve for
 /// themselves then.
 bool has_open_cuts(const State& state, const Displacement& extended);

@@ -1,4 +1,4 @@
-// Writing what commands produce: warps, resampled volumes, pictures; and reports as JSON.
+// Pictures that commands produce, and reports as JSON.
 #pragma once
 
 #include <memory>
@@ -11,33 +11,8 @@
 #include "tools/deformed.h"
 #include "tools/scene.h"
 #include "tools/session.h"
-#include "volumes/field/resample.h"
-#include "volumes/io/volume_writer.h"
 
 namespace supple::tools {
-
-/// The grid of a dense output: the source grid, another file's, or grown by a margin.
-struct GridChoice {
-  std::string file;
-  double margin_mm = 0;
-};
-Geometry choose_grid(const Geometry& source, const GridChoice& choice);
-
-/// What a writer could not keep, as warnings that name the file.
-void warn_of_all(const std::string& path, const std::vector<std::string>& lines, Console& console);
-
-VoidMode parse_void_mode(const std::string& name);
-
-/// Both warn of material that leaves the grid and return how many voxels of it do.
-std::int64_t write_state_warp(const std::string& path, const State& state, const Deformed& deformed,
-                              WarpDirection direction, VoidMode mode, const Geometry& grid,
-                              Console& console);
-std::int64_t write_resampled(const std::string& path, const State& state, const Deformed& deformed,
-                             const Geometry& grid, Console& console);
-
-/// What `export` and `resample` print with --json.
-void print_dense_report(const std::string& path, const Geometry& grid, std::int64_t lost_voxels,
-                        const InversionCertificate& certificate);
 
 /// The camera that a choice stands for, over the source box of `geometry`.
 Camera resolve_camera(const CameraChoice& choice, const Geometry& geometry, double aspect);

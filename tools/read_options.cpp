@@ -19,6 +19,18 @@ void add_read_options(CLI::App& app, ReadOptions& options) {
       ->option_text("A,B,C");
 }
 
+void add_write_options(CLI::App& app, WriteOptions& options) {
+  app.add_flag("--compress", options.compress, "Deflate the values (NRRD, MetaImage, TIFF, HDF5)");
+}
+
+void add_warp_options(CLI::App& app, WriteOptions& options) {
+  app.add_option_function<int>(
+         "--intent", [&options](int intent) { options.ras_vectors = intent == 1006; },
+         "NIfTI: 1007, vectors in LPS (default), or 1006, in RAS")
+      ->check(CLI::IsMember({1006, 1007}))
+      ->option_text("1006|1007");
+}
+
 std::unique_ptr<VolumeFile> open_input(const std::string& path, const ReadOptions& options,
                                        Console& console) {
   std::unique_ptr<VolumeFile> file = open_volume(path, options);

@@ -1,4 +1,5 @@
-// --raw, --frame, --channel and --spacing: what the user says of a volume that does not say it.
+// --raw, --frame, --channel and --spacing: what the user says of a volume that does not say it; and
+// how files are to be written.
 #pragma once
 
 #include <memory>
@@ -7,11 +8,16 @@
 #include <CLI/CLI.hpp>
 
 #include "tools/console.h"
-#include "volumes/io/volume_file.h"
+#include "volumes/io/dense_writer.h"
 
 namespace supple::tools {
 
 void add_read_options(CLI::App& app, ReadOptions& options);
+
+/// --compress.
+void add_write_options(CLI::App& app, WriteOptions& options);
+/// --intent of NIfTI warps.
+void add_warp_options(CLI::App& app, WriteOptions& options);
 
 /// open_volume, with what the reader warns of printed.
 std::unique_ptr<VolumeFile> open_input(const std::string& path, const ReadOptions& options,

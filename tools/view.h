@@ -56,7 +56,7 @@ struct SceneView {
   int width = 1024, height = 1024;
   Sampling sampling;
   bool deformed = true;
-  bool inverse = true;  // false: each sample solves for itself where it reads the source
+  bool inverse = true;        // false: each sample solves for itself where it reads the source
   bool half_offsets = false;  // every second one along each axis
   bool lattice = false;
   PictureOptions picture;

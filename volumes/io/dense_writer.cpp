@@ -25,10 +25,15 @@ struct OutputFormat {
 };
 
 constexpr OutputFormat kFormats[] = {
-    {".nrrd", create_nrrd, false, false, true},     {".nhdr", create_nrrd, true, false, false},
-    {".mha", create_metaimage, false, false, true}, {".mhd", create_metaimage, true, false, false},
-    {".nii", create_nifti, false, true, false},     {".nii.gz", create_nifti, false, true, false},
-    {".tif", create_tiff, false, false, true},      {".tiff", create_tiff, false, false, true},
+    {".nrrd", create_nrrd, false, false, true},      //
+    {".nhdr", create_nrrd, true, false, false},      //
+    {".mha", create_metaimage, false, false, true},  //
+    {".mhd", create_metaimage, true, false, false},  //
+    {".nii", create_nifti, false, true, false},      //
+    {".nii.gz", create_nifti, false, true, false},   //
+    {".tif", create_tiff, false, false, true},       //
+    {".tiff", create_tiff, false, false, true},      //
+    {".vdb", create_vdb, false, false, false},       //
 };
 
 std::string all_extensions() {

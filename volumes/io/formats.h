@@ -19,6 +19,8 @@ std::unique_ptr<VolumeFile> open_nifti(const std::string& path, const ReadOption
 std::unique_ptr<VolumeFile> open_png(const std::string& path);
 /// TIFF and BigTIFF of one page or many; ImageJ stacks and OME-TIFF.
 std::unique_ptr<VolumeFile> open_tiff(const std::string& path, const ReadOptions& options);
+/// A grid of floats or of vectors of an OpenVDB file that is no state.
+std::unique_ptr<VolumeFile> open_vdb(const std::string& path);
 /// Headerless values, described by `--raw`.
 std::unique_ptr<VolumeFile> open_raw(const std::string& path, const std::string& spec);
 

@@ -1,4 +1,5 @@
 // Chooses the reader by content first, extension second.
+#include <algorithm>
 #include <filesystem>
 
 #include "volumes/base/error.h"
@@ -58,9 +59,7 @@ std::unique_ptr<VolumeFile> open_known(const std::string& path, const ReadOption
   if (is_tiff(head)) return open_tiff(path, options);
   if (is_nifti_head(head)) return open_nifti(path, options);
   if (is_metaimage(head)) return open_metaimage(path, options);
-  if (is_openvdb(head)) {
-    throw InputError({path, "format", "an OpenVDB file", "a volume that is not a .vdb file"});
-  }
+  if (is_openvdb(head)) return open_vdb(path);
 
   const std::string extension = extension_of(path);
   if (extension == ".nrrd" || extension == ".nhdr") return open_nrrd(path, options);
@@ -79,6 +78,17 @@ std::unique_ptr<VolumeFile> open_known(const std::string& path, const ReadOption
                     "NRRD, MetaImage, NIfTI, PNG, TIFF, or raw values described by --raw"});
 }
 
+/// Readers and loaders hold slices; no scanner makes larger ones.
+void check_slice(const VolumeHeader& header) {
+  constexpr double kMaxSliceBytes = 2147483648.0;
+  const Vec3i& dims = header.geometry.dims();
+  const int width = std::max(bytes_of(header.type), int(sizeof(float)));
+  if (double(dims.x) * dims.y * header.components * width <= kMaxSliceBytes) return;
+  throw InputError({header.path, "slice",
+                    std::to_string(dims.x) + " x " + std::to_string(dims.y) + " voxels",
+                    "at most 2 GiB in memory"});
+}
+
 /// Readers of several frames choose among them by themselves.
 bool has_frames(const std::string& format) {
   return format != "png" && format != "raw" && format != "vdb";
@@ -89,6 +99,7 @@ bool has_frames(const std::string& format) {
 std::unique_ptr<VolumeFile> open_scalars_or_vectors(const std::string& path,
                                                     const ReadOptions& options) {
   std::unique_ptr<VolumeFile> file = open_known(path, options);
+  check_slice(file->header());
   if (!has_frames(file->header().format)) chosen_frame(options, 1, path, "frames");
   if (options.spacing_mm) file->set_spacing(*options.spacing_mm);
   if (options.channel) file = open_channel(std::move(file), *options.channel);

@@ -15,7 +15,8 @@ LiveDisplacement::LiveDisplacement(const Geometry& geometry, const BrickTopology
   const VectorBricks rest{elements,
                           std::vector<Vec3f>(elements.brick_count() * kBrickVoxels, Vec3f(0))};
   std::vector<std::uint8_t> ring_of;
-  m_extended = {geometry, fill_rings(rest, shell, std::numeric_limits<int>::max(), RingFill::linear, &ring_of)};
+  m_extended = {geometry, fill_rings(rest, shell, std::numeric_limits<int>::max(), RingFill::linear,
+                                     &ring_of)};
   m_order = RingOrder(m_extended.u.topology, ring_of);
   for (std::size_t b = 0; b < elements.brick_count(); ++b) {
     m_brick_of.push_back(m_extended.u.topology.find(elements.origin(b)));

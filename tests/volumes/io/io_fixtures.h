@@ -40,6 +40,8 @@ std::string bytes_of_values(const std::vector<T>& values, bool big_endian = fals
   return swapped;
 }
 
+std::string bytes_of_file(const std::string& path);
+
 std::string gzip(const std::string& bytes);
 std::string zlib_stream(const std::string& bytes);
 

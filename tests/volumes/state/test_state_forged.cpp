@@ -7,7 +7,7 @@
 #include "tests/volumes/state/random_state.h"
 #include "tests/volumes/state/scratch.h"
 #include "volumes/base/error.h"
-#include "volumes/state/state_seal.h"
+#include "volumes/base/vdb_seal.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -46,7 +46,7 @@ class FaultForgedState : public ::testing::Test {
       std::ofstream out(m_path, std::ios::binary);
       openvdb::io::Stream(out).write(*m_parts.grids, *m_parts.metadata);
     }
-    if (sealed) seal_state_file(m_path);
+    if (sealed) seal_vdb(m_path, VdbKind::state);
     try {
       read_state(m_path);
     } catch (const InputError& error) {

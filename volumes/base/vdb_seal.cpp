@@ -1,4 +1,4 @@
-#include "volumes/state/state_seal.h"
+#include "volumes/base/vdb_seal.h"
 
 #include <algorithm>
 #include <array>
@@ -14,7 +14,6 @@
 
 #include "volumes/base/error.h"
 #include "volumes/base/sha256.h"
-#include "volumes/state/state.h"
 
 namespace supple {
 
@@ -29,13 +28,25 @@ constexpr std::uint64_t kFirstNameAt = kUuidAt + kUuidBytes + 8;
 constexpr std::uint64_t kHeadBytes = kFirstNameAt + 7;
 
 constexpr std::size_t kTrailerBytes = 128;
-constexpr char kTrailerMagic[] = "\nsupple-state-trailer 1 ";
 using Trailer = std::array<char, kTrailerBytes>;
 
-Trailer make_trailer(std::uint64_t payload_bytes, const std::string& digest) {
+/// How the two kinds of our files are marked and called.
+struct Mark {
+  const char* metadata_prefix;
+  const char* trailer_magic;  // of equal lengths
+  const char* name;
+};
+constexpr Mark kState = {kStateMetadataPrefix, "\nsupple-state-trailer 1 ", "state"};
+constexpr Mark kVolume = {kVolumeMetadataPrefix, "\nsupple-dense-trailer 1 ", "volume"};
+
+const Mark& mark_of(VdbKind kind) {
+  return kind == VdbKind::state ? kState : kVolume;
+}
+
+Trailer make_trailer(const Mark& mark, std::uint64_t payload_bytes, const std::string& digest) {
   std::array<char, kTrailerBytes + 1> text{};
-  std::snprintf(text.data(), text.size(), "%spayload %020" PRIu64 " sha256 %-67s\n", kTrailerMagic,
-                payload_bytes, digest.c_str());
+  std::snprintf(text.data(), text.size(), "%spayload %020" PRIu64 " sha256 %-67s\n",
+                mark.trailer_magic, payload_bytes, digest.c_str());
   Trailer trailer;
   std::copy_n(text.begin(), kTrailerBytes, trailer.begin());
   return trailer;
@@ -60,10 +71,14 @@ std::uint64_t file_length(const std::string& path) {
 /// What the first and last bytes of a file say.
 struct Ends {
   bool is_vdb = false;
-  bool has_metadata = false;  // ours
-  bool has_trailer = false;
+  std::string first_name;  // of the metadata: its first seven characters
   std::string uuid;
-  Trailer trailer;
+  Trailer trailer{};
+
+  bool has_metadata(const Mark& mark) const { return first_name == mark.metadata_prefix; }
+  bool has_trailer(const Mark& mark) const {
+    return std::memcmp(trailer.data(), mark.trailer_magic, std::strlen(mark.trailer_magic)) == 0;
+  }
 };
 
 Ends read_ends(std::ifstream& in, std::uint64_t length) {
@@ -71,15 +86,12 @@ Ends read_ends(std::ifstream& in, std::uint64_t length) {
   std::array<char, kHeadBytes> head{};
   in.read(head.data(), std::streamsize(std::min<std::uint64_t>(kHeadBytes, length)));
   ends.is_vdb = std::memcmp(head.data(), kMagic, sizeof kMagic) == 0;
-  ends.has_metadata = std::memcmp(head.data() + kFirstNameAt, kStateMetadataPrefix,
-                                  std::strlen(kStateMetadataPrefix)) == 0;
+  ends.first_name.assign(head.data() + kFirstNameAt, kHeadBytes - kFirstNameAt);
   ends.uuid.assign(head.data() + kUuidAt, kUuidBytes);
   if (length >= kHeadBytes + kTrailerBytes) {
     in.clear();
     in.seekg(std::streamoff(length - kTrailerBytes));
     in.read(ends.trailer.data(), kTrailerBytes);
-    ends.has_trailer =
-        std::memcmp(ends.trailer.data(), kTrailerMagic, std::strlen(kTrailerMagic)) == 0;
   }
   return ends;
 }
@@ -102,7 +114,7 @@ std::string payload_digest(std::ifstream& in, std::uint64_t bytes, const std::st
 
 }  // namespace
 
-void seal_state_file(const std::string& path) {
+void seal_vdb(const std::string& path, VdbKind kind) {
   const std::uint64_t length = file_length(path);
   std::ifstream in(path, std::ios::binary);
   if (!in || length < kHeadBytes) throw SystemError(path + ": cannot read back");
@@ -113,44 +125,51 @@ void seal_state_file(const std::string& path) {
   out.seekp(std::streamoff(kUuidAt));
   out.write(uuid_of(digest).data(), std::streamsize(kUuidBytes));
   out.seekp(0, std::ios::end);
-  out.write(make_trailer(length, digest).data(), kTrailerBytes);
+  out.write(make_trailer(mark_of(kind), length, digest).data(), kTrailerBytes);
   out.close();
   if (!out) throw SystemError(path + ": cannot write: " + std::strerror(errno));
 }
 
-void verify_state_seal(const std::string& path) {
+void verify_vdb_seal(const std::string& path, VdbKind kind) {
+  const Mark& mark = mark_of(kind);
+  const std::string name = mark.name;
   const std::uint64_t length = file_length(path);
   errno = 0;
   std::ifstream in(path, std::ios::binary);
   if (!in) throw_open_error(path, errno);
-  if (length == 0) throw InputError({path, "", "an empty file", "a state file"});
+  if (length == 0) throw InputError({path, "", "an empty file", "a " + name + " file"});
 
   const Ends ends = read_ends(in, length);
-  const std::string expected = "a state written by supple";
+  const std::string expected = "a " + name + " written by supple";
   if (!ends.is_vdb) throw InputError({path, "", "a file that is not OpenVDB", expected});
-  if (!ends.has_trailer) {
-    if (!ends.has_metadata) {
+  if (!ends.has_trailer(mark)) {
+    if (!ends.has_metadata(mark)) {
       throw InputError({path, "", "an OpenVDB file of another program", expected});
     }
-    throw InputError({path, "checksum", "no trailer (the file is cut off)", "a complete state"});
+    throw InputError({path, "checksum", "no trailer (the file is cut off)", "a complete " + name});
   }
 
   // The trailer that these bytes should have: any other byte in it is damage, too.
   const std::uint64_t payload_bytes = length - kTrailerBytes;
   const std::string digest = payload_digest(in, payload_bytes, path);
-  if (ends.trailer != make_trailer(payload_bytes, digest) || ends.uuid != uuid_of(digest)) {
+  if (ends.trailer != make_trailer(mark, payload_bytes, digest) || ends.uuid != uuid_of(digest)) {
     throw InputError(
         {path, "checksum", "damaged content", "the length and SHA-256 that its trailer states"});
   }
 }
 
-bool is_state_file(const std::string& path) {
+VdbKind vdb_kind(const std::string& path) {
   struct stat status;
-  if (::stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return false;
+  if (::stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return VdbKind::none;
   std::ifstream in(path, std::ios::binary);
-  if (!in) return false;
+  if (!in) return VdbKind::none;
   const Ends ends = read_ends(in, std::uint64_t(status.st_size));
-  return ends.is_vdb && (ends.has_metadata || ends.has_trailer);
+  if (!ends.is_vdb) return VdbKind::none;
+  for (const VdbKind kind : {VdbKind::state, VdbKind::volume}) {
+    const Mark& mark = mark_of(kind);
+    if (ends.has_metadata(mark) || ends.has_trailer(mark)) return kind;
+  }
+  return VdbKind::foreign;
 }
 
 }  // namespace supple

@@ -1,19 +1,13 @@
-// The parts of a state that are text: geometry and anchors as JSON with numbers that read back to
-// the same bits.
+// The anchors of a state as JSON.
 #pragma once
 
 #include <cstdint>
 #include <string>
 #include <vector>
 
-#include "volumes/geometry/geometry.h"
+#include "volumes/base/vec.h"
 
 namespace supple {
-
-/// {"axes_mm": [i, j, k vectors], "dims": [3], "origin_lps_mm": [3]}
-std::string geometry_to_json(const Geometry& geometry);
-/// Throws InputError naming `file` when the text is no geometry.
-Geometry geometry_from_json(const std::string& text, const std::string& file);
 
 /// What stays where it is: boxes, both corners inside, then labels.
 struct Anchors {

@@ -1,4 +1,4 @@
-#include "volumes/state/state_text.h"
+#include "volumes/geometry/geometry_text.h"
 
 #include <nlohmann/json.hpp>
 
@@ -11,14 +11,6 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::size_t kMaxFoundText = 80;
-
-Json parse_list_or_object(const std::string& text, const std::string& file, const char* field) {
-  Json json = Json::parse(text, nullptr, false);
-  if (json.is_discarded()) {
-    throw InputError({file, field, text.substr(0, kMaxFoundText), "JSON"});
-  }
-  return json;
-}
 
 int to_int(const Json& json) {
   const auto value = json.is_number_integer() ? json.get<std::int64_t>() : std::int64_t(1) << 40;
@@ -47,7 +39,10 @@ std::string geometry_to_json(const Geometry& geometry) {
 }
 
 Geometry geometry_from_json(const std::string& text, const std::string& file) {
-  const Json json = parse_list_or_object(text, file, "geometry");
+  const Json json = Json::parse(text, nullptr, false);
+  if (json.is_discarded()) {
+    throw InputError({file, "geometry", text.substr(0, kMaxFoundText), "JSON"});
+  }
   try {
     const Json& dims = json.at("dims");
     const Json& axes = json.at("axes_mm");
@@ -61,36 +56,6 @@ Geometry geometry_from_json(const std::string& text, const std::string& file) {
   } catch (const std::exception&) {
     throw InputError(
         {file, "geometry", text.substr(0, kMaxFoundText), "dims, origin_lps_mm and axes_mm"});
-  }
-}
-
-std::string anchors_to_json(const Anchors& anchors) {
-  Json json = Json::array();
-  for (const IndexBox& box : anchors.boxes) {
-    json.push_back({box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z});
-  }
-  for (const std::int32_t label : anchors.labels) json.push_back({{"label", label}});
-  return json.dump();
-}
-
-Anchors anchors_from_json(const std::string& text, const std::string& file) {
-  const Json json = parse_list_or_object(text, file, "anchors");
-  try {
-    if (!json.is_array()) throw std::out_of_range("no list");
-    Anchors anchors;
-    for (const Json& item : json) {
-      if (item.is_object()) {
-        anchors.labels.push_back(to_int(item.at("label")));
-        continue;
-      }
-      if (item.size() != 6) throw std::out_of_range("no box");
-      anchors.boxes.push_back({{to_int(item.at(0)), to_int(item.at(1)), to_int(item.at(2))},
-                               {to_int(item.at(3)), to_int(item.at(4)), to_int(item.at(5))}});
-    }
-    return anchors;
-  } catch (const std::exception&) {
-    throw InputError({file, "anchors", text.substr(0, kMaxFoundText),
-                      "a list of boxes of six integers and of labels"});
   }
 }
 
