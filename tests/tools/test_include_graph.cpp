@@ -24,7 +24,7 @@ const std::map<std::string, std::set<std::string>> kThirdPartyHomes = {
     {"embree3/", {"raycast"}}, {"opencv2/", {"raycast"}}, {"toml++/", {"tools"}},
     {"CLI/", {"tools"}},       {"openvdb/", {"volumes"}}, {"tiff", {"volumes"}},
     {"nifti", {"volumes"}},    {"OpenEXR/", {"raycast"}}, {"hwy/", {"raycast"}},
-    {"pugixml", {"volumes"}},
+    {"pugixml", {"volumes"}},  {"dcmtk/", {"volumes"}},
 };
 
 struct Include {
@@ -76,6 +76,23 @@ TEST(UnitIncludeGraph, FoldersIncludeOnlyWhatTheArchitectureAllows) {
       EXPECT_EQ(homes.count(include.folder), 1u) << include.file << " includes " << include.target;
     }
   }
+}
+
+TEST(UnitIncludeGraph, DcmtkStaysBehindTheOneHeaderOfItsRoom) {
+  const auto in_room = [](const std::string& path) {
+    return path.find("volumes/dicom/") != std::string::npos;
+  };
+  int seen = 0;
+  for (const Include& include : all_includes()) {
+    const bool library = include.target.rfind("dcmtk/", 0) == 0;
+    seen += library;
+    if (library) {
+      EXPECT_TRUE(in_room(include.file)) << include.file;
+    }
+    if (!in_room(include.target) || in_room(include.file)) continue;
+    EXPECT_EQ(include.target, "volumes/dicom/dicom.h") << include.file;
+  }
+  EXPECT_GT(seen, 0);
 }
 
 TEST(UnitIncludeGraph, HeavyHeadersStayBehindFewFiles) {

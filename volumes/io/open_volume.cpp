@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "volumes/base/error.h"
+#include "volumes/dicom/dicom.h"
 #include "volumes/io/byte_source.h"
 #include "volumes/io/formats.h"
 #include "volumes/io/image_series.h"
@@ -44,6 +45,7 @@ std::string extension_of(const std::string& path) {
 /// The reader of a file, by content first and extension second.
 std::unique_ptr<VolumeFile> open_known(const std::string& path, const ReadOptions& options) {
   if (!options.raw.empty()) return open_raw(path, options.raw);
+  if (holds_dicom(path)) return open_dicom(path, options);
   if (std::filesystem::is_directory(path) || is_series_pattern(path)) {
     return open_image_series(path, options);
   }
@@ -54,6 +56,7 @@ std::unique_ptr<VolumeFile> open_known(const std::string& path, const ReadOption
     if (is_gzip(head)) head = gzip_head(file, kHeadBytes);
   }
 
+  if (is_dicom(head)) return open_dicom(path, options);
   if (starts_with(head, "NRRD")) return open_nrrd(path, options);
   if (starts_with(head, "\x89PNG\r\n\x1a\n")) return open_png(path);
   if (is_tiff(head)) return open_tiff(path, options);
@@ -75,7 +78,7 @@ std::unique_ptr<VolumeFile> open_known(const std::string& path, const ReadOption
                       "its .nhdr or .mhd header, or --raw dims=X,Y,Z,type=T,spacing=A,B,C"});
   }
   throw InputError({path, "format", "unknown content",
-                    "NRRD, MetaImage, NIfTI, PNG, TIFF, or raw values described by --raw"});
+                    "NRRD, MetaImage, NIfTI, DICOM, PNG, TIFF, or raw values described by --raw"});
 }
 
 /// Readers and loaders hold slices; no scanner makes larger ones.

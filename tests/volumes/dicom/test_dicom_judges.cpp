@@ -1,0 +1,91 @@
+// pydicom reads the values and places of the same files, plastimatch the same series as a volume.
+// Each judge is skipped where it is not installed (tools/setup.sh --with-judges).
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+#include "tests/volumes/dicom/dicom_fixtures.h"
+
+namespace supple::test {
+namespace {
+
+bool runs(const std::string& command) {
+  return std::system((command + " >/dev/null 2>&1").c_str()) == 0;
+}
+
+SeriesFixture oblique(E_TransferSyntax syntax) {
+  SeriesFixture series;
+  series.row = {0.8, 0.6, 0};
+  series.column = {0, 0, -1};
+  series.step = series.row.cross(series.column) * 1.5;
+  series.syntax = syntax;
+  series.edit = [](DcmDataset& data, int) {
+    put(data, DCM_RescaleSlope, "2");
+    put(data, DCM_RescaleIntercept, "-1000");
+  };
+  return series;
+}
+
+/// Prints, slice by slice along the normal, the world position and rescaled value of every pixel.
+constexpr const char* kPydicomScript = R"(
+import sys, os, numpy, pydicom
+slices = [pydicom.dcmread(os.path.join(sys.argv[1], n)) for n in os.listdir(sys.argv[1])]
+def frame(s):
+    o = numpy.array(s.ImageOrientationPatient, float)
+    return o[:3], o[3:], numpy.array(s.ImagePositionPatient, float)
+slices.sort(key=lambda s: numpy.dot(numpy.cross(*frame(s)[:2]), frame(s)[2]))
+for s in slices:
+    row, column, position = frame(s)
+    values = s.pixel_array * float(s.RescaleSlope) + float(s.RescaleIntercept)
+    for r in range(s.Rows):
+        for c in range(s.Columns):
+            p = position + row * c * s.PixelSpacing[1] + column * r * s.PixelSpacing[0]
+            print(*p, values[r, c])
+)";
+
+TEST(InteropDicom, PydicomFindsTheSameValueAtTheSamePlace) {
+  const std::string python = "/usr/bin/python3";
+  if (!runs(python + " -c 'import pydicom, numpy'")) GTEST_SKIP() << "pydicom is not installed";
+  for (const E_TransferSyntax syntax : {EXS_LittleEndianImplicit, EXS_BigEndianExplicit,
+                                        EXS_DeflatedLittleEndianExplicit, EXS_RLELossless}) {
+    const TemporaryFolder folder, outputs;
+    oblique(syntax).write_all(folder);
+    const std::string script = outputs.write("judge.py", kPydicomScript);
+    const std::string list = outputs.file("list");
+    ASSERT_EQ(std::system((python + " " + script + " " + folder.file(".") + " >" + list).c_str()),
+              0);
+    std::ifstream lines(list);
+    const auto file = open_volume(folder.file("."));
+    const std::vector<double> values = values_of(*file);
+    const Geometry& geometry = file->header().geometry;
+    std::size_t n = 0;
+    for (Vec3d place; lines >> place.x >> place.y >> place.z; ++n) {
+      double value = 0;
+      lines >> value;
+      ASSERT_LT(n, values.size());
+      EXPECT_EQ(value, values[n]);
+      const Vec3d ours =
+          geometry.world_from_index({double(n % 5), double(n / 5 % 4), double(n / 20)});
+      EXPECT_LE((ours - place).length(), 1e-6) << n;
+    }
+    EXPECT_EQ(n, values.size());
+  }
+}
+
+TEST(InteropDicom, PlastimatchMakesTheSameVolume) {
+  if (!runs("plastimatch --version")) GTEST_SKIP() << "plastimatch is not installed";
+  for (const E_TransferSyntax syntax : {EXS_LittleEndianExplicit, EXS_LittleEndianImplicit}) {
+    const TemporaryFolder folder, outputs;
+    oblique(syntax).write_all(folder);
+    const std::string image = outputs.file("image.nrrd");
+    ASSERT_TRUE(runs("plastimatch convert --input " + folder.file(".") + " --output-img " + image));
+    const auto ours = open_volume(folder.file(".")), theirs = open_volume(image);
+    expect_geometry(ours->header().geometry, theirs->header().geometry, 1e-4);
+    EXPECT_EQ(values_of(*ours), values_of(*theirs));
+  }
+}
+
+}  // namespace
+}  // namespace supple::test
