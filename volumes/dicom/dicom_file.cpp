@@ -82,14 +82,7 @@ void read_meta(DicomFile& result, const std::string& head) {
   if (condition.bad()) fail(path, "DICOM meta information", condition.text(), "an intact file");
   result.data_offset = stream.tell();
   result.syntax_uid = text_of(meta, DCM_TransferSyntaxUID);
-  const DcmXfer syntax(result.syntax_uid.c_str());
-  result.syntax = syntax.getXfer();
-  if (is_read(result.syntax)) return;
-  std::string found = result.syntax_uid.empty() ? "nothing" : result.syntax_uid;
-  if (!result.syntax_uid.empty() && result.syntax != EXS_Unknown) {
-    found += std::string(" ") + syntax.getXferName();
-  }
-  fail(path, "TransferSyntaxUID", printable(found), "uncompressed, deflated, RLE, JPEG or JPEG-LS");
+  result.syntax = DcmXfer(result.syntax_uid.c_str()).getXfer();
 }
 
 /// Parses as much of the dataset as `bytes` hold; true when the parser came to the pixels or the
@@ -161,6 +154,16 @@ DicomFile read_attributes(const std::string& path) {
   read_meta(result, head);
   read_dataset(result);
   return result;
+}
+
+void require_syntax(const DicomFile& file) {
+  if (is_read(file.syntax)) return;
+  std::string found = file.syntax_uid.empty() ? "nothing" : file.syntax_uid;
+  if (!file.syntax_uid.empty() && file.syntax != EXS_Unknown) {
+    found += std::string(" ") + DcmXfer(file.syntax).getXferName();
+  }
+  fail(file.file->path(), "TransferSyntaxUID", printable(found),
+       "uncompressed, deflated, RLE, JPEG or JPEG-LS");
 }
 
 std::string text_of(DcmItem& item, const DcmTagKey& tag) {

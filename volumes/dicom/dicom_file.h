@@ -27,17 +27,20 @@ struct DicomFile {
   E_TransferSyntax syntax = EXS_Unknown;
   std::int64_t data_offset = 0;         // of the dataset in the file
   std::unique_ptr<DcmDataset> dataset;  // everything in front of the pixels
-  /// Behind the head of the element that follows, usually Pixel Data: from the file's start, or from
-  /// the dataset's start after decompression where the dataset is deflated. The end without any.
+  /// Behind the head of the element that follows, usually Pixel Data: from the file's start, or
+  /// from the dataset's start after decompression where the dataset is deflated. The end without
+  /// any.
   std::int64_t pixel_offset = 0;
 };
 
 /// Silences DCMTK's log and registers its decoders, once. Throws SystemError without dictionary.
 void prepare_dcmtk();
 
-/// Throws InputError for a file that is no DICOM file or is damaged in front of the pixels, and for
-/// transfer syntaxes that are not read.
+/// Throws InputError for a file that is no DICOM file or is damaged in front of the pixels.
 DicomFile read_attributes(const std::string& path);
+
+/// Throws InputError for a transfer syntax whose pixels are not read.
+void require_syntax(const DicomFile& file);
 
 /// All values of an attribute, separated by backslashes; "" where it is absent.
 std::string text_of(DcmItem& item, const DcmTagKey& tag);

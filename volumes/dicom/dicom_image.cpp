@@ -154,6 +154,7 @@ std::optional<SeriesMember> series_member(DicomFile& file) {
 }
 
 DicomImage read_image(DicomFile& file) {
+  require_syntax(file);
   DcmItem& dataset = *file.dataset;
   DicomImage image;
   image.path = file.file->path();
