@@ -5,6 +5,8 @@
 #include <set>
 #include <tuple>
 
+#include <tbb/parallel_for.h>
+
 #include "volumes/grid/density_grid_vdb.h"
 
 namespace supple {
@@ -62,15 +64,17 @@ DensityGrid fill_density_grid(const BrickTopology& bricks,
                               float background) {
   auto grid = openvdb::FloatGrid::create(background);
   grid->setName("density");
-  std::array<float, kBrickVoxels> values{};
-  for (std::size_t b = 0; b < bricks.brick_count(); ++b) {
-    const Vec3i& origin = bricks.origin(b);
-    auto leaf = std::make_unique<Leaf>(openvdb::Coord(origin.x, origin.y, origin.z), background);
+  std::vector<std::unique_ptr<Leaf>> leaves(bricks.brick_count());
+  tbb::parallel_for(std::size_t(0), leaves.size(), [&](std::size_t b) {
+    std::array<float, kBrickVoxels> values{};
     fill(b, values.data());
-    for_each_active(bricks.mask(b),
-                    [&](int offset) { leaf->setValueOn(openvdb::Index(offset), values[offset]); });
-    grid->tree().addLeaf(leaf.release());
-  }
+    const Vec3i& origin = bricks.origin(b);
+    leaves[b] = std::make_unique<Leaf>(openvdb::Coord(origin.x, origin.y, origin.z), background);
+    for_each_active(bricks.mask(b), [&](int offset) {
+      leaves[b]->setValueOn(openvdb::Index(offset), values[offset]);
+    });
+  });
+  for (std::unique_ptr<Leaf>& leaf : leaves) grid->tree().addLeaf(leaf.release());
   return DensityGrid(std::make_shared<DensityGrid::Vdb>(DensityGrid::Vdb{grid}));
 }
 

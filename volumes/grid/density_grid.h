@@ -42,8 +42,8 @@ class DensityGrid {
 /// Builds a grid from bricks; `values[512 * b + offset]` as in BrickTopology order.
 DensityGrid make_density_grid(const BrickTopology& bricks, const std::vector<float>& values,
                               float background);
-/// The same with `fill(b, out)` asked for the 512 values of every brick, ascending: for callers
-/// that do not hold all values at once.
+/// The same with `fill(b, out)` asked for the 512 values of every brick, once each and from several
+/// threads: for callers that do not hold all values at once.
 DensityGrid fill_density_grid(const BrickTopology& bricks,
                               const std::function<void(std::size_t b, float* out)>& fill,
                               float background);

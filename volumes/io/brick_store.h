@@ -13,8 +13,8 @@ namespace supple {
 
 class BrickStore {
  public:
-  /// Keeps a brick of the slab, unless no voxel of it is finite.
-  void add(const Slab& slab, int bi, int bj);
+  /// Keeps the bricks of the slab that are wanted, but those without a finite voxel.
+  void add(const Slab& slab, const std::function<bool(int bi, int bj)>& wants);
 
   /// Finite voxels above `threshold`, as a topology.
   BrickTopology above(float threshold) const;
@@ -26,13 +26,16 @@ class BrickStore {
  private:
   struct Brick {
     Vec3i origin;
-    Vec3i extent;  // voxels inside the volume per axis
+    Vec3i extent{0, 0, 0};  // voxels inside the volume per axis
     float constant = 0;
     std::unique_ptr<float[]> values;  // null: `constant` all over the extent
 
     void copy_to(float* out) const;
-    BrickMask mask_where(const std::function<bool(float)>& holds) const;
+    template <class Holds>
+    BrickMask mask_where(const Holds& holds) const;
   };
+
+  static Brick brick_of(const Slab& slab, int bi, int bj);
 
   std::vector<Brick> m_bricks;
 };

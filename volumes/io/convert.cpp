@@ -110,6 +110,7 @@ std::vector<std::string> convert(VolumeFile& input, const ConvertPlan& plan,
     writer->write_slice(plan.applies_scaling ? written.data() : stored.data());
     report(progress, double(k + 1) / dims.z);
   }
+  writer->complete(progress);
   writer->commit();
   return writer->warnings();
 }

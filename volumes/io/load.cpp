@@ -79,10 +79,10 @@ class ElementCollector {
 
   /// Stores the reached bricks of the slab that is held back.
   void settle() {
-    for (std::size_t n = 0; n < m_reached_below.size(); ++n) {
-      if (!m_reached_below[n]) continue;
-      m_store.add(m_held, int(n % m_held.bricks_x()), int(n / m_held.bricks_x()));
-    }
+    if (m_reached_below.empty()) return;
+    m_store.add(m_held, [&](int bi, int bj) {
+      return m_reached_below[std::size_t(bj) * m_held.bricks_x() + bi] != 0;
+    });
     m_reached_below.clear();
   }
 
@@ -120,11 +120,7 @@ Volume load_volume(VolumeFile& file, Progress* progress) {
   SlabReader reader(file, progress);
   BrickStore store;
   Slab slab;
-  while (reader.next(slab)) {
-    for (int bj = 0; bj < slab.bricks_y(); ++bj) {
-      for (int bi = 0; bi < slab.bricks_x(); ++bi) store.add(slab, bi, bj);
-    }
-  }
+  while (reader.next(slab)) store.add(slab, [](int, int) { return true; });
   slab = Slab();
   Volume volume = describe(file, reader);
   const float background = float(volume.statistics.min);

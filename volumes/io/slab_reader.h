@@ -1,12 +1,12 @@
 // Eight slices of a volume at a time, as floats after slope and intercept, with the statistics of
 // everything read so far. Slabs are as thick as bricks, so that bricks fill from single slabs.
-// Cost: one stored slice plus one slab of floats, whatever the volume's length.
+// Cost: eight stored slices and as many of floats, whatever the volume's length.
 #pragma once
 
 #include <vector>
 
 #include "volumes/base/sha256.h"
-#include "volumes/io/volume_file.h"
+#include "volumes/io/slice_values.h"
 
 namespace supple {
 
@@ -35,18 +35,13 @@ class SlabReader {
   VolumeStatistics statistics() const;
 
  private:
-  void convert_slice(float* out);
-
   VolumeFile& m_file;
   Progress* m_progress;
   Sha256* m_hash;
+  std::size_t m_slice_values, m_slice_bytes;
   std::vector<char> m_stored;
   int m_next_k = 0;
-  double m_min, m_max;
-  double m_sum = 0;
-  std::int64_t m_finite_count = 0;
-  std::int64_t m_min_count = 0;
-  std::int64_t m_void_count = 0;
+  SliceStatistics m_statistics;
 };
 
 }  // namespace supple
