@@ -4,6 +4,7 @@
 
 #include "tools/command.h"
 #include "volumes/base/atomic_file.h"
+#include "volumes/io/formats.h"
 #include "volumes/io/volume_writer.h"
 
 namespace supple::tools {
@@ -24,7 +25,7 @@ void require_extension(const std::string& path, const std::string& extension) {
 }  // namespace
 
 void OutputPlan::protect(const std::string& input) {
-  m_inputs.insert(canonical(input));
+  m_inputs.insert(canonical(file_part(input)));
   const std::filesystem::path path(input);
   if (path.extension() != ".nhdr" && path.extension() != ".mhd") return;
   m_inputs.insert(canonical(std::filesystem::path(input).replace_extension(".raw").string()));

@@ -34,6 +34,8 @@ constexpr OutputFormat kFormats[] = {
     {".tif", create_tiff, false, false, true},       //
     {".tiff", create_tiff, false, false, true},      //
     {".vdb", create_vdb, false, false, false},       //
+    {".h5", create_hdf5, false, false, true},        //
+    {".hdf5", create_hdf5, false, false, true},      //
 };
 
 std::string all_extensions() {

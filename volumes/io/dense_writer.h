@@ -68,6 +68,8 @@ std::unique_ptr<DenseWriter> create_vdb(const std::string& path, const std::stri
 
 std::unique_ptr<DenseWriter> create_nifti(const std::string& path, const std::string& raw_path,
                                           const DenseImage& image, const WriteOptions& options);
+std::unique_ptr<DenseWriter> create_hdf5(const std::string& path, const std::string& raw_path,
+                                         const DenseImage& image, const WriteOptions& options);
 
 /// Throws InputError for axes that are not perpendicular.
 void require_perpendicular(const DenseImage& image, const std::string& path,

@@ -21,6 +21,10 @@ std::unique_ptr<VolumeFile> open_png(const std::string& path);
 std::unique_ptr<VolumeFile> open_tiff(const std::string& path, const ReadOptions& options);
 /// A grid of floats or of vectors of an OpenVDB file that is no state.
 std::unique_ptr<VolumeFile> open_vdb(const std::string& path);
+/// HDF5: ITK images and transforms, NeXus, or a dataset named as `file.h5:/path`.
+std::unique_ptr<VolumeFile> open_hdf5(const std::string& path, const ReadOptions& options);
+/// "file.h5" of "file.h5:/path" where that is a file; else `path`.
+std::string file_part(const std::string& path);
 /// Headerless values, described by `--raw`.
 std::unique_ptr<VolumeFile> open_raw(const std::string& path, const std::string& spec);
 

@@ -35,6 +35,10 @@ bool is_openvdb(const std::string& head) {
   return starts_with(head, std::string(" BDV\0\0\0\0", 8));
 }
 
+bool is_hdf5(const std::string& head) {
+  return starts_with(head, "\x89HDF\r\n\x1a\n");
+}
+
 std::string extension_of(const std::string& path) {
   const std::filesystem::path file(path);
   const std::string last = lower_case(file.extension().string());
@@ -45,6 +49,7 @@ std::string extension_of(const std::string& path) {
 /// The reader of a file, by content first and extension second.
 std::unique_ptr<VolumeFile> open_known(const std::string& path, const ReadOptions& options) {
   if (!options.raw.empty()) return open_raw(path, options.raw);
+  if (file_part(path) != path) return open_hdf5(path, options);
   if (holds_dicom(path)) return open_dicom(path, options);
   if (std::filesystem::is_directory(path) || is_series_pattern(path)) {
     return open_image_series(path, options);
@@ -62,6 +67,7 @@ std::unique_ptr<VolumeFile> open_known(const std::string& path, const ReadOption
   if (is_tiff(head)) return open_tiff(path, options);
   if (is_nifti_head(head)) return open_nifti(path, options);
   if (is_metaimage(head)) return open_metaimage(path, options);
+  if (is_hdf5(head)) return open_hdf5(path, options);
   if (is_openvdb(head)) return open_vdb(path);
 
   const std::string extension = extension_of(path);
@@ -70,6 +76,10 @@ std::unique_ptr<VolumeFile> open_known(const std::string& path, const ReadOption
   if (extension == ".nii" || extension == ".nii.gz" || extension == ".hdr" ||
       extension == ".hdr.gz" || extension == ".img" || extension == ".img.gz") {
     return open_nifti(path, options);
+  }
+  if (extension == ".h5" || extension == ".hdf5" || extension == ".hdf" || extension == ".nxs" ||
+      extension == ".he5") {
+    return open_hdf5(path, options);
   }
   if (extension == ".png") return open_png(path);
   if (extension == ".tif" || extension == ".tiff") return open_tiff(path, options);
