@@ -23,6 +23,8 @@ using namespace supple::test;
 
 namespace {
 
+const std::vector<std::string> kImages = {"warp.nrrd", "warp.mha", "warp.nhdr",
+                                          "warp.mhd",  "warp.nii", "warp.nii.gz"};
 constexpr int kBorder = 2;
 constexpr double kTolerance = 0.01;  // mean grey levels; both judges are at float rounding (3e-7)
 constexpr double kFarOff = 10;       // mean grey levels; no warp at all is 12.8 away
@@ -180,9 +182,23 @@ std::string plastimatch(const ScratchFolder& folder, const Geometry&, const std:
   return folder / "result.mha";
 }
 
-/// The judge reads all formats on both grids as we do; a flipped sign or no warp at all is far
-/// off.
-void expect_agreement(const Judge& judge) {
+/// ITK itself, which alone reads transform files here; `supple-itk-transform` beside the program.
+std::string itk_judge() {
+  const char* binary = std::getenv("SUPPLE_BINARY");
+  const std::filesystem::path program = binary != nullptr ? binary : "";
+  const std::filesystem::path judge = program.parent_path() / "supple-itk-transform";
+  return std::filesystem::exists(judge) ? judge.string() : "";
+}
+
+std::string itk(const ScratchFolder& folder, const Geometry&, const std::string& warp) {
+  std::filesystem::remove(folder / "result.mha");
+  EXPECT_TRUE(runs(itk_judge() + " " + (folder / "source.mha") + " " + warp + " " +
+                   (folder / "result.mha")));
+  return folder / "result.mha";
+}
+
+/// The judge reads these files on both grids as we do; a flipped sign or no warp at all is far off.
+void expect_agreement(const Judge& judge, const std::vector<std::string>& names) {
   const Image source = grey_source();
   for (const Geometry& geometry : {ct_like_grid(), oblique_anisotropic_grid()}) {
     const ScratchFolder folder("judges");
@@ -193,15 +209,15 @@ void expect_agreement(const Judge& judge) {
     });
     EXPECT_GT(mean_difference(source, expected), kFarOff);
 
-    for (const char* name :
-         {"warp.nrrd", "warp.mha", "warp.nhdr", "warp.mhd", "warp.nii", "warp.nii.gz"}) {
+    for (const std::string& name : names) {
       export_warp(folder / name, offsets, 1);
       const double off =
           mean_difference(read_image(judge(folder, geometry, folder / name)), expected);
       EXPECT_LE(off, kTolerance) << name;
     }
-    export_warp(folder / "flipped.nrrd", offsets, -1);
-    const Image flipped = read_image(judge(folder, geometry, folder / "flipped.nrrd"));
+    const std::string opposite = folder / ("flipped-" + names[0]);
+    export_warp(opposite, offsets, -1);
+    const Image flipped = read_image(judge(folder, geometry, opposite));
     EXPECT_GT(mean_difference(flipped, expected), kFarOff);
     EXPECT_LE(mean_difference(flipped, own_reading(source, offsets, -1)), kTolerance);
   }
@@ -234,7 +250,8 @@ State pushed_ball(const Geometry& geometry, const Image& grey, double height) {
 
 /// The whole way: state, extension, inversion, dense warp with air where tissue left. The judge
 /// applies it to the source; we resample with the offset field itself.
-void expect_agreement_on_inverted_states(const Judge& judge) {
+void expect_agreement_on_inverted_states(const Judge& judge,
+                                         const std::vector<std::string>& names) {
   for (const Geometry& geometry : {ct_like_grid(), oblique_anisotropic_grid()}) {
     const ScratchFolder folder("judges");
     const State state = pushed_ball(geometry, grey_source(), 3);
@@ -247,7 +264,7 @@ void expect_agreement_on_inverted_states(const Judge& judge) {
     write_volume(folder / "source.mha", geometry, ValueType::float32, [&](int k, float* out) {
       std::copy_n(&source[slot(0, 0, k)], kDims.x * kDims.y, out);
     });
-    for (const char* name : {"warp.nrrd", "warp.mha"}) {
+    for (const std::string& name : names) {
       write_warp(folder / name, {geometry, WarpDirection::resample},
                  dense_offsets(offsets, state.density.bricks(), geometry, VoidMode::nearest));
       const Image pulled = read_image(judge(folder, geometry, folder / name));
@@ -261,14 +278,20 @@ void expect_agreement_on_inverted_states(const Judge& judge) {
 
 TEST(InteropExport, TransformixPullsThroughOurWarpsAsWeDo) {
   if (!runs("transformix --version")) GTEST_SKIP() << "transformix (elastix) is not installed";
-  expect_agreement(transformix);
-  expect_agreement_on_inverted_states(transformix);
+  expect_agreement(transformix, kImages);
+  expect_agreement_on_inverted_states(transformix, {"warp.nrrd", "warp.mha"});
 }
 
 TEST(InteropExport, PlastimatchPullsThroughOurWarpsAsWeDo) {
   if (!runs("plastimatch --version")) GTEST_SKIP() << "plastimatch is not installed";
-  expect_agreement(plastimatch);
-  expect_agreement_on_inverted_states(plastimatch);
+  expect_agreement(plastimatch, kImages);
+  expect_agreement_on_inverted_states(plastimatch, {"warp.nrrd", "warp.mha"});
+}
+
+TEST(InteropExport, ItkPullsThroughOurTransformFilesAsWeDo) {
+  if (itk_judge().empty()) GTEST_SKIP() << "supple-itk-transform is not built (--with-peers)";
+  expect_agreement(itk, {"warp.h5", "warp.hdf5"});
+  expect_agreement_on_inverted_states(itk, {"warp.h5"});
 }
 
 TEST(InteropExport, TeemKeepsTheDirectionAndTheGeometryOfOurNrrd) {

@@ -141,17 +141,18 @@ TEST(UnitWriter, IntegersAreRoundedAndClampedAndNanIsZero) {
 TEST(PropertyWriter, OurReadersGiveBackGeometryAndValuesOfEveryFormatAndType) {
   const ScratchFolder folder("writer-round-trip");
   std::mt19937 random(3);
-  for (int n = 0; n < 60; ++n) {
+  for (int n = 0; n < 100; ++n) {
     const Vec3i dims(1 + int(random() % 9), 1 + int(random() % 9), 1 + int(random() % 9));
-    const char* name = std::array<const char*, 4>{"a.nrrd", "a.nhdr", "a.mha", "a.mhd"}[n % 4];
+    const char* name =
+        std::array<const char*, 5>{"a.nrrd", "a.nhdr", "a.mha", "a.mhd", "a.h5"}[n % 5];
     Geometry geometry = random_geometry(random, dims);
-    if (n % 4 >= 2) {  // MetaImage takes no shear
+    if (n % 5 >= 2) {  // MetaImage and HDF5 take no shear
       const auto unit = geometry.direction();
       const Vec3d second = unit[0].cross(unit[1]).normalized();
       geometry = Geometry(dims, geometry.origin_lps_mm(),
                           {unit[0] * 0.7, second * 1.9, unit[0].cross(second) * -3.1});
     }
-    const auto type = ValueType(n % 10);
+    const auto type = ValueType(n / 5 % 10);
     const auto grey = [&](int i, int j, int k) { return float((i * 7 + j * 13 + k * 29) % 100); };
     write_volume(folder / name, geometry, type, [&](int k, float* out) {
       for (int j = 0; j < dims.y; ++j) {
@@ -176,7 +177,7 @@ TEST(PropertyWriter, OurReadersGiveBackGeometryAndValuesOfEveryFormatAndType) {
 
 TEST(FaultWriter, ShearIsKeptByNrrdAndRefusedByMetaImage) {
   const ScratchFolder folder("writer-shear");
-  for (const char* name : {"a.mha", "a.mhd"}) {
+  for (const char* name : {"a.mha", "a.mhd", "a.h5"}) {
     const std::string error = error_of([&] {
       write_warp(folder / name, {kSheared, WarpDirection::resample}, counting_vectors);
     });
@@ -200,7 +201,7 @@ TEST(FaultWriter, AFullDiskIsASystemErrorThatKeepsTheOldFilesAndLeavesNothingEls
   const ScratchFolder folder("writer-full-disk");
   const Geometry large({200, 100, 3}, {0, 0, 0}, kOblong.axes_mm());
   const auto slices = [](int, float* out) { std::fill_n(out, 20000, 1.0f); };
-  for (const char* name : {"a.nrrd", "a.nhdr", "b.mha", "b.mhd", "c.tif"}) {
+  for (const char* name : {"a.nrrd", "a.nhdr", "b.mha", "b.mhd", "c.tif", "d.h5"}) {
     write_volume(folder / name, kOblong, ValueType::float32, counting_slices);
     const std::string old = file_bytes(folder / name);
     const std::size_t count = folder.file_count();
