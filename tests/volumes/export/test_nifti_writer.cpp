@@ -139,10 +139,11 @@ TEST(PropertyNiftiWriter, WarpsComeBackExactlyWithGridDirectionAndCertificate) {
     WriteOptions options;
     options.ras_vectors = n % 4 >= 2;
     const std::size_t slice = std::size_t(dims.x) * std::size_t(dims.y);
-    write_warp(
-        path, {geometry, WarpDirection::material, "{\"folded\": 3}"},
-        [&](int k, Vec3f* out) { std::copy_n(&vectors[slice * std::size_t(k)], slice, out); },
-        nullptr, options);
+    const auto slices = [&](int k, Vec3f* out) {
+      std::copy_n(&vectors[slice * std::size_t(k)], slice, out);
+    };
+    const WarpFacts facts{geometry, WarpDirection::material, "{\"folded\": 3}"};
+    EXPECT_TRUE(write_warp(path, facts, slices, nullptr, options).empty());  // qform too
 
     const Warp warp = read_warp(path);
     EXPECT_EQ(warp.vectors, vectors);
@@ -284,4 +285,15 @@ TEST(FaultNiftiWriter, AFullDiskOrACancelLeavesTheOldFileAndNothingElse) {
     EXPECT_EQ(file_bytes(folder / name), old);
     EXPECT_EQ(folder.file_count(), count);
   }
+}
+
+TEST(FaultNiftiWriter, AFullDiskUnderTheTemporaryFileIsTold) {
+  // The vectors are all alike: what is compressed would fit.
+  const ScratchFolder folder("nifti-full-spool");
+  const Geometry large({100, 100, 3}, {0, 0, 0}, kOblong.axes_mm());
+  const auto alike = [](int, Vec3f* out) { std::fill_n(out, 10000, Vec3f(1, 2, 3)); };
+  const FileSizeLimit full(100000);
+  EXPECT_EQ(error_of([&] { write_warp(folder / "a.nii.gz", {large}, alike); }),
+            (folder / "a.nii.gz") + ": cannot write a temporary file: File too large");
+  EXPECT_EQ(folder.file_count(), 0u);
 }

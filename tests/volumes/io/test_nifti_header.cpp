@@ -82,10 +82,11 @@ TEST(UnitNiftiForms, SformAndQformThatDisagreeAreAWarning) {
 
   std::string scaled = with_both_forms(0);
   patch(scaled, 84, 2.0f);  // of the qform alone; the far corner is one voxel off
-  EXPECT_EQ(warnings(scaled)[0], "sform and qform disagree by 1 voxels; sform is used");
+  EXPECT_EQ(warnings(scaled),
+            std::vector<std::string>{"sform and qform disagree by 1 voxels; sform is used"});
   std::string broken = with_both_forms(0);
   patch(broken, 84, 0.0f);
-  EXPECT_EQ(warnings(broken)[0], "the qform is no grid; sform is used");
+  EXPECT_EQ(warnings(broken), std::vector<std::string>{"the qform is no grid; sform is used"});
 }
 
 TEST(UnitNiftiPair, TheContentDecidesWhereMagicAndNameDiffer) {
