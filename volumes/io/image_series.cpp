@@ -163,6 +163,11 @@ class SeriesVolume : public VolumeFile {
     const Vec3i dims(m_header.geometry.dims().x, m_header.geometry.dims().y, int(m_names.size()));
     m_header.geometry =
         make_geometry(path, dims, m_header.geometry.origin_lps_mm(), m_header.geometry.axes_mm());
+    const Vec3d spacing = m_header.geometry.spacing_mm();
+    if (dims.z > 1 && spacing.z == 1 && (spacing.x != 1 || spacing.y != 1)) {
+      m_header.warnings.push_back(
+          "the distance of slices is not recorded; it counts as 1 mm (see --spacing)");
+    }
     const std::string missing = missing_numbers(m_names);
     if (!missing.empty()) m_header.warnings.push_back(missing);
   }

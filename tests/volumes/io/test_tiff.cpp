@@ -1,36 +1,18 @@
 // TIFF files of many pages, written by libtiff, and the metadata of ImageJ.
 #include <gtest/gtest.h>
 
-#include "tests/volumes/io/io_fixtures.h"
+#include "tests/volumes/io/tiff_fixtures.h"
 #include "volumes/base/error.h"
 
 namespace supple::test {
 namespace {
-
-/// Pages of one file, each with `bytes[n]` as its rows.
-void write_pages(const std::string& path, int width, int height, TiffOptions options,
-                 const std::vector<std::string>& bytes) {
-  const bool is_big = std::string(options.mode) == "w8";
-  for (const std::string& rows : bytes) {
-    write_tiff(path, width, height, options, rows);
-    options.mode = is_big ? "a8" : "a";
-    options.description.clear();
-  }
-}
-
-/// Pages of one value each, counted from `first`.
-std::vector<std::string> counted(int count, std::size_t size, char first = 'a') {
-  std::vector<std::string> pages;
-  for (int n = 0; n < count; ++n) pages.push_back(std::string(size, char(first + n)));
-  return pages;
-}
 
 TEST(UnitTiffPages, ThePagesAreTheSlicesInOrder) {
   const TemporaryFolder folder;
   for (const char* mode : {"wl", "wb", "w8"}) {
     TiffOptions options;
     options.mode = mode;
-    write_pages(folder.file("a.tif"), 4, 3, options, counted(5, 12));
+    write_tiff_pages(folder.file("a.tif"), 4, 3, options, lettered_pages(5, 12));
     const auto file = open_volume(folder.file("a.tif"));
     EXPECT_EQ(file->header().geometry.dims(), Vec3i(4, 3, 5));
     EXPECT_EQ(read_all(*file), std::string(12, 'a') + std::string(12, 'b') + std::string(12, 'c') +
@@ -118,7 +100,7 @@ TEST(UnitTiffSpacing, ResolutionCountsWhereItsUnitIsALengthAndNoScreens) {
     options.x_resolution = expected.x;
     options.y_resolution = expected.y;
     options.resolution_unit = expected.unit;
-    write_pages(folder.file("a.tif"), 2, 2, options, counted(2, 4));
+    write_tiff_pages(folder.file("a.tif"), 2, 2, options, lettered_pages(2, 4));
     const auto file = open_volume(folder.file("a.tif"));
     const Vec3d spacing = file->header().geometry.spacing_mm();
     for (int a = 0; a < 3; ++a) EXPECT_DOUBLE_EQ(spacing[a], expected.spacing[a]) << expected.x;
@@ -138,7 +120,7 @@ TEST(UnitImageJ, SpacingIsInTheUnitOfTheDescription) {
     options.x_resolution = 2;
     options.y_resolution = 4;
     options.resolution_unit = 1;
-    write_pages(folder.file("a.tif"), 2, 2, options, counted(2, 4));
+    write_tiff_pages(folder.file("a.tif"), 2, 2, options, lettered_pages(2, 4));
     const auto file = open_volume(folder.file("a.tif"));
     const Vec3d spacing = file->header().geometry.spacing_mm();
     const Vec3d expected = Vec3d(0.5, 0.25, 1.5) * mm;
@@ -152,7 +134,7 @@ TEST(UnitImageJ, HyperstacksCountChannelsThenSlicesThenFrames) {
   TiffOptions options;
   options.description =
       "ImageJ=1.53t\nimages=12\nchannels=2\nslices=3\nframes=2\nhyperstack=true\n";
-  write_pages(folder.file("a.tif"), 1, 1, options, counted(12, 1));  // a to l
+  write_tiff_pages(folder.file("a.tif"), 1, 1, options, lettered_pages(12, 1));  // a to l
   EXPECT_NE(failure_of(folder.file("a.tif")).find("--frame 0 to 1"), std::string::npos);
   ReadOptions second;
   second.frame = 1;
@@ -160,7 +142,7 @@ TEST(UnitImageJ, HyperstacksCountChannelsThenSlicesThenFrames) {
   second.channel = 1;
   EXPECT_EQ(read_all(*open_volume(folder.file("a.tif"), second)), "hjl");
   options.description += "order=zct\n";
-  write_pages(folder.file("b.tif"), 1, 1, options, counted(12, 1));
+  write_tiff_pages(folder.file("b.tif"), 1, 1, options, lettered_pages(12, 1));
   EXPECT_EQ(read_all(*open_volume(folder.file("b.tif"), second)), "jkl");
 }
 
@@ -168,7 +150,7 @@ TEST(UnitImageJ, AStackWithoutNamedAxesIsOneOfSlices) {
   const TemporaryFolder folder;
   TiffOptions options;
   options.description = "ImageJ=1.53t\nimages=3\n";
-  write_pages(folder.file("a.tif"), 1, 1, options, counted(3, 1));
+  write_tiff_pages(folder.file("a.tif"), 1, 1, options, lettered_pages(3, 1));
   EXPECT_EQ(read_all(*open_volume(folder.file("a.tif"))), "abc");
 }
 
