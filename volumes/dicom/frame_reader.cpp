@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cstring>
 
+#include <dcmtk/dcmdata/dcpixseq.h>
+#include <dcmtk/dcmdata/dcpxitem.h>
+
 #include "volumes/base/error.h"
 #include "volumes/dicom/inflate_range.h"
 
@@ -90,6 +93,53 @@ void check_native(const DicomFile& file, const PixelFormat& format, const PixelE
                     std::to_string(claimed) + " bytes"});
 }
 
+/// Compares the frame header of a JPEG stream (T.81, B.2.2) with the attributes: the decoder goes
+/// by the stream and would leave parts of a frame unset.
+void check_jpeg(const DicomImage& image, const std::string& stream) {
+  for (std::size_t at = 2; at + 9 <= stream.size();) {
+    const std::uint32_t marker = number_at(stream, at, 2, true);
+    if (marker < 0xFF01) return;  // not a segment: the decoder will say what is wrong
+    const bool fill = marker == 0xFFFF;
+    const bool frame = marker >= 0xFFC0 && marker <= 0xFFCF && marker != 0xFFC4 &&
+                       marker != 0xFFC8 && marker != 0xFFCC;
+    if (!frame) {
+      at += fill ? 1 : 2 + std::max<std::uint32_t>(2, number_at(stream, at + 2, 2, true));
+      continue;
+    }
+    const auto bits = int(number_at(stream, at + 4, 1, true));
+    const auto rows = int(number_at(stream, at + 5, 2, true));
+    const auto columns = int(number_at(stream, at + 7, 2, true));
+    const PixelFormat& format = image.format;
+    const bool fits = (bits > 8) == (format.bits_allocated > 8) && columns == format.columns &&
+                      (rows == format.rows || rows == 0);
+    if (fits) return;
+    const auto text = [](int x, int y, int depth) {
+      return std::to_string(x) + " x " + std::to_string(y) + " values of " + std::to_string(depth) +
+             " bits";
+    };
+    throw InputError(
+        {image.path, "JPEG stream", text(columns, rows, bits),
+         text(format.columns, format.rows, format.bits_allocated) + " as its attributes"});
+  }
+}
+
+/// The start of the first compressed frame.
+std::string first_fragment(DcmPixelData& pixels, E_TransferSyntax syntax) {
+  DcmPixelSequence* fragments = nullptr;
+  DcmPixelItem* item = nullptr;
+  Uint8* bytes = nullptr;
+  if (pixels.getEncapsulatedRepresentation(syntax, nullptr, fragments).bad() ||
+      fragments->getItem(item, 1).bad() || item->getUint8Array(bytes).bad() || bytes == nullptr) {
+    return "";
+  }
+  return {reinterpret_cast<const char*>(bytes), std::min<std::size_t>(item->getLength(), 65536)};
+}
+
+bool is_jpeg(E_TransferSyntax syntax) {
+  return syntax == EXS_JPEGProcess1 || syntax == EXS_JPEGProcess2_4 ||
+         syntax == EXS_JPEGProcess14 || syntax == EXS_JPEGProcess14SV1;
+}
+
 }  // namespace
 
 PixelPlace check_pixels(const DicomFile& file, const PixelFormat& format, int frames) {
@@ -158,7 +208,10 @@ void FrameReader::open_encapsulated(const DicomImage& image) {
   DcmElement* element = nullptr;
   if (condition.good()) m_file->getDataset()->findAndGetElement(DCM_PixelData, element);
   m_pixels = dynamic_cast<DcmPixelData*>(element);
-  if (m_pixels != nullptr) return;
+  if (m_pixels != nullptr) {
+    if (is_jpeg(image.syntax)) check_jpeg(image, first_fragment(*m_pixels, image.syntax));
+    return;
+  }
   throw InputError({image.path, "PixelData", condition.good() ? "nothing" : condition.text(),
                     "encapsulated pixels"});
 }

@@ -49,7 +49,7 @@ void put_pixels(DcmDataset& data, const SeriesFixture& series, const std::vector
     }
   }
   if (bytes.size() % 2 != 0) bytes += '\0';
-  if (series.bits_allocated == 8) {
+  if (series.bits_allocated == 8 && !series.bytes_in_words) {
     require(data.putAndInsertUint8Array(DCM_PixelData, reinterpret_cast<const Uint8*>(bytes.data()),
                                         bytes.size()));
   } else {

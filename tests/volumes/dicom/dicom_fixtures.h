@@ -23,6 +23,7 @@ struct SeriesFixture {
   Vec3d step = {0, 0, 2};                                    // of k
   int bits_allocated = 16, bits_stored = 16, high_bit = -1;  // -1: bits_stored - 1
   bool is_signed = true;
+  bool bytes_in_words = false;  // 8-bit pixels as OW, two in a 16-bit word
   E_TransferSyntax syntax = EXS_LittleEndianExplicit;
   std::string series = "1.2.826.0.1.3680043.8.498.1";
   /// The stored value; its low bits are written.

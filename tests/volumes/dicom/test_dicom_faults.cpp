@@ -176,6 +176,31 @@ TEST(FaultDicom, Jpeg2000IsNamed) {
   expect_failure(folder.write("a", bytes), {"1.2.840.10008.1.2.4.90 JPEG 2000", "JPEG-LS"});
 }
 
+TEST(FaultDicom, CompressedStreamsThatContradictTheAttributesAreRefused) {
+  for (const E_TransferSyntax syntax : {EXS_JPEGProcess14SV1, EXS_JPEGLSLossless}) {
+    const bool jpeg = syntax == EXS_JPEGProcess14SV1;
+    const TemporaryFolder folder;
+    SeriesFixture series;
+    series.bits_allocated = series.bits_stored = 8;
+    series.is_signed = false;
+    series.syntax = syntax;
+    const std::string path = series.write(folder, 0);
+    DcmFileFormat file;
+    ASSERT_TRUE(file.loadFile(path.c_str()).good());
+    file.getDataset()->putAndInsertUint16(DCM_BitsAllocated, 16);
+    ASSERT_TRUE(file.saveFile(folder.file("wide").c_str(), syntax).good());
+    std::filesystem::remove(path);
+    expect_failure(folder.file("wide"),
+                   {jpeg ? "found 5 x 4 values of 8 bits, expected 5 x 4 values "
+                           "of 16 bits"
+                         : "mismatch"});
+    file.getDataset()->putAndInsertUint16(DCM_BitsAllocated, 8);
+    file.getDataset()->putAndInsertUint16(DCM_Rows, 5);
+    ASSERT_TRUE(file.saveFile(folder.file("wide").c_str(), syntax).good());
+    expect_failure(folder.file("wide"), {jpeg ? "found 5 x 4 values" : "mismatch"});
+  }
+}
+
 TEST(FaultDicom, SequencesNestedWithoutEndAreRefused) {
   const TemporaryFolder folder;
   const SeriesFixture series;

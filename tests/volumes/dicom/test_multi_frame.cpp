@@ -26,15 +26,19 @@ TEST(UnitDicomFrames, FramesAreSortedByTheirOwnPositionsInEverySyntax) {
 
 TEST(UnitDicomFrames, EightBitFramesOfOddSizeAreToldApart) {
   for (const E_TransferSyntax syntax : {EXS_LittleEndianExplicit, EXS_BigEndianExplicit}) {
-    const TemporaryFolder folder;
-    SeriesFixture series;
-    series.dims = {5, 3, 6};
-    series.syntax = syntax;
-    series.bits_allocated = series.bits_stored = 8;
-    series.is_signed = false;
-    series.value = [](int i, int j, int k) { return 30 * k + 7 * j + i; };
-    write_enhanced(folder.file("a"), series, kShuffled);
-    EXPECT_EQ(values_of(*open_volume(folder.file("a"))), expected_values(series));
+    for (const bool bytes_in_words : {false, true}) {
+      const TemporaryFolder folder;
+      SeriesFixture series;
+      series.dims = {5, 3, 6};
+      series.syntax = syntax;
+      series.bits_allocated = series.bits_stored = 8;
+      series.is_signed = false;
+      series.bytes_in_words = bytes_in_words;
+      series.value = [](int i, int j, int k) { return 30 * k + 7 * j + i; };
+      write_enhanced(folder.file("a"), series, kShuffled);
+      EXPECT_EQ(values_of(*open_volume(folder.file("a"))), expected_values(series))
+          << DcmXfer(syntax).getXferName() << bytes_in_words;
+    }
   }
 }
 
