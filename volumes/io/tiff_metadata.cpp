@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 
+#include <nlohmann/json.hpp>
+
 #include "volumes/base/error.h"
 #include "volumes/io/text_header.h"
 
@@ -94,6 +96,35 @@ void check_run(const TiffPages& pages, const TiffLayout& layout) {
                         " bytes for the images of ImageDescription"});
 }
 
+/// The shape of an array that tifffile noted, slowest axis first: the axes before those of a page
+/// are frames and slices. One page of several is the head of a run ("truncate"). A shape that does
+/// not fit, as after an edit, says nothing.
+void read_shape(const TiffPages& pages, TiffLayout& layout) {
+  const auto json = nlohmann::json::parse(pages.description(), nullptr, false);
+  if (!json.is_object() || !json.contains("shape") || !json["shape"].is_array()) return;
+  const TiffPage& page = pages.format();
+  const double rest = double(page.width) * double(page.height) * page.samples;
+  const auto& shape = json["shape"];
+  double values = 1, before = 1, last = 1;
+  for (const auto& size : shape) {
+    if (!size.is_number_unsigned() || size == 0) return;
+    values *= size.get<double>();
+  }
+  for (std::size_t n = 0; n < shape.size() && values > rest; ++n) {
+    before *= last;
+    last = shape[n].get<double>();
+    values /= last;
+  }
+  const auto count = double(pages.count());
+  const bool is_run = count == 1 && before * last > 1;
+  if (values != rest || before * last > 2147483647.0 || (before * last != count && !is_run)) return;
+  layout.slices = std::int64_t(last);
+  layout.frames = std::int64_t(before);
+  layout.frame_stride = layout.slices;
+  layout.is_run = is_run;
+  if (is_run) check_run(pages, layout);
+}
+
 double positive_or(double value, double fallback) {
   return std::isfinite(value) && value > 0 ? value : fallback;
 }
@@ -181,6 +212,7 @@ TiffLayout imagej_layout(const TiffPages& pages) {
 TiffLayout plain_layout(const TiffPages& pages) {
   TiffLayout layout;
   layout.slices = std::int64_t(pages.count());
+  read_shape(pages, layout);
   const TiffResolution& resolution = pages.resolution();
   const double mm = resolution.unit == 2 ? 25.4 : resolution.unit == 3 ? 10 : 0;
   const bool is_said =

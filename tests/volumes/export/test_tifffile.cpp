@@ -140,4 +140,25 @@ TEST(InteropTifffile, WritesHyperstacksWhoseChannelsAndFramesWeRead) {
   }
 }
 
+TEST(InteropTifffile, NotesShapesWhoseFramesAndRunsWeRead) {
+  if (!has_tifffile()) GTEST_SKIP() << "tifffile is not installed";
+  const ScratchFolder folder("tifffile-shapes");
+  ASSERT_TRUE(
+      runs_python(folder,
+                  "v = np.arange(2 * 5 * 6 * 7).reshape(2, 5, 6, 7).astype('u2')\n"
+                  "v[1].tofile('1.raw')\n"
+                  "grey = dict(photometric='minisblack')\n"
+                  "tifffile.imwrite('four.tif', v, **grey)\n"
+                  "tifffile.imwrite('run.tif', v, truncate=True, **grey)\n"
+                  "tifffile.imwrite('swapped.tif', v, byteorder='>', truncate=True, **grey)\n"
+                  "tifffile.imwrite('three.tif', v[1], truncate=True, **grey)\n"))
+      << file_bytes(folder / "errors.txt");
+  ReadOptions second;
+  second.frame = 1;
+  for (const char* name : {"four.tif", "run.tif", "swapped.tif"}) {
+    EXPECT_EQ(stored(*open_volume(folder / name, second)), file_bytes(folder / "1.raw")) << name;
+  }
+  EXPECT_EQ(stored(*open_volume(folder / "three.tif")), file_bytes(folder / "1.raw"));
+}
+
 }  // namespace
