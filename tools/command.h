@@ -33,6 +33,8 @@ Command add_info(CLI::App& program);
 Command add_convert(CLI::App& program);
 Command add_deform(CLI::App& program);
 Command add_export(CLI::App& program);
+Command add_invert(CLI::App& program);
+Command add_metrics(CLI::App& program);
 Command add_resample(CLI::App& program);
 Command add_presets(CLI::App& program);
 Command add_render(CLI::App& program);

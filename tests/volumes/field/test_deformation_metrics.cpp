@@ -1,0 +1,137 @@
+// Displacement, Jacobian and folds of bodies whose deformation is known.
+#include <cmath>
+#include <functional>
+
+#include <gtest/gtest.h>
+
+#include "volumes/base/error.h"
+#include "volumes/field/deformation_metrics.h"
+
+namespace supple::test {
+namespace {
+
+const Geometry kScan({12, 11, 10}, {5, -3, 2}, {Vec3d(0, 0.5, 0.1), {-2, 0, 0}, {0, 0.2, 3}});
+
+/// Voxels 1 … 9 per axis.
+BrickTopology block() {
+  std::vector<Vec3i> origins;
+  std::vector<BrickMask> masks;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3i origin(8 * (corner >> 2), 8 * ((corner >> 1) & 1), 8 * (corner & 1));
+    BrickMask mask{};
+    for (int offset = 0; offset < kBrickVoxels; ++offset) {
+      const Vec3i v = origin + brick_local(offset);
+      if (std::min({v.x, v.y, v.z}) >= 1 && std::max({v.x, v.y, v.z}) <= 9) mask_set(mask, offset);
+    }
+    origins.push_back(origin);
+    masks.push_back(mask);
+  }
+  return {origins, masks};
+}
+
+Displacement displaced(const BrickTopology& elements, const std::function<Vec3d(Vec3d)>& u) {
+  Displacement displacement{kScan, {elements, {}}};
+  displacement.u.vectors.assign(elements.brick_count() * kBrickVoxels, Vec3f(0));
+  for (std::size_t b = 0; b < elements.brick_count(); ++b) {
+    for_each_active(elements.mask(b), [&](int offset) {
+      displacement.u.vectors[b * kBrickVoxels + offset] =
+          Vec3f(u(Vec3d(elements.origin(b) + brick_local(offset))));
+    });
+  }
+  return displacement;
+}
+
+DeformationSummary summary_of(const std::function<Vec3d(Vec3d)>& u, const LinkCuts& cuts = {}) {
+  const BrickTopology elements = block();
+  return summarize(map_deformation(displaced(elements, u), elements, cuts), kScan);
+}
+
+TEST(UnitDeformationMetrics, AShiftMovesEveryElementAndKeepsVolume) {
+  const Vec3d step(0.5, -0.25, 1);
+  const DeformationSummary summary = summary_of([&](const Vec3d&) { return step; });
+  const double length = kScan.world_vector_from_index(step).length();
+  EXPECT_EQ(summary.elements, 729);
+  EXPECT_EQ(summary.moved, 729);
+  for (const double found : {summary.mean_mm, summary.rms_mm, summary.p95_mm, summary.max_mm}) {
+    EXPECT_NEAR(found, length, 1e-6);
+  }
+  EXPECT_EQ(summary.min_jacobian, 1);
+  EXPECT_EQ(summary.max_jacobian, 1);
+  EXPECT_NEAR(summary.rest_volume_mm3, 729 * std::abs(kScan.determinant()), 1e-9);
+  EXPECT_EQ(summary.volume_change(), 0);
+}
+
+TEST(UnitDeformationMetrics, AnAffineMapHasItsDeterminantEverywhere) {
+  const DeformationSummary summary = summary_of([](const Vec3d& x) {
+    return Vec3d(0.25 * x.x + 0.5 * x.y, 0.125 * x.y, -0.5 * x.z + 0.25 * x.x);
+  });
+  EXPECT_NEAR(summary.min_jacobian, 1.25 * 1.125 * 0.5, 1e-6);
+  EXPECT_NEAR(summary.max_jacobian, 1.25 * 1.125 * 0.5, 1e-6);
+  EXPECT_NEAR(summary.volume_change(), 1.25 * 1.125 * 0.5 - 1, 1e-6);
+  EXPECT_EQ(summary.folded_voxels, 0);
+}
+
+TEST(UnitDeformationMetrics, InsideTheBodyDifferencesAreCentral) {
+  const BrickTopology elements = block();
+  const auto u = [](const Vec3d& x) { return Vec3d(0.01 * x.x * x.x, 0, 0); };
+  const DeformationMaps maps = map_deformation(displaced(elements, u), elements, {});
+  const auto at = [&](const Vec3i& v) {
+    return maps.jacobian[elements.find(v) * kBrickVoxels + brick_offset(v)];
+  };
+  EXPECT_NEAR(at({5, 5, 5}), 1 + 0.02 * 5, 1e-5);
+  EXPECT_NEAR(at({1, 5, 5}), 1 + 0.01 * (4 - 1), 1e-5);    // forward at the surface
+  EXPECT_NEAR(at({9, 5, 5}), 1 + 0.01 * (81 - 64), 1e-5);  // backward
+}
+
+TEST(UnitDeformationMetrics, FoldsAreCountedAtTheLowestCornersOfTheirCells) {
+  const auto fold = [](const Vec3d& x) { return Vec3d(x.x >= 6 ? -1.5 : 0.0, 0, 0); };
+  const DeformationSummary summary = summary_of(fold);
+  EXPECT_EQ(summary.folded_voxels, 8 * 8);  // the cells between x = 5 and 6
+  EXPECT_NEAR(summary.min_jacobian, 1 - 0.75, 1e-6);
+}
+
+TEST(UnitDeformationMetrics, NothingIsDifferencedAcrossACut) {
+  const BrickTopology elements = block();
+  LinkCuts cuts;
+  for (int y = 1; y <= 9; ++y) {
+    for (int z = 1; z <= 9; ++z) {
+      const Vec3i voxel(5, y, z);
+      cuts.cut(std::size_t(elements.find(voxel)), brick_offset(voxel), 0);
+    }
+  }
+  const auto apart = [](const Vec3d& x) { return Vec3d(x.x >= 6 ? -1.5 : 0.0, 0, 0); };
+  const DeformationSummary summary = summary_of(apart, cuts);
+  EXPECT_EQ(summary.folded_voxels, 0);
+  EXPECT_EQ(summary.min_jacobian, 1);
+  EXPECT_EQ(summary.max_jacobian, 1);
+}
+
+TEST(UnitDeformationMetrics, LabelsAreSummedApartAndTogetherMakeTheWhole) {
+  const BrickTopology elements = block();
+  const auto u = [](const Vec3d& x) { return Vec3d(x.x >= 5 ? 0.5 * (x.x - 5) : 0.0, 0, 0); };
+  const DeformationMaps maps = map_deformation(displaced(elements, u), elements, {});
+  BrickValues labels(elements.brick_count());
+  for (std::size_t b = 0; b < elements.brick_count(); ++b) {
+    for_each_active(elements.mask(b), [&](int offset) {
+      if ((elements.origin(b) + brick_local(offset)).x >= 7) {
+        labels.set(b * kBrickVoxels + offset, 4);
+      }
+    });
+  }
+  auto rows = summarize_labels(maps, labels, kScan);
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(rows[4].elements, 3 * 81);
+  EXPECT_NEAR(rows[4].volume_change(), 0.5, 1e-6);
+  EXPECT_EQ(rows[0].elements, 6 * 81);
+  const DeformationSummary whole = summarize(maps, kScan);
+  EXPECT_NEAR(rows[0].volume_mm3 + rows[4].volume_mm3, whole.volume_mm3, 1e-6);
+  EXPECT_EQ(rows[0].moved + rows[4].moved, whole.moved);
+}
+
+TEST(FaultDeformationMetrics, AValueThatIsNotFiniteIsAnError) {
+  EXPECT_THROW(summary_of([](const Vec3d& x) { return Vec3d(x.x == 4 ? NAN : 0, 0, 0); }),
+               InputError);
+}
+
+}  // namespace
+}  // namespace supple::test
