@@ -1,6 +1,6 @@
-// Bytes of a file, front to back, plain or deflated, behind one face. Every claim that can be
-// checked against the file's length is checked when the source is opened.
-// Cost: a 256 kB buffer for deflated data, none for plain data.
+// Bytes of a file, front to back, plain or encoded, behind one face. Every claim that can be
+// checked against the file's length is checked when the source is opened. Cost: a 256 kB buffer for
+// encoded data (bzip2: another 4 MB), none for plain data.
 #pragma once
 
 #include <cstddef>
@@ -9,30 +9,15 @@
 #include <string>
 #include <vector>
 
+#include "volumes/io/input_file.h"
+
 namespace supple {
 
-/// An open regular file. Throws InputError for a missing or empty file, a folder or a device.
-class InputFile {
- public:
-  explicit InputFile(std::string path);
-  ~InputFile();
-  InputFile(const InputFile&) = delete;
-  InputFile& operator=(const InputFile&) = delete;
+enum class ValueType;  // of volume_file.h
 
-  const std::string& path() const { return m_path; }
-  std::int64_t size() const { return m_size; }
-  /// Up to `size` bytes from `offset` on; fewer only at the end of the file.
-  std::size_t read_at(std::int64_t offset, void* out, std::size_t size) const;
-  /// The first bytes of the file, at most `limit`.
-  std::string head(std::size_t limit) const;
-
- private:
-  std::string m_path;
-  int m_descriptor;
-  std::int64_t m_size;
-};
-
-enum class Compression { none, deflate };  // deflate: gzip and zlib streams, told apart by content
+/// How bytes are stored. deflate: gzip and zlib streams, told apart by content. text: decimal
+/// numbers between blanks, line ends and commas. hex: two hexadecimal digits per byte.
+enum class Compression { none, deflate, bzip2, text, hex };
 
 /// What a source may hold behind the bytes that its header claims.
 enum class Surplus { error, ignore };
@@ -40,10 +25,11 @@ enum class Surplus { error, ignore };
 /// Where the values of a volume lie.
 struct ByteRange {
   std::int64_t file_offset = 0;    // first byte in the file
-  std::int64_t stream_offset = 0;  // bytes to drop after decompression
-  std::int64_t size = 0;           // bytes that the header claims (decompressed)
+  std::int64_t stream_offset = 0;  // bytes to drop after decoding
+  std::int64_t size = 0;           // bytes that the header claims (decoded)
   Compression compression = Compression::none;
   Surplus surplus = Surplus::error;
+  ValueType text_type{};  // what the numbers of a text become, in native byte order
 };
 
 class ByteSource {
@@ -51,12 +37,25 @@ class ByteSource {
   virtual ~ByteSource() = default;
   /// Fills `out`. Throws InputError when the data end early or cannot be decoded.
   virtual void read(void* out, std::size_t size) = 0;
-  /// To be called after the last byte was read: checksum, and nothing left over unless allowed.
+  /// Leaves out bytes; by arithmetic where they are plain, by decoding otherwise.
+  virtual void skip(std::int64_t size) = 0;
+  /// To be called after the last byte that is wanted: decodes what remains of the claimed bytes,
+  /// compares checksums, and finds nothing left over unless allowed.
   virtual void finish() = 0;
 };
 
-/// Checks `range` against the file's length (deflate cannot shrink by more than 1032:1) and opens
-/// it. Throws InputError with both numbers.
+/// Checks `range` against the file's length: deflate cannot shrink by more than 1032:1, a number of
+/// a text takes two characters, a byte in hex too. bzip2 has no useful bound (about 2 000 000:1),
+/// so that a claim beyond 1000:1 is proved by decoding the stream once, without keeping it. Hence
+/// no slice that a caller allocates is larger than 1032 times the file, or than what the file
+/// holds. Throws InputError with both numbers.
+void check_range(const std::shared_ptr<const InputFile>& file, const ByteRange& range);
+
+/// Opens what check_range has passed.
+std::unique_ptr<ByteSource> open_checked(std::shared_ptr<const InputFile> file,
+                                         const ByteRange& range);
+
+/// check_range and open_checked.
 std::unique_ptr<ByteSource> open_source(std::shared_ptr<const InputFile> file,
                                         const ByteRange& range);
 
@@ -65,5 +64,8 @@ bool is_gzip(const std::string& head);
 
 /// The first `limit` bytes of a gzip file's content, fewer when it ends early or is damaged.
 std::string gzip_head(const InputFile& file, std::size_t limit);
+
+/// "24 bytes".
+std::string bytes_text(std::int64_t count);
 
 }  // namespace supple

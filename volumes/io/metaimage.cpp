@@ -1,12 +1,14 @@
-// MetaImage headers (.mha, .mhd) and the place of their values. Volumes of 2 or 3 dimensions,
-// scalar or of three channels, raw or zlib-compressed, in one data file. The frame is LPS mm; the
-// first NDims numbers of TransformMatrix are the direction of i, as ITK reads and writes them.
+// MetaImage headers (.mha, .mhd) and the place of their values. Volumes of 2 or 3 dimensions, a
+// fourth being a time series; 1 to 16 channels; plain, zlib or gzip, or decimal text; in one file
+// or one per slice. The frame is LPS mm; the first NDims numbers of TransformMatrix are the
+// direction of i, as ITK reads and writes them; AnatomicalOrientation is left alone, as in ITK.
 // Source: https://itk.org/Wiki/ITK/MetaIO/Documentation. Keys that describe no geometry and no
 // values are skipped, since the format lets everyone add some.
 #include <algorithm>
 #include <map>
 
 #include "volumes/base/error.h"
+#include "volumes/io/data_files.h"
 #include "volumes/io/formats.h"
 #include "volumes/io/streamed_volume.h"
 #include "volumes/io/text_header.h"
@@ -18,6 +20,7 @@ namespace {
 struct MetaHeader {
   std::string path;
   std::map<std::string, std::string> values;  // by lower-case key
+  std::vector<std::string> files;             // of "ElementDataFile = LIST"
   std::size_t end = 0;                        // offset behind the header
 
   bool has(const std::string& key) const { return values.count(lower_case(key)) > 0; }
@@ -33,6 +36,11 @@ struct MetaHeader {
     return {path, *keys.begin(), ""};
   }
 };
+
+bool is_list(const std::string& data_file) {
+  const std::vector<std::string> words = words_of(data_file);
+  return !words.empty() && lower_case(words[0]) == "list";
+}
 
 MetaHeader parse_header(const InputFile& file) {
   MetaHeader header;
@@ -52,12 +60,18 @@ MetaHeader parse_header(const InputFile& file) {
     }
     if (key == "elementdatafile") {
       header.end = lines.position();
+      if (is_list(header.values[key])) {
+        while (lines.next(line)) {
+          if (!trimmed(line).empty()) header.files.push_back(trimmed(line));
+        }
+      }
       return header;
     }
   }
   throw InputError({header.path, "ElementDataFile", "nothing", "a file name or LOCAL"});
 }
 
+/// MET_FLOAT, or MET_FLOAT_ARRAY, which is the same with the channels in its name.
 ValueType parse_type(const HeaderField& field) {
   static const std::map<std::string, ValueType> types = {
       {"MET_CHAR", ValueType::int8},       {"MET_UCHAR", ValueType::uint8},
@@ -66,40 +80,62 @@ ValueType parse_type(const HeaderField& field) {
       {"MET_LONG", ValueType::int32},      {"MET_ULONG", ValueType::uint32},
       {"MET_LONG_LONG", ValueType::int64}, {"MET_ULONG_LONG", ValueType::uint64},
       {"MET_FLOAT", ValueType::float32},   {"MET_DOUBLE", ValueType::float64}};
-  const auto found = types.find(field.text);
+  const std::string suffix = "_ARRAY";
+  std::string name = field.text;
+  if (name.size() > suffix.size() &&
+      name.compare(name.size() - suffix.size(), suffix.size(), suffix) == 0) {
+    name.resize(name.size() - suffix.size());
+  }
+  const auto found = types.find(name);
   if (found == types.end()) field.fail("a scalar type such as MET_SHORT or MET_FLOAT");
   return found->second;
 }
 
-Geometry parse_geometry(const MetaHeader& header) {
-  const HeaderField ndims = header.field("NDims"), size_field = header.field("DimSize");
+std::vector<std::int64_t> parse_sizes(const MetaHeader& header) {
+  const HeaderField ndims = header.field("NDims"), field = header.field("DimSize");
   const std::int64_t count = ndims.integer();
-  if (count != 2 && count != 3) ndims.fail("2 or 3");
-  const std::vector<std::int64_t> sizes = size_field.integers();
-  if (sizes.size() != std::size_t(count)) size_field.fail("as many sizes as NDims");
-  const Vec3i dims = dims_from(size_field, sizes);
+  if (count < 2 || count > 4) ndims.fail("2 or 3, or 4 with time as the last");
+  const std::vector<std::int64_t> sizes = field.integers();
+  if (sizes.size() != std::size_t(count)) field.fail("as many sizes as NDims");
+  for (const std::int64_t size : sizes) {
+    if (size < 1 || size > 2147483647) field.fail("sizes from 1 to 2147483647");
+  }
+  return sizes;
+}
 
-  // Numbers per axis, or the format's defaults.
-  const auto numbers = [&](const HeaderField& field, std::size_t expected,
-                           std::vector<double> fallback) {
-    if (field.text.empty()) return fallback;
-    std::vector<double> values = field.numbers();
-    if (values.size() != expected) field.fail(std::to_string(expected) + " numbers");
-    return values;
-  };
-  const std::size_t n = std::size_t(count);
+/// Numbers of a field, or the format's defaults.
+std::vector<double> numbers_of(const HeaderField& field, std::size_t count,
+                               const std::vector<double>& fallback) {
+  if (field.text.empty()) return fallback;
+  std::vector<double> values = field.numbers();
+  if (values.size() != count) field.fail(std::to_string(count) + " numbers");
+  return values;
+}
+
+/// Of the first three axes; time must not run through space.
+Geometry parse_geometry(const MetaHeader& header, const std::vector<std::int64_t>& sizes) {
+  const std::size_t count = sizes.size(), spatial = std::min<std::size_t>(count, 3);
+  const Vec3i dims = dims_from(header.field("DimSize"), {sizes.begin(), sizes.begin() + spatial});
+  std::vector<double> unit_matrix(count * count, 0.0);
+  for (std::size_t a = 0; a < count; ++a) unit_matrix[a * count + a] = 1;
+
   const HeaderField spacing_field = header.any_of({"ElementSpacing", "ElementSize"});
-  const auto spacing = numbers(spacing_field, n, {1, 1, 1});
-  const auto offset = numbers(header.any_of({"Offset", "Origin", "Position"}), n, {0, 0, 0});
-  const auto matrix = numbers(
-      header.any_of({"TransformMatrix", "Rotation", "Orientation"}), n * n,
-      n == 3 ? std::vector<double>{1, 0, 0, 0, 1, 0, 0, 0, 1} : std::vector<double>{1, 0, 0, 1});
+  const HeaderField matrix_field = header.any_of({"TransformMatrix", "Rotation", "Orientation"});
+  const auto spacing = numbers_of(spacing_field, count, std::vector<double>(count, 1.0));
+  const auto offset = numbers_of(header.any_of({"Offset", "Origin", "Position"}), count,
+                                 std::vector<double>(count, 0.0));
+  const auto matrix = numbers_of(matrix_field, count * count, unit_matrix);
   Vec3d origin(0, 0, 0);
   std::array<Vec3d, 3> axes = {Vec3d(0, 0, 0), {0, 0, 0}, {0, 0, 1}};
-  for (std::size_t a = 0; a < n; ++a) {
+  for (std::size_t a = 0; a < spatial; ++a) {
     if (!(spacing[a] > 0)) spacing_field.fail("positive numbers");
     origin[int(a)] = offset[a];
-    for (std::size_t c = 0; c < n; ++c) axes[a][int(c)] = matrix[a * n + c] * spacing[a];
+    for (std::size_t c = 0; c < spatial; ++c) axes[a][int(c)] = matrix[a * count + c] * spacing[a];
+  }
+  for (std::size_t a = 0; count == 4 && a < 3; ++a) {
+    if (matrix[a * 4 + 3] != 0 || matrix[12 + a] != 0) {
+      matrix_field.fail("a matrix that does not mix time with space");
+    }
   }
   return make_geometry(header.path, dims, origin, axes);
 }
@@ -111,28 +147,36 @@ std::string direction_in(const std::string& comment) {
   return comment.substr(mark.size(), comment.find(',') - mark.size());
 }
 
-StreamLayout layout_of(const MetaHeader& header) {
+void read_channels(const MetaHeader& header, VolumeHeader& volume) {
+  const HeaderField channels = header.field("ElementNumberOfChannels");
+  const std::int64_t count = channels.text.empty() ? 1 : channels.integer();
+  if (count < 1 || count > 16) channels.fail("1 to 16 channels");
+  volume.components = int(count);
+  if (count != 3) return;
+  volume.warp_direction = direction_in(header.field("Comment").text);
+  volume.certificate = header.field("SuppleCertificate").text;
+}
+
+StreamLayout layout_of(const MetaHeader& header, const std::vector<std::int64_t>& sizes) {
   StreamLayout layout;
   layout.header.path = header.path;
   layout.header.format = "metaimage";
-  layout.header.geometry = parse_geometry(header);
+  layout.header.geometry = parse_geometry(header, sizes);
   layout.header.type = parse_type(header.field("ElementType"));
-  const HeaderField channels = header.field("ElementNumberOfChannels");
-  if (!channels.text.empty() && channels.integer() != 1) {
-    if (channels.integer() != 3) channels.fail("1 (a scalar volume) or 3 (a warp)");
-    layout.header.components = 3;
-    layout.header.warp_direction = direction_in(header.field("Comment").text);
-    layout.header.certificate = header.field("SuppleCertificate").text;
-  }
-  const HeaderField binary = header.field("BinaryData");
-  if (!binary.text.empty() && !binary.boolean()) binary.fail("True (values as text are not read)");
+  layout.frames = sizes.size() == 4 ? sizes[3] : 1;
+  read_channels(header, layout.header);
 
-  const HeaderField order = header.any_of({"ElementByteOrderMSB", "BinaryDataByteOrderMSB"});
-  layout.big_endian = !order.text.empty() && order.boolean();
+  const HeaderField binary = header.field("BinaryData");
   const HeaderField compressed = header.field("CompressedData");
+  const bool is_text = !binary.text.empty() && !binary.boolean();
   if (!compressed.text.empty() && compressed.boolean()) {
+    if (is_text) compressed.fail("False where BinaryData is False");
     layout.range.compression = Compression::deflate;
+  } else if (is_text) {
+    layout.range.compression = Compression::text;
   }
+  const HeaderField order = header.any_of({"ElementByteOrderMSB", "BinaryDataByteOrderMSB"});
+  layout.big_endian = !is_text && !order.text.empty() && order.boolean();
   const HeaderField slope = header.field("ElementToIntensityFunctionSlope");
   const HeaderField intercept = header.field("ElementToIntensityFunctionOffset");
   if (!slope.text.empty()) layout.header.slope = slope.number();
@@ -140,43 +184,85 @@ StreamLayout layout_of(const MetaHeader& header) {
   return layout;
 }
 
-/// HeaderSize: bytes before the values; -1 means that the values end with the file.
-void apply_header_size(const MetaHeader& header, const InputFile& data, StreamLayout& layout) {
+/// HeaderSize: bytes before the values of every file; -1 means that the values end with the file.
+void apply_header_size(const MetaHeader& header, const InputFile& data, ByteRange& range) {
   const HeaderField field = header.field("HeaderSize");
   const std::int64_t skip = field.text.empty() ? 0 : field.integer();
   if (skip == 0) return;
-  layout.range.surplus = Surplus::ignore;
-  if (skip == -1 && layout.range.compression == Compression::none) {
-    const std::int64_t size = stored_bytes(layout.header);
-    layout.range.file_offset = std::max(layout.range.file_offset, data.size() - size);
+  range.surplus = Surplus::ignore;
+  if (skip == -1 && range.compression == Compression::none) {
+    range.file_offset = std::max(range.file_offset, data.size() - range.size);
     return;
   }
   if (skip < 0) field.fail("0 or more, or -1 with uncompressed data");
-  if (skip >= data.size() - layout.range.file_offset) {
+  if (skip >= data.size() - range.file_offset) {
     field.fail("less than the file's " + std::to_string(data.size()) + " bytes");
   }
-  layout.range.file_offset += skip;
+  range.file_offset += skip;
+}
+
+/// CompressedDataSize, where the header has it: the stream must be all there, and all there is.
+void check_compressed_size(const MetaHeader& header, const InputFile& data,
+                           const ByteRange& range) {
+  const HeaderField field = header.field("CompressedDataSize");
+  if (range.compression != Compression::deflate || field.text.empty()) return;
+  const std::int64_t available = data.size() - range.file_offset;
+  if (field.integer() == available) return;
+  field.fail("the " + bytes_text(available) + " of compressed data in " + data.path());
+}
+
+/// "ElementDataFile = NAME", "= LIST [dimensions]" or "= FORMAT [min [max [step]]]".
+DataFiles files_of(const MetaHeader& header, const std::vector<std::int64_t>& sizes) {
+  const HeaderField field = header.field("ElementDataFile");
+  DataFiles files;
+  const std::vector<std::string> words = words_of(field.text);
+  const auto integer = [&](std::size_t n, std::int64_t fallback) {
+    if (n >= words.size()) return fallback;
+    return HeaderField{field.file, field.name, words[n]}.integer();
+  };
+  const std::int64_t slabs = std::int64_t(sizes.size()) - 1;
+  if (is_list(field.text)) {
+    if (words.size() > 2) field.fail("LIST, or LIST and the dimensions of a file");
+    files.count = std::int64_t(header.files.size());
+    files.path_of = [field, names = header.files](std::int64_t n) {
+      return data_path(field, names[std::size_t(n)]);
+    };
+    check_file_count(field, sizes, integer(1, slabs), files.count);
+  } else if (field.text.find('%') != std::string::npos) {
+    if (words.size() > 4) field.fail("FORMAT min max step");
+    const std::int64_t first = integer(1, 1), last = integer(2, first + sizes.back() - 1);
+    const NumberedFiles numbered(field, words[0], first, last, integer(3, 1));
+    files.count = numbered.count();
+    files.path_of = [field, numbered](std::int64_t n) {
+      return data_path(field, numbered.name(n));
+    };
+    check_file_count(field, sizes, slabs, files.count);
+  } else {
+    files.path_of = [path = data_path(field, field.text)](std::int64_t) { return path; };
+  }
+  return files;
 }
 
 }  // namespace
 
 std::unique_ptr<VolumeFile> open_metaimage(const std::string& path, const ReadOptions& options) {
-  chosen_frame(options, 1, path, "frames");
-  auto file = std::make_shared<InputFile>(path);
+  const auto file = std::make_shared<InputFile>(path);
   const MetaHeader header = parse_header(*file);
-  StreamLayout layout = layout_of(header);
-  const HeaderField name = header.field("ElementDataFile");
-  if (lower_case(name.text) == "local") {
+  const std::vector<std::int64_t> sizes = parse_sizes(header);
+  StreamLayout layout = layout_of(header, sizes);
+  layout.frame = chosen_frame(options, layout.frames, path, "DimSize");
+  DataFiles files;
+  if (lower_case(header.field("ElementDataFile").text) == "local") {
+    files.path_of = [&path](std::int64_t) { return path; };
     layout.range.file_offset = std::int64_t(header.end);
   } else {
-    if (name.text.empty() || lower_case(name.text).compare(0, 4, "list") == 0 ||
-        name.text.find('%') != std::string::npos) {
-      name.fail("LOCAL or the name of one data file");
-    }
-    file = std::make_shared<InputFile>(sibling_path(path, name.text));
+    files = files_of(header, sizes);
   }
-  apply_header_size(header, *file, layout);
-  return open_stream(file, std::move(layout));
+  files.adapt = [&header, &files](const InputFile& data, ByteRange& range) {
+    apply_header_size(header, data, range);
+    if (files.count == 1) check_compressed_size(header, data, range);
+  };
+  return open_stream(files, std::move(layout));
 }
 
 }  // namespace supple

@@ -52,6 +52,11 @@ bool is_known(const std::string& name) {
   return std::find(std::begin(known), std::end(known), name) != std::end(known);
 }
 
+bool is_list(const std::string& data_file) {
+  const std::vector<std::string> words = words_of(data_file);
+  return !words.empty() && words[0] == "LIST";
+}
+
 }  // namespace
 
 NrrdHeader parse_nrrd_header(const InputFile& file) {
@@ -82,6 +87,11 @@ NrrdHeader parse_nrrd_header(const InputFile& file) {
     if (!is_known(name)) HeaderField{header.path, "header field", name}.fail("a field of NRRD");
     if (!header.fields.emplace(name, trimmed(line.substr(colon + 1))).second) {
       HeaderField{header.path, name, "the field twice"}.fail("it once");
+    }
+    if (name == "data file" && is_list(header.fields[name])) {
+      // The names fill the rest of the header.
+      while (lines.next(line) && !trimmed(line).empty()) header.files.push_back(trimmed(line));
+      return header;
     }
   }
   if (!header.has("data file")) {

@@ -4,6 +4,7 @@
 
 #include <map>
 #include <string>
+#include <vector>
 
 #include "volumes/io/byte_source.h"
 #include "volumes/io/text_header.h"
@@ -14,6 +15,7 @@ struct NrrdHeader {
   std::string path;
   std::map<std::string, std::string> fields;  // by canonical name
   std::map<std::string, std::string> keys;    // of the lines "key:=value"; the last of equals
+  std::vector<std::string> files;             // of "data file: LIST"
   std::size_t end = 0;                        // offset behind the blank line, attached data only
 
   bool has(const std::string& name) const { return fields.count(name) > 0; }

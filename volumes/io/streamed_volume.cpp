@@ -1,6 +1,8 @@
 #include "volumes/io/streamed_volume.h"
 
 #include <algorithm>
+#include <array>
+#include <cstring>
 
 #include "volumes/base/error.h"
 
@@ -17,11 +19,52 @@ void swap_bytes(void* values, std::size_t count, int width) {
   }
 }
 
+/// Sizes of the five axes and the distances, in values, of neighbours along them.
+struct Strides {
+  std::array<std::int64_t, 5> size;
+  std::array<std::int64_t, 5> stride;
+
+  explicit Strides(const StreamLayout& layout) {
+    const Vec3i& dims = layout.header.geometry.dims();
+    size = {layout.header.components, dims.x, dims.y, dims.z, layout.frames};
+    std::int64_t values = 1;
+    for (const StoredAxis axis : layout.order) {
+      stride[std::size_t(axis)] = values;
+      values *= size[std::size_t(axis)];
+    }
+  }
+  std::int64_t size_of(StoredAxis axis) const { return size[std::size_t(axis)]; }
+  std::int64_t operator[](StoredAxis axis) const { return stride[std::size_t(axis)]; }
+  /// The axis lies between the slices, not within them.
+  bool is_outer(StoredAxis axis) const {
+    return (*this)[axis] >= (*this)[StoredAxis::k] * size_of(StoredAxis::k);
+  }
+};
+
 class StreamedVolume : public VolumeFile {
  public:
-  StreamedVolume(StreamLayout layout, std::unique_ptr<ByteSource> source)
-      : m_source(std::move(source)), m_swap(layout.big_endian) {
+  StreamedVolume(StreamLayout layout, const std::shared_ptr<const DataParts>& parts)
+      : m_strides(layout), m_swap(layout.big_endian) {
     m_header = std::move(layout.header);
+    m_width = bytes_of(m_header.type);
+    // The frame, and components that lie apart, are places in the file where slices begin; what
+    // lies within a block of values up to the next slice is picked from there.
+    using Axis = StoredAxis;
+    const bool outer_frame = m_strides.is_outer(Axis::frame);
+    const bool outer_components = m_header.components > 1 && m_strides.is_outer(Axis::component);
+    m_first_in_block = outer_frame ? 0 : layout.frame * m_strides[Axis::frame];
+    const std::int64_t first = outer_frame ? layout.frame * m_strides[Axis::frame] : 0;
+    for (int c = 0; c < (outer_components ? m_header.components : 1); ++c) {
+      m_sources.push_back(open_parts(parts));
+      m_sources.back()->skip((first + c * m_strides[Axis::component]) * m_width);
+    }
+    const Vec3i& dims = m_header.geometry.dims();
+    const bool in_order = m_header.components == 1 || (m_strides[Axis::component] == 1 &&
+                                                       m_strides[Axis::i] == m_header.components);
+    const std::int64_t block = m_strides[Axis::k];
+    if (!in_order || block != std::int64_t(dims.x) * dims.y * m_header.components) {
+      m_block.resize(std::size_t(block) * m_width);
+    }
   }
 
   void read_slice(void* out) override {
@@ -29,26 +72,85 @@ class StreamedVolume : public VolumeFile {
     if (m_slices_read >= dims.z) {
       throw Error(m_header.path + ": more slices were asked for than the volume has");
     }
+    for (std::size_t s = 0; s < m_sources.size(); ++s) {
+      if (m_block.empty()) {
+        m_sources[s]->read(out, std::size_t(m_strides[StoredAxis::k]) * m_width);
+      } else {
+        m_sources[s]->read(m_block.data(), m_block.size());
+        gather(int(s), static_cast<char*>(out));
+      }
+    }
     const std::size_t values = std::size_t(dims.x) * dims.y * m_header.components;
-    const int width = bytes_of(m_header.type);
-    m_source->read(out, values * width);
-    if (m_swap && width > 1) swap_bytes(out, values, width);
-    if (++m_slices_read == dims.z) m_source->finish();
+    if (m_swap && m_width > 1) swap_bytes(out, values, m_width);
+    // The last source is the furthest in the file.
+    if (++m_slices_read == dims.z) m_sources.back()->finish();
   }
 
  private:
-  std::unique_ptr<ByteSource> m_source;
+  /// Copies what the slice wants of the block; component `s` where components lie apart.
+  void gather(int s, char* out) const {
+    const Vec3i& dims = m_header.geometry.dims();
+    const int components = m_header.components, last = m_sources.size() > 1 ? s + 1 : components;
+    for (int c = s; c < last; ++c) {
+      const std::int64_t first =
+          m_first_in_block + (m_sources.size() > 1 ? 0 : c * m_strides[StoredAxis::component]);
+      for (int j = 0; j < dims.y; ++j) {
+        const char* from = m_block.data() + (first + j * m_strides[StoredAxis::j]) * m_width;
+        char* to = out + (std::int64_t(j) * dims.x * components + c) * m_width;
+        for (int i = 0; i < dims.x; ++i) {
+          std::memcpy(to, from, std::size_t(m_width));
+          from += m_strides[StoredAxis::i] * m_width;
+          to += components * m_width;
+        }
+      }
+    }
+  }
+
+  Strides m_strides;
   bool m_swap;
+  int m_width = 1;
+  std::vector<std::unique_ptr<ByteSource>> m_sources;  // one, or one per component
+  std::int64_t m_first_in_block = 0;
+  std::vector<char> m_block;  // empty: blocks are slices
   int m_slices_read = 0;
 };
 
+std::unique_ptr<VolumeFile> open_checked_parts(DataParts parts, StreamLayout layout) {
+  return std::make_unique<StreamedVolume>(std::move(layout),
+                                          std::make_shared<const DataParts>(std::move(parts)));
+}
+
 }  // namespace
+
+std::int64_t claimed_bytes(const StreamLayout& layout) {
+  const std::int64_t frame = stored_bytes(layout.header);
+  if (double(frame) * double(layout.frames) > 9e18) {
+    throw InputError({layout.header.path, "sizes",
+                      std::to_string(layout.frames) + " frames of " + bytes_text(frame),
+                      "less than 2^63 bytes"});
+  }
+  return frame * layout.frames;
+}
+
+std::unique_ptr<VolumeFile> open_stream(const DataFiles& files, StreamLayout layout) {
+  layout.range.size = claimed_bytes(layout) / files.count;
+  layout.range.text_type = layout.header.type;
+  DataParts parts;
+  for (std::int64_t n = 0; n < files.count; ++n) {
+    const auto file = std::make_shared<InputFile>(files.path_of(n));
+    ByteRange range = layout.range;
+    if (files.adapt) files.adapt(*file, range);
+    check_range(file, range);
+    parts.push_back({file->path(), range});
+  }
+  return open_checked_parts(std::move(parts), std::move(layout));
+}
 
 std::unique_ptr<VolumeFile> open_stream(std::shared_ptr<const InputFile> data,
                                         StreamLayout layout) {
-  layout.range.size = stored_bytes(layout.header);
-  std::unique_ptr<ByteSource> source = open_source(std::move(data), layout.range);
-  return std::make_unique<StreamedVolume>(std::move(layout), std::move(source));
+  DataFiles files;
+  files.path_of = [&data](std::int64_t) { return data->path(); };
+  return open_stream(files, std::move(layout));
 }
 
 }  // namespace supple

@@ -1,7 +1,6 @@
 #include "volumes/io/text_header.h"
 
 #include <charconv>
-#include <filesystem>
 #include <limits>
 
 #include "volumes/base/error.h"
@@ -127,10 +126,6 @@ Geometry make_geometry(const std::string& file, const Vec3i& dims, const Vec3d& 
     problem.file = file;
     throw InputError(problem);
   }
-}
-
-std::string sibling_path(const std::string& header_path, const std::string& data_file) {
-  return (std::filesystem::path(header_path).parent_path() / data_file).string();
 }
 
 }  // namespace supple

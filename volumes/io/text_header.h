@@ -58,7 +58,5 @@ Vec3i dims_from(const HeaderField& field, const std::vector<std::int64_t>& sizes
 Geometry make_geometry(const std::string& file, const Vec3i& dims, const Vec3d& origin_lps_mm,
                        const std::array<Vec3d, 3>& axes_mm);
 
-/// The data file named in a detached header, relative to the header's folder.
-std::string sibling_path(const std::string& header_path, const std::string& data_file);
 
 }  // namespace supple

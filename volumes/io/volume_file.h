@@ -38,7 +38,8 @@ struct VolumeHeader {
   ValueType type = ValueType::uint8;
   double slope = 1;  // value = slope * stored + intercept
   double intercept = 0;
-  int components = 1;           // values per voxel: 1, or 3 in a file of vectors
+  int components = 1;           // values per voxel; 3 in a file of vectors
+  bool are_vectors = true;      // three components are; false where they are said to be colours
   std::string warp_direction;   // of vectors, where the header records it as write_warp does
   std::string certificate;      // of the inversion that gave the vectors, one line of JSON
   bool vectors_in_ras = false;  // x and y of the vectors point right and anterior

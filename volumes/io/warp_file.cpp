@@ -38,12 +38,13 @@ std::int64_t convert_slice(const VolumeHeader& header, const std::vector<char>& 
 Warp read_warp(const std::string& path, Progress* progress) {
   const auto file = open_scalars_or_vectors(path);
   const VolumeHeader& header = file->header();
-  if (header.components != 3) {
-    const std::string count = header.components == 1 ? "one" : std::to_string(header.components);
-    throw InputError(
-        {path, "values",
-         count + (header.components == 1 ? " component" : " components") + " per voxel",
-         "a warp: three components per voxel"});
+  if (header.components != 3 || !header.are_vectors) {
+    const std::string count = header.components == 1 ? "one component"
+                              : header.components == 3
+                                  ? "colours or other triples"
+                                  : std::to_string(header.components) + " components";
+    throw InputError({path, "values", count + " per voxel",
+                      "a warp: three components per voxel"});
   }
   Warp warp{path, header.geometry, parse_direction(header), {}};
   if (progress != nullptr) progress->stage("reading");

@@ -117,7 +117,7 @@ TEST(FaultHeader, NrrdFieldsAreCheckedOneByOne) {
   expect("2 3 2", "2 3", {"sizes", "3 sizes"});
   expect("2 3 2", "2 3 two", {"sizes", "integers"});
   expect("dimension: 3", "dimension: 99", {"dimension", "99"});
-  expect("encoding: raw", "encoding: bzip2", {"encoding", "bzip2", "raw or gzip"});
+  expect("encoding: raw", "encoding: lzma", {"encoding", "lzma", "raw, gzip, bzip2, ascii or hex"});
   expect("endian: little", "endian: middle", {"endian", "middle"});
   expect("endian: little\n", "", {"endian", "nothing"});
   expect("encoding", "encodign", {"encodign"});
@@ -149,7 +149,8 @@ TEST(FaultHeader, MetaImageFieldsAreCheckedOneByOne) {
     const std::string name = "m" + std::to_string(n++) + ".mha";
     expect_failure(folder.write(name, replaced(sound, from, to) + kData), parts);
   };
-  expect("NDims = 3", "NDims = 4", {"NDims", "4"});
+  expect("NDims = 3", "NDims = 5", {"NDims", "5"});
+  expect("NDims = 3", "NDims = 4", {"DimSize", "as many sizes"});
   expect("2 3 2", "2 -3 2", {"DimSize", "2 -3 2"});
   expect("2 3 2", "2 3", {"DimSize"});
   expect("MET_SHORT", "MET_STRING", {"ElementType", "MET_STRING"});
@@ -157,9 +158,9 @@ TEST(FaultHeader, MetaImageFieldsAreCheckedOneByOne) {
   expect("1 1 1", "1 0 1", {"ElementSpacing"});
   expect("ElementSpacing", "TransformMatrix = 1 0 0 0 1 0 1 0 0\nElementSpacing", {"direction"});
   expect("ElementSpacing", "CompressedData = maybe\nElementSpacing", {"CompressedData", "maybe"});
-  expect("ElementSpacing", "ElementNumberOfChannels = 4\nElementSpacing", {"Channels", "4"});
+  expect("ElementSpacing", "ElementNumberOfChannels = 17\nElementSpacing", {"Channels", "17"});
   expect("ElementSpacing", "HeaderSize = -7\nElementSpacing", {"HeaderSize", "-7"});
-  expect("LOCAL", "LIST", {"ElementDataFile", "LIST"});
+  expect("LOCAL", "LIST 7", {"ElementDataFile", "LIST 7", "1 to 3 dimensions"});
   expect("ElementDataFile = LOCAL", "", {"header line"});
 }
 

@@ -192,15 +192,15 @@ TEST(FaultWarpFile, WhatIsNoVectorOfThreeComponentsIsRefused) {
   const auto expect = [&](const std::string& fields, const std::vector<std::string>& parts) {
     expect_refused(folder.write("a.nrrd", nrrd(fields) + data), parts);
   };
-  expect(kSpace + "kinds: RGB-color domain domain domain\n", {"sizes", "3 3 2 2"});
+  expect(kSpace + "kinds: RGB-color domain domain domain\n", {"colours"});
   expect(kSpace + "kinds: vector domain\n", {"kinds", "one kind per axis"});
-  expect("kinds: domain domain domain vector\n", {"sizes", "first axis"});
+  expect("kinds: domain domain domain vector\n", {"2 components per voxel"});
   expect(kSpace + kKinds + "space units: \"cm\" \"cm\" \"cm\"\n", {"space units", "mm"});
   expect(kSpace + kKinds + "measurement frame: (0,1,0) (1,0,0) (0,0,1)\n", {"measurement frame"});
   expect(kSpace + kKinds + "supple direction:=sideways\n", {"direction", "sideways"});
   std::string two = metaimage("");
   two.replace(two.find("Channels = 3"), 12, "Channels = 2");
-  expect_refused(folder.write("a.mha", two + data), {"ElementNumberOfChannels", "2"});
+  expect_refused(folder.write("a.mha", two + data.substr(48)), {"2 components per voxel"});
   EXPECT_EQ(warp_failure(folder.write("b.nrrd", nrrd(kSpace + kKinds +
                                                      "measurement frame: (1,0,0) (0,1,0) (0,0,1)\n"
                                                      "space units: \"mm\" \"mm\" \"mm\"\n") +
