@@ -1,5 +1,5 @@
 // MetaImage as ITK reads it. TransformMatrix lists the unit vectors of i, j, k in turn. MetaIO
-// takes the size of compressed data from the file's end, and inflates gzip as well as zlib streams.
+// inflates gzip as well as zlib streams; without CompressedDataSize it reads garbage behind LOCAL.
 #include <array>
 
 #include "volumes/io/header_writer.h"
@@ -27,6 +27,7 @@ std::string header_of(const DenseImage& image, const std::string& data_file, boo
   }
   text += "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\n";
   text += std::string("CompressedData = ") + (compress ? "True" : "False") + "\n";
+  if (compress) text += std::string("CompressedDataSize = ") + kStreamSize + "\n";
   text += "TransformMatrix = " + triple(direction[0]) + " " + triple(direction[1]) + " " +
           triple(direction[2]) + "\n";
   text += "Offset = " + triple(image.geometry.origin_lps_mm()) + "\n";

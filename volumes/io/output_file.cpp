@@ -24,6 +24,10 @@ void OutputFile::seek(std::int64_t offset) {
   check();
 }
 
+std::int64_t OutputFile::position() {
+  return std::int64_t(m_stream.tellp());
+}
+
 void OutputFile::close() {
   errno = 0;
   m_stream.close();

@@ -18,6 +18,7 @@ class OutputFile {
   void write(const std::string& text) { write(text.data(), text.size()); }
   /// Where the next bytes go, from the start of the file.
   void seek(std::int64_t offset);
+  std::int64_t position();
   /// Everything is handed to the system; no more writing.
   void close();
   /// After close(): to disk, then to the final name.
