@@ -22,6 +22,28 @@ namespace {
 constexpr std::size_t kFirstHeaderBytes = 64 * 1024;
 constexpr std::size_t kPreambleBytes = 132;
 
+/// DCMTK with its log silenced and its decoders registered.
+struct Library {
+  Library() {
+    OFLog::configure(OFLogger::OFF_LOG_LEVEL);
+    // Known attributes that passed through a program that did not know them.
+    dcmEnableUnknownVRConversion.set(OFTrue);
+    DcmRLEDecoderRegistration::registerCodecs();
+    DJDecoderRegistration::registerCodecs();
+    DJLSDecoderRegistration::registerCodecs();
+    has_dictionary = dcmDataDict.isDictionaryLoaded();
+  }
+  ~Library() {
+    DJLSDecoderRegistration::cleanup();
+    DJDecoderRegistration::cleanup();
+    DcmRLEDecoderRegistration::cleanup();
+  }
+  Library(const Library&) = delete;
+  Library& operator=(const Library&) = delete;
+
+  bool has_dictionary = false;
+};
+
 [[noreturn]] void fail(const std::string& path, const std::string& field, const std::string& found,
                        const std::string& expected) {
   throw InputError({path, field, found, expected});
@@ -132,16 +154,10 @@ void read_dataset(DicomFile& result) {
 }  // namespace
 
 void prepare_dcmtk() {
-  static const bool prepared = [] {
-    OFLog::configure(OFLogger::OFF_LOG_LEVEL);
-    // Known attributes that passed through a program that did not know them.
-    dcmEnableUnknownVRConversion.set(OFTrue);
-    DcmRLEDecoderRegistration::registerCodecs();
-    DJDecoderRegistration::registerCodecs();
-    DJLSDecoderRegistration::registerCodecs();
-    return dcmDataDict.isDictionaryLoaded();
-  }();
-  if (!prepared) throw SystemError("DCMTK's data dictionary (dicom.dic) cannot be read");
+  static const Library library;
+  if (!library.has_dictionary) {
+    throw SystemError("DCMTK's data dictionary (dicom.dic) cannot be read");
+  }
 }
 
 DicomFile read_attributes(const std::string& path) {

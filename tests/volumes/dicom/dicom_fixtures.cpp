@@ -18,18 +18,21 @@ void require(const OFCondition& condition) {
   if (condition.bad()) throw std::runtime_error(condition.text());
 }
 
-void register_encoders() {
-  static const bool registered = [] {
+struct Encoders {
+  Encoders() {
     OFLog::configure(OFLogger::OFF_LOG_LEVEL);
     DcmRLEEncoderRegistration::registerCodecs();
     DJEncoderRegistration::registerCodecs();
     // Raw: the "cooked" JPEG-LS encoder of DCMTK 3.6.7 uses a pointer that it did not set.
     constexpr bool kCooked = false;
     DJLSEncoderRegistration::registerCodecs(0, 0, 0, 0, kCooked);
-    return true;
-  }();
-  (void)registered;
-}
+  }
+  ~Encoders() {
+    DJLSEncoderRegistration::cleanup();
+    DJEncoderRegistration::cleanup();
+    DcmRLEEncoderRegistration::cleanup();
+  }
+};
 
 void put_number(DcmItem& item, const DcmTagKey& tag, int value) {
   require(item.putAndInsertUint16(tag, Uint16(value)));
@@ -157,7 +160,7 @@ void write_enhanced(const std::string& path, const SeriesFixture& series,
 }
 
 void save(DcmFileFormat& file, const std::string& path, E_TransferSyntax syntax) {
-  register_encoders();
+  static const Encoders encoders;
   require(file.getDataset()->chooseRepresentation(syntax, nullptr));
   require(file.saveFile(path.c_str(), syntax));
 }
