@@ -51,6 +51,22 @@ void expect_failure(const std::string& path, const std::vector<std::string>& par
   }
 }
 
+/// While it lives this process can have so many files open.
+class DescriptorLimit {
+ public:
+  explicit DescriptorLimit(rlim_t count) {
+    ::getrlimit(RLIMIT_NOFILE, &m_usual);
+    const rlimit few{count, m_usual.rlim_max};
+    ::setrlimit(RLIMIT_NOFILE, &few);
+  }
+  ~DescriptorLimit() { ::setrlimit(RLIMIT_NOFILE, &m_usual); }
+  DescriptorLimit(const DescriptorLimit&) = delete;
+  DescriptorLimit& operator=(const DescriptorLimit&) = delete;
+
+ private:
+  rlimit m_usual{};
+};
+
 TEST(UnitDataFiles, AListGivesASlicePerFileInItsOrder) {
   const TemporaryFolder folder;
   write_slices(folder);
@@ -130,12 +146,11 @@ TEST(PropertyDataFiles, MoreFilesThanDescriptorsAreRead) {
       folder.write("a.nhdr",
                    "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 1 1 300\nencoding: raw\n"
                    "data file: f%d 0 299 1\n");
-  rlimit usual{};
-  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &usual), 0);
-  const rlimit few{kDescriptors, usual.rlim_max};
-  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &few), 0);
-  const std::string values = read(path);
-  setrlimit(RLIMIT_NOFILE, &usual);
+  std::string values;
+  {
+    const DescriptorLimit limit(kDescriptors);
+    values = read(path);
+  }
   for (int n = 0; n < kFiles; ++n) EXPECT_EQ(values[std::size_t(n)], char(n));
 }
 
