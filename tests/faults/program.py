@@ -1,0 +1,180 @@
+"""Runs `supple` as a user does and holds what it does to one policy (docs/errors.md).
+
+Exit 0, or a documented exit code with one line on stderr that begins with "supple: error: " and
+names the file; never a signal, a hang, memory beyond a bound, or a file left behind.
+"""
+import hashlib
+import os
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+
+SKIPPED = 77  # CTest's SKIP_RETURN_CODE
+MAX_PEAK_MB = 300  # for the small files of these tests; the program itself takes about 60
+MAX_SECONDS = 10  # on an idle machine
+MAX_LINE = 600
+USAGE, BAD_INPUT, SYSTEM = 2, 3, 4
+
+# What only a crash, a library or a sanitizer says.
+FOREIGN_WORDS = ("terminate called", "assert", "Sanitizer", "runtime error", "std::", "what():",
+                 "core dumped", "HDF5-DIAG", "TIFFRead", "libpng", "DcmItem", "OpenVDB error")
+
+
+def binary():
+    path = os.environ.get("SUPPLE_BINARY", "")
+    if not os.access(path, os.X_OK):
+        sys.exit("SUPPLE_BINARY names no program: run the tests through ctest")
+    return path
+
+
+def is_sanitized():
+    """Sanitizers reserve terabytes of addresses and keep freed memory."""
+    with open(binary(), "rb") as file:
+        return b"__asan_init" in file.read()
+
+
+def seconds_allowed():
+    return MAX_SECONDS * max(1.0, os.getloadavg()[0] / (os.cpu_count() or 1))
+
+
+class Outcome:
+    def __init__(self, code, out, err, peak_mb, timed_out):
+        self.code = code  # negative: the signal that ended the program
+        self.out, self.err = out, err
+        self.peak_mb, self.timed_out = peak_mb, timed_out
+
+    def error_lines(self):
+        return [line for line in self.err.splitlines() if line.startswith("supple: error: ")]
+
+
+def limits(address_space=None, file_size=None):
+    """For the child, before exec. A full disk raises no signal in supple, which ignores it."""
+    def set_limits():
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        if address_space is not None:
+            resource.setrlimit(resource.RLIMIT_AS, (address_space, address_space))
+        if file_size is not None:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (file_size, file_size))
+    return set_limits
+
+
+def run(arguments, cwd=None, program=None, stdout=None, stop=None, **child_limits):
+    """stop: (seconds, signal) sent to the program while it runs."""
+    with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
+        child = subprocess.Popen([program or binary(), *map(str, arguments)], cwd=cwd,
+                                 stdin=subprocess.DEVNULL, stdout=stdout or out, stderr=err,
+                                 preexec_fn=limits(**child_limits))
+        late = []
+        timers = [threading.Timer(seconds_allowed(), lambda: (late.append(1), child.kill()))]
+        if stop:
+            timers.append(threading.Timer(stop[0], os.kill, (child.pid, stop[1])))
+        for timer in timers:
+            timer.start()
+        _, status, usage = os.wait4(child.pid, 0)
+        for timer in timers:
+            timer.cancel()
+            timer.join()
+        child.returncode = os.waitstatus_to_exitcode(status)
+        texts = []
+        for stream in (out, err):
+            stream.seek(0)
+            texts.append(stream.read().decode("utf-8", "backslashreplace"))
+        return Outcome(child.returncode, *texts, usage.ru_maxrss / 1024, bool(late))
+
+
+def problems_of(outcome, codes, names, max_peak_mb=MAX_PEAK_MB):
+    """What breaks the policy. `names`: files of which the line must name one; none: any line."""
+    problems = []
+    if outcome.timed_out:
+        return ["ran longer than %.0f s" % seconds_allowed()]
+    if outcome.code < 0:
+        problems.append("ended by %s" % signal.Signals(-outcome.code).name)
+    elif outcome.code not in codes:
+        problems.append("exit code %d, expected %s" % (outcome.code, codes))
+    if outcome.peak_mb > max_peak_mb and not is_sanitized():
+        problems.append("peak of %.0f MB, allowed %d" % (outcome.peak_mb, max_peak_mb))
+    lines, errors = outcome.err.splitlines(), outcome.error_lines()
+    if any(not line.startswith("supple: ") for line in lines):
+        problems.append("a line on stderr is not supple's")
+    if any(word.lower() in outcome.err.lower() for word in FOREIGN_WORDS):
+        problems.append("stderr speaks of a crash or with a library's voice")
+    if any(ord(c) < 32 or ord(c) == 127 for line in outcome.err.split("\n") for c in line):
+        problems.append("control characters on stderr")
+    if outcome.code == 0 and errors:
+        problems.append("an error line with exit code 0")
+    if outcome.code > 0:
+        if len(errors) != 1 or lines[-1:] != errors:
+            problems.append("%d error lines, expected one, the last" % len(errors))
+        if errors and len(errors[0]) > MAX_LINE:
+            problems.append("an error line of %d characters" % len(errors[0]))
+        if errors and names and not any(os.path.basename(name) in errors[0] for name in names):
+            problems.append("the line names none of %s" % ", ".join(names))
+        if outcome.out:
+            problems.append("output on stdout of a failed run")
+    return problems
+
+
+def contents(folder):
+    """Every file below the folder with a digest of its bytes."""
+    found = {}
+    for parent, _, files in os.walk(folder):
+        for name in files:
+            path = os.path.join(parent, name)
+            place = os.path.relpath(path, folder)
+            if not os.path.isfile(path):
+                found[place] = "special"
+                continue
+            try:
+                with open(path, "rb") as file:
+                    found[place] = hashlib.sha256(file.read()).hexdigest()
+            except PermissionError:
+                found[place] = "unreadable"
+    return found
+
+
+class Policy:
+    """Runs faults, collects what breaks the policy, and ends with the exit code for CTest."""
+
+    def __init__(self):
+        self.folder = tempfile.mkdtemp(prefix="supple-fault-")
+        self.runs, self.refused, self.failed, self.peak_mb = 0, 0, 0, 0.0
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def fail(self, label, text):
+        self.failed += 1
+        print("FAILED %s: %s" % (label, text), flush=True)
+
+    def expect(self, label, arguments, codes, names=(), outputs=(), **options):
+        """Runs it; a failed run leaves the folder as it was, a good one adds `outputs` at most."""
+        max_peak_mb = options.pop("max_peak_mb", MAX_PEAK_MB)
+        before = contents(self.folder)
+        outcome = run(arguments, cwd=self.folder, **options)
+        after = contents(self.folder)
+        problems = problems_of(outcome, codes, names, max_peak_mb)
+        allowed = set(outputs) if outcome.code == 0 else set()
+        for name in sorted(set(before) | set(after)):
+            if before.get(name) != after.get(name) and name not in allowed:
+                problems.append("%s was %s" % (name, "changed" if name in before else
+                                               "left behind"))
+        self.count(outcome)
+        if problems:
+            self.fail(label, "%s\n  %s\n  %s" % ("; ".join(problems), " ".join(map(str, arguments)),
+                                                 outcome.err.strip()[:1000]))
+        return outcome
+
+    def count(self, outcome):
+        self.runs += 1
+        self.refused += outcome.code > 0
+        self.peak_mb = max(self.peak_mb, outcome.peak_mb)
+
+    def finish(self):
+        shutil.rmtree(self.folder, ignore_errors=True)
+        print("%d runs, %d refused, %d broke the policy, largest peak %.0f MB" %
+              (self.runs, self.refused, self.failed, self.peak_mb))
+        sys.exit(1 if self.failed or self.runs == 0 else 0)
