@@ -120,6 +120,7 @@ Vec3d SmoothExtension::coarse(const Vec3d& pos_index) const {
 }
 
 Vec3d SmoothExtension::at(const Vec3i& voxel) const {
+  if (m_mean.empty()) return Vec3d(0);
   const std::int32_t b = m_near.topology.find(voxel);
   const int offset = brick_offset(voxel);
   if (b < 0 || !mask_test(m_near.topology.mask(b), offset)) return coarse(Vec3d(voxel));

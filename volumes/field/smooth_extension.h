@@ -20,11 +20,12 @@ class SmoothExtension {
 
   /// Trilinear between voxels; defined everywhere, 0 where there are no offsets at all.
   Vec3d sample(const Vec3d& pos_index) const;
+  /// At a voxel.
+  Vec3d at(const Vec3i& voxel) const;
 
  private:
   void average_blocks(const VectorBricks& offsets);
   void spread_blocks();
-  Vec3d at(const Vec3i& voxel) const;
   Vec3d coarse(const Vec3d& pos_index) const;
   std::size_t block_index(const Vec3i& block) const;
 
