@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "volumes/mesh/mesh_slots.h"
 #include "volumes/mesh/triangle_mesh.h"
 
 namespace supple {
@@ -25,6 +26,17 @@ class MeshWords {
   double number(std::string_view word) const;
   double number() { return number(next()); }
   Vec3d vector();
+  /// A whole number from 0 to 2^31 - 2.
+  std::int64_t count(std::string_view word) const;
+
+  /// Where a word taken from this text stands in it.
+  NumberSlot slot_of(std::string_view word, NumberCode code = NumberCode::text) const {
+    return {std::size_t(word.data() - m_text.data()), std::uint32_t(word.size()), code};
+  }
+  /// Three numbers of this text, and where they stand.
+  Vec3d vector(VectorSlot& slots);
+  /// Past binary data.
+  void skip_bytes(std::size_t count) { m_position += count; }
 
   /// Offset of the first byte that was not taken.
   std::size_t position() const { return m_position; }
@@ -40,11 +52,22 @@ class MeshWords {
 /// A fan of triangles around the polygon's first vertex; fewer than three vertices make none.
 void add_polygon(const std::vector<int>& polygon, TriangleMesh& mesh);
 
+/// The readers; `slots`, where given, receives where coordinates and normals stand.
 /// en.wikipedia.org/wiki/STL_(file_format). Vertices are not merged.
-TriangleMesh read_stl(const std::string& path, const std::string& content);
+TriangleMesh read_stl(const std::string& path, const std::string& content, MeshSlots* slots);
 /// G. Turk, The PLY polygon file format, 1994.
-TriangleMesh read_ply(const std::string& path, const std::string& content);
-/// Wavefront OBJ: lines `v` and `f`; negative indices count from the last vertex.
-TriangleMesh read_obj(const std::string& path, const std::string& content);
+TriangleMesh read_ply(const std::string& path, const std::string& content, MeshSlots* slots);
+/// Wavefront OBJ: lines `v`, `vn` and `f`; negative indices count from the last vertex.
+TriangleMesh read_obj(const std::string& path, const std::string& content, MeshSlots* slots);
+/// Legacy VTK, versions 1 to 5, text or binary: polygonal data and unstructured grids, whose flat
+/// cells are the surface, and structured grids, which have none.
+TriangleMesh read_vtk(const std::string& path, const std::string& content, MeshSlots* slots);
+
+/// The whole file. Throws InputError above 16 GB.
+std::string read_mesh_content(const std::string& path);
+/// By the extension, with indices and coordinates checked, LPS; there may be no triangle.
+TriangleMesh parse_mesh(const std::string& path, const std::string& content, MeshSlots* slots);
+/// Whether the head of the file says that its frame is RAS.
+bool says_ras(const std::string& content);
 
 }  // namespace supple

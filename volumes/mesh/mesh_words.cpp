@@ -1,4 +1,5 @@
 #include <charconv>
+#include <cmath>
 
 #include "volumes/base/error.h"
 #include "volumes/io/text_header.h"
@@ -57,6 +58,24 @@ Vec3d MeshWords::vector() {
   Vec3d v;
   for (int a = 0; a < 3; ++a) v[a] = number();
   return v;
+}
+
+Vec3d MeshWords::vector(VectorSlot& slots) {
+  Vec3d v;
+  for (int a = 0; a < 3; ++a) {
+    const std::string_view word = next();
+    v[a] = number(word);
+    slots[std::size_t(a)] = slot_of(word);
+  }
+  return v;
+}
+
+std::int64_t MeshWords::count(std::string_view word) const {
+  const double value = number(word);
+  if (!(value >= 0 && value < 2147483647) || value != std::floor(value)) {
+    fail(word, "a count from 0 to 2147483646");
+  }
+  return std::int64_t(value);
 }
 
 void MeshWords::fail(std::string_view found, const std::string& expected) const {

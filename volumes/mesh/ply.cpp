@@ -4,122 +4,16 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <map>
-#include <optional>
 
 #include "volumes/base/error.h"
 #include "volumes/io/text_header.h"
-#include "volumes/mesh/mesh_formats.h"
+#include "volumes/mesh/ply_header.h"
 
 namespace supple {
 
 namespace {
 
-enum class Type { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
-
-const std::map<std::string_view, Type> kTypes = {
-    {"char", Type::int8},      {"int8", Type::int8},       {"uchar", Type::uint8},
-    {"uint8", Type::uint8},    {"short", Type::int16},     {"int16", Type::int16},
-    {"ushort", Type::uint16},  {"uint16", Type::uint16},   {"int", Type::int32},
-    {"int32", Type::int32},    {"uint", Type::uint32},     {"uint32", Type::uint32},
-    {"float", Type::float32},  {"float32", Type::float32}, {"double", Type::float64},
-    {"float64", Type::float64}};
-
-std::size_t size_of(Type type) {
-  constexpr std::size_t sizes[] = {1, 1, 2, 2, 4, 4, 4, 8};
-  return sizes[int(type)];
-}
-
-struct Property {
-  std::string name;
-  Type type;
-  std::optional<Type> count_type;  // of a list
-};
-
-struct Element {
-  std::string name;
-  std::int64_t count;
-  std::vector<Property> properties;
-};
-
-enum class Format { text, little_endian, big_endian };
-
-struct Header {
-  Format format = Format::text;
-  std::vector<Element> elements;
-};
-
-Type type_of(const MeshWords& words, std::string_view name) {
-  const auto found = kTypes.find(name);
-  if (found == kTypes.end()) words.fail(name, "a type of PLY, such as float or uchar");
-  return found->second;
-}
-
-Format read_format(MeshWords& words) {
-  const std::string_view name = words.next_on_line();
-  if (name == "ascii") return Format::text;
-  if (name == "binary_little_endian") return Format::little_endian;
-  if (name == "binary_big_endian") return Format::big_endian;
-  words.fail(name, "ascii, binary_little_endian or binary_big_endian");
-}
-
-Element read_element(MeshWords& words) {
-  const std::string name(words.next_on_line());
-  const std::string_view word = words.next_on_line();
-  const double count = words.number(word);
-  if (!(count >= 0 && count < 2147483647) || count != std::floor(count)) {
-    words.fail(word, "a count from 0 to 2147483646");
-  }
-  return {name, std::int64_t(count), {}};
-}
-
-Property read_property(MeshWords& words) {
-  Property property;
-  std::string_view type = words.next_on_line();
-  if (type == "list") {
-    property.count_type = type_of(words, words.next_on_line());
-    type = words.next_on_line();
-  }
-  property.type = type_of(words, type);
-  property.name = words.next_on_line();
-  return property;
-}
-
-void require_coordinates(const MeshWords& words, const Element& vertex) {
-  for (const char* name : {"x", "y", "z"}) {
-    const bool found = std::any_of(vertex.properties.begin(), vertex.properties.end(),
-                                   [&](const Property& property) { return property.name == name; });
-    if (!found) words.fail("vertices without " + std::string(name), "properties x, y and z");
-  }
-}
-
-Header read_header(MeshWords& words) {
-  Header header;
-  bool has_format = false;
-  words.expect("ply");
-  while (true) {
-    words.skip_line();
-    const std::string_view keyword = words.next_on_line();
-    if (keyword == "end_header") break;
-    if (keyword == "comment" || keyword == "obj_info") continue;
-    if (keyword == "format") {
-      header.format = read_format(words);
-      has_format = true;
-    } else if (keyword == "element") {
-      header.elements.push_back(read_element(words));
-    } else if (keyword == "property" && !header.elements.empty()) {
-      header.elements.back().properties.push_back(read_property(words));
-    } else {
-      words.fail(keyword, "format, element, property or end_header");
-    }
-  }
-  words.skip_line();
-  if (!has_format) words.fail("no format", "a line with the format");
-  for (const Element& element : header.elements) {
-    if (element.name == "vertex") require_coordinates(words, element);
-  }
-  return header;
-}
+using namespace ply;
 
 /// The values behind the header, one after the other; `words` stand at the first.
 class Values {
@@ -132,7 +26,12 @@ class Values {
         m_position(words.position()) {}
 
   double next(Type type) {
-    if (m_format == Format::text) return m_words.number();
+    if (m_format == Format::text) {
+      const std::string_view word = m_words.next();
+      const bool is_float = type == Type::float32;
+      m_slot = m_words.slot_of(word, is_float ? NumberCode::text_float : NumberCode::text);
+      return m_words.number(word);
+    }
     const std::size_t size = size_of(type);
     if (m_content.size() - m_position < size) {
       throw InputError({m_path, "PLY", "data that end early", "all values of the header"});
@@ -141,9 +40,16 @@ class Values {
     for (std::size_t n = 0; n < size; ++n) {
       bytes[m_format == Format::big_endian ? size - 1 - n : n] = m_content[m_position + n];
     }
+    const int big = m_format == Format::big_endian;
+    const auto code =
+        type == Type::float32 ? NumberCode::float32_little : NumberCode::float64_little;
+    m_slot = {m_position, std::uint32_t(size), NumberCode(int(code) + big)};
     m_position += size;
     return decode(type, bytes);
   }
+
+  /// Where the last number stands.
+  const NumberSlot& slot() const { return m_slot; }
 
   std::size_t bytes_left() const {
     return m_content.size() - (m_format == Format::text ? m_words.position() : m_position);
@@ -183,6 +89,7 @@ class Values {
   Format m_format;
   MeshWords& m_words;
   std::size_t m_position;
+  NumberSlot m_slot;
 };
 
 /// A list's values; its count must fit into the bytes that are left.
@@ -208,9 +115,72 @@ void add_face(const std::string& path, const std::vector<double>& indices, Trian
   add_polygon(polygon, mesh);
 }
 
+/// The vector that a property of a vertex belongs to, and its component.
+struct VertexProperty {
+  enum { position, normal, other } vector = other;
+  std::size_t component = 0;
+};
+
+VertexProperty vertex_property(const std::string& path, const Property& property) {
+  VertexProperty result;
+  const std::string& name = property.name;
+  const char last = name.empty() ? ' ' : name.back();
+  if (last < 'x' || last > 'z' || name.size() > 2 || (name.size() == 2 && name[0] != 'n')) {
+    return result;
+  }
+  result.vector = name.size() == 1 ? VertexProperty::position : VertexProperty::normal;
+  result.component = std::size_t(last - 'x');
+  if (property.type == Type::float32 || property.type == Type::float64) return result;
+  if (result.vector == VertexProperty::normal) return {};
+  throw InputError({path, "PLY property " + name, "an integer type",
+                    "float or double, so that vertices can move"});
+}
+
+/// Where the vertices of a file and their normals stand.
+class VertexSlots {
+ public:
+  VertexSlots(const std::string& path, const Element& element, MeshSlots* slots) : m_slots(slots) {
+    if (slots == nullptr || element.name != "vertex") {
+      m_slots = nullptr;
+      return;
+    }
+    int components = 0;
+    for (const Property& property : element.properties) {
+      m_properties.push_back(property.count_type ? VertexProperty{}
+                                                 : vertex_property(path, property));
+      components += m_properties.back().vector == VertexProperty::normal;
+    }
+    m_has_normals = components == 3;
+  }
+
+  void take(std::size_t property, double value, const NumberSlot& slot) {
+    if (m_slots == nullptr) return;
+    const VertexProperty& found = m_properties[property];
+    if (found.vector == VertexProperty::position) m_position[found.component] = slot;
+    if (found.vector == VertexProperty::normal) {
+      m_normal[found.component] = slot;
+      m_direction[int(found.component)] = value;
+    }
+  }
+  void end_vertex() {
+    if (m_slots == nullptr) return;
+    if (m_has_normals) {
+      m_slots->add_normal(m_normal, m_direction, {int(m_slots->positions.size())});
+    }
+    m_slots->positions.push_back(m_position);
+  }
+
+ private:
+  MeshSlots* m_slots;
+  std::vector<VertexProperty> m_properties;
+  bool m_has_normals = false;
+  VectorSlot m_position, m_normal;
+  Vec3d m_direction{0, 0, 0};
+};
+
 /// Every item of the element; a property takes at least one byte of the file.
-void read_items(const std::string& path, const Element& element, Values& values,
-                TriangleMesh& mesh) {
+void read_items(const std::string& path, const Element& element, Values& values, TriangleMesh& mesh,
+                MeshSlots* slots) {
   if (element.count > 0 &&
       (element.properties.empty() || std::size_t(element.count) > values.bytes_left())) {
     throw InputError({path, "PLY element " + printable(element.name),
@@ -219,9 +189,11 @@ void read_items(const std::string& path, const Element& element, Values& values,
                           std::to_string(values.bytes_left()) + " bytes",
                       "as many as the file can hold"});
   }
+  VertexSlots vertex_slots(path, element, slots);
   for (std::int64_t item = 0; item < element.count; ++item) {
     Vec3d vertex(0);
-    for (const Property& property : element.properties) {
+    for (std::size_t n = 0; n < element.properties.size(); ++n) {
+      const Property& property = element.properties[n];
       if (property.count_type) {
         const std::vector<double> list = read_list(path, property, values);
         const bool is_face = element.name == "face" &&
@@ -230,22 +202,24 @@ void read_items(const std::string& path, const Element& element, Values& values,
         continue;
       }
       const double value = values.next(property.type);
+      vertex_slots.take(n, value, values.slot());
       if (property.name.size() == 1 && property.name[0] >= 'x' && property.name[0] <= 'z') {
         vertex[property.name[0] - 'x'] = value;
       }
     }
     if (element.name == "vertex") mesh.vertices_lps_mm.push_back(vertex);
+    vertex_slots.end_vertex();
   }
 }
 
 }  // namespace
 
-TriangleMesh read_ply(const std::string& path, const std::string& content) {
+TriangleMesh read_ply(const std::string& path, const std::string& content, MeshSlots* slots) {
   MeshWords words(path, content);
   const Header header = read_header(words);
   Values values(path, content, header.format, words);
   TriangleMesh mesh;
-  for (const Element& element : header.elements) read_items(path, element, values, mesh);
+  for (const Element& element : header.elements) read_items(path, element, values, mesh, slots);
   return mesh;
 }
 

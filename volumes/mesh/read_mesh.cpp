@@ -14,23 +14,11 @@ namespace {
 /// Fewer vertices than an int counts, in every format.
 constexpr std::int64_t kMaxFileBytes = std::int64_t(1) << 34;
 
-/// Where STL, PLY and OBJ files of 3D Slicer name their frame.
+/// Where STL, PLY, OBJ and VTK files of 3D Slicer name their frame.
 constexpr std::size_t kHeadBytes = 512;
-
-std::string read_content(const std::string& path) {
-  const InputFile file(path);
-  if (file.size() > kMaxFileBytes) {
-    throw InputError({path, "", std::to_string(file.size()) + " bytes",
-                      "a mesh of at most " + std::to_string(kMaxFileBytes) + " bytes"});
-  }
-  std::string content(std::size_t(file.size()), '\0');
-  content.resize(file.read_at(0, content.data(), content.size()));
-  return content;
-}
 
 void check_mesh(const std::string& path, const TriangleMesh& mesh) {
   const std::size_t count = mesh.vertices_lps_mm.size();
-  if (mesh.triangles.empty()) throw InputError({path, "mesh", "no triangle", "a surface"});
   for (const auto& triangle : mesh.triangles) {
     for (const int index : triangle) {
       if (index >= 0 && std::size_t(index) < count) continue;
@@ -46,24 +34,45 @@ void check_mesh(const std::string& path, const TriangleMesh& mesh) {
   }
 }
 
-TriangleMesh parse(const std::string& path, const std::string& content) {
+TriangleMesh parse(const std::string& path, const std::string& content, MeshSlots* slots) {
   const std::string extension = lower_case(std::filesystem::path(path).extension().string());
-  if (extension == ".stl") return read_stl(path, content);
-  if (extension == ".ply") return read_ply(path, content);
-  if (extension == ".obj") return read_obj(path, content);
-  throw InputError(
-      {path, "extension", extension.empty() ? "none" : printable(extension), ".stl, .ply or .obj"});
+  if (extension == ".stl") return read_stl(path, content, slots);
+  if (extension == ".ply") return read_ply(path, content, slots);
+  if (extension == ".obj") return read_obj(path, content, slots);
+  if (extension == ".vtk") return read_vtk(path, content, slots);
+  throw InputError({path, "extension", extension.empty() ? "none" : printable(extension),
+                    ".stl, .ply, .obj or .vtk"});
 }
 
 }  // namespace
 
-TriangleMesh read_mesh(const std::string& path) {
-  const std::string content = read_content(path);
-  TriangleMesh mesh = parse(path, content);
+std::string read_mesh_content(const std::string& path) {
+  const InputFile file(path);
+  if (file.size() > kMaxFileBytes) {
+    throw InputError({path, "", std::to_string(file.size()) + " bytes",
+                      "a mesh of at most " + std::to_string(kMaxFileBytes) + " bytes"});
+  }
+  std::string content(std::size_t(file.size()), '\0');
+  content.resize(file.read_at(0, content.data(), content.size()));
+  return content;
+}
+
+bool says_ras(const std::string& content) {
+  return content.substr(0, kHeadBytes).find("SPACE=RAS") != std::string::npos;
+}
+
+TriangleMesh parse_mesh(const std::string& path, const std::string& content, MeshSlots* slots) {
+  TriangleMesh mesh = parse(path, content, slots);
   check_mesh(path, mesh);
-  if (content.substr(0, kHeadBytes).find("SPACE=RAS") != std::string::npos) {
+  if (says_ras(content)) {
     for (Vec3d& v : mesh.vertices_lps_mm) v = {-v.x, -v.y, v.z};
   }
+  return mesh;
+}
+
+TriangleMesh read_mesh(const std::string& path) {
+  TriangleMesh mesh = parse_mesh(path, read_mesh_content(path), nullptr);
+  if (mesh.triangles.empty()) throw InputError({path, "mesh", "no triangle", "a surface"});
   return mesh;
 }
 

@@ -1,4 +1,4 @@
-// Triangle meshes, read from STL, PLY and OBJ files.
+// Triangle meshes, read from STL, PLY, OBJ and legacy VTK files.
 //
 // Own readers: libassimp 5.2.5 crashes on damaged PLY files, keeps coordinates as floats and
 // lengthens every start of the program by 4 ms.
@@ -19,11 +19,12 @@ struct TriangleMesh {
   std::vector<std::array<int, 3>> triangles;  // indices of vertices
 };
 
-/// Reads `.stl` (binary or text), `.ply` (text, little or big-endian) or `.obj`; the extension
-/// decides. Coordinates are LPS mm, or RAS where the file's head says SPACE=RAS, as 3D Slicer
-/// writes it. A polygon becomes a fan of triangles, right for convex ones. Lines, points, normals,
-/// colours and materials are left out. Throws InputError: missing or damaged file, unknown
-/// extension, an index without vertex, a coordinate that is not finite, no triangle at all.
+/// Reads `.stl` (binary or text), `.ply` (text, little or big-endian), `.obj` or `.vtk` (legacy,
+/// text or binary); the extension decides. Coordinates are LPS mm, or RAS where the file's head
+/// says SPACE=RAS, as 3D Slicer writes it. A polygon becomes a fan of triangles, right for convex
+/// ones. Lines, points, normals, colours and materials are left out. Throws InputError: missing or
+/// damaged file, unknown extension, an index without vertex, a coordinate that is not finite, no
+/// triangle at all.
 TriangleMesh read_mesh(const std::string& path);
 
 }  // namespace supple

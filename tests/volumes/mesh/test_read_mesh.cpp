@@ -201,7 +201,7 @@ TEST_F(FaultMesh, FilesThatAreNoMeshAreNamed) {
   EXPECT_THROW(read_mesh("/dev/zero"), InputError);
   expect_message("a.stl", "", "0 bytes");
   expect_message("a.txt", "solid\nendsolid\n",
-                 "extension: found .txt, expected .stl, .ply or .obj");
+                 "extension: found .txt, expected .stl, .ply, .obj or .vtk");
   expect_message("a", "solid\n", "extension: found none");
   expect_message("a.stl", "solid a\nendsolid a\n", "no triangle");
   expect_message("b.stl", binary_stl({}), "no triangle");
