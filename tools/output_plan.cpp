@@ -50,6 +50,11 @@ void OutputPlan::add_report(const std::string& path) {
   add_file(path);
 }
 
+void OutputPlan::add_like(const std::string& path, const std::string& input) {
+  require_extension(path, std::filesystem::path(input).extension().string());
+  add_file(path);
+}
+
 void OutputPlan::add_dense(const std::string& path) {
   for (const std::string& file : output_files(path)) add_file(file);
 }

@@ -25,6 +25,7 @@ class OutputPlan {
   void add_pictures(const PictureOptions& options, const std::string& image);  // of one view
   void add_state(const std::string& path);                                     // .vdb
   void add_report(const std::string& path);                                    // .json
+  void add_like(const std::string& path, const std::string& input);            // input's extension
   void add_dense(const std::string& path);  // what volume_writer.h knows; pairs count both files
 
  private:

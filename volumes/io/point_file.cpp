@@ -6,8 +6,12 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <string_view>
 
 #include "volumes/base/error.h"
+#include "volumes/io/dense_writer.h"
+#include "volumes/io/output_file.h"
 #include "volumes/io/text_header.h"
 
 namespace supple {
@@ -15,43 +19,48 @@ namespace supple {
 namespace {
 
 constexpr std::array<const char*, 6> kColumns = {"x", "y", "z", "dx", "dy", "dz"};
+constexpr std::string_view kAround = " \t\r\n\f\v\"";  // what may stand around a field
+
+/// A field without the blanks and the quotes around it, and where it begins in the line.
+struct Field {
+  std::string text;
+  std::size_t begin = 0;
+};
 
 /// Fields between commas; a field in double quotes may hold commas.
-std::vector<std::string> fields_of(const std::string& line) {
-  std::vector<std::string> fields(1);
+std::vector<Field> fields_of(const std::string& line) {
+  std::vector<Field> fields;
   bool quoted = false;
-  for (const char c : line) {
-    if (c == '"') {
-      quoted = !quoted;
-    } else if (c == ',' && !quoted) {
-      fields.emplace_back();
-    } else {
-      fields.back() += c;
-    }
+  std::size_t begin = 0;
+  for (std::size_t n = 0; n <= line.size(); ++n) {
+    const bool is_end = n == line.size() || (line[n] == ',' && !quoted);
+    if (n < line.size() && line[n] == '"') quoted = !quoted;
+    if (!is_end) continue;
+    std::size_t end = n;
+    while (begin < end && kAround.find(line[begin]) != std::string::npos) ++begin;
+    while (begin < end && kAround.find(line[end - 1]) != std::string::npos) --end;
+    fields.push_back({line.substr(begin, end - begin), begin});
+    begin = n + 1;
   }
-  for (std::string& field : fields) field = trimmed(field);
   return fields;
 }
 
 class PointReader {
  public:
-  explicit PointReader(const std::string& path) { m_file.path = path; }
-
-  void take(std::string line) {
-    ++m_line;
-    if (m_line == 1 && line.rfind("\xef\xbb\xbf", 0) == 0) line.erase(0, 3);
-    line = trimmed(line);
-    if (line.empty()) return;
-    if (line[0] == '#') {
-      take_comment(line.substr(1));
-    } else if (m_columns_known) {
-      take_point(fields_of(line));
-    } else {
-      take_columns(line);
-    }
+  PointReader(const std::string& path, std::string content) {
+    m_file.path = path;
+    m_file.content = std::move(content);
   }
 
-  PointFile result() {
+  PointFile read() {
+    const std::string& content = m_file.content;
+    m_begin = content.rfind("\xef\xbb\xbf", 0) == 0 ? 3 : 0;
+    while (m_begin < content.size()) {
+      const std::size_t end = std::min(content.find('\n', m_begin), content.size());
+      ++m_line;
+      take(content.substr(m_begin, end - m_begin));
+      m_begin = end + 1;
+    }
     if (m_file.rows.empty()) {
       throw InputError({m_file.path, "points", "none",
                         m_columns_known ? "one point a line below the header"
@@ -62,6 +71,18 @@ class PointReader {
 
  private:
   std::string place() const { return m_file.path + ":" + std::to_string(m_line); }
+
+  void take(const std::string& line) {
+    const std::string text = trimmed(line);
+    if (text.empty()) return;
+    if (text[0] == '#') {
+      take_comment(text.substr(1));
+    } else if (m_columns_known) {
+      take_point(fields_of(line));
+    } else {
+      take_columns(text);
+    }
+  }
 
   /// "key = value" as Slicer writes it; any other comment is ignored.
   void take_comment(const std::string& text) {
@@ -81,10 +102,11 @@ class PointReader {
   }
 
   void take_columns(const std::string& text) {
-    const std::vector<std::string> names = fields_of(lower_case(text));
+    const std::vector<Field> names = fields_of(lower_case(text));
     int found = 0;
     for (std::size_t c = 0; c < kColumns.size(); ++c) {
-      const auto at = std::find(names.begin(), names.end(), kColumns[c]);
+      const auto at = std::find_if(names.begin(), names.end(),
+                                   [&](const Field& name) { return name.text == kColumns[c]; });
       m_columns[c] = at == names.end() ? -1 : int(at - names.begin());
       found |= int(at != names.end()) << c;
     }
@@ -96,9 +118,13 @@ class PointReader {
     m_columns_known = true;
   }
 
-  void take_point(const std::vector<std::string>& fields) {
-    PointFile::Row row{m_line, {}, {}};
-    for (int a = 0; a < 3; ++a) row.at_lps_mm[a] = number(fields, a);
+  void take_point(const std::vector<Field>& fields) {
+    PointFile::Row row{m_line, {}, {}, {}, m_is_ras};
+    for (int a = 0; a < 3; ++a) {
+      row.at_lps_mm[a] = number(fields, a);
+      const Field& field = fields[std::size_t(m_columns[std::size_t(a)])];
+      row.at[std::size_t(a)] = {m_begin + field.begin, field.text.size()};
+    }
     for (int a = 0; a < 3 && m_file.has_displacements; ++a) {
       row.by_lps_mm[a] = number(fields, a + 3);
     }
@@ -106,14 +132,14 @@ class PointReader {
   }
 
   /// In LPS.
-  double number(const std::vector<std::string>& fields, int column) const {
+  double number(const std::vector<Field>& fields, int column) const {
     const std::size_t at = std::size_t(m_columns[std::size_t(column)]);
     const char* name = kColumns[std::size_t(column)];
     if (at >= fields.size()) {
       throw InputError({place(), name, std::to_string(fields.size()) + " columns",
                         "it in column " + std::to_string(at + 1)});
     }
-    const HeaderField field{place(), name, fields[at]};
+    const HeaderField field{place(), name, fields[at].text};
     const double value = field.number();
     if (!std::isfinite(value)) field.fail("a finite number of millimetres");
     return m_is_ras && column % 3 != 2 ? -value : value;
@@ -121,6 +147,7 @@ class PointReader {
 
   PointFile m_file;
   int m_line = 0;
+  std::size_t m_begin = 0;  // of the line, in the file
   bool m_columns_known = false;
   bool m_is_ras = false;
   std::array<int, 6> m_columns{};
@@ -132,9 +159,36 @@ PointFile read_point_file(const std::string& path) {
   if (std::filesystem::is_directory(path)) throw_open_error(path, EISDIR);
   std::ifstream in(path);
   if (!in) throw_open_error(path, errno);
-  PointReader reader(path);
-  for (std::string line; std::getline(in, line);) reader.take(std::move(line));
-  return reader.result();
+  std::string content{std::istreambuf_iterator<char>(in), {}};
+  if (in.bad()) throw_open_error(path, EIO);
+  return PointReader(path, std::move(content)).read();
+}
+
+void write_points_like(const std::string& path, const PointFile& file,
+                       const std::vector<Vec3d>& points_lps_mm) {
+  std::string text;
+  text.reserve(file.content.size() + file.content.size() / 2);
+  std::size_t taken = 0;
+  for (std::size_t n = 0; n < file.rows.size(); ++n) {
+    const PointFile::Row& row = file.rows[n];
+    std::array<int, 3> order = {0, 1, 2};
+    std::sort(order.begin(), order.end(), [&](int a, int b) {
+      return row.at[std::size_t(a)].begin < row.at[std::size_t(b)].begin;
+    });
+    for (const int a : order) {
+      const PointFile::Span& span = row.at[std::size_t(a)];
+      const double value = points_lps_mm[n][a];
+      if (value == row.at_lps_mm[a]) continue;
+      text.append(file.content, taken, span.begin - taken);
+      text += exact_decimal((row.is_ras && a != 2 ? -value : value) + 0.0);  // never -0
+      taken = span.begin + span.size;
+    }
+  }
+  text.append(file.content, taken);
+  OutputFile out(path);
+  out.write(text);
+  out.close();
+  out.commit();
 }
 
 bool is_point_file_name(const std::string& path) {

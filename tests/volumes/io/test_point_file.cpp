@@ -1,4 +1,7 @@
 // Point files computed by hand: columns, frames, comments, damage.
+#include <fstream>
+#include <iterator>
+
 #include <gtest/gtest.h>
 
 #include "tests/volumes/io/io_fixtures.h"
@@ -57,6 +60,27 @@ TEST(UnitPointFile, SlicerFiducialsAreReadInTheirFrame) {
   const PointFile moved = read("# CoordinateSystem = RAS\nx,y,z,dx,dy,dz\n1,2,3,4,5,6\n");
   EXPECT_EQ(moved.rows[0].at_lps_mm, Vec3d(-1, -2, 3));
   EXPECT_EQ(moved.rows[0].by_lps_mm, Vec3d(-4, -5, 6));
+}
+
+/// The file with its points moved by (1, 0.5, 0) in LPS.
+std::string moved(const std::string& text) {
+  const TemporaryFolder folder;
+  const PointFile file = read_point_file(folder.write("a.csv", text));
+  std::vector<Vec3d> points;
+  for (const PointFile::Row& row : file.rows) points.push_back(row.at_lps_mm + Vec3d(1, 0.5, 0));
+  write_points_like(folder.file("b.csv"), file, points);
+  std::ifstream in(folder.file("b.csv"), std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+TEST(UnitPointFile, MovedPointsKeepAllElseOfTheirFile) {
+  EXPECT_EQ(moved("\xef\xbb\xbf# a, comment\r\n\r\nname,Z , x ,y,\"a, b\"\r\n"
+                  "\"Nose, tip\", 3.00 , 0.1,\"2\",  7 \r\n# end\r\nx,-4,1e2,-0.5,"),
+            "\xef\xbb\xbf# a, comment\r\n\r\nname,Z , x ,y,\"a, b\"\r\n"
+            "\"Nose, tip\", 3.00 , 1.1,\"2.5\",  7 \r\n# end\r\nx,-4,101,0,");
+  EXPECT_EQ(moved("# CoordinateSystem = RAS\n# columns = id,x,y,z\nF,1,2,3\n"),
+            "# CoordinateSystem = RAS\n# columns = id,x,y,z\nF,0,1.5,3\n");
+  EXPECT_EQ(moved("x,y,z\n0.30000000000000004,0.1,9\n"), "x,y,z\n1.3,0.6,9\n");
 }
 
 TEST(FaultPointFile, WhatIsWrongIsNamedWithItsLine) {
