@@ -17,7 +17,7 @@ SUPPLE_PACKAGES=(
   libhdf5-dev libdcmtk-dev libssl-dev
   libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libgtest-dev)
 SUPPLE_JUDGES=(elastix plastimatch teem-apps python3-openvdb python3-nibabel python3-tifffile
-  python3-h5py python3-pydicom python3 python3-vtk9 libtiff-tools)
+  python3-h5py python3-pydicom python3 python3-vtk9 libtiff-tools dcmtk)
 SUPPLE_PEERS=(python3-vtk9 xvfb libinsighttoolkit5-dev)
 SUPPLE_PROGRAMS="supple supple-examples"
 
