@@ -32,6 +32,13 @@ class CarriedDisplacement {
   /// Whether a cut has opened in the cell around X.
   bool is_in_torn_cell(const Vec3d& X) const;
   bool has_torn_cells() const { return !m_sides.empty(); }
+  /// `visit(CutPiece)` for every side of every torn cell.
+  template <class Visit>
+  void for_torn_sides(Visit&& visit) const {
+    for (const auto& [cell, sides] : m_sides) {
+      for (const CutPiece& side : sides) visit(side);
+    }
+  }
 
   /// u on body and shell; a body of one slice is thickened (source_cells.h).
   const VectorBricks& known() const { return m_u; }

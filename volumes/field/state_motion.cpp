@@ -65,7 +65,7 @@ class MotionToRest final : public PointMotion {
     Columns gradient;  // of X -> X + u
   };
 
-  /// All cells of the body, those of cuts aside, whose sides may fold by themselves.
+  /// All cells of the body; of torn cells each side by itself.
   void find_folds() {
     const VectorBricks& u = m_u.known();
     tbb::enumerable_thread_specific<std::vector<std::pair<Vec3i, CellCorners>>> found;
@@ -84,6 +84,9 @@ class MotionToRest final : public PointMotion {
     for (const auto& cells : found) {
       for (const auto& [cell, corners] : cells) m_folds.add(cell, corners);
     }
+    m_u.for_torn_sides([&](const CutPiece& side) {
+      if (side.is_folded) m_folds.add(side.cell, side.corners());
+    });
   }
 
   Found found_at(const Vec3d& X, const Vec3d& offset) const {

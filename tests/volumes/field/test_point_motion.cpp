@@ -170,6 +170,29 @@ TEST(PropertyPointMotion, FoldsAreNamedOnBothWays) {
   EXPECT_EQ(body.to_rest()->move({5.5, 8, 8}).kind, PlaceKind::inside);
 }
 
+TEST(PropertyPointMotion, OfSeveralPlacesTheOneWithTheShortestWayCounts) {
+  // Three come to x = 9.3: 8.8, 9.1 in the cell that is turned inside out, and 11.8.
+  const MovedBody body(box_topology({4, 4, 4}, {15, 15, 15}), {}, unit_geometry({20, 20, 20}),
+                       [](const Vec3i& v) { return Vec3f(v.x < 10 ? 0.5f : -2.5f, 0, 0); });
+  const MovedPoint back = body.to_rest()->move({9.3, 8.2, 8.6});
+  EXPECT_LT((back.to_lps_mm - Vec3d(9.1, 8.2, 8.6)).length(), 1e-4) << back.to_lps_mm;
+  EXPECT_EQ(back.kind, PlaceKind::folded);
+}
+
+TEST(PropertyPointMotion, FoldsBesideAnOpenCutAreNamedOnTheWayBack) {
+  const BrickTopology block = box_topology({4, 4, 4}, {23, 19, 19});
+  const MovedBody body(block, cut_at_x(block, 13), unit_geometry({28, 24, 24}), [](const Vec3i& v) {
+    const float x = v.x <= 13 ? -3.f : 3.f;
+    return Vec3f(x, v.y < 10 ? 0.f : -2.f, 0);
+  });
+  const Vec3d X(13.3, 9.5, 11);
+  const MovedPoint there = body.along()->move(X);
+  EXPECT_EQ(there.kind, PlaceKind::folded);
+  EXPECT_EQ(body.to_rest()->move(there.to_lps_mm).kind, PlaceKind::folded);
+  // A place that two others come to as well, in cells that do not fold themselves.
+  EXPECT_EQ(body.to_rest()->move({10.3, 8.6, 11}).kind, PlaceKind::folded);
+}
+
 TEST(PropertyPointMotion, BeyondTheBodyThereAndBackAgainIsStillTheSamePlace) {
   std::mt19937 random(8);
   const MovedBody body(
@@ -208,6 +231,7 @@ TEST(UnitPointMotion, ASliceIsMovedInItsPlane) {
   const MovedPoint moved = motion_along(u, {slice, none})->move({8.2, 9.4, 0});
   EXPECT_EQ(moved.to_lps_mm, Vec3d(9.7, 11.4, 0));
   EXPECT_EQ(moved.kind, PlaceKind::inside);
+  EXPECT_EQ(motion_along(u, {slice, none})->move({8.2, 9.4, 0.25}).kind, PlaceKind::inside);
   const MovedPoint back = motion_to_rest(u, {slice, none}, offsets)->move({9.7, 11.4, 0});
   EXPECT_LT((back.to_lps_mm - Vec3d(8.2, 9.4, 0)).length(), 1e-6);
   EXPECT_EQ(back.kind, PlaceKind::inside);

@@ -137,6 +137,9 @@ TEST(FaultWarpMotion, VectorsThatLeadNowhereAreRefused) {
   };
   EXPECT_THROW(motion_through(jump(1e30), false), InputError);
   EXPECT_THROW(motion_through(jump(9e5), false), InputError);
+  const Warp far = warp_of(unit_geometry({4, 4, 4}), WarpDirection::resample,
+                           [](const Vec3d&) { return Vec3d(1e30, 0, 0); });
+  EXPECT_THROW(motion_through(far, false), InputError);
   EXPECT_EQ(motion_through(jump(9e5), true)->move({1, 1, 1}).to_lps_mm.x, 900001);
   EXPECT_NO_THROW(motion_through(jump(10), false)->move({1, 1, 1}));
 }

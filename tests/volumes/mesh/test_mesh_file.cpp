@@ -137,8 +137,10 @@ TEST(UnitMeshFile, BinaryStlKeepsItsHeadAndAttributes) {
     return std::string(76, 'h') + "head" + bytes_of(std::uint32_t(1), false) +
            all_of<float>(floats, false) + "\x12\x34";
   };
-  EXPECT_EQ(after("a.stl", file({0, 0, -1, 0, 0, 0, 1, 0, 0, 0, 1, 0})),
-            file({0, 0, -1, 1, -0.5f, 0, 3, -0.5f, 0, 1, 0.5f, 0}));
+  // Turned the other way round than its corners, as it was before.
+  const auto swap_y_and_z = [](const Vec3d& p) { return Vec3d(p.x, p.z, p.y); };
+  EXPECT_EQ(after("a.stl", file({0, 0, -1, 0, 0, 0, 1, 0, 0, 0, 1, 0}), swap_y_and_z),
+            file({0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}));
 }
 
 TEST(UnitMeshFile, AFileInRasMovesInLpsAndStaysInRas) {
