@@ -190,7 +190,7 @@ TEST(PropertyPointMotion, FoldsBesideAnOpenCutAreNamedOnTheWayBack) {
   EXPECT_EQ(there.kind, PlaceKind::folded);
   EXPECT_EQ(body.to_rest()->move(there.to_lps_mm).kind, PlaceKind::folded);
   // A place that two others come to as well, in cells that do not fold themselves.
-  EXPECT_EQ(body.to_rest()->move({10.3, 8.6, 11}).kind, PlaceKind::folded);
+  EXPECT_EQ(body.to_rest()->move({16.7, 8.6, 11}).kind, PlaceKind::folded);
 }
 
 TEST(PropertyPointMotion, BeyondTheBodyThereAndBackAgainIsStillTheSamePlace) {

@@ -62,12 +62,12 @@ TEST(UnitPointFile, SlicerFiducialsAreReadInTheirFrame) {
   EXPECT_EQ(moved.rows[0].by_lps_mm, Vec3d(-4, -5, 6));
 }
 
-/// The file with its points moved by (1, 0.5, 0) in LPS.
-std::string moved(const std::string& text) {
+/// The file with its points moved in LPS.
+std::string moved(const std::string& text, const Vec3d& by = Vec3d(1, 0.5, 0)) {
   const TemporaryFolder folder;
   const PointFile file = read_point_file(folder.write("a.csv", text));
   std::vector<Vec3d> points;
-  for (const PointFile::Row& row : file.rows) points.push_back(row.at_lps_mm + Vec3d(1, 0.5, 0));
+  for (const PointFile::Row& row : file.rows) points.push_back(row.at_lps_mm + by);
   write_points_like(folder.file("b.csv"), file, points);
   std::ifstream in(folder.file("b.csv"), std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
@@ -78,8 +78,8 @@ TEST(UnitPointFile, MovedPointsKeepAllElseOfTheirFile) {
                   "\"Nose, tip\", 3.00 , 0.1,\"2\",  7 \r\n# end\r\nx,-4,1e2,-0.5,"),
             "\xef\xbb\xbf# a, comment\r\n\r\nname,Z , x ,y,\"a, b\"\r\n"
             "\"Nose, tip\", 3.00 , 1.1,\"2.5\",  7 \r\n# end\r\nx,-4,101,0,");
-  EXPECT_EQ(moved("# CoordinateSystem = RAS\n# columns = id,x,y,z\nF,1,2,3\n"),
-            "# CoordinateSystem = RAS\n# columns = id,x,y,z\nF,0,1.5,3\n");
+  EXPECT_EQ(moved("# CoordinateSystem = RAS\n# columns = id,x,y,z\nF,1,2,3\n", {1, 0.5, 4}),
+            "# CoordinateSystem = RAS\n# columns = id,x,y,z\nF,0,1.5,7\n");
   EXPECT_EQ(moved("x,y,z\n0.30000000000000004,0.1,9\n"), "x,y,z\n1.3,0.6,9\n");
 }
 
