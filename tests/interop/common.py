@@ -55,7 +55,8 @@ def reading(values, affine, slope=1.0, intercept=0.0) -> Reading:
     """Of an array in index order (i, j, k)."""
     values = np.asarray(values)
     little = values.astype(values.dtype.newbyteorder("<"), copy=False)
-    scaled = [float(np.float64(v)) * slope + intercept for v in (values.min(), values.max())]
+    finite = values[np.isfinite(values)]
+    scaled = [float(v) * slope + intercept for v in (finite.min(), finite.max())]
     return Reading(tuple(int(n) for n in values.shape), np.asarray(affine, float),
                    values.dtype.newbyteorder("=").name,
                    hashlib.sha256(little.tobytes(order="F")).hexdigest(), tuple(sorted(scaled)))

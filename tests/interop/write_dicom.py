@@ -141,41 +141,55 @@ def write(folder, row, affine, values, number):
     return folder if row["opened"] == "folder" else path
 
 
-def read_by_pydicom(folder):
-    """Slices in order along row x column; JPEG, which pydicom leaves to others, is unpacked by
-    DCMTK first."""
+def unpacked(path, scratch):
+    """Pydicom's data set; JPEG, which it leaves to other packages, is unpacked by DCMTK."""
     import pydicom
 
-    slices = []
-    for name in sorted(os.listdir(folder)):
-        path = os.path.join(folder, name)
-        image = pydicom.dcmread(path)
-        if image.file_meta.TransferSyntaxUID.startswith("1.2.840.10008.1.2.4."):
-            unpack = "dcmdjpls" if image.file_meta.TransferSyntaxUID[20:] in ("80", "81") else "dcmdjpeg"
-            subprocess.run([program(unpack), path, folder + ".plain"], check=True,
-                           capture_output=True)
-            image = pydicom.dcmread(folder + ".plain")
-        pixels = image.pixel_array.reshape(-1, image.Rows, image.Columns)
-        if "SharedFunctionalGroupsSequence" in image:
-            shared = image.SharedFunctionalGroupsSequence[0]
-            orientation, measures = shared.PlaneOrientationSequence[0], shared.PixelMeasuresSequence[0]
-            rescale = shared.PixelValueTransformationSequence[0]
-            places = [frame.PlanePositionSequence[0] for frame in
-                      image.PerFrameFunctionalGroupsSequence]
-        else:
-            orientation = measures = rescale = image
-            places = [image]
-        slices += [(np.array(place.ImagePositionPatient, float), plane.T)
-                   for place, plane in zip(places, pixels)]
+    syntax = pydicom.dcmread(path, stop_before_pixels=True).file_meta.TransferSyntaxUID
+    if syntax.startswith("1.2.840.10008.1.2.4."):
+        plain = os.path.join(scratch, f"plain_{os.getpid()}_{abs(hash(path))}.dcm")
+        unpack = program("dcmdjpls" if syntax[20:] in ("80", "81") else "dcmdjpeg")
+        subprocess.run([unpack, path, plain], check=True, capture_output=True)
+        path = plain
+    return pydicom.dcmread(path)
+
+
+def planes_of(image):
+    """(position, pixels) of every frame, and where the data set says orientation and the like."""
+    pixels = image.pixel_array.reshape(-1, image.Rows, image.Columns)
+    parts, places = [image] * 3, [image]
+    if "SharedFunctionalGroupsSequence" in image:
+        shared = image.SharedFunctionalGroupsSequence[0]
+        parts = [shared.PlaneOrientationSequence[0], shared.PixelMeasuresSequence[0],
+                 shared.PixelValueTransformationSequence[0]]
+        places = [f.PlanePositionSequence[0] for f in image.PerFrameFunctionalGroupsSequence]
+    positions = [np.array(place.ImagePositionPatient, float) for place in places]
+    if "GridFrameOffsetVector" in image:  # a dose grid: frames along the normal
+        rows = np.array(image.ImageOrientationPatient, float).reshape(2, 3)
+        positions = [positions[0] + float(z) * np.cross(*rows) for z in image.GridFrameOffsetVector]
+    return list(zip(positions, [plane.T for plane in pixels])), parts
+
+
+def read_by_pydicom(paths, scratch):
+    """Slices in order along row x column."""
+    planes = []
+    for path in paths:
+        found, (orientation, measures, rescale) = planes_of(unpacked(path, scratch))
+        planes += found
     axes = np.array(orientation.ImageOrientationPatient, float).reshape(2, 3)
     normal = np.cross(*axes)
-    slices.sort(key=lambda slice: slice[0] @ normal)
+    planes.sort(key=lambda plane: plane[0] @ normal)
     affine = np.eye(4)
     affine[:3, :2] = axes.T * np.array(measures.PixelSpacing, float)[::-1]
-    affine[:3, 2] = (slices[-1][0] - slices[0][0]) / (len(slices) - 1)
-    affine[:3, 3] = slices[0][0]
-    return reading(np.stack([plane for _, plane in slices], -1), affine,
-                   float(rescale.get("RescaleSlope", 1)), float(rescale.get("RescaleIntercept", 0)))
+    if len(planes) > 1:
+        affine[:3, 2] = (planes[-1][0] - planes[0][0]) / (len(planes) - 1)
+    else:
+        affine[:3, 2] = normal * float(
+            measures.get("SpacingBetweenSlices") or measures.get("SliceThickness") or 1)
+    affine[:3, 3] = planes[0][0]
+    slope = rescale.get("DoseGridScaling") or rescale.get("RescaleSlope", 1)
+    return reading(np.stack([plane for _, plane in planes], -1), affine, float(slope),
+                   float(rescale.get("RescaleIntercept", 0)))
 
 
 def cases(folder):
@@ -186,5 +200,6 @@ def cases(folder):
             values >>= 3
         place = os.path.join(folder, f"d{n:03d}")
         path = write(place, row, affine, values, n)
-        yield Case(path, [("pydicom", lambda p=place: read_by_pydicom(p))],
+        files = sorted(os.path.join(place, name) for name in os.listdir(place))
+        yield Case(path, [("pydicom", lambda f=files: read_by_pydicom(f, folder))],
                    tolerance=1e-7, name=f"{os.path.basename(place)} {' '.join(row.values())}")
