@@ -13,7 +13,8 @@ if(SUPPLE_SANITIZE)
   target_compile_options(supple_options INTERFACE
     -fsanitize=${SUPPLE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize=vptr,null,alignment
     -fno-sanitize-recover=all
-    -Wno-maybe-uninitialized)  # GCC 12 finds false ones in instrumented library code
+    # GCC 12 finds false ones in instrumented library code.
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
   target_link_options(supple_options INTERFACE -fsanitize=${SUPPLE_SANITIZE})
 endif()
 

@@ -44,6 +44,29 @@ struct Library {
   bool has_dictionary = false;
 };
 
+/// A value that is longer than all bytes there are, and so is never read.
+class MissingValue : public DcmInputStreamFactory {
+ public:
+  DcmInputStream* create() const override { return nullptr; }
+  DcmInputStreamFactory* clone() const override { return new MissingValue; }
+  DcmInputStreamFactoryType ident() const override { return DFT_DcmInputFileStreamFactory; }
+};
+
+/// Bytes in memory. DCMTK allocates what an element's length claims; with a limit it puts off
+/// longer ones, which end the parse here.
+class BoundedStream : public DcmInputBufferStream {
+ public:
+  BoundedStream(const char* bytes, std::size_t size) : m_size(size / 2 * 2) {
+    setBuffer(bytes, offile_off_t(m_size));
+    setEos();
+  }
+  DcmInputStreamFactory* newFactory() const override { return new MissingValue; }
+  Uint32 limit() const { return Uint32(m_size); }
+
+ private:
+  std::size_t m_size;
+};
+
 [[noreturn]] void fail(const std::string& path, const std::string& field, const std::string& found,
                        const std::string& expected) {
   throw InputError({path, field, found, expected});
@@ -95,12 +118,10 @@ void check_depth(const std::string& path, const std::string& bytes) {
 /// The meta information: transfer syntax and where the dataset starts.
 void read_meta(DicomFile& result, const std::string& head) {
   const std::string& path = result.file->path();
-  DcmInputBufferStream stream;
-  stream.setBuffer(head.data(), offile_off_t(head.size() / 2 * 2));
-  stream.setEos();
+  BoundedStream stream(head.data(), head.size());
   DcmMetaInfo meta;
   meta.transferInit();
-  const OFCondition condition = meta.read(stream);
+  const OFCondition condition = meta.read(stream, EXS_Unknown, EGL_noChange, stream.limit());
   if (condition.bad()) fail(path, "DICOM meta information", condition.text(), "an intact file");
   result.data_offset = stream.tell();
   result.syntax_uid = text_of(meta, DCM_TransferSyntaxUID);
@@ -112,19 +133,16 @@ void read_meta(DicomFile& result, const std::string& head) {
 bool parse(DicomFile& result, const std::string& bytes, bool complete) {
   const std::string& path = result.file->path();
   check_depth(path, bytes);
-  DcmInputBufferStream stream;
-  const std::size_t size = bytes.size() / 2 * 2;
-  stream.setBuffer(bytes.data(), offile_off_t(size));
-  stream.setEos();
+  BoundedStream stream(bytes.data(), bytes.size());
   result.dataset = std::make_unique<DcmDataset>();
   const bool deflated = result.syntax == EXS_DeflatedLittleEndianExplicit;
   result.dataset->transferInit();
   const OFCondition condition =
       result.dataset->readUntilTag(stream, deflated ? EXS_LittleEndianExplicit : result.syntax,
-                                   EGL_noChange, DCM_MaxReadLength, DCM_PixelData);
+                                   EGL_noChange, stream.limit(), DCM_PixelData);
   result.dataset->transferEnd();
   result.pixel_offset = stream.tell();
-  const bool stopped = condition.good() && std::size_t(result.pixel_offset) < size;
+  const bool stopped = condition.good() && result.pixel_offset < stream.limit();
   if (stopped || (condition.good() && complete)) return true;
   if (!complete) return false;
   fail(path, "DICOM attributes", condition.text(), "an intact file");

@@ -1,0 +1,27 @@
+// A volume or warp file of one format, named FUZZ_NAME: its header, and all values where it claims
+// no more than a few slices' worth of memory.
+#include <vector>
+
+#include "tests/fuzz/fuzz_file.h"
+#include "volumes/io/formats.h"
+
+namespace {
+
+constexpr double kMaxBytes = 1 << 24;
+
+void read_all(const std::string& path) {
+  const auto file = supple::open_scalars_or_vectors(path);
+  const supple::VolumeHeader& header = file->header();
+  if (double(supple::stored_bytes(header)) > kMaxBytes) return;
+  const supple::Vec3i& dims = header.geometry.dims();
+  std::vector<char> slice(std::size_t(dims.x) * dims.y * header.components *
+                          supple::bytes_of(header.type));
+  for (int k = 0; k < dims.z; ++k) file->read_slice(slice.data());
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  supple::fuzz::with_file(FUZZ_NAME, data, size, read_all);
+  return 0;
+}

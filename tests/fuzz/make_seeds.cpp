@@ -1,0 +1,188 @@
+// The seed corpus of the fuzz targets: small files of every format and variant, one folder each.
+//
+//   fuzz_seeds FOLDER
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+#include <openvdb/io/Stream.h>
+#include <openvdb/openvdb.h>
+
+#include "tests/volumes/dicom/dicom_fixtures.h"
+#include "volumes/io/dense_writer.h"
+
+namespace supple::fuzz {
+
+namespace {
+
+const Geometry kGrid({9, 4, 3}, {1.5, -2, 0.1}, {Vec3d(0, 0.5, 0), {-2, 0, 0}, {0, 0, 3}});
+
+class Seeds {
+ public:
+  explicit Seeds(std::string folder) : m_folder(std::move(folder)) {}
+
+  /// Where seed `name` of a target lies.
+  std::string path(const std::string& target, const std::string& name) const {
+    std::filesystem::create_directories(m_folder + "/" + target);
+    return m_folder + "/" + target + "/" + name;
+  }
+  void text(const std::string& target, const std::string& name, const std::string& content) const {
+    std::ofstream(path(target, name), std::ios::binary) << content;
+  }
+  void volume(const std::string& target, const std::string& name, ValueType type,
+              const WriteOptions& options = {}) const {
+    DenseImage image;
+    image.geometry = kGrid;
+    image.type = type;
+    write(path(target, name), image, options);
+  }
+  void warp(const std::string& target, const std::string& name) const {
+    DenseImage image;
+    image.geometry = kGrid;
+    image.components = 3;
+    image.direction = "resample";
+    image.certificate = "{\"cells\":3}";
+    write(path(target, name), image, {});
+  }
+
+ private:
+  static void write(const std::string& path, const DenseImage& image, const WriteOptions& options) {
+    const auto writer = create_dense(path, image, options);
+    std::string slice(std::size_t(9) * 4 * image.components * bytes_of(image.type), '\x3f');
+    for (int k = 0; k < kGrid.dims().z; ++k) {
+      slice[std::size_t(k)] = char(k);
+      writer->write_slice(slice.data());
+    }
+    writer->commit();
+  }
+
+  std::string m_folder;
+};
+
+void make_text_formats(const Seeds& seeds) {
+  const WriteOptions compressed{true};
+  seeds.volume("nrrd", "raw.nrrd", ValueType::int16);
+  seeds.volume("nrrd", "gzip.nrrd", ValueType::float32, compressed);
+  seeds.warp("nrrd", "warp.nrrd");
+  const std::string head = "NRRD0005\ntype: short\ndimension: 3\nsizes: 2 2 2\n";
+  seeds.text("nrrd", "ascii.nrrd",
+             head +
+                 "space: RAS\nspace directions: (1,0,0) (0,1,0) (0,0,1)\nencoding: ascii\n"
+                 "space origin: (0,0,-1)\n\n1 2 3 4\n5 6 7 -8\n");
+  seeds.text("nrrd", "hex.nrrd", head + "endian: big\nencoding: hex\n\n" + std::string(32, '7'));
+  seeds.text("nrrd", "list.nhdr",
+             head + "endian: little\nencoding: raw\nspacings: 1 1 2\ndata file: LIST\na.nrrd\n");
+  seeds.text("nrrd", "pattern.nhdr",
+             head + "endian: little\nencoding: raw\nbyte skip: -1\ndata file: a%d.nrrd 1 9 1 2\n");
+  seeds.volume("metaimage", "raw.mha", ValueType::uint16);
+  seeds.volume("metaimage", "zlib.mha", ValueType::float64, compressed);
+  seeds.warp("metaimage", "warp.mha");
+  seeds.text("metaimage", "text.mha",
+             "ObjectType = Image\nNDims = 3\nBinaryData = False\nDimSize = 2 2 1\n"
+             "ElementSpacing = 1 2 3\nHeaderSize = 0\nElementType = MET_SHORT\n"
+             "ElementDataFile = LOCAL\n1 2 3 4\n");
+  seeds.text("raw", "spec", "dims=2,2,4,type=int16,spacing=1,1,2.5,endian=big,offset=32");
+  seeds.text("points", "points.csv", "# a comment\nx,y,z,dx,dy,dz,name\n1,2,3,0.5,0,-1e-3,tip\n");
+}
+
+void make_binary_formats(const Seeds& seeds) {
+  for (const ValueType type : {ValueType::uint8, ValueType::int16, ValueType::float32}) {
+    const std::string name = numpy_name(type);
+    seeds.volume("nifti", name + ".nii", type);
+    seeds.volume("tiff", name + ".tif", type);
+    seeds.volume("tiff", name + "-deflate.tif", type, WriteOptions{true});
+    seeds.volume("hdf5", name + ".h5", type);
+    seeds.volume("hdf5", name + "-deflate.h5", type, WriteOptions{true});
+  }
+  seeds.volume("nifti", "int16.nii.gz", ValueType::int16);
+  seeds.warp("nifti", "warp.nii");
+  seeds.warp("hdf5", "warp.h5");
+}
+
+/// Other programs' grids: ours carry a checksum, which no changed byte survives.
+void make_grids(const Seeds& seeds) {
+  openvdb::initialize();
+  auto fog = openvdb::FloatGrid::create(-1.0f);
+  fog->setName("density");
+  auto vectors = openvdb::Vec3SGrid::create();
+  for (int n = 0; n < 20; ++n) {
+    fog->tree().setValueOn({n, n % 3, 2 * n % 5}, float(n));
+    vectors->tree().setValueOn({n, n % 4, 1}, openvdb::Vec3f(float(n), 1, 2));
+  }
+  const auto write = [&](const char* name, const openvdb::GridBase::Ptr& grid,
+                         std::uint32_t compression) {
+    std::ofstream out(seeds.path("vdb", name), std::ios::binary);
+    openvdb::io::Stream stream(out);
+    stream.setCompression(compression);
+    stream.write(openvdb::GridCPtrVec{grid});
+  };
+  write("fog.vdb", fog, openvdb::io::COMPRESS_NONE);
+  write("fog-mask.vdb", fog, openvdb::io::COMPRESS_ACTIVE_MASK);
+  write("fog-zip.vdb", fog, openvdb::io::COMPRESS_ZIP | openvdb::io::COMPRESS_ACTIVE_MASK);
+  write("fog-blosc.vdb", fog, openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK);
+  write("vectors.vdb", vectors, openvdb::io::COMPRESS_NONE);
+  seeds.volume("vdb", "ours.vdb", ValueType::int16);
+}
+
+void make_dicom(const Seeds& seeds) {
+  const test::TemporaryFolder folder;
+  for (const E_TransferSyntax syntax : {EXS_LittleEndianExplicit, EXS_LittleEndianImplicit,
+                                        EXS_BigEndianExplicit, EXS_RLELossless}) {
+    test::SeriesFixture series;
+    series.syntax = syntax;
+    const std::string path = series.write(folder, 0);
+    std::filesystem::copy_file(path, seeds.path("dicom", std::to_string(int(syntax)) + ".dcm"),
+                               std::filesystem::copy_options::overwrite_existing);
+  }
+  test::write_enhanced(seeds.path("dicom", "enhanced.dcm"), {}, {1, 0, 2, 3, 4, 5});
+}
+
+void make_pictures(const Seeds& seeds) {
+  test::write_png(seeds.path("png", "grey8.png"), 5, 4, 8, 0, std::string(20, 'p'));
+  test::write_png(seeds.path("png", "grey16.png"), 5, 4, 16, 0, std::string(40, 'p'), true);
+  test::TiffOptions tiles;
+  tiles.tile = 16;
+  tiles.compression = 8;
+  test::write_tiff(seeds.path("tiff", "tiles.tif"), 20, 18, tiles, std::string(360, 't'));
+  test::TiffOptions big;
+  big.mode = "w8";
+  big.bits = 16;
+  test::write_tiff(seeds.path("tiff", "big.tif"), 5, 4, big, std::string(40, 't'));
+}
+
+void make_meshes(const Seeds& seeds) {
+  seeds.text("stl", "text.stl",
+             "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+             "endloop\nendfacet\nendsolid a\n");
+  seeds.text("stl", "binary.stl",
+             std::string(80, ' ') + std::string("\1\0\0\0", 4) + std::string(50, '\x3f'));
+  const std::string head =
+      "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+  seeds.text(
+      "ply", "text.ply",
+      "ply\nformat ascii 1.0\ncomment SPACE=RAS\n" + head + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+  seeds.text("ply", "binary.ply",
+             "ply\nformat binary_little_endian 1.0\n" + head + std::string(36, '\x3f') +
+                 std::string("\3\0\0\0\0\1\0\0\0\2\0\0\0", 13));
+  seeds.text("obj", "a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 -1\n");
+}
+
+}  // namespace
+
+}  // namespace supple::fuzz
+
+int main(int count, char** arguments) {
+  if (count != 2) {
+    std::fputs("usage: fuzz_seeds FOLDER\n", stderr);
+    return 2;
+  }
+  const supple::fuzz::Seeds seeds(arguments[1]);
+  supple::fuzz::make_text_formats(seeds);
+  supple::fuzz::make_binary_formats(seeds);
+  supple::fuzz::make_grids(seeds);
+  supple::fuzz::make_dicom(seeds);
+  supple::fuzz::make_pictures(seeds);
+  supple::fuzz::make_meshes(seeds);
+  return 0;
+}
