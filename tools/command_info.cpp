@@ -1,12 +1,15 @@
 // supple info: what a volume or state file holds.
+#include <cmath>
 #include <cstdio>
 
 #include <nlohmann/json.hpp>
 
 #include "tools/command.h"
 #include "tools/read_options.h"
+#include "volumes/base/sha256.h"
 #include "volumes/grid/labels.h"
-#include "volumes/io/volume_file.h"
+#include "volumes/io/formats.h"
+#include "volumes/io/stored_values.h"
 #include "volumes/state/state.h"
 
 namespace supple::tools {
@@ -41,14 +44,47 @@ void add_geometry(Json& json, const Geometry& geometry) {
   json["affine_lps"] = affine;
 }
 
-Json describe_volume(const Options& options, Console& console) {
-  const auto file = open_input(options.input, options.read, console);
-  const VolumeHeader header = file->header();
-  const VolumeDigest digest = digest_volume(*file, &console);
-  Json json;
-  json["format"] = header.format;
-  json["type"] = numpy_name(header.type);
-  add_geometry(json, header.geometry);
+/// Vectors of a warp: how long they are, beside what a volume says.
+void add_vectors(Json& json, VolumeFile& file, Console& console) {
+  const VolumeHeader& header = file.header();
+  const Vec3i& dims = header.geometry.dims();
+  const std::size_t values = std::size_t(dims.x) * dims.y * header.components;
+  std::vector<char> stored(values * bytes_of(header.type));
+  std::vector<double> numbers(values);
+  Sha256 hash;
+  double longest = 0, sum = 0;
+  std::int64_t bad = 0;
+  console.stage("reading");
+  for (int k = 0; k < dims.z; ++k) {
+    file.read_slice(stored.data());
+    hash.update(stored.data(), stored.size());
+    scale_values_of(header.type)(stored.data(), values, header.slope, header.intercept,
+                                 numbers.data());
+    for (std::size_t n = 0; n < values; n += 3) {
+      const double length = Vec3d(numbers[n], numbers[n + 1], numbers[n + 2]).length();
+      if (!std::isfinite(length)) ++bad;
+      if (!std::isfinite(length)) continue;
+      longest = std::max(longest, length);
+      sum += length;
+    }
+    report(&console, double(k + 1) / dims.z);
+  }
+  const std::int64_t finite = header.geometry.voxel_count() - bad;
+  json["components"] = header.components;
+  json["direction_of_vectors"] = header.warp_direction.empty() ? "unsaid" : header.warp_direction;
+  json["longest_mm"] = longest;
+  json["mean_mm"] = finite > 0 ? sum / double(finite) : 0.0;
+  json["nan_voxels"] = bad;
+  if (!header.certificate.empty()) {
+    json["certificate"] = Json::parse(header.certificate, nullptr, false);
+  }
+  json["bytes_dense"] = stored_bytes(header);
+  json["sha256"] = hash.hex();
+}
+
+void add_scalars(Json& json, VolumeFile& file, Console& console) {
+  const VolumeHeader& header = file.header();
+  const VolumeDigest digest = digest_volume(file, &console);
   json["min"] = digest.statistics.min;
   json["max"] = digest.statistics.max;
   json["mean"] = digest.statistics.mean;
@@ -57,6 +93,22 @@ Json describe_volume(const Options& options, Console& console) {
   json["bytes_dense"] = header.geometry.voxel_count() * bytes_of(header.type);
   json["bytes_sparse"] = digest.sparse_bytes;
   json["sha256"] = digest.sha256;
+}
+
+Json describe_volume(const Options& options, Console& console) {
+  const auto file = open_scalars_or_vectors(options.input, options.read);
+  const VolumeHeader& header = file->header();
+  for (const std::string& line : header.warnings) console.warn(options.input + ": " + line);
+  if (header.components != 3) require_scalars(header);
+  Json json;
+  json["format"] = header.format;
+  json["type"] = numpy_name(header.type);
+  add_geometry(json, header.geometry);
+  if (header.components == 3) {
+    add_vectors(json, *file, console);
+  } else {
+    add_scalars(json, *file, console);
+  }
   return json;
 }
 
@@ -111,6 +163,7 @@ void print_text(const Json& json) {
     const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
     std::printf("%-22s %s\n", name.c_str(), text.c_str());
   }
+  if (!json.contains("active_voxels")) return;
   const double voxels =
       json["dims"][0].get<double>() * json["dims"][1].get<double>() * json["dims"][2].get<double>();
   std::printf("%-22s %.4g %%\n", "occupancy", 100 * json["active_voxels"].get<double>() / voxels);
@@ -135,13 +188,15 @@ int run(const Options& options, const GlobalOptions& global, Console& console) {
 
 Command add_info(CLI::App& program) {
   auto options = std::make_shared<Options>();
-  CLI::App* app =
-      add_subcommand(program, "info", "Print geometry, type, range and memory of a volume or state",
-                     "  supple info head.nii.gz\n"
-                     "  supple info --json drag.vdb\n"
-                     "  supple info scan.raw --raw "
-                     "dims=256,256,108,type=int16,spacing=0.957,0.957,1.5");
-  app->add_option("file", options->input, "A volume or a state")->required()->option_text("FILE");
+  CLI::App* app = add_subcommand(
+      program, "info", "Print geometry, type, range and memory of a volume, warp or state",
+      "  supple info head.nii.gz\n"
+      "  supple info --json drag.vdb\n"
+      "  supple info scan.raw --raw "
+      "dims=256,256,108,type=int16,spacing=0.957,0.957,1.5");
+  app->add_option("file", options->input, "A volume, a folder of slices, a warp or a state")
+      ->required()
+      ->option_text("FILE");
   add_read_options(*app, options->read);
   return {app, [options](const GlobalOptions& global, Console& console) {
             return run(*options, global, console);

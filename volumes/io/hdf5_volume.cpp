@@ -6,6 +6,7 @@
 #include <set>
 
 #include "volumes/base/error.h"
+#include "volumes/base/memory_limit.h"
 #include "volumes/io/byte_source.h"
 #include "volumes/io/formats.h"
 #include "volumes/io/hdf5_layouts.h"
@@ -127,7 +128,8 @@ std::string file_part(const std::string& path) {
 
 std::unique_ptr<VolumeFile> open_hdf5(const std::string& path, const ReadOptions& options) {
   const std::string name = file_part(path);
-  InputFile{name};
+  // In a damaged file the library may follow a circle of free blocks and keep each of them.
+  const MemoryLimit limit(parser_memory(InputFile(name).size()));
   auto file = std::make_shared<const File>(name, path);
   if (name != path) {
     return std::make_unique<Hdf5Volume>(file,

@@ -6,9 +6,12 @@
 
 #include <openvdb/tools/Dense.h>
 
+#include "volumes/base/error.h"
+#include "volumes/base/memory_limit.h"
 #include "volumes/base/vdb_seal.h"
 #include "volumes/geometry/geometry_text.h"
 #include "volumes/grid/vdb_stream.h"
+#include "volumes/io/byte_source.h"
 #include "volumes/io/formats.h"
 #include "volumes/io/stored_values.h"
 #include "volumes/io/text_header.h"
@@ -132,6 +135,23 @@ std::unique_ptr<VolumeFile> open_grid(VolumeHeader header, const openvdb::GridBa
   return std::make_unique<VdbVolume<Grid>>(std::move(header), openvdb::gridPtrCast<Grid>(grid), lo);
 }
 
+VdbContent all_grids(const std::string& path) {
+  return read_vdb_grids(path, [](const std::string&) { return false; });
+}
+
+/// No checksum vouches for the lengths that such a file claims.
+VdbContent foreign_grids(const std::string& path) {
+  const std::int64_t bytes = InputFile(path).size();
+  const MemoryLimit limit(parser_memory(bytes));
+  try {
+    return all_grids(path);
+  } catch (const SystemError&) {
+    throw InputError({path, "grids",
+                      "more memory than a file of " + std::to_string(bytes) + " bytes needs",
+                      "at most " + std::to_string(parser_memory(bytes) >> 20) + " MiB"});
+  }
+}
+
 }  // namespace
 
 std::unique_ptr<VolumeFile> open_vdb(const std::string& path) {
@@ -142,7 +162,7 @@ std::unique_ptr<VolumeFile> open_vdb(const std::string& path) {
   }
   if (kind == VdbKind::volume) verify_vdb_seal(path, kind);
   initialize_vdb();
-  const VdbContent content = read_vdb_grids(path, [](const std::string&) { return false; });
+  const VdbContent content = kind == VdbKind::volume ? all_grids(path) : foreign_grids(path);
   const openvdb::GridBase::Ptr grid = choose_grid(content.grids, path);
 
   VolumeHeader header;

@@ -1,0 +1,39 @@
+#include "volumes/base/memory_limit.h"
+
+#include <algorithm>
+#include <fstream>
+
+#include <unistd.h>
+
+namespace supple {
+
+namespace {
+
+/// Bytes that the process has mapped; 0 when that is not known.
+std::int64_t mapped_bytes() {
+  std::int64_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  return pages * ::sysconf(_SC_PAGESIZE);
+}
+
+}  // namespace
+
+MemoryLimit::MemoryLimit(std::int64_t bytes) {
+  const std::int64_t mapped = mapped_bytes();
+  if (mapped == 0 || ::getrlimit(RLIMIT_AS, &m_before) != 0) return;
+  rlimit limit = m_before;
+  limit.rlim_cur = std::min<rlim_t>(m_before.rlim_cur, rlim_t(mapped + bytes));
+  m_is_set = ::setrlimit(RLIMIT_AS, &limit) == 0;
+}
+
+MemoryLimit::~MemoryLimit() {
+  if (m_is_set) ::setrlimit(RLIMIT_AS, &m_before);
+}
+
+std::int64_t parser_memory(std::int64_t file_bytes) {
+  constexpr std::int64_t kLeast = std::int64_t(1) << 30;
+  constexpr std::int64_t kMost = std::int64_t(1) << 46;
+  return kLeast + std::min(kMost, file_bytes * 256);
+}
+
+}  // namespace supple

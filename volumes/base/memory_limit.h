@@ -1,0 +1,29 @@
+// A bound on the memory of third-party parsers that allocate what a damaged file claims (OpenVDB's
+// strings), or go round in circles while they allocate (HDF5's heaps).
+#pragma once
+
+#include <cstdint>
+
+#include <sys/resource.h>
+
+namespace supple {
+
+/// While it lives the process may map at most `bytes` more than at the start, so that allocations
+/// beyond them fail: std::bad_alloc or null. For the whole process, other threads included; so only
+/// around parsing. A stricter limit of the user's stays. Does nothing where /proc cannot be read.
+class MemoryLimit {
+ public:
+  explicit MemoryLimit(std::int64_t bytes);
+  ~MemoryLimit();
+  MemoryLimit(const MemoryLimit&) = delete;
+  MemoryLimit& operator=(const MemoryLimit&) = delete;
+
+ private:
+  bool m_is_set = false;
+  rlimit m_before{};
+};
+
+/// What parsing a file of that many bytes may take: 1 GiB and 256 times its size.
+std::int64_t parser_memory(std::int64_t file_bytes);
+
+}  // namespace supple
