@@ -1,5 +1,5 @@
-// A volume or warp file of one format, named FUZZ_NAME: its header, and all values where it claims
-// no more than a few slices' worth of memory.
+// A volume or warp file of one format, named FUZZ_NAME and read by FUZZ_OPEN: its header, and all
+// values where it claims no more than 16 MiB of them.
 #include <vector>
 
 #include "tests/fuzz/fuzz_file.h"
@@ -10,7 +10,7 @@ namespace {
 constexpr double kMaxBytes = 1 << 24;
 
 void read_all(const std::string& path) {
-  const auto file = supple::open_scalars_or_vectors(path);
+  const auto file = supple::FUZZ_OPEN;
   const supple::VolumeHeader& header = file->header();
   if (double(supple::stored_bytes(header)) > kMaxBytes) return;
   const supple::Vec3i& dims = header.geometry.dims();

@@ -9,6 +9,14 @@ namespace supple {
 
 namespace {
 
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kIsSanitized = true;  // these end the process where memory is refused
+#elif defined(__has_feature)
+constexpr bool kIsSanitized = __has_feature(address_sanitizer) || __has_feature(thread_sanitizer);
+#else
+constexpr bool kIsSanitized = false;
+#endif
+
 /// Bytes that the process has mapped; 0 when that is not known.
 std::int64_t mapped_bytes() {
   std::int64_t pages = 0;
@@ -19,6 +27,7 @@ std::int64_t mapped_bytes() {
 }  // namespace
 
 MemoryLimit::MemoryLimit(std::int64_t bytes) {
+  if (kIsSanitized) return;
   const std::int64_t mapped = mapped_bytes();
   if (mapped == 0 || ::getrlimit(RLIMIT_AS, &m_before) != 0) return;
   rlimit limit = m_before;

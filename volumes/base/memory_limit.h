@@ -10,7 +10,8 @@ namespace supple {
 
 /// While it lives the process may map at most `bytes` more than at the start, so that allocations
 /// beyond them fail: std::bad_alloc or null. For the whole process, other threads included; so only
-/// around parsing. A stricter limit of the user's stays. Does nothing where /proc cannot be read.
+/// around parsing. A stricter limit of the user's stays. Does nothing where /proc cannot be read,
+/// and under address or thread sanitizers.
 class MemoryLimit {
  public:
   explicit MemoryLimit(std::int64_t bytes);

@@ -1,5 +1,6 @@
 #include "volumes/io/hdf5_file.h"
 
+#include <cstring>
 #include <utility>
 
 #include "volumes/base/error.h"
@@ -11,10 +12,14 @@ namespace {
 
 herr_t keep_innermost(unsigned depth, const H5E_error2_t* error, void* client) noexcept {
   auto* failure = static_cast<Failure*>(client);
-  const std::string text = error->desc == nullptr ? "" : error->desc;
-  if (depth == 0) failure->reason = printable(text);
-  const std::size_t at = text.find("errno = ");
-  if (at != std::string::npos) failure->errno_value = std::atoi(text.c_str() + at + 8);
+  const char* text = error->desc == nullptr ? "" : error->desc;
+  const char* errno_text = std::strstr(text, "errno = ");
+  if (errno_text != nullptr) failure->errno_value = std::atoi(errno_text + 8);
+  try {
+    if (depth == 0) failure->reason = printable(text);
+  } catch (const std::bad_alloc&) {  // the damage may have used up the memory limit
+    failure->reason.clear();
+  }
   return 0;
 }
 
@@ -29,7 +34,11 @@ herr_t collect_link(hid_t, const char* name, const H5L_info_t* info, void* clien
   // Far beyond what files of images hold.
   constexpr std::size_t kMaxLinks = 20000;
   auto* names = static_cast<std::vector<std::string>*>(client);
-  if (info->type == H5L_TYPE_HARD) names->emplace_back(name);
+  try {
+    if (info->type == H5L_TYPE_HARD) names->emplace_back(name);
+  } catch (const std::bad_alloc&) {
+    return -1;
+  }
   return names->size() > kMaxLinks ? 1 : 0;
 }
 

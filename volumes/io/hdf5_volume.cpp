@@ -126,10 +126,11 @@ std::string file_part(const std::string& path) {
   return is_file ? file : path;
 }
 
-std::unique_ptr<VolumeFile> open_hdf5(const std::string& path, const ReadOptions& options) {
-  const std::string name = file_part(path);
-  // In a damaged file the library may follow a circle of free blocks and keep each of them.
-  const MemoryLimit limit(parser_memory(InputFile(name).size()));
+namespace {
+
+/// What `options` choose of the file `name`; `path` is as the user gave it.
+std::unique_ptr<VolumeFile> open_part(const std::string& name, const std::string& path,
+                                      const ReadOptions& options) {
   auto file = std::make_shared<const File>(name, path);
   if (name != path) {
     return std::make_unique<Hdf5Volume>(file,
@@ -137,6 +138,22 @@ std::unique_ptr<VolumeFile> open_hdf5(const std::string& path, const ReadOptions
   }
   if (file->has("/TransformGroup")) return open_itk_transform(file, options);
   return std::make_unique<Hdf5Volume>(file, found_layout(*file, options));
+}
+
+}  // namespace
+
+std::unique_ptr<VolumeFile> open_hdf5(const std::string& path, const ReadOptions& options) {
+  const std::string name = file_part(path);
+  const std::int64_t bytes = InputFile(name).size();
+  try {
+    // In a damaged file the library may follow a circle of free blocks and keep each of them.
+    const MemoryLimit limit(parser_memory(bytes));
+    return open_part(name, path, options);
+  } catch (const std::bad_alloc&) {
+    throw InputError({path, "HDF5 structure",
+                      "more memory than a file of " + std::to_string(bytes) + " bytes needs",
+                      "at most " + std::to_string(parser_memory(bytes) >> 20) + " MiB"});
+  }
 }
 
 }  // namespace supple
