@@ -3,6 +3,7 @@
 
 #include "tools/bench/bench_ecm.h"
 #include "tools/bench/bench_invert.h"
+#include "tools/bench/bench_io.h"
 #include "tools/bench/bench_render.h"
 #include "tools/command.h"
 #include "tools/output_plan.h"
@@ -29,6 +30,10 @@ Bench bench_of(const Options& options, int threads, Console& console) {
     const InvertBenchOptions invert{options.quick, threads, options.only};
     return {[=] { return invert_row_names(invert); },
             [=, &console] { return bench_invert(invert, console); }};
+  }
+  if (options.name == "io") {
+    const IoBenchOptions io{options.quick, threads, options.only};
+    return {[=] { return io_row_names(io); }, [=, &console] { return bench_io(io, console); }};
   }
   if (options.name == "render") {
     const RenderBenchOptions render{options.quick, threads, options.only};
@@ -67,9 +72,9 @@ Command add_bench(CLI::App& program) {
                      "  supple bench ecm --quick\n"
                      "  supple bench ecm --only 'all/noise/128*+x/rest' --json ecm.json\n"
                      "  supple bench invert --only 128 --json invert.json");
-  app->add_option("name", options->name, "Which benchmark: ecm, invert or render")
+  app->add_option("name", options->name, "Which benchmark: ecm, invert, io or render")
       ->required()
-      ->check(CLI::IsMember({"ecm", "invert", "render"}))
+      ->check(CLI::IsMember({"ecm", "invert", "io", "render"}))
       ->option_text("NAME");
   app->add_flag("--quick", options->quick, "The rows that matter most, within a minute");
   app->add_option("--only", options->only,

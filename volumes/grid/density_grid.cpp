@@ -25,6 +25,12 @@ BrickMask to_mask(const Leaf::NodeMaskType& mask) {
   return words;
 }
 
+Leaf::NodeMaskType to_node_mask(const BrickMask& words) {
+  Leaf::NodeMaskType mask;
+  for (int word = 0; word < 8; ++word) mask.getWord<openvdb::Index64>(word) = words[word];
+  return mask;
+}
+
 }  // namespace
 
 DensityGrid::DensityGrid() : DensityGrid(make_density_grid({}, {}, 0)) {}
@@ -70,9 +76,10 @@ DensityGrid fill_density_grid(const BrickTopology& bricks,
     fill(b, values.data());
     const Vec3i& origin = bricks.origin(b);
     leaves[b] = std::make_unique<Leaf>(openvdb::Coord(origin.x, origin.y, origin.z), background);
-    for_each_active(bricks.mask(b), [&](int offset) {
-      leaves[b]->setValueOn(openvdb::Index(offset), values[offset]);
-    });
+    const BrickMask& mask = bricks.mask(b);
+    float* slots = leaves[b]->buffer().data();
+    for_each_active(mask, [&](int offset) { slots[offset] = values[offset]; });
+    leaves[b]->setValueMask(to_node_mask(mask));
   });
   for (std::unique_ptr<Leaf>& leaf : leaves) grid->tree().addLeaf(leaf.release());
   return DensityGrid(std::make_shared<DensityGrid::Vdb>(DensityGrid::Vdb{grid}));
