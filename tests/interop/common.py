@@ -30,6 +30,7 @@ class Reading:
     type: str
     sha256: str
     range: tuple
+    floats: str = ""  # SHA-256 of the values after slope and intercept as 32-bit floats
 
 
 @dataclass(frozen=True)
@@ -51,15 +52,20 @@ class Case:
     name: str = ""
 
 
+def sha256_of(values):
+    return hashlib.sha256(values.tobytes(order="F")).hexdigest()
+
+
 def reading(values, affine, slope=1.0, intercept=0.0) -> Reading:
     """Of an array in index order (i, j, k)."""
     values = np.asarray(values)
     little = values.astype(values.dtype.newbyteorder("<"), copy=False)
     finite = values[np.isfinite(values)]
     scaled = [float(v) * slope + intercept for v in (finite.min(), finite.max())]
+    floats = values if (slope, intercept) == (1, 0) else values * np.float64(slope) + intercept
     return Reading(tuple(int(n) for n in values.shape), np.asarray(affine, float),
-                   values.dtype.newbyteorder("=").name,
-                   hashlib.sha256(little.tobytes(order="F")).hexdigest(), tuple(sorted(scaled)))
+                   values.dtype.newbyteorder("=").name, sha256_of(little), tuple(sorted(scaled)),
+                   sha256_of(floats.astype("<f4")))
 
 
 def run_supple(*arguments):
