@@ -1,0 +1,189 @@
+// convert, invert and metrics on the command line.
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/tools/program.h"
+#include "volumes/io/volume_writer.h"
+#include "volumes/io/warp_file.h"
+
+using namespace supple;
+using namespace supple::test;
+
+namespace {
+
+using Json = nlohmann::json;
+
+const Geometry kOblique({21, 18, 15}, {5, -3, 2}, {Vec3d(0, 1.5, 0.3), {-2, 0, 0}, {0, -0.5, 2.5}});
+
+/// Up to 3 mm long.
+Vec3d smooth(const Vec3d& x) {
+  return {1.5 * std::sin(x.y / 15), 2 * std::cos(x.z / 20), std::sin((x.x + x.y) / 18)};
+}
+
+class Files : public testing::Test {
+ protected:
+  Json info(const std::string& name) const {
+    const Outcome outcome = run_supple({"info", "--json", m_folder / name});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return Json::parse(outcome.out, nullptr, false);
+  }
+  Outcome run(const std::string& command, const std::string& from, const std::string& to,
+              const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> arguments = {command, m_folder / from};
+    if (command != "convert") arguments.push_back("-o");
+    arguments.push_back(m_folder / to);
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_supple(arguments);
+  }
+  void expect_done(const std::string& command, const std::string& from, const std::string& to,
+                   const std::vector<std::string>& more = {}) const {
+    const Outcome outcome = run(command, from, to, more);
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  }
+  void write_ramp(const std::string& name, ValueType type) const {
+    write_volume(m_folder / name, kOblique, type, [](int k, float* out) {
+      for (int n = 0; n < 21 * 18; ++n) out[n] = float(n * 7 % 1000 - 300 + k);
+    });
+  }
+  void write_smooth_warp(const std::string& name) const {
+    write_warp(m_folder / name, {kOblique, WarpDirection::resample}, [](int k, Vec3f* out) {
+      for (int j = 0; j < 18; ++j) {
+        for (int i = 0; i < 21; ++i) {
+          *out++ = Vec3f(smooth(kOblique.world_from_index(Vec3d(i, j, k))));
+        }
+      }
+    });
+  }
+
+  const TemporaryFolder m_folder;
+};
+
+class UnitConvert : public Files {};
+class UnitInvert : public Files {};
+class UnitMetrics : public Files {};
+class FaultConvert : public Files {};
+
+}  // namespace
+
+TEST_F(UnitConvert, EveryFormatKeepsValuesAndTypeAndMostTheGeometry) {
+  write_ramp("a.nrrd", ValueType::int16);
+  const Json source = info("a.nrrd");
+  for (const char* name :
+       {"b.nhdr", "b.mha", "c.mhd", "b.nii", "b.nii.gz", "b.tif", "b.h5", "b.vdb"}) {
+    expect_done("convert", "a.nrrd", name);
+    const Json copy = info(name);
+    EXPECT_EQ(copy["sha256"], source["sha256"]) << name;
+    EXPECT_EQ(copy["type"], "int16") << name;
+    EXPECT_EQ(copy["dims"], source["dims"]) << name;
+    for (int row = 0; row < 3; ++row) {
+      for (int column = 0; column < 4; ++column) {
+        EXPECT_NEAR(copy["affine_lps"][row][column].get<double>(),
+                    source["affine_lps"][row][column].get<double>(), 1e-5)
+            << name;
+      }
+    }
+  }
+}
+
+TEST_F(UnitConvert, CompressionChangesTheBytesAndNotTheValues) {
+  write_ramp("a.nrrd", ValueType::float32);
+  for (const char* name : {"b.nrrd", "b.mha", "b.tif", "b.h5"}) {
+    expect_done("convert", "a.nrrd", name, {"--compress"});
+    EXPECT_EQ(info(name)["sha256"], info("a.nrrd")["sha256"]) << name;
+    EXPECT_LT(std::filesystem::file_size(m_folder / name),
+              std::filesystem::file_size(m_folder / "a.nrrd"))
+        << name;
+  }
+}
+
+TEST_F(UnitConvert, SlopeAndInterceptAreAppliedWhereTheFormatHasNone) {
+  write_text(m_folder / "s.mha",
+             "ObjectType = Image\nNDims = 3\nDimSize = 2 2 1\nElementSpacing = 1 1 1\n"
+             "ElementToIntensityFunctionSlope = 2\nElementToIntensityFunctionOffset = -1000\n"
+             "ElementType = MET_UCHAR\nElementDataFile = LOCAL\n" +
+                 std::string("\x0a\x14\x1e\x28", 4));
+  expect_done("convert", "s.mha", "s.nrrd");
+  const Json applied = info("s.nrrd");
+  EXPECT_EQ(applied["type"], "int16");
+  EXPECT_EQ(applied["min"], -980);
+  EXPECT_EQ(applied["max"], -920);
+  expect_done("convert", "s.mha", "s.nii");
+  const Json kept = info("s.nii");
+  EXPECT_EQ(kept["type"], "uint8");
+  EXPECT_EQ(kept["min"], -980);
+  EXPECT_EQ(kept["sha256"], info("s.mha")["sha256"]);
+}
+
+TEST_F(UnitConvert, WarpsKeepVectorsDirectionAndCertificateThroughEveryFormat) {
+  write_smooth_warp("w.nrrd");
+  expect_done("invert", "w.nrrd", "a.nrrd", {"--direction", "material"});
+  const Json source = info("a.nrrd");
+  std::string last = "a.nrrd";
+  for (const char* name : {"b.mha", "b.h5", "b.vdb", "b.nii.gz", "b.nrrd"}) {
+    expect_done("convert", last, name);
+    const Json copy = info(name);
+    EXPECT_EQ(copy["direction_of_vectors"], "material") << name;
+    EXPECT_EQ(copy["certificate"], source["certificate"]) << name;
+    last = name;
+  }
+  EXPECT_EQ(info("b.nrrd")["sha256"], source["sha256"]);
+}
+
+TEST_F(UnitInvert, AWarpAndItsInverseLeadBack) {
+  write_smooth_warp("w.nrrd");
+  expect_done("invert", "w.nrrd", "i.nrrd");
+  const Warp warp = read_warp(m_folder / "w.nrrd"), inverse = read_warp(m_folder / "i.nrrd");
+  EXPECT_EQ(inverse.direction, WarpDirection::resample);
+  for (int k = 4; k < 11; ++k) {
+    for (int j = 4; j < 14; ++j) {
+      for (int i = 4; i < 17; ++i) {
+        const Vec3d start = kOblique.world_from_index(Vec3d(i, j, k));
+        const Vec3d there = start + Vec3d(inverse.vectors[(std::size_t(k) * 18 + j) * 21 + i]);
+        EXPECT_LE((there + smooth(there) - start).length(), 0.05);
+      }
+    }
+  }
+  const Json certificate = info("i.nrrd")["certificate"];
+  EXPECT_LE(certificate["residual_max_voxels"].get<double>(), 1e-3);
+  EXPECT_EQ(certificate["folded_cells"], 0);
+}
+
+TEST_F(UnitMetrics, ADraggedBallTellsHowFarItMovedPerLabelAndInMaps) {
+  write_ball(m_folder, "ball", 24);
+  write_soft_material(m_folder / "soft.toml");
+  const Outcome drag =
+      run_supple({"deform", m_folder / "ball.nhdr", "--material", m_folder / "soft.toml", "--grab",
+                  "12,12,4", "--by", "3,0,0", "-o", m_folder / "d.vdb"});
+  ASSERT_EQ(drag.exit_code, 0) << drag.err;
+  const Outcome outcome =
+      run_supple({"metrics", m_folder / "d.vdb", "--json", "--jacobian", m_folder / "j.nrrd",
+                  "--displacement", m_folder / "u.nrrd", "--folds", m_folder / "f.nrrd"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const Json json = Json::parse(outcome.out);
+  EXPECT_NEAR(json["max_mm"].get<double>(), 3, 1e-4);
+  EXPECT_GT(json["moved"].get<int>(), 10);
+  EXPECT_LT(json["min_jacobian"].get<double>(), 1);
+  EXPECT_NEAR(info("u.nrrd")["max"].get<double>(), 3, 1e-4);
+  EXPECT_NEAR(info("j.nrrd")["min"].get<double>(), json["min_jacobian"].get<double>(), 1e-6);
+  EXPECT_EQ(info("f.nrrd")["max"], json["folded_voxels"].get<int>() > 0 ? 1 : 0);
+}
+
+TEST_F(FaultConvert, WrongNamesAndExistingOutputsAreToldInOneLine) {
+  write_ramp("a.nrrd", ValueType::int16);
+  write_text(m_folder / "there.mha", "old");
+  const auto expect = [&](const Outcome& outcome, int code, const std::string& part) {
+    EXPECT_EQ(outcome.exit_code, code) << outcome.err;
+    EXPECT_NE(outcome.err.find(part), std::string::npos) << outcome.err;
+  };
+  expect(run("convert", "a.nrrd", "there.mha"), 2, "--force");
+  EXPECT_EQ(read_text(m_folder / "there.mha"), "old");
+  expect(run("convert", "a.nrrd", "a.xyz"), 3, "extension: found .xyz");
+  expect(run("convert", "none.nrrd", "b.nrrd"), 3, "no such file");
+  expect(run("convert", "a.nrrd", "a.nrrd", {"--force"}), 3, "a.nrrd");
+  expect(run("convert", "a.nrrd", "b.nhdr", {"--compress"}), 3, "--compress: found .nhdr");
+  expect(run("convert", "a.nrrd", "b.mha", {"--frame", "3"}), 3, "--frame: found 3");
+  expect(run("invert", "a.nrrd", "b.nrrd"), 3, "three components per voxel");
+  expect(run_supple({"metrics", m_folder / "a.nrrd"}), 3, "a state written by supple");
+}
