@@ -11,6 +11,8 @@ namespace {
 
 constexpr double kMinUnitDeterminant = 1e-6;
 constexpr double kMaxVoxels = 1099511627776.0;  // 2^40
+// Far beyond any grid of matter; the inverse and the 32-bit floats of file formats hold these.
+constexpr double kMinAxis = 1e-20, kMaxAxis = 1e20, kMaxOrigin = 1e30;  // mm
 
 bool is_finite(const Vec3d& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
@@ -40,13 +42,13 @@ Geometry::Geometry(const Vec3i& dims, const Vec3d& origin_lps_mm,
                    const std::array<Vec3d, 3>& axes_mm)
     : m_dims(dims), m_origin(origin_lps_mm), m_axes(axes_mm) {
   check_dims(dims);
-  if (!is_finite(m_origin)) {
-    throw InputError({"", "origin", to_text(m_origin), "three finite numbers in mm"});
+  if (!is_finite(m_origin) || !(m_origin.length() <= kMaxOrigin)) {
+    throw InputError({"", "origin", to_text(m_origin), "three finite numbers, at most 1e30 mm"});
   }
   for (const Vec3d& axis : m_axes) {
-    if (!is_finite(axis) || axis.length() <= 0) {
-      throw InputError(
-          {"", "spacing and direction", to_text(axis), "finite axes longer than 0 mm"});
+    if (!is_finite(axis) || !(axis.length() >= kMinAxis && axis.length() <= kMaxAxis)) {
+      throw InputError({"", "spacing and direction", to_text(axis),
+                        "finite axes longer than 0 mm, from 1e-20 to 1e20"});
     }
   }
   const auto unit = direction();

@@ -167,7 +167,7 @@ TEST(UnitWarp, MaterialDirectionAndAbsurdGridsAreRefused) {
   EXPECT_EQ(error_of(warp),
             "w.nrrd: direction: found a material-direction warp, expected a resample-direction "
             "warp, which supple export writes by default");
-  for (const double spacing : {1e4, 1e9, 1e60}) {
+  for (const double spacing : {1e4, 1e9, 1e20}) {
     const Geometry huge({2, 2, 2}, {0, 0, 0},
                         {Vec3d(spacing, 0, 0), {0, spacing, 0}, {0, 0, spacing}});
     const std::string line = error_of(constant_warp(huge, Vec3d(0)));

@@ -57,4 +57,11 @@ TEST(UnitGeometry, UnusableGeometriesAreRejected) {
                InputError);
   EXPECT_THROW(Geometry({1, 1, 1}, {0, 0, 0}, {Vec3d(1, 0, 0), {1, 0, 0}, {0, 0, 1}}), InputError);
   EXPECT_THROW(Geometry({1, 1, 1}, {0, 0, 0}, {Vec3d(0, 0, 0), {0, 1, 0}, {0, 0, 1}}), InputError);
+  // Neither an inverse nor a file of 32-bit floats holds such lengths.
+  for (const double length : {1e-320, 1e-40, 1e39, 1e300}) {
+    EXPECT_THROW(Geometry({1, 1, 1}, {0, 0, 0}, {Vec3d(length, 0, 0), {0, 1, 0}, {0, 0, 1}}),
+                 InputError);
+  }
+  EXPECT_THROW(Geometry({1, 1, 1}, {1e39, 0, 0}, unit), InputError);
+  EXPECT_NO_THROW(Geometry({1, 1, 1}, {1e20, 0, 0}, {Vec3d(1e-8, 0, 0), {0, 1e8, 0}, {0, 0, 1}}));
 }
