@@ -11,6 +11,7 @@
 #include "raycast/float_image.h"
 #include "volumes/base/atomic_file.h"
 #include "volumes/base/error.h"
+#include "volumes/base/regular_file.h"
 
 namespace supple {
 
@@ -168,6 +169,7 @@ void write_png16(const AtomicFile& target, const FloatImage& picture, const std:
 }
 
 Image read_png(const std::string& path) {
+  require_regular_file(path);
   File file(std::fopen(path.c_str(), "rb"));
   if (!file) throw_open_error(path, errno);
   unsigned char signature[8];

@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "volumes/base/error.h"
+#include "volumes/base/regular_file.h"
 
 namespace supple::tools {
 
@@ -65,9 +66,9 @@ toml::table parse_toml(const std::string& text, const std::string& source) {
 }
 
 toml::table read_toml_file(const std::string& path) {
+  require_regular_file(path);
   std::ifstream stream(path, std::ios::binary);
   if (!stream) throw_open_error(path, errno);
-  if (std::filesystem::is_directory(path)) throw_open_error(path, EISDIR);
   const std::string text((std::istreambuf_iterator<char>(stream)),
                          std::istreambuf_iterator<char>());
   if (text.empty()) throw InputError({path, "", "an empty file", "TOML"});

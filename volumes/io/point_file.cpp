@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "volumes/base/error.h"
+#include "volumes/base/regular_file.h"
 #include "volumes/io/dense_writer.h"
 #include "volumes/io/output_file.h"
 #include "volumes/io/text_header.h"
@@ -156,7 +157,7 @@ class PointReader {
 }  // namespace
 
 PointFile read_point_file(const std::string& path) {
-  if (std::filesystem::is_directory(path)) throw_open_error(path, EISDIR);
+  require_regular_file(path);
   std::ifstream in(path);
   if (!in) throw_open_error(path, errno);
   std::string content{std::istreambuf_iterator<char>(in), {}};
