@@ -58,7 +58,11 @@ int run(const Options& options, const GlobalOptions& global, Console& console) {
   {
     const Warp warp = read_warp(options.input, &console);
     direction = direction_of(options, warp);
-    inverse = invert(displacement_of_warp(warp), {}, &console);
+    try {
+      inverse = invert(displacement_of_warp(warp), {}, &console);
+    } catch (const InputError& error) {
+      rethrow_at(options.input, error);
+    }
   }
   const Geometry grid = choose_grid(inverse.geometry, options.grid);
   const InversionCertificate& certificate = inverse.certificate;

@@ -22,6 +22,14 @@ std::string with_count(std::int64_t count, const std::string& what) {
   return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
 }
 
+std::string one_line(std::string text) {
+  for (char& c : text) {
+    if (c == '\n' || c == '\r') c = ' ';
+    if ((c >= 0 && c < ' ') || c == 127) c = '?';
+  }
+  return text;
+}
+
 void install_signal_handlers() {
   std::signal(SIGINT, remember_signal);
   std::signal(SIGTERM, remember_signal);
@@ -45,7 +53,7 @@ Console::~Console() {
 void Console::print(LogLevel level, const char* prefix, const std::string& line) {
   if (level > m_level) return;
   clear_line();
-  std::fprintf(stderr, "supple: %s%s\n", prefix, line.c_str());
+  std::fprintf(stderr, "supple: %s%s\n", prefix, one_line(line).c_str());
 }
 
 void Console::warn(const std::string& line) {

@@ -58,6 +58,10 @@ class Console final : public Progress {
 /// "1 cell", "2 cells".
 std::string with_count(std::int64_t count, const std::string& what);
 
+/// The text without what would end the line or steer a terminal, such as a damaged header may hold:
+/// ends of lines become blanks, other control characters '?'.
+std::string one_line(std::string text);
+
 /// Installs handlers for SIGINT, SIGTERM and SIGHUP that only set a flag; a second signal ends the
 /// process.
 void install_signal_handlers();

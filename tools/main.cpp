@@ -42,11 +42,8 @@ void add_global_options(CLI::App& program, GlobalOptions& options) {
 }
 
 /// One line on stderr whatever the message holds.
-int fail(int exit_code, std::string message) {
-  for (char& c : message) {
-    if (c == '\n' || c == '\r') c = ' ';
-  }
-  std::fprintf(stderr, "supple: error: %s\n", message.c_str());
+int fail(int exit_code, const std::string& message) {
+  std::fprintf(stderr, "supple: error: %s\n", one_line(message).c_str());
   return exit_code;
 }
 
@@ -59,11 +56,11 @@ int end_by_signal(int number) {
 }
 
 int run_command(const Command& command, const GlobalOptions& options) {
-  std::optional<tbb::global_control> threads;
-  if (options.threads > 0) {
-    threads.emplace(tbb::global_control::max_allowed_parallelism, options.threads);
-  }
   try {
+    std::optional<tbb::global_control> threads;
+    if (options.threads > 0) {
+      threads.emplace(tbb::global_control::max_allowed_parallelism, options.threads);
+    }
     Console console(options);
     const int exit_code = command.run(options, console);
     if (std::fflush(stdout) != 0) throw SystemError("standard output: cannot write");
@@ -77,7 +74,7 @@ int run_command(const Command& command, const GlobalOptions& options) {
   } catch (const Cancelled&) {
     return end_by_signal(pending_signal());
   } catch (const std::bad_alloc&) {
-    return fail(kSystem, "out of memory");
+    return fail(kSystem, command.app->get_name() + ": not enough memory");
   } catch (const std::filesystem::filesystem_error& error) {
     return fail(kSystem, error.what());
   } catch (const std::exception& error) {
@@ -131,5 +128,9 @@ int run_program(int argc, char** argv) {
 }  // namespace supple::tools
 
 int main(int argc, char** argv) {
-  return supple::tools::run_program(argc, argv);
+  try {
+    return supple::tools::run_program(argc, argv);
+  } catch (const std::bad_alloc&) {
+    return supple::tools::fail(supple::tools::kSystem, "not enough memory");
+  }
 }
