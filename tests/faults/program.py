@@ -17,6 +17,7 @@ SKIPPED = 77  # CTest's SKIP_RETURN_CODE
 MAX_PEAK_MB = 300  # for the small files of these tests; the program itself takes about 60
 MAX_SECONDS = 10  # on an idle machine
 MAX_LINE = 600
+resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 USAGE, BAD_INPUT, SYSTEM = 2, 3, 4
 
 # What only a crash, a library or a sanitizer says.
@@ -52,9 +53,11 @@ class Outcome:
 
 
 def limits(address_space=None, file_size=None):
-    """For the child, before exec. A full disk raises no signal in supple, which ignores it."""
+    """For the child, before exec; none where none are asked for, since threads must not fork."""
+    if address_space is None and file_size is None:
+        return None
+
     def set_limits():
-        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         if address_space is not None:
             resource.setrlimit(resource.RLIMIT_AS, (address_space, address_space))
         if file_size is not None:
@@ -172,6 +175,14 @@ class Policy:
         self.runs += 1
         self.refused += outcome.code > 0
         self.peak_mb = max(self.peak_mb, outcome.peak_mb)
+
+    def add(self, other):
+        """Takes over the counts of another policy, whose folder goes."""
+        shutil.rmtree(other.folder, ignore_errors=True)
+        self.runs += other.runs
+        self.refused += other.refused
+        self.failed += other.failed
+        self.peak_mb = max(self.peak_mb, other.peak_mb)
 
     def finish(self):
         shutil.rmtree(self.folder, ignore_errors=True)
