@@ -87,8 +87,10 @@ std::unique_ptr<VolumeFile> open_known(const std::string& path, const ReadOption
     throw InputError({path, "format", "headerless raw values",
                       "its .nhdr or .mhd header, or --raw dims=X,Y,Z,type=T,spacing=A,B,C"});
   }
-  throw InputError({path, "format", "unknown content",
-                    "NRRD, MetaImage, NIfTI, DICOM, PNG, TIFF, or raw values described by --raw"});
+  throw InputError(
+      {path, "format", "unknown content",
+       "NRRD, MetaImage, NIfTI, DICOM, HDF5, OpenVDB, TIFF, PNG, or raw values described by "
+       "--raw"});
 }
 
 /// Readers and loaders hold slices; no scanner makes larger ones.
