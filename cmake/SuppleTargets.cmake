@@ -34,6 +34,6 @@ function(supple_add_tests name)
              COMMAND test_${name} --gtest_filter=${first}${rest}* --gtest_brief=1)
     set_tests_properties(${name}.${label} PROPERTIES LABELS ${label} TIMEOUT 900
       FAIL_REGULAR_EXPRESSION "0 tests from 0 test suites"
-      ENVIRONMENT "SUPPLE_BINARY=$<TARGET_FILE:supple>;SUPPLE_SOURCE_DIR=${PROJECT_SOURCE_DIR};SUPPLE_TEST_OUTPUT=${PROJECT_BINARY_DIR}/test-output")
+      ENVIRONMENT "SUPPLE_BINARY=$<TARGET_FILE:supple>;SUPPLE_SOURCE_DIR=${PROJECT_SOURCE_DIR};SUPPLE_TEST_OUTPUT=${PROJECT_BINARY_DIR}/test-output;LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/leaks.supp:print_suppressions=0")
   endforeach()
 endfunction()
