@@ -1,10 +1,28 @@
 #include "raycast/embree_scene.h"
 
+#include <new>
+
 #include "volumes/base/error.h"
+#include "volumes/base/memory_limit.h"
 
 namespace supple {
 
-EmbreeScene::EmbreeScene(RTCGeometryType type) : m_device(rtcNewDevice(nullptr)) {
+namespace {
+
+// Embree crashes where its own threads and arenas find no room.
+constexpr std::int64_t kWorkingBytes = std::int64_t(64) << 20;
+
+RTCDevice new_device() {
+  require_memory(kWorkingBytes);
+  return rtcNewDevice(nullptr);
+}
+
+}  // namespace
+
+EmbreeScene::EmbreeScene(RTCGeometryType type) : m_device(new_device()) {
+  if (m_device == nullptr && rtcGetDeviceError(nullptr) == RTC_ERROR_OUT_OF_MEMORY) {
+    throw std::bad_alloc();
+  }
   if (m_device == nullptr) throw SystemError("Embree: no device");
   m_scene = rtcNewScene(m_device);
   m_geometry = rtcNewGeometry(m_device, type);

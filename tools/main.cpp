@@ -1,7 +1,9 @@
 // The `supple` program: parses the command line, runs one subcommand, turns errors into exit codes.
 #include <algorithm>
+#include <atomic>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <iterator>
 #include <map>
@@ -55,6 +57,22 @@ int end_by_signal(int number) {
   return 128 + number;
 }
 
+/// Given back when memory runs out, since destructors of libraries allocate, too.
+std::atomic<void*> g_reserve{nullptr};  // threads may run out at the same time
+
+void release_reserve() {
+  std::free(g_reserve.exchange(nullptr));
+  throw std::bad_alloc();
+}
+
+/// Throws std::bad_alloc. Untouched the reserve takes addresses only.
+void keep_reserve() {
+  constexpr std::size_t kReserveBytes = std::size_t(32) << 20;
+  g_reserve = std::malloc(kReserveBytes);
+  if (g_reserve == nullptr) throw std::bad_alloc();
+  std::set_new_handler(release_reserve);
+}
+
 int run_command(const Command& command, const GlobalOptions& options) {
   try {
     std::optional<tbb::global_control> threads;
@@ -78,6 +96,10 @@ int run_command(const Command& command, const GlobalOptions& options) {
   } catch (const std::filesystem::filesystem_error& error) {
     return fail(kSystem, error.what());
   } catch (const std::exception& error) {
+    // TBB says so of a thread whose stack finds no room.
+    if (std::string(error.what()).find("pthread_create") != std::string::npos) {
+      return fail(kSystem, command.app->get_name() + ": not enough memory for threads");
+    }
     return fail(kFailure, error.what());
   }
 }
@@ -117,6 +139,7 @@ int run_program(int argc, char** argv) {
     return fail(kUsage, std::string(error.what()) + " (see supple --help)");
   }
   install_signal_handlers();
+  keep_reserve();
   for (const Command& command : commands) {
     if (command.app->parsed()) return run_command(command, options);
   }

@@ -4,6 +4,7 @@ import gzip
 import os
 import re
 import struct
+import subprocess
 import zlib
 
 from program import BAD_INPUT, Policy
@@ -138,12 +139,40 @@ def content_decides(policy):
         os.remove(policy.path(wrong))
 
 
+HDF5_LINKS = """
+import h5py
+with h5py.File("other.h5", "w") as file:
+    file["v"] = [[[1.0, 2.0]] * 2] * 2
+with h5py.File("link.h5", "w") as file:
+    file["v"] = h5py.ExternalLink("other.h5", "/v")
+with h5py.File("storage.h5", "w") as file:
+    file.create_dataset("v", (2, 2, 2), "f8", external=[("other.h5", 0, 64)])
+layout = h5py.VirtualLayout((2, 2, 2), "f8")
+layout[:] = h5py.VirtualSource("other.h5", "v", (2, 2, 2))
+with h5py.File("virtual.h5", "w") as file:
+    file.create_virtual_dataset("v", layout)
+"""
+
+
+def refuse_other_files_of_hdf5(policy):
+    made = subprocess.run(["/usr/bin/python3", "-c", HDF5_LINKS], cwd=policy.folder,
+                          capture_output=True)
+    if made.returncode != 0:
+        print("no h5py: links of HDF5 are left to the unit tests")
+        return
+    policy.expect("the file itself", ["info", "other.h5", "--quiet"], [0])
+    for name in ("link.h5", "storage.h5", "virtual.h5"):
+        for argument in (name, name + ":/v"):
+            policy.expect(argument, ["convert", argument, "out.nrrd", "--quiet"], [BAD_INPUT], [name])
+
+
 def main():
     policy = Policy()
     for cases in (impossible_sizes(), false_streams(), impossible_geometry(), false_files()):
         refuse(policy, cases)
     bomb_after_a_volume(policy)
     content_decides(policy)
+    refuse_other_files_of_hdf5(policy)
     policy.finish()
 
 

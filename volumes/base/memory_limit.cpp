@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <fstream>
+#include <new>
 
+#include <sys/mman.h>
 #include <unistd.h>
 
 namespace supple {
@@ -43,6 +45,17 @@ std::int64_t parser_memory(std::int64_t file_bytes) {
   constexpr std::int64_t kLeast = std::int64_t(1) << 30;
   constexpr std::int64_t kMost = std::int64_t(1) << 46;
   return kLeast + std::min(kMost, file_bytes * 256);
+}
+
+void require_memory(std::int64_t bytes) {
+  void* const pages = ::mmap(nullptr, std::size_t(bytes), PROT_NONE,
+                             MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (pages == MAP_FAILED) {
+    // As operator new does: the handler may give back what it keeps for the unwinding.
+    if (const std::new_handler handler = std::get_new_handler()) handler();
+    throw std::bad_alloc();
+  }
+  ::munmap(pages, std::size_t(bytes));
 }
 
 }  // namespace supple

@@ -27,4 +27,9 @@ class MemoryLimit {
 /// What parsing a file of that many bytes may take: 1 GiB and 256 times its size.
 std::int64_t parser_memory(std::int64_t file_bytes);
 
+/// Throws std::bad_alloc where the process may not map `bytes` more. Asked before libraries run
+/// that crash where a small allocation fails: c-blosc's do not look, and OpenVDB's destructors
+/// allocate.
+void require_memory(std::int64_t bytes);
+
 }  // namespace supple

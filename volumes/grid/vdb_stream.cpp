@@ -5,6 +5,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 
 #include <openvdb/io/Archive.h>
@@ -13,12 +14,15 @@
 #include <openvdb/util/logging.h>
 
 #include "volumes/base/error.h"
+#include "volumes/base/memory_limit.h"
 
 namespace supple {
 
 namespace {
 
 constexpr std::size_t kMaxMessage = 1000;
+// For OpenVDB, c-blosc and TBB beside the grids themselves.
+constexpr std::int64_t kWorkingBytes = std::int64_t(64) << 20;
 
 /// The steps of io::Stream, grid by grid.
 class GridArchive : public openvdb::io::Archive {
@@ -45,6 +49,7 @@ class GridArchive : public openvdb::io::Archive {
 
 void write_throwing(const std::string& path, const openvdb::GridCPtrVec& grids,
                     const openvdb::MetaMap& metadata) {
+  require_memory(kWorkingBytes);
   std::ofstream out(path, std::ios::binary | std::ios::trunc);
   out.exceptions(std::ios::failbit | std::ios::badbit);
   openvdb::io::Stream stream(out);
@@ -81,6 +86,7 @@ VdbContent read_vdb_grids(const std::string& path,
   try {
     std::ifstream in(path, std::ios::binary);
     in.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
+    require_memory(kWorkingBytes + 4 * std::int64_t(std::filesystem::file_size(path)));
     return GridArchive().read(in, stops);
   } catch (const std::bad_alloc&) {
     throw SystemError(path + ": not enough memory");
