@@ -116,11 +116,10 @@ void make_grids(const Seeds& seeds) {
     stream.setCompression(compression);
     stream.write(openvdb::GridCPtrVec{grid});
   };
-  write("fog.vdb", fog, openvdb::io::COMPRESS_NONE);
   write("fog-mask.vdb", fog, openvdb::io::COMPRESS_ACTIVE_MASK);
   write("fog-zip.vdb", fog, openvdb::io::COMPRESS_ZIP | openvdb::io::COMPRESS_ACTIVE_MASK);
   write("fog-blosc.vdb", fog, openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK);
-  write("vectors.vdb", vectors, openvdb::io::COMPRESS_NONE);
+  write("vectors.vdb", vectors, openvdb::io::COMPRESS_ACTIVE_MASK);
   seeds.volume("vdb", "ours.vdb", ValueType::int16);
 }
 
@@ -165,6 +164,19 @@ void make_meshes(const Seeds& seeds) {
   seeds.text("ply", "binary.ply",
              "ply\nformat binary_little_endian 1.0\n" + head + std::string(36, '\x3f') +
                  std::string("\3\0\0\0\0\1\0\0\0\2\0\0\0", 13));
+  seeds.text("vtk", "text.vtk",
+             "# vtk DataFile Version 3.0\nSPACE=RAS\nASCII\nDATASET POLYDATA\nPOINTS 3 float\n"
+             "0 0 0 1 0 0 0 1 0\nPOLYGONS 1 4\n3 0 1 2\nPOINT_DATA 3\nSCALARS a float 1\n"
+             "LOOKUP_TABLE default\n1 2 3\n");
+  seeds.text("vtk", "offsets.vtk",
+             "# vtk DataFile Version 5.1\na\nASCII\nDATASET POLYDATA\nPOINTS 3 double\n"
+             "0 0 0 1 0 0 0 1 0\nPOLYGONS 2 3\nOFFSETS vtktypeint64\n0 3\n"
+             "CONNECTIVITY vtktypeint64\n0 1 2\nMETADATA\nINFORMATION 0\n\n");
+  seeds.text("vtk", "binary.vtk",
+             "# vtk DataFile Version 3.0\na\nBINARY\nDATASET UNSTRUCTURED_GRID\nPOINTS 3 float\n" +
+                 std::string(36, '\x3f') + "\nCELLS 1 4\n" +
+                 std::string("\0\0\0\3\0\0\0\0\0\0\0\1\0\0\0\2", 16) +
+                 "\nCELL_TYPES 1\n" + std::string("\0\0\0\5", 4) + "\n");
   seeds.text("obj", "a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 -1\n");
 }
 
