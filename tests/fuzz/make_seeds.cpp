@@ -175,8 +175,8 @@ void make_meshes(const Seeds& seeds) {
   seeds.text("vtk", "binary.vtk",
              "# vtk DataFile Version 3.0\na\nBINARY\nDATASET UNSTRUCTURED_GRID\nPOINTS 3 float\n" +
                  std::string(36, '\x3f') + "\nCELLS 1 4\n" +
-                 std::string("\0\0\0\3\0\0\0\0\0\0\0\1\0\0\0\2", 16) +
-                 "\nCELL_TYPES 1\n" + std::string("\0\0\0\5", 4) + "\n");
+                 std::string("\0\0\0\3\0\0\0\0\0\0\0\1\0\0\0\2", 16) + "\nCELL_TYPES 1\n" +
+                 std::string("\0\0\0\5", 4) + "\n");
   seeds.text("obj", "a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 -1\n");
 }
 

@@ -1,5 +1,5 @@
 // A bound on the memory of third-party parsers that allocate what a damaged file claims (OpenVDB's
-// strings), or go round in circles while they allocate (HDF5's heaps).
+// strings).
 #pragma once
 
 #include <cstdint>

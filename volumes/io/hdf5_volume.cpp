@@ -6,7 +6,7 @@
 #include <set>
 
 #include "volumes/base/error.h"
-#include "volumes/base/memory_limit.h"
+#include "volumes/base/trial_run.h"
 #include "volumes/io/byte_source.h"
 #include "volumes/io/formats.h"
 #include "volumes/io/hdf5_layouts.h"
@@ -144,16 +144,12 @@ std::unique_ptr<VolumeFile> open_part(const std::string& name, const std::string
 
 std::unique_ptr<VolumeFile> open_hdf5(const std::string& path, const ReadOptions& options) {
   const std::string name = file_part(path);
-  const std::int64_t bytes = InputFile(name).size();
-  try {
-    // In a damaged file the library may follow a circle of free blocks and keep each of them.
-    const MemoryLimit limit(parser_memory(bytes));
-    return open_part(name, path, options);
-  } catch (const std::bad_alloc&) {
-    throw InputError({path, "HDF5 structure",
-                      "more memory than a file of " + std::to_string(bytes) + " bytes needs",
-                      "at most " + std::to_string(parser_memory(bytes) >> 20) + " MiB"});
-  }
+  // In a damaged file the library reads through null pointers, or follows a circle of free blocks
+  // and keeps each of them. What describes the values is smaller than the file.
+  const TrialBounds bounds{(std::int64_t(256) << 20) + 4 * InputFile(name).size(), 8};
+  trial_run({path, "HDF5 structure", "", "an intact HDF5 file"}, bounds,
+            [&] { open_part(name, path, options); });
+  return open_part(name, path, options);
 }
 
 }  // namespace supple

@@ -53,6 +53,16 @@ TEST(FaultHdf5, WhatIsNoFileOfTheFormatIsNamed) {
   expect_line(folder.file("pipe.h5:/v"), {"pipe"});
 }
 
+TEST(FaultHdf5, DamageOnWhichTheLibraryCrashes) {
+  const TemporaryFolder folder;
+  std::string bytes = sound_bytes(folder);
+  // The message of the root group's symbol table, two addresses: its names lie nowhere.
+  const std::size_t table = bytes.find(std::string("\x11\0\x10\0", 4));
+  ASSERT_NE(table, std::string::npos);
+  for (std::size_t byte = 8; byte < 24; ++byte) bytes[table + byte] = '\xff';
+  expect_line(folder.write("nowhere.h5", bytes), {"nowhere.h5", "an intact HDF5 file"});
+}
+
 TEST(FaultHdf5, LinksVirtualDatasetsAndExternalFilesAreNotFollowed) {
   const TemporaryFolder folder;
   Hdf5Fixture(folder.file("other.h5")).dataset("v", {1, 2, 2}, counting<float>(4));
