@@ -18,6 +18,26 @@ if(SUPPLE_SANITIZE)
   target_link_options(supple_options INTERFACE -fsanitize=${SUPPLE_SANITIZE})
 endif()
 
+# supple_add_module(NAME FOR LIBRARY SOURCES ... LIBRARIES ...)
+# A shared object that the program loads from its own folder when it needs it (volumes/base/module.h):
+# with its libraries linked in, every start would cost their time and memory. It compiles the few
+# sources of other rooms that it needs a second time, position-independent. Whoever links LIBRARY
+# finds it.
+function(supple_add_module name)
+  cmake_parse_arguments(ARG "" "FOR" "SOURCES;LIBRARIES" ${ARGN})
+  add_library(${name} MODULE ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE supple_options ${ARG_LIBRARIES})
+  # A symbol that is missing is found at link time, not when the module is loaded. Those of clang's
+  # sanitizers come from the program.
+  if(NOT SUPPLE_FUZZ)
+    target_link_options(${name} PRIVATE LINKER:-z,defs)
+  endif()
+  set_target_properties(${name} PROPERTIES
+    PREFIX "" CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON
+    LIBRARY_OUTPUT_DIRECTORY ${CMAKE_RUNTIME_OUTPUT_DIRECTORY})
+  add_dependencies(${ARG_FOR} ${name})
+endfunction()
+
 # supple_add_tests(NAME SOURCES ... LIBRARIES ... LABELS ...)
 # One binary, one CTest entry per label. A suite belongs to the label its name starts with:
 # TEST(PropertyEcm, ...) runs under the label "property".

@@ -4,5 +4,4 @@
 
 extern "C" __attribute__((visibility("default"))) const supple::DicomModule supple_dicom_module;
 
-const supple::DicomModule supple_dicom_module = {sizeof(supple::VolumeHeader),
-                                                 sizeof(supple::ReadOptions), supple::open_series};
+const supple::DicomModule supple_dicom_module = {supple::DicomModule::kSizes, supple::open_series};

@@ -1,4 +1,4 @@
-#include "volumes/io/hdf5_file.h"
+#include "volumes/hdf5/hdf5_file.h"
 
 #include <cstring>
 #include <utility>

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "volumes/io/hdf5_file.h"
+#include "volumes/hdf5/hdf5_file.h"
 
 namespace supple {
 

@@ -2,7 +2,7 @@
 // datasets that hold a few numbers or a line of text.
 #include <algorithm>
 
-#include "volumes/io/hdf5_file.h"
+#include "volumes/hdf5/hdf5_file.h"
 #include "volumes/io/text_header.h"
 
 namespace supple::hdf5 {

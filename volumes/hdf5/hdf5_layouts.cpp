@@ -1,4 +1,4 @@
-#include "volumes/io/hdf5_layouts.h"
+#include "volumes/hdf5/hdf5_layouts.h"
 
 #include <cmath>
 

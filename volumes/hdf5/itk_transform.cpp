@@ -8,15 +8,15 @@
 // Outside the field's grid ITK goes on with d = 0, while a warp ends there.
 //
 // Memory: a slice of vectors, or as hdf5_slices.h. B-splines and other fields are refused.
-#include "volumes/io/itk_transform.h"
+#include "volumes/hdf5/itk_transform.h"
 
 #include <cmath>
 #include <cstring>
 
 #include "volumes/base/error.h"
+#include "volumes/hdf5/hdf5_slices.h"
+#include "volumes/hdf5/itk_linear_transform.h"
 #include "volumes/io/formats.h"
-#include "volumes/io/hdf5_slices.h"
-#include "volumes/io/itk_linear_transform.h"
 #include "volumes/io/text_header.h"
 
 namespace supple {

@@ -4,8 +4,8 @@
 #include <limits>
 
 #include "volumes/base/error.h"
+#include "volumes/hdf5/hdf5_layouts.h"
 #include "volumes/io/formats.h"
-#include "volumes/io/hdf5_layouts.h"
 #include "volumes/io/text_header.h"
 
 namespace supple::hdf5 {

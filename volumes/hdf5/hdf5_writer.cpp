@@ -3,13 +3,14 @@
 // (/TransformGroup/0, DisplacementFieldTransform_double_3_3, as itk::HDF5TransformIO writes it)
 // with the attributes supple_direction and supple_certificate. Equal inputs give equal bytes: no
 // times. Memory: the caller's slice and, compressed, one chunk of at most 64 MiB.
+#include "volumes/hdf5/hdf5_writer.h"
+
 #include <algorithm>
 #include <cstring>
 
 #include "volumes/base/atomic_file.h"
 #include "volumes/base/error.h"
-#include "volumes/io/dense_writer.h"
-#include "volumes/io/hdf5_file.h"
+#include "volumes/hdf5/hdf5_file.h"
 
 namespace supple {
 
@@ -194,9 +195,8 @@ class Hdf5Writer : public DenseWriter {
 
 }  // namespace
 
-std::unique_ptr<DenseWriter> create_hdf5(const std::string& path, const std::string&,
-                                         const DenseImage& image, const WriteOptions& options) {
-  require_perpendicular(image, path, "HDF5");
+std::unique_ptr<DenseWriter> hdf5::create_file(const std::string& path, const DenseImage& image,
+                                               const WriteOptions& options) {
   return std::make_unique<Hdf5Writer>(path, image, options);
 }
 

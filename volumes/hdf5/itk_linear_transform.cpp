@@ -1,4 +1,4 @@
-#include "volumes/io/itk_linear_transform.h"
+#include "volumes/hdf5/itk_linear_transform.h"
 
 #include <cmath>
 

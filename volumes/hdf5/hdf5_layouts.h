@@ -1,7 +1,7 @@
 // What the datasets of an HDF5 file mean, by the conventions of the programs that write them.
 #pragma once
 
-#include "volumes/io/hdf5_slices.h"
+#include "volumes/hdf5/hdf5_slices.h"
 
 namespace supple::hdf5 {
 

@@ -1,4 +1,4 @@
-#include "volumes/io/hdf5_slices.h"
+#include "volumes/hdf5/hdf5_slices.h"
 
 #include <algorithm>
 #include <cstring>

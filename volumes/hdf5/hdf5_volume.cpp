@@ -1,16 +1,14 @@
 // HDF5 volumes: `file.h5:/path` names a dataset; without a path the layouts of ITK images, ITK
 // transforms and NeXus are recognised, or the only dataset of three axes is taken. Memory: as
 // hdf5_slices.h. Everything outside the file is refused, see hdf5_file.h.
+#include "volumes/hdf5/hdf5_volume.h"
+
 #include <algorithm>
 #include <filesystem>
 #include <set>
 
-#include "volumes/base/error.h"
-#include "volumes/base/trial_run.h"
-#include "volumes/io/byte_source.h"
-#include "volumes/io/formats.h"
-#include "volumes/io/hdf5_layouts.h"
-#include "volumes/io/itk_transform.h"
+#include "volumes/hdf5/hdf5_layouts.h"
+#include "volumes/hdf5/itk_transform.h"
 #include "volumes/io/text_header.h"
 
 namespace supple {
@@ -116,21 +114,8 @@ std::vector<std::string> hdf5::numeric_datasets(const File& file, int rank) {
   return found;
 }
 
-std::string file_part(const std::string& path) {
-  std::error_code ignored;
-  const std::size_t at = path.rfind(":/");
-  if (at == std::string::npos || at == 0 || std::filesystem::exists(path, ignored)) return path;
-  const std::string file = path.substr(0, at);
-  const std::filesystem::file_status status = std::filesystem::status(file, ignored);
-  const bool is_file = std::filesystem::exists(status) && !std::filesystem::is_directory(status);
-  return is_file ? file : path;
-}
-
-namespace {
-
-/// What `options` choose of the file `name`; `path` is as the user gave it.
-std::unique_ptr<VolumeFile> open_part(const std::string& name, const std::string& path,
-                                      const ReadOptions& options) {
+std::unique_ptr<VolumeFile> hdf5::open_file(const std::string& name, const std::string& path,
+                                            const ReadOptions& options) {
   auto file = std::make_shared<const File>(name, path);
   if (name != path) {
     return std::make_unique<Hdf5Volume>(file,
@@ -138,18 +123,6 @@ std::unique_ptr<VolumeFile> open_part(const std::string& name, const std::string
   }
   if (file->has("/TransformGroup")) return open_itk_transform(file, options);
   return std::make_unique<Hdf5Volume>(file, found_layout(*file, options));
-}
-
-}  // namespace
-
-std::unique_ptr<VolumeFile> open_hdf5(const std::string& path, const ReadOptions& options) {
-  const std::string name = file_part(path);
-  // In a damaged file the library reads through null pointers, or follows a circle of free blocks
-  // and keeps each of them. What describes the values is smaller than the file.
-  const TrialBounds bounds{(std::int64_t(256) << 20) + 4 * InputFile(name).size(), 8};
-  trial_run({path, "HDF5 structure", "", "an intact HDF5 file"}, bounds,
-            [&] { open_part(name, path, options); });
-  return open_part(name, path, options);
 }
 
 }  // namespace supple

@@ -1,0 +1,39 @@
+// HDF5 as the rest of the house sees it (formats.h, dense_writer.h): what can be said of a file
+// without the library, and the calls into the module, which hold the library to its bounds.
+#include <filesystem>
+
+#include "volumes/base/trial_run.h"
+#include "volumes/hdf5/hdf5_module.h"
+#include "volumes/io/byte_source.h"
+#include "volumes/io/formats.h"
+
+namespace supple {
+
+std::string file_part(const std::string& path) {
+  std::error_code ignored;
+  const std::size_t at = path.rfind(":/");
+  if (at == std::string::npos || at == 0 || std::filesystem::exists(path, ignored)) return path;
+  const std::string file = path.substr(0, at);
+  const std::filesystem::file_status status = std::filesystem::status(file, ignored);
+  const bool is_file = std::filesystem::exists(status) && !std::filesystem::is_directory(status);
+  return is_file ? file : path;
+}
+
+std::unique_ptr<VolumeFile> open_hdf5(const std::string& path, const ReadOptions& options) {
+  const std::string name = file_part(path);
+  // In a damaged file the library reads through null pointers, or follows a circle of free blocks
+  // and keeps each of them. What describes the values is smaller than the file.
+  const TrialBounds bounds{(std::int64_t(256) << 20) + 4 * InputFile(name).size(), 8};
+  const Hdf5Module& module = hdf5_module();
+  trial_run({path, "HDF5 structure", "", "an intact HDF5 file"}, bounds,
+            [&] { module.open(name, path, options); });
+  return module.open(name, path, options);
+}
+
+std::unique_ptr<DenseWriter> create_hdf5(const std::string& path, const std::string&,
+                                         const DenseImage& image, const WriteOptions& options) {
+  require_perpendicular(image, path, "HDF5");
+  return hdf5_module().create(path, image, options);
+}
+
+}  // namespace supple
