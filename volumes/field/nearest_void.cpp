@@ -12,6 +12,13 @@ namespace supple {
 
 namespace {
 
+/// Which of the eight voxels along k of a voxel's brick are active.
+unsigned row_of(const BrickTopology& topology, const Vec3i& voxel) {
+  const std::int32_t b = topology.find(voxel);
+  if (b < 0) return 0;
+  return unsigned(topology.mask(std::size_t(b))[voxel.x & 7] >> ((voxel.y & 7) << 3)) & 0xff;
+}
+
 constexpr std::int32_t kNone = -1;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kMaxWindow = 2147483647.0;
@@ -69,8 +76,11 @@ void FeatureWindow::fill_rows(const BrickTopology& source) {
     for (int y = 0; y < m_dims.y; ++y) {
       const std::size_t row = index({x, y, 0});
       std::int32_t last = kNone;
+      unsigned active = 0;  // bit k & 7: of the present brick's row
       for (int z = 0; z < m_dims.z; ++z) {
-        if (!source.is_active(m_box.lo + Vec3i(x, y, z))) last = std::int32_t(row) + z;
+        const Vec3i voxel = m_box.lo + Vec3i(x, y, z);
+        if (z == 0 || (voxel.z & 7) == 0) active = row_of(source, voxel);
+        if (!((active >> (voxel.z & 7)) & 1)) last = std::int32_t(row) + z;
         m_feature[row + z] = last;
       }
       last = kNone;
@@ -175,6 +185,14 @@ BrickTopology clipped(const BrickTopology& topology, const IndexBox& box) {
   return {std::move(origins), std::move(masks)};
 }
 
+/// True when no voxel of the source box is void.
+bool is_solid(const BrickTopology& source, const Vec3i& dims) {
+  const IndexBox& bounds = source.active_bounds();
+  const IndexBox box{Vec3i(0), dims - Vec3i(1)};
+  return box.contains(bounds.lo) && box.contains(bounds.hi) &&
+         source.active_count() == std::int64_t(dims.x) * dims.y * dims.z;
+}
+
 /// What a window tells of the wanted voxels: `exact` when nothing beyond it can be nearer.
 struct Attempt {
   std::vector<Vec3f> vectors;
@@ -208,7 +226,7 @@ Attempt look_up(const FeatureWindow& window, const IndexBox& box, const BrickTop
 VectorBricks nearest_void(const BrickTopology& source, const BrickTopology& wanted,
                           const Vec3i& dims, const Vec3d& spacing_mm) {
   BrickTopology inside = clipped(wanted, {Vec3i(0), dims - Vec3i(1)});
-  if (inside.empty()) return {};
+  if (inside.empty() || is_solid(source, dims)) return {};
   for (int margin = kBrickDim;; margin *= 2) {
     const IndexBox box = grown(inside.active_bounds(), margin, dims);
     const FeatureWindow window(box, spacing_mm, source);

@@ -10,6 +10,8 @@
 #include "volumes/field/nearest_void.h"
 #include "volumes/field/ring_fill.h"
 #include "volumes/field/smooth_extension.h"
+#include "volumes/field/split_offsets.h"
+#include "volumes/field/vector_slabs.h"
 #include "volumes/grid/volume.h"
 
 namespace supple {
@@ -88,18 +90,51 @@ class VoidOffsets {
 
 }  // namespace
 
+namespace {
+
+/// True when the points of `grid` are voxels of the frame's lattice, with the same axes; `first` is
+/// then that of point 0.
+bool is_same_lattice(const Geometry& grid, const GridPositions& positions, Vec3i& first) {
+  const Vec3d origin = positions.at(0, 0, 0);
+  if (!is_on_lattice_range(origin)) return false;
+  first = nearest_voxel(origin);
+  const Vec3i last = grid.dims() - Vec3i(1);
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3i p((corner & 1) * last.x, ((corner >> 1) & 1) * last.y, (corner >> 2) * last.z);
+    if (positions.at(p.x, p.y, p.z) != Vec3d(first + p)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
 VectorSliceSource dense_offsets(const OffsetField& offsets, const BrickTopology& source,
                                 const Geometry& grid, VoidMode mode) {
   const GridPositions positions(grid, offsets.geometry);
   const auto elsewhere = std::make_shared<const VoidOffsets>(offsets, source, mode);
   const Vec3i& dims = grid.dims();
-  return [&offsets, positions, elsewhere, dims](int k, Vec3f* out) {
+  const auto sampled = [&offsets, positions, elsewhere](int i, int j, int k) {
+    const Vec3d pos = positions.at(i, j, k);
+    Vec3d o(0);
+    if (is_on_lattice_range(pos) && !offsets.sample(pos, o)) o = elsewhere->at(pos);
+    return o;
+  };
+  Vec3i first;
+  std::shared_ptr<VectorSlabs> slabs;
+  if (is_same_lattice(grid, positions, first)) {
+    slabs = std::make_shared<VectorSlabs>(
+        offsets.o, first, dims, [split = offsets.split](const Vec3i& origin) {
+          return split != nullptr && split->bricks().find(origin) >= 0;
+        });
+  }
+  return [&offsets, sampled, slabs, dims](int k, Vec3f* out) {
+    const Vec3f* const known = slabs == nullptr ? nullptr : slabs->slice(k);
     tbb::parallel_for(0, dims.y, [&](int j) {
       for (int i = 0; i < dims.x; ++i) {
-        const Vec3d pos = positions.at(i, j, k);
-        Vec3d o(0);
-        if (is_on_lattice_range(pos) && !offsets.sample(pos, o)) o = elsewhere->at(pos);
-        out[std::size_t(j) * dims.x + i] = Vec3f(offsets.geometry.world_vector_from_index(o));
+        const std::size_t n = std::size_t(j) * dims.x + i;
+        const bool is_known = known != nullptr && !std::isnan(known[n].x);
+        const Vec3d o = is_known ? Vec3d(known[n]) : sampled(i, j, k);
+        out[n] = Vec3f(offsets.geometry.world_vector_from_index(o));
       }
     });
   };
@@ -107,13 +142,14 @@ VectorSliceSource dense_offsets(const OffsetField& offsets, const BrickTopology&
 
 VectorSliceSource dense_displacement(const Displacement& extended) {
   const Vec3i dims = extended.geometry.dims();
-  return [&extended, dims](int k, Vec3f* out) {
+  const auto slabs =
+      std::make_shared<VectorSlabs>(extended.u, Vec3i(0), dims, [](const Vec3i&) { return false; });
+  return [&extended, slabs, dims](int k, Vec3f* out) {
+    const Vec3f* const known = slabs->slice(k);
     tbb::parallel_for(0, dims.y, [&](int j) {
-      for (int i = 0; i < dims.x; ++i) {
-        Vec3f u(0);
-        extended.u.at({i, j, k}, u);
-        out[std::size_t(j) * dims.x + i] =
-            Vec3f(extended.geometry.world_vector_from_index(Vec3d(u)));
+      for (std::size_t n = std::size_t(j) * dims.x; n < std::size_t(j + 1) * dims.x; ++n) {
+        const Vec3d u = std::isnan(known[n].x) ? Vec3d(0) : Vec3d(known[n]);
+        out[n] = Vec3f(extended.geometry.world_vector_from_index(u));
       }
     });
   };

@@ -2,7 +2,9 @@
 //
 // Everything is produced slice by slice, so that the memory of an export does not grow with the
 // grid. What is passed by reference must outlive the returned source. A grid point within 1e-6
-// voxel of a source voxel takes that voxel's offset exactly. Cost: 20 to 100 ns per voxel and core.
+// voxel of a source voxel takes that voxel's offset exactly. One thread at a time may ask for a
+// slice; offsets on the source's own lattice are cheap in ascending order. Cost per voxel and core:
+// 5 ns there, 20 to 100 ns on other grids and in the void.
 #pragma once
 
 #include <functional>

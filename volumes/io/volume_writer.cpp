@@ -2,13 +2,28 @@
 
 #include <cstring>
 
+#include <tbb/task_group.h>
+
 #include "volumes/io/stored_values.h"
 
 namespace supple {
 
 namespace {
 
-/// Slices one by one; `fill(k, out)` writes the bytes of slice k. Returns the writer's warnings.
+/// Does `work` beside the tasks of a group, which have ended when it returns or throws.
+template <class Work>
+void finishing(tbb::task_group& tasks, const Work& work) {
+  try {
+    work();
+  } catch (...) {
+    tasks.wait();
+    throw;
+  }
+  tasks.wait();
+}
+
+/// Slice after slice, each filled while the one before is written; `fill(k, out)` makes the bytes
+/// of slice k. Returns the writer's warnings.
 template <class Fill>
 std::vector<std::string> write_image(const std::string& path, const DenseImage& image,
                                      const WriteOptions& options, const Fill& fill,
@@ -17,10 +32,16 @@ std::vector<std::string> write_image(const std::string& path, const DenseImage& 
   const std::unique_ptr<DenseWriter> writer = create_dense(path, image, options);
   const Vec3i& dims = image.geometry.dims();
   std::vector<char> slice(std::size_t(dims.x) * dims.y * image.components * bytes_of(image.type));
+  std::vector<char> next(slice.size());
+  fill(0, slice.data());
   for (int k = 0; k < dims.z; ++k) {
-    fill(k, slice.data());
-    writer->write_slice(slice.data());
-    report(progress, double(k + 1) / dims.z);
+    tbb::task_group ahead;
+    if (k + 1 < dims.z) ahead.run([&] { fill(k + 1, next.data()); });
+    finishing(ahead, [&] {
+      writer->write_slice(slice.data());
+      report(progress, double(k + 1) / dims.z);
+    });
+    slice.swap(next);
   }
   writer->complete(progress);
   writer->commit();

@@ -67,6 +67,35 @@ bool equal(const VectorBricks& a, const VectorBricks& b) {
 
 }  // namespace
 
+TEST(PropertyCutOffsets, AnExportOnTheSourceGridReadsWhatASampleReads) {
+  const CutBlock block;
+  for (const double d : {-0.7, 0.3, 2.25}) {
+    const OffsetField field = block.opened_by(d);
+    ASSERT_NE(field.split, nullptr);
+    const Vec3i dims = field.geometry.dims();
+    const auto slices = dense_offsets(field, block.elements, field.geometry, VoidMode::outside);
+    const IndexBox source_box{Vec3i(0), dims - Vec3i(1)};
+    std::vector<Vec3f> slice(std::size_t(dims.x) * dims.y);
+    int read = 0;
+    for (int k = 0; k < dims.z; ++k) {
+      slices(k, slice.data());
+      for (int n = 0; n < dims.x * dims.y; ++n) {
+        const Vec3d x(n % dims.x, n / dims.x, k);
+        Vec3d o;
+        const bool found = field.sample(x, o);
+        const Vec3d place = x + field.geometry.index_vector_from_world(Vec3d(slice[n]));
+        if (found) {
+          ASSERT_LT((place - x - o).length(), 1e-5) << x;
+        } else {
+          ASSERT_FALSE(source_box.contains(Vec3i(place))) << x;
+        }
+        read += found;
+      }
+    }
+    EXPECT_GT(read, 3000);
+  }
+}
+
 TEST(PropertyCutOffsets, HalvesMovedApartReadTheirOwnSideUpToTheFaceAndNothingBetween) {
   const CutBlock block;
   for (const double d : {0.3, 2.25, 11.0}) {

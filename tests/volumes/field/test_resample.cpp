@@ -8,6 +8,7 @@
 #include "volumes/field/nearest_void.h"
 #include "volumes/field/procedural.h"
 #include "volumes/field/resample.h"
+#include "volumes/field/split_offsets.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -39,6 +40,25 @@ Geometry oblique_geometry(const Vec3i& dims, const Vec3d& spacing, double angle)
 OffsetField constant_offsets(const Geometry& geometry, const BrickTopology& where, const Vec3f& o) {
   return {geometry, field_on(where, [&](const Vec3i&) { return o; }), {}};
 }
+
+/// One brick in which every sample reads the same offset, whatever the lattice holds.
+class ConstantSplit : public SplitOffsets {
+ public:
+  ConstantSplit(const Vec3i& brick, const Vec3d& offset) : m_offset(offset) { set_bricks({brick}); }
+  bool sample(std::size_t, const Vec3d&, Sample& found) const override {
+    found.offset = m_offset;
+    return true;
+  }
+  void reach(std::size_t, Vec3d& lo, Vec3d& hi) const override { lo = hi = Vec3d(0); }
+  bool offset_of(int, const Vec3d&, Vec3d& offset) const override {
+    offset = m_offset;
+    return true;
+  }
+  double depth_mm(int, const Vec3d&) const override { return 1; }
+
+ private:
+  Vec3d m_offset;
+};
 
 double distance_mm(const Vec3d& step, const Vec3d& spacing) {
   return (step * spacing).length();
@@ -87,6 +107,17 @@ TEST(PropertyNearestVoid, TheWindowGrowsUntilNothingBeyondItIsNearer) {
   EXPECT_EQ(step, Vec3f(8, 8, 8));
 }
 
+TEST(UnitNearestVoid, ASolidThatReachesBeyondTheBoxStillHasNone) {
+  Vec3f step;
+  const BrickTopology wanted = box_topology(Vec3i(2), Vec3i(5));
+  EXPECT_FALSE(nearest_void(box_topology(Vec3i(-3), Vec3i(9)), wanted, Vec3i(9), {1, 1, 1})
+                   .at(Vec3i(4), step));
+  // As many voxels as the box, but one of them lies beyond it.
+  const BrickTopology shifted = box_topology({1, 0, 0}, {9, 8, 8});
+  ASSERT_TRUE(nearest_void(shifted, wanted, Vec3i(9), {1, 1, 1}).at(Vec3i(4), step));
+  EXPECT_EQ(step, Vec3f(-4, 0, 0));
+}
+
 TEST(UnitDenseOffsets, VacatedVoxelsReadTheNearestVoidAndVoidStaysPut) {
   // A block of 6^3 moves by 4 along i in a box of 20^3.
   const Geometry geometry = oblique_geometry(Vec3i(20), {1, 2, 3}, 0.4);
@@ -113,6 +144,17 @@ TEST(UnitDenseOffsets, VacatedVoxelsReadTheNearestVoidAndVoidStaysPut) {
                   std::min({i_way, j_way, 3.0 * std::min(v.z - 5, 12 - v.z)}), 1e-5);
     }
   });
+}
+
+TEST(UnitDenseOffsets, SplitBricksReadTheirPieceAndNotTheLattice) {
+  const Geometry geometry = unit_geometry(Vec3i(20));
+  const BrickTopology all = box_topology(Vec3i(0), Vec3i(19));
+  OffsetField offsets = constant_offsets(geometry, all, Vec3f(1, 0, 0));
+  offsets.split = std::make_shared<ConstantSplit>(Vec3i(8, 0, 8), Vec3d(0, 2, 0));
+  const auto dense =
+      all_slices<Vec3f>(dense_offsets(offsets, all, geometry, VoidMode::nearest), geometry.dims());
+  EXPECT_EQ(dense[dense_index({8, 7, 15}, geometry.dims())], Vec3f(0, 2, 0));
+  EXPECT_EQ(dense[dense_index({7, 7, 15}, geometry.dims())], Vec3f(1, 0, 0));
 }
 
 TEST(UnitDenseOffsets, WithoutAVoidVoxelAVacatedOneKeepsZero) {
