@@ -19,6 +19,11 @@ struct SeriesEntry {
 };
 using SeriesByUid = std::map<std::string, SeriesEntry>;
 
+struct Folder {
+  SeriesByUid series;
+  std::vector<Problem> damaged;  // files that say they are DICOM but cannot be parsed
+};
+
 std::string name_of_file(const std::string& path) {
   return std::filesystem::path(path).filename().string();
 }
@@ -35,17 +40,21 @@ std::vector<std::string> regular_files(const std::string& folder) {
   return files;
 }
 
-SeriesByUid series_of(const std::vector<std::string>& files) {
-  SeriesByUid series;
+Folder contents_of(const std::vector<std::string>& files) {
+  Folder folder;
   for (const std::string& path : files) {
     if (!is_dicom(InputFile(path).head(132))) continue;
-    DicomFile file = read_attributes(path);
-    const std::optional<SeriesMember> member = series_member(file);
-    if (!member) continue;
-    const auto place = series.try_emplace(member->series_uid, SeriesEntry{*member, {}}).first;
-    place->second.files.push_back(path);
+    try {
+      DicomFile file = read_attributes(path);
+      const std::optional<SeriesMember> member = series_member(file);
+      if (!member) continue;
+      const auto place = folder.series.try_emplace(member->series_uid, SeriesEntry{*member, {}});
+      place.first->second.files.push_back(path);
+    } catch (const InputError& error) {
+      folder.damaged.push_back(error.problem());
+    }
   }
-  return series;
+  return folder;
 }
 
 /// "2 files \"T1 axial\" (…1.7.42, such as a.dcm)".
@@ -58,7 +67,9 @@ std::string description_of(const SeriesEntry& entry) {
          printable(name_of_file(entry.files.front())) + ")";
 }
 
-std::vector<std::string> only_series(const std::string& path, const SeriesByUid& series) {
+std::vector<std::string> only_series(const std::string& path, const Folder& folder) {
+  const SeriesByUid& series = folder.series;
+  if (series.empty() && !folder.damaged.empty()) throw InputError(folder.damaged.front());
   if (series.empty()) throw InputError({path, "DICOM files", "none with an image", "a series"});
   if (series.size() == 1) return series.begin()->second.files;
   constexpr int kListed = 3;
@@ -72,15 +83,10 @@ std::vector<std::string> only_series(const std::string& path, const SeriesByUid&
   throw InputError({path, "DICOM series", found, "one: name a file of it in place of the folder"});
 }
 
-std::vector<std::string> files_beside(const std::string& path) {
-  DicomFile file = read_attributes(path);
-  const std::optional<SeriesMember> member = series_member(file);
-  if (!member) throw InputError({path, "Rows and Columns", "nothing", "a DICOM image"});
-  if (member->multi_frame || member->series_uid.empty()) return {path};
-  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
-  const SeriesByUid series = series_of(regular_files(folder.empty() ? "." : folder.string()));
-  const auto found = series.find(member->series_uid);
-  return found == series.end() ? std::vector<std::string>{path} : found->second.files;
+std::vector<std::string> same_series(const std::string& path, const std::string& uid,
+                                     const Folder& folder) {
+  const auto found = folder.series.find(uid);
+  return found == folder.series.end() ? std::vector<std::string>{path} : found->second.files;
 }
 
 /// Copies of one instance under several names count once.
@@ -140,13 +146,29 @@ void check_plane(const Comparison& compare, const ImagePlane& a, const ImagePlan
 DicomSeries find_series(const std::string& path) {
   DicomSeries series;
   series.path = path;
-  const std::vector<std::string> files = std::filesystem::is_directory(path)
-                                             ? only_series(path, series_of(regular_files(path)))
-                                             : files_beside(path);
+  std::vector<std::string> files = {path};
+  Folder folder;
+  if (std::filesystem::is_directory(path)) {
+    folder = contents_of(regular_files(path));
+    files = only_series(path, folder);
+  } else {
+    DicomFile file = read_attributes(path);
+    const std::optional<SeriesMember> member = series_member(file);
+    if (!member) throw InputError({path, "Rows and Columns", "nothing", "a DICOM image"});
+    if (!member->multi_frame && !member->series_uid.empty()) {
+      const std::string parent = std::filesystem::path(path).parent_path().string();
+      folder = contents_of(regular_files(parent.empty() ? "." : parent));
+      files = same_series(path, member->series_uid, folder);
+    }
+  }
   std::set<std::string> instances;
   for (const std::string& name : files) {
     DicomFile file = read_attributes(name);
     add_image(file, instances, series);
+  }
+  for (const Problem& problem : folder.damaged) {
+    series.warnings.push_back(printable(name_of_file(problem.file)) +
+                              " is left out: " + problem.field + ": " + printable(problem.found));
   }
   return series;
 }

@@ -46,6 +46,17 @@ std::string extension_of(const std::string& path) {
   return lower_case(file.stem().extension().string()) + last;
 }
 
+/// Throws InputError for a gzipped file that neither holds NIfTI nor is named so.
+void require_nifti(const std::string& path, const std::string& head) {
+  const std::string extension = extension_of(path);
+  if (is_nifti_head(head) || extension == ".nii.gz" || extension == ".nii" ||
+      extension == ".hdr.gz" || extension == ".hdr" || extension == ".img.gz") {
+    return;
+  }
+  throw InputError(
+      {path, "format", "a gzipped file that is not NIfTI", "the file unpacked (gunzip)"});
+}
+
 /// The reader of a file, by content first and extension second.
 std::unique_ptr<VolumeFile> open_known(const std::string& path, const ReadOptions& options) {
   if (!options.raw.empty()) return open_raw(path, options.raw);
@@ -58,7 +69,10 @@ std::unique_ptr<VolumeFile> open_known(const std::string& path, const ReadOption
   {
     const InputFile file(path);
     head = file.head(kHeadBytes);
-    if (is_gzip(head)) head = gzip_head(file, kHeadBytes);
+    if (is_gzip(head)) {
+      head = gzip_head(file, kHeadBytes);
+      require_nifti(path, head);
+    }
   }
 
   if (is_dicom(head)) return open_dicom(path, options);

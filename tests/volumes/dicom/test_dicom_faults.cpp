@@ -153,6 +153,29 @@ TEST(FaultDicom, FoldersWithoutImagesArePlainFolders) {
                  {"b.dcm", "Rows and Columns", "found nothing"});
 }
 
+TEST(FaultDicom, ADamagedFileBesideASeriesIsLeftOutWithAWarning) {
+  const TemporaryFolder folder;
+  const SeriesFixture series;
+  series.write_all(folder);
+  const int slices = open_volume(folder.file("."))->header().geometry.dims().z;
+  const std::string stranger = std::string(128, 'x') + "DICM" + std::string(200, '\x02');
+  const std::string path = folder.write("stranger.dcm", stranger);
+  expect_failure(path, {"stranger.dcm", "DICOM"});
+  for (const std::string& name : {folder.file("."), series.write(folder, 0)}) {
+    const auto file = open_volume(name);
+    EXPECT_EQ(file->header().geometry.dims().z, slices);
+    ASSERT_EQ(file->header().warnings.size(), 1u);
+    EXPECT_EQ(file->header().warnings.front().find("stranger.dcm is left out: DICOM"), 0u)
+        << file->header().warnings.front();
+  }
+}
+
+TEST(FaultDicom, AFolderOfDamagedFilesNamesOne) {
+  const TemporaryFolder folder;
+  folder.write("a.dcm", std::string(128, 'x') + "DICM" + std::string(200, '\x02'));
+  expect_failure(folder.file("."), {"a.dcm", "DICOM"});
+}
+
 TEST(FaultDicom, APipeInTheFolderIsNotOpened) {
   const TemporaryFolder folder;
   const SeriesFixture series;

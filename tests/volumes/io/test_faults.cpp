@@ -48,6 +48,9 @@ TEST(FaultFile, MissingFolderDeviceAndEmptyFileAreNamed) {
   expect_failure("/dev/zero", {"/dev/zero", "a device"});
   expect_failure(folder.write("empty.nii", ""), {"empty.nii", "found 0 bytes"});
   expect_failure(folder.write("noise.xyz", "whatever this is"), {"noise.xyz", "unknown content"});
+  for (const std::string& content : {nrrd(kSound) + kData, std::string(128, 'x') + "DICM"}) {
+    expect_failure(folder.write("packed.gz", gzip(content)), {"gzipped", "not NIfTI", "gunzip"});
+  }
   expect_failure(folder.write("values.raw", kData), {"values.raw", "--raw"});
   expect_failure(folder.write("fog.vdb", std::string(" BDV\0\0\0\0", 8) + kData),
                  {"fog.vdb", "OpenVDB"});
