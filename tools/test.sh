@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Sets up as setup.sh does, then runs the whole test suite: unit, property and fault tests
-# in a build with sanitizers and warnings as errors, then everything in the release build.
+# in a build with sanitizers and warnings as errors, each parser on random input for a few
+# seconds, then everything in the release build.
 #
 #   bash tools/test.sh [--release-only]
 set -euo pipefail
@@ -15,6 +16,11 @@ if [ "${1:-}" != "--release-only" ]; then
   build_preset asan all -DSUPPLE_WERROR=ON
   say "testing build/asan (unit, property, fault)"
   ctest --test-dir build/asan -L 'unit|property|fault' -j "$(nproc)" --output-on-failure
+  if install_packages clang-14; then
+    bash tools/fuzz.sh --seconds 5
+  else
+    say "no clang-14: the parsers are not fuzzed"
+  fi
 fi
 build_preset release all
 say "testing build/release"
