@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
-#include <dcmtk/dcmdata/dcpixseq.h>
-#include <dcmtk/dcmdata/dcpxitem.h>
-
 #include "volumes/base/error.h"
+#include "volumes/dicom/encapsulated_frame.h"
 #include "volumes/dicom/inflate_range.h"
 
 namespace supple {
@@ -33,14 +31,6 @@ double densest(E_TransferSyntax syntax) {
 bool is_native(E_TransferSyntax syntax) {
   return syntax == EXS_LittleEndianImplicit || syntax == EXS_LittleEndianExplicit ||
          syntax == EXS_BigEndianExplicit || syntax == EXS_DeflatedLittleEndianExplicit;
-}
-
-std::uint32_t number_at(const std::string& bytes, std::size_t at, std::size_t width, bool big) {
-  std::uint32_t number = 0;
-  for (std::size_t b = 0; b < width; ++b) {
-    number |= std::uint32_t(std::uint8_t(bytes[at + (big ? width - 1 - b : b)])) << (8 * b);
-  }
-  return number;
 }
 
 struct PixelElement {
@@ -91,53 +81,6 @@ void check_native(const DicomFile& file, const PixelFormat& format, const PixelE
   throw InputError({path, "PixelData",
                     std::to_string(present) + " bytes before the end of the file",
                     std::to_string(claimed) + " bytes"});
-}
-
-/// Compares the frame header of a JPEG stream (T.81, B.2.2) with the attributes: the decoder goes
-/// by the stream and would leave parts of a frame unset.
-void check_jpeg(const DicomImage& image, const std::string& stream) {
-  for (std::size_t at = 2; at + 9 <= stream.size();) {
-    const std::uint32_t marker = number_at(stream, at, 2, true);
-    if (marker < 0xFF01) return;  // not a segment: the decoder will say what is wrong
-    const bool fill = marker == 0xFFFF;
-    const bool frame = marker >= 0xFFC0 && marker <= 0xFFCF && marker != 0xFFC4 &&
-                       marker != 0xFFC8 && marker != 0xFFCC;
-    if (!frame) {
-      at += fill ? 1 : 2 + std::max<std::uint32_t>(2, number_at(stream, at + 2, 2, true));
-      continue;
-    }
-    const auto bits = int(number_at(stream, at + 4, 1, true));
-    const auto rows = int(number_at(stream, at + 5, 2, true));
-    const auto columns = int(number_at(stream, at + 7, 2, true));
-    const PixelFormat& format = image.format;
-    const bool fits = (bits > 8) == (format.bits_allocated > 8) && columns == format.columns &&
-                      (rows == format.rows || rows == 0);
-    if (fits) return;
-    const auto text = [](int x, int y, int depth) {
-      return std::to_string(x) + " x " + std::to_string(y) + " values of " + std::to_string(depth) +
-             " bits";
-    };
-    throw InputError(
-        {image.path, "JPEG stream", text(columns, rows, bits),
-         text(format.columns, format.rows, format.bits_allocated) + " as its attributes"});
-  }
-}
-
-/// The start of the first compressed frame.
-std::string first_fragment(DcmPixelData& pixels, E_TransferSyntax syntax) {
-  DcmPixelSequence* fragments = nullptr;
-  DcmPixelItem* item = nullptr;
-  Uint8* bytes = nullptr;
-  if (pixels.getEncapsulatedRepresentation(syntax, nullptr, fragments).bad() ||
-      fragments->getItem(item, 1).bad() || item->getUint8Array(bytes).bad() || bytes == nullptr) {
-    return "";
-  }
-  return {reinterpret_cast<const char*>(bytes), std::min<std::size_t>(item->getLength(), 65536)};
-}
-
-bool is_jpeg(E_TransferSyntax syntax) {
-  return syntax == EXS_JPEGProcess1 || syntax == EXS_JPEGProcess2_4 ||
-         syntax == EXS_JPEGProcess14 || syntax == EXS_JPEGProcess14SV1;
 }
 
 }  // namespace
@@ -209,7 +152,7 @@ void FrameReader::open_encapsulated(const DicomImage& image) {
   if (condition.good()) m_file->getDataset()->findAndGetElement(DCM_PixelData, element);
   m_pixels = dynamic_cast<DcmPixelData*>(element);
   if (m_pixels != nullptr) {
-    if (is_jpeg(image.syntax)) check_jpeg(image, first_fragment(*m_pixels, image.syntax));
+    check_first_frame(image, *m_pixels);
     return;
   }
   throw InputError({image.path, "PixelData", condition.good() ? "nothing" : condition.text(),
@@ -218,6 +161,7 @@ void FrameReader::open_encapsulated(const DicomImage& image) {
 
 void FrameReader::read_encapsulated(const DicomImage& image, int frame, void* out) {
   open_encapsulated(image);
+  check_frame(image, *m_pixels, frame);
   const std::int64_t size = image.format.frame_bytes();
   m_buffer.assign(std::size_t(size + size % 2), 0);
   // Frames share no fragment: the next one starts where the last one ended.

@@ -199,6 +199,30 @@ TEST(FaultDicom, Jpeg2000IsNamed) {
   expect_failure(folder.write("a", bytes), {"1.2.840.10008.1.2.4.90 JPEG 2000", "JPEG-LS"});
 }
 
+TEST(FaultDicom, RleSegmentsOutsideTheirFrameAreRefused) {
+  const TemporaryFolder folder;
+  SeriesFixture series;
+  series.syntax = EXS_RLELossless;
+  const std::string path = series.write(folder, 0);
+  std::string sound = bytes_of_file(path);
+  // Two segments, the first of which follows the header of 64 bytes.
+  const std::size_t header = sound.find(std::string("\2\0\0\0\x40\0\0\0", 8));
+  ASSERT_NE(header, std::string::npos);
+  const auto expect = [&](std::size_t at, std::uint32_t number) {
+    std::string bytes = sound;
+    patch(bytes, header + at, number);
+    expect_failure(folder.write("b.dcm", bytes), {"frame 0", "an RLE header whose segments"});
+    std::filesystem::remove(folder.file("b.dcm"));
+  };
+  std::filesystem::remove(path);
+  expect(0, 0);
+  expect(0, 16);
+  expect(4, 63);           // inside the header
+  expect(8, 64);           // where the first one begins
+  expect(8, 0xFFFFFFB1u);  // 4 GiB away
+  expect(8, 100000);
+}
+
 TEST(FaultDicom, CompressedStreamsThatContradictTheAttributesAreRefused) {
   for (const E_TransferSyntax syntax : {EXS_JPEGProcess14SV1, EXS_JPEGLSLossless}) {
     const bool jpeg = syntax == EXS_JPEGProcess14SV1;
