@@ -19,9 +19,9 @@ targets=("$@")
   targets=(nrrd metaimage nifti tiff png hdf5 vdb dicom raw stl ply obj vtk points)
 
 # An input of more than 10 s, of 2 GiB or with a leak is a finding. HDF5 and OpenVDB leave memory
-# behind when they meet damage. HDF5 is tried in a child process (volumes/base/trial_run.h): inputs
-# on which the child ends, but not the target, are kept, and the program itself must refuse them.
-memory_of() { case "$1" in vdb) printf 4096 ;; *) printf 2048 ;; esac; }
+# behind when they meet damage. Their files are tried in a child process (volumes/base/trial_run.h):
+# inputs on which the child ends, but not the target, are kept, and the program itself must refuse
+# them.
 sanitizer_of() {
   case "$1" in
     hdf5 | vdb) printf 'detect_leaks=0:allocator_may_return_null=1' ;;
@@ -37,15 +37,15 @@ processor_time() {
   return "$status"
 }
 
-# The program's own answer to each input on which the child of target hdf5 ended.
+# refused_by_program TARGET EXTENSION: its answer to each input on which a child ended.
 refused_by_program() {
   local input status
-  for input in build/fuzz/findings/hdf5-{crash,oom}-*; do
+  for input in build/fuzz/findings/"$1"-{crash,oom}-*; do
     [ -e "$input" ] || continue
-    cp "$input" build/fuzz/input.h5
+    cp "$input" "build/fuzz/input.$2"
     status=0
-    timeout 10 build/release/bin/supple info build/fuzz/input.h5 >>"$log" 2>&1 || status=$?
-    [ "$status" -eq 3 ] || { say "fuzz hdf5: supple info exits with $status for $input"; return 1; }
+    timeout 10 build/release/bin/supple info "build/fuzz/input.$2" >>"$log" 2>&1 || status=$?
+    [ "$status" -eq 3 ] || { say "fuzz $1: supple info exits with $status for $input"; return 1; }
     rm "$input"
     refused=$((refused + 1))
   done
@@ -60,7 +60,7 @@ fuzz() {
   while [ "$used" -lt "$seconds" ]; do
     if ! processor_time "build/fuzz/bin/fuzz_$target" "build/fuzz/corpus/$target" \
       "build/fuzz/seeds/$target" -max_total_time="$((seconds - used))" -timeout=10 -max_len=65536 \
-      -rss_limit_mb="$(memory_of "$target")" -print_final_stats=1 \
+      -rss_limit_mb=2048 -print_final_stats=1 \
       -artifact_prefix="build/fuzz/findings/$target-"; then
       say "fuzz $target: a finding, see $log"
       grep -m 3 -E 'ERROR|SUMMARY|terminate' "$log" || true
@@ -68,7 +68,10 @@ fuzz() {
     fi
     used=$((used + (spent > 0 ? spent : 1)))
   done
-  [ "$target" != hdf5 ] || refused_by_program || return 1
+  case "$target" in
+    hdf5) refused_by_program hdf5 h5 || return 1 ;;
+    vdb) refused_by_program vdb vdb || return 1 ;;
+  esac
   runs="$(awk '/^stat::number_of_executed_units:/ { n += $2 } END { print n }' "$log")"
   local note=""
   [ "$refused" -eq 0 ] || note=" ($refused ended a child, and the program refuses them)"

@@ -4,7 +4,7 @@
 
 #include <dlfcn.h>
 
-#include "volumes/base/memory_limit.h"
+#include "volumes/base/require_memory.h"
 
 namespace supple {
 

@@ -14,7 +14,7 @@
 #include <openvdb/util/logging.h>
 
 #include "volumes/base/error.h"
-#include "volumes/base/memory_limit.h"
+#include "volumes/base/require_memory.h"
 
 namespace supple {
 

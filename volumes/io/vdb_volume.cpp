@@ -2,12 +2,13 @@
 // other programs, whose box is that of the active voxels and whose world frame counts as LPS mm.
 // One FloatGrid (scalars) or Vec3SGrid (vectors) is read; of several, the one called "density".
 // Cost: the sparse grids of the file and a slab of eight slices.
+#include <new>
 #include <sstream>
 
 #include <openvdb/tools/Dense.h>
 
 #include "volumes/base/error.h"
-#include "volumes/base/memory_limit.h"
+#include "volumes/base/trial_run.h"
 #include "volumes/base/vdb_seal.h"
 #include "volumes/geometry/geometry_text.h"
 #include "volumes/grid/vdb_stream.h"
@@ -139,17 +140,21 @@ VdbContent all_grids(const std::string& path) {
   return read_vdb_grids(path, [](const std::string&) { return false; });
 }
 
-/// No checksum vouches for the lengths that such a file claims.
+/// No checksum vouches for the lengths that such a file claims: OpenVDB allocates strings of 4 GiB,
+/// and writes past its buffers before it finds out. So the file is read twice.
 VdbContent foreign_grids(const std::string& path) {
+  constexpr std::int64_t kGibibyte = std::int64_t(1) << 30, kBytesPerSecond = 16 << 20;
   const std::int64_t bytes = InputFile(path).size();
-  const MemoryLimit limit(parser_memory(bytes));
-  try {
-    return all_grids(path);
-  } catch (const SystemError&) {
-    throw InputError({path, "grids",
-                      "more memory than a file of " + std::to_string(bytes) + " bytes needs",
-                      "at most " + std::to_string(parser_memory(bytes) >> 20) + " MiB"});
-  }
+  const TrialBounds bounds{kGibibyte + 256 * std::min(bytes, kGibibyte),
+                           int(8 + bytes / kBytesPerSecond)};
+  trial_run({path, "grids", "", "intact OpenVDB grids"}, bounds, [&] {
+    try {
+      all_grids(path);
+    } catch (const SystemError&) {  // out of memory
+      throw std::bad_alloc();
+    }
+  });
+  return all_grids(path);
 }
 
 }  // namespace
