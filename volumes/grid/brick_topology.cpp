@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <numeric>
 #include <tuple>
+
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
 
 namespace supple {
 
@@ -64,35 +66,39 @@ IndexBox join(const IndexBox& a, const IndexBox& b) {
 }
 
 BrickTopology::BrickTopology(std::vector<Vec3i> origins, std::vector<BrickMask> masks) {
-  std::vector<std::size_t> order(origins.size());
-  std::iota(order.begin(), order.end(), std::size_t(0));
-  order.erase(
-      std::remove_if(order.begin(), order.end(), [&](std::size_t b) { return is_empty(masks[b]); }),
-      order.end());
-  const auto comes_first = [&](std::size_t a, std::size_t b) {
-    return origin_less(origins[a], origins[b]);
+  struct Source {
+    Vec3i origin;
+    std::uint32_t place;  // in the arguments
   };
-  if (!std::is_sorted(order.begin(), order.end(), comes_first)) {
-    std::sort(order.begin(), order.end(), comes_first);
+  std::vector<Source> sources;
+  for (std::size_t b = 0; b < origins.size(); ++b) {
+    if (!is_empty(masks[b])) sources.push_back({origins[b], std::uint32_t(b)});
+  }
+  const auto comes_first = [](const Source& a, const Source& b) {
+    return origin_less(a.origin, b.origin);
+  };
+  if (!std::is_sorted(sources.begin(), sources.end(), comes_first)) {
+    tbb::parallel_sort(sources.begin(), sources.end(), comes_first);
   }
   std::vector<Vec3i> sorted;
-  sorted.reserve(order.size());
-  m_masks.reserve(order.size());
-  for (const std::size_t b : order) {
-    sorted.push_back(origins[b]);
-    m_masks.push_back(masks[b]);
-    m_active_count += mask_count(masks[b]);
-    const IndexBox box = mask_bounds(masks[b]);
-    m_active_bounds = join(m_active_bounds, {origins[b] + box.lo, origins[b] + box.hi});
+  sorted.reserve(sources.size());
+  m_masks.reserve(sources.size());
+  for (const Source& source : sources) {
+    const BrickMask& mask = masks[source.place];
+    sorted.push_back(source.origin);
+    m_masks.push_back(mask);
+    m_active_count += mask_count(mask);
+    const IndexBox box = mask_bounds(mask);
+    m_active_bounds = join(m_active_bounds, {source.origin + box.lo, source.origin + box.hi});
   }
   m_index = BrickIndex(std::move(sorted));
   m_neighbours.resize(m_index.count());
-  for (std::size_t b = 0; b < m_index.count(); ++b) {
+  tbb::parallel_for(std::size_t(0), m_index.count(), [&](std::size_t b) {
     for (int face = 0; face < 6; ++face) {
       const Vec3i step(kFaces[face][0], kFaces[face][1], kFaces[face][2]);
       m_neighbours[b][face] = find(m_index.origin(b) + step);
     }
-  }
+  });
 }
 
 std::size_t BrickTopology::bytes() const {

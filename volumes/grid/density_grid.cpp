@@ -1,13 +1,11 @@
 #include "volumes/grid/density_grid.h"
 
 #include <algorithm>
-#include <array>
 #include <set>
 #include <tuple>
 
-#include <tbb/parallel_for.h>
-
 #include "volumes/grid/density_grid_vdb.h"
+#include "volumes/grid/density_leaf.h"
 
 namespace supple {
 
@@ -23,12 +21,6 @@ BrickMask to_mask(const Leaf::NodeMaskType& mask) {
   BrickMask words;
   for (int word = 0; word < 8; ++word) words[word] = mask.getWord<openvdb::Index64>(word);
   return words;
-}
-
-Leaf::NodeMaskType to_node_mask(const BrickMask& words) {
-  Leaf::NodeMaskType mask;
-  for (int word = 0; word < 8; ++word) mask.getWord<openvdb::Index64>(word) = words[word];
-  return mask;
 }
 
 }  // namespace
@@ -56,6 +48,13 @@ DensityGrid::DensityGrid(std::shared_ptr<const Vdb> vdb) : m_vdb(std::move(vdb))
   m_bricks = BrickTopology(std::move(origins), std::move(masks));
 }
 
+DensityGrid::DensityGrid(std::shared_ptr<const Vdb> vdb, BrickTopology bricks,
+                         std::vector<const float*> values)
+    : m_vdb(std::move(vdb)),
+      m_bricks(std::move(bricks)),
+      m_values(std::move(values)),
+      m_background(m_vdb->grid->tree().background()) {}
+
 float DensityGrid::at(const Vec3i& voxel) const {
   const std::int32_t b = m_bricks.find(voxel);
   return b < 0 ? m_background : m_values[b][brick_offset(voxel)];
@@ -68,21 +67,12 @@ std::size_t DensityGrid::bytes() const {
 DensityGrid fill_density_grid(const BrickTopology& bricks,
                               const std::function<void(std::size_t b, float* out)>& fill,
                               float background) {
-  auto grid = openvdb::FloatGrid::create(background);
-  grid->setName("density");
-  std::vector<std::unique_ptr<Leaf>> leaves(bricks.brick_count());
-  tbb::parallel_for(std::size_t(0), leaves.size(), [&](std::size_t b) {
-    std::array<float, kBrickVoxels> values{};
-    fill(b, values.data());
-    const Vec3i& origin = bricks.origin(b);
-    leaves[b] = std::make_unique<Leaf>(openvdb::Coord(origin.x, origin.y, origin.z), background);
-    const BrickMask& mask = bricks.mask(b);
-    float* slots = leaves[b]->buffer().data();
-    for_each_active(mask, [&](int offset) { slots[offset] = values[offset]; });
-    leaves[b]->setValueMask(to_node_mask(mask));
-  });
-  for (std::unique_ptr<Leaf>& leaf : leaves) grid->tree().addLeaf(leaf.release());
-  return DensityGrid(std::make_shared<DensityGrid::Vdb>(DensityGrid::Vdb{grid}));
+  const auto filled = [&](std::size_t b) {
+    DensityLeaf leaf(bricks.origin(b));
+    fill(b, leaf.values());
+    return leaf;
+  };
+  return assemble_density_grid(bricks, filled, background);
 }
 
 DensityGrid make_density_grid(const BrickTopology& bricks, const std::vector<float>& values,
@@ -98,8 +88,8 @@ std::size_t density_grid_bytes(const BrickTopology& bricks) {
   const auto tree_bytes = [](const std::vector<Vec3i>& origins) {
     std::vector<BrickMask> masks(origins.size(), BrickMask{1});
     const BrickTopology topology(origins, masks);
-    const auto no_values = [](std::size_t, float*) {};
-    return fill_density_grid(topology, no_values, 0).vdb().grid->memUsage();
+    const auto zeros = [](std::size_t, float* out) { std::fill_n(out, kBrickVoxels, 0.0f); };
+    return fill_density_grid(topology, zeros, 0).vdb().grid->memUsage();
   };
   const std::size_t empty = tree_bytes({}), single = tree_bytes({Vec3i(0)});
   const std::size_t leaf = tree_bytes({Vec3i(0), Vec3i(8, 0, 0)}) - single;

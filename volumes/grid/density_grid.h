@@ -10,6 +10,8 @@
 
 namespace supple {
 
+class DensityLeaf;
+
 class DensityGrid {
  public:
   struct Vdb;  // holds the openvdb::FloatGrid
@@ -33,6 +35,13 @@ class DensityGrid {
   const Vdb& vdb() const { return *m_vdb; }
 
  private:
+  friend DensityGrid assemble_density_grid(BrickTopology bricks,
+                                           const std::function<DensityLeaf(std::size_t b)>& take,
+                                           float background);
+  /// Of a grid whose bricks are known, with their densities.
+  DensityGrid(std::shared_ptr<const Vdb> vdb, BrickTopology bricks,
+              std::vector<const float*> values);
+
   std::shared_ptr<const Vdb> m_vdb;
   BrickTopology m_bricks;
   std::vector<const float*> m_values;

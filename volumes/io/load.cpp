@@ -1,7 +1,10 @@
 // Sparse loading: slabs stream past, and only bricks that can matter are kept (design.md, "The
-// air"). Memory grows with the active voxels; two slabs of floats are the only dense part.
+// air"). Memory grows with the active voxels; two slabs as they are stored, one of floats and a bit
+// per brick are the only dense part.
 #include <algorithm>
 #include <sstream>
+
+#include <tbb/parallel_for.h>
 
 #include "volumes/base/error.h"
 #include "volumes/io/brick_store.h"
@@ -11,23 +14,62 @@ namespace supple {
 
 namespace {
 
+/// Keeps the bricks that hold more than the lowest density. That one is known at the end only, so
+/// that bricks of nothing but the lowest so far are air until a lower one comes: a bit each.
+class VolumeCollector {
+ public:
+  /// Takes the next slab's content; `lowest` is the lowest density up to its end.
+  void add(const Slab& slab, float lowest) {
+    if (lowest != m_lowest) {
+      keep_air(slab);
+      m_lowest = lowest;
+    }
+    std::vector<SlabBrick> bricks = bricks_of(slab);
+    for (SlabBrick& brick : bricks) {
+      m_is_air.push_back(brick.is_all(m_lowest));
+      if (!m_is_air.back() && !brick.is_void()) m_store.keep(std::move(brick));
+    }
+  }
+
+  BrickStore& store() { return m_store; }
+
+ private:
+  /// Stores the bricks that were air below the slab.
+  void keep_air(const Slab& slab) {
+    const std::size_t across = std::size_t(slab.bricks_x()), count = across * slab.bricks_y();
+    for (std::size_t n = 0; n < m_is_air.size(); ++n) {
+      if (!m_is_air[n]) continue;
+      const Vec3i origin(int(n % across) * kBrickDim, int(n % count / across) * kBrickDim,
+                         m_first_k + int(n / count) * kBrickDim);
+      m_store.keep(constant_brick(origin, slab.dims, m_lowest));
+    }
+    m_is_air.clear();
+    m_first_k = slab.k0;
+  }
+
+  float m_lowest = 0;
+  int m_first_k = 0;           // of the slab with the first of m_is_air
+  std::vector<bool> m_is_air;  // bricks as they came
+  BrickStore m_store;
+};
+
 /// Keeps the bricks within reach of elements. A slab is settled once the slab above it is known,
 /// since elements there reach down into it; hence `rings` of at most a brick.
 class ElementCollector {
  public:
   ElementCollector(double lo, double hi, int rings) : m_lo(lo), m_hi(hi), m_rings(rings) {}
 
-  /// Takes the next slab's content; `slab` is left with memory to use again.
-  void add(Slab& slab) {
-    const std::size_t bricks = std::size_t(slab.bricks_x()) * slab.bricks_y();
+  /// Takes the next slab's content.
+  void add(const Slab& slab) {
+    m_across = slab.bricks_x();
+    m_down = slab.bricks_y();
+    std::vector<SlabBrick> bricks = bricks_of(slab);
     m_reached_here = std::move(m_reached_above);
-    m_reached_here.resize(bricks, 0);
-    m_reached_above.assign(bricks, 0);
-    for (int bj = 0; bj < slab.bricks_y(); ++bj) {
-      for (int bi = 0; bi < slab.bricks_x(); ++bi) find_elements(slab, bi, bj);
-    }
+    m_reached_here.resize(bricks.size(), 0);
+    m_reached_above.assign(bricks.size(), 0);
+    find_elements(bricks);
     settle();
-    std::swap(m_held, slab);
+    m_held = std::move(bricks);
     m_reached_below = std::move(m_reached_here);
   }
 
@@ -37,41 +79,30 @@ class ElementCollector {
   BrickStore& store() { return m_store; }
 
  private:
-  void find_elements(const Slab& slab, int bi, int bj) {
-    float values[kBrickVoxels];
-    slab.gather(bi, bj, values);
-    BrickMask mask{};
-    for (int offset = 0; offset < kBrickVoxels; ++offset) {
-      const bool element = values[offset] >= m_lo && values[offset] <= m_hi;
-      mask[offset >> 6] |= std::uint64_t(element) << (offset & 63);
+  void find_elements(const std::vector<SlabBrick>& bricks) {
+    std::vector<BrickMask> masks(bricks.size());
+    tbb::parallel_for(std::size_t(0), bricks.size(),
+                      [&](std::size_t n) { masks[n] = bricks[n].within(m_lo, m_hi); });
+    for (std::size_t n = 0; n < bricks.size(); ++n) {
+      const IndexBox box = mask_bounds(masks[n]);
+      if (box.empty()) continue;
+      m_origins.push_back(bricks[n].origin);
+      m_masks.push_back(masks[n]);
+      mark_reach(int(n) % m_across, int(n) / m_across, box);
     }
-    if (mask_count(mask) == 0) return;
-    m_origins.push_back(slab.brick_origin(bi, bj));
-    m_masks.push_back(mask);
-    mark_reach(slab, bi, bj, mask);
   }
 
   /// Marks the bricks that the dilated bounds of a brick's elements touch.
-  void mark_reach(const Slab& slab, int bi, int bj, const BrickMask& mask) {
-    Vec3i lo(kBrickDim), hi(-1);
-    for_each_active(mask, [&](int offset) {
-      const Vec3i p = brick_local(offset);
-      for (int a = 0; a < 3; ++a) {
-        lo[a] = std::min(lo[a], p[a]);
-        hi[a] = std::max(hi[a], p[a]);
-      }
-    });
-    const auto first = [&](int a) { return lo[a] < m_rings ? -1 : 0; };
-    const auto last = [&](int a) { return hi[a] + m_rings >= kBrickDim ? 1 : 0; };
+  void mark_reach(int bi, int bj, const IndexBox& box) {
+    const auto first = [&](int a) { return box.lo[a] < m_rings ? -1 : 0; };
+    const auto last = [&](int a) { return box.hi[a] + m_rings >= kBrickDim ? 1 : 0; };
     std::vector<char>* const layers[3] = {&m_reached_below, &m_reached_here, &m_reached_above};
     for (int dz = first(2); dz <= last(2); ++dz) {
       std::vector<char>& layer = *layers[dz + 1];
       if (layer.empty()) continue;
-      for (int y = std::max(0, bj + first(1)); y <= std::min(slab.bricks_y() - 1, bj + last(1));
-           ++y) {
-        for (int x = std::max(0, bi + first(0)); x <= std::min(slab.bricks_x() - 1, bi + last(0));
-             ++x) {
-          layer[std::size_t(y) * slab.bricks_x() + x] = 1;
+      for (int y = std::max(0, bj + first(1)); y <= std::min(m_down - 1, bj + last(1)); ++y) {
+        for (int x = std::max(0, bi + first(0)); x <= std::min(m_across - 1, bi + last(0)); ++x) {
+          layer[std::size_t(y) * m_across + x] = 1;
         }
       }
     }
@@ -79,16 +110,17 @@ class ElementCollector {
 
   /// Stores the reached bricks of the slab that is held back.
   void settle() {
-    if (m_reached_below.empty()) return;
-    m_store.add(m_held, [&](int bi, int bj) {
-      return m_reached_below[std::size_t(bj) * m_held.bricks_x() + bi] != 0;
-    });
+    for (std::size_t n = 0; n < m_held.size(); ++n) {
+      if (m_reached_below[n] && !m_held[n].is_void()) m_store.keep(std::move(m_held[n]));
+    }
+    m_held.clear();
     m_reached_below.clear();
   }
 
   double m_lo, m_hi;
   int m_rings;
-  Slab m_held;
+  int m_across = 0, m_down = 0;  // bricks of a slab along i and j
+  std::vector<SlabBrick> m_held;
   std::vector<char> m_reached_below, m_reached_here, m_reached_above;
   std::vector<Vec3i> m_origins;
   std::vector<BrickMask> m_masks;
@@ -118,13 +150,13 @@ Volume describe(const VolumeFile& file, const SlabReader& reader) {
 
 Volume load_volume(VolumeFile& file, Progress* progress) {
   SlabReader reader(file, progress);
-  BrickStore store;
-  Slab slab;
-  while (reader.next(slab)) store.add(slab, [](int, int) { return true; });
-  slab = Slab();
+  VolumeCollector collector;
+  {
+    Slab slab;
+    while (reader.next(slab)) collector.add(slab, float(reader.statistics().min));
+  }
   Volume volume = describe(file, reader);
-  const float background = float(volume.statistics.min);
-  volume.density = store.take_grid(store.above(background), background);
+  volume.density = collector.store().take_above(float(volume.statistics.min));
   return volume;
 }
 

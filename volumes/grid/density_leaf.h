@@ -1,0 +1,42 @@
+// Bricks of a density grid to come, each in the memory in which the grid will hold it: densities
+// are written once, before it is known which of them become active, and never copied.
+// Cost: 2 kB per leaf.
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include "volumes/grid/density_grid.h"
+
+namespace supple {
+
+/// The 512 densities of a brick in brick order.
+class DensityLeaf {
+ public:
+  /// No leaf.
+  DensityLeaf() = default;
+  /// The brick whose smallest voxel is `origin`, a multiple of 8. Its densities are unset.
+  explicit DensityLeaf(const Vec3i& origin);
+
+  explicit operator bool() const { return m_node != nullptr; }
+  /// Of an existing leaf.
+  float* values() const;
+
+ private:
+  friend DensityGrid assemble_density_grid(BrickTopology bricks,
+                                           const std::function<DensityLeaf(std::size_t b)>& take,
+                                           float background);
+  struct Free {
+    void operator()(void* node) const;
+  };
+
+  std::unique_ptr<void, Free> m_node;  // an openvdb::FloatTree::LeafNodeType
+};
+
+/// The grid of these bricks. `take(b)` hands over the leaf of each, once and from several threads;
+/// its inactive voxels become the background here.
+DensityGrid assemble_density_grid(BrickTopology bricks,
+                                  const std::function<DensityLeaf(std::size_t b)>& take,
+                                  float background);
+
+}  // namespace supple
