@@ -1,6 +1,7 @@
 // HDF5 as the rest of the house sees it (formats.h, dense_writer.h): what can be said of a file
 // without the library, and the calls into the module, which hold the library to its bounds.
 #include <filesystem>
+#include <vector>
 
 #include "volumes/base/trial_run.h"
 #include "volumes/hdf5/hdf5_module.h"
@@ -19,14 +20,32 @@ std::string file_part(const std::string& path) {
   return is_file ? file : path;
 }
 
+namespace {
+
+// Volumes of at most so many bytes and slices are tried whole, of others all that describes the
+// values.
+constexpr std::int64_t kTriedBytes = std::int64_t(64) << 20;
+constexpr int kTriedSlices = 4096;
+
+void read_small(VolumeFile& file) {
+  const VolumeHeader& header = file.header();
+  if (stored_bytes(header) > kTriedBytes || header.geometry.dims().z > kTriedSlices) return;
+  const Vec3i& dims = header.geometry.dims();
+  std::vector<char> slice(std::size_t(stored_bytes(header) / dims.z));
+  for (int k = 0; k < dims.z; ++k) file.read_slice(slice.data());
+}
+
+}  // namespace
+
 std::unique_ptr<VolumeFile> open_hdf5(const std::string& path, const ReadOptions& options) {
   const std::string name = file_part(path);
-  // In a damaged file the library reads through null pointers, or follows a circle of free blocks
-  // and keeps each of them. What describes the values is smaller than the file.
-  const TrialBounds bounds{(std::int64_t(256) << 20) + 4 * InputFile(name).size(), 8};
+  // In a damaged file the library reads through null pointers and behind the ends of chunks, or
+  // follows a circle of free blocks and keeps each of them. What describes the values is smaller
+  // than the file.
+  const TrialBounds bounds{4 * (kTriedBytes + InputFile(name).size()), 8};
   const Hdf5Module& module = hdf5_module();
   trial_run({path, "HDF5 structure", "", "an intact HDF5 file"}, bounds,
-            [&] { module.open(name, path, options); });
+            [&] { read_small(*module.open(name, path, options)); });
   return module.open(name, path, options);
 }
 
