@@ -1,11 +1,12 @@
 // NIfTI-1 and NIfTI-2: one file (.nii) or .hdr with .img, each gzipped or not, either byte order.
 // Source: nifti1.h and nifti2.h. Bytes behind the values are legal in NIfTI and are skipped.
 // One frame of a time series (dim[4]) is read; what precedes it is skipped, or decoded where the
-// file is gzipped. Several values per voxel are dim[5], components slowest (planar_volume.h has the
-// cost), or the colours RGB24 and RGBA32. Vectors are LPS, as ANTs, ITK and elastix write them with
-// intent 1007, except for intent 1006 (displacements in the file's own frame), which are RAS.
-// Where magic and extension differ, the content decides: "n+1" in a .hdr without values behind the
-// header reads the .img beside it, "ni1" with an offset behind the header reads the file itself.
+// file is gzipped. Several values per voxel are dim[5], components slowest, or the colours RGB24
+// and RGBA32. Of n components in a gzipped file the whole stream is decoded (n + 1) / 2 times.
+// Vectors are LPS, as ANTs, ITK and elastix write them with intent 1007, except for intent 1006
+// (displacements in the file's own frame), which are RAS. Where magic and extension differ, the
+// content decides: "n+1" in a .hdr without values behind the header reads the .img beside it, "ni1"
+// with an offset behind the header reads the file itself.
 #include <cmath>
 #include <filesystem>
 
@@ -13,7 +14,7 @@
 #include "volumes/io/formats.h"
 #include "volumes/io/nifti_extension.h"
 #include "volumes/io/nifti_header.h"
-#include "volumes/io/planar_volume.h"
+#include "volumes/io/streamed_volume.h"
 #include "volumes/io/text_header.h"
 
 namespace supple {
@@ -147,29 +148,15 @@ NiftiValues place_of_values(const std::shared_ptr<const InputFile>& header_file,
   return {in_one_file ? header_file : std::make_shared<InputFile>(beside), offset};
 }
 
-/// All that the header claims must be there, whichever frame is read.
-void check_claim(const std::string& path, const NiftiAxes& axes, const NiftiValues& values,
-                 const VolumeHeader& volume, ByteRange range) {
-  const double volumes = double(axes.frames) * axes.planes;
-  const double bytes = double(stored_bytes(volume)) / axes.planes * volumes;
-  if (bytes > 1e18) fail_nifti(path, "dim[4]", double(axes.frames), "frames that a file can hold");
-  range.size = std::int64_t(bytes);
-  open_source(values.file, range);
-}
-
-std::unique_ptr<VolumeFile> open_values(const std::string& path, const NiftiAxes& axes, int frame,
-                                        const NiftiValues& values, StreamLayout layout) {
+std::unique_ptr<VolumeFile> open_values(const NiftiAxes& axes, const NiftiValues& values,
+                                        StreamLayout layout) {
+  using Axis = StoredAxis;
+  if (axes.planes > 1) layout.order = {Axis::i, Axis::j, Axis::k, Axis::frame, Axis::component};
   const bool deflated = is_gzip(values.file->head(2));
   layout.range.compression = deflated ? Compression::deflate : Compression::none;
   layout.range.surplus = Surplus::ignore;
-  std::int64_t& start = deflated ? layout.range.stream_offset : layout.range.file_offset;
-  start = values.offset;
-  check_claim(path, axes, values, layout.header, layout.range);
-
-  const std::int64_t volume_bytes = stored_bytes(layout.header) / axes.planes;
-  start += frame * volume_bytes;
-  if (axes.planes == 1) return open_stream(values.file, std::move(layout));
-  return open_planes(values.file, std::move(layout), axes.frames * volume_bytes);
+  (deflated ? layout.range.stream_offset : layout.range.file_offset) = values.offset;
+  return open_stream(values.file, std::move(layout));
 }
 
 }  // namespace
@@ -200,9 +187,9 @@ std::unique_ptr<VolumeFile> open_nifti(const std::string& path, const ReadOption
   parse_intent(header_path, header.values, volume);
   read_nifti_extensions(*header_file, header, volume);
 
-  const int frame = chosen_frame(options, axes.frames, path, "dim[4]");
-  return open_values(header_path, axes, frame, place_of_values(header_file, header),
-                     std::move(layout));
+  layout.frames = axes.frames;
+  layout.frame = chosen_frame(options, axes.frames, path, "dim[4]");
+  return open_values(axes, place_of_values(header_file, header), std::move(layout));
 }
 
 }  // namespace supple

@@ -12,10 +12,46 @@ namespace {
 
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "the readers assume a little-endian host");
 
-void swap_bytes(void* values, std::size_t count, int width) {
-  auto* bytes = static_cast<unsigned char*>(values);
-  for (std::size_t n = 0; n < count; ++n) {
-    std::reverse(bytes + n * width, bytes + (n + 1) * width);
+std::uint8_t swapped(std::uint8_t value) {
+  return value;
+}
+std::uint16_t swapped(std::uint16_t value) {
+  return __builtin_bswap16(value);
+}
+std::uint32_t swapped(std::uint32_t value) {
+  return __builtin_bswap32(value);
+}
+std::uint64_t swapped(std::uint64_t value) {
+  return __builtin_bswap64(value);
+}
+
+/// Values a number of values apart.
+struct Run {
+  char* begin;
+  std::int64_t stride;
+};
+
+template <class Word>
+void copy_words(const Run& from, const Run& to, std::int64_t count, bool swap) {
+  for (std::int64_t n = 0; n < count; ++n) {
+    Word word;
+    std::memcpy(&word, from.begin + n * from.stride * std::int64_t(sizeof word), sizeof word);
+    if (swap) word = swapped(word);
+    std::memcpy(to.begin + n * to.stride * std::int64_t(sizeof word), &word, sizeof word);
+  }
+}
+
+/// Copies `count` values of `width` bytes, in the other byte order where `swap`.
+void copy_values(int width, const Run& from, const Run& to, std::int64_t count, bool swap) {
+  switch (width) {
+    case 1:
+      return copy_words<std::uint8_t>(from, to, count, swap);
+    case 2:
+      return copy_words<std::uint16_t>(from, to, count, swap);
+    case 4:
+      return copy_words<std::uint32_t>(from, to, count, swap);
+    default:
+      return copy_words<std::uint64_t>(from, to, count, swap);
   }
 }
 
@@ -80,28 +116,27 @@ class StreamedVolume : public VolumeFile {
         gather(int(s), static_cast<char*>(out));
       }
     }
-    const std::size_t values = std::size_t(dims.x) * dims.y * m_header.components;
-    if (m_swap && m_width > 1) swap_bytes(out, values, m_width);
+    if (m_swap && m_block.empty()) {
+      const Run all{static_cast<char*>(out), 1};
+      copy_values(m_width, all, all, std::int64_t(dims.x) * dims.y * m_header.components, true);
+    }
     // The last source is the furthest in the file.
     if (++m_slices_read == dims.z) m_sources.back()->finish();
   }
 
  private:
   /// Copies what the slice wants of the block; component `s` where components lie apart.
-  void gather(int s, char* out) const {
+  void gather(int s, char* out) {
     const Vec3i& dims = m_header.geometry.dims();
     const int components = m_header.components, last = m_sources.size() > 1 ? s + 1 : components;
     for (int c = s; c < last; ++c) {
       const std::int64_t first =
           m_first_in_block + (m_sources.size() > 1 ? 0 : c * m_strides[StoredAxis::component]);
       for (int j = 0; j < dims.y; ++j) {
-        const char* from = m_block.data() + (first + j * m_strides[StoredAxis::j]) * m_width;
-        char* to = out + (std::int64_t(j) * dims.x * components + c) * m_width;
-        for (int i = 0; i < dims.x; ++i) {
-          std::memcpy(to, from, std::size_t(m_width));
-          from += m_strides[StoredAxis::i] * m_width;
-          to += components * m_width;
-        }
+        const Run from{m_block.data() + (first + j * m_strides[StoredAxis::j]) * m_width,
+                       m_strides[StoredAxis::i]};
+        const Run to{out + (std::int64_t(j) * dims.x * components + c) * m_width, components};
+        copy_values(m_width, from, to, dims.x, m_swap);
       }
     }
   }
