@@ -1,9 +1,8 @@
 // The OpenVDB side of DensityGrid. Heavy: include only where grids are created, read or written.
 #pragma once
 
-#include <openvdb/openvdb.h>
-
 #include "volumes/grid/density_grid.h"
+#include "volumes/grid/vdb_trees.h"
 
 namespace supple {
 

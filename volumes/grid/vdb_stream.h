@@ -9,12 +9,12 @@
 #include <utility>
 #include <vector>
 
-#include <openvdb/openvdb.h>
 #include <tbb/parallel_for.h>
 
 #include "volumes/base/atomic_file.h"
 #include "volumes/geometry/geometry.h"
 #include "volumes/grid/brick_topology.h"
+#include "volumes/grid/vdb_trees.h"
 
 namespace supple {
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <map>
+#include <set>
 
 #include "volumes/base/error.h"
 #include "volumes/io/text_header.h"
@@ -55,6 +56,7 @@ class VtkReader {
 
   void read_section(std::string_view word) {
     const std::string name = lower_case(std::string(word));
+    require_once(word, name);
     if (name == "points") return read_points();
     if (name == "dimensions") return m_words.skip_line();
     if (name == "metadata") return skip_metadata();
@@ -70,6 +72,15 @@ class VtkReader {
     }
     if (name == "field") return read_field();
     read_attribute(word, name);
+  }
+
+  /// Points and cells are numbered from the start of their section.
+  void require_once(std::string_view word, const std::string& name) {
+    static const std::set<std::string> kNumbered = {
+        "points", "vertices", "lines", "polygons", "triangle_strips", "cells", "cell_types"};
+    if (kNumbered.count(name) > 0 && !m_numbered.insert(name).second) {
+      m_words.fail("a second section " + std::string(word), "one");
+    }
   }
 
   void read_points() {
@@ -262,6 +273,7 @@ class VtkReader {
   VtkNumbers m_numbers;
   MeshSlots* m_slots;
   TriangleMesh m_mesh;
+  std::set<std::string> m_numbered;  // sections so far
   bool m_is_new = false, m_has_points = false, m_is_cell_data = false;
   std::size_t m_items = 0;  // of point or cell data
   Cells m_pointlike[2], m_polygons, m_strips, m_cells;

@@ -129,6 +129,12 @@ TEST(FaultVtk, WhatIsDamagedIsRefused) {
   EXPECT_THROW(read(kText + kSquare + "POLYGONS 2147483640 2147483640\n4 0 1 2 3\n"), InputError);
   EXPECT_THROW(read(kText + "POINTS 2147483640 float\n0 0 0\n"), InputError);
   EXPECT_THROW(read(kText + kSquare + "SURPRISE 1\n"), InputError);
+  const std::string polygons =
+      "POLYGONS 2 3\nOFFSETS vtktypeint64\n0 3\nCONNECTIVITY vtktypeint64\n";
+  const std::string twice = head("ASCII", "POLYDATA", "5.1") + kSquare + polygons + "0 1 2\n";
+  EXPECT_NO_THROW(read(twice));
+  EXPECT_THROW(read(twice + polygons + "0 2 3\n"), InputError);
+  EXPECT_THROW(read(kText + kSquare + kSquare), InputError);
   EXPECT_THROW(read(head("ASCII", "RECTILINEAR_GRID") + kSquare), InputError);
   EXPECT_THROW(read(head("XML", "POLYDATA") + kSquare), InputError);
   EXPECT_THROW(after(kText + "POINTS 1 int\n0 0 0\n"), InputError);

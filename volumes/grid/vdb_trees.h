@@ -1,0 +1,10 @@
+// OpenVDB with the two kinds of grid that we hold instantiated once, in vdb_trees.cpp: else every
+// file that makes a grid compiles all of its virtual functions, for half a minute.
+#pragma once
+
+#include <openvdb/openvdb.h>
+
+extern template class openvdb::tree::Tree<openvdb::FloatTree::RootNodeType>;
+extern template class openvdb::tree::Tree<openvdb::Vec3STree::RootNodeType>;
+extern template class openvdb::Grid<openvdb::FloatTree>;
+extern template class openvdb::Grid<openvdb::Vec3STree>;
