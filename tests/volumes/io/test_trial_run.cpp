@@ -51,7 +51,7 @@ TEST(FaultTrialRun, ACrashIsAProblemOfTheFile) {
 
 TEST(FaultTrialRun, AnEndlessLoopIsStopped) {
   const Problem told = problem_of([] {
-    for (volatile int n = 0;; n = n + 1) {
+    for (volatile unsigned n = 0;; n = n + 1) {
     }
   });
   EXPECT_EQ(told.found, "damage that takes more than 1 s to parse");
