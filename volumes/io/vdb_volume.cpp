@@ -143,10 +143,10 @@ VdbContent all_grids(const std::string& path) {
 /// No checksum vouches for the lengths that such a file claims: OpenVDB allocates strings of 4 GiB,
 /// and writes past its buffers before it finds out. So the file is read twice.
 VdbContent foreign_grids(const std::string& path) {
-  constexpr std::int64_t kGibibyte = std::int64_t(1) << 30, kBytesPerSecond = 16 << 20;
+  constexpr std::int64_t kLeast = std::int64_t(256) << 20, kMost = std::int64_t(1) << 40;
+  constexpr std::int64_t kBytesPerSecond = 16 << 20;
   const std::int64_t bytes = InputFile(path).size();
-  const TrialBounds bounds{kGibibyte + 256 * std::min(bytes, kGibibyte),
-                           int(8 + bytes / kBytesPerSecond)};
+  const TrialBounds bounds{kLeast + std::min(256 * bytes, kMost), int(8 + bytes / kBytesPerSecond)};
   trial_run({path, "grids", "", "intact OpenVDB grids"}, bounds, [&] {
     try {
       all_grids(path);
