@@ -6,7 +6,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
-#include "lib/chainmail/brick_faces.h"
+#include "lib/body/brick_faces.h"
 #include "lib/chainmail/brick_kernel.h"
 
 namespace supple {

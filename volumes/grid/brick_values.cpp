@@ -11,13 +11,15 @@ constexpr std::size_t kMaxChunk = 64;
 
 }  // namespace
 
-BrickValues::BrickValues(const BrickValues& other) : BrickValues(other.brick_count()) {
+template <class T>
+BrickArray<T>::BrickArray(const BrickArray& other) : BrickArray(other.brick_count()) {
   for (std::size_t b = 0; b < other.brick_count(); ++b) {
     if (other.m_table[b] != nullptr) std::copy_n(other.m_table[b], kBrickVoxels, touch(b));
   }
 }
 
-void BrickValues::swap(BrickValues& other) noexcept {
+template <class T>
+void BrickArray<T>::swap(BrickArray& other) noexcept {
   m_table.swap(other.m_table);
   m_chunks.swap(other.m_chunks);
   m_free.swap(other.m_free);
@@ -25,9 +27,10 @@ void BrickValues::swap(BrickValues& other) noexcept {
   std::swap(m_chunk_bricks, other.m_chunk_bricks);
 }
 
-std::int32_t* BrickValues::store(std::size_t b) {
+template <class T>
+T* BrickArray<T>::store(std::size_t b) {
   if (m_free.empty()) add_chunk();
-  std::int32_t* const values = m_free.back();
+  T* const values = m_free.back();
   m_free.pop_back();
   std::memset(values, 0, sizeof(Brick));
   m_table[b] = values;
@@ -36,7 +39,8 @@ std::int32_t* BrickValues::store(std::size_t b) {
 }
 
 /// Up to 64 bricks, never more than are left to store; handed out in ascending order.
-void BrickValues::add_chunk() {
+template <class T>
+void BrickArray<T>::add_chunk() {
   const std::size_t count = std::min(kMaxChunk, m_table.size() - m_stored);
   // So that release() never allocates.
   const std::size_t wanted = m_chunk_bricks + count;
@@ -46,24 +50,28 @@ void BrickValues::add_chunk() {
   for (std::size_t n = count; n > 0; --n) m_free.push_back(m_chunks.back()[n - 1].values);
 }
 
-void BrickValues::release(std::size_t b) {
+template <class T>
+void BrickArray<T>::release(std::size_t b) {
   if (brick(b) == nullptr) return;
   m_free.push_back(m_table[b]);
   m_table[b] = nullptr;
   --m_stored;
 }
 
-void BrickValues::resize(std::size_t brick_count) {
+template <class T>
+void BrickArray<T>::resize(std::size_t brick_count) {
   for (std::size_t b = brick_count; b < m_table.size(); ++b) release(b);
   m_table.resize(brick_count, nullptr);
 }
 
-std::size_t BrickValues::bytes() const {
+template <class T>
+std::size_t BrickArray<T>::bytes() const {
   return m_chunk_bricks * sizeof(Brick) + m_chunks.capacity() * sizeof(m_chunks[0]) +
-         (m_table.capacity() + m_free.capacity()) * sizeof(std::int32_t*);
+         (m_table.capacity() + m_free.capacity()) * sizeof(T*);
 }
 
-bool BrickValues::operator==(const BrickValues& other) const {
+template <class T>
+bool BrickArray<T>::operator==(const BrickArray& other) const {
   const std::size_t count = std::max(brick_count(), other.brick_count());
   for (std::size_t b = 0; b < count; ++b) {
     if (brick(b) == other.brick(b)) continue;
@@ -71,5 +79,8 @@ bool BrickValues::operator==(const BrickValues& other) const {
   }
   return true;
 }
+
+template class BrickArray<std::int32_t>;
+template class BrickArray<double>;
 
 }  // namespace supple

@@ -1,0 +1,75 @@
+#include "lib/relax/brick_links.h"
+
+#include <algorithm>
+
+namespace supple {
+
+namespace {
+
+/// Entries of `links` whose low ends have a cut link along `axis`.
+template <class At>
+void remove_cut(const BrickMask& cut, std::int32_t missing, At&& at) {
+  for_each_active(cut, [&](int offset) { at(brick_local(offset)) = missing; });
+}
+
+void remove_cuts(const Body& body, std::size_t b, std::int32_t missing, BrickLinks& links) {
+  if (const LinkCuts::BrickCuts* own = body.cuts.brick(b)) {
+    remove_cut((*own)[0], missing,
+               [&](const Vec3i& v) -> auto& { return links.i[v.x + 1][v.y][v.z]; });
+    remove_cut((*own)[1], missing,
+               [&](const Vec3i& v) -> auto& { return links.j[v.x][v.y + 1][v.z]; });
+    remove_cut((*own)[2], missing, [&](const Vec3i& v) -> auto& { return links.k[v.x][v.y][v.z]; });
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::int32_t before = body.elements.neighbour(b, 2 * axis);
+    const LinkCuts::BrickCuts* cuts = before >= 0 ? body.cuts.brick(std::size_t(before)) : nullptr;
+    if (cuts == nullptr) continue;
+    for_each_active((*cuts)[std::size_t(axis)], [&](int offset) {
+      const Vec3i v = brick_local(offset);
+      if (v[axis] != 7) return;
+      (axis == 0   ? links.i[0][v.y][v.z]
+       : axis == 1 ? links.j[v.x][0][v.z]
+                   : links.low_k[v.x][v.y]) = missing;
+    });
+  }
+}
+
+}  // namespace
+
+void find_links(const Body& body, std::size_t b, std::int32_t missing, BrickLinks& links) {
+  // The class of what is no element is so large that every entry with it is beyond the others.
+  PaddedBrick<std::int32_t> classes;
+  const auto classes_of = [&](std::size_t brick) {
+    return [classes = body.classes.data() + kBrickVoxels * brick,
+            mask = body.elements.mask(brick).data(), missing](int offset) {
+      const bool is_element = mask[offset >> 6] >> (offset & 63) & 1;
+      return is_element ? std::int32_t(classes[offset]) : missing;
+    };
+  };
+  pad_brick(body.elements, b, missing, classes_of, classes);
+
+  const std::int32_t stride = body.slacks.stride();
+  const auto entry = [&](std::int32_t low, std::int32_t high) {
+    return std::min(missing, std::min(low, missing) * stride + high);
+  };
+  for (int i = -1; i < 8; ++i) {
+    for (int j = -1; j < 8; ++j) {
+      if (i < 0 && j < 0) continue;
+      const std::int32_t* here = classes.row(i, j);
+      if (j >= 0) {
+        const std::int32_t* next = classes.row(i + 1, j);
+        for (int k = 0; k < 8; ++k) links.i[i + 1][j][k] = entry(here[k], next[k]);
+      }
+      if (i >= 0) {
+        const std::int32_t* next = classes.row(i, j + 1);
+        for (int k = 0; k < 8; ++k) links.j[i][j + 1][k] = entry(here[k], next[k]);
+      }
+      if (i < 0 || j < 0) continue;
+      for (int k = 0; k < 8; ++k) links.k[i][j][k] = entry(here[k], here[k + 1]);
+      links.low_k[i][j] = entry(here[-1], here[0]);
+    }
+  }
+  if (!body.cuts.empty()) remove_cuts(body, b, missing, links);
+}
+
+}  // namespace supple

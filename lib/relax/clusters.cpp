@@ -1,0 +1,115 @@
+#include "lib/relax/clusters.h"
+
+#include <algorithm>
+
+namespace supple {
+
+namespace {
+
+/// Disjoint sets of slots; a set's root is its smallest slot. Slots that were never joined cost
+/// nothing where their brick has no joined one.
+class SlotForest {
+ public:
+  explicit SlotForest(std::size_t bricks) : m_parent(bricks) {}
+
+  bool is_joined(Slot slot) const { return m_parent.at(slot) != 0; }
+  /// Of a joined slot.
+  Slot root(Slot slot) {
+    Slot parent = parent_of(slot);
+    while (parent != slot) {
+      const Slot above = parent_of(parent);
+      set(slot, above);
+      slot = above;
+      parent = parent_of(slot);
+    }
+    return slot;
+  }
+  void join(Slot a, Slot b) {
+    if (!is_joined(a)) set(a, a);
+    if (!is_joined(b)) set(b, b);
+    a = root(a);
+    b = root(b);
+    set(std::max(a, b), std::min(a, b));
+  }
+
+ private:
+  // One more than the parent, so that 0 stands for none.
+  Slot parent_of(Slot slot) const { return Slot(m_parent.at(slot)) - 1; }
+  void set(Slot slot, Slot parent) { m_parent.set(slot, std::int32_t(parent + 1)); }
+
+  BrickValues m_parent;
+};
+
+constexpr std::uint32_t kNone = ~std::uint32_t(0);
+
+/// Which cluster a slot is in.
+class ClusterNumbers {
+ public:
+  explicit ClusterNumbers(std::size_t bricks) : m_numbers(bricks) {}
+  std::uint32_t operator[](Slot slot) const { return std::uint32_t(m_numbers.at(slot)) - 1; }
+  void set(Slot slot, std::uint32_t number) { m_numbers.set(slot, std::int32_t(number + 1)); }
+
+ private:
+  BrickValues m_numbers;
+};
+
+/// Moves items of (cluster, item) pairs, which come in ascending order of items, to their clusters.
+template <class Item>
+void group(const std::vector<std::pair<std::uint32_t, Item>>& pairs, std::size_t clusters,
+           std::vector<Item>& items, std::vector<std::uint32_t>& first) {
+  first.assign(clusters + 1, 0);
+  for (const auto& [cluster, item] : pairs) ++first[cluster + 1];
+  for (std::size_t c = 0; c < clusters; ++c) first[c + 1] += first[c];
+  std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
+  items.resize(pairs.size());
+  for (const auto& [cluster, item] : pairs) items[next[cluster]++] = item;
+}
+
+}  // namespace
+
+std::size_t Clusters::bytes() const {
+  return members.capacity() * sizeof(Slot) + boundary.capacity() * sizeof(Boundary) +
+         (first.capacity() + first_link.capacity()) * sizeof(std::uint32_t);
+}
+
+Clusters find_clusters(const Body& body, const LinkTable& table,
+                       const std::vector<std::uint32_t>& bricks, const Joins& joins) {
+  const BrickTopology& elements = body.elements;
+  SlotForest forest(elements.brick_count());
+  for (const std::uint32_t b : bricks) {
+    for_each_link(elements, body.cuts, b, [&](int axis, Slot low, Slot high) {
+      if (joins(axis, low, high)) forest.join(low, high);
+    });
+  }
+
+  // A root comes before the other members of its cluster, as it is the smallest slot.
+  ClusterNumbers numbers(elements.brick_count());
+  std::vector<std::pair<std::uint32_t, Slot>> members;
+  std::uint32_t count = 0;
+  for_each_element(elements, [&](Slot slot) {
+    if (!forest.is_joined(slot)) return;
+    const Slot root = forest.root(slot);
+    if (root == slot) numbers.set(slot, count++);
+    numbers.set(slot, numbers[root]);
+    members.push_back({numbers[slot], slot});
+  });
+  Clusters clusters;
+  group(members, count, clusters.members, clusters.first);
+
+  std::vector<std::pair<std::uint32_t, Clusters::Boundary>> boundary;
+  for (const auto& [cluster, slot] : members) {
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const bool upwards : {false, true}) {
+        Slot other;
+        if (!neighbour_slot(elements, body.cuts, slot, axis, upwards, other)) continue;
+        if (numbers[other] == cluster) continue;
+        const LinkValues& values = table.values(axis, body.classes[slot], body.classes[other]);
+        boundary.push_back({cluster, {slot, other, values, upwards, numbers[other] != kNone}});
+      }
+    }
+  }
+  group(boundary, count, clusters.boundary, clusters.first_link);
+  return clusters;
+}
+
+}  // namespace supple

@@ -1,0 +1,43 @@
+// Elements that step together. Links without slack join elements that can only move as one; links
+// that have used up their slack join elements that block each other, one pulled up and its
+// neighbour down, though both together are pulled one way. A relaxation that steps elements one by
+// one never moves either (design.md section 3).
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "lib/body/body.h"
+#include "lib/body/lattice.h"
+#include "lib/relax/link_table.h"
+
+namespace supple {
+
+struct Clusters {
+  /// A link out of a cluster.
+  struct Boundary {
+    Slot inside, outside;
+    LinkValues values;
+    bool inside_is_low;  // end of the link
+    bool shared;         // the other end moves with another cluster
+  };
+
+  std::vector<Slot> members;             // by cluster, ascending within
+  std::vector<std::uint32_t> first;      // of each cluster in `members`; one more at the end
+  std::vector<Boundary> boundary;        // by cluster
+  std::vector<std::uint32_t> first_link; // of each cluster in `boundary`; one more at the end
+
+  std::size_t count() const { return first.empty() ? 0 : first.size() - 1; }
+  std::size_t bytes() const;
+};
+
+/// Whether the link from `low` to the next element `high` along `axis` joins both.
+using Joins = std::function<bool(int axis, Slot low, Slot high)>;
+
+/// The clusters of at least two elements that joined links of the given bricks (ascending) make;
+/// numbered by their smallest slots, so that nothing depends on the order of the links.
+Clusters find_clusters(const Body& body, const LinkTable& table,
+                       const std::vector<std::uint32_t>& bricks, const Joins& joins);
+
+}  // namespace supple

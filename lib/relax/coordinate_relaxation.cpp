@@ -1,0 +1,309 @@
+#include "lib/relax/coordinate_relaxation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+namespace supple {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+bool bit(const std::vector<BrickMask>& masks, Slot slot) {
+  return mask_test(masks[slot / kBrickVoxels], int(slot % kBrickVoxels));
+}
+void clear_bit(std::vector<BrickMask>& masks, Slot slot) {
+  const unsigned offset = slot % kBrickVoxels;
+  masks[slot / kBrickVoxels][offset / 64] &= ~(std::uint64_t(1) << (offset % 64));
+}
+
+/// Voxels of a brick whose coordinates have an even (0) or odd (1) sum. Brick origins are even.
+BrickMask chessboard(int colour) {
+  constexpr std::uint64_t kEvenPlane = 0xaa55aa55aa55aa55u;
+  BrickMask mask;
+  for (int i = 0; i < 8; ++i) {
+    mask[std::size_t(i)] = (i + colour) % 2 == 0 ? kEvenPlane : ~kEvenPlane;
+  }
+  return mask;
+}
+
+/// The bounds of a brick's elements.
+std::pair<std::vector<Bound>::const_iterator, std::vector<Bound>::const_iterator> bounds_in(
+    const std::vector<Bound>& bounds, std::size_t brick) {
+  const auto before = [](const Bound& bound, std::size_t slot) { return bound.slot < slot; };
+  const auto first =
+      std::lower_bound(bounds.begin(), bounds.end(), brick * kBrickVoxels, before);
+  return {first, std::lower_bound(first, bounds.end(), (brick + 1) * kBrickVoxels, before)};
+}
+
+/// Null where the element has none.
+const Bound* bound_of(const std::vector<Bound>& bounds, Slot slot) {
+  const auto place =
+      std::lower_bound(bounds.begin(), bounds.end(), slot,
+                       [](const Bound& bound, Slot wanted) { return bound.slot < wanted; });
+  return place != bounds.end() && place->slot == slot ? &*place : nullptr;
+}
+
+template <class Visit>
+void in_parallel(std::size_t count, Visit&& visit) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 4),
+                    [&](const tbb::blocked_range<std::size_t>& range) {
+                      for (std::size_t n = range.begin(); n < range.end(); ++n) visit(n);
+                    });
+}
+
+}  // namespace
+
+CoordinateRelaxation::CoordinateRelaxation(const Body& body, int coordinate, const SlotSet& still,
+                                           const Holds& held, const RelaxParams& params)
+    : m_body(body),
+      m_coordinate(coordinate),
+      m_at_least(held.at_least[std::size_t(coordinate)]),
+      m_at_most(held.at_most[std::size_t(coordinate)]),
+      m_params(params),
+      m_table(body, coordinate),
+      m_now(body.elements.brick_count()),
+      m_next(body.elements.brick_count()),
+      m_changed(body.elements.brick_count(), 0),
+      m_energies(body.elements.brick_count(), 0) {
+  const BrickValues& q = body.q[std::size_t(coordinate)];
+  for (std::size_t b = 0; b < q.brick_count(); ++b) {
+    const std::int32_t* values = q.brick(b);
+    if (values == nullptr) continue;
+    double* fine = m_now.touch(b);
+    for (int n = 0; n < kBrickVoxels; ++n) fine[n] = values[n] * kFinePerUnit;
+    std::copy_n(fine, kBrickVoxels, m_next.touch(b));
+    m_changed[b] = 1;
+  }
+  for (std::size_t b = 0; b < body.elements.brick_count(); ++b) {
+    m_movable.push_back(body.elements.mask(b));
+  }
+  still.for_each([this](Slot slot) { clear_bit(m_movable, slot); });
+  m_single = m_movable;
+  if (params.method != RelaxMethod::plain && m_table.has_rigid()) find_rigid_clusters();
+  add_bricks();
+}
+
+/// A cluster with an element that is held, is held.
+void CoordinateRelaxation::find_rigid_clusters() {
+  std::vector<std::uint32_t> bricks(m_movable.size());
+  std::iota(bricks.begin(), bricks.end(), 0u);
+  m_rigid = find_clusters(m_body, m_table, bricks, [&](int axis, Slot low, Slot high) {
+    return m_table.is_rigid(axis, m_body.classes[low], m_body.classes[high]);
+  });
+  for (std::size_t c = 0; c < m_rigid.count(); ++c) {
+    const auto begin = m_rigid.members.begin() + m_rigid.first[c];
+    const auto end = m_rigid.members.begin() + m_rigid.first[c + 1];
+    const bool moves = std::all_of(begin, end, [&](Slot slot) { return bit(m_movable, slot); });
+    for (auto slot = begin; slot != end; ++slot) {
+      clear_bit(m_single, *slot);
+      if (!moves) clear_bit(m_movable, *slot);
+    }
+  }
+}
+
+/// Bricks of the next pass: those that changed, and their neighbours.
+void CoordinateRelaxation::add_bricks() {
+  m_work.clear();
+  for (std::size_t b = 0; b < m_changed.size(); ++b) {
+    bool is_due = m_changed[b] != 0;
+    for (int face = 0; face < 6 && !is_due; ++face) {
+      const std::int32_t other = m_body.elements.neighbour(b, face);
+      is_due = other >= 0 && m_changed[std::size_t(other)] != 0;
+    }
+    if (!is_due) continue;
+    m_work.push_back(std::uint32_t(b));
+    m_now.touch(b);
+    m_next.touch(b);
+  }
+}
+
+SweepOutcome CoordinateRelaxation::sweep_one(std::size_t brick, const BrickMask& free,
+                                             const SweepRule& rule, double* out) const {
+  PaddedBrick<double> offsets;
+  const auto values_of = [&](std::size_t b) {
+    return [values = m_now.brick_or_zero(b)](int offset) { return values[offset]; };
+  };
+  pad_brick(m_body.elements, brick, 0.0, values_of, offsets);
+  BrickLinks links;
+  find_links(m_body, brick, m_table.missing(), links);
+  return sweep_brick(offsets, links, m_table, free, rule, out);
+}
+
+/// A step towards a bound is cut short there; what starts within stays within.
+void CoordinateRelaxation::keep_bounds(std::size_t brick, double* values) const {
+  const auto [least, least_end] = bounds_in(m_at_least, brick);
+  for (auto bound = least; bound != least_end; ++bound) {
+    double& value = values[bound->slot % kBrickVoxels];
+    value = std::max(value, bound->value * kFinePerUnit);
+  }
+  const auto [most, most_end] = bounds_in(m_at_most, brick);
+  for (auto bound = most; bound != most_end; ++bound) {
+    double& value = values[bound->slot % kBrickVoxels];
+    value = std::min(value, bound->value * kFinePerUnit);
+  }
+}
+
+/// All single nodes of a colour (-1: all) of the pass's bricks; returns the largest step.
+double CoordinateRelaxation::sweep_nodes(int colour, const SweepRule& rule, bool first) {
+  static const BrickMask kColours[2] = {chessboard(0), chessboard(1)};
+  std::vector<double> largest(m_work.size());
+  in_parallel(m_work.size(), [&](std::size_t n) {
+    const std::size_t brick = m_work[n];
+    BrickMask free = m_single[brick];
+    if (colour >= 0) {
+      for (std::size_t word = 0; word < 8; ++word) free[word] &= kColours[colour][word];
+    }
+    double* out = m_next.touch(brick);
+    const SweepOutcome outcome = sweep_one(brick, free, rule, out);
+    if (first) m_energies[brick] = outcome.energy;
+    if (outcome.largest_step == 0) return;
+    if (rule.limited) keep_bounds(brick, out);
+    m_changed[brick] = 1;
+    largest[n] = outcome.largest_step;
+  });
+  m_now.swap(m_next);
+  return largest.empty() ? 0 : *std::max_element(largest.begin(), largest.end());
+}
+
+/// All its links under the present stretch. Clusters step at once: where two meet, each may take
+/// half of the slack, and no more than its own way to the mean keeps the energy from rising.
+double CoordinateRelaxation::step_of_cluster(const Clusters& clusters, std::size_t cluster,
+                                             double relaxation) const {
+  double force = 0, stiffness = 0, rise = kInfinity, sink = kInfinity;
+  bool is_alone = true;
+  for (std::uint32_t n = clusters.first_link[cluster]; n < clusters.first_link[cluster + 1]; ++n) {
+    const Clusters::Boundary& link = clusters.boundary[n];
+    const double apart = m_now.at(link.outside) - m_now.at(link.inside);
+    const double share = link.shared ? 0.5 : 1;
+    const double upper = link.values.upper * kFinePerUnit, lower = link.values.lower * kFinePerUnit;
+    force += link.values.stiffness * apart;
+    stiffness += link.values.stiffness;
+    rise = std::min(rise, share * (apart + (link.inside_is_low ? lower : upper)));
+    sink = std::min(sink, share * ((link.inside_is_low ? upper : lower) - apart));
+    is_alone = is_alone && !link.shared;
+  }
+  if (stiffness == 0) return 0;
+  for (std::uint32_t n = clusters.first[cluster]; n < clusters.first[cluster + 1]; ++n) {
+    const Slot slot = clusters.members[n];
+    if (const Bound* least = bound_of(m_at_least, slot)) {
+      sink = std::min(sink, std::max(0.0, m_now.at(slot) - least->value * kFinePerUnit));
+    }
+    if (const Bound* most = bound_of(m_at_most, slot)) {
+      rise = std::min(rise, std::max(0.0, most->value * kFinePerUnit - m_now.at(slot)));
+    }
+  }
+  const double wanted = (is_alone ? relaxation : std::min(1.0, relaxation)) * force / stiffness;
+  return std::trunc(std::max(-sink, std::min(rise, wanted)));
+}
+
+/// Moves every cluster as one; returns the largest step.
+double CoordinateRelaxation::sweep_clusters(const Clusters& clusters, double relaxation) {
+  std::vector<double> steps(clusters.count());
+  in_parallel(clusters.count(), [&](std::size_t c) {
+    if (bit(m_movable, clusters.members[clusters.first[c]])) {
+      steps[c] = step_of_cluster(clusters, c, relaxation);
+    }
+  });
+  double largest = 0;
+  for (std::size_t c = 0; c < clusters.count(); ++c) {
+    if (steps[c] == 0) continue;
+    largest = std::max(largest, std::abs(steps[c]));
+    for (std::uint32_t n = clusters.first[c]; n < clusters.first[c + 1]; ++n) {
+      const Slot slot = clusters.members[n];
+      m_now.touch(slot / kBrickVoxels)[slot % kBrickVoxels] += steps[c];
+      m_changed[slot / kBrickVoxels] = 1;
+    }
+  }
+  return largest;
+}
+
+/// Elements that links at their limits join within aligned blocks of 2^block_bits voxels.
+Clusters CoordinateRelaxation::find_tight_clusters(int block_bits) const {
+  constexpr double kTight = 16 * kFinePerUnit;  // 2^-12 voxel
+  const auto joins = [&](int axis, Slot low, Slot high) {
+    if (!bit(m_movable, low) || !bit(m_movable, high)) return false;
+    const std::uint8_t a = m_body.classes[low], b = m_body.classes[high];
+    if (m_table.is_rigid(axis, a, b)) return true;
+    const LinkValues& values = m_table.values(axis, a, b);
+    const double apart = m_now.at(high) - m_now.at(low);
+    if (std::min(values.upper * kFinePerUnit - apart, values.lower * kFinePerUnit + apart) > kTight) {
+      return false;
+    }
+    const Vec3i at = voxel_of(m_body.elements, low), next = voxel_of(m_body.elements, high);
+    return at[axis] >> block_bits == next[axis] >> block_bits;
+  };
+  if (m_rigid.count() == 0) return find_clusters(m_body, m_table, m_work, joins);
+  std::vector<std::uint32_t> all(m_movable.size());
+  std::iota(all.begin(), all.end(), 0u);
+  return find_clusters(m_body, m_table, all, joins);
+}
+
+double CoordinateRelaxation::pass() {
+  std::fill(m_changed.begin(), m_changed.end(), 0);
+  SweepRule rule;
+  double largest = 0;
+  if (m_params.method == RelaxMethod::plain || m_params.method == RelaxMethod::jacobi) {
+    rule.limited = m_params.method == RelaxMethod::jacobi;
+    largest = sweep_nodes(-1, rule, true);
+  } else {
+    rule.share = 1;
+    if (m_params.method == RelaxMethod::accelerated) rule.relaxation = m_params.over_relaxation;
+    for (const int colour : {0, 1}) {
+      largest = std::max(largest, sweep_nodes(colour, rule, colour == 0));
+    }
+  }
+  if (m_rigid.count() > 0) largest = std::max(largest, sweep_clusters(m_rigid, rule.relaxation));
+  ++m_passes;
+  static const int every = getenv("TE") ? atoi(getenv("TE")) : 0;
+  static const int reps = getenv("TR") ? atoi(getenv("TR")) : 1;
+  static const int maxl = getenv("TL") ? atoi(getenv("TL")) : 7;
+  if (every > 0 && m_passes % every == 0) {
+    const Clusters tight = find_tight_clusters(1 + m_passes / every % maxl);
+    double w = getenv("TW") ? atof(getenv("TW")) : 1;
+    for (int n = 0; n < reps; ++n) sweep_clusters(tight, w);
+  }
+  m_energy = 0;
+  for (const double energy : m_energies) m_energy += energy;
+  add_bricks();
+  return largest;
+}
+
+double CoordinateRelaxation::energy() {
+  in_parallel(m_work.size(), [&](std::size_t n) {
+    double unused[kBrickVoxels];
+    m_energies[m_work[n]] = sweep_one(m_work[n], BrickMask{}, {}, unused).energy;
+  });
+  double total = 0;
+  for (const double energy : m_energies) total += energy;
+  return total;
+}
+
+void CoordinateRelaxation::store(BrickValues& q) const {
+  q.resize(m_now.brick_count());
+  for (std::size_t b = 0; b < m_now.brick_count(); ++b) {
+    const double* fine = m_now.brick(b);
+    if (fine == nullptr) continue;
+    const bool is_zero = std::all_of(
+        fine, fine + kBrickVoxels, [](double value) { return std::abs(value) * 2 < kFinePerUnit; });
+    if (is_zero && q.brick(b) == nullptr) continue;
+    std::int32_t* values = q.touch(b);
+    for (int n = 0; n < kBrickVoxels; ++n) {
+      values[n] = std::int32_t(std::floor(fine[n] / kFinePerUnit + 0.5));
+    }
+  }
+}
+
+std::size_t CoordinateRelaxation::bytes() const {
+  return m_now.bytes() + m_next.bytes() + m_table.bytes() + m_rigid.bytes() +
+         (m_movable.capacity() + m_single.capacity()) * sizeof(BrickMask) +
+         m_work.capacity() * sizeof(m_work[0]) + m_changed.capacity() +
+         m_energies.capacity() * sizeof(double);
+}
+
+}  // namespace supple

@@ -1,0 +1,58 @@
+// Relaxation of one coordinate: with box limits the three are independent (thesis section 4.3).
+//
+// Costs memory and time where something moves: a brick is swept only when it or a neighbour changed
+// in the pass before.
+#pragma once
+
+#include <vector>
+
+#include "lib/relax/relaxation.h"
+#include "lib/relax/clusters.h"
+#include "lib/relax/sweep_kernel.h"
+
+namespace supple {
+
+class CoordinateRelaxation {
+ public:
+  /// `still` stays where it is; `bounds` hold elements at or beyond them. All outlive this.
+  CoordinateRelaxation(const Body& body, int coordinate, const SlotSet& still, const Holds& held,
+                       const RelaxParams& params);
+
+  /// The largest step, 2^-32 voxel.
+  double pass();
+  /// Sum of stiffness * stretch^2 over all links before the last pass: N/m * (2^-32 voxel)^2.
+  double energy_before_pass() const { return m_energy; }
+  double energy();
+  /// Rounds half up to 2^-16 voxel.
+  void store(BrickValues& q) const;
+  std::size_t bytes() const;
+
+ private:
+  void find_rigid_clusters();
+  void add_bricks();
+  SweepOutcome sweep_one(std::size_t brick, const BrickMask& free, const SweepRule& rule,
+                         double* out) const;
+  double sweep_nodes(int colour, const SweepRule& rule, bool first);
+  double sweep_clusters(const Clusters& clusters, double relaxation);
+  double step_of_cluster(const Clusters& clusters, std::size_t cluster, double relaxation) const;
+  Clusters find_tight_clusters(int block_bits) const;
+  void keep_bounds(std::size_t brick, double* values) const;
+
+  const Body& m_body;
+  int m_coordinate;
+  const std::vector<Bound>& m_at_least;
+  const std::vector<Bound>& m_at_most;
+  RelaxParams m_params;
+  LinkTable m_table;
+  std::vector<BrickMask> m_movable;  // elements that nothing holds
+  std::vector<BrickMask> m_single;   // those of them that step on their own
+  Clusters m_rigid;                  // the others of them
+  BrickArray<double> m_now, m_next;  // the same where the last pass changed nothing
+  std::vector<std::uint32_t> m_work; // bricks of the next pass, ascending
+  std::vector<char> m_changed;       // per brick, in this pass
+  std::vector<double> m_energies;    // per brick
+  double m_energy = 0;
+  int m_passes = 0;
+};
+
+}  // namespace supple

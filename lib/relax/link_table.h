@@ -1,0 +1,45 @@
+// What relaxation knows of a link in one coordinate, looked up from the classes of its ends: its
+// stiffness and its limits (thesis section 4.2.3, design.md section 3).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "lib/body/body.h"
+
+namespace supple {
+
+/// A link that is absent has no stiffness and no limits. So has a rigid one, without slack: its ends
+/// move as one (clusters.h).
+struct alignas(16) LinkValues {
+  float stiffness;     // N/m; the same along and across the link, as in the thesis
+  float upper, lower;  // 2^-16 voxel, infinite without a limit; below 2^24 exact, else rounded down
+};
+
+class LinkTable {
+ public:
+  /// Stiffness of a link: Young's modulus times the area that belongs to it over its length.
+  LinkTable(const Body& body, int coordinate);
+
+  /// Entry class_a * stride() + class_b of a row, classes as in Body; missing() and beyond: absent.
+  const LinkValues* row(int axis) const { return m_rows[axis].data(); }
+  const LinkValues& values(int axis, int class_a, int class_b) const {
+    return m_rows[axis][std::size_t(class_a) * m_stride + class_b];
+  }
+  std::int32_t missing() const { return std::int32_t(m_rows[0].size()) - 1; }
+  /// Whether a link of these classes lets its ends come no nearer nor farther apart.
+  bool is_rigid(int axis, int class_a, int class_b) const {
+    return m_rigid[axis][std::size_t(class_a) * m_stride + class_b] != 0;
+  }
+  bool has_rigid() const { return m_has_rigid; }
+  std::size_t bytes() const;
+
+ private:
+  int m_stride = 1;
+  bool m_has_rigid = false;
+  std::array<std::vector<LinkValues>, 3> m_rows;
+  std::array<std::vector<std::uint8_t>, 3> m_rigid;
+};
+
+}  // namespace supple

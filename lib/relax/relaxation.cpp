@@ -1,0 +1,150 @@
+#include "lib/relax/relaxation.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "lib/relax/coordinate_relaxation.h"
+
+namespace supple {
+
+namespace {
+
+/// Nearly that of red-black relaxation of a cube of that many voxels with fixed faces (Young 1971).
+double best_over_relaxation(const Body& body) {
+  constexpr double kPi = 3.14159265358979323846;
+  const IndexBox& bounds = body.elements.active_bounds();
+  int extent = 1;
+  for (int axis = 0; axis < 3; ++axis) {
+    extent = std::max(extent, bounds.hi[axis] - bounds.lo[axis] + 1);
+  }
+  return 2 / (1 + std::sin(kPi / (extent + 1)));
+}
+
+void check(const RelaxParams& params) {
+  if (params.passes < 0) {
+    throw InputError({"", "passes", std::to_string(params.passes), "0 or more"});
+  }
+  if (!(params.tolerance_voxels >= 0)) {
+    throw InputError({"", "tolerance", std::to_string(params.tolerance_voxels), "0 or more voxels"});
+  }
+  const double over = params.over_relaxation;
+  if (over != 0 && !(over >= 1 && over < 2)) {
+    throw InputError({"", "over_relaxation", std::to_string(over), "1 to below 2"});
+  }
+}
+
+}  // namespace
+
+const char* name_of(RelaxMethod method) {
+  switch (method) {
+    case RelaxMethod::plain:
+      return "plain";
+    case RelaxMethod::jacobi:
+      return "jacobi";
+    case RelaxMethod::red_black:
+      return "red-black";
+    default:
+      return "accelerated";
+  }
+}
+
+Relaxation::Relaxation(Body& body, const SlotSet& fixed, const Holds& held,
+                       const RelaxParams& params)
+    : m_body(body) {
+  check(params);
+  RelaxParams effective = params;
+  if (params.over_relaxation == 0) effective.over_relaxation = best_over_relaxation(body);
+  for (int c = 0; c < 3; ++c) {
+    if (body.q[std::size_t(c)].empty()) continue;
+    m_coordinates[std::size_t(c)] =
+        std::make_unique<CoordinateRelaxation>(body, c, fixed, held, effective);
+  }
+}
+
+Relaxation::~Relaxation() = default;
+
+namespace {
+
+/// 2^-32 voxel of coordinate c in mm.
+double fine_mm(const Body& body, int c) {
+  return body.geometry.spacing_mm()[c] / (kFinePerUnit * kFixedOne);
+}
+
+}  // namespace
+
+double Relaxation::pass() {
+  double largest = 0;
+  m_energy = 0;
+  for (int c = 0; c < 3; ++c) {
+    const auto& coordinate = m_coordinates[std::size_t(c)];
+    if (!coordinate) continue;
+    largest = std::max(largest, coordinate->pass());
+    const double mm = fine_mm(m_body, c);
+    m_energy += 0.5 * coordinate->energy_before_pass() * mm * mm;
+  }
+  return largest / (kFinePerUnit * kFixedOne);
+}
+
+double Relaxation::energy() {
+  double total = 0;
+  for (int c = 0; c < 3; ++c) {
+    const auto& coordinate = m_coordinates[std::size_t(c)];
+    const double mm = fine_mm(m_body, c);
+    if (coordinate) total += 0.5 * coordinate->energy() * mm * mm;
+  }
+  return total;
+}
+
+void Relaxation::store() {
+  for (std::size_t c = 0; c < 3; ++c) {
+    if (m_coordinates[c]) m_coordinates[c]->store(m_body.q[c]);
+  }
+}
+
+SlotSet still_elements(const Body& body, const std::vector<Region>& fixed, const Holds& held) {
+  SlotSet still = held.still;
+  for (const Region& region : fixed) still.add(elements_of(body, region, "fix"));
+  return still;
+}
+
+RelaxReport relax(Body& body, const std::vector<Region>& fixed, const Holds& held,
+                  const RelaxParams& params, Progress* progress) {
+  const auto begin = std::chrono::steady_clock::now();
+  check(params);
+  RelaxReport result;
+  const SlotSet still = still_elements(body, fixed, held);
+  Relaxation relaxation(body, still, held, params);
+  const auto store = [&] {
+    result.energy_after = relaxation.energy();
+    relaxation.store();
+  };
+  try {
+    for (int n = 0; n < params.passes && !result.converged; ++n) {
+      report(progress, double(n) / params.passes);
+      result.largest_step_voxels = relaxation.pass();
+      if (n == 0) result.energy_before = relaxation.energy_before_pass();
+      ++result.passes;
+      result.converged = result.largest_step_voxels <= params.tolerance_voxels;
+    }
+  } catch (const Cancelled&) {
+    store();
+    throw;
+  }
+  store();
+  if (result.passes == 0) result.energy_before = result.energy_after;
+  body.links_known_valid = params.method != RelaxMethod::plain;
+  result.milliseconds =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+  return result;
+}
+
+std::size_t Relaxation::bytes() const {
+  std::size_t total = 0;
+  for (const auto& coordinate : m_coordinates) {
+    if (coordinate) total += coordinate->bytes();
+  }
+  return total;
+}
+
+}  // namespace supple

@@ -1,0 +1,81 @@
+// Elastic relaxation of a body under the limits of its links (thesis section 4.2.3, "Elastic
+// Relaxation"; design.md section 3).
+//
+// The energy is that of springs at rest in the undeformed body, per coordinate as in the thesis:
+//   E = sum over links and coordinates of k (u_b - u_a)^2 / 2,   k = Young's modulus * area / length
+// Nodes step towards the stiffness-weighted mean of their neighbours. The thesis lets every step be
+// whole, which breaks 2 to 5 % of the limits; here a step ends where a limit would break, so that
+// the body is a valid Enhanced ChainMail configuration after every pass, and the energy never rises.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "lib/body/body.h"
+#include "lib/body/region.h"
+#include "lib/chainmail/ecm.h"
+#include "volumes/base/progress.h"
+
+namespace supple {
+
+enum class RelaxMethod {
+  plain,        // all nodes at once, whole steps, no limits: the thesis' rule, breaks links
+  jacobi,       // all nodes at once, each takes up to half of a link's slack
+  red_black,    // every other node at once, up to the whole slack
+  accelerated,  // red-black with over-relaxation: far fewer passes to the same energy
+};
+const char* name_of(RelaxMethod method);
+
+struct RelaxParams {
+  RelaxMethod method = RelaxMethod::accelerated;
+  int passes = 20;  // at most
+  /// Stops after a pass in which no element moved further, in voxels of each axis.
+  double tolerance_voxels = 0;
+  /// Of accelerated, 1 to below 2; 0: from the extent of the body.
+  double over_relaxation = 0;
+};
+
+struct RelaxReport {
+  int passes = 0;
+  bool converged = false;  // by the tolerance, or no element can move any more
+  double energy_before = 0, energy_after = 0;  // uJ (N/m * mm^2)
+  double largest_step_voxels = 0;              // of the last pass
+  double milliseconds = 0;
+};
+
+class CoordinateRelaxation;
+
+/// Relaxes one body. Between passes nothing is lost: the body's offsets are those of the last
+/// finished pass once store() was called, and the object keeps their fractions.
+class Relaxation {
+ public:
+  /// Elements of `held.still` and `fixed` stay; those of push handles stay at or beyond where they
+  /// were pushed to. An invalid start is projected first, as drag() does. The body and its links
+  /// must not change while this lives.
+  Relaxation(Body& body, const SlotSet& fixed, const Holds& held, const RelaxParams& params);
+  ~Relaxation();
+
+  /// One pass over all coordinates that have moved; the largest step in voxels.
+  double pass();
+  /// Energy before the last pass, or at the start, in uJ: free of cost.
+  double energy_before_pass() const { return m_energy; }
+  /// Energy now, in uJ; as much work as a pass.
+  double energy();
+  /// Writes the offsets, rounded to 2^-16 voxel, to the body: again a valid configuration.
+  void store();
+  std::size_t bytes() const;
+
+ private:
+  Body& m_body;
+  std::array<std::unique_ptr<CoordinateRelaxation>, 3> m_coordinates;
+  double m_energy = 0;
+};
+
+/// Up to params.passes passes. `progress` may cancel between two: Cancelled is thrown and the body
+/// is what the passes so far made of it, valid. Throws InputError: params out of range.
+RelaxReport relax(Body& body, const std::vector<Region>& fixed, const Holds& held,
+                  const RelaxParams& params, Progress* progress = nullptr);
+
+}  // namespace supple

@@ -1,0 +1,187 @@
+#include "lib/relax/sweep_kernel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace supple {
+
+namespace {
+
+using Row = double __attribute__((vector_size(64)));
+using FloatRow = float __attribute__((vector_size(32)));
+using Quad = float __attribute__((vector_size(16)));
+using MaskRow = std::int64_t __attribute__((vector_size(64)));
+
+inline Row smaller(Row a, Row b) {
+  return a < b ? a : b;
+}
+inline Row larger(Row a, Row b) {
+  return a > b ? a : b;
+}
+
+inline Row load(const double* values) {
+  Row row;
+  std::memcpy(&row, values, sizeof row);
+  return row;
+}
+
+/// Towards zero, to whole units of 2^-32 voxel.
+inline Row truncated(Row row) {
+  for (int lane = 0; lane < 8; ++lane) row[lane] = std::trunc(row[lane]);
+  return row;
+}
+
+/// Lane n + 1 of the result is lane n of `row`, and `first` enters.
+inline Row moved_up(Row row, double first) {
+  const Row entering = Row{} + first;
+  return __builtin_shufflevector(row, entering, 8, 0, 1, 2, 3, 4, 5, 6);
+}
+
+/// Eight links side by side.
+struct LinkRow {
+  Row stiffness, upper, lower;
+};
+
+/// Looks eight links up; limits become 2^-32 voxel.
+inline LinkRow look_up(const LinkValues* table, const std::int32_t* entries) {
+  Quad columns[2][3];
+  for (int half = 0; half < 2; ++half) {
+    Quad links[4];
+    for (int n = 0; n < 4; ++n) std::memcpy(&links[n], table + entries[4 * half + n], sizeof(Quad));
+    const Quad ab = __builtin_shufflevector(links[0], links[1], 0, 4, 1, 5);
+    const Quad cd = __builtin_shufflevector(links[2], links[3], 0, 4, 1, 5);
+    columns[half][0] = __builtin_shufflevector(ab, cd, 0, 1, 4, 5);
+    columns[half][1] = __builtin_shufflevector(ab, cd, 2, 3, 6, 7);
+    const Quad last_ab = __builtin_shufflevector(links[0], links[1], 2, 6, 3, 7);
+    const Quad last_cd = __builtin_shufflevector(links[2], links[3], 2, 6, 3, 7);
+    columns[half][2] = __builtin_shufflevector(last_ab, last_cd, 0, 1, 4, 5);
+  }
+  const auto widened = [&](int column) {
+    const FloatRow row = __builtin_shufflevector(columns[0][column], columns[1][column], 0, 1, 2, 3,
+                                                 4, 5, 6, 7);
+    return __builtin_convertvector(row, Row);
+  };
+  return {widened(0), widened(1) * kFinePerUnit, widened(2) * kFinePerUnit};
+}
+
+/// Eight links under the present stretch of their ends.
+struct Pull {
+  Row force{};      // on the low end, upwards
+  Row stiffness{};
+  Row wider{}, narrower{};  // slack left until the link is too long, and too short
+};
+
+inline Pull pull_of(const LinkRow& link, Row stretch) {
+  return {link.stiffness * stretch, link.stiffness, link.upper - stretch, link.lower + stretch};
+}
+
+inline Row chosen(unsigned bits, Row row) {
+  constexpr MaskRow kBit = {1, 2, 4, 8, 16, 32, 64, 128};
+  const MaskRow set = (MaskRow{} + std::int64_t(bits)) & kBit;
+  return set != 0 ? row : Row{};
+}
+
+/// What the six links of eight nodes ask of them.
+struct Ask {
+  Row force{}, stiffness{}, rise, sink;
+
+  explicit Ask(const Pull& to_next)
+      : force(to_next.force),
+        stiffness(to_next.stiffness),
+        rise(to_next.narrower),
+        sink(to_next.wider) {}
+  void add_next(const Pull& pull) {
+    force += pull.force;
+    stiffness += pull.stiffness;
+    rise = smaller(rise, pull.narrower);
+    sink = smaller(sink, pull.wider);
+  }
+  void add_last(const Pull& pull) {
+    force -= pull.force;
+    stiffness += pull.stiffness;
+    rise = smaller(rise, pull.wider);
+    sink = smaller(sink, pull.narrower);
+  }
+};
+
+/// So that a node without links has a step of 0 / kNoStiffness.
+constexpr double kNoStiffness = 1e-300;
+
+template <bool kLimited>
+inline Row step_of(const Ask& ask, const SweepRule& rule) {
+  const Row wanted = ask.force * rule.relaxation / (ask.stiffness + kNoStiffness);
+  if constexpr (!kLimited) return truncated(wanted);
+  const Row up = ask.rise * rule.share, down = ask.sink * rule.share;
+  return truncated(larger(-down, smaller(up, wanted)));
+}
+
+template <bool kLimited>
+SweepOutcome sweep(const PaddedBrick<double>& offsets, const BrickLinks& links,
+                   const LinkTable& table, const BrickMask& free, const SweepRule& rule,
+                   double* out) {
+  const LinkValues* along_i = table.row(0);
+  const LinkValues* along_j = table.row(1);
+  const LinkValues* along_k = table.row(2);
+  Row energy{}, largest{};
+  Pull last_i[8];
+  for (int j = 0; j < 8; ++j) {
+    last_i[j] = pull_of(look_up(along_i, links.i[0][j]),
+                        load(offsets.row(0, j)) - load(offsets.row(-1, j)));
+  }
+  for (int i = 0; i < 8; ++i) {
+    Pull last_j = pull_of(look_up(along_j, links.j[i][0]),
+                          load(offsets.row(i, 0)) - load(offsets.row(i, -1)));
+    for (int j = 0; j < 8; ++j) {
+      const double* place = offsets.row(i, j);
+      const Row here = load(place);
+      const Row stretch_i = load(offsets.row(i + 1, j)) - here;
+      const Row stretch_j = load(offsets.row(i, j + 1)) - here;
+      const Row stretch_k = load(place + 1) - here;
+      const Pull next_i = pull_of(look_up(along_i, links.i[i + 1][j]), stretch_i);
+      const Pull next_j = pull_of(look_up(along_j, links.j[i][j + 1]), stretch_j);
+      const Pull next_k = pull_of(look_up(along_k, links.k[i][j]), stretch_k);
+      energy += next_i.force * stretch_i + next_j.force * stretch_j + next_k.force * stretch_k;
+
+      const LinkValues& entering = along_k[links.low_k[i][j]];
+      const double entering_stretch = place[0] - place[-1];
+      const Pull last_k = {
+          moved_up(next_k.force, double(entering.stiffness) * entering_stretch),
+          moved_up(next_k.stiffness, entering.stiffness),
+          moved_up(next_k.wider, double(entering.upper) * kFinePerUnit - entering_stretch),
+          moved_up(next_k.narrower, double(entering.lower) * kFinePerUnit + entering_stretch)};
+      Ask ask(next_i);
+      ask.add_next(next_j);
+      ask.add_next(next_k);
+      ask.add_last(last_i[j]);
+      ask.add_last(last_j);
+      ask.add_last(last_k);
+      last_i[j] = next_i;
+      last_j = next_j;
+
+      const int first = 64 * i + 8 * j;
+      const unsigned bits = unsigned(free[std::size_t(i)] >> (8 * j)) & 0xff;
+      const Row step = chosen(bits, step_of<kLimited>(ask, rule));
+      const Row moved = here + step;
+      std::memcpy(out + first, &moved, sizeof moved);
+      largest = larger(largest, larger(step, -step));
+    }
+  }
+  SweepOutcome outcome;
+  for (int lane = 0; lane < 8; ++lane) {
+    outcome.energy += energy[lane];
+    outcome.largest_step = std::max(outcome.largest_step, largest[lane]);
+  }
+  return outcome;
+}
+
+}  // namespace
+
+SweepOutcome sweep_brick(const PaddedBrick<double>& offsets, const BrickLinks& links,
+                         const LinkTable& table, const BrickMask& free, const SweepRule& rule,
+                         double* out) {
+  return rule.limited ? sweep<true>(offsets, links, table, free, rule, out)
+                      : sweep<false>(offsets, links, table, free, rule, out);
+}
+
+}  // namespace supple

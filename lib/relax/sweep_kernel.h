@@ -1,0 +1,38 @@
+// One sweep of relaxation over one brick: every free node steps towards the mean of its neighbours,
+// weighted by the stiffness of its links, no further than the limits allow.
+#pragma once
+
+#include <cstdint>
+
+#include "lib/relax/brick_links.h"
+#include "lib/relax/link_table.h"
+
+namespace supple {
+
+/// Offsets in 2^-32 voxel: integers below 2^47, exact as double, and so are their differences. A
+/// node that has come to rest on a fraction of 2^-16 voxel does not lose it (design.md section 3).
+constexpr double kFinePerUnit = 65536.0;
+
+struct SweepRule {
+  /// Part of the way to the mean.
+  double relaxation = 1;
+  /// Part of a link's slack that one of its ends may take: half where both ends move at once.
+  double share = 0.5;
+  /// Without limits, as the plain pass of the thesis.
+  bool limited = true;
+};
+
+struct SweepOutcome {
+  double largest_step = 0;  // 2^-32 voxel
+  /// Sum of stiffness * stretch^2 over the links of the brick's voxels to the next ones, before the
+  /// sweep: N/m * (2^-32 voxel)^2.
+  double energy = 0;
+};
+
+/// `free` nodes of the brick step from `offsets`; all others stay. Writes 512 offsets, those of
+/// `offsets` where nothing steps.
+SweepOutcome sweep_brick(const PaddedBrick<double>& offsets, const BrickLinks& links,
+                         const LinkTable& table, const BrickMask& free, const SweepRule& rule,
+                         double* out);
+
+}  // namespace supple
