@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "lib/material/presets.h"
 #include "tools/toml_table.h"
 #include "volumes/base/error.h"
 
@@ -82,30 +83,63 @@ void append_limits(std::string& text, const LimitTable& limits) {
       append_curve(text, "min_length" + suffix, *limits.min_length_axis[axis]);
     }
   }
+  if (limits.stiffness) append_curve(text, "stiffness", *limits.stiffness);
+  if (limits.mass_density) append_curve(text, "density", *limits.mass_density);
+  if (limits.damping) append_curve(text, "damping", *limits.damping);
+  if (limits.plastic) append_curve(text, "plastic", *limits.plastic);
 }
 
 void know_limits(TomlTable& table) {
   table.know({"domain", "max_length", "min_length", "shear", "shear1", "shear2", "max_length_i",
-              "max_length_j", "max_length_k", "min_length_i", "min_length_j", "min_length_k"});
+              "max_length_j", "max_length_k", "min_length_i", "min_length_j", "min_length_k",
+              "stiffness", "density", "damping", "plastic", "preset"});
 }
 
+/// What keys that are not given count as: the curves of the preset, or none.
+LimitTable read_preset(TomlTable& table, const LimitTable& limits) {
+  const auto name = table.string("preset");
+  if (!name) return {};
+  try {
+    return preset_table(*name, limits.domain_lo, limits.domain_hi);
+  } catch (const InputError& error) {
+    table.fail("preset", error.problem().found, error.problem().expected);
+  }
+}
+
+/// Curves over the domain of `limits`.
 void read_curves(TomlTable& table, LimitTable& limits) {
   const std::string pairs = "a list of [density, value] pairs";
-  limits.max_length = table.require(read_curve(table, "max_length"), "max_length", pairs);
-  limits.min_length = table.require(read_curve(table, "min_length"), "min_length", pairs);
+  const LimitTable preset = read_preset(table, limits);
+  const auto or_else = [](std::optional<Curve> curve, const Curve& of_preset) {
+    return curve || of_preset.keys.empty() ? std::move(curve) : std::optional<Curve>(of_preset);
+  };
+  const auto required = [&](const std::string& key, const Curve& of_preset) {
+    return table.require(or_else(read_curve(table, key), of_preset), key, pairs);
+  };
+  limits.max_length = required("max_length", preset.max_length);
+  limits.min_length = required("min_length", preset.min_length);
   const auto shear = read_curve(table, "shear");
   const auto shear1 = read_curve(table, "shear1");
   const auto shear2 = read_curve(table, "shear2");
   if (shear && (shear1 || shear2)) {
     table.fail("shear", "shear beside shear1 or shear2", "either shear or both shear1 and shear2");
   }
-  limits.shear1 = table.require(shear ? shear : shear1, shear2 ? "shear1" : "shear", pairs);
-  limits.shear2 = table.require(shear ? shear : shear2, "shear2", pairs);
+  limits.shear1 = table.require(or_else(shear ? shear : shear1, preset.shear1),
+                                shear2 ? "shear1" : "shear", pairs);
+  limits.shear2 = table.require(or_else(shear ? shear : shear2, preset.shear2), "shear2", pairs);
   for (int axis = 0; axis < 3; ++axis) {
     const std::string suffix = std::string("_") + kAxisNames[axis];
     limits.max_length_axis[axis] = read_curve(table, "max_length" + suffix);
     limits.min_length_axis[axis] = read_curve(table, "min_length" + suffix);
   }
+  const auto optional = [&](const std::string& key, const std::optional<Curve>& of_preset) {
+    const auto curve = read_curve(table, key);
+    return curve ? curve : of_preset;
+  };
+  limits.stiffness = optional("stiffness", preset.stiffness);
+  limits.mass_density = optional("density", preset.mass_density);
+  limits.damping = optional("damping", preset.damping);
+  limits.plastic = optional("plastic", preset.plastic);
 }
 
 std::int32_t parse_label(const TomlTable& labels, const std::string& key) {

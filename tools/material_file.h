@@ -13,7 +13,8 @@ class TomlTable;
 MaterialTable read_material(const std::string& path);
 /// Parses a table from text, e.g. the one that a state carries; `source` names it in errors.
 MaterialTable parse_material(const std::string& text, const std::string& source);
-/// Reads the keys of a material out of a table (a file's root or a scene's [material]).
+/// Reads the keys of a material out of a table (a file's root or a scene's [material]); a preset
+/// stands for the keys that are not given.
 MaterialTable read_material_table(TomlTable& table);
 
 /// Canonical text: parse_material(material_to_toml(m)) equals m.

@@ -10,7 +10,6 @@ namespace supple {
 
 namespace {
 
-constexpr int kClassMax = 255;
 constexpr const char* kAxisName = "ijk";
 
 std::string number(double value) {
@@ -48,6 +47,14 @@ std::vector<NamedCurve> curves_of(const LimitTable& table) {
       curves.push_back(shortest(std::string("min_length_") + kAxisName[axis], *curve));
     }
   }
+  const auto physical = [&](const char* name, const std::optional<Curve>& curve, bool above_zero,
+                            const char* expected) {
+    if (curve) curves.push_back({name, &*curve, 0, infinity, above_zero, expected});
+  };
+  physical("stiffness", table.stiffness, true, "stiffness > 0 kPa");
+  physical("density", table.mass_density, true, "density > 0 kg/m³");
+  physical("damping", table.damping, false, "damping >= 0 ms");
+  physical("plastic", table.plastic, true, "plastic > 0");
   return curves;
 }
 
@@ -83,13 +90,6 @@ void validate_range(const std::string& file, const std::string& name, double lo,
                     equal ? "lower <= upper, finite" : "lower < upper, finite"});
 }
 
-/// The nearest of the places 0…steps over the table's domain.
-int step_of(const LimitTable& table, int steps, double density) {
-  const double inside =
-      density > table.domain_lo ? std::min(density, table.domain_hi) : table.domain_lo;
-  return int(std::round(steps * (inside - table.domain_lo) / (table.domain_hi - table.domain_lo)));
-}
-
 std::string label_name(std::int32_t label) {
   return "label." + std::to_string(label);
 }
@@ -118,21 +118,21 @@ void warn_of_shared_classes(const std::string& name,
   }
 }
 
-/// Limits at one place of the table's domain, 0…1.
-LinkLimits limits_at(const LimitTable& table, int axis, double position) {
-  const double density = table.domain_lo + position * (table.domain_hi - table.domain_lo);
-  const auto& own_max = table.max_length_axis[axis];
-  const auto& own_min = table.min_length_axis[axis];
-  const Curve& longest = own_max ? *own_max : table.max_length;
-  const Curve& shortest = own_min ? *own_min : table.min_length;
-  return {shortest(density), longest(density), table.shear1(density), table.shear2(density)};
-}
-
-/// Voxels to 2^-16 voxel, rounded down. A value within 1e-6 of the next unit counts as that unit,
-/// so that 1.25 interpolated as 1.2499999999999998 gives the slack of 1.25 on every machine.
-std::int32_t floor_fixed(double voxels) {
-  const double units = std::floor(voxels * 65536.0 + 1e-6);
-  return std::int32_t(std::clamp(units, 0.0, double(kUnlimitedSlack)));
+/// One line per table that leaves to a default what another table gives: a rigid label among
+/// tissues would be the softest of them.
+void warn_of_missing_column(const std::string& column, std::optional<Curve> LimitTable::*curve,
+                            const std::string& value, const MaterialClasses& classes,
+                            std::vector<std::string>& lines) {
+  const auto& shares = classes.shares();
+  const auto gives = [&](const MaterialClasses::Share& share) {
+    return (share.table->*curve).has_value();
+  };
+  if (std::none_of(shares.begin(), shares.end(), gives)) return;
+  for (const MaterialClasses::Share& share : shares) {
+    if (gives(share)) continue;
+    lines.push_back((share.label == 0 ? "common table" : label_name(share.label)) + ": no " +
+                    column + " as other tables have, counts as " + value);
+  }
 }
 
 }  // namespace
@@ -155,6 +155,12 @@ bool LimitTable::is_constant() const {
     return std::all_of(keys.begin(), keys.end(),
                        [&](const auto& key) { return key.second == keys.front().second; });
   });
+}
+
+bool MaterialTable::has(std::optional<Curve> LimitTable::*column) const {
+  return (this->*column).has_value() ||
+         std::any_of(labels.begin(), labels.end(),
+                     [&](const auto& entry) { return (entry.second.*column).has_value(); });
 }
 
 void MaterialTable::validate(const std::string& file) const {
@@ -189,113 +195,11 @@ std::vector<std::string> MaterialTable::warnings() const {
       warn_of_shared_classes(prefix + named.name, named.curve->keys, classes, share, lines);
     }
   }
+  warn_of_missing_column("stiffness", &LimitTable::stiffness, number(kDefaultStiffnessKpa) + " kPa",
+                         classes, lines);
+  warn_of_missing_column("density", &LimitTable::mass_density,
+                         number(kDefaultMassDensity) + " kg/m³", classes, lines);
   return lines;
-}
-
-std::uint8_t MaterialTable::class_of(double density) const {
-  return std::uint8_t(step_of(*this, kClassMax, density));
-}
-
-MaterialClasses::MaterialClasses(const MaterialTable& material)
-    : m_combines_limits(material.combines_limits()) {
-  m_shares.push_back({0, &material, 0, 0});
-  for (const auto& [label, table] : material.labels) m_shares.push_back({label, &table, 0, 0});
-  int single = 0, varying = 0;
-  for (Share& share : m_shares) {
-    // The common table alone keeps all classes, so that states and warnings stay what they are.
-    const bool one_is_enough = !material.labels.empty() && share.table->is_constant();
-    share.count = one_is_enough ? 1 : 0;
-    ++(one_is_enough ? single : varying);
-  }
-  const int needed = single + 2 * varying;
-  if (needed > kClassMax + 1) {
-    throw InputError({"", "label",
-                      std::to_string(material.labels.size()) + " tables that need " +
-                          std::to_string(needed) + " classes",
-                      "at most " + std::to_string(kClassMax + 1) +
-                          ": one for the common table and each label, two where limits vary"});
-  }
-  int next = 0;
-  for (Share& share : m_shares) {
-    if (share.count == 0) share.count = (kClassMax + 1 - single) / varying;
-    share.first = next;
-    next += share.count;
-  }
-  m_of_label.assign(material.labels.empty() ? 1 : std::size_t(m_shares.back().label) + 1, 0);
-  for (std::size_t n = 0; n < m_shares.size(); ++n) {
-    m_of_label[std::size_t(m_shares[n].label)] = std::int16_t(n);
-  }
-}
-
-std::uint8_t MaterialClasses::class_of(double density, std::int32_t label) const {
-  const bool has_table = label >= 0 && std::size_t(label) < m_of_label.size();
-  const Share& share = m_shares[has_table ? std::size_t(m_of_label[std::size_t(label)]) : 0];
-  return std::uint8_t(share.first + step_of(*share.table, share.count - 1, density));
-}
-
-LinkLimits MaterialClasses::limits_at_end(int axis, int end) const {
-  std::size_t n = m_shares.size() - 1;
-  while (m_shares[n].first > end) --n;
-  const Share& share = m_shares[n];
-  const int last = std::max(1, share.count - 1);
-  return limits_at(*share.table, axis, std::min(end - share.first, last) / double(last));
-}
-
-LinkLimits MaterialClasses::limits(int axis, int class_a, int class_b) const {
-  if (!m_combines_limits) {
-    return limits_at(*m_shares.front().table, axis, (class_a + class_b) / (2.0 * kClassMax));
-  }
-  const LinkLimits a = limits_at_end(axis, class_a);
-  const LinkLimits b = limits_at_end(axis, class_b);
-  return {(a.min_length + b.min_length) / 2, (a.max_length + b.max_length) / 2,
-          (a.shear1 + b.shear1) / 2, (a.shear2 + b.shear2) / 2};
-}
-
-LinkLimits limits_of(const MaterialTable& table, int axis, int class_a, int class_b) {
-  return MaterialClasses(table).limits(axis, class_a, class_b);
-}
-
-SlackTable::SlackTable(const MaterialTable& table, const Vec3d& spacing_mm)
-    : m_stride(table.combines_limits() ? kClassMax + 1 : 1),
-      m_row_size(std::size_t(kClassMax) * m_stride + kClassMax + 1),
-      m_upper(9 * m_row_size),
-      m_lower(9 * m_row_size) {
-  // In density mode only the sum of the classes counts: class_a 0 and 255 reach all 511 entries.
-  const int step = table.combines_limits() ? 1 : kClassMax;
-  const MaterialClasses classes(table);
-  for (int axis = 0; axis < 3; ++axis) {
-    const int transverse[2] = {axis == 0 ? 1 : 0, axis == 2 ? 1 : 2};
-    for (int a = 0; a <= kClassMax; a += step) {
-      for (int b = 0; b <= kClassMax; ++b) {
-        const LinkLimits limits = classes.limits(axis, a, b);
-        const std::size_t entry = std::size_t(a) * m_stride + b;
-        const auto set = [&](int coordinate, double upper, double lower) {
-          const std::size_t row = std::size_t(3 * axis + coordinate) * m_row_size;
-          m_upper[row + entry] = floor_fixed(upper);
-          m_lower[row + entry] = floor_fixed(lower);
-        };
-        set(axis, limits.max_length - 1, 1 - limits.min_length);
-        for (int n = 0; n < 2; ++n) {
-          const double shear = (n == 0 ? limits.shear1 : limits.shear2) * spacing_mm[axis] /
-                               spacing_mm[transverse[n]];
-          set(transverse[n], shear, shear);
-        }
-      }
-    }
-  }
-}
-
-LinkSlack SlackTable::slack(int axis, std::uint8_t class_a, std::uint8_t class_b) const {
-  LinkSlack slack;
-  for (int c = 0; c < 3; ++c) {
-    slack.upper[c] = upper(axis, c, class_a, class_b);
-    slack.lower[c] = lower(axis, c, class_a, class_b);
-  }
-  return slack;
-}
-
-std::size_t SlackTable::bytes() const {
-  return (m_upper.capacity() + m_lower.capacity()) * sizeof(std::int32_t);
 }
 
 }  // namespace supple

@@ -1,7 +1,7 @@
 // Look-up tables from density to link limits (thesis section 4.2.3, figure 4.11; design.md
-// section 2). Densities become 256 classes; a link looks its limits up at the mean of both ends,
-// half classes kept. Labels of a segmentation may have tables of their own; links then take the
-// mean of both ends' limits.
+// section 2) and to what relaxation and springs need. Densities become 256 classes; a link looks
+// its limits up at the mean of both ends, half classes kept. Labels of a segmentation may have
+// tables of their own; links then take the mean of both ends' limits.
 #pragma once
 
 #include <array>
@@ -25,14 +25,30 @@ struct Curve {
 
 enum class Combine { density, limits };
 
-/// Curves over the densities of a domain. Lengths are factors of the rest length.
+/// Classes are 0…kLastClass.
+constexpr int kLastClass = 255;
+
+/// What a table without the curve has.
+constexpr double kDefaultStiffnessKpa = 1;
+constexpr double kDefaultMassDensity = 1000;  // kg/m³
+
+/// Curves over the densities (voxel values) of a domain. Lengths are factors of the rest length.
 struct LimitTable {
   double domain_lo = 0, domain_hi = 255;  // densities spanned by the table's classes
   Curve max_length, min_length, shear1, shear2;
   /// Overrides for one grid axis, e.g. max_length_i (figure 4.7).
   std::array<std::optional<Curve>, 3> max_length_axis, min_length_axis;
 
-  /// True when the limits do not depend on the density.
+  std::optional<Curve> stiffness;     // Young's modulus, kPa, > 0
+  std::optional<Curve> mass_density;  // kg/m³, > 0; "density" in files
+  /// Stiffness-proportional Rayleigh time β, ms, >= 0: damping force = β · elastic stiffness ·
+  /// velocity.
+  std::optional<Curve> damping;
+  /// Yield strain, > 0: how far a link deforms elastically from its rest point, as a fraction of
+  /// the rest length, before the rest point follows.
+  std::optional<Curve> plastic;
+
+  /// True when no curve depends on the density.
   bool is_constant() const;
 };
 
@@ -47,21 +63,39 @@ struct MaterialTable : LimitTable {
   /// Links take the mean of both ends' limits; tables of labels always do.
   bool combines_limits() const { return combine == Combine::limits || !labels.empty(); }
 
+  /// Whether the common table or one of a label gives the curve.
+  bool has_stiffness() const { return has(&LimitTable::stiffness); }
+  bool has_mass_density() const { return has(&LimitTable::mass_density); }
+  bool has_damping() const { return has(&LimitTable::damping); }
+  bool has_plastic() const { return has(&LimitTable::plastic); }
+
   /// Throws InputError naming table, key point, value and expectation: 0 < min_length <= 1 <=
-  /// max_length, shear >= 0, densities strictly ascending and inside the domain, lo < hi; labels
-  /// within 1 to kMaxLabel and not more tables than classes.
+  /// max_length, shear >= 0, stiffness, density and plastic > 0, damping >= 0, densities strictly
+  /// ascending and inside the domain, lo < hi; labels within 1 to kMaxLabel and not more tables
+  /// than classes.
   void validate(const std::string& file) const;
-  /// One line per pair of key points that fall into the same class; empty when none do.
+  /// One line per pair of key points that fall into the same class, and per table that lacks the
+  /// stiffness or density that another one gives; empty when there are none.
   std::vector<std::string> warnings() const;
 
   /// round(255 * (clamp(v) - domain_lo) / (domain_hi - domain_lo)), as MaterialClasses has it
   /// without labels; NaN counts as domain_lo.
   std::uint8_t class_of(double density) const;
+
+ private:
+  bool has(std::optional<Curve> LimitTable::*column) const;
 };
 
 /// Limits of one link, mm per mm of rest length.
 struct LinkLimits {
   double min_length, max_length, shear1, shear2;
+};
+
+/// How one link resists; see the curves of LimitTable.
+struct LinkPhysics {
+  double stiffness_kpa;
+  double damping_ms;
+  double plastic;  // infinity: elastic however far
 };
 
 /// How the 256 classes are shared out. Without labels the common table has them all. With labels, a
@@ -82,6 +116,14 @@ class MaterialClasses {
   /// transverse grid axis, shear2 the other. Classes of no table count as the last one.
   LinkLimits limits(int axis, int class_a, int class_b) const;
 
+  /// The same of a link's physical curves. A table without the curve counts as
+  /// kDefaultStiffnessKpa, undamped, and elastic without end: under combines_limits a link yields
+  /// only if both ends do.
+  LinkPhysics physics(int class_a, int class_b) const;
+
+  /// kg/m³ of an element of this class; kDefaultMassDensity where its table has no curve.
+  double mass_density_of_class(int of) const;
+
   struct Share {
     std::int32_t label;  // 0: the common table
     const LimitTable* table;
@@ -90,7 +132,11 @@ class MaterialClasses {
   const std::vector<Share>& shares() const { return m_shares; }
 
  private:
-  LinkLimits limits_at_end(int axis, int end) const;
+  struct Place {
+    const LimitTable* table;
+    double position;  // in its domain, 0…1
+  };
+  Place place_of(int end) const;
 
   bool m_combines_limits;
   std::vector<Share> m_shares;  // ascending classes

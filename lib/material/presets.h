@@ -1,0 +1,36 @@
+// Materials by name, for tables that need not be typed: limits for ECM and the physical columns.
+//
+//              lengths      shear   stiffness      density     damping
+//   soft-tissue  0.6…1.5    0.29    3.25 kPa    1060 kg/m³    10 ms
+//   bone         1…1        0       18.6 GPa    1920 kg/m³    0.1 ms
+//   brain        0.8…1.2    0.3     6 kPa       1040 kg/m³    10 ms
+//   membrane     0.8…1.1    0.2     2.5 MPa     1130 kg/m³    1 ms
+//
+// Sources stand beside the values in presets.cpp and in docs/materials.md. Values found in the
+// literature differ by up to two decades (brain 2.1 to 250 kPa, thesis table 3.1), so these are
+// starting points. Nothing is plastic by preset.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "lib/material/material.h"
+
+namespace supple {
+
+struct MaterialPreset {
+  const char* name;
+  double min_length, max_length, shear;  // factors of the rest length; min_length > 2 · shear
+  double stiffness_kpa, mass_density, damping_ms;
+};
+
+const std::vector<MaterialPreset>& material_presets();
+
+/// The names in quotes, separated by commas, for messages.
+std::string material_preset_names();
+
+/// Constant curves over the domain [domain_lo, domain_hi]. Throws InputError without a file,
+/// field "preset", with the names, for an unknown one.
+LimitTable preset_table(const std::string& name, double domain_lo, double domain_hi);
+
+}  // namespace supple

@@ -1,0 +1,62 @@
+#include <algorithm>
+#include <cmath>
+
+#include "lib/material/material.h"
+
+namespace supple {
+
+namespace {
+
+/// Voxels to 2^-16 voxel, rounded down. A value within 1e-6 of the next unit counts as that unit,
+/// so that 1.25 interpolated as 1.2499999999999998 gives the slack of 1.25 on every machine.
+std::int32_t floor_fixed(double voxels) {
+  const double units = std::floor(voxels * 65536.0 + 1e-6);
+  return std::int32_t(std::clamp(units, 0.0, double(kUnlimitedSlack)));
+}
+
+}  // namespace
+
+SlackTable::SlackTable(const MaterialTable& table, const Vec3d& spacing_mm)
+    : m_stride(table.combines_limits() ? kLastClass + 1 : 1),
+      m_row_size(std::size_t(kLastClass) * m_stride + kLastClass + 1),
+      m_upper(9 * m_row_size),
+      m_lower(9 * m_row_size) {
+  // In density mode only the sum of the classes counts: class_a 0 and 255 reach all 511 entries.
+  const int step = table.combines_limits() ? 1 : kLastClass;
+  const MaterialClasses classes(table);
+  for (int axis = 0; axis < 3; ++axis) {
+    const int transverse[2] = {axis == 0 ? 1 : 0, axis == 2 ? 1 : 2};
+    for (int a = 0; a <= kLastClass; a += step) {
+      for (int b = 0; b <= kLastClass; ++b) {
+        const LinkLimits limits = classes.limits(axis, a, b);
+        const std::size_t entry = std::size_t(a) * m_stride + b;
+        const auto set = [&](int coordinate, double upper, double lower) {
+          const std::size_t row = std::size_t(3 * axis + coordinate) * m_row_size;
+          m_upper[row + entry] = floor_fixed(upper);
+          m_lower[row + entry] = floor_fixed(lower);
+        };
+        set(axis, limits.max_length - 1, 1 - limits.min_length);
+        for (int n = 0; n < 2; ++n) {
+          const double shear = (n == 0 ? limits.shear1 : limits.shear2) * spacing_mm[axis] /
+                               spacing_mm[transverse[n]];
+          set(transverse[n], shear, shear);
+        }
+      }
+    }
+  }
+}
+
+LinkSlack SlackTable::slack(int axis, std::uint8_t class_a, std::uint8_t class_b) const {
+  LinkSlack slack;
+  for (int c = 0; c < 3; ++c) {
+    slack.upper[c] = upper(axis, c, class_a, class_b);
+    slack.lower[c] = lower(axis, c, class_a, class_b);
+  }
+  return slack;
+}
+
+std::size_t SlackTable::bytes() const {
+  return (m_upper.capacity() + m_lower.capacity()) * sizeof(std::int32_t);
+}
+
+}  // namespace supple
