@@ -15,6 +15,9 @@ std::int32_t Body::offset(const Vec3i& voxel, int c) const {
 std::size_t Body::bytes() const {
   std::size_t total = elements.bytes() + classes.capacity() + slacks.bytes() + cuts.bytes();
   for (const BrickValues& coordinate : q) total += coordinate.bytes();
+  for (const auto& axis : rest) {
+    for (const BrickValues& coordinate : axis) total += coordinate.bytes();
+  }
   return total;
 }
 

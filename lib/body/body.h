@@ -11,6 +11,10 @@
 
 namespace supple {
 
+/// Stretch at which the spring of a link is at rest, per axis of the link and coordinate, in
+/// 2^-16 voxel: what plastic flow left. Stored where it flowed.
+using RestStretch = std::array<std::array<BrickValues, 3>, 3>;
+
 /// Node state in brick order: slot 512 * brick + offset of `elements`.
 struct Body {
   Geometry geometry;
@@ -18,6 +22,7 @@ struct Body {
   std::vector<std::uint8_t> classes;  // material class per voxel
   std::array<BrickValues, 3> q;       // offsets from rest, 2^-16 voxel; stored where they moved
   LinkCuts cuts;                      // links between elements that are absent
+  RestStretch rest;                   // of the links' springs; empty without plastic flow
   SlackTable slacks;
   MaterialTable material;
   /// True while all links are known to hold, so that a drag need not check them. Whoever writes q

@@ -72,4 +72,29 @@ void find_links(const Body& body, std::size_t b, std::int32_t missing, BrickLink
   if (!body.cuts.empty()) remove_cuts(body, b, missing, links);
 }
 
+void find_rest(const BrickTopology& elements, const std::array<const BrickValues*, 3>& rest,
+               std::size_t b, BrickRest& out) {
+  const auto brick_before = [&](int axis) {
+    const std::int32_t before = elements.neighbour(b, 2 * axis);
+    return before >= 0 ? rest[std::size_t(axis)]->brick_or_zero(std::size_t(before)) : kZeroBrick;
+  };
+  const std::int32_t* own[3];
+  for (std::size_t axis = 0; axis < 3; ++axis) own[axis] = rest[axis]->brick_or_zero(b);
+  const std::int32_t* before_i = brick_before(0);
+  const std::int32_t* before_j = brick_before(1);
+  const std::int32_t* before_k = brick_before(2);
+  for (int m = 0; m < 8; ++m) {
+    for (int n = 0; n < 8; ++n) {
+      out.low_k[m][n] = before_k[64 * m + 8 * n + 7] * kFinePerUnit;
+      for (int k = 0; k < 8; ++k) {
+        out.i[0][m][k] = before_i[64 * 7 + 8 * m + k] * kFinePerUnit;
+        out.i[m + 1][n][k] = own[0][64 * m + 8 * n + k] * kFinePerUnit;
+        out.j[m][n + 1][k] = own[1][64 * m + 8 * n + k] * kFinePerUnit;
+        out.k[m][n][k] = own[2][64 * m + 8 * n + k] * kFinePerUnit;
+      }
+    }
+    for (int k = 0; k < 8; ++k) out.j[m][0][k] = before_j[64 * m + 8 * 7 + k] * kFinePerUnit;
+  }
+}
+
 }  // namespace supple

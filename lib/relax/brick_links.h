@@ -10,6 +10,10 @@
 
 namespace supple {
 
+/// Offsets in 2^-32 voxel: integers below 2^47, exact as double, and so are their differences. A
+/// node that has come to rest on a fraction of 2^-16 voxel does not lose it (design.md section 3).
+constexpr double kFinePerUnit = 65536.0;
+
 /// 8^3 values and one layer around them, edges and corners left out: rows of 8 along k at a
 /// multiple of 64 bytes, the layer's values just before and after.
 template <class T>
@@ -68,6 +72,18 @@ struct BrickLinks {
   alignas(32) std::int32_t k[8][8][8];  // each voxel's link to the next
   std::int32_t low_k[8][8];
 };
+
+/// Rest stretches of the same links in 2^-32 voxel.
+struct BrickRest {
+  alignas(64) double i[9][8][8];
+  alignas(64) double j[8][9][8];
+  alignas(64) double k[8][8][8];
+  double low_k[8][8];
+};
+
+/// Of coordinate c; `rest` per axis of the link.
+void find_rest(const BrickTopology& elements, const std::array<const BrickValues*, 3>& rest,
+               std::size_t b, BrickRest& out);
 
 /// `missing` is the entry of an absent link.
 void find_links(const Body& body, std::size_t b, std::int32_t missing, BrickLinks& links);

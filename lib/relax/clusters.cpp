@@ -104,7 +104,11 @@ Clusters find_clusters(const Body& body, const LinkTable& table,
         if (!neighbour_slot(elements, body.cuts, slot, axis, upwards, other)) continue;
         if (numbers[other] == cluster) continue;
         const LinkValues& values = table.values(axis, body.classes[slot], body.classes[other]);
-        boundary.push_back({cluster, {slot, other, values, upwards, numbers[other] != kNone}});
+        const std::int32_t rest =
+            body.rest[std::size_t(axis)][std::size_t(table.coordinate())].at(upwards ? slot : other);
+        boundary.push_back({cluster,
+                            {slot, other, values, upwards ? rest : -rest, upwards,
+                             numbers[other] != kNone}});
       }
     }
   }

@@ -1,7 +1,5 @@
-// Elements that step together. Links without slack join elements that can only move as one; links
-// that have used up their slack join elements that block each other, one pulled up and its
-// neighbour down, though both together are pulled one way. A relaxation that steps elements one by
-// one never moves either (design.md section 3).
+// Elements that step together: links without slack join elements that can only move as one, and a
+// relaxation that steps them one by one never moves them at all (design.md section 3).
 #pragma once
 
 #include <cstdint>
@@ -19,6 +17,7 @@ struct Clusters {
   struct Boundary {
     Slot inside, outside;
     LinkValues values;
+    std::int32_t rest;   // stretch upwards from the inside, 2^-16 voxel
     bool inside_is_low;  // end of the link
     bool shared;         // the other end moves with another cluster
   };

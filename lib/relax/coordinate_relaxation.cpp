@@ -49,6 +49,22 @@ const Bound* bound_of(const std::vector<Bound>& bounds, Slot slot) {
   return place != bounds.end() && place->slot == slot ? &*place : nullptr;
 }
 
+/// Of a pass, counted from 0: grows from 1 as the momentum of Nesterov's method does, up to what
+/// suits the slowest mode of a body of that many voxels (Young 1971 for one whose ends are fixed; a
+/// free end halves the rate). Any below 2 lowers the energy.
+double over_relaxation(int pass, int extent) {
+  return 2 - std::max(3.0 / (2 * pass + 3), 2.0 / (extent + 2));
+}
+
+int largest_extent(const BrickTopology& elements) {
+  const IndexBox& bounds = elements.active_bounds();
+  int extent = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    extent = std::max(extent, bounds.hi[axis] - bounds.lo[axis] + 1);
+  }
+  return extent;
+}
+
 template <class Visit>
 void in_parallel(std::size_t count, Visit&& visit) {
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 4),
@@ -60,13 +76,15 @@ void in_parallel(std::size_t count, Visit&& visit) {
 }  // namespace
 
 CoordinateRelaxation::CoordinateRelaxation(const Body& body, int coordinate, const SlotSet& still,
-                                           const Holds& held, const RelaxParams& params)
+                                           const Holds& held, RelaxMethod method)
     : m_body(body),
-      m_coordinate(coordinate),
       m_at_least(held.at_least[std::size_t(coordinate)]),
       m_at_most(held.at_most[std::size_t(coordinate)]),
-      m_params(params),
-      m_table(body, coordinate),
+      m_method(method),
+      m_table(body, coordinate,
+              method == RelaxMethod::plain ? RigidLinks::springs : RigidLinks::absent),
+      m_is_plastic(m_table.has_yield() || has_rest()),
+      m_extent(largest_extent(body.elements)),
       m_now(body.elements.brick_count()),
       m_next(body.elements.brick_count()),
       m_changed(body.elements.brick_count(), 0),
@@ -85,8 +103,20 @@ CoordinateRelaxation::CoordinateRelaxation(const Body& body, int coordinate, con
   }
   still.for_each([this](Slot slot) { clear_bit(m_movable, slot); });
   m_single = m_movable;
-  if (params.method != RelaxMethod::plain && m_table.has_rigid()) find_rigid_clusters();
+  if (method != RelaxMethod::plain && m_table.has_rigid()) find_rigid_clusters();
+  for (const auto& axis : body.rest) {
+    const BrickValues& rest = axis[std::size_t(coordinate)];
+    for (std::size_t b = 0; b < rest.brick_count(); ++b) {
+      if (rest.brick(b) != nullptr) m_changed[b] = 1;
+    }
+  }
   add_bricks();
+}
+
+bool CoordinateRelaxation::has_rest() const {
+  return std::any_of(m_body.rest.begin(), m_body.rest.end(), [&](const auto& axis) {
+    return !axis[std::size_t(m_table.coordinate())].empty();
+  });
 }
 
 /// A cluster with an element that is held, is held.
@@ -132,7 +162,12 @@ SweepOutcome CoordinateRelaxation::sweep_one(std::size_t brick, const BrickMask&
   pad_brick(m_body.elements, brick, 0.0, values_of, offsets);
   BrickLinks links;
   find_links(m_body, brick, m_table.missing(), links);
-  return sweep_brick(offsets, links, m_table, free, rule, out);
+  if (!m_is_plastic) return sweep_brick(offsets, links, nullptr, m_table, free, rule, out);
+  BrickRest rest;
+  const std::size_t c = std::size_t(m_table.coordinate());
+  find_rest(m_body.elements, {&m_body.rest[0][c], &m_body.rest[1][c], &m_body.rest[2][c]}, brick,
+            rest);
+  return sweep_brick(offsets, links, &rest, m_table, free, rule, out);
 }
 
 /// A step towards a bound is cut short there; what starts within stays within.
@@ -182,7 +217,8 @@ double CoordinateRelaxation::step_of_cluster(const Clusters& clusters, std::size
     const double apart = m_now.at(link.outside) - m_now.at(link.inside);
     const double share = link.shared ? 0.5 : 1;
     const double upper = link.values.upper * kFinePerUnit, lower = link.values.lower * kFinePerUnit;
-    force += link.values.stiffness * apart;
+    force += link.values.stiffness *
+             pulled_stretch(link.values, apart - link.rest * kFinePerUnit);
     stiffness += link.values.stiffness;
     rise = std::min(rise, share * (apart + (link.inside_is_low ? lower : upper)));
     sink = std::min(sink, share * ((link.inside_is_low ? upper : lower) - apart));
@@ -223,51 +259,22 @@ double CoordinateRelaxation::sweep_clusters(const Clusters& clusters, double rel
   return largest;
 }
 
-/// Elements that links at their limits join within aligned blocks of 2^block_bits voxels.
-Clusters CoordinateRelaxation::find_tight_clusters(int block_bits) const {
-  constexpr double kTight = 16 * kFinePerUnit;  // 2^-12 voxel
-  const auto joins = [&](int axis, Slot low, Slot high) {
-    if (!bit(m_movable, low) || !bit(m_movable, high)) return false;
-    const std::uint8_t a = m_body.classes[low], b = m_body.classes[high];
-    if (m_table.is_rigid(axis, a, b)) return true;
-    const LinkValues& values = m_table.values(axis, a, b);
-    const double apart = m_now.at(high) - m_now.at(low);
-    if (std::min(values.upper * kFinePerUnit - apart, values.lower * kFinePerUnit + apart) > kTight) {
-      return false;
-    }
-    const Vec3i at = voxel_of(m_body.elements, low), next = voxel_of(m_body.elements, high);
-    return at[axis] >> block_bits == next[axis] >> block_bits;
-  };
-  if (m_rigid.count() == 0) return find_clusters(m_body, m_table, m_work, joins);
-  std::vector<std::uint32_t> all(m_movable.size());
-  std::iota(all.begin(), all.end(), 0u);
-  return find_clusters(m_body, m_table, all, joins);
-}
-
 double CoordinateRelaxation::pass() {
   std::fill(m_changed.begin(), m_changed.end(), 0);
   SweepRule rule;
   double largest = 0;
-  if (m_params.method == RelaxMethod::plain || m_params.method == RelaxMethod::jacobi) {
-    rule.limited = m_params.method == RelaxMethod::jacobi;
+  if (m_method == RelaxMethod::plain || m_method == RelaxMethod::jacobi) {
+    rule.limited = m_method == RelaxMethod::jacobi;
     largest = sweep_nodes(-1, rule, true);
   } else {
     rule.share = 1;
-    if (m_params.method == RelaxMethod::accelerated) rule.relaxation = m_params.over_relaxation;
+    if (m_method == RelaxMethod::accelerated) rule.relaxation = over_relaxation(m_passes, m_extent);
     for (const int colour : {0, 1}) {
       largest = std::max(largest, sweep_nodes(colour, rule, colour == 0));
     }
   }
-  if (m_rigid.count() > 0) largest = std::max(largest, sweep_clusters(m_rigid, rule.relaxation));
   ++m_passes;
-  static const int every = getenv("TE") ? atoi(getenv("TE")) : 0;
-  static const int reps = getenv("TR") ? atoi(getenv("TR")) : 1;
-  static const int maxl = getenv("TL") ? atoi(getenv("TL")) : 7;
-  if (every > 0 && m_passes % every == 0) {
-    const Clusters tight = find_tight_clusters(1 + m_passes / every % maxl);
-    double w = getenv("TW") ? atof(getenv("TW")) : 1;
-    for (int n = 0; n < reps; ++n) sweep_clusters(tight, w);
-  }
+  if (m_rigid.count() > 0) largest = std::max(largest, sweep_clusters(m_rigid, rule.relaxation));
   m_energy = 0;
   for (const double energy : m_energies) m_energy += energy;
   add_bricks();

@@ -16,7 +16,7 @@ class CoordinateRelaxation {
  public:
   /// `still` stays where it is; `bounds` hold elements at or beyond them. All outlive this.
   CoordinateRelaxation(const Body& body, int coordinate, const SlotSet& still, const Holds& held,
-                       const RelaxParams& params);
+                       RelaxMethod method);
 
   /// The largest step, 2^-32 voxel.
   double pass();
@@ -28,6 +28,7 @@ class CoordinateRelaxation {
   std::size_t bytes() const;
 
  private:
+  bool has_rest() const;
   void find_rigid_clusters();
   void add_bricks();
   SweepOutcome sweep_one(std::size_t brick, const BrickMask& free, const SweepRule& rule,
@@ -35,15 +36,15 @@ class CoordinateRelaxation {
   double sweep_nodes(int colour, const SweepRule& rule, bool first);
   double sweep_clusters(const Clusters& clusters, double relaxation);
   double step_of_cluster(const Clusters& clusters, std::size_t cluster, double relaxation) const;
-  Clusters find_tight_clusters(int block_bits) const;
   void keep_bounds(std::size_t brick, double* values) const;
 
   const Body& m_body;
-  int m_coordinate;
   const std::vector<Bound>& m_at_least;
   const std::vector<Bound>& m_at_most;
-  RelaxParams m_params;
+  RelaxMethod m_method;
   LinkTable m_table;
+  bool m_is_plastic;
+  int m_extent;                      // of the body, voxels
   std::vector<BrickMask> m_movable;  // elements that nothing holds
   std::vector<BrickMask> m_single;   // those of them that step on their own
   Clusters m_rigid;                  // the others of them

@@ -10,34 +10,47 @@
 
 namespace supple {
 
-/// A link that is absent has no stiffness and no limits. So has a rigid one, without slack: its ends
-/// move as one (clusters.h).
+/// A link that is absent has no stiffness and no limits.
 struct alignas(16) LinkValues {
   float stiffness;     // N/m; the same along and across the link, as in the thesis
   float upper, lower;  // 2^-16 voxel, infinite without a limit; below 2^24 exact, else rounded down
+  float yield;         // 2^-16 voxel from its rest stretch; infinite where it is elastic
 };
+
+/// How far the spring of a link pulls as if stretched that far from its rest stretch, in 2^-32 voxel:
+/// no further than where it yields.
+inline double pulled_stretch(const LinkValues& link, double stretch) {
+  const double yield = link.yield * 65536.0;
+  return stretch > yield ? yield : stretch < -yield ? -yield : stretch;
+}
+
+enum class RigidLinks { absent, springs };
 
 class LinkTable {
  public:
-  /// Stiffness of a link: Young's modulus times the area that belongs to it over its length.
-  LinkTable(const Body& body, int coordinate);
+  /// Stiffness of a link: Young's modulus times the area that belongs to it over its length. Rigid
+  /// links, those without slack, are absent where their ends move as one (clusters.h).
+  LinkTable(const Body& body, int coordinate, RigidLinks rigid);
 
-  /// Entry class_a * stride() + class_b of a row, classes as in Body; missing() and beyond: absent.
+  /// Entry class_a * stride + class_b of a row, stride as in SlackTable, classes as in Body; missing() and beyond: absent.
   const LinkValues* row(int axis) const { return m_rows[axis].data(); }
   const LinkValues& values(int axis, int class_a, int class_b) const {
     return m_rows[axis][std::size_t(class_a) * m_stride + class_b];
   }
+  int coordinate() const { return m_coordinate; }
   std::int32_t missing() const { return std::int32_t(m_rows[0].size()) - 1; }
   /// Whether a link of these classes lets its ends come no nearer nor farther apart.
   bool is_rigid(int axis, int class_a, int class_b) const {
     return m_rigid[axis][std::size_t(class_a) * m_stride + class_b] != 0;
   }
   bool has_rigid() const { return m_has_rigid; }
+  bool has_yield() const { return m_has_yield; }
   std::size_t bytes() const;
 
  private:
-  int m_stride = 1;
-  bool m_has_rigid = false;
+  int m_stride;
+  int m_coordinate;
+  bool m_has_rigid = false, m_has_yield = false;
   std::array<std::vector<LinkValues>, 3> m_rows;
   std::array<std::vector<std::uint8_t>, 3> m_rigid;
 };

@@ -5,21 +5,11 @@
 #include <cmath>
 
 #include "lib/relax/coordinate_relaxation.h"
+#include "lib/relax/plastic_flow.h"
 
 namespace supple {
 
 namespace {
-
-/// Nearly that of red-black relaxation of a cube of that many voxels with fixed faces (Young 1971).
-double best_over_relaxation(const Body& body) {
-  constexpr double kPi = 3.14159265358979323846;
-  const IndexBox& bounds = body.elements.active_bounds();
-  int extent = 1;
-  for (int axis = 0; axis < 3; ++axis) {
-    extent = std::max(extent, bounds.hi[axis] - bounds.lo[axis] + 1);
-  }
-  return 2 / (1 + std::sin(kPi / (extent + 1)));
-}
 
 void check(const RelaxParams& params) {
   if (params.passes < 0) {
@@ -28,10 +18,12 @@ void check(const RelaxParams& params) {
   if (!(params.tolerance_voxels >= 0)) {
     throw InputError({"", "tolerance", std::to_string(params.tolerance_voxels), "0 or more voxels"});
   }
-  const double over = params.over_relaxation;
-  if (over != 0 && !(over >= 1 && over < 2)) {
-    throw InputError({"", "over_relaxation", std::to_string(over), "1 to below 2"});
-  }
+}
+
+/// Never moved, and nothing pulls there.
+bool is_at_rest(const Body& body, std::size_t c) {
+  return body.q[c].empty() && std::all_of(body.rest.begin(), body.rest.end(),
+                                          [c](const auto& axis) { return axis[c].empty(); });
 }
 
 }  // namespace
@@ -53,12 +45,10 @@ Relaxation::Relaxation(Body& body, const SlotSet& fixed, const Holds& held,
                        const RelaxParams& params)
     : m_body(body) {
   check(params);
-  RelaxParams effective = params;
-  if (params.over_relaxation == 0) effective.over_relaxation = best_over_relaxation(body);
   for (int c = 0; c < 3; ++c) {
-    if (body.q[std::size_t(c)].empty()) continue;
+    if (is_at_rest(body, std::size_t(c))) continue;
     m_coordinates[std::size_t(c)] =
-        std::make_unique<CoordinateRelaxation>(body, c, fixed, held, effective);
+        std::make_unique<CoordinateRelaxation>(body, c, fixed, held, params.method);
   }
 }
 
@@ -113,6 +103,11 @@ RelaxReport relax(Body& body, const std::vector<Region>& fixed, const Holds& hel
   const auto begin = std::chrono::steady_clock::now();
   check(params);
   RelaxReport result;
+  if (!body.links_known_valid) {
+    const ProjectionReport projection = project(body);
+    result.projected_links = projection.violated_links;
+    result.projected_max_voxels = projection.max_move_voxels;
+  }
   const SlotSet still = still_elements(body, fixed, held);
   Relaxation relaxation(body, still, held, params);
   const auto store = [&] {
@@ -133,6 +128,7 @@ RelaxReport relax(Body& body, const std::vector<Region>& fixed, const Holds& hel
   }
   store();
   if (result.passes == 0) result.energy_before = result.energy_after;
+  if (body.material.has_plastic()) result.yielded_links = let_flow(body);
   body.links_known_valid = params.method != RelaxMethod::plain;
   result.milliseconds =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();

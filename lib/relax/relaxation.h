@@ -33,15 +33,16 @@ struct RelaxParams {
   int passes = 20;  // at most
   /// Stops after a pass in which no element moved further, in voxels of each axis.
   double tolerance_voxels = 0;
-  /// Of accelerated, 1 to below 2; 0: from the extent of the body.
-  double over_relaxation = 0;
 };
 
 struct RelaxReport {
+  std::int64_t projected_links = 0;  // of an invalid start
+  double projected_max_voxels = 0;
   int passes = 0;
   bool converged = false;  // by the tolerance, or no element can move any more
   double energy_before = 0, energy_after = 0;  // uJ (N/m * mm^2)
   double largest_step_voxels = 0;              // of the last pass
+  std::int64_t yielded_links = 0;              // whose rest stretch followed
   double milliseconds = 0;
 };
 
@@ -52,8 +53,8 @@ class CoordinateRelaxation;
 class Relaxation {
  public:
   /// Elements of `held.still` and `fixed` stay; those of push handles stay at or beyond where they
-  /// were pushed to. An invalid start is projected first, as drag() does. The body and its links
-  /// must not change while this lives.
+  /// were pushed to. The body is a valid one (for method plain any) and must not change while this
+  /// lives. Throws InputError: params out of range.
   Relaxation(Body& body, const SlotSet& fixed, const Holds& held, const RelaxParams& params);
   ~Relaxation();
 
@@ -73,7 +74,11 @@ class Relaxation {
   double m_energy = 0;
 };
 
-/// Up to params.passes passes. `progress` may cancel between two: Cancelled is thrown and the body
+/// The elements that stay: those of the regions and of two-sided handles. Throws InputError: a
+/// region without element.
+SlotSet still_elements(const Body& body, const std::vector<Region>& fixed, const Holds& held);
+
+/// Up to params.passes passes. An invalid start is projected first, as drag() does. `progress` may cancel between two: Cancelled is thrown and the body
 /// is what the passes so far made of it, valid. Throws InputError: params out of range.
 RelaxReport relax(Body& body, const std::vector<Region>& fixed, const Holds& held,
                   const RelaxParams& params, Progress* progress = nullptr);

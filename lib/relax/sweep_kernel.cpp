@@ -40,12 +40,12 @@ inline Row moved_up(Row row, double first) {
 
 /// Eight links side by side.
 struct LinkRow {
-  Row stiffness, upper, lower;
+  Row stiffness, upper, lower, yield;
 };
 
 /// Looks eight links up; limits become 2^-32 voxel.
 inline LinkRow look_up(const LinkValues* table, const std::int32_t* entries) {
-  Quad columns[2][3];
+  Quad columns[2][4];
   for (int half = 0; half < 2; ++half) {
     Quad links[4];
     for (int n = 0; n < 4; ++n) std::memcpy(&links[n], table + entries[4 * half + n], sizeof(Quad));
@@ -56,24 +56,35 @@ inline LinkRow look_up(const LinkValues* table, const std::int32_t* entries) {
     const Quad last_ab = __builtin_shufflevector(links[0], links[1], 2, 6, 3, 7);
     const Quad last_cd = __builtin_shufflevector(links[2], links[3], 2, 6, 3, 7);
     columns[half][2] = __builtin_shufflevector(last_ab, last_cd, 0, 1, 4, 5);
+    columns[half][3] = __builtin_shufflevector(last_ab, last_cd, 2, 3, 6, 7);
   }
   const auto widened = [&](int column) {
     const FloatRow row = __builtin_shufflevector(columns[0][column], columns[1][column], 0, 1, 2, 3,
                                                  4, 5, 6, 7);
     return __builtin_convertvector(row, Row);
   };
-  return {widened(0), widened(1) * kFinePerUnit, widened(2) * kFinePerUnit};
+  return {widened(0), widened(1) * kFinePerUnit, widened(2) * kFinePerUnit,
+          widened(3) * kFinePerUnit};
 }
 
 /// Eight links under the present stretch of their ends.
 struct Pull {
-  Row force{};      // on the low end, upwards
+  Row force{};  // on the low end, upwards
   Row stiffness{};
   Row wider{}, narrower{};  // slack left until the link is too long, and too short
+  Row energy{};             // twice
 };
 
-inline Pull pull_of(const LinkRow& link, Row stretch) {
-  return {link.stiffness * stretch, link.stiffness, link.upper - stretch, link.lower + stretch};
+template <bool kPlastic>
+inline Pull pull_of(const LinkRow& link, Row stretch, const double* rest) {
+  Row pulled = stretch, work = stretch;
+  if constexpr (kPlastic) {
+    const Row beyond = stretch - load(rest);
+    pulled = larger(-link.yield, smaller(link.yield, beyond));
+    work = beyond + beyond - pulled;
+  }
+  const Row force = link.stiffness * pulled;
+  return {force, link.stiffness, link.upper - stretch, link.lower + stretch, force * work};
 }
 
 inline Row chosen(unsigned bits, Row row) {
@@ -116,9 +127,16 @@ inline Row step_of(const Ask& ask, const SweepRule& rule) {
   return truncated(larger(-down, smaller(up, wanted)));
 }
 
-template <bool kLimited>
+/// Force of one spring, as pull_of().
+template <bool kPlastic>
+inline double force_of(const LinkValues& link, double stretch, double rest) {
+  if constexpr (!kPlastic) return double(link.stiffness) * stretch;
+  return link.stiffness * pulled_stretch(link, stretch - rest);
+}
+
+template <bool kLimited, bool kPlastic>
 SweepOutcome sweep(const PaddedBrick<double>& offsets, const BrickLinks& links,
-                   const LinkTable& table, const BrickMask& free, const SweepRule& rule,
+                   const BrickRest* rest, const LinkTable& table, const BrickMask& free, const SweepRule& rule,
                    double* out) {
   const LinkValues* along_i = table.row(0);
   const LinkValues* along_j = table.row(1);
@@ -126,30 +144,37 @@ SweepOutcome sweep(const PaddedBrick<double>& offsets, const BrickLinks& links,
   Row energy{}, largest{};
   Pull last_i[8];
   for (int j = 0; j < 8; ++j) {
-    last_i[j] = pull_of(look_up(along_i, links.i[0][j]),
-                        load(offsets.row(0, j)) - load(offsets.row(-1, j)));
+    last_i[j] = pull_of<kPlastic>(look_up(along_i, links.i[0][j]),
+                                  load(offsets.row(0, j)) - load(offsets.row(-1, j)),
+                                  kPlastic ? rest->i[0][j] : nullptr);
   }
   for (int i = 0; i < 8; ++i) {
-    Pull last_j = pull_of(look_up(along_j, links.j[i][0]),
-                          load(offsets.row(i, 0)) - load(offsets.row(i, -1)));
+    Pull last_j = pull_of<kPlastic>(look_up(along_j, links.j[i][0]),
+                                    load(offsets.row(i, 0)) - load(offsets.row(i, -1)),
+                                    kPlastic ? rest->j[i][0] : nullptr);
     for (int j = 0; j < 8; ++j) {
       const double* place = offsets.row(i, j);
       const Row here = load(place);
       const Row stretch_i = load(offsets.row(i + 1, j)) - here;
       const Row stretch_j = load(offsets.row(i, j + 1)) - here;
       const Row stretch_k = load(place + 1) - here;
-      const Pull next_i = pull_of(look_up(along_i, links.i[i + 1][j]), stretch_i);
-      const Pull next_j = pull_of(look_up(along_j, links.j[i][j + 1]), stretch_j);
-      const Pull next_k = pull_of(look_up(along_k, links.k[i][j]), stretch_k);
-      energy += next_i.force * stretch_i + next_j.force * stretch_j + next_k.force * stretch_k;
+      const Pull next_i = pull_of<kPlastic>(look_up(along_i, links.i[i + 1][j]), stretch_i,
+                                            kPlastic ? rest->i[i + 1][j] : nullptr);
+      const Pull next_j = pull_of<kPlastic>(look_up(along_j, links.j[i][j + 1]), stretch_j,
+                                            kPlastic ? rest->j[i][j + 1] : nullptr);
+      const Pull next_k = pull_of<kPlastic>(look_up(along_k, links.k[i][j]), stretch_k,
+                                            kPlastic ? rest->k[i][j] : nullptr);
+      energy += next_i.energy + next_j.energy + next_k.energy;
 
       const LinkValues& entering = along_k[links.low_k[i][j]];
       const double entering_stretch = place[0] - place[-1];
       const Pull last_k = {
-          moved_up(next_k.force, double(entering.stiffness) * entering_stretch),
+          moved_up(next_k.force, force_of<kPlastic>(entering, entering_stretch,
+                                                    kPlastic ? rest->low_k[i][j] : 0)),
           moved_up(next_k.stiffness, entering.stiffness),
           moved_up(next_k.wider, double(entering.upper) * kFinePerUnit - entering_stretch),
-          moved_up(next_k.narrower, double(entering.lower) * kFinePerUnit + entering_stretch)};
+          moved_up(next_k.narrower, double(entering.lower) * kFinePerUnit + entering_stretch),
+          Row{}};
       Ask ask(next_i);
       ask.add_next(next_j);
       ask.add_next(next_k);
@@ -178,10 +203,14 @@ SweepOutcome sweep(const PaddedBrick<double>& offsets, const BrickLinks& links,
 }  // namespace
 
 SweepOutcome sweep_brick(const PaddedBrick<double>& offsets, const BrickLinks& links,
-                         const LinkTable& table, const BrickMask& free, const SweepRule& rule,
-                         double* out) {
-  return rule.limited ? sweep<true>(offsets, links, table, free, rule, out)
-                      : sweep<false>(offsets, links, table, free, rule, out);
+                         const BrickRest* rest, const LinkTable& table, const BrickMask& free,
+                         const SweepRule& rule, double* out) {
+  if (rest != nullptr) {
+    return rule.limited ? sweep<true, true>(offsets, links, rest, table, free, rule, out)
+                        : sweep<false, true>(offsets, links, rest, table, free, rule, out);
+  }
+  return rule.limited ? sweep<true, false>(offsets, links, rest, table, free, rule, out)
+                      : sweep<false, false>(offsets, links, rest, table, free, rule, out);
 }
 
 }  // namespace supple

@@ -9,10 +9,6 @@
 
 namespace supple {
 
-/// Offsets in 2^-32 voxel: integers below 2^47, exact as double, and so are their differences. A
-/// node that has come to rest on a fraction of 2^-16 voxel does not lose it (design.md section 3).
-constexpr double kFinePerUnit = 65536.0;
-
 struct SweepRule {
   /// Part of the way to the mean.
   double relaxation = 1;
@@ -24,15 +20,18 @@ struct SweepRule {
 
 struct SweepOutcome {
   double largest_step = 0;  // 2^-32 voxel
-  /// Sum of stiffness * stretch^2 over the links of the brick's voxels to the next ones, before the
-  /// sweep: N/m * (2^-32 voxel)^2.
+  /// Twice the energy of the links of the brick's voxels to the next ones, before the sweep:
+  /// N/m * (2^-32 voxel)^2.
   double energy = 0;
 };
 
+/// A spring pulls with stiffness * stretch; beyond its yield stretch the pull stays what it is there,
+/// as plastic flow lets it. `rest` is null where all are elastic and at rest in the undeformed body.
+///
 /// `free` nodes of the brick step from `offsets`; all others stay. Writes 512 offsets, those of
 /// `offsets` where nothing steps.
 SweepOutcome sweep_brick(const PaddedBrick<double>& offsets, const BrickLinks& links,
-                         const LinkTable& table, const BrickMask& free, const SweepRule& rule,
-                         double* out);
+                         const BrickRest* rest, const LinkTable& table, const BrickMask& free,
+                         const SweepRule& rule, double* out);
 
 }  // namespace supple

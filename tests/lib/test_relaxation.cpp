@@ -1,0 +1,321 @@
+// Elastic relaxation: valid and downhill after every pass, and to the right place.
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "lib/body/lattice.h"
+#include "lib/relax/relaxation.h"
+#include "tests/lib/brute_force.h"
+
+using namespace supple;
+using namespace supple::test;
+
+namespace {
+
+constexpr std::int32_t kVoxel = 65536;
+constexpr RelaxMethod kValidMethods[] = {RelaxMethod::jacobi, RelaxMethod::red_black,
+                                         RelaxMethod::accelerated};
+
+
+Body soft_block(const Vec3i& dims, const std::function<double(int, int, int)>& density) {
+  return body_of(full_block(dims, linear_table(1.5, 0.6, 0.7), density));
+}
+
+Body soft_row(int length) {
+  return soft_block({length, 1, 1}, [](int, int, int) { return 255.0; });
+}
+
+double stiffness_of(const Body& body, int axis, Slot low, Slot high) {
+  const Vec3d h = body.geometry.spacing_mm();
+  return MaterialClasses(body.material).physics(body.classes[low], body.classes[high]).stiffness_kpa *
+         h[(axis + 1) % 3] * h[(axis + 2) % 3] / h[axis];
+}
+
+/// By definition, from the stored offsets, in uJ.
+double energy_of(const Body& body) {
+  double sum = 0;
+  for (std::size_t b = 0; b < body.elements.brick_count(); ++b) {
+    for_each_link(body.elements, body.cuts, b, [&](int axis, Slot low, Slot high) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        const double mm = (double(body.q[c].at(high)) - body.q[c].at(low)) / kFixedOne *
+                          body.geometry.spacing_mm()[int(c)];
+        sum += stiffness_of(body, axis, low, high) * mm * mm / 2;
+      }
+    });
+  }
+  return sum;
+}
+
+/// A random body after some random drags, and what these hold.
+struct Dragged {
+  Body body;
+  Holds holds;
+  std::vector<Region> anchors;
+};
+
+Dragged dragged(std::mt19937& random, const Vec3i& max_dims) {
+  Block block = random_block(random, max_dims);
+  if (random() % 3 == 0) cut_randomly(random, block);
+  Dragged result{body_of(block), {}, {}};
+  if (random() % 2 == 0) result.anchors.push_back(Region(block.voxel(random_element(random, block))));
+  for (int n = 0; n < 2; ++n) {
+    const Vec3i voxel = block.voxel(random_element(random, block));
+    if (!result.anchors.empty() && *result.anchors[0].box() == IndexBox{voxel, voxel}) continue;
+    std::array<std::int32_t, 3> by;
+    for (auto& way : by) way = std::int32_t(random() % (12u * kVoxel)) - 6 * kVoxel;
+    const HandleKind kind = random() % 4 == 0 ? HandleKind::push : HandleKind::two_sided;
+    drag(result.body, {{voxel, by, kind}}, result.anchors, result.holds);
+  }
+  return result;
+}
+
+Relaxation relaxation_of(Dragged& dragged, RelaxMethod method) {
+  RelaxParams params;
+  params.method = method;
+  return Relaxation(dragged.body, still_elements(dragged.body, dragged.anchors, dragged.holds),
+                    dragged.holds, params);
+}
+
+}  // namespace
+
+TEST(PropertyRelaxation, EveryPassLeavesAValidBodyOfNoMoreEnergy) {
+  std::mt19937 random(3);
+  std::int64_t moved = 0;
+  for (int n = 0; n < 100; ++n) {
+    Dragged start = dragged(random, {13, 11, 9});
+    const Dragged before = start;
+    for (const RelaxMethod method : kValidMethods) {
+      start = before;
+      Relaxation relaxation = relaxation_of(start, method);
+      double energy = HUGE_VAL;
+      for (int pass = 0; pass < 12; ++pass) {
+        moved += relaxation.pass() > 0;
+        ASSERT_LE(relaxation.energy_before_pass(), energy * (1 + 1e-12)) << name_of(method);
+        energy = relaxation.energy_before_pass();
+        relaxation.store();
+        ASSERT_EQ(check_links(start.body).violated, 0) << name_of(method) << " pass " << pass;
+      }
+      EXPECT_NEAR(relaxation.energy(), energy_of(start.body), 1e-3 * energy_of(before.body) + 1e-9);
+    }
+  }
+  EXPECT_GT(moved, 2000);
+}
+
+TEST(PropertyRelaxation, WhatIsHeldStays) {
+  std::mt19937 random(5);
+  int pushed = 0;
+  for (int n = 0; n < 60; ++n) {
+    Dragged start = dragged(random, {9, 9, 7});
+    const Body before = start.body;
+    RelaxParams params;
+    params.method = kValidMethods[n % 3];
+    params.passes = 15;
+    relax(start.body, start.anchors, start.holds, params);
+    const SlotSet still = still_elements(before, start.anchors, start.holds);
+    for (std::size_t c = 0; c < 3; ++c) {
+      still.for_each([&](Slot slot) { EXPECT_EQ(start.body.q[c].at(slot), before.q[c].at(slot)); });
+      for (const Bound& bound : start.holds.at_least[c]) {
+        EXPECT_GE(start.body.q[c].at(bound.slot), bound.value);
+        pushed += start.body.q[c].at(bound.slot) == bound.value;
+      }
+      for (const Bound& bound : start.holds.at_most[c]) {
+        EXPECT_LE(start.body.q[c].at(bound.slot), bound.value);
+      }
+    }
+  }
+  EXPECT_GT(pushed, 5);
+}
+
+TEST(PropertyRelaxation, TheResultDoesNotDependOnTheNumberOfThreads) {
+  std::mt19937 random(7);
+  for (int n = 0; n < 6; ++n) {
+    const Dragged start = dragged(random, {30, 28, 26});
+    for (const RelaxMethod method : kValidMethods) {
+      RelaxParams params;
+      params.method = method;
+      Dragged one = start, many = start;
+      RelaxReport first, second;
+      {
+        tbb::global_control single(tbb::global_control::max_allowed_parallelism, 1);
+        first = relax(one.body, one.anchors, one.holds, params);
+      }
+      {
+        tbb::global_control four(tbb::global_control::max_allowed_parallelism, 4);
+        second = relax(many.body, many.anchors, many.holds, params);
+      }
+      EXPECT_EQ(one.body.q, many.body.q);
+      EXPECT_EQ(first.energy_after, second.energy_after);
+    }
+  }
+}
+
+TEST(PropertyRelaxation, ThePlainPassOfTheThesisBreaksLimits) {
+  const auto noise = [](int i, int j, int k) { return double((i * 37 + j * 91 + k * 53) % 256); };
+  Body body = soft_block({24, 24, 24}, noise);
+  Holds holds;
+  drag(body, {{{12, 12, 12}, {6 * kVoxel, 0, 0}}}, {}, holds);
+  Body valid = body;
+  RelaxParams params;
+  params.passes = 1;
+  params.method = RelaxMethod::plain;
+  const RelaxReport report = relax(body, {}, holds, params);
+  const LinkCheck check = check_links(body);
+  EXPECT_GT(check.violated, check.links / 200);
+  EXPECT_FALSE(body.links_known_valid);
+  // Whole steps go further down, which is what breaks them.
+  params.method = RelaxMethod::jacobi;
+  EXPECT_GT(relax(valid, {}, holds, params).energy_after, report.energy_after);
+}
+
+TEST(PropertyRelaxation, AChainComesToRestWhereItsSpringsBalance) {
+  // Soft and hard links in turn: 1 and 4 kPa at densities 0 and 255, 2.5 between.
+  MaterialTable table = linear_table(3, 0.1, 2);
+  table.max_length.keys = {{0, 3}};
+  table.min_length.keys = {{0, 0.1}};
+  table.stiffness = Curve{{{0, 1}, {255, 4}}};
+  Block block = full_block({41, 1, 1}, table, [](int i, int, int) { return i < 20 ? 0.0 : 255.0; });
+  block.spacing_mm = {0.5, 2, 3};
+  for (const RelaxMethod method : kValidMethods) {
+    Body body = body_of(block);
+    Holds holds;
+    drag(body, {{{40, 0, 0}, {10 * kVoxel, 0, 0}}}, {Region({0, 0, 0})}, holds);
+    RelaxParams params;
+    params.method = method;
+    params.passes = 20000;
+    params.tolerance_voxels = 1e-9;
+    const RelaxReport report = relax(body, {Region({0, 0, 0})}, holds, params);
+    EXPECT_TRUE(report.converged) << name_of(method);
+    // 19 soft links, one between, 20 hard ones in series.
+    const double compliance = 19 / 1.0 + 1 / 2.5 + 20 / 4.0;
+    EXPECT_NEAR(body.offset({19, 0, 0}, 0) / kFixedOne, 10 * 19 / compliance, 1e-3);
+    EXPECT_NEAR(body.offset({20, 0, 0}, 0) / kFixedOne, 10 * (19 + 1 / 2.5) / compliance, 1e-3);
+    // Springs of k = E * 2 mm * 3 mm / 0.5 mm over 10 voxels of 0.5 mm.
+    EXPECT_NEAR(report.energy_after, 0.5 * (12 / compliance) * 25, 1e-3);
+  }
+}
+
+TEST(PropertyRelaxation, ALimitedLinkStopsAtItsLimit) {
+  // Nine links may grow by 0.2 and one by 1.5: pulled by 2.4, they take 0.2 each and 0.6.
+  MaterialTable table = linear_table(2.5, 0.5, 1);
+  table.max_length.keys = {{0, 1.2}, {126, 1.2}, {127, 2.5}};
+  table.stiffness = Curve{{{0, 1}, {126, 1}, {127, 100}}};
+  Body body = body_of(full_block({11, 1, 1}, table, [](int i, int, int) {
+    return i == 5 || i == 6 ? 127.0 : 0.0;
+  }));
+  Holds holds;
+  drag(body, {{{10, 0, 0}, {kVoxel * 24 / 10, 0, 0}}}, {Region({0, 0, 0})}, holds);
+  RelaxParams params;
+  params.passes = 5000;
+  params.tolerance_voxels = 1e-9;
+  relax(body, {Region({0, 0, 0})}, holds, params);
+  EXPECT_NEAR((body.offset({6, 0, 0}, 0) - body.offset({5, 0, 0}, 0)) / kFixedOne, 0.6, 1e-3);
+  EXPECT_EQ(check_links(body).violated, 0);
+}
+
+TEST(PropertyRelaxation, AnElasticBodyWithRigidPartsReturnsToItsShape) {
+  // A rigid T in soft tissue, its far side fixed.
+  const Block block = t_shape(24);
+  const Region rim({0, 0, 0}, {0, 23, 0});
+  for (const RelaxMethod method : {RelaxMethod::red_black, RelaxMethod::accelerated}) {
+    Body body = body_of(block);
+    drag(body, {{{23, 12, 0}, {5 * kVoxel, 4 * kVoxel, kVoxel}}}, {rim});
+    const std::int32_t bar = body.offset({14, 12, 0}, 0);
+    EXPECT_GT(bar, kVoxel);
+    RelaxParams params;
+    params.method = method;
+    params.passes = 8000;
+    params.tolerance_voxels = 1e-8;
+    const RelaxReport report = relax(body, {rim}, {}, params);
+    EXPECT_TRUE(report.converged);
+    EXPECT_LT(report.energy_after, 1e-6 * report.energy_before);
+    for (int n = 0; n < block.size(); ++n) {
+      for (int c = 0; c < 3; ++c) {
+        EXPECT_LE(std::abs(body.offset(block.voxel(n), c)), kVoxel / 1000) << name_of(method);
+      }
+    }
+  }
+}
+
+TEST(PropertyRelaxation, ARigidPartMovesAsOne) {
+  const Block block = t_shape(24);
+  Body body = body_of(block);
+  Holds holds;
+  drag(body, {{{23, 12, 0}, {5 * kVoxel, 0, 0}}}, {}, holds);
+  const Body before = body;
+  RelaxParams params;
+  params.passes = 40;
+  relax(body, {}, holds, params);
+  const Vec3i part{15, 8, 0};
+  ASSERT_EQ(block.density[std::size_t(block.index(15, 8, 0))], 0);
+  EXPECT_NE(body.offset(part, 0), before.offset(part, 0));
+  for (int n = 0; n < block.size(); ++n) {
+    if (block.density[std::size_t(n)] == 0) {
+      EXPECT_EQ(body.offset(block.voxel(n), 0), body.offset(part, 0));
+    }
+  }
+}
+
+TEST(PropertyRelaxation, OnlyBricksThatItReachesHaveMemory) {
+  Body body = soft_row(400);
+  Holds holds;
+  drag(body, {{{399, 0, 0}, {4 * kVoxel, 0, 0}}}, {}, holds);
+  EXPECT_EQ(body.q[0].stored_bricks(), 1u);
+  RelaxParams params;
+  params.method = RelaxMethod::jacobi;
+  params.passes = 10;
+  relax(body, {}, holds, params);
+  EXPECT_LE(body.q[0].stored_bricks(), 3u);
+  EXPECT_TRUE(body.q[1].empty());
+}
+
+TEST(PropertyRelaxation, AnInterruptedOneIsWhatItsPassesMade) {
+  class After : public Progress {
+   public:
+    explicit After(int passes) : m_left(passes) {}
+    void stage(std::string_view) override {}
+    void update(double) override { --m_left; }
+    bool cancelled() const override { return m_left <= 0; }
+
+   private:
+    int m_left;
+  };
+  Body body = soft_row(60);
+  Holds holds;
+  drag(body, {{{59, 0, 0}, {9 * kVoxel, 0, 0}}}, {Region({0, 0, 0})}, holds);
+  Body interrupted = body;
+  RelaxParams params;
+  params.passes = 7;
+  relax(body, {Region({0, 0, 0})}, holds, params);
+  params.passes = 100;
+  After seven(7);
+  EXPECT_THROW(relax(interrupted, {Region({0, 0, 0})}, holds, params, &seven), Cancelled);
+  EXPECT_EQ(interrupted.q, body.q);
+  EXPECT_EQ(check_links(interrupted).violated, 0);
+}
+
+TEST(PropertyRelaxation, AnInvalidStartIsProjectedFirst) {
+  Body body = soft_row(20);
+  body.q[0].resize(body.elements.brick_count());
+  Slot slot;
+  ASSERT_TRUE(slot_of(body.elements, {10, 0, 0}, slot));
+  body.q[0].set(slot, 3 * kVoxel);
+  body.links_known_valid = false;
+  RelaxParams params;
+  params.passes = 1;
+  const RelaxReport report = relax(body, {}, {}, params);
+  EXPECT_EQ(report.projected_links, 2);
+  EXPECT_GT(report.projected_max_voxels, 0);
+  EXPECT_EQ(check_links(body).violated, 0);
+}
+
+TEST(PropertyRelaxation, BadParametersAreErrors) {
+  Body body = soft_row(3);
+  RelaxParams params;
+  params.passes = -1;
+  EXPECT_NE(input_error([&] { relax(body, {}, {}, params); }).find("passes: found -1"),
+            std::string::npos);
+  params.passes = 1;
+  params.tolerance_voxels = -0.5;
+  EXPECT_NE(input_error([&] { relax(body, {}, {}, params); }).find("tolerance"), std::string::npos);
+}
