@@ -21,6 +21,9 @@ struct Options {
   std::vector<std::string> grabs, bys, fixes, cuts;
   bool push = false, release = false;
   std::string limits = "box";
+  std::optional<int> relax;
+  std::optional<std::string> relax_method;
+  std::optional<double> relax_tolerance;
 };
 
 /// Every --grab takes the next --by, except files whose points have displacements of their own.
@@ -83,6 +86,19 @@ std::vector<CutSurface> parse_cuts(const Options& options) {
   return cuts;
 }
 
+std::optional<RelaxParams> parse_relax(const Options& options) {
+  if (!options.relax) {
+    if (!options.relax_method && !options.relax_tolerance) return std::nullopt;
+    throw UsageError(to_line({"", options.relax_method ? "--relax-method" : "--relax-tolerance",
+                              "no --relax", "--relax with the most passes"}));
+  }
+  RelaxParams params;
+  params.passes = *options.relax;
+  if (options.relax_method) params.method = *relax_method(*options.relax_method);
+  if (options.relax_tolerance) params.tolerance_voxels = *options.relax_tolerance;
+  return params;
+}
+
 /// One solve of everything that the options ask for.
 void solve(Session& session, const std::vector<GivenHandle>& handles, const Fixes& fixes,
            const std::vector<CutSurface>& cuts, const Options& options, Console& console) {
@@ -103,6 +119,7 @@ void solve(Session& session, const std::vector<GivenHandle>& handles, const Fixe
   request.fix_labels = fixes.labels;
   request.cuts = cuts;
   request.limits = options.limits == "ball" ? Limits::ball : Limits::box;
+  request.relax = parse_relax(options);
   session.step(request, console);
 }
 
@@ -123,6 +140,16 @@ void print_solve(const StepRecord& record) {
               static_cast<long long>(report.fraction_denominator));
 }
 
+void print_relaxation(const StepRecord& record) {
+  const RelaxReport& report = record.relaxed;
+  std::printf("relaxed         %d passes (%s%s), energy %.6g to %.6g uJ, last step %.2g voxels\n",
+              report.passes, name_of(record.relax->method), report.converged ? ", converged" : "",
+              report.energy_before, report.energy_after, report.largest_step_voxels);
+  if (report.yielded_links > 0) {
+    std::printf("plastic flow    %lld links\n", static_cast<long long>(report.yielded_links));
+  }
+}
+
 void print_text(const Session& session, const Options& options,
                 const InversionCertificate& certificate) {
   std::printf("elements        %lld\n",
@@ -132,6 +159,7 @@ void print_text(const Session& session, const Options& options,
                 static_cast<long long>(session.records().back().cut_links));
   }
   if (!options.grabs.empty()) print_solve(session.records().back());
+  if (options.relax) print_relaxation(session.records().back());
   std::printf("folded cells    %lld of material%s, %lld in the air around it\n",
               static_cast<long long>(certificate.folded_cells - certificate.folded_air_cells),
               session.links().fold_free ? " (its limits exclude folds)" : "",
@@ -157,10 +185,13 @@ int run(const Options& options, const GlobalOptions& global, Console& console) {
   const std::vector<GivenHandle> handles = parse_handles(options);
   const Fixes fixes = parse_fixes(options);
   const std::vector<CutSurface> cuts = parse_cuts(options);
-  if (handles.empty() && options.fixes.empty() && options.cuts.empty() && !options.release) {
+  if (handles.empty() && options.fixes.empty() && options.cuts.empty() && !options.release &&
+      !options.relax) {
     throw UsageError(
-        "deform: found neither --grab nor --fix nor --cut nor --release, expected something to do");
+        "deform: found neither --grab nor --fix nor --cut nor --release nor --relax, expected "
+        "something to do");
   }
+  parse_relax(options);
   OutputPlan plan(global);
   if (!is_state_file(options.input)) plan.protect(options.input);
   plan.add_state(options.output);
@@ -232,6 +263,19 @@ Command add_deform(CLI::App& program) {
                   "box: each component of a link (default); ball: its length, order-dependent")
       ->check(CLI::IsMember({"box", "ball"}))
       ->option_text("box|ball");
+  app->add_option("--relax", options->relax,
+                  "Then relax the body elastically, by at most so many passes")
+      ->check(CLI::Range(1, kMaxPasses))
+      ->option_text("N");
+  app->add_option("--relax-method", options->relax_method,
+                  "plain (the thesis' pass, breaks limits), jacobi, red-black or accelerated "
+                  "(default)")
+      ->check(CLI::IsMember({"plain", "jacobi", "red-black", "accelerated"}))
+      ->option_text("NAME");
+  app->add_option("--relax-tolerance", options->relax_tolerance,
+                  "End when a pass moves nothing further than this, in voxels")
+      ->check(CLI::NonNegativeNumber)
+      ->option_text("T");
   app->add_option("-o,--output", options->output, "State file to write")
       ->required()
       ->option_text("STATE.vdb");

@@ -42,6 +42,7 @@ StepRequest on_grid(const SceneStep& step, const Geometry& geometry) {
   request.release = step.release;
   request.cuts = step.cuts;
   request.limits = step.limits;
+  request.relax = step.relax;
   return request;
 }
 
@@ -271,9 +272,10 @@ void print_plan(const Scene& scene, const Options& options) {
   for (std::size_t n = 0; n < scene.steps.size(); ++n) {
     const SceneStep& step = scene.steps[n];
     const std::size_t points = step.fix_points ? step.fix_points->rows.size() : 0;
-    std::printf("step %zu  %zu handles, %zu fixed boxes, points and labels, %zu cuts%s\n", n + 1,
+    std::printf("step %zu  %zu handles, %zu fixed boxes, points and labels, %zu cuts%s%s\n", n + 1,
                 step.handles.size(), step.fix.size() + step.fix_labels.size() + points,
-                step.cuts.size(), step.release ? ", releases" : "");
+                step.cuts.size(), step.release ? ", releases" : "",
+                step.relax ? ", relaxes" : "");
   }
   for (const std::string& name : scene.outputs()) {
     std::printf("writes  %s\n", path_in(options.folder, name).c_str());

@@ -249,21 +249,43 @@ nlohmann::ordered_json to_json(const BallReport& report, std::int64_t cut_links)
           {"solve_ms", report.milliseconds}};
 }
 
-nlohmann::ordered_json to_json(const StepRecord& record) {
-  const EcmReport& report = record.report;
-  if (record.ball) return to_json(*record.ball, record.cut_links);
+namespace {
+
+nlohmann::ordered_json to_json(const RelaxParams& params, const RelaxReport& report) {
+  return {{"method", name_of(params.method)},
+          {"passes", report.passes},
+          {"converged", report.converged},
+          {"energy_before_uj", report.energy_before},
+          {"energy_after_uj", report.energy_after},
+          {"largest_step_voxels", report.largest_step_voxels},
+          {"yielded_links", report.yielded_links},
+          {"projected", report.projected_links},
+          {"projected_max_voxels", report.projected_max_voxels},
+          {"relax_ms", report.milliseconds}};
+}
+
+nlohmann::ordered_json to_json(const EcmReport& report, std::int64_t cut_links) {
   return {{"limits", "box"},
           {"fraction", report.fraction()},
           {"fraction_exact", std::to_string(report.fraction_numerator) + "/" +
                                  std::to_string(report.fraction_denominator)},
           {"engine", name_of(report.engine)},
           {"moved", report.moved},
-          {"cut_links", record.cut_links},
+          {"cut_links", cut_links},
           {"projected", report.projected_links},
           {"projected_max_voxels", report.projected_max_voxels},
           {"visited", report.visited},
           {"max_queue", report.max_queue},
           {"solve_ms", report.milliseconds}};
+}
+
+}  // namespace
+
+nlohmann::ordered_json to_json(const StepRecord& record) {
+  nlohmann::ordered_json json = record.ball ? to_json(*record.ball, record.cut_links)
+                                            : to_json(record.report, record.cut_links);
+  if (record.relax) json["relax"] = to_json(*record.relax, record.relaxed);
+  return json;
 }
 
 nlohmann::ordered_json to_json(const RenderReport& report) {

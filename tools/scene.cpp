@@ -127,6 +127,28 @@ Limits read_limits(TomlTable& table) {
   return name == "ball" ? Limits::ball : Limits::box;
 }
 
+RelaxParams read_relax(TomlTable& table) {
+  RelaxParams params;
+  table.know({"passes", "tolerance", "method"});
+  if (const auto passes = table.integer("passes")) {
+    if (*passes < 1 || *passes > kMaxPasses) {
+      table.fail("passes", std::to_string(*passes), "1 to " + std::to_string(kMaxPasses));
+    }
+    params.passes = int(*passes);
+  }
+  if (const auto tolerance = table.number("tolerance")) {
+    if (!(*tolerance >= 0)) table.fail("tolerance", number_text(*tolerance), "0 or more voxels");
+    params.tolerance_voxels = *tolerance;
+  }
+  if (const auto name = table.string("method")) {
+    const auto method = relax_method(*name);
+    if (!method) table.fail("method", "\"" + *name + "\"", relax_method_names());
+    params.method = *method;
+  }
+  table.finish();
+  return params;
+}
+
 SceneStep read_step(TomlTable& table) {
   SceneStep step;
   step.place = table.place();
@@ -155,12 +177,13 @@ SceneStep read_step(TomlTable& table) {
   step.release = table.boolean("release").value_or(false);
   step.limits = read_limits(table);
   for (TomlTable& cut : table.tables("cut")) step.cuts.push_back(read_cut(cut));
+  if (auto relax = table.table("relax")) step.relax = read_relax(*relax);
   table.finish();
   if (is_short) step.handles.push_back(read_handle(table));
   if (step.handles.empty() && step.fix.empty() && !step.fix_points && !step.release &&
-      step.fix_labels.empty() && step.cuts.empty()) {
+      step.fix_labels.empty() && step.cuts.empty() && !step.relax) {
     table.fail("", "a step that does nothing",
-               "grab, handles, fix, fix_label, fix_points, cut or release");
+               "grab, handles, fix, fix_label, fix_points, cut, relax or release");
   }
   return step;
 }

@@ -24,6 +24,7 @@ struct SceneStep {
   Limits limits = Limits::box;
   bool release = false;  // lets go of everything that earlier steps held
   std::vector<CutSurface> cuts;
+  std::optional<RelaxParams> relax;
 };
 
 struct SceneOutput {

@@ -21,12 +21,14 @@ std::string percent(double part) {
   return text;
 }
 
+void warn_of_projection(std::int64_t links, double max_voxels, Console& console) {
+  if (links == 0) return;
+  console.warn("the start broke " + with_count(links, "link") +
+               "; it was projected, largest move " + std::to_string(max_voxels) + " voxels");
+}
+
 void warn_of_report(const EcmReport& report, Console& console) {
-  if (report.projected_links > 0) {
-    console.warn("the start broke " + with_count(report.projected_links, "link") +
-                 "; it was projected, largest move " + std::to_string(report.projected_max_voxels) +
-                 " voxels");
-  }
+  warn_of_projection(report.projected_links, report.projected_max_voxels, console);
   if (report.fraction_numerator != report.fraction_denominator) {
     console.warn("anchors stopped the drag at " + percent(report.fraction()) + " (" +
                  std::to_string(report.fraction_numerator) + "/" +
@@ -62,6 +64,12 @@ nlohmann::ordered_json to_json(const Drag& drag) {
   json["by_mm"] = {drag.by_mm.x, drag.by_mm.y, drag.by_mm.z};
   if (drag.kind == HandleKind::push) json["push"] = true;
   return json;
+}
+
+nlohmann::ordered_json relax_settings(const RelaxParams& params) {
+  return {{"method", name_of(params.method)},
+          {"passes", params.passes},
+          {"tolerance_voxels", params.tolerance_voxels}};
 }
 
 void warn_of_report(const BallReport& report, Console& console) {
@@ -182,7 +190,7 @@ void Session::find_anchors() {
 }
 
 const StepRecord& Session::step(const StepRequest& request, Console& console) {
-  StepRecord record{request, 0, {}, {}};
+  StepRecord record{request, 0, {}, {}, {}};
   release_and_fix(request);
   const std::vector<Handle> handles = handles_of(request.drags);
   record.cut_links = apply_cuts(m_body, m_state.labels, request.cuts, console);
@@ -193,6 +201,7 @@ const StepRecord& Session::step(const StepRequest& request, Console& console) {
                 " engine, " + std::to_string(record.report.visited) + " visits, longest queue " +
                 std::to_string(record.report.max_queue) + ", body " +
                 std::to_string(m_body.bytes() >> 20) + " MiB");
+  if (request.relax) relax_body(record, console);
   m_records.push_back(std::move(record));
   return m_records.back();
 }
@@ -210,6 +219,19 @@ void Session::solve(const std::vector<Handle>& handles, StepRecord& record, Cons
   record.report.max_queue = record.ball->max_queue;
   record.report.milliseconds = record.ball->milliseconds;
   warn_of_report(*record.ball, console);
+}
+
+void Session::relax_body(StepRecord& record, Console& console) {
+  console.stage("relaxing");
+  record.relaxed = relax(m_body, m_anchors, m_holds, *record.relax, &console);
+  const RelaxReport& report = record.relaxed;
+  warn_of_projection(report.projected_links, report.projected_max_voxels, console);
+  const LinkCheck check = record.relax->method == RelaxMethod::plain ? check_links(m_body) : LinkCheck();
+  if (check.violated > 0) {
+    console.warn("plain relaxation broke " + with_count(check.violated, "link") + " of " +
+                 std::to_string(check.links) + ", by at most " +
+                 std::to_string(check.worst_excess_voxels) + " voxels");
+  }
 }
 
 std::string Session::configuration() const {
@@ -231,6 +253,7 @@ std::string Session::configuration() const {
     if (record.ball) step["limits"] = "ball";
     for (const CutSurface& surface : record.cuts) step["cut"].push_back(to_json(surface));
     if (!record.cuts.empty()) step["cut_links"] = record.cut_links;
+    if (record.relax) step["relax"] = relax_settings(*record.relax);
     step["fraction"] = std::to_string(record.report.fraction_numerator) + "/" +
                        std::to_string(record.report.fraction_denominator);
     steps.push_back(step);
@@ -246,6 +269,7 @@ State Session::state() const {
   State state = m_state;
   state.q = m_body.q;
   state.cuts = m_body.cuts;
+  state.rest = m_body.rest;
   state.configuration = configuration();
   return state;
 }

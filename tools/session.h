@@ -9,6 +9,7 @@
 
 #include "lib/chainmail/ball_limits.h"
 #include "lib/chainmail/ecm.h"
+#include "lib/relax/relaxation.h"
 #include "tools/console.h"
 #include "tools/cut_surface.h"
 #include "volumes/io/volume_file.h"
@@ -35,6 +36,7 @@ struct StepRequest {
   bool release = false;
   std::vector<CutSurface> cuts;
   Limits limits = Limits::box;
+  std::optional<RelaxParams> relax;  // after the drag
 };
 
 /// And what came of it.
@@ -42,6 +44,7 @@ struct StepRecord : StepRequest {
   std::int64_t cut_links = 0;      // that the cuts removed
   EcmReport report;                // of ball limits: what both have in common
   std::optional<BallReport> ball;  // when the step was solved under ball limits
+  RelaxReport relaxed;             // when the step relaxes
 };
 
 class Session {
@@ -58,7 +61,7 @@ class Session {
   /// Links of the material that may fold, NaN voxels and the like have been warned of.
   const LinkCheck& links() const { return m_links; }
 
-  /// Cuts, then solves one step. Cuts are made in the body at rest and stay. Handles stay held and
+  /// Cuts, then solves one step, then relaxes. Cuts are made in the body at rest and stay. Handles stay held and
   /// boxes and labels fixed until a step releases them. Warns when anchors stopped the drag, when
   /// the start had to be projected or when ball limits leave links violated.
   const StepRecord& step(const StepRequest& request, Console& console);
@@ -76,6 +79,7 @@ class Session {
   void find_anchors();
   std::vector<Handle> handles_of(const std::vector<Drag>& drags) const;
   std::string configuration() const;
+  void relax_body(StepRecord& record, Console& console);
   void solve(const std::vector<Handle>& handles, StepRecord& record, Console& console);
 
   State m_state;

@@ -47,6 +47,7 @@ Body make_body(const State& state, const MaterialTable& material) {
   Body body = make_body(state.geometry, state.density, state.elements, material, state.labels);
   body.q = state.q;
   body.cuts = state.cuts;
+  body.rest = state.rest;
   for (const BrickValues& coordinate : body.q) body.links_known_valid &= coordinate.empty();
   return body;
 }

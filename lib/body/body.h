@@ -11,10 +11,6 @@
 
 namespace supple {
 
-/// Stretch at which the spring of a link is at rest, per axis of the link and coordinate, in
-/// 2^-16 voxel: what plastic flow left. Stored where it flowed.
-using RestStretch = std::array<std::array<BrickValues, 3>, 3>;
-
 /// Node state in brick order: slot 512 * brick + offset of `elements`.
 struct Body {
   Geometry geometry;

@@ -11,9 +11,13 @@ namespace supple {
 
 namespace {
 
+constexpr RelaxMethod kMethods[] = {RelaxMethod::plain, RelaxMethod::jacobi,
+                                    RelaxMethod::red_black, RelaxMethod::accelerated};
+
 void check(const RelaxParams& params) {
-  if (params.passes < 0) {
-    throw InputError({"", "passes", std::to_string(params.passes), "0 or more"});
+  if (params.passes < 0 || params.passes > kMaxPasses) {
+    throw InputError({"", "passes", std::to_string(params.passes),
+                      "0 to " + std::to_string(kMaxPasses)});
   }
   if (!(params.tolerance_voxels >= 0)) {
     throw InputError({"", "tolerance", std::to_string(params.tolerance_voxels), "0 or more voxels"});
@@ -39,6 +43,21 @@ const char* name_of(RelaxMethod method) {
     default:
       return "accelerated";
   }
+}
+
+std::optional<RelaxMethod> relax_method(const std::string& name) {
+  for (const RelaxMethod method : kMethods) {
+    if (name == name_of(method)) return method;
+  }
+  return std::nullopt;
+}
+
+std::string relax_method_names() {
+  std::string names;
+  for (const RelaxMethod method : kMethods) {
+    names += (names.empty() ? "" : ", ") + std::string(name_of(method));
+  }
+  return names;
 }
 
 Relaxation::Relaxation(Body& body, const SlotSet& fixed, const Holds& held,

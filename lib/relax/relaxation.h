@@ -11,6 +11,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "lib/body/body.h"
@@ -27,6 +28,13 @@ enum class RelaxMethod {
   accelerated,  // red-black with over-relaxation: far fewer passes to the same energy
 };
 const char* name_of(RelaxMethod method);
+/// None for an unknown name.
+std::optional<RelaxMethod> relax_method(const std::string& name);
+/// For messages: all names, comma-separated.
+std::string relax_method_names();
+
+/// A number of passes beyond this is taken for a mistake.
+constexpr int kMaxPasses = 1000000;
 
 struct RelaxParams {
   RelaxMethod method = RelaxMethod::accelerated;

@@ -49,30 +49,33 @@ void check_elements(const State& state, const std::string& file) {
   }
 }
 
-void check_offsets_of_brick(const State& state, std::size_t b, const std::int32_t* values,
-                            const std::string& file, const std::string& field) {
+void check_fixed_of_brick(const State& state, std::size_t b, const std::int32_t* values,
+                          std::int32_t largest, const std::string& field,
+                          const std::string& file) {
   for (int offset = 0; offset < kBrickVoxels; ++offset) {
     const std::int32_t value = values[offset];
     if (value == 0) continue;
     const bool active = mask_test(state.elements.mask(b), offset);
-    if (active && value >= -kMaxOffset && value <= kMaxOffset) continue;
+    if (active && value >= -largest && value <= largest) continue;
     const Vec3i voxel = state.elements.origin(b) + brick_local(offset);
     throw InputError({file, field + " at " + to_text(voxel), std::to_string(value),
-                      active ? "an offset within +-(2^30 - 1)" : "0 where there is no element"});
+                      active ? "within +-" + std::to_string(largest) : "0 where there is no element"});
   }
 }
 
-void check_offsets(const State& state, const std::string& file) {
+/// Of the three coordinates of q or rest stretches.
+void check_fixed(const State& state, const std::array<BrickValues, 3>& values, std::int32_t largest,
+                 const std::string& name, const std::string& file) {
   const std::size_t bricks = state.elements.brick_count();
-  for (int c = 0; c < 3; ++c) {
-    const BrickValues& q = state.q[c];
-    const std::string field = std::string("q.") + "xyz"[c];
+  for (std::size_t c = 0; c < 3; ++c) {
+    const BrickValues& q = values[c];
+    const std::string field = name + "." + "xyz"[c];
     if (q.brick_count() != 0 && q.brick_count() != bricks) {
       throw InputError({file, field, std::to_string(q.brick_count()) + " bricks",
                         "0 or " + std::to_string(bricks)});
     }
     for (std::size_t b = 0; b < q.brick_count(); ++b) {
-      if (q.brick(b) != nullptr) check_offsets_of_brick(state, b, q.brick(b), file, field);
+      if (q.brick(b) != nullptr) check_fixed_of_brick(state, b, q.brick(b), largest, field, file);
     }
   }
 }
@@ -137,10 +140,17 @@ void check_anchors(const State& state, const std::string& file) {
 void check_state(const State& state, const std::string& file) {
   check_densities(state, file);
   check_elements(state, file);
-  check_offsets(state, file);
+  check_fixed(state, state.q, kMaxOffset, "q", file);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    check_fixed(state, state.rest[axis], 2 * kMaxOffset, rest_name(int(axis)), file);
+  }
   check_cuts(state, file);
   check_labels(state, file);
   check_anchors(state, file);
+}
+
+std::string rest_name(int axis) {
+  return std::string("rest_") + "ijk"[axis];
 }
 
 Displacement displacement_of(const State& state) {

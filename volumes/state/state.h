@@ -22,6 +22,10 @@ constexpr int kFixedBits = 16;
 constexpr double kFixedOne = 65536.0;
 constexpr std::int32_t kMaxOffset = (1 << 30) - 1;
 
+/// Stretch at which the spring of a link is at rest, per axis of the link and coordinate, in
+/// 2^-16 voxel, at its end at the lower index: what plastic flow left. Stored where it flowed.
+using RestStretch = std::array<std::array<BrickValues, 3>, 3>;
+
 struct State {
   Geometry geometry;    // of the source volume, index to LPS mm
   DensityGrid density;  // elements and shell
@@ -29,7 +33,8 @@ struct State {
   /// Offsets from rest per coordinate on the bricks of `elements`, 2^-16 voxel; empty for a
   /// coordinate that never moved. Inactive voxels hold 0.
   std::array<BrickValues, 3> q;
-  LinkCuts cuts;  // links between elements that are absent; bricks as in `elements`
+  LinkCuts cuts;     // links between elements that are absent; bricks as in `elements`
+  RestStretch rest;  // bricks as in `elements`; empty without plastic flow
   /// Of a segmentation, 1 to 65535, 0 at elements without one; empty when none are in use. Bricks
   /// as in `elements`, 0 where there is no element.
   BrickValues labels;
@@ -41,6 +46,9 @@ struct State {
   std::string source_type;                  // numpy name of the stored type
 };
 
+/// Name of the rest stretches of the links along an axis in messages and files: "rest_i" and so on.
+std::string rest_name(int axis);
+
 /// u on the elements, unit voxel, from q.
 Displacement displacement_of(const State& state);
 /// u on elements and shell: displacement_of extended over the shell.
@@ -48,7 +56,7 @@ Displacement extended_displacement_of(const State& state);
 
 /// Throws InputError, naming `file`, unless everything holds that later code trusts: densities
 /// finite and inside the source box, every element among them, q on the bricks of the elements,
-/// |q| <= kMaxOffset, 0 in inactive slots, cut links between elements, labels 0 to 65535 and only
+/// |q| <= kMaxOffset, 0 in inactive slots, rest stretches likewise within twice that, cut links between elements, labels 0 to 65535 and only
 /// at elements, no empty anchor box, no anchor label without elements. Cost: one pass over the
 /// bricks.
 void check_state(const State& state, const std::string& file);

@@ -2,7 +2,7 @@
 // disks and truncated files, so this is io::Stream over an fstream that throws, never delayed.
 //
 // Grids, in this order: `q` (Vec3I, only voxels that moved), `element` (Bool), `density` (Float),
-// `cut_links` (Int32, only when links are cut; bits 0, 1, 2: the link to the next voxel along i, j,
+// `rest_i`, `rest_j`, `rest_k` (Vec3I, only where links to the next voxel have flowed), `cut_links` (Int32, only when links are cut; bits 0, 1, 2: the link to the next voxel along i, j,
 // k is absent), `label` (Int32, only when there are any; 1 to 65535), and derived for other
 // programs `displacement` (Vec3S, material direction, extended over the shell) and `offset` (Vec3S,
 // resample direction), in mm LPS. Those before stay in index space; the others carry the affine
@@ -43,18 +43,23 @@ bool is_derived(const std::string& name) {
   return name == kDisplacementGrid || name == kOffsetGrid;
 }
 
-openvdb::GridBase::Ptr make_q(const State& state) {
-  return make_vdb_grid<Vec3IGrid>("q", state.elements, openvdb::Vec3i(0),
-                                  [&](auto& leaf, std::size_t b) {
-                                    const std::int32_t* x = state.q[0].brick_or_zero(b);
-                                    const std::int32_t* y = state.q[1].brick_or_zero(b);
-                                    const std::int32_t* z = state.q[2].brick_or_zero(b);
-                                    for_each_active(state.elements.mask(b), [&](int offset) {
-                                      const openvdb::Vec3i value(x[offset], y[offset], z[offset]);
-                                      if (value != openvdb::Vec3i(0))
-                                        leaf.setValueOn(openvdb::Index(offset), value);
-                                    });
-                                  });
+/// Three integers per element, of which at least one is not 0.
+openvdb::GridBase::Ptr make_fixed(const std::string& name, const State& state,
+                                  const std::array<BrickValues, 3>& values) {
+  return make_vdb_grid<Vec3IGrid>(
+      name.c_str(), state.elements, openvdb::Vec3i(0), [&](auto& leaf, std::size_t b) {
+        const std::int32_t* x = values[0].brick_or_zero(b);
+        const std::int32_t* y = values[1].brick_or_zero(b);
+        const std::int32_t* z = values[2].brick_or_zero(b);
+        for_each_active(state.elements.mask(b), [&](int offset) {
+          const openvdb::Vec3i value(x[offset], y[offset], z[offset]);
+          if (value != openvdb::Vec3i(0)) leaf.setValueOn(openvdb::Index(offset), value);
+        });
+      });
+}
+
+bool is_empty(const std::array<BrickValues, 3>& values) {
+  return std::all_of(values.begin(), values.end(), [](const auto& c) { return c.empty(); });
 }
 
 openvdb::GridBase::Ptr make_element_mask(const State& state) {
@@ -136,8 +141,12 @@ void write_file(const std::string& path, const State& state, const OffsetField* 
   if (progress != nullptr) progress->stage("writing state");
   check_state(state, path);
   initialize_vdb();
-  openvdb::GridCPtrVec grids = {make_q(state), make_element_mask(state),
+  openvdb::GridCPtrVec grids = {make_fixed("q", state, state.q), make_element_mask(state),
                                 make_density(state.density)};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (is_empty(state.rest[axis])) continue;
+    grids.push_back(make_fixed(rest_name(int(axis)), state, state.rest[axis]));
+  }
   if (!state.cuts.empty()) grids.push_back(make_cut_links(state));
   if (!label_counts(state.labels).empty()) grids.push_back(make_labels(state));
   grids.push_back(make_vectors(kDisplacementGrid, "material", extended_displacement_of(state).u,
@@ -210,22 +219,24 @@ DensityGrid density_of(const FloatGrid::Ptr& grid) {
   return DensityGrid(std::make_shared<DensityGrid::Vdb>(DensityGrid::Vdb{grid}));
 }
 
-void read_q(const Vec3IGrid& grid, State& state, const std::string& path) {
-  for (BrickValues& q : state.q) q.resize(state.elements.brick_count());
+void read_fixed(const Vec3IGrid& grid, const State& state, std::array<BrickValues, 3>& values,
+                const std::string& path) {
+  for (BrickValues& c : values) c.resize(state.elements.brick_count());
   for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
     const std::int32_t b = state.elements.find(to_vec(leaf->origin()));
     for (auto value = leaf->cbeginValueOn(); value; ++value) {
       if (b < 0 || !mask_test(state.elements.mask(b), int(value.pos()))) {
-        throw InputError({path, "grid q", "an offset without element", "offsets on elements only"});
+        throw InputError({path, "grid " + grid.getName(), "a value without element",
+                          "values on elements only"});
       }
       for (int c = 0; c < 3; ++c) {
         if ((*value)[c] == 0) continue;
-        state.q[c].set(std::size_t(b) * kBrickVoxels + value.pos(), (*value)[c]);
+        values[std::size_t(c)].set(std::size_t(b) * kBrickVoxels + value.pos(), (*value)[c]);
       }
     }
   }
-  for (BrickValues& q : state.q) {
-    if (q.empty()) q.clear();
+  for (BrickValues& c : values) {
+    if (c.empty()) c.clear();
   }
 }
 
@@ -297,7 +308,13 @@ State read_state(const std::string& path, Progress* progress) {
   state.source_type = text_of(content, "source_type", path);
   state.density = density_of(grid_of<FloatGrid>(content, "density", state.geometry, path));
   state.elements = bricks_of(*grid_of<BoolGrid>(content, "element", state.geometry, path));
-  read_q(*grid_of<Vec3IGrid>(content, "q", state.geometry, path), state, path);
+  read_fixed(*grid_of<Vec3IGrid>(content, "q", state.geometry, path), state, state.q, path);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::string name = rest_name(int(axis));
+    if (!has_grid(content, name)) continue;
+    read_fixed(*grid_of<Vec3IGrid>(content, name, state.geometry, path), state, state.rest[axis],
+               path);
+  }
   if (has_grid(content, "cut_links")) {
     read_cut_links(*grid_of<Int32Grid>(content, "cut_links", state.geometry, path), state, path);
   }
