@@ -4,6 +4,7 @@
 #include "tools/bench/bench_ecm.h"
 #include "tools/bench/bench_invert.h"
 #include "tools/bench/bench_io.h"
+#include "tools/bench/bench_relax.h"
 #include "tools/bench/bench_render.h"
 #include "tools/command.h"
 #include "tools/output_plan.h"
@@ -34,6 +35,11 @@ Bench bench_of(const Options& options, int threads, Console& console) {
   if (options.name == "io") {
     const IoBenchOptions io{options.quick, threads, options.only};
     return {[=] { return io_row_names(io); }, [=, &console] { return bench_io(io, console); }};
+  }
+  if (options.name == "relax") {
+    const RelaxBenchOptions relax{options.quick, threads, options.only, options.ct_head};
+    return {[=, &console] { return relax_row_names(relax, console); },
+            [=, &console] { return bench_relax(relax, console); }};
   }
   if (options.name == "render") {
     const RenderBenchOptions render{options.quick, threads, options.only};
@@ -72,9 +78,9 @@ Command add_bench(CLI::App& program) {
                      "  supple bench ecm --quick\n"
                      "  supple bench ecm --only 'all/noise/128*+x/rest' --json ecm.json\n"
                      "  supple bench invert --only 128 --json invert.json");
-  app->add_option("name", options->name, "Which benchmark: ecm, invert, io or render")
+  app->add_option("name", options->name, "Which benchmark: ecm, invert, io, relax or render")
       ->required()
-      ->check(CLI::IsMember({"ecm", "invert", "io", "render"}))
+      ->check(CLI::IsMember({"ecm", "invert", "io", "relax", "render"}))
       ->option_text("NAME");
   app->add_flag("--quick", options->quick, "The rows that matter most, within a minute");
   app->add_option("--only", options->only,
@@ -89,7 +95,7 @@ Command add_bench(CLI::App& program) {
   app->add_flag("--markdown", options->markdown, "Print tables of a Markdown document")
       ->excludes(list);
   app->add_option("--ct-head", options->ct_head,
-                  "The head CT of ecm; build/data/ct_head.nhdr where that exists")
+                  "The head CT of ecm and relax; build/data/ct_head.nhdr where that exists")
       ->option_text("FILE");
   return {app, [options](const GlobalOptions& global, Console& console) {
             return run(*options, global, console);

@@ -1,0 +1,31 @@
+// supple bench relax: what a pass of relaxation costs, what it breaks, and how fast it goes down.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tools/bench/report.h"
+#include "tools/console.h"
+
+namespace supple::tools {
+
+struct RelaxBenchOptions {
+  bool quick = false;
+  int threads = 0;  // of the rows with several threads; 0: two, one on a single core
+  std::vector<std::string> only;
+  std::string ct_head;  // a head CT; empty: build/data/ct_head.nhdr where it is
+};
+
+/// case/field/size/method[/threads], which --only matches.
+std::vector<std::string> relax_row_names(const RelaxBenchOptions& options, Console& console);
+
+/// Rows by case:
+///   cost    ns per node and pass of every method, one and several threads, in turns, on a body
+///           that moves as a whole;
+///   states  dragged states out of 100 random drags each: limits that the passes broke, and passes
+///           after which the energy was higher than before;
+///   descent the energy of every method after a number of passes, and the passes it takes to come
+///           within 1 % of the least energy found.
+BenchReport bench_relax(const RelaxBenchOptions& options, Console& console);
+
+}  // namespace supple::tools
