@@ -50,8 +50,8 @@ std::vector<RelaxRow> plan_relax(const RelaxBenchOptions& options, Console& cons
   std::vector<RelaxRow> plan;
   const auto add = [&](const std::string& kind, const std::string& field, int size, int count) {
     for (const RelaxMethod method : kMethods) {
-      plan.push_back({kind, field, size, method, 1, count});
-      if (kind == "cost" && several > 1) {
+      if (kind == "cost") plan.push_back({kind, field, size, method, 1, count});
+      if (kind != "cost" || several > 1) {
         plan.push_back({kind, field, size, method, several, count});
       }
     }
@@ -213,7 +213,7 @@ void measure_states(const std::vector<RelaxRow>& rows, const Body& rest,
     fields["energy_rises"] = rises;
     fields["energy_before"] = before / row.count;
     fields["energy_after"] = after / row.count;
-    add_times(fields, times, 1);
+    add_times(fields, times, row.threads);
     out.push_back(std::move(fields));
   }
 }
@@ -255,7 +255,7 @@ void measure_descent(const std::vector<RelaxRow>& rows, const Body& rest,
     } else {
       fields["passes_to_1_percent"] = near - energy.begin();
     }
-    add_times(fields, times[n], 0);
+    add_times(fields, times[n], rows[n].threads);
     out.push_back(std::move(fields));
   }
 }
@@ -277,6 +277,8 @@ BenchReport bench_relax(const RelaxBenchOptions& options, Console& console) {
       return row.group() != first->group();
     });
     const std::vector<RelaxRow> rows(first, last);
+    const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism,
+                                            std::size_t(rows.back().threads));
     console.stage(first->group());
     const Body rest = body_of(*first, head_file(options));
     if (first->kind == "cost") measure_cost(rows, rest, options.quick, result.rows, cancel);

@@ -226,8 +226,8 @@ void read_fixed(const Vec3IGrid& grid, const State& state, std::array<BrickValue
     const std::int32_t b = state.elements.find(to_vec(leaf->origin()));
     for (auto value = leaf->cbeginValueOn(); value; ++value) {
       if (b < 0 || !mask_test(state.elements.mask(b), int(value.pos()))) {
-        throw InputError({path, "grid " + grid.getName(), "a value without element",
-                          "values on elements only"});
+        throw InputError({path, "grid " + grid.getName(), "an offset without element",
+                          "offsets on elements only"});
       }
       for (int c = 0; c < 3; ++c) {
         if ((*value)[c] == 0) continue;
