@@ -226,7 +226,8 @@ void Session::relax_body(StepRecord& record, Console& console) {
   record.relaxed = relax(m_body, m_anchors, m_holds, *record.relax, &console);
   const RelaxReport& report = record.relaxed;
   warn_of_projection(report.projected_links, report.projected_max_voxels, console);
-  const LinkCheck check = record.relax->method == RelaxMethod::plain ? check_links(m_body) : LinkCheck();
+  const LinkCheck check =
+      record.relax->method == RelaxMethod::plain ? check_links(m_body) : LinkCheck();
   if (check.violated > 0) {
     console.warn("plain relaxation broke " + with_count(check.violated, "link") + " of " +
                  std::to_string(check.links) + ", by at most " +

@@ -14,10 +14,10 @@ void remove_cut(const BrickMask& cut, std::int32_t missing, At&& at) {
 
 void remove_cuts(const Body& body, std::size_t b, std::int32_t missing, BrickLinks& links) {
   if (const LinkCuts::BrickCuts* own = body.cuts.brick(b)) {
-    remove_cut((*own)[0], missing,
-               [&](const Vec3i& v) -> auto& { return links.i[v.x + 1][v.y][v.z]; });
-    remove_cut((*own)[1], missing,
-               [&](const Vec3i& v) -> auto& { return links.j[v.x][v.y + 1][v.z]; });
+    remove_cut((*own)[0],
+               missing, [&](const Vec3i& v) -> auto& { return links.i[v.x + 1][v.y][v.z]; });
+    remove_cut((*own)[1],
+               missing, [&](const Vec3i& v) -> auto& { return links.j[v.x][v.y + 1][v.z]; });
     remove_cut((*own)[2], missing, [&](const Vec3i& v) -> auto& { return links.k[v.x][v.y][v.z]; });
   }
   for (int axis = 0; axis < 3; ++axis) {

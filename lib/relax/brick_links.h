@@ -5,8 +5,8 @@
 #include <cstdint>
 
 #include "lib/body/body.h"
-#include "lib/body/lattice.h"
 #include "lib/body/brick_faces.h"
+#include "lib/body/lattice.h"
 
 namespace supple {
 
@@ -24,9 +24,7 @@ struct PaddedBrick {
 
   /// Row (i, j), each from -1 to 8; [-1] and [8] are the layer along k.
   T* row(int i, int j) { return values + (10 * (i + 1) + j + 1) * kRowStride + kFirst; }
-  const T* row(int i, int j) const {
-    return values + (10 * (i + 1) + j + 1) * kRowStride + kFirst;
-  }
+  const T* row(int i, int j) const { return values + (10 * (i + 1) + j + 1) * kRowStride + kFirst; }
 };
 
 /// Fills `out`: `source_of(brick)` gives what reads that brick's value at an offset, and `absent`

@@ -12,6 +12,7 @@ class SlotForest {
  public:
   explicit SlotForest(std::size_t bricks) : m_parent(bricks) {}
 
+  bool has_joined(std::size_t brick) const { return m_parent.brick(brick) != nullptr; }
   bool is_joined(Slot slot) const { return m_parent.at(slot) != 0; }
   /// Of a joined slot.
   Slot root(Slot slot) {
@@ -86,13 +87,17 @@ Clusters find_clusters(const Body& body, const LinkTable& table,
   ClusterNumbers numbers(elements.brick_count());
   std::vector<std::pair<std::uint32_t, Slot>> members;
   std::uint32_t count = 0;
-  for_each_element(elements, [&](Slot slot) {
-    if (!forest.is_joined(slot)) return;
-    const Slot root = forest.root(slot);
-    if (root == slot) numbers.set(slot, count++);
-    numbers.set(slot, numbers[root]);
-    members.push_back({numbers[slot], slot});
-  });
+  for (std::size_t b = 0; b < elements.brick_count(); ++b) {
+    if (!forest.has_joined(b)) continue;
+    for_each_active(elements.mask(b), [&](int offset) {
+      const Slot slot = Slot(b * kBrickVoxels) + Slot(offset);
+      if (!forest.is_joined(slot)) return;
+      const Slot root = forest.root(slot);
+      if (root == slot) numbers.set(slot, count++);
+      numbers.set(slot, numbers[root]);
+      members.push_back({numbers[slot], slot});
+    });
+  }
   Clusters clusters;
   group(members, count, clusters.members, clusters.first);
 
@@ -104,11 +109,11 @@ Clusters find_clusters(const Body& body, const LinkTable& table,
         if (!neighbour_slot(elements, body.cuts, slot, axis, upwards, other)) continue;
         if (numbers[other] == cluster) continue;
         const LinkValues& values = table.values(axis, body.classes[slot], body.classes[other]);
-        const std::int32_t rest =
-            body.rest[std::size_t(axis)][std::size_t(table.coordinate())].at(upwards ? slot : other);
-        boundary.push_back({cluster,
-                            {slot, other, values, upwards ? rest : -rest, upwards,
-                             numbers[other] != kNone}});
+        const std::int32_t rest = body.rest[std::size_t(axis)][std::size_t(table.coordinate())].at(
+            upwards ? slot : other);
+        boundary.push_back(
+            {cluster,
+             {slot, other, values, upwards ? rest : -rest, upwards, numbers[other] != kNone}});
       }
     }
   }

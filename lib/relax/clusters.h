@@ -1,5 +1,7 @@
-// Elements that step together: links without slack join elements that can only move as one, and a
-// relaxation that steps them one by one never moves them at all (design.md section 3).
+// Elements that step together. Links without slack join elements that can only move as one; links
+// at their limits join elements that block each other, one pulled up and its neighbour down, though
+// both together are pulled one way. A relaxation that steps elements one by one never moves the
+// former (design.md section 3) and comes to rest too early at the latter.
 #pragma once
 
 #include <cstdint>
@@ -22,10 +24,10 @@ struct Clusters {
     bool shared;         // the other end moves with another cluster
   };
 
-  std::vector<Slot> members;             // by cluster, ascending within
-  std::vector<std::uint32_t> first;      // of each cluster in `members`; one more at the end
-  std::vector<Boundary> boundary;        // by cluster
-  std::vector<std::uint32_t> first_link; // of each cluster in `boundary`; one more at the end
+  std::vector<Slot> members;              // by cluster, ascending within
+  std::vector<std::uint32_t> first;       // of each cluster in `members`; one more at the end
+  std::vector<Boundary> boundary;         // by cluster
+  std::vector<std::uint32_t> first_link;  // of each cluster in `boundary`; one more at the end
 
   std::size_t count() const { return first.empty() ? 0 : first.size() - 1; }
   std::size_t bytes() const;

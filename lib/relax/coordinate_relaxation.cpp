@@ -14,6 +14,11 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+/// Links with less slack than this count as at their limit.
+constexpr double kTight = 16 * kFinePerUnit;  // 2^-12 voxel
+/// Passes from one look for elements that block each other to the next.
+constexpr int kTightPasses = 8;
+
 bool bit(const std::vector<BrickMask>& masks, Slot slot) {
   return mask_test(masks[slot / kBrickVoxels], int(slot % kBrickVoxels));
 }
@@ -36,8 +41,7 @@ BrickMask chessboard(int colour) {
 std::pair<std::vector<Bound>::const_iterator, std::vector<Bound>::const_iterator> bounds_in(
     const std::vector<Bound>& bounds, std::size_t brick) {
   const auto before = [](const Bound& bound, std::size_t slot) { return bound.slot < slot; };
-  const auto first =
-      std::lower_bound(bounds.begin(), bounds.end(), brick * kBrickVoxels, before);
+  const auto first = std::lower_bound(bounds.begin(), bounds.end(), brick * kBrickVoxels, before);
   return {first, std::lower_bound(first, bounds.end(), (brick + 1) * kBrickVoxels, before)};
 }
 
@@ -88,6 +92,7 @@ CoordinateRelaxation::CoordinateRelaxation(const Body& body, int coordinate, con
       m_now(body.elements.brick_count()),
       m_next(body.elements.brick_count()),
       m_changed(body.elements.brick_count(), 0),
+      m_is_tight(body.elements.brick_count(), 0),
       m_energies(body.elements.brick_count(), 0) {
   const BrickValues& q = body.q[std::size_t(coordinate)];
   for (std::size_t b = 0; b < q.brick_count(); ++b) {
@@ -197,6 +202,7 @@ double CoordinateRelaxation::sweep_nodes(int colour, const SweepRule& rule, bool
     double* out = m_next.touch(brick);
     const SweepOutcome outcome = sweep_one(brick, free, rule, out);
     if (first) m_energies[brick] = outcome.energy;
+    m_is_tight[brick] = outcome.least_slack <= kTight;
     if (outcome.largest_step == 0) return;
     if (rule.limited) keep_bounds(brick, out);
     m_changed[brick] = 1;
@@ -217,8 +223,7 @@ double CoordinateRelaxation::step_of_cluster(const Clusters& clusters, std::size
     const double apart = m_now.at(link.outside) - m_now.at(link.inside);
     const double share = link.shared ? 0.5 : 1;
     const double upper = link.values.upper * kFinePerUnit, lower = link.values.lower * kFinePerUnit;
-    force += link.values.stiffness *
-             pulled_stretch(link.values, apart - link.rest * kFinePerUnit);
+    force += link.values.stiffness * pulled_stretch(link.values, apart - link.rest * kFinePerUnit);
     stiffness += link.values.stiffness;
     rise = std::min(rise, share * (apart + (link.inside_is_low ? lower : upper)));
     sink = std::min(sink, share * ((link.inside_is_low ? upper : lower) - apart));
@@ -259,6 +264,30 @@ double CoordinateRelaxation::sweep_clusters(const Clusters& clusters, double rel
   return largest;
 }
 
+/// Elements that links at their limits join within aligned blocks of 2^block_bits voxels.
+Clusters CoordinateRelaxation::find_tight_clusters(int block_bits) const {
+  const auto joins = [&](int axis, Slot low, Slot high) {
+    if (!bit(m_movable, low) || !bit(m_movable, high)) return false;
+    const std::uint8_t a = m_body.classes[low], b = m_body.classes[high];
+    if (m_table.is_rigid(axis, a, b)) return true;
+    const LinkValues& values = m_table.values(axis, a, b);
+    const double apart = m_now.at(high) - m_now.at(low);
+    if (std::min(values.upper * kFinePerUnit - apart, values.lower * kFinePerUnit + apart) >
+        kTight) {
+      return false;
+    }
+    const Vec3i at = voxel_of(m_body.elements, low), next = voxel_of(m_body.elements, high);
+    return at[axis] >> block_bits == next[axis] >> block_bits;
+  };
+  std::vector<char> wanted = m_is_tight;
+  for (const Slot slot : m_rigid.members) wanted[slot / kBrickVoxels] = 1;
+  std::vector<std::uint32_t> bricks;
+  for (std::size_t b = 0; b < wanted.size(); ++b) {
+    if (wanted[b]) bricks.push_back(std::uint32_t(b));
+  }
+  return find_clusters(m_body, m_table, bricks, joins);
+}
+
 double CoordinateRelaxation::pass() {
   std::fill(m_changed.begin(), m_changed.end(), 0);
   SweepRule rule;
@@ -275,6 +304,13 @@ double CoordinateRelaxation::pass() {
   }
   ++m_passes;
   if (m_rigid.count() > 0) largest = std::max(largest, sweep_clusters(m_rigid, rule.relaxation));
+  if (m_method == RelaxMethod::accelerated && m_passes % kTightPasses == 0) {
+    // Every time blocks of another size, up to the whole body.
+    int levels = 1;
+    while (m_extent >> levels != 0) ++levels;
+    const Clusters tight = find_tight_clusters(1 + m_passes / kTightPasses % levels);
+    largest = std::max(largest, sweep_clusters(tight, 1));
+  }
   m_energy = 0;
   for (const double energy : m_energies) m_energy += energy;
   add_bricks();
@@ -309,7 +345,7 @@ void CoordinateRelaxation::store(BrickValues& q) const {
 std::size_t CoordinateRelaxation::bytes() const {
   return m_now.bytes() + m_next.bytes() + m_table.bytes() + m_rigid.bytes() +
          (m_movable.capacity() + m_single.capacity()) * sizeof(BrickMask) +
-         m_work.capacity() * sizeof(m_work[0]) + m_changed.capacity() +
+         m_work.capacity() * sizeof(m_work[0]) + m_changed.capacity() + m_is_tight.capacity() +
          m_energies.capacity() * sizeof(double);
 }
 

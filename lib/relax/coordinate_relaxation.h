@@ -6,8 +6,8 @@
 
 #include <vector>
 
-#include "lib/relax/relaxation.h"
 #include "lib/relax/clusters.h"
+#include "lib/relax/relaxation.h"
 #include "lib/relax/sweep_kernel.h"
 
 namespace supple {
@@ -36,6 +36,7 @@ class CoordinateRelaxation {
   double sweep_nodes(int colour, const SweepRule& rule, bool first);
   double sweep_clusters(const Clusters& clusters, double relaxation);
   double step_of_cluster(const Clusters& clusters, std::size_t cluster, double relaxation) const;
+  Clusters find_tight_clusters(int block_bits) const;
   void keep_bounds(std::size_t brick, double* values) const;
 
   const Body& m_body;
@@ -44,14 +45,15 @@ class CoordinateRelaxation {
   RelaxMethod m_method;
   LinkTable m_table;
   bool m_is_plastic;
-  int m_extent;                      // of the body, voxels
-  std::vector<BrickMask> m_movable;  // elements that nothing holds
-  std::vector<BrickMask> m_single;   // those of them that step on their own
-  Clusters m_rigid;                  // the others of them
-  BrickArray<double> m_now, m_next;  // the same where the last pass changed nothing
-  std::vector<std::uint32_t> m_work; // bricks of the next pass, ascending
-  std::vector<char> m_changed;       // per brick, in this pass
-  std::vector<double> m_energies;    // per brick
+  int m_extent;                       // of the body, voxels
+  std::vector<BrickMask> m_movable;   // elements that nothing holds
+  std::vector<BrickMask> m_single;    // those of them that step on their own
+  Clusters m_rigid;                   // the others of them
+  BrickArray<double> m_now, m_next;   // the same where the last pass changed nothing
+  std::vector<std::uint32_t> m_work;  // bricks of the next pass, ascending
+  std::vector<char> m_changed;        // per brick, in this pass
+  std::vector<char> m_is_tight;       // per brick: a link was at its limit in the last sweep
+  std::vector<double> m_energies;     // per brick
   double m_energy = 0;
   int m_passes = 0;
 };

@@ -41,9 +41,9 @@ LinkTable::LinkTable(const Body& body, int coordinate, RigidLinks rigid)
         m_has_rigid = m_has_rigid || m_rigid[axis][entry];
         if (m_rigid[axis][entry] && rigid == RigidLinks::absent) continue;
         const LinkPhysics physics = classes.physics(a, b);
-        m_rows[axis][entry] = {float(physics.stiffness_kpa * area_per_length), limit_of(upper),
-                               limit_of(lower),
-                               float(physics.plastic * spacing[axis] / spacing[coordinate] * kFixedOne)};
+        m_rows[axis][entry] = {
+            float(physics.stiffness_kpa * area_per_length), limit_of(upper), limit_of(lower),
+            float(physics.plastic * spacing[axis] / spacing[coordinate] * kFixedOne)};
       }
     }
   }

@@ -17,8 +17,8 @@ struct alignas(16) LinkValues {
   float yield;         // 2^-16 voxel from its rest stretch; infinite where it is elastic
 };
 
-/// How far the spring of a link pulls as if stretched that far from its rest stretch, in 2^-32 voxel:
-/// no further than where it yields.
+/// How far the spring of a link pulls as if stretched that far from its rest stretch, in 2^-32
+/// voxel: no further than where it yields.
 inline double pulled_stretch(const LinkValues& link, double stretch) {
   const double yield = link.yield * 65536.0;
   return stretch > yield ? yield : stretch < -yield ? -yield : stretch;
@@ -32,7 +32,8 @@ class LinkTable {
   /// links, those without slack, are absent where their ends move as one (clusters.h).
   LinkTable(const Body& body, int coordinate, RigidLinks rigid);
 
-  /// Entry class_a * stride + class_b of a row, stride as in SlackTable, classes as in Body; missing() and beyond: absent.
+  /// Entry class_a * stride + class_b of a row, stride as in SlackTable, classes as in Body;
+  /// missing() and beyond: absent.
   const LinkValues* row(int axis) const { return m_rows[axis].data(); }
   const LinkValues& values(int axis, int class_a, int class_b) const {
     return m_rows[axis][std::size_t(class_a) * m_stride + class_b];

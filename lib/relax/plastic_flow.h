@@ -1,5 +1,5 @@
-// Plastic flow: where a link is stretched further than it yields, its rest stretch follows, so that a
-// body that is let go keeps a permanent set (thesis section 4.2.3: a link length range which
+// Plastic flow: where a link is stretched further than it yields, its rest stretch follows, so that
+// a body that is let go keeps a permanent set (thesis section 4.2.3: a link length range which
 // corresponds to minimal energy).
 //
 // A relaxation is one load step of rate-independent, perfectly plastic springs: while it runs, a

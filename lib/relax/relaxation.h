@@ -2,10 +2,12 @@
 // Relaxation"; design.md section 3).
 //
 // The energy is that of springs at rest in the undeformed body, per coordinate as in the thesis:
-//   E = sum over links and coordinates of k (u_b - u_a)^2 / 2,   k = Young's modulus * area / length
+//   E = sum over links and coordinates of k (u_b - u_a)^2 / 2,   k = Young's modulus * area /
+//   length
 // Nodes step towards the stiffness-weighted mean of their neighbours. The thesis lets every step be
 // whole, which breaks 2 to 5 % of the limits; here a step ends where a limit would break, so that
-// the body is a valid Enhanced ChainMail configuration after every pass, and the energy never rises.
+// the body is a valid Enhanced ChainMail configuration after every pass, and the energy never
+// rises.
 #pragma once
 
 #include <array>
@@ -47,7 +49,7 @@ struct RelaxReport {
   std::int64_t projected_links = 0;  // of an invalid start
   double projected_max_voxels = 0;
   int passes = 0;
-  bool converged = false;  // by the tolerance, or no element can move any more
+  bool converged = false;                      // by the tolerance, or no element can move any more
   double energy_before = 0, energy_after = 0;  // uJ (N/m * mm^2)
   double largest_step_voxels = 0;              // of the last pass
   std::int64_t yielded_links = 0;              // whose rest stretch followed
@@ -86,8 +88,9 @@ class Relaxation {
 /// region without element.
 SlotSet still_elements(const Body& body, const std::vector<Region>& fixed, const Holds& held);
 
-/// Up to params.passes passes. An invalid start is projected first, as drag() does. `progress` may cancel between two: Cancelled is thrown and the body
-/// is what the passes so far made of it, valid. Throws InputError: params out of range.
+/// Up to params.passes passes. An invalid start is projected first, as drag() does. `progress` may
+/// cancel between two: Cancelled is thrown and the body is what the passes so far made of it,
+/// valid. Throws InputError: params out of range.
 RelaxReport relax(Body& body, const std::vector<Region>& fixed, const Holds& held,
                   const RelaxParams& params, Progress* progress = nullptr);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 namespace supple {
 
@@ -59,8 +60,8 @@ inline LinkRow look_up(const LinkValues* table, const std::int32_t* entries) {
     columns[half][3] = __builtin_shufflevector(last_ab, last_cd, 2, 3, 6, 7);
   }
   const auto widened = [&](int column) {
-    const FloatRow row = __builtin_shufflevector(columns[0][column], columns[1][column], 0, 1, 2, 3,
-                                                 4, 5, 6, 7);
+    const FloatRow row =
+        __builtin_shufflevector(columns[0][column], columns[1][column], 0, 1, 2, 3, 4, 5, 6, 7);
     return __builtin_convertvector(row, Row);
   };
   return {widened(0), widened(1) * kFinePerUnit, widened(2) * kFinePerUnit,
@@ -136,12 +137,12 @@ inline double force_of(const LinkValues& link, double stretch, double rest) {
 
 template <bool kLimited, bool kPlastic>
 SweepOutcome sweep(const PaddedBrick<double>& offsets, const BrickLinks& links,
-                   const BrickRest* rest, const LinkTable& table, const BrickMask& free, const SweepRule& rule,
-                   double* out) {
+                   const BrickRest* rest, const LinkTable& table, const BrickMask& free,
+                   const SweepRule& rule, double* out) {
   const LinkValues* along_i = table.row(0);
   const LinkValues* along_j = table.row(1);
   const LinkValues* along_k = table.row(2);
-  Row energy{}, largest{};
+  Row energy{}, largest{}, least = Row{} + std::numeric_limits<double>::infinity();
   Pull last_i[8];
   for (int j = 0; j < 8; ++j) {
     last_i[j] = pull_of<kPlastic>(look_up(along_i, links.i[0][j]),
@@ -184,6 +185,7 @@ SweepOutcome sweep(const PaddedBrick<double>& offsets, const BrickLinks& links,
       last_i[j] = next_i;
       last_j = next_j;
 
+      least = smaller(least, smaller(ask.rise, ask.sink));
       const int first = 64 * i + 8 * j;
       const unsigned bits = unsigned(free[std::size_t(i)] >> (8 * j)) & 0xff;
       const Row step = chosen(bits, step_of<kLimited>(ask, rule));
@@ -193,8 +195,10 @@ SweepOutcome sweep(const PaddedBrick<double>& offsets, const BrickLinks& links,
     }
   }
   SweepOutcome outcome;
+  outcome.least_slack = least[0];
   for (int lane = 0; lane < 8; ++lane) {
     outcome.energy += energy[lane];
+    outcome.least_slack = std::min(outcome.least_slack, least[lane]);
     outcome.largest_step = std::max(outcome.largest_step, largest[lane]);
   }
   return outcome;

@@ -23,10 +23,12 @@ struct SweepOutcome {
   /// Twice the energy of the links of the brick's voxels to the next ones, before the sweep:
   /// N/m * (2^-32 voxel)^2.
   double energy = 0;
+  double least_slack = 0;  // of all links that meet the brick, before the sweep; may be infinite
 };
 
-/// A spring pulls with stiffness * stretch; beyond its yield stretch the pull stays what it is there,
-/// as plastic flow lets it. `rest` is null where all are elastic and at rest in the undeformed body.
+/// A spring pulls with stiffness * stretch; beyond its yield stretch the pull stays what it is
+/// there, as plastic flow lets it. `rest` is null where all are elastic and at rest in the
+/// undeformed body.
 ///
 /// `free` nodes of the brick step from `offsets`; all others stay. Writes 512 offsets, those of
 /// `offsets` where nothing steps.

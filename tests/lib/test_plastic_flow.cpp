@@ -46,7 +46,8 @@ double set_of_bar(Body& body, int length, double by) {
 
 TEST(PropertyPlasticFlow, AChainKeepsWhatExceedsItsElasticStretch) {
   for (const double by : {-3.0, 0.5, 1.9, 2.5, 6.0}) {
-    Body body = body_of(full_block({21, 1, 1}, yielding_table(0.1), [](int, int, int) { return 9.0; }));
+    Body body =
+        body_of(full_block({21, 1, 1}, yielding_table(0.1), [](int, int, int) { return 9.0; }));
     // 20 links, elastic up to 0.1 voxel each.
     const double expected = std::abs(by) <= 2 ? 0 : by - std::copysign(2.0, by);
     EXPECT_NEAR(set_of_bar(body, 21, by), expected, 1e-3) << by;
@@ -54,13 +55,15 @@ TEST(PropertyPlasticFlow, AChainKeepsWhatExceedsItsElasticStretch) {
 }
 
 TEST(PropertyPlasticFlow, ABarUnderTensionKeepsWhatExceedsItsElasticStretch) {
-  Body body = body_of(full_block({13, 4, 3}, yielding_table(0.05), [](int, int, int) { return 9.0; }));
+  Body body =
+      body_of(full_block({13, 4, 3}, yielding_table(0.05), [](int, int, int) { return 9.0; }));
   EXPECT_NEAR(set_of_bar(body, 13, 1.8), 1.8 - 12 * 0.05, 2e-3);
   EXPECT_EQ(check_links(body).violated, 0);
 }
 
 TEST(PropertyPlasticFlow, TheSetGrowsOnlyBeyondTheLargestLoadSoFar) {
-  Body body = body_of(full_block({21, 1, 1}, yielding_table(0.1), [](int, int, int) { return 9.0; }));
+  Body body =
+      body_of(full_block({21, 1, 1}, yielding_table(0.1), [](int, int, int) { return 9.0; }));
   EXPECT_NEAR(set_of_bar(body, 21, 4), 2, 1e-3);
   const RestStretch after_first = body.rest;
   // To 3.9 and back: all elastic around the new rest shape.

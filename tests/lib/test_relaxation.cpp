@@ -17,7 +17,6 @@ constexpr std::int32_t kVoxel = 65536;
 constexpr RelaxMethod kValidMethods[] = {RelaxMethod::jacobi, RelaxMethod::red_black,
                                          RelaxMethod::accelerated};
 
-
 Body soft_block(const Vec3i& dims, const std::function<double(int, int, int)>& density) {
   return body_of(full_block(dims, linear_table(1.5, 0.6, 0.7), density));
 }
@@ -28,7 +27,9 @@ Body soft_row(int length) {
 
 double stiffness_of(const Body& body, int axis, Slot low, Slot high) {
   const Vec3d h = body.geometry.spacing_mm();
-  return MaterialClasses(body.material).physics(body.classes[low], body.classes[high]).stiffness_kpa *
+  return MaterialClasses(body.material)
+             .physics(body.classes[low], body.classes[high])
+             .stiffness_kpa *
          h[(axis + 1) % 3] * h[(axis + 2) % 3] / h[axis];
 }
 
@@ -58,7 +59,8 @@ Dragged dragged(std::mt19937& random, const Vec3i& max_dims) {
   Block block = random_block(random, max_dims);
   if (random() % 3 == 0) cut_randomly(random, block);
   Dragged result{body_of(block), {}, {}};
-  if (random() % 2 == 0) result.anchors.push_back(Region(block.voxel(random_element(random, block))));
+  if (random() % 2 == 0)
+    result.anchors.push_back(Region(block.voxel(random_element(random, block))));
   for (int n = 0; n < 2; ++n) {
     const Vec3i voxel = block.voxel(random_element(random, block));
     if (!result.anchors.empty() && *result.anchors[0].box() == IndexBox{voxel, voxel}) continue;
@@ -82,7 +84,7 @@ Relaxation relaxation_of(Dragged& dragged, RelaxMethod method) {
 TEST(PropertyRelaxation, EveryPassLeavesAValidBodyOfNoMoreEnergy) {
   std::mt19937 random(3);
   std::int64_t moved = 0;
-  for (int n = 0; n < 100; ++n) {
+  for (int n = 0; n < 40; ++n) {
     Dragged start = dragged(random, {13, 11, 9});
     const Dragged before = start;
     for (const RelaxMethod method : kValidMethods) {
@@ -99,7 +101,7 @@ TEST(PropertyRelaxation, EveryPassLeavesAValidBodyOfNoMoreEnergy) {
       EXPECT_NEAR(relaxation.energy(), energy_of(start.body), 1e-3 * energy_of(before.body) + 1e-9);
     }
   }
-  EXPECT_GT(moved, 2000);
+  EXPECT_GT(moved, 800);
 }
 
 TEST(PropertyRelaxation, WhatIsHeldStays) {
@@ -200,9 +202,8 @@ TEST(PropertyRelaxation, ALimitedLinkStopsAtItsLimit) {
   MaterialTable table = linear_table(2.5, 0.5, 1);
   table.max_length.keys = {{0, 1.2}, {126, 1.2}, {127, 2.5}};
   table.stiffness = Curve{{{0, 1}, {126, 1}, {127, 100}}};
-  Body body = body_of(full_block({11, 1, 1}, table, [](int i, int, int) {
-    return i == 5 || i == 6 ? 127.0 : 0.0;
-  }));
+  Body body = body_of(full_block({11, 1, 1}, table,
+                                 [](int i, int, int) { return i == 5 || i == 6 ? 127.0 : 0.0; }));
   Holds holds;
   drag(body, {{{10, 0, 0}, {kVoxel * 24 / 10, 0, 0}}}, {Region({0, 0, 0})}, holds);
   RelaxParams params;

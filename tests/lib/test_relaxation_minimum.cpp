@@ -101,8 +101,8 @@ TEST(PropertyRelaxation, ItComesNearTheLeastEnergyThatTheLimitsAllow) {
     }
     if (body.q[0].empty()) continue;
     double excess = 0;
-    const double least = QuadraticProgram(body, 0, holds.still).minimise(1500, excess);
-    if (excess > 1e-5 || least < 1e-6) continue;
+    const double least = QuadraticProgram(body, 0, holds.still).minimise(1000, excess);
+    if (excess > 1e-5 || least < 1e-2) continue;
     RelaxParams params;
     params.passes = 5000;
     params.tolerance_voxels = 1e-9;
@@ -113,8 +113,6 @@ TEST(PropertyRelaxation, ItComesNearTheLeastEnergyThatTheLimitsAllow) {
   }
   ASSERT_GE(gaps.size(), 20u);
   std::sort(gaps.begin(), gaps.end());
-  for (double g : gaps) std::printf("%.4f ", g);
-  std::printf("\n");
-  EXPECT_LE(gaps[gaps.size() / 2], 0.001);
-  EXPECT_LE(gaps.back(), 0.2);
+  EXPECT_LE(gaps[gaps.size() * 9 / 10], 0.001);
+  EXPECT_LE(gaps.back(), 0.05);
 }

@@ -117,9 +117,9 @@ TEST_F(UnitRelax, AStepOfASceneRelaxesWhatEarlierOnesHold) {
   EXPECT_FALSE(steps[0].contains("relax"));
   EXPECT_EQ(steps[1]["relax"]["method"], "red-black");
 
-  ASSERT_EQ(pull({"--relax", "40", "--relax-tolerance", "1e-6", "--relax-method", "red-black"})
-                .exit_code,
-            0);
+  ASSERT_EQ(
+      pull({"--relax", "40", "--relax-tolerance", "1e-6", "--relax-method", "red-black"}).exit_code,
+      0);
   const State scene = read_state(m_folder / "scene.vdb");
   EXPECT_EQ(scene.q, read_state(m_folder / "out.vdb").q);
   EXPECT_NE(scene.configuration.find("\"relax\":{\"method\":\"red-black\",\"passes\":40"),
@@ -129,19 +129,21 @@ TEST_F(UnitRelax, AStepOfASceneRelaxesWhatEarlierOnesHold) {
 
 TEST_F(FaultRelax, WrongSettingsAreNamed) {
   const auto scene_error = [&](const std::string& relax) {
-    write_text(m_folder / "scene.toml", "[volume]\npath = \"ball.nhdr\"\n[material]\ntable = "
-                                        "\"m.toml\"\n[[step]]\nrelax = " +
-                                            relax + "\n");
+    write_text(m_folder / "scene.toml",
+               "[volume]\npath = \"ball.nhdr\"\n[material]\ntable = "
+               "\"m.toml\"\n[[step]]\nrelax = " +
+                   relax + "\n");
     const Outcome outcome = run_supple({"run", m_folder / "scene.toml", "--dry-run"});
     EXPECT_EQ(outcome.exit_code, 3);
     return outcome.err;
   };
-  EXPECT_NE(scene_error("{ passes = 0 }").find("scene.toml:6: step[1].relax.passes: found 0, expected 1 to"),
+  EXPECT_NE(scene_error("{ passes = 0 }")
+                .find("scene.toml:6: step[1].relax.passes: found 0, expected 1 to"),
             std::string::npos);
   EXPECT_NE(scene_error("{ tolerance = -1 }").find("tolerance: found -1"), std::string::npos);
-  EXPECT_NE(scene_error("{ method = \"fast\" }")
-                .find("expected plain, jacobi, red-black, accelerated"),
-            std::string::npos);
+  EXPECT_NE(
+      scene_error("{ method = \"fast\" }").find("expected plain, jacobi, red-black, accelerated"),
+      std::string::npos);
   EXPECT_NE(scene_error("{ pases = 3 }").find("passes"), std::string::npos);
 
   EXPECT_EQ(pull({"--relax", "0"}).exit_code, 2);

@@ -101,8 +101,9 @@ DraggedBody pull_front(Body body, double voxels, Progress& cancel) {
   DraggedBody dragged{std::move(body), {}, {}};
   const IndexBox& bounds = dragged.body.elements.active_bounds();
   Vec3i front;
-  nearest_element(dragged.body, {(bounds.lo.x + bounds.hi.x) / 2, bounds.hi.y,
-                                 (bounds.lo.z + bounds.hi.z) / 2}, front);
+  nearest_element(dragged.body,
+                  {(bounds.lo.x + bounds.hi.x) / 2, bounds.hi.y, (bounds.lo.z + bounds.hi.z) / 2},
+                  front);
   const Region back(back_of(dragged.body));
   drag(dragged.body, {{front, {0, std::int32_t(voxels * kFixedOne), 0}}}, {back}, dragged.holds,
        &cancel);
@@ -176,8 +177,8 @@ void measure_cost(const std::vector<RelaxRow>& rows, const Body& rest, bool quic
 }
 
 /// Links that a few passes broke, counted after every pass, and passes that raised the energy.
-void measure_states(const std::vector<RelaxRow>& rows, const Body& rest,
-                    std::vector<BenchRow>& out, Progress& cancel) {
+void measure_states(const std::vector<RelaxRow>& rows, const Body& rest, std::vector<BenchRow>& out,
+                    Progress& cancel) {
   constexpr int kPasses = 5;
   for (const RelaxRow& row : rows) {
     std::mt19937 random(2001);
@@ -273,9 +274,8 @@ BenchReport bench_relax(const RelaxBenchOptions& options, Console& console) {
   BenchReport result{"relax", measure_machine(), {}};
   CancelOnly cancel(console);
   for (auto first = plan.begin(); first != plan.end();) {
-    const auto last = std::find_if(first, plan.end(), [&](const RelaxRow& row) {
-      return row.group() != first->group();
-    });
+    const auto last = std::find_if(
+        first, plan.end(), [&](const RelaxRow& row) { return row.group() != first->group(); });
     const std::vector<RelaxRow> rows(first, last);
     const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism,
                                             std::size_t(rows.back().threads));

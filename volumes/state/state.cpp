@@ -50,16 +50,16 @@ void check_elements(const State& state, const std::string& file) {
 }
 
 void check_fixed_of_brick(const State& state, std::size_t b, const std::int32_t* values,
-                          std::int32_t largest, const std::string& field,
-                          const std::string& file) {
+                          std::int32_t largest, const std::string& field, const std::string& file) {
   for (int offset = 0; offset < kBrickVoxels; ++offset) {
     const std::int32_t value = values[offset];
     if (value == 0) continue;
     const bool active = mask_test(state.elements.mask(b), offset);
     if (active && value >= -largest && value <= largest) continue;
     const Vec3i voxel = state.elements.origin(b) + brick_local(offset);
-    throw InputError({file, field + " at " + to_text(voxel), std::to_string(value),
-                      active ? "within +-" + std::to_string(largest) : "0 where there is no element"});
+    throw InputError(
+        {file, field + " at " + to_text(voxel), std::to_string(value),
+         active ? "within +-" + std::to_string(largest) : "0 where there is no element"});
   }
 }
 

@@ -2,12 +2,13 @@
 // disks and truncated files, so this is io::Stream over an fstream that throws, never delayed.
 //
 // Grids, in this order: `q` (Vec3I, only voxels that moved), `element` (Bool), `density` (Float),
-// `rest_i`, `rest_j`, `rest_k` (Vec3I, only where links to the next voxel have flowed), `cut_links` (Int32, only when links are cut; bits 0, 1, 2: the link to the next voxel along i, j,
-// k is absent), `label` (Int32, only when there are any; 1 to 65535), and derived for other
-// programs `displacement` (Vec3S, material direction, extended over the shell) and `offset` (Vec3S,
-// resample direction), in mm LPS. Those before stay in index space; the others carry the affine
-// where OpenVDB takes it, and neither they nor what follows them is read back. All trees are built
-// anew from bricks, so that their nodes, and with them the file, depend on the content alone.
+// `rest_i`, `rest_j`, `rest_k` (Vec3I, only where links to the next voxel have flowed), `cut_links`
+// (Int32, only when links are cut; bits 0, 1, 2: the link to the next voxel along i, j, k is
+// absent), `label` (Int32, only when there are any; 1 to 65535), and derived for other programs
+// `displacement` (Vec3S, material direction, extended over the shell) and `offset` (Vec3S, resample
+// direction), in mm LPS. Those before stay in index space; the others carry the affine where
+// OpenVDB takes it, and neither they nor what follows them is read back. All trees are built anew
+// from bricks, so that their nodes, and with them the file, depend on the content alone.
 //
 // Cost with Blosc, 3.5 million elements that all moved, one core: 0.5 s and 46 MB to write (0.75 s
 // and 69 MB with offsets), 0.25 s to read.
@@ -46,16 +47,17 @@ bool is_derived(const std::string& name) {
 /// Three integers per element, of which at least one is not 0.
 openvdb::GridBase::Ptr make_fixed(const std::string& name, const State& state,
                                   const std::array<BrickValues, 3>& values) {
-  return make_vdb_grid<Vec3IGrid>(
-      name.c_str(), state.elements, openvdb::Vec3i(0), [&](auto& leaf, std::size_t b) {
-        const std::int32_t* x = values[0].brick_or_zero(b);
-        const std::int32_t* y = values[1].brick_or_zero(b);
-        const std::int32_t* z = values[2].brick_or_zero(b);
-        for_each_active(state.elements.mask(b), [&](int offset) {
-          const openvdb::Vec3i value(x[offset], y[offset], z[offset]);
-          if (value != openvdb::Vec3i(0)) leaf.setValueOn(openvdb::Index(offset), value);
-        });
-      });
+  return make_vdb_grid<Vec3IGrid>(name.c_str(), state.elements, openvdb::Vec3i(0),
+                                  [&](auto& leaf, std::size_t b) {
+                                    const std::int32_t* x = values[0].brick_or_zero(b);
+                                    const std::int32_t* y = values[1].brick_or_zero(b);
+                                    const std::int32_t* z = values[2].brick_or_zero(b);
+                                    for_each_active(state.elements.mask(b), [&](int offset) {
+                                      const openvdb::Vec3i value(x[offset], y[offset], z[offset]);
+                                      if (value != openvdb::Vec3i(0))
+                                        leaf.setValueOn(openvdb::Index(offset), value);
+                                    });
+                                  });
 }
 
 bool is_empty(const std::array<BrickValues, 3>& values) {
