@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include "lib/springs/implicit_euler.h"
+#include "lib/springs/projective.h"
 #include "lib/springs/symplectic_euler.h"
+#include "lib/springs/xpbd.h"
 #include "tests/lib/spring_fixtures.h"
 
 using namespace supple;
@@ -40,4 +43,16 @@ double order_on_the_oscillator() {
 
 TEST(ConvergenceSprings, SymplecticEulerMeetsTheDampedOscillatorAtOrderOne) {
   EXPECT_NEAR(order_on_the_oscillator<SymplecticEuler>(), 1, 0.1);
+}
+
+TEST(ConvergenceSprings, ImplicitEulerMeetsTheDampedOscillatorAtOrderOne) {
+  EXPECT_NEAR(order_on_the_oscillator<ImplicitEuler>(), 1, 0.1);
+}
+
+TEST(ConvergenceSprings, XpbdMeetsTheDampedOscillatorAtOrderOne) {
+  EXPECT_NEAR(order_on_the_oscillator<Xpbd>(), 1, 0.1);
+}
+
+TEST(ConvergenceSprings, ProjectiveDynamicsMeetTheDampedOscillatorAtOrderOne) {
+  EXPECT_NEAR(order_on_the_oscillator<ProjectiveDynamics>(), 1, 0.1);
 }
