@@ -15,9 +15,11 @@ namespace supple {
 class ImplicitEuler final : public SpringIntegrator {
  public:
   struct Params {
-    int newton_steps = 10;             // at most; 1: linearised
-    double tolerance_mn = 1e-3;        // largest force on a node that Newton may leave
-    double relative_tolerance = 1e-3;  // or this part of the largest force at the step's start
+    int newton_steps = 3;  // at most; 1: linearised
+    /// Newton ends below this part of the largest force (inertia included) at the step's start, or
+    /// below so many mN.
+    double relative_tolerance = 1e-3;
+    double tolerance_mn = 0;
   };
   /// Throws InputError as validate(system) and for parameters out of range.
   ImplicitEuler(SpringSystem& system, const Params& params);

@@ -61,7 +61,7 @@ TEST(UnitBlockLdlt, ItsSolutionSatisfiesTheEquations) {
     }
     for (int n = 0; n < rows; ++n) ASSERT_LT((product[n] - right[n]).length(), 1e-9);
     // With a negative eigenvalue it says so.
-    diagonal[rows / 2][1] = -1;
+    diagonal[rows / 2][run % 3] = -1;
     EXPECT_FALSE(factors.factorise(diagonal, coupling));
   }
 }
