@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <vector>
 
@@ -128,29 +129,43 @@ MeshSurface::MeshSurface(const TriangleMesh& mesh) {
 MeshSurface::~MeshSurface() = default;
 
 SurfaceDistance MeshSurface::distance_to(const Vec3d& pos_mm) const {
-  // Boxes come nearest first; once a box is farther than the best triangle the search is over.
+  // The boxes that are nearest, more of them until the last is farther than the best triangle.
+  const Point query = point_of(pos_mm);
+  const std::size_t count = m_tree->facets.size();
   double best2 = HUGE_VAL;
   Nearest best{};
   const Facet* of = nullptr;
-  const Point query = point_of(pos_mm);
-  const auto count = unsigned(m_tree->facets.size());
-  for (auto at = m_tree->boxes.qbegin(bg::index::nearest(query, count)); at != m_tree->boxes.qend();
-       ++at) {
-    if (bg::comparable_distance(query, at->first) > best2) break;
-    const Facet& facet = m_tree->facets[at->second];
-    const Nearest found = nearest_on(facet, pos_mm);
-    const double distance2 = (pos_mm - found.point).length2();
-    if (distance2 < best2) {
-      best2 = distance2;
-      best = found;
-      of = &facet;
+  std::vector<Entry> nearest;
+  for (std::size_t wanted = std::min<std::size_t>(8, count);;
+       wanted = std::min(4 * wanted, count)) {
+    nearest.clear();
+    m_tree->boxes.query(bg::index::nearest(query, unsigned(wanted)), std::back_inserter(nearest));
+    double farthest2 = 0;
+    for (const Entry& entry : nearest) {
+      const double box2 = bg::comparable_distance(query, entry.first);
+      farthest2 = std::max(farthest2, box2);
+      if (box2 > best2) continue;
+      const Facet& facet = m_tree->facets[entry.second];
+      const Nearest found = nearest_on(facet, pos_mm);
+      const double distance2 = (pos_mm - found.point).length2();
+      if (distance2 < best2) {
+        best2 = distance2;
+        best = found;
+        of = &facet;
+      }
     }
+    if (wanted == count || farthest2 > best2) break;
   }
   const Vec3d from = pos_mm - best.point;
   const double distance = std::sqrt(best2);
   if (distance < 1e-12) return {0, of->face};
   const double side = best.normal->dot(from) < 0 ? -1 : 1;
   return {side * distance, from * (side / distance)};
+}
+
+bool MeshSurface::is_farther(const Vec3d& pos_mm, double distance_mm) const {
+  return bg::comparable_distance(point_of(pos_mm), m_tree->boxes.bounds()) >
+         distance_mm * distance_mm;
 }
 
 }  // namespace supple

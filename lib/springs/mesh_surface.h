@@ -4,7 +4,8 @@
 // The side is that of the angle-weighted normal of the face, edge or vertex that is nearest
 // (Baerentzen and Aanaes 2005): right everywhere for closed meshes without self-intersections.
 //
-// Cost: 150 bytes per triangle; a query visits few triangles near the surface, more far away.
+// Cost: 350 bytes and 1 us per triangle once; a query 2 to 4 us near the surface, up to 50 us at a
+// distance from which many triangles are about equally far.
 #pragma once
 
 #include <memory>
@@ -23,6 +24,8 @@ class MeshSurface {
   /// Negative behind the triangles' backs (which face inwards where they wind clockwise seen from
   /// outside). On the surface the normal is that of the face.
   SurfaceDistance distance_to(const Vec3d& pos_mm) const;
+  /// True where the box around the mesh alone says that it is farther away than that.
+  bool is_farther(const Vec3d& pos_mm, double distance_mm) const;
 
  private:
   struct Tree;
