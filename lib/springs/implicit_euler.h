@@ -15,7 +15,7 @@ namespace supple {
 class ImplicitEuler final : public SpringIntegrator {
  public:
   struct Params {
-    int newton_steps = 3;  // at most; 1: linearised
+    int newton_steps = 2;  // at most; 1: linearised
     /// Newton ends below this part of the largest force (inertia included) at the step's start, or
     /// below so many mN.
     double relative_tolerance = 1e-3;
