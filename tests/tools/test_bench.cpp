@@ -251,11 +251,11 @@ TEST(UnitBench, RowsOfSpringsHaveTheDocumentedFieldsAndBoundedEnergy) {
   const TemporaryFolder folder;
   const Outcome outcome =
       run_supple({"bench", "springs", "--quick", "--only", "10000/xpbd", "--only",
-                  "pluck/10000/projective", "--json", folder / "springs.json"});
+                  "/10000/projective", "--json", folder / "springs.json"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const auto json = nlohmann::json::parse(read_text(folder / "springs.json"));
   EXPECT_EQ(json["benchmark"], "springs");
-  ASSERT_EQ(json["rows"].size(), 3u);
+  ASSERT_EQ(json["rows"].size(), 6u);
   for (const auto& row : json["rows"]) {
     for (const char* key : {"case", "integrator", "nodes", "stiffness", "frame_ms", "energy_ratio",
                             "substeps", "median_ms", "min_ms", "max_ms", "runs", "threads"}) {
@@ -270,6 +270,9 @@ TEST(UnitBench, RowsOfSpringsHaveTheDocumentedFieldsAndBoundedEnergy) {
   EXPECT_EQ(json["rows"][1]["integrator"], "projective");
   EXPECT_LT(json["rows"][1]["energy_100"], json["rows"][1]["energy_10"]);
   EXPECT_EQ(json["rows"][2]["case"], "drag");
+  EXPECT_EQ(json["rows"][5]["case"], "hold");
+  EXPECT_LT(json["rows"][5]["error_mm"], 0.01);
+  EXPECT_NEAR(json["rows"][5]["force_ratio"], 1, 1e-3);
 }
 
 TEST(UnitBench, AQuickRunOfSpringsKeepsEveryRow) {
@@ -279,6 +282,6 @@ TEST(UnitBench, AQuickRunOfSpringsKeepsEveryRow) {
   };
   EXPECT_EQ(names({"--quick"}), names({}));
   const std::string all = names({});
-  EXPECT_EQ(std::count(all.begin(), all.end(), '\n'), 32);
+  EXPECT_EQ(std::count(all.begin(), all.end(), '\n'), 44);
   EXPECT_NE(all.find("drag/1e+06/explicit\n"), std::string::npos);
 }

@@ -15,7 +15,7 @@ namespace {
 
 /// A membrane of one stiffness with all that move it, in turns.
 struct SpringsWorkload {
-  std::string kind;  // the row's `case`: pluck or drag
+  std::string kind;  // the row's `case`: pluck, drag or hold
   double stiffness_n_m;
   std::vector<std::string> integrators;
 };
@@ -26,6 +26,7 @@ struct MovingMembrane {
   SpringSystem system;
   std::unique_ptr<SpringIntegrator> integrator;
   std::optional<Forceps> forceps;
+  bool is_held = false;  // the forceps stop where they are highest
   Times times, cpu;
   double largest_j = 0;
   double spent_ms = 0;
@@ -41,10 +42,12 @@ std::string row_name(const SpringsWorkload& workload, const std::string& integra
 
 std::vector<SpringsWorkload> plan_springs(const SpringsBenchOptions& options) {
   std::vector<SpringsWorkload> plan;
-  for (const std::string kind : {"pluck", "drag"}) {
+  for (const std::string kind : {"pluck", "drag", "hold"}) {
     for (const double stiffness : {1.0, 1e2, 1e4, 1e6}) {
       SpringsWorkload workload{kind, stiffness, {}};
       for (const std::string name : {"xpbd", "projective", "implicit", "explicit"}) {
+        // Undamped, it never comes to rest.
+        if (kind == "hold" && name == "explicit") continue;
         if (is_wanted_row(options.only, row_name(workload, name))) {
           workload.integrators.push_back(name);
         }
@@ -60,6 +63,7 @@ std::vector<SpringsWorkload> plan_springs(const SpringsBenchOptions& options) {
 }
 
 void run_frame(MovingMembrane& membrane, int frame) {
+  if (membrane.is_held) frame = std::min(frame, Forceps::kHighestFrame);
   if (membrane.forceps) membrane.forceps->move(membrane.system, frame);
   SpringStepReport report;
   double ms = 0;
@@ -72,6 +76,20 @@ void run_frame(MovingMembrane& membrane, int frame) {
   const double now_j = energy(membrane.system).total_j();
   membrane.energies_j.push_back(now_j);
   membrane.largest_j = std::max(membrane.largest_j, now_j);
+}
+
+/// How far it is from where it would come to rest.
+void add_rest(BenchRow& row, const MovingMembrane& membrane, const PulledMembrane& pulled) {
+  double off_mm = 0;
+  for (std::size_t n = 0; n < membrane.system.node_count(); ++n) {
+    const Vec3d off = membrane.system.pos_mm[n] - pulled.system.pos_mm[n];
+    off_mm = std::max(off_mm, off.length());
+  }
+  const double pull_n =
+      membrane.forceps->pull_n(membrane.system, membrane.integrator->reactions_n());
+  row["error_mm"] = off_mm;
+  row["rest_energy_ratio"] = membrane.energies_j.back() / pulled.energy_j;
+  row["force_ratio"] = pull_n / pulled.pull_n;
 }
 
 BenchRow row_of(const SpringsWorkload& workload, const MovingMembrane& membrane,
@@ -93,21 +111,24 @@ BenchRow row_of(const SpringsWorkload& workload, const MovingMembrane& membrane,
       row["energy_" + std::to_string(frame)] = membrane.energies_j[frame - 1] / reference_j;
     }
   }
-  add_times(row, membrane.times, 1);
   return row;
 }
 
 std::vector<BenchRow> measure_workload(const SpringsWorkload& workload, bool quick,
                                        Console& console) {
-  const int frames = quick ? 100 : 1000;
-  const double budget_ms = quick ? 1500 : 30000;  // of one membrane
+  const bool is_held = workload.kind == "hold";
+  const int frames = quick || is_held ? 100 : 1000;
+  const double budget_ms = quick ? 1500 : 20000;  // of one membrane
   constexpr int kMinFrames = 2;
-  const bool is_dragged = workload.kind == "drag";
-  double reference_j = is_dragged ? Forceps::highest_energy_j(workload.stiffness_n_m) : 0;
+  const bool is_dragged = workload.kind != "pluck";
+  std::optional<PulledMembrane> pulled;
+  if (is_dragged) pulled = pulled_membrane(workload.stiffness_n_m);
+  double reference_j = is_dragged ? pulled->energy_j : 0;
   std::vector<std::unique_ptr<MovingMembrane>> membranes;
   for (const std::string& name : workload.integrators) {
     auto membrane = std::make_unique<MovingMembrane>();
     membrane->name = name;
+    membrane->is_held = is_held;
     if (is_dragged) {
       membrane->system = flat_membrane(workload.stiffness_n_m);
       membrane->forceps.emplace(membrane->system);
@@ -126,7 +147,12 @@ std::vector<BenchRow> measure_workload(const SpringsWorkload& workload, bool qui
     }
   }
   std::vector<BenchRow> rows;
-  for (const auto& membrane : membranes) rows.push_back(row_of(workload, *membrane, reference_j));
+  for (const auto& membrane : membranes) {
+    BenchRow row = row_of(workload, *membrane, reference_j);
+    if (is_held) add_rest(row, *membrane, *pulled);
+    add_times(row, membrane->times, 1);
+    rows.push_back(std::move(row));
+  }
   return rows;
 }
 

@@ -64,22 +64,36 @@ Forceps::Forceps(SpringSystem& system) {
   }
 }
 
-void Forceps::drive_to(SpringSystem& system, double height_mm) const {
+void Forceps::move(SpringSystem& system, int frame) const {
+  const double height_mm = kPullMm * std::sin(2 * M_PI * kFrameS * (frame + 1));
   for (const HeldNode& rest : m_rest) {
     drive(system, rest.node, rest.target_mm + Vec3d(0, 0, height_mm));
   }
 }
 
-void Forceps::move(SpringSystem& system, int frame) const {
-  drive_to(system, kPullMm * std::sin(2 * M_PI * kFrameS * (frame + 1)));
+double Forceps::pull_n(const SpringSystem& system, const std::vector<Vec3d>& reactions_n) const {
+  double sum = 0;
+  for (std::size_t n = 0; n < system.held.size(); ++n) {
+    for (const HeldNode& rest : m_rest) {
+      if (rest.node == system.held[n].node) sum -= reactions_n[n].z;
+    }
+  }
+  return sum;
 }
 
-double Forceps::highest_energy_j(double stiffness_n_m) {
-  SpringSystem system = flat_membrane(stiffness_n_m);
-  const Forceps forceps(system);
-  forceps.drive_to(system, kPullMm);
-  minimise(system, {1e-6 * stiffness_n_m, 500});
-  return energy(system).spring_j;
+PulledMembrane pulled_membrane(double stiffness_n_m) {
+  PulledMembrane pulled{flat_membrane(stiffness_n_m), 0, 0};
+  const Forceps forceps(pulled.system);
+  forceps.move(pulled.system, Forceps::kHighestFrame);
+  minimise(pulled.system, {1e-6 * stiffness_n_m, 500});
+  pulled.energy_j = energy(pulled.system).spring_j;
+  std::vector<Vec3d> force_mn, reactions_n;
+  forces_mn(pulled.system, force_mn, Damping::without);
+  for (const HeldNode& held : pulled.system.held) {
+    reactions_n.push_back(force_mn[held.node] * 1e-3);
+  }
+  pulled.pull_n = forceps.pull_n(pulled.system, reactions_n);
+  return pulled;
 }
 
 std::unique_ptr<SpringIntegrator> make_integrator(const std::string& name, SpringSystem& system) {

@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "lib/springs/integrator.h"
 
@@ -20,16 +21,25 @@ SpringSystem plucked_membrane(double stiffness_n_m);
 /// Nine nodes in the middle of a flat membrane that go up and down by 5 mm once a second.
 class Forceps {
  public:
+  /// The frame at whose end they are highest.
+  static constexpr int kHighestFrame = 12;
+
   explicit Forceps(SpringSystem& system);
   /// Sets where the nodes are at the end of that frame.
   void move(SpringSystem& system, int frame) const;
-  /// The spring energy in J of the membrane at rest with the nodes at their highest.
-  static double highest_energy_j(double stiffness_n_m);
+  /// The force in N with which the membrane pulls them down, of what held nodes feel.
+  double pull_n(const SpringSystem& system, const std::vector<Vec3d>& reactions_n) const;
 
  private:
-  void drive_to(SpringSystem& system, double height_mm) const;
   std::vector<HeldNode> m_rest;
 };
+
+/// The membrane at rest with the forceps at their highest.
+struct PulledMembrane {
+  SpringSystem system;
+  double energy_j, pull_n;
+};
+PulledMembrane pulled_membrane(double stiffness_n_m);
 
 /// "xpbd", "projective", "implicit" or "explicit", with their defaults.
 std::unique_ptr<SpringIntegrator> make_integrator(const std::string& name, SpringSystem& system);
