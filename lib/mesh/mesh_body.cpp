@@ -98,6 +98,14 @@ MeshBody make_mesh_body(const TriangleMesh& mesh) {
   return body;
 }
 
+MeshBody make_mesh_body(const LineNetwork& network) {
+  MeshBody body = make_mesh_body(network.mesh);
+  check_cells(network.lines, body.node_count(), "line");
+  body.links.insert(body.links.end(), network.lines.begin(), network.lines.end());
+  body.links = unique_links(std::move(body.links));
+  return body;
+}
+
 MeshBody make_network(std::vector<Vec3d> points_lps_mm, const std::vector<LinkNodes>& links) {
   check_points(points_lps_mm);
   check_cells(links, points_lps_mm.size(), "link");

@@ -38,6 +38,8 @@ struct MeshBody {
 /// InputError: an index without vertex, a triangle with a corner twice, a coordinate that is not
 /// finite.
 MeshBody make_mesh_body(const TriangleMesh& mesh);
+/// A mesh with lines, which become links beside the edges of its triangles. Throws as above.
+MeshBody make_mesh_body(const LineNetwork& network);
 /// A network of links between points; doubled links count once. Throws InputError as above.
 MeshBody make_network(std::vector<Vec3d> points_lps_mm, const std::vector<LinkNodes>& links);
 /// At rest; the edges of the tetrahedra become the links, their outer faces (those of one

@@ -56,8 +56,9 @@ void Xpbd::sweep(double h, bool forwards) {
   }
 }
 
-void Xpbd::touch_shapes(double h, SpringStepReport& report) {
-  if (m_system.colliders.empty()) return;
+ContactReport Xpbd::touch_shapes(double h) {
+  ContactReport report;
+  if (m_system.colliders.empty()) return report;
   for (std::size_t n = 0; n < m_system.node_count(); ++n) {
     if (m_is_held[n]) continue;
     bool touched = false;
@@ -65,6 +66,7 @@ void Xpbd::touch_shapes(double h, SpringStepReport& report) {
     report.contacts += touched;
     report.penetration_mm = std::max(report.penetration_mm, left);
   }
+  return report;
 }
 
 void Xpbd::add_held_forces(double h, double weight) {
@@ -95,12 +97,13 @@ SpringStepReport Xpbd::advance(double dt_s) {
     }
     m_multiplier.assign(m_system.springs.size(), 0);
     m_held_push.assign(m_system.node_count(), Vec3d(0.0));
+    ContactReport touched;  // of the last sweep
     for (int n = 0; n < m_params.sweeps; ++n) {
       sweep(h, n % 2 == 0);
-      report.contacts = 0;
-      report.penetration_mm = 0;
-      touch_shapes(h, report);
+      touched = touch_shapes(h);
     }
+    report.contacts += touched.contacts;
+    report.penetration_mm = std::max(report.penetration_mm, touched.penetration_mm);
     report.iterations += m_params.sweeps;
     report.without_direction += m_without_direction;
     for (std::size_t n = 0; n < m_system.node_count(); ++n) {

@@ -29,7 +29,7 @@ class Xpbd final : public SpringIntegrator {
   SpringStepReport advance(double dt_s) override;
   void sweep(double h, bool forwards);
   int solve_spring(std::size_t n, double h);
-  void touch_shapes(double h, SpringStepReport& report);
+  ContactReport touch_shapes(double h);
   void add_held_forces(double h, double weight);
 
   Params m_params;

@@ -52,6 +52,15 @@ TEST(UnitMeshBody, TetrahedraHaveEdgesAsLinksAndTheirOuterFacesAsTriangles) {
   EXPECT_NEAR(system.mass_kg[0], 2e-6 / 24, 1e-15);
 }
 
+TEST(UnitMeshBody, LinesOfANetworkAreLinksBesideTheEdges) {
+  const MeshBody body = make_mesh_body(LineNetwork{kite(), {{3, 0}, {2, 1}}});
+  EXPECT_EQ(body.links, (std::vector<LinkNodes>{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}));
+  EXPECT_NE(input_error([&] {
+              make_mesh_body(LineNetwork{kite(), {{3, 4}}});
+            }).find("line 0"),
+            std::string::npos);
+}
+
 TEST(UnitMeshBody, WhatIsWrongWithConnectorsIsNamed) {
   TriangleMesh mesh = kite();
   mesh.triangles[1][1] = 4;
