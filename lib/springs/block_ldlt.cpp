@@ -64,25 +64,21 @@ Block block_of(const SymmetricBlock& s) {
   return {{{s[0], s[3], s[4], 0}, {s[3], s[1], s[5], 0}, {s[4], s[5], s[2], 0}}};
 }
 
-/// Inverse of a symmetric positive definite block; false when it is not.
+/// False when it is not positive definite.
 template <class Block>
-bool invert(const Block& a, Block& inverse) {
-  const double xx = a.column[0][0], yy = a.column[1][1], zz = a.column[2][2];
-  const double xy = a.column[0][1], xz = a.column[0][2], yz = a.column[1][2];
-  const double c_xx = yy * zz - yz * yz, c_xy = xz * yz - xy * zz, c_xz = xy * yz - xz * yy;
-  const double det = xx * c_xx + xy * c_xy + xz * c_xz;
-  // Comparisons that NaN fails.
-  if (!(xx > 0) || !(xx * yy - xy * xy > 0) || !(det > 0)) return false;
-  const double s = 1 / det;
-  const double c_yy = xx * zz - xz * xz, c_yz = xy * xz - xx * yz, c_zz = xx * yy - xy * xy;
-  inverse = {{{c_xx * s, c_xy * s, c_xz * s, 0},
-              {c_xy * s, c_yy * s, c_yz * s, 0},
-              {c_xz * s, c_yz * s, c_zz * s, 0}}};
+bool invert_block(const Block& a, Block& inverse) {
+  SymmetricBlock result;
+  if (!invert({a.column[0][0], a.column[1][1], a.column[2][2], a.column[0][1], a.column[0][2],
+               a.column[1][2]},
+              result)) {
+    return false;
+  }
+  inverse = block_of<Block>(result);
   return true;
 }
 
 template <class Block>
-inline Vec3d times(const Block& a, const Vec3d& x) {
+inline Vec3d block_times(const Block& a, const Vec3d& x) {
   Vec3d y(0.0);
   for (int c = 0; c < 3; ++c) {
     for (int r = 0; r < 3; ++r) y[r] += a.column[c][r] * x[c];
@@ -129,13 +125,10 @@ BlockLdlt::BlockLdlt(int rows, const std::vector<std::array<int, 2>>& couplings)
     }
   }
   m_column_begin.assign(rows + 1, 0);
-  for (int n = 0; n < rows; ++n) m_column_begin[n + 1] = m_column_begin[n] + length[n];
-  m_row.resize(m_column_begin[rows]);
-  m_lower.resize(m_column_begin[rows]);
-  m_inverse_diagonal.resize(rows);
-  m_work.assign(rows, Block{});
-  m_filled.resize(rows);
-  m_stack.resize(rows);
+  for (int n = 0; n < rows; ++n) {
+    m_column_begin[n + 1] = m_column_begin[n] + length[n];
+    m_products += 0.5 * length[n] * length[n];
+  }
 }
 
 /// The columns that row k of L has, in an order in which each follows those that change it:
@@ -157,8 +150,13 @@ void BlockLdlt::find_reach(int k) {
 bool BlockLdlt::factorise(const std::vector<SymmetricBlock>& diagonal,
                           const std::vector<SymmetricBlock>& coupling) {
   const int rows = int(m_order.size());
+  m_row.resize(m_column_begin[rows]);
+  m_lower.resize(m_column_begin[rows]);
+  m_inverse_diagonal.resize(rows);
+  m_filled.resize(rows);
+  m_stack.resize(rows);
   std::fill(m_mark.begin(), m_mark.end(), -1);
-  std::fill(m_work.begin(), m_work.end(), Block{});
+  m_work.assign(rows, Block{});
   std::copy(m_column_begin.begin(), m_column_begin.end() - 1, m_filled.begin());
   for (int k = 0; k < rows; ++k) {
     find_reach(k);
@@ -182,7 +180,7 @@ bool BlockLdlt::factorise(const std::vector<SymmetricBlock>& diagonal,
       m_lower[end] = lower;
       ++m_filled[i];
     }
-    if (!invert(pivot, m_inverse_diagonal[k])) return false;
+    if (!invert_block(pivot, m_inverse_diagonal[k])) return false;
   }
   return true;
 }
@@ -193,11 +191,11 @@ void BlockLdlt::solve(std::vector<Vec3d>& x) const {
   for (int n = 0; n < rows; ++n) y[n] = x[m_order[n]];
   for (int i = 0; i < rows; ++i) {
     for (int p = m_column_begin[i]; p < m_column_begin[i + 1]; ++p) {
-      y[m_row[p]] -= times(m_lower[p], y[i]);
+      y[m_row[p]] -= block_times(m_lower[p], y[i]);
     }
   }
   for (int i = rows - 1; i >= 0; --i) {
-    y[i] = times(m_inverse_diagonal[i], y[i]);
+    y[i] = block_times(m_inverse_diagonal[i], y[i]);
     for (int p = m_column_begin[i]; p < m_column_begin[i + 1]; ++p) {
       y[i] -= transposed_times(m_lower[p], y[m_row[p]]);
     }

@@ -123,6 +123,7 @@ LatticeSprings make_springs(const Body& body, const LatticeSpringParams& params)
   Builder builder(body, params, result);
   builder.add_nodes();
   builder.add_springs();
+  result.system.springs.shrink_to_fit();
   result.system.velocity_mm_s.assign(result.slots.size(), Vec3d(0.0));
   take_state(body, result);
   return result;

@@ -7,6 +7,15 @@ namespace supple {
 
 namespace {
 
+constexpr std::size_t kMaxDirectRows = 20000;
+constexpr double kMaxProducts = 2e7;
+
+double dot(const std::vector<Vec3d>& a, const std::vector<Vec3d>& b) {
+  double sum = 0;
+  for (std::size_t n = 0; n < a.size(); ++n) sum += a[n].dot(b[n]);
+  return sum;
+}
+
 /// along * n n^T + across * (I - n n^T).
 SymmetricBlock spring_block(const Vec3d& n, double along, double across) {
   const double d = along - across;
@@ -48,12 +57,12 @@ SpringMatrix::Pattern SpringMatrix::analyse(const SpringSystem& system,
   return pattern;
 }
 
-SpringMatrix::SpringMatrix(Pattern pattern)
-    : m_pattern(std::move(pattern)),
-      m_factors(int(m_pattern.node_of_row.size()), m_pattern.couplings) {}
-
 SpringMatrix::SpringMatrix(const SpringSystem& system, const std::vector<char>& is_held)
-    : SpringMatrix(analyse(system, is_held)) {}
+    : m_pattern(analyse(system, is_held)) {
+  if (m_pattern.node_of_row.size() > kMaxDirectRows) return;
+  m_factors.emplace(int(m_pattern.node_of_row.size()), m_pattern.couplings);
+  if (m_factors->products() > kMaxProducts) m_factors.reset();
+}
 
 bool SpringMatrix::factorise(const SpringSystem& system, double mass_factor, double damping_factor,
                              const std::vector<Vec3d>& damping_pos) {
@@ -84,15 +93,65 @@ bool SpringMatrix::factorise(const SpringSystem& system, double mass_factor, dou
     if (length_before == 0) continue;
     add_block(place, spring_block(before / length_before, damping_factor * s.damping_n_s_m, 0));
   }
-  return m_factors.factorise(m_diagonal, m_coupling);
+  if (m_factors) return m_factors->factorise(m_diagonal, m_coupling);
+  m_inverse_diagonal.resize(m_diagonal.size());
+  for (std::size_t row = 0; row < m_diagonal.size(); ++row) {
+    if (!invert(m_diagonal[row], m_inverse_diagonal[row])) return false;
+  }
+  return true;
 }
 
 void SpringMatrix::solve(std::vector<Vec3d>& x) {
   m_rows.resize(m_pattern.node_of_row.size());
   for (std::size_t row = 0; row < m_rows.size(); ++row) m_rows[row] = x[m_pattern.node_of_row[row]];
-  m_factors.solve(m_rows);
+  if (m_factors) {
+    m_factors->solve(m_rows);
+  } else {
+    solve_by_gradients();
+  }
   std::fill(x.begin(), x.end(), Vec3d(0.0));
   for (std::size_t row = 0; row < m_rows.size(); ++row) x[m_pattern.node_of_row[row]] = m_rows[row];
+}
+
+void SpringMatrix::multiply(const std::vector<Vec3d>& x, std::vector<Vec3d>& product) const {
+  for (std::size_t row = 0; row < x.size(); ++row) product[row] = times(m_diagonal[row], x[row]);
+  for (std::size_t n = 0; n < m_coupling.size(); ++n) {
+    const auto [a, b] = m_pattern.couplings[n];
+    product[a] += times(m_coupling[n], x[b]);
+    product[b] += times(m_coupling[n], x[a]);
+  }
+}
+
+void SpringMatrix::solve_by_gradients() {
+  constexpr int kMaxSteps = 3000;
+  constexpr double kTolerance = 1e-8;
+  const std::size_t rows = m_rows.size();
+  std::vector<Vec3d> x(rows, Vec3d(0.0)), residual = m_rows, z(rows), direction, product(rows);
+  const auto precondition = [&] {
+    for (std::size_t n = 0; n < rows; ++n) z[n] = times(m_inverse_diagonal[n], residual[n]);
+  };
+  precondition();
+  direction = z;
+  double rz = dot(residual, z);
+  const double enough = kTolerance * kTolerance * dot(residual, residual);
+  for (int step = 0; step < kMaxSteps && dot(residual, residual) > enough; ++step) {
+    multiply(direction, product);
+    const double length = rz / dot(direction, product);
+    for (std::size_t n = 0; n < rows; ++n) {
+      x[n] += direction[n] * length;
+      residual[n] -= product[n] * length;
+    }
+    precondition();
+    const double next_rz = dot(residual, z);
+    for (std::size_t n = 0; n < rows; ++n) direction[n] = z[n] + direction[n] * (next_rz / rz);
+    rz = next_rz;
+  }
+  m_rows = std::move(x);
+}
+
+std::size_t SpringMatrix::bytes() const {
+  const std::size_t blocks = m_diagonal.size() + m_coupling.size() + m_inverse_diagonal.size();
+  return (m_factors ? m_factors->bytes() : 0) + blocks * sizeof(SymmetricBlock);
 }
 
 }  // namespace supple

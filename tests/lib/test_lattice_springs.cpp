@@ -7,6 +7,7 @@
 #include "lib/chainmail/ecm.h"
 #include "lib/springs/lattice_springs.h"
 #include "lib/springs/minimise.h"
+#include "lib/springs/spring_matrix.h"
 #include "tests/lib/test_bodies.h"
 
 using namespace supple;
@@ -159,6 +160,35 @@ TEST(PropertyLatticeSprings, RelaxedSpringsAfterADragHaveLessEnergyAndTheHandles
   // An interrupted or soft result may break ChainMail's limits; the projection mends it.
   project(body);
   EXPECT_EQ(check_links(body).violated, 0);
+}
+
+TEST(PropertyLatticeSprings, SolidsTooLargeForFactorsAreSolvedByGradientsToTheSameRest) {
+  const auto relaxed = [](int size) {
+    Body body = body_of(soft_block({size, size, size}));
+    LatticeSprings springs = make_springs(body, {});
+    for (int j = 0; j < size; ++j) {
+      for (int k = 0; k < size; ++k) {
+        Slot slot = 0;
+        EXPECT_TRUE(slot_of(body.elements, {0, j, k}, slot));
+        hold(springs.system, springs.node_of(slot));
+      }
+    }
+    springs.system.gravity_m_s2 = {40, 0, 0};
+    std::vector<char> is_held(springs.system.node_count(), 0);
+    for (const HeldNode& held : springs.system.held) is_held[held.node] = 1;
+    EXPECT_EQ(SpringMatrix(springs.system, is_held).is_direct(), size < 12);
+    const MinimiseReport report = minimise(springs.system);
+    EXPECT_TRUE(report.converged) << size;
+    // The held layer carries the weight of all others.
+    std::vector<Vec3d> force;
+    forces_mn(springs.system, force, Damping::without);
+    Vec3d sum(0.0);
+    for (const HeldNode& held : springs.system.held) sum += force[held.node];
+    const double weight_mn = std::pow(size, 3) * 1e-6 * 40e3;
+    EXPECT_NEAR(sum.x, weight_mn, 1e-2 * weight_mn);
+  };
+  relaxed(6);
+  relaxed(12);
 }
 
 TEST(ExtremesLatticeSprings, OffsetsBeyondTheRangeAreRefusedAndTheBodyStays) {

@@ -24,11 +24,6 @@ double catenary_parameter(double length, double distance) {
   return (lo + hi) / 2;
 }
 
-Vec3d times(const SymmetricBlock& a, const Vec3d& x) {
-  return {a[0] * x.x + a[3] * x.y + a[4] * x.z, a[3] * x.x + a[1] * x.y + a[5] * x.z,
-          a[4] * x.x + a[5] * x.y + a[2] * x.z};
-}
-
 }  // namespace
 
 TEST(UnitBlockLdlt, ItsSolutionSatisfiesTheEquations) {
