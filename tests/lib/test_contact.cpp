@@ -125,7 +125,7 @@ TEST(PropertyContact, NoNodeIsLeftInsideAShape) {
         {SphereShape{{2.5, 2.5, -3}, 2}, 0.1, 0.4},
         {CapsuleShape{{9, 0, -2}, {9, 10, -4}, 1}},
         {BoxShape{{5, 9, -5}, {Vec3d(2, 0, 0), Vec3d(0, 1, 0), Vec3d(0, 0, 2)}}},
-        {MeshShape{std::make_shared<MeshSurface>(box_mesh({1, 1, 1})), {5, 5, -4}}, 0, 0.2},
+        {MeshShape{std::make_shared<MeshSurface>(box_mesh({1, 1, 1})), {5, 5, -4}}, 0.15, 0.2},
         {PlaneShape{{0, 0, -6}, {0, 0, 1}}, 0.05, 0.3}};
     const std::unique_ptr<SpringIntegrator> integrator = make(kind, system);
     int contacts = 0;
@@ -165,6 +165,34 @@ TEST(PropertyContact, FrictionHoldsOnGentleSlopesAndSlowsOnSteepOnes) {
           << "integrator " << kind << " mu " << mu;
       EXPECT_NEAR(up.dot(system.pos_mm[1]), 0, 1e-9);
     }
+  }
+}
+
+TEST(UnitContact, ANodeThatLandsKeepsItsVelocityAlongTheSurfaceOnly) {
+  for (int kind = 0; kind < 4; ++kind) {
+    SpringSystem system = oscillator(1e-3, 0, 0, 5, 0);
+    system.velocity_mm_s[1] = {7, 0, -100};
+    system.colliders = {{PlaneShape{{0, 0, -0.25}, {0, 0, 1}}}};
+    const std::unique_ptr<SpringIntegrator> integrator = make(kind, system);
+    run_steps(*integrator, 1e-3, 10);
+    EXPECT_NEAR(system.pos_mm[1].z, -0.25, 1e-9);
+    EXPECT_LT((system.velocity_mm_s[1] - Vec3d(7, 0, 0)).length(), 1e-6) << kind;
+  }
+}
+
+TEST(UnitContact, ABeltTakesAlongWhatLiesOnIt) {
+  for (int kind = 0; kind < 4; ++kind) {
+    SpringSystem system = oscillator(1e-3, 0, 0, 5, 0);
+    system.gravity_m_s2 = {0, 0, -10};
+    Collider belt{PlaneShape{Vec3d(0.0), {0, 0, 1}}};
+    belt.friction = 0.5;
+    belt.velocity_mm_s = {0, 200, 0};
+    system.colliders = {belt};
+    const std::unique_ptr<SpringIntegrator> integrator = make(kind, system);
+    run_steps(*integrator, 1e-3, 20);  // mu g = 5 m/s^2
+    EXPECT_NEAR(system.velocity_mm_s[1].y, 100, 1) << kind;
+    run_steps(*integrator, 1e-3, 40);
+    EXPECT_NEAR(system.velocity_mm_s[1].y, 200, 1e-6) << kind;
   }
 }
 
