@@ -1,6 +1,7 @@
 # Third-party packages. docs/building.md names the Debian package of each.
 find_package(Threads REQUIRED)
 find_package(TBB CONFIG REQUIRED)
+find_package(Eigen3 3.4 CONFIG REQUIRED)
 find_package(Imath CONFIG REQUIRED)
 find_package(embree 3.13 CONFIG REQUIRED)
 find_package(hwy CONFIG REQUIRED)

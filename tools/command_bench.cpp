@@ -6,6 +6,7 @@
 #include "tools/bench/bench_io.h"
 #include "tools/bench/bench_relax.h"
 #include "tools/bench/bench_render.h"
+#include "tools/bench/bench_springs.h"
 #include "tools/command.h"
 #include "tools/output_plan.h"
 
@@ -46,6 +47,11 @@ Bench bench_of(const Options& options, int threads, Console& console) {
     return {[=] { return render_row_names(render); },
             [=, &console] { return bench_render(render, console); }};
   }
+  if (options.name == "springs") {
+    const SpringsBenchOptions springs{options.quick, options.only};
+    return {[=] { return springs_row_names(springs); },
+            [=, &console] { return bench_springs(springs, console); }};
+  }
   const EcmBenchOptions ecm{options.quick, threads, options.only, options.ct_head};
   return {[=, &console] { return ecm_row_names(ecm, console); },
           [=, &console] { return bench_ecm(ecm, console); }};
@@ -78,9 +84,10 @@ Command add_bench(CLI::App& program) {
                      "  supple bench ecm --quick\n"
                      "  supple bench ecm --only 'all/noise/128*+x/rest' --json ecm.json\n"
                      "  supple bench invert --only 128 --json invert.json");
-  app->add_option("name", options->name, "Which benchmark: ecm, invert, io, relax or render")
+  app->add_option("name", options->name,
+                  "Which benchmark: ecm, invert, io, relax, render or springs")
       ->required()
-      ->check(CLI::IsMember({"ecm", "invert", "io", "relax", "render"}))
+      ->check(CLI::IsMember({"ecm", "invert", "io", "relax", "render", "springs"}))
       ->option_text("NAME");
   app->add_flag("--quick", options->quick, "The rows that matter most, within a minute");
   app->add_option("--only", options->only,

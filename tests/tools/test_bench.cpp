@@ -246,3 +246,42 @@ TEST(FaultBench, CtrlCLeavesNoReport) {
   EXPECT_TRUE(folder.entries().empty());
   EXPECT_TRUE(outcome.out.empty()) << outcome.out;
 }
+
+TEST(UnitBench, RowsOfSpringsHaveTheDocumentedFieldsAndBoundedEnergy) {
+  const TemporaryFolder folder;
+  const Outcome outcome =
+      run_supple({"bench", "springs", "--quick", "--only", "10000/xpbd", "--only",
+                  "/10000/projective", "--json", folder / "springs.json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto json = nlohmann::json::parse(read_text(folder / "springs.json"));
+  EXPECT_EQ(json["benchmark"], "springs");
+  ASSERT_EQ(json["rows"].size(), 6u);
+  for (const auto& row : json["rows"]) {
+    for (const char* key : {"case", "integrator", "nodes", "stiffness", "frame_ms", "energy_ratio",
+                            "substeps", "median_ms", "min_ms", "max_ms", "runs", "threads"}) {
+      ASSERT_TRUE(row.contains(key)) << key;
+    }
+    EXPECT_EQ(row["nodes"], 1500);
+    EXPECT_EQ(row["stiffness"], 1e4);
+    EXPECT_GT(row["frame_ms"], 0.0);
+    EXPECT_LT(row["energy_ratio"], 1.5);
+    EXPECT_EQ(row["runs"], 100);
+  }
+  EXPECT_EQ(json["rows"][1]["integrator"], "projective");
+  EXPECT_LT(json["rows"][1]["energy_100"], json["rows"][1]["energy_10"]);
+  EXPECT_EQ(json["rows"][2]["case"], "drag");
+  EXPECT_EQ(json["rows"][5]["case"], "hold");
+  EXPECT_LT(json["rows"][5]["error_mm"], 0.01);
+  EXPECT_NEAR(json["rows"][5]["force_ratio"], 1, 1e-3);
+}
+
+TEST(UnitBench, AQuickRunOfSpringsKeepsEveryRow) {
+  const auto names = [](std::vector<std::string> more) {
+    more.insert(more.begin(), {"bench", "springs", "--list"});
+    return run_supple(more).out;
+  };
+  EXPECT_EQ(names({"--quick"}), names({}));
+  const std::string all = names({});
+  EXPECT_EQ(std::count(all.begin(), all.end(), '\n'), 44);
+  EXPECT_NE(all.find("drag/1e+06/explicit\n"), std::string::npos);
+}

@@ -24,7 +24,8 @@ const std::map<std::string, std::set<std::string>> kThirdPartyHomes = {
     {"embree3/", {"raycast"}}, {"opencv2/", {"raycast"}}, {"toml++/", {"tools"}},
     {"CLI/", {"tools"}},       {"openvdb/", {"volumes"}}, {"tiff", {"volumes"}},
     {"nifti", {"volumes"}},    {"OpenEXR/", {"raycast"}}, {"hwy/", {"raycast"}},
-    {"pugixml", {"volumes"}},  {"dcmtk/", {"volumes"}},   {"hdf5", {"volumes"}},
+    {"Eigen/", {"lib"}},       {"pugixml", {"volumes"}},  {"dcmtk/", {"volumes"}},
+    {"hdf5", {"volumes"}},
 };
 
 struct Include {

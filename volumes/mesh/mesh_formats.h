@@ -52,21 +52,31 @@ class MeshWords {
 /// A fan of triangles around the polygon's first vertex; fewer than three vertices make none.
 void add_polygon(const std::vector<int>& polygon, TriangleMesh& mesh);
 
-/// The readers; `slots`, where given, receives where coordinates and normals stand.
-/// en.wikipedia.org/wiki/STL_(file_format). Vertices are not merged.
+/// Lines of a network, each by its ends.
+using MeshLines = std::vector<std::array<int, 2>>;
+
+/// The lines of a polyline.
+void add_polyline(const std::vector<int>& polyline, MeshLines& lines);
+
+/// The readers; `slots`, where given, receives where coordinates and normals stand, `lines` the
+/// lines. en.wikipedia.org/wiki/STL_(file_format). Vertices are not merged.
 TriangleMesh read_stl(const std::string& path, const std::string& content, MeshSlots* slots);
 /// G. Turk, The PLY polygon file format, 1994.
-TriangleMesh read_ply(const std::string& path, const std::string& content, MeshSlots* slots);
-/// Wavefront OBJ: lines `v`, `vn` and `f`; negative indices count from the last vertex.
-TriangleMesh read_obj(const std::string& path, const std::string& content, MeshSlots* slots);
+TriangleMesh read_ply(const std::string& path, const std::string& content, MeshSlots* slots,
+                      MeshLines* lines);
+/// Wavefront OBJ: lines `v`, `vn`, `f` and `l`; negative indices count from the last vertex.
+TriangleMesh read_obj(const std::string& path, const std::string& content, MeshSlots* slots,
+                      MeshLines* lines);
 /// Legacy VTK, versions 1 to 5, text or binary: polygonal data and unstructured grids, whose flat
 /// cells are the surface, and structured grids, which have none.
-TriangleMesh read_vtk(const std::string& path, const std::string& content, MeshSlots* slots);
+TriangleMesh read_vtk(const std::string& path, const std::string& content, MeshSlots* slots,
+                      MeshLines* lines);
 
 /// The whole file. Throws InputError above 16 GB.
 std::string read_mesh_content(const std::string& path);
 /// By the extension, with indices and coordinates checked, LPS; there may be no triangle.
-TriangleMesh parse_mesh(const std::string& path, const std::string& content, MeshSlots* slots);
+TriangleMesh parse_mesh(const std::string& path, const std::string& content, MeshSlots* slots,
+                        MeshLines* lines = nullptr);
 /// Whether the head of the file says that its frame is RAS.
 bool says_ras(const std::string& content);
 

@@ -89,4 +89,10 @@ void add_polygon(const std::vector<int>& polygon, TriangleMesh& mesh) {
   }
 }
 
+void add_polyline(const std::vector<int>& polyline, MeshLines& lines) {
+  for (std::size_t n = 1; n < polyline.size(); ++n) {
+    lines.push_back({polyline[n - 1], polyline[n]});
+  }
+}
+
 }  // namespace supple

@@ -1,4 +1,4 @@
-// Wavefront OBJ: only vertex positions, normals and faces matter here.
+// Wavefront OBJ: only vertex positions, normals, faces and lines matter here.
 #include <algorithm>
 #include <cmath>
 
@@ -69,7 +69,8 @@ Vec3d read_vector(MeshWords& words, VectorSlot& slot) {
 
 }  // namespace
 
-TriangleMesh read_obj(const std::string& path, const std::string& content, MeshSlots* slots) {
+TriangleMesh read_obj(const std::string& path, const std::string& content, MeshSlots* slots,
+                      MeshLines* lines) {
   TriangleMesh mesh;
   MeshWords words(path, content);
   Normals normals;
@@ -96,6 +97,15 @@ TriangleMesh read_obj(const std::string& path, const std::string& content, MeshS
       }
       if (polygon.size() < 3) words.fail("a face of fewer than 3 vertices", "3 or more");
       add_polygon(polygon, mesh);
+    } else if (keyword == "l" && lines != nullptr) {
+      polygon.clear();
+      for (auto word = words.next_on_line(); !word.empty() && word[0] != '#';
+           word = words.next_on_line()) {
+        polygon.push_back(
+            index_of(words, word, word.substr(0, word.find('/')), mesh.vertices_lps_mm.size()));
+      }
+      if (polygon.size() < 2) words.fail("a line of fewer than 2 vertices", "2 or more");
+      add_polyline(polygon, *lines);
     }
     words.skip_line();
   }

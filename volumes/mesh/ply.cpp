@@ -1,5 +1,5 @@
 // PLY: a text header declares elements and their properties, then come the values as text or in
-// either byte order. Elements other than vertices and faces are read over.
+// either byte order. Elements other than vertices, faces and, in networks, edges are read over.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -104,15 +104,28 @@ std::vector<double> read_list(const std::string& path, const Property& property,
   return list;
 }
 
+int vertex_number(const std::string& path, const std::string& of, double index) {
+  if (!(index >= 0 && index < 2147483647) || index != std::floor(index)) {
+    throw InputError({path, "PLY " + of, number_text(index), "the number of a vertex"});
+  }
+  return int(index);
+}
+
 void add_face(const std::string& path, const std::vector<double>& indices, TriangleMesh& mesh) {
   std::vector<int> polygon;
-  for (const double index : indices) {
-    if (!(index >= 0 && index < 2147483647) || index != std::floor(index)) {
-      throw InputError({path, "PLY face", number_text(index), "the number of a vertex"});
-    }
-    polygon.push_back(int(index));
-  }
+  for (const double index : indices) polygon.push_back(vertex_number(path, "face", index));
   add_polygon(polygon, mesh);
+}
+
+/// An edge must have both ends.
+void require_ends(const std::string& path, const Element& element) {
+  int ends = 0;
+  for (const Property& property : element.properties) {
+    ends += !property.count_type && (property.name == "vertex1" || property.name == "vertex2");
+  }
+  if (ends == 2) return;
+  throw InputError({path, "PLY element edge", std::to_string(ends) + " of its vertices",
+                    "properties vertex1 and vertex2"});
 }
 
 /// The vector that a property of a vertex belongs to, and its component.
@@ -180,7 +193,7 @@ class VertexSlots {
 
 /// Every item of the element; a property takes at least one byte of the file.
 void read_items(const std::string& path, const Element& element, Values& values, TriangleMesh& mesh,
-                MeshSlots* slots) {
+                MeshSlots* slots, MeshLines* lines) {
   if (element.count > 0 &&
       (element.properties.empty() || std::size_t(element.count) > values.bytes_left())) {
     throw InputError({path, "PLY element " + printable(element.name),
@@ -190,8 +203,11 @@ void read_items(const std::string& path, const Element& element, Values& values,
                       "as many as the file can hold"});
   }
   VertexSlots vertex_slots(path, element, slots);
+  const bool is_edge = lines != nullptr && element.name == "edge";
+  if (is_edge) require_ends(path, element);
   for (std::int64_t item = 0; item < element.count; ++item) {
     Vec3d vertex(0);
+    std::array<int, 2> edge{};
     for (std::size_t n = 0; n < element.properties.size(); ++n) {
       const Property& property = element.properties[n];
       if (property.count_type) {
@@ -203,23 +219,29 @@ void read_items(const std::string& path, const Element& element, Values& values,
       }
       const double value = values.next(property.type);
       vertex_slots.take(n, value, values.slot());
+      if (is_edge && property.name == "vertex1") edge[0] = vertex_number(path, "edge", value);
+      if (is_edge && property.name == "vertex2") edge[1] = vertex_number(path, "edge", value);
       if (property.name.size() == 1 && property.name[0] >= 'x' && property.name[0] <= 'z') {
         vertex[property.name[0] - 'x'] = value;
       }
     }
     if (element.name == "vertex") mesh.vertices_lps_mm.push_back(vertex);
+    if (is_edge) lines->push_back(edge);
     vertex_slots.end_vertex();
   }
 }
 
 }  // namespace
 
-TriangleMesh read_ply(const std::string& path, const std::string& content, MeshSlots* slots) {
+TriangleMesh read_ply(const std::string& path, const std::string& content, MeshSlots* slots,
+                      MeshLines* lines) {
   MeshWords words(path, content);
   const Header header = read_header(words);
   Values values(path, content, header.format, words);
   TriangleMesh mesh;
-  for (const Element& element : header.elements) read_items(path, element, values, mesh, slots);
+  for (const Element& element : header.elements) {
+    read_items(path, element, values, mesh, slots, lines);
+  }
   return mesh;
 }
 

@@ -34,12 +34,27 @@ void check_mesh(const std::string& path, const TriangleMesh& mesh) {
   }
 }
 
-TriangleMesh parse(const std::string& path, const std::string& content, MeshSlots* slots) {
+void check_lines(const std::string& path, const LineNetwork& network) {
+  const std::size_t count = network.mesh.vertices_lps_mm.size();
+  for (const auto& line : network.lines) {
+    for (const int index : line) {
+      if (index >= 0 && std::size_t(index) < count) continue;
+      throw InputError({path, "line", "vertex " + std::to_string(index) + ", counted from 0",
+                        "one of " + std::to_string(count) + " vertices"});
+    }
+    if (line[0] != line[1]) continue;
+    throw InputError({path, "line", "vertex " + std::to_string(line[0]) + " twice, counted from 0",
+                      "two vertices"});
+  }
+}
+
+TriangleMesh parse(const std::string& path, const std::string& content, MeshSlots* slots,
+                   MeshLines* lines) {
   const std::string extension = lower_case(std::filesystem::path(path).extension().string());
   if (extension == ".stl") return read_stl(path, content, slots);
-  if (extension == ".ply") return read_ply(path, content, slots);
-  if (extension == ".obj") return read_obj(path, content, slots);
-  if (extension == ".vtk") return read_vtk(path, content, slots);
+  if (extension == ".ply") return read_ply(path, content, slots, lines);
+  if (extension == ".obj") return read_obj(path, content, slots, lines);
+  if (extension == ".vtk") return read_vtk(path, content, slots, lines);
   throw InputError({path, "extension", extension.empty() ? "none" : printable(extension),
                     ".stl, .ply, .obj or .vtk"});
 }
@@ -61,8 +76,9 @@ bool says_ras(const std::string& content) {
   return content.substr(0, kHeadBytes).find("SPACE=RAS") != std::string::npos;
 }
 
-TriangleMesh parse_mesh(const std::string& path, const std::string& content, MeshSlots* slots) {
-  TriangleMesh mesh = parse(path, content, slots);
+TriangleMesh parse_mesh(const std::string& path, const std::string& content, MeshSlots* slots,
+                        MeshLines* lines) {
+  TriangleMesh mesh = parse(path, content, slots, lines);
   check_mesh(path, mesh);
   if (says_ras(content)) {
     for (Vec3d& v : mesh.vertices_lps_mm) v = {-v.x, -v.y, v.z};
@@ -74,6 +90,16 @@ TriangleMesh read_mesh(const std::string& path) {
   TriangleMesh mesh = parse_mesh(path, read_mesh_content(path), nullptr);
   if (mesh.triangles.empty()) throw InputError({path, "mesh", "no triangle", "a surface"});
   return mesh;
+}
+
+LineNetwork read_network(const std::string& path) {
+  LineNetwork network;
+  network.mesh = parse_mesh(path, read_mesh_content(path), nullptr, &network.lines);
+  check_lines(path, network);
+  if (network.lines.empty() && network.mesh.triangles.empty()) {
+    throw InputError({path, "network", "neither line nor triangle", "lines or a surface"});
+  }
+  return network;
 }
 
 }  // namespace supple

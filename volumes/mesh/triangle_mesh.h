@@ -1,4 +1,4 @@
-// Triangle meshes, read from STL, PLY, OBJ and legacy VTK files.
+// Triangle meshes and networks of lines, read from STL, PLY, OBJ and legacy VTK files.
 //
 // Own readers: libassimp 5.2.5 crashes on damaged PLY files, keeps coordinates as floats and
 // lengthens every start of the program by 4 ms.
@@ -26,5 +26,17 @@ struct TriangleMesh {
 /// damaged file, unknown extension, an index without vertex, a coordinate that is not finite, no
 /// triangle at all.
 TriangleMesh read_mesh(const std::string& path);
+
+/// Vertices joined by lines, beside any triangles.
+struct LineNetwork {
+  TriangleMesh mesh;
+  std::vector<std::array<int, 2>> lines;  // indices of vertices; polylines piece by piece
+};
+
+/// Reads the files of read_mesh, and in them lines, too: `edge` elements of PLY (vertex1, vertex2),
+/// `l` of OBJ, LINES of VTK and lines among the cells of its unstructured grids. Throws InputError
+/// as read_mesh, but needs a line or a triangle only; and for an end of a line without vertex, or
+/// for one twice.
+LineNetwork read_network(const std::string& path);
 
 }  // namespace supple

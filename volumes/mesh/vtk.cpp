@@ -21,8 +21,12 @@ using namespace vtk;
 
 class VtkReader {
  public:
-  VtkReader(const std::string& path, const std::string& content, MeshSlots* slots)
-      : m_content(content), m_words(path, content), m_numbers(content, m_words), m_slots(slots) {}
+  VtkReader(const std::string& path, const std::string& content, MeshSlots* slots, MeshLines* lines)
+      : m_content(content),
+        m_words(path, content),
+        m_numbers(content, m_words),
+        m_slots(slots),
+        m_lines(lines) {}
 
   TriangleMesh read() {
     read_head();
@@ -30,6 +34,7 @@ class VtkReader {
     if (!m_has_points) m_words.fail("no points", "a section POINTS");
     if (m_slots != nullptr) add_cell_normals();
     if (!m_types.empty()) add_typed_cells();
+    if (m_lines != nullptr) add_lines();
     return std::move(m_mesh);
   }
 
@@ -177,6 +182,17 @@ class VtkReader {
     }
   }
 
+  void add_lines() {
+    constexpr std::int64_t kLine = 3, kPolyline = 4;
+    for (std::size_t n = 0; n < m_pointlike[1].size(); ++n) {
+      add_polyline(m_pointlike[1].corners(n), *m_lines);
+    }
+    for (std::size_t n = 0; n < m_types.size(); ++n) {
+      if (m_types[n] != kLine && m_types[n] != kPolyline) continue;
+      add_polyline(m_cells.corners(n), *m_lines);
+    }
+  }
+
   void read_field() {
     m_words.next_on_line();  // its name
     const std::int64_t arrays = m_words.count(m_words.next_on_line());
@@ -272,6 +288,7 @@ class VtkReader {
   MeshWords m_words;
   VtkNumbers m_numbers;
   MeshSlots* m_slots;
+  MeshLines* m_lines;
   TriangleMesh m_mesh;
   std::set<std::string> m_numbered;  // sections so far
   bool m_is_new = false, m_has_points = false, m_is_cell_data = false;
@@ -283,8 +300,9 @@ class VtkReader {
 
 }  // namespace
 
-TriangleMesh read_vtk(const std::string& path, const std::string& content, MeshSlots* slots) {
-  return VtkReader(path, content, slots).read();
+TriangleMesh read_vtk(const std::string& path, const std::string& content, MeshSlots* slots,
+                      MeshLines* lines) {
+  return VtkReader(path, content, slots, lines).read();
 }
 
 }  // namespace supple

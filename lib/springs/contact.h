@@ -1,0 +1,89 @@
+// Contact of nodes with rigid shapes: nodes are projected onto the surface, with Coulomb friction.
+//
+// A node that ends a step inside a shape goes to the nearest point of its surface, and of what it
+// moved along that surface friction takes back up to mu times the depth. In one step of dt a force
+// F into the surface makes the depth F dt^2 / m, so that this is Coulomb's law (Mueller et al.,
+// Position based dynamics, 2007). A node that is inside already when a step begins is put onto the
+// surface first, without a velocity from that. Shapes are solid and looked at where they are at the
+// end of a step: one that moves further than it is thick in one step may pass a node by.
+//
+// Cost: 3 to 22 ns per node and analytic shape, 2 to 4 us per node that is near a triangle mesh.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <variant>
+#include <vector>
+
+#include "volumes/base/vec.h"
+
+namespace supple {
+
+class MeshSurface;
+
+struct SphereShape {
+  Vec3d centre_mm;
+  double radius_mm;
+};
+/// Solid behind the plane, free where the normal points.
+struct PlaneShape {
+  Vec3d point_mm;
+  Vec3d normal;  // of length 1
+};
+/// All points within the radius of the segment a b.
+struct CapsuleShape {
+  Vec3d a_mm, b_mm;
+  double radius_mm;
+};
+struct BoxShape {
+  Vec3d centre_mm;
+  std::array<Vec3d, 3> half_axes_mm;  // perpendicular to each other
+};
+/// A triangle mesh, moved by an offset; closed ones are solid, open ones are solid behind their
+/// triangles' backs.
+struct MeshShape {
+  std::shared_ptr<const MeshSurface> surface;
+  Vec3d offset_mm{0, 0, 0};
+};
+using Shape = std::variant<SphereShape, PlaneShape, CapsuleShape, BoxShape, MeshShape>;
+
+struct Collider {
+  Shape shape;
+  double thickness_mm = 0;       // nodes keep this distance
+  double friction = 0;           // Coulomb's mu
+  Vec3d velocity_mm_s{0, 0, 0};  // of the shape, for friction; nothing moves it
+};
+
+/// Throws InputError: a radius or half axis that is not positive, a normal that is not of length 1,
+/// half axes that are not perpendicular, a mesh that is missing, negative friction or thickness.
+void validate(const Collider& collider);
+
+/// Signed distance of a point, negative inside, and the direction in which it grows.
+struct SurfaceDistance {
+  double distance_mm;
+  Vec3d normal;  // of length 1
+};
+SurfaceDistance distance_to(const Shape& shape, const Vec3d& pos_mm);
+
+struct ContactReport {
+  int contacts = 0;           // nodes that were moved out
+  double penetration_mm = 0;  // deepest that is left, where shapes overlap
+};
+
+/// Moves one node out of all shapes; where several meet it takes up to 16 rounds. `start` is where
+/// it began the step of dt_s, for friction. Returns the depth that is left.
+double push_out(const std::vector<Collider>& colliders, const Vec3d& start_mm, double dt_s,
+                Vec3d& pos_mm, bool& touched);
+
+/// Takes every node that is not held out of the shapes, with neither friction nor velocity.
+ContactReport leave_shapes(const std::vector<Collider>& colliders, const std::vector<char>& is_held,
+                           std::vector<Vec3d>& pos_mm);
+
+/// The end of a step: nodes out of the shapes, and the velocities of those that touch to
+/// (pos - start) / dt.
+ContactReport resolve_contacts(const std::vector<Collider>& colliders,
+                               const std::vector<char>& is_held, const std::vector<Vec3d>& start_mm,
+                               double dt_s, std::vector<Vec3d>& pos_mm,
+                               std::vector<Vec3d>& velocity_mm_s);
+
+}  // namespace supple

@@ -1,0 +1,133 @@
+#include "lib/springs/implicit_euler.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "volumes/base/error.h"
+
+namespace supple {
+
+namespace {
+
+constexpr double kMmPerM = 1e3;
+
+/// Damping force between the ends of a spring per direction at the start, in mN; 0 without one.
+struct DampedSpring {
+  Vec3d along{0, 0, 0};
+  double apart_mm = 0;  // how far the ends moved from each other along it
+};
+DampedSpring damped(const Spring& s, const std::vector<Vec3d>& start,
+                    const std::vector<Vec3d>& pos) {
+  const Vec3d x = start[s.b] - start[s.a];
+  const double length = std::sqrt(x.length2());
+  if (length == 0) return {};
+  const Vec3d along = x / length;
+  return {along, along.dot((pos[s.b] - start[s.b]) - (pos[s.a] - start[s.a]))};
+}
+
+}  // namespace
+
+ImplicitEuler::ImplicitEuler(SpringSystem& system, const Params& params)
+    : SpringIntegrator(system), m_params(params), m_matrix(system, m_is_held) {
+  if (params.newton_steps < 1 || !(params.tolerance_mn >= 0) || !(params.relative_tolerance >= 0)) {
+    throw InputError({"", "implicit Euler",
+                      std::to_string(params.newton_steps) + " Newton steps, tolerances " +
+                          number_text(params.tolerance_mn) + " mN and " +
+                          number_text(params.relative_tolerance),
+                      "at least one step, tolerances of at least 0"});
+  }
+}
+
+double ImplicitEuler::descent(double dt_s, SpringStepReport& report) {
+  report.without_direction = forces_mn(m_system, m_force, Damping::without);
+  const double alpha = m_system.mass_damping_per_s;
+  for (const Spring& s : m_system.springs) {
+    if (s.damping_n_s_m == 0) continue;
+    const DampedSpring spring = damped(s, m_start, m_system.pos_mm);
+    const Vec3d pull = spring.along * (s.damping_n_s_m * spring.apart_mm / dt_s);
+    m_force[s.a] += pull;
+    m_force[s.b] -= pull;
+  }
+  double largest2 = 0;
+  m_step = m_force;
+  for (std::size_t n = 0; n < m_system.node_count(); ++n) {
+    const Vec3d moved = m_system.pos_mm[n] - m_start[n];
+    const Vec3d slow = moved * (alpha * m_system.mass_kg[n] / dt_s);
+    m_force[n] -= slow;
+    const Vec3d inertia = (moved / dt_s - m_start_velocity[n]) * (m_system.mass_kg[n] / dt_s);
+    m_step[n] = m_is_held[n] ? Vec3d(0.0) : m_force[n] - inertia;
+    largest2 = std::max(largest2, m_step[n].length2());
+  }
+  return std::sqrt(largest2);
+}
+
+double ImplicitEuler::potential(double dt_s) const {
+  double sum = 0;
+  const double alpha = m_system.mass_damping_per_s;
+  for (std::size_t n = 0; n < m_system.node_count(); ++n) {
+    if (m_is_held[n]) continue;
+    const Vec3d moved = m_system.pos_mm[n] - m_start[n];
+    const Vec3d off = moved - m_start_velocity[n] * dt_s;
+    // Gravity against the start keeps the sum small beside its differences.
+    sum += m_system.mass_kg[n] *
+           (off.length2() / (2 * dt_s * dt_s) + alpha * moved.length2() / (2 * dt_s) -
+            m_system.gravity_m_s2.dot(moved) * kMmPerM);
+  }
+  for (const Spring& s : m_system.springs) {
+    const double stretch =
+        std::sqrt((m_system.pos_mm[s.b] - m_system.pos_mm[s.a]).length2()) - s.rest_mm;
+    sum += 0.5 * s.stiffness_n_m * stretch * stretch;
+    if (s.damping_n_s_m == 0) continue;
+    const double apart = damped(s, m_start, m_system.pos_mm).apart_mm;
+    sum += 0.5 * s.damping_n_s_m / dt_s * apart * apart;
+  }
+  return sum;
+}
+
+SpringStepReport ImplicitEuler::advance(double dt_s) {
+  constexpr int kHalvings = 12;
+  SpringStepReport report;
+  report.substeps = 1;
+  m_start = m_system.pos_mm;
+  m_start_velocity = m_system.velocity_mm_s;
+  place_held(1);
+  double residual = descent(dt_s, report);
+  const double tolerance = std::max(m_params.tolerance_mn, m_params.relative_tolerance * residual);
+  const double mass_factor = 1 / (dt_s * dt_s) + m_system.mass_damping_per_s / dt_s;
+  double phi = potential(dt_s);
+  while (report.iterations < m_params.newton_steps && residual > tolerance) {
+    if (!m_matrix.factorise(m_system, mass_factor, 1 / dt_s, m_start)) {
+      throw InputError({"", "implicit Euler", "a matrix that is not positive definite",
+                        "masses and stiffnesses whose ratio a double can hold"});
+    }
+    m_matrix.solve(m_step);
+    m_before = m_system.pos_mm;
+    double part = 1, lower = phi;
+    for (int halving = 0; halving <= kHalvings; ++halving, part /= 2) {
+      for (std::size_t n = 0; n < m_step.size(); ++n) {
+        m_system.pos_mm[n] = m_before[n] + m_step[n] * part;
+      }
+      lower = potential(dt_s);
+      if (lower <= phi) break;
+    }
+    ++report.iterations;
+    if (!(lower <= phi)) {  // rounding is all that is left
+      m_system.pos_mm = m_before;
+      break;
+    }
+    phi = lower;
+    residual = descent(dt_s, report);
+  }
+  report.residual_mn = residual;
+  for (std::size_t n = 0; n < m_step.size(); ++n) {
+    if (!m_is_held[n]) {
+      m_system.velocity_mm_s[n] = (m_system.pos_mm[n] - m_start[n]) / dt_s;
+    }
+  }
+  add_reactions(m_force, 1);
+  end_contacts(m_start, dt_s, report);
+  return report;
+}
+
+}  // namespace supple

@@ -1,0 +1,41 @@
+// Implicit Euler: the positions that minimise the incremental potential of a step of h,
+//   Phi(x) = 1/(2 h^2) |x - x_0 - h v_0|^2_M + U(x) - m g.x
+//            + 1/(2 h) sum d (n_0.(dx_b - dx_a))^2 + alpha/(2 h) |x - x_0|^2_M,
+// by Newton's method with a line search; v = (x - x_0) / h. One Newton step is the linearised
+// method of Baraff and Witkin (Large steps in cloth simulation, 1998). Stable for any step; damps
+// what is faster than the step. n_0 are the springs' directions at the start, so that damping never
+// adds energy.
+#pragma once
+
+#include "lib/springs/integrator.h"
+#include "lib/springs/spring_matrix.h"
+
+namespace supple {
+
+class ImplicitEuler final : public SpringIntegrator {
+ public:
+  struct Params {
+    int newton_steps = 2;  // at most; 1: linearised
+    /// Newton ends below this part of the largest force (inertia included) at the step's start, or
+    /// below so many mN.
+    double relative_tolerance = 1e-3;
+    double tolerance_mn = 0;
+  };
+  /// Throws InputError as validate(system) and for parameters out of range.
+  ImplicitEuler(SpringSystem& system, const Params& params);
+  explicit ImplicitEuler(SpringSystem& system) : ImplicitEuler(system, Params()) {}
+
+  std::size_t bytes() const { return m_matrix.bytes(); }
+
+ private:
+  SpringStepReport advance(double dt_s) override;
+  /// -grad Phi in mN, 0 at held nodes; returns its largest length.
+  double descent(double dt_s, SpringStepReport& report);
+  double potential(double dt_s) const;
+
+  Params m_params;
+  SpringMatrix m_matrix;
+  std::vector<Vec3d> m_start, m_start_velocity, m_force, m_step, m_before;
+};
+
+}  // namespace supple

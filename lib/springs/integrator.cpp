@@ -1,0 +1,89 @@
+#include "lib/springs/integrator.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "volumes/base/error.h"
+
+namespace supple {
+
+namespace {
+
+constexpr double kNewtonPerMillinewton = 1e-3;
+
+void add(SpringStepReport& sum, const SpringStepReport& one) {
+  sum.substeps += one.substeps;
+  sum.iterations += one.iterations;
+  sum.residual_mn = std::max(sum.residual_mn, one.residual_mn);
+  sum.contacts += one.contacts;
+  sum.penetration_mm = std::max(sum.penetration_mm, one.penetration_mm);
+  sum.without_direction += one.without_direction;
+}
+
+}  // namespace
+
+SpringIntegrator::SpringIntegrator(SpringSystem& system)
+    : m_system(system), m_is_held(system.node_count(), 0) {
+  validate(system);
+  for (const HeldNode& held : system.held) m_is_held[held.node] = 1;
+  m_reactions_n.assign(system.held.size(), Vec3d(0.0));
+}
+
+SpringStepReport SpringIntegrator::step(double dt_s) {
+  if (!(dt_s > 0) || !std::isfinite(dt_s)) {
+    throw InputError({"", "time step", number_text(dt_s) + " s", "above 0 s"});
+  }
+  m_held_start.clear();
+  m_held_velocity.clear();
+  for (const HeldNode& held : m_system.held) {
+    const Vec3d& start = m_system.pos_mm[held.node];
+    m_held_start.push_back(start);
+    m_held_velocity.push_back((held.target_mm - start) / dt_s);
+  }
+  // The inertia of a held node: what it takes to give it its speed of this step.
+  for (std::size_t n = 0; n < m_system.held.size(); ++n) {
+    const int node = m_system.held[n].node;
+    const Vec3d change = m_held_velocity[n] - m_system.velocity_mm_s[node];
+    m_reactions_n[n] = change * (-m_system.mass_kg[node] / dt_s * kNewtonPerMillinewton);
+  }
+  const ContactReport before = leave_shapes(m_system.colliders, m_is_held, m_system.pos_mm);
+  SpringStepReport report = advance(dt_s);
+  if (m_system.colliders.empty()) return report;
+  report.contacts += before.contacts;
+  return report;
+}
+
+void SpringIntegrator::place_held(double part) {
+  for (std::size_t n = 0; n < m_system.held.size(); ++n) {
+    const HeldNode& held = m_system.held[n];
+    m_system.pos_mm[held.node] =
+        part == 1 ? held.target_mm : m_held_start[n] + (held.target_mm - m_held_start[n]) * part;
+    m_system.velocity_mm_s[held.node] = m_held_velocity[n];
+  }
+}
+
+void SpringIntegrator::add_reactions(const std::vector<Vec3d>& force, double weight) {
+  for (std::size_t n = 0; n < m_system.held.size(); ++n) {
+    m_reactions_n[n] += force[m_system.held[n].node] * (weight * kNewtonPerMillinewton);
+  }
+}
+
+void SpringIntegrator::end_contacts(const std::vector<Vec3d>& start_mm, double dt_s,
+                                    SpringStepReport& report) {
+  const ContactReport contact = resolve_contacts(m_system.colliders, m_is_held, start_mm, dt_s,
+                                                 m_system.pos_mm, m_system.velocity_mm_s);
+  report.contacts += contact.contacts;
+  report.penetration_mm = std::max(report.penetration_mm, contact.penetration_mm);
+}
+
+SpringStepReport run_steps(SpringIntegrator& integrator, double dt_s, int count,
+                           Progress* progress) {
+  SpringStepReport sum;
+  for (int n = 0; n < count; ++n) {
+    report(progress, double(n) / count);
+    add(sum, integrator.step(dt_s));
+  }
+  return sum;
+}
+
+}  // namespace supple

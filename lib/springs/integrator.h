@@ -1,0 +1,75 @@
+// What all integrators of a spring system share: one step, its report, and the forces on what is
+// held.
+//
+// | integrator         | order | stable for           | conserves                  | cost of a step
+// |
+// |--------------------|-------|----------------------|----------------------------|----------------|
+// | SymplecticEuler    | 1     | dt below a limit     | energy, on average         | springs | |
+// ImplicitEuler      | 1     | any dt               | momentum; damps            | a sparse LDLT  |
+// | Xpbd               | 1     | any dt               | momentum; damps            | sweeps | |
+// ProjectiveDynamics | 1     | any dt               | momentum; damps            | back-solves    |
+//
+// All end a step with pos = start + dt * velocity. Everything runs on one thread in a fixed order:
+// results are the same bits whatever --threads says.
+#pragma once
+
+#include <vector>
+
+#include "lib/springs/spring_system.h"
+#include "volumes/base/progress.h"
+
+namespace supple {
+
+struct SpringStepReport {
+  int substeps = 0;
+  int iterations = 0;         // Newton steps, sweeps or back-solves, all substeps together
+  double residual_mn = 0;     // what a solver left of the largest force on a node; implicit ones
+  int contacts = 0;           // nodes that touched a shape, summed over substeps
+  double penetration_mm = 0;  // deepest that contact left
+  int without_direction = 0;  // springs of length 0 that were met
+};
+
+/// Moves one system. Positions, velocities, gravity, colliders and the targets of held nodes may
+/// change between steps; masses, springs and which nodes are held may not (make a new one).
+class SpringIntegrator {
+ public:
+  /// Throws InputError as validate(system).
+  explicit SpringIntegrator(SpringSystem& system);
+  virtual ~SpringIntegrator() = default;
+  SpringIntegrator(const SpringIntegrator&) = delete;
+  SpringIntegrator& operator=(const SpringIntegrator&) = delete;
+
+  /// One step of dt_s seconds. Held nodes move to their targets at constant speed, and stand still
+  /// when these stay. Throws InputError when dt is not positive or not finite.
+  SpringStepReport step(double dt_s);
+
+  /// The force with which the body pulls at each held node's holder, in N, in the order of
+  /// SpringSystem::held: springs, damping and weight less inertia, mean over the last step.
+  const std::vector<Vec3d>& reactions_n() const { return m_reactions_n; }
+  SpringEnergy energy() const { return supple::energy(m_system); }
+
+ protected:
+  /// One step without the common part: held nodes and reactions.
+  virtual SpringStepReport advance(double dt_s) = 0;
+
+  /// Where held nodes are and how fast at `part` (0…1) of the present step.
+  void place_held(double part);
+  /// Adds what the springs do at held nodes now (force in mN, all nodes) to the mean, by `weight`.
+  void add_reactions(const std::vector<Vec3d>& force, double weight);
+  /// Contact at the end of a substep, counted.
+  void end_contacts(const std::vector<Vec3d>& start_mm, double dt_s, SpringStepReport& report);
+
+  SpringSystem& m_system;
+  std::vector<char> m_is_held;  // per node
+
+ private:
+  std::vector<Vec3d> m_reactions_n;
+  std::vector<Vec3d> m_held_start, m_held_velocity;
+};
+
+/// Steps until `count` are done or `progress` cancels (throws Cancelled, between two steps); the
+/// reports added up, the largest residual and penetration kept.
+SpringStepReport run_steps(SpringIntegrator& integrator, double dt_s, int count,
+                           Progress* progress = nullptr);
+
+}  // namespace supple

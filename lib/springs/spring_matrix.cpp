@@ -1,0 +1,157 @@
+#include "lib/springs/spring_matrix.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace supple {
+
+namespace {
+
+constexpr std::size_t kMaxDirectRows = 20000;
+constexpr double kMaxProducts = 2e7;
+
+double dot(const std::vector<Vec3d>& a, const std::vector<Vec3d>& b) {
+  double sum = 0;
+  for (std::size_t n = 0; n < a.size(); ++n) sum += a[n].dot(b[n]);
+  return sum;
+}
+
+/// along * n n^T + across * (I - n n^T).
+SymmetricBlock spring_block(const Vec3d& n, double along, double across) {
+  const double d = along - across;
+  return {across + d * n.x * n.x, across + d * n.y * n.y, across + d * n.z * n.z,
+          d * n.x * n.y,          d * n.x * n.z,          d * n.y * n.z};
+}
+
+void add(SymmetricBlock& sum, const SymmetricBlock& block, double factor) {
+  for (int n = 0; n < 6; ++n) sum[n] += factor * block[n];
+}
+
+}  // namespace
+
+SpringMatrix::Pattern SpringMatrix::analyse(const SpringSystem& system,
+                                            const std::vector<char>& is_held) {
+  Pattern pattern;
+  pattern.row_of_node.assign(system.node_count(), -1);
+  for (std::size_t n = 0; n < system.node_count(); ++n) {
+    if (is_held[n]) continue;
+    pattern.row_of_node[n] = int(pattern.node_of_row.size());
+    pattern.node_of_row.push_back(int(n));
+  }
+  const auto pair_of = [](int a, int b) {
+    return std::array<int, 2>{std::min(a, b), std::max(a, b)};
+  };
+  for (const Spring& s : system.springs) {
+    const int a = pattern.row_of_node[s.a], b = pattern.row_of_node[s.b];
+    pattern.places.push_back({a, b, -1});
+    if (a >= 0 && b >= 0) pattern.couplings.push_back(pair_of(a, b));
+  }
+  auto& couplings = pattern.couplings;
+  std::sort(couplings.begin(), couplings.end());
+  couplings.erase(std::unique(couplings.begin(), couplings.end()), couplings.end());
+  for (Place& place : pattern.places) {
+    if (place.a < 0 || place.b < 0) continue;
+    const auto at = std::lower_bound(couplings.begin(), couplings.end(), pair_of(place.a, place.b));
+    place.coupling = int(at - couplings.begin());
+  }
+  return pattern;
+}
+
+SpringMatrix::SpringMatrix(const SpringSystem& system, const std::vector<char>& is_held)
+    : m_pattern(analyse(system, is_held)) {
+  if (m_pattern.node_of_row.size() > kMaxDirectRows) return;
+  m_factors.emplace(int(m_pattern.node_of_row.size()), m_pattern.couplings);
+  if (m_factors->products() > kMaxProducts) m_factors.reset();
+}
+
+bool SpringMatrix::factorise(const SpringSystem& system, double mass_factor, double damping_factor,
+                             const std::vector<Vec3d>& damping_pos) {
+  m_diagonal.resize(m_pattern.node_of_row.size());
+  for (std::size_t row = 0; row < m_diagonal.size(); ++row) {
+    const double m = mass_factor * system.mass_kg[m_pattern.node_of_row[row]];
+    m_diagonal[row] = {m, m, m, 0, 0, 0};
+  }
+  m_coupling.assign(m_pattern.couplings.size(), SymmetricBlock{});
+  const auto add_block = [&](const Place& place, const SymmetricBlock& block) {
+    if (place.a >= 0) add(m_diagonal[place.a], block, 1);
+    if (place.b >= 0) add(m_diagonal[place.b], block, 1);
+    if (place.coupling >= 0) add(m_coupling[place.coupling], block, -1);
+  };
+  for (std::size_t n = 0; n < system.springs.size(); ++n) {
+    const Spring& s = system.springs[n];
+    const Place& place = m_pattern.places[n];
+    if (place.a < 0 && place.b < 0) continue;
+    const Vec3d x = system.pos_mm[s.b] - system.pos_mm[s.a];
+    const double length = std::sqrt(x.length2());
+    if (length > 0) {
+      const double across = std::max(0.0, 1 - s.rest_mm / length);
+      add_block(place, spring_block(x / length, s.stiffness_n_m, across * s.stiffness_n_m));
+    }
+    if (damping_factor == 0 || s.damping_n_s_m == 0) continue;
+    const Vec3d before = damping_pos[s.b] - damping_pos[s.a];
+    const double length_before = std::sqrt(before.length2());
+    if (length_before == 0) continue;
+    add_block(place, spring_block(before / length_before, damping_factor * s.damping_n_s_m, 0));
+  }
+  if (m_factors) return m_factors->factorise(m_diagonal, m_coupling);
+  m_inverse_diagonal.resize(m_diagonal.size());
+  for (std::size_t row = 0; row < m_diagonal.size(); ++row) {
+    if (!invert(m_diagonal[row], m_inverse_diagonal[row])) return false;
+  }
+  return true;
+}
+
+void SpringMatrix::solve(std::vector<Vec3d>& x) {
+  m_rows.resize(m_pattern.node_of_row.size());
+  for (std::size_t row = 0; row < m_rows.size(); ++row) m_rows[row] = x[m_pattern.node_of_row[row]];
+  if (m_factors) {
+    m_factors->solve(m_rows);
+  } else {
+    solve_by_gradients();
+  }
+  std::fill(x.begin(), x.end(), Vec3d(0.0));
+  for (std::size_t row = 0; row < m_rows.size(); ++row) x[m_pattern.node_of_row[row]] = m_rows[row];
+}
+
+void SpringMatrix::multiply(const std::vector<Vec3d>& x, std::vector<Vec3d>& product) const {
+  for (std::size_t row = 0; row < x.size(); ++row) product[row] = times(m_diagonal[row], x[row]);
+  for (std::size_t n = 0; n < m_coupling.size(); ++n) {
+    const auto [a, b] = m_pattern.couplings[n];
+    product[a] += times(m_coupling[n], x[b]);
+    product[b] += times(m_coupling[n], x[a]);
+  }
+}
+
+void SpringMatrix::solve_by_gradients() {
+  constexpr int kMaxSteps = 3000;
+  constexpr double kTolerance = 1e-8;
+  const std::size_t rows = m_rows.size();
+  std::vector<Vec3d> x(rows, Vec3d(0.0)), residual = m_rows, z(rows), direction, product(rows);
+  const auto precondition = [&] {
+    for (std::size_t n = 0; n < rows; ++n) z[n] = times(m_inverse_diagonal[n], residual[n]);
+  };
+  precondition();
+  direction = z;
+  double rz = dot(residual, z);
+  const double enough = kTolerance * kTolerance * dot(residual, residual);
+  for (int step = 0; step < kMaxSteps && dot(residual, residual) > enough; ++step) {
+    multiply(direction, product);
+    const double length = rz / dot(direction, product);
+    for (std::size_t n = 0; n < rows; ++n) {
+      x[n] += direction[n] * length;
+      residual[n] -= product[n] * length;
+    }
+    precondition();
+    const double next_rz = dot(residual, z);
+    for (std::size_t n = 0; n < rows; ++n) direction[n] = z[n] + direction[n] * (next_rz / rz);
+    rz = next_rz;
+  }
+  m_rows = std::move(x);
+}
+
+std::size_t SpringMatrix::bytes() const {
+  const std::size_t blocks = m_diagonal.size() + m_coupling.size() + m_inverse_diagonal.size();
+  return (m_factors ? m_factors->bytes() : 0) + blocks * sizeof(SymmetricBlock);
+}
+
+}  // namespace supple

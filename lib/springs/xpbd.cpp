@@ -1,0 +1,117 @@
+#include "lib/springs/xpbd.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "volumes/base/error.h"
+
+namespace supple {
+
+namespace {
+
+constexpr double kMmPerM = 1e3;
+
+}  // namespace
+
+Xpbd::Xpbd(SpringSystem& system, const Params& params)
+    : SpringIntegrator(system), m_params(params) {
+  if (params.substeps < 1 || params.sweeps < 2) {
+    throw InputError({"", "XPBD",
+                      std::to_string(params.substeps) + " substeps of " +
+                          std::to_string(params.sweeps) + " sweeps",
+                      "at least one substep of two sweeps: one sweep may gain energy"});
+  }
+  for (std::size_t n = 0; n < system.node_count(); ++n) {
+    m_inverse_mass.push_back(m_is_held[n] ? 0 : 1 / system.mass_kg[n]);
+  }
+}
+
+int Xpbd::solve_spring(std::size_t n, double h) {
+  const Spring& s = m_system.springs[n];
+  const double w_a = m_inverse_mass[s.a] * m_slowing, w_b = m_inverse_mass[s.b] * m_slowing;
+  Vec3d& a = m_system.pos_mm[s.a];
+  Vec3d& b = m_system.pos_mm[s.b];
+  const Vec3d x = b - a;
+  const double length = std::sqrt(x.length2());
+  if (length == 0) return 1;
+  const Vec3d along = x / length;
+  const double stiff = h * h * s.stiffness_n_m, slow = h * s.damping_n_s_m;
+  double push = stiff * (length - s.rest_mm) + m_multiplier[n];
+  if (slow > 0) push += slow * along.dot((b - m_start[s.b]) - (a - m_start[s.a]));
+  const double change = -push / (1 + (stiff + slow) * (w_a + w_b));
+  m_multiplier[n] += change;
+  a -= along * (w_a * change);
+  b += along * (w_b * change);
+  if (w_a == 0) m_held_push[s.a] -= along * change;
+  if (w_b == 0) m_held_push[s.b] += along * change;
+  return 0;
+}
+
+void Xpbd::sweep(double h, bool forwards) {
+  const std::size_t count = m_system.springs.size();
+  m_without_direction = 0;
+  for (std::size_t n = 0; n < count; ++n) {
+    m_without_direction += solve_spring(forwards ? n : count - 1 - n, h);
+  }
+}
+
+ContactReport Xpbd::touch_shapes(double h) {
+  ContactReport report;
+  if (m_system.colliders.empty()) return report;
+  for (std::size_t n = 0; n < m_system.node_count(); ++n) {
+    if (m_is_held[n]) continue;
+    bool touched = false;
+    const double left = push_out(m_system.colliders, m_start[n], h, m_system.pos_mm[n], touched);
+    report.contacts += touched;
+    report.penetration_mm = std::max(report.penetration_mm, left);
+  }
+  return report;
+}
+
+void Xpbd::add_held_forces(double h, double weight) {
+  if (m_system.held.empty()) return;
+  for (const HeldNode& held : m_system.held) {
+    Vec3d& force = m_held_push[held.node];
+    force = force / (h * h) + (m_system.gravity_m_s2 * kMmPerM -
+                               m_system.velocity_mm_s[held.node] * m_system.mass_damping_per_s) *
+                                  m_system.mass_kg[held.node];
+  }
+  add_reactions(m_held_push, weight);
+}
+
+SpringStepReport Xpbd::advance(double dt_s) {
+  SpringStepReport report;
+  report.substeps = m_params.substeps;
+  const double h = dt_s / m_params.substeps;
+  // Mass damping taken implicitly: to forces and velocities alike masses seem larger.
+  m_slowing = 1 / (1 + h * m_system.mass_damping_per_s);
+  const Vec3d fall = m_system.gravity_m_s2 * (kMmPerM * h);
+  for (int substep = 0; substep < m_params.substeps; ++substep) {
+    m_start = m_system.pos_mm;
+    place_held(double(substep + 1) / m_params.substeps);
+    for (std::size_t n = 0; n < m_system.node_count(); ++n) {
+      if (m_is_held[n]) continue;
+      m_system.velocity_mm_s[n] = (m_system.velocity_mm_s[n] + fall) * m_slowing;
+      m_system.pos_mm[n] += m_system.velocity_mm_s[n] * h;
+    }
+    m_multiplier.assign(m_system.springs.size(), 0);
+    m_held_push.assign(m_system.node_count(), Vec3d(0.0));
+    ContactReport touched;  // of the last sweep
+    for (int n = 0; n < m_params.sweeps; ++n) {
+      sweep(h, n % 2 == 0);
+      touched = touch_shapes(h);
+    }
+    report.contacts += touched.contacts;
+    report.penetration_mm = std::max(report.penetration_mm, touched.penetration_mm);
+    report.iterations += m_params.sweeps;
+    report.without_direction += m_without_direction;
+    for (std::size_t n = 0; n < m_system.node_count(); ++n) {
+      if (!m_is_held[n]) m_system.velocity_mm_s[n] = (m_system.pos_mm[n] - m_start[n]) / h;
+    }
+    add_held_forces(h, 1.0 / m_params.substeps);
+  }
+  return report;
+}
+
+}  // namespace supple

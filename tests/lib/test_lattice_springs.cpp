@@ -1,0 +1,201 @@
+// Springs on voxel bodies.
+#include <cmath>
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "lib/chainmail/ecm.h"
+#include "lib/springs/lattice_springs.h"
+#include "lib/springs/minimise.h"
+#include "lib/springs/spring_matrix.h"
+#include "tests/lib/test_bodies.h"
+
+using namespace supple;
+using namespace supple::test;
+
+namespace {
+
+constexpr std::int32_t kVoxel = 65536;
+
+Block soft_block(const Vec3i& dims) {
+  return full_block(dims, linear_table(1.5, 0.6, 0.7), [](int, int, int) { return 255.0; });
+}
+
+LatticeSpringParams only(double structural, double shear, double bending) {
+  LatticeSpringParams params;
+  params.structural_n_m = structural;
+  params.shear_n_m = shear;
+  params.bending_n_m = bending;
+  return params;
+}
+
+/// Springs by brute force over all pairs of elements, from the block's description.
+int expected_springs(const Block& block, int structural, int shear, int bending) {
+  const auto element = [&](const Vec3i& v) {
+    for (int c = 0; c < 3; ++c) {
+      if (v[c] < 0 || v[c] >= block.dims[c]) return false;
+    }
+    return block.element[block.index(v.x, v.y, v.z)] != 0;
+  };
+  const auto linked = [&](const Vec3i& v, int axis) {
+    Vec3i next = v;
+    ++next[axis];
+    if (!element(v) || !element(next)) return false;
+    return block.cut.empty() || ((block.cut[block.index(v.x, v.y, v.z)] >> axis) & 1) == 0;
+  };
+  int count = 0;
+  for (int n = 0; n < block.size(); ++n) {
+    const Vec3i v = block.voxel(n) - block.origin;
+    for (int a = 0; a < 3; ++a) {
+      Vec3i next = v;
+      ++next[a];
+      if (!linked(v, a)) continue;
+      count += structural;
+      if (linked(next, a)) count += bending;
+      for (int b = a + 1; b < 3; ++b) {
+        Vec3i side = v;
+        ++side[b];
+        if (linked(v, b) && linked(next, b) && linked(side, a)) count += 2 * shear;
+      }
+    }
+  }
+  return count;
+}
+
+}  // namespace
+
+TEST(UnitLatticeSprings, AFullBlockHasTheSpringsOfTheLattice) {
+  Block block = soft_block({4, 3, 2});
+  block.spacing_mm = {0.5, 2, 3};
+  const Body body = body_of(block);
+  const LatticeSprings structural = make_springs(body, only(100, 0, 0));
+  EXPECT_EQ(structural.system.springs.size(), std::size_t(3 * 3 * 2 + 4 * 2 * 2 + 4 * 3 * 1));
+  const LatticeSprings shear = make_springs(body, only(0, 50, 0));
+  EXPECT_EQ(shear.system.springs.size(), std::size_t(2 * (3 * 2 * 2 + 3 * 1 * 3 + 2 * 1 * 4)));
+  const LatticeSprings bending = make_springs(body, only(0, 0, 10));
+  EXPECT_EQ(bending.system.springs.size(), std::size_t(2 * 3 * 2 + 4 * 1 * 2));
+  // Every length is the distance at rest; a voxel of 3 mm^3 weighs 3 mg.
+  for (const LatticeSprings* springs : {&structural, &shear, &bending}) {
+    for (const Spring& s : springs->system.springs) {
+      const Vec3d apart = springs->system.pos_mm[s.b] - springs->system.pos_mm[s.a];
+      EXPECT_NEAR(apart.length(), s.rest_mm, 1e-12);
+    }
+  }
+  EXPECT_NEAR(structural.system.mass_kg[5], 3e-6, 1e-15);
+  EXPECT_NEAR(energy(shear.system).spring_j, 0, 1e-20);
+}
+
+TEST(PropertyLatticeSprings, NoSpringCrossesACutOrTheVoid) {
+  std::mt19937 random(19);
+  int cuts = 0;
+  for (int run = 0; run < 60; ++run) {
+    Block block = random_block(random, {11, 9, 5});
+    cut_randomly(random, block);
+    const Body body = body_of(block);
+    cuts += body.cuts.count() > 0;
+    for (const Vec3i& kind : {Vec3i(1, 0, 0), Vec3i(0, 1, 0), Vec3i(0, 0, 1)}) {
+      const LatticeSprings springs = make_springs(body, only(kind.x, kind.y, kind.z));
+      EXPECT_EQ(int(springs.system.springs.size()),
+                expected_springs(block, kind.x, kind.y, kind.z));
+    }
+  }
+  EXPECT_GE(cuts, 30);
+}
+
+TEST(UnitLatticeSprings, FactorsOfBothEndsClassesAreAveraged) {
+  Block block = soft_block({2, 1, 1});
+  block.density = {0, 255};
+  const Body body = body_of(block);
+  LatticeSpringParams params = only(100, 0, 0);
+  params.class_stiffness.assign(256, 1);
+  params.class_stiffness[0] = 7;
+  params.class_density.assign(256, 1);
+  params.class_density[255] = 2;
+  const LatticeSprings springs = make_springs(body, params);
+  ASSERT_EQ(springs.system.springs.size(), 1u);
+  EXPECT_EQ(springs.system.springs[0].stiffness_n_m, 400);
+  EXPECT_NEAR(springs.system.mass_kg[1] / springs.system.mass_kg[0], 2, 1e-12);
+  params.class_density[0] = 0;
+  EXPECT_NE(input_error([&] { make_springs(body, params); }).find("class 0"), std::string::npos);
+  params.class_density.pop_back();
+  EXPECT_NE(input_error([&] { make_springs(body, params); }).find("255 factors"),
+            std::string::npos);
+}
+
+TEST(PropertyLatticeSprings, OffsetsGoToSpringsAndBackBitForBit) {
+  std::mt19937 random(23);
+  for (int run = 0; run < 20; ++run) {
+    const Block block = random_block(random, {9, 9, 9});
+    Body body = body_of(block);
+    const Vec3i voxel = block.voxel(random_element(random, block));
+    drag(body, {{voxel, {3 * kVoxel + 17, -kVoxel / 3, 5}}}, {});
+    const Body before = body;
+    LatticeSprings springs = make_springs(body, {});
+    EXPECT_EQ(springs.node_of(springs.slots.back()), int(springs.slots.size()) - 1);
+    EXPECT_LT(give_state(springs, body), 1e-9);
+    EXPECT_EQ(body.q, before.q);
+    EXPECT_FALSE(body.links_known_valid);
+    take_state(body, springs);
+    EXPECT_EQ(make_springs(before, {}).system.pos_mm, springs.system.pos_mm);
+  }
+}
+
+TEST(PropertyLatticeSprings, RelaxedSpringsAfterADragHaveLessEnergyAndTheHandlesStay) {
+  Body body = body_of(soft_block({12, 4, 3}));
+  drag(body, {{{11, 2, 1}, {2 * kVoxel, kVoxel, 0}}}, {{{0, 0, 0}, {0, 3, 2}}});
+  LatticeSprings springs = make_springs(body, {});
+  for (const Vec3i& voxel : {Vec3i(11, 2, 1), Vec3i(0, 0, 0), Vec3i(0, 3, 0), Vec3i(0, 0, 2)}) {
+    Slot slot;
+    ASSERT_TRUE(slot_of(body.elements, voxel, slot));
+    hold(springs.system, springs.node_of(slot));
+  }
+  const MinimiseReport report = minimise(springs.system);
+  EXPECT_TRUE(report.converged);
+  EXPECT_LT(report.after.spring_j, 0.8 * report.before.spring_j);
+  const double rounding = give_state(springs, body);
+  EXPECT_GT(rounding, 0);
+  EXPECT_LE(rounding, 0.5 / kVoxel);
+  EXPECT_EQ(body.offset({11, 2, 1}, 0), 2 * kVoxel);
+  EXPECT_EQ(body.offset({0, 3, 0}, 1), 0);
+  // An interrupted or soft result may break ChainMail's limits; the projection mends it.
+  project(body);
+  EXPECT_EQ(check_links(body).violated, 0);
+}
+
+TEST(PropertyLatticeSprings, SolidsTooLargeForFactorsAreSolvedByGradientsToTheSameRest) {
+  const auto relaxed = [](int size) {
+    Body body = body_of(soft_block({size, size, size}));
+    LatticeSprings springs = make_springs(body, {});
+    for (int j = 0; j < size; ++j) {
+      for (int k = 0; k < size; ++k) {
+        Slot slot = 0;
+        EXPECT_TRUE(slot_of(body.elements, {0, j, k}, slot));
+        hold(springs.system, springs.node_of(slot));
+      }
+    }
+    springs.system.gravity_m_s2 = {40, 0, 0};
+    std::vector<char> is_held(springs.system.node_count(), 0);
+    for (const HeldNode& held : springs.system.held) is_held[held.node] = 1;
+    EXPECT_EQ(SpringMatrix(springs.system, is_held).is_direct(), size < 12);
+    const MinimiseReport report = minimise(springs.system);
+    EXPECT_TRUE(report.converged) << size;
+    // The held layer carries the weight of all others.
+    std::vector<Vec3d> force;
+    forces_mn(springs.system, force, Damping::without);
+    Vec3d sum(0.0);
+    for (const HeldNode& held : springs.system.held) sum += force[held.node];
+    const double weight_mn = std::pow(size, 3) * 1e-6 * 40e3;
+    EXPECT_NEAR(sum.x, weight_mn, 1e-2 * weight_mn);
+  };
+  relaxed(6);
+  relaxed(12);
+}
+
+TEST(ExtremesLatticeSprings, OffsetsBeyondTheRangeAreRefusedAndTheBodyStays) {
+  Body body = body_of(soft_block({3, 1, 1}));
+  LatticeSprings springs = make_springs(body, {});
+  springs.system.pos_mm[0].x += 1;
+  springs.system.pos_mm[2].x += 16384;
+  EXPECT_NE(input_error([&] { give_state(springs, body); }).find("2,0,0"), std::string::npos);
+  EXPECT_TRUE(body.q[0].empty());
+}
