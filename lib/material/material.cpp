@@ -128,14 +128,12 @@ LinkLimits limits_at(const LimitTable& table, int axis, double position) {
   return {shortest(density), longest(density), table.shear1(density), table.shear2(density)};
 }
 
-/// Voxels to 2^-16 voxel, rounded down. A value within 1e-6 of the next unit counts as that unit,
-/// so that 1.25 interpolated as 1.2499999999999998 gives the slack of 1.25 on every machine.
-std::int32_t floor_fixed(double voxels) {
-  const double units = std::floor(voxels * 65536.0 + 1e-6);
+}  // namespace
+
+std::int32_t fixed_slack(double length) {
+  const double units = std::floor(length * 65536.0 + 1e-6);
   return std::int32_t(std::clamp(units, 0.0, double(kUnlimitedSlack)));
 }
-
-}  // namespace
 
 double Curve::operator()(double density) const {
   if (density <= keys.front().first) return keys.front().second;
@@ -271,8 +269,8 @@ SlackTable::SlackTable(const MaterialTable& table, const Vec3d& spacing_mm)
         const std::size_t entry = std::size_t(a) * m_stride + b;
         const auto set = [&](int coordinate, double upper, double lower) {
           const std::size_t row = std::size_t(3 * axis + coordinate) * m_row_size;
-          m_upper[row + entry] = floor_fixed(upper);
-          m_lower[row + entry] = floor_fixed(lower);
+          m_upper[row + entry] = fixed_slack(upper);
+          m_lower[row + entry] = fixed_slack(lower);
         };
         set(axis, limits.max_length - 1, 1 - limits.min_length);
         for (int n = 0; n < 2; ++n) {
