@@ -156,7 +156,7 @@ TEST(ExtremesMeshEcm, NoLinksRigidLinksUnlimitedLinksAndCoincidentNodes) {
 
   MeshBody wide = chain_body(3, {2, 1, 0.5});
   MeshEcm loose(wide, {1e9, 0.5, 1e9});
-  EXPECT_EQ(loose.drag({{{0}, {-16000, 16000, 0}}}, {{1}}).moved, 1);
+  EXPECT_EQ(loose.drag({{{0}, {-16000, 16000, 0}}, {{1}, {16000, -16000, 0}}}, {{2}}).moved, 2);
 
   MeshBody twins = make_network({{0, 0, 0}, {0, 0, 0}, {1, 0, 0}}, {{0, 1}, {1, 2}});
   MeshEcm together(twins, {1.5, 0.5, 0.5});
