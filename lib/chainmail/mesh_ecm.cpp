@@ -191,6 +191,7 @@ bool MeshEcm::holds_positions() const {
 /// The body's positions become the values; a projection when they break limits.
 MeshProjection MeshEcm::take_positions(Progress* progress) {
   m_is_valid = false;
+  for (MeshValues& values : m_values) values.forget();  // of a projection that was cancelled
   for (Slot node = 0; node < m_body.node_count(); ++node) {
     const Offsets offset = offset_of(m_body, node);
     for (std::size_t c = 0; c < 3; ++c) m_values[c].place(node, offset[c]);

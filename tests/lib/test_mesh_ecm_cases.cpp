@@ -123,6 +123,26 @@ TEST(PropertyMeshEcm, CancellingLeavesTheBodyAsItWas) {
   EXPECT_EQ(body.pos_mm, twin.pos_mm);
 }
 
+TEST(PropertyMeshEcm, ACancelledProjectionLeavesNothingBehind) {
+  struct Stopped final : Progress {
+    void stage(std::string_view) override {}
+    void update(double) override {}
+    bool cancelled() const override { return true; }
+  } progress;
+  MeshBody body = make_mesh_body(sheet(380, 380, 1));  // so many that the engine looks
+  const MeshLimits limits{1.1, 0.9, 0.1};
+  MeshEcm ecm(body, limits);
+  for (std::size_t n = 0; n < body.node_count(); n += 50) body.pos_mm[n].x += 1;
+  EXPECT_THROW(ecm.project(&progress), Cancelled);
+  for (std::size_t n = 0; n < body.node_count(); n += 70) body.pos_mm[n].x += 3;
+  MeshBody twin = body;
+  const MeshEcmReport report = ecm.drag({{{30}, {1, 2, 3}}}, {});
+  const MeshEcmReport expected = MeshEcm(twin, limits).drag({{{30}, {1, 2, 3}}}, {});
+  EXPECT_EQ(report.projection.violated_links, expected.projection.violated_links);
+  EXPECT_EQ(report.moved, expected.moved);
+  EXPECT_TRUE(body.pos_mm == twin.pos_mm);
+}
+
 TEST(ExtremesMeshEcm, FarFromTheOriginOffsetsAreStillReadBackExactly) {
   const Vec3d far(-9.9e6, 9.9e6, 5e6 + 1 / 3.0);
   MeshBody near = chain_body(30, {2, 0.5, 1}), body = near;
