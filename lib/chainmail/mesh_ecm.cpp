@@ -180,7 +180,14 @@ Vec3d MeshEcm::place_of(Slot node) const {
   return m_body.rest_mm[node] + offset * kUnitMm;
 }
 
+void MeshEcm::require_positions() const {
+  if (m_body.pos_mm.size() == m_links.node_count()) return;
+  throw InputError({"", "positions", std::to_string(m_body.pos_mm.size()),
+                    "one for each of " + std::to_string(m_links.node_count()) + " nodes"});
+}
+
 bool MeshEcm::holds_positions() const {
+  require_positions();
   if (!m_is_valid) return false;
   for (Slot node = 0; node < m_body.node_count(); ++node) {
     if (m_body.pos_mm[node] != place_of(node)) return false;
@@ -260,7 +267,8 @@ MeshEcmReport MeshEcm::drag(const std::vector<MeshHandle>& handles,
 }
 
 MeshLinkCheck MeshEcm::check_links() const {
-  std::vector<Offsets> offsets(m_body.node_count());
+  require_positions();
+  std::vector<Offsets> offsets(m_links.node_count());
   for (std::size_t n = 0; n < offsets.size(); ++n) offsets[n] = offset_of(m_body, n);
   return check(m_links, [&](Slot node, int c) { return offsets[node][std::size_t(c)]; });
 }

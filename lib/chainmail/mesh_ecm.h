@@ -6,7 +6,7 @@
 // the processing order. They are written to MeshBody::pos_mm as rest + q 2^-16 mm, so that other
 // models may move the same body in between.
 //
-// Cost: a look at every position per drag (1 to 3 ns per node), then what moves: 110 to 160 ns per
+// Cost: a look at every position per drag (1 to 3 ns per node), then what moves: 130 to 165 ns per
 // moved node and coordinate, on one thread.
 #pragma once
 
@@ -90,6 +90,8 @@ class MeshEcm {
 
  private:
   Vec3d place_of(Slot node) const;
+  void require_positions() const;
+  /// Whether the body's positions are those that the last drag gave it.
   bool holds_positions() const;
   MeshProjection take_positions(Progress* progress);
   void give_positions(bool all);

@@ -82,6 +82,11 @@ TEST(UnitMeshEcm, UnusableHandlesAndAnchorsAreNamedAndNothingMoves) {
   body.pos_mm[1].z = INFINITY;
   EXPECT_NE(input_error([&] { ecm.drag({{{0}, up}}, {}); }).find("node 1"), std::string::npos);
   EXPECT_NE(input_error([&] { ecm.check_links(); }).find("node 1"), std::string::npos);
+  body.pos_mm.pop_back();
+  EXPECT_EQ(input_error([&] {
+              ecm.drag({{{0}, up}}, {});
+            }),
+            "positions: found 3, expected one for each of 4 nodes");
 }
 
 TEST(UnitMeshEcm, LimitsOutOfRangeAreNamed) {
