@@ -1,7 +1,6 @@
 #include "lib/chainmail/coordinate_drag.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include "volumes/base/error.h"
 
@@ -15,17 +14,6 @@ std::vector<Bound>::const_iterator first_bound_from(const std::vector<Bound>& bo
 }
 
 }  // namespace
-
-void Fraction::limit_to(std::int64_t other_numerator, std::int64_t other_denominator) {
-  if (other_numerator * denominator >= numerator * other_denominator) return;
-  const std::int64_t divisor = std::gcd(other_numerator, other_denominator);
-  numerator = other_numerator / divisor;
-  denominator = other_denominator / divisor;
-}
-
-std::int32_t Fraction::scale(std::int32_t value) const {
-  return std::int32_t(value * numerator / denominator);
-}
 
 CoordinateDrag::CoordinateDrag(Body& body, int coordinate, const HeldVoxels& held,
                                Propagator& propagator, UndoLog& undo, Progress* progress)

@@ -157,6 +157,11 @@ struct LinkSlack {
 /// A slack this large is no limit at all.
 constexpr std::int32_t kUnlimitedSlack = 1 << 30;
 
+/// A slack in units of 2^-16 of its length's unit, rounded down, within [0, kUnlimitedSlack]. A
+/// value within 1e-6 of the next unit counts as that unit, so that 1.25 interpolated as
+/// 1.2499999999999998 gives the slack of 1.25 on every machine.
+std::int32_t fixed_slack(double length);
+
 /// All slacks by look-up from the classes of both ends. 36 kB; 4.7 MB where limits are combined.
 class SlackTable {
  public:

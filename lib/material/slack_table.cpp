@@ -5,16 +5,10 @@
 
 namespace supple {
 
-namespace {
-
-/// Voxels to 2^-16 voxel, rounded down. A value within 1e-6 of the next unit counts as that unit,
-/// so that 1.25 interpolated as 1.2499999999999998 gives the slack of 1.25 on every machine.
-std::int32_t floor_fixed(double voxels) {
-  const double units = std::floor(voxels * 65536.0 + 1e-6);
+std::int32_t fixed_slack(double length) {
+  const double units = std::floor(length * 65536.0 + 1e-6);
   return std::int32_t(std::clamp(units, 0.0, double(kUnlimitedSlack)));
 }
-
-}  // namespace
 
 SlackTable::SlackTable(const MaterialTable& table, const Vec3d& spacing_mm)
     : m_stride(table.combines_limits() ? kLastClass + 1 : 1),
@@ -32,8 +26,8 @@ SlackTable::SlackTable(const MaterialTable& table, const Vec3d& spacing_mm)
         const std::size_t entry = std::size_t(a) * m_stride + b;
         const auto set = [&](int coordinate, double upper, double lower) {
           const std::size_t row = std::size_t(3 * axis + coordinate) * m_row_size;
-          m_upper[row + entry] = floor_fixed(upper);
-          m_lower[row + entry] = floor_fixed(lower);
+          m_upper[row + entry] = fixed_slack(upper);
+          m_lower[row + entry] = fixed_slack(lower);
         };
         set(axis, limits.max_length - 1, 1 - limits.min_length);
         for (int n = 0; n < 2; ++n) {

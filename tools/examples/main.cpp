@@ -1,5 +1,5 @@
 // supple-examples: what the examples need beyond `supple` itself: the generated volumes, and the
-// figures of the original ChainMail, which `supple` does not offer.
+// figures of the original ChainMail and ECM on surfaces, which `supple` does not offer.
 #include <cstdio>
 #include <filesystem>
 #include <map>
@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <png.h>
 
+#include "tools/examples/drag_surface.h"
 #include "tools/examples/original_figures.h"
 #include "volumes/io/volume_writer.h"
 #include "volumes/phantom/phantom.h"
@@ -75,9 +76,27 @@ int main(int argc, char** argv) {
   figure->add_option("folder", output, "Where the pictures go")->required();
   CLI::App* u_shape = program.add_subcommand("u-shape", "The same for a U of one material");
   u_shape->add_option("folder", output, "Where the pictures go")->required();
+  supple::examples::SurfaceDrag drag;
+  CLI::App* surface = program.add_subcommand("drag-surface", "Pull a surface at a point (ECM)");
+  surface->add_option("input", drag.input, "STL, PLY, OBJ or VTK")->required();
+  surface->add_option("output", drag.output, "The same with moved vertices")->required();
+  surface->add_option("--grab", drag.grab, "X,Y,Z: the vertex nearest to it (LPS mm)")
+      ->required()
+      ->delimiter(',')
+      ->expected(3);
+  surface->add_option("--by", drag.by, "DX,DY,DZ (LPS mm)")
+      ->required()
+      ->delimiter(',')
+      ->expected(3);
+  surface->add_option("--fix-beyond", drag.fix_beyond, "Vertices further away stay (mm)");
+  surface->add_option("--max-length", drag.max_length, "Of links, times their rest length");
+  surface->add_option("--min-length", drag.min_length, "Of links, times their rest length");
+  surface->add_option("--shear", drag.shear, "Of links, times their rest length");
   CLI11_PARSE(program, argc, argv);
   try {
-    if (figure->parsed()) {
+    if (surface->parsed()) {
+      supple::examples::drag_surface(drag);
+    } else if (figure->parsed()) {
       supple::examples::draw_figure_4_5(t_shape_phantom(kSliceSize), output);
     } else if (u_shape->parsed()) {
       supple::examples::draw_u_shape(output);

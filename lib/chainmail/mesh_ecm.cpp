@@ -1,0 +1,289 @@
+#include "lib/chainmail/mesh_ecm.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <string>
+
+#include "lib/chainmail/mesh_drag.h"
+#include "volumes/base/error.h"
+
+namespace supple {
+
+namespace {
+
+using Offsets = std::array<std::int32_t, 3>;
+constexpr double kUnitMm = 1 / kFixedOne;
+constexpr const char* kRangeText = "finite moves and offsets within +-16383 mm";
+
+/// Millimetres to fixed point; `what` names them in the message.
+template <class Round>
+Offsets fixed_offsets(const Vec3d& mm, Round&& round, const std::string& node,
+                      const std::string& what) {
+  Offsets fixed;
+  for (int c = 0; c < 3; ++c) {
+    const double units = round(mm[c] * kFixedOne);
+    if (!(std::abs(units) <= double(kMaxOffset))) {
+      throw InputError(
+          {"", node, what + " " + number_text(mm[c]) + " mm along " + "xyz"[c], kRangeText});
+    }
+    fixed[std::size_t(c)] = std::int32_t(units);
+  }
+  return fixed;
+}
+
+/// The position's offset from rest, rounded to the nearest unit.
+Offsets offset_of(const MeshBody& body, std::size_t node) {
+  return fixed_offsets(
+      body.pos_mm[node] - body.rest_mm[node], [](double units) { return std::round(units); },
+      "node " + std::to_string(node), "an offset of");
+}
+
+/// Units by which coordinate differences exceed a step's slack, at most 0 when it holds.
+std::int64_t excess_of(const MeshStep& step, std::int32_t from, std::int32_t to) {
+  const std::int64_t rise = std::int64_t(to) - from;
+  const std::int32_t slack = rise > 0 ? step.in : step.out;
+  return slack >= kUnlimitedSlack ? 0 : std::abs(rise) - slack;
+}
+
+/// `value(node, c)` is an offset.
+template <class Value>
+MeshLinkCheck check(const MeshLinks& links, Value&& value) {
+  MeshLinkCheck result;
+  result.links = std::int64_t(links.link_count());
+  std::int64_t worst = 0;
+  for (Slot node = 0; node < links.node_count(); ++node) {
+    for (std::size_t n = links.first(node); n < links.first(node + 1); ++n) {
+      const Slot to = links.step(0, n).to;
+      if (to < node) continue;
+      std::int64_t excess = 0;
+      for (int c = 0; c < 3; ++c) {
+        excess = std::max(excess, excess_of(links.step(c, n), value(node, c), value(to, c)));
+      }
+      result.violated += excess > 0;
+      worst = std::max(worst, excess);
+    }
+  }
+  result.worst_excess_mm = double(worst) * kUnitMm;
+  return result;
+}
+
+/// Which set a node is in, for all sets of one drag.
+class Owners {
+ public:
+  explicit Owners(std::size_t nodes) : m_owner(nodes, -1) {}
+
+  /// The set's nodes, each once. `may_share`: those that an earlier such set has are left out.
+  /// Throws InputError: no node at all, an index without node, a node of another set.
+  std::vector<Slot> claim(const NodeSet& set, const std::string& name, bool may_share) {
+    if (set.empty()) throw InputError({"", name, "no node", "at least one node"});
+    std::vector<Slot> nodes;
+    nodes.reserve(set.size());
+    const int id = int(m_sets.size());
+    m_sets.push_back({name, may_share});
+    for (const int node : set) {
+      if (node < 0 || std::size_t(node) >= m_owner.size()) {
+        throw InputError({"", name, "node " + std::to_string(node),
+                          "an index below " + std::to_string(m_owner.size())});
+      }
+      int& owner = m_owner[std::size_t(node)];
+      if (owner == id) continue;
+      if (owner < 0) {
+        owner = id;
+        nodes.push_back(Slot(node));
+      } else if (!may_share || !m_sets[std::size_t(owner)].may_share) {
+        throw InputError({"", m_sets[std::size_t(owner)].name + " and " + name,
+                          "node " + std::to_string(node) + " in both",
+                          "every node in one of them"});
+      }
+    }
+    return nodes;
+  }
+
+ private:
+  struct Set {
+    std::string name;
+    bool may_share;
+  };
+  std::vector<int> m_owner;  // index into m_sets, or -1
+  std::vector<Set> m_sets;
+};
+
+void require_range(const HeldNodes::Handle& handle, const std::array<MeshValues, 3>& values,
+                   const std::string& name) {
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (const Slot node : handle.nodes) {
+      const std::int64_t target = std::int64_t(values[c].value(node)) + handle.by[c];
+      if (std::abs(target) <= kMaxOffset) continue;
+      throw InputError({"", name,
+                        "a move to an offset of " + number_text(double(target) * kUnitMm) +
+                            " mm along " + "xyz"[c],
+                        kRangeText});
+    }
+  }
+}
+
+HeldNodes hold(const std::vector<MeshHandle>& handles, const std::vector<NodeSet>& anchors,
+               const std::array<MeshValues, 3>& values, std::size_t node_count) {
+  Owners owners(node_count);
+  HeldNodes held;
+  for (std::size_t h = 0; h < handles.size(); ++h) {
+    const MeshHandle& handle = handles[h];
+    const std::string name = "handle " + std::to_string(h);
+    const Offsets by = fixed_offsets(
+        handle.by_mm, [](double units) { return std::trunc(units); }, name, "a move by");
+    held.handles.push_back(
+        {owners.claim(handle.nodes, name, false), by, handle.kind == HandleKind::push});
+    require_range(held.handles.back(), values, name);
+  }
+  for (std::size_t a = 0; a < anchors.size(); ++a) {
+    const std::vector<Slot> nodes = owners.claim(anchors[a], "anchor " + std::to_string(a), true);
+    held.fixed.insert(held.fixed.end(), nodes.begin(), nodes.end());
+  }
+  return held;
+}
+
+using Drags = std::vector<std::unique_ptr<MeshDrag>>;
+
+/// All coordinates at their whole targets; again, shortened by one common fraction, when anchors
+/// stop one of them.
+Drags solve(std::array<MeshValues, 3>& values, const HeldNodes& held, Fraction& fraction,
+            Progress* progress) {
+  Drags drags;
+  for (std::size_t c = 0; c < 3; ++c) {
+    report(progress, double(c) / 3);
+    const bool moves = std::any_of(held.handles.begin(), held.handles.end(),
+                                   [&](const HeldNodes::Handle& h) { return h.by[c] != 0; });
+    if (!moves) continue;
+    drags.push_back(std::make_unique<MeshDrag>(values[c], held, progress));
+    drags.back()->try_whole(fraction);
+  }
+  if (!fraction.is_whole()) {
+    for (const auto& drag : drags) drag->redo(fraction);
+  }
+  return drags;
+}
+
+}  // namespace
+
+MeshEcm::MeshEcm(MeshBody& body, const MeshLimits& limits)
+    : MeshEcm(body, std::vector<MeshLimits>(body.links.size(), limits)) {}
+
+MeshEcm::MeshEcm(MeshBody& body, const std::vector<MeshLimits>& limits)
+    : m_body(body),
+      m_links(body, limits),
+      m_values{MeshValues(m_links, 0), MeshValues(m_links, 1), MeshValues(m_links, 2)} {}
+
+Vec3d MeshEcm::place_of(Slot node) const {
+  const Vec3d offset(m_values[0].value(node), m_values[1].value(node), m_values[2].value(node));
+  return m_body.rest_mm[node] + offset * kUnitMm;
+}
+
+void MeshEcm::require_positions() const {
+  if (m_body.pos_mm.size() == m_links.node_count()) return;
+  throw InputError({"", "positions", std::to_string(m_body.pos_mm.size()),
+                    "one for each of " + std::to_string(m_links.node_count()) + " nodes"});
+}
+
+bool MeshEcm::holds_positions() const {
+  require_positions();
+  if (!m_is_valid) return false;
+  for (Slot node = 0; node < m_body.node_count(); ++node) {
+    if (m_body.pos_mm[node] != place_of(node)) return false;
+  }
+  return true;
+}
+
+/// The body's positions become the values; a projection when they break limits.
+MeshProjection MeshEcm::take_positions(Progress* progress) {
+  m_is_valid = false;
+  for (MeshValues& values : m_values) values.forget();  // of a projection that was cancelled
+  for (Slot node = 0; node < m_body.node_count(); ++node) {
+    const Offsets offset = offset_of(m_body, node);
+    for (std::size_t c = 0; c < 3; ++c) m_values[c].place(node, offset[c]);
+  }
+  const auto value = [&](Slot node, int c) { return m_values[std::size_t(c)].value(node); };
+  MeshProjection projection;
+  projection.violated_links = check(m_links, value).violated;
+  if (projection.violated_links > 0) {
+    for (MeshValues& values : m_values) {
+      const std::int64_t largest = values.project(progress);
+      projection.max_move_mm = std::max(projection.max_move_mm, double(largest) * kUnitMm);
+    }
+  }
+  m_is_valid = true;
+  return projection;
+}
+
+/// To the body: every place, or those of the nodes that changed.
+void MeshEcm::give_positions(bool all) {
+  if (all) {
+    for (Slot node = 0; node < m_body.node_count(); ++node) m_body.pos_mm[node] = place_of(node);
+    return;
+  }
+  for (const MeshValues& values : m_values) {
+    for (const auto& change : values.changes()) m_body.pos_mm[change.node] = place_of(change.node);
+  }
+}
+
+/// Nodes whose value differs in any coordinate.
+std::int64_t MeshEcm::count_moved() const {
+  std::vector<char> is_moved(m_body.node_count(), 0);
+  std::int64_t moved = 0;
+  for (const MeshValues& values : m_values) {
+    for (const auto& change : values.changes()) {
+      if (change.before == values.value(change.node) || is_moved[change.node]) continue;
+      is_moved[change.node] = 1;
+      ++moved;
+    }
+  }
+  return moved;
+}
+
+MeshEcmReport MeshEcm::drag(const std::vector<MeshHandle>& handles,
+                            const std::vector<NodeSet>& anchors, Progress* progress) {
+  const auto begin = std::chrono::steady_clock::now();
+  MeshEcmReport result;
+  const bool is_new = !holds_positions();
+  if (is_new) result.projection = take_positions(progress);
+
+  const HeldNodes held = hold(handles, anchors, m_values, m_body.node_count());
+  Fraction fraction;
+  const Drags drags = solve(m_values, held, fraction, progress);
+  result.fraction_numerator = fraction.numerator;
+  result.fraction_denominator = fraction.denominator;
+  result.moved = count_moved();
+  for (const auto& drag : drags) {
+    result.visited += drag->counts().visits;
+    result.max_queue = std::max(result.max_queue, drag->counts().max_queue);
+    drag->commit();
+  }
+  give_positions(is_new);
+  for (MeshValues& values : m_values) values.forget();
+  result.milliseconds =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+  return result;
+}
+
+MeshLinkCheck MeshEcm::check_links() const {
+  require_positions();
+  std::vector<Offsets> offsets(m_links.node_count());
+  for (std::size_t n = 0; n < offsets.size(); ++n) offsets[n] = offset_of(m_body, n);
+  return check(m_links, [&](Slot node, int c) { return offsets[node][std::size_t(c)]; });
+}
+
+MeshProjection MeshEcm::project(Progress* progress) {
+  if (holds_positions()) return {};
+  const MeshProjection projection = take_positions(progress);
+  give_positions(true);
+  return projection;
+}
+
+std::size_t MeshEcm::bytes() const {
+  std::size_t total = m_links.bytes();
+  for (const MeshValues& values : m_values) total += values.bytes();
+  return total;
+}
+
+}  // namespace supple
