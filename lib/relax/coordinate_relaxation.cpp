@@ -3,24 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
+#include "lib/relax/in_parallel.h"
 
 namespace supple {
 
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-bool bit(const std::vector<BrickMask>& masks, Slot slot) {
-  return mask_test(masks[slot / kBrickVoxels], int(slot % kBrickVoxels));
-}
-void clear_bit(std::vector<BrickMask>& masks, Slot slot) {
-  const unsigned offset = slot % kBrickVoxels;
-  masks[slot / kBrickVoxels][offset / 64] &= ~(std::uint64_t(1) << (offset % 64));
-}
 
 /// Voxels of a brick whose coordinates have an even (0) or odd (1) sum. Brick origins are even.
 BrickMask chessboard(int colour) {
@@ -30,47 +20,6 @@ BrickMask chessboard(int colour) {
     mask[std::size_t(i)] = (i + colour) % 2 == 0 ? kEvenPlane : ~kEvenPlane;
   }
   return mask;
-}
-
-/// The bounds of a brick's elements.
-std::pair<std::vector<Bound>::const_iterator, std::vector<Bound>::const_iterator> bounds_in(
-    const std::vector<Bound>& bounds, std::size_t brick) {
-  const auto before = [](const Bound& bound, std::size_t slot) { return bound.slot < slot; };
-  const auto first =
-      std::lower_bound(bounds.begin(), bounds.end(), brick * kBrickVoxels, before);
-  return {first, std::lower_bound(first, bounds.end(), (brick + 1) * kBrickVoxels, before)};
-}
-
-/// Null where the element has none.
-const Bound* bound_of(const std::vector<Bound>& bounds, Slot slot) {
-  const auto place =
-      std::lower_bound(bounds.begin(), bounds.end(), slot,
-                       [](const Bound& bound, Slot wanted) { return bound.slot < wanted; });
-  return place != bounds.end() && place->slot == slot ? &*place : nullptr;
-}
-
-/// Of a pass, counted from 0: grows from 1 as the momentum of Nesterov's method does, up to what
-/// suits the slowest mode of a body of that many voxels (Young 1971 for one whose ends are fixed; a
-/// free end halves the rate). Any below 2 lowers the energy.
-double over_relaxation(int pass, int extent) {
-  return 2 - std::max(3.0 / (2 * pass + 3), 2.0 / (extent + 2));
-}
-
-int largest_extent(const BrickTopology& elements) {
-  const IndexBox& bounds = elements.active_bounds();
-  int extent = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    extent = std::max(extent, bounds.hi[axis] - bounds.lo[axis] + 1);
-  }
-  return extent;
-}
-
-template <class Visit>
-void in_parallel(std::size_t count, Visit&& visit) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 4),
-                    [&](const tbb::blocked_range<std::size_t>& range) {
-                      for (std::size_t n = range.begin(); n < range.end(); ++n) visit(n);
-                    });
 }
 
 }  // namespace
@@ -83,8 +32,9 @@ CoordinateRelaxation::CoordinateRelaxation(const Body& body, int coordinate, con
       m_method(method),
       m_table(body, coordinate,
               method == RelaxMethod::plain ? RigidLinks::springs : RigidLinks::absent),
-      m_is_plastic(m_table.has_yield() || has_rest()),
+      m_is_plastic(m_table.has_yield() || has_rest(body, coordinate)),
       m_extent(largest_extent(body.elements)),
+      m_elements(find_movable(body, m_table, still, method != RelaxMethod::plain)),
       m_now(body.elements.brick_count()),
       m_next(body.elements.brick_count()),
       m_changed(body.elements.brick_count(), 0),
@@ -98,12 +48,6 @@ CoordinateRelaxation::CoordinateRelaxation(const Body& body, int coordinate, con
     std::copy_n(fine, kBrickVoxels, m_next.touch(b));
     m_changed[b] = 1;
   }
-  for (std::size_t b = 0; b < body.elements.brick_count(); ++b) {
-    m_movable.push_back(body.elements.mask(b));
-  }
-  still.for_each([this](Slot slot) { clear_bit(m_movable, slot); });
-  m_single = m_movable;
-  if (method != RelaxMethod::plain && m_table.has_rigid()) find_rigid_clusters();
   for (const auto& axis : body.rest) {
     const BrickValues& rest = axis[std::size_t(coordinate)];
     for (std::size_t b = 0; b < rest.brick_count(); ++b) {
@@ -111,30 +55,6 @@ CoordinateRelaxation::CoordinateRelaxation(const Body& body, int coordinate, con
     }
   }
   add_bricks();
-}
-
-bool CoordinateRelaxation::has_rest() const {
-  return std::any_of(m_body.rest.begin(), m_body.rest.end(), [&](const auto& axis) {
-    return !axis[std::size_t(m_table.coordinate())].empty();
-  });
-}
-
-/// A cluster with an element that is held, is held.
-void CoordinateRelaxation::find_rigid_clusters() {
-  std::vector<std::uint32_t> bricks(m_movable.size());
-  std::iota(bricks.begin(), bricks.end(), 0u);
-  m_rigid = find_clusters(m_body, m_table, bricks, [&](int axis, Slot low, Slot high) {
-    return m_table.is_rigid(axis, m_body.classes[low], m_body.classes[high]);
-  });
-  for (std::size_t c = 0; c < m_rigid.count(); ++c) {
-    const auto begin = m_rigid.members.begin() + m_rigid.first[c];
-    const auto end = m_rigid.members.begin() + m_rigid.first[c + 1];
-    const bool moves = std::all_of(begin, end, [&](Slot slot) { return bit(m_movable, slot); });
-    for (auto slot = begin; slot != end; ++slot) {
-      clear_bit(m_single, *slot);
-      if (!moves) clear_bit(m_movable, *slot);
-    }
-  }
 }
 
 /// Bricks of the next pass: those that changed, and their neighbours.
@@ -190,7 +110,7 @@ double CoordinateRelaxation::sweep_nodes(int colour, const SweepRule& rule, bool
   std::vector<double> largest(m_work.size());
   in_parallel(m_work.size(), [&](std::size_t n) {
     const std::size_t brick = m_work[n];
-    BrickMask free = m_single[brick];
+    BrickMask free = m_elements.single[brick];
     if (colour >= 0) {
       for (std::size_t word = 0; word < 8; ++word) free[word] &= kColours[colour][word];
     }
@@ -242,7 +162,7 @@ double CoordinateRelaxation::step_of_cluster(const Clusters& clusters, std::size
 double CoordinateRelaxation::sweep_clusters(const Clusters& clusters, double relaxation) {
   std::vector<double> steps(clusters.count());
   in_parallel(clusters.count(), [&](std::size_t c) {
-    if (bit(m_movable, clusters.members[clusters.first[c]])) {
+    if (m_elements.moves(clusters.members[clusters.first[c]])) {
       steps[c] = step_of_cluster(clusters, c, relaxation);
     }
   });
@@ -274,7 +194,9 @@ double CoordinateRelaxation::pass() {
     }
   }
   ++m_passes;
-  if (m_rigid.count() > 0) largest = std::max(largest, sweep_clusters(m_rigid, rule.relaxation));
+  if (m_elements.rigid.count() > 0) {
+    largest = std::max(largest, sweep_clusters(m_elements.rigid, rule.relaxation));
+  }
   m_energy = 0;
   for (const double energy : m_energies) m_energy += energy;
   add_bricks();
@@ -292,23 +214,11 @@ double CoordinateRelaxation::energy() {
 }
 
 void CoordinateRelaxation::store(BrickValues& q) const {
-  q.resize(m_now.brick_count());
-  for (std::size_t b = 0; b < m_now.brick_count(); ++b) {
-    const double* fine = m_now.brick(b);
-    if (fine == nullptr) continue;
-    const bool is_zero = std::all_of(
-        fine, fine + kBrickVoxels, [](double value) { return std::abs(value) * 2 < kFinePerUnit; });
-    if (is_zero && q.brick(b) == nullptr) continue;
-    std::int32_t* values = q.touch(b);
-    for (int n = 0; n < kBrickVoxels; ++n) {
-      values[n] = std::int32_t(std::floor(fine[n] / kFinePerUnit + 0.5));
-    }
-  }
+  store_rounded(m_now, q);
 }
 
 std::size_t CoordinateRelaxation::bytes() const {
-  return m_now.bytes() + m_next.bytes() + m_table.bytes() + m_rigid.bytes() +
-         (m_movable.capacity() + m_single.capacity()) * sizeof(BrickMask) +
+  return m_now.bytes() + m_next.bytes() + m_table.bytes() + m_elements.bytes() +
          m_work.capacity() * sizeof(m_work[0]) + m_changed.capacity() +
          m_energies.capacity() * sizeof(double);
 }
