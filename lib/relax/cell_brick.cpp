@@ -60,8 +60,7 @@ void remove_cut(int axis, const BitRows& cut, CellRows& cells) {
 
 BricksAround bricks_around(const BrickTopology& elements, std::size_t b) {
   const auto step = [&](std::int32_t brick, int axis, int d) {
-    return brick < 0 || d == 0 ? brick
-                               : elements.neighbour(std::size_t(brick), 2 * axis + (d > 0));
+    return brick < 0 || d == 0 ? brick : elements.neighbour(std::size_t(brick), 2 * axis + (d > 0));
   };
   BricksAround around;
   for (int di = -1; di <= 1; ++di) {
@@ -92,11 +91,12 @@ CellRows find_cells(const Body& body, const BricksAround& around) {
   };
   if (!body.cuts.empty() && std::any_of(around.begin(), around.end(), has_cuts)) {
     for (int axis = 0; axis < 3; ++axis) {
-      remove_cut(axis, gather_bits(around,
-                                   [&](std::size_t b) -> const BrickMask* {
-                                     const auto* cuts = body.cuts.brick(b);
-                                     return cuts ? &(*cuts)[std::size_t(axis)] : nullptr;
-                                   }),
+      remove_cut(axis,
+                 gather_bits(around,
+                             [&](std::size_t b) -> const BrickMask* {
+                               const auto* cuts = body.cuts.brick(b);
+                               return cuts ? &(*cuts)[std::size_t(axis)] : nullptr;
+                             }),
                  cells);
     }
   }
@@ -111,8 +111,8 @@ void fill_cells(const std::array<BrickArray<double>, 3>& offsets, const BricksAr
   for (std::size_t c = 0; c < 3; ++c) {
     const double* sources[27];
     for (std::size_t n = 0; n < 27; ++n) {
-      sources[n] = around[n] >= 0 ? offsets[c].brick_or_zero(std::size_t(around[n]))
-                                  : kZeroBrickOf<double>;
+      sources[n] =
+          around[n] >= 0 ? offsets[c].brick_or_zero(std::size_t(around[n])) : kZeroBrickOf<double>;
     }
     for (int i = -1; i < 9; ++i) {
       for (int j = -1; j < 9; ++j) {

@@ -1,8 +1,8 @@
-// One brick with what its cells need: the offsets of its elements and one layer around them, corners
-// included, and by how much each cell that touches the brick exceeds its rest volume.
+// One brick with what its cells need: the offsets of its elements and one layer around them,
+// corners included, and by how much each cell that touches the brick exceeds its rest volume.
 //
-// Every other value along k lies side by side, since neighbours never step together: a row holds the
-// values of even k, then those of odd k.
+// Every other value along k lies side by side, since neighbours never step together: a row holds
+// the values of even k, then those of odd k.
 #pragma once
 
 #include <array>
@@ -57,8 +57,8 @@ struct alignas(64) CellBrick {
   static constexpr int kPlace[2][3] = {{5, 0, 6}, {0, 6, 1}};
 
   double offsets[3][100 * kRowLength];  // per coordinate, 2^-32 voxel
-  double alive[81 * kRowLength];       // 1 for a cell, by its lowest corner, else 0
-  double excess[81 * kRowLength];      // volume beyond rest, (2^-32 voxel)^3
+  double alive[81 * kRowLength];        // 1 for a cell, by its lowest corner, else 0
+  double excess[81 * kRowLength];       // volume beyond rest, (2^-32 voxel)^3
 
   /// First value of row (i, j), each from -1 to 8 for offsets and to 7 for cells.
   static constexpr int node_row(int i, int j) { return (10 * (i + 1) + j + 1) * kRowLength; }

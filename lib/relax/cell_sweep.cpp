@@ -56,8 +56,8 @@ constexpr int row_step(int di, int dj) {
   return (10 * di + dj) * CellBrick::kRowLength;
 }
 
-/// Four cells whose lowest corners begin at `low` and their ends along k at `high` (hexahedron_volume
-/// has the formula).
+/// Four cells whose lowest corners begin at `low` and their ends along k at `high`
+/// (hexahedron_volume has the formula).
 inline Lane excess_of(const CellBrick& brick, int low, int high) {
   // From corner `from` to corner `to`, numbered as CellCorners; both are constants here.
   const auto way = [&](int to, int from) {
@@ -100,8 +100,8 @@ inline LinkLane look_up(const LinkValues* table, const std::int32_t* entries) {
           widened(__builtin_shufflevector(last_ab, last_cd, 2, 3, 6, 7)) * kFinePerUnit};
 }
 
-/// What BrickLinks or BrickRest hold of the links of elements (i, j, k), k + 2, k + 4 and k + 6, along
-/// an axis and upwards or downwards.
+/// What BrickLinks or BrickRest hold of the links of elements (i, j, k), k + 2, k + 4 and k + 6,
+/// along an axis and upwards or downwards.
 template <class Values, class T>
 inline void take_links(const Values& values, int axis, bool up, int i, int j, int k, T* out) {
   if (axis == 2) {
@@ -153,12 +153,12 @@ inline void ask_links(const CellBrick& brick, const BrickLinks& links, const Lin
       for (std::size_t c = 0; c < 3; ++c) {
         const LinkLane link = look_up(tables[c]->row(axis), entries);
         // Of the other end, away from here; a link downwards stretches as that shrinks.
-        const Lane apart = load(brick.offsets[c] + at.along(axis, up)) -
-                           load(brick.offsets[c] + at.node);
+        const Lane apart =
+            load(brick.offsets[c] + at.along(axis, up)) - load(brick.offsets[c] + at.node);
         Lane pull = apart;
         if constexpr (kPlastic) {
-          const Lane beyond = beyond_rest(*sweep.rest[c], axis, up, at.i, at.j, at.k,
-                                          up ? apart : -apart);
+          const Lane beyond =
+              beyond_rest(*sweep.rest[c], axis, up, at.i, at.j, at.k, up ? apart : -apart);
           pull = up ? pulled(link, beyond) : -pulled(link, beyond);
         }
         Ask& ask = asks[c];
@@ -171,8 +171,8 @@ inline void ask_links(const CellBrick& brick, const BrickLinks& links, const Lin
   }
 }
 
-/// dV of the eight cells around four elements; cell 4 i + 2 j + k is the one on the upper side where
-/// i, j or k is 1. Zero for what is no cell.
+/// dV of the eight cells around four elements; cell 4 i + 2 j + k is the one on the upper side
+/// where i, j or k is 1. Zero for what is no cell.
 inline void find_gradients(const CellBrick& brick, const Place& at, const int (&cells)[8],
                            Lane3 (&out)[8]) {
   Lane3 here;
@@ -257,10 +257,10 @@ Lane step_four(CellBrick& brick, const BrickLinks& links, const LinkTables& tabl
     if (sweep.bounds != nullptr) {
       for (int lane = 0; lane < 4; ++lane) {
         const int offset = 64 * at.i + 8 * at.j + at.k + 2 * lane;
-        rise[lane] = std::min(rise[lane],
-                              std::max(0.0, sweep.bounds->most[c][offset] - here[lane]));
-        sink[lane] = std::min(sink[lane],
-                              std::max(0.0, here[lane] - sweep.bounds->least[c][offset]));
+        rise[lane] =
+            std::min(rise[lane], std::max(0.0, sweep.bounds->most[c][offset] - here[lane]));
+        sink[lane] =
+            std::min(sink[lane], std::max(0.0, here[lane] - sweep.bounds->least[c][offset]));
       }
     }
     const Lane step = chosen(free[c], truncated(larger(-sink, smaller(rise, wanted))));
@@ -304,8 +304,8 @@ void find_excess(CellBrick& brick) {
       // The cells at k = 0, 2, 4, 6; at -1, 1, 3, 5; and at 1, 3, 5, 7.
       constexpr int kEven = 0, kOdd = CellBrick::kFirstOdd;
       const auto find = [&](int low, int high) {
-        store(brick.excess + cells + low, load(brick.alive + cells + low) *
-                                              excess_of(brick, nodes + low, nodes + high));
+        store(brick.excess + cells + low,
+              load(brick.alive + cells + low) * excess_of(brick, nodes + low, nodes + high));
       };
       find(kEven, kOdd + 1);
       find(kOdd, kEven);
@@ -322,8 +322,7 @@ double sweep_cells(CellBrick& brick, const BrickLinks& links, const LinkTables& 
 }
 
 CellEnergy energy_of_cells(const CellBrick& brick, const BrickLinks& links,
-                           const LinkTables& tables,
-                           const std::array<const BrickRest*, 3>& rest) {
+                           const LinkTables& tables, const std::array<const BrickRest*, 3>& rest) {
   Lane sums[3] = {}, squares{};
   for (int i = 0; i < 8; ++i) {
     for (int j = 0; j < 8; ++j) {
@@ -337,8 +336,8 @@ CellEnergy energy_of_cells(const CellBrick& brick, const BrickLinks& links,
           take_links(links, axis, true, i, j, k, entries);
           for (std::size_t c = 0; c < 3; ++c) {
             const LinkLane link = look_up(tables[c]->row(axis), entries);
-            const Lane stretch = load(brick.offsets[c] + at.along(axis, true)) -
-                                 load(brick.offsets[c] + at.node);
+            const Lane stretch =
+                load(brick.offsets[c] + at.along(axis, true)) - load(brick.offsets[c] + at.node);
             Lane pull = stretch, work = stretch;
             if (rest[c] != nullptr) {
               const Lane beyond = beyond_rest(*rest[c], axis, true, i, j, k, stretch);

@@ -25,11 +25,11 @@ struct BrickBounds {
 
 struct CellSweep {
   double relaxation = 1;  // part of the way to where forces balance; below 2
-  /// Per coordinate: bulk modulus * rest volume / spacing^2 as seen by volumes in 2^-32 voxel: times
-  /// the square of a cell's excess it is twice the cell's energy, N/m * (2^-32 voxel)^2.
+  /// Per coordinate: bulk modulus * rest volume / spacing^2 as seen by volumes in 2^-32 voxel:
+  /// times the square of a cell's excess it is twice the cell's energy, N/m * (2^-32 voxel)^2.
   std::array<double, 3> weight{};
-  std::array<BrickMask, 3> free;         // per coordinate
-  const BrickBounds* bounds = nullptr;   // null: none
+  std::array<BrickMask, 3> free;           // per coordinate
+  const BrickBounds* bounds = nullptr;     // null: none
   std::array<const BrickRest*, 3> rest{};  // per coordinate; null: all elastic, undeformed at rest
 };
 

@@ -51,16 +51,14 @@ Movable find_movable(const Body& body, const LinkTable& table, const SlotSet& st
 }
 
 bool has_rest(const Body& body, int coordinate) {
-  return std::any_of(body.rest.begin(), body.rest.end(), [&](const auto& axis) {
-    return !axis[std::size_t(coordinate)].empty();
-  });
+  return std::any_of(body.rest.begin(), body.rest.end(),
+                     [&](const auto& axis) { return !axis[std::size_t(coordinate)].empty(); });
 }
 
 std::pair<std::vector<Bound>::const_iterator, std::vector<Bound>::const_iterator> bounds_in(
     const std::vector<Bound>& bounds, std::size_t brick) {
   const auto before = [](const Bound& bound, std::size_t slot) { return bound.slot < slot; };
-  const auto first =
-      std::lower_bound(bounds.begin(), bounds.end(), brick * kBrickVoxels, before);
+  const auto first = std::lower_bound(bounds.begin(), bounds.end(), brick * kBrickVoxels, before);
   return {first, std::lower_bound(first, bounds.end(), (brick + 1) * kBrickVoxels, before)};
 }
 
@@ -89,9 +87,8 @@ void store_rounded(const BrickArray<double>& fine, BrickValues& q) {
   for (std::size_t b = 0; b < fine.brick_count(); ++b) {
     const double* from = fine.brick(b);
     if (from == nullptr) continue;
-    const bool is_zero = std::all_of(from, from + kBrickVoxels, [](double value) {
-      return std::abs(value) * 2 < kFinePerUnit;
-    });
+    const bool is_zero = std::all_of(
+        from, from + kBrickVoxels, [](double value) { return std::abs(value) * 2 < kFinePerUnit; });
     if (is_zero && q.brick(b) == nullptr) continue;
     std::int32_t* values = q.touch(b);
     for (int n = 0; n < kBrickVoxels; ++n) {

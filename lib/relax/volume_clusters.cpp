@@ -74,8 +74,8 @@ void VolumeClusters::find_cells_of_clusters() {
         number[n] = numbers.at(cell.corners[n]);
       }
       for (std::size_t n = 0; n < 8; ++n) {
-        if (number[n] == 0 || std::find(number.begin(), number.begin() + n, number[n]) !=
-                                  number.begin() + n) {
+        if (number[n] == 0 ||
+            std::find(number.begin(), number.begin() + n, number[n]) != number.begin() + n) {
           continue;
         }
         unsigned members = 0;
@@ -112,8 +112,7 @@ double VolumeClusters::step_of(std::size_t cluster,
     const Clusters::Boundary& link = rigid.boundary[n];
     const double apart = now.at(link.outside) - now.at(link.inside);
     const double upper = link.values.upper * kFinePerUnit, lower = link.values.lower * kFinePerUnit;
-    force += link.values.stiffness *
-             pulled_stretch(link.values, apart - link.rest * kFinePerUnit);
+    force += link.values.stiffness * pulled_stretch(link.values, apart - link.rest * kFinePerUnit);
     stiffness += link.values.stiffness;
     rise = std::min(rise, apart + (link.inside_is_low ? lower : upper));
     sink = std::min(sink, (link.inside_is_low ? upper : lower) - apart);

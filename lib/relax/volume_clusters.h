@@ -19,9 +19,9 @@ class VolumeClusters {
   VolumeClusters(const Body& body, int coordinate, const Movable& elements, const Holds& held,
                  double weight);
 
-  /// Every cluster near a brick that is `due` steps, one after the other, each to where its links and
-  /// cells balance (times `relaxation`), no further than limits and bounds allow. Marks the bricks
-  /// of those that did; returns the largest step, 2^-32 voxel.
+  /// Every cluster near a brick that is `due` steps, one after the other, each to where its links
+  /// and cells balance (times `relaxation`), no further than limits and bounds allow. Marks the
+  /// bricks of those that did; returns the largest step, 2^-32 voxel.
   double step(std::array<BrickArray<double>, 3>& offsets, double relaxation,
               const std::vector<char>& due, std::vector<char>& changed) const;
   std::size_t bytes() const;
@@ -42,9 +42,9 @@ class VolumeClusters {
   const std::vector<Bound>& m_at_most;
   std::size_t m_coordinate;
   double m_weight;
-  std::vector<PartCell> m_cells;             // by cluster
-  std::vector<std::uint32_t> m_first_cell;   // of each cluster; one more at the end
-  std::vector<std::uint32_t> m_bricks;       // by cluster: where its own and its links' elements lie
+  std::vector<PartCell> m_cells;            // by cluster
+  std::vector<std::uint32_t> m_first_cell;  // of each cluster; one more at the end
+  std::vector<std::uint32_t> m_bricks;      // by cluster: where its own and its links' elements lie
   std::vector<std::uint32_t> m_first_brick;  // of each cluster; one more at the end
 };
 

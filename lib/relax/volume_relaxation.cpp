@@ -188,7 +188,8 @@ LinkTables VolumeRelaxation::tables() const {
 }
 
 std::size_t VolumeRelaxation::bytes() const {
-  std::size_t total = m_due.capacity() + m_changed.capacity() + m_energies.capacity() * sizeof(double);
+  std::size_t total =
+      m_due.capacity() + m_changed.capacity() + m_energies.capacity() * sizeof(double);
   for (const auto& bricks : m_work) total += bricks.capacity() * sizeof(bricks[0]);
   for (const auto& offsets : m_now) total += offsets.bytes();
   for (const Coordinate& c : m_coordinates) total += c.table.bytes() + c.elements.bytes();

@@ -7,10 +7,10 @@
 // V is linear in each coordinate of each corner, so the energy is a parabola in each of them alone:
 // with a = dV/dx of the cells around an element,
 //   force -= kappa / V0 * sum of a (V - V0),   stiffness += kappa / V0 * sum of a^2,
-// and a step to force / stiffness (or up to twice as far) never raises the energy, exactly. Elements
-// that share a cell step one after the other, so each may use up the slack of its links: bricks in
-// eight colours by the parity of their place, all of one colour at once, and inside a brick elements
-// in eight colours. Nothing depends on the number of threads.
+// and a step to force / stiffness (or up to twice as far) never raises the energy, exactly.
+// Elements that share a cell step one after the other, so each may use up the slack of its links:
+// bricks in eight colours by the parity of their place, all of one colour at once, and inside a
+// brick elements in eight colours. Nothing depends on the number of threads.
 //
 // Costs memory and time where something moves, as coordinate_relaxation.h: 24 bytes per element
 // there.
@@ -63,15 +63,15 @@ class VolumeRelaxation {
   RelaxMethod m_method;
   int m_extent;  // of the body, voxels
   bool m_is_plastic = false;
-  double m_cell_energy;                      // uJ of a cell's excess squared, (2^-32 voxel)^6
-  std::array<double, 3> m_weight;            // CellSweep::weight
-  std::vector<Coordinate> m_coordinates;     // three
-  std::vector<VolumeClusters> m_clusters;    // per coordinate
-  std::array<BrickArray<double>, 3> m_now;   // 2^-32 voxel
+  double m_cell_energy;                     // uJ of a cell's excess squared, (2^-32 voxel)^6
+  std::array<double, 3> m_weight;           // CellSweep::weight
+  std::vector<Coordinate> m_coordinates;    // three
+  std::vector<VolumeClusters> m_clusters;   // per coordinate
+  std::array<BrickArray<double>, 3> m_now;  // 2^-32 voxel
   std::array<std::vector<std::uint32_t>, 8> m_work;  // bricks of the next pass, by colour
-  std::vector<char> m_due;                   // per brick: in m_work
-  std::vector<char> m_changed;               // per brick, in this pass
-  std::vector<double> m_energies;            // per brick, uJ
+  std::vector<char> m_due;                           // per brick: in m_work
+  std::vector<char> m_changed;                       // per brick, in this pass
+  std::vector<double> m_energies;                    // per brick, uJ
   double m_energy = 0;
   int m_passes = 0;
 };
