@@ -90,8 +90,9 @@ SweepOutcome CoordinateRelaxation::sweep_one(std::size_t brick, const BrickMask&
   return sweep_brick(offsets, links, &rest, m_table, free, rule, out);
 }
 
-/// A step towards a bound is cut short there; what starts within stays within.
-void CoordinateRelaxation::keep_bounds(std::size_t brick, double* values) const {
+/// A step towards a bound is cut short there; what starts within stays within. Returns the largest
+/// step that is left of those that the sweep took.
+double CoordinateRelaxation::keep_bounds(std::size_t brick, double* values, double largest) const {
   const auto [least, least_end] = bounds_in(m_at_least, brick);
   for (auto bound = least; bound != least_end; ++bound) {
     double& value = values[bound->slot % kBrickVoxels];
@@ -102,6 +103,13 @@ void CoordinateRelaxation::keep_bounds(std::size_t brick, double* values) const 
     double& value = values[bound->slot % kBrickVoxels];
     value = std::min(value, bound->value * kFinePerUnit);
   }
+  if (least == least_end && most == most_end) return largest;
+  const double* before = m_now.brick_or_zero(brick);
+  largest = 0;
+  for (int n = 0; n < kBrickVoxels; ++n) {
+    largest = std::max(largest, std::abs(values[n] - before[n]));
+  }
+  return largest;
 }
 
 /// All single nodes of a colour (-1: all) of the pass's bricks; returns the largest step.
@@ -118,9 +126,8 @@ double CoordinateRelaxation::sweep_nodes(int colour, const SweepRule& rule, bool
     const SweepOutcome outcome = sweep_one(brick, free, rule, out);
     if (first) m_energies[brick] = outcome.energy;
     if (outcome.largest_step == 0) return;
-    if (rule.limited) keep_bounds(brick, out);
-    m_changed[brick] = 1;
-    largest[n] = outcome.largest_step;
+    largest[n] = rule.limited ? keep_bounds(brick, out, outcome.largest_step) : outcome.largest_step;
+    if (largest[n] != 0) m_changed[brick] = 1;
   });
   m_now.swap(m_next);
   return largest.empty() ? 0 : *std::max_element(largest.begin(), largest.end());

@@ -34,7 +34,7 @@ class CoordinateRelaxation {
   double sweep_nodes(int colour, const SweepRule& rule, bool first);
   double sweep_clusters(const Clusters& clusters, double relaxation);
   double step_of_cluster(const Clusters& clusters, std::size_t cluster, double relaxation) const;
-  void keep_bounds(std::size_t brick, double* values) const;
+  double keep_bounds(std::size_t brick, double* values, double largest) const;
 
   const Body& m_body;
   const std::vector<Bound>& m_at_least;
