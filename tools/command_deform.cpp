@@ -24,6 +24,7 @@ struct Options {
   std::optional<int> relax;
   std::optional<std::string> relax_method;
   std::optional<double> relax_tolerance;
+  std::optional<double> relax_volume;
 };
 
 /// Every --grab takes the next --by, except files whose points have displacements of their own.
@@ -88,14 +89,23 @@ std::vector<CutSurface> parse_cuts(const Options& options) {
 
 std::optional<RelaxParams> parse_relax(const Options& options) {
   if (!options.relax) {
-    if (!options.relax_method && !options.relax_tolerance) return std::nullopt;
-    throw UsageError(to_line({"", options.relax_method ? "--relax-method" : "--relax-tolerance",
-                              "no --relax", "--relax with the most passes"}));
+    const char* alone = options.relax_method      ? "--relax-method"
+                        : options.relax_tolerance ? "--relax-tolerance"
+                        : options.relax_volume    ? "--relax-volume"
+                                                  : nullptr;
+    if (alone == nullptr) return std::nullopt;
+    throw UsageError(to_line({"", alone, "no --relax", "--relax with the most passes"}));
   }
   RelaxParams params;
   params.passes = *options.relax;
   if (options.relax_method) params.method = *relax_method(*options.relax_method);
   if (options.relax_tolerance) params.tolerance_voxels = *options.relax_tolerance;
+  if (options.relax_volume) params.volume_stiffness_kpa = *options.relax_volume;
+  if (params.volume_stiffness_kpa > 0 && !conserves_volume(params.method)) {
+    throw UsageError(to_line({"", "--relax-volume",
+                              std::string("--relax-method ") + name_of(params.method),
+                              "red-black or accelerated"}));
+  }
   return params;
 }
 
@@ -145,6 +155,12 @@ void print_relaxation(const StepRecord& record) {
   std::printf("relaxed         %d passes (%s%s), energy %.6g to %.6g uJ, last step %.2g voxels\n",
               report.passes, name_of(record.relax->method), report.converged ? ", converged" : "",
               report.energy_before, report.energy_after, report.largest_step_voxels);
+  if (report.volumes_after) {
+    std::printf("volume          %.4f to %.4f of %lld cells at rest, a cell %.3g to %.3g\n",
+                report.volumes_before->ratio(), report.volumes_after->ratio(),
+                static_cast<long long>(report.volumes_after->cells),
+                report.volumes_after->smallest, report.volumes_after->largest);
+  }
   if (report.yielded_links > 0) {
     std::printf("plastic flow    %lld links\n", static_cast<long long>(report.yielded_links));
   }
@@ -276,6 +292,10 @@ Command add_deform(CLI::App& program) {
                   "End when a pass moves nothing further than this, in voxels")
       ->check(CLI::NonNegativeNumber)
       ->option_text("T");
+  app->add_option("--relax-volume", options->relax_volume,
+                  "Bulk modulus in kPa with which relaxed tissue keeps its volume (0: it does not)")
+      ->check(CLI::Range(0.0, kMaxVolumeStiffnessKpa))
+      ->option_text("KPA");
   app->add_option("-o,--output", options->output, "State file to write")
       ->required()
       ->option_text("STATE.vdb");

@@ -251,8 +251,18 @@ nlohmann::ordered_json to_json(const BallReport& report, std::int64_t cut_links)
 
 namespace {
 
+nlohmann::ordered_json to_json(const CellVolumes& volumes) {
+  return {{"cells", volumes.cells},
+          {"rest_mm3", volumes.rest_mm3},
+          {"mm3", volumes.total_mm3},
+          {"ratio", volumes.ratio()},
+          {"smallest_cell_ratio", volumes.smallest},
+          {"largest_cell_ratio", volumes.largest}};
+}
+
 nlohmann::ordered_json to_json(const RelaxParams& params, const RelaxReport& report) {
-  return {{"method", name_of(params.method)},
+  nlohmann::ordered_json json = {
+          {"method", name_of(params.method)},
           {"passes", report.passes},
           {"converged", report.converged},
           {"energy_before_uj", report.energy_before},
@@ -262,6 +272,12 @@ nlohmann::ordered_json to_json(const RelaxParams& params, const RelaxReport& rep
           {"projected", report.projected_links},
           {"projected_max_voxels", report.projected_max_voxels},
           {"relax_ms", report.milliseconds}};
+  if (report.volumes_after) {
+    json["volume_kpa"] = params.volume_stiffness_kpa;
+    json["volumes_before"] = to_json(*report.volumes_before);
+    json["volumes_after"] = to_json(*report.volumes_after);
+  }
+  return json;
 }
 
 nlohmann::ordered_json to_json(const EcmReport& report, std::int64_t cut_links) {

@@ -129,7 +129,7 @@ Limits read_limits(TomlTable& table) {
 
 RelaxParams read_relax(TomlTable& table) {
   RelaxParams params;
-  table.know({"passes", "tolerance", "method"});
+  table.know({"passes", "tolerance", "method", "volume"});
   if (const auto passes = table.integer("passes")) {
     if (*passes < 1 || *passes > kMaxPasses) {
       table.fail("passes", std::to_string(*passes), "1 to " + std::to_string(kMaxPasses));
@@ -144,6 +144,17 @@ RelaxParams read_relax(TomlTable& table) {
     const auto method = relax_method(*name);
     if (!method) table.fail("method", "\"" + *name + "\"", relax_method_names());
     params.method = *method;
+  }
+  if (const auto volume = table.number("volume")) {
+    if (!(*volume >= 0 && *volume <= kMaxVolumeStiffnessKpa)) {
+      table.fail("volume", number_text(*volume),
+                 "0 to " + number_text(kMaxVolumeStiffnessKpa) + " kPa");
+    }
+    if (*volume > 0 && !conserves_volume(params.method)) {
+      table.fail("volume", std::string("method \"") + name_of(params.method) + "\"",
+                 "method \"red-black\" or \"accelerated\"");
+    }
+    params.volume_stiffness_kpa = *volume;
   }
   table.finish();
   return params;

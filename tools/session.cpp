@@ -67,9 +67,11 @@ nlohmann::ordered_json to_json(const Drag& drag) {
 }
 
 nlohmann::ordered_json relax_settings(const RelaxParams& params) {
-  return {{"method", name_of(params.method)},
-          {"passes", params.passes},
-          {"tolerance_voxels", params.tolerance_voxels}};
+  nlohmann::ordered_json json = {{"method", name_of(params.method)},
+                                 {"passes", params.passes},
+                                 {"tolerance_voxels", params.tolerance_voxels}};
+  if (params.volume_stiffness_kpa > 0) json["volume_kpa"] = params.volume_stiffness_kpa;
+  return json;
 }
 
 void warn_of_report(const BallReport& report, Console& console) {

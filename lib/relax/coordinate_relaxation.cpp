@@ -3,29 +3,18 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
+#include "lib/relax/in_parallel.h"
 
 namespace supple {
 
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 /// Links with less slack than this count as at their limit.
 constexpr double kTight = 16 * kFinePerUnit;  // 2^-12 voxel
 /// Passes from one look for elements that block each other to the next.
 constexpr int kTightPasses = 8;
-
-bool bit(const std::vector<BrickMask>& masks, Slot slot) {
-  return mask_test(masks[slot / kBrickVoxels], int(slot % kBrickVoxels));
-}
-void clear_bit(std::vector<BrickMask>& masks, Slot slot) {
-  const unsigned offset = slot % kBrickVoxels;
-  masks[slot / kBrickVoxels][offset / 64] &= ~(std::uint64_t(1) << (offset % 64));
-}
 
 /// Voxels of a brick whose coordinates have an even (0) or odd (1) sum. Brick origins are even.
 BrickMask chessboard(int colour) {
@@ -35,46 +24,6 @@ BrickMask chessboard(int colour) {
     mask[std::size_t(i)] = (i + colour) % 2 == 0 ? kEvenPlane : ~kEvenPlane;
   }
   return mask;
-}
-
-/// The bounds of a brick's elements.
-std::pair<std::vector<Bound>::const_iterator, std::vector<Bound>::const_iterator> bounds_in(
-    const std::vector<Bound>& bounds, std::size_t brick) {
-  const auto before = [](const Bound& bound, std::size_t slot) { return bound.slot < slot; };
-  const auto first = std::lower_bound(bounds.begin(), bounds.end(), brick * kBrickVoxels, before);
-  return {first, std::lower_bound(first, bounds.end(), (brick + 1) * kBrickVoxels, before)};
-}
-
-/// Null where the element has none.
-const Bound* bound_of(const std::vector<Bound>& bounds, Slot slot) {
-  const auto place =
-      std::lower_bound(bounds.begin(), bounds.end(), slot,
-                       [](const Bound& bound, Slot wanted) { return bound.slot < wanted; });
-  return place != bounds.end() && place->slot == slot ? &*place : nullptr;
-}
-
-/// Of a pass, counted from 0: grows from 1 as the momentum of Nesterov's method does, up to what
-/// suits the slowest mode of a body of that many voxels (Young 1971 for one whose ends are fixed; a
-/// free end halves the rate). Any below 2 lowers the energy.
-double over_relaxation(int pass, int extent) {
-  return 2 - std::max(3.0 / (2 * pass + 3), 2.0 / (extent + 2));
-}
-
-int largest_extent(const BrickTopology& elements) {
-  const IndexBox& bounds = elements.active_bounds();
-  int extent = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    extent = std::max(extent, bounds.hi[axis] - bounds.lo[axis] + 1);
-  }
-  return extent;
-}
-
-template <class Visit>
-void in_parallel(std::size_t count, Visit&& visit) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 4),
-                    [&](const tbb::blocked_range<std::size_t>& range) {
-                      for (std::size_t n = range.begin(); n < range.end(); ++n) visit(n);
-                    });
 }
 
 }  // namespace
@@ -87,8 +36,9 @@ CoordinateRelaxation::CoordinateRelaxation(const Body& body, int coordinate, con
       m_method(method),
       m_table(body, coordinate,
               method == RelaxMethod::plain ? RigidLinks::springs : RigidLinks::absent),
-      m_is_plastic(m_table.has_yield() || has_rest()),
+      m_is_plastic(m_table.has_yield() || has_rest(body, coordinate)),
       m_extent(largest_extent(body.elements)),
+      m_elements(find_movable(body, m_table, still, method != RelaxMethod::plain)),
       m_now(body.elements.brick_count()),
       m_next(body.elements.brick_count()),
       m_changed(body.elements.brick_count(), 0),
@@ -103,12 +53,6 @@ CoordinateRelaxation::CoordinateRelaxation(const Body& body, int coordinate, con
     std::copy_n(fine, kBrickVoxels, m_next.touch(b));
     m_changed[b] = 1;
   }
-  for (std::size_t b = 0; b < body.elements.brick_count(); ++b) {
-    m_movable.push_back(body.elements.mask(b));
-  }
-  still.for_each([this](Slot slot) { clear_bit(m_movable, slot); });
-  m_single = m_movable;
-  if (method != RelaxMethod::plain && m_table.has_rigid()) find_rigid_clusters();
   for (const auto& axis : body.rest) {
     const BrickValues& rest = axis[std::size_t(coordinate)];
     for (std::size_t b = 0; b < rest.brick_count(); ++b) {
@@ -116,30 +60,6 @@ CoordinateRelaxation::CoordinateRelaxation(const Body& body, int coordinate, con
     }
   }
   add_bricks();
-}
-
-bool CoordinateRelaxation::has_rest() const {
-  return std::any_of(m_body.rest.begin(), m_body.rest.end(), [&](const auto& axis) {
-    return !axis[std::size_t(m_table.coordinate())].empty();
-  });
-}
-
-/// A cluster with an element that is held, is held.
-void CoordinateRelaxation::find_rigid_clusters() {
-  std::vector<std::uint32_t> bricks(m_movable.size());
-  std::iota(bricks.begin(), bricks.end(), 0u);
-  m_rigid = find_clusters(m_body, m_table, bricks, [&](int axis, Slot low, Slot high) {
-    return m_table.is_rigid(axis, m_body.classes[low], m_body.classes[high]);
-  });
-  for (std::size_t c = 0; c < m_rigid.count(); ++c) {
-    const auto begin = m_rigid.members.begin() + m_rigid.first[c];
-    const auto end = m_rigid.members.begin() + m_rigid.first[c + 1];
-    const bool moves = std::all_of(begin, end, [&](Slot slot) { return bit(m_movable, slot); });
-    for (auto slot = begin; slot != end; ++slot) {
-      clear_bit(m_single, *slot);
-      if (!moves) clear_bit(m_movable, *slot);
-    }
-  }
 }
 
 /// Bricks of the next pass: those that changed, and their neighbours.
@@ -175,8 +95,9 @@ SweepOutcome CoordinateRelaxation::sweep_one(std::size_t brick, const BrickMask&
   return sweep_brick(offsets, links, &rest, m_table, free, rule, out);
 }
 
-/// A step towards a bound is cut short there; what starts within stays within.
-void CoordinateRelaxation::keep_bounds(std::size_t brick, double* values) const {
+/// A step towards a bound is cut short there; what starts within stays within. Returns the largest
+/// step that is left of those that the sweep took.
+double CoordinateRelaxation::keep_bounds(std::size_t brick, double* values, double largest) const {
   const auto [least, least_end] = bounds_in(m_at_least, brick);
   for (auto bound = least; bound != least_end; ++bound) {
     double& value = values[bound->slot % kBrickVoxels];
@@ -187,6 +108,13 @@ void CoordinateRelaxation::keep_bounds(std::size_t brick, double* values) const 
     double& value = values[bound->slot % kBrickVoxels];
     value = std::min(value, bound->value * kFinePerUnit);
   }
+  if (least == least_end && most == most_end) return largest;
+  const double* before = m_now.brick_or_zero(brick);
+  largest = 0;
+  for (int n = 0; n < kBrickVoxels; ++n) {
+    largest = std::max(largest, std::abs(values[n] - before[n]));
+  }
+  return largest;
 }
 
 /// All single nodes of a colour (-1: all) of the pass's bricks; returns the largest step.
@@ -195,7 +123,7 @@ double CoordinateRelaxation::sweep_nodes(int colour, const SweepRule& rule, bool
   std::vector<double> largest(m_work.size());
   in_parallel(m_work.size(), [&](std::size_t n) {
     const std::size_t brick = m_work[n];
-    BrickMask free = m_single[brick];
+    BrickMask free = m_elements.single[brick];
     if (colour >= 0) {
       for (std::size_t word = 0; word < 8; ++word) free[word] &= kColours[colour][word];
     }
@@ -204,9 +132,9 @@ double CoordinateRelaxation::sweep_nodes(int colour, const SweepRule& rule, bool
     if (first) m_energies[brick] = outcome.energy;
     m_is_tight[brick] = outcome.least_slack <= kTight;
     if (outcome.largest_step == 0) return;
-    if (rule.limited) keep_bounds(brick, out);
-    m_changed[brick] = 1;
-    largest[n] = outcome.largest_step;
+    largest[n] =
+        rule.limited ? keep_bounds(brick, out, outcome.largest_step) : outcome.largest_step;
+    if (largest[n] != 0) m_changed[brick] = 1;
   });
   m_now.swap(m_next);
   return largest.empty() ? 0 : *std::max_element(largest.begin(), largest.end());
@@ -247,7 +175,7 @@ double CoordinateRelaxation::step_of_cluster(const Clusters& clusters, std::size
 double CoordinateRelaxation::sweep_clusters(const Clusters& clusters, double relaxation) {
   std::vector<double> steps(clusters.count());
   in_parallel(clusters.count(), [&](std::size_t c) {
-    if (bit(m_movable, clusters.members[clusters.first[c]])) {
+    if (m_elements.moves(clusters.members[clusters.first[c]])) {
       steps[c] = step_of_cluster(clusters, c, relaxation);
     }
   });
@@ -267,20 +195,19 @@ double CoordinateRelaxation::sweep_clusters(const Clusters& clusters, double rel
 /// Elements that links at their limits join within aligned blocks of 2^block_bits voxels.
 Clusters CoordinateRelaxation::find_tight_clusters(int block_bits) const {
   const auto joins = [&](int axis, Slot low, Slot high) {
-    if (!bit(m_movable, low) || !bit(m_movable, high)) return false;
+    if (!m_elements.moves(low) || !m_elements.moves(high)) return false;
     const std::uint8_t a = m_body.classes[low], b = m_body.classes[high];
     if (m_table.is_rigid(axis, a, b)) return true;
     const LinkValues& values = m_table.values(axis, a, b);
     const double apart = m_now.at(high) - m_now.at(low);
-    if (std::min(values.upper * kFinePerUnit - apart, values.lower * kFinePerUnit + apart) >
-        kTight) {
-      return false;
-    }
+    const double wider = values.upper * kFinePerUnit - apart;
+    const double narrower = values.lower * kFinePerUnit + apart;
+    if (std::min(wider, narrower) > kTight) return false;
     const Vec3i at = voxel_of(m_body.elements, low), next = voxel_of(m_body.elements, high);
     return at[axis] >> block_bits == next[axis] >> block_bits;
   };
   std::vector<char> wanted = m_is_tight;
-  for (const Slot slot : m_rigid.members) wanted[slot / kBrickVoxels] = 1;
+  for (const Slot slot : m_elements.rigid.members) wanted[slot / kBrickVoxels] = 1;
   std::vector<std::uint32_t> bricks;
   for (std::size_t b = 0; b < wanted.size(); ++b) {
     if (wanted[b]) bricks.push_back(std::uint32_t(b));
@@ -303,7 +230,9 @@ double CoordinateRelaxation::pass() {
     }
   }
   ++m_passes;
-  if (m_rigid.count() > 0) largest = std::max(largest, sweep_clusters(m_rigid, rule.relaxation));
+  if (m_elements.rigid.count() > 0) {
+    largest = std::max(largest, sweep_clusters(m_elements.rigid, rule.relaxation));
+  }
   if (m_method == RelaxMethod::accelerated && m_passes % kTightPasses == 0) {
     // Every time blocks of another size, up to the whole body.
     int levels = 1;
@@ -328,23 +257,11 @@ double CoordinateRelaxation::energy() {
 }
 
 void CoordinateRelaxation::store(BrickValues& q) const {
-  q.resize(m_now.brick_count());
-  for (std::size_t b = 0; b < m_now.brick_count(); ++b) {
-    const double* fine = m_now.brick(b);
-    if (fine == nullptr) continue;
-    const bool is_zero = std::all_of(
-        fine, fine + kBrickVoxels, [](double value) { return std::abs(value) * 2 < kFinePerUnit; });
-    if (is_zero && q.brick(b) == nullptr) continue;
-    std::int32_t* values = q.touch(b);
-    for (int n = 0; n < kBrickVoxels; ++n) {
-      values[n] = std::int32_t(std::floor(fine[n] / kFinePerUnit + 0.5));
-    }
-  }
+  store_rounded(m_now, q);
 }
 
 std::size_t CoordinateRelaxation::bytes() const {
-  return m_now.bytes() + m_next.bytes() + m_table.bytes() + m_rigid.bytes() +
-         (m_movable.capacity() + m_single.capacity()) * sizeof(BrickMask) +
+  return m_now.bytes() + m_next.bytes() + m_table.bytes() + m_elements.bytes() +
          m_work.capacity() * sizeof(m_work[0]) + m_changed.capacity() + m_is_tight.capacity() +
          m_energies.capacity() * sizeof(double);
 }

@@ -6,7 +6,7 @@
 
 #include <vector>
 
-#include "lib/relax/clusters.h"
+#include "lib/relax/movable.h"
 #include "lib/relax/relaxation.h"
 #include "lib/relax/sweep_kernel.h"
 
@@ -28,8 +28,6 @@ class CoordinateRelaxation {
   std::size_t bytes() const;
 
  private:
-  bool has_rest() const;
-  void find_rigid_clusters();
   void add_bricks();
   SweepOutcome sweep_one(std::size_t brick, const BrickMask& free, const SweepRule& rule,
                          double* out) const;
@@ -37,7 +35,7 @@ class CoordinateRelaxation {
   double sweep_clusters(const Clusters& clusters, double relaxation);
   double step_of_cluster(const Clusters& clusters, std::size_t cluster, double relaxation) const;
   Clusters find_tight_clusters(int block_bits) const;
-  void keep_bounds(std::size_t brick, double* values) const;
+  double keep_bounds(std::size_t brick, double* values, double largest) const;
 
   const Body& m_body;
   const std::vector<Bound>& m_at_least;
@@ -45,10 +43,8 @@ class CoordinateRelaxation {
   RelaxMethod m_method;
   LinkTable m_table;
   bool m_is_plastic;
-  int m_extent;                       // of the body, voxels
-  std::vector<BrickMask> m_movable;   // elements that nothing holds
-  std::vector<BrickMask> m_single;    // those of them that step on their own
-  Clusters m_rigid;                   // the others of them
+  int m_extent;  // of the body, voxels
+  Movable m_elements;
   BrickArray<double> m_now, m_next;   // the same where the last pass changed nothing
   std::vector<std::uint32_t> m_work;  // bricks of the next pass, ascending
   std::vector<char> m_changed;        // per brick, in this pass

@@ -6,6 +6,7 @@
 
 #include "lib/relax/coordinate_relaxation.h"
 #include "lib/relax/plastic_flow.h"
+#include "lib/relax/volume_relaxation.h"
 
 namespace supple {
 
@@ -22,6 +23,15 @@ void check(const RelaxParams& params) {
   if (!(params.tolerance_voxels >= 0)) {
     throw InputError(
         {"", "tolerance", std::to_string(params.tolerance_voxels), "0 or more voxels"});
+  }
+  const double volume = params.volume_stiffness_kpa;
+  if (!(volume >= 0 && volume <= kMaxVolumeStiffnessKpa)) {
+    throw InputError({"", "volume", number_text(volume),
+                      "0 to " + number_text(kMaxVolumeStiffnessKpa) + " kPa"});
+  }
+  if (volume > 0 && !conserves_volume(params.method)) {
+    throw InputError({"", "volume", std::string("method ") + name_of(params.method),
+                      "red-black or accelerated"});
   }
 }
 
@@ -61,10 +71,18 @@ std::string relax_method_names() {
   return names;
 }
 
+bool conserves_volume(RelaxMethod method) {
+  return method == RelaxMethod::red_black || method == RelaxMethod::accelerated;
+}
+
 Relaxation::Relaxation(Body& body, const SlotSet& fixed, const Holds& held,
                        const RelaxParams& params)
     : m_body(body) {
   check(params);
+  if (params.volume_stiffness_kpa > 0) {
+    m_volume = std::make_unique<VolumeRelaxation>(body, fixed, held, params);
+    return;
+  }
   for (int c = 0; c < 3; ++c) {
     if (is_at_rest(body, std::size_t(c))) continue;
     m_coordinates[std::size_t(c)] =
@@ -84,6 +102,11 @@ double fine_mm(const Body& body, int c) {
 }  // namespace
 
 double Relaxation::pass() {
+  if (m_volume) {
+    const double largest = m_volume->pass();
+    m_energy = m_volume->energy_before_pass();
+    return largest;
+  }
   double largest = 0;
   m_energy = 0;
   for (int c = 0; c < 3; ++c) {
@@ -97,6 +120,7 @@ double Relaxation::pass() {
 }
 
 double Relaxation::energy() {
+  if (m_volume) return m_volume->energy();
   double total = 0;
   for (int c = 0; c < 3; ++c) {
     const auto& coordinate = m_coordinates[std::size_t(c)];
@@ -107,6 +131,7 @@ double Relaxation::energy() {
 }
 
 void Relaxation::store() {
+  if (m_volume) return m_volume->store(m_body.q);
   for (std::size_t c = 0; c < 3; ++c) {
     if (m_coordinates[c]) m_coordinates[c]->store(m_body.q[c]);
   }
@@ -128,6 +153,8 @@ RelaxReport relax(Body& body, const std::vector<Region>& fixed, const Holds& hel
     result.projected_links = projection.violated_links;
     result.projected_max_voxels = projection.max_move_voxels;
   }
+  const bool conserves = params.volume_stiffness_kpa > 0;
+  if (conserves) result.volumes_before = cell_volumes(body);
   const SlotSet still = still_elements(body, fixed, held);
   Relaxation relaxation(body, still, held, params);
   const auto store = [&] {
@@ -147,6 +174,7 @@ RelaxReport relax(Body& body, const std::vector<Region>& fixed, const Holds& hel
     throw;
   }
   store();
+  if (conserves) result.volumes_after = cell_volumes(body);
   if (result.passes == 0) result.energy_before = result.energy_after;
   if (body.material.has_plastic()) result.yielded_links = let_flow(body);
   body.links_known_valid = params.method != RelaxMethod::plain;
@@ -156,7 +184,7 @@ RelaxReport relax(Body& body, const std::vector<Region>& fixed, const Holds& hel
 }
 
 std::size_t Relaxation::bytes() const {
-  std::size_t total = 0;
+  std::size_t total = m_volume ? m_volume->bytes() : 0;
   for (const auto& coordinate : m_coordinates) {
     if (coordinate) total += coordinate->bytes();
   }

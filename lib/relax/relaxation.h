@@ -19,6 +19,7 @@
 #include "lib/body/body.h"
 #include "lib/body/region.h"
 #include "lib/chainmail/ecm.h"
+#include "lib/relax/cell_volume.h"
 #include "volumes/base/progress.h"
 
 namespace supple {
@@ -35,6 +36,12 @@ std::optional<RelaxMethod> relax_method(const std::string& name);
 /// For messages: all names, comma-separated.
 std::string relax_method_names();
 
+/// Whether the method can conserve volume: elements of a cell must not step together.
+bool conserves_volume(RelaxMethod method);
+
+/// A bulk modulus beyond this is taken for a mistake: water has 2.2e6 kPa.
+constexpr double kMaxVolumeStiffnessKpa = 1e9;
+
 /// A number of passes beyond this is taken for a mistake.
 constexpr int kMaxPasses = 1000000;
 
@@ -43,6 +50,9 @@ struct RelaxParams {
   int passes = 20;  // at most
   /// Stops after a pass in which no element moved further, in voxels of each axis.
   double tolerance_voxels = 0;
+  /// Bulk modulus with which cells keep their rest volume (volume_relaxation.h); 0: they do not.
+  /// Only with the methods red_black and accelerated.
+  double volume_stiffness_kpa = 0;
 };
 
 struct RelaxReport {
@@ -53,10 +63,13 @@ struct RelaxReport {
   double energy_before = 0, energy_after = 0;  // uJ (N/m * mm^2)
   double largest_step_voxels = 0;              // of the last pass
   std::int64_t yielded_links = 0;              // whose rest stretch followed
+  /// Where volume is conserved.
+  std::optional<CellVolumes> volumes_before, volumes_after;
   double milliseconds = 0;
 };
 
 class CoordinateRelaxation;
+class VolumeRelaxation;
 
 /// Relaxes one body. Between passes nothing is lost: the body's offsets are those of the last
 /// finished pass once store() was called, and the object keeps their fractions.
@@ -68,7 +81,8 @@ class Relaxation {
   Relaxation(Body& body, const SlotSet& fixed, const Holds& held, const RelaxParams& params);
   ~Relaxation();
 
-  /// One pass over all coordinates that have moved; the largest step in voxels.
+  /// One pass over all coordinates that have moved, or all where volume is conserved; the largest
+  /// step in voxels.
   double pass();
   /// Energy before the last pass, or at the start, in uJ: free of cost.
   double energy_before_pass() const { return m_energy; }
@@ -81,6 +95,7 @@ class Relaxation {
  private:
   Body& m_body;
   std::array<std::unique_ptr<CoordinateRelaxation>, 3> m_coordinates;
+  std::unique_ptr<VolumeRelaxation> m_volume;  // in their stead
   double m_energy = 0;
 };
 

@@ -7,6 +7,7 @@
 #include "lib/body/lattice.h"
 #include "lib/relax/relaxation.h"
 #include "tests/lib/brute_force.h"
+#include "tests/lib/relaxed_bodies.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -25,58 +26,10 @@ Body soft_row(int length) {
   return soft_block({length, 1, 1}, [](int, int, int) { return 255.0; });
 }
 
-double stiffness_of(const Body& body, int axis, Slot low, Slot high) {
-  const Vec3d h = body.geometry.spacing_mm();
-  return MaterialClasses(body.material)
-             .physics(body.classes[low], body.classes[high])
-             .stiffness_kpa *
-         h[(axis + 1) % 3] * h[(axis + 2) % 3] / h[axis];
-}
-
-/// By definition, from the stored offsets, in uJ.
-double energy_of(const Body& body) {
-  double sum = 0;
-  for (std::size_t b = 0; b < body.elements.brick_count(); ++b) {
-    for_each_link(body.elements, body.cuts, b, [&](int axis, Slot low, Slot high) {
-      for (std::size_t c = 0; c < 3; ++c) {
-        const double mm = (double(body.q[c].at(high)) - body.q[c].at(low)) / kFixedOne *
-                          body.geometry.spacing_mm()[int(c)];
-        sum += stiffness_of(body, axis, low, high) * mm * mm / 2;
-      }
-    });
-  }
-  return sum;
-}
-
-/// A random body after some random drags, and what these hold.
-struct Dragged {
-  Body body;
-  Holds holds;
-  std::vector<Region> anchors;
-};
-
-Dragged dragged(std::mt19937& random, const Vec3i& max_dims) {
-  Block block = random_block(random, max_dims);
-  if (random() % 3 == 0) cut_randomly(random, block);
-  Dragged result{body_of(block), {}, {}};
-  if (random() % 2 == 0)
-    result.anchors.push_back(Region(block.voxel(random_element(random, block))));
-  for (int n = 0; n < 2; ++n) {
-    const Vec3i voxel = block.voxel(random_element(random, block));
-    if (!result.anchors.empty() && *result.anchors[0].box() == IndexBox{voxel, voxel}) continue;
-    std::array<std::int32_t, 3> by;
-    for (auto& way : by) way = std::int32_t(random() % (12u * kVoxel)) - 6 * kVoxel;
-    const HandleKind kind = random() % 4 == 0 ? HandleKind::push : HandleKind::two_sided;
-    drag(result.body, {{voxel, by, kind}}, result.anchors, result.holds);
-  }
-  return result;
-}
-
 Relaxation relaxation_of(Dragged& dragged, RelaxMethod method) {
   RelaxParams params;
   params.method = method;
-  return Relaxation(dragged.body, still_elements(dragged.body, dragged.anchors, dragged.holds),
-                    dragged.holds, params);
+  return relaxation_of(dragged, params);
 }
 
 }  // namespace
@@ -98,7 +51,8 @@ TEST(PropertyRelaxation, EveryPassLeavesAValidBodyOfNoMoreEnergy) {
         relaxation.store();
         ASSERT_EQ(check_links(start.body).violated, 0) << name_of(method) << " pass " << pass;
       }
-      EXPECT_NEAR(relaxation.energy(), energy_of(start.body), 1e-3 * energy_of(before.body) + 1e-9);
+      EXPECT_NEAR(relaxation.energy(), spring_energy(start.body),
+                  1e-3 * spring_energy(before.body) + 1e-9);
     }
   }
   EXPECT_GT(moved, 800);

@@ -1,0 +1,76 @@
+// One brick with what its cells need: the offsets of its elements and one layer around them,
+// corners included, and by how much each cell that touches the brick exceeds its rest volume.
+//
+// Every other value along k lies side by side, since neighbours never step together: a row holds
+// the values of even k, then those of odd k.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "lib/body/body.h"
+#include "lib/body/lattice.h"
+#include "lib/relax/brick_links.h"
+
+namespace supple {
+
+/// The brick and the 26 around it, 9 (di + 1) + 3 (dj + 1) + dk + 1; -1 where there is none or no
+/// chain of face neighbours along i, then j, then k leads there, in which case no cell does.
+using BricksAround = std::array<std::int32_t, 27>;
+BricksAround bricks_around(const BrickTopology& elements, std::size_t b);
+
+/// Bit k + 1 of row [i + 1][j + 1]: a cell has its lowest corner at (i, j, k), each from -1 to 7.
+struct CellRows {
+  std::uint16_t rows[9][9];
+  bool any = false;
+};
+CellRows find_cells(const Body& body, const BricksAround& around);
+
+/// Calls visit(lowest) for the cells whose lowest corner lies in the brick, in brick order; local
+/// coordinates.
+template <class Visit>
+void for_each_cell(const CellRows& cells, Visit&& visit) {
+  for (int i = 0; i < 8; ++i) {
+    for (int j = 0; j < 8; ++j) {
+      for (unsigned bits = cells.rows[i + 1][j + 1] >> 1; bits != 0; bits &= bits - 1) {
+        visit(Vec3i(i, j, __builtin_ctz(bits)));
+      }
+    }
+  }
+}
+
+/// Of local coordinates from -1 to 8, in a brick that is there.
+inline Slot slot_around(const BricksAround& around, int i, int j, int k) {
+  const auto side = [](int local) { return local < 0 ? 0 : local > 7 ? 2 : 1; };
+  const std::int32_t brick = around[std::size_t(9 * side(i) + 3 * side(j) + side(k))];
+  return Slot(brick) * kBrickVoxels + Slot(64 * (i & 7) + 8 * (j & 7) + (k & 7));
+}
+
+/// One cell of a lattice without deformation, in 2^-32 voxel and its cube.
+constexpr double kFineVoxel = 65536.0 * kFinePerUnit;
+constexpr double kFineCell = kFineVoxel * kFineVoxel * kFineVoxel;
+
+struct alignas(64) CellBrick {
+  /// Of a row: even k = 0 … 8, then odd k = -1 … 7.
+  static constexpr int kRowLength = 10, kFirstOdd = 5;
+  /// Where in a row the four values at k - 1, k and k + 1 begin, for k even (0, 2, 4, 6) and odd.
+  static constexpr int kPlace[2][3] = {{5, 0, 6}, {0, 6, 1}};
+
+  double offsets[3][100 * kRowLength];  // per coordinate, 2^-32 voxel
+  double alive[81 * kRowLength];        // 1 for a cell, by its lowest corner, else 0
+  double excess[81 * kRowLength];       // volume beyond rest, (2^-32 voxel)^3
+
+  /// First value of row (i, j), each from -1 to 8 for offsets and to 7 for cells.
+  static constexpr int node_row(int i, int j) { return (10 * (i + 1) + j + 1) * kRowLength; }
+  static constexpr int cell_row(int i, int j) { return (9 * (i + 1) + j + 1) * kRowLength; }
+  /// Of value k in its row.
+  static constexpr int place(int k) { return (k & 1) != 0 ? kFirstOdd + (k + 1) / 2 : k / 2; }
+};
+
+/// Offsets and `alive`; absent elements are at rest.
+void fill_cells(const std::array<BrickArray<double>, 3>& offsets, const BricksAround& around,
+                const CellRows& cells, CellBrick& out);
+/// The offsets of the brick itself, 512 of coordinate c.
+void take_offsets(const CellBrick& brick, int c, double* out);
+
+}  // namespace supple

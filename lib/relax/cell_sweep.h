@@ -1,0 +1,51 @@
+// One sweep of volume-conserving relaxation over one brick, in place: every free element steps to
+// where its links and its eight cells balance, one coordinate after the other, no further than the
+// limits allow.
+//
+// Elements that share a cell never step together: eight colours, by the parity of i, j and k. About
+// 400 operations per element, four elements along k at a time.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "lib/chainmail/ecm.h"
+#include "lib/relax/brick_links.h"
+#include "lib/relax/cell_brick.h"
+#include "lib/relax/link_table.h"
+
+namespace supple {
+
+using LinkTables = std::array<const LinkTable*, 3>;  // per coordinate
+
+/// Bounds of a brick's elements, 2^-32 voxel; infinite where there is none.
+struct BrickBounds {
+  double least[3][kBrickVoxels], most[3][kBrickVoxels];
+};
+
+struct CellSweep {
+  double relaxation = 1;  // part of the way to where forces balance; below 2
+  /// Per coordinate: bulk modulus * rest volume / spacing^2 as seen by volumes in 2^-32 voxel:
+  /// times the square of a cell's excess it is twice the cell's energy, N/m * (2^-32 voxel)^2.
+  std::array<double, 3> weight{};
+  std::array<BrickMask, 3> free;           // per coordinate
+  const BrickBounds* bounds = nullptr;     // null: none
+  std::array<const BrickRest*, 3> rest{};  // per coordinate; null: all elastic, undeformed at rest
+};
+
+/// Computes `excess` of all cells of the brick from its offsets; dead cells have none.
+void find_excess(CellBrick& brick);
+
+/// Returns the largest step, 2^-32 voxel. `excess` follows.
+double sweep_cells(CellBrick& brick, const BrickLinks& links, const LinkTables& tables,
+                   const CellSweep& sweep);
+
+struct CellEnergy {
+  std::array<double, 3> links{};  // per coordinate, twice, N/m * (2^-32 voxel)^2
+  double excess_squared = 0;      // (2^-32 voxel)^6
+};
+/// Of the links to next elements and the cells that begin in the brick.
+CellEnergy energy_of_cells(const CellBrick& brick, const BrickLinks& links,
+                           const LinkTables& tables, const std::array<const BrickRest*, 3>& rest);
+
+}  // namespace supple

@@ -1,0 +1,40 @@
+// The volume of cells: a cell is spanned by 8 adjacent elements that all of its 12 links join
+// (thesis section 4.2.4).
+//
+// Its faces are bilinear patches, so that cells leave no gaps between them, and its volume is that
+// of the trilinear hexahedron, exactly. Such a volume is linear in each corner: with
+// e1, e2, e3 the corners along its edges and f12, f23, f31 those across its faces, all relative to
+// corner p and right-handed,
+//   dV/dp = -sum over the three faces of ((e1 - e2) x f12 + e1 x e2) / 12,
+// which does not depend on p.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "lib/body/body.h"
+
+namespace supple {
+
+/// Corner 4 i + 2 j + k of a cell lies (i, j, k) steps from its lowest one.
+using CellCorners = std::array<Vec3d, 8>;
+
+/// Signed: negative where the cell is inside out. Grandy 1997, "Efficient computation of volume of
+/// hexahedral cells".
+double hexahedron_volume(const CellCorners& corners);
+/// Derivative of the volume with respect to one corner; the other seven's opposite does not count.
+Vec3d hexahedron_gradient(const CellCorners& corners, int corner);
+
+struct CellVolumes {
+  std::int64_t cells = 0;
+  double rest_mm3 = 0;
+  double total_mm3 = 0;
+  double smallest = 1, largest = 1;  // of a cell, in its rest volume
+
+  /// 1 for a body without cells.
+  double ratio() const { return rest_mm3 > 0 ? total_mm3 / rest_mm3 : 1; }
+};
+/// Of all cells of the body, in parallel; costs only where something moved.
+CellVolumes cell_volumes(const Body& body);
+
+}  // namespace supple

@@ -1,0 +1,189 @@
+#include "lib/relax/volume_clusters.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "lib/relax/cell_volume.h"
+#include "lib/relax/in_parallel.h"
+
+namespace supple {
+
+namespace {
+
+/// Cells whose pulls are summed before the sums are: the same sums whatever the number of threads.
+constexpr std::size_t kCellsPerSum = 512;
+
+struct Pull {
+  double force = 0, stiffness = 0;
+};
+
+}  // namespace
+
+VolumeClusters::VolumeClusters(const Body& body, int coordinate, const Movable& elements,
+                               const Holds& held, double weight)
+    : m_body(body),
+      m_elements(elements),
+      m_at_least(held.at_least[std::size_t(coordinate)]),
+      m_at_most(held.at_most[std::size_t(coordinate)]),
+      m_coordinate(std::size_t(coordinate)),
+      m_weight(weight) {
+  const Clusters& rigid = elements.rigid;
+  if (rigid.count() == 0) return;
+  find_cells_of_clusters();
+  m_first_brick.push_back(0);
+  for (std::size_t c = 0; c < rigid.count(); ++c) {
+    std::vector<std::uint32_t> bricks;
+    for (std::uint32_t n = rigid.first[c]; n < rigid.first[c + 1]; ++n) {
+      bricks.push_back(rigid.members[n] / kBrickVoxels);
+    }
+    for (std::uint32_t n = m_first_cell[c]; n < m_first_cell[c + 1]; ++n) {
+      for (const Slot corner : m_cells[n].corners) bricks.push_back(corner / kBrickVoxels);
+    }
+    for (std::uint32_t n = rigid.first_link[c]; n < rigid.first_link[c + 1]; ++n) {
+      bricks.push_back(rigid.boundary[n].outside / kBrickVoxels);
+    }
+    std::sort(bricks.begin(), bricks.end());
+    m_bricks.insert(m_bricks.end(), bricks.begin(), std::unique(bricks.begin(), bricks.end()));
+    m_first_brick.push_back(std::uint32_t(m_bricks.size()));
+  }
+}
+
+void VolumeClusters::find_cells_of_clusters() {
+  const Clusters& rigid = m_elements.rigid;
+  const std::size_t bricks = m_body.elements.brick_count();
+  BrickValues numbers(bricks);  // one more than the cluster's
+  for (std::size_t c = 0; c < rigid.count(); ++c) {
+    for (std::uint32_t n = rigid.first[c]; n < rigid.first[c + 1]; ++n) {
+      numbers.set(rigid.members[n], std::int32_t(c + 1));
+    }
+  }
+  std::vector<std::pair<std::uint32_t, PartCell>> found;
+  for (std::size_t b = 0; b < bricks; ++b) {
+    const BricksAround around = bricks_around(m_body.elements, b);
+    const bool has_members = std::any_of(around.begin(), around.end(), [&](std::int32_t other) {
+      return other >= 0 && numbers.brick(std::size_t(other)) != nullptr;
+    });
+    if (!has_members) continue;
+    for_each_cell(find_cells(m_body, around), [&](const Vec3i& low) {
+      PartCell cell;
+      std::array<std::int32_t, 8> number;
+      for (std::size_t n = 0; n < 8; ++n) {
+        const int i = int(n) >> 2, j = int(n) >> 1 & 1, k = int(n) & 1;
+        cell.corners[n] = slot_around(around, low.x + i, low.y + j, low.z + k);
+        number[n] = numbers.at(cell.corners[n]);
+      }
+      for (std::size_t n = 0; n < 8; ++n) {
+        if (number[n] == 0 ||
+            std::find(number.begin(), number.begin() + n, number[n]) != number.begin() + n) {
+          continue;
+        }
+        unsigned members = 0;
+        for (std::size_t m = n; m < 8; ++m) members |= unsigned(number[m] == number[n]) << m;
+        if (members == 0xff) continue;
+        cell.members = std::uint8_t(members);
+        found.push_back({std::uint32_t(number[n] - 1), cell});
+      }
+    });
+  }
+  m_first_cell.assign(rigid.count() + 1, 0);
+  for (const auto& [cluster, cell] : found) ++m_first_cell[cluster + 1];
+  for (std::size_t c = 0; c < rigid.count(); ++c) m_first_cell[c + 1] += m_first_cell[c];
+  std::vector<std::uint32_t> next(m_first_cell.begin(), m_first_cell.end() - 1);
+  m_cells.resize(found.size());
+  for (const auto& [cluster, cell] : found) m_cells[next[cluster]++] = cell;
+}
+
+bool VolumeClusters::is_due(std::size_t cluster, const std::vector<char>& due) const {
+  return std::any_of(m_bricks.begin() + m_first_brick[cluster],
+                     m_bricks.begin() + m_first_brick[cluster + 1],
+                     [&](std::uint32_t brick) { return due[brick] != 0; });
+}
+
+/// The volume of a cell is linear in the step t of the cluster's corners: V + t sum of dV/dx.
+double VolumeClusters::step_of(std::size_t cluster,
+                               const std::array<BrickArray<double>, 3>& offsets,
+                               double relaxation) const {
+  const Clusters& rigid = m_elements.rigid;
+  const BrickArray<double>& now = offsets[m_coordinate];
+  double force = 0, stiffness = 0;
+  double rise = std::numeric_limits<double>::infinity(), sink = rise;
+  for (std::uint32_t n = rigid.first_link[cluster]; n < rigid.first_link[cluster + 1]; ++n) {
+    const Clusters::Boundary& link = rigid.boundary[n];
+    const double apart = now.at(link.outside) - now.at(link.inside);
+    const double upper = link.values.upper * kFinePerUnit, lower = link.values.lower * kFinePerUnit;
+    force += link.values.stiffness * pulled_stretch(link.values, apart - link.rest * kFinePerUnit);
+    stiffness += link.values.stiffness;
+    rise = std::min(rise, apart + (link.inside_is_low ? lower : upper));
+    sink = std::min(sink, (link.inside_is_low ? upper : lower) - apart);
+  }
+
+  const std::size_t begin = m_first_cell[cluster], end = m_first_cell[cluster + 1];
+  std::vector<Pull> sums((end - begin + kCellsPerSum - 1) / kCellsPerSum);
+  in_parallel(sums.size(), [&](std::size_t sum) {
+    const std::size_t first = begin + sum * kCellsPerSum;
+    for (std::size_t n = first; n < std::min(end, first + kCellsPerSum); ++n) {
+      const PartCell& cell = m_cells[n];
+      CellCorners corners;
+      for (int corner = 0; corner < 8; ++corner) {
+        for (int c = 0; c < 3; ++c) {
+          const double offset = offsets[std::size_t(c)].at(cell.corners[std::size_t(corner)]) -
+                                offsets[std::size_t(c)].at(cell.corners[0]);
+          corners[std::size_t(corner)][c] = offset / kFineVoxel + (corner >> (2 - c) & 1);
+        }
+      }
+      double gradient = 0;
+      for (int corner = 0; corner < 8; ++corner) {
+        if ((cell.members >> corner & 1) != 0) {
+          gradient += hexahedron_gradient(corners, corner)[int(m_coordinate)];
+        }
+      }
+      sums[sum].force -= m_weight * gradient * (hexahedron_volume(corners) - 1) * kFineVoxel;
+      sums[sum].stiffness += m_weight * gradient * gradient;
+    }
+  });
+  for (const Pull& sum : sums) {
+    force += sum.force;
+    stiffness += sum.stiffness;
+  }
+  if (stiffness == 0) return 0;
+
+  for (std::uint32_t n = rigid.first[cluster]; n < rigid.first[cluster + 1]; ++n) {
+    const Slot slot = rigid.members[n];
+    if (const Bound* least = bound_of(m_at_least, slot)) {
+      sink = std::min(sink, std::max(0.0, now.at(slot) - least->value * kFinePerUnit));
+    }
+    if (const Bound* most = bound_of(m_at_most, slot)) {
+      rise = std::min(rise, std::max(0.0, most->value * kFinePerUnit - now.at(slot)));
+    }
+  }
+  return std::trunc(std::max(-sink, std::min(rise, relaxation * force / stiffness)));
+}
+
+double VolumeClusters::step(std::array<BrickArray<double>, 3>& offsets, double relaxation,
+                            const std::vector<char>& due, std::vector<char>& changed) const {
+  const Clusters& rigid = m_elements.rigid;
+  double largest = 0;
+  for (std::size_t c = 0; c < rigid.count(); ++c) {
+    if (!m_elements.moves(rigid.members[rigid.first[c]])) continue;
+    // What moved earlier in this pass counts as well.
+    if (!is_due(c, due) && !is_due(c, changed)) continue;
+    const double step = step_of(c, offsets, relaxation);
+    if (step == 0) continue;
+    largest = std::max(largest, std::abs(step));
+    for (std::uint32_t n = rigid.first[c]; n < rigid.first[c + 1]; ++n) {
+      const Slot slot = rigid.members[n];
+      offsets[m_coordinate].touch(slot / kBrickVoxels)[slot % kBrickVoxels] += step;
+      changed[slot / kBrickVoxels] = 1;
+    }
+  }
+  return largest;
+}
+
+std::size_t VolumeClusters::bytes() const {
+  return m_cells.capacity() * sizeof(PartCell) +
+         (m_first_cell.capacity() + m_bricks.capacity() + m_first_brick.capacity()) *
+             sizeof(std::uint32_t);
+}
+
+}  // namespace supple

@@ -1,0 +1,200 @@
+#include "lib/relax/volume_relaxation.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "lib/relax/in_parallel.h"
+
+namespace supple {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Bricks of one colour do not touch each other, not even at a corner.
+std::size_t colour_of(const Vec3i& origin) {
+  return std::size_t((origin.x >> 3 & 1) << 2 | (origin.y >> 3 & 1) << 1 | (origin.z >> 3 & 1));
+}
+
+}  // namespace
+
+/// What a sweep reads of one brick. 90 kB, of which half only where springs yield.
+struct VolumeRelaxation::BrickData {
+  CellBrick cells;
+  BrickLinks links;
+  BrickRest rest[3];
+};
+
+VolumeRelaxation::VolumeRelaxation(const Body& body, const SlotSet& still, const Holds& held,
+                                   const RelaxParams& params)
+    : m_body(body),
+      m_held(held),
+      m_method(params.method),
+      m_extent(largest_extent(body.elements)),
+      m_due(body.elements.brick_count(), 0),
+      m_changed(body.elements.brick_count(), 0),
+      m_energies(body.elements.brick_count(), 0) {
+  const Vec3d spacing = body.geometry.spacing_mm();
+  const double stiffness = params.volume_stiffness_kpa * spacing.x * spacing.y * spacing.z;
+  m_cell_energy = stiffness / 2 / (kFineCell * kFineCell);
+  m_coordinates.reserve(3);
+  m_clusters.reserve(3);
+  for (int c = 0; c < 3; ++c) {
+    LinkTable table(body, c, RigidLinks::absent);
+    Movable elements = find_movable(body, table, still, true);
+    m_coordinates.push_back({std::move(table), std::move(elements), spacing[c] / kFineVoxel});
+    const double weight = stiffness / (spacing[c] * spacing[c]);
+    m_weight[std::size_t(c)] = weight / (kFineCell * kFineCell) * (kFineVoxel * kFineVoxel);
+    m_clusters.emplace_back(body, c, m_coordinates.back().elements, held, weight);
+    m_is_plastic = m_is_plastic || m_coordinates.back().table.has_yield() || has_rest(body, c);
+
+    const BrickValues& q = body.q[std::size_t(c)];
+    m_now[std::size_t(c)].resize(body.elements.brick_count());
+    for (std::size_t b = 0; b < body.elements.brick_count(); ++b) {
+      if (const std::int32_t* values = q.brick(b)) {
+        double* fine = m_now[std::size_t(c)].touch(b);
+        for (int n = 0; n < kBrickVoxels; ++n) fine[n] = values[n] * kFinePerUnit;
+        m_changed[b] = 1;
+      }
+      for (const auto& axis : body.rest) {
+        if (axis[std::size_t(c)].brick(b) != nullptr) m_changed[b] = 1;
+      }
+    }
+  }
+  find_work();
+}
+
+/// Bricks of the next pass: those that changed, and all around them.
+void VolumeRelaxation::find_work() {
+  const BrickTopology& elements = m_body.elements;
+  std::fill(m_due.begin(), m_due.end(), 0);
+  for (std::size_t b = 0; b < m_changed.size(); ++b) {
+    if (m_changed[b] == 0) continue;
+    for (const std::int32_t other : bricks_around(elements, b)) {
+      if (other >= 0) m_due[std::size_t(other)] = 1;
+    }
+  }
+  for (auto& colour : m_work) colour.clear();
+  for (std::size_t b = 0; b < m_due.size(); ++b) {
+    if (m_due[b] == 0) continue;
+    m_work[colour_of(elements.origin(b))].push_back(std::uint32_t(b));
+    for (auto& offsets : m_now) offsets.touch(b);
+  }
+}
+
+void VolumeRelaxation::load(std::size_t brick, BrickData& data) const {
+  const BricksAround around = bricks_around(m_body.elements, brick);
+  fill_cells(m_now, around, find_cells(m_body, around), data.cells);
+  find_excess(data.cells);
+  find_links(m_body, brick, m_coordinates[0].table.missing(), data.links);
+  for (std::size_t c = 0; c < 3 && m_is_plastic; ++c) {
+    find_rest(m_body.elements, {&m_body.rest[0][c], &m_body.rest[1][c], &m_body.rest[2][c]}, brick,
+              data.rest[c]);
+  }
+}
+
+std::array<const BrickRest*, 3> VolumeRelaxation::rest_of(const BrickData& data) const {
+  if (!m_is_plastic) return {};
+  return {&data.rest[0], &data.rest[1], &data.rest[2]};
+}
+
+/// False where the brick has none.
+bool VolumeRelaxation::find_bounds(std::size_t brick, BrickBounds& out) const {
+  bool has_any = false;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const auto [least, least_end] = bounds_in(m_held.at_least[c], brick);
+    const auto [most, most_end] = bounds_in(m_held.at_most[c], brick);
+    has_any = has_any || least != least_end || most != most_end;
+  }
+  if (!has_any) return false;
+  for (std::size_t c = 0; c < 3; ++c) {
+    std::fill_n(out.least[c], kBrickVoxels, -kInfinity);
+    std::fill_n(out.most[c], kBrickVoxels, kInfinity);
+    const auto [least, least_end] = bounds_in(m_held.at_least[c], brick);
+    for (auto bound = least; bound != least_end; ++bound) {
+      out.least[c][bound->slot % kBrickVoxels] = bound->value * kFinePerUnit;
+    }
+    const auto [most, most_end] = bounds_in(m_held.at_most[c], brick);
+    for (auto bound = most; bound != most_end; ++bound) {
+      out.most[c][bound->slot % kBrickVoxels] = bound->value * kFinePerUnit;
+    }
+  }
+  return true;
+}
+
+double VolumeRelaxation::sweep(std::size_t brick, double relaxation) {
+  BrickData data;
+  load(brick, data);
+  BrickBounds bounds;
+  CellSweep sweep;
+  sweep.relaxation = relaxation;
+  sweep.weight = m_weight;
+  sweep.rest = rest_of(data);
+  if (find_bounds(brick, bounds)) sweep.bounds = &bounds;
+  for (std::size_t c = 0; c < 3; ++c) sweep.free[c] = m_coordinates[c].elements.single[brick];
+  const double largest = sweep_cells(data.cells, data.links, tables(), sweep);
+  if (largest == 0) return 0;
+  m_changed[brick] = 1;
+  for (int c = 0; c < 3; ++c) take_offsets(data.cells, c, m_now[std::size_t(c)].touch(brick));
+  return largest;
+}
+
+double VolumeRelaxation::pass() {
+  m_energy = energy();
+  std::fill(m_changed.begin(), m_changed.end(), 0);
+  const double relaxation =
+      m_method == RelaxMethod::accelerated ? over_relaxation(m_passes, m_extent) : 1;
+  double largest = 0;
+  for (const auto& bricks : m_work) {
+    std::vector<double> steps(bricks.size());
+    in_parallel(bricks.size(), [&](std::size_t n) { steps[n] = sweep(bricks[n], relaxation); });
+    for (const double step : steps) largest = std::max(largest, step);
+  }
+  for (const VolumeClusters& clusters : m_clusters) {
+    largest = std::max(largest, clusters.step(m_now, relaxation, m_due, m_changed));
+  }
+  ++m_passes;
+  find_work();
+  return largest / kFineVoxel;
+}
+
+double VolumeRelaxation::energy_of(std::size_t brick) const {
+  BrickData data;
+  load(brick, data);
+  const CellEnergy twice = energy_of_cells(data.cells, data.links, tables(), rest_of(data));
+  double energy = m_cell_energy * twice.excess_squared;
+  for (std::size_t c = 0; c < 3; ++c) {
+    energy += 0.5 * twice.links[c] * m_coordinates[c].fine_mm * m_coordinates[c].fine_mm;
+  }
+  return energy;
+}
+
+double VolumeRelaxation::energy() {
+  for (const auto& bricks : m_work) {
+    in_parallel(bricks.size(),
+                [&](std::size_t n) { m_energies[bricks[n]] = energy_of(bricks[n]); });
+  }
+  double total = 0;
+  for (const double energy : m_energies) total += energy;
+  return total;
+}
+
+void VolumeRelaxation::store(std::array<BrickValues, 3>& q) const {
+  for (std::size_t c = 0; c < 3; ++c) store_rounded(m_now[c], q[c]);
+}
+
+LinkTables VolumeRelaxation::tables() const {
+  return {&m_coordinates[0].table, &m_coordinates[1].table, &m_coordinates[2].table};
+}
+
+std::size_t VolumeRelaxation::bytes() const {
+  std::size_t total =
+      m_due.capacity() + m_changed.capacity() + m_energies.capacity() * sizeof(double);
+  for (const auto& bricks : m_work) total += bricks.capacity() * sizeof(bricks[0]);
+  for (const auto& offsets : m_now) total += offsets.bytes();
+  for (const Coordinate& c : m_coordinates) total += c.table.bytes() + c.elements.bytes();
+  for (const VolumeClusters& clusters : m_clusters) total += clusters.bytes();
+  return total;
+}
+
+}  // namespace supple

@@ -1,0 +1,79 @@
+// Relaxation that conserves volume (thesis section 4.2.4, first suggestion): to the springs of
+// relaxation.h comes the energy
+//   sum over cells of kappa (V - V0)^2 / (2 V0),
+// kappa a bulk modulus, V0 the rest volume of a cell. It couples the coordinates: pushed together
+// along one axis, tissue gives way across it.
+//
+// V is linear in each coordinate of each corner, so the energy is a parabola in each of them alone:
+// with a = dV/dx of the cells around an element,
+//   force -= kappa / V0 * sum of a (V - V0),   stiffness += kappa / V0 * sum of a^2,
+// and a step to force / stiffness (or up to twice as far) never raises the energy, exactly.
+// Elements that share a cell step one after the other, so each may use up the slack of its links:
+// bricks in eight colours by the parity of their place, all of one colour at once, and inside a
+// brick elements in eight colours. Nothing depends on the number of threads.
+//
+// Costs memory and time where something moves, as coordinate_relaxation.h: 24 bytes per element
+// there.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "lib/relax/cell_sweep.h"
+#include "lib/relax/relaxation.h"
+#include "lib/relax/volume_clusters.h"
+
+namespace supple {
+
+class VolumeRelaxation {
+ public:
+  /// `still` stays where it is; `held` bounds elements. All outlive this. Of params, `method`
+  /// (red_black: no over-relaxation, or accelerated) and volume_stiffness_kpa > 0 count.
+  VolumeRelaxation(const Body& body, const SlotSet& still, const Holds& held,
+                   const RelaxParams& params);
+
+  /// The largest step, in voxels.
+  double pass();
+  /// Of links and cells before the last pass, in uJ.
+  double energy_before_pass() const { return m_energy; }
+  double energy();
+  /// Rounds half up to 2^-16 voxel.
+  void store(std::array<BrickValues, 3>& q) const;
+  std::size_t bytes() const;
+
+ private:
+  struct Coordinate {
+    LinkTable table;
+    Movable elements;
+    double fine_mm;  // 2^-32 voxel
+  };
+  struct BrickData;
+
+  void find_work();
+  void load(std::size_t brick, BrickData& data) const;
+  LinkTables tables() const;
+  double energy_of(std::size_t brick) const;
+  double sweep(std::size_t brick, double relaxation);
+  bool find_bounds(std::size_t brick, BrickBounds& out) const;
+  std::array<const BrickRest*, 3> rest_of(const BrickData& data) const;
+
+  const Body& m_body;
+  const Holds& m_held;
+  RelaxMethod m_method;
+  int m_extent;  // of the body, voxels
+  bool m_is_plastic = false;
+  double m_cell_energy;                     // uJ of a cell's excess squared, (2^-32 voxel)^6
+  std::array<double, 3> m_weight;           // CellSweep::weight
+  std::vector<Coordinate> m_coordinates;    // three
+  std::vector<VolumeClusters> m_clusters;   // per coordinate
+  std::array<BrickArray<double>, 3> m_now;  // 2^-32 voxel
+  std::array<std::vector<std::uint32_t>, 8> m_work;  // bricks of the next pass, by colour
+  std::vector<char> m_due;                           // per brick: in m_work
+  std::vector<char> m_changed;                       // per brick, in this pass
+  std::vector<double> m_energies;                    // per brick, uJ
+  double m_energy = 0;
+  int m_passes = 0;
+};
+
+}  // namespace supple

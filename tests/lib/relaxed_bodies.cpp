@@ -1,0 +1,125 @@
+#include "tests/lib/relaxed_bodies.h"
+
+#include <cmath>
+
+#include "lib/body/lattice.h"
+
+namespace supple::test {
+
+namespace {
+
+constexpr std::int32_t kVoxel = 65536;
+
+double energy_of_link(double stiffness, double stretch_mm, double yield_mm) {
+  const double stretch = std::abs(stretch_mm);
+  if (stretch <= yield_mm) return stiffness * stretch * stretch / 2;
+  return stiffness * yield_mm * (stretch - yield_mm / 2);
+}
+
+/// Slots of the cell with that lowest corner; false where it is none.
+bool corners_of(const Body& body, Slot low, std::array<Slot, 8>& slots) {
+  for (std::size_t n = 0; n < 8; ++n) {
+    const Vec3i step(int(n) >> 2, int(n) >> 1 & 1, int(n) & 1);
+    if (!slot_of(body.elements, voxel_of(body.elements, low) + step, slots[n])) return false;
+  }
+  for (std::size_t n = 0; n < 8; ++n) {
+    for (int axis = 0; axis < 3; ++axis) {
+      Slot next;
+      if ((n >> (2 - axis) & 1) == 0 &&
+          !neighbour_slot(body.elements, body.cuts, slots[n], axis, true, next)) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+Dragged dragged(std::mt19937& random, const Vec3i& max_dims) {
+  Block block = random_block(random, max_dims);
+  if (random() % 3 == 0) cut_randomly(random, block);
+  Dragged result{body_of(block), {}, {}};
+  if (random() % 2 == 0) {
+    result.anchors.push_back(Region(block.voxel(random_element(random, block))));
+  }
+  for (int n = 0; n < 2; ++n) {
+    const Vec3i voxel = block.voxel(random_element(random, block));
+    if (!result.anchors.empty() && *result.anchors[0].box() == IndexBox{voxel, voxel}) continue;
+    std::array<std::int32_t, 3> by;
+    for (auto& way : by) way = std::int32_t(random() % (12u * kVoxel)) - 6 * kVoxel;
+    const HandleKind kind = random() % 4 == 0 ? HandleKind::push : HandleKind::two_sided;
+    drag(result.body, {{voxel, by, kind}}, result.anchors, result.holds);
+  }
+  return result;
+}
+
+Relaxation relaxation_of(Dragged& dragged, const RelaxParams& params) {
+  return Relaxation(dragged.body, still_elements(dragged.body, dragged.anchors, dragged.holds),
+                    dragged.holds, params);
+}
+
+double spring_energy(const Body& body) {
+  const MaterialClasses classes(body.material);
+  const Vec3d h = body.geometry.spacing_mm();
+  double sum = 0;
+  for (std::size_t b = 0; b < body.elements.brick_count(); ++b) {
+    for_each_link(body.elements, body.cuts, b, [&](int axis, Slot low, Slot high) {
+      const LinkPhysics physics = classes.physics(body.classes[low], body.classes[high]);
+      const double stiffness =
+          physics.stiffness_kpa * h[(axis + 1) % 3] * h[(axis + 2) % 3] / h[axis];
+      for (std::size_t c = 0; c < 3; ++c) {
+        const double stretch = double(body.q[c].at(high)) - body.q[c].at(low) -
+                               body.rest[std::size_t(axis)][c].at(low);
+        sum +=
+            energy_of_link(stiffness, stretch / kFixedOne * h[int(c)], physics.plastic * h[axis]);
+      }
+    });
+  }
+  return sum;
+}
+
+double cell_energy(const Body& body, double kpa) {
+  const Vec3d h = body.geometry.spacing_mm();
+  const double rest = h.x * h.y * h.z;
+  double sum = 0;
+  for_each_element(body.elements, [&](Slot low) {
+    std::array<Slot, 8> slots;
+    if (!corners_of(body, low, slots)) return;
+    std::array<Vec3d, 8> corners;
+    for (std::size_t n = 0; n < 8; ++n) {
+      for (int c = 0; c < 3; ++c) {
+        const double voxels =
+            (int(n) >> (2 - c) & 1) + body.q[std::size_t(c)].at(slots[n]) / kFixedOne;
+        corners[n][c] = voxels * h[c];
+      }
+    }
+    const double excess = integrated_volume(corners) - rest;
+    sum += kpa / 2 * excess * excess / rest;
+  });
+  return sum;
+}
+
+double integrated_volume(const std::array<Vec3d, 8>& corners) {
+  // Two Gauss points per axis are exact: the Jacobian is of degree 2 in each.
+  double sum = 0;
+  for (int point = 0; point < 8; ++point) {
+    double at[3];
+    for (int c = 0; c < 3; ++c) at[c] = 0.5 + ((point >> c & 1) - 0.5) / std::sqrt(3.0);
+    Vec3d tangents[3] = {Vec3d(0), Vec3d(0), Vec3d(0)};
+    for (int n = 0; n < 8; ++n) {
+      for (int along = 0; along < 3; ++along) {
+        double slope = 1;
+        for (int c = 0; c < 3; ++c) {
+          const bool is_high = (n >> (2 - c) & 1) != 0;
+          slope *= c == along ? (is_high ? 1 : -1) : (is_high ? at[c] : 1 - at[c]);
+        }
+        tangents[along] += corners[std::size_t(n)] * slope;
+      }
+    }
+    sum += tangents[0].dot(tangents[1].cross(tangents[2])) / 8;
+  }
+  return sum;
+}
+
+}  // namespace supple::test

@@ -1,0 +1,33 @@
+// Random bodies that were dragged, to be relaxed, and the energies of relaxation by definition.
+#pragma once
+
+#include <random>
+#include <vector>
+
+#include "lib/relax/relaxation.h"
+#include "tests/lib/test_bodies.h"
+
+namespace supple::test {
+
+/// A random body after some random drags, and what these hold.
+struct Dragged {
+  Body body;
+  Holds holds;
+  std::vector<Region> anchors;
+};
+
+Dragged dragged(std::mt19937& random, const Vec3i& max_dims);
+
+Relaxation relaxation_of(Dragged& dragged, const RelaxParams& params);
+
+/// Of all links, from the stored offsets, in uJ; a spring beyond its yield stretch pulls no more.
+double spring_energy(const Body& body);
+
+/// Of all cells with that bulk modulus, in uJ: their volume by integration.
+double cell_energy(const Body& body, double kpa);
+
+/// Integral of the Jacobian over the trilinear cell; corner 4 i + 2 j + k is (i, j, k) steps from
+/// the lowest one.
+double integrated_volume(const std::array<Vec3d, 8>& corners);
+
+}  // namespace supple::test
