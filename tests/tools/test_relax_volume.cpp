@@ -1,0 +1,91 @@
+// Volume conservation on the command line, in scenes and in states.
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/tools/program.h"
+#include "volumes/state/state.h"
+
+using namespace supple;
+using namespace supple::test;
+
+namespace {
+
+class RelaxVolume : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    write_ball(m_folder, "ball", 12);
+    write_soft_material(m_folder / "soft.toml");
+  }
+
+  Outcome deform(const std::vector<std::string>& options) {
+    std::vector<std::string> arguments = {"deform",     m_folder / "ball.nhdr",
+                                          "--material", m_folder / "soft.toml",
+                                          "--grab",     "6,6,6",
+                                          "--by",       "2,1,0",
+                                          "--json",     "--force",
+                                          "-o",         m_folder / "out.vdb"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    return run_supple(arguments);
+  }
+  /// One step that relaxes so.
+  Outcome scene(const std::string& relax) {
+    write_text(m_folder / "scene.toml",
+               "[volume]\npath = \"ball.nhdr\"\n"
+               "[material]\ntable = \"soft.toml\"\n"
+               "[[step]]\ngrab = [6, 6, 6]\nby = [2, 1, 0]\nrelax = " +
+                   relax + "\n[output]\nstate = \"out.vdb\"\n");
+    return run_supple({"run", m_folder / "scene.toml", "-o", m_folder.path(), "--force"});
+  }
+
+  TemporaryFolder m_folder;
+};
+
+using UnitRelaxVolume = RelaxVolume;
+using FaultRelaxVolume = RelaxVolume;
+
+}  // namespace
+
+TEST_F(UnitRelaxVolume, DeformReportsTheVolumeAndTheStateRemembersTheModulus) {
+  const Outcome outcome = deform({"--relax", "30", "--relax-volume", "100"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto relax = nlohmann::json::parse(outcome.out)["relax"];
+  EXPECT_EQ(relax["volume_kpa"], 100);
+  EXPECT_EQ(relax["volumes_before"]["rest_mm3"], relax["volumes_after"]["rest_mm3"]);
+  EXPECT_LT(relax["volumes_before"]["smallest_cell_ratio"],
+            relax["volumes_after"]["smallest_cell_ratio"]);
+  EXPECT_NEAR(relax["volumes_after"]["ratio"], 1, 0.01);
+  const auto kept = nlohmann::json::parse(read_state(m_folder / "out.vdb").configuration);
+  EXPECT_EQ(kept["steps"][0]["relax"]["volume_kpa"], 100);
+}
+
+TEST_F(UnitRelaxVolume, ASceneAndDeformAgree) {
+  ASSERT_EQ(deform({"--relax", "30", "--relax-volume", "100"}).exit_code, 0);
+  const auto by_deform = read_state(m_folder / "out.vdb").q;
+  const Outcome outcome = scene("{ passes = 30, volume = 100 }");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(read_state(m_folder / "out.vdb").q, by_deform);
+}
+
+TEST_F(UnitRelaxVolume, WithoutItNeitherTheReportNorTheStateMentionsIt) {
+  const Outcome outcome = deform({"--relax", "3"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(outcome.out.find("volume"), std::string::npos);
+  EXPECT_EQ(read_state(m_folder / "out.vdb").configuration.find("volume_kpa"), std::string::npos);
+}
+
+TEST_F(FaultRelaxVolume, BadModuliAndMethodsAreRefused) {
+  EXPECT_EQ(deform({"--relax-volume", "100"}).exit_code, 2);
+  EXPECT_EQ(deform({"--relax", "3", "--relax-volume", "-1"}).exit_code, 2);
+  const Outcome jacobi =
+      deform({"--relax", "3", "--relax-volume", "100", "--relax-method", "jacobi"});
+  EXPECT_EQ(jacobi.exit_code, 2);
+  EXPECT_NE(jacobi.err.find("--relax-volume: found --relax-method jacobi"), std::string::npos)
+      << jacobi.err;
+  const Outcome negative = scene("{ volume = -1 }");
+  EXPECT_EQ(negative.exit_code, 3);
+  EXPECT_NE(negative.err.find("relax.volume: found -1, expected 0 to"), std::string::npos)
+      << negative.err;
+  const Outcome plain = scene("{ volume = 1, method = \"plain\" }");
+  EXPECT_EQ(plain.exit_code, 3);
+  EXPECT_NE(plain.err.find("relax.volume: found method \"plain\""), std::string::npos) << plain.err;
+}
