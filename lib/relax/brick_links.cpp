@@ -34,19 +34,50 @@ void remove_cuts(const Body& body, std::size_t b, std::int32_t missing, BrickLin
   }
 }
 
+/// The class of what is no element is so large that every entry with it is beyond the others.
+void pad_classes(const Body& body, std::size_t b, std::int32_t missing,
+                 PaddedBrick<std::int32_t>& out) {
+  const BrickTopology& elements = body.elements;
+  const auto classes_of = [&](std::size_t brick) {
+    return [classes = body.classes.data() + kBrickVoxels * brick](int offset) {
+      return std::int32_t(classes[offset]);
+    };
+  };
+  pad_brick(elements, b, missing, classes_of, out);
+  for (int word = 0; word < 8; ++word) {
+    for (std::uint64_t void_bits = ~elements.mask(b)[std::size_t(word)]; void_bits != 0;
+         void_bits &= void_bits - 1) {
+      const int offset = __builtin_ctzll(void_bits);
+      out.row(word, offset / 8)[offset % 8] = missing;
+    }
+  }
+  for (int face = 0; face < 6; ++face) {
+    const std::int32_t other = elements.neighbour(b, face);
+    if (other < 0) continue;
+    const int outside = is_high_face(face) ? 8 : -1;
+    for (std::uint64_t void_bits =
+             ~face_bits(elements.mask(std::size_t(other)), opposite_face(face));
+         void_bits != 0; void_bits &= void_bits - 1) {
+      const int m = __builtin_ctzll(void_bits) / 8, n = __builtin_ctzll(void_bits) % 8;
+      switch (axis_of_face(face)) {
+        case 0:
+          out.row(outside, m)[n] = missing;
+          break;
+        case 1:
+          out.row(m, outside)[n] = missing;
+          break;
+        default:
+          out.row(m, n)[outside] = missing;
+      }
+    }
+  }
+}
+
 }  // namespace
 
 void find_links(const Body& body, std::size_t b, std::int32_t missing, BrickLinks& links) {
-  // The class of what is no element is so large that every entry with it is beyond the others.
   PaddedBrick<std::int32_t> classes;
-  const auto classes_of = [&](std::size_t brick) {
-    return [classes = body.classes.data() + kBrickVoxels * brick,
-            mask = body.elements.mask(brick).data(), missing](int offset) {
-      const bool is_element = mask[offset >> 6] >> (offset & 63) & 1;
-      return is_element ? std::int32_t(classes[offset]) : missing;
-    };
-  };
-  pad_brick(body.elements, b, missing, classes_of, classes);
+  pad_classes(body, b, missing, classes);
 
   const std::int32_t stride = body.slacks.stride();
   const auto entry = [&](std::int32_t low, std::int32_t high) {
