@@ -126,7 +126,8 @@ double CoordinateRelaxation::sweep_nodes(int colour, const SweepRule& rule, bool
     const SweepOutcome outcome = sweep_one(brick, free, rule, out);
     if (first) m_energies[brick] = outcome.energy;
     if (outcome.largest_step == 0) return;
-    largest[n] = rule.limited ? keep_bounds(brick, out, outcome.largest_step) : outcome.largest_step;
+    largest[n] =
+        rule.limited ? keep_bounds(brick, out, outcome.largest_step) : outcome.largest_step;
     if (largest[n] != 0) m_changed[brick] = 1;
   });
   m_now.swap(m_next);
@@ -144,8 +145,7 @@ double CoordinateRelaxation::step_of_cluster(const Clusters& clusters, std::size
     const double apart = m_now.at(link.outside) - m_now.at(link.inside);
     const double share = link.shared ? 0.5 : 1;
     const double upper = link.values.upper * kFinePerUnit, lower = link.values.lower * kFinePerUnit;
-    force += link.values.stiffness *
-             pulled_stretch(link.values, apart - link.rest * kFinePerUnit);
+    force += link.values.stiffness * pulled_stretch(link.values, apart - link.rest * kFinePerUnit);
     stiffness += link.values.stiffness;
     rise = std::min(rise, share * (apart + (link.inside_is_low ? lower : upper)));
     sink = std::min(sink, share * ((link.inside_is_low ? upper : lower) - apart));

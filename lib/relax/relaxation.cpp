@@ -12,16 +12,17 @@ namespace supple {
 
 namespace {
 
-constexpr RelaxMethod kMethods[] = {RelaxMethod::plain, RelaxMethod::jacobi,
-                                    RelaxMethod::red_black, RelaxMethod::accelerated};
+constexpr RelaxMethod kMethods[] = {RelaxMethod::plain, RelaxMethod::jacobi, RelaxMethod::red_black,
+                                    RelaxMethod::accelerated};
 
 void check(const RelaxParams& params) {
   if (params.passes < 0 || params.passes > kMaxPasses) {
-    throw InputError({"", "passes", std::to_string(params.passes),
-                      "0 to " + std::to_string(kMaxPasses)});
+    throw InputError(
+        {"", "passes", std::to_string(params.passes), "0 to " + std::to_string(kMaxPasses)});
   }
   if (!(params.tolerance_voxels >= 0)) {
-    throw InputError({"", "tolerance", std::to_string(params.tolerance_voxels), "0 or more voxels"});
+    throw InputError(
+        {"", "tolerance", std::to_string(params.tolerance_voxels), "0 or more voxels"});
   }
   const double volume = params.volume_stiffness_kpa;
   if (!(volume >= 0 && volume <= kMaxVolumeStiffnessKpa)) {
