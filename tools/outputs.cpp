@@ -261,17 +261,16 @@ nlohmann::ordered_json to_json(const CellVolumes& volumes) {
 }
 
 nlohmann::ordered_json to_json(const RelaxParams& params, const RelaxReport& report) {
-  nlohmann::ordered_json json = {
-          {"method", name_of(params.method)},
-          {"passes", report.passes},
-          {"converged", report.converged},
-          {"energy_before_uj", report.energy_before},
-          {"energy_after_uj", report.energy_after},
-          {"largest_step_voxels", report.largest_step_voxels},
-          {"yielded_links", report.yielded_links},
-          {"projected", report.projected_links},
-          {"projected_max_voxels", report.projected_max_voxels},
-          {"relax_ms", report.milliseconds}};
+  nlohmann::ordered_json json = {{"method", name_of(params.method)},
+                                 {"passes", report.passes},
+                                 {"converged", report.converged},
+                                 {"energy_before_uj", report.energy_before},
+                                 {"energy_after_uj", report.energy_after},
+                                 {"largest_step_voxels", report.largest_step_voxels},
+                                 {"yielded_links", report.yielded_links},
+                                 {"projected", report.projected_links},
+                                 {"projected_max_voxels", report.projected_max_voxels},
+                                 {"relax_ms", report.milliseconds}};
   if (report.volumes_after) {
     json["volume_kpa"] = params.volume_stiffness_kpa;
     json["volumes_before"] = to_json(*report.volumes_before);

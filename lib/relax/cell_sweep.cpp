@@ -219,9 +219,6 @@ inline void find_places(const Place& at, int (&cells)[8]) {
   }
 }
 
-/// So that an element without links has a step of 0 / kNoStiffness.
-constexpr double kNoStiffness = 1e-300;
-
 inline Lane chosen(unsigned bits, Lane lane) {
   const MaskLane set = (MaskLane{} + std::int64_t(bits)) & MaskLane{1, 4, 16, 64};
   return set != 0 ? lane : Lane{};
@@ -249,8 +246,9 @@ Lane step_four(CellBrick& brick, const BrickLinks& links, const LinkTables& tabl
     }
     const Ask& ask = asks[c];
     const Lane force = ask.force - sweep.weight[c] * pressure;
-    const Lane stiffness = ask.stiffness + sweep.weight[c] * squares;
-    const Lane wanted = force * sweep.relaxation / (stiffness + kNoStiffness);
+    const Lane of_cells = sweep.weight[c] * squares;
+    const Lane relaxation = damped_relaxation(sweep.relaxation, ask.stiffness, of_cells);
+    const Lane wanted = force * relaxation / (ask.stiffness + of_cells + kNoStiffness);
     Lane rise = ask.rise, sink = ask.sink;
     double* const place = brick.offsets[c] + at.node;
     const Lane here = load(place);

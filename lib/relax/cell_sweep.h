@@ -7,7 +7,6 @@
 #pragma once
 
 #include <array>
-#include <vector>
 
 #include "lib/chainmail/ecm.h"
 #include "lib/relax/brick_links.h"
@@ -23,8 +22,20 @@ struct BrickBounds {
   double least[3][kBrickVoxels], most[3][kBrickVoxels];
 };
 
+/// So that what has neither links nor cells has a step of 0 / kNoStiffness.
+constexpr double kNoStiffness = 1e-300;
+
+/// Over-relaxation helps slow modes of the springs. Where cells are much stiffer, the slow modes
+/// are those that keep volumes, which it does not help, and the others only ring: what is beyond 1
+/// shrinks with the share of the links. Measured on a pressed ball of 24 voxels, kappa = 10, 100
+/// and 1000 times Young's modulus: the best fixed values were 1.65, 1.3 and 1.1.
+template <class Number>
+inline Number damped_relaxation(double relaxation, Number of_links, Number of_cells) {
+  return 1 + (relaxation - 1) * of_links / (of_links + 0.25 * of_cells + kNoStiffness);
+}
+
 struct CellSweep {
-  double relaxation = 1;  // part of the way to where forces balance; below 2
+  double relaxation = 1;  // part of the way to where forces balance, before it is damped; below 2
   /// Per coordinate: bulk modulus * rest volume / spacing^2 as seen by volumes in 2^-32 voxel:
   /// times the square of a cell's excess it is twice the cell's energy, N/m * (2^-32 voxel)^2.
   std::array<double, 3> weight{};

@@ -84,7 +84,7 @@ class Relaxation {
   /// One pass over all coordinates that have moved, or all where volume is conserved; the largest
   /// step in voxels.
   double pass();
-  /// Energy before the last pass, or at the start, in uJ: free of cost.
+  /// Energy before the last pass, in uJ, cells included: known after each pass.
   double energy_before_pass() const { return m_energy; }
   /// Energy now, in uJ; as much work as a pass.
   double energy();

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "lib/relax/cell_sweep.h"
 #include "lib/relax/cell_volume.h"
 #include "lib/relax/in_parallel.h"
 
@@ -142,11 +143,12 @@ double VolumeClusters::step_of(std::size_t cluster,
       sums[sum].stiffness += m_weight * gradient * gradient;
     }
   });
+  double of_cells = 0;
   for (const Pull& sum : sums) {
     force += sum.force;
-    stiffness += sum.stiffness;
+    of_cells += sum.stiffness;
   }
-  if (stiffness == 0) return 0;
+  if (stiffness + of_cells == 0) return 0;
 
   for (std::uint32_t n = rigid.first[cluster]; n < rigid.first[cluster + 1]; ++n) {
     const Slot slot = rigid.members[n];
@@ -157,7 +159,9 @@ double VolumeClusters::step_of(std::size_t cluster,
       rise = std::min(rise, std::max(0.0, most->value * kFinePerUnit - now.at(slot)));
     }
   }
-  return std::trunc(std::max(-sink, std::min(rise, relaxation * force / stiffness)));
+  const double wanted =
+      damped_relaxation(relaxation, stiffness, of_cells) * force / (stiffness + of_cells);
+  return std::trunc(std::max(-sink, std::min(rise, wanted)));
 }
 
 double VolumeClusters::step(std::array<BrickArray<double>, 3>& offsets, double relaxation,

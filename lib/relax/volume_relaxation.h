@@ -13,7 +13,7 @@
 // brick elements in eight colours. Nothing depends on the number of threads.
 //
 // Costs memory and time where something moves, as coordinate_relaxation.h: 24 bytes per element
-// there.
+// there. A quarter of a pass is the energy before it.
 #pragma once
 
 #include <array>

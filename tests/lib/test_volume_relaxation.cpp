@@ -350,7 +350,7 @@ TEST(PropertyVolumeRelaxation, LetGoABodyReturnsToItsShape) {
   RelaxParams params = params_of(20, 30);
   relax(body, {}, press(body, 0.3), params);
   EXPECT_GT(largest_offset(body), 1);
-  params.passes = 2000;
+  params.passes = 6000;
   params.tolerance_voxels = 1e-7;
   const RelaxReport report = relax(body, {Region({6, 6, 6})}, {}, params);
   EXPECT_TRUE(report.converged);
