@@ -14,7 +14,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Links with less slack than this count as at their limit.
 constexpr double kTight = 16 * kFinePerUnit;  // 2^-12 voxel
 /// Passes from one look for elements that block each other to the next.
-constexpr int kTightPasses = 8;
+constexpr int kTightPasses = 24;
 
 /// Voxels of a brick whose coordinates have an even (0) or odd (1) sum. Brick origins are even.
 BrickMask chessboard(int colour) {

@@ -58,7 +58,6 @@ std::vector<RelaxRow> plan_relax(const RelaxBenchOptions& options, Console& cons
   };
   add("cost", "noise", 128, 4);
   add("cost", "head_phantom", 128, 4);
-  if (!options.quick) add("cost", "ct", 128, 4);
   if (!options.quick) add("cost", "noise", 256, 2);
   const bool has_head = !head_file(options).empty();
   if (!has_head) console.note(std::string("no ") + kDefaultHead + ": rows of ct_head are left out");
@@ -140,6 +139,12 @@ BenchRow row_of(const RelaxRow& row, const Body& body) {
   return fields;
 }
 
+double mean(const Times& times) {
+  double sum = 0;
+  for (const double ms : times.ms) sum += ms;
+  return sum / double(times.ms.size());
+}
+
 /// Passes of all methods in turns, each on its own copy; those of the first round are not counted,
 /// so that memory is there and every brick is in motion.
 void measure_cost(const std::vector<RelaxRow>& rows, const Body& rest, bool quick,
@@ -164,12 +169,13 @@ void measure_cost(const std::vector<RelaxRow>& rows, const Body& rest, bool quic
                      0,
                      {}});
   }
-  take_turns(sides, quick ? RoundLimits{3, 5, 400} : RoundLimits{7, 15, 2000},
+  take_turns(sides, quick ? RoundLimits{6, 6, 400} : RoundLimits{12, 12, 2000},
              [&] { report(&cancel, 0); });
   for (std::size_t n = 0; n < rows.size(); ++n) {
     BenchRow row = row_of(rows[n], start.body);
     const double nodes = double(start.body.elements.active_count());
     row["ns_per_node_pass"] = sides[n].times.median() * 1e6 / nodes;
+    row["mean_ns_per_node_pass"] = mean(sides[n].times) * 1e6 / nodes;
     row["bytes_per_node"] = double(relaxations[n]->bytes()) / nodes;
     add_times(row, sides[n].times, rows[n].threads);
     out.push_back(std::move(row));
