@@ -61,6 +61,17 @@ TEST(PropertyPlasticFlow, ABarUnderTensionKeepsWhatExceedsItsElasticStretch) {
   EXPECT_EQ(check_links(body).violated, 0);
 }
 
+TEST(PropertyPlasticFlow, TheEnergyIsWhatIsStoredAndWhatTheFlowTakes) {
+  Body body =
+      body_of(full_block({21, 1, 1}, yielding_table(0.1), [](int, int, int) { return 9.0; }));
+  const Region near({0, 0, 0});
+  Holds holds;
+  drag(body, {{{20, 0, 0}, {6 * kVoxel, 0, 0}}}, {near}, holds);
+  // 1 N/m each; beyond 0.1 mm a link takes 0.1 mN for every further millimetre.
+  const RelaxReport report = relax(body, {near}, holds, to_rest());
+  EXPECT_NEAR(report.energy_after, 0.1 * 6 - 20 * 0.1 * 0.1 / 2, 1e-4);
+}
+
 TEST(PropertyPlasticFlow, TheSetGrowsOnlyBeyondTheLargestLoadSoFar) {
   Body body =
       body_of(full_block({21, 1, 1}, yielding_table(0.1), [](int, int, int) { return 9.0; }));

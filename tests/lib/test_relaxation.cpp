@@ -6,6 +6,7 @@
 
 #include "lib/body/lattice.h"
 #include "lib/relax/relaxation.h"
+#include "lib/relax/sweep_kernel.h"
 #include "tests/lib/brute_force.h"
 #include "tests/lib/relaxed_bodies.h"
 
@@ -56,6 +57,30 @@ TEST(PropertyRelaxation, EveryPassLeavesAValidBodyOfNoMoreEnergy) {
     }
   }
   EXPECT_GT(moved, 800);
+}
+
+TEST(PropertyRelaxation, ASweepEndsAtWholeNumbers) {
+  // So that no inequality is lost to rounding, however many sweeps follow each other.
+  std::mt19937 random(13);
+  const Dragged start = dragged(random, {8, 8, 8});
+  const LinkTable table(start.body, 0, RigidLinks::absent);
+  for (std::size_t b = 0; b < start.body.elements.brick_count(); ++b) {
+    PaddedBrick<double> offsets;
+    pad_brick(
+        start.body.elements, b, 0.0,
+        [&](std::size_t) { return [&](int) { return double(random() % 99999); }; }, offsets);
+    BrickLinks links;
+    find_links(start.body, b, table.missing(), links);
+    for (const double relaxation : {0.7, 1.0, 1.9}) {
+      double moved[kBrickVoxels];
+      SweepRule rule;
+      rule.relaxation = relaxation;
+      const SweepOutcome outcome =
+          sweep_brick(offsets, links, nullptr, table, start.body.elements.mask(b), rule, moved);
+      EXPECT_GT(outcome.largest_step, 0);
+      for (const double value : moved) ASSERT_EQ(value, std::floor(value));
+    }
+  }
 }
 
 TEST(PropertyRelaxation, WhatIsHeldStays) {
