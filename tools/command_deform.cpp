@@ -290,7 +290,7 @@ Command add_deform(CLI::App& program) {
       ->option_text("NAME");
   app->add_option("--relax-tolerance", options->relax_tolerance,
                   "End when a pass moves nothing further than this, in voxels")
-      ->check(CLI::NonNegativeNumber)
+      ->check(CLI::Range(0.0, 16383.0))
       ->option_text("T");
   app->add_option("--relax-volume", options->relax_volume,
                   "Bulk modulus in kPa with which relaxed tissue keeps its volume (0: it does not)")
