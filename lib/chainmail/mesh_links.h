@@ -2,10 +2,10 @@
 // and 4.2.5), per LPS coordinate, and the links seen from their nodes.
 //
 // The thesis' limits (eqs. 4.3-4.5) are those of a link along a grid axis: its length along the
-// axis lies within [min_length, max_length] times its rest length L, both transverse components
-// within
-// +-shear L. An oblique link has the rest difference r = L e, and a coordinate c sees |e_c| of the
-// link lengthwise and sqrt(1 - e_c^2) of it sideways. So c may leave its rest difference by at most
+// axis lies within [min_length, max_length] times its rest length L, and both transverse components
+// within +-shear L. An oblique link has the rest difference r = L e, and a coordinate c sees |e_c|
+// of the link lengthwise and sqrt(1 - e_c^2) of it sideways. So c may leave its rest difference by
+// at most
 //
 //   longer:   ((max_length - 1) |e_c| + shear sqrt(1 - e_c^2)) L
 //   shorter:  ((1 - min_length) |e_c| + shear sqrt(1 - e_c^2)) L

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "lib/relax/grouped.h"
+
 namespace supple {
 
 namespace {
@@ -54,18 +56,6 @@ class ClusterNumbers {
   BrickValues m_numbers;
 };
 
-/// Moves items of (cluster, item) pairs, which come in ascending order of items, to their clusters.
-template <class Item>
-void group(const std::vector<std::pair<std::uint32_t, Item>>& pairs, std::size_t clusters,
-           std::vector<Item>& items, std::vector<std::uint32_t>& first) {
-  first.assign(clusters + 1, 0);
-  for (const auto& [cluster, item] : pairs) ++first[cluster + 1];
-  for (std::size_t c = 0; c < clusters; ++c) first[c + 1] += first[c];
-  std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
-  items.resize(pairs.size());
-  for (const auto& [cluster, item] : pairs) items[next[cluster]++] = item;
-}
-
 }  // namespace
 
 std::size_t Clusters::bytes() const {
@@ -99,7 +89,7 @@ Clusters find_clusters(const Body& body, const LinkTable& table,
     });
   }
   Clusters clusters;
-  group(members, count, clusters.members, clusters.first);
+  group_by_cluster(members, count, clusters.members, clusters.first);
 
   std::vector<std::pair<std::uint32_t, Clusters::Boundary>> boundary;
   for (const auto& [cluster, slot] : members) {
@@ -117,7 +107,7 @@ Clusters find_clusters(const Body& body, const LinkTable& table,
       }
     }
   }
-  group(boundary, count, clusters.boundary, clusters.first_link);
+  group_by_cluster(boundary, count, clusters.boundary, clusters.first_link);
   return clusters;
 }
 

@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "lib/relax/cluster_pull.h"
 #include "lib/relax/in_parallel.h"
 
 namespace supple {
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Links with less slack than this count as at their limit.
 constexpr double kTight = 16 * kFinePerUnit;  // 2^-12 voxel
 /// Passes from one look for elements that block each other to the next.
@@ -132,43 +131,22 @@ double CoordinateRelaxation::sweep_nodes(int colour, const SweepRule& rule, bool
     if (first) m_energies[brick] = outcome.energy;
     m_is_tight[brick] = outcome.least_slack <= kTight;
     if (outcome.largest_step == 0) return;
-    largest[n] =
-        rule.limited ? keep_bounds(brick, out, outcome.largest_step) : outcome.largest_step;
+    largest[n] = keep_bounds(brick, out, outcome.largest_step);
     if (largest[n] != 0) m_changed[brick] = 1;
   });
   m_now.swap(m_next);
   return largest.empty() ? 0 : *std::max_element(largest.begin(), largest.end());
 }
 
-/// All its links under the present stretch. Clusters step at once: where two meet, each may take
-/// half of the slack, and no more than its own way to the mean keeps the energy from rising.
+/// Clusters step at once: where two meet, each may take half of the slack, and no more than its own
+/// way to the mean keeps the energy from rising.
 double CoordinateRelaxation::step_of_cluster(const Clusters& clusters, std::size_t cluster,
                                              double relaxation) const {
-  double force = 0, stiffness = 0, rise = kInfinity, sink = kInfinity;
-  bool is_alone = true;
-  for (std::uint32_t n = clusters.first_link[cluster]; n < clusters.first_link[cluster + 1]; ++n) {
-    const Clusters::Boundary& link = clusters.boundary[n];
-    const double apart = m_now.at(link.outside) - m_now.at(link.inside);
-    const double share = link.shared ? 0.5 : 1;
-    const double upper = link.values.upper * kFinePerUnit, lower = link.values.lower * kFinePerUnit;
-    force += link.values.stiffness * pulled_stretch(link.values, apart - link.rest * kFinePerUnit);
-    stiffness += link.values.stiffness;
-    rise = std::min(rise, share * (apart + (link.inside_is_low ? lower : upper)));
-    sink = std::min(sink, share * ((link.inside_is_low ? upper : lower) - apart));
-    is_alone = is_alone && !link.shared;
-  }
-  if (stiffness == 0) return 0;
-  for (std::uint32_t n = clusters.first[cluster]; n < clusters.first[cluster + 1]; ++n) {
-    const Slot slot = clusters.members[n];
-    if (const Bound* least = bound_of(m_at_least, slot)) {
-      sink = std::min(sink, std::max(0.0, m_now.at(slot) - least->value * kFinePerUnit));
-    }
-    if (const Bound* most = bound_of(m_at_most, slot)) {
-      rise = std::min(rise, std::max(0.0, most->value * kFinePerUnit - m_now.at(slot)));
-    }
-  }
-  const double wanted = (is_alone ? relaxation : std::min(1.0, relaxation)) * force / stiffness;
-  return std::trunc(std::max(-sink, std::min(rise, wanted)));
+  const ClusterPull pull = pull_of_cluster(clusters, cluster, m_now, m_at_least, m_at_most, 0.5);
+  if (pull.stiffness == 0) return 0;
+  const double part = pull.touches_other ? std::min(1.0, relaxation) : relaxation;
+  const double wanted = part * pull.force / pull.stiffness;
+  return std::trunc(std::max(-pull.sink, std::min(pull.rise, wanted)));
 }
 
 /// Moves every cluster as one; returns the largest step.

@@ -62,13 +62,6 @@ std::pair<std::vector<Bound>::const_iterator, std::vector<Bound>::const_iterator
   return {first, std::lower_bound(first, bounds.end(), (brick + 1) * kBrickVoxels, before)};
 }
 
-const Bound* bound_of(const std::vector<Bound>& bounds, Slot slot) {
-  const auto place =
-      std::lower_bound(bounds.begin(), bounds.end(), slot,
-                       [](const Bound& bound, Slot wanted) { return bound.slot < wanted; });
-  return place != bounds.end() && place->slot == slot ? &*place : nullptr;
-}
-
 double over_relaxation(int pass, int extent) {
   return 2 - std::max(3.0 / (2 * pass + 3), 2.0 / (extent + 2));
 }
@@ -92,7 +85,8 @@ void store_rounded(const BrickArray<double>& fine, BrickValues& q) {
     if (is_zero && q.brick(b) == nullptr) continue;
     std::int32_t* values = q.touch(b);
     for (int n = 0; n < kBrickVoxels; ++n) {
-      values[n] = std::int32_t(std::floor(from[n] / kFinePerUnit + 0.5));
+      const double rounded = std::floor(from[n] / kFinePerUnit + 0.5);
+      values[n] = std::int32_t(std::clamp(rounded, -double(kMaxOffset), double(kMaxOffset)));
     }
   }
 }

@@ -35,8 +35,6 @@ bool has_rest(const Body& body, int coordinate);
 /// The bounds of a brick's elements.
 std::pair<std::vector<Bound>::const_iterator, std::vector<Bound>::const_iterator> bounds_in(
     const std::vector<Bound>& bounds, std::size_t brick);
-/// Null where the element has none.
-const Bound* bound_of(const std::vector<Bound>& bounds, Slot slot);
 
 /// Of a pass, counted from 0: grows from 1 as the momentum of Nesterov's method does, up to what
 /// suits the slowest mode of a body of that many voxels (Young 1971 for one whose ends are fixed; a
@@ -45,7 +43,8 @@ double over_relaxation(int pass, int extent);
 /// Voxels of the body along its longest axis.
 int largest_extent(const BrickTopology& elements);
 
-/// Offsets in 2^-32 voxel to 2^-16 voxel, half rounded up; bricks that stay at rest are not stored.
+/// Offsets in 2^-32 voxel to 2^-16 voxel, half rounded up and clamped to the range of offsets,
+/// which keeps every link as valid as it was; bricks that stay at rest are not stored.
 void store_rounded(const BrickArray<double>& fine, BrickValues& q);
 
 }  // namespace supple

@@ -35,10 +35,9 @@ void check(const RelaxParams& params) {
   }
 }
 
-/// Never moved, and nothing pulls there.
-bool is_at_rest(const Body& body, std::size_t c) {
-  return body.q[c].empty() && std::all_of(body.rest.begin(), body.rest.end(),
-                                          [c](const auto& axis) { return axis[c].empty(); });
+/// 2^-32 voxel of coordinate c in mm.
+double fine_mm(const Body& body, int c) {
+  return body.geometry.spacing_mm()[c] / (kFinePerUnit * kFixedOne);
 }
 
 }  // namespace
@@ -84,22 +83,13 @@ Relaxation::Relaxation(Body& body, const SlotSet& fixed, const Holds& held,
     return;
   }
   for (int c = 0; c < 3; ++c) {
-    if (is_at_rest(body, std::size_t(c))) continue;
+    if (body.q[std::size_t(c)].empty() && !has_rest(body, c)) continue;
     m_coordinates[std::size_t(c)] =
         std::make_unique<CoordinateRelaxation>(body, c, fixed, held, params.method);
   }
 }
 
 Relaxation::~Relaxation() = default;
-
-namespace {
-
-/// 2^-32 voxel of coordinate c in mm.
-double fine_mm(const Body& body, int c) {
-  return body.geometry.spacing_mm()[c] / (kFinePerUnit * kFixedOne);
-}
-
-}  // namespace
 
 double Relaxation::pass() {
   if (m_volume) {
@@ -148,6 +138,7 @@ RelaxReport relax(Body& body, const std::vector<Region>& fixed, const Holds& hel
   const auto begin = std::chrono::steady_clock::now();
   check(params);
   RelaxReport result;
+  const SlotSet still = still_elements(body, fixed, held);
   if (!body.links_known_valid) {
     const ProjectionReport projection = project(body);
     result.projected_links = projection.violated_links;
@@ -155,11 +146,12 @@ RelaxReport relax(Body& body, const std::vector<Region>& fixed, const Holds& hel
   }
   const bool conserves = params.volume_stiffness_kpa > 0;
   if (conserves) result.volumes_before = cell_volumes(body);
-  const SlotSet still = still_elements(body, fixed, held);
   Relaxation relaxation(body, still, held, params);
-  const auto store = [&] {
+  const auto finish = [&] {
     result.energy_after = relaxation.energy();
     relaxation.store();
+    if (body.material.has_plastic()) result.yielded_links = let_flow(body);
+    body.links_known_valid = params.method != RelaxMethod::plain;
   };
   try {
     for (int n = 0; n < params.passes && !result.converged; ++n) {
@@ -170,14 +162,12 @@ RelaxReport relax(Body& body, const std::vector<Region>& fixed, const Holds& hel
       result.converged = result.largest_step_voxels <= params.tolerance_voxels;
     }
   } catch (const Cancelled&) {
-    store();
+    finish();
     throw;
   }
-  store();
+  finish();
   if (conserves) result.volumes_after = cell_volumes(body);
   if (result.passes == 0) result.energy_before = result.energy_after;
-  if (body.material.has_plastic()) result.yielded_links = let_flow(body);
-  body.links_known_valid = params.method != RelaxMethod::plain;
   result.milliseconds =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
   return result;

@@ -2,12 +2,11 @@
 // Relaxation"; design.md section 3).
 //
 // The energy is that of springs at rest in the undeformed body, per coordinate as in the thesis:
-//   E = sum over links and coordinates of k (u_b - u_a)^2 / 2,   k = Young's modulus * area /
-//   length
-// Nodes step towards the stiffness-weighted mean of their neighbours. The thesis lets every step be
-// whole, which breaks 2 to 5 % of the limits; here a step ends where a limit would break, so that
-// the body is a valid Enhanced ChainMail configuration after every pass, and the energy never
-// rises.
+//   E = sum over links and coordinates of k (u_b - u_a)^2 / 2
+// with k = Young's modulus * area / length. Nodes step towards the stiffness-weighted mean of their
+// neighbours. The thesis lets every step be whole, which breaks limits; here a step ends where a
+// limit would break: the body is a valid Enhanced ChainMail configuration after every pass, and the
+// energy never rises.
 #pragma once
 
 #include <array>
@@ -103,9 +102,10 @@ class Relaxation {
 /// region without element.
 SlotSet still_elements(const Body& body, const std::vector<Region>& fixed, const Holds& held);
 
-/// Up to params.passes passes. An invalid start is projected first, as drag() does. `progress` may
-/// cancel between two: Cancelled is thrown and the body is what the passes so far made of it,
-/// valid. Throws InputError: params out of range.
+/// Up to params.passes passes, then plastic flow. An invalid start is projected first, as drag()
+/// does. `progress` may cancel between two passes: Cancelled is thrown, and the body is what as
+/// many passes alone would have made of it. Throws InputError, the body unchanged: params out of
+/// range, a region without element.
 RelaxReport relax(Body& body, const std::vector<Region>& fixed, const Holds& held,
                   const RelaxParams& params, Progress* progress = nullptr);
 

@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "lib/relax/cell_sweep.h"
 #include "lib/relax/cell_volume.h"
+#include "lib/relax/cluster_pull.h"
+#include "lib/relax/grouped.h"
 #include "lib/relax/in_parallel.h"
 
 namespace supple {
@@ -87,12 +88,7 @@ void VolumeClusters::find_cells_of_clusters() {
       }
     });
   }
-  m_first_cell.assign(rigid.count() + 1, 0);
-  for (const auto& [cluster, cell] : found) ++m_first_cell[cluster + 1];
-  for (std::size_t c = 0; c < rigid.count(); ++c) m_first_cell[c + 1] += m_first_cell[c];
-  std::vector<std::uint32_t> next(m_first_cell.begin(), m_first_cell.end() - 1);
-  m_cells.resize(found.size());
-  for (const auto& [cluster, cell] : found) m_cells[next[cluster]++] = cell;
+  group_by_cluster(found, rigid.count(), m_cells, m_first_cell);
 }
 
 bool VolumeClusters::is_due(std::size_t cluster, const std::vector<char>& due) const {
@@ -107,18 +103,8 @@ double VolumeClusters::step_of(std::size_t cluster,
                                double relaxation) const {
   const Clusters& rigid = m_elements.rigid;
   const BrickArray<double>& now = offsets[m_coordinate];
-  double force = 0, stiffness = 0;
-  double rise = std::numeric_limits<double>::infinity(), sink = rise;
-  for (std::uint32_t n = rigid.first_link[cluster]; n < rigid.first_link[cluster + 1]; ++n) {
-    const Clusters::Boundary& link = rigid.boundary[n];
-    const double apart = now.at(link.outside) - now.at(link.inside);
-    const double upper = link.values.upper * kFinePerUnit, lower = link.values.lower * kFinePerUnit;
-    force += link.values.stiffness * pulled_stretch(link.values, apart - link.rest * kFinePerUnit);
-    stiffness += link.values.stiffness;
-    rise = std::min(rise, apart + (link.inside_is_low ? lower : upper));
-    sink = std::min(sink, (link.inside_is_low ? upper : lower) - apart);
-  }
-
+  const ClusterPull links = pull_of_cluster(rigid, cluster, now, m_at_least, m_at_most, 1);
+  double force = links.force;
   const std::size_t begin = m_first_cell[cluster], end = m_first_cell[cluster + 1];
   std::vector<Pull> sums((end - begin + kCellsPerSum - 1) / kCellsPerSum);
   in_parallel(sums.size(), [&](std::size_t sum) {
@@ -148,20 +134,11 @@ double VolumeClusters::step_of(std::size_t cluster,
     force += sum.force;
     of_cells += sum.stiffness;
   }
-  if (stiffness + of_cells == 0) return 0;
-
-  for (std::uint32_t n = rigid.first[cluster]; n < rigid.first[cluster + 1]; ++n) {
-    const Slot slot = rigid.members[n];
-    if (const Bound* least = bound_of(m_at_least, slot)) {
-      sink = std::min(sink, std::max(0.0, now.at(slot) - least->value * kFinePerUnit));
-    }
-    if (const Bound* most = bound_of(m_at_most, slot)) {
-      rise = std::min(rise, std::max(0.0, most->value * kFinePerUnit - now.at(slot)));
-    }
-  }
+  const double stiffness = links.stiffness + of_cells;
+  if (stiffness == 0) return 0;
   const double wanted =
-      damped_relaxation(relaxation, stiffness, of_cells) * force / (stiffness + of_cells);
-  return std::trunc(std::max(-sink, std::min(rise, wanted)));
+      damped_relaxation(relaxation, links.stiffness, of_cells) * force / stiffness;
+  return std::trunc(std::max(-links.sink, std::min(links.rise, wanted)));
 }
 
 double VolumeClusters::step(std::array<BrickArray<double>, 3>& offsets, double relaxation,

@@ -1,16 +1,15 @@
 // What all integrators of a spring system share: one step, its report, and the forces on what is
 // held.
 //
-// | integrator         | order | stable for           | conserves                  | cost of a step
-// |
-// |--------------------|-------|----------------------|----------------------------|----------------|
-// | SymplecticEuler    | 1     | dt below a limit     | energy, on average         | springs | |
-// ImplicitEuler      | 1     | any dt               | momentum; damps            | a sparse LDLT  |
-// | Xpbd               | 1     | any dt               | momentum; damps            | sweeps | |
-// ProjectiveDynamics | 1     | any dt               | momentum; damps            | back-solves    |
+// | integrator         | stable for          | conserves          | cost of a step         |
+// |--------------------|---------------------|--------------------|------------------------|
+// | SymplecticEuler    | dt below a limit    | energy, on average | springs, per substep   |
+// | ImplicitEuler      | any dt              | momentum; damps    | a sparse LDLT or CG    |
+// | Xpbd               | any dt              | momentum; damps    | sweeps over springs    |
+// | ProjectiveDynamics | any dt              | momentum; damps    | back-solves            |
 //
-// All end a step with pos = start + dt * velocity. Everything runs on one thread in a fixed order:
-// results are the same bits whatever --threads says.
+// All are of order 1 and end a step with pos = start + dt * velocity. Everything runs on one thread
+// in a fixed order: results are the same bits whatever --threads says.
 #pragma once
 
 #include <vector>

@@ -11,13 +11,12 @@ namespace supple {
 namespace {
 
 constexpr double kM3PerMm3 = 1e-9;
-constexpr double kUnitsPerVoxel = 65536;
-constexpr double kLargestOffset = 16383 * kUnitsPerVoxel;
+constexpr double kLargestOffset = 16383 * kFixedOne;
 
 Vec3d position_of(const Body& body, Slot slot) {
   const Vec3i voxel = voxel_of(body.elements, slot);
   Vec3d index(voxel);
-  for (int c = 0; c < 3; ++c) index[c] += body.q[c].at(slot) / kUnitsPerVoxel;
+  for (int c = 0; c < 3; ++c) index[c] += body.q[c].at(slot) / kFixedOne;
   return body.geometry.world_from_index(index);
 }
 
@@ -144,16 +143,16 @@ double give_state(const LatticeSprings& springs, Body& body) {
     const Vec3i voxel = voxel_of(body.elements, slot);
     const Vec3d index = body.geometry.index_from_world(springs.system.pos_mm[n]);
     for (int c = 0; c < 3; ++c) {
-      const double exact = (index[c] - voxel[c]) * kUnitsPerVoxel;
+      const double exact = (index[c] - voxel[c]) * kFixedOne;
       if (!(std::abs(exact) <= kLargestOffset)) {
         throw InputError({"",
                           "voxel " + std::to_string(voxel.x) + "," + std::to_string(voxel.y) + "," +
                               std::to_string(voxel.z),
-                          "an offset of " + number_text(exact / kUnitsPerVoxel) + " voxels",
+                          "an offset of " + number_text(exact / kFixedOne) + " voxels",
                           "at most 16383"});
       }
       const auto units = std::int32_t(std::lround(exact));
-      rounding = std::max(rounding, std::abs(exact - units) / kUnitsPerVoxel);
+      rounding = std::max(rounding, std::abs(exact - units) / kFixedOne);
       if (units == q[c].at(slot)) continue;
       if (q[c].brick_count() == 0) q[c].resize(body.elements.brick_count());
       q[c].set(slot, units);

@@ -2,6 +2,9 @@
 
 #include <cmath>
 
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
 #include "lib/body/lattice.h"
 
 namespace supple::test {
@@ -57,6 +60,40 @@ Dragged dragged(std::mt19937& random, const Vec3i& max_dims) {
 Relaxation relaxation_of(Dragged& dragged, const RelaxParams& params) {
   return Relaxation(dragged.body, still_elements(dragged.body, dragged.anchors, dragged.holds),
                     dragged.holds, params);
+}
+
+int expect_held_through(Dragged dragged, const RelaxParams& params) {
+  const Body before = dragged.body;
+  const Body& after = dragged.body;
+  relax(dragged.body, dragged.anchors, dragged.holds, params);
+  const SlotSet still = still_elements(before, dragged.anchors, dragged.holds);
+  int at_bound = 0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    still.for_each([&](Slot slot) { EXPECT_EQ(after.q[c].at(slot), before.q[c].at(slot)); });
+    for (const Bound& bound : dragged.holds.at_least[c]) {
+      EXPECT_GE(after.q[c].at(bound.slot), bound.value) << name_of(params.method);
+      at_bound += after.q[c].at(bound.slot) == bound.value;
+    }
+    for (const Bound& bound : dragged.holds.at_most[c]) {
+      EXPECT_LE(after.q[c].at(bound.slot), bound.value) << name_of(params.method);
+    }
+  }
+  return at_bound;
+}
+
+void expect_same_on_any_threads(const Dragged& dragged, const RelaxParams& params) {
+  Dragged one = dragged, many = dragged;
+  const auto relax_on = [&](std::size_t threads, Dragged& copy) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    return relax(copy.body, copy.anchors, copy.holds, params);
+  };
+  const RelaxReport first = relax_on(1, one), second = relax_on(4, many);
+  EXPECT_EQ(one.body.q, many.body.q);
+  EXPECT_EQ(first.energy_after, second.energy_after);
+  ASSERT_EQ(first.volumes_after.has_value(), second.volumes_after.has_value());
+  if (first.volumes_after) {
+    EXPECT_EQ(first.volumes_after->total_mm3, second.volumes_after->total_mm3);
+  }
 }
 
 double spring_energy(const Body& body) {

@@ -20,6 +20,13 @@ Dragged dragged(std::mt19937& random, const Vec3i& max_dims);
 
 Relaxation relaxation_of(Dragged& dragged, const RelaxParams& params);
 
+/// Relaxes, and fails the test unless anchors and two-sided handles stay and push handles keep
+/// their side; how many elements then lie at the bound of one.
+int expect_held_through(Dragged dragged, const RelaxParams& params);
+
+/// Fails the test unless one thread and four relax to the same bits.
+void expect_same_on_any_threads(const Dragged& dragged, const RelaxParams& params);
+
 /// Of all links, from the stored offsets, in uJ; a spring beyond its yield stretch pulls no more.
 double spring_energy(const Body& body);
 

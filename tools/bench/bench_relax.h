@@ -16,16 +16,19 @@ struct RelaxBenchOptions {
   std::string ct_head;  // a head CT; empty: build/data/ct_head.nhdr where it is
 };
 
-/// case/field/size/method[/threads], which --only matches.
+/// Names of the rows that these options choose (relax_plan.h), in order, without measuring any.
+/// Throws UsageError when `only` leaves none.
 std::vector<std::string> relax_row_names(const RelaxBenchOptions& options, Console& console);
 
 /// Rows by case:
-///   cost    ns per node and pass of every method, one and several threads, in turns, on a body
-///           that moves as a whole;
-///   states  dragged states out of 100 random drags each: limits that the passes broke, and passes
-///           after which the energy was higher than before;
+///   cost    ns per node and pass of every method, one and several threads, in turns;
+///   volume  the same along all axes, with conservation of volume and without;
+///   press   what is left of the volume of a ball that plates press, under several bulk moduli;
+///   states  random dragged states: limits that the passes broke, and passes after which the energy
+///           was higher than before;
 ///   descent the energy of every method after a number of passes, and the passes it takes to come
 ///           within 1 % of the least energy found.
+/// Throws UsageError when `only` leaves no row, Cancelled.
 BenchReport bench_relax(const RelaxBenchOptions& options, Console& console);
 
 }  // namespace supple::tools

@@ -114,6 +114,19 @@ Body block_body(const std::string& field, const Vec3i& size) {
                       example_material(), class_of_field(field, size));
 }
 
+Body ball_body(int diameter) {
+  const Vec3i size(diameter);
+  const MaterialTable material = parse_material(
+      "domain = [0, 255]\nmax_length = [[0, 3]]\nmin_length = [[0, 0.2]]\nshear = [[0, 2]]\n",
+      "bench ball material");
+  const BrickTopology ball = block_topology(size, [&](const Vec3i& voxel) {
+    const Vec3d from_middle = Vec3d(voxel) - (Vec3d(size) - Vec3d(1)) / 2.0;
+    return from_middle.length2() <= diameter * diameter / 4.0;
+  });
+  const Geometry geometry(size, {0, 0, 0}, {Vec3d(1, 0, 0), Vec3d(0, 1, 0), Vec3d(0, 0, 1)});
+  return body_at_rest(geometry, ball, material, [](const Vec3i&) { return std::uint8_t(255); });
+}
+
 Body head_phantom_body(const Vec3i& size) {
   const MaterialTable material = parse_material(kHeadMaterial, "bench head material");
   const HalfSampledHead density(size);

@@ -23,6 +23,10 @@ extern const char* const kHeadMaterial;
 /// sampled at half the resolution and trilinear between.
 Body head_phantom_body(const Vec3i& size);
 
+/// A ball that just fits into that many voxels of 1 mm, of one kind: class 255, whose links may get
+/// three times as long and a fifth as long, and shear by twice their length; 1 kPa.
+Body ball_body(int diameter);
+
 /// A head CT under the material of docs/scenes/ct_head_material.toml.
 Body ct_head_body(const std::string& path);
 

@@ -1,0 +1,25 @@
+// What pulls at a cluster, and how far its links and the bounds of its elements let it go.
+#pragma once
+
+#include <vector>
+
+#include "lib/chainmail/ecm.h"
+#include "lib/relax/brick_links.h"
+#include "lib/relax/clusters.h"
+
+namespace supple {
+
+struct ClusterPull {
+  double force = 0;            // N/m * 2^-32 voxel, upwards
+  double stiffness = 0;        // N/m
+  double rise, sink;           // slack, 2^-32 voxel; may be infinite
+  bool touches_other = false;  // a link leads to another cluster
+};
+
+/// Under the present offsets in 2^-32 voxel. Of the slack of a link to another cluster it may take
+/// `share`: half where both step at once.
+ClusterPull pull_of_cluster(const Clusters& clusters, std::size_t cluster,
+                            const BrickArray<double>& offsets, const std::vector<Bound>& at_least,
+                            const std::vector<Bound>& at_most, double share);
+
+}  // namespace supple
