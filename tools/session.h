@@ -9,7 +9,7 @@
 
 #include "lib/chainmail/ball_limits.h"
 #include "lib/chainmail/ecm.h"
-#include "lib/relax/relaxation.h"
+#include "lib/model/relax_model.h"
 #include "tools/console.h"
 #include "tools/cut_surface.h"
 #include "volumes/io/volume_file.h"

@@ -14,11 +14,22 @@ std::int32_t Body::offset(const Vec3i& voxel, int c) const {
 
 std::size_t Body::bytes() const {
   std::size_t total = elements.bytes() + classes.capacity() + slacks.bytes() + cuts.bytes();
-  for (const BrickValues& coordinate : q) total += coordinate.bytes();
+  for (std::size_t c = 0; c < 3; ++c) {
+    total += q[c].bytes() + fraction[c].bytes() + velocity_mm_s[c].bytes();
+  }
   for (const auto& axis : rest) {
     for (const BrickValues& coordinate : axis) total += coordinate.bytes();
   }
   return total;
+}
+
+void Body::drop_fractions(int c, std::size_t brick, const std::int32_t* before) {
+  if (fraction[std::size_t(c)].brick(brick) == nullptr) return;
+  std::int16_t* fractions = fraction[std::size_t(c)].touch(brick);
+  const std::int32_t* now = q[std::size_t(c)].brick_or_zero(brick);
+  for (int n = 0; n < kBrickVoxels; ++n) {
+    if (now[n] != before[n]) fractions[n] = 0;
+  }
 }
 
 Body make_body(const Geometry& geometry, const DensityGrid& density, const BrickTopology& elements,
@@ -48,6 +59,7 @@ Body make_body(const State& state, const MaterialTable& material) {
   body.q = state.q;
   body.cuts = state.cuts;
   body.rest = state.rest;
+  body.velocity_mm_s = state.velocity_mm_s;
   for (const BrickValues& coordinate : body.q) body.links_known_valid &= coordinate.empty();
   return body;
 }

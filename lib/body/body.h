@@ -19,6 +19,11 @@ struct Body {
   std::array<BrickValues, 3> q;       // offsets from rest, 2^-16 voxel; stored where they moved
   LinkCuts cuts;                      // links between elements that are absent
   RestStretch rest;                   // of the links' springs; empty without plastic flow
+  /// What models beside ECM know of a node, empty unless one has left some: of each offset the rest
+  /// beyond q, 2^-32 voxel, at most half a unit of q; and velocities. Who writes q drops the
+  /// fractions of what it moved.
+  std::array<BrickArray<std::int16_t>, 3> fraction;
+  Velocities velocity_mm_s;  // LPS
   SlackTable slacks;
   MaterialTable material;
   /// True while all links are known to hold, so that a drag need not check them. Whoever writes q
@@ -28,6 +33,8 @@ struct Body {
   /// Offset of coordinate c of a voxel that is an element; 0 for a coordinate that never moved.
   std::int32_t offset(const Vec3i& voxel, int c) const;
   std::size_t bytes() const;
+  /// Drops the fractions of a brick's offsets that are no longer what they were `before`.
+  void drop_fractions(int c, std::size_t brick, const std::int32_t* before);
 };
 
 /// Elements at rest; `labels`, on their bricks, choose among the material's tables.

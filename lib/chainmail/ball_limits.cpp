@@ -102,8 +102,11 @@ class BallDrag {
     m_report.moved = count_changed();
     for (const auto& [b, c] : changed) {
       std::int32_t* values = m_body.q[std::size_t(c)].touch(b);
+      std::array<std::int32_t, kBrickVoxels> before;
+      std::copy_n(values, kBrickVoxels, before.begin());
       for_each_active(m_pages[b]->moved,
                       [&, c = c, b = b](int offset) { values[offset] = rounded(b, offset, c); });
+      m_body.drop_fractions(c, b, before.data());
     }
     if (!changed.empty()) m_body.links_known_valid = false;
   }

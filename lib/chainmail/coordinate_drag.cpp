@@ -32,6 +32,13 @@ CoordinateDrag::~CoordinateDrag() {
   if (m_values.empty()) m_values.clear();
 }
 
+void CoordinateDrag::commit() {
+  m_committed = true;
+  for (const std::size_t brick : m_undo.bricks()) {
+    m_body.drop_fractions(m_coordinate, brick, m_undo.saved_of(brick));
+  }
+}
+
 void CoordinateDrag::try_whole(Fraction& fraction) {
   const Excess excess = solve();
   require_agreement();

@@ -50,7 +50,7 @@ class CoordinateDrag {
   /// Starts over and moves the handles by that part.
   void redo(const Fraction& fraction);
   /// Keeps the result.
-  void commit() { m_committed = true; }
+  void commit();
 
   const UndoLog& undo() const { return m_undo; }
   const BrickValues& values() const { return m_values; }
@@ -83,8 +83,8 @@ class CoordinateDrag {
   template <class Visit>
   void for_each_target(const HeldHandle& handle, Direction direction, Visit&& visit) const;
 
-  /// Calls `visit(slot, limit)` for what is held in a brick and may not rise above its limit (raise)
-  /// or sink below it (lower).
+  /// Calls `visit(slot, limit)` for what is held in a brick and may not rise above its limit
+  /// (raise) or sink below it (lower).
   template <class Visit>
   void for_each_held(std::size_t brick, Direction direction, Visit&& visit) const;
 

@@ -17,11 +17,14 @@ class OffsetsGuard {
  public:
   explicit OffsetsGuard(Body& body) : m_body(body) {
     m_armed = !body.links_known_valid;
-    if (m_armed) m_before = body.q;
+    if (!m_armed) return;
+    m_before = body.q;
+    m_fractions = body.fraction;
   }
   ~OffsetsGuard() {
     if (!m_armed) return;
     m_body.q.swap(m_before);
+    m_body.fraction.swap(m_fractions);
     m_body.links_known_valid = false;
   }
   OffsetsGuard(const OffsetsGuard&) = delete;
@@ -32,6 +35,7 @@ class OffsetsGuard {
   Body& m_body;
   bool m_armed = false;
   std::array<BrickValues, 3> m_before;
+  std::array<BrickArray<std::int16_t>, 3> m_fractions;
 };
 
 using CoordinateDrags = std::vector<std::unique_ptr<CoordinateDrag>>;
@@ -123,9 +127,7 @@ Holds holds_after(const HeldVoxels& held, const Fraction& fraction) {
 }  // namespace
 
 EcmSolver::EcmSolver(Body& body, Engine engine)
-    : m_body(body),
-      m_propagator(body, engine),
-      m_fixed(std::make_unique<FixedElements>()) {}
+    : m_body(body), m_propagator(body, engine), m_fixed(std::make_unique<FixedElements>()) {}
 
 EcmSolver::~EcmSolver() = default;
 

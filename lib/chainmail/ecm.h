@@ -92,8 +92,8 @@ EcmReport drag(Body& body, const std::vector<Handle>& handles, const std::vector
                Holds& holds, Progress* progress = nullptr);
 
 /// The same for many drags of one body: queues, tables, undo memory and the elements of the anchors
-/// stay, so that a local drag costs what it moves. The body's elements, classes and slacks must not change between drags;
-/// its offsets and cuts may.
+/// stay, so that a local drag costs what it moves. The body's elements, classes and slacks must not
+/// change between drags; its offsets and cuts may.
 class EcmSolver {
  public:
   explicit EcmSolver(Body& body, Engine engine = Engine::automatic);

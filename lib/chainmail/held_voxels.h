@@ -40,10 +40,10 @@ struct HeldVoxels {
 /// regions.
 FixedElements fix(const Body& body, const std::vector<Region>& regions);
 
-/// Finds handles in the body. Elements that are grabbed are not held any more; a push handle goes on
-/// from where it pushed them to. Throws InputError: a handle without element, a voxel in two handles
-/// or in a handle and an anchor, a target beyond the range of +-16384 voxels. Cost: the bricks of
-/// handles and holds, the offsets of the grabbed elements and the bounds.
+/// Finds handles in the body. Elements that are grabbed are not held any more; a push handle goes
+/// on from where it pushed them to. Throws InputError: a handle without element, a voxel in two
+/// handles or in a handle and an anchor, a target beyond the range of +-16384 voxels. Cost: the
+/// bricks of handles and holds, the offsets of the grabbed elements and the bounds.
 HeldVoxels hold(const Body& body, const std::vector<Handle>& handles, const FixedElements& fixed,
                 const Holds& holds);
 

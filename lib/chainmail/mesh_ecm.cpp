@@ -7,6 +7,7 @@
 #include <string>
 
 #include "lib/chainmail/mesh_drag.h"
+#include "lib/chainmail/node_owners.h"
 #include "volumes/base/error.h"
 
 namespace supple {
@@ -69,47 +70,6 @@ MeshLinkCheck check(const MeshLinks& links, Value&& value) {
   return result;
 }
 
-/// Which set a node is in, for all sets of one drag.
-class Owners {
- public:
-  explicit Owners(std::size_t nodes) : m_owner(nodes, -1) {}
-
-  /// The set's nodes, each once. `may_share`: those that an earlier such set has are left out.
-  /// Throws InputError: no node at all, an index without node, a node of another set.
-  std::vector<Slot> claim(const NodeSet& set, const std::string& name, bool may_share) {
-    if (set.empty()) throw InputError({"", name, "no node", "at least one node"});
-    std::vector<Slot> nodes;
-    nodes.reserve(set.size());
-    const int id = int(m_sets.size());
-    m_sets.push_back({name, may_share});
-    for (const int node : set) {
-      if (node < 0 || std::size_t(node) >= m_owner.size()) {
-        throw InputError({"", name, "node " + std::to_string(node),
-                          "an index below " + std::to_string(m_owner.size())});
-      }
-      int& owner = m_owner[std::size_t(node)];
-      if (owner == id) continue;
-      if (owner < 0) {
-        owner = id;
-        nodes.push_back(Slot(node));
-      } else if (!may_share || !m_sets[std::size_t(owner)].may_share) {
-        throw InputError({"", m_sets[std::size_t(owner)].name + " and " + name,
-                          "node " + std::to_string(node) + " in both",
-                          "every node in one of them"});
-      }
-    }
-    return nodes;
-  }
-
- private:
-  struct Set {
-    std::string name;
-    bool may_share;
-  };
-  std::vector<int> m_owner;  // index into m_sets, or -1
-  std::vector<Set> m_sets;
-};
-
 void require_range(const HeldNodes::Handle& handle, const std::array<MeshValues, 3>& values,
                    const std::string& name) {
   for (std::size_t c = 0; c < 3; ++c) {
@@ -126,7 +86,7 @@ void require_range(const HeldNodes::Handle& handle, const std::array<MeshValues,
 
 HeldNodes hold(const std::vector<MeshHandle>& handles, const std::vector<NodeSet>& anchors,
                const std::array<MeshValues, 3>& values, std::size_t node_count) {
-  Owners owners(node_count);
+  NodeOwners owners(node_count);
   HeldNodes held;
   for (std::size_t h = 0; h < handles.size(); ++h) {
     const MeshHandle& handle = handles[h];

@@ -64,6 +64,11 @@ ProjectionReport project(Body& body) {
     }
     report.max_move_voxels = double(largest) / kFixedOne;
     body.q.swap(valid);
+    for (int c = 0; c < 3; ++c) {
+      for (std::size_t b = 0; b < body.fraction[c].brick_count(); ++b) {
+        body.drop_fractions(c, b, valid[c].brick_or_zero(b));
+      }
+    }
   }
   body.links_known_valid = true;
   return report;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lib/relax/cluster_pull.h"
+#include "lib/relax/fine_offsets.h"
 #include "lib/relax/in_parallel.h"
 
 namespace supple {
@@ -38,18 +39,15 @@ CoordinateRelaxation::CoordinateRelaxation(const Body& body, int coordinate, con
       m_is_plastic(m_table.has_yield() || has_rest(body, coordinate)),
       m_extent(largest_extent(body.elements)),
       m_elements(find_movable(body, m_table, still, method != RelaxMethod::plain)),
-      m_now(body.elements.brick_count()),
+      m_now(fine_offsets(body, m_table, held)),
       m_next(body.elements.brick_count()),
       m_changed(body.elements.brick_count(), 0),
       m_is_tight(body.elements.brick_count(), 0),
       m_energies(body.elements.brick_count(), 0) {
-  const BrickValues& q = body.q[std::size_t(coordinate)];
-  for (std::size_t b = 0; b < q.brick_count(); ++b) {
-    const std::int32_t* values = q.brick(b);
+  for (std::size_t b = 0; b < m_now.brick_count(); ++b) {
+    const double* values = m_now.brick(b);
     if (values == nullptr) continue;
-    double* fine = m_now.touch(b);
-    for (int n = 0; n < kBrickVoxels; ++n) fine[n] = values[n] * kFinePerUnit;
-    std::copy_n(fine, kBrickVoxels, m_next.touch(b));
+    std::copy_n(values, kBrickVoxels, m_next.touch(b));
     m_changed[b] = 1;
   }
   for (const auto& axis : body.rest) {
@@ -234,8 +232,8 @@ double CoordinateRelaxation::energy() {
   return total;
 }
 
-void CoordinateRelaxation::store(BrickValues& q) const {
-  store_rounded(m_now, q);
+void CoordinateRelaxation::store(Body& body) const {
+  store_fine(m_now, m_table.coordinate(), body);
 }
 
 std::size_t CoordinateRelaxation::bytes() const {

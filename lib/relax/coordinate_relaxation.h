@@ -23,8 +23,8 @@ class CoordinateRelaxation {
   /// Sum of stiffness * stretch^2 over all links before the last pass: N/m * (2^-32 voxel)^2.
   double energy_before_pass() const { return m_energy; }
   double energy();
-  /// Rounds half up to 2^-16 voxel.
-  void store(BrickValues& q) const;
+  /// Offsets and their fractions to the body, which is that of the constructor.
+  void store(Body& body) const;
   std::size_t bytes() const;
 
  private:

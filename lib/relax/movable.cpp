@@ -75,20 +75,4 @@ int largest_extent(const BrickTopology& elements) {
   return extent;
 }
 
-void store_rounded(const BrickArray<double>& fine, BrickValues& q) {
-  q.resize(fine.brick_count());
-  for (std::size_t b = 0; b < fine.brick_count(); ++b) {
-    const double* from = fine.brick(b);
-    if (from == nullptr) continue;
-    const bool is_zero = std::all_of(
-        from, from + kBrickVoxels, [](double value) { return std::abs(value) * 2 < kFinePerUnit; });
-    if (is_zero && q.brick(b) == nullptr) continue;
-    std::int32_t* values = q.touch(b);
-    for (int n = 0; n < kBrickVoxels; ++n) {
-      const double rounded = std::floor(from[n] / kFinePerUnit + 0.5);
-      values[n] = std::int32_t(std::clamp(rounded, -double(kMaxOffset), double(kMaxOffset)));
-    }
-  }
-}
-
 }  // namespace supple

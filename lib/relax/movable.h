@@ -43,8 +43,4 @@ double over_relaxation(int pass, int extent);
 /// Voxels of the body along its longest axis.
 int largest_extent(const BrickTopology& elements);
 
-/// Offsets in 2^-32 voxel to 2^-16 voxel, half rounded up and clamped to the range of offsets,
-/// which keeps every link as valid as it was; bricks that stay at rest are not stored.
-void store_rounded(const BrickArray<double>& fine, BrickValues& q);
-
 }  // namespace supple

@@ -1,11 +1,9 @@
 #include "lib/relax/relaxation.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "lib/relax/coordinate_relaxation.h"
-#include "lib/relax/plastic_flow.h"
 #include "lib/relax/volume_relaxation.h"
 
 namespace supple {
@@ -14,26 +12,6 @@ namespace {
 
 constexpr RelaxMethod kMethods[] = {RelaxMethod::plain, RelaxMethod::jacobi, RelaxMethod::red_black,
                                     RelaxMethod::accelerated};
-
-void check(const RelaxParams& params) {
-  if (params.passes < 0 || params.passes > kMaxPasses) {
-    throw InputError(
-        {"", "passes", std::to_string(params.passes), "0 to " + std::to_string(kMaxPasses)});
-  }
-  if (!(params.tolerance_voxels >= 0)) {
-    throw InputError(
-        {"", "tolerance", std::to_string(params.tolerance_voxels), "0 or more voxels"});
-  }
-  const double volume = params.volume_stiffness_kpa;
-  if (!(volume >= 0 && volume <= kMaxVolumeStiffnessKpa)) {
-    throw InputError({"", "volume", number_text(volume),
-                      "0 to " + number_text(kMaxVolumeStiffnessKpa) + " kPa"});
-  }
-  if (volume > 0 && !conserves_volume(params.method)) {
-    throw InputError({"", "volume", std::string("method ") + name_of(params.method),
-                      "red-black or accelerated"});
-  }
-}
 
 /// 2^-32 voxel of coordinate c in mm.
 double fine_mm(const Body& body, int c) {
@@ -74,18 +52,36 @@ bool conserves_volume(RelaxMethod method) {
   return method == RelaxMethod::red_black || method == RelaxMethod::accelerated;
 }
 
+void RelaxParams::validate() const {
+  if (passes < 0 || passes > kMaxPasses) {
+    throw InputError({"", "passes", std::to_string(passes), "0 to " + std::to_string(kMaxPasses)});
+  }
+  if (!(tolerance_voxels >= 0)) {
+    throw InputError({"", "tolerance", std::to_string(tolerance_voxels), "0 or more voxels"});
+  }
+  const double volume = volume_stiffness_kpa;
+  if (!(volume >= 0 && volume <= kMaxVolumeStiffnessKpa)) {
+    throw InputError({"", "volume", number_text(volume),
+                      "0 to " + number_text(kMaxVolumeStiffnessKpa) + " kPa"});
+  }
+  if (volume > 0 && !conserves_volume(method)) {
+    throw InputError(
+        {"", "volume", std::string("method ") + name_of(method), "red-black or accelerated"});
+  }
+}
+
 Relaxation::Relaxation(Body& body, const SlotSet& fixed, const Holds& held,
                        const RelaxParams& params)
     : m_body(body) {
-  check(params);
+  params.validate();
   if (params.volume_stiffness_kpa > 0) {
     m_volume = std::make_unique<VolumeRelaxation>(body, fixed, held, params);
     return;
   }
   for (int c = 0; c < 3; ++c) {
-    if (body.q[std::size_t(c)].empty() && !has_rest(body, c)) continue;
-    m_coordinates[std::size_t(c)] =
-        std::make_unique<CoordinateRelaxation>(body, c, fixed, held, params.method);
+    const std::size_t at = std::size_t(c);
+    if (body.q[at].empty() && body.fraction[at].empty() && !has_rest(body, c)) continue;
+    m_coordinates[at] = std::make_unique<CoordinateRelaxation>(body, c, fixed, held, params.method);
   }
 }
 
@@ -121,9 +117,9 @@ double Relaxation::energy() {
 }
 
 void Relaxation::store() {
-  if (m_volume) return m_volume->store(m_body.q);
-  for (std::size_t c = 0; c < 3; ++c) {
-    if (m_coordinates[c]) m_coordinates[c]->store(m_body.q[c]);
+  if (m_volume) return m_volume->store(m_body);
+  for (const auto& coordinate : m_coordinates) {
+    if (coordinate) coordinate->store(m_body);
   }
 }
 
@@ -131,46 +127,6 @@ SlotSet still_elements(const Body& body, const std::vector<Region>& fixed, const
   SlotSet still = held.still;
   for (const Region& region : fixed) still.add(elements_of(body, region, "fix"));
   return still;
-}
-
-RelaxReport relax(Body& body, const std::vector<Region>& fixed, const Holds& held,
-                  const RelaxParams& params, Progress* progress) {
-  const auto begin = std::chrono::steady_clock::now();
-  check(params);
-  RelaxReport result;
-  const SlotSet still = still_elements(body, fixed, held);
-  if (!body.links_known_valid) {
-    const ProjectionReport projection = project(body);
-    result.projected_links = projection.violated_links;
-    result.projected_max_voxels = projection.max_move_voxels;
-  }
-  const bool conserves = params.volume_stiffness_kpa > 0;
-  if (conserves) result.volumes_before = cell_volumes(body);
-  Relaxation relaxation(body, still, held, params);
-  const auto finish = [&] {
-    result.energy_after = relaxation.energy();
-    relaxation.store();
-    if (body.material.has_plastic()) result.yielded_links = let_flow(body);
-    body.links_known_valid = params.method != RelaxMethod::plain;
-  };
-  try {
-    for (int n = 0; n < params.passes && !result.converged; ++n) {
-      report(progress, double(n) / params.passes);
-      result.largest_step_voxels = relaxation.pass();
-      if (n == 0) result.energy_before = relaxation.energy_before_pass();
-      ++result.passes;
-      result.converged = result.largest_step_voxels <= params.tolerance_voxels;
-    }
-  } catch (const Cancelled&) {
-    finish();
-    throw;
-  }
-  finish();
-  if (conserves) result.volumes_after = cell_volumes(body);
-  if (result.passes == 0) result.energy_before = result.energy_after;
-  result.milliseconds =
-      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
-  return result;
 }
 
 std::size_t Relaxation::bytes() const {

@@ -52,26 +52,16 @@ struct RelaxParams {
   /// Bulk modulus with which cells keep their rest volume (volume_relaxation.h); 0: they do not.
   /// Only with the methods red_black and accelerated.
   double volume_stiffness_kpa = 0;
-};
 
-struct RelaxReport {
-  std::int64_t projected_links = 0;  // of an invalid start
-  double projected_max_voxels = 0;
-  int passes = 0;
-  bool converged = false;                      // by the tolerance, or no element can move any more
-  double energy_before = 0, energy_after = 0;  // uJ (N/m * mm^2)
-  double largest_step_voxels = 0;              // of the last pass
-  std::int64_t yielded_links = 0;              // whose rest stretch followed
-  /// Where volume is conserved.
-  std::optional<CellVolumes> volumes_before, volumes_after;
-  double milliseconds = 0;
+  /// Throws InputError: a value out of range.
+  void validate() const;
 };
 
 class CoordinateRelaxation;
 class VolumeRelaxation;
 
-/// Relaxes one body. Between passes nothing is lost: the body's offsets are those of the last
-/// finished pass once store() was called, and the object keeps their fractions.
+/// Relaxes one body. Between passes nothing is lost: the body's offsets and their fractions are
+/// those of the last finished pass once store() was called.
 class Relaxation {
  public:
   /// Elements of `held.still` and `fixed` stay; those of push handles stay at or beyond where they
@@ -87,7 +77,7 @@ class Relaxation {
   double energy_before_pass() const { return m_energy; }
   /// Energy now, in uJ; as much work as a pass.
   double energy();
-  /// Writes the offsets, rounded to 2^-16 voxel, to the body: again a valid configuration.
+  /// Writes the offsets to the body: again a valid configuration, with fractions and without.
   void store();
   std::size_t bytes() const;
 
@@ -101,12 +91,5 @@ class Relaxation {
 /// The elements that stay: those of the regions and of two-sided handles. Throws InputError: a
 /// region without element.
 SlotSet still_elements(const Body& body, const std::vector<Region>& fixed, const Holds& held);
-
-/// Up to params.passes passes, then plastic flow. An invalid start is projected first, as drag()
-/// does. `progress` may cancel between two passes: Cancelled is thrown, and the body is what as
-/// many passes alone would have made of it. Throws InputError, the body unchanged: params out of
-/// range, a region without element.
-RelaxReport relax(Body& body, const std::vector<Region>& fixed, const Holds& held,
-                  const RelaxParams& params, Progress* progress = nullptr);
 
 }  // namespace supple

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "lib/relax/fine_offsets.h"
 #include "lib/relax/in_parallel.h"
 
 namespace supple {
@@ -48,14 +49,9 @@ VolumeRelaxation::VolumeRelaxation(const Body& body, const SlotSet& still, const
     m_clusters.emplace_back(body, c, m_coordinates.back().elements, held, weight);
     m_is_plastic = m_is_plastic || m_coordinates.back().table.has_yield() || has_rest(body, c);
 
-    const BrickValues& q = body.q[std::size_t(c)];
-    m_now[std::size_t(c)].resize(body.elements.brick_count());
+    m_now[std::size_t(c)] = fine_offsets(body, m_coordinates.back().table, held);
     for (std::size_t b = 0; b < body.elements.brick_count(); ++b) {
-      if (const std::int32_t* values = q.brick(b)) {
-        double* fine = m_now[std::size_t(c)].touch(b);
-        for (int n = 0; n < kBrickVoxels; ++n) fine[n] = values[n] * kFinePerUnit;
-        m_changed[b] = 1;
-      }
+      if (m_now[std::size_t(c)].brick(b) != nullptr) m_changed[b] = 1;
       for (const auto& axis : body.rest) {
         if (axis[std::size_t(c)].brick(b) != nullptr) m_changed[b] = 1;
       }
@@ -179,8 +175,8 @@ double VolumeRelaxation::energy() {
   return total;
 }
 
-void VolumeRelaxation::store(std::array<BrickValues, 3>& q) const {
-  for (std::size_t c = 0; c < 3; ++c) store_rounded(m_now[c], q[c]);
+void VolumeRelaxation::store(Body& body) const {
+  for (std::size_t c = 0; c < 3; ++c) store_fine(m_now[c], int(c), body);
 }
 
 LinkTables VolumeRelaxation::tables() const {

@@ -38,8 +38,8 @@ class VolumeRelaxation {
   /// Of links and cells before the last pass, in uJ.
   double energy_before_pass() const { return m_energy; }
   double energy();
-  /// Rounds half up to 2^-16 voxel.
-  void store(std::array<BrickValues, 3>& q) const;
+  /// Offsets and their fractions to the body, which is that of the constructor.
+  void store(Body& body) const;
   std::size_t bytes() const;
 
  private:

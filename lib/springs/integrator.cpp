@@ -11,16 +11,17 @@ namespace {
 
 constexpr double kNewtonPerMillinewton = 1e-3;
 
-void add(SpringStepReport& sum, const SpringStepReport& one) {
-  sum.substeps += one.substeps;
-  sum.iterations += one.iterations;
-  sum.residual_mn = std::max(sum.residual_mn, one.residual_mn);
-  sum.contacts += one.contacts;
-  sum.penetration_mm = std::max(sum.penetration_mm, one.penetration_mm);
-  sum.without_direction += one.without_direction;
-}
-
 }  // namespace
+
+SpringStepReport& SpringStepReport::operator+=(const SpringStepReport& next) {
+  substeps += next.substeps;
+  iterations += next.iterations;
+  residual_mn = std::max(residual_mn, next.residual_mn);
+  contacts += next.contacts;
+  penetration_mm = std::max(penetration_mm, next.penetration_mm);
+  without_direction += next.without_direction;
+  return *this;
+}
 
 SpringIntegrator::SpringIntegrator(SpringSystem& system)
     : m_system(system), m_is_held(system.node_count(), 0) {
@@ -81,7 +82,7 @@ SpringStepReport run_steps(SpringIntegrator& integrator, double dt_s, int count,
   SpringStepReport sum;
   for (int n = 0; n < count; ++n) {
     report(progress, double(n) / count);
-    add(sum, integrator.step(dt_s));
+    sum += integrator.step(dt_s);
   }
   return sum;
 }

@@ -26,6 +26,9 @@ struct SpringStepReport {
   int contacts = 0;           // nodes that touched a shape, summed over substeps
   double penetration_mm = 0;  // deepest that contact left
   int without_direction = 0;  // springs of length 0 that were met
+
+  /// Both together: counts added, the largest residual and penetration.
+  SpringStepReport& operator+=(const SpringStepReport& next);
 };
 
 /// Moves one system. Positions, velocities, gravity, colliders and the targets of held nodes may

@@ -11,17 +11,71 @@ namespace supple {
 namespace {
 
 constexpr double kM3PerMm3 = 1e-9;
-constexpr double kLargestOffset = 16383 * kFixedOne;
+constexpr double kSecondsPerMs = 1e-3;
+constexpr double kLargestOffset = 16383;                       // voxels
+constexpr int kFractionBits = 16;                              // of an offset's fraction
+constexpr double kFineOne = kFixedOne * (1 << kFractionBits);  // 2^-32 voxel
 
 Vec3d position_of(const Body& body, Slot slot) {
   const Vec3i voxel = voxel_of(body.elements, slot);
   Vec3d index(voxel);
-  for (int c = 0; c < 3; ++c) index[c] += body.q[c].at(slot) / kFixedOne;
+  for (int c = 0; c < 3; ++c) {
+    index[c] += body.q[c].at(slot) / kFixedOne + body.fraction[c].at(slot) / kFineOne;
+  }
   return body.geometry.world_from_index(index);
 }
 
-double class_factor(const std::vector<double>& table, std::uint8_t cls) {
-  return table.empty() ? 1.0 : table[cls];
+/// The node state that a body is to have; memory only where it is not at rest, or was not.
+class NodeState {
+ public:
+  explicit NodeState(const Body& body)
+      : m_bricks(body.elements.brick_count()),
+        m_q(body.q),
+        m_fraction(body.fraction),
+        m_velocity(body.velocity_mm_s) {}
+
+  /// 2^-32 voxel.
+  void set_offset(int c, Slot slot, std::int64_t fine) {
+    constexpr std::int64_t kHalf = 1 << (kFractionBits - 1);
+    const std::int64_t whole = (fine + kHalf) >> kFractionBits;
+    m_has_moved |= set(m_q[c], slot, std::int32_t(whole));
+    set(m_fraction[c], slot, std::int16_t(fine - (whole << kFractionBits)));
+  }
+  void set_velocity(int c, Slot slot, double mm_s) { set(m_velocity[c], slot, mm_s); }
+
+  void give(Body& body) {
+    for (auto& fraction : m_fraction) clear_if_zero(fraction);
+    for (auto& velocity : m_velocity) clear_if_zero(velocity);
+    body.q.swap(m_q);
+    body.fraction.swap(m_fraction);
+    body.velocity_mm_s.swap(m_velocity);
+    if (m_has_moved) body.links_known_valid = false;
+  }
+
+ private:
+  /// Whether it was another value before.
+  template <class T>
+  bool set(BrickArray<T>& values, Slot slot, T value) {
+    if (values.at(slot) == value) return false;
+    if (values.brick_count() == 0) values.resize(m_bricks);
+    values.set(slot, value);
+    return true;
+  }
+
+  template <class T>
+  static void clear_if_zero(BrickArray<T>& values) {
+    if (values == BrickArray<T>()) values.clear();
+  }
+
+  std::size_t m_bricks;
+  std::array<BrickValues, 3> m_q;
+  std::array<BrickArray<std::int16_t>, 3> m_fraction;
+  Velocities m_velocity;
+  bool m_has_moved = false;
+};
+
+double class_value(const std::vector<double>& table, std::uint8_t cls, double without) {
+  return table.empty() ? without : table[cls];
 }
 
 /// Finds the springs of one body, element by element.
@@ -35,7 +89,7 @@ class Builder {
     for_each_element(m_body.elements, [&](Slot slot) {
       m_node[slot] = int(m_result.slots.size());
       const double density =
-          m_params.density_kg_m3 * class_factor(m_params.class_density, m_body.classes[slot]);
+          m_params.density_kg_m3 * class_value(m_params.class_density, m_body.classes[slot], 1);
       const double mass = density * voxel_mm3 * kM3PerMm3;
       if (!(mass > 0)) {
         throw InputError({"", "density of class " + std::to_string(m_body.classes[slot]),
@@ -75,13 +129,17 @@ class Builder {
   }
 
   void add(Slot a, Slot b, const Vec3d& between, double stiffness) {
-    const auto& table = m_params.class_stiffness;
-    const double k =
-        stiffness * 0.5 *
-        (class_factor(table, m_body.classes[a]) + class_factor(table, m_body.classes[b]));
+    const double k = stiffness * mean(m_params.class_stiffness, a, b, 1);
     if (k == 0) return;
-    const double damping = m_params.damping_n_s_m + m_params.stiffness_damping_s * k;
+    const double beta = m_params.stiffness_damping_s + mean(m_params.class_damping_s, a, b, 0);
+    const double damping = m_params.damping_n_s_m + beta * k;
     m_result.system.springs.push_back({m_node[a], m_node[b], between.length(), k, damping});
+  }
+
+  /// Of the table's values at both ends.
+  double mean(const std::vector<double>& table, Slot a, Slot b, double without) const {
+    return 0.5 * (class_value(table, m_body.classes[a], without) +
+                  class_value(table, m_body.classes[b], without));
   }
 
   const Body& m_body;
@@ -101,13 +159,35 @@ void LatticeSpringParams::validate() const {
                              stiffness_damping_s, mass_damping_per_s, density_kg_m3}) {
     check(value);
   }
-  for (const std::vector<double>* table : {&class_stiffness, &class_density}) {
+  for (const std::vector<double>* table : {&class_stiffness, &class_density, &class_damping_s}) {
     if (!table->empty() && table->size() != 256) {
       throw InputError({"", "springs of voxels", std::to_string(table->size()) + " factors",
                         "256, one per material class"});
     }
     for (const double value : *table) check(value);
   }
+}
+
+// A lattice whose springs along the axes have k1 and whose diagonals of squares have k2 is a Cauchy
+// solid with h C_1111 = k1 + 2 k2 and h C_1122 = h C_1212 = k2. It is isotropic, C_1111 = C_1122 +
+// 2 C_1212, for k1 = k2 = k: then both of Lame's constants are k / h, so that E = 5/2 k / h and
+// Poisson's ratio is 1/4.
+LatticeSpringParams material_springs(const Body& body) {
+  constexpr double kPaPerKpa = 1e3;
+  constexpr double kMPerMm = 1e-3;
+  LatticeSpringParams params;
+  const double h_m = std::cbrt(std::abs(body.geometry.determinant())) * kMPerMm;
+  params.structural_n_m = params.shear_n_m = 0.4 * kPaPerKpa * h_m;
+  params.bending_n_m = 0;
+  params.density_kg_m3 = 1;
+  const MaterialClasses classes(body.material);
+  for (int c = 0; c <= kLastClass; ++c) {
+    const LinkPhysics physics = classes.physics(c, c);
+    params.class_stiffness.push_back(physics.stiffness_kpa);
+    params.class_density.push_back(classes.mass_density_of_class(c));
+    params.class_damping_s.push_back(physics.damping_ms * kSecondsPerMs);
+  }
+  return params;
 }
 
 int LatticeSprings::node_of(Slot slot) const {
@@ -123,43 +203,44 @@ LatticeSprings make_springs(const Body& body, const LatticeSpringParams& params)
   builder.add_nodes();
   builder.add_springs();
   result.system.springs.shrink_to_fit();
-  result.system.velocity_mm_s.assign(result.slots.size(), Vec3d(0.0));
   take_state(body, result);
   return result;
 }
 
 void take_state(const Body& body, LatticeSprings& springs) {
-  springs.system.pos_mm.resize(springs.slots.size());
+  SpringSystem& system = springs.system;
+  system.pos_mm.resize(springs.slots.size());
+  system.velocity_mm_s.resize(springs.slots.size());
   for (std::size_t n = 0; n < springs.slots.size(); ++n) {
-    springs.system.pos_mm[n] = position_of(body, springs.slots[n]);
+    const Slot slot = springs.slots[n];
+    system.pos_mm[n] = position_of(body, slot);
+    for (int c = 0; c < 3; ++c) system.velocity_mm_s[n][c] = body.velocity_mm_s[c].at(slot);
   }
 }
 
 double give_state(const LatticeSprings& springs, Body& body) {
-  std::array<BrickValues, 3> q = body.q;
+  NodeState state(body);
   double rounding = 0;
   for (std::size_t n = 0; n < springs.slots.size(); ++n) {
     const Slot slot = springs.slots[n];
     const Vec3i voxel = voxel_of(body.elements, slot);
     const Vec3d index = body.geometry.index_from_world(springs.system.pos_mm[n]);
     for (int c = 0; c < 3; ++c) {
-      const double exact = (index[c] - voxel[c]) * kFixedOne;
-      if (!(std::abs(exact) <= kLargestOffset)) {
+      const double voxels = index[c] - voxel[c];
+      if (!(std::abs(voxels) <= kLargestOffset)) {
         throw InputError({"",
                           "voxel " + std::to_string(voxel.x) + "," + std::to_string(voxel.y) + "," +
                               std::to_string(voxel.z),
-                          "an offset of " + number_text(exact / kFixedOne) + " voxels",
-                          "at most 16383"});
+                          "an offset of " + number_text(voxels) + " voxels", "at most 16383"});
       }
-      const auto units = std::int32_t(std::lround(exact));
-      rounding = std::max(rounding, std::abs(exact - units) / kFixedOne);
-      if (units == q[c].at(slot)) continue;
-      if (q[c].brick_count() == 0) q[c].resize(body.elements.brick_count());
-      q[c].set(slot, units);
+      const double exact = voxels * kFineOne;
+      const std::int64_t fine = std::llround(exact);
+      rounding = std::max(rounding, std::abs(exact - double(fine)) / kFineOne);
+      state.set_offset(c, slot, fine);
+      state.set_velocity(c, slot, springs.system.velocity_mm_s[n][c]);
     }
   }
-  body.q = std::move(q);
-  body.links_known_valid = false;
+  state.give(body);
   return rounding;
 }
 

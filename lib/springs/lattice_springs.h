@@ -23,13 +23,20 @@ struct LatticeSpringParams {
   double stiffness_damping_s = 0;  // Rayleigh's beta: adds beta k to a spring's damping
   double mass_damping_per_s = 0;   // Rayleigh's alpha
   double density_kg_m3 = 1000;
-  /// Per material class, factors of the stiffnesses and of the density; empty: 1. A spring has the
-  /// mean of its ends' factors (thesis section 4.2.3).
-  std::vector<double> class_stiffness, class_density;
+  /// Per material class, factors of the stiffnesses and of the density (empty: 1), and what a class
+  /// adds to stiffness_damping_s (empty: nothing). A spring has the mean of its ends' values
+  /// (thesis section 4.2.3).
+  std::vector<double> class_stiffness, class_density, class_damping_s;
 
   /// Throws InputError: a value that is negative or not finite, tables of other than 256 entries.
   void validate() const;
 };
+
+/// Springs of the body's material: stiffness, density and damping of its columns, or their defaults
+/// (material.h). Structural and shear springs of 2/5 E h, no bending ones: on cubic voxels of h an
+/// isotropic solid of Young's modulus E and Poisson's ratio 1/4, exactly (lattice_springs.cpp);
+/// otherwise h is the cube root of the voxel's volume.
+LatticeSpringParams material_springs(const Body& body);
 
 /// The springs of a body and where their nodes lie in it: node n is the element of slot slots[n],
 /// ascending.
@@ -41,19 +48,20 @@ struct LatticeSprings {
   int node_of(Slot slot) const;
 };
 
-/// Rest lengths from the lattice in mm, positions from the body's offsets, velocities 0. A diagonal
+/// Rest lengths from the lattice in mm, positions and velocities of the body. A diagonal
 /// needs all four voxels and links of its square, a bending spring its middle voxel and both links:
 /// a spring never joins the sides of a cut. Throws InputError as validate(), and for an element
 /// without mass.
 LatticeSprings make_springs(const Body& body, const LatticeSpringParams& params);
 
-/// The body's offsets as positions, exactly; velocities stay.
+/// Positions, from offsets and their fractions, and velocities of the body.
 void take_state(const Body& body, LatticeSprings& springs);
 
-/// The nodes' positions as offsets, rounded to 2^-16 voxel: what came by take_state goes back bit
-/// for bit. Links are not known to be valid afterwards (check_links, project). Returns the largest
-/// rounding in voxels. Throws InputError for an offset beyond +-16383 voxels; the body is unchanged
-/// then.
+/// Positions as offsets with fractions, rounded to 2^-32 voxel, and velocities: what came by
+/// take_state goes back bit for bit. Velocities that are all 0 take no memory in the body. Unless
+/// nothing moved, links are not known to be valid afterwards (check_links, project). Returns the
+/// largest rounding in voxels. Throws InputError for an offset beyond +-16383 voxels; the body is
+/// unchanged then.
 double give_state(const LatticeSprings& springs, Body& body);
 
 }  // namespace supple

@@ -40,46 +40,65 @@ double free_forces(const SpringSystem& system, const std::vector<char>& is_held,
 
 }  // namespace
 
-MinimiseReport minimise(SpringSystem& system, const MinimiseParams& params, Progress* progress) {
-  constexpr int kHalvings = 20;
+Minimiser::Minimiser(SpringSystem& system) : m_system(system), m_is_held(system.node_count(), 0) {
   validate(system);
-  std::vector<char> is_held(system.node_count(), 0);
   for (const HeldNode& held : system.held) {
-    is_held[held.node] = 1;
+    m_is_held[held.node] = 1;
     system.pos_mm[held.node] = held.target_mm;
   }
   std::fill(system.velocity_mm_s.begin(), system.velocity_mm_s.end(), Vec3d(0.0));
+  m_matrix = std::make_unique<SpringMatrix>(system, m_is_held);
+  m_highest = spectral_bounds(system).stiffness_1_s2;
+  m_least = std::max(1e-12 * m_highest, 1e-12);
+  m_mass_factor = std::max(1e-4 * m_highest, m_least);
+  m_residual_mn = free_forces(system, m_is_held, m_step);
+}
+
+Minimiser::~Minimiser() = default;
+
+bool Minimiser::step() {
+  if (!m_matrix->factorise(m_system, m_mass_factor, 0, m_system.pos_mm)) {
+    m_mass_factor *= 16;
+    return true;
+  }
+  m_matrix->solve(m_step);
+  const bool descends = descend();
+  m_residual_mn = free_forces(m_system, m_is_held, m_step);
+  return descends || m_mass_factor <= 4 * m_highest;
+}
+
+/// Along the step, halved until the energy does not rise.
+bool Minimiser::descend() {
+  constexpr int kHalvings = 20;
+  m_before = m_system.pos_mm;
+  const double old_potential = potential(m_system, m_before);
+  double part = 1;
+  for (int halving = 0; halving <= kHalvings; ++halving, part /= 2) {
+    for (std::size_t n = 0; n < m_step.size(); ++n) {
+      m_system.pos_mm[n] = m_before[n] + m_step[n] * part;
+    }
+    if (potential(m_system, m_before) > old_potential) continue;
+    m_mass_factor = part == 1 ? std::max(m_mass_factor * 0.1, m_least) : m_mass_factor * 4;
+    return true;
+  }
+  m_system.pos_mm = m_before;
+  m_mass_factor *= 4;
+  return false;
+}
+
+MinimiseReport minimise(SpringSystem& system, const MinimiseParams& params, Progress* progress) {
+  Minimiser minimiser(system);
   MinimiseReport report;
   report.before = energy(system);
-  SpringMatrix matrix(system, is_held);
-  const double omega2 = spectral_bounds(system).stiffness_1_s2;
-  const double floor = std::max(1e-12 * omega2, 1e-12);
-  double mass_factor = std::max(1e-4 * omega2, floor);
-  std::vector<Vec3d> step, before;
-  report.residual_mn = free_forces(system, is_held, step);
-  while (report.residual_mn > params.tolerance_mn && report.steps < params.max_steps) {
+  bool descends = true;
+  while (descends && minimiser.residual_mn() > params.tolerance_mn &&
+         report.steps < params.max_steps) {
     if (progress != nullptr && progress->cancelled()) break;
     if (progress != nullptr) progress->update(double(report.steps) / params.max_steps);
+    descends = minimiser.step();
     ++report.steps;
-    if (!matrix.factorise(system, mass_factor, 0, system.pos_mm)) {
-      mass_factor *= 16;
-      continue;
-    }
-    matrix.solve(step);
-    before = system.pos_mm;
-    const double old_potential = potential(system, before);
-    double part = 1;
-    bool descends = false;
-    for (int halving = 0; halving <= kHalvings && !descends; ++halving) {
-      for (std::size_t n = 0; n < step.size(); ++n) system.pos_mm[n] = before[n] + step[n] * part;
-      descends = potential(system, before) <= old_potential;
-      if (!descends) part /= 2;
-    }
-    if (!descends) system.pos_mm = before;
-    report.residual_mn = free_forces(system, is_held, step);
-    if (!descends && mass_factor > omega2) break;
-    mass_factor = part == 1 ? std::max(mass_factor * 0.1, floor) : mass_factor * 4;
   }
+  report.residual_mn = minimiser.residual_mn();
   report.converged = report.residual_mn <= params.tolerance_mn;
   report.after = energy(system);
   return report;

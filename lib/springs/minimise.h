@@ -5,10 +5,40 @@
 // the energy.
 #pragma once
 
+#include <memory>
+#include <vector>
+
 #include "lib/springs/spring_system.h"
 #include "volumes/base/progress.h"
 
 namespace supple {
+
+class SpringMatrix;
+
+/// One minimisation, step by step. Contact and damping play no part.
+class Minimiser {
+ public:
+  /// Held nodes go to their targets, all velocities become 0. The system's nodes, springs and which
+  /// nodes are held must not change meanwhile. Throws InputError as validate(system).
+  explicit Minimiser(SpringSystem& system);
+  ~Minimiser();
+
+  /// Lowers the energy. False where rounding leaves no descent: further steps change nothing.
+  bool step();
+  /// Largest force that is left on a free node.
+  double residual_mn() const { return m_residual_mn; }
+
+ private:
+  bool descend();
+
+  SpringSystem& m_system;
+  std::vector<char> m_is_held;
+  std::unique_ptr<SpringMatrix> m_matrix;
+  double m_highest, m_least;  // mass factors, 1/s^2
+  double m_mass_factor;
+  double m_residual_mn;
+  std::vector<Vec3d> m_step, m_before;
+};
 
 struct MinimiseParams {
   double tolerance_mn = 1e-3;  // largest force on a free node at the end
@@ -22,10 +52,9 @@ struct MinimiseReport {
   SpringEnergy before, after;
 };
 
-/// Moves the free nodes; held ones go to their targets first, all velocities become 0. Ends without
-/// convergence after max_steps, or where rounding leaves no descent. Contact and damping play no
-/// part. When `progress` cancels, between two steps, it returns what it has: a valid state of less
-/// energy, but not necessarily one whose ChainMail limits hold. Throws InputError as validate.
+/// Steps down to the tolerance, or as far as they lead. When `progress` cancels, between two steps,
+/// it returns what it has: a valid state of less energy, but not necessarily one whose ChainMail
+/// limits hold. Throws InputError as validate(system).
 MinimiseReport minimise(SpringSystem& system, const MinimiseParams& params = {},
                         Progress* progress = nullptr);
 

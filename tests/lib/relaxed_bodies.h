@@ -4,7 +4,7 @@
 #include <random>
 #include <vector>
 
-#include "lib/relax/relaxation.h"
+#include "lib/model/relax_model.h"
 #include "tests/lib/test_bodies.h"
 
 namespace supple::test {

@@ -94,8 +94,8 @@ TEST(PropertyBlockEngine, EqualsTheThesisAlgorithmOnBodiesOfManyBricks) {
 
 TEST(PropertyBlockEngine, TheEngineIsChosenByHowFullTheBricksAre) {
   const auto engine_of = [](const Vec3i& dims) {
-    Body body = body_of(
-        full_block(dims, linear_table(1.5, 0.6, 0.7), [](int, int, int) { return 255.0; }));
+    Body body =
+        body_of(full_block(dims, linear_table(1.5, 0.6, 0.7), [](int, int, int) { return 255.0; }));
     return EcmSolver(body).drag({{{0, 0, 0}, {kVoxel, 0, 0}}}, {}).engine;
   };
   EXPECT_EQ(engine_of({40, 40, 40}), Engine::block);

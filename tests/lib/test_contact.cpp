@@ -4,12 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "lib/springs/implicit_euler.h"
+#include "lib/springs/integrators.h"
 #include "lib/springs/mesh_springs.h"
 #include "lib/springs/mesh_surface.h"
-#include "lib/springs/projective.h"
-#include "lib/springs/symplectic_euler.h"
-#include "lib/springs/xpbd.h"
 #include "tests/lib/spring_fixtures.h"
 #include "tests/lib/test_bodies.h"
 
@@ -42,10 +39,7 @@ TriangleMesh box_mesh(const Vec3d& half) {
 }
 
 std::unique_ptr<SpringIntegrator> make(int kind, SpringSystem& system) {
-  if (kind == 0) return std::make_unique<SymplecticEuler>(system);
-  if (kind == 1) return std::make_unique<ImplicitEuler>(system);
-  if (kind == 2) return std::make_unique<Xpbd>(system);
-  return std::make_unique<ProjectiveDynamics>(system);
+  return make_integrator(SpringMethod(kind), system);
 }
 
 }  // namespace

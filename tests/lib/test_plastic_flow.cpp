@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "lib/relax/relaxation.h"
+#include "lib/model/relax_model.h"
 #include "tests/lib/test_bodies.h"
 
 using namespace supple;

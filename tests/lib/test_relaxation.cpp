@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "lib/body/lattice.h"
-#include "lib/relax/relaxation.h"
+#include "lib/model/relax_model.h"
 #include "lib/relax/sweep_kernel.h"
 #include "tests/lib/brute_force.h"
 #include "tests/lib/relaxed_bodies.h"

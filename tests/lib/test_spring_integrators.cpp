@@ -6,6 +6,7 @@
 #include <oneapi/tbb/global_control.h>
 
 #include "lib/springs/implicit_euler.h"
+#include "lib/springs/integrators.h"
 #include "lib/springs/mesh_springs.h"
 #include "lib/springs/projective.h"
 #include "lib/springs/symplectic_euler.h"
@@ -21,10 +22,7 @@ namespace {
 const std::vector<std::string> kIntegrators = {"symplectic", "implicit", "xpbd", "projective"};
 
 std::unique_ptr<SpringIntegrator> make(const std::string& name, SpringSystem& system) {
-  if (name == "symplectic") return std::make_unique<SymplecticEuler>(system);
-  if (name == "implicit") return std::make_unique<ImplicitEuler>(system);
-  if (name == "xpbd") return std::make_unique<Xpbd>(system);
-  return std::make_unique<ProjectiveDynamics>(system);
+  return make_integrator(*spring_method(name), system);
 }
 
 struct Momenta {

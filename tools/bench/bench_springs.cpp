@@ -136,7 +136,7 @@ std::vector<BenchRow> measure_workload(const SpringsWorkload& workload, bool qui
       membrane->system = plucked_membrane(workload.stiffness_n_m);
       reference_j = membrane->largest_j = energy(membrane->system).total_j();
     }
-    membrane->integrator = make_integrator(name, membrane->system);
+    membrane->integrator = make_integrator(*spring_method(name), membrane->system);
     membranes.push_back(std::move(membrane));
   }
   for (int frame = 0; frame < frames; ++frame) {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "lib/relax/relaxation.h"
+#include "lib/model/relax_model.h"
 
 namespace supple::tools {
 

@@ -2,12 +2,8 @@
 
 #include <cmath>
 
-#include "lib/springs/implicit_euler.h"
 #include "lib/springs/mesh_springs.h"
 #include "lib/springs/minimise.h"
-#include "lib/springs/projective.h"
-#include "lib/springs/symplectic_euler.h"
-#include "lib/springs/xpbd.h"
 
 namespace supple::tools {
 
@@ -94,13 +90,6 @@ PulledMembrane pulled_membrane(double stiffness_n_m) {
   }
   pulled.pull_n = forceps.pull_n(pulled.system, reactions_n);
   return pulled;
-}
-
-std::unique_ptr<SpringIntegrator> make_integrator(const std::string& name, SpringSystem& system) {
-  if (name == "xpbd") return std::make_unique<Xpbd>(system);
-  if (name == "projective") return std::make_unique<ProjectiveDynamics>(system);
-  if (name == "implicit") return std::make_unique<ImplicitEuler>(system);
-  return std::make_unique<SymplecticEuler>(system);
 }
 
 }  // namespace supple::tools

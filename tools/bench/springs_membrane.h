@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "lib/springs/integrator.h"
+#include "lib/springs/integrators.h"
 
 namespace supple::tools {
 
@@ -40,8 +40,5 @@ struct PulledMembrane {
   double energy_j, pull_n;
 };
 PulledMembrane pulled_membrane(double stiffness_n_m);
-
-/// "xpbd", "projective", "implicit" or "explicit", with their defaults.
-std::unique_ptr<SpringIntegrator> make_integrator(const std::string& name, SpringSystem& system);
 
 }  // namespace supple::tools

@@ -80,6 +80,7 @@ bool BrickArray<T>::operator==(const BrickArray& other) const {
   return true;
 }
 
+template class BrickArray<std::int16_t>;
 template class BrickArray<std::int32_t>;
 template class BrickArray<double>;
 

@@ -91,6 +91,7 @@ class BrickArray {
   std::size_t m_chunk_bricks = 0;  // in all chunks together
 };
 
+extern template class BrickArray<std::int16_t>;
 extern template class BrickArray<std::int32_t>;
 extern template class BrickArray<double>;
 

@@ -80,6 +80,29 @@ void check_fixed(const State& state, const std::array<BrickValues, 3>& values, s
   }
 }
 
+void check_velocities(const State& state, const std::string& file) {
+  const std::size_t bricks = state.elements.brick_count();
+  for (std::size_t c = 0; c < 3; ++c) {
+    const BrickArray<double>& velocity = state.velocity_mm_s[c];
+    const std::string field = std::string("velocity.") + "xyz"[c];
+    if (velocity.brick_count() != 0 && velocity.brick_count() != bricks) {
+      throw InputError({file, field, std::to_string(velocity.brick_count()) + " bricks",
+                        "0 or " + std::to_string(bricks)});
+    }
+    for (std::size_t b = 0; b < velocity.brick_count(); ++b) {
+      const double* values = velocity.brick_or_zero(b);
+      for (int offset = 0; offset < kBrickVoxels; ++offset) {
+        const bool active = mask_test(state.elements.mask(b), offset);
+        if (active ? std::isfinite(values[offset]) : values[offset] == 0) continue;
+        throw InputError({file,
+                          field + " at " + to_text(state.elements.origin(b) + brick_local(offset)),
+                          number_text(values[offset]) + " mm/s",
+                          active ? "a finite velocity" : "0 where there is no element"});
+      }
+    }
+  }
+}
+
 void check_cuts(const State& state, const std::string& file) {
   if (state.cuts.brick_end() > state.elements.brick_count()) {
     throw InputError(
@@ -144,6 +167,7 @@ void check_state(const State& state, const std::string& file) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     check_fixed(state, state.rest[axis], 2 * kMaxOffset, rest_name(int(axis)), file);
   }
+  check_velocities(state, file);
   check_cuts(state, file);
   check_labels(state, file);
   check_anchors(state, file);

@@ -26,6 +26,9 @@ constexpr std::int32_t kMaxOffset = (1 << 30) - 1;
 /// 2^-16 voxel, at its end at the lower index: what plastic flow left. Stored where it flowed.
 using RestStretch = std::array<std::array<BrickValues, 3>, 3>;
 
+/// Velocities of elements along LPS x, y, z in mm/s; empty where nothing moves.
+using Velocities = std::array<BrickArray<double>, 3>;
+
 struct State {
   Geometry geometry;    // of the source volume, index to LPS mm
   DensityGrid density;  // elements and shell
@@ -33,8 +36,9 @@ struct State {
   /// Offsets from rest per coordinate on the bricks of `elements`, 2^-16 voxel; empty for a
   /// coordinate that never moved. Inactive voxels hold 0.
   std::array<BrickValues, 3> q;
-  LinkCuts cuts;     // links between elements that are absent; bricks as in `elements`
-  RestStretch rest;  // bricks as in `elements`; empty without plastic flow
+  LinkCuts cuts;             // links between elements that are absent; bricks as in `elements`
+  RestStretch rest;          // bricks as in `elements`; empty without plastic flow
+  Velocities velocity_mm_s;  // bricks as in `elements`; empty unless a model of motion left some
   /// Of a segmentation, 1 to 65535, 0 at elements without one; empty when none are in use. Bricks
   /// as in `elements`, 0 where there is no element.
   BrickValues labels;
@@ -56,9 +60,9 @@ Displacement extended_displacement_of(const State& state);
 
 /// Throws InputError, naming `file`, unless everything holds that later code trusts: densities
 /// finite and inside the source box, every element among them, q on the bricks of the elements,
-/// |q| <= kMaxOffset, 0 in inactive slots, rest stretches likewise within twice that, cut links between elements, labels 0 to 65535 and only
-/// at elements, no empty anchor box, no anchor label without elements. Cost: one pass over the
-/// bricks.
+/// |q| <= kMaxOffset, 0 in inactive slots, rest stretches likewise within twice that, velocities
+/// finite and 0 in inactive slots, cut links between elements, labels 0 to 65535 and only at
+/// elements, no empty anchor box, no anchor label without elements. Cost: one pass over the bricks.
 void check_state(const State& state, const std::string& file);
 
 /// Writes atomically; equal states give equal files, a coordinate of zeros counts as one that never

@@ -2,7 +2,8 @@
 // disks and truncated files, so this is io::Stream over an fstream that throws, never delayed.
 //
 // Grids, in this order: `q` (Vec3I, only voxels that moved), `element` (Bool), `density` (Float),
-// `rest_i`, `rest_j`, `rest_k` (Vec3I, only where links to the next voxel have flowed), `cut_links`
+// `rest_i`, `rest_j`, `rest_k` (Vec3I, only where links to the next voxel have flowed), `velocity`
+// (Vec3D, mm/s LPS, only where something moves), `cut_links`
 // (Int32, only when links are cut; bits 0, 1, 2: the link to the next voxel along i, j, k is
 // absent), `label` (Int32, only when there are any; 1 to 65535), and derived for other programs
 // `displacement` (Vec3S, material direction, extended over the shell) and `offset` (Vec3S, resample
@@ -30,6 +31,7 @@ namespace {
 using openvdb::BoolGrid;
 using openvdb::FloatGrid;
 using openvdb::Int32Grid;
+using openvdb::Vec3DGrid;
 using openvdb::Vec3IGrid;
 using openvdb::Vec3SGrid;
 
@@ -39,6 +41,8 @@ constexpr const char* kFormatVersion = "state 1";
 // the values of a dragged body, and are not read.
 constexpr const char* kDisplacementGrid = "displacement";
 constexpr const char* kOffsetGrid = "offset";
+
+constexpr const char* kVelocityGrid = "velocity";
 
 bool is_derived(const std::string& name) {
   return name == kDisplacementGrid || name == kOffsetGrid;
@@ -60,7 +64,21 @@ openvdb::GridBase::Ptr make_fixed(const std::string& name, const State& state,
                                   });
 }
 
-bool is_empty(const std::array<BrickValues, 3>& values) {
+openvdb::GridBase::Ptr make_velocity(const State& state) {
+  const Velocities& velocity = state.velocity_mm_s;
+  return make_vdb_grid<Vec3DGrid>(
+      kVelocityGrid, state.elements, openvdb::Vec3d(0), [&](auto& leaf, std::size_t b) {
+        for_each_active(state.elements.mask(b), [&](int offset) {
+          const std::size_t slot = b * kBrickVoxels + std::size_t(offset);
+          const openvdb::Vec3d value(velocity[0].at(slot), velocity[1].at(slot),
+                                     velocity[2].at(slot));
+          if (value != openvdb::Vec3d(0)) leaf.setValueOn(openvdb::Index(offset), value);
+        });
+      });
+}
+
+template <class T>
+bool is_empty(const std::array<BrickArray<T>, 3>& values) {
   return std::all_of(values.begin(), values.end(), [](const auto& c) { return c.empty(); });
 }
 
@@ -149,6 +167,7 @@ void write_file(const std::string& path, const State& state, const OffsetField* 
     if (is_empty(state.rest[axis])) continue;
     grids.push_back(make_fixed(rest_name(int(axis)), state, state.rest[axis]));
   }
+  if (!is_empty(state.velocity_mm_s)) grids.push_back(make_velocity(state));
   if (!state.cuts.empty()) grids.push_back(make_cut_links(state));
   if (!label_counts(state.labels).empty()) grids.push_back(make_labels(state));
   grids.push_back(make_vectors(kDisplacementGrid, "material", extended_displacement_of(state).u,
@@ -221,15 +240,17 @@ DensityGrid density_of(const FloatGrid::Ptr& grid) {
   return DensityGrid(std::make_shared<DensityGrid::Vdb>(DensityGrid::Vdb{grid}));
 }
 
-void read_fixed(const Vec3IGrid& grid, const State& state, std::array<BrickValues, 3>& values,
-                const std::string& path) {
-  for (BrickValues& c : values) c.resize(state.elements.brick_count());
+/// Three numbers per element, from a grid of vectors.
+template <class Grid, class T>
+void read_vectors(const Grid& grid, const State& state, std::array<BrickArray<T>, 3>& values,
+                  const std::string& path) {
+  for (auto& c : values) c.resize(state.elements.brick_count());
   for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
     const std::int32_t b = state.elements.find(to_vec(leaf->origin()));
     for (auto value = leaf->cbeginValueOn(); value; ++value) {
       if (b < 0 || !mask_test(state.elements.mask(b), int(value.pos()))) {
-        throw InputError({path, "grid " + grid.getName(), "an offset without element",
-                          "offsets on elements only"});
+        throw InputError(
+            {path, "grid " + grid.getName(), "a value without element", "values on elements only"});
       }
       for (int c = 0; c < 3; ++c) {
         if ((*value)[c] == 0) continue;
@@ -237,7 +258,7 @@ void read_fixed(const Vec3IGrid& grid, const State& state, std::array<BrickValue
       }
     }
   }
-  for (BrickValues& c : values) {
+  for (auto& c : values) {
     if (c.empty()) c.clear();
   }
 }
@@ -310,12 +331,16 @@ State read_state(const std::string& path, Progress* progress) {
   state.source_type = text_of(content, "source_type", path);
   state.density = density_of(grid_of<FloatGrid>(content, "density", state.geometry, path));
   state.elements = bricks_of(*grid_of<BoolGrid>(content, "element", state.geometry, path));
-  read_fixed(*grid_of<Vec3IGrid>(content, "q", state.geometry, path), state, state.q, path);
+  read_vectors(*grid_of<Vec3IGrid>(content, "q", state.geometry, path), state, state.q, path);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::string name = rest_name(int(axis));
     if (!has_grid(content, name)) continue;
-    read_fixed(*grid_of<Vec3IGrid>(content, name, state.geometry, path), state, state.rest[axis],
-               path);
+    read_vectors(*grid_of<Vec3IGrid>(content, name, state.geometry, path), state, state.rest[axis],
+                 path);
+  }
+  if (has_grid(content, kVelocityGrid)) {
+    read_vectors(*grid_of<Vec3DGrid>(content, kVelocityGrid, state.geometry, path), state,
+                 state.velocity_mm_s, path);
   }
   if (has_grid(content, "cut_links")) {
     read_cut_links(*grid_of<Int32Grid>(content, "cut_links", state.geometry, path), state, path);

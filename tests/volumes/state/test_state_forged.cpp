@@ -89,7 +89,7 @@ TEST_F(FaultForgedState, OffsetsWithoutElementAreRejected) {
   q->tree().setValueOn(voxel, openvdb::Vec3i(1, 2, 3));
   ASSERT_EQ(read_error(), "");
   element->tree().setActiveState(voxel, false);
-  expect_error("an offset without element");
+  expect_error("a value without element");
 }
 
 TEST_F(FaultForgedState, OffsetsBeyondTheLimitAreRejected) {

@@ -1,0 +1,26 @@
+#include "lib/model/ecm_model.h"
+
+#include "lib/model/handle_elements.h"
+#include "lib/relax/relaxation.h"
+
+namespace supple {
+
+EcmModel::EcmModel(const HeldBody& held) : m_held(held), m_solver(held.body) {}
+
+void EcmModel::move(const std::vector<Handle>& handles, int, Progress* progress) {
+  m_report = m_solver.drag(handles, m_held.anchors, m_held.holds, progress);
+  m_handles = elements_of_handles(m_held.body, handles);
+}
+
+ModelEnergy EcmModel::energy() {
+  RelaxParams params;
+  params.method = RelaxMethod::jacobi;
+  Relaxation springs(m_held.body, {}, m_held.holds, params);
+  return {springs.energy() * kJoulePerMicrojoule, 0, 0};
+}
+
+std::vector<Reaction> EcmModel::reactions() {
+  return reactions_of(m_held, m_handles);
+}
+
+}  // namespace supple

@@ -1,0 +1,19 @@
+#include "lib/model/handle_elements.h"
+
+#include "lib/relax/relaxation.h"
+
+namespace supple {
+
+std::vector<SlotSet> elements_of_handles(const Body& body, const std::vector<Handle>& handles) {
+  std::vector<SlotSet> elements;
+  for (const Handle& handle : handles) elements.push_back(elements_of(body, handle.region, "grab"));
+  return elements;
+}
+
+std::vector<Reaction> reactions_of(const HeldBody& held, const std::vector<SlotSet>& handles,
+                                   double volume_stiffness_kpa) {
+  const SlotSet still = still_elements(held.body, held.anchors, held.holds);
+  return reactions(held.body, handles, still, held.holds, volume_stiffness_kpa);
+}
+
+}  // namespace supple

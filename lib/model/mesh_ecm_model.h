@@ -1,0 +1,34 @@
+// Enhanced ChainMail as a model of mesh bodies: the whole drag is done by move(), and there is
+// nothing to step.
+#pragma once
+
+#include "lib/chainmail/mesh_ecm.h"
+#include "lib/model/held_body.h"
+#include "lib/model/model.h"
+
+namespace supple {
+
+class MeshEcmModel final : public Model<MeshHandle> {
+ public:
+  /// Throws InputError as MeshEcm.
+  MeshEcmModel(const HeldMesh& held, const MeshLimits& limits);
+
+  const char* name() const override { return "ecm"; }
+  void move(const std::vector<MeshHandle>& handles, int steps, Progress* progress) override;
+  bool step() override { return false; }
+  /// It knows limits only.
+  ModelEnergy energy() override { return {}; }
+  std::vector<Reaction> reactions() override { return std::vector<Reaction>(m_handle_count); }
+  void store() override {}
+
+  /// Of the last move.
+  const MeshEcmReport& report() const { return m_report; }
+
+ private:
+  HeldMesh m_held;
+  MeshEcm m_ecm;
+  MeshEcmReport m_report;
+  std::size_t m_handle_count = 0;  // of the last move
+};
+
+}  // namespace supple

@@ -1,0 +1,77 @@
+// What all models of a body share, so that a scene may exchange them while it runs (thesis chapter
+// 5: "a simulation may change its algorithm").
+//
+// A model takes the node state of a body when it is made: offsets or positions, velocities where it
+// knows motion. It moves the nodes step by step and hands them back with store(); the next model
+// goes on from there. Nothing else passes from one to the other, and nothing is lost between them:
+// what a model does not know of (velocities, in a quasi-static one) it leaves as it is.
+//
+// | name    | voxel bodies     | mesh bodies     | a step is      | knows               |
+// |---------|------------------|-----------------|----------------|---------------------|
+// | ecm     | EcmModel         | MeshEcmModel    | nothing        | limits              |
+// | relax   | RelaxModel       |                 | a pass         | limits, elasticity  |
+// | springs | VoxelSpringModel | MeshSpringModel | a step of time | elasticity, inertia |
+#pragma once
+
+#include <vector>
+
+#include "lib/relax/reaction.h"
+#include "volumes/base/progress.h"
+
+namespace supple {
+
+/// Energies that a model knows of, in J; 0 what it does not.
+struct ModelEnergy {
+  double elastic_j = 0;
+  double kinetic_j = 0;
+  double gravity_j = 0;
+
+  double total_j() const { return elastic_j + kinetic_j + gravity_j; }
+};
+
+/// Handle is that of the kind of body (chainmail/ecm.h, chainmail/mesh_ecm.h).
+template <class Handle>
+class Model {
+ public:
+  Model() = default;
+  virtual ~Model() = default;
+  Model(const Model&) = delete;
+  Model& operator=(const Model&) = delete;
+
+  /// As users write it.
+  virtual const char* name() const = 0;
+  /// Sends the handles on their way from where they are: models that know time move them evenly
+  /// over the next `steps` steps, the others at once. They stay held where they come to, by what
+  /// holds the body, until that is told otherwise. Throws InputError as the ECM drag of that body
+  /// does: a handle without nodes, held twice, beyond the range. Nothing has changed then.
+  virtual void move(const std::vector<Handle>& handles, int steps, Progress* progress) = 0;
+  /// One pass, or one step of time. False when the body has come to rest by the model's own
+  /// measure: further steps change nothing.
+  virtual bool step() = 0;
+  /// Of the body as it is now.
+  virtual ModelEnergy energy() = 0;
+  /// Of the handles of the last move(), in their order, at the end of the last step.
+  virtual std::vector<Reaction> reactions() = 0;
+  /// Hands the node state to the body. What this model keeps beside it stays: it may go on.
+  virtual void store() = 0;
+};
+
+/// Up to so many steps, fewer where the body comes to rest, then store(); returns how many. When
+/// `progress` cancels, between two steps, the state is stored and Cancelled thrown.
+template <class Handle>
+int run_model(Model<Handle>& model, int steps, Progress* progress = nullptr) {
+  int done = 0;
+  try {
+    for (bool moves = true; moves && done < steps; ++done) {
+      report(progress, double(done) / steps);
+      moves = model.step();
+    }
+  } catch (const Cancelled&) {
+    model.store();
+    throw;
+  }
+  model.store();
+  return done;
+}
+
+}  // namespace supple

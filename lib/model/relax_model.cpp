@@ -1,0 +1,74 @@
+#include "lib/model/relax_model.h"
+
+#include "lib/model/handle_elements.h"
+#include "lib/relax/plastic_flow.h"
+
+namespace supple {
+
+RelaxModel::RelaxModel(const HeldBody& held, const RelaxParams& params)
+    : m_held(held), m_params(params), m_begin(std::chrono::steady_clock::now()) {
+  params.validate();
+  m_still = still_elements(held.body, held.anchors, held.holds);
+  if (!held.body.links_known_valid) {
+    const ProjectionReport projection = project(held.body);
+    m_report.projected_links = projection.violated_links;
+    m_report.projected_max_voxels = projection.max_move_voxels;
+  }
+  begin();
+}
+
+RelaxModel::~RelaxModel() = default;
+
+void RelaxModel::begin() {
+  if (m_params.volume_stiffness_kpa > 0 && !m_report.volumes_before) {
+    m_report.volumes_before = cell_volumes(m_held.body);
+  }
+  m_relaxation = std::make_unique<Relaxation>(m_held.body, m_still, m_held.holds, m_params);
+}
+
+void RelaxModel::move(const std::vector<Handle>& handles, int, Progress* progress) {
+  store();
+  EcmSolver(m_held.body).drag(handles, m_held.anchors, m_held.holds, progress);
+  m_still = still_elements(m_held.body, m_held.anchors, m_held.holds);
+  m_handles = elements_of_handles(m_held.body, handles);
+  begin();
+}
+
+bool RelaxModel::step() {
+  m_report.largest_step_voxels = m_relaxation->pass();
+  if (m_report.passes == 0) m_report.energy_before = m_relaxation->energy_before_pass();
+  ++m_report.passes;
+  m_report.converged = m_report.largest_step_voxels <= m_params.tolerance_voxels;
+  return !m_report.converged;
+}
+
+ModelEnergy RelaxModel::energy() {
+  return {m_relaxation->energy() * kJoulePerMicrojoule, 0, 0};
+}
+
+std::vector<Reaction> RelaxModel::reactions() {
+  m_relaxation->store();
+  return reactions_of(m_held, m_handles, m_params.volume_stiffness_kpa);
+}
+
+void RelaxModel::store() {
+  m_report.energy_after = m_relaxation->energy();
+  if (m_report.passes == 0) m_report.energy_before = m_report.energy_after;
+  m_relaxation->store();
+  Body& body = m_held.body;
+  if (body.material.has_plastic()) m_report.yielded_links += let_flow(body);
+  body.links_known_valid = m_params.method != RelaxMethod::plain;
+  if (m_report.volumes_before) m_report.volumes_after = cell_volumes(body);
+  m_report.milliseconds =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - m_begin).count();
+}
+
+RelaxReport relax(Body& body, const std::vector<Region>& fixed, const Holds& held,
+                  const RelaxParams& params, Progress* progress) {
+  Holds holds = held;
+  RelaxModel model({body, fixed, holds}, params);
+  run_model(model, params.passes, progress);
+  return model.report();
+}
+
+}  // namespace supple

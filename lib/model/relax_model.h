@@ -1,0 +1,65 @@
+// Relaxation as a model of voxel bodies: handles are moved by Enhanced ChainMail, then every step
+// is a pass.
+#pragma once
+
+#include <chrono>
+#include <memory>
+
+#include "lib/model/held_body.h"
+#include "lib/model/model.h"
+#include "lib/relax/relaxation.h"
+
+namespace supple {
+
+struct RelaxReport {
+  std::int64_t projected_links = 0;  // of an invalid start
+  double projected_max_voxels = 0;
+  int passes = 0;
+  bool converged = false;                      // by the tolerance, or no element can move any more
+  double energy_before = 0, energy_after = 0;  // uJ (N/m * mm^2)
+  double largest_step_voxels = 0;              // of the last pass
+  std::int64_t yielded_links = 0;              // whose rest stretch followed
+  /// Where volume is conserved.
+  std::optional<CellVolumes> volumes_before, volumes_after;
+  double milliseconds = 0;  // from the model's making to the last store()
+};
+
+class RelaxModel final : public Model<Handle> {
+ public:
+  /// An invalid start is projected first, as drag() does. Throws InputError, the body unchanged:
+  /// params out of range, an anchor without element.
+  RelaxModel(const HeldBody& held, const RelaxParams& params);
+  ~RelaxModel() override;
+
+  const char* name() const override { return "relax"; }
+  void move(const std::vector<Handle>& handles, int steps, Progress* progress) override;
+  /// False by params.tolerance_voxels, or when no element can move any more.
+  bool step() override;
+  ModelEnergy energy() override;
+  std::vector<Reaction> reactions() override;
+  /// Ends with plastic flow, where links have yielded.
+  void store() override;
+
+  /// Up to the last store().
+  const RelaxReport& report() const { return m_report; }
+
+ private:
+  void begin();
+
+  HeldBody m_held;
+  RelaxParams m_params;
+  SlotSet m_still;
+  std::unique_ptr<Relaxation> m_relaxation;
+  RelaxReport m_report;
+  std::chrono::steady_clock::time_point m_begin;
+  std::vector<SlotSet> m_handles;  // of the last move
+};
+
+/// Up to params.passes passes of a body whose elements in `fixed` and `held.still` stay, and those
+/// of push handles at or beyond where they were pushed to; then plastic flow. `progress` may cancel
+/// between two passes: Cancelled is thrown, and the body is what as many passes alone would have
+/// made of it. Throws InputError as RelaxModel.
+RelaxReport relax(Body& body, const std::vector<Region>& fixed, const Holds& held,
+                  const RelaxParams& params, Progress* progress = nullptr);
+
+}  // namespace supple

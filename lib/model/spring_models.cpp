@@ -1,0 +1,94 @@
+#include "lib/model/spring_models.h"
+
+#include <algorithm>
+
+#include "lib/chainmail/held_voxels.h"
+#include "lib/chainmail/node_owners.h"
+#include "volumes/base/error.h"
+
+namespace supple {
+
+namespace {
+
+[[noreturn]] void throw_push() {
+  throw InputError({"", "springs", "a push handle", "handles that hold what they grab"});
+}
+
+std::vector<int> indices(const std::vector<Slot>& nodes) {
+  return {nodes.begin(), nodes.end()};
+}
+
+}  // namespace
+
+VoxelSpringModel::VoxelSpringModel(const HeldBody& held, const LatticeSpringParams& springs,
+                                   const MotionParams& params)
+    : m_held(held),
+      m_springs(make_springs(held.body, springs)),
+      m_motion(m_springs.system, params) {
+  move({}, 1, nullptr);
+}
+
+std::vector<int> VoxelSpringModel::nodes_of(const SlotSet& slots) const {
+  std::vector<int> nodes;
+  slots.for_each([&](Slot slot) { nodes.push_back(m_springs.node_of(slot)); });
+  return nodes;
+}
+
+void VoxelSpringModel::move(const std::vector<Handle>& handles, int steps, Progress*) {
+  const Body& body = m_held.body;
+  const FixedElements fixed = fix(body, m_held.anchors);
+  const HeldVoxels found = hold(body, handles, fixed, m_held.holds);
+  for (const auto* bounds : {&found.rest.at_least, &found.rest.at_most}) {
+    for (const std::vector<Bound>& of_coordinate : *bounds) {
+      if (!of_coordinate.empty()) throw_push();
+    }
+  }
+  Holds holds = found.rest;
+  std::vector<DrivenNodes> driven;
+  for (const HeldHandle& handle : found.handles) {
+    if (handle.is_push()) throw_push();
+    Vec3d by_mm(0.0);
+    for (int c = 0; c < 3; ++c) {
+      by_mm += body.geometry.axes_mm()[c] * (handle.by(c) / kFixedOne);
+    }
+    driven.push_back({nodes_of(handle.slots), by_mm});
+    holds.still.add(handle.slots);
+  }
+  std::vector<int> still = nodes_of(fixed.slots);
+  const std::vector<int> earlier = nodes_of(found.rest.still);
+  still.insert(still.end(), earlier.begin(), earlier.end());
+  m_motion.move(still, std::move(driven), steps);
+  m_held.holds = std::move(holds);
+}
+
+MeshSpringModel::MeshSpringModel(const HeldMesh& held, const MeshSpringParams& springs,
+                                 const MotionParams& params)
+    : m_held(held), m_system(make_springs(held.body, springs)), m_motion(m_system, params) {
+  move({}, 1, nullptr);
+}
+
+void MeshSpringModel::move(const std::vector<MeshHandle>& handles, int steps, Progress*) {
+  NodeOwners owners(m_system.node_count());
+  std::vector<DrivenNodes> driven;
+  NodeSet grabbed;
+  for (std::size_t h = 0; h < handles.size(); ++h) {
+    if (handles[h].kind == HandleKind::push) throw_push();
+    const std::vector<Slot> nodes =
+        owners.claim(handles[h].nodes, "handle " + std::to_string(h), false);
+    driven.push_back({indices(nodes), handles[h].by_mm});
+    grabbed.insert(grabbed.end(), nodes.begin(), nodes.end());
+  }
+  NodeSet fixed;
+  for (std::size_t a = 0; a < m_held.anchors.size(); ++a) {
+    const std::vector<Slot> nodes =
+        owners.claim(m_held.anchors[a], "anchor " + std::to_string(a), true);
+    fixed.insert(fixed.end(), nodes.begin(), nodes.end());
+  }
+  fixed.insert(fixed.end(), m_held.still.begin(), m_held.still.end());
+  m_motion.move(fixed, std::move(driven), steps);
+  m_held.still.insert(m_held.still.end(), grabbed.begin(), grabbed.end());
+  std::sort(m_held.still.begin(), m_held.still.end());
+  m_held.still.erase(std::unique(m_held.still.begin(), m_held.still.end()), m_held.still.end());
+}
+
+}  // namespace supple

@@ -1,0 +1,67 @@
+// Springs as models of voxel bodies and of mesh bodies: steps of time, or a minimisation of the
+// energy. Limits of links play no part: what springs leave may be no valid ChainMail configuration,
+// and the next ECM drag or relaxation projects it and says so (thesis section 4.2.3, second
+// method).
+//
+// Fixed nodes and handles are held nodes. Velocities go from the body to the springs and back; a
+// minimum has none.
+#pragma once
+
+#include "lib/model/held_body.h"
+#include "lib/model/model.h"
+#include "lib/model/spring_motion.h"
+#include "lib/springs/lattice_springs.h"
+#include "lib/springs/mesh_springs.h"
+
+namespace supple {
+
+class VoxelSpringModel final : public Model<Handle> {
+ public:
+  /// Throws InputError as make_springs and MotionParams::validate, for an anchor without element
+  /// and for push handles that are still held: springs know no one-sided handles.
+  VoxelSpringModel(const HeldBody& held, const LatticeSpringParams& springs,
+                   const MotionParams& params);
+
+  const char* name() const override { return "springs"; }
+  /// Throws InputError for push handles, too.
+  void move(const std::vector<Handle>& handles, int steps, Progress* progress) override;
+  bool step() override { return m_motion.step(); }
+  ModelEnergy energy() override { return m_motion.energy(); }
+  std::vector<Reaction> reactions() override { return m_motion.reactions(); }
+  void store() override { give_state(m_springs, m_held.body); }
+
+  const SpringMotion& motion() const { return m_motion; }
+  const SpringSystem& system() const { return m_springs.system; }
+
+ private:
+  std::vector<int> nodes_of(const SlotSet& slots) const;
+
+  HeldBody m_held;
+  LatticeSprings m_springs;
+  SpringMotion m_motion;
+};
+
+class MeshSpringModel final : public Model<MeshHandle> {
+ public:
+  /// Throws InputError as make_springs and MotionParams::validate, for an anchor that names no
+  /// node.
+  MeshSpringModel(const HeldMesh& held, const MeshSpringParams& springs,
+                  const MotionParams& params);
+
+  const char* name() const override { return "springs"; }
+  /// Throws InputError as MeshEcm::drag for indices, and for push handles.
+  void move(const std::vector<MeshHandle>& handles, int steps, Progress* progress) override;
+  bool step() override { return m_motion.step(); }
+  ModelEnergy energy() override { return m_motion.energy(); }
+  std::vector<Reaction> reactions() override { return m_motion.reactions(); }
+  void store() override { give_state(m_system, m_held.body); }
+
+  const SpringMotion& motion() const { return m_motion; }
+
+ private:
+  HeldMesh m_held;
+  SpringSystem m_system;
+  SpringMotion m_motion;
+};
+
+}  // namespace supple

@@ -1,0 +1,64 @@
+// What models of springs on voxel and on mesh bodies share: a spring system whose held nodes are
+// driven, an integrator or a minimisation that moves it, and the forces on handles.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "lib/model/model.h"
+#include "lib/springs/integrators.h"
+#include "lib/springs/minimise.h"
+
+namespace supple {
+
+struct MotionParams {
+  /// By the integrator, in steps of time; or down to the minimum of the energy, without time.
+  enum class Goal { motion, minimum };
+  Goal goal = Goal::motion;
+  SpringMethod method = SpringMethod::xpbd;
+  double step_s = 0.01;
+  double tolerance_mn = 1e-3;  // of a minimum: largest force that is left on a free node
+  Vec3d gravity_m_s2{0, 0, 0};
+
+  /// Throws InputError: a step or tolerance that is not positive, gravity that is not finite.
+  void validate() const;
+};
+
+/// Nodes that go `by` together, or stay.
+struct DrivenNodes {
+  std::vector<int> nodes;
+  Vec3d by_mm{0, 0, 0};
+};
+
+class SpringMotion {
+ public:
+  /// Refers to the system, whose nodes and springs must not change meanwhile. Throws InputError as
+  /// validate() of params and system.
+  SpringMotion(SpringSystem& system, const MotionParams& params);
+
+  /// Holds the nodes of `still`, and those of the handles, which go evenly over the next `steps`
+  /// steps, at least 1; lets all others go. Indices in any order.
+  void move(const std::vector<int>& still, std::vector<DrivenNodes> handles, int steps);
+  /// False when a minimum is reached.
+  bool step();
+  ModelEnergy energy() const;
+  std::vector<Reaction> reactions() const;
+  /// Largest force that is left on a free node; of a minimisation.
+  double residual_mn() const { return m_minimiser ? m_minimiser->residual_mn() : 0; }
+  const SpringStepReport& report() const { return m_report; }
+
+ private:
+  void drive();
+  void begin();
+
+  SpringSystem& m_system;
+  MotionParams m_params;
+  std::vector<DrivenNodes> m_handles;
+  std::vector<std::vector<Vec3d>> m_starts;  // per handle and node
+  int m_step = 0, m_steps = 1;               // of the present move
+  std::unique_ptr<SpringIntegrator> m_integrator;
+  std::unique_ptr<Minimiser> m_minimiser;
+  SpringStepReport m_report;  // of all steps
+};
+
+}  // namespace supple

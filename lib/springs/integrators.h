@@ -1,0 +1,23 @@
+// The integrators of a spring system by name.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "lib/springs/integrator.h"
+
+namespace supple {
+
+enum class SpringMethod { symplectic, implicit, xpbd, projective };
+
+const char* name_of(SpringMethod method);
+/// None for an unknown name.
+std::optional<SpringMethod> spring_method(const std::string& name);
+/// For messages: all names, comma-separated.
+std::string spring_method_names();
+
+/// With the default parameters of its class. Throws InputError as validate(system).
+std::unique_ptr<SpringIntegrator> make_integrator(SpringMethod method, SpringSystem& system);
+
+}  // namespace supple
