@@ -24,12 +24,8 @@ void check(const RelaxParams& params) {
     throw InputError(
         {"", "tolerance", std::to_string(params.tolerance_voxels), "0 or more voxels"});
   }
-  const double volume = params.volume_stiffness_kpa;
-  if (!(volume >= 0 && volume <= kMaxVolumeStiffnessKpa)) {
-    throw InputError({"", "volume", number_text(volume),
-                      "0 to " + number_text(kMaxVolumeStiffnessKpa) + " kPa"});
-  }
-  if (volume > 0 && !conserves_volume(params.method)) {
+  check_volume_stiffness(params.volume_stiffness_kpa);
+  if (params.volume_stiffness_kpa > 0 && !conserves_volume(params.method)) {
     throw InputError({"", "volume", std::string("method ") + name_of(params.method),
                       "red-black or accelerated"});
   }
@@ -72,6 +68,12 @@ std::string relax_method_names() {
 
 bool conserves_volume(RelaxMethod method) {
   return method == RelaxMethod::red_black || method == RelaxMethod::accelerated;
+}
+
+void check_volume_stiffness(double kpa) {
+  if (kpa >= 0 && kpa <= kMaxVolumeStiffnessKpa) return;
+  throw InputError(
+      {"", "volume", number_text(kpa), "0 to " + number_text(kMaxVolumeStiffnessKpa) + " kPa"});
 }
 
 Relaxation::Relaxation(Body& body, const SlotSet& fixed, const Holds& held,

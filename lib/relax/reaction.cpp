@@ -1,0 +1,244 @@
+#include "lib/relax/reaction.h"
+
+#include <algorithm>
+
+#include "lib/body/lattice.h"
+#include "lib/relax/brick_links.h"
+#include "lib/relax/cell_brick.h"
+#include "lib/relax/cell_volume.h"
+#include "lib/relax/in_parallel.h"
+#include "lib/relax/link_table.h"
+#include "lib/relax/movable.h"
+#include "lib/relax/relaxation.h"
+
+namespace supple {
+
+namespace {
+
+/// Calls visit(axis, upwards, other) for every element that a link joins to `slot`.
+template <class Visit>
+void for_each_neighbour(const Body& body, Slot slot, Visit&& visit) {
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const bool upwards : {false, true}) {
+      Slot other;
+      if (neighbour_slot(body.elements, body.cuts, slot, axis, upwards, other)) {
+        visit(axis, upwards, other);
+      }
+    }
+  }
+}
+
+/// Whether the link lets its ends come no farther apart, or no nearer. A link without slack does
+/// neither.
+bool is_tight(const Body& body, int c, int axis, Slot low, Slot high) {
+  const BrickValues& q = body.q[std::size_t(c)];
+  const std::uint8_t a = body.classes[low], b = body.classes[high];
+  const std::int64_t apart = std::int64_t(q.at(high)) - q.at(low);
+  const std::int64_t upper = body.slacks.upper(axis, c, a, b);
+  const std::int64_t lower = body.slacks.lower(axis, c, a, b);
+  return (upper < kUnlimitedSlack && upper - apart <= kTightSlack) ||
+         (lower < kUnlimitedSlack && lower + apart <= kTightSlack);
+}
+
+/// All elements that are held in coordinate c.
+SlotSet held_in(const Body& body, int c, const SlotSet& fixed, const Holds& held) {
+  const BrickValues& q = body.q[std::size_t(c)];
+  std::vector<Slot> at_bound;
+  for (const Bound& bound : held.at_least[std::size_t(c)]) {
+    if (q.at(bound.slot) <= std::int64_t(bound.value) + kTightSlack) at_bound.push_back(bound.slot);
+  }
+  for (const Bound& bound : held.at_most[std::size_t(c)]) {
+    if (q.at(bound.slot) >= std::int64_t(bound.value) - kTightSlack) at_bound.push_back(bound.slot);
+  }
+  SlotSet result(std::move(at_bound));
+  result.add(fixed);
+  result.add(held.still);
+  return result;
+}
+
+/// Who bears the forces of elements in one coordinate. Holders are numbered as the handles; what
+/// else is held comes last.
+struct Bearers {
+  BrickValues holder;      // per element, one more than its number; 0: nobody
+  std::vector<char> taut;  // per holder
+};
+
+/// Breadth first from all holders at once. A queue that starts in the order of the holders stays so
+/// among elements equally far, so that of several the first gets an element.
+Bearers find_bearers(const Body& body, int c, const std::vector<SlotSet>& handles,
+                     const SlotSet& held, bool from_others) {
+  const auto others = std::int32_t(handles.size() + 1);
+  Bearers bearers{BrickValues(body.elements.brick_count()),
+                  std::vector<char>(handles.size() + 1, 0)};
+  std::vector<Slot> queue;
+  const auto give = [&](Slot slot, std::int32_t holder) {
+    bearers.holder.set(slot, holder);
+    queue.push_back(slot);
+  };
+  for (std::size_t n = 0; n < handles.size(); ++n) {
+    handles[n].for_each([&](Slot slot) {
+      if (bearers.holder.at(slot) == 0 && held.contains(slot)) give(slot, std::int32_t(n + 1));
+    });
+  }
+  if (from_others) {
+    held.for_each([&](Slot slot) {
+      if (bearers.holder.at(slot) == 0) give(slot, others);
+    });
+  }
+  for (std::size_t next = 0; next < queue.size(); ++next) {
+    const Slot slot = queue[next];
+    const std::int32_t holder = bearers.holder.at(slot);
+    for_each_neighbour(body, slot, [&](int axis, bool upwards, Slot other) {
+      if (!is_tight(body, c, axis, upwards ? slot : other, upwards ? other : slot)) return;
+      std::int32_t there = bearers.holder.at(other);
+      if (there == 0 && held.contains(other)) there = others;
+      if (there == 0) return give(other, holder);
+      if (there == holder) return;
+      bearers.taut[std::size_t(holder - 1)] = bearers.taut[std::size_t(there - 1)] = 1;
+    });
+  }
+  return bearers;
+}
+
+/// The others are often most of the body, so their flood waits until a handle's has met them.
+Bearers find_bearers(const Body& body, int c, const std::vector<SlotSet>& handles,
+                     const SlotSet& held) {
+  Bearers bearers = find_bearers(body, c, handles, held, false);
+  return bearers.taut.back() ? find_bearers(body, c, handles, held, true) : bearers;
+}
+
+/// Whether something of the brick moved in the coordinate, or a spring from there rests elsewhere.
+bool has_strain(const Body& body, std::size_t c, std::size_t b) {
+  return body.q[c].brick(b) != nullptr ||
+         std::any_of(body.rest.begin(), body.rest.end(),
+                     [&](const auto& axis) { return axis[c].brick(b) != nullptr; });
+}
+
+/// In mN per element of a brick.
+using BrickForces = std::array<double, kBrickVoxels>;
+
+/// Of the elements that have a holder.
+void add_springs(const Body& body, const LinkTable& table, std::size_t b,
+                 const std::int32_t* holder, BrickForces& forces) {
+  const auto c = std::size_t(table.coordinate());
+  bool is_strained = has_strain(body, c, b);
+  for (int face = 0; face < 6 && !is_strained; ++face) {
+    const std::int32_t other = body.elements.neighbour(b, face);
+    is_strained = other >= 0 && has_strain(body, c, std::size_t(other));
+  }
+  if (!is_strained) return;
+  const double mm = body.geometry.spacing_mm()[int(c)] / (kFinePerUnit * kFixedOne);
+  for_each_active(body.elements.mask(b), [&](int offset) {
+    if (holder[offset] == 0) return;
+    const Slot slot = Slot(b * kBrickVoxels) + Slot(offset);
+    for_each_neighbour(body, slot, [&](int axis, bool upwards, Slot other) {
+      const LinkValues& link = table.values(axis, body.classes[slot], body.classes[other]);
+      const std::int32_t rest = body.rest[std::size_t(axis)][c].at(upwards ? slot : other);
+      const double stretch =
+          double(body.q[c].at(other)) - body.q[c].at(slot) - (upwards ? rest : -rest);
+      forces[std::size_t(offset)] +=
+          link.stiffness * pulled_stretch(link, stretch * kFinePerUnit) * mm;
+    });
+  });
+}
+
+/// Of the cells around: -dE/dx with E = kpa (V - V0)^2 / (2 V0).
+void add_cells(const Body& body, int c, double kpa, std::size_t b, BrickForces& forces) {
+  const BricksAround around = bricks_around(body.elements, b);
+  const bool moved = std::any_of(around.begin(), around.end(), [&](std::int32_t other) {
+    return other >= 0 && std::any_of(body.q.begin(), body.q.end(), [&](const BrickValues& q) {
+             return q.brick(std::size_t(other)) != nullptr;
+           });
+  });
+  if (!moved) return;
+  const Vec3d spacing = body.geometry.spacing_mm();
+  const double face_mm2 = spacing[(c + 1) % 3] * spacing[(c + 2) % 3];
+  const auto push_corners = [&](const Vec3i& low) {
+    CellCorners corners;
+    std::array<Slot, 8> slots;
+    for (std::size_t n = 0; n < 8; ++n) {
+      const Vec3i step(int(n) >> 2, int(n) >> 1 & 1, int(n) & 1);
+      slots[n] = slot_around(around, low.x + step.x, low.y + step.y, low.z + step.z);
+      for (int d = 0; d < 3; ++d) {
+        corners[n][d] = step[d] + body.q[std::size_t(d)].at(slots[n]) / kFixedOne;
+      }
+    }
+    const double pull = kpa * face_mm2 * (hexahedron_volume(corners) - 1);
+    for (std::size_t n = 0; n < 8; ++n) {
+      if (slots[n] / kBrickVoxels != b) continue;
+      forces[slots[n] % kBrickVoxels] -= pull * hexahedron_gradient(corners, int(n))[c];
+    }
+  };
+  const CellRows cells = find_cells(body, around);
+  for (int i = -1; i < 8; ++i) {
+    for (int j = -1; j < 8; ++j) {
+      for (unsigned bits = cells.rows[i + 1][j + 1]; bits != 0; bits &= bits - 1) {
+        push_corners({i, j, __builtin_ctz(bits) - 1});
+      }
+    }
+  }
+}
+
+/// A force that a brick adds to a holder's.
+struct Share {
+  std::int32_t holder;
+  double force_mn;
+};
+
+/// Per handle. Bricks are summed one by one, then together in their order: the same bits for any
+/// number of threads.
+std::vector<double> forces_mn(const Body& body, int c, const Bearers& bearers, std::size_t handles,
+                              double kpa) {
+  const LinkTable table(body, c, RigidLinks::springs);
+  std::vector<std::vector<Share>> shares(body.elements.brick_count());
+  in_parallel(shares.size(), [&](std::size_t b) {
+    const std::int32_t* holder = bearers.holder.brick(b);
+    if (holder == nullptr) return;
+    BrickForces forces{};
+    add_springs(body, table, b, holder, forces);
+    if (kpa > 0) add_cells(body, c, kpa, b, forces);
+    for (std::size_t n = 0; n < kBrickVoxels; ++n) {
+      if (forces[n] == 0 || holder[n] == 0 || std::size_t(holder[n]) > handles) continue;
+      if (shares[b].empty() || shares[b].back().holder != holder[n]) {
+        shares[b].push_back({holder[n], 0});
+      }
+      shares[b].back().force_mn += forces[n];
+    }
+  });
+  std::vector<double> sums(handles, 0);
+  for (const auto& of_brick : shares) {
+    for (const Share& share : of_brick) sums[std::size_t(share.holder - 1)] += share.force_mn;
+  }
+  return sums;
+}
+
+}  // namespace
+
+std::vector<Reaction> reactions(const Body& body, const std::vector<SlotSet>& handles,
+                                const SlotSet& fixed, const Holds& held,
+                                double volume_stiffness_kpa) {
+  check_volume_stiffness(volume_stiffness_kpa);
+  const bool any_moved =
+      std::any_of(body.q.begin(), body.q.end(), [](const BrickValues& q) { return !q.empty(); });
+  const bool has_pressure = volume_stiffness_kpa > 0 && any_moved;
+  std::vector<Vec3d> along_axes(handles.size(), Vec3d(0));  // mN
+  std::vector<Reaction> result(handles.size());
+  for (int c = 0; c < 3; ++c) {
+    if (body.q[std::size_t(c)].empty() && !has_rest(body, c) && !has_pressure) continue;
+    const Bearers bearers = find_bearers(body, c, handles, held_in(body, c, fixed, held));
+    const std::vector<double> forces =
+        forces_mn(body, c, bearers, handles.size(), volume_stiffness_kpa);
+    for (std::size_t n = 0; n < handles.size(); ++n) {
+      along_axes[n][c] = forces[n];
+      result[n].taut[std::size_t(c)] = bearers.taut[n] != 0;
+    }
+  }
+  // The forces are a covector: work per mm along each axis.
+  const Vec3d spacing = body.geometry.spacing_mm();
+  for (std::size_t n = 0; n < handles.size(); ++n) {
+    result[n].force_n = body.geometry.world_gradient_from_index(along_axes[n] * spacing) / 1000;
+  }
+  return result;
+}
+
+}  // namespace supple
