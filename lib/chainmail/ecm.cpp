@@ -157,14 +157,14 @@ EcmReport EcmSolver::drag(const std::vector<Handle>& handles, const std::vector<
   EcmReport result;
   result.engine = engine();
   if (!m_body.links_known_valid) m_body.links_known_valid = check_links(m_body).violated == 0;
+  if (m_fixed->regions != anchors) *m_fixed = fix(m_body, anchors);
   OffsetsGuard guard(m_body);
   if (!m_body.links_known_valid) {
-    const ProjectionReport projection = project(m_body);
+    const ProjectionReport projection = project(m_body, m_fixed->slots, holds);
     result.projected_links = projection.violated_links;
     result.projected_max_voxels = projection.max_move_voxels;
+    result.projected_held = projection.held_moved;
   }
-
-  if (m_fixed->regions != anchors) *m_fixed = fix(m_body, anchors);
   const HeldVoxels held = hold(m_body, handles, *m_fixed, holds);
   Fraction fraction;
   const CoordinateDrags drags = solve(m_body, held, m_propagator, m_undo, fraction, progress);

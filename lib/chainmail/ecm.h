@@ -65,6 +65,7 @@ struct EcmReport {
   std::int64_t moved = 0;            // elements whose offset changed
   std::int64_t projected_links = 0;  // links of an invalid start that were wrong
   double projected_max_voxels = 0;   // largest move of the projection
+  std::int64_t projected_held = 0;   // elements that are held but that it had to move
   Engine engine = Engine::flat;      // that solved it
   std::int64_t visited = 0;          // bricks (block engine) or nodes, all coordinates
   std::int64_t max_queue = 0;        // that waited at one time
@@ -117,10 +118,14 @@ class EcmSolver {
 };
 
 /// Projects an invalid configuration to floor((L + U) / 2): the smallest possible largest move.
+/// What is fixed or held stays, and push handles keep their side, in every coordinate in which the
+/// links allow that; elsewhere all move, and `held_moved` says how many of `fixed` and `held.still`
+/// did.
 struct ProjectionReport {
   std::int64_t violated_links = 0;
   double max_move_voxels = 0;
+  std::int64_t held_moved = 0;
 };
-ProjectionReport project(Body& body);
+ProjectionReport project(Body& body, const SlotSet& fixed = {}, const Holds& held = {});
 
 }  // namespace supple

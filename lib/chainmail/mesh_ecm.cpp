@@ -156,7 +156,7 @@ bool MeshEcm::holds_positions() const {
 }
 
 /// The body's positions become the values; a projection when they break limits.
-MeshProjection MeshEcm::take_positions(Progress* progress) {
+MeshProjection MeshEcm::take_positions(const std::vector<NodeSet>& anchors, Progress* progress) {
   m_is_valid = false;
   for (MeshValues& values : m_values) values.forget();  // of a projection that was cancelled
   for (Slot node = 0; node < m_body.node_count(); ++node) {
@@ -167,8 +167,14 @@ MeshProjection MeshEcm::take_positions(Progress* progress) {
   MeshProjection projection;
   projection.violated_links = check(m_links, value).violated;
   if (projection.violated_links > 0) {
+    std::vector<Slot> still;
+    NodeOwners owners(m_body.node_count());
+    for (std::size_t a = 0; a < anchors.size(); ++a) {
+      const std::vector<Slot> nodes = owners.claim(anchors[a], "anchor " + std::to_string(a), true);
+      still.insert(still.end(), nodes.begin(), nodes.end());
+    }
     for (MeshValues& values : m_values) {
-      const std::int64_t largest = values.project(progress);
+      const std::int64_t largest = values.project(still, progress);
       projection.max_move_mm = std::max(projection.max_move_mm, double(largest) * kUnitMm);
     }
   }
@@ -206,7 +212,7 @@ MeshEcmReport MeshEcm::drag(const std::vector<MeshHandle>& handles,
   const auto begin = std::chrono::steady_clock::now();
   MeshEcmReport result;
   const bool is_new = !holds_positions();
-  if (is_new) result.projection = take_positions(progress);
+  if (is_new) result.projection = take_positions(anchors, progress);
 
   const HeldNodes held = hold(handles, anchors, m_values, m_body.node_count());
   Fraction fraction;
@@ -235,7 +241,7 @@ MeshLinkCheck MeshEcm::check_links() const {
 
 MeshProjection MeshEcm::project(Progress* progress) {
   if (holds_positions()) return {};
-  const MeshProjection projection = take_positions(progress);
+  const MeshProjection projection = take_positions({}, progress);
   give_positions(true);
   return projection;
 }

@@ -71,11 +71,12 @@ class MeshEcm {
   /// Moves the handles, holds every node of the anchors where it is, and lets the body follow:
   /// median(L, q, U) of the envelopes. Anchors shorten the whole drag by one fraction; handles must
   /// agree with each other for the whole drag, whatever the anchors allow. Positions that another
-  /// model left are rounded to 2^-16 mm and, when they break limits, projected first. A push handle
-  /// takes part upwards or downwards only, and is not held after the drag; velocities stay. Throws
-  /// InputError: an empty set, an index without node, a node in two sets, handles that contradict
-  /// each other (names the pair and the missing distance in mm), an offset beyond +-16383 mm, a
-  /// position that is not finite. The body is unchanged then, also when `progress` cancels.
+  /// model left are rounded to 2^-16 mm and, when they break limits, projected first, the anchors
+  /// in their places where the links allow that. A push handle takes part upwards or downwards
+  /// only, and is not held after the drag; velocities stay. Throws InputError: an empty set, an
+  /// index without node, a node in two sets, handles that contradict each other (names the pair and
+  /// the missing distance in mm), an offset beyond +-16383 mm, a position that is not finite. The
+  /// body is unchanged then, also when `progress` cancels.
   MeshEcmReport drag(const std::vector<MeshHandle>& handles, const std::vector<NodeSet>& anchors,
                      Progress* progress = nullptr);
 
@@ -93,7 +94,7 @@ class MeshEcm {
   void require_positions() const;
   /// Whether the body's positions are those that the last drag gave it.
   bool holds_positions() const;
-  MeshProjection take_positions(Progress* progress);
+  MeshProjection take_positions(const std::vector<NodeSet>& anchors, Progress* progress);
   void give_positions(bool all);
   std::int64_t count_moved() const;
 

@@ -21,13 +21,28 @@ PropagationCounts MeshValues::run(Direction direction, const std::vector<Seed>& 
   return counts;
 }
 
-std::int64_t MeshValues::project(Progress* progress) {
+std::int64_t MeshValues::project(const std::vector<Slot>& still, Progress* progress) {
   std::vector<Seed> present(m_q.size());
   for (Slot node = 0; node < m_q.size(); ++node) present[node] = {node, m_q[node]};
   run(Direction::raise, present, progress);
+  std::vector<Seed> held;
+  for (const Slot node : still) held.push_back(present[node]);
   std::vector<std::int32_t> above = m_q;
+  run(Direction::lower, held, progress);
+  std::vector<std::int32_t> above_held = m_q;
   roll_back();
   run(Direction::lower, present, progress);
+  const std::vector<std::int32_t> below = m_q;
+  run(Direction::raise, held, progress);
+  // As for voxel bodies (project.cpp): what is held keeps its place where the links allow it.
+  const bool can_hold = std::all_of(held.begin(), held.end(), [&](const Seed& seed) {
+    return above_held[seed.slot] == seed.value && m_q[seed.slot] == seed.value;
+  });
+  if (can_hold) {
+    above.swap(above_held);
+  } else {
+    m_q = below;
+  }
   std::int64_t largest = 0;
   for (Slot node = 0; node < m_q.size(); ++node) {
     const std::int64_t sum = std::int64_t(above[node]) + m_q[node];

@@ -4,6 +4,11 @@
 // its greatest valid minorant. floor((L + U) / 2) is valid, since both are: the differences of the
 // sums along a link are at most 2 W, of the floors W. Its largest move is the smallest possible:
 // a broken chain of links between i and j costs at least half its excess at one of the ends.
+//
+// Elements a that are held lie between bounds l_a and u_b, l = u = q for those that stay. With
+//   A_j = max over a (l_a - dist(a, j)),   B_j = min over b (u_b + dist(j, b))
+// min(L, B) and max(U, A) are valid too, and so is floor of half their sum. If the bounds can be
+// met at all, A <= B, and U_a <= q_a <= L_a makes both q_a where l_a = u_a = q_a.
 #include <algorithm>
 #include <cstdlib>
 
@@ -27,10 +32,39 @@ void average(BrickValues& above, const BrickValues& below) {
   }
 }
 
-BrickValues projected(const Body& body, Propagator& propagator, int c) {
+/// What holds an element from sinking below a value and from rising above one.
+struct HeldBounds {
+  std::vector<Seed> least, most;
+};
+
+HeldBounds held_bounds(const Body& body, int c, const SlotSet& still, const Holds& held) {
+  HeldBounds bounds;
+  still.for_each([&](Slot slot) { bounds.least.push_back({slot, body.q[c].at(slot)}); });
+  bounds.most = bounds.least;
+  for (const Bound& bound : held.at_least[c]) bounds.least.push_back({bound.slot, bound.value});
+  for (const Bound& bound : held.at_most[c]) bounds.most.push_back({bound.slot, bound.value});
+  return bounds;
+}
+
+bool meets(const BrickValues& values, const HeldBounds& bounds) {
+  return std::all_of(bounds.least.begin(), bounds.least.end(),
+                     [&](const Seed& seed) { return values.at(seed.slot) >= seed.value; }) &&
+         std::all_of(bounds.most.begin(), bounds.most.end(),
+                     [&](const Seed& seed) { return values.at(seed.slot) <= seed.value; });
+}
+
+/// The half-way values, within the bounds where that is possible.
+BrickValues projected(const Body& body, Propagator& propagator, int c, const HeldBounds& bounds) {
   BrickValues above = body.q[c], below = body.q[c];
   propagator.close({c, Direction::raise, above});
   propagator.close({c, Direction::lower, below});
+  if (!bounds.least.empty() || !bounds.most.empty()) {
+    BrickValues lowered = above, raised = below;
+    propagator.run({c, Direction::lower, lowered}, bounds.most);
+    propagator.run({c, Direction::raise, raised}, bounds.least);
+    average(lowered, raised);
+    if (meets(lowered, bounds)) return lowered;
+  }
   average(above, below);
   return above;
 }
@@ -50,20 +84,27 @@ std::int64_t largest_move(const BrickValues& before, const BrickValues& after) {
 
 }  // namespace
 
-ProjectionReport project(Body& body) {
+ProjectionReport project(Body& body, const SlotSet& fixed, const Holds& held) {
   ProjectionReport report;
   report.violated_links = check_links(body).violated;
   if (report.violated_links > 0) {
+    SlotSet still = held.still;
+    still.add(fixed);
     Propagator propagator(body);
     std::array<BrickValues, 3> valid;
     std::int64_t largest = 0;
     for (int c = 0; c < 3; ++c) {
       if (body.q[c].empty()) continue;
-      valid[c] = projected(body, propagator, c);
+      valid[c] = projected(body, propagator, c, held_bounds(body, c, still, held));
       largest = std::max(largest, largest_move(body.q[c], valid[c]));
     }
     report.max_move_voxels = double(largest) / kFixedOne;
     body.q.swap(valid);
+    still.for_each([&](Slot slot) {
+      bool has_moved = false;
+      for (int c = 0; c < 3; ++c) has_moved |= body.q[c].at(slot) != valid[c].at(slot);
+      report.held_moved += has_moved;
+    });
     for (int c = 0; c < 3; ++c) {
       for (std::size_t b = 0; b < body.fraction[c].brick_count(); ++b) {
         body.drop_fractions(c, b, valid[c].brick_or_zero(b));

@@ -10,9 +10,10 @@ RelaxModel::RelaxModel(const HeldBody& held, const RelaxParams& params)
   params.validate();
   m_still = still_elements(held.body, held.anchors, held.holds);
   if (!held.body.links_known_valid) {
-    const ProjectionReport projection = project(held.body);
+    const ProjectionReport projection = project(held.body, m_still, held.holds);
     m_report.projected_links = projection.violated_links;
     m_report.projected_max_voxels = projection.max_move_voxels;
+    m_report.projected_held = projection.held_moved;
   }
   begin();
 }

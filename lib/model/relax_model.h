@@ -14,6 +14,7 @@ namespace supple {
 struct RelaxReport {
   std::int64_t projected_links = 0;  // of an invalid start
   double projected_max_voxels = 0;
+  std::int64_t projected_held = 0;  // elements that are held but that it had to move
   int passes = 0;
   bool converged = false;                      // by the tolerance, or no element can move any more
   double energy_before = 0, energy_after = 0;  // uJ (N/m * mm^2)

@@ -11,8 +11,7 @@ namespace supple {
 
 namespace {
 
-/// Links with less slack than this count as at their limit.
-constexpr double kTight = 16 * kFinePerUnit;  // 2^-12 voxel
+constexpr double kTight = kTightSlack * kFinePerUnit;
 /// Passes from one look for elements that block each other to the next.
 constexpr int kTightPasses = 24;
 

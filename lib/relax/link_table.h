@@ -24,6 +24,9 @@ inline double pulled_stretch(const LinkValues& link, double stretch) {
   return stretch > yield ? yield : stretch < -yield ? -yield : stretch;
 }
 
+/// Links with no more slack than this count as at their limit: relaxation comes to rest that near.
+constexpr int kTightSlack = 16;  // 2^-16 voxel
+
 enum class RigidLinks { absent, springs };
 
 class LinkTable {

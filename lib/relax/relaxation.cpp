@@ -59,15 +59,17 @@ void RelaxParams::validate() const {
   if (!(tolerance_voxels >= 0)) {
     throw InputError({"", "tolerance", std::to_string(tolerance_voxels), "0 or more voxels"});
   }
-  const double volume = volume_stiffness_kpa;
-  if (!(volume >= 0 && volume <= kMaxVolumeStiffnessKpa)) {
-    throw InputError({"", "volume", number_text(volume),
-                      "0 to " + number_text(kMaxVolumeStiffnessKpa) + " kPa"});
-  }
-  if (volume > 0 && !conserves_volume(method)) {
+  check_volume_stiffness(volume_stiffness_kpa);
+  if (volume_stiffness_kpa > 0 && !conserves_volume(method)) {
     throw InputError(
         {"", "volume", std::string("method ") + name_of(method), "red-black or accelerated"});
   }
+}
+
+void check_volume_stiffness(double kpa) {
+  if (kpa >= 0 && kpa <= kMaxVolumeStiffnessKpa) return;
+  throw InputError(
+      {"", "volume", number_text(kpa), "0 to " + number_text(kMaxVolumeStiffnessKpa) + " kPa"});
 }
 
 Relaxation::Relaxation(Body& body, const SlotSet& fixed, const Holds& held,

@@ -40,6 +40,8 @@ bool conserves_volume(RelaxMethod method);
 
 /// A bulk modulus beyond this is taken for a mistake: water has 2.2e6 kPa.
 constexpr double kMaxVolumeStiffnessKpa = 1e9;
+/// Throws InputError where it is not 0 to that.
+void check_volume_stiffness(double kpa);
 
 /// A number of passes beyond this is taken for a mistake.
 constexpr int kMaxPasses = 1000000;

@@ -6,7 +6,9 @@
 
 #include "lib/chainmail/ecm.h"
 #include "lib/chainmail/propagate.h"
+#include "lib/relax/relaxation.h"
 #include "tests/lib/brute_force.h"
+#include "tests/lib/relaxed_bodies.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -209,6 +211,69 @@ TEST(PropertyProjection, AFailedDragFromAnInvalidStartLeavesItInvalid) {
   EXPECT_NE(input_error([&] { drag(body, {{{50, 0, 0}, {1, 0, 0}}}, {}); }), "");
   EXPECT_EQ(body.q, before);
   EXPECT_FALSE(body.links_known_valid);
+}
+
+TEST(PropertyProjection, WhatIsHeldKeepsItsPlaceWhereTheLinksAllowIt) {
+  // A valid body whose free elements are then scattered: the held ones fit together.
+  std::mt19937 random(37);
+  int invalid = 0, pushed = 0;
+  for (int n = 0; n < 60; ++n) {
+    Dragged start = dragged(random, {9, 8, 7});
+    Body& body = start.body;
+    const SlotSet fixed = still_elements(body, start.anchors, {});
+    SlotSet held = fixed;
+    held.add(start.holds.still);
+    for (std::size_t c = 0; c < 3; ++c) {
+      for (const auto* bounds : {&start.holds.at_least[c], &start.holds.at_most[c]}) {
+        std::vector<Slot> slots;
+        for (const Bound& bound : *bounds) slots.push_back(bound.slot);
+        held.add(SlotSet(std::move(slots)));
+      }
+      body.q[c].resize(body.elements.brick_count());
+      for_each_element(body.elements, [&](Slot slot) {
+        const std::int32_t by = std::int32_t(random() % (2 * kVoxel)) - kVoxel;
+        if (!held.contains(slot)) body.q[c].set(slot, body.q[c].at(slot) + by);
+      });
+    }
+    const Body before = body;
+    const ProjectionReport report = project(body, fixed, start.holds);
+    invalid += report.violated_links > 0;
+    EXPECT_EQ(check_links(body).violated, 0);
+    EXPECT_EQ(report.held_moved, 0);
+    for (std::size_t c = 0; c < 3; ++c) {
+      for (const SlotSet* still : {&fixed, static_cast<const SlotSet*>(&start.holds.still)}) {
+        still->for_each([&](Slot at) { EXPECT_EQ(body.q[c].at(at), before.q[c].at(at)); });
+      }
+      for (const Bound& bound : start.holds.at_least[c]) {
+        EXPECT_GE(body.q[c].at(bound.slot), bound.value);
+        ++pushed;
+      }
+      for (const Bound& bound : start.holds.at_most[c]) {
+        EXPECT_LE(body.q[c].at(bound.slot), bound.value);
+      }
+    }
+  }
+  EXPECT_GT(invalid, 30);
+  EXPECT_GT(pushed, 10);
+}
+
+TEST(PropertyProjection, WhatIsHeldTooFarApartMovesAndIsCounted) {
+  Body body = body_of(
+      full_block({5, 2, 1}, linear_table(1.5, 0.6, 0.7), [](int, int, int) { return 255.0; }));
+  Slot ends[2];
+  ASSERT_TRUE(slot_of(body.elements, {0, 0, 0}, ends[0]));
+  ASSERT_TRUE(slot_of(body.elements, {4, 0, 0}, ends[1]));
+  body.q[0].resize(body.elements.brick_count());
+  body.q[0].set(ends[1], 4 * kVoxel);
+  Body free = body;
+  project(free);
+  const ProjectionReport report = project(body, SlotSet(std::vector<Slot>(ends, ends + 2)));
+  // The ends are 4 apart, and four links give way by 0.5 each; so all move, half of the 3.5 that
+  // the last link has too much.
+  EXPECT_EQ(report.held_moved, 2);
+  EXPECT_EQ(report.max_move_voxels, 1.75);
+  EXPECT_EQ(body.q, free.q);
+  EXPECT_EQ(check_links(body).violated, 0);
 }
 
 TEST(PropertyProjection, AValidConfigurationIsItsOwnProjection) {

@@ -66,6 +66,8 @@ TEST(PropertyMeshEcmAndSprings, AnInterruptedRelaxationMayBreakLimitsWhichTheNex
   const MeshEcmReport report = ecm.drag({{{kMiddle}, {0, 0.5, 0}}}, {rim()});
   EXPECT_EQ(report.projection.violated_links, broken.violated);
   EXPECT_GT(report.projection.max_move_mm, 0);
+  // The rim is where it was: it is held through the projection, too.
+  for (const int node : rim()) EXPECT_EQ(body.pos_mm[node], body.rest_mm[node]);
   EXPECT_EQ(ecm.check_links().violated, 0);
   EXPECT_EQ(ecm.drag({{{kMiddle}, {0, 0, 0.5}}}, {rim()}).projection.violated_links, 0);
 }
