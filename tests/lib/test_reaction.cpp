@@ -448,39 +448,59 @@ TEST(UnitReaction, OthersThatAreHeldBearTheirPart) {
 }
 
 TEST(UnitReaction, APushHandleFeelsWhatLiesAtItsBound) {
-  Body body = body_of(wide_block({13, 1, 1}, [](int, int, int) { return 51.0; }));
+  const Body at_rest = body_of(wide_block({13, 1, 1}, [](int, int, int) { return 51.0; }));
   const std::vector<Region> fixed = {Region({0, 0, 0})};
-  const SlotSet first = slots_of(body, {0, 0, 0}), tool = slots_of(body, {12, 0, 0});
-  const SlotSet grabbed = slots_of(body, {11, 0, 0});
+  const SlotSet first = slots_of(at_rest, {0, 0, 0}), tool = slots_of(at_rest, {12, 0, 0});
+  const SlotSet grabbed = slots_of(at_rest, {11, 0, 0});
   const double k = stiffness(0, 51) * kSpacing.x;
-  Holds holds;
-  drag(body, {{{12, 0, 0}, {-2 * kVoxel, 0, 0}, HandleKind::push}}, fixed, holds);
-  relax(body, fixed, holds, to_rest());
-  EXPECT_NEAR(force_mn(reactions(body, {tool}, first, holds)[0], 0), k * 2 / 12, 1e-3 * k);
-  // It asks for nothing across, where its element leans on the one that is pulled; and nothing
-  // more along when that takes the element further.
-  drag(body, {{{11, 0, 0}, {-4 * kVoxel, 3 * kVoxel, 0}}}, fixed, holds);
-  ASSERT_LT(body.offset({12, 0, 0}, 0), -2 * kVoxel);
-  ASSERT_GT(body.offset({12, 0, 0}, 1), 0);
-  const auto found = reactions(body, {tool, grabbed}, first, holds);
-  EXPECT_EQ(found[0].force_n, Vec3d(0));
-  const auto without = reactions(body, {grabbed}, first, holds);
-  EXPECT_EQ(found[1].force_n, without[0].force_n);
-  EXPECT_LT(force_mn(found[1], 1), 0);
+  for (const int side : {-1, 1}) {
+    Body body = at_rest;
+    Holds holds;
+    drag(body, {{{12, 0, 0}, {side * 2 * kVoxel, 0, 0}, HandleKind::push}}, fixed, holds);
+    relax(body, fixed, holds, to_rest());
+    const auto alone = reactions(body, {tool}, first, holds);
+    EXPECT_NEAR(force_mn(alone[0], 0), -side * k * 2 / 12, 1e-3 * k);
+    // Across, it asks for nothing, and its element leans on the one that is pulled; along, it asks
+    // for nothing any more when that takes the element further.
+    drag(body, {{{11, 0, 0}, {side * 5 * kVoxel, 3 * kVoxel, 0}}}, fixed, holds);
+    ASSERT_GT(side * body.offset({12, 0, 0}, 0), 2 * kVoxel);
+    ASSERT_GT(body.offset({12, 0, 0}, 1), 0);
+    const auto found = reactions(body, {tool, grabbed}, first, holds);
+    EXPECT_EQ(found[0].force_n, Vec3d(0));
+    EXPECT_EQ(found[1].force_n, reactions(body, {grabbed}, first, holds)[0].force_n);
+    EXPECT_LT(force_mn(found[1], 1), 0);
+  }
 }
 
 TEST(PropertyReaction, ABodyAtRestPullsAtNothing) {
   std::mt19937 random(31);
   for (int n = 0; n < 20; ++n) {
-    const Block block = random_block(random, {9, 9, 9});
+    // With rigid parts, too, of which nothing is taut as long as nobody pulls.
+    const Block block = random_block(random, {5, 5, 5});
     const Body body = body_of(block);
     const SlotSet handle = slots_of(body, block.voxel(random_element(random, block)));
+    const SlotSet anchor = slots_of(body, block.voxel(random_element(random, block)));
     for (const double kpa : {0.0, 10.0}) {
-      const Reaction found = reactions(body, {handle}, handle, {}, kpa)[0];
+      const Reaction found = reactions(body, {handle}, anchor, {handle, {}, {}}, kpa)[0];
       EXPECT_EQ(found.force_n, Vec3d(0));
       EXPECT_FALSE(any_taut(found));
     }
   }
+}
+
+TEST(ExtremesReaction, ALinkWithoutLimitIsNeverTaut) {
+  MaterialTable table = wide_table();
+  table.max_length.keys = {{0, 1e6}};
+  Body body = body_of(full_block({2, 1, 1}, table, [](int, int, int) { return 51.0; }));
+  const SlotSet first = slots_of(body, {0, 0, 0}), last = slots_of(body, {1, 0, 0});
+  body.q[0].resize(body.elements.brick_count());
+  body.q[0].set(0, -kMaxOffset);
+  last.for_each([&](Slot slot) { body.q[0].set(slot, kMaxOffset); });
+  const auto found = reactions(body, {first, last}, first, {last, {}, {}});
+  EXPECT_FALSE(any_taut(found[0]));
+  // 5 kPa mm^2 / mm over almost 32768 voxels of a millimetre.
+  EXPECT_NEAR(found[0].force_n.x, 5 * 32.768, 1e-2);
+  EXPECT_EQ(found[1].force_n.x, -found[0].force_n.x);
 }
 
 TEST(PropertyReaction, TheResultDoesNotDependOnTheNumberOfThreads) {
