@@ -40,8 +40,8 @@ struct Reaction {
 /// push handles in the coordinates where they lie at their bound; what nobody holds there leans on
 /// others. An element of several handles counts for the first, what is held without belonging to
 /// one is another holder. Cells count with that bulk modulus, as in relaxation with it; 0: not.
-/// In a coordinate in which nothing moved or rests elsewhere there is no force, and nothing is
-/// taut. Throws InputError: a bulk modulus out of range.
+/// In a coordinate in which nothing moved or rests elsewhere (with cells: in any of the three)
+/// there is no force, and nothing is taut. Throws InputError: a bulk modulus out of range.
 ///
 /// O(elements held by the handles or leaning on them), all those that are held where a handle is
 /// taut to one; 2 kB per brick with any of these.
