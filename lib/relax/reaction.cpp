@@ -93,8 +93,8 @@ Bearers find_bearers(const Body& body, int c, const std::vector<SlotSet>& handle
       std::int32_t there = bearers.holder.at(other);
       if (there == 0 && held.contains(other)) there = others;
       if (there == 0) return give(other, holder);
-      if (there == holder) return;
-      bearers.taut[std::size_t(holder - 1)] = bearers.taut[std::size_t(there - 1)] = 1;
+      // This holder's turn comes with the link's other end.
+      if (there != holder) bearers.taut[std::size_t(there - 1)] = 1;
     });
   }
   return bearers;
@@ -189,7 +189,7 @@ struct Share {
 /// number of threads.
 std::vector<double> forces_mn(const Body& body, int c, const Bearers& bearers, std::size_t handles,
                               double kpa) {
-  const LinkTable table(body, c, RigidLinks::springs);
+  const LinkTable table(body, c, RigidLinks::absent);
   std::vector<std::vector<Share>> shares(body.elements.brick_count());
   in_parallel(shares.size(), [&](std::size_t b) {
     const std::int32_t* holder = bearers.holder.brick(b);

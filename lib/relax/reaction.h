@@ -8,14 +8,14 @@
 // - where relaxation has come to its minimum, the force that keeps the handle in place, that is
 //   -d(least energy)/d(handle): without the links at their limits, those elements would not be
 //   balanced, and by the Karush-Kuhn-Tucker conditions the links carry just what they lack;
-// - after an ECM drag alone, -d(energy)/d(handle) for a drag that goes on: what is at its limit
-//   comes along, the rest stays.
+// - after an ECM drag, -d(energy)/d(handle) for a drag that goes on: what is at its limit comes
+//   along, the rest stays.
 //
-// A link at its longest can pull but not push. At the minimum that need not be looked at: the sign
-// follows from the balance, and a flood in the direction of pulling alone would lose forces, since
-// a link may transmit what another one, the other way round, keeps from slipping. Away from it, in
-// a body that was dragged to and fro, elements count that would lag behind a handle that comes
-// nearer: there it is the force on a handle that takes along, either way, what is at its limit.
+// A link at its longest pulls and does not push, yet the flood asks for no direction. At the
+// minimum the sign follows from the balance. After a drag it need not be asked: where an element
+// would come along and its neighbour would not, the last bit of that drag moved one and left the
+// other, so their link has just left its limit, if it was at one. Only for a handle that did not
+// move last, in a body that was not relaxed since, elements count that would not follow it.
 #pragma once
 
 #include <array>
@@ -40,8 +40,8 @@ struct Reaction {
 /// push handles in the coordinates where they lie at their bound; what nobody holds there leans on
 /// others. An element of several handles counts for the first, what is held without belonging to
 /// one is another holder. Cells count with that bulk modulus, as in relaxation with it; 0: not.
-/// In a coordinate in which nothing moved or rests elsewhere there is no force, and nothing is
-/// taut. Throws InputError: a bulk modulus out of range.
+/// In a coordinate in which nothing moved or rests elsewhere (with cells: in any of the three)
+/// there is no force, and nothing is taut. Throws InputError: a bulk modulus out of range.
 ///
 /// O(elements held by the handles or leaning on them), all those that are held where a handle is
 /// taut to one; 2 kB per brick with any of these.

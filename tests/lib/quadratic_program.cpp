@@ -1,0 +1,66 @@
+#include "tests/lib/quadratic_program.h"
+
+#include <algorithm>
+
+#include "lib/body/lattice.h"
+
+namespace supple::test {
+
+QuadraticProgram::QuadraticProgram(const Body& body, std::size_t c, const SlotSet& held)
+    : m_held(held) {
+  const MaterialClasses classes(body.material);
+  const Vec3d h = body.geometry.spacing_mm();
+  for_each_element(body.elements, [&](Slot slot) {
+    m_x.resize(std::max<std::size_t>(m_x.size(), slot + 1));
+    m_x[slot] = body.q[c].at(slot) / kFixedOne;
+  });
+  m_at.resize(m_x.size());
+  for (std::size_t b = 0; b < body.elements.brick_count(); ++b) {
+    for_each_link(body.elements, body.cuts, b, [&](int axis, Slot low, Slot high) {
+      const std::uint8_t first = body.classes[low], second = body.classes[high];
+      const double k = classes.physics(first, second).stiffness_kpa * h[(axis + 1) % 3] *
+                       h[(axis + 2) % 3] / h[axis];
+      m_at[low].push_back(m_links.size());
+      m_at[high].push_back(m_links.size());
+      m_links.push_back({low, high, k, body.slacks.upper(axis, int(c), first, second) / kFixedOne,
+                         body.slacks.lower(axis, int(c), first, second) / kFixedOne, 0});
+    });
+  }
+}
+
+double QuadraticProgram::minimise(int rounds, double& excess) {
+  for (int round = 0; round < rounds; ++round) {
+    for (int sweep = 0; sweep < 20; ++sweep) {
+      for (Slot slot = 0; slot < m_x.size(); ++slot) {
+        if (!m_at[slot].empty() && !m_held.contains(slot)) step(slot);
+      }
+    }
+    for (Link& link : m_links) link.multiplier = kPenalty * link.k * beyond(link);
+  }
+  double energy = 0;
+  excess = 0;
+  for (const Link& link : m_links) {
+    const double d = m_x[link.high] - m_x[link.low];
+    energy += link.k * d * d / 2;
+    excess = std::max({excess, d - link.upper, -link.lower - d});
+  }
+  return energy;
+}
+
+double QuadraticProgram::beyond(const Link& link) const {
+  const double d = m_x[link.high] - m_x[link.low] + link.multiplier / (kPenalty * link.k);
+  return d > link.upper ? d - link.upper : d < -link.lower ? d + link.lower : 0;
+}
+
+void QuadraticProgram::step(Slot slot) {
+  double force = 0, stiffness = 0;
+  for (const std::size_t n : m_at[slot]) {
+    const Link& link = m_links[n];
+    const double pull = link.k * (m_x[link.high] - m_x[link.low] + kPenalty * beyond(link));
+    force += slot == link.low ? pull : -pull;
+    stiffness += link.k * (1 + kPenalty);
+  }
+  m_x[slot] += 1.8 * force / stiffness;
+}
+
+}  // namespace supple::test
