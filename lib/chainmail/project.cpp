@@ -8,7 +8,7 @@
 #include <cstdlib>
 
 #include "lib/chainmail/ecm.h"
-#include "lib/chainmail/propagate.h"
+#include "lib/chainmail/projection.h"
 
 namespace supple {
 
@@ -27,14 +27,6 @@ void average(BrickValues& above, const BrickValues& below) {
   }
 }
 
-BrickValues projected(const Body& body, Propagator& propagator, int c) {
-  BrickValues above = body.q[c], below = body.q[c];
-  propagator.close({c, Direction::raise, above});
-  propagator.close({c, Direction::lower, below});
-  average(above, below);
-  return above;
-}
-
 std::int64_t largest_move(const BrickValues& before, const BrickValues& after) {
   std::int64_t largest = 0;
   for (std::size_t b = 0; b < after.brick_count(); ++b) {
@@ -50,6 +42,15 @@ std::int64_t largest_move(const BrickValues& before, const BrickValues& after) {
 
 }  // namespace
 
+BrickValues projected(const BrickValues& values, int coordinate, Propagator& propagator,
+                      Progress* progress) {
+  BrickValues above = values, below = values;
+  propagator.close({coordinate, Direction::raise, above, nullptr, progress});
+  propagator.close({coordinate, Direction::lower, below, nullptr, progress});
+  average(above, below);
+  return above;
+}
+
 ProjectionReport project(Body& body) {
   ProjectionReport report;
   report.violated_links = check_links(body).violated;
@@ -59,7 +60,7 @@ ProjectionReport project(Body& body) {
     std::int64_t largest = 0;
     for (int c = 0; c < 3; ++c) {
       if (body.q[c].empty()) continue;
-      valid[c] = projected(body, propagator, c);
+      valid[c] = projected(body.q[c], c, propagator);
       largest = std::max(largest, largest_move(body.q[c], valid[c]));
     }
     report.max_move_voxels = double(largest) / kFixedOne;
