@@ -28,7 +28,6 @@
 // to the end of their limits, one after the other; tightened after a relaxation, which shares a
 // stretch out, a body keeps its volume better and cells their shape. docs/models/volume.md has the
 // figures. A later relaxation draws the links back, so tightening comes last.
-//
 #pragma once
 
 #include <cstdint>

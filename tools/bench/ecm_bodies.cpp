@@ -127,6 +127,16 @@ Body ball_body(int diameter) {
   return body_at_rest(geometry, ball, material, [](const Vec3i&) { return std::uint8_t(255); });
 }
 
+Body bar_body(int length) {
+  const Vec3i size(length, length / 3, length / 3);
+  const MaterialTable material = parse_material(
+      "domain = [0, 255]\nmax_length = [[0, 1.5]]\nmin_length = [[0, 0.6]]\nshear = [[0, 0.25]]\n",
+      "bench bar material");
+  const Geometry geometry(size, {0, 0, 0}, {Vec3d(1, 0, 0), Vec3d(0, 1, 0), Vec3d(0, 0, 1)});
+  return body_at_rest(geometry, block_topology(size, [](const Vec3i&) { return true; }), material,
+                      [](const Vec3i&) { return std::uint8_t(255); });
+}
+
 Body head_phantom_body(const Vec3i& size) {
   const MaterialTable material = parse_material(kHeadMaterial, "bench head material");
   const HalfSampledHead density(size);
