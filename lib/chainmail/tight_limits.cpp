@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/parallel_reduce.h>
 
 namespace supple {
@@ -16,22 +17,34 @@ double strength(double length) {
   return std::max(length, 1 / length);
 }
 
-/// Mean length of the links along `axis` at both elements; 1 without any.
-double mean_length(const Body& body, const Offsets& q, int axis, Slot a, Slot b) {
-  const BrickValues& values = q[std::size_t(axis)];
-  if (values.empty()) return 1;
-  std::int64_t stretch = 0;
-  int count = 0;
-  for (const Slot end : {a, b}) {
+/// By how much an element's links along each axis are longer than at rest together, in 2^-16
+/// voxel, and how many these are. Two links span the difference of two offsets, which fits.
+struct LinkSums {
+  std::array<std::int32_t, 3> stretch{};
+  std::array<std::uint8_t, 3> count{};
+};
+
+LinkSums link_sums(const Body& body, const Offsets& q, Slot slot) {
+  LinkSums sums;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    std::int32_t places[2];
     for (const bool ahead : {false, true}) {
+      places[ahead] = q[axis].at(slot);
       Slot other;
-      if (!neighbour_slot(body.elements, body.cuts, end, axis, ahead, other)) continue;
-      const std::int64_t apart = std::int64_t(values.at(other)) - values.at(end);
-      stretch += ahead ? apart : -apart;
-      ++count;
+      if (!neighbour_slot(body.elements, body.cuts, slot, int(axis), ahead, other)) continue;
+      places[ahead] = q[axis].at(other);
+      ++sums.count[axis];
     }
+    sums.stretch[axis] = places[1] - places[0];
   }
-  return count == 0 ? 1 : 1 + double(stretch) / (count * kFixedOne);
+  return sums;
+}
+
+/// Mean length of the links along `axis` at both elements; 1 without any.
+double mean_length(const LinkSums& a, const LinkSums& b, std::size_t axis) {
+  const int count = a.count[axis] + b.count[axis];
+  if (count == 0) return 1;
+  return 1 + (double(a.stretch[axis]) + b.stretch[axis]) / (count * kFixedOne);
 }
 
 /// The material's own range.
@@ -77,18 +90,14 @@ TightCheck sum_of(const TightCheck& a, const TightCheck& b) {
           a.squares + b.squares};
 }
 
-}  // namespace
-
-double TightCheck::norm_voxels() const {
-  return std::sqrt(double(squares)) / 4096;
-}
-
-TightRange tight_range(const Body& body, const Offsets& q, int axis, Slot low, Slot high) {
+/// tight_range() of a link whose ends have these sums.
+TightRange range_between(const Body& body, const Offsets& q, int axis, Slot low, Slot high,
+                         const LinkSums& at_low, const LinkSums& at_high) {
   const StretchRange own = range_of(body, axis, low, high);
   double driving = 1;
   for (int across = 0; across < 3; ++across) {
     if (across == axis) continue;
-    const double length = mean_length(body, q, across, low, high);
+    const double length = mean_length(at_low, at_high, std::size_t(across));
     if (strength(length) > strength(driving)) driving = length;
   }
   const BrickValues& along = q[std::size_t(axis)];
@@ -101,6 +110,45 @@ TightRange tight_range(const Body& body, const Offsets& q, int axis, Slot low, S
   return {{limit, own.most}, limit > own.least};
 }
 
+/// The sums of all elements near offsets, found once for the links that share them.
+class SumsNearOffsets {
+ public:
+  SumsNearOffsets(const Body& body, const Offsets& q, const std::vector<std::uint8_t>& near)
+      : m_body(body), m_q(q), m_of_brick(near.size()) {
+    using Range = oneapi::tbb::blocked_range<std::size_t>;
+    oneapi::tbb::parallel_for(Range(0, near.size(), 8), [&](const Range& range) {
+      for (std::size_t b = range.begin(); b < range.end(); ++b) {
+        if (near[b] == 0) continue;
+        m_of_brick[b].resize(kBrickVoxels);
+        for_each_active(body.elements.mask(b), [&](int offset) {
+          m_of_brick[b][std::size_t(offset)] =
+              link_sums(body, q, Slot(b * kBrickVoxels + std::size_t(offset)));
+        });
+      }
+    });
+  }
+
+  LinkSums of(Slot slot) const {
+    const std::vector<LinkSums>& sums = m_of_brick[slot / kBrickVoxels];
+    return sums.empty() ? link_sums(m_body, m_q, slot) : sums[slot % kBrickVoxels];
+  }
+
+ private:
+  const Body& m_body;
+  const Offsets& m_q;
+  std::vector<std::vector<LinkSums>> m_of_brick;  // empty where all is at rest
+};
+
+}  // namespace
+
+double TightCheck::norm_voxels() const {
+  return std::sqrt(double(squares)) / 4096;
+}
+
+TightRange tight_range(const Body& body, const Offsets& q, int axis, Slot low, Slot high) {
+  return range_between(body, q, axis, low, high, link_sums(body, q, low), link_sums(body, q, high));
+}
+
 TightCheck check_tight(const Body& body, const Offsets& q, double tolerance, Offsets& missing) {
   const std::vector<std::uint8_t> near = bricks_near_offsets(body, q);
   for (BrickValues& values : missing) {
@@ -110,6 +158,7 @@ TightCheck check_tight(const Body& body, const Offsets& q, double tolerance, Off
     }
   }
   using Range = oneapi::tbb::blocked_range<std::size_t>;
+  const SumsNearOffsets sums(body, q, near);
   const auto allowed = std::int64_t(tolerance * kFixedOne);
   return oneapi::tbb::parallel_reduce(
       Range(0, near.size(), 8), TightCheck{},
@@ -117,7 +166,8 @@ TightCheck check_tight(const Body& body, const Offsets& q, double tolerance, Off
         for (std::size_t b = range.begin(); b < range.end(); ++b) {
           if (near[b] == 0) continue;
           for_each_link(body.elements, body.cuts, b, [&](int axis, Slot low, Slot high) {
-            const TightRange tight = tight_range(body, q, axis, low, high);
+            const TightRange tight =
+                range_between(body, q, axis, low, high, sums.of(low), sums.of(high));
             const BrickValues& along = q[std::size_t(axis)];
             const std::int32_t change = missing_in(tight, along.at(high) - along.at(low));
             missing[std::size_t(axis)].touch(b)[low % kBrickVoxels] = change;

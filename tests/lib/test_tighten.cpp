@@ -1,5 +1,6 @@
 // Tightening limits (thesis section 4.2.4, second suggestion): the rule by hand, and what holds for
 // every body and state.
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -166,6 +167,20 @@ TEST(UnitTighten, TheMeanOfTheLinksAtBothEndsCounts) {
             std::lround((1 / std::sqrt(1 + 0.5 / 3) - 1) * kVoxel));
 }
 
+TEST(UnitTighten, TheCheckReachesLinksDiagonallyAcrossBricks) {
+  Body body = body_of(homogeneous({16, 16, 1}, 2, 0.5, 1));
+  body.q[0].resize(body.elements.brick_count());
+  // Only the brick of (8, 8) is stored; the link of (7, 7) lies in the brick across its corner.
+  body.q[0].set(slot_at(body, {8, 8, 0}), kVoxel / 2);
+  Offsets missing;
+  const TightCheck check = check_tight(body, body.q, 1e-3, missing);
+  for (int j = 7; j < 9; ++j) {
+    EXPECT_EQ(missing[1].at(slot_at(body, {7, j, 0})), range_at(body, 1, {7, j, 0}).most) << j;
+    EXPECT_LT(missing[1].at(slot_at(body, {7, j, 0})), 0) << j;
+  }
+  EXPECT_EQ(check.links, excess_by_definition(body).tightened);
+}
+
 TEST(UnitTighten, AFreeBarGetsThinnerAboutItsMiddle) {
   Body body = body_of(homogeneous({17, 6, 5}, 1.6, 0.5, 1));
   stretch_along_i(body, 1.25);
@@ -196,6 +211,24 @@ TEST(UnitTighten, AChainMovesAboutWhatItHoldsOnTo) {
   tighten(body, {side}, held);
   const double thinner = std::round((1 / std::sqrt(1.25) - 1) * kVoxel);
   for (int j = 0; j < 6; ++j) EXPECT_EQ(body.offset({4, j, 0}, 1), thinner * (j - 1)) << j;
+}
+
+TEST(UnitTighten, AChainMovesAboutWhatAPushHandleHolds) {
+  Body body = body_of(homogeneous({9, 6, 1}, 1.6, 0.5, 1));
+  stretch_along_i(body, 1.25);
+  for (const bool is_below : {true, false}) {
+    Holds held;
+    for (int i = 0; i < 9; ++i) {
+      (is_below ? held.at_least : held.at_most)[1].push_back({slot_at(body, {i, 1, 0}), 0});
+    }
+    auto& bounds = (is_below ? held.at_least : held.at_most)[1];
+    std::sort(bounds.begin(), bounds.end(),
+              [](const Bound& a, const Bound& b) { return a.slot < b.slot; });
+    Body tightened = body;
+    tighten(tightened, {}, held);
+    const double thinner = std::round((1 / std::sqrt(1.25) - 1) * kVoxel);
+    for (int j = 0; j < 6; ++j) EXPECT_EQ(tightened.offset({4, j, 0}, 1), thinner * (j - 1)) << j;
+  }
 }
 
 TEST(UnitTighten, WhatLiesBetweenTwoHeldElementsStaysAndIsCounted) {
