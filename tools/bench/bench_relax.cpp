@@ -41,7 +41,8 @@ Body body_of(const RelaxRow& row, const std::string& head) {
   if (row.field == "ct_head") return ct_head_body(head);
   if (row.field == "head_phantom") return head_phantom_body(Vec3i(row.size));
   if (row.field == "ball") return ball_body(row.size);
-  if (row.field == "bar") return bar_body(row.size);
+  if (row.field == "tissue_ball") return tissue_ball_body(row.size);
+  if (row.field == "tissue_bar") return tissue_bar_body(row.size);
   return block_body(row.field, Vec3i(row.size));
 }
 

@@ -102,7 +102,7 @@ DraggedBody pull_end(const Body& rest, Progress& cancel) {
 }
 
 DraggedBody press_or_pull(const RelaxRow& row, const Body& rest, Progress& cancel) {
-  return row.field == "bar" ? pull_end(rest, cancel) : press(rest, cancel);
+  return row.field == "tissue_bar" ? pull_end(rest, cancel) : press(rest, cancel);
 }
 
 BenchRow row_of(const RelaxRow& row, const Body& body) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <thread>
+#include <utility>
 
 #include "tools/bench/row_filter.h"
 
@@ -62,13 +63,16 @@ std::vector<RelaxRow> plan_relax(const RelaxPlanOptions& options) {
     plan.push_back({"press", "ball", 24, RelaxMethod::accelerated, kpa, several, most});
   }
   for (const double kpa : {0.0, 100.0}) {
-    plan.push_back({"pull", "bar", 48, RelaxMethod::accelerated, kpa, several, most});
+    plan.push_back({"press", "tissue_ball", 24, RelaxMethod::accelerated, kpa, several, most});
   }
-  for (const int passes : {0, 100}) {
-    plan.push_back({"tighten", "ball", 24, RelaxMethod::accelerated, 0, several, passes});
+  for (const double kpa : {0.0, 100.0}) {
+    plan.push_back({"pull", "tissue_bar", 48, RelaxMethod::accelerated, kpa, several, most});
   }
-  for (const int passes : {0, 100}) {
-    plan.push_back({"tighten", "bar", 48, RelaxMethod::accelerated, 0, several, passes});
+  for (const auto& [field, size] :
+       {std::pair{"ball", 24}, std::pair{"tissue_ball", 24}, std::pair{"tissue_bar", 48}}) {
+    for (const int passes : {0, 100}) {
+      plan.push_back({"tighten", field, size, RelaxMethod::accelerated, 0, several, passes});
+    }
   }
   for (const char* field : {"noise", "ct"}) add_methods("states", field, quick ? 32 : 64, 100);
   if (options.has_ct_head) add_methods("states", "ct_head", 0, quick ? 2 : 100);

@@ -10,7 +10,7 @@ namespace supple::tools {
 
 struct RelaxRow {
   std::string kind;   // the row's `case`
-  std::string field;  // noise, ct, head_phantom, ct_head, ball or bar
+  std::string field;  // noise, ct, head_phantom, ct_head, ball, tissue_ball or tissue_bar
   int size;           // voxels per axis; 0: the head CT's own
   RelaxMethod method;
   double volume_kpa = 0;  // bulk modulus; 0: volume is not conserved
