@@ -102,9 +102,9 @@ std::optional<RelaxParams> parse_relax(const Options& options) {
   if (options.relax_tolerance) params.tolerance_voxels = *options.relax_tolerance;
   if (options.relax_volume) params.volume_stiffness_kpa = *options.relax_volume;
   if (params.volume_stiffness_kpa > 0 && !conserves_volume(params.method)) {
-    throw UsageError(to_line({"", "--relax-volume",
-                              std::string("--relax-method ") + name_of(params.method),
-                              "red-black or accelerated"}));
+    throw UsageError(
+        to_line({"", "--relax-volume", std::string("--relax-method ") + name_of(params.method),
+                 "red-black or accelerated"}));
   }
   return params;
 }
@@ -128,7 +128,7 @@ void solve(Session& session, const std::vector<GivenHandle>& handles, const Fixe
   }
   request.fix_labels = fixes.labels;
   request.cuts = cuts;
-  request.limits = options.limits == "ball" ? Limits::ball : Limits::box;
+  request.limits = *limits_of_name(options.limits);
   request.relax = parse_relax(options);
   session.step(request, console);
 }
@@ -158,12 +158,18 @@ void print_relaxation(const StepRecord& record) {
   if (report.volumes_after) {
     std::printf("volume          %.4f to %.4f of %lld cells at rest, a cell %.3g to %.3g\n",
                 report.volumes_before->ratio(), report.volumes_after->ratio(),
-                static_cast<long long>(report.volumes_after->cells),
-                report.volumes_after->smallest, report.volumes_after->largest);
+                static_cast<long long>(report.volumes_after->cells), report.volumes_after->smallest,
+                report.volumes_after->largest);
   }
   if (report.yielded_links > 0) {
     std::printf("plastic flow    %lld links\n", static_cast<long long>(report.yielded_links));
   }
+}
+
+void print_tightening(const TightenReport& report) {
+  std::printf("tightened       %lld links, %lld violated by at most %.3g voxels, %d iterations%s\n",
+              static_cast<long long>(report.links), static_cast<long long>(report.violated),
+              report.worst_excess_voxels, report.iterations, report.settled ? ", settled" : "");
 }
 
 void print_text(const Session& session, const Options& options,
@@ -176,6 +182,7 @@ void print_text(const Session& session, const Options& options,
   }
   if (!options.grabs.empty()) print_solve(session.records().back());
   if (options.relax) print_relaxation(session.records().back());
+  if (session.records().back().tightened) print_tightening(*session.records().back().tightened);
   std::printf("folded cells    %lld of material%s, %lld in the air around it\n",
               static_cast<long long>(certificate.folded_cells - certificate.folded_air_cells),
               session.links().fold_free ? " (its limits exclude folds)" : "",
@@ -202,10 +209,10 @@ int run(const Options& options, const GlobalOptions& global, Console& console) {
   const Fixes fixes = parse_fixes(options);
   const std::vector<CutSurface> cuts = parse_cuts(options);
   if (handles.empty() && options.fixes.empty() && options.cuts.empty() && !options.release &&
-      !options.relax) {
+      !options.relax && options.limits != "tighten") {
     throw UsageError(
-        "deform: found neither --grab nor --fix nor --cut nor --release nor --relax, expected "
-        "something to do");
+        "deform: found neither --grab nor --fix nor --cut nor --release nor --relax nor --limits "
+        "tighten, expected something to do");
   }
   parse_relax(options);
   OutputPlan plan(global);
@@ -276,9 +283,10 @@ Command add_deform(CLI::App& program) {
   app->add_flag("--push", options->push,
                 "Handles only push: in every axis they move tissue ahead of them, not back");
   app->add_option("--limits", options->limits,
-                  "box: each component of a link (default); ball: its length, order-dependent")
-      ->check(CLI::IsMember({"box", "ball"}))
-      ->option_text("box|ball");
+                  "box: each component of a link (default); ball: its length, order-dependent; "
+                  "tighten: box, and narrower across stretched links")
+      ->check(CLI::IsMember({"box", "ball", "tighten"}))
+      ->option_text("box|ball|tighten");
   app->add_option("--relax", options->relax,
                   "Then relax the body elastically, by at most so many passes")
       ->check(CLI::Range(1, kMaxPasses))

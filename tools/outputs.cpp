@@ -279,6 +279,20 @@ nlohmann::ordered_json to_json(const RelaxParams& params, const RelaxReport& rep
   return json;
 }
 
+nlohmann::ordered_json to_json(const TightenReport& report) {
+  return {{"iterations", report.iterations},
+          {"settled", report.settled},
+          {"moved", report.moved},
+          {"links", report.links},
+          {"violated", report.violated},
+          {"worst_excess_voxels", report.worst_excess_voxels},
+          {"excess_before_voxels", report.excess_before_voxels},
+          {"excess_voxels", report.excess_voxels},
+          {"projected", report.projected_links},
+          {"projected_max_voxels", report.projected_max_voxels},
+          {"tighten_ms", report.milliseconds}};
+}
+
 nlohmann::ordered_json to_json(const EcmReport& report, std::int64_t cut_links) {
   return {{"limits", "box"},
           {"fraction", report.fraction()},
@@ -300,6 +314,10 @@ nlohmann::ordered_json to_json(const StepRecord& record) {
   nlohmann::ordered_json json = record.ball ? to_json(*record.ball, record.cut_links)
                                             : to_json(record.report, record.cut_links);
   if (record.relax) json["relax"] = to_json(*record.relax, record.relaxed);
+  if (record.tightened) {
+    json["limits"] = "tighten";
+    json["tighten"] = to_json(*record.tightened);
+  }
   return json;
 }
 

@@ -121,10 +121,9 @@ CutSurface read_cut(TomlTable& table) {
 
 Limits read_limits(TomlTable& table) {
   const std::string name = table.string("limits").value_or("box");
-  if (name != "box" && name != "ball") {
-    table.fail("limits", "\"" + name + "\"", "\"box\" or \"ball\"");
-  }
-  return name == "ball" ? Limits::ball : Limits::box;
+  const auto limits = limits_of_name(name);
+  if (!limits) table.fail("limits", "\"" + name + "\"", "\"box\", \"ball\" or \"tighten\"");
+  return *limits;
 }
 
 RelaxParams read_relax(TomlTable& table) {
@@ -192,9 +191,10 @@ SceneStep read_step(TomlTable& table) {
   table.finish();
   if (is_short) step.handles.push_back(read_handle(table));
   if (step.handles.empty() && step.fix.empty() && !step.fix_points && !step.release &&
-      step.fix_labels.empty() && step.cuts.empty() && !step.relax) {
+      step.fix_labels.empty() && step.cuts.empty() && !step.relax &&
+      step.limits != Limits::tighten) {
     table.fail("", "a step that does nothing",
-               "grab, handles, fix, fix_label, fix_points, cut, relax or release");
+               "grab, handles, fix, fix_label, fix_points, cut, relax, release or limits");
   }
   return step;
 }

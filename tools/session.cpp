@@ -84,6 +84,13 @@ void warn_of_report(const BallReport& report, Console& console) {
 
 }  // namespace
 
+std::optional<Limits> limits_of_name(const std::string& name) {
+  if (name == "box") return Limits::box;
+  if (name == "ball") return Limits::ball;
+  if (name == "tighten") return Limits::tighten;
+  return std::nullopt;
+}
+
 Session::Session(const std::string& path, const ReadOptions& read,
                  const std::optional<MaterialTable>& material, const std::string& labels_path,
                  Console& console) {
@@ -192,7 +199,7 @@ void Session::find_anchors() {
 }
 
 const StepRecord& Session::step(const StepRequest& request, Console& console) {
-  StepRecord record{request, 0, {}, {}, {}};
+  StepRecord record{request, 0, {}, {}, {}, {}};
   release_and_fix(request);
   const std::vector<Handle> handles = handles_of(request.drags);
   record.cut_links = apply_cuts(m_body, m_state.labels, request.cuts, console);
@@ -204,12 +211,13 @@ const StepRecord& Session::step(const StepRequest& request, Console& console) {
                 std::to_string(record.report.max_queue) + ", body " +
                 std::to_string(m_body.bytes() >> 20) + " MiB");
   if (request.relax) relax_body(record, console);
+  if (request.limits == Limits::tighten) tighten_body(record, console);
   m_records.push_back(std::move(record));
   return m_records.back();
 }
 
 void Session::solve(const std::vector<Handle>& handles, StepRecord& record, Console& console) {
-  if (record.limits == Limits::box) {
+  if (record.limits != Limits::ball) {
     record.report = m_solver->drag(handles, m_anchors, m_holds, &console);
     warn_of_report(record.report, console);
     return;
@@ -237,6 +245,18 @@ void Session::relax_body(StepRecord& record, Console& console) {
   }
 }
 
+void Session::tighten_body(StepRecord& record, Console& console) {
+  console.stage("tightening");
+  record.tightened = tighten(m_body, m_anchors, m_holds, TightenParams(), &console);
+  const TightenReport& report = *record.tightened;
+  warn_of_projection(report.projected_links, report.projected_max_voxels, console);
+  if (report.violated == 0) return;
+  console.note("tightened limits leave " + with_count(report.violated, "link") + " of " +
+               std::to_string(report.links) + " violated, by at most " +
+               std::to_string(report.worst_excess_voxels) +
+               " voxels; the material's own limits hold");
+}
+
 std::string Session::configuration() const {
   nlohmann::ordered_json steps = nlohmann::ordered_json::array();
   if (!m_state.configuration.empty()) {
@@ -254,6 +274,7 @@ std::string Session::configuration() const {
     if (!record.fix_labels.empty()) step["fix_label"] = record.fix_labels;
     if (record.release) step["release"] = true;
     if (record.ball) step["limits"] = "ball";
+    if (record.tightened) step["limits"] = "tighten";
     for (const CutSurface& surface : record.cuts) step["cut"].push_back(to_json(surface));
     if (!record.cuts.empty()) step["cut_links"] = record.cut_links;
     if (record.relax) step["relax"] = relax_settings(*record.relax);

@@ -9,6 +9,7 @@
 
 #include "lib/chainmail/ball_limits.h"
 #include "lib/chainmail/ecm.h"
+#include "lib/chainmail/tighten.h"
 #include "lib/model/relax_model.h"
 #include "tools/console.h"
 #include "tools/cut_surface.h"
@@ -25,8 +26,11 @@ struct Drag {
   std::int32_t label = 0;  // whose elements are grabbed, as one, instead of the region
 };
 
-/// box: each component of a link is limited on its own (eqs. 4.3-4.5); ball: its length (eq. 4.6).
-enum class Limits { box, ball };
+/// box: each component of a link is limited on its own (eqs. 4.3-4.5); ball: its length (eq. 4.6);
+/// tighten: box, and then tighten(), after the step's relaxation if it has one.
+enum class Limits { box, ball, tighten };
+/// "box", "ball" or "tighten"; none for another name.
+std::optional<Limits> limits_of_name(const std::string& name);
 
 /// What one solve is asked for.
 struct StepRequest {
@@ -45,6 +49,7 @@ struct StepRecord : StepRequest {
   EcmReport report;                // of ball limits: what both have in common
   std::optional<BallReport> ball;  // when the step was solved under ball limits
   RelaxReport relaxed;             // when the step relaxes
+  std::optional<TightenReport> tightened;
 };
 
 class Session {
@@ -61,9 +66,10 @@ class Session {
   /// Links of the material that may fold, NaN voxels and the like have been warned of.
   const LinkCheck& links() const { return m_links; }
 
-  /// Cuts, then solves one step, then relaxes. Cuts are made in the body at rest and stay. Handles stay held and
-  /// boxes and labels fixed until a step releases them. Warns when anchors stopped the drag, when
-  /// the start had to be projected or when ball limits leave links violated.
+  /// Cuts, then solves one step, then relaxes, then tightens. Cuts are made in the body at rest and
+  /// stay. Handles stay held and boxes and labels fixed until a step releases them. Warns when
+  /// anchors stopped the drag, when the start had to be projected or when ball limits leave links
+  /// violated.
   const StepRecord& step(const StepRequest& request, Console& console);
 
   const std::vector<StepRecord>& records() const { return m_records; }
@@ -80,6 +86,7 @@ class Session {
   std::vector<Handle> handles_of(const std::vector<Drag>& drags) const;
   std::string configuration() const;
   void relax_body(StepRecord& record, Console& console);
+  void tighten_body(StepRecord& record, Console& console);
   void solve(const std::vector<Handle>& handles, StepRecord& record, Console& console);
 
   State m_state;

@@ -11,9 +11,10 @@
 // met at all, A <= B, and U_a <= q_a <= L_a makes both q_a where l_a = u_a = q_a.
 #include <algorithm>
 #include <cstdlib>
+#include <utility>
 
 #include "lib/chainmail/ecm.h"
-#include "lib/chainmail/propagate.h"
+#include "lib/chainmail/projection.h"
 
 namespace supple {
 
@@ -30,6 +31,15 @@ void average(BrickValues& above, const BrickValues& below) {
       upper[offset] = std::int32_t(sum >= 0 ? sum / 2 : -((1 - sum) / 2));
     }
   }
+}
+
+/// L and U.
+std::pair<BrickValues, BrickValues> envelopes(const BrickValues& values, int coordinate,
+                                              Propagator& propagator, Progress* progress) {
+  BrickValues above = values, below = values;
+  propagator.close({coordinate, Direction::raise, above, nullptr, progress});
+  propagator.close({coordinate, Direction::lower, below, nullptr, progress});
+  return {std::move(above), std::move(below)};
 }
 
 /// What holds an element from sinking below a value and from rising above one.
@@ -54,10 +64,9 @@ bool meets(const BrickValues& values, const HeldBounds& bounds) {
 }
 
 /// The half-way values, within the bounds where that is possible.
-BrickValues projected(const Body& body, Propagator& propagator, int c, const HeldBounds& bounds) {
-  BrickValues above = body.q[c], below = body.q[c];
-  propagator.close({c, Direction::raise, above});
-  propagator.close({c, Direction::lower, below});
+BrickValues projected_within(const Body& body, Propagator& propagator, int c,
+                             const HeldBounds& bounds) {
+  auto [above, below] = envelopes(body.q[c], c, propagator, nullptr);
   if (!bounds.least.empty() || !bounds.most.empty()) {
     BrickValues lowered = above, raised = below;
     propagator.run({c, Direction::lower, lowered}, bounds.most);
@@ -66,7 +75,7 @@ BrickValues projected(const Body& body, Propagator& propagator, int c, const Hel
     if (meets(lowered, bounds)) return lowered;
   }
   average(above, below);
-  return above;
+  return std::move(above);
 }
 
 std::int64_t largest_move(const BrickValues& before, const BrickValues& after) {
@@ -84,6 +93,13 @@ std::int64_t largest_move(const BrickValues& before, const BrickValues& after) {
 
 }  // namespace
 
+BrickValues projected(const BrickValues& values, int coordinate, Propagator& propagator,
+                      Progress* progress) {
+  auto [above, below] = envelopes(values, coordinate, propagator, progress);
+  average(above, below);
+  return std::move(above);
+}
+
 ProjectionReport project(Body& body, const SlotSet& fixed, const Holds& held) {
   ProjectionReport report;
   report.violated_links = check_links(body).violated;
@@ -95,7 +111,7 @@ ProjectionReport project(Body& body, const SlotSet& fixed, const Holds& held) {
     std::int64_t largest = 0;
     for (int c = 0; c < 3; ++c) {
       if (body.q[c].empty()) continue;
-      valid[c] = projected(body, propagator, c, held_bounds(body, c, still, held));
+      valid[c] = projected_within(body, propagator, c, held_bounds(body, c, still, held));
       largest = std::max(largest, largest_move(body.q[c], valid[c]));
     }
     report.max_move_voxels = double(largest) / kFixedOne;

@@ -149,7 +149,33 @@ TEST_F(UnitScene, AStepUnderBallLimitsSaysSoInReportAndConfiguration) {
   expect_refused(m_head + step + "limits = \"cube\"\n", {"limits", "cube", "ball"});
 }
 
-TEST_F(UnitScene, DeformKnowsBallLimits) {
+TEST_F(UnitScene, AStepUnderTightenedLimitsTightensAfterItsRelaxation) {
+  const std::string step = "[[step]]\ngrab = [8, 8, 8]\nby = [2.0, 0.0, 0.0]\n";
+  const std::string tighten = "limits = \"tighten\"\n";
+  const Outcome outcome = run_scene(
+      m_head + step + tighten + "relax = { passes = 5 }\n" + "[output]\nstate = \"a.vdb\"\n",
+      {"--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto both = nlohmann::json::parse(outcome.out)["steps"][0];
+  EXPECT_EQ(both["limits"], "tighten");
+  EXPECT_EQ(both["fraction"], 1);
+  EXPECT_EQ(both["relax"]["passes"], 5);
+  EXPECT_GT(both["tighten"]["links"], 0);
+  EXPECT_GT(both["tighten"]["iterations"], 0);
+  EXPECT_LT(both["tighten"]["excess_voxels"], both["tighten"]["excess_before_voxels"]);
+  EXPECT_NE(read_text(m_folder / "out/a.vdb").find("\"limits\":\"tighten\""), std::string::npos);
+  // The same in three steps, the last of which does nothing else.
+  const Outcome apart = run_scene(m_head + step + "[[step]]\nrelax = { passes = 5 }\n[[step]]\n" +
+                                      tighten + "[output]\nstate = \"b.vdb\"\n",
+                                  {"--json"});
+  ASSERT_EQ(apart.exit_code, 0) << apart.err;
+  auto alone = nlohmann::json::parse(apart.out)["steps"][2]["tighten"], after = both["tighten"];
+  alone.erase("tighten_ms");
+  after.erase("tighten_ms");
+  EXPECT_EQ(alone, after);
+}
+
+TEST_F(UnitScene, DeformKnowsBallAndTightenedLimits) {
   const std::vector<std::string> deform = {"deform",     m_folder / "ball.nhdr",
                                            "--material", m_folder / "soft.toml",
                                            "--grab",     "8,8,8",
@@ -166,4 +192,8 @@ TEST_F(UnitScene, DeformKnowsBallLimits) {
   EXPECT_EQ(nlohmann::json::parse(ball.out)["limits"], "ball");
   EXPECT_EQ(nlohmann::json::parse(box.out)["limits"], "box");
   EXPECT_EQ(with("cube", "cube.vdb").exit_code, 2);
+  const Outcome tighten = with("tighten", "tighten.vdb");
+  ASSERT_EQ(tighten.exit_code, 0) << tighten.err;
+  EXPECT_EQ(nlohmann::json::parse(tighten.out)["limits"], "tighten");
+  EXPECT_GT(nlohmann::json::parse(tighten.out)["tighten"]["moved"], 0);
 }

@@ -41,6 +41,8 @@ Body body_of(const RelaxRow& row, const std::string& head) {
   if (row.field == "ct_head") return ct_head_body(head);
   if (row.field == "head_phantom") return head_phantom_body(Vec3i(row.size));
   if (row.field == "ball") return ball_body(row.size);
+  if (row.field == "tissue_ball") return tissue_ball_body(row.size);
+  if (row.field == "tissue_bar") return tissue_bar_body(row.size);
   return block_body(row.field, Vec3i(row.size));
 }
 
@@ -49,7 +51,8 @@ std::vector<BenchRow> measure(const std::vector<RelaxRow>& rows, const Body& res
   const std::string& kind = rows[0].kind;
   if (kind == "states") return measure_states(rows, rest, cancel);
   if (kind == "descent") return measure_descent(rows, rest, cancel);
-  if (kind == "press") return measure_press(rows, rest, cancel);
+  if (kind == "press" || kind == "pull") return measure_press(rows, rest, cancel);
+  if (kind == "tighten") return measure_tighten(rows, rest, cancel);
   return measure_passes(rows, rest, quick, cancel);
 }
 

@@ -24,6 +24,8 @@ std::vector<std::string> relax_row_names(const RelaxBenchOptions& options, Conso
 ///   cost    ns per node and pass of every method, one and several threads, in turns;
 ///   volume  the same along all axes, with conservation of volume and without;
 ///   press   what is left of the volume of a ball that plates press, under several bulk moduli;
+///   pull    what becomes of that of a bar which is pulled;
+///   tighten what tightening limits (lib/chainmail/tighten.h) make of both volumes;
 ///   states  random dragged states: limits that the passes broke, and passes after which the energy
 ///           was higher than before;
 ///   descent the energy of every method after a number of passes, and the passes it takes to come

@@ -106,25 +106,49 @@ Body body_at_rest(const Geometry& geometry, BrickTopology elements, const Materi
   return body;
 }
 
-}  // namespace
-
-Body block_body(const std::string& field, const Vec3i& size) {
-  const Geometry geometry(size, {0, 0, 0}, {Vec3d(1, 0, 0), Vec3d(0, 1, 0), Vec3d(0, 0, 1)});
-  return body_at_rest(geometry, block_topology(size, [](const Vec3i&) { return true; }),
-                      example_material(), class_of_field(field, size));
+/// One kind of soft tissue, whose limits exclude folds.
+MaterialTable tissue_material() {
+  return parse_material(
+      "domain = [0, 255]\nmax_length = [[0, 1.5]]\nmin_length = [[0, 0.6]]\nshear = [[0, 0.25]]\n",
+      "bench tissue material");
 }
 
-Body ball_body(int diameter) {
+/// Voxels of 1 mm.
+Geometry geometry_of(const Vec3i& size) {
+  return Geometry(size, {0, 0, 0}, {Vec3d(1, 0, 0), Vec3d(0, 1, 0), Vec3d(0, 0, 1)});
+}
+
+Body ball_of(int diameter, const MaterialTable& material) {
   const Vec3i size(diameter);
-  const MaterialTable material = parse_material(
-      "domain = [0, 255]\nmax_length = [[0, 3]]\nmin_length = [[0, 0.2]]\nshear = [[0, 2]]\n",
-      "bench ball material");
   const BrickTopology ball = block_topology(size, [&](const Vec3i& voxel) {
     const Vec3d from_middle = Vec3d(voxel) - (Vec3d(size) - Vec3d(1)) / 2.0;
     return from_middle.length2() <= diameter * diameter / 4.0;
   });
-  const Geometry geometry(size, {0, 0, 0}, {Vec3d(1, 0, 0), Vec3d(0, 1, 0), Vec3d(0, 0, 1)});
-  return body_at_rest(geometry, ball, material, [](const Vec3i&) { return std::uint8_t(255); });
+  return body_at_rest(geometry_of(size), ball, material,
+                      [](const Vec3i&) { return std::uint8_t(255); });
+}
+
+}  // namespace
+
+Body block_body(const std::string& field, const Vec3i& size) {
+  return body_at_rest(geometry_of(size), block_topology(size, [](const Vec3i&) { return true; }),
+                      example_material(), class_of_field(field, size));
+}
+
+Body ball_body(int diameter) {
+  return ball_of(diameter, parse_material("domain = [0, 255]\nmax_length = [[0, 3]]\n"
+                                          "min_length = [[0, 0.2]]\nshear = [[0, 2]]\n",
+                                          "bench ball material"));
+}
+
+Body tissue_ball_body(int diameter) {
+  return ball_of(diameter, tissue_material());
+}
+
+Body tissue_bar_body(int length) {
+  const Vec3i size(length, length / 3, length / 3);
+  return body_at_rest(geometry_of(size), block_topology(size, [](const Vec3i&) { return true; }),
+                      tissue_material(), [](const Vec3i&) { return std::uint8_t(255); });
 }
 
 Body head_phantom_body(const Vec3i& size) {

@@ -27,6 +27,13 @@ Body head_phantom_body(const Vec3i& size);
 /// three times as long and a fifth as long, and shear by twice their length; 1 kPa.
 Body ball_body(int diameter);
 
+/// The same ball of soft tissue: links get 1.5 times as long and 0.6 times, and shear by a quarter
+/// of their length, which excludes folds; 1 kPa.
+Body tissue_ball_body(int diameter);
+
+/// A bar of that tissue, a third as many voxels along j and k as along i.
+Body tissue_bar_body(int length);
+
 /// A head CT under the material of docs/scenes/ct_head_material.toml.
 Body ct_head_body(const std::string& path);
 

@@ -9,7 +9,8 @@
 #include <oneapi/tbb/global_control.h>
 
 #include "lib/body/lattice.h"
-#include "lib/relax/relaxation.h"
+#include "lib/chainmail/tighten.h"
+#include "lib/model/relax_model.h"
 #include "tools/bench/ecm_motion.h"
 #include "tools/bench/timing.h"
 
@@ -86,13 +87,31 @@ DraggedBody press(const Body& rest, Progress& cancel) {
   return dragged;
 }
 
+/// One end along i stays, the other is pulled away by 20 % of the length.
+DraggedBody pull_end(const Body& rest, Progress& cancel) {
+  DraggedBody dragged{rest, {}, {}};
+  const IndexBox& box = rest.elements.active_bounds();
+  const auto by = std::int32_t(0.2 * (box.hi.x - box.lo.x) * kFixedOne);
+  const Region low(box.lo, {box.lo.x, box.hi.y, box.hi.z});
+  const Region high({box.hi.x, box.lo.y, box.lo.z}, box.hi);
+  drag(dragged.body, {{high, {by, 0, 0}}}, {low}, dragged.holds, &cancel);
+  // What holds the bar needs no region any more.
+  dragged.still = still_elements(dragged.body, {low}, dragged.holds);
+  dragged.holds.still = dragged.still;
+  return dragged;
+}
+
+DraggedBody press_or_pull(const RelaxRow& row, const Body& rest, Progress& cancel) {
+  return row.field == "tissue_bar" ? pull_end(rest, cancel) : press(rest, cancel);
+}
+
 BenchRow row_of(const RelaxRow& row, const Body& body) {
   BenchRow fields;
   fields["case"] = row.kind;
   fields["method"] = name_of(row.method);
-  if (row.kind == "volume" || row.kind == "press") fields["volume_kpa"] = row.volume_kpa;
+  if (row.is_of_volume()) fields["volume_kpa"] = row.volume_kpa;
   fields["field"] = row.field;
-  const Vec3i size = row.size > 0 ? Vec3i(row.size) : body.geometry.dims();
+  const Vec3i size = body.geometry.dims();
   fields["size"] = {size.x, size.y, size.z};
   fields["nodes"] = body.elements.active_count();
   return fields;
@@ -251,7 +270,7 @@ std::vector<BenchRow> measure_press(const std::vector<RelaxRow>& rows, const Bod
                                     Progress& cancel) {
   std::vector<BenchRow> result;
   for (const RelaxRow& row : rows) {
-    DraggedBody start = press(rest, cancel);
+    DraggedBody start = press_or_pull(row, rest, cancel);
     BenchRow fields = row_of(row, rest);
     fields["volume_dragged"] = cell_volumes(start.body).ratio();
     Relaxation relaxation(start.body, start.still, start.holds, params_of(row));
@@ -268,6 +287,45 @@ std::vector<BenchRow> measure_press(const std::vector<RelaxRow>& rows, const Bod
     }
     fields["passes"] = row.count;
     fields["violations"] = check_links(start.body).violated;
+    add_times(fields, times, row.threads);
+    result.push_back(std::move(fields));
+  }
+  return result;
+}
+
+/// The same start, tightened again and again.
+std::vector<BenchRow> measure_tighten(const std::vector<RelaxRow>& rows, const Body& rest,
+                                      Progress& cancel) {
+  std::vector<BenchRow> result;
+  for (const RelaxRow& row : rows) {
+    DraggedBody start = press_or_pull(row, rest, cancel);
+    BenchRow fields = row_of(row, rest);
+    fields["volume_dragged"] = cell_volumes(start.body).ratio();
+    fields["relax_passes"] = row.count;
+    RelaxParams relaxing = params_of(row);
+    relaxing.passes = row.count;
+    if (row.count > 0) relax(start.body, {}, start.holds, relaxing, &cancel);
+    fields["volume_before"] = cell_volumes(start.body).ratio();
+
+    Body body;
+    TightenReport tightened;
+    Times times;
+    for (int n = 0; n < 20; ++n) {
+      body = start.body;
+      times.ms.push_back(
+          time_ms([&] { tightened = tighten(body, {}, start.holds, TightenParams(), &cancel); }));
+    }
+    const CellVolumes volumes = cell_volumes(body);
+    fields["volume_after"] = volumes.ratio();
+    fields["smallest_cell"] = volumes.smallest;
+    fields["largest_cell"] = volumes.largest;
+    fields["iterations"] = tightened.iterations;
+    fields["moved"] = tightened.moved;
+    fields["ns_per_moved"] = times.median() * 1e6 / double(tightened.moved);
+    fields["links"] = tightened.links;
+    fields["violated"] = tightened.violated;
+    fields["worst_excess_voxels"] = tightened.worst_excess_voxels;
+    fields["violations"] = check_links(body).violated;
     add_times(fields, times, row.threads);
     result.push_back(std::move(fields));
   }

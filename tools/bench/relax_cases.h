@@ -18,7 +18,10 @@ std::vector<BenchRow> measure_states(const std::vector<RelaxRow>& rows, const Bo
                                      Progress& cancel);
 std::vector<BenchRow> measure_descent(const std::vector<RelaxRow>& rows, const Body& rest,
                                       Progress& cancel);
+/// press and pull.
 std::vector<BenchRow> measure_press(const std::vector<RelaxRow>& rows, const Body& rest,
                                     Progress& cancel);
+std::vector<BenchRow> measure_tighten(const std::vector<RelaxRow>& rows, const Body& rest,
+                                      Progress& cancel);
 
 }  // namespace supple::tools

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <thread>
+#include <utility>
 
 #include "tools/bench/row_filter.h"
 
@@ -19,8 +20,9 @@ std::string RelaxRow::group() const {
 }
 
 std::string RelaxRow::name() const {
+  if (kind == "tighten") return group() + "/" + std::to_string(count);
   std::string text = group() + "/" + name_of(method);
-  if (kind == "volume" || kind == "press") text += "/" + std::to_string(int(volume_kpa));
+  if (is_of_volume()) text += "/" + std::to_string(int(volume_kpa));
   if (kind == "cost" || kind == "volume") text += "/" + std::to_string(threads);
   return text;
 }
@@ -56,9 +58,21 @@ std::vector<RelaxRow> plan_relax(const RelaxPlanOptions& options) {
       add_on_threads({"volume", "noise", size, RelaxMethod::accelerated, kpa, 1, 4});
     }
   }
+  const int most = quick ? 100 : 1000;
   for (const double kpa : {0.0, 10.0, 100.0, 1000.0}) {
-    plan.push_back(
-        {"press", "ball", 24, RelaxMethod::accelerated, kpa, several, quick ? 100 : 1000});
+    plan.push_back({"press", "ball", 24, RelaxMethod::accelerated, kpa, several, most});
+  }
+  for (const double kpa : {0.0, 100.0}) {
+    plan.push_back({"press", "tissue_ball", 24, RelaxMethod::accelerated, kpa, several, most});
+  }
+  for (const double kpa : {0.0, 100.0}) {
+    plan.push_back({"pull", "tissue_bar", 48, RelaxMethod::accelerated, kpa, several, most});
+  }
+  for (const auto& [field, size] :
+       {std::pair{"ball", 24}, std::pair{"tissue_ball", 24}, std::pair{"tissue_bar", 48}}) {
+    for (const int passes : {0, 100}) {
+      plan.push_back({"tighten", field, size, RelaxMethod::accelerated, 0, several, passes});
+    }
   }
   for (const char* field : {"noise", "ct"}) add_methods("states", field, quick ? 32 : 64, 100);
   if (options.has_ct_head) add_methods("states", "ct_head", 0, quick ? 2 : 100);

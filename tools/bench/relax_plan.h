@@ -10,16 +10,19 @@ namespace supple::tools {
 
 struct RelaxRow {
   std::string kind;   // the row's `case`
-  std::string field;  // noise, ct, head_phantom, ct_head or ball
+  std::string field;  // noise, ct, head_phantom, ct_head, ball, tissue_ball or tissue_bar
   int size;           // voxels per axis; 0: the head CT's own
   RelaxMethod method;
   double volume_kpa = 0;  // bulk modulus; 0: volume is not conserved
   int threads = 1;
-  int count = 0;  // passes timed per round, states, or most passes
+  int count = 0;  // passes timed per round, states, most passes, or passes before tightening
+
+  /// Whether the bulk modulus tells the row from others.
+  bool is_of_volume() const { return kind == "volume" || kind == "press" || kind == "pull"; }
 
   /// Rows of a group share a body and follow each other.
   std::string group() const;
-  /// case/field/size/method[/volume][/threads], which --only matches.
+  /// case/field/size/method[/volume][/threads], or tighten/field/size/passes, which --only matches.
   std::string name() const;
 };
 

@@ -1,0 +1,79 @@
+// Tightening: Enhanced ChainMail under limits that depend on the perpendicular links
+// (tight_limits.h; thesis section 4.2.4, the second suggestion for volume conservation).
+//
+// It follows a drag, or a relaxation, and starts from what that left. The thesis would check
+// perpendicular neighbours while a drag spreads, with limits of every link's own that depend on the
+// history. Then the result would depend on the processing order, as under ball limits, and
+// contradictions would be the rule: tissue that must shorten is joined to bone that must not, which
+// is a cycle of negative slack, so there is no least solution to reach. Here instead every
+// iteration freezes the limits that follow from the present state, and solves in turn, for all
+// three coordinates,
+//   1. the links along the axis, chain by chain: every link that is too long or too short for its
+//      tightened limits gets the nearest length that they allow, the others keep theirs. A chain
+//      moves about what it holds on to: its held element, or the place where as many of its
+//      elements move one way as the other. What lies between two held elements stays.
+//   2. the whole coordinate under the material's limits: floor((L + U) / 2) of project.cpp.
+//   3. what is held: median(L, q, U) with the envelopes of ecm.h.
+// Chains are paths, so 1 never contradicts itself; 2 and 3 are exact. So there is no processing
+// order: the bits are the same for any number of threads. A state counts by the sum over all links
+// of the squares of what they miss of the limits tightened by that same state. Iterations go on
+// while each takes a hundredth of it away; one that does not is undone.
+//
+// Hence what ball limits cannot have: the result is a valid ECM configuration, whatever is left
+// violated; handles, anchors and pushes are as the drag left them; the sum of squares never rises.
+// What is left violated is counted. It is no error: material and holds may leave no room.
+//
+// Volume follows from the lengths along the axes alone: where shear is strong, or two axes are
+// stretched and the third is to make up for both, it is kept in part. A drag alone stretches links
+// to the end of their limits, one after the other; tightened after a relaxation, which shares a
+// stretch out, a body keeps its volume better and cells their shape. docs/models/volume.md has the
+// figures. A later relaxation draws the links back, so tightening comes last.
+//
+// Cost, measured: 0.4 to 2.5 us per element that moves, one to four iterations together; about 30 kB
+// per brick at or beside what moves.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "lib/body/body.h"
+#include "lib/body/region.h"
+#include "lib/chainmail/ecm.h"
+#include "lib/chainmail/tight_limits.h"
+#include "volumes/base/progress.h"
+
+namespace supple {
+
+struct TightenParams {
+  int iterations = 20;  // at most
+  /// Excess over its tightened limits, in rest lengths, beyond which a link counts as violated.
+  double tolerance = 1e-3;
+
+  /// Throws InputError: iterations outside 0 ... 1000, tolerance outside 1e-4 ... 1.
+  void validate() const;
+};
+
+struct TightenReport {
+  std::int64_t projected_links = 0;  // of an invalid start
+  double projected_max_voxels = 0;
+  int iterations = 0;      // that were kept
+  bool settled = false;    // no excess is left, or another iteration would not lower it
+  std::int64_t moved = 0;  // elements whose offset changed
+  /// Links whose limits the result tightens, and those of them that miss these by more than the
+  /// tolerance, in rest lengths of the link.
+  std::int64_t links = 0, violated = 0;
+  double worst_excess_voxels = 0;
+  /// What all links miss together, as the root of the sum of squares, in the start and the result.
+  double excess_before_voxels = 0, excess_voxels = 0;
+  double milliseconds = 0;
+};
+
+/// Tightens the body's present state. Elements of `fixed` and those that `held` holds still do not
+/// move, those of push handles stay at or beyond where they were pushed to. A start that is not
+/// known to be valid (Body::links_known_valid) is checked and projected first, as drag() does.
+/// Throws InputError: params out of range, a region without element. The body is unchanged then,
+/// but for the projection also when `progress` cancels.
+TightenReport tighten(Body& body, const std::vector<Region>& fixed, const Holds& held,
+                      const TightenParams& params = {}, Progress* progress = nullptr);
+
+}  // namespace supple
