@@ -43,6 +43,7 @@ StepRequest on_grid(const SceneStep& step, const Geometry& geometry) {
   request.cuts = step.cuts;
   request.limits = step.limits;
   request.relax = step.relax;
+  request.springs = step.springs;
   return request;
 }
 
@@ -275,7 +276,9 @@ void print_plan(const Scene& scene, const Options& options) {
     std::printf("step %zu  %zu handles, %zu fixed boxes, points and labels, %zu cuts%s%s\n", n + 1,
                 step.handles.size(), step.fix.size() + step.fix_labels.size() + points,
                 step.cuts.size(), step.release ? ", releases" : "",
-                step.relax ? ", relaxes" : "");
+                step.relax     ? ", relaxes"
+                : step.springs ? ", springs"
+                               : "");
   }
   for (const std::string& name : scene.outputs()) {
     std::printf("writes  %s\n", path_in(options.folder, name).c_str());

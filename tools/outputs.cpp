@@ -311,6 +311,14 @@ nlohmann::ordered_json to_json(const EcmReport& report, std::int64_t cut_links) 
 }  // namespace
 
 nlohmann::ordered_json to_json(const StepRecord& record) {
+  if (record.springs) {
+    nlohmann::ordered_json json = {{"model", "springs"},
+                                   {"cut_links", record.cut_links},
+                                   {"settings", settings_json(*record.springs)},
+                                   {"springs", to_json(record.sprung)}};
+    json["forces"] = to_json(record.forces);
+    return json;
+  }
   nlohmann::ordered_json json = record.ball ? to_json(*record.ball, record.cut_links)
                                             : to_json(record.report, record.cut_links);
   if (record.relax) json["relax"] = to_json(*record.relax, record.relaxed);
@@ -318,6 +326,7 @@ nlohmann::ordered_json to_json(const StepRecord& record) {
     json["limits"] = "tighten";
     json["tighten"] = to_json(*record.tightened);
   }
+  json["forces"] = to_json(record.forces);
   return json;
 }
 

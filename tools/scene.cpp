@@ -159,6 +159,25 @@ RelaxParams read_relax(TomlTable& table) {
   return params;
 }
 
+/// The step's model: without a table of springs their defaults.
+std::optional<SpringStep> read_model(TomlTable& table) {
+  const std::string name = table.string("model").value_or("ecm");
+  if (name != "ecm" && name != "springs") {
+    table.fail("model", "\"" + name + "\"", "\"ecm\" or \"springs\"");
+  }
+  auto springs = table.table("springs");
+  if (name == "ecm") {
+    if (springs) table.fail("springs", "springs without their model", "model = \"springs\"");
+    return std::nullopt;
+  }
+  for (const char* key : {"relax", "limits"}) {
+    if (table.has(key)) {
+      table.fail(key, std::string(key) + " beside springs", "a step of its own for it");
+    }
+  }
+  return springs ? read_spring_step(*springs) : SpringStep();
+}
+
 SceneStep read_step(TomlTable& table) {
   SceneStep step;
   step.place = table.place();
@@ -185,13 +204,14 @@ SceneStep read_step(TomlTable& table) {
     }
   }
   step.release = table.boolean("release").value_or(false);
+  step.springs = read_model(table);
   step.limits = read_limits(table);
   for (TomlTable& cut : table.tables("cut")) step.cuts.push_back(read_cut(cut));
   if (auto relax = table.table("relax")) step.relax = read_relax(*relax);
   table.finish();
   if (is_short) step.handles.push_back(read_handle(table));
   if (step.handles.empty() && step.fix.empty() && !step.fix_points && !step.release &&
-      step.fix_labels.empty() && step.cuts.empty() && !step.relax &&
+      step.fix_labels.empty() && step.cuts.empty() && !step.relax && !step.springs &&
       step.limits != Limits::tighten) {
     table.fail("", "a step that does nothing",
                "grab, handles, fix, fix_label, fix_points, cut, relax, release or limits");

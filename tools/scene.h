@@ -25,6 +25,7 @@ struct SceneStep {
   bool release = false;  // lets go of everything that earlier steps held
   std::vector<CutSurface> cuts;
   std::optional<RelaxParams> relax;
+  std::optional<SpringStep> springs;  // when model = "springs"
 };
 
 struct SceneOutput {

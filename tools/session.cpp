@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "lib/model/quasi_static.h"
 #include "tools/material_file.h"
 #include "tools/parse.h"
 #include "tools/read_options.h"
@@ -21,14 +22,20 @@ std::string percent(double part) {
   return text;
 }
 
-void warn_of_projection(std::int64_t links, double max_voxels, Console& console) {
+void warn_of_projection(std::int64_t links, double max_voxels, std::int64_t held,
+                        Console& console) {
   if (links == 0) return;
+  if (held > 0) {
+    console.warn(with_count(held, "held element") +
+                 " had to move: links do not reach from one to the other");
+  }
   console.warn("the start broke " + with_count(links, "link") +
                "; it was projected, largest move " + std::to_string(max_voxels) + " voxels");
 }
 
 void warn_of_report(const EcmReport& report, Console& console) {
-  warn_of_projection(report.projected_links, report.projected_max_voxels, console);
+  warn_of_projection(report.projected_links, report.projected_max_voxels, report.projected_held,
+                     console);
   if (report.fraction_numerator != report.fraction_denominator) {
     console.warn("anchors stopped the drag at " + percent(report.fraction()) + " (" +
                  std::to_string(report.fraction_numerator) + "/" +
@@ -117,8 +124,8 @@ Session::Session(const std::string& path, const ReadOptions& read,
   m_state.material_toml = material_to_toml(m_material);
   m_links = check_links(m_body);
   m_body.links_known_valid = m_links.violated == 0;
-  m_solver = std::make_unique<EcmSolver>(m_body);
   find_anchors();
+  m_ecm = std::make_unique<EcmModel>(held());
   if (!m_links.fold_free) {
     console.note("the material does not rule out folds (min_length > 2 shear fails on some link)");
   }
@@ -170,6 +177,7 @@ void Session::release_and_fix(const StepRequest& request) {
     m_state.anchors.clear();
     m_state.anchor_labels.clear();
     m_holds = {};
+    m_grips.release();
   }
   const auto add = [](auto& list, const auto& item) {
     if (std::find(list.begin(), list.end(), item) == list.end()) list.push_back(item);
@@ -199,26 +207,44 @@ void Session::find_anchors() {
 }
 
 const StepRecord& Session::step(const StepRequest& request, Console& console) {
-  StepRecord record{request, 0, {}, {}, {}, {}};
+  StepRecord record;
+  static_cast<StepRequest&>(record) = request;
   release_and_fix(request);
   const std::vector<Handle> handles = handles_of(request.drags);
   record.cut_links = apply_cuts(m_body, m_state.labels, request.cuts, console);
   m_links.fold_free = m_links.fold_free && m_body.cuts.empty();
+  Grips grips = m_grips;
+  grips.add(int(m_records.size()) + 1, handles);
+  if (request.springs) {
+    record.sprung = move_by_springs(*request.springs, held(), handles, grips.handles(), console);
+    record.forces = grips.forces(record.sprung.reactions);
+    m_links.fold_free = m_links.fold_free && record.sprung.links.violated == 0;
+  } else {
+    move_quasi_statically(handles, record, console);
+    const double pressure_kpa = request.relax ? request.relax->volume_stiffness_kpa : 0;
+    record.forces = grips.forces(quasi_static_reactions(held(), grips.handles(), pressure_kpa));
+  }
+  m_grips = std::move(grips);
+  m_records.push_back(std::move(record));
+  return m_records.back();
+}
+
+void Session::move_quasi_statically(const std::vector<Handle>& handles, StepRecord& record,
+                                    Console& console) {
   console.stage("solving");
   solve(handles, record, console);
   console.debug(std::string("solve: ") + (record.ball ? "ball" : name_of(record.report.engine)) +
                 " engine, " + std::to_string(record.report.visited) + " visits, longest queue " +
                 std::to_string(record.report.max_queue) + ", body " +
                 std::to_string(m_body.bytes() >> 20) + " MiB");
-  if (request.relax) relax_body(record, console);
-  if (request.limits == Limits::tighten) tighten_body(record, console);
-  m_records.push_back(std::move(record));
-  return m_records.back();
+  if (record.relax) relax_body(record, console);
+  if (record.limits == Limits::tighten) tighten_body(record, console);
 }
 
 void Session::solve(const std::vector<Handle>& handles, StepRecord& record, Console& console) {
   if (record.limits != Limits::ball) {
-    record.report = m_solver->drag(handles, m_anchors, m_holds, &console);
+    m_ecm->move(handles, 1, &console);
+    record.report = m_ecm->report();
     warn_of_report(record.report, console);
     return;
   }
@@ -233,9 +259,12 @@ void Session::solve(const std::vector<Handle>& handles, StepRecord& record, Cons
 
 void Session::relax_body(StepRecord& record, Console& console) {
   console.stage("relaxing");
-  record.relaxed = relax(m_body, m_anchors, m_holds, *record.relax, &console);
+  RelaxModel model(held(), *record.relax);
+  run_model(model, record.relax->passes, &console);
+  record.relaxed = model.report();
   const RelaxReport& report = record.relaxed;
-  warn_of_projection(report.projected_links, report.projected_max_voxels, console);
+  warn_of_projection(report.projected_links, report.projected_max_voxels, report.projected_held,
+                     console);
   const LinkCheck check =
       record.relax->method == RelaxMethod::plain ? check_links(m_body) : LinkCheck();
   if (check.violated > 0) {
@@ -249,7 +278,8 @@ void Session::tighten_body(StepRecord& record, Console& console) {
   console.stage("tightening");
   record.tightened = tighten(m_body, m_anchors, m_holds, TightenParams(), &console);
   const TightenReport& report = *record.tightened;
-  warn_of_projection(report.projected_links, report.projected_max_voxels, console);
+  warn_of_projection(report.projected_links, report.projected_max_voxels, report.projected_held,
+                     console);
   if (report.violated == 0) return;
   console.note("tightened limits leave " + with_count(report.violated, "link") + " of " +
                std::to_string(report.links) + " violated, by at most " +
@@ -278,13 +308,13 @@ std::string Session::configuration() const {
     for (const CutSurface& surface : record.cuts) step["cut"].push_back(to_json(surface));
     if (!record.cuts.empty()) step["cut_links"] = record.cut_links;
     if (record.relax) step["relax"] = relax_settings(*record.relax);
+    if (record.springs) step["springs"] = settings_json(*record.springs);
     step["fraction"] = std::to_string(record.report.fraction_numerator) + "/" +
                        std::to_string(record.report.fraction_denominator);
     steps.push_back(step);
   }
   nlohmann::ordered_json json;
   json["program"] = std::string("supple ") + kVersion;
-  json["model"] = "ecm";
   json["steps"] = steps;
   return json.dump();
 }
@@ -294,6 +324,7 @@ State Session::state() const {
   state.q = m_body.q;
   state.cuts = m_body.cuts;
   state.rest = m_body.rest;
+  state.velocity_mm_s = m_body.velocity_mm_s;
   state.configuration = configuration();
   return state;
 }

@@ -8,11 +8,13 @@
 #include <vector>
 
 #include "lib/chainmail/ball_limits.h"
-#include "lib/chainmail/ecm.h"
 #include "lib/chainmail/tighten.h"
+#include "lib/model/ecm_model.h"
 #include "lib/model/relax_model.h"
 #include "tools/console.h"
 #include "tools/cut_surface.h"
+#include "tools/grips.h"
+#include "tools/spring_step.h"
 #include "volumes/io/volume_file.h"
 #include "volumes/state/state.h"
 
@@ -40,7 +42,8 @@ struct StepRequest {
   bool release = false;
   std::vector<CutSurface> cuts;
   Limits limits = Limits::box;
-  std::optional<RelaxParams> relax;  // after the drag
+  std::optional<RelaxParams> relax;   // after the drag
+  std::optional<SpringStep> springs;  // instead of both
 };
 
 /// And what came of it.
@@ -49,6 +52,8 @@ struct StepRecord : StepRequest {
   EcmReport report;                // of ball limits: what both have in common
   std::optional<BallReport> ball;  // when the step was solved under ball limits
   RelaxReport relaxed;             // when the step relaxes
+  SpringRecord sprung;             // when springs move it
+  std::vector<GripForce> forces;   // of all handles that are held, at its end
   std::optional<TightenReport> tightened;
 };
 
@@ -66,10 +71,10 @@ class Session {
   /// Links of the material that may fold, NaN voxels and the like have been warned of.
   const LinkCheck& links() const { return m_links; }
 
-  /// Cuts, then solves one step, then relaxes, then tightens. Cuts are made in the body at rest and
-  /// stay. Handles stay held and boxes and labels fixed until a step releases them. Warns when
-  /// anchors stopped the drag, when the start had to be projected or when ball limits leave links
-  /// violated.
+  /// Cuts, then solves one step, then relaxes, then tightens; or lets springs move the body. Cuts
+  /// are made in the body at rest and stay. Handles stay held and boxes and labels fixed until a
+  /// step releases them. Warns when anchors stopped the drag, when the start had to be projected or
+  /// when ball limits leave links violated.
   const StepRecord& step(const StepRequest& request, Console& console);
 
   const std::vector<StepRecord>& records() const { return m_records; }
@@ -88,14 +93,18 @@ class Session {
   void relax_body(StepRecord& record, Console& console);
   void tighten_body(StepRecord& record, Console& console);
   void solve(const std::vector<Handle>& handles, StepRecord& record, Console& console);
+  void move_quasi_statically(const std::vector<Handle>& handles, StepRecord& record,
+                             Console& console);
+  HeldBody held() { return {m_body, m_anchors, m_holds}; }
 
   State m_state;
   MaterialTable m_material;
   Body m_body;
-  std::unique_ptr<EcmSolver> m_solver;  // of m_body
+  std::unique_ptr<EcmModel> m_ecm;  // of m_body
   LinkCheck m_links;
   std::vector<Region> m_anchors;  // the boxes and labels that the state has fixed
   Holds m_holds;                  // what earlier steps dragged
+  Grips m_grips;                  // the handles that did
   std::vector<StepRecord> m_records;
 };
 

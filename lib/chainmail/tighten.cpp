@@ -221,6 +221,7 @@ TightenReport tighten(Body& body, const std::vector<Region>& fixed, const Holds&
     const ProjectionReport projection = project(body, still, held);
     result.projected_links = projection.violated_links;
     result.projected_max_voxels = projection.max_move_voxels;
+    result.projected_held = projection.held_moved;
   }
 
   Tightening tightening(body, still, held, params, progress);

@@ -56,6 +56,7 @@ struct TightenParams {
 struct TightenReport {
   std::int64_t projected_links = 0;  // of an invalid start
   double projected_max_voxels = 0;
+  std::int64_t projected_held = 0;  // elements that are held but that it had to move
   int iterations = 0;      // that were kept
   bool settled = false;    // no excess is left, or another iteration would not lower it
   std::int64_t moved = 0;  // elements whose offset changed

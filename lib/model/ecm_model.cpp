@@ -1,6 +1,6 @@
 #include "lib/model/ecm_model.h"
 
-#include "lib/model/handle_elements.h"
+#include "lib/model/quasi_static.h"
 #include "lib/relax/relaxation.h"
 
 namespace supple {
@@ -9,7 +9,6 @@ EcmModel::EcmModel(const HeldBody& held) : m_held(held), m_solver(held.body) {}
 
 void EcmModel::move(const std::vector<Handle>& handles, int, Progress* progress) {
   m_report = m_solver.drag(handles, m_held.anchors, m_held.holds, progress);
-  m_handles = elements_of_handles(m_held.body, handles);
 }
 
 ModelEnergy EcmModel::energy() {
@@ -19,8 +18,8 @@ ModelEnergy EcmModel::energy() {
   return {springs.energy() * kJoulePerMicrojoule, 0, 0};
 }
 
-std::vector<Reaction> EcmModel::reactions() {
-  return reactions_of(m_held, m_handles);
+std::vector<Reaction> EcmModel::reactions(const std::vector<Handle>& handles) {
+  return quasi_static_reactions(m_held, handles, 0);
 }
 
 }  // namespace supple

@@ -17,7 +17,7 @@ class EcmModel final : public Model<Handle> {
   bool step() override { return false; }
   /// That of the springs that relaxation would find.
   ModelEnergy energy() override;
-  std::vector<Reaction> reactions() override;
+  std::vector<Reaction> reactions(const std::vector<Handle>& handles) override;
   void store() override {}
 
   /// Of the last move.
@@ -28,7 +28,6 @@ class EcmModel final : public Model<Handle> {
   HeldBody m_held;
   EcmSolver m_solver;
   EcmReport m_report;
-  std::vector<SlotSet> m_handles;  // of the last move
 };
 
 }  // namespace supple

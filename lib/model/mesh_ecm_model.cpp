@@ -22,7 +22,6 @@ void MeshEcmModel::move(const std::vector<MeshHandle>& handles, int, Progress* p
   std::vector<NodeSet> anchors = m_held.anchors;
   if (!still.empty()) anchors.push_back(still);
   m_report = m_ecm.drag(handles, anchors, progress);
-  m_handle_count = handles.size();
   m_held.still = std::move(still);
   for (const MeshHandle& handle : handles) {
     if (handle.kind == HandleKind::push) continue;

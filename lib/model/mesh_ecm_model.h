@@ -16,9 +16,11 @@ class MeshEcmModel final : public Model<MeshHandle> {
   const char* name() const override { return "ecm"; }
   void move(const std::vector<MeshHandle>& handles, int steps, Progress* progress) override;
   bool step() override { return false; }
-  /// It knows limits only.
+  /// It knows limits only: no energy and no forces.
   ModelEnergy energy() override { return {}; }
-  std::vector<Reaction> reactions() override { return std::vector<Reaction>(m_handle_count); }
+  std::vector<Reaction> reactions(const std::vector<MeshHandle>& handles) override {
+    return std::vector<Reaction>(handles.size());
+  }
   void store() override {}
 
   /// Of the last move.
@@ -28,7 +30,6 @@ class MeshEcmModel final : public Model<MeshHandle> {
   HeldMesh m_held;
   MeshEcm m_ecm;
   MeshEcmReport m_report;
-  std::size_t m_handle_count = 0;  // of the last move
 };
 
 }  // namespace supple

@@ -50,8 +50,9 @@ class Model {
   virtual bool step() = 0;
   /// Of the body as it is now.
   virtual ModelEnergy energy() = 0;
-  /// Of the handles of the last move(), in their order, at the end of the last step.
-  virtual std::vector<Reaction> reactions() = 0;
+  /// The forces at these handles, now or in the last step of time, in their order; wherever they
+  /// are to go. Throws InputError for one without nodes.
+  virtual std::vector<Reaction> reactions(const std::vector<Handle>& handles) = 0;
   /// Hands the node state to the body. What this model keeps beside it stays: it may go on.
   virtual void store() = 0;
 };

@@ -1,6 +1,6 @@
 #include "lib/model/relax_model.h"
 
-#include "lib/model/handle_elements.h"
+#include "lib/model/quasi_static.h"
 #include "lib/relax/plastic_flow.h"
 
 namespace supple {
@@ -31,7 +31,6 @@ void RelaxModel::move(const std::vector<Handle>& handles, int, Progress* progres
   store();
   EcmSolver(m_held.body).drag(handles, m_held.anchors, m_held.holds, progress);
   m_still = still_elements(m_held.body, m_held.anchors, m_held.holds);
-  m_handles = elements_of_handles(m_held.body, handles);
   begin();
 }
 
@@ -47,9 +46,9 @@ ModelEnergy RelaxModel::energy() {
   return {m_relaxation->energy() * kJoulePerMicrojoule, 0, 0};
 }
 
-std::vector<Reaction> RelaxModel::reactions() {
+std::vector<Reaction> RelaxModel::reactions(const std::vector<Handle>& handles) {
   m_relaxation->store();
-  return reactions_of(m_held, m_handles, m_params.volume_stiffness_kpa);
+  return quasi_static_reactions(m_held, handles, m_params.volume_stiffness_kpa);
 }
 
 void RelaxModel::store() {

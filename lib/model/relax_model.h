@@ -37,7 +37,7 @@ class RelaxModel final : public Model<Handle> {
   /// False by params.tolerance_voxels, or when no element can move any more.
   bool step() override;
   ModelEnergy energy() override;
-  std::vector<Reaction> reactions() override;
+  std::vector<Reaction> reactions(const std::vector<Handle>& handles) override;
   /// Ends with plastic flow, where links have yielded.
   void store() override;
 
@@ -53,7 +53,6 @@ class RelaxModel final : public Model<Handle> {
   std::unique_ptr<Relaxation> m_relaxation;
   RelaxReport m_report;
   std::chrono::steady_clock::time_point m_begin;
-  std::vector<SlotSet> m_handles;  // of the last move
 };
 
 /// Up to params.passes passes of a body whose elements in `fixed` and `held.still` stay, and those

@@ -61,6 +61,14 @@ void VoxelSpringModel::move(const std::vector<Handle>& handles, int steps, Progr
   m_held.holds = std::move(holds);
 }
 
+std::vector<Reaction> VoxelSpringModel::reactions(const std::vector<Handle>& handles) {
+  std::vector<std::vector<int>> sets;
+  for (const Handle& handle : handles) {
+    sets.push_back(nodes_of(elements_of(m_held.body, handle.region, "grab")));
+  }
+  return m_motion.reactions(sets);
+}
+
 MeshSpringModel::MeshSpringModel(const HeldMesh& held, const MeshSpringParams& springs,
                                  const MotionParams& params)
     : m_held(held), m_system(make_springs(held.body, springs)), m_motion(m_system, params) {
@@ -89,6 +97,15 @@ void MeshSpringModel::move(const std::vector<MeshHandle>& handles, int steps, Pr
   m_held.still.insert(m_held.still.end(), grabbed.begin(), grabbed.end());
   std::sort(m_held.still.begin(), m_held.still.end());
   m_held.still.erase(std::unique(m_held.still.begin(), m_held.still.end()), m_held.still.end());
+}
+
+std::vector<Reaction> MeshSpringModel::reactions(const std::vector<MeshHandle>& handles) {
+  std::vector<std::vector<int>> sets;
+  for (std::size_t h = 0; h < handles.size(); ++h) {
+    NodeOwners owners(m_system.node_count());
+    sets.push_back(indices(owners.claim(handles[h].nodes, "handle " + std::to_string(h), false)));
+  }
+  return m_motion.reactions(sets);
 }
 
 }  // namespace supple

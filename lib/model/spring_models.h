@@ -27,7 +27,7 @@ class VoxelSpringModel final : public Model<Handle> {
   void move(const std::vector<Handle>& handles, int steps, Progress* progress) override;
   bool step() override { return m_motion.step(); }
   ModelEnergy energy() override { return m_motion.energy(); }
-  std::vector<Reaction> reactions() override { return m_motion.reactions(); }
+  std::vector<Reaction> reactions(const std::vector<Handle>& handles) override;
   void store() override { give_state(m_springs, m_held.body); }
 
   const SpringMotion& motion() const { return m_motion; }
@@ -53,7 +53,7 @@ class MeshSpringModel final : public Model<MeshHandle> {
   void move(const std::vector<MeshHandle>& handles, int steps, Progress* progress) override;
   bool step() override { return m_motion.step(); }
   ModelEnergy energy() override { return m_motion.energy(); }
-  std::vector<Reaction> reactions() override { return m_motion.reactions(); }
+  std::vector<Reaction> reactions(const std::vector<MeshHandle>& handles) override;
   void store() override { give_state(m_system, m_held.body); }
 
   const SpringMotion& motion() const { return m_motion; }

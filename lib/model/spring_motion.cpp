@@ -93,19 +93,22 @@ ModelEnergy SpringMotion::energy() const {
   return {found.spring_j, found.kinetic_j, found.gravity_j};
 }
 
-std::vector<Reaction> SpringMotion::reactions() const {
+std::vector<Reaction> SpringMotion::reactions(const std::vector<std::vector<int>>& sets) const {
   std::vector<Vec3d> on_node(m_system.node_count(), Vec3d(0.0));
   if (m_integrator) {
     for (std::size_t n = 0; n < m_system.held.size(); ++n) {
       on_node[std::size_t(m_system.held[n].node)] = m_integrator->reactions_n()[n];
     }
   } else {
-    forces_mn(m_system, on_node, Damping::without);
-    for (Vec3d& force : on_node) force = force * kNewtonPerMillinewton;
+    std::vector<Vec3d> force_mn;
+    forces_mn(m_system, force_mn, Damping::without);
+    for (const HeldNode& held : m_system.held) {
+      on_node[std::size_t(held.node)] = force_mn[std::size_t(held.node)] * kNewtonPerMillinewton;
+    }
   }
-  std::vector<Reaction> sums(m_handles.size());
-  for (std::size_t h = 0; h < m_handles.size(); ++h) {
-    for (const int node : m_handles[h].nodes) sums[h].force_n += on_node[std::size_t(node)];
+  std::vector<Reaction> sums(sets.size());
+  for (std::size_t s = 0; s < sets.size(); ++s) {
+    for (const int node : sets[s]) sums[s].force_n += on_node[std::size_t(node)];
   }
   return sums;
 }

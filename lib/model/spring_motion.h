@@ -42,7 +42,8 @@ class SpringMotion {
   /// False when a minimum is reached.
   bool step();
   ModelEnergy energy() const;
-  std::vector<Reaction> reactions() const;
+  /// Sums over the nodes of each set; those that are not held count 0.
+  std::vector<Reaction> reactions(const std::vector<std::vector<int>>& sets) const;
   /// Largest force that is left on a free node; of a minimisation.
   double residual_mn() const { return m_minimiser ? m_minimiser->residual_mn() : 0; }
   const SpringStepReport& report() const { return m_report; }

@@ -225,7 +225,8 @@ TEST(PropertyModels, SpringsMoveHandlesEvenlyAndHoldThemAfterwards) {
   Scene scene({6, 4, 3});
   VoxelSpringModel model(scene.held(), material_springs(scene.body),
                          motion(SpringMethod::implicit, 1e-2));
-  model.move({{{5, 2, 1}, {2 * kVoxel, -kVoxel, 33}}}, 8, nullptr);
+  const std::vector<Handle> handles = {{{5, 2, 1}, {2 * kVoxel, -kVoxel, 33}}};
+  model.move(handles, 8, nullptr);
   for (int n = 1; n <= 10; ++n) {
     model.step();
     model.store();
@@ -236,9 +237,9 @@ TEST(PropertyModels, SpringsMoveHandlesEvenlyAndHoldThemAfterwards) {
   EXPECT_EQ(scene.body.offset({5, 2, 1}, 2), 33);
   // The body follows, and pulls back against the drag.
   EXPECT_GT(scene.body.offset({3, 2, 1}, 0), kVoxel / 10);
-  ASSERT_EQ(model.reactions().size(), 1u);
-  EXPECT_LT(model.reactions()[0].force_n.x, 0);
-  EXPECT_GT(model.reactions()[0].force_n.y, 0);
+  ASSERT_EQ(model.reactions(handles).size(), 1u);
+  EXPECT_LT(model.reactions(handles)[0].force_n.x, 0);
+  EXPECT_GT(model.reactions(handles)[0].force_n.y, 0);
   // What was grabbed is held by the next model, too.
   RelaxModel relaxed(scene.held(), relaxation(RelaxMethod::accelerated));
   run_model(relaxed, 20);
@@ -249,15 +250,15 @@ TEST(PropertyModels, ThePullOnAHandleIsThatOfTheSpringsInARow) {
   // 40 links of 10 kPa * 1 mm in a row, pulled by 4 mm: 1 N/m.
   Scene scene({41, 1, 1});
   RelaxModel relaxed(scene.held(), relaxation(RelaxMethod::accelerated));
-  relaxed.move({{{40, 0, 0}, {4 * kVoxel, 0, 0}}}, 1, nullptr);
+  const std::vector<Handle> end = {{{40, 0, 0}, {4 * kVoxel, 0, 0}}};
+  relaxed.move(end, 1, nullptr);
   run_model(relaxed, 2000);
-  ASSERT_EQ(relaxed.reactions().size(), 1u);
-  EXPECT_NEAR(relaxed.reactions()[0].force_n.x, -10.0 / 40 * 4 * 1e-3, 2e-7);
+  ASSERT_EQ(relaxed.reactions(end).size(), 1u);
+  EXPECT_NEAR(relaxed.reactions(end)[0].force_n.x, -10.0 / 40 * 4 * 1e-3, 2e-7);
   // The springs of the lattice have 2/5 of that: k = 2/5 E h.
   VoxelSpringModel springs(scene.held(), material_springs(scene.body), minimum());
-  springs.move({{{40, 0, 0}, {0, 0, 0}}}, 1, nullptr);
   run_model(springs, 500);
-  EXPECT_NEAR(springs.reactions()[0].force_n.x, -0.4 * 10.0 / 40 * 4 * 1e-3, 1e-8);
+  EXPECT_NEAR(springs.reactions(end)[0].force_n.x, -0.4 * 10.0 / 40 * 4 * 1e-3, 1e-8);
 }
 
 TEST(PropertyModels, InterruptedModelsHaveStoredWhatTheyDid) {
@@ -335,11 +336,12 @@ TEST(PropertyModels, AMeshBodyGoesFromEcmToSpringsAndBack) {
   EXPECT_NE(body.pos_mm, dragged);
   EXPECT_EQ(body.pos_mm[112], grabbed);
   EXPECT_FALSE(body.velocity_mm_s.empty());
-  springs.move({{{50}, {0, 0, 1}}, {{112}, {0, 0, 1}}}, 4, nullptr);
+  const std::vector<MeshHandle> handles = {{{50}, {0, 0, 1}}, {{112}, {0, 0, 1}}};
+  springs.move(handles, 4, nullptr);
   const Vec3d start = body.pos_mm[50];
   run_model(springs, 4);
   EXPECT_NEAR((body.pos_mm[50] - start - Vec3d(0, 0, 1)).length(), 0, 1e-12);
-  EXPECT_LT(springs.reactions()[1].force_n.z, 0);
+  EXPECT_LT(springs.reactions(handles)[1].force_n.z, 0);
   EXPECT_EQ(still, (NodeSet{50, 112}));
   {
     MeshEcmModel ecm(held, limits);

@@ -1,0 +1,45 @@
+// The handles that steps so far hold, and what they feel: what a haptic device would.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "lib/chainmail/ecm.h"
+#include "lib/relax/reaction.h"
+
+namespace supple::tools {
+
+/// A handle that is held, and the force with which the body pulls at its holder.
+struct GripForce {
+  int step, handle;  // that grabbed it, from 1
+  std::string name;  // of its region
+  Reaction reaction;
+};
+
+class Grips {
+ public:
+  /// The handles of a step are held from now on. One that grabs the region of an earlier one takes
+  /// its place.
+  void add(int step, const std::vector<Handle>& handles);
+  void release() { m_grips.clear(); }
+
+  bool empty() const { return m_grips.empty(); }
+  std::vector<Handle> handles() const;
+  /// `reactions` are those of handles().
+  std::vector<GripForce> forces(const std::vector<Reaction>& reactions) const;
+
+ private:
+  struct Grip {
+    int step, number;
+    Handle handle;
+  };
+  std::vector<Grip> m_grips;
+};
+
+nlohmann::ordered_json to_json(const std::vector<GripForce>& forces);
+/// One line per handle on stdout.
+void print(const std::vector<GripForce>& forces);
+
+}  // namespace supple::tools

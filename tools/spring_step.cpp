@@ -1,0 +1,175 @@
+#include "tools/spring_step.h"
+
+#include <chrono>
+#include <cmath>
+
+namespace supple::tools {
+
+namespace {
+
+/// Steps beyond this are taken for a mistake.
+constexpr double kMostSteps = 1e6;
+
+std::optional<double> positive(TomlTable& table, const char* key, const char* unit) {
+  const auto value = table.number(key);
+  if (value && !(*value > 0 && std::isfinite(*value))) {
+    table.fail(key, number_text(*value), std::string("a positive number of ") + unit);
+  }
+  return value;
+}
+
+std::optional<double> not_negative(TomlTable& table, const char* key, const char* unit) {
+  const auto value = table.number(key);
+  if (value && !(*value >= 0 && std::isfinite(*value))) {
+    table.fail(key, number_text(*value), std::string("0 or more ") + unit);
+  }
+  return value;
+}
+
+LatticeSpringParams springs_of(const SpringStep& step, const Body& body) {
+  LatticeSpringParams params = material_springs(body);
+  params.mass_damping_per_s = step.mass_damping_per_s;
+  if (!step.structural_n_m && !step.shear_n_m && !step.bending_n_m) return params;
+  // The same for all tissue; damping stays the material's.
+  params.class_stiffness.clear();
+  params.structural_n_m = step.structural_n_m.value_or(0);
+  params.shear_n_m = step.shear_n_m.value_or(0);
+  params.bending_n_m = step.bending_n_m.value_or(0);
+  return params;
+}
+
+nlohmann::ordered_json to_json(const ModelEnergy& energy) {
+  return {{"elastic", energy.elastic_j},
+          {"kinetic", energy.kinetic_j},
+          {"gravity", energy.gravity_j},
+          {"total", energy.total_j()}};
+}
+
+void warn_of_result(const SpringStep& step, const SpringRecord& record, Console& console) {
+  if (!step.is_motion() && record.residual_mn > step.motion.tolerance_mn) {
+    console.warn("springs: no rest after " + with_count(record.steps, "step") + ", a force of " +
+                 number_text(record.residual_mn) + " mN is left");
+  }
+  if (record.links.violated == 0) return;
+  console.warn("springs left " + with_count(record.links.violated, "link") + " of " +
+               std::to_string(record.links.links) + " beyond the material's limits, by at most " +
+               number_text(record.links.worst_excess_voxels) +
+               " voxels; a later drag or relaxation projects them");
+}
+
+}  // namespace
+
+int SpringStep::motion_steps() const {
+  return std::max(1, int(std::ceil(time_s / motion.step_s * (1 - 1e-12))));
+}
+
+SpringStep read_spring_step(TomlTable& table) {
+  SpringStep step;
+  table.know({"minimise", "time", "step", "integrator", "gravity", "tolerance", "steps",
+              "structural", "shear", "bending", "mass_damping"});
+  const bool to_rest = table.boolean("minimise").value_or(false);
+  if (to_rest) step.motion.goal = MotionParams::Goal::minimum;
+  // A key of the other goal would be without effect.
+  const std::vector<const char*> idle =
+      to_rest ? std::vector<const char*>{"time", "step", "integrator", "mass_damping"}
+              : std::vector<const char*>{"tolerance", "steps"};
+  for (const char* key : idle) {
+    if (!table.has(key)) continue;
+    table.fail(key, std::string(key) + (to_rest ? " beside minimise" : " without minimise"),
+               to_rest ? "it without minimise" : "it with minimise = true");
+  }
+  if (const auto time = positive(table, "time", "seconds")) step.time_s = *time;
+  if (const auto dt = positive(table, "step", "seconds")) step.motion.step_s = *dt;
+  if (step.time_s / step.motion.step_s > kMostSteps) {
+    table.fail(
+        "time",
+        number_text(step.time_s) + " s in steps of " + number_text(step.motion.step_s) + " s",
+        "at most " + number_text(kMostSteps) + " steps");
+  }
+  if (const auto name = table.string("integrator")) {
+    const auto method = spring_method(*name);
+    if (!method) table.fail("integrator", "\"" + *name + "\"", spring_method_names());
+    step.motion.method = *method;
+  }
+  if (const auto gravity = table.vector("gravity")) step.motion.gravity_m_s2 = *gravity;
+  if (const auto tolerance = positive(table, "tolerance", "mN")) {
+    step.motion.tolerance_mn = *tolerance;
+  }
+  if (const auto steps = table.integer("steps")) {
+    if (*steps < 1 || *steps > std::int64_t(kMostSteps)) {
+      table.fail("steps", std::to_string(*steps), "1 to " + number_text(kMostSteps));
+    }
+    step.most_steps = int(*steps);
+  }
+  step.structural_n_m = not_negative(table, "structural", "N/m");
+  step.shear_n_m = not_negative(table, "shear", "N/m");
+  step.bending_n_m = not_negative(table, "bending", "N/m");
+  step.mass_damping_per_s = not_negative(table, "mass_damping", "per second").value_or(0);
+  table.finish();
+  return step;
+}
+
+SpringRecord move_by_springs(const SpringStep& step, const HeldBody& held,
+                             const std::vector<Handle>& handles, const std::vector<Handle>& gripped,
+                             Console& console) {
+  const auto begin = std::chrono::steady_clock::now();
+  console.stage("springs");
+  SpringRecord record;
+  MotionParams motion = step.motion;
+  const int steps = step.is_motion() ? step.motion_steps() : step.most_steps;
+  if (step.is_motion()) motion.step_s = step.time_s / steps;
+  VoxelSpringModel model(held, springs_of(step, held.body), motion);
+  record.nodes = model.system().node_count();
+  record.springs = model.system().springs.size();
+  record.before = model.energy();
+  model.move(handles, steps, &console);
+  record.steps = run_model(model, steps, &console);
+  record.after = model.energy();
+  record.residual_mn = model.motion().residual_mn();
+  record.motion = model.motion().report();
+  record.reactions = model.reactions(gripped);
+  record.links = check_links(held.body);
+  held.body.links_known_valid = record.links.violated == 0;
+  record.milliseconds =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+  warn_of_result(step, record, console);
+  return record;
+}
+
+nlohmann::ordered_json settings_json(const SpringStep& step) {
+  const MotionParams& motion = step.motion;
+  nlohmann::ordered_json json;
+  if (step.is_motion()) {
+    json = {{"integrator", name_of(motion.method)},
+            {"time_s", step.time_s},
+            {"step_s", step.time_s / step.motion_steps()},
+            {"mass_damping_per_s", step.mass_damping_per_s}};
+  } else {
+    json = {{"minimise", true}, {"tolerance_mn", motion.tolerance_mn}, {"steps", step.most_steps}};
+  }
+  const Vec3d& g = motion.gravity_m_s2;
+  json["gravity_m_s2"] = {g.x, g.y, g.z};
+  for (const auto& [name, value] :
+       {std::pair{"structural_n_m", step.structural_n_m}, std::pair{"shear_n_m", step.shear_n_m},
+        std::pair{"bending_n_m", step.bending_n_m}}) {
+    if (value) json[name] = *value;
+  }
+  return json;
+}
+
+nlohmann::ordered_json to_json(const SpringRecord& record) {
+  return {{"steps", record.steps},
+          {"nodes", record.nodes},
+          {"springs", record.springs},
+          {"energy_before_j", to_json(record.before)},
+          {"energy_after_j", to_json(record.after)},
+          {"residual_mn", record.residual_mn},
+          {"substeps", record.motion.substeps},
+          {"iterations", record.motion.iterations},
+          {"links", record.links.links},
+          {"violated", record.links.violated},
+          {"worst_excess_voxels", record.links.worst_excess_voxels},
+          {"springs_ms", record.milliseconds}};
+}
+
+}  // namespace supple::tools
