@@ -11,7 +11,6 @@
 // met at all, A <= B, and U_a <= q_a <= L_a makes both q_a where l_a = u_a = q_a.
 #include <algorithm>
 #include <cstdlib>
-#include <utility>
 
 #include "lib/chainmail/ecm.h"
 #include "lib/chainmail/projection.h"
@@ -33,20 +32,6 @@ void average(BrickValues& above, const BrickValues& below) {
   }
 }
 
-/// L and U.
-std::pair<BrickValues, BrickValues> envelopes(const BrickValues& values, int coordinate,
-                                              Propagator& propagator, Progress* progress) {
-  BrickValues above = values, below = values;
-  propagator.close({coordinate, Direction::raise, above, nullptr, progress});
-  propagator.close({coordinate, Direction::lower, below, nullptr, progress});
-  return {std::move(above), std::move(below)};
-}
-
-/// What holds an element from sinking below a value and from rising above one.
-struct HeldBounds {
-  std::vector<Seed> least, most;
-};
-
 HeldBounds held_bounds(const Body& body, int c, const SlotSet& still, const Holds& held) {
   HeldBounds bounds;
   still.for_each([&](Slot slot) { bounds.least.push_back({slot, body.q[c].at(slot)}); });
@@ -61,21 +46,6 @@ bool meets(const BrickValues& values, const HeldBounds& bounds) {
                      [&](const Seed& seed) { return values.at(seed.slot) >= seed.value; }) &&
          std::all_of(bounds.most.begin(), bounds.most.end(),
                      [&](const Seed& seed) { return values.at(seed.slot) <= seed.value; });
-}
-
-/// The half-way values, within the bounds where that is possible.
-BrickValues projected_within(const Body& body, Propagator& propagator, int c,
-                             const HeldBounds& bounds) {
-  auto [above, below] = envelopes(body.q[c], c, propagator, nullptr);
-  if (!bounds.least.empty() || !bounds.most.empty()) {
-    BrickValues lowered = above, raised = below;
-    propagator.run({c, Direction::lower, lowered}, bounds.most);
-    propagator.run({c, Direction::raise, raised}, bounds.least);
-    average(lowered, raised);
-    if (meets(lowered, bounds)) return lowered;
-  }
-  average(above, below);
-  return std::move(above);
 }
 
 std::int64_t largest_move(const BrickValues& before, const BrickValues& after) {
@@ -93,11 +63,23 @@ std::int64_t largest_move(const BrickValues& before, const BrickValues& after) {
 
 }  // namespace
 
-BrickValues projected(const BrickValues& values, int coordinate, Propagator& propagator,
-                      Progress* progress) {
-  auto [above, below] = envelopes(values, coordinate, propagator, progress);
+BrickValues projected(const BrickValues& values, int coordinate, const HeldBounds& bounds,
+                      Propagator& propagator, Progress* progress) {
+  const auto task = [&](Direction direction, BrickValues& moved) {
+    return PropagationTask{coordinate, direction, moved, nullptr, progress};
+  };
+  BrickValues above = values, below = values;
+  propagator.close(task(Direction::raise, above));
+  propagator.close(task(Direction::lower, below));
+  if (!bounds.least.empty() || !bounds.most.empty()) {
+    BrickValues lowered = above, raised = below;
+    propagator.run(task(Direction::lower, lowered), bounds.most);
+    propagator.run(task(Direction::raise, raised), bounds.least);
+    average(lowered, raised);
+    if (meets(lowered, bounds)) return lowered;
+  }
   average(above, below);
-  return std::move(above);
+  return above;
 }
 
 ProjectionReport project(Body& body, const SlotSet& fixed, const Holds& held) {
@@ -111,7 +93,7 @@ ProjectionReport project(Body& body, const SlotSet& fixed, const Holds& held) {
     std::int64_t largest = 0;
     for (int c = 0; c < 3; ++c) {
       if (body.q[c].empty()) continue;
-      valid[c] = projected_within(body, propagator, c, held_bounds(body, c, still, held));
+      valid[c] = projected(body.q[c], c, held_bounds(body, c, still, held), propagator);
       largest = std::max(largest, largest_move(body.q[c], valid[c]));
     }
     report.max_move_voxels = double(largest) / kFixedOne;

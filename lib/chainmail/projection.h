@@ -1,13 +1,20 @@
 // One coordinate of the projection of project.cpp, for those who keep offsets outside the body.
 #pragma once
 
+#include <vector>
+
 #include "lib/chainmail/propagate.h"
 
 namespace supple {
 
-/// floor((L + U) / 2) of the values' envelopes: they satisfy every link afterwards. `propagator` is
-/// that of the body. Throws Cancelled.
-BrickValues projected(const BrickValues& values, int coordinate, Propagator& propagator,
-                      Progress* progress = nullptr);
+/// What holds an element from sinking below a value and from rising above one.
+struct HeldBounds {
+  std::vector<Seed> least, most;
+};
+
+/// The half-way values of the envelopes, within the bounds where the links allow that: they satisfy
+/// every link. `values` meet the bounds, and `propagator` is that of the body. Throws Cancelled.
+BrickValues projected(const BrickValues& values, int coordinate, const HeldBounds& bounds,
+                      Propagator& propagator, Progress* progress = nullptr);
 
 }  // namespace supple

@@ -1,6 +1,7 @@
 #include "lib/chainmail/tighten.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdlib>
 
@@ -26,6 +27,7 @@ class Tightening {
         m_propagator(body),
         m_q(body.q) {
     for (BrickValues& values : m_q) values.resize(body.elements.brick_count());
+    find_bounds();
   }
 
   void run(TightenReport& result) {
@@ -69,7 +71,7 @@ class Tightening {
     for (std::size_t c = 0; c < 3; ++c) {
       if (m_q[c].empty()) m_q[c].clear();
       m_body.q[c].swap(m_q[c]);
-      for (std::size_t b = 0; b < m_body.elements.brick_count(); ++b) {
+      for (std::size_t b = 0; b < m_body.fraction[c].brick_count(); ++b) {
         m_body.drop_fractions(int(c), b, m_q[c].brick_or_zero(b));
       }
     }
@@ -82,8 +84,8 @@ class Tightening {
   void iterate() {
     for (int c = 0; c < 3; ++c) {
       if (!move_chains(c)) continue;
-      m_q[std::size_t(c)] = projected(m_q[std::size_t(c)], c, m_propagator, m_progress);
-      put_back_held(c);
+      BrickValues& values = m_q[std::size_t(c)];
+      values = projected(values, c, m_bounds[std::size_t(c)], m_propagator, m_progress);
     }
   }
 
@@ -169,21 +171,20 @@ class Tightening {
            bounds(m_held.at_most[std::size_t(c)]);
   }
 
-  /// median(L, q, U) with the envelopes of what is held. They meet, since the body met them.
-  void put_back_held(int c) {
-    for (const Direction direction : {Direction::raise, Direction::lower}) {
-      const bool is_raise = direction == Direction::raise;
-      BrickValues& values = m_q[std::size_t(c)];
-      std::vector<Seed> seeds;
-      const auto add = [&](Slot slot, std::int32_t place) {
-        const std::int32_t present = values.at(slot);
-        if (is_raise ? place > present : place < present) seeds.push_back({slot, place});
-      };
-      m_still.for_each([&](Slot slot) { add(slot, m_body.q[std::size_t(c)].at(slot)); });
-      for (const Bound& bound : (is_raise ? m_held.at_least : m_held.at_most)[std::size_t(c)]) {
-        add(bound.slot, bound.value);
+  /// What is held stays where the body has it; pushed elements stay at or beyond their bound, or,
+  /// where a projection took them back, no further back.
+  void find_bounds() {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const BrickValues& q = m_body.q[c];
+      HeldBounds& bounds = m_bounds[c];
+      m_still.for_each([&](Slot slot) { bounds.least.push_back({slot, q.at(slot)}); });
+      bounds.most = bounds.least;
+      for (const Bound& bound : m_held.at_least[c]) {
+        bounds.least.push_back({bound.slot, std::min(bound.value, q.at(bound.slot))});
       }
-      m_propagator.run({c, direction, values, nullptr, m_progress}, seeds);
+      for (const Bound& bound : m_held.at_most[c]) {
+        bounds.most.push_back({bound.slot, std::max(bound.value, q.at(bound.slot))});
+      }
     }
   }
 
@@ -195,6 +196,7 @@ class Tightening {
   Propagator m_propagator;
   Offsets m_q;        // of the present iteration
   Offsets m_missing;  // changes of length, at the lower end of a link
+  std::array<HeldBounds, 3> m_bounds;
   std::vector<Slot> m_chain;
   std::vector<std::int64_t> m_moves, m_sorted;  // of the chain's elements
 };

@@ -12,12 +12,12 @@
 //      tightened limits gets the nearest length that they allow, the others keep theirs. A chain
 //      moves about what it holds on to: its held element, or the place where as many of its
 //      elements move one way as the other. What lies between two held elements stays.
-//   2. the whole coordinate under the material's limits: floor((L + U) / 2) of project.cpp.
-//   3. what is held: median(L, q, U) with the envelopes of ecm.h.
-// Chains are paths, so 1 never contradicts itself; 2 and 3 are exact. So there is no processing
-// order: the bits are the same for any number of threads. A state counts by the sum over all links
-// of the squares of what they miss of the limits tightened by that same state. Iterations go on
-// while each takes a hundredth of it away; one that does not is undone.
+//   2. the whole coordinate under the material's limits and what is held: the projection of
+//      project.cpp, half-way between the envelopes.
+// Chains are paths, so 1 never contradicts itself; 2 is exact. So there is no processing order: the
+// bits are the same for any number of threads. A state counts by the sum over all links of the
+// squares of what they miss of the limits tightened by that same state. Iterations go on while each
+// takes a hundredth of it away; one that does not is undone.
 //
 // Hence what ball limits cannot have: the result is a valid ECM configuration, whatever is left
 // violated; handles, anchors and pushes are as the drag left them; the sum of squares never rises.
@@ -29,7 +29,7 @@
 // stretch out, a body keeps its volume better and cells their shape. docs/models/volume.md has the
 // figures. A later relaxation draws the links back, so tightening comes last.
 //
-// Cost, measured: 0.4 to 2.5 us per element that moves, one to four iterations together; about 30 kB
+// Cost, measured: 0.4 to 2 us per element that moves, two to three iterations together; about 30 kB
 // per brick at or beside what moves.
 #pragma once
 
@@ -57,9 +57,9 @@ struct TightenReport {
   std::int64_t projected_links = 0;  // of an invalid start
   double projected_max_voxels = 0;
   std::int64_t projected_held = 0;  // elements that are held but that it had to move
-  int iterations = 0;      // that were kept
-  bool settled = false;    // no excess is left, or another iteration would not lower it
-  std::int64_t moved = 0;  // elements whose offset changed
+  int iterations = 0;               // that were kept
+  bool settled = false;             // no excess is left, or another iteration would not lower it
+  std::int64_t moved = 0;           // elements whose offset changed
   /// Links whose limits the result tightens, and those of them that miss these by more than the
   /// tolerance, in rest lengths of the link.
   std::int64_t links = 0, violated = 0;

@@ -377,6 +377,18 @@ TEST(PropertyTighten, APulledBarKeepsMoreOfItsVolumeAndMostAfterARelaxation) {
   EXPECT_NEAR(cell_volumes(relaxed.body).ratio(), 1, 0.015);
 }
 
+TEST(PropertyTighten, FractionsOfElementsThatMoveAreDropped) {
+  Body body = body_of(homogeneous({9, 5, 1}, 1.6, 0.5, 1));
+  stretch_along_i(body, 1.25);
+  body.fraction[1].resize(body.elements.brick_count());
+  for_each_element(body.elements, [&](Slot slot) { body.fraction[1].set(slot, 77); });
+  tighten(body, {}, {});
+  for_each_element(body.elements, [&](Slot slot) {
+    const bool is_middle = voxel_of(body.elements, slot).y == 2;
+    EXPECT_EQ(body.fraction[1].at(slot), is_middle ? 77 : 0);
+  });
+}
+
 TEST(PropertyTighten, ABodyAtRestCostsNothingAndStays) {
   Body body = body_of(homogeneous({9, 9, 9}, 1.5, 0.6, 0.5));
   const TightenReport report = tighten(body, {}, {});
@@ -409,6 +421,7 @@ TEST(PropertyTighten, AnInvalidStartIsProjected) {
   bar.body.links_known_valid = false;
   const TightenReport report = tighten(bar.body, bar.anchors, bar.holds);
   EXPECT_EQ(report.projected_links, 6);
+  EXPECT_EQ(report.projected_held, 0);
   EXPECT_GT(report.projected_max_voxels, 1);
   EXPECT_EQ(check_links(bar.body).violated, 0);
   EXPECT_TRUE(bar.body.links_known_valid);
