@@ -1,0 +1,192 @@
+// Springs in scenes: models exchanged from step to step, what each reports, and what they leave.
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/tools/program.h"
+#include "volumes/state/state.h"
+
+using namespace supple;
+using namespace supple::test;
+
+namespace {
+
+class Springs : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    write_ball(m_folder, "ball", 16);
+    write_text(m_folder / "m.toml",
+               "max_length = [[0, 1.5]]\nmin_length = [[0, 0.6]]\nshear = [[0, 0.25]]\n"
+               "stiffness = [[0, 10]]\n");
+  }
+
+  Outcome run(const std::string& steps) {
+    write_text(m_folder / "scene.toml",
+               "[volume]\npath = \"ball.nhdr\"\n[material]\ntable = \"m.toml\"\n" + steps +
+                   "[output]\nstate = \"out.vdb\"\n");
+    return run_supple({"run", m_folder / "scene.toml", "-o", m_folder / "", "--force", "--json"});
+  }
+  nlohmann::json steps_of(const std::string& steps) {
+    const Outcome outcome = run(steps);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    m_warnings = outcome.err;
+    if (outcome.exit_code != 0) return {};
+    return nlohmann::json::parse(outcome.out)["steps"];
+  }
+  std::int32_t offset(const Vec3i& voxel, std::size_t c) const {
+    const State state = read_state(m_folder / "out.vdb");
+    return state.q[c].at(std::size_t(state.elements.find(voxel)) * kBrickVoxels +
+                         std::size_t(brick_offset(voxel)));
+  }
+
+  const std::string m_pull =
+      "[[step]]\ngrab = [8, 14, 8]\nby = [0, 4, 0]\nfix = [[0, 0, 0, 15, 4, 15]]\n";
+  TemporaryFolder m_folder;
+  std::string m_warnings;
+};
+
+using UnitSpringScene = Springs;
+using FaultSpringScene = Springs;
+
+}  // namespace
+
+TEST_F(UnitSpringScene, AfterEcmSpringsComeToRestAndEcmRepairsWhatTheyBroke) {
+  const auto steps = steps_of(m_pull +
+                              "[[step]]\nmodel = \"springs\"\nsprings = { minimise = true }\n"
+                              "[[step]]\nrelax = { passes = 5 }\n");
+  ASSERT_EQ(steps.size(), 3u);
+  const auto& springs = steps[1]["springs"];
+  EXPECT_EQ(steps[1]["model"], "springs");
+  EXPECT_LT(springs["energy_after_j"]["elastic"],
+            0.5 * springs["energy_before_j"]["elastic"].get<double>());
+  EXPECT_LE(springs["residual_mn"], 1e-3);
+  // One element drawn out of the ball: springs stretch its links further than ChainMail would.
+  EXPECT_GT(springs["violated"], 0);
+  EXPECT_NE(m_warnings.find("beyond the material's limits"), std::string::npos) << m_warnings;
+  EXPECT_EQ(steps[2]["projected"], springs["violated"]);
+  EXPECT_NE(m_warnings.find("it was projected"), std::string::npos) << m_warnings;
+  // What was dragged stays where it was dragged to, whatever the model.
+  EXPECT_EQ(offset({8, 14, 8}, 1), 4 * 65536);
+  EXPECT_EQ(offset({8, 4, 8}, 1), 0);
+}
+
+TEST_F(UnitSpringScene, EveryStepTellsThePullOfEveryHandle) {
+  const auto steps =
+      steps_of(m_pull + "[[step]]\nrelax = { passes = 2000 }\n" +
+               "[[step]]\nmodel = \"springs\"\ngrab = [8, 2, 8]\nby = [1, 0, 0]\n" +
+               "release = true\nfix = [[0, 5, 0, 15, 6, 15]]\nsprings = { minimise = true }\n");
+  ASSERT_EQ(steps.size(), 3u);
+  for (const std::size_t n : {0, 1}) {
+    const auto& forces = steps[n]["forces"];
+    ASSERT_EQ(forces.size(), 1u);
+    EXPECT_EQ(forces[0]["step"], 1);
+    EXPECT_EQ(forces[0]["grab"], "8,14,8");
+    EXPECT_LT(forces[0]["force_n"][1], 0);
+    EXPECT_EQ(forces[0]["force_n"][0], 0);
+  }
+  // Relaxed tissue pulls less.
+  EXPECT_GT(steps[1]["forces"][0]["force_n"][1], steps[0]["forces"][0]["force_n"][1]);
+  ASSERT_EQ(steps[2]["forces"].size(), 1u);
+  EXPECT_EQ(steps[2]["forces"][0]["step"], 3);
+  EXPECT_LT(steps[2]["forces"][0]["force_n"][0], 0);
+}
+
+TEST_F(UnitSpringScene, AMotionGoesOnInTheNextStepAndFromAState) {
+  const std::string motion =
+      "[[step]]\nmodel = \"springs\"\n"
+      "springs = { time = TIME, step = 0.001, integrator = \"implicit\", gravity = [0, 9.81, 0] "
+      "}\n";
+  const auto of = [&](const std::string& time) {
+    std::string text = motion;
+    return text.replace(text.find("TIME"), 4, time);
+  };
+  const std::string fix = "[[step]]\nfix = [[0, 0, 0, 15, 4, 15]]\n";
+  const auto once = steps_of(fix + of("0.02"));
+  EXPECT_EQ(once[1]["springs"]["steps"], 20);
+  EXPECT_GT(once[1]["springs"]["energy_after_j"]["kinetic"], 0);
+  const State whole = read_state(m_folder / "out.vdb");
+  EXPECT_GT(whole.velocity_mm_s[1].at(std::size_t(whole.elements.find({8, 14, 8})) * kBrickVoxels +
+                                      std::size_t(brick_offset({8, 14, 8}))),
+            1);
+
+  const auto close_to_whole = [&](double most) {
+    const State found = read_state(m_folder / "out.vdb");
+    for (std::size_t slot = 0; slot < whole.elements.brick_count() * kBrickVoxels; ++slot) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        ASSERT_NEAR(found.q[c].at(slot), whole.q[c].at(slot), 1);
+        ASSERT_NEAR(found.velocity_mm_s[c].at(slot), whole.velocity_mm_s[c].at(slot), most);
+      }
+    }
+  };
+  steps_of(fix + of("0.01") + of("0.01"));
+  close_to_whole(1e-5);
+  // A file keeps offsets to 2^-16 voxel.
+  steps_of(fix + of("0.01"));
+  std::filesystem::rename(m_folder / "out.vdb", m_folder / "half.vdb");
+  write_text(m_folder / "scene.toml",
+             "[volume]\npath = \"half.vdb\"\n" + of("0.01") + "[output]\nstate = \"out.vdb\"\n");
+  ASSERT_EQ(run_supple({"run", m_folder / "scene.toml", "-o", m_folder / "", "--force"}).exit_code,
+            0);
+  close_to_whole(0.05);
+}
+
+TEST_F(UnitSpringScene, HandlesMoveEvenlyOverTheTime) {
+  const auto steps = steps_of(
+      "[[step]]\nmodel = \"springs\"\ngrab = [8, 14, 8]\nby = [0, 4, 0]\n"
+      "fix = [[0, 0, 0, 15, 4, 15]]\nsprings = { time = 0.01, step = 0.003 }\n");
+  // No step longer than asked for.
+  EXPECT_EQ(steps[0]["springs"]["steps"], 4);
+  EXPECT_NEAR(steps[0]["settings"]["step_s"].get<double>(), 0.0025, 1e-15);
+  EXPECT_EQ(offset({8, 14, 8}, 1), 4 * 65536);
+  EXPECT_GT(offset({8, 13, 8}, 1), 65536);
+  EXPECT_LT(steps[0]["forces"][0]["force_n"][1], 0);
+}
+
+TEST_F(UnitSpringScene, OwnStiffnessesReplaceTheMaterials) {
+  const auto at_rest = [&](const std::string& more) {
+    return steps_of(m_pull + "[[step]]\nmodel = \"springs\"\nsprings = { minimise = true" + more +
+                    " }\n")[1]["forces"][0]["force_n"][1]
+        .get<double>();
+  };
+  // 2/5 E h of 10 kPa, h the cube root of a voxel's 1.5 mm^3.
+  const double k = 4 * std::cbrt(1.5), material = at_rest("");
+  const auto both = [](double n_m) {
+    return ", structural = " + std::to_string(n_m) + ", shear = " + std::to_string(n_m);
+  };
+  EXPECT_NEAR(at_rest(both(k)), material, 1e-4 * std::abs(material));
+  EXPECT_NEAR(at_rest(both(2 * k)), 2 * material, 2e-4 * std::abs(material));
+}
+
+TEST_F(FaultSpringScene, AMinimumThatIsNotReachedIsSaid) {
+  steps_of(m_pull + "[[step]]\nmodel = \"springs\"\nsprings = { minimise = true, steps = 1 }\n");
+  EXPECT_NE(m_warnings.find("no rest after 1 step"), std::string::npos) << m_warnings;
+}
+
+TEST_F(FaultSpringScene, WrongSettingsAreNamed) {
+  const auto error = [&](const std::string& step) {
+    const Outcome outcome = run("[[step]]\n" + step + "\n");
+    EXPECT_EQ(outcome.exit_code, 3) << step;
+    EXPECT_FALSE(std::filesystem::exists(m_folder / "out.vdb"));
+    return outcome.err;
+  };
+  const auto expect = [&](const std::string& step, const std::string& words) {
+    const std::string line = error(step);
+    EXPECT_NE(line.find(words), std::string::npos) << line;
+  };
+  const std::string model = "model = \"springs\"\nsprings = ";
+  expect("model = \"fem\"", "expected \"ecm\" or \"springs\"");
+  expect("springs = { time = 1 }", "expected model = \"springs\"");
+  expect("relax = { passes = 3 }\nmodel = \"springs\"", "relax beside springs");
+  expect("limits = \"ball\"\nmodel = \"springs\"", "limits beside springs");
+  expect(model + "{ time = 0 }", "time: found 0, expected a positive number");
+  expect(model + "{ step = nan }", "step: found nan");
+  expect(model + "{ time = 1e9 }", "at most 1e+06 steps");
+  expect(model + "{ integrator = \"rk4\" }", "expected symplectic, implicit, xpbd, projective");
+  expect(model + "{ tolerance = 1 }", "tolerance without minimise");
+  expect(model + "{ minimise = true, time = 1 }", "time beside minimise");
+  expect(model + "{ minimise = true, steps = 0 }", "steps: found 0");
+  expect(model + "{ shear = -1 }", "shear: found -1");
+  expect(model + "{ gravty = [0, 0, 1] }", "gravity");
+  expect("grab = [8, 14, 8]\nby = [0, -1, 0]\npush = true\nmodel = \"springs\"", "a push handle");
+}
