@@ -75,7 +75,7 @@ std::vector<RelaxRow> plan_relax(const RelaxPlanOptions& options) {
     }
   }
   for (const char* field : {"noise", "ct"}) add_methods("states", field, quick ? 32 : 64, 100);
-  if (options.has_ct_head) add_methods("states", "ct_head", 0, quick ? 2 : 100);
+  if (options.has_ct_head) add_methods("states", "ct_head", 0, quick ? 1 : 100);
   add_methods("descent", "head_phantom", quick ? 64 : 128, quick ? 1000 : 8000);
 
   const auto is_left_out = [&](const RelaxRow& row) {
