@@ -130,6 +130,7 @@ void solve(Session& session, const std::vector<GivenHandle>& handles, const Fixe
   request.cuts = cuts;
   request.limits = *limits_of_name(options.limits);
   request.relax = parse_relax(options);
+  request.forces = true;
   session.step(request, console);
 }
 
@@ -183,7 +184,7 @@ void print_text(const Session& session, const Options& options,
   if (!options.grabs.empty()) print_solve(session.records().back());
   if (options.relax) print_relaxation(session.records().back());
   if (session.records().back().tightened) print_tightening(*session.records().back().tightened);
-  print(session.records().back().forces);
+  print(session.records().back().pulls);
   std::printf("folded cells    %lld of material%s, %lld in the air around it\n",
               static_cast<long long>(certificate.folded_cells - certificate.folded_air_cells),
               session.links().fold_free ? " (its limits exclude folds)" : "",

@@ -73,13 +73,15 @@ void check_step(const SceneStep& step, const Geometry& geometry) {
 }
 
 /// Names the step in the errors of the solver.
-void run_step(Session& session, const SceneStep& step, Console& console) {
+void run_step(Session& session, const SceneStep& step, bool forces, Console& console) {
   try {
     for (const GivenHandle& handle : step.handles) {
       if (handle.points) require_in_body(*handle.points, session.body());
     }
     if (step.fix_points) require_in_body(*step.fix_points, session.body());
-    session.step(on_grid(step, session.geometry()), console);
+    StepRequest request = on_grid(step, session.geometry());
+    request.forces = forces;
+    session.step(request, console);
   } catch (const InputError& error) {
     const Problem& problem = error.problem();
     if (!problem.file.empty()) throw;
@@ -89,9 +91,11 @@ void run_step(Session& session, const SceneStep& step, Console& console) {
 
 class SceneRun {
  public:
-  SceneRun(const Scene& scene, const Options& options, Console& console)
+  /// `tells_forces`: the results hold what handles feel.
+  SceneRun(const Scene& scene, const Options& options, bool tells_forces, Console& console)
       : m_scene(scene),
         m_folder(options.folder),
+        m_tells_forces(tells_forces),
         m_console(console),
         m_session(scene.volume_path, scene.read, scene.material, scene.labels_path, console) {}
 
@@ -99,7 +103,7 @@ class SceneRun {
   void run() {
     draw_views(0);
     for (std::size_t n = 0; n < m_scene.steps.size(); ++n) {
-      run_step(m_session, m_scene.steps[n], m_console);
+      run_step(m_session, m_scene.steps[n], m_tells_forces, m_console);
       draw_views(int(n) + 1);
     }
     if (writes_fields()) seen(last_step());
@@ -228,6 +232,7 @@ class SceneRun {
 
   const Scene& m_scene;
   std::string m_folder;
+  bool m_tells_forces;
   Console& m_console;
   Session m_session;
   State m_state;
@@ -319,7 +324,7 @@ int run(const Options& options, const GlobalOptions& global, Console& console) {
     print_plan(scene, options);
     return kOk;
   }
-  SceneRun scene_run(scene, options, console);
+  SceneRun scene_run(scene, options, global.json, console);
   scene_run.run();
   print_results(scene_run, scene, options, global, console);
   return kOk;

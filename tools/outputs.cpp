@@ -316,7 +316,7 @@ nlohmann::ordered_json to_json(const StepRecord& record) {
                                    {"cut_links", record.cut_links},
                                    {"settings", settings_json(*record.springs)},
                                    {"springs", to_json(record.sprung)}};
-    json["forces"] = to_json(record.forces);
+    json["forces"] = to_json(record.pulls);
     return json;
   }
   nlohmann::ordered_json json = record.ball ? to_json(*record.ball, record.cut_links)
@@ -326,7 +326,7 @@ nlohmann::ordered_json to_json(const StepRecord& record) {
     json["limits"] = "tighten";
     json["tighten"] = to_json(*record.tightened);
   }
-  json["forces"] = to_json(record.forces);
+  json["forces"] = to_json(record.pulls);
   return json;
 }
 

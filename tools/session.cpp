@@ -217,16 +217,21 @@ const StepRecord& Session::step(const StepRequest& request, Console& console) {
   grips.add(int(m_records.size()) + 1, handles);
   if (request.springs) {
     record.sprung = move_by_springs(*request.springs, held(), handles, grips.handles(), console);
-    record.forces = grips.forces(record.sprung.reactions);
+    if (request.forces) record.pulls = grips.forces(record.sprung.reactions);
     m_links.fold_free = m_links.fold_free && record.sprung.links.violated == 0;
   } else {
     move_quasi_statically(handles, record, console);
-    const double pressure_kpa = request.relax ? request.relax->volume_stiffness_kpa : 0;
-    record.forces = grips.forces(quasi_static_reactions(held(), grips.handles(), pressure_kpa));
+    if (request.forces) record.pulls = grips.forces(reactions_of(grips.handles(), record));
   }
   m_grips = std::move(grips);
   m_records.push_back(std::move(record));
   return m_records.back();
+}
+
+std::vector<Reaction> Session::reactions_of(const std::vector<Handle>& handles,
+                                            const StepRecord& record) {
+  const double pressure_kpa = record.relax ? record.relax->volume_stiffness_kpa : 0;
+  return quasi_static_reactions(held(), handles, pressure_kpa);
 }
 
 void Session::move_quasi_statically(const std::vector<Handle>& handles, StepRecord& record,

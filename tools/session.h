@@ -44,6 +44,7 @@ struct StepRequest {
   Limits limits = Limits::box;
   std::optional<RelaxParams> relax;   // after the drag
   std::optional<SpringStep> springs;  // instead of both
+  bool forces = false;                // on the handles that are held, in the record
 };
 
 /// And what came of it.
@@ -53,7 +54,7 @@ struct StepRecord : StepRequest {
   std::optional<BallReport> ball;  // when the step was solved under ball limits
   RelaxReport relaxed;             // when the step relaxes
   SpringRecord sprung;             // when springs move it
-  std::vector<GripForce> forces;   // of all handles that are held, at its end
+  std::vector<GripForce> pulls;    // of all handles that are held, at its end, where asked for
   std::optional<TightenReport> tightened;
 };
 
@@ -95,6 +96,7 @@ class Session {
   void solve(const std::vector<Handle>& handles, StepRecord& record, Console& console);
   void move_quasi_statically(const std::vector<Handle>& handles, StepRecord& record,
                              Console& console);
+  std::vector<Reaction> reactions_of(const std::vector<Handle>& handles, const StepRecord& record);
   HeldBody held() { return {m_body, m_anchors, m_holds}; }
 
   State m_state;

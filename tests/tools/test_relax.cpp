@@ -51,6 +51,7 @@ TEST_F(UnitRelax, DeformSaysWhatARelaxationDid) {
   EXPECT_GT(relax["energy_after_uj"].get<double>(), 0);
 
   const Outcome text = pull({"--relax", "5", "--relax-method", "jacobi"});
+  EXPECT_NE(text.out.find("pull at 8,14,8          "), std::string::npos) << text.out;
   EXPECT_NE(text.out.find("relaxed         5 passes (jacobi), energy "), std::string::npos)
       << text.out;
 }
