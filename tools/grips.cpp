@@ -3,29 +3,37 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "lib/model/quasi_static.h"
+
 namespace supple::tools {
 
-void Grips::add(int step, const std::vector<Handle>& handles) {
+void Grips::add(int step, const std::vector<Handle>& handles, const Body& body) {
+  const std::vector<SlotSet> elements = elements_of_handles(body, handles);
+  std::vector<SlotSet::Brick> bricks;
+  for (const SlotSet& set : elements) {
+    bricks.insert(bricks.end(), set.bricks().begin(), set.bricks().end());
+  }
+  const SlotSet taken(std::move(bricks));
+  for (Grip& grip : m_grips) grip.elements.remove(taken);
+  m_grips.erase(std::remove_if(m_grips.begin(), m_grips.end(),
+                               [](const Grip& grip) { return grip.elements.empty(); }),
+                m_grips.end());
   for (std::size_t n = 0; n < handles.size(); ++n) {
-    const Region& region = handles[n].region;
-    m_grips.erase(std::remove_if(m_grips.begin(), m_grips.end(),
-                                 [&](const Grip& grip) { return grip.handle.region == region; }),
-                  m_grips.end());
-    m_grips.push_back({step, int(n) + 1, handles[n]});
+    m_grips.push_back({step, int(n) + 1, handles[n].region.name(), elements[n]});
   }
 }
 
-std::vector<Handle> Grips::handles() const {
-  std::vector<Handle> handles;
-  for (const Grip& grip : m_grips) handles.push_back(grip.handle);
-  return handles;
+std::vector<SlotSet> Grips::elements() const {
+  std::vector<SlotSet> elements;
+  for (const Grip& grip : m_grips) elements.push_back(grip.elements);
+  return elements;
 }
 
 std::vector<GripForce> Grips::forces(const std::vector<Reaction>& reactions) const {
   std::vector<GripForce> forces;
   for (std::size_t n = 0; n < m_grips.size(); ++n) {
     const Grip& grip = m_grips[n];
-    forces.push_back({grip.step, grip.number, grip.handle.region.name(), reactions[n]});
+    forces.push_back({grip.step, grip.handle, grip.name, reactions[n]});
   }
   return forces;
 }

@@ -20,20 +20,22 @@ struct GripForce {
 
 class Grips {
  public:
-  /// The handles of a step are held from now on. One that grabs the region of an earlier one takes
-  /// its place.
-  void add(int step, const std::vector<Handle>& handles);
+  /// The handles of a step are held from now on; what they take of earlier ones these lose. Throws
+  /// InputError for one without element.
+  void add(int step, const std::vector<Handle>& handles, const Body& body);
   void release() { m_grips.clear(); }
 
   bool empty() const { return m_grips.empty(); }
-  std::vector<Handle> handles() const;
-  /// `reactions` are those of handles().
+  /// The elements of each; no element is in two.
+  std::vector<SlotSet> elements() const;
+  /// `reactions` are those of elements().
   std::vector<GripForce> forces(const std::vector<Reaction>& reactions) const;
 
  private:
   struct Grip {
-    int step, number;
-    Handle handle;
+    int step, handle;
+    std::string name;
+    SlotSet elements;
   };
   std::vector<Grip> m_grips;
 };

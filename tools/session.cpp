@@ -214,30 +214,28 @@ const StepRecord& Session::step(const StepRequest& request, Console& console) {
   record.cut_links = apply_cuts(m_body, m_state.labels, request.cuts, console);
   m_links.fold_free = m_links.fold_free && m_body.cuts.empty();
   Grips grips = m_grips;
-  grips.add(int(m_records.size()) + 1, handles);
+  grips.add(int(m_records.size()) + 1, handles, m_body);
   if (request.springs) {
-    record.sprung = move_by_springs(*request.springs, held(), handles, grips.handles(), console);
+    const std::vector<SlotSet> told = request.forces ? grips.elements() : std::vector<SlotSet>();
+    record.sprung = move_by_springs(*request.springs, held(), handles, told, console);
     if (request.forces) record.pulls = grips.forces(record.sprung.reactions);
-    m_links.fold_free = m_links.fold_free && record.sprung.links.violated == 0;
+    m_pressure_kpa = 0;
   } else {
     move_quasi_statically(handles, record, console);
-    if (request.forces) record.pulls = grips.forces(reactions_of(grips.handles(), record));
+    if (request.forces) {
+      record.pulls = grips.forces(quasi_static_reactions(held(), grips.elements(), m_pressure_kpa));
+    }
   }
   m_grips = std::move(grips);
   m_records.push_back(std::move(record));
   return m_records.back();
 }
 
-std::vector<Reaction> Session::reactions_of(const std::vector<Handle>& handles,
-                                            const StepRecord& record) {
-  const double pressure_kpa = record.relax ? record.relax->volume_stiffness_kpa : 0;
-  return quasi_static_reactions(held(), handles, pressure_kpa);
-}
-
 void Session::move_quasi_statically(const std::vector<Handle>& handles, StepRecord& record,
                                     Console& console) {
   console.stage("solving");
   solve(handles, record, console);
+  if (!handles.empty() || record.release) m_pressure_kpa = 0;
   console.debug(std::string("solve: ") + (record.ball ? "ball" : name_of(record.report.engine)) +
                 " engine, " + std::to_string(record.report.visited) + " visits, longest queue " +
                 std::to_string(record.report.max_queue) + ", body " +
@@ -264,6 +262,7 @@ void Session::solve(const std::vector<Handle>& handles, StepRecord& record, Cons
 
 void Session::relax_body(StepRecord& record, Console& console) {
   console.stage("relaxing");
+  m_pressure_kpa = record.relax->volume_stiffness_kpa;
   RelaxModel model(held(), *record.relax);
   run_model(model, record.relax->passes, &console);
   record.relaxed = model.report();

@@ -96,7 +96,6 @@ class Session {
   void solve(const std::vector<Handle>& handles, StepRecord& record, Console& console);
   void move_quasi_statically(const std::vector<Handle>& handles, StepRecord& record,
                              Console& console);
-  std::vector<Reaction> reactions_of(const std::vector<Handle>& handles, const StepRecord& record);
   HeldBody held() { return {m_body, m_anchors, m_holds}; }
 
   State m_state;
@@ -107,6 +106,7 @@ class Session {
   std::vector<Region> m_anchors;  // the boxes and labels that the state has fixed
   Holds m_holds;                  // what earlier steps dragged
   Grips m_grips;                  // the handles that did
+  double m_pressure_kpa = 0;      // bulk modulus of the relaxation that the body rests under
   std::vector<StepRecord> m_records;
 };
 

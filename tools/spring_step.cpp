@@ -110,8 +110,8 @@ SpringStep read_spring_step(TomlTable& table) {
 }
 
 SpringRecord move_by_springs(const SpringStep& step, const HeldBody& held,
-                             const std::vector<Handle>& handles, const std::vector<Handle>& gripped,
-                             Console& console) {
+                             const std::vector<Handle>& handles,
+                             const std::vector<SlotSet>& gripped, Console& console) {
   const auto begin = std::chrono::steady_clock::now();
   console.stage("springs");
   SpringRecord record;

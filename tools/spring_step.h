@@ -42,8 +42,8 @@ struct SpringRecord {
 /// Moves the body. Warns of links beyond their limits, and of a minimum that was not reached.
 /// Throws InputError as VoxelSpringModel; Cancelled, the body at the last finished step.
 SpringRecord move_by_springs(const SpringStep& step, const HeldBody& held,
-                             const std::vector<Handle>& handles, const std::vector<Handle>& gripped,
-                             Console& console);
+                             const std::vector<Handle>& handles,
+                             const std::vector<SlotSet>& gripped, Console& console);
 
 nlohmann::ordered_json settings_json(const SpringStep& step);
 nlohmann::ordered_json to_json(const SpringRecord& record);

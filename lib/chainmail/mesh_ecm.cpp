@@ -173,9 +173,18 @@ MeshProjection MeshEcm::take_positions(const std::vector<NodeSet>& anchors, Prog
       const std::vector<Slot> nodes = owners.claim(anchors[a], "anchor " + std::to_string(a), true);
       still.insert(still.end(), nodes.begin(), nodes.end());
     }
+    std::array<std::vector<std::int32_t>, 3> before;
+    for (std::size_t c = 0; c < 3; ++c) {
+      for (const Slot node : still) before[c].push_back(m_values[c].value(node));
+    }
     for (MeshValues& values : m_values) {
       const std::int64_t largest = values.project(still, progress);
       projection.max_move_mm = std::max(projection.max_move_mm, double(largest) * kUnitMm);
+    }
+    for (std::size_t n = 0; n < still.size(); ++n) {
+      bool has_moved = false;
+      for (std::size_t c = 0; c < 3; ++c) has_moved |= m_values[c].value(still[n]) != before[c][n];
+      projection.held_moved += has_moved;
     }
   }
   m_is_valid = true;
@@ -239,9 +248,9 @@ MeshLinkCheck MeshEcm::check_links() const {
   return check(m_links, [&](Slot node, int c) { return offsets[node][std::size_t(c)]; });
 }
 
-MeshProjection MeshEcm::project(Progress* progress) {
+MeshProjection MeshEcm::project(const std::vector<NodeSet>& still, Progress* progress) {
   if (holds_positions()) return {};
-  const MeshProjection projection = take_positions({}, progress);
+  const MeshProjection projection = take_positions(still, progress);
   give_positions(true);
   return projection;
 }

@@ -42,7 +42,8 @@ struct MeshLinkCheck {
 
 struct MeshProjection {
   std::int64_t violated_links = 0;
-  double max_move_mm = 0;  // of one coordinate, rounding to 2^-16 mm not counted
+  std::int64_t held_moved = 0;  // nodes that were to stay but had to move
+  double max_move_mm = 0;       // of one coordinate, rounding to 2^-16 mm not counted
 };
 
 struct MeshEcmReport {
@@ -83,8 +84,9 @@ class MeshEcm {
   /// Of the body's present positions. 16 to 28 ns per link. Throws InputError as drag.
   MeshLinkCheck check_links() const;
   /// Rounds the body's positions to 2^-16 mm and, when they break limits, projects them to
-  /// floor((L + U) / 2): valid, with the smallest possible largest move. Throws InputError as drag.
-  MeshProjection project(Progress* progress = nullptr);
+  /// floor((L + U) / 2): valid, with the smallest possible largest move; nodes of `still` keep
+  /// their places where the links allow that for all of them. Throws InputError as drag.
+  MeshProjection project(const std::vector<NodeSet>& still = {}, Progress* progress = nullptr);
 
   /// Memory of this object; the body's not included.
   std::size_t bytes() const;

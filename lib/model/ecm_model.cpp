@@ -19,7 +19,7 @@ ModelEnergy EcmModel::energy() {
 }
 
 std::vector<Reaction> EcmModel::reactions(const std::vector<Handle>& handles) {
-  return quasi_static_reactions(m_held, handles, 0);
+  return quasi_static_reactions(m_held, elements_of_handles(m_held.body, handles), 0);
 }
 
 }  // namespace supple

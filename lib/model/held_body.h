@@ -8,7 +8,8 @@
 
 namespace supple {
 
-/// References: all outlive the models. Who changes anchors or holds makes a new model.
+/// References: all outlive the models. Who changes anchors or holds tells models of relaxation and
+/// springs by a move(), of no handle if need be; EcmModel looks at them in every move() anyway.
 struct HeldBody {
   Body& body;
   const std::vector<Region>& anchors;  // fixed
@@ -20,5 +21,10 @@ struct HeldMesh {
   const std::vector<NodeSet>& anchors;  // fixed
   NodeSet& still;                       // what handles hold; models add theirs
 };
+
+/// Adds nodes to a set that stays ascending, each once.
+void add_nodes(NodeSet& set, const NodeSet& more);
+/// Takes nodes out of a set.
+void remove_nodes(NodeSet& set, const NodeSet& less);
 
 }  // namespace supple

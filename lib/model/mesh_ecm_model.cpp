@@ -1,32 +1,35 @@
 #include "lib/model/mesh_ecm_model.h"
 
-#include <algorithm>
-
 namespace supple {
 
 MeshEcmModel::MeshEcmModel(const HeldMesh& held, const MeshLimits& limits)
     : m_held(held), m_ecm(held.body, limits) {}
 
 void MeshEcmModel::move(const std::vector<MeshHandle>& handles, int, Progress* progress) {
-  NodeSet grabbed;
+  NodeSet grabbed, follows;
   for (const MeshHandle& handle : handles) {
     grabbed.insert(grabbed.end(), handle.nodes.begin(), handle.nodes.end());
-  }
-  std::sort(grabbed.begin(), grabbed.end());
-  NodeSet still = m_held.still;
-  still.erase(std::remove_if(still.begin(), still.end(),
-                             [&](int node) {
-                               return std::binary_search(grabbed.begin(), grabbed.end(), node);
-                             }),
-              still.end());
-  std::vector<NodeSet> anchors = m_held.anchors;
-  if (!still.empty()) anchors.push_back(still);
-  m_report = m_ecm.drag(handles, anchors, progress);
-  m_held.still = std::move(still);
-  for (const MeshHandle& handle : handles) {
     if (handle.kind == HandleKind::push) continue;
-    m_held.still.insert(m_held.still.end(), handle.nodes.begin(), handle.nodes.end());
+    follows.insert(follows.end(), handle.nodes.begin(), handle.nodes.end());
   }
+  // What is held stays through the projection, also what is grabbed anew.
+  std::vector<NodeSet> anchors = m_held.anchors;
+  if (!m_held.still.empty()) anchors.push_back(m_held.still);
+  const std::vector<Vec3d> before = m_held.body.pos_mm;
+  const MeshProjection projection = m_ecm.project(anchors, progress);
+  NodeSet still = m_held.still;
+  remove_nodes(still, grabbed);
+  anchors = m_held.anchors;
+  if (!still.empty()) anchors.push_back(still);
+  try {
+    m_report = m_ecm.drag(handles, anchors, progress);
+  } catch (...) {
+    m_held.body.pos_mm = before;
+    throw;
+  }
+  m_report.projection = projection;
+  add_nodes(still, follows);
+  m_held.still = std::move(still);
 }
 
 }  // namespace supple

@@ -16,7 +16,7 @@ class MeshEcmModel final : public Model<MeshHandle> {
   const char* name() const override { return "ecm"; }
   void move(const std::vector<MeshHandle>& handles, int steps, Progress* progress) override;
   bool step() override { return false; }
-  /// It knows limits only: no energy and no forces.
+  /// It knows limits only: no energy, and no force at any handle.
   ModelEnergy energy() override { return {}; }
   std::vector<Reaction> reactions(const std::vector<MeshHandle>& handles) override {
     return std::vector<Reaction>(handles.size());

@@ -43,7 +43,7 @@ class Model {
   /// Sends the handles on their way from where they are: models that know time move them evenly
   /// over the next `steps` steps, the others at once. They stay held where they come to, by what
   /// holds the body, until that is told otherwise. Throws InputError as the ECM drag of that body
-  /// does: a handle without nodes, held twice, beyond the range. Nothing has changed then.
+  /// does: a handle without nodes, held twice, beyond the range. Nothing has moved then.
   virtual void move(const std::vector<Handle>& handles, int steps, Progress* progress) = 0;
   /// One pass, or one step of time. False when the body has come to rest by the model's own
   /// measure: further steps change nothing.

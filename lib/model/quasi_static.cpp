@@ -4,15 +4,17 @@
 
 namespace supple {
 
-std::vector<Reaction> quasi_static_reactions(const HeldBody& held,
-                                             const std::vector<Handle>& handles,
-                                             double volume_stiffness_kpa) {
+std::vector<SlotSet> elements_of_handles(const Body& body, const std::vector<Handle>& handles) {
   std::vector<SlotSet> elements;
-  for (const Handle& handle : handles) {
-    elements.push_back(elements_of(held.body, handle.region, "grab"));
-  }
+  for (const Handle& handle : handles) elements.push_back(elements_of(body, handle.region, "grab"));
+  return elements;
+}
+
+std::vector<Reaction> quasi_static_reactions(const HeldBody& held,
+                                             const std::vector<SlotSet>& handles,
+                                             double volume_stiffness_kpa) {
   const SlotSet still = still_elements(held.body, held.anchors, held.holds);
-  return reactions(held.body, elements, still, held.holds, volume_stiffness_kpa);
+  return reactions(held.body, handles, still, held.holds, volume_stiffness_kpa);
 }
 
 }  // namespace supple

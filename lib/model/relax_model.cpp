@@ -27,9 +27,15 @@ void RelaxModel::begin() {
   m_relaxation = std::make_unique<Relaxation>(m_held.body, m_still, m_held.holds, m_params);
 }
 
+/// The offsets to the body.
+void RelaxModel::put() {
+  m_relaxation->store();
+  m_held.body.links_known_valid = m_params.method != RelaxMethod::plain;
+}
+
 void RelaxModel::move(const std::vector<Handle>& handles, int, Progress* progress) {
-  store();
-  EcmSolver(m_held.body).drag(handles, m_held.anchors, m_held.holds, progress);
+  put();
+  m_drag = EcmSolver(m_held.body).drag(handles, m_held.anchors, m_held.holds, progress);
   m_still = still_elements(m_held.body, m_held.anchors, m_held.holds);
   begin();
 }
@@ -47,20 +53,27 @@ ModelEnergy RelaxModel::energy() {
 }
 
 std::vector<Reaction> RelaxModel::reactions(const std::vector<Handle>& handles) {
-  m_relaxation->store();
-  return quasi_static_reactions(m_held, handles, m_params.volume_stiffness_kpa);
+  put();
+  return quasi_static_reactions(m_held, elements_of_handles(m_held.body, handles),
+                                m_params.volume_stiffness_kpa);
 }
 
 void RelaxModel::store() {
+  put();
+  Body& body = m_held.body;
+  if (body.material.has_plastic() && m_report.passes > m_stored_passes) {
+    m_report.yielded_links += let_flow(body);
+  }
+  m_stored_passes = m_report.passes;
+}
+
+RelaxReport RelaxModel::report() {
   m_report.energy_after = m_relaxation->energy();
   if (m_report.passes == 0) m_report.energy_before = m_report.energy_after;
-  m_relaxation->store();
-  Body& body = m_held.body;
-  if (body.material.has_plastic()) m_report.yielded_links += let_flow(body);
-  body.links_known_valid = m_params.method != RelaxMethod::plain;
-  if (m_report.volumes_before) m_report.volumes_after = cell_volumes(body);
+  if (m_report.volumes_before) m_report.volumes_after = cell_volumes(m_held.body);
   m_report.milliseconds =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - m_begin).count();
+  return m_report;
 }
 
 RelaxReport relax(Body& body, const std::vector<Region>& fixed, const Holds& held,

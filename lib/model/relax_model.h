@@ -22,7 +22,7 @@ struct RelaxReport {
   std::int64_t yielded_links = 0;              // whose rest stretch followed
   /// Where volume is conserved.
   std::optional<CellVolumes> volumes_before, volumes_after;
-  double milliseconds = 0;  // from the model's making to the last store()
+  double milliseconds = 0;  // from the model's making
 };
 
 class RelaxModel final : public Model<Handle> {
@@ -38,20 +38,25 @@ class RelaxModel final : public Model<Handle> {
   bool step() override;
   ModelEnergy energy() override;
   std::vector<Reaction> reactions(const std::vector<Handle>& handles) override;
-  /// Ends with plastic flow, where links have yielded.
+  /// Ends with plastic flow, where links have yielded in passes since the last store().
   void store() override;
 
-  /// Up to the last store().
-  const RelaxReport& report() const { return m_report; }
+  /// Of all passes and stores so far; its last energy costs as much as a pass.
+  RelaxReport report();
+  /// Of the drag in the last move().
+  const EcmReport& drag_report() const { return m_drag; }
 
  private:
   void begin();
+  void put();
 
   HeldBody m_held;
   RelaxParams m_params;
   SlotSet m_still;
   std::unique_ptr<Relaxation> m_relaxation;
   RelaxReport m_report;
+  EcmReport m_drag;
+  int m_stored_passes = 0;
   std::chrono::steady_clock::time_point m_begin;
 };
 

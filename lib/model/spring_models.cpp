@@ -1,9 +1,10 @@
 #include "lib/model/spring_models.h"
 
-#include <algorithm>
+#include <cmath>
 
 #include "lib/chainmail/held_voxels.h"
 #include "lib/chainmail/node_owners.h"
+#include "lib/model/quasi_static.h"
 #include "volumes/base/error.h"
 
 namespace supple {
@@ -62,10 +63,12 @@ void VoxelSpringModel::move(const std::vector<Handle>& handles, int steps, Progr
 }
 
 std::vector<Reaction> VoxelSpringModel::reactions(const std::vector<Handle>& handles) {
+  return reactions(elements_of_handles(m_held.body, handles));
+}
+
+std::vector<Reaction> VoxelSpringModel::reactions(const std::vector<SlotSet>& elements) const {
   std::vector<std::vector<int>> sets;
-  for (const Handle& handle : handles) {
-    sets.push_back(nodes_of(elements_of(m_held.body, handle.region, "grab")));
-  }
+  for (const SlotSet& slots : elements) sets.push_back(nodes_of(slots));
   return m_motion.reactions(sets);
 }
 
@@ -80,9 +83,14 @@ void MeshSpringModel::move(const std::vector<MeshHandle>& handles, int steps, Pr
   std::vector<DrivenNodes> driven;
   NodeSet grabbed;
   for (std::size_t h = 0; h < handles.size(); ++h) {
+    const std::string name = "handle " + std::to_string(h);
     if (handles[h].kind == HandleKind::push) throw_push();
-    const std::vector<Slot> nodes =
-        owners.claim(handles[h].nodes, "handle " + std::to_string(h), false);
+    for (int c = 0; c < 3; ++c) {
+      if (std::isfinite(handles[h].by_mm[c])) continue;
+      throw InputError(
+          {"", name, "a move by " + number_text(handles[h].by_mm[c]) + " mm", "a finite one"});
+    }
+    const std::vector<Slot> nodes = owners.claim(handles[h].nodes, name, false);
     driven.push_back({indices(nodes), handles[h].by_mm});
     grabbed.insert(grabbed.end(), nodes.begin(), nodes.end());
   }
@@ -92,17 +100,20 @@ void MeshSpringModel::move(const std::vector<MeshHandle>& handles, int steps, Pr
         owners.claim(m_held.anchors[a], "anchor " + std::to_string(a), true);
     fixed.insert(fixed.end(), nodes.begin(), nodes.end());
   }
+  for (const int node : m_held.still) {
+    if (node >= 0 && std::size_t(node) < m_system.node_count()) continue;
+    throw InputError({"", "held nodes", "node " + std::to_string(node),
+                      "an index below " + std::to_string(m_system.node_count())});
+  }
   fixed.insert(fixed.end(), m_held.still.begin(), m_held.still.end());
   m_motion.move(fixed, std::move(driven), steps);
-  m_held.still.insert(m_held.still.end(), grabbed.begin(), grabbed.end());
-  std::sort(m_held.still.begin(), m_held.still.end());
-  m_held.still.erase(std::unique(m_held.still.begin(), m_held.still.end()), m_held.still.end());
+  add_nodes(m_held.still, grabbed);
 }
 
 std::vector<Reaction> MeshSpringModel::reactions(const std::vector<MeshHandle>& handles) {
   std::vector<std::vector<int>> sets;
+  NodeOwners owners(m_system.node_count());
   for (std::size_t h = 0; h < handles.size(); ++h) {
-    NodeOwners owners(m_system.node_count());
     sets.push_back(indices(owners.claim(handles[h].nodes, "handle " + std::to_string(h), false)));
   }
   return m_motion.reactions(sets);

@@ -28,6 +28,8 @@ class VoxelSpringModel final : public Model<Handle> {
   bool step() override { return m_motion.step(); }
   ModelEnergy energy() override { return m_motion.energy(); }
   std::vector<Reaction> reactions(const std::vector<Handle>& handles) override;
+  /// The same of any elements.
+  std::vector<Reaction> reactions(const std::vector<SlotSet>& elements) const;
   void store() override { give_state(m_springs, m_held.body); }
 
   const SpringMotion& motion() const { return m_motion; }
@@ -43,13 +45,14 @@ class VoxelSpringModel final : public Model<Handle> {
 
 class MeshSpringModel final : public Model<MeshHandle> {
  public:
-  /// Throws InputError as make_springs and MotionParams::validate, for an anchor that names no
-  /// node.
+  /// Throws InputError as make_springs and MotionParams::validate, for an anchor or held
+  /// nodes that name no node.
   MeshSpringModel(const HeldMesh& held, const MeshSpringParams& springs,
                   const MotionParams& params);
 
   const char* name() const override { return "springs"; }
-  /// Throws InputError as MeshEcm::drag for indices, and for push handles.
+  /// Throws InputError as MeshEcm::drag for indices, for push handles, and for moves that are not
+  /// finite.
   void move(const std::vector<MeshHandle>& handles, int steps, Progress* progress) override;
   bool step() override { return m_motion.step(); }
   ModelEnergy energy() override { return m_motion.energy(); }

@@ -30,16 +30,6 @@ SpringMotion::SpringMotion(SpringSystem& system, const MotionParams& params)
     : m_system(system), m_params(params) {
   params.validate();
   m_system.gravity_m_s2 = params.gravity_m_s2;
-  begin();
-}
-
-/// Integrators and minimisations know which nodes are held from their start.
-void SpringMotion::begin() {
-  m_integrator.reset();
-  m_minimiser.reset();
-  if (m_params.goal == MotionParams::Goal::motion) {
-    m_integrator = make_integrator(m_params.method, m_system);
-  }
 }
 
 void SpringMotion::move(const std::vector<int>& still, std::vector<DrivenNodes> handles,
@@ -62,7 +52,9 @@ void SpringMotion::move(const std::vector<int>& still, std::vector<DrivenNodes> 
   }
   m_step = 0;
   m_steps = std::max(steps, 1);
-  begin();
+  // They know from their start which nodes are held.
+  m_integrator.reset();
+  m_minimiser.reset();
 }
 
 /// The handles' targets of the next step.
@@ -78,7 +70,8 @@ void SpringMotion::drive() {
 
 bool SpringMotion::step() {
   drive();
-  if (m_integrator) {
+  if (m_params.goal == MotionParams::Goal::motion) {
+    if (!m_integrator) m_integrator = make_integrator(m_params.method, m_system);
     m_report += m_integrator->step(m_params.step_s);
     return true;
   }

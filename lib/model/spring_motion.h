@@ -15,7 +15,7 @@ struct MotionParams {
   /// By the integrator, in steps of time; or down to the minimum of the energy, without time.
   enum class Goal { motion, minimum };
   Goal goal = Goal::motion;
-  SpringMethod method = SpringMethod::xpbd;
+  SpringMethod method = SpringMethod::implicit;
   double step_s = 0.01;
   double tolerance_mn = 1e-3;  // of a minimum: largest force that is left on a free node
   Vec3d gravity_m_s2{0, 0, 0};
@@ -42,7 +42,8 @@ class SpringMotion {
   /// False when a minimum is reached.
   bool step();
   ModelEnergy energy() const;
-  /// Sums over the nodes of each set; those that are not held count 0.
+  /// Sums over the nodes of each set; those that are not held count 0. Means over the last step of
+  /// time; of a minimum, and before the first step, those of the springs at rest.
   std::vector<Reaction> reactions(const std::vector<std::vector<int>>& sets) const;
   /// Largest force that is left on a free node; of a minimisation.
   double residual_mn() const { return m_minimiser ? m_minimiser->residual_mn() : 0; }
@@ -50,16 +51,15 @@ class SpringMotion {
 
  private:
   void drive();
-  void begin();
 
   SpringSystem& m_system;
   MotionParams m_params;
   std::vector<DrivenNodes> m_handles;
-  std::vector<std::vector<Vec3d>> m_starts;  // per handle and node
-  int m_step = 0, m_steps = 1;               // of the present move
-  std::unique_ptr<SpringIntegrator> m_integrator;
-  std::unique_ptr<Minimiser> m_minimiser;
-  SpringStepReport m_report;  // of all steps
+  std::vector<std::vector<Vec3d>> m_starts;        // per handle and node
+  int m_step = 0, m_steps = 1;                     // of the present move
+  std::unique_ptr<SpringIntegrator> m_integrator;  // from the first step of a move on
+  std::unique_ptr<Minimiser> m_minimiser;          // the same
+  SpringStepReport m_report;                       // of all steps
 };
 
 }  // namespace supple

@@ -105,27 +105,41 @@ class Builder {
       for (int axis = 0; axis < 3; ++axis) {
         Slot next, beyond;
         if (!link(slot, axis, next)) continue;
-        add(slot, next, step(axis), m_params.structural_n_m);
-        if (link(next, axis, beyond)) add(slot, beyond, 2.0 * step(axis), m_params.bending_n_m);
+        const Vec3d rest = rest_of(slot, axis);
+        add(slot, next, rest, m_params.structural_n_m);
+        if (link(next, axis, beyond)) {
+          add(slot, beyond, rest + rest_of(next, axis), m_params.bending_n_m);
+        }
         for (int other = axis + 1; other < 3; ++other) add_diagonals(slot, next, axis, other);
       }
     }
   }
 
  private:
-  Vec3d step(int axis) const { return m_body.geometry.axes_mm()[axis]; }
+  /// Of the link to the next voxel along the axis, with what plastic flow left.
+  Vec3d rest_of(Slot low, int axis) const {
+    const auto& axes = m_body.geometry.axes_mm();
+    Vec3d rest = axes[std::size_t(axis)];
+    for (std::size_t c = 0; c < 3; ++c) {
+      rest += axes[c] * (m_body.rest[std::size_t(axis)][c].at(low) / kFixedOne);
+    }
+    return rest;
+  }
   bool link(Slot from, int axis, Slot& to) const {
     return neighbour_slot(m_body.elements, m_body.cuts, from, axis, true, to);
   }
 
-  /// Both diagonals of the square between the axes; `next` lies one step along `axis`.
+  /// Both diagonals of the square between the axes; `next` lies one step along `axis`. Their rest
+  /// is the mean of both ways round.
   void add_diagonals(Slot slot, Slot next, int axis, int other) {
     Slot side, corner, same_corner;
     if (!link(slot, other, side) || !link(next, other, corner) || !link(side, axis, same_corner)) {
       return;
     }
-    add(slot, corner, step(axis) + step(other), m_params.shear_n_m);
-    add(next, side, step(axis) - step(other), m_params.shear_n_m);
+    const Vec3d along = (rest_of(slot, axis) + rest_of(side, axis)) * 0.5;
+    const Vec3d across = (rest_of(slot, other) + rest_of(next, other)) * 0.5;
+    add(slot, corner, along + across, m_params.shear_n_m);
+    add(next, side, along - across, m_params.shear_n_m);
   }
 
   void add(Slot a, Slot b, const Vec3d& between, double stiffness) {

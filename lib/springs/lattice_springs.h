@@ -48,7 +48,8 @@ struct LatticeSprings {
   int node_of(Slot slot) const;
 };
 
-/// Rest lengths from the lattice in mm, positions and velocities of the body. A diagonal
+/// Rest lengths in mm from the lattice and the body's rest stretches, positions and velocities of
+/// the body. A diagonal
 /// needs all four voxels and links of its square, a bending spring its middle voxel and both links:
 /// a spring never joins the sides of a cut. Throws InputError as validate(), and for an element
 /// without mass.

@@ -138,7 +138,7 @@ TEST(PropertyMeshEcm, ACancelledProjectionLeavesNothingBehind) {
   const MeshLimits limits{1.1, 0.9, 0.1};
   MeshEcm ecm(body, limits);
   for (std::size_t n = 0; n < body.node_count(); n += 50) body.pos_mm[n].x += 1;
-  EXPECT_THROW(ecm.project(&progress), Cancelled);
+  EXPECT_THROW(ecm.project({}, &progress), Cancelled);
   for (std::size_t n = 0; n < body.node_count(); n += 70) body.pos_mm[n].x += 3;
   MeshBody twin = body;
   const MeshEcmReport report = ecm.drag({{{30}, {1, 2, 3}}}, {});

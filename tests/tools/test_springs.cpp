@@ -92,6 +92,29 @@ TEST_F(UnitSpringScene, EveryStepTellsThePullOfEveryHandle) {
   EXPECT_LT(steps[2]["forces"][0]["force_n"][0], 0);
 }
 
+TEST_F(UnitSpringScene, WhatIsGrabbedAnewIsNoLongerTheEarlierHandles) {
+  const std::string rest = "[[step]]\nmodel = \"springs\"\nsprings = { minimise = true }\n";
+  const auto steps = steps_of(
+      "[[step]]\ngrab_box = [7, 13, 7, 9, 13, 9]\nby = [0, 1, 0]\nfix = [[0, 0, 0, 15, 4, 15]]\n" +
+      rest + "[[step]]\ngrab = [8, 13, 8]\nby = [0, 0, 0]\n" + rest +
+      "[[step]]\ngrab_box = [7, 13, 7, 9, 13, 9]\nby = [0, 0, 0]\n" + rest);
+  ASSERT_EQ(steps.size(), 6u);
+  const auto pull = [&](std::size_t step) {
+    double sum = 0;
+    for (const auto& force : steps[step]["forces"]) sum += force["force_n"][1].get<double>();
+    return sum;
+  };
+  EXPECT_EQ(steps[1]["forces"].size(), 1u);
+  ASSERT_EQ(steps[3]["forces"].size(), 2u);
+  EXPECT_EQ(steps[3]["forces"][1]["step"], 3);
+  EXPECT_NE(steps[3]["forces"][1]["force_n"][1], 0);
+  ASSERT_EQ(steps[5]["forces"].size(), 1u);
+  EXPECT_EQ(steps[5]["forces"][0]["step"], 5);
+  // However it is shared out, all of it is told once.
+  EXPECT_NEAR(pull(3), pull(1), 1e-3 * std::abs(pull(1)));
+  EXPECT_NEAR(pull(5), pull(1), 1e-3 * std::abs(pull(1)));
+}
+
 TEST_F(UnitSpringScene, AMotionGoesOnInTheNextStepAndFromAState) {
   const std::string motion =
       "[[step]]\nmodel = \"springs\"\n"
@@ -188,5 +211,8 @@ TEST_F(FaultSpringScene, WrongSettingsAreNamed) {
   expect(model + "{ minimise = true, steps = 0 }", "steps: found 0");
   expect(model + "{ shear = -1 }", "shear: found -1");
   expect(model + "{ gravty = [0, 0, 1] }", "gravity");
-  expect("grab = [8, 14, 8]\nby = [0, -1, 0]\npush = true\nmodel = \"springs\"", "a push handle");
+  expect("grab = [8, 14, 8]\nby = [0, -1, 0]\npush = true\nmodel = \"springs\"",
+         "a handle that only pushes");
+  expect("grab = [8, 14, 8]\nby = [0, -1, 0]\npush = true\n[[step]]\nmodel = \"springs\"",
+         "an earlier step's handle");
 }

@@ -91,6 +91,25 @@ inline BrickValues random_labels(unsigned seed, const BrickTopology& elements) {
   return labels;
 }
 
+/// Rest stretches of some axes and velocities along some coordinates, of some elements.
+inline void add_motion(std::mt19937& random, State& state) {
+  std::normal_distribution<double> speed(0, 100);
+  const auto fill = [&](auto& values, auto&& value) {
+    if (random() % 3 == 0) return;
+    values.resize(state.elements.brick_count());
+    for (std::size_t b = 0; b < state.elements.brick_count(); ++b) {
+      if (random() % 2 == 0) continue;
+      for_each_active(state.elements.mask(b), [&](int offset) {
+        if (random() % 2 == 0) values.touch(b)[offset] = value();
+      });
+    }
+  };
+  for (auto& axis : state.rest) {
+    for (auto& rest : axis) fill(rest, [&] { return random_offset(random); });
+  }
+  for (auto& velocity : state.velocity_mm_s) fill(velocity, [&] { return speed(random); });
+}
+
 inline State random_state(unsigned seed, int max_dim = 28) {
   std::mt19937 random(seed);
   const auto dim = [&] { return 1 + int(random() % unsigned(max_dim)); };
@@ -131,6 +150,7 @@ inline State random_state(unsigned seed, int max_dim = 28) {
   for (const auto& [label, count] : label_counts(state.labels)) {
     if (count % 2 == 0) state.anchor_labels.push_back(label);
   }
+  add_motion(random, state);
   return state;
 }
 
@@ -145,7 +165,8 @@ inline bool same_densities(const DensityGrid& a, const DensityGrid& b) {
 /// Bit for bit.
 inline bool same_state(const State& a, const State& b) {
   return a.geometry == b.geometry && same_densities(a.density, b.density) &&
-         a.elements == b.elements && a.q == b.q && a.cuts == b.cuts && a.anchors == b.anchors &&
+         a.elements == b.elements && a.q == b.q && a.rest == b.rest &&
+         a.velocity_mm_s == b.velocity_mm_s && a.cuts == b.cuts && a.anchors == b.anchors &&
          a.labels == b.labels && a.anchor_labels == b.anchor_labels &&
          a.material_toml == b.material_toml && a.configuration == b.configuration &&
          a.source_name == b.source_name && a.source_type == b.source_type;

@@ -99,6 +99,19 @@ TEST_F(FaultForgedState, OffsetsBeyondTheLimitAreRejected) {
   expect_error("q.y at");
 }
 
+TEST_F(FaultForgedState, VelocitiesThatAreNotFiniteOrWithoutElementAreRejected) {
+  auto velocity = m_parts.grid<openvdb::Vec3DGrid>("velocity");
+  ASSERT_TRUE(velocity);
+  const openvdb::Coord voxel(m_element.x, m_element.y, m_element.z);
+  velocity->tree().setValueOn(voxel, openvdb::Vec3d(0, 1, HUGE_VAL));
+  expect_error("velocity.z at");
+  velocity->tree().setValueOn(voxel, openvdb::Vec3d(1));
+  ASSERT_EQ(read_error(), "");
+  m_parts.grid<openvdb::BoolGrid>("element")->tree().setActiveState(voxel, false);
+  m_parts.grid<openvdb::Vec3IGrid>("q")->tree().setActiveState(voxel, false);
+  expect_error("grid velocity: found a value without element");
+}
+
 TEST_F(FaultForgedState, ElementsOutsideTheVolumeAreRejected) {
   m_parts.grid<openvdb::BoolGrid>("element")->tree().setValueOn(openvdb::Coord(-1, 0, 0), true);
   expect_error("grid element: found voxels outside the volume");
