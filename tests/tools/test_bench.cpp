@@ -278,6 +278,21 @@ TEST(UnitBench, RowsOfSpringsHaveTheDocumentedFieldsAndBoundedEnergy) {
   EXPECT_NEAR(json["rows"][5]["force_ratio"], 1, 1e-3);
 }
 
+TEST(UnitBench, ExplicitStepsAreCutIntoSubstepsAndKeepTheirEnergy) {
+  const TemporaryFolder folder;
+  const Outcome outcome = run_supple({"bench", "springs", "--quick", "--only", "pluck/1/explicit",
+                                      "--only", "pluck/1/implicit", "--json", folder / "s.json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto rows = nlohmann::json::parse(read_text(folder / "s.json"))["rows"];
+  ASSERT_EQ(rows.size(), 2u);
+  for (const auto& row : rows) {
+    const bool is_explicit = row["integrator"] == "explicit";
+    EXPECT_EQ(row["substeps"], is_explicit ? 41 : 1);
+    if (!row.contains("energy_10")) continue;  // sanitizers use up the time
+    EXPECT_EQ(row["energy_10"].get<double>() > 0.9, is_explicit);
+  }
+}
+
 TEST(UnitBench, AQuickRunOfSpringsKeepsEveryRow) {
   const auto names = [](std::vector<std::string> more) {
     more.insert(more.begin(), {"bench", "springs", "--list"});

@@ -62,6 +62,11 @@ std::vector<SpringsWorkload> plan_springs(const SpringsBenchOptions& options) {
   return plan;
 }
 
+/// Rows call symplectic Euler what it is among the others.
+SpringMethod method_of(const std::string& name) {
+  return name == "explicit" ? SpringMethod::symplectic : spring_method(name).value();
+}
+
 void run_frame(MovingMembrane& membrane, int frame) {
   if (membrane.is_held) frame = std::min(frame, Forceps::kHighestFrame);
   if (membrane.forceps) membrane.forceps->move(membrane.system, frame);
@@ -136,7 +141,7 @@ std::vector<BenchRow> measure_workload(const SpringsWorkload& workload, bool qui
       membrane->system = plucked_membrane(workload.stiffness_n_m);
       reference_j = membrane->largest_j = energy(membrane->system).total_j();
     }
-    membrane->integrator = make_integrator(*spring_method(name), membrane->system);
+    membrane->integrator = make_integrator(method_of(name), membrane->system);
     membranes.push_back(std::move(membrane));
   }
   for (int frame = 0; frame < frames; ++frame) {
