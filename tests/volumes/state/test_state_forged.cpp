@@ -108,7 +108,11 @@ TEST_F(FaultForgedState, VelocitiesThatAreNotFiniteOrWithoutElementAreRejected) 
   velocity->tree().setValueOn(voxel, openvdb::Vec3d(1));
   ASSERT_EQ(read_error(), "");
   m_parts.grid<openvdb::BoolGrid>("element")->tree().setActiveState(voxel, false);
-  m_parts.grid<openvdb::Vec3IGrid>("q")->tree().setActiveState(voxel, false);
+  for (const char* name : {"q", "rest_i", "rest_j", "rest_k"}) {
+    if (auto grid = m_parts.grid<openvdb::Vec3IGrid>(name)) {
+      grid->tree().setActiveState(voxel, false);
+    }
+  }
   expect_error("grid velocity: found a value without element");
 }
 
