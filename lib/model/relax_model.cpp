@@ -41,6 +41,7 @@ void RelaxModel::move(const std::vector<Handle>& handles, int, Progress* progres
 }
 
 bool RelaxModel::step() {
+  m_energy_before_flow.reset();
   m_report.largest_step_voxels = m_relaxation->pass();
   if (m_report.passes == 0) m_report.energy_before = m_relaxation->energy_before_pass();
   ++m_report.passes;
@@ -62,13 +63,14 @@ void RelaxModel::store() {
   put();
   Body& body = m_held.body;
   if (body.material.has_plastic() && m_report.passes > m_stored_passes) {
+    m_energy_before_flow = m_relaxation->energy();
     m_report.yielded_links += let_flow(body);
   }
   m_stored_passes = m_report.passes;
 }
 
 RelaxReport RelaxModel::report() {
-  m_report.energy_after = m_relaxation->energy();
+  m_report.energy_after = m_energy_before_flow ? *m_energy_before_flow : m_relaxation->energy();
   if (m_report.passes == 0) m_report.energy_before = m_report.energy_after;
   if (m_report.volumes_before) m_report.volumes_after = cell_volumes(m_held.body);
   m_report.milliseconds =

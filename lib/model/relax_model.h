@@ -57,6 +57,7 @@ class RelaxModel final : public Model<Handle> {
   RelaxReport m_report;
   EcmReport m_drag;
   int m_stored_passes = 0;
+  std::optional<double> m_energy_before_flow;  // uJ, since the last step
   std::chrono::steady_clock::time_point m_begin;
 };
 

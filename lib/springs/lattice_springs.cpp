@@ -39,7 +39,7 @@ class NodeState {
     constexpr std::int64_t kHalf = 1 << (kFractionBits - 1);
     const std::int64_t whole = (fine + kHalf) >> kFractionBits;
     m_has_moved |= set(m_q[c], slot, std::int32_t(whole));
-    set(m_fraction[c], slot, std::int16_t(fine - (whole << kFractionBits)));
+    set(m_fraction[c], slot, std::int16_t(fine - whole * (1 << kFractionBits)));
   }
   void set_velocity(int c, Slot slot, double mm_s) { set(m_velocity[c], slot, mm_s); }
 
