@@ -59,26 +59,14 @@ void require_meets_volume(const IndexBox& box, const std::string& place, const s
            to_text(dims)});
 }
 
-/// Springs know no handles that only push, of their own step or still held from an earlier one.
-void check_pushes(const std::vector<SceneStep>& steps) {
-  const SceneStep* pushes = nullptr;
-  for (const SceneStep& step : steps) {
-    if (step.release) pushes = nullptr;
-    for (const GivenHandle& handle : step.handles) {
-      if (handle.push) pushes = &step;
-    }
-    if (!step.springs || pushes == nullptr) continue;
-    throw InputError({step.place, "model",
-                      pushes == &step ? "springs with a handle that only pushes"
-                                      : "springs while an earlier step's handle pushes",
-                      "handles without push, or release = true before"});
-  }
-}
-
 /// Voxels are checked before anything is solved. Elements are known only to the body.
 void check_step(const SceneStep& step, const Geometry& geometry) {
   for (const GivenHandle& handle : step.handles) {
     if (handle.box) require_meets_volume(*handle.box, step.place, "grab", geometry.dims());
+    if (step.springs && handle.push) {
+      throw InputError(
+          {step.place, "push", "a push handle beside springs", "handles that hold what they grab"});
+    }
   }
   for (const IndexBox& box : step.fix) {
     require_meets_volume(box, step.place, "fix", geometry.dims());
@@ -285,7 +273,6 @@ void check_scene(const Scene& scene, const Options& options, const GlobalOptions
                                 ? read_state(scene.volume_path).geometry
                                 : open_volume(scene.volume_path, scene.read)->header().geometry;
   for (const SceneStep& step : scene.steps) check_step(step, geometry);
-  check_pushes(scene.steps);
   to_path(scene.offset, geometry);
   for (const SceneView& view : scene.views) to_path(view.offset, geometry);
 }

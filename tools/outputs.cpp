@@ -270,6 +270,7 @@ nlohmann::ordered_json to_json(const RelaxParams& params, const RelaxReport& rep
                                  {"yielded_links", report.yielded_links},
                                  {"projected", report.projected_links},
                                  {"projected_max_voxels", report.projected_max_voxels},
+                                 {"projected_held", report.projected_held},
                                  {"relax_ms", report.milliseconds}};
   if (report.volumes_after) {
     json["volume_kpa"] = params.volume_stiffness_kpa;
@@ -290,6 +291,7 @@ nlohmann::ordered_json to_json(const TightenReport& report) {
           {"excess_voxels", report.excess_voxels},
           {"projected", report.projected_links},
           {"projected_max_voxels", report.projected_max_voxels},
+          {"projected_held", report.projected_held},
           {"tighten_ms", report.milliseconds}};
 }
 
@@ -303,6 +305,7 @@ nlohmann::ordered_json to_json(const EcmReport& report, std::int64_t cut_links) 
           {"cut_links", cut_links},
           {"projected", report.projected_links},
           {"projected_max_voxels", report.projected_max_voxels},
+          {"projected_held", report.projected_held},
           {"visited", report.visited},
           {"max_queue", report.max_queue},
           {"solve_ms", report.milliseconds}};

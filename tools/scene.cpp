@@ -214,7 +214,7 @@ SceneStep read_step(TomlTable& table) {
       step.fix_labels.empty() && step.cuts.empty() && !step.relax && !step.springs &&
       step.limits != Limits::tighten) {
     table.fail("", "a step that does nothing",
-               "grab, handles, fix, fix_label, fix_points, cut, relax, release or limits");
+               "grab, handles, fix, fix_label, fix_points, cut, relax, model, release or limits");
   }
   return step;
 }

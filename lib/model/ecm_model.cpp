@@ -12,9 +12,10 @@ void EcmModel::move(const std::vector<Handle>& handles, int, Progress* progress)
 }
 
 ModelEnergy EcmModel::energy() {
+  const SlotSet none;
   RelaxParams params;
   params.method = RelaxMethod::jacobi;
-  Relaxation springs(m_held.body, {}, m_held.holds, params);
+  Relaxation springs(m_held.body, none, m_held.holds, params);
   return {springs.energy() * kJoulePerMicrojoule, 0, 0};
 }
 

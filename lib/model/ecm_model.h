@@ -12,7 +12,6 @@ class EcmModel final : public Model<Handle> {
  public:
   explicit EcmModel(const HeldBody& held);
 
-  const char* name() const override { return "ecm"; }
   void move(const std::vector<Handle>& handles, int steps, Progress* progress) override;
   bool step() override { return false; }
   /// That of the springs that relaxation would find.

@@ -13,7 +13,6 @@ class MeshEcmModel final : public Model<MeshHandle> {
   /// Throws InputError as MeshEcm.
   MeshEcmModel(const HeldMesh& held, const MeshLimits& limits);
 
-  const char* name() const override { return "ecm"; }
   void move(const std::vector<MeshHandle>& handles, int steps, Progress* progress) override;
   bool step() override { return false; }
   /// It knows limits only: no energy, and no force at any handle.

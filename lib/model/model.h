@@ -6,7 +6,7 @@
 // goes on from there. Nothing else passes from one to the other, and nothing is lost between them:
 // what a model does not know of (velocities, in a quasi-static one) it leaves as it is.
 //
-// | name    | voxel bodies     | mesh bodies     | a step is      | knows               |
+// | model   | voxel bodies     | mesh bodies     | a step is      | knows               |
 // |---------|------------------|-----------------|----------------|---------------------|
 // | ecm     | EcmModel         | MeshEcmModel    | nothing        | limits              |
 // | relax   | RelaxModel       |                 | a pass         | limits, elasticity  |
@@ -38,8 +38,6 @@ class Model {
   Model(const Model&) = delete;
   Model& operator=(const Model&) = delete;
 
-  /// As users write it.
-  virtual const char* name() const = 0;
   /// Sends the handles on their way from where they are: models that know time move them evenly
   /// over the next `steps` steps, the others at once. They stay held where they come to, by what
   /// holds the body, until that is told otherwise. Throws InputError as the ECM drag of that body

@@ -32,7 +32,6 @@ class RelaxModel final : public Model<Handle> {
   RelaxModel(const HeldBody& held, const RelaxParams& params);
   ~RelaxModel() override;
 
-  const char* name() const override { return "relax"; }
   void move(const std::vector<Handle>& handles, int steps, Progress* progress) override;
   /// False by params.tolerance_voxels, or when no element can move any more.
   bool step() override;

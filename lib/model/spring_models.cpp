@@ -11,8 +11,8 @@ namespace supple {
 
 namespace {
 
-[[noreturn]] void throw_push() {
-  throw InputError({"", "springs", "a push handle", "handles that hold what they grab"});
+[[noreturn]] void throw_push(const std::string& found, const std::string& expected) {
+  throw InputError({"", "springs", found, expected});
 }
 
 std::vector<int> indices(const std::vector<Slot>& nodes) {
@@ -41,13 +41,15 @@ void VoxelSpringModel::move(const std::vector<Handle>& handles, int steps, Progr
   const HeldVoxels found = hold(body, handles, fixed, m_held.holds);
   for (const auto* bounds : {&found.rest.at_least, &found.rest.at_most}) {
     for (const std::vector<Bound>& of_coordinate : *bounds) {
-      if (!of_coordinate.empty()) throw_push();
+      if (of_coordinate.empty()) continue;
+      throw_push("a push handle of an earlier drag, still held",
+                 "its release, or a handle that holds");
     }
   }
   Holds holds = found.rest;
   std::vector<DrivenNodes> driven;
   for (const HeldHandle& handle : found.handles) {
-    if (handle.is_push()) throw_push();
+    if (handle.is_push()) throw_push("a push handle", "handles that hold what they grab");
     Vec3d by_mm(0.0);
     for (int c = 0; c < 3; ++c) {
       by_mm += body.geometry.axes_mm()[c] * (handle.by(c) / kFixedOne);
@@ -84,7 +86,9 @@ void MeshSpringModel::move(const std::vector<MeshHandle>& handles, int steps, Pr
   NodeSet grabbed;
   for (std::size_t h = 0; h < handles.size(); ++h) {
     const std::string name = "handle " + std::to_string(h);
-    if (handles[h].kind == HandleKind::push) throw_push();
+    if (handles[h].kind == HandleKind::push) {
+      throw_push("a push handle", "handles that hold what they grab");
+    }
     for (int c = 0; c < 3; ++c) {
       if (std::isfinite(handles[h].by_mm[c])) continue;
       throw InputError(

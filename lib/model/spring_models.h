@@ -22,7 +22,6 @@ class VoxelSpringModel final : public Model<Handle> {
   VoxelSpringModel(const HeldBody& held, const LatticeSpringParams& springs,
                    const MotionParams& params);
 
-  const char* name() const override { return "springs"; }
   /// Throws InputError for push handles, too.
   void move(const std::vector<Handle>& handles, int steps, Progress* progress) override;
   bool step() override { return m_motion.step(); }
@@ -50,7 +49,6 @@ class MeshSpringModel final : public Model<MeshHandle> {
   MeshSpringModel(const HeldMesh& held, const MeshSpringParams& springs,
                   const MotionParams& params);
 
-  const char* name() const override { return "springs"; }
   /// Throws InputError as MeshEcm::drag for indices, for push handles, and for moves that are not
   /// finite.
   void move(const std::vector<MeshHandle>& handles, int steps, Progress* progress) override;

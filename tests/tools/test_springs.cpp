@@ -212,7 +212,7 @@ TEST_F(FaultSpringScene, WrongSettingsAreNamed) {
   expect(model + "{ shear = -1 }", "shear: found -1");
   expect(model + "{ gravty = [0, 0, 1] }", "gravity");
   expect("grab = [8, 14, 8]\nby = [0, -1, 0]\npush = true\nmodel = \"springs\"",
-         "a handle that only pushes");
+         "a push handle beside springs");
   expect("grab = [8, 14, 8]\nby = [0, -1, 0]\npush = true\n[[step]]\nmodel = \"springs\"",
-         "an earlier step's handle");
+         "a push handle of an earlier drag, still held");
 }
