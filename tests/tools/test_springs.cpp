@@ -92,6 +92,18 @@ TEST_F(UnitSpringScene, EveryStepTellsThePullOfEveryHandle) {
   EXPECT_LT(steps[2]["forces"][0]["force_n"][0], 0);
 }
 
+TEST_F(UnitSpringScene, ThePressureOfCellsCountsUntilTheBodyIsMovedWithoutIt) {
+  const std::string fix = "fix = [[0, 0, 0, 15, 4, 15]]\n";
+  const auto steps = steps_of("[[step]]\ngrab = [8, 14, 8]\nby = [0, 4, 0]\n" + fix +
+                              "relax = { passes = 100, volume = 50 }\n[[step]]\n" + fix +
+                              "[[step]]\nrelax = { passes = 1 }\n");
+  const auto pull = [&](std::size_t n) {
+    return steps[n]["forces"][0]["force_n"][1].get<double>();
+  };
+  EXPECT_EQ(pull(1), pull(0));
+  EXPECT_GT(std::abs(pull(2) - pull(0)), 0.05 * std::abs(pull(0)));
+}
+
 TEST_F(UnitSpringScene, WhatIsGrabbedAnewIsNoLongerTheEarlierHandles) {
   const std::string rest = "[[step]]\nmodel = \"springs\"\nsprings = { minimise = true }\n";
   const auto steps = steps_of(
