@@ -411,6 +411,9 @@ TEST(PropertyModels, AMeshBodyGoesFromEcmToSpringsAndBack) {
   {
     MeshEcmModel ecm(held, limits);
     const double z = body.pos_mm[112].z;
+    const std::vector<Vec3d> unprojected = body.pos_mm;
+    EXPECT_NE(input_error([&] { ecm.move({{{999}, {0, 1, 0}}}, 1, nullptr); }), "");
+    EXPECT_EQ(body.pos_mm, unprojected);
     ecm.move({{{50}, {0, 0, 0.5}}}, 1, nullptr);
     EXPECT_GT(ecm.report().projection.violated_links, 0);
     EXPECT_EQ(ecm.report().projection.held_moved, 0);
