@@ -1,3 +1,4 @@
+#define TOML_IMPLEMENTATION  // the library itself, which other files only see declared
 #include "tools/toml_table.h"
 
 #include <algorithm>

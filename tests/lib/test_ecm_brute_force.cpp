@@ -6,6 +6,7 @@
 
 #include "lib/chainmail/ecm.h"
 #include "tests/lib/brute_force.h"
+#include "tests/sanitized.h"
 #include "volumes/base/error.h"
 
 using namespace supple;
@@ -127,7 +128,7 @@ void run_case(unsigned seed, const Vec3i& max_dims, With with, Tally& tally) {
 
 TEST(PropertyEcm, EqualsBruteForceBitForBitOnRandomBodiesHandlesAndAnchors) {
   Tally tally;
-  for (unsigned seed = 0; seed < 600 && !HasFailure(); ++seed) {
+  for (unsigned seed = 0; seed < unsigned(cases(600)) && !HasFailure(); ++seed) {
     const Vec3i max_dims = seed % 10 < 2   ? Vec3i(20, 20, 6)
                            : seed % 3 == 0 ? Vec3i(12, 12, 1)
                                            : Vec3i(7, 6, 5);
@@ -135,35 +136,35 @@ TEST(PropertyEcm, EqualsBruteForceBitForBitOnRandomBodiesHandlesAndAnchors) {
   }
   std::printf("drags %d, moved %d, conflicts %d, stopped at once %d, shortened %d\n", tally.drags,
               tally.moved, tally.conflicts, tally.stopped, tally.shortened);
-  EXPECT_GE(tally.moved, 400);
-  EXPECT_GE(tally.conflicts, 50);
-  EXPECT_GE(tally.shortened, 50);
+  EXPECT_GE(tally.moved, cases(400));
+  EXPECT_GE(tally.conflicts, cases(50));
+  EXPECT_GE(tally.shortened, cases(50));
 }
 
 TEST(PropertyEcm, EqualsBruteForceBitForBitWhereLinksAreCut) {
   Tally tally;
-  for (unsigned seed = 1000; seed < 1300 && !HasFailure(); ++seed) {
+  for (unsigned seed = 1000; seed < 1000 + unsigned(cases(300)) && !HasFailure(); ++seed) {
     const Vec3i max_dims = seed % 3 == 0 ? Vec3i(12, 12, 1) : Vec3i(10, 9, 5);
     run_case(seed, max_dims, With::cuts, tally);
   }
   std::printf("drags %d, moved %d, conflicts %d, stopped at once %d, shortened %d\n", tally.drags,
               tally.moved, tally.conflicts, tally.stopped, tally.shortened);
-  EXPECT_GE(tally.moved, 400);
-  EXPECT_GE(tally.conflicts, 20);
-  EXPECT_GE(tally.shortened, 20);
+  EXPECT_GE(tally.moved, cases(400));
+  EXPECT_GE(tally.conflicts, cases(20));
+  EXPECT_GE(tally.shortened, cases(20));
 }
 
 TEST(PropertyEcm, EqualsBruteForceBitForBitWhereLabelsHaveTablesOfTheirOwn) {
   Tally tally;
-  for (unsigned seed = 2000; seed < 2300 && !HasFailure(); ++seed) {
+  for (unsigned seed = 2000; seed < 2000 + unsigned(cases(300)) && !HasFailure(); ++seed) {
     const Vec3i max_dims = seed % 3 == 0 ? Vec3i(12, 12, 1) : Vec3i(10, 9, 5);
     run_case(seed, max_dims, With::labels, tally);
   }
   std::printf("drags %d, moved %d, conflicts %d, stopped at once %d, shortened %d\n", tally.drags,
               tally.moved, tally.conflicts, tally.stopped, tally.shortened);
-  EXPECT_GE(tally.moved, 400);
-  EXPECT_GE(tally.conflicts, 20);
-  EXPECT_GE(tally.shortened, 20);
+  EXPECT_GE(tally.moved, cases(400));
+  EXPECT_GE(tally.conflicts, cases(20));
+  EXPECT_GE(tally.shortened, cases(20));
 }
 
 TEST(PropertyEcm, EqualsBruteForceOnTheLargestSizeAndOnASingleVoxel) {

@@ -8,6 +8,7 @@
 
 #include "lib/chainmail/ecm.h"
 #include "tests/lib/brute_force.h"
+#include "tests/sanitized.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -186,7 +187,7 @@ void run_case(unsigned seed, const Vec3i& max_dims, Tally& tally) {
 
 TEST(PropertyRegions, DragsOfRegionsAndPushesEqualBruteForceBitForBitAmongEarlierHolds) {
   Tally tally;
-  for (unsigned seed = 0; seed < 400 && !HasFailure(); ++seed) {
+  for (unsigned seed = 0; seed < unsigned(cases(400)) && !HasFailure(); ++seed) {
     const Vec3i max_dims = seed % 20 == 0  ? Vec3i(18, 12, 6)
                            : seed % 3 == 0 ? Vec3i(12, 12, 1)
                                            : Vec3i(7, 6, 5);
@@ -194,8 +195,8 @@ TEST(PropertyRegions, DragsOfRegionsAndPushesEqualBruteForceBitForBitAmongEarlie
   }
   std::printf("moved %d, conflicts %d, shortened %d, stopped by holds %d\n", tally.moved,
               tally.conflicts, tally.shortened, tally.held);
-  EXPECT_GE(tally.moved, 500);
-  EXPECT_GE(tally.conflicts, 200);
-  EXPECT_GE(tally.shortened, 100);
-  EXPECT_GE(tally.held, 100);
+  EXPECT_GE(tally.moved, cases(500));
+  EXPECT_GE(tally.conflicts, cases(200));
+  EXPECT_GE(tally.shortened, cases(100));
+  EXPECT_GE(tally.held, cases(100));
 }

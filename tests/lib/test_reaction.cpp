@@ -8,6 +8,7 @@
 #include "lib/relax/reaction.h"
 #include "tests/lib/quadratic_program.h"
 #include "tests/lib/relaxed_bodies.h"
+#include "tests/sanitized.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -188,7 +189,7 @@ TEST(UnitReaction, ALinkIsAtItsLimitFromA4096thVoxelOn) {
 TEST(PropertyReaction, AfterADragAloneItIsTheSlopeOfTheEnergyAlongTheDrag) {
   std::mt19937 random(11);
   int compared = 0, pulling = 0;
-  for (int n = 0; n < 900; ++n) {
+  for (int n = 0; n < cases(900); ++n) {
     Block block = random_block(random, {10, 9, 8});
     if (n % 3 == 0) cut_randomly(random, block);
     if (n % 2 == 0)
@@ -226,14 +227,14 @@ TEST(PropertyReaction, AfterADragAloneItIsTheSlopeOfTheEnergyAlongTheDrag) {
     ++compared;
     pulling += slope != 0;
   }
-  EXPECT_GT(compared, 400);
-  EXPECT_GT(pulling, 300);
+  EXPECT_GT(compared, cases(400));
+  EXPECT_GT(pulling, cases(300));
 }
 
 TEST(PropertyReaction, AtTheMinimumItIsTheSlopeOfTheLeastEnergy) {
   std::mt19937 random(23);
   int compared = 0, leaning = 0, taut = 0;
-  for (int n = 0; n < 45; ++n) {
+  for (int n = 0; n < cases(45); ++n) {
     Block block = random_block(random, {12, 9, 5});
     block.table.stiffness = Curve{{{block.table.domain_lo, 1}, {block.table.domain_hi, 5}}};
     Body body = body_of(block);
@@ -283,9 +284,9 @@ TEST(PropertyReaction, AtTheMinimumItIsTheSlopeOfTheLeastEnergy) {
     const double own = (further - spring_energy(body)) / 2 * kVoxel / block.spacing_mm.x;
     leaning += std::abs(own - slope) > 0.05 * std::abs(slope);
   }
-  EXPECT_GT(compared, 15);
-  EXPECT_GT(leaning, 8);
-  EXPECT_GT(taut, 8);
+  EXPECT_GT(compared, cases(15));
+  EXPECT_GT(leaning, cases(8));
+  EXPECT_GT(taut, cases(8));
 }
 
 TEST(PropertyReaction, AfterRelaxationTheForcesOfAllHoldersBalance) {

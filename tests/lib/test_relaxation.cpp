@@ -8,6 +8,7 @@
 #include "lib/relax/sweep_kernel.h"
 #include "tests/lib/brute_force.h"
 #include "tests/lib/relaxed_bodies.h"
+#include "tests/sanitized.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -52,7 +53,7 @@ class StopAfter : public Progress {
 TEST(PropertyRelaxation, EveryPassLeavesAValidBodyOfNoMoreEnergy) {
   std::mt19937 random(3);
   std::int64_t moved = 0;
-  for (int n = 0; n < 30; ++n) {
+  for (int n = 0; n < cases(30); ++n) {
     Dragged start = dragged(random, {13, 11, 9});
     const Dragged before = start;
     for (const RelaxMethod method : kValidMethods) {
@@ -73,7 +74,7 @@ TEST(PropertyRelaxation, EveryPassLeavesAValidBodyOfNoMoreEnergy) {
                   1e-3 * spring_energy(before.body) + 1e-9);
     }
   }
-  EXPECT_GT(moved, 800);
+  EXPECT_GT(moved, cases(800));
 }
 
 TEST(PropertyRelaxation, ASweepEndsAtWholeNumbers) {

@@ -7,6 +7,7 @@
 #include "lib/model/relax_model.h"
 #include "tests/lib/quadratic_program.h"
 #include "tests/lib/test_bodies.h"
+#include "tests/sanitized.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -20,7 +21,7 @@ constexpr std::int32_t kVoxel = 65536;
 TEST(PropertyRelaxation, ItComesNearTheLeastEnergyThatTheLimitsAllow) {
   std::mt19937 random(41);
   std::vector<double> gaps;
-  for (int n = 0; n < 40; ++n) {
+  for (int n = 0; n < cases(40); ++n) {
     const Block block = random_block(random, {9, 8, 6});
     Body body = body_of(block);
     Holds holds;
@@ -40,7 +41,7 @@ TEST(PropertyRelaxation, ItComesNearTheLeastEnergyThatTheLimitsAllow) {
     EXPECT_GE(found, least * (1 - 1e-3));
     gaps.push_back(found / least - 1);
   }
-  ASSERT_GE(gaps.size(), 20u);
+  ASSERT_GE(gaps.size(), std::size_t(cases(20)));
   std::sort(gaps.begin(), gaps.end());
   EXPECT_LE(gaps[gaps.size() * 9 / 10], 0.001);
   EXPECT_LE(gaps.back(), 0.05);

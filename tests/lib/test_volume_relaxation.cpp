@@ -6,6 +6,7 @@
 
 #include "lib/body/lattice.h"
 #include "tests/lib/relaxed_bodies.h"
+#include "tests/sanitized.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -113,7 +114,7 @@ TEST(UnitCellVolume, IsTheIntegralOfTheJacobian) {
 
 TEST(UnitCellVolume, IsLinearInEachCornerWithTheGradientAsSlope) {
   std::mt19937 random(2);
-  for (int n = 0; n < 50; ++n) {
+  for (int n = 0; n < cases(50); ++n) {
     const CellCorners corners = random_corners(random, 0.5);
     for (int corner = 0; corner < 8; ++corner) {
       const Vec3d gradient = hexahedron_gradient(corners, corner);
@@ -154,7 +155,7 @@ TEST(UnitCellVolume, OfABodyCountsTheCellsThatNoCutOpens) {
 TEST(PropertyVolumeRelaxation, EveryPassLeavesAValidBodyOfNoMoreEnergy) {
   std::mt19937 random(3);
   int moved = 0;
-  for (int n = 0; n < 50; ++n) {
+  for (int n = 0; n < cases(50); ++n) {
     Dragged start = dragged(random, {13, 11, 9});
     if (n % 4 == 0) start.body.material.plastic = Curve{{{0, 0.1}}};
     const double kpa = n % 3 == 0 ? 0.5 : n % 3 == 1 ? 30 : 1000;
@@ -177,7 +178,7 @@ TEST(PropertyVolumeRelaxation, EveryPassLeavesAValidBodyOfNoMoreEnergy) {
       EXPECT_NEAR(relaxation.energy(), total_energy(start.body, kpa), 1e-3 * first + 1e-9);
     }
   }
-  EXPECT_GT(moved, 800);
+  EXPECT_GT(moved, cases(800));
 }
 
 TEST(PropertyVolumeRelaxation, WhatIsHeldStays) {

@@ -5,17 +5,14 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/sanitized.h"
 #include "tests/tools/program.h"
 
 using namespace supple::test;
 
 namespace {
 
-#ifdef __SANITIZE_ADDRESS__
-constexpr bool kHeapIsCounted = false;  // the sanitizer has an allocator of its own
-#else
-constexpr bool kHeapIsCounted = true;
-#endif
+constexpr bool kHeapIsCounted = !kSanitized;  // a sanitizer has an allocator of its own
 
 /// Rows of a body of 144 elements.
 const std::vector<std::string> kTiny = {"bench", "ecm", "--quick", "--only",

@@ -1,0 +1,17 @@
+// What tests do differently in a build with sanitizers, where they take ten times as long.
+#pragma once
+
+namespace supple::test {
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kSanitized = true;
+#else
+constexpr bool kSanitized = false;
+#endif
+
+/// How many of `n` random cases are tried, and how many of `n` events among them are expected.
+constexpr int cases(int n) {
+  return kSanitized ? n / 5 : n;
+}
+
+}  // namespace supple::test
