@@ -46,9 +46,9 @@ nlohmann::ordered_json to_json(const ModelEnergy& energy) {
 }
 
 void warn_of_result(const SpringStep& step, const SpringRecord& record, Console& console) {
-  if (!step.is_motion() && record.residual_mn > step.motion.tolerance_mn) {
+  if (record.residual_mn && *record.residual_mn > step.motion.tolerance_mn) {
     console.warn("springs: no rest after " + with_count(record.steps, "step") + ", a force of " +
-                 number_text(record.residual_mn) + " mN is left");
+                 number_text(*record.residual_mn) + " mN is left");
   }
   if (record.links.violated == 0) return;
   console.warn("springs left " + with_count(record.links.violated, "link") + " of " +
@@ -125,8 +125,11 @@ SpringRecord move_by_springs(const SpringStep& step, const HeldBody& held,
   model.move(handles, steps, &console);
   record.steps = run_model(model, steps, &console);
   record.after = model.energy();
-  record.residual_mn = model.motion().residual_mn();
-  record.motion = model.motion().report();
+  if (step.is_motion()) {
+    record.motion = model.motion().report();
+  } else {
+    record.residual_mn = model.motion().residual_mn();
+  }
   record.reactions = model.reactions(gripped);
   record.links = check_links(held.body);
   held.body.links_known_valid = record.links.violated == 0;
@@ -158,18 +161,21 @@ nlohmann::ordered_json settings_json(const SpringStep& step) {
 }
 
 nlohmann::ordered_json to_json(const SpringRecord& record) {
-  return {{"steps", record.steps},
-          {"nodes", record.nodes},
-          {"springs", record.springs},
-          {"energy_before_j", to_json(record.before)},
-          {"energy_after_j", to_json(record.after)},
-          {"residual_mn", record.residual_mn},
-          {"substeps", record.motion.substeps},
-          {"iterations", record.motion.iterations},
-          {"links", record.links.links},
-          {"violated", record.links.violated},
-          {"worst_excess_voxels", record.links.worst_excess_voxels},
-          {"springs_ms", record.milliseconds}};
+  nlohmann::ordered_json json = {{"steps", record.steps},
+                                 {"nodes", record.nodes},
+                                 {"springs", record.springs},
+                                 {"energy_before_j", to_json(record.before)},
+                                 {"energy_after_j", to_json(record.after)}};
+  if (record.residual_mn) json["residual_mn"] = *record.residual_mn;
+  if (record.motion) {
+    json["substeps"] = record.motion->substeps;
+    json["iterations"] = record.motion->iterations;
+  }
+  json["links"] = record.links.links;
+  json["violated"] = record.links.violated;
+  json["worst_excess_voxels"] = record.links.worst_excess_voxels;
+  json["springs_ms"] = record.milliseconds;
+  return json;
 }
 
 }  // namespace supple::tools

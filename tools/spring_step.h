@@ -32,9 +32,9 @@ struct SpringRecord {
   int steps = 0;
   std::size_t nodes = 0, springs = 0;
   ModelEnergy before, after;
-  double residual_mn = 0;   // of a minimisation: largest force that it left on a free node
-  SpringStepReport motion;  // of all steps of a motion
-  LinkCheck links;          // what ChainMail's limits say of the result
+  std::optional<double> residual_mn;       // of a minimisation: largest force on a free node
+  std::optional<SpringStepReport> motion;  // of all steps of a motion
+  LinkCheck links;                         // what ChainMail's limits say of the result
   double milliseconds = 0;
   std::vector<Reaction> reactions;  // of `gripped`
 };
