@@ -66,12 +66,12 @@ int SpringStep::motion_steps() const {
 SpringStep read_spring_step(TomlTable& table) {
   SpringStep step;
   table.know({"minimise", "time", "step", "integrator", "gravity", "tolerance", "steps",
-              "structural", "shear", "bending", "mass_damping"});
+              "structural", "shear", "bending", "mass_damping", "contact"});
   const bool to_rest = table.boolean("minimise").value_or(false);
   if (to_rest) step.motion.goal = MotionParams::Goal::minimum;
   // A key of the other goal would be without effect.
   const std::vector<const char*> idle =
-      to_rest ? std::vector<const char*>{"time", "step", "integrator", "mass_damping"}
+      to_rest ? std::vector<const char*>{"time", "step", "integrator", "mass_damping", "contact"}
               : std::vector<const char*>{"tolerance", "steps"};
   for (const char* key : idle) {
     if (!table.has(key)) continue;
@@ -86,7 +86,10 @@ SpringStep read_spring_step(TomlTable& table) {
         number_text(step.time_s) + " s in steps of " + number_text(step.motion.step_s) + " s",
         "at most " + number_text(kMostSteps) + " steps");
   }
-  if (const auto name = table.string("integrator")) {
+  const auto name = table.string("integrator");
+  // The others solve a step as if there were no shapes, and move nodes out afterwards.
+  if (!name && table.has("contact")) step.motion.method = SpringMethod::xpbd;
+  if (name) {
     const auto method = spring_method(*name);
     if (!method) table.fail("integrator", "\"" + *name + "\"", spring_method_names());
     step.motion.method = *method;
@@ -105,6 +108,10 @@ SpringStep read_spring_step(TomlTable& table) {
   step.shear_n_m = not_negative(table, "shear", "N/m");
   step.bending_n_m = not_negative(table, "bending", "N/m");
   step.mass_damping_per_s = not_negative(table, "mass_damping", "per second").value_or(0);
+  for (ContactShape& contact : read_contacts(table, "contact")) {
+    step.motion.colliders.push_back(std::move(contact.driven));
+    step.contacts.push_back(std::move(contact.text));
+  }
   table.finish();
   return step;
 }
@@ -147,6 +154,9 @@ nlohmann::ordered_json settings_json(const SpringStep& step) {
             {"time_s", step.time_s},
             {"step_s", step.time_s / step.motion_steps()},
             {"mass_damping_per_s", step.mass_damping_per_s}};
+    for (const std::string& contact : step.contacts) {
+      json["contact"].push_back(nlohmann::ordered_json::parse(contact));
+    }
   } else {
     json = {{"minimise", true}, {"tolerance_mn", motion.tolerance_mn}, {"steps", step.most_steps}};
   }
@@ -170,6 +180,8 @@ nlohmann::ordered_json to_json(const SpringRecord& record) {
   if (record.motion) {
     json["substeps"] = record.motion->substeps;
     json["iterations"] = record.motion->iterations;
+    json["contacts"] = record.motion->contacts;
+    json["penetration_mm"] = record.motion->penetration_mm;
   }
   json["links"] = record.links.links;
   json["violated"] = record.links.violated;

@@ -8,6 +8,7 @@
 
 #include "lib/model/spring_models.h"
 #include "tools/console.h"
+#include "tools/contact_shapes.h"
 #include "tools/toml_table.h"
 
 namespace supple::tools {
@@ -16,6 +17,7 @@ struct SpringStep {
   MotionParams motion;
   double time_s = 0.1;   // of a motion
   int most_steps = 500;  // of a minimisation
+  std::vector<std::string> contacts;  // the tables of motion.colliders, as JSON
   /// N/m; in place of what the material gives.
   std::optional<double> structural_n_m, shear_n_m, bending_n_m;
   double mass_damping_per_s = 0;

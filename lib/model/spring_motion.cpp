@@ -11,6 +11,13 @@ namespace {
 
 constexpr double kNewtonPerMillinewton = 1e-3;
 
+void check_finite(const char* field, const Vec3d& vector) {
+  for (int c = 0; c < 3; ++c) {
+    if (std::isfinite(vector[c])) continue;
+    throw InputError({"", field, number_text(vector[c]), "three finite numbers"});
+  }
+}
+
 }  // namespace
 
 void MotionParams::validate() const {
@@ -20,9 +27,13 @@ void MotionParams::validate() const {
   };
   check("time step", step_s, "s");
   check("tolerance", tolerance_mn, "mN");
-  for (int c = 0; c < 3; ++c) {
-    if (std::isfinite(gravity_m_s2[c])) continue;
-    throw InputError({"", "gravity", number_text(gravity_m_s2[c]), "three finite numbers"});
+  check_finite("gravity", gravity_m_s2);
+  if (!colliders.empty() && goal == Goal::minimum) {
+    throw InputError({"", "colliders", "shapes beside a minimum", "shapes in a motion only"});
+  }
+  for (const DrivenCollider& driven : colliders) {
+    supple::validate(driven.collider);
+    check_finite("way of a collider", driven.by_mm);
   }
 }
 
@@ -30,6 +41,11 @@ SpringMotion::SpringMotion(SpringSystem& system, const MotionParams& params)
     : m_system(system), m_params(params) {
   params.validate();
   m_system.gravity_m_s2 = params.gravity_m_s2;
+  m_system.colliders.clear();
+  for (const DrivenCollider& driven : params.colliders) {
+    m_system.colliders.push_back(driven.collider);
+    m_shape_starts.push_back(driven.collider.shape);
+  }
 }
 
 void SpringMotion::move(const std::vector<int>& still, std::vector<DrivenNodes> handles,
@@ -52,19 +68,28 @@ void SpringMotion::move(const std::vector<int>& still, std::vector<DrivenNodes> 
   }
   m_step = 0;
   m_steps = std::max(steps, 1);
+  for (std::size_t n = 0; n < m_shape_starts.size(); ++n) {
+    m_shape_starts[n] = m_system.colliders[n].shape;
+  }
   // They know from their start which nodes are held.
   m_integrator.reset();
   m_minimiser.reset();
 }
 
-/// The handles' targets of the next step.
+/// The targets of handles and the places of shapes at the end of the next step.
 void SpringMotion::drive() {
+  const int before = m_step;
   m_step = std::min(m_step + 1, m_steps);
   const double part = m_params.goal == MotionParams::Goal::minimum ? 1 : double(m_step) / m_steps;
   for (std::size_t h = 0; h < m_handles.size(); ++h) {
     for (std::size_t n = 0; n < m_handles[h].nodes.size(); ++n) {
       supple::drive(m_system, m_handles[h].nodes[n], m_starts[h][n] + m_handles[h].by_mm * part);
     }
+  }
+  for (std::size_t n = 0; n < m_system.colliders.size(); ++n) {
+    const Vec3d& by_mm = m_params.colliders[n].by_mm;
+    m_system.colliders[n].shape = shifted(m_shape_starts[n], by_mm * part);
+    m_system.colliders[n].velocity_mm_s = by_mm * ((m_step - before) / (m_steps * m_params.step_s));
   }
 }
 

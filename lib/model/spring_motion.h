@@ -11,6 +11,12 @@
 
 namespace supple {
 
+/// A shape that no node enters. During each move it goes `by_mm` on, evenly, or stays.
+struct DrivenCollider {
+  Collider collider;
+  Vec3d by_mm{0, 0, 0};
+};
+
 struct MotionParams {
   /// By the integrator, in steps of time; or down to the minimum of the energy, without time.
   enum class Goal { motion, minimum };
@@ -19,8 +25,10 @@ struct MotionParams {
   double step_s = 0.01;
   double tolerance_mn = 1e-3;  // of a minimum: largest force that is left on a free node
   Vec3d gravity_m_s2{0, 0, 0};
+  std::vector<DrivenCollider> colliders;  // of a motion
 
-  /// Throws InputError: a step or tolerance that is not positive, gravity that is not finite.
+  /// Throws InputError: a step or tolerance that is not positive, gravity or a way of a collider
+  /// that is not finite, colliders beside a minimum, as validate() of a collider.
   void validate() const;
 };
 
@@ -56,6 +64,7 @@ class SpringMotion {
   MotionParams m_params;
   std::vector<DrivenNodes> m_handles;
   std::vector<std::vector<Vec3d>> m_starts;        // per handle and node
+  std::vector<Shape> m_shape_starts;               // per collider
   int m_step = 0, m_steps = 1;                     // of the present move
   std::unique_ptr<SpringIntegrator> m_integrator;  // from the first step of a move on
   std::unique_ptr<Minimiser> m_minimiser;          // the same

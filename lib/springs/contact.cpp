@@ -95,7 +95,29 @@ void validate_shape(const MeshShape& s) {
   if (s.surface == nullptr) fail("no mesh", "a mesh surface");
 }
 
+void shift(SphereShape& s, const Vec3d& by) {
+  s.centre_mm += by;
+}
+void shift(PlaneShape& s, const Vec3d& by) {
+  s.point_mm += by;
+}
+void shift(CapsuleShape& s, const Vec3d& by) {
+  s.a_mm += by;
+  s.b_mm += by;
+}
+void shift(BoxShape& s, const Vec3d& by) {
+  s.centre_mm += by;
+}
+void shift(MeshShape& s, const Vec3d& by) {
+  s.offset_mm += by;
+}
+
 }  // namespace
+
+Shape shifted(Shape shape, const Vec3d& by_mm) {
+  std::visit([&](auto& s) { shift(s, by_mm); }, shape);
+  return shape;
+}
 
 void validate(const Collider& collider) {
   std::visit([](const auto& shape) { validate_shape(shape); }, collider.shape);

@@ -58,6 +58,8 @@ struct Collider {
 /// half axes that are not perpendicular, a mesh that is missing, negative friction or thickness.
 void validate(const Collider& collider);
 
+Shape shifted(Shape shape, const Vec3d& by_mm);
+
 /// Signed distance of a point, negative inside, and the direction in which it grows.
 struct SurfaceDistance {
   double distance_mm;

@@ -44,6 +44,22 @@ std::unique_ptr<SpringIntegrator> make(int kind, SpringSystem& system) {
 
 }  // namespace
 
+TEST(UnitContact, AShiftedShapeIsTheSameElsewhere) {
+  std::mt19937 random(5);
+  const auto surface = std::make_shared<MeshSurface>(box_mesh({1, 2, 3}));
+  const Shape shapes[] = {SphereShape{{1, 0, 0}, 2}, PlaneShape{{0, 0, 3}, {0, 0.6, -0.8}},
+                          CapsuleShape{{0, 0, 0}, {4, 1, 0}, 1},
+                          BoxShape{{1, 1, 0}, {Vec3d(2, 0, 0), Vec3d(0, 3, 0), Vec3d(0, 0, 1)}},
+                          MeshShape{surface, {1, 0, 0}}};
+  for (const Shape& shape : shapes) {
+    const Vec3d by = random_vector(random, 3), at = random_vector(random, 6);
+    const SurfaceDistance before = distance_to(shape, at);
+    const SurfaceDistance after = distance_to(shifted(shape, by), at + by);
+    EXPECT_NEAR(after.distance_mm, before.distance_mm, 1e-12) << shape.index();
+    EXPECT_LT((after.normal - before.normal).length(), 1e-12) << shape.index();
+  }
+}
+
 TEST(UnitContact, DistancesToShapesAreThoseByHand) {
   const auto is = [](const SurfaceDistance& d, double distance, const Vec3d& normal) {
     EXPECT_NEAR(d.distance_mm, distance, 1e-12);

@@ -284,9 +284,9 @@ TEST(PropertyReaction, AtTheMinimumItIsTheSlopeOfTheLeastEnergy) {
     const double own = (further - spring_energy(body)) / 2 * kVoxel / block.spacing_mm.x;
     leaning += std::abs(own - slope) > 0.05 * std::abs(slope);
   }
-  EXPECT_GT(compared, cases(15));
-  EXPECT_GT(leaning, cases(8));
-  EXPECT_GT(taut, cases(8));
+  EXPECT_GE(compared, cases(15));
+  EXPECT_GE(leaning, cases(8));
+  EXPECT_GE(taut, cases(8));
 }
 
 TEST(PropertyReaction, AfterRelaxationTheForcesOfAllHoldersBalance) {

@@ -40,6 +40,28 @@ class Springs : public ::testing::Test {
                          std::size_t(brick_offset(voxel)));
   }
 
+  /// Of all elements, in LPS.
+  struct Places {
+    std::vector<Vec3d> rest_mm, now_mm;
+  };
+  Places places() const {
+    const State state = read_state(m_folder / "out.vdb");
+    Places found;
+    for (int n = 0; n < 16 * 16 * 16; ++n) {
+      const Vec3i voxel(n % 16, n / 16 % 16, n / 256);
+      const std::int32_t b = state.elements.find(voxel);
+      const int offset = brick_offset(voxel);
+      if (b < 0 || !mask_test(state.elements.mask(std::size_t(b)), offset)) continue;
+      Vec3d moved(voxel);
+      for (int c = 0; c < 3; ++c) {
+        moved[c] += state.q[std::size_t(c)].at(std::size_t(b) * kBrickVoxels + offset) / 65536.0;
+      }
+      found.rest_mm.push_back(state.geometry.world_from_index(Vec3d(voxel)));
+      found.now_mm.push_back(state.geometry.world_from_index(moved));
+    }
+    return found;
+  }
+
   const std::string m_pull =
       "[[step]]\ngrab = [8, 14, 8]\nby = [0, 4, 0]\nfix = [[0, 0, 0, 15, 4, 15]]\n";
   TemporaryFolder m_folder;
@@ -208,6 +230,49 @@ TEST_F(UnitSpringScene, OwnStiffnessesReplaceTheMaterials) {
   EXPECT_NEAR(at_rest(both(2 * k)), 2 * material, 2e-4 * std::abs(material));
 }
 
+TEST_F(UnitSpringScene, AShapePressesTheBodyAside) {
+  const auto press = [&](const std::string& more) {
+    return steps_of(
+        "[[step]]\nfix = [[0, 12, 0, 15, 15, 15]]\nmodel = \"springs\"\nsprings = { contact = "
+        "{ plane = { point = [0, 2, 0], normal = [0, 2, 0] }" +
+        more + " } }\n");
+  };
+  const auto still = press("");
+  for (const Vec3d& pos : places().now_mm) EXPECT_GE(pos.y, 2 - 1e-4);
+  const auto pressed = press(", by = [0, 4, 0], thickness = 0.5");
+  EXPECT_EQ(pressed[0]["springs"]["penetration_mm"], 0);
+  EXPECT_GT(pressed[0]["springs"]["contacts"], 100);
+  EXPECT_EQ(pressed[0]["settings"]["contact"][0]["thickness"], 0.5);
+  const Places found = places();
+  double first_rest = 1e9, first = 1e9;
+  for (std::size_t n = 0; n < found.now_mm.size(); ++n) {
+    first_rest = std::min(first_rest, found.rest_mm[n].y);
+    first = std::min(first, found.now_mm[n].y);
+  }
+  ASSERT_LT(first_rest, 3);
+  EXPECT_NEAR(first, 6.5, 1e-4);
+}
+
+TEST_F(UnitSpringScene, AMovingFloorTakesAlongByFriction) {
+  const auto carried_by = [&](const std::string& friction) {
+    steps_of(
+        "[[step]]\nmodel = \"springs\"\nsprings = { step = 0.002, gravity = [0, 9.81, 0], contact "
+        "= "
+        "{ box = { centre = [8, 100, 8], size = [200, 172, 200] }, by = [2, 0, 0], friction = " +
+        friction + " } }\n");
+    const Places found = places();
+    double carried = 0, lowest = 0;
+    for (const Vec3d& pos : found.rest_mm) lowest = std::max(lowest, pos.y);
+    for (std::size_t n = 0; n < found.now_mm.size(); ++n) {
+      EXPECT_LE(found.now_mm[n].y, 14 + 1e-4);
+      if (found.rest_mm[n].y == lowest) carried = found.now_mm[n].x - found.rest_mm[n].x;
+    }
+    return carried;
+  };
+  EXPECT_NEAR(carried_by("0"), 0, 0.1);
+  EXPECT_NEAR(carried_by("2"), 2, 0.2);
+}
+
 TEST_F(FaultSpringScene, AMinimumThatIsNotReachedIsSaid) {
   steps_of(m_pull + "[[step]]\nmodel = \"springs\"\nsprings = { minimise = true, steps = 1 }\n");
   EXPECT_NE(m_warnings.find("no rest after 1 step"), std::string::npos) << m_warnings;
@@ -238,6 +303,14 @@ TEST_F(FaultSpringScene, WrongSettingsAreNamed) {
   expect(model + "{ minimise = true, steps = 0 }", "steps: found 0");
   expect(model + "{ shear = -1 }", "shear: found -1");
   expect(model + "{ gravty = [0, 0, 1] }", "gravity");
+  expect(model + "{ minimise = true, contact = {} }", "contact beside minimise");
+  expect(model + "{ contact = {} }", "one of sphere, plane, capsule, box and mesh");
+  expect(model + "{ contact = { sphere = { centre = [0, 0, 0], radius = 0 } } }",
+         "radius: found 0");
+  expect(model + "{ contact = { box = { centre = [0, 0, 0], size = [1, -1, 1] } } }", "found -1");
+  expect(model + "{ contact = { plane = { point = [0, 0, 0], normal = [0, 0, 0] } } }", "normal");
+  expect(model + "{ contact = { mesh = \"none.stl\" } }", "none.stl");
+  expect(model + "{ contact = { plane = {}, mesh = \"none.stl\" } }", "found several shapes");
   expect("grab = [8, 14, 8]\nby = [0, -1, 0]\npush = true\nmodel = \"springs\"",
          "a push handle beside springs");
   expect("grab = [8, 14, 8]\nby = [0, -1, 0]\npush = true\n[[step]]\nmodel = \"springs\"",
