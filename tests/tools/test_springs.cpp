@@ -256,7 +256,8 @@ TEST_F(UnitSpringScene, AShapePressesTheBodyAside) {
 TEST_F(UnitSpringScene, AMovingFloorTakesAlongByFriction) {
   const auto carried_by = [&](const std::string& friction) {
     steps_of(
-        "[[step]]\nmodel = \"springs\"\nsprings = { step = 0.002, gravity = [0, 9.81, 0], contact "
+        "[[step]]\nmodel = \"springs\"\nsprings = { step = 0.002, integrator = \"implicit\", "
+        "gravity = [0, 9.81, 0], contact "
         "= "
         "{ box = { centre = [8, 100, 8], size = [200, 172, 200] }, by = [2, 0, 0], friction = " +
         friction + " } }\n");
