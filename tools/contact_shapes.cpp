@@ -1,6 +1,6 @@
 #include "tools/contact_shapes.h"
 
-#include <cmath>
+#include <filesystem>
 
 #include "lib/springs/mesh_surface.h"
 
@@ -13,9 +13,7 @@ Vec3d point_of(TomlTable& table, const char* key) {
 }
 
 double radius_of(TomlTable& table) {
-  const double radius = table.require(table.number("radius"), "radius", "a number of mm");
-  if (!(radius > 0)) table.fail("radius", number_text(radius), "above 0 mm");
-  return radius;
+  return table.require(table.positive("radius", "mm"), "radius", "a number of mm");
 }
 
 Shape read_sphere(TomlTable& table) {
@@ -69,19 +67,16 @@ Shape read_shape(TomlTable& table) {
   return MeshShape{std::make_shared<MeshSurface>(read_mesh(path))};
 }
 
-double not_negative(TomlTable& table, const char* key) {
-  const double value = table.number(key).value_or(0);
-  if (!(value >= 0)) table.fail(key, number_text(value), "0 or more");
-  return value;
-}
-
 ContactShape read_contact(TomlTable& table) {
   table.know({"sphere", "plane", "capsule", "box", "mesh", "by", "thickness", "friction"});
   ContactShape contact;
-  contact.text = table.json();
+  contact.settings = nlohmann::ordered_json::parse(table.json());
+  if (const auto mesh = table.path("mesh")) {
+    contact.settings["mesh"] = std::filesystem::path(*mesh).filename().string();
+  }
   contact.driven.collider.shape = read_shape(table);
-  contact.driven.collider.thickness_mm = not_negative(table, "thickness");
-  contact.driven.collider.friction = not_negative(table, "friction");
+  contact.driven.collider.thickness_mm = table.not_negative("thickness", "mm").value_or(0);
+  contact.driven.collider.friction = table.not_negative("friction").value_or(0);
   contact.driven.by_mm = table.vector("by").value_or(Vec3d(0));
   table.finish();
   return contact;

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "lib/model/spring_motion.h"
 #include "tools/toml_table.h"
 
@@ -11,7 +13,7 @@ namespace supple::tools {
 
 struct ContactShape {
   DrivenCollider driven;
-  std::string text;  // its table, as one line of JSON
+  nlohmann::ordered_json settings;  // its table; a mesh by its name without folder
 };
 
 /// The tables of the key. Throws InputError as TomlTable, and as read_mesh and MeshSurface.

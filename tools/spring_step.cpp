@@ -10,22 +10,6 @@ namespace {
 /// Steps beyond this are taken for a mistake.
 constexpr double kMostSteps = 1e6;
 
-std::optional<double> positive(TomlTable& table, const char* key, const char* unit) {
-  const auto value = table.number(key);
-  if (value && !(*value > 0 && std::isfinite(*value))) {
-    table.fail(key, number_text(*value), std::string("a positive number of ") + unit);
-  }
-  return value;
-}
-
-std::optional<double> not_negative(TomlTable& table, const char* key, const char* unit) {
-  const auto value = table.number(key);
-  if (value && !(*value >= 0 && std::isfinite(*value))) {
-    table.fail(key, number_text(*value), std::string("0 or more ") + unit);
-  }
-  return value;
-}
-
 LatticeSpringParams springs_of(const SpringStep& step, const Body& body) {
   LatticeSpringParams params = material_springs(body);
   params.mass_damping_per_s = step.mass_damping_per_s;
@@ -78,24 +62,24 @@ SpringStep read_spring_step(TomlTable& table) {
     table.fail(key, std::string(key) + (to_rest ? " beside minimise" : " without minimise"),
                to_rest ? "it without minimise" : "it with minimise = true");
   }
-  if (const auto time = positive(table, "time", "seconds")) step.time_s = *time;
-  if (const auto dt = positive(table, "step", "seconds")) step.motion.step_s = *dt;
+  if (const auto time = table.positive("time", "seconds")) step.time_s = *time;
+  if (const auto dt = table.positive("step", "seconds")) step.motion.step_s = *dt;
   if (step.time_s / step.motion.step_s > kMostSteps) {
     table.fail(
         "time",
         number_text(step.time_s) + " s in steps of " + number_text(step.motion.step_s) + " s",
         "at most " + number_text(kMostSteps) + " steps");
   }
-  const auto name = table.string("integrator");
-  // The others solve a step as if there were no shapes, and move nodes out afterwards.
-  if (!name && table.has("contact")) step.motion.method = SpringMethod::xpbd;
-  if (name) {
+  if (const auto name = table.string("integrator")) {
     const auto method = spring_method(*name);
     if (!method) table.fail("integrator", "\"" + *name + "\"", spring_method_names());
     step.motion.method = *method;
+  } else if (table.has("contact")) {
+    // The others solve a step as if there were no shapes, and move nodes out afterwards.
+    step.motion.method = SpringMethod::xpbd;
   }
   if (const auto gravity = table.vector("gravity")) step.motion.gravity_m_s2 = *gravity;
-  if (const auto tolerance = positive(table, "tolerance", "mN")) {
+  if (const auto tolerance = table.positive("tolerance", "mN")) {
     step.motion.tolerance_mn = *tolerance;
   }
   if (const auto steps = table.integer("steps")) {
@@ -104,13 +88,13 @@ SpringStep read_spring_step(TomlTable& table) {
     }
     step.most_steps = int(*steps);
   }
-  step.structural_n_m = not_negative(table, "structural", "N/m");
-  step.shear_n_m = not_negative(table, "shear", "N/m");
-  step.bending_n_m = not_negative(table, "bending", "N/m");
-  step.mass_damping_per_s = not_negative(table, "mass_damping", "per second").value_or(0);
+  step.structural_n_m = table.not_negative("structural", "N/m");
+  step.shear_n_m = table.not_negative("shear", "N/m");
+  step.bending_n_m = table.not_negative("bending", "N/m");
+  step.mass_damping_per_s = table.not_negative("mass_damping", "per second").value_or(0);
   for (ContactShape& contact : read_contacts(table, "contact")) {
     step.motion.colliders.push_back(std::move(contact.driven));
-    step.contacts.push_back(std::move(contact.text));
+    step.contacts.push_back(std::move(contact.settings));
   }
   table.finish();
   return step;
@@ -154,9 +138,7 @@ nlohmann::ordered_json settings_json(const SpringStep& step) {
             {"time_s", step.time_s},
             {"step_s", step.time_s / step.motion_steps()},
             {"mass_damping_per_s", step.mass_damping_per_s}};
-    for (const std::string& contact : step.contacts) {
-      json["contact"].push_back(nlohmann::ordered_json::parse(contact));
-    }
+    if (!step.contacts.empty()) json["contact"] = step.contacts;
   } else {
     json = {{"minimise", true}, {"tolerance_mn", motion.tolerance_mn}, {"steps", step.most_steps}};
   }

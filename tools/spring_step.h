@@ -15,9 +15,9 @@ namespace supple::tools {
 
 struct SpringStep {
   MotionParams motion;
-  double time_s = 0.1;   // of a motion
-  int most_steps = 500;  // of a minimisation
-  std::vector<std::string> contacts;  // the tables of motion.colliders, as JSON
+  double time_s = 0.1;                           // of a motion
+  int most_steps = 500;                          // of a minimisation
+  std::vector<nlohmann::ordered_json> contacts;  // motion.colliders, as a scene gives them
   /// N/m; in place of what the material gives.
   std::optional<double> structural_n_m, shear_n_m, bending_n_m;
   double mass_damping_per_s = 0;

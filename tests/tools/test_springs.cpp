@@ -253,6 +253,30 @@ TEST_F(UnitSpringScene, AShapePressesTheBodyAside) {
   EXPECT_NEAR(first, 6.5, 1e-4);
 }
 
+TEST_F(UnitSpringScene, AMeshPressesAsTheBoxOfItsShape) {
+  std::filesystem::create_directory(m_folder / "tools");
+  write_text(m_folder / "tools/box.obj",
+             "v 4 -4 4\nv 11 -4 4\nv 4 2 4\nv 11 2 4\nv 4 -4 14\nv 11 -4 14\nv 4 2 14\nv 11 2 14\n"
+             "f 1 5 7 3\nf 2 4 8 6\nf 1 2 6 5\nf 3 7 8 4\nf 1 3 4 2\nf 5 6 8 7\n");
+  const auto press = [&](const std::string& shape) {
+    const auto steps = steps_of(
+        "[[step]]\nfix = [[0, 12, 0, 15, 15, 15]]\nmodel = \"springs\"\nsprings = { contact = { " +
+        shape + ", by = [0, 3, 0] } }\n");
+    EXPECT_GT(steps[0]["springs"]["contacts"], 0);
+    return steps[0]["settings"]["contact"][0];
+  };
+  press("box = { centre = [7.5, -1, 9], size = [7, 6, 10] }");
+  const Places box = places();
+  EXPECT_EQ(press("mesh = \"tools/box.obj\"")["mesh"], "box.obj");
+  const Places mesh = places();
+  double moved = 0;
+  for (std::size_t n = 0; n < box.now_mm.size(); ++n) {
+    EXPECT_LT((mesh.now_mm[n] - box.now_mm[n]).length(), 1e-3);
+    moved = std::max(moved, (box.now_mm[n] - box.rest_mm[n]).length());
+  }
+  EXPECT_GT(moved, 1);
+}
+
 TEST_F(UnitSpringScene, AMovingFloorTakesAlongByFriction) {
   const auto carried_by = [&](const std::string& friction) {
     steps_of(
