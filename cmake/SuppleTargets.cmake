@@ -1,10 +1,14 @@
-# Compile options shared by every target, and the recipe for a test binary.
+# Compile options shared by every target, and the recipes for sources, plugins and test binaries.
 add_library(supple_options INTERFACE)
 target_include_directories(supple_options INTERFACE ${PROJECT_SOURCE_DIR})
 target_compile_options(supple_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
                                                 -Wno-sign-conversion)
 if(SUPPLE_WERROR)
   target_compile_options(supple_options INTERFACE -Werror)
+endif()
+if(SUPPLE_UNITY)  # said of types in the anonymous namespace of a file that another includes
+  target_compile_options(supple_options INTERFACE
+                         $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
 endif()
 if(SUPPLE_NATIVE)
   target_compile_options(supple_options INTERFACE -march=native)
@@ -27,16 +31,46 @@ else()
   target_compile_options(supple_cold INTERFACE $<$<CONFIG:Release>:-O1>)
 endif()
 
-# supple_add_module(NAME FOR LIBRARY SOURCES ... LIBRARIES ...)
-# A shared object that the program loads from its own folder when it needs it (volumes/base/module.h):
-# with its libraries linked in, every start would cost their time and memory. It compiles the few
-# sources of other rooms that it needs a second time, position-independent. Whoever links LIBRARY
-# finds it.
-function(supple_add_module name)
-  cmake_parse_arguments(ARG "" "FOR" "SOURCES;LIBRARIES" ${ARGN})
+# supple_add_sources(TARGET FOLDER ... [EXCLUDE REGEX] [UNITY COUNT])
+# Every .cpp directly in these folders of the current directory, so that a new file needs no line
+# here. With SUPPLE_UNITY those of a folder are compiled together, COUNT at a time (8; 1: each alone).
+function(supple_add_sources target)
+  cmake_parse_arguments(ARG "" "EXCLUDE;UNITY" "" ${ARGN})
+  if(NOT ARG_UNITY)
+    set(ARG_UNITY 8)
+  endif()
+  foreach(folder IN LISTS ARG_UNPARSED_ARGUMENTS)
+    file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*.cpp)
+    if(ARG_EXCLUDE)
+      list(FILTER sources EXCLUDE REGEX ${ARG_EXCLUDE})
+    endif()
+    target_sources(${target} PRIVATE ${sources})
+    if(SUPPLE_UNITY AND ARG_UNITY GREATER 1)
+      string(MAKE_C_IDENTIFIER "${folder}" name)
+      set(count 0)
+      foreach(source IN LISTS sources)
+        math(EXPR group "${count} / ${ARG_UNITY}")
+        set_source_files_properties(${source} TARGET_DIRECTORY ${target}
+                                    PROPERTIES UNITY_GROUP ${name}_${group})
+        math(EXPR count "${count} + 1")
+      endforeach()
+    endif()
+  endforeach()
+  if(SUPPLE_UNITY AND ARG_UNITY GREATER 1)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  endif()
+endfunction()
+
+# supple_add_plugin(NAME FOR LIBRARY SOURCES ... LIBRARIES ...)
+# A shared object that is loaded when it is first needed (volumes/base/plugin.h): with its libraries
+# linked in, every start would cost their time and memory. It compiles the few sources of other
+# folders that it needs a second time, position-independent. Whoever links LIBRARY finds it.
+function(supple_add_plugin name)
+  cmake_parse_arguments(ARG "" "FOR;FOLDER" "SOURCES;LIBRARIES" ${ARGN})
   add_library(${name} MODULE ${ARG_SOURCES})
+  supple_add_sources(${name} ${ARG_FOLDER} EXCLUDE "/linked\\.cpp$")
   target_link_libraries(${name} PRIVATE supple_options ${ARG_LIBRARIES})
-  # A symbol that is missing is found at link time, not when the module is loaded. Those of clang's
+  # A symbol that is missing is found at link time, not when the plugin is loaded. Those of clang's
   # sanitizers come from the program.
   if(NOT SUPPLE_FUZZ)
     target_link_options(${name} PRIVATE LINKER:-z,defs)
@@ -47,12 +81,13 @@ function(supple_add_module name)
   add_dependencies(${ARG_FOR} ${name})
 endfunction()
 
-# supple_add_tests(NAME SOURCES ... LIBRARIES ... LABELS ...)
-# One binary, one CTest entry per label. A suite belongs to the label its name starts with:
-# TEST(PropertyEcm, ...) runs under the label "property".
+# supple_add_tests(NAME [SOURCES ...] LIBRARIES ... LABELS ...)
+# All .cpp of the current folder as one binary, one CTest entry per label. A suite belongs to the
+# label its name starts with: TEST(PropertyEcm, ...) runs under the label "property".
 function(supple_add_tests name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES;LABELS" ${ARGN})
   add_executable(test_${name} ${ARG_SOURCES})
+  supple_add_sources(test_${name} . UNITY 1 EXCLUDE "/itk_[a-z]+\\.cpp$")
   target_link_libraries(test_${name} PRIVATE supple_options supple_cold supple_test_support
                                              ${ARG_LIBRARIES} GTest::gtest GTest::gtest_main)
   target_precompile_headers(test_${name} PRIVATE <algorithm> <filesystem> <functional> <random>

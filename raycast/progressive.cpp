@@ -1,6 +1,6 @@
 #include "raycast/progressive.h"
 
-#include "raycast/march_pixels.h"
+#include "raycast/march/march_pixels.h"
 
 namespace supple {
 
@@ -34,7 +34,7 @@ ProgressiveRender::ProgressiveRender(const Renderer& renderer, const Camera& cam
                                      const TransferFunction& transfer_function,
                                      const RenderSettings& settings)
     : m_camera(camera),
-      m_frame(renderer.prepare(camera, transfer_function, settings)),
+      m_context(renderer.prepare(camera, transfer_function, settings)),
       m_picture(settings.width, settings.height, settings.auxiliary) {}
 
 ProgressiveRender::~ProgressiveRender() = default;
@@ -44,7 +44,8 @@ bool ProgressiveRender::refine() {
   const int spacing = m_spacing == 0 ? kFirstSpacing : m_spacing / 2;
   Cancellation progress(m_cancelled);
   try {
-    m_samples += march_pixels(*m_frame, m_camera, {spacing, m_spacing != 0}, m_picture, &progress);
+    m_samples +=
+        march_pixels(*m_context, m_camera, {spacing, m_spacing != 0}, m_picture, &progress);
   } catch (const Cancelled&) {
     return false;
   }

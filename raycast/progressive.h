@@ -35,7 +35,7 @@ class ProgressiveRender {
 
  private:
   Camera m_camera;
-  std::unique_ptr<Frame> m_frame;
+  std::unique_ptr<RenderContext> m_context;
   FloatImage m_picture;
   int m_spacing = 0;
   std::int64_t m_samples = 0;

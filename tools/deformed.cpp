@@ -1,7 +1,7 @@
 #include "tools/deformed.h"
 
-#include "volumes/field/cut_offsets.h"
-#include "volumes/field/source_cells.h"
+#include "volumes/field/cuts/cut_offsets.h"
+#include "volumes/field/inversion/source_cells.h"
 
 namespace supple::tools {
 
@@ -37,8 +37,8 @@ OffsetField invert_displacement(const State& state, const Displacement& extended
   return offsets;
 }
 
-Deformed invert_state(const State& state, Console& console) {
-  Deformed deformed;
+Pose invert_state(const State& state, Console& console) {
+  Pose deformed;
   deformed.displacement = extended_displacement_of(state);
   deformed.offsets = invert_displacement(state, deformed.displacement, console);
   return deformed;

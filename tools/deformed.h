@@ -2,13 +2,13 @@
 // the inverse, or each sample by itself.
 #pragma once
 
-#include "tools/console.h"
+#include "tools/console/console.h"
 #include "volumes/state/state.h"
 
 namespace supple::tools {
 
 /// Extended displacement and its inverse: what renderer and exports read.
-struct Deformed {
+struct Pose {
   Displacement displacement;
   OffsetField offsets;
 };
@@ -16,7 +16,7 @@ struct Deformed {
 /// The inverse of a state's extended displacement; warns of folded cells and unresolved voxels.
 OffsetField invert_displacement(const State& state, const Displacement& extended, Console& console);
 /// Both.
-Deformed invert_state(const State& state, Console& console);
+Pose invert_state(const State& state, Console& console);
 
 /// u on the elements alone, without the air around them; null: at rest.
 Displacement on_elements(const Geometry& geometry, const BrickTopology& elements,

@@ -19,7 +19,7 @@ targets=("$@")
   targets=(nrrd metaimage nifti tiff png hdf5 vdb dicom raw stl ply obj vtk points)
 
 # An input of more than 10 s, of 2 GiB or with a leak is a finding. HDF5 and OpenVDB leave memory
-# behind when they meet damage. Their files are tried in a child process (volumes/base/trial_run.h):
+# behind when they meet damage. Their files are tried in a child process (volumes/base/run_in_child.h):
 # inputs on which the child ends, but not the target, are kept, and the program itself must refuse
 # them.
 sanitizer_of() {

@@ -7,7 +7,7 @@
 
 namespace supple::tools {
 
-void Grips::add(int step, const std::vector<Handle>& handles, const Body& body) {
+void HandleLedger::add(int step, const std::vector<Handle>& handles, const Body& body) {
   const std::vector<SlotSet> elements = elements_of_handles(body, handles);
   std::vector<SlotSet::Brick> bricks;
   for (const SlotSet& set : elements) {
@@ -23,14 +23,14 @@ void Grips::add(int step, const std::vector<Handle>& handles, const Body& body) 
   }
 }
 
-std::vector<SlotSet> Grips::elements() const {
+std::vector<SlotSet> HandleLedger::elements() const {
   std::vector<SlotSet> elements;
   for (const Grip& grip : m_grips) elements.push_back(grip.elements);
   return elements;
 }
 
-std::vector<GripForce> Grips::forces(const std::vector<Reaction>& reactions) const {
-  std::vector<GripForce> forces;
+std::vector<HandleReaction> HandleLedger::forces(const std::vector<Reaction>& reactions) const {
+  std::vector<HandleReaction> forces;
   for (std::size_t n = 0; n < m_grips.size(); ++n) {
     const Grip& grip = m_grips[n];
     forces.push_back({grip.step, grip.handle, grip.name, reactions[n]});
@@ -38,9 +38,9 @@ std::vector<GripForce> Grips::forces(const std::vector<Reaction>& reactions) con
   return forces;
 }
 
-nlohmann::ordered_json to_json(const std::vector<GripForce>& forces) {
+nlohmann::ordered_json to_json(const std::vector<HandleReaction>& forces) {
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
-  for (const GripForce& force : forces) {
+  for (const HandleReaction& force : forces) {
     const Vec3d& n = force.reaction.force_n;
     json.push_back({{"step", force.step},
                     {"handle", force.handle},
@@ -51,8 +51,8 @@ nlohmann::ordered_json to_json(const std::vector<GripForce>& forces) {
   return json;
 }
 
-void print(const std::vector<GripForce>& forces) {
-  for (const GripForce& force : forces) {
+void print(const std::vector<HandleReaction>& forces) {
+  for (const HandleReaction& force : forces) {
     const Vec3d& n = force.reaction.force_n;
     const auto& taut = force.reaction.taut;
     std::printf("pull at %-15s %.4g, %.4g, %.4g N (LPS)%s\n", force.name.c_str(), n.x, n.y, n.z,

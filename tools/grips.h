@@ -12,13 +12,13 @@
 namespace supple::tools {
 
 /// A handle that is held, and the force with which the body pulls at its holder.
-struct GripForce {
+struct HandleReaction {
   int step, handle;  // that grabbed it, from 1
   std::string name;  // of its region
   Reaction reaction;
 };
 
-class Grips {
+class HandleLedger {
  public:
   /// The handles of a step are held from now on; what they take of earlier ones these lose. Throws
   /// InputError for one without element.
@@ -29,7 +29,7 @@ class Grips {
   /// The elements of each; no element is in two.
   std::vector<SlotSet> elements() const;
   /// `reactions` are those of elements().
-  std::vector<GripForce> forces(const std::vector<Reaction>& reactions) const;
+  std::vector<HandleReaction> forces(const std::vector<Reaction>& reactions) const;
 
  private:
   struct Grip {
@@ -40,8 +40,8 @@ class Grips {
   std::vector<Grip> m_grips;
 };
 
-nlohmann::ordered_json to_json(const std::vector<GripForce>& forces);
+nlohmann::ordered_json to_json(const std::vector<HandleReaction>& forces);
 /// One line per handle on stdout.
-void print(const std::vector<GripForce>& forces);
+void print(const std::vector<HandleReaction>& forces);
 
 }  // namespace supple::tools

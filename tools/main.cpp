@@ -13,7 +13,7 @@
 
 #include <oneapi/tbb/global_control.h>
 
-#include "tools/command.h"
+#include "tools/console/command.h"
 #include "tools/version.h"
 
 namespace supple::tools {

@@ -5,7 +5,7 @@
 #include <cstdio>
 
 #include "lib/material/presets.h"
-#include "tools/toml_table.h"
+#include "tools/scene/toml_table.h"
 #include "volumes/base/error.h"
 
 namespace supple::tools {

@@ -6,11 +6,13 @@
 #include <nlohmann/json.hpp>
 
 #include "lib/model/quasi_static.h"
+#include "tools/console/parse.h"
+#include "tools/console/read_options.h"
 #include "tools/material_file.h"
-#include "tools/parse.h"
-#include "tools/read_options.h"
 #include "tools/version.h"
-#include "volumes/io/label_file.h"
+#include "volumes/io/load/label_file.h"
+#include "volumes/io/load/load.h"
+#include "volumes/io/open_volume.h"
 
 namespace supple::tools {
 
@@ -77,7 +79,7 @@ nlohmann::ordered_json relax_settings(const RelaxParams& params) {
   nlohmann::ordered_json json = {{"method", name_of(params.method)},
                                  {"passes", params.passes},
                                  {"tolerance_voxels", params.tolerance_voxels}};
-  if (params.volume_stiffness_kpa > 0) json["volume_kpa"] = params.volume_stiffness_kpa;
+  if (params.bulk_modulus_kpa > 0) json["volume_kpa"] = params.bulk_modulus_kpa;
   return json;
 }
 
@@ -125,7 +127,7 @@ Session::Session(const std::string& path, const ReadOptions& read,
   m_links = check_links(m_body);
   m_body.links_known_valid = m_links.violated == 0;
   find_anchors();
-  m_ecm = std::make_unique<EcmModel>(held());
+  m_ecm = std::make_unique<VoxelEcmModel>(held());
   if (!m_links.fold_free) {
     console.note("the material does not rule out folds (min_length > 2 shear fails on some link)");
   }
@@ -213,7 +215,7 @@ const StepRecord& Session::step(const StepRequest& request, Console& console) {
   const std::vector<Handle> handles = handles_of(request.drags);
   record.cut_links = apply_cuts(m_body, m_state.labels, request.cuts, console);
   m_links.fold_free = m_links.fold_free && m_body.cuts.empty();
-  Grips grips = m_grips;
+  HandleLedger grips = m_grips;
   grips.add(int(m_records.size()) + 1, handles, m_body);
   if (request.springs) {
     const std::vector<SlotSet> told = request.forces ? grips.elements() : std::vector<SlotSet>();
@@ -262,7 +264,7 @@ void Session::solve(const std::vector<Handle>& handles, StepRecord& record, Cons
 
 void Session::relax_body(StepRecord& record, Console& console) {
   console.stage("relaxing");
-  m_pressure_kpa = record.relax->volume_stiffness_kpa;
+  m_pressure_kpa = record.relax->bulk_modulus_kpa;
   RelaxModel model(held(), *record.relax);
   run_model(model, record.relax->passes, &console);
   record.relaxed = model.report();

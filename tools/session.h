@@ -9,13 +9,13 @@
 
 #include "lib/chainmail/ball_limits.h"
 #include "lib/chainmail/tighten.h"
-#include "lib/model/ecm_model.h"
 #include "lib/model/relax_model.h"
-#include "tools/console.h"
-#include "tools/cut_surface.h"
+#include "lib/model/voxel_ecm_model.h"
+#include "tools/console/console.h"
 #include "tools/grips.h"
-#include "tools/spring_step.h"
-#include "volumes/io/volume_file.h"
+#include "tools/scene/cut_surface.h"
+#include "tools/scene/spring_step.h"
+#include "volumes/io/format/volume_file.h"
 #include "volumes/state/state.h"
 
 namespace supple::tools {
@@ -49,12 +49,12 @@ struct StepRequest {
 
 /// And what came of it.
 struct StepRecord : StepRequest {
-  std::int64_t cut_links = 0;      // that the cuts removed
-  EcmReport report;                // of ball limits: what both have in common
-  std::optional<BallReport> ball;  // when the step was solved under ball limits
-  RelaxReport relaxed;             // when the step relaxes
-  SpringRecord sprung;             // when springs move it
-  std::vector<GripForce> pulls;    // of all handles that are held, at its end, where asked for
+  std::int64_t cut_links = 0;         // that the cuts removed
+  EcmReport report;                   // of ball limits: what both have in common
+  std::optional<BallReport> ball;     // when the step was solved under ball limits
+  RelaxReport relaxed;                // when the step relaxes
+  SpringRecord sprung;                // when springs move it
+  std::vector<HandleReaction> pulls;  // of all handles that are held, at its end, where asked for
   std::optional<TightenReport> tightened;
 };
 
@@ -101,11 +101,11 @@ class Session {
   State m_state;
   MaterialTable m_material;
   Body m_body;
-  std::unique_ptr<EcmModel> m_ecm;  // of m_body
+  std::unique_ptr<VoxelEcmModel> m_ecm;  // of m_body
   LinkCheck m_links;
   std::vector<Region> m_anchors;  // the boxes and labels that the state has fixed
   Holds m_holds;                  // what earlier steps dragged
-  Grips m_grips;                  // the handles that did
+  HandleLedger m_grips;           // the handles that did
   double m_pressure_kpa = 0;      // bulk modulus of the relaxation that the body rests under
   std::vector<StepRecord> m_records;
 };

@@ -46,10 +46,10 @@ std::int64_t floor_divide(Wide numerator, Wide positive) {
 }
 
 /// Integers from the first at or above `lo` to the last at or below `hi`, within bounds.
-struct Range {
+struct SlotRange {
   int first, last;
 };
-Range lattice_range(std::int64_t lo, std::int64_t hi, int bound_lo, int bound_hi) {
+SlotRange lattice_range(std::int64_t lo, std::int64_t hi, int bound_lo, int bound_hi) {
   const std::int64_t first = -floor_divide(-lo, kOne), last = floor_divide(hi, kOne);
   return {int(std::max<std::int64_t>(first, bound_lo)),
           int(std::min<std::int64_t>(last, bound_hi))};
@@ -73,7 +73,7 @@ class AxisCutter {
     if (area < 0) std::swap(triangle[1], triangle[2]);
     const IndexBox& bounds = m_elements.active_bounds();
     const auto [lo, hi] = std::minmax({triangle[0][m_v], triangle[1][m_v], triangle[2][m_v]});
-    const Range rows = lattice_range(lo, hi, bounds.lo[m_v], bounds.hi[m_v]);
+    const SlotRange rows = lattice_range(lo, hi, bounds.lo[m_v], bounds.hi[m_v]);
     for (int row = rows.first; row <= rows.last; ++row)
       add_row(triangle, area < 0 ? -area : area, row);
     return true;
@@ -81,7 +81,7 @@ class AxisCutter {
 
  private:
   void add_row(const FixedTriangle& triangle, Wide area, int row) {
-    const Range columns = columns_of(triangle, row);
+    const SlotRange columns = columns_of(triangle, row);
     for (int column = columns.first; column <= columns.last; ++column) {
       FixedPoint point{};
       point[m_u] = column * kOne;
@@ -100,7 +100,7 @@ class AxisCutter {
   }
 
   /// Columns that the triangle may cover in a row, by floating point: one more at both ends.
-  Range columns_of(const FixedTriangle& triangle, int row) const {
+  SlotRange columns_of(const FixedTriangle& triangle, int row) const {
     const double v = double(row) * double(kOne);
     double lo = HUGE_VAL, hi = -HUGE_VAL;
     for (int n = 0; n < 3; ++n) {

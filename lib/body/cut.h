@@ -16,7 +16,7 @@
 
 #include "lib/body/body.h"
 #include "lib/body/lattice.h"
-#include "volumes/mesh/triangle_mesh.h"
+#include "volumes/io/mesh/triangle_mesh.h"
 
 namespace supple {
 

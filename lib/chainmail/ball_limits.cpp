@@ -35,7 +35,7 @@ struct Candidate {
 };
 
 /// Working places of one brick's elements, in voxels from rest.
-struct Page {
+struct BrickCopy {
   std::array<Vec3d, kBrickVoxels> u;
   std::array<std::uint32_t, kBrickVoxels> stamp{};  // how often it moved
   BrickMask fixed{}, moved{};
@@ -62,7 +62,7 @@ class BallDrag {
     for (const HeldHandle& handle : m_held.handles) {
       if (handle.by(0) == 0 && handle.by(1) == 0 && handle.by(2) == 0) continue;
       handle.slots.for_each([&](Slot slot) {
-        Page& page = page_of(slot);
+        BrickCopy& page = page_of(slot);
         Vec3d& u = page.u[slot % kBrickVoxels];
         for (int c = 0; c < 3; ++c) u[c] += handle.by(c) / kFixedOne;
         mark_moved(page, slot);
@@ -118,20 +118,20 @@ class BallDrag {
       });
     }
     m_report.bytes = m_links.bytes() + m_pages.capacity() * sizeof(m_pages[0]) +
-                     m_touched.size() * sizeof(Page) + m_queue.capacity() * sizeof(Candidate);
+                     m_touched.size() * sizeof(BrickCopy) + m_queue.capacity() * sizeof(Candidate);
     return m_report;
   }
 
  private:
-  Page& page_of(Slot slot) {
+  BrickCopy& page_of(Slot slot) {
     const std::size_t b = slot / kBrickVoxels;
     if (!m_pages[b]) load(b);
     return *m_pages[b];
   }
 
   void load(std::size_t b) {
-    m_pages[b] = std::make_unique<Page>();
-    Page& page = *m_pages[b];
+    m_pages[b] = std::make_unique<BrickCopy>();
+    BrickCopy& page = *m_pages[b];
     for (std::size_t n = 0; n < kBrickVoxels; ++n) {
       for (int c = 0; c < 3; ++c) {
         page.u[n][c] = m_body.q[std::size_t(c)].brick_or_zero(b)[n] / kFixedOne;
@@ -145,7 +145,7 @@ class BallDrag {
     m_touched.push_back(b);
   }
 
-  void mark_moved(Page& page, Slot slot) {
+  void mark_moved(BrickCopy& page, Slot slot) {
     const int offset = int(slot % kBrickVoxels);
     ++page.stamp[std::size_t(offset)];
     if (mask_test(page.moved, offset)) return;
@@ -234,7 +234,7 @@ class BallDrag {
       length = m_links.rest_mm(candidate.axis);
     }
     const Vec3d place_of_sponsor = place(candidate.sponsor);
-    Page& page = page_of(candidate.slot);
+    BrickCopy& page = page_of(candidate.slot);
     page.u[candidate.slot % kBrickVoxels] = place_of_sponsor + link * (allowed / length) - rest;
     mark_moved(page, candidate.slot);
     ++m_report.moves;
@@ -306,10 +306,10 @@ class BallDrag {
   const BallParams& m_params;
   Progress* m_progress;
   const BallLinks m_links;
-  std::array<double, 3> m_tolerance_mm;        // per axis, what is left for rounding taken off
-  std::vector<std::unique_ptr<Page>> m_pages;  // per brick
-  std::vector<std::size_t> m_touched;          // bricks with a page
-  std::vector<Candidate> m_queue;              // a heap
+  std::array<double, 3> m_tolerance_mm;             // per axis, what is left for rounding taken off
+  std::vector<std::unique_ptr<BrickCopy>> m_pages;  // per brick
+  std::vector<std::size_t> m_touched;               // bricks with a page
+  std::vector<Candidate> m_queue;                   // a heap
   std::size_t m_sweep_at = 1024;
   std::int64_t m_added = 0, m_moved = 0;
   BallReport m_report;

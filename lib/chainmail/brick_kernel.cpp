@@ -17,13 +17,13 @@ constexpr std::uint64_t kAllBits = ~std::uint64_t(0);
 constexpr int kOffsetStep[3] = {64, 8, 1};
 
 /// One row of a brick, and as many rows as the machine's vectors hold.
-using Row = Level __attribute__((vector_size(32), may_alias));
+using SlackRow = Level __attribute__((vector_size(32), may_alias));
 using SignedRow = std::int32_t __attribute__((vector_size(32), may_alias));
 #ifdef __AVX512F__
 using Rows = Level __attribute__((vector_size(64), may_alias));
 using SignedRows = std::int32_t __attribute__((vector_size(64), may_alias));
 #else
-using Rows = Row;
+using Rows = SlackRow;
 using SignedRows = SignedRow;
 #endif
 constexpr int kRowLanes = 8;
@@ -32,9 +32,9 @@ constexpr int kVectors = kBrickVoxels / kLanes;
 constexpr int kPlaneVectors = 64 / kLanes;
 
 /// Both sides of the choice signed, which compilers know as one instruction.
-inline Row larger(Row a, Row b) {
+inline SlackRow larger(SlackRow a, SlackRow b) {
   const SignedRow x = SignedRow(a), y = SignedRow(b);
-  return Row(x > y ? x : y);
+  return SlackRow(x > y ? x : y);
 }
 #ifdef __AVX512F__
 inline Rows larger(Rows a, Rows b) {
@@ -187,12 +187,12 @@ void sum_along_rows(const Level* links, Level (&out)[3][64][8]) {
 /// kNoLink where a bit is missing, for `rows` times 8 costs.
 void remove_missing(std::uint64_t links, int rows, Level* costs) {
   if (links == kAllBits) return;
-  constexpr Row kBit = {1, 2, 4, 8, 16, 32, 64, 128};
+  constexpr SlackRow kBit = {1, 2, 4, 8, 16, 32, 64, 128};
   for (int r = 0; r < rows; ++r) {
-    Row row;
+    SlackRow row;
     std::memcpy(&row, costs + 8 * r, sizeof row);
-    const Row bits = (Row{} + Level(links >> (8 * r) & 0xff)) & kBit;
-    row = bits == 0 ? Row{} + kNoLink : row;
+    const SlackRow bits = (SlackRow{} + Level(links >> (8 * r) & 0xff)) & kBit;
+    row = bits == 0 ? SlackRow{} + kNoLink : row;
     std::memcpy(costs + 8 * r, &row, sizeof row);
   }
 }
@@ -245,15 +245,15 @@ bool sweep_i(const BrickCosts& costs, Rows* levels) {
   return any_set(changed);
 }
 
-bool sweep_j(const BrickCosts& costs, Row* levels) {
-  Row changed{};
+bool sweep_j(const BrickCosts& costs, SlackRow* levels) {
+  SlackRow changed{};
   for (int plane = 0; plane < 8; ++plane) {
-    const Row* up = reinterpret_cast<const Row*>(costs.j[1][plane]);
-    const Row* down = reinterpret_cast<const Row*>(costs.j[0][plane]);
-    Row* rows = levels + 8 * plane;
-    Row level = rows[0];
-    const auto step = [&](int to, Row cost) {
-      const Row before = rows[to];
+    const SlackRow* up = reinterpret_cast<const SlackRow*>(costs.j[1][plane]);
+    const SlackRow* down = reinterpret_cast<const SlackRow*>(costs.j[0][plane]);
+    SlackRow* rows = levels + 8 * plane;
+    SlackRow level = rows[0];
+    const auto step = [&](int to, SlackRow cost) {
+      const SlackRow before = rows[to];
       level = larger(before, level - cost);
       changed |= level ^ before;
       rows[to] = level;
@@ -332,14 +332,14 @@ void load_levels(const std::int32_t* q, Direction direction, Level* levels) {
 
 unsigned store_levels(const Level* levels, Direction direction, std::int32_t* q) {
   const Level flip = flip_of(direction);
-  Row planes[8] = {}, rows[8] = {}, all{};
+  SlackRow planes[8] = {}, rows[8] = {}, all{};
   for (int i = 0; i < 8; ++i) {
     for (int j = 0; j < 8; ++j) {
-      Row level, before;
+      SlackRow level, before;
       std::memcpy(&level, levels + 64 * i + 8 * j, sizeof level);
       std::memcpy(&before, q + 64 * i + 8 * j, sizeof before);
-      const Row after = ((level - kLevelBias) ^ flip) - flip;
-      const Row changed = after ^ before;
+      const SlackRow after = ((level - kLevelBias) ^ flip) - flip;
+      const SlackRow changed = after ^ before;
       planes[i] |= changed;
       rows[j] |= changed;
       std::memcpy(q + 64 * i + 8 * j, &after, sizeof after);
@@ -374,7 +374,7 @@ int close_brick(const BrickCosts& costs, Level* levels) {
   for (int quiet = 0; quiet < count; ++sweeps) {
     const int axis = axes[sweeps % count];
     const bool changed = axis == 0   ? sweep_i(costs, wide)
-                         : axis == 1 ? sweep_j(costs, reinterpret_cast<Row*>(levels))
+                         : axis == 1 ? sweep_j(costs, reinterpret_cast<SlackRow*>(levels))
                                      : sweep_k(costs, wide);
     // A sweep closes its own axis, so it counts as quiet itself.
     quiet = changed ? 1 : quiet + 1;

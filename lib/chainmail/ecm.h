@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "lib/body/body.h"
+#include "lib/body/holds.h"
 #include "lib/body/region.h"
 #include "lib/chainmail/propagate.h"
 #include "volumes/base/progress.h"
@@ -39,19 +40,6 @@ struct Handle {
   Region region;
   std::array<std::int32_t, 3> by_q;
   HandleKind kind = HandleKind::two_sided;
-};
-
-/// An offset that an element may not pass.
-struct Bound {
-  Slot slot;
-  std::int32_t value;
-};
-
-/// What the handles of earlier drags still hold in one body: elements of two-sided handles stay
-/// where they are; those of push handles stay at or beyond where they were pushed to.
-struct Holds {
-  SlotSet still;
-  std::array<std::vector<Bound>, 3> at_least, at_most;  // per coordinate, ascending slots
 };
 
 /// Displacement in mm along the grid axes i, j, k to fixed point, truncated toward zero.

@@ -24,7 +24,7 @@ struct LinkSums {
   std::array<std::uint8_t, 3> count{};
 };
 
-LinkSums link_sums(const Body& body, const Offsets& q, Slot slot) {
+LinkSums link_sums(const Body& body, const LinkOffsets& q, Slot slot) {
   LinkSums sums;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     std::int32_t places[2];
@@ -60,7 +60,7 @@ std::int32_t missing_in(const StretchRange& range, std::int32_t stretch) {
 
 /// Bricks with a stored offset, their neighbours, and theirs: a link is tightened by one that ends
 /// at most a diagonal away.
-std::vector<std::uint8_t> bricks_near_offsets(const Body& body, const Offsets& q) {
+std::vector<std::uint8_t> bricks_near_offsets(const Body& body, const LinkOffsets& q) {
   const std::size_t count = body.elements.brick_count();
   std::vector<std::uint8_t> near(count);
   for (std::size_t b = 0; b < count; ++b) {
@@ -91,7 +91,7 @@ TightCheck sum_of(const TightCheck& a, const TightCheck& b) {
 }
 
 /// tight_range() of a link whose ends have these sums.
-TightRange range_between(const Body& body, const Offsets& q, int axis, Slot low, Slot high,
+TightRange range_between(const Body& body, const LinkOffsets& q, int axis, Slot low, Slot high,
                          const LinkSums& at_low, const LinkSums& at_high) {
   const StretchRange own = range_of(body, axis, low, high);
   double driving = 1;
@@ -113,7 +113,7 @@ TightRange range_between(const Body& body, const Offsets& q, int axis, Slot low,
 /// The sums of all elements near offsets, found once for the links that share them.
 class SumsNearOffsets {
  public:
-  SumsNearOffsets(const Body& body, const Offsets& q, const std::vector<std::uint8_t>& near)
+  SumsNearOffsets(const Body& body, const LinkOffsets& q, const std::vector<std::uint8_t>& near)
       : m_body(body), m_q(q), m_of_brick(near.size()) {
     using Range = oneapi::tbb::blocked_range<std::size_t>;
     oneapi::tbb::parallel_for(Range(0, near.size(), 8), [&](const Range& range) {
@@ -135,7 +135,7 @@ class SumsNearOffsets {
 
  private:
   const Body& m_body;
-  const Offsets& m_q;
+  const LinkOffsets& m_q;
   std::vector<std::vector<LinkSums>> m_of_brick;  // empty where all is at rest
 };
 
@@ -145,11 +145,12 @@ double TightCheck::norm_voxels() const {
   return std::sqrt(double(squares)) / 4096;
 }
 
-TightRange tight_range(const Body& body, const Offsets& q, int axis, Slot low, Slot high) {
+TightRange tight_range(const Body& body, const LinkOffsets& q, int axis, Slot low, Slot high) {
   return range_between(body, q, axis, low, high, link_sums(body, q, low), link_sums(body, q, high));
 }
 
-TightCheck check_tight(const Body& body, const Offsets& q, double tolerance, Offsets& missing) {
+TightCheck check_tight(const Body& body, const LinkOffsets& q, double tolerance,
+                       LinkOffsets& missing) {
   const std::vector<std::uint8_t> near = bricks_near_offsets(body, q);
   for (BrickValues& values : missing) {
     values = BrickValues(body.elements.brick_count());

@@ -20,8 +20,8 @@
 
 namespace supple {
 
-/// Offsets in the body's place: q of all coordinates.
-using Offsets = std::array<BrickValues, 3>;
+/// LinkOffsets in the body's place: q of all coordinates.
+using LinkOffsets = std::array<BrickValues, 3>;
 
 /// By how much a link may be longer than at rest, in 2^-16 voxel.
 struct StretchRange {
@@ -34,7 +34,7 @@ struct TightRange : StretchRange {
 };
 
 /// Of the link along `axis` from `low` to `high`, in the state q. About 0.1 us.
-TightRange tight_range(const Body& body, const Offsets& q, int axis, Slot low, Slot high);
+TightRange tight_range(const Body& body, const LinkOffsets& q, int axis, Slot low, Slot high);
 
 /// By how much the links of a state miss their tightened limits, and how many do.
 struct TightCheck {
@@ -49,6 +49,7 @@ struct TightCheck {
 
 /// Checks the links of all bricks where one may be tightened, in parallel. `missing`, per axis and
 /// at the slot of a link's low end, becomes the change of length that would just satisfy it.
-TightCheck check_tight(const Body& body, const Offsets& q, double tolerance, Offsets& missing);
+TightCheck check_tight(const Body& body, const LinkOffsets& q, double tolerance,
+                       LinkOffsets& missing);
 
 }  // namespace supple

@@ -35,7 +35,7 @@ class Tightening {
     result.excess_before_voxels = now.norm_voxels();
     while (now.squares > 0 && result.iterations < m_params.iterations) {
       report(m_progress, double(result.iterations) / m_params.iterations);
-      const Offsets before = m_q;
+      const LinkOffsets before = m_q;
       iterate();
       const TightCheck next = check();
       if (double(next.squares) > (1 - kLeastGain) * double(now.squares)) {
@@ -194,8 +194,8 @@ class Tightening {
   const TightenParams& m_params;
   Progress* m_progress;
   Propagator m_propagator;
-  Offsets m_q;        // of the present iteration
-  Offsets m_missing;  // changes of length, at the lower end of a link
+  LinkOffsets m_q;        // of the present iteration
+  LinkOffsets m_missing;  // changes of length, at the lower end of a link
   std::array<HeldBounds, 3> m_bounds;
   std::vector<Slot> m_chain;
   std::vector<std::int64_t> m_moves, m_sorted;  // of the chain's elements

@@ -47,13 +47,13 @@ std::size_t bytes_of(const std::vector<std::array<int, count>>& cells) {
 }
 
 /// A face with its corners sorted, which names it, and in outward order.
-struct Face {
+struct BodyFace {
   TriangleNodes name, outward;
 };
 
 std::vector<TriangleNodes> outer_faces(const std::vector<Vec3d>& points,
                                        const std::vector<TetrahedronNodes>& tetrahedra) {
-  std::vector<Face> faces;
+  std::vector<BodyFace> faces;
   faces.reserve(tetrahedra.size() * 4);
   for (const TetrahedronNodes& t : tetrahedra) {
     for (int opposite = 0; opposite < 4; ++opposite) {
@@ -69,7 +69,7 @@ std::vector<TriangleNodes> outer_faces(const std::vector<Vec3d>& points,
       faces.push_back({name, f});
     }
   }
-  const auto by_name = [](const Face& a, const Face& b) { return a.name < b.name; };
+  const auto by_name = [](const BodyFace& a, const BodyFace& b) { return a.name < b.name; };
   std::stable_sort(faces.begin(), faces.end(), by_name);
   std::vector<TriangleNodes> outer;
   for (std::size_t n = 0; n < faces.size();) {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "volumes/base/vec.h"
-#include "volumes/mesh/triangle_mesh.h"
+#include "volumes/io/mesh/triangle_mesh.h"
 
 namespace supple {
 

@@ -9,7 +9,8 @@
 namespace supple {
 
 /// References: all outlive the models. Who changes anchors or holds tells models of relaxation and
-/// springs by a move(), of no handle if need be; EcmModel looks at them in every move() anyway.
+/// springs by a move(), of no handle if need be; VoxelEcmModel looks at them in every move()
+/// anyway.
 struct HeldBody {
   Body& body;
   const std::vector<Region>& anchors;  // fixed

@@ -17,6 +17,6 @@ std::vector<SlotSet> elements_of_handles(const Body& body, const std::vector<Han
 /// (lib/relax/reaction.h).
 std::vector<Reaction> quasi_static_reactions(const HeldBody& held,
                                              const std::vector<SlotSet>& handles,
-                                             double volume_stiffness_kpa);
+                                             double bulk_modulus_kpa);
 
 }  // namespace supple

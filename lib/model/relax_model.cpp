@@ -21,7 +21,7 @@ RelaxModel::RelaxModel(const HeldBody& held, const RelaxParams& params)
 RelaxModel::~RelaxModel() = default;
 
 void RelaxModel::begin() {
-  if (m_params.volume_stiffness_kpa > 0 && !m_report.volumes_before) {
+  if (m_params.bulk_modulus_kpa > 0 && !m_report.volumes_before) {
     m_report.volumes_before = cell_volumes(m_held.body);
   }
   m_relaxation = std::make_unique<Relaxation>(m_held.body, m_still, m_held.holds, m_params);
@@ -56,7 +56,7 @@ ModelEnergy RelaxModel::energy() {
 std::vector<Reaction> RelaxModel::reactions(const std::vector<Handle>& handles) {
   put();
   return quasi_static_reactions(m_held, elements_of_handles(m_held.body, handles),
-                                m_params.volume_stiffness_kpa);
+                                m_params.bulk_modulus_kpa);
 }
 
 void RelaxModel::store() {

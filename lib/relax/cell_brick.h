@@ -10,7 +10,7 @@
 
 #include "lib/body/body.h"
 #include "lib/body/lattice.h"
-#include "lib/relax/brick_links.h"
+#include "lib/relax/brick_springs.h"
 
 namespace supple {
 

@@ -11,7 +11,7 @@ namespace {
 /// Four elements of one row, every other one.
 using Lane = double __attribute__((vector_size(32)));
 using MaskLane = std::int64_t __attribute__((vector_size(32)));
-using Quad = float __attribute__((vector_size(16)));
+using CellQuad = float __attribute__((vector_size(16)));
 
 inline Lane load(const double* values) {
   Lane lane;
@@ -59,7 +59,7 @@ constexpr int row_step(int di, int dj) {
 /// Four cells whose lowest corners begin at `low` and their ends along k at `high`
 /// (hexahedron_volume has the formula).
 inline Lane excess_of(const CellBrick& brick, int low, int high) {
-  // From corner `from` to corner `to`, numbered as CellCorners; both are constants here.
+  // From corner `from` to corner `to`, numbered as Hexahedron; both are constants here.
   const auto way = [&](int to, int from) {
     const auto place = [&](int corner) {
       return ((corner & 1) != 0 ? high : low) + row_step(corner >> 2, corner >> 1 & 1);
@@ -87,20 +87,20 @@ struct LinkLane {
 };
 
 inline LinkLane look_up(const LinkValues* table, const std::int32_t* entries) {
-  Quad links[4];
-  for (int n = 0; n < 4; ++n) std::memcpy(&links[n], table + entries[n], sizeof(Quad));
-  const Quad ab = __builtin_shufflevector(links[0], links[1], 0, 4, 1, 5);
-  const Quad cd = __builtin_shufflevector(links[2], links[3], 0, 4, 1, 5);
-  const Quad last_ab = __builtin_shufflevector(links[0], links[1], 2, 6, 3, 7);
-  const Quad last_cd = __builtin_shufflevector(links[2], links[3], 2, 6, 3, 7);
-  const auto widened = [](Quad column) { return __builtin_convertvector(column, Lane); };
+  CellQuad links[4];
+  for (int n = 0; n < 4; ++n) std::memcpy(&links[n], table + entries[n], sizeof(CellQuad));
+  const CellQuad ab = __builtin_shufflevector(links[0], links[1], 0, 4, 1, 5);
+  const CellQuad cd = __builtin_shufflevector(links[2], links[3], 0, 4, 1, 5);
+  const CellQuad last_ab = __builtin_shufflevector(links[0], links[1], 2, 6, 3, 7);
+  const CellQuad last_cd = __builtin_shufflevector(links[2], links[3], 2, 6, 3, 7);
+  const auto widened = [](CellQuad column) { return __builtin_convertvector(column, Lane); };
   return {widened(__builtin_shufflevector(ab, cd, 0, 1, 4, 5)),
           widened(__builtin_shufflevector(ab, cd, 2, 3, 6, 7)) * kFinePerUnit,
           widened(__builtin_shufflevector(last_ab, last_cd, 0, 1, 4, 5)) * kFinePerUnit,
           widened(__builtin_shufflevector(last_ab, last_cd, 2, 3, 6, 7)) * kFinePerUnit};
 }
 
-/// What BrickLinks or BrickRest hold of the links of elements (i, j, k), k + 2, k + 4 and k + 6,
+/// What BrickSprings or BrickRest hold of the links of elements (i, j, k), k + 2, k + 4 and k + 6,
 /// along an axis and upwards or downwards.
 template <class Values, class T>
 inline void take_links(const Values& values, int axis, bool up, int i, int j, int k, T* out) {
@@ -127,7 +127,7 @@ inline Lane pulled(const LinkLane& link, Lane beyond) {
 }
 
 /// What the links and cells of four elements ask of them in one coordinate.
-struct Ask {
+struct CellForces {
   Lane force{}, stiffness{};
   Lane rise = Lane{} + HUGE_VAL, sink = Lane{} + HUGE_VAL;
 };
@@ -144,8 +144,8 @@ struct Place {
 };
 
 template <bool kPlastic>
-inline void ask_links(const CellBrick& brick, const BrickLinks& links, const LinkTables& tables,
-                      const CellSweep& sweep, const Place& at, Ask (&asks)[3]) {
+inline void ask_links(const CellBrick& brick, const BrickSprings& links, const LinkTables& tables,
+                      const CellSweep& sweep, const Place& at, CellForces (&asks)[3]) {
   for (int axis = 0; axis < 3; ++axis) {
     for (const bool up : {false, true}) {
       std::int32_t entries[4];
@@ -161,7 +161,7 @@ inline void ask_links(const CellBrick& brick, const BrickLinks& links, const Lin
               beyond_rest(*sweep.rest[c], axis, up, at.i, at.j, at.k, up ? apart : -apart);
           pull = up ? pulled(link, beyond) : -pulled(link, beyond);
         }
-        Ask& ask = asks[c];
+        CellForces& ask = asks[c];
         ask.force += link.stiffness * pull;
         ask.stiffness += link.stiffness;
         ask.rise = smaller(ask.rise, (up ? link.lower : link.upper) + apart);
@@ -225,9 +225,9 @@ inline Lane chosen(unsigned bits, Lane lane) {
 }
 
 template <bool kPlastic>
-Lane step_four(CellBrick& brick, const BrickLinks& links, const LinkTables& tables,
+Lane step_four(CellBrick& brick, const BrickSprings& links, const LinkTables& tables,
                const CellSweep& sweep, const Place& at, const unsigned (&free)[3]) {
-  Ask asks[3];
+  CellForces asks[3];
   ask_links<kPlastic>(brick, links, tables, sweep, at, asks);
   int cells[8];
   find_places(at, cells);
@@ -244,7 +244,7 @@ Lane step_four(CellBrick& brick, const BrickLinks& links, const LinkTables& tabl
       pressure += gradients[n].c[c] * excess[n];
       squares += gradients[n].c[c] * gradients[n].c[c];
     }
-    const Ask& ask = asks[c];
+    const CellForces& ask = asks[c];
     const Lane force = ask.force - sweep.weight[c] * pressure;
     const Lane of_cells = sweep.weight[c] * squares;
     const Lane relaxation = damped_relaxation(sweep.relaxation, ask.stiffness, of_cells);
@@ -271,7 +271,7 @@ Lane step_four(CellBrick& brick, const BrickLinks& links, const LinkTables& tabl
 }
 
 template <bool kPlastic>
-double sweep_all(CellBrick& brick, const BrickLinks& links, const LinkTables& tables,
+double sweep_all(CellBrick& brick, const BrickSprings& links, const LinkTables& tables,
                  const CellSweep& sweep) {
   Lane largest{};
   for (int colour = 0; colour < 8; ++colour) {
@@ -313,13 +313,13 @@ void find_excess(CellBrick& brick) {
   }
 }
 
-double sweep_cells(CellBrick& brick, const BrickLinks& links, const LinkTables& tables,
+double sweep_cells(CellBrick& brick, const BrickSprings& links, const LinkTables& tables,
                    const CellSweep& sweep) {
   return sweep.rest[0] != nullptr ? sweep_all<true>(brick, links, tables, sweep)
                                   : sweep_all<false>(brick, links, tables, sweep);
 }
 
-CellEnergy energy_of_cells(const CellBrick& brick, const BrickLinks& links,
+CellEnergy energy_of_cells(const CellBrick& brick, const BrickSprings& links,
                            const LinkTables& tables, const std::array<const BrickRest*, 3>& rest) {
   Lane sums[3] = {}, squares{};
   for (int i = 0; i < 8; ++i) {

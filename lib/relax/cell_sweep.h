@@ -8,8 +8,10 @@
 
 #include <array>
 
-#include "lib/chainmail/ecm.h"
-#include "lib/relax/brick_links.h"
+#include "lib/body/body.h"
+#include "lib/body/holds.h"
+#include "lib/body/region.h"
+#include "lib/relax/brick_springs.h"
 #include "lib/relax/cell_brick.h"
 #include "lib/relax/link_table.h"
 
@@ -48,7 +50,7 @@ struct CellSweep {
 void find_excess(CellBrick& brick);
 
 /// Returns the largest step, 2^-32 voxel. `excess` follows.
-double sweep_cells(CellBrick& brick, const BrickLinks& links, const LinkTables& tables,
+double sweep_cells(CellBrick& brick, const BrickSprings& links, const LinkTables& tables,
                    const CellSweep& sweep);
 
 struct CellEnergy {
@@ -56,7 +58,7 @@ struct CellEnergy {
   double excess_squared = 0;      // (2^-32 voxel)^6
 };
 /// Of the links to next elements and the cells that begin in the brick.
-CellEnergy energy_of_cells(const CellBrick& brick, const BrickLinks& links,
+CellEnergy energy_of_cells(const CellBrick& brick, const BrickSprings& links,
                            const LinkTables& tables, const std::array<const BrickRest*, 3>& rest);
 
 }  // namespace supple

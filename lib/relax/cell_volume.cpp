@@ -32,7 +32,7 @@ CellVolumes volumes_in(const Body& body, std::size_t b) {
   for_each_cell(cells, [&](const Vec3i& low) {
     double volume = 1;
     if (!is_at_rest) {
-      CellCorners corners;
+      Hexahedron corners;
       for (int n = 0; n < 8; ++n) {
         const Vec3i step(n >> 2, n >> 1 & 1, n & 1);
         const Slot slot = slot_around(around, low.x + step.x, low.y + step.y, low.z + step.z);
@@ -49,7 +49,7 @@ CellVolumes volumes_in(const Body& body, std::size_t b) {
 
 }  // namespace
 
-double hexahedron_volume(const CellCorners& x) {
+double hexahedron_volume(const Hexahedron& x) {
   const Vec3d far_i = x[7] - x[4], far_j = x[7] - x[2], far_k = x[7] - x[1];
   const Vec3d near_jk = x[3] - x[0], near_ik = x[5] - x[0], near_ij = x[6] - x[0];
   return (determinant(far_i + near_jk, far_j, near_ij) +
@@ -58,7 +58,7 @@ double hexahedron_volume(const CellCorners& x) {
          12;
 }
 
-Vec3d hexahedron_gradient(const CellCorners& corners, int corner) {
+Vec3d hexahedron_gradient(const Hexahedron& corners, int corner) {
   const auto way = [&](int bits) {
     return corners[std::size_t(corner ^ bits)] - corners[std::size_t(corner)];
   };

@@ -17,13 +17,13 @@
 namespace supple {
 
 /// Corner 4 i + 2 j + k of a cell lies (i, j, k) steps from its lowest one.
-using CellCorners = std::array<Vec3d, 8>;
+using Hexahedron = std::array<Vec3d, 8>;
 
 /// Signed: negative where the cell is inside out. Grandy 1997, "Efficient computation of volume of
 /// hexahedral cells".
-double hexahedron_volume(const CellCorners& corners);
+double hexahedron_volume(const Hexahedron& corners);
 /// Derivative of the volume with respect to one corner; the other seven's opposite does not count.
-Vec3d hexahedron_gradient(const CellCorners& corners, int corner);
+Vec3d hexahedron_gradient(const Hexahedron& corners, int corner);
 
 struct CellVolumes {
   std::int64_t cells = 0;

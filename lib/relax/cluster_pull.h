@@ -3,8 +3,10 @@
 
 #include <vector>
 
-#include "lib/chainmail/ecm.h"
-#include "lib/relax/brick_links.h"
+#include "lib/body/body.h"
+#include "lib/body/holds.h"
+#include "lib/body/region.h"
+#include "lib/relax/brick_springs.h"
 #include "lib/relax/clusters.h"
 
 namespace supple {

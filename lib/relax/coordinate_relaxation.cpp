@@ -81,7 +81,7 @@ SweepOutcome CoordinateRelaxation::sweep_one(std::size_t brick, const BrickMask&
     return [values = m_now.brick_or_zero(b)](int offset) { return values[offset]; };
   };
   pad_brick(m_body.elements, brick, 0.0, values_of, offsets);
-  BrickLinks links;
+  BrickSprings links;
   find_links(m_body, brick, m_table.missing(), links);
   if (!m_is_plastic) return sweep_brick(offsets, links, nullptr, m_table, free, rule, out);
   BrickRest rest;

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "lib/body/lattice.h"
-#include "lib/relax/brick_links.h"
+#include "lib/relax/brick_springs.h"
 #include "lib/relax/in_parallel.h"
 
 namespace supple {

@@ -7,10 +7,10 @@ namespace supple {
 
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr float kUnlimited = std::numeric_limits<float>::infinity();
 
 float limit_of(std::int32_t slack) {
-  if (slack >= kUnlimitedSlack) return kInfinity;
+  if (slack >= kUnlimitedSlack) return kUnlimited;
   const float rounded = float(slack);
   return double(rounded) > slack ? std::nextafter(rounded, 0.0f) : rounded;
 }
@@ -25,7 +25,7 @@ LinkTable::LinkTable(const Body& body, int coordinate, RigidLinks rigid)
   const Vec3d spacing = body.geometry.spacing_mm();
   const std::size_t entries = std::size_t(kLastClass) * m_stride + kLastClass + 1;
   for (int axis = 0; axis < 3; ++axis) {
-    m_rows[axis].assign(entries + 1, {0, kInfinity, kInfinity, kInfinity});
+    m_rows[axis].assign(entries + 1, {0, kUnlimited, kUnlimited, kUnlimited});
     m_rigid[axis].assign(entries, 0);
     const double area_per_length =
         spacing[(axis + 1) % 3] * spacing[(axis + 2) % 3] / spacing[axis];

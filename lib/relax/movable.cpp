@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "lib/relax/brick_links.h"
+#include "lib/relax/brick_springs.h"
 
 namespace supple {
 

@@ -6,8 +6,9 @@
 #include <vector>
 
 #include "lib/body/body.h"
+#include "lib/body/holds.h"
+#include "lib/body/region.h"
 #include "lib/body/slot_set.h"
-#include "lib/chainmail/ecm.h"
 #include "lib/relax/clusters.h"
 #include "lib/relax/link_table.h"
 

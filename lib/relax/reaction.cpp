@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "lib/body/lattice.h"
-#include "lib/relax/brick_links.h"
+#include "lib/relax/brick_springs.h"
 #include "lib/relax/cell_brick.h"
 #include "lib/relax/cell_volume.h"
 #include "lib/relax/in_parallel.h"
@@ -154,7 +154,7 @@ void add_cells(const Body& body, int c, double kpa, std::size_t b, BrickForces& 
   const Vec3d spacing = body.geometry.spacing_mm();
   const double face_mm2 = spacing[(c + 1) % 3] * spacing[(c + 2) % 3];
   const auto push_corners = [&](const Vec3i& low) {
-    CellCorners corners;
+    Hexahedron corners;
     std::array<Slot, 8> slots;
     for (std::size_t n = 0; n < 8; ++n) {
       const Vec3i step(int(n) >> 2, int(n) >> 1 & 1, int(n) & 1);
@@ -215,19 +215,18 @@ std::vector<double> forces_mn(const Body& body, int c, const Bearers& bearers, s
 }  // namespace
 
 std::vector<Reaction> reactions(const Body& body, const std::vector<SlotSet>& handles,
-                                const SlotSet& fixed, const Holds& held,
-                                double volume_stiffness_kpa) {
-  check_volume_stiffness(volume_stiffness_kpa);
+                                const SlotSet& fixed, const Holds& held, double bulk_modulus_kpa) {
+  check_bulk_modulus(bulk_modulus_kpa);
   const bool any_moved =
       std::any_of(body.q.begin(), body.q.end(), [](const BrickValues& q) { return !q.empty(); });
-  const bool has_pressure = volume_stiffness_kpa > 0 && any_moved;
+  const bool has_pressure = bulk_modulus_kpa > 0 && any_moved;
   std::vector<Vec3d> along_axes(handles.size(), Vec3d(0));  // mN
   std::vector<Reaction> result(handles.size());
   for (int c = 0; c < 3; ++c) {
     if (body.q[std::size_t(c)].empty() && !has_rest(body, c) && !has_pressure) continue;
     const Bearers bearers = find_bearers(body, c, handles, held_in(body, c, fixed, held));
     const std::vector<double> forces =
-        forces_mn(body, c, bearers, handles.size(), volume_stiffness_kpa);
+        forces_mn(body, c, bearers, handles.size(), bulk_modulus_kpa);
     for (std::size_t n = 0; n < handles.size(); ++n) {
       along_axes[n][c] = forces[n];
       result[n].taut[std::size_t(c)] = bearers.taut[n] != 0;

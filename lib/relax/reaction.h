@@ -22,8 +22,9 @@
 #include <vector>
 
 #include "lib/body/body.h"
+#include "lib/body/holds.h"
+#include "lib/body/region.h"
 #include "lib/body/slot_set.h"
-#include "lib/chainmail/ecm.h"
 
 namespace supple {
 
@@ -47,6 +48,6 @@ struct Reaction {
 /// taut to one; 2 kB per brick with any of these.
 std::vector<Reaction> reactions(const Body& body, const std::vector<SlotSet>& handles,
                                 const SlotSet& fixed, const Holds& held,
-                                double volume_stiffness_kpa = 0);
+                                double bulk_modulus_kpa = 0);
 
 }  // namespace supple

@@ -59,24 +59,24 @@ void RelaxParams::validate() const {
   if (!(tolerance_voxels >= 0)) {
     throw InputError({"", "tolerance", std::to_string(tolerance_voxels), "0 or more voxels"});
   }
-  check_volume_stiffness(volume_stiffness_kpa);
-  if (volume_stiffness_kpa > 0 && !conserves_volume(method)) {
+  check_bulk_modulus(bulk_modulus_kpa);
+  if (bulk_modulus_kpa > 0 && !conserves_volume(method)) {
     throw InputError(
         {"", "volume", std::string("method ") + name_of(method), "red-black or accelerated"});
   }
 }
 
-void check_volume_stiffness(double kpa) {
-  if (kpa >= 0 && kpa <= kMaxVolumeStiffnessKpa) return;
+void check_bulk_modulus(double kpa) {
+  if (kpa >= 0 && kpa <= kMaxBulkModulusKpa) return;
   throw InputError(
-      {"", "volume", number_text(kpa), "0 to " + number_text(kMaxVolumeStiffnessKpa) + " kPa"});
+      {"", "volume", number_text(kpa), "0 to " + number_text(kMaxBulkModulusKpa) + " kPa"});
 }
 
 Relaxation::Relaxation(Body& body, const SlotSet& fixed, const Holds& held,
                        const RelaxParams& params)
     : m_body(body) {
   params.validate();
-  if (params.volume_stiffness_kpa > 0) {
+  if (params.bulk_modulus_kpa > 0) {
     m_volume = std::make_unique<VolumeRelaxation>(body, fixed, held, params);
     return;
   }

@@ -16,8 +16,8 @@
 #include <string>
 
 #include "lib/body/body.h"
+#include "lib/body/holds.h"
 #include "lib/body/region.h"
-#include "lib/chainmail/ecm.h"
 #include "lib/relax/cell_volume.h"
 #include "volumes/base/progress.h"
 
@@ -39,9 +39,9 @@ std::string relax_method_names();
 bool conserves_volume(RelaxMethod method);
 
 /// A bulk modulus beyond this is taken for a mistake: water has 2.2e6 kPa.
-constexpr double kMaxVolumeStiffnessKpa = 1e9;
+constexpr double kMaxBulkModulusKpa = 1e9;
 /// Throws InputError where it is not 0 to that.
-void check_volume_stiffness(double kpa);
+void check_bulk_modulus(double kpa);
 
 /// A number of passes beyond this is taken for a mistake.
 constexpr int kMaxPasses = 1000000;
@@ -53,7 +53,7 @@ struct RelaxParams {
   double tolerance_voxels = 0;
   /// Bulk modulus with which cells keep their rest volume (volume_relaxation.h); 0: they do not.
   /// Only with the methods red_black and accelerated.
-  double volume_stiffness_kpa = 0;
+  double bulk_modulus_kpa = 0;
 
   /// Throws InputError: a value out of range.
   void validate() const;

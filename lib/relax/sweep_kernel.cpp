@@ -9,39 +9,39 @@ namespace supple {
 
 namespace {
 
-using Row = double __attribute__((vector_size(64)));
+using NodeRow = double __attribute__((vector_size(64)));
 using FloatRow = float __attribute__((vector_size(32)));
 using Quad = float __attribute__((vector_size(16)));
 using MaskRow = std::int64_t __attribute__((vector_size(64)));
 
-inline Row smaller(Row a, Row b) {
+inline NodeRow smaller(NodeRow a, NodeRow b) {
   return a < b ? a : b;
 }
-inline Row larger(Row a, Row b) {
+inline NodeRow larger(NodeRow a, NodeRow b) {
   return a > b ? a : b;
 }
 
-inline Row load(const double* values) {
-  Row row;
+inline NodeRow load(const double* values) {
+  NodeRow row;
   std::memcpy(&row, values, sizeof row);
   return row;
 }
 
 /// Towards zero, to whole units of 2^-32 voxel.
-inline Row truncated(Row row) {
+inline NodeRow truncated(NodeRow row) {
   for (int lane = 0; lane < 8; ++lane) row[lane] = std::trunc(row[lane]);
   return row;
 }
 
 /// Lane n + 1 of the result is lane n of `row`, and `first` enters.
-inline Row moved_up(Row row, double first) {
-  const Row entering = Row{} + first;
+inline NodeRow moved_up(NodeRow row, double first) {
+  const NodeRow entering = NodeRow{} + first;
   return __builtin_shufflevector(row, entering, 8, 0, 1, 2, 3, 4, 5, 6);
 }
 
 /// Eight links side by side.
 struct LinkRow {
-  Row stiffness, upper, lower, yield;
+  NodeRow stiffness, upper, lower, yield;
 };
 
 /// Looks eight links up; limits become 2^-32 voxel.
@@ -62,54 +62,54 @@ inline LinkRow look_up(const LinkValues* table, const std::int32_t* entries) {
   const auto widened = [&](int column) {
     const FloatRow row =
         __builtin_shufflevector(columns[0][column], columns[1][column], 0, 1, 2, 3, 4, 5, 6, 7);
-    return __builtin_convertvector(row, Row);
+    return __builtin_convertvector(row, NodeRow);
   };
   return {widened(0), widened(1) * kFinePerUnit, widened(2) * kFinePerUnit,
           widened(3) * kFinePerUnit};
 }
 
 /// Eight links under the present stretch of their ends.
-struct Pull {
-  Row force{};  // on the low end, upwards
-  Row stiffness{};
-  Row wider{}, narrower{};  // slack left until the link is too long, and too short
-  Row energy{};             // twice
+struct NodePull {
+  NodeRow force{};  // on the low end, upwards
+  NodeRow stiffness{};
+  NodeRow wider{}, narrower{};  // slack left until the link is too long, and too short
+  NodeRow energy{};             // twice
 };
 
 template <bool kPlastic>
-inline Pull pull_of(const LinkRow& link, Row stretch, const double* rest) {
-  Row pulled = stretch, work = stretch;
+inline NodePull pull_of(const LinkRow& link, NodeRow stretch, const double* rest) {
+  NodeRow pulled = stretch, work = stretch;
   if constexpr (kPlastic) {
-    const Row beyond = stretch - load(rest);
+    const NodeRow beyond = stretch - load(rest);
     pulled = larger(-link.yield, smaller(link.yield, beyond));
     work = beyond + beyond - pulled;
   }
-  const Row force = link.stiffness * pulled;
+  const NodeRow force = link.stiffness * pulled;
   return {force, link.stiffness, link.upper - stretch, link.lower + stretch, force * work};
 }
 
-inline Row chosen(unsigned bits, Row row) {
+inline NodeRow chosen(unsigned bits, NodeRow row) {
   constexpr MaskRow kBit = {1, 2, 4, 8, 16, 32, 64, 128};
   const MaskRow set = (MaskRow{} + std::int64_t(bits)) & kBit;
-  return set != 0 ? row : Row{};
+  return set != 0 ? row : NodeRow{};
 }
 
 /// What the six links of eight nodes ask of them.
-struct Ask {
-  Row force{}, stiffness{}, rise, sink;
+struct NodeForces {
+  NodeRow force{}, stiffness{}, rise, sink;
 
-  explicit Ask(const Pull& to_next)
+  explicit NodeForces(const NodePull& to_next)
       : force(to_next.force),
         stiffness(to_next.stiffness),
         rise(to_next.narrower),
         sink(to_next.wider) {}
-  void add_next(const Pull& pull) {
+  void add_next(const NodePull& pull) {
     force += pull.force;
     stiffness += pull.stiffness;
     rise = smaller(rise, pull.narrower);
     sink = smaller(sink, pull.wider);
   }
-  void add_last(const Pull& pull) {
+  void add_last(const NodePull& pull) {
     force -= pull.force;
     stiffness += pull.stiffness;
     rise = smaller(rise, pull.wider);
@@ -121,10 +121,10 @@ struct Ask {
 constexpr double kNoStiffness = 1e-300;
 
 template <bool kLimited>
-inline Row step_of(const Ask& ask, const SweepRule& rule) {
-  const Row wanted = ask.force * rule.relaxation / (ask.stiffness + kNoStiffness);
+inline NodeRow step_of(const NodeForces& ask, const SweepRule& rule) {
+  const NodeRow wanted = ask.force * rule.relaxation / (ask.stiffness + kNoStiffness);
   if constexpr (!kLimited) return truncated(wanted);
-  const Row up = ask.rise * rule.share, down = ask.sink * rule.share;
+  const NodeRow up = ask.rise * rule.share, down = ask.sink * rule.share;
   return truncated(larger(-down, smaller(up, wanted)));
 }
 
@@ -136,47 +136,47 @@ inline double force_of(const LinkValues& link, double stretch, double rest) {
 }
 
 template <bool kLimited, bool kPlastic>
-SweepOutcome sweep(const PaddedBrick<double>& offsets, const BrickLinks& links,
+SweepOutcome sweep(const PaddedBrick<double>& offsets, const BrickSprings& links,
                    const BrickRest* rest, const LinkTable& table, const BrickMask& free,
                    const SweepRule& rule, double* out) {
   const LinkValues* along_i = table.row(0);
   const LinkValues* along_j = table.row(1);
   const LinkValues* along_k = table.row(2);
-  Row energy{}, largest{}, least = Row{} + std::numeric_limits<double>::infinity();
-  Pull last_i[8];
+  NodeRow energy{}, largest{}, least = NodeRow{} + std::numeric_limits<double>::infinity();
+  NodePull last_i[8];
   for (int j = 0; j < 8; ++j) {
     last_i[j] = pull_of<kPlastic>(look_up(along_i, links.i[0][j]),
                                   load(offsets.row(0, j)) - load(offsets.row(-1, j)),
                                   kPlastic ? rest->i[0][j] : nullptr);
   }
   for (int i = 0; i < 8; ++i) {
-    Pull last_j = pull_of<kPlastic>(look_up(along_j, links.j[i][0]),
-                                    load(offsets.row(i, 0)) - load(offsets.row(i, -1)),
-                                    kPlastic ? rest->j[i][0] : nullptr);
+    NodePull last_j = pull_of<kPlastic>(look_up(along_j, links.j[i][0]),
+                                        load(offsets.row(i, 0)) - load(offsets.row(i, -1)),
+                                        kPlastic ? rest->j[i][0] : nullptr);
     for (int j = 0; j < 8; ++j) {
       const double* place = offsets.row(i, j);
-      const Row here = load(place);
-      const Row stretch_i = load(offsets.row(i + 1, j)) - here;
-      const Row stretch_j = load(offsets.row(i, j + 1)) - here;
-      const Row stretch_k = load(place + 1) - here;
-      const Pull next_i = pull_of<kPlastic>(look_up(along_i, links.i[i + 1][j]), stretch_i,
-                                            kPlastic ? rest->i[i + 1][j] : nullptr);
-      const Pull next_j = pull_of<kPlastic>(look_up(along_j, links.j[i][j + 1]), stretch_j,
-                                            kPlastic ? rest->j[i][j + 1] : nullptr);
-      const Pull next_k = pull_of<kPlastic>(look_up(along_k, links.k[i][j]), stretch_k,
-                                            kPlastic ? rest->k[i][j] : nullptr);
+      const NodeRow here = load(place);
+      const NodeRow stretch_i = load(offsets.row(i + 1, j)) - here;
+      const NodeRow stretch_j = load(offsets.row(i, j + 1)) - here;
+      const NodeRow stretch_k = load(place + 1) - here;
+      const NodePull next_i = pull_of<kPlastic>(look_up(along_i, links.i[i + 1][j]), stretch_i,
+                                                kPlastic ? rest->i[i + 1][j] : nullptr);
+      const NodePull next_j = pull_of<kPlastic>(look_up(along_j, links.j[i][j + 1]), stretch_j,
+                                                kPlastic ? rest->j[i][j + 1] : nullptr);
+      const NodePull next_k = pull_of<kPlastic>(look_up(along_k, links.k[i][j]), stretch_k,
+                                                kPlastic ? rest->k[i][j] : nullptr);
       energy += next_i.energy + next_j.energy + next_k.energy;
 
       const LinkValues& entering = along_k[links.low_k[i][j]];
       const double entering_stretch = place[0] - place[-1];
-      const Pull last_k = {
+      const NodePull last_k = {
           moved_up(next_k.force, force_of<kPlastic>(entering, entering_stretch,
                                                     kPlastic ? rest->low_k[i][j] : 0)),
           moved_up(next_k.stiffness, entering.stiffness),
           moved_up(next_k.wider, double(entering.upper) * kFinePerUnit - entering_stretch),
           moved_up(next_k.narrower, double(entering.lower) * kFinePerUnit + entering_stretch),
-          Row{}};
-      Ask ask(next_i);
+          NodeRow{}};
+      NodeForces ask(next_i);
       ask.add_next(next_j);
       ask.add_next(next_k);
       ask.add_last(last_i[j]);
@@ -188,8 +188,8 @@ SweepOutcome sweep(const PaddedBrick<double>& offsets, const BrickLinks& links,
       least = smaller(least, smaller(ask.rise, ask.sink));
       const int first = 64 * i + 8 * j;
       const unsigned bits = unsigned(free[std::size_t(i)] >> (8 * j)) & 0xff;
-      const Row step = chosen(bits, step_of<kLimited>(ask, rule));
-      const Row moved = here + step;
+      const NodeRow step = chosen(bits, step_of<kLimited>(ask, rule));
+      const NodeRow moved = here + step;
       std::memcpy(out + first, &moved, sizeof moved);
       largest = larger(largest, larger(step, -step));
     }
@@ -206,7 +206,7 @@ SweepOutcome sweep(const PaddedBrick<double>& offsets, const BrickLinks& links,
 
 }  // namespace
 
-SweepOutcome sweep_brick(const PaddedBrick<double>& offsets, const BrickLinks& links,
+SweepOutcome sweep_brick(const PaddedBrick<double>& offsets, const BrickSprings& links,
                          const BrickRest* rest, const LinkTable& table, const BrickMask& free,
                          const SweepRule& rule, double* out) {
   if (rest != nullptr) {

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "lib/relax/brick_links.h"
+#include "lib/relax/brick_springs.h"
 #include "lib/relax/link_table.h"
 
 namespace supple {
@@ -32,7 +32,7 @@ struct SweepOutcome {
 ///
 /// `free` nodes of the brick step from `offsets`; all others stay. Writes 512 offsets, those of
 /// `offsets` where nothing steps.
-SweepOutcome sweep_brick(const PaddedBrick<double>& offsets, const BrickLinks& links,
+SweepOutcome sweep_brick(const PaddedBrick<double>& offsets, const BrickSprings& links,
                          const BrickRest* rest, const LinkTable& table, const BrickMask& free,
                          const SweepRule& rule, double* out);
 

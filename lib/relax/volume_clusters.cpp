@@ -16,7 +16,7 @@ namespace {
 /// Cells whose pulls are summed before the sums are: the same sums whatever the number of threads.
 constexpr std::size_t kCellsPerSum = 512;
 
-struct Pull {
+struct RigidPull {
   double force = 0, stiffness = 0;
 };
 
@@ -106,12 +106,12 @@ double VolumeClusters::step_of(std::size_t cluster,
   const ClusterPull links = pull_of_cluster(rigid, cluster, now, m_at_least, m_at_most, 1);
   double force = links.force;
   const std::size_t begin = m_first_cell[cluster], end = m_first_cell[cluster + 1];
-  std::vector<Pull> sums((end - begin + kCellsPerSum - 1) / kCellsPerSum);
+  std::vector<RigidPull> sums((end - begin + kCellsPerSum - 1) / kCellsPerSum);
   in_parallel(sums.size(), [&](std::size_t sum) {
     const std::size_t first = begin + sum * kCellsPerSum;
     for (std::size_t n = first; n < std::min(end, first + kCellsPerSum); ++n) {
       const PartCell& cell = m_cells[n];
-      CellCorners corners;
+      Hexahedron corners;
       for (int corner = 0; corner < 8; ++corner) {
         for (int c = 0; c < 3; ++c) {
           const double offset = offsets[std::size_t(c)].at(cell.corners[std::size_t(corner)]) -
@@ -130,7 +130,7 @@ double VolumeClusters::step_of(std::size_t cluster,
     }
   });
   double of_cells = 0;
-  for (const Pull& sum : sums) {
+  for (const RigidPull& sum : sums) {
     force += sum.force;
     of_cells += sum.stiffness;
   }

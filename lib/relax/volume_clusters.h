@@ -6,7 +6,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "lib/chainmail/ecm.h"
+#include "lib/body/body.h"
+#include "lib/body/holds.h"
+#include "lib/body/region.h"
 #include "lib/relax/cell_brick.h"
 #include "lib/relax/movable.h"
 

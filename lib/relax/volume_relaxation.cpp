@@ -22,7 +22,7 @@ std::size_t colour_of(const Vec3i& origin) {
 /// What a sweep reads of one brick. 90 kB, of which half only where springs yield.
 struct VolumeRelaxation::BrickData {
   CellBrick cells;
-  BrickLinks links;
+  BrickSprings links;
   BrickRest rest[3];
 };
 
@@ -36,7 +36,7 @@ VolumeRelaxation::VolumeRelaxation(const Body& body, const SlotSet& still, const
       m_changed(body.elements.brick_count(), 0),
       m_energies(body.elements.brick_count(), 0) {
   const Vec3d spacing = body.geometry.spacing_mm();
-  const double stiffness = params.volume_stiffness_kpa * spacing.x * spacing.y * spacing.z;
+  const double stiffness = params.bulk_modulus_kpa * spacing.x * spacing.y * spacing.z;
   m_cell_energy = stiffness / 2 / (kFineCell * kFineCell);
   m_coordinates.reserve(3);
   m_clusters.reserve(3);

@@ -29,7 +29,7 @@ namespace supple {
 class VolumeRelaxation {
  public:
   /// `still` stays where it is; `held` bounds elements. All outlive this. Of params, `method`
-  /// (red_black: no over-relaxation, or accelerated) and volume_stiffness_kpa > 0 count.
+  /// (red_black: no over-relaxation, or accelerated) and bulk_modulus_kpa > 0 count.
   VolumeRelaxation(const Body& body, const SlotSet& still, const Holds& held,
                    const RelaxParams& params);
 

@@ -4,13 +4,12 @@
 #include <cmath>
 #include <string>
 
+#include "lib/springs/units.h"
 #include "volumes/base/error.h"
 
 namespace supple {
 
 namespace {
-
-constexpr double kMmPerM = 1e3;
 
 /// Damping force between the ends of a spring per direction at the start, in mN; 0 without one.
 struct DampedSpring {

@@ -4,13 +4,13 @@
 #include <cmath>
 #include <string>
 
+#include "lib/springs/units.h"
 #include "volumes/base/error.h"
 
 namespace supple {
 
 namespace {
 
-constexpr double kM3PerMm3 = 1e-9;
 constexpr double kSecondsPerMs = 1e-3;
 constexpr double kLargestOffset = 16383;                       // voxels
 constexpr int kFractionBits = 16;                              // of an offset's fraction

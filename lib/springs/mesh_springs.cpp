@@ -5,13 +5,12 @@
 #include <string>
 
 #include "lib/mesh/mesh_edges.h"
+#include "lib/springs/units.h"
 #include "volumes/base/error.h"
 
 namespace supple {
 
 namespace {
-
-constexpr double kM3PerMm3 = 1e-9;
 
 /// Volume in mm^3 that each node stands for.
 std::vector<double> node_volumes(const MeshBody& body, const MeshSpringParams& params) {

@@ -18,8 +18,8 @@ namespace {
 
 namespace bg = boost::geometry;
 using Point = bg::model::point<double, 3, bg::cs::cartesian>;
-using Box = bg::model::box<Point>;
-using Entry = std::pair<Box, int>;  // of a triangle
+using SurfaceBox = bg::model::box<Point>;
+using Entry = std::pair<SurfaceBox, int>;  // of a triangle
 
 Point point_of(const Vec3d& v) {
   return {v.x, v.y, v.z};
@@ -121,7 +121,7 @@ MeshSurface::MeshSurface(const TriangleMesh& mesh) {
         hi[axis] = std::max(hi[axis], c[axis]);
       }
     }
-    entries.push_back({Box(point_of(lo), point_of(hi)), int(n)});
+    entries.push_back({SurfaceBox(point_of(lo), point_of(hi)), int(n)});
   }
   m_tree = std::make_unique<const Tree>(Tree{std::move(facets), {entries.begin(), entries.end()}});
 }

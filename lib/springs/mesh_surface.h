@@ -11,7 +11,7 @@
 #include <memory>
 
 #include "lib/springs/contact.h"
-#include "volumes/mesh/triangle_mesh.h"
+#include "volumes/io/mesh/triangle_mesh.h"
 
 namespace supple {
 

@@ -5,13 +5,12 @@
 
 #include "lib/springs/spring_matrix.h"
 #include "lib/springs/stability.h"
+#include "lib/springs/units.h"
 #include "volumes/base/error.h"
 
 namespace supple {
 
 namespace {
-
-constexpr double kMmPerM = 1e3;
 
 /// Energy in microjoules with gravity against `from`, so that its differences keep their digits.
 double potential(const SpringSystem& system, const std::vector<Vec3d>& from) {

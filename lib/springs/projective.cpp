@@ -6,15 +6,10 @@
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 
+#include "lib/springs/units.h"
 #include "volumes/base/error.h"
 
 namespace supple {
-
-namespace {
-
-constexpr double kMmPerM = 1e3;
-
-}  // namespace
 
 struct ProjectiveDynamics::Solver {
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> factors;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "lib/springs/units.h"
 #include "volumes/base/error.h"
 
 namespace supple {
@@ -11,11 +12,6 @@ namespace supple {
 namespace {
 
 constexpr double kJoulePerMicrojoule = 1e-6;  // mN mm
-constexpr double kMmPerM = 1e3;
-
-bool is_finite(const Vec3d& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
 
 [[noreturn]] void fail(const std::string& field, const std::string& found,
                        const std::string& expected) {

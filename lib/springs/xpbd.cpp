@@ -4,15 +4,10 @@
 #include <cmath>
 #include <string>
 
+#include "lib/springs/units.h"
 #include "volumes/base/error.h"
 
 namespace supple {
-
-namespace {
-
-constexpr double kMmPerM = 1e3;
-
-}  // namespace
 
 Xpbd::Xpbd(SpringSystem& system, const Params& params)
     : SpringIntegrator(system), m_params(params) {

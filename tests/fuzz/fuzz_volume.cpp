@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "tests/fuzz/fuzz_file.h"
-#include "volumes/io/formats.h"
+#include "volumes/io/format/formats.h"
 
 namespace {
 

@@ -8,8 +8,8 @@
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 
-#include "tests/volumes/dicom/dicom_fixtures.h"
-#include "volumes/io/dense_writer.h"
+#include "tests/support/dicom_fixtures.h"
+#include "volumes/io/format/dense_writer.h"
 
 namespace supple::fuzz {
 

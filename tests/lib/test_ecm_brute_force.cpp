@@ -6,7 +6,7 @@
 
 #include "lib/chainmail/ecm.h"
 #include "tests/lib/brute_force.h"
-#include "tests/sanitized.h"
+#include "tests/support/sanitized.h"
 #include "volumes/base/error.h"
 
 using namespace supple;

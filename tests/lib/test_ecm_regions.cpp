@@ -8,7 +8,7 @@
 
 #include "lib/chainmail/ecm.h"
 #include "tests/lib/brute_force.h"
-#include "tests/sanitized.h"
+#include "tests/support/sanitized.h"
 
 using namespace supple;
 using namespace supple::test;

@@ -5,7 +5,7 @@
 
 #include "lib/body/lattice.h"
 #include "lib/model/relax_model.h"
-#include "lib/relax/brick_links.h"
+#include "lib/relax/brick_springs.h"
 #include "lib/relax/fine_offsets.h"
 #include "tests/lib/relaxed_bodies.h"
 

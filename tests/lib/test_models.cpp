@@ -4,10 +4,10 @@
 
 #include <gtest/gtest.h>
 
-#include "lib/model/ecm_model.h"
 #include "lib/model/mesh_ecm_model.h"
 #include "lib/model/relax_model.h"
 #include "lib/model/spring_models.h"
+#include "lib/model/voxel_ecm_model.h"
 #include "tests/lib/mesh_fixtures.h"
 #include "tests/lib/spring_fixtures.h"
 #include "tests/lib/test_bodies.h"
@@ -76,7 +76,7 @@ std::unique_ptr<VoxelModel> model_of(int kind, Scene& scene) {
       return std::make_unique<VoxelSpringModel>(scene.held(), springs,
                                                 motion(SpringMethod::xpbd, 5e-3));
     case 3:
-      return std::make_unique<EcmModel>(scene.held());
+      return std::make_unique<VoxelEcmModel>(scene.held());
     case 4:
       return std::make_unique<VoxelSpringModel>(scene.held(), springs,
                                                 motion(SpringMethod::symplectic, 5e-3));
@@ -122,7 +122,7 @@ Body seen_by(VoxelModel& model, const Scene& scene) {
 
 TEST(PropertyModels, ThousandStepsWithAnotherModelEveryTenNeitherJumpNorDrift) {
   Scene scene({9, 5, 4});
-  EcmModel(scene.held()).move({{{8, 2, 2}, {2 * kVoxel, kVoxel, 0}}}, 1, nullptr);
+  VoxelEcmModel(scene.held()).move({{{8, 2, 2}, {2 * kVoxel, kVoxel, 0}}}, 1, nullptr);
   Slot grabbed;
   ASSERT_TRUE(slot_of(scene.body.elements, {8, 2, 2}, grabbed));
   std::int32_t place = 2 * kVoxel;
@@ -136,7 +136,7 @@ TEST(PropertyModels, ThousandStepsWithAnotherModelEveryTenNeitherJumpNorDrift) {
     // To and fro, by another model every time.
     const std::int32_t by = n % 3 == 0 ? kVoxel / 4 : n % 3 == 1 ? -kVoxel / 4 : 0;
     const std::vector<Handle> handles = {{{8, 2, 2}, {by, 0, 0}}};
-    if (auto* ecm = dynamic_cast<EcmModel*>(model.get())) {
+    if (auto* ecm = dynamic_cast<VoxelEcmModel*>(model.get())) {
       ecm->move({}, 1, nullptr);
       projected = ecm->report().projected_max_voxels;
     } else if (auto* relaxed = dynamic_cast<RelaxModel*>(model.get())) {
@@ -187,7 +187,7 @@ TEST(PropertyModels, AMotionThatIsHandedOverEveryTenStepsIsThatOfOneModel) {
                                     SpringMethod::xpbd, SpringMethod::projective}) {
     Scene whole({7, 4, 3}), parts({7, 4, 3});
     for (Scene* scene : {&whole, &parts}) {
-      EcmModel(scene->held()).move({{{6, 2, 1}, {kVoxel, kVoxel / 2, 0}}}, 1, nullptr);
+      VoxelEcmModel(scene->held()).move({{{6, 2, 1}, {kVoxel, kVoxel / 2, 0}}}, 1, nullptr);
       scene->holds = {};  // let go: it swings
     }
     const LatticeSpringParams springs = material_springs(whole.body);
@@ -200,7 +200,7 @@ TEST(PropertyModels, AMotionThatIsHandedOverEveryTenStepsIsThatOfOneModel) {
       run_model(part, 10);
       travelled += between(before, parts.body).voxels;
       // In between another model looks at the body and does nothing.
-      EXPECT_GE(EcmModel(parts.held()).energy().elastic_j, 0);
+      EXPECT_GE(VoxelEcmModel(parts.held()).energy().elastic_j, 0);
     }
     EXPECT_GT(travelled, 1.2) << name_of(method);
     const Jump drift = between(whole.body, parts.body);
@@ -211,7 +211,7 @@ TEST(PropertyModels, AMotionThatIsHandedOverEveryTenStepsIsThatOfOneModel) {
 
 TEST(PropertyModels, QuasiStaticModelsLeaveVelocitiesAlone) {
   Scene scene({7, 4, 3});
-  EcmModel(scene.held()).move({{{6, 2, 1}, {kVoxel, 0, 0}}}, 1, nullptr);
+  VoxelEcmModel(scene.held()).move({{{6, 2, 1}, {kVoxel, 0, 0}}}, 1, nullptr);
   scene.holds = {};
   VoxelSpringModel springs(scene.held(), material_springs(scene.body),
                            motion(SpringMethod::implicit, 2e-3));
@@ -220,7 +220,7 @@ TEST(PropertyModels, QuasiStaticModelsLeaveVelocitiesAlone) {
   EXPECT_FALSE(moving[0].empty());
   RelaxModel relaxed(scene.held(), relaxation(RelaxMethod::accelerated));
   run_model(relaxed, 10);
-  EcmModel(scene.held()).move({{{6, 1, 1}, {0, kVoxel, 0}}}, 1, nullptr);
+  VoxelEcmModel(scene.held()).move({{{6, 1, 1}, {0, kVoxel, 0}}}, 1, nullptr);
   EXPECT_TRUE(scene.body.velocity_mm_s == moving);
   VoxelSpringModel at_rest(scene.held(), material_springs(scene.body), minimum());
   run_model(at_rest, 500);
@@ -317,7 +317,7 @@ TEST(PropertyModels, SpringsRestWherePlasticFlowLeftTheLinks) {
 TEST(PropertyModels, AMoveThatFailsMovesNothing) {
   for (const int kind : {0, 1, 3, 7}) {
     Scene scene({9, 4, 3});
-    EcmModel(scene.held()).move({{{8, 2, 1}, {3 * kVoxel, kVoxel, 0}}}, 1, nullptr);
+    VoxelEcmModel(scene.held()).move({{{8, 2, 1}, {3 * kVoxel, kVoxel, 0}}}, 1, nullptr);
     const Body before = scene.body;
     const std::unique_ptr<VoxelModel> model = model_of(kind, scene);
     EXPECT_NE(input_error([&] { model->move({{{90, 0, 0}, {1, 0, 0}}}, 1, nullptr); }), "");
@@ -342,7 +342,7 @@ TEST(PropertyModels, InterruptedModelsHaveStoredWhatTheyDid) {
   for (const int kind : {0, 1, 2, 4, 5, 6, 7}) {
     Scene whole({9, 4, 3}), stopped({9, 4, 3});
     for (Scene* scene : {&whole, &stopped}) {
-      EcmModel(scene->held()).move({{{8, 2, 1}, {3 * kVoxel, kVoxel, 0}}}, 1, nullptr);
+      VoxelEcmModel(scene->held()).move({{{8, 2, 1}, {3 * kVoxel, kVoxel, 0}}}, 1, nullptr);
     }
     const int steps = kind == 7 ? 2 : 7;
     run_model(*model_of(kind, whole), steps);
@@ -361,7 +361,7 @@ TEST(PropertyModels, SpringsRefuseHandlesThatOnlyPush) {
     VoxelSpringModel model(scene.held(), springs, minimum());
     EXPECT_NE(input_error([&] { model.move(push, 1, nullptr); }).find("push"), std::string::npos);
   }
-  EcmModel(scene.held()).move(push, 1, nullptr);
+  VoxelEcmModel(scene.held()).move(push, 1, nullptr);
   EXPECT_NE(input_error([&] { VoxelSpringModel(scene.held(), springs, minimum()); }).find("push"),
             std::string::npos);
 }

@@ -8,7 +8,7 @@
 #include "lib/relax/reaction.h"
 #include "tests/lib/quadratic_program.h"
 #include "tests/lib/relaxed_bodies.h"
-#include "tests/sanitized.h"
+#include "tests/support/sanitized.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -44,7 +44,7 @@ RelaxParams to_rest(double kpa = 0) {
   RelaxParams params;
   params.passes = 20000;
   params.tolerance_voxels = 1e-9;
-  params.volume_stiffness_kpa = kpa;
+  params.bulk_modulus_kpa = kpa;
   return params;
 }
 

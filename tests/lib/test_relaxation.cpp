@@ -8,7 +8,7 @@
 #include "lib/relax/sweep_kernel.h"
 #include "tests/lib/brute_force.h"
 #include "tests/lib/relaxed_bodies.h"
-#include "tests/sanitized.h"
+#include "tests/support/sanitized.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -87,7 +87,7 @@ TEST(PropertyRelaxation, ASweepEndsAtWholeNumbers) {
     pad_brick(
         start.body.elements, b, 0.0,
         [&](std::size_t) { return [&](int) { return double(random() % 99999); }; }, offsets);
-    BrickLinks links;
+    BrickSprings links;
     find_links(start.body, b, table.missing(), links);
     for (const double relaxation : {0.7, 1.0, 1.9}) {
       double moved[kBrickVoxels];

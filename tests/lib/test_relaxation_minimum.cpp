@@ -7,7 +7,7 @@
 #include "lib/model/relax_model.h"
 #include "tests/lib/quadratic_program.h"
 #include "tests/lib/test_bodies.h"
-#include "tests/sanitized.h"
+#include "tests/support/sanitized.h"
 
 using namespace supple;
 using namespace supple::test;

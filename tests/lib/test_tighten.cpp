@@ -172,7 +172,7 @@ TEST(UnitTighten, TheCheckReachesLinksDiagonallyAcrossBricks) {
   body.q[0].resize(body.elements.brick_count());
   // Only the brick of (8, 8) is stored; the link of (7, 7) lies in the brick across its corner.
   body.q[0].set(slot_at(body, {8, 8, 0}), kVoxel / 2);
-  Offsets missing;
+  LinkOffsets missing;
   const TightCheck check = check_tight(body, body.q, 1e-3, missing);
   for (int j = 7; j < 9; ++j) {
     EXPECT_EQ(missing[1].at(slot_at(body, {7, j, 0})), range_at(body, 1, {7, j, 0}).most) << j;

@@ -6,7 +6,7 @@
 
 #include "lib/body/lattice.h"
 #include "tests/lib/relaxed_bodies.h"
-#include "tests/sanitized.h"
+#include "tests/support/sanitized.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -18,14 +18,14 @@ constexpr RelaxMethod kMethods[] = {RelaxMethod::red_black, RelaxMethod::acceler
 
 RelaxParams params_of(double kpa, int passes = 20) {
   RelaxParams params;
-  params.volume_stiffness_kpa = kpa;
+  params.bulk_modulus_kpa = kpa;
   params.passes = passes;
   return params;
 }
 
-CellCorners random_corners(std::mt19937& random, double by) {
+Hexahedron random_corners(std::mt19937& random, double by) {
   std::uniform_real_distribution<double> way(-by, by);
-  CellCorners corners;
+  Hexahedron corners;
   for (int n = 0; n < 8; ++n) {
     for (int c = 0; c < 3; ++c) corners[std::size_t(n)][c] = (n >> (2 - c) & 1) + way(random);
   }
@@ -107,7 +107,7 @@ std::pair<double, double> energy_beside(Body& body, const std::vector<Slot>& slo
 TEST(UnitCellVolume, IsTheIntegralOfTheJacobian) {
   std::mt19937 random(1);
   for (int n = 0; n < 100; ++n) {
-    const CellCorners corners = random_corners(random, n < 50 ? 0.3 : 2);
+    const Hexahedron corners = random_corners(random, n < 50 ? 0.3 : 2);
     EXPECT_NEAR(hexahedron_volume(corners), integrated_volume(corners), 1e-12);
   }
 }
@@ -115,12 +115,12 @@ TEST(UnitCellVolume, IsTheIntegralOfTheJacobian) {
 TEST(UnitCellVolume, IsLinearInEachCornerWithTheGradientAsSlope) {
   std::mt19937 random(2);
   for (int n = 0; n < cases(50); ++n) {
-    const CellCorners corners = random_corners(random, 0.5);
+    const Hexahedron corners = random_corners(random, 0.5);
     for (int corner = 0; corner < 8; ++corner) {
       const Vec3d gradient = hexahedron_gradient(corners, corner);
       for (int c = 0; c < 3; ++c) {
         for (const double by : {-2.0, 0.5}) {
-          CellCorners moved = corners;
+          Hexahedron moved = corners;
           moved[std::size_t(corner)][c] += by;
           EXPECT_NEAR(integrated_volume(moved) - integrated_volume(corners), gradient[c] * by,
                       1e-12);

@@ -4,11 +4,11 @@
 
 #include <gtest/gtest.h>
 
-#include "raycast/classify.h"
-#include "raycast/embree_bounds.h"
-#include "raycast/offset_bricks.h"
-#include "tests/raycast/scalar_sampling.h"
+#include "raycast/march/embree_bounds.h"
+#include "raycast/sample/classify.h"
+#include "raycast/sample/offset_bricks.h"
 #include "tests/raycast/scenes.h"
+#include "tests/support/scalar_sampling.h"
 
 namespace supple {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "raycast/camera.h"
+#include "raycast/scene/camera.h"
 #include "volumes/base/error.h"
 
 namespace supple {

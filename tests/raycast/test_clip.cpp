@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "raycast/compare.h"
+#include "raycast/pictures/compare.h"
 #include "tests/raycast/scenes.h"
 
 namespace supple {

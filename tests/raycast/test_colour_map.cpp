@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "raycast/colour_map.h"
+#include "raycast/pictures/colour_map.h"
 
 namespace supple {
 namespace {

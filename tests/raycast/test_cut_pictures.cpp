@@ -1,9 +1,9 @@
-// Pictures of bodies whose cuts have opened (volumes/field/cut_offsets.h).
+// Pictures of bodies whose cuts have opened (volumes/field/cuts/cut_offsets.h).
 #include <gtest/gtest.h>
 
-#include "raycast/compare.h"
+#include "raycast/pictures/compare.h"
 #include "tests/raycast/scenes.h"
-#include "volumes/field/cut_offsets.h"
+#include "volumes/field/cuts/cut_offsets.h"
 
 namespace supple {
 namespace {

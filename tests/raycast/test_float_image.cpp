@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 #include <png.h>
 
-#include "raycast/float_image.h"
+#include "raycast/pictures/float_image.h"
 #include "volumes/base/atomic_file.h"
 
 namespace supple {

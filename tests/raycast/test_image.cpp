@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "raycast/compare.h"
+#include "raycast/pictures/compare.h"
 #include "volumes/base/error.h"
 
 namespace supple {
@@ -39,7 +39,7 @@ Image uniform(int width, int height, std::array<std::uint8_t, 4> rgba) {
   return image;
 }
 
-void write_bytes(const std::string& path, const std::vector<unsigned char>& bytes) {
+void write_text(const std::string& path, const std::vector<unsigned char>& bytes) {
   std::ofstream(path, std::ios::binary)
       .write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
 }
@@ -80,8 +80,8 @@ TEST(UnitImage, TheCommentIsInTheFileAndEqualImagesAreEqualFiles) {
 
 TEST(UnitImage, SixteenBitGreyAndPaletteImagesAreExpanded) {
   const std::string grey = output_path("grey16.png"), palette = output_path("palette.png");
-  write_bytes(grey, kGrey16);
-  write_bytes(palette, kPalette);
+  write_text(grey, kGrey16);
+  write_text(palette, kPalette);
   const Image a = read_png(grey);
   EXPECT_FALSE(a.has_alpha);
   EXPECT_EQ(a.rgba,
@@ -94,11 +94,11 @@ TEST(UnitImage, UnusableFilesAreInputErrors) {
   EXPECT_THROW(read_png(output_path("missing.png")), InputError);
   EXPECT_THROW(read_png(std::filesystem::path(output_path("x")).parent_path()), InputError);
   const std::string path = output_path("bad.png");
-  write_bytes(path, {'P', '6', ' ', '1'});
+  write_text(path, {'P', '6', ' ', '1'});
   EXPECT_THROW(read_png(path), InputError);
   std::vector<unsigned char> cut = kGrey16;
   cut.resize(cut.size() - 20);
-  write_bytes(path, cut);
+  write_text(path, cut);
   EXPECT_THROW(read_png(path), InputError);
   EXPECT_THROW(write_png(output_path("no/such/folder.png"), noise(2, 2, 3)), InputError);
 }

@@ -1,7 +1,7 @@
 // Bodies drawn as lattices.
 #include <gtest/gtest.h>
 
-#include "raycast/lattice.h"
+#include "raycast/drawings/lattice.h"
 #include "tests/raycast/scenes.h"
 #include "volumes/base/error.h"
 

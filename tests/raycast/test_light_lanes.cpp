@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "raycast/light_lanes.h"
+#include "raycast/march/light_lanes.h"
 
 namespace supple {
 namespace {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
 
-#include "raycast/compare.h"
+#include "raycast/pictures/compare.h"
 #include "tests/raycast/scenes.h"
 #include "volumes/field/procedural.h"
 

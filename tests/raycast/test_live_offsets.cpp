@@ -1,12 +1,12 @@
 // Pictures of a body that is being dragged: offsets that are updated, and offsets without inverse.
 #include <gtest/gtest.h>
 
-#include "raycast/compare.h"
+#include "raycast/pictures/compare.h"
 #include "tests/raycast/scenes.h"
 #include "volumes/base/error.h"
 #include "volumes/field/displacement.h"
-#include "volumes/field/forward_offsets.h"
-#include "volumes/field/invert.h"
+#include "volumes/field/inversion/forward_offsets.h"
+#include "volumes/field/inversion/invert.h"
 #include "volumes/field/procedural.h"
 #include "volumes/field/split_offsets.h"
 

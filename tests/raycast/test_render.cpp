@@ -7,10 +7,11 @@
 #include <gtest/gtest.h>
 #include <oneapi/tbb/global_control.h>
 
-#include "raycast/compare.h"
+#include "raycast/pictures/compare.h"
 #include "tests/raycast/scenes.h"
 #include "volumes/field/procedural.h"
-#include "volumes/io/volume_file.h"
+#include "volumes/io/format/volume_file.h"
+#include "volumes/io/load/load.h"
 
 namespace supple {
 namespace {

@@ -1,11 +1,11 @@
-// Deformed pictures against the deformed volume itself, and convergence in the step.
+// Pose pictures against the deformed volume itself, and convergence in the step.
 #include <gtest/gtest.h>
 
-#include "raycast/compare.h"
-#include "raycast/marcher.h"
+#include "raycast/march/marcher.h"
+#include "raycast/pictures/compare.h"
 #include "tests/raycast/scenes.h"
 #include "volumes/field/displacement.h"
-#include "volumes/field/invert.h"
+#include "volumes/field/inversion/invert.h"
 #include "volumes/field/procedural.h"
 
 namespace supple {
@@ -124,8 +124,8 @@ TEST(ConvergenceRender, TheOpacityOfARampConvergesToItsIntegralWithOrderOne) {
   const std::vector<double> steps = {1, 0.5, 0.25, 0.125, 0.0625};
   std::vector<double> errors;
   for (const double step : steps) {
-    const Frame frame(geometry, source, straight, camera, f, every_sample(step));
-    const Float4 sum = Marcher(frame).march(camera_ray(camera, 1, 1, 0.52, 0.47));
+    const RenderContext context(geometry, source, straight, camera, f, every_sample(step));
+    const Float4 sum = Marcher(context).march(camera_ray(camera, 1, 1, 0.52, 0.47));
     errors.push_back(std::abs(sum[3] - (1 - std::exp(-depth))));
   }
   EXPECT_GT(slope(steps, errors), 0.9);
@@ -144,8 +144,8 @@ TEST(ConvergenceRender, TheColourOfASphereConvergesWithTheStep) {
   const auto picture = [&](double step) {
     RenderSettings settings = every_sample(step);
     settings.lighting = Lighting();
-    const Frame frame(geometry, source, straight, camera, f, settings);
-    Marcher marcher(frame);
+    const RenderContext context(geometry, source, straight, camera, f, settings);
+    Marcher marcher(context);
     std::vector<Float4> pixels;
     for (int n = 0; n < 24 * 24; ++n) {
       pixels.push_back(marcher.march(camera_ray(camera, 24, 24, n % 24 + 0.5, n / 24 + 0.5)));

@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "raycast/frame.h"
-#include "tests/raycast/scalar_sampling.h"
+#include "raycast/march/render_context.h"
 #include "tests/raycast/scenes.h"
+#include "tests/support/scalar_sampling.h"
 #include "volumes/field/procedural.h"
 
 namespace supple {
@@ -59,9 +59,9 @@ struct RoughScene {
   OffsetField offsets =
       sample_offsets(bump_warp({20, 20, 20}, 15, 5), geometry, voxels_of({40, 40, 24}, everywhere));
   OffsetBricks output{source, offsets.o};
-  Frame frame = frame_with(fog_function(0.1));
+  RenderContext context = frame_with(fog_function(0.1));
 
-  Frame frame_with(const TransferFunction& function) const {
+  RenderContext frame_with(const TransferFunction& function) const {
     return {geometry, source, output, default_camera(geometry, 1), function, RenderSettings()};
   }
 };
@@ -112,7 +112,7 @@ TEST(PropertySampleBatch, EveryInstructionSetReadsWhatOneSampleAtATimeReads) {
     ASSERT_EQ(sampling_instruction_set(), name);
     SCOPED_TRACE(name);
     int bent = 0, one_sided = 0;
-    compare_with_scalar(scene, scene.frame.tables, bent, one_sided);
+    compare_with_scalar(scene, scene.context.tables, bent, one_sided);
     EXPECT_GT(bent, 200);
   }
   choose_sampling_instruction_set("");
@@ -120,7 +120,7 @@ TEST(PropertySampleBatch, EveryInstructionSetReadsWhatOneSampleAtATimeReads) {
 
 TEST(PropertySampleBatch, BricksFarApartAreReadOneAfterAnother) {
   const RoughScene scene;
-  SamplingTables tables = scene.frame.tables;
+  SamplingTables tables = scene.context.tables;
   for (const std::int32_t reach : {1, 3}) {
     tables.reach = reach;
     int bent = 0, one_sided = 0;
@@ -134,15 +134,15 @@ TEST(PropertySampleBatch, VisibleSamplesAreThoseThatTheFunctionShows) {
   one_range.opacity = {{-400, 0}, {-100, 0}, {-99, 0.5}, {200, 0.5}, {201, 0}, {400, 0}};
   two_ranges.opacity = {{-400, 0.5}, {-100, 0.5}, {-99, 0}, {200, 0}, {201, 0.5}, {400, 0.5}};
   for (const TransferFunction& function : {one_range, two_ranges}) {
-    const Frame frame = scene.frame_with(function);
+    const RenderContext context = scene.frame_with(function);
     std::mt19937 random(3);
     SampleBatch batch;
     int shown = 0, hidden = 0;
     for (int round = 0; round < 300; ++round) {
-      sample_batch(frame.tables, random_piece(random), 0, 1, SampleBatch::kLanes, batch);
+      sample_batch(context.tables, random_piece(random), 0, 1, SampleBatch::kLanes, batch);
       for (std::uint32_t rest = batch.inside; rest != 0; rest &= rest - 1) {
         const int lane = __builtin_ctz(rest);
-        const double density = frame.source.density(batch.encoded[lane]);
+        const double density = context.source.density(batch.encoded[lane]);
         if (function.opacity_at(density - 1) != function.opacity_at(density + 1)) continue;
         const bool visible = function.opacity_at(density) > 0;
         ASSERT_EQ(batch.visible >> lane & 1, std::uint32_t(visible)) << density;
@@ -160,16 +160,16 @@ TEST(PropertySampleBatch, SamplesOnBothSidesOfARegionsBorderFindTheirBricks) {
       grid_of(voxels_of(dims, everywhere), [](const Vec3d& p) { return 10 * p.x + p.y; })};
   const Geometry geometry(dims, Vec3d(0), {Vec3d(1, 0, 0), {0, 1, 0}, {0, 0, 1}});
   const OffsetBricks output(source);
-  const Frame frame(geometry, source, output, default_camera(geometry, 1), fog_function(0.1),
-                    RenderSettings());
+  const RenderContext context(geometry, source, output, default_camera(geometry, 1),
+                              fog_function(0.1), RenderSettings());
   RayPiece piece;
   piece.base = {120, 4, 4};
   piece.per_sample = {1, 0.25f, 0};
   SampleBatch batch;
-  sample_batch(frame.tables, piece, 0, 1, SampleBatch::kLanes, batch);
+  sample_batch(context.tables, piece, 0, 1, SampleBatch::kLanes, batch);
   ASSERT_EQ(batch.inside, 0xFFFFu);
   for (int lane = 0; lane < SampleBatch::kLanes; ++lane) {
-    EXPECT_NEAR(frame.source.density(batch.encoded[lane]), 1204 + 10.25 * lane, 0.05);
+    EXPECT_NEAR(context.source.density(batch.encoded[lane]), 1204 + 10.25 * lane, 0.05);
   }
 }
 
@@ -177,15 +177,15 @@ TEST(PropertySampleBatch, BricksThatHoldNothingLargerAreLeftOutOfAMaximum) {
   const RoughScene scene;
   TransferFunction maximum = fog_function(0.1);
   maximum.blend = Blend::maximum;
-  const Frame frame = scene.frame_with(maximum);
+  const RenderContext context = scene.frame_with(maximum);
   std::mt19937 random(5);
   SampleBatch all, some;
   int skipped = 0;
   for (int round = 0; round < 300; ++round) {
     RayPiece piece = random_piece(random);
-    sample_batch(frame.tables, piece, 0, 1, SampleBatch::kLanes, all);
+    sample_batch(context.tables, piece, 0, 1, SampleBatch::kLanes, all);
     piece.above = 500;
-    sample_batch(frame.tables, piece, 0, 1, SampleBatch::kLanes, some);
+    sample_batch(context.tables, piece, 0, 1, SampleBatch::kLanes, some);
     EXPECT_EQ(some.inside & ~all.inside, 0u);
     for (std::uint32_t rest = all.inside & ~some.inside; rest != 0; rest &= rest - 1) {
       EXPECT_LE(all.encoded[__builtin_ctz(rest)], 500);

@@ -1,9 +1,9 @@
 // Bodies seen along procedural sampling paths (thesis section 3.3.5, figure 3.3).
 #include <gtest/gtest.h>
 
-#include "raycast/compare.h"
+#include "raycast/pictures/compare.h"
 #include "tests/raycast/scenes.h"
-#include "volumes/field/path_functions.h"
+#include "volumes/field/paths/path_functions.h"
 
 namespace supple {
 namespace {

@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "raycast/blue_noise.h"
-#include "raycast/compare.h"
-#include "raycast/frame.h"
+#include "raycast/march/blue_noise.h"
+#include "raycast/march/render_context.h"
+#include "raycast/pictures/compare.h"
 #include "tests/raycast/scenes.h"
 
 namespace supple {

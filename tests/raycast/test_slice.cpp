@@ -1,7 +1,7 @@
 // Orthogonal slices: every pixel is a voxel, and the patient lies as radiologists expect.
 #include <gtest/gtest.h>
 
-#include "raycast/slice.h"
+#include "raycast/drawings/slice.h"
 #include "tests/raycast/scenes.h"
 #include "volumes/grid/volume.h"
 

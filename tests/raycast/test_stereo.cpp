@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "raycast/stereo.h"
+#include "raycast/scene/stereo.h"
 #include "volumes/base/error.h"
 
 namespace supple {

@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "raycast/compare.h"
+#include "raycast/pictures/compare.h"
 #include "tests/raycast/scenes.h"
-#include "volumes/field/material_points.h"
+#include "volumes/field/points/material_points.h"
 #include "volumes/field/procedural.h"
 
 namespace supple {

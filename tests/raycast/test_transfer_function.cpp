@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "raycast/transfer_function.h"
+#include "raycast/scene/transfer_function.h"
 #include "volumes/base/error.h"
 
 namespace supple {

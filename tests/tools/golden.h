@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "raycast/float_image.h"
-#include "raycast/image.h"
-#include "tests/tools/program.h"
+#include "raycast/pictures/float_image.h"
+#include "raycast/pictures/image.h"
+#include "tests/support/program.h"
 
 namespace supple::test {
 

@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/tools/program.h"
-#include "volumes/mesh/triangle_mesh.h"
+#include "tests/support/program.h"
+#include "volumes/io/mesh/triangle_mesh.h"
 
 using namespace supple;
 using namespace supple::test;

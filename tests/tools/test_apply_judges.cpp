@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/tools/program.h"
+#include "tests/support/program.h"
 
 using namespace supple;
 using namespace supple::test;

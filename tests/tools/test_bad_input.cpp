@@ -4,7 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "tests/tools/program.h"
+#include "tests/support/program.h"
 
 using namespace supple::test;
 

@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/sanitized.h"
-#include "tests/tools/program.h"
+#include "tests/support/program.h"
+#include "tests/support/sanitized.h"
 
 using namespace supple::test;
 

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/tools/program.h"
+#include "tests/support/program.h"
 
 using namespace supple::test;
 
@@ -116,7 +116,8 @@ TEST_F(UnitCutting, ACutThatCrossesNoLinkWarns) {
 TEST_F(UnitCutting, UnusableCutsAreRefusedWithTheirPlace) {
   const std::string plane = "plane = { corner = [0, 0, 0], edge1 = [1, 0, 0], edge2 = ";
   expect_refused("{ mesh = \"none.stl\" }", {"none.stl", "no such file"});
-  expect_refused("{ mesh = \"soft.toml\" }", {"soft.toml", "extension", ".stl, .ply, .obj or .vtk"});
+  expect_refused("{ mesh = \"soft.toml\" }",
+                 {"soft.toml", "extension", ".stl, .ply, .obj or .vtk"});
   expect_refused("{ mesh = \"knife.obj\", " + plane + "[0, 1, 0] } }", {"scene.toml:6", "either"});
   expect_refused("{ }", {"scene.toml:6", "either mesh, plane or label"});
   expect_refused("{ label = 3 }", {"scene.toml:6", "label"});

@@ -2,8 +2,8 @@
 // `bash tools/update_golden.sh` renders the references anew.
 #include <gtest/gtest.h>
 
-#include "raycast/colour_map.h"
-#include "raycast/compare.h"
+#include "raycast/pictures/colour_map.h"
+#include "raycast/pictures/compare.h"
 #include "tests/tools/golden.h"
 #include "volumes/geometry/geometry.h"
 

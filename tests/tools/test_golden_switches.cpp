@@ -2,10 +2,10 @@
 // must fail by a wide margin (docs/building.md lists by how much).
 #include <gtest/gtest.h>
 
-#include "raycast/compare.h"
+#include "raycast/pictures/compare.h"
 #include "raycast/render.h"
 #include "tests/tools/golden.h"
-#include "volumes/field/invert.h"
+#include "volumes/field/inversion/invert.h"
 #include "volumes/state/state.h"
 
 using namespace supple;

@@ -1,12 +1,16 @@
-// The arrows of the architecture: which folder may include which (docs/architecture.md).
+// The arrows of the architecture (docs/architecture.md): which folder may include which, where
+// other people's headers may appear, and what keeps a folder readable.
 #include <fstream>
+#include <functional>
 #include <map>
+#include <optional>
+#include <regex>
 #include <set>
 #include <sstream>
 
 #include <gtest/gtest.h>
 
-#include "tests/tools/program.h"
+#include "tests/support/program.h"
 
 using namespace supple::test;
 
@@ -19,101 +23,225 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"tools", {"tools", "lib", "raycast", "volumes"}},
 };
 
-/// Third-party headers that may appear in some folders only.
+/// Models share bodies and materials, and nothing of each other.
+const std::map<std::string, std::set<std::string>> kNever = {
+    {"lib/relax", {"lib/springs", "lib/chainmail", "lib/model", "lib/session"}},
+    {"lib/springs", {"lib/relax", "lib/chainmail", "lib/model", "lib/session"}},
+    {"lib/chainmail", {"lib/relax", "lib/springs", "lib/model", "lib/session"}},
+};
+
+/// Third-party headers, and the only folders (with those below them) in which they may appear.
 const std::map<std::string, std::set<std::string>> kThirdPartyHomes = {
-    {"embree3/", {"raycast"}}, {"opencv2/", {"raycast"}}, {"toml++/", {"tools"}},
-    {"CLI/", {"tools"}},       {"openvdb/", {"volumes"}}, {"tiff", {"volumes"}},
-    {"nifti", {"volumes"}},    {"OpenEXR/", {"raycast"}}, {"hwy/", {"raycast"}},
-    {"Eigen/", {"lib"}},       {"pugixml", {"volumes"}},  {"dcmtk/", {"volumes"}},
-    {"hdf5", {"volumes"}},
+    {"embree3/", {"raycast/march"}},
+    {"opencv2/", {"raycast/pictures/plugin"}},
+    {"OpenEXR/", {"raycast/pictures/plugin"}},
+    {"hwy/", {"raycast/march", "raycast/sample"}},
+    {"toml++/", {"tools", "lib/material"}},
+    {"CLI/", {"tools"}},
+    {"openvdb/", {"volumes/grid", "volumes/io/vdb", "volumes/state", "tools/bench"}},
+    {"nanovdb/", {"tools/bench"}},
+    {"tiff", {"volumes/io/tiff"}},
+    {"nifti", {"volumes/io/nifti"}},
+    {"pugixml", {"volumes/io/tiff"}},
+    {"dcmtk/", {"volumes/io/dicom/plugin"}},
+    {"hdf5", {"volumes/io/hdf5/plugin"}},
+    {"Eigen/", {"lib/springs"}},
 };
 
 struct Include {
-  std::string folder, file, target;
+  std::string file, target;  // from the root of the source
   bool quoted;
 };
 
-/// The target of an #include line; false for any other line.
-bool parse_include(const std::string& line, std::string& target, bool& quoted) {
-  std::istringstream words(line);
-  std::string directive, rest;
-  if (!(words >> directive >> rest) || directive != "#include") return false;
-  quoted = rest.front() == '"';
-  target = rest.substr(1, rest.find_last_of("\">") - 1);
-  return true;
+std::string folder_of(const std::string& file) {
+  return file.substr(0, file.rfind('/'));
+}
+
+bool is_below(const std::string& folder, const std::string& root) {
+  return folder == root || folder.rfind(root + "/", 0) == 0;
+}
+
+/// The files of the product, from the root of the source.
+std::vector<std::string> product_files(const std::vector<std::string>& extensions) {
+  std::vector<std::string> files;
+  for (const auto& [root, allowed] : kMayInclude) {
+    const std::filesystem::path path = std::filesystem::path(source_dir()) / root;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(path)) {
+      const std::string extension = entry.path().extension().string();
+      if (std::find(extensions.begin(), extensions.end(), extension) == extensions.end()) continue;
+      files.push_back(std::filesystem::relative(entry.path(), source_dir()).string());
+    }
+  }
+  return files;
+}
+
+std::string text_of(const std::string& file) {
+  return read_text(source_dir() + "/" + file);
+}
+
+/// Without comments and string literals, so that words in them do not count.
+std::string code_of(const std::string& file) {
+  static const std::regex noise("//[^\n]*|\"(?:[^\"\\\\\n]|\\\\.)*\"");
+  return std::regex_replace(text_of(file), noise, "");
 }
 
 std::vector<Include> all_includes() {
+  static const std::regex line("#include ([\"<])([^\">]+)[\">]");
   std::vector<Include> includes;
-  for (const auto& [folder, allowed] : kMayInclude) {
-    const std::filesystem::path root = std::filesystem::path(source_dir()) / folder;
-    for (const auto& entry : std::filesystem::recursive_directory_iterator(root)) {
-      const std::string extension = entry.path().extension().string();
-      if (extension != ".h" && extension != ".cpp") continue;
-      std::ifstream stream(entry.path());
-      Include include{folder, entry.path().string(), "", false};
-      for (std::string line; std::getline(stream, line);) {
-        if (parse_include(line, include.target, include.quoted)) includes.push_back(include);
-      }
+  for (const std::string& file : product_files({".h", ".cpp"})) {
+    const std::string text = text_of(file);
+    for (std::sregex_iterator match(text.begin(), text.end(), line), end; match != end; ++match) {
+      includes.push_back({file, (*match)[2], (*match)[1] == "\""});
     }
   }
   return includes;
 }
 
+using Graph = std::map<std::string, std::set<std::string>>;
+
+Graph folder_graph(const std::vector<Include>& includes) {
+  Graph graph;
+  for (const Include& include : includes) {
+    if (!include.quoted) continue;
+    const std::string from = folder_of(include.file), to = folder_of(include.target);
+    if (from != to) graph[from].insert(to);
+  }
+  return graph;
+}
+
+/// A circle of folders as "a -> b -> a"; none where there is none.
+std::optional<std::string> find_circle(const Graph& graph) {
+  std::set<std::string> done;
+  std::vector<std::string> way;
+  std::optional<std::string> circle;
+  const std::function<void(const std::string&)> visit = [&](const std::string& folder) {
+    const auto seen = std::find(way.begin(), way.end(), folder);
+    if (seen != way.end()) {
+      circle.emplace();
+      for (auto it = seen; it != way.end(); ++it) *circle += *it + " -> ";
+      *circle += folder;
+    }
+    if (circle || done.count(folder) != 0) return;
+    way.push_back(folder);
+    const auto targets = graph.find(folder);
+    if (targets != graph.end()) {
+      for (const std::string& target : targets->second) visit(target);
+    }
+    way.pop_back();
+    done.insert(folder);
+  };
+  for (const auto& [folder, targets] : graph) visit(folder);
+  return circle;
+}
+
 }  // namespace
+
+TEST(UnitIncludeGraph, NoTwoFoldersAtAnyDepthIncludeEachOther) {
+  const Graph graph = folder_graph(all_includes());
+  ASSERT_GT(graph.size(), 30u);
+  EXPECT_EQ(find_circle(graph).value_or("none"), "none");
+}
+
+TEST(UnitIncludeGraph, ACircleIsFoundAndNamed) {
+  const Include there{"lib/body/body.h", "lib/chainmail/ecm.h", true};
+  const Include back{"lib/chainmail/ecm.h", "lib/body/body.h", true};
+  EXPECT_FALSE(find_circle(folder_graph({back})));
+  EXPECT_EQ(find_circle(folder_graph({there, back})).value_or("none"),
+            "lib/body -> lib/chainmail -> lib/body");
+  std::vector<Include> all = all_includes();
+  all.push_back({"volumes/base/error.h", "volumes/io/open_volume.h", true});
+  EXPECT_TRUE(find_circle(folder_graph(all)));
+}
 
 TEST(UnitIncludeGraph, FoldersIncludeOnlyWhatTheArchitectureAllows) {
   const std::vector<Include> includes = all_includes();
   ASSERT_GT(includes.size(), 100u);
   for (const Include& include : includes) {
-    const std::string top = include.target.substr(0, include.target.find('/'));
+    const std::string folder = folder_of(include.file);
     if (include.quoted) {
-      EXPECT_EQ(kMayInclude.at(include.folder).count(top), 1u)
+      const std::string root = folder.substr(0, folder.find('/'));
+      const std::string target = include.target.substr(0, include.target.find('/'));
+      EXPECT_EQ(kMayInclude.at(root).count(target), 1u)
           << include.file << " includes " << include.target;
+      for (const auto& [from, never] : kNever) {
+        if (!is_below(folder, from)) continue;
+        for (const std::string& other : never) {
+          EXPECT_FALSE(is_below(folder_of(include.target), other))
+              << include.file << " includes " << include.target;
+        }
+      }
       continue;
     }
     for (const auto& [prefix, homes] : kThirdPartyHomes) {
       if (include.target.rfind(prefix, 0) != 0) continue;
-      EXPECT_EQ(homes.count(include.folder), 1u) << include.file << " includes " << include.target;
+      const bool is_home = std::any_of(homes.begin(), homes.end(), [&](const std::string& home) {
+        return is_below(folder, home);
+      });
+      EXPECT_TRUE(is_home) << include.file << " includes " << include.target;
     }
   }
 }
 
-// So that the program starts without these libraries (volumes/base/module.h).
-TEST(UnitIncludeGraph, LibrariesOfModulesStayInTheModulesRooms) {
-  struct Room {
-    std::string folder;
-    std::set<std::string> libraries;
-    std::set<std::string> seen_outside;  // headers that the other rooms may include
-  };
-  const std::vector<Room> rooms = {{"volumes/dicom/", {"dcmtk/"}, {"volumes/dicom/dicom.h"}},
-                                   {"volumes/hdf5/", {"hdf5.h"}, {}},
-                                   {"raycast/pictures/", {"opencv2/", "OpenEXR/"}, {}}};
-  const std::vector<Include> includes = all_includes();
-  for (const Room& room : rooms) {
-    std::set<std::string> used;
-    for (const Include& include : includes) {
-      const bool is_inside = include.file.find("/" + room.folder) != std::string::npos;
-      for (const std::string& library : room.libraries) {
-        if (include.quoted || include.target.rfind(library, 0) != 0) continue;
-        used.insert(library);
-        EXPECT_TRUE(is_inside) << include.file << " includes " << include.target;
-      }
-      if (is_inside || include.target.rfind(room.folder, 0) != 0) continue;
-      EXPECT_EQ(room.seen_outside.count(include.target), 1u)
-          << include.file << " includes " << include.target;
-    }
-    EXPECT_EQ(used, room.libraries);
+// So that the program starts without their libraries (volumes/base/plugin.h).
+TEST(UnitIncludeGraph, NothingIncludesWhatLiesInAPlugin) {
+  std::size_t inside = 0;
+  for (const Include& include : all_includes()) {
+    if (!include.quoted || include.target.find("/plugin/") == std::string::npos) continue;
+    EXPECT_EQ(folder_of(include.file), folder_of(include.target))
+        << include.file << " includes " << include.target;
+    ++inside;
   }
+  EXPECT_GT(inside, 20u);
 }
 
 TEST(UnitIncludeGraph, HeavyHeadersStayBehindFewFiles) {
   std::set<std::string> files;
   for (const Include& include : all_includes()) {
-    if (include.target.rfind("openvdb/", 0) != 0) continue;
+    if (include.target.rfind("openvdb/", 0) != 0 || is_below(include.file, "tools/bench")) continue;
     files.insert(include.file);
     const std::string name = std::filesystem::path(include.file).filename().string();
     EXPECT_TRUE(name.find("vdb") != std::string::npos || name.back() == 'p') << include.file;
   }
   EXPECT_LE(files.size(), 5u) << ::testing::PrintToString(files);
+}
+
+TEST(UnitIncludeGraph, EveryTypeNameStandsForOneType) {
+  static const std::regex definition(
+      "(?:^|\n)(?:template ?<[^>]*>\\s*)?(?:struct|class|enum class|enum) "
+      "(\\w+)(?: final)?\\s*(?=[{]|:[^:])|(?:^|\n)using (\\w+) =");
+  std::map<std::string, std::set<std::string>> homes;
+  for (const std::string& file : product_files({".h", ".cpp"})) {
+    const std::string code = code_of(file);
+    for (std::sregex_iterator match(code.begin(), code.end(), definition), end; match != end;
+         ++match) {
+      homes[(*match)[1].matched ? (*match)[1] : (*match)[2]].insert(file);
+    }
+  }
+  ASSERT_GT(homes.size(), 300u);
+  for (const auto& [name, files] : homes) {
+    EXPECT_EQ(files.size(), 1u) << name << " in " << ::testing::PrintToString(files);
+  }
+}
+
+TEST(UnitIncludeGraph, FoldersHoldAtMostTwentyFiveSourcesAndLargerOnesAReadme) {
+  std::map<std::string, int> sources, files;
+  for (const std::string& file : product_files({".h", ".cpp"})) {
+    ++files[folder_of(file)];
+    sources[folder_of(file)] += file.back() == 'p';
+  }
+  for (const auto& [folder, count] : files) {
+    if (folder != "tools/bench") {
+      EXPECT_LE(sources[folder], 25) << folder;
+    }
+    if (count <= 5) continue;
+    EXPECT_TRUE(std::filesystem::exists(source_dir() + "/" + folder + "/README.md")) << folder;
+  }
+}
+
+TEST(UnitIncludeGraph, LibrariesNameNoOptionOfTheCommandLine) {
+  static const std::regex option("(?:^|[^\\w-])--[a-z]");
+  for (const std::string& file : product_files({".h", ".cpp"})) {
+    if (is_below(file, "tools")) continue;
+    EXPECT_FALSE(std::regex_search(text_of(file), option)) << file;
+  }
 }

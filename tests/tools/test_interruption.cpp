@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/tools/program.h"
+#include "tests/support/program.h"
 
 using namespace supple::test;
 

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/tools/program.h"
+#include "tests/support/program.h"
 #include "volumes/grid/labels.h"
 #include "volumes/state/state.h"
 

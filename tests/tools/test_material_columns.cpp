@@ -1,7 +1,7 @@
 // Physical columns and presets of material tables on the command line, in scenes and in states.
 #include <gtest/gtest.h>
 
-#include "tests/tools/program.h"
+#include "tests/support/program.h"
 #include "volumes/state/state.h"
 
 using namespace supple;

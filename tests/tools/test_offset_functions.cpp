@@ -2,9 +2,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "raycast/compare.h"
-#include "tests/tools/program.h"
-#include "volumes/io/volume_file.h"
+#include "raycast/pictures/compare.h"
+#include "tests/support/program.h"
+#include "volumes/io/format/volume_file.h"
 
 using namespace supple;
 using namespace supple::test;

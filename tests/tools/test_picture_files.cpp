@@ -4,11 +4,11 @@
 
 #include <gtest/gtest.h>
 
-#include "raycast/compare.h"
+#include "raycast/pictures/compare.h"
 #include "raycast/render.h"
-#include "tests/tools/program.h"
+#include "tests/support/program.h"
 #include "volumes/base/error.h"
-#include "volumes/field/invert.h"
+#include "volumes/field/inversion/invert.h"
 #include "volumes/state/state.h"
 
 using namespace supple;

@@ -1,8 +1,8 @@
 // Looks of pictures on the command line and in scenes: transfer functions as files, clips.
 #include <gtest/gtest.h>
 
-#include "raycast/compare.h"
-#include "tests/tools/program.h"
+#include "raycast/pictures/compare.h"
+#include "tests/support/program.h"
 
 using namespace supple;
 using namespace supple::test;

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/tools/program.h"
+#include "tests/support/program.h"
 #include "volumes/state/state.h"
 
 using namespace supple;

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "raycast/compare.h"
-#include "raycast/float_image.h"
+#include "raycast/pictures/compare.h"
+#include "raycast/pictures/float_image.h"
 #include "tests/tools/golden.h"
 
 using namespace supple;

@@ -8,25 +8,15 @@
 #include "tools/bench/ecm_bodies.h"
 #include "tools/bench/ecm_cases.h"
 #include "tools/bench/memory.h"
-#include "tools/command.h"
+#include "tools/console/command.h"
 
 namespace supple::tools {
 
 namespace {
 
-constexpr const char* kDefaultHead = "build/data/ct_head.nhdr";
 constexpr std::int64_t kMultisetMemory = std::int64_t(16) << 30;
 
 /// Empty when there is no head CT to measure.
-std::string head_file(const EcmBenchOptions& options, Console& console) {
-  if (!options.ct_head.empty()) return options.ct_head;
-  if (std::filesystem::exists(kDefaultHead)) return kDefaultHead;
-  if (options.only.empty()) {
-    console.note(std::string("no ") + kDefaultHead + ": rows of ct_head are left out");
-  }
-  return "";
-}
-
 EcmCaseLimits limits_of(bool quick) {
   EcmCaseLimits limits;
   limits.rounds = quick ? RoundLimits{3, 25, 250} : RoundLimits{5, 100, 2000};
@@ -78,7 +68,8 @@ class Bodies {
   std::unique_ptr<MeasuredBody> m_body;
 };
 
-std::vector<EcmWorkload> checked_plan(const EcmBenchOptions& options, const std::string& head) {
+std::vector<EcmWorkload> checked_workloads(const EcmBenchOptions& options,
+                                           const std::string& head) {
   EcmPlanOptions plan_options;
   plan_options.quick = options.quick;
   plan_options.threads = options.threads;
@@ -97,15 +88,16 @@ std::vector<EcmWorkload> checked_plan(const EcmBenchOptions& options, const std:
 
 std::vector<std::string> ecm_row_names(const EcmBenchOptions& options, Console& console) {
   std::vector<std::string> names;
-  for (const EcmWorkload& workload : checked_plan(options, head_file(options, console))) {
+  for (const EcmWorkload& workload :
+       checked_workloads(options, head_file(options.ct_head, options.only.empty(), console))) {
     for (const EcmSide& side : workload.sides) names.push_back(row_name(workload, side));
   }
   return names;
 }
 
 BenchReport bench_ecm(const EcmBenchOptions& options, Console& console) {
-  const std::string head = head_file(options, console);
-  std::vector<EcmWorkload> plan = checked_plan(options, head);
+  const std::string head = head_file(options.ct_head, options.only.empty(), console);
+  std::vector<EcmWorkload> plan = checked_workloads(options, head);
   BenchReport result{"ecm", measure_machine(), {}};
   Bodies bodies(head);
   CancelOnly cancel(console);

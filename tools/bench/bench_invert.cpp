@@ -11,8 +11,8 @@
 #include "tools/bench/invert_update.h"
 #include "tools/bench/row_filter.h"
 #include "tools/bench/timing.h"
-#include "tools/command.h"
-#include "volumes/field/invert.h"
+#include "tools/console/command.h"
+#include "volumes/field/inversion/invert.h"
 
 namespace supple::tools {
 

@@ -9,25 +9,14 @@
 #include "tools/bench/cancel_only.h"
 #include "tools/bench/ecm_bodies.h"
 #include "tools/bench/relax_cases.h"
-#include "tools/command.h"
+#include "tools/console/command.h"
 
 namespace supple::tools {
 
 namespace {
 
-constexpr const char* kDefaultHead = "build/data/ct_head.nhdr";
-
 /// Empty when there is no head CT to measure.
-std::string head_file(const RelaxBenchOptions& options, Console& console) {
-  if (!options.ct_head.empty()) return options.ct_head;
-  if (std::filesystem::exists(kDefaultHead)) return kDefaultHead;
-  if (options.only.empty()) {
-    console.note(std::string("no ") + kDefaultHead + ": rows of ct_head are left out");
-  }
-  return "";
-}
-
-std::vector<RelaxRow> checked_plan(const RelaxBenchOptions& options, const std::string& head) {
+std::vector<RelaxRow> checked_rows(const RelaxBenchOptions& options, const std::string& head) {
   std::vector<RelaxRow> plan =
       plan_relax({options.quick, options.threads, !head.empty(), options.only});
   if (plan.empty()) {
@@ -60,15 +49,16 @@ std::vector<BenchRow> measure(const std::vector<RelaxRow>& rows, const Body& res
 
 std::vector<std::string> relax_row_names(const RelaxBenchOptions& options, Console& console) {
   std::vector<std::string> names;
-  for (const RelaxRow& row : checked_plan(options, head_file(options, console))) {
+  for (const RelaxRow& row :
+       checked_rows(options, head_file(options.ct_head, options.only.empty(), console))) {
     names.push_back(row.name());
   }
   return names;
 }
 
 BenchReport bench_relax(const RelaxBenchOptions& options, Console& console) {
-  const std::string head = head_file(options, console);
-  const std::vector<RelaxRow> plan = checked_plan(options, head);
+  const std::string head = head_file(options.ct_head, options.only.empty(), console);
+  const std::vector<RelaxRow> plan = checked_rows(options, head);
   BenchReport result{"relax", measure_machine(), {}};
   CancelOnly cancel(console);
   for (auto first = plan.begin(); first != plan.end();) {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "tools/bench/report.h"
-#include "tools/console.h"
+#include "tools/console/console.h"
 
 namespace supple::tools {
 

@@ -12,14 +12,14 @@
 #include "tools/bench/render_update.h"
 #include "tools/bench/render_vtk.h"
 #include "tools/bench/row_filter.h"
-#include "tools/command.h"
+#include "tools/console/command.h"
 
 namespace supple::tools {
 
 namespace {
 
 const Vec3i kHeadSize(512, 512, 256);
-constexpr std::int64_t kDraggedElements = 900'000;
+constexpr std::int64_t kDraggedByRender = 900'000;
 
 using BeforeRun = std::function<void()>;
 
@@ -101,7 +101,7 @@ std::vector<Part> plan_render(const RenderBenchOptions& options) {
   add_part(
       plan, options, "dragged head", update_sides(threads), update_row_name,
       [events = options.quick ? 5 : 30](const auto& sides, Console& console, const BeforeRun&) {
-        return measure_render_update(kHeadSize, 512, kDraggedElements, sides, events, console);
+        return measure_render_update(kHeadSize, 512, kDraggedByRender, sides, events, console);
       });
   const auto frames = std::make_shared<LazyFrames>(options.quick ? 512 : 1024);
   for (const std::string kind : {"straight", "identity", "zero", "local", "extreme", "half"}) {

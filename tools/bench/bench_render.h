@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "tools/bench/report.h"
-#include "tools/console.h"
+#include "tools/console/console.h"
 
 namespace supple::tools {
 

@@ -7,7 +7,7 @@
 #include "tools/bench/row_filter.h"
 #include "tools/bench/springs_membrane.h"
 #include "tools/bench/timing.h"
-#include "tools/command.h"
+#include "tools/console/command.h"
 
 namespace supple::tools {
 

@@ -1,7 +1,7 @@
 // Ctrl-C while an engine is timed.
 #pragma once
 
-#include "tools/console.h"
+#include "tools/console/console.h"
 #include "volumes/base/progress.h"
 
 namespace supple::tools {

@@ -8,7 +8,7 @@
 #include "lib/body/body.h"
 #include "tools/bench/ecm_engines.h"
 #include "tools/bench/ecm_motion.h"
-#include "volumes/field/invert.h"
+#include "volumes/field/inversion/invert.h"
 #include "volumes/state/live_displacement.h"
 
 namespace supple::tools {

@@ -12,13 +12,13 @@ namespace supple::tools {
 
 namespace {
 
-using Offsets = std::array<BrickValues, 3>;
+using BallOffsets = std::array<BrickValues, 3>;
 
 struct BallSide {
   EcmSide side;
   EcmReport box;
   BallReport ball;
-  Offsets q;  // after the pull
+  BallOffsets q;  // after the pull
 };
 
 bool is_ball(const BallSide& side) {
@@ -26,7 +26,7 @@ bool is_ball(const BallSide& side) {
 }
 
 /// One pull from rest; returns its milliseconds.
-double pull_from_rest(BallSide& side, Body& body, const Pull& pull, Progress& cancel) {
+double pull_from_rest(BallSide& side, Body& body, const BenchDrag& pull, Progress& cancel) {
   release_offsets(body);
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   std::size_t(side.side.threads));
@@ -45,7 +45,7 @@ double pull_from_rest(BallSide& side, Body& body, const Pull& pull, Progress& ca
 struct Distance {
   double mean = 0, largest = 0;
 };
-Distance distance_between(const Body& body, const Offsets& a, const Offsets& b) {
+Distance distance_between(const Body& body, const BallOffsets& a, const BallOffsets& b) {
   Distance distance;
   for_each_element(body.elements, [&](Slot slot) {
     Vec3d apart;
@@ -79,7 +79,7 @@ BenchRow row_of(const EcmWorkload& workload, const BallSide& side, const Body& b
 std::vector<BenchRow> measure_ball(const EcmWorkload& workload, MeasuredBody& measured,
                                    const EcmCaseLimits& limits, Progress& cancel) {
   Body& body = measured.body;
-  const Pull pull = motion_of_all(workload, body).script.front();
+  const BenchDrag pull = motion_of_all(workload, body).script.front();
   std::vector<BallSide> sides;
   for (const EcmSide& side : workload.sides) sides.push_back({side, {}, {}, {}});
   std::vector<TimedSide> timed;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <functional>
 
 #include <oneapi/tbb/blocked_range.h>
@@ -12,7 +13,9 @@
 #include "tools/bench/half_sampled_head.h"
 #include "tools/material_file.h"
 #include "volumes/grid/density_grid.h"
-#include "volumes/io/volume_file.h"
+#include "volumes/io/format/volume_file.h"
+#include "volumes/io/load/load.h"
+#include "volumes/io/open_volume.h"
 
 namespace supple::tools {
 
@@ -169,6 +172,16 @@ Body ct_head_body(const std::string& path) {
 
 Vec3i volume_dims(const std::string& path) {
   return open_volume(path)->header().geometry.dims();
+}
+
+std::string head_file(const std::string& given, bool notes_absence, Console& console) {
+  constexpr const char* kDefaultHead = "build/data/ct_head.nhdr";
+  if (!given.empty()) return given;
+  if (std::filesystem::exists(kDefaultHead)) return kDefaultHead;
+  if (notes_absence) {
+    console.note(std::string("no ") + kDefaultHead + ": rows of ct_head are left out");
+  }
+  return "";
 }
 
 }  // namespace supple::tools

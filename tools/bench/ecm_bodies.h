@@ -5,6 +5,7 @@
 #include <string>
 
 #include "lib/body/body.h"
+#include "tools/console/console.h"
 
 namespace supple::tools {
 
@@ -36,6 +37,9 @@ Body tissue_bar_body(int length);
 
 /// A head CT under the material of docs/scenes/ct_head_material.toml.
 Body ct_head_body(const std::string& path);
+/// The path given, or the head CT that tools/fetch_ct_head.sh fetches; empty where there is
+/// neither, with a note when `notes_absence`.
+std::string head_file(const std::string& given, bool notes_absence, Console& console);
 
 /// The size of a volume file.
 Vec3i volume_dims(const std::string& path);

@@ -11,7 +11,7 @@ namespace supple::tools {
 namespace {
 
 std::vector<WarmSide> warm_up_all(const EcmWorkload& workload, MeasuredBody& measured,
-                                  const std::vector<Pull>& script, Progress& cancel) {
+                                  const std::vector<BenchDrag>& script, Progress& cancel) {
   std::vector<WarmSide> sides;
   for (const EcmSide& side : workload.sides) {
     sides.push_back(warm_up(side, measured, script, cancel));
@@ -31,7 +31,7 @@ TimedSide timed_side(WarmSide& warm, const Motion& motion, const EcmCaseLimits& 
   TimedSide side;
   side.run = [&](Times& times) {
     if (motion.from_rest) warm.engine->reset();
-    for (const Pull& pull : motion.cycle) {
+    for (const BenchDrag& pull : motion.cycle) {
       times.ms.push_back(timed_pull(*warm.engine, pull, warm.side.threads));
       ns_per_moved.ms.push_back(times.ms.back() * 1e6 / double(warm.engine->moved()));
     }

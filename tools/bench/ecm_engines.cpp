@@ -41,7 +41,7 @@ class BodyEngine final : public EcmEngine {
     m_body.links_known_valid = true;
   }
   void fix(const IndexBox& box) override { m_anchors.push_back(box); }
-  void pull(const Pull& pull) override {
+  void pull(const BenchDrag& pull) override {
     m_report = m_solver.drag({Handle(pull.voxel, pull.by_q)}, m_anchors, m_cancel);
   }
   std::int64_t moved() override { return m_report.moved; }
@@ -93,7 +93,7 @@ class MultisetEngine final : public EcmEngine {
     m_previous = {};
   }
   void fix(const IndexBox&) override { throw Error("multiset: anchors are not part of it"); }
-  void pull(const Pull& pull) override { m_solver->move(pull.voxel - m_origin, pull.by_q); }
+  void pull(const BenchDrag& pull) override { m_solver->move(pull.voxel - m_origin, pull.by_q); }
   /// Counted since the last call or reset.
   std::int64_t moved() override {
     const reference::Offsets now = m_solver->offsets();

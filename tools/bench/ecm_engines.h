@@ -12,7 +12,7 @@
 namespace supple::tools {
 
 /// A pull at one voxel, 2^-16 voxel along i, j, k.
-struct Pull {
+struct BenchDrag {
   Vec3i voxel;
   std::array<std::int32_t, 3> by_q;
 };
@@ -25,7 +25,7 @@ class EcmEngine {
   /// Anchors for the pulls that follow. Throws Error: multiset knows none.
   virtual void fix(const IndexBox& box) = 0;
   /// What is timed.
-  virtual void pull(const Pull& pull) = 0;
+  virtual void pull(const BenchDrag& pull) = 0;
   /// Elements that the last pull moved.
   virtual std::int64_t moved() = 0;
   /// Most nodes (bricks on the path `block`) that waited at one time during the last pull.

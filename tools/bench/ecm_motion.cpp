@@ -28,8 +28,8 @@ double displacement_that_moves_all(const Body& body, const Vec3i& voxel) {
 
 }  // namespace
 
-Pull pull_of(const Vec3i& voxel, const std::string& direction, double voxels) {
-  Pull pull{voxel, {}};
+BenchDrag pull_of(const Vec3i& voxel, const std::string& direction, double voxels) {
+  BenchDrag pull{voxel, {}};
   for (int c = 0; c < 3; ++c) {
     pull.by_q[c] = direction_of(direction)[c] * std::int32_t(voxels * kFixedOne);
   }
@@ -53,16 +53,16 @@ Vec3i cheek_element(const Body& body) {
 Motion motion_of_all(const EcmWorkload& workload, const Body& body) {
   const Vec3i voxel = middle_element(body);
   const double voxels = displacement_that_moves_all(body, voxel);
-  const Pull pull = pull_of(voxel, workload.direction, voxels);
+  const BenchDrag pull = pull_of(voxel, workload.direction, voxels);
   if (workload.start == "rest") return {{pull}, {pull}, true};
   return {{pull, pull}, {pull}, false, int(kRangeVoxels / voxels) - 2};
 }
 
 Motion local_motion(const EcmWorkload& workload, const Vec3i& voxel, double amplitude) {
-  const Pull out = pull_of(voxel, workload.direction, amplitude);
+  const BenchDrag out = pull_of(voxel, workload.direction, amplitude);
   if (workload.start == "rest" || workload.start == "pull") return {{out}, {out}, true};
-  const Pull back = pull_of(voxel, workload.direction, -2 * amplitude);
-  const Pull forth = pull_of(voxel, workload.direction, 2 * amplitude);
+  const BenchDrag back = pull_of(voxel, workload.direction, -2 * amplitude);
+  const BenchDrag forth = pull_of(voxel, workload.direction, 2 * amplitude);
   return {{out, back, forth}, {back, forth}, false};
 }
 
@@ -73,7 +73,8 @@ double find_amplitude(const EcmWorkload& workload, Body& body, const Vec3i& voxe
   // The moved elements grow with the cube of the amplitude, so a few steps do.
   for (int step = 0; step < 8; ++step) {
     engine->reset();
-    for (const Pull& pull : local_motion(workload, voxel, amplitude).script) engine->pull(pull);
+    for (const BenchDrag& pull : local_motion(workload, voxel, amplitude).script)
+      engine->pull(pull);
     const double moved = double(engine->moved());
     if (std::abs(moved - double(wanted)) < 0.03 * double(wanted)) break;
     amplitude *= std::clamp(std::cbrt(double(wanted) / moved), 0.5, 2.0);

@@ -7,14 +7,15 @@
 namespace supple::tools {
 
 struct Motion {
-  std::vector<Pull> script;  // from rest: warms up, shows memory, and must end alike for all sides
-  std::vector<Pull> cycle;   // what is timed
-  bool from_rest = false;    // each cycle, or else goes on from where the body is
-  int max_cycles = 100;      // of all sides together, for the range
+  std::vector<BenchDrag>
+      script;  // from rest: warms up, shows memory, and must end alike for all sides
+  std::vector<BenchDrag> cycle;  // what is timed
+  bool from_rest = false;        // each cycle, or else goes on from where the body is
+  int max_cycles = 100;          // of all sides together, for the range
 };
 
 /// A direction's name (+x, -x, +y, xy, xyz) times a number of voxels.
-Pull pull_of(const Vec3i& voxel, const std::string& direction, double voxels);
+BenchDrag pull_of(const Vec3i& voxel, const std::string& direction, double voxels);
 
 /// The element nearest to the middle of the body's box.
 Vec3i middle_element(const Body& body);

@@ -13,13 +13,13 @@ constexpr std::int64_t kPeakFromNodes = 1'000'000;
 
 }  // namespace
 
-double timed_pull(EcmEngine& engine, const Pull& pull, int threads) {
+double timed_pull(EcmEngine& engine, const BenchDrag& pull, int threads) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   std::size_t(threads));
   return time_ms([&] { engine.pull(pull); });
 }
 
-WarmSide warm_up(const EcmSide& side, MeasuredBody& measured, const std::vector<Pull>& script,
+WarmSide warm_up(const EcmSide& side, MeasuredBody& measured, const std::vector<BenchDrag>& script,
                  Progress& cancel) {
   release_offsets(measured.body);
   WarmSide warm;
@@ -27,7 +27,7 @@ WarmSide warm_up(const EcmSide& side, MeasuredBody& measured, const std::vector<
   const std::int64_t heap_before = heap_bytes();
   const PeakMemory peak;
   warm.engine = make_engine(side.engine, measured.body, &cancel);
-  for (const Pull& pull : script) {
+  for (const BenchDrag& pull : script) {
     report(&cancel, 0);
     warm.last_ms = timed_pull(*warm.engine, pull, side.threads);
   }

@@ -20,10 +20,10 @@ struct WarmSide {
 };
 
 /// Pulls an element of the body at rest; offsets of earlier sides are forgotten.
-WarmSide warm_up(const EcmSide& side, MeasuredBody& measured, const std::vector<Pull>& script,
+WarmSide warm_up(const EcmSide& side, MeasuredBody& measured, const std::vector<BenchDrag>& script,
                  Progress& cancel);
 
-double timed_pull(EcmEngine& engine, const Pull& pull, int threads);
+double timed_pull(EcmEngine& engine, const BenchDrag& pull, int threads);
 
 /// Throws Error naming both rows when the checksums differ.
 void require_equal_offsets(const EcmWorkload& workload, const EcmSide& side, std::uint64_t found,

@@ -41,7 +41,7 @@ std::vector<BenchRow> measure_stream(const EcmWorkload& workload, MeasuredBody& 
   const std::int64_t wanted = workload.start == "pull" ? workload.wanted * 4 / 5 : workload.wanted;
   const double amplitude = find_amplitude(workload, measured.body, voxel, wanted, cancel);
   const std::vector<double> steps = stream_steps(workload.start, amplitude, limits.stream_events);
-  const std::vector<Pull> first = {pull_of(voxel, workload.direction, amplitude)};
+  const std::vector<BenchDrag> first = {pull_of(voxel, workload.direction, amplitude)};
 
   std::vector<BenchRow> rows;
   std::optional<std::uint64_t> checksum;
@@ -52,7 +52,7 @@ std::vector<BenchRow> measure_stream(const EcmWorkload& workload, MeasuredBody& 
     std::int64_t moved = 0;
     for (const double step : steps) {
       report(&cancel, 0);
-      const Pull pull = pull_of(voxel, workload.direction, step);
+      const BenchDrag pull = pull_of(voxel, workload.direction, step);
       times.ms.push_back(timed_pull(*warm.engine, pull, side.threads));
       const std::int64_t moved_now = warm.engine->moved();
       moved += moved_now;

@@ -9,10 +9,11 @@
 #include "tools/bench/ecm_bodies.h"
 #include "tools/bench/ecm_engines.h"
 #include "tools/bench/ecm_motion.h"
-#include "volumes/field/deformed_cell.h"
-#include "volumes/field/invert.h"
-#include "volumes/field/output_bricks.h"
+#include "volumes/field/inversion/deformed_cell.h"
+#include "volumes/field/inversion/invert.h"
+#include "volumes/field/inversion/output_bricks.h"
 #include "volumes/field/procedural.h"
+#include "volumes/grid/cell.h"
 
 namespace supple::tools {
 
@@ -55,7 +56,7 @@ Displacement pulled_noise(int size) {
   workload.direction = "xyz";
   workload.start = "rest";
   const auto engine = make_engine("supple", body, nullptr);
-  for (const Pull& pull : motion_of_all(workload, body).script) engine->pull(pull);
+  for (const BenchDrag& pull : motion_of_all(workload, body).script) engine->pull(pull);
   State state;
   state.geometry = body.geometry;
   state.elements = body.elements;
@@ -81,7 +82,7 @@ bool has_all_neighbours(const BrickTopology& voxels, const Vec3i& cell) {
 CellCorners corners_of(const VectorBricks& u, const Vec3i& cell) {
   CellCorners corners;
   for (int n = 0; n < 8; ++n) {
-    const Vec3i step(n >> 2, (n >> 1) & 1, n & 1);
+    const Vec3i step = cell_corner(n);
     Vec3f moved(0);
     u.at(cell + step, moved);
     for (int a = 0; a < 3; ++a) corners.p[a][n] = step[a] + double(moved[a]);

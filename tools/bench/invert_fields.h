@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "volumes/field/displacement.h"
 #include "volumes/field/vector_bricks.h"
 
 namespace supple::tools {

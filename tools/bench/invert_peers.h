@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "volumes/field/displacement.h"
 #include "volumes/field/vector_bricks.h"
 
 namespace supple::tools {

@@ -6,10 +6,11 @@
 #include <oneapi/tbb/enumerable_thread_specific.h>
 #include <oneapi/tbb/parallel_for.h>
 
-#include "volumes/field/displacement_range.h"
-#include "volumes/field/offset_accumulator.h"
-#include "volumes/field/output_bricks.h"
-#include "volumes/field/source_cells.h"
+#include "volumes/field/inversion/displacement_range.h"
+#include "volumes/field/inversion/offset_accumulator.h"
+#include "volumes/field/inversion/output_bricks.h"
+#include "volumes/field/inversion/source_cells.h"
+#include "volumes/grid/cell.h"
 
 namespace supple::tools {
 
@@ -21,12 +22,12 @@ constexpr int kPaths[6][2] = {{4, 6}, {4, 5}, {2, 6}, {2, 3}, {1, 5}, {1, 3}};
 constexpr double kEdge = 1e-9;
 
 Vec3d rest_corner(int n) {
-  return Vec3d(n >> 2, (n >> 1) & 1, n & 1);
+  return Vec3d(cell_corner(n));
 }
 
 /// The nodes in one tetrahedron: corners 0, path[0], path[1], 7.
 void rasterise(const CellCorners& corners, const int (&path)[2], const Vec3i& cell,
-               std::vector<OffsetAccumulator::Hit>& hits) {
+               std::vector<OffsetAccumulator::NodeSolution>& hits) {
   const int n[4] = {0, path[0], path[1], 7};
   Vec3d p[4], lo(1e30), hi(-1e30);
   for (int c = 0; c < 4; ++c) {
@@ -58,8 +59,8 @@ void rasterise(const CellCorners& corners, const int (&path)[2], const Vec3i& ce
 
 struct Worker {
   SourceCells cells;
-  std::vector<OffsetAccumulator::Hit> hits;
-  std::vector<Doubt> no_doubts;
+  std::vector<OffsetAccumulator::NodeSolution> hits;
+  std::vector<OpenNode> no_doubts;
 };
 
 }  // namespace

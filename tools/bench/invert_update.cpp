@@ -16,14 +16,14 @@ void require_equal(const OffsetField& found, const OffsetField& expected) {
 }
 
 /// Times of single drags out of rest.
-struct UpdateTimes {
+struct InvertUpdateTimes {
   Times extend, invert, both, cpu;
   std::int64_t moved = 0, bricks = 0, nodes = 0;
 };
 
-UpdateTimes drag_again_and_again(DraggedHead& head, IncrementalInversion& inversion, int events,
-                                 Progress& cancel) {
-  UpdateTimes times;
+InvertUpdateTimes drag_again_and_again(DraggedHead& head, IncrementalInversion& inversion,
+                                       int events, Progress& cancel) {
+  InvertUpdateTimes times;
   for (int n = 0; n < events; ++n) {
     report(&cancel, 0);
     const std::vector<std::int32_t> at_rest = head.reset();
@@ -60,7 +60,7 @@ std::vector<BenchRow> measure_update(const Vec3i& size, std::int64_t wanted,
   for (const int count : threads) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                     std::size_t(count));
-    const UpdateTimes times = drag_again_and_again(head, inversion, events, cancel);
+    const InvertUpdateTimes times = drag_again_and_again(head, inversion, events, cancel);
     if (rows.empty()) {
       require_equal(inversion.field(), invert(head.displacement(), head.params(), &cancel));
     }

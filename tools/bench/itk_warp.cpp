@@ -19,8 +19,8 @@
 
 namespace {
 
-using Volume = itk::Image<short, 3>;
-using Field = itk::Image<itk::Vector<float, 3>, 3>;
+using ItkVolume = itk::Image<short, 3>;
+using ItkField = itk::Image<itk::Vector<float, 3>, 3>;
 constexpr short kAir = -1000;  // HU
 
 /// VmRSS or VmHWM of this process.
@@ -41,7 +41,7 @@ typename Image::Pointer read(const char* path) {
   return reader->GetOutput();
 }
 
-void warp_and_tell(itk::WarpImageFilter<Volume, Volume, Field>& warp, double base) {
+void warp_and_tell(itk::WarpImageFilter<ItkVolume, ItkVolume, ItkField>& warp, double base) {
   warp.Modified();
   const auto begin = std::chrono::steady_clock::now();
   warp.Update();
@@ -58,14 +58,15 @@ int main(int argc, char** argv) try {
   const double base = mbytes("VmRSS");
   itk::MultiThreaderBase::SetGlobalMaximumNumberOfThreads(unsigned(std::atoi(argv[4])));
   itk::MultiThreaderBase::SetGlobalDefaultNumberOfThreads(unsigned(std::atoi(argv[4])));
-  const auto volume = read<Volume>(argv[1]);
-  const auto warp = itk::WarpImageFilter<Volume, Volume, Field>::New();  // linear by default
+  const auto volume = read<ItkVolume>(argv[1]);
+  const auto warp =
+      itk::WarpImageFilter<ItkVolume, ItkVolume, ItkField>::New();  // linear by default
   warp->SetInput(volume);
-  warp->SetDisplacementField(read<Field>(argv[2]));
+  warp->SetDisplacementField(read<ItkField>(argv[2]));
   warp->SetOutputParametersFromImage(volume);
   warp->SetEdgePaddingValue(kAir);
   warp_and_tell(*warp, base);
-  const auto writer = itk::ImageFileWriter<Volume>::New();
+  const auto writer = itk::ImageFileWriter<ItkVolume>::New();
   writer->SetImageIO(itk::MetaImageIO::New());
   writer->SetFileName(argv[3]);
   writer->SetInput(warp->GetOutput());

@@ -13,23 +13,24 @@ namespace supple::tools {
 namespace {
 
 constexpr float kAir = -1000;  // HU
-constexpr Vec3i kSize(kPeerHeadSize);
+constexpr Vec3i kPeerSize(kPeerHeadSize);
 
 nlohmann::json to_json(const Vec3d& v) {
   return {v.x, v.y, v.z};
 }
 
 std::size_t index_of(const Vec3i& voxel) {
-  return (std::size_t(voxel.z) * kSize.y + std::size_t(voxel.y)) * kSize.x + std::size_t(voxel.x);
+  return (std::size_t(voxel.z) * kPeerSize.y + std::size_t(voxel.y)) * kPeerSize.x +
+         std::size_t(voxel.x);
 }
 
 /// Densities, i fastest. Head phantoms look along +j; here that is posterior.
 std::vector<float> turned_head(const Phantom& phantom) {
-  std::vector<float> values(std::size_t(kSize.x) * kSize.y * kSize.z);
-  tbb::parallel_for(0, kSize.z, [&](int k) {
-    for (int j = 0; j < kSize.y; ++j) {
-      for (int i = 0; i < kSize.x; ++i) {
-        values[index_of({i, j, k})] = phantom.density(i, kSize.y - 1 - j, k);
+  std::vector<float> values(std::size_t(kPeerSize.x) * kPeerSize.y * kPeerSize.z);
+  tbb::parallel_for(0, kPeerSize.z, [&](int k) {
+    for (int j = 0; j < kPeerSize.y; ++j) {
+      for (int i = 0; i < kPeerSize.x; ++i) {
+        values[index_of({i, j, k})] = phantom.density(i, kPeerSize.y - 1 - j, k);
       }
     }
   });
@@ -39,17 +40,17 @@ std::vector<float> turned_head(const Phantom& phantom) {
 }  // namespace
 
 Geometry peer_geometry() {
-  const Vec3d spacing = head_phantom(kSize).geometry.spacing_mm();
-  return {kSize,
+  const Vec3d spacing = head_phantom(kPeerSize).geometry.spacing_mm();
+  return {kPeerSize,
           spacing * (-0.5 * (kPeerHeadSize - 1)),
           {Vec3d(spacing.x, 0, 0), Vec3d(0, spacing.y, 0), Vec3d(0, 0, spacing.z)}};
 }
 
 PeerHead make_peer_head() {
-  const Phantom phantom = head_phantom(kSize);
+  const Phantom phantom = head_phantom(kPeerSize);
   const std::vector<float> values = turned_head(phantom);
   const BrickTopology tissue =
-      block_topology(kSize, [&](const Vec3i& voxel) { return values[index_of(voxel)] > kAir; });
+      block_topology(kPeerSize, [&](const Vec3i& voxel) { return values[index_of(voxel)] > kAir; });
   const auto fill = [&](std::size_t b, float* out) {
     for_each_active(tissue.mask(b), [&](int offset) {
       out[offset] = values[index_of(tissue.origin(b) + brick_local(offset))];

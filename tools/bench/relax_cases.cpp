@@ -28,7 +28,7 @@ struct DraggedBody {
 RelaxParams params_of(const RelaxRow& row) {
   RelaxParams params;
   params.method = row.method;
-  params.volume_stiffness_kpa = row.volume_kpa;
+  params.bulk_modulus_kpa = row.volume_kpa;
   return params;
 }
 

@@ -4,30 +4,30 @@
 
 #include <oneapi/tbb/global_control.h>
 
-#include "raycast/compare.h"
+#include "raycast/pictures/compare.h"
 #include "raycast/render.h"
 #include "tools/bench/block_topology.h"
 #include "tools/bench/half_sampled_head.h"
 #include "volumes/field/displacement.h"
-#include "volumes/field/invert.h"
+#include "volumes/field/inversion/invert.h"
 #include "volumes/field/procedural.h"
 
 namespace supple::tools {
 
 namespace {
 
-constexpr Vec3i kSize(256);
+constexpr Vec3i kHeadSize(256);
 constexpr int kImageSize = 512;
 constexpr float kTissue = -300;  // HU
 constexpr int kShellRings = 2;   // as states keep them
 
 /// The head without its rest, with the shell around it, as a state holds it.
-struct Body {
-  explicit Body(const HalfSampledHead& head)
-      : geometry(head_phantom(kSize).geometry),
+struct ExtendedHead {
+  explicit ExtendedHead(const HalfSampledHead& head)
+      : geometry(head_phantom(kHeadSize).geometry),
         elements(largest_components(
-            block_topology(kSize, [&](const Vec3i& v) { return head(v) > kTissue; }), 1)),
-        shell(dilate_inside(elements, kShellRings, kSize)),
+            block_topology(kHeadSize, [&](const Vec3i& v) { return head(v) > kTissue; }), 1)),
+        shell(dilate_inside(elements, kShellRings, kHeadSize)),
         density(fill_density_grid(
             shell,
             [&](std::size_t b, float* out) {
@@ -43,14 +43,15 @@ struct Body {
 
 /// Bulk along all axes; the head stays inside its box.
 AnalyticWarp warp_of(const std::string& name) {
-  const Vec3d middle = Vec3d(kSize) / 2;
+  const Vec3d middle = Vec3d(kHeadSize) / 2;
   if (name == "bump") return bump_warp(middle, 48, -16);
   if (name == "shear") return shear_warp(middle, 0.25);
   return stretch_warp(middle, 1.25);
 }
 
 /// u on elements and shell; in the shell as the row's `air` says.
-Displacement displacement_with(const std::string& air, const AnalyticWarp& warp, const Body& body) {
+Displacement displacement_with(const std::string& air, const AnalyticWarp& warp,
+                               const ExtendedHead& body) {
   if (air == "analytic") return sample_displacement(warp, body.geometry, body.shell);
   const Displacement inside = sample_displacement(warp, body.geometry, body.elements);
   if (air == "extended") return extend(inside, body.shell);
@@ -84,13 +85,13 @@ std::string extension_row_name(const ExtensionSide& side) {
 std::vector<BenchRow> measure_extension(const std::vector<ExtensionSide>& sides,
                                         const RoundLimits& limits,
                                         const std::function<void()>& before_run) {
-  const HalfSampledHead head(kSize);
-  const Body body(head);
+  const HalfSampledHead head(kHeadSize);
+  const ExtendedHead body(head);
   const Camera camera = default_camera(body.geometry, 1);
   const TransferFunction skin = preset("CT-Soft-Tissue");
   RenderSettings settings;
   settings.width = settings.height = kImageSize;
-  const BrickTopology box = block_topology(kSize, [](const Vec3i&) { return true; });
+  const BrickTopology box = block_topology(kHeadSize, [](const Vec3i&) { return true; });
   Renderer renderer(body.geometry, body.density);
   std::map<std::string, Image> expected;  // by the warp
   std::vector<BenchRow> rows;
@@ -115,7 +116,7 @@ std::vector<BenchRow> measure_extension(const std::vector<ExtensionSide>& sides,
     BenchRow row = {{"case", "extension"},
                     {"warp", side.warp},
                     {"air", side.air},
-                    {"size", {kSize.x, kSize.y, kSize.z}},
+                    {"size", {kHeadSize.x, kHeadSize.y, kHeadSize.z}},
                     {"image", {kImageSize, kImageSize}},
                     {"ssim", found.ssim},
                     {"rmse", found.rmse}};

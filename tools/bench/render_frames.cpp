@@ -4,11 +4,11 @@
 
 #include <oneapi/tbb/global_control.h>
 
-#include "raycast/compare.h"
+#include "raycast/pictures/compare.h"
 #include "tools/bench/block_topology.h"
 #include "tools/bench/half_sampled_head.h"
-#include "volumes/field/forward_offsets.h"
-#include "volumes/field/invert.h"
+#include "volumes/field/inversion/forward_offsets.h"
+#include "volumes/field/inversion/invert.h"
 #include "volumes/field/procedural.h"
 
 namespace supple::tools {

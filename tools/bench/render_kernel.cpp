@@ -3,12 +3,12 @@
 #include <cmath>
 #include <memory>
 
-#include "raycast/frame.h"
+#include "raycast/march/render_context.h"
 #include "tools/bench/block_topology.h"
 #include "tools/bench/half_sampled_head.h"
+#include "tools/bench/vdb_line_samplers.h"
 #include "volumes/base/error.h"
 #include "volumes/field/procedural.h"
-#include "volumes/grid/vdb_line_samplers.h"
 
 namespace supple::tools {
 
@@ -69,8 +69,8 @@ class SuppleLines final : public LineSampler {
   SuppleLines(const Geometry& geometry, const SourceBricks& source, const VectorBricks* offsets)
       : m_source(source),
         m_output(offsets != nullptr ? OffsetBricks(source, *offsets) : OffsetBricks(source)),
-        m_frame(geometry, source, m_output, default_camera(geometry, 1), all_visible(),
-                RenderSettings()) {}
+        m_context(geometry, source, m_output, default_camera(geometry, 1), all_visible(),
+                  RenderSettings()) {}
 
   double sum(const Vec3d& first, const Vec3d& step, int count) override {
     RayPiece piece;
@@ -80,7 +80,7 @@ class SuppleLines final : public LineSampler {
     double sum = 0;
     for (int n = 0; n < count; n += SampleBatch::kLanes) {
       const int lanes = std::min(SampleBatch::kLanes, count - n);
-      sample_batch(m_frame.tables, piece, n, 1, lanes, m_batch);
+      sample_batch(m_context.tables, piece, n, 1, lanes, m_batch);
       float codes = 0;
       for (int lane = 0; lane < lanes; ++lane) {
         codes += m_batch.inside >> lane & 1 ? m_batch.encoded[lane] : 0;
@@ -93,7 +93,7 @@ class SuppleLines final : public LineSampler {
  private:
   const SourceBricks& m_source;
   OffsetBricks m_output;
-  Frame m_frame;
+  RenderContext m_context;
   SampleBatch m_batch;
 };
 

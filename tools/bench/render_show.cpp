@@ -13,8 +13,8 @@
 #include "tools/bench/peer_head.h"
 #include "tools/bench/peer_process.h"
 #include "tools/bench/vtk_peer.h"
-#include "volumes/field/forward_offsets.h"
-#include "volumes/field/invert.h"
+#include "volumes/field/inversion/forward_offsets.h"
+#include "volumes/field/inversion/invert.h"
 #include "volumes/state/live_displacement.h"
 #include "volumes/state/state.h"
 

@@ -4,14 +4,14 @@
 
 #include <oneapi/tbb/global_control.h>
 
-#include "raycast/compare.h"
+#include "raycast/pictures/compare.h"
 #include "raycast/render.h"
 #include "tools/bench/block_topology.h"
 #include "tools/bench/cancel_only.h"
 #include "tools/bench/dragged_head.h"
 #include "tools/bench/half_sampled_head.h"
 #include "tools/bench/timing.h"
-#include "volumes/field/forward_offsets.h"
+#include "volumes/field/inversion/forward_offsets.h"
 
 namespace supple::tools {
 
@@ -30,8 +30,8 @@ DensityGrid density_of(const Vec3i& size, const BrickTopology& shell) {
 }
 
 /// What follows the head, and the pictures of it.
-struct Scene {
-  Scene(const Vec3i& size, int image_size, std::int64_t wanted, Progress& cancel)
+struct UpdateScene {
+  UpdateScene(const Vec3i& size, int image_size, std::int64_t wanted, Progress& cancel)
       : head(size, wanted, cancel),
         inversion(head.displacement(), head.params(), &cancel),
         forward(std::make_shared<ForwardOffsets>(head.displacement())),
@@ -70,7 +70,7 @@ struct UpdateTimes {
   Image image;
 };
 
-UpdateTimes drag_again_and_again(Scene& scene, const std::string& method, int events,
+UpdateTimes drag_again_and_again(UpdateScene& scene, const std::string& method, int events,
                                  Progress& cancel) {
   UpdateTimes times;
   Times ignored;
@@ -113,7 +113,7 @@ std::vector<BenchRow> measure_render_update(const Vec3i& size, int image_size, s
                                             const std::vector<RenderUpdateSide>& sides, int events,
                                             Console& console) {
   CancelOnly cancel(console);
-  Scene scene(size, image_size, wanted, cancel);
+  UpdateScene scene(size, image_size, wanted, cancel);
   RenderReport ignored;
   scene.head.reset();
   Renderer judge(scene.head.body().geometry, density_of(size, scene.head.shell()));

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "tools/bench/report.h"
-#include "tools/console.h"
+#include "tools/console/console.h"
 #include "volumes/base/vec.h"
 
 namespace supple::tools {

@@ -7,7 +7,7 @@
 
 #include <oneapi/tbb/global_control.h>
 
-#include "raycast/compare.h"
+#include "raycast/pictures/compare.h"
 #include "tools/bench/peer_head.h"
 #include "tools/bench/vtk_peer.h"
 

@@ -8,7 +8,7 @@
 
 #include "tools/bench/report.h"
 #include "tools/bench/timing.h"
-#include "tools/console.h"
+#include "tools/console/console.h"
 
 namespace supple::tools {
 

@@ -12,12 +12,12 @@ namespace supple::tools {
 
 namespace {
 
-using Cells = std::vector<std::string>;
+using TableCells = std::vector<std::string>;
 
 /// A table's cells, header first.
-struct Table {
+struct ReportTable {
   std::string title;
-  std::vector<Cells> lines;
+  std::vector<TableCells> lines;
 };
 
 std::string number_cell(double value) {
@@ -39,16 +39,16 @@ std::string cell(const BenchRow& row, const std::string& column) {
   return text;
 }
 
-std::vector<Table> tables_of(const BenchReport& report) {
+std::vector<ReportTable> tables_of(const BenchReport& report) {
   std::vector<std::string> cases;
   for (const BenchRow& row : report.rows) {
     const std::string name = row.at("case");
     if (std::find(cases.begin(), cases.end(), name) == cases.end()) cases.push_back(name);
   }
-  std::vector<Table> tables;
+  std::vector<ReportTable> tables;
   for (const std::string& name : cases) {
-    Table table{report.benchmark + ": " + name, {{}}};
-    Cells& columns = table.lines.front();
+    ReportTable table{report.benchmark + ": " + name, {{}}};
+    TableCells& columns = table.lines.front();
     const auto is_of_case = [&](const BenchRow& row) { return row.at("case") == name; };
     for (const BenchRow& row : report.rows) {
       if (!is_of_case(row)) continue;
@@ -60,7 +60,7 @@ std::vector<Table> tables_of(const BenchReport& report) {
     }
     for (const BenchRow& row : report.rows) {
       if (!is_of_case(row)) continue;
-      Cells cells;
+      TableCells cells;
       for (const std::string& column : table.lines.front()) cells.push_back(cell(row, column));
       table.lines.push_back(std::move(cells));
     }
@@ -94,15 +94,15 @@ nlohmann::ordered_json to_json(const BenchReport& report) {
 
 std::string to_text(const BenchReport& report) {
   std::string text = machine_line(report.machine) + "\n";
-  for (const Table& table : tables_of(report)) {
+  for (const ReportTable& table : tables_of(report)) {
     std::vector<std::size_t> widths(table.lines.front().size(), 0);
-    for (const Cells& cells : table.lines) {
+    for (const TableCells& cells : table.lines) {
       for (std::size_t n = 0; n < cells.size(); ++n) {
         widths[n] = std::max(widths[n], cells[n].size());
       }
     }
     text += "\n" + table.title + "\n";
-    for (const Cells& cells : table.lines) {
+    for (const TableCells& cells : table.lines) {
       for (std::size_t n = 0; n < cells.size(); ++n) {
         text += "  " + std::string(widths[n] - cells[n].size(), ' ') + cells[n];
       }
@@ -115,7 +115,7 @@ std::string to_text(const BenchReport& report) {
 std::string to_markdown(const BenchReport& report) {
   std::string text = "# supple bench " + report.benchmark + "\n\nsupple " + kVersion + ", " +
                      machine_line(report.machine) + "\n";
-  for (const Table& table : tables_of(report)) {
+  for (const ReportTable& table : tables_of(report)) {
     text += "\n## " + table.title + "\n\n";
     for (std::size_t line = 0; line < table.lines.size(); ++line) {
       for (const std::string& content : table.lines[line]) text += "| " + content + " ";

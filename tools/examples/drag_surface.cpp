@@ -3,7 +3,7 @@
 #include <cstdio>
 
 #include "lib/chainmail/mesh_ecm.h"
-#include "volumes/mesh/mesh_file.h"
+#include "volumes/io/mesh/mesh_file.h"
 
 namespace supple::examples {
 

@@ -4,7 +4,7 @@
 
 #include "lib/chainmail/ecm.h"
 #include "lib/chainmail/reference/original_chainmail.h"
-#include "raycast/lattice.h"
+#include "raycast/drawings/lattice.h"
 
 namespace supple::examples {
 

@@ -2,6 +2,8 @@
 // `*` and `/` between two vectors work component by component; see Imath for dot and cross.
 #pragma once
 
+#include <cmath>
+
 #include <Imath/ImathVec.h>
 
 namespace supple {
@@ -9,6 +11,24 @@ namespace supple {
 using Vec3d = Imath::Vec3<double>;
 using Vec3f = Imath::Vec3<float>;
 using Vec3i = Imath::Vec3<int>;
+
+/// The voxel at or below a position, per coordinate.
+inline Vec3i floor_voxel(const Vec3d& pos) {
+  return {int(std::floor(pos.x)), int(std::floor(pos.y)), int(std::floor(pos.z))};
+}
+
+inline bool is_finite(const Vec3d& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+/// Positions beyond this have no voxel; it also keeps NaN away from the integer conversion.
+constexpr double kMaxCoordinate = 1e9;
+
+/// Ascending x, then y, then z.
+inline bool voxel_less(const Vec3i& a, const Vec3i& b) {
+  if (a.x != b.x) return a.x < b.x;
+  return a.y != b.y ? a.y < b.y : a.z < b.z;
+}
 
 /// Box of voxels in the index frame; both corners belong to it.
 struct IndexBox {

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <limits>
 
-#include "volumes/field/padded_rows.h"
+#include "volumes/grid/padded_rows.h"
 
 namespace supple {
 
@@ -18,7 +18,7 @@ Float4 mix(const Float4& a, const Float4& b, float t) {
   return a + t * (b - a);
 }
 
-using Surroundings = std::array<VectorBrickView, 27>;
+using ViewsAround = std::array<VectorBrickView, 27>;
 
 /// Bits of row (x, y, 0 … 8), counted from `origin`, that are occupied.
 unsigned occupied_row(const BrickTopology& occupied, const Vec3i& origin, int x, int y) {
@@ -86,7 +86,7 @@ bool is_place(const Vec3f& v) {
 
 /// All nodes of a brick whose own and whose neighbours' voxels are given; false when one of them is
 /// not a place on the lattice.
-bool gather_inside(const Surroundings& around, float* out, RowRange& range) {
+bool gather_inside(const ViewsAround& around, float* out, RowRange& range) {
   for (int x = 0; x < BrickNodes::kDim; ++x) {
     for (int y = 0; y < BrickNodes::kDim; ++y, out += 3 * BrickNodes::kDim) {
       const SurroundingVoxel start = surrounding_voxel({x, y, 0});
@@ -101,9 +101,8 @@ bool gather_inside(const Surroundings& around, float* out, RowRange& range) {
   return true;
 }
 
-void gather_beside_void(const Surroundings& around, const BrickTopology& occupied,
-                        bool extrapolated, const Vec3i& origin, float* out, RowRange& range,
-                        bool& is_void) {
+void gather_beside_void(const ViewsAround& around, const BrickTopology& occupied, bool extrapolated,
+                        const Vec3i& origin, float* out, RowRange& range, bool& is_void) {
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   constexpr unsigned kAll = (1u << BrickNodes::kDim) - 1, kOwn = (1u << kBrickDim) - 1;
   const PaddedRows<2> valid([&](int n) { return around[n].mask; });
@@ -142,7 +141,7 @@ void gather_beside_void(const Surroundings& around, const BrickTopology& occupie
 
 void gather_nodes(const VectorBrickFinder& field, const BrickTopology& occupied, bool extrapolated,
                   const Vec3i& origin, float* out, BrickNodes& nodes) {
-  Surroundings around;
+  ViewsAround around;
   bool is_inside = true;  // all nodes are given
   for (int n = 0; n < 27; ++n) {
     const Vec3i step = surrounding_step(n);

@@ -2,7 +2,7 @@
 // interpolated: where they jump (split_offsets.h), or before an inverse exists (forward_offsets.h).
 #pragma once
 
-#include "volumes/field/vector_bricks.h"
+#include "volumes/grid/brick_topology.h"
 
 namespace supple {
 

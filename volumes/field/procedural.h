@@ -4,7 +4,9 @@
 
 #include <functional>
 
-#include "volumes/field/vector_bricks.h"
+#include "volumes/field/displacement.h"
+#include "volumes/field/offset_field.h"
+#include "volumes/geometry/geometry.h"
 
 namespace supple {
 

@@ -5,36 +5,15 @@
 
 #include <tbb/parallel_for.h>
 
-#include "volumes/field/padded_rows.h"
+#include "volumes/grid/padded_rows.h"
+#include "volumes/grid/voxel_sets.h"
 
 namespace supple {
 
 namespace {
 
-bool origin_less(const Vec3i& a, const Vec3i& b) {
-  return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
-}
-
 bool any_bit(const BrickMask& mask) {
   return std::any_of(mask.begin(), mask.end(), [](std::uint64_t word) { return word != 0; });
-}
-
-/// The 27 bricks around a brick, itself in the middle; -1 where there is none.
-using Surroundings = std::array<std::int32_t, 27>;
-
-Surroundings surroundings_of(const BrickTopology& bricks, std::size_t b) {
-  Surroundings around;
-  for (int n = 0; n < 27; ++n) {
-    around[n] = bricks.find(bricks.origin(b) + surrounding_step(n) * kBrickDim);
-  }
-  return around;
-}
-
-/// `mask_of(b)`: valid voxels of brick b.
-template <int kPad, class MaskOf>
-PaddedRows<kPad> padded_rows(const Surroundings& around, MaskOf&& mask_of) {
-  return PaddedRows<kPad>(
-      [&](int n) -> const BrickMask* { return around[n] < 0 ? nullptr : &mask_of(around[n]); });
 }
 
 /// Wanted voxels of one brick that touch a valid one.
@@ -107,27 +86,6 @@ VectorBricks compact(const BrickTopology& bricks, const std::vector<BrickMask>& 
 }
 
 }  // namespace
-
-BrickTopology unite(const BrickTopology& a, const BrickTopology& b) {
-  std::vector<Vec3i> origins;
-  std::vector<BrickMask> masks;
-  std::size_t m = 0, n = 0;
-  while (m < a.brick_count() || n < b.brick_count()) {
-    const bool take_a =
-        n == b.brick_count() || (m < a.brick_count() && !origin_less(b.origin(n), a.origin(m)));
-    const bool take_b =
-        m == a.brick_count() || (n < b.brick_count() && !origin_less(a.origin(m), b.origin(n)));
-    BrickMask mask{};
-    for (int word = 0; word < 8; ++word) {
-      mask[word] = (take_a ? a.mask(m)[word] : 0) | (take_b ? b.mask(n)[word] : 0);
-    }
-    origins.push_back(take_a ? a.origin(m) : b.origin(n));
-    masks.push_back(mask);
-    m += take_a;
-    n += take_b;
-  }
-  return {std::move(origins), std::move(masks)};
-}
 
 VectorBricks fill_rings(const VectorBricks& seed, const BrickTopology& target, int max_rings,
                         RingFill fill, std::vector<std::uint8_t>* ring_of) {
@@ -237,52 +195,6 @@ std::vector<std::int32_t> refill_rings(VectorBricks& field, const RingOrder& ord
     if (is_changed[n]) result.push_back(bricks[n]);
   }
   return result;
-}
-
-BrickTopology eroded(const BrickTopology& topology) {
-  std::vector<Vec3i> origins(topology.brick_count());
-  std::vector<BrickMask> masks(topology.brick_count(), BrickMask{});
-  tbb::parallel_for(std::size_t(0), topology.brick_count(), [&](std::size_t b) {
-    origins[b] = topology.origin(b);
-    const PaddedRows<1> padded =
-        padded_rows<1>(surroundings_of(topology, b),
-                       [&](std::int32_t m) -> const BrickMask& { return topology.mask(m); });
-    for (int x = 0; x < kBrickDim; ++x) {
-      for (int y = 0; y < kBrickDim; ++y) {
-        masks[b][x] |= std::uint64_t(padded.eroded_row(x, y)) << (8 * y);
-      }
-    }
-  });
-  return {std::move(origins), std::move(masks)};
-}
-
-BrickTopology subtract(const BrickTopology& a, const BrickTopology& b) {
-  std::vector<Vec3i> origins;
-  std::vector<BrickMask> masks;
-  for (std::size_t n = 0; n < a.brick_count(); ++n) {
-    origins.push_back(a.origin(n));
-    masks.push_back(a.mask(n));
-    const std::int32_t other = b.find(a.origin(n));
-    if (other < 0) continue;
-    for (int word = 0; word < 8; ++word) masks.back()[word] &= ~b.mask(other)[word];
-  }
-  return {std::move(origins), std::move(masks)};
-}
-
-BrickTopology touching_bricks(const BrickTopology& topology) {
-  std::vector<Vec3i> origins;
-  origins.reserve(topology.brick_count() * 27);
-  for (std::size_t b = 0; b < topology.brick_count(); ++b) {
-    for (int n = 0; n < 27; ++n) {
-      origins.push_back(topology.origin(b) + surrounding_step(n) * kBrickDim);
-    }
-  }
-  std::sort(origins.begin(), origins.end(), origin_less);
-  origins.erase(std::unique(origins.begin(), origins.end()), origins.end());
-  BrickMask full;
-  full.fill(~std::uint64_t(0));
-  std::vector<BrickMask> masks(origins.size(), full);
-  return {std::move(origins), std::move(masks)};
 }
 
 }  // namespace supple

@@ -19,9 +19,6 @@
 
 namespace supple {
 
-/// The sorted union of two topologies.
-BrickTopology unite(const BrickTopology& a, const BrickTopology& b);
-
 /// Rings that go on linearly; those beyond take means.
 enum class RingFill : int { means = 0, linear = 2 };
 
@@ -54,14 +51,5 @@ class RingOrder {
 /// Returns the given bricks and those in which a vector changed, ascending.
 std::vector<std::int32_t> refill_rings(VectorBricks& field, const RingOrder& order,
                                        const std::vector<std::int32_t>& changed);
-
-/// The active voxels of `a` that are not active in `b`.
-BrickTopology subtract(const BrickTopology& a, const BrickTopology& b);
-
-/// The active voxels whose 26 neighbours are active too.
-BrickTopology eroded(const BrickTopology& topology);
-
-/// All voxels of the occupied bricks and of the 26 bricks around each.
-BrickTopology touching_bricks(const BrickTopology& topology);
 
 }  // namespace supple

@@ -4,13 +4,6 @@
 
 namespace supple {
 
-namespace {
-
-// Positions beyond this have no voxel; it also keeps NaN away from the integer conversion.
-constexpr double kMaxCoordinate = 1e9;
-
-}  // namespace
-
 VectorBrickFinder finder_of(const VectorBricks& field) {
   return [&field](const Vec3i& origin) -> VectorBrickView {
     const std::int32_t b = field.topology.find(origin);
@@ -31,8 +24,7 @@ bool VectorBricks::sample(const Vec3d& pos_index, Vec3d& vector) const {
   for (int a = 0; a < 3; ++a) {
     if (!(std::abs(pos_index[a]) < kMaxCoordinate)) return false;
   }
-  const Vec3i lo(int(std::floor(pos_index.x)), int(std::floor(pos_index.y)),
-                 int(std::floor(pos_index.z)));
+  const Vec3i lo = floor_voxel(pos_index);
   const Vec3d t = pos_index - Vec3d(lo);
   const Vec3d weight[2] = {Vec3d(1) - t, t};
   const std::int32_t first = topology.find(lo);

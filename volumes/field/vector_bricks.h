@@ -3,10 +3,8 @@
 #pragma once
 
 #include <functional>
-#include <memory>
 #include <vector>
 
-#include "volumes/geometry/geometry.h"
 #include "volumes/grid/brick_topology.h"
 
 namespace supple {
@@ -34,42 +32,5 @@ using VectorBrickFinder = std::function<VectorBrickView(const Vec3i& origin)>;
 
 /// Those of a field that outlives the finder.
 VectorBrickFinder finder_of(const VectorBricks& field);
-
-/// Material direction (push): voxel X is now at X + u(X). Index frame of the source, unit voxel.
-struct Displacement {
-  Geometry geometry;  // of the source volume
-  VectorBricks u;     // valid on elements, and on shell rings once extended
-};
-
-/// Worst cases of an inversion; see design.md section 4.
-struct InversionCertificate {
-  double residual_max = 0;        // max |x + o + u(x + o) - x| in voxels over valid nodes off folds
-  double residual_p999 = 0;       // its 99.9th percentile
-  std::int64_t cells = 0;         // source cells with eight valid corners
-  std::int64_t folded_cells = 0;  // cells with det F <= 0 at some corner
-  std::int64_t folded_air_cells = 0;   // of them, those with a corner outside the material
-  std::int64_t unresolved_voxels = 0;  // covered by a deformed cell's tetrahedra, yet no solution
-  std::vector<Vec3i> unresolved;       // at most 1000 of them
-  double min_det = 1;                  // smallest det F = det(I + grad u) over cell corners
-  std::int64_t torn_cells = 0;         // cells that a cut has opened (cut_offsets.h)
-  std::int64_t overlapped_voxels = 0;  // around cuts: voxels that tissue from several places covers
-};
-
-class SplitOffsets;
-
-/// Resample direction (pull): what is now at x came from x + o(x). Index frame of the source
-/// volume, unit voxel; x may lie outside the source box.
-struct OffsetField {
-  Geometry geometry;  // of the source volume
-  VectorBricks o;     // valid where deformed material (elements, extended shell) is now
-  InversionCertificate certificate;
-  /// Where offsets jump: bricks in which they may not be interpolated (split_offsets.h). Null:
-  /// nowhere.
-  std::shared_ptr<const SplitOffsets> split = nullptr;
-
-  /// The offset at any position: that of its piece in split bricks, else trilinear as
-  /// VectorBricks::sample. False where nothing is.
-  bool sample(const Vec3d& pos_index, Vec3d& offset) const;
-};
 
 }  // namespace supple

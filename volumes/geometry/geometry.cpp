@@ -14,10 +14,6 @@ constexpr double kMaxVoxels = 1099511627776.0;  // 2^40
 // Far beyond any grid of matter; the inverse and the 32-bit floats of file formats hold these.
 constexpr double kMinAxis = 1e-20, kMaxAxis = 1e20, kMaxOrigin = 1e30;  // mm
 
-bool is_finite(const Vec3d& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
 template <class Vector>
 std::string to_text(const Vector& v) {
   std::ostringstream text;

@@ -8,12 +8,11 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
+#include "volumes/grid/cell.h"
+
 namespace supple {
 
 namespace {
-
-// Positions beyond this have no voxel; it also keeps NaN away from the integer conversion.
-constexpr double kMaxCoordinate = 1e9;
 
 constexpr std::array<std::array<int, 3>, 6> kFaces = {
     {{-8, 0, 0}, {8, 0, 0}, {0, -8, 0}, {0, 8, 0}, {0, 0, -8}, {0, 0, 8}}};
@@ -113,7 +112,7 @@ bool touches(const BrickTopology& topology, const Vec3d& pos) {
   const Vec3i lo(int(std::floor(pos.x)), int(std::floor(pos.y)), int(std::floor(pos.z)));
   const Vec3i span(pos.x > lo.x, pos.y > lo.y, pos.z > lo.z);
   for (int n = 0; n < 8; ++n) {
-    const Vec3i step(n >> 2, (n >> 1) & 1, n & 1);
+    const Vec3i step = cell_corner(n);
     if (step.x > span.x || step.y > span.y || step.z > span.z) continue;
     if (topology.is_active(lo + step)) return true;
   }

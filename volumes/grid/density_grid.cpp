@@ -11,13 +11,11 @@ namespace supple {
 
 namespace {
 
-using Leaf = openvdb::FloatTree::LeafNodeType;
-
 Vec3i to_vec(const openvdb::Coord& c) {
   return {c.x(), c.y(), c.z()};
 }
 
-BrickMask to_mask(const Leaf::NodeMaskType& mask) {
+BrickMask to_mask(const FloatLeaf::NodeMaskType& mask) {
   BrickMask words;
   for (int word = 0; word < 8; ++word) words[word] = mask.getWord<openvdb::Index64>(word);
   return words;
@@ -30,17 +28,17 @@ DensityGrid::DensityGrid() : DensityGrid(make_density_grid({}, {}, 0)) {}
 DensityGrid::DensityGrid(std::shared_ptr<const Vdb> vdb) : m_vdb(std::move(vdb)) {
   const openvdb::FloatTree& tree = m_vdb->grid->tree();
   m_background = tree.background();
-  std::vector<const Leaf*> leaves;
+  std::vector<const FloatLeaf*> leaves;
   leaves.reserve(tree.leafCount());
   for (auto leaf = tree.cbeginLeaf(); leaf; ++leaf) {
     if (!leaf->valueMask().isOff()) leaves.push_back(&*leaf);
   }
   std::sort(leaves.begin(), leaves.end(),
-            [](const Leaf* a, const Leaf* b) { return a->origin() < b->origin(); });
+            [](const FloatLeaf* a, const FloatLeaf* b) { return a->origin() < b->origin(); });
   std::vector<Vec3i> origins;
   std::vector<BrickMask> masks;
   m_values.reserve(leaves.size());
-  for (const Leaf* leaf : leaves) {
+  for (const FloatLeaf* leaf : leaves) {
     origins.push_back(to_vec(leaf->origin()));
     masks.push_back(to_mask(leaf->valueMask()));
     m_values.push_back(leaf->buffer().data());

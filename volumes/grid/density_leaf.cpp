@@ -8,16 +8,14 @@ namespace supple {
 
 namespace {
 
-using Leaf = openvdb::FloatTree::LeafNodeType;
-
-Leaf& leaf_of(void* node) {
-  return *static_cast<Leaf*>(node);
+FloatLeaf& leaf_of(void* node) {
+  return *static_cast<FloatLeaf*>(node);
 }
 
 /// Makes the mask's voxels active and all others background.
-void activate(Leaf& leaf, const BrickMask& mask, float background) {
+void activate(FloatLeaf& leaf, const BrickMask& mask, float background) {
   float* const values = leaf.buffer().data();
-  Leaf::NodeMaskType node_mask;
+  FloatLeaf::NodeMaskType node_mask;
   for (int word = 0; word < 8; ++word) {
     node_mask.getWord<openvdb::Index64>(word) = mask[word];
     for (std::uint64_t off = ~mask[word]; off != 0; off &= off - 1) {
@@ -30,7 +28,8 @@ void activate(Leaf& leaf, const BrickMask& mask, float background) {
 }  // namespace
 
 DensityLeaf::DensityLeaf(const Vec3i& origin)
-    : m_node(new Leaf(openvdb::PartialCreate(), openvdb::Coord(origin.x, origin.y, origin.z))) {
+    : m_node(
+          new FloatLeaf(openvdb::PartialCreate(), openvdb::Coord(origin.x, origin.y, origin.z))) {
   leaf_of(m_node.get()).buffer().allocate();
 }
 

@@ -4,6 +4,12 @@
 
 #include <openvdb/openvdb.h>
 
+namespace supple {
+
+using FloatLeaf = openvdb::FloatTree::LeafNodeType;
+
+}  // namespace supple
+
 extern template class openvdb::tree::Tree<openvdb::FloatTree::RootNodeType>;
 extern template class openvdb::tree::Tree<openvdb::Vec3STree::RootNodeType>;
 extern template class openvdb::Grid<openvdb::FloatTree>;

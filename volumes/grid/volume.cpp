@@ -5,8 +5,7 @@
 namespace supple {
 
 float sample_trilinear(const DensityGrid& grid, const Vec3d& pos_index, float outside) {
-  const Vec3i lo(int(std::floor(pos_index.x)), int(std::floor(pos_index.y)),
-                 int(std::floor(pos_index.z)));
+  const Vec3i lo = floor_voxel(pos_index);
   const Vec3d t = pos_index - Vec3d(lo);
   double sum = 0;
   for (int corner = 0; corner < 8; ++corner) {

@@ -1,14 +1,16 @@
 // Chooses the reader by content first, extension second.
+#include "volumes/io/open_volume.h"
+
 #include <algorithm>
 #include <filesystem>
 
 #include "volumes/base/error.h"
-#include "volumes/dicom/dicom.h"
-#include "volumes/io/byte_source.h"
-#include "volumes/io/formats.h"
-#include "volumes/io/image_series.h"
-#include "volumes/io/text_header.h"
-#include "volumes/io/tiff_directories.h"
+#include "volumes/io/bytes/byte_source.h"
+#include "volumes/io/bytes/text_header.h"
+#include "volumes/io/dicom/dicom.h"
+#include "volumes/io/format/formats.h"
+#include "volumes/io/images/image_series.h"
+#include "volumes/io/tiff/tiff_directories.h"
 
 namespace supple {
 
@@ -99,12 +101,12 @@ std::unique_ptr<VolumeFile> open_known(const std::string& path, const ReadOption
   if (extension == ".tif" || extension == ".tiff") return open_tiff(path, options);
   if (extension == ".raw" || extension == ".bin") {
     throw InputError({path, "format", "headerless raw values",
-                      "its .nhdr or .mhd header, or --raw dims=X,Y,Z,type=T,spacing=A,B,C"});
+                      "its .nhdr or .mhd header, or raw dims=X,Y,Z,type=T,spacing=A,B,C"});
   }
   throw InputError(
       {path, "format", "unknown content",
        "NRRD, MetaImage, NIfTI, DICOM, HDF5, OpenVDB, TIFF, PNG, or raw values described by "
-       "--raw"});
+       "raw"});
 }
 
 /// Readers and loaders hold slices; no scanner makes larger ones.
@@ -133,14 +135,6 @@ std::unique_ptr<VolumeFile> open_scalars_or_vectors(const std::string& path,
   if (options.spacing_mm) file->set_spacing(*options.spacing_mm);
   if (options.channel) file = open_channel(std::move(file), *options.channel);
   return file;
-}
-
-void require_scalars(const VolumeHeader& header) {
-  if (header.components == 1) return;
-  throw InputError({header.path, "values",
-                    std::to_string(header.components) + " components per voxel",
-                    "a scalar volume, or --channel 0 to " + std::to_string(header.components - 1) +
-                        "; a warp goes to --offsets"});
 }
 
 std::unique_ptr<VolumeFile> open_volume(const std::string& path, const ReadOptions& options) {

@@ -11,9 +11,9 @@
 
 #include "volumes/base/error.h"
 #include "volumes/base/regular_file.h"
-#include "volumes/io/dense_writer.h"
-#include "volumes/io/output_file.h"
-#include "volumes/io/text_header.h"
+#include "volumes/io/bytes/output_file.h"
+#include "volumes/io/bytes/text_header.h"
+#include "volumes/io/format/dense_writer.h"
 
 namespace supple {
 
@@ -23,14 +23,14 @@ constexpr std::array<const char*, 6> kColumns = {"x", "y", "z", "dx", "dy", "dz"
 constexpr std::string_view kAround = " \t\r\n\f\v\"";  // what may stand around a field
 
 /// A field without the blanks and the quotes around it, and where it begins in the line.
-struct Field {
+struct PointField {
   std::string text;
   std::size_t begin = 0;
 };
 
 /// Fields between commas; a field in double quotes may hold commas.
-std::vector<Field> fields_of(const std::string& line) {
-  std::vector<Field> fields;
+std::vector<PointField> fields_of(const std::string& line) {
+  std::vector<PointField> fields;
   bool quoted = false;
   std::size_t begin = 0;
   for (std::size_t n = 0; n <= line.size(); ++n) {
@@ -103,11 +103,12 @@ class PointReader {
   }
 
   void take_columns(const std::string& text) {
-    const std::vector<Field> names = fields_of(lower_case(text));
+    const std::vector<PointField> names = fields_of(lower_case(text));
     int found = 0;
     for (std::size_t c = 0; c < kColumns.size(); ++c) {
-      const auto at = std::find_if(names.begin(), names.end(),
-                                   [&](const Field& name) { return name.text == kColumns[c]; });
+      const auto at = std::find_if(names.begin(), names.end(), [&](const PointField& name) {
+        return name.text == kColumns[c];
+      });
       m_columns[c] = at == names.end() ? -1 : int(at - names.begin());
       found |= int(at != names.end()) << c;
     }
@@ -119,11 +120,11 @@ class PointReader {
     m_columns_known = true;
   }
 
-  void take_point(const std::vector<Field>& fields) {
+  void take_point(const std::vector<PointField>& fields) {
     PointFile::Row row{m_line, {}, {}, {}, m_is_ras};
     for (int a = 0; a < 3; ++a) {
       row.at_lps_mm[a] = number(fields, a);
-      const Field& field = fields[std::size_t(m_columns[std::size_t(a)])];
+      const PointField& field = fields[std::size_t(m_columns[std::size_t(a)])];
       row.at[std::size_t(a)] = {m_begin + field.begin, field.text.size()};
     }
     for (int a = 0; a < 3 && m_file.has_displacements; ++a) {
@@ -133,7 +134,7 @@ class PointReader {
   }
 
   /// In LPS.
-  double number(const std::vector<Field>& fields, int column) const {
+  double number(const std::vector<PointField>& fields, int column) const {
     const std::size_t at = std::size_t(m_columns[std::size_t(column)]);
     const char* name = kColumns[std::size_t(column)];
     if (at >= fields.size()) {

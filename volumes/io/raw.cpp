@@ -1,13 +1,13 @@
 // Headerless raw files. Everything is said on the command line:
-//   --raw dims=X,Y,Z,type=int16,spacing=A,B,C[,endian=little|big][,offset=BYTES]
+//   raw dims=X,Y,Z,type=int16,spacing=A,B,C[,endian=little|big][,offset=BYTES]
 // Two dims make one slice. The axes are those of LPS and the first voxel lies at the origin.
 #include <algorithm>
 #include <map>
 
 #include "volumes/base/error.h"
-#include "volumes/io/formats.h"
-#include "volumes/io/streamed_volume.h"
-#include "volumes/io/text_header.h"
+#include "volumes/io/bytes/text_header.h"
+#include "volumes/io/format/formats.h"
+#include "volumes/io/format/streamed_volume.h"
 
 namespace supple {
 
@@ -26,16 +26,16 @@ std::map<std::string, std::string> split_spec(const std::string& path, const std
     first = comma + 1;
     const std::size_t equals = part.find('=');
     if (equals == std::string::npos) {
-      if (key.empty()) HeaderField{path, "--raw", part}.fail("key=value");
+      if (key.empty()) HeaderField{path, "raw", part}.fail("key=value");
       values[key] += " " + part;
       continue;
     }
     key = trimmed(part.substr(0, equals));
     if (std::find(std::begin(kKnownKeys), std::end(kKnownKeys), key) == std::end(kKnownKeys)) {
-      HeaderField{path, "--raw", key}.fail("one of dims, type, spacing, endian, offset");
+      HeaderField{path, "raw", key}.fail("one of dims, type, spacing, endian, offset");
     }
     if (!values.emplace(key, part.substr(equals + 1)).second) {
-      HeaderField{path, "--raw " + key, "the key twice"}.fail("it once");
+      HeaderField{path, "raw " + key, "the key twice"}.fail("it once");
     }
   }
   return values;
@@ -60,7 +60,7 @@ std::unique_ptr<VolumeFile> open_raw(const std::string& path, const std::string&
   const auto values = split_spec(path, spec);
   const auto field = [&](const std::string& key, const std::string& fallback) {
     const auto found = values.find(key);
-    return HeaderField{path, "--raw " + key, found == values.end() ? fallback : found->second};
+    return HeaderField{path, "raw " + key, found == values.end() ? fallback : found->second};
   };
 
   const HeaderField type = field("type", "");

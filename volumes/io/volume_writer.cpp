@@ -4,7 +4,7 @@
 
 #include <tbb/task_group.h>
 
-#include "volumes/io/stored_values.h"
+#include "volumes/io/bytes/value_type.h"
 
 namespace supple {
 

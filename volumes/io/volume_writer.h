@@ -4,9 +4,9 @@
 
 #include <string>
 
-#include "volumes/field/resample.h"
-#include "volumes/field/warp.h"
-#include "volumes/io/dense_writer.h"
+#include "volumes/field/dense/resample.h"
+#include "volumes/field/dense/warp.h"
+#include "volumes/io/format/dense_writer.h"
 
 namespace supple {
 

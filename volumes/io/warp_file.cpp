@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "volumes/io/formats.h"
-#include "volumes/io/stored_values.h"
-#include "volumes/io/text_header.h"
+#include "volumes/io/bytes/text_header.h"
+#include "volumes/io/bytes/value_type.h"
+#include "volumes/io/format/formats.h"
+#include "volumes/io/open_volume.h"
 
 namespace supple {
 
@@ -43,8 +44,7 @@ Warp read_warp(const std::string& path, Progress* progress) {
                               : header.components == 3
                                   ? "colours or other triples"
                                   : std::to_string(header.components) + " components";
-    throw InputError({path, "values", count + " per voxel",
-                      "a warp: three components per voxel"});
+    throw InputError({path, "values", count + " per voxel", "a warp: three components per voxel"});
   }
   Warp warp{path, header.geometry, parse_direction(header), {}};
   if (progress != nullptr) progress->stage("reading");

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "volumes/base/progress.h"
-#include "volumes/field/warp.h"
+#include "volumes/field/dense/warp.h"
 
 namespace supple {
 

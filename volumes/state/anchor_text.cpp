@@ -8,19 +8,18 @@ namespace supple {
 
 namespace {
 
-using Json = nlohmann::json;
-
 constexpr std::size_t kMaxFoundText = 80;
 
-Json parse_list_or_object(const std::string& text, const std::string& file, const char* field) {
-  Json json = Json::parse(text, nullptr, false);
+nlohmann::json parse_list_or_object(const std::string& text, const std::string& file,
+                                    const char* field) {
+  nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
   if (json.is_discarded()) {
     throw InputError({file, field, text.substr(0, kMaxFoundText), "JSON"});
   }
   return json;
 }
 
-int to_int(const Json& json) {
+int to_int(const nlohmann::json& json) {
   const auto value = json.is_number_integer() ? json.get<std::int64_t>() : std::int64_t(1) << 40;
   if (value != std::int64_t(int(value))) throw std::out_of_range("no 32-bit integer");
   return int(value);
@@ -29,7 +28,7 @@ int to_int(const Json& json) {
 }  // namespace
 
 std::string anchors_to_json(const Anchors& anchors) {
-  Json json = Json::array();
+  nlohmann::json json = nlohmann::json::array();
   for (const IndexBox& box : anchors.boxes) {
     json.push_back({box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z});
   }
@@ -38,11 +37,11 @@ std::string anchors_to_json(const Anchors& anchors) {
 }
 
 Anchors anchors_from_json(const std::string& text, const std::string& file) {
-  const Json json = parse_list_or_object(text, file, "anchors");
+  const nlohmann::json json = parse_list_or_object(text, file, "anchors");
   try {
     if (!json.is_array()) throw std::out_of_range("no list");
     Anchors anchors;
-    for (const Json& item : json) {
+    for (const nlohmann::json& item : json) {
       if (item.is_object()) {
         anchors.labels.push_back(to_int(item.at("label")));
         continue;

@@ -8,7 +8,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "volumes/field/displacement.h"
 #include "volumes/field/ring_fill.h"
+#include "volumes/geometry/geometry.h"
 #include "volumes/grid/brick_values.h"
 
 namespace supple {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "volumes/base/error.h"
-#include "volumes/field/cut_offsets.h"
+#include "volumes/field/cuts/cut_offsets.h"
 #include "volumes/grid/labels.h"
 
 namespace supple {

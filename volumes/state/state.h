@@ -9,7 +9,8 @@
 #include <vector>
 
 #include "volumes/base/progress.h"
-#include "volumes/field/vector_bricks.h"
+#include "volumes/field/displacement.h"
+#include "volumes/field/offset_field.h"
 #include "volumes/geometry/geometry.h"
 #include "volumes/grid/brick_values.h"
 #include "volumes/grid/density_grid.h"

@@ -16,11 +16,11 @@
 #include <algorithm>
 
 #include "volumes/base/atomic_file.h"
-#include "volumes/base/vdb_seal.h"
 #include "volumes/geometry/geometry_text.h"
 #include "volumes/grid/density_grid_vdb.h"
 #include "volumes/grid/labels.h"
-#include "volumes/grid/vdb_stream.h"
+#include "volumes/io/vdb/vdb_seal.h"
+#include "volumes/io/vdb/vdb_stream.h"
 #include "volumes/state/anchor_text.h"
 #include "volumes/state/state.h"
 

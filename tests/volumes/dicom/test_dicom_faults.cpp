@@ -6,7 +6,8 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
-#include "tests/volumes/dicom/dicom_fixtures.h"
+#include "tests/support/dicom_fixtures.h"
+#include "volumes/io/open_volume.h"
 
 namespace supple::test {
 namespace {
@@ -29,7 +30,7 @@ void expect_edited_failure(const Edit& edit, const std::vector<std::string>& par
   SeriesFixture series;
   series.edit = edit;
   series.write_all(folder);
-  expect_failure(folder.file("."), parts);
+  expect_failure(folder / ".", parts);
 }
 
 Edit putting(const DcmTagKey& tag, const std::string& value, int only_slice = -1) {
@@ -91,7 +92,7 @@ TEST(FaultDicom, SeveralSeriesAreListed) {
   other.series = "1.2.826.0.1.3680043.8.498.2";
   series.write_all(folder);
   other.write(folder, 0, "other");
-  expect_failure(folder.file("."),
+  expect_failure(folder / ".",
                  {"2 series", "6 files \"Synthetic 1\" (UID ...0043.8.498.1, such as im10)",
                   "1 files \"Synthetic 2\"", "such as other", "name a file of it"});
 }
@@ -145,9 +146,9 @@ TEST(FaultDicom, HugeSizesInATinyFileAreRefusedBeforeAllocation) {
 
 TEST(FaultDicom, FoldersWithoutImagesArePlainFolders) {
   const TemporaryFolder folder;
-  expect_failure(folder.file("."), {"a directory"});
+  expect_failure(folder / ".", {"a directory"});
   folder.write("text", std::string(500, 'x'));
-  expect_failure(folder.file("."), {"a directory"});
+  expect_failure(folder / ".", {"a directory"});
   expect_failure(folder.write("a.dcm", std::string(500, 'x')), {"unknown content"});
   expect_failure(folder.write("b.dcm", std::string(128, 'x') + "DICM" + std::string(100, '\xff')),
                  {"b.dcm", "Rows and Columns", "found nothing"});
@@ -157,11 +158,11 @@ TEST(FaultDicom, ADamagedFileBesideASeriesIsLeftOutWithAWarning) {
   const TemporaryFolder folder;
   const SeriesFixture series;
   series.write_all(folder);
-  const int slices = open_volume(folder.file("."))->header().geometry.dims().z;
+  const int slices = open_volume(folder / ".")->header().geometry.dims().z;
   const std::string stranger = std::string(128, 'x') + "DICM" + std::string(200, '\x02');
   const std::string path = folder.write("stranger.dcm", stranger);
   expect_failure(path, {"stranger.dcm", "DICOM"});
-  for (const std::string& name : {folder.file("."), series.write(folder, 0)}) {
+  for (const std::string& name : {folder / ".", series.write(folder, 0)}) {
     const auto file = open_volume(name);
     EXPECT_EQ(file->header().geometry.dims().z, slices);
     ASSERT_EQ(file->header().warnings.size(), 1u);
@@ -173,15 +174,15 @@ TEST(FaultDicom, ADamagedFileBesideASeriesIsLeftOutWithAWarning) {
 TEST(FaultDicom, AFolderOfDamagedFilesNamesOne) {
   const TemporaryFolder folder;
   folder.write("a.dcm", std::string(128, 'x') + "DICM" + std::string(200, '\x02'));
-  expect_failure(folder.file("."), {"a.dcm", "DICOM"});
+  expect_failure(folder / ".", {"a.dcm", "DICOM"});
 }
 
 TEST(FaultDicom, APipeInTheFolderIsNotOpened) {
   const TemporaryFolder folder;
   const SeriesFixture series;
   series.write_all(folder);
-  ASSERT_EQ(::mkfifo(folder.file("aa_pipe").c_str(), 0600), 0);
-  EXPECT_EQ(values_of(*open_volume(folder.file("."))), expected_values(series));
+  ASSERT_EQ(::mkfifo((folder / "aa_pipe").c_str(), 0600), 0);
+  EXPECT_EQ(values_of(*open_volume(folder / ".")), expected_values(series));
 }
 
 TEST(FaultDicom, Jpeg2000IsNamed) {
@@ -204,7 +205,7 @@ TEST(FaultDicom, RleSegmentsOutsideTheirFrameAreRefused) {
   SeriesFixture series;
   series.syntax = EXS_RLELossless;
   const std::string path = series.write(folder, 0);
-  std::string sound = bytes_of_file(path);
+  std::string sound = read_text(path);
   // Two segments, the first of which follows the header of 64 bytes.
   const std::size_t header = sound.find(std::string("\2\0\0\0\x40\0\0\0", 8));
   ASSERT_NE(header, std::string::npos);
@@ -212,7 +213,7 @@ TEST(FaultDicom, RleSegmentsOutsideTheirFrameAreRefused) {
     std::string bytes = sound;
     patch(bytes, header + at, number);
     expect_failure(folder.write("b.dcm", bytes), {"frame 0", "an RLE header whose segments"});
-    std::filesystem::remove(folder.file("b.dcm"));
+    std::filesystem::remove(folder / "b.dcm");
   };
   std::filesystem::remove(path);
   expect(0, 0);
@@ -235,16 +236,15 @@ TEST(FaultDicom, CompressedStreamsThatContradictTheAttributesAreRefused) {
     DcmFileFormat file;
     ASSERT_TRUE(file.loadFile(path.c_str()).good());
     file.getDataset()->putAndInsertUint16(DCM_BitsAllocated, 16);
-    ASSERT_TRUE(file.saveFile(folder.file("wide").c_str(), syntax).good());
+    ASSERT_TRUE(file.saveFile((folder / "wide").c_str(), syntax).good());
     std::filesystem::remove(path);
-    expect_failure(folder.file("wide"),
-                   {jpeg ? "found 5 x 4 values of 8 bits, expected 5 x 4 values "
-                           "of 16 bits"
-                         : "mismatch"});
+    expect_failure(folder / "wide", {jpeg ? "found 5 x 4 values of 8 bits, expected 5 x 4 values "
+                                            "of 16 bits"
+                                          : "mismatch"});
     file.getDataset()->putAndInsertUint16(DCM_BitsAllocated, 8);
     file.getDataset()->putAndInsertUint16(DCM_Rows, 5);
-    ASSERT_TRUE(file.saveFile(folder.file("wide").c_str(), syntax).good());
-    expect_failure(folder.file("wide"), {jpeg ? "found 5 x 4 values" : "mismatch"});
+    ASSERT_TRUE(file.saveFile((folder / "wide").c_str(), syntax).good());
+    expect_failure(folder / "wide", {jpeg ? "found 5 x 4 values" : "mismatch"});
   }
 }
 

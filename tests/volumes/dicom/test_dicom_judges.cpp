@@ -6,7 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/volumes/dicom/dicom_fixtures.h"
+#include "tests/support/dicom_fixtures.h"
+#include "volumes/io/open_volume.h"
 
 namespace supple::test {
 namespace {
@@ -53,11 +54,10 @@ TEST(InteropDicom, PydicomFindsTheSameValueAtTheSamePlace) {
     const TemporaryFolder folder, outputs;
     oblique(syntax).write_all(folder);
     const std::string script = outputs.write("judge.py", kPydicomScript);
-    const std::string list = outputs.file("list");
-    ASSERT_EQ(std::system((python + " " + script + " " + folder.file(".") + " >" + list).c_str()),
-              0);
+    const std::string list = outputs / "list";
+    ASSERT_EQ(std::system((python + " " + script + " " + folder / "." + " >" + list).c_str()), 0);
     std::ifstream lines(list);
-    const auto file = open_volume(folder.file("."));
+    const auto file = open_volume(folder / ".");
     const std::vector<double> values = values_of(*file);
     const Geometry& geometry = file->header().geometry;
     std::size_t n = 0;
@@ -79,9 +79,9 @@ TEST(InteropDicom, PlastimatchMakesTheSameVolume) {
   for (const E_TransferSyntax syntax : {EXS_LittleEndianExplicit, EXS_LittleEndianImplicit}) {
     const TemporaryFolder folder, outputs;
     oblique(syntax).write_all(folder);
-    const std::string image = outputs.file("image.nrrd");
-    ASSERT_TRUE(runs("plastimatch convert --input " + folder.file(".") + " --output-img " + image));
-    const auto ours = open_volume(folder.file(".")), theirs = open_volume(image);
+    const std::string image = outputs / "image.nrrd";
+    ASSERT_TRUE(runs("plastimatch convert --input " + folder / "." + " --output-img " + image));
+    const auto ours = open_volume(folder / "."), theirs = open_volume(image);
     expect_geometry(ours->header().geometry, theirs->header().geometry, 1e-4);
     EXPECT_EQ(values_of(*ours), values_of(*theirs));
   }

@@ -1,7 +1,8 @@
 // Images of several frames: the geometry of each comes from its functional groups.
 #include <gtest/gtest.h>
 
-#include "tests/volumes/dicom/dicom_fixtures.h"
+#include "tests/support/dicom_fixtures.h"
+#include "volumes/io/open_volume.h"
 
 namespace supple::test {
 namespace {
@@ -16,8 +17,8 @@ TEST(UnitDicomFrames, FramesAreSortedByTheirOwnPositionsInEverySyntax) {
       const TemporaryFolder folder;
       SeriesFixture series;
       series.syntax = syntax;
-      write_enhanced(folder.file("enhanced.bin"), series, kShuffled, shared_orientation);
-      const auto file = open_volume(folder.file("enhanced.bin"));
+      write_enhanced(folder / "enhanced.bin", series, kShuffled, shared_orientation);
+      const auto file = open_volume(folder / "enhanced.bin");
       expect_geometry(file->header().geometry, series.geometry());
       EXPECT_EQ(values_of(*file), expected_values(series)) << DcmXfer(syntax).getXferName();
     }
@@ -35,8 +36,8 @@ TEST(UnitDicomFrames, EightBitFramesOfOddSizeAreToldApart) {
       series.is_signed = false;
       series.bytes_in_words = bytes_in_words;
       series.value = [](int i, int j, int k) { return 30 * k + 7 * j + i; };
-      write_enhanced(folder.file("a"), series, kShuffled);
-      EXPECT_EQ(values_of(*open_volume(folder.file("a"))), expected_values(series))
+      write_enhanced(folder / "a", series, kShuffled);
+      EXPECT_EQ(values_of(*open_volume(folder / "a")), expected_values(series))
           << DcmXfer(syntax).getXferName() << bytes_in_words;
     }
   }
@@ -54,8 +55,8 @@ TEST(UnitDicomFrames, ARescalePerFrameIsFoundInItsGroup) {
       put(*group, DCM_RescaleIntercept, "-7");
     }
   };
-  write_enhanced(folder.file("a"), series, kShuffled);
-  const auto file = open_volume(folder.file("a"));
+  write_enhanced(folder / "a", series, kShuffled);
+  const auto file = open_volume(folder / "a");
   const std::vector<double> stored = expected_values(series), found = values_of(*file);
   ASSERT_EQ(file->header().type, ValueType::float32);
   for (std::size_t n = 0; n < stored.size(); ++n) {
@@ -78,8 +79,8 @@ TEST(UnitDicomFrames, ADoseGridIsPlacedByItsOffsetsAndScaledToGray) {
     data.findAndDeleteElement(DCM_SharedFunctionalGroupsSequence);
     data.findAndDeleteElement(DCM_PerFrameFunctionalGroupsSequence);
   };
-  write_enhanced(folder.file("dose"), series, {0, 1, 2, 3, 4, 5});
-  const auto file = open_volume(folder.file("dose"));
+  write_enhanced(folder / "dose", series, {0, 1, 2, 3, 4, 5});
+  const auto file = open_volume(folder / "dose");
   expect_geometry(file->header().geometry, series.geometry());
   EXPECT_EQ(values_of(*file), expected_values(series, 0.125));
 }

@@ -5,7 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/volumes/dicom/dicom_fixtures.h"
+#include "tests/support/dicom_fixtures.h"
+#include "volumes/io/open_volume.h"
 
 namespace supple::test {
 namespace {
@@ -22,7 +23,7 @@ SeriesFixture oblique() {
 std::unique_ptr<VolumeFile> open_all(const TemporaryFolder& folder, const SeriesFixture& series,
                                      const ReadOptions& options = {}) {
   series.write_all(folder);
-  return open_volume(folder.file("."), options);
+  return open_volume(folder / ".", options);
 }
 
 TEST(UnitDicomSeries, SlicesAreSortedByPositionWhateverTheirNamesAndNumbers) {
@@ -65,9 +66,9 @@ TEST(UnitDicomSeries, AFileStandsForItsSeriesInTheFolder) {
   other.dims.z = 3;
   for (int k = 0; k < 3; ++k) other.write(folder, k, "other" + std::to_string(k));
   series.write_all(folder);
-  expect_geometry(open_volume(folder.file(series.file_name(4)))->header().geometry,
+  expect_geometry(open_volume(folder / (series.file_name(4)))->header().geometry,
                   series.geometry());
-  expect_geometry(open_volume(folder.file("other1"))->header().geometry, other.geometry());
+  expect_geometry(open_volume(folder / "other1")->header().geometry, other.geometry());
 }
 
 TEST(UnitDicomSeries, ATiltedGantryGivesShearedAxesAndAWarning) {
@@ -101,7 +102,7 @@ TEST(UnitDicomSeries, AMissingSliceIsHeldByItsNeighbourAndTheOthersKeepTheirPlac
   const TemporaryFolder folder;
   const SeriesFixture series;
   for (const int k : {0, 1, 2, 4, 5}) series.write(folder, k);
-  const auto file = open_volume(folder.file("."));
+  const auto file = open_volume(folder / ".");
   expect_geometry(file->header().geometry, series.geometry());
   SeriesFixture held = series;
   held.value = [](int i, int j, int k) {
@@ -130,10 +131,10 @@ TEST(UnitDicomSeries, SlicesAtTheSamePositionsAreFramesInTheOrderOfTime) {
       series.write(folder, k, (f == 0 ? "z" : "a") + std::to_string(k));
     }
   }
-  EXPECT_EQ(values_of(*open_volume(folder.file("."), ReadOptions{"", 1, {}, {}})),
+  EXPECT_EQ(values_of(*open_volume(folder / ".", ReadOptions{"", 1, {}, {}})),
             expected_values(series));
-  const std::string line = failure_of(folder.file("."));
-  EXPECT_NE(line.find("found 2 frames, expected --frame 0 to 1"), std::string::npos) << line;
+  const std::string line = failure_of(folder / ".");
+  EXPECT_NE(line.find("found 2 frames, expected frame 0 to 1"), std::string::npos) << line;
 }
 
 TEST(UnitDicomSeries, ACopyOfASliceIsLeftOutWithAWarning) {
@@ -159,7 +160,7 @@ TEST(UnitDicomSeries, OtherFilesInTheFolderDoNotCount) {
   const SeriesFixture series;
   folder.write("README", "not an image, but longer than a preamble: " + std::string(200, '.'));
   folder.write("empty", "");
-  std::filesystem::create_directory(folder.file("below"));
+  std::filesystem::create_directory(folder / "below");
   SeriesFixture report;
   report.series += "3";
   report.edit = [](DcmDataset& data, int) {

@@ -1,7 +1,8 @@
 // The values of DICOM pixels, whatever their transfer syntax and width.
 #include <gtest/gtest.h>
 
-#include "tests/volumes/dicom/dicom_fixtures.h"
+#include "tests/support/dicom_fixtures.h"
+#include "volumes/io/open_volume.h"
 
 namespace supple::test {
 namespace {
@@ -28,7 +29,7 @@ SeriesFixture fixture_of(int allocated, int stored, bool is_signed) {
 void expect_values(const SeriesFixture& series, const std::string& what) {
   const TemporaryFolder folder;
   series.write_all(folder);
-  const auto file = open_volume(folder.file("."));
+  const auto file = open_volume(folder / ".");
   EXPECT_EQ(values_of(*file), expected_values(series)) << what;
   EXPECT_EQ(file->header().slope, 1);
   EXPECT_EQ(file->header().intercept, 0);
@@ -89,7 +90,7 @@ TEST(UnitDicomValues, OneRescaleOfAllSlicesLeavesTheStoredValues) {
     put(data, DCM_RescaleIntercept, "-1024");
   };
   series.write_all(folder);
-  const auto file = open_volume(folder.file("."));
+  const auto file = open_volume(folder / ".");
   EXPECT_EQ(file->header().type, ValueType::int16);
   EXPECT_EQ(file->header().slope, 0.5);
   EXPECT_EQ(file->header().intercept, -1024);
@@ -104,7 +105,7 @@ TEST(UnitDicomValues, ARescalePerSliceIsAppliedAndSaid) {
     put(data, DCM_RescaleIntercept, ds({double(k)}));
   };
   series.write_all(folder);
-  const auto file = open_volume(folder.file("."));
+  const auto file = open_volume(folder / ".");
   EXPECT_EQ(file->header().type, ValueType::float32);
   EXPECT_EQ(file->header().slope, 1);
   const std::vector<double> stored = expected_values(series), found = values_of(*file);
@@ -125,7 +126,7 @@ TEST(UnitDicomValues, TheBrighterPixelOfMonochrome1HasTheLargerValue) {
       put(data, DCM_RescaleSlope, "2");
     };
     series.write_all(folder);
-    const auto file = open_volume(folder.file("."));
+    const auto file = open_volume(folder / ".");
     EXPECT_EQ(values_of(*file), expected_values(series, -2, is_signed ? -2 : 2 * 4095));
     EXPECT_EQ(file->header().warnings.size(), 1u);
   }
@@ -138,7 +139,7 @@ TEST(UnitDicomValues, LossyCompressionIsSaid) {
   series.dims = {16, 16, 3};
   series.value = [](int i, int, int k) { return 4 * i + 20 * k; };
   series.write_all(folder);
-  const auto file = open_volume(folder.file("."));
+  const auto file = open_volume(folder / ".");
   const std::vector<double> found = values_of(*file), expected = expected_values(series);
   for (std::size_t n = 0; n < found.size(); ++n) EXPECT_NEAR(found[n], expected[n], 6);
   // DCMTK's encoder rescales each slice, which is said first.

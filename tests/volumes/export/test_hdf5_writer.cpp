@@ -5,10 +5,12 @@
 #include <gtest/gtest.h>
 #include <hdf5.h>
 
-#include "tests/volumes/state/scratch.h"
+#include "tests/support/temporary_folder.h"
 #include "volumes/base/error.h"
-#include "volumes/io/dense_writer.h"
-#include "volumes/io/volume_file.h"
+#include "volumes/io/format/dense_writer.h"
+#include "volumes/io/format/volume_file.h"
+#include "volumes/io/load/load.h"
+#include "volumes/io/open_volume.h"
 #include "volumes/io/volume_writer.h"
 #include "volumes/io/warp_file.h"
 
@@ -94,7 +96,7 @@ bool run_python(const std::string& arguments) {
 }  // namespace
 
 TEST(UnitHdf5Writer, AVolumeIsAnItkImageWithAxesAsRows) {
-  const ScratchFolder folder("hdf5-image");
+  const TemporaryFolder folder;
   for (const bool compress : {false, true}) {
     const std::string path = folder / "a.h5";
     write_volume(path, kOblong, ValueType::int16, counting_slices, nullptr, compressed(compress));
@@ -116,7 +118,7 @@ TEST(UnitHdf5Writer, AVolumeIsAnItkImageWithAxesAsRows) {
 }
 
 TEST(UnitHdf5Writer, AWarpIsAnItkTransformOfDoubles) {
-  const ScratchFolder folder("hdf5-warp");
+  const TemporaryFolder folder;
   for (const bool compress : {false, true}) {
     const std::string path = folder / "a.hdf5";
     write_warp(path, {kOblong, WarpDirection::material, "{\"cells\":3}"}, counting_vectors, nullptr,
@@ -139,7 +141,7 @@ TEST(UnitHdf5Writer, AWarpIsAnItkTransformOfDoubles) {
 }
 
 TEST(PropertyHdf5Writer, DirectionAndCertificateAreReadBack) {
-  const ScratchFolder folder("hdf5-facts");
+  const TemporaryFolder folder;
   const std::string path = folder / "a.h5",
                     certificate = "{\"text\":\"" + std::string(5000, 'c') + "\"}";
   for (const WarpDirection direction : {WarpDirection::resample, WarpDirection::material}) {
@@ -161,20 +163,20 @@ TEST(PropertyHdf5Writer, DirectionAndCertificateAreReadBack) {
 }
 
 TEST(PropertyHdf5Writer, EqualInputsGiveEqualBytesAndCompressionTheSameValues) {
-  const ScratchFolder folder("hdf5-bytes");
+  const TemporaryFolder folder;
   for (const bool compress : {false, true}) {
     write_volume(folder / "a.h5", kOblong, ValueType::float32, counting_slices, nullptr,
                  compressed(compress));
     write_warp(folder / "b.h5", {kOblong, WarpDirection::resample}, counting_vectors, nullptr,
                compressed(compress));
-    const std::string volume = file_bytes(folder / "a.h5"), warp = file_bytes(folder / "b.h5");
+    const std::string volume = read_text(folder / "a.h5"), warp = read_text(folder / "b.h5");
     ::sleep(1);  // HDF5 notes times in seconds where it is let
     write_volume(folder / "a.h5", kOblong, ValueType::float32, counting_slices, nullptr,
                  compressed(compress));
     write_warp(folder / "b.h5", {kOblong, WarpDirection::resample}, counting_vectors, nullptr,
                compressed(compress));
-    EXPECT_EQ(file_bytes(folder / "a.h5"), volume);
-    EXPECT_EQ(file_bytes(folder / "b.h5"), warp);
+    EXPECT_EQ(read_text(folder / "a.h5"), volume);
+    EXPECT_EQ(read_text(folder / "b.h5"), warp);
   }
   const Geometry large({64, 64, 8}, {0, 0, 0}, kOblong.axes_mm());
   const auto flat = [](int, float* out) { std::fill_n(out, 64 * 64, 2.0f); };
@@ -184,21 +186,21 @@ TEST(PropertyHdf5Writer, EqualInputsGiveEqualBytesAndCompressionTheSameValues) {
 }
 
 TEST(FaultHdf5Writer, ShearedAxesAreRefused) {
-  const ScratchFolder folder("hdf5-shear");
+  const TemporaryFolder folder;
   const Geometry sheared(kDims, {0, 0, 0}, {Vec3d(1, 0, 0), {0.2, 1, 0}, {0, 0, 1}});
   const std::string error = error_of([&] {
     write_warp(folder / "a.h5", {sheared, WarpDirection::resample}, counting_vectors);
   });
   EXPECT_NE(error.find("geometry: found sheared axes"), std::string::npos) << error;
-  EXPECT_EQ(folder.file_count(), 0u);
+  EXPECT_EQ(folder.entries().size(), 0u);
 }
 
 TEST(FaultHdf5Writer, AFullDiskKeepsTheOldFileAndLeavesNothingElse) {
-  const ScratchFolder folder("hdf5-full-disk");
+  const TemporaryFolder folder;
   const Geometry large({200, 100, 3}, {0, 0, 0}, kOblong.axes_mm());
   const auto slices = [](int k, Vec3f* out) { std::fill_n(out, 20000, Vec3f(float(k), 1, 2)); };
   write_warp(folder / "a.h5", {kOblong, WarpDirection::resample}, counting_vectors);
-  const std::string old = file_bytes(folder / "a.h5");
+  const std::string old = read_text(folder / "a.h5");
   for (const rlim_t limit : {0, 40, 3000, 100000, 500000, 1439999}) {
     std::string error;
     {
@@ -208,8 +210,8 @@ TEST(FaultHdf5Writer, AFullDiskKeepsTheOldFileAndLeavesNothingElse) {
       });
     }
     EXPECT_NE(error.find("a.h5: cannot write: File too large"), std::string::npos) << error;
-    EXPECT_EQ(file_bytes(folder / "a.h5"), old);
-    EXPECT_EQ(folder.file_count(), 1u);
+    EXPECT_EQ(read_text(folder / "a.h5"), old);
+    EXPECT_EQ(folder.entries().size(), 1u);
   }
   write_warp(folder / "a.h5", {large, WarpDirection::resample}, slices);
   EXPECT_EQ(read_warp(folder / "a.h5").vectors[20000], Vec3f(1, 1, 2));
@@ -217,11 +219,11 @@ TEST(FaultHdf5Writer, AFullDiskKeepsTheOldFileAndLeavesNothingElse) {
 
 TEST(InteropHdf5, H5pyReadsOurVolumesAndWarps) {
   if (!run_python("-c 'import h5py' 2>&1")) GTEST_SKIP() << "python3-h5py is not installed";
-  const ScratchFolder folder("hdf5-h5py");
+  const TemporaryFolder folder;
   write_volume(folder / "v.h5", kOblong, ValueType::uint16, counting_slices, nullptr,
                compressed(true));
   write_warp(folder / "w.h5", {kOblong, WarpDirection::resample}, counting_vectors);
-  write_bytes(folder / "check.py", R"(
+  write_text(folder / "check.py", R"(
 import sys, h5py, numpy as np
 v = h5py.File(sys.argv[1], 'r')['ITKImage/0']
 assert (v['VoxelData'][()] == np.arange(24, dtype='<u2').reshape(2, 3, 4)).all()
@@ -241,8 +243,8 @@ assert w.attrs['supple_direction'] == b'resample'
 
 TEST(InteropHdf5, WhatH5pyWritesIsRead) {
   if (!run_python("-c 'import h5py' 2>&1")) GTEST_SKIP() << "python3-h5py is not installed";
-  const ScratchFolder folder("hdf5-from-h5py");
-  write_bytes(folder / "make.py", R"(
+  const TemporaryFolder folder;
+  write_text(folder / "make.py", R"(
 import sys, h5py, numpy as np
 a = np.arange(24).reshape(2, 3, 4)
 with h5py.File(sys.argv[1], 'w', libver='latest') as f:

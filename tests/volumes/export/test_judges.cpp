@@ -9,13 +9,14 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/volumes/state/random_state.h"
-#include "tests/volumes/state/scratch.h"
-#include "volumes/field/invert.h"
+#include "tests/support/random_state.h"
+#include "tests/support/temporary_folder.h"
+#include "volumes/field/dense/resample.h"
+#include "volumes/field/inversion/invert.h"
 #include "volumes/field/procedural.h"
-#include "volumes/field/resample.h"
 #include "volumes/grid/volume.h"
-#include "volumes/io/volume_file.h"
+#include "volumes/io/format/volume_file.h"
+#include "volumes/io/open_volume.h"
 #include "volumes/io/volume_writer.h"
 
 using namespace supple;
@@ -142,9 +143,9 @@ bool runs(const std::string& command) {
 
 /// Pulls `source` through the field at `warp`; returns the path of the result.
 using Judge =
-    std::function<std::string(const ScratchFolder&, const Geometry&, const std::string& warp)>;
+    std::function<std::string(const TemporaryFolder&, const Geometry&, const std::string& warp)>;
 
-std::string transformix(const ScratchFolder& folder, const Geometry& geometry,
+std::string transformix(const TemporaryFolder& folder, const Geometry& geometry,
                         const std::string& warp) {
   std::ostringstream text;
   text.precision(17);
@@ -166,14 +167,14 @@ std::string transformix(const ScratchFolder& folder, const Geometry& geometry,
       << "(ResampleInterpolator \"FinalBSplineInterpolator\")\n(FinalBSplineInterpolationOrder 1)\n"
       << "(DefaultPixelValue 0)\n(ResultImageFormat \"mha\")\n(ResultImagePixelType \"float\")\n"
       << "(CompressResultImage \"false\")\n";
-  write_bytes(folder / "transform.txt", text.str());
+  write_text(folder / "transform.txt", text.str());
   std::filesystem::remove(folder / "result.mha");
   EXPECT_TRUE(runs("transformix -in " + (folder / "source.mha") + " -tp " +
                    (folder / "transform.txt") + " -out " + (folder / "")));
   return folder / "result.mha";
 }
 
-std::string plastimatch(const ScratchFolder& folder, const Geometry&, const std::string& warp) {
+std::string plastimatch(const TemporaryFolder& folder, const Geometry&, const std::string& warp) {
   std::filesystem::remove(folder / "result.mha");
   EXPECT_TRUE(runs("plastimatch convert --input " + (folder / "source.mha") + " --fixed " +
                    (folder / "source.mha") + " --xf " + warp +
@@ -190,7 +191,7 @@ std::string itk_judge() {
   return std::filesystem::exists(judge) ? judge.string() : "";
 }
 
-std::string itk(const ScratchFolder& folder, const Geometry&, const std::string& warp) {
+std::string itk(const TemporaryFolder& folder, const Geometry&, const std::string& warp) {
   std::filesystem::remove(folder / "result.mha");
   EXPECT_TRUE(runs(itk_judge() + " " + (folder / "source.mha") + " " + warp + " " +
                    (folder / "result.mha")));
@@ -201,7 +202,7 @@ std::string itk(const ScratchFolder& folder, const Geometry&, const std::string&
 void expect_agreement(const Judge& judge, const std::vector<std::string>& names) {
   const Image source = grey_source();
   for (const Geometry& geometry : {ct_like_grid(), oblique_anisotropic_grid()}) {
-    const ScratchFolder folder("judges");
+    const TemporaryFolder folder;
     const OffsetField offsets = sample_offsets({{}, windowed_offset}, geometry, whole_box());
     const Image expected = own_reading(source, offsets, 1);
     write_volume(folder / "source.mha", geometry, ValueType::float32, [&](int k, float* out) {
@@ -253,7 +254,7 @@ State pushed_ball(const Geometry& geometry, const Image& grey, double height) {
 void expect_agreement_on_inverted_states(const Judge& judge,
                                          const std::vector<std::string>& names) {
   for (const Geometry& geometry : {ct_like_grid(), oblique_anisotropic_grid()}) {
-    const ScratchFolder folder("judges");
+    const TemporaryFolder folder;
     const State state = pushed_ball(geometry, grey_source(), 3);
     const OffsetField offsets = invert(extended_displacement_of(state));
     Image source, expected(slot(0, 0, kDims.z));
@@ -296,13 +297,13 @@ TEST(InteropExport, ItkPullsThroughOurTransformFilesAsWeDo) {
 
 TEST(InteropExport, TeemKeepsTheDirectionAndTheGeometryOfOurNrrd) {
   if (!runs("command -v teem-unu")) GTEST_SKIP() << "teem-apps is not installed";
-  const ScratchFolder folder("teem");
+  const TemporaryFolder folder;
   const Geometry geometry = oblique_anisotropic_grid();
   export_warp(folder / "warp.nhdr", sample_offsets({{}, windowed_offset}, geometry, whole_box()),
               1);
   ASSERT_TRUE(
       runs("teem-unu save -f nrrd -i " + (folder / "warp.nhdr") + " -o " + (folder / "teem.nrrd")));
-  const std::string header = file_bytes(folder / "teem.nrrd").substr(0, 1000);
+  const std::string header = read_text(folder / "teem.nrrd").substr(0, 1000);
   for (const char* line : {"space: left-posterior-superior\n", "sizes: 3 48 40 36\n",
                            "kinds: vector domain domain domain\n", "space directions: none (",
                            "\nsupple direction:=resample\n"}) {

@@ -6,8 +6,9 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/volumes/state/scratch.h"
-#include "volumes/io/formats.h"
+#include "tests/support/temporary_folder.h"
+#include "volumes/io/format/formats.h"
+#include "volumes/io/open_volume.h"
 #include "volumes/io/volume_writer.h"
 #include "volumes/io/warp_file.h"
 
@@ -53,7 +54,7 @@ void write_counted(const std::string& path, const Geometry& geometry, ValueType 
   writer->commit();
 }
 
-void write_every_type(const ScratchFolder& folder) {
+void write_every_type(const TemporaryFolder& folder) {
   const auto path = [&](ValueType type) {
     return folder / (std::string(numpy_name(type)) + (int(type) % 2 ? ".nii" : ".nii.gz"));
   };
@@ -185,7 +186,7 @@ Vec3f counted_vector(int i, int j, int k) {
 
 TEST(InteropNifti, NibabelReadsOurVolumesAndWarps) {
   if (!has_nibabel()) GTEST_SKIP() << "python3-nibabel is not installed";
-  const ScratchFolder folder("nifti-nibabel");
+  const TemporaryFolder folder;
   write_every_type(folder);
   write_volume(folder / "long.nii.gz", Geometry().with_dims({40000, 1, 1}), ValueType::uint8,
                [](int, float* out) {
@@ -200,14 +201,14 @@ TEST(InteropNifti, NibabelReadsOurVolumesAndWarps) {
     write_warp(folder / name, {oblique(), WarpDirection::material, "{\"folded\": 0}"}, vectors,
                nullptr, options);
   }
-  write_bytes(folder / "judge.py", kReader);
+  write_text(folder / "judge.py", kReader);
   EXPECT_TRUE(run_python((folder / "judge.py") + " " + (folder / "")));
 }
 
 TEST(InteropNifti, WeReadWhatNibabelWrites) {
   if (!has_nibabel()) GTEST_SKIP() << "python3-nibabel is not installed";
-  const ScratchFolder folder("nifti-nibabel");
-  write_bytes(folder / "write.py", kWriter);
+  const TemporaryFolder folder;
+  write_text(folder / "write.py", kWriter);
   ASSERT_TRUE(run_python((folder / "write.py") + " " + (folder / "")));
 
   for (int t = 0; t < 3; ++t) {

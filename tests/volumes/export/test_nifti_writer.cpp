@@ -6,10 +6,11 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/volumes/state/random_state.h"
-#include "tests/volumes/state/scratch.h"
+#include "tests/support/random_state.h"
+#include "tests/support/temporary_folder.h"
 #include "volumes/base/error.h"
-#include "volumes/io/formats.h"
+#include "volumes/io/format/formats.h"
+#include "volumes/io/open_volume.h"
 #include "volumes/io/volume_writer.h"
 #include "volumes/io/warp_file.h"
 
@@ -77,9 +78,9 @@ std::string error_of(const std::function<void()>& action) {
 }  // namespace
 
 TEST(UnitNiftiWriter, AWarpHasTheFieldsAndTheLayoutOfTheDesign) {
-  const ScratchFolder folder("nifti-warp");
+  const TemporaryFolder folder;
   write_warp(folder / "a.nii", {kOblong, WarpDirection::material, "{\"n\":1}"}, counting_vectors);
-  const std::string bytes = file_bytes(folder / "a.nii");
+  const std::string bytes = read_text(folder / "a.nii");
   EXPECT_EQ(value_at<std::int32_t>(bytes, 0), 348);
   EXPECT_EQ(values_at<std::int16_t>(bytes, 40, 8),
             (std::vector<std::int16_t>{5, 3, 2, 2, 1, 3, 1, 1}));
@@ -109,11 +110,11 @@ TEST(UnitNiftiWriter, AWarpHasTheFieldsAndTheLayoutOfTheDesign) {
 }
 
 TEST(UnitNiftiWriter, RasVectorsHaveTheirIntentAndXAndYTurned) {
-  const ScratchFolder folder("nifti-ras");
+  const TemporaryFolder folder;
   WriteOptions options;
   options.ras_vectors = true;
   write_warp(folder / "a.nii", {kOblong}, counting_vectors, nullptr, options);
-  const std::string bytes = file_bytes(folder / "a.nii");
+  const std::string bytes = read_text(folder / "a.nii");
   EXPECT_EQ(value_at<std::int16_t>(bytes, 68), 1006);
   const auto values = values_at<float>(bytes, bytes.size() - 144, 36);
   EXPECT_EQ(Vec3f(values[7], values[19], values[31]), Vec3f(-101, -0.5f, -1.25f));
@@ -122,12 +123,12 @@ TEST(UnitNiftiWriter, RasVectorsHaveTheirIntentAndXAndYTurned) {
               write_volume(
                   folder / "b.nii", kOblong, ValueType::uint8,
                   [](int, float* out) { std::fill_n(out, 6, 1.0f); }, nullptr, options);
-            }).find("--intent: found a scalar volume"),
+            }).find("intent: found a scalar volume"),
             std::string::npos);
 }
 
 TEST(PropertyNiftiWriter, WarpsComeBackExactlyWithGridDirectionAndCertificate) {
-  const ScratchFolder folder("nifti-warps");
+  const TemporaryFolder folder;
   std::mt19937 random(5);
   std::uniform_real_distribution<float> value(-30, 30);
   for (int n = 0; n < 40; ++n) {
@@ -153,11 +154,11 @@ TEST(PropertyNiftiWriter, WarpsComeBackExactlyWithGridDirectionAndCertificate) {
     EXPECT_EQ(file->header().certificate, "{\"folded\": 3}");
     EXPECT_TRUE(file->header().warnings.empty());
   }
-  EXPECT_EQ(folder.file_count(), 2u);
+  EXPECT_EQ(folder.entries().size(), 2u);
 }
 
 TEST(PropertyNiftiWriter, VolumesOfEveryTypeComeBackWithTheirScaling) {
-  const ScratchFolder folder("nifti-volumes");
+  const TemporaryFolder folder;
   std::mt19937 random(6);
   for (int n = 0; n < 40; ++n) {
     const Vec3i dims(1 + int(random() % 9), 1 + int(random() % 9), 1 + int(random() % 9));
@@ -191,7 +192,7 @@ TEST(PropertyNiftiWriter, VolumesOfEveryTypeComeBackWithTheirScaling) {
 }
 
 TEST(UnitNiftiWriter, ADimensionOrASlopeBeyondVersionOneTakesVersionTwo) {
-  const ScratchFolder folder("nifti-two");
+  const TemporaryFolder folder;
   const auto written = [&](int length, double slope) {
     DenseImage image;
     image.geometry = kOblong.with_dims({length, 1, 1});
@@ -207,7 +208,7 @@ TEST(UnitNiftiWriter, ADimensionOrASlopeBeyondVersionOneTakesVersionTwo) {
     std::string found(row.size(), '\0');
     file->read_slice(found.data());
     EXPECT_EQ(found, row);
-    return std::pair(value_at<std::int32_t>(file_bytes(folder / "a.nii"), 0), writer->warnings());
+    return std::pair(value_at<std::int32_t>(read_text(folder / "a.nii"), 0), writer->warnings());
   };
   const std::string rounded = "slope and intercept are rounded to the 32-bit floats of NIfTI-1";
   EXPECT_EQ(written(32767, 2), std::pair(348, std::vector<std::string>{}));
@@ -218,7 +219,7 @@ TEST(UnitNiftiWriter, ADimensionOrASlopeBeyondVersionOneTakesVersionTwo) {
 
 TEST(UnitNiftiWriter, AQformThatFloatsCannotHoldIsLeftUnset) {
   // Nearly half a turn: the quaternion's first component is the root of what rounding leaves.
-  const ScratchFolder folder("nifti-turn");
+  const TemporaryFolder folder;
   for (const auto& [angle, code] : {std::pair(0.0, 1), {5e-4, 0}, {0.3, 1}}) {
     const double c = std::cos(angle), s = std::sin(angle);
     DenseImage image;
@@ -229,7 +230,7 @@ TEST(UnitNiftiWriter, AQformThatFloatsCannotHoldIsLeftUnset) {
     writer->write_slice(slice.data());
     writer->write_slice(slice.data());
     writer->commit();
-    EXPECT_EQ(value_at<std::int16_t>(file_bytes(folder / "a.nii"), 252), code) << angle;
+    EXPECT_EQ(value_at<std::int16_t>(read_text(folder / "a.nii"), 252), code) << angle;
     const auto file = open_volume(folder / "a.nii");
     EXPECT_TRUE(file->header().warnings.empty());
     expect_within_float_rounding(file->header().geometry, image.geometry);
@@ -237,12 +238,12 @@ TEST(UnitNiftiWriter, AQformThatFloatsCannotHoldIsLeftUnset) {
 }
 
 TEST(FaultNiftiWriter, AShearedWarpIsRefused) {
-  const ScratchFolder folder("nifti-shear");
+  const TemporaryFolder folder;
   const Geometry sheared({3, 2, 2}, {0, 0, 0}, {Vec3d(1, 0, 0), {0.2, 1, 0}, {0, 0, 1}});
   const std::string error =
       error_of([&] { write_warp(folder / "a.nii.gz", {sheared}, counting_vectors); });
   EXPECT_NE(error.find("geometry: found sheared axes"), std::string::npos) << error;
-  EXPECT_EQ(folder.file_count(), 0u);
+  EXPECT_EQ(folder.entries().size(), 0u);
 }
 
 TEST(FaultNiftiWriter, AFullDiskOrACancelLeavesTheOldFileAndNothingElse) {
@@ -252,7 +253,7 @@ TEST(FaultNiftiWriter, AFullDiskOrACancelLeavesTheOldFileAndNothingElse) {
     bool cancelled() const override { return slices == at; }
     int slices = 0, at = 1;
   };
-  const ScratchFolder folder("nifti-full-disk");
+  const TemporaryFolder folder;
   const Geometry large({100, 100, 3}, {0, 0, 0}, kOblong.axes_mm());
   std::mt19937 random(7);
   const auto noise = [&](int, Vec3f* out) {
@@ -262,8 +263,8 @@ TEST(FaultNiftiWriter, AFullDiskOrACancelLeavesTheOldFileAndNothingElse) {
   };
   for (const char* name : {"a.nii", "b.nii.gz"}) {
     write_warp(folder / name, {kOblong}, counting_vectors);
-    const std::string old = file_bytes(folder / name);
-    const std::size_t count = folder.file_count();
+    const std::string old = read_text(folder / name);
+    const std::size_t count = folder.entries().size();
     for (const rlim_t limit : {0, 40, 100000, 260000}) {
       std::string error;
       {
@@ -282,18 +283,18 @@ TEST(FaultNiftiWriter, AFullDiskOrACancelLeavesTheOldFileAndNothingElse) {
         EXPECT_THROW(write(), Cancelled);
       }
     }
-    EXPECT_EQ(file_bytes(folder / name), old);
-    EXPECT_EQ(folder.file_count(), count);
+    EXPECT_EQ(read_text(folder / name), old);
+    EXPECT_EQ(folder.entries().size(), count);
   }
 }
 
 TEST(FaultNiftiWriter, AFullDiskUnderTheTemporaryFileIsTold) {
   // The vectors are all alike: what is compressed would fit.
-  const ScratchFolder folder("nifti-full-spool");
+  const TemporaryFolder folder;
   const Geometry large({100, 100, 3}, {0, 0, 0}, kOblong.axes_mm());
   const auto alike = [](int, Vec3f* out) { std::fill_n(out, 10000, Vec3f(1, 2, 3)); };
   const FileSizeLimit full(100000);
   EXPECT_EQ(error_of([&] { write_warp(folder / "a.nii.gz", {large}, alike); }),
             (folder / "a.nii.gz") + ": cannot write a temporary file: File too large");
-  EXPECT_EQ(folder.file_count(), 0u);
+  EXPECT_EQ(folder.entries().size(), 0u);
 }

@@ -4,8 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/volumes/state/scratch.h"
-#include "volumes/io/dense_writer.h"
+#include "tests/support/temporary_folder.h"
+#include "volumes/io/format/dense_writer.h"
+#include "volumes/io/open_volume.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -29,11 +30,11 @@ std::string values() {
   return bytes;
 }
 
-std::string write_source(const ScratchFolder& folder) {
-  write_bytes(folder / "source.nrrd",
-              "NRRD0004\ntype: short\ndimension: 3\nsizes: 5 4 3\nspacings: 1 2 3\n"
-              "endian: little\nencoding: raw\n\n" +
-                  values());
+std::string write_source(const TemporaryFolder& folder) {
+  write_text(folder / "source.nrrd",
+             "NRRD0004\ntype: short\ndimension: 3\nsizes: 5 4 3\nspacings: 1 2 3\n"
+             "endian: little\nencoding: raw\n\n" +
+                 values());
   return folder / "source.nrrd";
 }
 
@@ -50,7 +51,7 @@ std::string read_all_of(const std::string& path) {
 
 TEST(InteropTextFormats, EveryEncodingOfTeemReadsExactly) {
   if (!runs("command -v teem-unu")) GTEST_SKIP() << "teem-apps is not installed";
-  const ScratchFolder folder("encodings");
+  const TemporaryFolder folder;
   const std::string source = write_source(folder);
   for (const std::string encoding : {"raw", "gzip", "bzip2", "ascii", "hex"}) {
     for (const std::string extension : {".nrrd", ".nhdr"}) {
@@ -70,16 +71,16 @@ TEST(InteropTextFormats, EveryEncodingOfTeemReadsExactly) {
 
 TEST(InteropTextFormats, ListsAndNumbersOfTeemsSlicesAreReadAsTeemReadsThem) {
   if (!runs("command -v teem-unu")) GTEST_SKIP() << "teem-apps is not installed";
-  const ScratchFolder folder("lists");
+  const TemporaryFolder folder;
   const std::string source = write_source(folder);
   ASSERT_TRUE(runs("teem-unu dice -a 2 -i " + source + " -ff s%02d.nrrd -o " + (folder / "")));
   const std::string head =
       "NRRD0004\ntype: short\ndimension: 3\nsizes: 5 4 3\nendian: little\nencoding: raw\n"
       "byte skip: -1\ndata file: ";
-  write_bytes(folder / "list.nhdr", head + "LIST\ns02.nrrd\ns00.nrrd\ns01.nrrd\n");
-  write_bytes(folder / "numbers.nhdr", head + "s%02d.nrrd 0 2 1\n");
-  write_bytes(folder / "downward.nhdr", head + "s%02d.nrrd 2 0 -1 2\n");
-  write_bytes(folder / "whole.nhdr", head + "LIST 3\nsource.nrrd\n");
+  write_text(folder / "list.nhdr", head + "LIST\ns02.nrrd\ns00.nrrd\ns01.nrrd\n");
+  write_text(folder / "numbers.nhdr", head + "s%02d.nrrd 0 2 1\n");
+  write_text(folder / "downward.nhdr", head + "s%02d.nrrd 2 0 -1 2\n");
+  write_text(folder / "whole.nhdr", head + "LIST 3\nsource.nrrd\n");
   for (const char* name : {"list.nhdr", "numbers.nhdr", "downward.nhdr", "whole.nhdr"}) {
     const std::string theirs = folder / (std::string(name) + ".nrrd");
     ASSERT_TRUE(runs("teem-unu save -f nrrd -e raw -i " + (folder / name) + " -o " + theirs));
@@ -89,7 +90,7 @@ TEST(InteropTextFormats, ListsAndNumbersOfTeemsSlicesAreReadAsTeemReadsThem) {
 }
 
 TEST(InteropTextFormats, OurGzippedNrrdAndCompressedMetaImageReadElsewhere) {
-  const ScratchFolder folder("compressed");
+  const TemporaryFolder folder;
   const Geometry grid({5, 4, 3}, {1, 2, 3}, {Vec3d(1, 0, 0), {0, 2, 0}, {0, 0, 3}});
   DenseImage image;
   image.geometry = grid;

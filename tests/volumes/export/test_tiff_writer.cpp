@@ -4,11 +4,12 @@
 #include <gtest/gtest.h>
 #include <tiffio.h>
 
-#include "tests/volumes/state/scratch.h"
+#include "tests/support/temporary_folder.h"
 #include "volumes/base/error.h"
-#include "volumes/io/dense_writer.h"
-#include "volumes/io/tiff_tags.h"
-#include "volumes/io/volume_file.h"
+#include "volumes/io/format/dense_writer.h"
+#include "volumes/io/format/volume_file.h"
+#include "volumes/io/open_volume.h"
+#include "volumes/io/tiff/tiff_tags.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -55,7 +56,7 @@ std::string pages_by_libtiff(const std::string& path, int& pages) {
 }
 
 TEST(UnitTiffWriter, LibtiffReadsTheBytesOfEveryTypePlainAndCompressed) {
-  const ScratchFolder folder("tiff-writer");
+  const TemporaryFolder folder;
   for (int type = 0; type < 10; ++type) {
     for (const bool compress : {false, true}) {
       DenseImage image;
@@ -66,13 +67,13 @@ TEST(UnitTiffWriter, LibtiffReadsTheBytesOfEveryTypePlainAndCompressed) {
       int pages = 0;
       EXPECT_EQ(pages_by_libtiff(folder / "a.tif", pages), bytes) << numpy_name(image.type);
       EXPECT_EQ(pages, 4);
-      EXPECT_EQ(folder.file_count(), 1u);
+      EXPECT_EQ(folder.entries().size(), 1u);
     }
   }
 }
 
 TEST(UnitTiffWriter, RowsOfSeveralStripsStayInOrderAndDeflateShrinksThem) {
-  const ScratchFolder folder("tiff-strips");
+  const TemporaryFolder folder;
   DenseImage image;
   image.geometry = plain_grid({700, 900, 2});
   image.type = ValueType::uint16;
@@ -85,13 +86,13 @@ TEST(UnitTiffWriter, RowsOfSeveralStripsStayInOrderAndDeflateShrinksThem) {
   for (const bool compress : {false, true}) {
     write_tiff_volume(folder / "a.tiff", image, compress, bytes);
     EXPECT_EQ(pages_by_libtiff(folder / "a.tiff", pages), bytes);
-    const std::size_t size = file_bytes(folder / "a.tiff").size();
+    const std::size_t size = read_text(folder / "a.tiff").size();
     EXPECT_EQ(size < bytes.size() / 10, compress) << size;
   }
 }
 
 TEST(UnitTiffWriter, ThePlainFormatServesBelowFourGigabytesAndBigTiffAbove) {
-  const ScratchFolder folder("tiff-big");
+  const TemporaryFolder folder;
   const auto mark = [&](int slices) {
     DenseImage image;
     image.geometry = plain_grid({2000, 1000, slices});
@@ -99,13 +100,13 @@ TEST(UnitTiffWriter, ThePlainFormatServesBelowFourGigabytesAndBigTiffAbove) {
     const auto writer = create_dense(folder / "a.tif", image);
     writer->write_slice(std::string(8000000, 'a').data());
     for (const auto& entry : std::filesystem::directory_iterator(folder / "")) {
-      return int(file_bytes(entry.path().string()).at(2));
+      return int(read_text(entry.path().string()).at(2));
     }
     return 0;
   };
   EXPECT_EQ(mark(500), 42);
   EXPECT_EQ(mark(530), 43);
-  EXPECT_EQ(folder.file_count(), 0u);
+  EXPECT_EQ(folder.entries().size(), 0u);
 }
 
 /// A file of two pages of 3 x 1 bytes, in either format.
@@ -133,9 +134,9 @@ std::string two_pages(bool is_big) {
 }
 
 TEST(UnitTiffWriter, LibtiffReadsDirectoriesOfBothFormats) {
-  const ScratchFolder folder("tiff-directories");
+  const TemporaryFolder folder;
   for (const bool is_big : {false, true}) {
-    write_bytes(folder / "a.tif", two_pages(is_big));
+    write_text(folder / "a.tif", two_pages(is_big));
     int pages = 0;
     EXPECT_EQ(pages_by_libtiff(folder / "a.tif", pages), "abcdef") << is_big;
     EXPECT_EQ(pages, 2);
@@ -168,7 +169,7 @@ TEST(UnitTiffWriter, ResolutionsAreTheFractionsOfShortDecimals) {
 }
 
 TEST(UnitTiffWriter, SuppleReadsTheGeometryBackToTheBit) {
-  const ScratchFolder folder("tiff-geometry");
+  const TemporaryFolder folder;
   const Geometry turned({3, 2, 2}, {-100.1, 20.3, 7},
                         {Vec3d(0.6, 0.8, 0) * 0.957, Vec3d(-0.8, 0.6, 0.1) * 0.3, {0, 0, -1.5}});
   for (const Geometry& geometry : {plain_grid({3, 2, 2}), turned}) {
@@ -184,7 +185,7 @@ TEST(UnitTiffWriter, SuppleReadsTheGeometryBackToTheBit) {
 }
 
 TEST(UnitTiffWriter, SpacingThatAnotherProgramChangedCounts) {
-  const ScratchFolder folder("tiff-changed");
+  const TemporaryFolder folder;
   DenseImage image;
   image.geometry = Geometry({3, 2, 1}, {5, 6, 7}, {Vec3d(0.5, 0, 0), {0, 0.5, 0}, {0, 0, 1}});
   image.type = ValueType::uint8;
@@ -199,7 +200,7 @@ TEST(UnitTiffWriter, SpacingThatAnotherProgramChangedCounts) {
 }
 
 TEST(UnitTiffWriter, WhatOtherProgramsDoNotFindIsSaid) {
-  const ScratchFolder folder("tiff-lost");
+  const TemporaryFolder folder;
   const auto warning = [&](const Vec3d& origin, const std::array<Vec3d, 3>& axes) {
     DenseImage image;
     image.geometry = Geometry({1, 1, 1}, origin, axes);
@@ -216,7 +217,7 @@ TEST(UnitTiffWriter, WhatOtherProgramsDoNotFindIsSaid) {
 }
 
 TEST(FaultTiffWriter, VectorsAreRefused) {
-  const ScratchFolder folder("tiff-vectors");
+  const TemporaryFolder folder;
   DenseImage image;
   image.geometry = plain_grid({2, 2, 2});
   image.components = 3;
@@ -226,11 +227,11 @@ TEST(FaultTiffWriter, VectorsAreRefused) {
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("found vectors, expected scalars"), std::string::npos);
   }
-  EXPECT_EQ(folder.file_count(), 0u);
+  EXPECT_EQ(folder.entries().size(), 0u);
 }
 
 TEST(FaultTiffWriter, TooFewSlicesLeaveNoFile) {
-  const ScratchFolder folder("tiff-few");
+  const TemporaryFolder folder;
   DenseImage image;
   image.geometry = plain_grid({1, 1, 2});
   image.type = ValueType::uint8;
@@ -239,11 +240,11 @@ TEST(FaultTiffWriter, TooFewSlicesLeaveNoFile) {
     writer->write_slice("a");
     EXPECT_THROW(writer->commit(), Error);
   }
-  EXPECT_EQ(folder.file_count(), 0u);
+  EXPECT_EQ(folder.entries().size(), 0u);
 }
 
 TEST(FaultTiffWriter, AFullDiskWhileCompressingIsASystemErrorAndLeavesNothing) {
-  const ScratchFolder folder("tiff-full-disk");
+  const TemporaryFolder folder;
   DenseImage image;
   image.geometry = plain_grid({300, 200, 3});
   image.type = ValueType::float32;
@@ -260,7 +261,7 @@ TEST(FaultTiffWriter, AFullDiskWhileCompressingIsASystemErrorAndLeavesNothing) {
                 std::string::npos)
           << error.what();
     }
-    EXPECT_EQ(folder.file_count(), 0u);
+    EXPECT_EQ(folder.entries().size(), 0u);
   }
 }
 

@@ -4,8 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/volumes/state/scratch.h"
-#include "volumes/io/volume_file.h"
+#include "tests/support/temporary_folder.h"
+#include "volumes/io/format/volume_file.h"
+#include "volumes/io/open_volume.h"
 #include "volumes/io/volume_writer.h"
 
 using namespace supple;
@@ -13,9 +14,9 @@ using namespace supple::test;
 
 namespace {
 
-bool runs_python(const ScratchFolder& folder, const std::string& lines) {
+bool runs_python(const TemporaryFolder& folder, const std::string& lines) {
   const std::string script = folder / "script.py";
-  write_bytes(script, "import sys\nimport numpy as np\nimport tifffile\n" + lines);
+  write_text(script, "import sys\nimport numpy as np\nimport tifffile\n" + lines);
   return std::system(("cd " + (folder / "") + " && /usr/bin/python3 script.py > /dev/null 2> " +
                       (folder / "errors.txt"))
                          .c_str()) == 0;
@@ -35,7 +36,7 @@ std::string stored(VolumeFile& file) {
 
 TEST(InteropTifffile, ReadsOurValuesAxesAndVoxelSizes) {
   if (!has_tifffile()) GTEST_SKIP() << "tifffile is not installed";
-  const ScratchFolder folder("tifffile-reads");
+  const TemporaryFolder folder;
   // Two slices are the case that tifffile takes for one run of values when it is none.
   for (const int slices : {1, 2, 5}) {
     const Geometry geometry({7, 6, slices}, {0, 0, 0},
@@ -75,12 +76,12 @@ TEST(InteropTifffile, ReadsOurValuesAxesAndVoxelSizes) {
                           "    assert tags['XResolution'].value == (1000, 957), name\n"
                           "    assert tags['YResolution'].value == (10, 3), name\n"
                           "    assert f.pages[0].compression == int(codec), name\n"))
-      << file_bytes(folder / "errors.txt");
+      << read_text(folder / "errors.txt");
 }
 
 TEST(InteropTifffile, WritesStacksThatWeRead) {
   if (!has_tifffile()) GTEST_SKIP() << "tifffile is not installed";
-  const ScratchFolder folder("tifffile-writes");
+  const TemporaryFolder folder;
   ASSERT_TRUE(runs_python(
       folder,
       "v = (np.arange(210).reshape(5, 6, 7) * 311 % 65536).astype('u2')\n"
@@ -98,7 +99,7 @@ TEST(InteropTifffile, WritesStacksThatWeRead) {
       "ome = dict(axes='ZYX', PhysicalSizeX=500, PhysicalSizeY=.25, PhysicalSizeYUnit='mm',\n"
       "           PhysicalSizeZ=.15, PhysicalSizeZUnit='cm')\n"
       "tifffile.imwrite('a.ome.tif', v, photometric='minisblack', metadata=ome)\n"))
-      << file_bytes(folder / "errors.txt");
+      << read_text(folder / "errors.txt");
   for (const char* name : {"ij.tif", "ij_big_endian.tif", "ij_zlib.tif", "big.tif",
                            "big_endian.tif", "tiles.tif", "a.ome.tif"}) {
     const auto file = open_volume(folder / name);
@@ -108,13 +109,13 @@ TEST(InteropTifffile, WritesStacksThatWeRead) {
     const Vec3d expected(0.5, 0.25, is_plain ? 1 : 1.5);
     for (int a = 0; a < 3; ++a) EXPECT_DOUBLE_EQ(spacing[a], expected[a]) << name;
     EXPECT_EQ(file->header().warnings.size(), is_plain ? 1u : 0u) << name;
-    EXPECT_EQ(stored(*file), file_bytes(folder / "v.raw")) << name;
+    EXPECT_EQ(stored(*file), read_text(folder / "v.raw")) << name;
   }
 }
 
 TEST(InteropTifffile, WritesHyperstacksWhoseChannelsAndFramesWeRead) {
   if (!has_tifffile()) GTEST_SKIP() << "tifffile is not installed";
-  const ScratchFolder folder("tifffile-hyper");
+  const TemporaryFolder folder;
   ASSERT_TRUE(runs_python(
       folder,
       "h = np.arange(2 * 5 * 3 * 6 * 7).reshape(2, 5, 3, 6, 7).astype('f4')\n"
@@ -125,7 +126,7 @@ TEST(InteropTifffile, WritesHyperstacksWhoseChannelsAndFramesWeRead) {
       "tifffile.imwrite('a.ome.tif', h, photometric='minisblack', metadata=dict(axes='TZCYX'))\n"
       "z = np.ascontiguousarray(np.moveaxis(h, 1, 2))\n"
       "tifffile.imwrite('z.ome.tif', z, photometric='minisblack', metadata=dict(axes='TCZYX'))\n"))
-      << file_bytes(folder / "errors.txt");
+      << read_text(folder / "errors.txt");
   for (const char* name : {"ij.tif", "a.ome.tif", "z.ome.tif"}) {
     for (int frame = 0; frame < 2; ++frame) {
       for (int channel = 0; channel < 3; ++channel) {
@@ -133,7 +134,7 @@ TEST(InteropTifffile, WritesHyperstacksWhoseChannelsAndFramesWeRead) {
         options.frame = frame;
         options.channel = channel;
         const std::string raw = std::to_string(frame) + std::to_string(channel) + ".raw";
-        EXPECT_EQ(stored(*open_volume(folder / name, options)), file_bytes(folder / raw))
+        EXPECT_EQ(stored(*open_volume(folder / name, options)), read_text(folder / raw))
             << name << raw;
       }
     }
@@ -142,7 +143,7 @@ TEST(InteropTifffile, WritesHyperstacksWhoseChannelsAndFramesWeRead) {
 
 TEST(InteropTifffile, NotesShapesWhoseFramesAndRunsWeRead) {
   if (!has_tifffile()) GTEST_SKIP() << "tifffile is not installed";
-  const ScratchFolder folder("tifffile-shapes");
+  const TemporaryFolder folder;
   ASSERT_TRUE(
       runs_python(folder,
                   "v = np.arange(2 * 5 * 6 * 7).reshape(2, 5, 6, 7).astype('u2')\n"
@@ -152,13 +153,13 @@ TEST(InteropTifffile, NotesShapesWhoseFramesAndRunsWeRead) {
                   "tifffile.imwrite('run.tif', v, truncate=True, **grey)\n"
                   "tifffile.imwrite('swapped.tif', v, byteorder='>', truncate=True, **grey)\n"
                   "tifffile.imwrite('three.tif', v[1], truncate=True, **grey)\n"))
-      << file_bytes(folder / "errors.txt");
+      << read_text(folder / "errors.txt");
   ReadOptions second;
   second.frame = 1;
   for (const char* name : {"four.tif", "run.tif", "swapped.tif"}) {
-    EXPECT_EQ(stored(*open_volume(folder / name, second)), file_bytes(folder / "1.raw")) << name;
+    EXPECT_EQ(stored(*open_volume(folder / name, second)), read_text(folder / "1.raw")) << name;
   }
-  EXPECT_EQ(stored(*open_volume(folder / "three.tif")), file_bytes(folder / "1.raw"));
+  EXPECT_EQ(stored(*open_volume(folder / "three.tif")), read_text(folder / "1.raw"));
 }
 
 }  // namespace

@@ -5,10 +5,11 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/volumes/state/random_state.h"
-#include "tests/volumes/state/scratch.h"
+#include "tests/support/random_state.h"
+#include "tests/support/temporary_folder.h"
 #include "volumes/base/error.h"
-#include "volumes/io/volume_file.h"
+#include "volumes/io/format/volume_file.h"
+#include "volumes/io/load/load.h"
 #include "volumes/io/volume_writer.h"
 
 using namespace supple;
@@ -36,11 +37,11 @@ std::string values_of_counting_vectors() {
 
 template <class Value>
 std::vector<Value> written_as(ValueType type, const std::vector<float>& values) {
-  const ScratchFolder folder("writer-types");
+  const TemporaryFolder folder;
   const Geometry row = Geometry().with_dims({int(values.size()), 1, 1});
   write_volume(folder / "a.nrrd", row, type,
                [&](int, float* out) { std::copy(values.begin(), values.end(), out); });
-  const std::string bytes = file_bytes(folder / "a.nrrd");
+  const std::string bytes = read_text(folder / "a.nrrd");
   std::vector<Value> stored(values.size());
   std::memcpy(stored.data(), bytes.data() + bytes.size() - stored.size() * sizeof(Value),
               stored.size() * sizeof(Value));
@@ -59,9 +60,9 @@ std::string error_of(const std::function<void()>& action) {
 }  // namespace
 
 TEST(UnitWriter, AnNrrdWarpHasExactlyTheFieldsOfTheDesign) {
-  const ScratchFolder folder("writer-nrrd");
+  const TemporaryFolder folder;
   write_warp(folder / "a.nrrd", {kOblong, WarpDirection::resample}, counting_vectors);
-  EXPECT_EQ(file_bytes(folder / "a.nrrd"),
+  EXPECT_EQ(read_text(folder / "a.nrrd"),
             "NRRD0004\n"
             "# written by supple\n"
             "type: float\n"
@@ -81,9 +82,9 @@ TEST(UnitWriter, AnNrrdWarpHasExactlyTheFieldsOfTheDesign) {
 }
 
 TEST(UnitWriter, AMetaImageWarpIsInterleavedFloatWithTheDirectionAsComment) {
-  const ScratchFolder folder("writer-metaimage");
+  const TemporaryFolder folder;
   write_warp(folder / "a.mha", {kOblong, WarpDirection::material}, counting_vectors);
-  EXPECT_EQ(file_bytes(folder / "a.mha"),
+  EXPECT_EQ(read_text(folder / "a.mha"),
             "Comment = supple direction material, vectors in mm LPS\n"
             "ObjectType = Image\n"
             "NDims = 3\n"
@@ -102,14 +103,14 @@ TEST(UnitWriter, AMetaImageWarpIsInterleavedFloatWithTheDirectionAsComment) {
 }
 
 TEST(UnitWriter, DetachedHeadersNameTheRawFileBesideThem) {
-  const ScratchFolder folder("writer-detached");
+  const TemporaryFolder folder;
   write_warp(folder / "a.nhdr", {kOblong, WarpDirection::resample}, counting_vectors);
-  EXPECT_NE(file_bytes(folder / "a.nhdr").find("\ndata file: a.raw\n"), std::string::npos);
-  EXPECT_EQ(file_bytes(folder / "a.raw"), values_of_counting_vectors());
+  EXPECT_NE(read_text(folder / "a.nhdr").find("\ndata file: a.raw\n"), std::string::npos);
+  EXPECT_EQ(read_text(folder / "a.raw"), values_of_counting_vectors());
   write_warp(folder / "b.MHD", {kOblong, WarpDirection::resample}, counting_vectors);
-  EXPECT_NE(file_bytes(folder / "b.MHD").find("ElementDataFile = b.raw\n"), std::string::npos);
-  EXPECT_EQ(file_bytes(folder / "b.raw"), values_of_counting_vectors());
-  EXPECT_EQ(folder.file_count(), 4u);
+  EXPECT_NE(read_text(folder / "b.MHD").find("ElementDataFile = b.raw\n"), std::string::npos);
+  EXPECT_EQ(read_text(folder / "b.raw"), values_of_counting_vectors());
+  EXPECT_EQ(folder.entries().size(), 4u);
   EXPECT_EQ(output_files("x/b.mhd"), (std::vector<std::string>{"x/b.mhd", "x/b.raw"}));
   EXPECT_EQ(output_files("b.mha"), std::vector<std::string>{"b.mha"});
 }
@@ -139,7 +140,7 @@ TEST(UnitWriter, IntegersAreRoundedAndClampedAndNanIsZero) {
 }
 
 TEST(PropertyWriter, OurReadersGiveBackGeometryAndValuesOfEveryFormatAndType) {
-  const ScratchFolder folder("writer-round-trip");
+  const TemporaryFolder folder;
   std::mt19937 random(3);
   for (int n = 0; n < 100; ++n) {
     const Vec3i dims(1 + int(random() % 9), 1 + int(random() % 9), 1 + int(random() % 9));
@@ -176,14 +177,14 @@ TEST(PropertyWriter, OurReadersGiveBackGeometryAndValuesOfEveryFormatAndType) {
 }
 
 TEST(FaultWriter, ShearIsKeptByNrrdAndRefusedByMetaImage) {
-  const ScratchFolder folder("writer-shear");
+  const TemporaryFolder folder;
   for (const char* name : {"a.mha", "a.mhd", "a.h5"}) {
     const std::string error = error_of([&] {
       write_warp(folder / name, {kSheared, WarpDirection::resample}, counting_vectors);
     });
     EXPECT_NE(error.find("geometry: found sheared axes"), std::string::npos) << error;
   }
-  EXPECT_EQ(folder.file_count(), 0u);
+  EXPECT_EQ(folder.entries().size(), 0u);
   write_volume(folder / "a.nrrd", kSheared, ValueType::int16, counting_slices);
   EXPECT_TRUE(load_volume(folder / "a.nrrd").geometry == kSheared);
 }
@@ -198,13 +199,13 @@ TEST(FaultWriter, AnUnknownExtensionListsTheKnownOnes) {
 }
 
 TEST(FaultWriter, AFullDiskIsASystemErrorThatKeepsTheOldFilesAndLeavesNothingElse) {
-  const ScratchFolder folder("writer-full-disk");
+  const TemporaryFolder folder;
   const Geometry large({200, 100, 3}, {0, 0, 0}, kOblong.axes_mm());
   const auto slices = [](int, float* out) { std::fill_n(out, 20000, 1.0f); };
   for (const char* name : {"a.nrrd", "a.nhdr", "b.mha", "b.mhd", "c.tif", "d.h5"}) {
     write_volume(folder / name, kOblong, ValueType::float32, counting_slices);
-    const std::string old = file_bytes(folder / name);
-    const std::size_t count = folder.file_count();
+    const std::string old = read_text(folder / name);
+    const std::size_t count = folder.entries().size();
     for (const rlim_t limit : {0, 40, 100000, 239999}) {
       std::string error;
       {
@@ -212,8 +213,8 @@ TEST(FaultWriter, AFullDiskIsASystemErrorThatKeepsTheOldFilesAndLeavesNothingEls
         error = error_of([&] { write_volume(folder / name, large, ValueType::float32, slices); });
       }
       EXPECT_NE(error.find("cannot write: File too large"), std::string::npos) << name << error;
-      EXPECT_EQ(file_bytes(folder / name), old);
-      EXPECT_EQ(folder.file_count(), count);
+      EXPECT_EQ(read_text(folder / name), old);
+      EXPECT_EQ(folder.entries().size(), count);
     }
     EXPECT_EQ(load_volume(folder / name).geometry.dims(), kOblong.dims());
   }
@@ -226,14 +227,14 @@ TEST(FaultWriter, CancellingLeavesNoFile) {
     bool cancelled() const override { return slices == 1; }
     int slices = 0;
   } stop;
-  const ScratchFolder folder("writer-cancelled");
+  const TemporaryFolder folder;
   EXPECT_THROW(write_volume(folder / "a.nhdr", kOblong, ValueType::uint8, counting_slices, &stop),
                Cancelled);
-  EXPECT_EQ(folder.file_count(), 0u);
+  EXPECT_EQ(folder.entries().size(), 0u);
 }
 
 TEST(FaultWriter, AMissingFolderIsAnInputError) {
-  const ScratchFolder folder("writer-folder");
+  const TemporaryFolder folder;
   EXPECT_THROW(write_volume(folder / "none/a.mha", kOblong, ValueType::uint8, counting_slices),
                InputError);
 }

@@ -2,10 +2,10 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "tests/volumes/field/field_fixtures.h"
-#include "volumes/field/cut_offsets.h"
+#include "tests/support/field_fixtures.h"
+#include "volumes/field/cuts/cut_offsets.h"
+#include "volumes/field/dense/resample.h"
 #include "volumes/field/displacement.h"
-#include "volumes/field/resample.h"
 #include "volumes/grid/density_grid.h"
 
 using namespace supple;

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "volumes/base/error.h"
-#include "volumes/field/deformation_metrics.h"
+#include "volumes/field/inversion/deformation_metrics.h"
 
 namespace supple::test {
 namespace {

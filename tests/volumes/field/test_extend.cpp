@@ -1,9 +1,10 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "tests/volumes/field/field_fixtures.h"
+#include "tests/support/field_fixtures.h"
 #include "volumes/field/displacement.h"
 #include "volumes/field/ring_fill.h"
+#include "volumes/grid/voxel_sets.h"
 
 using namespace supple;
 using namespace supple::test;

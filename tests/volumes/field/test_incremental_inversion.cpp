@@ -1,9 +1,9 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "tests/volumes/field/field_fixtures.h"
+#include "tests/support/field_fixtures.h"
 #include "volumes/base/error.h"
-#include "volumes/field/invert.h"
+#include "volumes/field/inversion/invert.h"
 
 using namespace supple;
 using namespace supple::test;

@@ -3,11 +3,12 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "tests/volumes/field/field_fixtures.h"
+#include "tests/support/field_fixtures.h"
 #include "volumes/base/error.h"
 #include "volumes/field/displacement.h"
-#include "volumes/field/invert.h"
+#include "volumes/field/inversion/invert.h"
 #include "volumes/field/procedural.h"
+#include "volumes/grid/cell.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -26,10 +27,10 @@ bool strictly_inside(const Vec3d (&t)[4], const Vec3d& x) {
   return std::min({l1, l2, l3, 1 - l1 - l2 - l3}) > 1e-9;
 }
 
-/// Deformed corners of a cell, index 4 x + 2 y + z; false when one is invalid.
+/// Pose corners of a cell, index 4 x + 2 y + z; false when one is invalid.
 bool deformed_corners(const VectorBricks& u, const Vec3i& cell, Vec3d (&corners)[8]) {
   for (int n = 0; n < 8; ++n) {
-    const Vec3i v = cell + Vec3i(n >> 2, (n >> 1) & 1, n & 1);
+    const Vec3i v = cell + cell_corner(n);
     Vec3f vector;
     if (!u.at(v, vector)) return false;
     corners[n] = Vec3d(v) + Vec3d(vector);

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "tests/volumes/field/field_fixtures.h"
-#include "volumes/field/invert.h"
+#include "tests/support/field_fixtures.h"
+#include "volumes/field/inversion/invert.h"
 #include "volumes/field/procedural.h"
 
 using namespace supple;

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "volumes/field/invert_warp.h"
-#include "volumes/field/resample.h"
+#include "volumes/field/dense/invert_warp.h"
+#include "volumes/field/dense/resample.h"
 
 namespace supple::test {
 namespace {

@@ -1,10 +1,10 @@
 // Points that go along with a body and back (point_motion.h).
 #include <gtest/gtest.h>
 
-#include "tests/volumes/field/field_fixtures.h"
-#include "tests/volumes/state/random_state.h"
+#include "tests/support/field_fixtures.h"
+#include "tests/support/random_state.h"
 #include "volumes/field/displacement.h"
-#include "volumes/field/point_motion.h"
+#include "volumes/field/points/point_motion.h"
 
 using namespace supple;
 using namespace supple::test;

@@ -2,12 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/volumes/field/field_fixtures.h"
+#include "tests/support/field_fixtures.h"
 #include "volumes/base/error.h"
-#include "volumes/field/invert.h"
-#include "volumes/field/nearest_void.h"
+#include "volumes/field/dense/nearest_void.h"
+#include "volumes/field/dense/resample.h"
+#include "volumes/field/inversion/invert.h"
 #include "volumes/field/procedural.h"
-#include "volumes/field/resample.h"
 #include "volumes/field/split_offsets.h"
 
 using namespace supple;

@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/volumes/field/field_fixtures.h"
+#include "tests/support/field_fixtures.h"
 #include "volumes/base/error.h"
-#include "volumes/field/path_functions.h"
+#include "volumes/field/paths/path_functions.h"
 #include "volumes/field/procedural.h"
 #include "volumes/field/split_offsets.h"
 

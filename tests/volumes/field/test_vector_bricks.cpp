@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/volumes/field/field_fixtures.h"
+#include "tests/support/field_fixtures.h"
 #include "volumes/field/displacement.h"
 #include "volumes/field/procedural.h"
 

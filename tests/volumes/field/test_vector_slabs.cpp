@@ -1,8 +1,8 @@
 // Slices of a sparse field against voxel by voxel.
 #include <gtest/gtest.h>
 
-#include "tests/volumes/field/field_fixtures.h"
-#include "volumes/field/vector_slabs.h"
+#include "tests/support/field_fixtures.h"
+#include "volumes/field/dense/vector_slabs.h"
 
 namespace supple::test {
 namespace {

@@ -1,10 +1,10 @@
 // Dense warps on any grid as offsets of a volume's lattice.
 #include <gtest/gtest.h>
 
-#include "tests/volumes/field/field_fixtures.h"
+#include "tests/support/field_fixtures.h"
 #include "volumes/base/error.h"
-#include "volumes/field/resample.h"
-#include "volumes/field/warp.h"
+#include "volumes/field/dense/resample.h"
+#include "volumes/field/dense/warp.h"
 
 using namespace supple;
 using namespace supple::test;

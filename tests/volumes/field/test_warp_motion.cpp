@@ -1,9 +1,9 @@
 // Points through dense warps, along their vectors and against them (point_motion.h).
 #include <gtest/gtest.h>
 
-#include "tests/volumes/field/field_fixtures.h"
-#include "tests/volumes/state/random_state.h"
-#include "volumes/field/point_motion.h"
+#include "tests/support/field_fixtures.h"
+#include "tests/support/random_state.h"
+#include "volumes/field/points/point_motion.h"
 
 using namespace supple;
 using namespace supple::test;

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "volumes/io/volume_file.h"
+#include "volumes/io/format/volume_file.h"
 
 namespace supple::test {
 

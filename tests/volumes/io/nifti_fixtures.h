@@ -5,9 +5,10 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/volumes/io/io_fixtures.h"
+#include "tests/support/io_fixtures.h"
 #include "volumes/base/error.h"
-#include "volumes/io/formats.h"
+#include "volumes/io/format/formats.h"
+#include "volumes/io/open_volume.h"
 
 namespace supple::test {
 

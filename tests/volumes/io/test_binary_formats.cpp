@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 #include <png.h>
 
-#include "tests/volumes/io/io_fixtures.h"
+#include "tests/support/io_fixtures.h"
+#include "volumes/io/load/load.h"
+#include "volumes/io/open_volume.h"
 
 namespace supple::test {
 namespace {
@@ -104,7 +106,7 @@ TEST(UnitNifti, PairOfFilesOpensByEitherName) {
   folder.write("a.hdr", header);
   folder.write("a.img.gz", gzip(bytes_of_values(kShorts)));
   for (const char* name : {"a.hdr", "a.img.gz"}) {
-    EXPECT_EQ(read_all(*open_volume(folder.file(name))), bytes_of_values(kShorts)) << name;
+    EXPECT_EQ(read_all(*open_volume(folder / name)), bytes_of_values(kShorts)) << name;
   }
 }
 
@@ -149,24 +151,24 @@ TEST(UnitPng, EightAndSixteenBitsAndInterlaced) {
   const TemporaryFolder folder;
   const std::string bytes = std::string("\x00\x01\x7f\x80\xfe\xff", 6);
   for (const bool interlaced : {false, true}) {
-    write_png(folder.file("a.png"), 3, 2, 8, PNG_COLOR_TYPE_GRAY, bytes, interlaced);
-    const auto file = open_volume(folder.file("a.png"));
+    write_png(folder / "a.png", 3, 2, 8, PNG_COLOR_TYPE_GRAY, bytes, interlaced);
+    const auto file = open_volume(folder / "a.png");
     EXPECT_EQ(file->header().format, "png");
     EXPECT_EQ(file->header().geometry.dims(), Vec3i(3, 2, 1));
     expect_near(file->header().geometry.axes_mm()[1], {0, 1, 0});
     EXPECT_EQ(read_all(*file), bytes);
   }
   const std::vector<std::uint16_t> deep = {0, 1, 256, 65535, 4660, 255};
-  write_png(folder.file("b.png"), 2, 3, 16, PNG_COLOR_TYPE_GRAY, bytes_of_values(deep, true));
-  const auto file = open_volume(folder.file("b.png"));
+  write_png(folder / "b.png", 2, 3, 16, PNG_COLOR_TYPE_GRAY, bytes_of_values(deep, true));
+  const auto file = open_volume(folder / "b.png");
   EXPECT_EQ(file->header().type, ValueType::uint16);
   EXPECT_EQ(read_all(*file), bytes_of_values(deep));
 }
 
 TEST(UnitPng, SingleBitsAreStretchedToEight) {
   const TemporaryFolder folder;
-  write_png(folder.file("a.png"), 4, 1, 1, PNG_COLOR_TYPE_GRAY, std::string("\xa0", 1));
-  EXPECT_EQ(read_all(*open_volume(folder.file("a.png"))), std::string("\xff\0\xff\0", 4));
+  write_png(folder / "a.png", 4, 1, 1, PNG_COLOR_TYPE_GRAY, std::string("\xa0", 1));
+  EXPECT_EQ(read_all(*open_volume(folder / "a.png")), std::string("\xff\0\xff\0", 4));
 }
 
 TEST(UnitTiff, StripsTilesCompressionByteOrdersAndBigTiff) {
@@ -181,8 +183,8 @@ TEST(UnitTiff, StripsTilesCompressionByteOrdersAndBigTiff) {
         options.tile = tile;
         options.compression = compression;
         options.mode = mode;
-        write_tiff(folder.file("a.tif"), 37, 21, options, bytes_of_values(values));
-        const auto file = open_volume(folder.file("a.tif"));
+        write_tiff(folder / "a.tif", 37, 21, options, bytes_of_values(values));
+        const auto file = open_volume(folder / "a.tif");
         EXPECT_EQ(file->header().format, "tiff");
         EXPECT_EQ(file->header().geometry.dims(), Vec3i(37, 21, 1));
         EXPECT_EQ(read_all(*file), bytes_of_values(values)) << tile << compression << mode;
@@ -197,15 +199,15 @@ TEST(UnitTiff, FloatsAndMinIsWhite) {
   options.bits = 32;
   options.sample_format = 3;
   const std::vector<float> floats = {-1.5f, 0, 2.25f, 1e6f};
-  write_tiff(folder.file("f.tif"), 2, 2, options, bytes_of_values(floats));
-  const auto file = open_volume(folder.file("f.tif"));
+  write_tiff(folder / "f.tif", 2, 2, options, bytes_of_values(floats));
+  const auto file = open_volume(folder / "f.tif");
   EXPECT_EQ(file->header().type, ValueType::float32);
   EXPECT_EQ(read_all(*file), bytes_of_values(floats));
 
   TiffOptions white;
   white.photometric = 0;
-  write_tiff(folder.file("w.tif"), 2, 1, white, std::string("\x0a\xff", 2));
-  const Volume volume = load_volume(folder.file("w.tif"));
+  write_tiff(folder / "w.tif", 2, 1, white, std::string("\x0a\xff", 2));
+  const Volume volume = load_volume(folder / "w.tif");
   EXPECT_EQ(volume.statistics.min, 0);
   EXPECT_EQ(volume.statistics.max, 245);
   EXPECT_EQ(volume.density.at({0, 0, 0}), 245);

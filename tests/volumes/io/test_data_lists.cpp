@@ -5,7 +5,8 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
-#include "tests/volumes/io/io_fixtures.h"
+#include "tests/support/io_fixtures.h"
+#include "volumes/io/open_volume.h"
 
 namespace supple::test {
 namespace {
@@ -132,7 +133,7 @@ TEST(UnitDataFiles, ListedFilesAreDecodedOneByOne) {
 
 TEST(UnitDataFiles, FoldersBelowTheHeadersAreSearched) {
   const TemporaryFolder folder;
-  std::filesystem::create_directories(folder.file("data/deep"));
+  std::filesystem::create_directories(folder / "data/deep");
   folder.write("data/deep/a.raw", all());
   EXPECT_EQ(read(folder.write("a.nhdr", nrrd("data file: data/../data/deep/a.raw\n"))), all());
   EXPECT_EQ(read(folder.write("a.mhd", metaimage("./data/deep/a.raw"))), all());
@@ -156,9 +157,9 @@ TEST(PropertyDataFiles, MoreFilesThanDescriptorsAreRead) {
 
 TEST(FaultDataFiles, NamesThatLeaveTheHeadersFolderAreRefused) {
   const TemporaryFolder folder;
-  std::filesystem::create_directories(folder.file("sub"));
+  std::filesystem::create_directories(folder / "sub");
   folder.write("a.raw", all());
-  for (const std::string& name : {folder.file("a.raw"), std::string("../a.raw"),
+  for (const std::string& name : {folder / "a.raw", std::string("../a.raw"),
                                   std::string("x/../../a.raw"), std::string("/etc/passwd")}) {
     const std::vector<std::string> parts = {"the header's folder or below it"};
     expect_failure(folder.write("sub/a.nhdr", nrrd("data file: " + name + "\n")), parts);
@@ -200,7 +201,7 @@ TEST(FaultDataFiles, AFileOfTheWrongLengthIsNamedBeforeAnyIsRead) {
   folder.write("s3.raw", slice(2) + "x");
   EXPECT_THROW(open_volume(folder.write("a.nhdr", nrrd("data file: s%d.raw 1 4 1\n"))),
                std::exception);
-  expect_failure(folder.file("a.nhdr"), {"s3.raw", "13 bytes", "12 bytes"});
+  expect_failure(folder / "a.nhdr", {"s3.raw", "13 bytes", "12 bytes"});
   folder.write("s3.raw", "short");
   expect_failure(folder.write("a.mhd", metaimage("s%d.raw 1 4 1")),
                  {"s3.raw", "5 bytes", "12 bytes"});

@@ -4,7 +4,8 @@
 #include <bzlib.h>
 #include <gtest/gtest.h>
 
-#include "tests/volumes/io/io_fixtures.h"
+#include "tests/support/io_fixtures.h"
+#include "volumes/io/open_volume.h"
 
 namespace supple::test {
 namespace {

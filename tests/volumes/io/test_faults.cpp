@@ -7,8 +7,10 @@
 #include <gtest/gtest.h>
 #include <png.h>
 
-#include "tests/volumes/io/io_fixtures.h"
+#include "tests/support/io_fixtures.h"
 #include "volumes/base/error.h"
+#include "volumes/io/load/load.h"
+#include "volumes/io/open_volume.h"
 #include "volumes/io/warp_file.h"
 
 namespace supple::test {
@@ -43,8 +45,8 @@ void expect_failure(const std::string& path, const std::vector<std::string>& par
 
 TEST(FaultFile, MissingFolderDeviceAndEmptyFileAreNamed) {
   const TemporaryFolder folder;
-  expect_failure(folder.file("none.nrrd"), {"none.nrrd", "no such file"});
-  expect_failure(folder.file("."), {"a directory"});
+  expect_failure(folder / "none.nrrd", {"none.nrrd", "no such file"});
+  expect_failure(folder / ".", {"a directory"});
   expect_failure("/dev/zero", {"/dev/zero", "a device"});
   expect_failure(folder.write("empty.nii", ""), {"empty.nii", "found 0 bytes"});
   expect_failure(folder.write("noise.xyz", "whatever this is"), {"noise.xyz", "unknown content"});
@@ -206,23 +208,23 @@ TEST(FaultHeader, RawSpecsAreCheckedOneByOne) {
 
 TEST(FaultImage, ColourSamplesAndTruncationAreErrors) {
   const TemporaryFolder folder;
-  write_png(folder.file("rgb.png"), 2, 1, 8, PNG_COLOR_TYPE_RGB, "abcdef");
-  expect_failure(folder.file("rgb.png"), {"rgb.png", "colour", "grey"});
-  write_png(folder.file("pal.png"), 2, 1, 8, PNG_COLOR_TYPE_PALETTE, std::string("\0\1", 2));
-  expect_failure(folder.file("pal.png"), {"palette"});
-  write_png(folder.file("a.png"), 40, 40, 8, PNG_COLOR_TYPE_GRAY, std::string(1600, 'q'));
-  const auto size = std::filesystem::file_size(folder.file("a.png"));
-  std::filesystem::resize_file(folder.file("a.png"), size - 20);
-  expect_failure(folder.file("a.png"), {"a.png", "PNG"});
+  write_png(folder / "rgb.png", 2, 1, 8, PNG_COLOR_TYPE_RGB, "abcdef");
+  expect_failure(folder / "rgb.png", {"rgb.png", "colour", "grey"});
+  write_png(folder / "pal.png", 2, 1, 8, PNG_COLOR_TYPE_PALETTE, std::string("\0\1", 2));
+  expect_failure(folder / "pal.png", {"palette"});
+  write_png(folder / "a.png", 40, 40, 8, PNG_COLOR_TYPE_GRAY, std::string(1600, 'q'));
+  const auto size = std::filesystem::file_size(folder / "a.png");
+  std::filesystem::resize_file(folder / "a.png", size - 20);
+  expect_failure(folder / "a.png", {"a.png", "PNG"});
 
   TiffOptions rgb;
   rgb.samples = 3;
   rgb.photometric = 2;
-  write_tiff(folder.file("rgb.tif"), 2, 2, rgb, std::string(12, 'r'));
-  expect_failure(folder.file("rgb.tif"), {"3 components", "--channel 0 to 2"});
-  write_tiff(folder.file("t.tif"), 50, 50, TiffOptions(), std::string(2500, 't'));
-  std::filesystem::resize_file(folder.file("t.tif"), 1000);
-  expect_failure(folder.file("t.tif"), {"t.tif", "TIFF"});
+  write_tiff(folder / "rgb.tif", 2, 2, rgb, std::string(12, 'r'));
+  expect_failure(folder / "rgb.tif", {"3 components", "--channel 0 to 2"});
+  write_tiff(folder / "t.tif", 50, 50, TiffOptions(), std::string(2500, 't'));
+  std::filesystem::resize_file(folder / "t.tif", 1000);
+  expect_failure(folder / "t.tif", {"t.tif", "TIFF"});
 }
 
 /// One to four random edits near the front of the file, where headers lie.
@@ -261,18 +263,18 @@ TEST(FaultFuzz, MutatedFilesReadOrThrowInputError) {
   const std::string fields =
       "type: short\ndimension: 3\nsizes: 9 10 11\nspace: LPS\n"
       "space directions: (1,0,0) (0,1,0) (0,0,1)\nendian: little\n";
-  write_png(folder.file("s.png"), 30, 20, 16, PNG_COLOR_TYPE_GRAY, std::string(1200, 'p'));
+  write_png(folder / "s.png", 30, 20, 16, PNG_COLOR_TYPE_GRAY, std::string(1200, 'p'));
   TiffOptions tiles;
   tiles.tile = 16;
   tiles.compression = 8;
-  write_tiff(folder.file("tiles.tif"), 40, 30, tiles, std::string(1200, 't'));
+  write_tiff(folder / "tiles.tif", 40, 30, tiles, std::string(1200, 't'));
   TiffOptions strips;
   strips.bits = 16;
-  write_tiff(folder.file("strips.tif"), 20, 12, strips, std::string(480, 's'));
+  write_tiff(folder / "strips.tif", 20, 12, strips, std::string(480, 's'));
   TiffOptions page;
   page.description = "ImageJ=1.53t\nimages=3\nslices=3\nunit=mm\nspacing=1.5\n";
   for (int k = 0; k < 3; ++k) {
-    write_tiff(folder.file("stack.tif"), 9, 5, page, std::string(45, char('a' + k)));
+    write_tiff(folder / "stack.tif", 9, 5, page, std::string(45, char('a' + k)));
     page.mode = "a";
   }
   std::string sform = nifti_header({9, 10, 11});
@@ -293,10 +295,10 @@ TEST(FaultFuzz, MutatedFilesReadOrThrowInputError) {
            zlib_stream(data)},
       {"e.nii", sform + data},
       {"f.nii.gz", gzip(sform + data)},
-      {"g.png", bytes_of_file(folder.file("s.png"))},
-      {"h.tif", bytes_of_file(folder.file("tiles.tif"))},
-      {"i.tif", bytes_of_file(folder.file("strips.tif"))},
-      {"j.tif", bytes_of_file(folder.file("stack.tif"))}};
+      {"g.png", read_text(folder / "s.png")},
+      {"h.tif", read_text(folder / "tiles.tif")},
+      {"i.tif", read_text(folder / "strips.tif")},
+      {"j.tif", read_text(folder / "stack.tif")}};
 
   std::mt19937 random(20010101);
   int read = 0, refused = 0;
@@ -311,7 +313,7 @@ TEST(FaultFuzz, MutatedFilesReadOrThrowInputError) {
         ++refused;
         const std::string line = error.what();
         ASSERT_EQ(line.find('\n'), std::string::npos) << line;
-        ASSERT_NE(line.find(folder.file("").substr(0, 5)), std::string::npos) << line;
+        ASSERT_NE(line.find((folder / "").substr(0, 5)), std::string::npos) << line;
       }
     }
   }

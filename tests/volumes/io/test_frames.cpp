@@ -1,8 +1,9 @@
 // Components and frames wherever a header puts them: the chosen frame and channel, value for value.
 #include <gtest/gtest.h>
 
-#include "tests/volumes/io/io_fixtures.h"
-#include "volumes/io/formats.h"
+#include "tests/support/io_fixtures.h"
+#include "volumes/io/format/formats.h"
+#include "volumes/io/open_volume.h"
 
 namespace supple::test {
 namespace {

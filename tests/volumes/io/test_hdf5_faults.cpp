@@ -7,9 +7,9 @@
 #include <sanitizer/lsan_interface.h>
 #endif
 
+#include "tests/support/io_fixtures.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/volumes/io/hdf5_fixtures.h"
-#include "tests/volumes/io/io_fixtures.h"
-#include "tests/volumes/state/scratch.h"
 #include "volumes/base/error.h"
 
 namespace supple::test {
@@ -28,7 +28,7 @@ void expect_line(const std::string& path, const std::vector<std::string>& parts)
 /// An ITK image with text, attributes and compressed chunks: every structure that we read.
 std::string sound_bytes(const TemporaryFolder& folder) {
   {
-    Hdf5Fixture file(folder.file("sound.h5"));
+    Hdf5Fixture file(folder / "sound.h5");
     const std::string group = "/ITKImage/0/";
     Hdf5Storage storage{H5T_STD_I16BE, {2, 3, 4}};
     storage.deflate = storage.fletcher = true;
@@ -40,17 +40,17 @@ std::string sound_bytes(const TemporaryFolder& folder) {
     file.text(group + "VoxelType", "SHORT");
     file.attribute(group + "VoxelData", "element_size_um", {1, 2, 3});
   }
-  return file_bytes(folder.file("sound.h5"));
+  return read_text(folder / "sound.h5");
 }
 
 TEST(FaultHdf5, WhatIsNoFileOfTheFormatIsNamed) {
   const TemporaryFolder folder;
-  expect_line(folder.file("none.h5:/v"), {"none.h5:/v", "no such file"});
+  expect_line(folder / "none.h5:/v", {"none.h5:/v", "no such file"});
   expect_line(folder.write("text.h5", "not that"), {"text.h5: HDF5: found", "intact HDF5 file"});
   expect_line(folder.write("table.csv", "1,2") + ":/v", {"table.csv:/v: HDF5: found"});
   expect_line(folder.write("empty.h5", "") + ":/v", {"found 0 bytes"});
-  ASSERT_EQ(::mkfifo(folder.file("pipe.h5").c_str(), 0600), 0);
-  expect_line(folder.file("pipe.h5:/v"), {"pipe"});
+  ASSERT_EQ(::mkfifo((folder / "pipe.h5").c_str(), 0600), 0);
+  expect_line(folder / "pipe.h5:/v", {"pipe"});
 }
 
 TEST(FaultHdf5, DamageOnWhichTheLibraryCrashes) {
@@ -65,18 +65,18 @@ TEST(FaultHdf5, DamageOnWhichTheLibraryCrashes) {
 
 TEST(FaultHdf5, LinksVirtualDatasetsAndExternalFilesAreNotFollowed) {
   const TemporaryFolder folder;
-  Hdf5Fixture(folder.file("other.h5")).dataset("v", {1, 2, 2}, counting<float>(4));
+  Hdf5Fixture(folder / "other.h5").dataset("v", {1, 2, 2}, counting<float>(4));
   folder.write("values.raw", std::string(16, 'x'));
   const hsize_t dims[] = {1, 2, 2};
   const hid_t space = H5Screate_simple(3, dims, nullptr);
   {
-    Hdf5Fixture file(folder.file("a.h5"));
+    Hdf5Fixture file(folder / "a.h5");
     H5Lcreate_external("other.h5", "/v", file.get(), "/link", H5P_DEFAULT, H5P_DEFAULT);
     H5Lcreate_external("other.h5", "/", file.get(), "/folder", H5P_DEFAULT, H5P_DEFAULT);
     H5Lcreate_soft("/folder/v", file.get(), "/soft", H5P_DEFAULT, H5P_DEFAULT);
     H5Lcreate_soft("/nowhere", file.get(), "/dangling", H5P_DEFAULT, H5P_DEFAULT);
     const hid_t outside = H5Pcreate(H5P_DATASET_CREATE), other = H5Pcreate(H5P_DATASET_CREATE);
-    H5Pset_external(outside, folder.file("values.raw").c_str(), 0, 16);
+    H5Pset_external(outside, (folder / "values.raw").c_str(), 0, 16);
     H5Pset_virtual(other, space, "other.h5", "/v", space);
     H5Dclose(
         H5Dcreate2(file.get(), "/raw", H5T_IEEE_F32LE, space, H5P_DEFAULT, outside, H5P_DEFAULT));
@@ -86,7 +86,7 @@ TEST(FaultHdf5, LinksVirtualDatasetsAndExternalFilesAreNotFollowed) {
     H5Pclose(other);
   }
   H5Sclose(space);
-  const std::string path = folder.file("a.h5");
+  const std::string path = folder / "a.h5";
   expect_line(path + ":/link", {"a link into the file other.h5", "a dataset inside the file"});
   expect_line(path + ":/folder/v", {"a link into the file other.h5"});
   expect_line(path + ":/soft", {"a link into the file other.h5"});
@@ -110,7 +110,7 @@ TEST(FaultHdf5, FiltersThatAreNotBuiltInAreNamed) {
   H5Pset_filter(creation, 32015, H5Z_FLAG_MANDATORY, 0, nullptr);
   const hid_t space = H5Screate_simple(3, dims, nullptr);
   {
-    Hdf5Fixture file(folder.file("a.h5"));
+    Hdf5Fixture file(folder / "a.h5");
     const hid_t set =
         H5Dcreate2(file.get(), "v", H5T_STD_U8LE, space, H5P_DEFAULT, creation, H5P_DEFAULT);
     const auto values = counting<std::uint8_t>(8);
@@ -120,9 +120,9 @@ TEST(FaultHdf5, FiltersThatAreNotBuiltInAreNamed) {
   H5Sclose(space);
   H5Pclose(creation);
   // Refused although the library could decode it now, and when it cannot.
-  expect_line(folder.file("a.h5"), {"/v: found filter 32015 zstd", "gzip, shuffle", "h5repack"});
+  expect_line(folder / "a.h5", {"/v: found filter 32015 zstd", "gzip, shuffle", "h5repack"});
   H5Zunregister(32015);
-  expect_line(folder.file("a.h5"), {"/v: found filter 32015 zstd", "gzip, shuffle", "h5repack"});
+  expect_line(folder / "a.h5", {"/v: found filter 32015 zstd", "gzip, shuffle", "h5repack"});
 }
 
 TEST(FaultHdf5, ValuesThatAreNoNumbersAreNamedByTheirClass) {
@@ -142,7 +142,7 @@ TEST(FaultHdf5, ValuesThatAreNoNumbersAreNamedByTheirClass) {
   const hsize_t dims[] = {2, 2, 2};
   const hid_t space = H5Screate_simple(3, dims, nullptr);
   {
-    Hdf5Fixture file(folder.file("a.h5"));
+    Hdf5Fixture file(folder / "a.h5");
     for (std::size_t n = 0; n < types.size(); ++n) {
       const std::string name = "/v" + std::to_string(n);
       H5Dclose(H5Dcreate2(file.get(), name.c_str(), types[n].second, space, H5P_DEFAULT,
@@ -153,7 +153,7 @@ TEST(FaultHdf5, ValuesThatAreNoNumbersAreNamedByTheirClass) {
     file.dataset("/five", {1, 1, 1, 1, 2}, counting<float>(2));
   }
   H5Sclose(space);
-  const std::string path = folder.file("a.h5");
+  const std::string path = folder / "a.h5";
   for (std::size_t n = 0; n < types.size(); ++n) {
     expect_line(path + ":/v" + std::to_string(n), {std::string("found ") + types[n].first});
   }
@@ -166,7 +166,7 @@ TEST(FaultHdf5, ValuesThatAreNoNumbersAreNamedByTheirClass) {
 
 TEST(FaultHdf5, ClaimsBeyondWhatIsStoredAreRefusedBeforeAllocation) {
   const TemporaryFolder folder;
-  const std::string path = folder.file("a.h5");
+  const std::string path = folder / "a.h5";
   {
     Hdf5Fixture file(path);
     const Hdf5Storage chunked{H5T_IEEE_F32LE, {16, 16, 16}};
@@ -193,7 +193,7 @@ TEST(FaultHdf5, ClaimsBeyondWhatIsStoredAreRefusedBeforeAllocation) {
 TEST(FaultHdf5, ATruncatedFileIsAnErrorWhereverItEnds) {
   const TemporaryFolder folder;
   const std::string bytes = sound_bytes(folder);
-  ASSERT_EQ(failure_of(folder.file("sound.h5")), "");
+  ASSERT_EQ(failure_of(folder / "sound.h5"), "");
   for (int tenth = 0; tenth < 10; ++tenth) {
     const std::string part = bytes.substr(0, bytes.size() * std::size_t(tenth) / 10);
     expect_line(folder.write("a.h5", part), {"a.h5"});

@@ -3,8 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/io_fixtures.h"
 #include "tests/volumes/io/hdf5_fixtures.h"
-#include "tests/volumes/io/io_fixtures.h"
+#include "volumes/io/open_volume.h"
 
 namespace supple::test {
 namespace {
@@ -36,21 +37,21 @@ std::string warnings_of(const std::string& path) {
 /// 4 x 3 x 2 voxels in "v"; `describe` adds attributes.
 template <class Describe>
 std::string plain(const TemporaryFolder& folder, Describe&& describe) {
-  Hdf5Fixture file(folder.file("p.h5"));
+  Hdf5Fixture file(folder / "p.h5");
   file.dataset("v", {2, 3, 4}, counting<float>(24));
   describe(file);
-  return folder.file("p.h5");
+  return folder / "p.h5";
 }
 
 TEST(UnitHdf5Itk, RowsOfDirectionsAreTheAxes) {
   const TemporaryFolder folder;
   {
-    Hdf5Fixture file(folder.file("a.h5"));
+    Hdf5Fixture file(folder / "a.h5");
     put_image(file);
     file.dataset("other", {2, 2, 2}, counting<float>(8));
   }
   for (const char* path : {"a.h5", "a.h5:/ITKImage/0/VoxelData"}) {
-    const auto file = open_volume(folder.file(path));
+    const auto file = open_volume(folder / path);
     const Geometry& geometry = file->header().geometry;
     EXPECT_EQ(geometry.dims(), Vec3i(4, 3, 2));
     EXPECT_EQ(geometry.origin_lps_mm(), Vec3d(10, -20, 30));
@@ -65,33 +66,33 @@ TEST(UnitHdf5Itk, RowsOfDirectionsAreTheAxes) {
 TEST(UnitHdf5Itk, AnAxisMoreThanDimensionHoldsTheComponents) {
   const TemporaryFolder folder;
   {
-    Hdf5Fixture file(folder.file("a.h5"));
+    Hdf5Fixture file(folder / "a.h5");
     put_image(file, {2, 3, 4, 3});
   }
-  EXPECT_NE(failure_of(folder.file("a.h5")).find("3 components per voxel"), std::string::npos);
+  EXPECT_NE(failure_of(folder / "a.h5").find("3 components per voxel"), std::string::npos);
   ReadOptions options;
   options.channel = 1;
   std::vector<std::int16_t> seconds;
   for (int n = 0; n < 24; ++n) seconds.push_back(std::int16_t(3 * n + 1));
-  EXPECT_EQ(read_all(*open_volume(folder.file("a.h5"), options)), bytes_of_values(seconds));
+  EXPECT_EQ(read_all(*open_volume(folder / "a.h5", options)), bytes_of_values(seconds));
 }
 
 TEST(UnitHdf5Itk, ImagesOfTwoAndFourDimensionsKeepTheirGeometry) {
   const TemporaryFolder folder;
   {
-    Hdf5Fixture file(folder.file("flat.h5"));
+    Hdf5Fixture file(folder / "flat.h5");
     file.dataset(kImage + "VoxelData", {2, 3}, counting<float>(6));
     file.dataset(kImage + "Dimension", {2}, std::vector<std::uint64_t>{3, 2});
     file.numbers(kImage + "Origin", {5, 6});
     file.numbers(kImage + "Spacing", {2, 3});
     file.dataset(kImage + "Directions", {2, 2}, std::vector<double>{0, 1, 1, 0});
   }
-  const auto flat = open_volume(folder.file("flat.h5"));
+  const auto flat = open_volume(folder / "flat.h5");
   EXPECT_EQ(flat->header().geometry.dims(), Vec3i(3, 2, 1));
   EXPECT_EQ(flat->header().geometry.axes_mm()[1], Vec3d(3, 0, 0));
   EXPECT_EQ(read_all(*flat), bytes_of_values(counting<float>(6)));
   {
-    Hdf5Fixture file(folder.file("series.h5"));
+    Hdf5Fixture file(folder / "series.h5");
     file.dataset(kImage + "VoxelData", {2, 1, 2, 3}, counting<float>(12));
     file.dataset(kImage + "Dimension", {4}, std::vector<std::uint64_t>{3, 2, 1, 2});
     file.numbers(kImage + "Origin", {5, 6, 7, 0});
@@ -101,7 +102,7 @@ TEST(UnitHdf5Itk, ImagesOfTwoAndFourDimensionsKeepTheirGeometry) {
   }
   ReadOptions options;
   options.frame = 1;
-  const auto series = open_volume(folder.file("series.h5"), options);
+  const auto series = open_volume(folder / "series.h5", options);
   EXPECT_EQ(series->header().geometry.dims(), Vec3i(3, 2, 1));
   EXPECT_EQ(series->header().geometry.axes_mm()[2], Vec3d(0, 0, -4));
   EXPECT_EQ(read_all(*series), bytes_of_values(std::vector<float>{6, 7, 8, 9, 10, 11}));
@@ -148,7 +149,7 @@ TEST(UnitHdf5Plain, MissingVoxelSizesAreWarnedOfUnlessTheUserGivesThem) {
 
 /// An NXtomo entry as beamlines write it; the data linked from the detector.
 std::string tomography(const TemporaryFolder& folder, const std::string& unit) {
-  Hdf5Fixture file(folder.file("a.nxs"));
+  Hdf5Fixture file(folder / "a.nxs");
   file.dataset("entry/instrument/detector/data", {2, 3, 4}, counting<std::uint16_t>(24));
   file.dataset("entry/instrument/detector/flats", {2, 3, 4}, counting<std::uint16_t>(24));
   file.group("entry/data");
@@ -163,7 +164,7 @@ std::string tomography(const TemporaryFolder& folder, const std::string& unit) {
     file.numbers(name, {axis == "x" ? 0.5 : 0.75});
     if (!unit.empty()) file.text_attribute(name, "units", unit);
   }
-  return folder.file("a.nxs");
+  return folder / "a.nxs";
 }
 
 TEST(UnitHdf5Nexus, TheDataOfTheEntryComeWithTheDetectorsPixelSizes) {
@@ -186,7 +187,7 @@ TEST(FaultHdf5Layout, WhatContradictsItselfIsRefused) {
   const auto expect = [&](const std::string& name, const std::vector<double>& values,
                           const std::string& part) {
     {
-      Hdf5Fixture file(folder.file("a.h5"));
+      Hdf5Fixture file(folder / "a.h5");
       put_image(file);
       H5Ldelete(file.get(), (kImage + name).c_str(), H5P_DEFAULT);
       if (name == "Directions") {
@@ -195,7 +196,7 @@ TEST(FaultHdf5Layout, WhatContradictsItselfIsRefused) {
         file.numbers(kImage + name, values);
       }
     }
-    const std::string line = failure_of(folder.file("a.h5"));
+    const std::string line = failure_of(folder / "a.h5");
     EXPECT_NE(line.find(part), std::string::npos) << line;
   };
   const double nan = std::nan(""), inf = HUGE_VAL;

@@ -6,9 +6,10 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/io_fixtures.h"
 #include "tests/volumes/io/hdf5_fixtures.h"
-#include "tests/volumes/io/io_fixtures.h"
-#include "volumes/io/formats.h"
+#include "volumes/io/format/formats.h"
+#include "volumes/io/open_volume.h"
 
 namespace supple::test {
 namespace {
@@ -18,7 +19,7 @@ template <class T>
 void expect_counting(ValueType type, hid_t little, hid_t big) {
   const TemporaryFolder folder;
   for (const hid_t file_type : {little, big}) {
-    const std::string path = folder.file("a.h5");
+    const std::string path = folder / "a.h5";
     Hdf5Fixture(path).dataset("v", {2, 3, 4}, counting<T>(24), {file_type});
     const auto file = open_volume(path);
     EXPECT_EQ(file->header().type, type);
@@ -28,13 +29,13 @@ void expect_counting(ValueType type, hid_t little, hid_t big) {
 
 TEST(UnitHdf5, TheLastAxisIsIAndTheFirstIsK) {
   const TemporaryFolder folder;
-  Hdf5Fixture(folder.file("a.h5")).dataset("v", {2, 3, 4}, counting<std::int16_t>(24));
-  const auto file = open_volume(folder.file("a.h5"));
+  Hdf5Fixture(folder / "a.h5").dataset("v", {2, 3, 4}, counting<std::int16_t>(24));
+  const auto file = open_volume(folder / "a.h5");
   EXPECT_EQ(file->header().format, "hdf5");
   EXPECT_EQ(file->header().geometry.dims(), Vec3i(4, 3, 2));
   EXPECT_EQ(read_all(*file), bytes_of_values(counting<std::int16_t>(24)));
-  Hdf5Fixture(folder.file("b.h5")).dataset("v", {3, 4}, counting<float>(12));
-  const auto flat = open_volume(folder.file("b.h5"));
+  Hdf5Fixture(folder / "b.h5").dataset("v", {3, 4}, counting<float>(12));
+  const auto flat = open_volume(folder / "b.h5");
   EXPECT_EQ(flat->header().geometry.dims(), Vec3i(4, 3, 1));
   EXPECT_EQ(read_all(*flat), bytes_of_values(counting<float>(12)));
 }
@@ -68,8 +69,8 @@ TEST(PropertyHdf5, ChunksAndFiltersDoNotChangeTheValues) {
     const std::size_t count = std::size_t(dims[0] * dims[1] * dims[2]);
     std::vector<std::uint16_t> values(count);
     for (auto& value : values) value = std::uint16_t(random());
-    Hdf5Fixture(folder.file("a.h5")).dataset("v", dims, values, storage);
-    EXPECT_EQ(read_all(*open_volume(folder.file("a.h5"))), bytes_of_values(values)) << n;
+    Hdf5Fixture(folder / "a.h5").dataset("v", dims, values, storage);
+    EXPECT_EQ(read_all(*open_volume(folder / "a.h5")), bytes_of_values(values)) << n;
   }
 }
 
@@ -78,27 +79,25 @@ TEST(UnitHdf5, SzipIsReadWhereTheLibraryHasIt) {
   const TemporaryFolder folder;
   Hdf5Storage storage{H5T_STD_I32LE, {2, 4, 8}};
   storage.szip = true;
-  Hdf5Fixture(folder.file("a.h5")).dataset("v", {4, 4, 8}, counting<std::int32_t>(128), storage);
-  EXPECT_EQ(read_all(*open_volume(folder.file("a.h5"))),
-            bytes_of_values(counting<std::int32_t>(128)));
+  Hdf5Fixture(folder / "a.h5").dataset("v", {4, 4, 8}, counting<std::int32_t>(128), storage);
+  EXPECT_EQ(read_all(*open_volume(folder / "a.h5")), bytes_of_values(counting<std::int32_t>(128)));
 }
 
 TEST(UnitHdf5, UnwrittenChunksHoldTheFillValue) {
   const TemporaryFolder folder;
   Hdf5Storage storage{H5T_STD_I16BE, {2, 2, 2}};
   storage.fill = -7;
-  Hdf5Fixture(folder.file("a.h5")).dataset("v", {3, 4, 5}, std::vector<std::int16_t>(), storage);
-  EXPECT_EQ(read_all(*open_volume(folder.file("a.h5"))),
+  Hdf5Fixture(folder / "a.h5").dataset("v", {3, 4, 5}, std::vector<std::int16_t>(), storage);
+  EXPECT_EQ(read_all(*open_volume(folder / "a.h5")),
             bytes_of_values(std::vector<std::int16_t>(60, -7)));
 }
 
 TEST(UnitHdf5, AFourthAxisComesFirstAndIsAFrame) {
   const TemporaryFolder folder;
-  const std::string path = folder.file("a.h5");
+  const std::string path = folder / "a.h5";
   Hdf5Fixture(path).dataset("v", {3, 2, 2, 5}, counting<std::uint8_t>(60),
                             {H5I_INVALID_HID, {2, 2, 1, 3}});
-  EXPECT_NE(failure_of(path).find("/v: found 3 frames, expected --frame 0 to 2"),
-            std::string::npos);
+  EXPECT_NE(failure_of(path).find("/v: found 3 frames, expected frame 0 to 2"), std::string::npos);
   for (const int frame : {0, 1, 2}) {
     ReadOptions options;
     options.frame = frame;
@@ -120,14 +119,14 @@ TEST(UnitHdf5, TruthValuesAreTheirIntegersAndHalfFloatsBecomeFloats) {
   H5Tset_size(half, 2);
   H5Tset_ebias(half, 15);
   {
-    Hdf5Fixture file(folder.file("a.h5"));
+    Hdf5Fixture file(folder / "a.h5");
     file.dataset("half", {1, 2, 2}, std::vector<float>{1, -2, 0.5f, 65504}, {half});
     file.dataset("mask", {1, 2, 2}, std::vector<std::int8_t>{0, 1, 1, 0}, {truth});
   }
-  const auto floats = open_volume(folder.file("a.h5") + ":/half");
+  const auto floats = open_volume(folder / "a.h5" + ":/half");
   EXPECT_EQ(floats->header().type, ValueType::float32);
   EXPECT_EQ(read_all(*floats), bytes_of_values(std::vector<float>{1, -2, 0.5f, 65504}));
-  const auto mask = open_volume(folder.file("a.h5") + ":/mask");
+  const auto mask = open_volume(folder / "a.h5" + ":/mask");
   EXPECT_EQ(mask->header().type, ValueType::int8);
   EXPECT_EQ(read_all(*mask), bytes_of_values(std::vector<std::int8_t>{0, 1, 1, 0}));
   H5Tclose(truth);
@@ -136,7 +135,7 @@ TEST(UnitHdf5, TruthValuesAreTheirIntegersAndHalfFloatsBecomeFloats) {
 
 TEST(UnitHdf5, APathBehindTheFileNameChoosesAndSeveralAreListed) {
   const TemporaryFolder folder;
-  const std::string path = folder.file("a.h5");
+  const std::string path = folder / "a.h5";
   {
     Hdf5Fixture file(path);
     for (const char* name : {"a", "g/b", "g/h/c", "d", "e", "f"}) {
@@ -157,14 +156,14 @@ TEST(UnitHdf5, APathBehindTheFileNameChoosesAndSeveralAreListed) {
 TEST(UnitHdf5, ADatasetUnderTwoNamesIsOneAndThreeAxesGoBeforeFourAndTwo) {
   const TemporaryFolder folder;
   {
-    Hdf5Fixture file(folder.file("a.h5"));
+    Hdf5Fixture file(folder / "a.h5");
     file.dataset("table", {5, 2}, counting<float>(10));
     file.dataset("series", {1, 2, 2, 2}, counting<float>(8));
     file.dataset("volume", {1, 1, 3}, counting<float>(3));
     H5Lcreate_hard(file.get(), "/volume", file.get(), "/again", H5P_DEFAULT, H5P_DEFAULT);
     H5Lcreate_hard(file.get(), "/", file.get(), "/cycle", H5P_DEFAULT, H5P_DEFAULT);
   }
-  EXPECT_EQ(open_volume(folder.file("a.h5"))->header().geometry.dims(), Vec3i(3, 1, 1));
+  EXPECT_EQ(open_volume(folder / "a.h5")->header().geometry.dims(), Vec3i(3, 1, 1));
 }
 
 TEST(UnitHdf5, OnlyAFileBeforeTheColonIsSplitOff) {
@@ -172,9 +171,9 @@ TEST(UnitHdf5, OnlyAFileBeforeTheColonIsSplitOff) {
   const std::string file = folder.write("a.h5", "x");
   EXPECT_EQ(file_part(file + ":/g/v"), file);
   EXPECT_EQ(file_part(file + ":/g:/v"), file + ":/g:/v");
-  EXPECT_EQ(file_part(folder.file("none.h5:/v")), folder.file("none.h5:/v"));
+  EXPECT_EQ(file_part(folder / "none.h5:/v"), folder / "none.h5:/v");
   EXPECT_EQ(file_part(file), file);
-  std::filesystem::create_directory(folder.file("odd:"));
+  std::filesystem::create_directory(folder / "odd:");
   const std::string inside = folder.write("odd:/v.h5", "x");
   folder.write("odd", "x");
   EXPECT_EQ(file_part(inside), inside);

@@ -4,8 +4,9 @@
 #include <gtest/gtest.h>
 #include <png.h>
 
-#include "tests/volumes/io/io_fixtures.h"
+#include "tests/support/io_fixtures.h"
 #include "volumes/base/error.h"
+#include "volumes/io/open_volume.h"
 
 namespace supple::test {
 namespace {
@@ -14,7 +15,7 @@ namespace {
 class SeriesFolder {
  public:
   SeriesFolder() { std::filesystem::create_directory(path()); }
-  std::string path() const { return m_root.file("series"); }
+  std::string path() const { return m_root / "series"; }
   std::string operator/(const std::string& name) const { return path() + "/" + name; }
   void add(const std::string& name, char value, int width = 1, TiffOptions options = {}) const {
     const std::string rows(std::size_t(width * options.bits / 8), value);
@@ -138,7 +139,7 @@ TEST(FaultSeries, FoldersWithoutOneSeriesAreRefused) {
   ReadOptions second;
   second.frame = 1;
   damaged.add("a2.tif", 'b');
-  EXPECT_NE(failure_of(damaged.path(), second).find("--frame"), std::string::npos);
+  EXPECT_NE(failure_of(damaged.path(), second).find("frame"), std::string::npos);
 }
 
 }  // namespace

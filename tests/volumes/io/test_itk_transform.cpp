@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/io_fixtures.h"
 #include "tests/volumes/io/hdf5_fixtures.h"
-#include "tests/volumes/io/io_fixtures.h"
 #include "volumes/base/error.h"
 #include "volumes/io/warp_file.h"
 
@@ -38,14 +38,14 @@ struct Part {
   std::vector<double> fixed, parameters;
 };
 std::string composite(const TemporaryFolder& folder, const std::vector<Part>& parts) {
-  Hdf5Fixture file(folder.file("c.h5"));
+  Hdf5Fixture file(folder / "c.h5");
   put_itk_transform(file, 0, "CompositeTransform_double_3_3");
   for (std::size_t n = 0; n < parts.size(); ++n) {
     const bool is_field = parts[n].type == kField;
     put_itk_transform(file, int(n) + 1, parts[n].type, is_field ? kGrid : parts[n].fixed,
                       is_field ? displacements() : parts[n].parameters);
   }
-  return folder.file("c.h5");
+  return folder / "c.h5";
 }
 
 using Map = Vec3d (*)(const Vec3d&);
@@ -71,15 +71,15 @@ void expect_map(const std::string& path, Map before, Map after) {
 TEST(UnitItkTransform, AFieldIsReadUnchangedInEitherPrecision) {
   const TemporaryFolder folder;
   {
-    Hdf5Fixture file(folder.file("a.h5"));
+    Hdf5Fixture file(folder / "a.h5");
     put_itk_transform(file, 0, kField, kGrid, displacements());
   }
-  const Warp warp = read_warp(folder.file("a.h5"));
+  const Warp warp = read_warp(folder / "a.h5");
   EXPECT_TRUE(warp.geometry == kGeometry);
   EXPECT_FALSE(warp.direction.has_value());
   for (int n = 0; n < 36; ++n) EXPECT_EQ(warp.vectors[n / 3][n % 3], float(displacements()[n]));
   {
-    Hdf5Fixture file(folder.file("b.h5"));
+    Hdf5Fixture file(folder / "b.h5");
     file.text("/TransformGroup/0/TransformType", "DisplacementFieldTransform_float_3_3", false);
     file.numbers("/TransformGroup/0/TranformFixedParameters", kGrid);  // as old ITK spells it
     std::vector<float> values;
@@ -88,8 +88,8 @@ TEST(UnitItkTransform, AFieldIsReadUnchangedInEitherPrecision) {
     storage.deflate = true;
     file.dataset("/TransformGroup/0/TranformParameters", {36}, values, storage);
   }
-  EXPECT_EQ(read_warp(folder.file("b.h5")).vectors, warp.vectors);
-  EXPECT_TRUE(read_warp(folder.file("b.h5")).geometry == kGeometry);
+  EXPECT_EQ(read_warp(folder / "b.h5").vectors, warp.vectors);
+  EXPECT_TRUE(read_warp(folder / "b.h5").geometry == kGeometry);
 }
 
 TEST(UnitItkTransform, TheLastTransformOfACompositeIsAppliedFirst) {
@@ -161,11 +161,11 @@ TEST(FaultItkTransform, OtherTransformsAreRefusedByName) {
                    {{"VersorRigid3DTransform_double_3_3", {0, 0, 0}, {1, 1, 0, 0, 0, 0}}, field}),
          "no versor");
   {
-    Hdf5Fixture file(folder.file("two.h5"));
+    Hdf5Fixture file(folder / "two.h5");
     put_itk_transform(file, 0, kField, kGrid, displacements());
     put_itk_transform(file, 1, "IdentityTransform_double_3_3");
   }
-  expect(folder.file("two.h5"), "without a CompositeTransform");
+  expect(folder / "two.h5", "without a CompositeTransform");
 }
 
 TEST(FaultItkTransform, AGridThatIsNoneIsRefused) {
@@ -177,10 +177,10 @@ TEST(FaultItkTransform, AGridThatIsNoneIsRefused) {
     std::vector<double> values = displacements();
     if (at == 19) values.pop_back();
     {
-      Hdf5Fixture file(folder.file("a.h5"));
+      Hdf5Fixture file(folder / "a.h5");
       put_itk_transform(file, 0, kField, grid, values);
     }
-    const std::string line = failure_of_warp(folder.file("a.h5"));
+    const std::string line = failure_of_warp(folder / "a.h5");
     EXPECT_NE(line.find(part), std::string::npos) << line;
   };
   const double nan = std::nan("");

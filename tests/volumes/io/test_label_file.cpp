@@ -6,9 +6,10 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/volumes/io/io_fixtures.h"
+#include "tests/support/io_fixtures.h"
 #include "volumes/base/error.h"
-#include "volumes/io/label_file.h"
+#include "volumes/io/load/label_file.h"
+#include "volumes/io/load/load.h"
 
 namespace supple::test {
 namespace {
@@ -173,7 +174,7 @@ TEST(FaultLabelFile, AnotherGridIsRefusedAndOneWithinAThousandthOfAVoxelIsNot) {
 
 TEST(FaultLabelFile, FilesThatAreNoVolumesAreRefusedAsVolumesAre) {
   const TemporaryFolder folder;
-  EXPECT_NE(refusal(folder.file("none.nii")).find("no such file"), std::string::npos);
+  EXPECT_NE(refusal(folder / "none.nii").find("no such file"), std::string::npos);
   const std::string path = write_labels(folder, std::vector<std::uint8_t>(7), "uint8");
   EXPECT_NE(refusal(path).find("7 bytes"), std::string::npos);
 }

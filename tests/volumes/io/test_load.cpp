@@ -9,7 +9,8 @@
 #include "tests/volumes/io/dense_file.h"
 #include "volumes/base/error.h"
 #include "volumes/grid/density_grid_vdb.h"
-#include "volumes/io/slab_bricks.h"
+#include "volumes/io/load/load.h"
+#include "volumes/io/load/slab_bricks.h"
 
 namespace supple::test {
 namespace {

@@ -4,6 +4,7 @@
 #include <random>
 
 #include "tests/volumes/io/nifti_fixtures.h"
+#include "volumes/io/open_volume.h"
 #include "volumes/io/warp_file.h"
 
 namespace supple::test {

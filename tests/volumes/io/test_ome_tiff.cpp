@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/volumes/io/tiff_fixtures.h"
+#include "volumes/io/open_volume.h"
 
 namespace supple::test {
 namespace {
@@ -20,8 +21,8 @@ std::string ome(const std::string& more, const std::string& data = "<TiffData/>"
 std::string write_ome(const TemporaryFolder& folder, const std::string& description, int pages) {
   TiffOptions options;
   options.description = description;
-  write_tiff_pages(folder.file("a.ome.tif"), 1, 1, options, lettered_pages(pages, 1));
-  return folder.file("a.ome.tif");
+  write_tiff_pages(folder / "a.ome.tif", 1, 1, options, lettered_pages(pages, 1));
+  return folder / "a.ome.tif";
 }
 
 ReadOptions choice(int frame, int channel) {

@@ -7,7 +7,7 @@
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 
-#include "tests/volumes/io/io_fixtures.h"
+#include "tests/support/io_fixtures.h"
 
 namespace supple::test {
 namespace {
@@ -25,12 +25,12 @@ std::string foreign_grid_bytes(const TemporaryFolder& folder) {
   auto fog = openvdb::FloatGrid::create();
   fog->tree().setValueOn({1, 2, 3}, 4);
   {
-    std::ofstream out(folder.file("a.vdb"), std::ios::binary);
+    std::ofstream out(folder / "a.vdb", std::ios::binary);
     openvdb::io::Stream stream(out);
     stream.setCompression(openvdb::io::COMPRESS_ZIP);
     stream.write(openvdb::GridCPtrVec{fog});
   }
-  return bytes_of_file(folder.file("a.vdb"));
+  return read_text(folder / "a.vdb");
 }
 
 TEST(FaultParserMemory, AStringOfGigabytesInASmallGridFile) {
@@ -58,12 +58,12 @@ TEST(FaultParserMemory, ALeafLongerThanItsBuffer) {
 
 TEST(FaultParserMemory, ACircleOfFreeBlocksInAHeap) {
   const TemporaryFolder folder;
-  const std::string path = folder.file("a.h5");
+  const std::string path = folder / "a.h5";
   const hid_t file = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
   const hid_t group = H5Gcreate2(file, "g", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
   H5Gclose(group);
   H5Fclose(file);
-  std::string bytes = bytes_of_file(path);
+  std::string bytes = read_text(path);
   const std::size_t heap = bytes.find("HEAP");
   ASSERT_NE(heap, std::string::npos);
   std::uint64_t data = 0;

@@ -3,7 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "volumes/io/volume_file.h"
+#include "volumes/io/format/volume_file.h"
+#include "volumes/io/load/load.h"
 #include "volumes/phantom/phantom.h"
 
 namespace supple::test {

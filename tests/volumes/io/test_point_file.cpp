@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/volumes/io/io_fixtures.h"
+#include "tests/support/io_fixtures.h"
 #include "volumes/base/error.h"
 #include "volumes/io/point_file.h"
 
@@ -68,8 +68,8 @@ std::string moved(const std::string& text, const Vec3d& by = Vec3d(1, 0.5, 0)) {
   const PointFile file = read_point_file(folder.write("a.csv", text));
   std::vector<Vec3d> points;
   for (const PointFile::Row& row : file.rows) points.push_back(row.at_lps_mm + by);
-  write_points_like(folder.file("b.csv"), file, points);
-  std::ifstream in(folder.file("b.csv"), std::ios::binary);
+  write_points_like(folder / "b.csv", file, points);
+  std::ifstream in(folder / "b.csv", std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
@@ -103,8 +103,8 @@ TEST(FaultPointFile, WhatIsWrongIsNamedWithItsLine) {
 
 TEST(FaultPointFile, MissingFilesAndFoldersAreRefused) {
   const TemporaryFolder folder;
-  EXPECT_THROW(read_point_file(folder.file("none.csv")), InputError);
-  EXPECT_THROW(read_point_file(folder.file("")), InputError);
+  EXPECT_THROW(read_point_file(folder / "none.csv"), InputError);
+  EXPECT_THROW(read_point_file(folder / ""), InputError);
 }
 
 }  // namespace

@@ -7,10 +7,12 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/io_fixtures.h"
 #include "tests/volumes/io/dense_file.h"
-#include "tests/volumes/io/io_fixtures.h"
 #include "volumes/base/error.h"
 #include "volumes/base/sha256.h"
+#include "volumes/io/load/load.h"
+#include "volumes/io/open_volume.h"
 
 namespace supple::test {
 namespace {
@@ -208,12 +210,12 @@ TEST(PropertyLoad, FilesOfEveryFormatDigestAlike) {
                  "ElementDataFile = LOCAL\n" +
                      data);
     folder.write("a.nii.gz", gzip(nifti_header({9, 10, 11}) + data));
-    EXPECT_EQ(digest_volume(*open_volume(folder.file("a.raw"),
+    EXPECT_EQ(digest_volume(*open_volume(folder / "a.raw",
                                          {"dims=9,10,11,type=int16,spacing=1,1,1,endian=big"}))
                   .sha256,
               hash);
     for (const char* name : {"a.nrrd", "a.mha", "a.nii.gz"}) {
-      EXPECT_EQ(digest_volume(*open_volume(folder.file(name))).sha256, hash) << name;
+      EXPECT_EQ(digest_volume(*open_volume(folder / name)).sha256, hash) << name;
     }
   }
 }

@@ -1,9 +1,10 @@
 // Label volumes in any order (stored_labels.h), from files written here.
 #include <gtest/gtest.h>
 
-#include "tests/volumes/io/io_fixtures.h"
+#include "tests/support/io_fixtures.h"
 #include "volumes/base/error.h"
-#include "volumes/io/stored_labels.h"
+#include "volumes/io/load/stored_labels.h"
+#include "volumes/io/open_volume.h"
 
 namespace supple::test {
 namespace {

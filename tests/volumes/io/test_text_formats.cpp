@@ -1,7 +1,9 @@
 // Raw, NRRD and MetaImage headers computed by hand.
 #include <gtest/gtest.h>
 
-#include "tests/volumes/io/io_fixtures.h"
+#include "tests/support/io_fixtures.h"
+#include "volumes/io/load/load.h"
+#include "volumes/io/open_volume.h"
 
 namespace supple::test {
 namespace {

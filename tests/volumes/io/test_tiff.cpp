@@ -3,6 +3,7 @@
 
 #include "tests/volumes/io/tiff_fixtures.h"
 #include "volumes/base/error.h"
+#include "volumes/io/open_volume.h"
 
 namespace supple::test {
 namespace {
@@ -12,8 +13,8 @@ TEST(UnitTiffPages, ThePagesAreTheSlicesInOrder) {
   for (const char* mode : {"wl", "wb", "w8"}) {
     TiffOptions options;
     options.mode = mode;
-    write_tiff_pages(folder.file("a.tif"), 4, 3, options, lettered_pages(5, 12));
-    const auto file = open_volume(folder.file("a.tif"));
+    write_tiff_pages(folder / "a.tif", 4, 3, options, lettered_pages(5, 12));
+    const auto file = open_volume(folder / "a.tif");
     EXPECT_EQ(file->header().geometry.dims(), Vec3i(4, 3, 5));
     EXPECT_EQ(read_all(*file), std::string(12, 'a') + std::string(12, 'b') + std::string(12, 'c') +
                                    std::string(12, 'd') + std::string(12, 'e'));
@@ -33,8 +34,8 @@ TEST(UnitTiffPages, EveryTypeIsReadInBothByteOrders) {
         options.bits = bits;
         options.sample_format = format;
         const std::string rows = bytes.substr(0, std::size_t(bits) / 8 * 6);
-        write_tiff(folder.file("a.tif"), 3, 2, options, rows);
-        const auto file = open_volume(folder.file("a.tif"));
+        write_tiff(folder / "a.tif", 3, 2, options, rows);
+        const auto file = open_volume(folder / "a.tif");
         EXPECT_EQ(numpy_name(file->header().type), kinds[format] + std::to_string(bits));
         EXPECT_EQ(read_all(*file), rows) << mode << kinds[format] << bits;
       }
@@ -46,15 +47,15 @@ TEST(UnitTiffPages, ReducedCopiesArePassedOver) {
   const TemporaryFolder folder;
   TiffOptions page, thumbnail;
   thumbnail.subfile = 1;
-  write_tiff(folder.file("a.tif"), 1, 1, thumbnail, "t");
+  write_tiff(folder / "a.tif", 1, 1, thumbnail, "t");
   page.mode = thumbnail.mode = "a";
-  write_tiff(folder.file("a.tif"), 2, 1, page, "ab");
-  write_tiff(folder.file("a.tif"), 1, 1, thumbnail, "t");
-  write_tiff(folder.file("a.tif"), 2, 1, page, "cd");
-  EXPECT_EQ(read_all(*open_volume(folder.file("a.tif"))), "abcd");
+  write_tiff(folder / "a.tif", 2, 1, page, "ab");
+  write_tiff(folder / "a.tif", 1, 1, thumbnail, "t");
+  write_tiff(folder / "a.tif", 2, 1, page, "cd");
+  EXPECT_EQ(read_all(*open_volume(folder / "a.tif")), "abcd");
   thumbnail.mode = "w";
-  write_tiff(folder.file("t.tif"), 1, 1, thumbnail, "t");
-  EXPECT_NE(failure_of(folder.file("t.tif")).find("reduced"), std::string::npos);
+  write_tiff(folder / "t.tif", 1, 1, thumbnail, "t");
+  EXPECT_NE(failure_of(folder / "t.tif").find("reduced"), std::string::npos);
 }
 
 TEST(UnitTiffPages, SamplesAreComponentsWhetherTogetherInPlanesOrInTiles) {
@@ -65,19 +66,19 @@ TEST(UnitTiffPages, SamplesAreComponentsWhetherTogetherInPlanesOrInTiles) {
     options.samples = 3;
     options.photometric = 2;
     options.tile = tile;
-    write_tiff(folder.file("a.tif"), 3, 2, options, together);
+    write_tiff(folder / "a.tif", 3, 2, options, together);
     ReadOptions green;
     green.channel = 1;
-    EXPECT_EQ(read_all(*open_volume(folder.file("a.tif"), green)), "GgYyVv") << tile;
+    EXPECT_EQ(read_all(*open_volume(folder / "a.tif", green)), "GgYyVv") << tile;
   }
   TiffOptions options;
   options.samples = 3;
   options.planar = true;
-  write_tiff(folder.file("p.tif"), 3, 2, options, planes);
+  write_tiff(folder / "p.tif", 3, 2, options, planes);
   ReadOptions blue;
   blue.channel = 2;
-  EXPECT_EQ(read_all(*open_volume(folder.file("p.tif"), blue)), "BbZzWw");
-  EXPECT_NE(failure_of(folder.file("p.tif")).find("3 components"), std::string::npos);
+  EXPECT_EQ(read_all(*open_volume(folder / "p.tif", blue)), "BbZzWw");
+  EXPECT_NE(failure_of(folder / "p.tif").find("3 components"), std::string::npos);
 }
 
 TEST(UnitTiffSpacing, ResolutionCountsWhereItsUnitIsALengthAndNoScreens) {
@@ -100,8 +101,8 @@ TEST(UnitTiffSpacing, ResolutionCountsWhereItsUnitIsALengthAndNoScreens) {
     options.x_resolution = expected.x;
     options.y_resolution = expected.y;
     options.resolution_unit = expected.unit;
-    write_tiff_pages(folder.file("a.tif"), 2, 2, options, lettered_pages(2, 4));
-    const auto file = open_volume(folder.file("a.tif"));
+    write_tiff_pages(folder / "a.tif", 2, 2, options, lettered_pages(2, 4));
+    const auto file = open_volume(folder / "a.tif");
     const Vec3d spacing = file->header().geometry.spacing_mm();
     for (int a = 0; a < 3; ++a) EXPECT_DOUBLE_EQ(spacing[a], expected.spacing[a]) << expected.x;
     EXPECT_EQ(file->header().warnings.size(), expected.warnings) << expected.x;
@@ -120,8 +121,8 @@ TEST(UnitImageJ, SpacingIsInTheUnitOfTheDescription) {
     options.x_resolution = 2;
     options.y_resolution = 4;
     options.resolution_unit = 1;
-    write_tiff_pages(folder.file("a.tif"), 2, 2, options, lettered_pages(2, 4));
-    const auto file = open_volume(folder.file("a.tif"));
+    write_tiff_pages(folder / "a.tif", 2, 2, options, lettered_pages(2, 4));
+    const auto file = open_volume(folder / "a.tif");
     const Vec3d spacing = file->header().geometry.spacing_mm();
     const Vec3d expected = Vec3d(0.5, 0.25, 1.5) * mm;
     for (int a = 0; a < 3; ++a) EXPECT_DOUBLE_EQ(spacing[a], expected[a]) << unit;
@@ -134,24 +135,24 @@ TEST(UnitImageJ, HyperstacksCountChannelsThenSlicesThenFrames) {
   TiffOptions options;
   options.description =
       "ImageJ=1.53t\nimages=12\nchannels=2\nslices=3\nframes=2\nhyperstack=true\n";
-  write_tiff_pages(folder.file("a.tif"), 1, 1, options, lettered_pages(12, 1));  // a to l
-  EXPECT_NE(failure_of(folder.file("a.tif")).find("--frame 0 to 1"), std::string::npos);
+  write_tiff_pages(folder / "a.tif", 1, 1, options, lettered_pages(12, 1));  // a to l
+  EXPECT_NE(failure_of(folder / "a.tif").find("frame 0 to 1"), std::string::npos);
   ReadOptions second;
   second.frame = 1;
-  EXPECT_NE(failure_of(folder.file("a.tif"), second).find("--channel 0 to 1"), std::string::npos);
+  EXPECT_NE(failure_of(folder / "a.tif", second).find("channel 0 to 1"), std::string::npos);
   second.channel = 1;
-  EXPECT_EQ(read_all(*open_volume(folder.file("a.tif"), second)), "hjl");
+  EXPECT_EQ(read_all(*open_volume(folder / "a.tif", second)), "hjl");
   options.description += "order=zct\n";
-  write_tiff_pages(folder.file("b.tif"), 1, 1, options, lettered_pages(12, 1));
-  EXPECT_EQ(read_all(*open_volume(folder.file("b.tif"), second)), "jkl");
+  write_tiff_pages(folder / "b.tif", 1, 1, options, lettered_pages(12, 1));
+  EXPECT_EQ(read_all(*open_volume(folder / "b.tif", second)), "jkl");
 }
 
 TEST(UnitImageJ, AStackWithoutNamedAxesIsOneOfSlices) {
   const TemporaryFolder folder;
   TiffOptions options;
   options.description = "ImageJ=1.53t\nimages=3\n";
-  write_tiff_pages(folder.file("a.tif"), 1, 1, options, lettered_pages(3, 1));
-  EXPECT_EQ(read_all(*open_volume(folder.file("a.tif"))), "abc");
+  write_tiff_pages(folder / "a.tif", 1, 1, options, lettered_pages(3, 1));
+  EXPECT_EQ(read_all(*open_volume(folder / "a.tif")), "abc");
 }
 
 TEST(UnitImageJ, ARunOfImagesBehindOneDirectoryIsReadInEitherByteOrder) {
@@ -202,11 +203,11 @@ TEST(UnitImageJ, ColourMapsOfImageJAreForDisplay) {
   const TemporaryFolder folder;
   TiffOptions options;
   options.photometric = 3;
-  write_tiff(folder.file("a.tif"), 2, 1, options, "ab");
-  EXPECT_NE(failure_of(folder.file("a.tif")).find("palette"), std::string::npos);
+  write_tiff(folder / "a.tif", 2, 1, options, "ab");
+  EXPECT_NE(failure_of(folder / "a.tif").find("palette"), std::string::npos);
   options.description = "ImageJ=1.53t\nimages=1\n";
-  write_tiff(folder.file("b.tif"), 2, 1, options, "ab");
-  EXPECT_EQ(read_all(*open_volume(folder.file("b.tif"))), "ab");
+  write_tiff(folder / "b.tif", 2, 1, options, "ab");
+  EXPECT_EQ(read_all(*open_volume(folder / "b.tif")), "ab");
 }
 
 }  // namespace

@@ -53,8 +53,8 @@ std::size_t value_of(std::string& bytes, int tag) {
 }
 
 std::string sound_pages(const TemporaryFolder& folder, int count) {
-  write_tiff_pages(folder.file("sound.tif"), 4, 3, TiffOptions(), lettered_pages(count, 12));
-  return contents(folder.file("sound.tif"));
+  write_tiff_pages(folder / "sound.tif", 4, 3, TiffOptions(), lettered_pages(count, 12));
+  return contents(folder / "sound.tif");
 }
 
 TEST(FaultTiff, DirectoriesThatComeBackToThemselvesAreAnErrorAndNoLoop) {
@@ -99,10 +99,10 @@ TEST(FaultTiff, MixedPagesNameThePageAndBothKinds) {
   const TemporaryFolder folder;
   const auto mixed = [&](int width, TiffOptions other) {
     const TiffOptions page;
-    write_tiff_pages(folder.file("a.tif"), 4, 3, page, lettered_pages(2, 12));
+    write_tiff_pages(folder / "a.tif", 4, 3, page, lettered_pages(2, 12));
     other.mode = "a";
-    write_tiff(folder.file("a.tif"), width, 3, other, std::string(96, 'x'));
-    return folder.file("a.tif");
+    write_tiff(folder / "a.tif", width, 3, other, std::string(96, 'x'));
+    return folder / "a.tif";
   };
   TiffOptions deep, white, colour;
   deep.bits = 16;
@@ -120,8 +120,8 @@ TEST(FaultTiff, SizesThatTheFileCannotHoldAreRefusedBeforeAnythingIsAllocated) {
   for (const int compression : {1, 8}) {
     TiffOptions options;
     options.compression = compression;
-    write_tiff(folder.file("sound.tif"), 4, 3, options, std::string(12, 'a'));
-    std::string bytes = contents(folder.file("sound.tif"));
+    write_tiff(folder / "sound.tif", 4, 3, options, std::string(12, 'a'));
+    std::string bytes = contents(folder / "sound.tif");
     patch(bytes, value_of(bytes, 256), std::uint32_t(0x7fffffff));
     expect_refused(folder.write("huge.tif", bytes), {"huge.tif", "file length"});
     patch(bytes, value_of(bytes, 256), std::uint32_t(0xffffffff));
@@ -136,8 +136,8 @@ TEST(FaultTiff, ImageJDescriptionsThatCountOtherPagesAreErrors) {
   const auto stack = [&](const std::string& lines, int pages) {
     TiffOptions options;
     options.description = "ImageJ=1.53t\n" + lines;
-    write_tiff_pages(folder.file("a.tif"), 4, 3, options, lettered_pages(pages, 12));
-    return folder.file("a.tif");
+    write_tiff_pages(folder / "a.tif", 4, 3, options, lettered_pages(pages, 12));
+    return folder / "a.tif";
   };
   expect_refused(stack("images=4\nslices=4\n", 3), {"ImageDescription", "4 images", "3 as"});
   expect_refused(stack("images=6\nslices=3\nframes=4\n", 6), {"12 images", "6 as"});
@@ -150,8 +150,8 @@ TEST(FaultTiff, ImageJDescriptionsThatCountOtherPagesAreErrors) {
   TiffOptions compressed;
   compressed.compression = 8;
   compressed.description = "ImageJ=1.53t\nimages=3\nslices=3\n";
-  write_tiff(folder.file("c.tif"), 4, 3, compressed, std::string(12, 'a'));
-  expect_refused(folder.file("c.tif"), {"compressed or scattered"});
+  write_tiff(folder / "c.tif", 4, 3, compressed, std::string(12, 'a'));
+  expect_refused(folder / "c.tif", {"compressed or scattered"});
 }
 
 }  // namespace

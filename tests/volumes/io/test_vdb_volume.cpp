@@ -1,8 +1,8 @@
 // Volumes and warps as OpenVDB files: values come back to the bit, other programs' grids are read,
 // damage is noticed.
 #include <cmath>
-#include <fstream>
 #include <cstring>
+#include <fstream>
 #include <limits>
 #include <random>
 
@@ -10,10 +10,11 @@
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 
-#include "tests/volumes/io/io_fixtures.h"
+#include "tests/support/io_fixtures.h"
 #include "volumes/base/error.h"
-#include "volumes/base/vdb_seal.h"
-#include "volumes/io/dense_writer.h"
+#include "volumes/io/format/dense_writer.h"
+#include "volumes/io/open_volume.h"
+#include "volumes/io/vdb/vdb_seal.h"
 #include "volumes/io/warp_file.h"
 
 namespace supple::test {
@@ -65,7 +66,7 @@ void expect_same_volume(const std::string& path, ValueType type, const std::stri
 
 TEST(PropertyVdbVolume, EveryTypeComesBackToTheBit) {
   const TemporaryFolder folder;
-  const std::string path = folder.file("a.vdb");
+  const std::string path = folder / "a.vdb";
   const auto round_trip = [&](ValueType type, const std::string& values) {
     EXPECT_TRUE(write(path, scalars(type), values).empty());
     expect_same_volume(path, type, values);
@@ -86,17 +87,17 @@ TEST(PropertyVdbVolume, SignedZerosAndNaNAreKept) {
   std::string values = block_of_noise<float>(0.0f);
   const float odd[] = {-0.0f, std::numeric_limits<float>::infinity(), std::nanf("")};
   std::memcpy(&values[4 * 100], odd, sizeof odd);
-  write(folder.file("a.vdb"), scalars(ValueType::float32), values);
-  expect_same_volume(folder.file("a.vdb"), ValueType::float32, values);
+  write(folder / "a.vdb", scalars(ValueType::float32), values);
+  expect_same_volume(folder / "a.vdb", ValueType::float32, values);
 }
 
 TEST(UnitVdbVolume, WhatNoFloatHoldsIsRoundedAndCounted) {
   const TemporaryFolder folder;
-  const auto warnings = write(folder.file("a.vdb"), scalars(ValueType::int32),
+  const auto warnings = write(folder / "a.vdb", scalars(ValueType::int32),
                               block_of_noise<std::int32_t>((1 << 24) + 1));
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_EQ(warnings[0], "2530 values were rounded to 32-bit floats");
-  EXPECT_EQ(open_volume(folder.file("a.vdb"))->header().type, ValueType::float32);
+  EXPECT_EQ(open_volume(folder / "a.vdb")->header().type, ValueType::float32);
 }
 
 TEST(UnitVdbVolume, AWarpKeepsVectorsDirectionAndCertificate) {
@@ -107,8 +108,8 @@ TEST(UnitVdbVolume, AWarpKeepsVectorsDirectionAndCertificate) {
   image.components = 3;
   image.direction = "material";
   image.certificate = "{\"cells\":3}";
-  write(folder.file("w.vdb"), image, bytes_of_values(values));
-  const Warp warp = read_warp(folder.file("w.vdb"));
+  write(folder / "w.vdb", image, bytes_of_values(values));
+  const Warp warp = read_warp(folder / "w.vdb");
   EXPECT_TRUE(warp.geometry == kOblique);
   EXPECT_EQ(warp.direction, WarpDirection::material);
   EXPECT_EQ(std::memcmp(warp.vectors.data(), values.data(), values.size() * sizeof(float)), 0);
@@ -118,9 +119,9 @@ TEST(UnitVdbVolume, EqualVolumesAreEqualFiles) {
   const TemporaryFolder folder;
   const std::string values = block_of_noise<std::int16_t>(3);
   for (const char* name : {"a.vdb", "b.vdb"}) {
-    write(folder.file(name), scalars(ValueType::int16), values);
+    write(folder / name, scalars(ValueType::int16), values);
   }
-  EXPECT_EQ(bytes_of_file(folder.file("a.vdb")), bytes_of_file(folder.file("b.vdb")));
+  EXPECT_EQ(read_text(folder / "a.vdb"), read_text(folder / "b.vdb"));
 }
 
 /// A file as other programs write it.
@@ -142,8 +143,8 @@ openvdb::FloatGrid::Ptr fog(const std::string& name) {
 TEST(UnitVdbVolume, AForeignFogVolumeFillsTheBoxOfItsActiveVoxels) {
   openvdb::initialize();
   const TemporaryFolder folder;
-  write_foreign(folder.file("f.vdb"), {fog("cloud")});
-  const auto file = open_volume(folder.file("f.vdb"));
+  write_foreign(folder / "f.vdb", {fog("cloud")});
+  const auto file = open_volume(folder / "f.vdb");
   const Geometry expected({5, 2, 3}, {-1.5, 2, 2.5}, {Vec3d(0.5, 0, 0), {0, 0.5, 0}, {0, 0, 0.5}});
   EXPECT_TRUE(file->header().geometry == expected);
   std::vector<float> values(30, -1.0f);
@@ -156,8 +157,8 @@ TEST(FaultVdbVolume, GridsThatAreNoVolumeAreNamed) {
   openvdb::initialize();
   const TemporaryFolder folder;
   const auto line_of = [&](const openvdb::GridCPtrVec& grids) {
-    write_foreign(folder.file("g.vdb"), grids);
-    return failure_of(folder.file("g.vdb"));
+    write_foreign(folder / "g.vdb", grids);
+    return failure_of(folder / "g.vdb");
   };
   auto mask = openvdb::BoolGrid::create(false);
   mask->setName("mask");
@@ -174,8 +175,8 @@ TEST(FaultVdbVolume, GridsThatAreNoVolumeAreNamed) {
 
 TEST(FaultVdbVolume, EveryFlippedByteAndEveryCutIsNoticed) {
   const TemporaryFolder folder;
-  write(folder.file("a.vdb"), scalars(ValueType::int16), block_of_noise<std::int16_t>(3));
-  const std::string sound = bytes_of_file(folder.file("a.vdb"));
+  write(folder / "a.vdb", scalars(ValueType::int16), block_of_noise<std::int16_t>(3));
+  const std::string sound = read_text(folder / "a.vdb");
   for (std::size_t at = 0; at < sound.size(); at += 97) {
     std::string damaged = sound;
     damaged[at] = char(damaged[at] ^ 4);
@@ -189,12 +190,12 @@ TEST(FaultVdbVolume, EveryFlippedByteAndEveryCutIsNoticed) {
 TEST(FaultVdbVolume, AStateIsNoVolume) {
   openvdb::initialize();
   const TemporaryFolder folder;
-  std::ofstream out(folder.file("s.vdb"), std::ios::binary);
+  std::ofstream out(folder / "s.vdb", std::ios::binary);
   openvdb::MetaMap metadata;
   metadata.insertMeta("supple_format", openvdb::StringMetadata("state 1"));
   openvdb::io::Stream(out).write(openvdb::GridCPtrVec{fog("density")}, metadata);
   out.close();
-  EXPECT_NE(failure_of(folder.file("s.vdb")).find("a deformed body"), std::string::npos);
+  EXPECT_NE(failure_of(folder / "s.vdb").find("a deformed body"), std::string::npos);
 }
 
 }  // namespace

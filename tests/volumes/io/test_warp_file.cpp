@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/volumes/io/io_fixtures.h"
+#include "tests/support/io_fixtures.h"
 #include "volumes/base/error.h"
 #include "volumes/io/volume_writer.h"
 #include "volumes/io/warp_file.h"
@@ -147,8 +147,8 @@ TEST(UnitWarpFile, WhatTheWriterWroteReadsBackWithItsDirection) {
   const auto slices = [&](int k, Vec3f* out) { std::copy_n(vectors.begin() + 6 * k, 6, out); };
   for (const WarpDirection direction : {WarpDirection::resample, WarpDirection::material}) {
     for (const char* name : {"a.nrrd", "a.nhdr", "a.mha", "a.mhd"}) {
-      write_warp(folder.file(name), {grid, direction}, slices);
-      const Warp warp = read_warp(folder.file(name));
+      write_warp(folder / name, {grid, direction}, slices);
+      const Warp warp = read_warp(folder / name);
       EXPECT_EQ(warp.geometry, grid) << name;
       EXPECT_EQ(warp.direction, direction) << name;
       EXPECT_EQ(warp.vectors, vectors) << name;
@@ -173,7 +173,7 @@ TEST(FaultWarpFile, ScalarsAndVectorsAreNotMixedUp) {
                                           folder.write("a.mha", metaimage("") + data)};
   for (const std::string& path : warps) {
     const std::string line = failure_of(path);
-    EXPECT_NE(line.find("found 3 components per voxel, expected a scalar volume, or --channel 0 to "
+    EXPECT_NE(line.find("found 3 components per voxel, expected a scalar volume, or channel 0 to "
                         "2; a warp goes to "
                         "--offsets"),
               std::string::npos)
@@ -183,7 +183,7 @@ TEST(FaultWarpFile, ScalarsAndVectorsAreNotMixedUp) {
       "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 3 2 2\nencoding: raw\n\n";
   expect_refused(folder.write("s.nrrd", scalars + std::string(12, 'x')),
                  {"s.nrrd", "one component", "three components"});
-  EXPECT_EQ(failure_of(folder.file("s.nrrd")), "");
+  EXPECT_EQ(failure_of(folder / "s.nrrd"), "");
 }
 
 TEST(FaultWarpFile, WhatIsNoVectorOfThreeComponentsIsRefused) {

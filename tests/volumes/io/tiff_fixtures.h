@@ -1,7 +1,7 @@
 // TIFF files of several pages for the reader tests, written by libtiff.
 #pragma once
 
-#include "tests/volumes/io/io_fixtures.h"
+#include "tests/support/io_fixtures.h"
 
 namespace supple::test {
 

@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/volumes/state/scratch.h"
+#include "tests/support/temporary_folder.h"
 #include "volumes/base/error.h"
-#include "volumes/mesh/mesh_file.h"
+#include "volumes/io/mesh/mesh_file.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -26,13 +26,13 @@ Vec3d turned(std::size_t, const Vec3d& n) {
 std::string after(const std::string& name, const std::string& content,
                   const std::function<Vec3d(const Vec3d&)>& move = moved,
                   const MeshFile::TurnNormal& turn = turned) {
-  const ScratchFolder scratch("mesh_file");
-  write_bytes(scratch / name, content);
+  const TemporaryFolder scratch;
+  write_text(scratch / name, content);
   const MeshFile file(scratch / name);
   std::vector<Vec3d> positions;
   for (const Vec3d& p : file.positions_lps_mm()) positions.push_back(move(p));
   file.write_moved(scratch / ("out_" + name), positions, turn);
-  return file_bytes(scratch / ("out_" + name));
+  return read_text(scratch / ("out_" + name));
 }
 
 template <class Value>

@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/volumes/state/scratch.h"
+#include "tests/support/temporary_folder.h"
 #include "volumes/base/error.h"
-#include "volumes/mesh/triangle_mesh.h"
+#include "volumes/io/mesh/triangle_mesh.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -15,8 +15,8 @@ namespace {
 using Lines = std::vector<std::array<int, 2>>;
 
 LineNetwork network_of(const std::string& name, const std::string& content) {
-  const ScratchFolder folder("network");
-  write_bytes(folder / name, content);
+  const TemporaryFolder folder;
+  write_text(folder / name, content);
   return read_network(folder / name);
 }
 
@@ -99,7 +99,7 @@ TEST(FaultNetwork, LinesWithoutTheirVerticesAreRefused) {
 }
 
 TEST(UnitNetwork, ASurfaceAloneIsReadAsBeforeWhateverItsLinesSay) {
-  const ScratchFolder folder("network");
-  write_bytes(folder / "a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 9\nf 1 2 3\n");
+  const TemporaryFolder folder;
+  write_text(folder / "a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 9\nf 1 2 3\n");
   EXPECT_EQ(read_mesh(folder / "a.obj").triangles.size(), 1u);
 }

@@ -6,9 +6,9 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/volumes/state/scratch.h"
+#include "tests/support/temporary_folder.h"
 #include "volumes/base/error.h"
-#include "volumes/mesh/triangle_mesh.h"
+#include "volumes/io/mesh/triangle_mesh.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -126,11 +126,9 @@ TriangleMesh random_mesh(std::mt19937& random, bool floats) {
 
 class FaultMesh : public ::testing::Test {
  protected:
-  FaultMesh() : m_folder("mesh-faults") {}
-
   /// The message of reading these bytes under that name; "" when they read.
   std::string message_of(const std::string& name, const std::string& bytes) {
-    write_bytes(m_folder / name, bytes);
+    write_text(m_folder / name, bytes);
     try {
       read_mesh(m_folder / name);
     } catch (const InputError& error) {
@@ -144,7 +142,7 @@ class FaultMesh : public ::testing::Test {
     EXPECT_NE(message.find(part), std::string::npos) << message;
   }
 
-  ScratchFolder m_folder;
+  TemporaryFolder m_folder;
 };
 
 const TriangleMesh kTriangle{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
@@ -153,43 +151,43 @@ const TriangleMesh kPair{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}, {{0, 1, 2
 }  // namespace
 
 TEST(PropertyMesh, EveryFormatReadsBackTheCornersOfItsTriangles) {
-  const ScratchFolder folder("mesh-round-trip");
+  const TemporaryFolder folder;
   std::mt19937 random(31);
   for (int n = 0; n < 30; ++n) {
     const TriangleMesh exact = random_mesh(random, false), rounded = random_mesh(random, true);
-    write_bytes(folder / "binary.stl", binary_stl(rounded, n % 2 ? "solid as some write" : "x"));
+    write_text(folder / "binary.stl", binary_stl(rounded, n % 2 ? "solid as some write" : "x"));
     EXPECT_EQ(corners_of(read_mesh(folder / "binary.stl")), corners_of(rounded));
-    write_bytes(folder / "text.STL", text_stl(exact));
+    write_text(folder / "text.STL", text_stl(exact));
     EXPECT_EQ(corners_of(read_mesh(folder / "text.STL")), corners_of(exact));
     for (const Ply form : {Ply::text, Ply::little, Ply::big}) {
-      write_bytes(folder / "a.ply", ply(exact, form));
+      write_text(folder / "a.ply", ply(exact, form));
       EXPECT_EQ(corners_of(read_mesh(folder / "a.ply")), corners_of(exact));
     }
-    write_bytes(folder / "a.obj", obj(exact));
+    write_text(folder / "a.obj", obj(exact));
     EXPECT_EQ(corners_of(read_mesh(folder / "a.obj")), corners_of(exact));
   }
 }
 
 TEST(UnitMesh, PolygonsBecomeFansAndNegativeIndicesCountFromTheEnd) {
-  const ScratchFolder folder("mesh-polygons");
-  write_bytes(folder / "a.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nl 1 2\nf -4 2 3 -1");
+  const TemporaryFolder folder;
+  write_text(folder / "a.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nl 1 2\nf -4 2 3 -1");
   const TriangleMesh mesh = read_mesh(folder / "a.obj");
   ASSERT_EQ(mesh.triangles.size(), 2u);
   EXPECT_EQ(mesh.triangles[0], (std::array<int, 3>{0, 1, 2}));
   EXPECT_EQ(mesh.triangles[1], (std::array<int, 3>{0, 2, 3}));
-  write_bytes(folder / "a.ply",
-              "ply\r\nformat ascii 1.0\r\nelement vertex 4\r\nproperty float x\r\nproperty float "
-              "y\r\nproperty float z\r\nelement face 2\r\nproperty list uchar uint vertex_index\r\n"
-              "end_header\r\n0 0 0\r\n1 0 0\r\n1 1 0\r\n0 1 0\r\n4 0 1 2 3\r\n2 0 1\r\n");
+  write_text(folder / "a.ply",
+             "ply\r\nformat ascii 1.0\r\nelement vertex 4\r\nproperty float x\r\nproperty float "
+             "y\r\nproperty float z\r\nelement face 2\r\nproperty list uchar uint vertex_index\r\n"
+             "end_header\r\n0 0 0\r\n1 0 0\r\n1 1 0\r\n0 1 0\r\n4 0 1 2 3\r\n2 0 1\r\n");
   EXPECT_EQ(corners_of(read_mesh(folder / "a.ply")), corners_of(mesh));
 }
 
 TEST(UnitMesh, CoordinatesAreLpsUnlessTheFileSaysRas) {
-  const ScratchFolder folder("mesh-frame");
+  const TemporaryFolder folder;
   const TriangleMesh mesh{{{1, 2, 3}, {4, 5, 6}, {7, 8, 10}}, {{0, 1, 2}}};
-  write_bytes(folder / "lps.stl", binary_stl(mesh, "3D Slicer output. SPACE=LPS"));
-  write_bytes(folder / "ras.stl", binary_stl(mesh, "3D Slicer output. SPACE=RAS"));
-  write_bytes(folder / "ras.obj", "# 3D Slicer output. SPACE=RAS\n" + obj(mesh));
+  write_text(folder / "lps.stl", binary_stl(mesh, "3D Slicer output. SPACE=LPS"));
+  write_text(folder / "ras.stl", binary_stl(mesh, "3D Slicer output. SPACE=RAS"));
+  write_text(folder / "ras.obj", "# 3D Slicer output. SPACE=RAS\n" + obj(mesh));
   EXPECT_EQ(read_mesh(folder / "lps.stl").vertices_lps_mm[0], Vec3d(1, 2, 3));
   EXPECT_EQ(read_mesh(folder / "ras.stl").vertices_lps_mm[0], Vec3d(-1, -2, 3));
   EXPECT_EQ(read_mesh(folder / "ras.obj").vertices_lps_mm[2], Vec3d(-7, -8, 10));

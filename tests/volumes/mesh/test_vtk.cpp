@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/volumes/state/scratch.h"
+#include "tests/support/temporary_folder.h"
 #include "volumes/base/error.h"
-#include "volumes/mesh/mesh_file.h"
+#include "volumes/io/mesh/mesh_file.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -21,21 +21,21 @@ const std::string kText = head("ASCII", "POLYDATA");
 const std::string kSquare = "POINTS 4 float\n0 0 0 1 0 0 1 1 0\n0 1 0\n";
 
 TriangleMesh read(const std::string& content) {
-  const ScratchFolder scratch("vtk");
-  write_bytes(scratch / "a.vtk", content);
+  const TemporaryFolder scratch;
+  write_text(scratch / "a.vtk", content);
   return read_mesh(scratch / "a.vtk");
 }
 
 /// The file with x + 1 everywhere, normals turned a quarter from z to x.
 std::string after(const std::string& content) {
-  const ScratchFolder scratch("vtk");
-  write_bytes(scratch / "a.vtk", content);
+  const TemporaryFolder scratch;
+  write_text(scratch / "a.vtk", content);
   const MeshFile file(scratch / "a.vtk");
   std::vector<Vec3d> positions;
   for (const Vec3d& p : file.positions_lps_mm()) positions.push_back(p + Vec3d(1, 0, 0));
   file.write_moved(scratch / "out.vtk", positions,
                    [](std::size_t, const Vec3d& n) { return Vec3d(n.z, n.y, -n.x); });
-  return file_bytes(scratch / "out.vtk");
+  return read_text(scratch / "out.vtk");
 }
 
 template <class Value>

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "tests/volumes/state/random_state.h"
+#include "tests/support/random_state.h"
 #include "volumes/field/displacement.h"
 #include "volumes/state/live_displacement.h"
 

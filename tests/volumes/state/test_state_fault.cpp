@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "tests/volumes/state/random_state.h"
-#include "tests/volumes/state/scratch.h"
+#include "tests/support/random_state.h"
+#include "tests/support/temporary_folder.h"
 #include "volumes/base/error.h"
 
 using namespace supple;
@@ -29,14 +29,14 @@ std::string read_error(const std::string& path) {
   return "";
 }
 
-std::string small_state_bytes(const ScratchFolder& folder) {
+std::string small_state_bytes(const TemporaryFolder& folder) {
   write_state(folder / "good.vdb", random_state(21, 12));
-  return file_bytes(folder / "good.vdb");
+  return read_text(folder / "good.vdb");
 }
 
 /// The message with which a state is refused before anything is written.
 std::string write_error(const std::function<void(State&)>& damage) {
-  const ScratchFolder folder("state-refused");
+  const TemporaryFolder folder;
   State state = random_state(22);
   damage(state);
   std::string message;
@@ -45,41 +45,41 @@ std::string write_error(const std::function<void(State&)>& damage) {
   } catch (const InputError& error) {
     message = error.what();
   }
-  EXPECT_EQ(folder.file_count(), message.empty() ? 1u : 0u);
+  EXPECT_EQ(folder.entries().size(), message.empty() ? 1u : 0u);
   return message;
 }
 
 }  // namespace
 
 TEST(FaultState, EveryFlippedBitIsAnInputError) {
-  const ScratchFolder folder("state-flipped");
+  const TemporaryFolder folder;
   const std::string good = small_state_bytes(folder);
   std::mt19937 random(1);
   for (int n = 0; n < 3000; ++n) {
     std::string bad = good;
     bad[random() % bad.size()] ^= char(1u << (random() % 8));
-    write_bytes(folder / "bad.vdb", bad);
+    write_text(folder / "bad.vdb", bad);
     ASSERT_NE(read_error(folder / "bad.vdb"), "") << "case " << n;
   }
 }
 
 TEST(FaultState, EveryTruncationAndEveryAppendedByteIsAnInputError) {
-  const ScratchFolder folder("state-truncated");
+  const TemporaryFolder folder;
   const std::string good = small_state_bytes(folder);
   std::mt19937 random(2);
   for (int n = 0; n < 1000; ++n) {
     const std::size_t length = n < 300 ? std::size_t(n) : random() % good.size();
-    write_bytes(folder / "bad.vdb", good.substr(0, length));
+    write_text(folder / "bad.vdb", good.substr(0, length));
     ASSERT_NE(read_error(folder / "bad.vdb"), "") << "length " << length;
   }
   for (int n = 0; n < 100; ++n) {
-    write_bytes(folder / "bad.vdb", good + std::string(1 + random() % 500, char(random())));
+    write_text(folder / "bad.vdb", good + std::string(1 + random() % 500, char(random())));
     ASSERT_NE(read_error(folder / "bad.vdb"), "");
   }
 }
 
 TEST(FaultState, OverwrittenRangesAreInputErrors) {
-  const ScratchFolder folder("state-overwritten");
+  const TemporaryFolder folder;
   const std::string good = small_state_bytes(folder);
   std::mt19937 random(3);
   for (int n = 0; n < 1000; ++n) {
@@ -89,40 +89,40 @@ TEST(FaultState, OverwrittenRangesAreInputErrors) {
     const bool zeros = random() % 2 == 0;
     for (std::size_t at = first; at < first + count; ++at) bad[at] = zeros ? 0 : char(random());
     if (bad == good) continue;
-    write_bytes(folder / "bad.vdb", bad);
+    write_text(folder / "bad.vdb", bad);
     ASSERT_NE(read_error(folder / "bad.vdb"), "") << "case " << n;
   }
 }
 
 TEST(FaultState, EachKindOfWrongFileHasItsOwnLine) {
-  const ScratchFolder folder("state-wrong");
+  const TemporaryFolder folder;
   const std::string good = small_state_bytes(folder);
   const std::string path = folder / "bad.vdb";
   EXPECT_EQ(read_error(path), path + ": found no such file, expected a readable file");
   EXPECT_NE(read_error(folder / "").find("a directory"), std::string::npos);
-  write_bytes(path, "");
+  write_text(path, "");
   EXPECT_NE(read_error(path).find("an empty file"), std::string::npos);
-  write_bytes(path, "NRRD0004\ntype: float\n");
+  write_text(path, "NRRD0004\ntype: float\n");
   EXPECT_NE(read_error(path).find("not OpenVDB"), std::string::npos);
   EXPECT_FALSE(is_state_file(path));
-  write_bytes(path, good.substr(0, good.size() - 128));
+  write_text(path, good.substr(0, good.size() - 128));
   EXPECT_NE(read_error(path).find("cut off"), std::string::npos);
   EXPECT_TRUE(is_state_file(path));
   std::string damaged = good;
   damaged[damaged.size() / 2] ^= 4;
-  write_bytes(path, damaged);
+  write_text(path, damaged);
   EXPECT_NE(read_error(path).find("damaged content"), std::string::npos);
   EXPECT_FALSE(is_state_file(folder / "missing.vdb"));
   EXPECT_FALSE(is_state_file(folder / ""));
 }
 
 TEST(FaultState, AFailedWriteKeepsTheOldFileAndLeavesNothingElse) {
-  const ScratchFolder folder("state-full-disk");
+  const TemporaryFolder folder;
   write_state(folder / "a.vdb", random_state(30, 6));
-  const std::string old = file_bytes(folder / "a.vdb");
+  const std::string old = read_text(folder / "a.vdb");
   const State large = random_state(31, 28);
   write_state(folder / "large.vdb", large);
-  const std::size_t size = file_bytes(folder / "large.vdb").size();
+  const std::size_t size = read_text(folder / "large.vdb").size();
   std::filesystem::remove(folder / "large.vdb");
 
   // From failing in the header to failing in the trailer.
@@ -139,13 +139,13 @@ TEST(FaultState, AFailedWriteKeepsTheOldFileAndLeavesNothingElse) {
     }
     EXPECT_NE(message.find("cannot write: File too large"), std::string::npos)
         << "limit " << limit << ": " << message;
-    EXPECT_EQ(file_bytes(folder / "a.vdb"), old);
-    EXPECT_EQ(folder.file_count(), 1u);
+    EXPECT_EQ(read_text(folder / "a.vdb"), old);
+    EXPECT_EQ(folder.entries().size(), 1u);
   }
 }
 
 TEST(FaultState, AReadOnlyFolderIsASystemErrorAndAMissingOneAnInputError) {
-  const ScratchFolder folder("state-folder");
+  const TemporaryFolder folder;
   EXPECT_THROW(write_state(folder / "none/a.vdb", random_state(1)), InputError);
   EXPECT_THROW(write_state(folder / "", random_state(1)), InputError);
   if (::geteuid() == 0) GTEST_SKIP() << "root may write into read-only folders";

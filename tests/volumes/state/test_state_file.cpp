@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "tests/volumes/state/random_state.h"
-#include "tests/volumes/state/scratch.h"
+#include "tests/support/random_state.h"
+#include "tests/support/temporary_folder.h"
 #include "volumes/base/error.h"
 #include "volumes/field/procedural.h"
 
@@ -13,7 +13,7 @@ using namespace supple;
 using namespace supple::test;
 
 TEST(PropertyState, AWrittenStateReadsBackBitForBit) {
-  const ScratchFolder folder("state-round-trip");
+  const TemporaryFolder folder;
   std::int64_t elements = 0, cuts = 0;
   for (unsigned seed = 0; seed < 150; ++seed) {
     const State state = random_state(seed);
@@ -25,11 +25,11 @@ TEST(PropertyState, AWrittenStateReadsBackBitForBit) {
   }
   EXPECT_GT(elements, 10000);
   EXPECT_GT(cuts, 1000);
-  EXPECT_EQ(folder.file_count(), 1u);
+  EXPECT_EQ(folder.entries().size(), 1u);
 }
 
 TEST(PropertyState, EqualStatesAreEqualFilesWhateverTheThreadCount) {
-  const ScratchFolder folder("state-equal");
+  const TemporaryFolder folder;
   for (unsigned seed = 0; seed < 20; ++seed) {
     const State state = random_state(seed);
     {
@@ -38,12 +38,12 @@ TEST(PropertyState, EqualStatesAreEqualFilesWhateverTheThreadCount) {
     }
     const tbb::global_control four(tbb::global_control::max_allowed_parallelism, 4);
     write_state(folder / "b.vdb", read_state(folder / "a.vdb"));
-    ASSERT_EQ(file_bytes(folder / "a.vdb"), file_bytes(folder / "b.vdb")) << "seed " << seed;
+    ASSERT_EQ(read_text(folder / "a.vdb"), read_text(folder / "b.vdb")) << "seed " << seed;
   }
 }
 
 TEST(PropertyState, AStateThatDiffersInOneBitIsAnotherFile) {
-  const ScratchFolder folder("state-differs");
+  const TemporaryFolder folder;
   State state = random_state(5);
   ASSERT_FALSE(state.elements.empty());
   state.q[1] = {};
@@ -53,12 +53,12 @@ TEST(PropertyState, AStateThatDiffersInOneBitIsAnotherFile) {
   while (!mask_test(state.elements.mask(0), first)) ++first;
   state.q[1].touch(0)[first] = 1;
   write_state(folder / "b.vdb", state);
-  EXPECT_NE(file_bytes(folder / "a.vdb"), file_bytes(folder / "b.vdb"));
+  EXPECT_NE(read_text(folder / "a.vdb"), read_text(folder / "b.vdb"));
   EXPECT_TRUE(same_state(read_state(folder / "b.vdb"), state));
 }
 
 TEST(UnitState, ZerosEqualACoordinateThatNeverMoved) {
-  const ScratchFolder folder("state-zeros");
+  const TemporaryFolder folder;
   State state = random_state(3);
   ASSERT_FALSE(state.elements.empty());
   state.q = {};
@@ -66,18 +66,18 @@ TEST(UnitState, ZerosEqualACoordinateThatNeverMoved) {
   state.q[2].resize(state.elements.brick_count());
   for (std::size_t b = 0; b < state.elements.brick_count(); ++b) state.q[2].touch(b);
   write_state(folder / "b.vdb", state);
-  EXPECT_EQ(file_bytes(folder / "a.vdb"), file_bytes(folder / "b.vdb"));
+  EXPECT_EQ(read_text(folder / "a.vdb"), read_text(folder / "b.vdb"));
   EXPECT_TRUE(read_state(folder / "b.vdb").q[2].empty());
 }
 
 TEST(UnitState, LinksCutInAnotherOrderGiveTheSameFileAndNoneGivesNoGrid) {
-  const ScratchFolder folder("state-cuts");
+  const TemporaryFolder folder;
   State state;
   state.geometry = Geometry().with_dims({20, 2, 2});
   state.elements = bricks_where({20, 2, 2}, [](const Vec3i&) { return true; });
   state.density = make_density_grid(state.elements, std::vector<float>(3 * kBrickVoxels, 1.0f), 0);
   write_state(folder / "none.vdb", state);
-  EXPECT_EQ(file_bytes(folder / "none.vdb").find("cut_links"), std::string::npos);
+  EXPECT_EQ(read_text(folder / "none.vdb").find("cut_links"), std::string::npos);
   const int last = brick_offset({7, 1, 0});
   EXPECT_TRUE(state.cuts.cut(1, last, 0));
   EXPECT_FALSE(state.cuts.cut(1, last, 0));
@@ -91,21 +91,21 @@ TEST(UnitState, LinksCutInAnotherOrderGiveTheSameFileAndNoneGivesNoGrid) {
   EXPECT_TRUE(reversed == state.cuts);
   state.cuts = reversed;
   write_state(folder / "b.vdb", state);
-  EXPECT_EQ(file_bytes(folder / "a.vdb"), file_bytes(folder / "b.vdb"));
+  EXPECT_EQ(read_text(folder / "a.vdb"), read_text(folder / "b.vdb"));
 }
 
 TEST(UnitState, LabelsThatNoElementHasGiveNoGrid) {
-  const ScratchFolder folder("state-labels");
+  const TemporaryFolder folder;
   State state;
   state.geometry = Geometry().with_dims({20, 2, 2});
   state.elements = bricks_where({20, 2, 2}, [](const Vec3i&) { return true; });
   state.density = make_density_grid(state.elements, std::vector<float>(3 * kBrickVoxels, 1.0f), 0);
   write_state(folder / "none.vdb", state);
-  EXPECT_EQ(file_bytes(folder / "none.vdb").find("label"), std::string::npos);
+  EXPECT_EQ(read_text(folder / "none.vdb").find("label"), std::string::npos);
   state.labels.resize(3);
   state.labels.touch(1);
   write_state(folder / "zeros.vdb", state);
-  EXPECT_EQ(file_bytes(folder / "none.vdb"), file_bytes(folder / "zeros.vdb"));
+  EXPECT_EQ(read_text(folder / "none.vdb"), read_text(folder / "zeros.vdb"));
   state.labels.set(2 * kBrickVoxels, kMaxLabel);
   state.anchor_labels = {kMaxLabel};
   write_state(folder / "one.vdb", state);
@@ -152,18 +152,18 @@ TEST(PropertyState, TheExtendedDisplacementCoversElementsAndShell) {
 }
 
 TEST(UnitState, OffsetsForOtherProgramsDoNotChangeTheState) {
-  const ScratchFolder folder("state-offsets");
+  const TemporaryFolder folder;
   const State state = random_state(11);
   const OffsetField offsets =
       sample_offsets(shear_warp({3, 3, 3}, 0.2), state.geometry, state.elements);
   write_state(folder / "a.vdb", state);
   write_state(folder / "b.vdb", state, offsets);
-  EXPECT_GT(file_bytes(folder / "b.vdb").size(), file_bytes(folder / "a.vdb").size());
+  EXPECT_GT(read_text(folder / "b.vdb").size(), read_text(folder / "a.vdb").size());
   EXPECT_TRUE(same_state(read_state(folder / "b.vdb"), state));
 }
 
 TEST(UnitState, GeometriesThatOpenVdbRefusesAreKept) {
-  const ScratchFolder folder("state-tiny");
+  const TemporaryFolder folder;
   State state = random_state(12);
   for (const double scale : {1e-9, 1e9}) {
     state.geometry = Geometry(state.geometry.dims(), Vec3d(0.1, 1.0 / 3, -0.0),

@@ -1,13 +1,15 @@
 // Files that are sealed and still wrong: what only a program that knows our format could write.
 // Reading checks every grid that later code trusts.
+#include <fstream>
+
 #include <gtest/gtest.h>
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 
-#include "tests/volumes/state/random_state.h"
-#include "tests/volumes/state/scratch.h"
+#include "tests/support/random_state.h"
+#include "tests/support/temporary_folder.h"
 #include "volumes/base/error.h"
-#include "volumes/base/vdb_seal.h"
+#include "volumes/io/vdb/vdb_seal.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -29,7 +31,7 @@ struct Parts {
 
 class FaultForgedState : public ::testing::Test {
  protected:
-  FaultForgedState() : m_folder("state-forged"), m_path(m_folder / "a.vdb") {
+  FaultForgedState() : m_path(m_folder / "a.vdb") {
     openvdb::initialize();
     State state = random_state(40, 12);
     m_element = state.elements.origin(0);
@@ -59,7 +61,7 @@ class FaultForgedState : public ::testing::Test {
     EXPECT_NE(message.find(part), std::string::npos) << message;
   }
 
-  ScratchFolder m_folder;
+  TemporaryFolder m_folder;
   std::string m_path;
   Vec3i m_element;
   Parts m_parts;

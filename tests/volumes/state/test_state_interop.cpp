@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/volumes/state/random_state.h"
-#include "tests/volumes/state/scratch.h"
+#include "tests/support/random_state.h"
+#include "tests/support/temporary_folder.h"
 #include "volumes/field/procedural.h"
 
 using namespace supple;
@@ -22,7 +22,7 @@ bool run_python(const std::string& script) {
 
 TEST(InteropState, PythonOpenVdbReadsTheDerivedGridsInMillimetres) {
   if (!run_python("-c 'import pyopenvdb' 2>&1")) GTEST_SKIP() << "python3-openvdb is not installed";
-  const ScratchFolder folder("state-python");
+  const TemporaryFolder folder;
 
   // x moves by half a voxel of 2 mm along i, which points to -y: 1 mm to the anterior.
   State state;
@@ -39,7 +39,7 @@ TEST(InteropState, PythonOpenVdbReadsTheDerivedGridsInMillimetres) {
                                              state.geometry, state.elements);
   write_state(folder / "a.vdb", state, offsets);
 
-  write_bytes(folder / "judge.py", R"(
+  write_text(folder / "judge.py", R"(
 import sys
 import pyopenvdb as vdb
 for name, direction, y in (('displacement', 'material', -1.0), ('offset', 'resample', 1.0)):

@@ -1,0 +1,32 @@
+// Enhanced ChainMail as a model of voxel bodies: the whole drag is done by move(), and there is
+// nothing to step.
+#pragma once
+
+#include "lib/chainmail/ecm.h"
+#include "lib/model/held_body.h"
+#include "lib/model/model.h"
+
+namespace supple {
+
+class VoxelEcmModel final : public Model<Handle> {
+ public:
+  explicit VoxelEcmModel(const HeldBody& held);
+
+  void move(const std::vector<Handle>& handles, int steps, Progress* progress) override;
+  bool step() override { return false; }
+  /// That of the springs that relaxation would find.
+  ModelEnergy energy() override;
+  std::vector<Reaction> reactions(const std::vector<Handle>& handles) override;
+  void store() override {}
+
+  /// Of the last move.
+  const EcmReport& report() const { return m_report; }
+  std::size_t bytes() const { return m_solver.bytes(); }
+
+ private:
+  HeldBody m_held;
+  EcmSolver m_solver;
+  EcmReport m_report;
+};
+
+}  // namespace supple

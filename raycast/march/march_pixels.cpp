@@ -1,0 +1,95 @@
+#include "raycast/march/march_pixels.h"
+
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+
+#include <oneapi/tbb/blocked_range2d.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include "raycast/march/blue_noise.h"
+
+namespace supple {
+
+namespace {
+
+constexpr int kTile = 16;
+
+/// Progress from many threads: one at a time reports, any may cancel.
+class SharedProgress {
+ public:
+  SharedProgress(Progress* progress, std::int64_t total) : m_progress(progress), m_total(total) {}
+  void done(std::int64_t count) {
+    const std::int64_t now = m_done += count;
+    if (m_progress == nullptr) return;
+    if (m_progress->cancelled()) throw Cancelled();
+    const std::unique_lock lock(m_mutex, std::try_to_lock);
+    if (lock) report(m_progress, double(now) / double(m_total));
+  }
+
+ private:
+  Progress* m_progress;
+  std::int64_t m_total;
+  std::atomic<std::int64_t> m_done{0};
+  std::mutex m_mutex;
+};
+
+/// One pixel of a picture, marched.
+class PixelMarch {
+ public:
+  PixelMarch(const RenderContext& context, const Camera& camera, FloatImage& picture)
+      : m_marcher(context),
+        m_jitter(context.settings.jitter),
+        m_rays(camera, picture.width, picture.height),
+        m_forward(camera_frame(camera).forward),
+        m_picture(picture) {}
+
+  void march(int x, int y) {
+    const Ray ray = m_rays.at(x + 0.5, y + 0.5);
+    const Float4 sum = m_marcher.march(ray, m_jitter ? blue_noise(x, y) : 0);
+    const std::size_t n = std::size_t(y) * m_picture.width + x;
+    for (std::size_t c = 0; c < 4; ++c) m_picture.rgba[4 * n + c] = sum[c];
+    SeenSurface seen;
+    if (!m_picture.has_auxiliary() || !m_marcher.surface(seen)) return;
+    m_picture.depth_mm[n] = float(seen.distance_mm * ray.direction_lps.dot(m_forward));
+    for (int c = 0; c < 3; ++c) m_picture.normal_lps[3 * n + c] = seen.normal_lps[c];
+    m_picture.offset_mm[n] = seen.offset_mm;
+  }
+  std::int64_t samples() const { return m_marcher.samples(); }
+
+ private:
+  Marcher m_marcher;
+  bool m_jitter;
+  CameraRays m_rays;
+  Vec3d m_forward;
+  FloatImage& m_picture;
+};
+
+}  // namespace
+
+std::int64_t march_pixels(const RenderContext& context, const Camera& camera,
+                          const PixelLattice& lattice, FloatImage& picture, Progress* progress) {
+  const int spacing = lattice.spacing;
+  const int columns = (picture.width + spacing - 1) / spacing;
+  const int rows = (picture.height + spacing - 1) / spacing;
+  SharedProgress shared(progress, std::int64_t(columns) * rows);
+  std::atomic<std::int64_t> samples{0};
+  const tbb::blocked_range2d<int> all(0, rows, kTile, 0, columns, kTile);
+  tbb::parallel_for(
+      all,
+      [&](const tbb::blocked_range2d<int>& tile) {
+        PixelMarch march(context, camera, picture);
+        for (int y = tile.rows().begin(); y < tile.rows().end(); ++y) {
+          for (int x = tile.cols().begin(); x < tile.cols().end(); ++x) {
+            const bool is_there = lattice.has_coarser && x % 2 == 0 && y % 2 == 0;
+            if (!is_there) march.march(x * spacing, y * spacing);
+          }
+          shared.done(tile.cols().size());
+        }
+        samples += march.samples();
+      },
+      tbb::simple_partitioner());
+  return samples;
+}
+
+}  // namespace supple

@@ -1,0 +1,24 @@
+// The pixels of a picture, marched in tiles by all threads.
+#pragma once
+
+#include <cstdint>
+
+#include "raycast/march/marcher.h"
+#include "raycast/pictures/float_image.h"
+#include "volumes/base/progress.h"
+
+namespace supple {
+
+/// Pixels whose column and row are multiples of `spacing`; without those of twice the spacing when
+/// they are there already. 1 is the whole picture.
+struct PixelLattice {
+  int spacing = 1;
+  bool has_coarser = false;
+};
+
+/// Writes these pixels of `picture`, auxiliary channels included where it has them. Returns the
+/// samples read. Throws Cancelled after at most one row of 16 pixels per thread.
+std::int64_t march_pixels(const RenderContext& context, const Camera& camera,
+                          const PixelLattice& lattice, FloatImage& picture, Progress* progress);
+
+}  // namespace supple

@@ -1,0 +1,48 @@
+// How a picture is marched.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "raycast/march/shading.h"
+#include "raycast/scene/clip.h"
+
+namespace supple {
+
+/// How the time that a picture takes is traded for accuracy (docs/pictures.md).
+enum class Quality { draft, standard, accurate };
+
+/// "draft", "default", "accurate". Throws InputError listing them.
+Quality parse_quality(const std::string& name);
+
+/// Whether densities become colours at the samples, or along the way between two.
+enum class Classification { post, pre_integrated };
+
+struct RenderSettings {
+  int width = 1024;
+  int height = 1024;
+  double step_voxels = 1.0 / 3;  // of the smallest spacing
+  int stride = 3;                // steps taken at once while transparent; 1 switches it off
+  Classification classification = Classification::post;
+  bool jitter = false;  // begins each ray elsewhere within a step: fine noise instead of rings
+  Lighting lighting;
+  bool transform_gradient = true;   // the (I + grad o)^T term; off only to show what it is for
+  bool skip_empty_space = true;     // leaves out what is known to be transparent; same picture
+  double early_termination = 0.99;  // accumulated opacity that ends a ray
+  std::vector<Clip> clips;          // what is seen lies in all of them
+  bool auxiliary = false;           // depth, normal and offset beside the colours
+  bool clip_surfaces = false;       // clips of the deformed space cut surfaces, too
+
+  /// Sets step_voxels and stride.
+  void set_quality(Quality quality);
+
+  /// Sets step_voxels, and a stride that still looks once in a voxel, or at every step of a longer
+  /// one.
+  void set_step(double voxels);
+
+  /// Throws InputError: sizes < 1 or > 16384, step outside 0.01…16, stride outside 1…16,
+  /// early_termination outside (0, 1], a bad clip or light.
+  void validate() const;
+};
+
+}  // namespace supple

@@ -1,0 +1,139 @@
+// Light on one place of a picture: Blinn-Phong or Phong with two-sided normals (B. T. Phong,
+// Illumination for computer generated pictures, CACM 18(6), 1975; J. F. Blinn, Models of light
+// reflection for computer synthesized pictures, SIGGRAPH 1977). Lights are far away and add up.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "raycast/sample/offset_bricks.h"
+#include "raycast/scene/camera.h"
+#include "raycast/scene/transfer_function.h"
+
+namespace supple {
+
+enum class ShadingModel { none, phong, blinn };
+
+struct Light {
+  Vec3d direction{-0.25, 0.35, 1};  // towards the light, any length but 0
+  bool is_of_camera = true;         // direction is right, up, towards the viewer; else LPS
+  std::array<double, 3> rgb{1, 1, 1};
+  double intensity = 1;
+
+  /// Throws InputError: a direction that is not finite or 0, rgb outside 0…1, intensity outside
+  /// 0…100.
+  void validate(const std::string& file) const;
+};
+
+struct Lighting {
+  static constexpr int kMaxLights = 8;
+
+  ShadingModel model = ShadingModel::blinn;
+  std::vector<Light> lights;  // empty: one as a Light is by default, above and left of the camera
+  bool shadows = false;       // of the volume and the meshes on both
+  double occlusion_radius_mm = 0;  // of ambient occlusion; 0: none
+
+  bool has_paths() const { return shadows || occlusion_radius_mm > 0; }
+  /// Throws InputError: more than kMaxLights, a bad light, an occlusion radius outside 0…1000.
+  void validate(const std::string& file) const;
+};
+
+/// How a place lies to the light: a unit normal on the viewer's side and the share, 0…1, in which
+/// it counts; the rest counts as facing every light.
+struct Facing {
+  Vec3f normal{0, 0, 0};
+  float trust = 0;
+};
+
+/// What a light comes to at a place, 0…1, before its colour and what of it gets there: facing it,
+/// and its highlight.
+struct LightTerms {
+  float diffuse, specular;
+};
+
+/// What of each light reaches a place, and of the light from all around, 0…1.
+struct LightReached {
+  std::array<float, Lighting::kMaxLights> lights;
+  float openness = 1;
+  LightReached() { lights.fill(1); }
+};
+
+class Shading {
+ public:
+  Shading(const Camera& camera, const TransferFunction& function, const Lighting& lighting);
+
+  /// Of the ray under way: what depends on its direction alone.
+  struct View {
+    Vec3f towards_eye;
+    std::array<Vec3f, Lighting::kMaxLights> half;  // between the eye and each light
+  };
+  View view(const Ray& ray) const;
+
+  /// Colour of a place of which the terms of light n are terms_of(n). `reach` null: all light
+  /// reaches it.
+  template <class TermsOf>
+  Float4 lit(const Float4& colour, const TermsOf& terms_of, const LightReached* reach) const;
+  Float4 shaded(const Float4& colour, const Facing& facing, const View& view,
+                const LightReached* reach) const;
+
+  ShadingModel model() const { return m_model; }
+  float specular_power() const { return m_specular_power; }
+  /// Facing::trust of a gradient of one density per mm, were it not at most 1.
+  float trust_per_gradient() const { return m_trust_per_gradient; }
+  int light_count() const { return m_light_count; }
+  /// Unit, towards the light, LPS.
+  const Vec3f& towards_light(int n) const { return m_lights[n].towards; }
+
+ private:
+  struct FarLight {
+    Vec3f towards;
+    Float4 diffuse, specular;  // rgb
+  };
+  float highlight(const Facing& facing, const View& view, int n) const;
+
+  ShadingModel m_model;
+  std::array<FarLight, Lighting::kMaxLights> m_lights;
+  int m_light_count = 0;
+  float m_ambient, m_specular_power, m_trust_per_gradient;
+};
+
+// Inline: once per visible sample.
+
+/// Cosine between the normal and the half vector, or between the reflected light and the eye.
+inline float Shading::highlight(const Facing& facing, const View& view, int n) const {
+  if (m_model == ShadingModel::blinn) return std::max(facing.normal.dot(view.half[n]), 0.0f);
+  const Vec3f& towards = m_lights[n].towards;
+  const float cosine = facing.normal.dot(towards);
+  if (cosine <= 0) return 0;
+  return std::max((facing.normal * (2 * cosine) - towards).dot(view.towards_eye), 0.0f);
+}
+
+template <class TermsOf>
+Float4 Shading::lit(const Float4& colour, const TermsOf& terms_of,
+                    const LightReached* reach) const {
+  Float4 diffuse{m_ambient, m_ambient, m_ambient, m_ambient}, specular{0, 0, 0, 0};
+  for (int n = 0; n < m_light_count; ++n) {
+    LightTerms terms = terms_of(n);
+    if (reach != nullptr) terms.diffuse *= reach->lights[n], terms.specular *= reach->lights[n];
+    diffuse += m_lights[n].diffuse * terms.diffuse;
+    specular += m_lights[n].specular * terms.specular;
+  }
+  const Float4 light = colour * diffuse + specular;
+  return reach != nullptr ? light * reach->openness : light;
+}
+
+inline Float4 Shading::shaded(const Float4& colour, const Facing& facing, const View& view,
+                              const LightReached* reach) const {
+  const auto terms_of = [&](int n) -> LightTerms {
+    const float cosine = facing.normal.dot(m_lights[n].towards);
+    const float lobe = facing.trust * highlight(facing, view, n);
+    return {1 - facing.trust + (cosine > 0 ? facing.trust * cosine : 0),
+            std::pow(lobe, m_specular_power)};
+  };
+  return lit(colour, terms_of, reach);
+}
+
+}  // namespace supple

@@ -1,0 +1,56 @@
+// What the marcher produces: a picture in floats, with what was seen beside its colours. Files of 8
+// or 16 bits and EXR are conversions of it.
+//
+// Colours are composited as they are displayed (sRGB-encoded values, as VTK does it); EXR files get
+// linear ones, so that viewers show the same picture.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "raycast/pictures/image.h"
+
+namespace supple {
+
+struct FloatImage {
+  int width = 0;
+  int height = 0;
+  bool has_alpha = true;
+  std::vector<float> rgba;  // 4 * (y * width + x); premultiplied, sRGB-encoded, 0…1
+
+  /// Of the sample at which the opacity of a ray passes one half, or of its maximum; empty unless
+  /// asked for, NaN where there is none.
+  std::vector<float> depth_mm;    // from the camera, along its view
+  std::vector<float> normal_lps;  // 3 per pixel: unit, towards the viewer
+  std::vector<float> offset_mm;   // length of the offset, 0 in what stayed
+
+  FloatImage() = default;
+  FloatImage(int width_, int height_, bool has_auxiliary = false);
+  std::size_t pixel_count() const { return std::size_t(width) * height; }
+  bool has_auxiliary() const { return !depth_mm.empty(); }
+};
+
+/// The sRGB transfer curve, 0…1.
+float linear_from_srgb(float encoded);
+float srgb_from_linear(float linear);
+
+/// Straight 8 bits; what has no opacity is black.
+Image to_image(const FloatImage& picture);
+/// The same in 16 bits, 4 per pixel.
+std::vector<std::uint16_t> to_16_bit(const FloatImage& picture);
+/// The inverse of to_image where the opacity is not 0; without auxiliary channels.
+FloatImage to_float(const Image& image);
+
+/// Straight 16 bits; otherwise as write_png, not committed.
+void write_png16(const AtomicFile& target, const FloatImage& picture, const std::string& comment);
+
+/// Floats, compressed without loss: R, G, B (linear, premultiplied), A unless the picture is
+/// opaque, and of the auxiliary channels Z, N.X, N.Y, N.Z and offset; where there is none Z is
+/// infinite and the others 0. `comment` is the attribute `comments`. Not committed. Throws
+/// SystemError.
+void write_exr(const AtomicFile& target, const FloatImage& picture, const std::string& comment);
+
+/// Pictures from left to right, top edges aligned, transparent (opaque ones: on black) between.
+FloatImage side_by_side(const FloatImage& left, const FloatImage& right);
+
+}  // namespace supple

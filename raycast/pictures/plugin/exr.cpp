@@ -1,0 +1,99 @@
+// EXR files by the OpenEXR library.
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <limits>
+
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfStandardAttributes.h>
+#include <OpenEXR/ImfStdIO.h>
+
+#include "raycast/pictures/float_image.h"
+#include "volumes/base/atomic_file.h"
+#include "volumes/base/error.h"
+
+namespace supple {
+
+namespace {
+
+/// The straight colours made linear, premultiplied again.
+std::vector<float> linear_rgba(const FloatImage& picture) {
+  std::vector<float> linear(picture.rgba);
+  for (std::size_t n = 0; n < linear.size(); n += 4) {
+    const float alpha = linear[n + 3];
+    if (!(alpha > 0)) continue;
+    for (std::size_t c = 0; c < 3; ++c) {
+      linear[n + c] = linear_from_srgb(linear[n + c] / alpha) * alpha;
+    }
+  }
+  return linear;
+}
+
+std::vector<float> with_default(std::vector<float> values, float none) {
+  for (float& value : values) {
+    if (std::isnan(value)) value = none;
+  }
+  return values;
+}
+
+/// The channels of one file and the memory behind them.
+class Channels {
+ public:
+  Channels(const FloatImage& picture, Imf::Header& header)
+      : m_width(std::size_t(picture.width)), m_header(header) {
+    m_rgba = linear_rgba(picture);
+    const char* names[] = {"R", "G", "B", "A"};
+    for (std::size_t c = 0; c < (picture.has_alpha ? 4 : 3); ++c) add(names[c], &m_rgba[c], 4);
+    if (!picture.has_auxiliary()) return;
+    m_depth = with_default(picture.depth_mm, std::numeric_limits<float>::infinity());
+    m_normal = with_default(picture.normal_lps, 0);
+    m_offset = with_default(picture.offset_mm, 0);
+    add("Z", m_depth.data(), 1);
+    const char* axes[] = {"N.X", "N.Y", "N.Z"};
+    for (std::size_t c = 0; c < 3; ++c) add(axes[c], &m_normal[c], 3);
+    add("offset", m_offset.data(), 1);
+  }
+  const Imf::FrameBuffer& buffer() const { return m_buffer; }
+
+ private:
+  void add(const char* name, float* first, std::size_t stride) {
+    m_header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+    const std::size_t bytes = stride * sizeof(float);
+    m_buffer.insert(name,
+                    Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(first), bytes, bytes * m_width));
+  }
+
+  std::size_t m_width;
+  Imf::Header& m_header;
+  Imf::FrameBuffer m_buffer;
+  std::vector<float> m_rgba, m_depth, m_normal, m_offset;
+};
+
+}  // namespace
+
+void write_exr(const AtomicFile& target, const FloatImage& picture, const std::string& comment) {
+  const std::string& path = target.final_path();
+  Imf::Header header(picture.width, picture.height);
+  header.compression() = Imf::ZIP_COMPRESSION;
+  if (!comment.empty()) Imf::addComments(header, comment);
+  const Channels channels(picture, header);
+  errno = 0;
+  std::ofstream file(target.path(), std::ios::binary);
+  try {
+    Imf::StdOFStream stream(file, path.c_str());
+    Imf::OutputFile output(stream, header);
+    output.setFrameBuffer(channels.buffer());
+    output.writePixels(picture.height);
+  } catch (const std::exception& error) {
+    throw SystemError(path + ": cannot write: " + error.what());
+  }
+  // The library's destructor writes the table of lines and swallows errors.
+  file.close();
+  if (!file) throw SystemError(path + ": cannot write: " + std::strerror(errno));
+}
+
+}  // namespace supple

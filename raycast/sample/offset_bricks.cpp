@@ -1,0 +1,228 @@
+#include "raycast/sample/offset_bricks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numeric>
+
+#include <oneapi/tbb/parallel_for.h>
+
+#include "volumes/grid/padded_rows.h"
+
+namespace supple {
+
+namespace {
+
+constexpr double kReachGuard = 1e-3;  // voxels; covers the rounding of interpolated offsets
+constexpr double kMaxReachedBricks = 4096;
+
+float dot(const Float4& v, const Vec3f& g) {
+  return v[0] * g.x + v[1] * g.y + v[2] * g.z;
+}
+
+/// Densities of all source bricks that the positions lo … hi (index space) fall into.
+EncodedRange reached_range(const SourceBricks& source, const Vec3d& lo, const Vec3d& hi) {
+  Vec3i first, last;
+  double count = 1;
+  for (int a = 0; a < 3; ++a) {
+    first[a] = int(std::floor(lo[a])) >> 3;
+    last[a] = int(std::floor(hi[a])) >> 3;
+    count *= last[a] - first[a] + 1;
+  }
+  if (count > kMaxReachedBricks) return source.range();
+  EncodedRange range;
+  for (int x = first.x; x <= last.x; ++x) {
+    for (int y = first.y; y <= last.y; ++y) {
+      for (int z = first.z; z <= last.z; ++z) {
+        const std::int32_t b = source.topology().find(Vec3i(x, y, z) * kBrickDim);
+        if (b >= 0) range.add(source.range(b));
+      }
+    }
+  }
+  return range;
+}
+
+/// The bricks at these origins and all that touch them.
+BrickIndex with_neighbours(const std::vector<Vec3i>& origins) {
+  BrickIndex found;
+  for (const Vec3i& origin : origins) {
+    for (int n = 0; n < 27; ++n) {
+      found.add(origin + surrounding_step(n) * kBrickDim);
+    }
+  }
+  return found;
+}
+
+void keep_every_second(const float* all, float* out) {
+  for (int x = 0; x < BrickNodes::kDim; x += 2) {
+    for (int y = 0; y < BrickNodes::kDim; y += 2) {
+      for (int z = 0; z < BrickNodes::kDim; z += 2, out += 3) {
+        std::copy_n(all + x * BrickNodes::kStepX + y * BrickNodes::kStepY + z * BrickNodes::kStepZ,
+                    3, out);
+      }
+    }
+  }
+}
+
+Float4 load(const float* p) {
+  Float4 v;
+  std::memcpy(&v, p, sizeof v);
+  return v;
+}
+
+}  // namespace
+
+OffsetBricks::OffsetBricks(const SourceBricks& source)
+    : m_source(&source), m_index(source.topology().index()) {
+  const std::size_t count = m_index.count();
+  m_states.assign(count, kIdentity);
+  m_valid.resize(count);
+  m_beneath.resize(count);
+  std::iota(m_beneath.begin(), m_beneath.end(), 0);
+  m_ranges.reserve(count);
+  for (std::size_t b = 0; b < count; ++b) m_ranges.push_back(source.range(b));
+}
+
+OffsetBricks::OffsetBricks(const SourceBricks& source, const VectorBricks& offsets,
+                           std::shared_ptr<const PointwiseOffsets> pointwise, int node_spacing)
+    : m_source(&source),
+      m_node_spacing(node_spacing),
+      m_offsets(kBrickDim / node_spacing + 1),
+      m_pointwise(std::move(pointwise)) {
+  update(offsets.topology.index().origins(), finder_of(offsets));
+  if (m_pointwise != nullptr) mark_pointwise();
+}
+
+std::size_t OffsetBricks::add_brick(const Vec3i& origin) {
+  const std::size_t b = m_index.add(origin);
+  if (b < m_states.size()) return b;
+  m_states.push_back(kEmpty);
+  m_beneath.push_back(m_source->topology().find(origin));
+  m_ranges.emplace_back();
+  m_valid.emplace_back();
+  return b;
+}
+
+void OffsetBricks::update(const std::vector<Vec3i>& changed, const VectorBrickFinder& offsets) {
+  const BrickIndex touched = with_neighbours(changed);
+  std::vector<std::size_t> bricks;
+  for (const Vec3i& origin : touched.origins()) bricks.push_back(add_brick(origin));
+  gather(bricks, offsets);
+  m_valid_bounds = {};
+  for (const IndexBox& valid : m_valid) m_valid_bounds = join(m_valid_bounds, valid);
+}
+
+void OffsetBricks::gather(const std::vector<std::size_t>& bricks,
+                          const VectorBrickFinder& offsets) {
+  // In chunks, whose bricks all have slots until those turn out not to be needed.
+  constexpr std::size_t kChunk = 512;
+  m_offsets.reserve(bricks.size());
+  std::vector<std::int32_t> found(kChunk);
+  for (std::size_t start = 0; start < bricks.size(); start += kChunk) {
+    const std::size_t end = std::min(start + kChunk, bricks.size());
+    for (std::size_t n = start; n < end; ++n) {
+      std::int32_t& state = m_states[bricks[n]];
+      if (state < 0) state = m_offsets.take();
+    }
+    m_offsets.grow();
+    tbb::parallel_for(start, end,
+                      [&](std::size_t n) { found[n - start] = gather_brick(bricks[n], offsets); });
+    for (std::size_t n = start; n < end; ++n) {
+      if (found[n - start] == kDeformed) continue;
+      std::int32_t& state = m_states[bricks[n]];
+      m_offsets.give_back(state);
+      state = found[n - start];
+    }
+  }
+}
+
+/// Fills the slot of brick b and says what it needs it for.
+std::int32_t OffsetBricks::gather_brick(std::size_t b, const VectorBrickFinder& offsets) {
+  const Vec3i& origin = m_index.origin(b);
+  const VectorBrickView view = offsets(origin);
+  m_valid[b] = {};
+  if (view.mask != nullptr) {
+    const IndexBox box = mask_bounds(*view.mask);
+    m_valid[b] = {origin + box.lo, origin + box.hi};
+  }
+  BrickNodes nodes;
+  float* out = m_offsets.at(m_states[b]);
+  if (m_node_spacing == 1) {
+    gather_nodes(offsets, m_source->topology(), true, origin, out, nodes);
+  } else {
+    float all[BrickNodes::kFloats];
+    gather_nodes(offsets, m_source->topology(), true, origin, all, nodes);
+    keep_every_second(all, out);
+  }
+  m_ranges[b] = range_of(b, nodes);
+  return nodes.is_identity() ? kIdentity : nodes.empty() ? kEmpty : kDeformed;
+}
+
+EncodedRange OffsetBricks::range_beneath(std::size_t b) const {
+  return m_beneath[b] < 0 ? EncodedRange() : m_source->range(std::size_t(m_beneath[b]));
+}
+
+EncodedRange OffsetBricks::range_of(std::size_t b, const BrickNodes& nodes) const {
+  if (nodes.is_identity()) return range_beneath(b);
+  if (nodes.empty()) return {};
+  const Vec3d guard(kReachGuard), lo(m_index.origin(b));
+  return reached_range(*m_source, lo + Vec3d(nodes.lo) - guard,
+                       lo + Vec3d(kBrickDim) + Vec3d(nodes.hi) + guard);
+}
+
+void OffsetBricks::set_pointwise(std::shared_ptr<const PointwiseOffsets> pointwise) {
+  for (std::size_t b = 0; b < m_states.size(); ++b) {
+    if (!is_pointwise(b)) continue;
+    m_states[b] = kIdentity;
+    m_ranges[b] = range_beneath(b);
+  }
+  m_pointwise = std::move(pointwise);
+  m_valid_bounds = {};
+  if (m_pointwise == nullptr) return;
+  const BrickTopology& bricks = m_pointwise->bricks();
+  for (std::size_t n = 0; n < bricks.brick_count(); ++n) add_brick(bricks.origin(n));
+  mark_pointwise();
+  m_valid_bounds = bricks.active_bounds();
+}
+
+void OffsetBricks::mark_pointwise() {
+  const BrickTopology& bricks = m_pointwise->bricks();
+  for (std::size_t n = 0; n < bricks.brick_count(); ++n) {
+    const std::int32_t b = m_index.find(bricks.origin(n));
+    if (b < 0) continue;
+    if (is_deformed(std::size_t(b))) m_offsets.give_back(m_states[b]);
+    m_states[b] = kPointwise - std::int32_t(n);
+  }
+  tbb::parallel_for(std::size_t(0), m_states.size(), [&](std::size_t b) {
+    if (!is_pointwise(b)) return;
+    Vec3d lo, hi;
+    m_pointwise->reach(pointwise_brick(b), lo, hi);
+    m_ranges[b] =
+        lo.x > hi.x ? EncodedRange() : reached_range(*m_source, lo - Vec3d(1), hi + Vec3d(1));
+  });
+}
+
+std::size_t OffsetBricks::deformed_count() const {
+  return std::size_t(std::count_if(m_states.begin(), m_states.end(),
+                                   [](std::int32_t state) { return state >= kDeformed; }));
+}
+
+std::size_t OffsetBricks::bytes() const {
+  return m_index.bytes() + (m_states.capacity() + m_beneath.capacity()) * sizeof(std::int32_t) +
+         m_ranges.capacity() * sizeof(EncodedRange) + m_valid.capacity() * sizeof(IndexBox) +
+         m_offsets.bytes();
+}
+
+Vec3f pull_back_gradient(const NodeCell& cell, const Vec3f& gradient) {
+  const int sz = 3, sy = sz * cell.dim, sx = sy * cell.dim;
+  const float* n = cell.node;
+  const Float4 corners[8] = {load(n),           load(n + sz),          load(n + sy),
+                             load(n + sy + sz), load(n + sx),          load(n + sx + sz),
+                             load(n + sx + sy), load(n + sx + sy + sz)};
+  const NodeDerivatives o = derivatives_of(corners, cell.x, cell.y, cell.z);
+  const float per_voxel = float(cell.dim - 1) / kBrickDim;
+  return gradient + per_voxel * Vec3f(dot(o.along_x, gradient), dot(o.along_y, gradient),
+                                      dot(o.along_z, gradient));
+}
+
+}  // namespace supple

@@ -1,0 +1,165 @@
+#include "raycast/scene/camera.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "volumes/base/error.h"
+
+namespace supple {
+
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kMargin = 0.05;  // of the picture, on each side
+
+struct NamedView {
+  const char* name;
+  Vec3d from;  // towards the camera
+  Vec3d up;
+};
+const std::vector<NamedView>& views() {
+  static const std::vector<NamedView> table = {
+      {"anterior", {0, -1, 0}, {0, 0, 1}}, {"posterior", {0, 1, 0}, {0, 0, 1}},
+      {"left", {1, 0, 0}, {0, 0, 1}},      {"right", {-1, 0, 0}, {0, 0, 1}},
+      {"superior", {0, 0, 1}, {0, -1, 0}}, {"inferior", {0, 0, -1}, {0, -1, 0}}};
+  return table;
+}
+
+std::string to_text(const Vec3d& v) {
+  return number_text(v.x) + " " + number_text(v.y) + " " + number_text(v.z);
+}
+
+double half_height_at_unit_distance(const Camera& camera) {
+  return std::tan(camera.vertical_fov_degrees * kPi / 360);
+}
+
+const NamedView& find_view(const std::string& name) {
+  std::string known;
+  for (const NamedView& view : views()) {
+    if (name == view.name) return view;
+    known += (known.empty() ? "" : ", ") + std::string(view.name);
+  }
+  throw InputError({"", "camera view", name, "one of " + known});
+}
+
+/// Corners of the voxels' box, half a voxel beyond the outermost centres.
+std::array<Vec3d, 8> box_corners_mm(const Geometry& geometry) {
+  std::array<Vec3d, 8> corners;
+  for (int c = 0; c < 8; ++c) {
+    Vec3d index;
+    for (int a = 0; a < 3; ++a) index[a] = (c >> a) & 1 ? geometry.dims()[a] - 0.5 : -0.5;
+    corners[c] = geometry.world_from_index(index);
+  }
+  return corners;
+}
+
+}  // namespace
+
+void Camera::validate(const std::string& file) const {
+  const auto require_finite = [&](const char* field, const Vec3d& v) {
+    if (!is_finite(v)) {
+      throw InputError({file, std::string("camera.") + field, to_text(v), "three finite numbers"});
+    }
+  };
+  require_finite("position", position_lps_mm);
+  require_finite("target", target_lps_mm);
+  require_finite("up", up_lps);
+  const Vec3d view = target_lps_mm - position_lps_mm;
+  if (!(view.length() > 0)) {
+    throw InputError(
+        {file, "camera.position", to_text(position_lps_mm), "a place other than the target's"});
+  }
+  if (!(view.normalized().cross(up_lps.normalized()).length() > 1e-6)) {
+    throw InputError({file, "camera.up", to_text(up_lps), "a direction across the view"});
+  }
+  if (!(vertical_fov_degrees > 0 && vertical_fov_degrees < 180)) {
+    throw InputError(
+        {file, "camera.fov", number_text(vertical_fov_degrees), "degrees between 0 and 180"});
+  }
+  if (!std::isfinite(window_shift)) {
+    throw InputError({file, "camera.window_shift", number_text(window_shift), "a finite number"});
+  }
+  if (!(height_mm > 0 && std::isfinite(height_mm))) {
+    throw InputError({file, "camera.height", number_text(height_mm), "more than 0 mm"});
+  }
+}
+
+CameraFrame camera_frame(const Camera& camera) {
+  const Vec3d forward = (camera.target_lps_mm - camera.position_lps_mm).normalized();
+  const Vec3d right = forward.cross(camera.up_lps).normalized();
+  return {right, right.cross(forward), forward};
+}
+
+CameraRays::CameraRays(const Camera& camera, int width, int height)
+    : m_camera(camera),
+      m_context(camera_frame(camera)),
+      m_half_height(camera.projection == Projection::orthographic
+                        ? camera.height_mm / 2
+                        : half_height_at_unit_distance(camera)),
+      m_width(width),
+      m_height(height) {}
+
+Ray CameraRays::at(double px, double py) const {
+  const double x = ((2 * px - m_width) / m_height + m_camera.window_shift) * m_half_height;
+  const double y = (m_height - 2 * py) / m_height * m_half_height;
+  const Vec3d aside = m_context.right * x + m_context.up * y;
+  if (m_camera.projection == Projection::orthographic) {
+    return {m_camera.position_lps_mm + aside, m_context.forward};
+  }
+  return {m_camera.position_lps_mm, (m_context.forward + aside).normalized()};
+}
+
+Ray camera_ray(const Camera& camera, int width, int height, double px, double py) {
+  return CameraRays(camera, width, height).at(px, py);
+}
+
+bool project_to_pixel(const Camera& camera, int width, int height, const Vec3d& world_mm,
+                      double& px, double& py) {
+  const CameraFrame frame = camera_frame(camera);
+  const Vec3d p = world_mm - camera.position_lps_mm;
+  const double depth = p.dot(frame.forward);
+  if (!(depth > 0)) return false;
+  const double half = camera.projection == Projection::orthographic
+                          ? camera.height_mm / 2
+                          : depth * half_height_at_unit_distance(camera);
+  px = ((p.dot(frame.right) / half - camera.window_shift) * height + width) / 2;
+  py = (height - p.dot(frame.up) / half * height) / 2;
+  return true;
+}
+
+Camera default_camera(const Geometry& geometry, double aspect, const std::string& view_name,
+                      Projection projection) {
+  const NamedView& view = find_view(view_name);
+  const std::array<Vec3d, 8> corners = box_corners_mm(geometry);
+  Camera camera;
+  camera.projection = projection;
+  camera.target_lps_mm = (corners.front() + corners.back()) / 2;
+  camera.position_lps_mm = camera.target_lps_mm + view.from;
+  camera.up_lps = view.up;
+  const CameraFrame frame = camera_frame(camera);
+
+  // The nearest distance (perspective) or least height (orthographic) that shows every corner.
+  const double used = 1 - 2 * kMargin;
+  const double tan_y = used * half_height_at_unit_distance(camera);
+  double distance = 0, half_height = 0, depth = 0;
+  for (const Vec3d& corner : corners) {
+    const Vec3d p = corner - camera.target_lps_mm;
+    const double extent =
+        std::max(std::abs(p.dot(frame.right)) / aspect, std::abs(p.dot(frame.up)));
+    distance = std::max(distance, extent / tan_y - p.dot(frame.forward));
+    half_height = std::max(half_height, extent / used);
+    depth = std::max(depth, std::abs(p.dot(frame.forward)));
+  }
+  camera.height_mm = 2 * half_height;
+  if (projection == Projection::orthographic) distance = 2 * depth + half_height;
+  camera.position_lps_mm = camera.target_lps_mm + view.from * distance;
+  return camera;
+}
+
+std::vector<std::string> view_names() {
+  std::vector<std::string> names;
+  for (const NamedView& view : views()) names.emplace_back(view.name);
+  return names;
+}
+
+}  // namespace supple

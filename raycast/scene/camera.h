@@ -1,0 +1,73 @@
+// Perspective and orthographic cameras in the world frame (LPS, mm; design.md section 5). Since
+// the frame is the patient's and not the grid's, left-handed index frames give right-handed
+// pictures: seen from anterior, the patient's left is on the picture's right.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "volumes/geometry/geometry.h"
+
+namespace supple {
+
+enum class Projection { perspective, orthographic };
+
+struct Camera {
+  Projection projection = Projection::perspective;
+  Vec3d position_lps_mm{0, -1000, 0};
+  Vec3d target_lps_mm{0, 0, 0};
+  Vec3d up_lps{0, 0, 1};
+  double vertical_fov_degrees = 30;  // perspective
+  double height_mm = 300;            // orthographic: world height of the picture
+  /// The window moved to the right, in half heights of the picture: an off-axis camera of a stereo
+  /// pair.
+  double window_shift = 0;
+
+  /// Throws InputError: not finite, position at target, up along the view, fov outside (0, 180),
+  /// height not positive.
+  void validate(const std::string& file) const;
+};
+
+struct Ray {
+  Vec3d origin_lps_mm;
+  Vec3d direction_lps;  // unit
+};
+
+/// Orthonormal axes of the picture; `right` and `up` follow columns and rows (upwards).
+struct CameraFrame {
+  Vec3d right, up, forward;
+};
+CameraFrame camera_frame(const Camera& camera);
+
+/// The rays of one picture.
+class CameraRays {
+ public:
+  CameraRays(const Camera& camera, int width, int height);
+  /// Ray through pixel coordinates (px, py), centres at +0.5, row 0 at the top. Orthographic rays
+  /// start on the plane through the camera's position; what lies behind it is not seen.
+  Ray at(double px, double py) const;
+
+ private:
+  Camera m_camera;
+  CameraFrame m_context;
+  double m_half_height;      // of the picture: mm, or of a perspective one at unit distance
+  double m_width, m_height;  // pixels
+};
+
+/// One ray of CameraRays.
+Ray camera_ray(const Camera& camera, int width, int height, double px, double py);
+
+/// World position to pixel coordinates; false when behind the camera.
+bool project_to_pixel(const Camera& camera, int width, int height, const Vec3d& world_mm,
+                      double& px, double& py);
+
+/// Named view directions: "anterior" (default), "posterior", "left", "right", "superior",
+/// "inferior"; superior up (superior and inferior views: anterior up). Frames the source box of
+/// `geometry` with a margin of 5 % of the picture on each side. Throws InputError for another name.
+Camera default_camera(const Geometry& geometry, double aspect, const std::string& view = "anterior",
+                      Projection projection = Projection::perspective);
+
+/// The names that default_camera knows.
+std::vector<std::string> view_names();
+
+}  // namespace supple

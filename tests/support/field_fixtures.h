@@ -1,0 +1,112 @@
+// Topologies and fields that the tests of this folder share.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <random>
+#include <tuple>
+
+#include "volumes/field/displacement.h"
+#include "volumes/field/vector_bricks.h"
+
+namespace supple::test {
+
+using Voxel = std::tuple<int, int, int>;
+using VoxelField = std::map<Voxel, Vec3f>;
+
+inline Voxel key(const Vec3i& v) {
+  return {v.x, v.y, v.z};
+}
+
+/// Active where `inside` says so, in the box lo to hi.
+inline BrickTopology topology_where(const Vec3i& lo, const Vec3i& hi,
+                                    const std::function<bool(const Vec3i&)>& inside) {
+  std::vector<Vec3i> origins;
+  std::vector<BrickMask> masks;
+  for (int x = lo.x & ~7; x <= hi.x; x += 8) {
+    for (int y = lo.y & ~7; y <= hi.y; y += 8) {
+      for (int z = lo.z & ~7; z <= hi.z; z += 8) {
+        BrickMask mask{};
+        for (int offset = 0; offset < kBrickVoxels; ++offset) {
+          const Vec3i v = Vec3i(x, y, z) + brick_local(offset);
+          if (IndexBox{lo, hi}.contains(v) && inside(v)) mask_set(mask, offset);
+        }
+        origins.push_back({x, y, z});
+        masks.push_back(mask);
+      }
+    }
+  }
+  return {origins, masks};
+}
+
+inline BrickTopology box_topology(const Vec3i& lo, const Vec3i& hi) {
+  return topology_where(lo, hi, [](const Vec3i&) { return true; });
+}
+
+template <class Visit>
+void for_each_voxel(const BrickTopology& topology, Visit&& visit) {
+  for (std::size_t b = 0; b < topology.brick_count(); ++b) {
+    for_each_active(topology.mask(b), [&](int offset) {
+      visit(topology.origin(b) + brick_local(offset), b * kBrickVoxels + offset);
+    });
+  }
+}
+
+inline VectorBricks field_on(const BrickTopology& topology,
+                             const std::function<Vec3f(const Vec3i&)>& value) {
+  VectorBricks field{topology, std::vector<Vec3f>(topology.brick_count() * kBrickVoxels, Vec3f(0))};
+  for_each_voxel(topology,
+                 [&](const Vec3i& v, std::size_t slot) { field.vectors[slot] = value(v); });
+  return field;
+}
+
+inline VoxelField to_map(const VectorBricks& field) {
+  VoxelField map;
+  for_each_voxel(field.topology,
+                 [&](const Vec3i& v, std::size_t slot) { map[key(v)] = field.vectors[slot]; });
+  return map;
+}
+
+inline Geometry unit_geometry(const Vec3i& dims) {
+  return {dims, {0, 0, 0}, {Vec3d(1, 0, 0), {0, 1, 0}, {0, 0, 1}}};
+}
+
+inline Vec3f random_vector(std::mt19937& random, float size) {
+  std::uniform_real_distribution<float> component(-size, size);
+  return {component(random), component(random), component(random)};
+}
+
+inline Displacement displacement_on(const BrickTopology& topology,
+                                    const std::function<Vec3f(const Vec3i&)>& u) {
+  return {unit_geometry(topology.active_bounds().hi + Vec3i(1)), field_on(topology, u)};
+}
+
+/// Noise of at most `size` per component: links keep [1 - 2 size, 1 + 2 size] of their length and
+/// shear by at most 2 size, so that no cell folds below size = 1/6 (design.md section 2).
+inline Displacement noisy_displacement(std::mt19937& random, const BrickTopology& topology,
+                                       float size, const Vec3f& shift = Vec3f(0)) {
+  return displacement_on(topology,
+                         [&](const Vec3i&) { return shift + random_vector(random, size); });
+}
+
+/// max |o + u(x + o)| over the nodes of `o`; positions rounded off the border are put back on it.
+inline double max_residual(const VectorBricks& u, const VectorBricks& o) {
+  double worst = 0;
+  for_each_voxel(o.topology, [&](const Vec3i& x, std::size_t slot) {
+    const Vec3d offset(o.vectors[slot]);
+    Vec3d pos = Vec3d(x) + offset, moved;
+    if (!u.sample(pos, moved)) {
+      for (int a = 0; a < 3; ++a) {
+        const double nearest = std::round(pos[a]);
+        if (std::abs(pos[a] - nearest) < 1e-4) pos[a] = nearest;
+      }
+      if (!u.sample(pos, moved)) moved = Vec3d(1e30);
+    }
+    worst = std::max(worst, (offset + moved).length());
+  });
+  return worst;
+}
+
+}  // namespace supple::test

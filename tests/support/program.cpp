@@ -1,0 +1,104 @@
+#include "tests/support/program.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+#include <thread>
+
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace supple::test {
+
+namespace {
+
+/// In the child: limits, working directory, standard streams, exec.
+[[noreturn]] void become(const std::vector<std::string>& arguments, const RunOptions& options,
+                         const std::string& out, const std::string& err) {
+  if (options.max_file_bytes >= 0) {
+    const rlimit limit = {rlim_t(options.max_file_bytes), rlim_t(options.max_file_bytes)};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  if (!options.directory.empty() && ::chdir(options.directory.c_str()) != 0) ::_exit(126);
+  ::dup2(::open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDOUT_FILENO);
+  ::dup2(::open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDERR_FILENO);
+  ::dup2(::open("/dev/null", O_RDONLY), STDIN_FILENO);
+  if (options.as_nobody && ::getuid() == 0 && ::setuid(65534) != 0) ::_exit(126);
+  std::vector<char*> argv;
+  for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+  argv.push_back(nullptr);
+  ::execv(argv[0], argv.data());
+  ::_exit(127);
+}
+
+}  // namespace
+
+Outcome run_program(const std::vector<std::string>& arguments, const RunOptions& options) {
+  const TemporaryFolder folder;
+  const std::string out = folder / "out", err = folder / "err";
+  const pid_t child = ::fork();
+  if (child < 0) throw std::runtime_error("fork failed");
+  if (child == 0) become(arguments, options, out, err);
+  if (options.interrupt_after_s >= 0) {
+    std::this_thread::sleep_for(std::chrono::duration<double>(options.interrupt_after_s));
+    ::kill(child, SIGINT);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  Outcome outcome;
+  outcome.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  outcome.out = read_text(out);
+  outcome.err = read_text(err);
+  return outcome;
+}
+
+Outcome run_supple(const std::vector<std::string>& arguments, const RunOptions& options) {
+  const char* binary = std::getenv("SUPPLE_BINARY");
+  if (binary == nullptr) throw std::runtime_error("run the tests through ctest");
+  std::vector<std::string> all = {binary};
+  all.insert(all.end(), arguments.begin(), arguments.end());
+  return run_program(all, options);
+}
+
+void write_ball(const TemporaryFolder& folder, const std::string& name, int size) {
+  std::string voxels;
+  const double center = 0.5 * (size - 1), radius = 0.38 * size;
+  for (int k = 0; k < size; ++k) {
+    for (int j = 0; j < size; ++j) {
+      for (int i = 0; i < size; ++i) {
+        const double distance = std::hypot(i - center, std::hypot(j - center, k - center));
+        const double inside = std::clamp(radius - distance, 0.0, 2.0) / 2;
+        voxels += char(static_cast<unsigned char>(std::lround(200 * inside)));
+      }
+    }
+  }
+  const std::string dim = std::to_string(size);
+  write_text(folder / (name + ".raw"), voxels);
+  write_text(folder / (name + ".nhdr"),
+             "NRRD0004\ntype: uint8\ndimension: 3\nspace: left-posterior-superior\nsizes: " + dim +
+                 " " + dim + " " + dim +
+                 "\nspace directions: (1,0,0) (0,1,0) (0,0,1.5)\nspace origin: (0,0,0)\n"
+                 "encoding: raw\ndata file: " +
+                 name + ".raw\n");
+}
+
+void write_soft_material(const std::string& path) {
+  write_text(path,
+             "domain = [0, 255]\nactive = [1, 255]\nmax_length = [[0, 1.3]]\n"
+             "min_length = [[0, 0.7]]\nshear = [[0, 0.3]]\n");
+}
+
+std::string source_dir() {
+  const char* folder = std::getenv("SUPPLE_SOURCE_DIR");
+  if (folder == nullptr) throw std::runtime_error("run the tests through ctest");
+  return folder;
+}
+
+}  // namespace supple::test

@@ -1,0 +1,35 @@
+// Runs the `supple` program as a user does, and makes small inputs for it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tests/support/temporary_folder.h"
+
+namespace supple::test {
+
+struct Outcome {
+  int exit_code = -1;  // 128 + signal when a signal ended the program
+  std::string out, err;
+};
+
+struct RunOptions {
+  std::string directory;          // working directory, empty: the present one
+  long long max_file_bytes = -1;  // RLIMIT_FSIZE, stands in for a full disk
+  bool as_nobody = false;         // drops root, for whom no folder is read-only
+  double interrupt_after_s = -1;  // sends SIGINT then
+};
+
+/// Runs build/…/bin/supple (environment SUPPLE_BINARY) with these arguments.
+Outcome run_supple(const std::vector<std::string>& arguments, const RunOptions& options = {});
+/// Any program; the first argument is its path.
+Outcome run_program(const std::vector<std::string>& arguments, const RunOptions& options = {});
+
+/// A ball of uint8 densities in void, size^3 voxels, spacing 1 x 1 x 1.5 mm, as .nhdr + .raw.
+void write_ball(const TemporaryFolder& folder, const std::string& name, int size);
+/// A soft material for it, densities 1 to 255 active.
+void write_soft_material(const std::string& path);
+
+std::string source_dir();
+
+}  // namespace supple::test

@@ -1,0 +1,50 @@
+// Files of the tests: a temporary folder, whole files as bytes, and a file-size limit that makes
+// writing fail as a full disk does.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <sys/resource.h>
+
+namespace supple::test {
+
+/// A new empty folder, removed with the object.
+class TemporaryFolder {
+ public:
+  TemporaryFolder();
+  ~TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+  std::string operator/(const std::string& name) const { return (m_path / name).string(); }
+  std::string path() const { return m_path.string(); }
+  /// Names of everything in it, sorted.
+  std::vector<std::string> entries() const;
+  /// Writes the bytes and returns the path.
+  std::string write(const std::string& name, const std::string& bytes) const;
+
+ private:
+  std::filesystem::path m_path;
+};
+
+/// A whole file; throws std::runtime_error where it cannot be opened.
+std::string read_text(const std::string& path);
+/// A new file each time: truncating an old one makes some file systems flush it on close.
+void write_text(const std::string& path, const std::string& bytes);
+
+/// While it lives no file of this process can grow beyond `bytes`.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(rlim_t bytes);
+  ~FileSizeLimit();
+  FileSizeLimit(const FileSizeLimit&) = delete;
+  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
+
+ private:
+  rlimit m_before{};
+  void (*m_handler)(int) = nullptr;
+};
+
+}  // namespace supple::test

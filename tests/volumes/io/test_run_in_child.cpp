@@ -1,0 +1,74 @@
+// A parser tried in a child process: what it does there, and what its caller is told.
+#include <csignal>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "volumes/base/run_in_child.h"
+
+namespace supple::test {
+namespace {
+
+const Problem kAbout{"a.h5", "structure", "", "an intact file"};
+const ChildBounds kBounds{std::int64_t(256) << 20, 1};
+
+/// The problem that a trial ends with; the field is empty when it ends well.
+Problem problem_of(const std::function<void()>& parse, const ChildBounds& bounds = kBounds) {
+  try {
+    run_in_child(kAbout, bounds, parse);
+  } catch (const InputError& error) {
+    return error.problem();
+  }
+  return {};
+}
+
+TEST(UnitRunInChild, LeavesNothingBehindInTheCaller) {
+  int value = 1;
+  EXPECT_EQ(problem_of([&] { value = 2; }).field, "");
+  EXPECT_EQ(value, 1);
+}
+
+TEST(UnitRunInChild, PassesOnTheProblemThatTheParserFinds) {
+  const Problem found{"b.h5", "field", std::string(100000, 'f'), ""};
+  const Problem told = problem_of([&] { throw InputError(found); });
+  EXPECT_EQ(told.file, found.file);
+  EXPECT_EQ(told.field, found.field);
+  EXPECT_EQ(told.found, found.found);
+  EXPECT_EQ(told.expected, found.expected);
+}
+
+TEST(UnitRunInChild, OtherErrorsAreMetByTheCallerOnRepeating) {
+  EXPECT_EQ(problem_of([] { throw SystemError("no permission"); }).field, "");
+}
+
+TEST(FaultRunInChild, ACrashIsAProblemOfTheFile) {
+  const Problem told = problem_of([] { std::raise(SIGSEGV); });
+  EXPECT_EQ(told.file, kAbout.file);
+  EXPECT_EQ(told.field, kAbout.field);
+  EXPECT_EQ(told.found, "damage that the library does not survive");
+  EXPECT_EQ(told.expected, kAbout.expected);
+}
+
+TEST(FaultRunInChild, AnEndlessLoopIsStopped) {
+  const Problem told = problem_of([] {
+    for (volatile unsigned n = 0;; n = n + 1) {
+    }
+  });
+  EXPECT_EQ(told.found, "damage that takes more than 1 s to parse");
+}
+
+TEST(FaultRunInChild, EndlessAllocationIsStopped) {
+  const Problem told = problem_of([] {
+    std::vector<std::vector<char>> blocks;
+    for (;;) blocks.emplace_back(1 << 16, 'x');
+  });
+  // A sanitizer ends the child where memory is refused.
+  EXPECT_EQ(told.field, kAbout.field) << told.found;
+}
+
+TEST(UnitRunInChild, ASignalToStopIsNoDamage) {
+  EXPECT_EQ(problem_of([] { std::raise(SIGINT); }).field, "");
+}
+
+}  // namespace
+}  // namespace supple::test

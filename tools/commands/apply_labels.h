@@ -1,0 +1,42 @@
+// Label volumes that follow a deformation: each output voxel takes the label nearest to the place
+// that its content came from, so that no label appears that was not there before.
+// Cost: that of StoredLabels and one slice; 0.1 µs per voxel and core through offsets, 2 µs where
+// each is solved for.
+#pragma once
+
+#include <string>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "tools/outputs/dense_outputs.h"
+#include "volumes/field/points/point_motion.h"
+#include "volumes/io/load/stored_labels.h"
+
+namespace supple::tools {
+
+struct LabelOptions {
+  std::string path;
+  ReadOptions read;
+  GridChoice grid;
+};
+
+struct LabelReport {
+  Geometry grid;
+  LabelCounts before, after;
+  std::int64_t unresolved = 0;  // voxels whose origin was not found; they are 0
+};
+
+/// What is at x + o(x), 0 in the void.
+LabelReport write_labels(const std::string& path, const StoredLabels& labels,
+                         const OffsetField& offsets, const Geometry& grid, Console& console);
+/// What is where the motion leads; 0 outside of it.
+LabelReport write_labels(const std::string& path, const StoredLabels& labels,
+                         const PointMotion& motion, const Geometry& grid, Console& console);
+
+/// Labels that are gone, voxels that were not found.
+void warn_of(const LabelReport& report, const std::string& path, Console& console);
+
+/// What `apply` prints of them with --json; at most 1000 labels.
+nlohmann::ordered_json to_json(const LabelReport& report);
+
+}  // namespace supple::tools

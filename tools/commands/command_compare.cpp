@@ -1,0 +1,103 @@
+// supple compare: how different two pictures are, and whether that is too much.
+#include <cstdio>
+
+#include <nlohmann/json.hpp>
+
+#include "raycast/pictures/compare.h"
+#include "tools/console/command.h"
+#include "tools/outputs/output_plan.h"
+
+namespace supple::tools {
+
+namespace {
+
+struct CompareOptions {
+  std::string a, b, difference;
+  std::optional<double> max_rmse, min_ssim, max_diff;
+  std::string mask;
+};
+
+/// One line per limit that is broken.
+std::vector<std::string> broken_limits(const CompareOptions& options,
+                                       const Comparison& comparison) {
+  std::vector<std::string> lines;
+  const auto check = [&lines](const char* name, double value, bool good, double limit,
+                              const char* relation) {
+    if (good) return;
+    char line[120];
+    std::snprintf(line, sizeof line, "%s: found %.6g, expected %s %.6g", name, value, relation,
+                  limit);
+    lines.emplace_back(line);
+  };
+  if (options.max_rmse) {
+    check("rmse", comparison.rmse, comparison.rmse <= *options.max_rmse, *options.max_rmse,
+          "at most");
+  }
+  if (options.min_ssim) {
+    check("ssim", comparison.ssim, comparison.ssim >= *options.min_ssim, *options.min_ssim,
+          "at least");
+  }
+  if (options.max_diff) {
+    check("max_diff", comparison.max_diff, comparison.max_diff <= *options.max_diff,
+          *options.max_diff, "at most");
+  }
+  return lines;
+}
+
+int run_compare(const CompareOptions& options, const GlobalOptions& global, Console& console) {
+  if (options.max_rmse) require_within("--max-rmse", *options.max_rmse, 0, 1);
+  if (options.min_ssim) require_within("--min-ssim", *options.min_ssim, -1, 1);
+  if (options.max_diff) require_within("--max-diff", *options.max_diff, 0, 1);
+  OutputPlan plan(global);
+  plan.protect(options.a);
+  plan.protect(options.b);
+  if (!options.difference.empty()) plan.add_image(options.difference);
+  const Image a = read_png(options.a);
+  const Image b = read_png(options.b);
+  const Comparison comparison = compare(a, b, options.mask == "foreground");
+  if (!options.difference.empty()) write_png(options.difference, difference_image(a, b));
+
+  const std::vector<std::string> broken = broken_limits(options, comparison);
+  if (global.json) {
+    const nlohmann::ordered_json json = {{"rmse", comparison.rmse},
+                                         {"ssim", comparison.ssim},
+                                         {"max_diff", comparison.max_diff},
+                                         {"pixels", comparison.compared_pixels},
+                                         {"within_limits", broken.empty()}};
+    std::printf("%s\n", json.dump(2).c_str());
+  } else if (!global.quiet) {
+    std::printf("rmse %.6g  ssim %.6g  max_diff %.6g\n", comparison.rmse, comparison.ssim,
+                comparison.max_diff);
+  }
+  for (const std::string& line : broken) console.note("over the limit: " + line);
+  return broken.empty() ? kOk : kFailure;
+}
+
+}  // namespace
+
+Command add_compare(CLI::App& program) {
+  auto options = std::make_shared<CompareOptions>();
+  CLI::App* app = add_subcommand(
+      program, "compare", "Measure how different two PNG pictures are; exit 1 over a limit",
+      "  supple compare new.png reference.png\n"
+      "  supple compare new.png reference.png --max-rmse 1e-3 --min-ssim 0.999\n"
+      "  supple compare a.png b.png --mask foreground --diff difference.png --json");
+  app->add_option("a", options->a, "A PNG file")->required()->option_text("A.png");
+  app->add_option("b", options->b, "A PNG file of the same size")->required()->option_text("B.png");
+  app->add_option("--max-rmse", options->max_rmse, "Largest root mean square difference, 0 to 1")
+      ->option_text("R");
+  app->add_option("--min-ssim", options->min_ssim, "Smallest structural similarity")
+      ->option_text("S");
+  app->add_option("--max-diff", options->max_diff, "Largest difference of any channel, 0 to 1")
+      ->option_text("D");
+  app->add_option("--mask", options->mask, "foreground: only where either picture is not empty")
+      ->check(CLI::IsMember({"foreground"}))
+      ->option_text("foreground");
+  app->add_option("--diff", options->difference, "Write the amplified difference")
+      ->option_text("D.png");
+  return {app, [options](const GlobalOptions& global, Console& console) {
+            return run_compare(*options, global, console);
+          }};
+}
+
+}  // namespace supple::tools

@@ -1,0 +1,74 @@
+// supple export: the deformation of a state as a warp file that other programs read.
+#include "tools/console/command.h"
+#include "tools/console/read_options.h"
+#include "tools/outputs/dense_outputs.h"
+#include "tools/outputs/output_plan.h"
+#include "tools/scene/offset_functions.h"
+
+namespace supple::tools {
+
+namespace {
+
+struct ExportOptions {
+  std::string input, output, offset;
+  std::string direction = "resample";
+  std::string void_mode = "nearest";
+  GridChoice grid;
+  WriteOptions write;
+};
+
+int run_export(const ExportOptions& options, const GlobalOptions& global, Console& console) {
+  OutputPlan(global).add_dense(options.output);
+  require_within("--margin", options.grid.margin_mm, 0, 1e6);
+  const bool material = options.direction == "material";
+  const bool has_grid = !options.grid.file.empty() || options.grid.margin_mm != 0;
+  if (material && (has_grid || options.void_mode != "nearest")) {
+    throw UsageError(
+        "--grid, --margin and --void: found with --direction material, expected "
+        "--direction resample (a material field lives on the source grid)");
+  }
+  const auto functions = read_offset_file(options.offset);
+  const State state = read_state(options.input, &console);
+  const Pose deformed = invert_and_send_along(state, functions, console);
+  const Geometry grid = choose_grid(state.geometry, options.grid);
+  const std::int64_t lost = write_state_warp(
+      {options.output, material ? WarpDirection::material : WarpDirection::resample,
+       parse_void_mode(options.void_mode), grid, options.write},
+      state, deformed, console);
+  if (global.json) {
+    print_dense_report(options.output, grid, lost, deformed.offsets.certificate);
+  }
+  return kOk;
+}
+
+}  // namespace
+
+Command add_export(CLI::App& program) {
+  auto options = std::make_shared<ExportOptions>();
+  CLI::App* app = add_subcommand(
+      program, "export", "Write a state's deformation as a warp for ITK, elastix, Slicer, ANTs",
+      "  supple export drag.vdb -o warp.nrrd\n"
+      "  supple export drag.vdb --margin 20 --void outside -o warp.mha\n"
+      "  supple export drag.vdb --direction material -o push.nii.gz");
+  app->add_option("state", options->input, "A state file")->required()->option_text("STATE.vdb");
+  app->add_option("-o,--output", options->output, "Warp to write; its extension chooses the format")
+      ->required()
+      ->option_text("FIELD");
+  app->add_option("--direction", options->direction,
+                  "resample: out(x) = in(x + o(x)); material: voxel X moves to X + u(X)")
+      ->check(CLI::IsMember({"resample", "material"}))
+      ->option_text("resample|material");
+  app->add_option("--void", options->void_mode,
+                  "Where no material is: nearest void, outside the source, or extend")
+      ->check(CLI::IsMember({"nearest", "outside", "extend"}))
+      ->option_text("nearest|outside|extend");
+  add_offset_option(*app, options->offset);
+  add_write_options(*app, options->write);
+  add_warp_options(*app, options->write);
+  add_grid_options(*app, options->grid.file, options->grid.margin_mm);
+  return {app, [options](const GlobalOptions& global, Console& console) {
+            return run_export(*options, global, console);
+          }};
+}
+
+}  // namespace supple::tools

@@ -1,0 +1,208 @@
+// supple info: what a volume or state file holds.
+#include <cmath>
+#include <cstdio>
+
+#include <nlohmann/json.hpp>
+
+#include "tools/console/command.h"
+#include "tools/console/read_options.h"
+#include "volumes/base/sha256.h"
+#include "volumes/grid/labels.h"
+#include "volumes/io/bytes/value_type.h"
+#include "volumes/io/format/formats.h"
+#include "volumes/io/load/load.h"
+#include "volumes/io/open_volume.h"
+#include "volumes/state/state.h"
+
+namespace supple::tools {
+
+namespace {
+
+struct InfoOptions {
+  std::string input;
+  ReadOptions read;
+};
+
+nlohmann::ordered_json to_list(const Vec3d& v) {
+  return {v.x, v.y, v.z};
+}
+
+void add_geometry(nlohmann::ordered_json& json, const Geometry& geometry) {
+  const Vec3d origin = geometry.origin_lps_mm();
+  const auto direction = geometry.direction();
+  const auto& axes = geometry.axes_mm();
+  json["dims"] = {geometry.dims().x, geometry.dims().y, geometry.dims().z};
+  json["spacing_mm"] = to_list(geometry.spacing_mm());
+  json["origin_lps_mm"] = to_list(origin);
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array(),
+                         affine = nlohmann::ordered_json::array();
+  for (int row = 0; row < 3; ++row) {
+    rows.push_back({direction[0][row], direction[1][row], direction[2][row]});
+    affine.push_back({axes[0][row], axes[1][row], axes[2][row], origin[row]});
+  }
+  affine.push_back({0.0, 0.0, 0.0, 1.0});
+  json["direction"] = rows;
+  json["affine_lps"] = affine;
+}
+
+/// Vectors of a warp: how long they are, beside what a volume says.
+void add_vectors(nlohmann::ordered_json& json, VolumeFile& file, Console& console) {
+  const VolumeHeader& header = file.header();
+  const Vec3i& dims = header.geometry.dims();
+  const std::size_t values = std::size_t(dims.x) * dims.y * header.components;
+  std::vector<char> stored(values * bytes_of(header.type));
+  std::vector<double> numbers(values);
+  Sha256 hash;
+  double longest = 0, sum = 0;
+  std::int64_t bad = 0;
+  console.stage("reading");
+  for (int k = 0; k < dims.z; ++k) {
+    file.read_slice(stored.data());
+    hash.update(stored.data(), stored.size());
+    scale_values_of(header.type)(stored.data(), values, header.slope, header.intercept,
+                                 numbers.data());
+    for (std::size_t n = 0; n < values; n += 3) {
+      const double length = Vec3d(numbers[n], numbers[n + 1], numbers[n + 2]).length();
+      if (!std::isfinite(length)) ++bad;
+      if (!std::isfinite(length)) continue;
+      longest = std::max(longest, length);
+      sum += length;
+    }
+    report(&console, double(k + 1) / dims.z);
+  }
+  const std::int64_t finite = header.geometry.voxel_count() - bad;
+  json["components"] = header.components;
+  json["direction_of_vectors"] = header.warp_direction.empty() ? "unsaid" : header.warp_direction;
+  json["longest_mm"] = longest;
+  json["mean_mm"] = finite > 0 ? sum / double(finite) : 0.0;
+  json["nan_voxels"] = bad;
+  if (!header.certificate.empty()) {
+    json["certificate"] = nlohmann::ordered_json::parse(header.certificate, nullptr, false);
+  }
+  json["bytes_dense"] = stored_bytes(header);
+  json["sha256"] = hash.hex();
+}
+
+void add_scalars(nlohmann::ordered_json& json, VolumeFile& file, Console& console) {
+  const VolumeHeader& header = file.header();
+  const VolumeDigest digest = digest_volume(file, &console);
+  json["min"] = digest.statistics.min;
+  json["max"] = digest.statistics.max;
+  json["mean"] = digest.statistics.mean;
+  json["nan_voxels"] = digest.statistics.nan_count;
+  json["active_voxels"] = digest.statistics.above_min_count;
+  json["bytes_dense"] = header.geometry.voxel_count() * bytes_of(header.type);
+  json["bytes_sparse"] = digest.sparse_bytes;
+  json["sha256"] = digest.sha256;
+}
+
+nlohmann::ordered_json describe_volume(const InfoOptions& options, Console& console) {
+  const auto file = open_scalars_or_vectors(options.input, options.read);
+  const VolumeHeader& header = file->header();
+  for (const std::string& line : header.warnings) console.warn(options.input + ": " + line);
+  if (header.components != 3) require_scalars(header);
+  nlohmann::ordered_json json;
+  json["format"] = header.format;
+  json["type"] = numpy_name(header.type);
+  add_geometry(json, header.geometry);
+  if (header.components == 3) {
+    add_vectors(json, *file, console);
+  } else {
+    add_scalars(json, *file, console);
+  }
+  return json;
+}
+
+nlohmann::ordered_json describe_state(const InfoOptions& options, Console& console) {
+  const State state = read_state(options.input, &console);
+  const BrickTopology& kept = state.density.bricks();
+  double min = 0, max = 0, sum = 0;
+  std::int64_t count = 0;
+  for (std::size_t b = 0; b < kept.brick_count(); ++b) {
+    for_each_active(kept.mask(b), [&](int offset) {
+      const double value = state.density.values(b)[offset];
+      min = count == 0 ? value : std::min(min, value);
+      max = count == 0 ? value : std::max(max, value);
+      sum += value;
+      ++count;
+    });
+  }
+  std::size_t offset_bytes = 0;
+  double longest_voxels = 0;
+  for (const BrickValues& q : state.q) {
+    offset_bytes += q.bytes();
+    for (std::size_t slot = 0; !q.empty() && slot < q.brick_count() * kBrickVoxels; ++slot) {
+      longest_voxels = std::max(longest_voxels, std::abs(q.at(slot) / kFixedOne));
+    }
+  }
+  nlohmann::ordered_json json;
+  json["format"] = "supple state";
+  json["type"] = state.source_type;
+  add_geometry(json, state.geometry);
+  json["min"] = min;
+  json["max"] = max;
+  json["mean"] = count > 0 ? sum / double(count) : 0.0;
+  json["active_voxels"] = state.elements.active_count();
+  json["shell_voxels"] = count - state.elements.active_count();
+  json["bytes_dense"] = state.geometry.voxel_count() * std::int64_t(sizeof(float));
+  json["bytes_sparse"] = state.density.bytes() + state.elements.bytes() + state.cuts.bytes() +
+                         state.labels.bytes() + offset_bytes;
+  json["source"] = state.source_name;
+  json["cut_links"] = state.cuts.count();
+  json["anchors"] = state.anchors.size() + state.anchor_labels.size();
+  const auto labels = label_counts(state.labels);
+  for (const auto& [label, elements] : labels) json["labels"][std::to_string(label)] = elements;
+  json["largest_offset_voxels"] = longest_voxels;
+  json["configuration"] = nlohmann::ordered_json::parse(state.configuration, nullptr, false);
+  return json;
+}
+
+/// One "name  value" line per entry; the affine repeats the lines before it.
+void print_info(const nlohmann::ordered_json& json) {
+  for (const auto& [name, value] : json.items()) {
+    if (name == "affine_lps") continue;
+    const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
+    std::printf("%-22s %s\n", name.c_str(), text.c_str());
+  }
+  if (!json.contains("active_voxels")) return;
+  const double voxels =
+      json["dims"][0].get<double>() * json["dims"][1].get<double>() * json["dims"][2].get<double>();
+  std::printf("%-22s %.4g %%\n", "occupancy", 100 * json["active_voxels"].get<double>() / voxels);
+}
+
+int run_info(const InfoOptions& options, const GlobalOptions& global, Console& console) {
+  const nlohmann::ordered_json json = is_state_file(options.input)
+                                          ? describe_state(options, console)
+                                          : describe_volume(options, console);
+  console.stage_seconds();
+  if (json.contains("nan_voxels") && json["nan_voxels"] > 0) {
+    console.warn(options.input + ": " + json["nan_voxels"].dump() + " NaN voxels count as void");
+  }
+  if (global.json) {
+    std::printf("%s\n", json.dump(2).c_str());
+  } else {
+    print_info(json);
+  }
+  return kOk;
+}
+
+}  // namespace
+
+Command add_info(CLI::App& program) {
+  auto options = std::make_shared<InfoOptions>();
+  CLI::App* app = add_subcommand(
+      program, "info", "Print geometry, type, range and memory of a volume, warp or state",
+      "  supple info head.nii.gz\n"
+      "  supple info --json drag.vdb\n"
+      "  supple info scan.raw --raw "
+      "dims=256,256,108,type=int16,spacing=0.957,0.957,1.5");
+  app->add_option("file", options->input, "A volume, a folder of slices, a warp or a state")
+      ->required()
+      ->option_text("FILE");
+  add_read_options(*app, options->read);
+  return {app, [options](const GlobalOptions& global, Console& console) {
+            return run_info(*options, global, console);
+          }};
+}
+
+}  // namespace supple::tools

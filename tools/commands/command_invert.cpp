@@ -1,0 +1,116 @@
+// supple invert: the inverse of any warp file, with a certificate of how well it inverts.
+#include <cstdio>
+
+#include <nlohmann/json.hpp>
+
+#include "tools/console/command.h"
+#include "tools/console/read_options.h"
+#include "tools/outputs/dense_outputs.h"
+#include "tools/outputs/output_plan.h"
+#include "tools/outputs/outputs.h"
+#include "volumes/field/dense/invert_warp.h"
+#include "volumes/io/warp_file.h"
+
+namespace supple::tools {
+
+namespace {
+
+struct InvertOptions {
+  std::string input, output, direction;
+  std::string void_mode = "extend";
+  GridChoice grid;
+  WriteOptions write;
+};
+
+/// What the inverse is called: by default the direction of the input, so that programs that apply
+/// the one apply the other the same way.
+WarpDirection direction_of(const InvertOptions& options, const Warp& warp) {
+  if (options.direction == "resample") return WarpDirection::resample;
+  if (options.direction == "material") return WarpDirection::material;
+  return warp.direction.value_or(WarpDirection::resample);
+}
+
+void warn_of(const InversionCertificate& certificate, std::int64_t uncovered,
+             const std::string& path, Console& console) {
+  if (certificate.folded_cells > 0) {
+    console.warn(path + ": " + with_count(certificate.folded_cells, "cell") +
+                 " folded, smallest det F " + number_text(certificate.min_det) +
+                 "; ties go to the shortest vector");
+  }
+  if (certificate.unresolved_voxels > 0) {
+    console.warn(path + ": " + with_count(certificate.unresolved_voxels, "voxel") +
+                 " could not be inverted");
+  }
+  if (uncovered > 0) {
+    console.note(path + ": " + with_count(uncovered, "grid point") +
+                 " of the output that no point of the warp's grid reaches (--void says what they "
+                 "hold)");
+  }
+}
+
+int run_invert(const InvertOptions& options, const GlobalOptions& global, Console& console) {
+  OutputPlan plan(global);
+  plan.protect(options.input);
+  plan.add_dense(options.output);
+  require_within("--margin", options.grid.margin_mm, 0, 1e6);
+  OffsetField inverse;
+  WarpDirection direction = WarpDirection::resample;
+  {
+    const Warp warp = read_warp(options.input, &console);
+    direction = direction_of(options, warp);
+    try {
+      inverse = invert(displacement_of_warp(warp), {}, &console);
+    } catch (const InputError& error) {
+      rethrow_at(options.input, error);
+    }
+  }
+  const Geometry grid = choose_grid(inverse.geometry, options.grid);
+  const InversionCertificate& certificate = inverse.certificate;
+  warn_of(certificate, count_uncovered(inverse, grid), options.input, console);
+  const BrickTopology nothing_vacated;
+  const auto slices =
+      dense_offsets(inverse, nothing_vacated, grid, parse_void_mode(options.void_mode));
+  const WarpFacts facts{grid, direction, to_json(certificate).dump()};
+  warn_of_all(options.output, write_warp(options.output, facts, slices, &console, options.write),
+              console);
+  if (global.json) {
+    print_dense_report(options.output, grid, 0, certificate);
+  } else if (!global.quiet) {
+    std::printf("residual %.3g voxel at most, %lld folded cells, smallest det F %.4g\n",
+                certificate.residual_max, static_cast<long long>(certificate.folded_cells),
+                certificate.min_det);
+  }
+  return kOk;
+}
+
+}  // namespace
+
+Command add_invert(CLI::App& program) {
+  auto options = std::make_shared<InvertOptions>();
+  CLI::App* app =
+      add_subcommand(program, "invert", "Invert a warp of any program, with certificate",
+                     "  supple invert 1Warp.nii.gz -o 1InverseWarp.nii.gz\n"
+                     "  supple invert deformationField.mhd --void outside -o inverse.nrrd\n"
+                     "  supple invert warp.nrrd --direction material --json -o push.nrrd");
+  app->add_option("field", options->input, "A warp file")->required()->option_text("FIELD");
+  app->add_option("-o,--output", options->output, "Warp to write; its extension chooses the format")
+      ->required()
+      ->option_text("FIELD");
+  app->add_option("--direction", options->direction,
+                  "How the result is recorded: the input's direction means the inverse "
+                  "deformation (default), the other one the same deformation")
+      ->check(CLI::IsMember({"resample", "material"}))
+      ->option_text("resample|material");
+  app->add_option("--void", options->void_mode,
+                  "Where the inverse is not defined: extend (default), outside, or nearest (0)")
+      ->check(CLI::IsMember({"nearest", "outside", "extend"}))
+      ->option_text("extend|outside|nearest");
+  add_write_options(*app, options->write);
+  add_warp_options(*app, options->write);
+  add_grid_options(*app, options->grid.file, options->grid.margin_mm);
+  return {app, [options](const GlobalOptions& global, Console& console) {
+            return run_invert(*options, global, console);
+          }};
+}
+
+}  // namespace supple::tools

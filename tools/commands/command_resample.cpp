@@ -1,0 +1,54 @@
+// supple resample: the deformed volume on a grid, for those who do want it resampled.
+#include "tools/console/command.h"
+#include "tools/console/read_options.h"
+#include "tools/outputs/dense_outputs.h"
+#include "tools/outputs/output_plan.h"
+#include "tools/scene/offset_functions.h"
+
+namespace supple::tools {
+
+namespace {
+
+struct ResampleOptions {
+  std::string input, output, offset;
+  GridChoice grid;
+  WriteOptions write;
+};
+
+int run_resample(const ResampleOptions& options, const GlobalOptions& global, Console& console) {
+  OutputPlan(global).add_dense(options.output);
+  require_within("--margin", options.grid.margin_mm, 0, 1e6);
+  const auto functions = read_offset_file(options.offset);
+  const State state = read_state(options.input, &console);
+  const Pose deformed = invert_and_send_along(state, functions, console);
+  const Geometry grid = choose_grid(state.geometry, options.grid);
+  const std::int64_t lost =
+      write_resampled(options.output, state, deformed, grid, options.write, console);
+  if (global.json) {
+    print_dense_report(options.output, grid, lost, deformed.offsets.certificate);
+  }
+  return kOk;
+}
+
+}  // namespace
+
+Command add_resample(CLI::App& program) {
+  auto options = std::make_shared<ResampleOptions>();
+  CLI::App* app = add_subcommand(program, "resample", "Write the deformed volume on a regular grid",
+                                 "  supple resample drag.vdb -o deformed.nrrd\n"
+                                 "  supple resample drag.vdb --grid atlas.nii.gz -o on_atlas.nrrd\n"
+                                 "  supple resample drag.vdb --margin 20 -o whole.mha");
+  app->add_option("state", options->input, "A state file")->required()->option_text("STATE.vdb");
+  app->add_option("-o,--output", options->output,
+                  "Volume to write; its extension chooses the format")
+      ->required()
+      ->option_text("VOLUME");
+  add_offset_option(*app, options->offset);
+  add_write_options(*app, options->write);
+  add_grid_options(*app, options->grid.file, options->grid.margin_mm);
+  return {app, [options](const GlobalOptions& global, Console& console) {
+            return run_resample(*options, global, console);
+          }};
+}
+
+}  // namespace supple::tools

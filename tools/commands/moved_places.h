@@ -1,0 +1,35 @@
+// Points of files sent through a motion: what became of them, for warnings and reports.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "tools/console/console.h"
+#include "volumes/field/points/point_motion.h"
+
+namespace supple::tools {
+
+struct MovedPlaces {
+  std::vector<MovedPoint> points;  // one per point given
+  std::int64_t outside = 0, folded = 0, torn = 0, unresolved = 0;
+
+  std::vector<Vec3d> positions() const;
+};
+
+/// Stage "moving" of the console.
+MovedPlaces move_all(const PointMotion& motion, const std::vector<Vec3d>& points_lps_mm,
+                     Console& console);
+
+/// Says how many points are outside, folded, torn and unresolved; `name` tells where point n stands
+/// in the file. `is_warp`: points outside stay where they are.
+void warn_of(const MovedPlaces& moved, bool is_warp,
+             const std::function<std::string(std::size_t)>& name, Console& console);
+
+/// What `apply` prints of them with --json; at most 1000 of each kind are listed by their numbers
+/// from 0.
+nlohmann::ordered_json to_json(const MovedPlaces& moved);
+
+}  // namespace supple::tools

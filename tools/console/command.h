@@ -1,0 +1,60 @@
+// What a subcommand is made of, and the helpers that several of them share.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "tools/console/console.h"
+
+namespace supple::tools {
+
+/// Documented exit codes (docs/errors.md, design.md section 8).
+enum ExitCode : int { kOk = 0, kFailure = 1, kUsage = 2, kBadInput = 3, kSystem = 4 };
+
+/// The command line does not parse, or an output exists and --force is missing; exit code 2.
+class UsageError : public Error {
+ public:
+  using Error::Error;
+};
+
+/// Runs with the options that its registration bound; returns an exit code.
+using Action = std::function<int(const GlobalOptions&, Console&)>;
+
+struct Command {
+  CLI::App* app;
+  Action run;
+};
+
+Command add_info(CLI::App& program);
+Command add_convert(CLI::App& program);
+Command add_deform(CLI::App& program);
+Command add_export(CLI::App& program);
+Command add_invert(CLI::App& program);
+Command add_metrics(CLI::App& program);
+Command add_resample(CLI::App& program);
+Command add_apply(CLI::App& program);
+Command add_presets(CLI::App& program);
+Command add_render(CLI::App& program);
+Command add_run(CLI::App& program);
+Command add_slice(CLI::App& program);
+Command add_compare(CLI::App& program);
+Command add_bench(CLI::App& program);
+
+/// A subcommand with its examples, one per line, below the options.
+CLI::App* add_subcommand(CLI::App& program, const std::string& name, const std::string& description,
+                         const std::string& examples);
+
+/// --grid FILE and --margin MM of dense outputs.
+void add_grid_options(CLI::App& app, std::string& file, double& margin_mm);
+
+/// --offset FILE.toml, the functions along which a body is seen.
+void add_offset_option(CLI::App& app, std::string& file);
+
+/// Throws InputError for NaN, infinity and numbers outside [lo, hi]; `option` names it.
+void require_within(const std::string& option, double value, double lo, double hi);
+
+}  // namespace supple::tools

@@ -1,0 +1,108 @@
+#include "tools/console/parse.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdlib>
+#include <sstream>
+#include <vector>
+
+#include "tools/console/command.h"
+#include "volumes/grid/labels.h"
+
+namespace supple::tools {
+
+namespace {
+
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::vector<std::string> parts;
+  std::istringstream stream(text);
+  for (std::string part; std::getline(stream, part, separator);) parts.push_back(part);
+  if (!text.empty() && text.back() == separator) parts.emplace_back();
+  return parts;
+}
+
+[[noreturn]] void throw_unparsed(const std::string& option, const std::string& text,
+                                 const std::string& expected) {
+  throw UsageError(to_line({"", option, "'" + text + "'", expected}));
+}
+
+bool read_int(const std::string& text, int& value) {
+  const char* end = text.data() + text.size();
+  const auto result = std::from_chars(text.data(), end, value);
+  return result.ec == std::errc() && result.ptr == end;
+}
+
+bool read_double(const std::string& text, double& value) {
+  char* end = nullptr;
+  value = std::strtod(text.c_str(), &end);
+  return !text.empty() && end == text.c_str() + text.size();
+}
+
+bool read_voxel(const std::string& text, Vec3i& voxel) {
+  const std::vector<std::string> parts = split(text, ',');
+  bool good = parts.size() == 3;
+  for (int a = 0; good && a < 3; ++a) good = read_int(parts[a], voxel[a]);
+  return good;
+}
+
+}  // namespace
+
+Vec3d parse_vector(const std::string& option, const std::string& text) {
+  const std::vector<std::string> parts = split(text, ',');
+  Vec3d vector;
+  bool good = parts.size() == 3;
+  for (int a = 0; good && a < 3; ++a) good = read_double(parts[a], vector[a]);
+  if (!good) throw_unparsed(option, text, "three numbers X,Y,Z");
+  return vector;
+}
+
+IndexBox parse_box(const std::string& option, const std::string& text) {
+  const std::vector<std::string> corners = split(text, ':');
+  Vec3i a, b;
+  if (corners.empty() || corners.size() > 2 || !read_voxel(corners.front(), a) ||
+      !read_voxel(corners.back(), b)) {
+    throw_unparsed(option, text, "I,J,K, a box I,J,K:I,J,K, label:N or a FILE.csv");
+  }
+  IndexBox box;
+  for (int axis = 0; axis < 3; ++axis) {
+    box.lo[axis] = std::min(a[axis], b[axis]);
+    box.hi[axis] = std::max(a[axis], b[axis]);
+  }
+  return box;
+}
+
+std::optional<std::int32_t> parse_label(const std::string& option, const std::string& text) {
+  const std::string prefix = "label:";
+  if (text.compare(0, prefix.size(), prefix) != 0) return std::nullopt;
+  int label = 0;
+  if (!read_int(text.substr(prefix.size()), label) || label < 1 || label > kMaxLabel) {
+    throw_unparsed(option, text, "label:N with N from 1 to " + std::to_string(kMaxLabel));
+  }
+  return label;
+}
+
+void parse_range(const std::string& option, const std::string& text, double& lo, double& hi) {
+  const std::vector<std::string> parts = split(text, ',');
+  if (parts.size() != 2 || !read_double(parts[0], lo) || !read_double(parts[1], hi)) {
+    throw_unparsed(option, text, "two numbers LO,HI");
+  }
+}
+
+void parse_size(const std::string& option, const std::string& text, int& width, int& height) {
+  const std::vector<std::string> parts = split(text, ',');
+  if (parts.size() != 2 || !read_int(parts[0], width) || !read_int(parts[1], height)) {
+    throw_unparsed(option, text, "two integers W,H");
+  }
+}
+
+std::string to_text(const Vec3i& v) {
+  return std::to_string(v.x) + "," + std::to_string(v.y) + "," + std::to_string(v.z);
+}
+
+std::string to_text(const Vec3d& v) {
+  std::ostringstream text;
+  text << v.x << "," << v.y << "," << v.z;
+  return text.str();
+}
+
+}  // namespace supple::tools

@@ -1,0 +1,212 @@
+#include "tools/outputs/frames.h"
+
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "raycast/scene/stereo.h"
+#include "volumes/field/inversion/invert.h"
+
+namespace supple::tools {
+
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+/// `v` turned about the patient's axis towards superior; from above against the clock.
+Vec3d turned(const Vec3d& v, double angle) {
+  const double c = std::cos(angle), s = std::sin(angle);
+  return {c * v.x - s * v.y, s * v.x + c * v.y, v.z};
+}
+
+Camera turned(const Camera& camera, double angle) {
+  Camera around = camera;
+  around.position_lps_mm =
+      camera.target_lps_mm + turned(camera.position_lps_mm - camera.target_lps_mm, angle);
+  around.up_lps = turned(camera.up_lps, angle);
+  return around;
+}
+
+double longest_mm(const VectorBricks& bricks, const Geometry& geometry) {
+  const BrickTopology& topology = bricks.topology;
+  double longest = 0;
+  for (std::size_t b = 0; b < topology.brick_count(); ++b) {
+    for_each_active(topology.mask(b), [&](int n) {
+      const Vec3d vector(bricks.vectors[b * kBrickVoxels + n]);
+      longest = std::max(longest, geometry.world_vector_from_index(vector).length());
+    });
+  }
+  return longest;
+}
+
+/// Of a moved subject; o(x) = -u(x + o(x)), so that the longest u is the longest offset, too.
+double longest_offset_mm(const PosedVolume& subject) {
+  return longest_mm(subject.offsets != nullptr ? subject.offsets->o : subject.displacement->u,
+                    subject.geometry);
+}
+
+/// A body on its way from rest to where it is.
+class Halfway {
+ public:
+  Halfway(const PosedVolume& subject, double fraction, bool needs_inverse, Console& console)
+      : m_displacement(*subject.displacement), m_subject(subject) {
+    for (Vec3f& u : m_displacement.u.vectors) u *= float(fraction);
+    if (!needs_inverse) return;
+    InvertParams params;
+    params.material = &subject.elements;
+    m_offsets = invert(m_displacement, params, &console);
+  }
+  PosedVolume subject() const {
+    return {m_subject.geometry, m_subject.density,
+            m_subject.elements, m_offsets ? &*m_offsets : nullptr,
+            &m_displacement,    m_subject.grey_lo,
+            m_subject.grey_hi,  m_subject.air_rings};
+  }
+
+ private:
+  Displacement m_displacement;
+  std::optional<OffsetField> m_offsets;
+  const PosedVolume& m_subject;
+};
+
+PosedVolume at_rest(const PosedVolume& subject) {
+  return {subject.geometry, subject.density, subject.elements, nullptr,
+          nullptr,          subject.grey_lo, subject.grey_hi,  subject.air_rings};
+}
+
+void add(const RenderReport& more, RenderReport* sum) {
+  if (sum == nullptr) return;
+  sum->samples += more.samples;
+  sum->rays += more.rays;
+  sum->prepare_ms += more.prepare_ms;
+  sum->march_ms += more.march_ms;
+  sum->bytes = std::max(sum->bytes, more.bytes);
+}
+
+/// Draws the pictures of one view, its sampling bricks built once.
+class ViewDrawing {
+ public:
+  ViewDrawing(const PosedVolume& subject, const SceneView& view, RenderReport* report,
+              Console& console)
+      : m_subject(subject),
+        m_view(view),
+        m_options(m_view.picture),
+        m_report(report),
+        m_console(console) {
+    require_subject();
+    if (!view.lattice && !view.slice) m_renderer = make_renderer(subject, view);
+    if (view.slice) {
+      m_view.slice = effective_slice(
+          *view.slice, {subject.geometry, subject.density, &subject.elements, nullptr});
+    } else {
+      m_camera = camera_of(subject, view);
+    }
+    m_offset_range.hi = m_options.offset_max_mm;
+    const bool needs_longest = m_options.offset_max_mm == 0 && shows("offset");
+    if (needs_longest) m_offset_range.hi = longest_offset_mm(subject);
+  }
+
+  void draw_all(PictureWriter& writer) {
+    for (int n = 0; n < m_options.frame_count(); ++n) {
+      SceneView frame = m_view;
+      const Camera camera =
+          m_options.turntable > 0 ? turned(m_camera, 2 * kPi * n / m_options.turntable) : m_camera;
+      if (!m_view.slice) frame.camera.camera = camera;
+      double fraction = 1;
+      if (m_options.sequence > 0) fraction = double(n) / (m_options.sequence - 1);
+      const FloatImage picture = draw_at(fraction, frame);
+      writer.write({picture, n, describe(frame, n, fraction), m_offset_range,
+                    -camera_frame(camera).forward});
+    }
+    writer.finish();
+  }
+
+ private:
+  bool shows(const std::string& channel) const {
+    const std::vector<std::string>& aux = m_options.aux;
+    return std::find(aux.begin(), aux.end(), channel) != aux.end();
+  }
+
+  void require_subject() const {
+    const auto require = [&](bool good, const char* field, const char* found,
+                             const char* expected) {
+      if (!good) throw InputError({m_view.place, field, found, expected});
+    };
+    require(m_subject.displacement != nullptr || m_options.sequence == 0, "sequence",
+            "nothing that is deformed", "a deformed state");
+    require(m_view.offset.empty() || m_options.sequence == 0, "sequence",
+            "sampling paths, whose pieces may come apart", "a deformed state alone");
+    const bool is_moved = m_subject.offsets != nullptr || m_subject.displacement != nullptr;
+    require(is_moved || !shows("offset"), "aux", "no offsets to show",
+            "a deformed state, or a volume through a warp");
+    const bool is_flat = m_view.lattice || m_view.slice;
+    require(!is_flat || m_options.aux.empty(), "aux", "a lattice or slices to draw",
+            "a picture of a volume");
+  }
+
+  FloatImage draw_at(double fraction, const SceneView& frame) {
+    if (m_options.sequence == 0) return draw_eyes(m_subject, frame);
+    if (fraction == 0) return draw_posed(at_rest(m_subject), frame);
+    if (fraction == 1) return draw_posed(m_subject, frame);
+    const bool needs_inverse = m_view.inverse && !m_view.lattice;
+    const Halfway halfway(m_subject, fraction, needs_inverse, m_console);
+    return draw_posed(halfway.subject(), frame);
+  }
+
+  FloatImage draw_posed(const PosedVolume& subject, const SceneView& frame) {
+    if (m_renderer) pose(*m_renderer, subject, m_view);
+    return draw_eyes(subject, frame);
+  }
+
+  FloatImage draw_eyes(const PosedVolume& subject, SceneView frame) {
+    if (m_options.stereo == StereoMode::none) return draw_one(subject, frame);
+    const StereoCameras eyes = stereo_cameras(*frame.camera.camera, m_options.eye_separation_mm);
+    frame.camera.camera = eyes.left;
+    const FloatImage left = draw_one(subject, frame);
+    frame.camera.camera = eyes.right;
+    const FloatImage right = draw_one(subject, frame);
+    return m_options.stereo == StereoMode::anaglyph ? anaglyph(left, right)
+                                                    : side_by_side(left, right);
+  }
+
+  FloatImage draw_one(const PosedVolume& subject, const SceneView& frame) {
+    RenderReport report;
+    FloatImage picture = draw(subject, m_renderer.get(), frame, &report, m_console);
+    add(report, m_report);
+    return picture;
+  }
+
+  std::string describe(const SceneView& frame, int n, double fraction) const {
+    nlohmann::ordered_json more = nlohmann::ordered_json::object();
+    if (m_options.stereo != StereoMode::none) {
+      more["stereo"] = m_options.stereo == StereoMode::anaglyph ? "anaglyph" : "side-by-side";
+      more["eye_separation"] = m_options.eye_separation_mm;
+    }
+    if (m_options.is_series()) more["picture"] = {n, m_options.frame_count()};
+    if (m_options.sequence > 0) more["fraction"] = fraction;
+    if (shows("offset")) more["offset_max"] = m_offset_range.hi;
+    return describe_view(frame, more);
+  }
+
+  const PosedVolume& m_subject;
+  SceneView m_view;
+  const PictureOptions& m_options;
+  RenderReport* m_report;
+  Console& m_console;
+  std::unique_ptr<Renderer> m_renderer;
+  Camera m_camera;
+  ScalarRange m_offset_range{0, 0};
+};
+
+}  // namespace
+
+void draw_view(const PosedVolume& subject, const SceneView& view, PictureWriter& writer,
+               RenderReport* report, Console& console) {
+  try {
+    ViewDrawing(subject, view, report, console).draw_all(writer);
+  } catch (const InputError& error) {
+    rethrow_at(view.place, error);
+  }
+}
+
+}  // namespace supple::tools

@@ -1,0 +1,78 @@
+#include "tools/outputs/output_plan.h"
+
+#include <filesystem>
+
+#include "tools/console/command.h"
+#include "volumes/base/atomic_file.h"
+#include "volumes/io/format/formats.h"
+#include "volumes/io/volume_writer.h"
+
+namespace supple::tools {
+
+namespace {
+
+std::string canonical(const std::string& path) {
+  return std::filesystem::weakly_canonical(path).string();
+}
+
+void require_extension(const std::string& path, const std::string& extension) {
+  const std::string found = std::filesystem::path(path).extension().string();
+  if (found == extension) return;
+  throw InputError({path, "output", found.empty() ? "no extension" : "extension " + found,
+                    "extension " + extension});
+}
+
+}  // namespace
+
+void OutputPlan::protect(const std::string& input) {
+  m_inputs.insert(canonical(file_part(input)));
+  const std::filesystem::path path(input);
+  if (path.extension() != ".nhdr" && path.extension() != ".mhd") return;
+  m_inputs.insert(canonical(std::filesystem::path(input).replace_extension(".raw").string()));
+}
+
+void OutputPlan::add_image(const std::string& path) {
+  require_extension(path, ".png");
+  add_file(path);
+}
+
+void OutputPlan::add_pictures(const PictureOptions& options, const std::string& image) {
+  for (const std::string& file : picture_files(options, image)) add_file(file);
+}
+
+void OutputPlan::add_state(const std::string& path) {
+  require_extension(path, ".vdb");
+  add_file(path);
+}
+
+void OutputPlan::add_report(const std::string& path) {
+  require_extension(path, ".json");
+  add_file(path);
+}
+
+void OutputPlan::add_like(const std::string& path, const std::string& input) {
+  require_extension(path, std::filesystem::path(input).extension().string());
+  add_file(path);
+}
+
+void OutputPlan::add_dense(const std::string& path) {
+  for (const std::string& file : output_files(path)) add_file(file);
+}
+
+void OutputPlan::add_file(const std::string& path) {
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  const bool will_be_made = m_creates_folders && !std::filesystem::exists(folder);
+  if (!will_be_made) check_output_place(path);
+  const std::string place = canonical(path);
+  if (m_inputs.count(place) != 0) {
+    throw InputError({path, "output", "the name of an input", "another file"});
+  }
+  if (!m_outputs.insert(place).second) {
+    throw InputError({path, "output", "a file that another output writes", "different files"});
+  }
+  if (!m_force && std::filesystem::exists(path)) {
+    throw UsageError(path + ": output exists, add --force to overwrite it");
+  }
+}
+
+}  // namespace supple::tools

@@ -1,0 +1,39 @@
+// The files that a command is going to create, checked before anything is computed: right kind of
+// name, place that can be written to, nothing overwritten without --force, no two outputs in one
+// file, no output on top of an input.
+#pragma once
+
+#include <set>
+#include <string>
+
+#include "tools/console/console.h"
+#include "tools/scene/picture_options.h"
+
+namespace supple::tools {
+
+class OutputPlan {
+ public:
+  /// `creates_folders`: missing folders are no error, since the command makes them.
+  explicit OutputPlan(const GlobalOptions& options, bool creates_folders = false)
+      : m_force(options.force), m_creates_folders(creates_folders) {}
+
+  /// A file that must not be overwritten; for a detached header its data file as well.
+  void protect(const std::string& input);
+
+  /// Each throws UsageError (exists, no --force) or InputError (everything else).
+  void add_image(const std::string& path);                                     // .png
+  void add_pictures(const PictureOptions& options, const std::string& image);  // of one view
+  void add_state(const std::string& path);                                     // .vdb
+  void add_report(const std::string& path);                                    // .json
+  void add_like(const std::string& path, const std::string& input);            // input's extension
+  void add_dense(const std::string& path);  // what volume_writer.h knows; pairs count both files
+
+ private:
+  void add_file(const std::string& path);
+
+  bool m_force;
+  bool m_creates_folders;
+  std::set<std::string> m_inputs, m_outputs;  // canonical
+};
+
+}  // namespace supple::tools

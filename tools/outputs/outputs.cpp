@@ -1,0 +1,344 @@
+#include "tools/outputs/outputs.h"
+
+#include <algorithm>
+
+#include <nlohmann/json.hpp>
+
+#include "raycast/drawings/lattice.h"
+#include "tools/scene/transfer_file.h"
+#include "tools/version.h"
+#include "volumes/field/displacement.h"
+#include "volumes/field/inversion/forward_offsets.h"
+
+namespace supple::tools {
+
+Camera resolve_camera(const CameraChoice& choice, const Geometry& geometry, double aspect) {
+  if (choice.camera) return *choice.camera;
+  return default_camera(geometry, aspect, choice.view, choice.projection);
+}
+
+namespace {
+
+Image draw_body_lattice(const PosedVolume& subject, const SceneView& view) {
+  const Displacement displacement =
+      on_elements(subject.geometry, subject.elements, subject.displacement);
+  const Camera camera = camera_of(subject, view);
+  LatticeStyle style;
+  style.width = view.width;
+  style.height = view.height;
+  style.grey_lo = subject.grey_lo;
+  style.grey_hi = subject.grey_hi;
+  return draw_lattice(subject.geometry, subject.density, displacement, camera, style);
+}
+
+}  // namespace
+
+Camera camera_of(const PosedVolume& subject, const SceneView& view) {
+  const double aspect = double(view.width) / view.height;
+  const bool is_flat = view.lattice && subject.geometry.dims().z == 1;
+  const bool is_default = !view.camera.camera && view.camera.view == "anterior";
+  if (is_flat && is_default) {
+    const Displacement displacement =
+        on_elements(subject.geometry, subject.elements, subject.displacement);
+    return lattice_camera(subject.geometry, displacement, aspect);
+  }
+  return resolve_camera(view.camera, subject.geometry, aspect);
+}
+
+RenderSettings view_settings(const SceneView& view) {
+  RenderSettings settings;
+  settings.width = view.width;
+  settings.height = view.height;
+  view.sampling.apply_to(settings);
+  settings.lighting = view.lighting;
+  settings.clip_surfaces = view.clip_meshes;
+  settings.auxiliary = !view.picture.aux.empty() || picture_kind(view.image) == PictureKind::exr;
+  return settings;
+}
+
+void rethrow_at(const std::string& place, const InputError& error) {
+  const Problem& problem = error.problem();
+  if (!problem.file.empty() || place.empty()) throw error;
+  throw InputError({place, problem.field, problem.found, problem.expected});
+}
+
+void check_inverse(const SceneView& view, const std::vector<OffsetFunction>& functions) {
+  if (view.inverse || !view.deformed || functions.empty()) return;
+  throw InputError({view.place, "inverse", "sampling paths, which follow offsets",
+                    "inverse = true, or a deformed state alone"});
+}
+
+void check_view(const SceneView& view) {
+  try {
+    if (!view.preset.empty()) preset(view.preset);
+    view_settings(view).validate();
+    check_picture_options(view.picture, view.image, view.place);
+    check_inverse(view, view.offset);
+  } catch (const InputError& error) {
+    rethrow_at(view.place, error);
+  }
+}
+
+SceneView effective_view(const SceneView& view, const Geometry& geometry, double min_density) {
+  SceneView effective = view;
+  effective.lattice = view.lattice || geometry.dims().z == 1;
+  if (view.preset.empty() && !view.transfer)
+    effective.preset = min_density < -200 ? "CT-Bone" : "MR-Default";
+  return effective;
+}
+
+namespace {
+
+/// A warp file says where tissue came from, not where a point of it goes.
+const Displacement* displacement_for_meshes(const PosedVolume& subject, const SceneView& view) {
+  for (const MeshChoice& mesh : view.meshes) {
+    if (mesh.deform && subject.offsets != nullptr && subject.displacement == nullptr) {
+      throw InputError({mesh.place, "deform", "offsets of a warp file",
+                        "a state or the steps of a scene, which know where tissue goes"});
+    }
+  }
+  return subject.displacement;
+}
+
+}  // namespace
+
+bool reads_displacement(const SceneView& view) {
+  const auto deforms = [](const MeshChoice& mesh) { return mesh.deform; };
+  return !view.inverse || view.lattice || view.picture.sequence > 0 || !view.offset.empty() ||
+         std::any_of(view.meshes.begin(), view.meshes.end(), deforms);
+}
+
+std::unique_ptr<Renderer> make_renderer(const PosedVolume& subject, const SceneView& view) {
+  auto renderer = std::make_unique<Renderer>(subject.geometry, subject.density, subject.air_rings);
+  pose(*renderer, subject, view);
+  return renderer;
+}
+
+void pose(Renderer& renderer, const PosedVolume& subject, const SceneView& view) {
+  if (subject.offsets == nullptr && subject.displacement != nullptr) {
+    renderer.set_pointwise_offsets(std::make_shared<const ForwardOffsets>(*subject.displacement));
+  } else {
+    renderer.set_offsets(subject.offsets,
+                         view.half_offsets ? OffsetResolution::half : OffsetResolution::full);
+  }
+  if (!view.meshes.empty()) {
+    renderer.set_surfaces(surfaces_of(view.meshes, displacement_for_meshes(subject, view)));
+  }
+}
+
+FloatImage draw(const PosedVolume& subject, const Renderer* renderer, const SceneView& view,
+                RenderReport* report, Console& console) {
+  if (view.slice) {
+    return to_float(draw_slices(
+        {subject.geometry, subject.density, &subject.elements, subject.offsets}, *view.slice));
+  }
+  if (view.lattice && !view.clips.empty()) {
+    throw InputError({view.place, "clip", "a lattice to draw", "a volume of several slices"});
+  }
+  if (view.lattice && !view.meshes.empty()) {
+    throw InputError({view.place, "mesh", "a lattice to draw", "a volume of several slices"});
+  }
+  if (view.lattice) return to_float(draw_body_lattice(subject, view));
+  RenderSettings settings = view_settings(view);
+  settings.clips = resolve_clips(view.clips, subject.geometry);
+  const TransferFunction function = view.transfer ? *view.transfer : preset(view.preset);
+  return renderer->render_float(camera_of(subject, view), function, settings, report, &console);
+}
+
+namespace {
+
+nlohmann::ordered_json to_json(const Vec3d& v) {
+  return {v.x, v.y, v.z};
+}
+
+nlohmann::ordered_json to_json(const ClipChoice& choice) {
+  nlohmann::ordered_json json;
+  if (choice.voxel_corners) {
+    json["box"] = {to_json(choice.voxel_corners->first), to_json(choice.voxel_corners->second)};
+  }
+  for (const HalfSpace& half : choice.clip.region) {
+    json["plane"] = {{"point", to_json(half.point_lps_mm)}, {"normal", to_json(half.normal_lps)}};
+  }
+  json["keep"] = choice.clip.keep == ClipKeep::inside ? "inside" : "outside";
+  json["space"] = choice.clip.space == ClipSpace::deformed ? "deformed" : "source";
+  return json;
+}
+
+nlohmann::ordered_json to_json(const SliceChoice& choice, bool deformed) {
+  return {{"program", std::string("supple ") + kVersion},
+          {"plane", choice.plane},
+          {"at", to_json(*choice.at)},
+          {"scale", choice.scale},
+          {"window", {choice.window->first, choice.window->second}},
+          {"deformed", deformed},
+          {"outline", choice.outline}};
+}
+
+}  // namespace
+
+std::string describe_slice(const SliceChoice& choice, bool deformed) {
+  return to_json(choice, deformed).dump();
+}
+
+std::string describe_view(const SceneView& view, const nlohmann::ordered_json& more) {
+  if (view.slice) {
+    nlohmann::ordered_json slices = to_json(*view.slice, view.deformed);
+    slices.update(more);
+    return slices.dump();
+  }
+  const auto list = [](const Vec3d& v) { return to_json(v); };
+  const auto name_of = [](Projection projection) {
+    return projection == Projection::perspective ? "perspective" : "orthographic";
+  };
+  nlohmann::ordered_json json;
+  json["program"] = std::string("supple ") + kVersion;
+  if (view.transfer) {
+    json["transfer"] = to_toml(*view.transfer);
+  } else {
+    json["preset"] = view.preset;
+  }
+  json["size"] = {view.width, view.height};
+  json["step"] = view_settings(view).step_voxels;
+  json["classification"] = view.sampling.classification;
+  json["jitter"] = view.sampling.jitter;
+  json["deformed"] = view.deformed;
+  if (!view.inverse) json["inverse"] = false;
+  if (view.half_offsets) json["half_offsets"] = true;
+  json["lattice"] = view.lattice;
+  describe(view.lighting, json);
+  for (const MeshChoice& mesh : view.meshes) json["mesh"].push_back(to_json(mesh));
+  if (view.clip_meshes) json["clip_meshes"] = true;
+  for (const OffsetFunction& function : view.offset) {
+    json["offset"].push_back(nlohmann::ordered_json::parse(function.json));
+  }
+  for (const ClipChoice& clip : view.clips) json["clip"].push_back(to_json(clip));
+  if (const auto& camera = view.camera.camera) {
+    json["camera"] = {
+        {"projection", name_of(camera->projection)}, {"position", list(camera->position_lps_mm)},
+        {"target", list(camera->target_lps_mm)},     {"up", list(camera->up_lps)},
+        {"fov", camera->vertical_fov_degrees},       {"height", camera->height_mm}};
+  } else {
+    json["camera"] = {{"projection", name_of(view.camera.projection)}, {"view", view.camera.view}};
+  }
+  json.update(more);
+  return json.dump();
+}
+
+nlohmann::ordered_json to_json(const InversionCertificate& certificate) {
+  return {{"residual_max_voxels", certificate.residual_max},
+          {"residual_p999_voxels", certificate.residual_p999},
+          {"cells", certificate.cells},
+          {"folded_cells", certificate.folded_cells},
+          {"folded_air_cells", certificate.folded_air_cells},
+          {"torn_cells", certificate.torn_cells},
+          {"overlapped_voxels", certificate.overlapped_voxels},
+          {"unresolved_voxels", certificate.unresolved_voxels},
+          {"min_det", certificate.min_det}};
+}
+
+nlohmann::ordered_json to_json(const BallReport& report, std::int64_t cut_links) {
+  return {{"limits", "ball"},
+          {"moved", report.moved},
+          {"cut_links", cut_links},
+          {"moves", report.moves},
+          {"capped", report.capped},
+          {"links", report.links},
+          {"violated", report.violated},
+          {"worst_excess_voxels", report.worst_excess_voxels},
+          {"max_queue", report.max_queue},
+          {"solve_ms", report.milliseconds}};
+}
+
+namespace {
+
+nlohmann::ordered_json to_json(const CellVolumes& volumes) {
+  return {{"cells", volumes.cells},
+          {"rest_mm3", volumes.rest_mm3},
+          {"mm3", volumes.total_mm3},
+          {"ratio", volumes.ratio()},
+          {"smallest_cell_ratio", volumes.smallest},
+          {"largest_cell_ratio", volumes.largest}};
+}
+
+nlohmann::ordered_json to_json(const RelaxParams& params, const RelaxReport& report) {
+  nlohmann::ordered_json json = {{"method", name_of(params.method)},
+                                 {"passes", report.passes},
+                                 {"converged", report.converged},
+                                 {"energy_before_uj", report.energy_before},
+                                 {"energy_after_uj", report.energy_after},
+                                 {"largest_step_voxels", report.largest_step_voxels},
+                                 {"yielded_links", report.yielded_links},
+                                 {"projected", report.projected_links},
+                                 {"projected_max_voxels", report.projected_max_voxels},
+                                 {"projected_held", report.projected_held},
+                                 {"relax_ms", report.milliseconds}};
+  if (report.volumes_after) {
+    json["volume_kpa"] = params.bulk_modulus_kpa;
+    json["volumes_before"] = to_json(*report.volumes_before);
+    json["volumes_after"] = to_json(*report.volumes_after);
+  }
+  return json;
+}
+
+nlohmann::ordered_json to_json(const TightenReport& report) {
+  return {{"iterations", report.iterations},
+          {"settled", report.settled},
+          {"moved", report.moved},
+          {"links", report.links},
+          {"violated", report.violated},
+          {"worst_excess_voxels", report.worst_excess_voxels},
+          {"excess_before_voxels", report.excess_before_voxels},
+          {"excess_voxels", report.excess_voxels},
+          {"projected", report.projected_links},
+          {"projected_max_voxels", report.projected_max_voxels},
+          {"projected_held", report.projected_held},
+          {"tighten_ms", report.milliseconds}};
+}
+
+nlohmann::ordered_json to_json(const EcmReport& report, std::int64_t cut_links) {
+  return {{"limits", "box"},
+          {"fraction", report.fraction()},
+          {"fraction_exact", std::to_string(report.fraction_numerator) + "/" +
+                                 std::to_string(report.fraction_denominator)},
+          {"engine", name_of(report.engine)},
+          {"moved", report.moved},
+          {"cut_links", cut_links},
+          {"projected", report.projected_links},
+          {"projected_max_voxels", report.projected_max_voxels},
+          {"projected_held", report.projected_held},
+          {"visited", report.visited},
+          {"max_queue", report.max_queue},
+          {"solve_ms", report.milliseconds}};
+}
+
+}  // namespace
+
+nlohmann::ordered_json to_json(const StepRecord& record) {
+  if (record.springs) {
+    nlohmann::ordered_json json = {{"model", "springs"},
+                                   {"cut_links", record.cut_links},
+                                   {"settings", settings_json(*record.springs)},
+                                   {"springs", to_json(record.sprung)}};
+    json["forces"] = to_json(record.pulls);
+    return json;
+  }
+  nlohmann::ordered_json json = record.ball ? to_json(*record.ball, record.cut_links)
+                                            : to_json(record.report, record.cut_links);
+  if (record.relax) json["relax"] = to_json(*record.relax, record.relaxed);
+  if (record.tightened) {
+    json["limits"] = "tighten";
+    json["tighten"] = to_json(*record.tightened);
+  }
+  json["forces"] = to_json(record.pulls);
+  return json;
+}
+
+nlohmann::ordered_json to_json(const RenderReport& report) {
+  return {{"rays", report.rays},
+          {"samples", report.samples},
+          {"prepare_ms", report.prepare_ms},
+          {"march_ms", report.march_ms},
+          {"bytes", report.bytes}};
+}
+
+}  // namespace supple::tools

@@ -1,0 +1,73 @@
+#include "tools/outputs/picture_writer.h"
+
+namespace supple::tools {
+
+PendingFiles::~PendingFiles() {
+  m_files.clear();
+  std::error_code ignored;
+  while (!m_folders.empty()) {
+    std::filesystem::remove(m_folders.back(), ignored);  // unless something is in it
+    m_folders.pop_back();
+  }
+}
+
+void PendingFiles::make_folders(const std::filesystem::path& folder) {
+  if (folder.empty() || std::filesystem::exists(folder)) return;
+  make_folders(folder.parent_path());
+  if (std::filesystem::create_directory(folder)) m_folders.push_back(folder);
+}
+
+const AtomicFile& PendingFiles::add(const std::string& final_path) {
+  make_folders(std::filesystem::path(final_path).parent_path());
+  return m_files.emplace_back(final_path);
+}
+
+void PendingFiles::commit() {
+  for (AtomicFile& file : m_files) file.commit();
+  m_files.clear();
+  m_folders.clear();
+}
+
+void PictureWriter::write(const DrawnPicture& drawn) {
+  const PictureKind kind = picture_kind(m_image);
+  if (kind == PictureKind::video) return add_to_video(drawn);
+  const std::string image = m_options.is_series() ? frame_name(m_image, drawn.frame) : m_image;
+  const AtomicFile& file = m_files.add(image);
+  if (kind == PictureKind::exr) {
+    write_exr(file, drawn.picture, drawn.configuration);
+  } else if (m_options.bits == 16) {
+    write_png16(file, drawn.picture, drawn.configuration);
+  } else {
+    write_png(file, to_image(drawn.picture), drawn.configuration);
+  }
+  write_aux(drawn, image);
+}
+
+void PictureWriter::write_aux(const DrawnPicture& drawn, const std::string& image) {
+  const FloatImage& picture = drawn.picture;
+  const Vec3f eye(drawn.towards_camera_lps);
+  for (const std::string& channel : m_options.aux) {
+    const AtomicFile& file = m_files.add(aux_name(image, channel));
+    const Image shown = channel == "depth" ? depth_image(picture, range_of(picture.depth_mm))
+                        : channel == "normal"
+                            ? normal_image(picture)
+                            : offset_image(picture, drawn.offset_range_mm, {eye.x, eye.y, eye.z});
+    write_png(file, shown, drawn.configuration);
+  }
+}
+
+void PictureWriter::add_to_video(const DrawnPicture& drawn) {
+  if (m_video == nullptr) {
+    m_video = std::make_unique<VideoEncoder>(m_files.add(m_image).path(), m_image,
+                                             drawn.picture.width, drawn.picture.height,
+                                             m_options.frames_per_second, drawn.configuration);
+  }
+  m_video->add(to_image(drawn.picture));
+}
+
+void PictureWriter::finish() {
+  if (m_video != nullptr) m_video->finish();
+  m_video.reset();
+}
+
+}  // namespace supple::tools

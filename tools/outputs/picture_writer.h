@@ -1,0 +1,65 @@
+// Pictures as files that appear all at once: each is written under a temporary name when it is
+// drawn, so that a long series takes no memory and a failure leaves nothing.
+#pragma once
+
+#include <deque>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "raycast/pictures/colour_map.h"
+#include "tools/outputs/video.h"
+#include "tools/scene/picture_options.h"
+#include "volumes/base/atomic_file.h"
+
+namespace supple::tools {
+
+/// Files under temporary names, and the folders made for them. What is not committed vanishes.
+class PendingFiles {
+ public:
+  PendingFiles() = default;
+  ~PendingFiles();
+  PendingFiles(const PendingFiles&) = delete;
+  PendingFiles& operator=(const PendingFiles&) = delete;
+
+  /// A file to write to; missing folders are made. Throws as AtomicFile.
+  const AtomicFile& add(const std::string& final_path);
+  void commit();
+
+ private:
+  void make_folders(const std::filesystem::path& folder);
+
+  std::deque<AtomicFile> m_files;
+  std::deque<std::filesystem::path> m_folders;  // made, the innermost last
+};
+
+/// One picture of a view, and what its file says of it.
+struct DrawnPicture {
+  const FloatImage& picture;
+  int frame;  // from 0
+  std::string configuration;
+  ScalarRange offset_range_mm;
+  Vec3d towards_camera_lps;
+};
+
+/// Files the pictures of one view.
+class PictureWriter {
+ public:
+  PictureWriter(PendingFiles& files, std::string image, const PictureOptions& options)
+      : m_files(files), m_image(std::move(image)), m_options(options) {}
+
+  void write(const DrawnPicture& drawn);
+  /// After the last one; a video is complete then.
+  void finish();
+
+ private:
+  void write_aux(const DrawnPicture& drawn, const std::string& image);
+  void add_to_video(const DrawnPicture& drawn);
+
+  PendingFiles& m_files;
+  std::string m_image;
+  PictureOptions m_options;
+  std::unique_ptr<VideoEncoder> m_video;
+};
+
+}  // namespace supple::tools

@@ -1,0 +1,81 @@
+#include "tools/scene/cut_surface.h"
+
+#include <filesystem>
+
+#include <nlohmann/json.hpp>
+
+namespace supple::tools {
+
+namespace {
+
+PlanePatch plane_of(const CutSurface& surface, const Geometry& geometry) {
+  if (!surface.in_voxels) return {surface.corner, surface.edge1, surface.edge2};
+  return {geometry.world_from_index(surface.corner),
+          geometry.world_vector_from_index(surface.edge1),
+          geometry.world_vector_from_index(surface.edge2)};
+}
+
+CutReport cut_around(std::int32_t label, Body& body, const BrickValues& labels) {
+  require_label(labels, label, "cut");
+  return cut_boundary(body, [&](Slot slot) { return labels.at(slot) == label; });
+}
+
+/// Names the surface in the errors of the cut.
+CutReport cut_along(const CutSurface& surface, Body& body, const BrickValues& labels) {
+  try {
+    if (surface.label != 0) return cut_around(surface.label, body, labels);
+    if (surface.mesh) return cut(body, *surface.mesh);
+    return cut(body, plane_of(surface, body.geometry));
+  } catch (const InputError& error) {
+    const Problem& problem = error.problem();
+    throw InputError({surface.place, problem.field, problem.found, problem.expected});
+  }
+}
+
+}  // namespace
+
+CutSurface mesh_cut(const std::string& path) {
+  CutSurface surface;
+  surface.place = path;
+  surface.mesh_file = std::filesystem::path(path).filename().string();
+  surface.mesh = std::make_shared<TriangleMesh>(read_mesh(path));
+  return surface;
+}
+
+CutSurface label_cut(std::int32_t label, const std::string& place) {
+  CutSurface surface;
+  surface.place = place;
+  surface.label = label;
+  return surface;
+}
+
+std::int64_t apply_cuts(Body& body, const BrickValues& labels,
+                        const std::vector<CutSurface>& surfaces, Console& console) {
+  if (!surfaces.empty()) console.stage("cutting");
+  std::int64_t cut_links = 0;
+  for (const CutSurface& surface : surfaces) {
+    const CutReport report = cut_along(surface, body, labels);
+    cut_links += report.newly_cut;
+    if (report.crossed == 0) console.warn(surface.place + ": the cut crosses no link of the body");
+    if (report.degenerate > 0) {
+      console.warn(surface.place + ": " + std::to_string(report.degenerate) +
+                   " triangles without area cut nothing");
+    }
+    console.debug(surface.place + ": the cut crosses " + std::to_string(report.crossed) +
+                  " links, " + std::to_string(report.newly_cut) + " of them new");
+  }
+  return cut_links;
+}
+
+nlohmann::ordered_json to_json(const CutSurface& surface) {
+  if (surface.mesh) return {{"mesh", surface.mesh_file}};
+  if (surface.label != 0) return {{"label", surface.label}};
+  const auto list = [](const Vec3d& v) { return nlohmann::ordered_json{v.x, v.y, v.z}; };
+  return {{"plane",
+           {{"corner", list(surface.corner)},
+            {"edge1", list(surface.edge1)},
+            {"edge2", list(surface.edge2)},
+            {"frame", surface.in_voxels ? "voxel" : "lps"}}}};
+}
+
+}  // namespace supple::tools

@@ -1,0 +1,38 @@
+// Where a step cuts the body: a triangle mesh from a file, a plane patch from a scene, or around a
+// label.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "lib/body/cut.h"
+#include "tools/console/console.h"
+
+namespace supple::tools {
+
+struct CutSurface {
+  std::string place;                         // for errors: "scene:line", or the mesh file
+  std::string mesh_file;                     // without folder
+  std::shared_ptr<const TriangleMesh> mesh;  // null: a plane
+  Vec3d corner{0, 0, 0}, edge1{0, 0, 0}, edge2{0, 0, 0};  // of the plane patch
+  bool in_voxels = false;                                 // of the volume, instead of LPS mm
+  std::int32_t label = 0;  // links between it and anything else; 0: a mesh or a plane
+};
+
+/// Reads the mesh; throws InputError as read_mesh.
+CutSurface mesh_cut(const std::string& path);
+
+CutSurface label_cut(std::int32_t label, const std::string& place);
+
+/// Cuts the body along all surfaces and returns how many links that removed. Warns of a surface
+/// that crosses no link. Throws InputError for a label that no element has.
+std::int64_t apply_cuts(Body& body, const BrickValues& labels,
+                        const std::vector<CutSurface>& surfaces, Console& console);
+
+/// As a configuration records it.
+nlohmann::ordered_json to_json(const CutSurface& surface);
+
+}  // namespace supple::tools

@@ -1,0 +1,301 @@
+#include "tools/scene/offset_functions.h"
+
+#include <algorithm>
+#include <optional>
+#include <sstream>
+
+#include "volumes/base/error.h"
+#include "volumes/io/point_file.h"
+
+namespace supple::tools {
+
+namespace {
+
+using Maker = std::function<std::shared_ptr<const PathFunction>(const Geometry&)>;
+
+Vec3d centre_of(const Geometry& geometry) {
+  return geometry.world_from_index(Vec3d(geometry.dims() - Vec3i(1)) / 2.0);
+}
+
+/// point, axis and range, as far as they are given.
+struct RangeKeys {
+  std::optional<Vec3d> point, axis;
+  std::optional<std::vector<double>> range;
+
+  AxisRange on(const Geometry& geometry) const {
+    AxisRange result;
+    result.point = point.value_or(centre_of(geometry));
+    result.axis = axis.value_or(result.axis);
+    if (range) {
+      result.begin_mm = (*range)[0];
+      result.end_mm = (*range)[1];
+    } else {
+      span_box(geometry, result);
+    }
+    return result;
+  }
+};
+
+RangeKeys read_range(TomlTable& table) {
+  RangeKeys keys{table.vector("point"), table.vector("axis"), table.numbers("range")};
+  if (keys.range && keys.range->size() != 2) {
+    table.fail("range", std::to_string(keys.range->size()) + " numbers", "two, in mm");
+  }
+  return keys;
+}
+
+/// Corners of `box`, in voxels; by default the outer faces of the volume's.
+struct BoxKey {
+  std::optional<std::vector<double>> corners;
+
+  Vec3d corner() const { return corners ? row(0) : Vec3d(-0.5); }
+  Vec3d opposite(const Geometry& geometry) const {
+    return corners ? row(3) : Vec3d(geometry.dims()) - Vec3d(0.5);
+  }
+
+ private:
+  Vec3d row(std::size_t n) const { return {(*corners)[n], (*corners)[n + 1], (*corners)[n + 2]}; }
+};
+
+BoxKey read_box(TomlTable& table) {
+  const BoxKey box{table.numbers("box")};
+  if (box.corners && box.corners->size() != 6) {
+    table.fail("box", std::to_string(box.corners->size()) + " numbers",
+               "six voxel coordinates [i0, j0, k0, i1, j1, k1]");
+  }
+  return box;
+}
+
+std::array<int, 3> read_counts(TomlTable& table, const std::string& key,
+                               const std::string& expected) {
+  const auto counts = table.voxel(key);
+  const Vec3i found = table.require(counts, key, expected);
+  return {found.x, found.y, found.z};
+}
+
+double read_number(TomlTable& table, const std::string& key, const std::string& expected) {
+  const auto number = table.number(key);
+  return table.require(number, key, expected);
+}
+
+Maker read_bend(TomlTable& table) {
+  table.know({"function", "point", "axis", "range", "towards", "angle"});
+  const RangeKeys range = read_range(table);
+  const auto direction = table.vector("towards");
+  const Vec3d towards = table.require(direction, "towards", "a direction in LPS");
+  const double angle = read_number(table, "angle", "an angle in degrees");
+  return [=](const Geometry& g) { return make_bend({range.on(g), towards, angle}); };
+}
+
+Maker read_twist(TomlTable& table) {
+  table.know({"function", "point", "axis", "range", "angle"});
+  const RangeKeys range = read_range(table);
+  const double angle = read_number(table, "angle", "an angle in degrees");
+  return [=](const Geometry& g) { return make_twist({range.on(g), angle}); };
+}
+
+Maker read_taper(TomlTable& table) {
+  table.know({"function", "point", "axis", "range", "factor"});
+  const RangeKeys range = read_range(table);
+  const double factor = read_number(table, "factor", "a factor");
+  return [=](const Geometry& g) { return make_taper({range.on(g), factor}); };
+}
+
+Maker read_cut_open(TomlTable& table) {
+  table.know({"function", "point", "normal", "gap", "angle", "hinge", "axis"});
+  const auto point = table.vector("point");
+  const auto given_normal = table.vector("normal");
+  CutOpenParams params;
+  params.normal = table.require(given_normal, "normal", "a direction in LPS");
+  const bool swings = table.has("angle");
+  if (swings == table.has("gap")) {
+    if (swings) table.fail("gap", "gap and angle", "one of both");
+    table.fail_missing("gap", "either gap in mm or angle in degrees");
+  }
+  params.gap_mm = table.number("gap").value_or(0);
+  params.angle_degrees = table.number("angle").value_or(0);
+  const auto hinge = table.vector("hinge"), axis = table.vector("axis");
+  if (swings) {
+    params.hinge = table.require(hinge, "hinge", "a point of the hinge in LPS mm");
+    params.hinge_axis = table.require(axis, "axis", "the direction of the hinge in LPS");
+  } else if (hinge || axis) {
+    table.fail(hinge ? "hinge" : "axis", "a hinge beside gap", "angle, or no hinge");
+  }
+  return [=](const Geometry& g) {
+    CutOpenParams placed = params;
+    placed.point = point.value_or(centre_of(g));
+    return make_cut_open(placed);
+  };
+}
+
+Maker read_explode(TomlTable& table) {
+  table.know({"function", "grid", "box", "gap"});
+  ExplodeParams params;
+  params.grid = read_counts(table, "grid", "the number of pieces along i, j and k");
+  params.gap_mm = read_number(table, "gap", "a gap in mm");
+  const BoxKey box = read_box(table);
+  return [=](const Geometry& g) {
+    ExplodeParams placed = params;
+    placed.corner_index = box.corner();
+    placed.opposite_index = box.opposite(g);
+    return make_explode(placed, g);
+  };
+}
+
+/// [i, j, k, dx, dy, dz], displacements in LPS mm.
+std::vector<LatticeParams::Move> read_moves(TomlTable& table) {
+  std::vector<LatticeParams::Move> moves;
+  const auto rows = table.rows("move", {6}, "a list of [i, j, k, dx, dy, dz]");
+  if (!rows) return moves;
+  for (const auto& row : *rows) {
+    for (int a = 0; a < 3; ++a) {
+      if (!is_integer(row[a])) table.fail("move", number_text(row[a]), "integer control points");
+    }
+    moves.push_back(
+        {table.place("move"), {int(row[0]), int(row[1]), int(row[2])}, {row[3], row[4], row[5]}});
+  }
+  return moves;
+}
+
+/// The control point nearest to each point of the file, which must lie within its cell.
+void add_points(const PointFile& file, const Geometry& geometry, LatticeParams& params) {
+  for (const PointFile::Row& row : file.rows) {
+    const Vec3d index = geometry.index_from_world(row.at_lps_mm);
+    LatticeParams::Move move{file.place(row), {}, row.by_lps_mm};
+    for (int a = 0; a < 3; ++a) {
+      const double step =
+          (params.opposite_index[a] - params.corner_index[a]) / (params.points[a] - 1);
+      const double at = (index[a] - params.corner_index[a]) / step;
+      const double nearest = std::clamp(std::round(at), 0.0, params.points[a] - 1.0);
+      if (!(std::abs(at - nearest) <= 0.5)) {
+        throw InputError({file.place(row), "point",
+                          number_text(row.at_lps_mm.x) + "," + number_text(row.at_lps_mm.y) + "," +
+                              number_text(row.at_lps_mm.z),
+                          "a place within half a cell of a control point"});
+      }
+      move.point[a] = int(nearest);
+    }
+    params.moves.push_back(move);
+  }
+}
+
+Maker read_lattice(TomlTable& table) {
+  table.know({"function", "lattice", "box", "move", "points"});
+  LatticeParams params;
+  params.points = read_counts(table, "lattice", "the number of control points along i, j and k");
+  params.moves = read_moves(table);
+  std::optional<PointFile> file;
+  if (const auto path = table.path("points")) {
+    file = read_point_file(*path);
+    if (!file->has_displacements) {
+      table.fail("points", "points without displacements", "columns x,y,z,dx,dy,dz");
+    }
+  }
+  if (!file && params.moves.empty()) table.fail_missing("move", "move or points");
+  const BoxKey box = read_box(table);
+  return [=](const Geometry& g) {
+    LatticeParams placed = params;
+    placed.corner_index = box.corner();
+    placed.opposite_index = box.opposite(g);
+    // A lattice that cannot be is refused before points are looked for in it.
+    make_lattice({placed.points, placed.corner_index, placed.opposite_index, {}}, g);
+    if (file) add_points(*file, g, placed);
+    return make_lattice(placed, g);
+  };
+}
+
+OffsetFunction read_function(TomlTable& table) {
+  OffsetFunction function;
+  function.place = table.place();
+  function.name = table.full_name("");
+  function.json = table.json();
+  const auto name = table.string("function");
+  if (!name) {
+    table.fail("function", "nothing", "bend, twist, taper, cut-open, explode or lattice");
+  }
+  if (*name == "bend") function.make = read_bend(table);
+  if (*name == "twist") function.make = read_twist(table);
+  if (*name == "taper") function.make = read_taper(table);
+  if (*name == "cut-open") function.make = read_cut_open(table);
+  if (*name == "explode") function.make = read_explode(table);
+  if (*name == "lattice") function.make = read_lattice(table);
+  if (!function.make) {
+    table.fail("function", "\"" + *name + "\"", "bend, twist, taper, cut-open, explode or lattice");
+  }
+  table.finish();
+  return function;
+}
+
+/// Errors of the paths themselves name what they can: the function does the rest.
+template <class Work>
+auto placed(const OffsetFunction& function, const Work& work) {
+  try {
+    return work();
+  } catch (const InputError& error) {
+    const Problem& problem = error.problem();
+    if (!problem.file.empty()) throw;
+    throw InputError(
+        {function.place, function.name + "." + problem.field, problem.found, problem.expected});
+  }
+}
+
+}  // namespace
+
+std::vector<OffsetFunction> read_offset_functions(TomlTable& table) {
+  std::vector<OffsetFunction> functions;
+  for (TomlTable& function : table.table_or_tables("offset")) {
+    functions.push_back(read_function(function));
+  }
+  return functions;
+}
+
+std::vector<OffsetFunction> read_offset_file(const std::string& path) {
+  if (path.empty()) return {};
+  const toml::table root = read_toml_file(path);
+  TomlTable table(root, path, "");
+  std::vector<OffsetFunction> functions = read_offset_functions(table);
+  if (functions.empty()) table.fail_missing("offset", "a table with a function, or a list of them");
+  table.finish();
+  return functions;
+}
+
+SamplingPath to_path(const std::vector<OffsetFunction>& functions, const Geometry& geometry) {
+  SamplingPath path;
+  for (const OffsetFunction& function : functions) {
+    auto made = placed(function, [&] { return function.make(geometry); });
+    if (made != nullptr) path.push_back(std::move(made));
+  }
+  return path;
+}
+
+Pose send_along(const std::vector<OffsetFunction>& functions, const Geometry& geometry,
+                const BrickTopology& body, Console& console) {
+  const SamplingPath path = to_path(functions, geometry);
+  const std::vector<Vec3f> still(body.brick_count() * kBrickVoxels, Vec3f(0));
+  return placed(functions.front(), [&] {
+    return Pose{move_along(path, {geometry, {body, still}}),
+                follow_path(path, geometry, body, &console)};
+  });
+}
+
+OffsetField send_along(const std::vector<OffsetFunction>& functions, const OffsetField& moved,
+                       Console& console) {
+  const SamplingPath path = to_path(functions, moved.geometry);
+  if (path.empty()) return moved;
+  return placed(functions.front(), [&] { return follow_path(path, moved, &console); });
+}
+
+Pose send_along(const std::vector<OffsetFunction>& functions, const Pose& moved, Console& console) {
+  const SamplingPath path = to_path(functions, moved.offsets.geometry);
+  if (path.empty()) return moved;
+  return placed(functions.front(), [&] {
+    return Pose{move_along(path, moved.displacement), follow_path(path, moved.offsets, &console)};
+  });
+}
+
+Pose invert_and_send_along(const State& state, const std::vector<OffsetFunction>& functions,
+                           Console& console) {
+  return send_along(functions, invert_state(state, console), console);
+}
+
+}  // namespace supple::tools

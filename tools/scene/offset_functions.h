@@ -1,0 +1,41 @@
+// Procedural sampling paths as scenes and files give them: `offset = { function = "twist", … }`, or
+// a list of such tables, applied to the body one after another.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "tools/deformed.h"
+#include "tools/scene/toml_table.h"
+#include "volumes/field/paths/path_functions.h"
+
+namespace supple::tools {
+
+/// One table. What it leaves out is chosen by the volume's geometry.
+struct OffsetFunction {
+  std::string place, name;  // for errors: "file:line", "offset[2]"
+  std::string json;         // the table as given
+  std::function<std::shared_ptr<const PathFunction>(const Geometry&)> make;
+};
+
+/// The key `offset` of a table; empty when absent. Throws InputError as TomlTable does.
+std::vector<OffsetFunction> read_offset_functions(TomlTable& table);
+/// A file that holds the key `offset`; none for an empty path.
+std::vector<OffsetFunction> read_offset_file(const std::string& path);
+
+/// Throws InputError with the place of the function that has a bad value.
+SamplingPath to_path(const std::vector<OffsetFunction>& functions, const Geometry& geometry);
+
+/// A body at rest as the functions show it; `body`: elements and shell, or all that a volume holds.
+Pose send_along(const std::vector<OffsetFunction>& functions, const Geometry& geometry,
+                const BrickTopology& body, Console& console);
+/// The same of a body that has moved already.
+Pose send_along(const std::vector<OffsetFunction>& functions, const Pose& moved, Console& console);
+/// Of a state; without functions what invert_state returns.
+Pose invert_and_send_along(const State& state, const std::vector<OffsetFunction>& functions,
+                           Console& console);
+OffsetField send_along(const std::vector<OffsetFunction>& functions, const OffsetField& moved,
+                       Console& console);
+
+}  // namespace supple::tools

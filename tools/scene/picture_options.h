@@ -1,0 +1,51 @@
+// How the pictures of a view are made and filed: kinds of files, pictures beside the main one,
+// stereo, turntables and sequences.
+#pragma once
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "tools/console/command.h"
+#include "tools/scene/toml_table.h"
+
+namespace supple::tools {
+
+enum class StereoMode { none, side_by_side, anaglyph };
+enum class PictureKind { png, exr, video };
+
+struct PictureOptions {
+  int bits = 8;                  // of a PNG: 8 or 16
+  std::vector<std::string> aux;  // pictures beside the main one: depth, normal, offset
+  double offset_max_mm = 0;      // end of the offsets' map; 0: the longest offset of all
+  StereoMode stereo = StereoMode::none;
+  double eye_separation_mm = 0;  // 0: one thirtieth of the distance to the target
+  int turntable = 0;             // pictures of a full turn; 0: none
+  int sequence = 0;              // pictures from rest to the deformed state; 0: none
+  double frames_per_second = 25;
+
+  bool is_series() const { return turntable > 0 || sequence > 0; }
+  int frame_count() const { return std::max({1, turntable, sequence}); }
+};
+
+/// By the extension. Throws InputError for another than .png, .exr, .mp4, .webm and .avi.
+PictureKind picture_kind(const std::string& path);
+
+/// The keys of a [[view]]; those of PictureOptions.
+PictureOptions read_picture_options(TomlTable& table);
+/// --bits, --aux and so on; `options` must outlive the parsing.
+void add_picture_options(CLI::App& app, PictureOptions& options);
+
+/// Throws InputError naming `place`: values out of range, what does not go together, a name that
+/// does not fit; SystemError: a video without the program ffmpeg.
+void check_picture_options(const PictureOptions& options, const std::string& image,
+                           const std::string& place);
+
+/// "name_%04d.png" with a number; the name itself when it has no %d.
+std::string frame_name(const std::string& image, int frame);
+/// "name.png" and "depth" to "name_depth.png"; always a PNG.
+std::string aux_name(const std::string& image, const std::string& channel);
+/// Every file that the pictures of one view become.
+std::vector<std::string> picture_files(const PictureOptions& options, const std::string& image);
+
+}  // namespace supple::tools

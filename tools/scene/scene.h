@@ -1,0 +1,57 @@
+// A scene file: one volume, its labels, one material, steps that deform it, views and outputs
+// (design.md section 8). Input paths are relative to the scene file; output paths to the -o folder.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lib/material/material.h"
+#include "tools/scene/cut_surface.h"
+#include "tools/scene/handles.h"
+#include "tools/scene/view.h"
+#include "tools/session.h"
+#include "volumes/base/vec.h"
+
+namespace supple::tools {
+
+struct SceneStep {
+  std::string place;  // "file:line", for errors
+  std::vector<GivenHandle> handles;
+  std::vector<IndexBox> fix;
+  std::vector<std::int32_t> fix_labels;
+  std::optional<PointFile> fix_points;
+  Limits limits = Limits::box;
+  bool release = false;  // lets go of everything that earlier steps held
+  std::vector<CutSurface> cuts;
+  std::optional<RelaxParams> relax;
+  std::optional<SpringStep> springs;  // when model = "springs"
+};
+
+struct SceneOutput {
+  std::string state;
+  std::vector<std::string> offsets;        // resample-direction warps
+  std::vector<std::string> displacements;  // material-direction warps
+  std::vector<std::string> volumes;        // resampled volumes
+};
+
+struct Scene {
+  std::string file;
+  std::string volume_path;  // resolved
+  ReadOptions read;
+  std::string labels_path;  // resolved; empty without labels
+  std::optional<MaterialTable> material;
+  std::string material_path;  // resolved; empty for an inline table
+  std::vector<SceneStep> steps;
+  std::vector<SceneView> views;
+  std::vector<OffsetFunction> offset;  // of all deformed views and outputs but the state
+  SceneOutput output;
+
+  /// Every output path, relative as written.
+  std::vector<std::string> outputs() const;
+};
+
+/// Throws InputError: unknown key (line and suggestion), wrong type or value, missing key.
+Scene read_scene(const std::string& path);
+
+}  // namespace supple::tools

@@ -1,0 +1,53 @@
+// A step of a scene in which springs move the body, for a time or to rest.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "lib/model/spring_models.h"
+#include "tools/console/console.h"
+#include "tools/scene/contact_shapes.h"
+#include "tools/scene/toml_table.h"
+
+namespace supple::tools {
+
+struct SpringStep {
+  MotionParams motion;
+  double time_s = 0.1;                           // of a motion
+  int most_steps = 500;                          // of a minimisation
+  std::vector<nlohmann::ordered_json> contacts;  // motion.colliders, as a scene gives them
+  /// N/m; in place of what the material gives.
+  std::optional<double> structural_n_m, shear_n_m, bending_n_m;
+  double mass_damping_per_s = 0;
+
+  bool is_motion() const { return motion.goal == MotionParams::Goal::motion; }
+  /// Steps of a motion, which share its time: none longer than motion.step_s.
+  int motion_steps() const;
+};
+
+/// The keys of `springs = { … }`. Throws InputError as TomlTable.
+SpringStep read_spring_step(TomlTable& table);
+
+struct SpringRecord {
+  int steps = 0;
+  std::size_t nodes = 0, springs = 0;
+  ModelEnergy before, after;
+  std::optional<double> residual_mn;       // of a minimisation: largest force on a free node
+  std::optional<SpringStepReport> motion;  // of all steps of a motion
+  LinkCheck links;                         // what ChainMail's limits say of the result
+  double milliseconds = 0;
+  std::vector<Reaction> reactions;  // of `gripped`
+};
+
+/// Moves the body. Warns of links beyond their limits, and of a minimum that was not reached.
+/// Throws InputError as VoxelSpringModel; Cancelled, the body at the last finished step.
+SpringRecord move_by_springs(const SpringStep& step, const HeldBody& held,
+                             const std::vector<Handle>& handles,
+                             const std::vector<SlotSet>& gripped, Console& console);
+
+nlohmann::ordered_json settings_json(const SpringStep& step);
+nlohmann::ordered_json to_json(const SpringRecord& record);
+
+}  // namespace supple::tools

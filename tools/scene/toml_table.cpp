@@ -1,0 +1,287 @@
+#define TOML_IMPLEMENTATION  // the library itself, which other files only see declared
+#include "tools/scene/toml_table.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <numeric>
+#include <sstream>
+
+#include "volumes/base/error.h"
+#include "volumes/base/regular_file.h"
+
+namespace supple::tools {
+
+namespace {
+
+/// Levenshtein distance, for suggestions.
+std::size_t edit_distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t(0));
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t replaced = diagonal + (a[i - 1] != b[j - 1]);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
+    }
+  }
+  return row[b.size()];
+}
+
+std::string text_of(const toml::node& node) {
+  std::ostringstream text;
+  node.visit([&text](const auto& value) { text << value; });
+  std::string line = text.str();
+  std::replace(line.begin(), line.end(), '\n', ' ');
+  if (line.size() > 60) line = line.substr(0, 57) + "...";
+  return line;
+}
+
+}  // namespace
+
+std::string exact_text(double value) {
+  char text[40];
+  for (int digits = 6; digits <= 17; ++digits) {
+    std::snprintf(text, sizeof text, "%.*g", digits, value);
+    if (std::strtod(text, nullptr) == value) break;
+  }
+  return text;
+}
+
+bool is_integer(double value) {
+  return std::abs(value) <= 2147483647.0 && value == std::floor(value);
+}
+
+toml::table parse_toml(const std::string& text, const std::string& source) {
+  try {
+    return toml::parse(text, source);
+  } catch (const toml::parse_error& error) {
+    throw InputError({source + ":" + std::to_string(error.source().begin.line),
+                      "not TOML: " + std::string(error.description()), "", ""});
+  }
+}
+
+toml::table read_toml_file(const std::string& path) {
+  require_regular_file(path);
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) throw_open_error(path, errno);
+  const std::string text((std::istreambuf_iterator<char>(stream)),
+                         std::istreambuf_iterator<char>());
+  if (text.empty()) throw InputError({path, "", "an empty file", "TOML"});
+  return parse_toml(text, path);
+}
+
+TomlTable::TomlTable(const toml::table& table, std::string file, std::string name)
+    : m_table(&table), m_file(std::move(file)), m_name(std::move(name)) {}
+
+std::string TomlTable::place(const std::string& key) const {
+  const toml::node* node = key.empty() ? m_table : m_table->get(key);
+  if (node == nullptr) node = m_table;
+  const auto line = node->source().begin.line;
+  return line == 0 ? m_file : m_file + ":" + std::to_string(line);
+}
+
+std::string TomlTable::full_name(const std::string& key) const {
+  if (key.empty()) return m_name;
+  return m_name.empty() ? key : m_name + "." + key;
+}
+
+void TomlTable::fail(const std::string& key, const std::string& found,
+                     const std::string& expected) const {
+  throw InputError({place(key), full_name(key), found, expected});
+}
+
+void TomlTable::fail_missing(const std::string& key, const std::string& expected) const {
+  finish();
+  fail(key, "nothing", expected);
+}
+
+const toml::node* TomlTable::find(const std::string& key) {
+  m_known.insert(key);
+  return m_table->get(key);
+}
+
+double TomlTable::number_of(const toml::node& node, const std::string& key,
+                            const std::string& expected) {
+  const auto value = node.value<double>();
+  if (!value || node.is_boolean() || !std::isfinite(*value)) fail(key, text_of(node), expected);
+  return *value;
+}
+
+std::optional<std::string> TomlTable::string(const std::string& key) {
+  const toml::node* node = find(key);
+  if (node == nullptr) return std::nullopt;
+  if (!node->is_string()) fail(key, text_of(*node), "a string");
+  return node->value<std::string>();
+}
+
+std::optional<std::string> TomlTable::path(const std::string& key) {
+  const auto text = string(key);
+  if (!text || std::filesystem::path(*text).is_absolute()) return text;
+  return (std::filesystem::path(m_file).parent_path() / *text).string();
+}
+
+std::optional<bool> TomlTable::boolean(const std::string& key) {
+  const toml::node* node = find(key);
+  if (node == nullptr) return std::nullopt;
+  if (!node->is_boolean()) fail(key, text_of(*node), "true or false");
+  return node->value<bool>();
+}
+
+std::optional<double> TomlTable::number(const std::string& key) {
+  const toml::node* node = find(key);
+  if (node == nullptr) return std::nullopt;
+  return number_of(*node, key, "a finite number");
+}
+
+std::optional<double> TomlTable::positive(const std::string& key, const std::string& unit) {
+  const auto value = number(key);
+  if (value && !(*value > 0)) fail(key, number_text(*value), "a positive number of " + unit);
+  return value;
+}
+
+std::optional<double> TomlTable::not_negative(const std::string& key, const std::string& unit) {
+  const auto value = number(key);
+  if (value && !(*value >= 0))
+    fail(key, number_text(*value), unit.empty() ? "0 or more" : "0 or more " + unit);
+  return value;
+}
+
+std::optional<long long> TomlTable::integer(const std::string& key) {
+  const toml::node* node = find(key);
+  if (node == nullptr) return std::nullopt;
+  if (!node->is_integer()) fail(key, text_of(*node), "an integer");
+  return node->value<long long>();
+}
+
+std::optional<std::vector<double>> TomlTable::numbers(const std::string& key) {
+  const toml::node* node = find(key);
+  if (node == nullptr) return std::nullopt;
+  if (!node->is_array()) fail(key, text_of(*node), "a list of numbers");
+  std::vector<double> values;
+  for (const toml::node& item : *node->as_array()) {
+    values.push_back(number_of(item, key, "a list of finite numbers"));
+  }
+  return values;
+}
+
+std::optional<Vec3d> TomlTable::vector(const std::string& key) {
+  const auto values = numbers(key);
+  if (!values) return std::nullopt;
+  if (values->size() != 3) fail(key, text_of(*m_table->get(key)), "three numbers");
+  return Vec3d((*values)[0], (*values)[1], (*values)[2]);
+}
+
+std::optional<Vec3i> TomlTable::voxel(const std::string& key) {
+  const auto values = vector(key);
+  if (!values) return std::nullopt;
+  Vec3i voxel;
+  for (int axis = 0; axis < 3; ++axis) {
+    voxel[axis] = int(std::clamp((*values)[axis], -2147483648.0, 2147483647.0));
+    if (voxel[axis] != (*values)[axis]) {
+      fail(key, text_of(*m_table->get(key)), "three integers, a voxel i, j, k");
+    }
+  }
+  return voxel;
+}
+
+std::optional<std::vector<std::string>> TomlTable::strings(const std::string& key) {
+  const toml::node* node = find(key);
+  if (node == nullptr) return std::nullopt;
+  if (!node->is_array()) fail(key, text_of(*node), "a list of strings");
+  std::vector<std::string> values;
+  for (const toml::node& item : *node->as_array()) {
+    if (!item.is_string()) fail(key, text_of(item), "a list of strings");
+    values.push_back(*item.value<std::string>());
+  }
+  return values;
+}
+
+std::optional<std::vector<std::vector<double>>> TomlTable::rows(
+    const std::string& key, const std::set<std::size_t>& lengths, const std::string& expected) {
+  const toml::node* node = find(key);
+  if (node == nullptr) return std::nullopt;
+  if (!node->is_array()) fail(key, text_of(*node), expected);
+  std::vector<std::vector<double>> rows;
+  for (const toml::node& item : *node->as_array()) {
+    if (!item.is_array()) fail(key, text_of(item), expected);
+    std::vector<double> row;
+    for (const toml::node& value : *item.as_array()) {
+      row.push_back(number_of(value, key, expected));
+    }
+    if (lengths.count(row.size()) == 0) fail(key, text_of(item), expected);
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+std::optional<TomlTable> TomlTable::table(const std::string& key) {
+  const toml::node* node = find(key);
+  if (node == nullptr) return std::nullopt;
+  if (!node->is_table()) fail(key, text_of(*node), "a table");
+  return TomlTable(*node->as_table(), m_file, full_name(key));
+}
+
+std::vector<std::string> TomlTable::keys() const {
+  std::vector<std::string> names;
+  for (const auto& [key, node] : *m_table) names.emplace_back(key.str());
+  return names;
+}
+
+std::vector<TomlTable> TomlTable::tables(const std::string& key) {
+  const toml::node* node = find(key);
+  if (node == nullptr) return {};
+  if (!node->is_array_of_tables()) {
+    fail(key, text_of(*node), "tables, [[" + key + "]] or a list of { … }");
+  }
+  std::vector<TomlTable> tables;
+  for (const toml::node& item : *node->as_array()) {
+    const std::string number = "[" + std::to_string(tables.size() + 1) + "]";
+    tables.emplace_back(*item.as_table(), m_file, full_name(key) + number);
+  }
+  return tables;
+}
+
+std::vector<TomlTable> TomlTable::table_or_tables(const std::string& key) {
+  const toml::node* node = find(key);
+  if (node == nullptr || !node->is_table()) return tables(key);
+  return {TomlTable(*node->as_table(), m_file, full_name(key))};
+}
+
+std::string TomlTable::json() const {
+  std::ostringstream text;
+  text << toml::json_formatter(*m_table);
+  std::string line = text.str();
+  line.erase(std::remove(line.begin(), line.end(), '\n'), line.end());
+  return line;
+}
+
+void TomlTable::finish() const {
+  for (const auto& [key, node] : *m_table) {
+    const std::string name(key.str());
+    if (m_known.count(name) != 0) continue;
+    std::string nearest;
+    std::size_t best = 4;  // further away is no help
+    for (const std::string& known : m_known) {
+      const std::size_t distance = edit_distance(name, known);
+      if (distance < best) {
+        best = distance;
+        nearest = known;
+      }
+    }
+    std::string expected = "did you mean '" + nearest + "'?";
+    if (nearest.empty()) {
+      expected = "one of";
+      for (const std::string& known : m_known) expected += " " + known;
+    }
+    throw InputError({place(name), full_name(name), "an unknown key",
+                      nearest.empty() ? expected : "a known one: " + expected});
+  }
+}
+
+}  // namespace supple::tools

@@ -1,0 +1,16 @@
+// Transfer functions as TOML: presets written out, edited, and read again.
+#pragma once
+
+#include <string>
+
+#include "raycast/scene/transfer_function.h"
+
+namespace supple::tools {
+
+/// Throws InputError: missing or bad file, unknown key, values that TransferFunction refuses.
+TransferFunction read_transfer_function(const std::string& path);
+
+/// What read_transfer_function() reads, exactly.
+std::string to_toml(const TransferFunction& function);
+
+}  // namespace supple::tools

@@ -1,0 +1,24 @@
+// Third-party parsers that crash on damaged files (HDF5's), tried where it does no harm.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+#include "volumes/base/error.h"
+
+namespace supple {
+
+struct ChildBounds {
+  std::int64_t bytes;     // memory beyond what the process has
+  int processor_seconds;  // of the trial
+};
+
+/// Runs `parse` in a child process, a copy of this one, without effect on the caller but for the
+/// file. Throws the InputError that `parse` throws there; and an InputError, with file, field and
+/// expectation of `about`, where it ended by a signal, or reached the bounds. Returns when it ended
+/// well or by another exception, which the caller meets on repeating it, and where no process can
+/// be started. `parse` may use no other thread. Cost: a few milliseconds.
+void run_in_child(const Problem& about, const ChildBounds& bounds,
+                  const std::function<void()>& parse);
+
+}  // namespace supple

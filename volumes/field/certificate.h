@@ -1,0 +1,25 @@
+// What an inversion says of itself.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "volumes/base/vec.h"
+
+namespace supple {
+
+/// Worst cases of an inversion; see design.md section 4.
+struct InversionCertificate {
+  double residual_max = 0;        // max |x + o + u(x + o) - x| in voxels over valid nodes off folds
+  double residual_p999 = 0;       // its 99.9th percentile
+  std::int64_t cells = 0;         // source cells with eight valid corners
+  std::int64_t folded_cells = 0;  // cells with det F <= 0 at some corner
+  std::int64_t folded_air_cells = 0;   // of them, those with a corner outside the material
+  std::int64_t unresolved_voxels = 0;  // covered by a deformed cell's tetrahedra, yet no solution
+  std::vector<Vec3i> unresolved;       // at most 1000 of them
+  double min_det = 1;                  // smallest det F = det(I + grad u) over cell corners
+  std::int64_t torn_cells = 0;         // cells that a cut has opened (cut_offsets.h)
+  std::int64_t overlapped_voxels = 0;  // around cuts: voxels that tissue from several places covers
+};
+
+}  // namespace supple

@@ -1,0 +1,197 @@
+#include "volumes/field/cuts/cut_faces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+
+namespace supple {
+
+namespace {
+
+constexpr int kBlock = 4;
+// A plane is fitted to points within this many voxels.
+constexpr double kFitRadius = 2.6;
+// How deep behind a face places know it, and how far beside a point its plane counts, in voxels.
+constexpr double kDeepest = 4;
+constexpr double kBeside = 1.5, kBesideWidth = 0.8;
+// What a corner of a torn cell is away from the face at least, and at most, in voxels.
+constexpr double kLeast = 0.1, kMost = 1.5;
+// Deeper than the nearest by more than this, a point is one of another face.
+constexpr double kSameFace = 0.75;
+
+Vec3i block_of(const Vec3d& X) {
+  return {int(std::floor(X.x / kBlock)), int(std::floor(X.y / kBlock)),
+          int(std::floor(X.z / kBlock))};
+}
+
+struct LinkLess {
+  bool operator()(const CutBody::Link& a, const CutBody::Link& b) const {
+    return std::tie(a.low.x, a.low.y, a.low.z, a.axis) <
+           std::tie(b.low.x, b.low.y, b.low.z, b.axis);
+  }
+};
+
+/// How far apart the middles of the cut links of a cell are.
+void add_openings(const TornCell& cell, std::map<CutBody::Link, Vec3d, LinkLess>& openings) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const int bit = 4 >> axis;
+    for (std::size_t low = 0; low < 8; ++low) {
+      const std::size_t high = low | std::size_t(bit);
+      if (high == low || cell.sides.of[low] == cell.sides.of[high]) continue;
+      const auto& a = cell.u[cell.sides.of[low]];
+      const auto& b = cell.u[cell.sides.of[high]];
+      const Vec3d apart = (Vec3d(b[low]) + Vec3d(b[high]) - Vec3d(a[low]) - Vec3d(a[high])) * 0.5;
+      const Vec3i at = cell.cell + Vec3i(int(low) >> 2, int(low) >> 1 & 1, int(low) & 1);
+      openings.emplace(CutBody::Link{at, axis}, apart);
+    }
+  }
+}
+
+/// The direction in which a symmetric matrix stretches least, by inverse iteration.
+Vec3d least_direction(const Vec3d (&m)[3], Vec3d start) {
+  const Vec3d yz = m[1].cross(m[2]), zx = m[2].cross(m[0]), xy = m[0].cross(m[1]);
+  for (int n = 0; n < 12; ++n) {
+    start = (yz * start.x + zx * start.y + xy * start.z);
+    if (start.length2() == 0) break;
+    start.normalize();
+  }
+  return start;
+}
+
+}  // namespace
+
+CutFaces::CutFaces(const std::vector<TornCell>& cells, const Geometry& geometry, double closed) {
+  std::map<CutBody::Link, Vec3d, LinkLess> openings;
+  for (const TornCell& cell : cells) add_openings(cell, openings);
+  std::vector<std::pair<int, Vec3d>> links;  // axis, opening
+  for (const auto& [link, apart] : openings) {
+    Point point;
+    point.at = Vec3d(link.low);
+    point.at[link.axis] += 0.5;
+    m_blocks[block_of(point.at)].push_back(int(m_points.size()));
+    m_points.push_back(point);
+    links.emplace_back(link.axis, apart);
+  }
+  for (std::size_t n = 0; n < m_points.size(); ++n) {
+    fit_plane(m_points[n], links[n].first, geometry);
+    m_points[n].is_open = links[n].second.dot(m_points[n].across) > closed;
+  }
+}
+
+template <class Visit>
+void CutFaces::for_near(const Vec3d& X, Visit&& visit) const {
+  const Vec3i middle = block_of(X);
+  for (int n = 0; n < 27; ++n) {
+    const auto found = m_blocks.find(middle + Vec3i(n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1));
+    if (found == m_blocks.end()) continue;
+    for (const int point : found->second) visit(m_points[std::size_t(point)]);
+  }
+}
+
+/// Least squares in mm; the normal points along the link.
+void CutFaces::fit_plane(Point& point, int axis, const Geometry& geometry) const {
+  std::vector<Vec3d> near;
+  Vec3d mean(0);
+  for_near(point.at, [&](const Point& other) {
+    const Vec3d step = other.at - point.at;
+    if (step.length() > kFitRadius) return;
+    near.push_back(geometry.world_vector_from_index(step));
+    mean += near.back();
+  });
+  mean /= double(near.size());
+  Vec3d m[3] = {Vec3d(0), Vec3d(0), Vec3d(0)};
+  double trace = 0;
+  for (const Vec3d& p : near) {
+    const Vec3d d = p - mean;
+    for (int a = 0; a < 3; ++a) m[a] += d * d[a];
+    trace += d.dot(d);
+  }
+  Vec3d along(0);
+  along[axis] = 1;
+  const Vec3d link_covector = geometry.world_gradient_from_index(along);
+  Vec3d normal = link_covector.normalized();
+  if (near.size() > 2 && trace > 0) {
+    for (int a = 0; a < 3; ++a) m[a][a] += 1e-3 * trace;
+    normal = least_direction(m, normal);
+  }
+  if (normal.dot(geometry.axes_mm()[std::size_t(axis)]) < 0) normal = -normal;
+  for (int a = 0; a < 3; ++a) {
+    point.normal_mm[a] = normal.dot(geometry.axes_mm()[std::size_t(a)]);
+  }
+  point.across = point.normal_mm.normalized();
+}
+
+CutFaces::Depth CutFaces::depth(const Vec3d& X, const Vec3d& inside) const {
+  struct Seen {
+    const Point* point;
+    double depth;  // voxels
+    double beside2;
+    double sign;
+  };
+  Seen seen[64];
+  int count = 0;
+  double nearest = HUGE_VAL;
+  for_near(X, [&](const Point& point) {
+    if (!point.is_open) return;
+    const Vec3d step = X - point.at;
+    const double across = step.dot(point.across), beside2 = step.length2() - across * across;
+    if (std::abs(across) > kDeepest || beside2 > kBeside * kBeside || count == 64) return;
+    const double sign = (inside - point.at).dot(point.across) < 0 ? -1 : 1;
+    seen[count++] = {&point, sign * across, beside2, sign};
+    nearest = std::min(nearest, sign * across);
+  });
+  double sum = 0, weights = 0;
+  Vec3d gradient(0);
+  for (int n = 0; n < count; ++n) {
+    if (seen[n].depth > nearest + kSameFace) continue;
+    const double weight = std::exp(-seen[n].beside2 / (kBesideWidth * kBesideWidth));
+    const Vec3d normal = seen[n].point->normal_mm * seen[n].sign;
+    sum += weight * (X - seen[n].point->at).dot(normal);
+    gradient += normal * weight;
+    weights += weight;
+  }
+  if (weights == 0) return {HUGE_VAL, Vec3d(0)};
+  return {sum / weights, gradient / weights};
+}
+
+/// From the planes of the points beside X, turned along `orientation`.
+bool CutFaces::signed_distance(const Vec3d& X, const Vec3d& orientation, double& distance) const {
+  double sum = 0, weights = 0;
+  for_near(X, [&](const Point& point) {
+    const Vec3d step = X - point.at;
+    const double across = step.dot(point.across), beside2 = step.length2() - across * across;
+    if (std::abs(across) > kMost || beside2 > kBeside * kBeside) return;
+    const double weight = std::exp(-beside2 / (kBesideWidth * kBesideWidth));
+    sum += weight * (point.across.dot(orientation) < 0 ? -across : across);
+    weights += weight;
+  });
+  if (weights > 0) distance = sum / weights;
+  return weights > 0;
+}
+
+std::array<float, 8> CutFaces::depths_of_corners(const TornCell& cell, int side) const {
+  std::array<float, 8> depths;
+  Vec3d into(0);
+  int own = 0;
+  for (int n = 0; n < 8; ++n) {
+    const bool is_own = cell.sides.of[std::size_t(n)] == side;
+    depths[std::size_t(n)] = is_own ? 0.5f : -0.5f;
+    own += is_own;
+  }
+  for (int n = 0; n < 8; ++n) {
+    const bool is_own = cell.sides.of[std::size_t(n)] == side;
+    into += Vec3d(n >> 2, n >> 1 & 1, n & 1) * (is_own ? 1.0 / own : -1.0 / (8 - own));
+  }
+  if (cell.sides.count != 2) return depths;  // no plane has three sides
+  for (int n = 0; n < 8; ++n) {
+    const Vec3d X = Vec3d(cell.cell) + Vec3d(n >> 2, n >> 1 & 1, n & 1);
+    double distance;
+    if (!signed_distance(X, into, distance)) continue;
+    const double sign = cell.sides.of[std::size_t(n)] == side ? 1 : -1;
+    depths[std::size_t(n)] = float(sign * std::clamp(sign * distance, kLeast, kMost));
+  }
+  return depths;
+}
+
+}  // namespace supple

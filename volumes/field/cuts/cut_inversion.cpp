@@ -1,0 +1,402 @@
+// Which bricks a cut splits, what reaches them, and how their offsets join those of the rest.
+#include <algorithm>
+#include <cmath>
+#include <unordered_set>
+
+#include <tbb/parallel_for.h>
+
+#include "volumes/field/cuts/cut_offsets.h"
+#include "volumes/field/displacement.h"
+#include "volumes/field/inversion/output_bricks.h"
+#include "volumes/field/inversion/source_cells.h"
+#include "volumes/field/ring_fill.h"
+#include "volumes/grid/voxel_sets.h"
+
+namespace supple {
+
+namespace {
+
+// Bricks this near to a moved torn cell are split: samples there are shaded as the face, and nodes
+// beside the gap must not be interpolated with those across it. In voxels.
+constexpr double kNearFace = 3;
+constexpr double kNearCell = 1;
+// A box of more output bricks is compared with them one by one.
+constexpr double kManyBricks = 4096;
+
+struct CutBox {
+  Vec3d lo{HUGE_VAL, HUGE_VAL, HUGE_VAL}, hi{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+
+  bool empty() const { return lo.x > hi.x; }
+  void add(const Vec3d& p) {
+    for (int a = 0; a < 3; ++a) {
+      lo[a] = std::min(lo[a], p[a]);
+      hi[a] = std::max(hi[a], p[a]);
+    }
+  }
+  /// In steps of bricks.
+  IndexBox bricks() const {
+    IndexBox box;
+    for (int a = 0; a < 3; ++a) {
+      box.lo[a] = int(std::floor(lo[a])) >> 3;
+      box.hi[a] = int(std::floor(hi[a])) >> 3;
+    }
+    return box;
+  }
+};
+
+CutBox box_of(const CutPiece& piece, double margin) {
+  CutBox box;
+  box.add(Vec3d(piece.cell) + Vec3d(piece.lo) - Vec3d(margin));
+  box.add(Vec3d(piece.cell) + Vec3d(piece.hi) + Vec3d(margin));
+  return box;
+}
+
+using Bricks = std::unordered_set<Vec3i, VoxelHash>;
+
+/// `visit(origin)` for every brick that the box touches.
+template <class Visit>
+void for_bricks_of(const CutBox& box, Visit&& visit) {
+  const IndexBox bricks = box.bricks();
+  for (int x = bricks.lo.x; x <= bricks.hi.x; ++x) {
+    for (int y = bricks.lo.y; y <= bricks.hi.y; ++y) {
+      for (int z = bricks.lo.z; z <= bricks.hi.z; ++z) visit(Vec3i(x, y, z) * kBrickDim);
+    }
+  }
+}
+
+class CutInversion {
+ public:
+  CutInversion(const VectorBricks& u, const std::vector<TornCell>& torn, const CutFaces& faces,
+               const BrickTopology& elements, const Vec3i& dims);
+
+  /// u without the corners of torn cells: what a lattice of offsets can hold.
+  VectorBricks whole_part() const;
+  /// The bricks that the cut splits; counts into the certificate what `whole_part` lacks.
+  std::vector<CutBrick> split_bricks(InversionCertificate& certificate, Progress* progress);
+  /// The offsets of split bricks at their nodes in place of those that are there.
+  VectorBricks joined(const VectorBricks& offsets, const std::vector<CutBrick>& bricks) const;
+
+ private:
+  bool is_torn(const Vec3i& cell) const { return m_torn_at.count(cell) != 0; }
+  void find_source_boxes();
+  bool corners_of(const Vec3i& cell, std::array<Vec3f, 8>& u) const;
+  bool is_in_air(const Vec3i& cell) const;
+  void count_folds(const CutPiece& piece, InversionCertificate& certificate) const;
+  std::vector<Vec3i> first_bricks(InversionCertificate& certificate) const;
+  std::vector<CutBrick> fill(const std::vector<Vec3i>& origins) const;
+  void add_pieces(std::size_t source, CutBrick& brick) const;
+  void find_reaching(CutBrick& brick) const;
+  std::int64_t count_overlaps(const CutBrick& brick) const;
+
+  const VectorBricks& m_u;
+  const BrickTopology& m_elements;
+  Vec3i m_dims;
+  std::vector<CutPiece> m_sides;  // of the torn cells
+  std::unordered_set<Vec3i, VoxelHash> m_torn_at;
+  std::unordered_set<Vec3i, VoxelHash> m_corners;  // of torn cells
+  std::vector<CutBox> m_boxes;                     // moved cells of every source brick
+};
+
+CutInversion::CutInversion(const VectorBricks& u, const std::vector<TornCell>& torn,
+                           const CutFaces& faces, const BrickTopology& elements, const Vec3i& dims)
+    : m_u(u), m_elements(elements), m_dims(dims) {
+  for (const TornCell& cell : torn) {
+    m_torn_at.insert(cell.cell);
+    for (int n = 0; n < 8; ++n) m_corners.insert(cell.cell + Vec3i(n >> 2, n >> 1 & 1, n & 1));
+    for (int side = 0; side < cell.sides.count; ++side) {
+      m_sides.emplace_back(cell.cell, cell.u[std::size_t(side)],
+                           faces.depths_of_corners(cell, side));
+      nodes_of(m_sides.back().corners(), cell.cell);
+    }
+  }
+  find_source_boxes();
+}
+
+VectorBricks CutInversion::whole_part() const {
+  std::vector<Vec3i> origins;
+  std::vector<BrickMask> masks;
+  for (std::size_t b = 0; b < m_u.topology.brick_count(); ++b) {
+    origins.push_back(m_u.topology.origin(b));
+    masks.push_back(m_u.topology.mask(b));
+  }
+  for (const Vec3i& voxel : m_corners) {
+    const std::int32_t b = m_u.topology.find(voxel);
+    const int offset = brick_offset(voxel);
+    masks[std::size_t(b)][std::size_t(offset >> 6)] &= ~(std::uint64_t(1) << (offset & 63));
+  }
+  VectorBricks whole{BrickTopology(origins, masks), {}};
+  whole.vectors.reserve(whole.topology.brick_count() * kBrickVoxels);
+  for (std::size_t b = 0; b < whole.topology.brick_count(); ++b) {
+    const auto from = m_u.vectors.begin() +
+                      std::ptrdiff_t(m_u.topology.find(whole.topology.origin(b))) * kBrickVoxels;
+    whole.vectors.insert(whole.vectors.end(), from, from + kBrickVoxels);
+  }
+  return whole;
+}
+
+/// Corners of the cells of a brick lie in it and in its upper neighbours.
+void CutInversion::find_source_boxes() {
+  const BrickTopology& bricks = m_u.topology;
+  std::vector<CutBox> moves(bricks.brick_count());
+  tbb::parallel_for(std::size_t(0), moves.size(), [&](std::size_t b) {
+    for_each_active(bricks.mask(b), [&](int offset) {
+      moves[b].add(Vec3d(m_u.vectors[b * kBrickVoxels + std::size_t(offset)]));
+    });
+  });
+  m_boxes.resize(moves.size());
+  for (std::size_t b = 0; b < moves.size(); ++b) {
+    CutBox move;
+    for (int n = 0; n < 8; ++n) {
+      const Vec3i step(n >> 2, n >> 1 & 1, n & 1);
+      const std::int32_t upper = bricks.find(bricks.origin(b) + step * kBrickDim);
+      if (upper < 0) continue;
+      move.add(moves[std::size_t(upper)].lo);
+      move.add(moves[std::size_t(upper)].hi);
+    }
+    m_boxes[b].add(Vec3d(bricks.origin(b)) + move.lo - Vec3d(1e-3));
+    m_boxes[b].add(Vec3d(bricks.origin(b)) + Vec3d(kBrickDim) + move.hi + Vec3d(1e-3));
+  }
+}
+
+bool CutInversion::corners_of(const Vec3i& cell, std::array<Vec3f, 8>& u) const {
+  for (int n = 0; n < 8; ++n) {
+    if (!m_u.at(cell + Vec3i(n >> 2, n >> 1 & 1, n & 1), u[std::size_t(n)])) return false;
+  }
+  return true;
+}
+
+bool CutInversion::is_in_air(const Vec3i& cell) const {
+  for (int n = 0; n < 8; ++n) {
+    Vec3i voxel = cell + Vec3i(n >> 2, n >> 1 & 1, n & 1);
+    for (int a = 0; a < 3; ++a) voxel[a] = m_dims[a] == 1 ? 0 : voxel[a];
+    if (!m_elements.is_active(voxel)) return true;
+  }
+  return false;
+}
+
+void CutInversion::count_folds(const CutPiece& piece, InversionCertificate& certificate) const {
+  certificate.min_det = std::min(certificate.min_det, min_corner_det(piece.corners()));
+  if (!piece.is_folded) return;
+  ++certificate.folded_cells;
+  certificate.folded_air_cells += is_in_air(piece.cell);
+}
+
+/// Around the torn cells, and where the whole cells beside them reach, which share corners with
+/// them.
+std::vector<Vec3i> CutInversion::first_bricks(InversionCertificate& certificate) const {
+  std::vector<Vec3i> bricks, cells;
+  const auto add = [&](const Vec3i& origin) { bricks.push_back(origin); };
+  certificate.torn_cells = std::int64_t(m_torn_at.size());
+  for (const CutPiece& side : m_sides) {
+    for_bricks_of(box_of(side, kNearFace), add);
+  }
+  for (const Vec3i& corner : m_corners) {
+    for (int n = 0; n < 8; ++n) cells.push_back(corner - Vec3i(n >> 2, n >> 1 & 1, n & 1));
+  }
+  sort_unique(cells);
+  for (const Vec3i& cell : cells) {
+    std::array<Vec3f, 8> u;
+    if (is_torn(cell) || !corners_of(cell, u)) continue;
+    const CutPiece whole(cell, u);
+    ++certificate.cells;
+    count_folds(whole, certificate);
+    for_bricks_of(box_of(whole, kNearCell), add);
+  }
+  certificate.cells += std::int64_t(m_torn_at.size());
+  sort_unique(bricks);
+  return bricks;
+}
+
+void CutInversion::add_pieces(std::size_t source, CutBrick& brick) const {
+  CutBox box;
+  box.add(Vec3d(brick.origin) - Vec3d(1e-3));
+  box.add(Vec3d(brick.origin) + Vec3d(kBrickDim + 1e-3));
+  const auto reaches = [&](const CutPiece& piece) {
+    for (int a = 0; a < 3; ++a) {
+      if (piece.cell[a] + double(piece.lo[a]) > box.hi[a]) return false;
+      if (piece.cell[a] + double(piece.hi[a]) < box.lo[a]) return false;
+    }
+    return true;
+  };
+  for_each_active(cell_mask(m_u.topology, source), [&](int offset) {
+    const Vec3i cell = m_u.topology.origin(source) + brick_local(offset);
+    std::array<Vec3f, 8> u;
+    if (is_torn(cell) || !corners_of(cell, u)) return;
+    const CutPiece piece(cell, u);
+    if (reaches(piece)) brick.pieces.push_back(piece);
+  });
+}
+
+void CutInversion::find_reaching(CutBrick& brick) const {
+  std::vector<std::pair<std::int32_t, std::int32_t>> pairs;  // cell, piece
+  for (std::size_t p = 0; p < brick.pieces.size(); ++p) {
+    const CutBox box = box_of(brick.pieces[p], 1e-3);
+    Vec3i lo, hi;
+    for (int a = 0; a < 3; ++a) {
+      lo[a] = int(std::floor(std::max(box.lo[a] - brick.origin[a], 0.0)));
+      hi[a] = int(std::floor(std::min(box.hi[a] - brick.origin[a], kBrickDim - 1.0)));
+    }
+    for (int x = lo.x; x <= hi.x; ++x) {
+      for (int y = lo.y; y <= hi.y; ++y) {
+        for (int z = lo.z; z <= hi.z; ++z) pairs.emplace_back(brick_offset({x, y, z}), int(p));
+      }
+    }
+  }
+  std::sort(pairs.begin(), pairs.end());
+  brick.begin.assign(kBrickVoxels + 1, 0);
+  for (const auto& [cell, piece] : pairs) {
+    ++brick.begin[std::size_t(cell) + 1];
+    brick.reaching.push_back(piece);
+  }
+  for (std::size_t n = 0; n < kBrickVoxels; ++n) brick.begin[n + 1] += brick.begin[n];
+}
+
+/// The pieces of the given bricks, in ascending order of their sources.
+std::vector<CutBrick> CutInversion::fill(const std::vector<Vec3i>& origins) const {
+  std::unordered_map<Vec3i, std::size_t, VoxelHash> number;
+  for (std::size_t n = 0; n < origins.size(); ++n) number.emplace(origins[n], n);
+  std::vector<std::vector<std::size_t>> sources(origins.size());
+  for (std::size_t source = 0; source < m_boxes.size(); ++source) {
+    const IndexBox box = m_boxes[source].bricks();
+    const Vec3d extent = Vec3d(box.hi - box.lo) + Vec3d(1);
+    if (extent.x * extent.y * extent.z > kManyBricks) {
+      for (std::size_t n = 0; n < origins.size(); ++n) {
+        const Vec3i at(origins[n].x >> 3, origins[n].y >> 3, origins[n].z >> 3);
+        if (box.contains(at)) sources[n].push_back(source);
+      }
+      continue;
+    }
+    for_bricks_of(m_boxes[source], [&](const Vec3i& origin) {
+      const auto found = number.find(origin);
+      if (found != number.end()) sources[found->second].push_back(source);
+    });
+  }
+  std::vector<CutBrick> bricks(origins.size());
+  for (std::size_t n = 0; n < origins.size(); ++n) bricks[n].origin = origins[n];
+  for (const CutPiece& side : m_sides) {
+    for_bricks_of(box_of(side, 1e-3), [&](const Vec3i& origin) {
+      const auto found = number.find(origin);
+      if (found != number.end()) bricks[found->second].pieces.push_back(side);
+    });
+  }
+  tbb::parallel_for(std::size_t(0), bricks.size(), [&](std::size_t n) {
+    for (const std::size_t source : sources[n]) add_pieces(source, bricks[n]);
+    find_reaching(bricks[n]);
+  });
+  return bricks;
+}
+
+std::int64_t CutInversion::count_overlaps(const CutBrick& brick) const {
+  std::int64_t count = 0;
+  for (int n = 0; n < kBrickVoxels; ++n) {
+    Vec3d offset;
+    bool overlapping = false;
+    brick.find(Vec3d(brick.origin + brick_local(n)), m_dims, offset, &overlapping);
+    count += overlapping;
+  }
+  return count;
+}
+
+/// Where sides overlap, the shortest offset may be of either, so the neighbours are split, too.
+std::vector<CutBrick> CutInversion::split_bricks(InversionCertificate& certificate,
+                                                 Progress* progress) {
+  std::vector<CutBrick> all;
+  Bricks known;
+  std::vector<Vec3i> next = first_bricks(certificate);
+  while (!next.empty()) {
+    report(progress, 1);
+    for (const Vec3i& origin : next) known.insert(origin);
+    std::vector<CutBrick> bricks = fill(next);
+    std::vector<std::int64_t> overlaps(bricks.size());
+    tbb::parallel_for(std::size_t(0), bricks.size(),
+                      [&](std::size_t n) { overlaps[n] = count_overlaps(bricks[n]); });
+    next.clear();
+    for (std::size_t n = 0; n < bricks.size(); ++n) {
+      certificate.overlapped_voxels += overlaps[n];
+      for (int side = 0; overlaps[n] > 0 && side < 27; ++side) {
+        const Vec3i step(side / 9 - 1, side / 3 % 3 - 1, side % 3 - 1);
+        const Vec3i origin = bricks[n].origin + step * kBrickDim;
+        if (known.count(origin) == 0) next.push_back(origin);
+      }
+    }
+    sort_unique(next);
+    std::move(bricks.begin(), bricks.end(), std::back_inserter(all));
+  }
+  std::sort(all.begin(), all.end(), [](const CutBrick& a, const CutBrick& b) {
+    return std::tie(a.origin.x, a.origin.y, a.origin.z) <
+           std::tie(b.origin.x, b.origin.y, b.origin.z);
+  });
+  return all;
+}
+
+VectorBricks CutInversion::joined(const VectorBricks& offsets,
+                                  const std::vector<CutBrick>& bricks) const {
+  std::vector<Vec3i> origins;
+  std::vector<BrickMask> masks;
+  Bricks split;
+  for (const CutBrick& brick : bricks) split.insert(brick.origin);
+  for (std::size_t b = 0; b < offsets.topology.brick_count(); ++b) {
+    if (split.count(offsets.topology.origin(b)) != 0) continue;
+    origins.push_back(offsets.topology.origin(b));
+    masks.push_back(offsets.topology.mask(b));
+  }
+  std::vector<std::array<Vec3f, kBrickVoxels>> vectors(bricks.size());
+  std::vector<BrickMask> valid(bricks.size(), BrickMask{});
+  tbb::parallel_for(std::size_t(0), bricks.size(), [&](std::size_t n) {
+    for (int local = 0; local < kBrickVoxels; ++local) {
+      Vec3d offset(0);
+      const Vec3d node(bricks[n].origin + brick_local(local));
+      if (bricks[n].find(node, m_dims, offset) >= 0) mask_set(valid[n], local);
+      vectors[n][std::size_t(local)] = Vec3f(offset);
+    }
+  });
+  std::unordered_map<Vec3i, std::size_t, VoxelHash> number;
+  for (std::size_t n = 0; n < bricks.size(); ++n) {
+    origins.push_back(bricks[n].origin);
+    masks.push_back(valid[n]);
+    number.emplace(bricks[n].origin, n);
+  }
+  VectorBricks result{BrickTopology(std::move(origins), std::move(masks)), {}};
+  result.vectors.resize(result.topology.brick_count() * kBrickVoxels);
+  for (std::size_t b = 0; b < result.topology.brick_count(); ++b) {
+    const Vec3i& origin = result.topology.origin(b);
+    const auto found = number.find(origin);
+    const Vec3f* from =
+        found != number.end()
+            ? vectors[found->second].data()
+            : &offsets.vectors[std::size_t(offsets.topology.find(origin)) * kBrickVoxels];
+    std::copy_n(from, kBrickVoxels, result.vectors.begin() + std::ptrdiff_t(b) * kBrickVoxels);
+  }
+  return result;
+}
+
+}  // namespace
+
+Displacement extend_past_cuts(const Displacement& displacement, const BrickTopology& target,
+                              const CutElements& body) {
+  Displacement extended = extend(displacement, target);
+  if (body.cuts.empty()) return extended;
+  extend_beside_cuts(extended.u, CutBody(extended.u.topology, body.elements, body.cuts,
+                                         displacement.geometry.dims()));
+  return extended;
+}
+
+OffsetField invert_cut(const Displacement& displacement, const CutElements& body,
+                       const InvertParams& params, Progress* progress) {
+  if (body.cuts.empty()) return invert(displacement, params, progress);
+  const Vec3i& dims = displacement.geometry.dims();
+  const VectorBricks u = thickened(displacement.u, dims);
+  const CutBody cut(displacement.u.topology, body.elements, body.cuts, dims);
+  std::vector<TornCell> torn = torn_cells(u, cut, kClosedCut);
+  if (torn.empty()) return invert(displacement, params, progress);
+
+  CutFaces faces(torn, displacement.geometry, kClosedCut);
+  CutInversion inversion(u, torn, faces, body.elements, dims);
+  OffsetField field = invert({displacement.geometry, inversion.whole_part()}, params, progress);
+  std::vector<CutBrick> bricks = inversion.split_bricks(field.certificate, progress);
+  field.o = inversion.joined(field.o, bricks);
+  field.split = std::make_shared<const CutOffsets>(std::move(bricks), std::move(faces), dims);
+  return field;
+}
+
+}  // namespace supple

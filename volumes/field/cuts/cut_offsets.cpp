@@ -1,0 +1,103 @@
+#include "volumes/field/cuts/cut_offsets.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace supple {
+
+namespace {
+
+// Sources further apart than this, in voxels, are not the same place found twice.
+constexpr double kSamePlace = 0.5;
+
+/// Along an axis with one slice only what comes from that slice counts, not from its copies.
+bool is_in_slice(const Vec3d& X, const Vec3i& dims) {
+  for (int a = 0; a < 3; ++a) {
+    if (dims[a] == 1 && !(X[a] > -0.5 && X[a] <= 0.5)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+int CutBrick::find(const Vec3d& x, const Vec3i& dims, Vec3d& offset, bool* overlapping) const {
+  const Vec3i cell(int(std::floor(x.x)), int(std::floor(x.y)), int(std::floor(x.z)));
+  const std::size_t local = std::size_t(brick_offset(cell));
+  int best = -1;
+  double shortest = HUGE_VAL;
+  Vec3d first(0);
+  for (std::int32_t n = begin[local]; n < begin[local + 1]; ++n) {
+    const int number = reaching[std::size_t(n)];
+    const CutPiece& piece = pieces[std::size_t(number)];
+    Vec3d X;
+    if (!piece.source_of(x, X) || !is_in_slice(X, dims)) continue;
+    if (overlapping != nullptr) {
+      if (best < 0) first = X;
+      *overlapping = *overlapping || (X - first).length() > kSamePlace;
+    }
+    // Exactly that of the lattice where nothing bends.
+    const Vec3d o = piece.is_translated ? -Vec3d(piece.u[0]) : X - x;
+    if (o.length2() >= shortest) continue;
+    shortest = o.length2();
+    offset = o;
+    best = number;
+  }
+  return best;
+}
+
+CutOffsets::CutOffsets(std::vector<CutBrick> bricks, CutFaces faces, const Vec3i& dims)
+    : m_cells(std::move(bricks)), m_faces(std::move(faces)), m_dims(dims) {
+  std::vector<Vec3i> origins;
+  int pieces = 0;
+  for (const CutBrick& brick : m_cells) {
+    origins.push_back(brick.origin);
+    m_first_piece.push_back(pieces);
+    pieces += int(brick.pieces.size());
+  }
+  set_bricks(std::move(origins));
+}
+
+const CutPiece& CutOffsets::piece_at(int piece) const {
+  const auto above = std::upper_bound(m_first_piece.begin(), m_first_piece.end(), piece);
+  const std::size_t b = std::size_t(above - m_first_piece.begin()) - 1;
+  return m_cells[b].pieces[std::size_t(piece - m_first_piece[b])];
+}
+
+bool CutOffsets::sample(std::size_t b, const Vec3d& x, Sample& found) const {
+  const int piece = m_cells[b].find(x, m_dims, found.offset);
+  found.piece = m_first_piece[b] + piece;
+  return piece >= 0;
+}
+
+bool CutOffsets::offset_of(int piece, const Vec3d& x, Vec3d& offset) const {
+  Vec3d X;
+  if (!piece_at(piece).source_beyond(x, X)) return false;
+  offset = X - x;
+  return true;
+}
+
+double CutOffsets::depth_mm(int number, const Vec3d& x) const {
+  const CutPiece& piece = piece_at(number);
+  Vec3d X;
+  return piece.source_beyond(x, X) ? m_faces.depth(X, piece.middle()).mm : HUGE_VAL;
+}
+
+Vec3d CutOffsets::face_normal(int number, const Vec3d& x) const {
+  const CutPiece& piece = piece_at(number);
+  Vec3d X;
+  if (!piece.source_beyond(x, X)) return Vec3d(0);
+  return pull_back(number, x, X, m_faces.depth(X, piece.middle()).gradient);
+}
+
+void CutOffsets::reach(std::size_t b, Vec3d& lo, Vec3d& hi) const {
+  lo = Vec3d(HUGE_VAL);
+  hi = Vec3d(-HUGE_VAL);
+  for (const CutPiece& piece : m_cells[b].pieces) {
+    for (int a = 0; a < 3; ++a) {
+      lo[a] = std::min(lo[a], double(piece.cell[a]));
+      hi[a] = std::max(hi[a], double(piece.cell[a] + 1));
+    }
+  }
+}
+
+}  // namespace supple

@@ -1,0 +1,72 @@
+// Offsets of a body that was cut and whose cut has opened (thesis section 3.3.5: discontinuous
+// paths; here the discontinuity comes from the model).
+//
+// Nothing is interpolated across a cut. Each side of a cut cell carries its displacement on, as far
+// as the cut face, which lies in the middle of the cut links (cut_faces.h), and no further. What is
+// not reached by any side is empty. Around the cut samples are inverted one by one from the source
+// cells that reach them, with no offsets on a lattice between; everywhere else offsets are those of
+// invert(). Cost: 100 kB per split brick (those within three voxels of a face, and those where
+// sides overlap); about 0.4 µs per sample in one.
+#pragma once
+
+#include "volumes/field/cuts/cut_faces.h"
+#include "volumes/field/cuts/cut_piece.h"
+#include "volumes/field/inversion/invert.h"
+#include "volumes/field/split_offsets.h"
+
+namespace supple {
+
+/// Sides that are nowhere further apart than this, in voxels, count as one.
+constexpr double kClosedCut = 1.0 / 16;
+
+/// Elements and the links between them that are cut, bricks as in `elements`. Both must outlive it.
+struct CutElements {
+  const BrickTopology& elements;
+  const LinkCuts& cuts;
+};
+
+/// u on elements extended over `target` (elements and shell) as extend() does, but from either side
+/// of a cut on its own.
+Displacement extend_past_cuts(const Displacement& displacement, const BrickTopology& target,
+                              const CutElements& body);
+
+/// invert() for a body with cuts: `split` is set where they have opened. Without an open cut all is
+/// what invert() gives. The certificate counts the cells that were torn open, whose folds are not
+/// counted, and the voxels where sides overlap: there, too, the smallest |o| wins. Throws as
+/// invert() does.
+OffsetField invert_cut(const Displacement& displacement, const CutElements& body,
+                       const InvertParams& params = {}, Progress* progress = nullptr);
+
+/// A brick of the output and the pieces that reach the cells in it.
+struct CutBrick {
+  Vec3i origin;
+  std::vector<CutPiece> pieces;
+  std::vector<std::int32_t> begin;  // per cell, where its pieces begin in `reaching`; and the end
+  std::vector<std::int32_t> reaching;  // numbers of pieces
+
+  /// The smallest offset at x of all pieces, and which it is; -1 in the void. `overlapping`, where
+  /// given: whether another piece lies there that comes from elsewhere.
+  int find(const Vec3d& x, const Vec3i& dims, Vec3d& offset, bool* overlapping = nullptr) const;
+};
+
+class CutOffsets : public SplitOffsets {
+ public:
+  /// `bricks`: sorted by origin.
+  CutOffsets(std::vector<CutBrick> bricks, CutFaces faces, const Vec3i& dims);
+
+  bool sample(std::size_t b, const Vec3d& x, Sample& found) const override;
+  bool offset_of(int piece, const Vec3d& x, Vec3d& offset) const override;
+  double depth_mm(int piece, const Vec3d& x) const override;
+  Vec3d face_normal(int piece, const Vec3d& x) const override;
+  void reach(std::size_t b, Vec3d& lo, Vec3d& hi) const override;
+
+ private:
+  const CutPiece& piece_at(int piece) const;
+
+  std::vector<CutBrick> m_cells;
+  std::vector<int> m_first_piece;  // of every brick
+  CutFaces m_faces;
+  Vec3i m_dims;
+};
+
+}  // namespace supple

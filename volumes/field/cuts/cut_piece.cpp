@@ -1,0 +1,135 @@
+#include "volumes/field/cuts/cut_piece.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace supple {
+
+namespace {
+
+constexpr double kTolerance = 1e-4;
+constexpr int kMaxSteps = 20;
+// Rounding that still belongs to a cell, in voxels.
+constexpr double kEdge = 1e-5;
+// A side carries on this far from the middle of its cell, in voxels.
+constexpr double kBeyond = 3;
+
+bool is_own(const CutPiece& piece, const Vec3d& t) {
+  double sum = 0;
+  for (int n = 0; n < 8; ++n) {
+    sum += piece.depth[std::size_t(n)] *
+           ((n & 4 ? t.x : 1 - t.x) * (n & 2 ? t.y : 1 - t.y) * (n & 1 ? t.z : 1 - t.z));
+  }
+  return sum >= 0;
+}
+
+/// Where the place `local` of the cell is now, relative to the cell, and its derivatives.
+Vec3d moved(const CutPiece& piece, const Vec3d& local, Vec3d (&columns)[3]) {
+  const Vec3d& t = local;
+  Vec3d sum(0);
+  for (auto& column : columns) column = Vec3d(0);
+  for (int n = 0; n < 8; ++n) {
+    const bool hx = n & 4, hy = n & 2, hz = n & 1;
+    const Vec3d p = Vec3d(hx, hy, hz) + Vec3d(piece.u[std::size_t(n)]);
+    const double wx = hx ? t.x : 1 - t.x, wy = hy ? t.y : 1 - t.y, wz = hz ? t.z : 1 - t.z;
+    sum += p * (wx * wy * wz);
+    columns[0] += p * ((hx ? 1 : -1) * wy * wz);
+    columns[1] += p * (wx * (hy ? 1 : -1) * wz);
+    columns[2] += p * (wx * wy * (hz ? 1 : -1));
+  }
+  return sum;
+}
+
+}  // namespace
+
+CutPiece::CutPiece(const Vec3i& at, const std::array<Vec3f, 8>& moves,
+                   const std::array<float, 8>& depths)
+    : CutPiece(at, moves) {
+  depth = depths;
+  is_whole = false;
+}
+
+CutPiece::CutPiece(const Vec3i& at, const std::array<Vec3f, 8>& moves) : cell(at), u(moves) {
+  depth.fill(1);
+  is_translated = std::all_of(u.begin(), u.end(), [&](const Vec3f& v) { return v == u[0]; });
+  is_folded = !is_translated && min_corner_det(corners()) <= 0;
+  lo = Vec3f(HUGE_VALF);
+  hi = Vec3f(-HUGE_VALF);
+  for (int n = 0; n < 8; ++n) {
+    const Vec3f p = Vec3f(float(n >> 2), float(n >> 1 & 1), float(n & 1)) + u[std::size_t(n)];
+    for (int a = 0; a < 3; ++a) {
+      lo[a] = std::min(lo[a], p[a]);
+      hi[a] = std::max(hi[a], p[a]);
+    }
+  }
+}
+
+CellCorners CutPiece::corners() const {
+  CellCorners corners;
+  for (int n = 0; n < 8; ++n) {
+    const int step[3] = {n >> 2, n >> 1 & 1, n & 1};
+    for (int a = 0; a < 3; ++a) corners.p[a][n] = step[a] + double(u[std::size_t(n)][a]);
+  }
+  return corners;
+}
+
+bool CutPiece::source_of(const Vec3d& x, Vec3d& X) const {
+  const Vec3d at = x - Vec3d(cell);
+  for (int a = 0; a < 3; ++a) {
+    const double slack = kEdge * (1 + std::abs(at[a]));
+    if (!(at[a] >= lo[a] - slack && at[a] <= hi[a] + slack)) return false;
+  }
+  if (is_translated) {
+    X = x - Vec3d(u[0]);
+    return is_whole || is_own(*this, X - Vec3d(cell));
+  }
+  Vec3d local;
+  const DeformedCell deformed(corners(), is_folded);
+  auto outcome = deformed.solve(at, kTolerance, kMaxSteps, local);
+  if (outcome == DeformedCell::Outcome::outside) return false;
+  if (is_folded || outcome == DeformedCell::Outcome::undecided) {
+    outcome = deformed.solve_by_bisection(at, kTolerance, kMaxSteps, local);
+  }
+  if (outcome != DeformedCell::Outcome::inside) return false;
+  X = Vec3d(cell) + local;
+  return is_whole || is_own(*this, local);
+}
+
+bool CutPiece::source_beyond(const Vec3d& x, Vec3d& X) const {
+  if (is_translated) {
+    X = x - Vec3d(u[0]);
+    return true;
+  }
+  const Vec3d at = x - Vec3d(cell);
+  Vec3d local(0.5), columns[3];
+  for (int step = 0; step < kMaxSteps; ++step) {
+    const Vec3d residual = at - moved(*this, local, columns);
+    const Vec3d yz = columns[1].cross(columns[2]);
+    const double volume = columns[0].dot(yz);
+    if (residual.length2() < 1e-18) break;
+    if (std::abs(volume) < 1e-9) return false;
+    const Vec3d xr = columns[0].cross(residual);
+    local += Vec3d(residual.dot(yz), xr.dot(columns[2]), -xr.dot(columns[1])) / volume;
+    if (!((local - Vec3d(0.5)).length() < kBeyond)) return false;
+  }
+  X = Vec3d(cell) + local;
+  return residual(x, X) < kTolerance;
+}
+
+double CutPiece::residual(const Vec3d& x, const Vec3d& X) const {
+  Vec3d columns[3];
+  return (moved(*this, X - Vec3d(cell), columns) - (x - Vec3d(cell))).length();
+}
+
+Vec3d CutPiece::middle() const {
+  Vec3d sum(0);
+  int count = 0;
+  for (int n = 0; n < 8; ++n) {
+    if (depth[std::size_t(n)] < 0) continue;
+    sum += Vec3d(n >> 2, n >> 1 & 1, n & 1);
+    ++count;
+  }
+  return Vec3d(cell) + sum / double(count);
+}
+
+}  // namespace supple

@@ -1,0 +1,34 @@
+// One side of a torn cell, or a cell that is whole, as a piece of material that moves by itself.
+// Cost: 170 bytes; about 0.15 µs per place that lies in it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "volumes/field/inversion/deformed_cell.h"
+
+namespace supple {
+
+struct CutPiece {
+  Vec3i cell{0, 0, 0};
+  std::array<float, 8> depth;  // at the corners; the piece is where their trilinear sum is positive
+  bool is_whole = true, is_folded = false, is_translated = false;
+  std::array<Vec3f, 8> u;  // at the corners, those of other sides extrapolated
+  Vec3f lo, hi;            // box of the moved corners, relative to the cell
+
+  /// A whole cell.
+  CutPiece(const Vec3i& cell, const std::array<Vec3f, 8>& u);
+  CutPiece(const Vec3i& cell, const std::array<Vec3f, 8>& u, const std::array<float, 8>& depth);
+
+  CellCorners corners() const;
+  /// The place X of the piece that is seen at x; false where the piece is not.
+  bool source_of(const Vec3d& x, Vec3d& X) const;
+  /// The same for the displacement carried on beyond the piece; false where it leads nowhere.
+  bool source_beyond(const Vec3d& x, Vec3d& X) const;
+  /// |X + u(X) - x|.
+  double residual(const Vec3d& x, const Vec3d& X) const;
+  /// A place at rest in the middle of its own corners.
+  Vec3d middle() const;
+};
+
+}  // namespace supple

@@ -1,0 +1,213 @@
+#include "volumes/field/dense/resample.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include <tbb/parallel_for.h>
+
+#include "volumes/field/dense/grid_positions.h"
+#include "volumes/field/dense/nearest_void.h"
+#include "volumes/field/dense/smooth_extension.h"
+#include "volumes/field/dense/vector_slabs.h"
+#include "volumes/field/ring_fill.h"
+#include "volumes/field/split_offsets.h"
+#include "volumes/grid/volume.h"
+#include "volumes/grid/voxel_sets.h"
+
+namespace supple {
+
+namespace {
+
+// How far beyond the source box `outside` leads, in voxels.
+constexpr double kClearMargin = 10;
+// Voxel coordinates beyond this are never looked up.
+constexpr double kMaxVoxelCoordinate = 1e8;
+
+bool is_on_lattice_range(const Vec3d& pos) {
+  return std::max({std::abs(pos.x), std::abs(pos.y), std::abs(pos.z)}) < kMaxVoxelCoordinate;
+}
+
+Vec3i nearest_voxel(const Vec3d& pos) {
+  return {int(std::lround(pos.x)), int(std::lround(pos.y)), int(std::lround(pos.z))};
+}
+
+/// What a grid point without material reads.
+class VoidOffsets {
+ public:
+  VoidOffsets(const OffsetField& offsets, const BrickTopology& source, VoidMode mode)
+      : m_source(source), m_dims(offsets.geometry.dims()), m_mode(mode) {
+    if (mode == VoidMode::extend) m_extension = std::make_unique<SmoothExtension>(offsets.o);
+    if (mode != VoidMode::nearest) return;
+    // Source voxels that were left, and those that a reading between voxels may round to.
+    const BrickTopology wanted = subtract(source, eroded(offsets.o.topology));
+    m_nearest = nearest_void(source, wanted, m_dims, offsets.geometry.spacing_mm());
+  }
+
+  Vec3d at(const Vec3d& pos) const {
+    switch (m_mode) {
+      case VoidMode::extend:
+        return m_extension->sample(pos);
+      case VoidMode::outside:
+        return out_of_the_box(pos);
+      default:
+        return to_nearest_void(pos);
+    }
+  }
+
+ private:
+  Vec3d to_nearest_void(const Vec3d& pos) const {
+    const IndexBox box{Vec3i(0), m_dims - Vec3i(1)};
+    const Vec3i voxel = nearest_voxel(pos);
+    if (!box.contains(voxel) || !touches(m_source, pos)) return Vec3d(0);
+    Vec3f step(0);
+    if (m_source.is_active(voxel) && !m_nearest.at(voxel, step)) return Vec3d(0);
+    return Vec3d(voxel) + Vec3d(step) - pos;
+  }
+  /// Through the nearest face of the box.
+  Vec3d out_of_the_box(const Vec3d& pos) const {
+    Vec3d best(0);
+    double shortest = -1;
+    for (int a = 0; a < 3; ++a) {
+      for (const double target : {-kClearMargin, m_dims[a] - 1 + kClearMargin}) {
+        const double step = target - pos[a];
+        const bool beyond = target < 0 ? step >= 0 : step <= 0;
+        if (beyond) return Vec3d(0);
+        if (shortest >= 0 && std::abs(step) >= shortest) continue;
+        shortest = std::abs(step);
+        best = Vec3d(0);
+        best[a] = step;
+      }
+    }
+    return best;
+  }
+
+  const BrickTopology& m_source;
+  Vec3i m_dims;
+  VoidMode m_mode;
+  VectorBricks m_nearest;
+  std::unique_ptr<SmoothExtension> m_extension;
+};
+
+}  // namespace
+
+namespace {
+
+/// True when the points of `grid` are voxels of the frame's lattice, with the same axes; `first` is
+/// then that of point 0.
+bool is_same_lattice(const Geometry& grid, const GridPositions& positions, Vec3i& first) {
+  const Vec3d origin = positions.at(0, 0, 0);
+  if (!is_on_lattice_range(origin)) return false;
+  first = nearest_voxel(origin);
+  const Vec3i last = grid.dims() - Vec3i(1);
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3i p((corner & 1) * last.x, ((corner >> 1) & 1) * last.y, (corner >> 2) * last.z);
+    if (positions.at(p.x, p.y, p.z) != Vec3d(first + p)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+VectorSliceSource dense_offsets(const OffsetField& offsets, const BrickTopology& source,
+                                const Geometry& grid, VoidMode mode) {
+  const GridPositions positions(grid, offsets.geometry);
+  const auto elsewhere = std::make_shared<const VoidOffsets>(offsets, source, mode);
+  const Vec3i& dims = grid.dims();
+  const auto sampled = [&offsets, positions, elsewhere](int i, int j, int k) {
+    const Vec3d pos = positions.at(i, j, k);
+    Vec3d o(0);
+    if (is_on_lattice_range(pos) && !offsets.sample(pos, o)) o = elsewhere->at(pos);
+    return o;
+  };
+  Vec3i first;
+  std::shared_ptr<VectorSlabs> slabs;
+  if (is_same_lattice(grid, positions, first)) {
+    slabs = std::make_shared<VectorSlabs>(
+        offsets.o, first, dims, [split = offsets.split](const Vec3i& origin) {
+          return split != nullptr && split->bricks().find(origin) >= 0;
+        });
+  }
+  return [&offsets, sampled, slabs, dims](int k, Vec3f* out) {
+    const Vec3f* const known = slabs == nullptr ? nullptr : slabs->slice(k);
+    tbb::parallel_for(0, dims.y, [&](int j) {
+      for (int i = 0; i < dims.x; ++i) {
+        const std::size_t n = std::size_t(j) * dims.x + i;
+        const bool is_known = known != nullptr && !std::isnan(known[n].x);
+        const Vec3d o = is_known ? Vec3d(known[n]) : sampled(i, j, k);
+        out[n] = Vec3f(offsets.geometry.world_vector_from_index(o));
+      }
+    });
+  };
+}
+
+VectorSliceSource dense_displacement(const Displacement& extended) {
+  const Vec3i dims = extended.geometry.dims();
+  const auto slabs =
+      std::make_shared<VectorSlabs>(extended.u, Vec3i(0), dims, [](const Vec3i&) { return false; });
+  return [&extended, slabs, dims](int k, Vec3f* out) {
+    const Vec3f* const known = slabs->slice(k);
+    tbb::parallel_for(0, dims.y, [&](int j) {
+      for (std::size_t n = std::size_t(j) * dims.x; n < std::size_t(j + 1) * dims.x; ++n) {
+        const Vec3d u = std::isnan(known[n].x) ? Vec3d(0) : Vec3d(known[n]);
+        out[n] = Vec3f(extended.geometry.world_vector_from_index(u));
+      }
+    });
+  };
+}
+
+ScalarSliceSource dense_resampled(const OffsetField& offsets, const DensityGrid& density,
+                                  const Geometry& grid, float fill) {
+  const GridPositions positions(grid, offsets.geometry);
+  const Vec3i &dims = grid.dims(), source_dims = offsets.geometry.dims();
+  return [&offsets, &density, positions, dims, source_dims, fill](int k, float* out) {
+    tbb::parallel_for(0, dims.y, [&](int j) {
+      for (int i = 0; i < dims.x; ++i) {
+        const Vec3d pos = positions.at(i, j, k);
+        Vec3d o, source = pos;
+        float& value = out[std::size_t(j) * dims.x + i];
+        value = fill;
+        if (!offsets.sample(pos, o)) continue;
+        source += o;
+        // A volume of one slice has nothing to interpolate across it.
+        for (int a = 0; a < 3; ++a) source[a] = source_dims[a] == 1 ? 0 : source[a];
+        value = sample_trilinear(density, source, fill);
+      }
+    });
+  };
+}
+
+std::int64_t count_outside(const Displacement& material, const Geometry& grid) {
+  const BrickTopology& bricks = material.u.topology;
+  std::int64_t count = 0;
+  for (std::size_t b = 0; b < bricks.brick_count(); ++b) {
+    for_each_active(bricks.mask(b), [&](int offset) {
+      const Vec3d moved = Vec3d(bricks.origin(b) + brick_local(offset)) +
+                          Vec3d(material.u.vectors[b * kBrickVoxels + offset]);
+      const Vec3d pos = grid.index_from_world(material.geometry.world_from_index(moved));
+      bool inside = true;
+      for (int a = 0; a < 3; ++a) {
+        inside = inside && pos[a] >= -0.5 - kNodeSnap && pos[a] <= grid.dims()[a] - 0.5 + kNodeSnap;
+      }
+      count += !inside;
+    });
+  }
+  return count;
+}
+
+Geometry with_margin(const Geometry& geometry, double margin_mm) {
+  const Vec3d spacing = geometry.spacing_mm();
+  Vec3i dims = geometry.dims(), margin;
+  for (int a = 0; a < 3; ++a) {
+    const double voxels = std::ceil(margin_mm / spacing[a] - kNodeSnap);
+    if (!(voxels >= 0 && voxels < kMaxVoxelCoordinate)) {
+      throw InputError(
+          {"", "margin", number_text(margin_mm) + " mm", "a length from 0 mm to 10^8 voxels"});
+    }
+    margin[a] = int(voxels);
+    dims[a] += 2 * margin[a];
+  }
+  return {dims, geometry.world_from_index(-Vec3d(margin)), geometry.axes_mm()};
+}
+
+}  // namespace supple

@@ -1,0 +1,112 @@
+#include "volumes/field/inversion/displacement_range.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "volumes/base/error.h"
+#include "volumes/field/brick_nodes.h"
+#include "volumes/field/inversion/output_bricks.h"
+#include "volumes/grid/cell.h"
+
+namespace supple {
+
+namespace {
+
+// Offsets are floats: beyond a million voxels they no longer resolve a sixteenth of a voxel.
+constexpr float kMaxDisplacement = 1e6f;
+
+/// The range as two vectors, while it grows.
+struct Range4 {
+  Float4 lo = Float4{} + 3e38f, hi = Float4{} - 3e38f;
+
+  void add(const Float4& v) {
+    lo = v < lo ? v : lo;
+    hi = v > hi ? v : hi;
+  }
+  void add(const Range4& other) {
+    lo = other.lo < lo ? other.lo : lo;
+    hi = other.hi > hi ? other.hi : hi;
+  }
+  VectorRange range() const { return {{lo[0], lo[1], lo[2]}, {hi[0], hi[1], hi[2]}}; }
+};
+
+[[noreturn]] void refuse(const Vec3i& voxel) {
+  throw InputError({"", "displacement at voxel " + to_text(voxel),
+                    "a vector that is not finite or longer than 10^6 voxels",
+                    "finite displacements"});
+}
+
+bool is_within_limits(const Vec3f& u) {
+  return std::max({std::abs(u.x), std::abs(u.y), std::abs(u.z)}) <= kMaxDisplacement &&
+         !std::isnan(u.x + u.y + u.z);
+}
+
+/// The brick above along the axes of n.
+std::int32_t upper_brick(const BrickTopology& bricks, std::size_t b, int n) {
+  if (n == 0) return std::int32_t(b);
+  return bricks.find(bricks.origin(b) + cell_corner(n) * kBrickDim);
+}
+
+}  // namespace
+
+BrickRanges ranges_of(const VectorBricks& u, std::size_t b) {
+  const BrickMask& mask = u.topology.mask(b);
+  const Vec3f* vectors = &u.vectors[b * kBrickVoxels];
+  Range4 parts[8];
+  for (int x = 0; x < kBrickDim; ++x) {
+    for (int y = 0; y < kBrickDim; ++y) {
+      Range4 row;
+      for (unsigned bits = unsigned(mask[x] >> (8 * y)) & 0xff; bits != 0; bits &= bits - 1) {
+        const int z = __builtin_ctz(bits);
+        const Vec3f& v = vectors[64 * x + 8 * y + z];
+        if (!is_within_limits(v)) refuse(u.topology.origin(b) + Vec3i(x, y, z));
+        const Float4 v4 = {v.x, v.y, v.z, 0};
+        row.add(v4);
+        if (z > 0) continue;
+        for (int n = 1; n < 8; n += 2) {
+          if ((x == 0 || !(n & 4)) && (y == 0 || !(n & 2))) parts[n].add(v4);
+        }
+      }
+      for (int n = 0; n < 8; n += 2) {
+        if ((x == 0 || !(n & 4)) && (y == 0 || !(n & 2))) parts[n].add(row);
+      }
+    }
+  }
+  BrickRanges ranges;
+  for (int n = 0; n < 8; ++n) ranges[n] = parts[n].range();
+  return ranges;
+}
+
+IndexBox reach_of(const BrickTopology& bricks, const std::vector<BrickRanges>& ranges,
+                  std::size_t b) {
+  VectorRange moved;
+  for (int n = 0; n < 8; ++n) {
+    const std::int32_t upper = upper_brick(bricks, b, n);
+    if (upper < 0 || ranges[upper][n].empty()) continue;
+    const VectorRange& range = ranges[upper][n];
+    for (int a = 0; a < 3; ++a) {
+      const bool is_upper = (n >> (2 - a)) & 1;
+      moved.lo[a] = std::min(moved.lo[a], range.lo[a] + (is_upper ? kBrickDim : 0));
+      moved.hi[a] = std::max(moved.hi[a], range.hi[a] + (is_upper ? kBrickDim : kBrickDim - 1));
+    }
+  }
+  IndexBox reach;
+  if (moved.empty()) return reach;
+  for (int a = 0; a < 3; ++a) {
+    // Room for the rounding of a deformed corner.
+    const float slack = 1e-4f + 1e-6f * std::max(std::abs(moved.lo[a]), std::abs(moved.hi[a]));
+    reach.lo[a] = bricks.origin(b)[a] + int(std::ceil(moved.lo[a] - slack));
+    reach.hi[a] = bricks.origin(b)[a] + int(std::floor(moved.hi[a] + slack));
+  }
+  return reach;
+}
+
+bool is_still(const BrickTopology& bricks, const std::vector<BrickRanges>& ranges, std::size_t b) {
+  for (int n = 0; n < 8; ++n) {
+    const std::int32_t upper = upper_brick(bricks, b, n);
+    if (upper >= 0 && !ranges[upper][n].is_zero()) return false;
+  }
+  return true;
+}
+
+}  // namespace supple

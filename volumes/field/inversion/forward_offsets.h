@@ -1,0 +1,70 @@
+// Offsets without an inverse: each sample x solves y + u(y) = x for itself, by Newton on the
+// displacement, and reads the source at y (design.md section 4). For pictures while a body is being
+// dragged: what a change costs is to look how far the source bricks that it touches have moved.
+//
+// A solution begins at that of the sample before, then at those of places nearby whose images are
+// known. Off folds there is one; in a fold any of them may be found, not always the one with the
+// smallest |o|, which invert() takes. Where deformed bricks crowd, a thin piece of material that no
+// beginning leads to is missed.
+// Cost: 0.3 kB per source brick, 0.2 kB per output brick that moving ones reach; 0.1 to 0.3 µs per
+// sample in one.
+#pragma once
+
+#include <limits>
+
+#include "volumes/field/brick_nodes.h"
+#include "volumes/field/inversion/displacement_range.h"
+#include "volumes/field/pointwise_offsets.h"
+
+namespace supple {
+
+class ForwardOffsets final : public PointwiseOffsets {
+ public:
+  /// `displacement`: extended, as for invert(); read where it lies, it outlives the offsets. Throws
+  /// InputError for values that are not finite or beyond 10^6 voxels.
+  explicit ForwardOffsets(const Displacement& displacement);
+
+  /// The displacement, on the same voxels as before, has changed in these bricks of its topology.
+  /// Nobody may sample from before it changed until then. Throws as the constructor.
+  void update(const std::vector<std::int32_t>& changed);
+
+  bool sample(std::size_t b, const Vec3d& x, Sample& found) const override;
+  void reach(std::size_t b, Vec3d& lo, Vec3d& hi) const override;
+  /// (I + grad u)^-T g at the place that was read.
+  Vec3d pull_back(int piece, const Vec3d& x, const Vec3d& y, const Vec3d& gradient) const override;
+
+  std::size_t bytes() const;
+
+ private:
+  static constexpr int kSeeds = 8;  // one in every octant
+
+  /// What can be seen in an output brick.
+  struct Reached {
+    Reached() { seed.fill(Vec3f(std::numeric_limits<float>::quiet_NaN())); }
+
+    IndexBox source;                 // the cells that reach it
+    std::array<Vec3f, kSeeds> seed;  // offsets; not a number: none is known
+  };
+  /// Displacement and derivatives at a place.
+  struct Place {
+    int piece;
+    Vec3d u;
+    Vec3d along[3];  // columns of grad u
+  };
+
+  void find_ranges(const std::vector<std::int32_t>& changed);
+  void find_reached();
+  void plant_seeds(std::size_t b, const BrickIndex& index, std::vector<Reached>& reached) const;
+  static void set_derivatives(const Float4 (&corners)[8], const Vec3f& f, Place& place);
+  bool place_at(const Vec3d& y, Place& place) const;
+  bool corners_at(std::size_t b, const Vec3i& voxel, Float4 (&corners)[8]) const;
+  bool solve(const Vec3d& x, const Vec3d& offset, Sample& found) const;
+
+  const VectorBricks& m_u;
+  std::vector<BrickRanges> m_ranges;  // of its bricks
+  std::vector<IndexBox> m_reach;      // nodes that their cells reach
+  std::vector<std::uint8_t> m_still;  // no corner of their cells moves
+  std::vector<Reached> m_reached;     // of bricks()
+};
+
+}  // namespace supple

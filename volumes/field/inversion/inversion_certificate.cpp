@@ -1,0 +1,196 @@
+#include "volumes/field/inversion/inversion_certificate.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_reduce.h>
+
+#include "volumes/field/inversion/source_window.h"
+
+namespace supple {
+
+namespace {
+
+/// u at the source position of `offset`, which rounding may have pushed just over the border of the
+/// valid cells.
+bool sample_at_border(const VectorBricks& u, Vec3d pos, const Vec3f& offset, Vec3d& vector) {
+  if (u.sample(pos, vector)) return true;
+  const double slack = 1e-5 + 1e-6 * double(offset.length());
+  for (int a = 0; a < 3; ++a) {
+    const double nearest = std::round(pos[a]);
+    if (std::abs(pos[a] - nearest) <= slack) pos[a] = nearest;
+  }
+  return u.sample(pos, vector);
+}
+
+bool starts_in_folded_cell(const VectorBricks& u, const std::vector<BrickMask>& folded,
+                           const Vec3d& pos) {
+  const Vec3i cell(int(std::floor(pos.x)), int(std::floor(pos.y)), int(std::floor(pos.z)));
+  const std::int32_t b = u.topology.find(cell);
+  return b >= 0 && mask_test(folded[b], brick_offset(cell));
+}
+
+/// Residuals of one output brick after the other, with the memory for it.
+class Probe {
+ public:
+  Probe(const VectorBricks& u, const VectorBricks& o, const std::vector<BrickMask>& folded)
+      : m_u(u), m_o(o), m_folded(folded) {}
+
+  void measure_brick(std::size_t b, ResidualHistogram& histogram);
+
+ private:
+  bool measure_still(std::size_t b, ResidualHistogram& histogram) const;
+  void measure_far(const Vec3d& pos, const Vec3f& offset, ResidualHistogram& histogram) const;
+
+  const VectorBricks& m_u;
+  const VectorBricks& m_o;
+  const std::vector<BrickMask>& m_folded;
+  SourceWindow m_window;
+  std::array<float, kBrickVoxels> m_residuals;
+};
+
+/// By look-up in the sparse field.
+void Probe::measure_far(const Vec3d& pos, const Vec3f& offset, ResidualHistogram& histogram) const {
+  if (starts_in_folded_cell(m_u, m_folded, pos)) return;
+  Vec3d moved;
+  const bool known = sample_at_border(m_u, pos, offset, moved);
+  histogram.add(known ? float((Vec3d(offset) + moved).length())
+                      : std::numeric_limits<float>::infinity());
+}
+
+void Probe::measure_brick(std::size_t b, ResidualHistogram& histogram) {
+  if (measure_still(b, histogram)) return;
+  const Vec3i& origin = m_o.topology.origin(b);
+  const Vec3f* vectors = &m_o.vectors[b * kBrickVoxels];
+  const BrickMask& nodes = m_o.topology.mask(b);
+  const bool measured = m_window.measure(m_u, m_folded, origin, nodes, vectors, m_residuals);
+  for_each_active(nodes, [&](int offset) {
+    const float residual = measured ? m_residuals[offset] : SourceWindow::kUnknown;
+    if (residual >= 0) {
+      histogram.add(residual);
+    } else if (residual == SourceWindow::kUnknown) {
+      const Vec3f& o = vectors[offset];
+      measure_far(Vec3d(origin + brick_local(offset)) + Vec3d(o), o, histogram);
+    }
+  });
+}
+
+/// Where no offset is other than 0, u at the voxel itself is the residual. False elsewhere, or when
+/// such a voxel is no source.
+bool Probe::measure_still(std::size_t b, ResidualHistogram& histogram) const {
+  const Vec3f* vectors = &m_o.vectors[b * kBrickVoxels];
+  const auto is_zero = [](const Vec3f& o) { return o == Vec3f(0); };
+  if (!std::all_of(vectors, vectors + kBrickVoxels, is_zero)) return false;
+  const std::int32_t same = m_u.topology.find(m_o.topology.origin(b));
+  if (same < 0) return false;
+  const BrickMask& nodes = m_o.topology.mask(b);
+  for (int word = 0; word < 8; ++word) {
+    if ((nodes[word] & ~m_u.topology.mask(same)[word]) != 0) return false;
+  }
+  const Vec3f* u = &m_u.vectors[std::size_t(same) * kBrickVoxels];
+  if (mask_count(m_folded[same]) == 0 && std::all_of(u, u + kBrickVoxels, is_zero)) {
+    histogram.add_zeros(mask_count(nodes));
+    return true;
+  }
+  for_each_active(nodes, [&](int offset) {
+    if (!mask_test(m_folded[same], offset)) histogram.add(u[offset].length());
+  });
+  return true;
+}
+
+}  // namespace
+
+void ResidualHistogram::add(float value) {
+  std::uint32_t bits;
+  std::memcpy(&bits, &value, sizeof bits);
+  ++m_bins[bits >> kShift];
+  ++m_count;
+  m_max = std::max(m_max, value);
+}
+
+void ResidualHistogram::add_zeros(int count) {
+  m_bins[0] += count;
+  m_count += count;
+}
+
+void ResidualHistogram::join(const ResidualHistogram& other) {
+  for (std::size_t n = 0; n < m_bins.size(); ++n) m_bins[n] += other.m_bins[n];
+  m_count += other.m_count;
+  m_max = std::max(m_max, other.m_max);
+}
+
+void ResidualHistogram::add(const BrickResiduals& brick) {
+  for (const std::uint32_t entry : brick.bins) {
+    m_bins[entry >> 10] += entry & 0x3ff;
+    m_count += entry & 0x3ff;
+  }
+  m_max = std::max(m_max, brick.max);
+}
+
+void ResidualHistogram::remove(const BrickResiduals& brick) {
+  for (const std::uint32_t entry : brick.bins) {
+    m_bins[entry >> 10] -= entry & 0x3ff;
+    m_count -= entry & 0x3ff;
+  }
+}
+
+BrickResiduals ResidualHistogram::of_one_brick() const {
+  BrickResiduals brick;
+  brick.max = m_max;
+  std::int64_t left = m_count;
+  for (std::size_t n = 0; left > 0; ++n) {
+    left -= m_bins[n];
+    if (m_bins[n] > 0) brick.bins.push_back(std::uint32_t(n << 10 | std::size_t(m_bins[n])));
+  }
+  return brick;
+}
+
+double ResidualHistogram::percentile(double part) const {
+  std::int64_t seen = m_bins[0];
+  const double wanted = part * double(m_count);
+  if (double(seen) >= wanted) return 0;
+  for (std::size_t n = 1; n < m_bins.size(); ++n) {
+    seen += m_bins[n];
+    if (double(seen) < wanted) continue;
+    const std::uint32_t bits = std::uint32_t(n + 1) << kShift;
+    float edge;
+    std::memcpy(&edge, &bits, sizeof edge);
+    return std::min(double(edge), double(m_max));
+  }
+  return m_max;
+}
+
+ResidualHistogram measure_residuals(const VectorBricks& u, const VectorBricks& o,
+                                    const std::vector<BrickMask>& folded,
+                                    std::vector<BrickResiduals>* of_bricks) {
+  if (of_bricks != nullptr) of_bricks->assign(o.topology.brick_count(), {});
+  tbb::enumerable_thread_specific<Probe> probes([&] { return Probe(u, o, folded); });
+  using Range = tbb::blocked_range<std::size_t>;
+  return tbb::parallel_reduce(
+      Range(0, o.topology.brick_count(), 16), ResidualHistogram{},
+      [&](const Range& range, ResidualHistogram part) {
+        Probe& probe = probes.local();
+        for (std::size_t b = range.begin(); b < range.end(); ++b) {
+          if (of_bricks == nullptr) {
+            probe.measure_brick(b, part);
+            continue;
+          }
+          ResidualHistogram single;
+          probe.measure_brick(b, single);
+          (*of_bricks)[b] = single.of_one_brick();
+          part.add((*of_bricks)[b]);
+        }
+        return part;
+      },
+      [](ResidualHistogram a, const ResidualHistogram& b) {
+        a.join(b);
+        return a;
+      });
+}
+
+}  // namespace supple

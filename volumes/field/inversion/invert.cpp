@@ -1,0 +1,199 @@
+#include "volumes/field/inversion/invert.h"
+
+#include <algorithm>
+#include <deque>
+
+#include <tbb/parallel_for.h>
+
+#include "volumes/field/inversion/inversion.h"
+#include "volumes/field/inversion/inversion_certificate.h"
+#include "volumes/field/inversion/output_bricks.h"
+#include "volumes/field/ring_fill.h"
+#include "volumes/grid/voxel_sets.h"
+
+namespace supple {
+
+namespace {
+
+bool is_flat(const Vec3i& dims) {
+  return std::min({dims.x, dims.y, dims.z}) == 1;
+}
+
+void add_residuals(const ResidualHistogram& residuals, InversionCertificate& certificate) {
+  certificate.residual_max = residuals.max();
+  certificate.residual_p999 = residuals.percentile(0.999);
+}
+
+}  // namespace
+
+OffsetField invert(const Displacement& displacement, const InvertParams& params,
+                   Progress* progress) {
+  if (progress != nullptr) progress->stage("inverting");
+  const Vec3i& dims = displacement.geometry.dims();
+  VectorBricks thick;
+  if (is_flat(dims)) thick = thickened(displacement.u, dims);
+  const VectorBricks& u = is_flat(dims) ? thick : displacement.u;
+  Inversion inversion(dims, params);
+  OffsetField field{displacement.geometry, inversion.solve(u, progress), {}};
+  field.certificate = inversion.certificate();
+  add_residuals(measure_residuals(u, field.o, inversion.folded()), field.certificate);
+  report(progress, 1);
+  return field;
+}
+
+/// Output bricks lie wherever their memory happens to be, so that they come and go without moving
+/// the others.
+struct IncrementalInversion::Impl {
+  struct Brick {
+    BrickMask mask;
+    BrickResiduals residuals;
+    std::array<Vec3f, kBrickVoxels> vectors;
+  };
+
+  Impl(const Displacement& displacement, const InvertParams& invert_params)
+      : geometry(displacement.geometry),
+        params(invert_params),
+        inversion(geometry.dims(), params) {}
+
+  void solve_all(const Displacement& displacement, Progress* progress);
+  void replace(const std::vector<Vec3i>& touched, const VectorBricks& u,
+               const VectorBricks& offsets);
+  void take_over(const VectorBricks& offsets, const std::vector<BrickResiduals>& of_bricks);
+  void give_up(Brick*& brick);
+  /// Ascending.
+  std::vector<Vec3i> origins() const;
+
+  Geometry geometry;
+  InvertParams params;
+  Inversion inversion;
+  BrickIndex index;            // every brick that ever held offsets
+  std::vector<Brick*> bricks;  // null: holds none
+  std::deque<Brick> memory;
+  std::vector<Brick*> free;
+  ResidualHistogram residuals;
+};
+
+void IncrementalInversion::Impl::solve_all(const Displacement& displacement, Progress* progress) {
+  for (Brick*& brick : bricks) give_up(brick);
+  const VectorBricks offsets = inversion.solve(displacement.u, progress);
+  std::vector<BrickResiduals> of_bricks;
+  residuals = measure_residuals(displacement.u, offsets, inversion.folded(), &of_bricks);
+  take_over(offsets, of_bricks);
+}
+
+void IncrementalInversion::Impl::give_up(Brick*& brick) {
+  if (brick != nullptr) free.push_back(brick);
+  brick = nullptr;
+}
+
+void IncrementalInversion::Impl::take_over(const VectorBricks& offsets,
+                                           const std::vector<BrickResiduals>& of_bricks) {
+  const std::size_t count = offsets.topology.brick_count();
+  std::vector<Brick*> taken(count);
+  for (std::size_t b = 0; b < count; ++b) {
+    if (free.empty()) {
+      memory.emplace_back();
+      free.push_back(&memory.back());
+    }
+    taken[b] = free.back();
+    free.pop_back();
+    const std::size_t n = index.add(offsets.topology.origin(b));
+    bricks.resize(index.count());
+    bricks[n] = taken[b];
+  }
+  tbb::parallel_for(std::size_t(0), count, [&](std::size_t b) {
+    taken[b]->mask = offsets.topology.mask(b);
+    taken[b]->residuals = of_bricks[b];
+    std::copy_n(offsets.vectors.begin() + std::ptrdiff_t(b * kBrickVoxels), kBrickVoxels,
+                taken[b]->vectors.begin());
+  });
+}
+
+/// The touched bricks make way for those that were solved anew, which may be fewer or more.
+void IncrementalInversion::Impl::replace(const std::vector<Vec3i>& touched, const VectorBricks& u,
+                                         const VectorBricks& offsets) {
+  std::vector<BrickResiduals> of_bricks;
+  residuals.join(measure_residuals(u, offsets, inversion.folded(), &of_bricks));
+  for (const Vec3i& origin : touched) {
+    const std::int32_t n = index.find(origin);
+    if (n < 0 || bricks[n] == nullptr) continue;
+    residuals.remove(bricks[n]->residuals);
+    give_up(bricks[n]);
+  }
+  take_over(offsets, of_bricks);
+  float max = 0;
+  for (const Brick* brick : bricks) {
+    if (brick != nullptr) max = std::max(max, brick->residuals.max);
+  }
+  residuals.set_max(max);
+}
+
+std::vector<Vec3i> IncrementalInversion::Impl::origins() const {
+  std::vector<Vec3i> found;
+  for (std::size_t n = 0; n < bricks.size(); ++n) {
+    if (bricks[n] != nullptr) found.push_back(index.origin(n));
+  }
+  sort_unique(found);
+  return found;
+}
+
+IncrementalInversion::IncrementalInversion(const Displacement& displacement,
+                                           const InvertParams& params, Progress* progress)
+    : m_impl(std::make_unique<Impl>(displacement, params)) {
+  if (is_flat(displacement.geometry.dims())) {
+    throw InputError({"", "displacement", "a volume of one slice", "a volume with cells"});
+  }
+  if (progress != nullptr) progress->stage("inverting");
+  m_impl->solve_all(displacement, progress);
+}
+IncrementalInversion::~IncrementalInversion() = default;
+
+std::vector<Vec3i> IncrementalInversion::update(const Displacement& displacement,
+                                                const std::vector<std::int32_t>& changed) {
+  std::vector<Vec3i> touched;
+  VectorBricks offsets;
+  if (m_impl->inversion.solve_changed(displacement.u, changed, touched, offsets)) {
+    m_impl->replace(touched, displacement.u, offsets);
+    return touched;
+  }
+  touched = m_impl->origins();
+  m_impl->solve_all(displacement, nullptr);
+  for (const Vec3i& origin : m_impl->origins()) touched.push_back(origin);
+  sort_unique(touched);
+  return touched;
+}
+
+InversionCertificate IncrementalInversion::certificate() const {
+  InversionCertificate certificate = m_impl->inversion.certificate();
+  add_residuals(m_impl->residuals, certificate);
+  return certificate;
+}
+
+VectorBrickFinder IncrementalInversion::finder() const {
+  return [impl = m_impl.get()](const Vec3i& origin) -> VectorBrickView {
+    const std::int32_t n = impl->index.find(origin);
+    if (n < 0 || impl->bricks[n] == nullptr) return {};
+    return {&impl->bricks[n]->mask, impl->bricks[n]->vectors.data()};
+  };
+}
+
+OffsetField IncrementalInversion::field() const {
+  const std::vector<Vec3i> origins = m_impl->origins();
+  const VectorBrickFinder find = finder();
+  std::vector<BrickMask> masks;
+  for (const Vec3i& origin : origins) masks.push_back(*find(origin).mask);
+  OffsetField field{
+      m_impl->geometry, {BrickTopology(origins, std::move(masks)), {}}, certificate()};
+  field.o.vectors.resize(origins.size() * kBrickVoxels);
+  tbb::parallel_for(std::size_t(0), origins.size(), [&](std::size_t n) {
+    std::copy_n(find(origins[n]).vectors, kBrickVoxels,
+                field.o.vectors.begin() + std::ptrdiff_t(n * kBrickVoxels));
+  });
+  return field;
+}
+
+VectorBricks extrapolate_into_bricks(const VectorBricks& offsets, int rings) {
+  return fill_rings(offsets, touching_bricks(offsets.topology), rings, RingFill::means);
+}
+
+}  // namespace supple

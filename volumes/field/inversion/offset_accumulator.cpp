@@ -1,0 +1,185 @@
+#include "volumes/field/inversion/offset_accumulator.h"
+
+#include <algorithm>
+#include <tuple>
+
+#include "volumes/base/huge_pages.h"
+#include "volumes/grid/cell.h"
+
+namespace supple {
+
+namespace {
+
+// Memory of bricks without a solution is given back, at the cost of a copy, when it is more than a
+// small part.
+constexpr double kKeptPart = 0.8;
+
+double length_squared(const Vec3f& o) {
+  return double(o.x) * o.x + double(o.y) * o.y + double(o.z) * o.z;
+}
+
+bool is_better(const Vec3f& a, const Vec3f& b) {
+  const double length_a = length_squared(a), length_b = length_squared(b);
+  if (length_a != length_b) return length_a < length_b;
+  return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
+}
+
+/// A table to find bricks by; which voxels are active is kept beside it.
+BrickTopology brick_table(std::vector<Vec3i> origins) {
+  std::vector<BrickMask> masks(origins.size(), BrickMask{1});
+  return {std::move(origins), std::move(masks)};
+}
+
+/// The output bricks of a box of nodes, found once.
+class OutputBox {
+ public:
+  OutputBox(const BrickTopology& bricks, const IndexBox& box) {
+    for (int a = 0; a < 3; ++a) {
+      m_lo[a] = box.lo[a] >> 3;
+      m_dims[a] = (box.hi[a] >> 3) - m_lo[a] + 1;
+    }
+    m_found.reserve(std::size_t(m_dims.x) * m_dims.y * m_dims.z);
+    // Ascending, as bricks are sorted by x, then y, then z.
+    for (int x = 0; x < m_dims.x; ++x) {
+      for (int y = 0; y < m_dims.y; ++y) {
+        for (int z = 0; z < m_dims.z; ++z) {
+          m_found.push_back(bricks.find((m_lo + Vec3i(x, y, z)) * kBrickDim));
+        }
+      }
+    }
+  }
+  /// Of a node in the box; -1 where there is none.
+  std::int32_t at(const Vec3i& node) const {
+    const int x = (node.x >> 3) - m_lo.x, y = (node.y >> 3) - m_lo.y, z = (node.z >> 3) - m_lo.z;
+    return m_found[(std::size_t(x) * m_dims.y + y) * m_dims.z + z];
+  }
+  const std::vector<std::int32_t>& bricks() const { return m_found; }
+
+ private:
+  Vec3i m_lo, m_dims;
+  std::vector<std::int32_t> m_found;
+};
+
+}  // namespace
+
+OffsetAccumulator::OffsetAccumulator(std::vector<Vec3i> origins)
+    : m_bricks(brick_table(std::move(origins))),
+      m_vectors(reserve_in_huge_pages<Vec3f>(m_bricks.brick_count() * kBrickVoxels)),
+      m_valid(m_bricks.brick_count(), BrickMask{}),
+      m_locks(m_bricks.brick_count()) {
+  m_vectors.resize(m_bricks.brick_count() * kBrickVoxels, Vec3f(0));
+}
+
+inline void OffsetAccumulator::take(std::int32_t b, const NodeSolution& hit) {
+  const int offset = brick_offset(hit.node);
+  Vec3f& o = m_vectors[std::size_t(b) * kBrickVoxels + offset];
+  if (mask_test(m_valid[b], offset) && !is_better(hit.o, o)) return;
+  o = hit.o;
+  mask_set(m_valid[b], offset);
+}
+
+void OffsetAccumulator::merge(const std::vector<NodeSolution>& hits) {
+  for (const NodeSolution& hit : hits) {
+    const std::int32_t b = m_bricks.find(hit.node);
+    if (b < 0) continue;
+    const tbb::spin_mutex::scoped_lock lock(m_locks[b]);
+    take(b, hit);
+  }
+}
+
+void OffsetAccumulator::merge(const IndexBox& reach, const std::vector<NodeSolution>& hits,
+                              std::vector<OpenNode>& doubts) {
+  const OutputBox box(m_bricks, reach);
+  // All bricks of the box are locked, in ascending order, so that nobody waits in a circle.
+  for (const std::int32_t b : box.bricks()) {
+    if (b >= 0) m_locks[b].lock();
+  }
+  for (const NodeSolution& hit : hits) {
+    const std::int32_t b = box.at(hit.node);
+    if (b >= 0) take(b, hit);
+  }
+  const auto is_settled = [&](const OpenNode& doubt) {
+    const std::int32_t b = box.at(doubt.node);
+    return b < 0 || mask_test(m_valid[b], brick_offset(doubt.node));
+  };
+  doubts.erase(std::remove_if(doubts.begin(), doubts.end(), is_settled), doubts.end());
+  for (const std::int32_t b : box.bricks()) {
+    if (b >= 0) m_locks[b].unlock();
+  }
+}
+
+void OffsetAccumulator::merge_zeros(const Vec3i& origin, const BrickMask& cells) {
+  std::uint16_t rows[kCornerDim][kCornerDim];
+  corner_rows(cells, rows);
+  // Corners lie in the brick and its seven upper neighbours.
+  for (int n = 0; n < 8; ++n) {
+    const Vec3i upper = cell_corner(n);
+    BrickMask nodes{};
+    for (int x = 0; x < (upper.x ? 1 : kBrickDim); ++x) {
+      for (int y = 0; y < (upper.y ? 1 : kBrickDim); ++y) {
+        const unsigned row = rows[x + 8 * upper.x][y + 8 * upper.y];
+        nodes[x] |= std::uint64_t(upper.z ? row >> 8 : row & 0xff) << (8 * y);
+      }
+    }
+    if (mask_count(nodes) == 0) continue;
+    const std::int32_t b = m_bricks.find(origin + upper * kBrickDim);
+    if (b >= 0) merge_zero_mask(b, nodes);
+  }
+}
+
+void OffsetAccumulator::merge_zero_mask(std::int32_t b, const BrickMask& nodes) {
+  const tbb::spin_mutex::scoped_lock lock(m_locks[b]);
+  BrickMask taken;
+  for (int word = 0; word < 8; ++word) {
+    taken[word] = m_valid[b][word] & nodes[word];
+    m_valid[b][word] |= nodes[word];
+  }
+  for_each_active(
+      taken, [&](int offset) { m_vectors[std::size_t(b) * kBrickVoxels + offset] = Vec3f(0); });
+}
+
+bool OffsetAccumulator::is_reached_by(const IndexBox& reach) const {
+  if (reach.empty() || m_bricks.empty()) return false;
+  // The bricks are marked by their lowest voxel.
+  const IndexBox& bounds = m_bricks.active_bounds();
+  IndexBox box;
+  for (int a = 0; a < 3; ++a) {
+    box.lo[a] = std::max(reach.lo[a] & ~7, bounds.lo[a]);
+    box.hi[a] = std::min(reach.hi[a], bounds.hi[a]);
+  }
+  for (int x = box.lo.x; x <= box.hi.x; x += kBrickDim) {
+    for (int y = box.lo.y; y <= box.hi.y; y += kBrickDim) {
+      for (int z = box.lo.z; z <= box.hi.z; z += kBrickDim) {
+        if (m_bricks.find({x, y, z}) >= 0) return true;
+      }
+    }
+  }
+  return false;
+}
+
+bool OffsetAccumulator::contains(const Vec3i& node) {
+  const std::int32_t b = m_bricks.find(node);
+  if (b < 0) return false;
+  const tbb::spin_mutex::scoped_lock lock(m_locks[b]);
+  return mask_test(m_valid[b], brick_offset(node));
+}
+
+VectorBricks OffsetAccumulator::finish() {
+  std::vector<Vec3i> origins;
+  for (std::size_t b = 0; b < m_bricks.brick_count(); ++b) origins.push_back(m_bricks.origin(b));
+  BrickTopology topology(std::move(origins), m_valid);
+  // The topology has dropped the bricks without a solution; close the gaps.
+  std::size_t from = 0;
+  for (std::size_t to = 0; to < topology.brick_count(); ++to, ++from) {
+    while (m_bricks.origin(from) != topology.origin(to)) ++from;
+    if (from == to) continue;
+    std::copy_n(m_vectors.begin() + from * kBrickVoxels, kBrickVoxels,
+                m_vectors.begin() + to * kBrickVoxels);
+  }
+  m_vectors.resize(topology.brick_count() * kBrickVoxels);
+  if (double(m_vectors.size()) < kKeptPart * double(m_vectors.capacity()))
+    m_vectors.shrink_to_fit();
+  return {std::move(topology), std::move(m_vectors)};
+}
+
+}  // namespace supple

@@ -1,0 +1,118 @@
+#include "volumes/field/inversion/output_bricks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include "volumes/base/error.h"
+#include "volumes/grid/cell.h"
+#include "volumes/grid/voxel_sets.h"
+
+namespace supple {
+
+namespace {
+
+constexpr double kMaxNodesPerCell = 1 << 24;
+// Rounding of a deformed corner, in voxels.
+constexpr double kNodeSlack = 1e-5;
+// A deformed brick in a larger box than this adds the bricks of its cells one by one.
+constexpr double kLargeBox = 64.0 * kBrickVoxels;
+
+/// The bricks of the cells of a torn source brick, one by one.
+void add_bricks_of_cells(const VectorBricks& u, std::size_t b, std::vector<Vec3i>& origins) {
+  SourceCells cells;
+  if (!gather_cells(u, b, cells)) return;
+  std::vector<Vec3i> reached;
+  for_each_active(cells.mask, [&](int offset) {
+    const Vec3i cell = cells.origin + brick_local(offset);
+    const IndexBox nodes = nodes_of(cell_corners(cells, offset), cell);
+    if (!nodes.empty()) add_box(cell + nodes.lo, cell + nodes.hi, reached);
+  });
+  sort_unique(reached);
+  origins.insert(origins.end(), reached.begin(), reached.end());
+}
+
+}  // namespace
+
+IndexBox nodes_of(const CellCorners& corners, const Vec3i& cell) {
+  IndexBox nodes;
+  double count = 1;
+  for (int a = 0; a < 3; ++a) {
+    const double* p = corners.p[a];
+    double lo[4], hi[4];
+    for (int n = 0; n < 4; ++n) {
+      lo[n] = std::min(p[n], p[n + 4]);
+      hi[n] = std::max(p[n], p[n + 4]);
+    }
+    const double min = std::min(std::min(lo[0], lo[1]), std::min(lo[2], lo[3]));
+    const double max = std::max(std::max(hi[0], hi[1]), std::max(hi[2], hi[3]));
+    nodes.lo[a] = int(std::ceil(min - kNodeSlack));
+    nodes.hi[a] = int(std::floor(max + kNodeSlack));
+    count *= std::max(0, nodes.hi[a] - nodes.lo[a] + 1);
+  }
+  if (count > kMaxNodesPerCell) {
+    throw InputError({"", "displacement at voxel " + to_text(cell),
+                      "a cell stretched over " + to_text(nodes.hi - nodes.lo) + " voxels",
+                      "a field without tears (at most 2^24 voxels per cell)"});
+  }
+  return nodes;
+}
+
+std::vector<Vec3i> output_origins(const VectorBricks& u, const std::vector<IndexBox>& reaches) {
+  tbb::enumerable_thread_specific<std::vector<Vec3i>> parts;
+  tbb::parallel_for(std::size_t(0), u.topology.brick_count(), [&](std::size_t b) {
+    const IndexBox& reach = reaches[b];
+    if (is_torn(reach)) {
+      add_bricks_of_cells(u, b, parts.local());
+    } else if (!reach.empty()) {
+      add_box(reach.lo, reach.hi, parts.local());
+    }
+  });
+  std::vector<Vec3i> origins;
+  for (std::vector<Vec3i>& part : parts) {
+    sort_unique(part);
+    origins.insert(origins.end(), part.begin(), part.end());
+  }
+  sort_unique(origins);
+  return origins;
+}
+
+void add_box(const Vec3i& lo, const Vec3i& hi, std::vector<Vec3i>& origins) {
+  for (int x = lo.x & ~7; x <= hi.x; x += kBrickDim) {
+    for (int y = lo.y & ~7; y <= hi.y; y += kBrickDim) {
+      for (int z = lo.z & ~7; z <= hi.z; z += kBrickDim) origins.push_back({x, y, z});
+    }
+  }
+}
+
+bool is_torn(const IndexBox& reach) {
+  const Vec3d extent = Vec3d(reach.hi) - Vec3d(reach.lo) + Vec3d(1);
+  return !reach.empty() && extent.x * extent.y * extent.z > kLargeBox;
+}
+
+std::vector<std::int32_t> with_lower_neighbours(const BrickTopology& topology,
+                                                const std::vector<std::int32_t>& bricks) {
+  std::vector<std::uint8_t> listed(topology.brick_count(), 0);
+  std::vector<std::int32_t> result;
+  for (const std::int32_t b : bricks) {
+    for (int n = 0; n < 8; ++n) {
+      const Vec3i step = cell_corner(n);
+      const std::int32_t lower =
+          n == 0 ? b : topology.find(topology.origin(std::size_t(b)) - step * kBrickDim);
+      if (lower < 0 || listed[lower]) continue;
+      listed[lower] = 1;
+      result.push_back(lower);
+    }
+  }
+  std::sort(result.begin(), result.end());
+  return result;
+}
+
+std::string to_text(const Vec3i& v) {
+  return std::to_string(v.x) + " " + std::to_string(v.y) + " " + std::to_string(v.z);
+}
+
+}  // namespace supple

@@ -1,0 +1,31 @@
+// Which nodes and bricks of the output lattice a deformed field can reach; found before the
+// inversion proper, so that its memory is the bricks in reach, never a box.
+#pragma once
+
+#include <string>
+
+#include "volumes/field/inversion/source_cells.h"
+
+namespace supple {
+
+/// Lattice nodes in the box of a deformed cell, relative to its lowest corner. Throws InputError
+/// for a cell stretched over more than 2^24 nodes: that is a tear, not a deformation.
+IndexBox nodes_of(const CellCorners& corners, const Vec3i& cell);
+
+/// True for the reach of a source brick that is spread over more than 64 bricks.
+bool is_torn(const IndexBox& reach);
+
+/// Sorted, unique origins of the output bricks that the cells of u can reach. `reaches`: nodes in
+/// reach of each source brick (displacement_range.h).
+std::vector<Vec3i> output_origins(const VectorBricks& u, const std::vector<IndexBox>& reaches);
+
+/// The origins of all output bricks that hold a node of the box.
+void add_box(const Vec3i& lo, const Vec3i& hi, std::vector<Vec3i>& origins);
+
+/// The bricks, and those below them whose cells have corners in them; ascending.
+std::vector<std::int32_t> with_lower_neighbours(const BrickTopology& topology,
+                                                const std::vector<std::int32_t>& bricks);
+
+std::string to_text(const Vec3i& v);
+
+}  // namespace supple

@@ -1,0 +1,177 @@
+#include "volumes/field/inversion/source_cells.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "volumes/field/ring_fill.h"
+#include "volumes/grid/cell.h"
+#include "volumes/grid/voxel_sets.h"
+
+namespace supple {
+
+namespace {
+
+/// The brick and its seven upper neighbours, index 4 x + 2 y + z.
+std::array<std::int32_t, 8> upper_bricks(const BrickTopology& voxels, std::size_t b) {
+  std::array<std::int32_t, 8> bricks;
+  for (int n = 0; n < 8; ++n) {
+    bricks[n] = voxels.find(voxels.origin(b) + cell_corner(n) * kBrickDim);
+  }
+  return bricks;
+}
+
+/// Bits z = 0…8 of the active voxels in row (x, y).
+unsigned voxel_row(const BrickTopology& voxels, const std::array<std::int32_t, 8>& bricks, int x,
+                   int y) {
+  const int column = 4 * (x >> 3) + 2 * (y >> 3);
+  const auto row = [&](int n) -> unsigned {
+    if (bricks[n] < 0) return 0;
+    return unsigned((voxels.mask(bricks[n])[x & 7] >> (8 * (y & 7))) & 0xff);
+  };
+  return row(column) | (row(column + 1) & 1) << 8;
+}
+
+const std::vector<Vec3f> kNowhere(kBrickDim, Vec3f(0));
+
+using Floats8 = float __attribute__((vector_size(32)));
+using Floats16 = float __attribute__((vector_size(64)));
+
+/// Row (x, y) of the corners: eight voxels and the first of the brick above.
+void copy_row(const Vec3f* row, const Vec3f* above, int x, int y, SourceCells& cells) {
+  // The 24 components of the row, the middle ones in both halves.
+  Floats16 low, high;
+  std::memcpy(&low, &row[0].x, sizeof low);
+  std::memcpy(&high, &row[0].x + 8, sizeof high);
+  const Floats8 u[3] = {__builtin_shufflevector(low, high, 0, 3, 6, 9, 12, 15, 26, 29),
+                        __builtin_shufflevector(low, high, 1, 4, 7, 10, 13, 24, 27, 30),
+                        __builtin_shufflevector(low, high, 2, 5, 8, 11, 14, 25, 28, 31)};
+  for (int a = 0; a < 3; ++a) {
+    const Floats8 next = Floats8{} + above[0][a];
+    const Floats8 upper = __builtin_shufflevector(u[a], next, 1, 2, 3, 4, 5, 6, 7, 8);
+    std::memcpy(cells.lower[a][x][y], &u[a], sizeof upper);
+    std::memcpy(cells.upper[a][x][y], &upper, sizeof upper);
+  }
+}
+
+BrickMask cell_mask(const BrickTopology& voxels, const std::array<std::int32_t, 8>& bricks) {
+  unsigned rows[kCornerDim][kCornerDim];
+  for (int x = 0; x < kCornerDim; ++x) {
+    for (int y = 0; y < kCornerDim; ++y) rows[x][y] = voxel_row(voxels, bricks, x, y);
+  }
+  BrickMask mask{};
+  for (int x = 0; x < kBrickDim; ++x) {
+    for (int y = 0; y < kBrickDim; ++y) {
+      const unsigned row = rows[x][y] & rows[x + 1][y] & rows[x][y + 1] & rows[x + 1][y + 1];
+      mask[x] |= std::uint64_t(row & (row >> 1) & 0xff) << (8 * y);
+    }
+  }
+  return mask;
+}
+
+/// Copies of the voxels with coordinate 0 along `axis`, one below and one above.
+BrickTopology slice_and_its_copies(const BrickTopology& voxels, int axis) {
+  constexpr int kStride[3] = {64, 8, 1};
+  std::vector<Vec3i> origins[2];
+  std::vector<BrickMask> masks[2];
+  for (std::size_t b = 0; b < voxels.brick_count(); ++b) {
+    if (voxels.origin(b)[axis] != 0) continue;
+    BrickMask below{}, above{};
+    for_each_active(voxels.mask(b), [&](int offset) {
+      if (brick_local(offset)[axis] != 0) return;
+      mask_set(below, offset + 7 * kStride[axis]);
+      mask_set(above, offset + kStride[axis]);
+    });
+    Vec3i origin = voxels.origin(b);
+    origins[1].push_back(origin);
+    masks[1].push_back(above);
+    origin[axis] -= kBrickDim;
+    origins[0].push_back(origin);
+    masks[0].push_back(below);
+  }
+  return unite(unite(voxels, {origins[0], masks[0]}), {origins[1], masks[1]});
+}
+
+}  // namespace
+
+BrickMask cell_mask(const BrickTopology& voxels, std::size_t b) {
+  return cell_mask(voxels, upper_bricks(voxels, b));
+}
+
+bool gather_cells(const VectorBricks& u, std::size_t b, SourceCells& cells) {
+  const std::array<std::int32_t, 8> bricks = upper_bricks(u.topology, b);
+  cells.origin = u.topology.origin(b);
+  cells.mask = cell_mask(u.topology, bricks);
+  if (std::all_of(cells.mask.begin(), cells.mask.end(), [](auto word) { return word == 0; })) {
+    return false;
+  }
+  for (int x = 0; x < kCornerDim; ++x) {
+    for (int y = 0; y < kCornerDim; ++y) {
+      const int column = 4 * (x >> 3) + 2 * (y >> 3);
+      const int offset = ((x & 7) << 6) | ((y & 7) << 3);
+      const auto row = [&](int n) {
+        return bricks[n] < 0 ? kNowhere.data()
+                             : &u.vectors[std::size_t(bricks[n]) * kBrickVoxels + offset];
+      };
+      copy_row(row(column), row(column + 1), x, y, cells);
+    }
+  }
+  return true;
+}
+
+CellCorners cell_corners(const SourceCells& cells, int offset) {
+  const Vec3i c = brick_local(offset);
+  CellCorners corners;
+  for (int n = 0; n < 8; ++n) {
+    const int x = n >> 2, y = (n >> 1) & 1, z = n & 1;
+    const Vec3f u = cells.u(c.x + x, c.y + y, c.z + z);
+    corners.p[0][n] = x + double(u.x);
+    corners.p[1][n] = y + double(u.y);
+    corners.p[2][n] = z + double(u.z);
+  }
+  return corners;
+}
+
+bool is_translated(const SourceCells& cells, int offset, Vec3f& shift) {
+  const Vec3i c = brick_local(offset);
+  shift = cells.u(c.x, c.y, c.z);
+  for (int n = 7; n > 0; --n) {
+    if (cells.u(c.x + (n >> 2), c.y + ((n >> 1) & 1), c.z + (n & 1)) != shift) return false;
+  }
+  return true;
+}
+
+void corner_rows(const BrickMask& cells, std::uint16_t (&rows)[kCornerDim][kCornerDim]) {
+  for (auto& plane : rows) std::fill(std::begin(plane), std::end(plane), std::uint16_t(0));
+  for (int x = 0; x < kBrickDim; ++x) {
+    for (int y = 0; y < kBrickDim; ++y) {
+      const unsigned row = unsigned((cells[x] >> (8 * y)) & 0xff);
+      const std::uint16_t ends = std::uint16_t(row | row << 1);
+      rows[x][y] |= ends;
+      rows[x][y + 1] |= ends;
+      rows[x + 1][y] |= ends;
+      rows[x + 1][y + 1] |= ends;
+    }
+  }
+}
+
+VectorBricks thickened(const VectorBricks& u, const Vec3i& dims) {
+  VectorBricks result = u;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (dims[axis] != 1) continue;
+    VectorBricks thick{slice_and_its_copies(result.topology, axis), {}};
+    thick.vectors.assign(thick.topology.brick_count() * kBrickVoxels, Vec3f(0));
+    for (std::size_t b = 0; b < thick.topology.brick_count(); ++b) {
+      for_each_active(thick.topology.mask(b), [&](int offset) {
+        Vec3i voxel = thick.topology.origin(b) + brick_local(offset);
+        Vec3f& vector = thick.vectors[b * kBrickVoxels + offset];
+        if (result.at(voxel, vector)) return;
+        voxel[axis] = 0;
+        result.at(voxel, vector);
+      });
+    }
+    result = std::move(thick);
+  }
+  return result;
+}
+
+}  // namespace supple

@@ -1,0 +1,25 @@
+// Places that several places of a body may have come to: wherever a motion covers a place twice,
+// off the border of the body, some cell that turns its inside out covers it too. So these are the
+// lattice cells that the box of a folded cell touches.
+// Cost: 100 bytes per brick touched.
+#pragma once
+
+#include <unordered_map>
+
+#include "volumes/field/cuts/cut_body.h"
+#include "volumes/field/inversion/deformed_cell.h"
+
+namespace supple {
+
+class FoldedPlaces {
+ public:
+  /// A folded cell, its moved corners relative to it, at most 10^8 voxels away. Throws InputError
+  /// for one torn over more than 2^24 voxels.
+  void add(const Vec3i& cell, const CellCorners& corners);
+  bool contains(const Vec3d& x) const;
+
+ private:
+  std::unordered_map<Vec3i, BrickMask, VoxelHash> m_bricks;
+};
+
+}  // namespace supple

@@ -1,0 +1,16 @@
+// Points that go along with the material: X is now at X + u(X).
+// Cost: that of a SmoothExtension of u, and about 1 µs per point.
+#pragma once
+
+#include <vector>
+
+#include "volumes/field/displacement.h"
+
+namespace supple {
+
+/// Where points given at rest are now, LPS mm. Outside the material u carries on smoothly, as in
+/// `void extend`, so that what reaches beyond the tissue is not torn at its surface.
+std::vector<Vec3d> moved_along(const Displacement& displacement,
+                               const std::vector<Vec3d>& points_lps_mm);
+
+}  // namespace supple

@@ -1,0 +1,163 @@
+// Points along with a body and back.
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include "volumes/field/inversion/source_cells.h"
+#include "volumes/field/points/carried_displacement.h"
+#include "volumes/field/points/folded_places.h"
+#include "volumes/field/points/point_motion.h"
+#include "volumes/field/points/point_solver.h"
+#include "volumes/field/split_offsets.h"
+
+namespace supple {
+
+namespace {
+
+constexpr double kFarthest = 1e7;  // voxels
+
+PlaceKind kind_of(const CarriedDisplacement::Place& place) {
+  if (place.is_torn) return PlaceKind::torn;
+  if (place.is_folded) return PlaceKind::folded;
+  return place.is_known ? PlaceKind::inside : PlaceKind::outside;
+}
+
+class MotionAlong final : public PointMotion {
+ public:
+  MotionAlong(const Displacement& displacement, const CutElements& body)
+      : m_geometry(displacement.geometry), m_u(displacement, body) {}
+
+  MovedPoint move(const Vec3d& lps_mm) const override {
+    const CarriedDisplacement::Place place = m_u.at(m_geometry.index_from_world(lps_mm));
+    return {lps_mm + m_geometry.world_vector_from_index(place.u), kind_of(place),
+            in_world(m_geometry, place.gradient())};
+  }
+
+ private:
+  Geometry m_geometry;
+  CarriedDisplacement m_u;
+};
+
+class MotionToRest final : public PointMotion {
+ public:
+  MotionToRest(const Displacement& displacement, const CutElements& body,
+               const OffsetField& offsets)
+      : m_geometry(displacement.geometry),
+        m_u(displacement, body),
+        m_offsets(offsets),
+        m_start(offsets.o) {
+    find_folds();
+  }
+
+  MovedPoint move(const Vec3d& lps_mm) const override {
+    const Vec3d x = m_geometry.index_from_world(lps_mm);
+    Found found = find(x);
+    if (found.kind == PlaceKind::inside && m_folds.contains(x)) found.kind = PlaceKind::folded;
+    MovedPoint moved{lps_mm + m_geometry.world_vector_from_index(found.offset), found.kind};
+    Columns inverse;
+    if (invert(found.gradient, inverse)) moved.gradient = in_world(m_geometry, inverse);
+    return moved;
+  }
+
+ private:
+  struct Found {
+    Vec3d offset;
+    PlaceKind kind;
+    Columns gradient;  // of X -> X + u
+  };
+
+  /// All cells of the body; of torn cells each side by itself.
+  void find_folds() {
+    const VectorBricks& u = m_u.known();
+    tbb::enumerable_thread_specific<std::vector<std::pair<Vec3i, CellCorners>>> found;
+    tbb::parallel_for(std::size_t(0), u.topology.brick_count(), [&](std::size_t b) {
+      SourceCells cells;
+      if (!gather_cells(u, b, cells)) return;
+      for_each_active(cells.mask, [&](int offset) {
+        Vec3f shift;
+        if (is_translated(cells, offset, shift)) return;
+        const CellCorners corners = cell_corners(cells, offset);
+        const Vec3i cell = cells.origin + brick_local(offset);
+        if (min_corner_det(corners) > 0 || m_u.is_in_torn_cell(Vec3d(cell))) return;
+        found.local().emplace_back(cell, corners);
+      });
+    });
+    for (const auto& cells : found) {
+      for (const auto& [cell, corners] : cells) m_folds.add(cell, corners);
+    }
+    m_u.for_torn_sides([&](const CutPiece& side) {
+      if (side.is_folded) m_folds.add(side.cell, side.corners());
+    });
+  }
+
+  Found found_at(const Vec3d& X, const Vec3d& offset) const {
+    const CarriedDisplacement::Place place = m_u.at(X);
+    return {offset, kind_of(place), place.gradient()};
+  }
+
+  Found find(const Vec3d& x) const {
+    Vec3d offset;
+    if (!is_near(x)) return {-m_u.stretched(x).u, PlaceKind::outside, identity_columns()};
+    if (in_split_brick(x) && m_offsets.sample(x, offset)) return found_at(x + offset, offset);
+    Vec3d X;
+    if (!solve(x, X)) {
+      offset = m_start.sample(x);
+      return {offset, PlaceKind::unresolved, identity_columns()};
+    }
+    Found found{X - x, PlaceKind::torn, m_u.stretched(X).gradient()};
+    return m_u.is_in_torn_cell(X) ? found : found_at(X, found.offset);
+  }
+
+  /// Far away the displacement is constant.
+  static bool is_near(const Vec3d& x) {
+    return std::max({std::abs(x.x), std::abs(x.y), std::abs(x.z)}) < kFarthest;
+  }
+
+  bool in_split_brick(const Vec3d& x) const {
+    if (m_offsets.split == nullptr) return false;
+    const Vec3i voxel(int(std::floor(x.x)), int(std::floor(x.y)), int(std::floor(x.z)));
+    return m_offsets.split->bricks().find(voxel) >= 0;
+  }
+
+  /// The solution with the shortest way of those that the offsets around lead to; one is enough
+  /// where there are no folds.
+  bool solve(const Vec3d& x, Vec3d& X) const {
+    const PointSolver solver(m_u);
+    const bool in_fold = m_folds.contains(x);
+    bool is_solved = false;
+    const auto try_from = [&](const Vec3d& start) {
+      Vec3d found;
+      if (!solver.solve(x, start, found)) return false;
+      if (is_solved && (found - x).length2() >= (X - x).length2()) return false;
+      X = found;
+      is_solved = true;
+      return true;
+    };
+    if (try_from(x + m_start.sample(x)) && !in_fold) return true;
+    const Vec3d low(std::floor(x.x), std::floor(x.y), std::floor(x.z));
+    for (int n = 0; n < 8; ++n) {
+      const Vec3d corner = low + Vec3d(n >> 2, n >> 1 & 1, n & 1);
+      if (try_from(x + m_start.sample(corner)) && !in_fold) return true;
+    }
+    return is_solved || try_from(x) || try_from(x - m_u.stretched(x).u);
+  }
+
+  Geometry m_geometry;
+  CarriedDisplacement m_u;
+  const OffsetField& m_offsets;
+  SmoothExtension m_start;
+  FoldedPlaces m_folds;
+};
+
+}  // namespace
+
+std::unique_ptr<PointMotion> motion_along(const Displacement& displacement,
+                                          const CutElements& body) {
+  return std::make_unique<MotionAlong>(displacement, body);
+}
+
+std::unique_ptr<PointMotion> motion_to_rest(const Displacement& displacement,
+                                            const CutElements& body, const OffsetField& offsets) {
+  return std::make_unique<MotionToRest>(displacement, body, offsets);
+}
+
+}  // namespace supple

@@ -1,0 +1,175 @@
+#include "volumes/io/dicom/plugin/dicom_image.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "volumes/base/error.h"
+#include "volumes/io/dicom/plugin/frame_reader.h"
+
+namespace supple {
+
+namespace {
+
+/// An attribute of one frame: in its own functional group, in the shared one, or at the top.
+class FrameAttributes {
+ public:
+  FrameAttributes(std::string path, DcmItem& dataset, DcmItem* own)
+      : m_path(std::move(path)), m_dataset(dataset), m_own(own) {
+    dataset.findAndGetSequenceItem(DCM_SharedFunctionalGroupsSequence, m_shared);
+  }
+
+  HeaderField field(const DcmTagKey& group, const DcmTagKey& tag) const {
+    for (DcmItem* groups : {m_own, m_shared}) {
+      DcmItem* item = nullptr;
+      if (groups == nullptr || groups->findAndGetSequenceItem(group, item).bad()) continue;
+      const HeaderField found = field_of(m_path, *item, tag);
+      if (!found.text.empty()) return found;
+    }
+    return field_of(m_path, m_dataset, tag);
+  }
+  double number_or(const DcmTagKey& group, const DcmTagKey& tag, double fallback) const {
+    const HeaderField found = field(group, tag);
+    return found.text.empty() ? fallback : numbers_of(found, 1)[0];
+  }
+  /// For attributes that only order planes: what is no number does not count.
+  double order_of(const DcmTagKey& group, const DcmTagKey& tag) const {
+    try {
+      return number_or(group, tag, 0);
+    } catch (const InputError&) {
+      return 0;
+    }
+  }
+
+ private:
+  std::string m_path;
+  DcmItem& m_dataset;
+  DcmItem* m_own;
+  DcmItem* m_shared = nullptr;
+};
+
+Vec3d vector_of(const std::vector<double>& numbers, std::size_t first = 0) {
+  return {numbers[first], numbers[first + 1], numbers[first + 2]};
+}
+
+void read_place(const FrameAttributes& frame, ImagePlane& plane) {
+  const HeaderField position = frame.field(DCM_PlanePositionSequence, DCM_ImagePositionPatient);
+  plane.position = vector_of(numbers_of(position, 3));
+  const HeaderField orientation =
+      frame.field(DCM_PlaneOrientationSequence, DCM_ImageOrientationPatient);
+  const std::vector<double> cosines = numbers_of(orientation, 6);
+  plane.row = vector_of(cosines);
+  plane.column = vector_of(cosines, 3);
+  constexpr double kTolerance = 1e-2;
+  if (std::abs(plane.row.length() - 1) > kTolerance ||
+      std::abs(plane.column.length() - 1) > kTolerance ||
+      std::abs(plane.row.dot(plane.column)) > kTolerance) {
+    orientation.fail("two perpendicular unit vectors");
+  }
+  plane.row = plane.row.normalized();
+  plane.column = plane.column.normalized();
+
+  const HeaderField spacing = frame.field(DCM_PixelMeasuresSequence, DCM_PixelSpacing);
+  const std::vector<double> lengths = numbers_of(spacing, 2);
+  if (!(lengths[0] > 0) || !(lengths[1] > 0)) spacing.fail("two positive lengths in mm");
+  plane.row_mm = lengths[0];
+  plane.column_mm = lengths[1];
+  plane.thickness_mm =
+      std::abs(frame.number_or(DCM_PixelMeasuresSequence, DCM_SpacingBetweenSlices,
+                               frame.number_or(DCM_PixelMeasuresSequence, DCM_SliceThickness, 0)));
+}
+
+void read_rescale(const FrameAttributes& frame, const PixelFormat& format, ImagePlane& plane) {
+  const DcmTagKey group = DCM_PixelValueTransformationSequence;
+  plane.slope =
+      frame.number_or(group, DCM_RescaleSlope, 1) * frame.number_or(group, DCM_DoseGridScaling, 1);
+  plane.intercept = frame.number_or(group, DCM_RescaleIntercept, 0);
+  invert_rescale(format, plane.slope, plane.intercept);
+}
+
+void read_order(const FrameAttributes& frame, ImagePlane& plane) {
+  const DcmTagKey content = DCM_FrameContentSequence;
+  plane.order = {frame.order_of(content, DCM_TemporalPositionIndex) +
+                     frame.order_of(content, DCM_TemporalPositionIdentifier),
+                 frame.order_of(content, DCM_AcquisitionNumber) +
+                     frame.order_of(content, DCM_FrameAcquisitionNumber),
+                 frame.order_of(DCM_MRDiffusionSequence, DCM_DiffusionBValue),
+                 frame.order_of(DCM_MREchoSequence, DCM_EffectiveEchoTime) +
+                     frame.order_of(content, DCM_EchoTime),
+                 frame.order_of(content, DCM_InstanceNumber),
+                 double(plane.frame)};
+}
+
+/// A dose grid or another stack whose frames are offsets along the normal from the first.
+void place_by_offsets(const std::string& path, DcmItem& dataset, std::vector<ImagePlane>& planes) {
+  const HeaderField field = field_of(path, dataset, DCM_GridFrameOffsetVector);
+  if (field.text.empty()) {
+    const HeaderField groups = {path, name_of(DCM_PerFrameFunctionalGroupsSequence), ""};
+    groups.fail("the position of each of " + std::to_string(planes.size()) + " frames");
+  }
+  const std::vector<double> offsets = numbers_of(field, planes.size());
+  for (std::size_t n = 0; n < planes.size(); ++n) {
+    const Vec3d normal = planes[n].row.cross(planes[n].column);
+    planes[n].position += normal * (offsets[n] - offsets[0]);
+  }
+}
+
+void read_planes(DcmItem& dataset, int frames, DicomImage& image) {
+  DcmSequenceOfItems* groups = nullptr;
+  dataset.findAndGetSequence(DCM_PerFrameFunctionalGroupsSequence, groups);
+  if (groups != nullptr && groups->card() != unsigned(frames)) {
+    const HeaderField field = {image.path, name_of(DCM_PerFrameFunctionalGroupsSequence),
+                               std::to_string(groups->card()) + " items"};
+    field.fail(std::to_string(frames) + ", the NumberOfFrames");
+  }
+  DcmObject* own = nullptr;
+  image.planes.resize(std::size_t(frames));
+  for (int f = 0; f < frames; ++f) {
+    if (groups != nullptr) own = groups->nextInContainer(own);
+    ImagePlane& plane = image.planes[std::size_t(f)];
+    plane.frame = f;
+    const FrameAttributes frame(image.path, dataset, dynamic_cast<DcmItem*>(own));
+    read_place(frame, plane);
+    read_rescale(frame, image.format, plane);
+    read_order(frame, plane);
+  }
+  if (groups == nullptr && frames > 1) place_by_offsets(image.path, dataset, image.planes);
+}
+
+int frames_of(const std::string& path, DcmItem& dataset) {
+  const HeaderField field = field_of(path, dataset, DCM_NumberOfFrames);
+  if (field.text.empty()) return 1;
+  const std::int64_t frames = field.integer();
+  if (frames < 1 || frames > INT32_MAX) field.fail("1 or more");
+  return int(frames);
+}
+
+}  // namespace
+
+std::optional<SeriesMember> series_member(DicomFile& file) {
+  DcmItem& dataset = *file.dataset;
+  if (!dataset.tagExists(DCM_Rows) || !dataset.tagExists(DCM_Columns)) return {};
+  return SeriesMember{text_of(dataset, DCM_SeriesInstanceUID),
+                      text_of(dataset, DCM_SeriesDescription),
+                      frames_of(file.file->path(), dataset) > 1};
+}
+
+DicomImage read_image(DicomFile& file) {
+  require_syntax(file);
+  DcmItem& dataset = *file.dataset;
+  DicomImage image;
+  image.path = file.file->path();
+  image.series_uid = text_of(dataset, DCM_SeriesInstanceUID);
+  image.description = text_of(dataset, DCM_SeriesDescription);
+  image.instance_uid = text_of(dataset, DCM_SOPInstanceUID);
+  image.syntax = file.syntax;
+  image.data_offset = file.data_offset;
+  image.lossy = text_of(dataset, DCM_LossyImageCompression) == "01" ||
+                file.syntax == EXS_JPEGProcess1 || file.syntax == EXS_JPEGProcess2_4;
+  image.format = pixel_format(image.path, dataset);
+  const int frames = frames_of(image.path, dataset);
+  image.pixels = check_pixels(file, image.format, frames);
+  read_planes(dataset, frames, image);
+  return image;
+}
+
+}  // namespace supple

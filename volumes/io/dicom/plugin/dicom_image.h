@@ -1,0 +1,60 @@
+// One DICOM image and the planes in it: a slice (CT, MR, PET), or the frames of an enhanced
+// multi-frame image with their functional groups (PS3.3, C.7.6.16), or a dose grid (C.8.8.3).
+// Cost: about 200 bytes per frame.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "volumes/base/vec.h"
+#include "volumes/io/dicom/plugin/pixel_format.h"
+
+namespace supple {
+
+/// Where one frame lies and what its values mean. LPS millimetres.
+struct ImagePlane {
+  std::size_t image = 0;    // among the images of a series
+  int frame = 0;            // within the image
+  Vec3d position;           // centre of the first pixel
+  Vec3d row, column;        // unit vectors of rising column and rising row number
+  double column_mm = 1;     // between columns: one step of i
+  double row_mm = 1;        // between rows: one step of j
+  double thickness_mm = 0;  // distance of slices if recorded, else their thickness; 0 without both
+  double slope = 1, intercept = 0;  // of the stored values, inversion included
+  /// Order of planes at one position: time, acquisition, b-value, echo time, instance, frame.
+  std::array<double, 6> order = {};
+};
+
+struct PixelPlace {
+  std::int64_t offset = 0;     // of the first value, as DicomFile::pixel_offset; 0 if encapsulated
+  bool swapped_words = false;  // the bytes of 16-bit words are exchanged
+};
+
+struct DicomImage {
+  std::string path;
+  std::string series_uid, description, instance_uid;
+  E_TransferSyntax syntax = EXS_Unknown;
+  std::int64_t data_offset = 0;  // of the dataset in the file
+  PixelPlace pixels;
+  bool lossy = false;
+  PixelFormat format;
+  std::vector<ImagePlane> planes;
+};
+
+/// The series that a file belongs to, before anything else of it is understood; nothing for a file
+/// that holds no image (reports, contours, directories).
+struct SeriesMember {
+  std::string series_uid, description;
+  bool multi_frame = false;
+};
+std::optional<SeriesMember> series_member(DicomFile& file);
+
+/// Throws InputError for missing or contradictory attributes, for colour, and when the pixels that
+/// they claim cannot lie in the file.
+DicomImage read_image(DicomFile& file);
+
+}  // namespace supple

@@ -1,0 +1,62 @@
+// A volume file that is being read, slice by slice: what every reader of a format gives.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "volumes/geometry/geometry.h"
+#include "volumes/io/bytes/value_type.h"
+
+namespace supple {
+
+/// What the user says where a file leaves a choice or says nothing.
+struct ReadOptions {
+  /// dims=X,Y,Z,type=int16,spacing=A,B,C[,endian=big][,offset=BYTES] makes the file headerless raw.
+  std::string raw = {};
+  std::optional<int> frame = {};    // of a time series, from 0
+  std::optional<int> channel = {};  // of several values per voxel, from 0
+  /// Spacing of i, j, k in place of the file's; directions and the origin stay.
+  std::optional<Vec3d> spacing_mm = {};
+};
+
+/// What a header claims, checked against the file's length before anything is allocated.
+struct VolumeHeader {
+  std::string path;    // as the user gave it
+  std::string format;  // "nrrd", "metaimage", "nifti", "png", "tiff", "hdf5", "vdb", "dicom", "raw"
+  Geometry geometry;
+  ValueType type = ValueType::uint8;
+  double slope = 1;  // value = slope * stored + intercept
+  double intercept = 0;
+  int components = 1;           // values per voxel; 3 in a file of vectors
+  bool are_vectors = true;      // three components are; false where they are said to be colours
+  std::string warp_direction;   // of vectors, where the header records it as write_warp does
+  std::string certificate;      // of the inversion that gave the vectors, one line of JSON
+  bool vectors_in_ras = false;  // x and y of the vectors point right and anterior
+  /// What the user should know of a file that can be read: each a line without the file's name.
+  std::vector<std::string> warnings;
+};
+
+/// Bytes of all values, before compression.
+std::int64_t stored_bytes(const VolumeHeader& header);
+
+/// A file being read front to back.
+class VolumeFile {
+ public:
+  virtual ~VolumeFile() = default;
+  const VolumeHeader& header() const { return m_header; }
+  /// Puts other voxel sizes in place of the file's; directions and origin stay. Throws InputError
+  /// for what is no length.
+  void set_spacing(const Vec3d& spacing_mm);
+  /// Reads the next slice k: dims.x * dims.y stored values in native byte order, times the
+  /// components, which lie together.
+  /// Throws InputError when the data end early or cannot be decoded.
+  virtual void read_slice(void* out) = 0;
+
+ protected:
+  VolumeHeader m_header;
+};
+
+}  // namespace supple

@@ -1,0 +1,21 @@
+// Label volumes: what a segmentation calls each voxel.
+#pragma once
+
+#include <string>
+
+#include "volumes/base/progress.h"
+#include "volumes/grid/labels.h"
+#include "volumes/io/format/volume_file.h"
+
+namespace supple {
+
+/// The labels of the elements, from any file that open_volume reads; empty when all are 0. The
+/// label volume must lie on the elements' grid: the same dims, and every voxel within 1e-3 voxel of
+/// its place. Throws InputError: as open_volume, another grid, or a value anywhere that is no
+/// integer from 0 to kMaxLabel (names the voxel). Streams; memory as the labels take.
+BrickValues read_labels(const std::string& path, const Geometry& geometry,
+                        const BrickTopology& elements, Progress* progress = nullptr);
+BrickValues read_labels(VolumeFile& file, const Geometry& geometry, const BrickTopology& elements,
+                        Progress* progress = nullptr);
+
+}  // namespace supple

@@ -1,0 +1,21 @@
+// Opens a volume file of any supported format.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "volumes/io/format/volume_file.h"
+
+namespace supple {
+
+/// Chooses the format by the file's content first and its extension second.
+/// Throws InputError: missing, empty, unknown format, bad header, wrong length, an option that does
+/// not fit the file, several frames or channels of which none was chosen, vectors instead of
+/// scalars (read_warp of warp_file.h takes those).
+std::unique_ptr<VolumeFile> open_volume(const std::string& path, const ReadOptions& options = {});
+
+/// What open_volume opens, or a file of vectors when no channel is chosen.
+std::unique_ptr<VolumeFile> open_scalars_or_vectors(const std::string& path,
+                                                    const ReadOptions& options = {});
+
+}  // namespace supple

@@ -1,0 +1,113 @@
+// Debian's OpenVDB logs through log4cplus; its header only knows with this.
+#define OPENVDB_USE_LOG4CPLUS
+
+#include "volumes/io/vdb/vdb_stream.h"
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include <openvdb/io/Archive.h>
+#include <openvdb/io/GridDescriptor.h>
+#include <openvdb/io/Stream.h>
+#include <openvdb/util/logging.h>
+
+#include "volumes/base/error.h"
+#include "volumes/base/require_memory.h"
+
+namespace supple {
+
+namespace {
+
+constexpr std::size_t kMaxMessage = 1000;
+// For OpenVDB, c-blosc and TBB beside the grids themselves.
+constexpr std::int64_t kWorkingBytes = std::int64_t(64) << 20;
+
+/// The steps of io::Stream, grid by grid.
+class GridArchive : public openvdb::io::Archive {
+ public:
+  VdbContent read(std::istream& in, const std::function<bool(const std::string&)>& stops) {
+    readHeader(in);
+    auto about = std::make_shared<openvdb::io::StreamMetadata>();
+    openvdb::io::setStreamMetadataPtr(in, about, /*transfer=*/false);
+    openvdb::io::setVersion(in, libraryVersion(), fileVersion());
+    openvdb::io::setDataCompression(in, compression());
+    VdbContent content;
+    content.metadata.readMeta(in);
+    const int count = readGridCount(in);
+    for (int n = 0; n < count; ++n) {
+      openvdb::io::GridDescriptor descriptor;
+      const openvdb::GridBase::Ptr grid = descriptor.read(in);
+      if (stops(descriptor.gridName())) break;
+      readGrid(grid, descriptor, in);
+      content.grids.push_back(grid);
+    }
+    return content;
+  }
+};
+
+void write_throwing(const std::string& path, const openvdb::GridCPtrVec& grids,
+                    const openvdb::MetaMap& metadata) {
+  require_memory(kWorkingBytes);
+  std::ofstream out(path, std::ios::binary | std::ios::trunc);
+  out.exceptions(std::ios::failbit | std::ios::badbit);
+  openvdb::io::Stream stream(out);
+  const bool blosc = openvdb::io::Archive::hasBloscCompression();
+  stream.setCompression(openvdb::io::COMPRESS_ACTIVE_MASK |
+                        (blosc ? openvdb::io::COMPRESS_BLOSC : openvdb::io::COMPRESS_NONE));
+  stream.setGridStatsMetadataEnabled(false);
+  stream.write(grids, metadata);
+  out.close();
+}
+
+}  // namespace
+
+void initialize_vdb() {
+  openvdb::initialize();
+  openvdb::logging::setLevel(openvdb::logging::Level::Fatal);
+}
+
+void write_vdb_stream(const AtomicFile& file, const openvdb::GridCPtrVec& grids,
+                      const openvdb::MetaMap& metadata) {
+  errno = 0;
+  try {
+    write_throwing(file.path(), grids, metadata);
+  } catch (const std::bad_alloc&) {
+    throw SystemError(file.final_path() + ": not enough memory");
+  } catch (const std::exception&) {
+    throw SystemError(file.final_path() +
+                      ": cannot write: " + std::strerror(errno != 0 ? errno : EIO));
+  }
+}
+
+VdbContent read_vdb_grids(const std::string& path,
+                          const std::function<bool(const std::string& name)>& stops) {
+  try {
+    std::ifstream in(path, std::ios::binary);
+    in.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
+    require_memory(kWorkingBytes + 4 * std::int64_t(std::filesystem::file_size(path)));
+    return GridArchive().read(in, stops);
+  } catch (const std::bad_alloc&) {
+    throw SystemError(path + ": not enough memory");
+  } catch (const std::exception& error) {
+    throw InputError({path, "", std::string(error.what()).substr(0, kMaxMessage), "OpenVDB grids"});
+  }
+}
+
+void attach_affine(openvdb::GridBase& grid, const Geometry& geometry) {
+  const auto& a = geometry.axes_mm();
+  const Vec3d& o = geometry.origin_lps_mm();
+  try {
+    openvdb::Mat4R matrix = openvdb::Mat4R::identity();
+    for (int row = 0; row < 3; ++row) {
+      matrix.setRow(row, openvdb::Vec4d(a[row].x, a[row].y, a[row].z, 0));
+    }
+    matrix.setRow(3, openvdb::Vec4d(o.x, o.y, o.z, 1));
+    grid.setTransform(openvdb::math::Transform::createLinearTransform(matrix));
+  } catch (const openvdb::ArithmeticError&) {
+    grid.insertMeta("affine", openvdb::StringMetadata("beyond OpenVDB's limits"));
+  }
+}
+
+}  // namespace supple

@@ -1,0 +1,216 @@
+// Dense volumes and warps as sparse OpenVDB grids: FloatGrid "density", or Vec3SGrid "offset" or
+// "displacement" in mm LPS. The commonest value of uniform bricks becomes the background; every
+// voxel that differs from it is active, so that values come back to the bit. The dims, the value
+// type and, where OpenVDB refuses it, the affine are metadata; a trailer seals the file.
+//
+// OpenVDB programs expect floats: numbers that no float holds are rounded and counted.
+// Cost: the bricks that are not uniform, 4 or 12 bytes per voxel, and a slab of eight slices.
+#include <cstring>
+#include <map>
+#include <optional>
+
+#include "volumes/geometry/geometry_text.h"
+#include "volumes/io/bytes/value_type.h"
+#include "volumes/io/format/dense_writer.h"
+#include "volumes/io/vdb/vdb_seal.h"
+#include "volumes/io/vdb/vdb_stream.h"
+
+namespace supple {
+
+namespace {
+
+template <class Grid>
+class VdbWriter : public DenseWriter {
+ public:
+  using Value = typename Grid::ValueType;
+  using Leaf = typename Grid::TreeType::LeafNodeType;
+
+  VdbWriter(const std::string& path, const DenseImage& image) : m_file(path), m_image(image) {
+    m_slab.resize(slice_values() * kBrickDim);
+    m_numbers.resize(slice_values() * image.components);
+  }
+
+  void write_slice(const void* values) override {
+    to_floats(static_cast<const char*>(values), &m_slab[slice_values() * m_depth]);
+    ++m_depth;
+    ++m_next_k;
+    if (m_depth == kBrickDim || m_next_k == m_image.geometry.dims().z) flush_slab();
+  }
+
+  void commit() override {
+    initialize_vdb();
+    write_vdb_stream(m_file, {make_grid()}, make_metadata());
+    seal_vdb(m_file.path(), VdbKind::volume);
+    m_file.commit();
+  }
+
+  std::vector<std::string> warnings() const override {
+    if (m_rounded == 0) return {};
+    return {std::to_string(m_rounded) + " values were rounded to 32-bit floats"};
+  }
+
+ private:
+  struct Uniform {
+    Vec3i origin;
+    Value value;
+  };
+  /// Values by their bits, so that -0 and NaN are told apart from others.
+  struct LessBits {
+    bool operator()(const Value& a, const Value& b) const {
+      return std::memcmp(&a, &b, sizeof(Value)) < 0;
+    }
+  };
+
+  std::size_t slice_values() const {
+    return std::size_t(m_image.geometry.dims().x) * m_image.geometry.dims().y;
+  }
+
+  void to_floats(const char* stored, Value* out) {
+    if (m_image.type == ValueType::float32 && m_image.slope == 1 && m_image.intercept == 0) {
+      std::memcpy(out, stored, m_numbers.size() * sizeof(float));
+      return;
+    }
+    scale_values_of(m_image.type)(stored, m_numbers.size(), m_image.slope, m_image.intercept,
+                                  m_numbers.data());
+    float* floats = reinterpret_cast<float*>(out);
+    for (std::size_t n = 0; n < m_numbers.size(); ++n) {
+      floats[n] = float(m_numbers[n]);
+      m_rounded += double(floats[n]) != m_numbers[n] && m_numbers[n] == m_numbers[n];
+    }
+  }
+
+  static bool same(const Value& a, const Value& b) {
+    return std::memcmp(&a, &b, sizeof(Value)) == 0;
+  }
+
+  void flush_slab() {
+    const Vec3i& dims = m_image.geometry.dims();
+    const int k0 = m_next_k - m_depth;
+    for (int j0 = 0; j0 < dims.y; j0 += kBrickDim) {
+      for (int i0 = 0; i0 < dims.x; i0 += kBrickDim) take_brick({i0, j0, k0});
+    }
+    m_depth = 0;
+  }
+
+  /// Part of the brick inside the box.
+  Vec3i extent_of(const Vec3i& origin) const {
+    const Vec3i& dims = m_image.geometry.dims();
+    return {std::min(kBrickDim, dims.x - origin.x), std::min(kBrickDim, dims.y - origin.y),
+            std::min(kBrickDim, dims.z - origin.z)};
+  }
+
+  template <class Visit>
+  void for_each_voxel(const Vec3i& origin, Visit&& visit) const {
+    const Vec3i extent = extent_of(origin);
+    for (int k = 0; k < extent.z; ++k) {
+      for (int j = 0; j < extent.y; ++j) {
+        for (int i = 0; i < extent.x; ++i) visit(openvdb::Index((i << 6) | (j << 3) | k), i, j, k);
+      }
+    }
+  }
+
+  void take_brick(const Vec3i& origin) {
+    const Vec3i& dims = m_image.geometry.dims();
+    const Value* first = &m_slab[std::size_t(origin.y) * dims.x + origin.x];
+    const auto at = [&](int i, int j, int k) -> const Value& {
+      return first[(std::size_t(k) * dims.y + j) * dims.x + i];
+    };
+    bool uniform = true;
+    for_each_voxel(origin, [&](openvdb::Index, int i, int j, int k) {
+      uniform = uniform && same(at(i, j, k), *first);
+    });
+    if (uniform) {
+      m_uniform.push_back({origin, *first});
+      return;
+    }
+    auto leaf = std::make_unique<Leaf>(to_coord(origin), Value(0));
+    for_each_voxel(origin, [&](openvdb::Index offset, int i, int j, int k) {
+      leaf->setValueOn(offset, at(i, j, k));
+    });
+    m_leaves.push_back(std::move(leaf));
+  }
+
+  Value background() const {
+    std::map<Value, std::size_t, LessBits> counts;
+    for (const Uniform& brick : m_uniform) ++counts[brick.value];
+    Value commonest(0);
+    std::size_t most = 0;
+    for (const auto& [value, count] : counts) {
+      if (count <= most || !(value == value)) continue;
+      commonest = value;
+      most = count;
+    }
+    return commonest;
+  }
+
+  openvdb::GridBase::Ptr make_grid() {
+    const Value background_value = background();
+    auto grid = Grid::create(background_value);
+    for (const Uniform& brick : m_uniform) {
+      if (same(brick.value, background_value)) continue;
+      auto leaf = std::make_unique<Leaf>(to_coord(brick.origin), background_value);
+      for_each_voxel(brick.origin, [&](openvdb::Index offset, int, int, int) {
+        leaf->setValueOn(offset, brick.value);
+      });
+      grid->tree().addLeaf(leaf.release());
+    }
+    for (std::unique_ptr<Leaf>& leaf : m_leaves) {
+      for (auto value = leaf->beginValueAll(); value; ++value) {
+        if (value.isValueOn() && !same(*value, background_value)) continue;
+        value.setValueOff();
+        value.setValue(background_value);
+      }
+      grid->tree().addLeaf(leaf.release());
+    }
+    describe(*grid);
+    return grid;
+  }
+
+  void describe(Grid& grid) const {
+    attach_affine(grid, m_image.geometry);
+    grid.insertMeta("units", openvdb::StringMetadata("mm"));
+    grid.insertMeta("frame", openvdb::StringMetadata("LPS"));
+    if (m_image.components == 1) {
+      grid.setName("density");
+      grid.setGridClass(openvdb::GRID_FOG_VOLUME);
+      return;
+    }
+    grid.setName(m_image.direction == "resample" ? "offset" : "displacement");
+    grid.setVectorType(openvdb::VEC_CONTRAVARIANT_RELATIVE);
+    grid.insertMeta("direction", openvdb::StringMetadata(m_image.direction));
+  }
+
+  openvdb::MetaMap make_metadata() const {
+    openvdb::MetaMap metadata;
+    const auto insert = [&](const char* name, const std::string& text) {
+      metadata.insertMeta(std::string(kVolumeMetadataPrefix) + name, openvdb::StringMetadata(text));
+    };
+    insert("format", "volume 1");
+    insert("geometry", geometry_to_json(m_image.geometry));
+    const bool scaled = m_image.slope != 1 || m_image.intercept != 0;
+    insert("type", numpy_name(scaled || m_rounded > 0 ? ValueType::float32 : m_image.type));
+    if (!m_image.direction.empty()) insert("direction", m_image.direction);
+    if (!m_image.certificate.empty()) insert("certificate", m_image.certificate);
+    return metadata;
+  }
+
+  AtomicFile m_file;
+  const DenseImage m_image;
+  std::vector<Value> m_slab;
+  std::vector<double> m_numbers;
+  int m_depth = 0;   // slices in the slab
+  int m_next_k = 0;  // slices so far
+  std::int64_t m_rounded = 0;
+  std::vector<Uniform> m_uniform;
+  std::vector<std::unique_ptr<Leaf>> m_leaves;
+};
+
+}  // namespace
+
+std::unique_ptr<DenseWriter> create_vdb(const std::string& path, const std::string&,
+                                        const DenseImage& image, const WriteOptions&) {
+  if (image.components == 1) return std::make_unique<VdbWriter<openvdb::FloatGrid>>(path, image);
+  return std::make_unique<VdbWriter<openvdb::Vec3SGrid>>(path, image);
+}
+
+}  // namespace supple
