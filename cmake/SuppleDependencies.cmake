@@ -16,7 +16,7 @@ find_package(TIFF REQUIRED)
 find_package(pugixml CONFIG REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(tomlplusplus REQUIRED)
-# Compiled once, in tools/scene/toml_table.cpp.
+# Compiled once, in lib/material/toml_table.cpp.
 target_compile_definitions(tomlplusplus::tomlplusplus INTERFACE TOML_HEADER_ONLY=0)
 find_package(nlohmann_json REQUIRED)
 

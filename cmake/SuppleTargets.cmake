@@ -1,6 +1,7 @@
 # Compile options shared by every target, and the recipes for sources, plugins and test binaries.
 add_library(supple_options INTERFACE)
-target_include_directories(supple_options INTERFACE ${PROJECT_SOURCE_DIR})
+target_include_directories(supple_options INTERFACE ${PROJECT_SOURCE_DIR}
+                                                     ${PROJECT_BINARY_DIR}/generated)
 target_compile_options(supple_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
                                                 -Wno-sign-conversion)
 if(SUPPLE_WERROR)

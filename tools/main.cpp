@@ -14,7 +14,7 @@
 #include <oneapi/tbb/global_control.h>
 
 #include "tools/console/command.h"
-#include "tools/version.h"
+#include "volumes/base/version.h"
 
 namespace supple::tools {
 

@@ -9,9 +9,9 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include "lib/body/lattice.h"
+#include "lib/material/material_file.h"
 #include "tools/bench/block_topology.h"
 #include "tools/bench/half_sampled_head.h"
-#include "tools/material_file.h"
 #include "volumes/grid/density_grid.h"
 #include "volumes/io/format/volume_file.h"
 #include "volumes/io/load/load.h"

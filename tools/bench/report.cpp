@@ -4,9 +4,9 @@
 #include <cstdio>
 #include <fstream>
 
-#include "tools/version.h"
 #include "volumes/base/atomic_file.h"
 #include "volumes/base/error.h"
+#include "volumes/base/version.h"
 
 namespace supple::tools {
 

@@ -42,7 +42,7 @@ LabelReport write(const std::string& path, const StoredLabels& labels, const Geo
     report(&console, double(k + 1) / dims.z);
   }
   writer->commit();
-  warn_of_all(path, writer->warnings(), console);
+  warn_of_all(path, writer->warnings(), &console);
   return result;
 }
 

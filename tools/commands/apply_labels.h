@@ -8,9 +8,10 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "tools/outputs/dense_outputs.h"
+#include "tools/console/console.h"
 #include "volumes/field/points/point_motion.h"
 #include "volumes/io/load/stored_labels.h"
+#include "volumes/state/state_outputs.h"
 
 namespace supple::tools {
 

@@ -7,11 +7,12 @@
 #include "tools/commands/moved_places.h"
 #include "tools/console/command.h"
 #include "tools/console/read_options.h"
-#include "tools/outputs/dense_outputs.h"
 #include "tools/outputs/output_plan.h"
 #include "volumes/io/mesh/mesh_file.h"
+#include "volumes/io/open_volume.h"
 #include "volumes/io/point_file.h"
 #include "volumes/io/warp_file.h"
+#include "volumes/state/state_outputs.h"
 
 namespace supple::tools {
 
@@ -40,7 +41,7 @@ MotionSource read_source(const std::string& path, bool needs_offsets, Console& c
   }
   source.state = read_state(path, &console);
   if (needs_offsets) {
-    source.deformed = invert_state(source.state, console);
+    source.deformed = invert_state(source.state, &console);
   } else {
     source.deformed.displacement = extended_displacement_of(source.state);
   }
@@ -97,7 +98,7 @@ int apply_to_mesh(const ApplyOptions& options, const GlobalOptions& global, Cons
 int apply_to_labels(const ApplyOptions& options, const GlobalOptions& global, Console& console) {
   // A label volume takes at each of its places what is at the place that came there.
   const bool looks_back = !options.back;
-  const auto file = open_input(options.labels.path, options.labels.read, console);
+  const auto file = open_volume(options.labels.path, options.labels.read, &console);
   const MotionSource source = read_source(options.input, looks_back, console);
   const StoredLabels labels(*file, &console);
   LabelReport report;

@@ -1,12 +1,12 @@
 // supple convert: a volume or warp in another format, values and geometry as they are.
 #include "tools/console/command.h"
 #include "tools/console/read_options.h"
-#include "tools/outputs/dense_outputs.h"
 #include "tools/outputs/output_plan.h"
 #include "volumes/io/format/formats.h"
 #include "volumes/io/load/convert.h"
 #include "volumes/io/load/load.h"
 #include "volumes/io/open_volume.h"
+#include "volumes/state/state_outputs.h"
 
 namespace supple::tools {
 
@@ -36,10 +36,10 @@ int run_convert(const ConvertOptions& options, const GlobalOptions& global, Cons
   const auto file = open_scalars_or_vectors(options.input, options.read);
   const VolumeHeader& header = file->header();
   if (header.components != 3) require_scalars(header);
-  warn_of_all(options.input, header.warnings, console);
+  warn_of_all(options.input, header.warnings, &console);
   const ConvertPlan conversion = plan_for(options, header, console);
   warn_of_all(options.output, convert(*file, conversion, options.output, options.write, &console),
-              console);
+              &console);
   return kOk;
 }
 

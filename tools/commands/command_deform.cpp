@@ -3,13 +3,13 @@
 
 #include <nlohmann/json.hpp>
 
+#include "lib/material/material_file.h"
 #include "tools/console/command.h"
 #include "tools/console/parse.h"
 #include "tools/console/read_options.h"
-#include "tools/material_file.h"
 #include "tools/outputs/output_plan.h"
 #include "tools/outputs/outputs.h"
-#include "tools/scene/handles.h"
+#include "tools/scene/run_step.h"
 
 namespace supple::tools {
 
@@ -57,27 +57,6 @@ std::vector<GivenHandle> parse_handles(const DeformOptions& options) {
   return handles;
 }
 
-/// What the options fix; points are read at once and looked up when the grid is known.
-struct Fixes {
-  std::vector<IndexBox> boxes;
-  std::vector<PointFile> points;
-  std::vector<std::int32_t> labels;
-};
-
-Fixes parse_fixes(const DeformOptions& options) {
-  Fixes fixes;
-  for (const std::string& text : options.fixes) {
-    if (const auto label = parse_label("--fix", text)) {
-      fixes.labels.push_back(*label);
-    } else if (is_point_file_name(text)) {
-      fixes.points.push_back(read_point_file(text));
-    } else {
-      fixes.boxes.push_back(parse_box("--fix", text));
-    }
-  }
-  return fixes;
-}
-
 std::vector<CutSurface> parse_cuts(const DeformOptions& options) {
   std::vector<CutSurface> cuts;
   for (const std::string& text : options.cuts) {
@@ -109,29 +88,29 @@ std::optional<RelaxParams> parse_relax(const DeformOptions& options) {
   return params;
 }
 
-/// One solve of everything that the options ask for.
-void solve(Session& session, const std::vector<GivenHandle>& handles, const Fixes& fixes,
-           const std::vector<CutSurface>& cuts, const DeformOptions& options, Console& console) {
-  StepRequest request;
-  request.release = options.release;
-  for (const GivenHandle& handle : handles) {
-    if (handle.points) require_in_body(*handle.points, session.body());
-    for (Drag& drag : to_drags(handle, session.geometry())) {
-      request.drags.push_back(std::move(drag));
+/// The options as the one step of a scene.
+SceneStep parse_step(const DeformOptions& options) {
+  SceneStep step;
+  step.handles = parse_handles(options);
+  for (const std::string& text : options.fixes) {
+    if (const auto label = parse_label("--fix", text)) {
+      step.fix_labels.push_back(*label);
+    } else if (is_point_file_name(text)) {
+      step.fix_points.push_back(read_point_file(text));
+    } else {
+      step.fix.push_back(parse_box("--fix", text));
     }
   }
-  request.fix = fixes.boxes;
-  for (const PointFile& points : fixes.points) {
-    require_in_body(points, session.body());
-    const std::vector<IndexBox> voxels = boxes_of(points, session.geometry());
-    request.fix.insert(request.fix.end(), voxels.begin(), voxels.end());
+  step.cuts = parse_cuts(options);
+  step.release = options.release;
+  step.limits = *limits_of_name(options.limits);
+  step.relax = parse_relax(options);
+  if (step.does_nothing()) {
+    throw UsageError(
+        "deform: found neither --grab nor --fix nor --cut nor --release nor --relax nor --limits "
+        "tighten, expected something to do");
   }
-  request.fix_labels = fixes.labels;
-  request.cuts = cuts;
-  request.limits = *limits_of_name(options.limits);
-  request.relax = parse_relax(options);
-  request.forces = true;
-  session.step(request, console);
+  return step;
 }
 
 void print_solve(const StepRecord& record) {
@@ -184,7 +163,7 @@ void print_deform(const Session& session, const DeformOptions& options,
   if (!options.grabs.empty()) print_solve(session.records().back());
   if (options.relax) print_relaxation(session.records().back());
   if (session.records().back().tightened) print_tightening(*session.records().back().tightened);
-  print(session.records().back().pulls);
+  print_reactions(session.records().back().reactions);
   std::printf("folded cells    %lld of material%s, %lld in the air around it\n",
               static_cast<long long>(certificate.folded_cells - certificate.folded_air_cells),
               session.links().fold_free ? " (its limits exclude folds)" : "",
@@ -207,33 +186,24 @@ void print_json(const Session& session, const DeformOptions& options,
 }
 
 int run_deform(const DeformOptions& options, const GlobalOptions& global, Console& console) {
-  const std::vector<GivenHandle> handles = parse_handles(options);
-  const Fixes fixes = parse_fixes(options);
-  const std::vector<CutSurface> cuts = parse_cuts(options);
-  if (handles.empty() && options.fixes.empty() && options.cuts.empty() && !options.release &&
-      !options.relax && options.limits != "tighten") {
-    throw UsageError(
-        "deform: found neither --grab nor --fix nor --cut nor --release nor --relax nor --limits "
-        "tighten, expected something to do");
-  }
-  parse_relax(options);
+  const SceneStep step = parse_step(options);
   OutputPlan plan(global);
   if (!is_state_file(options.input)) plan.protect(options.input);
   plan.add_state(options.output);
   if (!options.labels.empty()) plan.protect(options.labels);
-  for (const CutSurface& cut : cuts) {
+  for (const CutSurface& cut : step.cuts) {
     if (cut.mesh) plan.protect(cut.place);
   }
-  std::optional<MaterialTable> material;
-  if (!options.material.empty()) material = read_material(options.material);
+  SessionOptions settings;
+  settings.read = options.read;
+  settings.labels_path = options.labels;
+  if (!options.material.empty()) settings.material = read_material(options.material);
 
-  Session session(options.input, options.read, material, options.labels, console);
-  solve(session, handles, fixes, cuts, options, console);
-  const State state = session.state();
-  const Pose deformed = invert_state(state, console);
-  write_state(options.output, state, deformed.offsets, &console);
+  Session session(options.input, settings, &console);
+  run_step(session, step, true, &console);
+  session.write_state(options.output, &console);
 
-  const InversionCertificate& certificate = deformed.offsets.certificate;
+  const InversionCertificate& certificate = session.pose().offsets.certificate;
   if (global.json) {
     print_json(session, options, certificate);
   } else if (!global.quiet) {

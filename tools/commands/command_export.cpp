@@ -1,9 +1,9 @@
 // supple export: the deformation of a state as a warp file that other programs read.
 #include "tools/console/command.h"
 #include "tools/console/read_options.h"
-#include "tools/outputs/dense_outputs.h"
 #include "tools/outputs/output_plan.h"
 #include "tools/scene/offset_functions.h"
+#include "volumes/state/state_outputs.h"
 
 namespace supple::tools {
 
@@ -34,7 +34,7 @@ int run_export(const ExportOptions& options, const GlobalOptions& global, Consol
   const std::int64_t lost = write_state_warp(
       {options.output, material ? WarpDirection::material : WarpDirection::resample,
        parse_void_mode(options.void_mode), grid, options.write},
-      state, deformed, console);
+      state, deformed, &console);
   if (global.json) {
     print_dense_report(options.output, grid, lost, deformed.offsets.certificate);
   }

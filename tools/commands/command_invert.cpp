@@ -5,11 +5,11 @@
 
 #include "tools/console/command.h"
 #include "tools/console/read_options.h"
-#include "tools/outputs/dense_outputs.h"
 #include "tools/outputs/output_plan.h"
 #include "tools/outputs/outputs.h"
 #include "volumes/field/dense/invert_warp.h"
 #include "volumes/io/warp_file.h"
+#include "volumes/state/state_outputs.h"
 
 namespace supple::tools {
 
@@ -70,9 +70,9 @@ int run_invert(const InvertOptions& options, const GlobalOptions& global, Consol
   const BrickTopology nothing_vacated;
   const auto slices =
       dense_offsets(inverse, nothing_vacated, grid, parse_void_mode(options.void_mode));
-  const WarpFacts facts{grid, direction, to_json(certificate).dump()};
+  const WarpFacts facts{grid, direction, certificate_json(certificate)};
   warn_of_all(options.output, write_warp(options.output, facts, slices, &console, options.write),
-              console);
+              &console);
   if (global.json) {
     print_dense_report(options.output, grid, 0, certificate);
   } else if (!global.quiet) {

@@ -6,10 +6,11 @@
 
 #include "tools/console/command.h"
 #include "tools/console/read_options.h"
-#include "tools/outputs/dense_outputs.h"
 #include "tools/outputs/output_plan.h"
 #include "volumes/field/inversion/deformation_metrics.h"
 #include "volumes/io/load/label_file.h"
+#include "volumes/io/open_volume.h"
+#include "volumes/state/state_outputs.h"
 
 namespace supple::tools {
 
@@ -58,7 +59,7 @@ void write_maps(const MetricsOptions& options, const State& state, const Deforma
                          const std::function<float(std::size_t, int)>& value) {
     if (path.empty()) return;
     const auto slices = slices_of(maps, dims, elsewhere, value);
-    warn_of_all(path, write_volume(path, state.geometry, type, slices, &console), console);
+    warn_of_all(path, write_volume(path, state.geometry, type, slices, &console), &console);
   };
   write(options.displacement_map, ValueType::float32, 0,
         [&](std::size_t b, int offset) { return maps.length_mm[b * kBrickVoxels + offset]; });
@@ -95,7 +96,7 @@ int run_metrics(const MetricsOptions& options, const GlobalOptions& global, Cons
   const State state = read_state(options.input, &console);
   const BrickValues labels = options.labels.empty()
                                  ? state.labels
-                                 : read_labels(*open_input(options.labels, {}, console),
+                                 : read_labels(*open_volume(options.labels, {}, &console),
                                                state.geometry, state.elements, &console);
   console.stage("measuring");
   const DeformationMaps maps = map_deformation(displacement_of(state), state.elements, state.cuts);

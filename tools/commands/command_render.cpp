@@ -6,10 +6,10 @@
 
 #include <nlohmann/json.hpp>
 
+#include "lib/material/material_file.h"
 #include "tools/console/command.h"
 #include "tools/console/parse.h"
 #include "tools/console/read_options.h"
-#include "tools/material_file.h"
 #include "tools/outputs/frames.h"
 #include "tools/outputs/output_plan.h"
 #include "tools/outputs/outputs.h"
@@ -92,7 +92,7 @@ Pose displace(State& state, const SceneView& view, Console& console) {
   Pose deformed{extended_displacement_of(state), {}};
   state.q = {};
   if (view.inverse) {
-    deformed.offsets = invert_displacement(state, deformed.displacement, console);
+    deformed.offsets = invert_displacement(state, deformed.displacement, &console);
   } else if (has_open_cuts(state, deformed.displacement)) {
     throw UsageError("--no-inverse: found cuts that have opened, expected a body without");
   }
@@ -143,7 +143,7 @@ void draw_volume(const RenderOptions& options, SceneView view, PictureWriter& wr
         "--half-offsets: found a volume, expected a state file, or --offsets or --offset beside "
         "it");
   }
-  const auto file = open_input(options.input, options.read, console);
+  const auto file = open_volume(options.input, options.read, &console);
   const Geometry& geometry = file->header().geometry;
   view.lattice = view.lattice || geometry.dims().z == 1;
   if (view.lattice && !options.offsets.empty()) {

@@ -1,9 +1,9 @@
 // supple resample: the deformed volume on a grid, for those who do want it resampled.
 #include "tools/console/command.h"
 #include "tools/console/read_options.h"
-#include "tools/outputs/dense_outputs.h"
 #include "tools/outputs/output_plan.h"
 #include "tools/scene/offset_functions.h"
+#include "volumes/state/state_outputs.h"
 
 namespace supple::tools {
 
@@ -23,7 +23,7 @@ int run_resample(const ResampleOptions& options, const GlobalOptions& global, Co
   const Pose deformed = invert_and_send_along(state, functions, console);
   const Geometry grid = choose_grid(state.geometry, options.grid);
   const std::int64_t lost =
-      write_resampled(options.output, state, deformed, grid, options.write, console);
+      write_resampled(options.output, state, deformed, grid, options.write, &console);
   if (global.json) {
     print_dense_report(options.output, grid, lost, deformed.offsets.certificate);
   }

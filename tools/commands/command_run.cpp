@@ -6,13 +6,13 @@
 
 #include "tools/console/command.h"
 #include "tools/console/parse.h"
-#include "tools/outputs/dense_outputs.h"
 #include "tools/outputs/frames.h"
 #include "tools/outputs/output_plan.h"
 #include "tools/outputs/outputs.h"
-#include "tools/scene/handles.h"
+#include "tools/scene/run_step.h"
 #include "tools/scene/scene.h"
 #include "volumes/io/open_volume.h"
+#include "volumes/state/state_outputs.h"
 
 namespace supple::tools {
 
@@ -28,72 +28,6 @@ std::string path_in(const std::string& folder, const std::string& name) {
   return (std::filesystem::path(folder) / name).string();
 }
 
-/// What a step asks of the solver, on the grid of the volume.
-StepRequest on_grid(const SceneStep& step, const Geometry& geometry) {
-  StepRequest request;
-  for (const GivenHandle& handle : step.handles) {
-    for (Drag& drag : to_drags(handle, geometry)) request.drags.push_back(std::move(drag));
-  }
-  request.fix = step.fix;
-  if (step.fix_points) {
-    const std::vector<IndexBox> points = boxes_of(*step.fix_points, geometry);
-    request.fix.insert(request.fix.end(), points.begin(), points.end());
-  }
-  request.fix_labels = step.fix_labels;
-  request.release = step.release;
-  request.cuts = step.cuts;
-  request.limits = step.limits;
-  request.relax = step.relax;
-  request.springs = step.springs;
-  return request;
-}
-
-void require_meets_volume(const IndexBox& box, const std::string& place, const std::string& field,
-                          const Vec3i& dims) {
-  bool outside = false;
-  for (int a = 0; a < 3; ++a) outside = outside || box.hi[a] < 0 || box.lo[a] >= dims[a];
-  if (!outside) return;
-  const bool single = box.lo == box.hi;
-  throw InputError(
-      {place, field, to_text(box.lo) + (single ? "" : ":" + to_text(box.hi)),
-       std::string(single ? "a voxel of the volume, " : "a box that meets the volume, ") +
-           to_text(dims)});
-}
-
-/// Voxels are checked before anything is solved. Elements are known only to the body.
-void check_step(const SceneStep& step, const Geometry& geometry) {
-  for (const GivenHandle& handle : step.handles) {
-    if (handle.box) require_meets_volume(*handle.box, step.place, "grab", geometry.dims());
-    if (step.springs && handle.push) {
-      throw InputError(
-          {step.place, "push", "a push handle beside springs", "handles that hold what they grab"});
-    }
-  }
-  for (const IndexBox& box : step.fix) {
-    require_meets_volume(box, step.place, "fix", geometry.dims());
-  }
-  for (const Drag& drag : on_grid(step, geometry).drags) {
-    fixed_from_mm(drag.by_mm, geometry.spacing_mm());
-  }
-}
-
-/// Names the step in the errors of the solver.
-void run_step(Session& session, const SceneStep& step, bool forces, Console& console) {
-  try {
-    for (const GivenHandle& handle : step.handles) {
-      if (handle.points) require_in_body(*handle.points, session.body());
-    }
-    if (step.fix_points) require_in_body(*step.fix_points, session.body());
-    StepRequest request = on_grid(step, session.geometry());
-    request.forces = forces;
-    session.step(request, console);
-  } catch (const InputError& error) {
-    const Problem& problem = error.problem();
-    if (!problem.file.empty()) throw;
-    throw InputError({step.place, problem.field, problem.found, problem.expected});
-  }
-}
-
 class SceneRun {
  public:
   /// `tells_forces`: the results hold what handles feel.
@@ -102,13 +36,13 @@ class SceneRun {
         m_folder(options.folder),
         m_tells_forces(tells_forces),
         m_console(console),
-        m_session(scene.volume_path, scene.read, scene.material, scene.labels_path, console) {}
+        m_session(scene.volume_path, {scene.material, scene.labels_path, scene.read}, &console) {}
 
   /// Solves and draws everything first, so that a scene that fails leaves nothing behind.
   void run() {
     draw_views(0);
     for (std::size_t n = 0; n < m_scene.steps.size(); ++n) {
-      run_step(m_session, m_scene.steps[n], m_tells_forces, m_console);
+      run_step(m_session, m_scene.steps[n], m_tells_forces, &m_console);
       draw_views(int(n) + 1);
     }
     if (writes_fields()) seen(last_step());
@@ -149,7 +83,7 @@ class SceneRun {
   const Pose& deformed(int step) {
     displacement(step);
     if (m_inverted_step != step) {
-      m_deformed.offsets = invert_displacement(m_state, m_deformed.displacement, m_console);
+      m_deformed.offsets = invert_displacement(m_state, m_deformed.displacement, &m_console);
       m_inverted_step = step;
     }
     return m_deformed;
@@ -223,15 +157,15 @@ class SceneRun {
     for (const std::string& name : output.offsets) {
       write_state_warp(
           {path_of(name), WarpDirection::resample, VoidMode::nearest, m_state.geometry}, m_state,
-          seen(last), m_console);
+          seen(last), &m_console);
     }
     for (const std::string& name : output.displacements) {
       write_state_warp(
           {path_of(name), WarpDirection::material, VoidMode::nearest, m_state.geometry}, m_state,
-          seen(last), m_console);
+          seen(last), &m_console);
     }
     for (const std::string& name : output.volumes) {
-      write_resampled(path_of(name), m_state, seen(last), m_state.geometry, {}, m_console);
+      write_resampled(path_of(name), m_state, seen(last), m_state.geometry, {}, &m_console);
     }
   }
 
@@ -282,7 +216,8 @@ void print_plan(const Scene& scene, const RunSceneOptions& options) {
   std::printf("volume  %s\n", scene.volume_path.c_str());
   for (std::size_t n = 0; n < scene.steps.size(); ++n) {
     const SceneStep& step = scene.steps[n];
-    const std::size_t points = step.fix_points ? step.fix_points->rows.size() : 0;
+    std::size_t points = 0;
+    for (const PointFile& file : step.fix_points) points += file.rows.size();
     std::printf("step %zu  %zu handles, %zu fixed boxes, points and labels, %zu cuts%s%s\n", n + 1,
                 step.handles.size(), step.fix.size() + step.fix_labels.size() + points,
                 step.cuts.size(), step.release ? ", releases" : "",

@@ -47,7 +47,7 @@ SlicedInput open_source(const SliceOptions& options, Console& console) {
   if (options.undeformed) {
     throw UsageError("--undeformed: found a volume, expected a state file");
   }
-  Volume volume = load_volume(*open_input(options.input, options.read, console), &console);
+  Volume volume = load_volume(*open_volume(options.input, options.read, &console), &console);
   SlicedInput source{volume.geometry, std::move(volume.density), {}, {}};
   if (!functions.empty()) {
     source.offsets =

@@ -18,10 +18,6 @@ void remember_signal(int number) {
 
 }  // namespace
 
-std::string with_count(std::int64_t count, const std::string& what) {
-  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
-}
-
 std::string one_line(std::string text) {
   for (char& c : text) {
     if (c == '\n' || c == '\r') c = ' ';

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "volumes/base/progress.h"
+#include "volumes/base/text.h"
 
 namespace supple::tools {
 
@@ -29,9 +30,9 @@ class Console final : public Progress {
   explicit Console(const GlobalOptions& options);
   ~Console() override;
 
-  void warn(const std::string& line);
-  void note(const std::string& line);
-  void debug(const std::string& line);
+  void warn(const std::string& line) override;
+  void note(const std::string& line) override;
+  void debug(const std::string& line) override;
 
   void stage(std::string_view name) override;
   void update(double fraction) override;
@@ -54,9 +55,6 @@ class Console final : public Progress {
   Clock::time_point m_last_print;
   std::vector<std::pair<std::string, double>> m_seconds;
 };
-
-/// "1 cell", "2 cells".
-std::string with_count(std::int64_t count, const std::string& what);
 
 /// The text without what would end the line or steer a terminal, such as a damaged header may hold:
 /// ends of lines become blanks, other control characters '?'.

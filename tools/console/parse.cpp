@@ -95,14 +95,4 @@ void parse_size(const std::string& option, const std::string& text, int& width, 
   }
 }
 
-std::string to_text(const Vec3i& v) {
-  return std::to_string(v.x) + "," + std::to_string(v.y) + "," + std::to_string(v.z);
-}
-
-std::string to_text(const Vec3d& v) {
-  std::ostringstream text;
-  text << v.x << "," << v.y << "," << v.z;
-  return text.str();
-}
-
 }  // namespace supple::tools

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "volumes/base/vec.h"
+#include "volumes/base/text.h"
 
 namespace supple::tools {
 
@@ -19,8 +19,5 @@ std::optional<std::int32_t> parse_label(const std::string& option, const std::st
 void parse_range(const std::string& option, const std::string& text, double& lo, double& hi);
 /// "W,H".
 void parse_size(const std::string& option, const std::string& text, int& width, int& height);
-
-std::string to_text(const Vec3i& v);
-std::string to_text(const Vec3d& v);
 
 }  // namespace supple::tools

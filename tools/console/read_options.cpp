@@ -32,21 +32,4 @@ void add_warp_options(CLI::App& app, WriteOptions& options) {
       ->option_text("1006|1007");
 }
 
-std::unique_ptr<VolumeFile> open_input(const std::string& path, const ReadOptions& options,
-                                       Console& console) {
-  std::unique_ptr<VolumeFile> file = open_volume(path, options);
-  for (const std::string& line : file->header().warnings) console.warn(path + ": " + line);
-  return file;
-}
-
-void require_unused(const ReadOptions& options, const std::string& path) {
-  const auto refuse = [&](bool is_set, const char* name) {
-    if (is_set) throw InputError({path, name, "a state file", "a volume"});
-  };
-  refuse(!options.raw.empty(), "--raw");
-  refuse(options.frame.has_value(), "--frame");
-  refuse(options.channel.has_value(), "--channel");
-  refuse(options.spacing_mm.has_value(), "--spacing");
-}
-
 }  // namespace supple::tools

@@ -19,11 +19,4 @@ void add_write_options(CLI::App& app, WriteOptions& options);
 /// --intent of NIfTI warps.
 void add_warp_options(CLI::App& app, WriteOptions& options);
 
-/// open_volume, with what the reader warns of printed.
-std::unique_ptr<VolumeFile> open_input(const std::string& path, const ReadOptions& options,
-                                       Console& console);
-
-/// Throws InputError when an option is set: `path` is a state, which says everything itself.
-void require_unused(const ReadOptions& options, const std::string& path);
-
 }  // namespace supple::tools

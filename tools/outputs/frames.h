@@ -3,7 +3,7 @@
 #pragma once
 
 #include "tools/outputs/outputs.h"
-#include "tools/outputs/picture_writer.h"
+#include "tools/pictures/picture_writer.h"
 
 namespace supple::tools {
 

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "tools/console/console.h"
-#include "tools/scene/picture_options.h"
+#include "tools/pictures/picture_options.h"
 
 namespace supple::tools {
 

@@ -1,12 +1,13 @@
 #include "tools/outputs/outputs.h"
 
 #include <algorithm>
+#include <cstdio>
 
 #include <nlohmann/json.hpp>
 
 #include "raycast/drawings/lattice.h"
 #include "tools/scene/transfer_file.h"
-#include "tools/version.h"
+#include "volumes/base/version.h"
 #include "volumes/field/displacement.h"
 #include "volumes/field/inversion/forward_offsets.h"
 
@@ -225,15 +226,7 @@ std::string describe_view(const SceneView& view, const nlohmann::ordered_json& m
 }
 
 nlohmann::ordered_json to_json(const InversionCertificate& certificate) {
-  return {{"residual_max_voxels", certificate.residual_max},
-          {"residual_p999_voxels", certificate.residual_p999},
-          {"cells", certificate.cells},
-          {"folded_cells", certificate.folded_cells},
-          {"folded_air_cells", certificate.folded_air_cells},
-          {"torn_cells", certificate.torn_cells},
-          {"overlapped_voxels", certificate.overlapped_voxels},
-          {"unresolved_voxels", certificate.unresolved_voxels},
-          {"min_det", certificate.min_det}};
+  return nlohmann::ordered_json::parse(certificate_json(certificate));
 }
 
 nlohmann::ordered_json to_json(const BallReport& report, std::int64_t cut_links) {
@@ -250,6 +243,33 @@ nlohmann::ordered_json to_json(const BallReport& report, std::int64_t cut_links)
 }
 
 namespace {
+
+nlohmann::ordered_json to_json(const ModelEnergy& energy) {
+  return {{"elastic", energy.elastic_j},
+          {"kinetic", energy.kinetic_j},
+          {"gravity", energy.gravity_j},
+          {"total", energy.total_j()}};
+}
+
+nlohmann::ordered_json to_json(const SpringRecord& record) {
+  nlohmann::ordered_json json = {{"steps", record.steps},
+                                 {"nodes", record.nodes},
+                                 {"springs", record.springs},
+                                 {"energy_before_j", to_json(record.before)},
+                                 {"energy_after_j", to_json(record.after)}};
+  if (record.residual_mn) json["residual_mn"] = *record.residual_mn;
+  if (record.motion) {
+    json["substeps"] = record.motion->substeps;
+    json["iterations"] = record.motion->iterations;
+    json["contacts"] = record.motion->contacts;
+    json["penetration_mm"] = record.motion->penetration_mm;
+  }
+  json["links"] = record.links.links;
+  json["violated"] = record.links.violated;
+  json["worst_excess_voxels"] = record.links.worst_excess_voxels;
+  json["springs_ms"] = record.milliseconds;
+  return json;
+}
 
 nlohmann::ordered_json to_json(const CellVolumes& volumes) {
   return {{"cells", volumes.cells},
@@ -313,13 +333,41 @@ nlohmann::ordered_json to_json(const EcmReport& report, std::int64_t cut_links) 
 
 }  // namespace
 
+namespace {
+
+nlohmann::ordered_json to_json(const std::vector<HandleReaction>& reactions) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const HandleReaction& held : reactions) {
+    const Vec3d& n = held.reaction.force_n;
+    json.push_back({{"step", held.step},
+                    {"handle", held.handle},
+                    {"grab", held.name},
+                    {"force_n", {n.x, n.y, n.z}},
+                    {"taut", held.reaction.taut}});
+  }
+  return json;
+}
+
+}  // namespace
+
+void print_reactions(const std::vector<HandleReaction>& reactions) {
+  for (const HandleReaction& held : reactions) {
+    const Vec3d& n = held.reaction.force_n;
+    const auto& taut = held.reaction.taut;
+    std::printf("pull at %-15s %.4g, %.4g, %.4g N (LPS)%s\n", held.name.c_str(), n.x, n.y, n.z,
+                taut[0] || taut[1] || taut[2] ? ", or more: links at their limits join it to "
+                                                "something else that is held"
+                                              : "");
+  }
+}
+
 nlohmann::ordered_json to_json(const StepRecord& record) {
   if (record.springs) {
     nlohmann::ordered_json json = {{"model", "springs"},
                                    {"cut_links", record.cut_links},
                                    {"settings", settings_json(*record.springs)},
                                    {"springs", to_json(record.sprung)}};
-    json["forces"] = to_json(record.pulls);
+    json["forces"] = to_json(record.reactions);
     return json;
   }
   nlohmann::ordered_json json = record.ball ? to_json(*record.ball, record.cut_links)
@@ -329,7 +377,7 @@ nlohmann::ordered_json to_json(const StepRecord& record) {
     json["limits"] = "tighten";
     json["tighten"] = to_json(*record.tightened);
   }
-  json["forces"] = to_json(record.pulls);
+  json["forces"] = to_json(record.reactions);
   return json;
 }
 
@@ -339,6 +387,16 @@ nlohmann::ordered_json to_json(const RenderReport& report) {
           {"prepare_ms", report.prepare_ms},
           {"march_ms", report.march_ms},
           {"bytes", report.bytes}};
+}
+
+void print_dense_report(const std::string& path, const Geometry& grid, std::int64_t lost_voxels,
+                        const InversionCertificate& certificate) {
+  const Vec3i& dims = grid.dims();
+  const nlohmann::ordered_json json = {{"output", path},
+                                       {"dims", {dims.x, dims.y, dims.z}},
+                                       {"lost_voxels", lost_voxels},
+                                       {"certificate", to_json(certificate)}};
+  std::printf("%s\n", json.dump(2).c_str());
 }
 
 }  // namespace supple::tools

@@ -7,10 +7,10 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "lib/session/session.h"
 #include "raycast/render.h"
-#include "tools/deformed.h"
 #include "tools/scene/scene.h"
-#include "tools/session.h"
+#include "volumes/state/pose.h"
 
 namespace supple::tools {
 
@@ -59,6 +59,12 @@ std::string describe_slice(const SliceChoice& choice, bool deformed);
 nlohmann::ordered_json to_json(const InversionCertificate& certificate);
 nlohmann::ordered_json to_json(const BallReport& report, std::int64_t cut_links);
 nlohmann::ordered_json to_json(const StepRecord& record);
+/// One line per handle on stdout.
+void print_reactions(const std::vector<HandleReaction>& reactions);
 nlohmann::ordered_json to_json(const RenderReport& report);
+
+/// What `export` and `resample` print with --json.
+void print_dense_report(const std::string& path, const Geometry& grid, std::int64_t lost_voxels,
+                        const InversionCertificate& certificate);
 
 }  // namespace supple::tools

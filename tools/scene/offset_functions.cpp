@@ -251,8 +251,7 @@ std::vector<OffsetFunction> read_offset_functions(TomlTable& table) {
 
 std::vector<OffsetFunction> read_offset_file(const std::string& path) {
   if (path.empty()) return {};
-  const toml::table root = read_toml_file(path);
-  TomlTable table(root, path, "");
+  TomlTable table = TomlTable::read(path);
   std::vector<OffsetFunction> functions = read_offset_functions(table);
   if (functions.empty()) table.fail_missing("offset", "a table with a function, or a list of them");
   table.finish();
@@ -295,7 +294,7 @@ Pose send_along(const std::vector<OffsetFunction>& functions, const Pose& moved,
 
 Pose invert_and_send_along(const State& state, const std::vector<OffsetFunction>& functions,
                            Console& console) {
-  return send_along(functions, invert_state(state, console), console);
+  return send_along(functions, invert_state(state, &console), console);
 }
 
 }  // namespace supple::tools

@@ -6,9 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "tools/deformed.h"
-#include "tools/scene/toml_table.h"
+#include "lib/material/toml_table.h"
+#include "tools/console/console.h"
 #include "volumes/field/paths/path_functions.h"
+#include "volumes/state/pose.h"
 
 namespace supple::tools {
 

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 
-#include "tools/material_file.h"
-#include "tools/scene/toml_table.h"
+#include "lib/material/material_file.h"
+#include "lib/material/toml_table.h"
+#include "tools/scene/spring_keys.h"
 #include "volumes/base/error.h"
 
 namespace supple::tools {
@@ -197,7 +198,9 @@ SceneStep read_step(TomlTable& table) {
   if (rows) {
     for (const auto& row : *rows) step.fix.push_back(to_box(table, "fix", row));
   }
-  step.fix_points = read_points(table, "fix_points");
+  if (auto points = read_points(table, "fix_points")) {
+    step.fix_points.push_back(std::move(*points));
+  }
   if (const auto labels = table.numbers("fix_label")) {
     for (const double label : *labels) {
       step.fix_labels.push_back(to_label(table, "fix_label", label));
@@ -210,9 +213,7 @@ SceneStep read_step(TomlTable& table) {
   if (auto relax = table.table("relax")) step.relax = read_relax(*relax);
   table.finish();
   if (is_short) step.handles.push_back(read_handle(table));
-  if (step.handles.empty() && step.fix.empty() && !step.fix_points && !step.release &&
-      step.fix_labels.empty() && step.cuts.empty() && !step.relax && !step.springs &&
-      step.limits != Limits::tighten) {
+  if (step.does_nothing()) {
     table.fail("", "a step that does nothing",
                "grab, handles, fix, fix_label, fix_points, cut, relax, model, release or limits");
   }
@@ -230,6 +231,11 @@ SceneOutput read_output(TomlTable& table) {
 }
 
 }  // namespace
+
+bool SceneStep::does_nothing() const {
+  return handles.empty() && fix.empty() && fix_points.empty() && !release && fix_labels.empty() &&
+         cuts.empty() && !relax && !springs && limits != Limits::tighten;
+}
 
 std::vector<std::string> Scene::outputs() const {
   std::vector<std::string> paths;
@@ -265,8 +271,7 @@ ReadOptions read_options(TomlTable& volume) {
 }  // namespace
 
 Scene read_scene(const std::string& path) {
-  const toml::table root_table = read_toml_file(path);
-  TomlTable root(root_table, path, "");
+  TomlTable root = TomlTable::read(path);
   Scene scene;
   scene.file = path;
 

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "lib/material/material.h"
-#include "tools/scene/cut_surface.h"
-#include "tools/scene/handles.h"
+#include "lib/session/cut_surface.h"
+#include "lib/session/handles.h"
+#include "lib/session/session.h"
 #include "tools/scene/view.h"
-#include "tools/session.h"
 #include "volumes/base/vec.h"
 
 namespace supple::tools {
@@ -20,12 +20,14 @@ struct SceneStep {
   std::vector<GivenHandle> handles;
   std::vector<IndexBox> fix;
   std::vector<std::int32_t> fix_labels;
-  std::optional<PointFile> fix_points;
+  std::vector<PointFile> fix_points;
   Limits limits = Limits::box;
   bool release = false;  // lets go of everything that earlier steps held
   std::vector<CutSurface> cuts;
   std::optional<RelaxParams> relax;
   std::optional<SpringStep> springs;  // when model = "springs"
+
+  bool does_nothing() const;
 };
 
 struct SceneOutput {

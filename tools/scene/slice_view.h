@@ -5,8 +5,8 @@
 #include <string>
 #include <utility>
 
+#include "lib/material/toml_table.h"
 #include "raycast/drawings/slice.h"
-#include "tools/scene/toml_table.h"
 #include "volumes/field/offset_field.h"
 #include "volumes/grid/density_grid.h"
 

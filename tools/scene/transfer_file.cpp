@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "tools/scene/toml_table.h"
+#include "lib/material/toml_table.h"
 #include "volumes/base/error.h"
 
 namespace supple::tools {
@@ -59,8 +59,7 @@ std::string to_toml(const std::string& key, const std::vector<OpacityKey>& keys)
 }  // namespace
 
 TransferFunction read_transfer_function(const std::string& path) {
-  const toml::table root = read_toml_file(path);
-  TomlTable table(root, path, "");
+  TomlTable table = TomlTable::read(path);
   table.know({"name", "blend", "opacity", "colour", "gradient_opacity"});
   TransferFunction function;
   function.name = table.string("name").value_or(std::filesystem::path(path).stem().string());

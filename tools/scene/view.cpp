@@ -190,8 +190,7 @@ std::string to_toml(const Camera& camera) {
 }
 
 CameraChoice read_camera(const std::string& path) {
-  const toml::table root = read_toml_file(path);
-  TomlTable table(root, path, "");
+  TomlTable table = TomlTable::read(path);
   return read_camera_table(table);
 }
 

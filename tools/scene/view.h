@@ -6,14 +6,14 @@
 #include <utility>
 #include <vector>
 
+#include "lib/material/toml_table.h"
 #include "raycast/render.h"
 #include "raycast/scene/camera.h"
 #include "raycast/scene/clip.h"
 #include "raycast/scene/transfer_function.h"
+#include "tools/pictures/picture_options.h"
 #include "tools/scene/offset_functions.h"
-#include "tools/scene/picture_options.h"
 #include "tools/scene/slice_view.h"
-#include "tools/scene/toml_table.h"
 #include "tools/scene/view_light.h"
 
 namespace supple::tools {

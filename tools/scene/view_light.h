@@ -8,9 +8,9 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "lib/material/toml_table.h"
 #include "raycast/march/shading.h"
 #include "raycast/scene/surface.h"
-#include "tools/scene/toml_table.h"
 #include "volumes/field/displacement.h"
 
 namespace supple::tools {

@@ -1,7 +1,10 @@
-// Cancel and progress hook that long operations accept; null means silent and not cancellable.
+// The hook that long operations accept for progress, messages and cancelling; null means silent and
+// not cancellable.
 #pragma once
 
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "volumes/base/error.h"
 
@@ -16,13 +19,38 @@ class Progress {
   virtual void update(double fraction) = 0;
   /// True once the user asked to stop; may be polled from any thread.
   virtual bool cancelled() const = 0;
+
+  /// What the user has to know of a result that stands all the same; a line without a full stop.
+  virtual void warn(const std::string& line) { static_cast<void>(line); }
+  /// What is worth knowing, and what helps to find faults.
+  virtual void note(const std::string& line) { static_cast<void>(line); }
+  virtual void debug(const std::string& line) { static_cast<void>(line); }
 };
+
+inline void stage(Progress* progress, std::string_view name) {
+  if (progress != nullptr) progress->stage(name);
+}
+inline void warn(Progress* progress, const std::string& line) {
+  if (progress != nullptr) progress->warn(line);
+}
+inline void note(Progress* progress, const std::string& line) {
+  if (progress != nullptr) progress->note(line);
+}
+inline void debug(Progress* progress, const std::string& line) {
+  if (progress != nullptr) progress->debug(line);
+}
 
 /// Throws Cancelled when the user asked to stop; reports the fraction otherwise.
 inline void report(Progress* progress, double fraction) {
   if (progress == nullptr) return;
   if (progress->cancelled()) throw Cancelled();
   progress->update(fraction);
+}
+
+/// What a reader found or a writer could not keep, as warnings that name the file.
+inline void warn_of_all(const std::string& path, const std::vector<std::string>& lines,
+                        Progress* progress) {
+  for (const std::string& line : lines) warn(progress, path + ": " + line);
 }
 
 }  // namespace supple

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "volumes/base/vec.h"
@@ -21,5 +22,8 @@ struct InversionCertificate {
   std::int64_t torn_cells = 0;         // cells that a cut has opened (cut_offsets.h)
   std::int64_t overlapped_voxels = 0;  // around cuts: voxels that tissue from several places covers
 };
+
+/// One line of JSON, without the list of unresolved voxels.
+std::string certificate_json(const InversionCertificate& certificate);
 
 }  // namespace supple

@@ -137,9 +137,11 @@ std::unique_ptr<VolumeFile> open_scalars_or_vectors(const std::string& path,
   return file;
 }
 
-std::unique_ptr<VolumeFile> open_volume(const std::string& path, const ReadOptions& options) {
+std::unique_ptr<VolumeFile> open_volume(const std::string& path, const ReadOptions& options,
+                                        Progress* progress) {
   std::unique_ptr<VolumeFile> file = open_scalars_or_vectors(path, options);
   require_scalars(file->header());
+  for (const std::string& line : file->header().warnings) warn(progress, path + ": " + line);
   return file;
 }
 

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "volumes/base/progress.h"
 #include "volumes/io/format/volume_file.h"
 
 namespace supple {
@@ -12,7 +13,9 @@ namespace supple {
 /// Throws InputError: missing, empty, unknown format, bad header, wrong length, an option that does
 /// not fit the file, several frames or channels of which none was chosen, vectors instead of
 /// scalars (read_warp of warp_file.h takes those).
-std::unique_ptr<VolumeFile> open_volume(const std::string& path, const ReadOptions& options = {});
+/// `progress` hears what the user should know of a file that can be read.
+std::unique_ptr<VolumeFile> open_volume(const std::string& path, const ReadOptions& options = {},
+                                        Progress* progress = nullptr);
 
 /// What open_volume opens, or a file of vectors when no channel is chosen.
 std::unique_ptr<VolumeFile> open_scalars_or_vectors(const std::string& path,

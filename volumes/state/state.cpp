@@ -4,16 +4,13 @@
 #include <cmath>
 
 #include "volumes/base/error.h"
+#include "volumes/base/text.h"
 #include "volumes/field/cuts/cut_offsets.h"
 #include "volumes/grid/labels.h"
 
 namespace supple {
 
 namespace {
-
-std::string to_text(const Vec3i& voxel) {
-  return std::to_string(voxel.x) + "," + std::to_string(voxel.y) + "," + std::to_string(voxel.z);
-}
 
 void check_densities(const State& state, const std::string& file) {
   const BrickTopology& bricks = state.density.bricks();

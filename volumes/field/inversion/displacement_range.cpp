@@ -31,7 +31,7 @@ struct Range4 {
 };
 
 [[noreturn]] void refuse(const Vec3i& voxel) {
-  throw InputError({"", "displacement at voxel " + to_text(voxel),
+  throw InputError({"", "displacement at voxel " + dims_text(voxel),
                     "a vector that is not finite or longer than 10^6 voxels",
                     "finite displacements"});
 }

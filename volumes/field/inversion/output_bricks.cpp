@@ -54,8 +54,8 @@ IndexBox nodes_of(const CellCorners& corners, const Vec3i& cell) {
     count *= std::max(0, nodes.hi[a] - nodes.lo[a] + 1);
   }
   if (count > kMaxNodesPerCell) {
-    throw InputError({"", "displacement at voxel " + to_text(cell),
-                      "a cell stretched over " + to_text(nodes.hi - nodes.lo) + " voxels",
+    throw InputError({"", "displacement at voxel " + dims_text(cell),
+                      "a cell stretched over " + dims_text(nodes.hi - nodes.lo) + " voxels",
                       "a field without tears (at most 2^24 voxels per cell)"});
   }
   return nodes;
@@ -111,7 +111,7 @@ std::vector<std::int32_t> with_lower_neighbours(const BrickTopology& topology,
   return result;
 }
 
-std::string to_text(const Vec3i& v) {
+std::string dims_text(const Vec3i& v) {
   return std::to_string(v.x) + " " + std::to_string(v.y) + " " + std::to_string(v.z);
 }
 

@@ -26,6 +26,6 @@ void add_box(const Vec3i& lo, const Vec3i& hi, std::vector<Vec3i>& origins);
 std::vector<std::int32_t> with_lower_neighbours(const BrickTopology& topology,
                                                 const std::vector<std::int32_t>& bricks);
 
-std::string to_text(const Vec3i& v);
+std::string dims_text(const Vec3i& v);
 
 }  // namespace supple

@@ -93,4 +93,14 @@ void require_scalars(const VolumeHeader& header) {
                         "; a warp goes to offsets"});
 }
 
+void require_unused(const ReadOptions& options, const std::string& path) {
+  const auto refuse = [&](bool is_set, const char* name) {
+    if (is_set) throw InputError({path, name, "a state file", "a volume"});
+  };
+  refuse(!options.raw.empty(), "raw");
+  refuse(options.frame.has_value(), "frame");
+  refuse(options.channel.has_value(), "channel");
+  refuse(options.spacing_mm.has_value(), "spacing");
+}
+
 }  // namespace supple

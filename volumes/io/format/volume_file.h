@@ -22,6 +22,9 @@ struct ReadOptions {
   std::optional<Vec3d> spacing_mm = {};
 };
 
+/// Throws InputError when a choice is made: `path` is a state, which says everything itself.
+void require_unused(const ReadOptions& options, const std::string& path);
+
 /// What a header claims, checked against the file's length before anything is allocated.
 struct VolumeHeader {
   std::string path;    // as the user gave it

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "volumes/base/error.h"
+#include "volumes/base/text.h"
 #include "volumes/grid/cell.h"
 #include "volumes/io/load/slab_reader.h"
 #include "volumes/io/open_volume.h"
@@ -13,10 +14,6 @@ namespace supple {
 namespace {
 
 constexpr double kGridTolerance = 1e-3;  // voxels
-
-std::string to_text(const Vec3i& v) {
-  return std::to_string(v.x) + "," + std::to_string(v.y) + "," + std::to_string(v.z);
-}
 
 /// Two affines differ most at a corner of the box.
 void check_grid(const VolumeHeader& header, const Geometry& geometry) {

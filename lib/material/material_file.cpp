@@ -1,14 +1,14 @@
-#include "tools/material_file.h"
+#include "lib/material/material_file.h"
 
 #include <charconv>
 #include <cmath>
 #include <cstdio>
 
 #include "lib/material/presets.h"
-#include "tools/scene/toml_table.h"
+#include "lib/material/toml_table.h"
 #include "volumes/base/error.h"
 
-namespace supple::tools {
+namespace supple {
 
 namespace {
 
@@ -186,14 +186,12 @@ MaterialTable read_material_table(TomlTable& table) {
 }
 
 MaterialTable parse_material(const std::string& text, const std::string& source) {
-  const toml::table root = parse_toml(text, source);
-  TomlTable table(root, source, "");
+  TomlTable table = TomlTable::parse(text, source);
   return read_material_table(table);
 }
 
 MaterialTable read_material(const std::string& path) {
-  const toml::table root = read_toml_file(path);
-  TomlTable table(root, path, "");
+  TomlTable table = TomlTable::read(path);
   return read_material_table(table);
 }
 
@@ -226,4 +224,4 @@ MaterialTable homogeneous_material(double min, double max) {
   return material;
 }
 
-}  // namespace supple::tools
+}  // namespace supple

@@ -1,11 +1,11 @@
-#include "tools/scene/picture_options.h"
+#include "tools/pictures/picture_options.h"
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <regex>
 
-#include "tools/outputs/video.h"
+#include "tools/pictures/video.h"
 #include "volumes/base/error.h"
 
 namespace supple::tools {

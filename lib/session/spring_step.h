@@ -1,34 +1,32 @@
-// A step of a scene in which springs move the body, for a time or to rest.
+// A step in which springs move the body, for a time or to rest.
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "lib/model/spring_models.h"
-#include "tools/console/console.h"
-#include "tools/scene/contact_shapes.h"
-#include "tools/scene/toml_table.h"
+#include "volumes/base/progress.h"
 
-namespace supple::tools {
+namespace supple {
 
 struct SpringStep {
   MotionParams motion;
-  double time_s = 0.1;                           // of a motion
-  int most_steps = 500;                          // of a minimisation
-  std::vector<nlohmann::ordered_json> contacts;  // motion.colliders, as a scene gives them
+  double time_s = 0.1;                // of a motion
+  int most_steps = 500;               // of a minimisation
+  std::vector<std::string> contacts;  // motion.colliders as JSON, for the record
   /// N/m; in place of what the material gives.
   std::optional<double> structural_n_m, shear_n_m, bending_n_m;
   double mass_damping_per_s = 0;
 
   bool is_motion() const { return motion.goal == MotionParams::Goal::motion; }
+  /// Steps beyond this are taken for a mistake.
+  static constexpr double kMostSteps = 1e6;
   /// Steps of a motion, which share its time: none longer than motion.step_s.
   int motion_steps() const;
 };
-
-/// The keys of `springs = { … }`. Throws InputError as TomlTable.
-SpringStep read_spring_step(TomlTable& table);
 
 struct SpringRecord {
   int steps = 0;
@@ -45,9 +43,9 @@ struct SpringRecord {
 /// Throws InputError as VoxelSpringModel; Cancelled, the body at the last finished step.
 SpringRecord move_by_springs(const SpringStep& step, const HeldBody& held,
                              const std::vector<Handle>& handles,
-                             const std::vector<SlotSet>& gripped, Console& console);
+                             const std::vector<SlotSet>& gripped, Progress* progress);
 
+/// As a configuration records it.
 nlohmann::ordered_json settings_json(const SpringStep& step);
-nlohmann::ordered_json to_json(const SpringRecord& record);
 
-}  // namespace supple::tools
+}  // namespace supple

@@ -8,8 +8,8 @@
 #include <string>
 
 #include "raycast/pictures/colour_map.h"
-#include "tools/outputs/video.h"
-#include "tools/scene/picture_options.h"
+#include "tools/pictures/picture_options.h"
+#include "tools/pictures/video.h"
 #include "volumes/base/atomic_file.h"
 
 namespace supple::tools {

@@ -1,47 +1,49 @@
-#include "tools/deformed.h"
+#include "volumes/state/pose.h"
 
+#include "volumes/base/text.h"
 #include "volumes/field/cuts/cut_offsets.h"
 #include "volumes/field/inversion/source_cells.h"
 
-namespace supple::tools {
+namespace supple {
 
 namespace {
 
-void warn_of(const InversionCertificate& certificate, Console& console) {
+void warn_of(const InversionCertificate& certificate, Progress* progress) {
   const std::int64_t folded = certificate.folded_cells - certificate.folded_air_cells;
   if (folded > 0) {
-    console.warn(with_count(folded, "cell") + " of material folded, smallest det F " +
-                 std::to_string(certificate.min_det) + "; ties go to the shortest offset");
+    warn(progress, with_count(folded, "cell") + " of material folded, smallest det F " +
+                       std::to_string(certificate.min_det) + "; ties go to the shortest offset");
   }
   if (certificate.folded_air_cells > 0) {
-    console.debug(with_count(certificate.folded_air_cells, "cell") +
-                  " folded in the air around the material");
+    debug(progress, with_count(certificate.folded_air_cells, "cell") +
+                        " folded in the air around the material");
   }
   if (certificate.overlapped_voxels > 0) {
-    console.warn(with_count(certificate.overlapped_voxels, "voxel") +
-                 " around cuts are covered from several places; ties go to the shortest offset");
+    warn(progress,
+         with_count(certificate.overlapped_voxels, "voxel") +
+             " around cuts are covered from several places; ties go to the shortest offset");
   }
   if (certificate.unresolved_voxels > 0) {
-    console.warn(with_count(certificate.unresolved_voxels, "voxel") + " could not be inverted");
+    warn(progress, with_count(certificate.unresolved_voxels, "voxel") + " could not be inverted");
   }
 }
 
 }  // namespace
 
 OffsetField invert_displacement(const State& state, const Displacement& extended,
-                                Console& console) {
+                                Progress* progress) {
   InvertParams params;
   params.material = &state.elements;
-  OffsetField offsets = invert_cut(extended, {state.elements, state.cuts}, params, &console);
-  warn_of(offsets.certificate, console);
+  OffsetField offsets = invert_cut(extended, {state.elements, state.cuts}, params, progress);
+  warn_of(offsets.certificate, progress);
   return offsets;
 }
 
-Pose invert_state(const State& state, Console& console) {
-  Pose deformed;
-  deformed.displacement = extended_displacement_of(state);
-  deformed.offsets = invert_displacement(state, deformed.displacement, console);
-  return deformed;
+Pose invert_state(const State& state, Progress* progress) {
+  Pose pose;
+  pose.displacement = extended_displacement_of(state);
+  pose.offsets = invert_displacement(state, pose.displacement, progress);
+  return pose;
 }
 
 bool has_open_cuts(const State& state, const Displacement& extended) {
@@ -66,4 +68,4 @@ Displacement on_elements(const Geometry& geometry, const BrickTopology& elements
   return result;
 }
 
-}  // namespace supple::tools
+}  // namespace supple

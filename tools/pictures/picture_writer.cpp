@@ -1,4 +1,4 @@
-#include "tools/outputs/picture_writer.h"
+#include "tools/pictures/picture_writer.h"
 
 namespace supple::tools {
 

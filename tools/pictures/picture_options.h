@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "lib/material/toml_table.h"
 #include "tools/console/command.h"
-#include "tools/scene/toml_table.h"
 
 namespace supple::tools {
 

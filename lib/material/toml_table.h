@@ -10,16 +10,17 @@
 #include <utility>
 #include <vector>
 
-#include <toml++/toml.h>
-
 #include "volumes/base/vec.h"
 
-namespace supple::tools {
+// toml++ is large: only toml_table.cpp includes it.
+namespace toml {
+inline namespace v3 {
+class node;
+class table;
+}  // namespace v3
+}  // namespace toml
 
-/// Parses text; `source` names it in errors. Throws InputError with the line of a syntax error.
-toml::table parse_toml(const std::string& text, const std::string& source);
-/// Parses a file; throws InputError for a missing file (as volumes/io does) or a syntax error.
-toml::table read_toml_file(const std::string& path);
+namespace supple {
 
 /// The fewest digits that read back as the same number.
 std::string exact_text(double value);
@@ -29,8 +30,10 @@ bool is_integer(double value);
 
 class TomlTable {
  public:
-  /// `table` must outlive this view; `name` is its place in the file, e.g. "step[2]", or "".
-  TomlTable(const toml::table& table, std::string file, std::string name);
+  /// The root of a file. Throws InputError for a missing file or a syntax error, with its line.
+  static TomlTable read(const std::string& path);
+  /// The root of a text; `source` names it in errors.
+  static TomlTable parse(const std::string& text, const std::string& source);
 
   /// Declares keys, so that an unknown one is reported before a missing one.
   void know(std::initializer_list<const char*> keys) { m_known.insert(keys.begin(), keys.end()); }
@@ -83,13 +86,15 @@ class TomlTable {
   void finish() const;
 
  private:
+  TomlTable(std::shared_ptr<const toml::table> table, std::string file, std::string name);
   const toml::node* find(const std::string& key);
+  TomlTable below(const toml::node& node, std::string name) const;
   double number_of(const toml::node& node, const std::string& key, const std::string& expected);
 
-  const toml::table* m_table;
+  std::shared_ptr<const toml::table> m_table;  // keeps the whole file
   std::string m_file;
   std::string m_name;
   std::set<std::string> m_known;
 };
 
-}  // namespace supple::tools
+}  // namespace supple

@@ -1,10 +1,10 @@
-#include "tools/scene/cut_surface.h"
+#include "lib/session/cut_surface.h"
 
 #include <filesystem>
 
 #include <nlohmann/json.hpp>
 
-namespace supple::tools {
+namespace supple {
 
 namespace {
 
@@ -50,19 +50,20 @@ CutSurface label_cut(std::int32_t label, const std::string& place) {
 }
 
 std::int64_t apply_cuts(Body& body, const BrickValues& labels,
-                        const std::vector<CutSurface>& surfaces, Console& console) {
-  if (!surfaces.empty()) console.stage("cutting");
+                        const std::vector<CutSurface>& surfaces, Progress* progress) {
+  if (!surfaces.empty()) stage(progress, "cutting");
   std::int64_t cut_links = 0;
   for (const CutSurface& surface : surfaces) {
     const CutReport report = cut_along(surface, body, labels);
     cut_links += report.newly_cut;
-    if (report.crossed == 0) console.warn(surface.place + ": the cut crosses no link of the body");
+    if (report.crossed == 0)
+      warn(progress, surface.place + ": the cut crosses no link of the body");
     if (report.degenerate > 0) {
-      console.warn(surface.place + ": " + std::to_string(report.degenerate) +
-                   " triangles without area cut nothing");
+      warn(progress, surface.place + ": " + std::to_string(report.degenerate) +
+                         " triangles without area cut nothing");
     }
-    console.debug(surface.place + ": the cut crosses " + std::to_string(report.crossed) +
-                  " links, " + std::to_string(report.newly_cut) + " of them new");
+    debug(progress, surface.place + ": the cut crosses " + std::to_string(report.crossed) +
+                        " links, " + std::to_string(report.newly_cut) + " of them new");
   }
   return cut_links;
 }
@@ -78,4 +79,4 @@ nlohmann::ordered_json to_json(const CutSurface& surface) {
             {"frame", surface.in_voxels ? "voxel" : "lps"}}}};
 }
 
-}  // namespace supple::tools
+}  // namespace supple

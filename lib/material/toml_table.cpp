@@ -1,5 +1,5 @@
 #define TOML_IMPLEMENTATION  // the library itself, which other files only see declared
-#include "tools/scene/toml_table.h"
+#include "lib/material/toml_table.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -10,10 +10,12 @@
 #include <numeric>
 #include <sstream>
 
+#include <toml++/toml.h>
+
 #include "volumes/base/error.h"
 #include "volumes/base/regular_file.h"
 
-namespace supple::tools {
+namespace supple {
 
 namespace {
 
@@ -57,31 +59,35 @@ bool is_integer(double value) {
   return std::abs(value) <= 2147483647.0 && value == std::floor(value);
 }
 
-toml::table parse_toml(const std::string& text, const std::string& source) {
+TomlTable TomlTable::parse(const std::string& text, const std::string& source) {
   try {
-    return toml::parse(text, source);
+    return {std::make_shared<const toml::table>(toml::parse(text, source)), source, ""};
   } catch (const toml::parse_error& error) {
     throw InputError({source + ":" + std::to_string(error.source().begin.line),
                       "not TOML: " + std::string(error.description()), "", ""});
   }
 }
 
-toml::table read_toml_file(const std::string& path) {
+TomlTable TomlTable::read(const std::string& path) {
   require_regular_file(path);
   std::ifstream stream(path, std::ios::binary);
   if (!stream) throw_open_error(path, errno);
   const std::string text((std::istreambuf_iterator<char>(stream)),
                          std::istreambuf_iterator<char>());
   if (text.empty()) throw InputError({path, "", "an empty file", "TOML"});
-  return parse_toml(text, path);
+  return parse(text, path);
 }
 
-TomlTable::TomlTable(const toml::table& table, std::string file, std::string name)
-    : m_table(&table), m_file(std::move(file)), m_name(std::move(name)) {}
+TomlTable::TomlTable(std::shared_ptr<const toml::table> table, std::string file, std::string name)
+    : m_table(std::move(table)), m_file(std::move(file)), m_name(std::move(name)) {}
+
+TomlTable TomlTable::below(const toml::node& node, std::string name) const {
+  return {std::shared_ptr<const toml::table>(m_table, node.as_table()), m_file, std::move(name)};
+}
 
 std::string TomlTable::place(const std::string& key) const {
-  const toml::node* node = key.empty() ? m_table : m_table->get(key);
-  if (node == nullptr) node = m_table;
+  const toml::node* node = key.empty() ? m_table.get() : m_table->get(key);
+  if (node == nullptr) node = m_table.get();
   const auto line = node->source().begin.line;
   return line == 0 ? m_file : m_file + ":" + std::to_string(line);
 }
@@ -224,7 +230,7 @@ std::optional<TomlTable> TomlTable::table(const std::string& key) {
   const toml::node* node = find(key);
   if (node == nullptr) return std::nullopt;
   if (!node->is_table()) fail(key, text_of(*node), "a table");
-  return TomlTable(*node->as_table(), m_file, full_name(key));
+  return below(*node, full_name(key));
 }
 
 std::vector<std::string> TomlTable::keys() const {
@@ -242,7 +248,7 @@ std::vector<TomlTable> TomlTable::tables(const std::string& key) {
   std::vector<TomlTable> tables;
   for (const toml::node& item : *node->as_array()) {
     const std::string number = "[" + std::to_string(tables.size() + 1) + "]";
-    tables.emplace_back(*item.as_table(), m_file, full_name(key) + number);
+    tables.push_back(below(item, full_name(key) + number));
   }
   return tables;
 }
@@ -250,7 +256,7 @@ std::vector<TomlTable> TomlTable::tables(const std::string& key) {
 std::vector<TomlTable> TomlTable::table_or_tables(const std::string& key) {
   const toml::node* node = find(key);
   if (node == nullptr || !node->is_table()) return tables(key);
-  return {TomlTable(*node->as_table(), m_file, full_name(key))};
+  return {below(*node, full_name(key))};
 }
 
 std::string TomlTable::json() const {
@@ -284,4 +290,4 @@ void TomlTable::finish() const {
   }
 }
 
-}  // namespace supple::tools
+}  // namespace supple

@@ -1,13 +1,13 @@
-#include "tools/scene/handles.h"
+#include "lib/session/handles.h"
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 
-#include "tools/console/parse.h"
 #include "volumes/base/error.h"
+#include "volumes/base/text.h"
 
-namespace supple::tools {
+namespace supple {
 
 namespace {
 
@@ -95,4 +95,4 @@ std::vector<IndexBox> boxes_of(const PointFile& points, const Geometry& geometry
   return boxes;
 }
 
-}  // namespace supple::tools
+}  // namespace supple

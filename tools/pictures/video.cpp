@@ -1,4 +1,4 @@
-#include "tools/outputs/video.h"
+#include "tools/pictures/video.h"
 
 #include <cerrno>
 #include <csignal>

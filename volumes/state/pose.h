@@ -2,10 +2,10 @@
 // the inverse, or each sample by itself.
 #pragma once
 
-#include "tools/console/console.h"
+#include "volumes/base/progress.h"
 #include "volumes/state/state.h"
 
-namespace supple::tools {
+namespace supple {
 
 /// Extended displacement and its inverse: what renderer and exports read.
 struct Pose {
@@ -14,9 +14,10 @@ struct Pose {
 };
 
 /// The inverse of a state's extended displacement; warns of folded cells and unresolved voxels.
-OffsetField invert_displacement(const State& state, const Displacement& extended, Console& console);
+OffsetField invert_displacement(const State& state, const Displacement& extended,
+                                Progress* progress = nullptr);
 /// Both.
-Pose invert_state(const State& state, Console& console);
+Pose invert_state(const State& state, Progress* progress = nullptr);
 
 /// u on the elements alone, without the air around them; null: at rest.
 Displacement on_elements(const Geometry& geometry, const BrickTopology& elements,
@@ -26,4 +27,4 @@ Displacement on_elements(const Geometry& geometry, const BrickTopology& elements
 /// themselves then.
 bool has_open_cuts(const State& state, const Displacement& extended);
 
-}  // namespace supple::tools
+}  // namespace supple

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "tools/session.h"
+#include "lib/session/step.h"
 #include "volumes/io/point_file.h"
 
-namespace supple::tools {
+namespace supple {
 
 /// Exactly one of box, at_lps_mm, points and label, and one of by_mm and by_lps_mm unless the
 /// points have displacements of their own.
@@ -35,4 +35,4 @@ void require_in_body(const PointFile& points, const Body& body);
 /// outside the volume.
 std::vector<IndexBox> boxes_of(const PointFile& points, const Geometry& geometry);
 
-}  // namespace supple::tools
+}  // namespace supple

@@ -9,9 +9,9 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "lib/body/cut.h"
-#include "tools/console/console.h"
+#include "volumes/base/progress.h"
 
-namespace supple::tools {
+namespace supple {
 
 struct CutSurface {
   std::string place;                         // for errors: "scene:line", or the mesh file
@@ -30,9 +30,9 @@ CutSurface label_cut(std::int32_t label, const std::string& place);
 /// Cuts the body along all surfaces and returns how many links that removed. Warns of a surface
 /// that crosses no link. Throws InputError for a label that no element has.
 std::int64_t apply_cuts(Body& body, const BrickValues& labels,
-                        const std::vector<CutSurface>& surfaces, Console& console);
+                        const std::vector<CutSurface>& surfaces, Progress* progress);
 
 /// As a configuration records it.
 nlohmann::ordered_json to_json(const CutSurface& surface);
 
-}  // namespace supple::tools
+}  // namespace supple

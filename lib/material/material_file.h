@@ -5,7 +5,7 @@
 
 #include "lib/material/material.h"
 
-namespace supple::tools {
+namespace supple {
 
 class TomlTable;
 
@@ -23,4 +23,4 @@ std::string material_to_toml(const MaterialTable& material);
 /// For a volume without a table: every voxel above `min` is tissue of one kind.
 MaterialTable homogeneous_material(double min, double max);
 
-}  // namespace supple::tools
+}  // namespace supple

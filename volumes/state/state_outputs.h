@@ -4,11 +4,11 @@
 #include <string>
 #include <vector>
 
-#include "tools/deformed.h"
 #include "volumes/field/dense/resample.h"
 #include "volumes/io/volume_writer.h"
+#include "volumes/state/pose.h"
 
-namespace supple::tools {
+namespace supple {
 
 /// The grid of a dense output: the source grid, another file's, or grown by a margin.
 struct GridChoice {
@@ -19,9 +19,6 @@ Geometry choose_grid(const Geometry& source, const GridChoice& choice);
 
 VoidMode parse_void_mode(const std::string& name);
 
-/// What a reader found or a writer could not keep, as warnings that name the file.
-void warn_of_all(const std::string& path, const std::vector<std::string>& lines, Console& console);
-
 struct WarpOutput {
   std::string path;
   WarpDirection direction = WarpDirection::resample;
@@ -30,13 +27,9 @@ struct WarpOutput {
   WriteOptions options = {};
 };
 /// Both warn of material that leaves the grid and return how many voxels of it do.
-std::int64_t write_state_warp(const WarpOutput& output, const State& state, const Pose& deformed,
-                              Console& console);
-std::int64_t write_resampled(const std::string& path, const State& state, const Pose& deformed,
-                             const Geometry& grid, const WriteOptions& options, Console& console);
+std::int64_t write_state_warp(const WarpOutput& output, const State& state, const Pose& pose,
+                              Progress* progress);
+std::int64_t write_resampled(const std::string& path, const State& state, const Pose& pose,
+                             const Geometry& grid, const WriteOptions& options, Progress* progress);
 
-/// What `export` and `resample` print with --json.
-void print_dense_report(const std::string& path, const Geometry& grid, std::int64_t lost_voxels,
-                        const InversionCertificate& certificate);
-
-}  // namespace supple::tools
+}  // namespace supple

@@ -1,0 +1,485 @@
+#include "lib/session/session.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <stdexcept>
+
+#include <nlohmann/json.hpp>
+
+#include "lib/material/material_file.h"
+#include "lib/model/quasi_static.h"
+#include "volumes/base/text.h"
+#include "volumes/base/version.h"
+#include "volumes/io/load/label_file.h"
+#include "volumes/io/load/load.h"
+#include "volumes/io/open_volume.h"
+#include "volumes/state/state_outputs.h"
+
+namespace supple {
+
+namespace {
+
+/// Keeps the warnings that it hands on.
+class Listener final : public Progress {
+ public:
+  Listener(std::vector<std::string>& messages, Progress* next)
+      : m_messages(messages), m_next(next) {}
+
+  void stage(std::string_view name) override { supple::stage(m_next, name); }
+  void update(double fraction) override {
+    if (m_next != nullptr) m_next->update(fraction);
+  }
+  bool cancelled() const override { return m_next != nullptr && m_next->cancelled(); }
+  void warn(const std::string& line) override {
+    m_messages.push_back(line);
+    supple::warn(m_next, line);
+  }
+  void note(const std::string& line) override { supple::note(m_next, line); }
+  void debug(const std::string& line) override { supple::debug(m_next, line); }
+
+ private:
+  std::vector<std::string>& m_messages;
+  Progress* m_next;
+};
+
+std::string percent(double part) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g %%", 100 * part);
+  return text;
+}
+
+void warn_of_projection(std::int64_t links, double max_voxels, std::int64_t held,
+                        Progress* progress) {
+  if (links == 0) return;
+  if (held > 0) {
+    warn(progress, with_count(held, "held element") +
+                       " had to move: links do not reach from one to the other");
+  }
+  warn(progress, "the start broke " + with_count(links, "link") +
+                     "; it was projected, largest move " + std::to_string(max_voxels) + " voxels");
+}
+
+void warn_of_report(const EcmReport& report, Progress* progress) {
+  warn_of_projection(report.projected_links, report.projected_max_voxels, report.projected_held,
+                     progress);
+  if (report.fraction_numerator != report.fraction_denominator) {
+    warn(progress, "anchors stopped the drag at " + percent(report.fraction()) + " (" +
+                       std::to_string(report.fraction_numerator) + "/" +
+                       std::to_string(report.fraction_denominator) + ")");
+  }
+}
+
+nlohmann::ordered_json to_json(const Vec3i& voxel) {
+  return {voxel.x, voxel.y, voxel.z};
+}
+
+nlohmann::ordered_json to_json(const IndexBox& box) {
+  return {box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z};
+}
+
+/// With the voxels themselves, so that the record does not depend on other files.
+nlohmann::ordered_json to_json(const Drag& drag) {
+  nlohmann::ordered_json json;
+  if (drag.label != 0) {
+    json["grab_label"] = drag.label;
+  } else if (const IndexBox* box = drag.region.box()) {
+    if (box->lo == box->hi) {
+      json["grab"] = to_json(box->lo);
+    } else {
+      json["grab_box"] = to_json(*box);
+    }
+  } else {
+    json["name"] = drag.region.name();
+    if (drag.region.points() != nullptr) {
+      for (const Vec3i& voxel : *drag.region.points()) json["voxels"].push_back(to_json(voxel));
+    }
+  }
+  json["by_mm"] = {drag.by_mm.x, drag.by_mm.y, drag.by_mm.z};
+  if (drag.kind == HandleKind::push) json["push"] = true;
+  return json;
+}
+
+nlohmann::ordered_json relax_settings(const RelaxParams& params) {
+  nlohmann::ordered_json json = {{"method", name_of(params.method)},
+                                 {"passes", params.passes},
+                                 {"tolerance_voxels", params.tolerance_voxels}};
+  if (params.bulk_modulus_kpa > 0) json["volume_kpa"] = params.bulk_modulus_kpa;
+  return json;
+}
+
+void warn_of_report(const BallReport& report, Progress* progress) {
+  if (report.violated == 0) return;
+  warn(progress, "ball limits leave " + with_count(report.violated, "link") + " of " +
+                     std::to_string(report.links) + " violated, by at most " +
+                     std::to_string(report.worst_excess_voxels) + " voxels" +
+                     (report.capped ? "; the moves reached their limit" : ""));
+}
+
+}  // namespace
+
+std::optional<Limits> limits_of_name(const std::string& name) {
+  if (name == "box") return Limits::box;
+  if (name == "ball") return Limits::ball;
+  if (name == "tighten") return Limits::tighten;
+  return std::nullopt;
+}
+
+struct Session::Before {
+  std::array<BrickValues, 3> q;
+  std::array<BrickArray<std::int16_t>, 3> fraction;
+  LinkCuts cuts;
+  RestStretch rest;
+  Velocities velocity_mm_s;
+  bool links_known_valid;
+  LinkCheck links;
+  std::vector<IndexBox> anchors;
+  std::vector<std::int32_t> anchor_labels;
+  Holds holds;
+  HandleLedger ledger;
+  double pressure_kpa;
+};
+
+Session::Before Session::before() const {
+  return {m_body.q,
+          m_body.fraction,
+          m_body.cuts,
+          m_body.rest,
+          m_body.velocity_mm_s,
+          m_body.links_known_valid,
+          m_links,
+          m_state.anchors,
+          m_state.anchor_labels,
+          m_holds,
+          m_ledger,
+          m_pressure_kpa};
+}
+
+void Session::restore(Before&& before) {
+  m_body.q = std::move(before.q);
+  m_body.fraction = std::move(before.fraction);
+  m_body.cuts = std::move(before.cuts);
+  m_body.rest = std::move(before.rest);
+  m_body.velocity_mm_s = std::move(before.velocity_mm_s);
+  m_body.links_known_valid = before.links_known_valid;
+  m_links = before.links;
+  m_state.anchors = std::move(before.anchors);
+  m_state.anchor_labels = std::move(before.anchor_labels);
+  m_holds = std::move(before.holds);
+  m_ledger = std::move(before.ledger);
+  m_pressure_kpa = before.pressure_kpa;
+  find_anchors();
+}
+
+Session::Session(const std::string& path, const SessionOptions& options, Progress* heard)
+    : m_keeps_undo(options.keeps_undo) {
+  Listener listener(m_messages, heard);
+  Progress* progress = &listener;
+  if (options.material) m_material = *options.material;
+  if (is_state_file(path)) {
+    require_unused(options.read, path);
+    m_state = read_state(path, progress);
+    if (!options.material) {
+      m_material = parse_material(m_state.material_toml, path + " material");
+    }
+  } else {
+    if (!options.material) {
+      const VolumeStatistics statistics =
+          digest_volume(*open_volume(path, options.read), progress).statistics;
+      m_material = homogeneous_material(statistics.min, statistics.max);
+      warn(progress, "no material given: every voxel above " + std::to_string(statistics.min) +
+                         " is tissue of one kind (stretch 1.2, compression 0.8, shear 0.3)");
+    }
+    open_volume_file(path, options.read, progress);
+  }
+  if (!options.labels_path.empty()) open_labels(options.labels_path, progress);
+  warn_of_material(progress);
+
+  stage(progress, "building the body");
+  m_body = make_body(m_state, m_material);
+  m_state.material_toml = material_to_toml(m_material);
+  m_links = check_links(m_body);
+  m_body.links_known_valid = m_links.violated == 0;
+  find_anchors();
+  m_ecm = std::make_unique<VoxelEcmModel>(held());
+  if (!m_links.fold_free) {
+    note(progress,
+         "the material does not rule out folds (min_length > 2 shear fails on some link)");
+  }
+}
+
+Session::~Session() = default;
+
+void Session::open_volume_file(const std::string& path, const ReadOptions& read,
+                               Progress* progress) {
+  ElementVolume loaded = load_elements(*open_volume(path, read, progress), m_material.active_lo,
+                                       m_material.active_hi, m_material.components, 2, progress);
+  if (loaded.volume.statistics.nan_count > 0) {
+    warn(progress, path + ": " + with_count(loaded.volume.statistics.nan_count, "NaN voxel") +
+                       " treated as void");
+  }
+  m_state.geometry = loaded.volume.geometry;
+  m_state.density = std::move(loaded.volume.density);
+  m_state.elements = std::move(loaded.elements);
+  m_state.source_name = std::filesystem::path(path).filename().string();
+  m_state.source_type = loaded.volume.value_type;
+}
+
+void Session::open_labels(const std::string& path, Progress* progress) {
+  if (!m_state.anchor_labels.empty()) {
+    throw InputError({path, "labels", "labels beside those that fix parts of the state",
+                      "a state without fixed labels"});
+  }
+  m_state.labels =
+      read_labels(*open_volume(path, {}, progress), m_state.geometry, m_state.elements, progress);
+  if (m_state.labels.empty()) warn(progress, path + ": no element has a label");
+}
+
+void Session::warn_of_material(Progress* progress) const {
+  for (const std::string& line : m_material.warnings()) warn(progress, "material: " + line);
+  if (m_material.labels.empty()) return;
+  const auto counts = label_counts(m_state.labels);
+  for (const auto& [label, table] : m_material.labels) {
+    if (counts.count(label) != 0) continue;
+    warn(progress, "material: label." + std::to_string(label) + ": no element has this label");
+  }
+}
+
+Region Session::region_of_label(std::int32_t label, const std::string& role) const {
+  require_label(m_state.labels, label, role);
+  return Region::of_mask(
+      std::make_shared<BrickTopology>(label_mask(m_state.elements, m_state.labels, label)),
+      "label:" + std::to_string(label));
+}
+
+void Session::release_and_fix(const StepRequest& request) {
+  if (request.release) {
+    m_state.anchors.clear();
+    m_state.anchor_labels.clear();
+    m_holds = {};
+    m_ledger.release();
+  }
+  const auto add = [](auto& list, const auto& item) {
+    if (std::find(list.begin(), list.end(), item) == list.end()) list.push_back(item);
+  };
+  for (const IndexBox& box : request.fix) add(m_state.anchors, box);
+  for (const std::int32_t label : request.fix_labels) {
+    require_label(m_state.labels, label, "fix");
+    add(m_state.anchor_labels, label);
+  }
+  if (request.release || !request.fix.empty() || !request.fix_labels.empty()) find_anchors();
+}
+
+std::vector<Handle> Session::handles_of(const std::vector<Drag>& drags) const {
+  std::vector<Handle> handles;
+  for (const Drag& drag : drags) {
+    handles.emplace_back(drag.label != 0 ? region_of_label(drag.label, "grab") : drag.region,
+                         fixed_from_mm(drag.by_mm, geometry().spacing_mm()), drag.kind);
+  }
+  return handles;
+}
+
+void Session::find_anchors() {
+  m_anchors.assign(m_state.anchors.begin(), m_state.anchors.end());
+  for (const std::int32_t label : m_state.anchor_labels) {
+    m_anchors.push_back(region_of_label(label, "fix"));
+  }
+}
+
+const StepRecord& Session::step(const StepRequest& request, Progress* heard) {
+  Listener listener(m_messages, heard);
+  StepRecord record;
+  static_cast<StepRequest&>(record) = request;
+  std::optional<Before> earlier;
+  if (m_keeps_undo) earlier = before();
+  m_pose.reset();
+  run_step(record, &listener);
+  if (earlier) m_undo.push_back(std::move(*earlier));
+  m_records.push_back(std::move(record));
+  return m_records.back();
+}
+
+void Session::run_step(StepRecord& record, Progress* progress) {
+  release_and_fix(record);
+  const std::vector<Handle> handles = handles_of(record.drags);
+  record.cut_links = apply_cuts(m_body, m_state.labels, record.cuts, progress);
+  m_links.fold_free = m_links.fold_free && m_body.cuts.empty();
+  HandleLedger ledger = m_ledger;
+  ledger.add(int(m_records.size()) + 1, handles, m_body);
+  if (record.springs) {
+    const std::vector<SlotSet> told =
+        record.tells_reactions ? ledger.elements() : std::vector<SlotSet>();
+    record.sprung = move_by_springs(*record.springs, held(), handles, told, progress);
+    if (record.tells_reactions) record.reactions = ledger.name(record.sprung.reactions);
+    m_pressure_kpa = 0;
+  } else {
+    move_quasi_statically(handles, record, progress);
+    if (record.tells_reactions) {
+      record.reactions =
+          ledger.name(quasi_static_reactions(held(), ledger.elements(), m_pressure_kpa));
+    }
+  }
+  m_ledger = std::move(ledger);
+}
+
+const StepRecord& Session::drag(const Region& grabbed, const Vec3d& by_mm, Progress* progress) {
+  StepRequest request;
+  request.drags.push_back({grabbed, by_mm});
+  return step(request, progress);
+}
+
+const StepRecord& Session::fix(const IndexBox& box, Progress* progress) {
+  StepRequest request;
+  request.fix.push_back(box);
+  return step(request, progress);
+}
+
+const StepRecord& Session::cut(const CutSurface& surface, Progress* progress) {
+  StepRequest request;
+  request.cuts.push_back(surface);
+  return step(request, progress);
+}
+
+const StepRecord& Session::relax(const RelaxParams& params, Progress* progress) {
+  StepRequest request;
+  request.relax = params;
+  return step(request, progress);
+}
+
+const StepRecord& Session::release(Progress* progress) {
+  StepRequest request;
+  request.release = true;
+  return step(request, progress);
+}
+
+bool Session::undo() {
+  if (!m_keeps_undo)
+    throw std::logic_error("undo() of a session without SessionOptions::keeps_undo");
+  if (m_undo.empty()) return false;
+  restore(std::move(m_undo.back()));
+  m_undo.pop_back();
+  m_records.pop_back();
+  m_pose.reset();
+  return true;
+}
+
+void Session::move_quasi_statically(const std::vector<Handle>& handles, StepRecord& record,
+                                    Progress* progress) {
+  stage(progress, "solving");
+  solve(handles, record, progress);
+  if (!handles.empty() || record.release) m_pressure_kpa = 0;
+  debug(progress, std::string("solve: ") + (record.ball ? "ball" : name_of(record.report.engine)) +
+                      " engine, " + std::to_string(record.report.visited) +
+                      " visits, longest queue " + std::to_string(record.report.max_queue) +
+                      ", body " + std::to_string(m_body.bytes() >> 20) + " MiB");
+  if (record.relax) relax_body(record, progress);
+  if (record.limits == Limits::tighten) tighten_body(record, progress);
+}
+
+void Session::solve(const std::vector<Handle>& handles, StepRecord& record, Progress* progress) {
+  if (record.limits != Limits::ball) {
+    m_ecm->move(handles, 1, progress);
+    record.report = m_ecm->report();
+    warn_of_report(record.report, progress);
+    return;
+  }
+  record.ball = drag_ball(m_body, handles, m_anchors, m_holds, BallParams(), progress);
+  m_links.fold_free = false;
+  record.report.moved = record.ball->moved;
+  record.report.visited = record.ball->moves;
+  record.report.max_queue = record.ball->max_queue;
+  record.report.milliseconds = record.ball->milliseconds;
+  warn_of_report(*record.ball, progress);
+}
+
+void Session::relax_body(StepRecord& record, Progress* progress) {
+  stage(progress, "relaxing");
+  m_pressure_kpa = record.relax->bulk_modulus_kpa;
+  RelaxModel model(held(), *record.relax);
+  run_model(model, record.relax->passes, progress);
+  record.relaxed = model.report();
+  const RelaxReport& report = record.relaxed;
+  warn_of_projection(report.projected_links, report.projected_max_voxels, report.projected_held,
+                     progress);
+  const LinkCheck check =
+      record.relax->method == RelaxMethod::plain ? check_links(m_body) : LinkCheck();
+  if (check.violated > 0) {
+    warn(progress, "plain relaxation broke " + with_count(check.violated, "link") + " of " +
+                       std::to_string(check.links) + ", by at most " +
+                       std::to_string(check.worst_excess_voxels) + " voxels");
+  }
+}
+
+void Session::tighten_body(StepRecord& record, Progress* progress) {
+  stage(progress, "tightening");
+  record.tightened = tighten(m_body, m_anchors, m_holds, TightenParams(), progress);
+  const TightenReport& report = *record.tightened;
+  warn_of_projection(report.projected_links, report.projected_max_voxels, report.projected_held,
+                     progress);
+  if (report.violated == 0) return;
+  note(progress, "tightened limits leave " + with_count(report.violated, "link") + " of " +
+                     std::to_string(report.links) + " violated, by at most " +
+                     std::to_string(report.worst_excess_voxels) +
+                     " voxels; the material's own limits hold");
+}
+
+std::string Session::journal() const {
+  nlohmann::ordered_json steps = nlohmann::ordered_json::array();
+  if (!m_state.configuration.empty()) {
+    const auto earlier = nlohmann::ordered_json::parse(m_state.configuration, nullptr, false);
+    if (earlier.is_object() && earlier.contains("steps")) steps = earlier["steps"];
+  }
+  for (const StepRecord& record : m_records) {
+    nlohmann::ordered_json step;
+    for (const Drag& drag : record.drags) {
+      step["handles"].push_back(to_json(drag));
+    }
+    for (const IndexBox& box : record.fix) {
+      step["fix"].push_back(to_json(box));
+    }
+    if (!record.fix_labels.empty()) step["fix_label"] = record.fix_labels;
+    if (record.release) step["release"] = true;
+    if (record.ball) step["limits"] = "ball";
+    if (record.tightened) step["limits"] = "tighten";
+    for (const CutSurface& surface : record.cuts) step["cut"].push_back(to_json(surface));
+    if (!record.cuts.empty()) step["cut_links"] = record.cut_links;
+    if (record.relax) step["relax"] = relax_settings(*record.relax);
+    if (record.springs) step["springs"] = settings_json(*record.springs);
+    step["fraction"] = std::to_string(record.report.fraction_numerator) + "/" +
+                       std::to_string(record.report.fraction_denominator);
+    steps.push_back(step);
+  }
+  nlohmann::ordered_json json;
+  json["program"] = std::string("supple ") + kVersion;
+  json["steps"] = steps;
+  return json.dump();
+}
+
+State Session::state() const {
+  State state = m_state;
+  state.q = m_body.q;
+  state.cuts = m_body.cuts;
+  state.rest = m_body.rest;
+  state.velocity_mm_s = m_body.velocity_mm_s;
+  state.configuration = journal();
+  return state;
+}
+
+const Pose& Session::pose(Progress* progress) {
+  Listener listener(m_messages, progress);
+  if (!m_pose) m_pose = invert_state(state(), &listener);
+  return *m_pose;
+}
+
+void Session::write_state(const std::string& path, Progress* progress) {
+  supple::write_state(path, state(), pose(progress).offsets, progress);
+}
+
+void Session::write_warp(const std::string& path, Progress* progress) {
+  Listener listener(m_messages, progress);
+  WarpOutput output;
+  output.path = path;
+  output.grid = geometry();
+  write_state_warp(output, state(), pose(progress), &listener);
+}
+
+}  // namespace supple

@@ -1,0 +1,113 @@
+// One body from file to deformed state, without a window: load, drag, anchor, cut, relax, undo, and
+// what came of it as values. A session prints nothing and keeps a journal; what the user should
+// know goes to `progress` and stays among the messages.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lib/model/relax_model.h"
+#include "lib/model/voxel_ecm_model.h"
+#include "lib/session/step.h"
+#include "volumes/io/format/volume_file.h"
+#include "volumes/state/pose.h"
+#include "volumes/state/state.h"
+
+namespace supple {
+
+struct SessionOptions {
+  /// Null: that of a state; for a volume, one homogeneous tissue, with a warning.
+  std::optional<MaterialTable> material = {};
+  /// Labels on the grid of the volume; empty: those of a state.
+  std::string labels_path = {};
+  ReadOptions read = {};
+  /// Keeps what undo() needs: after each step a copy of the node state where elements moved.
+  bool keeps_undo = false;
+};
+
+class Session {
+ public:
+  /// Opens a volume (elements at rest) or a state (continued). Throws InputError for what cannot be
+  /// read or does not fit together, Cancelled.
+  explicit Session(const std::string& path, const SessionOptions& options = {},
+                   Progress* progress = nullptr);
+  ~Session();
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  const Geometry& geometry() const { return m_state.geometry; }
+  const Body& body() const { return m_body; }
+  /// Links of the material that may fold, NaN voxels and the like have been warned of.
+  const LinkCheck& links() const { return m_links; }
+
+  /// Cuts, then solves one step, then relaxes, then tightens; or lets springs move the body. Cuts
+  /// are made in the body at rest and stay. Handles stay held and boxes and labels fixed until a
+  /// step releases them. Throws InputError as the solvers do, Cancelled.
+  const StepRecord& step(const StepRequest& request, Progress* progress = nullptr);
+
+  /// Steps of one thing each. `by_mm` goes along the grid axes.
+  const StepRecord& drag(const Region& grabbed, const Vec3d& by_mm, Progress* progress = nullptr);
+  const StepRecord& fix(const IndexBox& box, Progress* progress = nullptr);
+  const StepRecord& cut(const CutSurface& surface, Progress* progress = nullptr);
+  const StepRecord& relax(const RelaxParams& params, Progress* progress = nullptr);
+  const StepRecord& release(Progress* progress = nullptr);
+  /// Takes the last step back, bit for bit; false where none is left to take back. Throws
+  /// std::logic_error where SessionOptions::keeps_undo is off.
+  bool undo();
+
+  const std::vector<StepRecord>& records() const { return m_records; }
+  /// Warnings since the session was opened, in order.
+  const std::vector<std::string>& messages() const { return m_messages; }
+  /// The steps that led here, those of a continued state included, as one line of JSON.
+  std::string journal() const;
+
+  /// The state as it is now, journal included.
+  State state() const;
+  /// Displacement u (material direction), offsets o (resample direction) and their certificate:
+  /// computed when first asked for after a step, and valid until the next.
+  const Pose& pose(Progress* progress = nullptr);
+
+  /// Writes the state with its offsets; throws as supple::write_state.
+  void write_state(const std::string& path, Progress* progress = nullptr);
+  /// Writes the offsets as a warp in the format that the path names (NRRD, MetaImage, NIfTI, ITK's
+  /// .h5, VDB): out(x) = in(x + o(x)), LPS mm. Throws as supple::write_state_warp.
+  void write_warp(const std::string& path, Progress* progress = nullptr);
+
+ private:
+  struct Before;
+  void open_volume_file(const std::string& path, const ReadOptions& read, Progress* progress);
+  void open_labels(const std::string& path, Progress* progress);
+  void warn_of_material(Progress* progress) const;
+  Region region_of_label(std::int32_t label, const std::string& role) const;
+  void release_and_fix(const StepRequest& request);
+  void find_anchors();
+  std::vector<Handle> handles_of(const std::vector<Drag>& drags) const;
+  void relax_body(StepRecord& record, Progress* progress);
+  void tighten_body(StepRecord& record, Progress* progress);
+  void solve(const std::vector<Handle>& handles, StepRecord& record, Progress* progress);
+  void move_quasi_statically(const std::vector<Handle>& handles, StepRecord& record,
+                             Progress* progress);
+  void run_step(StepRecord& record, Progress* progress);
+  Before before() const;
+  void restore(Before&& before);
+  HeldBody held() { return {m_body, m_anchors, m_holds}; }
+
+  State m_state;
+  MaterialTable m_material;
+  Body m_body;
+  std::unique_ptr<VoxelEcmModel> m_ecm;  // of m_body
+  LinkCheck m_links;
+  std::vector<Region> m_anchors;  // the boxes and labels that the state has fixed
+  Holds m_holds;                  // what earlier steps dragged
+  HandleLedger m_ledger;          // the handles that did
+  double m_pressure_kpa = 0;      // bulk modulus of the relaxation that the body rests under
+  std::vector<StepRecord> m_records;
+  std::vector<std::string> m_messages;
+  bool m_keeps_undo;
+  std::vector<Before> m_undo;  // one for each step
+  std::optional<Pose> m_pose;
+};
+
+}  // namespace supple

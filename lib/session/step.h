@@ -1,0 +1,54 @@
+// One step of a session: what is asked of the solvers, and what came of it.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lib/chainmail/ball_limits.h"
+#include "lib/chainmail/tighten.h"
+#include "lib/model/relax_model.h"
+#include "lib/relax/relaxation.h"
+#include "lib/session/cut_surface.h"
+#include "lib/session/handle_ledger.h"
+#include "lib/session/spring_step.h"
+
+namespace supple {
+
+/// A handle with its displacement in millimetres along the grid axes.
+struct Drag {
+  Region region;
+  Vec3d by_mm;
+  HandleKind kind = HandleKind::two_sided;
+  std::int32_t label = 0;  // whose elements are grabbed, as one, instead of the region
+};
+
+/// box: each component of a link is limited on its own (eqs. 4.3-4.5); ball: its length (eq. 4.6);
+/// tighten: box, and then tighten(), after the step's relaxation if it has one.
+enum class Limits { box, ball, tighten };
+/// "box", "ball" or "tighten"; none for another name.
+std::optional<Limits> limits_of_name(const std::string& name);
+
+struct StepRequest {
+  std::vector<Drag> drags;
+  std::vector<IndexBox> fix;
+  std::vector<std::int32_t> fix_labels;
+  bool release = false;
+  std::vector<CutSurface> cuts;
+  Limits limits = Limits::box;
+  std::optional<RelaxParams> relax;   // after the drag
+  std::optional<SpringStep> springs;  // instead of both
+  bool tells_reactions = false;       // of the handles that are held, in the record
+};
+
+struct StepRecord : StepRequest {
+  std::int64_t cut_links = 0;             // that the cuts removed
+  EcmReport report;                       // of ball limits: what both have in common
+  std::optional<BallReport> ball;         // when the step was solved under ball limits
+  RelaxReport relaxed;                    // when the step relaxes
+  SpringRecord sprung;                    // when springs move it
+  std::vector<HandleReaction> reactions;  // of all handles that are held, at its end
+  std::optional<TightenReport> tightened;
+};
+
+}  // namespace supple

@@ -1,0 +1,18 @@
+// The one stage that runs a step, whether a scene or the options of `supple deform` ask for it.
+#pragma once
+
+#include "lib/session/session.h"
+#include "tools/scene/scene.h"
+
+namespace supple::tools {
+
+/// Voxels are checked before anything is solved; elements are known only to the body. Throws
+/// InputError.
+void check_step(const SceneStep& step, const Geometry& geometry);
+
+/// Names the step in the errors of the solver. `tells_reactions`: the record holds what handles
+/// feel.
+const StepRecord& run_step(Session& session, const SceneStep& step, bool tells_reactions,
+                           Progress* progress);
+
+}  // namespace supple::tools

@@ -1,0 +1,12 @@
+// The keys of `springs = { … }` in a step of a scene, with the shapes of `contact = [ … ]`.
+#pragma once
+
+#include "lib/material/toml_table.h"
+#include "lib/session/spring_step.h"
+
+namespace supple::tools {
+
+/// Throws InputError as TomlTable, and as read_mesh and MeshSurface.
+SpringStep read_spring_step(TomlTable& table);
+
+}  // namespace supple::tools

@@ -1,0 +1,63 @@
+#include "volumes/state/state_outputs.h"
+
+#include "volumes/io/open_volume.h"
+
+namespace supple {
+
+Geometry choose_grid(const Geometry& source, const GridChoice& choice) {
+  const Geometry grid = choice.file.empty() ? source : open_volume(choice.file)->header().geometry;
+  return choice.margin_mm > 0 ? with_margin(grid, choice.margin_mm) : grid;
+}
+
+namespace {
+
+std::int64_t warn_of_lost_material(const std::string& path, const State& state, const Pose& pose,
+                                   const Geometry& grid, Progress* progress) {
+  const std::int64_t lost =
+      count_outside(on_elements(state.geometry, state.elements, &pose.displacement), grid);
+  if (lost > 0) {
+    warn(progress, path + ": " + std::to_string(lost) +
+                       " voxels of material lie outside the grid; a margin keeps them");
+  }
+  return lost;
+}
+
+}  // namespace
+
+VoidMode parse_void_mode(const std::string& name) {
+  if (name == "nearest") return VoidMode::nearest;
+  if (name == "outside") return VoidMode::outside;
+  return VoidMode::extend;
+}
+
+std::int64_t write_state_warp(const WarpOutput& output, const State& state, const Pose& pose,
+                              Progress* progress) {
+  WarpFacts facts{state.geometry, output.direction, ""};
+  VectorSliceSource slices;
+  std::int64_t lost = 0;
+  if (output.direction == WarpDirection::material) {
+    slices = dense_displacement(pose.displacement);
+  } else {
+    lost = warn_of_lost_material(output.path, state, pose, output.grid, progress);
+    facts.geometry = output.grid;
+    facts.certificate = certificate_json(pose.offsets.certificate);
+    slices = dense_offsets(pose.offsets, state.density.bricks(), output.grid, output.void_mode);
+  }
+  warn_of_all(output.path, write_warp(output.path, facts, slices, progress, output.options),
+              progress);
+  return lost;
+}
+
+std::int64_t write_resampled(const std::string& path, const State& state, const Pose& pose,
+                             const Geometry& grid, const WriteOptions& options,
+                             Progress* progress) {
+  const std::int64_t lost = warn_of_lost_material(path, state, pose, grid, progress);
+  ValueType type = ValueType::float32;
+  find_numpy_type(state.source_type, type);
+  const auto slices =
+      dense_resampled(pose.offsets, state.density, grid, state.density.background());
+  warn_of_all(path, write_volume(path, grid, type, slices, progress, options), progress);
+  return lost;
+}
+
+}  // namespace supple
