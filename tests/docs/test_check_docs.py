@@ -1,0 +1,63 @@
+#!/usr/bin/env python3
+"""Every check of check_docs.py finds what it is for, and says nothing of a page that is right."""
+import os
+import sys
+import tempfile
+import unittest
+
+import check_docs
+
+BINARY = os.environ.get("SUPPLE_BINARY", "")
+
+
+class Checks(unittest.TestCase):
+    def findings(self, text, binary=""):
+        with tempfile.TemporaryDirectory() as root:
+            os.makedirs(os.path.join(root, "docs"))
+            os.makedirs(os.path.join(root, "lib", "body"))
+            open(os.path.join(root, "lib", "body", "body.h"), "w").close()
+            with open(os.path.join(root, "docs", "page.md"), "w", encoding="utf-8") as page:
+                page.write(text)
+            return check_docs.check(root, binary)
+
+    def expect(self, text, start, binary=""):
+        lines = self.findings(text, binary)
+        self.assertEqual(len(lines), 1, lines)
+        self.assertTrue(lines[0].startswith(start), lines[0])
+
+    def test_links(self):
+        self.assertEqual(self.findings("# A b: c, d\n[up](../lib) [here](#a-b-c-d) [w](https://x.y)\n"
+                                       "`[code](nowhere.md)`\n"), [])
+        self.expect("one\n[gone](gone.md)\n", "docs/page.md:2: found link gone.md, expected")
+        self.expect("# A\n[gone](page.md#b)\n", "docs/page.md:2: found link page.md#b, expected")
+        self.expect("# A\n```sh\n# B\n```\n[gone](#b)\n", "docs/page.md:5: found link #b, expected")
+
+    def test_paths(self):
+        self.assertEqual(self.findings("`lib/body`, `lib/body/body`, `lib/*/body.h`, `lib/NEW/new.h`"),
+                         [])
+        self.expect("`lib/body/gone.h`", "docs/page.md:1: found `lib/body/gone.h`, expected")
+
+    @unittest.skipUnless(BINARY, "SUPPLE_BINARY is not set")
+    def test_commands(self):
+        right = ("```sh\nsupple deform a.nrrd --grab 1,2,3 \\\n  --by -1,0,0 -o b.vdb  # --none\n"
+                 "X=1 supple --json info \"$(supple presets --quiet)\" | grep --none a > b; true\n```\n")
+        self.assertEqual(self.findings(right, BINARY), [])
+        self.expect("```sh\nls\nsupple bend a\n```", "docs/page.md:3: found supple bend", BINARY)
+        for line in ("supple info --none a", "true | supple info a --none=1",
+                     "echo \"$(supple info --none a)\"", "supple info \\\n --none a",
+                     "supple --none info a"):
+            self.expect("```sh\n" + line + "\n```", "docs/page.md:2: found option --none", BINARY)
+        self.expect("```sh\nsupple info 'a\n```", "docs/page.md:2: found quotes", BINARY)
+
+    @unittest.skipUnless(BINARY, "SUPPLE_BINARY is not set")
+    def test_runs(self):
+        block = "<!-- run -->\n```sh\n%s\n```\n"
+        self.assertEqual(self.findings(block % "supple presets > a\ntest -s a", BINARY), [])
+        self.assertEqual(self.findings(block % "supple info build/data/none.nrrd", BINARY), [])
+        self.expect(block % "supple info none.nrrd", "docs/page.md:3: found exit code 3", BINARY)
+        self.assertEqual(self.findings("```sh\nsupple info none.nrrd\n```\n", BINARY), [])
+
+
+if __name__ == "__main__":
+    sys.dont_write_bytecode = True
+    unittest.main()
