@@ -4,6 +4,9 @@ target_include_directories(supple_options INTERFACE ${PROJECT_SOURCE_DIR}
                                                      ${PROJECT_BINARY_DIR}/generated)
 target_compile_options(supple_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
                                                 -Wno-sign-conversion)
+# Calls inside a library are not open to replacement, as in a program.
+target_compile_options(supple_options INTERFACE -fno-semantic-interposition
+                                                -fvisibility-inlines-hidden)
 if(SUPPLE_WERROR)
   target_compile_options(supple_options INTERFACE -Werror)
 endif()

@@ -14,6 +14,7 @@
 #include <oneapi/tbb/global_control.h>
 
 #include "tools/console/command.h"
+#include "volumes/base/run_in_child.h"
 #include "volumes/base/version.h"
 
 namespace supple::tools {
@@ -139,6 +140,7 @@ int run_program(int argc, char** argv) {
     return fail(kUsage, std::string(error.what()) + " (see supple --help)");
   }
   install_signal_handlers();
+  allow_child_processes(true);
   keep_reserve();
   for (const Command& command : commands) {
     if (command.app->parsed()) return run_command(command, options);

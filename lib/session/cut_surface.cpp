@@ -68,15 +68,20 @@ std::int64_t apply_cuts(Body& body, const BrickValues& labels,
   return cut_links;
 }
 
-nlohmann::ordered_json to_json(const CutSurface& surface) {
-  if (surface.mesh) return {{"mesh", surface.mesh_file}};
-  if (surface.label != 0) return {{"label", surface.label}};
+std::string settings_json(const CutSurface& surface) {
+  nlohmann::ordered_json json;
   const auto list = [](const Vec3d& v) { return nlohmann::ordered_json{v.x, v.y, v.z}; };
-  return {{"plane",
-           {{"corner", list(surface.corner)},
-            {"edge1", list(surface.edge1)},
-            {"edge2", list(surface.edge2)},
-            {"frame", surface.in_voxels ? "voxel" : "lps"}}}};
+  if (surface.mesh) {
+    json["mesh"] = surface.mesh_file;
+  } else if (surface.label != 0) {
+    json["label"] = surface.label;
+  } else {
+    json["plane"] = {{"corner", list(surface.corner)},
+                     {"edge1", list(surface.edge1)},
+                     {"edge2", list(surface.edge2)},
+                     {"frame", surface.in_voxels ? "voxel" : "lps"}};
+  }
+  return json.dump();
 }
 
 }  // namespace supple

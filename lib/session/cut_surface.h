@@ -6,8 +6,6 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "lib/body/cut.h"
 #include "volumes/base/progress.h"
 
@@ -32,7 +30,7 @@ CutSurface label_cut(std::int32_t label, const std::string& place);
 std::int64_t apply_cuts(Body& body, const BrickValues& labels,
                         const std::vector<CutSurface>& surfaces, Progress* progress);
 
-/// As a configuration records it.
-nlohmann::ordered_json to_json(const CutSurface& surface);
+/// As a journal records it: JSON.
+std::string settings_json(const CutSurface& surface);
 
 }  // namespace supple

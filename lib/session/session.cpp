@@ -103,7 +103,7 @@ nlohmann::ordered_json relax_settings(const RelaxParams& params) {
   nlohmann::ordered_json json = {{"method", name_of(params.method)},
                                  {"passes", params.passes},
                                  {"tolerance_voxels", params.tolerance_voxels}};
-  if (params.bulk_modulus_kpa > 0) json["volume_kpa"] = params.bulk_modulus_kpa;
+  if (params.bulk_modulus_kpa > 0) json["bulk_modulus_kpa"] = params.bulk_modulus_kpa;
   return json;
 }
 
@@ -292,7 +292,12 @@ const StepRecord& Session::step(const StepRequest& request, Progress* heard) {
   std::optional<Before> earlier;
   if (m_keeps_undo) earlier = before();
   m_pose.reset();
-  run_step(record, &listener);
+  try {
+    run_step(record, &listener);
+  } catch (...) {
+    if (earlier) restore(std::move(*earlier));
+    throw;
+  }
   if (earlier) m_undo.push_back(std::move(*earlier));
   m_records.push_back(std::move(record));
   return m_records.back();
@@ -440,10 +445,14 @@ std::string Session::journal() const {
     if (record.release) step["release"] = true;
     if (record.ball) step["limits"] = "ball";
     if (record.tightened) step["limits"] = "tighten";
-    for (const CutSurface& surface : record.cuts) step["cut"].push_back(to_json(surface));
+    for (const CutSurface& surface : record.cuts) {
+      step["cut"].push_back(nlohmann::ordered_json::parse(settings_json(surface)));
+    }
     if (!record.cuts.empty()) step["cut_links"] = record.cut_links;
     if (record.relax) step["relax"] = relax_settings(*record.relax);
-    if (record.springs) step["springs"] = settings_json(*record.springs);
+    if (record.springs) {
+      step["springs"] = nlohmann::ordered_json::parse(settings_json(*record.springs));
+    }
     step["fraction"] = std::to_string(record.report.fraction_numerator) + "/" +
                        std::to_string(record.report.fraction_denominator);
     steps.push_back(step);

@@ -72,7 +72,7 @@ SpringRecord move_by_springs(const SpringStep& step, const HeldBody& held,
   return record;
 }
 
-nlohmann::ordered_json settings_json(const SpringStep& step) {
+std::string settings_json(const SpringStep& step) {
   const MotionParams& motion = step.motion;
   nlohmann::ordered_json json;
   if (step.is_motion()) {
@@ -93,7 +93,7 @@ nlohmann::ordered_json settings_json(const SpringStep& step) {
         std::pair{"bending_n_m", step.bending_n_m}}) {
     if (value) json[name] = *value;
   }
-  return json;
+  return json.dump();
 }
 
 }  // namespace supple

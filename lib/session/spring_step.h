@@ -5,8 +5,6 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "lib/model/spring_models.h"
 #include "volumes/base/progress.h"
 
@@ -45,7 +43,7 @@ SpringRecord move_by_springs(const SpringStep& step, const HeldBody& held,
                              const std::vector<Handle>& handles,
                              const std::vector<SlotSet>& gripped, Progress* progress);
 
-/// As a configuration records it.
-nlohmann::ordered_json settings_json(const SpringStep& step);
+/// As a journal records it: JSON.
+std::string settings_json(const SpringStep& step);
 
 }  // namespace supple

@@ -26,7 +26,7 @@ PixelRange covered(double lo, double hi, int count) {
 
 Canvas::Canvas(const Camera& camera, int width, int height, const Colour3& background)
     : m_camera(camera),
-      m_context(camera_frame(camera)),
+      m_frame(camera_frame(camera)),
       m_width(width * kSamples),
       m_height(height * kSamples) {
   const std::size_t count = std::size_t(m_width) * m_height;
@@ -38,7 +38,7 @@ Canvas::Canvas(const Camera& camera, int width, int height, const Colour3& backg
 CanvasPoint Canvas::project(const Vec3d& world_mm) const {
   CanvasPoint p;
   p.visible = project_to_pixel(m_camera, m_width, m_height, world_mm, p.x, p.y);
-  const double depth = (world_mm - m_camera.position_lps_mm).dot(m_context.forward);
+  const double depth = (world_mm - m_camera.position_lps_mm).dot(m_frame.forward);
   // 1 / depth is what perspective keeps linear on the picture.
   p.nearness = m_camera.projection == Projection::perspective ? 1 / depth : -depth;
   return p;

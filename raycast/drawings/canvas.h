@@ -36,7 +36,7 @@ class Canvas {
   void plot(int x, int y, double nearness, const Colour3& colour);
 
   Camera m_camera;
-  CameraFrame m_context;
+  CameraFrame m_frame;
   int m_width, m_height;  // samples
   std::vector<float> m_nearness;
   std::vector<std::array<std::uint8_t, 3>> m_colours;

@@ -93,7 +93,7 @@ CameraFrame camera_frame(const Camera& camera) {
 
 CameraRays::CameraRays(const Camera& camera, int width, int height)
     : m_camera(camera),
-      m_context(camera_frame(camera)),
+      m_frame(camera_frame(camera)),
       m_half_height(camera.projection == Projection::orthographic
                         ? camera.height_mm / 2
                         : half_height_at_unit_distance(camera)),
@@ -103,11 +103,11 @@ CameraRays::CameraRays(const Camera& camera, int width, int height)
 Ray CameraRays::at(double px, double py) const {
   const double x = ((2 * px - m_width) / m_height + m_camera.window_shift) * m_half_height;
   const double y = (m_height - 2 * py) / m_height * m_half_height;
-  const Vec3d aside = m_context.right * x + m_context.up * y;
+  const Vec3d aside = m_frame.right * x + m_frame.up * y;
   if (m_camera.projection == Projection::orthographic) {
-    return {m_camera.position_lps_mm + aside, m_context.forward};
+    return {m_camera.position_lps_mm + aside, m_frame.forward};
   }
-  return {m_camera.position_lps_mm, (m_context.forward + aside).normalized()};
+  return {m_camera.position_lps_mm, (m_frame.forward + aside).normalized()};
 }
 
 Ray camera_ray(const Camera& camera, int width, int height, double px, double py) {

@@ -49,7 +49,7 @@ class CameraRays {
 
  private:
   Camera m_camera;
-  CameraFrame m_context;
+  CameraFrame m_frame;
   double m_half_height;      // of the picture: mm, or of a perspective one at unit distance
   double m_width, m_height;  // pixels
 };

@@ -4,6 +4,8 @@
 links     relative links and #anchors of every *.md lead somewhere
 paths     folders and files in backticks that look like paths of the repository exist
 commands  lines `supple ...` in sh blocks use a subcommand and options that it has
+samples   cpp blocks are taken from examples/: the line before says <!-- sample: FILE NAME -->, and the
+          block is what stands between the two lines `// [NAME]` of that file
 runs      sh blocks after a line <!-- run --> end with exit code 0 in a temporary folder
 
 One line per finding, `file:line: found X, expected Y`; exit code 1 if there are any. The program is
@@ -19,9 +21,10 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import textwrap
 import unicodedata
 
-ROOTS = ("volumes", "lib", "raycast", "tools", "tests", "docs", "cmake")
+ROOTS = ("volumes", "lib", "raycast", "tools", "tests", "docs", "cmake", "examples")
 SKIPPED_FOLDERS = {".git", "build", "out"}
 RUN_MARK = "<!-- run -->"
 RUN_SECONDS = 120
@@ -143,6 +146,34 @@ def check_paths(root, pages, findings):
                     continue
                 if not path_exists(root, path.rstrip("/")):
                     findings.add(page.file, n + 1, f"`{path}`", "a file or folder that exists")
+
+
+def check_samples(root, page, findings):
+    """Code that no example holds is code that nobody compiles."""
+    for n, text in enumerate(page.lines):
+        if text.strip() != "```cpp":
+            continue
+        mark = re.fullmatch(r"<!-- sample: (\S+) (\S+) -->", page.lines[n - 1].strip() if n else "")
+        if not mark:
+            findings.add(page.file, n + 1, "a block of C++", "<!-- sample: FILE NAME --> before it")
+            continue
+        end = page.lines.index("```", n)
+        shown = [line.rstrip() for line in page.lines[n + 1:end]]
+        held = marked_lines(os.path.join(root, mark[1]), mark[2])
+        if shown != held:
+            findings.add(page.file, n + 1, "another sample",
+                         f"what stands between // [{mark[2]}] in {mark[1]}")
+
+
+def marked_lines(file, name):
+    """The lines between two marks, without their common indent; none where they are not."""
+    if not os.path.isfile(file):
+        return []
+    with open(file, encoding="utf-8") as stream:
+        parts = re.split(rf"^[ ]*// \[{re.escape(name)}\]\n", stream.read(), flags=re.M)
+    if len(parts) != 3:
+        return []
+    return [line.rstrip() for line in textwrap.dedent(parts[1]).splitlines()]
 
 
 def path_exists(root, path):
@@ -299,6 +330,8 @@ def check(root, binary):
     pages = {file: Page(root, file) for file in markdown_files(root)}
     check_links(root, pages, findings)
     check_paths(root, pages, findings)
+    for page in pages.values():
+        check_samples(root, page, findings)
     if binary:
         program = Program(binary)
         for page in pages.values():

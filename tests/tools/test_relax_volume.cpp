@@ -49,13 +49,13 @@ TEST_F(UnitRelaxVolume, DeformReportsTheVolumeAndTheStateRemembersTheModulus) {
   const Outcome outcome = deform({"--relax", "30", "--relax-volume", "100"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const auto relax = nlohmann::json::parse(outcome.out)["relax"];
-  EXPECT_EQ(relax["volume_kpa"], 100);
+  EXPECT_EQ(relax["bulk_modulus_kpa"], 100);
   EXPECT_EQ(relax["volumes_before"]["rest_mm3"], relax["volumes_after"]["rest_mm3"]);
   EXPECT_LT(relax["volumes_before"]["smallest_cell_ratio"],
             relax["volumes_after"]["smallest_cell_ratio"]);
   EXPECT_NEAR(relax["volumes_after"]["ratio"], 1, 0.01);
   const auto kept = nlohmann::json::parse(read_state(m_folder / "out.vdb").configuration);
-  EXPECT_EQ(kept["steps"][0]["relax"]["volume_kpa"], 100);
+  EXPECT_EQ(kept["steps"][0]["relax"]["bulk_modulus_kpa"], 100);
 }
 
 TEST_F(UnitRelaxVolume, ASceneAndDeformAgree) {
@@ -70,7 +70,7 @@ TEST_F(UnitRelaxVolume, WithoutItNeitherTheReportNorTheStateMentionsIt) {
   const Outcome outcome = deform({"--relax", "3"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(outcome.out.find("volume"), std::string::npos);
-  EXPECT_EQ(read_state(m_folder / "out.vdb").configuration.find("volume_kpa"), std::string::npos);
+  EXPECT_EQ(read_state(m_folder / "out.vdb").configuration.find("bulk_modulus_kpa"), std::string::npos);
 }
 
 TEST_F(FaultRelaxVolume, BadModuliAndMethodsAreRefused) {

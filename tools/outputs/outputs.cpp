@@ -293,7 +293,7 @@ nlohmann::ordered_json to_json(const RelaxParams& params, const RelaxReport& rep
                                  {"projected_held", report.projected_held},
                                  {"relax_ms", report.milliseconds}};
   if (report.volumes_after) {
-    json["volume_kpa"] = params.bulk_modulus_kpa;
+    json["bulk_modulus_kpa"] = params.bulk_modulus_kpa;
     json["volumes_before"] = to_json(*report.volumes_before);
     json["volumes_after"] = to_json(*report.volumes_after);
   }
@@ -363,10 +363,11 @@ void print_reactions(const std::vector<HandleReaction>& reactions) {
 
 nlohmann::ordered_json to_json(const StepRecord& record) {
   if (record.springs) {
-    nlohmann::ordered_json json = {{"model", "springs"},
-                                   {"cut_links", record.cut_links},
-                                   {"settings", settings_json(*record.springs)},
-                                   {"springs", to_json(record.sprung)}};
+    nlohmann::ordered_json json = {
+        {"model", "springs"},
+        {"cut_links", record.cut_links},
+        {"settings", nlohmann::ordered_json::parse(settings_json(*record.springs))},
+        {"springs", to_json(record.sprung)}};
     json["forces"] = to_json(record.reactions);
     return json;
   }

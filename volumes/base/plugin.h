@@ -24,9 +24,11 @@ struct LoadedPlugin {
   const void* entry;
 };
 
-/// Loads the plugin from the program's folder or from ../lib/supple of it; it is never unloaded,
-/// since objects that it made and exceptions in flight use its code. Throws SystemError: missing,
-/// or refused by the system; std::bad_alloc where less than 64 MiB of addresses are left.
+/// Loads the plugin from the folders that SUPPLE_PLUGIN_PATH names (separated by ':'), or else from
+/// beside the program or library that holds this code: its own folder, ../lib/supple, or supple
+/// below it. It is never unloaded, since objects that it made and exceptions in flight use its
+/// code. Throws SystemError: missing, or refused by the system; std::bad_alloc where less than 64
+/// MiB of addresses are left.
 LoadedPlugin load_plugin(const PluginName& name);
 
 /// The entry of a plugin of this build. Entry has the members kName, kSizes and sizes: the sizes of

@@ -13,11 +13,17 @@ struct ChildBounds {
   int processor_seconds;  // of the trial
 };
 
-/// Runs `parse` in a child process, a copy of this one, without effect on the caller but for the
-/// file. Throws the InputError that `parse` throws there; and an InputError, with file, field and
-/// expectation of `about`, where it ended by a signal, or reached the bounds. Returns when it ended
-/// well or by another exception, which the caller meets on repeating it, and where no process can
-/// be started. `parse` may use no other thread. Cost: a few milliseconds.
+/// Whether run_in_child() may start processes. Off at first, since a host program with threads or a
+/// display of its own may not be copied; a program that opens files of strangers switches it on
+/// before it opens the first, as the command line does.
+void allow_child_processes(bool allowed);
+
+/// Does nothing unless child processes are allowed. Runs `parse` in a child process, a copy of this
+/// one, without effect on the caller but for the file. Throws the InputError that `parse` throws
+/// there; and an InputError, with file, field and expectation of `about`, where it ended by a
+/// signal, or reached the bounds. Returns when it ended well or by another exception, which the
+/// caller meets on repeating it, and where no process can be started. `parse` may use no other
+/// thread. Cost: a few milliseconds.
 void run_in_child(const Problem& about, const ChildBounds& bounds,
                   const std::function<void()>& parse);
 

@@ -10,4 +10,9 @@ struct DensityGrid::Vdb {
   openvdb::FloatGrid::ConstPtr grid;
 };
 
+/// The grid itself, in index space, shared and never changed: active voxels are the bricks'.
+inline openvdb::FloatGrid::ConstPtr vdb_grid(const DensityGrid& density) {
+  return density.vdb().grid;
+}
+
 }  // namespace supple

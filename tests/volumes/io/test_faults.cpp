@@ -188,7 +188,7 @@ TEST(FaultHeader, NiftiFieldsAreCheckedOneByOne) {
   expect([](std::string& h) { patch(h, 108, 100.0f); }, {"vox_offset", "100", "352"});
   expect([](std::string& h) { patch(h, 344, 'x'); }, {"magic"});
   expect_failure(folder.write("b.nii", nifti_header({2, 3, 1, 2}) + kData),
-                 {"dim[4]", "2 frames", "--frame 0 to 1"});
+                 {"dim[4]", "2 frames", "frame 0 to 1"});
 }
 
 TEST(FaultHeader, RawSpecsAreCheckedOneByOne) {
@@ -221,7 +221,7 @@ TEST(FaultImage, ColourSamplesAndTruncationAreErrors) {
   rgb.samples = 3;
   rgb.photometric = 2;
   write_tiff(folder / "rgb.tif", 2, 2, rgb, std::string(12, 'r'));
-  expect_failure(folder / "rgb.tif", {"3 components", "--channel 0 to 2"});
+  expect_failure(folder / "rgb.tif", {"3 components", "channel 0 to 2"});
   write_tiff(folder / "t.tif", 50, 50, TiffOptions(), std::string(2500, 't'));
   std::filesystem::resize_file(folder / "t.tif", 1000);
   expect_failure(folder / "t.tif", {"t.tif", "TIFF"});

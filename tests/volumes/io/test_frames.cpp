@@ -199,11 +199,11 @@ void expect_failure(const std::string& path, const ReadOptions& options,
 TEST(FaultFrames, SeriesWithoutAChoiceAndChoicesBeyondTheSeriesAreRefused) {
   const TemporaryFolder folder;
   const std::string path = folder.write("a.nrrd", nrrd("ijkf") + stored("ijkf"));
-  expect_failure(path, choice({}), {"sizes", "4 frames", "--frame 0 to 3"});
-  expect_failure(path, choice(4), {"--frame", "4", "0 to 3"});
-  expect_failure(path, choice(-1), {"--frame", "-1"});
+  expect_failure(path, choice({}), {"sizes", "4 frames", "frame 0 to 3"});
+  expect_failure(path, choice(4), {"frame", "4", "0 to 3"});
+  expect_failure(path, choice(-1), {"frame", "-1"});
   const std::string single = folder.write("b.nrrd", nrrd("ijk") + stored("ijk"));
-  expect_failure(single, choice(1), {"--frame", "1", "0, the only one"});
+  expect_failure(single, choice(1), {"frame", "1", "0, the only one"});
 }
 
 TEST(FaultFrames, AxesThatMakeNoVolumeAreRefused) {

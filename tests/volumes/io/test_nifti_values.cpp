@@ -16,8 +16,8 @@ TEST(UnitNiftiSeries, EveryFrameIsReadFromItsPlacePlainAndGzipped) {
     for (int t = 0; t < 4; ++t) {
       EXPECT_EQ(values_of<std::int16_t>(path, frame(t)), counted<std::int16_t>(12, 12 * t)) << path;
     }
-    expect_refused(path, {"dim[4]", "4 frames", "--frame 0 to 3"});
-    expect_refused(path, {"--frame", "4", "0 to 3"}, frame(4));
+    expect_refused(path, {"dim[4]", "4 frames", "frame 0 to 3"});
+    expect_refused(path, {"frame", "4", "0 to 3"}, frame(4));
   }
 }
 

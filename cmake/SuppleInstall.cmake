@@ -1,0 +1,60 @@
+# The library for host programs: libsupple.so with everything but the command line, its headers below
+# <supple/...>, a CMake package, a pkg-config file, and the package of `cpack`.
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+file(WRITE ${PROJECT_BINARY_DIR}/supple_library.cpp "")
+add_library(supple_library SHARED ${PROJECT_BINARY_DIR}/supple_library.cpp)
+add_library(supple::supple ALIAS supple_library)
+target_link_libraries(supple_library PRIVATE
+  $<LINK_LIBRARY:WHOLE_ARCHIVE,supple_volumes,supple_lib,supple_raycast>)
+# Public headers take their vectors from Imath.
+target_link_libraries(supple_library PUBLIC Imath::Imath)
+target_include_directories(supple_library INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+target_compile_features(supple_library INTERFACE cxx_std_17)
+set_target_properties(supple_library PROPERTIES
+  OUTPUT_NAME supple EXPORT_NAME supple VERSION ${PROJECT_VERSION}
+  SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
+  LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/lib)
+
+set(plugins supple_hdf5 supple_pictures)
+if(SUPPLE_DICOM)
+  list(APPEND plugins supple_dicom)
+endif()
+install(TARGETS supple_library EXPORT SuppleTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(TARGETS ${plugins} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/supple)
+install(TARGETS supple RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(FILES LICENSE CHANGELOG.md README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+
+# Headers: `#include "volumes/…"` of the source becomes `#include <supple/volumes/…>`.
+set(SUPPLE_HEADER_FOLDERS volumes lib raycast)
+install(CODE "
+  set(source \"${PROJECT_SOURCE_DIR}\")
+  set(generated \"${PROJECT_BINARY_DIR}/generated\")
+  set(target \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_INCLUDEDIR}/supple\")
+  include(\"${PROJECT_SOURCE_DIR}/cmake/InstallHeaders.cmake\")")
+
+install(EXPORT SuppleTargets NAMESPACE supple:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/supple)
+configure_package_config_file(cmake/suppleConfig.cmake.in ${PROJECT_BINARY_DIR}/suppleConfig.cmake
+  INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/supple)
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/suppleConfigVersion.cmake
+  COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/suppleConfig.cmake ${PROJECT_BINARY_DIR}/suppleConfigVersion.cmake
+  DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/supple)
+configure_file(cmake/supple.pc.in ${PROJECT_BINARY_DIR}/supple.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/supple.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+
+# `cpack` in the build folder of the preset `portable` makes the Debian package.
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME supple)
+set(CPACK_PACKAGE_VENDOR "Supple")
+set(CPACK_PACKAGE_CONTACT "the Supple developers <supple@localhost>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR}/lib)
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "libimath-dev, ffmpeg")
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+include(CPack)

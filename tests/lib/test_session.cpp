@@ -1,0 +1,119 @@
+// Sessions: the whole job without a window, its journal, and steps taken back.
+#include <gtest/gtest.h>
+
+#include "lib/session/session.h"
+#include "tests/support/program.h"
+
+using namespace supple;
+using namespace supple::test;
+
+namespace {
+
+/// Collects what a session says, and cancels when asked to.
+class Heard final : public Progress {
+ public:
+  void stage(std::string_view name) override { stages.emplace_back(name); }
+  void update(double) override {}
+  bool cancelled() const override { return is_cancelled; }
+  void warn(const std::string& line) override { warnings.push_back(line); }
+
+  std::vector<std::string> stages, warnings;
+  bool is_cancelled = false;
+};
+
+class UnitSession : public ::testing::Test {
+ protected:
+  UnitSession() {
+    write_ball(m_folder, "ball", 24);
+    m_options.keeps_undo = true;
+  }
+
+  TemporaryFolder m_folder;
+  std::string m_ball = m_folder / "ball.nhdr";
+  SessionOptions m_options;
+};
+
+const Vec3i kGrabbed(12, 12, 16);
+
+}  // namespace
+
+TEST_F(UnitSession, StepsTakenBackLeaveTheStateBitForBit) {
+  Session session(m_ball, m_options);
+  std::vector<State> states = {session.state()};
+  session.fix({{4, 4, 8}, {20, 20, 9}});
+  states.push_back(session.state());
+  session.drag(kGrabbed, {0, 3, 0});
+  states.push_back(session.state());
+  session.relax(RelaxParams());
+  states.push_back(session.state());
+  CutSurface plane;
+  plane.in_voxels = true;
+  plane.corner = {-1, -1, 12.5};
+  plane.edge1 = {40, 0, 0};
+  plane.edge2 = {0, 40, 0};
+  EXPECT_GT(session.cut(plane).cut_links, 0);
+  for (std::size_t n = states.size(); n-- > 0;) {
+    ASSERT_TRUE(session.undo());
+    const State state = session.state();
+    EXPECT_EQ(state.q, states[n].q) << n;
+    EXPECT_EQ(state.cuts, states[n].cuts) << n;
+    EXPECT_EQ(state.anchors, states[n].anchors) << n;
+    EXPECT_EQ(state.configuration, states[n].configuration) << n;
+  }
+  EXPECT_FALSE(session.undo());
+}
+
+TEST_F(UnitSession, AfterAStepTakenBackTheNextOneIsAsIfItHadNotBeen) {
+  Session straight(m_ball, m_options), detour(m_ball, m_options);
+  detour.drag(kGrabbed, {2, -1, 0});
+  ASSERT_TRUE(detour.undo());
+  straight.drag(kGrabbed, {0, 3, 1});
+  detour.drag(kGrabbed, {0, 3, 1});
+  EXPECT_EQ(straight.state().q, detour.state().q);
+  EXPECT_EQ(straight.journal(), detour.journal());
+}
+
+TEST_F(UnitSession, AStateIsContinuedWithItsJournalAndAnchors) {
+  Session session(m_ball, m_options);
+  session.fix({{4, 4, 8}, {20, 20, 9}});
+  session.drag(kGrabbed, {0, 2, 0});
+  session.write_state(m_folder / "ball.vdb");
+  Session further(m_folder / "ball.vdb", m_options);
+  EXPECT_EQ(further.state().q, session.state().q);
+  EXPECT_EQ(further.journal(), session.journal());
+  further.drag(kGrabbed, {0, 1, 0});
+  session.drag(kGrabbed, {0, 1, 0});
+  EXPECT_EQ(further.state().anchors, session.state().anchors);
+  EXPECT_EQ(further.journal(), session.journal());
+}
+
+TEST_F(UnitSession, WarningsAreToldAndKeptAndNothingIsPrinted) {
+  Heard heard;
+  ::testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStderr();
+  Session session(m_ball, m_options, &heard);
+  session.drag(kGrabbed, {0, 2, 0}, &heard);
+  EXPECT_EQ(::testing::internal::GetCapturedStdout(), "");
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
+  ASSERT_FALSE(session.messages().empty());
+  EXPECT_NE(session.messages()[0].find("no material given"), std::string::npos);
+  EXPECT_EQ(session.messages(), heard.warnings);
+  EXPECT_FALSE(heard.stages.empty());
+}
+
+TEST_F(UnitSession, ACancelledStepLeavesTheBodyAsItWas) {
+  Session session(m_ball, m_options);
+  session.drag(kGrabbed, {0, 2, 0});
+  const State before = session.state();
+  Heard heard;
+  heard.is_cancelled = true;
+  EXPECT_THROW(session.drag(kGrabbed, {0, 2, 0}, &heard), Cancelled);
+  EXPECT_EQ(session.state().q, before.q);
+  EXPECT_EQ(session.journal(), before.configuration);
+}
+
+TEST_F(UnitSession, WithoutUndoNothingIsKeptAndUndoIsAnError) {
+  Session session(m_ball);
+  session.drag(kGrabbed, {0, 2, 0});
+  EXPECT_THROW(session.undo(), std::logic_error);
+}

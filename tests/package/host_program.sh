@@ -1,0 +1,70 @@
+#!/usr/bin/env bash
+# Builds and runs the examples outside of the source tree, against the library as installed by
+# `cmake --install` or as unpacked from the package of `cpack`.
+#
+#   host_program.sh install|deb BUILD_FOLDER SOURCE_FOLDER
+set -euo pipefail
+way="$1" build="$2" source="$3"
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+if [ "$way" = install ]; then
+  prefix="$work/prefix"
+  cmake --install "$build" --prefix "$prefix" >"$work/install.log"
+else
+  command -v dpkg-shlibdeps >/dev/null || { echo "no dpkg-dev: no package is made"; exit 77; }
+  (cd "$work" && cpack --config "$build/CPackConfig.cmake" -B "$work" >"$work/cpack.log" 2>&1) ||
+    { cat "$work/cpack.log"; exit 1; }
+  dpkg -x "$work"/*.deb "$work/root"
+  dpkg -I "$work"/*.deb | grep -E '^ (Package|Version|Depends)'
+  prefix="$work/root/usr"
+fi
+
+# Nothing of this build leaks: neither its instruction set nor its warnings nor its folders.
+exported="$prefix"/lib*/cmake/supple
+if grep -rE -- "-march|-Wall|-Werror|cmake_pch|$source|$build" $prefix/lib/cmake/supple \
+    $prefix/lib/*/cmake/supple 2>/dev/null; then
+  echo "the installed CMake package names what belongs to the build"
+  exit 1
+fi
+
+cp -r "$source/examples" "$work/host"
+cmake -S "$work/host" -B "$work/host/build" -DCMAKE_PREFIX_PATH="$prefix" \
+  -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_FLAGS="-Wall -Wextra -Werror" >"$work/configure.log"
+cmake --build "$work/host/build" -j "$(nproc)" >"$work/build.log" 2>&1 ||
+  { cat "$work/build.log"; exit 1; }
+
+# A ball of tissue, made by the installed program's own formats.
+cd "$work"
+export LD_LIBRARY_PATH="$(dirname "$(find "$prefix" -name 'libsupple.so*' | head -n 1)")"
+python3 - <<'EOF'
+n = 24
+values = bytearray()
+for k in range(n):
+    for j in range(n):
+        for i in range(n):
+            d = ((i - 11.5) ** 2 + (j - 11.5) ** 2 + (k - 11.5) ** 2) ** 0.5
+            values.append(max(0, min(255, int(260 - 25 * max(0, d - 1)))))
+open("ball.raw", "wb").write(values)
+open("ball.nhdr", "w").write(
+    "NRRD0005\ntype: uint8\ndimension: 3\nsizes: 24 24 24\nencoding: raw\n"
+    "space: left-posterior-superior\nspace directions: (1,0,0) (0,1,0) (0,0,1.5)\n"
+    "space origin: (0,0,0)\ndata file: ball.raw\n")
+EOF
+bin="$work/host/build"
+supple="$prefix/bin/supple"
+set -x
+"$bin/info" ball.nhdr
+"$bin/drag_and_export" ball.nhdr 12 12 16 0 2 0 warp.nrrd
+"$bin/drag_and_export" ball.nhdr 12 12 16 0 2 0 warp.h5       # through the plugin of HDF5
+"$bin/live_drag" ball.nhdr 12 12 16
+"$bin/incremental_inverse" ball.nhdr 12 12 16
+"$bin/mesh_body"
+"$bin/own_model" ball.nhdr 12 12 16
+"$bin/own_offsets" ball.nhdr sheared.png
+mkdir in out && cp ball.* in && "$bin/batch" in out && test -s out/ball.png
+"$supple" deform ball.nhdr --grab 12,12,16 --by 0,2,0 -o ball.vdb
+"$bin/drag_and_export" ball.vdb 12 12 16 0 1 0 further.nrrd   # continues the state
+"$supple" info warp.h5
+"$supple" convert ball.nhdr ball.h5 && "$bin/info" ball.h5
+SUPPLE_PLUGIN_PATH="$work/nowhere" "$bin/info" ball.h5        # and then where it was found before

@@ -1,0 +1,23 @@
+// Supple in one header: open a volume or state, say what it is made of, drag, anchor, cut, relax,
+// take back, and have displacement, offsets, pictures and files of it.
+//
+//   supple::SessionOptions options;
+//   options.material = supple::read_material("ct_head_material.toml");
+//   supple::Session session("ct_head.nhdr", options);
+//   session.fix({{20, 20, 60}, {235, 150, 107}});                // voxels that stay
+//   session.drag(supple::Vec3i(128, 211, 12), {0, 12, 0});       // mm along the grid axes
+//   session.write_warp("warp.nrrd");                             // out(x) = in(x + o(x)), LPS mm
+//   session.write_state("jaw.vdb");
+//   write_png("jaw.png", show(session.state(), &session.pose()));
+//
+// Errors are supple::Error and what derives from it (volumes/base/error.h).
+#pragma once
+
+#include "lib/material/material_file.h"
+#include "lib/session/handles.h"
+#include "lib/session/session.h"
+#include "raycast/show.h"
+#include "volumes/base/version.h"
+#include "volumes/io/load/load.h"
+#include "volumes/io/open_volume.h"
+#include "volumes/state/state_outputs.h"
