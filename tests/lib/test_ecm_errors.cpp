@@ -64,7 +64,7 @@ TEST(UnitEcmErrors, AHandleOnVoidNamesTheNearestElement) {
 TEST(UnitEcmErrors, AVoxelGrabbedTwiceOrGrabbedAndFixedIsRefused) {
   Body body = soft_plate();
   EXPECT_EQ(drag_error(body, {grab_at(1, 1, 5), grab_at(1, 1, 5)}),
-            "grab 1,1,0 and grab_at 1,1,0: found voxel 1,1,0 in both, expected every voxel in one "
+            "grab 1,1,0 and grab 1,1,0: found voxel 1,1,0 in both, expected every voxel in one "
             "of them");
   EXPECT_EQ(
       drag_error(body, {grab_at(1, 1, 5)}, {{{0, 0, 0}, {1, 1, 0}}}),

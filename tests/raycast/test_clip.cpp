@@ -156,7 +156,7 @@ TEST(PropertyMaximum, EqualsBruteForceAlongVoxelColumns) {
 /// A brick of which nothing is opaque still hides what is less dense.
 TEST(PropertyMaximum, ATransparentMaximumHidesWhatIsVisible) {
   const Geometry geometry = cube_geometry(32);
-  // Slabs along y; some bricks of the dense one, which covers half of the clipped_picture, hold no
+  // Slabs along y; some bricks of the dense one, which covers half of the picture, hold no
   // other density.
   const DensityGrid grid = grid_of(voxels_of(Vec3i(32), everywhere), [](const Vec3d& p) {
     if (p.y < 8) return 500.0;
@@ -175,7 +175,7 @@ TEST(PropertyMaximum, ATransparentMaximumHidesWhatIsVisible) {
 }
 
 /// The tissue moves by a constant offset: a clip of the tissue moves along, one of the
-/// clipped_picture does not.
+/// picture does not.
 TEST(PropertyClip, ACutOfTheTissueMovesWithIt) {
   const Geometry geometry = cube_geometry(kClipSize);
   const BrickTopology where = voxels_of(Vec3i(kClipSize), everywhere);

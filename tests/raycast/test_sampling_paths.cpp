@@ -48,7 +48,7 @@ TEST(PropertySamplingPaths, APathThatMovesNothingGivesTheStraightPictureBitForBi
 
 TEST(PropertySamplingPaths, AnOpenedSlabIsEmptyInTheGapAndWholeBesideIt) {
   // Opened by 10 mm across the view: 39.5 mm / 80 pixels; the camera's margin is in the
-  // path_picture.
+  // picture.
   const Geometry geometry = cube_geometry(kPathSize);
   const DensityGrid grid = slab();
   TransferFunction fog = fog_function(0.1);

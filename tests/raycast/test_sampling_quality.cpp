@@ -158,7 +158,7 @@ double coherence(const Image& image, const Image& truth) {
   return variance_of_means / variance;
 }
 
-/// A thin sheet that leans a little out of the quality_picture's plane.
+/// A thin sheet that leans a little out of the picture's plane.
 Image leaning_sheet(double step, bool jitter) {
   const Geometry geometry = cube_geometry(48);
   const DensityGrid grid = grid_of(voxels_of({48, 48, 48}, everywhere), [](const Vec3d& p) {
