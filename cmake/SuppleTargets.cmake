@@ -91,7 +91,7 @@ endfunction()
 function(supple_add_tests name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES;LABELS" ${ARGN})
   add_executable(test_${name} ${ARG_SOURCES})
-  supple_add_sources(test_${name} . UNITY 1 EXCLUDE "/itk_[a-z]+\\.cpp$")
+  supple_add_sources(test_${name} . UNITY 6 EXCLUDE "/itk_[a-z]+\\.cpp$")
   target_link_libraries(test_${name} PRIVATE supple_options supple_cold supple_test_support
                                              ${ARG_LIBRARIES} GTest::gtest GTest::gtest_main)
   target_precompile_headers(test_${name} PRIVATE <algorithm> <filesystem> <functional> <random>

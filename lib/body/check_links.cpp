@@ -20,20 +20,16 @@ class FoldTable {
  public:
   explicit FoldTable(const Body& body) : m_stride(body.slacks.stride()) {
     const IndexBox& bounds = body.elements.active_bounds();
-    const int step = m_stride == 1 ? 255 : 1;
     const MaterialClasses classes(body.material);
     for (int axis = 0; axis < 3; ++axis) {
       m_can_fold[axis].resize(std::size_t(255) * m_stride + 256);
       const int first = axis == 0 ? 1 : 0, second = axis == 2 ? 1 : 2;
       const bool thick1 = bounds.hi[first] > bounds.lo[first];
       const bool thick2 = bounds.hi[second] > bounds.lo[second];
-      for (int a = 0; a < 256; a += step) {
-        for (int b = 0; b < 256; ++b) {
-          const LinkLimits limits = classes.limits(axis, a, b);
-          const double shear = (thick1 ? limits.shear1 : 0) + (thick2 ? limits.shear2 : 0);
-          m_can_fold[axis][std::size_t(a) * m_stride + b] = limits.min_length <= shear;
-        }
-      }
+      classes.for_each_pair(axis, [&](int a, int b, const LinkLimits& limits) {
+        const double shear = (thick1 ? limits.shear1 : 0) + (thick2 ? limits.shear2 : 0);
+        m_can_fold[axis][std::size_t(a) * m_stride + b] = limits.min_length <= shear;
+      });
     }
   }
   bool can_fold(int axis, std::uint8_t a, std::uint8_t b) const {

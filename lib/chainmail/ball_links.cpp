@@ -16,17 +16,13 @@ BallLinks::BallLinks(const Body& body) : m_stride(body.slacks.stride()) {
     m_rest_mm[a] = std::sqrt(m_products[a][a]);
   }
 
-  const int step = m_stride == 1 ? 255 : 1;
   const MaterialClasses classes(body.material);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     m_ranges[axis].resize(std::size_t(255 * m_stride + 256));
-    for (int a = 0; a < 256; a += step) {
-      for (int b = 0; b < 256; ++b) {
-        const LinkLimits limits = classes.limits(int(axis), a, b);
-        m_ranges[axis][std::size_t(a * m_stride + b)] = {limits.min_length * m_rest_mm[axis],
-                                                         limits.max_length * m_rest_mm[axis]};
-      }
-    }
+    classes.for_each_pair(int(axis), [&](int a, int b, const LinkLimits& limits) {
+      m_ranges[axis][std::size_t(a * m_stride + b)] = {limits.min_length * m_rest_mm[axis],
+                                                       limits.max_length * m_rest_mm[axis]};
+    });
   }
 }
 

@@ -90,6 +90,10 @@ struct MaterialTable : LimitTable {
 struct LinkLimits {
   double min_length, max_length, shear1, shear2;
 };
+inline LinkLimits mean_of(const LinkLimits& a, const LinkLimits& b) {
+  return {(a.min_length + b.min_length) / 2, (a.max_length + b.max_length) / 2,
+          (a.shear1 + b.shear1) / 2, (a.shear2 + b.shear2) / 2};
+}
 
 /// How one link resists; see the curves of LimitTable.
 struct LinkPhysics {
@@ -115,6 +119,10 @@ class MaterialClasses {
   /// or the mean of both ends' curves (combines_limits). shear1 bounds the lower-numbered
   /// transverse grid axis, shear2 the other. Classes of no table count as the last one.
   LinkLimits limits(int axis, int class_a, int class_b) const;
+  /// Calls visit(a, b, limits(axis, a, b)) for all pairs of classes. Where only the sum of the
+  /// classes counts (not combines_limits), a is 0 or kLastClass, which reach all 511 sums.
+  template <class Visit>
+  void for_each_pair(int axis, Visit&& visit) const;
 
   /// The same of a link's physical curves. A table without the curve counts as
   /// kDefaultStiffnessKpa, undamped, and elastic without end: under combines_limits a link yields
@@ -143,6 +151,17 @@ class MaterialClasses {
   std::vector<std::int16_t>
       m_of_label;  // index into m_shares, up to the largest label with a table
 };
+
+template <class Visit>
+void MaterialClasses::for_each_pair(int axis, Visit&& visit) const {
+  std::vector<LinkLimits> alike;  // of links between two elements of one class
+  for (int n = 0; m_combines_limits && n <= kLastClass; ++n) alike.push_back(limits(axis, n, n));
+  for (int a = 0; a <= kLastClass; a += m_combines_limits ? 1 : kLastClass) {
+    for (int b = 0; b <= kLastClass; ++b) {
+      visit(a, b, m_combines_limits ? mean_of(alike[a], alike[b]) : limits(axis, a, b));
+    }
+  }
+}
 
 /// As MaterialClasses::limits, for a few links.
 LinkLimits limits_of(const MaterialTable& table, int axis, int class_a, int class_b);

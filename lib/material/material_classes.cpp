@@ -92,10 +92,8 @@ LinkLimits MaterialClasses::limits(int axis, int class_a, int class_b) const {
     return limits_at(*m_shares.front().table, axis, (class_a + class_b) / (2.0 * kLastClass));
   }
   const Place end_a = place_of(class_a), end_b = place_of(class_b);
-  const LinkLimits a = limits_at(*end_a.table, axis, end_a.position);
-  const LinkLimits b = limits_at(*end_b.table, axis, end_b.position);
-  return {(a.min_length + b.min_length) / 2, (a.max_length + b.max_length) / 2,
-          (a.shear1 + b.shear1) / 2, (a.shear2 + b.shear2) / 2};
+  return mean_of(limits_at(*end_a.table, axis, end_a.position),
+                 limits_at(*end_b.table, axis, end_b.position));
 }
 
 LinkPhysics MaterialClasses::physics(int class_a, int class_b) const {

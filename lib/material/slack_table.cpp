@@ -15,28 +15,23 @@ SlackTable::SlackTable(const MaterialTable& table, const Vec3d& spacing_mm)
       m_row_size(std::size_t(kLastClass) * m_stride + kLastClass + 1),
       m_upper(9 * m_row_size),
       m_lower(9 * m_row_size) {
-  // In density mode only the sum of the classes counts: class_a 0 and 255 reach all 511 entries.
-  const int step = table.combines_limits() ? 1 : kLastClass;
   const MaterialClasses classes(table);
   for (int axis = 0; axis < 3; ++axis) {
     const int transverse[2] = {axis == 0 ? 1 : 0, axis == 2 ? 1 : 2};
-    for (int a = 0; a <= kLastClass; a += step) {
-      for (int b = 0; b <= kLastClass; ++b) {
-        const LinkLimits limits = classes.limits(axis, a, b);
-        const std::size_t entry = std::size_t(a) * m_stride + b;
-        const auto set = [&](int coordinate, double upper, double lower) {
-          const std::size_t row = std::size_t(3 * axis + coordinate) * m_row_size;
-          m_upper[row + entry] = fixed_slack(upper);
-          m_lower[row + entry] = fixed_slack(lower);
-        };
-        set(axis, limits.max_length - 1, 1 - limits.min_length);
-        for (int n = 0; n < 2; ++n) {
-          const double shear = (n == 0 ? limits.shear1 : limits.shear2) * spacing_mm[axis] /
-                               spacing_mm[transverse[n]];
-          set(transverse[n], shear, shear);
-        }
+    classes.for_each_pair(axis, [&](int a, int b, const LinkLimits& limits) {
+      const std::size_t entry = std::size_t(a) * m_stride + b;
+      const auto set = [&](int coordinate, double upper, double lower) {
+        const std::size_t row = std::size_t(3 * axis + coordinate) * m_row_size;
+        m_upper[row + entry] = fixed_slack(upper);
+        m_lower[row + entry] = fixed_slack(lower);
+      };
+      set(axis, limits.max_length - 1, 1 - limits.min_length);
+      for (int n = 0; n < 2; ++n) {
+        const double shear =
+            (n == 0 ? limits.shear1 : limits.shear2) * spacing_mm[axis] / spacing_mm[transverse[n]];
+        set(transverse[n], shear, shear);
       }
-    }
+    });
   }
 }
 

@@ -10,8 +10,6 @@ namespace supple::test {
 
 namespace {
 
-using Real = long double;
-
 Real evaluate(const Curve& curve, Real density) {
   const auto& keys = curve.keys;
   for (std::size_t n = 0; n < keys.size(); ++n) {
@@ -103,12 +101,6 @@ const Curve& shear1_of(const LimitTable& table, int) {
 }
 const Curve& shear2_of(const LimitTable& table, int) {
   return table.shear2;
-}
-
-/// The part of a displacement that is performed, truncated toward zero.
-Wide part_of(Wide by, const BruteForce::Outcome& outcome) {
-  const Wide sign = by < 0 ? -1 : 1;
-  return sign * (sign * by * outcome.numerator / outcome.denominator);
 }
 
 Wide units_below(Real voxels) {

@@ -5,16 +5,26 @@
 
 #include <array>
 #include <cstdint>
+#include <cstdlib>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "lib/chainmail/ecm.h"
 #include "tests/lib/test_bodies.h"
 
 namespace supple::test {
 
 using Wide = std::int64_t;
 constexpr Wide kNoPath = Wide(1) << 55;
+using Real = long double;
+
+/// The part of a displacement that is performed, truncated toward zero.
+template <class Outcome>
+Wide part_of(Wide by, const Outcome& outcome) {
+  const Wide size = std::abs(by) * outcome.numerator / outcome.denominator;
+  return by < 0 ? -size : size;
+}
 
 class BruteForce {
  public:
@@ -77,6 +87,14 @@ class BruteForce {
   std::vector<Kept> m_kept;
   int m_nodes;
   std::vector<Link> m_links;
+};
+
+/// One drag as the engine and as brute force take it: handles and anchors.
+struct RandomDrag {
+  std::vector<Handle> handles;
+  std::vector<BruteForce::Grab> grabs;
+  std::vector<Region> fixed;
+  std::vector<int> anchors;
 };
 
 /// Fails the test unless every offset is the same.

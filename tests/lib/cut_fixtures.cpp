@@ -4,9 +4,6 @@
 
 namespace supple::test {
 
-double pick(std::mt19937& random, double lo, double hi) {
-  return std::uniform_real_distribution<double>(lo, hi)(random);
-}
 Vec3d pick_vector(std::mt19937& random, double lo, double hi) {
   const double x = pick(random, lo, hi), y = pick(random, lo, hi);
   return {x, y, pick(random, lo, hi)};

@@ -6,7 +6,6 @@
 
 namespace supple::test {
 
-double pick(std::mt19937& random, double lo, double hi);
 Vec3d pick_vector(std::mt19937& random, double lo, double hi);
 
 /// The mesh with vertices given in voxels as one in LPS mm.

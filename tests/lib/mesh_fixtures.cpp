@@ -7,26 +7,15 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/lib/test_bodies.h"
+
 namespace supple::test {
 
 namespace {
 
-using Real = long double;
-using Wide = MeshBruteForce::Wide;
-
-Wide units_below(Real mm) {
+Wide units_below_mm(Real mm) {
   const Real units = std::floor(mm * 65536 + Real(1e-7));
-  return units >= Real(1 << 30) ? MeshBruteForce::kNoPath : Wide(units);
-}
-
-double pick(std::mt19937& random, double lo, double hi) {
-  return std::uniform_real_distribution<double>(lo, hi)(random);
-}
-
-/// The part of a displacement that is performed, truncated toward zero.
-Wide part_of(Wide by, const MeshBruteForce::Outcome& outcome) {
-  const Wide size = std::abs(by) * outcome.numerator / outcome.denominator;
-  return by < 0 ? -size : size;
+  return units >= Real(1 << 30) ? kNoPath : Wide(units);
 }
 
 }  // namespace
@@ -124,9 +113,10 @@ MeshBruteForce::MeshBruteForce(const MeshBody& body, const std::vector<MeshLimit
     for (int c = 0; c < 3; ++c) {
       const Real e = length == 0 ? 0 : r[c] / length;
       const Real sideways = Real(limit.shear) * std::sqrt(std::max(Real(0), 1 - e * e)) * length;
-      const Wide grow = units_below((Real(limit.max_length) - 1) * std::abs(e) * length + sideways);
+      const Wide grow =
+          units_below_mm((Real(limit.max_length) - 1) * std::abs(e) * length + sideways);
       const Wide shrink =
-          units_below((1 - Real(limit.min_length)) * std::abs(e) * length + sideways);
+          units_below_mm((1 - Real(limit.min_length)) * std::abs(e) * length + sideways);
       link.longer[c] = e < 0 ? shrink : grow;
       link.shorter[c] = e < 0 ? grow : shrink;
     }

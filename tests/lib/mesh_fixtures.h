@@ -10,6 +10,7 @@
 
 #include "lib/chainmail/mesh_links.h"
 #include "lib/mesh/mesh_body.h"
+#include "tests/lib/brute_force.h"
 
 namespace supple::test {
 
@@ -26,9 +27,6 @@ std::vector<MeshLimits> random_limits(std::mt19937& random, std::size_t links);
 
 class MeshBruteForce {
  public:
-  using Wide = std::int64_t;
-  static constexpr Wide kNoPath = Wide(1) << 55;
-
   MeshBruteForce(const MeshBody& body, const std::vector<MeshLimits>& limits);
 
   struct Grab {

@@ -1,13 +1,13 @@
 #include "tests/lib/quadratic_program.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "lib/body/lattice.h"
 
 namespace supple::test {
 
-QuadraticProgram::QuadraticProgram(const Body& body, std::size_t c, const SlotSet& held)
-    : m_held(held) {
+QuadraticProgram::QuadraticProgram(const Body& body, std::size_t c, const SlotSet& held) {
   const MaterialClasses classes(body.material);
   const Vec3d h = body.geometry.spacing_mm();
   for_each_element(body.elements, [&](Slot slot) {
@@ -26,16 +26,23 @@ QuadraticProgram::QuadraticProgram(const Body& body, std::size_t c, const SlotSe
                          body.slacks.lower(axis, int(c), first, second) / kFixedOne, 0});
     });
   }
+  for (Slot slot = 0; slot < m_x.size(); ++slot) {
+    if (!m_at[slot].empty() && !held.contains(slot)) m_free.push_back(slot);
+  }
 }
 
 double QuadraticProgram::minimise(int rounds, double& excess) {
-  for (int round = 0; round < rounds; ++round) {
+  double moved = 1;
+  for (int round = 0; round < rounds && moved > kStillVoxels; ++round) {
+    moved = 0;
     for (int sweep = 0; sweep < 20; ++sweep) {
-      for (Slot slot = 0; slot < m_x.size(); ++slot) {
-        if (!m_at[slot].empty() && !m_held.contains(slot)) step(slot);
-      }
+      for (const Slot slot : m_free) moved = std::max(moved, std::abs(step(slot)));
     }
-    for (Link& link : m_links) link.multiplier = kPenalty * link.k * beyond(link);
+    for (Link& link : m_links) {
+      const double before = link.multiplier;
+      link.multiplier = kPenalty * link.k * beyond(link);
+      moved = std::max(moved, std::abs(link.multiplier - before) / (kPenalty * link.k));
+    }
   }
   double energy = 0;
   excess = 0;
@@ -52,7 +59,7 @@ double QuadraticProgram::beyond(const Link& link) const {
   return d > link.upper ? d - link.upper : d < -link.lower ? d + link.lower : 0;
 }
 
-void QuadraticProgram::step(Slot slot) {
+double QuadraticProgram::step(Slot slot) {
   double force = 0, stiffness = 0;
   for (const std::size_t n : m_at[slot]) {
     const Link& link = m_links[n];
@@ -60,7 +67,9 @@ void QuadraticProgram::step(Slot slot) {
     force += slot == link.low ? pull : -pull;
     stiffness += link.k * (1 + kPenalty);
   }
-  m_x[slot] += 1.8 * force / stiffness;
+  const double by = 1.8 * force / stiffness;
+  m_x[slot] += by;
+  return by;
 }
 
 }  // namespace supple::test

@@ -12,27 +12,27 @@ namespace supple::test {
 /// elements where they are: augmented Lagrangian (Rockafellar 1974), each round by Gauss-Seidel.
 class QuadraticProgram {
  public:
-  /// `held` must outlive this.
   QuadraticProgram(const Body& body, std::size_t c, const SlotSet& held);
 
-  /// Energy in N/m voxel^2; the worst excess of a limit in voxels.
+  /// Energy in N/m voxel^2 after so many rounds, or once a round moves nothing by more than
+  /// kStillVoxels; the worst excess of a limit in voxels.
   double minimise(int rounds, double& excess);
   /// Per slot, in voxels.
   const std::vector<double>& offsets() const { return m_x; }
   void shift(Slot slot, double voxels) { m_x[slot] += voxels; }
 
  private:
-  static constexpr double kPenalty = 20;
+  static constexpr double kPenalty = 20, kStillVoxels = 1e-13;
   struct Link {
     Slot low, high;
     double k, upper, lower, multiplier;
   };
   double beyond(const Link& link) const;
-  void step(Slot slot);
+  double step(Slot slot);
 
-  const SlotSet& m_held;
   std::vector<double> m_x;
   std::vector<Link> m_links;
+  std::vector<Slot> m_free;                    // what is not held
   std::vector<std::vector<std::size_t>> m_at;  // links of a slot
 };
 

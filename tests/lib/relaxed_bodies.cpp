@@ -11,8 +11,6 @@ namespace supple::test {
 
 namespace {
 
-constexpr std::int32_t kVoxel = 65536;
-
 double energy_of_link(double stiffness, double stretch_mm, double yield_mm) {
   const double stretch = std::abs(stretch_mm);
   if (stretch <= yield_mm) return stiffness * stretch * stretch / 2;
@@ -55,6 +53,14 @@ Dragged dragged(std::mt19937& random, const Vec3i& max_dims) {
     drag(result.body, {{voxel, by, kind}}, result.anchors, result.holds);
   }
   return result;
+}
+
+RelaxParams to_rest(double kpa) {
+  RelaxParams params;
+  params.passes = 20000;
+  params.tolerance_voxels = 1e-9;
+  params.bulk_modulus_kpa = kpa;
+  return params;
 }
 
 Relaxation relaxation_of(Dragged& dragged, const RelaxParams& params) {

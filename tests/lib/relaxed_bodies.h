@@ -18,6 +18,9 @@ struct Dragged {
 
 Dragged dragged(std::mt19937& random, const Vec3i& max_dims);
 
+/// Until nothing moves.
+RelaxParams to_rest(double kpa = 0);
+
 Relaxation relaxation_of(Dragged& dragged, const RelaxParams& params);
 
 /// Relaxes, and fails the test unless anchors and two-sided handles stay and push handles keep

@@ -10,14 +10,6 @@ using namespace supple::test;
 
 namespace {
 
-constexpr std::int32_t kVoxel = 65536;
-
-/// Every element of one kind.
-Block homogeneous(const Vec3i& dims, double longest, double shortest, double shear) {
-  return full_block(dims, linear_table(longest, shortest, shear),
-                    [](int, int, int) { return 255.0; });
-}
-
 std::array<std::int32_t, 3> by_voxels(double i, double j, double k) {
   return {std::int32_t(i * kVoxel), std::int32_t(j * kVoxel), std::int32_t(k * kVoxel)};
 }
@@ -56,10 +48,6 @@ double largest_distance_voxels(const Body& a, const Body& b) {
     largest = std::max(largest, apart.length());
   });
   return largest;
-}
-
-bool same_offsets(const Body& a, const Body& b) {
-  return a.q[0] == b.q[0] && a.q[1] == b.q[1] && a.q[2] == b.q[2];
 }
 
 }  // namespace

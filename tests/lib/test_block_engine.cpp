@@ -15,8 +15,6 @@ using namespace supple::test;
 
 namespace {
 
-constexpr std::int32_t kVoxel = 65536;
-
 /// Soft noise with rigid shells, holes and a rough surface, in a few hundred bricks.
 Block shells(const Vec3i& dims, unsigned seed) {
   std::mt19937 random(seed);
@@ -94,8 +92,7 @@ TEST(PropertyBlockEngine, EqualsTheThesisAlgorithmOnBodiesOfManyBricks) {
 
 TEST(PropertyBlockEngine, TheEngineIsChosenByHowFullTheBricksAre) {
   const auto engine_of = [](const Vec3i& dims) {
-    Body body =
-        body_of(full_block(dims, linear_table(1.5, 0.6, 0.7), [](int, int, int) { return 255.0; }));
+    Body body = body_of(soft_block(dims));
     return EcmSolver(body).drag({{{0, 0, 0}, {kVoxel, 0, 0}}}, {}).engine;
   };
   EXPECT_EQ(engine_of({40, 40, 40}), Engine::block);

@@ -6,11 +6,12 @@
 
 namespace supple::test {
 
-namespace {
-
 double pick(std::mt19937& random, double lo, double hi) {
   return std::uniform_real_distribution<double>(lo, hi)(random);
 }
+
+namespace {
+
 bool chance(std::mt19937& random, double probability) {
   return pick(random, 0, 1) < probability;
 }
@@ -84,6 +85,14 @@ void mark_cuts(const Block& block, int n, Body& body) {
 
 }  // namespace
 
+MaterialTable constant_table(double longest, double shortest, double shear) {
+  MaterialTable table = linear_table(longest, shortest, shear);
+  table.max_length.keys = {{0, longest}};
+  table.min_length.keys = {{0, shortest}};
+  table.shear1.keys = table.shear2.keys = {{0, shear}};
+  return table;
+}
+
 MaterialTable linear_table(double longest, double shortest, double shear) {
   MaterialTable table;
   table.active_lo = 0;
@@ -106,6 +115,20 @@ Block full_block(const Vec3i& dims, const MaterialTable& table,
     }
   }
   return block;
+}
+
+Block homogeneous(const Vec3i& dims, double longest, double shortest, double shear) {
+  return full_block(dims, constant_table(longest, shortest, shear),
+                    [](int, int, int) { return 9.0; });
+}
+
+Block soft_block(const Vec3i& dims, double density) {
+  return full_block(dims, linear_table(1.5, 0.6, 0.7),
+                    [density](int, int, int) { return density; });
+}
+
+Body soft_row(int length) {
+  return body_of(soft_block({length, 1, 1}));
 }
 
 Block random_block(std::mt19937& random, const Vec3i& max_dims) {
@@ -207,6 +230,10 @@ Body body_of(const Block& block) {
   return body;
 }
 
+bool same_offsets(const Body& a, const Body& b) {
+  return a.q[0] == b.q[0] && a.q[1] == b.q[1] && a.q[2] == b.q[2];
+}
+
 int random_element(std::mt19937& random, const Block& block) {
   while (true) {
     const int n = int(random() % unsigned(block.size()));
@@ -223,13 +250,8 @@ Block t_shape(int size) {
   });
 }
 
-std::string input_error(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+std::string validation_error(const MaterialTable& table) {
+  return input_error([&] { table.validate("m.toml"); });
 }
 
 }  // namespace supple::test

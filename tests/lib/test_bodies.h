@@ -1,14 +1,21 @@
 // Small bodies for the tests of lib/: a dense description, and random ones.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <random>
 #include <string>
 #include <vector>
 
 #include "lib/body/body.h"
+#include "tests/support/errors.h"
 
 namespace supple::test {
+
+/// The unit of offsets: parts of a voxel.
+constexpr std::int32_t kVoxel = 65536;
+
+double pick(std::mt19937& random, double lo, double hi);
 
 /// A dense block of voxels, i fastest; `element` says which belong to the body.
 struct Block {
@@ -28,12 +35,23 @@ struct Block {
   }
 };
 
+/// The same limits for every class.
+MaterialTable constant_table(double longest, double shortest, double shear);
+
 /// Linear tables over classes 0 (rigid) … 255: max_length to `longest`, min_length to `shortest`.
 MaterialTable linear_table(double longest, double shortest, double shear);
 
 /// A full block with the given density everywhere.
 Block full_block(const Vec3i& dims, const MaterialTable& table,
                  const std::function<double(int, int, int)>& density);
+
+/// Elements of one kind, the same limits everywhere.
+Block homogeneous(const Vec3i& dims, double longest, double shortest, double shear);
+/// A full block between links that stretch by 32768 units and shorten by 26214 (255) and rigid ones
+/// (0).
+Block soft_block(const Vec3i& dims, double density = 255);
+/// Along i.
+Body soft_row(int length);
 
 /// Random shape with holes, densities, table (zero slack, overrides, both ways to combine) and
 /// spacing; dims at most `max_dims`.
@@ -47,6 +65,8 @@ void label_randomly(std::mt19937& random, Block& block);
 
 Body body_of(const Block& block);
 
+bool same_offsets(const Body& a, const Body& b);
+
 /// Any voxel of the body, as an index of the block.
 int random_element(std::mt19937& random, const Block& block);
 
@@ -54,7 +74,7 @@ int random_element(std::mt19937& random, const Block& block);
 /// lies near the right rim, where the body is pulled.
 Block t_shape(int size);
 
-/// The message of the InputError that `action` throws; "" when it throws none.
-std::string input_error(const std::function<void()>& action);
+/// What the table says of itself; "" when it is valid.
+std::string validation_error(const MaterialTable& table);
 
 }  // namespace supple::test

@@ -21,7 +21,7 @@ Vec3d random_vector(std::mt19937& random, double reach) {
 }
 
 /// An axis-parallel box from -half to half as twelve triangles that face outwards.
-TriangleMesh box_mesh(const Vec3d& half) {
+TriangleMesh centred_box(const Vec3d& half) {
   TriangleMesh mesh;
   for (int n = 0; n < 8; ++n) {
     mesh.vertices_lps_mm.push_back(half * Vec3d(n & 1 ? 1 : -1, n & 2 ? 1 : -1, n & 4 ? 1 : -1));
@@ -38,7 +38,7 @@ TriangleMesh box_mesh(const Vec3d& half) {
   return mesh;
 }
 
-std::unique_ptr<SpringIntegrator> make(int kind, SpringSystem& system) {
+std::unique_ptr<SpringIntegrator> integrator_of(int kind, SpringSystem& system) {
   return make_integrator(SpringMethod(kind), system);
 }
 
@@ -46,7 +46,7 @@ std::unique_ptr<SpringIntegrator> make(int kind, SpringSystem& system) {
 
 TEST(UnitContact, AShiftedShapeIsTheSameElsewhere) {
   std::mt19937 random(5);
-  const auto surface = std::make_shared<MeshSurface>(box_mesh({1, 2, 3}));
+  const auto surface = std::make_shared<MeshSurface>(centred_box({1, 2, 3}));
   const Shape shapes[] = {SphereShape{{1, 0, 0}, 2}, PlaneShape{{0, 0, 3}, {0, 0.6, -0.8}},
                           CapsuleShape{{0, 0, 0}, {4, 1, 0}, 1},
                           BoxShape{{1, 1, 0}, {Vec3d(2, 0, 0), Vec3d(0, 3, 0), Vec3d(0, 0, 1)}},
@@ -82,7 +82,7 @@ TEST(PropertyContact, AMeshOfABoxHasTheDistancesOfTheBox) {
   std::mt19937 random(31);
   const BoxShape box{{1, 2, 3}, {Vec3d(2, 0, 0), Vec3d(0, 3, 0), Vec3d(0, 0, 4)}};
   // Corners stored anew for each triangle, as in STL files.
-  const TriangleMesh shared = box_mesh({2, 3, 4});
+  const TriangleMesh shared = centred_box({2, 3, 4});
   TriangleMesh soup;
   for (const auto& t : shared.triangles) {
     const int first = int(soup.vertices_lps_mm.size());
@@ -135,9 +135,9 @@ TEST(PropertyContact, NoNodeIsLeftInsideAShape) {
         {SphereShape{{2.5, 2.5, -3}, 2}, 0.1, 0.4},
         {CapsuleShape{{9, 0, -2}, {9, 10, -4}, 1}},
         {BoxShape{{5, 9, -5}, {Vec3d(2, 0, 0), Vec3d(0, 1, 0), Vec3d(0, 0, 2)}}},
-        {MeshShape{std::make_shared<MeshSurface>(box_mesh({1, 1, 1})), {5, 5, -4}}, 0.15, 0.2},
+        {MeshShape{std::make_shared<MeshSurface>(centred_box({1, 1, 1})), {5, 5, -4}}, 0.15, 0.2},
         {PlaneShape{{0, 0, -6}, {0, 0, 1}}, 0.05, 0.3}};
-    const std::unique_ptr<SpringIntegrator> integrator = make(kind, system);
+    const std::unique_ptr<SpringIntegrator> integrator = integrator_of(kind, system);
     int contacts = 0;
     for (int frame = 0; frame < 80; ++frame) {
       const SpringStepReport report = integrator->step(0.004);
@@ -167,7 +167,7 @@ TEST(PropertyContact, FrictionHoldsOnGentleSlopesAndSlowsOnSteepOnes) {
       hold(system, 0);
       system.gravity_m_s2 = {0, 0, -9.81};
       system.colliders = {{PlaneShape{Vec3d(0.0), up}, 0, mu}};
-      const std::unique_ptr<SpringIntegrator> integrator = make(kind, system);
+      const std::unique_ptr<SpringIntegrator> integrator = integrator_of(kind, system);
       run_steps(*integrator, 1e-3, 200);
       const double slides = g * (std::sin(slope) - mu * std::cos(slope)) * 0.2 * 0.2 / 2;
       const double expected = mu > 0.577 ? 0 : slides;
@@ -183,7 +183,7 @@ TEST(UnitContact, ANodeThatLandsKeepsItsVelocityAlongTheSurfaceOnly) {
     SpringSystem system = oscillator(1e-3, 0, 0, 5, 0);
     system.velocity_mm_s[1] = {7, 0, -100};
     system.colliders = {{PlaneShape{{0, 0, -0.25}, {0, 0, 1}}}};
-    const std::unique_ptr<SpringIntegrator> integrator = make(kind, system);
+    const std::unique_ptr<SpringIntegrator> integrator = integrator_of(kind, system);
     run_steps(*integrator, 1e-3, 10);
     EXPECT_NEAR(system.pos_mm[1].z, -0.25, 1e-9);
     EXPECT_LT((system.velocity_mm_s[1] - Vec3d(7, 0, 0)).length(), 1e-6) << kind;
@@ -198,7 +198,7 @@ TEST(UnitContact, ABeltTakesAlongWhatLiesOnIt) {
     belt.friction = 0.5;
     belt.velocity_mm_s = {0, 200, 0};
     system.colliders = {belt};
-    const std::unique_ptr<SpringIntegrator> integrator = make(kind, system);
+    const std::unique_ptr<SpringIntegrator> integrator = integrator_of(kind, system);
     run_steps(*integrator, 1e-3, 20);  // mu g = 5 m/s^2
     EXPECT_NEAR(system.velocity_mm_s[1].y, 100, 1) << kind;
     run_steps(*integrator, 1e-3, 40);
@@ -210,7 +210,7 @@ TEST(UnitContact, ANodeThatStartsInsideIsPutOutWithoutAVelocity) {
   for (int kind = 0; kind < 4; ++kind) {
     SpringSystem system = oscillator(1e-3, 0, 0, 5, 0);
     system.colliders = {{SphereShape{{4, 0, 0}, 3}}};  // the held node at the origin stays
-    const std::unique_ptr<SpringIntegrator> integrator = make(kind, system);
+    const std::unique_ptr<SpringIntegrator> integrator = integrator_of(kind, system);
     EXPECT_GT(integrator->step(1e-3).contacts, 0);
     EXPECT_LT((system.pos_mm[1] - Vec3d(7, 0, 0)).length(), 1e-9);
     EXPECT_LT(system.velocity_mm_s[1].length(), 1e-6);

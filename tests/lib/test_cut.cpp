@@ -23,10 +23,6 @@ Geometry random_geometry(std::mt19937& random) {
   }
 }
 
-Block soft_block(const Vec3i& dims) {
-  return full_block(dims, linear_table(1.5, 0.6, 0.7), [](int, int, int) { return 255.0; });
-}
-
 /// Number of the connected piece of every element, over the links that are left.
 std::vector<int> pieces_of(const Body& body) {
   std::vector<int> piece(slot_count(body.elements), -1);
@@ -336,7 +332,7 @@ TEST(ExtremesCuts, BodiesWithoutLinksAreLeftAlone) {
   const TriangleMesh sphere = unit_sphere(2);
   Body nothing;
   EXPECT_EQ(cut(nothing, sphere).crossed, 0);
-  Body voxel = body_of(soft_block({1, 1, 1}));
+  Body voxel = soft_row(1);
   EXPECT_EQ(cut(voxel, sphere).crossed, 0);
   EXPECT_EQ(cut_boundary(voxel, [](Slot) { return true; }).crossed, 0);
   Body chain = body_of(soft_block({1, 1, 30}));

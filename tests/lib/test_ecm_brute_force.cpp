@@ -14,14 +14,6 @@ using namespace supple::test;
 
 namespace {
 
-/// Handles, anchors and the engine's and the brute force's view of one drag.
-struct RandomDrag {
-  std::vector<Handle> handles;
-  std::vector<BruteForce::Grab> grabs;
-  std::vector<Region> fixed;
-  std::vector<int> anchors;
-};
-
 RandomDrag random_drag(std::mt19937& random, const Block& block) {
   RandomDrag drag;
   std::vector<int> taken;

@@ -9,18 +9,15 @@ using namespace supple::test;
 
 namespace {
 
-constexpr std::int32_t kVoxel = 65536;
-
 /// 6 x 4 x 1 voxels of 2 mm, soft, with a hole at (3, 2).
 Body soft_plate() {
-  Block block =
-      full_block({6, 4, 1}, linear_table(1.5, 0.6, 0.7), [](int, int, int) { return 255.0; });
+  Block block = soft_block({6, 4, 1});
   block.spacing_mm = {2, 2, 2};
   block.element[block.index(3, 2, 0)] = 0;
   return body_of(block);
 }
 
-Handle grab(int i, int j, std::int32_t by) {
+Handle grab_at(int i, int j, std::int32_t by) {
   return {Vec3i(i, j, 0), {by, 0, 0}};
 }
 IndexBox voxel_box(int i, int j) {
@@ -56,32 +53,32 @@ class Interrupt : public Progress {
 
 TEST(UnitEcmErrors, AHandleOnVoidNamesTheNearestElement) {
   Body body = soft_plate();
-  EXPECT_EQ(drag_error(body, {grab(3, 2, kVoxel)}),
+  EXPECT_EQ(drag_error(body, {grab_at(3, 2, kVoxel)}),
             "grab 3,2,0: found no element, expected a voxel of the body; the nearest is 2,2,0, 2 "
             "mm away");
-  EXPECT_EQ(drag_error(body, {grab(-5, 1, kVoxel)}),
+  EXPECT_EQ(drag_error(body, {grab_at(-5, 1, kVoxel)}),
             "grab -5,1,0: found no element, expected a voxel of the body; the nearest is 0,1,0, 10 "
             "mm away");
 }
 
 TEST(UnitEcmErrors, AVoxelGrabbedTwiceOrGrabbedAndFixedIsRefused) {
   Body body = soft_plate();
+  EXPECT_EQ(drag_error(body, {grab_at(1, 1, 5), grab_at(1, 1, 5)}),
+            "grab 1,1,0 and grab 1,1,0: found voxel 1,1,0 in both, expected every voxel in one "
+            "of them");
   EXPECT_EQ(
-      drag_error(body, {grab(1, 1, 5), grab(1, 1, 5)}),
-      "grab 1,1,0 and grab 1,1,0: found voxel 1,1,0 in both, expected every voxel in one of them");
-  EXPECT_EQ(
-      drag_error(body, {grab(1, 1, 5)}, {{{0, 0, 0}, {1, 1, 0}}}),
+      drag_error(body, {grab_at(1, 1, 5)}, {{{0, 0, 0}, {1, 1, 0}}}),
       "grab 1,1,0 and fix 0,0,0:1,1,0: found voxel 1,1,0 in both, expected every voxel in one of "
       "them");
 }
 
 TEST(UnitEcmErrors, AnAnchorBoxWithoutElementsNamesTheNearestOne) {
   Body body = soft_plate();
-  EXPECT_EQ(drag_error(body, {grab(1, 1, 5)}, {voxel_box(3, 2)}),
+  EXPECT_EQ(drag_error(body, {grab_at(1, 1, 5)}, {voxel_box(3, 2)}),
             "fix 3,2,0: found no element, expected a voxel of the body; the nearest is 2,2,0, 2 mm "
             "away");
   EXPECT_EQ(
-      drag_error(body, {grab(1, 1, 5)}, {{{20, 0, 0}, {30, 3, 0}}}),
+      drag_error(body, {grab_at(1, 1, 5)}, {{{20, 0, 0}, {30, 3, 0}}}),
       "fix 20,0,0:30,3,0: found no element, expected a region that holds elements; the nearest "
       "is 5,0,0, 30 mm away");
 }
@@ -91,7 +88,7 @@ TEST(UnitEcmErrors, HandlesThatContradictEachOtherNameThePairAndTheMissingMillim
   // The two links behind stretch by 0.5 voxel each, so 3 voxels are 2 too many; the two ahead
   // shorten by 26214 units each, so 144180 units are too many: 4.40002 mm.
   EXPECT_EQ(
-      drag_error(body, {grab(0, 0, 0), grab(4, 0, 0), grab(2, 0, 3 * kVoxel)}),
+      drag_error(body, {grab_at(0, 0, 0), grab_at(4, 0, 0), grab_at(2, 0, 3 * kVoxel)}),
       "grab 2,0,0 and 4,0,0: found targets 4.40002 mm further apart along axis i than the links "
       "between them allow, expected handles that agree with each other");
 }
@@ -99,12 +96,12 @@ TEST(UnitEcmErrors, HandlesThatContradictEachOtherNameThePairAndTheMissingMillim
 TEST(UnitEcmErrors, AnOffsetBeyondTheRangeIsAnErrorAndNeverAWrap) {
   Body body = soft_plate();
   const std::int32_t far = 10000 * kVoxel;
-  drag(body, {grab(1, 1, far)}, {});
-  const std::string error = drag_error(body, {grab(1, 1, far)});
+  drag(body, {grab_at(1, 1, far)}, {});
+  const std::string error = drag_error(body, {grab_at(1, 1, far)});
   EXPECT_NE(error.find("grab 1,1,0: found a move by 10000"), std::string::npos) << error;
   EXPECT_NE(error.find("20000"), std::string::npos) << error;
-  EXPECT_NE(drag_error(body, {grab(1, 1, INT32_MIN)}), "");
-  drag(body, {grab(1, 1, -far)}, {});
+  EXPECT_NE(drag_error(body, {grab_at(1, 1, INT32_MIN)}), "");
+  drag(body, {grab_at(1, 1, -far)}, {});
   EXPECT_EQ(body.offset({1, 1, 0}, 0), 0);
 }
 

@@ -8,19 +8,8 @@
 using namespace supple;
 using namespace supple::test;
 
-namespace {
-
-constexpr std::int32_t kVoxel = 65536;
-
-Block uniform(const Vec3i& dims, double density) {
-  return full_block(dims, linear_table(1.5, 0.6, 0.7),
-                    [density](int, int, int) { return density; });
-}
-
-}  // namespace
-
 TEST(ExtremesEcm, AnAllRigidBodyMovesAsOneByTenThousandVoxels) {
-  const Block block = uniform({65, 49, 50}, 0);
+  const Block block = soft_block({65, 49, 50}, 0);
   Body body = body_of(block);
   const EcmReport report = drag(body, {{{0, 8, 3}, {10000 * kVoxel, -10000 * kVoxel, 1}}}, {});
   EXPECT_EQ(report.engine, Engine::block);
@@ -33,7 +22,7 @@ TEST(ExtremesEcm, AnAllRigidBodyMovesAsOneByTenThousandVoxels) {
 }
 
 TEST(ExtremesEcm, OneVoxelGoesWhereItIsTakenToTheEndOfTheRange) {
-  Body body = body_of(uniform({1, 1, 1}, 255));
+  Body body = body_of(soft_block({1, 1, 1}, 255));
   const std::int32_t most = 16383 * kVoxel;
   EXPECT_EQ(drag(body, {{{0, 0, 0}, {most, -most, 0}}}, {}).moved, 1);
   drag(body, {{{0, 0, 0}, {kVoxel - 1, 1 - kVoxel, 0}}}, {});
@@ -48,7 +37,7 @@ TEST(ExtremesEcm, AChainOfVoxelsFollowsAtItsLinksFullLength) {
     Vec3i dims(1, 1, 1), last(0, 0, 0);
     dims[axis] = n;
     last[axis] = n - 1;
-    Body body = body_of(uniform(dims, 255));
+    Body body = body_of(soft_block(dims, 255));
     std::array<std::int32_t, 3> by{};
     by[axis] = 16000 * kVoxel;
     by[(axis + 1) % 3] = -16000 * kVoxel;
@@ -63,7 +52,7 @@ TEST(ExtremesEcm, AChainOfVoxelsFollowsAtItsLinksFullLength) {
 }
 
 TEST(ExtremesEcm, ACheckerboardHasNoLinksAndOnlyTheGrabbedVoxelMoves) {
-  Block block = uniform({20, 20, 6}, 0);
+  Block block = soft_block({20, 20, 6}, 0);
   for (int n = 0; n < block.size(); ++n) {
     const Vec3i v = block.voxel(n);
     block.element[n] = (v.x + v.y + v.z) % 2 == 0;
@@ -108,7 +97,7 @@ TEST(ExtremesEcm, TenThousandAlternatingDragsDoNotDrift) {
 
 TEST(ExtremesEcm, AHugeDragOfASoftBodyWithAHugeAnchorStaysExact) {
   // 12,000 voxels requested, the anchors allow a few: the fraction is exact.
-  Block block = uniform({40, 12, 12}, 255);
+  Block block = soft_block({40, 12, 12}, 255);
   Body body = body_of(block);
   const EcmReport report =
       drag(body, {{{39, 5, 5}, {12000 * kVoxel, 0, 0}}}, {{{0, 0, 0}, {19, 11, 11}}});
@@ -120,7 +109,7 @@ TEST(ExtremesEcm, AHugeDragOfASoftBodyWithAHugeAnchorStaysExact) {
 }
 
 TEST(ExtremesEcm, AMillionIslandsMoveEachByItself) {
-  Block block = uniform({126, 126, 126}, 0);
+  Block block = soft_block({126, 126, 126}, 0);
   for (int n = 0; n < block.size(); ++n) {
     const Vec3i v = block.voxel(n);
     block.element[n] = (v.x + v.y + v.z) % 2 == 0;
@@ -140,7 +129,7 @@ TEST(ExtremesEcm, AMillionIslandsMoveEachByItself) {
 }
 
 TEST(ExtremesEcm, BothEnginesReachBothEndsOfTheRangeAlike) {
-  const Block block = uniform({40, 12, 12}, 200);
+  const Block block = soft_block({40, 12, 12}, 200);
   const std::int32_t most = 16383 * kVoxel;
   std::array<BrickValues, 3> first;
   for (const Engine engine : {Engine::flat, Engine::block}) {
@@ -166,7 +155,7 @@ TEST(ExtremesEcm, BothEnginesReachBothEndsOfTheRangeAlike) {
 
 TEST(ExtremesEcm, AnchorsAtOneEndOfTheRangeLimitHandlesAtTheOther) {
   // The run that finds the fraction takes anchors beyond the range, where only one engine goes.
-  const Block block = uniform({200, 9, 9}, 255);
+  const Block block = soft_block({200, 9, 9}, 255);
   std::array<BrickValues, 3> first;
   for (const Engine engine : {Engine::flat, Engine::block}) {
     Body body = body_of(block);

@@ -9,14 +9,6 @@ using namespace supple::test;
 
 namespace {
 
-constexpr std::int32_t kVoxel = 65536;
-
-/// Soft voxels in a row along i: links stretch by 32768 units and shorten by 26214.
-Body soft_row(int length) {
-  return body_of(
-      full_block({length, 1, 1}, linear_table(1.5, 0.6, 0.7), [](int, int, int) { return 255.0; }));
-}
-
 Handle push(int i, std::int32_t by) {
   return {Vec3i(i, 0, 0), {by, 0, 0}, HandleKind::push};
 }

@@ -15,8 +15,6 @@ using namespace supple::test;
 
 namespace {
 
-constexpr std::int32_t kVoxel = 65536;
-
 /// A body with random, mostly invalid offsets.
 Body scrambled(std::mt19937& random, const Block& block, BruteForce& brute, int reach) {
   Body body = body_of(block);
@@ -71,8 +69,7 @@ TEST(PropertyEcm, CoordinatesThatNeverMoveStayWithoutMemory) {
 TEST(PropertyEcm, OnlyBricksThatADragReachesHaveMemory) {
   // A pull by 4 voxels is followed over 8 nodes (0.5 per link), a push over 10 (0.4): 192 to 199
   // lie in one of 25 bricks, 93 to 109 in three.
-  const Body rest = body_of(
-      full_block({200, 1, 1}, linear_table(1.5, 0.6, 0.7), [](int, int, int) { return 255.0; }));
+  const Body rest = soft_row(200);
   Body body = rest;
   drag(body, {{{199, 0, 0}, {4 * kVoxel, 0, 0}}}, {});
   EXPECT_EQ(body.q[0].stored_bricks(), 1u);
@@ -90,8 +87,7 @@ TEST(PropertyEcm, OnlyBricksThatADragReachesHaveMemory) {
 }
 
 TEST(PropertyProjection, BricksThatItDoesNotReachStayWithoutMemory) {
-  Body body = body_of(
-      full_block({200, 1, 1}, linear_table(1.5, 0.6, 0.7), [](int, int, int) { return 255.0; }));
+  Body body = soft_row(200);
   // One voxel at a brick's end, 3 voxels up: half of the excess on both sides, in two bricks.
   body.q[0].resize(body.elements.brick_count());
   body.q[0].set(std::size_t(body.elements.find({103, 0, 0})) * kBrickVoxels +
@@ -142,8 +138,7 @@ TEST(PropertyEcm, ADragOfManyVoxelsAsOneMovesThemAsOne) {
 TEST(PropertyEcm, AnAnchoredDragStopsAtTheLargestAdmissibleFractionAndKeepsItsDirection) {
   // Ten soft voxels in a row, the first held: 9 links give 9 * 0.5 voxel along the row and
   // 9 * 0.7 (45875 units each) across.
-  Body body = body_of(
-      full_block({10, 1, 1}, linear_table(1.5, 0.6, 0.7), [](int, int, int) { return 255.0; }));
+  Body body = soft_row(10);
   const EcmReport report =
       drag(body, {{{9, 0, 0}, {9 * kVoxel, 18 * kVoxel, 1}}}, {{{0, 0, 0}, {0, 0, 0}}});
   // Along j: 9 * 45875 of 18 * 65536 units; along i: half. The smaller one counts for both.
@@ -157,8 +152,7 @@ TEST(PropertyEcm, AnAnchoredDragStopsAtTheLargestAdmissibleFractionAndKeepsItsDi
 }
 
 TEST(PropertyEcm, MovedCountsTheElementsWhoseOffsetChanged) {
-  Body body = body_of(
-      full_block({12, 1, 1}, linear_table(1.5, 0.6, 0.7), [](int, int, int) { return 255.0; }));
+  Body body = soft_row(12);
   // 1.2 voxels at one end: the links give 0.5 each (shortening 0.4), so 1.2, 0.7, 0.2 are left.
   EXPECT_EQ(drag(body, {{{0, 0, 0}, {-kVoxel * 6 / 5, 0, 0}}}, {}).moved, 3);
   // Back again, and sideways at the other end: 1.0 and 0.3 across.
@@ -258,8 +252,7 @@ TEST(PropertyProjection, WhatIsHeldKeepsItsPlaceWhereTheLinksAllowIt) {
 }
 
 TEST(PropertyProjection, WhatIsHeldTooFarApartMovesAndIsCounted) {
-  Body body = body_of(
-      full_block({5, 2, 1}, linear_table(1.5, 0.6, 0.7), [](int, int, int) { return 255.0; }));
+  Body body = body_of(soft_block({5, 2, 1}));
   Slot ends[2];
   ASSERT_TRUE(slot_of(body.elements, {0, 0, 0}, ends[0]));
   ASSERT_TRUE(slot_of(body.elements, {4, 0, 0}, ends[1]));

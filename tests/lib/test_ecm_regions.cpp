@@ -15,13 +15,6 @@ using namespace supple::test;
 
 namespace {
 
-struct RandomDrag {
-  std::vector<Handle> handles;
-  std::vector<BruteForce::Grab> grabs;
-  std::vector<Region> fixed;
-  std::vector<int> anchors;
-};
-
 struct RandomRegion {
   Region region;
   std::vector<int> nodes;
@@ -67,7 +60,7 @@ RandomRegion random_region(std::mt19937& random, const Block& block, std::vector
           nodes};
 }
 
-RandomDrag random_drag(std::mt19937& random, const Block& block) {
+RandomDrag drag_of_regions(std::mt19937& random, const Block& block) {
   RandomDrag drag;
   std::vector<char> taken(std::size_t(block.size()), 0);
   if (random() % 3 == 0) {
@@ -115,8 +108,8 @@ RandomDrag moved_again(std::mt19937& random, RandomDrag drag) {
 }
 
 /// The message names two handles whose missing distance is the largest there is.
-void expect_names_conflict(const std::string& message, const RandomDrag& drag, const Block& block,
-                           const BruteForce& brute, const BruteForce::Outcome& outcome) {
+void expect_names_regions(const std::string& message, const RandomDrag& drag, const Block& block,
+                          const BruteForce& brute, const BruteForce::Outcome& outcome) {
   const std::size_t found = message.find(": found targets ");
   ASSERT_NE(found, std::string::npos) << message;
   double missing_mm = 0;
@@ -141,12 +134,12 @@ void expect_names_conflict(const std::string& message, const RandomDrag& drag, c
   ADD_FAILURE() << message;
 }
 
-struct Tally {
+struct RegionTally {
   int moved = 0, conflicts = 0, shortened = 0, held = 0;
 };
 
 /// Some drags of one random body, each among what the earlier ones hold.
-void run_case(unsigned seed, const Vec3i& max_dims, Tally& tally) {
+void run_regions(unsigned seed, const Vec3i& max_dims, RegionTally& tally) {
   SCOPED_TRACE("seed " + std::to_string(seed));
   std::mt19937 random(seed);
   Block block = random_block(random, max_dims);
@@ -161,7 +154,7 @@ void run_case(unsigned seed, const Vec3i& max_dims, Tally& tally) {
       holds = {};
       brute.let_go();
     }
-    drag = random() % 3 == 0 ? moved_again(random, drag) : random_drag(random, block);
+    drag = random() % 3 == 0 ? moved_again(random, drag) : drag_of_regions(random, block);
     const BruteForce::Outcome expected = brute.drag(drag.grabs, drag.anchors, true);
     EcmReport report;
     const std::string error =
@@ -169,7 +162,7 @@ void run_case(unsigned seed, const Vec3i& max_dims, Tally& tally) {
     ASSERT_EQ(!error.empty(), expected.conflict) << error;
     if (expected.conflict) {
       ++tally.conflicts;
-      expect_names_conflict(error, drag, block, brute, expected);
+      expect_names_regions(error, drag, block, brute, expected);
     } else {
       EXPECT_EQ(report.fraction_numerator, expected.numerator);
       EXPECT_EQ(report.fraction_denominator, expected.denominator);
@@ -186,12 +179,12 @@ void run_case(unsigned seed, const Vec3i& max_dims, Tally& tally) {
 }  // namespace
 
 TEST(PropertyRegions, DragsOfRegionsAndPushesEqualBruteForceBitForBitAmongEarlierHolds) {
-  Tally tally;
+  RegionTally tally;
   for (unsigned seed = 0; seed < unsigned(cases(400)) && !HasFailure(); ++seed) {
     const Vec3i max_dims = seed % 20 == 0  ? Vec3i(18, 12, 6)
                            : seed % 3 == 0 ? Vec3i(12, 12, 1)
                                            : Vec3i(7, 6, 5);
-    run_case(seed, max_dims, tally);
+    run_regions(seed, max_dims, tally);
   }
   std::printf("moved %d, conflicts %d, shortened %d, stopped by holds %d\n", tally.moved,
               tally.conflicts, tally.shortened, tally.held);

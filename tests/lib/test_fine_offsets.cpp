@@ -99,8 +99,7 @@ TEST(PropertyFineOffsets, FractionsThatBreakALinkOrABoundAreDroppedAndNoOthers) 
 
 TEST(PropertyFineOffsets, ADragDropsTheFractionsOfWhatItMovesOnly) {
   std::mt19937 random(23);
-  Body body = body_of(
-      full_block({30, 9, 9}, linear_table(1.5, 0.6, 0.7), [](int, int, int) { return 255.0; }));
+  Body body = body_of(soft_block({30, 9, 9}));
   scatter_fractions(random, body);
   const Body before = body;
   drag(body, {{{4, 4, 4}, {2 * 65536, 0, 0}}}, {});
@@ -117,8 +116,7 @@ TEST(PropertyFineOffsets, ADragDropsTheFractionsOfWhatItMovesOnly) {
 }
 
 TEST(PropertyFineOffsets, ProjectionDropsThemToo) {
-  Body body = body_of(
-      full_block({8, 1, 1}, linear_table(1.5, 0.6, 0.7), [](int, int, int) { return 255.0; }));
+  Body body = soft_row(8);
   Slot end;
   ASSERT_TRUE(slot_of(body.elements, {7, 0, 0}, end));
   body.q[0].resize(body.elements.brick_count());
@@ -132,8 +130,7 @@ TEST(PropertyFineOffsets, ProjectionDropsThemToo) {
 }
 
 TEST(PropertyFineOffsets, ABodyWithoutFractionsHasNoMemoryForThem) {
-  Body body = body_of(
-      full_block({20, 8, 8}, linear_table(1.5, 0.6, 0.7), [](int, int, int) { return 255.0; }));
+  Body body = body_of(soft_block({20, 8, 8}));
   drag(body, {{{4, 4, 4}, {65536, 0, 0}}}, {});
   for (std::size_t c = 0; c < 3; ++c) EXPECT_EQ(body.fraction[c].bytes(), 0u);
   relax(body, {}, {}, jacobi(3));

@@ -10,7 +10,7 @@ using namespace supple::test;
 
 namespace {
 
-LimitTable constant_table(double longest, double shear) {
+LimitTable constant_limits(double longest, double shear) {
   LimitTable table;
   table.max_length = {{{0, longest}}};
   table.min_length = {{{0, 1.0}, {255, 1.0}}};
@@ -26,10 +26,10 @@ MaterialTable varying_table() {
 
 TEST(UnitLabelMaterial, ConstantTablesTakeOneClassAndTheOthersShareTheRest) {
   MaterialTable material = varying_table();
-  material.labels[3] = constant_table(1.2, 0.1);
+  material.labels[3] = constant_limits(1.2, 0.1);
   material.labels[7] = varying_table();
   material.labels[65535] = varying_table();
-  material.labels[9] = constant_table(1.0, 0);
+  material.labels[9] = constant_limits(1.0, 0);
   const MaterialClasses classes(material);  // (256 - 2) / 3 = 84 each
   ASSERT_EQ(classes.shares().size(), 5u);
   EXPECT_EQ(classes.class_of(0), 0);
@@ -57,7 +57,7 @@ TEST(UnitLabelMaterial, WithoutLabelsAllClassesAreTheCommonTables) {
 
 TEST(UnitLabelMaterial, ALinkTakesTheMeanOfBothEndsLimits) {
   MaterialTable material = varying_table();
-  material.labels[3] = constant_table(1.2, 0.1);
+  material.labels[3] = constant_limits(1.2, 0.1);
   material.labels[5] = varying_table();
   material.labels[5].domain_lo = -1000;
   material.labels[5].domain_hi = 1000;
@@ -77,7 +77,7 @@ TEST(UnitLabelMaterial, ALinkTakesTheMeanOfBothEndsLimits) {
 
 TEST(UnitLabelMaterial, ALabelMayOverrideOneAxis) {
   MaterialTable material = varying_table();
-  material.labels[3] = constant_table(1.2, 0.1);
+  material.labels[3] = constant_limits(1.2, 0.1);
   material.labels[3].max_length_axis[2] = Curve{{{0, 1.7}}};
   const MaterialClasses classes(material);
   EXPECT_EQ(classes.shares()[1].count, 1);
@@ -90,7 +90,7 @@ TEST(UnitLabelMaterial, ALabelMayOverrideOneAxis) {
 
 TEST(UnitLabelMaterial, ElementsTakeTheTableOfTheirLabel) {
   Block block = full_block({3, 1, 1}, varying_table(), [](int, int, int) { return 255.0; });
-  block.table.labels[3] = constant_table(1.2, 0.1);
+  block.table.labels[3] = constant_limits(1.2, 0.1);
   block.label = {0, 3, 4};
   const Body body = body_of(block);
   const MaterialClasses classes(block.table);
@@ -108,7 +108,7 @@ TEST(UnitLabelMaterial, FoldsAreRuledOutOnlyWhereEveryTableDoes) {
   Block block = full_block({4, 4, 4}, linear_table(1.1, 0.9, 0.1),
                            [](int i, int, int) { return i < 2 ? 255.0 : 0.0; });
   EXPECT_TRUE(check_links(body_of(block)).fold_free);
-  block.table.labels[3] = constant_table(1.2, 0.6);
+  block.table.labels[3] = constant_limits(1.2, 0.6);
   EXPECT_TRUE(check_links(body_of(block)).fold_free);
   block.label.assign(64, 3);
   EXPECT_FALSE(check_links(body_of(block)).fold_free);
@@ -129,10 +129,10 @@ TEST(UnitLabelMaterial, KeyPointsThatShareAClassOfALabelAreWarnedOfWithItsClassW
 
 TEST(FaultLabelMaterial, TooManyTablesAreAnErrorThatCountsThem) {
   MaterialTable material = linear_table(1, 1, 0);
-  for (int label = 1; label <= 255; ++label) material.labels[label] = constant_table(1.2, 0.1);
+  for (int label = 1; label <= 255; ++label) material.labels[label] = constant_limits(1.2, 0.1);
   EXPECT_EQ(input_error([&] { material.validate("m.toml"); }), "");
   EXPECT_EQ(MaterialClasses(material).class_of(9, 255), 255);
-  material.labels[256] = constant_table(1.2, 0.1);
+  material.labels[256] = constant_limits(1.2, 0.1);
   const std::string error = input_error([&] { material.validate("m.toml"); });
   EXPECT_NE(error.find("m.toml: label: found 256 tables that need 257 classes"), std::string::npos)
       << error;
@@ -144,7 +144,7 @@ TEST(FaultLabelMaterial, TooManyTablesAreAnErrorThatCountsThem) {
 TEST(FaultLabelMaterial, ErrorsNameTheLabelAndItsKeyPoint) {
   const auto error_of = [](const std::function<void(MaterialTable&)>& damage) {
     MaterialTable material = varying_table();
-    material.labels[3] = constant_table(1.2, 0.1);
+    material.labels[3] = constant_limits(1.2, 0.1);
     damage(material);
     return input_error([&] { material.validate("m.toml"); });
   };

@@ -15,12 +15,6 @@ using namespace supple::test;
 
 namespace {
 
-constexpr std::int32_t kVoxel = 65536;
-
-Block soft_block(const Vec3i& dims) {
-  return full_block(dims, linear_table(1.5, 0.6, 0.7), [](int, int, int) { return 255.0; });
-}
-
 LatticeSpringParams only(double structural, double shear, double bending) {
   LatticeSpringParams params;
   params.structural_n_m = structural;
@@ -256,7 +250,7 @@ TEST(PropertyLatticeSprings, SolidsTooLargeForFactorsAreSolvedByGradientsToTheSa
 }
 
 TEST(ExtremesLatticeSprings, OffsetsBeyondTheRangeAreRefusedAndTheBodyStays) {
-  Body body = body_of(soft_block({3, 1, 1}));
+  Body body = soft_row(3);
   LatticeSprings springs = make_springs(body, {});
   springs.system.pos_mm[0].x += 1;
   springs.system.pos_mm[2].x += 16384;

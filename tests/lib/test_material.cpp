@@ -8,10 +8,6 @@ using namespace supple::test;
 
 namespace {
 
-std::string validation_error(const MaterialTable& table) {
-  return input_error([&] { table.validate("m.toml"); });
-}
-
 /// The thesis' table of figure 4.10.
 MaterialTable thesis_table() {
   return linear_table(1.5, 0.6, 0.7);

@@ -30,10 +30,6 @@ LimitTable rigid_table() {
   return linear_table(1, 1, 0);
 }
 
-std::string validation_error(const MaterialTable& table) {
-  return input_error([&] { table.validate("m.toml"); });
-}
-
 }  // namespace
 
 TEST(UnitMaterialPhysics, ALinkReadsItsCurvesAtTheMeanOfBothEndsWithHalfClasses) {

@@ -16,9 +16,7 @@ using namespace supple::test;
 
 namespace {
 
-using Wide = MeshBruteForce::Wide;
-
-struct RandomDrag {
+struct MeshDrag {
   std::vector<MeshHandle> handles;
   std::vector<NodeSet> anchors;
   std::vector<MeshBruteForce::Grab> grabs;
@@ -26,7 +24,7 @@ struct RandomDrag {
 };
 
 /// Up to three handles of up to three nodes, mostly alike so that they can agree, and anchors.
-RandomDrag random_drag(std::mt19937& random, int nodes) {
+MeshDrag random_mesh_drag(std::mt19937& random, int nodes) {
   std::vector<int> order(nodes);
   std::iota(order.begin(), order.end(), 0);
   std::shuffle(order.begin(), order.end(), random);
@@ -38,7 +36,7 @@ RandomDrag random_drag(std::mt19937& random, int nodes) {
     }
     return set;
   };
-  RandomDrag drag;
+  MeshDrag drag;
   const double reach = std::pow(10.0, std::uniform_real_distribution<double>(-1, 1.5)(random));
   std::array<Wide, 3> common{};
   const int handles = random() % 2 ? 1 : 1 + int(random() % 3);
@@ -71,8 +69,8 @@ RandomDrag random_drag(std::mt19937& random, int nodes) {
 }
 
 /// The message names two nodes whose missing distance is the largest there is.
-void expect_names_conflict(const std::string& message, const RandomDrag& drag,
-                           const MeshBruteForce& brute, const MeshBruteForce::Outcome& outcome) {
+void expect_names_nodes(const std::string& message, const MeshDrag& drag,
+                        const MeshBruteForce& brute, const MeshBruteForce::Outcome& outcome) {
   int handles[2], nodes[2];
   double missing_mm = 0;
   char axis = ' ';
@@ -94,7 +92,7 @@ void expect_names_conflict(const std::string& message, const RandomDrag& drag,
   EXPECT_EQ(brute.missing(c, nodes[0], targets[0], nodes[1], targets[1]), outcome.missing);
 }
 
-std::vector<MeshLimits> uniform(const MeshBody& body, const MeshLimits& limits) {
+std::vector<MeshLimits> for_all_links(const MeshBody& body, const MeshLimits& limits) {
   return std::vector<MeshLimits>(body.links.size(), limits);
 }
 
@@ -169,7 +167,7 @@ TEST(PropertyMeshEcm, EqualsBruteForceBitForBitOnRandomNetworks) {
     MeshEcm ecm(body, limits);
     MeshBruteForce brute(body, limits);
     for (int n = 0; n < 3 && !HasFailure(); ++n) {
-      const RandomDrag drag = random_drag(random, int(body.node_count()));
+      const MeshDrag drag = random_mesh_drag(random, int(body.node_count()));
       const std::array<std::vector<Wide>, 3> before = brute.q;
       const MeshBruteForce::Outcome expected = brute.drag(drag.grabs, drag.fixed);
       MeshEcmReport report;
@@ -177,7 +175,7 @@ TEST(PropertyMeshEcm, EqualsBruteForceBitForBitOnRandomNetworks) {
       ASSERT_EQ(!error.empty(), expected.conflict) << error;
       if (expected.conflict) {
         ++conflicts;
-        expect_names_conflict(error, drag, brute, expected);
+        expect_names_nodes(error, drag, brute, expected);
       } else {
         EXPECT_EQ(report.fraction_numerator, expected.numerator);
         EXPECT_EQ(report.fraction_denominator, expected.denominator);
@@ -307,7 +305,7 @@ TEST(PropertyMeshEcm, AMembraneHeldAtItsRimEqualsBruteForce) {
     p.y += double(random() % 100) / 100;
   }
   MeshBody body = make_mesh_body(mesh);
-  const std::vector<MeshLimits> limits = uniform(body, {1.3, 0.7, 0.4});
+  const std::vector<MeshLimits> limits = for_all_links(body, {1.3, 0.7, 0.4});
   MeshEcm ecm(body, limits);
   MeshBruteForce brute(body, limits);
   const int middle = side / 2 * (side + 1);
@@ -332,7 +330,7 @@ TEST(PropertyMeshEcm, AClosedSurfaceDraggedAtAPointStaysValidAndInOnePiece) {
   }
   MeshBody body = make_mesh_body(mesh);
   ASSERT_EQ(body.node_count(), 2562u);
-  const std::vector<MeshLimits> limits = uniform(body, {1.25, 0.8, 0.3});
+  const std::vector<MeshLimits> limits = for_all_links(body, {1.25, 0.8, 0.3});
   MeshEcm ecm(body, limits);
   MeshBruteForce brute(body, limits);
   std::mt19937 random(2);

@@ -19,8 +19,8 @@ namespace {
 constexpr int kSide = 15;
 constexpr int kMiddle = kSide / 2 * (kSide + 1);
 
-struct StopAfter final : Progress {
-  explicit StopAfter(int steps) : most(steps) {}
+struct StopAfterSteps final : Progress {
+  explicit StopAfterSteps(int steps) : most(steps) {}
   void stage(std::string_view) override {}
   void update(double) override { ++updates; }
   bool cancelled() const override { return updates >= most; }
@@ -55,7 +55,7 @@ TEST(PropertyMeshEcmAndSprings, AnInterruptedRelaxationMayBreakLimitsWhichTheNex
   ecm.drag({{{kMiddle}, {1.5, 0, 3}}}, {rim()});
   ASSERT_EQ(ecm.check_links().violated, 0);
 
-  StopAfter two_steps(2);
+  StopAfterSteps two_steps(2);
   const MinimiseReport relaxed = relax(body, &two_steps);
   EXPECT_FALSE(relaxed.converged);
   EXPECT_LT(relaxed.after.spring_j, relaxed.before.spring_j);

@@ -17,8 +17,6 @@ using namespace supple::test;
 
 namespace {
 
-constexpr std::int32_t kVoxel = 65536;
-
 /// Tissue of 10 kPa in which motion fades.
 MaterialTable tissue() {
   MaterialTable table = linear_table(1.5, 0.6, 0.7);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "lib/model/relax_model.h"
+#include "tests/lib/relaxed_bodies.h"
 #include "tests/lib/test_bodies.h"
 
 using namespace supple;
@@ -11,22 +12,10 @@ using namespace supple::test;
 
 namespace {
 
-constexpr std::int32_t kVoxel = 65536;
-
 MaterialTable yielding_table(double yield) {
-  MaterialTable table = linear_table(3, 0.1, 2);
-  table.max_length.keys = {{0, 3}};
-  table.min_length.keys = {{0, 0.1}};
-  table.shear1.keys = table.shear2.keys = {{0, 2}};
+  MaterialTable table = constant_table(3, 0.1, 2);
   table.plastic = Curve{{{0, yield}}};
   return table;
-}
-
-RelaxParams to_rest() {
-  RelaxParams params;
-  params.passes = 20000;
-  params.tolerance_voxels = 1e-9;
-  return params;
 }
 
 /// Pulls the far end of a bar along i by so many voxels, relaxes, lets go, relaxes again; returns
@@ -97,8 +86,7 @@ TEST(PropertyPlasticFlow, AcrossALinkTheYieldIsAFractionOfItsLength) {
 }
 
 TEST(PropertyPlasticFlow, AnElasticBodyHasNoMemoryForIt) {
-  Body body = body_of(
-      full_block({12, 3, 3}, linear_table(1.5, 0.6, 0.7), [](int, int, int) { return 255.0; }));
+  Body body = body_of(soft_block({12, 3, 3}));
   set_of_bar(body, 12, 3);
   for (const auto& axis : body.rest) {
     for (const BrickValues& coordinate : axis) EXPECT_EQ(coordinate.brick_count(), 0u);

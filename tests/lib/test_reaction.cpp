@@ -15,15 +15,11 @@ using namespace supple::test;
 
 namespace {
 
-constexpr std::int32_t kVoxel = 65536;
 const Vec3d kSpacing(0.5, 1.25, 2);
 
 /// Limits so wide that they do not matter; Young's modulus 1 to 21 kPa.
 MaterialTable wide_table() {
-  MaterialTable table = linear_table(3, 0.1, 2);
-  table.max_length.keys = {{0, 3}};
-  table.min_length.keys = {{0, 0.1}};
-  table.shear1.keys = table.shear2.keys = {{0, 2}};
+  MaterialTable table = constant_table(3, 0.1, 2);
   table.stiffness = Curve{{{0, 1}, {255, 21}}};
   return table;
 }
@@ -38,14 +34,6 @@ Block wide_block(const Vec3i& dims, const std::function<double(int, int, int)>& 
 double stiffness(int axis, double density) {
   const Vec3d& h = kSpacing;
   return (1 + 20 * density / 255) * h[(axis + 1) % 3] * h[(axis + 2) % 3] / h[axis];
-}
-
-RelaxParams to_rest(double kpa = 0) {
-  RelaxParams params;
-  params.passes = 20000;
-  params.tolerance_voxels = 1e-9;
-  params.bulk_modulus_kpa = kpa;
-  return params;
 }
 
 SlotSet slots_of(const Body& body, const Vec3i& lo, const Vec3i& hi) {

@@ -14,8 +14,6 @@ using namespace supple::reference;
 
 namespace {
 
-constexpr std::int32_t kVoxel = 65536;
-
 /// Links between two rigid elements (density 0) whose ends have different offsets.
 int torn_rigid_links(const Body& body, const Block& block) {
   int torn = 0;

@@ -15,7 +15,6 @@ using namespace supple::test;
 
 namespace {
 
-constexpr std::int32_t kVoxel = 65536;
 constexpr RelaxMethod kValidMethods[] = {RelaxMethod::jacobi, RelaxMethod::red_black,
                                          RelaxMethod::accelerated};
 constexpr RelaxMethod kAllMethods[] = {RelaxMethod::plain, RelaxMethod::jacobi,
@@ -30,10 +29,6 @@ RelaxParams params_of(RelaxMethod method, int passes) {
 
 Body soft_block(const Vec3i& dims, const std::function<double(int, int, int)>& density) {
   return body_of(full_block(dims, linear_table(1.5, 0.6, 0.7), density));
-}
-
-Body soft_row(int length) {
-  return soft_block({length, 1, 1}, [](int, int, int) { return 255.0; });
 }
 
 /// Asks to stop after so many passes.

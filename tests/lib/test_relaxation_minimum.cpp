@@ -12,12 +12,6 @@
 using namespace supple;
 using namespace supple::test;
 
-namespace {
-
-constexpr std::int32_t kVoxel = 65536;
-
-}  // namespace
-
 TEST(PropertyRelaxation, ItComesNearTheLeastEnergyThatTheLimitsAllow) {
   std::mt19937 random(41);
   std::vector<double> gaps;

@@ -16,17 +16,6 @@ using namespace supple::test;
 
 namespace {
 
-constexpr std::int32_t kVoxel = 65536;
-
-/// Elements of one kind, the same limits everywhere.
-Block homogeneous(const Vec3i& dims, double longest, double shortest, double shear) {
-  MaterialTable table = linear_table(longest, shortest, shear);
-  table.max_length.keys = {{0, longest}};
-  table.min_length.keys = {{0, shortest}};
-  table.shear1.keys = table.shear2.keys = {{0, shear}};
-  return full_block(dims, table, [](int, int, int) { return 9.0; });
-}
-
 /// Links along i get that length.
 void stretch_along_i(Body& body, double length) {
   body.q[0].resize(body.elements.brick_count());
@@ -45,10 +34,6 @@ TightRange range_at(const Body& body, int axis, const Vec3i& low) {
   Vec3i high = low;
   ++high[axis];
   return tight_range(body, body.q, axis, slot_at(body, low), slot_at(body, high));
-}
-
-bool same_offsets(const Body& a, const Body& b) {
-  return a.q[0] == b.q[0] && a.q[1] == b.q[1] && a.q[2] == b.q[2];
 }
 
 /// Every link's excess by the words of tight_limits.h, in voxels.

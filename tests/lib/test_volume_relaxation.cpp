@@ -13,10 +13,9 @@ using namespace supple::test;
 
 namespace {
 
-constexpr std::int32_t kVoxel = 65536;
 constexpr RelaxMethod kMethods[] = {RelaxMethod::red_black, RelaxMethod::accelerated};
 
-RelaxParams params_of(double kpa, int passes = 20) {
+RelaxParams with_bulk_modulus(double kpa, int passes = 20) {
   RelaxParams params;
   params.bulk_modulus_kpa = kpa;
   params.passes = passes;
@@ -32,22 +31,9 @@ Hexahedron random_corners(std::mt19937& random, double by) {
   return corners;
 }
 
-/// The same limits everywhere, so wide that they do not matter.
-MaterialTable wide_table() {
-  MaterialTable table = linear_table(3, 0.2, 2);
-  table.max_length.keys = {{0, 3}};
-  table.min_length.keys = {{0, 0.2}};
-  table.shear1.keys = table.shear2.keys = {{0, 2}};
-  return table;
-}
-
-Block wide_block(const Vec3i& dims) {
-  return full_block(dims, wide_table(), [](int, int, int) { return 9.0; });
-}
-
 /// A ball that just fits into that many voxels.
 Body soft_ball(int diameter) {
-  Block block = wide_block({diameter, diameter, diameter});
+  Block block = homogeneous({diameter, diameter, diameter}, 3, 0.2, 2);
   for (int n = 0; n < block.size(); ++n) {
     double square = 0;
     for (int c = 0; c < 3; ++c) {
@@ -131,7 +117,7 @@ TEST(UnitCellVolume, IsLinearInEachCornerWithTheGradientAsSlope) {
 }
 
 TEST(UnitCellVolume, OfABodyCountsTheCellsThatNoCutOpens) {
-  Block block = wide_block({5, 4, 3});
+  Block block = homogeneous({5, 4, 3}, 3, 0.2, 2);
   block.origin = {6, -2, 7};  // across bricks
   block.spacing_mm = {0.5, 2, 3};
   EXPECT_EQ(cell_volumes(body_of(block)).cells, 4 * 3 * 2);
@@ -163,7 +149,7 @@ TEST(PropertyVolumeRelaxation, EveryPassLeavesAValidBodyOfNoMoreEnergy) {
     const double first = total_energy(start.body, kpa);
     for (const RelaxMethod method : kMethods) {
       start = before;
-      RelaxParams params = params_of(kpa);
+      RelaxParams params = with_bulk_modulus(kpa);
       params.method = method;
       Relaxation relaxation = relaxation_of(start, params);
       ASSERT_NEAR(relaxation.energy(), first, 1e-6 * first + 1e-12);  // stiffness is a float
@@ -185,7 +171,7 @@ TEST(PropertyVolumeRelaxation, WhatIsHeldStays) {
   std::mt19937 random(5);
   int at_bound = 0;
   for (int n = 0; n < 40; ++n) {
-    at_bound += expect_held_through(dragged(random, {9, 9, 7}), params_of(50, 15));
+    at_bound += expect_held_through(dragged(random, {9, 9, 7}), with_bulk_modulus(50, 15));
   }
   EXPECT_GT(at_bound, 5);
 }
@@ -193,13 +179,13 @@ TEST(PropertyVolumeRelaxation, WhatIsHeldStays) {
 TEST(PropertyVolumeRelaxation, TheResultDoesNotDependOnTheNumberOfThreads) {
   std::mt19937 random(7);
   for (int n = 0; n < 6; ++n) {
-    expect_same_on_any_threads(dragged(random, {30, 28, 26}), params_of(100));
+    expect_same_on_any_threads(dragged(random, {30, 28, 26}), with_bulk_modulus(100));
   }
 }
 
 TEST(PropertyVolumeRelaxation, ItEndsWhereTheEnergyIsLeast) {
   // Across bricks, with anisotropic spacing and two stiffnesses.
-  Block block = wide_block({9, 6, 5});
+  Block block = homogeneous({9, 6, 5}, 3, 0.2, 2);
   block.origin = {4, 5, 6};
   block.spacing_mm = {0.7, 1.1, 1.6};
   block.table.stiffness = Curve{{{0, 1}, {9, 1}, {10, 4}}};
@@ -211,7 +197,7 @@ TEST(PropertyVolumeRelaxation, ItEndsWhereTheEnergyIsLeast) {
   const Region near({4, 5, 6}, {4, 10, 10}), far({12, 5, 6}, {12, 10, 10});
   Holds holds;
   drag(body, {{far, {3 * kVoxel, kVoxel, 0}}}, {near}, holds);
-  RelaxParams params = params_of(kpa, 4000);
+  RelaxParams params = with_bulk_modulus(kpa, 4000);
   params.tolerance_voxels = 1e-9;
   const RelaxReport report = relax(body, {near}, holds, params);
   EXPECT_TRUE(report.converged);
@@ -230,7 +216,7 @@ TEST(PropertyVolumeRelaxation, ItEndsWhereTheEnergyIsLeast) {
 
 TEST(PropertyVolumeRelaxation, ARigidPartMovesAsOneToWhereTheEnergyIsLeast) {
   // A rigid bar in soft tissue that is pressed beside it.
-  MaterialTable table = wide_table();
+  MaterialTable table = constant_table(3, 0.2, 2);
   table.max_length.keys = {{0, 1}, {1, 1}, {9, 3}};
   table.min_length.keys = {{0, 1}, {1, 1}, {9, 0.2}};
   table.shear1.keys = table.shear2.keys = {{0, 0}, {1, 0}, {9, 2}};
@@ -246,7 +232,7 @@ TEST(PropertyVolumeRelaxation, ARigidPartMovesAsOneToWhereTheEnergyIsLeast) {
   const Region base({0, 0, 0}, {13, 0, 7});
   Holds holds;
   drag(body, {{Region({9, 11, 2}, {11, 11, 5}), {0, -2 * kVoxel, 0}}}, {base}, holds);
-  RelaxParams params = params_of(kpa, 4000);
+  RelaxParams params = with_bulk_modulus(kpa, 4000);
   params.tolerance_voxels = 1e-9;
   EXPECT_TRUE(relax(body, {base}, holds, params).converged);
   std::vector<Slot> bar;
@@ -265,16 +251,16 @@ TEST(PropertyVolumeRelaxation, ARigidPartMovesAsOneToWhereTheEnergyIsLeast) {
 }
 
 TEST(PropertyVolumeRelaxation, ABlockThatIsPressedKeepsItsVolumeOnlyWithConservation) {
-  const Body rest = body_of(wide_block({9, 9, 11}));
+  const Body rest = body_of(homogeneous({9, 9, 11}, 3, 0.2, 2));
   Body off = rest, on = rest;
   // Without it nothing couples the coordinates: nothing moves sideways, and the volume lost is the
   // strain, 30 % everywhere.
-  RelaxParams params = params_of(0, 1000);
+  RelaxParams params = with_bulk_modulus(0, 1000);
   params.tolerance_voxels = 1e-6;
   EXPECT_TRUE(relax(off, {}, press(off, 0.3), params).converged);
   EXPECT_TRUE(off.q[0].empty() && off.q[1].empty());
   EXPECT_NEAR(cell_volumes(off).ratio(), 0.7, 1e-4);
-  const RelaxReport report = relax(on, {}, press(on, 0.3), params_of(100, 500));
+  const RelaxReport report = relax(on, {}, press(on, 0.3), with_bulk_modulus(100, 500));
   EXPECT_NEAR(report.volumes_before->ratio(), 0.7, 0.1);
   EXPECT_NEAR(report.volumes_after->ratio(), 1, 0.01);
   // Without friction it widens alike on both axes, everywhere but near its surface.
@@ -285,7 +271,7 @@ TEST(PropertyVolumeRelaxation, ABlockThatIsPressedKeepsItsVolumeOnlyWithConserva
 TEST(PropertyVolumeRelaxation, ABallThatIsPressedKeepsItsVolumeOnlyWithConservation) {
   const Body rest = soft_ball(24);
   Body off = rest, on = rest;
-  relax(off, {}, press(off, 0.3, 2), params_of(0, 300));
+  relax(off, {}, press(off, 0.3, 2), with_bulk_modulus(0, 300));
   EXPECT_TRUE(off.q[0].empty() && off.q[1].empty());
   // A cell between upright links loses the mean of what its four lose: so does the body, a link
   // counting a quarter for each of its cells.
@@ -313,7 +299,7 @@ TEST(PropertyVolumeRelaxation, ABallThatIsPressedKeepsItsVolumeOnlyWithConservat
   EXPECT_NEAR(without.rest_mm3 - without.total_mm3, lost, 1e-6 * lost);
   EXPECT_LT(without.ratio(), 0.85);
 
-  const RelaxReport report = relax(on, {}, press(on, 0.3, 2), params_of(100, 300));
+  const RelaxReport report = relax(on, {}, press(on, 0.3, 2), with_bulk_modulus(100, 300));
   EXPECT_NEAR(report.volumes_after->ratio(), 1, 0.01);
   EXPECT_LT(report.energy_after, report.energy_before);
   EXPECT_EQ(check_links(on).violated, 0);
@@ -321,7 +307,7 @@ TEST(PropertyVolumeRelaxation, ABallThatIsPressedKeepsItsVolumeOnlyWithConservat
 
 TEST(PropertyVolumeRelaxation, LetGoABodyReturnsToItsShape) {
   Body body = soft_ball(12);
-  RelaxParams params = params_of(20, 30);
+  RelaxParams params = with_bulk_modulus(20, 30);
   relax(body, {}, press(body, 0.3), params);
   EXPECT_GT(largest_offset(body), 1);
   params.passes = 6000;
@@ -337,12 +323,12 @@ TEST(PropertyVolumeRelaxation, LetGoABodyReturnsToItsShape) {
 }
 
 TEST(PropertyVolumeRelaxation, OnlyBricksThatItReachesHaveMemory) {
-  Body body = body_of(wide_block({400, 3, 3}));
+  Body body = body_of(homogeneous({400, 3, 3}, 3, 0.2, 2));
   Holds holds;
   drag(body, {{{399, 1, 1}, {kVoxel, 0, 0}}}, {}, holds);
   EXPECT_EQ(body.q[0].stored_bricks(), 1u);
   EXPECT_TRUE(body.q[1].empty());
-  relax(body, {}, holds, params_of(10, 2));
+  relax(body, {}, holds, with_bulk_modulus(10, 2));
   EXPECT_LE(body.q[0].stored_bricks(), 4u);
   EXPECT_LE(body.q[1].stored_bricks(), 4u);
   EXPECT_FALSE(body.q[1].empty());
@@ -350,7 +336,7 @@ TEST(PropertyVolumeRelaxation, OnlyBricksThatItReachesHaveMemory) {
 
 TEST(PropertyVolumeRelaxation, ABodyAtRestStaysThere) {
   Body body = soft_ball(9);
-  const RelaxReport report = relax(body, {}, {}, params_of(100));
+  const RelaxReport report = relax(body, {}, {}, with_bulk_modulus(100));
   EXPECT_TRUE(report.converged);
   EXPECT_EQ(report.energy_after, 0);
   for (const BrickValues& q : body.q) EXPECT_TRUE(q.empty());
@@ -358,18 +344,18 @@ TEST(PropertyVolumeRelaxation, ABodyAtRestStaysThere) {
 
 TEST(PropertyVolumeRelaxation, WithoutItNothingIsMeasured) {
   Body body = soft_ball(9);
-  const RelaxReport report = relax(body, {}, press(body, 0.2), params_of(0));
+  const RelaxReport report = relax(body, {}, press(body, 0.2), with_bulk_modulus(0));
   EXPECT_FALSE(report.volumes_before || report.volumes_after);
 }
 
 TEST(PropertyVolumeRelaxation, BadParametersAreErrors) {
   Body body = soft_ball(5);
   for (const double kpa : {-1.0, 2e9, double(NAN)}) {
-    EXPECT_NE(input_error([&] { relax(body, {}, {}, params_of(kpa)); }).find("volume"),
+    EXPECT_NE(input_error([&] { relax(body, {}, {}, with_bulk_modulus(kpa)); }).find("volume"),
               std::string::npos)
         << kpa;
   }
-  RelaxParams params = params_of(1);
+  RelaxParams params = with_bulk_modulus(1);
   params.method = RelaxMethod::jacobi;
   EXPECT_NE(input_error([&] { relax(body, {}, {}, params); }).find("method jacobi"),
             std::string::npos);

@@ -81,6 +81,16 @@ inline TransferFunction fog_function(double opacity_per_mm) {
   return f;
 }
 
+/// From anterior, parallel; right is x, up is z. Of height `height_mm` and as many pixels a voxel
+/// of cube_geometry has one.
+inline Camera front_camera(double height_mm) {
+  Camera camera;
+  camera.projection = Projection::orthographic;
+  camera.position_lps_mm = {0, -200, 0};
+  camera.height_mm = height_mm;
+  return camera;
+}
+
 inline RenderSettings small_picture(int size, double step_voxels = 0.5) {
   RenderSettings settings;
   settings.width = settings.height = size;

@@ -9,7 +9,7 @@
 namespace supple {
 namespace {
 
-constexpr int kSize = 40, kPixels = 48;
+constexpr int kAuxSize = 40, kPixels = 48;
 constexpr double kSpacing = 1.5, kRadiusMm = 20;
 
 /// Density 500 at the ball's surface, 200 per mm; the ball is centred on the world's origin.
@@ -44,7 +44,7 @@ std::optional<double> entry(const Ray& ray, const Vec3d& centre) {
 }
 
 TEST(UnitAuxiliary, DepthAndNormalOfABallAreThoseOfItsSurface) {
-  const Geometry geometry = cube_geometry(kSize, kSpacing);
+  const Geometry geometry = cube_geometry(kAuxSize, kSpacing);
   const Renderer renderer(geometry, ball(geometry));
   for (const Projection projection : {Projection::perspective, Projection::orthographic}) {
     const Camera camera = default_camera(geometry, 1, "left", projection);
@@ -74,7 +74,7 @@ TEST(UnitAuxiliary, DepthAndNormalOfABallAreThoseOfItsSurface) {
 }
 
 TEST(UnitAuxiliary, TheOffsetOfAShiftedBallIsTheShiftInMillimetres) {
-  const Geometry geometry = cube_geometry(kSize, kSpacing);
+  const Geometry geometry = cube_geometry(kAuxSize, kSpacing);
   Renderer renderer(geometry, ball(geometry));
   OffsetField offsets{geometry, {voxels_of(geometry.dims(), everywhere), {}}, {}};
   offsets.o.vectors.assign(offsets.o.topology.brick_count() * kBrickVoxels, Vec3f(-2, 0, 1));
@@ -94,11 +94,11 @@ TEST(UnitAuxiliary, TheOffsetOfAShiftedBallIsTheShiftInMillimetres) {
 }
 
 TEST(UnitAuxiliary, AMaximumIsWhereItsDensityIs) {
-  const Geometry geometry = cube_geometry(kSize, kSpacing);
+  const Geometry geometry = cube_geometry(kAuxSize, kSpacing);
   // A ramp to the front: the densest sample of every ray is its first.
   const Renderer renderer(geometry,
                           grid_of(voxels_of(geometry.dims(), everywhere),
-                                  [&](const Vec3d& index) { return 10 * (kSize - index.y); }));
+                                  [&](const Vec3d& index) { return 10 * (kAuxSize - index.y); }));
   TransferFunction mip = fog_function(1);
   mip.blend = Blend::maximum;
   const Camera camera = default_camera(geometry, 1, "anterior", Projection::orthographic);
@@ -109,7 +109,7 @@ TEST(UnitAuxiliary, AMaximumIsWhereItsDensityIs) {
 }
 
 TEST(UnitAuxiliary, WhatStaysHalfTransparentHasNoSurface) {
-  const Geometry geometry = cube_geometry(kSize, kSpacing);
+  const Geometry geometry = cube_geometry(kAuxSize, kSpacing);
   const Renderer renderer(geometry, ball(geometry));
   const FloatImage fog =
       renderer.render_float(default_camera(geometry, 1), fog_function(0.002), settings());
@@ -118,7 +118,7 @@ TEST(UnitAuxiliary, WhatStaysHalfTransparentHasNoSurface) {
 }
 
 TEST(PropertyAuxiliary, AskingForItChangesNoColour) {
-  const Geometry geometry = cube_geometry(kSize, kSpacing);
+  const Geometry geometry = cube_geometry(kAuxSize, kSpacing);
   const Renderer renderer(geometry, ball(geometry));
   RenderSettings plain = settings();
   plain.auxiliary = false;

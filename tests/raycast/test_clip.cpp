@@ -10,11 +10,11 @@
 namespace supple {
 namespace {
 
-constexpr int kSize = 40;
+constexpr int kClipSize = 40;
 
 DensityGrid body_grid() {
   const DensityFunction body = lobed_body(Vec3d(19.5), 13);
-  return grid_of(voxels_of(Vec3i(kSize), everywhere), body);
+  return grid_of(voxels_of(Vec3i(kClipSize), everywhere), body);
 }
 
 /// Grey and opacity rise with density, so that the brighter of two pixels is the larger maximum.
@@ -31,8 +31,9 @@ Clip plane(const Vec3d& point, const Vec3d& normal, ClipKeep keep = ClipKeep::in
   return {{{point, normal}}, keep, space};
 }
 
-Image picture(const Renderer& renderer, const Camera& camera, const TransferFunction& function,
-              const std::vector<Clip>& clips, bool skip = true) {
+Image clipped_picture(const Renderer& renderer, const Camera& camera,
+                      const TransferFunction& function, const std::vector<Clip>& clips,
+                      bool skip = true) {
   RenderSettings settings = small_picture(96);
   settings.clips = clips;
   settings.skip_empty_space = skip;
@@ -64,21 +65,21 @@ TEST(UnitClip, WhatIsNoRegionIsRefused) {
 }
 
 TEST(PropertyClip, WhatCutsNothingChangesNothingAndWhatCutsAllLeavesNothing) {
-  const Geometry geometry = cube_geometry(kSize);
+  const Geometry geometry = cube_geometry(kClipSize);
   const Renderer renderer(geometry, body_grid());
   const Camera camera = default_camera(geometry, 1);
-  const Image whole = picture(renderer, camera, surface_function(), {});
+  const Image whole = clipped_picture(renderer, camera, surface_function(), {});
   for (const ClipSpace space : {ClipSpace::source, ClipSpace::deformed}) {
     const Clip far = plane({-500, 0, 0}, {1, 0, 0}, ClipKeep::inside, space);
     const Clip all = plane({-500, 0, 0}, {1, 0, 0}, ClipKeep::outside, space);
-    EXPECT_EQ(picture(renderer, camera, surface_function(), {far}).rgba, whole.rgba);
-    const Image nothing = picture(renderer, camera, surface_function(), {all});
+    EXPECT_EQ(clipped_picture(renderer, camera, surface_function(), {far}).rgba, whole.rgba);
+    const Image nothing = clipped_picture(renderer, camera, surface_function(), {all});
     EXPECT_EQ(std::count(nothing.rgba.begin(), nothing.rgba.end(), 0), 4 * 96 * 96);
   }
 }
 
 TEST(PropertyClip, SkippingEmptySpaceDoesNotChangeAClippedPicture) {
-  const Geometry geometry = cube_geometry(kSize);
+  const Geometry geometry = cube_geometry(kClipSize);
   const Renderer renderer(geometry, body_grid());
   for (const TransferFunction& function : {surface_function(), maximum_function()}) {
     for (const ClipKeep keep : {ClipKeep::inside, ClipKeep::outside}) {
@@ -86,8 +87,8 @@ TEST(PropertyClip, SkippingEmptySpaceDoesNotChangeAClippedPicture) {
         const Clip box{box_region(geometry, {10.2, 3, 18.3}, {30.7, 25.1, 60}), keep, space};
         const Clip oblique = plane({1, 2, 3}, {1, -2, 0.5}, ClipKeep::inside, space);
         const Camera camera = default_camera(geometry, 1, "left");
-        EXPECT_EQ(picture(renderer, camera, function, {box, oblique}, true).rgba,
-                  picture(renderer, camera, function, {box, oblique}, false).rgba);
+        EXPECT_EQ(clipped_picture(renderer, camera, function, {box, oblique}, true).rgba,
+                  clipped_picture(renderer, camera, function, {box, oblique}, false).rgba);
       }
     }
   }
@@ -96,17 +97,17 @@ TEST(PropertyClip, SkippingEmptySpaceDoesNotChangeAClippedPicture) {
 /// Every sample lies in one of two complementary clips: pixel by pixel the whole's maximum is the
 /// larger of the parts'.
 TEST(PropertyClip, MaximaOfComplementaryPartsMakeTheWhole) {
-  const Geometry geometry = cube_geometry(kSize);
+  const Geometry geometry = cube_geometry(kClipSize);
   const Renderer renderer(geometry, body_grid());
   const Camera camera = default_camera(geometry, 1, "superior");
-  const Image whole = picture(renderer, camera, maximum_function(), {});
+  const Image whole = clipped_picture(renderer, camera, maximum_function(), {});
   EXPECT_GT(compare(whole, Image(96, 96), true).compared_pixels, 500);
   for (const ClipSpace space : {ClipSpace::source, ClipSpace::deformed}) {
     const auto region = box_region(geometry, {12, 9, 4}, {22.5, 40, 27});
     const Image in =
-        picture(renderer, camera, maximum_function(), {{region, ClipKeep::inside, space}});
+        clipped_picture(renderer, camera, maximum_function(), {{region, ClipKeep::inside, space}});
     const Image out =
-        picture(renderer, camera, maximum_function(), {{region, ClipKeep::outside, space}});
+        clipped_picture(renderer, camera, maximum_function(), {{region, ClipKeep::outside, space}});
     int from_in = 0, from_out = 0;
     for (std::size_t n = 3; n < whole.rgba.size(); n += 4) {
       ASSERT_EQ(whole.rgba[n], std::max(in.rgba[n], out.rgba[n])) << n;
@@ -155,8 +156,8 @@ TEST(PropertyMaximum, EqualsBruteForceAlongVoxelColumns) {
 /// A brick of which nothing is opaque still hides what is less dense.
 TEST(PropertyMaximum, ATransparentMaximumHidesWhatIsVisible) {
   const Geometry geometry = cube_geometry(32);
-  // Slabs along y; some bricks of the dense one, which covers half of the picture, hold no other
-  // density.
+  // Slabs along y; some bricks of the dense one, which covers half of the picture, hold no
+  // other density.
   const DensityGrid grid = grid_of(voxels_of(Vec3i(32), everywhere), [](const Vec3d& p) {
     if (p.y < 8) return 500.0;
     return p.y >= 16 && p.x < 16 ? 1000.0 : 0.0;
@@ -173,11 +174,11 @@ TEST(PropertyMaximum, ATransparentMaximumHidesWhatIsVisible) {
   EXPECT_EQ(alpha(25, 16), 255);
 }
 
-/// The tissue moves by a constant offset: a clip of the tissue moves along, one of the picture does
-/// not.
+/// The tissue moves by a constant offset: a clip of the tissue moves along, one of the
+/// picture does not.
 TEST(PropertyClip, ACutOfTheTissueMovesWithIt) {
-  const Geometry geometry = cube_geometry(kSize);
-  const BrickTopology where = voxels_of(Vec3i(kSize), everywhere);
+  const Geometry geometry = cube_geometry(kClipSize);
+  const BrickTopology where = voxels_of(Vec3i(kClipSize), everywhere);
   Renderer renderer(geometry, body_grid());
   // Shown at x is the source at x + o: the tissue moves by 4 voxels towards higher x.
   OffsetField offsets{geometry, {where, {}}, {}};
@@ -186,18 +187,20 @@ TEST(PropertyClip, ACutOfTheTissueMovesWithIt) {
   const Camera camera = default_camera(geometry, 1);
   const Clip tissue = plane({2, 0, 0}, {1, 0.3, 0}, ClipKeep::inside, ClipSpace::source);
   const Clip moved = plane({6, 0, 0}, {1, 0.3, 0}), still = plane({2, 0, 0}, {1, 0.3, 0});
-  const Image expected = picture(renderer, camera, surface_function(), {moved});
-  EXPECT_GT(compare(picture(renderer, camera, surface_function(), {tissue}), expected, true).ssim,
-            0.999);
-  EXPECT_LT(compare(picture(renderer, camera, surface_function(), {still}), expected, true).ssim,
-            0.97);
+  const Image expected = clipped_picture(renderer, camera, surface_function(), {moved});
+  EXPECT_GT(
+      compare(clipped_picture(renderer, camera, surface_function(), {tissue}), expected, true).ssim,
+      0.999);
+  EXPECT_LT(
+      compare(clipped_picture(renderer, camera, surface_function(), {still}), expected, true).ssim,
+      0.97);
 }
 
 /// What a plane opens is as bright as the plane, however rough the densities behind it.
 TEST(PropertyClip, AFaceIsShadedAsAPlane) {
-  const Geometry geometry = cube_geometry(kSize);
+  const Geometry geometry = cube_geometry(kClipSize);
   std::mt19937 random(5);
-  const DensityGrid rough = grid_of(voxels_of(Vec3i(kSize), everywhere),
+  const DensityGrid rough = grid_of(voxels_of(Vec3i(kClipSize), everywhere),
                                     [&](const Vec3d&) { return 700.0 + double(random() % 300); });
   TransferFunction function = fog_function(0.9);
   function.specular = 0;
@@ -210,7 +213,7 @@ TEST(PropertyClip, AFaceIsShadedAsAPlane) {
       const Clip clip = plane({0, -3, 0}, {0, outside ? -1.0 : 1.0, 0},
                               outside ? ClipKeep::outside : ClipKeep::inside, space);
       const Renderer renderer(geometry, rough);
-      const Image image = picture(renderer, camera, function, {clip});
+      const Image image = clipped_picture(renderer, camera, function, {clip});
       int darkest = 255, brightest = 0;
       for (std::size_t n = 0; n < image.rgba.size(); n += 4) {
         darkest = std::min(darkest, int(image.rgba[n]));

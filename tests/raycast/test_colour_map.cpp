@@ -16,7 +16,7 @@ Rgb pixel(const Image& image, int x, int y) {
 }
 
 /// Entries 245 and 50 of magma as published by its authors (S. van der Walt, N. Smith, 2015).
-constexpr Rgb kFirst = {253, 235, 172}, kLast = {57, 15, 110};
+constexpr Rgb kFirstColour = {253, 235, 172}, kLastColour = {57, 15, 110};
 constexpr Rgb kWhite = {255, 255, 255};
 
 TEST(UnitColourMap, TicksAreRoundNumbersInsideTheRange) {
@@ -37,9 +37,9 @@ TEST(UnitColourMap, TheEndsOfTheRangeHaveTheEndsOfTheMapAndTurnedSurfacesAreDark
   picture.depth_mm = picture.offset_mm;
   picture.normal_lps = {0, -1, 0, 0, -1, 0, 0, 0, 1, NAN, NAN, NAN};
   const Image image = offset_image(picture, {0, 6}, {0, -1, 0});
-  EXPECT_EQ(pixel(image, 0, 0), kFirst);
-  EXPECT_EQ(pixel(image, 1, 0), kLast);
-  EXPECT_NEAR(pixel(image, 2, 0)[0], 0.55 * kLast[0], 0.51);
+  EXPECT_EQ(pixel(image, 0, 0), kFirstColour);
+  EXPECT_EQ(pixel(image, 1, 0), kLastColour);
+  EXPECT_NEAR(pixel(image, 2, 0)[0], 0.55 * kLastColour[0], 0.51);
   EXPECT_EQ(pixel(image, 3, 0), kWhite);
   EXPECT_FALSE(image.has_alpha);
 }
@@ -59,8 +59,8 @@ TEST(UnitColourMap, TheLegendRunsFromTheLeastAtItsFootToTheMostAtItsHead) {
   }
   ASSERT_GT(bar.size(), 100u);
   EXPECT_GT(image.width, 350);
-  EXPECT_EQ(bar.back(), kFirst);
-  EXPECT_EQ(bar.front(), kLast);
+  EXPECT_EQ(bar.back(), kFirstColour);
+  EXPECT_EQ(bar.front(), kLastColour);
   const Image small = offset_image(FloatImage(100, 100, true), {0, 6}, {0, -1, 0});
   EXPECT_EQ(small.width, 100);
 }

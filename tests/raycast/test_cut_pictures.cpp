@@ -8,12 +8,12 @@
 namespace supple {
 namespace {
 
-constexpr int kSize = 40;
+constexpr int kCutSize = 40;
 
 /// A slab, 17 nodes thick along y, cut at x = 19.5 from one end to the other.
 struct CutSlab {
-  Geometry geometry = cube_geometry(kSize);
-  BrickTopology elements = voxels_of({kSize, kSize, kSize}, [](const Vec3i& v) {
+  Geometry geometry = cube_geometry(kCutSize);
+  BrickTopology elements = voxels_of({kCutSize, kCutSize, kCutSize}, [](const Vec3i& v) {
     return v.y >= 12 && v.y <= 28 && v.x >= 4 && v.x < 36;
   });
   DensityGrid density = grid_of(elements, [](const Vec3d&) { return 100; });

@@ -13,19 +13,11 @@
 #include <png.h>
 
 #include "raycast/pictures/float_image.h"
+#include "tests/support/temporary_folder.h"
 #include "volumes/base/atomic_file.h"
 
 namespace supple {
 namespace {
-
-std::string output_path(const std::string& name) {
-  const char* folder = std::getenv("SUPPLE_TEST_OUTPUT");
-  const std::filesystem::path path = folder != nullptr
-                                         ? std::filesystem::path(folder)
-                                         : std::filesystem::temp_directory_path() / "supple-test";
-  std::filesystem::create_directories(path / "raycast");
-  return (path / "raycast" / name).string();
-}
 
 /// The stored 16-bit values, 4 per pixel, by libpng itself.
 std::vector<int> read_16_bit(const std::string& path) {
@@ -81,7 +73,7 @@ TEST(UnitFloatImage, AnEightBitImageComesBackThroughFloats) {
 }
 
 TEST(UnitFloatImage, SixteenBitsAreStraightAndInFileOrder) {
-  const std::string path = output_path("deep.png");
+  const std::string path = test::output_path("raycast/deep.png");
   AtomicFile target(path);
   write_png16(target, two_pixels(), "camera");
   target.commit();
@@ -94,7 +86,7 @@ TEST(UnitFloatImage, SixteenBitsAreStraightAndInFileOrder) {
 }
 
 TEST(UnitFloatImage, ExrHoldsLinearColoursAndNamedChannels) {
-  const AtomicFile target(output_path("picture.exr"));
+  const AtomicFile target(test::output_path("raycast/picture.exr"));
   write_exr(target, two_pixels(), "{\"step\":0.5}");
   Imf::InputFile file(target.path().c_str());
   EXPECT_EQ(Imf::comments(file.header()), "{\"step\":0.5}");
@@ -116,7 +108,7 @@ TEST(UnitFloatImage, ExrHoldsLinearColoursAndNamedChannels) {
 }
 
 TEST(UnitFloatImage, AnOpaqueExrHasNoAlphaAndAPlainOneNoDepth) {
-  const AtomicFile target(output_path("opaque.exr"));
+  const AtomicFile target(test::output_path("raycast/opaque.exr"));
   FloatImage picture(3, 2);
   picture.has_alpha = false;
   write_exr(target, picture, "");

@@ -9,19 +9,11 @@
 #include <gtest/gtest.h>
 
 #include "raycast/pictures/compare.h"
+#include "tests/support/temporary_folder.h"
 #include "volumes/base/error.h"
 
 namespace supple {
 namespace {
-
-std::string output_path(const std::string& name) {
-  const char* folder = std::getenv("SUPPLE_TEST_OUTPUT");
-  const std::filesystem::path path = folder != nullptr
-                                         ? std::filesystem::path(folder)
-                                         : std::filesystem::temp_directory_path() / "supple-test";
-  std::filesystem::create_directories(path / "raycast");
-  return (path / "raycast" / name).string();
-}
 
 Image noise(int width, int height, unsigned seed, bool has_alpha = true) {
   std::mt19937 random(seed);
@@ -60,7 +52,7 @@ const std::vector<unsigned char> kPalette = {
 TEST(UnitImage, PngRoundTripKeepsEveryByteWithAndWithoutAlpha) {
   for (const bool has_alpha : {true, false}) {
     const Image image = noise(37, 11, 1, has_alpha);
-    const std::string path = output_path("round_trip.png");
+    const std::string path = test::output_path("raycast/round_trip.png");
     write_png(path, image, "step = 0.5");
     const Image back = read_png(path);
     EXPECT_EQ(back.width, 37);
@@ -71,7 +63,8 @@ TEST(UnitImage, PngRoundTripKeepsEveryByteWithAndWithoutAlpha) {
 }
 
 TEST(UnitImage, TheCommentIsInTheFileAndEqualImagesAreEqualFiles) {
-  const std::string path = output_path("comment.png"), again = output_path("again.png");
+  const std::string path = test::output_path("raycast/comment.png"),
+                    again = test::output_path("raycast/again.png");
   write_png(path, noise(5, 4, 2), "camera = anterior");
   write_png(again, noise(5, 4, 2), "camera = anterior");
   EXPECT_NE(read_bytes(path).find("camera = anterior"), std::string::npos);
@@ -79,7 +72,8 @@ TEST(UnitImage, TheCommentIsInTheFileAndEqualImagesAreEqualFiles) {
 }
 
 TEST(UnitImage, SixteenBitGreyAndPaletteImagesAreExpanded) {
-  const std::string grey = output_path("grey16.png"), palette = output_path("palette.png");
+  const std::string grey = test::output_path("raycast/grey16.png"),
+                    palette = test::output_path("raycast/palette.png");
   write_text(grey, kGrey16);
   write_text(palette, kPalette);
   const Image a = read_png(grey);
@@ -91,16 +85,18 @@ TEST(UnitImage, SixteenBitGreyAndPaletteImagesAreExpanded) {
 }
 
 TEST(UnitImage, UnusableFilesAreInputErrors) {
-  EXPECT_THROW(read_png(output_path("missing.png")), InputError);
-  EXPECT_THROW(read_png(std::filesystem::path(output_path("x")).parent_path()), InputError);
-  const std::string path = output_path("bad.png");
+  EXPECT_THROW(read_png(test::output_path("raycast/missing.png")), InputError);
+  EXPECT_THROW(read_png(std::filesystem::path(test::output_path("raycast/x")).parent_path()),
+               InputError);
+  const std::string path = test::output_path("raycast/bad.png");
   write_text(path, {'P', '6', ' ', '1'});
   EXPECT_THROW(read_png(path), InputError);
   std::vector<unsigned char> cut = kGrey16;
   cut.resize(cut.size() - 20);
   write_text(path, cut);
   EXPECT_THROW(read_png(path), InputError);
-  EXPECT_THROW(write_png(output_path("no/such/folder.png"), noise(2, 2, 3)), InputError);
+  EXPECT_THROW(write_png(test::output_path("raycast/no") + "/such/folder.png", noise(2, 2, 3)),
+               InputError);
 }
 
 TEST(UnitCompare, EqualImagesHaveSsimOneAndNoDifference) {

@@ -8,7 +8,7 @@
 namespace supple {
 namespace {
 
-std::array<int, 3> pixel(const Image& image, double x, double y) {
+std::array<int, 3> pixel_at(const Image& image, double x, double y) {
   const std::uint8_t* p = &image.rgba[4 * (std::size_t(int(y)) * image.width + int(x))];
   return {p[0], p[1], p[2]};
 }
@@ -49,10 +49,10 @@ TEST(UnitLattice, ASliceAtRestIsTheImageAsItWasRead) {
         // Just inside the outline.
         px += i == 0 ? 1 : i == 4 ? -1 : 0;
         py += j == 0 ? 1 : j == 2 ? -1 : 0;
-        EXPECT_NEAR(pixel(image, px, py)[0], 40 * i + 30 * j, 4);
+        EXPECT_NEAR(pixel_at(image, px, py)[0], 40 * i + 30 * j, 4);
       }
     }
-    EXPECT_EQ(pixel(image, 3, 3), (std::array<int, 3>{255, 255, 255}));
+    EXPECT_EQ(pixel_at(image, 3, 3), (std::array<int, 3>{255, 255, 255}));
   }
 }
 
@@ -70,7 +70,7 @@ TEST(UnitLattice, LinksRunBetweenNeighboursOnly) {
   const auto drawn = [&](double i, double j) {
     double px = 0, py = 0;
     project_to_pixel(camera, 300, 300, geometry.world_from_index(Vec3d(i, j, 0)), px, py);
-    return pixel(image, px, py)[0] < 128;
+    return pixel_at(image, px, py)[0] < 128;
   };
   EXPECT_TRUE(drawn(0.5, 0));
   EXPECT_TRUE(drawn(4, 1.5));
@@ -95,7 +95,7 @@ TEST(UnitLattice, TheNearerSheetHidesTheOther) {
     const Image image = draw_lattice(geometry, grid, u, camera, style_of(120, 120, false));
     double px = 0, py = 0;
     ASSERT_TRUE(project_to_pixel(camera, 120, 120, geometry.world_from_index({0.5, 1, 0}), px, py));
-    EXPECT_NEAR(pixel(image, px, py)[0], depth < 0 ? 200 : 0, 1);
+    EXPECT_NEAR(pixel_at(image, px, py)[0], depth < 0 ? 200 : 0, 1);
   }
 }
 
@@ -122,8 +122,8 @@ TEST(PropertyLattice, ACubeIsSeenByItsSurfaceWithFacesDarkenedAsTheyTurnAway) {
   const Displacement u = at_rest(geometry, where);
   Camera camera = default_camera(geometry, 1);
   const Image front = draw_lattice(geometry, grid, u, camera, style_of(90, 90, false));
-  EXPECT_NEAR(pixel(front, 45, 45)[0], 200 * 1.0, 45);  // the inside grey does not shine through
-  EXPECT_GT(pixel(front, 45, 45)[0], 20);
+  EXPECT_NEAR(pixel_at(front, 45, 45)[0], 200 * 1.0, 45);  // the inside grey does not shine through
+  EXPECT_GT(pixel_at(front, 45, 45)[0], 20);
   camera.position_lps_mm = {-20, -6, 0};
   const Image oblique = draw_lattice(geometry, grid, u, camera, style_of(90, 90, false));
   int darkest = 255;

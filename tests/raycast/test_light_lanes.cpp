@@ -14,13 +14,13 @@ namespace {
 constexpr int kLanes = SampleBatch::kLanes;
 
 /// One sample by the definition.
-struct Expected {
+struct ExpectedLight {
   double magnitude = 0, trust = 0;
   Vec3d normal{0, 0, 0};
   std::array<double, 2> diffuse, specular;
 };
 
-struct LitScene {
+struct LanesScene {
   TransferFunction function;
   Lighting lighting;
   std::array<Vec3f, 3> columns{Vec3f(2, 0.5f, 0), Vec3f(-0.5f, 3, 0.25f), Vec3f(0, 0, 0.7f)};
@@ -28,7 +28,7 @@ struct LitScene {
   SampleBatch batch;
   LitLanes lit;
 
-  LitScene(ShadingModel model, double specular_power) {
+  LanesScene(ShadingModel model, double specular_power) {
     function.specular_power = specular_power;
     function.full_shading_gradient = 1;
     lighting.model = model;
@@ -49,8 +49,8 @@ struct LitScene {
     }
   }
 
-  Expected expected(int lane) const {
-    Expected result;
+  ExpectedLight expected(int lane) const {
+    ExpectedLight result;
     const Vec3d gradient = Vec3d(columns[0]) * double(batch.gx[lane]) +
                            Vec3d(columns[1]) * double(batch.gy[lane]) +
                            Vec3d(columns[2]) * double(batch.gz[lane]);
@@ -83,7 +83,7 @@ struct LitScene {
 };
 
 void expect_lit_by_the_formulas(ShadingModel model, double specular_power, std::uint32_t wanted) {
-  LitScene scene(model, specular_power);
+  LanesScene scene(model, specular_power);
   const Shading shading({}, scene.function, scene.lighting);
   const Shading::View view = shading.view({{0, 0, 0}, -scene.towards_eye});
   light_lanes(shading, view, scene.columns, scene.batch, wanted, scene.lit);
@@ -91,7 +91,7 @@ void expect_lit_by_the_formulas(ShadingModel model, double specular_power, std::
   for (int lane = 0; lane < kLanes; ++lane) {
     if (!(wanted >> lane & 1)) continue;
     SCOPED_TRACE("lane " + std::to_string(lane));
-    const Expected expected = scene.expected(lane);
+    const ExpectedLight expected = scene.expected(lane);
     EXPECT_NEAR(scene.lit.magnitude[lane], expected.magnitude, kTolerance);
     EXPECT_NEAR(scene.lit.facing(lane).trust, expected.trust, kTolerance);
     EXPECT_LT((Vec3d(scene.lit.facing(lane).normal) - expected.normal).length(), kTolerance);

@@ -11,7 +11,7 @@
 namespace supple {
 namespace {
 
-constexpr int kSize = 48;
+constexpr int kLitSize = 48;
 
 /// White; opaque within a voxel from mid density on; lit by `ambient` and `diffuse` alone.
 TransferFunction matte(double ambient, double diffuse) {
@@ -22,22 +22,13 @@ TransferFunction matte(double ambient, double diffuse) {
   return f;
 }
 
-/// From anterior, parallel; right is x, up is z, a voxel of cube_geometry has `scale` pixels.
-Camera front_camera(double height_mm = kSize) {
-  Camera camera;
-  camera.projection = Projection::orthographic;
-  camera.position_lps_mm = {0, -200, 0};
-  camera.height_mm = height_mm;
-  return camera;
-}
-
-/// Voxel coordinates x, z seen at a pixel of a square picture of front_camera().
+/// Voxel coordinates x, z seen at a pixel of a square picture of front_camera(kLitSize).
 struct SeenAt {
   double x, z;
 };
 SeenAt seen_at(int column, int row, int pixels) {
-  const double scale = double(kSize) / pixels;
-  return {(column + 0.5) * scale - 0.5, kSize - 0.5 - (row + 0.5) * scale};
+  const double scale = double(kLitSize) / pixels;
+  return {(column + 0.5) * scale - 0.5, kLitSize - 0.5 - (row + 0.5) * scale};
 }
 
 Light far_light(const Vec3d& towards_lps, double intensity = 1) {
@@ -58,11 +49,11 @@ float red(const FloatImage& picture, int column, int row) {
 }
 
 DensityGrid whole(const DensityFunction& density) {
-  return grid_of(voxels_of(Vec3i(kSize), everywhere), density);
+  return grid_of(voxels_of(Vec3i(kLitSize), everywhere), density);
 }
 
 TEST(UnitLight, TheDefaultLightGivenInFullIsTheDefaultPicture) {
-  const Geometry geometry = cube_geometry(kSize);
+  const Geometry geometry = cube_geometry(kLitSize);
   const Renderer renderer(geometry, whole(lobed_body(Vec3d(23.5), 14)));
   const Camera camera = default_camera(geometry, 1, "left");
   RenderSettings settings = small_picture(96);
@@ -76,7 +67,7 @@ TEST(UnitLight, TheDefaultLightGivenInFullIsTheDefaultPicture) {
 }
 
 TEST(PropertyLight, LightsAddUp) {
-  const Geometry geometry = cube_geometry(kSize);
+  const Geometry geometry = cube_geometry(kLitSize);
   const Renderer renderer(geometry, whole(lobed_body(Vec3d(23.5), 14)));
   const Camera camera = default_camera(geometry, 1);
   TransferFunction f = surface_function();
@@ -101,7 +92,7 @@ TEST(PropertyLight, LightsAddUp) {
 
 TEST(UnitLight, HighlightsFollowBlinnsAndPhongsFormulas) {
   // A ramp whose normal points to the viewer; the light 40 degrees off.
-  const Renderer renderer(cube_geometry(kSize), whole([](const Vec3d& p) { return -20 * p.y; }));
+  const Renderer renderer(cube_geometry(kLitSize), whole([](const Vec3d& p) { return -20 * p.y; }));
   TransferFunction f = fog_function(1);
   f.ambient = f.diffuse = 0, f.specular = 1, f.specular_power = 8;
   const double angle = 40 * M_PI / 180;
@@ -157,11 +148,12 @@ class BallBeforeWall {
 
 TEST(PropertyShadow, ABallShadesTheWallWhereGeometrySays) {
   const BallBeforeWall scene({26, 18, 22});
-  const Renderer renderer(cube_geometry(kSize), scene.grid());
+  const Renderer renderer(cube_geometry(kLitSize), scene.grid());
   RenderSettings settings = small_picture(BallBeforeWall::kPixels);
   settings.lighting.shadows = true;
   settings.lighting.lights = {far_light(scene.towards_light())};
-  const FloatImage picture = renderer.render_float(front_camera(), matte(0.2, 0.7), settings);
+  const FloatImage picture =
+      renderer.render_float(front_camera(kLitSize), matte(0.2, 0.7), settings);
   int dark = 0, lit = 0;
   for (int row = 8; row < settings.height - 8; ++row) {
     for (int column = 8; column < settings.width - 8; ++column) {
@@ -178,20 +170,20 @@ TEST(PropertyShadow, ABallShadesTheWallWhereGeometrySays) {
 }
 
 TEST(PropertyShadow, TheShadowIsThatOfTheDeformedVolume) {
-  const Geometry geometry = cube_geometry(kSize);
+  const Geometry geometry = cube_geometry(kLitSize);
   const BallBeforeWall rest({26, 18, 22}), moved({26, 18, 29});
   Renderer renderer(geometry, rest.grid());
   // Up by 7 voxels; the wall looks the same.
-  OffsetField offsets{geometry, {voxels_of(Vec3i(kSize), everywhere), {}}, {}};
+  OffsetField offsets{geometry, {voxels_of(Vec3i(kLitSize), everywhere), {}}, {}};
   offsets.o.vectors.assign(offsets.o.topology.brick_count() * kBrickVoxels, Vec3f(0, 0, -7));
   renderer.set_offsets(&offsets);
   RenderSettings settings = small_picture(96);
   settings.lighting.shadows = true;
   settings.lighting.occlusion_radius_mm = 6;
   settings.lighting.lights = {far_light(rest.towards_light())};
-  const FloatImage shown = renderer.render_float(front_camera(), matte(0.2, 0.7), settings);
-  const FloatImage expected =
-      Renderer(geometry, moved.grid()).render_float(front_camera(), matte(0.2, 0.7), settings);
+  const FloatImage shown = renderer.render_float(front_camera(kLitSize), matte(0.2, 0.7), settings);
+  const FloatImage expected = Renderer(geometry, moved.grid())
+                                  .render_float(front_camera(kLitSize), matte(0.2, 0.7), settings);
   for (int row = 8; row < 78; ++row) {  // what is lower comes from outside of the volume
     for (int column = 8; column < 88; ++column) {
       ASSERT_NEAR(red(shown, column, row), red(expected, column, row), 0.02)
@@ -201,14 +193,15 @@ TEST(PropertyShadow, TheShadowIsThatOfTheDeformedVolume) {
 }
 
 TEST(PropertyShadow, AConvexBodyDoesNotShadeItsLitSide) {
-  const Geometry geometry = cube_geometry(kSize);
+  const Geometry geometry = cube_geometry(kLitSize);
   const Renderer renderer(
       geometry, whole([](const Vec3d& p) { return edge((p - Vec3d(23.5)).length() - 16); }));
   RenderSettings settings = small_picture(96);
-  const FloatImage without = renderer.render_float(front_camera(), matte(0.1, 0.9), settings);
+  const FloatImage without =
+      renderer.render_float(front_camera(kLitSize), matte(0.1, 0.9), settings);
   settings.lighting.shadows = true;
   settings.lighting.occlusion_radius_mm = 8;
-  const FloatImage with = renderer.render_float(front_camera(), matte(0.1, 0.9), settings);
+  const FloatImage with = renderer.render_float(front_camera(kLitSize), matte(0.1, 0.9), settings);
   int compared = 0;
   for (std::size_t n = 0; n < with.rgba.size(); n += 4) {
     if (with.rgba[n + 3] < 0.98f || without.rgba[n] < 0.4f) continue;
@@ -220,7 +213,7 @@ TEST(PropertyShadow, AConvexBodyDoesNotShadeItsLitSide) {
 
 TEST(PropertyShadow, AThinShellLetsNoLightIn) {
   // Half a hollow ball, three voxels thick, open to the viewer; the light comes through its side.
-  const Renderer renderer(cube_geometry(kSize), whole([](const Vec3d& p) {
+  const Renderer renderer(cube_geometry(kLitSize), whole([](const Vec3d& p) {
                             const double r = (p - Vec3d(23.5)).length();
                             return std::max(edge(std::abs(r - 17) - 1.5) - edge(p.y - 23.5), 0.0);
                           }));
@@ -228,7 +221,8 @@ TEST(PropertyShadow, AThinShellLetsNoLightIn) {
   settings.lighting.lights = {far_light({0.95, 0.3, 0})};
   const auto brightest = [&](bool shadows) {
     settings.lighting.shadows = shadows;
-    const FloatImage picture = renderer.render_float(front_camera(), matte(0.1, 0.9), settings);
+    const FloatImage picture =
+        renderer.render_float(front_camera(kLitSize), matte(0.1, 0.9), settings);
     float most = 0;
     for (int row = 0; row < 96; ++row) {
       for (int column = 0; column < 96; ++column) {
@@ -262,14 +256,14 @@ double openness_beside_a_wall(double distance, double radius) {
 
 TEST(PropertyOcclusion, ACornerIsAsOpenAsBruteForceSays) {
   // A wall and, left of x = 12, a block that stands out of it.
-  const Renderer renderer(cube_geometry(kSize), whole([](const Vec3d& p) {
+  const Renderer renderer(cube_geometry(kLitSize), whole([](const Vec3d& p) {
                             return std::max(edge(36 - p.y), edge(p.x - 12));
                           }));
   RenderSettings settings = small_picture(96);
   const TransferFunction f = matte(0.3, 0.5);
-  const FloatImage without = renderer.render_float(front_camera(), f, settings);
+  const FloatImage without = renderer.render_float(front_camera(kLitSize), f, settings);
   settings.lighting.occlusion_radius_mm = 16;
-  const FloatImage with = renderer.render_float(front_camera(), f, settings);
+  const FloatImage with = renderer.render_float(front_camera(kLitSize), f, settings);
   for (int x = 14; x < 38; x += 2) {
     const double openness = red(with, 2 * x, 48) / red(without, 2 * x, 48);
     EXPECT_NEAR(openness, openness_beside_a_wall(x - 12, 16), 0.025) << x;
@@ -278,10 +272,10 @@ TEST(PropertyOcclusion, ACornerIsAsOpenAsBruteForceSays) {
 }
 
 TEST(PropertyShadow, NeitherThreadsNorSkippingChangeThePicture) {
-  const Geometry geometry = cube_geometry(kSize);
+  const Geometry geometry = cube_geometry(kLitSize);
   Renderer renderer(geometry, whole(lobed_body(Vec3d(23.5), 14)));
-  const OffsetField bump =
-      sample_offsets(bump_warp({24, 24, 24}, 18, 6), geometry, voxels_of(Vec3i(kSize), everywhere));
+  const OffsetField bump = sample_offsets(bump_warp({24, 24, 24}, 18, 6), geometry,
+                                          voxels_of(Vec3i(kLitSize), everywhere));
   renderer.set_offsets(&bump);
   RenderSettings settings = small_picture(64);
   settings.lighting.shadows = true;

@@ -13,7 +13,7 @@
 namespace supple {
 namespace {
 
-const Vec3d kCentre(47.5, 47.5, 47.5);
+const Vec3d kMiddle(47.5, 47.5, 47.5);
 
 struct LiveScene {
   LiveScene()
@@ -31,7 +31,7 @@ struct LiveScene {
   }
 
   Geometry geometry;
-  DensityFunction body = lobed_body(kCentre, 20);
+  DensityFunction body = lobed_body(kMiddle, 20);
   BrickTopology elements, shell;
   DensityGrid density;
   Camera camera;
@@ -40,14 +40,14 @@ struct LiveScene {
 TEST(PropertyLiveOffsets, UpdatedBricksGiveThePictureOfAllOffsetsSetAnew) {
   const LiveScene scene;
   Renderer live(scene.geometry, scene.density), anew(scene.geometry, scene.density);
-  Displacement u = scene.displaced(shear_warp(kCentre, 0));
+  Displacement u = scene.displaced(shear_warp(kMiddle, 0));
   IncrementalInversion inversion(u);
   const OffsetField at_rest = inversion.field();
   live.set_offsets(&at_rest);
   const Image rest = scene.draw(live);
   for (int step = 0; step < 3; ++step) {
     // There, elsewhere, and back to rest.
-    const Vec3d middle = kCentre + Vec3d(4, 0, step == 0 ? 8 : -8);
+    const Vec3d middle = kMiddle + Vec3d(4, 0, step == 0 ? 8 : -8);
     const Displacement moved = scene.displaced(bump_warp(middle, 14, step == 2 ? 0 : 6));
     std::vector<std::int32_t> changed;
     for (std::size_t b = 0; b < u.u.topology.brick_count(); ++b) {
@@ -71,8 +71,8 @@ TEST(PropertyLiveOffsets, WithoutAnInverseThePictureIsAlmostTheSame) {
   const LiveScene scene;
   Renderer renderer(scene.geometry, scene.density);
   const Image rest = scene.draw(renderer);
-  for (const AnalyticWarp& warp : {bump_warp(kCentre + Vec3d(4, 0, 2), 20, 9),
-                                   shear_warp(kCentre, 0.5), stretch_warp(kCentre, 1.35)}) {
+  for (const AnalyticWarp& warp : {bump_warp(kMiddle + Vec3d(4, 0, 2), 20, 9),
+                                   shear_warp(kMiddle, 0.5), stretch_warp(kMiddle, 1.35)}) {
     const Displacement u = scene.displaced(warp);
     renderer.set_pointwise_offsets(std::make_shared<ForwardOffsets>(u));
     const Image forward = scene.draw(renderer);
@@ -93,7 +93,7 @@ TEST(PropertyLiveOffsets, EverySecondOffsetGivesAlmostTheSamePictureInLessMemory
   };
   const Image rest = draw(straight);
   for (const AnalyticWarp& warp :
-       {bump_warp(kCentre + Vec3d(4, 0, 2), 20, 9), shear_warp(kCentre, 0.5)}) {
+       {bump_warp(kMiddle + Vec3d(4, 0, 2), 20, 9), shear_warp(kMiddle, 0.5)}) {
     const OffsetField offsets = invert(scene.displaced(warp));
     renderer.set_offsets(&offsets);
     const Image expected = draw(full);
@@ -109,11 +109,11 @@ TEST(PropertyLiveOffsets, WithoutMovementThePictureIsTheStraightOneBitForBit) {
   const LiveScene scene;
   Renderer renderer(scene.geometry, scene.density);
   const Image rest = scene.draw(renderer);
-  Displacement u = scene.displaced(bump_warp(kCentre, 20, 9));
+  Displacement u = scene.displaced(bump_warp(kMiddle, 20, 9));
   const auto offsets = std::make_shared<ForwardOffsets>(u);
   renderer.set_pointwise_offsets(offsets);
   EXPECT_NE(scene.draw(renderer).rgba, rest.rgba);
-  u = scene.displaced(bump_warp(kCentre, 20, 0));
+  u = scene.displaced(bump_warp(kMiddle, 20, 0));
   std::vector<std::int32_t> all;
   for (std::size_t b = 0; b < u.u.topology.brick_count(); ++b) all.push_back(int(b));
   offsets->update(all);
@@ -134,7 +134,7 @@ class OneSplitBrick final : public SplitOffsets {
 TEST(FaultLiveOffsets, OffsetsThatJumpAreNotUpdated) {
   const LiveScene scene;
   Renderer renderer(scene.geometry, scene.density);
-  OffsetField offsets = invert(scene.displaced(bump_warp(kCentre, 20, 9)));
+  OffsetField offsets = invert(scene.displaced(bump_warp(kMiddle, 20, 9)));
   offsets.split = std::make_shared<OneSplitBrick>();
   renderer.set_offsets(&offsets);
   EXPECT_THROW(renderer.update_offsets({}, finder_of(offsets.o)), InputError);

@@ -16,12 +16,12 @@
 namespace supple {
 namespace {
 
-constexpr int kSize = 48;
+constexpr int kBodySize = 48;
 
 /// Noisy densities with holes: nothing that a shortcut could get right by symmetry.
 DensityGrid rough_volume() {
   std::mt19937 random(7);
-  const BrickTopology where = voxels_of({kSize, kSize, kSize}, [&](const Vec3i& v) {
+  const BrickTopology where = voxels_of({kBodySize, kBodySize, kBodySize}, [&](const Vec3i& v) {
     const bool hole = ((v.x * 7 + v.y * 13 + v.z * 5) % 97) == 0;
     return (Vec3d(v) - Vec3d(24)).length() < 21 && !hole;
   });
@@ -38,7 +38,7 @@ std::vector<std::string> some_views() {
 }
 
 TEST(PropertyRender, ZeroOffsetsGiveTheStraightPictureBitForBit) {
-  const Geometry geometry({kSize, kSize, kSize}, {3, -2, 1},
+  const Geometry geometry({kBodySize, kBodySize, kBodySize}, {3, -2, 1},
                           {Vec3d(0.9, 0.1, 0), {0, -1.1, 0.05}, {0, 0.2, 1.4}});
   const DensityGrid grid = rough_volume();
   Renderer straight(geometry, grid), offset(geometry, grid);
@@ -59,7 +59,7 @@ TEST(PropertyRender, ZeroOffsetsGiveTheStraightPictureBitForBit) {
 }
 
 TEST(PropertyRender, TinyOffsetsTakeTheDeformedPathAndHardlyChangeThePicture) {
-  const Geometry geometry = cube_geometry(kSize);
+  const Geometry geometry = cube_geometry(kBodySize);
   const DensityGrid grid = rough_volume();
   Renderer straight(geometry, grid), offset(geometry, grid);
   OffsetField tiny = zero_offsets(geometry, grid.bricks());
@@ -72,7 +72,7 @@ TEST(PropertyRender, TinyOffsetsTakeTheDeformedPathAndHardlyChangeThePicture) {
 }
 
 TEST(PropertyRender, SkippingEmptySpaceDoesNotChangeThePicture) {
-  const Geometry geometry = cube_geometry(kSize);
+  const Geometry geometry = cube_geometry(kBodySize);
   const DensityGrid grid = rough_volume();
   Renderer renderer(geometry, grid);
   const AnalyticWarp warp = bump_warp({24, 24, 24}, 18, 6);
@@ -97,7 +97,7 @@ TEST(PropertyRender, SkippingEmptySpaceDoesNotChangeThePicture) {
 }
 
 TEST(PropertyRender, ThePictureDoesNotDependOnTheNumberOfThreads) {
-  const Geometry geometry = cube_geometry(kSize);
+  const Geometry geometry = cube_geometry(kBodySize);
   const Renderer renderer(geometry, rough_volume());
   const Camera camera = default_camera(geometry, 1);
   const Image many = renderer.render(camera, surface_function(), small_picture(100));
@@ -107,8 +107,8 @@ TEST(PropertyRender, ThePictureDoesNotDependOnTheNumberOfThreads) {
 
 TEST(PropertyRender, LeftHandedAndPermutedStoragesShowTheSamePicture) {
   const DensityFunction body = lobed_body({2, -1, 3}, 14);  // in mm
-  const Vec3i dims(kSize, kSize, kSize);
-  const double m = 0.5 * (kSize - 1);
+  const Vec3i dims(kBodySize, kBodySize, kBodySize);
+  const double m = 0.5 * (kBodySize - 1);
   const Geometry storages[] = {
       {dims, {-m, -m, -m}, {Vec3d(1, 0, 0), {0, 1, 0}, {0, 0, 1}}},
       {dims, {m, -m, -m}, {Vec3d(-1, 0, 0), {0, 1, 0}, {0, 0, 1}}},   // left-handed
@@ -129,7 +129,7 @@ TEST(PropertyRender, LeftHandedAndPermutedStoragesShowTheSamePicture) {
 }
 
 TEST(PropertyRender, ConstantOffsetsShowTheMovedVolume) {
-  const Geometry geometry = cube_geometry(kSize);
+  const Geometry geometry = cube_geometry(kBodySize);
   const Vec3i shift(5, -3, 4);
   const auto near_centre = [](const Vec3i& v) { return (Vec3d(v) - Vec3d(24)).length() < 14; };
   const BrickTopology here = voxels_of(geometry.dims(), near_centre);
@@ -152,7 +152,7 @@ TEST(PropertyRender, ConstantOffsetsShowTheMovedVolume) {
 
 TEST(PropertyRender, ALoadedVolumeWithBackgroundRingsLooksLikeTheWholeVolume) {
   // The loader leaves out voxels at the minimum; surfaces beside them must not become jagged.
-  const Geometry geometry = cube_geometry(kSize);
+  const Geometry geometry = cube_geometry(kBodySize);
   const DensityFunction body = lobed_body(Vec3d(23.5), 14);
   const auto density = [&](const Vec3d& p) { return std::max(std::floor(body(p)) - 300, 0.0); };
   const DensityGrid whole = grid_of(voxels_of(geometry.dims(), everywhere), density);
@@ -170,7 +170,7 @@ TEST(PropertyRender, ALoadedVolumeWithBackgroundRingsLooksLikeTheWholeVolume) {
 }
 
 TEST(PropertyRender, ElementsWithTheirShellLookLikeTheVolumeBitForBit) {
-  const Geometry geometry = cube_geometry(kSize);
+  const Geometry geometry = cube_geometry(kBodySize);
   const DensityFunction body = lobed_body(Vec3d(23.5), 14);
   const DensityGrid whole = grid_of(voxels_of(geometry.dims(), everywhere), [&](const Vec3d& p) {
     return p.x < 2 ? -1900 : std::floor(body(p));
@@ -185,7 +185,7 @@ TEST(PropertyRender, ElementsWithTheirShellLookLikeTheVolumeBitForBit) {
 }
 
 TEST(PropertyRender, StrideFindsWhatEverySampleFindsOnThickObjects) {
-  const Geometry geometry = cube_geometry(kSize);
+  const Geometry geometry = cube_geometry(kBodySize);
   const Renderer renderer(
       geometry, grid_of(voxels_of(geometry.dims(), everywhere), lobed_body(Vec3d(23.5), 14)));
   const Camera camera = default_camera(geometry, 1);

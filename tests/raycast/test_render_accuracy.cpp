@@ -11,14 +11,14 @@
 namespace supple {
 namespace {
 
-constexpr int kSize = 96;
+constexpr int kAccuracySize = 96;
 const Vec3d kCentre(47.5, 47.5, 47.5);
 
-struct Case {
+struct AccuracyCase {
   const char* name;
   AnalyticWarp warp;
 };
-std::vector<Case> cases() {
+std::vector<AccuracyCase> cases() {
   return {{"bump", bump_warp(kCentre + Vec3d(4, 0, 2), 20, 9)},
           {"shear", shear_warp(kCentre, 0.5)},
           {"stretch", stretch_warp(kCentre, 1.35)}};
@@ -29,7 +29,7 @@ std::vector<Case> cases() {
 class DeformedBody {
  public:
   explicit DeformedBody(const AnalyticWarp& warp)
-      : m_geometry(cube_geometry(kSize)),
+      : m_geometry(cube_geometry(kAccuracySize)),
         m_body(lobed_body(kCentre, 20)),
         m_elements(
             voxels_of(m_geometry.dims(), [&](const Vec3i& v) { return m_body(Vec3d(v)) > 100; })),
@@ -59,7 +59,7 @@ class DeformedBody {
 };
 
 TEST(PropertyRenderAccuracy, DisplacementsRenderedThroughInversionMatchTheDeformedVolume) {
-  for (const Case& c : cases()) {
+  for (const AccuracyCase& c : cases()) {
     DeformedBody body(c.warp);
     const Displacement u = sample_displacement(c.warp, body.geometry(), body.elements());
     const OffsetField offsets = invert(extend(u, body.shell()));
@@ -80,7 +80,7 @@ TEST(PropertyRenderAccuracy, WithoutTheGradientTermShearMissesThatBar) {
 }
 
 TEST(PropertyRenderAccuracy, OffsetsOfTheWrongSignFailWidely) {
-  for (const Case& c : cases()) {
+  for (const AccuracyCase& c : cases()) {
     DeformedBody body(c.warp);
     OffsetField offsets =
         sample_offsets(c.warp, body.geometry(), voxels_of(body.geometry().dims(), everywhere));

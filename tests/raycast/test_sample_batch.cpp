@@ -12,7 +12,7 @@ namespace supple {
 namespace {
 
 /// One sample by the definition.
-struct Expected {
+struct ExpectedSample {
   bool read = false, inside = false, bent = false;
   float encoded = 0;
   Vec3f gradient{0, 0, 0};
@@ -22,8 +22,8 @@ Vec3i voxel_below(const Vec3d& p) {
   return {int(std::floor(p.x)), int(std::floor(p.y)), int(std::floor(p.z))};
 }
 
-Expected expected_at(const SourceBricks& source, const OffsetBricks& output, Vec3d p) {
-  Expected result;
+ExpectedSample expected_at(const SourceBricks& source, const OffsetBricks& output, Vec3d p) {
+  ExpectedSample result;
   Vec3i voxel = voxel_below(p);
   const std::int32_t out = output.find(voxel);
   if (out < 0) return result;
@@ -89,7 +89,7 @@ void compare_with_scalar(const RoughScene& scene, const SamplingTables& tables, 
     for (int lane = 0; lane < count; ++lane) {
       const Vec3d p = Vec3d(piece.base) + Vec3d(piece.first) +
                       Vec3d(piece.per_sample) * double(first + lane * stride);
-      const Expected want = expected_at(scene.source, scene.output, p);
+      const ExpectedSample want = expected_at(scene.source, scene.output, p);
       ASSERT_EQ(batch.read >> lane & 1, want.read);
       ASSERT_EQ(batch.inside >> lane & 1, want.inside);
       ASSERT_EQ(batch.bent >> lane & 1, want.bent && want.read);

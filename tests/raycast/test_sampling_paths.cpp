@@ -8,18 +8,18 @@
 namespace supple {
 namespace {
 
-constexpr int kSize = 40;
+constexpr int kPathSize = 40;
 
 /// A slab of constant density, 17 nodes thick along y: 16 cells.
 DensityGrid slab() {
   return grid_of(
-      voxels_of({kSize, kSize, kSize},
+      voxels_of({kPathSize, kPathSize, kPathSize},
                 [](const Vec3i& v) { return v.y >= 12 && v.y <= 28 && v.x >= 4 && v.x < 36; }),
       [](const Vec3d&) { return 100; });
 }
 
-Image picture(const Geometry& geometry, const DensityGrid& grid, const OffsetField* offsets,
-              const TransferFunction& function, const std::string& view, int size = 80) {
+Image path_picture(const Geometry& geometry, const DensityGrid& grid, const OffsetField* offsets,
+                   const TransferFunction& function, const std::string& view, int size = 80) {
   Renderer renderer(geometry, grid);
   renderer.set_offsets(offsets);
   const Camera camera = default_camera(geometry, 1, view, Projection::orthographic);
@@ -33,7 +33,7 @@ std::uint8_t alpha(const Image& image, int x, int y) {
 }
 
 TEST(PropertySamplingPaths, APathThatMovesNothingGivesTheStraightPictureBitForBit) {
-  const Geometry geometry({kSize, kSize, kSize}, {3, -2, 1},
+  const Geometry geometry({kPathSize, kPathSize, kPathSize}, {3, -2, 1},
                           {Vec3d(0.9, 0.1, 0), {0, -1.1, 0.05}, {0, 0.2, 1.4}});
   const DensityGrid grid =
       grid_of(voxels_of(geometry.dims(), everywhere), lobed_body(Vec3d(19), 13));
@@ -41,20 +41,21 @@ TEST(PropertySamplingPaths, APathThatMovesNothingGivesTheStraightPictureBitForBi
                              make_taper({{{0, 0, 0}, {1, 0, 0}, 1000, 1100}, 0.5})};
   const OffsetField field = follow_path(path, geometry, grid.bricks());
   for (const char* view : {"anterior", "left"}) {
-    const Image straight = picture(geometry, grid, nullptr, surface_function(), view);
-    EXPECT_EQ(picture(geometry, grid, &field, surface_function(), view).rgba, straight.rgba);
+    const Image straight = path_picture(geometry, grid, nullptr, surface_function(), view);
+    EXPECT_EQ(path_picture(geometry, grid, &field, surface_function(), view).rgba, straight.rgba);
   }
 }
 
 TEST(PropertySamplingPaths, AnOpenedSlabIsEmptyInTheGapAndWholeBesideIt) {
-  // Opened by 10 mm across the view: 39.5 mm / 80 pixels; the camera's margin is in the picture.
-  const Geometry geometry = cube_geometry(kSize);
+  // Opened by 10 mm across the view: 39.5 mm / 80 pixels; the camera's margin is in the
+  // picture.
+  const Geometry geometry = cube_geometry(kPathSize);
   const DensityGrid grid = slab();
   TransferFunction fog = fog_function(0.1);
   const OffsetField field =
       follow_path({make_cut_open({{0.3, 0, 0}, {1, 0, 0}, 10})}, geometry, grid.bricks());
   ASSERT_NE(field.split, nullptr);
-  const Image image = picture(geometry, grid, &field, fog, "anterior");
+  const Image image = path_picture(geometry, grid, &field, fog, "anterior");
   const double mm_per_pixel =
       default_camera(geometry, 1, "anterior", Projection::orthographic).height_mm / 80;
   const int whole = int(std::lround(255 * (1 - std::pow(0.9, 16))));
@@ -77,23 +78,23 @@ TEST(PropertySamplingPaths, AnOpenedSlabIsEmptyInTheGapAndWholeBesideIt) {
 
   OffsetField smeared = field;
   smeared.split = nullptr;
-  const Image without = picture(geometry, grid, &smeared, fog, "anterior");
+  const Image without = path_picture(geometry, grid, &smeared, fog, "anterior");
   EXPECT_LT(compare(image, without, false).ssim, 0.999);
 }
 
 TEST(PropertySamplingPaths, OpeningAlongTheViewKeepsTheLengthOfTissueOnARay) {
-  const Geometry geometry = cube_geometry(kSize);
+  const Geometry geometry = cube_geometry(kPathSize);
   const DensityGrid grid = slab();
   const TransferFunction fog = fog_function(0.1);
   const OffsetField field =
       follow_path({make_cut_open({{0, 0.2, 0}, {0, 1, 0}, 7})}, geometry, grid.bricks());
-  const Image image = picture(geometry, grid, &field, fog, "anterior", 21);
+  const Image image = path_picture(geometry, grid, &field, fog, "anterior", 21);
   EXPECT_NEAR(alpha(image, 10, 10), 255 * (1 - std::pow(0.9, 16)), 3);
 }
 
 TEST(PropertySamplingPaths, AFaceIsShadedAsAFaceHoweverTheTissueBehindItLooks) {
   // Densities rise along z, so that their gradients lie in the face that is seen straight on.
-  const Geometry geometry = cube_geometry(kSize);
+  const Geometry geometry = cube_geometry(kPathSize);
   const DensityGrid grid = grid_of(voxels_of(geometry.dims(), everywhere),
                                    [](const Vec3d& p) { return 400 + 10 * p.z; });
   TransferFunction function = fog_function(0.99);
@@ -103,7 +104,7 @@ TEST(PropertySamplingPaths, AFaceIsShadedAsAFaceHoweverTheTissueBehindItLooks) {
   const OffsetField field =
       follow_path({make_cut_open({{0, 0, 0}, {0, 1, 0}, 0, 180, {-20, 0, 0}, {0, 0, 1}})}, geometry,
                   grid.bricks());
-  const Image image = picture(geometry, grid, &field, function, "left", 40);
+  const Image image = path_picture(geometry, grid, &field, function, "left", 40);
   const double facing = 1 / std::sqrt(1 + 0.35 * 0.35 + 0.25 * 0.25);  // the light beside the eye
   for (const int x : {6, 12, 28, 34}) {
     for (const int y : {10, 20, 30}) {
@@ -113,11 +114,11 @@ TEST(PropertySamplingPaths, AFaceIsShadedAsAFaceHoweverTheTissueBehindItLooks) {
 }
 
 TEST(PropertySamplingPaths, SkippingEmptySpaceDoesNotChangeAnExplodedPicture) {
-  const Geometry geometry = cube_geometry(kSize);
+  const Geometry geometry = cube_geometry(kPathSize);
   const DensityGrid grid =
       grid_of(voxels_of(geometry.dims(), everywhere), lobed_body(Vec3d(19.5), 12));
   const OffsetField field =
-      follow_path({make_explode({{2, 2, 3}, Vec3d(-0.5), Vec3d(kSize - 0.5), 6}, geometry),
+      follow_path({make_explode({{2, 2, 3}, Vec3d(-0.5), Vec3d(kPathSize - 0.5), 6}, geometry),
                    make_twist({{{0, 0, 0}, {0, 0, 1}, -20, 20}, 40})},
                   geometry, grid.bricks());
   Renderer renderer(geometry, grid);

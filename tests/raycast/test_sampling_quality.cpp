@@ -55,8 +55,8 @@ TransferFunction sheet_function() {
   return f;
 }
 
-Image picture(double step, Classification classification, bool jitter = false,
-              const TransferFunction& function = sheet_function()) {
+Image quality_picture(double step, Classification classification, bool jitter = false,
+                      const TransferFunction& function = sheet_function()) {
   const Geometry geometry = cube_geometry(48);
   const DensityGrid grid =
       grid_of(voxels_of({48, 48, 48}, everywhere), lobed_body({24, 24, 24}, 16));
@@ -89,16 +89,17 @@ TEST(UnitSampling, RaysAreLookedAtOncePerVoxelAndAtEveryLongerStep) {
 }
 
 TEST(ConvergenceClassification, IntegratedStepsComeNearTheFinePictureWhereSamplesMissTheSheet) {
-  const Image fine = picture(0.02, Classification::post);
-  const Comparison post = compare(picture(0.5, Classification::post), fine, true);
-  const Comparison integrated = compare(picture(0.5, Classification::pre_integrated), fine, true);
+  const Image fine = quality_picture(0.02, Classification::post);
+  const Comparison post = compare(quality_picture(0.5, Classification::post), fine, true);
+  const Comparison integrated =
+      compare(quality_picture(0.5, Classification::pre_integrated), fine, true);
   EXPECT_GT(integrated.ssim, post.ssim);
   EXPECT_LT(integrated.rmse, 0.3 * post.rmse);
 }
 
 TEST(PropertyClassification, FineStepsMakeBothClassificationsTheSamePicture) {
-  const Comparison found = compare(picture(0.02, Classification::pre_integrated),
-                                   picture(0.02, Classification::post), true);
+  const Comparison found = compare(quality_picture(0.02, Classification::pre_integrated),
+                                   quality_picture(0.02, Classification::post), true);
   EXPECT_GT(found.ssim, 0.999);
 }
 
@@ -130,7 +131,7 @@ TEST(PropertyClassification, AWayThroughFogExtinguishesAsTheIntegralSays) {
 TEST(FaultClassification, GradientOpacityCannotBeIntegratedAhead) {
   TransferFunction f = sheet_function();
   f.gradient_opacity = {{0, 0}, {100, 1}};
-  EXPECT_THROW(picture(0.5, Classification::pre_integrated, false, f), InputError);
+  EXPECT_THROW(quality_picture(0.5, Classification::pre_integrated, false, f), InputError);
 }
 
 /// Share of the error's variance that the means of 4×4 pixels keep: 1 for wide rings, 1/16 for

@@ -75,7 +75,7 @@ TEST(UnitStereo, TheEyesAreAsFarApartAsAskedFor) {
   EXPECT_THROW(stereo_cameras(parallel, 65), InputError);
 }
 
-FloatImage grey(float value) {
+FloatImage grey_pixel(float value) {
   FloatImage picture(1, 1);
   picture.rgba = {value, value, value, 1};
   return picture;
@@ -83,12 +83,13 @@ FloatImage grey(float value) {
 
 TEST(UnitStereo, EqualGreysStayGreyAndEachEyeHasItsColour) {
   for (const float value : {0.0f, 0.3f, 0.75f, 1.0f}) {
-    const FloatImage both = anaglyph(grey(value), grey(value));
+    const FloatImage both = anaglyph(grey_pixel(value), grey_pixel(value));
     for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(both.rgba[c], value, 2e-3);
     EXPECT_EQ(both.rgba[3], 1);
     EXPECT_FALSE(both.has_alpha);
   }
-  const FloatImage left = anaglyph(grey(1), grey(0)), right = anaglyph(grey(0), grey(1));
+  const FloatImage left = anaglyph(grey_pixel(1), grey_pixel(0)),
+                   right = anaglyph(grey_pixel(0), grey_pixel(1));
   EXPECT_GT(left.rgba[0], 0.99);
   EXPECT_EQ(left.rgba[1], 0);
   EXPECT_EQ(left.rgba[2], 0);

@@ -11,9 +11,9 @@
 namespace supple {
 namespace {
 
-constexpr int kSize = 32;
+constexpr int kSurfaceSize = 32;
 
-/// A rectangle across the view of front_camera() at y, as two triangles.
+/// A rectangle across the view of front_camera(kSurfaceSize) at y, as two triangles.
 Surface rectangle(double y, double half, const std::array<double, 3>& rgb, double opacity = 1,
                   const Vec3d& shift = Vec3d(0)) {
   Surface surface;
@@ -48,14 +48,6 @@ TriangleMesh prism(int sides, double radius, double height) {
   return mesh;
 }
 
-Camera front_camera() {
-  Camera camera;
-  camera.projection = Projection::orthographic;
-  camera.position_lps_mm = {0, -200, 0};
-  camera.height_mm = kSize;
-  return camera;
-}
-
 RenderSettings unlit(int size) {
   RenderSettings settings = small_picture(size);
   settings.lighting.model = ShadingModel::none;
@@ -64,8 +56,8 @@ RenderSettings unlit(int size) {
 
 /// Slab of the mid density plus 500 between y0 and y1 mm.
 Renderer slab_renderer(double y0, double y1) {
-  const Geometry geometry = cube_geometry(kSize);
-  return {geometry, grid_of(voxels_of(Vec3i(kSize), everywhere), [&](const Vec3d& p) {
+  const Geometry geometry = cube_geometry(kSurfaceSize);
+  return {geometry, grid_of(voxels_of(Vec3i(kSurfaceSize), everywhere), [&](const Vec3d& p) {
             const double y = geometry.world_from_index(p).y;
             return y >= y0 && y <= y1 ? 1000.0 : 0.0;
           })};
@@ -117,7 +109,7 @@ TEST(PropertySurface, WhatIsInFrontHidesWhatIsBehind) {
   Renderer renderer = slab_renderer(0, 6);
   TransferFunction opaque = fog_function(1);
   opaque.opacity = {{500, 0}, {501, 1}};
-  const Camera camera = front_camera();
+  const Camera camera = front_camera(kSurfaceSize);
   const FloatImage volume = renderer.render_float(camera, opaque, unlit(32));
   EXPECT_EQ(centre(volume), (std::array<float, 4>{1, 1, 1, 1}));
 
@@ -135,19 +127,20 @@ TEST(PropertySurface, WhatIsInFrontHidesWhatIsBehind) {
 }
 
 TEST(PropertySurface, TranslucentSurfacesMixFromFrontToBack) {
-  Renderer renderer(cube_geometry(kSize), DensityGrid());
+  Renderer renderer(cube_geometry(kSurfaceSize), DensityGrid());
   const auto picture = [&](double red_y, double blue_y) {
     renderer.set_surfaces({rectangle(red_y, 5, kRed, 0.5), rectangle(blue_y, 5, kBlue, 0.5)});
-    return centre(renderer.render_float(front_camera(), fog_function(1), unlit(32)));
+    return centre(renderer.render_float(front_camera(kSurfaceSize), fog_function(1), unlit(32)));
   };
   EXPECT_EQ(picture(-3, 3), (std::array<float, 4>{0.5f, 0, 0.25f, 0.75f}));
   EXPECT_EQ(picture(3, -3), (std::array<float, 4>{0.25f, 0, 0.5f, 0.75f}));
 }
 
 TEST(PropertySurface, EdgesOfTranslucentSurfacesLeaveNoSeams) {
-  Renderer renderer(cube_geometry(kSize), DensityGrid());
+  Renderer renderer(cube_geometry(kSurfaceSize), DensityGrid());
   renderer.set_surfaces({rectangle(0, 12, kRed, 0.5)});  // its diagonal meets pixel centres
-  const FloatImage picture = renderer.render_float(front_camera(), fog_function(1), unlit(32));
+  const FloatImage picture =
+      renderer.render_float(front_camera(kSurfaceSize), fog_function(1), unlit(32));
   for (int row = 5; row < 27; ++row) {
     for (int column = 5; column < 27; ++column) {
       ASSERT_EQ(picture.rgba[4 * (row * 32 + column) + 3], 0.5f) << column << " " << row;
@@ -162,7 +155,7 @@ TEST(PropertySurface, FogBeforeASurfaceFollowsBeerAndLambertWhereverItStands) {
   double previous = 0;
   for (double depth = 2; depth < 20; depth += 0.13) {
     renderer.set_surfaces({rectangle(-12 + depth, 5, {0, 0, 0})});
-    const auto pixel = centre(renderer.render_float(front_camera(), fog, unlit(32)));
+    const auto pixel = centre(renderer.render_float(front_camera(kSurfaceSize), fog, unlit(32)));
     EXPECT_NEAR(pixel[0], 1 - std::pow(0.9, depth), 0.012) << depth;
     EXPECT_EQ(pixel[3], 1);
     EXPECT_GT(pixel[0], previous);  // in every fraction of a step
@@ -174,7 +167,7 @@ TEST(PropertySurface, ASurfaceOutsideOfTheVolumesBoxIsSeen) {
   Renderer renderer = slab_renderer(0, 6);
   for (const Vec3d& shift : {Vec3d(40, 0, 0), Vec3d(40, -100, 0), Vec3d(40, 100, 0)}) {
     renderer.set_surfaces({rectangle(0, 5, kRed, 1, shift)});
-    Camera camera = front_camera();
+    Camera camera = front_camera(kSurfaceSize);
     camera.height_mm = 100;
     RenderSettings settings = unlit(100);
     settings.auxiliary = true;
@@ -188,12 +181,13 @@ TEST(PropertySurface, ASurfaceOutsideOfTheVolumesBoxIsSeen) {
 }
 
 TEST(UnitSurface, ClipsCutSurfacesOnlyWhenAsked) {
-  Renderer renderer(cube_geometry(kSize), DensityGrid());
+  Renderer renderer(cube_geometry(kSurfaceSize), DensityGrid());
   renderer.set_surfaces({rectangle(0, 12, kRed)});
   RenderSettings settings = unlit(32);
   settings.clips = {{{{{0, 0, 0}, {1, 0, 0}}}, ClipKeep::inside, ClipSpace::deformed}};
   const auto alpha = [&](int column) {
-    const FloatImage picture = renderer.render_float(front_camera(), fog_function(1), settings);
+    const FloatImage picture =
+        renderer.render_float(front_camera(kSurfaceSize), fog_function(1), settings);
     return picture.rgba[4 * (16 * 32 + column) + 3];
   };
   EXPECT_EQ(alpha(8), 1);
@@ -209,10 +203,10 @@ TEST(UnitSurface, AMaximumLiesOverTheSurfacesAndEndsAtAnOpaqueOne) {
   maximum.opacity = {{0, 0}, {1000, 0.25}};
   maximum.colour = {{0, {0, 1, 0}}};
   renderer.set_surfaces({rectangle(9, 5, kRed)});
-  EXPECT_EQ(centre(renderer.render_float(front_camera(), maximum, unlit(32))),
+  EXPECT_EQ(centre(renderer.render_float(front_camera(kSurfaceSize), maximum, unlit(32))),
             (std::array<float, 4>{0.75f, 0.25f, 0, 1}));
   renderer.set_surfaces({rectangle(-9, 5, kRed)});
-  EXPECT_EQ(centre(renderer.render_float(front_camera(), maximum, unlit(32))),
+  EXPECT_EQ(centre(renderer.render_float(front_camera(kSurfaceSize), maximum, unlit(32))),
             (std::array<float, 4>{1, 0, 0, 1}));
 }
 
@@ -232,10 +226,10 @@ struct LitScene {
 
 TEST(PropertySurfaceShadow, FogShadesASurfaceByBeerAndLambert) {
   // A wall oblique to both, left of 16 mm of fog that the light must cross.
-  const Geometry geometry = cube_geometry(kSize);
+  const Geometry geometry = cube_geometry(kSurfaceSize);
   Renderer renderer(
       geometry,
-      grid_of(voxels_of(Vec3i(kSize), [](const Vec3i& v) { return v.x >= 8 && v.x <= 24; }),
+      grid_of(voxels_of(Vec3i(kSurfaceSize), [](const Vec3i& v) { return v.x >= 8 && v.x <= 24; }),
               [](const Vec3d&) { return 100; }));
   Surface wall;
   wall.mesh.vertices_lps_mm = {{-15, -3, -9}, {-9, 3, -9}, {-9, 3, 9}, {-15, -3, 9}};
@@ -243,20 +237,22 @@ TEST(PropertySurfaceShadow, FogShadesASurfaceByBeerAndLambert) {
   wall.rgb = {1, 1, 1};
   renderer.set_surfaces({wall});
   const LitScene scene({1, 0, 0});
-  const FloatImage picture = renderer.render_float(front_camera(), scene.function, scene.settings);
+  const FloatImage picture =
+      renderer.render_float(front_camera(kSurfaceSize), scene.function, scene.settings);
   const double reached = std::pow(0.9, 16);
   EXPECT_NEAR(picture.rgba[4 * (16 * 32 + 4)], 0.1 + 0.8 * std::sqrt(0.5) * reached, 0.01);
 }
 
 TEST(UnitSurfaceShadow, WhatIsCutAwayCastsNoShadow) {
-  Renderer renderer(cube_geometry(kSize), DensityGrid());
+  Renderer renderer(cube_geometry(kSurfaceSize), DensityGrid());
   // Lit from the front, where a screen is cut away.
   renderer.set_surfaces({rectangle(0, 12, {1, 1, 1}), rectangle(-8, 12, kRed)});
   LitScene scene({0, -1, 0});
   scene.settings.clips = {{{{{0, -4, 0}, {0, 1, 0}}}, ClipKeep::inside, ClipSpace::deformed}};
   scene.settings.clip_surfaces = true;
-  EXPECT_NEAR(centre(renderer.render_float(front_camera(), scene.function, scene.settings))[0],
-              0.1 + 0.8, 1e-5);
+  EXPECT_NEAR(
+      centre(renderer.render_float(front_camera(kSurfaceSize), scene.function, scene.settings))[0],
+      0.1 + 0.8, 1e-5);
 }
 
 TEST(PropertySurfaceShadow, SurfacesShadeTheVolumeAndEachOtherByTheirOpacity) {
@@ -269,7 +265,8 @@ TEST(PropertySurfaceShadow, SurfacesShadeTheVolumeAndEachOtherByTheirOpacity) {
     renderer.set_surfaces(surfaces);
     TransferFunction opaque = scene.function;
     opaque.opacity = {{400, 0}, {600, 0.99}};
-    const FloatImage picture = renderer.render_float(front_camera(), opaque, scene.settings);
+    const FloatImage picture =
+        renderer.render_float(front_camera(kSurfaceSize), opaque, scene.settings);
     const auto grey = [&](double x) { return picture.rgba[4 * (16 * 32 + int(16 + x))]; };
     const double lit = 0.1 + 0.8 * 0.8, dimmed = 0.1 + 0.6 * 0.8 * 0.8;
     EXPECT_NEAR(grey(8 - 6), dimmed, 0.02) << on_volume;  // 8 mm behind, 6 mm aside
@@ -278,16 +275,18 @@ TEST(PropertySurfaceShadow, SurfacesShadeTheVolumeAndEachOtherByTheirOpacity) {
 }
 
 TEST(PropertySurfaceShadow, ARoundBodyOfFewSidesDoesNotShadeItsLitSide) {
-  Renderer renderer(cube_geometry(kSize), DensityGrid());
+  Renderer renderer(cube_geometry(kSurfaceSize), DensityGrid());
   Surface rod;
   rod.mesh = prism(12, 8, 20);
   for (Vec3d& v : rod.mesh.vertices_lps_mm) v.z -= 10;
   renderer.set_surfaces({rod});
   LitScene scene({0.766, -0.643, 0.1});  // the terminator lies within a side
   scene.settings.width = scene.settings.height = 128;
-  const FloatImage with = renderer.render_float(front_camera(), scene.function, scene.settings);
+  const FloatImage with =
+      renderer.render_float(front_camera(kSurfaceSize), scene.function, scene.settings);
   scene.settings.lighting.shadows = false;
-  const FloatImage without = renderer.render_float(front_camera(), scene.function, scene.settings);
+  const FloatImage without =
+      renderer.render_float(front_camera(kSurfaceSize), scene.function, scene.settings);
   int compared = 0;
   for (std::size_t n = 0; n < with.rgba.size(); n += 4) {
     if (without.rgba[n] < 0.15f) continue;

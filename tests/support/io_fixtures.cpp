@@ -5,13 +5,15 @@
 #include <fstream>
 #include <stdexcept>
 
+#include <gtest/gtest.h>
 #include <png.h>
 #include <tiffio.h>
 #include <unistd.h>
 #include <zlib.h>
 
-#include "volumes/base/error.h"
+#include "tests/support/errors.h"
 #include "volumes/io/open_volume.h"
+#include "volumes/io/warp_file.h"
 
 namespace supple::test {
 
@@ -143,6 +145,13 @@ void write_tiff(const std::string& path, int width, int height, const TiffOption
   TIFFClose(tiff);
 }
 
+ReadOptions choice(std::optional<int> frame, std::optional<int> channel) {
+  ReadOptions options;
+  options.frame = frame;
+  options.channel = channel;
+  return options;
+}
+
 std::string read_all(VolumeFile& file) {
   const Vec3i& dims = file.header().geometry.dims();
   const std::size_t slice =
@@ -152,14 +161,32 @@ std::string read_all(VolumeFile& file) {
   return bytes;
 }
 
+std::string read_all(const std::string& path) {
+  return read_all(*open_volume(path));
+}
+
 std::string failure_of(const std::string& path, const ReadOptions& options) {
-  try {
-    const auto file = open_volume(path, options);
-    read_all(*file);
-  } catch (const InputError& error) {
-    return error.what();
+  return input_error([&] { read_all(*open_volume(path, options)); });
+}
+
+std::string failure_of_warp(const std::string& path) {
+  return input_error([&] { read_warp(path); });
+}
+
+void expect_failure(const std::string& path, const std::vector<std::string>& parts,
+                    const ReadOptions& options) {
+  const std::string line = failure_of(path, options);
+  EXPECT_EQ(line.find('\n'), std::string::npos) << line;
+  EXPECT_LT(line.size(), 400u) << line;
+  expect_parts(path, line, parts);
+}
+
+void expect_parts(const std::string& path, const std::string& line,
+                  const std::vector<std::string>& parts) {
+  EXPECT_NE(line, "") << path << " was read";
+  for (const std::string& part : parts) {
+    EXPECT_NE(line.find(part), std::string::npos) << "\"" << part << "\" in: " << line;
   }
-  return "";
 }
 
 }  // namespace supple::test

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,8 @@
 #include "volumes/io/format/volume_file.h"
 
 namespace supple::test {
+
+const std::vector<std::int16_t> kShorts = {-5, 0, 1, 2, 300, -300, 7, 8, 9, 10, 11, 12};
 
 /// Values as they lie in memory, or with every value's bytes reversed.
 template <class T>
@@ -23,6 +26,12 @@ std::string bytes_of_values(const std::vector<T>& values, bool big_endian = fals
     swapped[n] = bytes[n - n % sizeof(T) + sizeof(T) - 1 - n % sizeof(T)];
   }
   return swapped;
+}
+
+/// The same of one value.
+template <class T>
+std::string bytes_of_value(T value, bool big_endian = false) {
+  return bytes_of_values(std::vector<T>{value}, big_endian);
 }
 
 std::string gzip(const std::string& bytes);
@@ -55,10 +64,21 @@ struct TiffOptions {
 void write_tiff(const std::string& path, int width, int height, const TiffOptions& options,
                 const std::string& rows);
 
+ReadOptions choice(std::optional<int> frame, std::optional<int> channel = {});
+
 /// All stored values in native byte order.
 std::string read_all(VolumeFile& file);
+std::string read_all(const std::string& path);
 
 /// The line of the InputError that opening and reading the file throws; "" when it reads.
 std::string failure_of(const std::string& path, const ReadOptions& options = {});
+/// The same of reading it as a warp.
+std::string failure_of_warp(const std::string& path);
+/// The file must fail with a single short line that holds all of `parts`.
+void expect_failure(const std::string& path, const std::vector<std::string>& parts,
+                    const ReadOptions& options = {});
+/// What `line` says of `path` must hold all of `parts`.
+void expect_parts(const std::string& path, const std::string& line,
+                  const std::vector<std::string>& parts);
 
 }  // namespace supple::test

@@ -67,6 +67,14 @@ Outcome run_supple(const std::vector<std::string>& arguments, const RunOptions& 
   return run_program(all, options);
 }
 
+bool runs(const std::string& command) {
+  return std::system((command + " > /dev/null 2>&1").c_str()) == 0;
+}
+
+bool runs_python(const std::string& arguments) {
+  return std::system(("/usr/bin/python3 " + arguments + " > /dev/null").c_str()) == 0;
+}
+
 void write_ball(const TemporaryFolder& folder, const std::string& name, int size) {
   std::string voxels;
   const double center = 0.5 * (size - 1), radius = 0.38 * size;

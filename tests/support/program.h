@@ -24,6 +24,10 @@ struct RunOptions {
 Outcome run_supple(const std::vector<std::string>& arguments, const RunOptions& options = {});
 /// Any program; the first argument is its path.
 Outcome run_program(const std::vector<std::string>& arguments, const RunOptions& options = {});
+/// A command of the shell, its output thrown away; whether it succeeds.
+bool runs(const std::string& command);
+/// The same of the system's Python, whose errors are shown.
+bool runs_python(const std::string& arguments);
 
 /// A ball of uint8 densities in void, size^3 voxels, spacing 1 x 1 x 1.5 mm, as .nhdr + .raw.
 void write_ball(const TemporaryFolder& folder, const std::string& name, int size);

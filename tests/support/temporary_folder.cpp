@@ -41,6 +41,16 @@ std::string read_text(const std::string& path) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
+std::string output_path(const std::string& name) {
+  const char* output = std::getenv("SUPPLE_TEST_OUTPUT");
+  const std::filesystem::path folder = output != nullptr
+                                           ? std::filesystem::path(output)
+                                           : std::filesystem::temp_directory_path() / "supple-test";
+  const std::filesystem::path path = folder / name;
+  std::filesystem::create_directories(path.parent_path());
+  return path.string();
+}
+
 void write_text(const std::string& path, const std::string& bytes) {
   std::filesystem::remove(path);
   std::ofstream stream(path, std::ios::binary);

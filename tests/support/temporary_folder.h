@@ -31,6 +31,9 @@ class TemporaryFolder {
 
 /// A whole file; throws std::runtime_error where it cannot be opened.
 std::string read_text(const std::string& path);
+/// A file that is kept, under SUPPLE_TEST_OUTPUT or the system's temporary folder; makes its
+/// folder.
+std::string output_path(const std::string& name);
 /// A new file each time: truncating an old one makes some file systems flush it on close.
 void write_text(const std::string& path, const std::string& bytes);
 

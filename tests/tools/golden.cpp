@@ -13,17 +13,6 @@
 
 namespace supple::test {
 
-namespace {
-
-std::string kept(const std::string& name) {
-  const std::filesystem::path folder =
-      std::filesystem::path(std::getenv("SUPPLE_TEST_OUTPUT")) / "golden";
-  std::filesystem::create_directories(folder);
-  return (folder / name).string();
-}
-
-}  // namespace
-
 std::string golden_path(const std::string& name) {
   return source_dir() + "/tests/golden/" + name;
 }
@@ -70,12 +59,14 @@ void expect_golden(const GoldenFolder& folder, const std::string& name) {
        std::to_string(kMinSsim), "--max-diff", std::to_string(kMaxDiff), "--mask", "foreground"});
   if (outcome.exit_code == 0) return;
   const std::string stem = std::filesystem::path(name).stem().string();
-  std::filesystem::copy_file(image, kept(stem + "_image.png"),
+  std::filesystem::copy_file(image, output_path("golden/" + stem + "_image.png"),
                              std::filesystem::copy_options::overwrite_existing);
-  std::filesystem::copy_file(reference, kept(stem + "_reference.png"),
+  std::filesystem::copy_file(reference, output_path("golden/" + stem + "_reference.png"),
                              std::filesystem::copy_options::overwrite_existing);
-  run_supple({"compare", image, reference, "--diff", kept(stem + "_difference.png"), "--force"});
-  ADD_FAILURE() << name << ": " << outcome.out << outcome.err << "kept in " << kept("");
+  run_supple({"compare", image, reference, "--diff",
+              output_path("golden/" + stem + "_difference.png"), "--force"});
+  ADD_FAILURE() << name << ": " << outcome.out << outcome.err << "kept in "
+                << output_path("golden/");
 }
 
 FloatImage read_exr(const std::string& path) {

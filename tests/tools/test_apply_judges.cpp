@@ -18,10 +18,6 @@ namespace {
 
 constexpr int kSize = 24;
 
-bool runs(const std::string& command) {
-  return std::system((command + " > /dev/null 2>&1").c_str()) == 0;
-}
-
 /// A dragged ball and its warp, to be compared with what a judge makes of them.
 class JudgedApply : public ::testing::Test {
  protected:

@@ -16,10 +16,6 @@ using namespace supple::test;
 
 namespace {
 
-bool is_installed(const std::string& program) {
-  return std::system(("command -v " + program + " >/dev/null 2>&1").c_str()) == 0;
-}
-
 /// A ball, soft, with a dent; half of it is clipped away where a test needs to tell sides apart.
 class PictureFiles : public testing::Test {
  protected:
@@ -214,7 +210,7 @@ TEST_F(UnitPictureFiles, ASequenceScalesTheDisplacementFromRestToTheState) {
 }
 
 TEST_F(UnitPictureFiles, AVideoHasAllPicturesAndItsConfiguration) {
-  if (!is_installed("ffprobe")) GTEST_SKIP() << "ffmpeg is not installed";
+  if (!runs("command -v ffprobe")) GTEST_SKIP() << "ffmpeg is not installed";
   for (const std::string name : {"turn.mp4", "turn.webm", "turn.avi"}) {
     const Outcome outcome =
         render("ball.nhdr", name, {"--turntable", "5", "--size", "65,48", "--fps", "10"});
@@ -296,7 +292,7 @@ TEST_F(FaultPictureFiles, AFullDiskLeavesNoPictureOfASeriesAndNoFolder) {
 
 TEST_F(FaultPictureFiles, CtrlCLeavesNothingOfASeriesOrAVideo) {
   std::vector<std::string> names = {"a_%04d.png"};
-  if (is_installed("ffmpeg")) names.emplace_back("a.mp4");
+  if (runs("command -v ffmpeg")) names.emplace_back("a.mp4");
   for (const std::string& name : names) {
     RunOptions options;
     options.interrupt_after_s = 0.4;

@@ -7,16 +7,13 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/dicom_fixtures.h"
+#include "tests/support/program.h"
 #include "volumes/io/open_volume.h"
 
 namespace supple::test {
 namespace {
 
-bool runs(const std::string& command) {
-  return std::system((command + " >/dev/null 2>&1").c_str()) == 0;
-}
-
-SeriesFixture oblique(E_TransferSyntax syntax) {
+SeriesFixture oblique_with_rescale(E_TransferSyntax syntax) {
   SeriesFixture series;
   series.row = {0.8, 0.6, 0};
   series.column = {0, 0, -1};
@@ -52,7 +49,7 @@ TEST(InteropDicom, PydicomFindsTheSameValueAtTheSamePlace) {
   for (const E_TransferSyntax syntax : {EXS_LittleEndianImplicit, EXS_BigEndianExplicit,
                                         EXS_DeflatedLittleEndianExplicit, EXS_RLELossless}) {
     const TemporaryFolder folder, outputs;
-    oblique(syntax).write_all(folder);
+    oblique_with_rescale(syntax).write_all(folder);
     const std::string script = outputs.write("judge.py", kPydicomScript);
     const std::string list = outputs / "list";
     ASSERT_EQ(std::system((python + " " + script + " " + folder / "." + " >" + list).c_str()), 0);
@@ -78,7 +75,7 @@ TEST(InteropDicom, PlastimatchMakesTheSameVolume) {
   if (!runs("plastimatch --version")) GTEST_SKIP() << "plastimatch is not installed";
   for (const E_TransferSyntax syntax : {EXS_LittleEndianExplicit, EXS_LittleEndianImplicit}) {
     const TemporaryFolder folder, outputs;
-    oblique(syntax).write_all(folder);
+    oblique_with_rescale(syntax).write_all(folder);
     const std::string image = outputs / "image.nrrd";
     ASSERT_TRUE(runs("plastimatch convert --input " + folder / "." + " --output-img " + image));
     const auto ours = open_volume(folder / "."), theirs = open_volume(image);

@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 #include <hdf5.h>
 
+#include "tests/support/errors.h"
+#include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
 #include "volumes/base/error.h"
 #include "volumes/io/format/dense_writer.h"
@@ -20,14 +22,14 @@ using namespace supple::test;
 namespace {
 
 const Vec3i kDims(4, 3, 2);
-const Geometry kOblong(kDims, {1.5, -2, 0.1}, {Vec3d(0, 0.5, 0), {-2, 0, 0}, {0, 0, 3}});
+const Geometry kSmall(kDims, {1.5, -2, 0.1}, {Vec3d(0, 0.5, 0), {-2, 0, 0}, {0, 0, 3}});
 constexpr int kSlice = 12;
 
-void counting_slices(int k, float* out) {
+void small_slices(int k, float* out) {
   for (int n = 0; n < kSlice; ++n) out[n] = float(kSlice * k + n);
 }
 
-void counting_vectors(int k, Vec3f* out) {
+void small_vectors(int k, Vec3f* out) {
   for (int n = 0; n < kSlice; ++n) out[n] = Vec3f(float(k), float(n), -0.1f);
 }
 
@@ -80,26 +82,13 @@ bool has(const std::string& path, const char* name) {
   return exists;
 }
 
-std::string error_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
-}
-
-bool run_python(const std::string& arguments) {
-  return std::system(("/usr/bin/python3 " + arguments + " > /dev/null").c_str()) == 0;
-}
-
 }  // namespace
 
 TEST(UnitHdf5Writer, AVolumeIsAnItkImageWithAxesAsRows) {
   const TemporaryFolder folder;
   for (const bool compress : {false, true}) {
     const std::string path = folder / "a.h5";
-    write_volume(path, kOblong, ValueType::int16, counting_slices, nullptr, compressed(compress));
+    write_volume(path, kSmall, ValueType::int16, small_slices, nullptr, compressed(compress));
     hid_t type = H5I_INVALID_HID;
     const Numbers voxels = numbers_of(path, "/ITKImage/0/VoxelData", &type);
     EXPECT_EQ(voxels.dims, (std::vector<hsize_t>{2, 3, 4}));
@@ -121,7 +110,7 @@ TEST(UnitHdf5Writer, AWarpIsAnItkTransformOfDoubles) {
   const TemporaryFolder folder;
   for (const bool compress : {false, true}) {
     const std::string path = folder / "a.hdf5";
-    write_warp(path, {kOblong, WarpDirection::material, "{\"cells\":3}"}, counting_vectors, nullptr,
+    write_warp(path, {kSmall, WarpDirection::material, "{\"cells\":3}"}, small_vectors, nullptr,
                compressed(compress));
     EXPECT_EQ(text_of(path, "/TransformGroup/0/TransformType"),
               "DisplacementFieldTransform_double_3_3");
@@ -145,10 +134,10 @@ TEST(PropertyHdf5Writer, DirectionAndCertificateAreReadBack) {
   const std::string path = folder / "a.h5",
                     certificate = "{\"text\":\"" + std::string(5000, 'c') + "\"}";
   for (const WarpDirection direction : {WarpDirection::resample, WarpDirection::material}) {
-    write_warp(path, {kOblong, direction, certificate}, counting_vectors);
+    write_warp(path, {kSmall, direction, certificate}, small_vectors);
     const Warp warp = read_warp(path);
     EXPECT_EQ(warp.direction, direction);
-    EXPECT_TRUE(warp.geometry == kOblong);
+    EXPECT_TRUE(warp.geometry == kSmall);
     EXPECT_EQ(warp.vectors[13], Vec3f(1, 1, -0.1f));
     EXPECT_EQ(open_volume(path,
                           [] {
@@ -165,20 +154,20 @@ TEST(PropertyHdf5Writer, DirectionAndCertificateAreReadBack) {
 TEST(PropertyHdf5Writer, EqualInputsGiveEqualBytesAndCompressionTheSameValues) {
   const TemporaryFolder folder;
   for (const bool compress : {false, true}) {
-    write_volume(folder / "a.h5", kOblong, ValueType::float32, counting_slices, nullptr,
+    write_volume(folder / "a.h5", kSmall, ValueType::float32, small_slices, nullptr,
                  compressed(compress));
-    write_warp(folder / "b.h5", {kOblong, WarpDirection::resample}, counting_vectors, nullptr,
+    write_warp(folder / "b.h5", {kSmall, WarpDirection::resample}, small_vectors, nullptr,
                compressed(compress));
     const std::string volume = read_text(folder / "a.h5"), warp = read_text(folder / "b.h5");
     ::sleep(1);  // HDF5 notes times in seconds where it is let
-    write_volume(folder / "a.h5", kOblong, ValueType::float32, counting_slices, nullptr,
+    write_volume(folder / "a.h5", kSmall, ValueType::float32, small_slices, nullptr,
                  compressed(compress));
-    write_warp(folder / "b.h5", {kOblong, WarpDirection::resample}, counting_vectors, nullptr,
+    write_warp(folder / "b.h5", {kSmall, WarpDirection::resample}, small_vectors, nullptr,
                compressed(compress));
     EXPECT_EQ(read_text(folder / "a.h5"), volume);
     EXPECT_EQ(read_text(folder / "b.h5"), warp);
   }
-  const Geometry large({64, 64, 8}, {0, 0, 0}, kOblong.axes_mm());
+  const Geometry large({64, 64, 8}, {0, 0, 0}, kSmall.axes_mm());
   const auto flat = [](int, float* out) { std::fill_n(out, 64 * 64, 2.0f); };
   write_volume(folder / "c.h5", large, ValueType::float32, flat, nullptr, compressed(true));
   EXPECT_LT(std::filesystem::file_size(folder / "c.h5"), 20000u);
@@ -189,7 +178,7 @@ TEST(FaultHdf5Writer, ShearedAxesAreRefused) {
   const TemporaryFolder folder;
   const Geometry sheared(kDims, {0, 0, 0}, {Vec3d(1, 0, 0), {0.2, 1, 0}, {0, 0, 1}});
   const std::string error = error_of([&] {
-    write_warp(folder / "a.h5", {sheared, WarpDirection::resample}, counting_vectors);
+    write_warp(folder / "a.h5", {sheared, WarpDirection::resample}, small_vectors);
   });
   EXPECT_NE(error.find("geometry: found sheared axes"), std::string::npos) << error;
   EXPECT_EQ(folder.entries().size(), 0u);
@@ -197,9 +186,9 @@ TEST(FaultHdf5Writer, ShearedAxesAreRefused) {
 
 TEST(FaultHdf5Writer, AFullDiskKeepsTheOldFileAndLeavesNothingElse) {
   const TemporaryFolder folder;
-  const Geometry large({200, 100, 3}, {0, 0, 0}, kOblong.axes_mm());
+  const Geometry large({200, 100, 3}, {0, 0, 0}, kSmall.axes_mm());
   const auto slices = [](int k, Vec3f* out) { std::fill_n(out, 20000, Vec3f(float(k), 1, 2)); };
-  write_warp(folder / "a.h5", {kOblong, WarpDirection::resample}, counting_vectors);
+  write_warp(folder / "a.h5", {kSmall, WarpDirection::resample}, small_vectors);
   const std::string old = read_text(folder / "a.h5");
   for (const rlim_t limit : {0, 40, 3000, 100000, 500000, 1439999}) {
     std::string error;
@@ -218,11 +207,10 @@ TEST(FaultHdf5Writer, AFullDiskKeepsTheOldFileAndLeavesNothingElse) {
 }
 
 TEST(InteropHdf5, H5pyReadsOurVolumesAndWarps) {
-  if (!run_python("-c 'import h5py' 2>&1")) GTEST_SKIP() << "python3-h5py is not installed";
+  if (!runs_python("-c 'import h5py' 2>&1")) GTEST_SKIP() << "python3-h5py is not installed";
   const TemporaryFolder folder;
-  write_volume(folder / "v.h5", kOblong, ValueType::uint16, counting_slices, nullptr,
-               compressed(true));
-  write_warp(folder / "w.h5", {kOblong, WarpDirection::resample}, counting_vectors);
+  write_volume(folder / "v.h5", kSmall, ValueType::uint16, small_slices, nullptr, compressed(true));
+  write_warp(folder / "w.h5", {kSmall, WarpDirection::resample}, small_vectors);
   write_text(folder / "check.py", R"(
 import sys, h5py, numpy as np
 v = h5py.File(sys.argv[1], 'r')['ITKImage/0']
@@ -238,11 +226,11 @@ world = fixed[9:].reshape(3, 3) @ (fixed[6:9] * [3, 2, 1]) + fixed[3:6]
 assert np.allclose(world, [1.5 - 4, -2 + 1.5, 0.1 + 3]), world
 assert w.attrs['supple_direction'] == b'resample'
 )");
-  EXPECT_TRUE(run_python(folder / "check.py" + (" " + folder / "v.h5") + (" " + folder / "w.h5")));
+  EXPECT_TRUE(runs_python(folder / "check.py" + (" " + folder / "v.h5") + (" " + folder / "w.h5")));
 }
 
 TEST(InteropHdf5, WhatH5pyWritesIsRead) {
-  if (!run_python("-c 'import h5py' 2>&1")) GTEST_SKIP() << "python3-h5py is not installed";
+  if (!runs_python("-c 'import h5py' 2>&1")) GTEST_SKIP() << "python3-h5py is not installed";
   const TemporaryFolder folder;
   write_text(folder / "make.py", R"(
 import sys, h5py, numpy as np
@@ -258,7 +246,7 @@ with h5py.File(sys.argv[1], 'w', libver='latest') as f:
     d.attrs['units'] = 'µm'
 )");
   const std::string path = folder / "a.h5";
-  ASSERT_TRUE(run_python(folder / "make.py" + (" " + path)));
+  ASSERT_TRUE(runs_python(folder / "make.py" + (" " + path)));
   const auto first = open_volume(path + ":/t0/channel");
   EXPECT_EQ(first->header().type, ValueType::float64);
   EXPECT_LT((first->header().geometry.spacing_mm() - Vec3d(0.5, 2, 3)).length(), 1e-6);

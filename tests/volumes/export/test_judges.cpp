@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/program.h"
 #include "tests/support/random_state.h"
 #include "tests/support/temporary_folder.h"
 #include "volumes/field/dense/resample.h"
@@ -29,37 +30,37 @@ const std::vector<std::string> kImages = {"warp.nrrd", "warp.mha", "warp.nhdr",
 constexpr int kBorder = 2;
 constexpr double kTolerance = 0.01;  // mean grey levels; both judges are at float rounding (3e-7)
 constexpr double kFarOff = 10;       // mean grey levels; no warp at all is 12.8 away
-const Vec3i kDims(48, 40, 36);
-using Image = std::vector<float>;  // kDims, i fastest
+const Vec3i kHeadDims(48, 40, 36);
+using Image = std::vector<float>;  // kHeadDims, i fastest
 
 std::size_t slot(int i, int j, int k) {
-  return (std::size_t(k) * kDims.y + j) * kDims.x + i;
+  return (std::size_t(k) * kHeadDims.y + j) * kHeadDims.x + i;
 }
 
 template <class Visit>
 void for_each_voxel(Visit&& visit) {
-  for (int k = 0; k < kDims.z; ++k) {
-    for (int j = 0; j < kDims.y; ++j) {
-      for (int i = 0; i < kDims.x; ++i) visit(i, j, k);
+  for (int k = 0; k < kHeadDims.z; ++k) {
+    for (int j = 0; j < kHeadDims.y; ++j) {
+      for (int i = 0; i < kHeadDims.x; ++i) visit(i, j, k);
     }
   }
 }
 
 /// Left-handed like ct_head: j to the anterior.
 Geometry ct_like_grid() {
-  return {kDims, {-22, 25, -40}, {Vec3d(0.9, 0, 0), {0, -0.9, 0}, {0, 0, 1.5}}};
+  return {kHeadDims, {-22, 25, -40}, {Vec3d(0.9, 0, 0), {0, -0.9, 0}, {0, 0, 1.5}}};
 }
 
 Geometry oblique_anisotropic_grid() {
   const double c = std::cos(0.5), s = std::sin(0.5), d = std::cos(-0.35), t = std::sin(-0.35);
-  return {kDims,
+  return {kHeadDims,
           {-20, 15, -33},
           {Vec3d(c, s, 0) * 0.8, Vec3d(-s * d, c * d, t) * 1.4, Vec3d(s * t, -c * t, d) * 2.3}};
 }
 
 /// Smooth grey values, 7 to 247.
 Image grey_source() {
-  Image image(slot(0, 0, kDims.z));
+  Image image(slot(0, 0, kHeadDims.z));
   for_each_voxel([&](int i, int j, int k) {
     image[slot(i, j, k)] = float(127 + 60 * std::sin(0.3 * i) * std::cos(0.25 * j) +
                                  60 * std::sin(0.35 * k + 0.1 * i));
@@ -70,14 +71,15 @@ Image grey_source() {
 /// Offsets of several voxels that vanish on the faces of the box.
 Vec3d windowed_offset(const Vec3d& p) {
   constexpr double kPi = 3.14159265358979323846;
-  const double window = std::sin(kPi * p.x / (kDims.x - 1)) * std::sin(kPi * p.y / (kDims.y - 1)) *
-                        std::sin(kPi * p.z / (kDims.z - 1));
+  const double window = std::sin(kPi * p.x / (kHeadDims.x - 1)) *
+                        std::sin(kPi * p.y / (kHeadDims.y - 1)) *
+                        std::sin(kPi * p.z / (kHeadDims.z - 1));
   return Vec3d(4.5 * std::cos(0.12 * p.y), -4 * std::cos(0.15 * p.z), 3 * std::cos(0.1 * p.x)) *
          window;
 }
 
 BrickTopology whole_box() {
-  return bricks_where(kDims, [](const Vec3i&) { return true; });
+  return bricks_where(kHeadDims, [](const Vec3i&) { return true; });
 }
 
 DensityGrid grid_of(const Image& image) {
@@ -105,8 +107,8 @@ Image own_reading(const Image& source, const OffsetField& offsets, double sign) 
 void export_warp(const std::string& path, const OffsetField& offsets, double sign) {
   const Geometry& geometry = offsets.geometry;
   write_warp(path, {geometry, WarpDirection::resample}, [&](int k, Vec3f* out) {
-    for (int j = 0; j < kDims.y; ++j) {
-      for (int i = 0; i < kDims.x; ++i) {
+    for (int j = 0; j < kHeadDims.y; ++j) {
+      for (int i = 0; i < kHeadDims.x; ++i) {
         Vec3f o;
         offsets.o.at({i, j, k}, o);
         *out++ = Vec3f(geometry.world_vector_from_index(Vec3d(o) * sign));
@@ -118,27 +120,23 @@ void export_warp(const std::string& path, const OffsetField& offsets, double sig
 Image read_image(const std::string& path) {
   const auto file = open_volume(path);
   EXPECT_EQ(file->header().type, ValueType::float32);
-  EXPECT_EQ(file->header().geometry.dims(), kDims);
-  Image image(slot(0, 0, kDims.z));
-  for (int k = 0; k < kDims.z; ++k) file->read_slice(&image[slot(0, 0, k)]);
+  EXPECT_EQ(file->header().geometry.dims(), kHeadDims);
+  Image image(slot(0, 0, kHeadDims.z));
+  for (int k = 0; k < kHeadDims.z; ++k) file->read_slice(&image[slot(0, 0, k)]);
   return image;
 }
 
 double mean_difference(const Image& a, const Image& b) {
   double sum = 0;
   int count = 0;
-  for (int k = kBorder; k < kDims.z - kBorder; ++k) {
-    for (int j = kBorder; j < kDims.y - kBorder; ++j) {
-      for (int i = kBorder; i < kDims.x - kBorder; ++i, ++count) {
+  for (int k = kBorder; k < kHeadDims.z - kBorder; ++k) {
+    for (int j = kBorder; j < kHeadDims.y - kBorder; ++j) {
+      for (int i = kBorder; i < kHeadDims.x - kBorder; ++i, ++count) {
         sum += std::abs(double(a[slot(i, j, k)]) - b[slot(i, j, k)]);
       }
     }
   }
   return sum / count;
-}
-
-bool runs(const std::string& command) {
-  return std::system((command + " > /dev/null 2>&1").c_str()) == 0;
 }
 
 /// Pulls `source` through the field at `warp`; returns the path of the result.
@@ -156,7 +154,8 @@ std::string transformix(const TemporaryFolder& folder, const Geometry& geometry,
       << "(InitialTransformParametersFileName \"NoInitialTransform\")\n"
       << "(HowToCombineTransforms \"Compose\")\n(FixedImageDimension 3)\n(MovingImageDimension 3)\n"
       << "(FixedInternalImagePixelType \"float\")\n(MovingInternalImagePixelType \"float\")\n"
-      << "(Size " << kDims.x << " " << kDims.y << " " << kDims.z << ")\n(Index 0 0 0)\n(Spacing";
+      << "(Size " << kHeadDims.x << " " << kHeadDims.y << " " << kHeadDims.z
+      << ")\n(Index 0 0 0)\n(Spacing";
   put(geometry.spacing_mm());
   text << ")\n(Origin";
   put(geometry.origin_lps_mm());
@@ -206,7 +205,7 @@ void expect_agreement(const Judge& judge, const std::vector<std::string>& names)
     const OffsetField offsets = sample_offsets({{}, windowed_offset}, geometry, whole_box());
     const Image expected = own_reading(source, offsets, 1);
     write_volume(folder / "source.mha", geometry, ValueType::float32, [&](int k, float* out) {
-      std::copy_n(&source[slot(0, 0, k)], kDims.x * kDims.y, out);
+      std::copy_n(&source[slot(0, 0, k)], kHeadDims.x * kHeadDims.y, out);
     });
     EXPECT_GT(mean_difference(source, expected), kFarOff);
 
@@ -227,7 +226,7 @@ void expect_agreement(const Judge& judge, const std::vector<std::string>& names)
 /// A ball of tissue in air, pushed by up to `height` voxels along the axes: elements and shell.
 State pushed_ball(const Geometry& geometry, const Image& grey, double height) {
   const auto ball = [](double radius) {
-    return bricks_where(kDims, [radius](const Vec3i& voxel) {
+    return bricks_where(kHeadDims, [radius](const Vec3i& voxel) {
       return (Vec3d(voxel) - Vec3d(24, 20, 18)).length() < radius;
     });
   };
@@ -257,13 +256,13 @@ void expect_agreement_on_inverted_states(const Judge& judge,
     const TemporaryFolder folder;
     const State state = pushed_ball(geometry, grey_source(), 3);
     const OffsetField offsets = invert(extended_displacement_of(state));
-    Image source, expected(slot(0, 0, kDims.z));
+    Image source, expected(slot(0, 0, kHeadDims.z));
     const ScalarSliceSource resampled = dense_resampled(offsets, state.density, geometry, 0);
-    for (int k = 0; k < kDims.z; ++k) resampled(k, &expected[slot(0, 0, k)]);
+    for (int k = 0; k < kHeadDims.z; ++k) resampled(k, &expected[slot(0, 0, k)]);
     for_each_voxel([&](int i, int j, int k) { source.push_back(state.density.at({i, j, k})); });
 
     write_volume(folder / "source.mha", geometry, ValueType::float32, [&](int k, float* out) {
-      std::copy_n(&source[slot(0, 0, k)], kDims.x * kDims.y, out);
+      std::copy_n(&source[slot(0, 0, k)], kHeadDims.x * kHeadDims.y, out);
     });
     for (const std::string& name : names) {
       write_warp(folder / name, {geometry, WarpDirection::resample},

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
 #include "volumes/io/format/formats.h"
 #include "volumes/io/open_volume.h"
@@ -17,21 +18,17 @@ using namespace supple::test;
 
 namespace {
 
-bool run_python(const std::string& arguments) {
-  return std::system(("/usr/bin/python3 " + arguments + " > /dev/null").c_str()) == 0;
-}
-
 bool has_nibabel() {
-  return run_python("-c 'import nibabel' 2>&1");
+  return runs_python("-c 'import nibabel' 2>&1");
 }
 
-const Vec3i kDims(4, 3, 2);
+const Vec3i kCountedDims(4, 3, 2);
 /// Left-handed and oblique in LPS; the script has its affine in RAS.
 Geometry oblique() {
-  return {kDims, {-10.5, 20.25, 30}, {Vec3d(1.2, 1.6, 0), {-2.4, 1.8, 0}, {0, 0, -1.5}}};
+  return {kCountedDims, {-10.5, 20.25, 30}, {Vec3d(1.2, 1.6, 0), {-2.4, 1.8, 0}, {0, 0, -1.5}}};
 }
 Geometry sheared() {
-  return {kDims, {-10.5, 20.25, 30}, {Vec3d(1.2, 1.6, 0), {0, 1.5, 0}, {0, 0, -1.5}}};
+  return {kCountedDims, {-10.5, 20.25, 30}, {Vec3d(1.2, 1.6, 0), {0, 1.5, 0}, {0, 0, -1.5}}};
 }
 
 /// Values i + 10 j + 50 k, which fit every type.
@@ -44,10 +41,10 @@ void write_counted(const std::string& path, const Geometry& geometry, ValueType 
   image.intercept = -3;
   const auto writer = create_dense(path, image);
   std::vector<T> slice;
-  for (int k = 0; k < kDims.z; ++k) {
+  for (int k = 0; k < kCountedDims.z; ++k) {
     slice.clear();
-    for (int n = 0; n < kDims.x * kDims.y; ++n) {
-      slice.push_back(T(n % kDims.x + 10 * (n / kDims.x) + 50 * k));
+    for (int n = 0; n < kCountedDims.x * kCountedDims.y; ++n) {
+      slice.push_back(T(n % kCountedDims.x + 10 * (n / kCountedDims.x) + 50 * k));
     }
     writer->write_slice(slice.data());
   }
@@ -155,7 +152,7 @@ nib.save(both, folder + '/both.nii')
 
 void expect_oblique(const Geometry& geometry) {
   const Geometry expected = oblique();
-  EXPECT_EQ(geometry.dims(), kDims);
+  EXPECT_EQ(geometry.dims(), kCountedDims);
   EXPECT_LT((geometry.origin_lps_mm() - expected.origin_lps_mm()).length(), 1e-5);
   for (int c = 0; c < 3; ++c) {
     EXPECT_LT((geometry.axes_mm()[c] - expected.axes_mm()[c]).length(), 1e-6) << c;
@@ -167,13 +164,13 @@ template <class T>
 void expect_counted(VolumeFile& file, int first) {
   expect_oblique(file.header().geometry);
   const int components = file.header().components;
-  std::vector<T> slice(std::size_t(components * kDims.x * kDims.y));
-  for (int k = 0; k < kDims.z; ++k) {
+  std::vector<T> slice(std::size_t(components * kCountedDims.x * kCountedDims.y));
+  for (int k = 0; k < kCountedDims.z; ++k) {
     file.read_slice(slice.data());
     for (int n = 0; n < int(slice.size()); ++n) {
       const int voxel = n / components;
-      ASSERT_EQ(slice[std::size_t(n)],
-                T(n % components + voxel % kDims.x + 10 * (voxel / kDims.x) + 50 * k + first));
+      ASSERT_EQ(slice[std::size_t(n)], T(n % components + voxel % kCountedDims.x +
+                                         10 * (voxel / kCountedDims.x) + 50 * k + first));
     }
   }
 }
@@ -202,14 +199,14 @@ TEST(InteropNifti, NibabelReadsOurVolumesAndWarps) {
                nullptr, options);
   }
   write_text(folder / "judge.py", kReader);
-  EXPECT_TRUE(run_python((folder / "judge.py") + " " + (folder / "")));
+  EXPECT_TRUE(runs_python((folder / "judge.py") + " " + (folder / "")));
 }
 
 TEST(InteropNifti, WeReadWhatNibabelWrites) {
   if (!has_nibabel()) GTEST_SKIP() << "python3-nibabel is not installed";
   const TemporaryFolder folder;
   write_text(folder / "write.py", kWriter);
-  ASSERT_TRUE(run_python((folder / "write.py") + " " + (folder / "")));
+  ASSERT_TRUE(runs_python((folder / "write.py") + " " + (folder / "")));
 
   for (int t = 0; t < 3; ++t) {
     ReadOptions options;

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/errors.h"
 #include "tests/support/random_state.h"
 #include "tests/support/temporary_folder.h"
 #include "volumes/base/error.h"
@@ -20,13 +21,13 @@ using namespace supple::test;
 namespace {
 
 /// i to the patient's anterior, j to the left, k up: RAS rows (0, 2, 0), (-0.5, 0, 0), (0, 0, 3).
-const Geometry kOblong({3, 2, 2}, {1.5, -2, 0.25}, {Vec3d(0, -0.5, 0), {2, 0, 0}, {0, 0, 3}});
+const Geometry kTurned({3, 2, 2}, {1.5, -2, 0.25}, {Vec3d(0, -0.5, 0), {2, 0, 0}, {0, 0, 3}});
 
 Vec3f counting_vector(int k, int n) {
   return Vec3f(float(100 * k + n), float(n) - 0.5f, -float(k) - 0.25f);
 }
 
-void counting_vectors(int k, Vec3f* out) {
+void turned_vectors(int k, Vec3f* out) {
   for (int n = 0; n < 6; ++n) out[n] = counting_vector(k, n);
 }
 
@@ -66,20 +67,11 @@ void expect_within_float_rounding(const Geometry& found, const Geometry& written
   }
 }
 
-std::string error_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
-}
-
 }  // namespace
 
 TEST(UnitNiftiWriter, AWarpHasTheFieldsAndTheLayoutOfTheDesign) {
   const TemporaryFolder folder;
-  write_warp(folder / "a.nii", {kOblong, WarpDirection::material, "{\"n\":1}"}, counting_vectors);
+  write_warp(folder / "a.nii", {kTurned, WarpDirection::material, "{\"n\":1}"}, turned_vectors);
   const std::string bytes = read_text(folder / "a.nii");
   EXPECT_EQ(value_at<std::int32_t>(bytes, 0), 348);
   EXPECT_EQ(values_at<std::int16_t>(bytes, 40, 8),
@@ -113,7 +105,7 @@ TEST(UnitNiftiWriter, RasVectorsHaveTheirIntentAndXAndYTurned) {
   const TemporaryFolder folder;
   WriteOptions options;
   options.ras_vectors = true;
-  write_warp(folder / "a.nii", {kOblong}, counting_vectors, nullptr, options);
+  write_warp(folder / "a.nii", {kTurned}, turned_vectors, nullptr, options);
   const std::string bytes = read_text(folder / "a.nii");
   EXPECT_EQ(value_at<std::int16_t>(bytes, 68), 1006);
   const auto values = values_at<float>(bytes, bytes.size() - 144, 36);
@@ -121,7 +113,7 @@ TEST(UnitNiftiWriter, RasVectorsHaveTheirIntentAndXAndYTurned) {
   EXPECT_EQ(read_warp(folder / "a.nii").vectors[7], counting_vector(1, 1));
   EXPECT_NE(error_of([&] {
               write_volume(
-                  folder / "b.nii", kOblong, ValueType::uint8,
+                  folder / "b.nii", kTurned, ValueType::uint8,
                   [](int, float* out) { std::fill_n(out, 6, 1.0f); }, nullptr, options);
             }).find("intent: found a scalar volume"),
             std::string::npos);
@@ -195,7 +187,7 @@ TEST(UnitNiftiWriter, ADimensionOrASlopeBeyondVersionOneTakesVersionTwo) {
   const TemporaryFolder folder;
   const auto written = [&](int length, double slope) {
     DenseImage image;
-    image.geometry = kOblong.with_dims({length, 1, 1});
+    image.geometry = kTurned.with_dims({length, 1, 1});
     image.type = ValueType::uint8;
     image.slope = slope;
     const auto writer = create_dense(folder / "a.nii", image);
@@ -241,7 +233,7 @@ TEST(FaultNiftiWriter, AShearedWarpIsRefused) {
   const TemporaryFolder folder;
   const Geometry sheared({3, 2, 2}, {0, 0, 0}, {Vec3d(1, 0, 0), {0.2, 1, 0}, {0, 0, 1}});
   const std::string error =
-      error_of([&] { write_warp(folder / "a.nii.gz", {sheared}, counting_vectors); });
+      error_of([&] { write_warp(folder / "a.nii.gz", {sheared}, turned_vectors); });
   EXPECT_NE(error.find("geometry: found sheared axes"), std::string::npos) << error;
   EXPECT_EQ(folder.entries().size(), 0u);
 }
@@ -254,7 +246,7 @@ TEST(FaultNiftiWriter, AFullDiskOrACancelLeavesTheOldFileAndNothingElse) {
     int slices = 0, at = 1;
   };
   const TemporaryFolder folder;
-  const Geometry large({100, 100, 3}, {0, 0, 0}, kOblong.axes_mm());
+  const Geometry large({100, 100, 3}, {0, 0, 0}, kTurned.axes_mm());
   std::mt19937 random(7);
   const auto noise = [&](int, Vec3f* out) {
     for (int n = 0; n < 10000; ++n) {
@@ -262,7 +254,7 @@ TEST(FaultNiftiWriter, AFullDiskOrACancelLeavesTheOldFileAndNothingElse) {
     }
   };
   for (const char* name : {"a.nii", "b.nii.gz"}) {
-    write_warp(folder / name, {kOblong}, counting_vectors);
+    write_warp(folder / name, {kTurned}, turned_vectors);
     const std::string old = read_text(folder / name);
     const std::size_t count = folder.entries().size();
     for (const rlim_t limit : {0, 40, 100000, 260000}) {
@@ -291,7 +283,7 @@ TEST(FaultNiftiWriter, AFullDiskOrACancelLeavesTheOldFileAndNothingElse) {
 TEST(FaultNiftiWriter, AFullDiskUnderTheTemporaryFileIsTold) {
   // The vectors are all alike: what is compressed would fit.
   const TemporaryFolder folder;
-  const Geometry large({100, 100, 3}, {0, 0, 0}, kOblong.axes_mm());
+  const Geometry large({100, 100, 3}, {0, 0, 0}, kTurned.axes_mm());
   const auto alike = [](int, Vec3f* out) { std::fill_n(out, 10000, Vec3f(1, 2, 3)); };
   const FileSizeLimit full(100000);
   EXPECT_EQ(error_of([&] { write_warp(folder / "a.nii.gz", {large}, alike); }),

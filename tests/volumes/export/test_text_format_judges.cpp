@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
 #include "volumes/io/format/dense_writer.h"
 #include "volumes/io/open_volume.h"
@@ -14,10 +15,6 @@ using namespace supple::test;
 namespace {
 
 constexpr int kCount = 5 * 4 * 3;
-
-bool runs(const std::string& command) {
-  return std::system((command + " > /dev/null 2>&1").c_str()) == 0;
-}
 
 /// 60 shorts that use both bytes and both signs.
 std::string values() {

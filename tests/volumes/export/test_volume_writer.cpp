@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/errors.h"
 #include "tests/support/random_state.h"
 #include "tests/support/temporary_folder.h"
 #include "volumes/base/error.h"
@@ -46,15 +47,6 @@ std::vector<Value> written_as(ValueType type, const std::vector<float>& values) 
   std::memcpy(stored.data(), bytes.data() + bytes.size() - stored.size() * sizeof(Value),
               stored.size() * sizeof(Value));
   return stored;
-}
-
-std::string error_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
 }
 
 }  // namespace
@@ -127,14 +119,14 @@ TEST(UnitWriter, IntegersAreRoundedAndClampedAndNanIsZero) {
   EXPECT_EQ(written_as<std::uint16_t>(ValueType::uint16, values)[2], 65535);
   EXPECT_EQ(written_as<std::int32_t>(ValueType::int32, values)[4], 2147483647);
   EXPECT_EQ(written_as<std::uint32_t>(ValueType::uint32, values)[4], 4294967295u);
-  const auto int64 = written_as<std::int64_t>(ValueType::int64, values);
-  EXPECT_EQ(int64[3], std::numeric_limits<std::int64_t>::min());
-  EXPECT_EQ(int64[4], std::numeric_limits<std::int64_t>::max());
-  EXPECT_EQ(int64[8], 300);
-  const auto uint64 = written_as<std::uint64_t>(ValueType::uint64, values);
-  EXPECT_EQ(uint64[1], 0u);
-  EXPECT_EQ(uint64[4], std::numeric_limits<std::uint64_t>::max());
-  EXPECT_EQ(uint64[5], 3u);
+  const auto int64_out = written_as<std::int64_t>(ValueType::int64, values);
+  EXPECT_EQ(int64_out[3], std::numeric_limits<std::int64_t>::min());
+  EXPECT_EQ(int64_out[4], std::numeric_limits<std::int64_t>::max());
+  EXPECT_EQ(int64_out[8], 300);
+  const auto uint64_out = written_as<std::uint64_t>(ValueType::uint64, values);
+  EXPECT_EQ(uint64_out[1], 0u);
+  EXPECT_EQ(uint64_out[4], std::numeric_limits<std::uint64_t>::max());
+  EXPECT_EQ(uint64_out[5], 3u);
   EXPECT_TRUE(std::isnan(written_as<float>(ValueType::float32, values)[0]));
   EXPECT_EQ(written_as<double>(ValueType::float64, values)[7], double(2.4f));
 }

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "tests/support/field_fixtures.h"
+#include "tests/volumes/field/offset_fixtures.h"
 #include "volumes/field/cuts/cut_offsets.h"
 #include "volumes/field/dense/resample.h"
 #include "volumes/field/displacement.h"
@@ -50,11 +50,6 @@ struct CutBlock {
                       body);
   }
 };
-
-Vec3d random_place(std::mt19937& random, double lo, double hi) {
-  std::uniform_real_distribution<double> coordinate(lo, hi);
-  return {coordinate(random), coordinate(random), coordinate(random)};
-}
 
 bool is_in_block(const Vec3d& X, double margin) {
   return X.x > 4 + margin && X.x < 23 - margin && X.y > 4 + margin && X.y < 19 - margin &&

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "tests/support/field_fixtures.h"
+#include "tests/volumes/field/offset_fixtures.h"
 #include "volumes/field/inversion/forward_offsets.h"
 #include "volumes/field/inversion/invert.h"
 
@@ -20,11 +20,6 @@ bool find(const ForwardOffsets& offsets, const Vec3d& x, PointwiseOffsets::Sampl
   const std::int32_t b =
       offsets.bricks().find({int(std::floor(x.x)), int(std::floor(x.y)), int(std::floor(x.z))});
   return b >= 0 && offsets.sample(std::size_t(b), x, found);
-}
-
-Vec3d random_place(std::mt19937& random, double lo, double hi) {
-  std::uniform_real_distribution<double> place(lo, hi);
-  return {place(random), place(random), place(random)};
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "tests/support/field_fixtures.h"
+#include "tests/volumes/field/offset_fixtures.h"
 #include "volumes/base/error.h"
 #include "volumes/field/inversion/invert.h"
 
@@ -9,19 +9,6 @@ using namespace supple;
 using namespace supple::test;
 
 namespace {
-
-void expect_equal(const OffsetField& a, const OffsetField& b) {
-  ASSERT_TRUE(a.o.topology == b.o.topology);
-  EXPECT_EQ(a.o.vectors, b.o.vectors);
-  EXPECT_EQ(a.certificate.residual_max, b.certificate.residual_max);
-  EXPECT_EQ(a.certificate.residual_p999, b.certificate.residual_p999);
-  EXPECT_EQ(a.certificate.cells, b.certificate.cells);
-  EXPECT_EQ(a.certificate.folded_cells, b.certificate.folded_cells);
-  EXPECT_EQ(a.certificate.folded_air_cells, b.certificate.folded_air_cells);
-  EXPECT_EQ(a.certificate.min_det, b.certificate.min_det);
-  EXPECT_EQ(a.certificate.unresolved_voxels, b.certificate.unresolved_voxels);
-  EXPECT_EQ(a.certificate.unresolved, b.certificate.unresolved);
-}
 
 /// Moves the voxels of a ball; returns the bricks that were written.
 std::vector<std::int32_t> change_ball(VectorBricks& u, const Vec3d& center, double radius,

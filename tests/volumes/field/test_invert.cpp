@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "tests/support/field_fixtures.h"
+#include "tests/volumes/field/offset_fixtures.h"
 #include "volumes/base/error.h"
 #include "volumes/field/displacement.h"
 #include "volumes/field/inversion/invert.h"
@@ -81,17 +81,6 @@ BrickTopology ball(const Vec3d& center, double radius) {
               hi = Vec3i(center + Vec3d(radius)) + Vec3i(1);
   return topology_where(lo, hi,
                         [=](const Vec3i& v) { return (Vec3d(v) - center).length() <= radius; });
-}
-
-void expect_equal(const OffsetField& a, const OffsetField& b) {
-  EXPECT_TRUE(a.o.topology == b.o.topology);
-  EXPECT_EQ(a.o.vectors, b.o.vectors);
-  EXPECT_EQ(a.certificate.residual_max, b.certificate.residual_max);
-  EXPECT_EQ(a.certificate.residual_p999, b.certificate.residual_p999);
-  EXPECT_EQ(a.certificate.cells, b.certificate.cells);
-  EXPECT_EQ(a.certificate.folded_cells, b.certificate.folded_cells);
-  EXPECT_EQ(a.certificate.min_det, b.certificate.min_det);
-  EXPECT_EQ(a.certificate.unresolved, b.certificate.unresolved);
 }
 
 }  // namespace

@@ -3,44 +3,34 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/volumes/field/offset_fixtures.h"
 #include "volumes/field/dense/invert_warp.h"
 #include "volumes/field/dense/resample.h"
 
 namespace supple::test {
 namespace {
 
-const Geometry kOblique({40, 36, 30}, {5, -3, 2}, {Vec3d(0, 1.5, 0.3), {-2, 0, 0}, {0, -0.5, 2.5}});
+const Geometry kTurnedGrid({40, 36, 30}, {5, -3, 2},
+                           {Vec3d(0, 1.5, 0.3), {-2, 0, 0}, {0, -0.5, 2.5}});
 
 /// Smooth in world millimetres, up to 6 mm long.
 Vec3d smooth(const Vec3d& x) {
   return {3 * std::sin(x.y / 15), 4 * std::cos(x.z / 20), 2 * std::sin((x.x + x.y) / 18)};
 }
 
-Warp warp_of(const Geometry& grid) {
-  Warp warp{"analytic", grid, WarpDirection::resample, {}};
-  const Vec3i& dims = grid.dims();
-  for (int k = 0; k < dims.z; ++k) {
-    for (int j = 0; j < dims.y; ++j) {
-      for (int i = 0; i < dims.x; ++i) {
-        warp.vectors.emplace_back(smooth(grid.world_from_index(Vec3d(i, j, k))));
-      }
-    }
-  }
-  return warp;
-}
-
 TEST(PropertyInvertWarp, TheInverseLeadsBackToWhereThePointCameFrom) {
-  const OffsetField inverse = invert(displacement_of_warp(warp_of(kOblique)));
+  const OffsetField inverse =
+      invert(displacement_of_warp(warp_of(kTurnedGrid, WarpDirection::resample, smooth)));
   EXPECT_LE(inverse.certificate.residual_max, 1e-3);
   EXPECT_EQ(inverse.certificate.folded_cells, 0);
   int checked = 0;
   for (int n = 0; n < 1000; ++n) {
-    const Vec3d start = kOblique.world_from_index(
+    const Vec3d start = kTurnedGrid.world_from_index(
         Vec3d(8 + n % 10 * 2.3, 8 + n / 10 % 10 * 1.9, 6 + n / 100 * 1.7));
-    const Vec3d index = kOblique.index_from_world(start);
+    const Vec3d index = kTurnedGrid.index_from_world(start);
     Vec3d offset;
     ASSERT_TRUE(inverse.sample(index, offset)) << index;
-    const Vec3d back = kOblique.world_from_index(index + offset);
+    const Vec3d back = kTurnedGrid.world_from_index(index + offset);
     EXPECT_LE((back + smooth(back) - start).length(), 0.05) << index;
     ++checked;
   }
@@ -49,7 +39,7 @@ TEST(PropertyInvertWarp, TheInverseLeadsBackToWhereThePointCameFrom) {
 
 TEST(UnitInvertWarp, AShiftIsUndoneAndWhatItLeavesUncoveredIsCounted) {
   const Geometry grid({40, 36, 30}, {5, -3, 2}, {Vec3d(0, 0.5, 0), {-2, 0, 0}, {0, 0, 4}});
-  Warp warp = warp_of(grid);
+  Warp warp = warp_of(grid, WarpDirection::resample, smooth);
   const Vec3d shift = grid.world_vector_from_index({2, 0, 0});
   std::fill(warp.vectors.begin(), warp.vectors.end(), Vec3f(shift));
   const OffsetField inverse = invert(displacement_of_warp(warp));

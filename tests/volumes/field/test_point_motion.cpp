@@ -1,8 +1,8 @@
 // Points that go along with a body and back (point_motion.h).
 #include <gtest/gtest.h>
 
-#include "tests/support/field_fixtures.h"
 #include "tests/support/random_state.h"
+#include "tests/volumes/field/offset_fixtures.h"
 #include "volumes/field/displacement.h"
 #include "volumes/field/points/point_motion.h"
 
@@ -32,11 +32,6 @@ struct MovedBody {
     return motion_to_rest(extended, {elements, cuts}, offsets);
   }
 };
-
-Vec3d random_place(std::mt19937& random, double lo, double hi) {
-  std::uniform_real_distribution<double> coordinate(lo, hi);
-  return {coordinate(random), coordinate(random), coordinate(random)};
-}
 
 LinkCuts cut_at_x(const BrickTopology& elements, int low_x) {
   LinkCuts cuts;

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/field_fixtures.h"
+#include "tests/volumes/field/offset_fixtures.h"
 #include "volumes/base/error.h"
 #include "volumes/field/dense/nearest_void.h"
 #include "volumes/field/dense/resample.h"
@@ -26,15 +26,6 @@ std::vector<Value> all_slices(const Source& source, const Vec3i& dims) {
 
 std::size_t dense_index(const Vec3i& v, const Vec3i& dims) {
   return (std::size_t(v.z) * dims.y + v.y) * dims.x + v.x;
-}
-
-/// Anisotropic, rotated about two axes, off the origin.
-Geometry oblique_geometry(const Vec3i& dims, const Vec3d& spacing, double angle) {
-  const double c = std::cos(angle), s = std::sin(angle);
-  return {dims,
-          {-31, 17, 5},
-          {Vec3d(c, s, 0) * spacing.x, Vec3d(-s * c, c * c, s) * spacing.y,
-           Vec3d(s * s, -s * c, c) * spacing.z}};
 }
 
 OffsetField constant_offsets(const Geometry& geometry, const BrickTopology& where, const Vec3f& o) {
@@ -120,7 +111,7 @@ TEST(UnitNearestVoid, ASolidThatReachesBeyondTheBoxStillHasNone) {
 
 TEST(UnitDenseOffsets, VacatedVoxelsReadTheNearestVoidAndVoidStaysPut) {
   // A block of 6^3 moves by 4 along i in a box of 20^3.
-  const Geometry geometry = oblique_geometry(Vec3i(20), {1, 2, 3}, 0.4);
+  const Geometry geometry = oblique_geometry(Vec3i(20), {-31, 17, 5}, {1, 2, 3}, 0.4);
   const BrickTopology source = box_topology(Vec3i(6), Vec3i(11));
   const OffsetField offsets =
       constant_offsets(geometry, box_topology({10, 6, 6}, {15, 11, 11}), Vec3f(-4, 0, 0));
@@ -169,7 +160,7 @@ TEST(UnitDenseOffsets, WithoutAVoidVoxelAVacatedOneKeepsZero) {
 }
 
 TEST(UnitDenseOffsets, OutsideLeadsEveryVoidVoxelOutOfTheSourceBox) {
-  const Geometry geometry = oblique_geometry({20, 16, 12}, {1, 2, 3}, 0.3);
+  const Geometry geometry = oblique_geometry({20, 16, 12}, {-31, 17, 5}, {1, 2, 3}, 0.3);
   const BrickTopology source = box_topology(Vec3i(4), Vec3i(9));
   const OffsetField offsets = constant_offsets(geometry, source, Vec3f(0));
   const Geometry grid = with_margin(geometry, 40);
@@ -216,7 +207,7 @@ TEST(PropertyDenseOffsets, ExtendKeepsConstantsAndCarriesOnWithoutJumps) {
 
 TEST(PropertyDenseOffsets, AnotherGridReadsTheSameWorldVectors) {
   // A linear warp is reproduced by trilinear reading on any grid.
-  const Geometry geometry = oblique_geometry({40, 30, 20}, {0.8, 1.1, 2.5}, 0.5);
+  const Geometry geometry = oblique_geometry({40, 30, 20}, {-31, 17, 5}, {0.8, 1.1, 2.5}, 0.5);
   const BrickTopology where = box_topology(Vec3i(0), geometry.dims() - Vec3i(1));
   const AnalyticWarp shear = shear_warp({20, 15, 10}, 0.3);
   const OffsetField offsets = sample_offsets(shear, geometry, where);
@@ -237,7 +228,7 @@ TEST(PropertyDenseOffsets, AnotherGridReadsTheSameWorldVectors) {
 
 TEST(PropertyDenseOffsets, AGrownGridHoldsTheSameVectorsInItsMiddle) {
   std::mt19937 random(33);
-  const Geometry geometry = oblique_geometry({12, 13, 14}, {0.7, 1, 2}, 0.2);
+  const Geometry geometry = oblique_geometry({12, 13, 14}, {-31, 17, 5}, {0.7, 1, 2}, 0.2);
   const BrickTopology where = box_topology({3, 3, 3}, {10, 9, 11});
   const OffsetField offsets{
       geometry, field_on(where, [&](const Vec3i&) { return random_vector(random, 2); }), {}};
@@ -257,7 +248,7 @@ TEST(PropertyDenseOffsets, AGrownGridHoldsTheSameVectorsInItsMiddle) {
 }
 
 TEST(UnitDenseDisplacement, HoldsTheVectorsInMillimetresAndZeroInTheAir) {
-  const Geometry geometry = oblique_geometry(Vec3i(8), {1, 2, 3}, 0.3);
+  const Geometry geometry = oblique_geometry(Vec3i(8), {-31, 17, 5}, {1, 2, 3}, 0.3);
   const Displacement displacement{geometry, field_on(box_topology(Vec3i(2), Vec3i(4)),
                                                      [](const Vec3i& v) { return Vec3f(v); })};
   const auto dense = all_slices<Vec3f>(dense_displacement(displacement), geometry.dims());
@@ -269,7 +260,7 @@ TEST(UnitDenseDisplacement, HoldsTheVectorsInMillimetresAndZeroInTheAir) {
 TEST(PropertyDenseResampled, AShiftByWholeVoxelsMovesTheDensitiesExactly) {
   std::mt19937 random(34);
   std::uniform_real_distribution<float> value(0, 100);
-  const Geometry geometry = oblique_geometry(Vec3i(16), {1, 2, 3}, 0.6);
+  const Geometry geometry = oblique_geometry(Vec3i(16), {-31, 17, 5}, {1, 2, 3}, 0.6);
   const BrickTopology where = box_topology(Vec3i(3), Vec3i(9));
   std::vector<float> values(where.brick_count() * kBrickVoxels, -7);
   for_each_voxel(where, [&](const Vec3i&, std::size_t slot) { values[slot] = value(random); });
@@ -301,7 +292,7 @@ TEST(PropertyDenseResampled, AOneSliceVolumeIsResampledInItsPlane) {
 }
 
 TEST(UnitCountOutside, CountsTheMovedVoxelsBeyondTheGrid) {
-  const Geometry geometry = oblique_geometry(Vec3i(10), {1, 2, 3}, 0.3);
+  const Geometry geometry = oblique_geometry(Vec3i(10), {-31, 17, 5}, {1, 2, 3}, 0.3);
   // Voxels 7 to 9 along i move by 1.6: the last face lies at 9.5, so 8 and 9 are lost.
   const BrickTopology where = box_topology({7, 0, 2}, {9, 4, 4});
   const Displacement moved{

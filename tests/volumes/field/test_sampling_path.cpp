@@ -15,7 +15,7 @@ namespace {
 using Function = std::shared_ptr<const PathFunction>;
 
 /// 24^3 voxels, oblique, left-handed and unequal along the axes; the centre is at (5, -3, 8) mm.
-Geometry oblique_geometry() {
+Geometry oblique_cube() {
   const std::array<Vec3d, 3> axes = {Vec3d(1.1, 0.2, 0), {0.1, -0.9, 0.1}, {0, 0.1, 1.4}};
   const Vec3d half = (axes[0] + axes[1] + axes[2]) * 11.5;
   return {{24, 24, 24}, Vec3d(5, -3, 8) - half, axes};
@@ -68,7 +68,7 @@ BrickTopology body_of(const Geometry& geometry) {
                         [](const Vec3i& v) { return (Vec3d(v) - Vec3d(11.5)).length() < 9; });
 }
 
-Vec3d random_place(std::mt19937& random) {
+Vec3d place_near_centre(std::mt19937& random) {
   const Vec3f v = random_vector(random, 9);
   return kCentre + Vec3d(v);
 }
@@ -88,12 +88,12 @@ int piece_of(const PathFunction& function, const Vec3d& from) {
 }
 
 TEST(PropertyPath, WhatAFunctionMovesItsInverseBringsBack) {
-  const Geometry geometry = oblique_geometry();
+  const Geometry geometry = oblique_cube();
   std::mt19937 random(3);
   for (const auto& [name, function] : all_functions(geometry)) {
     double moved = 0;
     for (int n = 0; n < 500; ++n) {
-      const Vec3d from = random_place(random);
+      const Vec3d from = place_near_centre(random);
       const int piece = piece_of(*function, from);
       const Vec3d now = function->forward(from, piece);
       moved = std::max(moved, (now - from).length());
@@ -104,7 +104,7 @@ TEST(PropertyPath, WhatAFunctionMovesItsInverseBringsBack) {
 }
 
 TEST(PropertyPath, OffsetsLeadFromWhereTheBodyIsSeenToWhereItWas) {
-  const Geometry geometry = oblique_geometry();
+  const Geometry geometry = oblique_cube();
   const BrickTopology body = body_of(geometry);
   for (const auto& [name, function] : all_functions(geometry)) {
     const OffsetField field = follow_path({function}, geometry, body);
@@ -129,7 +129,7 @@ TEST(PropertyPath, OffsetsLeadFromWhereTheBodyIsSeenToWhereItWas) {
 }
 
 TEST(PropertyPath, NodesHoldTheExactPath) {
-  const Geometry geometry = oblique_geometry();
+  const Geometry geometry = oblique_cube();
   const BrickTopology body = body_of(geometry);
   for (const auto& [name, function] : all_functions(geometry)) {
     const OffsetField field = follow_path({function}, geometry, body);
@@ -147,7 +147,7 @@ TEST(PropertyPath, NodesHoldTheExactPath) {
 }
 
 TEST(PropertyPath, FunctionsOneAfterAnotherAreOneFunctionOfTheOther) {
-  const Geometry geometry = oblique_geometry();
+  const Geometry geometry = oblique_cube();
   const SamplingPath path = {swing(), twist(), bend()};
   const OffsetField field = follow_path(path, geometry, body_of(geometry));
   ASSERT_NE(field.split, nullptr);
@@ -155,7 +155,7 @@ TEST(PropertyPath, FunctionsOneAfterAnotherAreOneFunctionOfTheOther) {
   int seen = 0;
   double worst = 0, sum = 0;
   for (int n = 0; n < 400; ++n) {
-    const Vec3d from = random_place(random);
+    const Vec3d from = place_near_centre(random);
     Vec3d now = from;
     for (const Function& function : path) now = function->forward(now, piece_of(*function, now));
     const Vec3d x = geometry.index_from_world(now);
@@ -172,7 +172,7 @@ TEST(PropertyPath, FunctionsOneAfterAnotherAreOneFunctionOfTheOther) {
 }
 
 TEST(PropertyPath, ABodyThatHasMovedIsFollowedFromWhereThePathLeads) {
-  const Geometry geometry = oblique_geometry();
+  const Geometry geometry = oblique_cube();
   const AnalyticWarp bump = bump_warp({11.5, 11.5, 11.5}, 10, 3);
   const OffsetField moved = sample_offsets(bump, geometry, dilate(body_of(geometry), 3));
   for (const auto& [name, function] : all_functions(geometry)) {
@@ -256,7 +256,7 @@ TEST(PropertyPath, FacesOfPiecesAreSharpWhereverTheyAreCut) {
 }
 
 TEST(PropertyPath, SplitBricksKnowTheFaceAndTheGradientOfEachPiece) {
-  const Geometry geometry = oblique_geometry();
+  const Geometry geometry = oblique_cube();
   const SamplingPath path = {slide(), twist()};
   const OffsetField field = follow_path(path, geometry, body_of(geometry));
   const SplitOffsets& split = *field.split;
@@ -277,7 +277,7 @@ TEST(PropertyPath, SplitBricksKnowTheFaceAndTheGradientOfEachPiece) {
 }
 
 TEST(PropertyPath, MaterialMovesAgainstItsSamplingPath) {
-  const Geometry geometry = oblique_geometry();
+  const Geometry geometry = oblique_cube();
   const AnalyticWarp bump = bump_warp({11.5, 11.5, 11.5}, 10, 2);
   const Displacement start = sample_displacement(bump, geometry, body_of(geometry));
   const OffsetField moved = sample_offsets(bump, geometry, dilate(body_of(geometry), 3));

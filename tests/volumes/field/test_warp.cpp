@@ -1,7 +1,7 @@
 // Dense warps on any grid as offsets of a volume's lattice.
 #include <gtest/gtest.h>
 
-#include "tests/support/field_fixtures.h"
+#include "tests/volumes/field/offset_fixtures.h"
 #include "volumes/base/error.h"
 #include "volumes/field/dense/resample.h"
 #include "volumes/field/dense/warp.h"
@@ -10,16 +10,6 @@ using namespace supple;
 using namespace supple::test;
 
 namespace {
-
-/// Anisotropic, rotated about two axes, off the origin.
-Geometry oblique_geometry(const Vec3i& dims, const Vec3d& origin, const Vec3d& spacing,
-                          double angle) {
-  const double c = std::cos(angle), s = std::sin(angle);
-  return {dims,
-          origin,
-          {Vec3d(c, s, 0) * spacing.x, Vec3d(-s * c, c * c, s) * spacing.y,
-           Vec3d(s * s, -s * c, c) * spacing.z}};
-}
 
 Warp make_warp(const Geometry& grid, const std::function<Vec3d(const Vec3d&)>& vector_at_mm) {
   Warp warp{"w.nrrd", grid, {}, {}};

@@ -1,8 +1,8 @@
 // Points through dense warps, along their vectors and against them (point_motion.h).
 #include <gtest/gtest.h>
 
-#include "tests/support/field_fixtures.h"
 #include "tests/support/random_state.h"
+#include "tests/volumes/field/offset_fixtures.h"
 #include "volumes/field/points/point_motion.h"
 
 using namespace supple;
@@ -11,21 +11,6 @@ using namespace supple::test;
 namespace {
 
 using Direction = std::optional<WarpDirection>;
-
-/// Vectors by LPS places.
-Warp warp_of(const Geometry& geometry, const Direction& direction,
-             const std::function<Vec3d(const Vec3d&)>& vector) {
-  Warp warp{"w.nrrd", geometry, direction, {}};
-  const Vec3i& dims = geometry.dims();
-  for (int k = 0; k < dims.z; ++k) {
-    for (int j = 0; j < dims.y; ++j) {
-      for (int i = 0; i < dims.x; ++i) {
-        warp.vectors.push_back(Vec3f(vector(geometry.world_from_index(Vec3d(i, j, k)))));
-      }
-    }
-  }
-  return warp;
-}
 
 const Geometry kGrid{{12, 10, 9}, {-4, 6, 2}, {Vec3d(0, 2, 0), {-1.5, 0, 0.25}, {0, 0, 3}}};
 

@@ -10,10 +10,8 @@
 namespace supple::test {
 namespace {
 
-const std::vector<std::int16_t> kShorts = {-5, 0, 1, 2, 300, -300, 7, 8, 9, 10, 11, 12};
-
-std::string nrrd(const std::string& type, const std::string& encoding,
-                 const std::string& sizes = "2 3 2", const std::string& more = "") {
+std::string encoded_nrrd(const std::string& type, const std::string& encoding,
+                         const std::string& sizes = "2 3 2", const std::string& more = "") {
   return "NRRD0004\ntype: " + type + "\ndimension: 3\nsizes: " + sizes + "\nencoding: " + encoding +
          "\n" + more + "\n";
 }
@@ -38,25 +36,12 @@ std::string hex(const std::string& bytes) {
   return text;
 }
 
-std::string read(const std::string& path) {
-  return read_all(*open_volume(path));
-}
-
-void expect_failure(const std::string& path, const std::vector<std::string>& parts) {
-  const std::string line = failure_of(path);
-  EXPECT_NE(line, "") << path << " was read";
-  EXPECT_EQ(line.find('\n'), std::string::npos) << line;
-  for (const std::string& part : parts) {
-    EXPECT_NE(line.find(part), std::string::npos) << "\"" << part << "\" in: " << line;
-  }
-}
-
 TEST(UnitEncodings, Bzip2StreamsInARowReadAsOne) {
   const TemporaryFolder folder;
   const std::string all = bytes_of_values(kShorts, true);
-  const std::string head = nrrd("short", "bzip2", "2 3 2", "endian: big\n");
-  EXPECT_EQ(read(folder.write("a.nrrd", head + bzip2(all))), bytes_of_values(kShorts));
-  EXPECT_EQ(read(folder.write("b.nrrd", head + bzip2(all.substr(0, 7)) + bzip2(all.substr(7)))),
+  const std::string head = encoded_nrrd("short", "bzip2", "2 3 2", "endian: big\n");
+  EXPECT_EQ(read_all(folder.write("a.nrrd", head + bzip2(all))), bytes_of_values(kShorts));
+  EXPECT_EQ(read_all(folder.write("b.nrrd", head + bzip2(all.substr(0, 7)) + bzip2(all.substr(7)))),
             bytes_of_values(kShorts));
 }
 
@@ -64,19 +49,21 @@ TEST(UnitEncodings, TextIsSeparatedByBlanksLineEndsAndCommas) {
   const TemporaryFolder folder;
   const std::string text = "-5 0\t1,2\r\n+300 , -300\n\n7 8 9 1e1,11.0 12\n";
   for (const char* name : {"ascii", "text", "txt"}) {
-    EXPECT_EQ(read(folder.write("a.nrrd", nrrd("short", name) + text)), bytes_of_values(kShorts));
+    EXPECT_EQ(read_all(folder.write("a.nrrd", encoded_nrrd("short", name) + text)),
+              bytes_of_values(kShorts));
   }
-  EXPECT_EQ(read(folder.write("a.mha",
-                              "NDims = 3\nDimSize = 2 3 2\nElementType = MET_SHORT\nBinaryData = "
-                              "False\nBinaryDataByteOrderMSB = True\nElementDataFile = LOCAL\n" +
-                                  text)),
-            bytes_of_values(kShorts));
+  EXPECT_EQ(
+      read_all(folder.write("a.mha",
+                            "NDims = 3\nDimSize = 2 3 2\nElementType = MET_SHORT\nBinaryData = "
+                            "False\nBinaryDataByteOrderMSB = True\nElementDataFile = LOCAL\n" +
+                                text)),
+      bytes_of_values(kShorts));
 }
 
 TEST(UnitEncodings, TextKeepsEveryTypesLimitsExactly) {
   const TemporaryFolder folder;
   const auto values_of = [&](const std::string& type, const std::string& text) {
-    return read(folder.write("a.nrrd", nrrd(type, "ascii", "2 1 1") + text));
+    return read_all(folder.write("a.nrrd", encoded_nrrd(type, "ascii", "2 1 1") + text));
   };
   EXPECT_EQ(values_of("int64", "-9223372036854775808 9223372036854775807"),
             bytes_of_values<std::int64_t>({INT64_MIN, INT64_MAX}));
@@ -97,7 +84,8 @@ TEST(UnitEncodings, HexIsTwoDigitsPerByteInEitherByteOrder) {
   const TemporaryFolder folder;
   std::string digits = hex(bytes_of_values(kShorts, true));
   digits.insert(13, "\n ");
-  EXPECT_EQ(read(folder.write("a.nrrd", nrrd("short", "hex", "2 3 2", "endian: big\n") + digits)),
+  EXPECT_EQ(read_all(folder.write("a.nrrd",
+                                  encoded_nrrd("short", "hex", "2 3 2", "endian: big\n") + digits)),
             bytes_of_values(kShorts));
 }
 
@@ -105,7 +93,7 @@ TEST(FaultEncodings, TextThatTheTypeCannotHoldIsNamedWithItsPlace) {
   const TemporaryFolder folder;
   const auto expect = [&](const std::string& type, const std::string& text,
                           const std::vector<std::string>& parts) {
-    expect_failure(folder.write("a.nrrd", nrrd(type, "ascii", "3 1 1") + text), parts);
+    expect_failure(folder.write("a.nrrd", encoded_nrrd(type, "ascii", "3 1 1") + text), parts);
   };
   expect("uint8", "1 256 3", {"a.nrrd", "256 as value 2", "uint8"});
   expect("uint8", "1 2 -1", {"-1 as value 3", "uint8"});
@@ -125,7 +113,7 @@ TEST(FaultEncodings, TextThatTheTypeCannotHoldIsNamedWithItsPlace) {
 TEST(FaultEncodings, HexThatIsNoneOrOfAnotherLengthIsRefused) {
   const TemporaryFolder folder;
   const auto expect = [&](const std::string& digits, const std::vector<std::string>& parts) {
-    expect_failure(folder.write("a.nrrd", nrrd("uint8", "hex", "3 1 1") + digits), parts);
+    expect_failure(folder.write("a.nrrd", encoded_nrrd("uint8", "hex", "3 1 1") + digits), parts);
   };
   expect("01g203", {"g in byte 2", "hexadecimal digits"});
   expect("0102 \n \n", {"2 bytes", "3 bytes"});
@@ -135,7 +123,7 @@ TEST(FaultEncodings, HexThatIsNoneOrOfAnotherLengthIsRefused) {
 
 TEST(FaultEncodings, DamagedOrShortBzip2IsRefused) {
   const TemporaryFolder folder;
-  const std::string head = nrrd("short", "bz2", "2 3 2", "endian: little\n");
+  const std::string head = encoded_nrrd("short", "bz2", "2 3 2", "endian: little\n");
   const std::string data = bytes_of_values(kShorts), packed = bzip2(data);
   expect_failure(folder.write("a.nrrd", head + packed.substr(0, packed.size() / 2)),
                  {"compressed data", "end of the file"});
@@ -153,16 +141,18 @@ TEST(FaultEncodings, SizesThatAnEncodingCannotHoldAreRefusedBeforeAllocation) {
   const std::string sizes = "100000 100000 9", data(24, '1');
   const auto expect = [&](const std::string& encoding, const std::string& stored,
                           const std::vector<std::string>& parts) {
-    expect_failure(folder.write("a.nrrd", nrrd("uint8", encoding, sizes) + stored), parts);
+    expect_failure(folder.write("a.nrrd", encoded_nrrd("uint8", encoding, sizes) + stored), parts);
   };
   expect("ascii", data, {"24 bytes of text", "90000000000 bytes"});
   expect("hex", data, {"24 bytes of hex digits", "90000000000 bytes"});
   expect("bzip2", bzip2(data), {"compressed data", "90000000000 bytes"});
   // A stream that might hold as much, but does not, is found out by decoding.
   const std::string zeros = bzip2(std::string(10'000'000, '\0'));
-  expect_failure(folder.write("b.nrrd", nrrd("uint8", "bzip2", "5000 5000 1") + zeros),
+  expect_failure(folder.write("b.nrrd", encoded_nrrd("uint8", "bzip2", "5000 5000 1") + zeros),
                  {"10000000 bytes after decompression", "25000000 bytes"});
-  EXPECT_EQ(failure_of(folder.write("c.nrrd", nrrd("uint8", "bzip2", "2500 4000 1") + zeros)), "");
+  EXPECT_EQ(
+      failure_of(folder.write("c.nrrd", encoded_nrrd("uint8", "bzip2", "2500 4000 1") + zeros)),
+      "");
 }
 
 }  // namespace

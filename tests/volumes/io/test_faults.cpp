@@ -18,7 +18,7 @@ namespace {
 
 const std::string kData(24, 'x');  // 2 x 3 x 2 int16
 
-std::string nrrd(const std::string& fields) {
+std::string nrrd_of(const std::string& fields) {
   return "NRRD0004\n" + fields + "\n";
 }
 
@@ -31,18 +31,6 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return text.replace(at, from.size(), to);
 }
 
-/// The file must fail with a single line that holds all of `parts` and the file's name.
-void expect_failure(const std::string& path, const std::vector<std::string>& parts,
-                    const std::string& raw_spec = "") {
-  const std::string line = failure_of(path, {raw_spec});
-  EXPECT_NE(line, "") << path << " was read";
-  EXPECT_EQ(line.find('\n'), std::string::npos) << line;
-  EXPECT_LT(line.size(), 400u) << line;
-  for (const std::string& part : parts) {
-    EXPECT_NE(line.find(part), std::string::npos) << "\"" << part << "\" in: " << line;
-  }
-}
-
 TEST(FaultFile, MissingFolderDeviceAndEmptyFileAreNamed) {
   const TemporaryFolder folder;
   expect_failure(folder / "none.nrrd", {"none.nrrd", "no such file"});
@@ -50,7 +38,7 @@ TEST(FaultFile, MissingFolderDeviceAndEmptyFileAreNamed) {
   expect_failure("/dev/zero", {"/dev/zero", "a device"});
   expect_failure(folder.write("empty.nii", ""), {"empty.nii", "found 0 bytes"});
   expect_failure(folder.write("noise.xyz", "whatever this is"), {"noise.xyz", "unknown content"});
-  for (const std::string& content : {nrrd(kSound) + kData, std::string(128, 'x') + "DICM"}) {
+  for (const std::string& content : {nrrd_of(kSound) + kData, std::string(128, 'x') + "DICM"}) {
     expect_failure(folder.write("packed.gz", gzip(content)), {"gzipped", "not NIfTI", "gunzip"});
   }
   expect_failure(folder.write("values.raw", kData), {"values.raw", "--raw"});
@@ -61,14 +49,15 @@ TEST(FaultFile, MissingFolderDeviceAndEmptyFileAreNamed) {
 TEST(FaultFile, RawSizeThatContradictsTheHeaderPrintsBothNumbers) {
   const TemporaryFolder folder;
   const std::string spec = "dims=2,3,2,type=int16,spacing=1,1,1";
-  expect_failure(folder.write("short.raw", kData.substr(1)), {"23 bytes", "24 bytes"}, spec);
-  expect_failure(folder.write("long.raw", kData + "y"), {"25 bytes", "24 bytes"}, spec);
-  expect_failure(folder.write("short.nrrd", nrrd(kSound) + kData.substr(2)), {"22", "24 bytes"});
-  expect_failure(folder.write("long.nrrd", nrrd(kSound) + kData + "yy"), {"26 bytes", "24 bytes"});
+  expect_failure(folder.write("short.raw", kData.substr(1)), {"23 bytes", "24 bytes"}, {spec});
+  expect_failure(folder.write("long.raw", kData + "y"), {"25 bytes", "24 bytes"}, {spec});
+  expect_failure(folder.write("short.nrrd", nrrd_of(kSound) + kData.substr(2)), {"22", "24 bytes"});
+  expect_failure(folder.write("long.nrrd", nrrd_of(kSound) + kData + "yy"),
+                 {"26 bytes", "24 bytes"});
   folder.write("d.raw", kData.substr(5));
-  expect_failure(folder.write("d.nhdr", nrrd(kSound + "data file: d.raw\n")),
+  expect_failure(folder.write("d.nhdr", nrrd_of(kSound + "data file: d.raw\n")),
                  {"d.raw", "19 bytes", "24 bytes"});
-  expect_failure(folder.write("e.nhdr", nrrd(kSound + "data file: gone.raw\n")),
+  expect_failure(folder.write("e.nhdr", nrrd_of(kSound + "data file: gone.raw\n")),
                  {"gone.raw", "no such file"});
   expect_failure(folder.write("a.nii", nifti_header({2, 3, 2}) + kData.substr(1)),
                  {"a.nii", "23 bytes", "24 bytes"});
@@ -77,23 +66,24 @@ TEST(FaultFile, RawSizeThatContradictsTheHeaderPrintsBothNumbers) {
 TEST(FaultFile, HugeDimsWithATinyFileAreRejectedBeforeAllocation) {
   const TemporaryFolder folder;
   const std::string big = replaced(kSound, "2 3 2", "8000 8000 8000");
-  expect_failure(folder.write("a.nrrd", nrrd(big) + kData), {"24 bytes", "1024000000000 bytes"});
-  expect_failure(folder.write("b.nrrd", nrrd(replaced(big, "raw", "gzip")) + gzip(kData)),
+  expect_failure(folder.write("a.nrrd", nrrd_of(big) + kData), {"24 bytes", "1024000000000 bytes"});
+  expect_failure(folder.write("b.nrrd", nrrd_of(replaced(big, "raw", "gzip")) + gzip(kData)),
                  {"compressed", "1024000000000 bytes"});
-  expect_failure(folder.write("c.nrrd", nrrd(replaced(kSound, "2 3 2", "2000000000 2000000000 9"))),
-                 {"2^40"});
   expect_failure(
-      folder.write("d.nrrd", nrrd(replaced(kSound, "2 3 2", "2 3 99999999999999999999"))),
+      folder.write("c.nrrd", nrrd_of(replaced(kSound, "2 3 2", "2000000000 2000000000 9"))),
+      {"2^40"});
+  expect_failure(
+      folder.write("d.nrrd", nrrd_of(replaced(kSound, "2 3 2", "2 3 99999999999999999999"))),
       {"sizes", "99999999999999999999"});
   expect_failure(folder.write("e.nii", nifti_header({30000, 30000, 1000}) + kData),
                  {"24 bytes", "1800000000000 bytes"});
   expect_failure(folder.write("f.raw", kData), {"24 bytes", "2000000 bytes"},
-                 "dims=100,100,100,type=int16,spacing=1,1,1");
+                 {"dims=100,100,100,type=int16,spacing=1,1,1"});
 }
 
 TEST(FaultFile, CompressedDataThatEndsEarlyOrIsDamagedIsAnError) {
   const TemporaryFolder folder;
-  const std::string head = nrrd(replaced(kSound, "raw", "gzip")), packed = gzip(kData);
+  const std::string head = nrrd_of(replaced(kSound, "raw", "gzip")), packed = gzip(kData);
   expect_failure(folder.write("a.nrrd", head + packed.substr(0, packed.size() / 2)),
                  {"compressed data", "end of the file"});
   expect_failure(folder.write("b.nrrd", head + gzip(kData.substr(3))), {"21", "24 bytes"});
@@ -114,7 +104,7 @@ TEST(FaultHeader, NrrdFieldsAreCheckedOneByOne) {
     const std::string name = "n" + std::to_string(n++) + ".nrrd";
     std::vector<std::string> all = parts;
     all.push_back(name);
-    expect_failure(folder.write(name, nrrd(replaced(kSound, from, to)) + kData), all);
+    expect_failure(folder.write(name, nrrd_of(replaced(kSound, from, to)) + kData), all);
   };
   expect("short", "shirt", {"type", "shirt", "scalar type"});
   expect("2 3 2", "2 -3 2", {"sizes", "2 -3 2"});
@@ -194,16 +184,16 @@ TEST(FaultHeader, NiftiFieldsAreCheckedOneByOne) {
 TEST(FaultHeader, RawSpecsAreCheckedOneByOne) {
   const TemporaryFolder folder;
   const std::string path = folder.write("a.raw", kData);
-  expect_failure(path, {"--raw", "dimz"}, "dimz=2,3,2,type=int16,spacing=1,1,1");
-  expect_failure(path, {"--raw dims", "nothing"}, "type=int16,spacing=1,1,1");
-  expect_failure(path, {"--raw type", "short"}, "dims=2,3,2,type=short,spacing=1,1,1");
-  expect_failure(path, {"--raw spacing"}, "dims=2,3,2,type=int16");
-  expect_failure(path, {"--raw spacing", "nan"}, "dims=2,3,2,type=int16,spacing=1,nan,1");
-  expect_failure(path, {"--raw endian", "pdp"}, "dims=2,3,2,type=int16,spacing=1,1,1,endian=pdp");
-  expect_failure(path, {"offset", "-4"}, "dims=2,3,2,type=int16,spacing=1,1,1,offset=-4");
-  expect_failure(path, {"offset", "99"}, "dims=2,3,2,type=int16,spacing=1,1,1,offset=99");
-  expect_failure(path, {"--raw"}, "2,3,2");
-  expect_failure(path, {"--raw dims", "twice"}, "dims=2,3,2,dims=1,1");
+  expect_failure(path, {"--raw", "dimz"}, {"dimz=2,3,2,type=int16,spacing=1,1,1"});
+  expect_failure(path, {"--raw dims", "nothing"}, {"type=int16,spacing=1,1,1"});
+  expect_failure(path, {"--raw type", "short"}, {"dims=2,3,2,type=short,spacing=1,1,1"});
+  expect_failure(path, {"--raw spacing"}, {"dims=2,3,2,type=int16"});
+  expect_failure(path, {"--raw spacing", "nan"}, {"dims=2,3,2,type=int16,spacing=1,nan,1"});
+  expect_failure(path, {"--raw endian", "pdp"}, {"dims=2,3,2,type=int16,spacing=1,1,1,endian=pdp"});
+  expect_failure(path, {"offset", "-4"}, {"dims=2,3,2,type=int16,spacing=1,1,1,offset=-4"});
+  expect_failure(path, {"offset", "99"}, {"dims=2,3,2,type=int16,spacing=1,1,1,offset=99"});
+  expect_failure(path, {"--raw"}, {"2,3,2"});
+  expect_failure(path, {"--raw dims", "twice"}, {"dims=2,3,2,dims=1,1"});
 }
 
 TEST(FaultImage, ColourSamplesAndTruncationAreErrors) {
@@ -283,8 +273,8 @@ TEST(FaultFuzz, MutatedFilesReadOrThrowInputError) {
   patch(sform, 300, 1.0f);
   patch(sform, 320, 1.0f);
   const std::vector<std::pair<std::string, std::string>> seeds = {
-      {"a.nrrd", nrrd(fields + "encoding: raw\n") + data},
-      {"b.nrrd", nrrd(fields + "encoding: gzip\n") + gzip(data)},
+      {"a.nrrd", nrrd_of(fields + "encoding: raw\n") + data},
+      {"b.nrrd", nrrd_of(fields + "encoding: gzip\n") + gzip(data)},
       {"c.mha",
        "ObjectType = Image\nNDims = 3\nDimSize = 9 10 11\nElementType = MET_SHORT\n"
        "TransformMatrix = 1 0 0 0 1 0 0 0 1\nHeaderSize = -1\nElementDataFile = LOCAL\n" +

@@ -70,7 +70,7 @@ TEST(PropertyHdf5, ChunksAndFiltersDoNotChangeTheValues) {
     std::vector<std::uint16_t> values(count);
     for (auto& value : values) value = std::uint16_t(random());
     Hdf5Fixture(folder / "a.h5").dataset("v", dims, values, storage);
-    EXPECT_EQ(read_all(*open_volume(folder / "a.h5")), bytes_of_values(values)) << n;
+    EXPECT_EQ(read_all(folder / "a.h5"), bytes_of_values(values)) << n;
   }
 }
 
@@ -80,7 +80,7 @@ TEST(UnitHdf5, SzipIsReadWhereTheLibraryHasIt) {
   Hdf5Storage storage{H5T_STD_I32LE, {2, 4, 8}};
   storage.szip = true;
   Hdf5Fixture(folder / "a.h5").dataset("v", {4, 4, 8}, counting<std::int32_t>(128), storage);
-  EXPECT_EQ(read_all(*open_volume(folder / "a.h5")), bytes_of_values(counting<std::int32_t>(128)));
+  EXPECT_EQ(read_all(folder / "a.h5"), bytes_of_values(counting<std::int32_t>(128)));
 }
 
 TEST(UnitHdf5, UnwrittenChunksHoldTheFillValue) {
@@ -88,8 +88,7 @@ TEST(UnitHdf5, UnwrittenChunksHoldTheFillValue) {
   Hdf5Storage storage{H5T_STD_I16BE, {2, 2, 2}};
   storage.fill = -7;
   Hdf5Fixture(folder / "a.h5").dataset("v", {3, 4, 5}, std::vector<std::int16_t>(), storage);
-  EXPECT_EQ(read_all(*open_volume(folder / "a.h5")),
-            bytes_of_values(std::vector<std::int16_t>(60, -7)));
+  EXPECT_EQ(read_all(folder / "a.h5"), bytes_of_values(std::vector<std::int16_t>(60, -7)));
 }
 
 TEST(UnitHdf5, AFourthAxisComesFirstAndIsAFrame) {

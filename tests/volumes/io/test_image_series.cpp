@@ -33,15 +33,6 @@ class SeriesFolder {
   TemporaryFolder m_root;
 };
 
-void expect_refused(const std::string& path, const std::vector<std::string>& parts) {
-  const std::string line = failure_of(path);
-  EXPECT_NE(line, "") << path << " was read";
-  EXPECT_EQ(line.find('\n'), std::string::npos) << line;
-  for (const std::string& part : parts) {
-    EXPECT_NE(line.find(part), std::string::npos) << "\"" << part << "\" in: " << line;
-  }
-}
-
 TEST(UnitSeries, SlicesAreSortedByTheirNumbers) {
   for (const char* extension : {".tif", ".PNG.png", ".tiff"}) {
     const SeriesFolder folder;
@@ -72,11 +63,11 @@ TEST(UnitSeries, PatternsNameTheFilesOfOneSeries) {
       {"s_0009.tif", 'a'}, {"s_0010.tif", 'b'}, {"s_11.tif", 'x'}, {"s_00012.tif", 'x'},
       {"s_13_.tif", 'x'},  {"t_0001.tif", 'x'}, {"s_8.tif", 'c'},  {"s_12345.tif", 'd'}};
   for (const auto& [name, value] : files) folder.add(name, value);
-  EXPECT_EQ(read_all(*open_volume(folder / "s_%04d.tif")), "abd");
-  EXPECT_EQ(read_all(*open_volume(folder / "s_%d.tif")), "cxd");
-  expect_refused(folder / "u_%04d.tif", {"u_%04d.tif", "no file of such a name"});
+  EXPECT_EQ(read_all(folder / "s_%04d.tif"), "abd");
+  EXPECT_EQ(read_all(folder / "s_%d.tif"), "cxd");
+  expect_failure(folder / "u_%04d.tif", {"u_%04d.tif", "no file of such a name"});
   folder.add("s_%d.tif", 'q');
-  EXPECT_EQ(read_all(*open_volume(folder / "s_%d.tif")), "q");
+  EXPECT_EQ(read_all(folder / "s_%d.tif"), "q");
 }
 
 TEST(UnitSeries, MissingNumbersAreAWarningAndEvenStepsAreNot) {
@@ -117,25 +108,25 @@ TEST(FaultSeries, ImagesThatDifferFromTheFirstAreNamed) {
     const SeriesFolder folder;
     folder.add("a1.tif", 'a');
     folder.add("a2.tif", 'b', width, options);
-    expect_refused(folder.path(), {"a2.tif", words, "1 x 1 uint8 as in a1.tif"});
+    expect_failure(folder.path(), {"a2.tif", words, "1 x 1 uint8 as in a1.tif"});
   }
 }
 
 TEST(FaultSeries, FoldersWithoutOneSeriesAreRefused) {
   const SeriesFolder empty, mixed, pages, damaged;
   empty.add_text("notes.txt", "text");
-  expect_refused(empty.path(), {"a directory without images", "TIFF or PNG"});
+  expect_failure(empty.path(), {"a directory without images", "TIFF or PNG"});
   mixed.add("a.png", 'a');
   mixed.add("b.tif", 'b');
-  expect_refused(mixed.path(), {"a.png and b.tif"});
+  expect_failure(mixed.path(), {"a.png and b.tif"});
   TiffOptions page;
   pages.add("a.tif", 'a');
   page.mode = "a";
   pages.add("a.tif", 'b', 1, page);
-  expect_refused(pages.path(), {"a.tif", "TIFF pages", "one image"});
+  expect_failure(pages.path(), {"a.tif", "TIFF pages", "one image"});
   damaged.add("a1.tif", 'a');
   damaged.add_text("a2.tif", "no image");
-  expect_refused(damaged.path(), {"a2.tif", "TIFF"});
+  expect_failure(damaged.path(), {"a2.tif", "TIFF"});
   ReadOptions second;
   second.frame = 1;
   damaged.add("a2.tif", 'b');

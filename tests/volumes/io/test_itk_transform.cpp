@@ -23,15 +23,6 @@ std::vector<double> displacements() {
   return values;
 }
 
-std::string failure_of_warp(const std::string& path) {
-  try {
-    read_warp(path);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
-
 /// A CompositeTransform of these transforms in this order; the field where the type is `kField`.
 struct Part {
   std::string type;

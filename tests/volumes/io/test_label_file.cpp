@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/errors.h"
 #include "tests/support/io_fixtures.h"
 #include "volumes/base/error.h"
 #include "volumes/io/load/label_file.h"
@@ -60,12 +61,7 @@ Geometry grid() {
 }
 
 std::string refusal(const std::string& path) {
-  try {
-    read_labels(path, grid(), checkerboard());
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+  return input_error([&] { read_labels(path, grid(), checkerboard()); });
 }
 
 template <class T>

@@ -25,13 +25,6 @@ std::string write_ome(const TemporaryFolder& folder, const std::string& descript
   return folder / "a.ome.tif";
 }
 
-ReadOptions choice(int frame, int channel) {
-  ReadOptions options;
-  options.frame = frame;
-  options.channel = channel;
-  return options;
-}
-
 TEST(UnitOmeTiff, DimensionOrderSaysWhatCountsFastest) {
   const TemporaryFolder folder;
   const std::vector<std::pair<std::string, std::string>> orders = {
@@ -53,7 +46,7 @@ TEST(UnitOmeTiff, TiffDataPlacesPlanesOnPages) {
       ome(sizes,
           "<TiffData FirstZ=\"2\" IFD=\"0\"/><TiffData FirstZ=\"0\" IFD=\"2\" PlaneCount=\"2\"/>"),
       4);
-  EXPECT_EQ(read_all(*open_volume(path)), "cda");
+  EXPECT_EQ(read_all(path), "cda");
 }
 
 TEST(UnitOmeTiff, PhysicalSizesAreMicrometresUnlessTheirUnitSaysOtherwise) {

@@ -11,7 +11,7 @@
 namespace supple::test {
 namespace {
 
-PointFile read(const std::string& text, const std::string& name = "a.csv") {
+PointFile points_of(const std::string& text, const std::string& name = "a.csv") {
   const TemporaryFolder folder;
   return read_point_file(folder.write(name, text));
 }
@@ -19,7 +19,7 @@ PointFile read(const std::string& text, const std::string& name = "a.csv") {
 /// The error without the folder.
 std::string error_of(const std::string& text) {
   try {
-    read(text);
+    points_of(text);
   } catch (const InputError& error) {
     const std::string line = error.what();
     return line.substr(line.find("a.csv"));
@@ -28,7 +28,8 @@ std::string error_of(const std::string& text) {
 }
 
 TEST(UnitPointFile, ColumnsComeInAnyOrderAndCaseAndOthersAreIgnored) {
-  const PointFile points = read("label, Z ,x,colour,Y\nnose,3,1,red,2\n\"a, b\",-3.5,+1e1,,0\n");
+  const PointFile points =
+      points_of("label, Z ,x,colour,Y\nnose,3,1,red,2\n\"a, b\",-3.5,+1e1,,0\n");
   EXPECT_FALSE(points.has_displacements);
   ASSERT_EQ(points.rows.size(), 2u);
   EXPECT_EQ(points.rows[0].at_lps_mm, Vec3d(1, 2, 3));
@@ -38,7 +39,7 @@ TEST(UnitPointFile, ColumnsComeInAnyOrderAndCaseAndOthersAreIgnored) {
 
 TEST(UnitPointFile, DisplacementsCommentsBlankLinesAndWindowsLineEndsAreRead) {
   const PointFile points =
-      read("\xef\xbb\xbf# by hand\r\n\r\nx,y,z,dx,dy,dz\r\n# nose\r\n1,2,3,4,5,6\r\n\r\n");
+      points_of("\xef\xbb\xbf# by hand\r\n\r\nx,y,z,dx,dy,dz\r\n# nose\r\n1,2,3,4,5,6\r\n\r\n");
   EXPECT_TRUE(points.has_displacements);
   ASSERT_EQ(points.rows.size(), 1u);
   EXPECT_EQ(points.rows[0].at_lps_mm, Vec3d(1, 2, 3));
@@ -52,12 +53,12 @@ TEST(UnitPointFile, SlicerFiducialsAreReadInTheirFrame) {
       "\n# columns = id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc\n"
       "1,10,20,30,0,0,0,1,1,1,0,F-1,\n";
   for (const char* lps : {"LPS", "1"}) {
-    EXPECT_EQ(read(head + lps + tail, "a.fcsv").rows[0].at_lps_mm, Vec3d(10, 20, 30));
+    EXPECT_EQ(points_of(head + lps + tail, "a.fcsv").rows[0].at_lps_mm, Vec3d(10, 20, 30));
   }
   for (const char* ras : {"RAS", "0"}) {
-    EXPECT_EQ(read(head + ras + tail, "a.fcsv").rows[0].at_lps_mm, Vec3d(-10, -20, 30));
+    EXPECT_EQ(points_of(head + ras + tail, "a.fcsv").rows[0].at_lps_mm, Vec3d(-10, -20, 30));
   }
-  const PointFile moved = read("# CoordinateSystem = RAS\nx,y,z,dx,dy,dz\n1,2,3,4,5,6\n");
+  const PointFile moved = points_of("# CoordinateSystem = RAS\nx,y,z,dx,dy,dz\n1,2,3,4,5,6\n");
   EXPECT_EQ(moved.rows[0].at_lps_mm, Vec3d(-1, -2, 3));
   EXPECT_EQ(moved.rows[0].by_lps_mm, Vec3d(-4, -5, 6));
 }

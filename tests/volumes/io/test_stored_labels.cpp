@@ -9,7 +9,8 @@
 namespace supple::test {
 namespace {
 
-std::string nrrd(const std::string& type, const std::string& sizes, const std::string& bytes) {
+std::string label_nrrd(const std::string& type, const std::string& sizes,
+                       const std::string& bytes) {
   return "NRRD0004\ntype: " + type +
          "\ndimension: 3\nspace: left-posterior-superior\nsizes: " + sizes +
          "\nspace directions: (2,0,0) (0,1,0) (0,0,3)\nspace origin: (10,0,0)\nendian: little\n"
@@ -17,7 +18,7 @@ std::string nrrd(const std::string& type, const std::string& sizes, const std::s
          bytes;
 }
 
-StoredLabels read(const TemporaryFolder& folder, const std::string& content) {
+StoredLabels stored_labels(const TemporaryFolder& folder, const std::string& content) {
   const auto file = open_volume(folder.write("l.nrrd", content));
   return StoredLabels(*file);
 }
@@ -37,7 +38,8 @@ std::vector<std::int16_t> numbered() {
 
 TEST(UnitStoredLabels, EveryPlaceReadsItsNearestVoxelAndZeroBeyondTheBox) {
   const TemporaryFolder folder;
-  const StoredLabels labels = read(folder, nrrd("int16", "11 9 10", bytes_of_values(numbered())));
+  const StoredLabels labels =
+      stored_labels(folder, label_nrrd("int16", "11 9 10", bytes_of_values(numbered())));
   for (int k = 0; k < 10; ++k) {
     for (int j = 0; j < 9; ++j) {
       for (int i = 0; i < 11; ++i) {
@@ -57,8 +59,9 @@ TEST(UnitStoredLabels, EveryPlaceReadsItsNearestVoxelAndZeroBeyondTheBox) {
 
 TEST(UnitStoredLabels, LabelsAreCountedByValue) {
   const TemporaryFolder folder;
-  const StoredLabels labels = read(
-      folder, nrrd("int16", "2 2 2", bytes_of_values<std::int16_t>({7, 7, 0, -3, 7, 0, 0, 7})));
+  const StoredLabels labels = stored_labels(
+      folder,
+      label_nrrd("int16", "2 2 2", bytes_of_values<std::int16_t>({7, 7, 0, -3, 7, 0, 0, 7})));
   EXPECT_EQ(labels.counts(), (LabelCounts{{-3, 1}, {7, 4}}));
 }
 
@@ -66,17 +69,17 @@ TEST(FaultStoredLabels, ValuesThatAreNoLabelsAreNamed) {
   const TemporaryFolder folder;
   const auto error_of = [&](const std::string& content) -> std::string {
     try {
-      read(folder, content);
+      stored_labels(folder, content);
     } catch (const InputError& error) {
       return error.what();
     }
     return "none";
   };
-  EXPECT_EQ(error_of(nrrd("float", "1 1 2", bytes_of_values<float>({1, 2}))), "none");
-  EXPECT_NE(error_of(nrrd("float", "1 2 1", bytes_of_values<float>({1, 1.5f})))
+  EXPECT_EQ(error_of(label_nrrd("float", "1 1 2", bytes_of_values<float>({1, 2}))), "none");
+  EXPECT_NE(error_of(label_nrrd("float", "1 2 1", bytes_of_values<float>({1, 1.5f})))
                 .find("voxel 0,1,0: found 1.5, expected a label: a whole number"),
             std::string::npos);
-  EXPECT_NE(error_of(nrrd("float", "1 1 1", bytes_of_values<float>({NAN}))).find("nan"),
+  EXPECT_NE(error_of(label_nrrd("float", "1 1 1", bytes_of_values<float>({NAN}))).find("nan"),
             std::string::npos);
   std::string nifti = nifti_header({1, 1, 1});
   patch<float>(nifti, 112, 2);

@@ -8,9 +8,7 @@
 namespace supple::test {
 namespace {
 
-const std::vector<std::int16_t> kShorts = {-5, 0, 1, 2, 300, -300, 7, 8, 9, 10, 11, 12};
-
-std::string nrrd(const std::string& fields) {
+std::string commented_nrrd(const std::string& fields) {
   return "NRRD0004\n# a comment\ntype: short\nkey:=value\n" + fields + "\n";
 }
 
@@ -43,11 +41,11 @@ TEST(UnitRaw, TwoDimsMakeOneSlice) {
 
 TEST(UnitNrrd, AttachedRawWithLpsDirections) {
   const TemporaryFolder folder;
-  const auto file = open_volume(
-      folder.write("a.nrrd", nrrd("dimension: 3\nsizes: 3 2 2\nspace: left-posterior-superior\n"
-                                  "space directions: (0,2,0) (-1,0,0) (0,0.5,3)\n"
-                                  "space origin: (10,20,-30)\nencoding: raw\nendian: little\n") +
-                                 bytes_of_values(kShorts)));
+  const auto file = open_volume(folder.write(
+      "a.nrrd", commented_nrrd("dimension: 3\nsizes: 3 2 2\nspace: left-posterior-superior\n"
+                               "space directions: (0,2,0) (-1,0,0) (0,0.5,3)\n"
+                               "space origin: (10,20,-30)\nencoding: raw\nendian: little\n") +
+                    bytes_of_values(kShorts)));
   EXPECT_EQ(file->header().format, "nrrd");
   EXPECT_EQ(file->header().type, ValueType::int16);
   expect_axes(*file, {10, 20, -30}, {Vec3d(0, 2, 0), {-1, 0, 0}, {0, 0.5, 3}});
@@ -60,10 +58,10 @@ TEST(UnitNrrd, RasAndLasSpacesBecomeLps) {
       "dimension: 3\nsizes: 3 2 2\nspace directions: (1,2,3) (0,4,0) (0,0,5)\n"
       "space origin: (10,20,30)\nencoding: raw\nendian: little\nspace: ";
   const std::string data = bytes_of_values(kShorts);
-  const auto ras =
-      open_volume(folder.write("r.nrrd", nrrd(rest + "right-anterior-superior\n") + data));
+  const auto ras = open_volume(
+      folder.write("r.nrrd", commented_nrrd(rest + "right-anterior-superior\n") + data));
   expect_axes(*ras, {-10, -20, 30}, {Vec3d(-1, -2, 3), {0, -4, 0}, {0, 0, 5}});
-  const auto las = open_volume(folder.write("l.nrrd", nrrd(rest + "LAS\n") + data));
+  const auto las = open_volume(folder.write("l.nrrd", commented_nrrd(rest + "LAS\n") + data));
   expect_axes(*las, {10, -20, 30}, {Vec3d(1, -2, 3), {0, -4, 0}, {0, 0, 5}});
 }
 
@@ -71,7 +69,8 @@ TEST(UnitNrrd, DetachedGzipBigEndian) {
   const TemporaryFolder folder;
   folder.write("values.raw.gz", gzip(bytes_of_values(kShorts, true)));
   const auto file = open_volume(folder.write(
-      "a.nhdr", nrrd("dimension: 3\nsizes: 2 3 2\nspacings: 1 2 3\nencoding: gzip\nendian: big\n"
+      "a.nhdr",
+      commented_nrrd("dimension: 3\nsizes: 2 3 2\nspacings: 1 2 3\nencoding: gzip\nendian: big\n"
                      "data file: values.raw.gz\n")));
   expect_axes(*file, {0, 0, 0}, {Vec3d(1, 0, 0), {0, 2, 0}, {0, 0, 3}});
   EXPECT_EQ(read_all(*file), bytes_of_values(kShorts));
@@ -80,28 +79,28 @@ TEST(UnitNrrd, DetachedGzipBigEndian) {
 TEST(UnitNrrd, GzipOfSeveralMembersReadsAsOneStream) {
   const TemporaryFolder folder;
   const std::string all = bytes_of_values(kShorts);
-  const auto file = open_volume(
-      folder.write("a.nrrd", nrrd("dimension: 3\nsizes: 2 3 2\nencoding: gz\nendian: little\n") +
-                                 gzip(all.substr(0, 7)) + gzip(all.substr(7))));
+  const auto file = open_volume(folder.write(
+      "a.nrrd", commented_nrrd("dimension: 3\nsizes: 2 3 2\nencoding: gz\nendian: little\n") +
+                    gzip(all.substr(0, 7)) + gzip(all.substr(7))));
   EXPECT_EQ(read_all(*file), all);
 }
 
 TEST(UnitNrrd, AxisMinsAreTheFirstCellsEdge) {
   const TemporaryFolder folder;
   const auto file = open_volume(folder.write(
-      "a.nrrd", nrrd("dimension: 3\nsizes: 2 3 2\nspacings: 1 2 3\naxis mins: 0 10 -6\n"
-                     "centers: node cell cell\nencoding: raw\nendian: little\n") +
+      "a.nrrd", commented_nrrd("dimension: 3\nsizes: 2 3 2\nspacings: 1 2 3\naxis mins: 0 10 -6\n"
+                               "centers: node cell cell\nencoding: raw\nendian: little\n") +
                     bytes_of_values(kShorts)));
   expect_near(file->header().geometry.origin_lps_mm(), {0, 11, -4.5});
 }
 
 TEST(UnitNrrd, SingleAxisWithoutDirectionIsDropped) {
   const TemporaryFolder folder;
-  const auto file = open_volume(
-      folder.write("a.nrrd", nrrd("dimension: 4\nsizes: 1 2 3 2\nspace: LPS\n"
-                                  "space directions: none (1,0,0) (0,1,0) (0,0,1)\nencoding: raw\n"
-                                  "endian: little\n") +
-                                 bytes_of_values(kShorts)));
+  const auto file = open_volume(folder.write(
+      "a.nrrd", commented_nrrd("dimension: 4\nsizes: 1 2 3 2\nspace: LPS\n"
+                               "space directions: none (1,0,0) (0,1,0) (0,0,1)\nencoding: raw\n"
+                               "endian: little\n") +
+                    bytes_of_values(kShorts)));
   EXPECT_EQ(file->header().geometry.dims(), Vec3i(2, 3, 2));
 }
 
@@ -109,7 +108,8 @@ TEST(UnitNrrd, ByteSkipOfMinusOneTakesTheEndOfTheFile) {
   const TemporaryFolder folder;
   folder.write("b.raw", "some other header" + bytes_of_values(kShorts));
   const auto file = open_volume(folder.write(
-      "a.nhdr", nrrd("dimension: 3\nsizes: 2 3 2\nencoding: raw\nendian: little\nbyte skip: -1\n"
+      "a.nhdr",
+      commented_nrrd("dimension: 3\nsizes: 2 3 2\nencoding: raw\nendian: little\nbyte skip: -1\n"
                      "data file: b.raw\n")));
   EXPECT_EQ(read_all(*file), bytes_of_values(kShorts));
 }

@@ -52,7 +52,7 @@ TEST(UnitTiffPages, ReducedCopiesArePassedOver) {
   write_tiff(folder / "a.tif", 2, 1, page, "ab");
   write_tiff(folder / "a.tif", 1, 1, thumbnail, "t");
   write_tiff(folder / "a.tif", 2, 1, page, "cd");
-  EXPECT_EQ(read_all(*open_volume(folder / "a.tif")), "abcd");
+  EXPECT_EQ(read_all(folder / "a.tif"), "abcd");
   thumbnail.mode = "w";
   write_tiff(folder / "t.tif", 1, 1, thumbnail, "t");
   EXPECT_NE(failure_of(folder / "t.tif").find("reduced"), std::string::npos);
@@ -152,7 +152,7 @@ TEST(UnitImageJ, AStackWithoutNamedAxesIsOneOfSlices) {
   TiffOptions options;
   options.description = "ImageJ=1.53t\nimages=3\n";
   write_tiff_pages(folder / "a.tif", 1, 1, options, lettered_pages(3, 1));
-  EXPECT_EQ(read_all(*open_volume(folder / "a.tif")), "abc");
+  EXPECT_EQ(read_all(folder / "a.tif"), "abc");
 }
 
 TEST(UnitImageJ, ARunOfImagesBehindOneDirectoryIsReadInEitherByteOrder) {
@@ -207,7 +207,7 @@ TEST(UnitImageJ, ColourMapsOfImageJAreForDisplay) {
   EXPECT_NE(failure_of(folder / "a.tif").find("palette"), std::string::npos);
   options.description = "ImageJ=1.53t\nimages=1\n";
   write_tiff(folder / "b.tif", 2, 1, options, "ab");
-  EXPECT_EQ(read_all(*open_volume(folder / "b.tif")), "ab");
+  EXPECT_EQ(read_all(folder / "b.tif"), "ab");
 }
 
 }  // namespace

@@ -31,48 +31,34 @@ const std::string kSpace =
     "space origin: (10,20,-30)\n";
 const std::string kKinds = "kinds: vector domain domain domain\n";
 
-std::string nrrd(const std::string& fields, const std::string& type = "float") {
+std::string warp_nrrd(const std::string& fields, const std::string& type = "float") {
   return "NRRD0005\ntype: " + type + "\ndimension: 4\nsizes: 3 3 2 2\nencoding: raw\n" + fields +
          (fields.find("endian") == std::string::npos ? "endian: little\n\n" : "\n");
 }
 
-std::string metaimage(const std::string& fields) {
+std::string warp_metaimage(const std::string& fields) {
   return fields + "ObjectType = Image\nNDims = 3\nDimSize = 3 2 2\nElementType = MET_FLOAT\n" +
          "Offset = 1 2 3\nElementSpacing = 2 3 4\nElementNumberOfChannels = 3\n" +
          "ElementDataFile = LOCAL\n";
 }
 
-/// The line of the InputError, "" when the warp reads.
-std::string warp_failure(const std::string& path) {
-  try {
-    read_warp(path);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
-
-void expect_refused(const std::string& path, const std::vector<std::string>& parts) {
-  const std::string line = warp_failure(path);
-  EXPECT_NE(line, "") << path << " was read";
-  for (const std::string& part : parts) {
-    EXPECT_NE(line.find(part), std::string::npos) << "\"" << part << "\" in: " << line;
-  }
-}
-
-void expect_axes(const Geometry& geometry, const Vec3d& origin, const std::array<Vec3d, 3>& axes) {
+void expect_grid(const Geometry& geometry, const Vec3d& origin, const std::array<Vec3d, 3>& axes) {
   EXPECT_LT((geometry.origin_lps_mm() - origin).length(), 1e-12) << geometry.origin_lps_mm();
   for (int a = 0; a < 3; ++a) {
     EXPECT_LT((geometry.axes_mm()[a] - axes[a]).length(), 1e-12) << geometry.axes_mm()[a];
   }
 }
 
+void expect_refused(const std::string& path, const std::vector<std::string>& parts) {
+  expect_parts(path, failure_of_warp(path), parts);
+}
+
 TEST(UnitWarpFile, NrrdVectorsComeWithTheirGridAndSayNoDirection) {
   const TemporaryFolder folder;
   const Warp warp =
-      read_warp(folder.write("a.nrrd", nrrd(kSpace + kKinds) + bytes_of_values(components())));
+      read_warp(folder.write("a.nrrd", warp_nrrd(kSpace + kKinds) + bytes_of_values(components())));
   EXPECT_EQ(warp.geometry.dims(), Vec3i(3, 2, 2));
-  expect_axes(warp.geometry, {10, 20, -30}, {Vec3d(2, 0, 0), {0, 3, 0}, {0, 0.5, 4}});
+  expect_grid(warp.geometry, {10, 20, -30}, {Vec3d(2, 0, 0), {0, 3, 0}, {0, 0.5, 4}});
   EXPECT_FALSE(warp.direction.has_value());
   EXPECT_EQ(warp.vectors, vectors_of(components()));
 }
@@ -82,14 +68,15 @@ TEST(UnitWarpFile, EveryKindOfVectorCountsAndAMissingKindWithoutDirectionToo) {
   const std::string data = bytes_of_values(components());
   for (const char* kind : {"vector", "covariant-vector", "3-vector", "list", "none", "???"}) {
     const std::string kinds = std::string("kinds: ") + kind + " domain domain domain\n";
-    EXPECT_EQ(warp_failure(folder.write("a.nrrd", nrrd(kSpace + kinds) + data)), "") << kind;
+    EXPECT_EQ(failure_of_warp(folder.write("a.nrrd", warp_nrrd(kSpace + kinds) + data)), "")
+        << kind;
   }
-  EXPECT_EQ(warp_failure(folder.write("b.nrrd", nrrd(kSpace) + data)), "");
-  const Warp spaced =
-      read_warp(folder.write("c.nrrd", nrrd("kinds: vector space space space\nspacings: nan 2 3 4\n"
-                                            "units: \"mm\" \"mm\" \"mm\" \"mm\"\n") +
-                                           data));
-  expect_axes(spaced.geometry, {0, 0, 0}, {Vec3d(2, 0, 0), {0, 3, 0}, {0, 0, 4}});
+  EXPECT_EQ(failure_of_warp(folder.write("b.nrrd", warp_nrrd(kSpace) + data)), "");
+  const Warp spaced = read_warp(
+      folder.write("c.nrrd", warp_nrrd("kinds: vector space space space\nspacings: nan 2 3 4\n"
+                                       "units: \"mm\" \"mm\" \"mm\" \"mm\"\n") +
+                                 data));
+  expect_grid(spaced.geometry, {0, 0, 0}, {Vec3d(2, 0, 0), {0, 3, 0}, {0, 0, 4}});
   EXPECT_EQ(spaced.vectors, vectors_of(components()));
 }
 
@@ -97,27 +84,28 @@ TEST(UnitWarpFile, BigEndianGzippedDoublesAndIntegersRead) {
   const TemporaryFolder folder;
   const std::vector<float> values = components();
   const std::vector<double> doubles(values.begin(), values.end());
-  std::string header = nrrd(kSpace + kKinds + "endian: big\n", "double");
+  std::string header = warp_nrrd(kSpace + kKinds + "endian: big\n", "double");
   header.replace(header.find("raw"), 3, "gzip");
   EXPECT_EQ(
       read_warp(folder.write("a.nrrd", header + gzip(bytes_of_values(doubles, true)))).vectors,
       vectors_of(values));
   std::vector<std::int16_t> shorts;
   for (int n = 0; n < 36; ++n) shorts.push_back(std::int16_t(n - 7));
-  const Warp warp = read_warp(folder.write(
-      "b.nrrd", nrrd(kSpace + kKinds + "endian: big\n", "short") + bytes_of_values(shorts, true)));
+  const Warp warp =
+      read_warp(folder.write("b.nrrd", warp_nrrd(kSpace + kKinds + "endian: big\n", "short") +
+                                           bytes_of_values(shorts, true)));
   EXPECT_EQ(warp.vectors[2], Vec3f(-1, 0, 1));
   EXPECT_EQ(warp.vectors[11], Vec3f(26, 27, 28));
 }
 
 TEST(UnitWarpFile, ARasSpaceFlipsTheGridButNotTheVectors) {
   const TemporaryFolder folder;
-  const Warp warp = read_warp(
-      folder.write("a.nrrd", nrrd("space: RAS\nspace directions: none (2,0,0) (0,3,0) (0,0,4)\n"
-                                  "space origin: (10,20,30)\n" +
-                                  kKinds) +
-                                 bytes_of_values(components())));
-  expect_axes(warp.geometry, {-10, -20, 30}, {Vec3d(-2, 0, 0), {0, -3, 0}, {0, 0, 4}});
+  const Warp warp = read_warp(folder.write(
+      "a.nrrd", warp_nrrd("space: RAS\nspace directions: none (2,0,0) (0,3,0) (0,0,4)\n"
+                          "space origin: (10,20,30)\n" +
+                          kKinds) +
+                    bytes_of_values(components())));
+  expect_grid(warp.geometry, {-10, -20, 30}, {Vec3d(-2, 0, 0), {0, -3, 0}, {0, 0, 4}});
   EXPECT_EQ(warp.vectors, vectors_of(components()));
 }
 
@@ -125,16 +113,16 @@ TEST(UnitWarpFile, MetaImageChannelsInBothByteOrdersAndCompressed) {
   const TemporaryFolder folder;
   const std::vector<float> values = components();
   const std::string paths[] = {
-      folder.write("a.mha", metaimage("") + bytes_of_values(values)),
-      folder.write("b.mha",
-                   metaimage("BinaryDataByteOrderMSB = True\n") + bytes_of_values(values, true)),
-      folder.write("c.mha",
-                   metaimage("CompressedData = True\n") + zlib_stream(bytes_of_values(values))),
-      folder.write("d.mha",
-                   metaimage("HeaderSize = -1\n") + "some other header" + bytes_of_values(values))};
+      folder.write("a.mha", warp_metaimage("") + bytes_of_values(values)),
+      folder.write("b.mha", warp_metaimage("BinaryDataByteOrderMSB = True\n") +
+                                bytes_of_values(values, true)),
+      folder.write("c.mha", warp_metaimage("CompressedData = True\n") +
+                                zlib_stream(bytes_of_values(values))),
+      folder.write("d.mha", warp_metaimage("HeaderSize = -1\n") + "some other header" +
+                                bytes_of_values(values))};
   for (const std::string& path : paths) {
     const Warp warp = read_warp(path);
-    expect_axes(warp.geometry, {1, 2, 3}, {Vec3d(2, 0, 0), {0, 3, 0}, {0, 0, 4}});
+    expect_grid(warp.geometry, {1, 2, 3}, {Vec3d(2, 0, 0), {0, 3, 0}, {0, 0, 4}});
     EXPECT_FALSE(warp.direction.has_value());
     EXPECT_EQ(warp.vectors, vectors_of(values)) << path;
   }
@@ -159,18 +147,19 @@ TEST(UnitWarpFile, WhatTheWriterWroteReadsBackWithItsDirection) {
 TEST(FaultWarpFile, SizesCountComponentsAndBothNumbersArePrinted) {
   const TemporaryFolder folder;
   const std::string data = bytes_of_values(components());
-  expect_refused(folder.write("a.nrrd", nrrd(kSpace + kKinds) + data.substr(1)),
+  expect_refused(folder.write("a.nrrd", warp_nrrd(kSpace + kKinds) + data.substr(1)),
                  {"143 bytes", "144 bytes"});
-  expect_refused(folder.write("b.nrrd", nrrd(kSpace + kKinds) + data + "x"),
+  expect_refused(folder.write("b.nrrd", warp_nrrd(kSpace + kKinds) + data + "x"),
                  {"145 bytes", "144 bytes"});
-  expect_refused(folder.write("c.mha", metaimage("") + data.substr(96)), {"48 bytes", "144 bytes"});
+  expect_refused(folder.write("c.mha", warp_metaimage("") + data.substr(96)),
+                 {"48 bytes", "144 bytes"});
 }
 
 TEST(FaultWarpFile, ScalarsAndVectorsAreNotMixedUp) {
   const TemporaryFolder folder;
   const std::string data = bytes_of_values(components());
-  const std::vector<std::string> warps = {folder.write("a.nrrd", nrrd(kSpace + kKinds) + data),
-                                          folder.write("a.mha", metaimage("") + data)};
+  const std::vector<std::string> warps = {folder.write("a.nrrd", warp_nrrd(kSpace + kKinds) + data),
+                                          folder.write("a.mha", warp_metaimage("") + data)};
   for (const std::string& path : warps) {
     const std::string line = failure_of(path);
     EXPECT_NE(line.find("found 3 components per voxel, expected a scalar volume, or channel 0 to "
@@ -190,7 +179,7 @@ TEST(FaultWarpFile, WhatIsNoVectorOfThreeComponentsIsRefused) {
   const TemporaryFolder folder;
   const std::string data = bytes_of_values(components());
   const auto expect = [&](const std::string& fields, const std::vector<std::string>& parts) {
-    expect_refused(folder.write("a.nrrd", nrrd(fields) + data), parts);
+    expect_refused(folder.write("a.nrrd", warp_nrrd(fields) + data), parts);
   };
   expect(kSpace + "kinds: RGB-color domain domain domain\n", {"colours"});
   expect(kSpace + "kinds: vector domain\n", {"kinds", "one kind per axis"});
@@ -198,13 +187,14 @@ TEST(FaultWarpFile, WhatIsNoVectorOfThreeComponentsIsRefused) {
   expect(kSpace + kKinds + "space units: \"cm\" \"cm\" \"cm\"\n", {"space units", "mm"});
   expect(kSpace + kKinds + "measurement frame: (0,1,0) (1,0,0) (0,0,1)\n", {"measurement frame"});
   expect(kSpace + kKinds + "supple direction:=sideways\n", {"direction", "sideways"});
-  std::string two = metaimage("");
+  std::string two = warp_metaimage("");
   two.replace(two.find("Channels = 3"), 12, "Channels = 2");
   expect_refused(folder.write("a.mha", two + data.substr(48)), {"2 components per voxel"});
-  EXPECT_EQ(warp_failure(folder.write("b.nrrd", nrrd(kSpace + kKinds +
-                                                     "measurement frame: (1,0,0) (0,1,0) (0,0,1)\n"
-                                                     "space units: \"mm\" \"mm\" \"mm\"\n") +
-                                                    data)),
+  EXPECT_EQ(failure_of_warp(
+                folder.write("b.nrrd", warp_nrrd(kSpace + kKinds +
+                                                 "measurement frame: (1,0,0) (0,1,0) (0,0,1)\n"
+                                                 "space units: \"mm\" \"mm\" \"mm\"\n") +
+                                           data)),
             "");
 }
 
@@ -213,7 +203,7 @@ TEST(FaultWarpFile, VectorsThatAreNotFiniteAreCounted) {
   std::vector<float> values = components();
   values[4] = values[5] = std::numeric_limits<float>::quiet_NaN();
   values[30] = -std::numeric_limits<float>::infinity();
-  expect_refused(folder.write("a.nrrd", nrrd(kSpace + kKinds) + bytes_of_values(values)),
+  expect_refused(folder.write("a.nrrd", warp_nrrd(kSpace + kKinds) + bytes_of_values(values)),
                  {"a.nrrd", "found 2 that are not finite"});
 }
 

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/io_fixtures.h"
 #include "tests/support/temporary_folder.h"
 #include "volumes/base/error.h"
 #include "volumes/io/mesh/mesh_file.h"
@@ -36,15 +37,9 @@ std::string after(const std::string& name, const std::string& content,
 }
 
 template <class Value>
-std::string bytes_of(Value value, bool big_endian) {
-  std::string bytes(sizeof value, '\0');
-  std::memcpy(bytes.data(), &value, sizeof value);
-  return big_endian ? std::string(bytes.rbegin(), bytes.rend()) : bytes;
-}
-template <class Value>
 std::string all_of(const std::vector<Value>& values, bool big_endian) {
   std::string bytes;
-  for (const Value value : values) bytes += bytes_of(value, big_endian);
+  for (const Value value : values) bytes += bytes_of_value(value, big_endian);
   return bytes;
 }
 
@@ -104,8 +99,9 @@ TEST(UnitMeshFile, PlyKeepsColoursListsAndElementsInAnyEncoding) {
             header("ascii") + "9 3 1.5 3 1 0 0 -7\n8 1.2 -0.5 0  0 0 1 5\n0 1\n");
   for (const bool big : {false, true}) {
     const auto vertex = [&](int red, float x, double y, float z, float nx, float ny, float nz) {
-      return std::string(1, char(red)) + bytes_of(x, big) + bytes_of(y, big) + bytes_of(z, big) +
-             all_of<float>({nx, ny, nz}, big) + bytes_of(std::int16_t(-7), big);
+      return std::string(1, char(red)) + bytes_of_value(x, big) + bytes_of_value(y, big) +
+             bytes_of_value(z, big) + all_of<float>({nx, ny, nz}, big) +
+             bytes_of_value(std::int16_t(-7), big);
     };
     const std::string head = header(big ? "binary_big_endian" : "binary_little_endian");
     const std::string edge = all_of<std::int32_t>({0, 1}, big);
@@ -134,7 +130,7 @@ TEST(UnitMeshFile, StlTrianglesGetTheNormalsOfTheirNewCorners) {
 
 TEST(UnitMeshFile, BinaryStlKeepsItsHeadAndAttributes) {
   const auto file = [](const std::vector<float>& floats) {
-    return std::string(76, 'h') + "head" + bytes_of(std::uint32_t(1), false) +
+    return std::string(76, 'h') + "head" + bytes_of_value(std::uint32_t(1), false) +
            all_of<float>(floats, false) + "\x12\x34";
   };
   // Turned the other way round than its corners, as it was before.

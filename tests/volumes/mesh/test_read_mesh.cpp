@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/io_fixtures.h"
 #include "tests/support/temporary_folder.h"
 #include "volumes/base/error.h"
 #include "volumes/io/mesh/triangle_mesh.h"
@@ -15,13 +16,6 @@ using namespace supple::test;
 
 namespace {
 
-template <class Value>
-std::string bytes_of(Value value, bool big_endian = false) {
-  std::string bytes(sizeof value, '\0');
-  std::memcpy(bytes.data(), &value, sizeof value);
-  return big_endian ? std::string(bytes.rbegin(), bytes.rend()) : bytes;
-}
-
 std::string text_of(const Vec3d& v) {
   char text[100];
   std::snprintf(text, sizeof text, "%.17g %.17g %.17g", v.x, v.y, v.z);
@@ -30,12 +24,12 @@ std::string text_of(const Vec3d& v) {
 
 std::string binary_stl(const TriangleMesh& mesh, std::string head = "written by a test") {
   head.resize(80, ' ');
-  std::string bytes = head + bytes_of(std::uint32_t(mesh.triangles.size()));
+  std::string bytes = head + bytes_of_value(std::uint32_t(mesh.triangles.size()));
   for (const auto& triangle : mesh.triangles) {
     bytes += std::string(12, '\0');
     for (const int index : triangle) {
       const Vec3d& v = mesh.vertices_lps_mm[index];
-      for (int a = 0; a < 3; ++a) bytes += bytes_of(float(v[a]));
+      for (int a = 0; a < 3; ++a) bytes += bytes_of_value(float(v[a]));
     }
     bytes += std::string(2, '\0');
   }
@@ -83,19 +77,19 @@ std::string ply(const TriangleMesh& mesh, Ply form) {
       text += "7 " + text_of(v) + "\n";
     } else {
       text += '\7';
-      for (int a = 0; a < 3; ++a) text += bytes_of(v[a], big);
+      for (int a = 0; a < 3; ++a) text += bytes_of_value(v[a], big);
     }
   }
   text += form == Ply::text
               ? "2 0 1\n"
-              : "\2" + bytes_of(std::int16_t(0), big) + bytes_of(std::int16_t(1), big);
+              : "\2" + bytes_of_value(std::int16_t(0), big) + bytes_of_value(std::int16_t(1), big);
   for (const auto& triangle : mesh.triangles) {
     if (form != Ply::text) text += '\3';
     if (form == Ply::text) text += "3";
     for (const int index : triangle) {
-      text += form == Ply::text ? " " + std::to_string(index) : bytes_of(index, big);
+      text += form == Ply::text ? " " + std::to_string(index) : bytes_of_value(index, big);
     }
-    text += form == Ply::text ? " 9\n" : bytes_of(std::uint16_t(9), big);
+    text += form == Ply::text ? " 9\n" : bytes_of_value(std::uint16_t(9), big);
   }
   return text;
 }
@@ -245,14 +239,14 @@ TEST_F(FaultMesh, HeadersThatPromiseMoreThanTheFileHoldsCostNothing) {
                  "vertices without y");
   expect_message("a.ply",
                  header("element face 1\nproperty list uint uchar vertex_indices\n") +
-                     bytes_of(std::uint32_t(4000000000u)),
+                     bytes_of_value(std::uint32_t(4000000000u)),
                  "4e+09 values");
   expect_message(
       "a.ply",
-      header("element face 1\nproperty list float uchar vertex_indices\n") + bytes_of(-1.0f),
+      header("element face 1\nproperty list float uchar vertex_indices\n") + bytes_of_value(-1.0f),
       "found -1 values");
   std::string stl = binary_stl(kPair);
-  stl.replace(80, 4, bytes_of(std::uint32_t(-1)));
+  stl.replace(80, 4, bytes_of_value(std::uint32_t(-1)));
   expect_message("a.stl", stl, "expected 214748364834 bytes");
 }
 

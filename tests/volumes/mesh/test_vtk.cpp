@@ -27,7 +27,7 @@ TriangleMesh read(const std::string& content) {
 }
 
 /// The file with x + 1 everywhere, normals turned a quarter from z to x.
-std::string after(const std::string& content) {
+std::string shifted(const std::string& content) {
   const TemporaryFolder scratch;
   write_text(scratch / "a.vtk", content);
   const MeshFile file(scratch / "a.vtk");
@@ -91,7 +91,7 @@ TEST(UnitVtk, TextKeepsAllButPlacesAndNormals) {
   };
   std::string expected = file("1 0 0  2 0 0\n2 1.50 0\n1 1 7\n", "2 0 0\n");
   expected.replace(expected.find("0 0 1\n2 0 0"), 5, "1 0 0");
-  EXPECT_EQ(after(file("0 0 0  1 0 0\n1 1.50 0\n0 1 7\n", "0 0 2\n")), expected);
+  EXPECT_EQ(shifted(file("0 0 0  1 0 0\n1 1.50 0\n0 1 7\n", "0 0 2\n")), expected);
 }
 
 TEST(UnitVtk, BinaryKeepsAllButPlacesAndNormals) {
@@ -111,7 +111,7 @@ TEST(UnitVtk, BinaryKeepsAllButPlacesAndNormals) {
            big(normals) + "\n";
   };
   for (const std::string version : {"3.0", "5.1"}) {
-    EXPECT_EQ(after(file(version, {0, 0, 0, 1, 0, 0, 0, 1, 0.25f}, {0, 0, 1, 1, 0, 0, 0, 3, 0})),
+    EXPECT_EQ(shifted(file(version, {0, 0, 0, 1, 0, 0, 0, 1, 0.25f}, {0, 0, 1, 1, 0, 0, 0, 3, 0})),
               file(version, {1, 0, 0, 2, 0, 0, 1, 1, 0.25f}, {1, 0, 0, 0, 0, -1, 0, 3, 0}))
         << version;
   }
@@ -137,7 +137,7 @@ TEST(FaultVtk, WhatIsDamagedIsRefused) {
   EXPECT_THROW(read(kText + kSquare + kSquare), InputError);
   EXPECT_THROW(read(head("ASCII", "RECTILINEAR_GRID") + kSquare), InputError);
   EXPECT_THROW(read(head("XML", "POLYDATA") + kSquare), InputError);
-  EXPECT_THROW(after(kText + "POINTS 1 int\n0 0 0\n"), InputError);
+  EXPECT_THROW(shifted(kText + "POINTS 1 int\n0 0 0\n"), InputError);
   const std::string binary = head("BINARY", "POLYDATA") + "POINTS 3 float\n" +
                              big<float>({0, 0, 0, 1, 0, 0, 0, 1, 0}) + "\nPOLYGONS 1 4\n" +
                              big<std::int32_t>({3, 0, 1, 2});

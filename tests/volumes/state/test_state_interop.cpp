@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/program.h"
 #include "tests/support/random_state.h"
 #include "tests/support/temporary_folder.h"
 #include "volumes/field/procedural.h"
@@ -14,14 +15,11 @@ namespace {
 
 constexpr const char* kPython = "/usr/bin/python3";
 
-bool run_python(const std::string& script) {
-  return std::system((std::string(kPython) + " " + script + " > /dev/null").c_str()) == 0;
-}
-
 }  // namespace
 
 TEST(InteropState, PythonOpenVdbReadsTheDerivedGridsInMillimetres) {
-  if (!run_python("-c 'import pyopenvdb' 2>&1")) GTEST_SKIP() << "python3-openvdb is not installed";
+  if (!runs_python("-c 'import pyopenvdb' 2>&1"))
+    GTEST_SKIP() << "python3-openvdb is not installed";
   const TemporaryFolder folder;
 
   // x moves by half a voxel of 2 mm along i, which points to -y: 1 mm to the anterior.
@@ -56,5 +54,5 @@ assert density.background == -1000
 element = vdb.read(sys.argv[1], 'element')
 assert element.activeVoxelCount() == 9 * 8
 )");
-  EXPECT_TRUE(run_python((folder / "judge.py") + " " + (folder / "a.vdb")));
+  EXPECT_TRUE(runs_python((folder / "judge.py") + " " + (folder / "a.vdb")));
 }
