@@ -11,7 +11,8 @@ int main() try {
   for (int n = 0; n < 19; ++n) links.push_back({n, n + 1});
   supple::MeshBody body = supple::make_network(points, links);
 
-  supple::MeshEcm ecm(body, supple::MeshLimits());
+  const supple::MeshLimits limits{1.2, 0.8, 0.3};  // factors of a link's length at rest
+  supple::MeshEcm ecm(body, limits);
   const supple::MeshEcmReport report = ecm.drag({{{19}, {30, 0, 0}}}, {{0}});
   // [mesh]
   std::printf("%lld nodes moved, %g of the drag; the end is at %g mm\n",

@@ -21,7 +21,6 @@ else
 fi
 
 # Nothing of this build leaks: neither its instruction set nor its warnings nor its folders.
-exported="$prefix"/lib*/cmake/supple
 if grep -rE -- "-march|-Wall|-Werror|cmake_pch|$source|$build" $prefix/lib/cmake/supple \
     $prefix/lib/*/cmake/supple 2>/dev/null; then
   echo "the installed CMake package names what belongs to the build"
@@ -67,4 +66,7 @@ mkdir in out && cp ball.* in && "$bin/batch" in out && test -s out/ball.png
 "$bin/drag_and_export" ball.vdb 12 12 16 0 1 0 further.nrrd   # continues the state
 "$supple" info warp.h5
 "$supple" convert ball.nhdr ball.h5 && "$bin/info" ball.h5
+for dicom in /usr/lib/python3/dist-packages/pydicom/data/test_files/CT_small.dcm; do
+  if [ -f "$dicom" ]; then "$bin/info" "$dicom"; fi              # through the plugin of DICOM
+done
 SUPPLE_PLUGIN_PATH="$work/nowhere" "$bin/info" ball.h5        # and then where it was found before
