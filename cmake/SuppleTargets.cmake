@@ -86,8 +86,10 @@ function(supple_add_plugin name)
 endfunction()
 
 # supple_add_tests(NAME [SOURCES ...] LIBRARIES ... LABELS ...)
-# All .cpp of the current folder as one binary, one CTest entry per label. A suite belongs to the
-# label its name starts with: TEST(PropertyEcm, ...) runs under the label "property".
+# All .cpp of the current folder as one binary, one CTest entry per label, or N of them for LABEL/N,
+# so that no processor waits for a long one. A suite belongs to the label its name starts with:
+# TEST(PropertyEcm, ...) runs under the label "property". Anonymous namespaces of one folder share
+# their names, as its files are compiled together.
 function(supple_add_tests name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES;LABELS" ${ARGN})
   add_executable(test_${name} ${ARG_SOURCES})
@@ -96,14 +98,26 @@ function(supple_add_tests name)
                                              ${ARG_LIBRARIES} GTest::gtest GTest::gtest_main)
   target_precompile_headers(test_${name} PRIVATE <algorithm> <filesystem> <functional> <random>
                                                  <string> <vector> <gtest/gtest.h>)
-  foreach(label IN LISTS ARG_LABELS)
+  foreach(entry IN LISTS ARG_LABELS)
+    string(REPLACE "/" ";" label "${entry};1")
+    list(GET label 1 shards)
+    list(GET label 0 label)
     string(SUBSTRING ${label} 0 1 first)
     string(SUBSTRING ${label} 1 -1 rest)
     string(TOUPPER ${first} first)
-    add_test(NAME ${name}.${label}
-             COMMAND test_${name} --gtest_filter=${first}${rest}* --gtest_brief=1)
-    set_tests_properties(${name}.${label} PROPERTIES LABELS ${label} TIMEOUT 900
-      FAIL_REGULAR_EXPRESSION "0 tests from 0 test suites"
-      ENVIRONMENT "SUPPLE_BINARY=$<TARGET_FILE:supple>;SUPPLE_SOURCE_DIR=${PROJECT_SOURCE_DIR};SUPPLE_TEST_OUTPUT=${PROJECT_BINARY_DIR}/test-output;LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/leaks.supp:print_suppressions=0")
+    foreach(shard RANGE 1 ${shards})
+      set(test ${name}.${label})
+      set(environment SUPPLE_BINARY=$<TARGET_FILE:supple> SUPPLE_SOURCE_DIR=${PROJECT_SOURCE_DIR}
+          SUPPLE_TEST_OUTPUT=${PROJECT_BINARY_DIR}/test-output
+          LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/leaks.supp:print_suppressions=0)
+      if(shards GREATER 1)
+        string(APPEND test .${shard})
+        math(EXPR index "${shard} - 1")
+        list(APPEND environment GTEST_TOTAL_SHARDS=${shards} GTEST_SHARD_INDEX=${index})
+      endif()
+      add_test(NAME ${test} COMMAND test_${name} --gtest_filter=${first}${rest}* --gtest_brief=1)
+      set_tests_properties(${test} PROPERTIES LABELS ${label} TIMEOUT 900 COST ${shards}
+        FAIL_REGULAR_EXPRESSION "0 tests from 0 test suites" ENVIRONMENT "${environment}")
+    endforeach()
   endforeach()
 endfunction()
