@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "volumes/base/error.h"
+#include "volumes/base/run_in_child.h"
 
 namespace supple::fuzz {
 
@@ -27,6 +28,7 @@ struct Folder {
 void with_file(const std::string& name, const std::uint8_t* data, std::size_t size,
                const std::function<void(const std::string& path)>& read) {
   static const Folder folder;
+  allow_child_processes(true);
   const std::string path = folder.path + "/" + name;
   std::FILE* file = std::fopen(path.c_str(), "wb");
   if (file == nullptr || std::fwrite(data, 1, size, file) != size) std::abort();

@@ -182,8 +182,8 @@ TEST_F(FaultConvert, WrongNamesAndExistingOutputsAreToldInOneLine) {
   expect(run("convert", "a.nrrd", "a.xyz"), 3, "extension: found .xyz");
   expect(run("convert", "none.nrrd", "b.nrrd"), 3, "no such file");
   expect(run("convert", "a.nrrd", "a.nrrd", {"--force"}), 3, "a.nrrd");
-  expect(run("convert", "a.nrrd", "b.nhdr", {"--compress"}), 3, "--compress: found .nhdr");
-  expect(run("convert", "a.nrrd", "b.mha", {"--frame", "3"}), 3, "--frame: found 3");
+  expect(run("convert", "a.nrrd", "b.nhdr", {"--compress"}), 3, "compress: found .nhdr");
+  expect(run("convert", "a.nrrd", "b.mha", {"--frame", "3"}), 3, "frame: found 3");
   expect(run("invert", "a.nrrd", "b.nrrd"), 3, "three components per voxel");
   expect(run_supple({"metrics", m_folder / "a.nrrd"}), 3, "a state written by supple");
 }

@@ -184,16 +184,16 @@ TEST(FaultHeader, NiftiFieldsAreCheckedOneByOne) {
 TEST(FaultHeader, RawSpecsAreCheckedOneByOne) {
   const TemporaryFolder folder;
   const std::string path = folder.write("a.raw", kData);
-  expect_failure(path, {"--raw", "dimz"}, {"dimz=2,3,2,type=int16,spacing=1,1,1"});
-  expect_failure(path, {"--raw dims", "nothing"}, {"type=int16,spacing=1,1,1"});
-  expect_failure(path, {"--raw type", "short"}, {"dims=2,3,2,type=short,spacing=1,1,1"});
-  expect_failure(path, {"--raw spacing"}, {"dims=2,3,2,type=int16"});
-  expect_failure(path, {"--raw spacing", "nan"}, {"dims=2,3,2,type=int16,spacing=1,nan,1"});
-  expect_failure(path, {"--raw endian", "pdp"}, {"dims=2,3,2,type=int16,spacing=1,1,1,endian=pdp"});
+  expect_failure(path, {"raw", "dimz"}, {"dimz=2,3,2,type=int16,spacing=1,1,1"});
+  expect_failure(path, {"raw dims", "nothing"}, {"type=int16,spacing=1,1,1"});
+  expect_failure(path, {"raw type", "short"}, {"dims=2,3,2,type=short,spacing=1,1,1"});
+  expect_failure(path, {"raw spacing"}, {"dims=2,3,2,type=int16"});
+  expect_failure(path, {"raw spacing", "nan"}, {"dims=2,3,2,type=int16,spacing=1,nan,1"});
+  expect_failure(path, {"raw endian", "pdp"}, {"dims=2,3,2,type=int16,spacing=1,1,1,endian=pdp"});
   expect_failure(path, {"offset", "-4"}, {"dims=2,3,2,type=int16,spacing=1,1,1,offset=-4"});
   expect_failure(path, {"offset", "99"}, {"dims=2,3,2,type=int16,spacing=1,1,1,offset=99"});
-  expect_failure(path, {"--raw"}, {"2,3,2"});
-  expect_failure(path, {"--raw dims", "twice"}, {"dims=2,3,2,dims=1,1"});
+  expect_failure(path, {"raw"}, {"2,3,2"});
+  expect_failure(path, {"raw dims", "twice"}, {"dims=2,3,2,dims=1,1"});
 }
 
 TEST(FaultImage, ColourSamplesAndTruncationAreErrors) {

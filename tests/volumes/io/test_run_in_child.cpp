@@ -12,6 +12,13 @@ namespace {
 const Problem kAbout{"a.h5", "structure", "", "an intact file"};
 const ChildBounds kBounds{std::int64_t(256) << 20, 1};
 
+/// All tests of this program open files as the command line does.
+class ChildProcesses : public ::testing::Environment {
+  void SetUp() override { allow_child_processes(true); }
+};
+[[maybe_unused]] const auto* const kEnvironment =
+    ::testing::AddGlobalTestEnvironment(new ChildProcesses);
+
 /// The problem that a trial ends with; the field is empty when it ends well.
 Problem problem_of(const std::function<void()>& parse, const ChildBounds& bounds = kBounds) {
   try {
@@ -20,6 +27,15 @@ Problem problem_of(const std::function<void()>& parse, const ChildBounds& bounds
     return error.problem();
   }
   return {};
+}
+
+TEST(UnitRunInChild, IsSwitchedOffForHostsThatDoNotAskForIt) {
+  allow_child_processes(false);
+  bool is_parsed = false;
+  run_in_child(kAbout, kBounds, [&] { is_parsed = true; });
+  allow_child_processes(true);
+  EXPECT_FALSE(is_parsed);
+  EXPECT_NE(problem_of([] { std::raise(SIGSEGV); }).field, "");
 }
 
 TEST(UnitRunInChild, LeavesNothingBehindInTheCaller) {
