@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Sets up as setup.sh does, then runs the whole test suite: unit, property and fault tests
-# in a build with sanitizers and warnings as errors, each parser on random input for a few
-# seconds, then everything in the release build.
+# Sets up as setup.sh does, checks the format, then runs the whole test suite: unit, property and
+# fault tests
+# in a build with sanitizers and warnings as errors, each parser on random input for a few seconds,
+# then everything in the release build, with the examples against the installed library.
 #
 #   bash tools/test.sh [--release-only]
 set -euo pipefail
@@ -11,6 +12,13 @@ cd "$SUPPLE_ROOT"
 supple_setup
 install_packages "${SUPPLE_JUDGES[@]}" || say "tests that need them will be skipped"
 bash tools/fetch_ct_head.sh || say "no head CT: tests that need it will be skipped"
+
+if install_packages clang-format-14; then
+  say "checking the format"
+  git ls-files '*.h' '*.cpp' | xargs clang-format-14 --dry-run -Werror
+else
+  say "no clang-format-14: the format is not checked"
+fi
 
 if [ "${1:-}" != "--release-only" ]; then
   build_preset asan all -DSUPPLE_WERROR=ON

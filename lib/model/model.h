@@ -8,7 +8,7 @@
 //
 // | model   | voxel bodies     | mesh bodies     | a step is      | knows               |
 // |---------|------------------|-----------------|----------------|---------------------|
-// | ecm     | VoxelEcmModel         | MeshEcmModel    | nothing        | limits              |
+// | ecm     | VoxelEcmModel    | MeshEcmModel    | nothing        | limits              |
 // | relax   | RelaxModel       |                 | a pass         | limits, elasticity  |
 // | springs | VoxelSpringModel | MeshSpringModel | a step of time | elasticity, inertia |
 #pragma once

@@ -1,4 +1,4 @@
-// The OpenVDB side of the state file (design section 7). OpenVDB 10's io::File loses errors on full
+// The OpenVDB side of the state file (design.md section 7). OpenVDB 10's io::File loses errors on full
 // disks and truncated files, so this is io::Stream over an fstream that throws, never delayed.
 //
 // Grids, in this order: `q` (Vec3I, only voxels that moved), `element` (Bool), `density` (Float),

@@ -1,4 +1,4 @@
-// libtiff without its voice: messages are kept instead of being printed.
+// The messages of libtiff, kept instead of printed.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// Stands in for load_plugin.cpp where the plugin's sources are linked in: in fuzz targets, which
+// Stands in for hdf5_plugin.cpp where the plugin's sources are linked in: in fuzz targets, which
 // count what they reach in their own code.
 #include "volumes/io/hdf5/hdf5_plugin.h"
 
