@@ -1,8 +1,7 @@
 #!/usr/bin/env bash
 # Sets up as setup.sh does, checks the format, then runs the whole test suite: unit, property and
-# fault tests
-# in a build with sanitizers and warnings as errors, each parser on random input for a few seconds,
-# then everything in the release build, with the examples against the installed library.
+# fault tests in a build with sanitizers and warnings as errors, each parser on random input for a
+# few seconds, then everything in the release build, with the examples against the installed library.
 #
 #   bash tools/test.sh [--release-only]
 set -euo pipefail

@@ -44,8 +44,8 @@ class Session {
 
   /// Cuts, then solves one step, then relaxes, then tightens; or lets springs move the body. Cuts
   /// are made in the body at rest and stay. Handles stay held and boxes and labels fixed until a
-  /// step releases them. Throws InputError as the solvers do, Cancelled; with keeps_undo everything is
-  /// then as it was before the step.
+  /// step releases them. Throws InputError as the solvers do, Cancelled; with keeps_undo everything
+  /// is then as it was before the step.
   const StepRecord& step(const StepRequest& request, Progress* progress = nullptr);
 
   /// Steps of one thing each. `by_mm` goes along the grid axes.

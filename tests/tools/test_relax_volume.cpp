@@ -70,7 +70,8 @@ TEST_F(UnitRelaxVolume, WithoutItNeitherTheReportNorTheStateMentionsIt) {
   const Outcome outcome = deform({"--relax", "3"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(outcome.out.find("volume"), std::string::npos);
-  EXPECT_EQ(read_state(m_folder / "out.vdb").configuration.find("bulk_modulus_kpa"), std::string::npos);
+  EXPECT_EQ(read_state(m_folder / "out.vdb").configuration.find("bulk_modulus_kpa"),
+            std::string::npos);
 }
 
 TEST_F(FaultRelaxVolume, BadModuliAndMethodsAreRefused) {

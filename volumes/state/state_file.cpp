@@ -1,5 +1,5 @@
-// The OpenVDB side of the state file (design.md section 7). OpenVDB 10's io::File loses errors on full
-// disks and truncated files, so this is io::Stream over an fstream that throws, never delayed.
+// The OpenVDB side of the state file (design.md section 7). OpenVDB 10's io::File loses errors on
+// full disks and truncated files, so this is io::Stream over an fstream that throws, never delayed.
 //
 // Grids, in this order: `q` (Vec3I, only voxels that moved), `element` (Bool), `density` (Float),
 // `rest_i`, `rest_j`, `rest_k` (Vec3I, only where links to the next voxel have flowed), `velocity`
