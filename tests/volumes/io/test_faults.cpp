@@ -41,7 +41,7 @@ TEST(FaultFile, MissingFolderDeviceAndEmptyFileAreNamed) {
   for (const std::string& content : {nrrd_of(kSound) + kData, std::string(128, 'x') + "DICM"}) {
     expect_failure(folder.write("packed.gz", gzip(content)), {"gzipped", "not NIfTI", "gunzip"});
   }
-  expect_failure(folder.write("values.raw", kData), {"values.raw", "--raw"});
+  expect_failure(folder.write("values.raw", kData), {"values.raw", "raw dims"});
   expect_failure(folder.write("fog.vdb", std::string(" BDV\0\0\0\0", 8) + kData),
                  {"fog.vdb", "OpenVDB"});
 }

@@ -163,8 +163,7 @@ TEST(FaultWarpFile, ScalarsAndVectorsAreNotMixedUp) {
   for (const std::string& path : warps) {
     const std::string line = failure_of(path);
     EXPECT_NE(line.find("found 3 components per voxel, expected a scalar volume, or channel 0 to "
-                        "2; a warp goes to "
-                        "--offsets"),
+                        "2; vectors are read as a warp"),
               std::string::npos)
         << line;
   }

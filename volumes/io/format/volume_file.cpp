@@ -90,7 +90,7 @@ void require_scalars(const VolumeHeader& header) {
   throw InputError({header.path, "values",
                     std::to_string(header.components) + " components per voxel",
                     "a scalar volume, or channel 0 to " + std::to_string(header.components - 1) +
-                        "; a warp goes to offsets"});
+                        "; vectors are read as a warp"});
 }
 
 void require_unused(const ReadOptions& options, const std::string& path) {
