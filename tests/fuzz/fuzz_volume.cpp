@@ -4,6 +4,7 @@
 
 #include "tests/fuzz/fuzz_file.h"
 #include "volumes/io/format/formats.h"
+#include "volumes/io/open_volume.h"
 
 namespace {
 
