@@ -74,6 +74,27 @@ void keep_reserve() {
   std::set_new_handler(release_reserve);
 }
 
+/// Options by their former names are not shown, but read.
+void warn_of_former_options(const CLI::App& app, Console& console) {
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->get_group().empty() && option->count() > 0) {
+      console.warn("--" + option->get_lnames().front() + ": " + option->get_description());
+    }
+  }
+}
+
+/// The problem with the option of the command in place of the field that it sets.
+std::string named_by_option(const Problem& problem, const CLI::App& app) {
+  if (!problem.file.empty()) return to_line(problem);
+  std::string name = "--" + problem.field;
+  std::replace(name.begin(), name.end(), '_', '-');
+  for (const std::string& option : {name, "--no-" + name.substr(2)}) {
+    if (app.get_option_no_throw(option) == nullptr) continue;
+    return to_line({"", option, problem.found, problem.expected});
+  }
+  return to_line(problem);
+}
+
 int run_command(const Command& command, const GlobalOptions& options) {
   try {
     std::optional<tbb::global_control> threads;
@@ -81,13 +102,14 @@ int run_command(const Command& command, const GlobalOptions& options) {
       threads.emplace(tbb::global_control::max_allowed_parallelism, options.threads);
     }
     Console console(options);
+    warn_of_former_options(*command.app, console);
     const int exit_code = command.run(options, console);
     if (std::fflush(stdout) != 0) throw SystemError("standard output: cannot write");
     return exit_code;
   } catch (const UsageError& error) {
     return fail(kUsage, error.what());
   } catch (const InputError& error) {
-    return fail(kBadInput, error.what());
+    return fail(kBadInput, named_by_option(error.problem(), *command.app));
   } catch (const SystemError& error) {
     return fail(kSystem, error.what());
   } catch (const Cancelled&) {
@@ -111,6 +133,7 @@ int run_program(int argc, char** argv) {
   program.set_version_flag("--version", std::string("supple ") + kVersion);
   program.require_subcommand(1);
   program.fallthrough();
+  program.get_formatter()->column_width(40);
   add_global_options(program, options);
   program.footer(
       "Examples:\n"
@@ -138,6 +161,10 @@ int run_program(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return program.exit(error);
     return fail(kUsage, std::string(error.what()) + " (see supple --help)");
+  } catch (const UsageError& error) {
+    return fail(kUsage, error.what());
+  } catch (const InputError& error) {
+    return fail(kBadInput, error.what());
   }
   install_signal_handlers();
   allow_child_processes(true);

@@ -46,26 +46,25 @@ std::string text_of(const toml::node& node) {
 
 }  // namespace
 
-std::string exact_text(double value) {
-  char text[40];
-  for (int digits = 6; digits <= 17; ++digits) {
-    std::snprintf(text, sizeof text, "%.*g", digits, value);
-    if (std::strtod(text, nullptr) == value) break;
-  }
-  return text;
-}
-
 bool is_integer(double value) {
   return std::abs(value) <= 2147483647.0 && value == std::floor(value);
 }
 
 TomlTable TomlTable::parse(const std::string& text, const std::string& source) {
   try {
-    return {std::make_shared<const toml::table>(toml::parse(text, source)), source, ""};
+    return {std::make_shared<const toml::table>(toml::parse(text, source)),
+            std::make_shared<File>(File{source, {}, {}}), ""};
   } catch (const toml::parse_error& error) {
     throw InputError({source + ":" + std::to_string(error.source().begin.line),
                       "not TOML: " + std::string(error.description()), "", ""});
   }
+}
+
+TomlTable TomlTable::of_options(const std::string& text,
+                                std::map<std::string, std::string> options) {
+  TomlTable table = parse(text, "");
+  table.m_file_data->options = std::move(options);
+  return table;
 }
 
 TomlTable TomlTable::read(const std::string& path) {
@@ -78,23 +77,36 @@ TomlTable TomlTable::read(const std::string& path) {
   return parse(text, path);
 }
 
-TomlTable::TomlTable(std::shared_ptr<const toml::table> table, std::string file, std::string name)
-    : m_table(std::move(table)), m_file(std::move(file)), m_name(std::move(name)) {}
+TomlTable::TomlTable(std::shared_ptr<const toml::table> table, std::shared_ptr<File> file,
+                     std::string name)
+    : m_table(std::move(table)), m_file_data(std::move(file)), m_name(std::move(name)) {}
 
 TomlTable TomlTable::below(const toml::node& node, std::string name) const {
-  return {std::shared_ptr<const toml::table>(m_table, node.as_table()), m_file, std::move(name)};
+  return {std::shared_ptr<const toml::table>(m_table, node.as_table()), m_file_data, std::move(name)};
+}
+
+void TomlTable::take_warnings(const TomlTable& other) {
+  std::vector<std::string>& all = m_file_data->warnings;
+  all.insert(all.end(), other.warnings().begin(), other.warnings().end());
 }
 
 std::string TomlTable::place(const std::string& key) const {
   const toml::node* node = key.empty() ? m_table.get() : m_table->get(key);
   if (node == nullptr) node = m_table.get();
   const auto line = node->source().begin.line;
-  return line == 0 ? m_file : m_file + ":" + std::to_string(line);
+  return line == 0 || file().empty() ? file() : file() + ":" + std::to_string(line);
 }
 
 std::string TomlTable::full_name(const std::string& key) const {
-  if (key.empty()) return m_name;
-  return m_name.empty() ? key : m_name + "." + key;
+  std::string name = key.empty() ? m_name : m_name.empty() ? key : m_name + "." + key;
+  // The option of the key, or of the table that holds it.
+  const auto& options = m_file_data->options;
+  for (std::size_t end = name.size(); !options.empty() && end != std::string::npos && end > 0;
+       end = name.find_last_of(".[", end - 1)) {
+    const auto option = options.find(name.substr(0, end));
+    if (option != options.end()) return option->second + name.substr(end);
+  }
+  return name;
 }
 
 void TomlTable::fail(const std::string& key, const std::string& found,
@@ -119,6 +131,93 @@ double TomlTable::number_of(const toml::node& node, const std::string& key,
   return *value;
 }
 
+void TomlTable::read(const Fields& fields) {
+  for (const Field& field : fields) m_known.insert(field.name());
+  for (const Field& field : fields) {
+    std::string key = field.name();
+    if (!field.former().empty()) key = present_name(key, field.former());
+    if (has(key)) {
+      read_field(field, key);
+    } else if (field.is_required()) {
+      fail_missing(key, field.help());
+    }
+  }
+}
+
+std::string TomlTable::present_name(const std::string& key, const std::string& former) {
+  m_known.insert(key);
+  if (!m_table->contains(former)) return key;
+  if (m_table->contains(key)) fail(key, key + " and " + former, "one of both");
+  m_file_data->warnings.push_back(
+      to_line({place(former), full_name(former), "its former name", full_name(key)}));
+  return former;
+}
+
+void TomlTable::read_field(const Field& field, const std::string& key) {
+  const auto checked = [&](double value) {
+    if (!field.allows(value)) fail(key, number_text(value), field.allowed());
+    return value;
+  };
+  const auto named = [&](const std::string& name) {
+    const std::vector<std::string>& names = field.names();
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found == names.end() && !names.empty()) fail(key, "\"" + name + "\"", field.allowed());
+    return found - names.begin();
+  };
+  const auto one = [&] {
+    const std::string allowed = field.allowed();
+    const bool says_little = allowed.empty() || allowed == field.unit();
+    return checked(number_of(*find(key), key, says_little ? "a finite number" : allowed));
+  };
+  const auto whole = [&] {
+    const long long value = *integer(key);
+    checked(double(value));
+    if (!is_integer(double(value))) fail(key, std::to_string(value), "an integer of 32 bits");
+    return int(value);
+  };
+  const auto pair = [&] {
+    const auto values = numbers(key);
+    if (values->size() != 2) fail(key, std::to_string(values->size()) + " numbers", "two numbers");
+    return NumberPair(checked((*values)[0]), checked((*values)[1]));
+  };
+  const auto three = [&] {
+    const Vec3d value = *vector(key);
+    for (int c = 0; c < 3; ++c) checked(value[c]);
+    return value;
+  };
+  const Field::Target& target = field.target();
+  if (auto* flag = std::get_if<bool*>(&target)) **flag = *boolean(key);
+  if (auto* value = std::get_if<int*>(&target)) **value = whole();
+  if (auto* value = std::get_if<std::optional<int>*>(&target)) **value = whole();
+  if (auto* value = std::get_if<double*>(&target)) **value = one();
+  if (auto* value = std::get_if<std::optional<double>*>(&target)) **value = one();
+  if (auto* value = std::get_if<Vec3d*>(&target)) **value = three();
+  if (auto* value = std::get_if<std::optional<Vec3d>*>(&target)) **value = three();
+  if (auto* value = std::get_if<NumberPair*>(&target)) **value = pair();
+  if (auto* value = std::get_if<std::optional<NumberPair>*>(&target)) **value = pair();
+  if (auto* value = std::get_if<std::string*>(&target)) {
+    **value = field.is_path() ? *path(key) : *string(key);
+    named(**value);
+  }
+  if (auto* value = std::get_if<PixelSize*>(&target)) {
+    const auto pixels = numbers(key);
+    if (pixels->size() != 2 || !is_integer((*pixels)[0]) || !is_integer((*pixels)[1])) {
+      fail(key, "another list", "two integers [width, height]");
+    }
+    for (int a = 0; a < 2; ++a) (**value)[a] = int(checked((*pixels)[a]));
+  }
+  if (auto* value = std::get_if<Rgb*>(&target)) {
+    const auto rgb = parse_colour(*string(key));
+    if (!rgb) fail(key, "\"" + *string(key) + "\"", "\"#RRGGBB\", hexadecimal");
+    **value = *rgb;
+  }
+  if (auto* values = std::get_if<std::vector<std::string>*>(&target)) {
+    **values = *strings(key);
+    for (const std::string& name : **values) named(name);
+  }
+  if (auto* choice = std::get_if<Field::Names>(&target)) choice->set(int(named(*string(key))));
+}
+
 std::optional<std::string> TomlTable::string(const std::string& key) {
   const toml::node* node = find(key);
   if (node == nullptr) return std::nullopt;
@@ -128,8 +227,29 @@ std::optional<std::string> TomlTable::string(const std::string& key) {
 
 std::optional<std::string> TomlTable::path(const std::string& key) {
   const auto text = string(key);
-  if (!text || std::filesystem::path(*text).is_absolute()) return text;
-  return (std::filesystem::path(m_file).parent_path() / *text).string();
+  return text ? std::optional<std::string>(from_folder(*text)) : std::nullopt;
+}
+
+bool TomlTable::is_string(const std::string& key) {
+  const toml::node* node = find(key);
+  return node != nullptr && node->is_string();
+}
+
+std::string TomlTable::from_folder(const std::string& path) const {
+  if (std::filesystem::path(path).is_absolute()) return path;
+  return (std::filesystem::path(file()).parent_path() / path).string();
+}
+
+std::vector<std::string> TomlTable::paths(const std::string& key) {
+  if (!has(key)) return {};
+  std::vector<std::string> paths;
+  if (is_string(key)) {
+    paths.push_back(*string(key));
+  } else {
+    paths = *strings(key);
+  }
+  for (std::string& path : paths) path = from_folder(path);
+  return paths;
 }
 
 std::optional<bool> TomlTable::boolean(const std::string& key) {

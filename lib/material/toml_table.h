@@ -3,6 +3,7 @@
 // with "file:line", the key, what was found and what is expected.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -10,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "volumes/base/vec.h"
+#include "volumes/base/fields.h"
 
 // toml++ is large: only toml_table.cpp includes it.
 namespace toml {
@@ -22,9 +23,6 @@ class table;
 
 namespace supple {
 
-/// The fewest digits that read back as the same number.
-std::string exact_text(double value);
-
 /// True for what an int holds exactly.
 bool is_integer(double value);
 
@@ -34,15 +32,30 @@ class TomlTable {
   static TomlTable read(const std::string& path);
   /// The root of a text; `source` names it in errors.
   static TomlTable parse(const std::string& text, const std::string& source);
+  /// Options of a command line, written as TOML. `options`: the option behind the full name of a
+  /// key, for errors.
+  static TomlTable of_options(const std::string& text, std::map<std::string, std::string> options);
+
+  /// Sets those of the fields that are there. A value that is not allowed is an error, and so is a
+  /// required field that is missing.
+  void read(const Fields& fields);
+  /// `key`, or its former name where the table has that, with a warning.
+  std::string present_name(const std::string& key, const std::string& former);
+  /// Keys that were read by their former names, of the whole file: one line each.
+  const std::vector<std::string>& warnings() const { return m_file_data->warnings; }
+  /// Adds those of a file that this one names.
+  void take_warnings(const TomlTable& other);
 
   /// Declares keys, so that an unknown one is reported before a missing one.
   void know(std::initializer_list<const char*> keys) { m_known.insert(keys.begin(), keys.end()); }
   /// Also makes the key a known one.
   bool has(const std::string& key) { return find(key) != nullptr; }
+  /// Also makes the key a known one.
+  bool is_string(const std::string& key);
   /// "file:line", of the key or of the table.
   std::string place(const std::string& key = "") const;
-  const std::string& file() const { return m_file; }
-  /// Full name of a key, e.g. "step[2].grab".
+  const std::string& file() const { return m_file_data->path; }
+  /// Full name of a key, e.g. "step[2].grab", or the option behind it.
   std::string full_name(const std::string& key) const;
 
   std::optional<std::string> string(const std::string& key);
@@ -58,6 +71,8 @@ class TomlTable {
   std::optional<Vec3i> voxel(const std::string& key);
   std::optional<std::vector<double>> numbers(const std::string& key);
   std::optional<std::vector<std::string>> strings(const std::string& key);
+  /// One path or a list of them, as path(); empty when absent.
+  std::vector<std::string> paths(const std::string& key);
   /// List of lists of numbers, each of one of the allowed lengths.
   std::optional<std::vector<std::vector<double>>> rows(const std::string& key,
                                                        const std::set<std::size_t>& lengths,
@@ -86,13 +101,21 @@ class TomlTable {
   void finish() const;
 
  private:
-  TomlTable(std::shared_ptr<const toml::table> table, std::string file, std::string name);
+  /// What all tables of a file share.
+  struct File {
+    std::string path;
+    std::map<std::string, std::string> options;
+    std::vector<std::string> warnings;
+  };
+  TomlTable(std::shared_ptr<const toml::table> table, std::shared_ptr<File> file, std::string name);
   const toml::node* find(const std::string& key);
   TomlTable below(const toml::node& node, std::string name) const;
   double number_of(const toml::node& node, const std::string& key, const std::string& expected);
+  std::string from_folder(const std::string& path) const;
+  void read_field(const Field& field, const std::string& key);
 
   std::shared_ptr<const toml::table> m_table;  // keeps the whole file
-  std::string m_file;
+  std::shared_ptr<File> m_file_data;
   std::string m_name;
   std::set<std::string> m_known;
 };

@@ -28,7 +28,7 @@ void MotionParams::validate() const {
   check("time step", step_s, "s");
   check("tolerance", tolerance_mn, "mN");
   check_finite("gravity", gravity_m_s2);
-  if (!colliders.empty() && goal == Goal::minimum) {
+  if (!colliders.empty() && minimise) {
     throw InputError({"", "colliders", "shapes beside a minimum", "shapes in a motion only"});
   }
   for (const DrivenCollider& driven : colliders) {
@@ -80,7 +80,7 @@ void SpringMotion::move(const std::vector<int>& still, std::vector<DrivenNodes> 
 void SpringMotion::drive() {
   const int before = m_step;
   m_step = std::min(m_step + 1, m_steps);
-  const double part = m_params.goal == MotionParams::Goal::minimum ? 1 : double(m_step) / m_steps;
+  const double part = m_params.minimise ? 1 : double(m_step) / m_steps;
   for (std::size_t h = 0; h < m_handles.size(); ++h) {
     for (std::size_t n = 0; n < m_handles[h].nodes.size(); ++n) {
       supple::drive(m_system, m_handles[h].nodes[n], m_starts[h][n] + m_handles[h].by_mm * part);
@@ -95,7 +95,7 @@ void SpringMotion::drive() {
 
 bool SpringMotion::step() {
   drive();
-  if (m_params.goal == MotionParams::Goal::motion) {
+  if (!m_params.minimise) {
     if (!m_integrator) m_integrator = make_integrator(m_params.method, m_system);
     m_report += m_integrator->step(m_params.step_s);
     return true;

@@ -18,9 +18,8 @@ struct DrivenCollider {
 };
 
 struct MotionParams {
-  /// By the integrator, in steps of time; or down to the minimum of the energy, without time.
-  enum class Goal { motion, minimum };
-  Goal goal = Goal::motion;
+  /// Down to the minimum of the energy, without time; else by the integrator, in steps of time.
+  bool minimise = false;
   SpringMethod method = SpringMethod::implicit;
   double step_s = 0.01;
   double tolerance_mn = 1e-3;  // of a minimum: largest force that is left on a free node

@@ -10,8 +10,8 @@ namespace supple {
 
 namespace {
 
-constexpr RelaxMethod kMethods[] = {RelaxMethod::plain, RelaxMethod::jacobi, RelaxMethod::red_black,
-                                    RelaxMethod::accelerated};
+/// In the order of the enumerators.
+const std::vector<std::string> kMethodNames = {"plain", "jacobi", "red-black", "accelerated"};
 
 /// 2^-32 voxel of coordinate c in mm.
 double fine_mm(const Body& body, int c) {
@@ -21,35 +21,33 @@ double fine_mm(const Body& body, int c) {
 }  // namespace
 
 const char* name_of(RelaxMethod method) {
-  switch (method) {
-    case RelaxMethod::plain:
-      return "plain";
-    case RelaxMethod::jacobi:
-      return "jacobi";
-    case RelaxMethod::red_black:
-      return "red-black";
-    default:
-      return "accelerated";
-  }
-}
-
-std::optional<RelaxMethod> relax_method(const std::string& name) {
-  for (const RelaxMethod method : kMethods) {
-    if (name == name_of(method)) return method;
-  }
-  return std::nullopt;
-}
-
-std::string relax_method_names() {
-  std::string names;
-  for (const RelaxMethod method : kMethods) {
-    names += (names.empty() ? "" : ", ") + std::string(name_of(method));
-  }
-  return names;
+  return kMethodNames[std::size_t(method)].c_str();
 }
 
 bool conserves_volume(RelaxMethod method) {
   return method == RelaxMethod::red_black || method == RelaxMethod::accelerated;
+}
+
+Fields fields(RelaxParams& params) {
+  return {
+      Field("passes", params.passes, "Relax the body elastically, by at most so many passes")
+          .range(1, kMaxPasses)
+          .otherwise("20, where any of these is given")
+          .option("relax"),
+      Field("method", params.method, kMethodNames,
+            "plain (the thesis' pass, breaks limits), jacobi, red-black or accelerated"),
+      Field("tolerance", params.tolerance_voxels, "End when a pass moves nothing further than this")
+          .unit("voxels")
+          .at_least(0)
+          .recorded_as("tolerance_voxels"),
+      Field("bulk_modulus", params.bulk_modulus_kpa,
+            "Bulk modulus with which relaxed tissue keeps its volume; 0: it does not")
+          .unit("kPa")
+          .range(0, kMaxBulkModulusKpa)
+          .option("bulk-modulus")
+          .recorded_as("bulk_modulus_kpa")
+          .formerly("volume"),
+  };
 }
 
 void RelaxParams::validate() const {
@@ -62,14 +60,14 @@ void RelaxParams::validate() const {
   check_bulk_modulus(bulk_modulus_kpa);
   if (bulk_modulus_kpa > 0 && !conserves_volume(method)) {
     throw InputError(
-        {"", "volume", std::string("method ") + name_of(method), "red-black or accelerated"});
+        {"", "bulk_modulus", std::string("method ") + name_of(method), "red-black or accelerated"});
   }
 }
 
 void check_bulk_modulus(double kpa) {
   if (kpa >= 0 && kpa <= kMaxBulkModulusKpa) return;
   throw InputError(
-      {"", "volume", number_text(kpa), "0 to " + number_text(kMaxBulkModulusKpa) + " kPa"});
+      {"", "bulk_modulus", number_text(kpa), "0 to " + number_text(kMaxBulkModulusKpa) + " kPa"});
 }
 
 Relaxation::Relaxation(Body& body, const SlotSet& fixed, const Holds& held,

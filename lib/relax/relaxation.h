@@ -19,6 +19,7 @@
 #include "lib/body/holds.h"
 #include "lib/body/region.h"
 #include "lib/relax/cell_volume.h"
+#include "volumes/base/fields.h"
 #include "volumes/base/progress.h"
 
 namespace supple {
@@ -30,10 +31,6 @@ enum class RelaxMethod {
   accelerated,  // red-black with over-relaxation: far fewer passes to the same energy
 };
 const char* name_of(RelaxMethod method);
-/// None for an unknown name.
-std::optional<RelaxMethod> relax_method(const std::string& name);
-/// For messages: all names, comma-separated.
-std::string relax_method_names();
 
 /// Whether the method can conserve volume: elements of a cell must not step together.
 bool conserves_volume(RelaxMethod method);
@@ -58,6 +55,9 @@ struct RelaxParams {
   /// Throws InputError: a value out of range.
   void validate() const;
 };
+
+/// Of `relax = { … }` in a scene.
+Fields fields(RelaxParams& params);
 
 class CoordinateRelaxation;
 class VolumeRelaxation;

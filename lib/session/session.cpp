@@ -4,12 +4,10 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include <nlohmann/json.hpp>
-
 #include "lib/material/material_file.h"
 #include "lib/model/quasi_static.h"
+#include "lib/session/journal.h"
 #include "volumes/base/text.h"
-#include "volumes/base/version.h"
 #include "volumes/io/load/label_file.h"
 #include "volumes/io/load/load.h"
 #include "volumes/io/open_volume.h"
@@ -69,44 +67,6 @@ void warn_of_report(const EcmReport& report, Progress* progress) {
   }
 }
 
-nlohmann::ordered_json to_json(const Vec3i& voxel) {
-  return {voxel.x, voxel.y, voxel.z};
-}
-
-nlohmann::ordered_json to_json(const IndexBox& box) {
-  return {box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z};
-}
-
-/// With the voxels themselves, so that the record does not depend on other files.
-nlohmann::ordered_json to_json(const Drag& drag) {
-  nlohmann::ordered_json json;
-  if (drag.label != 0) {
-    json["grab_label"] = drag.label;
-  } else if (const IndexBox* box = drag.region.box()) {
-    if (box->lo == box->hi) {
-      json["grab"] = to_json(box->lo);
-    } else {
-      json["grab_box"] = to_json(*box);
-    }
-  } else {
-    json["name"] = drag.region.name();
-    if (drag.region.points() != nullptr) {
-      for (const Vec3i& voxel : *drag.region.points()) json["voxels"].push_back(to_json(voxel));
-    }
-  }
-  json["by_mm"] = {drag.by_mm.x, drag.by_mm.y, drag.by_mm.z};
-  if (drag.kind == HandleKind::push) json["push"] = true;
-  return json;
-}
-
-nlohmann::ordered_json relax_settings(const RelaxParams& params) {
-  nlohmann::ordered_json json = {{"method", name_of(params.method)},
-                                 {"passes", params.passes},
-                                 {"tolerance_voxels", params.tolerance_voxels}};
-  if (params.bulk_modulus_kpa > 0) json["bulk_modulus_kpa"] = params.bulk_modulus_kpa;
-  return json;
-}
-
 void warn_of_report(const BallReport& report, Progress* progress) {
   if (report.violated == 0) return;
   warn(progress, "ball limits leave " + with_count(report.violated, "link") + " of " +
@@ -116,13 +76,6 @@ void warn_of_report(const BallReport& report, Progress* progress) {
 }
 
 }  // namespace
-
-std::optional<Limits> limits_of_name(const std::string& name) {
-  if (name == "box") return Limits::box;
-  if (name == "ball") return Limits::ball;
-  if (name == "tighten") return Limits::tighten;
-  return std::nullopt;
-}
 
 struct Session::Before {
   std::array<BrickValues, 3> q;
@@ -428,39 +381,7 @@ void Session::tighten_body(StepRecord& record, Progress* progress) {
 }
 
 std::string Session::journal() const {
-  nlohmann::ordered_json steps = nlohmann::ordered_json::array();
-  if (!m_state.configuration.empty()) {
-    const auto earlier = nlohmann::ordered_json::parse(m_state.configuration, nullptr, false);
-    if (earlier.is_object() && earlier.contains("steps")) steps = earlier["steps"];
-  }
-  for (const StepRecord& record : m_records) {
-    nlohmann::ordered_json step;
-    for (const Drag& drag : record.drags) {
-      step["handles"].push_back(to_json(drag));
-    }
-    for (const IndexBox& box : record.fix) {
-      step["fix"].push_back(to_json(box));
-    }
-    if (!record.fix_labels.empty()) step["fix_label"] = record.fix_labels;
-    if (record.release) step["release"] = true;
-    if (record.ball) step["limits"] = "ball";
-    if (record.tightened) step["limits"] = "tighten";
-    for (const CutSurface& surface : record.cuts) {
-      step["cut"].push_back(nlohmann::ordered_json::parse(settings_json(surface)));
-    }
-    if (!record.cuts.empty()) step["cut_links"] = record.cut_links;
-    if (record.relax) step["relax"] = relax_settings(*record.relax);
-    if (record.springs) {
-      step["springs"] = nlohmann::ordered_json::parse(settings_json(*record.springs));
-    }
-    step["fraction"] = std::to_string(record.report.fraction_numerator) + "/" +
-                       std::to_string(record.report.fraction_denominator);
-    steps.push_back(step);
-  }
-  nlohmann::ordered_json json;
-  json["program"] = std::string("supple ") + kVersion;
-  json["steps"] = steps;
-  return json.dump();
+  return journal_json(m_state.configuration, m_records);
 }
 
 State Session::state() const {

@@ -1,5 +1,6 @@
 #include "lib/session/spring_step.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
@@ -72,26 +73,59 @@ SpringRecord move_by_springs(const SpringStep& step, const HeldBody& held,
   return record;
 }
 
+Fields fields(SpringStep& step) {
+  MotionParams& motion = step.motion;
+  return {
+      Field("minimise", motion.minimise, "To the minimum of the energy instead of for a time"),
+      Field("time", step.time_s, "How long").unit("s").positive().recorded_as("time_s"),
+      Field("step", motion.step_s, "Time step").unit("s").positive().recorded_as("step_s"),
+      Field("integrator", motion.method, spring_method_names(), "Integrator of the motion")
+          .otherwise("implicit; with contact xpbd"),
+      Field("mass_damping", step.mass_damping_per_s, "Damping by mass")
+          .unit("1/s")
+          .at_least(0)
+          .recorded_as("mass_damping_per_s"),
+      Field("tolerance", motion.tolerance_mn, "Of a minimum: largest force left on a free node")
+          .unit("mN")
+          .positive()
+          .recorded_as("tolerance_mn"),
+      Field("steps", step.most_steps, "Of a minimum: at most so many steps")
+          .range(1, SpringStep::kMostSteps),
+      Field("gravity", motion.gravity_m_s2, "Acceleration in LPS")
+          .unit("m/s²")
+          .recorded_as("gravity_m_s2"),
+      Field("structural", step.structural_n_m, "Stiffness of springs along edges, not the material's")
+          .unit("N/m")
+          .at_least(0)
+          .recorded_as("structural_n_m"),
+      Field("shear", step.shear_n_m, "Of springs across faces and cells")
+          .unit("N/m")
+          .at_least(0)
+          .recorded_as("shear_n_m"),
+      Field("bending", step.bending_n_m, "Of springs over two edges")
+          .unit("N/m")
+          .at_least(0)
+          .recorded_as("bending_n_m"),
+  };
+}
+
+std::vector<std::string> idle_fields(const SpringStep& step) {
+  if (step.is_motion()) return {"minimise", "tolerance", "steps"};
+  return {"time", "step", "integrator", "mass_damping", "contact"};
+}
+
 std::string settings_json(const SpringStep& step) {
-  const MotionParams& motion = step.motion;
-  nlohmann::ordered_json json;
-  if (step.is_motion()) {
-    json = {{"integrator", name_of(motion.method)},
-            {"time_s", step.time_s},
-            {"step_s", step.time_s / step.motion_steps()},
-            {"mass_damping_per_s", step.mass_damping_per_s}};
-    for (const std::string& contact : step.contacts) {
-      json["contact"].push_back(nlohmann::ordered_json::parse(contact));
-    }
-  } else {
-    json = {{"minimise", true}, {"tolerance_mn", motion.tolerance_mn}, {"steps", step.most_steps}};
-  }
-  const Vec3d& g = motion.gravity_m_s2;
-  json["gravity_m_s2"] = {g.x, g.y, g.z};
-  for (const auto& [name, value] :
-       {std::pair{"structural_n_m", step.structural_n_m}, std::pair{"shear_n_m", step.shear_n_m},
-        std::pair{"bending_n_m", step.bending_n_m}}) {
-    if (value) json[name] = *value;
+  SpringStep effective = step;
+  if (step.is_motion()) effective.motion.step_s = step.time_s / step.motion_steps();
+  Fields recorded = fields(effective);
+  const std::vector<std::string> idle = idle_fields(step);
+  const auto is_idle = [&idle](const Field& field) {
+    return std::find(idle.begin(), idle.end(), field.name()) != idle.end();
+  };
+  recorded.erase(std::remove_if(recorded.begin(), recorded.end(), is_idle), recorded.end());
+  auto json = nlohmann::ordered_json::parse(fields_json(recorded));
+  for (const std::string& contact : step.contacts) {
+    json["contact"].push_back(nlohmann::ordered_json::parse(contact));
   }
   return json.dump();
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lib/model/spring_models.h"
+#include "volumes/base/fields.h"
 #include "volumes/base/progress.h"
 
 namespace supple {
@@ -19,9 +20,9 @@ struct SpringStep {
   std::optional<double> structural_n_m, shear_n_m, bending_n_m;
   double mass_damping_per_s = 0;
 
-  bool is_motion() const { return motion.goal == MotionParams::Goal::motion; }
+  bool is_motion() const { return !motion.minimise; }
   /// Steps beyond this are taken for a mistake.
-  static constexpr double kMostSteps = 1e6;
+  static constexpr int kMostSteps = 1000000;
   /// Steps of a motion, which share its time: none longer than motion.step_s.
   int motion_steps() const;
 };
@@ -43,7 +44,12 @@ SpringRecord move_by_springs(const SpringStep& step, const HeldBody& held,
                              const std::vector<Handle>& handles,
                              const std::vector<SlotSet>& gripped, Progress* progress);
 
-/// As a journal records it: JSON.
+/// Of `springs = { … }` in a scene, but for its shapes in contact.
+Fields fields(SpringStep& step);
+/// The fields without effect: those of a motion in a minimisation, and the other way round.
+std::vector<std::string> idle_fields(const SpringStep& step);
+
+/// As a journal records it: JSON, without what has no effect.
 std::string settings_json(const SpringStep& step);
 
 }  // namespace supple

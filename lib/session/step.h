@@ -26,8 +26,6 @@ struct Drag {
 /// box: each component of a link is limited on its own (eqs. 4.3-4.5); ball: its length (eq. 4.6);
 /// tighten: box, and then tighten(), after the step's relaxation if it has one.
 enum class Limits { box, ball, tighten };
-/// "box", "ball" or "tighten"; none for another name.
-std::optional<Limits> limits_of_name(const std::string& name);
 
 struct StepRequest {
   std::vector<Drag> drags;

@@ -1,5 +1,7 @@
 #include "lib/springs/integrators.h"
 
+#include <algorithm>
+
 #include "lib/springs/implicit_euler.h"
 #include "lib/springs/projective.h"
 #include "lib/springs/symplectic_euler.h"
@@ -7,39 +9,20 @@
 
 namespace supple {
 
-namespace {
-
-constexpr SpringMethod kMethods[] = {SpringMethod::symplectic, SpringMethod::implicit,
-                                     SpringMethod::xpbd, SpringMethod::projective};
-
-}  // namespace
+const std::vector<std::string>& spring_method_names() {
+  static const std::vector<std::string> names = {"symplectic", "implicit", "xpbd", "projective"};
+  return names;
+}
 
 const char* name_of(SpringMethod method) {
-  switch (method) {
-    case SpringMethod::symplectic:
-      return "symplectic";
-    case SpringMethod::implicit:
-      return "implicit";
-    case SpringMethod::xpbd:
-      return "xpbd";
-    default:
-      return "projective";
-  }
+  return spring_method_names()[std::size_t(method)].c_str();
 }
 
 std::optional<SpringMethod> spring_method(const std::string& name) {
-  for (const SpringMethod method : kMethods) {
-    if (name == name_of(method)) return method;
-  }
-  return std::nullopt;
-}
-
-std::string spring_method_names() {
-  std::string names;
-  for (const SpringMethod method : kMethods) {
-    names += (names.empty() ? "" : ", ") + std::string(name_of(method));
-  }
-  return names;
+  const std::vector<std::string>& names = spring_method_names();
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found == names.end()) return std::nullopt;
+  return SpringMethod(found - names.begin());
 }
 
 std::unique_ptr<SpringIntegrator> make_integrator(SpringMethod method, SpringSystem& system) {

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "lib/springs/integrator.h"
 
@@ -14,8 +15,8 @@ enum class SpringMethod { symplectic, implicit, xpbd, projective };
 const char* name_of(SpringMethod method);
 /// None for an unknown name.
 std::optional<SpringMethod> spring_method(const std::string& name);
-/// For messages: all names, comma-separated.
-std::string spring_method_names();
+/// In the order of the enumerators.
+const std::vector<std::string>& spring_method_names();
 
 /// With the default parameters of its class. Throws InputError as validate(system).
 std::unique_ptr<SpringIntegrator> make_integrator(SpringMethod method, SpringSystem& system);

@@ -33,7 +33,7 @@ def readers():
     yield RENDER + ["--offsets", "x.nrrd"], "x.nrrd"
     yield RENDER + ["--preset", "x.toml"], "x.toml"
     yield RENDER + ["--camera", "x.toml"], "x.toml"
-    yield RENDER + ["--offset", "x.toml"], "x.toml"
+    yield RENDER + ["--path", "x.toml"], "x.toml"
     yield ["run", "x.toml"], "x.toml"
     yield ["slice", "x.nii", "-o", "out.png"], "x.nii"
     yield ["invert", "x.h5", "-o", "out.nrrd"], "x.h5"

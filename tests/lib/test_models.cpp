@@ -49,7 +49,7 @@ MotionParams motion(SpringMethod method, double step_s) {
 
 MotionParams minimum() {
   MotionParams params;
-  params.goal = MotionParams::Goal::minimum;
+  params.minimise = true;
   return params;
 }
 

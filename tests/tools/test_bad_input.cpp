@@ -202,7 +202,7 @@ TEST_F(FaultBadInput, NumbersOutOfRangeAreRefused) {
   for (const char* step : {"0", "-1", "1e-9", "nan", "inf"}) {
     expect_refused(m_folder, {"render", state, "--step", step, "-o", image}, 3, {"step", "0.01"});
   }
-  expect_refused(m_folder, {"render", state, "--size", "0,5", "-o", image}, 3, {"width"});
+  expect_refused(m_folder, {"render", state, "--size", "0,5", "-o", image}, 3, {"--size"});
   for (const char* margin : {"nan", "-3", "1e300"}) {
     expect_refused(m_folder, {"export", state, "--margin", margin, "-o", m_folder / "x.nrrd"}, 3,
                    {"--margin"});

@@ -122,7 +122,7 @@ TEST_F(UnitCutting, UnusableCutsAreRefusedWithTheirPlace) {
   expect_refused("{ }", {"scene.toml:6", "either mesh, plane or label"});
   expect_refused("{ label = 3 }", {"scene.toml:6", "label"});
   expect_refused("{ " + plane + "[2, 0, 0] } }", {"scene.toml:6", "edge2", "span no area"});
-  expect_refused("{ " + plane + "[0, 1, 0], frame = \"ras\" } }", {"frame", "\"voxel\""});
+  expect_refused("{ " + plane + "[0, 1, 0], frame = \"ras\" } }", {"frame", "lps or voxel"});
   expect_refused("{ " + plane + "[0, 1e9, 0] } }", {"scene.toml:6", "cut surface", "131071"});
   expect_refused("{ " + plane + "[0, 1, 0], egde3 = 1 } }", {"egde3"});
   const Outcome outcome =

@@ -46,7 +46,7 @@ using FaultRelaxVolume = RelaxVolume;
 }  // namespace
 
 TEST_F(UnitRelaxVolume, DeformReportsTheVolumeAndTheStateRemembersTheModulus) {
-  const Outcome outcome = deform({"--relax", "30", "--relax-volume", "100"});
+  const Outcome outcome = deform({"--relax", "30", "--bulk-modulus", "100"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const auto relax = nlohmann::json::parse(outcome.out)["relax"];
   EXPECT_EQ(relax["bulk_modulus_kpa"], 100);
@@ -59,9 +59,9 @@ TEST_F(UnitRelaxVolume, DeformReportsTheVolumeAndTheStateRemembersTheModulus) {
 }
 
 TEST_F(UnitRelaxVolume, ASceneAndDeformAgree) {
-  ASSERT_EQ(deform({"--relax", "30", "--relax-volume", "100"}).exit_code, 0);
+  ASSERT_EQ(deform({"--relax", "30", "--bulk-modulus", "100"}).exit_code, 0);
   const auto by_deform = read_state(m_folder / "out.vdb").q;
-  const Outcome outcome = scene("{ passes = 30, volume = 100 }");
+  const Outcome outcome = scene("{ passes = 30, bulk_modulus = 100 }");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(read_state(m_folder / "out.vdb").q, by_deform);
 }
@@ -74,19 +74,36 @@ TEST_F(UnitRelaxVolume, WithoutItNeitherTheReportNorTheStateMentionsIt) {
             std::string::npos);
 }
 
+TEST_F(UnitRelaxVolume, FormerNamesAreReadWithAWarning) {
+  const Outcome option = deform({"--relax", "3", "--relax-volume", "100"});
+  EXPECT_EQ(option.exit_code, 0) << option.err;
+  EXPECT_NE(option.err.find("--relax-volume: this option is called --bulk-modulus now"),
+            std::string::npos)
+      << option.err;
+  const Outcome key = scene("{ passes = 3, volume = 100 }");
+  EXPECT_EQ(key.exit_code, 0) << key.err;
+  EXPECT_NE(key.err.find("step[1].relax.volume: found its former name, expected "
+                         "step[1].relax.bulk_modulus"),
+            std::string::npos)
+      << key.err;
+  EXPECT_EQ(scene("{ volume = 1, bulk_modulus = 1 }").exit_code, 3);
+}
+
 TEST_F(FaultRelaxVolume, BadModuliAndMethodsAreRefused) {
-  EXPECT_EQ(deform({"--relax-volume", "100"}).exit_code, 2);
-  EXPECT_EQ(deform({"--relax", "3", "--relax-volume", "-1"}).exit_code, 2);
+  const Outcome below = deform({"--relax", "3", "--bulk-modulus", "-1"});
+  EXPECT_EQ(below.exit_code, 3);
+  EXPECT_NE(below.err.find("--bulk-modulus: found -1, expected 0 to"), std::string::npos)
+      << below.err;
   const Outcome jacobi =
-      deform({"--relax", "3", "--relax-volume", "100", "--relax-method", "jacobi"});
-  EXPECT_EQ(jacobi.exit_code, 2);
-  EXPECT_NE(jacobi.err.find("--relax-volume: found --relax-method jacobi"), std::string::npos)
+      deform({"--relax", "3", "--bulk-modulus", "100", "--relax-method", "jacobi"});
+  EXPECT_EQ(jacobi.exit_code, 3);
+  EXPECT_NE(jacobi.err.find("--bulk-modulus: found method \"jacobi\""), std::string::npos)
       << jacobi.err;
-  const Outcome negative = scene("{ volume = -1 }");
+  const Outcome negative = scene("{ bulk_modulus = -1 }");
   EXPECT_EQ(negative.exit_code, 3);
-  EXPECT_NE(negative.err.find("relax.volume: found -1, expected 0 to"), std::string::npos)
+  EXPECT_NE(negative.err.find("relax.bulk_modulus: found -1, expected 0 to"), std::string::npos)
       << negative.err;
-  const Outcome plain = scene("{ volume = 1, method = \"plain\" }");
+  const Outcome plain = scene("{ bulk_modulus = 1, method = \"plain\" }");
   EXPECT_EQ(plain.exit_code, 3);
-  EXPECT_NE(plain.err.find("relax.volume: found method \"plain\""), std::string::npos) << plain.err;
+  EXPECT_NE(plain.err.find("relax.bulk_modulus: found method \"plain\""), std::string::npos) << plain.err;
 }

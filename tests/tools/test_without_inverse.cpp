@@ -134,16 +134,16 @@ TEST_F(FaultWithoutInverse, HalfOfTheOffsetsNeedOffsets) {
 }
 
 TEST_F(FaultWithoutInverse, WhatNeedsAnInverseIsRefusedInOneLine) {
-  write_text(m_folder / "twist.toml", "[offset]\nfunction = \"twist\"\nangle = 20\n");
-  EXPECT_EQ(render("a.png", {"--no-inverse", "--offset", m_folder / "twist.toml"}).exit_code, 2);
+  write_text(m_folder / "twist.toml", "[path]\nfunction = \"twist\"\nangle = 20\n");
+  EXPECT_EQ(render("a.png", {"--no-inverse", "--path", m_folder / "twist.toml"}).exit_code, 2);
   EXPECT_EQ(render("a.png", {"--no-inverse", "--undeformed"}).exit_code, 2);
   EXPECT_EQ(render("a.png", {"--no-inverse", "--offsets", m_folder / "no.mha"}).exit_code, 2);
   expect_refused(render("a.png", {"--no-inverse"}, "small-head.nhdr"), 2,
                  "--no-inverse: found a volume, expected a state file");
   const std::string key = "[[view]]\nimage = \"a.png\"\ninverse = false\n";
-  expect_refused(view(key + "offset = { function = \"twist\", angle = 20 }\n"), 3,
+  expect_refused(view(key + "path = { function = \"twist\", angle = 20 }\n"), 3,
                  "view.toml:3: inverse: found sampling paths");
-  expect_refused(view(key + "[offset]\nfunction = \"twist\"\nangle = 20\n"), 3,
+  expect_refused(view(key + "[path]\nfunction = \"twist\"\nangle = 20\n"), 3,
                  "view.toml:3: inverse: found sampling paths");
   expect_refused(view(key + "slice = {}\n"), 3, "inverse beside slice");
   EXPECT_FALSE(std::filesystem::exists(m_folder / "a.png"));
@@ -166,7 +166,7 @@ TEST_F(FaultWithoutInverse, AnOpenCutIsRefusedAndAClosedOneIsNot) {
   ASSERT_EQ(opening.exit_code, 0) << opening.err;
   const Outcome closed = render("a.png", {"--no-inverse"}, "closed.vdb");
   EXPECT_EQ(closed.exit_code, 0) << closed.err;
-  expect_refused(render("b.png", {"--no-inverse"}, "open.vdb"), 2,
+  expect_refused(render("b.png", {"--no-inverse"}, "open.vdb"), 3,
                  "--no-inverse: found cuts that have opened, expected a body without");
   const Outcome scene = run("no.vdb", aside + "[[view]]\nimage = \"b.png\"\ninverse = false\n");
   EXPECT_EQ(scene.exit_code, 3);

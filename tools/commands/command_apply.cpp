@@ -6,7 +6,7 @@
 #include "tools/commands/apply_labels.h"
 #include "tools/commands/moved_places.h"
 #include "tools/console/command.h"
-#include "tools/console/read_options.h"
+#include "tools/console/field_options.h"
 #include "tools/outputs/output_plan.h"
 #include "volumes/io/mesh/mesh_file.h"
 #include "volumes/io/open_volume.h"
@@ -134,7 +134,6 @@ void check_options(const ApplyOptions& options) {
         "--grid, --margin, --raw, --frame, --channel, --spacing: found without --labels, expected "
         "a label volume");
   }
-  require_within("--margin", options.labels.grid.margin_mm, 0, 1e6);
 }
 
 int run_apply(const ApplyOptions& options, const GlobalOptions& global, Console& console) {
@@ -181,8 +180,8 @@ Command add_apply(CLI::App& program) {
                   "A label volume; takes the nearest label, 0 where no material is")
       ->option_text("FILE");
   app->add_flag("--back", options->back, "From the deformed place back to rest");
-  add_grid_options(*app, options->labels.grid.file, options->labels.grid.margin_mm);
-  add_read_options(*app, options->labels.read);
+  add_field_options(*app, fields(options->labels.grid));
+  add_field_options(*app, fields(options->labels.read));
   return {app, [options](const GlobalOptions& global, Console& console) {
             return run_apply(*options, global, console);
           }};

@@ -1,6 +1,6 @@
 // supple convert: a volume or warp in another format, values and geometry as they are.
 #include "tools/console/command.h"
-#include "tools/console/read_options.h"
+#include "tools/console/field_options.h"
 #include "tools/outputs/output_plan.h"
 #include "volumes/io/format/formats.h"
 #include "volumes/io/load/convert.h"
@@ -57,9 +57,9 @@ Command add_convert(CLI::App& program) {
   app->add_option("output", options->output, "File to write; its extension chooses the format")
       ->required()
       ->option_text("OUT");
-  add_read_options(*app, options->read);
-  add_write_options(*app, options->write);
-  add_warp_options(*app, options->write);
+  add_field_options(*app, fields(options->read));
+  add_field_options(*app, fields(options->write));
+  add_field_options(*app, vector_fields(options->write));
   return {app, [options](const GlobalOptions& global, Console& console) {
             return run_convert(*options, global, console);
           }};

@@ -3,114 +3,120 @@
 
 #include <nlohmann/json.hpp>
 
-#include "lib/material/material_file.h"
 #include "tools/console/command.h"
+#include "tools/console/field_options.h"
 #include "tools/console/parse.h"
-#include "tools/console/read_options.h"
-#include "tools/outputs/output_plan.h"
-#include "tools/outputs/outputs.h"
-#include "tools/scene/run_step.h"
+#include "tools/outputs/scene_run.h"
+#include "volumes/io/open_volume.h"
+#include "volumes/io/point_file.h"
 
 namespace supple::tools {
 
 namespace {
 
 struct DeformOptions {
+  explicit DeformOptions(CLI::App& app) : scene(app) {}
+
+  SceneOptions scene;
   std::string input, material, labels, output;
-  ReadOptions read;
-  std::vector<std::string> grabs, bys, fixes, cuts;
-  bool push = false, release = false;
-  std::string limits = "box";
-  std::optional<int> relax;
-  std::optional<std::string> relax_method;
-  std::optional<double> relax_tolerance;
-  std::optional<double> relax_volume;
+  std::vector<std::string> grabs, bys, fixes, cuts, contacts;
+  bool push = false;
 };
 
+std::string toml_box(const std::string& option, const std::string& text) {
+  const IndexBox box = parse_box(option, text);
+  return "[" + to_text(box.lo) + "," + to_text(box.hi) + "]";
+}
+
 /// Every --grab takes the next --by, except files whose points have displacements of their own.
-std::vector<GivenHandle> parse_handles(const DeformOptions& options) {
-  std::vector<GivenHandle> handles;
+std::string handle_tables(const DeformOptions& options) {
+  std::string tables;
   std::size_t bys = 0;
   for (const std::string& text : options.grabs) {
-    GivenHandle handle;
-    handle.push = options.push;
-    handle.label = parse_label("--grab", text);
-    if (is_point_file_name(text)) {
-      handle.points = read_point_file(text);
-    } else if (!handle.label) {
-      handle.box = parse_box("--grab", text);
+    bool takes_by = true;
+    if (const auto label = parse_label("--grab", text)) {
+      tables += "{ grab_label = " + std::to_string(*label);
+    } else if (is_point_file_name(text)) {
+      takes_by = !read_point_file(text).has_displacements;
+      tables += "{ points = " + toml_string(text);
+    } else {
+      tables += "{ grab_box = " + toml_box("--grab", text);
     }
-    if (!handle.points || !handle.points->has_displacements) {
-      if (bys < options.bys.size()) handle.by_mm = parse_vector("--by", options.bys[bys]);
-      ++bys;
+    if (takes_by && bys < options.bys.size()) {
+      tables += ", by = " + toml_numbers("--by", options.bys[bys]);
     }
-    handles.push_back(std::move(handle));
+    bys += takes_by;
+    tables += options.push ? ", push = true }, " : " }, ";
   }
   if (bys != options.bys.size()) {
     throw UsageError(to_line({"", "--by", std::to_string(options.bys.size()) + " of them",
                               "one for each of " + std::to_string(bys) +
                                   " --grab, in order; files with dx,dy,dz take none"}));
   }
-  if (options.push && handles.empty()) {
+  if (options.push && options.grabs.empty()) {
     throw UsageError(to_line({"", "--push", "no --grab", "a handle that pushes"}));
   }
-  return handles;
+  return "[" + tables + "]";
 }
 
-std::vector<CutSurface> parse_cuts(const DeformOptions& options) {
-  std::vector<CutSurface> cuts;
-  for (const std::string& text : options.cuts) {
-    const auto label = parse_label("--cut", text);
-    cuts.push_back(label ? label_cut(*label, "--cut") : mesh_cut(text));
-  }
-  return cuts;
-}
-
-std::optional<RelaxParams> parse_relax(const DeformOptions& options) {
-  if (!options.relax) {
-    const char* alone = options.relax_method      ? "--relax-method"
-                        : options.relax_tolerance ? "--relax-tolerance"
-                        : options.relax_volume    ? "--relax-volume"
-                                                  : nullptr;
-    if (alone == nullptr) return std::nullopt;
-    throw UsageError(to_line({"", alone, "no --relax", "--relax with the most passes"}));
-  }
-  RelaxParams params;
-  params.passes = *options.relax;
-  if (options.relax_method) params.method = *relax_method(*options.relax_method);
-  if (options.relax_tolerance) params.tolerance_voxels = *options.relax_tolerance;
-  if (options.relax_volume) params.bulk_modulus_kpa = *options.relax_volume;
-  if (params.bulk_modulus_kpa > 0 && !conserves_volume(params.method)) {
-    throw UsageError(
-        to_line({"", "--relax-volume", std::string("--relax-method ") + name_of(params.method),
-                 "red-black or accelerated"}));
-  }
-  return params;
-}
-
-/// The options as the one step of a scene.
-SceneStep parse_step(const DeformOptions& options) {
-  SceneStep step;
-  step.handles = parse_handles(options);
+void set_anchors(DeformOptions& options) {
+  std::string boxes, labels, files;
   for (const std::string& text : options.fixes) {
     if (const auto label = parse_label("--fix", text)) {
-      step.fix_labels.push_back(*label);
+      labels += std::to_string(*label) + ", ";
     } else if (is_point_file_name(text)) {
-      step.fix_points.push_back(read_point_file(text));
+      files += toml_string(text) + ", ";
     } else {
-      step.fix.push_back(parse_box("--fix", text));
+      boxes += toml_box("--fix", text) + ", ";
     }
   }
-  step.cuts = parse_cuts(options);
-  step.release = options.release;
-  step.limits = *limits_of_name(options.limits);
-  step.relax = parse_relax(options);
-  if (step.does_nothing()) {
-    throw UsageError(
-        "deform: found neither --grab nor --fix nor --cut nor --release nor --relax nor --limits "
-        "tighten, expected something to do");
+  for (const auto& [key, list] :
+       {std::pair{"fix", boxes}, std::pair{"fix_label", labels}, std::pair{"fix_points", files}}) {
+    if (!list.empty()) options.scene.set("step", key, "[" + list + "]", "--fix");
   }
-  return step;
+}
+
+/// "MESH", "label:N", or the table as in a scene.
+std::string cut_table(const std::string& text) {
+  if (text.front() == '{') return text;
+  if (const auto label = parse_label("--cut", text)) {
+    return "{ label = " + std::to_string(*label) + " }";
+  }
+  return "{ mesh = " + toml_string(text) + " }";
+}
+
+std::string cut_tables(const std::vector<std::string>& cuts) {
+  std::string tables;
+  for (const std::string& text : cuts) tables += cut_table(text) + ", ";
+  return "[" + tables + "]";
+}
+
+/// The options as a scene of one step.
+Scene to_scene(DeformOptions& options) {
+  SceneOptions& given = options.scene;
+  given.set("volume", "path", toml_string(options.input), "input");
+  if (!options.labels.empty()) {
+    given.set("labels", "path", toml_string(options.labels), "--labels");
+  }
+  if (!options.material.empty()) {
+    given.set("material", "table", toml_string(options.material), "--material");
+  }
+  const std::string handles = handle_tables(options);
+  if (!options.grabs.empty()) given.set("step", "handles", handles, "--grab");
+  set_anchors(options);
+  if (!options.cuts.empty()) given.set("step", "cut", cut_tables(options.cuts), "--cut");
+  if (!options.contacts.empty()) {
+    std::string tables;
+    for (const std::string& text : options.contacts) tables += text + ", ";
+    given.set("step.springs", "contact", "[" + tables + "]", "--contact");
+  }
+  given.set("output", "state", toml_string(options.output), "--output");
+  if (!given.has("step") && !given.has("step.relax") && !given.has("step.springs")) {
+    throw UsageError(
+        "deform: found neither --grab nor --fix nor --cut nor --release nor --relax nor --model "
+        "nor --limits tighten, expected something to do");
+  }
+  return read_scene(given.scene());
 }
 
 void print_solve(const StepRecord& record) {
@@ -152,18 +158,30 @@ void print_tightening(const TightenReport& report) {
               report.worst_excess_voxels, report.iterations, report.settled ? ", settled" : "");
 }
 
-void print_deform(const Session& session, const DeformOptions& options,
+void print_springs(const SpringRecord& record) {
+  std::printf("springs         %d steps of %zu springs, energy %.6g to %.6g J\n", record.steps,
+              record.springs, record.before.total_j(), record.after.total_j());
+  std::printf("links violated  %lld of %lld, by at most %.3g voxels\n",
+              static_cast<long long>(record.links.violated),
+              static_cast<long long>(record.links.links), record.links.worst_excess_voxels);
+}
+
+void print_deform(const Session& session, const SceneStep& step, const std::string& output,
                   const InversionCertificate& certificate) {
+  const StepRecord& record = session.records().back();
   std::printf("elements        %lld\n",
               static_cast<long long>(session.body().elements.active_count()));
-  if (!options.cuts.empty()) {
-    std::printf("cut links       %lld\n",
-                static_cast<long long>(session.records().back().cut_links));
+  if (!step.cuts.empty()) {
+    std::printf("cut links       %lld\n", static_cast<long long>(record.cut_links));
   }
-  if (!options.grabs.empty()) print_solve(session.records().back());
-  if (options.relax) print_relaxation(session.records().back());
-  if (session.records().back().tightened) print_tightening(*session.records().back().tightened);
-  print_reactions(session.records().back().reactions);
+  if (record.springs) {
+    print_springs(record.sprung);
+  } else if (!step.handles.empty()) {
+    print_solve(record);
+  }
+  if (record.relax) print_relaxation(record);
+  if (record.tightened) print_tightening(*record.tightened);
+  print_reactions(record.reactions);
   std::printf("folded cells    %lld of material%s, %lld in the air around it\n",
               static_cast<long long>(certificate.folded_cells - certificate.folded_air_cells),
               session.links().fold_free ? " (its limits exclude folds)" : "",
@@ -171,43 +189,29 @@ void print_deform(const Session& session, const DeformOptions& options,
   std::printf("inversion       residual max %.2g, p99.9 %.2g voxels, unresolved %lld\n",
               certificate.residual_max, certificate.residual_p999,
               static_cast<long long>(certificate.unresolved_voxels));
-  std::printf("state           %s\n", options.output.c_str());
+  std::printf("state           %s\n", output.c_str());
 }
 
-void print_json(const Session& session, const DeformOptions& options,
+void print_json(const Session& session, const std::string& output,
                 const InversionCertificate& certificate) {
   nlohmann::ordered_json json = to_json(session.records().back());
   json["elements"] = session.body().elements.active_count();
   json["fold_free_material"] = session.links().fold_free;
   json["folded"] = certificate.folded_cells - certificate.folded_air_cells;
   json["certificate"] = to_json(certificate);
-  json["state"] = options.output;
+  json["state"] = output;
   std::printf("%s\n", json.dump(2).c_str());
 }
 
-int run_deform(const DeformOptions& options, const GlobalOptions& global, Console& console) {
-  const SceneStep step = parse_step(options);
-  OutputPlan plan(global);
-  if (!is_state_file(options.input)) plan.protect(options.input);
-  plan.add_state(options.output);
-  if (!options.labels.empty()) plan.protect(options.labels);
-  for (const CutSurface& cut : step.cuts) {
-    if (cut.mesh) plan.protect(cut.place);
-  }
-  SessionOptions settings;
-  settings.read = options.read;
-  settings.labels_path = options.labels;
-  if (!options.material.empty()) settings.material = read_material(options.material);
-
-  Session session(options.input, settings, &console);
-  run_step(session, step, true, &console);
-  session.write_state(options.output, &console);
-
-  const InversionCertificate& certificate = session.pose().offsets.certificate;
+int run_deform(DeformOptions& options, const GlobalOptions& global, Console& console) {
+  const Scene scene = to_scene(options);
+  check_scene(scene, "", global);
+  SceneRun run(scene, "", true, console);
+  run.run();
   if (global.json) {
-    print_json(session, options, certificate);
+    print_json(*run.session(), scene.output.state, *run.certificate());
   } else if (!global.quiet) {
-    print_deform(session, options, certificate);
+    print_deform(*run.session(), scene.steps.front(), scene.output.state, *run.certificate());
   }
   return kOk;
 }
@@ -215,7 +219,6 @@ int run_deform(const DeformOptions& options, const GlobalOptions& global, Consol
 }  // namespace
 
 Command add_deform(CLI::App& program) {
-  auto options = std::make_shared<DeformOptions>();
   CLI::App* app = add_subcommand(
       program, "deform", "Drag parts of a volume or state; the body follows (Enhanced ChainMail)",
       "  supple deform head.nhdr --material ct.toml --grab 128,211,12 --by 0,12,0 -o drag.vdb\n"
@@ -223,10 +226,18 @@ Command add_deform(CLI::App& program) {
       "-o more.vdb\n"
       "  supple deform head.nhdr --grab 90,200,8:160,210,14 --by 0,-8,0 --push --fix pins.csv "
       "-o push.vdb");
+  auto options = std::make_shared<DeformOptions>(*app);
   app->add_option("input", options->input, "A volume file, or a state to continue")
       ->required()
       ->option_text("VOLUME|STATE.vdb");
-  add_read_options(*app, options->read);
+  ReadOptions read;
+  StepSettings settings;
+  RelaxParams relax;
+  SpringStep springs;
+  SceneOptions& scene = options->scene;
+  scene.add("volume", fields(read));
+  scene.add("labels", {});
+  scene.add("material", {});
   app->add_option("--material", options->material, "Look-up table from density to link limits")
       ->option_text("M.toml");
   app->add_option("--labels", options->labels,
@@ -246,36 +257,22 @@ Command add_deform(CLI::App& program) {
   app->add_option("--fix", options->fixes, "Voxel, box, label or points that stay where they are")
       ->allow_extra_args(false)
       ->option_text("I,J,K[:I,J,K]|FILE.csv|label:N");
-  app->add_flag("--release", options->release, "Let go of what the state has fixed");
   app->add_option("--cut", options->cuts,
-                  "Cut the body at rest along a surface in LPS mm (.stl, .ply, .obj) or around a "
-                  "label; repeatable")
+                  "Cut the body at rest along a surface in LPS mm (.stl, .ply, .obj), around a label, "
+                  "or as a table of a scene says, such as {plane = {…}}; repeatable")
       ->allow_extra_args(false)
-      ->option_text("MESH|label:N");
+      ->option_text("MESH|label:N|TABLE");
   app->add_flag("--push", options->push,
                 "Handles only push: in every axis they move tissue ahead of them, not back");
-  app->add_option("--limits", options->limits,
-                  "box: each component of a link (default); ball: its length, order-dependent; "
-                  "tighten: box, and narrower across stretched links")
-      ->check(CLI::IsMember({"box", "ball", "tighten"}))
-      ->option_text("box|ball|tighten");
-  app->add_option("--relax", options->relax,
-                  "Then relax the body elastically, by at most so many passes")
-      ->check(CLI::Range(1, kMaxPasses))
-      ->option_text("N");
-  app->add_option("--relax-method", options->relax_method,
-                  "plain (the thesis' pass, breaks limits), jacobi, red-black or accelerated "
-                  "(default)")
-      ->check(CLI::IsMember({"plain", "jacobi", "red-black", "accelerated"}))
-      ->option_text("NAME");
-  app->add_option("--relax-tolerance", options->relax_tolerance,
-                  "End when a pass moves nothing further than this, in voxels")
-      ->check(CLI::Range(0.0, 16383.0))
-      ->option_text("T");
-  app->add_option("--relax-volume", options->relax_volume,
-                  "Bulk modulus in kPa with which relaxed tissue keeps its volume (0: it does not)")
-      ->check(CLI::Range(0.0, kMaxBulkModulusKpa))
-      ->option_text("KPA");
+  scene.add("step", fields(settings));
+  scene.add("step.relax", fields(relax), "relax-");
+  scene.add("step.springs", fields(springs), "springs-");
+  scene.add("output", {});
+  app->add_option("--contact", options->contacts,
+                  "A shape that springs meet, as a table of a scene says, such as "
+                  "{sphere = {centre = [0, 0, 0], radius = 5}, by = [0, 0, 4]}; repeatable")
+      ->allow_extra_args(false)
+      ->option_text("TABLE");
   app->add_option("-o,--output", options->output, "State file to write")
       ->required()
       ->option_text("STATE.vdb");

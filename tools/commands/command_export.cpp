@@ -1,6 +1,6 @@
 // supple export: the deformation of a state as a warp file that other programs read.
 #include "tools/console/command.h"
-#include "tools/console/read_options.h"
+#include "tools/console/field_options.h"
 #include "tools/outputs/output_plan.h"
 #include "tools/scene/offset_functions.h"
 #include "volumes/state/state_outputs.h"
@@ -10,7 +10,7 @@ namespace supple::tools {
 namespace {
 
 struct ExportOptions {
-  std::string input, output, offset;
+  std::string input, output, path;
   std::string direction = "resample";
   std::string void_mode = "nearest";
   GridChoice grid;
@@ -19,7 +19,6 @@ struct ExportOptions {
 
 int run_export(const ExportOptions& options, const GlobalOptions& global, Console& console) {
   OutputPlan(global).add_dense(options.output);
-  require_within("--margin", options.grid.margin_mm, 0, 1e6);
   const bool material = options.direction == "material";
   const bool has_grid = !options.grid.file.empty() || options.grid.margin_mm != 0;
   if (material && (has_grid || options.void_mode != "nearest")) {
@@ -27,7 +26,7 @@ int run_export(const ExportOptions& options, const GlobalOptions& global, Consol
         "--grid, --margin and --void: found with --direction material, expected "
         "--direction resample (a material field lives on the source grid)");
   }
-  const auto functions = read_offset_file(options.offset);
+  const auto functions = read_path_file(options.path, console);
   const State state = read_state(options.input, &console);
   const Pose deformed = invert_and_send_along(state, functions, console);
   const Geometry grid = choose_grid(state.geometry, options.grid);
@@ -62,10 +61,10 @@ Command add_export(CLI::App& program) {
                   "Where no material is: nearest void, outside the source, or extend")
       ->check(CLI::IsMember({"nearest", "outside", "extend"}))
       ->option_text("nearest|outside|extend");
-  add_offset_option(*app, options->offset);
-  add_write_options(*app, options->write);
-  add_warp_options(*app, options->write);
-  add_grid_options(*app, options->grid.file, options->grid.margin_mm);
+  add_field_options(*app, {path_file_field(options->path)});
+  add_field_options(*app, fields(options->write));
+  add_field_options(*app, vector_fields(options->write));
+  add_field_options(*app, fields(options->grid));
   return {app, [options](const GlobalOptions& global, Console& console) {
             return run_export(*options, global, console);
           }};

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/console/command.h"
-#include "tools/console/read_options.h"
+#include "tools/console/field_options.h"
 #include "volumes/base/sha256.h"
 #include "volumes/grid/labels.h"
 #include "volumes/io/bytes/value_type.h"
@@ -199,7 +199,7 @@ Command add_info(CLI::App& program) {
   app->add_option("file", options->input, "A volume, a folder of slices, a warp or a state")
       ->required()
       ->option_text("FILE");
-  add_read_options(*app, options->read);
+  add_field_options(*app, fields(options->read));
   return {app, [options](const GlobalOptions& global, Console& console) {
             return run_info(*options, global, console);
           }};

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/console/command.h"
-#include "tools/console/read_options.h"
+#include "tools/console/field_options.h"
 #include "tools/outputs/output_plan.h"
 #include "tools/outputs/outputs.h"
 #include "volumes/field/dense/invert_warp.h"
@@ -52,7 +52,6 @@ int run_invert(const InvertOptions& options, const GlobalOptions& global, Consol
   OutputPlan plan(global);
   plan.protect(options.input);
   plan.add_dense(options.output);
-  require_within("--margin", options.grid.margin_mm, 0, 1e6);
   OffsetField inverse;
   WarpDirection direction = WarpDirection::resample;
   {
@@ -105,9 +104,9 @@ Command add_invert(CLI::App& program) {
                   "Where the inverse is not defined: extend (default), outside, or nearest (0)")
       ->check(CLI::IsMember({"nearest", "outside", "extend"}))
       ->option_text("extend|outside|nearest");
-  add_write_options(*app, options->write);
-  add_warp_options(*app, options->write);
-  add_grid_options(*app, options->grid.file, options->grid.margin_mm);
+  add_field_options(*app, fields(options->write));
+  add_field_options(*app, vector_fields(options->write));
+  add_field_options(*app, fields(options->grid));
   return {app, [options](const GlobalOptions& global, Console& console) {
             return run_invert(*options, global, console);
           }};

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/console/command.h"
-#include "tools/console/read_options.h"
+#include "tools/console/field_options.h"
 #include "tools/outputs/output_plan.h"
 #include "volumes/field/inversion/deformation_metrics.h"
 #include "volumes/io/load/label_file.h"

@@ -1,6 +1,6 @@
 // supple resample: the deformed volume on a grid, for those who do want it resampled.
 #include "tools/console/command.h"
-#include "tools/console/read_options.h"
+#include "tools/console/field_options.h"
 #include "tools/outputs/output_plan.h"
 #include "tools/scene/offset_functions.h"
 #include "volumes/state/state_outputs.h"
@@ -10,15 +10,14 @@ namespace supple::tools {
 namespace {
 
 struct ResampleOptions {
-  std::string input, output, offset;
+  std::string input, output, path;
   GridChoice grid;
   WriteOptions write;
 };
 
 int run_resample(const ResampleOptions& options, const GlobalOptions& global, Console& console) {
   OutputPlan(global).add_dense(options.output);
-  require_within("--margin", options.grid.margin_mm, 0, 1e6);
-  const auto functions = read_offset_file(options.offset);
+  const auto functions = read_path_file(options.path, console);
   const State state = read_state(options.input, &console);
   const Pose deformed = invert_and_send_along(state, functions, console);
   const Geometry grid = choose_grid(state.geometry, options.grid);
@@ -43,9 +42,9 @@ Command add_resample(CLI::App& program) {
                   "Volume to write; its extension chooses the format")
       ->required()
       ->option_text("VOLUME");
-  add_offset_option(*app, options->offset);
-  add_write_options(*app, options->write);
-  add_grid_options(*app, options->grid.file, options->grid.margin_mm);
+  add_field_options(*app, {path_file_field(options->path)});
+  add_field_options(*app, fields(options->write));
+  add_field_options(*app, fields(options->grid));
   return {app, [options](const GlobalOptions& global, Console& console) {
             return run_resample(*options, global, console);
           }};

@@ -48,12 +48,6 @@ Command add_bench(CLI::App& program);
 CLI::App* add_subcommand(CLI::App& program, const std::string& name, const std::string& description,
                          const std::string& examples);
 
-/// --grid FILE and --margin MM of dense outputs.
-void add_grid_options(CLI::App& app, std::string& file, double& margin_mm);
-
-/// --offset FILE.toml, the functions along which a body is seen.
-void add_offset_option(CLI::App& app, std::string& file);
-
 /// Throws InputError for NaN, infinity and numbers outside [lo, hi]; `option` names it.
 void require_within(const std::string& option, double value, double lo, double hi);
 

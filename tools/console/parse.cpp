@@ -13,14 +13,6 @@ namespace supple::tools {
 
 namespace {
 
-std::vector<std::string> split(const std::string& text, char separator) {
-  std::vector<std::string> parts;
-  std::istringstream stream(text);
-  for (std::string part; std::getline(stream, part, separator);) parts.push_back(part);
-  if (!text.empty() && text.back() == separator) parts.emplace_back();
-  return parts;
-}
-
 [[noreturn]] void throw_unparsed(const std::string& option, const std::string& text,
                                  const std::string& expected) {
   throw UsageError(to_line({"", option, "'" + text + "'", expected}));
@@ -46,6 +38,14 @@ bool read_voxel(const std::string& text, Vec3i& voxel) {
 }
 
 }  // namespace
+
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::vector<std::string> parts;
+  std::istringstream stream(text);
+  for (std::string part; std::getline(stream, part, separator);) parts.push_back(part);
+  if (!text.empty() && text.back() == separator) parts.emplace_back();
+  return parts;
+}
 
 Vec3d parse_vector(const std::string& option, const std::string& text) {
   const std::vector<std::string> parts = split(text, ',');

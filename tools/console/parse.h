@@ -5,11 +5,14 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "volumes/base/text.h"
 
 namespace supple::tools {
 
+/// The parts between separators.
+std::vector<std::string> split(const std::string& text, char separator);
 Vec3d parse_vector(const std::string& option, const std::string& text);
 /// "I,J,K" or "I,J,K:I,J,K", the corners in any order; what was not a label or a file must be one.
 IndexBox parse_box(const std::string& option, const std::string& text);

@@ -57,10 +57,10 @@ class Halfway {
     m_offsets = invert(m_displacement, params, &console);
   }
   PosedVolume subject() const {
-    return {m_subject.geometry, m_subject.density,
-            m_subject.elements, m_offsets ? &*m_offsets : nullptr,
-            &m_displacement,    m_subject.grey_lo,
-            m_subject.grey_hi,  m_subject.air_rings};
+    PosedVolume halfway = m_subject;
+    halfway.offsets = m_offsets ? &*m_offsets : nullptr;
+    halfway.displacement = &m_displacement;
+    return halfway;
   }
 
  private:
@@ -70,8 +70,10 @@ class Halfway {
 };
 
 PosedVolume at_rest(const PosedVolume& subject) {
-  return {subject.geometry, subject.density, subject.elements, nullptr,
-          nullptr,          subject.grey_lo, subject.grey_hi,  subject.air_rings};
+  PosedVolume resting = subject;
+  resting.offsets = nullptr;
+  resting.displacement = nullptr;
+  return resting;
 }
 
 void add(const RenderReport& more, RenderReport* sum) {
@@ -97,7 +99,7 @@ class ViewDrawing {
     if (!view.lattice && !view.slice) m_renderer = make_renderer(subject, view);
     if (view.slice) {
       m_view.slice = effective_slice(
-          *view.slice, {subject.geometry, subject.density, &subject.elements, nullptr});
+          *view.slice, {subject.geometry, subject.density, subject.outlined, nullptr});
     } else {
       m_camera = camera_of(subject, view);
     }
@@ -134,7 +136,7 @@ class ViewDrawing {
     };
     require(m_subject.displacement != nullptr || m_options.sequence == 0, "sequence",
             "nothing that is deformed", "a deformed state");
-    require(m_view.offset.empty() || m_options.sequence == 0, "sequence",
+    require(m_view.path.empty() || m_options.sequence == 0, "sequence",
             "sampling paths, whose pieces may come apart", "a deformed state alone");
     const bool is_moved = m_subject.offsets != nullptr || m_subject.displacement != nullptr;
     require(is_moved || !shows("offset"), "aux", "no offsets to show",

@@ -25,8 +25,8 @@ Image draw_body_lattice(const PosedVolume& subject, const SceneView& view) {
       on_elements(subject.geometry, subject.elements, subject.displacement);
   const Camera camera = camera_of(subject, view);
   LatticeStyle style;
-  style.width = view.width;
-  style.height = view.height;
+  style.width = view.size[0];
+  style.height = view.size[1];
   style.grey_lo = subject.grey_lo;
   style.grey_hi = subject.grey_hi;
   return draw_lattice(subject.geometry, subject.density, displacement, camera, style);
@@ -35,7 +35,7 @@ Image draw_body_lattice(const PosedVolume& subject, const SceneView& view) {
 }  // namespace
 
 Camera camera_of(const PosedVolume& subject, const SceneView& view) {
-  const double aspect = double(view.width) / view.height;
+  const double aspect = double(view.size[0]) / view.size[1];
   const bool is_flat = view.lattice && subject.geometry.dims().z == 1;
   const bool is_default = !view.camera.camera && view.camera.view == "anterior";
   if (is_flat && is_default) {
@@ -48,8 +48,8 @@ Camera camera_of(const PosedVolume& subject, const SceneView& view) {
 
 RenderSettings view_settings(const SceneView& view) {
   RenderSettings settings;
-  settings.width = view.width;
-  settings.height = view.height;
+  settings.width = view.size[0];
+  settings.height = view.size[1];
   view.sampling.apply_to(settings);
   settings.lighting = view.lighting;
   settings.clip_surfaces = view.clip_meshes;
@@ -74,7 +74,7 @@ void check_view(const SceneView& view) {
     if (!view.preset.empty()) preset(view.preset);
     view_settings(view).validate();
     check_picture_options(view.picture, view.image, view.place);
-    check_inverse(view, view.offset);
+    check_inverse(view, view.path);
   } catch (const InputError& error) {
     rethrow_at(view.place, error);
   }
@@ -105,7 +105,7 @@ const Displacement* displacement_for_meshes(const PosedVolume& subject, const Sc
 
 bool reads_displacement(const SceneView& view) {
   const auto deforms = [](const MeshChoice& mesh) { return mesh.deform; };
-  return !view.inverse || view.lattice || view.picture.sequence > 0 || !view.offset.empty() ||
+  return !view.inverse || view.lattice || view.picture.sequence > 0 || !view.path.empty() ||
          std::any_of(view.meshes.begin(), view.meshes.end(), deforms);
 }
 
@@ -131,7 +131,7 @@ FloatImage draw(const PosedVolume& subject, const Renderer* renderer, const Scen
                 RenderReport* report, Console& console) {
   if (view.slice) {
     return to_float(draw_slices(
-        {subject.geometry, subject.density, &subject.elements, subject.offsets}, *view.slice));
+        {subject.geometry, subject.density, subject.outlined, subject.offsets}, *view.slice));
   }
   if (view.lattice && !view.clips.empty()) {
     throw InputError({view.place, "clip", "a lattice to draw", "a volume of several slices"});
@@ -160,64 +160,56 @@ nlohmann::ordered_json to_json(const ClipChoice& choice) {
   for (const HalfSpace& half : choice.clip.region) {
     json["plane"] = {{"point", to_json(half.point_lps_mm)}, {"normal", to_json(half.normal_lps)}};
   }
-  json["keep"] = choice.clip.keep == ClipKeep::inside ? "inside" : "outside";
-  json["space"] = choice.clip.space == ClipSpace::deformed ? "deformed" : "source";
+  Clip clip = choice.clip;
+  json.update(nlohmann::ordered_json::parse(fields_json(fields(clip))));
   return json;
 }
 
-nlohmann::ordered_json to_json(const SliceChoice& choice, bool deformed) {
-  return {{"program", std::string("supple ") + kVersion},
-          {"plane", choice.plane},
-          {"at", to_json(*choice.at)},
-          {"scale", choice.scale},
-          {"window", {choice.window->first, choice.window->second}},
-          {"deformed", deformed},
-          {"outline", choice.outline}};
+nlohmann::ordered_json to_json(SliceChoice choice) {
+  return nlohmann::ordered_json::parse(fields_json(fields(choice)));
+}
+
+/// The settings of a view as it was drawn, but for those of a default view that say nothing.
+nlohmann::ordered_json settings_of(SceneView view) {
+  SceneView plain;
+  view.sampling.step_voxels = view_settings(view).step_voxels;
+  plain.image = view.image;  // where the picture lies is not what it shows
+  plain.after_step = view.after_step;
+  if (view.transfer) view.preset.clear();
+  return nlohmann::ordered_json::parse(fields_json(fields(view), fields(plain)));
 }
 
 }  // namespace
 
-std::string describe_slice(const SliceChoice& choice, bool deformed) {
-  return to_json(choice, deformed).dump();
-}
-
 std::string describe_view(const SceneView& view, const nlohmann::ordered_json& more) {
+  nlohmann::ordered_json json = {{"program", std::string("supple ") + kVersion}};
   if (view.slice) {
-    nlohmann::ordered_json slices = to_json(*view.slice, view.deformed);
-    slices.update(more);
-    return slices.dump();
+    json.update(to_json(*view.slice));
+    json["deformed"] = view.deformed;
+    json.update(more);
+    return json.dump();
   }
-  const auto list = [](const Vec3d& v) { return to_json(v); };
+  if (view.transfer) json["transfer"] = to_toml(*view.transfer);
+  json["size"] = view.size;
+  json["deformed"] = view.deformed;
+  json["lattice"] = view.lattice;
+  json.update(settings_of(view));
+  for (const Light& light : view.lighting.lights) json["light"].push_back(to_json(light));
+  for (const MeshChoice& mesh : view.meshes) json["mesh"].push_back(to_json(mesh));
+  for (const OffsetFunction& function : view.path) {
+    json["path"].push_back(nlohmann::ordered_json::parse(function.json));
+  }
+  for (const ClipChoice& clip : view.clips) json["clip"].push_back(to_json(clip));
   const auto name_of = [](Projection projection) {
     return projection == Projection::perspective ? "perspective" : "orthographic";
   };
-  nlohmann::ordered_json json;
-  json["program"] = std::string("supple ") + kVersion;
-  if (view.transfer) {
-    json["transfer"] = to_toml(*view.transfer);
-  } else {
-    json["preset"] = view.preset;
-  }
-  json["size"] = {view.width, view.height};
-  json["step"] = view_settings(view).step_voxels;
-  json["classification"] = view.sampling.classification;
-  json["jitter"] = view.sampling.jitter;
-  json["deformed"] = view.deformed;
-  if (!view.inverse) json["inverse"] = false;
-  if (view.half_offsets) json["half_offsets"] = true;
-  json["lattice"] = view.lattice;
-  describe(view.lighting, json);
-  for (const MeshChoice& mesh : view.meshes) json["mesh"].push_back(to_json(mesh));
-  if (view.clip_meshes) json["clip_meshes"] = true;
-  for (const OffsetFunction& function : view.offset) {
-    json["offset"].push_back(nlohmann::ordered_json::parse(function.json));
-  }
-  for (const ClipChoice& clip : view.clips) json["clip"].push_back(to_json(clip));
   if (const auto& camera = view.camera.camera) {
-    json["camera"] = {
-        {"projection", name_of(camera->projection)}, {"position", list(camera->position_lps_mm)},
-        {"target", list(camera->target_lps_mm)},     {"up", list(camera->up_lps)},
-        {"fov", camera->vertical_fov_degrees},       {"height", camera->height_mm}};
+    json["camera"] = {{"projection", name_of(camera->projection)},
+                      {"position", to_json(camera->position_lps_mm)},
+                      {"target", to_json(camera->target_lps_mm)},
+                      {"up", to_json(camera->up_lps)},
+                      {"fov", camera->vertical_fov_degrees},
+                      {"height", camera->height_mm}};
   } else {
     json["camera"] = {{"projection", name_of(view.camera.projection)}, {"view", view.camera.view}};
   }
@@ -368,7 +360,7 @@ nlohmann::ordered_json to_json(const StepRecord& record) {
         {"cut_links", record.cut_links},
         {"settings", nlohmann::ordered_json::parse(settings_json(*record.springs))},
         {"springs", to_json(record.sprung)}};
-    json["forces"] = to_json(record.reactions);
+    json["reactions"] = to_json(record.reactions);
     return json;
   }
   nlohmann::ordered_json json = record.ball ? to_json(*record.ball, record.cut_links)
@@ -378,7 +370,7 @@ nlohmann::ordered_json to_json(const StepRecord& record) {
     json["limits"] = "tighten";
     json["tighten"] = to_json(*record.tightened);
   }
-  json["forces"] = to_json(record.reactions);
+  json["reactions"] = to_json(record.reactions);
   return json;
 }
 

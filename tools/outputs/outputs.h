@@ -26,6 +26,7 @@ struct PosedVolume {
   const Displacement* displacement;  // u; null: at rest, or not known
   double grey_lo, grey_hi;           // of the lattice
   int air_rings = 0;                 // see Renderer; 0 for a state, which keeps its shell
+  const BrickTopology* outlined = nullptr;  // in slices; null: nothing
 };
 /// The camera of an effective view, marched or drawn as a lattice.
 Camera camera_of(const PosedVolume& subject, const SceneView& view);
@@ -54,7 +55,6 @@ FloatImage draw(const PosedVolume& subject, const Renderer* renderer, const Scen
 /// Effective configuration of a picture, embedded in its file; `more` is an object of what else
 /// there is to say.
 std::string describe_view(const SceneView& view, const nlohmann::ordered_json& more);
-std::string describe_slice(const SliceChoice& choice, bool deformed);
 
 nlohmann::ordered_json to_json(const InversionCertificate& certificate);
 nlohmann::ordered_json to_json(const BallReport& report, std::int64_t cut_links);

@@ -6,8 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "lib/material/toml_table.h"
-#include "tools/console/command.h"
+#include "volumes/base/fields.h"
 
 namespace supple::tools {
 
@@ -31,10 +30,8 @@ struct PictureOptions {
 /// By the extension. Throws InputError for another than .png, .exr, .mp4, .webm and .avi.
 PictureKind picture_kind(const std::string& path);
 
-/// The keys of a [[view]]; those of PictureOptions.
-PictureOptions read_picture_options(TomlTable& table);
-/// --bits, --aux and so on; `options` must outlive the parsing.
-void add_picture_options(CLI::App& app, PictureOptions& options);
+/// Of a [[view]].
+Fields fields(PictureOptions& options);
 
 /// Throws InputError naming `place`: values out of range, what does not go together, a name that
 /// does not fit; SystemError: a video without the program ffmpeg.

@@ -241,20 +241,35 @@ auto placed(const OffsetFunction& function, const Work& work) {
 
 }  // namespace
 
-std::vector<OffsetFunction> read_offset_functions(TomlTable& table) {
+std::vector<OffsetFunction> read_path(TomlTable& table) {
+  const std::string key = table.present_name("path", "offset");
+  if (table.is_string(key)) {
+    TomlTable file = TomlTable::read(*table.path(key));
+    std::vector<OffsetFunction> functions = read_path(file);
+    if (functions.empty()) file.fail_missing("path", "a table with a function, or a list of them");
+    file.finish();
+    table.take_warnings(file);
+    return functions;
+  }
   std::vector<OffsetFunction> functions;
-  for (TomlTable& function : table.table_or_tables("offset")) {
+  for (TomlTable& function : table.table_or_tables(key)) {
     functions.push_back(read_function(function));
   }
   return functions;
 }
 
-std::vector<OffsetFunction> read_offset_file(const std::string& path) {
-  if (path.empty()) return {};
-  TomlTable table = TomlTable::read(path);
-  std::vector<OffsetFunction> functions = read_offset_functions(table);
-  if (functions.empty()) table.fail_missing("offset", "a table with a function, or a list of them");
-  table.finish();
+Field path_file_field(std::string& file) {
+  return Field("path", file, "Bend, twist, taper, cut open, explode … (docs/scenes.md)")
+      .path()
+      .formerly("offset")
+      .shown_as("FILE.toml");
+}
+
+std::vector<OffsetFunction> read_path_file(const std::string& file, Console& console) {
+  if (file.empty()) return {};
+  TomlTable table = TomlTable::parse("path = " + json_string(file), "");
+  std::vector<OffsetFunction> functions = read_path(table);
+  for (const std::string& line : table.warnings()) console.warn(line);
   return functions;
 }
 

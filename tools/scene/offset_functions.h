@@ -1,4 +1,4 @@
-// Procedural sampling paths as scenes and files give them: `offset = { function = "twist", … }`, or
+// Procedural sampling paths as scenes and files give them: `path = { function = "twist", … }`, or
 // a list of such tables, applied to the body one after another.
 #pragma once
 
@@ -20,10 +20,13 @@ struct OffsetFunction {
   std::function<std::shared_ptr<const PathFunction>(const Geometry&)> make;
 };
 
-/// The key `offset` of a table; empty when absent. Throws InputError as TomlTable does.
-std::vector<OffsetFunction> read_offset_functions(TomlTable& table);
-/// A file that holds the key `offset`; none for an empty path.
-std::vector<OffsetFunction> read_offset_file(const std::string& path);
+/// The key `path` of a table: a table of a function, a list of them, or the name of a file that
+/// holds that key; empty when absent. Throws InputError as TomlTable does.
+std::vector<OffsetFunction> read_path(TomlTable& table);
+/// The option that names such a file.
+Field path_file_field(std::string& file);
+/// A file that holds the key `path`; none for an empty name.
+std::vector<OffsetFunction> read_path_file(const std::string& file, Console& console);
 
 /// Throws InputError with the place of the function that has a bad value.
 SamplingPath to_path(const std::vector<OffsetFunction>& functions, const Geometry& geometry);

@@ -6,6 +6,7 @@
 #include "lib/material/toml_table.h"
 #include "tools/scene/spring_keys.h"
 #include "volumes/base/error.h"
+#include "volumes/io/open_volume.h"
 
 namespace supple::tools {
 
@@ -88,21 +89,23 @@ GivenHandle read_handle(TomlTable& table) {
   return handle;
 }
 
+/// Of a table `plane` of a cut.
+Fields plane_fields(CutSurface& surface) {
+  return {
+      Field("corner", surface.corner, "A point [x, y, z]").required(),
+      Field("edge1", surface.edge1, "A vector [x, y, z]").required(),
+      Field("edge2", surface.edge2, "A vector [x, y, z]").required(),
+      Field("frame", surface.in_voxels, {"lps", "voxel"}, "LPS mm, or voxels of the volume"),
+  };
+}
+
 CutSurface read_plane(TomlTable& table) {
   CutSurface surface;
   surface.place = table.place();
-  table.know({"corner", "edge1", "edge2", "frame"});
-  surface.corner = table.require(table.vector("corner"), "corner", "a point [x, y, z]");
-  surface.edge1 = table.require(table.vector("edge1"), "edge1", "a vector [x, y, z]");
-  surface.edge2 = table.require(table.vector("edge2"), "edge2", "a vector [x, y, z]");
+  table.read(plane_fields(surface));
   if (surface.edge1.cross(surface.edge2) == Vec3d(0)) {
     table.fail("edge2", "edges that span no area", "two vectors that differ in direction");
   }
-  const std::string frame = table.string("frame").value_or("lps");
-  if (frame != "lps" && frame != "voxel") {
-    table.fail("frame", "\"" + frame + "\"", "\"lps\" (mm) or \"voxel\"");
-  }
-  surface.in_voxels = frame == "voxel";
   table.finish();
   return surface;
 }
@@ -120,54 +123,21 @@ CutSurface read_cut(TomlTable& table) {
   return plane ? read_plane(*plane) : mesh_cut(*mesh);
 }
 
-Limits read_limits(TomlTable& table) {
-  const std::string name = table.string("limits").value_or("box");
-  const auto limits = limits_of_name(name);
-  if (!limits) table.fail("limits", "\"" + name + "\"", "\"box\", \"ball\" or \"tighten\"");
-  return *limits;
-}
-
 RelaxParams read_relax(TomlTable& table) {
   RelaxParams params;
-  table.know({"passes", "tolerance", "method", "volume"});
-  if (const auto passes = table.integer("passes")) {
-    if (*passes < 1 || *passes > kMaxPasses) {
-      table.fail("passes", std::to_string(*passes), "1 to " + std::to_string(kMaxPasses));
-    }
-    params.passes = int(*passes);
-  }
-  if (const auto tolerance = table.number("tolerance")) {
-    if (!(*tolerance >= 0)) table.fail("tolerance", number_text(*tolerance), "0 or more voxels");
-    params.tolerance_voxels = *tolerance;
-  }
-  if (const auto name = table.string("method")) {
-    const auto method = relax_method(*name);
-    if (!method) table.fail("method", "\"" + *name + "\"", relax_method_names());
-    params.method = *method;
-  }
-  if (const auto volume = table.number("volume")) {
-    if (!(*volume >= 0 && *volume <= kMaxBulkModulusKpa)) {
-      table.fail("volume", number_text(*volume),
-                 "0 to " + number_text(kMaxBulkModulusKpa) + " kPa");
-    }
-    if (*volume > 0 && !conserves_volume(params.method)) {
-      table.fail("volume", std::string("method \"") + name_of(params.method) + "\"",
-                 "method \"red-black\" or \"accelerated\"");
-    }
-    params.bulk_modulus_kpa = *volume;
+  table.read(fields(params));
+  if (params.bulk_modulus_kpa > 0 && !conserves_volume(params.method)) {
+    table.fail("bulk_modulus", std::string("method \"") + name_of(params.method) + "\"",
+               "method \"red-black\" or \"accelerated\"");
   }
   table.finish();
   return params;
 }
 
-/// The step's model: without a table of springs their defaults.
-std::optional<SpringStep> read_model(TomlTable& table) {
-  const std::string name = table.string("model").value_or("ecm");
-  if (name != "ecm" && name != "springs") {
-    table.fail("model", "\"" + name + "\"", "\"ecm\" or \"springs\"");
-  }
+/// What moves the body, unless it is ECM. Without a table of springs their defaults.
+std::optional<SpringStep> read_springs(TomlTable& table, bool has_springs) {
   auto springs = table.table("springs");
-  if (name == "ecm") {
+  if (!has_springs) {
     if (springs) table.fail("springs", "springs without their model", "model = \"springs\"");
     return std::nullopt;
   }
@@ -198,17 +168,19 @@ SceneStep read_step(TomlTable& table) {
   if (rows) {
     for (const auto& row : *rows) step.fix.push_back(to_box(table, "fix", row));
   }
-  if (auto points = read_points(table, "fix_points")) {
-    step.fix_points.push_back(std::move(*points));
+  for (const std::string& path : table.paths("fix_points")) {
+    step.fix_points.push_back(read_point_file(path));
   }
   if (const auto labels = table.numbers("fix_label")) {
     for (const double label : *labels) {
       step.fix_labels.push_back(to_label(table, "fix_label", label));
     }
   }
-  step.release = table.boolean("release").value_or(false);
-  step.springs = read_model(table);
-  step.limits = read_limits(table);
+  StepSettings settings;
+  table.read(fields(settings));
+  step.release = settings.release;
+  step.limits = settings.limits;
+  step.springs = read_springs(table, settings.has_springs);
   for (TomlTable& cut : table.tables("cut")) step.cuts.push_back(read_cut(cut));
   if (auto relax = table.table("relax")) step.relax = read_relax(*relax);
   table.finish();
@@ -250,36 +222,31 @@ std::vector<std::string> Scene::outputs() const {
   return paths;
 }
 
-namespace {
-
-ReadOptions read_options(TomlTable& volume) {
-  ReadOptions options;
-  options.raw = volume.string("raw").value_or("");
-  for (const auto& [key, choice] :
-       {std::pair{"frame", &options.frame}, std::pair{"channel", &options.channel}}) {
-    const auto value = volume.integer(key);
-    if (!value) continue;
-    if (*value < 0 || *value > std::numeric_limits<int>::max()) {
-      volume.fail(key, std::to_string(*value), "an index from 0");
-    }
-    *choice = int(*value);
-  }
-  options.spacing_mm = volume.vector("spacing");
-  return options;
+Fields fields(StepSettings& settings) {
+  return {
+      Field("model", settings.has_springs, {"ecm", "springs"},
+            "What moves the body: Enhanced ChainMail, or springs (docs/models/springs.md)"),
+      Field("limits", settings.limits, {"box", "ball", "tighten"},
+            "box: each component of a link; ball: its length, order-dependent; tighten: box, and "
+            "narrower across stretched links"),
+      Field("release", settings.release, "Let go of everything that is held or fixed"),
+  };
 }
 
-}  // namespace
-
 Scene read_scene(const std::string& path) {
-  TomlTable root = TomlTable::read(path);
-  Scene scene;
-  scene.file = path;
+  return read_scene(TomlTable::read(path));
+}
 
-  root.know({"volume", "labels", "material", "step", "view", "offset", "output"});
+Scene read_scene(TomlTable root) {
+  Scene scene;
+  scene.file = root.file();
+
+  root.know({"volume", "labels", "material", "step", "view", "path", "output"});
   TomlTable volume = root.require(root.table("volume"), "volume", "a table [volume] with a path");
-  volume.know({"path", "raw", "frame", "channel", "spacing"});
+  volume.know({"path", "offsets"});
+  volume.read(fields(scene.read));
   scene.volume_path = volume.require(volume.path("path"), "path", "the path of a volume");
-  scene.read = read_options(volume);
+  scene.warp_path = volume.path("offsets").value_or("");
   volume.finish();
 
   if (auto labels = root.table("labels")) {
@@ -300,9 +267,10 @@ Scene read_scene(const std::string& path) {
   }
   const int steps = int(scene.steps.size());
   for (TomlTable& view : root.tables("view")) scene.views.push_back(read_view(view, steps));
-  scene.offset = read_offset_functions(root);
+  scene.path = read_path(root);
   if (auto output = root.table("output")) scene.output = read_output(*output);
   root.finish();
+  scene.warnings = root.warnings();
   return scene;
 }
 

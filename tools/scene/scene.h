@@ -41,19 +41,32 @@ struct Scene {
   std::string file;
   std::string volume_path;  // resolved
   ReadOptions read;
+  std::string warp_path;    // resolved; the volume is seen through it; empty: as it is
   std::string labels_path;  // resolved; empty without labels
   std::optional<MaterialTable> material;
   std::string material_path;  // resolved; empty for an inline table
   std::vector<SceneStep> steps;
   std::vector<SceneView> views;
-  std::vector<OffsetFunction> offset;  // of all deformed views and outputs but the state
+  std::vector<OffsetFunction> path;  // of all deformed views and outputs but the state
   SceneOutput output;
+  std::vector<std::string> warnings;  // keys by their former names
 
   /// Every output path, relative as written.
   std::vector<std::string> outputs() const;
 };
 
+/// Of a [[step]], but for its lists and tables: handles, fix, cut, relax, springs. `model` is
+/// "springs" where the step has springs.
+struct StepSettings {
+  Limits limits = Limits::box;
+  bool release = false;
+  bool has_springs = false;
+};
+Fields fields(StepSettings& settings);
+
 /// Throws InputError: unknown key (line and suggestion), wrong type or value, missing key.
 Scene read_scene(const std::string& path);
+/// The root of a file, or the options of a command as one.
+Scene read_scene(TomlTable root);
 
 }  // namespace supple::tools

@@ -82,26 +82,20 @@ Image draw_slices(const SliceSource& source, const SliceChoice& choice) {
   return side_by_side(images, kGapPixels);
 }
 
-SliceChoice read_slice(TomlTable& table) {
-  SliceChoice choice;
-  table.know({"plane", "at", "window", "scale", "outline"});
-  choice.plane = table.string("plane").value_or(choice.plane);
-  const std::vector<std::string> planes = {"axial", "coronal", "sagittal", "all"};
-  if (std::find(planes.begin(), planes.end(), choice.plane) == planes.end()) {
-    table.fail("plane", "\"" + choice.plane + "\"", "one of axial coronal sagittal all");
-  }
-  choice.at = table.vector("at");
-  if (const auto window = table.numbers("window")) {
-    if (window->size() != 2) table.fail("window", "another list", "two densities [lo, hi]");
-    choice.window = {(*window)[0], (*window)[1]};
-  }
-  choice.scale = table.number("scale").value_or(choice.scale);
-  choice.outline = table.boolean("outline").value_or(choice.outline);
-  if (!(choice.scale >= 0.01 && choice.scale <= 64)) {
-    table.fail("scale", number_text(choice.scale), "0.01 to 64");
-  }
-  table.finish();
-  return choice;
+Fields fields(SliceChoice& choice) {
+  return {
+      Field("plane", choice.plane, "Which slices")
+          .one_of({"axial", "coronal", "sagittal", "all"})
+          .shown_as("PLANE"),
+      Field("at", choice.at, "Voxel that the slices pass through")
+          .shown_as("I,J,K")
+          .otherwise("the middle"),
+      Field("window", choice.window, "Densities that are black and white")
+          .shown_as("LO,HI")
+          .otherwise("soft tissue with HU, else all"),
+      Field("scale", choice.scale, "Pixels per voxel of the smallest spacing").range(0.01, 64),
+      Field("outline", choice.outline, "The outline of the body at rest"),
+  };
 }
 
 }  // namespace supple::tools

@@ -5,8 +5,8 @@
 #include <string>
 #include <utility>
 
-#include "lib/material/toml_table.h"
 #include "raycast/drawings/slice.h"
+#include "volumes/base/fields.h"
 #include "volumes/field/offset_field.h"
 #include "volumes/grid/density_grid.h"
 
@@ -16,7 +16,7 @@ struct SliceChoice {
   std::string plane = "all";  // axial, coronal, sagittal, or all of them
   std::optional<Vec3d> at;    // voxel that they pass through; absent: the middle
   /// Densities that are black and white; absent: soft tissue with HU, else all.
-  std::optional<std::pair<double, double>> window;
+  std::optional<NumberPair> window;
   double scale = 2;  // pixels per voxel of the smallest spacing
   bool outline = true;
 };
@@ -35,7 +35,7 @@ SliceChoice effective_slice(const SliceChoice& choice, const SliceSource& source
 /// One slice, or three side by side, of an effective choice.
 Image draw_slices(const SliceSource& source, const SliceChoice& choice);
 
-/// `slice = { plane = …, at = …, window = …, scale = …, outline = … }`.
-SliceChoice read_slice(TomlTable& table);
+/// Of `slice = { … }` in a [[view]].
+Fields fields(SliceChoice& choice);
 
 }  // namespace supple::tools

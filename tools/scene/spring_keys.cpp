@@ -71,18 +71,27 @@ Shape read_shape(TomlTable& table) {
   return MeshShape{std::make_shared<MeshSurface>(read_mesh(path))};
 }
 
+/// Of a table `contact`, but for its shape.
+Fields contact_fields(DrivenCollider& driven) {
+  return {
+      Field("by", driven.by_mm, "How far the shape goes, in LPS mm"),
+      Field("thickness", driven.collider.thickness_mm, "Kept free around the shape")
+          .unit("mm")
+          .at_least(0),
+      Field("friction", driven.collider.friction, "Coulomb's coefficient").at_least(0),
+  };
+}
+
 /// Adds a shape and its table, a mesh by its name without folder.
 void read_contact(TomlTable& table, SpringStep& step) {
-  table.know({"sphere", "plane", "capsule", "box", "mesh", "by", "thickness", "friction"});
+  DrivenCollider driven;
+  table.know({"sphere", "plane", "capsule", "box", "mesh"});
+  table.read(contact_fields(driven));
   nlohmann::ordered_json settings = nlohmann::ordered_json::parse(table.json());
   if (const auto mesh = table.path("mesh")) {
     settings["mesh"] = std::filesystem::path(*mesh).filename().string();
   }
-  DrivenCollider driven;
   driven.collider.shape = read_shape(table);
-  driven.collider.thickness_mm = table.not_negative("thickness", "mm").value_or(0);
-  driven.collider.friction = table.not_negative("friction").value_or(0);
-  driven.by_mm = table.vector("by").value_or(Vec3d(0));
   table.finish();
   step.motion.colliders.push_back(std::move(driven));
   step.contacts.push_back(settings.dump());
@@ -92,49 +101,20 @@ void read_contact(TomlTable& table, SpringStep& step) {
 
 SpringStep read_spring_step(TomlTable& table) {
   SpringStep step;
-  table.know({"minimise", "time", "step", "integrator", "gravity", "tolerance", "steps",
-              "structural", "shear", "bending", "mass_damping", "contact"});
-  const bool to_rest = table.boolean("minimise").value_or(false);
-  if (to_rest) step.motion.goal = MotionParams::Goal::minimum;
-  // A key of the other goal would be without effect.
-  const std::vector<const char*> idle =
-      to_rest ? std::vector<const char*>{"time", "step", "integrator", "mass_damping", "contact"}
-              : std::vector<const char*>{"tolerance", "steps"};
-  for (const char* key : idle) {
-    if (!table.has(key)) continue;
-    table.fail(key, std::string(key) + (to_rest ? " beside minimise" : " without minimise"),
-               to_rest ? "it without minimise" : "it with minimise = true");
+  // The others solve a step as if there were no shapes, and move nodes out afterwards.
+  if (table.has("contact")) step.motion.method = SpringMethod::xpbd;
+  table.read(fields(step));
+  for (const std::string& key : idle_fields(step)) {
+    if (!table.has(key) || key == "minimise") continue;
+    table.fail(key, key + (step.is_motion() ? " without minimise" : " beside minimise"),
+               step.is_motion() ? "it with minimise = true" : "it without minimise");
   }
-  if (const auto time = table.positive("time", "seconds")) step.time_s = *time;
-  if (const auto dt = table.positive("step", "seconds")) step.motion.step_s = *dt;
   if (step.time_s / step.motion.step_s > SpringStep::kMostSteps) {
     table.fail(
         "time",
         number_text(step.time_s) + " s in steps of " + number_text(step.motion.step_s) + " s",
         "at most " + number_text(SpringStep::kMostSteps) + " steps");
   }
-  if (const auto name = table.string("integrator")) {
-    const auto method = spring_method(*name);
-    if (!method) table.fail("integrator", "\"" + *name + "\"", spring_method_names());
-    step.motion.method = *method;
-  } else if (table.has("contact")) {
-    // The others solve a step as if there were no shapes, and move nodes out afterwards.
-    step.motion.method = SpringMethod::xpbd;
-  }
-  if (const auto gravity = table.vector("gravity")) step.motion.gravity_m_s2 = *gravity;
-  if (const auto tolerance = table.positive("tolerance", "mN")) {
-    step.motion.tolerance_mn = *tolerance;
-  }
-  if (const auto steps = table.integer("steps")) {
-    if (*steps < 1 || *steps > std::int64_t(SpringStep::kMostSteps)) {
-      table.fail("steps", std::to_string(*steps), "1 to " + number_text(SpringStep::kMostSteps));
-    }
-    step.most_steps = int(*steps);
-  }
-  step.structural_n_m = table.not_negative("structural", "N/m");
-  step.shear_n_m = table.not_negative("shear", "N/m");
-  step.bending_n_m = table.not_negative("bending", "N/m");
-  step.mass_damping_per_s = table.not_negative("mass_damping", "per second").value_or(0);
   for (TomlTable& contact : table.table_or_tables("contact")) read_contact(contact, step);
   table.finish();
   return step;

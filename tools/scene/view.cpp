@@ -1,9 +1,5 @@
 #include "tools/scene/view.h"
 
-#include <algorithm>
-
-#include "tools/console/command.h"
-#include "tools/console/parse.h"
 #include "tools/scene/transfer_file.h"
 #include "volumes/base/error.h"
 
@@ -11,55 +7,57 @@ namespace supple::tools {
 
 namespace {
 
-Projection read_projection(TomlTable& table) {
-  const std::string name = table.string("projection").value_or("perspective");
-  if (name == "perspective") return Projection::perspective;
-  if (name == "orthographic") return Projection::orthographic;
-  table.fail("projection", "\"" + name + "\"", "\"perspective\" or \"orthographic\"");
+/// What a camera table may say of a position.
+struct CameraPosition {
+  std::optional<Vec3d> position, target, up;
+  std::optional<double> fov, height;
+
+  bool is_given() const { return position || target || up || fov || height; }
+};
+
+Fields camera_fields(CameraChoice& choice, CameraPosition& given) {
+  return {
+      Field("projection", choice.projection, {"perspective", "orthographic"}, "Of the rays"),
+      Field("view", choice.view, "The side that the volume is seen from").one_of(view_names()),
+      Field("position", given.position, "Of the eye, in LPS mm, instead of a side"),
+      Field("target", given.target, "What it looks at, in LPS mm"),
+      Field("up", given.up, "Upwards in the picture, in LPS").otherwise("[0, 0, 1]"),
+      Field("fov", given.fov, "Vertical angle of a perspective picture")
+          .unit("degrees")
+          .otherwise("30"),
+      Field("height", given.height, "Of an orthographic picture").unit("mm").otherwise("300"),
+  };
 }
 
-CameraChoice read_camera_table(TomlTable& table) {
+CameraChoice read_camera(TomlTable table) {
   CameraChoice choice;
-  table.know({"projection", "view", "position", "target", "up", "fov", "height"});
-  choice.projection = read_projection(table);
-  choice.view = table.string("view").value_or(choice.view);
-  const std::vector<std::string> views = view_names();
-  if (std::find(views.begin(), views.end(), choice.view) == views.end()) {
-    std::string expected = "one of";
-    for (const std::string& name : views) expected += " " + name;
-    table.fail("view", "\"" + choice.view + "\"", expected);
-  }
-  const auto position = table.vector("position");
-  const auto target = table.vector("target");
-  const auto up = table.vector("up");
-  const auto fov = table.number("fov");
-  const auto height = table.number("height");
+  CameraPosition given;
+  table.read(camera_fields(choice, given));
   table.finish();
-  if (!position && !target && !up && !fov && !height) return choice;
+  if (!given.is_given()) return choice;
   if (table.has("view")) {
     table.fail("view", "view beside position", "a named view or a position, not both");
   }
   const bool perspective = choice.projection == Projection::perspective;
-  if (perspective && height) table.fail("height", "height", "fov for a perspective camera");
-  if (!perspective && fov) table.fail("fov", "fov", "height for an orthographic camera");
+  if (perspective && given.height) table.fail("height", "height", "fov for a perspective camera");
+  if (!perspective && given.fov) table.fail("fov", "fov", "height for an orthographic camera");
   Camera camera;
   camera.projection = choice.projection;
-  camera.position_lps_mm = table.require(position, "position", "three numbers in LPS mm");
-  camera.target_lps_mm = table.require(target, "target", "three numbers in LPS mm");
-  camera.up_lps = up.value_or(camera.up_lps);
-  camera.vertical_fov_degrees = fov.value_or(camera.vertical_fov_degrees);
-  camera.height_mm = height.value_or(camera.height_mm);
+  camera.position_lps_mm = table.require(given.position, "position", "three numbers in LPS mm");
+  camera.target_lps_mm = table.require(given.target, "target", "three numbers in LPS mm");
+  camera.up_lps = given.up.value_or(camera.up_lps);
+  camera.vertical_fov_degrees = given.fov.value_or(camera.vertical_fov_degrees);
+  camera.height_mm = given.height.value_or(camera.height_mm);
   camera.validate(table.place());
   choice.camera = camera;
   return choice;
 }
 
-HalfSpace read_half_space(TomlTable& table) {
-  table.know({"point", "normal"});
-  const HalfSpace half{table.require(table.vector("point"), "point", "three numbers in LPS mm"),
-                       table.require(table.vector("normal"), "normal", "a vector in LPS")};
-  table.finish();
-  return half;
+Fields half_space_fields(HalfSpace& half) {
+  return {
+      Field("point", half.point_lps_mm, "A point in LPS mm").required(),
+      Field("normal", half.normal_lps, "A vector in LPS, to what is inside").required(),
+  };
 }
 
 std::pair<Vec3d, Vec3d> read_corners(TomlTable& table) {
@@ -72,32 +70,25 @@ std::pair<Vec3d, Vec3d> read_corners(TomlTable& table) {
   return {Vec3d(c[0], c[1], c[2]), Vec3d(c[3], c[4], c[5])};
 }
 
-/// `first` or `second`; the default is `first`.
-bool is_second(TomlTable& table, const std::string& key, const std::string& first,
-               const std::string& second) {
-  const std::string text = table.string(key).value_or(first);
-  if (text == first || text == second) return text == second;
-  table.fail(key, "\"" + text + "\"", "\"" + first + "\" or \"" + second + "\"");
-}
-
 ClipChoice read_clip(TomlTable& table) {
   ClipChoice choice;
-  table.know({"plane", "box", "keep", "space"});
+  table.know({"plane", "box"});
+  table.read(fields(choice.clip));
   auto plane = table.table("plane");
   if (plane.has_value() == table.has("box")) {
     if (plane) table.fail("box", "plane and box", "one of both");
     table.fail_missing("box", "either plane or box");
   }
   if (plane) {
-    choice.clip.region = {read_half_space(*plane)};
+    HalfSpace half;
+    plane->read(half_space_fields(half));
+    plane->finish();
+    choice.clip.region = {half};
   } else {
     choice.voxel_corners = read_corners(table);
   }
-  if (is_second(table, "keep", "inside", "outside")) choice.clip.keep = ClipKeep::outside;
-  if (is_second(table, "space", "deformed", "source")) choice.clip.space = ClipSpace::source;
-  const std::string place = table.place();
   table.finish();
-  if (plane) choice.clip.validate(place);
+  if (plane) choice.clip.validate(table.place());
   return choice;
 }
 
@@ -112,65 +103,85 @@ void refuse_beside_slice(TomlTable& table) {
 
 }  // namespace
 
+Fields fields(Clip& clip) {
+  return {
+      Field("keep", clip.keep, {"inside", "outside"}, "What a clip keeps: inside or outside of it"),
+      Field("space", clip.space, {"source", "deformed"},
+            "deformed: cut the picture; source: cut the tissue, which takes the cut along"),
+  };
+}
+
 void Sampling::apply_to(RenderSettings& settings) const {
-  settings.set_quality(parse_quality(quality));
+  settings.set_quality(quality);
   if (step_voxels) settings.set_step(*step_voxels);
   settings.jitter = jitter;
-  if (classification == "pre-integrated") {
-    settings.classification = Classification::pre_integrated;
-  } else if (classification != "post") {
-    throw InputError({"", "classification", "'" + classification + "'", "post or pre-integrated"});
+  settings.classification = classification;
+}
+
+Fields fields(SceneView& view) {
+  Sampling& sampling = view.sampling;
+  Fields all = {
+      Field("image", view.image,
+            "Picture to write: .png, or .exr with depth, normals and offsets as floats")
+          .required()
+          .only_in_scenes(),
+      Field("preset", view.preset, "One that `supple presets` lists")
+          .only_in_scenes()
+          .otherwise("CT-Bone with HU, else MR-Default"),
+      Field("after_step", view.after_step, "Draw after this step; 0: before the first")
+          .at_least(0)
+          .only_in_scenes()
+          .otherwise("the last"),
+      Field("deformed", view.deformed, "Show a state's body at rest").option("undeformed"),
+      Field("inverse", view.inverse, "Samples of a state solve for themselves: less memory, slower"),
+      Field("half_offsets", view.half_offsets,
+            "Keep every second offset along each axis: a sixth of their memory"),
+      Field("lattice", view.lattice, "Draw elements and links (always so for one-slice bodies)"),
+      Field("size", view.size, "Pixels").range(1, 16384).otherwise("1024,1024"),
+      Field("quality", sampling.quality, {"draft", "default", "accurate"}, "Speed for accuracy"),
+      Field("step", sampling.step_voxels, "Sample distance, not the quality's")
+          .unit("voxels")
+          .range(0.01, 16),
+      Field("classification", sampling.classification, {"post", "pre-integrated"},
+            "Colours at the samples, or of the way between two"),
+      Field("jitter", sampling.jitter, "Fine noise instead of rings"),
+      Field("clip_meshes", view.clip_meshes, "Clips of the picture cut meshes, too"),
+  };
+  for (const Fields& more : {fields(view.lighting), fields(view.picture)}) {
+    all.insert(all.end(), more.begin(), more.end());
   }
+  return all;
 }
 
 SceneView read_view(TomlTable& table, int steps) {
   SceneView view;
   view.place = table.place();
-  table.know({"image",    "preset",  "transfer",          "camera",     "size",        "step",
-              "deformed", "inverse", "lattice",           "after_step", "clip",        "shading",
-              "light",    "shadows", "ambient_occlusion", "mesh",       "clip_meshes", "offset",
-              "slice",    "quality", "classification",    "jitter",     "half_offsets"});
-  view.image = table.require(table.string("image"), "image", "the name of a PNG file");
-  view.preset = table.string("preset").value_or(view.preset);
+  table.know({"transfer", "camera", "clip", "light", "mesh", "slice", "path"});
+  table.read(fields(view));
   if (const auto path = table.path("transfer")) {
     if (!view.preset.empty()) table.fail("transfer", "preset and transfer", "one of both");
     view.transfer = read_transfer_function(*path);
   }
-  view.offset = read_offset_functions(table);
+  view.path = read_path(table);
   for (TomlTable& clip : table.tables("clip")) view.clips.push_back(read_clip(clip));
-  view.lighting = read_lighting(table);
+  view.lighting.lights = read_lights(table);
   view.meshes = read_meshes(table);
-  view.clip_meshes = table.boolean("clip_meshes").value_or(false);
-  if (auto camera = table.table("camera")) view.camera = read_camera_table(*camera);
-  if (const auto size = table.numbers("size")) {
-    if (size->size() != 2 || !is_integer((*size)[0]) || !is_integer((*size)[1])) {
-      table.fail("size", "another list", "two integers [width, height]");
-    }
-    view.width = int((*size)[0]);
-    view.height = int((*size)[1]);
+  if (table.is_string("camera")) {
+    view.camera = read_camera(TomlTable::read(*table.path("camera")));
+  } else if (const auto camera = table.table("camera")) {
+    view.camera = read_camera(*camera);
   }
-  view.sampling.quality = table.string("quality").value_or(view.sampling.quality);
-  view.sampling.step_voxels = table.number("step");
-  view.sampling.classification =
-      table.string("classification").value_or(view.sampling.classification);
-  view.sampling.jitter = table.boolean("jitter").value_or(false);
-  view.deformed = table.boolean("deformed").value_or(true);
-  view.inverse = table.boolean("inverse").value_or(true);
-  view.half_offsets = table.boolean("half_offsets").value_or(false);
   if (view.half_offsets && !view.inverse) {
     table.fail("half_offsets", "half_offsets without inverse", "one of both");
   }
-  view.lattice = table.boolean("lattice").value_or(false);
-  view.picture = read_picture_options(table);
   if (auto slice = table.table("slice")) {
-    view.slice = read_slice(*slice);
+    view.slice.emplace();
+    slice->read(fields(*view.slice));
+    slice->finish();
     refuse_beside_slice(table);
   }
-  if (const auto after = table.integer("after_step")) {
-    if (*after < 0 || *after > steps) {
-      table.fail("after_step", std::to_string(*after), "0 to " + std::to_string(steps));
-    }
-    view.after_step = int(*after);
+  if (view.after_step && *view.after_step > steps) {
+    table.fail("after_step", std::to_string(*view.after_step), "0 to " + std::to_string(steps));
   }
   table.finish();
   return view;
@@ -187,48 +198,6 @@ std::string to_toml(const Camera& camera) {
           "up = " + list(camera.up_lps);
   return text + (perspective ? "fov = " + exact_text(camera.vertical_fov_degrees) + "\n"
                              : "height = " + exact_text(camera.height_mm) + "\n");
-}
-
-CameraChoice read_camera(const std::string& path) {
-  TomlTable table = TomlTable::read(path);
-  return read_camera_table(table);
-}
-
-void choose_transfer(SceneView& view, const std::string& preset_or_path) {
-  view.preset.clear();
-  view.transfer.reset();
-  const std::string ending = ".toml";
-  const std::size_t length = preset_or_path.size();
-  if (length > ending.size() &&
-      preset_or_path.compare(length - ending.size(), ending.size(), ending) == 0) {
-    view.transfer = read_transfer_function(preset_or_path);
-  } else {
-    view.preset = preset_or_path;
-  }
-}
-
-ClipChoice parse_clip_plane(const std::string& option, const std::string& text) {
-  const std::size_t colon = text.find(':');
-  if (colon == std::string::npos) {
-    throw UsageError(
-        to_line({"", option, "'" + text + "'", "a point and a normal X,Y,Z:NX,NY,NZ"}));
-  }
-  ClipChoice choice;
-  choice.clip.region = {
-      {parse_vector(option, text.substr(0, colon)), parse_vector(option, text.substr(colon + 1))}};
-  choice.clip.validate(option);
-  return choice;
-}
-
-ClipChoice parse_clip_box(const std::string& option, const std::string& text) {
-  const std::size_t colon = text.find(':');
-  if (colon == std::string::npos) {
-    throw UsageError(to_line({"", option, "'" + text + "'", "two corners I,J,K:I,J,K"}));
-  }
-  ClipChoice choice;
-  choice.voxel_corners = {parse_vector(option, text.substr(0, colon)),
-                          parse_vector(option, text.substr(colon + 1))};
-  return choice;
 }
 
 std::vector<Clip> resolve_clips(const std::vector<ClipChoice>& choices, const Geometry& geometry) {

@@ -33,12 +33,11 @@ struct ClipChoice {
 
 /// How rays are sampled, as given.
 struct Sampling {
-  std::string quality = "default";
+  Quality quality = Quality::standard;
   std::optional<double> step_voxels;  // instead of the quality's
-  std::string classification = "post";
+  Classification classification = Classification::post;
   bool jitter = false;
 
-  /// Throws InputError as parse_quality, or for another classification.
   void apply_to(RenderSettings& settings) const;
 };
 
@@ -48,12 +47,12 @@ struct SceneView {
   std::string preset;                        // a name; empty: chosen by the densities
   std::optional<TransferFunction> transfer;  // of a file, instead of a preset
   std::vector<ClipChoice> clips;
-  std::vector<OffsetFunction> offset;  // that the body is seen along
+  std::vector<OffsetFunction> path;  // that the body is seen along
   Lighting lighting;
   std::vector<MeshChoice> meshes;
   bool clip_meshes = false;
   CameraChoice camera;
-  int width = 1024, height = 1024;
+  PixelSize size{1024, 1024};
   Sampling sampling;
   bool deformed = true;
   bool inverse = true;        // false: each sample solves for itself where it reads the source
@@ -64,22 +63,15 @@ struct SceneView {
   std::optional<int> after_step;     // 0: before the first; absent: after the last
 };
 
-/// A preset's name or the path of a transfer function (.toml), read at once.
-void choose_transfer(SceneView& view, const std::string& preset_or_path);
-
-/// "X,Y,Z:NX,NY,NZ", a point and a normal in LPS mm that points to what is kept.
-ClipChoice parse_clip_plane(const std::string& option, const std::string& text);
-
-/// "I,J,K:I,J,K", from the middle of one voxel to that of another.
-ClipChoice parse_clip_box(const std::string& option, const std::string& text);
+/// Of a table `clip`, but for its region: a plane or a box.
+Fields fields(Clip& clip);
+/// Of a [[view]], but for its tables: camera, clip, light, mesh, path, slice.
+Fields fields(SceneView& view);
 
 /// A table [[view]] of a scene with that many steps. Throws InputError as TomlTable does.
 SceneView read_view(TomlTable& table, int steps);
 
-/// A camera file: projection, view, or position/target/up with fov or height.
-CameraChoice read_camera(const std::string& path);
-
-/// The file that read_camera() reads as this camera, exactly.
+/// The file of a camera that a view's key `camera` names: the keys of that table.
 std::string to_toml(const Camera& camera);
 
 /// The clips of a view of the volume.

@@ -19,19 +19,17 @@ struct MeshChoice {
   std::string place;  // for errors
   std::string file;
   std::shared_ptr<const TriangleMesh> mesh;
-  std::array<double, 3> rgb = Surface().rgb;
+  Rgb rgb = Surface().rgb;
   double opacity = Surface().opacity;
   bool deform = false;  // given at rest, moves along with the tissue
 };
 
-/// "[camera:]X,Y,Z[:INTENSITY[:#RRGGBB]]", towards the light.
-Light parse_light(const std::string& option, const std::string& text);
-/// "FILE[:#RRGGBB[:OPACITY]]", read at once.
-MeshChoice parse_mesh(const std::string& option, const std::string& text);
-ShadingModel parse_shading(const std::string& name);
-
-/// The keys shading, light, shadows and ambient_occlusion of a view.
-Lighting read_lighting(TomlTable& table);
+/// Shading, shadows and ambient occlusion of a view; `light` is a list of tables.
+Fields fields(Lighting& lighting);
+/// Of a table `light`.
+Fields fields(Light& light);
+/// The key light of a view. Throws InputError.
+std::vector<Light> read_lights(TomlTable& table);
 /// The key mesh of a view.
 std::vector<MeshChoice> read_meshes(TomlTable& table);
 
@@ -39,8 +37,7 @@ std::vector<MeshChoice> read_meshes(TomlTable& table);
 std::vector<Surface> surfaces_of(const std::vector<MeshChoice>& meshes,
                                  const Displacement* displacement);
 
-/// What departs from the default light.
-void describe(const Lighting& lighting, nlohmann::ordered_json& view);
+nlohmann::ordered_json to_json(const Light& light);
 nlohmann::ordered_json to_json(const MeshChoice& choice);
 
 }  // namespace supple::tools

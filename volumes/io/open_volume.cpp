@@ -145,4 +145,15 @@ std::unique_ptr<VolumeFile> open_volume(const std::string& path, const ReadOptio
   return file;
 }
 
+Fields fields(ReadOptions& options) {
+  return {
+      Field("raw", options.raw,
+            "Headerless raw: dims=X,Y,Z,type=int16,spacing=A,B,C[,endian=big][,offset=N]"),
+      Field("frame", options.frame, "One volume of a time series, from 0").at_least(0),
+      Field("channel", options.channel, "One of several values per voxel, from 0").at_least(0),
+      Field("spacing", options.spacing_mm, "Voxel size in mm in place of the file's")
+          .shown_as("A,B,C"),
+  };
+}
+
 }  // namespace supple

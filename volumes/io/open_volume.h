@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "volumes/base/fields.h"
 #include "volumes/base/progress.h"
 #include "volumes/io/format/volume_file.h"
 
@@ -16,6 +17,9 @@ namespace supple {
 /// `progress` hears what the user should know of a file that can be read.
 std::unique_ptr<VolumeFile> open_volume(const std::string& path, const ReadOptions& options = {},
                                         Progress* progress = nullptr);
+
+/// Of a volume that a user names.
+Fields fields(ReadOptions& options);
 
 /// What open_volume opens, or a file of vectors when no channel is chosen.
 std::unique_ptr<VolumeFile> open_scalars_or_vectors(const std::string& path,

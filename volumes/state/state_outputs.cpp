@@ -4,6 +4,13 @@
 
 namespace supple {
 
+Fields fields(GridChoice& choice) {
+  return {
+      Field("grid", choice.file, "Take the output grid from this volume").path(),
+      Field("margin", choice.margin_mm, "Grow the grid on every side").unit("mm").range(0, 1e6),
+  };
+}
+
 Geometry choose_grid(const Geometry& source, const GridChoice& choice) {
   const Geometry grid = choice.file.empty() ? source : open_volume(choice.file)->header().geometry;
   return choice.margin_mm > 0 ? with_margin(grid, choice.margin_mm) : grid;

@@ -15,6 +15,7 @@ struct GridChoice {
   std::string file;
   double margin_mm = 0;
 };
+Fields fields(GridChoice& choice);
 Geometry choose_grid(const Geometry& source, const GridChoice& choice);
 
 VoidMode parse_void_mode(const std::string& name);

@@ -107,4 +107,17 @@ std::string exact_decimal(double value) {
   return {digits, end};
 }
 
+Fields fields(WriteOptions& options) {
+  return {
+      Field("compress", options.compress, "Deflate the values (NRRD, MetaImage, TIFF, HDF5)"),
+  };
+}
+
+Fields vector_fields(WriteOptions& options) {
+  return {
+      Field("intent", options.ras_vectors, {"1007", "1006"},
+            "NIfTI: 1007, vectors in LPS, or 1006, in RAS"),
+  };
+}
+
 }  // namespace supple

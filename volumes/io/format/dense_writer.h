@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "volumes/base/fields.h"
 #include "volumes/base/progress.h"
 #include "volumes/geometry/geometry.h"
 #include "volumes/io/format/volume_file.h"
@@ -28,6 +29,10 @@ struct WriteOptions {
   bool compress = false;     // NRRD gzip, MetaImage zlib, TIFF deflate, HDF5 deflate
   bool ras_vectors = false;  // NIfTI: intent 1006 with vectors in RAS instead of 1007 in LPS
 };
+/// How values are stored.
+Fields fields(WriteOptions& options);
+/// How vectors are.
+Fields vector_fields(WriteOptions& options);
 
 class DenseWriter {
  public:

@@ -1,0 +1,88 @@
+#include "lib/session/journal.h"
+
+#include <nlohmann/json.hpp>
+
+#include "volumes/base/version.h"
+
+namespace supple {
+
+namespace {
+
+nlohmann::ordered_json to_json(const Vec3i& voxel) {
+  return {voxel.x, voxel.y, voxel.z};
+}
+
+nlohmann::ordered_json to_json(const IndexBox& box) {
+  return {box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z};
+}
+
+/// With the voxels themselves, so that the record does not depend on other files.
+nlohmann::ordered_json to_json(const Drag& drag) {
+  nlohmann::ordered_json json;
+  if (drag.label != 0) {
+    json["grab_label"] = drag.label;
+  } else if (const IndexBox* box = drag.region.box()) {
+    if (box->lo == box->hi) {
+      json["grab"] = to_json(box->lo);
+    } else {
+      json["grab_box"] = to_json(*box);
+    }
+  } else {
+    json["name"] = drag.region.name();
+    if (drag.region.points() != nullptr) {
+      for (const Vec3i& voxel : *drag.region.points()) json["voxels"].push_back(to_json(voxel));
+    }
+  }
+  json["by_mm"] = {drag.by_mm.x, drag.by_mm.y, drag.by_mm.z};
+  if (drag.kind == HandleKind::push) json["push"] = true;
+  return json;
+}
+
+/// The settings of a struct that lists its fields.
+template <class Params>
+nlohmann::ordered_json recorded(Params params) {
+  return nlohmann::ordered_json::parse(fields_json(fields(params)));
+}
+
+nlohmann::ordered_json to_json(const StepRecord& record) {
+  nlohmann::ordered_json step;
+  for (const Drag& drag : record.drags) {
+    step["handles"].push_back(to_json(drag));
+  }
+  for (const IndexBox& box : record.fix) {
+    step["fix"].push_back(to_json(box));
+  }
+  if (!record.fix_labels.empty()) step["fix_label"] = record.fix_labels;
+  if (record.release) step["release"] = true;
+  if (record.ball) step["limits"] = "ball";
+  if (record.tightened) step["limits"] = "tighten";
+  for (const CutSurface& surface : record.cuts) {
+    step["cut"].push_back(nlohmann::ordered_json::parse(settings_json(surface)));
+  }
+  if (!record.cuts.empty()) step["cut_links"] = record.cut_links;
+  if (record.relax) {
+    step["relax"] = recorded(*record.relax);
+    if (record.relax->bulk_modulus_kpa == 0) step["relax"].erase("bulk_modulus_kpa");
+  }
+  if (record.springs) {
+    step["springs"] = nlohmann::ordered_json::parse(settings_json(*record.springs));
+  }
+  step["fraction"] = std::to_string(record.report.fraction_numerator) + "/" +
+                     std::to_string(record.report.fraction_denominator);
+  return step;
+}
+
+}  // namespace
+
+std::string journal_json(const std::string& earlier, const std::vector<StepRecord>& records) {
+  nlohmann::ordered_json steps = nlohmann::ordered_json::array();
+  const auto before = nlohmann::ordered_json::parse(earlier, nullptr, false);
+  if (before.is_object() && before.contains("steps")) steps = before["steps"];
+  for (const StepRecord& record : records) steps.push_back(to_json(record));
+  nlohmann::ordered_json json;
+  json["program"] = std::string("supple ") + kVersion;
+  json["steps"] = steps;
+  return json.dump();
+}
+
+}  // namespace supple

@@ -1,0 +1,15 @@
+// What was asked of a body, step by step: the record that its state file carries.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "lib/session/step.h"
+
+namespace supple {
+
+/// One line of JSON: program and steps, those of the journal of an earlier session first (its JSON;
+/// empty: none).
+std::string journal_json(const std::string& earlier, const std::vector<StepRecord>& records);
+
+}  // namespace supple

@@ -1,0 +1,191 @@
+#include "tools/console/field_options.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "tools/console/command.h"
+#include "tools/console/parse.h"
+
+namespace supple::tools {
+
+namespace {
+
+/// Takes the value of an option as TOML.
+using Sink = std::function<void(const Field&, const std::string& toml)>;
+
+std::string dashed(std::string name) {
+  std::replace(name.begin(), name.end(), '_', '-');
+  return name;
+}
+
+std::string option_of(const Field& field, const std::string& prefix) {
+  if (!field.option().empty()) return "--" + field.option();
+  const bool* const* flag = std::get_if<bool*>(&field.target());
+  const bool is_on = flag != nullptr && **flag;
+  return "--" + prefix + (is_on ? "no-" : "") + dashed(field.name());
+}
+
+std::string help_of(const Field& field) {
+  std::string help = field.help();
+  if (std::holds_alternative<bool*>(field.target())) return help;
+  const std::string unit = field.unit();
+  if (unit.find_first_of(" /") != std::string::npos) help += ", in " + unit;
+  const std::string otherwise = field.default_text();
+  return otherwise.empty() ? help : help + " (default: " + otherwise + ")";
+}
+
+double to_number(const std::string& option, const std::string& text) {
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  if (text.empty() || end != text.c_str() + text.size()) {
+    throw UsageError(to_line({"", option, "'" + text + "'", "a number"}));
+  }
+  return value;
+}
+
+std::string number_as_toml(double value) {
+  // A whole number is an integer of TOML, which also stands for a float.
+  return is_integer(value) ? std::to_string((long long)value) : exact_text(value);
+}
+
+/// The text of an option as the TOML of its field. Throws UsageError.
+std::string toml_of(const Field& field, const std::string& option, const std::string& text) {
+  const auto has = [&](auto... values) {
+    return (std::holds_alternative<decltype(values)>(field.target()) || ...);
+  };
+  using Number = double*;
+  using Whole = int*;
+  if (has(Number(), Whole(), static_cast<std::optional<double>*>(nullptr),
+          static_cast<std::optional<int>*>(nullptr))) {
+    return toml_number(option, text);
+  }
+  if (has(static_cast<Vec3d*>(nullptr), static_cast<std::optional<Vec3d>*>(nullptr))) {
+    return toml_numbers(option, text);
+  }
+  if (has(static_cast<NumberPair*>(nullptr), static_cast<std::optional<NumberPair>*>(nullptr),
+          static_cast<PixelSize*>(nullptr))) {
+    return toml_numbers(option, text, 2);
+  }
+  const bool is_list = has(static_cast<std::vector<std::string>*>(nullptr));
+  std::string list;
+  for (const std::string& part : is_list ? split(text, ',') : std::vector<std::string>{text}) {
+    const std::vector<std::string>& names = field.names();
+    if (!names.empty() && std::find(names.begin(), names.end(), part) == names.end()) {
+      throw UsageError(to_line({"", option, "'" + part + "'", field.allowed()}));
+    }
+    list += (list.empty() ? "" : ", ") + toml_string(part);
+  }
+  return is_list ? "[" + list + "]" : list;
+}
+
+void add_option(CLI::App& app, const Field& field, const std::string& option, const Sink& sink) {
+  if (bool* const* flag = std::get_if<bool*>(&field.target())) {
+    const std::string value = **flag ? "false" : "true";
+    app.add_flag_function(
+        option,
+        [=](std::int64_t) { sink(field, value); },
+        help_of(field));
+    return;
+  }
+  CLI::Option* added = app.add_option_function<std::string>(
+      option,
+      [=](const std::string& text) { sink(field, toml_of(field, option, text)); },
+      help_of(field));
+  added->option_text(field.placeholder());
+  if (field.implied().empty()) return;
+  added->expected(0, 1)->default_str(field.implied())->option_text("[" + field.placeholder() + "]");
+}
+
+void add_options(CLI::App& app, const Fields& fields, const std::string& prefix, const Sink& sink) {
+  for (const Field& field : fields) {
+    if (field.is_only_in_scenes()) continue;
+    add_option(app, field, option_of(field, prefix), sink);
+    if (field.former().empty()) continue;
+    const std::string former = "--" + prefix + dashed(field.former());
+    app.add_option_function<std::string>(former, [=](const std::string& text) {
+         sink(field, toml_of(field, former, text));
+       }, "this option is called " + option_of(field, prefix) + " now")->group("");
+  }
+}
+
+/// "step.relax" as the tables of a file are named: "step[1].relax".
+std::string full_table_name(const std::string& table) {
+  const std::size_t dot = std::min(table.find('.'), table.size());
+  const std::string first = table.substr(0, dot);
+  const bool is_listed = first == "step" || first == "view";
+  return (is_listed ? first + "[1]" : first) + table.substr(dot);
+}
+
+std::string heading(const std::string& table) {
+  const bool is_listed = table == "step" || table == "view";
+  return is_listed ? "[[" + table + "]]\n" : "[" + table + "]\n";
+}
+
+}  // namespace
+
+std::string toml_string(const std::string& text) {
+  return json_string(text);
+}
+
+std::string toml_number(const std::string& option, const std::string& text) {
+  return number_as_toml(to_number(option, text));
+}
+
+std::string toml_numbers(const std::string& option, const std::string& text, std::size_t count) {
+  const std::vector<std::string> parts = split(text, ',');
+  if (parts.size() != count) {
+    throw UsageError(
+        to_line({"", option, "'" + text + "'", std::to_string(count) + " numbers, comma-separated"}));
+  }
+  std::string list;
+  for (const std::string& part : parts) {
+    list += (list.empty() ? "[" : ", ") + toml_number(option, part);
+  }
+  return list + "]";
+}
+
+void add_field_options(CLI::App& app, const Fields& fields) {
+  add_options(app, fields, "",
+              [](const Field& field, const std::string& toml) {
+                const std::string& key = field.name();
+                TomlTable::of_options(key + " = " + toml, {{key, option_of(field, "")}})
+                    .read({field});
+              });
+}
+
+void SceneOptions::add(const std::string& table, const Fields& fields, const std::string& prefix) {
+  if (std::find(m_tables.begin(), m_tables.end(), table) == m_tables.end()) {
+    m_tables.push_back(table);
+  }
+  const std::string name = full_table_name(table) + ".";
+  for (const Field& field : fields) {
+    m_names[name + field.name()] = option_of(field, prefix);
+  }
+  add_options(m_app, fields, prefix,
+              [this, table](const Field& field, const std::string& toml) {
+                m_text[table] += field.name() + " = " + toml + "\n";
+              });
+}
+
+void SceneOptions::set(const std::string& table, const std::string& key, const std::string& toml,
+                       const std::string& option) {
+  m_names[full_table_name(table) + "." + key] = option;
+  m_text[table] += key + " = " + toml + "\n";
+}
+
+TomlTable SceneOptions::scene() const {
+  std::string text;
+  for (const std::string& table : m_tables) {
+    const auto holds = [&](const std::string& other) {
+      return other == table || other.compare(0, table.size() + 1, table + ".") == 0;
+    };
+    const bool is_there = std::any_of(m_text.begin(), m_text.end(),
+                                      [&](const auto& given) { return holds(given.first); });
+    if (!is_there) continue;
+    const auto own = m_text.find(table);
+    text += heading(table) + (own == m_text.end() ? "" : own->second);
+  }
+  return TomlTable::of_options(text, m_names);
+}
+
+}  // namespace supple::tools

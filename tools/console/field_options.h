@@ -1,0 +1,56 @@
+// Settings as options of the command line. Their names, help, units and defaults come from the list
+// of fields of each struct (volumes/base/fields.h); their values are read as a scene's are.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "lib/material/toml_table.h"
+#include "volumes/base/fields.h"
+
+namespace supple::tools {
+
+/// Every field as an option that sets it when the command line is parsed: "--" and its name, '-' for
+/// '_'; a flag that is on by default as "--no-" and its name. What the fields refer to must outlive
+/// the parsing.
+void add_field_options(CLI::App& app, const Fields& fields);
+
+/// Options that stand for keys of a scene: what is given becomes a scene, and is read as one.
+class SceneOptions {
+ public:
+  explicit SceneOptions(CLI::App& app) : m_app(app) {}
+  SceneOptions(const SceneOptions&) = delete;
+
+  /// The fields of a table, "volume", "step", "step.relax" …: "--" + prefix + name. A table that
+  /// holds others comes before them.
+  void add(const std::string& table, const Fields& fields, const std::string& prefix = "");
+  /// A key with its value as TOML; `option` stands for it in errors.
+  void set(const std::string& table, const std::string& key, const std::string& toml,
+           const std::string& option);
+  /// Whether the table has anything.
+  bool has(const std::string& table) const { return m_text.count(table) != 0; }
+
+  /// The root of the scene that the options describe.
+  TomlTable scene() const;
+
+ private:
+  CLI::App& m_app;
+  std::vector<std::string> m_tables;           // in the order of the text
+  std::map<std::string, std::string> m_text;   // of each table
+  std::map<std::string, std::string> m_names;  // full name of a key to its option
+};
+
+/// Text as a TOML string.
+std::string toml_string(const std::string& text);
+/// A number as TOML. Throws UsageError naming the option for what is none.
+std::string toml_number(const std::string& option, const std::string& text);
+/// Numbers "A,B,C" as a TOML list. Throws UsageError naming the option for another count of them,
+/// and for what is no number.
+std::string toml_numbers(const std::string& option, const std::string& text, std::size_t count = 3);
+
+}  // namespace supple::tools

@@ -1,0 +1,307 @@
+#include "tools/outputs/scene_run.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <limits>
+
+#include "lib/material/material_file.h"
+#include "tools/outputs/frames.h"
+#include "tools/outputs/output_plan.h"
+#include "tools/scene/run_step.h"
+#include "volumes/grid/brick_topology.h"
+#include "volumes/io/load/load.h"
+#include "volumes/io/open_volume.h"
+#include "volumes/io/warp_file.h"
+#include "volumes/state/state_outputs.h"
+
+namespace supple::tools {
+
+namespace {
+
+/// Voxels of air around the densities above the minimum that a surface needs.
+constexpr int kAirRings = 2;
+
+bool writes_fields(const SceneOutput& output) {
+  return !(output.state.empty() && output.offsets.empty() && output.displacements.empty() &&
+           output.volumes.empty());
+}
+
+/// Whether there is a body to build: something moves, or is written, or a material makes one.
+bool needs_body(const Scene& scene) {
+  if (!scene.steps.empty() || writes_fields(scene.output)) return true;
+  return !is_state_file(scene.volume_path) && (scene.material || !scene.labels_path.empty());
+}
+
+/// Throws InputError where a warp is asked for beside what moves by itself.
+void require_no_warp(const Scene& scene, const std::string& found) {
+  if (scene.warp_path.empty()) return;
+  throw InputError({scene.file, "offsets", found, "a volume alone"});
+}
+
+/// The warp file as offsets of the volume; warns when none of them leads into it.
+OffsetField read_offsets(const std::string& path, const Geometry& source, Console& console) {
+  OffsetField offsets = offsets_from_warp(read_warp(path, &console), source, &console);
+  if (offsets.o.topology.empty()) {
+    console.warn(path + ": no vector leads into the volume, the picture is empty");
+  }
+  return offsets;
+}
+
+}  // namespace
+
+std::string path_in(const std::string& folder, const std::string& name) {
+  return folder.empty() ? name : (std::filesystem::path(folder) / name).string();
+}
+
+void check_scene(const Scene& scene, const std::string& folder, const GlobalOptions& global) {
+  const bool is_file = !scene.file.empty();
+  OutputPlan plan(global, is_file);
+  if (is_file) plan.protect(scene.file);
+  // A command may continue a state in place.
+  if (is_file || !is_state_file(scene.volume_path)) plan.protect(scene.volume_path);
+  for (const std::string& input : {scene.labels_path, scene.material_path, scene.warp_path}) {
+    if (!input.empty()) plan.protect(input);
+  }
+  for (const SceneStep& step : scene.steps) {
+    for (const CutSurface& cut : step.cuts) {
+      if (cut.mesh) plan.protect(cut.place);
+    }
+  }
+  for (const SceneView& view : scene.views) {
+    check_view(view);
+    check_inverse(view, scene.path);
+    plan.add_pictures(view.picture, path_in(folder, view.image));
+  }
+  const SceneOutput& output = scene.output;
+  if (!output.state.empty()) plan.add_state(path_in(folder, output.state));
+  for (const auto* names : {&output.offsets, &output.displacements, &output.volumes}) {
+    for (const std::string& name : *names) plan.add_dense(path_in(folder, name));
+  }
+}
+
+void check_places(const Scene& scene, const Geometry& geometry) {
+  for (const SceneStep& step : scene.steps) check_step(step, geometry);
+  to_path(scene.path, geometry);
+  for (const SceneView& view : scene.views) to_path(view.path, geometry);
+}
+
+SceneRun::SceneRun(const Scene& scene, const std::string& folder, bool tells_reactions,
+                   Console& console)
+    : m_scene(scene), m_folder(folder), m_tells_reactions(tells_reactions), m_console(console) {
+  for (const std::string& line : scene.warnings) console.warn(line);
+  open();
+  check_places(scene, m_state.geometry);
+}
+
+SceneRun::~SceneRun() = default;
+
+void SceneRun::open() {
+  if (needs_body(m_scene)) {
+    require_no_warp(m_scene, "a body that moves by itself");
+    const SessionOptions options{m_scene.material, m_scene.labels_path, m_scene.read};
+    m_session = std::make_unique<Session>(m_scene.volume_path, options, &m_console);
+    m_state.geometry = m_session->geometry();
+    m_grey_lo = m_session->body().material.domain_lo;
+    m_grey_hi = m_session->body().material.domain_hi;
+  } else if (is_state_file(m_scene.volume_path)) {
+    require_no_warp(m_scene, "a state, which has its own");
+    require_unused(m_scene.read, m_scene.volume_path);
+    m_state = read_state(m_scene.volume_path, &m_console);
+    const MaterialTable material = parse_material(m_state.material_toml, m_scene.volume_path);
+    m_grey_lo = material.domain_lo;
+    m_grey_hi = material.domain_hi;
+  } else {
+    open_volume_alone();
+  }
+}
+
+void SceneRun::open_volume_alone() {
+  m_is_volume = true;
+  const auto file = open_volume(m_scene.volume_path, m_scene.read, &m_console);
+  const Geometry& geometry = file->header().geometry;
+  const bool is_slice = std::all_of(m_scene.views.begin(), m_scene.views.end(),
+                                    [](const SceneView& view) { return view.slice.has_value(); });
+  const bool is_lattice =
+      !is_slice && (geometry.dims().z == 1 ||
+                    std::any_of(m_scene.views.begin(), m_scene.views.end(),
+                                [](const SceneView& view) { return view.lattice; }));
+  if (is_lattice) require_no_warp(m_scene, "a lattice to draw");
+  // Before the volume, so that the warp's vectors are gone when its voxels come.
+  m_has_warp = !m_scene.warp_path.empty();
+  if (m_has_warp) m_deformed.offsets = read_offsets(m_scene.warp_path, geometry, m_console);
+  // A lattice shows every voxel; a picture leaves out the air at the file's minimum.
+  const double everything = std::numeric_limits<double>::max();
+  Volume volume = is_lattice
+                      ? load_elements(*file, -everything, everything, 0, 0, &m_console).volume
+                      : load_volume(*file, &m_console);
+  if (volume.statistics.nan_count > 0) {
+    m_console.warn(m_scene.volume_path + ": " + std::to_string(volume.statistics.nan_count) +
+                   " NaN voxels treated as void");
+  }
+  m_grey_lo = volume.statistics.min;
+  m_grey_hi = std::max(volume.statistics.max, volume.statistics.min + 1);
+  m_state.geometry = volume.geometry;
+  m_state.density = std::move(volume.density);
+}
+
+void SceneRun::run() {
+  draw_views(0);
+  for (std::size_t n = 0; n < m_scene.steps.size(); ++n) {
+    run_step(*m_session, m_scene.steps[n], m_tells_reactions, &m_console);
+    draw_views(int(n) + 1);
+  }
+  if (writes_fields(m_scene.output)) seen(last_step());
+  m_pictures.commit();
+  if (!m_scene.file.empty()) {
+    for (const std::string& name : m_scene.outputs()) {
+      std::filesystem::create_directories(std::filesystem::path(path_of(name)).parent_path());
+    }
+  }
+  write_outputs();
+}
+
+const InversionCertificate* SceneRun::certificate() const {
+  return m_inverted_step >= 0 ? &m_deformed.offsets.certificate : nullptr;
+}
+
+/// Whether anything reads the displacement of a state that does not move once it is inverted.
+bool SceneRun::reads_displacement_later() const {
+  const bool is_flat = m_state.geometry.dims().z == 1;  // and drawn as a lattice
+  return m_session || is_flat || !m_scene.path.empty() ||
+         std::any_of(m_scene.views.begin(), m_scene.views.end(), reads_displacement);
+}
+
+void SceneRun::take_state(int step) {
+  if (m_session && m_state_step != step) m_state = m_session->state();
+  m_state_step = step;
+}
+
+/// State and displacement after the present step, computed once and only when something needs
+/// them.
+const Displacement& SceneRun::displacement(int step) {
+  if (m_displaced_step != step) {
+    take_state(step);
+    m_deformed.displacement = extended_displacement_of(m_state);
+    if (!m_session) m_state.q = {};  // nothing else reads the offsets of its elements
+    m_displaced_step = step;
+  }
+  return m_deformed.displacement;
+}
+
+/// With the inverse.
+const Pose& SceneRun::deformed(int step) {
+  displacement(step);
+  if (m_inverted_step != step) {
+    m_deformed.offsets = invert_displacement(m_state, m_deformed.displacement, &m_console);
+    m_inverted_step = step;
+    if (!reads_displacement_later()) m_deformed.displacement.u = {};
+  }
+  return m_deformed;
+}
+
+/// The same as the scene's path shows it.
+const Pose& SceneRun::seen(int step) {
+  if (m_scene.path.empty()) return deformed(step);
+  if (m_seen_step != step) {
+    m_seen = send_along(m_scene.path, deformed(step), m_console);
+    m_seen_step = step;
+  }
+  return *m_seen;
+}
+
+/// The displacement for a view in which samples solve for themselves.
+const Displacement& SceneRun::without_inverse(const SceneView& view, int step) {
+  const Displacement& moved = displacement(step);
+  if (has_open_cuts(m_state, moved)) {
+    throw InputError(
+        {view.place, "inverse", "cuts that have opened", "a body without"});
+  }
+  return moved;
+}
+
+/// What a view shows with its inverse; null: the body at rest. The view gets the path of the scene,
+/// too.
+const Pose* SceneRun::posed_for(SceneView& view, int step) {
+  const bool has_own = !view.path.empty();
+  if (view.deformed) {
+    view.path.insert(view.path.begin(), m_scene.path.begin(), m_scene.path.end());
+    if (!has_own) return &seen(step);
+    m_own = send_along(view.path, deformed(step), m_console);
+    return &*m_own;
+  }
+  take_state(step);
+  if (!has_own) return nullptr;
+  m_own = send_along(view.path, m_state.geometry, m_state.density.bricks(), m_console);
+  return &*m_own;
+}
+
+/// The same of a volume: along the warp and the paths; null: as it is.
+const Pose* SceneRun::posed_volume_for(const SceneView& view) {
+  std::vector<OffsetFunction> path;
+  if (view.deformed) path = m_scene.path;
+  path.insert(path.end(), view.path.begin(), view.path.end());
+  if (path.empty()) return m_has_warp ? &m_deformed : nullptr;
+  if (m_has_warp) {
+    m_own = Pose{{}, send_along(path, m_deformed.offsets, m_console)};
+  } else {
+    const BrickTopology& bricks = m_state.density.bricks();
+    // With the air that pictures of the volume at rest read, too.
+    const BrickTopology body =
+        view.slice ? bricks : dilate_inside(bricks, kAirRings, m_state.geometry.dims());
+    m_own = send_along(path, m_state.geometry, body, m_console);
+  }
+  return &*m_own;
+}
+
+void SceneRun::draw_views(int step) {
+  for (const SceneView& view : m_scene.views) {
+    if (view.after_step.value_or(last_step()) != step) continue;
+    SceneView asked = view;
+    const OffsetField* offsets = nullptr;
+    const Displacement* moved = nullptr;
+    const bool solves = !m_is_volume && view.deformed && !view.inverse;
+    if (solves) {
+      moved = &without_inverse(view, step);
+    } else if (const Pose* pose = m_is_volume ? posed_volume_for(asked) : posed_for(asked, step)) {
+      offsets = &pose->offsets;
+      if (!m_has_warp) moved = &pose->displacement;
+    }
+    const SceneView drawn = effective_view(asked, m_state.geometry, m_state.density.background());
+    if (offsets != nullptr && !reads_displacement(drawn)) moved = nullptr;
+    PictureWriter writer(m_pictures, path_of(view.image), view.picture);
+    const BrickTopology& elements = m_is_volume ? m_state.density.bricks() : m_state.elements;
+    const PosedVolume subject{m_state.geometry,
+                              m_state.density,
+                              elements,
+                              offsets,
+                              moved,
+                              m_grey_lo,
+                              m_grey_hi,
+                              m_is_volume ? kAirRings : 0,
+                              m_is_volume ? nullptr : &m_state.elements};
+    draw_view(subject, drawn, writer, &m_drawn, m_console);
+    m_own.reset();
+  }
+}
+
+void SceneRun::write_outputs() {
+  const SceneOutput& output = m_scene.output;
+  const int last = last_step();
+  if (!output.state.empty()) {
+    const Pose& moved = deformed(last);
+    write_state(path_of(output.state), m_state, moved.offsets, &m_console);
+  }
+  const auto write_warps = [&](const std::vector<std::string>& names, WarpDirection direction) {
+    for (const std::string& name : names) {
+      write_state_warp({path_of(name), direction, VoidMode::nearest, m_state.geometry}, m_state,
+                       seen(last), &m_console);
+    }
+  };
+  write_warps(output.offsets, WarpDirection::resample);
+  write_warps(output.displacements, WarpDirection::material);
+  for (const std::string& name : output.volumes) {
+    write_resampled(path_of(name), m_state, seen(last), m_state.geometry, {}, &m_console);
+  }
+}
+
+}  // namespace supple::tools

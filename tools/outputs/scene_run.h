@@ -1,0 +1,77 @@
+// The one stage that runs a scene, whether a file or the options of a command describe it.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "lib/session/session.h"
+#include "tools/console/console.h"
+#include "tools/outputs/outputs.h"
+#include "tools/pictures/picture_writer.h"
+#include "tools/scene/scene.h"
+
+namespace supple::tools {
+
+/// The files that the scene would write, relative to `folder` (empty: as written), and all that can
+/// be known to fail before a volume is read. Missing folders are no error where the scene is a file.
+/// Throws UsageError or InputError.
+void check_scene(const Scene& scene, const std::string& folder, const GlobalOptions& global);
+
+/// Whether the steps and paths fit the volume. Throws InputError.
+void check_places(const Scene& scene, const Geometry& geometry);
+
+/// The path of an output.
+std::string path_in(const std::string& folder, const std::string& name);
+
+class SceneRun {
+ public:
+  /// Opens what the scene shows: a body where something moves, else a state or a volume alone.
+  /// `tells_reactions`: the records hold what handles feel. Refers to the scene.
+  SceneRun(const Scene& scene, const std::string& folder, bool tells_reactions, Console& console);
+  ~SceneRun();
+
+  /// Solves and draws everything first, so that a scene that fails leaves nothing behind.
+  void run();
+
+  /// The body; null where nothing moves.
+  const Session* session() const { return m_session.get(); }
+  /// Of the last inversion; null where there was none.
+  const InversionCertificate* certificate() const;
+  /// Of all pictures.
+  const RenderReport& drawn() const { return m_drawn; }
+
+ private:
+  void open();
+  void open_volume_alone();
+  int last_step() const { return int(m_scene.steps.size()); }
+  std::string path_of(const std::string& name) const { return path_in(m_folder, name); }
+  bool reads_displacement_later() const;
+  void take_state(int step);
+  const Displacement& displacement(int step);
+  const Pose& deformed(int step);
+  const Pose& seen(int step);
+  const Displacement& without_inverse(const SceneView& view, int step);
+  const Pose* posed_for(SceneView& view, int step);
+  const Pose* posed_volume_for(const SceneView& view);
+  void draw_views(int step);
+  void write_outputs();
+
+  const Scene& m_scene;
+  std::string m_folder;
+  bool m_tells_reactions;
+  Console& m_console;
+  std::unique_ptr<Session> m_session;
+  State m_state;  // of the body after a step, or of the file
+  double m_grey_lo = 0, m_grey_hi = 1;
+  bool m_is_volume = false;  // m_state holds no more than a geometry and densities
+  bool m_has_warp = false;   // which m_deformed holds
+  Pose m_deformed;
+  int m_state_step = -1, m_displaced_step = -1, m_inverted_step = -1, m_seen_step = -1;
+  std::optional<Pose> m_seen;  // as the scene's path shows it
+  std::optional<Pose> m_own;   // as the path of one view does
+  PendingFiles m_pictures;
+  RenderReport m_drawn;
+};
+
+}  // namespace supple::tools

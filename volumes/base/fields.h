@@ -1,0 +1,135 @@
+// One list per table of settings. A struct of settings names its fields once, in a function
+// `fields`: scene files, the command line, records of what was done and the tables of the
+// documentation read that list.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "volumes/base/vec.h"
+
+namespace supple {
+
+/// Red, green and blue, 0 to 1; written "#RRGGBB".
+using Rgb = std::array<double, 3>;
+/// Two numbers, the first below the second where the setting wants it so.
+using NumberPair = std::pair<double, double>;
+/// Width and height.
+using PixelSize = std::array<int, 2>;
+
+std::string colour_text(const Rgb& rgb);
+/// None for what is not "#RRGGBB".
+std::optional<Rgb> parse_colour(const std::string& text);
+
+/// One setting: its name, where its value is kept, what it means and what it may be.
+class Field {
+ public:
+  /// An enumeration as its names, in the order of the enumerators from 0.
+  struct Names {
+    std::vector<std::string> names;
+    std::function<int()> get;
+    std::function<void(int)> set;
+  };
+  using Target =
+      std::variant<bool*, int*, std::optional<int>*, double*, std::optional<double>*, std::string*,
+                   Vec3d*, std::optional<Vec3d>*, NumberPair*, std::optional<NumberPair>*,
+                   PixelSize*, Rgb*, std::vector<std::string>*, Names>;
+
+  /// `help`: one line, without a full stop. The value must outlive the field.
+  template <class Value>
+  Field(const char* name, Value& value, const char* help)
+      : m_name(name), m_help(help), m_target(&value) {}
+  template <class Enum>
+  Field(const char* name, Enum& value, std::vector<std::string> names, const char* help)
+      : m_name(name),
+        m_help(help),
+        m_target(Names{std::move(names), [&value] { return int(value); },
+                       [&value](int index) { value = Enum(index); }}) {}
+
+  Field& unit(const char* text) { return m_unit = text, *this; }
+  /// Both ends are allowed; for every component of a vector.
+  Field& range(double lo, double hi) { return m_lo = lo, m_hi = hi, *this; }
+  Field& at_least(double lo) { return m_lo = lo, *this; }
+  /// Above 0.
+  Field& positive() { return m_lo = 0, m_is_open = true, *this; }
+  /// The name in records, which say the unit.
+  Field& recorded_as(const char* name) { return m_record = name, *this; }
+  /// Must be given.
+  Field& required() { return m_is_required = true, *this; }
+  /// The path of an input: in a file, relative ones start at its folder.
+  Field& path() { return m_is_path = true, *this; }
+  /// The names that a string may have.
+  Field& one_of(std::vector<std::string> names) { return m_names = std::move(names), *this; }
+  /// The name on the command line, without dashes, where it is not the prefix of the table and the
+  /// name.
+  Field& option(const char* name) { return m_option = name, *this; }
+  /// Not an option of its own on the command line.
+  Field& only_in_scenes() { return m_is_only_in_scenes = true, *this; }
+  /// What stands for the value in a help text.
+  Field& shown_as(const char* placeholder) { return m_placeholder = placeholder, *this; }
+  /// Says what holds where the setting is left out and its default does not; empty: nothing.
+  Field& otherwise(std::string text) { return m_otherwise = std::move(text), *this; }
+  /// The value of an option that is given without one.
+  Field& implying(const char* value) { return m_implied = value, *this; }
+  /// The name in earlier versions, which is still read, with a warning.
+  Field& formerly(const char* name) { return m_former = name, *this; }
+
+  const std::string& name() const { return m_name; }
+  const std::string& help() const { return m_help; }
+  const std::string& unit() const { return m_unit; }
+  const std::string& record() const { return m_record.empty() ? m_name : m_record; }
+  const std::string& option() const { return m_option; }
+  const std::string& former() const { return m_former; }
+  const std::string& implied() const { return m_implied; }
+  bool is_required() const { return m_is_required; }
+  bool is_only_in_scenes() const { return m_is_only_in_scenes; }
+  bool is_path() const { return m_is_path; }
+  const Target& target() const { return m_target; }
+  /// The names that it may have; empty: anything.
+  const std::vector<std::string>& names() const;
+
+  /// Whether the number may be the value, or a component of it.
+  bool allows(double value) const;
+  /// "0 to 40 mm", "a positive number of mm", "one of a, b and c"; empty: anything of its kind.
+  std::string allowed() const;
+  /// "N", "X,Y,Z", "MM", "a|b|c": on the command line.
+  std::string placeholder() const;
+  /// The present value as one reads it; empty where there is none.
+  std::string text() const;
+  /// The present value as JSON; empty where there is none.
+  std::string json() const;
+  /// What holds where the setting is left out, for help and documentation; empty: nothing.
+  std::string default_text() const;
+
+ private:
+  std::string m_name, m_help, m_unit, m_option, m_former, m_placeholder, m_implied, m_record;
+  Target m_target;
+  std::optional<std::string> m_otherwise;
+  std::vector<std::string> m_names;
+  double m_lo = -std::numeric_limits<double>::infinity();
+  double m_hi = std::numeric_limits<double>::infinity();
+  bool m_is_open = false, m_is_required = false, m_is_path = false, m_is_only_in_scenes = false;
+};
+
+using Fields = std::vector<Field>;
+
+/// All values as one object of JSON by the names of records. What is absent is left out, and what
+/// is the same in `plain`, the fields of the same struct.
+std::string fields_json(const Fields& fields, const Fields& plain = {});
+
+/// Text as a string of JSON, and of TOML.
+std::string json_string(const std::string& text);
+
+/// "a, b and c".
+std::string listed(const std::vector<std::string>& names, const char* last = "and");
+
+/// The fewest digits that read back as the same number.
+std::string exact_text(double value);
+
+}  // namespace supple
