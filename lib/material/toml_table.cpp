@@ -82,7 +82,8 @@ TomlTable::TomlTable(std::shared_ptr<const toml::table> table, std::shared_ptr<F
     : m_table(std::move(table)), m_file_data(std::move(file)), m_name(std::move(name)) {}
 
 TomlTable TomlTable::below(const toml::node& node, std::string name) const {
-  return {std::shared_ptr<const toml::table>(m_table, node.as_table()), m_file_data, std::move(name)};
+  return {std::shared_ptr<const toml::table>(m_table, node.as_table()), m_file_data,
+          std::move(name)};
 }
 
 void TomlTable::take_warnings(const TomlTable& other) {

@@ -76,12 +76,18 @@ SpringRecord move_by_springs(const SpringStep& step, const HeldBody& held,
 Fields fields(SpringStep& step) {
   MotionParams& motion = step.motion;
   return {
-      Field("minimise", motion.minimise, "To the minimum of the energy instead of for a time"),
-      Field("time", step.time_s, "How long").unit("s").positive().recorded_as("time_s"),
-      Field("step", motion.step_s, "Time step").unit("s").positive().recorded_as("step_s"),
+      Field("minimise", motion.minimise, "To the minimum of the energy, without time"),
+      Field("time", step.time_s, "How long the body moves; handles move evenly")
+          .unit("s")
+          .positive()
+          .recorded_as("time_s"),
+      Field("step", motion.step_s, "The longest step of time")
+          .unit("s")
+          .positive()
+          .recorded_as("step_s"),
       Field("integrator", motion.method, spring_method_names(), "Integrator of the motion")
           .otherwise("implicit; with contact xpbd"),
-      Field("mass_damping", step.mass_damping_per_s, "Damping by mass")
+      Field("mass_damping", step.mass_damping_per_s, "Rayleigh's alpha")
           .unit("1/s")
           .at_least(0)
           .recorded_as("mass_damping_per_s"),
@@ -94,17 +100,20 @@ Fields fields(SpringStep& step) {
       Field("gravity", motion.gravity_m_s2, "Acceleration in LPS")
           .unit("m/s²")
           .recorded_as("gravity_m_s2"),
-      Field("structural", step.structural_n_m, "Stiffness of springs along edges, not the material's")
+      Field("structural", step.structural_n_m, "Stiffness of all springs along edges")
           .unit("N/m")
           .at_least(0)
+          .otherwise("the material's; 0 beside another stiffness")
           .recorded_as("structural_n_m"),
-      Field("shear", step.shear_n_m, "Of springs across faces and cells")
+      Field("shear", step.shear_n_m, "The same of springs across faces and cells")
           .unit("N/m")
           .at_least(0)
+          .otherwise("the same")
           .recorded_as("shear_n_m"),
-      Field("bending", step.bending_n_m, "Of springs over two edges")
+      Field("bending", step.bending_n_m, "The same of springs over two edges")
           .unit("N/m")
           .at_least(0)
+          .otherwise("the same")
           .recorded_as("bending_n_m"),
   };
 }

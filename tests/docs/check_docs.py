@@ -6,12 +6,14 @@ paths     folders and files in backticks that look like paths of the repository 
 commands  lines `supple ...` in sh blocks use a subcommand and options that it has
 samples   cpp blocks are taken from examples/: the line before says <!-- sample: FILE NAME -->, and the
           block is what stands between the two lines `// [NAME]` of that file
+keys      the table after a line <!-- keys: TABLE --> is what `supple keys TABLE --markdown` prints;
+          with --write it is put there
 runs      sh blocks after a line <!-- run --> end with exit code 0 in a temporary folder
 
 One line per finding, `file:line: found X, expected Y`; exit code 1 if there are any. The program is
 the one that SUPPLE_BINARY names; without it, commands and runs are left out.
 
-  check_docs.py [FOLDER]      FOLDER: root of the repository, default SUPPLE_SOURCE_DIR or ../..
+  check_docs.py [--write] [FOLDER]      FOLDER: root of the repository, default SUPPLE_SOURCE_DIR or ../..
 """
 import glob
 import os
@@ -281,6 +283,29 @@ def check_command(page, line, words, program, findings):
                          "one that its --help lists")
 
 
+def check_keys(root, page, binary, writes, findings):
+    lines = page.lines
+    for n in range(len(lines) - 1, -1, -1):
+        mark = re.fullmatch(r"<!-- keys: (\w+) -->", lines[n].strip())
+        if not mark or page.code[n]:
+            continue
+        printed = subprocess.run([binary, "keys", mark[1], "--markdown"], stdout=subprocess.PIPE,
+                                 stderr=subprocess.STDOUT, universal_newlines=True)
+        wanted = printed.stdout.rstrip("\n").split("\n")
+        end = n + 1
+        while end < len(lines) and lines[end].startswith("|"):
+            end += 1
+        if lines[n + 1:end] == wanted:
+            continue
+        if not writes:
+            findings.add(page.file, n + 1, "another table",
+                         f"what supple keys {mark[1]} --markdown prints (check_docs.py --write)")
+            continue
+        lines[n + 1:end] = wanted
+        with open(os.path.join(root, page.file), "w", encoding="utf-8") as stream:
+            stream.write("\n".join(lines))
+
+
 def run_blocks(root, page, binary, findings):
     """In an empty folder with a copy of docs/, where the block names it, and with build/data."""
     programs = os.path.dirname(binary)
@@ -325,7 +350,7 @@ def missing_input(root, programs, text):
     return None
 
 
-def check(root, binary):
+def check(root, binary, writes=False):
     findings = Findings()
     pages = {file: Page(root, file) for file in markdown_files(root)}
     check_links(root, pages, findings)
@@ -338,6 +363,7 @@ def check(root, binary):
             if page.file in ("README.md", "CONTRIBUTING.md") or page.file.startswith("docs" + os.sep):
                 check_commands(page, program, findings)
                 run_blocks(root, page, binary, findings)
+                check_keys(root, page, binary, writes, findings)
     else:
         print("SUPPLE_BINARY is not set: commands are not checked")
     return findings.lines
@@ -345,10 +371,13 @@ def check(root, binary):
 
 def main():
     here = os.path.dirname(os.path.abspath(__file__))
-    root = sys.argv[1] if len(sys.argv) > 1 else os.environ.get("SUPPLE_SOURCE_DIR",
+    writes = "--write" in sys.argv[1:]
+    arguments = [argument for argument in sys.argv[1:] if argument != "--write"]
+    root = arguments[0] if arguments else os.environ.get("SUPPLE_SOURCE_DIR",
                                                                 os.path.join(here, "..", ".."))
     binary = os.environ.get("SUPPLE_BINARY", "")
-    lines = check(os.path.abspath(root), os.path.abspath(binary) if binary else "")
+    lines = check(os.path.abspath(root), os.path.abspath(binary) if binary else "",
+                  writes)
     for line in lines:
         print(line)
     print(f"{len(lines)} findings")

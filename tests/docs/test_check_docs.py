@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Every check of check_docs.py finds what it is for, and says nothing of a page that is right."""
 import os
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -48,6 +49,14 @@ class Checks(unittest.TestCase):
                      "supple --none info a"):
             self.expect("```sh\n" + line + "\n```", "docs/page.md:2: found option --none", BINARY)
         self.expect("```sh\nsupple info 'a\n```", "docs/page.md:2: found quotes", BINARY)
+
+    @unittest.skipUnless(BINARY, "SUPPLE_BINARY is not set")
+    def test_keys(self):
+        table = subprocess.run([BINARY, "keys", "relax", "--markdown"], stdout=subprocess.PIPE,
+                               universal_newlines=True, check=True).stdout
+        self.assertEqual(self.findings("<!-- keys: relax -->\n" + table + "\nmore\n", BINARY), [])
+        self.expect("one\n<!-- keys: relax -->\n" + table.replace("passes", "times"),
+                    "docs/page.md:2: found another table", BINARY)
 
     @unittest.skipUnless(BINARY, "SUPPLE_BINARY is not set")
     def test_runs(self):

@@ -66,8 +66,8 @@ TEST_F(UnitOffsetFunctions, FunctionsOfASceneComeBeforeThoseOfAView) {
   write_text(m_folder / "scene.toml", "path = " + m_open + "\n" + m_head + m_view +
                                           "\"split.png\"\npath = " + m_twist + "\n");
   ASSERT_EQ(run_supple({"run", m_folder / "scene.toml", "-o", m_folder / "out"}).exit_code, 0);
-  ASSERT_EQ(run_scene(m_view + "\"both.png\"\npath = [" + m_open + ", " + m_twist + "]\n" +
-                      m_view + "\"turned.png\"\npath = [" + m_twist + ", " + m_open + "]\n")
+  ASSERT_EQ(run_scene(m_view + "\"both.png\"\npath = [" + m_open + ", " + m_twist + "]\n" + m_view +
+                      "\"turned.png\"\npath = [" + m_twist + ", " + m_open + "]\n")
                 .exit_code,
             0);
   EXPECT_EQ(image("out/split.png").rgba, image("out/both.png").rgba);
@@ -82,8 +82,7 @@ TEST_F(UnitOffsetFunctions, FunctionsThatMoveNothingChangeNoBit) {
              "{ function = \"explode\", grid = [2, 2, 2], gap = 0 }]\n");
   ASSERT_EQ(render(m_folder / "ball.nhdr", "plain.png").exit_code, 0);
   ASSERT_EQ(
-      render(m_folder / "ball.nhdr", "none.png", {"--path", m_folder / "none.toml"}).exit_code,
-      0);
+      render(m_folder / "ball.nhdr", "none.png", {"--path", m_folder / "none.toml"}).exit_code, 0);
   EXPECT_EQ(image("plain.png").rgba, image("none.png").rgba);
 }
 

@@ -123,7 +123,8 @@ TEST_F(UnitRelax, AStepOfASceneRelaxesWhatEarlierOnesHold) {
       0);
   const State scene = read_state(m_folder / "scene.vdb");
   EXPECT_EQ(scene.q, read_state(m_folder / "out.vdb").q);
-  EXPECT_NE(scene.configuration.find("\"relax\":{\"passes\":40,\"method\":\"red-black\",\"tolerance_voxels\":1e-06}"),
+  EXPECT_NE(scene.configuration.find(
+                "\"relax\":{\"passes\":40,\"method\":\"red-black\",\"tolerance_voxels\":1e-06}"),
             std::string::npos)
       << scene.configuration;
 }

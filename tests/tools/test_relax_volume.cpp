@@ -105,5 +105,6 @@ TEST_F(FaultRelaxVolume, BadModuliAndMethodsAreRefused) {
       << negative.err;
   const Outcome plain = scene("{ bulk_modulus = 1, method = \"plain\" }");
   EXPECT_EQ(plain.exit_code, 3);
-  EXPECT_NE(plain.err.find("relax.bulk_modulus: found method \"plain\""), std::string::npos) << plain.err;
+  EXPECT_NE(plain.err.find("relax.bulk_modulus: found method \"plain\""), std::string::npos)
+      << plain.err;
 }

@@ -71,8 +71,7 @@ TEST_F(UnitScene, WrongValuesNameTheKeyAndWhatIsExpected) {
   expect_refused("[[view]]\nimage = \"a.png\"\n", {"volume"});
   expect_refused(m_head + "[[view]]\nimage = 3\n", {"view[1].image", "a string"});
   expect_refused(m_head + "[[view]]\nimage = \"a.png\"\npreset = \"CT-Wood\"\n", {"CT-Wood"});
-  expect_refused(m_head + "[[view]]\nimage = \"a.png\"\nsize = [0, 9]\n",
-                 {"scene.toml:7", "size"});
+  expect_refused(m_head + "[[view]]\nimage = \"a.png\"\nsize = [0, 9]\n", {"scene.toml:7", "size"});
   expect_refused(m_head + "[[view]]\nimage = \"a.png\"\nstep = 0.0\n", {"scene.toml:7", "step"});
   expect_refused(m_head + "[[view]]\nimage = \"a.png\"\ncamera = { view = \"lft\" }\n",
                  {"scene.toml:7", "view[1].camera.view", "left"});

@@ -257,9 +257,10 @@ Command add_deform(CLI::App& program) {
   app->add_option("--fix", options->fixes, "Voxel, box, label or points that stay where they are")
       ->allow_extra_args(false)
       ->option_text("I,J,K[:I,J,K]|FILE.csv|label:N");
-  app->add_option("--cut", options->cuts,
-                  "Cut the body at rest along a surface in LPS mm (.stl, .ply, .obj), around a label, "
-                  "or as a table of a scene says, such as {plane = {…}}; repeatable")
+  app->add_option(
+         "--cut", options->cuts,
+         "Cut the body at rest along a surface in LPS mm (.stl, .ply, .obj), around a label, "
+         "or as a table of a scene says, such as {plane = {…}}; repeatable")
       ->allow_extra_args(false)
       ->option_text("MESH|label:N|TABLE");
   app->add_flag("--push", options->push,

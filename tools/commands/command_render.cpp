@@ -28,7 +28,8 @@ struct RenderOptions {
 std::pair<std::string, std::string> halves(const std::string& option, const std::string& text,
                                            const char* expected) {
   const std::size_t colon = text.find(':');
-  if (colon == std::string::npos) throw UsageError(to_line({"", option, "'" + text + "'", expected}));
+  if (colon == std::string::npos)
+    throw UsageError(to_line({"", option, "'" + text + "'", expected}));
   return {text.substr(0, colon), text.substr(colon + 1)};
 }
 
@@ -50,7 +51,8 @@ std::string clip_tables(const RenderOptions& options) {
 }
 
 std::string toml_colour(const std::string& option, const std::string& text) {
-  if (!parse_colour(text)) throw UsageError(to_line({"", option, "'" + text + "'", "a colour #RRGGBB"}));
+  if (!parse_colour(text))
+    throw UsageError(to_line({"", option, "'" + text + "'", "a colour #RRGGBB"}));
   return toml_string(text);
 }
 
@@ -60,8 +62,8 @@ std::string light_table(const std::string& text) {
   const bool is_of_camera = parts.front() == "camera";
   if (is_of_camera) parts.erase(parts.begin());
   if (parts.empty() || parts.size() > 3) {
-    throw UsageError(to_line(
-        {"", "--light", "'" + text + "'", "[camera:]X,Y,Z[:INTENSITY[:#RRGGBB]]"}));
+    throw UsageError(
+        to_line({"", "--light", "'" + text + "'", "[camera:]X,Y,Z[:INTENSITY[:#RRGGBB]]"}));
   }
   std::string table = "{ direction = " + toml_numbers("--light", parts[0]);
   if (is_of_camera) table += ", frame = \"camera\"";

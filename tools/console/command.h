@@ -34,6 +34,7 @@ Command add_convert(CLI::App& program);
 Command add_deform(CLI::App& program);
 Command add_export(CLI::App& program);
 Command add_invert(CLI::App& program);
+Command add_keys(CLI::App& program);
 Command add_metrics(CLI::App& program);
 Command add_resample(CLI::App& program);
 Command add_apply(CLI::App& program);

@@ -18,13 +18,6 @@ std::string dashed(std::string name) {
   return name;
 }
 
-std::string option_of(const Field& field, const std::string& prefix) {
-  if (!field.option().empty()) return "--" + field.option();
-  const bool* const* flag = std::get_if<bool*>(&field.target());
-  const bool is_on = flag != nullptr && **flag;
-  return "--" + prefix + (is_on ? "no-" : "") + dashed(field.name());
-}
-
 std::string help_of(const Field& field) {
   std::string help = field.help();
   if (std::holds_alternative<bool*>(field.target())) return help;
@@ -82,14 +75,11 @@ void add_option(CLI::App& app, const Field& field, const std::string& option, co
   if (bool* const* flag = std::get_if<bool*>(&field.target())) {
     const std::string value = **flag ? "false" : "true";
     app.add_flag_function(
-        option,
-        [=](std::int64_t) { sink(field, value); },
-        help_of(field));
+        option, [=](std::int64_t) { sink(field, value); }, help_of(field));
     return;
   }
   CLI::Option* added = app.add_option_function<std::string>(
-      option,
-      [=](const std::string& text) { sink(field, toml_of(field, option, text)); },
+      option, [=](const std::string& text) { sink(field, toml_of(field, option, text)); },
       help_of(field));
   added->option_text(field.placeholder());
   if (field.implied().empty()) return;
@@ -99,12 +89,13 @@ void add_option(CLI::App& app, const Field& field, const std::string& option, co
 void add_options(CLI::App& app, const Fields& fields, const std::string& prefix, const Sink& sink) {
   for (const Field& field : fields) {
     if (field.is_only_in_scenes()) continue;
-    add_option(app, field, option_of(field, prefix), sink);
+    add_option(app, field, option_name(field, prefix), sink);
     if (field.former().empty()) continue;
     const std::string former = "--" + prefix + dashed(field.former());
-    app.add_option_function<std::string>(former, [=](const std::string& text) {
-         sink(field, toml_of(field, former, text));
-       }, "this option is called " + option_of(field, prefix) + " now")->group("");
+    app.add_option_function<std::string>(
+           former, [=](const std::string& text) { sink(field, toml_of(field, former, text)); },
+           "this option is called " + option_name(field, prefix) + " now")
+        ->group("");
   }
 }
 
@@ -123,6 +114,13 @@ std::string heading(const std::string& table) {
 
 }  // namespace
 
+std::string option_name(const Field& field, const std::string& prefix) {
+  if (!field.option().empty()) return "--" + field.option();
+  const bool* const* flag = std::get_if<bool*>(&field.target());
+  const bool is_on = flag != nullptr && **flag;
+  return "--" + prefix + (is_on ? "no-" : "") + dashed(field.name());
+}
+
 std::string toml_string(const std::string& text) {
   return json_string(text);
 }
@@ -134,8 +132,8 @@ std::string toml_number(const std::string& option, const std::string& text) {
 std::string toml_numbers(const std::string& option, const std::string& text, std::size_t count) {
   const std::vector<std::string> parts = split(text, ',');
   if (parts.size() != count) {
-    throw UsageError(
-        to_line({"", option, "'" + text + "'", std::to_string(count) + " numbers, comma-separated"}));
+    throw UsageError(to_line(
+        {"", option, "'" + text + "'", std::to_string(count) + " numbers, comma-separated"}));
   }
   std::string list;
   for (const std::string& part : parts) {
@@ -145,12 +143,10 @@ std::string toml_numbers(const std::string& option, const std::string& text, std
 }
 
 void add_field_options(CLI::App& app, const Fields& fields) {
-  add_options(app, fields, "",
-              [](const Field& field, const std::string& toml) {
-                const std::string& key = field.name();
-                TomlTable::of_options(key + " = " + toml, {{key, option_of(field, "")}})
-                    .read({field});
-              });
+  add_options(app, fields, "", [](const Field& field, const std::string& toml) {
+    const std::string& key = field.name();
+    TomlTable::of_options(key + " = " + toml, {{key, option_name(field, "")}}).read({field});
+  });
 }
 
 void SceneOptions::add(const std::string& table, const Fields& fields, const std::string& prefix) {
@@ -159,16 +155,20 @@ void SceneOptions::add(const std::string& table, const Fields& fields, const std
   }
   const std::string name = full_table_name(table) + ".";
   for (const Field& field : fields) {
-    m_names[name + field.name()] = option_of(field, prefix);
+    m_names[name + field.name()] = option_name(field, prefix);
   }
-  add_options(m_app, fields, prefix,
-              [this, table](const Field& field, const std::string& toml) {
-                m_text[table] += field.name() + " = " + toml + "\n";
-              });
+  add_options(m_app, fields, prefix, [this, table](const Field& field, const std::string& toml) {
+    m_text[table] += field.name() + " = " + toml + "\n";
+  });
 }
 
 void SceneOptions::set(const std::string& table, const std::string& key, const std::string& toml,
                        const std::string& option) {
+  try {
+    TomlTable::parse(key + " = " + toml, option);
+  } catch (const InputError& error) {
+    throw UsageError(error.what());
+  }
   m_names[full_table_name(table) + "." + key] = option;
   m_text[table] += key + " = " + toml + "\n";
 }

@@ -15,9 +15,13 @@
 
 namespace supple::tools {
 
-/// Every field as an option that sets it when the command line is parsed: "--" and its name, '-' for
-/// '_'; a flag that is on by default as "--no-" and its name. What the fields refer to must outlive
-/// the parsing.
+/// The option of a field: "--" + prefix + its name with '-' for '_'; of a flag that is on by
+/// default
+/// "--no-" and so on.
+std::string option_name(const Field& field, const std::string& prefix = "");
+
+/// Every field as an option that sets it when the command line is parsed. What the fields refer to
+/// must outlive the parsing.
 void add_field_options(CLI::App& app, const Fields& fields);
 
 /// Options that stand for keys of a scene: what is given becomes a scene, and is read as one.
@@ -29,7 +33,8 @@ class SceneOptions {
   /// The fields of a table, "volume", "step", "step.relax" …: "--" + prefix + name. A table that
   /// holds others comes before them.
   void add(const std::string& table, const Fields& fields, const std::string& prefix = "");
-  /// A key with its value as TOML; `option` stands for it in errors.
+  /// A key with its value as TOML; `option` stands for it in errors. Throws UsageError for what is
+  /// no TOML.
   void set(const std::string& table, const std::string& key, const std::string& toml,
            const std::string& option);
   /// Whether the table has anything.

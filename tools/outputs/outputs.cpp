@@ -204,12 +204,10 @@ std::string describe_view(const SceneView& view, const nlohmann::ordered_json& m
     return projection == Projection::perspective ? "perspective" : "orthographic";
   };
   if (const auto& camera = view.camera.camera) {
-    json["camera"] = {{"projection", name_of(camera->projection)},
-                      {"position", to_json(camera->position_lps_mm)},
-                      {"target", to_json(camera->target_lps_mm)},
-                      {"up", to_json(camera->up_lps)},
-                      {"fov", camera->vertical_fov_degrees},
-                      {"height", camera->height_mm}};
+    json["camera"] = {
+        {"projection", name_of(camera->projection)}, {"position", to_json(camera->position_lps_mm)},
+        {"target", to_json(camera->target_lps_mm)},  {"up", to_json(camera->up_lps)},
+        {"fov", camera->vertical_fov_degrees},       {"height", camera->height_mm}};
   } else {
     json["camera"] = {{"projection", name_of(view.camera.projection)}, {"view", view.camera.view}};
   }

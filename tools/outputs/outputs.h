@@ -22,10 +22,10 @@ struct PosedVolume {
   const Geometry& geometry;
   const DensityGrid& density;
   const BrickTopology& elements;
-  const OffsetField* offsets;        // null: samples solve for themselves where u is known
-  const Displacement* displacement;  // u; null: at rest, or not known
-  double grey_lo, grey_hi;           // of the lattice
-  int air_rings = 0;                 // see Renderer; 0 for a state, which keeps its shell
+  const OffsetField* offsets;               // null: samples solve for themselves where u is known
+  const Displacement* displacement;         // u; null: at rest, or not known
+  double grey_lo, grey_hi;                  // of the lattice
+  int air_rings = 0;                        // see Renderer; 0 for a state, which keeps its shell
   const BrickTopology* outlined = nullptr;  // in slices; null: nothing
 };
 /// The camera of an effective view, marched or drawn as a lattice.

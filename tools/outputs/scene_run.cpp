@@ -122,9 +122,9 @@ void SceneRun::open_volume_alone() {
   const bool is_slice = std::all_of(m_scene.views.begin(), m_scene.views.end(),
                                     [](const SceneView& view) { return view.slice.has_value(); });
   const bool is_lattice =
-      !is_slice && (geometry.dims().z == 1 ||
-                    std::any_of(m_scene.views.begin(), m_scene.views.end(),
-                                [](const SceneView& view) { return view.lattice; }));
+      !is_slice &&
+      (geometry.dims().z == 1 || std::any_of(m_scene.views.begin(), m_scene.views.end(),
+                                             [](const SceneView& view) { return view.lattice; }));
   if (is_lattice) require_no_warp(m_scene, "a lattice to draw");
   // Before the volume, so that the warp's vectors are gone when its voxels come.
   m_has_warp = !m_scene.warp_path.empty();
@@ -213,8 +213,7 @@ const Pose& SceneRun::seen(int step) {
 const Displacement& SceneRun::without_inverse(const SceneView& view, int step) {
   const Displacement& moved = displacement(step);
   if (has_open_cuts(m_state, moved)) {
-    throw InputError(
-        {view.place, "inverse", "cuts that have opened", "a body without"});
+    throw InputError({view.place, "inverse", "cuts that have opened", "a body without"});
   }
   return moved;
 }

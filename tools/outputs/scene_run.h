@@ -14,8 +14,8 @@
 namespace supple::tools {
 
 /// The files that the scene would write, relative to `folder` (empty: as written), and all that can
-/// be known to fail before a volume is read. Missing folders are no error where the scene is a file.
-/// Throws UsageError or InputError.
+/// be known to fail before a volume is read. Missing folders are no error where the scene is a
+/// file. Throws UsageError or InputError.
 void check_scene(const Scene& scene, const std::string& folder, const GlobalOptions& global);
 
 /// Whether the steps and paths fit the volume. Throws InputError.

@@ -138,7 +138,11 @@ RelaxParams read_relax(TomlTable& table) {
 std::optional<SpringStep> read_springs(TomlTable& table, bool has_springs) {
   auto springs = table.table("springs");
   if (!has_springs) {
-    if (springs) table.fail("springs", "springs without their model", "model = \"springs\"");
+    if (springs) {
+      const std::vector<std::string> keys = springs->keys();
+      springs->fail(keys.empty() ? "" : keys.front(), "springs without their model",
+                    "model = \"springs\"");
+    }
     return std::nullopt;
   }
   for (const char* key : {"relax", "limits"}) {

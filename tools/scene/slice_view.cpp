@@ -94,7 +94,7 @@ Fields fields(SliceChoice& choice) {
           .shown_as("LO,HI")
           .otherwise("soft tissue with HU, else all"),
       Field("scale", choice.scale, "Pixels per voxel of the smallest spacing").range(0.01, 64),
-      Field("outline", choice.outline, "The outline of the body at rest"),
+      Field("outline", choice.outline, "Without the outline of the body at rest"),
   };
 }
 

@@ -10,34 +10,39 @@ namespace supple::tools {
 
 namespace {
 
-Vec3d point_of(TomlTable& table, const char* key) {
-  return table.require(table.vector(key), key, "[x, y, z] in LPS mm");
+Field point_field(const char* key, Vec3d& point) {
+  return Field(key, point, "[x, y, z] in LPS mm").required();
 }
 
-double radius_of(TomlTable& table) {
-  return table.require(table.positive("radius", "mm"), "radius", "a number of mm");
+Field radius_field(double& radius_mm) {
+  return Field("radius", radius_mm, "a number of mm").unit("mm").positive().required();
 }
 
 Shape read_sphere(TomlTable& table) {
-  return SphereShape{point_of(table, "centre"), radius_of(table)};
+  SphereShape sphere{};
+  table.read({point_field("centre", sphere.centre_mm), radius_field(sphere.radius_mm)});
+  return sphere;
 }
 
 Shape read_plane_shape(TomlTable& table) {
-  const Vec3d point = point_of(table, "point"), normal = point_of(table, "normal");
-  if (normal == Vec3d(0)) table.fail("normal", "[0, 0, 0]", "a direction");
-  return PlaneShape{point, normal.normalized()};
+  PlaneShape plane{};
+  table.read({point_field("point", plane.point_mm), point_field("normal", plane.normal)});
+  if (plane.normal == Vec3d(0)) table.fail("normal", "[0, 0, 0]", "a direction");
+  plane.normal.normalize();
+  return plane;
 }
 
 Shape read_capsule(TomlTable& table) {
-  const Vec3d from = point_of(table, "from"), to = point_of(table, "to");
-  return CapsuleShape{from, to, radius_of(table)};
+  CapsuleShape capsule{};
+  table.read({point_field("from", capsule.a_mm), point_field("to", capsule.b_mm),
+              radius_field(capsule.radius_mm)});
+  return capsule;
 }
 
 Shape read_box_shape(TomlTable& table) {
-  const Vec3d centre = point_of(table, "centre"), size = point_of(table, "size");
-  for (int c = 0; c < 3; ++c) {
-    if (!(size[c] > 0)) table.fail("size", number_text(size[c]), "three lengths above 0 mm");
-  }
+  Vec3d centre(0), size(0);
+  table.read({point_field("centre", centre),
+              Field("size", size, "[x, y, z] in mm").unit("mm").positive().required()});
   const Vec3d half = size / 2;
   return BoxShape{centre, {Vec3d(half.x, 0, 0), Vec3d(0, half.y, 0), Vec3d(0, 0, half.z)}};
 }

@@ -80,7 +80,7 @@ ClipChoice read_clip(TomlTable& table) {
     table.fail_missing("box", "either plane or box");
   }
   if (plane) {
-    HalfSpace half;
+    HalfSpace half{};
     plane->read(half_space_fields(half));
     plane->finish();
     choice.clip.region = {half};
@@ -124,6 +124,7 @@ Fields fields(SceneView& view) {
       Field("image", view.image,
             "Picture to write: .png, or .exr with depth, normals and offsets as floats")
           .required()
+          .shown_as("FILE")
           .only_in_scenes(),
       Field("preset", view.preset, "One that `supple presets` lists")
           .only_in_scenes()
@@ -133,7 +134,8 @@ Fields fields(SceneView& view) {
           .only_in_scenes()
           .otherwise("the last"),
       Field("deformed", view.deformed, "Show a state's body at rest").option("undeformed"),
-      Field("inverse", view.inverse, "Samples of a state solve for themselves: less memory, slower"),
+      Field("inverse", view.inverse,
+            "Samples of a state solve for themselves: less memory, slower"),
       Field("half_offsets", view.half_offsets,
             "Keep every second offset along each axis: a sixth of their memory"),
       Field("lattice", view.lattice, "Draw elements and links (always so for one-slice bodies)"),

@@ -34,7 +34,8 @@ struct JsonText {
   std::string operator()(const Rgb* rgb) const { return json_string(colour_text(*rgb)); }
   std::string operator()(const std::vector<std::string>* values) const {
     std::string text;
-    for (const std::string& value : *values) text += (text.empty() ? "[" : ", ") + json_string(value);
+    for (const std::string& value : *values)
+      text += (text.empty() ? "[" : ", ") + json_string(value);
     return text.empty() ? "" : text + "]";
   }
   std::string operator()(const Field::Names& names) const {
@@ -173,7 +174,8 @@ std::string fields_json(const Fields& fields, const Fields& plain) {
     const Field& field = fields[n];
     const std::string value = field.json();
     if (!plain.empty() && value == plain[n].json()) continue;
-    if (!value.empty()) text += (text.empty() ? "" : ",") + json_string(field.record()) + ":" + value;
+    if (!value.empty())
+      text += (text.empty() ? "" : ",") + json_string(field.record()) + ":" + value;
   }
   return "{" + text + "}";
 }

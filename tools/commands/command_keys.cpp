@@ -1,0 +1,149 @@
+// supple keys: the keys of the tables of a scene, and the options that stand for them.
+#include <algorithm>
+#include <cstdio>
+
+#include <nlohmann/json.hpp>
+
+#include "tools/console/command.h"
+#include "tools/console/field_options.h"
+#include "tools/scene/scene.h"
+#include "volumes/io/open_volume.h"
+
+namespace supple::tools {
+
+namespace {
+
+struct KeysOptions {
+  std::string table;
+  bool markdown = false;
+};
+
+/// The plain keys of one table. Its options have the prefix.
+struct KeyTable {
+  std::string name, where, prefix;
+  Fields fields;
+};
+
+std::vector<KeyTable> all_tables() {
+  static ReadOptions read;
+  static StepSettings step;
+  static RelaxParams relax;
+  static SpringStep springs;
+  static SceneView view;
+  static SliceChoice slice;
+  static Clip clip;
+  static Light light;
+  return {{"volume", "[volume]", "", fields(read)},
+          {"step", "[[step]]", "", fields(step)},
+          {"relax", "relax = { … } of a [[step]]", "relax-", fields(relax)},
+          {"springs", "springs = { … } of a [[step]]", "springs-", fields(springs)},
+          {"view", "[[view]]", "", fields(view)},
+          {"slice", "slice = { … } of a [[view]]", "", fields(slice)},
+          {"clip", "clip = [{ … }] of a [[view]]", "clip-", fields(clip)},
+          {"light", "light = [{ … }] of a [[view]]", "", fields(light)}};
+}
+
+std::string kind_of(const Field& field) {
+  if (!field.names().empty()) return field.allowed();
+  if (std::holds_alternative<bool*>(field.target())) return "true or false";
+  const std::string allowed = field.allowed();
+  if (!allowed.empty() && allowed != field.unit()) return allowed;
+  return field.placeholder() + (field.unit().empty() ? "" : " in " + field.unit());
+}
+
+/// Nothing where only scenes have the key, or where the option is one of a command's own.
+std::string option_of(const KeyTable& table, const Field& field) {
+  if (field.is_only_in_scenes() || table.name == "light") return "";
+  return option_name(field, table.prefix);
+}
+
+/// A flag's help says what the option does: of a flag that is on by default, what false does.
+std::string meaning_of(const Field& field) {
+  const bool* const* flag = std::get_if<bool*>(&field.target());
+  return (flag != nullptr && **flag ? "false: " : "") + field.help();
+}
+
+std::string in_cell(std::string text) {
+  for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) {
+    text.insert(at, "\\");
+  }
+  return text;
+}
+
+std::string as_code(const std::string& text) {
+  return text.empty() ? "" : "`" + in_cell(text) + "`";
+}
+
+void print_markdown(const KeyTable& table) {
+  std::printf("| key | option | value | default | |\n|---|---|---|---|---|\n");
+  for (const Field& field : table.fields) {
+    std::printf("| `%s` | %s | %s | %s | %s |\n", field.name().c_str(),
+                as_code(option_of(table, field)).c_str(), in_cell(kind_of(field)).c_str(),
+                in_cell(field.default_text()).c_str(), in_cell(meaning_of(field)).c_str());
+  }
+}
+
+void print_text(const KeyTable& table) {
+  std::printf("%s: %s\n", table.name.c_str(), table.where.c_str());
+  for (const Field& field : table.fields) {
+    const std::string otherwise = field.default_text();
+    std::printf("  %-18s %s%s\n%-21s%s\n", field.name().c_str(), kind_of(field).c_str(),
+                otherwise.empty() ? "" : (", default " + otherwise).c_str(), "",
+                meaning_of(field).c_str());
+  }
+}
+
+nlohmann::ordered_json json_of(const KeyTable& table) {
+  nlohmann::ordered_json keys = nlohmann::ordered_json::array();
+  for (const Field& field : table.fields) {
+    keys.push_back({{"key", field.name()},
+                    {"option", option_of(table, field)},
+                    {"value", kind_of(field)},
+                    {"unit", field.unit()},
+                    {"default", field.default_text()},
+                    {"meaning", meaning_of(field)}});
+  }
+  return keys;
+}
+
+int run_keys(const KeysOptions& options, const GlobalOptions& global) {
+  std::vector<KeyTable> tables = all_tables();
+  if (!options.table.empty()) {
+    std::vector<std::string> names;
+    for (const KeyTable& table : tables) names.push_back(table.name);
+    if (std::find(names.begin(), names.end(), options.table) == names.end()) {
+      throw UsageError(to_line({"", "table", "'" + options.table + "'", listed(names, "or")}));
+    }
+    const auto is_another = [&](const KeyTable& table) { return table.name != options.table; };
+    tables.erase(std::remove_if(tables.begin(), tables.end(), is_another), tables.end());
+  }
+  nlohmann::ordered_json json;
+  for (const KeyTable& table : tables) {
+    if (global.json) {
+      json[table.name] = json_of(table);
+    } else if (options.markdown) {
+      print_markdown(table);
+    } else {
+      print_text(table);
+    }
+  }
+  if (global.json) std::printf("%s\n", json.dump(2).c_str());
+  return kOk;
+}
+
+}  // namespace
+
+Command add_keys(CLI::App& program) {
+  auto options = std::make_shared<KeysOptions>();
+  CLI::App* app =
+      add_subcommand(program, "keys", "List the keys of a scene's tables and their options",
+                     "  supple keys\n"
+                     "  supple keys relax\n"
+                     "  supple keys view --markdown");
+  app->add_option("table", options->table, "Of this table alone")->option_text("TABLE");
+  app->add_flag("--markdown", options->markdown, "As the tables of the documentation");
+  return {app,
+          [options](const GlobalOptions& global, Console&) { return run_keys(*options, global); }};
+}
+
+}  // namespace supple::tools
