@@ -93,6 +93,7 @@ TEST_F(UnitCommandScene, RenderAndSliceHaveTheViewsOfAScene) {
       "light = [{ direction = [1, 1, 2], frame = \"camera\", intensity = 0.8, colour = \"#FF8040\" "
       "}]\n"
       "shading = \"phong\"\npath = \"twist.toml\"\n");
+  expect_same_picture("slice", {}, "slice = {}\n");
   expect_same_picture("slice", {"--plane", "coronal", "--at", "8,9,8", "--scale", "3"},
                       "slice = { plane = \"coronal\", at = [8, 9, 8], scale = 3 }\n");
 }

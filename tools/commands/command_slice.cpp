@@ -22,6 +22,7 @@ int run_slice(SliceOptions& options, const GlobalOptions& global, Console& conso
   }
   SceneOptions& given = options.scene;
   given.set("volume", "path", toml_string(options.input), "input");
+  given.include("view.slice");
   given.set("view", "image", toml_string(options.output), "--output");
   if (options.undeformed) given.set("view", "deformed", "false", "--undeformed");
   const Scene scene = read_scene(given.scene());

@@ -37,6 +37,8 @@ class SceneOptions {
   /// no TOML.
   void set(const std::string& table, const std::string& key, const std::string& toml,
            const std::string& option);
+  /// Writes the table even where nothing of it was given.
+  void include(const std::string& table) { m_text[table]; }
   /// Whether the table has anything.
   bool has(const std::string& table) const { return m_text.count(table) != 0; }
 
