@@ -76,7 +76,7 @@ function(supple_add_plugin name)
   target_link_libraries(${name} PRIVATE supple_options ${ARG_LIBRARIES})
   # A symbol that is missing is found at link time, not when the plugin is loaded. Those of clang's
   # sanitizers come from the program.
-  if(NOT SUPPLE_FUZZ)
+  if(NOT (SUPPLE_SANITIZE AND CMAKE_CXX_COMPILER_ID STREQUAL "Clang"))
     target_link_options(${name} PRIVATE LINKER:-z,defs)
   endif()
   set_target_properties(${name} PROPERTIES
