@@ -10,6 +10,9 @@ target_compile_options(supple_options INTERFACE -fno-semantic-interposition
 if(SUPPLE_WERROR)
   target_compile_options(supple_options INTERFACE -Werror)
 endif()
+# Single files switch off warnings that only GCC has.
+target_compile_options(supple_options INTERFACE
+                       $<$<CXX_COMPILER_ID:Clang>:-Wno-unknown-warning-option>)
 if(SUPPLE_UNITY)  # said of types in the anonymous namespace of a file that another includes
   target_compile_options(supple_options INTERFACE
                          $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
@@ -76,7 +79,7 @@ function(supple_add_plugin name)
   target_link_libraries(${name} PRIVATE supple_options ${ARG_LIBRARIES})
   # A symbol that is missing is found at link time, not when the plugin is loaded. Those of clang's
   # sanitizers come from the program.
-  if(NOT SUPPLE_FUZZ)
+  if(NOT (SUPPLE_SANITIZE AND CMAKE_CXX_COMPILER_ID STREQUAL "Clang"))
     target_link_options(${name} PRIVATE LINKER:-z,defs)
   endif()
   set_target_properties(${name} PROPERTIES
@@ -85,15 +88,19 @@ function(supple_add_plugin name)
   add_dependencies(${ARG_FOR} ${name})
 endfunction()
 
-# supple_add_tests(NAME [SOURCES ...] LIBRARIES ... LABELS ...)
+# supple_add_tests(NAME [EXCLUDE REGEX] [SOURCES ...] LIBRARIES ... LABELS ...)
 # All .cpp of the current folder as one binary, one CTest entry per label, or N of them for LABEL/N,
 # so that no processor waits for a long one. A suite belongs to the label its name starts with:
 # TEST(PropertyEcm, ...) runs under the label "property". Anonymous namespaces of one folder share
 # their names, as its files are compiled together.
 function(supple_add_tests name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "" "EXCLUDE" "SOURCES;LIBRARIES;LABELS" ${ARGN})
   add_executable(test_${name} ${ARG_SOURCES})
-  supple_add_sources(test_${name} . UNITY 6 EXCLUDE "/itk_[a-z]+\\.cpp$")
+  set(not_here "/itk_[a-z]+\\.cpp$")
+  if(ARG_EXCLUDE)
+    string(APPEND not_here "|${ARG_EXCLUDE}")
+  endif()
+  supple_add_sources(test_${name} . UNITY 6 EXCLUDE "${not_here}")
   target_link_libraries(test_${name} PRIVATE supple_options supple_cold supple_test_support
                                              ${ARG_LIBRARIES} GTest::gtest GTest::gtest_main)
   target_precompile_headers(test_${name} PRIVATE <algorithm> <filesystem> <functional> <random>

@@ -64,7 +64,7 @@ void validate_curve(const std::string& file, const LimitTable& table, const Name
     throw InputError({file, named.name, "no key points", "at least one [density, value]"});
   }
   for (std::size_t n = 0; n < keys.size(); ++n) {
-    const auto [density, value] = keys[n];
+    const double density = keys[n].first, value = keys[n].second;
     const auto fail = [&](const std::string& expected) {
       throw InputError({file, named.name + " key point " + std::to_string(n + 1),
                         "[" + number(density) + ", " + number(value) + "]", expected});

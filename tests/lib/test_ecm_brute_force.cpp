@@ -160,7 +160,6 @@ TEST(PropertyEcm, EqualsBruteForceBitForBitWhereLabelsHaveTablesOfTheirOwn) {
 }
 
 TEST(PropertyEcm, EqualsBruteForceOnTheLargestSizeAndOnASingleVoxel) {
-  Tally tally;
   std::mt19937 random(77);
   for (const Vec3i& dims : {Vec3i(1, 1, 1), Vec3i(1, 1, 30), Vec3i(20, 20, 6)}) {
     Block block = full_block(dims, linear_table(1.5, 0.6, 0.7),

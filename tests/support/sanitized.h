@@ -3,7 +3,7 @@
 
 namespace supple::test {
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef SUPPLE_SANITIZED  // tests/CMakeLists.txt
 constexpr bool kSanitized = true;
 #else
 constexpr bool kSanitized = false;

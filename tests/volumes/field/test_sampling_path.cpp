@@ -51,7 +51,12 @@ LatticeParams lattice_params() {
   return params;
 }
 
-std::map<std::string, Function> all_functions(const Geometry& geometry) {
+struct NamedFunction {
+  std::string name;
+  Function function;
+};
+
+std::vector<NamedFunction> all_functions(const Geometry& geometry) {
   return {{"bend", bend()},
           {"bend with a straight end", bend(30, 4)},
           {"bend back", bend(-120, 70)},
@@ -90,7 +95,9 @@ int piece_of(const PathFunction& function, const Vec3d& from) {
 TEST(PropertyPath, WhatAFunctionMovesItsInverseBringsBack) {
   const Geometry geometry = oblique_cube();
   std::mt19937 random(3);
-  for (const auto& [name, function] : all_functions(geometry)) {
+  for (const NamedFunction& named : all_functions(geometry)) {
+    const std::string& name = named.name;
+    const Function& function = named.function;
     double moved = 0;
     for (int n = 0; n < 500; ++n) {
       const Vec3d from = place_near_centre(random);
@@ -106,7 +113,9 @@ TEST(PropertyPath, WhatAFunctionMovesItsInverseBringsBack) {
 TEST(PropertyPath, OffsetsLeadFromWhereTheBodyIsSeenToWhereItWas) {
   const Geometry geometry = oblique_cube();
   const BrickTopology body = body_of(geometry);
-  for (const auto& [name, function] : all_functions(geometry)) {
+  for (const NamedFunction& named : all_functions(geometry)) {
+    const std::string& name = named.name;
+    const Function& function = named.function;
     const OffsetField field = follow_path({function}, geometry, body);
     // Every voxel of the body is seen once, at its place.
     int count = 0;
@@ -131,7 +140,9 @@ TEST(PropertyPath, OffsetsLeadFromWhereTheBodyIsSeenToWhereItWas) {
 TEST(PropertyPath, NodesHoldTheExactPath) {
   const Geometry geometry = oblique_cube();
   const BrickTopology body = body_of(geometry);
-  for (const auto& [name, function] : all_functions(geometry)) {
+  for (const NamedFunction& named : all_functions(geometry)) {
+    const std::string& name = named.name;
+    const Function& function = named.function;
     const OffsetField field = follow_path({function}, geometry, body);
     for_each_voxel(field.o.topology, [&](const Vec3i& node, std::size_t slot) {
       const Vec3d at = geometry.world_from_index(Vec3d(node));
@@ -175,7 +186,9 @@ TEST(PropertyPath, ABodyThatHasMovedIsFollowedFromWhereThePathLeads) {
   const Geometry geometry = oblique_cube();
   const AnalyticWarp bump = bump_warp({11.5, 11.5, 11.5}, 10, 3);
   const OffsetField moved = sample_offsets(bump, geometry, dilate(body_of(geometry), 3));
-  for (const auto& [name, function] : all_functions(geometry)) {
+  for (const NamedFunction& named : all_functions(geometry)) {
+    const std::string& name = named.name;
+    const Function& function = named.function;
     const OffsetField field = follow_path({function}, moved);
     double worst = 0;
     int count = 0;

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
-#ifdef __SANITIZE_ADDRESS__
+#ifdef SUPPLE_SANITIZED_ADDRESS
 #include <sanitizer/lsan_interface.h>
 #endif
 
@@ -202,7 +202,7 @@ TEST(FaultHdf5, ATruncatedFileIsAnErrorWhereverItEnds) {
 }
 
 TEST(FaultHdf5, FlippedBytesGiveALineOrAVolumeButNothingElse) {
-#ifdef __SANITIZE_ADDRESS__
+#ifdef SUPPLE_SANITIZED_ADDRESS
   // The library (1.10.8) itself loses a few kB where object headers are damaged, some of it from
   // blocks that it keeps for use again.
   H5garbage_collect();

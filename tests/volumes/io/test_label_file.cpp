@@ -116,9 +116,10 @@ TEST(UnitLabelFile, MaskAndCountOfALabelAreItsElements) {
   const BrickValues labels = read_labels(write_labels(folder, values, "uint16"), grid(), elements);
   const auto counts = label_counts(labels);
   ASSERT_EQ(counts.size(), 2u);
-  for (const auto& [label, count] : counts) {
+  for (const auto& entry : counts) {
+    const std::int32_t label = entry.first;
     const BrickTopology mask = label_mask(elements, labels, label);
-    EXPECT_EQ(mask.active_count(), count);
+    EXPECT_EQ(mask.active_count(), entry.second);
     for (std::size_t b = 0; b < mask.brick_count(); ++b) {
       for_each_active(mask.mask(b), [&](int offset) {
         const Vec3i voxel = mask.origin(b) + brick_local(offset);

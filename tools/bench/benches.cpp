@@ -1,0 +1,42 @@
+#include "tools/bench/benches.h"
+
+#include "tools/bench/bench_ecm.h"
+#include "tools/bench/bench_invert.h"
+#include "tools/bench/bench_io.h"
+#include "tools/bench/bench_relax.h"
+#include "tools/bench/bench_render.h"
+#include "tools/bench/bench_springs.h"
+
+namespace supple::tools {
+
+Bench bench_of(const BenchOptions& options, int threads, Console& console) {
+  if (options.name == "invert") {
+    const InvertBenchOptions invert{options.quick, threads, options.only};
+    return {[=] { return invert_row_names(invert); },
+            [=, &console] { return bench_invert(invert, console); }};
+  }
+  if (options.name == "io") {
+    const IoBenchOptions io{options.quick, threads, options.only};
+    return {[=] { return io_row_names(io); }, [=, &console] { return bench_io(io, console); }};
+  }
+  if (options.name == "relax") {
+    const RelaxBenchOptions relax{options.quick, threads, options.only, options.ct_head};
+    return {[=, &console] { return relax_row_names(relax, console); },
+            [=, &console] { return bench_relax(relax, console); }};
+  }
+  if (options.name == "render") {
+    const RenderBenchOptions render{options.quick, threads, options.only};
+    return {[=] { return render_row_names(render); },
+            [=, &console] { return bench_render(render, console); }};
+  }
+  if (options.name == "springs") {
+    const SpringsBenchOptions springs{options.quick, options.only};
+    return {[=] { return springs_row_names(springs); },
+            [=, &console] { return bench_springs(springs, console); }};
+  }
+  const EcmBenchOptions ecm{options.quick, threads, options.only, options.ct_head};
+  return {[=, &console] { return ecm_row_names(ecm, console); },
+          [=, &console] { return bench_ecm(ecm, console); }};
+}
+
+}  // namespace supple::tools

@@ -1,0 +1,12 @@
+// Stands in for the benchmarks in a build that leaves them out.
+#include "tools/bench/benches.h"
+#include "tools/console/command.h"
+
+namespace supple::tools {
+
+Bench bench_of(const BenchOptions& options, int, Console&) {
+  throw UsageError("bench " + options.name +
+                   ": this program was built without benchmarks (-DSUPPLE_BENCH=ON adds them)");
+}
+
+}  // namespace supple::tools
