@@ -23,6 +23,24 @@ if(SUPPLE_DICOM)
   list(APPEND plugins supple_dicom)
 endif()
 install(TARGETS supple_library EXPORT SuppleTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+# The same library for newer processors: the loader takes it from glibc-hwcaps where the processor
+# has the level (glibc 2.33 and later), for the program, too, which uses the shared library then.
+if(SUPPLE_LEVELS)
+  include(ExternalProject)
+  foreach(level IN LISTS SUPPLE_LEVELS)
+    set(folder ${PROJECT_BINARY_DIR}/${level})
+    ExternalProject_Add(supple_${level}
+      SOURCE_DIR ${PROJECT_SOURCE_DIR} BINARY_DIR ${folder} BUILD_ALWAYS ON INSTALL_COMMAND ""
+      CMAKE_ARGS -DCMAKE_BUILD_TYPE=${CMAKE_BUILD_TYPE} -DCMAKE_CXX_COMPILER=${CMAKE_CXX_COMPILER}
+                 -DCMAKE_CXX_COMPILER_LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER}
+                 -DSUPPLE_NATIVE=OFF -DSUPPLE_LEVEL=${level} -DSUPPLE_TESTS=OFF -DSUPPLE_BENCH=OFF
+      BUILD_COMMAND ${CMAKE_COMMAND} --build ${folder} --target supple_library
+      DEPENDS supple_library supple ${plugins})  # each build takes all processors
+    set(soname libsupple.so.${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+    install(FILES ${folder}/lib/libsupple.so.${PROJECT_VERSION} RENAME ${soname}
+            DESTINATION ${CMAKE_INSTALL_LIBDIR}/glibc-hwcaps/${level})
+  endforeach()
+endif()
 install(TARGETS ${plugins} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/supple)
 install(TARGETS supple RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(FILES LICENSE CHANGELOG.md README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})

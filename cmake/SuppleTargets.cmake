@@ -19,6 +19,8 @@ if(SUPPLE_UNITY)  # said of types in the anonymous namespace of a file that anot
 endif()
 if(SUPPLE_NATIVE)
   target_compile_options(supple_options INTERFACE -march=native)
+elseif(SUPPLE_LEVEL)
+  target_compile_options(supple_options INTERFACE -march=${SUPPLE_LEVEL})
 endif()
 if(SUPPLE_SANITIZE)
   target_compile_options(supple_options INTERFACE

@@ -39,27 +39,10 @@ void CoordinateDrag::commit() {
   }
 }
 
-void CoordinateDrag::try_whole(Fraction& fraction) {
-  const Excess excess = solve();
-  require_agreement();
-  if (excess.up > 0) limit_by_held(Direction::raise, excess.up, fraction);
-  if (excess.down > 0) limit_by_held(Direction::lower, excess.down, fraction);
-}
-
-void CoordinateDrag::redo(const Fraction& fraction) {
-  m_undo.roll_back(m_values);
-  m_fraction = fraction;
-  const Excess excess = solve();
-  require_agreement();
-  if (excess.up > 0 || excess.down > 0) {
-    throw Error("ECM: something held moved after the drag was shortened");
-  }
-}
-
 template <class Visit>
-void CoordinateDrag::for_each_target(const HeldHandle& handle, Direction direction,
-                                     Visit&& visit) const {
-  const std::int32_t by = m_fraction.scale(handle.by(m_coordinate));
+void CoordinateDrag::for_each_target(std::size_t h, Direction direction, Visit&& visit) const {
+  const HeldHandle& handle = m_held.handles[h];
+  const std::int32_t by = scaled_by(h);
   if (handle.is_push()) {
     const auto& tool = direction == Direction::raise ? handle.below : handle.above;
     for (const Bound& place : tool[std::size_t(m_coordinate)]) {
@@ -78,34 +61,11 @@ void CoordinateDrag::for_each_target(const HeldHandle& handle, Direction directi
   }
 }
 
-/// The elements that a handle takes beyond their present place.
-std::vector<Seed> CoordinateDrag::seeds(Direction direction) const {
-  std::vector<Seed> seeds;
-  for (const HeldHandle& handle : m_held.handles) {
-    for_each_target(handle, direction, [&](Slot slot, std::int32_t target, std::int32_t present) {
-      if (direction == Direction::raise ? target > present : target < present) {
-        seeds.push_back({slot, target});
-      }
-    });
-  }
-  return seeds;
-}
-
 void CoordinateDrag::propagate(Direction direction, const std::vector<Seed>& seeds) {
   const PropagationCounts counts =
       m_propagator.run({m_coordinate, direction, m_values, &m_undo, m_progress}, seeds);
   m_counts.visits += counts.visits;
   m_counts.max_queue = std::max(m_counts.max_queue, counts.max_queue);
-}
-
-/// median(L, q, U): up to L from the lower bounds, then down to U from the upper ones.
-CoordinateDrag::Excess CoordinateDrag::solve() {
-  Excess excess;
-  propagate(Direction::raise, seeds(Direction::raise));
-  excess.up = excess_of_held(Direction::raise);
-  propagate(Direction::lower, seeds(Direction::lower));
-  excess.down = excess_of_held(Direction::lower);
-  return excess;
 }
 
 /// What stops a move in that direction.
@@ -144,80 +104,23 @@ std::int64_t CoordinateDrag::excess_of_held(Direction direction) const {
   return excess;
 }
 
-/// The smallest (dist(a, b) - (q_a - u_b)) / D_a over handles a that rise (D_a > 0) and held upper
-/// bounds b. When all rise by the same D, the excess of the whole drag is D minus the smallest
-/// numerator. Otherwise one run serves all pairs: held elements pulled down to u_b - max D_a lower
-/// a handle by max D_a minus its smallest numerator, unless that is negative. What the whole drag
-/// did not reach limits nothing. Sinking handles: mirrored.
-void CoordinateDrag::limit_by_held(Direction direction, std::int64_t excess, Fraction& fraction) {
-  const int sign = direction == Direction::raise ? 1 : -1;
-  std::int32_t furthest = 0, nearest = INT32_MAX;
-  for (const HeldHandle& handle : m_held.handles) {
-    const std::int32_t by = sign * handle.by(m_coordinate);
-    if (by <= 0) continue;
-    furthest = std::max(furthest, by);
-    nearest = std::min(nearest, by);
-  }
-  if (nearest == furthest) return fraction.limit_to(furthest - excess, furthest);
-
+/// Only bricks that the run touched can hold any that limits.
+std::vector<Seed> CoordinateDrag::pulled_back(Direction direction, std::int32_t shift) {
   const std::vector<std::size_t> touched = m_undo.bricks();
-  m_undo.roll_back(m_values);
+  roll_back();
   std::vector<Seed> seeds;
   for (const std::size_t brick : touched) {
     for_each_held(brick, direction, [&](Slot slot, std::int32_t limit) {
-      seeds.push_back({slot, limit - sign * furthest});
+      seeds.push_back({slot, limit - shift});
     });
   }
-  propagate(sign > 0 ? Direction::lower : Direction::raise, seeds);
-  for (const HeldHandle& handle : m_held.handles) {
-    const std::int32_t by = sign * handle.by(m_coordinate);
-    if (by <= 0) continue;
-    std::int64_t room = furthest;
-    for_each_target(handle, direction, [&](Slot, std::int32_t target, std::int32_t present) {
-      // sign * (target - present) = by + how far the handle followed.
-      room = std::min(room, furthest + by - sign * (std::int64_t(target) - present));
-    });
-    fraction.limit_to(room, by);
-  }
-}
-
-/// Every conflict between handles leaves the upper one of a pair below its lower bound: U of the
-/// other one reaches it, since the configuration before the lowering is valid.
-void CoordinateDrag::require_agreement() {
-  std::int64_t worst = 0;
-  Target above{};
-  for (const HeldHandle& handle : m_held.handles) {
-    for_each_target(handle, Direction::raise,
-                    [&](Slot slot, std::int32_t target, std::int32_t present) {
-                      const std::int64_t missing = std::int64_t(target) - present;
-                      if (missing <= worst) return;
-                      worst = missing;
-                      above = {&handle, slot, target};
-                    });
-  }
-  if (worst > 0) report_conflict(above, worst);
-}
-
-/// Raising the upper element alone from the present (valid, low) configuration lifts its partner
-/// above the partner's upper bound by the same missing distance.
-void CoordinateDrag::report_conflict(const Target& above, std::int64_t missing) {
-  propagate(Direction::raise, {{above.slot, above.value}});
-  Target below = above;
-  for (const HeldHandle& handle : m_held.handles) {
-    for_each_target(handle, Direction::lower,
-                    [&](Slot slot, std::int32_t target, std::int32_t present) {
-                      if (below.slot != above.slot || slot == above.slot) return;
-                      if (present - std::int64_t(target) >= missing)
-                        below = {&handle, slot, target};
-                    });
-  }
-  throw_conflict(above, below, missing);
+  return seeds;
 }
 
 void CoordinateDrag::throw_conflict(const Target& above, const Target& below,
                                     std::int64_t missing) const {
-  const std::string names[2] = {above.handle->source->region.name(),
-                                below.handle->source->region.name()};
+  const std::string names[2] = {m_held.handles[above.handle].source->region.name(),
+                                m_held.handles[below.handle].source->region.name()};
   const std::string voxels[2] = {voxel_text(voxel_of(m_body.elements, above.slot)),
                                  voxel_text(voxel_of(m_body.elements, below.slot))};
   const bool single = names[0] == voxels[0] && names[1] == voxels[1];
@@ -229,5 +132,7 @@ void CoordinateDrag::throw_conflict(const Target& above, const Target& below,
                         (single ? "them" : "voxels " + voxels[0] + " and " + voxels[1]) + " allow",
                     "handles that agree with each other"});
 }
+
+template class DragAlgebra<CoordinateDrag>;
 
 }  // namespace supple

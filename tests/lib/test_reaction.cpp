@@ -537,6 +537,6 @@ TEST(UnitReaction, ABadBulkModulusIsAnError) {
   const Body body = body_of(wide_block({2, 1, 1}, [](int, int, int) { return 51.0; }));
   for (const double kpa : {-1.0, 2e9, std::nan("")}) {
     const std::string message = input_error([&] { reactions(body, {}, {}, {}, kpa); });
-    EXPECT_NE(message.find("volume"), std::string::npos) << message;
+    EXPECT_NE(message.find("bulk_modulus"), std::string::npos) << message;
   }
 }

@@ -351,8 +351,9 @@ TEST(PropertyVolumeRelaxation, WithoutItNothingIsMeasured) {
 TEST(PropertyVolumeRelaxation, BadParametersAreErrors) {
   Body body = soft_ball(5);
   for (const double kpa : {-1.0, 2e9, double(NAN)}) {
-    EXPECT_NE(input_error([&] { relax(body, {}, {}, with_bulk_modulus(kpa)); }).find("volume"),
-              std::string::npos)
+    EXPECT_NE(
+        input_error([&] { relax(body, {}, {}, with_bulk_modulus(kpa)); }).find("bulk_modulus"),
+        std::string::npos)
         << kpa;
   }
   RelaxParams params = with_bulk_modulus(1);
