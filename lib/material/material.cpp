@@ -53,8 +53,8 @@ std::vector<NamedCurve> curves_of(const LimitTable& table) {
   };
   physical("stiffness", table.stiffness, true, "stiffness > 0 kPa");
   physical("density", table.mass_density, true, "density > 0 kg/m³");
-  physical("damping", table.damping, false, "damping >= 0 ms");
-  physical("plastic", table.plastic, true, "plastic > 0");
+  physical("damping", table.rayleigh_beta_ms, false, "damping >= 0 ms");
+  physical("plastic", table.yield_strain, true, "plastic > 0");
   return curves;
 }
 

@@ -43,10 +43,10 @@ struct LimitTable {
   std::optional<Curve> mass_density;  // kg/m³, > 0; "density" in files
   /// Stiffness-proportional Rayleigh time β, ms, >= 0: damping force = β · elastic stiffness ·
   /// velocity.
-  std::optional<Curve> damping;
+  std::optional<Curve> rayleigh_beta_ms;
   /// Yield strain, > 0: how far a link deforms elastically from its rest point, as a fraction of
   /// the rest length, before the rest point follows.
-  std::optional<Curve> plastic;
+  std::optional<Curve> yield_strain;
 
   /// True when no curve depends on the density.
   bool is_constant() const;
@@ -66,8 +66,8 @@ struct MaterialTable : LimitTable {
   /// Whether the common table or one of a label gives the curve.
   bool has_stiffness() const { return has(&LimitTable::stiffness); }
   bool has_mass_density() const { return has(&LimitTable::mass_density); }
-  bool has_damping() const { return has(&LimitTable::damping); }
-  bool has_plastic() const { return has(&LimitTable::plastic); }
+  bool has_rayleigh_beta() const { return has(&LimitTable::rayleigh_beta_ms); }
+  bool has_yield_strain() const { return has(&LimitTable::yield_strain); }
 
   /// Throws InputError naming table, key point, value and expectation: 0 < min_length <= 1 <=
   /// max_length, shear >= 0, stiffness, density and plastic > 0, damping >= 0, densities strictly
@@ -98,8 +98,8 @@ inline LinkLimits mean_of(const LinkLimits& a, const LinkLimits& b) {
 /// How one link resists; see the curves of LimitTable.
 struct LinkPhysics {
   double stiffness_kpa;
-  double damping_ms;
-  double plastic;  // infinity: elastic however far
+  double rayleigh_beta_ms;
+  double yield_strain;  // infinity: elastic however far
 };
 
 /// How the 256 classes are shared out. Without labels the common table has them all. With labels, a
@@ -140,11 +140,11 @@ class MaterialClasses {
   const std::vector<Share>& shares() const { return m_shares; }
 
  private:
-  struct Place {
+  struct TablePosition {
     const LimitTable* table;
     double position;  // in its domain, 0…1
   };
-  Place place_of(int end) const;
+  TablePosition position_of(int end) const;
 
   bool m_combines_limits;
   std::vector<Share> m_shares;  // ascending classes

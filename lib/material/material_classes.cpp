@@ -32,8 +32,8 @@ LinkLimits limits_at(const LimitTable& table, int axis, double position) {
 LinkPhysics physics_at(const LimitTable& table, double position) {
   const double density = density_at(table, position);
   return {table.stiffness ? (*table.stiffness)(density) : kDefaultStiffnessKpa,
-          table.damping ? (*table.damping)(density) : 0,
-          table.plastic ? (*table.plastic)(density) : HUGE_VAL};
+          table.rayleigh_beta_ms ? (*table.rayleigh_beta_ms)(density) : 0,
+          table.yield_strain ? (*table.yield_strain)(density) : HUGE_VAL};
 }
 
 }  // namespace
@@ -79,7 +79,7 @@ std::uint8_t MaterialClasses::class_of(double density, std::int32_t label) const
   return std::uint8_t(share.first + step_of(*share.table, share.count - 1, density));
 }
 
-MaterialClasses::Place MaterialClasses::place_of(int end) const {
+MaterialClasses::TablePosition MaterialClasses::position_of(int end) const {
   std::size_t n = m_shares.size() - 1;
   while (m_shares[n].first > end) --n;
   const Share& share = m_shares[n];
@@ -91,7 +91,7 @@ LinkLimits MaterialClasses::limits(int axis, int class_a, int class_b) const {
   if (!m_combines_limits) {
     return limits_at(*m_shares.front().table, axis, (class_a + class_b) / (2.0 * kLastClass));
   }
-  const Place end_a = place_of(class_a), end_b = place_of(class_b);
+  const TablePosition end_a = position_of(class_a), end_b = position_of(class_b);
   return mean_of(limits_at(*end_a.table, axis, end_a.position),
                  limits_at(*end_b.table, axis, end_b.position));
 }
@@ -100,15 +100,15 @@ LinkPhysics MaterialClasses::physics(int class_a, int class_b) const {
   if (!m_combines_limits) {
     return physics_at(*m_shares.front().table, (class_a + class_b) / (2.0 * kLastClass));
   }
-  const Place end_a = place_of(class_a), end_b = place_of(class_b);
+  const TablePosition end_a = position_of(class_a), end_b = position_of(class_b);
   const LinkPhysics a = physics_at(*end_a.table, end_a.position);
   const LinkPhysics b = physics_at(*end_b.table, end_b.position);
-  return {(a.stiffness_kpa + b.stiffness_kpa) / 2, (a.damping_ms + b.damping_ms) / 2,
-          (a.plastic + b.plastic) / 2};
+  return {(a.stiffness_kpa + b.stiffness_kpa) / 2, (a.rayleigh_beta_ms + b.rayleigh_beta_ms) / 2,
+          (a.yield_strain + b.yield_strain) / 2};
 }
 
 double MaterialClasses::mass_density_of_class(int of) const {
-  const auto [table, position] = place_of(of);
+  const auto [table, position] = position_of(of);
   if (!table->mass_density) return kDefaultMassDensity;
   return (*table->mass_density)(density_at(*table, position));
 }

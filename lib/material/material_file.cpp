@@ -85,8 +85,8 @@ void append_limits(std::string& text, const LimitTable& limits) {
   }
   if (limits.stiffness) append_curve(text, "stiffness", *limits.stiffness);
   if (limits.mass_density) append_curve(text, "density", *limits.mass_density);
-  if (limits.damping) append_curve(text, "damping", *limits.damping);
-  if (limits.plastic) append_curve(text, "plastic", *limits.plastic);
+  if (limits.rayleigh_beta_ms) append_curve(text, "damping", *limits.rayleigh_beta_ms);
+  if (limits.yield_strain) append_curve(text, "plastic", *limits.yield_strain);
 }
 
 void know_limits(TomlTable& table) {
@@ -138,8 +138,8 @@ void read_curves(TomlTable& table, LimitTable& limits) {
   };
   limits.stiffness = optional("stiffness", preset.stiffness);
   limits.mass_density = optional("density", preset.mass_density);
-  limits.damping = optional("damping", preset.damping);
-  limits.plastic = optional("plastic", preset.plastic);
+  limits.rayleigh_beta_ms = optional("damping", preset.rayleigh_beta_ms);
+  limits.yield_strain = optional("plastic", preset.yield_strain);
 }
 
 std::int32_t parse_label(const TomlTable& labels, const std::string& key) {

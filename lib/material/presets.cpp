@@ -54,7 +54,7 @@ LimitTable preset_table(const std::string& name, double domain_lo, double domain
   table.shear1 = table.shear2 = constant(preset->shear);
   table.stiffness = constant(preset->stiffness_kpa);
   table.mass_density = constant(preset->mass_density);
-  table.damping = constant(preset->damping_ms);
+  table.rayleigh_beta_ms = constant(preset->rayleigh_beta_ms);
   return table;
 }
 

@@ -21,7 +21,7 @@ namespace supple {
 struct MaterialPreset {
   const char* name;
   double min_length, max_length, shear;  // factors of the rest length; min_length > 2 · shear
-  double stiffness_kpa, mass_density, damping_ms;
+  double stiffness_kpa, mass_density, rayleigh_beta_ms;
 };
 
 const std::vector<MaterialPreset>& material_presets();

@@ -62,7 +62,7 @@ std::vector<Reaction> RelaxModel::reactions(const std::vector<Handle>& handles) 
 void RelaxModel::store() {
   put();
   Body& body = m_held.body;
-  if (body.material.has_plastic() && m_report.passes > m_stored_passes) {
+  if (body.material.has_yield_strain() && m_report.passes > m_stored_passes) {
     m_energy_before_flow = m_relaxation->energy();
     m_report.yielded_links += let_flow(body);
   }

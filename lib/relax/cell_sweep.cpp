@@ -133,7 +133,7 @@ struct CellForces {
 };
 
 /// Where four elements are.
-struct Place {
+struct CellRun {
   int i, j, k;        // of the first
   int node;           // in a row of offsets
   const int* beside;  // CellBrick::kPlace
@@ -145,7 +145,7 @@ struct Place {
 
 template <bool kPlastic>
 inline void ask_links(const CellBrick& brick, const BrickSprings& links, const LinkTables& tables,
-                      const CellSweep& sweep, const Place& at, CellForces (&asks)[3]) {
+                      const CellSweep& sweep, const CellRun& at, CellForces (&asks)[3]) {
   for (int axis = 0; axis < 3; ++axis) {
     for (const bool up : {false, true}) {
       std::int32_t entries[4];
@@ -173,7 +173,7 @@ inline void ask_links(const CellBrick& brick, const BrickSprings& links, const L
 
 /// dV of the eight cells around four elements; cell 4 i + 2 j + k is the one on the upper side
 /// where i, j or k is 1. Zero for what is no cell.
-inline void find_gradients(const CellBrick& brick, const Place& at, const int (&cells)[8],
+inline void find_gradients(const CellBrick& brick, const CellRun& at, const int (&cells)[8],
                            Lane3 (&out)[8]) {
   Lane3 here;
   for (int c = 0; c < 3; ++c) here.c[c] = load(brick.offsets[c] + at.node);
@@ -212,7 +212,7 @@ inline void find_gradients(const CellBrick& brick, const Place& at, const int (&
 }
 
 /// Where the eight cells around a place begin, as find_gradients() numbers them.
-inline void find_places(const Place& at, int (&cells)[8]) {
+inline void find_places(const CellRun& at, int (&cells)[8]) {
   for (int n = 0; n < 8; ++n) {
     const int i = at.i - 1 + (n >> 2), j = at.j - 1 + (n >> 1 & 1);
     cells[n] = CellBrick::cell_row(i, j) + at.beside[n & 1];
@@ -226,7 +226,7 @@ inline Lane chosen(unsigned bits, Lane lane) {
 
 template <bool kPlastic>
 Lane step_four(CellBrick& brick, const BrickSprings& links, const LinkTables& tables,
-               const CellSweep& sweep, const Place& at, const unsigned (&free)[3]) {
+               const CellSweep& sweep, const CellRun& at, const unsigned (&free)[3]) {
   CellForces asks[3];
   ask_links<kPlastic>(brick, links, tables, sweep, at, asks);
   int cells[8];
@@ -285,7 +285,7 @@ double sweep_all(CellBrick& brick, const BrickSprings& links, const LinkTables& 
         }
         if (any == 0) continue;
         const int* beside = CellBrick::kPlace[k];
-        const Place at{i, j, k, CellBrick::node_row(i, j) + beside[1], beside};
+        const CellRun at{i, j, k, CellBrick::node_row(i, j) + beside[1], beside};
         largest = larger(largest, step_four<kPlastic>(brick, links, tables, sweep, at, free));
       }
     }
@@ -326,7 +326,7 @@ CellEnergy energy_of_cells(const CellBrick& brick, const BrickSprings& links,
     for (int j = 0; j < 8; ++j) {
       for (int k = 0; k < 2; ++k) {
         const int* beside = CellBrick::kPlace[k];
-        const Place at{i, j, k, CellBrick::node_row(i, j) + beside[1], beside};
+        const CellRun at{i, j, k, CellBrick::node_row(i, j) + beside[1], beside};
         const Lane excess = load(brick.excess + CellBrick::cell_row(i, j) + beside[1]);
         squares += excess * excess;
         for (int axis = 0; axis < 3; ++axis) {

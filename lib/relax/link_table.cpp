@@ -20,7 +20,7 @@ float limit_of(std::int32_t slack) {
 LinkTable::LinkTable(const Body& body, int coordinate, RigidLinks rigid)
     : m_stride(body.slacks.stride()),
       m_coordinate(coordinate),
-      m_has_yield(body.material.has_plastic()) {
+      m_has_yield(body.material.has_yield_strain()) {
   const MaterialClasses classes(body.material);
   const Vec3d spacing = body.geometry.spacing_mm();
   const std::size_t entries = std::size_t(kLastClass) * m_stride + kLastClass + 1;
@@ -43,7 +43,7 @@ LinkTable::LinkTable(const Body& body, int coordinate, RigidLinks rigid)
         const LinkPhysics physics = classes.physics(a, b);
         m_rows[axis][entry] = {
             float(physics.stiffness_kpa * area_per_length), limit_of(upper), limit_of(lower),
-            float(physics.plastic * spacing[axis] / spacing[coordinate] * kFixedOne)};
+            float(physics.yield_strain * spacing[axis] / spacing[coordinate] * kFixedOne)};
       }
     }
   }

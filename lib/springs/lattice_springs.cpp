@@ -199,7 +199,7 @@ LatticeSpringParams material_springs(const Body& body) {
     const LinkPhysics physics = classes.physics(c, c);
     params.class_stiffness.push_back(physics.stiffness_kpa);
     params.class_density.push_back(classes.mass_density_of_class(c));
-    params.class_damping_s.push_back(physics.damping_ms * kSecondsPerMs);
+    params.class_damping_s.push_back(physics.rayleigh_beta_ms * kSecondsPerMs);
   }
   return params;
 }

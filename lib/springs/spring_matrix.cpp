@@ -49,7 +49,7 @@ SpringMatrix::Pattern SpringMatrix::analyse(const SpringSystem& system,
   auto& couplings = pattern.couplings;
   std::sort(couplings.begin(), couplings.end());
   couplings.erase(std::unique(couplings.begin(), couplings.end()), couplings.end());
-  for (Place& place : pattern.places) {
+  for (SpringRows& place : pattern.places) {
     if (place.a < 0 || place.b < 0) continue;
     const auto at = std::lower_bound(couplings.begin(), couplings.end(), pair_of(place.a, place.b));
     place.coupling = int(at - couplings.begin());
@@ -72,14 +72,14 @@ bool SpringMatrix::factorise(const SpringSystem& system, double mass_factor, dou
     m_diagonal[row] = {m, m, m, 0, 0, 0};
   }
   m_coupling.assign(m_pattern.couplings.size(), SymmetricBlock{});
-  const auto add_block = [&](const Place& place, const SymmetricBlock& block) {
+  const auto add_block = [&](const SpringRows& place, const SymmetricBlock& block) {
     if (place.a >= 0) add(m_diagonal[place.a], block, 1);
     if (place.b >= 0) add(m_diagonal[place.b], block, 1);
     if (place.coupling >= 0) add(m_coupling[place.coupling], block, -1);
   };
   for (std::size_t n = 0; n < system.springs.size(); ++n) {
     const Spring& s = system.springs[n];
-    const Place& place = m_pattern.places[n];
+    const SpringRows& place = m_pattern.places[n];
     if (place.a < 0 && place.b < 0) continue;
     const Vec3d x = system.pos_mm[s.b] - system.pos_mm[s.a];
     const double length = std::sqrt(x.length2());

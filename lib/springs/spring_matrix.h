@@ -32,14 +32,14 @@ class SpringMatrix {
   std::size_t bytes() const;
 
  private:
-  struct Place {
+  struct SpringRows {
     int a, b;      // rows of the ends; -1: held
     int coupling;  // -1: none
   };
   struct Pattern {
     std::vector<int> row_of_node;
     std::vector<int> node_of_row;
-    std::vector<Place> places;  // per spring
+    std::vector<SpringRows> places;  // per spring
     std::vector<std::array<int, 2>> couplings;
   };
   static Pattern analyse(const SpringSystem& system, const std::vector<char>& is_held);

@@ -97,7 +97,7 @@ const LightReached& LightPaths::reach_of_sample(double t_mm, const Vec3d& pos_lp
   const Vec3f before = facing.normal * facing.trust + towards_eye * (1 - facing.trust);
   const Vec3d step = m_context.geometry.index_vector_from_world(Vec3d(before)).normalized();
   const Vec3d pos_index = m_context.geometry.index_from_world(pos_lps_mm);
-  const Place place{pos_index + step * kVolumeBias, pos_lps_mm, facing};
+  const PathStart place{pos_index + step * kVolumeBias, pos_lps_mm, facing};
   if (shadows_are_due) {
     find_shadows(place, m_reach);
     m_shadows_until = t_mm + kShadowReuse * m_medium.voxel_mm;
@@ -110,7 +110,7 @@ const LightReached& LightPaths::reach_of_sample(double t_mm, const Vec3d& pos_lp
 }
 
 LightReached LightPaths::reach_of_surface(const SurfacePoint& point) {
-  const Place place{
+  const PathStart place{
       m_context.geometry.index_from_world(point.light_start), point.light_start, {point.normal, 1}};
   LightReached light_reached;
   if (m_context.settings.lighting.shadows) find_shadows(place, light_reached);
@@ -118,7 +118,7 @@ LightReached LightPaths::reach_of_surface(const SurfacePoint& point) {
   return light_reached;
 }
 
-void LightPaths::find_shadows(const Place& place, LightReached& light_reached) {
+void LightPaths::find_shadows(const PathStart& place, LightReached& light_reached) {
   for (std::size_t n = 0; n < m_medium.lights.size(); ++n) {
     light_reached.lights[n] = transmittance(place, m_medium.lights[n]);
   }
@@ -146,7 +146,7 @@ float LightPaths::surface_transmittance(const Vec3d& start, const Vec3f& directi
   return passed;
 }
 
-float LightPaths::transmittance(const Place& place, const LightMedium::Direction& towards) {
+float LightPaths::transmittance(const PathStart& place, const LightMedium::Direction& towards) {
   // What faces away from the light is not lit anyway.
   if (place.facing.trust >= 1 && place.facing.normal.dot(towards.world) <= 0) return 0;
   const float passed = surface_transmittance(place.surface_start, towards.world);
@@ -173,7 +173,7 @@ float LightPaths::transmittance(const Place& place, const LightMedium::Direction
   return passed * std::exp(-depth);
 }
 
-float LightPaths::openness(const Place& place) {
+float LightPaths::openness(const PathStart& place) {
   const float trust = place.facing.trust;
   float sum = 0, weights = 0;
   for (const LightMedium::Direction& direction : m_medium.around) {
@@ -187,7 +187,7 @@ float LightPaths::openness(const Place& place) {
 }
 
 /// Of the light emitted along a path as long as the radius, the share that arrives.
-float LightPaths::ambient_along(const Place& place, const LightMedium::Direction& direction) {
+float LightPaths::ambient_along(const PathStart& place, const LightMedium::Direction& direction) {
   const double radius = m_context.settings.lighting.occlusion_radius_mm;
   find_crossings(place.surface_start, direction.world, radius);
   auto crossing = m_crossings.begin();

@@ -63,15 +63,15 @@ class LightPaths {
 
  private:
   /// A place and where its paths begin.
-  struct Place {
+  struct PathStart {
     Vec3d volume_start;   // index space: paths through the volume,
     Vec3d surface_start;  // LPS mm: paths through surfaces
     Facing facing;
   };
-  void find_shadows(const Place& place, LightReached& light_reached);
-  float transmittance(const Place& place, const LightMedium::Direction& towards);
-  float openness(const Place& place);
-  float ambient_along(const Place& place, const LightMedium::Direction& towards);
+  void find_shadows(const PathStart& place, LightReached& light_reached);
+  float transmittance(const PathStart& place, const LightMedium::Direction& towards);
+  float openness(const PathStart& place);
+  float ambient_along(const PathStart& place, const LightMedium::Direction& towards);
   /// Of a path that starts at a place, LPS; leaves them in m_crossings.
   void find_crossings(const Vec3d& start, const Vec3f& direction, double length_mm);
   float surface_transmittance(const Vec3d& start, const Vec3f& direction);

@@ -114,8 +114,8 @@ double spring_energy(const Body& body) {
       for (std::size_t c = 0; c < 3; ++c) {
         const double stretch = double(body.q[c].at(high)) - body.q[c].at(low) -
                                body.rest[std::size_t(axis)][c].at(low);
-        sum +=
-            energy_of_link(stiffness, stretch / kFixedOne * h[int(c)], physics.plastic * h[axis]);
+        sum += energy_of_link(stiffness, stretch / kFixedOne * h[int(c)],
+                              physics.yield_strain * h[axis]);
       }
     });
   }

@@ -163,7 +163,7 @@ TEST(PropertyLatticeSprings, SpringsOfTheMaterialAreAnIsotropicSolid) {
   MaterialTable table = linear_table(1.5, 0.6, 0.7);
   table.stiffness = Curve{{{0, 3}}};
   table.mass_density = Curve{{{0, 1200}}};
-  table.damping = Curve{{{0, 4}}};
+  table.rayleigh_beta_ms = Curve{{{0, 4}}};
   Block block = full_block({3, 3, 3}, table, [](int, int, int) { return 255.0; });
   block.spacing_mm = {2, 2, 2};
   const Body body = body_of(block);

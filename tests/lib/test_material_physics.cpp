@@ -18,10 +18,10 @@ Curve ramp(double at_0, double at_255) {
 
 MaterialTable physical_table() {
   MaterialTable table = linear_table(1.5, 0.6, 0.7);
-  table.stiffness = ramp(10, 61);        // 10 kPa and 0.2 kPa per class
-  table.mass_density = ramp(900, 1920);  // 900 kg/m³ and 4 kg/m³ per class
-  table.damping = ramp(0, 51);           // 0.2 ms per class
-  table.plastic = ramp(0.1, 0.355);      // 0.1 and 0.001 per class
+  table.stiffness = ramp(10, 61);         // 10 kPa and 0.2 kPa per class
+  table.mass_density = ramp(900, 1920);   // 900 kg/m³ and 4 kg/m³ per class
+  table.rayleigh_beta_ms = ramp(0, 51);   // 0.2 ms per class
+  table.yield_strain = ramp(0.1, 0.355);  // 0.1 and 0.001 per class
   return table;
 }
 
@@ -37,12 +37,12 @@ TEST(UnitMaterialPhysics, ALinkReadsItsCurvesAtTheMeanOfBothEndsWithHalfClasses)
   const MaterialClasses classes(table);
   const LinkPhysics link = classes.physics(100, 151);  // density 125.5
   EXPECT_DOUBLE_EQ(link.stiffness_kpa, 10 + 0.2 * 125.5);
-  EXPECT_DOUBLE_EQ(link.damping_ms, 0.2 * 125.5);
-  EXPECT_DOUBLE_EQ(link.plastic, 0.1 + 0.001 * 125.5);
+  EXPECT_DOUBLE_EQ(link.rayleigh_beta_ms, 0.2 * 125.5);
+  EXPECT_DOUBLE_EQ(link.yield_strain, 0.1 + 0.001 * 125.5);
   const LinkPhysics turned = classes.physics(151, 100);
   EXPECT_EQ(turned.stiffness_kpa, link.stiffness_kpa);
-  EXPECT_EQ(turned.damping_ms, link.damping_ms);
-  EXPECT_EQ(turned.plastic, link.plastic);
+  EXPECT_EQ(turned.rayleigh_beta_ms, link.rayleigh_beta_ms);
+  EXPECT_EQ(turned.yield_strain, link.yield_strain);
 }
 
 TEST(UnitMaterialPhysics, CombiningLimitsAveragesTheValuesOfTheTwoEnds) {
@@ -52,8 +52,8 @@ TEST(UnitMaterialPhysics, CombiningLimitsAveragesTheValuesOfTheTwoEnds) {
   table.combine = Combine::limits;
   const LinkPhysics link = MaterialClasses(table).physics(0, 180);
   EXPECT_DOUBLE_EQ(link.stiffness_kpa, 15);
-  EXPECT_DOUBLE_EQ(link.damping_ms, 0.2 * 90);
-  EXPECT_DOUBLE_EQ(link.plastic, 0.1 + 0.001 * 90);
+  EXPECT_DOUBLE_EQ(link.rayleigh_beta_ms, 0.2 * 90);
+  EXPECT_DOUBLE_EQ(link.yield_strain, 0.1 + 0.001 * 90);
 }
 
 TEST(UnitMaterialPhysics, AnElementsMassDensityIsThatOfItsOwnClass) {
@@ -72,8 +72,8 @@ TEST(UnitMaterialPhysics, WithoutCurvesALinkHasOneKilopascalNoDampingAndNeverYie
   const MaterialClasses classes(table);
   const LinkPhysics link = classes.physics(3, 250);
   EXPECT_EQ(link.stiffness_kpa, 1);
-  EXPECT_EQ(link.damping_ms, 0);
-  EXPECT_EQ(link.plastic, HUGE_VAL);
+  EXPECT_EQ(link.rayleigh_beta_ms, 0);
+  EXPECT_EQ(link.yield_strain, HUGE_VAL);
   EXPECT_EQ(classes.mass_density_of_class(250), 1000);
 }
 
@@ -83,16 +83,16 @@ TEST(UnitMaterialPhysics, BetweenTwoTablesALinkTakesTheMeanAndYieldsOnlyIfBothEn
   table.labels[4] = rigid_table();
   table.labels[4].stiffness = Curve{{{0, 100}}};
   table.labels[4].mass_density = Curve{{{0, 1500}}};
-  table.labels[4].damping = Curve{{{0, 2}}};
-  table.labels[4].plastic = Curve{{{0, 0.01}}};
+  table.labels[4].rayleigh_beta_ms = Curve{{{0, 2}}};
+  table.labels[4].yield_strain = Curve{{{0, 0.01}}};
   const MaterialClasses classes(table);
   const int soft = classes.class_of(255), bare = classes.class_of(9, 3),
             given = classes.class_of(9, 4);
   EXPECT_DOUBLE_EQ(classes.physics(soft, given).stiffness_kpa, (61 + 100) / 2.0);
-  EXPECT_DOUBLE_EQ(classes.physics(soft, given).damping_ms, (51 + 2) / 2.0);
-  EXPECT_DOUBLE_EQ(classes.physics(soft, given).plastic, (0.355 + 0.01) / 2);
+  EXPECT_DOUBLE_EQ(classes.physics(soft, given).rayleigh_beta_ms, (51 + 2) / 2.0);
+  EXPECT_DOUBLE_EQ(classes.physics(soft, given).yield_strain, (0.355 + 0.01) / 2);
   EXPECT_DOUBLE_EQ(classes.physics(bare, given).stiffness_kpa, (1 + 100) / 2.0);
-  EXPECT_EQ(classes.physics(bare, given).plastic, HUGE_VAL);
+  EXPECT_EQ(classes.physics(bare, given).yield_strain, HUGE_VAL);
   EXPECT_EQ(classes.mass_density_of_class(bare), 1000);
   EXPECT_EQ(classes.mass_density_of_class(given), 1500);
   EXPECT_EQ(classes.mass_density_of_class(soft), 1920);
@@ -100,11 +100,11 @@ TEST(UnitMaterialPhysics, BetweenTwoTablesALinkTakesTheMeanAndYieldsOnlyIfBothEn
 
 TEST(UnitMaterialPhysics, ATableTellsWhichCurvesItOrALabelGives) {
   using Column = std::optional<Curve> LimitTable::*;
-  const Column columns[] = {&LimitTable::stiffness, &LimitTable::mass_density, &LimitTable::damping,
-                            &LimitTable::plastic};
+  const Column columns[] = {&LimitTable::stiffness, &LimitTable::mass_density,
+                            &LimitTable::rayleigh_beta_ms, &LimitTable::yield_strain};
   const auto given = [](const MaterialTable& table) {
-    return std::vector<bool>{table.has_stiffness(), table.has_mass_density(), table.has_damping(),
-                             table.has_plastic()};
+    return std::vector<bool>{table.has_stiffness(), table.has_mass_density(),
+                             table.has_rayleigh_beta(), table.has_yield_strain()};
   };
   for (int n = 0; n < 4; ++n) {
     std::vector<bool> expected(4, false);
@@ -123,7 +123,7 @@ TEST(UnitMaterialPhysics, ATableTellsWhichCurvesItOrALabelGives) {
 TEST(UnitMaterialPhysics, ATableOfALabelWhosePhysicsVaryTakesMoreThanOneClass) {
   using Column = std::optional<Curve> LimitTable::*;
   for (const Column column : {&LimitTable::stiffness, &LimitTable::mass_density,
-                              &LimitTable::damping, &LimitTable::plastic}) {
+                              &LimitTable::rayleigh_beta_ms, &LimitTable::yield_strain}) {
     MaterialTable table = linear_table(1.5, 0.6, 0.7);
     table.labels[3] = rigid_table();
     table.labels[3].*column = ramp(5, 5);
@@ -146,15 +146,15 @@ TEST(UnitMaterialPhysics, EveryErrorNamesColumnKeyPointValueAndUnit) {
             "m.toml: stiffness key point 2: found [255, 0], expected stiffness > 0 kPa");
   EXPECT_EQ(message([](MaterialTable& t) { t.mass_density->keys[0].second = 0; }),
             "m.toml: density key point 1: found [0, 0], expected density > 0 kg/m³");
-  EXPECT_EQ(message([](MaterialTable& t) { t.damping->keys[1].second = -1; }),
+  EXPECT_EQ(message([](MaterialTable& t) { t.rayleigh_beta_ms->keys[1].second = -1; }),
             "m.toml: damping key point 2: found [255, -1], expected damping >= 0 ms");
-  EXPECT_EQ(message([](MaterialTable& t) { t.plastic->keys[0].second = 0; }),
+  EXPECT_EQ(message([](MaterialTable& t) { t.yield_strain->keys[0].second = 0; }),
             "m.toml: plastic key point 1: found [0, 0], expected plastic > 0");
-  EXPECT_EQ(message([](MaterialTable& t) { t.plastic->keys[0].second = HUGE_VAL; }),
+  EXPECT_EQ(message([](MaterialTable& t) { t.yield_strain->keys[0].second = HUGE_VAL; }),
             "m.toml: plastic key point 1: found [0, inf], expected finite numbers");
   EXPECT_EQ(message([](MaterialTable& t) { t.stiffness->keys.clear(); }),
             "m.toml: stiffness: found no key points, expected at least one [density, value]");
-  EXPECT_EQ(message([](MaterialTable& t) { t.damping->keys[1].first = 256; }),
+  EXPECT_EQ(message([](MaterialTable& t) { t.rayleigh_beta_ms->keys[1].first = 256; }),
             "m.toml: damping key point 2: found [256, 51], expected a density inside the domain "
             "[0, 255]");
   EXPECT_EQ(message([](MaterialTable& t) {
@@ -167,7 +167,7 @@ TEST(UnitMaterialPhysics, EveryErrorNamesColumnKeyPointValueAndUnit) {
 TEST(UnitMaterialPhysics, KeyPointsOfAColumnThatShareAClassAreWarnedOf) {
   MaterialTable table = physical_table();
   EXPECT_TRUE(table.warnings().empty());
-  table.plastic = Curve{{{0, 0.1}, {40, 0.1}, {40.25, 0.2}}};
+  table.yield_strain = Curve{{{0, 0.1}, {40, 0.1}, {40.25, 0.2}}};
   const auto lines = table.warnings();
   ASSERT_EQ(lines.size(), 1u);
   EXPECT_EQ(lines[0].find("plastic: key points 2 and 3"), 0u) << lines[0];
@@ -206,8 +206,8 @@ TEST(UnitMaterialPresets, EachIsAValidTableByItselfAndRulesOutFolds) {
     EXPECT_EQ(limits.shear2, preset.shear) << preset.name;
     const LinkPhysics physics = classes.physics(0, classes.class_of(7, 3));
     EXPECT_EQ(physics.stiffness_kpa, preset.stiffness_kpa) << preset.name;
-    EXPECT_EQ(physics.damping_ms, preset.damping_ms) << preset.name;
-    EXPECT_EQ(physics.plastic, HUGE_VAL) << preset.name;
+    EXPECT_EQ(physics.rayleigh_beta_ms, preset.rayleigh_beta_ms) << preset.name;
+    EXPECT_EQ(physics.yield_strain, HUGE_VAL) << preset.name;
     EXPECT_EQ(classes.mass_density_of_class(0), preset.mass_density) << preset.name;
   }
 }

@@ -21,7 +21,7 @@ namespace {
 MaterialTable tissue() {
   MaterialTable table = linear_table(1.5, 0.6, 0.7);
   table.stiffness = Curve{{{0, 10}}};
-  table.damping = Curve{{{0, 0.05}}};
+  table.rayleigh_beta_ms = Curve{{{0, 0.05}}};
   return table;
 }
 
@@ -289,7 +289,7 @@ TEST(PropertyModels, IntegratorsAtRestPullAsTheMinimumDoesButXpbdPullsFarLess) {
 
 TEST(PropertyModels, SpringsRestWherePlasticFlowLeftTheLinks) {
   MaterialTable table = tissue();
-  table.plastic = Curve{{{0, 0.1}}};
+  table.yield_strain = Curve{{{0, 0.1}}};
   Scene scene({12, 3, 3});
   scene.body = body_of(full_block({12, 3, 3}, table, [](int, int, int) { return 255.0; }));
   {

@@ -14,7 +14,7 @@ namespace {
 
 MaterialTable yielding_table(double yield) {
   MaterialTable table = constant_table(3, 0.1, 2);
-  table.plastic = Curve{{{0, yield}}};
+  table.yield_strain = Curve{{{0, yield}}};
   return table;
 }
 

@@ -314,7 +314,7 @@ TEST(PropertyReaction, OfSpringsAndCellsItIsTheSlopeOfTheirEnergy) {
     Block block =
         wide_block({4 + n % 9, 5, 12}, [&](int, int, int) { return double(random() % 256); });
     if (n % 2 == 0) cut_randomly(random, block);
-    if (n % 3 == 0) block.table.plastic = Curve{{{0, 0.1}}};
+    if (n % 3 == 0) block.table.yield_strain = Curve{{{0, 0.1}}};
     Body body = body_of(block);
     const double kpa = n % 4 == 0 ? 0 : 40;
     for_each_element(body.elements, [&](Slot slot) {
@@ -389,7 +389,7 @@ TEST(UnitReaction, AHandleOnARigidPartBearsAllThatPullsAtIt) {
 TEST(UnitReaction, ASpringThatYieldsPullsNoMore) {
   MaterialTable table = wide_table();
   table.stiffness.reset();
-  table.plastic = Curve{{{0, 0.1}}};
+  table.yield_strain = Curve{{{0, 0.1}}};
   const Body rest = body_of(full_block({21, 1, 1}, table, [](int, int, int) { return 9.0; }));
   for (const double by : {1.0, 2.0, 3.0, 6.0}) {
     Row row(rest, 21, {std::int32_t(by * kVoxel), 0, 0});

@@ -238,7 +238,7 @@ TEST(PropertyRelaxation, OnlyBricksThatItReachesHaveMemory) {
 
 TEST(PropertyRelaxation, AnInterruptedOneIsWhatItsPassesMade) {
   MaterialTable table = linear_table(1.5, 0.6, 0.7);
-  table.plastic = Curve{{{0, 0.1}}};
+  table.yield_strain = Curve{{{0, 0.1}}};
   Body rest = body_of(full_block({60, 1, 1}, table, [](int, int, int) { return 255.0; }));
   const std::vector<Region> fixed = {Region({0, 0, 0})};
   Holds holds;

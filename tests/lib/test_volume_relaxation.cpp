@@ -143,7 +143,7 @@ TEST(PropertyVolumeRelaxation, EveryPassLeavesAValidBodyOfNoMoreEnergy) {
   int moved = 0;
   for (int n = 0; n < cases(50); ++n) {
     Dragged start = dragged(random, {13, 11, 9});
-    if (n % 4 == 0) start.body.material.plastic = Curve{{{0, 0.1}}};
+    if (n % 4 == 0) start.body.material.yield_strain = Curve{{{0, 0.1}}};
     const double kpa = n % 3 == 0 ? 0.5 : n % 3 == 1 ? 30 : 1000;
     const Dragged before = start;
     const double first = total_energy(start.body, kpa);

@@ -36,7 +36,9 @@ std::vector<std::filesystem::path> plugin_folders() {
       if (!folder.empty()) folders.emplace_back(folder);
     }
   }
-  const std::filesystem::path own = own_folder();
+  std::filesystem::path own = own_folder();
+  // The library for a level of the processor shares the plugins of the one for all.
+  if (own.parent_path().filename() == "glibc-hwcaps") own = own.parent_path().parent_path();
   folders.insert(folders.end(), {own, own.parent_path() / "lib" / "supple", own / "supple"});
   return folders;
 }
