@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Sets up as setup.sh does, checks the format, then runs the whole test suite: unit, property and
+# Sets up as setup.sh does, checks the format and changed sources, then runs the whole test suite: unit, property and
 # fault tests in a build by clang with sanitizers and warnings as errors, each parser on random input
 # for a few seconds, then everything in the release build, with the examples against the installed
 # library.
@@ -18,6 +18,12 @@ if install_packages clang-format-14; then
   git ls-files '*.h' '*.cpp' | xargs clang-format-14 --dry-run -Werror
 else
   say "no clang-format-14: the format is not checked"
+fi
+
+if install_packages clang-tidy-14; then
+  bash tools/tidy.sh
+else
+  say "no clang-tidy-14: changed sources are not checked"
 fi
 
 if [ "${1:-}" != "--release-only" ]; then
