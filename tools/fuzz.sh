@@ -44,7 +44,7 @@ refused_by_program() {
     [ -e "$input" ] || continue
     cp "$input" "build/fuzz/input.$2"
     status=0
-    timeout 10 build/release/bin/supple info "build/fuzz/input.$2" >>"$log" 2>&1 || status=$?
+    timeout 10 build/asan/bin/supple info "build/fuzz/input.$2" >>"$log" 2>&1 || status=$?
     [ "$status" -eq 3 ] || { say "fuzz $1: supple info exits with $status for $input"; return 1; }
     rm "$input"
     refused=$((refused + 1))
@@ -80,8 +80,7 @@ fuzz() {
 
 supple_setup
 install_packages "${SUPPLE_CLANG[@]}"
-build_preset asan fuzzers
-build_preset release supple
+build_preset asan "fuzzers supple"
 mkdir -p build/fuzz
 rm -rf build/fuzz/seeds
 build/asan/bin/fuzz_seeds build/fuzz/seeds

@@ -31,10 +31,8 @@ if [ "${1:-}" != "--release-only" ]; then
   build_preset asan all -DSUPPLE_WERROR=ON
   say "testing build/asan (unit, property, fault)"
   ctest --test-dir build/asan -L 'unit|property|fault' -j "$(nproc)" --output-on-failure
-fi
-build_preset release all
-if [ "${1:-}" != "--release-only" ]; then
   bash tools/fuzz.sh --seconds 5
 fi
+build_preset release all
 say "testing build/release"
 ctest --test-dir build/release -j "$(nproc)" --output-on-failure
