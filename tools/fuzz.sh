@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Fuzzes every parser with libFuzzer under address and undefined-behaviour sanitizers: builds preset
-# `fuzz` (clang), makes a seed corpus, runs each target for a while and prints what it did. Inputs
-# that fail are kept under build/fuzz/findings.
+# Fuzzes every parser with libFuzzer under address and undefined-behaviour sanitizers: builds the
+# targets of preset `asan`, makes a seed corpus, runs each target for a while and prints what it did.
+# Corpus, logs and inputs that fail are kept under build/fuzz.
 #
 #   bash tools/fuzz.sh [--seconds N] [TARGET...]
 #     N seconds of processor time per target (600); targets: nrrd metaimage ... (all)
@@ -44,7 +44,7 @@ refused_by_program() {
     [ -e "$input" ] || continue
     cp "$input" "build/fuzz/input.$2"
     status=0
-    timeout 10 build/release/bin/supple info "build/fuzz/input.$2" >>"$log" 2>&1 || status=$?
+    timeout 10 build/asan/bin/supple info "build/fuzz/input.$2" >>"$log" 2>&1 || status=$?
     [ "$status" -eq 3 ] || { say "fuzz $1: supple info exits with $status for $input"; return 1; }
     rm "$input"
     refused=$((refused + 1))
@@ -58,7 +58,7 @@ fuzz() {
   : >"$log"
   export ASAN_OPTIONS="$(sanitizer_of "$target")"
   while [ "$used" -lt "$seconds" ]; do
-    if ! processor_time "build/fuzz/bin/fuzz_$target" "build/fuzz/corpus/$target" \
+    if ! processor_time "build/asan/bin/fuzz_$target" "build/fuzz/corpus/$target" \
       "build/fuzz/seeds/$target" -max_total_time="$((seconds - used))" -timeout=10 -max_len=65536 \
       -rss_limit_mb=2048 -print_final_stats=1 \
       -artifact_prefix="build/fuzz/findings/$target-"; then
@@ -79,11 +79,11 @@ fuzz() {
 }
 
 supple_setup
-install_packages clang-14
-build_preset fuzz fuzzers
-build_preset release supple
+install_packages "${SUPPLE_CLANG[@]}"
+build_preset asan "fuzzers supple"
+mkdir -p build/fuzz
 rm -rf build/fuzz/seeds
-build/fuzz/bin/fuzz_seeds build/fuzz/seeds
+build/asan/bin/fuzz_seeds build/fuzz/seeds
 mkdir -p build/fuzz/corpus build/fuzz/findings
 
 # As many at a time as there are processors.

@@ -7,6 +7,7 @@
 
 #include "lib/chainmail/ecm.h"
 #include "tests/lib/cut_fixtures.h"
+#include "tests/support/sanitized.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -67,7 +68,7 @@ int side_of(const TriangleMesh& convex, const Vec3d& centre, const Vec3d& point)
 TEST(PropertyCuts, AClosedSphereLeavesNoLinkBetweenItsInsideAndItsOutside) {
   std::mt19937 random(21);
   int split = 0;
-  for (int n = 0; n < 120; ++n) {
+  for (int n = 0; n < cases(120); ++n) {
     Block block = n % 3 == 0 ? random_block(random, {18, 17, 16}) : soft_block({18, 17, 16});
     Body body = body_of(block);
     body.geometry = random_geometry(random);
@@ -102,7 +103,7 @@ TEST(PropertyCuts, AClosedSphereLeavesNoLinkBetweenItsInsideAndItsOutside) {
     split += std::count(has_inside.begin(), has_inside.end(), 1) > 0;
     if (HasFailure()) FAIL() << "case " << n;
   }
-  EXPECT_GT(split, 30);
+  EXPECT_GT(split, cases(20));
 }
 
 TEST(PropertyCuts, BoxesThroughVoxelCentresAndBrickBordersCutExactlyTheLinksThatLeaveThem) {
@@ -169,7 +170,7 @@ TEST(PropertyCuts, OctahedraWhoseFacesPassThroughVoxelCentresLeaveNoLinkOpen) {
 TEST(PropertyCuts, RandomTrianglesCutWhatSegmentTriangleIntersectionSays) {
   std::mt19937 random(23);
   int crossed = 0, unclear = 0;
-  for (int n = 0; n < 1500; ++n) {
+  for (int n = 0; n < cases(1500); ++n) {
     Body body = body_of(n % 2 ? soft_block({12, 11, 10}) : random_block(random, {12, 11, 10}));
     body.geometry = random_geometry(random);
     const Vec3d origin(body.elements.active_bounds().lo);
@@ -211,7 +212,7 @@ TEST(PropertyCuts, RandomTrianglesCutWhatSegmentTriangleIntersectionSays) {
     });
     if (HasFailure()) FAIL() << "case " << n;
   }
-  EXPECT_GT(crossed, 5000);
+  EXPECT_GT(crossed, cases(4000));
   EXPECT_LT(unclear, crossed / 10);
   std::printf("crossed %d, too near to tell %d\n", crossed, unclear);
 }

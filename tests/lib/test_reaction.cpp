@@ -216,7 +216,7 @@ TEST(PropertyReaction, AfterADragAloneItIsTheSlopeOfTheEnergyAlongTheDrag) {
     pulling += slope != 0;
   }
   EXPECT_GT(compared, cases(400));
-  EXPECT_GT(pulling, cases(300));
+  EXPECT_GT(pulling, cases(225));
 }
 
 TEST(PropertyReaction, AtTheMinimumItIsTheSlopeOfTheLeastEnergy) {

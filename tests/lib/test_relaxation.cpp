@@ -99,13 +99,13 @@ TEST(PropertyRelaxation, ASweepEndsAtWholeNumbers) {
 TEST(PropertyRelaxation, WhatIsHeldStays) {
   std::mt19937 random(5);
   int at_bound = 0;
-  for (int n = 0; n < 60; ++n) {
+  for (int n = 0; n < cases(60); ++n) {
     const Dragged start = dragged(random, {9, 9, 7});
     for (const RelaxMethod method : kAllMethods) {
       at_bound += expect_held_through(start, params_of(method, 15));
     }
   }
-  EXPECT_GT(at_bound, 20);
+  EXPECT_GT(at_bound, cases(20));
 }
 
 TEST(PropertyRelaxation, TheResultDoesNotDependOnTheNumberOfThreads) {

@@ -8,6 +8,7 @@
 #endif
 
 #include "tests/support/io_fixtures.h"
+#include "tests/support/sanitized.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/volumes/io/hdf5_fixtures.h"
 #include "volumes/base/error.h"
@@ -212,7 +213,7 @@ TEST(FaultHdf5, FlippedBytesGiveALineOrAVolumeButNothingElse) {
   const std::string bytes = sound_bytes(folder);
   std::mt19937 random(7);
   int refused = 0;
-  for (int n = 0; n < 600; ++n) {
+  for (int n = 0; n < cases(600); ++n) {
     std::string damaged = bytes;
     for (unsigned long flips = 1 + random() % 3; flips > 0; --flips) {
       // Half of the flips go into the superblock and the first headers.
@@ -223,7 +224,7 @@ TEST(FaultHdf5, FlippedBytesGiveALineOrAVolumeButNothingElse) {
     EXPECT_EQ(line.find('\n'), std::string::npos) << line;
     refused += !line.empty();
   }
-  EXPECT_GT(refused, 100);
+  EXPECT_GT(refused, cases(100));
 }
 
 }  // namespace
