@@ -55,7 +55,7 @@ std::unique_ptr<PointMotion> motion_of(const MotionSource& source, bool back) {
   return motion_to_rest(source.deformed.displacement, body, source.deformed.offsets);
 }
 
-void print(const ApplyOptions& options, nlohmann::ordered_json report) {
+void print(const ApplyOptions& options, const nlohmann::ordered_json& report) {
   nlohmann::ordered_json json = {{"output", options.output},
                                  {"direction", options.back ? "back" : "forward"}};
   json.update(report);

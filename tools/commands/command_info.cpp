@@ -28,7 +28,7 @@ nlohmann::ordered_json to_list(const Vec3d& v) {
 }
 
 void add_geometry(nlohmann::ordered_json& json, const Geometry& geometry) {
-  const Vec3d origin = geometry.origin_lps_mm();
+  const Vec3d& origin = geometry.origin_lps_mm();
   const auto direction = geometry.direction();
   const auto& axes = geometry.axes_mm();
   json["dims"] = {geometry.dims().x, geometry.dims().y, geometry.dims().z};

@@ -21,7 +21,7 @@ std::string dashed(std::string name) {
 std::string help_of(const Field& field) {
   std::string help = field.help();
   if (std::holds_alternative<bool*>(field.target())) return help;
-  const std::string unit = field.unit();
+  const std::string& unit = field.unit();
   if (unit.find_first_of(" /") != std::string::npos) help += ", in " + unit;
   const std::string otherwise = field.default_text();
   return otherwise.empty() ? help : help + " (default: " + otherwise + ")";

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 
@@ -75,8 +76,8 @@ std::string exact_text(double value) {
 
 std::string colour_text(const Rgb& rgb) {
   char text[8];
-  std::snprintf(text, sizeof text, "#%02X%02X%02X", unsigned(rgb[0] * 255 + 0.5),
-                unsigned(rgb[1] * 255 + 0.5), unsigned(rgb[2] * 255 + 0.5));
+  const auto byte = [](double share) { return unsigned(std::lround(share * 255)); };
+  std::snprintf(text, sizeof text, "#%02X%02X%02X", byte(rgb[0]), byte(rgb[1]), byte(rgb[2]));
   return text;
 }
 

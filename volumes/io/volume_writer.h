@@ -21,7 +21,7 @@ std::vector<std::string> write_volume(const std::string& path, const Geometry& g
 struct WarpFacts {
   Geometry geometry;
   WarpDirection direction = WarpDirection::resample;
-  std::string certificate = "";  // of the inversion, one line of JSON; empty: none
+  std::string certificate = {};  // of the inversion, one line of JSON; empty: none
 };
 
 /// Vector field in LPS mm, float32. Direction and certificate are recorded in the file. Returns
