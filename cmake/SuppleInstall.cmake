@@ -26,12 +26,17 @@ install(TARGETS supple_library EXPORT SuppleTargets LIBRARY DESTINATION ${CMAKE_
 # The same library for newer processors: the loader takes it from glibc-hwcaps where the processor
 # has the level (glibc 2.33 and later), for the program, too, which uses the shared library then.
 if(SUPPLE_LEVELS)
+  if(SUPPLE_BENCH)
+    message(FATAL_ERROR "SUPPLE_LEVELS with SUPPLE_BENCH: benchmarks link the library statically")
+  endif()
   include(ExternalProject)
   foreach(level IN LISTS SUPPLE_LEVELS)
     set(folder ${PROJECT_BINARY_DIR}/${level})
     ExternalProject_Add(supple_${level}
       SOURCE_DIR ${PROJECT_SOURCE_DIR} BINARY_DIR ${folder} BUILD_ALWAYS ON INSTALL_COMMAND ""
       CMAKE_ARGS -DCMAKE_BUILD_TYPE=${CMAKE_BUILD_TYPE} -DCMAKE_CXX_COMPILER=${CMAKE_CXX_COMPILER}
+                 -DCMAKE_C_COMPILER=${CMAKE_C_COMPILER} -DCMAKE_CXX_FLAGS=${CMAKE_CXX_FLAGS}
+                 -DCMAKE_PREFIX_PATH=${CMAKE_PREFIX_PATH} -DSUPPLE_DICOM=${SUPPLE_DICOM}
                  -DCMAKE_CXX_COMPILER_LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER}
                  -DCMAKE_SHARED_LINKER_FLAGS=-s -DSUPPLE_NATIVE=OFF
                  -DSUPPLE_LEVEL=${level} -DSUPPLE_TESTS=OFF -DSUPPLE_BENCH=OFF
@@ -43,6 +48,7 @@ if(SUPPLE_LEVELS)
   endforeach()
 endif()
 install(TARGETS ${plugins} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/supple)
+set_target_properties(supple PROPERTIES INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
 install(TARGETS supple RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(FILES LICENSE CHANGELOG.md README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 

@@ -35,6 +35,50 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
   return row[b.size()];
 }
 
+// TOML holds UTF-8 without control characters, names of files any bytes: those that TOML refuses
+// are code points of a private area, U+F700 and the byte.
+constexpr unsigned char kPrivate[] = {0xEF, 0x9C};  // the first bytes of U+F700 to U+F7FF
+constexpr unsigned char kPrivateEnd = 0x9F;
+
+bool is_private(const std::string& text, std::size_t at) {
+  const auto byte = [&](std::size_t n) { return static_cast<unsigned char>(text[at + n]); };
+  return at + 2 < text.size() && byte(0) == kPrivate[0] && byte(1) >= kPrivate[1] &&
+         byte(1) <= kPrivateEnd;
+}
+
+/// Length of the well-formed UTF-8 character, 0 where there is none.
+std::size_t character_at(const std::string& text, std::size_t at) {
+  const auto byte = [&](std::size_t n) { return static_cast<unsigned char>(text[at + n]); };
+  if (byte(0) < 0x80) return byte(0) >= 0x20 && byte(0) != 0x7F ? 1 : 0;
+  const std::size_t length = byte(0) >= 0xF0 ? 4 : byte(0) >= 0xE0 ? 3 : 2;
+  if (byte(0) < 0xC2 || byte(0) > 0xF4 || at + length > text.size() || is_private(text, at))
+    return 0;
+  for (std::size_t n = 1; n < length; ++n) {
+    if ((byte(n) & 0xC0) != 0x80) return 0;
+  }
+  // Longer than need be, surrogates, and beyond the last plane.
+  if (byte(0) == 0xE0 && byte(1) < 0xA0) return 0;
+  if (byte(0) == 0xED && byte(1) > 0x9F) return 0;
+  if (byte(0) == 0xF0 && byte(1) < 0x90) return 0;
+  if (byte(0) == 0xF4 && byte(1) > 0x8F) return 0;
+  return length;
+}
+
+/// The bytes that TomlTable::quoted was given.
+std::string unquoted(const std::string& text) {
+  std::string bytes;
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    if (!is_private(text, at)) {
+      bytes += text[at];
+      continue;
+    }
+    const unsigned high = static_cast<unsigned char>(text[at + 1]) - unsigned(kPrivate[1]);
+    bytes += char(high << 6 | (static_cast<unsigned char>(text[at + 2]) & 0x3F));
+    at += 2;
+  }
+  return bytes;
+}
+
 std::string text_of(const toml::node& node) {
   std::ostringstream text;
   node.visit([&text](const auto& value) { text << value; });
@@ -91,6 +135,21 @@ void TomlTable::take_warnings(const TomlTable& other) {
   all.insert(all.end(), other.warnings().begin(), other.warnings().end());
 }
 
+std::string TomlTable::quoted(const std::string& bytes) {
+  std::string text;
+  for (std::size_t at = 0; at < bytes.size();) {
+    const std::size_t length = character_at(bytes, at);
+    if (length > 0) {
+      text.append(bytes, at, length);
+    } else {
+      const unsigned byte = static_cast<unsigned char>(bytes[at]);
+      text += {char(kPrivate[0]), char(kPrivate[1] + (byte >> 6)), char(0x80 | (byte & 0x3F))};
+    }
+    at += std::max<std::size_t>(length, 1);
+  }
+  return json_string(text);
+}
+
 std::string TomlTable::place(const std::string& key) const {
   const toml::node* node = key.empty() ? m_table.get() : m_table->get(key);
   if (node == nullptr) node = m_table.get();
@@ -98,8 +157,13 @@ std::string TomlTable::place(const std::string& key) const {
   return line == 0 || file().empty() ? file() : file() + ":" + std::to_string(line);
 }
 
+std::string TomlTable::own_name(const std::string& key) const {
+  if (key.empty()) return m_name;
+  return m_name.empty() ? key : m_name + "." + key;
+}
+
 std::string TomlTable::full_name(const std::string& key) const {
-  std::string name = key.empty() ? m_name : m_name.empty() ? key : m_name + "." + key;
+  const std::string name = own_name(key);
   // The option of the key, or of the table that holds it.
   const auto& options = m_file_data->options;
   for (std::size_t end = name.size(); !options.empty() && end != std::string::npos && end > 0;
@@ -156,7 +220,9 @@ std::string TomlTable::present_name(const std::string& key, const std::string& f
 
 void TomlTable::read_field(const Field& field, const std::string& key) {
   const auto checked = [&](double value) {
-    if (!field.allows(value)) fail(key, number_text(value), field.allowed());
+    if (!field.allows(value)) {
+      fail(key, is_integer(value) ? exact_text(value) : number_text(value), field.allowed());
+    }
     return value;
   };
   const auto named = [&](const std::string& name) {
@@ -223,7 +289,8 @@ std::optional<std::string> TomlTable::string(const std::string& key) {
   const toml::node* node = find(key);
   if (node == nullptr) return std::nullopt;
   if (!node->is_string()) fail(key, text_of(*node), "a string");
-  return node->value<std::string>();
+  const std::string text = *node->value<std::string>();
+  return m_file_data->options.empty() ? text : unquoted(text);
 }
 
 std::optional<std::string> TomlTable::path(const std::string& key) {
@@ -324,7 +391,8 @@ std::optional<std::vector<std::string>> TomlTable::strings(const std::string& ke
   std::vector<std::string> values;
   for (const toml::node& item : *node->as_array()) {
     if (!item.is_string()) fail(key, text_of(item), "a list of strings");
-    values.push_back(*item.value<std::string>());
+    const std::string text = *item.value<std::string>();
+    values.push_back(m_file_data->options.empty() ? text : unquoted(text));
   }
   return values;
 }
@@ -351,7 +419,7 @@ std::optional<TomlTable> TomlTable::table(const std::string& key) {
   const toml::node* node = find(key);
   if (node == nullptr) return std::nullopt;
   if (!node->is_table()) fail(key, text_of(*node), "a table");
-  return below(*node, full_name(key));
+  return below(*node, own_name(key));
 }
 
 std::vector<std::string> TomlTable::keys() const {
@@ -369,7 +437,7 @@ std::vector<TomlTable> TomlTable::tables(const std::string& key) {
   std::vector<TomlTable> tables;
   for (const toml::node& item : *node->as_array()) {
     const std::string number = "[" + std::to_string(tables.size() + 1) + "]";
-    tables.push_back(below(item, full_name(key) + number));
+    tables.push_back(below(item, own_name(key) + number));
   }
   return tables;
 }
@@ -377,7 +445,7 @@ std::vector<TomlTable> TomlTable::tables(const std::string& key) {
 std::vector<TomlTable> TomlTable::table_or_tables(const std::string& key) {
   const toml::node* node = find(key);
   if (node == nullptr || !node->is_table()) return tables(key);
-  return {below(*node, full_name(key))};
+  return {below(*node, own_name(key))};
 }
 
 std::string TomlTable::json() const {

@@ -36,6 +36,9 @@ class TomlTable {
   /// key, for errors.
   static TomlTable of_options(const std::string& text, std::map<std::string, std::string> options);
 
+  /// Any text as a string of TOML. A table of options gives back its very bytes, UTF-8 or not.
+  static std::string quoted(const std::string& bytes);
+
   /// Sets those of the fields that are there. A value that is not allowed is an error, and so is a
   /// required field that is missing.
   void read(const Fields& fields);
@@ -111,6 +114,8 @@ class TomlTable {
   const toml::node* find(const std::string& key);
   TomlTable below(const toml::node& node, std::string name) const;
   double number_of(const toml::node& node, const std::string& key, const std::string& expected);
+  /// Full name in a file, whatever option stands for it.
+  std::string own_name(const std::string& key) const;
   std::string from_folder(const std::string& path) const;
   void read_field(const Field& field, const std::string& key);
 

@@ -93,6 +93,7 @@ Fields fields(SpringStep& step) {
           .recorded_as("mass_damping_per_s"),
       Field("tolerance", motion.tolerance_mn, "Of a minimum: largest force left on a free node")
           .unit("mN")
+          .shown_as("mN")
           .positive()
           .recorded_as("tolerance_mn"),
       Field("steps", step.most_steps, "Of a minimum: at most so many steps")

@@ -35,7 +35,7 @@ cmake --build "$work/host/build" -j "$(nproc)" >"$work/build.log" 2>&1 ||
 
 # A ball of tissue, made by the installed program's own formats.
 cd "$work"
-export LD_LIBRARY_PATH="$(dirname "$(find "$prefix" -name 'libsupple.so*' | head -n 1)")"
+export LD_LIBRARY_PATH="$(dirname "$(find "$prefix" -name 'libsupple.so*' -not -path '*hwcaps*' | head -n 1)")"
 python3 - <<'EOF'
 n = 24
 values = bytearray()

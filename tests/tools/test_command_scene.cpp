@@ -125,6 +125,28 @@ TEST_F(UnitCommandScene, TheOldNameOfAPathIsReadWithAWarning) {
   EXPECT_EQ(read_text(m_folder / "new.png"), read_text(m_folder / "old.png"));
 }
 
+TEST_F(UnitCommandScene, NamesOfFilesAreAnyBytes) {
+  for (const std::string name : {"a b'c\"d\\e#f", "caf\xe9", "\xef\x9c\x81x", "t\x7f\n{"}) {
+    std::filesystem::copy_file(m_folder / "ball.raw", m_folder / (name + ".raw"));
+    const Outcome outcome =
+        run_supple({"slice", m_folder / (name + ".raw"), "--raw",
+                    "dims=16,16,16,type=uint8,spacing=1,1,1", "-o", m_folder / (name + ".png")});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_TRUE(std::filesystem::exists(m_folder / (name + ".png")));
+  }
+}
+
+TEST_F(UnitCommandScene, AStateAloneIsReadWithTheLabelsOfTheScene) {
+  run_command("deform", {"--material", m_folder / "soft.toml", "--grab", "8,13,8", "--by", "0,1,0",
+                         "-o", m_folder / "a.vdb"});
+  write_text(m_folder / "scene.toml",
+             "[volume]\npath = \"a.vdb\"\n[labels]\npath = \"none.nrrd\"\n[[view]]\nimage = "
+             "\"x.png\"\n");
+  const Outcome outcome = run_supple({"run", m_folder / "scene.toml", "-o", m_folder / ""});
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_NE(outcome.err.find("none.nrrd"), std::string::npos) << outcome.err;
+}
+
 TEST_F(FaultCommandScene, ErrorsNameTheOptionOrThePartOfATable) {
   const auto expect = [&](const std::string& command, std::vector<std::string> more, int code,
                           const std::string& words) {
@@ -145,5 +167,21 @@ TEST_F(FaultCommandScene, ErrorsNameTheOptionOrThePartOfATable) {
   expect("render", {"--size", "9"}, 2, "--size: found '9', expected 2 numbers");
   expect("render", {"--light", "1,2,3:200"}, 3,
          "--light[1].intensity: found 200, expected 0 to 100");
+  expect("render", {"--light", ""}, 2, "--light: found ''");
+  expect("render", {"--jitter=false"}, 2, "jitter");
+  expect("render", {"--clip-box", "1,2:3,4,5,6"}, 2, "--clip-box: found '1,2', expected 3 numbers");
+  expect("render", {"--view", "below"}, 3, "--view: found \"below\"");
+  expect("deform", {"--cut", "{ label = 1 }, { label = 2 }"}, 2, "--cut: found");
+  expect("deform", {"--cut", "{ label = 1 }]\nlimits = \"ball\"\nfix = [[1, 1, 1]"}, 2,
+         "--cut: found");
+  expect("deform", {"--relax", "5", "--relax-volume", "5", "--bulk-modulus", "6"}, 2,
+         "--bulk-modulus");
+  expect("deform", {"--relax", "1000001"}, 3, "--relax: found 1000001, expected 1 to 1000000");
+  expect("deform", {"--model", "springs", "--relax", "5"}, 3,
+         "--relax: found relax beside springs");
+  expect("deform", {"--limits", "box"}, 3, "deform: found a step that does nothing");
+  EXPECT_EQ(run_supple({"deform", m_folder / "ball.nhdr", "--release", "-o", ""}).exit_code, 2);
+  write_text(m_folder / "self.toml", "path = \"self.toml\"\n");
+  expect("render", {"--path", m_folder / "self.toml"}, 3, "self.toml:1: path");
   EXPECT_FALSE(std::filesystem::exists(m_folder / "x.vdb"));
 }

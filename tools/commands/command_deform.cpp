@@ -78,7 +78,7 @@ void set_anchors(DeformOptions& options) {
 
 /// "MESH", "label:N", or the table as in a scene.
 std::string cut_table(const std::string& text) {
-  if (text.front() == '{') return text;
+  if (is_table(text)) return toml_table("--cut", text);
   if (const auto label = parse_label("--cut", text)) {
     return "{ label = " + std::to_string(*label) + " }";
   }
@@ -93,6 +93,7 @@ std::string cut_tables(const std::vector<std::string>& cuts) {
 
 /// The options as a scene of one step.
 Scene to_scene(DeformOptions& options) {
+  if (options.output.empty()) throw UsageError("--output: found nothing, expected STATE.vdb");
   SceneOptions& given = options.scene;
   given.set("volume", "path", toml_string(options.input), "input");
   if (!options.labels.empty()) {
@@ -107,10 +108,12 @@ Scene to_scene(DeformOptions& options) {
   if (!options.cuts.empty()) given.set("step", "cut", cut_tables(options.cuts), "--cut");
   if (!options.contacts.empty()) {
     std::string tables;
-    for (const std::string& text : options.contacts) tables += text + ", ";
+    for (const std::string& text : options.contacts) tables += toml_table("--contact", text) + ", ";
     given.set("step.springs", "contact", "[" + tables + "]", "--contact");
   }
   given.set("output", "state", toml_string(options.output), "--output");
+  given.call("step[1]", "deform");
+  given.call("step[1].relax", "--relax");
   if (!given.has("step") && !given.has("step.relax") && !given.has("step.springs")) {
     throw UsageError(
         "deform: found neither --grab nor --fix nor --cut nor --release nor --relax nor --model "

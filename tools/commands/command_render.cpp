@@ -44,7 +44,9 @@ std::string clip_tables(const RenderOptions& options) {
             ", normal = " + toml_numbers("--clip-plane", normal) + " }" + more;
   }
   for (const std::string& box : options.clip_boxes) {
-    auto [corner, opposite] = halves("--clip-box", box, "two corners I,J,K:I,J,K");
+    const auto [corner, opposite] = halves("--clip-box", box, "two corners I,J,K:I,J,K");
+    toml_numbers("--clip-box", corner);
+    toml_numbers("--clip-box", opposite);
     text += "{ box = " + toml_numbers("--clip-box", corner + "," + opposite, 6) + more;
   }
   return "[" + text + "]";
@@ -59,7 +61,7 @@ std::string toml_colour(const std::string& option, const std::string& text) {
 /// "[camera:]X,Y,Z[:INTENSITY[:#RRGGBB]]".
 std::string light_table(const std::string& text) {
   std::vector<std::string> parts = split(text, ':');
-  const bool is_of_camera = parts.front() == "camera";
+  const bool is_of_camera = !parts.empty() && parts.front() == "camera";
   if (is_of_camera) parts.erase(parts.begin());
   if (parts.empty() || parts.size() > 3) {
     throw UsageError(
@@ -108,6 +110,7 @@ void set_camera(RenderOptions& options) {
   }
   if (table.empty()) return;
   given.set("view", "camera", "{ " + table + " }", "--view");
+  given.call("view[1].camera.view", "--view");
 }
 
 /// The options as a scene of one view.
@@ -245,7 +248,7 @@ Command add_render(CLI::App& program) {
       ->excludes("--camera");
   options->scene.add("view", fields(view));
   options->scene.add("view", {path_file_field(path)});
-  for (const char* other : {"--undeformed", "--offsets", "--path"}) {
+  for (const char* other : {"--undeformed", "--offsets", "--path", "--offset"}) {
     app->get_option("--no-inverse")->excludes(other);
   }
   app->get_option("--half-offsets")->excludes("--no-inverse")->excludes("--undeformed");

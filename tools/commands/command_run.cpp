@@ -72,6 +72,7 @@ int run_scene(const RunSceneOptions& options, const GlobalOptions& global, Conso
                           ? read_state(scene.volume_path).geometry
                           : open_volume(scene.volume_path, scene.read)->header().geometry);
   if (options.dry_run) {
+    for (const std::string& line : scene.warnings) console.warn(line);
     print_plan(scene, options);
     return kOk;
   }

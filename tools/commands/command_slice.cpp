@@ -1,4 +1,6 @@
 // supple slice: axial, coronal and sagittal slices of a volume or a deformed state.
+#include <filesystem>
+
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
 #include "tools/outputs/scene_run.h"
@@ -20,15 +22,15 @@ int run_slice(SliceOptions& options, const GlobalOptions& global, Console& conso
   if (options.undeformed && !is_state_file(options.input)) {
     throw UsageError("--undeformed: found a volume, expected a state file");
   }
+  if (std::filesystem::path(options.output).extension() != ".png") {
+    throw InputError({options.output, "output", "another extension", "extension .png"});
+  }
   SceneOptions& given = options.scene;
   given.set("volume", "path", toml_string(options.input), "input");
   given.include("view.slice");
   given.set("view", "image", toml_string(options.output), "--output");
   if (options.undeformed) given.set("view", "deformed", "false", "--undeformed");
   const Scene scene = read_scene(given.scene());
-  if (picture_kind(options.output) != PictureKind::png) {
-    throw InputError({options.output, "output", "another extension", "extension .png"});
-  }
   check_scene(scene, "", global);
   SceneRun(scene, "", false, console).run();
   return kOk;

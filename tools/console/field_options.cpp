@@ -71,31 +71,38 @@ std::string toml_of(const Field& field, const std::string& option, const std::st
   return is_list ? "[" + list + "]" : list;
 }
 
-void add_option(CLI::App& app, const Field& field, const std::string& option, const Sink& sink) {
+CLI::Option* add_option(CLI::App& app, const Field& field, const std::string& option,
+                        const Sink& sink) {
   if (bool* const* flag = std::get_if<bool*>(&field.target())) {
     const std::string value = **flag ? "false" : "true";
-    app.add_flag_function(
-        option, [=](std::int64_t) { sink(field, value); }, help_of(field));
-    return;
+    return app
+        .add_flag_function(
+            option, [=](std::int64_t) { sink(field, value); }, help_of(field))
+        ->disable_flag_override();
   }
   CLI::Option* added = app.add_option_function<std::string>(
       option, [=](const std::string& text) { sink(field, toml_of(field, option, text)); },
       help_of(field));
   added->option_text(field.placeholder());
-  if (field.implied().empty()) return;
-  added->expected(0, 1)->default_str(field.implied())->option_text("[" + field.placeholder() + "]");
+  const bool is_list = std::holds_alternative<std::vector<std::string>*>(field.target());
+  if (is_list) added->join(',');
+  if (field.implied().empty()) return added;
+  return added->expected(0, 1)
+      ->default_str(field.implied())
+      ->option_text("[" + field.placeholder() + "]");
 }
 
 void add_options(CLI::App& app, const Fields& fields, const std::string& prefix, const Sink& sink) {
   for (const Field& field : fields) {
     if (field.is_only_in_scenes()) continue;
-    add_option(app, field, option_name(field, prefix), sink);
+    CLI::Option* present = add_option(app, field, option_name(field, prefix), sink);
     if (field.former().empty()) continue;
     const std::string former = "--" + prefix + dashed(field.former());
     app.add_option_function<std::string>(
            former, [=](const std::string& text) { sink(field, toml_of(field, former, text)); },
            "this option is called " + option_name(field, prefix) + " now")
-        ->group("");
+        ->group("")
+        ->excludes(present);
   }
 }
 
@@ -122,7 +129,23 @@ std::string option_name(const Field& field, const std::string& prefix) {
 }
 
 std::string toml_string(const std::string& text) {
-  return json_string(text);
+  return TomlTable::quoted(text);
+}
+
+bool is_table(const std::string& text) {
+  const std::size_t first = text.find_first_not_of(" \t\n");
+  return first != std::string::npos && text[first] == '{';
+}
+
+std::string toml_table(const std::string& option, const std::string& text) {
+  std::string found = "'" + text + "'";
+  try {
+    TomlTable whole = TomlTable::parse("x = " + text, option);
+    if (whole.keys().size() == 1 && whole.table("x")) return text;
+  } catch (const InputError& error) {
+    found = error.problem().field;
+  }
+  throw UsageError(to_line({"", option, found, "one table { … } as in a scene"}));
 }
 
 std::string toml_number(const std::string& option, const std::string& text) {

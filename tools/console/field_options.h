@@ -37,6 +37,10 @@ class SceneOptions {
   /// no TOML.
   void set(const std::string& table, const std::string& key, const std::string& toml,
            const std::string& option);
+  /// What errors call a key or table, by its full name: "step[1].relax".
+  void call(const std::string& full_name, const std::string& option) {
+    m_names[full_name] = option;
+  }
   /// Writes the table even where nothing of it was given.
   void include(const std::string& table) { m_text[table]; }
   /// Whether the table has anything.
@@ -54,6 +58,10 @@ class SceneOptions {
 
 /// Text as a TOML string.
 std::string toml_string(const std::string& text);
+/// Whether the text is meant as a table, "{ … }".
+bool is_table(const std::string& text);
+/// One table as it stands in a scene. Throws UsageError naming the option for anything else.
+std::string toml_table(const std::string& option, const std::string& text);
 /// A number as TOML. Throws UsageError naming the option for what is none.
 std::string toml_number(const std::string& option, const std::string& text);
 /// Numbers "A,B,C" as a TOML list. Throws UsageError naming the option for another count of them,

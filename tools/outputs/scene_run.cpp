@@ -29,7 +29,7 @@ bool writes_fields(const SceneOutput& output) {
 /// Whether there is a body to build: something moves, or is written, or a material makes one.
 bool needs_body(const Scene& scene) {
   if (!scene.steps.empty() || writes_fields(scene.output)) return true;
-  return !is_state_file(scene.volume_path) && (scene.material || !scene.labels_path.empty());
+  return scene.material || !scene.labels_path.empty();
 }
 
 /// Throws InputError where a warp is asked for beside what moves by itself.
@@ -117,6 +117,10 @@ void SceneRun::open() {
 
 void SceneRun::open_volume_alone() {
   m_is_volume = true;
+  for (const SceneView& view : m_scene.views) {
+    if (view.inverse) continue;
+    throw InputError({view.place, "inverse", "a volume that nothing moves", "a state or steps"});
+  }
   const auto file = open_volume(m_scene.volume_path, m_scene.read, &m_console);
   const Geometry& geometry = file->header().geometry;
   const bool is_slice = std::all_of(m_scene.views.begin(), m_scene.views.end(),
@@ -234,13 +238,13 @@ const Pose* SceneRun::posed_for(SceneView& view, int step) {
   return &*m_own;
 }
 
-/// The same of a volume: along the warp and the paths; null: as it is.
-const Pose* SceneRun::posed_volume_for(const SceneView& view) {
-  std::vector<OffsetFunction> path;
-  if (view.deformed) path = m_scene.path;
-  path.insert(path.end(), view.path.begin(), view.path.end());
-  if (path.empty()) return m_has_warp ? &m_deformed : nullptr;
-  if (m_has_warp) {
+/// The same of a volume: along the warp and the path; null: as it is.
+const Pose* SceneRun::posed_volume_for(SceneView& view) {
+  std::vector<OffsetFunction>& path = view.path;
+  if (view.deformed) path.insert(path.begin(), m_scene.path.begin(), m_scene.path.end());
+  const bool has_warp = m_has_warp && view.deformed;
+  if (path.empty()) return has_warp ? &m_deformed : nullptr;
+  if (has_warp) {
     m_own = Pose{{}, send_along(path, m_deformed.offsets, m_console)};
   } else {
     const BrickTopology& bricks = m_state.density.bricks();
@@ -263,7 +267,7 @@ void SceneRun::draw_views(int step) {
       moved = &without_inverse(view, step);
     } else if (const Pose* pose = m_is_volume ? posed_volume_for(asked) : posed_for(asked, step)) {
       offsets = &pose->offsets;
-      if (!m_has_warp) moved = &pose->displacement;
+      if (!m_has_warp || !view.deformed) moved = &pose->displacement;
     }
     const SceneView drawn = effective_view(asked, m_state.geometry, m_state.density.background());
     if (offsets != nullptr && !reads_displacement(drawn)) moved = nullptr;

@@ -53,7 +53,7 @@ class SceneRun {
   const Pose& seen(int step);
   const Displacement& without_inverse(const SceneView& view, int step);
   const Pose* posed_for(SceneView& view, int step);
-  const Pose* posed_volume_for(const SceneView& view);
+  const Pose* posed_volume_for(SceneView& view);
   void draw_views(int step);
   void write_outputs();
 

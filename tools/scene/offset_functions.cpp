@@ -241,21 +241,30 @@ auto placed(const OffsetFunction& function, const Work& work) {
 
 }  // namespace
 
-std::vector<OffsetFunction> read_path(TomlTable& table) {
-  const std::string key = table.present_name("path", "offset");
-  if (table.is_string(key)) {
-    TomlTable file = TomlTable::read(*table.path(key));
-    std::vector<OffsetFunction> functions = read_path(file);
-    if (functions.empty()) file.fail_missing("path", "a table with a function, or a list of them");
-    file.finish();
-    table.take_warnings(file);
-    return functions;
-  }
+namespace {
+
+std::vector<OffsetFunction> read_functions(TomlTable& table, const std::string& key) {
   std::vector<OffsetFunction> functions;
   for (TomlTable& function : table.table_or_tables(key)) {
     functions.push_back(read_function(function));
   }
   return functions;
+}
+
+}  // namespace
+
+std::vector<OffsetFunction> read_path(TomlTable& table) {
+  const std::string key = table.present_name("path", "offset");
+  if (table.is_string(key)) {
+    TomlTable file = TomlTable::read(*table.path(key));
+    std::vector<OffsetFunction> functions =
+        read_functions(file, file.present_name("path", "offset"));
+    if (functions.empty()) file.fail_missing("path", "a table with a function, or a list of them");
+    file.finish();
+    table.take_warnings(file);
+    return functions;
+  }
+  return read_functions(table, key);
 }
 
 Field path_file_field(std::string& file) {
@@ -267,7 +276,8 @@ Field path_file_field(std::string& file) {
 
 std::vector<OffsetFunction> read_path_file(const std::string& file, Console& console) {
   if (file.empty()) return {};
-  TomlTable table = TomlTable::parse("path = " + json_string(file), "");
+  TomlTable table =
+      TomlTable::of_options("path = " + TomlTable::quoted(file), {{"path", "--path"}});
   std::vector<OffsetFunction> functions = read_path(table);
   for (const std::string& line : table.warnings()) console.warn(line);
   return functions;

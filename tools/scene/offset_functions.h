@@ -15,7 +15,7 @@ namespace supple::tools {
 
 /// One table. What it leaves out is chosen by the volume's geometry.
 struct OffsetFunction {
-  std::string place, name;  // for errors: "file:line", "offset[2]"
+  std::string place, name;  // for errors: "file:line", "path[2]"
   std::string json;         // the table as given
   std::function<std::shared_ptr<const PathFunction>(const Geometry&)> make;
 };

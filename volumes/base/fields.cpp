@@ -54,7 +54,7 @@ std::string json_string(const std::string& text) {
   std::string json = "\"";
   for (const char c : text) {
     if (c == '"' || c == '\\') json += '\\';
-    if (static_cast<unsigned char>(c) < 0x20) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) {
       char escape[8];
       std::snprintf(escape, sizeof escape, "\\u%04x", unsigned(c));
       json += escape;
@@ -112,15 +112,25 @@ bool Field::allows(double value) const {
   return value >= m_lo && value <= m_hi && !(m_is_open && value == m_lo);
 }
 
+namespace {
+
+/// Whole numbers with all their digits.
+std::string bound_text(double bound) {
+  const bool is_whole = std::abs(bound) < 1e15 && bound == std::floor(bound);
+  return is_whole ? std::to_string((long long)bound) : number_text(bound);
+}
+
+}  // namespace
+
 std::string Field::allowed() const {
   const std::string unit = m_unit.empty() ? "" : " " + m_unit;
   if (!names().empty()) return listed(names(), "or");
   if (m_is_open) return "a positive number" + (m_unit.empty() ? "" : " of" + unit);
   if (m_lo > -std::numeric_limits<double>::infinity()) {
     if (m_hi < std::numeric_limits<double>::infinity()) {
-      return number_text(m_lo) + " to " + number_text(m_hi) + unit;
+      return bound_text(m_lo) + " to " + bound_text(m_hi) + unit;
     }
-    return number_text(m_lo) + " or more" + unit;
+    return bound_text(m_lo) + " or more" + unit;
   }
   return m_unit;
 }

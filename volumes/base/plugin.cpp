@@ -16,6 +16,11 @@ namespace {
 // A library may crash where its constructors find no room.
 constexpr std::int64_t kWorkingBytes = std::int64_t(64) << 20;
 
+std::filesystem::path program_folder() {
+  std::error_code unknown;
+  return std::filesystem::read_symlink("/proc/self/exe", unknown).parent_path();
+}
+
 /// Of the program or shared library that this code was linked into.
 std::filesystem::path own_folder() {
   Dl_info info{};
@@ -25,7 +30,7 @@ std::filesystem::path own_folder() {
     const std::filesystem::path file = std::filesystem::canonical(info.dli_fname, unknown);
     if (!unknown && file.extension() != "") return file.parent_path();
   }
-  return std::filesystem::read_symlink("/proc/self/exe", unknown).parent_path();
+  return program_folder();
 }
 
 std::vector<std::filesystem::path> plugin_folders() {
@@ -39,7 +44,10 @@ std::vector<std::filesystem::path> plugin_folders() {
   std::filesystem::path own = own_folder();
   // The library for a level of the processor shares the plugins of the one for all.
   if (own.parent_path().filename() == "glibc-hwcaps") own = own.parent_path().parent_path();
-  folders.insert(folders.end(), {own, own.parent_path() / "lib" / "supple", own / "supple"});
+  for (const std::filesystem::path& folder : {own, program_folder()}) {
+    folders.insert(folders.end(),
+                   {folder, folder.parent_path() / "lib" / "supple", folder / "supple"});
+  }
   return folders;
 }
 
