@@ -3,9 +3,7 @@
 #include <cmath>
 
 // As in sample_batch.cpp.
-#ifndef HWY_DISABLED_TARGETS
 #define HWY_DISABLED_TARGETS HWY_SSSE3
-#endif
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "raycast/march/light_lanes.cpp"
 #include <hwy/foreach_target.h>

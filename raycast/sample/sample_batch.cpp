@@ -6,9 +6,7 @@
 #include "raycast/sample/source_bricks.h"
 
 // Machines between SSE2 and SSE4 run the scalar code: one compilation less.
-#ifndef HWY_DISABLED_TARGETS
 #define HWY_DISABLED_TARGETS HWY_SSSE3
-#endif
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "raycast/sample/sample_batch.cpp"
 #include <hwy/foreach_target.h>
