@@ -333,19 +333,6 @@ std::optional<double> TomlTable::number(const std::string& key) {
   return number_of(*node, key, "a finite number");
 }
 
-std::optional<double> TomlTable::positive(const std::string& key, const std::string& unit) {
-  const auto value = number(key);
-  if (value && !(*value > 0)) fail(key, number_text(*value), "a positive number of " + unit);
-  return value;
-}
-
-std::optional<double> TomlTable::not_negative(const std::string& key, const std::string& unit) {
-  const auto value = number(key);
-  if (value && !(*value >= 0))
-    fail(key, number_text(*value), unit.empty() ? "0 or more" : "0 or more " + unit);
-  return value;
-}
-
 std::optional<long long> TomlTable::integer(const std::string& key) {
   const toml::node* node = find(key);
   if (node == nullptr) return std::nullopt;

@@ -66,9 +66,6 @@ class TomlTable {
   std::optional<std::string> path(const std::string& key);
   std::optional<bool> boolean(const std::string& key);
   std::optional<double> number(const std::string& key);
-  /// A number above 0, or of at least 0; `unit` is for the error.
-  std::optional<double> positive(const std::string& key, const std::string& unit);
-  std::optional<double> not_negative(const std::string& key, const std::string& unit = "");
   std::optional<long long> integer(const std::string& key);
   std::optional<Vec3d> vector(const std::string& key);
   std::optional<Vec3i> voxel(const std::string& key);

@@ -230,9 +230,7 @@ TEST(UnitIncludeGraph, FoldersHoldAtMostTwentyFiveSourcesAndLargerOnesAReadme) {
     sources[folder_of(file)] += file.back() == 'p';
   }
   for (const auto& [folder, count] : files) {
-    if (folder != "tools/bench") {
-      EXPECT_LE(sources[folder], 25) << folder;
-    }
+    EXPECT_LE(sources[folder], 25) << folder;
     if (count <= 5) continue;
     EXPECT_TRUE(std::filesystem::exists(source_dir() + "/" + folder + "/README.md")) << folder;
   }

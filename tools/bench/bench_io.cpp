@@ -8,11 +8,11 @@
 #include <oneapi/tbb/global_control.h>
 #include <unistd.h>
 
-#include "tools/bench/invert_fields.h"
-#include "tools/bench/memory.h"
-#include "tools/bench/peer_process.h"
-#include "tools/bench/row_filter.h"
-#include "tools/bench/timing.h"
+#include "tools/bench/bodies/invert_fields.h"
+#include "tools/bench/peers/peer_process.h"
+#include "tools/bench/report/memory.h"
+#include "tools/bench/report/row_filter.h"
+#include "tools/bench/report/timing.h"
 #include "tools/console/command.h"
 #include "volumes/field/dense/resample.h"
 #include "volumes/field/inversion/invert.h"

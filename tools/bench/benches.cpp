@@ -1,11 +1,11 @@
 #include "tools/bench/benches.h"
 
-#include "tools/bench/bench_ecm.h"
-#include "tools/bench/bench_invert.h"
 #include "tools/bench/bench_io.h"
-#include "tools/bench/bench_relax.h"
-#include "tools/bench/bench_render.h"
-#include "tools/bench/bench_springs.h"
+#include "tools/bench/ecm/bench_ecm.h"
+#include "tools/bench/elastic/bench_relax.h"
+#include "tools/bench/elastic/bench_springs.h"
+#include "tools/bench/invert/bench_invert.h"
+#include "tools/bench/render/bench_render.h"
 
 namespace supple::tools {
 

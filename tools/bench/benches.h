@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/bench/report.h"
+#include "tools/bench/report/report.h"
 #include "tools/console/console.h"
 
 namespace supple::tools {

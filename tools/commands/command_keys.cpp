@@ -45,7 +45,7 @@ std::vector<KeyTable> all_tables() {
 
 std::string kind_of(const Field& field) {
   if (!field.names().empty()) return field.allowed();
-  if (std::holds_alternative<bool*>(field.target())) return "true or false";
+  if (field.holds<bool>()) return "true or false";
   const std::string allowed = field.allowed();
   if (!allowed.empty() && allowed != field.unit()) return allowed;
   return field.placeholder() + (field.unit().empty() ? "" : " in " + field.unit());

@@ -20,7 +20,7 @@ std::string dashed(std::string name) {
 
 std::string help_of(const Field& field) {
   std::string help = field.help();
-  if (std::holds_alternative<bool*>(field.target())) return help;
+  if (field.holds<bool>()) return help;
   const std::string& unit = field.unit();
   if (unit.find_first_of(" /") != std::string::npos) help += ", in " + unit;
   const std::string otherwise = field.default_text();
@@ -43,23 +43,10 @@ std::string number_as_toml(double value) {
 
 /// The text of an option as the TOML of its field. Throws UsageError.
 std::string toml_of(const Field& field, const std::string& option, const std::string& text) {
-  const auto has = [&](auto... values) {
-    return (std::holds_alternative<decltype(values)>(field.target()) || ...);
-  };
-  using Number = double*;
-  using Whole = int*;
-  if (has(Number(), Whole(), static_cast<std::optional<double>*>(nullptr),
-          static_cast<std::optional<int>*>(nullptr))) {
-    return toml_number(option, text);
-  }
-  if (has(static_cast<Vec3d*>(nullptr), static_cast<std::optional<Vec3d>*>(nullptr))) {
-    return toml_numbers(option, text);
-  }
-  if (has(static_cast<NumberPair*>(nullptr), static_cast<std::optional<NumberPair>*>(nullptr),
-          static_cast<PixelSize*>(nullptr))) {
-    return toml_numbers(option, text, 2);
-  }
-  const bool is_list = has(static_cast<std::vector<std::string>*>(nullptr));
+  if (field.holds<double>() || field.holds<int>()) return toml_number(option, text);
+  if (field.holds<Vec3d>()) return toml_numbers(option, text);
+  if (field.holds<NumberPair>() || field.holds<PixelSize>()) return toml_numbers(option, text, 2);
+  const bool is_list = field.holds<std::vector<std::string>>();
   std::string list;
   for (const std::string& part : is_list ? split(text, ',') : std::vector<std::string>{text}) {
     const std::vector<std::string>& names = field.names();
@@ -84,8 +71,7 @@ CLI::Option* add_option(CLI::App& app, const Field& field, const std::string& op
       option, [=](const std::string& text) { sink(field, toml_of(field, option, text)); },
       help_of(field));
   added->option_text(field.placeholder());
-  const bool is_list = std::holds_alternative<std::vector<std::string>*>(field.target());
-  if (is_list) added->join(',');
+  if (field.holds<std::vector<std::string>>()) added->join(',');
   if (field.implied().empty()) return added;
   return added->expected(0, 1)
       ->default_str(field.implied())

@@ -24,12 +24,6 @@ bool read_int(const std::string& text, int& value) {
   return result.ec == std::errc() && result.ptr == end;
 }
 
-bool read_double(const std::string& text, double& value) {
-  char* end = nullptr;
-  value = std::strtod(text.c_str(), &end);
-  return !text.empty() && end == text.c_str() + text.size();
-}
-
 bool read_voxel(const std::string& text, Vec3i& voxel) {
   const std::vector<std::string> parts = split(text, ',');
   bool good = parts.size() == 3;
@@ -45,15 +39,6 @@ std::vector<std::string> split(const std::string& text, char separator) {
   for (std::string part; std::getline(stream, part, separator);) parts.push_back(part);
   if (!text.empty() && text.back() == separator) parts.emplace_back();
   return parts;
-}
-
-Vec3d parse_vector(const std::string& option, const std::string& text) {
-  const std::vector<std::string> parts = split(text, ',');
-  Vec3d vector;
-  bool good = parts.size() == 3;
-  for (int a = 0; good && a < 3; ++a) good = read_double(parts[a], vector[a]);
-  if (!good) throw_unparsed(option, text, "three numbers X,Y,Z");
-  return vector;
 }
 
 IndexBox parse_box(const std::string& option, const std::string& text) {
@@ -79,20 +64,6 @@ std::optional<std::int32_t> parse_label(const std::string& option, const std::st
     throw_unparsed(option, text, "label:N with N from 1 to " + std::to_string(kMaxLabel));
   }
   return label;
-}
-
-void parse_range(const std::string& option, const std::string& text, double& lo, double& hi) {
-  const std::vector<std::string> parts = split(text, ',');
-  if (parts.size() != 2 || !read_double(parts[0], lo) || !read_double(parts[1], hi)) {
-    throw_unparsed(option, text, "two numbers LO,HI");
-  }
-}
-
-void parse_size(const std::string& option, const std::string& text, int& width, int& height) {
-  const std::vector<std::string> parts = split(text, ',');
-  if (parts.size() != 2 || !read_int(parts[0], width) || !read_int(parts[1], height)) {
-    throw_unparsed(option, text, "two integers W,H");
-  }
 }
 
 }  // namespace supple::tools

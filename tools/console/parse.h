@@ -13,14 +13,9 @@ namespace supple::tools {
 
 /// The parts between separators.
 std::vector<std::string> split(const std::string& text, char separator);
-Vec3d parse_vector(const std::string& option, const std::string& text);
 /// "I,J,K" or "I,J,K:I,J,K", the corners in any order; what was not a label or a file must be one.
 IndexBox parse_box(const std::string& option, const std::string& text);
 /// N of "label:N", 1 to 65535; nothing when the text does not start with "label:".
 std::optional<std::int32_t> parse_label(const std::string& option, const std::string& text);
-/// "LO,HI".
-void parse_range(const std::string& option, const std::string& text, double& lo, double& hi);
-/// "W,H".
-void parse_size(const std::string& option, const std::string& text, int& width, int& height);
 
 }  // namespace supple::tools

@@ -143,20 +143,12 @@ std::string Field::placeholder() const {
     return text.size() <= 40 ? text : "NAME";
   }
   if (m_is_path) return "FILE";
-  const auto has = [this](auto* of_type) {
-    return std::holds_alternative<decltype(of_type)>(m_target);
-  };
-  if (has(static_cast<Vec3d*>(nullptr)) || has(static_cast<std::optional<Vec3d>*>(nullptr))) {
-    return "X,Y,Z";
-  }
-  if (has(static_cast<NumberPair*>(nullptr)) ||
-      has(static_cast<std::optional<NumberPair>*>(nullptr))) {
-    return "A,B";
-  }
-  if (has(static_cast<PixelSize*>(nullptr))) return "W,H";
-  if (has(static_cast<Rgb*>(nullptr))) return "#RRGGBB";
-  if (has(static_cast<std::string*>(nullptr))) return "TEXT";
-  if (has(static_cast<std::vector<std::string>*>(nullptr))) return "A,B,...";
+  if (holds<Vec3d>()) return "X,Y,Z";
+  if (holds<NumberPair>()) return "A,B";
+  if (holds<PixelSize>()) return "W,H";
+  if (holds<Rgb>()) return "#RRGGBB";
+  if (holds<std::string>()) return "TEXT";
+  if (holds<std::vector<std::string>>()) return "A,B,...";
   const bool is_word = !m_unit.empty() && m_unit.find_first_of(" /") == std::string::npos;
   std::string text = is_word ? m_unit : "N";
   std::transform(text.begin(), text.end(), text.begin(),

@@ -8,6 +8,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -91,6 +92,16 @@ class Field {
   bool is_only_in_scenes() const { return m_is_only_in_scenes; }
   bool is_path() const { return m_is_path; }
   const Target& target() const { return m_target; }
+  /// Whether the value is a T, or a T that may be absent.
+  template <class T>
+  bool holds() const {
+    return std::visit(
+        [](const auto& target) {
+          using Kept = std::decay_t<decltype(target)>;
+          return std::is_same_v<Kept, T*> || std::is_same_v<Kept, std::optional<T>*>;
+        },
+        m_target);
+  }
   /// The names that it may have; empty: anything.
   const std::vector<std::string>& names() const;
 
