@@ -5,7 +5,7 @@
 namespace supple {
 
 std::string certificate_json(const InversionCertificate& certificate) {
-  const nlohmann::ordered_json json = {{"residual_max_voxels", certificate.residual_max},
+  nlohmann::ordered_json json = {{"residual_max_voxels", certificate.residual_max},
                                        {"residual_p999_voxels", certificate.residual_p999},
                                        {"cells", certificate.cells},
                                        {"folded_cells", certificate.folded_cells},
@@ -14,6 +14,7 @@ std::string certificate_json(const InversionCertificate& certificate) {
                                        {"overlapped_voxels", certificate.overlapped_voxels},
                                        {"unresolved_voxels", certificate.unresolved_voxels},
                                        {"min_det", certificate.min_det}};
+  if (certificate.hidden_elements >= 0) json["hidden_elements"] = certificate.hidden_elements;
   return json.dump();
 }
 

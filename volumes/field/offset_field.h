@@ -20,6 +20,8 @@ struct OffsetField {
   /// Where offsets jump: bricks in which they may not be interpolated (split_offsets.h). Null:
   /// nowhere.
   std::shared_ptr<const SplitOffsets> split = nullptr;
+  /// Voxels that tissue from several places covers; `o` holds the shortest offset there.
+  BrickTopology overlaps = {};
 
   /// The offset at any position: that of its piece in split bricks, else trilinear as
   /// VectorBricks::sample. False where nothing is.

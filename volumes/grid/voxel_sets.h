@@ -7,6 +7,16 @@
 
 namespace supple {
 
+/// For unordered sets and maps of voxels.
+struct VoxelHash {
+  std::size_t operator()(const Vec3i& v) const {
+    std::uint64_t h = std::uint32_t(v.x);
+    for (const int part : {v.y, v.z})
+      h = (h ^ (h >> 29)) * 0x9E3779B97F4A7C15u + std::uint32_t(part);
+    return std::size_t(h ^ (h >> 32));
+  }
+};
+
 /// The voxels 0 … dims - 1.
 BrickTopology box_topology(const Vec3i& dims);
 

@@ -2,6 +2,7 @@
 
 #include "volumes/base/text.h"
 #include "volumes/field/cuts/cut_offsets.h"
+#include "volumes/field/inversion/hidden_elements.h"
 #include "volumes/field/inversion/source_cells.h"
 
 namespace supple {
@@ -19,9 +20,12 @@ void warn_of(const InversionCertificate& certificate, Progress* progress) {
                         " folded in the air around the material");
   }
   if (certificate.overlapped_voxels > 0) {
-    warn(progress,
-         with_count(certificate.overlapped_voxels, "voxel") +
-             " around cuts are covered from several places; ties go to the shortest offset");
+    warn(progress, with_count(certificate.overlapped_voxels, "voxel") +
+                       " covered by tissue from several places; the shortest offset is shown");
+  }
+  if (certificate.hidden_elements > 0) {
+    warn(progress, with_count(certificate.hidden_elements, "element") +
+                       " cannot be seen where they went, as other tissue is shown there");
   }
   if (certificate.unresolved_voxels > 0) {
     warn(progress, with_count(certificate.unresolved_voxels, "voxel") + " could not be inverted");
@@ -35,6 +39,7 @@ OffsetField invert_displacement(const State& state, const Displacement& extended
   InvertParams params;
   params.material = &state.elements;
   OffsetField offsets = invert_cut(extended, {state.elements, state.cuts}, params, progress);
+  offsets.certificate.hidden_elements = count_hidden(extended, state.elements, offsets);
   warn_of(offsets.certificate, progress);
   return offsets;
 }

@@ -22,6 +22,7 @@ inline void expect_equal(const OffsetField& a, const OffsetField& b) {
   EXPECT_EQ(a.certificate.cells, b.certificate.cells);
   EXPECT_EQ(a.certificate.folded_cells, b.certificate.folded_cells);
   EXPECT_EQ(a.certificate.folded_air_cells, b.certificate.folded_air_cells);
+  EXPECT_EQ(a.certificate.overlapped_voxels, b.certificate.overlapped_voxels);
   EXPECT_EQ(a.certificate.min_det, b.certificate.min_det);
   EXPECT_EQ(a.certificate.unresolved_voxels, b.certificate.unresolved_voxels);
   EXPECT_EQ(a.certificate.unresolved, b.certificate.unresolved);

@@ -51,7 +51,7 @@ void rasterise(const CellCorners& corners, const int (&path)[2], const Vec3i& ce
         if (std::min({l1, l2, l3, 1 - l1 - l2 - l3}) < -kEdge) continue;
         const Vec3d source =
             rest_corner(n[1]) * l1 + rest_corner(n[2]) * l2 + rest_corner(n[3]) * l3;
-        hits.push_back({cell + Vec3i(x, y, z), Vec3f(source - Vec3d(x, y, z))});
+        hits.push_back({cell + Vec3i(x, y, z), Vec3f(source - Vec3d(x, y, z)), Content::air});
       }
     }
   }

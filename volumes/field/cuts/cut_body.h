@@ -14,17 +14,9 @@
 
 #include "volumes/field/vector_bricks.h"
 #include "volumes/grid/link_cuts.h"
+#include "volumes/grid/voxel_sets.h"
 
 namespace supple {
-
-struct VoxelHash {
-  std::size_t operator()(const Vec3i& v) const {
-    std::uint64_t h = std::uint32_t(v.x);
-    for (const int part : {v.y, v.z})
-      h = (h ^ (h >> 29)) * 0x9E3779B97F4A7C15u + std::uint32_t(part);
-    return std::size_t(h ^ (h >> 32));
-  }
-};
 
 /// Sides of the corners of a cell, from 0; corner 4 x + 2 y + z.
 struct CellSides {

@@ -71,8 +71,9 @@ class CutInversion {
 
   /// u without the corners of torn cells: what a lattice of offsets can hold.
   VectorBricks whole_part() const;
-  /// The bricks that the cut splits; counts into the certificate what `whole_part` lacks.
-  std::vector<CutBrick> split_bricks(InversionCertificate& certificate, Progress* progress);
+  /// The bricks that the cut splits; counts into the certificate what `whole_part` lacks, and puts
+  /// their overlaps in place of those that are there.
+  std::vector<CutBrick> split_bricks(OffsetField& field, Progress* progress);
   /// The offsets of split bricks at their nodes in place of those that are there.
   VectorBricks joined(const VectorBricks& offsets, const std::vector<CutBrick>& bricks) const;
 
@@ -80,13 +81,14 @@ class CutInversion {
   bool is_torn(const Vec3i& cell) const { return m_torn_at.count(cell) != 0; }
   void find_source_boxes();
   bool corners_of(const Vec3i& cell, std::array<Vec3f, 8>& u) const;
-  bool is_in_air(const Vec3i& cell) const;
+  CutPiece whole_piece(const Vec3i& cell, const std::array<Vec3f, 8>& u) const;
+  std::uint8_t elements_of(const Vec3i& cell) const;
   void count_folds(const CutPiece& piece, InversionCertificate& certificate) const;
   std::vector<Vec3i> first_bricks(InversionCertificate& certificate) const;
   std::vector<CutBrick> fill(const std::vector<Vec3i>& origins) const;
   void add_pieces(std::size_t source, CutBrick& brick) const;
   void find_reaching(CutBrick& brick) const;
-  std::int64_t count_overlaps(const CutBrick& brick) const;
+  BrickMask overlaps_of(const CutBrick& brick) const;
 
   const VectorBricks& m_u;
   const BrickTopology& m_elements;
@@ -106,6 +108,7 @@ CutInversion::CutInversion(const VectorBricks& u, const std::vector<TornCell>& t
     for (int side = 0; side < cell.sides.count; ++side) {
       m_sides.emplace_back(cell.cell, cell.u[std::size_t(side)],
                            faces.depths_of_corners(cell, side));
+      m_sides.back().elements = elements_of(cell.cell);
       nodes_of(m_sides.back().corners(), cell.cell);
     }
   }
@@ -165,20 +168,31 @@ bool CutInversion::corners_of(const Vec3i& cell, std::array<Vec3f, 8>& u) const 
   return true;
 }
 
-bool CutInversion::is_in_air(const Vec3i& cell) const {
+CutPiece CutInversion::whole_piece(const Vec3i& cell, const std::array<Vec3f, 8>& u) const {
+  CutPiece piece(cell, u);
+  piece.elements = elements_of(cell);
+  return piece;
+}
+
+/// The corners of a cell that are elements, bit 4 x + 2 y + z.
+std::uint8_t CutInversion::elements_of(const Vec3i& cell) const {
+  unsigned bits = 0;
   for (int n = 0; n < 8; ++n) {
     Vec3i voxel = cell + Vec3i(n >> 2, n >> 1 & 1, n & 1);
     for (int a = 0; a < 3; ++a) voxel[a] = m_dims[a] == 1 ? 0 : voxel[a];
-    if (!m_elements.is_active(voxel)) return true;
+    bits |= unsigned(m_elements.is_active(voxel)) << n;
   }
-  return false;
+  return std::uint8_t(bits);
 }
 
 void CutInversion::count_folds(const CutPiece& piece, InversionCertificate& certificate) const {
-  certificate.min_det = std::min(certificate.min_det, min_corner_det(piece.corners()));
+  const bool is_tissue = piece.elements == 0xff;
+  if (is_tissue) {
+    certificate.min_det = std::min(certificate.min_det, min_corner_det(piece.corners()));
+  }
   if (!piece.is_folded) return;
   ++certificate.folded_cells;
-  certificate.folded_air_cells += is_in_air(piece.cell);
+  certificate.folded_air_cells += !is_tissue;
 }
 
 /// Around the torn cells, and where the whole cells beside them reach, which share corners with
@@ -197,7 +211,7 @@ std::vector<Vec3i> CutInversion::first_bricks(InversionCertificate& certificate)
   for (const Vec3i& cell : cells) {
     std::array<Vec3f, 8> u;
     if (is_torn(cell) || !corners_of(cell, u)) continue;
-    const CutPiece whole(cell, u);
+    const CutPiece whole = whole_piece(cell, u);
     ++certificate.cells;
     count_folds(whole, certificate);
     for_bricks_of(box_of(whole, kNearCell), add);
@@ -222,7 +236,7 @@ void CutInversion::add_pieces(std::size_t source, CutBrick& brick) const {
     const Vec3i cell = m_u.topology.origin(source) + brick_local(offset);
     std::array<Vec3f, 8> u;
     if (is_torn(cell) || !corners_of(cell, u)) return;
-    const CutPiece piece(cell, u);
+    const CutPiece piece = whole_piece(cell, u);
     if (reaches(piece)) brick.pieces.push_back(piece);
   });
 }
@@ -286,34 +300,33 @@ std::vector<CutBrick> CutInversion::fill(const std::vector<Vec3i>& origins) cons
   return bricks;
 }
 
-std::int64_t CutInversion::count_overlaps(const CutBrick& brick) const {
-  std::int64_t count = 0;
+BrickMask CutInversion::overlaps_of(const CutBrick& brick) const {
+  BrickMask overlaps{};
   for (int n = 0; n < kBrickVoxels; ++n) {
     Vec3d offset;
     bool overlapping = false;
     brick.find(Vec3d(brick.origin + brick_local(n)), m_dims, offset, &overlapping);
-    count += overlapping;
+    if (overlapping) mask_set(overlaps, n);
   }
-  return count;
+  return overlaps;
 }
 
 /// Where sides overlap, the shortest offset may be of either, so the neighbours are split, too.
-std::vector<CutBrick> CutInversion::split_bricks(InversionCertificate& certificate,
-                                                 Progress* progress) {
+std::vector<CutBrick> CutInversion::split_bricks(OffsetField& field, Progress* progress) {
   std::vector<CutBrick> all;
-  Bricks known;
-  std::vector<Vec3i> next = first_bricks(certificate);
+  std::unordered_map<Vec3i, BrickMask, VoxelHash> known;  // overlaps of split bricks
+  std::vector<Vec3i> next = first_bricks(field.certificate);
   while (!next.empty()) {
     report(progress, 1);
-    for (const Vec3i& origin : next) known.insert(origin);
     std::vector<CutBrick> bricks = fill(next);
-    std::vector<std::int64_t> overlaps(bricks.size());
+    std::vector<BrickMask> overlaps(bricks.size());
     tbb::parallel_for(std::size_t(0), bricks.size(),
-                      [&](std::size_t n) { overlaps[n] = count_overlaps(bricks[n]); });
+                      [&](std::size_t n) { overlaps[n] = overlaps_of(bricks[n]); });
+    for (std::size_t n = 0; n < bricks.size(); ++n) known.emplace(bricks[n].origin, overlaps[n]);
     next.clear();
     for (std::size_t n = 0; n < bricks.size(); ++n) {
-      certificate.overlapped_voxels += overlaps[n];
-      for (int side = 0; overlaps[n] > 0 && side < 27; ++side) {
+      const bool overlap = mask_count(overlaps[n]) > 0;
+      for (int side = 0; overlap && side < 27; ++side) {
         const Vec3i step(side / 9 - 1, side / 3 % 3 - 1, side % 3 - 1);
         const Vec3i origin = bricks[n].origin + step * kBrickDim;
         if (known.count(origin) == 0) next.push_back(origin);
@@ -326,6 +339,17 @@ std::vector<CutBrick> CutInversion::split_bricks(InversionCertificate& certifica
     return std::tie(a.origin.x, a.origin.y, a.origin.z) <
            std::tie(b.origin.x, b.origin.y, b.origin.z);
   });
+  for (std::size_t b = 0; b < field.overlaps.brick_count(); ++b) {
+    known.emplace(field.overlaps.origin(b), field.overlaps.mask(b));
+  }
+  std::vector<Vec3i> origins;
+  std::vector<BrickMask> masks;
+  for (const auto& [origin, mask] : known) {
+    origins.push_back(origin);
+    masks.push_back(mask);
+  }
+  field.overlaps = BrickTopology(std::move(origins), std::move(masks));
+  field.certificate.overlapped_voxels = field.overlaps.active_count();
   return all;
 }
 
@@ -393,7 +417,7 @@ OffsetField invert_cut(const Displacement& displacement, const CutElements& body
   CutFaces faces(torn, displacement.geometry, kClosedCut);
   CutInversion inversion(u, torn, faces, body.elements, dims);
   OffsetField field = invert({displacement.geometry, inversion.whole_part()}, params, progress);
-  std::vector<CutBrick> bricks = inversion.split_bricks(field.certificate, progress);
+  std::vector<CutBrick> bricks = inversion.split_bricks(field, progress);
   field.o = inversion.joined(field.o, bricks);
   field.split = std::make_shared<const CutOffsets>(std::move(bricks), std::move(faces), dims);
   return field;

@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace supple {
 
 namespace {
-
-// Sources further apart than this, in voxels, are not the same place found twice.
-constexpr double kSamePlace = 0.5;
 
 /// Along an axis with one slice only what comes from that slice counts, not from its copies.
 bool is_in_slice(const Vec3d& X, const Vec3i& dims) {
@@ -25,20 +23,24 @@ int CutBrick::find(const Vec3d& x, const Vec3i& dims, Vec3d& offset, bool* overl
   const std::size_t local = std::size_t(brick_offset(cell));
   int best = -1;
   double shortest = HUGE_VAL;
-  Vec3d first(0);
+  Content best_content = Content::air;
+  std::optional<Vec3d> first;  // place of tissue
   for (std::int32_t n = begin[local]; n < begin[local + 1]; ++n) {
     const int number = reaching[std::size_t(n)];
     const CutPiece& piece = pieces[std::size_t(number)];
     Vec3d X;
     if (!piece.source_of(x, X) || !is_in_slice(X, dims)) continue;
-    if (overlapping != nullptr) {
-      if (best < 0) first = X;
-      *overlapping = *overlapping || (X - first).length() > kSamePlace;
+    const Content content = piece.content_at(X);
+    if (overlapping != nullptr && content != Content::air) {
+      if (!first) first = X;
+      *overlapping = *overlapping || (X - *first).length() > kSamePlace;
     }
     // Exactly that of the lattice where nothing bends.
     const Vec3d o = piece.is_translated ? -Vec3d(piece.u[0]) : X - x;
-    if (o.length2() >= shortest) continue;
+    if (best >= 0 && content < best_content) continue;
+    if (content == best_content && o.length2() >= shortest) continue;
     shortest = o.length2();
+    best_content = content;
     offset = o;
     best = number;
   }

@@ -32,8 +32,7 @@ Displacement extend_past_cuts(const Displacement& displacement, const BrickTopol
 
 /// invert() for a body with cuts: `split` is set where they have opened. Without an open cut all is
 /// what invert() gives. The certificate counts the cells that were torn open, whose folds are not
-/// counted, and the voxels where sides overlap: there, too, the smallest |o| wins. Throws as
-/// invert() does.
+/// counted. Where sides overlap that wins which does in invert(). Throws as invert() does.
 OffsetField invert_cut(const Displacement& displacement, const CutElements& body,
                        const InvertParams& params = {}, Progress* progress = nullptr);
 
@@ -44,8 +43,8 @@ struct CutBrick {
   std::vector<std::int32_t> begin;  // per cell, where its pieces begin in `reaching`; and the end
   std::vector<std::int32_t> reaching;  // numbers of pieces
 
-  /// The smallest offset at x of all pieces, and which it is; -1 in the void. `overlapping`, where
-  /// given: whether another piece lies there that comes from elsewhere.
+  /// The offset at x, tissue before air, then the smallest, and which piece it is; -1 in the void.
+  /// `overlapping`, where given: whether tissue lies there that comes from elsewhere.
   int find(const Vec3d& x, const Vec3i& dims, Vec3d& offset, bool* overlapping = nullptr) const;
 };
 

@@ -116,6 +116,13 @@ bool CutPiece::source_beyond(const Vec3d& x, Vec3d& X) const {
   return residual(x, X) < kTolerance;
 }
 
+Content CutPiece::content_at(const Vec3d& X) const {
+  if (elements == 0xff) return Content::tissue;
+  int nearest = 0;
+  for (int a = 0; a < 3; ++a) nearest = 2 * nearest + (X[a] - cell[a] >= 0.5 ? 1 : 0);
+  return elements >> nearest & 1 ? Content::surface : Content::air;
+}
+
 double CutPiece::residual(const Vec3d& x, const Vec3d& X) const {
   Vec3d columns[3];
   return (moved(*this, X - Vec3d(cell), columns) - (x - Vec3d(cell))).length();

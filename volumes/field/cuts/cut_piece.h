@@ -5,7 +5,7 @@
 #include <array>
 #include <cstdint>
 
-#include "volumes/field/inversion/deformed_cell.h"
+#include "volumes/field/inversion/source_cells.h"
 
 namespace supple {
 
@@ -13,8 +13,9 @@ struct CutPiece {
   Vec3i cell{0, 0, 0};
   std::array<float, 8> depth;  // at the corners; the piece is where their trilinear sum is positive
   bool is_whole = true, is_folded = false, is_translated = false;
-  std::array<Vec3f, 8> u;  // at the corners, those of other sides extrapolated
-  Vec3f lo, hi;            // box of the moved corners, relative to the cell
+  std::array<Vec3f, 8> u;        // at the corners, those of other sides extrapolated
+  Vec3f lo, hi;                  // box of the moved corners, relative to the cell
+  std::uint8_t elements = 0xff;  // which corners are, bit 4 x + 2 y + z
 
   /// A whole cell.
   CutPiece(const Vec3i& cell, const std::array<Vec3f, 8>& u);
@@ -25,6 +26,8 @@ struct CutPiece {
   bool source_of(const Vec3d& x, Vec3d& X) const;
   /// The same for the displacement carried on beyond the piece; false where it leads nowhere.
   bool source_beyond(const Vec3d& x, Vec3d& X) const;
+  /// What lies at a place X of the piece.
+  Content content_at(const Vec3d& X) const;
   /// |X + u(X) - x|.
   double residual(const Vec3d& x, const Vec3d& X) const;
   /// A place at rest in the middle of its own corners.

@@ -46,20 +46,6 @@ void BrickSolver::translate_cell(const SourceCells& cells, int offset, const Vec
   }
 }
 
-/// True when a corner of the cell is no element. The cells of a one-slice volume have their far
-/// corners in the slice as well.
-bool BrickSolver::reaches_into_air(const Vec3i& cell) const {
-  if (m_params.material == nullptr) return false;
-  for (int corner = 0; corner < 8; ++corner) {
-    Vec3i voxel = cell + Vec3i(corner & 1, (corner >> 1) & 1, corner >> 2);
-    for (int a = 0; a < 3; ++a) {
-      if (m_dims[a] == 1) voxel[a] = 0;
-    }
-    if (!m_params.material->is_active(voxel)) return true;
-  }
-  return false;
-}
-
 void BrickSolver::solve_cell(const CellCorners& corners, const Vec3i& cell, bool folded) {
   const IndexBox nodes = nodes_of(corners, cell);
   if (nodes.empty()) return;
@@ -86,7 +72,8 @@ void BrickSolver::solve_cell(const CellCorners& corners, const Vec3i& cell, bool
   }
 }
 
-BrickFindings BrickSolver::solve(const SourceCells& cells, BrickMask& folded) {
+BrickFindings BrickSolver::solve(const SourceCells& cells, const CellContents& contents,
+                                 BrickMask& folded) {
   m_results.hits.clear();
   m_results.doubts.clear();
   m_results.still = {};
@@ -95,7 +82,8 @@ BrickFindings BrickSolver::solve(const SourceCells& cells, BrickMask& folded) {
   BrickMask rest = cells.mask;
   const bool flat = std::min({m_dims.x, m_dims.y, m_dims.z}) == 1;
   if (!flat && m_params.residual_tolerance_voxels >= kLaneTolerance) {
-    rest = m_lanes.solve(cells, m_params.residual_tolerance_voxels, m_results, findings.min_det);
+    rest = m_lanes.solve(cells, contents.tissue_cells(), m_params.residual_tolerance_voxels,
+                         m_results, findings.min_det);
   }
   for_each_active(rest, [&](int offset) {
     const Vec3i cell = cells.origin + brick_local(offset);
@@ -110,17 +98,25 @@ BrickFindings BrickSolver::solve(const SourceCells& cells, BrickMask& folded) {
     }
     const CellCorners corners = cell_corners(cells, offset);
     const double min_det = min_corner_det(corners);
-    findings.min_det = std::min(findings.min_det, min_det);
+    const bool is_tissue = mask_test(contents.tissue_cells(), offset);
+    if (is_tissue) findings.min_det = std::min(findings.min_det, min_det);
     solve_cell(corners, cell, min_det <= 0);
     if (min_det > 0) return;
     mask_set(folded, offset);
     ++findings.folded_cells;
-    findings.folded_air_cells += reaches_into_air(cell);
+    findings.folded_air_cells += !is_tissue;
   });
+  for (auto& hit : m_results.hits) {
+    hit.content = contents.at(Vec3d(hit.node - cells.origin) + Vec3d(hit.o));
+  }
+  for (OpenNode& doubt : m_results.doubts) {
+    doubt.content = contents.best_in(brick_offset(doubt.cell));
+  }
   return findings;
 }
 
-bool BrickSolver::settle(const VectorBricks& u, const OpenNode& doubt, bool& covered) {
+bool BrickSolver::settle(const VectorBricks& u, const OpenNode& doubt, const CellContents& contents,
+                         bool& covered) {
   m_results.hits.clear();
   CellCorners corners;
   for (int c = 0; c < 8; ++c) {
@@ -137,7 +133,10 @@ bool BrickSolver::settle(const VectorBricks& u, const OpenNode& doubt, bool& cov
   covered = outcome == DeformedCell::Outcome::undecided && covered_by_tetrahedra(corners, x);
   if (outcome != DeformedCell::Outcome::inside) return false;
   add_hit(doubt.node, Vec3d(doubt.cell) + local, Vec3f(local - x));
-  return !m_results.hits.empty();
+  if (m_results.hits.empty()) return false;
+  m_results.hits.front().content =
+      contents.at(Vec3d(brick_local(brick_offset(doubt.cell))) + local);
+  return true;
 }
 
 }  // namespace supple

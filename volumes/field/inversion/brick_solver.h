@@ -13,7 +13,7 @@ struct BrickFindings {
   int cells = 0;
   int folded_cells = 0;
   int folded_air_cells = 0;
-  double min_det = 1;
+  double min_det = 1;  // of cells of tissue
 };
 
 /// With scratch memory: one per thread.
@@ -24,17 +24,17 @@ class BrickSolver {
 
   /// Solves the cells and marks the folded ones; hits and doubts are in results() until the next
   /// call.
-  BrickFindings solve(const SourceCells& cells, BrickMask& folded);
+  BrickFindings solve(const SourceCells& cells, const CellContents& contents, BrickMask& folded);
   CellResults& results() { return m_results; }
 
   /// Bisects a cell around a node that is still without a solution: true when it has one, which is
   /// in results(). `covered`: it has none, and yet the cell's tetrahedra cover the node.
-  bool settle(const VectorBricks& u, const OpenNode& doubt, bool& covered);
+  bool settle(const VectorBricks& u, const OpenNode& doubt, const CellContents& contents,
+              bool& covered);
 
  private:
   void translate_cell(const SourceCells& cells, int offset, const Vec3f& shift);
   void solve_cell(const CellCorners& corners, const Vec3i& cell, bool folded);
-  bool reaches_into_air(const Vec3i& cell) const;
   void add_hit(const Vec3i& node, const Vec3d& source, const Vec3f& o);
 
   const Vec3i& m_dims;

@@ -55,6 +55,16 @@ struct Inversion::Worker {
   std::vector<OpenNode> doubts;
 };
 
+Inversion::Inversion(const Vec3i& dims, const InvertParams& params)
+    : m_dims(dims), m_params(params) {
+  const bool is_slice = std::min({dims.x, dims.y, dims.z}) == 1;
+  if (is_slice && params.material != nullptr) m_slice = thickened(*params.material, dims);
+}
+
+CellContents Inversion::contents_of(const Vec3i& origin) const {
+  return {m_slice.empty() ? m_params.material : &m_slice, origin};
+}
+
 /// Refuses values that have no place on the lattice, and finds how far these bricks move.
 void Inversion::classify(const VectorBricks& u, const std::vector<std::int32_t>& bricks) {
   m_ranges.resize(u.topology.brick_count());
@@ -78,18 +88,20 @@ void Inversion::place(const VectorBricks& u, const std::vector<std::int32_t>& br
 
 void Inversion::solve_brick(const VectorBricks& u, std::size_t b, OffsetAccumulator& accumulator,
                             Worker& worker) {
+  const Vec3i& origin = u.topology.origin(b);
   m_findings[b] = {};
   m_folded[b] = {};
   if (m_still[b]) {
     const BrickMask cells = cell_mask(u.topology, b);
     m_findings[b].cells = mask_count(cells);
-    accumulator.merge_zeros(u.topology.origin(b), cells);
+    accumulator.merge_zeros(origin, cells, contents_of(origin));
     return;
   }
   if (!gather_cells(u, b, worker.cells)) return;
-  m_findings[b] = worker.solver.solve(worker.cells, m_folded[b]);
+  const CellContents contents = contents_of(origin);
+  m_findings[b] = worker.solver.solve(worker.cells, contents, m_folded[b]);
   CellResults& results = worker.solver.results();
-  accumulator.merge_zeros(u.topology.origin(b), results.still);
+  accumulator.merge_zeros(origin, results.still, contents);
   if (is_torn(m_reach[b])) {
     accumulator.merge(results.hits);
   } else {
@@ -110,7 +122,9 @@ void Inversion::settle(const VectorBricks& u, const std::vector<OpenNode>& doubt
   tbb::parallel_for(std::size_t(0), doubts.size(), [&](std::size_t n) {
     BrickSolver& solver = solvers.local();
     bool is_covered;
-    if (solver.settle(u, doubts[n], is_covered)) {
+    const Vec3i& cell = doubts[n].cell;
+    const CellContents contents = contents_of({cell.x & ~7, cell.y & ~7, cell.z & ~7});
+    if (solver.settle(u, doubts[n], contents, is_covered)) {
       hits.local().push_back(solver.results().hits.front());
     } else if (is_covered) {
       covered.local().push_back(doubts[n].node);
@@ -119,7 +133,7 @@ void Inversion::settle(const VectorBricks& u, const std::vector<OpenNode>& doubt
   for (const auto& part : hits) accumulator.merge(part);
   for (const std::vector<Vec3i>& part : covered) {
     std::copy_if(part.begin(), part.end(), std::back_inserter(m_unresolved),
-                 [&](const Vec3i& node) { return !accumulator.contains(node); });
+                 [&](const Vec3i& node) { return !accumulator.holds(node, Content::air); });
   }
   sort_unique(m_unresolved);
 }
@@ -132,16 +146,22 @@ VectorBricks Inversion::solve_bricks(const VectorBricks& u, const std::vector<st
   // What the quick solves left open.
   std::vector<OpenNode> doubts;
   for (const Worker& part : workers) {
-    std::copy_if(part.doubts.begin(), part.doubts.end(), std::back_inserter(doubts),
-                 [&](const OpenNode& doubt) { return !accumulator.contains(doubt.node); });
+    std::copy_if(
+        part.doubts.begin(), part.doubts.end(), std::back_inserter(doubts),
+        [&](const OpenNode& doubt) { return !accumulator.holds(doubt.node, doubt.content); });
   }
   settle(u, doubts, accumulator);
+  const BrickTopology overlaps = accumulator.overlaps();
+  for (std::size_t b = 0; b < overlaps.brick_count(); ++b) {
+    m_overlaps.emplace(overlaps.origin(b), overlaps.mask(b));
+  }
   return accumulator.finish();
 }
 
 VectorBricks Inversion::solve(const VectorBricks& u, Progress* progress) {
   const std::vector<std::int32_t> bricks = all_bricks(u.topology.brick_count());
   m_unresolved.clear();
+  m_overlaps.clear();
   m_findings.assign(bricks.size(), {});
   m_folded.assign(bricks.size(), {});
   classify(u, bricks);
@@ -170,6 +190,7 @@ bool Inversion::solve_changed(const VectorBricks& u, const std::vector<std::int3
   const auto is_touched = [&](const Vec3i& node) { return is_in_brick_of(touched, node); };
   m_unresolved.erase(std::remove_if(m_unresolved.begin(), m_unresolved.end(), is_touched),
                      m_unresolved.end());
+  for (const Vec3i& origin : touched) m_overlaps.erase(origin);
   OffsetAccumulator accumulator(touched);
   std::vector<std::uint8_t> takes_part(u.topology.brick_count());
   tbb::parallel_for(std::size_t(0), takes_part.size(),
@@ -183,6 +204,16 @@ bool Inversion::solve_changed(const VectorBricks& u, const std::vector<std::int3
   return true;
 }
 
+BrickTopology Inversion::overlaps() const {
+  std::vector<Vec3i> origins;
+  std::vector<BrickMask> masks;
+  for (const auto& [origin, mask] : m_overlaps) {
+    origins.push_back(origin);
+    masks.push_back(mask);
+  }
+  return {std::move(origins), std::move(masks)};
+}
+
 InversionCertificate Inversion::certificate() const {
   InversionCertificate certificate;
   for (std::size_t b = 0; b < m_findings.size(); ++b) {
@@ -192,6 +223,7 @@ InversionCertificate Inversion::certificate() const {
     certificate.folded_air_cells += findings.folded_air_cells;
     certificate.min_det = std::min(certificate.min_det, findings.min_det);
   }
+  for (const auto& [origin, mask] : m_overlaps) certificate.overlapped_voxels += mask_count(mask);
   certificate.unresolved_voxels = std::int64_t(m_unresolved.size());
   certificate.unresolved = m_unresolved;
   certificate.unresolved.resize(std::min(m_unresolved.size(), kMaxListed));

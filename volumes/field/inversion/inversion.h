@@ -3,15 +3,18 @@
 // and on nothing else, so both ways end with the same bits.
 #pragma once
 
+#include <unordered_map>
+
 #include "volumes/field/inversion/brick_solver.h"
 #include "volumes/field/inversion/displacement_range.h"
 #include "volumes/field/inversion/offset_accumulator.h"
+#include "volumes/grid/voxel_sets.h"
 
 namespace supple {
 
 class Inversion {
  public:
-  Inversion(const Vec3i& dims, const InvertParams& params) : m_dims(dims), m_params(params) {}
+  Inversion(const Vec3i& dims, const InvertParams& params);
 
   /// All offsets of u.
   VectorBricks solve(const VectorBricks& u, Progress* progress);
@@ -24,7 +27,9 @@ class Inversion {
 
   /// Folded cells per brick of u.
   const std::vector<BrickMask>& folded() const { return m_folded; }
-  /// All but the residuals.
+  /// Nodes that tissue from several places covers.
+  BrickTopology overlaps() const;
+  /// All but the residuals and the hidden elements.
   InversionCertificate certificate() const;
 
  private:
@@ -38,8 +43,11 @@ class Inversion {
   void settle(const VectorBricks& u, const std::vector<OpenNode>& doubts,
               OffsetAccumulator& accumulator);
 
+  CellContents contents_of(const Vec3i& origin) const;
+
   const Vec3i m_dims;
   const InvertParams m_params;
+  BrickTopology m_slice;  // of a volume of one slice, its elements, thickened
   // Per source brick: where its voxels go, the nodes that its cells reach, u = 0 at all corners of
   // the cells, what was found out about them.
   std::vector<BrickRanges> m_ranges;
@@ -47,7 +55,8 @@ class Inversion {
   std::vector<std::uint8_t> m_still;
   std::vector<BrickFindings> m_findings;
   std::vector<BrickMask> m_folded;
-  std::vector<Vec3i> m_unresolved;  // sorted
+  std::vector<Vec3i> m_unresolved;                             // sorted
+  std::unordered_map<Vec3i, BrickMask, VoxelHash> m_overlaps;  // by output brick
 };
 
 }  // namespace supple

@@ -36,6 +36,7 @@ OffsetField invert(const Displacement& displacement, const InvertParams& params,
   Inversion inversion(dims, params);
   OffsetField field{displacement.geometry, inversion.solve(u, progress), {}};
   field.certificate = inversion.certificate();
+  field.overlaps = inversion.overlaps();
   add_residuals(measure_residuals(u, field.o, inversion.folded()), field.certificate);
   report(progress, 1);
   return field;
@@ -182,8 +183,11 @@ OffsetField IncrementalInversion::field() const {
   const VectorBrickFinder find = finder();
   std::vector<BrickMask> masks;
   for (const Vec3i& origin : origins) masks.push_back(*find(origin).mask);
-  OffsetField field{
-      m_impl->geometry, {BrickTopology(origins, std::move(masks)), {}}, certificate()};
+  OffsetField field{m_impl->geometry,
+                    {BrickTopology(origins, std::move(masks)), {}},
+                    certificate(),
+                    nullptr,
+                    m_impl->inversion.overlaps()};
   field.o.vectors.resize(origins.size() * kBrickVoxels);
   tbb::parallel_for(std::size_t(0), origins.size(), [&](std::size_t n) {
     std::copy_n(find(origins[n]).vectors, kBrickVoxels,

@@ -14,13 +14,16 @@ namespace supple {
 struct InvertParams {
   double residual_tolerance_voxels = 1e-4;  // Newton stops at a hundredth of it
   int max_newton_steps = 20;
-  /// The elements, so that folds in the air around them are counted apart; null: all is material.
+  /// The elements: tissue, which hides the air that u carries along around it, and whose folds and
+  /// overlaps are counted apart from those of air; null: everything is tissue.
   const BrickTopology* material = nullptr;
 };
 
 /// Inverts the extended displacement; u is trilinear on the cells whose eight corners are valid.
-/// Deterministic and independent of the thread count; where deformed cells overlap the smallest |o|
-/// wins (then the lower source voxel). Where u = 0 at all corners, o = 0 exactly. Nodes of occupied
+/// Deterministic and independent of the thread count. Where deformed cells overlap, one whose eight
+/// corners are elements wins, then one in which the nearest voxel is, then air; among equals the
+/// smallest |o| wins (then the lower source voxel), and what tissue covers more than once is listed
+/// in `overlaps`. Where u = 0 at all corners, o = 0 exactly. Nodes of occupied
 /// output bricks that no material reaches stay invalid (the marcher extrapolates for itself).
 ///
 /// A field without a complete cell (a single voxel, a sheet one voxel thick) gives no offsets until

@@ -202,8 +202,8 @@ void LaneSolver::Scratch::emit(unsigned inside, unsigned doubtful, int start,
 LaneSolver::LaneSolver() : m_scratch(std::make_unique<Scratch>()) {}
 LaneSolver::~LaneSolver() = default;
 
-BrickMask LaneSolver::solve(const SourceCells& cells, double tolerance_voxels, CellResults& results,
-                            double& min_det) {
+BrickMask LaneSolver::solve(const SourceCells& cells, const BrickMask& tissue_cells,
+                            double tolerance_voxels, CellResults& results, double& min_det) {
   Scratch& scratch = *m_scratch;
   scratch.origin = cells.origin;
   scratch.shift = shift_of(cells);
@@ -223,7 +223,8 @@ BrickMask LaneSolver::solve(const SourceCells& cells, double tolerance_voxels, C
       const unsigned taken = bits_of_lanes(active);
       declined[x] |= std::uint64_t(bits & ~taken) << (8 * y);
       if (taken == 0) continue;
-      smallest = smaller(smallest, select(active, det, broadcast(1)));
+      const LaneInts is_tissue = lanes_of_bits(unsigned(tissue_cells[x] >> (8 * y)) & 0xffff);
+      smallest = smaller(smallest, select(active & is_tissue, det, broadcast(1)));
 
       const LaneCells lanes = set_up(corners);
       const int first = 64 * x + 8 * y;

@@ -29,9 +29,9 @@ class LaneSolver {
   ~LaneSolver();
 
   /// Cells that were declined; hits and doubts of the others are appended to `results`, and
-  /// `min_det` becomes the smallest det F at their corners when that is smaller.
-  BrickMask solve(const SourceCells& cells, double tolerance_voxels, CellResults& results,
-                  double& min_det);
+  /// `min_det` becomes the smallest det F at the corners of those of tissue when that is smaller.
+  BrickMask solve(const SourceCells& cells, const BrickMask& tissue_cells, double tolerance_voxels,
+                  CellResults& results, double& min_det);
 
  private:
   struct Scratch;

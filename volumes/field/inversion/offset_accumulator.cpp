@@ -65,17 +65,38 @@ class OutputBox {
 OffsetAccumulator::OffsetAccumulator(std::vector<Vec3i> origins)
     : m_bricks(brick_table(std::move(origins))),
       m_vectors(reserve_in_huge_pages<Vec3f>(m_bricks.brick_count() * kBrickVoxels)),
-      m_valid(m_bricks.brick_count(), BrickMask{}),
+      m_taken(m_bricks.brick_count()),
+      m_losers(m_bricks.brick_count()),
       m_locks(m_bricks.brick_count()) {
   m_vectors.resize(m_bricks.brick_count() * kBrickVoxels, Vec3f(0));
+}
+
+bool OffsetAccumulator::has_taken(std::int32_t b, int offset, Content content) const {
+  const Taken& taken = m_taken[b];
+  return mask_test(content == Content::tissue    ? taken.tissue
+                   : content == Content::surface ? taken.surface
+                                                 : taken.any,
+                   offset);
 }
 
 inline void OffsetAccumulator::take(std::int32_t b, const NodeSolution& hit) {
   const int offset = brick_offset(hit.node);
   Vec3f& o = m_vectors[std::size_t(b) * kBrickVoxels + offset];
-  if (mask_test(m_valid[b], offset) && !is_better(hit.o, o)) return;
+  Taken& taken = m_taken[b];
+  if (mask_test(taken.any, offset)) {
+    const bool is_less = !has_taken(b, offset, hit.content);
+    const bool is_more =
+        hit.content < Content::tissue && has_taken(b, offset, Content(int(hit.content) + 1));
+    const bool stays = is_more || (!is_less && !is_better(hit.o, o));
+    if (hit.content != Content::air && mask_test(taken.surface, offset) && hit.o != o) {
+      m_losers[b].push_back({offset, stays ? hit.o : o});
+    }
+    if (stays) return;
+  }
   o = hit.o;
-  mask_set(m_valid[b], offset);
+  mask_set(taken.any, offset);
+  if (hit.content >= Content::surface) mask_set(taken.surface, offset);
+  if (hit.content == Content::tissue) mask_set(taken.tissue, offset);
 }
 
 void OffsetAccumulator::merge(const std::vector<NodeSolution>& hits) {
@@ -100,7 +121,7 @@ void OffsetAccumulator::merge(const IndexBox& reach, const std::vector<NodeSolut
   }
   const auto is_settled = [&](const OpenNode& doubt) {
     const std::int32_t b = box.at(doubt.node);
-    return b < 0 || mask_test(m_valid[b], brick_offset(doubt.node));
+    return b < 0 || has_taken(b, brick_offset(doubt.node), doubt.content);
   };
   doubts.erase(std::remove_if(doubts.begin(), doubts.end(), is_settled), doubts.end());
   for (const std::int32_t b : box.bricks()) {
@@ -108,34 +129,59 @@ void OffsetAccumulator::merge(const IndexBox& reach, const std::vector<NodeSolut
   }
 }
 
-void OffsetAccumulator::merge_zeros(const Vec3i& origin, const BrickMask& cells) {
-  std::uint16_t rows[kCornerDim][kCornerDim];
+void OffsetAccumulator::merge_zeros(const Vec3i& origin, const BrickMask& cells,
+                                    const CellContents& contents) {
+  std::uint16_t rows[kCornerDim][kCornerDim], tissue_rows[kCornerDim][kCornerDim];
+  BrickMask tissue_cells;
+  for (int word = 0; word < 8; ++word) {
+    tissue_cells[word] = cells[word] & contents.tissue_cells()[word];
+  }
   corner_rows(cells, rows);
+  corner_rows(tissue_cells, tissue_rows);
   // Corners lie in the brick and its seven upper neighbours.
   for (int n = 0; n < 8; ++n) {
     const Vec3i upper = cell_corner(n);
-    BrickMask nodes{};
+    Taken zeros;
     for (int x = 0; x < (upper.x ? 1 : kBrickDim); ++x) {
       for (int y = 0; y < (upper.y ? 1 : kBrickDim); ++y) {
-        const unsigned row = rows[x + 8 * upper.x][y + 8 * upper.y];
-        nodes[x] |= std::uint64_t(upper.z ? row >> 8 : row & 0xff) << (8 * y);
+        const Vec3i at(x + 8 * upper.x, y + 8 * upper.y, 0);
+        const unsigned row = rows[at.x][at.y], tissue = tissue_rows[at.x][at.y];
+        const auto bits = [&](unsigned nodes) {
+          return std::uint64_t(upper.z ? nodes >> 8 : nodes & 0xff) << (8 * y);
+        };
+        zeros.any[x] |= bits(row);
+        zeros.surface[x] |= bits(row & contents.elements(at.x, at.y));
+        zeros.tissue[x] |= bits(tissue);
       }
     }
-    if (mask_count(nodes) == 0) continue;
+    if (mask_count(zeros.any) == 0) continue;
     const std::int32_t b = m_bricks.find(origin + upper * kBrickDim);
-    if (b >= 0) merge_zero_mask(b, nodes);
+    if (b >= 0) merge_zero_nodes(b, zeros);
   }
 }
 
-void OffsetAccumulator::merge_zero_mask(std::int32_t b, const BrickMask& nodes) {
+/// No offset is shorter, so zeros give way only to what they are less than tissue to.
+void OffsetAccumulator::merge_zero_nodes(std::int32_t b, const Taken& zeros) {
   const tbb::spin_mutex::scoped_lock lock(m_locks[b]);
-  BrickMask taken;
+  Taken& taken = m_taken[b];
+  Vec3f* vectors = &m_vectors[std::size_t(b) * kBrickVoxels];
   for (int word = 0; word < 8; ++word) {
-    taken[word] = m_valid[b][word] & nodes[word];
-    m_valid[b][word] |= nodes[word];
+    const std::uint64_t yield = zeros.any[word] & ((taken.surface[word] & ~zeros.surface[word]) |
+                                                   (taken.tissue[word] & ~zeros.tissue[word]));
+    const std::uint64_t set = zeros.any[word] & ~yield;
+    const auto for_bits = [&](std::uint64_t bits, auto&& visit) {
+      for (; bits != 0; bits &= bits - 1) visit(64 * word + __builtin_ctzll(bits));
+    };
+    for_bits(taken.surface[word] & zeros.surface[word], [&](int offset) {
+      if (vectors[offset] == Vec3f(0)) return;
+      const bool stays = yield >> (offset & 63) & 1;
+      m_losers[b].push_back({offset, stays ? Vec3f(0) : vectors[offset]});
+    });
+    for_bits(taken.any[word] & set, [&](int offset) { vectors[offset] = Vec3f(0); });
+    taken.any[word] |= zeros.any[word];
+    taken.surface[word] |= zeros.surface[word] & set;
+    taken.tissue[word] |= zeros.tissue[word] & set;
   }
-  for_each_active(
-      taken, [&](int offset) { m_vectors[std::size_t(b) * kBrickVoxels + offset] = Vec3f(0); });
 }
 
 bool OffsetAccumulator::is_reached_by(const IndexBox& reach) const {
@@ -157,17 +203,37 @@ bool OffsetAccumulator::is_reached_by(const IndexBox& reach) const {
   return false;
 }
 
-bool OffsetAccumulator::contains(const Vec3i& node) {
+bool OffsetAccumulator::holds(const Vec3i& node, Content content) {
   const std::int32_t b = m_bricks.find(node);
   if (b < 0) return false;
   const tbb::spin_mutex::scoped_lock lock(m_locks[b]);
-  return mask_test(m_valid[b], brick_offset(node));
+  return has_taken(b, brick_offset(node), content);
+}
+
+BrickTopology OffsetAccumulator::overlaps() const {
+  std::vector<Vec3i> origins;
+  std::vector<BrickMask> masks;
+  for (std::size_t b = 0; b < m_losers.size(); ++b) {
+    BrickMask mask{};
+    for (const Loser& loser : m_losers[b]) {
+      const Vec3f& o = m_vectors[b * kBrickVoxels + std::size_t(loser.offset)];
+      if (length_squared(loser.o - o) > kSamePlace * kSamePlace) mask_set(mask, loser.offset);
+    }
+    if (mask_count(mask) == 0) continue;
+    origins.push_back(m_bricks.origin(b));
+    masks.push_back(mask);
+  }
+  return {std::move(origins), std::move(masks)};
 }
 
 VectorBricks OffsetAccumulator::finish() {
   std::vector<Vec3i> origins;
-  for (std::size_t b = 0; b < m_bricks.brick_count(); ++b) origins.push_back(m_bricks.origin(b));
-  BrickTopology topology(std::move(origins), m_valid);
+  std::vector<BrickMask> masks;
+  for (std::size_t b = 0; b < m_bricks.brick_count(); ++b) {
+    origins.push_back(m_bricks.origin(b));
+    masks.push_back(m_taken[b].any);
+  }
+  BrickTopology topology(std::move(origins), std::move(masks));
   // The topology has dropped the bricks without a solution; close the gaps.
   std::size_t from = 0;
   for (std::size_t to = 0; to < topology.brick_count(); ++to, ++from) {

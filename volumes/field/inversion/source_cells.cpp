@@ -1,6 +1,7 @@
 #include "volumes/field/inversion/source_cells.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include "volumes/field/ring_fill.h"
@@ -11,12 +12,10 @@ namespace supple {
 
 namespace {
 
-/// The brick and its seven upper neighbours, index 4 x + 2 y + z.
-std::array<std::int32_t, 8> upper_bricks(const BrickTopology& voxels, std::size_t b) {
+/// The brick at `origin` and its seven upper neighbours, index 4 x + 2 y + z.
+std::array<std::int32_t, 8> upper_bricks(const BrickTopology& voxels, const Vec3i& origin) {
   std::array<std::int32_t, 8> bricks;
-  for (int n = 0; n < 8; ++n) {
-    bricks[n] = voxels.find(voxels.origin(b) + cell_corner(n) * kBrickDim);
-  }
+  for (int n = 0; n < 8; ++n) bricks[n] = voxels.find(origin + cell_corner(n) * kBrickDim);
   return bricks;
 }
 
@@ -53,11 +52,19 @@ void copy_row(const Vec3f* row, const Vec3f* above, int x, int y, SourceCells& c
   }
 }
 
-BrickMask cell_mask(const BrickTopology& voxels, const std::array<std::int32_t, 8>& bricks) {
-  unsigned rows[kCornerDim][kCornerDim];
+using CornerRows = std::uint16_t[kCornerDim][kCornerDim];
+
+void voxel_rows(const BrickTopology& voxels, const std::array<std::int32_t, 8>& bricks,
+                CornerRows& rows) {
   for (int x = 0; x < kCornerDim; ++x) {
-    for (int y = 0; y < kCornerDim; ++y) rows[x][y] = voxel_row(voxels, bricks, x, y);
+    for (int y = 0; y < kCornerDim; ++y) {
+      rows[x][y] = std::uint16_t(voxel_row(voxels, bricks, x, y));
+    }
   }
+}
+
+/// The cells of which all corners are set.
+BrickMask cells_of(const CornerRows& rows) {
   BrickMask mask{};
   for (int x = 0; x < kBrickDim; ++x) {
     for (int y = 0; y < kBrickDim; ++y) {
@@ -66,6 +73,12 @@ BrickMask cell_mask(const BrickTopology& voxels, const std::array<std::int32_t, 
     }
   }
   return mask;
+}
+
+BrickMask cell_mask(const BrickTopology& voxels, const std::array<std::int32_t, 8>& bricks) {
+  CornerRows rows;
+  voxel_rows(voxels, bricks, rows);
+  return cells_of(rows);
 }
 
 /// Copies of the voxels with coordinate 0 along `axis`, one below and one above.
@@ -94,11 +107,11 @@ BrickTopology slice_and_its_copies(const BrickTopology& voxels, int axis) {
 }  // namespace
 
 BrickMask cell_mask(const BrickTopology& voxels, std::size_t b) {
-  return cell_mask(voxels, upper_bricks(voxels, b));
+  return cell_mask(voxels, upper_bricks(voxels, voxels.origin(b)));
 }
 
 bool gather_cells(const VectorBricks& u, std::size_t b, SourceCells& cells) {
-  const std::array<std::int32_t, 8> bricks = upper_bricks(u.topology, b);
+  const std::array<std::int32_t, 8> bricks = upper_bricks(u.topology, u.topology.origin(b));
   cells.origin = u.topology.origin(b);
   cells.mask = cell_mask(u.topology, bricks);
   if (std::all_of(cells.mask.begin(), cells.mask.end(), [](auto word) { return word == 0; })) {
@@ -154,6 +167,14 @@ void corner_rows(const BrickMask& cells, std::uint16_t (&rows)[kCornerDim][kCorn
   }
 }
 
+BrickTopology thickened(const BrickTopology& voxels, const Vec3i& dims) {
+  BrickTopology result = voxels;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (dims[axis] == 1) result = slice_and_its_copies(result, axis);
+  }
+  return result;
+}
+
 VectorBricks thickened(const VectorBricks& u, const Vec3i& dims) {
   VectorBricks result = u;
   for (int axis = 0; axis < 3; ++axis) {
@@ -172,6 +193,34 @@ VectorBricks thickened(const VectorBricks& u, const Vec3i& dims) {
     result = std::move(thick);
   }
   return result;
+}
+
+CellContents::CellContents(const BrickTopology* elements, const Vec3i& origin) {
+  if (elements == nullptr) {
+    for (auto& plane : m_rows) std::fill(std::begin(plane), std::end(plane), 0x1ff);
+  } else {
+    voxel_rows(*elements, upper_bricks(*elements, origin), m_rows);
+  }
+  m_tissue = cells_of(m_rows);
+}
+
+Content CellContents::at(const Vec3d& place) const {
+  Vec3i cell, nearest;
+  for (int a = 0; a < 3; ++a) {
+    cell[a] = std::clamp(int(std::floor(place[a])), 0, kBrickDim - 1);
+    nearest[a] = std::clamp(int(std::floor(place[a] + 0.5)), 0, kBrickDim);
+  }
+  if (mask_test(m_tissue, brick_offset(cell))) return Content::tissue;
+  const bool is_element = m_rows[nearest.x][nearest.y] >> nearest.z & 1;
+  return is_element ? Content::surface : Content::air;
+}
+
+Content CellContents::best_in(int cell) const {
+  if (mask_test(m_tissue, cell)) return Content::tissue;
+  const Vec3i at = brick_local(cell);
+  const unsigned rows = m_rows[at.x][at.y] | m_rows[at.x][at.y + 1] | m_rows[at.x + 1][at.y] |
+                        m_rows[at.x + 1][at.y + 1];
+  return (rows >> at.z & 3) != 0 ? Content::surface : Content::air;
 }
 
 }  // namespace supple

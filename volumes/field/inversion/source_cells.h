@@ -43,8 +43,39 @@ BrickMask cell_mask(const BrickTopology& voxels, std::size_t b);
 /// Bits z = 0…8 of the corners (x, y) of the set cells.
 void corner_rows(const BrickMask& cells, std::uint16_t (&rows)[kCornerDim][kCornerDim]);
 
-/// A body of one slice along some axis has no cells: its slice is repeated below and above. Other
-/// fields come back as they are.
+/// A body of one slice along some axis has no cells: its slice is repeated below and above. Others
+/// come back as they are.
 VectorBricks thickened(const VectorBricks& u, const Vec3i& dims);
+BrickTopology thickened(const BrickTopology& voxels, const Vec3i& dims);
+
+/// Sources further apart than this, in voxels, are not the same place found twice.
+constexpr double kSamePlace = 0.5;
+
+/// What a place of a source cell is made of. Where several places come to one, tissue hides air.
+enum class Content : std::uint8_t {
+  air,      // the nearest voxel is no element
+  surface,  // it is one, but not every corner of the cell
+  tissue    // every corner is an element
+};
+
+/// The content of the cells of one source brick. Cost: 0.1 µs.
+class CellContents {
+ public:
+  /// `elements`: thickened where the volume has one slice; null: everything is tissue.
+  CellContents(const BrickTopology* elements, const Vec3i& origin);
+
+  /// At a place relative to `origin`, 0 … 8 along every axis.
+  Content at(const Vec3d& place) const;
+  /// The best that a place in the cell with this offset in the brick could be.
+  Content best_in(int cell) const;
+  /// Cells of which every corner is an element.
+  const BrickMask& tissue_cells() const { return m_tissue; }
+  /// Bits z = 0…8 of the elements in row (x, y) of the corners.
+  unsigned elements(int x, int y) const { return m_rows[x][y]; }
+
+ private:
+  std::uint16_t m_rows[kCornerDim][kCornerDim];
+  BrickMask m_tissue{};
+};
 
 }  // namespace supple

@@ -6,8 +6,8 @@
 
 #include <unordered_map>
 
-#include "volumes/field/cuts/cut_body.h"
 #include "volumes/field/inversion/deformed_cell.h"
+#include "volumes/grid/voxel_sets.h"
 
 namespace supple {
 

@@ -1,0 +1,115 @@
+#include "volumes/field/inversion/hidden_elements.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_reduce.h>
+
+#include "volumes/field/inversion/source_window.h"
+#include "volumes/field/split_offsets.h"
+#include "volumes/grid/cell.h"
+
+namespace supple {
+
+namespace {
+
+// Voxels. With it the distance of places that are a voxel apart but for rounding.
+constexpr double kApart = 1 + 1e-4;
+
+/// The offset at x of those nodes around that hold one; false where none does.
+bool sample_of_some(const VectorBricks& o, const Vec3d& x, Vec3d& offset) {
+  const Vec3i low = floor_voxel(x);
+  const Vec3d t = x - Vec3d(low);
+  Vec3d sum(0);
+  double weights = 0;
+  for (int n = 0; n < 8; ++n) {
+    const Vec3i step = cell_corner(n);
+    double weight = 1;
+    for (int a = 0; a < 3; ++a) weight *= step[a] ? t[a] : 1 - t[a];
+    Vec3f corner;
+    if (weight == 0 || !o.at(low + step, corner)) continue;
+    sum += Vec3d(corner) * weight;
+    weights += weight;
+  }
+  if (weights == 0) return false;
+  offset = sum / weights;
+  return true;
+}
+
+/// Counts in one source brick after the other, with the memory for it.
+class HiddenCount {
+ public:
+  HiddenCount(const VectorBricks& u, const OffsetField& field)
+      : m_u(u), m_field(field), m_no_folds(field.o.topology.brick_count()) {}
+
+  /// `elements`: of the brick at `origin`.
+  int count(const Vec3i& origin, const BrickMask& elements) {
+    const std::int32_t b = m_u.topology.find(origin);
+    if (b < 0) return mask_count(elements);
+    const Vec3f* u = &m_u.vectors[std::size_t(b) * kBrickVoxels];
+    if (is_still(origin, elements, u)) return 0;
+    // The equation of the inverse, with the fields in each other's place: |u + o(X + u)|.
+    const bool measured = m_field.split == nullptr &&
+                          m_window.measure(m_field.o, m_no_folds, origin, elements, u, m_distances);
+    int hidden = 0;
+    for_each_active(elements, [&](int n) {
+      const double distance = measured ? double(m_distances[n]) : SourceWindow::kUnknown;
+      const Vec3d at(origin + brick_local(n));
+      hidden += distance >= 0 ? distance > kApart : is_hidden(at, Vec3d(u[n]));
+    });
+    return hidden;
+  }
+
+ private:
+  /// Whether all elements are where they were and are seen there.
+  bool is_still(const Vec3i& origin, const BrickMask& elements, const Vec3f* u) const {
+    if (m_field.split != nullptr) return false;
+    const std::int32_t b = m_field.o.topology.find(origin);
+    if (b < 0) return false;
+    for (int word = 0; word < 8; ++word) {
+      if ((elements[word] & ~m_field.o.topology.mask(b)[word]) != 0) return false;
+    }
+    const Vec3f* o = &m_field.o.vectors[std::size_t(b) * kBrickVoxels];
+    const auto is_zero = [](const Vec3f& v) { return v == Vec3f(0); };
+    return std::all_of(u, u + kBrickVoxels, is_zero) && std::all_of(o, o + kBrickVoxels, is_zero);
+  }
+
+  bool is_hidden(const Vec3d& at, const Vec3d& moved) const {
+    const Vec3d x = at + moved;
+    Vec3d offset;
+    const bool in_split =
+        m_field.split != nullptr && m_field.split->bricks().find(floor_voxel(x)) >= 0;
+    const bool is_seen =
+        in_split ? m_field.sample(x, offset) : sample_of_some(m_field.o, x, offset);
+    return !is_seen || (moved + offset).length() > kApart;
+  }
+
+  const VectorBricks& m_u;
+  const OffsetField& m_field;
+  const std::vector<BrickMask> m_no_folds;
+  SourceWindow m_window;
+  std::array<float, kBrickVoxels> m_distances;
+};
+
+}  // namespace
+
+std::int64_t count_hidden(const Displacement& displacement, const BrickTopology& elements,
+                          const OffsetField& offsets) {
+  tbb::enumerable_thread_specific<HiddenCount> counts(
+      [&] { return HiddenCount(displacement.u, offsets); });
+  using Range = tbb::blocked_range<std::size_t>;
+  return tbb::parallel_reduce(
+      Range(0, elements.brick_count(), 16), std::int64_t(0),
+      [&](const Range& range, std::int64_t sum) {
+        HiddenCount& count = counts.local();
+        for (std::size_t b = range.begin(); b < range.end(); ++b) {
+          sum += count.count(elements.origin(b), elements.mask(b));
+        }
+        return sum;
+      },
+      std::plus<std::int64_t>());
+}
+
+}  // namespace supple
