@@ -117,7 +117,8 @@ std::unique_ptr<Renderer> make_renderer(const PosedVolume& subject, const SceneV
 
 void pose(Renderer& renderer, const PosedVolume& subject, const SceneView& view) {
   if (subject.offsets == nullptr && subject.displacement != nullptr) {
-    renderer.set_pointwise_offsets(std::make_shared<const ForwardOffsets>(*subject.displacement));
+    renderer.set_pointwise_offsets(
+        std::make_shared<const ForwardOffsets>(*subject.displacement, &subject.elements));
   } else {
     renderer.set_offsets(subject.offsets,
                          view.half_offsets ? OffsetResolution::half : OffsetResolution::full);

@@ -2,9 +2,12 @@
 #include <gtest/gtest.h>
 
 #include "tests/volumes/field/offset_fixtures.h"
+#include "volumes/field/cuts/cut_offsets.h"
+#include "volumes/field/inversion/forward_offsets.h"
 #include "volumes/field/inversion/hidden_elements.h"
 #include "volumes/field/inversion/invert.h"
 #include "volumes/field/inversion/source_cells.h"
+#include "volumes/field/points/point_motion.h"
 #include "volumes/grid/voxel_sets.h"
 
 using namespace supple;
@@ -175,4 +178,55 @@ TEST(PropertyTissueOverAir, AfterLocalChangesOverlapsAreThoseOfAFullInversion) {
     EXPECT_TRUE(inversion.field().overlaps == full.overlaps);
     EXPECT_EQ(full.overlaps.empty(), lowered <= 6);
   }
+}
+
+TEST(PropertyTissueOverAir, SamplesThatSolveForThemselvesFindTheTissue) {
+  for (const Slabs::Moved moved : {Slabs::Moved::upper, Slabs::Moved::lower}) {
+    for (const float by : {3.0f, 5.0f, 6.0f, 18.0f}) {
+      const Slabs slabs(by, moved);
+      const ForwardOffsets offsets(slabs.displacement, &slabs.elements);
+      int lost = 0;
+      for_each_voxel(slabs.elements, [&](const Vec3i& v, std::size_t) {
+        Vec3f u(0);
+        slabs.displacement.u.at(v, u);
+        const Vec3i at = v + Vec3i(u);
+        const std::int32_t b = offsets.bricks().find(at);
+        if (b < 0) return;  // nothing moves there
+        // As a ray does that comes through the air above.
+        PointwiseOffsets::Sample found;
+        const std::int32_t above = offsets.bricks().find(at + Vec3i(0, 0, 2));
+        if (above >= 0) offsets.sample(std::size_t(above), Vec3d(at) + Vec3d(0, 0, 2), found);
+        const bool is_found = offsets.sample(std::size_t(b), Vec3d(at), found);
+        lost += !is_found || (found.offset + Vec3d(u)).length() > 1e-3;
+      });
+      EXPECT_EQ(lost, 0) << by;
+    }
+  }
+}
+
+TEST(PropertyTissueOverAir, LandmarksGoBackToTheTissueTheyCameFrom) {
+  for (const float by : {3.0f, 5.0f, 6.0f, 18.0f}) {
+    const Slabs slabs(by);
+    const LinkCuts no_cuts;
+    const auto back = motion_to_rest(slabs.displacement, {slabs.elements, no_cuts}, slabs.offsets);
+    for (const Vec3d& X : {Vec3d(5, 6, 16), Vec3d(5.3, 6.2, 16.1), Vec3d(8, 8, 21)}) {
+      const MovedPoint found = back->move(X - Vec3d(0, 0, by));
+      EXPECT_LT((found.to_lps_mm - X).length(), 1e-4) << by << " at " << X;
+      EXPECT_EQ(found.kind, PlaceKind::inside);
+    }
+    for (const Vec3d& X : {Vec3d(5, 6, 4), Vec3d(5.3, 6.2, 8.9)}) {
+      EXPECT_LT((back->move(X).to_lps_mm - X).length(), 1e-4) << by << " at " << X;
+    }
+  }
+}
+
+TEST(PropertyTissueOverAir, LandmarksInOverlapsAreNamed) {
+  const Slabs half(9);  // 16 to 21 come to 7 to 12
+  const LinkCuts no_cuts;
+  const auto back = motion_to_rest(half.displacement, {half.elements, no_cuts}, half.offsets);
+  const MovedPoint both = back->move({5.4, 6.2, 8.3});
+  EXPECT_EQ(both.kind, PlaceKind::folded);
+  EXPECT_LT((both.to_lps_mm - Vec3d(5.4, 6.2, 8.3)).length(), 1e-4) << "the shortest way";
+  EXPECT_EQ(back->move({5.4, 6.2, 4.8}).kind, PlaceKind::inside);
+  EXPECT_EQ(back->move({5.4, 6.2, 11.8}).kind, PlaceKind::inside);
 }

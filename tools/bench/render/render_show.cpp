@@ -77,7 +77,7 @@ class SuppleViewer {
     if (has_inverse) {
       m_inversion = std::make_unique<IncrementalInversion>(m_live.displacement(), params());
     } else {
-      m_forward = std::make_shared<ForwardOffsets>(m_live.displacement());
+      m_forward = std::make_shared<ForwardOffsets>(m_live.displacement(), &m_state.elements);
     }
   }
 

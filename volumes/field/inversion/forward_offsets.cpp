@@ -54,8 +54,9 @@ struct InverseGradient {
 
 }  // namespace
 
-ForwardOffsets::ForwardOffsets(const Displacement& displacement)
+ForwardOffsets::ForwardOffsets(const Displacement& displacement, const BrickTopology* elements)
     : m_u(displacement.u),
+      m_elements(elements),
       m_ranges(m_u.topology.brick_count()),
       m_reach(m_u.topology.brick_count()),
       m_still(m_u.topology.brick_count()) {
@@ -114,20 +115,50 @@ void ForwardOffsets::find_reached() {
   set_bricks(std::move(origins));
 }
 
-/// Where some nodes of a moving brick go, for samples beside them to begin with; the shortest way
-/// wins.
+/// Whether the voxel nearest to y is an element.
+bool ForwardOffsets::is_tissue(const Vec3d& y) const {
+  return m_elements == nullptr || m_elements->is_active(floor_voxel(y + Vec3d(0.5)));
+}
+
+/// A node of brick b in the octant above `low` to begin at: its middle, or else the first element;
+/// -1 where there is no displacement.
+int ForwardOffsets::seed_node(std::size_t b, const Vec3i& low) const {
+  const BrickMask& known = m_u.topology.mask(b);
+  const int middle = brick_offset(low + Vec3i(kSeedSpacing / 2));
+  const std::int32_t same = m_elements == nullptr ? -1 : m_elements->find(m_u.topology.origin(b));
+  const auto is_element = [&](int node) {
+    return mask_test(known, node) && mask_test(m_elements->mask(std::size_t(same)), node);
+  };
+  if (same >= 0 && !is_element(middle)) {
+    for (int n = 0; n < kSeedSpacing * kSeedSpacing * kSeedSpacing; ++n) {
+      const int node = brick_offset(low + Vec3i(n >> 4, n >> 2 & 3, n & 3));
+      if (is_element(node)) return node;
+    }
+  }
+  return mask_test(known, middle) ? middle : -1;
+}
+
+/// Where some nodes of a moving brick go, for samples beside them to begin with; tissue goes before
+/// air, then the shortest way wins.
 void ForwardOffsets::plant_seeds(std::size_t b, const BrickIndex& index,
                                  std::vector<Reached>& reached) const {
-  for (int n = 0; n < 8; ++n) {
-    const Vec3i local = cell_corner(n) * kSeedSpacing + Vec3i(kSeedSpacing / 2);
-    const int node = brick_offset(local);
-    if (!mask_test(m_u.topology.mask(b), node)) continue;
+  const Vec3i& origin = m_u.topology.origin(b);
+  for (int n = 0; n < kSeeds; ++n) {
+    const int node = seed_node(b, cell_corner(n) * kSeedSpacing);
+    if (node < 0) continue;
+    const Vec3i at = origin + brick_local(node);
     const Vec3f offset = -m_u.vectors[b * kBrickVoxels + std::size_t(node)];
-    const Vec3i image = floor_voxel(Vec3d(m_u.topology.origin(b) + local) - Vec3d(offset));
-    const std::int32_t at = index.find(image);
-    if (at < 0) continue;
-    Vec3f& seed = reached[at].seed[octant_of(image)];
-    if (!(seed.length2() <= offset.length2())) seed = offset;
+    const Vec3i image = floor_voxel(Vec3d(at) - Vec3d(offset));
+    const std::int32_t brick = index.find(image);
+    if (brick < 0) continue;
+    const int octant = octant_of(image);
+    Vec3f& seed = reached[brick].seed[octant];
+    bool& before = reached[brick].is_tissue[octant];
+    const bool now = is_tissue(Vec3d(at));
+    if (before && !now) continue;
+    if (before == now && seed.length2() <= offset.length2()) continue;
+    seed = offset;
+    before = now;
   }
 }
 
@@ -215,14 +246,28 @@ bool ForwardOffsets::solve(const Vec3d& x, const Vec3d& offset, Sample& found) c
 }
 
 bool ForwardOffsets::sample(std::size_t b, const Vec3d& x, Sample& found) const {
-  if (found.piece >= 0 && solve(x, found.offset, found)) return true;
+  const Vec3d before = found.offset;
+  bool has_air = false;
+  Sample air;
+  // Once air is found, only what may lead to tissue is tried.
+  const auto finds_tissue = [&](const Vec3d& offset) {
+    if (has_air && !is_tissue(x + offset)) return false;
+    if (!solve(x, offset, found)) return false;
+    if (is_tissue(x + found.offset)) return true;
+    if (!has_air) air = found;
+    has_air = true;
+    return false;
+  };
+  if (found.piece >= 0 && finds_tissue(before)) return true;
   const Reached& reached = m_reached[b];
   const int octant = octant_of(floor_voxel(x));
   for (int n = 0; n < kSeeds; ++n) {
     const Vec3f& seed = reached.seed[octant ^ n];
-    if (seed.length2() >= 0 && solve(x, Vec3d(seed), found)) return true;
+    if (seed.length2() >= 0 && finds_tissue(Vec3d(seed))) return true;
   }
-  return solve(x, Vec3d(0), found);
+  if (finds_tissue(Vec3d(0))) return true;
+  if (has_air) found = air;
+  return has_air;
 }
 
 void ForwardOffsets::reach(std::size_t b, Vec3d& lo, Vec3d& hi) const {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "volumes/base/error.h"
+#include "volumes/grid/cell.h"
 
 namespace supple {
 
@@ -34,13 +35,17 @@ void FoldedPlaces::add(const Vec3i& cell, const CellCorners& corners) {
   const Vec3i first = cell + floor_voxel(lo), last = cell + floor_voxel(hi);
   for (int x = first.x; x <= last.x; ++x) {
     for (int y = first.y; y <= last.y; ++y) {
-      for (int z = first.z; z <= last.z; ++z) {
-        const Vec3i voxel(x, y, z);
-        mask_set(m_bricks.try_emplace(brick_of(voxel), BrickMask{}).first->second,
-                 brick_offset(voxel));
-      }
+      for (int z = first.z; z <= last.z; ++z) mark({x, y, z});
     }
   }
+}
+
+void FoldedPlaces::add(const Vec3i& node) {
+  for (int n = 0; n < 8; ++n) mark(node - cell_corner(n));
+}
+
+void FoldedPlaces::mark(const Vec3i& voxel) {
+  mask_set(m_bricks.try_emplace(brick_of(voxel), BrickMask{}).first->second, brick_offset(voxel));
 }
 
 bool FoldedPlaces::contains(const Vec3d& x) const {

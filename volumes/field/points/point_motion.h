@@ -41,8 +41,9 @@ std::unique_ptr<PointMotion> motion_along(const Displacement& displacement,
                                           const CutElements& body);
 
 /// x -> X with X + u(X) = x to within 1e-5 voxel, beside open cuts 1e-4. `offsets`: those of
-/// invert_cut(), where the search begins; they must outlive the motion. Cost: as above and a
-/// SmoothExtension of the offsets; 1 to 3 µs per point.
+/// invert_cut(), where the search begins; they and the elements must outlive the motion. Tissue
+/// goes before the air around it, and places at which tissue from several places lies are `folded`.
+/// Cost: as above and a SmoothExtension of the offsets; 1 to 3 µs per point.
 std::unique_ptr<PointMotion> motion_to_rest(const Displacement& displacement,
                                             const CutElements& body, const OffsetField& offsets);
 

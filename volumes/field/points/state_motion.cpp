@@ -8,6 +8,7 @@
 #include "volumes/field/points/point_motion.h"
 #include "volumes/field/points/point_solver.h"
 #include "volumes/field/split_offsets.h"
+#include "volumes/grid/cell.h"
 
 namespace supple {
 
@@ -43,6 +44,7 @@ class MotionToRest final : public PointMotion {
                const OffsetField& offsets)
       : m_geometry(displacement.geometry),
         m_u(displacement, body),
+        m_elements(body.elements),
         m_offsets(offsets),
         m_start(offsets.o) {
     find_folds();
@@ -87,6 +89,11 @@ class MotionToRest final : public PointMotion {
     m_u.for_torn_sides([&](const CutPiece& side) {
       if (side.is_folded) m_folds.add(side.cell, side.corners());
     });
+    const BrickTopology& overlaps = m_offsets.overlaps;
+    for (std::size_t b = 0; b < overlaps.brick_count(); ++b) {
+      for_each_active(overlaps.mask(b),
+                      [&](int offset) { m_folds.add(overlaps.origin(b) + brick_local(offset)); });
+    }
   }
 
   Found found_at(const Vec3d& X, const Vec3d& offset) const {
@@ -118,31 +125,47 @@ class MotionToRest final : public PointMotion {
     return m_offsets.split->bricks().find(voxel) >= 0;
   }
 
-  /// The solution with the shortest way of those that the offsets around lead to; one is enough
-  /// where there are no folds.
+  /// Whether the voxel nearest to X is an element.
+  bool is_tissue(const Vec3d& X) const {
+    Vec3i voxel = floor_voxel(X + Vec3d(0.5));
+    for (int a = 0; a < 3; ++a) {
+      if (m_geometry.dims()[a] == 1) voxel[a] = 0;
+    }
+    return m_elements.is_active(voxel);
+  }
+
+  /// Of the solutions that the offsets around lead to, one in tissue before one in air, then that
+  /// with the shortest way; one in tissue is enough where there are no folds.
   bool solve(const Vec3d& x, Vec3d& X) const {
     const PointSolver solver(m_u);
     const bool in_fold = m_folds.contains(x);
-    bool is_solved = false;
+    bool is_solved = false, in_tissue = false;
     const auto try_from = [&](const Vec3d& start) {
       Vec3d found;
-      if (!solver.solve(x, start, found)) return false;
-      if (is_solved && (found - x).length2() >= (X - x).length2()) return false;
+      if (!solver.solve(x, start, found)) return;
+      const bool is_better = is_tissue(found);
+      if (in_tissue && !is_better) return;
+      if (is_solved && in_tissue == is_better && (found - x).length2() >= (X - x).length2()) {
+        return;
+      }
       X = found;
       is_solved = true;
-      return true;
+      in_tissue = is_better;
     };
-    if (try_from(x + m_start.sample(x)) && !in_fold) return true;
-    const Vec3d low(std::floor(x.x), std::floor(x.y), std::floor(x.z));
-    for (int n = 0; n < 8; ++n) {
-      const Vec3d corner = low + Vec3d(n >> 2, n >> 1 & 1, n & 1);
-      if (try_from(x + m_start.sample(corner)) && !in_fold) return true;
+    try_from(x + m_start.sample(x));
+    const Vec3d low(floor_voxel(x));
+    for (int n = 0; n < 8 && (in_fold || !in_tissue); ++n) {
+      const Vec3d start = x + m_start.sample(low + Vec3d(cell_corner(n)));
+      if (in_fold || !is_solved || is_tissue(start)) try_from(start);
     }
-    return is_solved || try_from(x) || try_from(x - m_u.stretched(x).u);
+    if (!is_solved) try_from(x);
+    if (!is_solved) try_from(x - m_u.stretched(x).u);
+    return is_solved;
   }
 
   Geometry m_geometry;
   CarriedDisplacement m_u;
+  const BrickTopology& m_elements;
   const OffsetField& m_offsets;
   SmoothExtension m_start;
   FoldedPlaces m_folds;
