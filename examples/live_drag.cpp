@@ -22,7 +22,8 @@ int main(int argc, char** argv) try {
   supple::RenderSettings settings;
   settings.width = settings.height = 256;
   supple::LiveDisplacement live(rest.geometry, rest.elements, rest.density.bricks());
-  const auto offsets = std::make_shared<supple::ForwardOffsets>(live.displacement(), &rest.elements);
+  const auto offsets =
+      std::make_shared<supple::ForwardOffsets>(live.displacement(), &rest.elements);
   for (int step = 0; step < 5; ++step) {
     session.drag(voxel, {0, 0.5, 0});
     offsets->update(live.update(session.body().q));
