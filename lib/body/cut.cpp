@@ -137,6 +137,20 @@ class AxisCutter {
   LinkCuts& m_crossed;
 };
 
+/// The patch with its edges moved outwards by more than the shift of its vertices, so that it cuts
+/// the lattice lines through them.
+PlanePatch with_margin(const PlanePatch& patch, const Geometry& geometry) {
+  constexpr double kMargin = 1e-4;  // voxels
+  const Vec3d edge1 = geometry.index_vector_from_world(patch.edge1_lps_mm);
+  const Vec3d edge2 = geometry.index_vector_from_world(patch.edge2_lps_mm);
+  const double area = edge1.cross(edge2).length();
+  if (!(area > 0)) return patch;
+  // Over the heights of the parallelogram.
+  const double part1 = kMargin * edge2.length() / area, part2 = kMargin * edge1.length() / area;
+  return {patch.corner_lps_mm - patch.edge1_lps_mm * part1 - patch.edge2_lps_mm * part2,
+          patch.edge1_lps_mm * (1 + 2 * part1), patch.edge2_lps_mm * (1 + 2 * part2)};
+}
+
 /// Adds what was crossed to what was cut.
 CutReport merge(const LinkCuts& crossed, Body& body) {
   CutReport report;
@@ -177,10 +191,11 @@ CutReport cut(Body& body, const TriangleMesh& surface) {
 }
 
 CutReport cut(Body& body, const PlanePatch& patch) {
-  const Vec3d& corner = patch.corner_lps_mm;
-  const Vec3d far1 = corner + patch.edge1_lps_mm, far2 = corner + patch.edge2_lps_mm;
+  const PlanePatch grown = with_margin(patch, body.geometry);
+  const Vec3d& corner = grown.corner_lps_mm;
+  const Vec3d far1 = corner + grown.edge1_lps_mm, far2 = corner + grown.edge2_lps_mm;
   return cut(body,
-             TriangleMesh{{corner, far1, far2, far1 + patch.edge2_lps_mm}, {{0, 1, 2}, {1, 3, 2}}});
+             TriangleMesh{{corner, far1, far2, far1 + grown.edge2_lps_mm}, {{0, 1, 2}, {1, 3, 2}}});
 }
 
 CutReport cut_boundary(Body& body, const std::function<bool(Slot)>& inside) {

@@ -265,6 +265,30 @@ TEST(UnitCuts, ASecondCutAtTheSamePlaceFindsNothingNew) {
   EXPECT_EQ(check_links(body).links, 9 * 16 + 2 * 10 * 12 - 24);
 }
 
+TEST(UnitCuts, APatchCutsTheLinksThatItsOwnEdgesCross) {
+  // From voxel centre to voxel centre, as far as the body goes, along all axes and both ways round.
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vec3i dims(6, 5, 4);
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    Vec3d corner(0), edge1(0), edge2(0);
+    corner[axis] = 2.5;
+    edge1[u] = dims[u] - 1;
+    edge2[v] = dims[v] - 1;
+    const int links = dims[u] * dims[v];
+    Body low = body_of(soft_block(dims)), high = body_of(soft_block(dims));
+    EXPECT_EQ(cut(low, PlanePatch{corner, edge1, edge2}).crossed, links) << axis;
+    const PlanePatch back{corner + edge1 + edge2, -edge2, -edge1};
+    EXPECT_EQ(cut(high, back).crossed, links) << axis;
+    // A skew one of two rows of three lattice points.
+    Body skew = body_of(soft_block(dims));
+    Vec3d step(0);
+    step[u] = step[v] = 1;
+    Vec3d along(0);
+    along[u] = 2;
+    EXPECT_EQ(cut(skew, PlanePatch{corner, along, step}).crossed, 6) << axis;
+  }
+}
+
 TEST(UnitCuts, ACutIsMadeInTheBodyAtRestHoweverFarItHasMoved) {
   Body body = body_of(soft_block({10, 4, 4}));
   drag(body, {Handle({0, 0, 0}, {600000, 400000, 0})}, {});
