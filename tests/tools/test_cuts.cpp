@@ -105,6 +105,36 @@ TEST_F(UnitCutting, AContinuedStateIsStillCut) {
             cut["cut_links"]);
 }
 
+TEST_F(UnitCutting, ASequenceShowsTheGapInEveryPicture) {
+  // Rigid halves: halfway through a drag is where a drag of half the length ends.
+  write_text(m_folder / "rigid.toml",
+             "domain = [0, 255]\nactive = [100, 255]\nmax_length = [[0, 1.0]]\n"
+             "min_length = [[0, 1.0]]\nshear = [[0, 0.0]]\n");
+  const std::string plane =
+      "{ plane = { corner = [-9, 6.5, -9], edge1 = [60, 0, 0], edge2 = [0, 0, 60] } }";
+  for (const auto& [by, state] : {std::pair("0,8,0", "open.vdb"), std::pair("0,4,0", "half.vdb")}) {
+    EXPECT_EQ(deform("flipped.nhdr", state,
+                     {"--material", m_folder / "rigid.toml", "--cut", plane, "--grab", "8,11,8",
+                      "--by", by})
+                  .exit_code,
+              0);
+  }
+  const auto render = [&](const std::string& state, const std::string& picture,
+                          std::vector<std::string> more) {
+    more.insert(more.begin(), {"render", m_folder / state, "-o", m_folder / picture, "--size",
+                               "96,96", "--view", "left", "--preset", "MR-Default"});
+    EXPECT_EQ(run_supple(more).exit_code, 0);
+  };
+  render("open.vdb", "s_%d.png", {"--sequence", "3"});
+  render("half.vdb", "half.png", {});
+  const auto compare = [&](const std::string& picture) {
+    return run_supple({"compare", m_folder / picture, m_folder / "half.png", "--max-rmse", "0.001"})
+        .exit_code;
+  };
+  EXPECT_EQ(compare("s_1.png"), 0);
+  EXPECT_EQ(compare("s_0.png"), 1) << "the gap is to be seen";
+}
+
 TEST_F(UnitCutting, ACutThatCrossesNoLinkWarns) {
   const Outcome outcome = deform("flipped.nhdr", "a.vdb",
                                  {"--cut", m_folder / "far.obj", "--cut", m_folder / "knife.obj"});

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "raycast/scene/stereo.h"
-#include "volumes/field/inversion/invert.h"
+#include "volumes/field/cuts/cut_offsets.h"
 
 namespace supple::tools {
 
@@ -54,7 +54,9 @@ class Halfway {
     if (!needs_inverse) return;
     InvertParams params;
     params.material = &subject.elements;
-    m_offsets = invert(m_displacement, params, &console);
+    const LinkCuts none;
+    const CutElements body{subject.elements, subject.cuts != nullptr ? *subject.cuts : none};
+    m_offsets = invert_cut(m_displacement, body, params, &console);
   }
   PosedVolume subject() const {
     PosedVolume halfway = m_subject;

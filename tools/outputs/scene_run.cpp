@@ -281,7 +281,8 @@ void SceneRun::draw_views(int step) {
                               m_grey_lo,
                               m_grey_hi,
                               m_is_volume ? kAirRings : 0,
-                              m_is_volume ? nullptr : &m_state.elements};
+                              m_is_volume ? nullptr : &m_state.elements,
+                              &m_state.cuts};
     draw_view(subject, drawn, writer, &m_drawn, m_console);
     m_own.reset();
   }
