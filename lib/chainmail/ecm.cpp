@@ -140,7 +140,7 @@ std::array<std::int32_t, 3> fixed_from_mm(const Vec3d& by_mm, const Vec3d& spaci
           {"", std::string("displacement along axis ") + "ijk"[c], number_text(by_mm[c]) + " mm",
            "a finite length within +-16383 voxels of " + number_text(spacing_mm[c]) + " mm"});
     }
-    by_q[c] = std::int32_t(voxels * kFixedOne);
+    by_q[c] = std::int32_t(std::lround(voxels * kFixedOne));
   }
   return by_q;
 }

@@ -42,7 +42,7 @@ struct Handle {
   HandleKind kind = HandleKind::two_sided;
 };
 
-/// Displacement in mm along the grid axes i, j, k to fixed point, truncated toward zero.
+/// Displacement in mm along the grid axes i, j, k to the nearest fixed point.
 /// Throws InputError when not finite or beyond the range of +-16383 voxels.
 std::array<std::int32_t, 3> fixed_from_mm(const Vec3d& by_mm, const Vec3d& spacing_mm);
 

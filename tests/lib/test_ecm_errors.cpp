@@ -105,10 +105,10 @@ TEST(UnitEcmErrors, AnOffsetBeyondTheRangeIsAnErrorAndNeverAWrap) {
   EXPECT_EQ(body.offset({1, 1, 0}, 0), 0);
 }
 
-TEST(UnitEcmErrors, MillimetresBecomeFixedPointTruncatedTowardZero) {
-  const auto by = fixed_from_mm({1.0, -1.0, 3.0}, {3.0, 3.0, 2.0});
-  EXPECT_EQ(by[0], 21845);  // 65536 / 3 = 21845.33
-  EXPECT_EQ(by[1], -21845);
+TEST(UnitEcmErrors, MillimetresBecomeTheNearestFixedPoint) {
+  const auto by = fixed_from_mm({2.0, -2.0, 3.0}, {3.0, 3.0, 2.0});
+  EXPECT_EQ(by[0], 43691);  // 2 * 65536 / 3 = 43690.67
+  EXPECT_EQ(by[1], -43691);
   EXPECT_EQ(by[2], 98304);
   EXPECT_NE(input_error([] { fixed_from_mm({NAN, 0, 0}, {1, 1, 1}); }), "");
   EXPECT_NE(input_error([] { fixed_from_mm({0, HUGE_VAL, 0}, {1, 1, 1}); }), "");

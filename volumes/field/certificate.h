@@ -14,7 +14,7 @@ struct InversionCertificate {
   double residual_max = 0;        // max |x + o + u(x + o) - x| in voxels over valid nodes off folds
   double residual_p999 = 0;       // its 99.9th percentile
   std::int64_t cells = 0;         // source cells with eight valid corners
-  std::int64_t folded_cells = 0;  // cells with det F <= 0 at some corner
+  std::int64_t folded_cells = 0;  // cells with det F <= 0 somewhere
   std::int64_t folded_air_cells = 0;   // of them, those with a corner outside the material
   std::int64_t unresolved_voxels = 0;  // covered by a deformed cell's tetrahedra, yet no solution
   std::vector<Vec3i> unresolved;       // at most 1000 of them

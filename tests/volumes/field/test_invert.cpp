@@ -260,6 +260,69 @@ TEST(PropertyInvert, AFoldIsCountedAndTheSmallestOffsetWins) {
   }
 }
 
+TEST(PropertyInvert, FoldsBetweenTheCornersOfACellAreFound) {
+  std::mt19937 random(12);
+  int between = 0, regular = 0;
+  for (int n = 0; n < 4000; ++n) {
+    CellCorners corners;
+    const float size = 0.25f + 0.35f * float(n % 10) / 9;
+    for (int corner = 0; corner < 8; ++corner) {
+      const Vec3d p = Vec3d(cell_corner(corner)) + Vec3d(random_vector(random, size));
+      for (int a = 0; a < 3; ++a) corners.p[a][corner] = p[a];
+    }
+    // det F on a dense lattice.
+    constexpr int kSteps = 8, kRow = kSteps + 1;
+    double smallest = 1e30;
+    for (int k = 0; k < kRow * kRow * kRow; ++k) {
+      const Vec3d t = Vec3d(k / (kRow * kRow), k / kRow % kRow, k % kRow) / kSteps;
+      Vec3d columns[3] = {Vec3d(0), Vec3d(0), Vec3d(0)};
+      for (int corner = 0; corner < 8; ++corner) {
+        const Vec3i step = cell_corner(corner);
+        for (int axis = 0; axis < 3; ++axis) {
+          double slope = step[axis] ? 1 : -1;
+          for (int a = 0; a < 3; ++a) {
+            if (a != axis) slope *= step[a] ? t[a] : 1 - t[a];
+          }
+          columns[axis] += corners.corner(corner) * slope;
+        }
+      }
+      smallest = std::min(smallest, det(columns[0], columns[1], columns[2]));
+    }
+    const bool folded = is_folded(corners);
+    if (smallest <= 0) {
+      EXPECT_TRUE(folded) << smallest;
+      between += min_corner_det(corners) > 0;
+    } else if (smallest > 0.02) {
+      EXPECT_FALSE(folded) << smallest;
+      ++regular;
+    }
+  }
+  EXPECT_GT(between, 5);
+  EXPECT_GT(regular, 500);
+}
+
+TEST(PropertyInvert, AFoldBetweenCornersIsCountedWhoeverSolvesTheCell) {
+  std::mt19937 random(29);
+  const BrickTopology where = box_topology(Vec3i(0), Vec3i(20));
+  const Displacement noisy = noisy_displacement(random, where, 0.45f);
+  std::int64_t folded = 0, at_corners = 0;
+  for_each_voxel(where, [&](const Vec3i& cell, std::size_t) {
+    CellCorners corners;
+    for (int n = 0; n < 8; ++n) {
+      Vec3f moved;
+      if (!noisy.u.at(cell + cell_corner(n), moved)) return;
+      for (int a = 0; a < 3; ++a) corners.p[a][n] = cell_corner(n)[a] + double(moved[a]);
+    }
+    folded += is_folded(corners);
+    at_corners += min_corner_det(corners) <= 0;
+  });
+  EXPECT_GT(folded, at_corners);
+  InvertParams exact;  // too close for single precision: no lanes
+  exact.residual_tolerance_voxels = 4e-5;
+  EXPECT_EQ(invert(noisy).certificate.folded_cells, folded);
+  EXPECT_EQ(invert(noisy, exact).certificate.folded_cells, folded);
+}
+
 TEST(PropertyInvert, FoldedNoiseIsReportedAndEveryOffsetStillSolvesTheEquation) {
   std::mt19937 random(24);
   const Displacement wild = noisy_displacement(random, ball({14, 14, 14}, 11.5), 0.9f);

@@ -52,7 +52,7 @@ CutPiece::CutPiece(const Vec3i& at, const std::array<Vec3f, 8>& moves,
 CutPiece::CutPiece(const Vec3i& at, const std::array<Vec3f, 8>& moves) : cell(at), u(moves) {
   depth.fill(1);
   is_translated = std::all_of(u.begin(), u.end(), [&](const Vec3f& v) { return v == u[0]; });
-  is_folded = !is_translated && min_corner_det(corners()) <= 0;
+  is_folded = !is_translated && supple::is_folded(corners());
   lo = Vec3f(HUGE_VALF);
   hi = Vec3f(-HUGE_VALF);
   for (int n = 0; n < 8; ++n) {

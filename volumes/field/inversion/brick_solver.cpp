@@ -13,6 +13,12 @@ namespace {
 // Single precision cannot promise less.
 constexpr double kLaneTolerance = 5e-5;
 
+int count_common(const BrickMask& a, const BrickMask& b) {
+  BrickMask both;
+  for (int word = 0; word < 8; ++word) both[word] = a[word] & b[word];
+  return mask_count(both);
+}
+
 }  // namespace
 
 /// Along an axis with one slice only what comes from that slice counts, not from its copies.
@@ -77,6 +83,7 @@ BrickFindings BrickSolver::solve(const SourceCells& cells, const CellContents& c
   m_results.hits.clear();
   m_results.doubts.clear();
   m_results.still = {};
+  m_results.suspects = {};
   BrickFindings findings;
   findings.cells = mask_count(cells.mask);
   BrickMask rest = cells.mask;
@@ -100,12 +107,19 @@ BrickFindings BrickSolver::solve(const SourceCells& cells, const CellContents& c
     const double min_det = min_corner_det(corners);
     const bool is_tissue = mask_test(contents.tissue_cells(), offset);
     if (is_tissue) findings.min_det = std::min(findings.min_det, min_det);
-    solve_cell(corners, cell, min_det <= 0);
-    if (min_det > 0) return;
-    mask_set(folded, offset);
-    ++findings.folded_cells;
-    findings.folded_air_cells += !is_tissue;
+    const bool is_fold = min_det <= 0 || is_folded(corners);
+    solve_cell(corners, cell, is_fold);
+    if (is_fold) mask_set(folded, offset);
   });
+  // Lanes give one solution of several; the accumulator chooses among all.
+  for_each_active(m_results.suspects, [&](int offset) {
+    const CellCorners corners = cell_corners(cells, offset);
+    if (!is_folded(corners)) return;
+    solve_cell(corners, cells.origin + brick_local(offset), true);
+    mask_set(folded, offset);
+  });
+  findings.folded_cells = mask_count(folded);
+  findings.folded_air_cells = findings.folded_cells - count_common(folded, contents.tissue_cells());
   for (auto& hit : m_results.hits) {
     hit.content = contents.at(Vec3d(hit.node - cells.origin) + Vec3d(hit.o));
   }
@@ -127,7 +141,7 @@ bool BrickSolver::settle(const VectorBricks& u, const OpenNode& doubt, const Cel
   }
   const Vec3d x(doubt.node - doubt.cell);
   Vec3d local;
-  const auto outcome = DeformedCell(corners, min_corner_det(corners) <= 0)
+  const auto outcome = DeformedCell(corners, is_folded(corners))
                            .solve_by_bisection(x, m_params.residual_tolerance_voxels,
                                                m_params.max_newton_steps, local);
   covered = outcome == DeformedCell::Outcome::undecided && covered_by_tetrahedra(corners, x);

@@ -58,7 +58,7 @@ class LinkedElements {
       const Vec3d place = Vec3d(step) + at(voxel + step);
       for (int c = 0; c < 3; ++c) corners.p[c][corner] = place[c];
     }
-    return min_corner_det(corners) <= 0;
+    return supple::is_folded(corners);
   }
 
  private:

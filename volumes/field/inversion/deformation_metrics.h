@@ -3,7 +3,7 @@
 //
 // F = I + grad u by central differences over the elements (one-sided at the surface and at cuts, as
 // ITK's displacement Jacobians are inside; no difference along an axis where neither neighbour is
-// there). Folds are those of trilinear cells: det F <= 0 at some corner of a cell of eight elements
+// there). Folds are those of trilinear cells: det F <= 0 somewhere in a cell of eight elements
 // none of whose links is cut (design.md section 4).
 // Cost: 40 ns per element and core, 12 bytes per element's brick voxel for the maps.
 #pragma once

@@ -1,6 +1,7 @@
 #include "volumes/field/inversion/deformed_cell.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace supple {
@@ -84,6 +85,55 @@ bool in_tetrahedron(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d&
   return std::min({l1, l2, l3, 1 - l1 - l2 - l3}) >= -1e-12;
 }
 
+/// A polynomial of degree 2 along every axis, in Bernstein's basis on the cell: [x][y][z].
+using DetCoefficients = std::array<std::array<std::array<double, 3>, 3>, 3>;
+
+/// Of det(I + grad u): products of the edges, each of degree 1 along the two other axes.
+DetCoefficients det_coefficients(const CellCorners& corners) {
+  const auto edge = [&](int low, int step) {
+    return corners.corner(low + step) - corners.corner(low);
+  };
+  constexpr double kShare[3] = {1, 0.5, 1};  // one over the binomials
+  DetCoefficients d{};
+  for (int n = 0; n < 64; ++n) {
+    const int a = n & 1, b = n >> 1 & 1, c = n >> 2 & 1, e = n >> 3 & 1, f = n >> 4 & 1, g = n >> 5;
+    const double product = det(edge(2 * c + e, 4), edge(4 * a + f, 2), edge(4 * b + 2 * g, 1));
+    d[a + b][c + g][e + f] += product * (kShare[a + b] * kShare[c + g] * kShare[e + f]);
+  }
+  return d;
+}
+
+/// The half of a polynomial below or above the middle along an axis, by de Casteljau.
+DetCoefficients half_of(const DetCoefficients& d, int axis, bool upper) {
+  DetCoefficients half;
+  for (int m = 0; m < 3; ++m) {
+    for (int n = 0; n < 3; ++n) {
+      const auto at = [&](auto& of, int k) -> auto& {
+        return axis == 0 ? of[k][m][n] : axis == 1 ? of[m][k][n] : of[m][n][k];
+      };
+      const double low = at(d, 0), middle = at(d, 1), high = at(d, 2);
+      const double centre = (low + 2 * middle + high) / 4;
+      at(half, upper ? 2 : 0) = upper ? high : low;
+      at(half, 1) = ((upper ? high : low) + middle) / 2;
+      at(half, upper ? 0 : 2) = centre;
+    }
+  }
+  return half;
+}
+
+constexpr int kMaxFoldDepth = 18;  // six halvings along every axis
+
+bool has_zero(const DetCoefficients& d, int depth) {
+  bool is_positive = true;
+  for (int n = 0; n < 27 && is_positive; ++n) is_positive = d[n / 9][n / 3 % 3][n % 3] > 0;
+  if (is_positive) return false;
+  for (int n = 0; n < 8; ++n) {
+    if (d[n & 4 ? 2 : 0][n & 2 ? 2 : 0][n & 1 ? 2 : 0] <= 0) return true;
+  }
+  return depth == kMaxFoldDepth || has_zero(half_of(d, depth % 3, false), depth + 1) ||
+         has_zero(half_of(d, depth % 3, true), depth + 1);
+}
+
 }  // namespace
 
 double min_corner_det(const CellCorners& corners) {
@@ -105,6 +155,10 @@ double min_corner_det(const CellCorners& corners) {
               e(2, 0) * (e(0, 1) * e(1, 2) - e(0, 2) * e(1, 1));
   }
   return *std::min_element(dets, dets + 8);
+}
+
+bool is_folded(const CellCorners& corners) {
+  return min_corner_det(corners) <= 0 || has_zero(det_coefficients(corners), 0);
 }
 
 bool covered_by_tetrahedra(const CellCorners& corners, const Vec3d& x) {

@@ -80,7 +80,8 @@ struct LaneCells {
   LaneVec xy, yz, xz, xyz;
   LaneVec middle, half;  // box of the preconditioned corners
   Lanes bend;            // |N(a + b) - N(a) - N'(a) b| <= bend |b|^2
-  LaneInts injective;
+  LaneInts injective;    // on the box of half width kInjectiveHalf
+  LaneInts regular;      // in the cell itself: then det F has one sign
 };
 
 inline LaneVec precondition(const LaneCells& cell, const LaneVec& v) {
@@ -138,6 +139,7 @@ inline LaneCells set_up(const LaneCorners& corners) {
   cell.bend = max_component(pairs + scaled(triple, 7));
   cell.injective =
       max_component(scaled(pairs, 2 * kHalf) + scaled(triple, 3 * kHalf * kHalf)) < 1.0f;
+  cell.regular = max_component(pairs + scaled(triple, 0.75f)) < 1.0f;
   find_image_box(cell);
   return cell;
 }

@@ -228,6 +228,8 @@ BrickMask LaneSolver::solve(const SourceCells& cells, const BrickMask& tissue_ce
 
       const LaneCells lanes = set_up(corners);
       const int first = 64 * x + 8 * y;
+      const unsigned suspects = bits_of_lanes(active & ~lanes.regular);
+      results.suspects[x] |= std::uint64_t(suspects) << (8 * y);
       scratch.keep(lanes, first);
       LaneVec lo, hi;
       find_nodes(corners, lo, hi);

@@ -20,7 +20,8 @@ namespace supple {
 struct CellResults {
   std::vector<OffsetAccumulator::NodeSolution> hits;
   std::vector<OpenNode> doubts;
-  BrickMask still{};  // cells of which no corner moved: o = 0 at all eight
+  BrickMask still{};     // cells of which no corner moved: o = 0 at all eight
+  BrickMask suspects{};  // cells that lanes have solved, which may fold between their corners
 };
 
 class LaneSolver {

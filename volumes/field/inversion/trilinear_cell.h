@@ -53,7 +53,7 @@ struct TrilinearCell {
     }
     return true;
   }
-  bool is_folded() const { return !is_translated() && min_corner_det(corners()) <= 0; }
+  bool is_folded() const { return !is_translated() && supple::is_folded(corners()); }
 };
 
 }  // namespace supple

@@ -79,7 +79,7 @@ class MotionToRest final : public PointMotion {
         if (is_translated(cells, offset, shift)) return;
         const CellCorners corners = cell_corners(cells, offset);
         const Vec3i cell = cells.origin + brick_local(offset);
-        if (min_corner_det(corners) > 0 || m_u.is_in_torn_cell(Vec3d(cell))) return;
+        if (!is_folded(corners) || m_u.is_in_torn_cell(Vec3d(cell))) return;
         found.local().emplace_back(cell, corners);
       });
     });
