@@ -120,6 +120,7 @@ BrickFindings BrickSolver::solve(const SourceCells& cells, const CellContents& c
   });
   findings.folded_cells = mask_count(folded);
   findings.folded_air_cells = findings.folded_cells - count_common(folded, contents.tissue_cells());
+  if (contents.is_all_tissue()) return findings;
   for (auto& hit : m_results.hits) {
     hit.content = contents.at(Vec3d(hit.node - cells.origin) + Vec3d(hit.o));
   }

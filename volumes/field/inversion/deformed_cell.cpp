@@ -90,15 +90,23 @@ using DetCoefficients = std::array<std::array<std::array<double, 3>, 3>, 3>;
 
 /// Of det(I + grad u): products of the edges, each of degree 1 along the two other axes.
 DetCoefficients det_coefficients(const CellCorners& corners) {
-  const auto edge = [&](int low, int step) {
-    return corners.corner(low + step) - corners.corner(low);
-  };
+  Vec3d ex[2][2], ey[2][2], ez[2][2];  // by the two other axes
+  for (int n = 0; n < 4; ++n) {
+    const int m = n >> 1, k = n & 1;
+    ex[m][k] = corners.corner(4 + n) - corners.corner(n);
+    ey[m][k] = corners.corner(4 * m + 2 + k) - corners.corner(4 * m + k);
+    ez[m][k] = corners.corner(2 * n + 1) - corners.corner(2 * n);
+  }
   constexpr double kShare[3] = {1, 0.5, 1};  // one over the binomials
   DetCoefficients d{};
-  for (int n = 0; n < 64; ++n) {
-    const int a = n & 1, b = n >> 1 & 1, c = n >> 2 & 1, e = n >> 3 & 1, f = n >> 4 & 1, g = n >> 5;
-    const double product = det(edge(2 * c + e, 4), edge(4 * a + f, 2), edge(4 * b + 2 * g, 1));
-    d[a + b][c + g][e + f] += product * (kShare[a + b] * kShare[c + g] * kShare[e + f]);
+  for (int n = 0; n < 16; ++n) {
+    const int xy = n & 1, zy = n >> 1 & 1, xz = n >> 2 & 1, yz = n >> 3;
+    const Vec3d normal = ey[xy][zy].cross(ez[xz][yz]) * kShare[xy + xz];
+    for (int y = 0; y < 2; ++y) {
+      for (int z = 0; z < 2; ++z) {
+        d[xy + xz][y + yz][z + zy] += ex[y][z].dot(normal) * (kShare[y + yz] * kShare[z + zy]);
+      }
+    }
   }
   return d;
 }

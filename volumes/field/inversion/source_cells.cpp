@@ -202,6 +202,7 @@ CellContents::CellContents(const BrickTopology* elements, const Vec3i& origin) {
     voxel_rows(*elements, upper_bricks(*elements, origin), m_rows);
   }
   m_tissue = cells_of(m_rows);
+  m_is_all_tissue = mask_count(m_tissue) == kBrickVoxels;
 }
 
 Content CellContents::at(const Vec3d& place) const {

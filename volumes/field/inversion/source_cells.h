@@ -70,12 +70,14 @@ class CellContents {
   Content best_in(int cell) const;
   /// Cells of which every corner is an element.
   const BrickMask& tissue_cells() const { return m_tissue; }
+  bool is_all_tissue() const { return m_is_all_tissue; }
   /// Bits z = 0…8 of the elements in row (x, y) of the corners.
   unsigned elements(int x, int y) const { return m_rows[x][y]; }
 
  private:
   std::uint16_t m_rows[kCornerDim][kCornerDim];
   BrickMask m_tissue{};
+  bool m_is_all_tissue;
 };
 
 }  // namespace supple
