@@ -18,21 +18,24 @@ constexpr double kC2 = 0.03 * 0.03;
 /// Rec. 709 weights on the stored (sRGB) values.
 constexpr double kRed = 0.2126, kGreen = 0.7152, kBlue = 0.0722;
 
-/// Colours composited on black, 0…1.
-cv::Mat3d on_black(const Image& image) {
-  cv::Mat3d out(image.height, image.width);
+constexpr int kChannels = 4;
+
+/// Colours composited on black, and alpha, 0…1.
+cv::Mat4d on_black(const Image& image) {
+  cv::Mat4d out(image.height, image.width);
   for (int n = 0; n < image.width * image.height; ++n) {
     const std::uint8_t* p = &image.rgba[4 * std::size_t(n)];
     const double alpha = image.has_alpha ? p[3] / 255.0 : 1.0;
-    out(n / image.width, n % image.width) = cv::Vec3d(p[0], p[1], p[2]) * (alpha / 255.0);
+    out(n / image.width, n % image.width) =
+        cv::Vec4d(p[0] * alpha, p[1] * alpha, p[2] * alpha, 255 * alpha) / 255.0;
   }
   return out;
 }
 
-cv::Mat1d luminance(const cv::Mat3d& rgb) {
-  cv::Mat1d out(rgb.size());
-  std::transform(rgb.begin(), rgb.end(), out.begin(),
-                 [](const cv::Vec3d& c) { return kRed * c[0] + kGreen * c[1] + kBlue * c[2]; });
+cv::Mat1d luminance(const cv::Mat4d& rgba) {
+  cv::Mat1d out(rgba.size());
+  std::transform(rgba.begin(), rgba.end(), out.begin(),
+                 [](const cv::Vec4d& c) { return kRed * c[0] + kGreen * c[1] + kBlue * c[2]; });
   return out;
 }
 
@@ -82,16 +85,16 @@ void require_equal_sizes(const Image& a, const Image& b) {
 
 Comparison compare(const Image& a, const Image& b, bool foreground_only) {
   require_equal_sizes(a, b);
-  const cv::Mat3d rgb_a = on_black(a), rgb_b = on_black(b);
-  const cv::Mat1d map = ssim_map(luminance(rgb_a), luminance(rgb_b));
+  const cv::Mat4d rgba_a = on_black(a), rgba_b = on_black(b);
+  const cv::Mat1d map = ssim_map(luminance(rgba_a), luminance(rgba_b));
   Comparison result;
   double squares = 0, similarity = 0;
   for (int y = 0; y < a.height; ++y) {
     for (int x = 0; x < a.width; ++x) {
       const std::size_t pixel = std::size_t(y) * a.width + x;
       if (foreground_only && !is_foreground(a, pixel) && !is_foreground(b, pixel)) continue;
-      const cv::Vec3d difference = rgb_a(y, x) - rgb_b(y, x);
-      for (int c = 0; c < 3; ++c) {
+      const cv::Vec4d difference = rgba_a(y, x) - rgba_b(y, x);
+      for (int c = 0; c < kChannels; ++c) {
         squares += difference[c] * difference[c];
         result.max_diff = std::max(result.max_diff, std::abs(difference[c]));
       }
@@ -100,7 +103,7 @@ Comparison compare(const Image& a, const Image& b, bool foreground_only) {
     }
   }
   if (result.compared_pixels > 0) {
-    result.rmse = std::sqrt(squares / (3.0 * double(result.compared_pixels)));
+    result.rmse = std::sqrt(squares / (kChannels * double(result.compared_pixels)));
     result.ssim = similarity / double(result.compared_pixels);
   }
   return result;
@@ -108,16 +111,18 @@ Comparison compare(const Image& a, const Image& b, bool foreground_only) {
 
 Image difference_image(const Image& a, const Image& b) {
   require_equal_sizes(a, b);
-  cv::Mat3d difference;
+  cv::Mat4d difference;
   cv::absdiff(on_black(a), on_black(b), difference);
   double largest = 0;
-  for (const cv::Vec3d& d : difference) largest = std::max({largest, d[0], d[1], d[2]});
+  for (const cv::Vec4d& d : difference) largest = std::max({largest, d[0], d[1], d[2], d[3]});
   const double gain = largest > 0 ? 255 / largest : 0;
   Image out(a.width, a.height);
   out.has_alpha = false;
   std::size_t n = 0;
-  for (const cv::Vec3d& d : difference) {
-    for (int c = 0; c < 3; ++c) out.rgba[n++] = std::uint8_t(std::lround(d[c] * gain));
+  for (const cv::Vec4d& d : difference) {
+    for (int c = 0; c < 3; ++c) {
+      out.rgba[n++] = std::uint8_t(std::lround(std::max(d[c], d[3]) * gain));
+    }
     out.rgba[n++] = 255;
   }
   return out;
