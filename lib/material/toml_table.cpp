@@ -7,33 +7,17 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <numeric>
 #include <sstream>
 
 #include <toml++/toml.h>
 
 #include "volumes/base/error.h"
 #include "volumes/base/regular_file.h"
+#include "volumes/base/text.h"
 
 namespace supple {
 
 namespace {
-
-/// Levenshtein distance, for suggestions.
-std::size_t edit_distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t(0));
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i - 1] != b[j - 1]);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, replaced});
-    }
-  }
-  return row[b.size()];
-}
 
 // TOML holds UTF-8 without control characters, names of files any bytes: those that TOML refuses
 // are code points of a private area, U+F700 and the byte.
@@ -263,7 +247,7 @@ void TomlTable::read_field(const Field& field, const std::string& key) {
   if (auto* value = std::get_if<NumberPair*>(&target)) **value = pair();
   if (auto* value = std::get_if<std::optional<NumberPair>*>(&target)) **value = pair();
   if (auto* value = std::get_if<std::string*>(&target)) {
-    **value = field.is_path() ? *path(key) : *string(key);
+    **value = field.is_path() ? *path(key) : field.name_for(*string(key));
     named(**value);
   }
   if (auto* value = std::get_if<PixelSize*>(&target)) {
@@ -447,15 +431,7 @@ void TomlTable::finish() const {
   for (const auto& [key, node] : *m_table) {
     const std::string name(key.str());
     if (m_known.count(name) != 0) continue;
-    std::string nearest;
-    std::size_t best = 4;  // further away is no help
-    for (const std::string& known : m_known) {
-      const std::size_t distance = edit_distance(name, known);
-      if (distance < best) {
-        best = distance;
-        nearest = known;
-      }
-    }
+    const std::string nearest = nearest_name(name, {m_known.begin(), m_known.end()});
     std::string expected = "did you mean '" + nearest + "'?";
     if (nearest.empty()) {
       expected = "one of";

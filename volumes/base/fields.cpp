@@ -108,6 +108,11 @@ const std::vector<std::string>& Field::names() const {
   return choice != nullptr ? choice->names : m_names;
 }
 
+std::string Field::name_for(const std::string& word) const {
+  const auto found = m_synonyms.find(word);
+  return found == m_synonyms.end() ? word : found->second;
+}
+
 bool Field::allows(double value) const {
   return value >= m_lo && value <= m_hi && !(m_is_open && value == m_lo);
 }

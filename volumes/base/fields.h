@@ -6,6 +6,7 @@
 #include <array>
 #include <functional>
 #include <limits>
+#include <map>
 #include <optional>
 #include <string>
 #include <type_traits>
@@ -72,12 +73,16 @@ class Field {
   Field& option(const char* name) { return m_option = name, *this; }
   /// Not an option of its own on the command line.
   Field& only_in_scenes() { return m_is_only_in_scenes = true, *this; }
+  /// Of a view: slices have it, too.
+  Field& for_slices() { return m_is_for_slices = true, *this; }
   /// What stands for the value in a help text.
   Field& shown_as(const char* placeholder) { return m_placeholder = placeholder, *this; }
   /// Says what holds where the setting is left out and its default does not; empty: nothing.
   Field& otherwise(std::string text) { return m_otherwise = std::move(text), *this; }
   /// The value of an option that is given without one.
   Field& implying(const char* value) { return m_implied = value, *this; }
+  /// Another word for one of the names.
+  Field& also(const char* word, const char* name) { return m_synonyms[word] = name, *this; }
   /// The name in earlier versions, which is still read, with a warning.
   Field& formerly(const char* name) { return m_former = name, *this; }
 
@@ -90,6 +95,7 @@ class Field {
   const std::string& implied() const { return m_implied; }
   bool is_required() const { return m_is_required; }
   bool is_only_in_scenes() const { return m_is_only_in_scenes; }
+  bool is_for_slices() const { return m_is_for_slices; }
   bool is_path() const { return m_is_path; }
   const Target& target() const { return m_target; }
   /// Whether the value is a T, or a T that may be absent.
@@ -104,6 +110,9 @@ class Field {
   }
   /// The names that it may have; empty: anything.
   const std::vector<std::string>& names() const;
+
+  /// The name that the word stands for, or the word itself.
+  std::string name_for(const std::string& word) const;
 
   /// Whether the number may be the value, or a component of it.
   bool allows(double value) const;
@@ -123,9 +132,11 @@ class Field {
   Target m_target;
   std::optional<std::string> m_otherwise;
   std::vector<std::string> m_names;
+  std::map<std::string, std::string> m_synonyms;
   double m_lo = -std::numeric_limits<double>::infinity();
   double m_hi = std::numeric_limits<double>::infinity();
   bool m_is_open = false, m_is_required = false, m_is_path = false, m_is_only_in_scenes = false;
+  bool m_is_for_slices = false;
 };
 
 using Fields = std::vector<Field>;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "volumes/base/vec.h"
 
@@ -10,6 +11,10 @@ namespace supple {
 
 /// "1 cell", "2 cells".
 std::string with_count(std::int64_t count, const std::string& what);
+
+/// The name with the fewest edits (Levenshtein) to `name`, at most three and fewer than it has
+/// characters; empty where none is that near.
+std::string nearest_name(const std::string& name, const std::vector<std::string>& names);
 
 /// "1,2,3".
 std::string to_text(const Vec3i& v);
