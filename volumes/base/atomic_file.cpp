@@ -15,13 +15,6 @@ namespace supple {
 
 namespace {
 
-[[noreturn]] void throw_write_error(const std::string& path, int errno_value) {
-  if (errno_value == ENOENT || errno_value == ENOTDIR) {
-    throw InputError({path, "output folder", "no such folder", "an existing folder"});
-  }
-  throw SystemError(path + ": cannot write: " + std::strerror(errno_value));
-}
-
 /// The same extension as the final name, since several libraries choose the format by it.
 std::string temporary_name(const std::string& final_path) {
   const std::filesystem::path path(final_path);
@@ -30,6 +23,13 @@ std::string temporary_name(const std::string& final_path) {
 }
 
 }  // namespace
+
+void throw_write_error(const std::string& path, int errno_value) {
+  if (errno_value == ENOENT || errno_value == ENOTDIR) {
+    throw InputError({path, "output folder", "no such folder", "an existing folder"});
+  }
+  throw SystemError(path + ": cannot write: " + std::strerror(errno_value));
+}
 
 void check_output_place(const std::string& path) {
   std::error_code ignored;

@@ -5,6 +5,9 @@
 
 namespace supple {
 
+/// SystemError for a failed write of `path`, or InputError where its folder is missing.
+[[noreturn]] void throw_write_error(const std::string& path, int errno_value);
+
 /// Throws InputError unless `path` can name an output: not a directory, device, pipe or socket, and
 /// its folder exists.
 void check_output_place(const std::string& path);
