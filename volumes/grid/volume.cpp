@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "volumes/base/text.h"
+
 namespace supple {
 
 float sample_trilinear(const DensityGrid& grid, const Vec3d& pos_index, float outside) {
@@ -17,6 +19,15 @@ float sample_trilinear(const DensityGrid& grid, const Vec3d& pos_index, float ou
     sum += weight * (grid.bricks().is_active(voxel) ? grid.at(voxel) : outside);
   }
   return float(sum);
+}
+
+std::string void_values_text(const VolumeStatistics& statistics) {
+  std::string text;
+  if (statistics.nan_count > 0) text = with_count(statistics.nan_count, "NaN voxel");
+  if (statistics.infinite_count > 0) {
+    text += (text.empty() ? "" : " and ") + with_count(statistics.infinite_count, "infinite voxel");
+  }
+  return text;
 }
 
 }  // namespace supple

@@ -15,8 +15,17 @@ struct VolumeStatistics {
   double max = 0;
   double mean = 0;
   std::int64_t nan_count = 0;
+  std::int64_t infinite_count = 0;   // also what overflows a float
   std::int64_t above_min_count = 0;  // voxels with a value > min
 };
+
+/// Whether densities that reach down to `lowest` are Hounsfield units: air lies at -1000 HU.
+inline bool are_hounsfield_units(double lowest) {
+  return lowest < -200;
+}
+
+/// "3 NaN voxels and 1 infinite voxel"; empty where there are neither. They are void.
+std::string void_values_text(const VolumeStatistics& statistics);
 
 struct Volume {
   Geometry geometry;

@@ -145,6 +145,12 @@ std::unique_ptr<VolumeFile> open_volume(const std::string& path, const ReadOptio
   return file;
 }
 
+std::vector<std::string> files_of(const VolumeHeader& header) {
+  std::vector<std::string> files = header.data_files;
+  files.push_back(file_part(header.path));
+  return files;
+}
+
 Fields fields(ReadOptions& options) {
   return {
       Field("raw", options.raw,

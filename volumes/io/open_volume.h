@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "volumes/base/fields.h"
 #include "volumes/base/progress.h"
@@ -24,5 +25,8 @@ Fields fields(ReadOptions& options);
 /// What open_volume opens, or a file of vectors when no channel is chosen.
 std::unique_ptr<VolumeFile> open_scalars_or_vectors(const std::string& path,
                                                     const ReadOptions& options = {});
+
+/// Every file that the volume is read from.
+std::vector<std::string> files_of(const VolumeHeader& header);
 
 }  // namespace supple

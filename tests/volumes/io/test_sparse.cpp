@@ -34,8 +34,10 @@ TEST(UnitDigest, CountsLeaveNanAndInfinityOut) {
   EXPECT_EQ(digest.statistics.min, 1);
   EXPECT_EQ(digest.statistics.max, 8);
   EXPECT_DOUBLE_EQ(digest.statistics.mean, 16.0 / 5);
-  EXPECT_EQ(digest.statistics.nan_count, 3);
+  EXPECT_EQ(digest.statistics.nan_count, 1);
+  EXPECT_EQ(digest.statistics.infinite_count, 2);
   EXPECT_EQ(digest.statistics.above_min_count, 3);
+  EXPECT_EQ(void_values_text(digest.statistics), "1 NaN voxel and 2 infinite voxels");
 }
 
 TEST(UnitDigest, AllNanIsEmptyNotAnError) {
@@ -163,10 +165,13 @@ TEST(PropertyLoad, ElementsAndShellEqualADenseBruteForce) {
     }
     if (is_tied(file, lo, hi, components)) continue;
     ++compared;
-    const ElementVolume loaded = load_elements(file, lo, hi, components, rings);
+    std::vector<CountedRange> counted = {{lo, hi}, {-1e9, 1e9}};
+    const ElementVolume loaded = load_elements(file, lo, hi, components, rings, nullptr, &counted);
     const DensityGrid& density = loaded.volume.density;
-    std::int64_t active = 0, elements = 0;
+    std::int64_t active = 0, elements = 0, in_range = 0, finite = 0;
     file.for_each([&](const Vec3i& p) {
+      in_range += file.value(p) >= lo && file.value(p) <= hi;
+      finite += !std::isnan(file.value(p));
       bool kept = false;
       for (int dz = -rings; dz <= rings; ++dz) {
         for (int dy = -rings; dy <= rings; ++dy) {
@@ -187,6 +192,8 @@ TEST(PropertyLoad, ElementsAndShellEqualADenseBruteForce) {
     });
     EXPECT_EQ(density.bricks().active_count(), active) << "voxels outside the box";
     EXPECT_EQ(loaded.elements.active_count(), elements);
+    EXPECT_EQ(counted[0].voxels, in_range);
+    EXPECT_EQ(counted[1].voxels, finite);
     EXPECT_EQ(density.background(), float(loaded.volume.statistics.min));
   }
   EXPECT_GT(compared, 60);

@@ -177,6 +177,7 @@ std::unique_ptr<VolumeFile> open_stream(const DataFiles& files, StreamLayout lay
     if (files.adapt) files.adapt(*file, range);
     check_range(file, range);
     parts.push_back({file->path(), range});
+    layout.header.data_files.push_back(file->path());
   }
   return open_checked_parts(std::move(parts), std::move(layout));
 }

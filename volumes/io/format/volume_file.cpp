@@ -50,8 +50,9 @@ std::string up_to(std::int64_t count) {
 
 int chosen_frame(const ReadOptions& options, std::int64_t count, const std::string& path,
                  const std::string& field) {
+  if (options.frames_found != nullptr) *options.frames_found = count;
   if (!options.frame) {
-    if (count == 1) return 0;
+    if (count == 1 || options.frames_found != nullptr) return 0;
     throw InputError({path, field, std::to_string(count) + " frames", "frame " + up_to(count)});
   }
   if (*options.frame < 0 || *options.frame >= count) {

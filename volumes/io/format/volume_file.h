@@ -16,7 +16,9 @@ namespace supple {
 struct ReadOptions {
   /// dims=X,Y,Z,type=int16,spacing=A,B,C[,endian=big][,offset=BYTES] makes the file headerless raw.
   std::string raw = {};
-  std::optional<int> frame = {};    // of a time series, from 0
+  std::optional<int> frame = {};  // of a time series, from 0
+  /// Given, it takes the number of frames, and the first is read where none is chosen.
+  std::int64_t* frames_found = nullptr;
   std::optional<int> channel = {};  // of several values per voxel, from 0
   /// Spacing of i, j, k in place of the file's; directions and the origin stay.
   std::optional<Vec3d> spacing_mm = {};
@@ -27,7 +29,10 @@ void require_unused(const ReadOptions& options, const std::string& path);
 
 /// What a header claims, checked against the file's length before anything is allocated.
 struct VolumeHeader {
-  std::string path;    // as the user gave it
+  std::string path;  // as the user gave it
+  /// Files that the volume is read from beside or instead of `path`: of values, of a header, of
+  /// slices.
+  std::vector<std::string> data_files;
   std::string format;  // "nrrd", "metaimage", "nifti", "png", "tiff", "hdf5", "vdb", "dicom", "raw"
   Geometry geometry;
   ValueType type = ValueType::uint8;

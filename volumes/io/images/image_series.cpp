@@ -159,6 +159,7 @@ class SeriesVolume : public VolumeFile {
     const std::unique_ptr<VolumeFile> first = open_slice(0);
     m_header = first->header();
     m_header.path = path;
+    for (std::size_t n = 0; n < m_names.size(); ++n) m_header.data_files.push_back(path_of(n));
     m_looks = words_for(m_header);
     const Vec3i dims(m_header.geometry.dims().x, m_header.geometry.dims().y, int(m_names.size()));
     m_header.geometry =
@@ -186,8 +187,10 @@ class SeriesVolume : public VolumeFile {
   }
 
  private:
+  std::string path_of(std::size_t n) const { return (fs::path(m_folder) / m_names[n]).string(); }
+
   std::unique_ptr<VolumeFile> open_slice(std::size_t n) const {
-    const std::string path = (fs::path(m_folder) / m_names[n]).string();
+    const std::string path = path_of(n);
     std::unique_ptr<VolumeFile> image = open_image(path);
     const int pages = image->header().geometry.dims().z;
     if (pages != 1) {

@@ -4,9 +4,11 @@
 #include "volumes/io/load/load.h"
 
 #include <algorithm>
+#include <functional>
 #include <sstream>
 
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 
 #include "volumes/base/error.h"
 #include "volumes/io/load/brick_store.h"
@@ -149,6 +151,20 @@ Volume describe(const VolumeFile& file, const SlabReader& reader) {
   throw InputError({path, "elements", found.str(), expected.str()});
 }
 
+/// Adds the voxels of a slab.
+void count(const Slab& slab, CountedRange& range) {
+  const float lo = float(range.lo), hi = float(range.hi);
+  range.voxels += tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, slab.values.size()), std::int64_t(0),
+      [&](const tbb::blocked_range<std::size_t>& part, std::int64_t sum) {
+        for (std::size_t n = part.begin(); n < part.end(); ++n) {
+          sum += slab.values[n] >= lo && slab.values[n] <= hi;
+        }
+        return sum;
+      },
+      std::plus<>());
+}
+
 }  // namespace
 
 Volume load_volume(VolumeFile& file, Progress* progress) {
@@ -164,12 +180,16 @@ Volume load_volume(VolumeFile& file, Progress* progress) {
 }
 
 ElementVolume load_elements(VolumeFile& file, double lo, double hi, int components, int rings,
-                            Progress* progress) {
+                            Progress* progress, std::vector<CountedRange>* counted) {
   SlabReader reader(file, progress);
   ElementCollector collector(lo, hi, rings);
   {
     Slab slab;
-    while (reader.next(slab)) collector.add(slab);
+    while (reader.next(slab)) {
+      collector.add(slab);
+      if (counted == nullptr) continue;
+      for (CountedRange& range : *counted) count(slab, range);
+    }
     collector.finish();
   }
   ElementVolume result;

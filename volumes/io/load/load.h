@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "volumes/base/progress.h"
 #include "volumes/grid/volume.h"
@@ -25,6 +26,12 @@ Volume load_volume(const std::string& path, const ReadOptions& options = {},
 /// The same from an open file of which no slice was read yet.
 Volume load_volume(VolumeFile& file, Progress* progress = nullptr);
 
+/// Voxels of the file with a density within [lo, hi], counted on the way.
+struct CountedRange {
+  double lo, hi;
+  std::int64_t voxels = 0;
+};
+
 /// Densities within [lo, hi] become elements; `rings` further voxels around them (Chebyshev, inside
 /// the box, not NaN; 0 to 8) are kept as the shell of design "The air". Background is the file's
 /// minimum.
@@ -37,6 +44,7 @@ struct ElementVolume {
 ElementVolume load_elements(const std::string& path, const ReadOptions& options, double lo,
                             double hi, int components, int rings = 2, Progress* progress = nullptr);
 ElementVolume load_elements(VolumeFile& file, double lo, double hi, int components, int rings = 2,
-                            Progress* progress = nullptr);
+                            Progress* progress = nullptr,
+                            std::vector<CountedRange>* counted = nullptr);
 
 }  // namespace supple

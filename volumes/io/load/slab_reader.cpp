@@ -93,7 +93,8 @@ bool SlabReader::next(Slab& slab) {
 
 VolumeStatistics SlabReader::statistics() const {
   VolumeStatistics statistics;
-  statistics.nan_count = m_statistics.void_count;
+  statistics.nan_count = m_statistics.nan_count;
+  statistics.infinite_count = m_statistics.infinite_count;
   if (m_statistics.finite_count == 0) return statistics;
   statistics.min = m_statistics.min;
   statistics.max = m_statistics.max;

@@ -25,12 +25,13 @@ SliceStatistics scaled_block(const double* values, std::size_t count, float* out
     out[n] = finite ? density : kNoValue;
     sums[n % kLanes] += finite ? values[n] : 0.0;
     block.finite_count += finite;
+    block.nan_count += std::isnan(values[n]);
     block.min = finite && values[n] < block.min ? values[n] : block.min;
     block.max = finite && values[n] > block.max ? values[n] : block.max;
   }
   for (const double sum : sums) block.sum += sum;
   block.min_count = std::count(values, values + count, block.min);
-  block.void_count = std::int64_t(count) - block.finite_count;
+  block.infinite_count = std::int64_t(count) - block.finite_count - block.nan_count;
   return block;
 }
 
@@ -82,7 +83,8 @@ SliceStatistics plain_densities(const char* stored, std::size_t total, float* ou
 SliceStatistics::SliceStatistics() : min(std::numeric_limits<double>::infinity()), max(-min) {}
 
 void SliceStatistics::append(const SliceStatistics& later) {
-  void_count += later.void_count;
+  nan_count += later.nan_count;
+  infinite_count += later.infinite_count;
   if (later.finite_count == 0) return;
   finite_count += later.finite_count;
   sum += later.sum;

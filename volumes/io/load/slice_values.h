@@ -14,7 +14,8 @@ struct SliceStatistics {
   double sum = 0;
   std::int64_t finite_count = 0;
   std::int64_t min_count = 0;  // values equal to min
-  std::int64_t void_count = 0;
+  std::int64_t nan_count = 0;
+  std::int64_t infinite_count = 0;  // also what overflows a float
 
   SliceStatistics();
   /// `later` describes values behind these.

@@ -174,6 +174,7 @@ std::unique_ptr<VolumeFile> open_nifti(const std::string& path, const ReadOption
   layout.big_endian = header.big_endian;
   VolumeHeader& volume = layout.header;
   volume.path = path;
+  volume.data_files = {header_path};
   volume.format = "nifti";
   const NiftiSamples samples = parse_samples(header_path, header.values);
   const NiftiAxes axes = parse_axes(header_path, header.values);

@@ -65,6 +65,8 @@ bool is_big_endian(const NrrdHeader& header, ValueType type, Compression compres
 void read_lattice(const NrrdHeader& header, const NrrdAxes& axes, StreamLayout& layout) {
   VolumeHeader& volume = layout.header;
   volume.geometry = nrrd_geometry(header, axes);
+  const std::string warning = warning_of_space(header);
+  if (!warning.empty()) volume.warnings.push_back(warning);
   volume.components = axes.components;
   layout.order = axes.order;
   layout.frames = axes.frames;

@@ -1,6 +1,7 @@
 // What the axes of a NRRD mean: the lattice, components and frames, and the lattice's place.
 // Sources: http://teem.sourceforge.net/nrrd/format.html; without `space`, spacings span LPS axes
-// and axis mins give the origin, as ITK reads them; spaces that name no patient axes count as LPS.
+// and axis mins give the origin, as ITK reads them; spaces that name no patient axes count as LPS,
+// with a warning.
 #pragma once
 
 #include <vector>
@@ -30,6 +31,9 @@ NrrdAxes nrrd_axes(const NrrdHeader& header);
 
 /// The lattice's index to LPS affine.
 Geometry nrrd_geometry(const NrrdHeader& header, const NrrdAxes& axes);
+
+/// One line where the space names no axes of a patient; else empty.
+std::string warning_of_space(const NrrdHeader& header);
 
 /// Vectors are mm along the axes of LPS whatever `space` says, as ITK reads and writes them; what
 /// asks for something else is refused.

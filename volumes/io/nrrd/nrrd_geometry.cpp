@@ -120,6 +120,18 @@ Geometry geometry_from_spacings(const NrrdHeader& header, const NrrdAxes& axes) 
 
 }  // namespace
 
+std::string warning_of_space(const NrrdHeader& header) {
+  if (!header.has("space")) return "";
+  const std::string name = lower_case(header.field("space").text);
+  for (const char* unnamed : {"scanner-xyz", "3d-right-handed", "3d-left-handed"}) {
+    if (name.compare(0, std::string(unnamed).size(), unnamed) == 0) {
+      return "space " + header.field("space").text +
+             " does not name the patient's axes; it counts as left-posterior-superior";
+    }
+  }
+  return "";
+}
+
 int nrrd_space_dimension(const NrrdHeader& header) {
   const HeaderField space = header.field("space"), dimension = header.field("space dimension");
   if (header.has("space")) {

@@ -19,6 +19,7 @@ class DicomVolume : public VolumeFile {
     check_alike(m_series);
     m_stack = stack_slices(m_series, options);
     m_header.path = path;
+    for (const DicomImage& image : m_series.images) m_header.data_files.push_back(image.path);
     m_header.format = "dicom";
     m_header.type = m_series.images.front().format.type();
     m_header.warnings = m_series.warnings;
