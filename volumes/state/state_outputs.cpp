@@ -1,6 +1,7 @@
 #include "volumes/state/state_outputs.h"
 
 #include "volumes/io/open_volume.h"
+#include "volumes/state/warp_jumps.h"
 
 namespace supple {
 
@@ -42,7 +43,8 @@ std::int64_t write_state_warp(const WarpOutput& output, const State& state, cons
   WarpFacts facts{state.geometry, output.direction, ""};
   VectorSliceSource slices;
   std::int64_t lost = 0;
-  if (output.direction == WarpDirection::material) {
+  const bool is_material = output.direction == WarpDirection::material;
+  if (is_material) {
     slices = dense_displacement(pose.displacement);
   } else {
     lost = warn_of_lost_material(output.path, state, pose, output.grid, progress);
@@ -50,8 +52,16 @@ std::int64_t write_state_warp(const WarpOutput& output, const State& state, cons
     facts.certificate = certificate_json(pose.offsets.certificate);
     slices = dense_offsets(pose.offsets, state.density.bricks(), output.grid, output.void_mode);
   }
-  warn_of_all(output.path, write_warp(output.path, facts, slices, progress, output.options),
+  WarpJumps jumps(facts.geometry);
+  const auto watched = [&](int k, Vec3f* out) {
+    slices(k, out);
+    jumps.add(out);
+  };
+  warn_of_all(output.path, write_warp(output.path, facts, watched, progress, output.options),
               progress);
+  note(progress, output.path + ": " +
+                     (is_material ? "for moving points and meshes from rest, not for resampling"
+                                  : use_of_warp(output.void_mode, jumps)));
   return lost;
 }
 

@@ -27,7 +27,8 @@ struct WarpOutput {
   Geometry grid;                           // of the resample direction
   WriteOptions options = {};
 };
-/// Both warn of material that leaves the grid and return how many voxels of it do.
+/// Both warn of material that leaves the grid and return how many voxels of it do. A note says what
+/// a warp is good for: how far neighbouring vectors differ, and how many pairs fold.
 std::int64_t write_state_warp(const WarpOutput& output, const State& state, const Pose& pose,
                               Progress* progress);
 std::int64_t write_resampled(const std::string& path, const State& state, const Pose& pose,

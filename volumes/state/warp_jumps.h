@@ -1,0 +1,34 @@
+// How smooth the vectors of a dense warp are, found while it is written.
+// Cost: a copy of one slice.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "volumes/field/dense/resample.h"
+
+namespace supple {
+
+/// Vectors in LPS mm of a grid, slice after slice from the first.
+class WarpJumps {
+ public:
+  explicit WarpJumps(const Geometry& grid);
+  void add(const Vec3f* slice);
+
+  /// Largest length of the difference of two neighbours' vectors.
+  double largest_mm() const { return m_largest_mm; }
+  /// Pairs of neighbours whose order along their grid line x + v(x) turns round.
+  std::int64_t folded_pairs() const { return m_folded; }
+
+ private:
+  Geometry m_grid;
+  std::vector<Vec3f> m_below;  // empty before the first
+  double m_largest_mm = 0;
+  std::int64_t m_folded = 0;
+};
+
+/// What a warp in resample direction with that content of the void is good for, in one line.
+std::string use_of_warp(VoidMode void_mode, const WarpJumps& jumps);
+
+}  // namespace supple
