@@ -57,6 +57,9 @@ struct MaterialTable : LimitTable {
   double active_lo = 1, active_hi = 255;  // densities that are elements
   Combine combine = Combine::density;
   int components = 0;  // 0: all pieces; n: the n largest ("largest" is 1)
+  /// The table is a preset without a domain: fitted_to() (lib/session/tissue.h) chooses the domain
+  /// by the volume, and the active densities with it unless they were given.
+  bool fits_domain = false, fits_active = false;
   /// Tables of labels (volumes/grid/labels.h), which replace the common one there.
   std::map<std::int32_t, LimitTable> labels;
 

@@ -173,6 +173,8 @@ MaterialTable read_material_table(TomlTable& table) {
   know_limits(table);
   table.know({"active", "combine", "components", "label"});
   read_range(table, "domain", material.domain_lo, material.domain_hi);
+  material.fits_domain = table.has("preset") && !table.has("domain");
+  material.fits_active = material.fits_domain && !table.has("active");
   material.active_lo = material.domain_lo;
   material.active_hi = material.domain_hi;
   read_range(table, "active", material.active_lo, material.active_hi);

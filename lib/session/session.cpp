@@ -7,6 +7,7 @@
 #include "lib/material/material_file.h"
 #include "lib/model/quasi_static.h"
 #include "lib/session/journal.h"
+#include "lib/session/tissue.h"
 #include "volumes/base/text.h"
 #include "volumes/io/load/label_file.h"
 #include "volumes/io/load/load.h"
@@ -135,13 +136,7 @@ Session::Session(const std::string& path, const SessionOptions& options, Progres
       m_material = parse_material(m_state.material_toml, path + " material");
     }
   } else {
-    if (!options.material) {
-      const VolumeStatistics statistics =
-          digest_volume(*open_volume(path, options.read), progress).statistics;
-      m_material = homogeneous_material(statistics.min, statistics.max);
-      warn(progress, "no material given: every voxel above " + std::to_string(statistics.min) +
-                         " is tissue of one kind (stretch 1.2, compression 0.8, shear 0.3)");
-    }
+    if (!options.material || m_material.fits_domain) choose_material(path, options, progress);
     open_volume_file(path, options.read, progress);
   }
   if (!options.labels_path.empty()) open_labels(options.labels_path, progress);
@@ -162,17 +157,34 @@ Session::Session(const std::string& path, const SessionOptions& options, Progres
 
 Session::~Session() = default;
 
+/// By the densities of the volume: one tissue where no material is given, the domain of a preset.
+void Session::choose_material(const std::string& path, const SessionOptions& options,
+                              Progress* progress) {
+  const VolumeStatistics statistics =
+      digest_volume(*open_volume(path, options.read), progress).statistics;
+  if (options.material) {
+    m_material = fitted_to(m_material, statistics);
+    return;
+  }
+  m_material = homogeneous_material(statistics.min, statistics.max);
+  warn(progress, "no material given: every voxel above " + number_text(statistics.min) +
+                     " is tissue of one kind (stretch 1.2, compression 0.8, shear 0.3)");
+}
+
 void Session::open_volume_file(const std::string& path, const ReadOptions& read,
                                Progress* progress) {
-  ElementVolume loaded = load_elements(*open_volume(path, read, progress), m_material.active_lo,
-                                       m_material.active_hi, m_material.components, 2, progress);
-  if (loaded.volume.statistics.nan_count > 0) {
-    warn(progress, path + ": " + with_count(loaded.volume.statistics.nan_count, "NaN voxel") +
-                       " treated as void");
-  }
+  std::vector<CountedRange> counted = tissue_ranges(m_material);
+  ElementVolume loaded =
+      load_elements(*open_volume(path, read, progress), m_material.active_lo, m_material.active_hi,
+                    m_material.components, 2, progress, &counted);
+  const std::string void_values = void_values_text(loaded.volume.statistics);
+  if (!void_values.empty()) warn(progress, path + ": " + void_values + " treated as void");
+  const std::string missed = warning_of_domain(m_material, loaded.volume, counted);
+  if (!missed.empty()) warn(progress, "material: " + missed);
   m_state.geometry = loaded.volume.geometry;
   m_state.density = std::move(loaded.volume.density);
   m_state.elements = std::move(loaded.elements);
+  m_source = {path, read};
   m_state.source_name = std::filesystem::path(path).filename().string();
   m_state.source_type = loaded.volume.value_type;
 }
@@ -204,6 +216,29 @@ Region Session::region_of_label(std::int32_t label, const std::string& role) con
       "label:" + std::to_string(label));
 }
 
+Region Session::region_of(const Drag& drag) const {
+  return drag.label != 0 ? region_of_label(drag.label, "grab") : drag.region;
+}
+
+void Session::check(const StepRequest& request) const {
+  for (const Drag& drag : request.drags) {
+    const Region region = region_of(drag);
+    require_element(region, "grab", m_body, m_state, m_source);
+    elements_of(m_body, region, "grab");
+  }
+  for (const IndexBox& box : request.fix) {
+    require_element(box, "fix", m_body, m_state, m_source);
+    elements_of(m_body, box, "fix");
+  }
+  for (const std::int32_t label : request.fix_labels) require_label(m_state.labels, label, "fix");
+}
+
+std::vector<HandlePlace> Session::places(const std::vector<Drag>& drags) const {
+  std::vector<HandlePlace> places;
+  for (const Drag& drag : drags) places.push_back(place_of(region_of(drag), m_body, m_state));
+  return places;
+}
+
 void Session::release_and_fix(const StepRequest& request) {
   if (request.release) {
     m_state.anchors.clear();
@@ -225,8 +260,8 @@ void Session::release_and_fix(const StepRequest& request) {
 std::vector<Handle> Session::handles_of(const std::vector<Drag>& drags) const {
   std::vector<Handle> handles;
   for (const Drag& drag : drags) {
-    handles.emplace_back(drag.label != 0 ? region_of_label(drag.label, "grab") : drag.region,
-                         fixed_from_mm(drag.by_mm, geometry().spacing_mm()), drag.kind);
+    handles.emplace_back(region_of(drag), fixed_from_mm(drag.by_mm, geometry().spacing_mm()),
+                         drag.kind);
   }
   return handles;
 }
@@ -257,6 +292,7 @@ const StepRecord& Session::step(const StepRequest& request, Progress* heard) {
 }
 
 void Session::run_step(StepRecord& record, Progress* progress) {
+  check(record);
   release_and_fix(record);
   const std::vector<Handle> handles = handles_of(record.drags);
   record.cut_links = apply_cuts(m_body, m_state.labels, record.cuts, progress);

@@ -10,6 +10,7 @@
 
 #include "lib/model/relax_model.h"
 #include "lib/model/voxel_ecm_model.h"
+#include "lib/session/handle_places.h"
 #include "lib/session/step.h"
 #include "volumes/io/format/volume_file.h"
 #include "volumes/state/pose.h"
@@ -48,6 +49,12 @@ class Session {
   /// is then as it was before the step.
   const StepRecord& step(const StepRequest& request, Progress* progress = nullptr);
 
+  /// Throws InputError as step() does for handles and fixed voxels that are no elements; a label
+  /// needs some element.
+  void check(const StepRequest& request) const;
+  /// What each drag takes hold of. Throws as check().
+  std::vector<HandlePlace> places(const std::vector<Drag>& drags) const;
+
   /// Steps of one thing each. `by_mm` goes along the grid axes.
   const StepRecord& drag(const Region& grabbed, const Vec3d& by_mm, Progress* progress = nullptr);
   const StepRecord& fix(const IndexBox& box, Progress* progress = nullptr);
@@ -78,9 +85,11 @@ class Session {
 
  private:
   struct Before;
+  void choose_material(const std::string& path, const SessionOptions& options, Progress* progress);
   void open_volume_file(const std::string& path, const ReadOptions& read, Progress* progress);
   void open_labels(const std::string& path, Progress* progress);
   void warn_of_material(Progress* progress) const;
+  Region region_of(const Drag& drag) const;
   Region region_of_label(std::int32_t label, const std::string& role) const;
   void release_and_fix(const StepRequest& request);
   void find_anchors();
@@ -96,6 +105,7 @@ class Session {
   HeldBody held() { return {m_body, m_anchors, m_holds}; }
 
   State m_state;
+  DensitySource m_source;  // of a volume
   MaterialTable m_material;
   Body m_body;
   std::unique_ptr<VoxelEcmModel> m_ecm;  // of m_body

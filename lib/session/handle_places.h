@@ -1,0 +1,37 @@
+// What handles take hold of, for people: where it lies at rest, which densities and labels it has;
+// and why there is nothing to take hold of.
+#pragma once
+
+#include <set>
+#include <string>
+
+#include "lib/body/region.h"
+#include "volumes/io/format/volume_file.h"
+#include "volumes/state/state.h"
+
+namespace supple {
+
+/// The elements of one handle, at rest.
+struct HandlePlace {
+  std::string name;  // of its region
+  std::int64_t elements = 0;
+  Vec3d centre_index, centre_lps_mm;
+  float least_density = 0, largest_density = 0;
+  std::set<std::int32_t> labels;  // 0: some have none
+};
+
+/// Throws InputError as elements_of().
+HandlePlace place_of(const Region& region, const Body& body, const State& state);
+
+/// Where a volume's densities can be read once more.
+struct DensitySource {
+  std::string path;  // empty: nowhere
+  ReadOptions read;
+};
+
+/// Throws InputError for a single voxel that is no element; it says the density there, and which
+/// are elements. Cost where it throws: reading the file up to the voxel's slice.
+void require_element(const Region& region, const std::string& role, const Body& body,
+                     const State& state, const DensitySource& source);
+
+}  // namespace supple

@@ -1,0 +1,57 @@
+#include "lib/session/tissue.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "volumes/base/error.h"
+#include "volumes/base/text.h"
+
+namespace supple {
+
+namespace {
+
+/// In the order of tissue_ranges().
+enum Counted { in_domain, tissue_hu, tissue_hu_in_domain };
+
+}  // namespace
+
+MaterialTable fitted_to(MaterialTable material, const VolumeStatistics& statistics) {
+  if (!material.fits_domain || !are_hounsfield_units(statistics.min)) return material;
+  material.domain_lo = std::min(material.domain_lo, kTissueHu);
+  material.domain_hi = std::max(material.domain_hi, statistics.max);
+  if (material.fits_active) {
+    material.active_lo = material.domain_lo;
+    material.active_hi = material.domain_hi;
+  }
+  material.fits_domain = material.fits_active = false;
+  return material;
+}
+
+std::vector<CountedRange> tissue_ranges(const MaterialTable& material) {
+  const double lo = material.domain_lo, hi = material.domain_hi;
+  return {{lo, hi}, {kTissueHu, std::numeric_limits<float>::max()}, {std::max(lo, kTissueHu), hi}};
+}
+
+std::string warning_of_domain(const MaterialTable& material, const Volume& volume,
+                              const std::vector<CountedRange>& counted) {
+  const double lo = material.domain_lo, hi = material.domain_hi;
+  const bool is_chosen = material.active_lo != lo || material.active_hi != hi;
+  if (material.is_constant() && is_chosen) return "";
+  const VolumeStatistics& found = volume.statistics;
+  const bool is_hu = are_hounsfield_units(found.min);
+  std::int64_t tissue = counted[tissue_hu].voxels, inside = counted[tissue_hu_in_domain].voxels;
+  if (!is_hu) {
+    tissue = found.above_min_count;
+    const std::int64_t at_min = volume.geometry.voxel_count() - found.nan_count -
+                                found.infinite_count - found.above_min_count;
+    inside = counted[in_domain].voxels - (found.min >= lo && found.min <= hi ? at_min : 0);
+  }
+  if (2 * inside >= tissue) return "";
+  return "the domain, " + number_text(lo) + " to " + number_text(hi) + ", misses " +
+         std::to_string(tissue - inside) + " of " + with_count(tissue, "voxel") + " of tissue (" +
+         (is_hu ? "at least " + number_text(kTissueHu) + " HU"
+                : "above " + number_text(found.min)) +
+         "); densities reach from " + number_text(found.min) + " to " + number_text(found.max);
+}
+
+}  // namespace supple
