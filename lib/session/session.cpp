@@ -41,9 +41,9 @@ class Listener final : public Progress {
   Progress* m_next;
 };
 
-std::string percent(double part) {
+std::string four_digits(double value) {
   char text[32];
-  std::snprintf(text, sizeof text, "%.4g %%", 100 * part);
+  std::snprintf(text, sizeof text, "%.4g", value);
   return text;
 }
 
@@ -55,15 +55,15 @@ void warn_of_projection(std::int64_t links, double max_voxels, std::int64_t held
                        " had to move: links do not reach from one to the other");
   }
   warn(progress, "the start broke " + with_count(links, "link") +
-                     "; it was projected, largest move " + std::to_string(max_voxels) + " voxels");
+                     "; it was projected, largest move " + four_digits(max_voxels) + " voxels");
 }
 
 void warn_of_report(const EcmReport& report, Progress* progress) {
   warn_of_projection(report.projected_links, report.projected_max_voxels, report.projected_held,
                      progress);
   if (report.fraction_numerator != report.fraction_denominator) {
-    warn(progress, "anchors stopped the drag at " + percent(report.fraction()) + " (" +
-                       std::to_string(report.fraction_numerator) + "/" +
+    warn(progress, "anchors stopped the drag at " + four_digits(100 * report.fraction()) + " %" +
+                       " (" + std::to_string(report.fraction_numerator) + "/" +
                        std::to_string(report.fraction_denominator) + ")");
   }
 }
@@ -72,7 +72,7 @@ void warn_of_report(const BallReport& report, Progress* progress) {
   if (report.violated == 0) return;
   warn(progress, "ball limits leave " + with_count(report.violated, "link") + " of " +
                      std::to_string(report.links) + " violated, by at most " +
-                     std::to_string(report.worst_excess_voxels) + " voxels" +
+                     four_digits(report.worst_excess_voxels) + " voxels" +
                      (report.capped ? "; the moves reached their limit" : ""));
 }
 
@@ -399,7 +399,7 @@ void Session::relax_body(StepRecord& record, Progress* progress) {
   if (check.violated > 0) {
     warn(progress, "plain relaxation broke " + with_count(check.violated, "link") + " of " +
                        std::to_string(check.links) + ", by at most " +
-                       std::to_string(check.worst_excess_voxels) + " voxels");
+                       four_digits(check.worst_excess_voxels) + " voxels");
   }
 }
 
@@ -412,7 +412,7 @@ void Session::tighten_body(StepRecord& record, Progress* progress) {
   if (report.violated == 0) return;
   note(progress, "tightened limits leave " + with_count(report.violated, "link") + " of " +
                      std::to_string(report.links) + " violated, by at most " +
-                     std::to_string(report.worst_excess_voxels) +
+                     four_digits(report.worst_excess_voxels) +
                      " voxels; the material's own limits hold");
 }
 
