@@ -1,7 +1,7 @@
 """Everything that writes, where it cannot: output exists, device, full disk, kill, Ctrl-C.
 
 The old file stays, bit by bit, until a complete new one replaces it. A killed program leaves at
-most its temporary file, `.supple-PID-NAME`.
+most its temporary file, `.supple-PID-NAME`, and its lock, `.supple-NAME.lock`.
 """
 import os
 import random
@@ -19,6 +19,7 @@ OLD = b"the old file\n"
 FREE_BYTES = 4096  # on the full disk
 KILLS = 20
 TEMPORARY = re.compile(r"^\.supple-\d+-")
+LEFT = re.compile(r"^\.supple-(\d+-.*|.*\.lock)$")
 FORMATS = ["nrrd", "nhdr", "mha", "mhd", "nii", "nii.gz", "tif", "vdb", "h5"]
 WARPS = ["nrrd", "nhdr", "mha", "mhd", "nii", "nii.gz", "h5"]
 MATERIAL = ("domain = [0, 1000]\nactive = [200, 1000]\nmax_length = [[0, 1.3]]\n"
@@ -131,7 +132,7 @@ def interrupted(policy, command, output, dice, number, whole, window):
     policy.runs += 1
     label = "%s to %s, %s" % (command[0], output, number.name)
     after = contents(policy.folder)
-    left = [name for name in set(after) - set(before) if TEMPORARY.match(name)]
+    left = [name for name in set(after) - set(before) if LEFT.match(name)]
     for name in sorted(set(before) | set(after)):
         if name in left and number == signal.SIGKILL:
             os.remove(policy.path(name))
