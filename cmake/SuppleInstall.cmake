@@ -51,6 +51,17 @@ install(TARGETS ${plugins} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/supple)
 set_target_properties(supple PROPERTIES INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
 install(TARGETS supple RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(FILES LICENSE CHANGELOG.md README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+# The program writes its manual page and completions itself.
+install(CODE "
+  foreach(page \"manual|${CMAKE_INSTALL_MANDIR}/man1/supple.1\"
+               \"completion|${CMAKE_INSTALL_DATADIR}/bash-completion/completions/supple\")
+    string(REPLACE \"|\" \";\" page \"\${page}\")
+    list(GET page 0 kind)
+    list(GET page 1 place)
+    execute_process(COMMAND ${PROJECT_BINARY_DIR}/bin/supple help --\${kind}
+                    OUTPUT_VARIABLE text COMMAND_ERROR_IS_FATAL ANY)
+    file(WRITE \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/\${place}\" \"\${text}\")
+  endforeach()")
 
 # Headers: `#include "volumes/…"` of the source becomes `#include <supple/volumes/…>`.
 set(SUPPLE_HEADER_FOLDERS volumes lib raycast)

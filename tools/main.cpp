@@ -13,7 +13,9 @@
 
 #include <oneapi/tbb/global_control.h>
 
+#include "tools/build_facts.h"
 #include "tools/console/command.h"
+#include "tools/console/help.h"
 #include "volumes/base/run_in_child.h"
 #include "volumes/base/version.h"
 
@@ -27,9 +29,10 @@ const std::map<std::string, LogLevel> kLevels = {{"error", LogLevel::error},
                                                  {"debug", LogLevel::debug}};
 
 void add_global_options(CLI::App& program, GlobalOptions& options) {
-  const auto group = "Everywhere";
+  const auto group = kEverywhere;
   program.add_option("--threads", options.threads, "Number of threads, 0 for all")
       ->check(CLI::Range(0, 1024))
+      ->option_text("N")
       ->group(group);
   program.add_flag("--quiet", options.quiet, "No progress, notes or warnings")->group(group);
   program.add_flag("--json", options.json, "Results as one JSON object on stdout")->group(group);
@@ -95,6 +98,7 @@ std::string named_by_option(const Problem& problem, const CLI::App& app) {
   return to_line(problem);
 }
 
+/// Results are kept until the progress line of a terminal is gone.
 int run_command(const Command& command, const GlobalOptions& options) {
   try {
     std::optional<tbb::global_control> threads;
@@ -103,7 +107,10 @@ int run_command(const Command& command, const GlobalOptions& options) {
     }
     Console console(options);
     warn_of_former_options(*command.app, console);
+    std::setvbuf(stdout, nullptr, _IOFBF, std::size_t(1) << 16);
     const int exit_code = command.run(options, console);
+    console.tell_outputs();
+    console.clear_line();
     if (std::fflush(stdout) != 0) throw SystemError("standard output: cannot write");
     return exit_code;
   } catch (const UsageError& error) {
@@ -130,10 +137,11 @@ int run_command(const Command& command, const GlobalOptions& options) {
 int run_program(int argc, char** argv) {
   GlobalOptions options;
   CLI::App program("Supple deforms CT and MRI volumes and shows them.", "supple");
-  program.set_version_flag("--version", std::string("supple ") + kVersion);
+  program.set_version_flag("-V,--version", std::string("supple ") + kVersion + ", commit " +
+                                               kCommit + "\n  " + kLibraries);
   program.require_subcommand(1);
   program.fallthrough();
-  program.get_formatter()->column_width(40);
+  program.formatter(std::make_shared<WrappingFormatter>());
   add_global_options(program, options);
   program.footer(
       "Examples:\n"
@@ -142,26 +150,22 @@ int run_program(int argc, char** argv) {
       "  supple render drag.vdb --preset CT-Bone -o drag.png\n"
       "Exit codes: 0 done, 1 failure or over a limit, 2 wrong command line or existing output,\n"
       "3 unusable value or file, 4 the system refuses (disk, permission, memory).");
-  const Command commands[] = {add_info(program),   add_convert(program), add_deform(program),
-                              add_render(program), add_slice(program),   add_presets(program),
-                              add_keys(program),   add_export(program),  add_resample(program),
-                              add_apply(program),  add_run(program),     add_compare(program),
-                              add_invert(program), add_metrics(program), add_bench(program)};
+  const Command commands[] = {
+      add_info(program),     add_convert(program), add_deform(program), add_render(program),
+      add_slice(program),    add_presets(program), add_keys(program),   add_export(program),
+      add_resample(program), add_apply(program),   add_run(program),    add_compare(program),
+      add_invert(program),   add_metrics(program), add_bench(program),  add_help(program)};
   const auto is_named = [&](const Command& command) { return command.app->check_name(argv[1]); };
   if (argc > 1 && argv[1][0] != '-' &&
       std::none_of(std::begin(commands), std::end(commands), is_named)) {
-    return fail(
-        kUsage,
-        to_line(
-            {"", "subcommand", std::string("'") + argv[1] + "'",
-             "info, convert, deform, render, slice, presets, keys, export, resample, apply, run, "
-             "invert, metrics, compare or bench"}));
+    return fail(kUsage, unknown_subcommand(program, argv[1]));
   }
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return program.exit(error);
-    return fail(kUsage, std::string(error.what()) + " (see supple --help)");
+    const std::string hint = hint_for(program, {argv + 1, argv + argc});
+    return fail(kUsage, hint.empty() ? std::string(error.what()) + " (see supple --help)" : hint);
   } catch (const UsageError& error) {
     return fail(kUsage, error.what());
   } catch (const InputError& error) {

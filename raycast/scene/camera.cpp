@@ -129,11 +129,12 @@ bool project_to_pixel(const Camera& camera, int width, int height, const Vec3d& 
 }
 
 Camera default_camera(const Geometry& geometry, double aspect, const std::string& view_name,
-                      Projection projection) {
+                      Projection projection, double vertical_fov_degrees) {
   const NamedView& view = find_view(view_name);
   const std::array<Vec3d, 8> corners = box_corners_mm(geometry);
   Camera camera;
   camera.projection = projection;
+  camera.vertical_fov_degrees = vertical_fov_degrees;
   camera.target_lps_mm = (corners.front() + corners.back()) / 2;
   camera.position_lps_mm = camera.target_lps_mm + view.from;
   camera.up_lps = view.up;

@@ -65,7 +65,8 @@ bool project_to_pixel(const Camera& camera, int width, int height, const Vec3d& 
 /// "inferior"; superior up (superior and inferior views: anterior up). Frames the source box of
 /// `geometry` with a margin of 5 % of the picture on each side. Throws InputError for another name.
 Camera default_camera(const Geometry& geometry, double aspect, const std::string& view = "anterior",
-                      Projection projection = Projection::perspective);
+                      Projection projection = Projection::perspective,
+                      double vertical_fov_degrees = Camera().vertical_fov_degrees);
 
 /// The names that default_camera knows.
 std::vector<std::string> view_names();

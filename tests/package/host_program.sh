@@ -65,6 +65,8 @@ mkdir in out && cp ball.* in && "$bin/batch" in out && test -s out/ball.png
 "$supple" deform ball.nhdr --grab 12,12,16 --by 0,2,0 -o ball.vdb
 "$bin/drag_and_export" ball.vdb 12 12 16 0 1 0 further.nrrd   # continues the state
 "$supple" info warp.h5
+grep -q springs "$prefix/share/man/man1/supple.1"
+grep -q springs-time "$prefix/share/bash-completion/completions/supple"
 "$supple" convert ball.nhdr ball.h5 && "$bin/info" ball.h5
 for dicom in /usr/lib/python3/dist-packages/pydicom/data/test_files/CT_small.dcm; do
   if [ -f "$dicom" ]; then "$bin/info" "$dicom"; fi              # through the plugin of DICOM

@@ -170,7 +170,7 @@ TEST_F(FaultCommandScene, ErrorsNameTheOptionOrThePartOfATable) {
   expect("render", {"--light", ""}, 2, "--light: found ''");
   expect("render", {"--jitter=false"}, 2, "jitter");
   expect("render", {"--clip-box", "1,2:3,4,5,6"}, 2, "--clip-box: found '1,2', expected 3 numbers");
-  expect("render", {"--view", "below"}, 3, "--view: found \"below\"");
+  expect("render", {"--view", "below"}, 2, "--view: found 'below'");
   expect("deform", {"--cut", "{ label = 1 }, { label = 2 }"}, 2, "--cut: found");
   expect("deform", {"--cut", "{ label = 1 }]\nlimits = \"ball\"\nfix = [[1, 1, 1]"}, 2,
          "--cut: found");

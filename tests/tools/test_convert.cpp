@@ -1,5 +1,7 @@
 // convert, invert and metrics on the command line.
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -186,4 +188,45 @@ TEST_F(FaultConvert, WrongNamesAndExistingOutputsAreToldInOneLine) {
   expect(run("convert", "a.nrrd", "b.mha", {"--frame", "3"}), 3, "frame: found 3");
   expect(run("invert", "a.nrrd", "b.nrrd"), 3, "three components per voxel");
   expect(run_supple({"metrics", m_folder / "a.nrrd"}), 3, "a state written by supple");
+}
+
+TEST_F(FaultConvert, ForceSparesEveryFileThatTheInputIsReadFrom) {
+  write_ball(m_folder, "scan", 8);
+  const std::string values = read_text(m_folder / "scan.raw");
+  std::filesystem::rename(m_folder / "scan.nhdr", m_folder / "be.nhdr");
+  write_text(m_folder / "be.mhd",
+             "ObjectType = Image\nNDims = 3\nDimSize = 8 8 8\nElementType = MET_UCHAR\n"
+             "ElementSpacing = 1 1 1\nElementDataFile = scan.raw\n");
+  write_volume(m_folder / "s0.tif", Geometry({8, 8, 1}, {}, {Vec3d(1, 0, 0), {0, 1, 0}, {0, 0, 1}}),
+               ValueType::uint8, [](int, float* out) { std::fill(out, out + 64, 7.0f); });
+  const std::string slice = read_text(m_folder / "s0.tif");
+  const auto expect_refused = [&](const std::string& from, const std::string& to) {
+    const Outcome outcome = run("convert", from, to, {"--force"});
+    EXPECT_EQ(outcome.exit_code, 3) << from << " " << outcome.err;
+    EXPECT_NE(outcome.err.find("the name of an input"), std::string::npos) << outcome.err;
+  };
+  expect_refused("be.nhdr", "scan.nhdr");
+  expect_refused("be.mhd", "scan.mhd");
+  expect_refused("s%d.tif", "s0.tif");
+  EXPECT_EQ(read_text(m_folder / "scan.raw"), values);
+  EXPECT_EQ(read_text(m_folder / "s0.tif"), slice);
+  EXPECT_FALSE(std::filesystem::exists(m_folder / "scan.nhdr"));
+  // A name that nothing is read from may be replaced.
+  write_text(m_folder / "other.raw", "old");
+  EXPECT_EQ(run("convert", "be.nhdr", "other.nhdr", {"--force"}).exit_code, 0);
+  EXPECT_EQ(read_text(m_folder / "other.raw"), values);
+}
+
+TEST_F(FaultConvert, ForceSparesTheStateThatAnOutputComesFrom) {
+  write_ball(m_folder, "ball", 16);
+  const std::string state = m_folder / "d.vdb";
+  ASSERT_EQ(run_supple(
+                {"deform", m_folder / "ball.nhdr", "--grab", "8,8,8", "--by", "2,0,0", "-o", state})
+                .exit_code,
+            0);
+  const std::string before = read_text(state);
+  for (const char* command : {"resample", "export"}) {
+    EXPECT_EQ(run(command, "d.vdb", "d.vdb", {"--force"}).exit_code, 3) << command;
+  }
+  EXPECT_EQ(read_text(state), before);
 }

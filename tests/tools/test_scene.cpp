@@ -55,6 +55,24 @@ TEST_F(UnitScene, ADryRunWritesNothing) {
   EXPECT_FALSE(std::filesystem::exists(m_folder / "out"));
 }
 
+TEST_F(UnitScene, OutputsLeaveTheFolderOnlyWhereThatIsAllowed) {
+  const std::string step = "[[step]]\ngrab = [8, 8, 8]\nby = [2.0, 0.0, 0.0]\n";
+  expect_refused(m_head + step + "[output]\nstate = \"../a.vdb\"\n",
+                 {"../a.vdb", "--allow-outside"});
+  expect_refused(m_head + step + "[output]\noffsets = [\"" + m_folder / "w.nrrd" + "\"]\n",
+                 {"w.nrrd", "--allow-outside"});
+  expect_refused(m_head + "[[view]]\nimage = \"b/../../a.png\"\n", {"a.png", "--allow-outside"});
+  EXPECT_EQ(m_folder.entries(),
+            (std::vector<std::string>{"ball.nhdr", "ball.raw", "scene.toml", "soft.toml"}));
+  const std::string volumes = m_head + step + "[output]\nvolumes = [\"b/../v.nrrd\", \"" +
+                              m_folder / "out/w.nrrd" + "\"]\n";
+  EXPECT_EQ(run_scene(volumes).exit_code, 0) << "names that stay inside";
+  const Outcome allowed =
+      run_scene(m_head + step + "[output]\nstate = \"../a.vdb\"\n", {"--allow-outside"});
+  EXPECT_EQ(allowed.exit_code, 0) << allowed.err;
+  EXPECT_TRUE(std::filesystem::exists(m_folder / "a.vdb"));
+}
+
 TEST_F(UnitScene, UnknownKeysNameLineAndSuggestion) {
   expect_refused(m_head + "[[step]]\ngrap = [8, 8, 8]\nby = [2.0, 0.0, 0.0]\n",
                  {"scene.toml:6", "grap", "'grab'"});

@@ -23,6 +23,7 @@ int run_bench(const CommandOptions& options, const GlobalOptions& global, Consol
   }
   OutputPlan plan(global);
   if (!options.output.empty()) plan.add_report(options.output);
+  console.claim(plan.files());
   const BenchReport report = bench.measure();
   if (!options.output.empty()) write_json(options.output, report);
   if (global.json) {

@@ -140,18 +140,22 @@ int run_apply(const ApplyOptions& options, const GlobalOptions& global, Console&
   check_options(options);
   OutputPlan plan(global);
   for (const std::string* input :
-       {&options.input, &options.points, &options.mesh, &options.labels.path}) {
+       {&options.input, &options.points, &options.mesh, &options.labels.grid.file}) {
     if (!input->empty()) plan.protect(*input);
   }
+  if (!options.labels.path.empty()) plan.protect(options.labels.path, options.labels.read);
   if (!options.points.empty()) {
     plan.add_like(options.output, options.points);
+    console.claim(plan.files());
     return apply_to_points(options, global, console);
   }
   if (!options.mesh.empty()) {
     plan.add_like(options.output, options.mesh);
+    console.claim(plan.files());
     return apply_to_mesh(options, global, console);
   }
   plan.add_dense(options.output);
+  console.claim(plan.files());
   return apply_to_labels(options, global, console);
 }
 

@@ -52,6 +52,7 @@ int run_compare(const CompareOptions& options, const GlobalOptions& global, Cons
   plan.protect(options.a);
   plan.protect(options.b);
   if (!options.difference.empty()) plan.add_image(options.difference);
+  console.claim(plan.files());
   const Image a = read_png(options.a);
   const Image b = read_png(options.b);
   const Comparison comparison = compare(a, b, options.mask == "foreground");
@@ -66,7 +67,7 @@ int run_compare(const CompareOptions& options, const GlobalOptions& global, Cons
                                          {"within_limits", broken.empty()}};
     std::printf("%s\n", json.dump(2).c_str());
   } else if (!global.quiet) {
-    std::printf("rmse %.6g  ssim %.6g  max_diff %.6g\n", comparison.rmse, comparison.ssim,
+    std::printf("rmse %.4g  ssim %.4g  max_diff %.4g\n", comparison.rmse, comparison.ssim,
                 comparison.max_diff);
   }
   for (const std::string& line : broken) console.note("over the limit: " + line);

@@ -31,8 +31,9 @@ ConvertPlan plan_for(const ConvertOptions& options, const VolumeHeader& header, 
 
 int run_convert(const ConvertOptions& options, const GlobalOptions& global, Console& console) {
   OutputPlan plan(global);
-  plan.protect(options.input);
+  plan.protect(options.input, options.read);
   plan.add_dense(options.output);
+  console.claim(plan.files());
   const auto file = open_scalars_or_vectors(options.input, options.read);
   const VolumeHeader& header = file->header();
   if (header.components != 3) require_scalars(header);

@@ -134,14 +134,14 @@ void print_solve(const StepRecord& record) {
                 static_cast<long long>(record.ball->moves));
     return;
   }
-  std::printf("drag performed  %.6g (%lld/%lld)\n", report.fraction(),
+  std::printf("drag performed  %.4g (%lld/%lld)\n", report.fraction(),
               static_cast<long long>(report.fraction_numerator),
               static_cast<long long>(report.fraction_denominator));
 }
 
 void print_relaxation(const StepRecord& record) {
   const RelaxReport& report = record.relaxed;
-  std::printf("relaxed         %d passes (%s%s), energy %.6g to %.6g uJ, last step %.2g voxels\n",
+  std::printf("relaxed         %d passes (%s%s), energy %.4g to %.4g uJ, last step %.2g voxels\n",
               report.passes, name_of(record.relax->method), report.converged ? ", converged" : "",
               report.energy_before, report.energy_after, report.largest_step_voxels);
   if (report.volumes_after) {
@@ -162,16 +162,17 @@ void print_tightening(const TightenReport& report) {
 }
 
 void print_springs(const SpringRecord& record) {
-  std::printf("springs         %d steps of %zu springs, energy %.6g to %.6g J\n", record.steps,
+  std::printf("springs         %d steps of %zu springs, energy %.4g to %.4g J\n", record.steps,
               record.springs, record.before.total_j(), record.after.total_j());
   std::printf("links violated  %lld of %lld, by at most %.3g voxels\n",
               static_cast<long long>(record.links.violated),
               static_cast<long long>(record.links.links), record.links.worst_excess_voxels);
 }
 
-void print_deform(const Session& session, const SceneStep& step, const std::string& output,
+void print_deform(const Session& session, const SceneStep& step,
                   const InversionCertificate& certificate) {
   const StepRecord& record = session.records().back();
+  print_places(session.places(record.drags));
   std::printf("elements        %lld\n",
               static_cast<long long>(session.body().elements.active_count()));
   if (!step.cuts.empty()) {
@@ -192,12 +193,12 @@ void print_deform(const Session& session, const SceneStep& step, const std::stri
   std::printf("inversion       residual max %.2g, p99.9 %.2g voxels, unresolved %lld\n",
               certificate.residual_max, certificate.residual_p999,
               static_cast<long long>(certificate.unresolved_voxels));
-  std::printf("state           %s\n", output.c_str());
 }
 
 void print_json(const Session& session, const std::string& output,
                 const InversionCertificate& certificate) {
   nlohmann::ordered_json json = to_json(session.records().back());
+  json["handles"] = to_json(session.places(session.records().back().drags));
   json["elements"] = session.body().elements.active_count();
   json["fold_free_material"] = session.links().fold_free;
   json["folded"] = certificate.folded_cells - certificate.folded_air_cells;
@@ -208,13 +209,13 @@ void print_json(const Session& session, const std::string& output,
 
 int run_deform(DeformOptions& options, const GlobalOptions& global, Console& console) {
   const Scene scene = to_scene(options);
-  check_scene(scene, "", global);
+  console.claim(check_scene(scene, "", global).files());
   SceneRun run(scene, "", true, console);
   run.run();
   if (global.json) {
     print_json(*run.session(), scene.output.state, *run.certificate());
   } else if (!global.quiet) {
-    print_deform(*run.session(), scene.steps.front(), scene.output.state, *run.certificate());
+    print_deform(*run.session(), scene.steps.front(), *run.certificate());
   }
   return kOk;
 }

@@ -19,7 +19,11 @@ struct ExportOptions {
 };
 
 int run_export(const ExportOptions& options, const GlobalOptions& global, Console& console) {
-  OutputPlan(global).add_dense(options.output);
+  OutputPlan plan(global);
+  plan.protect(options.input);
+  if (!options.grid.file.empty()) plan.protect(options.grid.file);
+  plan.add_dense(options.output);
+  console.claim(plan.files());
   const bool material = options.direction == "material";
   const bool has_grid = !options.grid.file.empty() || options.grid.margin_mm != 0;
   if (material && (has_grid || options.void_mode != "nearest")) {

@@ -6,6 +6,7 @@
 
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
+#include "tools/console/people_text.h"
 #include "volumes/base/sha256.h"
 #include "volumes/grid/labels.h"
 #include "volumes/io/bytes/value_type.h"
@@ -54,7 +55,7 @@ void add_vectors(nlohmann::ordered_json& json, VolumeFile& file, Console& consol
   std::vector<double> numbers(values);
   Sha256 hash;
   double longest = 0, sum = 0;
-  std::int64_t bad = 0;
+  std::int64_t nan_count = 0, infinite_count = 0;
   console.stage("reading");
   for (int k = 0; k < dims.z; ++k) {
     file.read_slice(stored.data());
@@ -63,19 +64,21 @@ void add_vectors(nlohmann::ordered_json& json, VolumeFile& file, Console& consol
                                  numbers.data());
     for (std::size_t n = 0; n < values; n += 3) {
       const double length = Vec3d(numbers[n], numbers[n + 1], numbers[n + 2]).length();
-      if (!std::isfinite(length)) ++bad;
+      nan_count += std::isnan(length);
+      infinite_count += std::isinf(length);
       if (!std::isfinite(length)) continue;
       longest = std::max(longest, length);
       sum += length;
     }
     report(&console, double(k + 1) / dims.z);
   }
-  const std::int64_t finite = header.geometry.voxel_count() - bad;
+  const std::int64_t finite = header.geometry.voxel_count() - nan_count - infinite_count;
   json["components"] = header.components;
   json["direction_of_vectors"] = header.warp_direction.empty() ? "unsaid" : header.warp_direction;
   json["longest_mm"] = longest;
   json["mean_mm"] = finite > 0 ? sum / double(finite) : 0.0;
-  json["nan_voxels"] = bad;
+  json["nan_voxels"] = nan_count;
+  json["infinite_voxels"] = infinite_count;
   if (!header.certificate.empty()) {
     json["certificate"] = nlohmann::ordered_json::parse(header.certificate, nullptr, false);
   }
@@ -90,6 +93,7 @@ void add_scalars(nlohmann::ordered_json& json, VolumeFile& file, Console& consol
   json["max"] = digest.statistics.max;
   json["mean"] = digest.statistics.mean;
   json["nan_voxels"] = digest.statistics.nan_count;
+  json["infinite_voxels"] = digest.statistics.infinite_count;
   json["active_voxels"] = digest.statistics.above_min_count;
   json["bytes_dense"] = header.geometry.voxel_count() * bytes_of(header.type);
   json["bytes_sparse"] = digest.sparse_bytes;
@@ -97,13 +101,20 @@ void add_scalars(nlohmann::ordered_json& json, VolumeFile& file, Console& consol
 }
 
 nlohmann::ordered_json describe_volume(const InfoOptions& options, Console& console) {
-  const auto file = open_scalars_or_vectors(options.input, options.read);
+  std::int64_t frames = 1;
+  ReadOptions read = options.read;
+  read.frames_found = &frames;
+  const auto file = open_scalars_or_vectors(options.input, read);
   const VolumeHeader& header = file->header();
   for (const std::string& line : header.warnings) console.warn(options.input + ": " + line);
   if (header.components != 3) require_scalars(header);
   nlohmann::ordered_json json;
   json["format"] = header.format;
   json["type"] = numpy_name(header.type);
+  if (frames > 1) {
+    json["frames"] = frames;
+    json["frame"] = options.read.frame.value_or(0);
+  }
   add_geometry(json, header.geometry);
   if (header.components == 3) {
     add_vectors(json, *file, console);
@@ -161,8 +172,7 @@ nlohmann::ordered_json describe_state(const InfoOptions& options, Console& conso
 void print_info(const nlohmann::ordered_json& json) {
   for (const auto& [name, value] : json.items()) {
     if (name == "affine_lps") continue;
-    const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
-    std::printf("%-22s %s\n", name.c_str(), text.c_str());
+    std::printf("%-22s %s\n", name.c_str(), people_text(value).c_str());
   }
   if (!json.contains("active_voxels")) return;
   const double voxels =
@@ -175,9 +185,11 @@ int run_info(const InfoOptions& options, const GlobalOptions& global, Console& c
                                           ? describe_state(options, console)
                                           : describe_volume(options, console);
   console.stage_seconds();
-  if (json.contains("nan_voxels") && json["nan_voxels"] > 0) {
-    console.warn(options.input + ": " + json["nan_voxels"].dump() + " NaN voxels count as void");
-  }
+  VolumeStatistics statistics;
+  statistics.nan_count = json.value("nan_voxels", std::int64_t(0));
+  statistics.infinite_count = json.value("infinite_voxels", std::int64_t(0));
+  const std::string void_values = void_values_text(statistics);
+  if (!void_values.empty()) console.warn(options.input + ": " + void_values + " count as void");
   if (global.json) {
     std::printf("%s\n", json.dump(2).c_str());
   } else {

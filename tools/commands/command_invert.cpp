@@ -51,7 +51,9 @@ void warn_of(const InversionCertificate& certificate, std::int64_t uncovered,
 int run_invert(const InvertOptions& options, const GlobalOptions& global, Console& console) {
   OutputPlan plan(global);
   plan.protect(options.input);
+  if (!options.grid.file.empty()) plan.protect(options.grid.file);
   plan.add_dense(options.output);
+  console.claim(plan.files());
   OffsetField inverse;
   WarpDirection direction = WarpDirection::resample;
   {

@@ -6,6 +6,7 @@
 
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
+#include "tools/console/people_text.h"
 #include "tools/outputs/output_plan.h"
 #include "volumes/field/inversion/deformation_metrics.h"
 #include "volumes/io/load/label_file.h"
@@ -72,13 +73,13 @@ void write_maps(const MetricsOptions& options, const State& state, const Deforma
 void print_metrics(const nlohmann::ordered_json& json) {
   for (const auto& [name, value] : json.items()) {
     if (name == "labels") continue;
-    std::printf("%-22s %s\n", name.c_str(), value.dump().c_str());
+    std::printf("%-22s %s\n", name.c_str(), people_text(value).c_str());
   }
   if (!json.contains("labels")) return;
   std::printf("\n%8s %10s %10s %10s %12s %14s %10s\n", "label", "elements", "mean mm", "max mm",
               "min det F", "volume mm3", "change %");
   for (const auto& [label, row] : json["labels"].items()) {
-    std::printf("%8s %10lld %10.4g %10.4g %12.4g %14.6g %10.4g\n", label.c_str(),
+    std::printf("%8s %10lld %10.4g %10.4g %12.4g %14.4g %10.4g\n", label.c_str(),
                 row["elements"].get<long long>(), row["mean_mm"].get<double>(),
                 row["max_mm"].get<double>(), row["min_jacobian"].get<double>(),
                 row["volume_mm3"].get<double>(), row["volume_change_percent"].get<double>());
@@ -93,6 +94,7 @@ int run_metrics(const MetricsOptions& options, const GlobalOptions& global, Cons
        {options.displacement_map, options.jacobian_map, options.fold_map}) {
     if (!map.empty()) plan.add_dense(map);
   }
+  console.claim(plan.files());
   const State state = read_state(options.input, &console);
   const BrickValues labels = options.labels.empty()
                                  ? state.labels

@@ -16,6 +16,7 @@ Command add_presets(CLI::App& program) {
   app->add_option("name", *name, "Which to print")->option_text("NAME");
   return {app, [name](const GlobalOptions&, Console&) {
             if (!name->empty()) {
+              require_preset("name", *name);
               std::fputs(to_toml(preset(*name)).c_str(), stdout);
               return int(kOk);
             }

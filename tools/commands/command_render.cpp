@@ -8,6 +8,7 @@
 #include "tools/console/field_options.h"
 #include "tools/console/parse.h"
 #include "tools/outputs/scene_run.h"
+#include "tools/scene/transfer_file.h"
 #include "volumes/io/open_volume.h"
 
 namespace supple::tools {
@@ -18,7 +19,7 @@ struct RenderOptions {
   explicit RenderOptions(CLI::App& app) : scene(app) {}
 
   SceneOptions scene;
-  std::string input, offsets, preset, camera, view, output;
+  std::string input, offsets, preset, camera, output;
   std::vector<std::string> clip_planes, clip_boxes, lights, meshes;
   std::string clip_keep = "inside", clip_space = "deformed";
   bool deform_meshes = false, orthographic = false, prints_camera = false;
@@ -101,16 +102,10 @@ void set_camera(RenderOptions& options) {
   SceneOptions& given = options.scene;
   if (!options.camera.empty()) {
     given.set("view", "camera", toml_string(options.camera), "--camera");
-    return;
   }
-  std::string table;
-  if (!options.view.empty()) table += "view = " + toml_string(options.view);
   if (options.orthographic) {
-    table += (table.empty() ? "" : ", ") + std::string("projection = \"orthographic\"");
+    given.set("view.camera", "projection", "\"orthographic\"", "--orthographic");
   }
-  if (table.empty()) return;
-  given.set("view", "camera", "{ " + table + " }", "--view");
-  given.call("view[1].camera.view", "--view");
 }
 
 /// The options as a scene of one view.
@@ -124,6 +119,7 @@ Scene to_scene(RenderOptions& options) {
   const std::string& preset = options.preset;
   const bool is_file = preset.size() > 5 && preset.compare(preset.size() - 5, 5, ".toml") == 0;
   if (!preset.empty()) {
+    if (!is_file) require_preset("--preset", preset);
     given.set("view", is_file ? "transfer" : "preset", toml_string(preset), "--preset");
   }
   set_camera(options);
@@ -176,7 +172,7 @@ int run_render(RenderOptions& options, const GlobalOptions& global, Console& con
   }
   if (options.output.empty()) throw UsageError("--output is required");
   check_options(scene);
-  check_scene(scene, "", global);
+  console.claim(check_scene(scene, "", global).files());
   SceneRun run(scene, "", false, console);
   run.run();
   if (global.json) {
@@ -240,14 +236,12 @@ Command add_render(CLI::App& program) {
   app->add_flag("--deform-meshes", options->deform_meshes,
                 "Meshes were made at rest and move along with the tissue");
   app->add_option("--camera", options->camera, "Camera file")->option_text("C.toml");
-  app->add_option("--view", options->view,
-                  "From anterior, posterior, left, right, superior or inferior")
-      ->excludes("--camera")
-      ->option_text("SIDE");
   app->add_flag("--orthographic", options->orthographic, "Parallel instead of perspective rays")
       ->excludes("--camera");
   options->scene.add("view", fields(view));
   options->scene.add("view", {path_file_field(path)});
+  options->scene.add("view.camera", {side_field(view.camera.view)});
+  app->get_option("--view")->excludes("--camera");
   for (const char* other : {"--undeformed", "--offsets", "--path", "--offset"}) {
     app->get_option("--no-inverse")->excludes(other);
   }

@@ -17,7 +17,11 @@ struct ResampleOptions {
 };
 
 int run_resample(const ResampleOptions& options, const GlobalOptions& global, Console& console) {
-  OutputPlan(global).add_dense(options.output);
+  OutputPlan plan(global);
+  plan.protect(options.input);
+  if (!options.grid.file.empty()) plan.protect(options.grid.file);
+  plan.add_dense(options.output);
+  console.claim(plan.files());
   const auto functions = read_path_file(options.path, console);
   const State state = read_state(options.input, &console);
   const Pose deformed = invert_and_send_along(state, functions, console);

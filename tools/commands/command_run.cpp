@@ -5,7 +5,6 @@
 
 #include "tools/console/command.h"
 #include "tools/outputs/scene_run.h"
-#include "volumes/io/open_volume.h"
 
 namespace supple::tools {
 
@@ -15,24 +14,63 @@ struct RunSceneOptions {
   std::string scene;
   std::string folder = ".";
   bool dry_run = false;
+  bool allow_outside = false;
 };
 
-void print_plan(const Scene& scene, const RunSceneOptions& options) {
+std::size_t fixed_count(const SceneStep& step) {
+  std::size_t points = 0;
+  for (const PointFile& file : step.fix_points) points += file.rows.size();
+  return step.fix.size() + step.fix_labels.size() + points;
+}
+
+nlohmann::ordered_json plan_json(const Scene& scene, const RunSceneOptions& options,
+                                 const SceneRun& run) {
+  nlohmann::ordered_json json = {{"volume", scene.volume_path}};
+  json["steps"] = nlohmann::ordered_json::array();
+  for (const SceneStep& step : scene.steps) {
+    json["steps"].push_back({{"handles", to_json(run.places(step))},
+                             {"fix", fixed_count(step)},
+                             {"cuts", step.cuts.size()},
+                             {"release", step.release},
+                             {"relax", step.relax.has_value()},
+                             {"springs", step.springs.has_value()}});
+  }
+  json["outputs"] = nlohmann::ordered_json::array();
+  for (const std::string& name : scene.outputs()) {
+    json["outputs"].push_back(path_in(options.folder, name));
+  }
+  return json;
+}
+
+void print_plan(const Scene& scene, const RunSceneOptions& options, const SceneRun& run) {
   std::printf("volume  %s\n", scene.volume_path.c_str());
   for (std::size_t n = 0; n < scene.steps.size(); ++n) {
     const SceneStep& step = scene.steps[n];
-    std::size_t points = 0;
-    for (const PointFile& file : step.fix_points) points += file.rows.size();
     std::printf("step %zu  %zu handles, %zu fixed boxes, points and labels, %zu cuts%s%s\n", n + 1,
-                step.handles.size(), step.fix.size() + step.fix_labels.size() + points,
-                step.cuts.size(), step.release ? ", releases" : "",
+                step.handles.size(), fixed_count(step), step.cuts.size(),
+                step.release ? ", releases" : "",
                 step.relax     ? ", relaxes"
                 : step.springs ? ", springs"
                                : "");
+    print_places(run.places(step));
   }
   for (const std::string& name : scene.outputs()) {
     std::printf("writes  %s\n", path_in(options.folder, name).c_str());
   }
+}
+
+/// Checks handles against the volume, too, and writes nothing.
+int try_scene(const Scene& scene, const RunSceneOptions& options, const GlobalOptions& global,
+              Console& console) {
+  const SceneRun run(scene, options.folder, false, console);
+  run.check_steps();
+  console.stage_seconds();
+  if (global.json) {
+    std::printf("%s\n", plan_json(scene, options, run).dump(2).c_str());
+  } else {
+    print_plan(scene, options, run);
+  }
+  return kOk;
 }
 
 void print_results(const SceneRun& run, const Scene& scene, const RunSceneOptions& options,
@@ -60,22 +98,14 @@ void print_results(const SceneRun& run, const Scene& scene, const RunSceneOption
   for (const auto& [name, seconds] : stages) {
     std::printf("%-18s %7.2f s  %3.0f %%\n", name.c_str(), seconds, 100 * seconds / total);
   }
-  for (const std::string& name : scene.outputs()) {
-    std::printf("wrote %s\n", path_in(options.folder, name).c_str());
-  }
 }
 
 int run_scene(const RunSceneOptions& options, const GlobalOptions& global, Console& console) {
   const Scene scene = read_scene(options.scene);
-  check_scene(scene, options.folder, global);
-  check_places(scene, is_state_file(scene.volume_path)
-                          ? read_state(scene.volume_path).geometry
-                          : open_volume(scene.volume_path, scene.read)->header().geometry);
-  if (options.dry_run) {
-    for (const std::string& line : scene.warnings) console.warn(line);
-    print_plan(scene, options);
-    return kOk;
-  }
+  if (!options.allow_outside) require_inside(scene, options.folder);
+  const OutputPlan plan = check_scene(scene, options.folder, global);
+  if (options.dry_run) return try_scene(scene, options, global, console);
+  console.claim(plan.files());
   SceneRun run(scene, options.folder, global.json, console);
   run.run();
   print_results(run, scene, options, global, console);
@@ -93,7 +123,10 @@ Command add_run(CLI::App& program) {
   app->add_option("scene", options->scene, "A scene file")->required()->option_text("SCENE.toml");
   app->add_option("-o,--output", options->folder, "Folder of the outputs, created when missing")
       ->option_text("DIR");
-  app->add_flag("--dry-run", options->dry_run, "Check the scene and print what it would write");
+  app->add_flag("--allow-outside", options->allow_outside,
+                "Let the scene write outside of DIR: by absolute names and by ..");
+  app->add_flag("--dry-run", options->dry_run,
+                "Check the scene against its volume and print what it would do");
   return {app, [options](const GlobalOptions& global, Console& console) {
             return run_scene(*options, global, console);
           }};

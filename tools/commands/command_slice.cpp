@@ -31,7 +31,7 @@ int run_slice(SliceOptions& options, const GlobalOptions& global, Console& conso
   given.set("view", "image", toml_string(options.output), "--output");
   if (options.undeformed) given.set("view", "deformed", "false", "--undeformed");
   const Scene scene = read_scene(given.scene());
-  check_scene(scene, "", global);
+  console.claim(check_scene(scene, "", global).files());
   SceneRun(scene, "", false, console).run();
   return kOk;
 }

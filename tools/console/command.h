@@ -29,6 +29,7 @@ struct Command {
   Action run;
 };
 
+Command add_help(CLI::App& program);
 Command add_info(CLI::App& program);
 Command add_convert(CLI::App& program);
 Command add_deform(CLI::App& program);

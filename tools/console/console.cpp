@@ -2,6 +2,8 @@
 
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
+#include <filesystem>
 
 #include <unistd.h>
 
@@ -14,6 +16,24 @@ volatile std::sig_atomic_t g_signal = 0;
 void remember_signal(int number) {
   g_signal = number;
   std::signal(number, SIG_DFL);
+}
+
+}  // namespace
+
+namespace {
+
+/// "12.34 MB", to four digits.
+std::string size_text(std::int64_t bytes) {
+  const char* const units[] = {"bytes", "kB", "MB", "GB", "TB"};
+  double size = double(bytes);
+  int unit = 0;
+  while (size >= 1000 && unit < 4) {
+    size /= 1000;
+    ++unit;
+  }
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g %s", size, units[unit]);
+  return text;
 }
 
 }  // namespace
@@ -40,10 +60,43 @@ int pending_signal() {
 
 Console::Console(const GlobalOptions& options)
     : m_level(options.quiet ? LogLevel::error : options.log_level),
-      m_shows_progress(!options.quiet && ::isatty(STDERR_FILENO) == 1) {}
+      m_has_terminal(::isatty(STDERR_FILENO) == 1),
+      m_line_every(10) {
+  if (const char* seconds = std::getenv("SUPPLE_PROGRESS_SECONDS")) {
+    m_line_every = std::chrono::duration<double>(std::strtod(seconds, nullptr));
+  }
+}
 
 Console::~Console() {
   clear_line();
+  // The first may have made the folder of the others.
+  while (!m_reserved.empty()) m_reserved.pop_back();
+}
+
+void Console::claim(const std::vector<std::string>& outputs) {
+  for (const std::string& path : outputs) m_reserved.emplace_back(path);
+  m_outputs.insert(m_outputs.end(), outputs.begin(), outputs.end());
+}
+
+void Console::tell_outputs() {
+  constexpr std::size_t kListed = 8;
+  const double seconds = std::chrono::duration<double>(Clock::now() - m_start).count();
+  char after[48];
+  std::snprintf(after, sizeof after, ", after %.4g s", seconds);
+  std::vector<std::pair<std::string, std::int64_t>> found;
+  std::int64_t bytes = 0;
+  for (const std::string& path : m_outputs) {
+    std::error_code missing;
+    const auto size = std::int64_t(std::filesystem::file_size(path, missing));
+    if (missing) continue;
+    found.emplace_back(path, size);
+    bytes += size;
+  }
+  if (found.size() > kListed) {
+    return note("wrote " + std::to_string(found.size()) + " files, " + found.front().first +
+                " to " + found.back().first + ", " + size_text(bytes) + after);
+  }
+  for (const auto& [path, size] : found) note("wrote " + path + ", " + size_text(size) + after);
 }
 
 void Console::print(LogLevel level, const char* prefix, const std::string& line) {
@@ -91,24 +144,31 @@ void Console::stage(std::string_view name) {
   clear_line();
   m_stage = name;
   m_stage_start = m_last_print = Clock::now();
-  if (m_shows_progress) {
-    std::fprintf(stderr, "\r\033[K%s …", m_stage.c_str());
-    m_line_open = true;
-  }
+  if (!m_has_terminal || m_level < LogLevel::warning) return;
+  std::fprintf(stderr, "\r\033[K%s …", m_stage.c_str());
+  m_line_open = true;
 }
 
 void Console::update(double fraction) {
-  if (!m_shows_progress) return;
   const Clock::time_point now = Clock::now();
-  if (now - m_last_print < std::chrono::milliseconds(100)) return;
+  const std::chrono::duration<double> least =
+      m_has_terminal ? std::chrono::duration<double>(0.1) : m_line_every;
+  const bool is_hidden = m_level < (m_has_terminal ? LogLevel::warning : LogLevel::info);
+  if (is_hidden || now - m_last_print < least) return;
   m_last_print = now;
+  show_progress(fraction, now);
+}
+
+void Console::show_progress(double fraction, Clock::time_point now) {
   const double elapsed = std::chrono::duration<double>(now - m_stage_start).count();
-  std::fprintf(stderr, "\r\033[K%s %3.0f %%", m_stage.c_str(), 100 * fraction);
+  std::fprintf(stderr, m_has_terminal ? "\r\033[K%s %3.0f %%" : "supple: %s %.0f %%",
+               m_stage.c_str(), 100 * fraction);
   if (fraction > 0.02) {
     std::fprintf(stderr, ", %.0f s left", elapsed * (1 - fraction) / fraction);
   }
+  if (!m_has_terminal) std::fputc('\n', stderr);
   std::fflush(stderr);
-  m_line_open = true;
+  m_line_open = m_has_terminal;
 }
 
 std::vector<std::pair<std::string, double>> Console::stage_seconds() {

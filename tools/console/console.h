@@ -1,15 +1,19 @@
-// What a person sees: warnings, notes and progress on stderr, results on stdout. Also keeps the
-// time of every stage and turns Ctrl-C into cancellation.
+// What a person sees: warnings, notes and progress on stderr, results on stdout. Progress is a line
+// that changes on a terminal; elsewhere a line every ten seconds, or as many as the environment
+// variable SUPPLE_PROGRESS_SECONDS says. Also keeps the time of every stage, holds the names of
+// outputs and turns Ctrl-C into cancellation.
 #pragma once
 
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <deque>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "volumes/base/progress.h"
+#include "volumes/base/reserved_name.h"
 #include "volumes/base/text.h"
 
 namespace supple::tools {
@@ -38,17 +42,29 @@ class Console final : public Progress {
   void update(double fraction) override;
   bool cancelled() const override;
 
+  /// Holds the names of files that are going to be written, so that no other process writes them
+  /// meanwhile. Throws as ReservedName.
+  void claim(const std::vector<std::string>& outputs);
+  /// Notes which of them are there, with size and time since the start.
+  void tell_outputs();
+  /// Ends the line of progress, before results are printed.
+  void clear_line();
+
   /// Ends the running stage; seconds of every stage so far, in order, equal names added up.
   std::vector<std::pair<std::string, double>> stage_seconds();
 
  private:
   using Clock = std::chrono::steady_clock;
   void finish_stage();
-  void clear_line();
+  void show_progress(double fraction, Clock::time_point now);
   void print(LogLevel level, const char* prefix, const std::string& line);
 
   LogLevel m_level;
-  bool m_shows_progress;
+  bool m_has_terminal;
+  std::chrono::duration<double> m_line_every;  // without a terminal
+  Clock::time_point m_start = Clock::now();
+  std::vector<std::string> m_outputs;
+  std::deque<ReservedName> m_reserved;
   bool m_line_open = false;
   std::string m_stage;
   Clock::time_point m_stage_start;

@@ -48,10 +48,11 @@ std::string toml_of(const Field& field, const std::string& option, const std::st
   if (field.holds<NumberPair>() || field.holds<PixelSize>()) return toml_numbers(option, text, 2);
   const bool is_list = field.holds<std::vector<std::string>>();
   std::string list;
-  for (const std::string& part : is_list ? split(text, ',') : std::vector<std::string>{text}) {
+  for (const std::string& word : is_list ? split(text, ',') : std::vector<std::string>{text}) {
     const std::vector<std::string>& names = field.names();
+    const std::string part = field.name_for(word);
     if (!names.empty() && std::find(names.begin(), names.end(), part) == names.end()) {
-      throw UsageError(to_line({"", option, "'" + part + "'", field.allowed()}));
+      throw UsageError(to_line({"", option, "'" + word + "'", field.allowed()}));
     }
     list += (list.empty() ? "" : ", ") + toml_string(part);
   }

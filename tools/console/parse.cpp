@@ -31,6 +31,17 @@ bool read_voxel(const std::string& text, Vec3i& voxel) {
   return good;
 }
 
+/// Three numbers, as a place in millimetres has them.
+bool is_place(const std::vector<std::string>& corners) {
+  const std::vector<std::string> parts =
+      corners.size() == 1 ? split(corners.front(), ',') : std::vector<std::string>();
+  return parts.size() == 3 && std::all_of(parts.begin(), parts.end(), [](const std::string& part) {
+           char* end = nullptr;
+           std::strtod(part.c_str(), &end);
+           return !part.empty() && end == part.c_str() + part.size();
+         });
+}
+
 }  // namespace
 
 std::vector<std::string> split(const std::string& text, char separator) {
@@ -46,7 +57,11 @@ IndexBox parse_box(const std::string& option, const std::string& text) {
   Vec3i a, b;
   if (corners.empty() || corners.size() > 2 || !read_voxel(corners.front(), a) ||
       !read_voxel(corners.back(), b)) {
-    throw_unparsed(option, text, "I,J,K, a box I,J,K:I,J,K, label:N or a FILE.csv");
+    throw_unparsed(option, text,
+                   std::string("I,J,K, a box I,J,K:I,J,K, label:N or a FILE.csv") +
+                       (is_place(corners) ? " (voxels are whole numbers; places in LPS mm stand in "
+                                            "a file with columns x,y,z)"
+                                          : ""));
   }
   IndexBox box;
   for (int axis = 0; axis < 3; ++axis) {

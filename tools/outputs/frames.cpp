@@ -78,6 +78,13 @@ PosedVolume at_rest(const PosedVolume& subject) {
   return resting;
 }
 
+bool is_empty(const FloatImage& picture) {
+  for (std::size_t n = 3; n < picture.rgba.size(); n += 4) {
+    if (picture.rgba[n] > 0) return false;
+  }
+  return true;
+}
+
 void add(const RenderReport& more, RenderReport* sum) {
   if (sum == nullptr) return;
   sum->samples += more.samples;
@@ -119,6 +126,10 @@ class ViewDrawing {
       double fraction = 1;
       if (m_options.sequence > 0) fraction = double(n) / (m_options.sequence - 1);
       const FloatImage picture = draw_at(fraction, frame);
+      if (m_renderer && is_empty(picture)) {
+        m_console.warn(m_view.image + ": nothing is to be seen in the picture" +
+                       (m_options.is_series() ? ", number " + std::to_string(n) : ""));
+      }
       writer.write({picture, n, describe(frame, n, fraction), m_offset_range,
                     -camera_frame(camera).forward});
     }

@@ -5,6 +5,7 @@
 #include "tools/console/command.h"
 #include "volumes/base/atomic_file.h"
 #include "volumes/io/format/formats.h"
+#include "volumes/io/open_volume.h"
 #include "volumes/io/volume_writer.h"
 
 namespace supple::tools {
@@ -24,11 +25,23 @@ void require_extension(const std::string& path, const std::string& extension) {
 
 }  // namespace
 
-void OutputPlan::protect(const std::string& input) {
+void OutputPlan::protect(const std::string& input, const ReadOptions& read) {
   m_inputs.insert(canonical(file_part(input)));
-  const std::filesystem::path path(input);
-  if (path.extension() != ".nhdr" && path.extension() != ".mhd") return;
-  m_inputs.insert(canonical(std::filesystem::path(input).replace_extension(".raw").string()));
+  m_unopened.emplace_back(input, read);
+}
+
+/// Opens the inputs when an output first meets an existing file, which is rare.
+bool OutputPlan::is_read(const std::string& place) {
+  for (const auto& [input, read] : std::exchange(m_unopened, {})) {
+    try {
+      for (const std::string& file : files_of(open_scalars_or_vectors(input, read)->header())) {
+        m_inputs.insert(canonical(file));
+      }
+    } catch (const Error&) {
+      continue;  // no volume, or one that the command will refuse
+    }
+  }
+  return m_inputs.count(place) != 0;
 }
 
 void OutputPlan::add_image(const std::string& path) {
@@ -64,15 +77,17 @@ void OutputPlan::add_file(const std::string& path) {
   const bool will_be_made = m_creates_folders && !std::filesystem::exists(folder);
   if (!will_be_made) check_output_place(path);
   const std::string place = canonical(path);
-  if (m_inputs.count(place) != 0) {
+  const bool exists = std::filesystem::exists(path);
+  if (m_inputs.count(place) != 0 || (exists && is_read(place))) {
     throw InputError({path, "output", "the name of an input", "another file"});
   }
   if (!m_outputs.insert(place).second) {
     throw InputError({path, "output", "a file that another output writes", "different files"});
   }
-  if (!m_force && std::filesystem::exists(path)) {
+  if (!m_force && exists) {
     throw UsageError(path + ": output exists, add --force to overwrite it");
   }
+  m_files.push_back(path);
 }
 
 }  // namespace supple::tools

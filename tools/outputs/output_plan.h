@@ -5,9 +5,12 @@
 
 #include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "tools/console/console.h"
 #include "tools/pictures/picture_options.h"
+#include "volumes/io/format/volume_file.h"
 
 namespace supple::tools {
 
@@ -17,8 +20,9 @@ class OutputPlan {
   explicit OutputPlan(const GlobalOptions& options, bool creates_folders = false)
       : m_force(options.force), m_creates_folders(creates_folders) {}
 
-  /// A file that must not be overwritten; for a detached header its data file as well.
-  void protect(const std::string& input);
+  /// A file that must not be overwritten, and what a volume of that name is read from beside it:
+  /// the data files of a header, the slices of a folder.
+  void protect(const std::string& input, const ReadOptions& read = {});
 
   /// Each throws UsageError (exists, no --force) or InputError (everything else).
   void add_image(const std::string& path);                                     // .png
@@ -28,12 +32,18 @@ class OutputPlan {
   void add_like(const std::string& path, const std::string& input);            // input's extension
   void add_dense(const std::string& path);  // what volume_writer.h knows; pairs count both files
 
+  /// The files, in the order in which they were added.
+  const std::vector<std::string>& files() const { return m_files; }
+
  private:
   void add_file(const std::string& path);
+  bool is_read(const std::string& place);
 
   bool m_force;
   bool m_creates_folders;
   std::set<std::string> m_inputs, m_outputs;  // canonical
+  std::vector<std::string> m_files;
+  std::vector<std::pair<std::string, ReadOptions>> m_unopened;  // inputs whose files are not known
 };
 
 }  // namespace supple::tools

@@ -10,12 +10,16 @@
 #include "volumes/base/version.h"
 #include "volumes/field/displacement.h"
 #include "volumes/field/inversion/forward_offsets.h"
+#include "volumes/grid/volume.h"
 
 namespace supple::tools {
 
 Camera resolve_camera(const CameraChoice& choice, const Geometry& geometry, double aspect) {
   if (choice.camera) return *choice.camera;
-  return default_camera(geometry, aspect, choice.view, choice.projection);
+  Camera camera = default_camera(geometry, aspect, choice.view, choice.projection,
+                                 choice.fov_degrees.value_or(Camera().vertical_fov_degrees));
+  camera.height_mm = choice.height_mm.value_or(camera.height_mm);
+  return camera;
 }
 
 namespace {
@@ -37,7 +41,9 @@ Image draw_body_lattice(const PosedVolume& subject, const SceneView& view) {
 Camera camera_of(const PosedVolume& subject, const SceneView& view) {
   const double aspect = double(view.size[0]) / view.size[1];
   const bool is_flat = view.lattice && subject.geometry.dims().z == 1;
-  const bool is_default = !view.camera.camera && view.camera.view == "anterior";
+  const CameraChoice& choice = view.camera;
+  const bool is_default =
+      !choice.camera && choice.view == "anterior" && !choice.fov_degrees && !choice.height_mm;
   if (is_flat && is_default) {
     const Displacement displacement =
         on_elements(subject.geometry, subject.elements, subject.displacement);
@@ -84,7 +90,7 @@ SceneView effective_view(const SceneView& view, const Geometry& geometry, double
   SceneView effective = view;
   effective.lattice = view.lattice || geometry.dims().z == 1;
   if (view.preset.empty() && !view.transfer)
-    effective.preset = min_density < -200 ? "CT-Bone" : "MR-Default";
+    effective.preset = are_hounsfield_units(min_density) ? "CT-Bone" : "MR-Default";
   return effective;
 }
 
@@ -211,6 +217,8 @@ std::string describe_view(const SceneView& view, const nlohmann::ordered_json& m
         {"fov", camera->vertical_fov_degrees},       {"height", camera->height_mm}};
   } else {
     json["camera"] = {{"projection", name_of(view.camera.projection)}, {"view", view.camera.view}};
+    if (view.camera.fov_degrees) json["camera"]["fov"] = *view.camera.fov_degrees;
+    if (view.camera.height_mm) json["camera"]["height"] = *view.camera.height_mm;
   }
   json.update(more);
   return json.dump();
@@ -340,6 +348,39 @@ nlohmann::ordered_json to_json(const std::vector<HandleReaction>& reactions) {
 }
 
 }  // namespace
+
+void print_places(const std::vector<HandlePlace>& places) {
+  for (const HandlePlace& place : places) {
+    const Vec3d& voxel = place.centre_index;
+    const Vec3d& lps = place.centre_lps_mm;
+    std::printf("grab %-10s %lld %s voxel %.4g,%.4g,%.4g, LPS %.4g, %.4g, %.4g mm, density %.4g",
+                place.name.c_str(), static_cast<long long>(place.elements),
+                place.elements == 1 ? "element at" : "elements around", voxel.x, voxel.y, voxel.z,
+                lps.x, lps.y, lps.z, double(place.least_density));
+    if (place.largest_density > place.least_density) {
+      std::printf(" to %.4g", double(place.largest_density));
+    }
+    std::string labels;
+    for (const std::int32_t label : place.labels) {
+      labels += (labels.empty() ? ", label " : ", ") +
+                (label == 0 ? std::string("none") : std::to_string(label));
+    }
+    std::printf("%s\n", labels.c_str());
+  }
+}
+
+nlohmann::ordered_json to_json(const std::vector<HandlePlace>& places) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const HandlePlace& place : places) {
+    json.push_back({{"grab", place.name},
+                    {"elements", place.elements},
+                    {"voxel", to_json(place.centre_index)},
+                    {"lps_mm", to_json(place.centre_lps_mm)},
+                    {"density", {place.least_density, place.largest_density}},
+                    {"labels", place.labels}});
+  }
+  return json;
+}
 
 void print_reactions(const std::vector<HandleReaction>& reactions) {
   for (const HandleReaction& held : reactions) {

@@ -60,6 +60,9 @@ std::string describe_view(const SceneView& view, const nlohmann::ordered_json& m
 nlohmann::ordered_json to_json(const InversionCertificate& certificate);
 nlohmann::ordered_json to_json(const BallReport& report, std::int64_t cut_links);
 nlohmann::ordered_json to_json(const StepRecord& record);
+/// One line per handle on stdout: voxel, LPS, density and label.
+void print_places(const std::vector<HandlePlace>& places);
+nlohmann::ordered_json to_json(const std::vector<HandlePlace>& places);
 /// One line per handle on stdout.
 void print_reactions(const std::vector<HandleReaction>& reactions);
 nlohmann::ordered_json to_json(const RenderReport& report);

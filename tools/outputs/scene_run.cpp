@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <limits>
+#include <utility>
 
 #include "lib/material/material_file.h"
 #include "tools/outputs/frames.h"
@@ -47,18 +48,47 @@ OffsetField read_offsets(const std::string& path, const Geometry& source, Consol
   return offsets;
 }
 
+/// Elements that lie beyond the outer voxel faces.
+std::int64_t count_outside_box(const State& state, const Displacement& displacement) {
+  const Vec3i& dims = state.geometry.dims();
+  std::int64_t count = 0;
+  for (std::size_t b = 0; b < state.elements.brick_count(); ++b) {
+    for_each_active(state.elements.mask(b), [&](int offset) {
+      const Vec3i voxel = state.elements.origin(b) + brick_local(offset);
+      Vec3f u(0);
+      displacement.u.at(voxel, u);
+      bool is_inside = true;
+      for (int a = 0; a < 3; ++a) {
+        const double place = double(voxel[a]) + u[a];
+        is_inside = is_inside && place >= -0.5 && place <= dims[a] - 0.5;
+      }
+      count += !is_inside;
+    });
+  }
+  return count;
+}
+
+/// Pictures, warps and volumes show the box of the source.
+void warn_of_lost_sight(const State& state, const Displacement& displacement, Console& console) {
+  const std::int64_t elements = state.elements.active_count();
+  const std::int64_t outside = count_outside_box(state, displacement);
+  if (2 * outside <= elements) return;
+  console.warn(std::to_string(outside) + " of " + with_count(elements, "element") +
+               " lie outside of the volume's box, which pictures and warps show");
+}
+
 }  // namespace
 
 std::string path_in(const std::string& folder, const std::string& name) {
   return folder.empty() ? name : (std::filesystem::path(folder) / name).string();
 }
 
-void check_scene(const Scene& scene, const std::string& folder, const GlobalOptions& global) {
+OutputPlan check_scene(const Scene& scene, const std::string& folder, const GlobalOptions& global) {
   const bool is_file = !scene.file.empty();
   OutputPlan plan(global, is_file);
   if (is_file) plan.protect(scene.file);
   // A command may continue a state in place.
-  if (is_file || !is_state_file(scene.volume_path)) plan.protect(scene.volume_path);
+  if (is_file || !is_state_file(scene.volume_path)) plan.protect(scene.volume_path, scene.read);
   for (const std::string& input : {scene.labels_path, scene.material_path, scene.warp_path}) {
     if (!input.empty()) plan.protect(input);
   }
@@ -76,6 +106,19 @@ void check_scene(const Scene& scene, const std::string& folder, const GlobalOpti
   if (!output.state.empty()) plan.add_state(path_in(folder, output.state));
   for (const auto* names : {&output.offsets, &output.displacements, &output.volumes}) {
     for (const std::string& name : *names) plan.add_dense(path_in(folder, name));
+  }
+  return plan;
+}
+
+void require_inside(const Scene& scene, const std::string& folder) {
+  namespace fs = std::filesystem;
+  const fs::path root = fs::absolute(folder).lexically_normal();
+  for (const std::string& name : scene.outputs()) {
+    const fs::path path = fs::absolute(path_in(folder, name)).lexically_normal();
+    const fs::path inside = path.lexically_relative(root);
+    if (!inside.empty() && *inside.begin() != "..") continue;
+    throw InputError({scene.file, "output", name + ", outside of the folder " + folder,
+                      "a name in the folder, or --allow-outside"});
   }
 }
 
@@ -138,14 +181,22 @@ void SceneRun::open_volume_alone() {
   Volume volume = is_lattice
                       ? load_elements(*file, -everything, everything, 0, 0, &m_console).volume
                       : load_volume(*file, &m_console);
-  if (volume.statistics.nan_count > 0) {
-    m_console.warn(m_scene.volume_path + ": " + std::to_string(volume.statistics.nan_count) +
-                   " NaN voxels treated as void");
+  const std::string void_values = void_values_text(volume.statistics);
+  if (!void_values.empty()) {
+    m_console.warn(m_scene.volume_path + ": " + void_values + " treated as void");
   }
   m_grey_lo = volume.statistics.min;
   m_grey_hi = std::max(volume.statistics.max, volume.statistics.min + 1);
   m_state.geometry = volume.geometry;
   m_state.density = std::move(volume.density);
+}
+
+void SceneRun::check_steps() const {
+  for (const SceneStep& step : m_scene.steps) check_step(*m_session, step);
+}
+
+std::vector<HandlePlace> SceneRun::places(const SceneStep& step) const {
+  return m_session->places(request_of(step, m_state.geometry).drags);
 }
 
 void SceneRun::run() {
@@ -186,6 +237,7 @@ const Displacement& SceneRun::displacement(int step) {
   if (m_displaced_step != step) {
     take_state(step);
     m_deformed.displacement = extended_displacement_of(m_state);
+    warn_of_lost_sight(m_state, m_deformed.displacement, m_console);
     if (!m_session) m_state.q = {};  // nothing else reads the offsets of its elements
     m_displaced_step = step;
   }
@@ -222,6 +274,18 @@ const Displacement& SceneRun::without_inverse(const SceneView& view, int step) {
   return moved;
 }
 
+/// Whether the view, seen along a path of its own, is all that a state is opened for.
+bool SceneRun::is_all_that_reads(const SceneView& view) const {
+  return !m_session && m_scene.views.size() == 1 && view.picture.sequence == 0;
+}
+
+/// Leaves the certificate.
+Pose SceneRun::take_deformed() {
+  Pose deformed = std::exchange(m_deformed, {});
+  m_deformed.offsets.certificate = deformed.offsets.certificate;
+  return deformed;
+}
+
 /// What a view shows with its inverse; null: the body at rest. The view gets the path of the scene,
 /// too.
 const Pose* SceneRun::posed_for(SceneView& view, int step) {
@@ -229,7 +293,9 @@ const Pose* SceneRun::posed_for(SceneView& view, int step) {
   if (view.deformed) {
     view.path.insert(view.path.begin(), m_scene.path.begin(), m_scene.path.end());
     if (!has_own) return &seen(step);
-    m_own = send_along(view.path, deformed(step), m_console);
+    deformed(step);
+    m_own = is_all_that_reads(view) ? send_along(view.path, take_deformed(), m_console)
+                                    : send_along(view.path, m_deformed, m_console);
     return &*m_own;
   }
   take_state(step);

@@ -7,6 +7,7 @@
 
 #include "lib/session/session.h"
 #include "tools/console/console.h"
+#include "tools/outputs/output_plan.h"
 #include "tools/outputs/outputs.h"
 #include "tools/pictures/picture_writer.h"
 #include "tools/scene/scene.h"
@@ -16,7 +17,11 @@ namespace supple::tools {
 /// The files that the scene would write, relative to `folder` (empty: as written), and all that can
 /// be known to fail before a volume is read. Missing folders are no error where the scene is a
 /// file. Throws UsageError or InputError.
-void check_scene(const Scene& scene, const std::string& folder, const GlobalOptions& global);
+OutputPlan check_scene(const Scene& scene, const std::string& folder, const GlobalOptions& global);
+
+/// Throws InputError for an output by an absolute name or by "..", which lies outside of the
+/// folder.
+void require_inside(const Scene& scene, const std::string& folder);
 
 /// Whether the steps and paths fit the volume. Throws InputError.
 void check_places(const Scene& scene, const Geometry& geometry);
@@ -30,6 +35,11 @@ class SceneRun {
   /// `tells_reactions`: the records hold what handles feel. Refers to the scene.
   SceneRun(const Scene& scene, const std::string& folder, bool tells_reactions, Console& console);
   ~SceneRun();
+
+  /// Throws InputError, with the place in the scene, where a handle or a fixed voxel is no element.
+  void check_steps() const;
+  /// What the handles of a step take hold of.
+  std::vector<HandlePlace> places(const SceneStep& step) const;
 
   /// Solves and draws everything first, so that a scene that fails leaves nothing behind.
   void run();
@@ -54,6 +64,8 @@ class SceneRun {
   const Displacement& without_inverse(const SceneView& view, int step);
   const Pose* posed_for(SceneView& view, int step);
   const Pose* posed_volume_for(SceneView& view);
+  bool is_all_that_reads(const SceneView& view) const;
+  Pose take_deformed();
   void draw_views(int step);
   void write_outputs();
 

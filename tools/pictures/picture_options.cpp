@@ -37,7 +37,7 @@ PictureKind picture_kind(const std::string& path) {
 
 Fields fields(PictureOptions& options) {
   return {
-      Field("bits", options.bits, "Of a PNG: 8 or 16").range(8, 16).shown_as("8|16"),
+      Field("bits", options.bits, "Of a PNG: 8 or 16").range(8, 16).shown_as("8|16").for_slices(),
       Field("aux", options.aux,
             "Also IMAGE_depth.png, _normal.png, _offset.png (lengths in mm with a legend)")
           .one_of({"depth", "normal", "offset"})
@@ -58,9 +58,11 @@ Fields fields(PictureOptions& options) {
           .range(1, kMaxFrames)
           .otherwise(""),
       Field("sequence", options.sequence, "N pictures from rest to the deformed state")
+          .for_slices()
           .range(2, kMaxFrames)
           .otherwise(""),
       Field("fps", options.frames_per_second, "Pictures a second of a video")
+          .for_slices()
           .range(0.1, 240)
           .shown_as("F"),
   };

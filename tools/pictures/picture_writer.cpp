@@ -2,30 +2,15 @@
 
 namespace supple::tools {
 
-PendingFiles::~PendingFiles() {
-  m_files.clear();
-  std::error_code ignored;
-  while (!m_folders.empty()) {
-    std::filesystem::remove(m_folders.back(), ignored);  // unless something is in it
-    m_folders.pop_back();
-  }
-}
-
-void PendingFiles::make_folders(const std::filesystem::path& folder) {
-  if (folder.empty() || std::filesystem::exists(folder)) return;
-  make_folders(folder.parent_path());
-  if (std::filesystem::create_directory(folder)) m_folders.push_back(folder);
-}
-
 const AtomicFile& PendingFiles::add(const std::string& final_path) {
-  make_folders(std::filesystem::path(final_path).parent_path());
+  m_folders.make(std::filesystem::path(final_path).parent_path());
   return m_files.emplace_back(final_path);
 }
 
 void PendingFiles::commit() {
   for (AtomicFile& file : m_files) file.commit();
   m_files.clear();
-  m_folders.clear();
+  m_folders.keep();
 }
 
 void PictureWriter::write(const DrawnPicture& drawn) {

@@ -11,6 +11,7 @@
 #include "tools/pictures/picture_options.h"
 #include "tools/pictures/video.h"
 #include "volumes/base/atomic_file.h"
+#include "volumes/base/made_folders.h"
 
 namespace supple::tools {
 
@@ -18,7 +19,6 @@ namespace supple::tools {
 class PendingFiles {
  public:
   PendingFiles() = default;
-  ~PendingFiles();
   PendingFiles(const PendingFiles&) = delete;
   PendingFiles& operator=(const PendingFiles&) = delete;
 
@@ -27,10 +27,8 @@ class PendingFiles {
   void commit();
 
  private:
-  void make_folders(const std::filesystem::path& folder);
-
+  MadeFolders m_folders;  // outlive the files
   std::deque<AtomicFile> m_files;
-  std::deque<std::filesystem::path> m_folders;  // made, the innermost last
 };
 
 /// One picture of a view, and what its file says of it.

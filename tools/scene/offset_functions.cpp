@@ -317,6 +317,19 @@ Pose send_along(const std::vector<OffsetFunction>& functions, const Pose& moved,
   });
 }
 
+Pose send_along(const std::vector<OffsetFunction>& functions, Pose&& moved, Console& console) {
+  const SamplingPath path = to_path(functions, moved.offsets.geometry);
+  if (path.empty()) return std::move(moved);
+  return placed(functions.front(), [&] {
+    Pose sent;
+    sent.displacement = move_along(path, moved.displacement);
+    moved.displacement = {};
+    sent.offsets = follow_path(path, moved.offsets, &console);
+    moved.offsets = {};
+    return sent;
+  });
+}
+
 Pose invert_and_send_along(const State& state, const std::vector<OffsetFunction>& functions,
                            Console& console) {
   return send_along(functions, invert_state(state, &console), console);

@@ -36,6 +36,8 @@ Pose send_along(const std::vector<OffsetFunction>& functions, const Geometry& ge
                 const BrickTopology& body, Console& console);
 /// The same of a body that has moved already.
 Pose send_along(const std::vector<OffsetFunction>& functions, const Pose& moved, Console& console);
+/// The same of a pose that nothing else needs: at no time both are whole.
+Pose send_along(const std::vector<OffsetFunction>& functions, Pose&& moved, Console& console);
 /// Of a state; without functions what invert_state returns.
 Pose invert_and_send_along(const State& state, const std::vector<OffsetFunction>& functions,
                            Console& console);

@@ -1,13 +1,12 @@
 #include "tools/scene/run_step.h"
 
+#include <cmath>
+
 #include "volumes/base/text.h"
 
 namespace supple::tools {
 
-namespace {
-
-/// What a step asks of the solver, on the grid of the volume.
-StepRequest on_grid(const SceneStep& step, const Geometry& geometry) {
+StepRequest request_of(const SceneStep& step, const Geometry& geometry) {
   StepRequest request;
   for (const GivenHandle& handle : step.handles) {
     for (Drag& drag : to_drags(handle, geometry)) request.drags.push_back(std::move(drag));
@@ -26,8 +25,22 @@ StepRequest on_grid(const SceneStep& step, const Geometry& geometry) {
   return request;
 }
 
+namespace {
+
+/// A hint where the voxel would lie inside, were it a place in LPS mm.
+std::string as_millimetres(const Vec3i& voxel, const Geometry& geometry) {
+  const Vec3d index = geometry.index_from_world(Vec3d(voxel));
+  Vec3i nearest;
+  for (int a = 0; a < 3; ++a) {
+    if (!(index[a] >= -0.5 && index[a] < geometry.dims()[a] - 0.5)) return "";
+    nearest[a] = int(std::lround(index[a]));
+  }
+  return "; as LPS mm it is voxel " + to_text(nearest);
+}
+
 void require_meets_volume(const IndexBox& box, const std::string& place, const std::string& field,
-                          const Vec3i& dims) {
+                          const Geometry& geometry) {
+  const Vec3i& dims = geometry.dims();
   bool outside = false;
   for (int a = 0; a < 3; ++a) outside = outside || box.hi[a] < 0 || box.lo[a] >= dims[a];
   if (!outside) return;
@@ -35,42 +48,65 @@ void require_meets_volume(const IndexBox& box, const std::string& place, const s
   throw InputError(
       {place, field, to_text(box.lo) + (single ? "" : ":" + to_text(box.hi)),
        std::string(single ? "a voxel of the volume, " : "a box that meets the volume, ") +
-           to_text(dims)});
+           to_text(dims) + as_millimetres(box.lo, geometry)});
 }
 
 }  // namespace
 
 void check_step(const SceneStep& step, const Geometry& geometry) {
   for (const GivenHandle& handle : step.handles) {
-    if (handle.box) require_meets_volume(*handle.box, step.place, "grab", geometry.dims());
+    if (handle.box) require_meets_volume(*handle.box, step.place, "grab", geometry);
     if (step.springs && handle.push) {
       throw InputError(
           {step.place, "push", "a push handle beside springs", "handles that hold what they grab"});
     }
   }
   for (const IndexBox& box : step.fix) {
-    require_meets_volume(box, step.place, "fix", geometry.dims());
+    require_meets_volume(box, step.place, "fix", geometry);
   }
-  for (const Drag& drag : on_grid(step, geometry).drags) {
+  for (const Drag& drag : request_of(step, geometry).drags) {
     fixed_from_mm(drag.by_mm, geometry.spacing_mm());
   }
 }
 
-const StepRecord& run_step(Session& session, const SceneStep& step, bool tells_reactions,
-                           Progress* progress) {
+namespace {
+
+/// Errors of the session, which names no place, get that of the step.
+template <class Work>
+decltype(auto) placed_at(const SceneStep& step, const Work& work) {
   try {
-    for (const GivenHandle& handle : step.handles) {
-      if (handle.points) require_in_body(*handle.points, session.body());
-    }
-    for (const PointFile& file : step.fix_points) require_in_body(file, session.body());
-    StepRequest request = on_grid(step, session.geometry());
-    request.tells_reactions = tells_reactions;
-    return session.step(request, progress);
+    return work();
   } catch (const InputError& error) {
     const Problem& problem = error.problem();
     if (!problem.file.empty()) throw;
     throw InputError({step.place, problem.field, problem.found, problem.expected});
   }
+}
+
+void require_points(const SceneStep& step, const Body& body) {
+  for (const GivenHandle& handle : step.handles) {
+    if (handle.points) require_in_body(*handle.points, body);
+  }
+  for (const PointFile& file : step.fix_points) require_in_body(file, body);
+}
+
+}  // namespace
+
+void check_step(const Session& session, const SceneStep& step) {
+  placed_at(step, [&] {
+    require_points(step, session.body());
+    session.check(request_of(step, session.geometry()));
+  });
+}
+
+const StepRecord& run_step(Session& session, const SceneStep& step, bool tells_reactions,
+                           Progress* progress) {
+  return placed_at(step, [&]() -> const StepRecord& {
+    require_points(step, session.body());
+    StepRequest request = request_of(step, session.geometry());
+    request.tells_reactions = tells_reactions;
+    return session.step(request, progress);
+  });
 }
 
 }  // namespace supple::tools

@@ -10,6 +10,12 @@ namespace supple::tools {
 /// InputError.
 void check_step(const SceneStep& step, const Geometry& geometry);
 
+/// What a step asks of the solver, on the grid of the volume.
+StepRequest request_of(const SceneStep& step, const Geometry& geometry);
+
+/// Throws InputError, naming the step, for handles and fixed voxels that are no elements.
+void check_step(const Session& session, const SceneStep& step);
+
 /// Names the step in the errors of the solver. `tells_reactions`: the record holds what handles
 /// feel.
 const StepRecord& run_step(Session& session, const SceneStep& step, bool tells_reactions,

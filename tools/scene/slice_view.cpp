@@ -33,7 +33,7 @@ DensityAt density_of(const SliceSource& source) {
 
 /// Soft tissue where densities are Hounsfield units, else everything there is.
 std::pair<double, double> default_window(const DensityGrid& density) {
-  if (density.background() < -200) return {kSoftTissueLo, kSoftTissueHi};
+  if (are_hounsfield_units(density.background())) return {kSoftTissueLo, kSoftTissueHi};
   float lo = density.background(), hi = lo;
   for (std::size_t b = 0; b < density.bricks().brick_count(); ++b) {
     const auto [least, most] =
@@ -86,6 +86,9 @@ Fields fields(SliceChoice& choice) {
   return {
       Field("plane", choice.plane, "Which slices")
           .one_of({"axial", "coronal", "sagittal", "all"})
+          .also("transverse", "axial")
+          .also("transversal", "axial")
+          .also("frontal", "coronal")
           .shown_as("PLANE"),
       Field("at", choice.at, "Voxel that the slices pass through")
           .shown_as("I,J,K")

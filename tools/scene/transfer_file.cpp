@@ -1,10 +1,13 @@
 #include "tools/scene/transfer_file.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 
 #include "lib/material/toml_table.h"
+#include "tools/console/command.h"
 #include "volumes/base/error.h"
+#include "volumes/base/text.h"
 
 namespace supple::tools {
 
@@ -76,6 +79,15 @@ TransferFunction read_transfer_function(const std::string& path) {
   table.finish();
   function.validate(path);
   return function;
+}
+
+void require_preset(const std::string& option, const std::string& name) {
+  const std::vector<std::string> names = preset_names();
+  if (std::find(names.begin(), names.end(), name) != names.end()) return;
+  const std::string nearest = nearest_name(name, names);
+  throw UsageError(to_line({"", option, "'" + name + "'",
+                            nearest.empty() ? "one that supple presets lists, or a .toml file"
+                                            : "a known one: did you mean '" + nearest + "'?"}));
 }
 
 std::string to_toml(const TransferFunction& function) {

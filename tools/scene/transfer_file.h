@@ -10,6 +10,9 @@ namespace supple::tools {
 /// Throws InputError: missing or bad file, unknown key, values that TransferFunction refuses.
 TransferFunction read_transfer_function(const std::string& path);
 
+/// Throws UsageError, naming the option, where no preset has the name.
+void require_preset(const std::string& option, const std::string& name);
+
 /// What read_transfer_function() reads, exactly.
 std::string to_toml(const TransferFunction& function);
 

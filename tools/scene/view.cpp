@@ -1,5 +1,7 @@
 #include "tools/scene/view.h"
 
+#include <algorithm>
+
 #include "tools/scene/transfer_file.h"
 #include "volumes/base/error.h"
 
@@ -12,13 +14,14 @@ struct CameraPosition {
   std::optional<Vec3d> position, target, up;
   std::optional<double> fov, height;
 
-  bool is_given() const { return position || target || up || fov || height; }
+  /// Whether there is more than a named view may have.
+  bool is_given() const { return position || target || up; }
 };
 
 Fields camera_fields(CameraChoice& choice, CameraPosition& given) {
   return {
       Field("projection", choice.projection, {"perspective", "orthographic"}, "Of the rays"),
-      Field("view", choice.view, "The side that the volume is seen from").one_of(view_names()),
+      side_field(choice.view),
       Field("position", given.position, "Of the eye, in LPS mm, instead of a side"),
       Field("target", given.target, "What it looks at, in LPS mm"),
       Field("up", given.up, "Upwards in the picture, in LPS").otherwise("[0, 0, 1]"),
@@ -34,14 +37,21 @@ CameraChoice read_camera(TomlTable table) {
   CameraPosition given;
   table.read(camera_fields(choice, given));
   table.finish();
-  if (!given.is_given()) return choice;
-  if (table.has("view")) {
-    table.fail("view", "view beside position", "a named view or a position, not both");
-  }
   const bool perspective = choice.projection == Projection::perspective;
   if (perspective && given.height) table.fail("height", "height", "fov for a perspective camera");
   if (!perspective && given.fov) table.fail("fov", "fov", "height for an orthographic camera");
   Camera camera;
+  if (!given.is_given()) {
+    choice.fov_degrees = given.fov;
+    choice.height_mm = given.height;
+    camera.vertical_fov_degrees = given.fov.value_or(camera.vertical_fov_degrees);
+    camera.height_mm = given.height.value_or(camera.height_mm);
+    camera.validate(table.place());
+    return choice;
+  }
+  if (table.has("view")) {
+    table.fail("view", "view beside position", "a named view or a position, not both");
+  }
   camera.projection = choice.projection;
   camera.position_lps_mm = table.require(given.position, "position", "three numbers in LPS mm");
   camera.target_lps_mm = table.require(given.target, "target", "three numbers in LPS mm");
@@ -92,16 +102,29 @@ ClipChoice read_clip(TomlTable& table) {
   return choice;
 }
 
-/// Slices have their own place and scale.
-void refuse_beside_slice(TomlTable& table) {
-  for (const char* key :
-       {"preset", "transfer", "camera", "size", "step", "quality", "classification", "jitter",
-        "lattice", "clip", "mesh", "stereo", "aux", "turntable", "inverse", "half_offsets"}) {
-    if (table.has(key)) table.fail(key, std::string(key) + " beside slice", "one of both");
+/// Slices have their own place and scale, and nothing but their picture in common with a view in
+/// space.
+void refuse_beside_slice(const TomlTable& table, const Fields& fields) {
+  for (const std::string& key : table.keys()) {
+    const bool is_of_slices = key == "slice" || key == "path" || key == "offset" ||
+                              std::any_of(fields.begin(), fields.end(), [&](const Field& field) {
+                                return field.is_for_slices() && field.name() == key;
+                              });
+    if (!is_of_slices) table.fail(key, key + " beside slice", "one of both");
   }
 }
 
 }  // namespace
+
+Field side_field(std::string& side) {
+  return Field("view", side, "The side that the volume is seen from")
+      .one_of(view_names())
+      .also("front", "anterior")
+      .also("back", "posterior")
+      .also("top", "superior")
+      .also("bottom", "inferior")
+      .shown_as("SIDE");
+}
 
 Fields fields(Clip& clip) {
   return {
@@ -125,15 +148,19 @@ Fields fields(SceneView& view) {
             "Picture to write: .png, or .exr with depth, normals and offsets as floats")
           .required()
           .shown_as("FILE")
+          .for_slices()
           .only_in_scenes(),
       Field("preset", view.preset, "One that `supple presets` lists")
           .only_in_scenes()
           .otherwise("CT-Bone with HU, else MR-Default"),
       Field("after_step", view.after_step, "Draw after this step; 0: before the first")
           .at_least(0)
+          .for_slices()
           .only_in_scenes()
           .otherwise("the last"),
-      Field("deformed", view.deformed, "Show a state's body at rest").option("undeformed"),
+      Field("deformed", view.deformed, "Show a state's body at rest")
+          .option("undeformed")
+          .for_slices(),
       Field("inverse", view.inverse,
             "Samples of a state solve for themselves: less memory, slower"),
       Field("half_offsets", view.half_offsets,
@@ -180,12 +207,12 @@ SceneView read_view(TomlTable& table, int steps) {
     view.slice.emplace();
     slice->read(fields(*view.slice));
     slice->finish();
-    refuse_beside_slice(table);
   }
   if (view.after_step && *view.after_step > steps) {
     table.fail("after_step", std::to_string(*view.after_step), "0 to " + std::to_string(steps));
   }
   table.finish();
+  if (view.slice) refuse_beside_slice(table, fields(view));
   return view;
 }
 

@@ -18,10 +18,11 @@
 
 namespace supple::tools {
 
-/// Camera as given: a named view, or a full camera.
+/// Camera as given: a named view, which frames the volume, or a full camera.
 struct CameraChoice {
   std::string view = "anterior";
   Projection projection = Projection::perspective;
+  std::optional<double> fov_degrees, height_mm;  // of a named view, in place of its own
   std::optional<Camera> camera;
 };
 
@@ -67,6 +68,9 @@ struct SceneView {
 Fields fields(Clip& clip);
 /// Of a [[view]], but for its tables: camera, clip, light, mesh, path, slice.
 Fields fields(SceneView& view);
+
+/// The key `view` of a camera and the option of that name: a side, "front" for anterior and so on.
+Field side_field(std::string& side);
 
 /// A table [[view]] of a scene with that many steps. Throws InputError as TomlTable does.
 SceneView read_view(TomlTable& table, int steps);

@@ -1,0 +1,128 @@
+#include "tools/console/manual.h"
+
+#include "tools/console/help.h"
+#include "volumes/base/version.h"
+
+namespace supple::tools {
+
+namespace {
+
+/// Text that troff prints as it stands.
+std::string troff(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) {
+    const bool begins_line = escaped.empty() || escaped.back() == '\n';
+    if (begins_line && (c == '.' || c == '\'')) escaped += "\\&";
+    if (c == '\\') {
+      escaped += "\\e";
+    } else if (c == '-') {
+      escaped += "\\-";
+    } else {
+      escaped += c;
+    }
+  }
+  return escaped;
+}
+
+std::string usage_of(const CLI::Option& option) {
+  const bool is_positional = option.get_positional();
+  const std::string name = option.get_name(is_positional, !is_positional);
+  const std::string value = option.get_option_text();
+  return "\\fB" + troff(name) + "\\fR" + (value.empty() ? "" : " \\fI" + troff(value) + "\\fR");
+}
+
+std::string options_of(const std::vector<const CLI::Option*>& options) {
+  std::string text;
+  for (const CLI::Option* option : options) {
+    text += ".TP\n" + usage_of(*option) + "\n" + troff(option->get_description()) + "\n";
+  }
+  return text;
+}
+
+std::vector<const CLI::App*> commands_of(const CLI::App& program) {
+  return program.get_subcommands([](const CLI::App*) { return true; });
+}
+
+std::vector<const CLI::Option*> own_options(const CLI::App& app) {
+  return app.get_options([&](const CLI::Option* option) {
+    return !option->get_group().empty() && option != app.get_help_ptr();
+  });
+}
+
+/// "a|b|c" of an option that takes one of these words; empty for other values.
+std::string words_of(const CLI::Option& option) {
+  const std::string value = option.get_option_text();
+  const bool is_list = value.find('|') != std::string::npos &&
+                       value.find_first_of("[],:. ") == std::string::npos &&
+                       value.find_first_of("ABCDEFGHIJKLMNOPQRSTUVWXYZ") == std::string::npos;
+  std::string words = is_list ? value : "";
+  for (char& c : words) c = c == '|' ? ' ' : c;
+  return words;
+}
+
+std::string dashed_names(const std::vector<const CLI::Option*>& options) {
+  std::string names;
+  for (const CLI::Option* option : options) {
+    for (const std::string& name : option->get_snames()) names += " -" + name;
+    for (const std::string& name : option->get_lnames()) names += " --" + name;
+  }
+  return names.empty() ? names : names.substr(1);
+}
+
+}  // namespace
+
+std::string manual_page(const CLI::App& program) {
+  std::string text = std::string(".TH SUPPLE 1 \"\" \"supple ") + kVersion + "\"\n.SH NAME\n" +
+                     "supple \\- " + troff(program.get_description()) +
+                     "\n.SH SYNOPSIS\n.B supple\n.I command\n[options]\n.SH OPTIONS\n" +
+                     options_of(own_options(program)) + ".SH COMMANDS\n";
+  for (const CLI::App* command : commands_of(program)) {
+    text += ".SS " + troff(command->get_name()) + "\n" + troff(command->get_description()) + "\n" +
+            options_of(own_options(*command)) + ".PP\n.nf\n" + troff(command->get_footer()) +
+            "\n.fi\n";
+  }
+  return text + ".SH NOTES\n.nf\n" + troff(program.get_footer()) + "\n.fi\n";
+}
+
+std::string bash_completion(const CLI::App& program) {
+  std::string names, cases;
+  for (const CLI::App* command : commands_of(program)) {
+    names += (names.empty() ? "" : " ") + command->get_name();
+    const std::vector<const CLI::Option*> options = shown_options(*command);
+    cases += "    " + command->get_name() + ")\n      options=\"" + dashed_names(options) + "\"\n";
+    std::string values;
+    for (const CLI::Option* option : options) {
+      const std::string words = words_of(*option);
+      if (words.empty()) continue;
+      for (const std::string& name : option->get_lnames()) {
+        values += "        --" + name + ") words=\"" + words + "\" ;;\n";
+      }
+    }
+    if (!values.empty()) cases += "      case \"$previous\" in\n" + values + "      esac\n";
+    cases += "      ;;\n";
+  }
+  return "# bash completion of supple, made by `supple help --completion`.\n"
+         "_supple() {\n"
+         "  local current=\"${COMP_WORDS[COMP_CWORD]}\" previous=\"${COMP_WORDS[COMP_CWORD-1]}\"\n"
+         "  local options=\"" +
+         dashed_names(shown_options(program)) +
+         "\" words=\"\"\n"
+         "  if [[ $COMP_CWORD -eq 1 && $current != -* ]]; then\n"
+         "    COMPREPLY=($(compgen -W \"" +
+         names +
+         "\" -- \"$current\"))\n    return\n  fi\n"
+         "  case \"${COMP_WORDS[1]}\" in\n" +
+         cases +
+         "  esac\n"
+         "  if [[ -n $words ]]; then\n"
+         "    COMPREPLY=($(compgen -W \"$words\" -- \"$current\"))\n"
+         "  elif [[ $current == -* ]]; then\n"
+         "    COMPREPLY=($(compgen -W \"$options\" -- \"$current\"))\n"
+         "  else\n"
+         "    COMPREPLY=($(compgen -f -- \"$current\"))\n"
+         "  fi\n"
+         "}\n"
+         "complete -o filenames -F _supple supple\n";
+}
+
+}  // namespace supple::tools
