@@ -15,6 +15,7 @@ constexpr double kNewtonPerMillinewton = 1e-3;
 
 SpringStepReport& SpringStepReport::operator+=(const SpringStepReport& next) {
   substeps += next.substeps;
+  halvings += next.halvings;
   iterations += next.iterations;
   residual_mn = std::max(residual_mn, next.residual_mn);
   contacts += next.contacts;
@@ -30,7 +31,7 @@ SpringIntegrator::SpringIntegrator(SpringSystem& system)
   m_reactions_n.assign(system.held.size(), Vec3d(0.0));
 }
 
-SpringStepReport SpringIntegrator::step(double dt_s) {
+SpringStepReport SpringIntegrator::step(double dt_s, const Progress* progress) {
   if (!(dt_s > 0) || !std::isfinite(dt_s)) {
     throw InputError({"", "time step", number_text(dt_s) + " s", "above 0 s"});
   }
@@ -47,11 +48,31 @@ SpringStepReport SpringIntegrator::step(double dt_s) {
     const Vec3d change = m_held_velocity[n] - m_system.velocity_mm_s[node];
     m_reactions_n[n] = change * (-m_system.mass_kg[node] / dt_s * kNewtonPerMillinewton);
   }
-  const ContactReport before = leave_shapes(m_system.colliders, m_is_held, m_system.pos_mm);
-  SpringStepReport report = advance(dt_s);
-  if (m_system.colliders.empty()) return report;
-  report.contacts += before.contacts;
-  return report;
+  m_first_pos = m_system.pos_mm;
+  m_first_velocity = m_system.velocity_mm_s;
+  m_first_reactions_n = m_reactions_n;
+  m_progress = progress;
+  try {
+    const ContactReport before = begin_again();
+    SpringStepReport report = advance(dt_s);
+    report.contacts += before.contacts;
+    return report;
+  } catch (...) {
+    m_system.pos_mm = m_first_pos;
+    m_system.velocity_mm_s = m_first_velocity;
+    throw;
+  }
+}
+
+void SpringIntegrator::poll() const {
+  if (m_progress != nullptr && m_progress->cancelled()) throw Cancelled();
+}
+
+ContactReport SpringIntegrator::begin_again() {
+  m_system.pos_mm = m_first_pos;
+  m_system.velocity_mm_s = m_first_velocity;
+  m_reactions_n = m_first_reactions_n;
+  return leave_shapes(m_system.colliders, m_is_held, m_system.pos_mm);
 }
 
 void SpringIntegrator::place_held(double part) {
@@ -82,7 +103,7 @@ SpringStepReport run_steps(SpringIntegrator& integrator, double dt_s, int count,
   SpringStepReport sum;
   for (int n = 0; n < count; ++n) {
     report(progress, double(n) / count);
-    sum += integrator.step(dt_s);
+    sum += integrator.step(dt_s, progress);
   }
   return sum;
 }

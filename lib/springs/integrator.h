@@ -21,6 +21,7 @@ namespace supple {
 
 struct SpringStepReport {
   int substeps = 0;
+  int halvings = 0;           // times that the energy guard halved the substep
   int iterations = 0;         // Newton steps, sweeps or back-solves, all substeps together
   double residual_mn = 0;     // what a solver left of the largest force on a node; implicit ones
   int contacts = 0;           // nodes that touched a shape, summed over substeps
@@ -42,8 +43,9 @@ class SpringIntegrator {
   SpringIntegrator& operator=(const SpringIntegrator&) = delete;
 
   /// One step of dt_s seconds. Held nodes move to their targets at constant speed, and stand still
-  /// when these stay. Throws InputError when dt is not positive or not finite.
-  SpringStepReport step(double dt_s);
+  /// when these stay. Throws InputError when dt is not positive or not finite, and Cancelled when
+  /// `progress` cancels: whatever is thrown, the system is as it was before the step.
+  SpringStepReport step(double dt_s, const Progress* progress = nullptr);
 
   /// The force with which the body pulls at each held node's holder, in N, in the order of
   /// SpringSystem::held: springs, damping and weight less inertia, mean over the last step.
@@ -53,6 +55,12 @@ class SpringIntegrator {
  protected:
   /// One step without the common part: held nodes and reactions.
   virtual SpringStepReport advance(double dt_s) = 0;
+
+  /// Throws Cancelled when the user asked to stop; to be called every few milliseconds.
+  void poll() const;
+  const Progress* progress() const { return m_progress; }
+  /// Positions, velocities and reactions as at the start of this step, nodes inside shapes put out.
+  ContactReport begin_again();
 
   /// Where held nodes are and how fast at `part` (0…1) of the present step.
   void place_held(double part);
@@ -67,6 +75,8 @@ class SpringIntegrator {
  private:
   std::vector<Vec3d> m_reactions_n;
   std::vector<Vec3d> m_held_start, m_held_velocity;
+  std::vector<Vec3d> m_first_pos, m_first_velocity, m_first_reactions_n;  // of this step
+  const Progress* m_progress = nullptr;
 };
 
 /// Steps until `count` are done or `progress` cancels (throws Cancelled, between two steps); the

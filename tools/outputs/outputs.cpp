@@ -259,6 +259,7 @@ nlohmann::ordered_json to_json(const SpringRecord& record) {
   if (record.residual_mn) json["residual_mn"] = *record.residual_mn;
   if (record.motion) {
     json["substeps"] = record.motion->substeps;
+    json["halvings"] = record.motion->halvings;
     json["iterations"] = record.motion->iterations;
     json["contacts"] = record.motion->contacts;
     json["penetration_mm"] = record.motion->penetration_mm;
