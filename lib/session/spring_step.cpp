@@ -85,8 +85,7 @@ Fields fields(SpringStep& step) {
           .unit("s")
           .positive()
           .recorded_as("step_s"),
-      Field("integrator", motion.method, spring_method_names(), "Integrator of the motion")
-          .otherwise("implicit; with contact xpbd"),
+      Field("integrator", motion.method, spring_method_names(), "Integrator of the motion"),
       Field("mass_damping", step.mass_damping_per_s, "Rayleigh's alpha")
           .unit("1/s")
           .at_least(0)

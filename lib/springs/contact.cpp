@@ -132,24 +132,55 @@ SurfaceDistance distance_to(const Shape& shape, const Vec3d& pos_mm) {
   return std::visit([&](const auto& s) { return distance_of(s, pos_mm); }, shape);
 }
 
+double depth_in(const Collider& collider, const Vec3d& pos_mm, Vec3d& normal) {
+  if (is_clear(collider, pos_mm)) return -1;
+  const SurfaceDistance surface = distance_to(collider.shape, pos_mm);
+  normal = surface.normal;
+  return collider.thickness_mm - surface.distance_mm;
+}
+
+Vec3d after_friction(const Collider& collider, const Vec3d& normal, double depth_mm,
+                     const Vec3d& start_mm, double dt_s, const Vec3d& pos_mm) {
+  if (collider.friction == 0) return pos_mm;
+  const Vec3d moved = pos_mm - start_mm - collider.velocity_mm_s * dt_s;
+  const Vec3d slip = moved - normal * normal.dot(moved);
+  const double length = slip.length();
+  if (length == 0) return pos_mm;
+  return pos_mm - slip * std::min(1.0, collider.friction * depth_mm / length);
+}
+
+std::vector<PressedNode> take_pressure(const std::vector<Collider>& colliders,
+                                       const std::vector<char>& is_held,
+                                       const std::vector<Vec3d>& pos_mm,
+                                       std::vector<Vec3d>& force_mn) {
+  constexpr double kTouchMm = 1e-6;
+  std::vector<PressedNode> pressed;
+  for (std::size_t n = 0; n < pos_mm.size() && !colliders.empty(); ++n) {
+    if (is_held[n]) continue;
+    for (std::size_t c = 0; c < colliders.size(); ++c) {
+      Vec3d normal(0.0);
+      if (depth_in(colliders[c], pos_mm[n], normal) < -kTouchMm) continue;
+      const double outwards = force_mn[n].dot(normal);
+      if (outwards >= 0) continue;
+      pressed.push_back({int(n), int(c), normal, -outwards});
+      force_mn[n] -= normal * outwards;
+    }
+  }
+  return pressed;
+}
+
 double push_out(const std::vector<Collider>& colliders, const Vec3d& start_mm, double dt_s,
                 Vec3d& pos_mm, bool& touched) {
   double left = 0;
   for (int round = 0; round < kRounds; ++round) {
     left = 0;
     for (const Collider& collider : colliders) {
-      if (is_clear(collider, pos_mm)) continue;
-      const SurfaceDistance surface = distance_to(collider.shape, pos_mm);
-      const double depth = collider.thickness_mm - surface.distance_mm;
+      Vec3d normal(0.0);
+      const double depth = depth_in(collider, pos_mm, normal);
       if (depth <= 0) continue;
       left = std::max(left, depth);
-      pos_mm += surface.normal * depth;
       touched = true;
-      if (collider.friction == 0) continue;
-      const Vec3d moved = pos_mm - start_mm - collider.velocity_mm_s * dt_s;
-      const Vec3d slip = moved - surface.normal * surface.normal.dot(moved);
-      const double length = slip.length();
-      if (length > 0) pos_mm -= slip * std::min(1.0, collider.friction * depth / length);
+      pos_mm = after_friction(collider, normal, depth, start_mm, dt_s, pos_mm + normal * depth);
     }
     if (left <= kToleranceMm) return 0;
   }

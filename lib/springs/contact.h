@@ -67,6 +67,28 @@ struct SurfaceDistance {
 };
 SurfaceDistance distance_to(const Shape& shape, const Vec3d& pos_mm);
 
+/// How deep a point lies in the shape and the distance that it keeps, and the direction out; below
+/// 0 outside, where it may stand for anything farther than a millimetre.
+double depth_in(const Collider& collider, const Vec3d& pos_mm, Vec3d& normal);
+
+/// A point after friction took back its slip along the surface, up to mu times the depth to which
+/// nothing but the surface kept it from going.
+Vec3d after_friction(const Collider& collider, const Vec3d& normal, double depth_mm,
+                     const Vec3d& start_mm, double dt_s, const Vec3d& pos_mm);
+
+/// A node on the surface of a shape, and the force with which something presses it in.
+struct PressedNode {
+  int node, collider;
+  Vec3d normal;  // out of the shape
+  double force_mn;
+};
+/// Those of the free nodes that touch a shape and whose force points into it, which loses that
+/// part.
+std::vector<PressedNode> take_pressure(const std::vector<Collider>& colliders,
+                                       const std::vector<char>& is_held,
+                                       const std::vector<Vec3d>& pos_mm,
+                                       std::vector<Vec3d>& force_mn);
+
 struct ContactReport {
   int contacts = 0;           // nodes that were moved out
   double penetration_mm = 0;  // deepest that is left, where shapes overlap

@@ -11,6 +11,12 @@ namespace supple {
 
 namespace {
 
+double largest_of(const std::vector<Vec3d>& vectors) {
+  double largest2 = 0;
+  for (const Vec3d& v : vectors) largest2 = std::max(largest2, v.length2());
+  return std::sqrt(largest2);
+}
+
 /// Damping force between the ends of a spring per direction at the start, in mN; 0 without one.
 struct DampedSpring {
   Vec3d along{0, 0, 0};
@@ -29,12 +35,24 @@ DampedSpring damped(const Spring& s, const std::vector<Vec3d>& start,
 
 ImplicitEuler::ImplicitEuler(SpringSystem& system, const Params& params)
     : SpringIntegrator(system), m_params(params), m_matrix(system, m_is_held) {
-  if (params.newton_steps < 1 || !(params.tolerance_mn >= 0) || !(params.relative_tolerance >= 0)) {
+  if (params.newton_steps < 1 || params.newton_steps_contact < 1 || !(params.tolerance_mn >= 0) ||
+      !(params.relative_tolerance >= 0)) {
     throw InputError({"", "implicit Euler",
                       std::to_string(params.newton_steps) + " Newton steps, tolerances " +
                           number_text(params.tolerance_mn) + " mN and " +
                           number_text(params.relative_tolerance),
                       "at least one step, tolerances of at least 0"});
+  }
+}
+
+/// Friction as the impulse that belongs to the pressure, no larger than stops the slip.
+void ImplicitEuler::rub(double dt_s) {
+  for (const PressedNode& p : m_pressed) {
+    const double inertia =
+        m_system.mass_kg[p.node] * (1 / (dt_s * dt_s) + m_system.mass_damping_per_s / dt_s);
+    m_system.pos_mm[p.node] =
+        after_friction(m_system.colliders[p.collider], p.normal, p.force_mn / inertia,
+                       m_start[p.node], dt_s, m_system.pos_mm[p.node]);
   }
 }
 
@@ -48,7 +66,6 @@ double ImplicitEuler::descent(double dt_s, SpringStepReport& report) {
     m_force[s.a] += pull;
     m_force[s.b] -= pull;
   }
-  double largest2 = 0;
   m_step = m_force;
   for (std::size_t n = 0; n < m_system.node_count(); ++n) {
     const Vec3d moved = m_system.pos_mm[n] - m_start[n];
@@ -56,9 +73,10 @@ double ImplicitEuler::descent(double dt_s, SpringStepReport& report) {
     m_force[n] -= slow;
     const Vec3d inertia = (moved / dt_s - m_start_velocity[n]) * (m_system.mass_kg[n] / dt_s);
     m_step[n] = m_is_held[n] ? Vec3d(0.0) : m_force[n] - inertia;
-    largest2 = std::max(largest2, m_step[n].length2());
   }
-  return std::sqrt(largest2);
+  const double largest = largest_of(m_step);
+  m_pressed = take_pressure(m_system.colliders, m_is_held, m_system.pos_mm, m_step);
+  return largest;
 }
 
 double ImplicitEuler::potential(double dt_s) const {
@@ -85,18 +103,21 @@ double ImplicitEuler::potential(double dt_s) const {
 }
 
 SpringStepReport ImplicitEuler::advance(double dt_s) {
-  constexpr int kHalvings = 12;
+  constexpr int kHalvings = 20;
   SpringStepReport report;
   report.substeps = 1;
   m_start = m_system.pos_mm;
   m_start_velocity = m_system.velocity_mm_s;
   place_held(1);
-  double residual = descent(dt_s, report);
-  const double tolerance = std::max(m_params.tolerance_mn, m_params.relative_tolerance * residual);
+  const bool has_contact = !m_system.colliders.empty();
+  const int most_steps = has_contact ? m_params.newton_steps_contact : m_params.newton_steps;
+  const double largest = descent(dt_s, report);
+  const double tolerance = std::max(m_params.tolerance_mn, m_params.relative_tolerance * largest);
+  double residual = largest_of(m_step);
   const double mass_factor = 1 / (dt_s * dt_s) + m_system.mass_damping_per_s / dt_s;
   double phi = potential(dt_s);
-  while (report.iterations < m_params.newton_steps && residual > tolerance) {
-    if (!m_matrix.factorise(m_system, mass_factor, 1 / dt_s, m_start)) {
+  while (report.iterations < most_steps && residual > tolerance) {
+    if (!m_matrix.factorise(m_system, mass_factor, 1 / dt_s, m_start, m_pressed)) {
       throw InputError({"", "implicit Euler", "a matrix that is not positive definite",
                         "masses and stiffnesses whose ratio a double can hold"});
     }
@@ -107,6 +128,7 @@ SpringStepReport ImplicitEuler::advance(double dt_s) {
       for (std::size_t n = 0; n < m_step.size(); ++n) {
         m_system.pos_mm[n] = m_before[n] + m_step[n] * part;
       }
+      leave_shapes(m_system.colliders, m_is_held, m_system.pos_mm);
       lower = potential(dt_s);
       if (lower <= phi) break;
     }
@@ -116,16 +138,21 @@ SpringStepReport ImplicitEuler::advance(double dt_s) {
       break;
     }
     phi = lower;
-    residual = descent(dt_s, report);
+    descent(dt_s, report);
+    residual = largest_of(m_step);
   }
   report.residual_mn = residual;
+  rub(dt_s);
   for (std::size_t n = 0; n < m_step.size(); ++n) {
     if (!m_is_held[n]) {
       m_system.velocity_mm_s[n] = (m_system.pos_mm[n] - m_start[n]) / dt_s;
     }
   }
   add_reactions(m_force, 1);
-  end_contacts(m_start, dt_s, report);
+  SpringStepReport touched;
+  end_contacts(m_start, dt_s, touched);
+  report.contacts += std::max(touched.contacts, int(m_pressed.size()));
+  report.penetration_mm = touched.penetration_mm;
   return report;
 }
 

@@ -5,6 +5,12 @@
 // method of Baraff and Witkin (Large steps in cloth simulation, 1998). Stable for any step; damps
 // what is faster than the step. n_0 are the springs' directions at the start, so that damping never
 // adds energy.
+//
+// Shapes bound the minimum: nodes on a surface that the forces press into it are fixed along its
+// normal within a Newton step, and every trial of the line search is projected out of the shapes
+// (D. Bertsekas, Projected Newton methods for optimization problems with simple constraints, 1982).
+// So their neighbours feel what they cannot do. Friction takes back slip at the end of the step, as
+// the impulse that belongs to the pressure.
 #pragma once
 
 #include "lib/springs/integrator.h"
@@ -15,7 +21,8 @@ namespace supple {
 class ImplicitEuler final : public SpringIntegrator {
  public:
   struct Params {
-    int newton_steps = 2;  // at most; 1: linearised
+    int newton_steps = 2;           // at most; 1: linearised
+    int newton_steps_contact = 20;  // the same where there are shapes
     /// Newton ends below this part of the largest force (inertia included) at the step's start, or
     /// below so many mN.
     double relative_tolerance = 1e-3;
@@ -29,13 +36,16 @@ class ImplicitEuler final : public SpringIntegrator {
 
  private:
   SpringStepReport advance(double dt_s) override;
-  /// -grad Phi in mN, 0 at held nodes; returns its largest length.
+  /// -grad Phi in mN, 0 at held nodes and without the pressure on shapes; returns its largest
+  /// length with that.
   double descent(double dt_s, SpringStepReport& report);
   double potential(double dt_s) const;
+  void rub(double dt_s);
 
   Params m_params;
   SpringMatrix m_matrix;
   std::vector<Vec3d> m_start, m_start_velocity, m_force, m_step, m_before;
+  std::vector<PressedNode> m_pressed;  // at the present positions
 };
 
 }  // namespace supple

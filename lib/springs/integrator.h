@@ -5,7 +5,7 @@
 // |--------------------|---------------------|--------------------|------------------------|
 // | SymplecticEuler    | dt below a limit    | energy, on average | springs, per substep   |
 // | ImplicitEuler      | any dt              | momentum; damps    | a sparse LDLT or CG    |
-// | Xpbd               | any dt              | momentum; damps    | sweeps over springs    |
+// | Xpbd               | any dt              | momentum; damps    | sweeps, per substep    |
 // | ProjectiveDynamics | any dt              | momentum; damps    | back-solves            |
 //
 // All are of order 1 and end a step with pos = start + dt * velocity. Everything runs on one thread

@@ -9,6 +9,7 @@ namespace {
 
 constexpr std::size_t kMaxDirectRows = 20000;
 constexpr double kMaxProducts = 2e7;
+constexpr double kFixing = 1e6;  // of a pressed node along its normal, beside its own stiffness
 
 double dot(const std::vector<Vec3d>& a, const std::vector<Vec3d>& b) {
   double sum = 0;
@@ -65,7 +66,8 @@ SpringMatrix::SpringMatrix(const SpringSystem& system, const std::vector<char>& 
 }
 
 bool SpringMatrix::factorise(const SpringSystem& system, double mass_factor, double damping_factor,
-                             const std::vector<Vec3d>& damping_pos) {
+                             const std::vector<Vec3d>& damping_pos,
+                             const std::vector<PressedNode>& pressed) {
   m_diagonal.resize(m_pattern.node_of_row.size());
   for (std::size_t row = 0; row < m_diagonal.size(); ++row) {
     const double m = mass_factor * system.mass_kg[m_pattern.node_of_row[row]];
@@ -92,6 +94,11 @@ bool SpringMatrix::factorise(const SpringSystem& system, double mass_factor, dou
     const double length_before = std::sqrt(before.length2());
     if (length_before == 0) continue;
     add_block(place, spring_block(before / length_before, damping_factor * s.damping_n_s_m, 0));
+  }
+  for (const PressedNode& node : pressed) {
+    const int row = m_pattern.row_of_node[node.node];
+    const SymmetricBlock& own = m_diagonal[row];
+    add(m_diagonal[row], spring_block(node.normal, kFixing * (own[0] + own[1] + own[2]), 0), 1);
   }
   if (m_factors) return m_factors->factorise(m_diagonal, m_coupling);
   m_inverse_diagonal.resize(m_diagonal.size());

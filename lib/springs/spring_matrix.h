@@ -21,9 +21,11 @@ class SpringMatrix {
   SpringMatrix(const SpringSystem& system, const std::vector<char>& is_held);
 
   /// A = diag(mass_factor m) + K(pos) + damping_factor sum d n n^T, n along the springs of
-  /// `damping_pos`; then its factors. In mN/mm. False when A is not positive definite.
+  /// `damping_pos`, and pressed nodes as good as fixed along their normals; then its factors. In
+  /// mN/mm. False when A is not positive definite.
   bool factorise(const SpringSystem& system, double mass_factor, double damping_factor,
-                 const std::vector<Vec3d>& damping_pos);
+                 const std::vector<Vec3d>& damping_pos,
+                 const std::vector<PressedNode>& pressed = {});
   /// A x = b for the free nodes, in place; 0 for held ones. Conjugate gradients end at 10^-8 of
   /// |b|, or after 3,000 steps with what they have, which goes downhill in any case.
   void solve(std::vector<Vec3d>& x);

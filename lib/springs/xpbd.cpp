@@ -4,18 +4,35 @@
 #include <cmath>
 #include <string>
 
+#include "lib/springs/stability.h"
 #include "lib/springs/units.h"
 #include "volumes/base/error.h"
 
 namespace supple {
 
+namespace {
+
+constexpr int kFewestSubsteps = 8;
+
+/// The h at which h^2 omega^2 + h gamma is what four sweeps solve to 2 %.
+double longest_substep(const SpectralBounds& bounds) {
+  constexpr double kStiffness = 10;
+  const double omega2 = bounds.stiffness_1_s2, gamma = bounds.damping_1_s;
+  if (omega2 == 0) return gamma > 0 ? kStiffness / gamma : HUGE_VAL;
+  return 2 * kStiffness / (std::sqrt(gamma * gamma + 4 * kStiffness * omega2) + gamma);
+}
+
+}  // namespace
+
 Xpbd::Xpbd(SpringSystem& system, const Params& params)
-    : SpringIntegrator(system), m_params(params) {
-  if (params.substeps < 1 || params.sweeps < 2) {
+    : SpringIntegrator(system),
+      m_params(params),
+      m_longest_substep_s(longest_substep(spectral_bounds(system))) {
+  if (params.substeps < 0 || params.sweeps < 2) {
     throw InputError({"", "XPBD",
                       std::to_string(params.substeps) + " substeps of " +
                           std::to_string(params.sweeps) + " sweeps",
-                      "at least one substep of two sweeps: one sweep may gain energy"});
+                      "at least two sweeps: one sweep may gain energy"});
   }
   for (std::size_t n = 0; n < system.node_count(); ++n) {
     m_inverse_mass.push_back(m_is_held[n] ? 0 : 1 / system.mass_kg[n]);
@@ -75,16 +92,26 @@ void Xpbd::add_held_forces(double h, double weight) {
   add_reactions(m_held_push, weight);
 }
 
+int Xpbd::substeps_of(double dt_s) const {
+  if (m_params.substeps > 0) return m_params.substeps;
+  const double needed = std::ceil(dt_s / m_longest_substep_s);
+  if (needed <= m_params.max_substeps) return std::max(kFewestSubsteps, int(needed));
+  throw InputError(
+      {"", "time step", number_text(dt_s) + " s",
+       "at most " + number_text(m_params.max_substeps * m_longest_substep_s) +
+           " s, beyond which XPBD is too soft for these springs, or the integrator implicit"});
+}
+
 SpringStepReport Xpbd::advance(double dt_s) {
   SpringStepReport report;
-  report.substeps = m_params.substeps;
-  const double h = dt_s / m_params.substeps;
+  report.substeps = substeps_of(dt_s);
+  const double h = dt_s / report.substeps;
   // Mass damping taken implicitly: to forces and velocities alike masses seem larger.
   m_slowing = 1 / (1 + h * m_system.mass_damping_per_s);
   const Vec3d fall = m_system.gravity_m_s2 * (kMmPerM * h);
-  for (int substep = 0; substep < m_params.substeps; ++substep) {
+  for (int substep = 0; substep < report.substeps; ++substep) {
     m_start = m_system.pos_mm;
-    place_held(double(substep + 1) / m_params.substeps);
+    place_held(double(substep + 1) / report.substeps);
     for (std::size_t n = 0; n < m_system.node_count(); ++n) {
       if (m_is_held[n]) continue;
       m_system.velocity_mm_s[n] = (m_system.velocity_mm_s[n] + fall) * m_slowing;
@@ -104,7 +131,7 @@ SpringStepReport Xpbd::advance(double dt_s) {
     for (std::size_t n = 0; n < m_system.node_count(); ++n) {
       if (!m_is_held[n]) m_system.velocity_mm_s[n] = (m_system.pos_mm[n] - m_start[n]) / h;
     }
-    add_held_forces(h, 1.0 / m_params.substeps);
+    add_held_forces(h, 1.0 / report.substeps);
   }
   return report;
 }

@@ -190,6 +190,19 @@ TEST(UnitContact, ANodeThatLandsKeepsItsVelocityAlongTheSurfaceOnly) {
   }
 }
 
+TEST(UnitContact, ImplicitEulerHandsThePressureOfAShapeOn) {
+  // A column between a held end and a plate that comes by 1.6 of its 8 mm: at rest every spring is
+  // shorter by a fifth, and the holder feels the plate.
+  SpringSystem system = chain(5, 1e-6, 100, 2);
+  hold(system, 0);
+  system.colliders = {{PlaneShape{{6.4, 0, 0}, {-1, 0, 0}}}};
+  const std::unique_ptr<SpringIntegrator> integrator = integrator_of(1, system);
+  const SpringStepReport report = integrator->step(10);
+  for (int n = 0; n < 5; ++n) EXPECT_NEAR(system.pos_mm[n].x, 1.6 * n, 1e-3) << n;
+  EXPECT_NEAR(integrator->reactions_n()[0].x, -100 * 0.4 * 1e-3, 4e-5);
+  EXPECT_EQ(report.contacts, 2);  // put out as the step began, and pressed at its end
+}
+
 TEST(UnitContact, ABeltTakesAlongWhatLiesOnIt) {
   for (int kind = 0; kind < 4; ++kind) {
     SpringSystem system = oscillator(1e-3, 0, 0, 5, 0);

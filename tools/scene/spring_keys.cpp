@@ -106,8 +106,6 @@ void read_contact(TomlTable& table, SpringStep& step) {
 
 SpringStep read_spring_step(TomlTable& table) {
   SpringStep step;
-  // The others solve a step as if there were no shapes, and move nodes out afterwards.
-  if (table.has("contact")) step.motion.method = SpringMethod::xpbd;
   table.read(fields(step));
   for (const std::string& key : idle_fields(step)) {
     if (!table.has(key) || key == "minimise") continue;
