@@ -14,7 +14,7 @@ class MeshEcmModel final : public Model<MeshHandle> {
   MeshEcmModel(const HeldMesh& held, const MeshLimits& limits);
 
   void move(const std::vector<MeshHandle>& handles, int steps, Progress* progress) override;
-  bool step() override { return false; }
+  bool step(const Progress* = nullptr) override { return false; }
   /// It knows limits only: no energy, and no force at any handle.
   ModelEnergy energy() override { return {}; }
   std::vector<Reaction> reactions(const std::vector<MeshHandle>& handles) override {

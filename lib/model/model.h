@@ -44,8 +44,9 @@ class Model {
   /// does: a handle without nodes, held twice, beyond the range. Nothing has moved then.
   virtual void move(const std::vector<Handle>& handles, int steps, Progress* progress) = 0;
   /// One pass, or one step of time. False when the body has come to rest by the model's own
-  /// measure: further steps change nothing.
-  virtual bool step() = 0;
+  /// measure: further steps change nothing. When `progress` cancels, long steps throw Cancelled,
+  /// the body as it was before them.
+  virtual bool step(const Progress* progress = nullptr) = 0;
   /// Of the body as it is now.
   virtual ModelEnergy energy() = 0;
   /// The forces at these handles, now or in the last step of time, in their order; wherever they
@@ -56,14 +57,14 @@ class Model {
 };
 
 /// Up to so many steps, fewer where the body comes to rest, then store(); returns how many. When
-/// `progress` cancels, between two steps, the state is stored and Cancelled thrown.
+/// `progress` cancels, the state after the last finished step is stored and Cancelled thrown.
 template <class Handle>
 int run_model(Model<Handle>& model, int steps, Progress* progress = nullptr) {
   int done = 0;
   try {
     for (bool moves = true; moves && done < steps; ++done) {
       report(progress, double(done) / steps);
-      moves = model.step();
+      moves = model.step(progress);
     }
   } catch (const Cancelled&) {
     model.store();

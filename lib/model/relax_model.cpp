@@ -1,5 +1,7 @@
 #include "lib/model/relax_model.h"
 
+#include <algorithm>
+
 #include "lib/model/quasi_static.h"
 #include "lib/relax/plastic_flow.h"
 
@@ -40,13 +42,22 @@ void RelaxModel::move(const std::vector<Handle>& handles, int, Progress* progres
   begin();
 }
 
-bool RelaxModel::step() {
+bool RelaxModel::step(const Progress*) {
   m_energy_before_flow.reset();
   m_report.largest_step_voxels = m_relaxation->pass();
   if (m_report.passes == 0) m_report.energy_before = m_relaxation->energy_before_pass();
   ++m_report.passes;
-  m_report.converged = m_report.largest_step_voxels <= m_params.tolerance_voxels;
-  return !m_report.converged;
+  m_report.converged = m_report.largest_step_voxels <= m_params.tolerance_voxels && forces_agree();
+  return !m_report.converged && m_report.largest_step_voxels > 0;
+}
+
+/// Whether the energy is as good as the least by the forces that are left.
+bool RelaxModel::forces_agree() {
+  constexpr double kPart = 0.01, kPartOfStart = 1e-6;
+  m_report.energy_excess = m_relaxation->excess();
+  if (!m_report.energy_excess) return true;
+  return *m_report.energy_excess <=
+         std::max(kPart * m_relaxation->energy(), kPartOfStart * m_report.energy_before);
 }
 
 ModelEnergy RelaxModel::energy() {

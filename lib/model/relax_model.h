@@ -16,7 +16,11 @@ struct RelaxReport {
   double projected_max_voxels = 0;
   std::int64_t projected_held = 0;  // elements that are held but that it had to move
   int passes = 0;
-  bool converged = false;                      // by the tolerance, or no element can move any more
+  /// The last pass moved nothing further than the tolerance, and the forces that are left put the
+  /// energy within 1 % of the least, or a millionth of what it was; where volume is conserved, the
+  /// step alone.
+  bool converged = false;
+  std::optional<double> energy_excess;         // uJ, at most so far above the least; when looked at
   double energy_before = 0, energy_after = 0;  // uJ (N/m * mm^2)
   double largest_step_voxels = 0;              // of the last pass
   std::int64_t yielded_links = 0;              // whose rest stretch followed
@@ -33,8 +37,8 @@ class RelaxModel final : public Model<Handle> {
   ~RelaxModel() override;
 
   void move(const std::vector<Handle>& handles, int steps, Progress* progress) override;
-  /// False by params.tolerance_voxels, or when no element can move any more.
-  bool step() override;
+  /// False when converged, or when no element can move any more.
+  bool step(const Progress* progress = nullptr) override;
   ModelEnergy energy() override;
   std::vector<Reaction> reactions(const std::vector<Handle>& handles) override;
   /// Ends with plastic flow, where links have yielded in passes since the last store().
@@ -47,6 +51,7 @@ class RelaxModel final : public Model<Handle> {
 
  private:
   void begin();
+  bool forces_agree();
   void put();
 
   HeldBody m_held;

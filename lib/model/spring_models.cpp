@@ -22,9 +22,9 @@ std::vector<int> indices(const std::vector<Slot>& nodes) {
 }  // namespace
 
 VoxelSpringModel::VoxelSpringModel(const HeldBody& held, const LatticeSpringParams& springs,
-                                   const MotionParams& params)
+                                   const MotionParams& params, const Progress* progress)
     : m_held(held),
-      m_springs(make_springs(held.body, springs)),
+      m_springs(make_springs(held.body, springs, progress)),
       m_motion(m_springs.system, params) {
   move({}, 1, nullptr);
 }

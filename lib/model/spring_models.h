@@ -18,13 +18,13 @@ namespace supple {
 class VoxelSpringModel final : public Model<Handle> {
  public:
   /// Throws InputError as make_springs and MotionParams::validate, for an anchor without element
-  /// and for push handles that are still held: springs know no one-sided handles.
+  /// and for push handles that are still held: springs know no one-sided handles; Cancelled.
   VoxelSpringModel(const HeldBody& held, const LatticeSpringParams& springs,
-                   const MotionParams& params);
+                   const MotionParams& params, const Progress* progress = nullptr);
 
   /// Throws InputError for push handles, too.
   void move(const std::vector<Handle>& handles, int steps, Progress* progress) override;
-  bool step() override { return m_motion.step(); }
+  bool step(const Progress* progress = nullptr) override { return m_motion.step(progress); }
   ModelEnergy energy() override { return m_motion.energy(); }
   std::vector<Reaction> reactions(const std::vector<Handle>& handles) override;
   /// The same of any elements.
@@ -52,7 +52,7 @@ class MeshSpringModel final : public Model<MeshHandle> {
   /// Throws InputError as MeshEcm::drag for indices, for push handles, and for moves that are not
   /// finite.
   void move(const std::vector<MeshHandle>& handles, int steps, Progress* progress) override;
-  bool step() override { return m_motion.step(); }
+  bool step(const Progress* progress = nullptr) override { return m_motion.step(progress); }
   ModelEnergy energy() override { return m_motion.energy(); }
   std::vector<Reaction> reactions(const std::vector<MeshHandle>& handles) override;
   void store() override { give_state(m_system, m_held.body); }

@@ -93,16 +93,27 @@ void SpringMotion::drive() {
   }
 }
 
-bool SpringMotion::step() {
-  drive();
-  if (!m_params.minimise) {
-    if (!m_integrator) m_integrator = make_integrator(m_params.method, m_system);
-    m_report += m_integrator->step(m_params.step_s);
-    return true;
+bool SpringMotion::step(const Progress* progress) {
+  const int before = m_step;
+  try {
+    drive();
+    return m_params.minimise ? step_down(progress) : step_on(progress);
+  } catch (...) {
+    m_step = before;
+    throw;
   }
-  if (!m_minimiser) m_minimiser = std::make_unique<Minimiser>(m_system);
+}
+
+bool SpringMotion::step_on(const Progress* progress) {
+  if (!m_integrator) m_integrator = make_integrator(m_params.method, m_system, progress);
+  m_report += m_integrator->step(m_params.step_s, progress);
+  return true;
+}
+
+bool SpringMotion::step_down(const Progress* progress) {
+  if (!m_minimiser) m_minimiser = std::make_unique<Minimiser>(m_system, progress);
   if (m_minimiser->residual_mn() <= m_params.tolerance_mn) return false;
-  const bool descends = m_minimiser->step();
+  const bool descends = m_minimiser->step(progress);
   return descends && m_minimiser->residual_mn() > m_params.tolerance_mn;
 }
 

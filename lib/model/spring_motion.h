@@ -46,8 +46,8 @@ class SpringMotion {
   /// Holds the nodes of `still`, and those of the handles, which go evenly over the next `steps`
   /// steps, at least 1; lets all others go. Indices in any order.
   void move(const std::vector<int>& still, std::vector<DrivenNodes> handles, int steps);
-  /// False when a minimum is reached.
-  bool step();
+  /// False when a minimum is reached. Throws Cancelled, the system as it was before the step.
+  bool step(const Progress* progress = nullptr);
   ModelEnergy energy() const;
   /// Sums over the nodes of each set; those that are not held count 0. Means over the last step of
   /// time; of a minimum, and before the first step, those of the springs at rest.
@@ -58,6 +58,8 @@ class SpringMotion {
 
  private:
   void drive();
+  bool step_on(const Progress* progress);
+  bool step_down(const Progress* progress);
 
   SpringSystem& m_system;
   MotionParams m_params;

@@ -13,7 +13,7 @@ class VoxelEcmModel final : public Model<Handle> {
   explicit VoxelEcmModel(const HeldBody& held);
 
   void move(const std::vector<Handle>& handles, int steps, Progress* progress) override;
-  bool step() override { return false; }
+  bool step(const Progress* = nullptr) override { return false; }
   /// That of the springs that relaxation would find.
   ModelEnergy energy() override;
   std::vector<Reaction> reactions(const std::vector<Handle>& handles) override;

@@ -4,8 +4,10 @@
 #include <cmath>
 
 #include "lib/relax/cluster_pull.h"
+#include "lib/relax/excess_energy.h"
 #include "lib/relax/fine_offsets.h"
 #include "lib/relax/in_parallel.h"
+#include "lib/relax/stiff_clusters.h"
 
 namespace supple {
 
@@ -167,6 +169,25 @@ double CoordinateRelaxation::sweep_clusters(const Clusters& clusters, double rel
   return largest;
 }
 
+std::vector<std::uint32_t> CoordinateRelaxation::stored_bricks() const {
+  std::vector<std::uint32_t> bricks;
+  for (std::size_t b = 0; b < m_now.brick_count(); ++b) {
+    if (m_now.brick(b) != nullptr) bricks.push_back(std::uint32_t(b));
+  }
+  return bricks;
+}
+
+/// Steps stiff parts as one, the widest first; they are found anew as the relaxation spreads.
+double CoordinateRelaxation::sweep_stiff_clusters() {
+  if (m_now.stored_bricks() != m_stiff_bricks) {
+    m_stiff_bricks = m_now.stored_bricks();
+    m_stiff = find_stiff_clusters(m_body, m_table, m_elements, stored_bricks());
+  }
+  double largest = 0;
+  for (const Clusters& level : m_stiff) largest = std::max(largest, sweep_clusters(level, 1));
+  return largest;
+}
+
 /// Elements that links at their limits join within aligned blocks of 2^block_bits voxels.
 Clusters CoordinateRelaxation::find_tight_clusters(int block_bits) const {
   const auto joins = [&](int axis, Slot low, Slot high) {
@@ -208,6 +229,7 @@ double CoordinateRelaxation::pass() {
   if (m_elements.rigid.count() > 0) {
     largest = std::max(largest, sweep_clusters(m_elements.rigid, rule.relaxation));
   }
+  if (m_method == RelaxMethod::accelerated) largest = std::max(largest, sweep_stiff_clusters());
   if (m_method == RelaxMethod::accelerated && m_passes % kTightPasses == 0) {
     // Every time blocks of another size, up to the whole body.
     int levels = 1;
@@ -229,6 +251,10 @@ double CoordinateRelaxation::energy() {
   double total = 0;
   for (const double energy : m_energies) total += energy;
   return total;
+}
+
+double CoordinateRelaxation::excess() const {
+  return excess_energy(m_body, m_table, m_elements, m_now, m_at_least, m_at_most, stored_bricks());
 }
 
 void CoordinateRelaxation::store(Body& body) const {

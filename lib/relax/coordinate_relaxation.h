@@ -23,6 +23,8 @@ class CoordinateRelaxation {
   /// Sum of stiffness * stretch^2 over all links before the last pass: N/m * (2^-32 voxel)^2.
   double energy_before_pass() const { return m_energy; }
   double energy();
+  /// Twice an upper bound of how far the energy is above the least (excess_energy.h).
+  double excess() const;
   /// Offsets and their fractions to the body, which is that of the constructor.
   void store(Body& body) const;
   std::size_t bytes() const;
@@ -32,6 +34,8 @@ class CoordinateRelaxation {
   SweepOutcome sweep_one(std::size_t brick, const BrickMask& free, const SweepRule& rule,
                          double* out) const;
   double sweep_nodes(int colour, const SweepRule& rule, bool first);
+  double sweep_stiff_clusters();
+  std::vector<std::uint32_t> stored_bricks() const;
   double sweep_clusters(const Clusters& clusters, double relaxation);
   double step_of_cluster(const Clusters& clusters, std::size_t cluster, double relaxation) const;
   Clusters find_tight_clusters(int block_bits) const;
@@ -50,6 +54,8 @@ class CoordinateRelaxation {
   std::vector<char> m_changed;        // per brick, in this pass
   std::vector<char> m_is_tight;       // per brick: a link was at its limit in the last sweep
   std::vector<double> m_energies;     // per brick
+  std::vector<Clusters> m_stiff;      // of the bricks that were stored when they were found
+  std::size_t m_stiff_bricks = 0;
   double m_energy = 0;
   int m_passes = 0;
 };

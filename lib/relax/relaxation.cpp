@@ -36,7 +36,8 @@ Fields fields(RelaxParams& params) {
           .option("relax"),
       Field("method", params.method, kMethodNames,
             "plain (the thesis' pass, breaks limits), jacobi, red-black or accelerated"),
-      Field("tolerance", params.tolerance_voxels, "End when a pass moves nothing further than this")
+      Field("tolerance", params.tolerance_voxels,
+            "End when a pass moves nothing further than this, and forces agree")
           .unit("voxels")
           .at_least(0)
           .recorded_as("tolerance_voxels"),
@@ -112,6 +113,17 @@ double Relaxation::energy() {
     const auto& coordinate = m_coordinates[std::size_t(c)];
     const double mm = fine_mm(m_body, c);
     if (coordinate) total += 0.5 * coordinate->energy() * mm * mm;
+  }
+  return total;
+}
+
+std::optional<double> Relaxation::excess() const {
+  if (m_volume) return std::nullopt;
+  double total = 0;
+  for (int c = 0; c < 3; ++c) {
+    const auto& coordinate = m_coordinates[std::size_t(c)];
+    const double mm = fine_mm(m_body, c);
+    if (coordinate) total += 0.5 * coordinate->excess() * mm * mm;
   }
   return total;
 }

@@ -46,7 +46,8 @@ constexpr int kMaxPasses = 1000000;
 struct RelaxParams {
   RelaxMethod method = RelaxMethod::accelerated;
   int passes = 20;  // at most
-  /// Stops after a pass in which no element moved further, in voxels of each axis.
+  /// Stops after a pass in which no element moved further, in voxels of each axis, once the forces
+  /// that are left agree (RelaxModel).
   double tolerance_voxels = 0;
   /// Bulk modulus with which cells keep their rest volume (volume_relaxation.h); 0: they do not.
   /// Only with the methods red_black and accelerated.
@@ -79,6 +80,9 @@ class Relaxation {
   double energy_before_pass() const { return m_energy; }
   /// Energy now, in uJ; as much work as a pass.
   double energy();
+  /// An upper bound of how far the energy is above the least, in uJ, from the forces that are left
+  /// (excess_energy.h); none where volume is conserved.
+  std::optional<double> excess() const;
   /// Writes the offsets to the body: again a valid configuration, with fractions and without.
   void store();
   std::size_t bytes() const;

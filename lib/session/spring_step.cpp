@@ -52,7 +52,7 @@ SpringRecord move_by_springs(const SpringStep& step, const HeldBody& held,
   MotionParams motion = step.motion;
   const int steps = step.is_motion() ? step.motion_steps() : step.most_steps;
   if (step.is_motion()) motion.step_s = step.time_s / steps;
-  VoxelSpringModel model(held, springs_of(step, held.body), motion);
+  VoxelSpringModel model(held, springs_of(step, held.body), motion, progress);
   record.nodes = model.system().node_count();
   record.springs = model.system().springs.size();
   record.before = model.energy();

@@ -117,11 +117,12 @@ SpringStepReport ImplicitEuler::advance(double dt_s) {
   const double mass_factor = 1 / (dt_s * dt_s) + m_system.mass_damping_per_s / dt_s;
   double phi = potential(dt_s);
   while (report.iterations < most_steps && residual > tolerance) {
+    poll(progress());
     if (!m_matrix.factorise(m_system, mass_factor, 1 / dt_s, m_start, m_pressed)) {
       throw InputError({"", "implicit Euler", "a matrix that is not positive definite",
                         "masses and stiffnesses whose ratio a double can hold"});
     }
-    m_matrix.solve(m_step);
+    m_matrix.solve(m_step, progress());
     m_before = m_system.pos_mm;
     double part = 1, lower = phi;
     for (int halving = 0; halving <= kHalvings; ++halving, part /= 2) {

@@ -64,10 +64,6 @@ SpringStepReport SpringIntegrator::step(double dt_s, const Progress* progress) {
   }
 }
 
-void SpringIntegrator::poll() const {
-  if (m_progress != nullptr && m_progress->cancelled()) throw Cancelled();
-}
-
 ContactReport SpringIntegrator::begin_again() {
   m_system.pos_mm = m_first_pos;
   m_system.velocity_mm_s = m_first_velocity;

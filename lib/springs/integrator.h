@@ -56,8 +56,7 @@ class SpringIntegrator {
   /// One step without the common part: held nodes and reactions.
   virtual SpringStepReport advance(double dt_s) = 0;
 
-  /// Throws Cancelled when the user asked to stop; to be called every few milliseconds.
-  void poll() const;
+  /// Of this step, to be polled every few milliseconds.
   const Progress* progress() const { return m_progress; }
   /// Positions, velocities and reactions as at the start of this step, nodes inside shapes put out.
   ContactReport begin_again();

@@ -25,14 +25,15 @@ std::optional<SpringMethod> spring_method(const std::string& name) {
   return SpringMethod(found - names.begin());
 }
 
-std::unique_ptr<SpringIntegrator> make_integrator(SpringMethod method, SpringSystem& system) {
+std::unique_ptr<SpringIntegrator> make_integrator(SpringMethod method, SpringSystem& system,
+                                                  const Progress* progress) {
   switch (method) {
     case SpringMethod::symplectic:
-      return std::make_unique<SymplecticEuler>(system);
+      return std::make_unique<SymplecticEuler>(system, progress);
     case SpringMethod::implicit:
       return std::make_unique<ImplicitEuler>(system);
     case SpringMethod::xpbd:
-      return std::make_unique<Xpbd>(system);
+      return std::make_unique<Xpbd>(system, progress);
     default:
       return std::make_unique<ProjectiveDynamics>(system);
   }

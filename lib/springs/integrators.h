@@ -18,7 +18,8 @@ std::optional<SpringMethod> spring_method(const std::string& name);
 /// In the order of the enumerators.
 const std::vector<std::string>& spring_method_names();
 
-/// With the default parameters of its class. Throws InputError as validate(system).
-std::unique_ptr<SpringIntegrator> make_integrator(SpringMethod method, SpringSystem& system);
+/// With the default parameters of its class. Throws InputError as validate(system), and Cancelled.
+std::unique_ptr<SpringIntegrator> make_integrator(SpringMethod method, SpringSystem& system,
+                                                  const Progress* progress = nullptr);
 
 }  // namespace supple

@@ -100,8 +100,11 @@ class Builder {
     });
   }
 
-  void add_springs() {
-    for (const Slot slot : m_result.slots) {
+  void add_springs(const Progress* progress) {
+    constexpr std::size_t kElementsPerPoll = 65536;
+    for (std::size_t n = 0; n < m_result.slots.size(); ++n) {
+      if (n % kElementsPerPoll == 0) poll(progress);
+      const Slot slot = m_result.slots[n];
       for (int axis = 0; axis < 3; ++axis) {
         Slot next, beyond;
         if (!link(slot, axis, next)) continue;
@@ -209,13 +212,14 @@ int LatticeSprings::node_of(Slot slot) const {
   return at != slots.end() && *at == slot ? int(at - slots.begin()) : -1;
 }
 
-LatticeSprings make_springs(const Body& body, const LatticeSpringParams& params) {
+LatticeSprings make_springs(const Body& body, const LatticeSpringParams& params,
+                            const Progress* progress) {
   params.validate();
   LatticeSprings result;
   result.system.mass_damping_per_s = params.mass_damping_per_s;
   Builder builder(body, params, result);
   builder.add_nodes();
-  builder.add_springs();
+  builder.add_springs(progress);
   result.system.springs.shrink_to_fit();
   take_state(body, result);
   return result;

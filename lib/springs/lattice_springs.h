@@ -12,6 +12,7 @@
 #include "lib/body/body.h"
 #include "lib/body/lattice.h"
 #include "lib/springs/spring_system.h"
+#include "volumes/base/progress.h"
 
 namespace supple {
 
@@ -52,8 +53,9 @@ struct LatticeSprings {
 /// the body. A diagonal
 /// needs all four voxels and links of its square, a bending spring its middle voxel and both links:
 /// a spring never joins the sides of a cut. Throws InputError as validate(), and for an element
-/// without mass.
-LatticeSprings make_springs(const Body& body, const LatticeSpringParams& params);
+/// without mass; Cancelled.
+LatticeSprings make_springs(const Body& body, const LatticeSpringParams& params,
+                            const Progress* progress = nullptr);
 
 /// Positions, from offsets and their fractions, and velocities of the body.
 void take_state(const Body& body, LatticeSprings& springs);

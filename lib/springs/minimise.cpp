@@ -39,7 +39,8 @@ double free_forces(const SpringSystem& system, const std::vector<char>& is_held,
 
 }  // namespace
 
-Minimiser::Minimiser(SpringSystem& system) : m_system(system), m_is_held(system.node_count(), 0) {
+Minimiser::Minimiser(SpringSystem& system, const Progress* progress)
+    : m_system(system), m_is_held(system.node_count(), 0) {
   validate(system);
   for (const HeldNode& held : system.held) {
     m_is_held[held.node] = 1;
@@ -47,7 +48,7 @@ Minimiser::Minimiser(SpringSystem& system) : m_system(system), m_is_held(system.
   }
   std::fill(system.velocity_mm_s.begin(), system.velocity_mm_s.end(), Vec3d(0.0));
   m_matrix = std::make_unique<SpringMatrix>(system, m_is_held);
-  m_highest = spectral_bounds(system).stiffness_1_s2;
+  m_highest = spectral_bounds(system, progress).stiffness_1_s2;
   m_least = std::max(1e-12 * m_highest, 1e-12);
   m_mass_factor = std::max(1e-4 * m_highest, m_least);
   m_residual_mn = free_forces(system, m_is_held, m_step);
@@ -55,12 +56,13 @@ Minimiser::Minimiser(SpringSystem& system) : m_system(system), m_is_held(system.
 
 Minimiser::~Minimiser() = default;
 
-bool Minimiser::step() {
+bool Minimiser::step(const Progress* progress) {
+  poll(progress);
   if (!m_matrix->factorise(m_system, m_mass_factor, 0, m_system.pos_mm)) {
     m_mass_factor *= 16;
     return true;
   }
-  m_matrix->solve(m_step);
+  m_matrix->solve(m_step, progress);
   const bool descends = descend();
   m_residual_mn = free_forces(m_system, m_is_held, m_step);
   return descends || m_mass_factor <= 4 * m_highest;

@@ -20,11 +20,12 @@ class Minimiser {
  public:
   /// Held nodes go to their targets, all velocities become 0. The system's nodes, springs and which
   /// nodes are held must not change meanwhile. Throws InputError as validate(system).
-  explicit Minimiser(SpringSystem& system);
+  explicit Minimiser(SpringSystem& system, const Progress* progress = nullptr);
   ~Minimiser();
 
   /// Lowers the energy. False where rounding leaves no descent: further steps change nothing.
-  bool step();
+  /// Throws Cancelled, the system as it was before.
+  bool step(const Progress* progress = nullptr);
   /// Largest force that is left on a free node.
   double residual_mn() const { return m_residual_mn; }
 

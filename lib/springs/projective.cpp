@@ -111,6 +111,7 @@ SpringStepReport ProjectiveDynamics::advance(double dt_s) {
     for (int c = 0; c < 3; ++c) right(row, c) += value[c];
   };
   for (int iteration = 0; iteration < m_params.iterations; ++iteration) {
+    poll(progress());
     project_springs(dt_s);
     right.setZero();
     for (std::size_t n = 0; n < m_row.size(); ++n) add(m_row[n], m_inertia[n]);

@@ -108,13 +108,13 @@ bool SpringMatrix::factorise(const SpringSystem& system, double mass_factor, dou
   return true;
 }
 
-void SpringMatrix::solve(std::vector<Vec3d>& x) {
+void SpringMatrix::solve(std::vector<Vec3d>& x, const Progress* progress) {
   m_rows.resize(m_pattern.node_of_row.size());
   for (std::size_t row = 0; row < m_rows.size(); ++row) m_rows[row] = x[m_pattern.node_of_row[row]];
   if (m_factors) {
     m_factors->solve(m_rows);
   } else {
-    solve_by_gradients();
+    solve_by_gradients(progress);
   }
   std::fill(x.begin(), x.end(), Vec3d(0.0));
   for (std::size_t row = 0; row < m_rows.size(); ++row) x[m_pattern.node_of_row[row]] = m_rows[row];
@@ -129,7 +129,7 @@ void SpringMatrix::multiply(const std::vector<Vec3d>& x, std::vector<Vec3d>& pro
   }
 }
 
-void SpringMatrix::solve_by_gradients() {
+void SpringMatrix::solve_by_gradients(const Progress* progress) {
   constexpr int kMaxSteps = 3000;
   constexpr double kTolerance = 1e-8;
   const std::size_t rows = m_rows.size();
@@ -142,6 +142,7 @@ void SpringMatrix::solve_by_gradients() {
   double rz = dot(residual, z);
   const double enough = kTolerance * kTolerance * dot(residual, residual);
   for (int step = 0; step < kMaxSteps && dot(residual, residual) > enough; ++step) {
+    poll(progress);
     multiply(direction, product);
     const double length = rz / dot(direction, product);
     for (std::size_t n = 0; n < rows; ++n) {

@@ -12,6 +12,7 @@
 
 #include "lib/springs/block_ldlt.h"
 #include "lib/springs/spring_system.h"
+#include "volumes/base/progress.h"
 
 namespace supple {
 
@@ -27,8 +28,9 @@ class SpringMatrix {
                  const std::vector<Vec3d>& damping_pos,
                  const std::vector<PressedNode>& pressed = {});
   /// A x = b for the free nodes, in place; 0 for held ones. Conjugate gradients end at 10^-8 of
-  /// |b|, or after 3,000 steps with what they have, which goes downhill in any case.
-  void solve(std::vector<Vec3d>& x);
+  /// |b|, or after 3,000 steps with what they have, which goes downhill in any case;
+  /// they throw Cancelled.
+  void solve(std::vector<Vec3d>& x, const Progress* progress = nullptr);
 
   bool is_direct() const { return m_factors.has_value(); }
   std::size_t bytes() const;
@@ -47,7 +49,7 @@ class SpringMatrix {
   static Pattern analyse(const SpringSystem& system, const std::vector<char>& is_held);
 
   void multiply(const std::vector<Vec3d>& x, std::vector<Vec3d>& product) const;
-  void solve_by_gradients();
+  void solve_by_gradients(const Progress* progress);
 
   Pattern m_pattern;
   std::optional<BlockLdlt> m_factors;

@@ -16,7 +16,7 @@ struct Coupling {
 
 /// Upper bound of the largest eigenvalue of M^-1 (signless Laplacian of the couplings).
 double largest_eigenvalue_bound(const std::vector<Coupling>& couplings,
-                                const std::vector<double>& mass) {
+                                const std::vector<double>& mass, const Progress* progress) {
   constexpr int kMaxIterations = 1000;
   constexpr double kTolerance = 1e-3;
   std::vector<double> diagonal(mass.size(), 0), x(mass.size(), 1), ax(mass.size());
@@ -26,6 +26,7 @@ double largest_eigenvalue_bound(const std::vector<Coupling>& couplings,
   }
   double bound = HUGE_VAL;
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
+    poll(progress);
     for (std::size_t n = 0; n < mass.size(); ++n) ax[n] = diagonal[n] * x[n];
     for (const Coupling& c : couplings) {
       if (c.b < 0) continue;
@@ -51,7 +52,7 @@ double largest_eigenvalue_bound(const std::vector<Coupling>& couplings,
 
 }  // namespace
 
-SpectralBounds spectral_bounds(const SpringSystem& system) {
+SpectralBounds spectral_bounds(const SpringSystem& system, const Progress* progress) {
   std::vector<char> is_held(system.node_count(), 0);
   for (const HeldNode& held : system.held) is_held[held.node] = 1;
   std::vector<Coupling> stiffness, damping;
@@ -62,8 +63,8 @@ SpectralBounds spectral_bounds(const SpringSystem& system) {
     if (s.stiffness_n_m > 0) stiffness.push_back({a, b, s.stiffness_n_m});
     if (s.damping_n_s_m > 0) damping.push_back({a, b, s.damping_n_s_m});
   }
-  return {largest_eigenvalue_bound(stiffness, system.mass_kg),
-          largest_eigenvalue_bound(damping, system.mass_kg) + system.mass_damping_per_s};
+  return {largest_eigenvalue_bound(stiffness, system.mass_kg, progress),
+          largest_eigenvalue_bound(damping, system.mass_kg, progress) + system.mass_damping_per_s};
 }
 
 double stable_step_s(const SpectralBounds& bounds) {

@@ -10,6 +10,7 @@
 #pragma once
 
 #include "lib/springs/spring_system.h"
+#include "volumes/base/progress.h"
 
 namespace supple {
 
@@ -19,7 +20,8 @@ struct SpectralBounds {
   double stiffness_1_s2 = 0;  // of M^-1 K: omega^2
   double damping_1_s = 0;     // of M^-1 D, mass damping included
 };
-SpectralBounds spectral_bounds(const SpringSystem& system);
+/// Throws Cancelled.
+SpectralBounds spectral_bounds(const SpringSystem& system, const Progress* progress = nullptr);
 
 /// Largest stable step of symplectic Euler in s: dt^2 omega^2 + 2 dt gamma < 4; infinite when
 /// nothing moves. For an undamped mass on a spring k dt^2 / m < 4; for a wide square membrane

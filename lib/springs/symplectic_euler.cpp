@@ -22,10 +22,11 @@ double rounding_energy(const SpringSystem& system) {
 
 }  // namespace
 
-SymplecticEuler::SymplecticEuler(SpringSystem& system, const Params& params)
+SymplecticEuler::SymplecticEuler(SpringSystem& system, const Params& params,
+                                 const Progress* progress)
     : SpringIntegrator(system),
       m_params(params),
-      m_limit_s(supple::stable_step_s(spectral_bounds(system))),
+      m_limit_s(supple::stable_step_s(spectral_bounds(system, progress))),
       m_noise_uj(rounding_energy(system)) {
   if (!(params.safety > 0 && params.safety < 1) || params.max_substeps < 1 ||
       !(params.most_gain > 0)) {
@@ -116,7 +117,7 @@ SpringStepReport SymplecticEuler::run(double dt_s, double substeps) {
   const double h = dt_s / substeps;
   m_work_uj = 0;
   for (int n = 0; n < report.substeps; ++n) {
-    poll();
+    poll(progress());
     place_held(n / substeps);
     report.without_direction += forces_mn(m_system, m_force, Damping::with);
     add_reactions(m_force, 1 / substeps);

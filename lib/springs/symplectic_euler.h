@@ -25,9 +25,10 @@ class SymplecticEuler final : public SpringIntegrator {
     int max_substeps = 100000;  // more are refused
     double most_gain = 0.1;     // part of the energy that it may gain before a substep is halved
   };
-  /// Throws InputError as validate(system) and for parameters out of range.
-  SymplecticEuler(SpringSystem& system, const Params& params);
-  explicit SymplecticEuler(SpringSystem& system) : SymplecticEuler(system, Params()) {}
+  /// Throws InputError as validate(system) and for parameters out of range; Cancelled.
+  SymplecticEuler(SpringSystem& system, const Params& params, const Progress* progress = nullptr);
+  explicit SymplecticEuler(SpringSystem& system, const Progress* progress = nullptr)
+      : SymplecticEuler(system, Params(), progress) {}
 
   /// Steps must be shorter than this (stability.h), in s.
   double stable_step_s() const { return m_limit_s; }

@@ -13,6 +13,7 @@ namespace supple {
 namespace {
 
 constexpr int kFewestSubsteps = 8;
+constexpr std::size_t kSpringsPerPoll = 65536;
 
 /// The h at which h^2 omega^2 + h gamma is what four sweeps solve to 2 %.
 double longest_substep(const SpectralBounds& bounds) {
@@ -24,10 +25,10 @@ double longest_substep(const SpectralBounds& bounds) {
 
 }  // namespace
 
-Xpbd::Xpbd(SpringSystem& system, const Params& params)
+Xpbd::Xpbd(SpringSystem& system, const Params& params, const Progress* progress)
     : SpringIntegrator(system),
       m_params(params),
-      m_longest_substep_s(longest_substep(spectral_bounds(system))) {
+      m_longest_substep_s(longest_substep(spectral_bounds(system, progress))) {
   if (params.substeps < 0 || params.sweeps < 2) {
     throw InputError({"", "XPBD",
                       std::to_string(params.substeps) + " substeps of " +
@@ -64,6 +65,7 @@ void Xpbd::sweep(double h, bool forwards) {
   const std::size_t count = m_system.springs.size();
   m_without_direction = 0;
   for (std::size_t n = 0; n < count; ++n) {
+    if (n % kSpringsPerPoll == 0) poll(progress());
     m_without_direction += solve_spring(forwards ? n : count - 1 - n, h);
   }
 }

@@ -27,8 +27,9 @@ class Xpbd final : public SpringIntegrator {
     int max_substeps = 1000;  // more are refused
   };
   /// Throws InputError as validate(system), for negative substeps or less than two sweeps.
-  Xpbd(SpringSystem& system, const Params& params);
-  explicit Xpbd(SpringSystem& system) : Xpbd(system, Params()) {}
+  Xpbd(SpringSystem& system, const Params& params, const Progress* progress = nullptr);
+  explicit Xpbd(SpringSystem& system, const Progress* progress = nullptr)
+      : Xpbd(system, Params(), progress) {}
 
   /// Longest substep that four sweeps solve to 2 %, in s.
   double longest_substep_s() const { return m_longest_substep_s; }

@@ -110,6 +110,43 @@ TEST(PropertyLatticeSprings, NoSpringCrossesACutOrTheVoid) {
   EXPECT_GE(cuts, 30);
 }
 
+TEST(UnitLatticeSprings, SpringsRestWherePlasticFlowLeftEveryLinkTheyPass) {
+  Body row = soft_row(3);
+  for (const std::size_t c : {0, 1}) row.rest[0][c].resize(row.elements.brick_count());
+  const auto flow = [](Body& body, const Vec3i& voxel, int axis, int c, int by) {
+    Slot slot = 0;
+    ASSERT_TRUE(slot_of(body.elements, voxel, slot));
+    body.rest[std::size_t(axis)][std::size_t(c)].set(slot, by);
+  };
+  flow(row, {0, 0, 0}, 0, 0, kVoxel / 4);
+  flow(row, {1, 0, 0}, 0, 0, kVoxel / 2);
+  flow(row, {1, 0, 0}, 0, 1, kVoxel / 8);
+  const auto rests = [](const Body& body, const LatticeSpringParams& params) {
+    std::vector<double> found;
+    for (const Spring& s : make_springs(body, params).system.springs) found.push_back(s.rest_mm);
+    return found;
+  };
+  const std::vector<double> bending = rests(row, only(0, 0, 10));
+  ASSERT_EQ(bending.size(), 1u);
+  EXPECT_NEAR(bending[0], std::hypot(2.75, 0.125), 1e-12);
+  const std::vector<double> structural = rests(row, only(100, 0, 0));
+  ASSERT_EQ(structural.size(), 2u);
+  EXPECT_NEAR(structural[0], 1.25, 1e-12);
+  EXPECT_NEAR(structural[1], std::hypot(1.5, 0.125), 1e-12);
+  // A diagonal has the mean of both ways round.
+  Body square = body_of(soft_block({2, 2, 1}));
+  for (const std::size_t axis : {0, 1}) {
+    square.rest[axis][axis].resize(square.elements.brick_count());
+  }
+  flow(square, {0, 0, 0}, 0, 0, kVoxel / 4);
+  flow(square, {0, 1, 0}, 0, 0, kVoxel / 2);
+  flow(square, {0, 0, 0}, 1, 1, kVoxel);
+  flow(square, {1, 0, 0}, 1, 1, kVoxel / 8);
+  const std::vector<double> shear = rests(square, only(0, 50, 0));
+  ASSERT_EQ(shear.size(), 2u);
+  for (const double rest : shear) EXPECT_NEAR(rest, std::hypot(1.375, 1.5625), 1e-12);
+}
+
 TEST(UnitLatticeSprings, FactorsOfBothEndsClassesAreAveraged) {
   Block block = soft_block({2, 1, 1});
   block.density = {0, 255};

@@ -342,8 +342,10 @@ TEST(PropertyModels, InterruptedModelsHaveStoredWhatTheyDid) {
       VoxelEcmModel(scene->held()).move({{{8, 2, 1}, {3 * kVoxel, kVoxel, 0}}}, 1, nullptr);
     }
     const int steps = kind == 7 ? 2 : 7;
-    run_model(*model_of(kind, whole), steps);
     StopAfter asked(steps);
+    // Springs stop within a step and leave the one before; passes of relaxation are short.
+    const bool is_relaxation = kind == 1 || kind == 5;
+    run_model(*model_of(kind, whole), is_relaxation ? steps : steps - 1);
     EXPECT_THROW(run_model(*model_of(kind, stopped), 100, &asked), Cancelled) << kind;
     EXPECT_EQ(stopped.body.q, whole.body.q) << kind;
     EXPECT_TRUE(stopped.body.velocity_mm_s == whole.body.velocity_mm_s) << kind;

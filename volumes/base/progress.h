@@ -40,11 +40,15 @@ inline void debug(Progress* progress, const std::string& line) {
   if (progress != nullptr) progress->debug(line);
 }
 
+/// Throws Cancelled when the user asked to stop.
+inline void poll(const Progress* progress) {
+  if (progress != nullptr && progress->cancelled()) throw Cancelled();
+}
+
 /// Throws Cancelled when the user asked to stop; reports the fraction otherwise.
 inline void report(Progress* progress, double fraction) {
-  if (progress == nullptr) return;
-  if (progress->cancelled()) throw Cancelled();
-  progress->update(fraction);
+  poll(progress);
+  if (progress != nullptr) progress->update(fraction);
 }
 
 /// What a reader found or a writer could not keep, as warnings that name the file.

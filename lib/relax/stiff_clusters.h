@@ -1,0 +1,35 @@
+// Elements that stiff links join. A relaxation that steps elements one by one moves a stiff part
+// hardly at all, as each of its elements is held back by the others: passes grow with the contrast
+// of stiffness. Stepped as one it moves at the pace of what surrounds it. In one coordinate the
+// motion that costs a stiff part next to nothing is a shift, so nothing else is needed.
+#pragma once
+
+#include <vector>
+
+#include "lib/relax/clusters.h"
+#include "lib/relax/movable.h"
+
+namespace supple {
+
+/// A link this much stiffer than another counts as stiff beside it.
+constexpr double kStiffRatio = 30;
+
+/// What joins the elements that links of at least `stiffness_n_m` or rigid ones join; only those
+/// that move.
+Joins joined_from(const Body& body, const LinkTable& table, const Movable& elements,
+                  double stiffness_n_m);
+
+/// Softest and stiffest link of these bricks, in N/m; 0 and 0 without links.
+struct StiffnessRange {
+  double least = 0, most = 0;
+};
+StiffnessRange stiffness_range(const Body& body, const LinkTable& table,
+                               const std::vector<std::uint32_t>& bricks);
+
+/// One set for each factor of kStiffRatio above the softest link, the softest first; none where all
+/// links are about as stiff.
+std::vector<Clusters> find_stiff_clusters(const Body& body, const LinkTable& table,
+                                          const Movable& elements,
+                                          const std::vector<std::uint32_t>& bricks);
+
+}  // namespace supple
