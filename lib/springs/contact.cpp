@@ -65,9 +65,10 @@ SurfaceDistance distance_of(const MeshShape& s, const Vec3d& p) {
 }
 
 /// Spares most nodes the search for the nearest triangle.
-bool is_clear(const Collider& collider, const Vec3d& p) {
+bool is_clear(const Collider& collider, const Vec3d& p, double reach_mm) {
   const auto* mesh = std::get_if<MeshShape>(&collider.shape);
-  return mesh != nullptr && mesh->surface->is_farther(p - mesh->offset_mm, collider.thickness_mm);
+  return mesh != nullptr &&
+         mesh->surface->is_farther(p - mesh->offset_mm, collider.thickness_mm + reach_mm);
 }
 
 void validate_shape(const SphereShape& s) {
@@ -132,8 +133,8 @@ SurfaceDistance distance_to(const Shape& shape, const Vec3d& pos_mm) {
   return std::visit([&](const auto& s) { return distance_of(s, pos_mm); }, shape);
 }
 
-double depth_in(const Collider& collider, const Vec3d& pos_mm, Vec3d& normal) {
-  if (is_clear(collider, pos_mm)) return -1;
+double depth_in(const Collider& collider, const Vec3d& pos_mm, double reach_mm, Vec3d& normal) {
+  if (is_clear(collider, pos_mm, reach_mm)) return -1 - reach_mm;
   const SurfaceDistance surface = distance_to(collider.shape, pos_mm);
   normal = surface.normal;
   return collider.thickness_mm - surface.distance_mm;
@@ -159,7 +160,7 @@ std::vector<PressedNode> take_pressure(const std::vector<Collider>& colliders,
     if (is_held[n]) continue;
     for (std::size_t c = 0; c < colliders.size(); ++c) {
       Vec3d normal(0.0);
-      if (depth_in(colliders[c], pos_mm[n], normal) < -kTouchMm) continue;
+      if (depth_in(colliders[c], pos_mm[n], kTouchMm, normal) < -kTouchMm) continue;
       const double outwards = force_mn[n].dot(normal);
       if (outwards >= 0) continue;
       pressed.push_back({int(n), int(c), normal, -outwards});
@@ -176,7 +177,7 @@ double push_out(const std::vector<Collider>& colliders, const Vec3d& start_mm, d
     left = 0;
     for (const Collider& collider : colliders) {
       Vec3d normal(0.0);
-      const double depth = depth_in(collider, pos_mm, normal);
+      const double depth = depth_in(collider, pos_mm, 0, normal);
       if (depth <= 0) continue;
       left = std::max(left, depth);
       touched = true;

@@ -68,8 +68,8 @@ struct SurfaceDistance {
 SurfaceDistance distance_to(const Shape& shape, const Vec3d& pos_mm);
 
 /// How deep a point lies in the shape and the distance that it keeps, and the direction out; below
-/// 0 outside, where it may stand for anything farther than a millimetre.
-double depth_in(const Collider& collider, const Vec3d& pos_mm, Vec3d& normal);
+/// 0 outside, where it stands for anything farther than `reach`.
+double depth_in(const Collider& collider, const Vec3d& pos_mm, double reach_mm, Vec3d& normal);
 
 /// A point after friction took back its slip along the surface, up to mu times the depth to which
 /// nothing but the surface kept it from going.

@@ -295,7 +295,8 @@ TEST_F(UnitSpringScene, AMovingFloorTakesAlongByFriction) {
     return carried;
   };
   EXPECT_NEAR(carried_by("0"), 0, 0.1);
-  EXPECT_NEAR(carried_by("2"), 2, 0.2);
+  // The floor goes at 20 mm/s, and the ball falls by 1 mm before it is taken along.
+  EXPECT_NEAR(carried_by("2"), 2 - 20 * std::sqrt(2 / 9810.0), 0.05);
 }
 
 TEST_F(FaultSpringScene, AMinimumThatIsNotReachedIsSaid) {
