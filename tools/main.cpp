@@ -8,14 +8,11 @@
 #include <iterator>
 #include <map>
 #include <new>
-#include <optional>
-#include <thread>
-
-#include <oneapi/tbb/global_control.h>
 
 #include "tools/build_facts.h"
 #include "tools/console/command.h"
 #include "tools/console/help.h"
+#include "volumes/base/on_threads.h"
 #include "volumes/base/run_in_child.h"
 #include "volumes/base/version.h"
 
@@ -101,14 +98,11 @@ std::string named_by_option(const Problem& problem, const CLI::App& app) {
 /// Results are kept until the progress line of a terminal is gone.
 int run_command(const Command& command, const GlobalOptions& options) {
   try {
-    std::optional<tbb::global_control> threads;
-    if (options.threads > 0) {
-      threads.emplace(tbb::global_control::max_allowed_parallelism, options.threads);
-    }
     Console console(options);
     warn_of_former_options(*command.app, console);
     std::setvbuf(stdout, nullptr, _IOFBF, std::size_t(1) << 16);
-    const int exit_code = command.run(options, console);
+    const auto run = [&] { return command.run(options, console); };
+    const int exit_code = options.threads > 0 ? on_threads(options.threads, run) : run();
     console.tell_outputs();
     console.clear_line();
     if (std::fflush(stdout) != 0) throw SystemError("standard output: cannot write");

@@ -3,9 +3,9 @@
 #include <cmath>
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include "lib/body/lattice.h"
+#include "volumes/base/on_threads.h"
 
 namespace supple::test {
 
@@ -89,9 +89,8 @@ int expect_held_through(Dragged dragged, const RelaxParams& params) {
 
 void expect_same_on_any_threads(const Dragged& dragged, const RelaxParams& params) {
   Dragged one = dragged, many = dragged;
-  const auto relax_on = [&](std::size_t threads, Dragged& copy) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    return relax(copy.body, copy.anchors, copy.holds, params);
+  const auto relax_on = [&](int threads, Dragged& copy) {
+    return on_threads(threads, [&] { return relax(copy.body, copy.anchors, copy.holds, params); });
   };
   const RelaxReport first = relax_on(1, one), second = relax_on(4, many);
   EXPECT_EQ(one.body.q, many.body.q);

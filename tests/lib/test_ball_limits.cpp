@@ -1,9 +1,9 @@
 // Ball limits (thesis eq. 4.6): what holds whatever the order, and that the order matters.
 #include <gtest/gtest.h>
-#include <oneapi/tbb/global_control.h>
 
 #include "lib/chainmail/ball_limits.h"
 #include "tests/lib/test_bodies.h"
+#include "volumes/base/on_threads.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -172,10 +172,8 @@ TEST(PropertyBallLimits, TheResultIsTheSameBitsWhateverTheThreads) {
   const Vec3i voxel = block.voxel(random_element(random, block));
   std::vector<Body> bodies;
   for (const int threads : {1, 2, 3, 8}) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
-                                    std::size_t(threads));
     bodies.push_back(body_of(block));
-    drag_ball(bodies.back(), {{voxel, by_voxels(3, 2, -1)}}, {});
+    on_threads(threads, [&] { drag_ball(bodies.back(), {{voxel, by_voxels(3, 2, -1)}}, {}); });
     EXPECT_TRUE(same_offsets(bodies.back(), bodies.front())) << threads;
   }
 }

@@ -2,13 +2,12 @@
 #include <algorithm>
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
-#include <tbb/task_arena.h>
 
 #include "lib/chainmail/brick_kernel.h"
 #include "lib/chainmail/ecm.h"
 #include "lib/chainmail/reference/thesis_ecm.h"
 #include "tests/lib/test_bodies.h"
+#include "volumes/base/on_threads.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -30,10 +29,7 @@ Block shells(const Vec3i& dims, unsigned seed) {
 /// The offsets after three drags of a body, by so many threads.
 std::array<BrickValues, 3> dragged(const Body& rest, Engine engine, int threads,
                                    std::int64_t* visited = nullptr) {
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
-                                  std::size_t(threads));
-  tbb::task_arena arena(threads);
-  return arena.execute([&] {
+  return on_threads(threads, [&] {
     Body body = rest;
     EcmSolver solver(body, engine);
     const IndexBox& box = rest.elements.active_bounds();

@@ -2,13 +2,13 @@
 #include <cmath>
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include "lib/body/lattice.h"
 #include "lib/relax/reaction.h"
 #include "tests/lib/quadratic_program.h"
 #include "tests/lib/relaxed_bodies.h"
 #include "tests/support/sanitized.h"
+#include "volumes/base/on_threads.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -520,12 +520,9 @@ TEST(PropertyReaction, TheResultDoesNotDependOnTheNumberOfThreads) {
     std::vector<SlotSet> handles;
     start.holds.still.for_each(
         [&](Slot slot) { handles.push_back(SlotSet(std::vector<Slot>{slot})); });
-    const auto on_threads = [&](std::size_t threads) {
-      const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-      return reactions(start.body, handles, still_elements(start.body, start.anchors, start.holds),
-                       start.holds, 20);
-    };
-    const auto one = on_threads(1), many = on_threads(4);
+    const SlotSet still = still_elements(start.body, start.anchors, start.holds);
+    const auto found = [&] { return reactions(start.body, handles, still, start.holds, 20); };
+    const auto one = on_threads(1, found), many = on_threads(4, found);
     for (std::size_t handle = 0; handle < handles.size(); ++handle) {
       EXPECT_EQ(one[handle].force_n, many[handle].force_n);
       EXPECT_EQ(one[handle].taut, many[handle].taut);

@@ -4,12 +4,12 @@
 #include <cmath>
 
 #include <gtest/gtest.h>
-#include <oneapi/tbb/global_control.h>
 
 #include "lib/chainmail/tighten.h"
 #include "lib/relax/cell_volume.h"
 #include "tests/lib/relaxed_bodies.h"
 #include "tests/lib/test_bodies.h"
+#include "volumes/base/on_threads.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -321,10 +321,8 @@ TEST(PropertyTighten, TheResultIsTheSameBitsWhateverTheThreads) {
   const Dragged start = dragged(random, {40, 30, 20});
   std::vector<Body> bodies;
   for (const int threads : {1, 2, 3, 8}) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
-                                    std::size_t(threads));
     bodies.push_back(start.body);
-    tighten(bodies.back(), start.anchors, start.holds);
+    on_threads(threads, [&] { tighten(bodies.back(), start.anchors, start.holds); });
     EXPECT_TRUE(same_offsets(bodies.back(), bodies.front())) << threads;
   }
   EXPECT_FALSE(same_offsets(bodies.front(), start.body));

@@ -2,10 +2,10 @@
 #include <algorithm>
 
 #include <gtest/gtest.h>
-#include <oneapi/tbb/global_control.h>
 
 #include "raycast/pictures/compare.h"
 #include "tests/raycast/scenes.h"
+#include "volumes/base/on_threads.h"
 #include "volumes/field/procedural.h"
 
 namespace supple {
@@ -283,11 +283,11 @@ TEST(PropertyShadow, NeitherThreadsNorSkippingChangeThePicture) {
   TransferFunction f = surface_function();
   f.gradient_opacity = {{0, 0.2}, {80, 1}};
   const Camera camera = default_camera(geometry, 1);
-  const Image many = renderer.render(camera, f, settings);
+  const auto render = [&] { return renderer.render(camera, f, settings); };
+  const Image many = on_threads(5, render);
   settings.skip_empty_space = false;
-  EXPECT_EQ(many.rgba, renderer.render(camera, f, settings).rgba);
-  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-  EXPECT_EQ(many.rgba, renderer.render(camera, f, settings).rgba);
+  EXPECT_EQ(many.rgba, render().rgba);
+  EXPECT_EQ(many.rgba, on_threads(1, render).rgba);
 }
 
 }  // namespace

@@ -5,10 +5,10 @@
 #include <random>
 
 #include <gtest/gtest.h>
-#include <oneapi/tbb/global_control.h>
 
 #include "raycast/pictures/compare.h"
 #include "tests/raycast/scenes.h"
+#include "volumes/base/on_threads.h"
 #include "volumes/field/procedural.h"
 #include "volumes/io/format/volume_file.h"
 #include "volumes/io/load/load.h"
@@ -100,9 +100,11 @@ TEST(PropertyRender, ThePictureDoesNotDependOnTheNumberOfThreads) {
   const Geometry geometry = cube_geometry(kBodySize);
   const Renderer renderer(geometry, rough_volume());
   const Camera camera = default_camera(geometry, 1);
-  const Image many = renderer.render(camera, surface_function(), small_picture(100));
-  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-  EXPECT_EQ(many.rgba, renderer.render(camera, surface_function(), small_picture(100)).rgba);
+  const auto render = [&] {
+    return renderer.render(camera, surface_function(), small_picture(100));
+  };
+  const Image one = on_threads(1, render);
+  for (const int threads : {2, 5}) EXPECT_EQ(on_threads(threads, render).rgba, one.rgba);
 }
 
 TEST(PropertyRender, LeftHandedAndPermutedStoragesShowTheSamePicture) {

@@ -38,6 +38,21 @@ namespace {
   ::_exit(127);
 }
 
+/// The most threads that a child has at a time, until it ends.
+int most_threads(pid_t child) {
+  const std::string status = "/proc/" + std::to_string(child) + "/status";
+  const std::string key = "Threads:";
+  int most = 0;
+  for (siginfo_t ended{};; std::this_thread::sleep_for(std::chrono::milliseconds(1))) {
+    ::waitid(P_PID, id_t(child), &ended, WEXITED | WNOHANG | WNOWAIT);
+    if (ended.si_pid == child) return most;
+    std::ifstream lines(status);
+    for (std::string line; std::getline(lines, line);) {
+      if (line.rfind(key, 0) == 0) most = std::max(most, std::stoi(line.substr(key.size())));
+    }
+  }
+}
+
 }  // namespace
 
 Outcome run_program(const std::vector<std::string>& arguments, const RunOptions& options) {
@@ -50,9 +65,10 @@ Outcome run_program(const std::vector<std::string>& arguments, const RunOptions&
     std::this_thread::sleep_for(std::chrono::duration<double>(options.interrupt_after_s));
     ::kill(child, SIGINT);
   }
+  Outcome outcome;
+  if (options.count_threads) outcome.threads = most_threads(child);
   int status = 0;
   ::waitpid(child, &status, 0);
-  Outcome outcome;
   outcome.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   outcome.out = read_text(out);
   outcome.err = read_text(err);

@@ -11,6 +11,7 @@ namespace supple::test {
 struct Outcome {
   int exit_code = -1;  // 128 + signal when a signal ended the program
   std::string out, err;
+  int threads = 0;  // the most at a time, with count_threads
 };
 
 struct RunOptions {
@@ -18,6 +19,7 @@ struct RunOptions {
   long long max_file_bytes = -1;  // RLIMIT_FSIZE, stands in for a full disk
   bool as_nobody = false;         // drops root, for whom no folder is read-only
   double interrupt_after_s = -1;  // sends SIGINT then
+  bool count_threads = false;     // looks every millisecond
 };
 
 /// Runs build/…/bin/supple (environment SUPPLE_BINARY) with these arguments.

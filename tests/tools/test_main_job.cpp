@@ -75,6 +75,16 @@ TEST_F(PropertyMainJob, StateAndPictureDoNotDependOnTheNumberOfThreads) {
   EXPECT_EQ(read_text(m_folder / "t1.png"), read_text(m_folder / "t5.png"));
 }
 
+TEST_F(PropertyMainJob, AsManyThreadsWorkAsWereAskedForOnFewerCoresToo) {
+  RunOptions counted;
+  counted.count_threads = true;
+  const Outcome outcome = run_supple({"render", m_folder / "ball.nhdr", "-o", m_folder / "ball.png",
+                                      "--size", "1000,1000", "--threads", "24"},
+                                     counted);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_GE(outcome.threads, 24);  // those of libraries are counted, too
+}
+
 TEST_F(PropertyMainJob, AContinuedStateGoesOnFromWhereItWas) {
   deform("ball.nhdr", "6,0,0", "one.vdb");
   deform("one.vdb", "-6,0,0", "back.vdb");

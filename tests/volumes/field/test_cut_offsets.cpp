@@ -1,8 +1,8 @@
 // Bodies whose cuts have opened (cut_offsets.h): every place is known.
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include "tests/volumes/field/offset_fixtures.h"
+#include "volumes/base/on_threads.h"
 #include "volumes/field/cuts/cut_offsets.h"
 #include "volumes/field/dense/resample.h"
 #include "volumes/field/displacement.h"
@@ -324,9 +324,8 @@ TEST(PropertyCutOffsets, TheNumberOfThreadsDoesNotMatter) {
   const Displacement u = block.moved([&](bool left, const Vec3d&) {
     return Vec3d(random_vector(random, 0.14f)) + Vec3d(left ? -1 : 0.7, 0, 0);
   });
-  const OffsetField many = invert_cut(u, block.body);
-  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-  const OffsetField single = invert_cut(u, block.body);
+  const OffsetField many = on_threads(5, [&] { return invert_cut(u, block.body); });
+  const OffsetField single = on_threads(1, [&] { return invert_cut(u, block.body); });
   EXPECT_TRUE(equal(many.o, single.o));
   EXPECT_EQ(many.certificate.overlapped_voxels, single.certificate.overlapped_voxels);
   for (int n = 0; n < 3000; ++n) {

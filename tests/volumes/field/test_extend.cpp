@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include "tests/support/field_fixtures.h"
+#include "volumes/base/on_threads.h"
 #include "volumes/field/displacement.h"
 #include "volumes/field/ring_fill.h"
 #include "volumes/grid/voxel_sets.h"
@@ -126,9 +126,10 @@ TEST(PropertyExtend, DoesNotDependOnTheNumberOfThreads) {
   std::mt19937 random(12);
   const VectorBricks seed = random_blob(random, {0, 0, 0}, {60, 60, 60}, 0.001);
   const BrickTopology target = box_topology({-4, -4, -4}, {64, 64, 64});
-  const auto with_threads = [&](std::size_t threads) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    return extend({unit_geometry({61, 61, 61}), seed}, target).u;
+  const auto with_threads = [&](int threads) {
+    return on_threads(threads, [&] {
+      return extend({unit_geometry({61, 61, 61}), seed}, target).u;
+    });
   };
   const VectorBricks one = with_threads(1), four = with_threads(4);
   EXPECT_TRUE(one.topology == four.topology);

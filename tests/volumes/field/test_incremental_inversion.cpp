@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include "tests/volumes/field/offset_fixtures.h"
 #include "volumes/base/error.h"
+#include "volumes/base/on_threads.h"
 #include "volumes/field/inversion/invert.h"
 
 using namespace supple;
@@ -102,11 +102,12 @@ TEST(PropertyIncrementalInversion, DoesNotDependOnTheNumberOfThreads) {
   const Displacement before = displacement;
   const auto changed = change_ball(displacement.u, Vec3d(13), 6,
                                    [&](const Vec3i&) { return random_vector(random, 0.35f); });
-  for (const std::size_t threads : {1, 2, 5}) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    IncrementalInversion inversion(before);
-    inversion.update(displacement, changed);
-    expect_equal(inversion.field(), invert(displacement));
+  for (const int threads : {1, 2, 5}) {
+    on_threads(threads, [&] {
+      IncrementalInversion inversion(before);
+      inversion.update(displacement, changed);
+      expect_equal(inversion.field(), invert(displacement));
+    });
   }
 }
 

@@ -1,10 +1,10 @@
 #include <limits>
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include "tests/volumes/field/offset_fixtures.h"
 #include "volumes/base/error.h"
+#include "volumes/base/on_threads.h"
 #include "volumes/field/displacement.h"
 #include "volumes/field/inversion/invert.h"
 #include "volumes/field/procedural.h"
@@ -221,9 +221,8 @@ TEST(PropertyInvert, DoesNotDependOnTheNumberOfThreads) {
   std::mt19937 random(23);
   // Folds included, where several solutions compete.
   const Displacement noisy = noisy_displacement(random, ball({30, 30, 30}, 24), 0.7f);
-  const auto with_threads = [&](std::size_t threads) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    return invert(noisy);
+  const auto with_threads = [&](int threads) {
+    return on_threads(threads, [&] { return invert(noisy); });
   };
   const OffsetField one = with_threads(1);
   EXPECT_GT(one.certificate.folded_cells, 0);

@@ -4,10 +4,10 @@
 #include <cstring>
 
 #include <gtest/gtest.h>
-#include <oneapi/tbb/global_control.h>
 
 #include "tests/volumes/io/dense_file.h"
 #include "volumes/base/error.h"
+#include "volumes/base/on_threads.h"
 #include "volumes/grid/density_grid_vdb.h"
 #include "volumes/io/load/load.h"
 #include "volumes/io/load/slab_bricks.h"
@@ -114,10 +114,9 @@ TEST(UnitLoad, BoundsOfElementsAreComparedAsDoubles) {
 TEST(PropertyLoad, ThreadsDoNotMatter) {
   for (unsigned seed = 0; seed < 6; ++seed) {
     DenseFile file = random_file(seed, 60);
-    const Volume many = load_volume(file);
+    const Volume many = on_threads(4, [&] { return load_volume(file); });
     file.rewind();
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
-    const Volume single = load_volume(file);
+    const Volume single = on_threads(1, [&] { return load_volume(file); });
     ASSERT_EQ(many.density.bricks(), single.density.bricks());
     for (std::size_t b = 0; b < single.density.bricks().brick_count(); ++b) {
       const std::size_t bytes = kBrickVoxels * sizeof(float);

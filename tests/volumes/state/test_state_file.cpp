@@ -2,11 +2,11 @@
 #include <cmath>
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include "tests/support/random_state.h"
 #include "tests/support/temporary_folder.h"
 #include "volumes/base/error.h"
+#include "volumes/base/on_threads.h"
 #include "volumes/field/procedural.h"
 
 using namespace supple;
@@ -32,12 +32,8 @@ TEST(PropertyState, EqualStatesAreEqualFilesWhateverTheThreadCount) {
   const TemporaryFolder folder;
   for (unsigned seed = 0; seed < 20; ++seed) {
     const State state = random_state(seed);
-    {
-      const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-      write_state(folder / "a.vdb", state);
-    }
-    const tbb::global_control four(tbb::global_control::max_allowed_parallelism, 4);
-    write_state(folder / "b.vdb", read_state(folder / "a.vdb"));
+    on_threads(1, [&] { write_state(folder / "a.vdb", state); });
+    on_threads(4, [&] { write_state(folder / "b.vdb", read_state(folder / "a.vdb")); });
     ASSERT_EQ(read_text(folder / "a.vdb"), read_text(folder / "b.vdb")) << "seed " << seed;
   }
 }

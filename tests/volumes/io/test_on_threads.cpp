@@ -1,0 +1,46 @@
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+
+#include <gtest/gtest.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include "volumes/base/on_threads.h"
+
+namespace supple {
+namespace {
+
+/// Whether the items of a loop are all at work at the same time: each waits for the others.
+bool all_meet(int items, int threads) {
+  std::mutex mutex;
+  std::condition_variable changed;
+  int present = 0;
+  bool given_up = false;
+  const auto meet = [&](int) {
+    std::unique_lock<std::mutex> lock(mutex);
+    ++present;
+    changed.notify_all();
+    const auto settled = [&] { return given_up || present == items; };
+    if (!changed.wait_for(lock, std::chrono::milliseconds(threads < items ? 100 : 60000),
+                          settled)) {
+      given_up = true;
+    }
+  };
+  on_threads(threads, [&] { tbb::parallel_for(0, items, 1, meet, tbb::simple_partitioner()); });
+  return !given_up;
+}
+
+TEST(UnitOnThreads, AsManyItemsAsThreadsAreWorkedOnAtATimeAndNoMore) {
+  for (const int threads : {1, 2, 3, 8}) {
+    EXPECT_TRUE(all_meet(threads, threads)) << threads;
+    EXPECT_FALSE(all_meet(threads + 1, threads)) << threads;
+  }
+}
+
+TEST(UnitOnThreads, ResultsAndErrorsComeBack) {
+  EXPECT_EQ(on_threads(3, [] { return 7; }), 7);
+  EXPECT_THROW(on_threads(3, [] { throw std::runtime_error("no"); }), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace supple
