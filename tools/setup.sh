@@ -3,7 +3,7 @@
 # build/release/bin/supple. Re-runnable: a second run only checks. Sourced by demo.sh and test.sh.
 #
 #   bash tools/setup.sh [--with-judges|--with-peers]
-#     judges: other people's programs that the tests compare with
+#     judges: other people's programs and volumes that the tests compare with
 #     peers: VTK and ITK, which `supple bench` compares with
 set -euo pipefail
 
@@ -17,7 +17,8 @@ SUPPLE_PACKAGES=(
   libhdf5-dev libdcmtk-dev libssl-dev
   libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libgtest-dev)
 SUPPLE_JUDGES=(elastix plastimatch teem-apps python3-openvdb python3-nibabel python3-tifffile
-  python3-h5py python3-pydicom python3 python3-vtk9 libtiff-tools dcmtk)
+  python3-h5py python3-pydicom python3 python3-vtk9 libtiff-tools dcmtk libinsighttoolkit5-dev
+  mricron-data)
 # Of preset asan: the compiler, its sanitizers, a linker, and what names their stacks.
 SUPPLE_CLANG=(clang-14 libclang-rt-14-dev lld-14 llvm-14)
 SUPPLE_PEERS=(python3-vtk9 xvfb libinsighttoolkit5-dev)
@@ -83,7 +84,7 @@ if [ "${BASH_SOURCE[0]}" = "$0" ]; then
   cmake_options=()
   if [ "${1:-}" = "--with-peers" ]; then
     if install_packages "${SUPPLE_PEERS[@]}"; then
-      SUPPLE_PROGRAMS+=" supple-itk-inverse supple-itk-warp supple-itk-transform"
+      SUPPLE_PROGRAMS+=" supple-itk-inverse supple-itk-warp"
       cmake_options+=(-DSUPPLE_BENCH_ITK=ON)
     else
       say "benchmarks will leave out the rows that need them"

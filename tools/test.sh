@@ -2,12 +2,32 @@
 # Sets up as setup.sh does, checks the format and changed sources, then runs the whole test suite: unit, property and
 # fault tests in a build by clang with sanitizers and warnings as errors, each parser on random input
 # for a few seconds, then everything in the release build, with the examples against the installed
-# library.
+# library. It ends with a list of what was skipped, and why.
 #
-#   bash tools/test.sh [--release-only]
+#   bash tools/test.sh [--release-only] [--need-judges]
+#     --need-judges: fail where a program or volume that tests compare with is missing
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 cd "$SUPPLE_ROOT"
+
+sanitized=1 need_judges=()
+for option in "$@"; do
+  case "$option" in
+    --release-only) sanitized=0 ;;
+    --need-judges) need_judges=(--need-judges) ;;
+    *) echo "test.sh: found option $option, expected --release-only or --need-judges" >&2; exit 2 ;;
+  esac
+done
+
+logs=()
+# run_ctest PRESET [options]: a failure is reported at the end, after the list of skips.
+failed=0
+run_ctest() {
+  local preset="$1"
+  shift
+  ctest --test-dir "build/$preset" -j "$(nproc)" --output-on-failure "$@" || failed=1
+  logs+=("build/$preset/Testing/Temporary/LastTest.log")
+}
 
 supple_setup
 install_packages "${SUPPLE_JUDGES[@]}" || say "tests that need them will be skipped"
@@ -26,13 +46,15 @@ else
   say "no clang-tidy-14: changed sources are not checked"
 fi
 
-if [ "${1:-}" != "--release-only" ]; then
+if [ "$sanitized" = 1 ]; then
   install_packages "${SUPPLE_CLANG[@]}"
   build_preset asan all -DSUPPLE_WERROR=ON
   say "testing build/asan (unit, property, fault)"
-  ctest --test-dir build/asan -L 'unit|property|fault' -j "$(nproc)" --output-on-failure
+  run_ctest asan -L 'unit|property|fault'
   bash tools/fuzz.sh --seconds 5
 fi
 build_preset release all
 say "testing build/release"
-ctest --test-dir build/release -j "$(nproc)" --output-on-failure
+run_ctest release
+python3 tests/docs/skipped_tests.py "${need_judges[@]}" "${logs[@]}" || failed=1
+exit "$failed"

@@ -42,7 +42,7 @@ def commands():
 
 def main():
     if is_sanitized():
-        print("sanitizers reserve more addresses than any limit")
+        print("skipped: sanitizers reserve more addresses than any limit")
         sys.exit(SKIPPED)
     policy = Policy()
     noise = random.Random(3).randbytes(DIMS[0] * DIMS[1] * DIMS[2])

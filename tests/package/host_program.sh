@@ -12,7 +12,7 @@ if [ "$way" = install ]; then
   prefix="$work/prefix"
   cmake --install "$build" --prefix "$prefix" >"$work/install.log"
 else
-  command -v dpkg-shlibdeps >/dev/null || { echo "no dpkg-dev: no package is made"; exit 77; }
+  command -v dpkg-shlibdeps >/dev/null || { echo "skipped: dpkg-dev is not installed"; exit 77; }
   (cd "$work" && cpack --config "$build/CPackConfig.cmake" -B "$work" >"$work/cpack.log" 2>&1) ||
     { cat "$work/cpack.log"; exit 1; }
   dpkg -x "$work"/*.deb "$work/root"

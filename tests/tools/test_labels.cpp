@@ -248,7 +248,7 @@ TEST(UnitRealLabels, ARigidThalamusOfTheAalAtlasMovesAsOneInsideTheBrain) {
        {source_dir() + "/build/data", std::string("/usr/share/mricron/templates")}) {
     if (data.empty() && std::filesystem::exists(folder + "/aal.nii.gz")) data = folder;
   }
-  if (data.empty()) GTEST_SKIP() << "mricron-data is neither in build/data nor installed";
+  if (data.empty()) GTEST_SKIP() << "mricron-data is not installed";
   const TemporaryFolder folder;
   write_text(folder / "brain.toml",
              "domain = [0, 255]\nactive = [40, 255]\nmax_length = [[0, 1.2]]\n"

@@ -289,7 +289,7 @@ TEST(InteropExport, PlastimatchPullsThroughOurWarpsAsWeDo) {
 }
 
 TEST(InteropExport, ItkPullsThroughOurTransformFilesAsWeDo) {
-  if (itk_judge().empty()) GTEST_SKIP() << "supple-itk-transform is not built (--with-peers)";
+  if (itk_judge().empty()) GTEST_SKIP() << "libinsighttoolkit5-dev is not installed";
   expect_agreement(itk, {"warp.h5", "warp.hdf5"});
   expect_agreement_on_inverted_states(itk, {"warp.h5"});
 }

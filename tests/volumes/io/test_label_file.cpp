@@ -188,7 +188,7 @@ std::string mricron_folder() {
 
 TEST(UnitRealData, TheAalLabelsLieOnTheBrainTheyWereDrawnOn) {
   const std::string folder = mricron_folder();
-  if (folder.empty()) GTEST_SKIP() << "mricron-data is neither in build/data nor installed";
+  if (folder.empty()) GTEST_SKIP() << "mricron-data is not installed";
   const ElementVolume head = load_elements(folder + "/ch2.nii.gz", {}, 1, 255, 0);
   const BrickValues labels =
       read_labels(folder + "/aal.nii.gz", head.volume.geometry, head.elements);
