@@ -96,6 +96,7 @@ TEST(PropertyCutOffsets, HalvesMovedApartReadTheirOwnSideUpToTheFaceAndNothingBe
   for (const double d : {0.3, 2.25, 11.0}) {
     const OffsetField field = block.opened_by(d);
     ASSERT_NE(field.split, nullptr);
+    EXPECT_EQ(field.certificate.torn_cells, 15 * 15);
     std::mt19937 random(5);
     int read = 0, in_gap = 0;
     for (int n = 0; n < 20000; ++n) {

@@ -61,6 +61,20 @@ TEST(UnitDeformationMetrics, AShiftMovesEveryElementAndKeepsVolume) {
   EXPECT_EQ(summary.volume_change(), 0);
 }
 
+TEST(UnitDeformationMetrics, EveryStatisticIsThatOfTheLengths) {
+  // Element n of 729 moves by n hundredths of a voxel along i.
+  const double step_mm = 0.01 * kScan.world_vector_from_index({1, 0, 0}).length();
+  const auto rank = [](const Vec3d& x) { return 81 * (x.x - 1) + 9 * (x.y - 1) + x.z - 1; };
+  const DeformationSummary summary =
+      summary_of([&](const Vec3d& x) { return Vec3d(0.01 * rank(x), 0, 0); });
+  EXPECT_EQ(summary.elements, 729);
+  EXPECT_EQ(summary.moved, 728);
+  EXPECT_NEAR(summary.mean_mm, 364 * step_mm, 1e-6);
+  EXPECT_NEAR(summary.rms_mm, std::sqrt(728 * 1457 / 6.0) * step_mm, 1e-6);
+  EXPECT_NEAR(summary.p95_mm, 692 * step_mm, 1e-6);  // the 693rd of 729 lengths
+  EXPECT_NEAR(summary.max_mm, 728 * step_mm, 1e-6);
+}
+
 TEST(UnitDeformationMetrics, AnAffineMapHasItsDeterminantEverywhere) {
   const DeformationSummary summary = summary_of([](const Vec3d& x) {
     return Vec3d(0.25 * x.x + 0.5 * x.y, 0.125 * x.y, -0.5 * x.z + 0.25 * x.x);

@@ -9,6 +9,7 @@
 #include "volumes/field/inversion/invert.h"
 #include "volumes/field/procedural.h"
 #include "volumes/grid/cell.h"
+#include "volumes/grid/voxel_sets.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -46,10 +47,11 @@ bool has_all_neighbours(const VectorBricks& u, const Vec3i& cell) {
 }
 
 /// Lattice points inside the six tetrahedra of the deformed inner cells that `o` does not hold.
-std::int64_t missed_voxels(const VectorBricks& u, const VectorBricks& o, std::int64_t& covered) {
+std::vector<Vec3i> missed_places(const VectorBricks& u, const VectorBricks& o,
+                                 std::int64_t& covered) {
   constexpr int kTetrahedra[6][4] = {{0, 4, 6, 7}, {0, 4, 5, 7}, {0, 2, 6, 7},
                                      {0, 2, 3, 7}, {0, 1, 5, 7}, {0, 1, 3, 7}};
-  std::int64_t missed = 0;
+  std::vector<Vec3i> missed;
   for_each_voxel(u.topology, [&](const Vec3i& cell, std::size_t) {
     Vec3d corners[8];
     if (!has_all_neighbours(u, cell) || !deformed_corners(u, cell, corners)) return;
@@ -67,13 +69,17 @@ std::int64_t missed_voxels(const VectorBricks& u, const VectorBricks& o, std::in
           for (int z = int(std::ceil(lo.z)); z <= hi.z; ++z) {
             if (!strictly_inside(t, Vec3d(x, y, z))) continue;
             ++covered;
-            if (!o.topology.is_active({x, y, z})) ++missed;
+            if (!o.topology.is_active({x, y, z})) missed.push_back({x, y, z});
           }
         }
       }
     }
   });
   return missed;
+}
+
+std::size_t missed_voxels(const VectorBricks& u, const VectorBricks& o, std::int64_t& covered) {
+  return missed_places(u, o, covered).size();
 }
 
 BrickTopology ball(const Vec3d& center, double radius) {
@@ -330,6 +336,31 @@ TEST(PropertyInvert, FoldedNoiseIsReportedAndEveryOffsetStillSolvesTheEquation) 
   EXPECT_LT(field.certificate.min_det, 0);
   EXPECT_LE(max_residual(wild.u, field.o), 1e-3);
   EXPECT_EQ(std::size_t(field.certificate.unresolved_voxels), field.certificate.unresolved.size());
+}
+
+TEST(PropertyInvert, CoveredNodesWithoutASolutionAreListedAndCounted) {
+  InvertParams unreachable;
+  unreachable.residual_tolerance_voxels = 1e-300;
+  for (const bool many : {false, true}) {
+    std::mt19937 random(25);
+    const Displacement noisy =
+        noisy_displacement(random, ball({20, 20, 20}, many ? 17 : 6.5), 0.16f);
+    const OffsetField field = invert(noisy, unreachable);
+    const InversionCertificate& found = field.certificate;
+    std::int64_t covered = 0;
+    std::vector<Vec3i> missed = missed_places(noisy.u, field.o, covered);
+    sort_unique(missed);
+    EXPECT_GE(missed.size(), many ? 1001u : 10u);
+    EXPECT_GE(std::size_t(found.unresolved_voxels), missed.size());
+    EXPECT_EQ(found.unresolved.size(), many ? 1000u : std::size_t(found.unresolved_voxels));
+    for (const Vec3i& place : found.unresolved) EXPECT_FALSE(field.o.topology.is_active(place));
+    if (many) continue;
+    std::vector<Vec3i> listed;
+    std::set_intersection(missed.begin(), missed.end(), found.unresolved.begin(),
+                          found.unresolved.end(), std::back_inserter(listed), voxel_less);
+    // A few lie in the tetrahedra of the cell beside the one whose image holds them.
+    EXPECT_GE(10 * listed.size(), 9 * missed.size());
+  }
 }
 
 TEST(PropertyInvert, AOneSliceBodyIsInvertedInItsPlane) {
