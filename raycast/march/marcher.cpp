@@ -49,6 +49,8 @@ Float4 Marcher::march(const Ray& ray, float shift) {
                         m_context.settings.clip_surfaces ? &m_clips : nullptr);
   march_volume(shift);
   while (m_crossings.next_t() < kEndless && !opaque()) composite_crossing();
+  // What the ray left out once it was opaque is taken to be as what it met.
+  if (!m_is_maximum && opaque()) m_sum = m_sum / m_sum[3];
   return m_sum;
 }
 
@@ -149,6 +151,7 @@ void Marcher::find_maximum(std::int64_t first, std::int64_t last) {
       if (m_ends.encoded[lane] <= m_maximum) continue;
       m_maximum = m_ends.encoded[lane];
       m_surface = n + lane;
+      m_surface_t = time_of(m_surface);
     }
     n += count;
   }
@@ -273,12 +276,23 @@ void Marcher::composite(int lane, std::int64_t n, float before) {
         colour, [&](int light) { return m_lit.terms(light, lane); }, reach);
   }
   colour[3] = 1;
+  const float before_it = m_sum[3];
   if (m_crossings.next_t() < time_of(n + 1)) {
     composite_between_crossings(time_of(n), colour, alpha);
   } else {
     add(colour, alpha);
   }
-  if (!has_met_surface() && m_sum[3] >= kSurfaceOpacity) m_surface = n;
+  if (has_met_surface() || m_sum[3] < kSurfaceOpacity) return;
+  m_surface = n;
+  m_surface_t = time_of(n) + (part_to_surface(before_it, alpha) - 0.5) * m_context.step_mm;
+}
+
+/// The part of a sample's step, 0 … 1, after which opacity reaches that of a surface: within the
+/// step transparency falls exponentially.
+double Marcher::part_to_surface(float before, float alpha) {
+  const double wanted = (1 - double(kSurfaceOpacity)) / (1 - double(before));
+  if (!(alpha < 1)) return 0;
+  return std::clamp(std::log(wanted) / std::log(1 - double(alpha)), 0.0, 1.0);
 }
 
 const LightReached& Marcher::reach_at(double t, const Facing& facing) {
@@ -332,7 +346,7 @@ bool Marcher::surface(SeenSurface& seen) {
   const RaySamples samples = samples_of(batch, m_surface);
   const Vec3d offset = samples.read_at(0) - samples.seen_at(0);
   const bool is_bent = (batch.bent | batch.pointwise) & 1;
-  seen.distance_mm = time_of(m_surface);
+  seen.distance_mm = m_surface_t;
   seen.normal_lps = m_lit.normal.at(0);
   seen.offset_mm =
       is_bent ? float(m_context.geometry.world_vector_from_index(offset).length()) : 0.0f;

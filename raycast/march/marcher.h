@@ -53,6 +53,7 @@ class Marcher {
   void composite_between_crossings(double t, const Float4& colour, float alpha);
   void composite_crossing();
   void add(const Float4& colour, float alpha) { m_sum += ((1 - m_sum[3]) * alpha) * colour; }
+  static double part_to_surface(float before, float alpha);
   const LightReached& reach_at(double t, const Facing& facing);
   void find_maximum(std::int64_t first, std::int64_t last);
   void light(std::uint32_t lanes, std::int64_t first);
@@ -81,6 +82,7 @@ class Marcher {
   RayCrossings m_crossings;
   float m_maximum = 0;                   // encoded, of the samples so far
   std::int64_t m_surface = -1;           // the sample that surface() tells of
+  double m_surface_t = 0;                // where in its step
   std::int64_t m_surface_crossing = -1;  // or the crossing
   Shading::View m_view;
   Float4 m_sum{0, 0, 0, 0};

@@ -1,14 +1,19 @@
 #include "raycast/march/ray_faces.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace supple {
 
 namespace {
 
-/// Voxels behind the face of a clip that are shaded as the face; one more fades to the tissue's own
-/// gradients.
-constexpr double kFaceVoxels = 2;
+bool is_near_border(const RenderContext& context, const Vec3d& pos) {
+  if (context.border == nullptr) return false;
+  for (int a = 0; a < 3; ++a) {
+    if (pos[a] < context.border_lo[a] || pos[a] > context.border_hi[a]) return true;
+  }
+  return false;
+}
 
 struct RayFace {
   Vec3f normal{0, 0, 0};  // unit, LPS, towards the viewer
@@ -23,22 +28,64 @@ class FaceSearch {
       : m_context(context), m_samples(samples), m_towards_eye(towards_eye), m_lane(lane) {
     const Vec3d seen_at = samples.seen_at(lane);
     for (const IndexClip& clip : context.deformed_clips) add_clip(clip, seen_at);
-    for (const IndexClip& clip : context.source_clips) add_clip(clip, samples.read_at(lane));
+    const Vec3d read_at = samples.read_at(lane);
+    for (const IndexClip& clip : context.source_clips) add_clip(clip, read_at);
+    if (is_near_border(context, read_at)) add_border(read_at);
     if (samples.batch.pointwise >> lane & 1) add_piece(seen_at);
   }
   const RayFace& face() const { return m_face; }
 
  private:
   void add_clip(const IndexClip& clip, const Vec3d& pos) {
-    const auto as_seen = [&](const Vec3d& normal) {
-      if (clip.space() == ClipSpace::deformed) return Vec3f(normal);
-      return m_context.pull_back(m_samples.batch, m_lane, m_samples.seen_at(m_lane), pos,
-                                 Vec3f(normal));
-    };
     double mm_ago = 0;
-    const IndexClip::Plane* plane = clip.face_behind(
-        pos, [&](const Vec3d& normal) { return Vec3d(as_seen(normal)).dot(direction()); }, mm_ago);
-    if (plane != nullptr) add(as_seen(plane->normal), mm_ago);
+    const IndexClip::Plane* plane = face_of(clip, pos, mm_ago);
+    if (plane != nullptr) add(as_seen(clip.space(), plane->normal, pos), mm_ago);
+  }
+
+  /// A side of the volume's box counts where it cuts something that is seen, not where a ray came
+  /// through it into air.
+  void add_border(const Vec3d& pos) {
+    double mm_ago = 0;
+    const IndexClip::Plane* plane = face_of(*m_context.border, pos, mm_ago);
+    if (plane == nullptr) return;
+    Vec3d came_from = pos;
+    for (int a = 0; a < 3; ++a) {
+      Vec3d axis(0);
+      axis[a] = 1;
+      came_from[a] -= mm_ago * rate(ClipSpace::source, axis, pos);
+    }
+    if (is_visible_at(came_from)) add(as_seen(ClipSpace::source, plane->normal, pos), mm_ago);
+  }
+
+  /// By the nearest voxel of the volume.
+  bool is_visible_at(const Vec3d& pos) const {
+    Vec3i voxel;
+    for (int a = 0; a < 3; ++a) {
+      voxel[a] = int(std::lround(std::clamp(pos[a], 0.0, m_context.geometry.dims()[a] - 1.0)));
+    }
+    const BrickTopology& where = m_context.source.topology();
+    const std::int32_t b = where.find(voxel);
+    if (b < 0) return false;
+    const std::int16_t code =
+        *m_context.source.node(std::size_t(b), voxel - where.origin(std::size_t(b)));
+    return code != SourceBricks::kVoid &&
+           m_context.classifier.may_be_visible({float(code), float(code)});
+  }
+
+  const IndexClip::Plane* face_of(const IndexClip& clip, const Vec3d& pos, double& mm_ago) const {
+    return clip.face_behind(
+        pos, [&](const Vec3d& normal) { return rate(clip.space(), normal, pos); }, mm_ago);
+  }
+
+  /// What a covector of `space` at `pos` is in the picture.
+  Vec3f as_seen(ClipSpace space, const Vec3d& normal, const Vec3d& pos) const {
+    if (space == ClipSpace::deformed) return Vec3f(normal);
+    return m_context.pull_back(m_samples.batch, m_lane, m_samples.seen_at(m_lane), pos,
+                               Vec3f(normal));
+  }
+  /// What it gains per mm of the ray.
+  double rate(ClipSpace space, const Vec3d& normal, const Vec3d& pos) const {
+    return Vec3d(as_seen(space, normal, pos)).dot(direction());
   }
 
   void add_piece(const Vec3d& pos) {
@@ -74,9 +121,12 @@ class FaceSearch {
 void find_faces(const RenderContext& context, const RaySamples& samples, const Vec3f& towards_eye,
                 std::uint32_t wanted, LitLanes& lit) {
   lit.faces = 0;
-  if (context.settings.clips.empty()) wanted &= samples.batch.pointwise;
+  const bool has_clips = !context.settings.clips.empty();
   for (std::uint32_t rest = wanted; rest != 0; rest &= rest - 1) {
     const int lane = __builtin_ctz(rest);
+    const bool may_have_face = has_clips || (samples.batch.pointwise >> lane & 1) ||
+                               is_near_border(context, samples.read_at(lane));
+    if (!may_have_face) continue;
     const RayFace face = FaceSearch(context, samples, towards_eye, lane).face();
     if (face.share == 0) continue;
     lit.faces |= 1u << lane;

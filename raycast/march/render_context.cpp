@@ -50,6 +50,7 @@ RenderContext::RenderContext(const Geometry& geometry_, const SourceBricks& sour
   for (const Clip& clip : settings.clips) {
     (clip.space == ClipSpace::source ? source_clips : deformed_clips).emplace_back(clip, geometry);
   }
+  find_border();
   for (int a = 0; a < 3; ++a) {
     Vec3d axis(0);
     axis[a] = source.scale();
@@ -74,6 +75,23 @@ Vec3f RenderContext::pull_back(const SampleBatch& batch, int lane, const Vec3d& 
   const float* node = tables.offsets + std::int64_t(batch.offset_node[lane]) * 3;
   return pull_back_gradient(
       {node, batch.ox[lane], batch.oy[lane], batch.oz[lane], tables.offset_dim}, gradient);
+}
+
+void RenderContext::find_border() {
+  const Vec3i& dims = geometry.dims();
+  if (std::min({dims.x, dims.y, dims.z}) == 1) return;
+  const Vec3d last = Vec3d(dims) - Vec3d(1), spacing = geometry.spacing_mm();
+  border = std::make_unique<IndexClip>(
+      Clip{box_region(geometry, Vec3d(0), last), ClipKeep::inside, ClipSpace::source}, geometry);
+  // Compressed to half its length the tissue of a face is as deep again.
+  const double reach_mm = 2 * (kFaceVoxels + 1) * std::min({spacing.x, spacing.y, spacing.z});
+  for (int a = 0; a < 3; ++a) {
+    Vec3d axis(0);
+    axis[a] = 1;
+    const double reach = reach_mm * geometry.world_gradient_from_index(axis).length();
+    border_lo[a] = reach;
+    border_hi[a] = last[a] - reach;
+  }
 }
 
 void RenderContext::fill_tables() {

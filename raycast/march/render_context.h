@@ -20,6 +20,9 @@ namespace supple {
 
 class LightMedium;
 
+/// Voxels behind a face that are shaded as the face; one more fades to the tissue's own gradients.
+constexpr double kFaceVoxels = 2;
+
 /// The bricks outlive it.
 struct RenderContext {
   RenderContext(const Geometry& geometry, const SourceBricks& source, const OffsetBricks& output,
@@ -47,11 +50,16 @@ struct RenderContext {
   std::array<Vec3f, 3> gradient_columns;  // encoded index gradient to density per mm, LPS
   Shading shading;
   std::vector<IndexClip> source_clips, deformed_clips;
+  /// The volume's own box in the source space, whose sides are faces as those of clips are; null: a
+  /// volume of one slice.
+  std::unique_ptr<const IndexClip> border;
+  Vec3d border_lo, border_hi;  // index space; samples between them lie farther inside than faces do
   const SurfaceScene* surfaces;               // null: none
   std::unique_ptr<const LightMedium> medium;  // null: all light reaches everything
   SamplingTables tables;
 
  private:
+  void find_border();
   void fill_tables();
 
   std::vector<std::int32_t> m_output_entries, m_source_entries;  // as BrickIndex::lookup's tables

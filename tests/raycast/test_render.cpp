@@ -1,6 +1,4 @@
 // Laws of the free-sampling marcher (design.md section 5).
-#include <cstdlib>
-#include <filesystem>
 #include <fstream>
 #include <random>
 
@@ -8,6 +6,7 @@
 
 #include "raycast/pictures/compare.h"
 #include "tests/raycast/scenes.h"
+#include "tests/support/program.h"
 #include "volumes/base/on_threads.h"
 #include "volumes/field/procedural.h"
 #include "volumes/io/format/volume_file.h"
@@ -244,9 +243,10 @@ TEST(UnitRender, CancellingThrows) {
 }
 
 TEST(UnitRender, WeakGradientsFadeToFacingTheLight) {
-  // A ramp across the view: its normal points away from the camera's light, 4 densities per mm.
+  // A ramp across the view: its normal points away from the camera's light, 4 densities per mm. It
+  // begins behind the volume's border, which is a face of its own.
   const Geometry geometry = cube_geometry(24);
-  const BrickTopology where = voxels_of(geometry.dims(), everywhere);
+  const BrickTopology where = voxels_of(geometry.dims(), [](const Vec3i& v) { return v.y >= 5; });
   Renderer renderer(geometry, grid_of(where, [](const Vec3d& p) { return 4 * p.z; }));
   const Camera camera = default_camera(geometry, 1, "anterior", Projection::orthographic);
   const auto grey_at_centre = [&](double full_shading_gradient) {
@@ -277,9 +277,8 @@ TEST(UnitRender, WrongSettingsAndForeignOffsetsAreInputErrors) {
 }
 
 TEST(PropertyRenderCt, ZeroOffsetsGiveTheStraightPictureOfAHead) {
-  const char* root = std::getenv("SUPPLE_SOURCE_DIR");
-  const std::string path = std::string(root != nullptr ? root : ".") + "/build/data/ct_head.nhdr";
-  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is absent";
+  const std::string path = test::public_volume("ct_head.nhdr");
+  if (path.empty()) GTEST_SKIP() << "no head CT (tools/fetch_ct_head.sh)";
   const Volume head = load_volume(path);
   Renderer renderer(head.geometry, head.density);
   const Camera camera = default_camera(head.geometry, 1);

@@ -243,6 +243,63 @@ TEST(PropertySurfaceShadow, FogShadesASurfaceByBeerAndLambert) {
   EXPECT_NEAR(picture.rgba[4 * (16 * 32 + 4)], 0.1 + 0.8 * std::sqrt(0.5) * reached, 0.01);
 }
 
+TEST(PropertySurfaceShadow, ARodShadesTheWallBehindItInAStripOfItsWidth) {
+  constexpr double kRadius = 2, kWall = 8;
+  const Vec3d rod_at(4, -6, 0), towards(0.6, -0.8, 0);
+  Renderer renderer = slab_renderer(kWall, 14);
+  Surface rod;
+  rod.mesh = prism(48, kRadius, 60);
+  for (Vec3d& v : rod.mesh.vertices_lps_mm) v += rod_at - Vec3d(0, 0, 30);
+  renderer.set_surfaces({rod});
+  LitScene scene(towards);
+  scene.function.opacity = {{400, 0}, {600, 0.99}};
+  scene.settings.width = scene.settings.height = 96;
+  const FloatImage picture =
+      renderer.render_float(front_camera(kSurfaceSize), scene.function, scene.settings);
+  // Along the light from the rod's axis to the wall.
+  const double centre_x = rod_at.x + towards.x / towards.y * (kWall - rod_at.y);
+  const double half_width = kRadius / std::abs(towards.y);
+  int dark = 0, lit = 0;
+  for (int column = 3; column < 93; ++column) {
+    const double x = (column + 0.5) / 3 - 16;
+    const double outside = std::abs(x - centre_x) - half_width;
+    if (std::abs(x - rod_at.x) < kRadius + 0.2 || std::abs(outside) < 0.6) continue;
+    const double expected = outside < 0 ? 0.1 : 0.1 + 0.8 * 0.8;
+    EXPECT_NEAR(picture.rgba[4 * std::size_t(48 * 96 + column)], expected, 0.02) << x;
+    ++(outside < 0 ? dark : lit);
+  }
+  EXPECT_GT(dark, 8);
+  EXPECT_GT(lit, 40);
+}
+
+TEST(UnitSurface, PhongsHighlightLiesOnTheLitSideOnly) {
+  // A screen seen at a slant. Light from behind it would be mirrored to the viewer, too, were the
+  // screen not in its way.
+  const Vec3d normal(std::sqrt(0.96), -0.2, 0), along(0.2, std::sqrt(0.96), 0), eye(0, -1, 0);
+  Surface screen;
+  for (const auto& [u, z] : {std::pair(-8, -8), {8, -8}, {8, 8}, {-8, 8}}) {
+    screen.mesh.vertices_lps_mm.push_back(along * u + Vec3d(0, 0, z));
+  }
+  screen.mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  Renderer renderer(cube_geometry(kSurfaceSize), DensityGrid());
+  renderer.set_surfaces({screen});
+  const auto highlight = [&](const Vec3d& towards_light) {
+    LitScene scene(towards_light);
+    scene.settings.lighting.model = ShadingModel::phong;
+    scene.settings.lighting.shadows = false;
+    scene.function.ambient = scene.function.diffuse = 0;
+    scene.function.specular = 1, scene.function.specular_power = 4;
+    return centre(
+        renderer.render_float(front_camera(kSurfaceSize), scene.function, scene.settings))[0];
+  };
+  const Vec3d mirrored = normal * (2 * normal.dot(eye)) - eye;
+  EXPECT_NEAR(highlight(mirrored), 1, 1e-4);
+  const Vec3d behind = Vec3d(-0.1, 1, 0).normalized();
+  ASSERT_LT(behind.dot(normal), -0.2);
+  ASSERT_GT((normal * (2 * normal.dot(behind)) - behind).dot(eye), 0.8);
+  EXPECT_EQ(highlight(behind), 0);
+}
+
 TEST(UnitSurfaceShadow, WhatIsCutAwayCastsNoShadow) {
   Renderer renderer(cube_geometry(kSurfaceSize), DensityGrid());
   // Lit from the front, where a screen is cut away.

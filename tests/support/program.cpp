@@ -125,4 +125,13 @@ std::string source_dir() {
   return folder;
 }
 
+std::string public_volume(const std::string& name) {
+  const char* source = std::getenv("SUPPLE_SOURCE_DIR");  // none when started by hand
+  const std::string fetched = std::string(source != nullptr ? source : ".") + "/build/data/";
+  for (const std::string& folder : {fetched, std::string("/usr/share/mricron/templates/")}) {
+    if (std::filesystem::exists(folder + name)) return folder + name;
+  }
+  return "";
+}
+
 }  // namespace supple::test

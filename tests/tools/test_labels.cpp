@@ -243,21 +243,16 @@ TEST_F(FaultLabels, LabelVolumesMustHoldLabelsOnTheVolumesGrid) {
 }
 
 TEST(UnitRealLabels, ARigidThalamusOfTheAalAtlasMovesAsOneInsideTheBrain) {
-  std::string data;
-  for (const std::string& folder :
-       {source_dir() + "/build/data", std::string("/usr/share/mricron/templates")}) {
-    if (data.empty() && std::filesystem::exists(folder + "/aal.nii.gz")) data = folder;
-  }
-  if (data.empty()) GTEST_SKIP() << "mricron-data is not installed";
+  const std::string aal = public_volume("aal.nii.gz"), ch2 = public_volume("ch2.nii.gz");
+  if (aal.empty() || ch2.empty()) GTEST_SKIP() << "mricron-data is not installed";
   const TemporaryFolder folder;
   write_text(folder / "brain.toml",
              "domain = [0, 255]\nactive = [40, 255]\nmax_length = [[0, 1.2]]\n"
              "min_length = [[0, 0.8]]\nshear = [[0, 0.2]]\n"
              "[label.77]\nmax_length = [[0, 1.0]]\nmin_length = [[0, 1.0]]\nshear = [[0, 0.0]]\n");
   const Outcome outcome =
-      run_supple({"deform", data + "/ch2.nii.gz", "--material", folder / "brain.toml", "--labels",
-                  data + "/aal.nii.gz", "--grab", "label:37", "--by", "0,6,0", "--quiet", "-o",
-                  folder / "out.vdb"});
+      run_supple({"deform", ch2, "--material", folder / "brain.toml", "--labels", aal, "--grab",
+                  "label:37", "--by", "0,6,0", "--quiet", "-o", folder / "out.vdb"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const State state = read_state(folder / "out.vdb");
   const auto offsets_of = [&](int label) {

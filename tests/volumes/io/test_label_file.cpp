@@ -1,13 +1,12 @@
 // Label volumes: what is kept of them, and what is refused.
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
 #include <limits>
 
 #include <gtest/gtest.h>
 
 #include "tests/support/errors.h"
 #include "tests/support/io_fixtures.h"
+#include "tests/support/program.h"
 #include "volumes/base/error.h"
 #include "volumes/io/load/label_file.h"
 #include "volumes/io/load/load.h"
@@ -176,22 +175,11 @@ TEST(FaultLabelFile, FilesThatAreNoVolumesAreRefusedAsVolumesAre) {
   EXPECT_NE(refusal(path).find("7 bytes"), std::string::npos);
 }
 
-/// Folder of the package mricron-data, unpacked below build/data or installed.
-std::string mricron_folder() {
-  const char* source = std::getenv("SUPPLE_SOURCE_DIR");
-  for (const std::string& folder : {std::string(source ? source : ".") + "/build/data",
-                                    std::string("/usr/share/mricron/templates")}) {
-    if (std::filesystem::exists(folder + "/aal.nii.gz")) return folder;
-  }
-  return "";
-}
-
 TEST(UnitRealData, TheAalLabelsLieOnTheBrainTheyWereDrawnOn) {
-  const std::string folder = mricron_folder();
-  if (folder.empty()) GTEST_SKIP() << "mricron-data is not installed";
-  const ElementVolume head = load_elements(folder + "/ch2.nii.gz", {}, 1, 255, 0);
-  const BrickValues labels =
-      read_labels(folder + "/aal.nii.gz", head.volume.geometry, head.elements);
+  const std::string aal = public_volume("aal.nii.gz"), ch2 = public_volume("ch2.nii.gz");
+  if (aal.empty() || ch2.empty()) GTEST_SKIP() << "mricron-data is not installed";
+  const ElementVolume head = load_elements(ch2, {}, 1, 255, 0);
+  const BrickValues labels = read_labels(aal, head.volume.geometry, head.elements);
   const auto counts = label_counts(labels);
   EXPECT_EQ(counts.size(), 116u);
   EXPECT_EQ(counts.begin()->first, 1);

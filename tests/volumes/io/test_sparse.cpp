@@ -1,13 +1,12 @@
 // Streaming and sparse loading against dense brute force that shares no code with it.
 #include <cmath>
-#include <cstdlib>
 #include <deque>
-#include <filesystem>
 #include <random>
 
 #include <gtest/gtest.h>
 
 #include "tests/support/io_fixtures.h"
+#include "tests/support/program.h"
 #include "tests/volumes/io/dense_file.h"
 #include "volumes/base/error.h"
 #include "volumes/base/sha256.h"
@@ -228,12 +227,11 @@ TEST(PropertyLoad, FilesOfEveryFormatDigestAlike) {
 }
 
 TEST(UnitRealData, HeadCtLoadsSparse) {
-  const char* source = std::getenv("SUPPLE_SOURCE_DIR");
-  const std::string path = std::string(source ? source : ".") + "/build/data/ct_head.nhdr";
-  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there (tools/demo.sh)";
+  const std::string path = public_volume("ct_head.nhdr");
+  if (path.empty()) GTEST_SKIP() << "no head CT (tools/fetch_ct_head.sh)";
   const VolumeDigest digest = digest_volume(*open_volume(path));
-  const char* const scan = "d87fd5e6aaf2c4fdf4f3fe28ee3335192fc2464ed8e9682fc78530cb837938da";
-  if (digest.sha256 != scan) GTEST_SKIP() << path << " holds the phantom that stands in offline";
+  if (digest.sha256 != kHeadCtSha256)
+    GTEST_SKIP() << path << " holds the phantom that stands in offline";
   EXPECT_EQ(digest.statistics.min, -1024);
   EXPECT_EQ(digest.statistics.max, 2986);
   EXPECT_EQ(digest.statistics.above_min_count, 6746434);
