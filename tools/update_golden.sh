@@ -17,6 +17,14 @@ cp tests/golden/*.toml tests/golden/*.obj "$work/"
 for scene in head shear paths slice light surfaces clips sampling outputs cut fold; do
   "$bin/supple" run "$work/$scene.toml" -o "$work" --force --quiet
 done
+# Of public volumes, where they are.
+for volume in ct_head.nhdr ct_head.raw ch2.nii.gz; do
+  for folder in "$PWD/build/data" /usr/share/mricron/templates; do
+    [ ! -f "$folder/$volume" ] || ln -sf "$folder/$volume" "$work/$volume"
+  done
+done
+[ ! -f "$work/ct_head.nhdr" ] || "$bin/supple" run "$work/ct.toml" -o "$work" --force --quiet
+[ ! -f "$work/ch2.nii.gz" ] || "$bin/supple" run "$work/mri.toml" -o "$work" --force --quiet
 rm "$work/t-shape.png"
 mkdir -p tests/golden/reference
 cp "$work"/*.png tests/golden/reference/

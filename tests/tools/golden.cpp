@@ -42,6 +42,10 @@ void GoldenFolder::run(const std::string& name, const std::string& after, int th
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
 }
 
+void GoldenFolder::link(const std::string& path) const {
+  std::filesystem::create_symlink(path, m_folder / std::filesystem::path(path).filename().string());
+}
+
 std::vector<std::string> GoldenFolder::pictures() const {
   std::vector<std::string> names;
   for (const std::string& name : m_folder.entries()) {

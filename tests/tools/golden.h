@@ -29,6 +29,8 @@ class GoldenFolder {
   /// Runs NAME.toml, after the scene whose state it continues where `after` names one. `threads`:
   /// 0 for all.
   void run(const std::string& name, const std::string& after = "", int threads = 0) const;
+  /// Lays a file beside the scenes.
+  void link(const std::string& path) const;
   std::string operator/(const std::string& name) const { return m_folder / name; }
   std::vector<std::string> pictures() const;
 

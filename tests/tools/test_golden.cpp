@@ -6,6 +6,8 @@
 #include "raycast/pictures/compare.h"
 #include "tests/tools/golden.h"
 #include "volumes/geometry/geometry.h"
+#include "volumes/io/load/load.h"
+#include "volumes/io/open_volume.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -89,6 +91,28 @@ TEST(GoldenImages, StereoSlicesAndPicturesBesideThePictureLookAsTheyDid) {
   folder.run("outputs", "head");
   expect_all_golden(folder, {"outputs_pair", "outputs_anaglyph", "outputs_aux_depth",
                              "outputs_aux_normal", "outputs_aux_offset", "outputs_slices"});
+}
+
+TEST(GoldenRealData, AHeadCtLooksAsItDid) {
+  const std::string header = public_volume("ct_head.nhdr"), voxels = public_volume("ct_head.raw");
+  if (header.empty() || voxels.empty()) GTEST_SKIP() << "no head CT (tools/fetch_ct_head.sh)";
+  if (digest_volume(*open_volume(header)).sha256 != kHeadCtSha256) {
+    GTEST_SKIP() << header << " holds the phantom that stands in offline";
+  }
+  const GoldenFolder folder;
+  folder.link(header);
+  folder.link(voxels);
+  folder.run("ct");
+  expect_all_golden(folder, {"ct_bone_drag", "ct_below"});
+}
+
+TEST(GoldenRealData, AHeadMriLooksAsItDid) {
+  const std::string head = public_volume("ch2.nii.gz");
+  if (head.empty()) GTEST_SKIP() << "mricron-data is not installed";
+  const GoldenFolder folder;
+  folder.link(head);
+  folder.run("mri");
+  expect_all_golden(folder, {"mri_corner"});
 }
 
 TEST(GoldenImages, DeepPixelsAndFloatsReadBackAsThePictureThatTheyHold) {
