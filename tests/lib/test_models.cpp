@@ -286,6 +286,30 @@ TEST(PropertyModels, IntegratorsAtRestPullAsTheMinimumDoesButXpbdPullsFarLess) {
   EXPECT_NEAR(pull(motion(SpringMethod::xpbd, 1e-2), 100), rest, 2e-2 * -rest);
 }
 
+TEST(PropertyModels, TheSupportOfABodyAtRestCarriesItsWeight) {
+  const Vec3i dims(6, 3, 3);
+  const std::vector<Handle> support = {{Region({0, 0, 0}, {0, 2, 2}), {0, 0, 0}}};
+  for (const int kind : {0, 1, 2, 3}) {
+    Scene scene(dims);
+    const double weight_n =
+        1000 * 9.81e-9 * std::abs(scene.body.geometry.determinant()) * dims.x * dims.y * dims.z;
+    MotionParams params = kind == 0   ? minimum()
+                          : kind == 1 ? motion(SpringMethod::implicit, 1e-2)
+                          : kind == 2 ? motion(SpringMethod::projective, 1e-2)
+                                      : motion(SpringMethod::symplectic, 1e-2);
+    params.gravity_m_s2 = {0, 0, -9.81};
+    params.tolerance_mn = 1e-6;
+    LatticeSpringParams springs = material_springs(scene.body);
+    springs.mass_damping_per_s = 50;
+    VoxelSpringModel model(scene.held(), springs, params);
+    model.move({}, 1, nullptr);
+    run_model(model, 300);
+    const Vec3d force = model.reactions(support)[0].force_n;
+    EXPECT_NEAR(force.z, -weight_n, 1e-3 * weight_n) << kind;
+    EXPECT_NEAR(std::hypot(force.x, force.y), 0, 1e-3 * weight_n) << kind;
+  }
+}
+
 TEST(PropertyModels, SpringsRestWherePlasticFlowLeftTheLinks) {
   MaterialTable table = tissue();
   table.yield_strain = Curve{{{0, 0.1}}};

@@ -28,6 +28,22 @@ SourceCell cell_at(const SourceBricks& bricks, const Vec3i& voxel, const Vec3f& 
   return {bricks.node(b, voxel - bricks.topology().origin(b)), within.x, within.y, within.z};
 }
 
+TEST(UnitBricks, OffsetsTakeTheMemoryThatIsDocumented) {
+  // docs/offsets.md, bytes per brick of 8^3 voxels.
+  const BrickTopology where = voxels_of(Vec3i(64), everywhere);
+  const SourceBricks source(grid_of(where, [](const Vec3d& p) { return p.x; }));
+  VectorBricks moved{where, {}};
+  moved.vectors.assign(where.brick_count() * kBrickVoxels, Vec3f(0.3f, -0.2f, 0.1f));
+  const auto per_brick = [&](const OffsetBricks& bricks) {
+    return double(bricks.bytes()) / double(bricks.brick_count());
+  };
+  const OffsetBricks straight(source), full(source, moved), half(source, moved, nullptr, 2);
+  EXPECT_GT(full.deformed_count(), 500u);
+  EXPECT_NEAR(per_brick(full), 9000, 100);
+  EXPECT_NEAR(per_brick(straight), 90, 10);
+  EXPECT_NEAR(per_brick(half), 1700, 50);
+}
+
 TEST(UnitBricks, OpacityIsCorrectedForTheStepByHand) {
   EXPECT_DOUBLE_EQ(corrected_opacity(0.75, 0.5, 1.0), 0.5);
   EXPECT_DOUBLE_EQ(corrected_opacity(0.5, 2.0, 1.0), 0.75);

@@ -1,5 +1,8 @@
 // Laws of the free-sampling marcher (design.md section 5).
+#include <cstdio>
+#include <cstdlib>
 #include <fstream>
+#include <map>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -11,6 +14,7 @@
 #include "volumes/field/procedural.h"
 #include "volumes/io/format/volume_file.h"
 #include "volumes/io/load/load.h"
+#include "volumes/io/open_volume.h"
 
 namespace supple {
 namespace {
@@ -286,6 +290,53 @@ TEST(PropertyRenderCt, ZeroOffsetsGiveTheStraightPictureOfAHead) {
   const OffsetField zero = zero_offsets(head.geometry, head.density.bricks());
   renderer.set_offsets(&zero);
   EXPECT_EQ(straight.rgba, renderer.render(camera, preset("CT-Bone"), small_picture(200)).rgba);
+}
+
+/// SSIM of `ct_head` by preset and quality, as docs/pictures.md has them.
+std::map<std::string, double> documented_ssim() {
+  const char* source = std::getenv("SUPPLE_SOURCE_DIR");
+  std::ifstream page(std::string(source != nullptr ? source : ".") + "/docs/pictures.md");
+  std::map<std::string, double> found;
+  for (std::string line; std::getline(page, line);) {
+    for (const char* quality : {"draft", "default", "accurate"}) {
+      const std::string start = std::string("| `") + quality + "` |";
+      double steps, bone, soft;
+      if (line.rfind(start, 0) == 0 &&
+          std::sscanf(line.c_str() + start.size(), " %lf | %lf | %lf |", &steps, &bone, &soft) ==
+              3) {
+        found[std::string("CT-Bone ") + quality] = bone;
+        found[std::string("CT-Soft-Tissue ") + quality] = soft;
+      }
+    }
+  }
+  return found;
+}
+
+TEST(ConvergenceRenderCt, QualitiesAreAsNearToTheReferenceAsTheTableSays) {
+  const std::string path = test::public_volume("ct_head.nhdr");
+  if (path.empty()) GTEST_SKIP() << "no head CT (tools/fetch_ct_head.sh)";
+  if (digest_volume(*open_volume(path)).sha256 != test::kHeadCtSha256) {
+    GTEST_SKIP() << path << " holds the phantom that stands in offline";
+  }
+  const std::map<std::string, double> documented = documented_ssim();
+  ASSERT_EQ(documented.size(), 6u);
+  const Volume head = load_volume(path);
+  const Renderer renderer(head.geometry, head.density);
+  const Camera camera = default_camera(head.geometry, 1);
+  for (const char* look : {"CT-Bone", "CT-Soft-Tissue"}) {
+    RenderSettings settings = small_picture(350, 0.05);
+    settings.stride = 1;
+    settings.early_termination = 1;
+    const Image reference = renderer.render(camera, preset(look), settings);
+    settings.early_termination = RenderSettings().early_termination;
+    for (const char* quality : {"draft", "default", "accurate"}) {
+      settings.set_quality(parse_quality(quality));
+      const Image image = renderer.render(camera, preset(look), settings);
+      EXPECT_NEAR(compare(image, reference, true).ssim,
+                  documented.at(std::string(look) + " " + quality), 0.001)
+          << look << " " << quality;
+    }
+  }
 }
 
 }  // namespace

@@ -11,7 +11,9 @@
 
 namespace supple {
 
-constexpr double kPointTolerance = 1e-5;  // voxels
+/// Voxels, of the place that a solution reaches; the solution itself is as near where tissue is not
+/// compressed to less than a tenth.
+constexpr double kPointTolerance = 1e-6;
 
 /// `Cells` has `cell(voxel, cell)`, which gives the corners of a cell, and `cell_at(X, voxel,
 /// cell)`, which finds the one around a place and may snap the place to it; both are false where
