@@ -50,17 +50,31 @@ std::vector<int> pieces_of(const Body& body) {
   return piece;
 }
 
-/// +1 inside, -1 outside, 0 too near to tell: of a convex polyhedron around `centre`.
-int side_of(const TriangleMesh& convex, const Vec3d& centre, const Vec3d& point) {
-  double nearest = HUGE_VAL;
+/// Of a triangle of a convex mesh; the normal points to its inside.
+struct InnerPlane {
+  Vec3d corner, normal;
+};
+std::vector<InnerPlane> inner_planes(const TriangleMesh& convex, const Vec3d& centre) {
+  std::vector<InnerPlane> planes;
   for (const auto& [a, b, c] : convex.triangles) {
     const Vec3d& corner = convex.vertices_lps_mm[a];
-    Vec3d normal =
+    const Vec3d normal =
         (convex.vertices_lps_mm[b] - corner).cross(convex.vertices_lps_mm[c] - corner).normalized();
-    if (normal.dot(centre - corner) < 0) normal = -normal;
-    nearest = std::min(nearest, normal.dot(point - corner));
+    planes.push_back({corner, normal.dot(centre - corner) < 0 ? -normal : normal});
   }
-  return std::abs(nearest) < 1e-3 ? 0 : nearest > 0 ? 1 : -1;
+  return planes;
+}
+
+/// 1 inside, -1 outside, 0 within a thousandth of the surface.
+int side_of(const std::vector<InnerPlane>& convex, const Vec3d& point) {
+  constexpr double kSurface = 1e-3;
+  bool is_inside = true;
+  for (const InnerPlane& plane : convex) {
+    const double depth = plane.normal.dot(point - plane.corner);
+    if (depth <= -kSurface) return -1;
+    is_inside = is_inside && depth >= kSurface;
+  }
+  return is_inside ? 1 : 0;
 }
 
 }  // namespace
@@ -83,11 +97,12 @@ TEST(PropertyCuts, AClosedSphereLeavesNoLinkBetweenItsInsideAndItsOutside) {
     }
     const CutReport report = cut(body, to_world(body.geometry, sphere));
     EXPECT_EQ(report.crossed, body.cuts.count());
+    const std::vector<InnerPlane> planes = inner_planes(sphere, centre);
     const std::vector<int> piece = pieces_of(body);
     std::vector<int> side(piece.size(), 0);
     std::vector<char> has_inside(piece.size(), 0), has_outside(piece.size(), 0);
     for_each_element(body.elements, [&](Slot slot) {
-      side[slot] = side_of(sphere, centre, Vec3d(voxel_of(body.elements, slot)));
+      side[slot] = side_of(planes, Vec3d(voxel_of(body.elements, slot)));
       has_inside[std::size_t(piece[slot])] |= side[slot] > 0;
       has_outside[std::size_t(piece[slot])] |= side[slot] < 0;
     });

@@ -5,6 +5,7 @@
 
 #include "lib/chainmail/ecm.h"
 #include "tests/lib/cut_fixtures.h"
+#include "tests/support/sanitized.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -83,7 +84,7 @@ BruteForce rebuilt(Block& block, const Body& body, const BruteForce& before) {
 }  // namespace
 
 TEST(PropertyCuts, TenThousandRandomCutsAndDragsKeepEveryLinkValid) {
-  constexpr int kBodies = 250, kRounds = 40;
+  constexpr int kBodies = cases(250), kRounds = 40;
   int cuts = 0, drags = 0, moved = 0;
   std::int64_t newly_cut = 0;
   for (int n = 0; n < kBodies && !HasFailure(); ++n) {
@@ -120,7 +121,7 @@ TEST(PropertyCuts, TenThousandRandomCutsAndDragsKeepEveryLinkValid) {
   }
   std::printf("cuts %d, drags %d, links cut %lld\n", cuts, drags,
               static_cast<long long>(newly_cut));
-  EXPECT_EQ(cuts, 10000);
+  EXPECT_EQ(cuts, cases(10000));
   EXPECT_EQ(moved, drags);
-  EXPECT_GT(newly_cut, 5000);
+  EXPECT_GT(newly_cut, cases(5000));
 }
