@@ -17,7 +17,7 @@ class Creep final : public supple::Model<supple::Handle> {
     m_left = handles;
     m_most = steps;
   }
-  bool step() override {
+  bool step(const supple::Progress*) override {
     std::vector<supple::Handle> now = m_left;
     bool moves = false;
     for (std::size_t n = 0; n < now.size(); ++n) {

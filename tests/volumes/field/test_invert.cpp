@@ -6,6 +6,7 @@
 #include "volumes/base/error.h"
 #include "volumes/base/on_threads.h"
 #include "volumes/field/displacement.h"
+#include "volumes/field/inversion/deformed_cell.h"
 #include "volumes/field/inversion/invert.h"
 #include "volumes/field/procedural.h"
 #include "volumes/grid/cell.h"
