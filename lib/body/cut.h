@@ -20,8 +20,8 @@
 
 namespace supple {
 
-/// A parallelogram in LPS mm: corner + s edge1 + t edge2, s and t in 0…1, edges included: it cuts the
-/// links through them.
+/// A parallelogram in LPS mm: corner + s edge1 + t edge2, s and t in 0…1, edges included: it cuts
+/// the links through them.
 struct PlanePatch {
   Vec3d corner_lps_mm;
   Vec3d edge1_lps_mm;

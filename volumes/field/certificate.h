@@ -18,10 +18,10 @@ struct InversionCertificate {
   std::int64_t folded_air_cells = 0;   // of them, those with a corner outside the material
   std::int64_t unresolved_voxels = 0;  // covered by a deformed cell's tetrahedra, yet no solution
   std::vector<Vec3i> unresolved;       // at most 1000 of them
-  double min_det = 1;                  // smallest det F = det(I + grad u) at a corner of a cell of tissue
-  std::int64_t torn_cells = 0;         // cells that a cut has opened (cut_offsets.h)
+  double min_det = 1;           // smallest det F = det(I + grad u) at a corner of a cell of tissue
+  std::int64_t torn_cells = 0;  // cells that a cut has opened (cut_offsets.h)
   std::int64_t overlapped_voxels = 0;  // voxels that tissue from several places covers
-  std::int64_t hidden_elements = -1;   // elements that are not seen where they went; -1: not counted
+  std::int64_t hidden_elements = -1;  // elements that are not seen where they went; -1: not counted
 };
 
 /// One line of JSON, without the list of unresolved voxels.
