@@ -105,8 +105,7 @@ function(supple_add_tests name)
   supple_add_sources(test_${name} . UNITY 6 EXCLUDE "${not_here}")
   target_link_libraries(test_${name} PRIVATE supple_options supple_cold supple_test_support
                                              ${ARG_LIBRARIES} GTest::gtest GTest::gtest_main)
-  target_precompile_headers(test_${name} PRIVATE <algorithm> <filesystem> <functional> <random>
-                                                 <string> <vector> <gtest/gtest.h>)
+  target_precompile_headers(test_${name} REUSE_FROM supple_test_headers)
   foreach(entry IN LISTS ARG_LABELS)
     string(REPLACE "/" ";" label "${entry};1")
     list(GET label 1 shards)

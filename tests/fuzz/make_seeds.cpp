@@ -6,9 +6,9 @@
 #include <fstream>
 
 #include <openvdb/io/Stream.h>
-#include <openvdb/openvdb.h>
 
 #include "tests/support/dicom_fixtures.h"
+#include "volumes/grid/vdb_grid.h"
 #include "volumes/io/format/dense_writer.h"
 
 namespace supple::fuzz {
@@ -101,10 +101,9 @@ void make_binary_formats(const Seeds& seeds) {
 
 /// Other programs' grids: ours carry a checksum, which no changed byte survives.
 void make_grids(const Seeds& seeds) {
-  openvdb::initialize();
-  auto fog = openvdb::FloatGrid::create(-1.0f);
+  auto fog = make_grid<openvdb::FloatGrid>(-1.0f);
   fog->setName("density");
-  auto vectors = openvdb::Vec3SGrid::create();
+  auto vectors = make_grid<openvdb::Vec3SGrid>(openvdb::Vec3f(0));
   for (int n = 0; n < 20; ++n) {
     fog->tree().setValueOn({n, n % 3, 2 * n % 5}, float(n));
     vectors->tree().setValueOn({n, n % 4, 1}, openvdb::Vec3f(float(n), 1, 2));

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "volumes/grid/density_grid.h"
-#include "volumes/grid/vdb_trees.h"
+#include "volumes/grid/vdb_grid.h"
 
 namespace supple {
 

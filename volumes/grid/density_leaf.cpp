@@ -51,7 +51,7 @@ DensityGrid assemble_density_grid(BrickTopology bricks,
     activate(leaf_of(leaves[b].m_node.get()), bricks.mask(b), background);
     values[b] = leaves[b].values();
   });
-  auto grid = openvdb::FloatGrid::create(background);
+  auto grid = make_grid<openvdb::FloatGrid>(background);
   grid->setName("density");
   auto accessor = grid->getAccessor();
   for (DensityLeaf& leaf : leaves) accessor.addLeaf(&leaf_of(leaf.m_node.release()));

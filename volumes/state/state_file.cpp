@@ -95,7 +95,8 @@ openvdb::GridBase::Ptr make_density(const DensityGrid& density) {
   const FloatGrid& own = *vdb_grid(density);
   if (own.tree().leafCount() == density.bricks().brick_count()) {
     const auto tree = openvdb::ConstPtrCast<FloatGrid::TreeType>(own.constTreePtr());
-    auto grid = FloatGrid::create(tree);
+    auto grid = make_grid<FloatGrid>(density.background());
+    grid->setTree(tree);
     grid->setName("density");
     return grid;
   }
@@ -215,13 +216,14 @@ typename Grid::Ptr grid_of(const VdbContent& content, const std::string& name,
     if (candidate->getName() == name) grid = openvdb::gridPtrCast<Grid>(candidate);
   }
   if (!grid) throw InputError({path, "grid " + name, "nothing", "a grid of " + Grid::gridType()});
-  if (grid->tree().activeTileCount() != 0) {
+  const openvdb::GridBase& any = *grid;  // calls of its own type would compile these functions here
+  if (any.constBaseTree().activeTileCount() != 0) {
     throw InputError({path, "grid " + name, "active tiles", "single voxels"});
   }
   const Vec3i& dims = geometry.dims();
   const openvdb::CoordBBox box(openvdb::Coord(0), to_coord(dims - Vec3i(1)));
-  const openvdb::CoordBBox bounds = grid->evalActiveVoxelBoundingBox();
-  if (!grid->empty() && !bounds.empty() && !box.isInside(bounds)) {
+  const openvdb::CoordBBox bounds = any.evalActiveVoxelBoundingBox();
+  if (!any.empty() && !bounds.empty() && !box.isInside(bounds)) {
     throw InputError({path, "grid " + name, "voxels outside the volume", "voxels inside its box"});
   }
   return grid;

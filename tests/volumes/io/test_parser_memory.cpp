@@ -5,9 +5,9 @@
 #include <gtest/gtest.h>
 #include <hdf5.h>
 #include <openvdb/io/Stream.h>
-#include <openvdb/openvdb.h>
 
 #include "tests/support/io_fixtures.h"
+#include "volumes/grid/vdb_grid.h"
 
 namespace supple::test {
 namespace {
@@ -21,8 +21,7 @@ bool is_refused(const std::string& line) {
 
 /// What a program other than ours writes of one voxel.
 std::string foreign_grid_bytes(const TemporaryFolder& folder) {
-  openvdb::initialize();
-  auto fog = openvdb::FloatGrid::create();
+  auto fog = make_grid<openvdb::FloatGrid>(0);
   fog->tree().setValueOn({1, 2, 3}, 4);
   {
     std::ofstream out(folder / "a.vdb", std::ios::binary);

@@ -8,10 +8,10 @@
 
 #include <gtest/gtest.h>
 #include <openvdb/io/Stream.h>
-#include <openvdb/openvdb.h>
 
 #include "tests/support/io_fixtures.h"
 #include "volumes/base/error.h"
+#include "volumes/grid/vdb_grid.h"
 #include "volumes/io/format/dense_writer.h"
 #include "volumes/io/open_volume.h"
 #include "volumes/io/vdb/vdb_seal.h"
@@ -131,7 +131,7 @@ void write_foreign(const std::string& path, const openvdb::GridCPtrVec& grids) {
 }
 
 openvdb::FloatGrid::Ptr fog(const std::string& name) {
-  auto grid = openvdb::FloatGrid::create(-1.0f);
+  auto grid = make_grid<openvdb::FloatGrid>(-1.0f);
   grid->setName(name);
   grid->setTransform(openvdb::math::Transform::createLinearTransform(0.5));
   auto accessor = grid->getAccessor();
@@ -160,14 +160,14 @@ TEST(FaultVdbVolume, GridsThatAreNoVolumeAreNamed) {
     write_foreign(folder / "g.vdb", grids);
     return failure_of(folder / "g.vdb");
   };
-  auto mask = openvdb::BoolGrid::create(false);
+  auto mask = make_grid<openvdb::BoolGrid>(false);
   mask->setName("mask");
   mask->tree().setValueOn({1, 2, 3}, true);
   EXPECT_NE(line_of({mask}).find("found mask (bool), expected one grid of floats"),
             std::string::npos);
   EXPECT_NE(line_of({fog("a"), fog("b")}).find("found a (float), b (float)"), std::string::npos);
   EXPECT_EQ(line_of({fog("a"), fog("density")}), "");
-  EXPECT_NE(line_of({openvdb::FloatGrid::create()}).find("no active voxel"), std::string::npos);
+  EXPECT_NE(line_of({make_grid<openvdb::FloatGrid>(0)}).find("no active voxel"), std::string::npos);
   auto apart = fog("apart");
   apart->tree().setValueOn({100000, 100000, 5}, 1.0f);
   EXPECT_NE(line_of({apart}).find("expected at most 2 GiB"), std::string::npos);

@@ -4,11 +4,11 @@
 
 #include <gtest/gtest.h>
 #include <openvdb/io/Stream.h>
-#include <openvdb/openvdb.h>
 
 #include "tests/support/random_state.h"
 #include "tests/support/temporary_folder.h"
 #include "volumes/base/error.h"
+#include "volumes/grid/vdb_grid.h"
 #include "volumes/io/vdb/vdb_seal.h"
 
 using namespace supple;
@@ -154,7 +154,7 @@ TEST_F(FaultForgedState, CutsWhereThereIsNoLinkAreRejected) {
     for (auto& grid : *m_parts.grids) {
       if (grid->getName() == "cut_links") grid->setName("was cut_links");
     }
-    auto cuts = openvdb::Int32Grid::create(0);
+    auto cuts = make_grid<openvdb::Int32Grid>(0);
     cuts->setName("cut_links");
     cuts->tree().setValueOn(openvdb::Coord(voxel.x, voxel.y, voxel.z), bits);
     m_parts.grids->insert(m_parts.grids->begin(), cuts);
@@ -188,7 +188,7 @@ TEST_F(FaultForgedState, CutsWhereThereIsNoLinkAreRejected) {
 
 TEST_F(FaultForgedState, DerivedGridsAndWhatFollowsThemAreNotRead) {
   m_parts.grid<openvdb::Int32Grid>("cut_links")->setName("was cut_links");
-  auto bad = openvdb::Int32Grid::create(0);
+  auto bad = make_grid<openvdb::Int32Grid>(0);
   bad->setName("cut_links");
   bad->tree().setValueOn(openvdb::Coord(0), 8);
   m_parts.grids->push_back(bad);
@@ -203,7 +203,7 @@ TEST_F(FaultForgedState, LabelsThatNoElementCanHaveAreRejected) {
     for (auto& grid : *m_parts.grids) {
       if (grid->getName() == "label") grid->setName("was label");
     }
-    auto labels = openvdb::Int32Grid::create(0);
+    auto labels = make_grid<openvdb::Int32Grid>(0);
     labels->setName("label");
     labels->tree().setValueOn(openvdb::Coord(voxel.x, voxel.y, voxel.z), value);
     m_parts.grids->insert(m_parts.grids->begin(), labels);

@@ -11,7 +11,7 @@ namespace supple {
 namespace {
 
 openvdb::Vec3SGrid::Ptr vdb_offsets(const VectorBricks& offsets) {
-  openvdb::Vec3SGrid::Ptr grid = openvdb::Vec3SGrid::create();
+  openvdb::Vec3SGrid::Ptr grid = make_grid<openvdb::Vec3SGrid>(openvdb::Vec3f(0));
   for (std::size_t b = 0; b < offsets.topology.brick_count(); ++b) {
     const Vec3i& origin = offsets.topology.origin(b);
     auto* leaf = grid->tree().touchLeaf(openvdb::Coord(origin.x, origin.y, origin.z));

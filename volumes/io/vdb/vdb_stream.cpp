@@ -63,11 +63,6 @@ void write_throwing(const std::string& path, const openvdb::GridCPtrVec& grids,
 
 }  // namespace
 
-void initialize_vdb() {
-  openvdb::initialize();
-  openvdb::logging::setLevel(openvdb::logging::Level::Fatal);
-}
-
 void write_vdb_stream(const AtomicFile& file, const openvdb::GridCPtrVec& grids,
                       const openvdb::MetaMap& metadata) {
   errno = 0;

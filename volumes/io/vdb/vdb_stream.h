@@ -14,7 +14,7 @@
 #include "volumes/base/atomic_file.h"
 #include "volumes/geometry/geometry.h"
 #include "volumes/grid/brick_topology.h"
-#include "volumes/grid/vdb_trees.h"
+#include "volumes/grid/vdb_grid.h"
 
 namespace supple {
 
@@ -37,16 +37,13 @@ typename Grid::Ptr make_vdb_grid(const char* name, const BrickTopology& bricks,
     fill(*leaf, b);
     if (!leaf->isEmpty()) leaves[b] = std::move(leaf);
   });
-  auto grid = Grid::create(background);
+  auto grid = make_grid<Grid>(background);
   grid->setName(name);
   for (auto& leaf : leaves) {
     if (leaf) grid->tree().addLeaf(leaf.release());
   }
   return grid;
 }
-
-/// openvdb::initialize(), without its messages on stderr.
-void initialize_vdb();
 
 /// Attaches the affine to LPS mm; a geometry that OpenVDB refuses (tiny voxels) stays in index
 /// space.

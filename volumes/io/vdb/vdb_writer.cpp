@@ -145,7 +145,7 @@ class VdbWriter : public DenseWriter {
 
   openvdb::GridBase::Ptr make_grid() {
     const Value background_value = background();
-    auto grid = Grid::create(background_value);
+    auto grid = supple::make_grid<Grid>(background_value);
     for (const Uniform& brick : m_uniform) {
       if (same(brick.value, background_value)) continue;
       auto leaf = std::make_unique<Leaf>(to_coord(brick.origin), background_value);
