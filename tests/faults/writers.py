@@ -1,7 +1,7 @@
 """Everything that writes, where it cannot: output exists, device, full disk, kill, Ctrl-C.
 
 The old file stays, bit by bit, until a complete new one replaces it. A killed program leaves at
-most its temporary file, `.supple-PID-NAME`, and its lock, `.supple-NAME.lock`.
+most its temporary file, `.supple-PID-NAME`, and the lock of its folder, `.supple.lock`.
 """
 import os
 import random
@@ -19,7 +19,7 @@ OLD = b"the old file\n"
 FREE_BYTES = 4096  # on the full disk
 KILLS = 20
 TEMPORARY = re.compile(r"^\.supple-\d+-")
-LEFT = re.compile(r"^\.supple-(\d+-.*|.*\.lock)$")
+LEFT = re.compile(r"^\.supple(-\d+-.*|\.lock)$")
 FORMATS = ["nrrd", "nhdr", "mha", "mhd", "nii", "nii.gz", "tif", "vdb", "h5"]
 WARPS = ["nrrd", "nhdr", "mha", "mhd", "nii", "nii.gz", "h5"]
 MATERIAL = ("domain = [0, 1000]\nactive = [200, 1000]\nmax_length = [[0, 1.3]]\n"

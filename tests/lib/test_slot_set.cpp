@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "lib/body/slot_set.h"
+#include "tests/support/sanitized.h"
 #include "tests/lib/test_bodies.h"
 
 using namespace supple;
@@ -64,7 +65,7 @@ TEST(PropertySlotSet, SetOperationsEqualThoseOfStdSet) {
 
 TEST(PropertySlotSet, ElementsInABoxAreThoseThatItContains) {
   std::mt19937 random(6);
-  for (int n = 0; n < 300; ++n) {
+  for (int n = 0; n < cases(300); ++n) {
     const Block block = random_block(random, {40, 20, 20});
     const Body body = body_of(block);
     IndexBox box;

@@ -208,7 +208,7 @@ TEST(PropertySpringIntegrators, ADrivenNodeArrivesAndItsHandleFeelsInertia) {
   }
 }
 
-TEST(PropertySpringIntegrators, SwitchingIntegratorsNeitherJumpsNorDrifts) {
+TEST(ConvergenceSpringIntegrators, SwitchingIntegratorsNeitherJumpsNorDrifts) {
   // Every ten steps another one takes the same system over; a damped sheet comes to the rest that
   // any one of them finds.
   SpringSystem system = bent_sheet(200);

@@ -250,7 +250,7 @@ TEST(PropertyVolumeRelaxation, ARigidPartMovesAsOneToWhereTheEnergyIsLeast) {
   }
 }
 
-TEST(PropertyVolumeRelaxation, ABlockThatIsPressedKeepsItsVolumeOnlyWithConservation) {
+TEST(ConvergenceVolumeRelaxation, ABlockThatIsPressedKeepsItsVolumeOnlyWithConservation) {
   const Body rest = body_of(homogeneous({9, 9, 11}, 3, 0.2, 2));
   Body off = rest, on = rest;
   // Without it nothing couples the coordinates: nothing moves sideways, and the volume lost is the
@@ -268,7 +268,7 @@ TEST(PropertyVolumeRelaxation, ABlockThatIsPressedKeepsItsVolumeOnlyWithConserva
   EXPECT_NEAR(wider, std::sqrt(report.volumes_after->ratio() / 0.7) - 1, 0.02);
 }
 
-TEST(PropertyVolumeRelaxation, ABallThatIsPressedKeepsItsVolumeOnlyWithConservation) {
+TEST(ConvergenceVolumeRelaxation, ABallThatIsPressedKeepsItsVolumeOnlyWithConservation) {
   const Body rest = soft_ball(24);
   Body off = rest, on = rest;
   relax(off, {}, press(off, 0.3, 2), with_bulk_modulus(0, 300));
@@ -305,7 +305,7 @@ TEST(PropertyVolumeRelaxation, ABallThatIsPressedKeepsItsVolumeOnlyWithConservat
   EXPECT_EQ(check_links(on).violated, 0);
 }
 
-TEST(PropertyVolumeRelaxation, LetGoABodyReturnsToItsShape) {
+TEST(ConvergenceVolumeRelaxation, LetGoABodyReturnsToItsShape) {
   Body body = soft_ball(12);
   RelaxParams params = with_bulk_modulus(20, 30);
   relax(body, {}, press(body, 0.3), params);

@@ -42,7 +42,7 @@ double largest_move(const SpringSystem& now, const SpringSystem& before) {
 
 }  // namespace
 
-TEST(PropertyXpbd, ASoftCubeSinksAsFarAsImplicitEulerSays) {
+TEST(ConvergenceXpbd, ASoftCubeSinksAsFarAsImplicitEulerSays) {
   const SpringSystem rest = soft_cube(6);
   SpringSystem cube = rest, exact = rest, too_soft = rest;
   ImplicitEuler implicit(exact);

@@ -242,7 +242,7 @@ TEST_F(FaultLabels, LabelVolumesMustHoldLabelsOnTheVolumesGrid) {
   EXPECT_FALSE(std::filesystem::exists(m_folder / "out.vdb"));
 }
 
-TEST(UnitRealLabels, ARigidThalamusOfTheAalAtlasMovesAsOneInsideTheBrain) {
+TEST(InteropRealLabels, ARigidThalamusOfTheAalAtlasMovesAsOneInsideTheBrain) {
   const std::string aal = public_volume("aal.nii.gz"), ch2 = public_volume("ch2.nii.gz");
   if (aal.empty() || ch2.empty()) GTEST_SKIP() << "mricron-data is not installed";
   const TemporaryFolder folder;

@@ -6,7 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/program.h"
-#include "volumes/base/reserved_name.h"
+#include "volumes/base/error.h"
+#include "volumes/base/reserved_names.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -279,7 +280,11 @@ TEST_F(FaultSharedNames, AFileThatAnotherProcessIsAboutToWriteIsRefused) {
   const std::string copy = m_folder / "copy.nrrd";
   const std::vector<std::string> convert = {"convert", m_folder / "ball.nhdr", copy};
   {
-    const ReservedName other(copy);
+    ReservedNames other;
+    other.add(copy);
+    ReservedNames neighbour;  // leaves before the other does
+    neighbour.add(m_folder / "free.nrrd");
+    EXPECT_THROW(neighbour.add(copy), SystemError);
     expect(run_supple(convert), 4, {copy + ": another process is about to write this file"});
     EXPECT_FALSE(std::filesystem::exists(copy));
   }
@@ -314,7 +319,7 @@ TEST_F(FaultSharedNames, WhatKilledProcessesLeftGoesWithTheNextRun) {
   const std::string gone = ".supple-4194304-copy.nrrd", mine = ".supple-1-copy.nrrd";
   write_text(m_folder / gone, "left");
   write_text(m_folder / mine, "of a process that runs");
-  write_text(m_folder / ".supple-copy.nrrd.lock", "");
+  write_text(m_folder / ".supple.lock", "");
   write_text(m_folder / ".supple-4194304-other.nrrd", "of another output");
   expect(run_supple({"convert", m_folder / "ball.nhdr", m_folder / "copy.nrrd"}), 0, {});
   EXPECT_EQ(m_folder.entries(),

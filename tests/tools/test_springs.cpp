@@ -70,6 +70,7 @@ class Springs : public ::testing::Test {
 
 using UnitSpringScene = Springs;
 using FaultSpringScene = Springs;
+using ConvergenceSpringScene = Springs;
 
 }  // namespace
 
@@ -253,7 +254,7 @@ TEST_F(UnitSpringScene, AShapePressesTheBodyAside) {
   EXPECT_NEAR(first, 6.5, 1e-4);
 }
 
-TEST_F(UnitSpringScene, AMeshPressesAsTheBoxOfItsShape) {
+TEST_F(ConvergenceSpringScene, AMeshPressesAsTheBoxOfItsShape) {
   std::filesystem::create_directory(m_folder / "tools");
   write_text(m_folder / "tools/box.obj",
              "v 4 -4 4\nv 11 -4 4\nv 4 2 4\nv 11 2 4\nv 4 -4 14\nv 11 -4 14\nv 4 2 14\nv 11 2 14\n"
@@ -277,7 +278,7 @@ TEST_F(UnitSpringScene, AMeshPressesAsTheBoxOfItsShape) {
   EXPECT_GT(moved, 1);
 }
 
-TEST_F(UnitSpringScene, AMovingFloorTakesAlongByFriction) {
+TEST_F(ConvergenceSpringScene, AMovingFloorTakesAlongByFriction) {
   const auto carried_by = [&](const std::string& friction) {
     steps_of(
         "[[step]]\nmodel = \"springs\"\nsprings = { step = 0.002, integrator = \"implicit\", "

@@ -69,12 +69,10 @@ Console::Console(const GlobalOptions& options)
 
 Console::~Console() {
   clear_line();
-  // The first may have made the folder of the others.
-  while (!m_reserved.empty()) m_reserved.pop_back();
 }
 
 void Console::claim(const std::vector<std::string>& outputs) {
-  for (const std::string& path : outputs) m_reserved.emplace_back(path);
+  for (const std::string& path : outputs) m_reserved.add(path);
   m_outputs.insert(m_outputs.end(), outputs.begin(), outputs.end());
 }
 

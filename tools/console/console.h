@@ -7,13 +7,12 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
-#include <deque>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "volumes/base/progress.h"
-#include "volumes/base/reserved_name.h"
+#include "volumes/base/reserved_names.h"
 #include "volumes/base/text.h"
 
 namespace supple::tools {
@@ -43,7 +42,7 @@ class Console final : public Progress {
   bool cancelled() const override;
 
   /// Holds the names of files that are going to be written, so that no other process writes them
-  /// meanwhile. Throws as ReservedName.
+  /// meanwhile. Throws as ReservedNames.
   void claim(const std::vector<std::string>& outputs);
   /// Notes which of them are there, with size and time since the start.
   void tell_outputs();
@@ -64,7 +63,7 @@ class Console final : public Progress {
   std::chrono::duration<double> m_line_every;  // without a terminal
   Clock::time_point m_start = Clock::now();
   std::vector<std::string> m_outputs;
-  std::deque<ReservedName> m_reserved;
+  ReservedNames m_reserved;
   bool m_line_open = false;
   std::string m_stage;
   Clock::time_point m_stage_start;

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/field_fixtures.h"
+#include "tests/support/sanitized.h"
 #include "volumes/base/on_threads.h"
 #include "volumes/field/displacement.h"
 #include "volumes/field/ring_fill.h"
@@ -55,7 +56,7 @@ VectorBricks random_blob(std::mt19937& random, const Vec3i& lo, const Vec3i& hi,
 
 TEST(PropertyExtend, EqualsTheBruteForceRingsBitForBit) {
   std::mt19937 random(11);
-  for (int n = 0; n < 12; ++n) {
+  for (int n = 0; n < cases(12); ++n) {
     const VectorBricks seed = random_blob(random, {-9, -5, -12}, {6, 9, 3}, 0.02);
     const BrickTopology target = random_blob(random, {-14, -10, -14}, {10, 12, 8}, 0.6).topology;
     const Displacement extended = extend({unit_geometry({9, 9, 9}), seed}, target);

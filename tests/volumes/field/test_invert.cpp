@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/sanitized.h"
 #include "tests/volumes/field/offset_fixtures.h"
 #include "volumes/base/error.h"
 #include "volumes/base/on_threads.h"
@@ -227,7 +228,7 @@ TEST(PropertyInvert, StronglyStretchedNoiseLeavesNoGaps) {
 TEST(PropertyInvert, DoesNotDependOnTheNumberOfThreads) {
   std::mt19937 random(23);
   // Folds included, where several solutions compete.
-  const Displacement noisy = noisy_displacement(random, ball({30, 30, 30}, 24), 0.7f);
+  const Displacement noisy = noisy_displacement(random, ball({30, 30, 30}, kSanitized ? 12 : 24), 0.7f);
   const auto with_threads = [&](int threads) {
     return on_threads(threads, [&] { return invert(noisy); });
   };
@@ -269,7 +270,7 @@ TEST(PropertyInvert, AFoldIsCountedAndTheSmallestOffsetWins) {
 TEST(PropertyInvert, FoldsBetweenTheCornersOfACellAreFound) {
   std::mt19937 random(12);
   int between = 0, regular = 0;
-  for (int n = 0; n < 4000; ++n) {
+  for (int n = 0; n < cases(4000); ++n) {
     CellCorners corners;
     const float size = 0.25f + 0.35f * float(n % 10) / 9;
     for (int corner = 0; corner < 8; ++corner) {
@@ -303,8 +304,8 @@ TEST(PropertyInvert, FoldsBetweenTheCornersOfACellAreFound) {
       ++regular;
     }
   }
-  EXPECT_GT(between, 5);
-  EXPECT_GT(regular, 500);
+  EXPECT_GT(between, cases(5));
+  EXPECT_GT(regular, cases(500));
 }
 
 TEST(PropertyInvert, AFoldBetweenCornersIsCountedWhoeverSolvesTheCell) {

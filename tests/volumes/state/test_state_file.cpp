@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/random_state.h"
+#include "tests/support/sanitized.h"
 #include "tests/support/temporary_folder.h"
 #include "volumes/base/error.h"
 #include "volumes/base/on_threads.h"
@@ -15,23 +16,23 @@ using namespace supple::test;
 TEST(PropertyState, AWrittenStateReadsBackBitForBit) {
   const TemporaryFolder folder;
   std::int64_t elements = 0, cuts = 0;
-  for (unsigned seed = 0; seed < 150; ++seed) {
-    const State state = random_state(seed);
+  for (int seed = 0; seed < cases(150); ++seed) {
+    const State state = random_state(unsigned(seed));
     write_state(folder / "a.vdb", state);
     ASSERT_TRUE(is_state_file(folder / "a.vdb"));
     ASSERT_TRUE(same_state(read_state(folder / "a.vdb"), state)) << "seed " << seed;
     elements += state.elements.active_count();
     cuts += state.cuts.count();
   }
-  EXPECT_GT(elements, 10000);
-  EXPECT_GT(cuts, 1000);
+  EXPECT_GT(elements, cases(10000));
+  EXPECT_GT(cuts, cases(1000));
   EXPECT_EQ(folder.entries().size(), 1u);
 }
 
 TEST(PropertyState, EqualStatesAreEqualFilesWhateverTheThreadCount) {
   const TemporaryFolder folder;
-  for (unsigned seed = 0; seed < 20; ++seed) {
-    const State state = random_state(seed);
+  for (int seed = 0; seed < cases(20); ++seed) {
+    const State state = random_state(unsigned(seed));
     on_threads(1, [&] { write_state(folder / "a.vdb", state); });
     on_threads(4, [&] { write_state(folder / "b.vdb", read_state(folder / "a.vdb")); });
     ASSERT_EQ(read_text(folder / "a.vdb"), read_text(folder / "b.vdb")) << "seed " << seed;

@@ -1,0 +1,147 @@
+#include "volumes/base/reserved_names.h"
+
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdint>
+#include <cstdlib>
+#include <thread>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "volumes/base/atomic_file.h"
+#include "volumes/base/error.h"
+
+namespace supple {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const char* const kLockName = ".supple.lock";
+
+/// The file that a link stands for, as AtomicFile has it.
+fs::path target_of(const std::string& path) {
+  std::error_code ignored;
+  return fs::is_symlink(path, ignored) ? fs::weakly_canonical(path) : fs::path(path);
+}
+
+bool is_running(const std::string& process) {
+  const long number = std::strtol(process.c_str(), nullptr, 10);
+  return ::kill(pid_t(number), 0) == 0 || errno != ESRCH;
+}
+
+/// Files ".supple-PROCESS-NAME" of processes that are no more, by NAME.
+std::multimap<std::string, fs::path> find_leftovers(const fs::path& folder) {
+  const std::string before = ".supple-";
+  std::multimap<std::string, fs::path> found;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder.empty() ? "." : folder, error), end;
+       !error && entry != end; entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    if (name.compare(0, before.size(), before) != 0) continue;
+    const std::size_t dash = name.find_first_not_of("0123456789", before.size());
+    if (dash == before.size() || dash == std::string::npos || name[dash] != '-') continue;
+    if (is_running(name.substr(before.size(), dash - before.size()))) continue;
+    found.emplace(name.substr(dash + 1), entry->path());
+  }
+  return found;
+}
+
+/// Whether the descriptor is of the file that has the name now.
+bool is_at(int descriptor, const fs::path& path) {
+  struct stat opened = {}, named = {};
+  return ::fstat(descriptor, &opened) == 0 && ::stat(path.c_str(), &named) == 0 &&
+         opened.st_ino == named.st_ino && opened.st_dev == named.st_dev;
+}
+
+/// Of the open file, not of the process, so that two objects of one process exclude each other.
+struct flock write_lock(off_t start, off_t length) {
+  struct flock lock = {};
+  lock.l_type = F_WRLCK;
+  lock.l_whence = SEEK_SET;
+  lock.l_start = start;
+  lock.l_len = length;
+  return lock;
+}
+
+/// The whole file, which the last that uses it locks to remove it.
+struct flock whole_file() {
+  return write_lock(0, 0);
+}
+
+/// One byte, chosen by a hash of the name (FNV-1a) that every build shares; the first stays free.
+struct flock byte_of(const std::string& name) {
+  std::uint64_t hash = 14695981039346656037u;
+  for (const char c : name) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211u;
+  return write_lock(off_t(hash >> 2) + 1, 1);
+}
+
+/// Whether what excludes the lock is a whole file that is being removed, or nothing any more.
+bool is_passing(int descriptor, struct flock lock) {
+  return ::fcntl(descriptor, F_OFD_GETLK, &lock) == 0 &&
+         (lock.l_type == F_UNLCK || (lock.l_start == 0 && lock.l_len == 0));
+}
+
+}  // namespace
+
+ReservedNames::Folder& ReservedNames::folder_of(const fs::path& path,
+                                                const std::string& final_path) {
+  const auto [place, is_new] = m_folders.try_emplace(path);
+  Folder& folder = place->second;
+  if (is_new) folder.leftovers = find_leftovers(path);
+  if (folder.descriptor >= 0 && is_at(folder.descriptor, path / kLockName)) return folder;
+  if (folder.descriptor >= 0) ::close(folder.descriptor);
+  folder.descriptor =
+      ::open((path / kLockName).c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
+  if (folder.descriptor < 0) throw_write_error(final_path, errno);
+  ::fchmod(folder.descriptor, 0666);  // other users write other names; refused to all but the owner
+  return folder;
+}
+
+void ReservedNames::add(const std::string& final_path) {
+  const fs::path target = target_of(final_path), path = target.parent_path();
+  const std::string name = target.filename().string();
+  m_made.make(path);
+  check_output_place(final_path);
+  struct flock lock = byte_of(name);
+  for (;;) {
+    Folder& folder = folder_of(path, final_path);
+    if (::fcntl(folder.descriptor, F_OFD_SETLK, &lock) == 0) {
+      // Its last user may have removed the file between opening and locking it.
+      if (is_at(folder.descriptor, path / kLockName)) break;
+      continue;
+    }
+    const int reason = errno;
+    if (reason == EAGAIN || reason == EACCES) {
+      if (!is_passing(folder.descriptor, lock)) {
+        throw SystemError(final_path + ": another process is about to write this file");
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      continue;
+    }
+    // Some file systems know no locks; names are then not reserved there.
+    if (reason == EINVAL || reason == ENOLCK || reason == ENOTSUP) break;
+    throw_write_error(final_path, reason);
+  }
+  auto& leftovers = m_folders[path].leftovers;
+  const auto [first, last] = leftovers.equal_range(name);
+  std::error_code ignored;
+  for (auto left = first; left != last; ++left) fs::remove(left->second, ignored);
+  leftovers.erase(first, last);
+}
+
+ReservedNames::~ReservedNames() {
+  for (const auto& [path, folder] : m_folders) {
+    if (folder.descriptor < 0) continue;
+    struct flock whole = whole_file();
+    const bool is_last = ::fcntl(folder.descriptor, F_OFD_SETLK, &whole) == 0 ||
+                         (errno != EAGAIN && errno != EACCES);
+    if (is_last) ::unlink((path / kLockName).c_str());
+    ::close(folder.descriptor);
+  }
+}
+
+}  // namespace supple
