@@ -1,4 +1,4 @@
-// Points as CSV.
+// Points as CSV and as markups.
 #include "tests/fuzz/fuzz_file.h"
 #include "volumes/io/point_file.h"
 

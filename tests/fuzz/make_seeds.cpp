@@ -83,6 +83,11 @@ void make_text_formats(const Seeds& seeds) {
              "ElementDataFile = LOCAL\n1 2 3 4\n");
   seeds.text("raw", "spec", "dims=2,2,4,type=int16,spacing=1,1,2.5,endian=big,offset=32");
   seeds.text("points", "points.csv", "# a comment\nx,y,z,dx,dy,dz,name\n1,2,3,0.5,0,-1e-3,tip\n");
+  seeds.text(
+      "points", "points.mrk.json",
+      "{\"markups\": [{\"type\": \"Line\", \"coordinateSystem\": \"RAS\", \"coordinateUnits\": "
+      "[\"mm\"], \"controlPoints\": [{\"position\": [1, -2.5, 3e1], \"positionStatus\": "
+      "\"defined\"}]}]}\n");
 }
 
 void make_binary_formats(const Seeds& seeds) {

@@ -175,7 +175,8 @@ Command add_apply(CLI::App& program) {
   app->add_option("-o,--output", options->output, "The file moved: same kind as the input")
       ->required()
       ->option_text("FILE");
-  app->add_option("--points", options->points, "Points in LPS mm: columns x,y,z, others are kept")
+  app->add_option("--points", options->points,
+                  "Points in LPS mm: columns x,y,z, others are kept; or Slicer's .mrk.json")
       ->option_text("FILE.csv");
   app->add_option("--mesh", options->mesh,
                   "STL, PLY, OBJ or legacy VTK; all but places and normals is kept")

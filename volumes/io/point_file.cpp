@@ -14,6 +14,7 @@
 #include "volumes/io/bytes/output_file.h"
 #include "volumes/io/bytes/text_header.h"
 #include "volumes/io/format/dense_writer.h"
+#include "volumes/io/markups.h"
 
 namespace supple {
 
@@ -46,6 +47,11 @@ std::vector<PointField> fields_of(const std::string& line) {
   return fields;
 }
 
+/// Of the mark that some programs put before UTF-8.
+std::size_t mark_bytes(const std::string& content) {
+  return content.rfind("\xef\xbb\xbf", 0) == 0 ? 3 : 0;
+}
+
 class PointReader {
  public:
   PointReader(const std::string& path, std::string content) {
@@ -55,7 +61,7 @@ class PointReader {
 
   PointFile read() {
     const std::string& content = m_file.content;
-    m_begin = content.rfind("\xef\xbb\xbf", 0) == 0 ? 3 : 0;
+    m_begin = mark_bytes(content);
     while (m_begin < content.size()) {
       const std::size_t end = std::min(content.find('\n', m_begin), content.size());
       ++m_line;
@@ -163,6 +169,10 @@ PointFile read_point_file(const std::string& path) {
   if (!in) throw_open_error(path, errno);
   std::string content{std::istreambuf_iterator<char>(in), {}};
   if (in.bad()) throw_open_error(path, EIO);
+  const std::size_t first = content.find_first_not_of(kAround, mark_bytes(content));
+  if (first != std::string::npos && content[first] == '{') {
+    return read_markups(path, std::move(content));
+  }
   return PointReader(path, std::move(content)).read();
 }
 
@@ -195,7 +205,7 @@ void write_points_like(const std::string& path, const PointFile& file,
 
 bool is_point_file_name(const std::string& path) {
   const std::string extension = lower_case(std::filesystem::path(path).extension().string());
-  return extension == ".csv" || extension == ".fcsv";
+  return extension == ".csv" || extension == ".fcsv" || extension == ".json";
 }
 
 }  // namespace supple

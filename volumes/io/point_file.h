@@ -2,7 +2,8 @@
 // where each point has a displacement of its own, dx, dy, dz (any case, any order, others are
 // ignored), then one point a line, in millimetres. Lines that begin with # are comments, among them
 // those of 3D Slicer's .fcsv: "# columns = …" stands for the header line and "# CoordinateSystem =
-// LPS|RAS|0|1" for the frame, which is LPS where nothing is said.
+// LPS|RAS|0|1" for the frame, which is LPS where nothing is said. Files that begin with { are
+// Slicer's markups (markups.h).
 // Cost: the file's bytes and 140 bytes per point.
 #pragma once
 
@@ -36,7 +37,7 @@ struct PointFile {
 };
 
 /// Throws InputError, with file:line, for a missing file or column, a value that is no finite
-/// number, a short line, an unknown frame, or no points at all.
+/// number, a short line, an unknown frame, or no points at all; for markups as read_markups.
 PointFile read_point_file(const std::string& path);
 
 /// The same file with these points in place of its own, one per row: all other columns, comments
@@ -45,7 +46,7 @@ PointFile read_point_file(const std::string& path);
 void write_points_like(const std::string& path, const PointFile& file,
                        const std::vector<Vec3d>& points_lps_mm);
 
-/// True for names that end in .csv or .fcsv.
+/// True for names that end in .csv, .fcsv or .json.
 bool is_point_file_name(const std::string& path);
 
 }  // namespace supple

@@ -84,6 +84,81 @@ TEST(UnitPointFile, MovedPointsKeepAllElseOfTheirFile) {
   EXPECT_EQ(moved("x,y,z\n0.30000000000000004,0.1,9\n"), "x,y,z\n1.3,0.6,9\n");
 }
 
+/// As 3D Slicer 5 writes point lists, shortened.
+std::string markups(const std::string& head, const std::string& points) {
+  return "{\n  \"@schema\": "
+         "\"https://raw.githubusercontent.com/slicer/slicer/master/Modules/Loadable/"
+         "Markups/Resources/Schema/markups-schema-v1.0.3.json#\",\n  \"markups\": [\n    {\n     "
+         " " +
+         head + ",\n      \"locked\": false,\n      \"controlPoints\": [" + points +
+         "],\n      \"measurements\": [{ \"name\": \"length\", \"value\": 1.50 }]\n    }\n  ]\n}\n";
+}
+
+std::string control_point(const std::string& position, const std::string& status = "defined") {
+  return "\n  { \"id\": \"1\", \"label\": \"F-1 {7}\", \"position\": " + position +
+         ",\n    \"orientation\": [-1.0, -0.0, -0.0, -0.0, -1.0, -0.0, 0.0, 0.0, 1.0],\n    "
+         "\"positionStatus\": \"" +
+         status + "\" }";
+}
+
+const char* const kPointList =
+    "\"type\": \"Fiducial\", \"coordinateSystem\": \"LPS\", \"coordinateUnits\": \"mm\"";
+
+TEST(UnitPointFile, SlicerMarkupsAreReadInTheirFrame) {
+  const std::string points = control_point("[10.5, -2e1, 30]") + "," +
+                             control_point("[0.0, 0.0, 0.0]", "undefined") + "," +
+                             control_point("[1,\n2,\n3]");
+  const PointFile lps = points_of(markups(kPointList, points), "a.mrk.json");
+  EXPECT_FALSE(lps.has_displacements);
+  ASSERT_EQ(lps.rows.size(), 2u);
+  EXPECT_EQ(lps.rows[0].at_lps_mm, Vec3d(10.5, -20, 30));
+  EXPECT_EQ(lps.rows[1].at_lps_mm, Vec3d(1, 2, 3));
+  EXPECT_EQ(lps.rows[0].line, 8);
+  EXPECT_EQ(lps.rows[1].line, 14);
+  for (const char* frame : {"RAS", "0"}) {
+    const std::string head = "\"type\": \"Curve\", \"coordinateSystem\": \"" + std::string(frame) +
+                             "\", \"coordinateUnits\": [\"mm\", \"UCUM\", \"millimeter\"]";
+    EXPECT_EQ(points_of(markups(head, points)).rows[0].at_lps_mm, Vec3d(-10.5, 20, 30));
+  }
+  EXPECT_EQ(points_of(markups("\"type\": \"Line\"", points)).rows[0].at_lps_mm[0], 10.5);
+}
+
+TEST(UnitPointFile, MovedMarkupsKeepAllElseOfTheirFile) {
+  const std::string undefined = control_point("[7.0, 7.0, 7.0]", "undefined");
+  const std::string before = control_point("[ 0.10 ,2,\n30.0]") + "," + undefined;
+  const std::string after = control_point("[ 1.1 ,2.5,\n30.0]") + "," + undefined;
+  EXPECT_EQ(moved(markups(kPointList, before)), markups(kPointList, after));
+  const std::string ras = "\"type\": \"Angle\", \"coordinateSystem\": \"RAS\"";
+  EXPECT_EQ(moved("\xef\xbb\xbf" + markups(ras, control_point("[1,2,3]"))),
+            "\xef\xbb\xbf" + markups(ras, control_point("[0,1.5,3]")));
+}
+
+TEST(FaultPointFile, WhatIsWrongInMarkupsIsNamed) {
+  const std::string point = control_point("[1, 2, 3]");
+  EXPECT_EQ(error_of("{\"markups\": [}"),
+            "a.csv: JSON: found parse error at line 1, column 14, expected intact markups");
+  EXPECT_EQ(error_of("{\"points\": 3}"),
+            "a.csv: markups: found none, expected an array, as 3D Slicer writes it");
+  EXPECT_EQ(error_of(markups("\"type\": \"Plane\"", point)),
+            "a.csv: type: found Plane, expected Fiducial, Line, Angle, Curve or ClosedCurve");
+  EXPECT_EQ(error_of(markups("\"type\": \"Line\", \"coordinateSystem\": \"IJK\"", point)),
+            "a.csv: coordinateSystem: found 'ijk', expected LPS or RAS");
+  EXPECT_EQ(error_of(markups("\"type\": \"Line\", \"coordinateUnits\": \"um\"", point)),
+            "a.csv: coordinateUnits: found 'um', expected mm");
+  EXPECT_EQ(error_of(markups(kPointList, point + "," + control_point("[1, 2]"))),
+            "a.csv: position of control point 1: found something else, expected three numbers");
+  EXPECT_EQ(error_of(markups(kPointList, "{\"label\": \"F\"}")),
+            "a.csv: position of control point 0: found nothing, expected three numbers");
+  EXPECT_EQ(error_of(markups(kPointList, control_point("[1, 2, 3]", "undefined"))),
+            "a.csv: controlPoints: found none that is defined, expected one at least");
+  EXPECT_NE(error_of(markups(kPointList, control_point("[1, 2, 1e999]"))).find("a.csv: JSON"),
+            std::string::npos);
+  for (const char* odd : {"{\"markups\": [3]}", "{\"markups\": [[]]}", "{\"markups\": {}}", "{",
+                          "{\"markups\": [{\"type\": 3}]}", "{}", "[1]"}) {
+    EXPECT_NE(error_of(odd), "none") << odd;
+  }
+}
+
 TEST(FaultPointFile, WhatIsWrongIsNamedWithItsLine) {
   EXPECT_EQ(error_of("x,y,z\n1,2,3\n1,two,3\n"), "a.csv:3: y: found two, expected a number");
   EXPECT_EQ(error_of("x,y,z\n1,nan,3\n"),
