@@ -1,6 +1,5 @@
 #include "lib/material/material_file.h"
 
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 
@@ -142,21 +141,17 @@ void read_curves(TomlTable& table, LimitTable& limits) {
   limits.yield_strain = optional("plastic", preset.yield_strain);
 }
 
-std::int32_t parse_label(const TomlTable& labels, const std::string& key) {
-  std::int32_t label = 0;
-  const auto result = std::from_chars(key.data(), key.data() + key.size(), label);
-  const bool is_number = result.ec == std::errc() && result.ptr == key.data() + key.size();
-  // "03" is another key than "3", so that it would be the same label twice.
-  if (is_number && label >= 1 && label <= kMaxLabel && std::to_string(label) == key) return label;
-  labels.fail(key, "\"" + key + "\"", "a label, 1 to " + std::to_string(kMaxLabel));
-}
-
-/// [label.N] tables, each with the domain of `material` unless it has its own.
-void read_labels(TomlTable& labels, MaterialTable& material) {
+/// [label.N] tables, N a number or a name, each with the domain of `material` unless it has its
+/// own.
+void read_labels(TomlTable& labels, const LabelNames& names, MaterialTable& material) {
   for (const std::string& key : labels.keys()) {
-    const std::int32_t label = parse_label(labels, key);
+    const auto label = find_label(names, key);
+    if (!label) labels.fail(key, "\"" + key + "\"", expected_label(names));
+    if (material.labels.count(*label) != 0) {
+      labels.fail(key, "a second table of label " + std::to_string(*label), "one");
+    }
     TomlTable table = *labels.table(key);
-    LimitTable& limits = material.labels[label];
+    LimitTable& limits = material.labels[*label];
     know_limits(table);
     limits.domain_lo = material.domain_lo;
     limits.domain_hi = material.domain_hi;
@@ -168,7 +163,7 @@ void read_labels(TomlTable& labels, MaterialTable& material) {
 
 }  // namespace
 
-MaterialTable read_material_table(TomlTable& table) {
+MaterialTable read_material_table(TomlTable& table, const LabelNames& names) {
   MaterialTable material;
   know_limits(table);
   table.know({"active", "combine", "components", "label"});
@@ -181,7 +176,7 @@ MaterialTable read_material_table(TomlTable& table) {
   read_curves(table, material);
   material.combine = read_combine(table);
   material.components = read_components(table);
-  if (auto labels = table.table("label")) read_labels(*labels, material);
+  if (auto labels = table.table("label")) read_labels(*labels, names, material);
   table.finish();
   material.validate(table.place());
   return material;
@@ -192,9 +187,9 @@ MaterialTable parse_material(const std::string& text, const std::string& source)
   return read_material_table(table);
 }
 
-MaterialTable read_material(const std::string& path) {
+MaterialTable read_material(const std::string& path, const LabelNames& names) {
   TomlTable table = TomlTable::read(path);
-  return read_material_table(table);
+  return read_material_table(table, names);
 }
 
 std::string material_to_toml(const MaterialTable& material) {

@@ -4,18 +4,20 @@
 #include <string>
 
 #include "lib/material/material.h"
+#include "volumes/base/label_names.h"
 
 namespace supple {
 
 class TomlTable;
 
-/// Reads a material file; throws InputError naming the key point.
-MaterialTable read_material(const std::string& path);
+/// Reads a material file; throws InputError naming the key point. Tables of labels may have the
+/// names of a segmentation (label_names of volumes/io/load/label_file.h).
+MaterialTable read_material(const std::string& path, const LabelNames& names = {});
 /// Parses a table from text, e.g. the one that a state carries; `source` names it in errors.
 MaterialTable parse_material(const std::string& text, const std::string& source);
 /// Reads the keys of a material out of a table (a file's root or a scene's [material]); a preset
 /// stands for the keys that are not given.
-MaterialTable read_material_table(TomlTable& table);
+MaterialTable read_material_table(TomlTable& table, const LabelNames& names = {});
 
 /// Canonical text: parse_material(material_to_toml(m)) equals m.
 std::string material_to_toml(const MaterialTable& material);

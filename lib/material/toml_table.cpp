@@ -287,6 +287,12 @@ bool TomlTable::is_string(const std::string& key) {
   return node != nullptr && node->is_string();
 }
 
+bool TomlTable::is_list_of_strings(const std::string& key) {
+  const toml::node* node = find(key);
+  const toml::array* list = node == nullptr ? nullptr : node->as_array();
+  return list != nullptr && !list->empty() && list->front().is_string();
+}
+
 std::string TomlTable::from_folder(const std::string& path) const {
   if (std::filesystem::path(path).is_absolute()) return path;
   return (std::filesystem::path(file()).parent_path() / path).string();

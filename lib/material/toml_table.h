@@ -55,6 +55,8 @@ class TomlTable {
   bool has(const std::string& key) { return find(key) != nullptr; }
   /// Also makes the key a known one.
   bool is_string(const std::string& key);
+  /// True for a list whose first value is a string.
+  bool is_list_of_strings(const std::string& key);
   /// "file:line", of the key or of the table.
   std::string place(const std::string& key = "") const;
   const std::string& file() const { return m_file_data->path; }

@@ -26,7 +26,7 @@ class LabelledBall : public ::testing::Test {
     write_soft_material(m_folder / "soft.toml");
     write_text(m_folder / "rigid_core.toml",
                read_text(m_folder / "soft.toml") +
-                   "[label.3]\nmax_length = [[0, 1.0]]\nmin_length = [[0, 1.0]]\n"
+                   "[label.core]\nmax_length = [[0, 1.0]]\nmin_length = [[0, 1.0]]\n"
                    "shear = [[0, 0.0]]\n");
     std::string voxels;
     for (int k = 0; k < kSize; ++k) {
@@ -49,7 +49,9 @@ class LabelledBall : public ::testing::Test {
         m_folder / (name + ".nhdr"),
         "NRRD0004\ntype: uint8\ndimension: 3\nspace: left-posterior-superior\nsizes: " + sizes +
             "\nspace directions: (1,0,0) (0,1,0) (0,0,1.5)\nspace origin: (0,0,0)\n"
-            "encoding: raw\ndata file: labels.raw\n");
+            "encoding: raw\ndata file: labels.raw\nSegment0_Name:=right half\n"
+            "Segment0_LabelValue:=1\nSegment1_Name:=left half\nSegment1_LabelValue:=2\n"
+            "Segment2_Name:=core\nSegment2_LabelValue:=3\n");
   }
 
   Outcome deform(const std::string& input, std::vector<std::string> more,
@@ -144,7 +146,8 @@ TEST_F(UnitLabels, ACutLabelMovesWithoutItsSurroundings) {
 
 TEST_F(UnitLabels, ScenesAskForLabelsAsTheCommandLineDoes) {
   const Outcome scene = run_scene(
-      "[[step]]\ngrab_label = 3\nby = [1.0, 0.0, 0.0]\nfix_label = [2]\ncut = [{ label = 2 }]\n");
+      "[[step]]\ngrab_label = \"core\"\nby = [1.0, 0.0, 0.0]\nfix_label = [\"left half\"]\n"
+      "cut = [{ label = \"2\" }]\n");
   ASSERT_EQ(scene.exit_code, 0) << scene.err;
   const State from_scene = state();
   ASSERT_EQ(deform("ball.nhdr",
@@ -214,12 +217,14 @@ TEST_F(FaultLabels, LabelsThatAreNotThereAreNamed) {
   expect(deform("ball.nhdr", {"--grab", "label:3", "--by", "1,0,0", "--fix", "label:3"}), 3,
          "label:3");
   expect(run_scene("[[step]]\ngrab_label = 0\nby = [1.0, 0.0, 0.0]\n"), 3, "scene.toml:8");
-  expect(run_scene("[[step]]\nfix_label = [1.5]\n"), 3, "labels from 1 to 65535");
+  expect(run_scene("[[step]]\nfix_label = [1.5]\n"), 3, "found 1.5, expected a label, 1 to 65535");
   expect(run_scene("[[step]]\ncut = [{ label = 4 }]\n"), 3, found);
   expect(run_scene("[[step]]\ngrab_label = 1\ngrab = [8, 8, 8]\nby = [1.0, 0.0, 0.0]\n"), 3,
          "grab_label");
-  write_text(m_folder / "soft.toml", read_text(m_folder / "soft.toml") + "[label.03]\n");
-  expect(deform("ball.nhdr", {"--fix", "label:1"}), 3, "a label, 1 to 65535");
+  write_text(m_folder / "soft.toml", read_text(m_folder / "soft.toml") + "[label.\"left\"]\n");
+  expect(deform("ball.nhdr", {"--fix", "label:1"}), 3,
+         "found \"left\", expected a label, 1 to 65535, or the name of one segment: right half, "
+         "left half, core");
 }
 
 TEST_F(FaultLabels, LabelVolumesMustHoldLabelsOnTheVolumesGrid) {

@@ -35,7 +35,7 @@ std::string handle_tables(const DeformOptions& options) {
   for (const std::string& text : options.grabs) {
     bool takes_by = true;
     if (const auto label = parse_label("--grab", text)) {
-      tables += "{ grab_label = " + std::to_string(*label);
+      tables += "{ grab_label = " + toml_string(*label);
     } else if (is_point_file_name(text)) {
       takes_by = !read_point_file(text).has_displacements;
       tables += "{ points = " + toml_string(text);
@@ -63,7 +63,7 @@ void set_anchors(DeformOptions& options) {
   std::string boxes, labels, files;
   for (const std::string& text : options.fixes) {
     if (const auto label = parse_label("--fix", text)) {
-      labels += std::to_string(*label) + ", ";
+      labels += toml_string(*label) + ", ";
     } else if (is_point_file_name(text)) {
       files += toml_string(text) + ", ";
     } else {
@@ -80,7 +80,7 @@ void set_anchors(DeformOptions& options) {
 std::string cut_table(const std::string& text) {
   if (is_table(text)) return toml_table("--cut", text);
   if (const auto label = parse_label("--cut", text)) {
-    return "{ label = " + std::to_string(*label) + " }";
+    return "{ label = " + toml_string(*label) + " }";
   }
   return "{ mesh = " + toml_string(text) + " }";
 }

@@ -116,6 +116,9 @@ nlohmann::ordered_json describe_volume(const InfoOptions& options, Console& cons
     json["frame"] = options.read.frame.value_or(0);
   }
   add_geometry(json, header.geometry);
+  for (const auto& [label, name] : header.label_names) {
+    json["segments"].push_back({{"label", label}, {"name", name}});
+  }
   if (header.components == 3) {
     add_vectors(json, *file, console);
   } else {

@@ -71,12 +71,15 @@ IndexBox parse_box(const std::string& option, const std::string& text) {
   return box;
 }
 
-std::optional<std::int32_t> parse_label(const std::string& option, const std::string& text) {
+std::optional<std::string> parse_label(const std::string& option, const std::string& text) {
   const std::string prefix = "label:";
   if (text.compare(0, prefix.size(), prefix) != 0) return std::nullopt;
-  int label = 0;
-  if (!read_int(text.substr(prefix.size()), label) || label < 1 || label > kMaxLabel) {
-    throw_unparsed(option, text, "label:N with N from 1 to " + std::to_string(kMaxLabel));
+  const std::string label = text.substr(prefix.size());
+  const bool is_name = label.find_first_not_of("0123456789") != std::string::npos;
+  if (!is_name && !find_label({}, label)) {
+    throw_unparsed(
+        option, text,
+        "label:N with N from 1 to " + std::to_string(kMaxLabel) + ", or the name of a segment");
   }
   return label;
 }

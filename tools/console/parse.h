@@ -15,7 +15,7 @@ namespace supple::tools {
 std::vector<std::string> split(const std::string& text, char separator);
 /// "I,J,K" or "I,J,K:I,J,K", the corners in any order; what was not a label or a file must be one.
 IndexBox parse_box(const std::string& option, const std::string& text);
-/// N of "label:N", 1 to 65535; nothing when the text does not start with "label:".
-std::optional<std::int32_t> parse_label(const std::string& option, const std::string& text);
+/// N of "label:N", 1 to 65535 or a name; nothing when the text does not start with "label:".
+std::optional<std::string> parse_label(const std::string& option, const std::string& text);
 
 }  // namespace supple::tools

@@ -6,6 +6,7 @@
 #include "lib/material/toml_table.h"
 #include "tools/scene/spring_keys.h"
 #include "volumes/base/error.h"
+#include "volumes/io/load/label_file.h"
 #include "volumes/io/open_volume.h"
 
 namespace supple::tools {
@@ -35,21 +36,37 @@ std::optional<PointFile> read_points(TomlTable& table, const std::string& key) {
   return read_point_file(*path);
 }
 
-std::int32_t to_label(TomlTable& table, const std::string& key, double value) {
-  const bool is_label = is_integer(value) && value >= 1 && value <= kMaxLabel;
-  if (!is_label) {
-    table.fail(key, number_text(value), "labels from 1 to " + std::to_string(kMaxLabel));
-  }
-  return std::int32_t(value);
+std::int32_t label_of(const TomlTable& table, const std::string& key, const std::string& text,
+                      const LabelNames& names) {
+  const auto label = find_label(names, text);
+  if (!label) table.fail(key, text, expected_label(names));
+  return *label;
 }
 
-std::int32_t read_label(TomlTable& table, const std::string& key) {
-  const auto value = table.number(key);
-  return to_label(table, key, table.require(value, key, "a label"));
+/// By number or by name.
+std::optional<std::int32_t> read_label(TomlTable& table, const std::string& key,
+                                       const LabelNames& names) {
+  if (!table.has(key)) return std::nullopt;
+  return label_of(table, key,
+                  table.is_string(key) ? *table.string(key) : number_text(*table.number(key)),
+                  names);
+}
+
+std::vector<std::int32_t> read_labels(TomlTable& table, const std::string& key,
+                                      const LabelNames& names) {
+  std::vector<std::string> texts;
+  if (table.is_list_of_strings(key)) {
+    texts = *table.strings(key);
+  } else if (const auto numbers = table.numbers(key)) {
+    for (const double number : *numbers) texts.push_back(number_text(number));
+  }
+  std::vector<std::int32_t> labels;
+  for (const std::string& text : texts) labels.push_back(label_of(table, key, text, names));
+  return labels;
 }
 
 /// Which elements, by exactly one of the keys.
-void read_grab(TomlTable& table, GivenHandle& handle) {
+void read_grab(TomlTable& table, const LabelNames& names, GivenHandle& handle) {
   if (const auto voxel = table.voxel("grab")) handle.box = IndexBox{*voxel, *voxel};
   if (const auto corners = table.numbers("grab_box")) {
     if (handle.box) table.fail("grab_box", "grab and grab_box", "one of both");
@@ -61,7 +78,7 @@ void read_grab(TomlTable& table, GivenHandle& handle) {
   }
   handle.at_lps_mm = table.vector("at_mm");
   handle.points = read_points(table, "points");
-  if (table.has("grab_label")) handle.label = read_label(table, "grab_label");
+  handle.label = read_label(table, "grab_label", names);
   const int given = int(handle.box.has_value()) + int(handle.at_lps_mm.has_value()) +
                     int(handle.points.has_value()) + int(handle.label.has_value());
   const char* expected = "one of grab = [i, j, k], grab_box, grab_label, at_mm and points";
@@ -69,11 +86,11 @@ void read_grab(TomlTable& table, GivenHandle& handle) {
   if (given > 1) table.fail("grab", "several of them", expected);
 }
 
-GivenHandle read_handle(TomlTable& table) {
+GivenHandle read_handle(TomlTable& table, const LabelNames& names) {
   GivenHandle handle;
   table.know(kHandleKeys);
   handle.place = table.place("grab");
-  read_grab(table, handle);
+  read_grab(table, names, handle);
   handle.by_mm = table.vector("by");
   handle.by_lps_mm = table.vector("by_mm_lps");
   handle.push = table.boolean("push").value_or(false);
@@ -110,16 +127,16 @@ CutSurface read_plane(TomlTable& table) {
   return surface;
 }
 
-CutSurface read_cut(TomlTable& table) {
+CutSurface read_cut(TomlTable& table, const LabelNames& names) {
   table.know({"plane", "mesh", "label"});
   auto plane = table.table("plane");
   const auto mesh = table.path("mesh");
-  const bool has_label = table.has("label");
+  const auto label = read_label(table, "label", names);
   table.finish();
-  const int given = int(plane.has_value()) + int(mesh.has_value()) + int(has_label);
+  const int given = int(plane.has_value()) + int(mesh.has_value()) + int(label.has_value());
   if (given == 0) table.fail_missing("mesh", "either mesh, plane or label");
   if (given > 1) table.fail("mesh", "several of them", "either mesh, plane or label");
-  if (has_label) return label_cut(read_label(table, "label"), table.place());
+  if (label) return label_cut(*label, table.place());
   return plane ? read_plane(*plane) : mesh_cut(*mesh);
 }
 
@@ -153,11 +170,11 @@ std::optional<SpringStep> read_springs(TomlTable& table, bool has_springs) {
   return springs ? read_spring_step(*springs) : SpringStep();
 }
 
-SceneStep read_step(TomlTable& table) {
+SceneStep read_step(TomlTable& table, const LabelNames& names) {
   SceneStep step;
   step.place = table.place();
   for (TomlTable& handle : table.tables("handles")) {
-    step.handles.push_back(read_handle(handle));
+    step.handles.push_back(read_handle(handle, names));
     handle.finish();
   }
   // The short form of one handle.
@@ -175,20 +192,16 @@ SceneStep read_step(TomlTable& table) {
   for (const std::string& path : table.paths("fix_points")) {
     step.fix_points.push_back(read_point_file(path));
   }
-  if (const auto labels = table.numbers("fix_label")) {
-    for (const double label : *labels) {
-      step.fix_labels.push_back(to_label(table, "fix_label", label));
-    }
-  }
+  step.fix_labels = read_labels(table, "fix_label", names);
   StepSettings settings;
   table.read(fields(settings));
   step.release = settings.release;
   step.limits = settings.limits;
   step.springs = read_springs(table, settings.has_springs);
-  for (TomlTable& cut : table.tables("cut")) step.cuts.push_back(read_cut(cut));
+  for (TomlTable& cut : table.tables("cut")) step.cuts.push_back(read_cut(cut, names));
   if (auto relax = table.table("relax")) step.relax = read_relax(*relax);
   table.finish();
-  if (is_short) step.handles.push_back(read_handle(table));
+  if (is_short) step.handles.push_back(read_handle(table, names));
   if (step.does_nothing()) {
     table.fail("", "a step that does nothing",
                "grab, handles, fix, fix_label, fix_points, cut, relax, model, release or limits");
@@ -253,21 +266,23 @@ Scene read_scene(TomlTable root) {
   scene.warp_path = volume.path("offsets").value_or("");
   volume.finish();
 
+  LabelNames names;
   if (auto labels = root.table("labels")) {
     scene.labels_path = labels->require(labels->path("path"), "path", "the path of a volume");
     labels->finish();
+    names = label_names(scene.labels_path);
   }
   if (auto material = root.table("material")) {
     if (const auto file = material->path("table")) {
       material->finish();
       scene.material_path = *file;
-      scene.material = read_material(scene.material_path);
+      scene.material = read_material(scene.material_path, names);
     } else {
-      scene.material = read_material_table(*material);
+      scene.material = read_material_table(*material, names);
     }
   }
   for (TomlTable& step : root.tables("step")) {
-    scene.steps.push_back(read_step(step));
+    scene.steps.push_back(read_step(step, names));
   }
   const int steps = int(scene.steps.size());
   for (TomlTable& view : root.tables("view")) scene.views.push_back(read_view(view, steps));

@@ -6,11 +6,10 @@
 #include <map>
 #include <string>
 
+#include "volumes/base/label_names.h"
 #include "volumes/grid/brick_values.h"
 
 namespace supple {
-
-constexpr std::int32_t kMaxLabel = 65535;
 
 /// How many elements each label has, 0 left out. One pass over the stored bricks.
 std::map<std::int32_t, std::int64_t> label_counts(const BrickValues& labels);

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "volumes/base/label_names.h"
 #include "volumes/geometry/geometry.h"
 #include "volumes/io/bytes/value_type.h"
 
@@ -22,6 +23,8 @@ struct ReadOptions {
   std::optional<int> channel = {};  // of several values per voxel, from 0
   /// Spacing of i, j, k in place of the file's; directions and the origin stay.
   std::optional<Vec3d> spacing_mm = {};
+  /// Where a transform that names no grid is evaluated.
+  const Geometry* grid = nullptr;
 };
 
 /// Throws InputError when a choice is made: `path` is a state, which says everything itself.
@@ -33,7 +36,8 @@ struct VolumeHeader {
   /// Files that the volume is read from beside or instead of `path`: of values, of a header, of
   /// slices.
   std::vector<std::string> data_files;
-  std::string format;  // "nrrd", "metaimage", "nifti", "png", "tiff", "hdf5", "vdb", "dicom", "raw"
+  std::string format;  // "nrrd", "metaimage", "nifti", "png", "tiff", "hdf5", "vdb", "dicom",
+                       // "transform", "raw"
   Geometry geometry;
   ValueType type = ValueType::uint8;
   double slope = 1;  // value = slope * stored + intercept
@@ -43,6 +47,7 @@ struct VolumeHeader {
   std::string warp_direction;   // of vectors, where the header records it as write_warp does
   std::string certificate;      // of the inversion that gave the vectors, one line of JSON
   bool vectors_in_ras = false;  // x and y of the vectors point right and anterior
+  LabelNames label_names;       // of a segmentation that names what its values mean
   /// What the user should know of a file that can be read: each a line without the file's name.
   std::vector<std::string> warnings;
 };

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include "volumes/base/error.h"
 #include "volumes/base/text.h"
 #include "volumes/grid/cell.h"
+#include "volumes/io/bytes/input_file.h"
 #include "volumes/io/load/slab_reader.h"
 #include "volumes/io/open_volume.h"
 
@@ -83,6 +85,11 @@ BrickValues read_labels(VolumeFile& file, const Geometry& geometry, const BrickT
 BrickValues read_labels(const std::string& path, const Geometry& geometry,
                         const BrickTopology& elements, Progress* progress) {
   return read_labels(*open_volume(path), geometry, elements, progress);
+}
+
+LabelNames label_names(const std::string& path) {
+  const bool may_name = std::filesystem::is_regular_file(path) && InputFile(path).head(4) == "NRRD";
+  return may_name ? open_volume(path)->header().label_names : LabelNames{};
 }
 
 }  // namespace supple

@@ -18,4 +18,7 @@ BrickValues read_labels(const std::string& path, const Geometry& geometry,
 BrickValues read_labels(VolumeFile& file, const Geometry& geometry, const BrickTopology& elements,
                         Progress* progress = nullptr);
 
+/// What a file calls its labels; nothing where it does not say, or is not there. Reads a header.
+LabelNames label_names(const std::string& path);
+
 }  // namespace supple

@@ -9,6 +9,7 @@
 #include "volumes/io/format/data_files.h"
 #include "volumes/io/format/formats.h"
 #include "volumes/io/nrrd/nrrd_axes.h"
+#include "volumes/io/nrrd/nrrd_segments.h"
 
 namespace supple {
 
@@ -169,7 +170,13 @@ std::unique_ptr<VolumeFile> open_nrrd(const std::string& path, const ReadOptions
   files.adapt = [&header](const InputFile& data, ByteRange& range) {
     apply_skips(header, data, range);
   };
-  return open_stream(files, std::move(layout));
+  const bool merges = !options.channel;
+  const auto segments =
+      merges ? nrrd_segments(header, axes.components) : std::vector<NrrdSegment>{};
+  for (const NrrdSegment& segment : segments) {
+    layout.header.label_names.emplace_back(segment.label, segment.name);
+  }
+  return with_layers_merged(open_stream(files, std::move(layout)), segments);
 }
 
 }  // namespace supple

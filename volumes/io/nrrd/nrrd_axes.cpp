@@ -10,6 +10,11 @@ namespace supple {
 namespace {
 
 constexpr std::int64_t kMaxComponents = 16;
+constexpr std::int64_t kMaxLayers = 256;  // of a segmentation
+
+std::int64_t most_components(const NrrdHeader& header) {
+  return header.keys.count("Segment0_Name") != 0 ? kMaxLayers : kMaxComponents;
+}
 
 enum class Role { lattice, component, frame, list, single, unsaid };
 
@@ -111,13 +116,14 @@ std::vector<std::vector<double>> directions_of(const NrrdHeader& header, std::si
 }
 
 /// Roles that follow from an axis' place and direction.
-Role role_of(const NrrdAxes& axes, const std::vector<AxisKind>& kinds, std::size_t a) {
+Role role_of(const NrrdHeader& header, const NrrdAxes& axes, const std::vector<AxisKind>& kinds,
+             std::size_t a) {
   const bool in_space = !axes.directions.empty();
   if (in_space && !axes.directions[a].empty()) return Role::lattice;
   const Role said = kinds[a].role;
   if (said == Role::single || said == Role::frame || said == Role::component) return said;
   if (said == Role::list) {
-    return a == 0 && axes.sizes[a] <= kMaxComponents ? Role::component : Role::frame;
+    return a == 0 && axes.sizes[a] <= most_components(header) ? Role::component : Role::frame;
   }
   const bool is_further = in_space || axes.spatial.size() >= 3;
   if (!is_further) return Role::lattice;
@@ -141,8 +147,8 @@ void add_axis(const NrrdHeader& header, NrrdAxes& axes, Role role, const AxisKin
   if (size == 1) return;
   if (role == Role::component) {
     if (axes.components > 1) field.fail("one axis of components");
-    if (size > kMaxComponents) {
-      field.fail("at most " + std::to_string(kMaxComponents) + " components");
+    if (size > most_components(header)) {
+      field.fail("at most " + std::to_string(most_components(header)) + " components");
     }
     axes.components = int(size);
     axes.holds_vectors = size == 3 && kind.is_geometric;
@@ -197,7 +203,7 @@ NrrdAxes nrrd_axes(const NrrdHeader& header) {
   axes.directions = directions_of(header, axes.sizes.size());
   const std::vector<AxisKind> kinds = kinds_of(header, axes.sizes);
   for (std::size_t a = 0; a < axes.sizes.size(); ++a) {
-    add_axis(header, axes, role_of(axes, kinds, a), kinds[a], a);
+    add_axis(header, axes, role_of(header, axes, kinds, a), kinds[a], a);
   }
   if (axes.spatial.size() < 2) header.field("sizes").fail("a lattice of 2 or 3 axes");
   complete_order(axes.order);

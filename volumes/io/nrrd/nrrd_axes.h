@@ -25,8 +25,8 @@ struct NrrdAxes {
 /// Two or three axes are the lattice: those with a direction, or without directions the first that
 /// are no others. One axis may hold 2 to 16 components, as its kind says, or as the first without
 /// direction; one more is a time series: of kind time, of kind list unless it is the first and
-/// short, or the last without direction. Axes of one sample and no direction are dropped. Throws
-/// InputError for everything else.
+/// short (256 layers in a segmentation), or the last without direction. Axes of one sample and no
+/// direction are dropped. Throws InputError for everything else.
 NrrdAxes nrrd_axes(const NrrdHeader& header);
 
 /// The lattice's index to LPS affine.
