@@ -74,6 +74,11 @@ void make_text_formats(const Seeds& seeds) {
              head + "endian: little\nencoding: raw\nspacings: 1 1 2\ndata file: LIST\na.nrrd\n");
   seeds.text("nrrd", "pattern.nhdr",
              head + "endian: little\nencoding: raw\nbyte skip: -1\ndata file: a%d.nrrd 1 9 1 2\n");
+  seeds.text("nrrd", "layers.seg.nrrd",
+             "NRRD0004\ntype: uint8\ndimension: 4\nsizes: 2 2 1 1\nspace: LPS\nspace directions: "
+             "none (1,0,0) (0,1,0) (0,0,1)\nkinds: list domain domain domain\nencoding: raw\n"
+             "Segment0_Name:=a\nSegment0_Layer:=1\nSegment1_LabelValue:=2\nSegment1_Name:=b\n\n"
+             "abcd");
   seeds.volume("metaimage", "raw.mha", ValueType::uint16);
   seeds.volume("metaimage", "zlib.mha", ValueType::float64, compressed);
   seeds.warp("metaimage", "warp.mha");
@@ -88,6 +93,28 @@ void make_text_formats(const Seeds& seeds) {
       "{\"markups\": [{\"type\": \"Line\", \"coordinateSystem\": \"RAS\", \"coordinateUnits\": "
       "[\"mm\"], \"controlPoints\": [{\"position\": [1, -2.5, 3e1], \"positionStatus\": "
       "\"defined\"}]}]}\n");
+}
+
+void make_transforms(const Seeds& seeds) {
+  const std::string head = "#Insight Transform File V1.0\n#Transform 0\n";
+  const std::string grid = "2 2 2 0 0 0 1 1 1 1 0 0 0 1 0 0 0 1\n";
+  std::string numbers;
+  for (int n = 0; n < 24; ++n) numbers += std::to_string(0.1 * n) + " ";
+  seeds.text("transform", "composite.tfm",
+             head +
+                 "Transform: CompositeTransform_double_3_3\nTransform: "
+                 "Euler3DTransform_double_3_3\nParameters: 0.1 0 0 1 2 3\nFixedParameters: 1 1 1 "
+                 "0\nTransform: DisplacementFieldTransform_double_3_3\nParameters: " +
+                 numbers + "\nFixedParameters: " + grid);
+  seeds.text("transform", "bspline.tfm",
+             head + "Transform: BSplineTransform_double_3_3_1\nParameters: " + numbers +
+                 "\nFixedParameters: " + grid);
+  seeds.text("transform", "elastix.txt",
+             "(Transform \"BSplineTransform\")\n(TransformParameters " + numbers +
+                 ")\n(FixedImageDimension 3)\n(MovingImageDimension 3)\n(Size 2 2 2)\n(Index 0 0 "
+                 "0)\n(Spacing 1 1 1)\n(Origin 0 0 0)\n(Direction 1 0 0 0 1 0 0 0 1)\n"
+                 "(GridSize 2 2 2)\n(GridIndex 0 0 0)\n(GridSpacing 1 1 1)\n(GridOrigin 0 0 "
+                 "0)\n(GridDirection 1 0 0 0 1 0 0 0 1)\n(BSplineTransformSplineOrder 1)\n");
 }
 
 void make_binary_formats(const Seeds& seeds) {
@@ -129,8 +156,9 @@ void make_grids(const Seeds& seeds) {
 
 void make_dicom(const Seeds& seeds) {
   const test::TemporaryFolder folder;
-  for (const E_TransferSyntax syntax : {EXS_LittleEndianExplicit, EXS_LittleEndianImplicit,
-                                        EXS_BigEndianExplicit, EXS_RLELossless}) {
+  for (const E_TransferSyntax syntax :
+       {EXS_LittleEndianExplicit, EXS_LittleEndianImplicit, EXS_BigEndianExplicit, EXS_RLELossless,
+        EXS_JPEG2000LosslessOnly}) {
     test::SeriesFixture series;
     series.syntax = syntax;
     const std::string path = series.write(folder, 0);
@@ -195,6 +223,7 @@ int main(int count, char** arguments) {
   }
   const supple::fuzz::Seeds seeds(arguments[1]);
   supple::fuzz::make_text_formats(seeds);
+  supple::fuzz::make_transforms(seeds);
   supple::fuzz::make_binary_formats(seeds);
   supple::fuzz::make_grids(seeds);
   supple::fuzz::make_dicom(seeds);

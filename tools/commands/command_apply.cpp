@@ -32,11 +32,15 @@ struct MotionSource {
   bool is_warp = false;
 };
 
-MotionSource read_source(const std::string& path, bool needs_offsets, Console& console) {
+/// `grid`: where a transform that names none is evaluated, unless the user says where.
+MotionSource read_source(const ApplyOptions& options, bool needs_offsets, Console& console,
+                         std::optional<Geometry> grid = {}) {
+  const std::string& path = options.input;
   MotionSource source;
   source.is_warp = !is_state_file(path);
   if (source.is_warp) {
-    source.warp = read_warp(path, &console);
+    if (const auto of_file = grid_of_file(options.labels.grid)) grid = of_file;
+    source.warp = read_warp(path, &console, grid ? &*grid : nullptr);
     return source;
   }
   source.state = read_state(path, &console);
@@ -64,7 +68,7 @@ void print(const ApplyOptions& options, const nlohmann::ordered_json& report) {
 
 int apply_to_points(const ApplyOptions& options, const GlobalOptions& global, Console& console) {
   const PointFile file = read_point_file(options.points);
-  const MotionSource source = read_source(options.input, options.back, console);
+  const MotionSource source = read_source(options, options.back, console);
   std::vector<Vec3d> points;
   for (const PointFile::Row& row : file.rows) points.push_back(row.at_lps_mm);
   const MovedPlaces moved = move_all(*motion_of(source, options.back), points, console);
@@ -77,7 +81,7 @@ int apply_to_points(const ApplyOptions& options, const GlobalOptions& global, Co
 
 int apply_to_mesh(const ApplyOptions& options, const GlobalOptions& global, Console& console) {
   const MeshFile file(options.mesh);
-  const MotionSource source = read_source(options.input, options.back, console);
+  const MotionSource source = read_source(options, options.back, console);
   const MovedPlaces moved =
       move_all(*motion_of(source, options.back), file.positions_lps_mm(), console);
   warn_of(
@@ -99,7 +103,7 @@ int apply_to_labels(const ApplyOptions& options, const GlobalOptions& global, Co
   // A label volume takes at each of its places what is at the place that came there.
   const bool looks_back = !options.back;
   const auto file = open_volume(options.labels.path, options.labels.read, &console);
-  const MotionSource source = read_source(options.input, looks_back, console);
+  const MotionSource source = read_source(options, looks_back, console, file->header().geometry);
   const StoredLabels labels(*file, &console);
   LabelReport report;
   if (source.is_warp) {
@@ -126,13 +130,12 @@ void check_options(const ApplyOptions& options) {
     throw UsageError("apply: found " + std::to_string(given) +
                      " of --points, --mesh and --labels, expected one of them");
   }
-  const bool has_grid = !options.labels.grid.file.empty() || options.labels.grid.margin_mm != 0;
   const ReadOptions& read = options.labels.read;
   const bool reads = !read.raw.empty() || read.frame || read.channel || read.spacing_mm;
-  if (!has_labels && (has_grid || reads)) {
+  if (!has_labels && (options.labels.grid.margin_mm != 0 || reads)) {
     throw UsageError(
-        "--grid, --margin, --raw, --frame, --channel, --spacing: found without --labels, expected "
-        "a label volume");
+        "--margin, --raw, --frame, --channel, --spacing: found without --labels, expected a label "
+        "volume");
   }
 }
 

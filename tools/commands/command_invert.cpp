@@ -57,7 +57,8 @@ int run_invert(const InvertOptions& options, const GlobalOptions& global, Consol
   OffsetField inverse;
   WarpDirection direction = WarpDirection::resample;
   {
-    const Warp warp = read_warp(options.input, &console);
+    const auto of_file = grid_of_file(options.grid);
+    const Warp warp = read_warp(options.input, &console, of_file ? &*of_file : nullptr);
     direction = direction_of(options, warp);
     try {
       inverse = invert(displacement_of_warp(warp), {}, &console);

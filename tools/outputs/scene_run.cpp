@@ -41,7 +41,7 @@ void require_no_warp(const Scene& scene, const std::string& found) {
 
 /// The warp file as offsets of the volume; warns when none of them leads into it.
 OffsetField read_offsets(const std::string& path, const Geometry& source, Console& console) {
-  OffsetField offsets = offsets_from_warp(read_warp(path, &console), source, &console);
+  OffsetField offsets = offsets_from_warp(read_warp(path, &console, &source), source, &console);
   if (offsets.o.topology.empty()) {
     console.warn(path + ": no vector leads into the volume, the picture is empty");
   }

@@ -11,6 +11,7 @@
 #include "volumes/io/format/formats.h"
 #include "volumes/io/images/image_series.h"
 #include "volumes/io/tiff/tiff_directories.h"
+#include "volumes/io/transform/transform_volume.h"
 
 namespace supple {
 
@@ -85,6 +86,8 @@ std::unique_ptr<VolumeFile> open_known(const std::string& path, const ReadOption
   if (is_metaimage(head)) return open_metaimage(path, options);
   if (is_hdf5(head)) return open_hdf5(path, options);
   if (is_openvdb(head)) return open_vdb(path);
+  const TransformKind transform = transform_kind(head);
+  if (transform != TransformKind::none) return open_transform(path, transform, options.grid);
 
   const std::string extension = extension_of(path);
   if (extension == ".nrrd" || extension == ".nhdr") return open_nrrd(path, options);
@@ -122,7 +125,7 @@ void check_slice(const VolumeHeader& header) {
 
 /// Readers of several frames choose among them by themselves.
 bool has_frames(const std::string& format) {
-  return format != "png" && format != "raw" && format != "vdb";
+  return format != "png" && format != "raw" && format != "vdb" && format != "transform";
 }
 
 }  // namespace

@@ -36,8 +36,10 @@ std::int64_t convert_slice(const VolumeHeader& header, const std::vector<char>& 
 
 }  // namespace
 
-Warp read_warp(const std::string& path, Progress* progress) {
-  const auto file = open_scalars_or_vectors(path);
+Warp read_warp(const std::string& path, Progress* progress, const Geometry* grid) {
+  ReadOptions options;
+  options.grid = grid;
+  const auto file = open_scalars_or_vectors(path, options);
   const VolumeHeader& header = file->header();
   if (header.components != 3 || !header.are_vectors) {
     const std::string count = header.components == 1 ? "one component"

@@ -14,6 +14,8 @@ namespace supple {
 /// what our own writer records in the header; files of other programs do not say.
 /// Throws InputError for a file of scalars, vectors that are not finite (with their count), an
 /// unknown direction, and for everything that open_volume refuses. Cost: 12 bytes per voxel.
-Warp read_warp(const std::string& path, Progress* progress = nullptr);
+/// `grid`: where a transform that names no grid is evaluated.
+Warp read_warp(const std::string& path, Progress* progress = nullptr,
+               const Geometry* grid = nullptr);
 
 }  // namespace supple

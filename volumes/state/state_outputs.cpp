@@ -12,8 +12,13 @@ Fields fields(GridChoice& choice) {
   };
 }
 
+std::optional<Geometry> grid_of_file(const GridChoice& choice) {
+  if (choice.file.empty()) return std::nullopt;
+  return open_volume(choice.file)->header().geometry;
+}
+
 Geometry choose_grid(const Geometry& source, const GridChoice& choice) {
-  const Geometry grid = choice.file.empty() ? source : open_volume(choice.file)->header().geometry;
+  const Geometry grid = grid_of_file(choice).value_or(source);
   return choice.margin_mm > 0 ? with_margin(grid, choice.margin_mm) : grid;
 }
 

@@ -17,6 +17,8 @@ struct GridChoice {
 };
 Fields fields(GridChoice& choice);
 Geometry choose_grid(const Geometry& source, const GridChoice& choice);
+/// That of its file; nothing without one.
+std::optional<Geometry> grid_of_file(const GridChoice& choice);
 
 VoidMode parse_void_mode(const std::string& name);
 

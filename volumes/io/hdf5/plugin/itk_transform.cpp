@@ -17,7 +17,7 @@
 #include "volumes/io/bytes/text_header.h"
 #include "volumes/io/format/formats.h"
 #include "volumes/io/hdf5/plugin/hdf5_slices.h"
-#include "volumes/io/hdf5/plugin/itk_linear_transform.h"
+#include "volumes/io/transform/linear_transform.h"
 
 namespace supple {
 

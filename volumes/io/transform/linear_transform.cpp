@@ -1,4 +1,4 @@
-#include "volumes/io/hdf5/plugin/itk_linear_transform.h"
+#include "volumes/io/transform/linear_transform.h"
 
 #include <cmath>
 
@@ -34,7 +34,8 @@ MatrixColumns rotation(int axis, double angle) {
 
 [[noreturn]] void fail(const ItkTransform& transform, const std::string& field,
                        const std::string& found, const std::string& expected) {
-  throw InputError({transform.file, transform.group + "/" + field, found, expected});
+  const std::string group = transform.group.empty() ? "" : transform.group + "/";
+  throw InputError({transform.file, group + field, found, expected});
 }
 
 /// The rotation of a versor given by its vector part (itk::Versor::GetMatrix).

@@ -1,4 +1,4 @@
-// The linear transforms of ITK as affine maps of world points.
+// The linear transforms of ITK and elastix as affine maps of world points.
 #pragma once
 
 #include <string>
@@ -13,7 +13,7 @@ using AffineMap = Geometry;
 
 /// An ITK transform as its file holds it.
 struct ItkTransform {
-  std::string file, group;  // for errors
+  std::string file, group;  // for errors; the group of an HDF5 file
   std::string name;         // without "_double_3_3"
   std::vector<double> fixed, parameters;
 };

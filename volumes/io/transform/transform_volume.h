@@ -1,0 +1,19 @@
+// Transform files as warps.
+#pragma once
+
+#include "volumes/io/format/volume_file.h"
+
+namespace supple {
+
+enum class TransformKind { none, itk, elastix };
+
+/// What the first bytes of a file are the beginning of.
+TransformKind transform_kind(const std::string& head);
+
+/// The vectors T(x) - x of a transform file, LPS mm, at the points of the grid that it names or
+/// else of `grid`. Throws InputError as the readers of transform_chain.h, and where there is no
+/// grid. Cost: as PointMap per point, on all threads; the parameters and a slice in memory.
+std::unique_ptr<VolumeFile> open_transform(const std::string& path, TransformKind kind,
+                                           const Geometry* grid = nullptr);
+
+}  // namespace supple
