@@ -44,6 +44,7 @@ set_target_properties(NIFTI::nifti2 PROPERTIES
 
 if(SUPPLE_DICOM)
   find_package(DCMTK CONFIG REQUIRED)
+  find_package(OpenJPEG CONFIG REQUIRED)
 endif()
 
 if(SUPPLE_TESTS)

@@ -8,6 +8,7 @@
 #include <dcmtk/dcmjpls/djencode.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/dicom_jpeg2000.h"
 #include "volumes/io/bytes/value_type.h"
 
 namespace supple::test {
@@ -161,6 +162,10 @@ void write_enhanced(const std::string& path, const SeriesFixture& series,
 
 void save(DcmFileFormat& file, const std::string& path, E_TransferSyntax syntax) {
   static const Encoders encoders;
+  const bool is_jpeg2000 = syntax == EXS_JPEG2000LosslessOnly || syntax == EXS_JPEG2000;
+  if (is_jpeg2000 && !file.getDataset()->canWriteXfer(syntax, EXS_Unknown)) {
+    compress_jpeg2000(*file.getDataset(), syntax);
+  }
   require(file.getDataset()->chooseRepresentation(syntax, nullptr));
   require(file.saveFile(path.c_str(), syntax));
 }

@@ -44,6 +44,7 @@ const std::map<std::string, std::set<std::string>> kThirdPartyHomes = {
     {"nifti", {"volumes/io/nifti"}},
     {"pugixml", {"volumes/io/tiff"}},
     {"dcmtk/", {"volumes/io/dicom/plugin"}},
+    {"openjpeg", {"volumes/io/dicom/plugin"}},
     {"hdf5", {"volumes/io/hdf5/plugin"}},
     {"Eigen/", {"lib/springs"}},
 };

@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 
 #include "tests/support/dicom_fixtures.h"
+#include "tests/support/dicom_jpeg2000.h"
 #include "volumes/io/open_volume.h"
 
 namespace supple::test {
@@ -124,7 +125,7 @@ TEST(FaultDicom, TruncatedFilesAreRefusedBeforeAnySliceIsRead) {
 
 TEST(FaultDicom, TruncatedCompressedPixelsAreRefused) {
   for (const E_TransferSyntax syntax : {EXS_RLELossless, EXS_JPEGProcess14SV1, EXS_JPEGLSLossless,
-                                        EXS_DeflatedLittleEndianExplicit}) {
+                                        EXS_DeflatedLittleEndianExplicit, EXS_JPEG2000}) {
     const TemporaryFolder folder;
     SeriesFixture series;
     series.syntax = syntax;
@@ -185,19 +186,20 @@ TEST(FaultDicom, APipeInTheFolderIsNotOpened) {
   EXPECT_EQ(values_of(*open_volume(folder / ".")), expected_values(series));
 }
 
-TEST(FaultDicom, Jpeg2000IsNamed) {
+TEST(FaultDicom, SyntaxesThatAreNotReadAreNamed) {
   const TemporaryFolder folder;
   const SeriesFixture series;
   const std::string path = series.write(folder, 0);
   std::ifstream stream(path, std::ios::binary);
   std::string bytes(std::istreambuf_iterator<char>(stream), {});
   const std::string plain = std::string("UI\x14\0", 4) + "1.2.840.10008.1.2.1" + '\0';
-  const std::string jpeg2000 = std::string("UI\x16\0", 4) + "1.2.840.10008.1.2.4.90";
+  const std::string video = std::string("UI\x18\0", 4) + "1.2.840.10008.1.2.4.100" + '\0';
   const std::size_t at = bytes.find(plain);
   ASSERT_NE(at, std::string::npos);
-  bytes.replace(at, plain.size(), jpeg2000);
-  bytes[140] = char(bytes[140] + 2);  // the meta information's length
-  expect_failure(folder.write("a", bytes), {"1.2.840.10008.1.2.4.90 JPEG 2000", "JPEG-LS"});
+  bytes.replace(at, plain.size(), video);
+  bytes[140] = char(bytes[140] + 4);  // the meta information's length
+  expect_failure(folder.write("a", bytes),
+                 {"1.2.840.10008.1.2.4.100 MPEG2", "JPEG-LS or JPEG 2000"});
 }
 
 TEST(FaultDicom, RleSegmentsOutsideTheirFrameAreRefused) {
@@ -245,6 +247,44 @@ TEST(FaultDicom, CompressedStreamsThatContradictTheAttributesAreRefused) {
     file.getDataset()->putAndInsertUint16(DCM_Rows, 5);
     ASSERT_TRUE(file.saveFile((folder / "wide").c_str(), syntax).good());
     expect_failure(folder / "wide", {jpeg ? "found 5 x 4 values" : "mismatch"});
+  }
+}
+
+TEST(FaultDicom, Jpeg2000StreamsThatContradictTheAttributesOrAreDamagedAreRefused) {
+  const TemporaryFolder folder;
+  SeriesFixture series;
+  const auto expect = [&](const Edit& edit, const std::vector<std::string>& parts) {
+    DcmFileFormat file;
+    series.fill(*file.getDataset(), 0);
+    compress_jpeg2000(*file.getDataset(), EXS_JPEG2000);
+    edit(*file.getDataset(), 0);
+    ASSERT_TRUE(file.saveFile((folder / "a").c_str(), EXS_JPEG2000).good());
+    expect_failure(folder / "a", parts);
+  };
+  const std::string found = "JPEG 2000 stream: found 5 x 4 values of 1 component and 16 bits";
+  expect(putting_number(DCM_Rows, 3), {found + ", expected 5 x 3 values"});
+  expect(
+      [](DcmDataset& data, int) {
+        data.putAndInsertUint16(DCM_BitsAllocated, 8);
+        data.putAndInsertUint16(DCM_BitsStored, 8);
+        data.putAndInsertUint16(DCM_HighBit, 7);
+      },
+      {found});
+  series.syntax = EXS_JPEG2000;
+  const std::string sound = read_text(series.write(folder, 0, "a"));
+  const std::size_t stream = sound.find("\xff\x4f\xff\x51");
+  ASSERT_NE(stream, std::string::npos);
+  std::string bytes = sound;
+  bytes[stream + 1] = 0;
+  expect_failure(folder.write("a", bytes), {"PixelData of frame 0"});
+  // Damage anywhere in the stream is read as other values, or is one line.
+  for (std::size_t at = stream; at + 2 < sound.size(); ++at) {
+    for (const char changed : {char(sound[at] ^ 0x80), char(sound[at] + 1), '\xff'}) {
+      bytes = sound;
+      bytes[at] = changed;
+      const std::string line = failure_of(folder.write("a", bytes));
+      EXPECT_EQ(line.find('\n'), std::string::npos) << line;
+    }
   }
 }
 

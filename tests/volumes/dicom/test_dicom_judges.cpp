@@ -1,5 +1,8 @@
-// pydicom reads the values and places of the same files, plastimatch the same series as a volume.
+// pydicom reads the values and places of the same files, plastimatch the same series as a volume,
+// GDCM writes JPEG 2000.
 // Each judge is skipped where it is not installed (tools/setup.sh --with-judges).
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
@@ -68,6 +71,45 @@ TEST(InteropDicom, PydicomFindsTheSameValueAtTheSamePlace) {
       EXPECT_LE((ours - place).length(), 1e-6) << n;
     }
     EXPECT_EQ(n, values.size());
+  }
+}
+
+TEST(InteropDicom, WhatGdcmWritesInJpeg2000HasTheValuesThatItWasGiven) {
+  if (!runs("gdcmconv --version")) GTEST_SKIP() << "libgdcm-tools is not installed";
+  for (const bool is_signed : {false, true}) {
+    for (const int bits : {8, 12, 16}) {
+      const TemporaryFolder folder, packed;
+      SeriesFixture series;
+      series.dims = {64, 48, 3};  // GDCM 3.0.21 crashes on streams that are longer than the values
+      series.bits_allocated = bits == 8 ? 8 : 16;
+      series.bits_stored = bits;
+      series.is_signed = is_signed;
+      const int offset = is_signed ? 1 << (bits - 1) : 0;
+      series.value = [=](int i, int j, int k) {
+        return (i * j * 37 + i * 11 + k * 5) % (1 << bits) - offset;
+      };
+      series.write_all(folder);
+      write_enhanced(folder / "frames", series, {2, 0, 1});
+      for (const char* kind : {"", "--irreversible -q 60"}) {
+        for (int k = 0; k < 3; ++k) {
+          const std::string name = series.file_name(k);
+          ASSERT_TRUE(runs("gdcmconv --j2k " + std::string(kind) + " " + (folder / name) + " " +
+                           (packed / name)));
+        }
+        const auto file = open_volume(packed / ".");
+        const std::vector<double> found = values_of(*file), expected = expected_values(series);
+        double apart = 0;
+        for (std::size_t n = 0; n < expected.size(); ++n) {
+          apart = std::max(apart, std::abs(found[n] - expected[n]));
+        }
+        EXPECT_LE(apart, *kind == 0 ? 0 : 0.1 * (1 << bits)) << bits << is_signed << kind;
+        EXPECT_EQ(file->header().type, series.bits_allocated == 8
+                                           ? (is_signed ? ValueType::int8 : ValueType::uint8)
+                                           : (is_signed ? ValueType::int16 : ValueType::uint16));
+      }
+      ASSERT_TRUE(runs("gdcmconv --j2k " + (folder / "frames") + " " + (packed / "frames")));
+      EXPECT_EQ(values_of(*open_volume(packed / "frames")), expected_values(series)) << bits;
+    }
   }
 }
 

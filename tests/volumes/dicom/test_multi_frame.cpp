@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/dicom_fixtures.h"
+#include "tests/support/dicom_jpeg2000.h"
 #include "volumes/io/open_volume.h"
 
 namespace supple::test {
@@ -12,7 +13,7 @@ const std::vector<int> kShuffled = {3, 0, 5, 1, 4, 2};
 TEST(UnitDicomFrames, FramesAreSortedByTheirOwnPositionsInEverySyntax) {
   for (const E_TransferSyntax syntax :
        {EXS_LittleEndianImplicit, EXS_BigEndianExplicit, EXS_DeflatedLittleEndianExplicit,
-        EXS_RLELossless, EXS_JPEGProcess14SV1, EXS_JPEGLSLossless}) {
+        EXS_RLELossless, EXS_JPEGProcess14SV1, EXS_JPEGLSLossless, EXS_JPEG2000LosslessOnly}) {
     for (const bool shared_orientation : {true, false}) {
       const TemporaryFolder folder;
       SeriesFixture series;
@@ -23,6 +24,15 @@ TEST(UnitDicomFrames, FramesAreSortedByTheirOwnPositionsInEverySyntax) {
       EXPECT_EQ(values_of(*file), expected_values(series)) << DcmXfer(syntax).getXferName();
     }
   }
+}
+
+TEST(UnitDicomFrames, Jpeg2000FramesInSeveralFragmentsAreToldApart) {
+  const TemporaryFolder folder;
+  SeriesFixture series;
+  series.edit = [](DcmDataset& data, int) { compress_jpeg2000(data, EXS_JPEG2000, 32); };
+  series.syntax = EXS_JPEG2000;
+  write_enhanced(folder / "a", series, kShuffled);
+  EXPECT_EQ(values_of(*open_volume(folder / "a")), expected_values(series));
 }
 
 TEST(UnitDicomFrames, EightBitFramesOfOddSizeAreToldApart) {

@@ -39,7 +39,7 @@ TEST(UnitDicomValues, EveryTransferSyntaxGivesTheSameValues) {
   for (const E_TransferSyntax syntax :
        {EXS_LittleEndianImplicit, EXS_LittleEndianExplicit, EXS_BigEndianExplicit,
         EXS_DeflatedLittleEndianExplicit, EXS_RLELossless, EXS_JPEGProcess14, EXS_JPEGProcess14SV1,
-        EXS_JPEGLSLossless}) {
+        EXS_JPEGLSLossless, EXS_JPEG2000LosslessOnly, EXS_JPEG2000}) {
     for (const int bits : {8, 16}) {
       // An odd number of pixels, so that 8-bit slices end within a word.
       SeriesFixture series = fixture_of(bits, bits, false);

@@ -85,6 +85,8 @@ bool is_read(E_TransferSyntax syntax) {
     case EXS_JPEGProcess14SV1:
     case EXS_JPEGLSLossless:
     case EXS_JPEGLSLossy:
+    case EXS_JPEG2000LosslessOnly:
+    case EXS_JPEG2000:
       return true;
     default:
       return false;
@@ -197,7 +199,7 @@ void require_syntax(const DicomFile& file) {
     found += std::string(" ") + DcmXfer(file.syntax).getXferName();
   }
   fail(file.file->path(), "TransferSyntaxUID", printable(found),
-       "uncompressed, deflated, RLE, JPEG or JPEG-LS");
+       "uncompressed, deflated, RLE, JPEG, JPEG-LS or JPEG 2000");
 }
 
 std::string text_of(DcmItem& item, const DcmTagKey& tag) {

@@ -61,6 +61,11 @@ unsigned long fragment_count(DcmPixelData& pixels, E_TransferSyntax syntax) {
   return fragments->card() > 0 ? fragments->card() - 1 : 0;
 }
 
+/// The first markers of a codestream (T.800, A.4).
+bool begins_jpeg2000(const std::string& bytes) {
+  return bytes.rfind("\xff\x4f\xff\x51", 0) == 0;
+}
+
 bool is_jpeg(E_TransferSyntax syntax) {
   return syntax == EXS_JPEGProcess1 || syntax == EXS_JPEGProcess2_4 ||
          syntax == EXS_JPEGProcess14 || syntax == EXS_JPEGProcess14SV1;
@@ -111,6 +116,24 @@ void check_frame(const DicomImage& image, DcmPixelData& pixels, int frame) {
   if (is_rle_header(header, length)) return;
   throw InputError({image.path, "PixelData of frame " + std::to_string(frame),
                     "an RLE header whose segments lie nowhere", "intact compressed pixels"});
+}
+
+std::string frame_bytes(const DicomImage& image, DcmPixelData& pixels, int frame) {
+  constexpr std::size_t kAll = ~std::size_t(0);
+  const unsigned long fragments = fragment_count(pixels, image.syntax);
+  const bool is_one_each = fragments == image.planes.size();
+  std::size_t length = 0;
+  std::string bytes;
+  unsigned long n = is_one_each ? static_cast<unsigned long>(frame) : 0;
+  for (int begun = int(n) - 1; n < fragments && begun <= frame; ++n) {
+    const bool begins =
+        is_one_each || begins_jpeg2000(fragment(pixels, image.syntax, n, 4, length));
+    begun += begins;
+    if (begun == frame) bytes += fragment(pixels, image.syntax, n, kAll, length);
+  }
+  if (!bytes.empty()) return bytes;
+  throw InputError({image.path, "PixelData", std::to_string(fragments) + " fragments",
+                    "a JPEG 2000 stream of frame " + std::to_string(frame)});
 }
 
 }  // namespace supple

@@ -1,4 +1,4 @@
-// What DCMTK's decoders take on trust in compressed frames: checked before they run.
+// Compressed frames before they are decoded: their bytes, and what DCMTK's decoders take on trust.
 #pragma once
 
 #include <cstdint>
@@ -22,5 +22,9 @@ void check_first_frame(const DicomImage& image, DcmPixelData& pixels);
 /// Throws InputError for a frame of RLE whose segments lie outside its fragment, or out of order
 /// (PS3.5, G.5): DCMTK 3.6.7 reads them wherever they are said to be.
 void check_frame(const DicomImage& image, DcmPixelData& pixels, int frame);
+
+/// The codestream of a frame of JPEG 2000, whose fragments may be several: each frame begins with a
+/// fragment that begins a codestream. Throws InputError where there is no such frame.
+std::string frame_bytes(const DicomImage& image, DcmPixelData& pixels, int frame);
 
 }  // namespace supple

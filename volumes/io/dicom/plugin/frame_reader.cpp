@@ -6,6 +6,7 @@
 #include "volumes/base/error.h"
 #include "volumes/io/dicom/plugin/encapsulated_frame.h"
 #include "volumes/io/dicom/plugin/inflate_range.h"
+#include "volumes/io/dicom/plugin/jpeg2000_frame.h"
 
 namespace supple {
 
@@ -23,6 +24,9 @@ double densest(E_TransferSyntax syntax) {
     case EXS_JPEGLSLossless:
     case EXS_JPEGLSLossy:
       return 65536;  // runs of 2^15 values per bit, in theory
+    case EXS_JPEG2000LosslessOnly:
+    case EXS_JPEG2000:
+      return 8192;  // empty blocks of 2^12 values per bit, and the headers of a stream
     default:
       return 7000;  // Huffman codes of a bit per block at best
   }
@@ -161,6 +165,9 @@ void FrameReader::open_encapsulated(const DicomImage& image) {
 
 void FrameReader::read_encapsulated(const DicomImage& image, int frame, void* out) {
   open_encapsulated(image);
+  if (is_jpeg2000(image.syntax)) {
+    return decode_jpeg2000(image, frame, frame_bytes(image, *m_pixels, frame), out);
+  }
   check_frame(image, *m_pixels, frame);
   const std::int64_t size = image.format.frame_bytes();
   m_buffer.assign(std::size_t(size + size % 2), 0);

@@ -1,5 +1,5 @@
 // The pixels of single frames: straight from the file where they are stored as they are, inflated,
-// or decoded by DCMTK (RLE, JPEG, JPEG-LS).
+// or decoded by DCMTK (RLE, JPEG, JPEG-LS) or OpenJPEG (JPEG 2000).
 // Cost: one file open at a time; one frame and its compressed bytes in memory.
 #pragma once
 
