@@ -9,6 +9,9 @@ samples   cpp blocks are taken from examples/: the line before says <!-- sample:
 keys      the table after a line <!-- keys: TABLE --> is what `supple keys TABLE --markdown` prints;
           with --write it is put there
 runs      sh blocks after a line <!-- run --> end with exit code 0 in a temporary folder
+pictures  sh blocks after <!-- pictures --> make the pictures of docs/ again (structural similarity), one after
+          the other in a temporary folder per page; <!-- pictures: OUT DOCS --> where they make those of folder
+          DOCS in folder OUT
 
 One line per finding, `file:line: found X, expected Y`; exit code 1 if there are any. The program is
 the one that SUPPLE_BINARY names; without it, commands and runs are left out.
@@ -28,8 +31,9 @@ import unicodedata
 
 ROOTS = ("volumes", "lib", "raycast", "tools", "tests", "docs", "cmake", "examples")
 SKIPPED_FOLDERS = {".git", "build", "out"}
-RUN_MARK = "<!-- run -->"
+RUN_MARK = re.compile(r"<!-- (?:run|(pictures)(?:: (\S+) (\S+))?) -->")
 RUN_SECONDS = 120
+LEAST_SSIM = "0.99"
 # The help of a subcommand leaves out the options that work everywhere.
 EVERYWHERE = {"--threads", "--quiet", "--json", "--force", "--log-level", "--help", "-h"}
 
@@ -50,7 +54,7 @@ class Page:
         with open(os.path.join(root, file), encoding="utf-8") as stream:
             self.lines = stream.read().split("\n")
         self.code = [False] * len(self.lines)
-        self.blocks = []  # (number of the first line, its lines, is marked to be run)
+        self.blocks = []  # (number of the first line, its lines, the match of RUN_MARK before it)
         self.anchors = set()
         self._find_blocks()
         self._find_anchors()
@@ -67,7 +71,7 @@ class Page:
                 self.code[n] = True
                 if line.strip() == fence:
                     if language == "sh":
-                        run = begin > 0 and self.lines[begin - 1].strip() == RUN_MARK
+                        run = RUN_MARK.fullmatch(self.lines[begin - 1].strip()) if begin > 0 else None
                         inner = [text[len(indent):] for text in self.lines[begin + 1:n]]
                         self.blocks.append((begin + 2, inner, run))
                     fence = None
@@ -307,40 +311,103 @@ def check_keys(root, page, binary, writes, findings):
 
 
 def run_blocks(root, page, binary, findings):
-    """In an empty folder with a copy of docs/, where the block names it, and with build/data."""
-    programs = os.path.dirname(binary)
-    for first, lines, is_marked in page.blocks:
-        if not is_marked:
-            continue
-        text = "\n".join(lines)
-        missing = missing_input(root, programs, text)
-        if missing:
-            print(f"{page.file}:{first}: not run, {missing} is absent")
-            continue
-        with tempfile.TemporaryDirectory() as folder:
-            if "docs/" in text:
-                shutil.copytree(os.path.join(root, "docs"), os.path.join(folder, "docs"))
-            if "build/data/" in text:
-                os.mkdir(os.path.join(folder, "build"))
-                os.symlink(os.path.join(root, "build", "data"), os.path.join(folder, "build", "data"))
-            environment = dict(os.environ)
-            environment["PATH"] = programs + os.pathsep + os.environ.get("PATH", "")
-            try:
-                done = subprocess.run(["bash", "-euo", "pipefail", "-c", text], cwd=folder,
-                                      env=environment, stdin=subprocess.DEVNULL,
-                                      stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                                      universal_newlines=True, timeout=RUN_SECONDS)
-            except subprocess.TimeoutExpired:
-                findings.add(page.file, first, f"a block that runs for {RUN_SECONDS} s",
-                             "one that ends")
+    """Blocks that are run have a folder each; those that make pictures go on in the one of the page."""
+    is_left_out = False
+    with tempfile.TemporaryDirectory() as shared:
+        for first, lines, mark in page.blocks:
+            if not mark:
                 continue
-            if done.returncode != 0:
-                last = done.stdout.strip().split("\n")[-1]
-                findings.add(page.file, first, f"exit code {done.returncode} ({last})", "0")
+            text = "\n".join(lines)
+            makes_pictures = mark[1] is not None
+            missing = missing_input(root, os.path.dirname(binary), text)
+            if makes_pictures and is_left_out:
+                missing = missing or "what an earlier block makes"
+            if missing:
+                print(f"{page.file}:{first}: not run, {missing} is absent")
+                is_left_out = is_left_out or makes_pictures
+            elif makes_pictures:
+                before = pictures_in(shared)
+                if run_block(root, page, first, text, binary, shared, findings):
+                    made = {file for file, time in pictures_in(shared).items()
+                            if before.get(file) != time}
+                    compare_pictures(root, page, first, mark, shared, made, binary, findings)
+            else:
+                with tempfile.TemporaryDirectory() as folder:
+                    run_block(root, page, first, text, binary, folder, findings)
+
+
+def run_block(root, page, first, text, binary, folder, findings):
+    """True where it ends well. The folder gets a copy of docs/ without its pictures where the block names
+    it, the scripts of tools/, the program and build/data."""
+    programs = os.path.dirname(binary)
+
+    def link(target, *names):
+        os.makedirs(os.path.join(folder, *names[:-1]), exist_ok=True)
+        if not os.path.lexists(os.path.join(folder, *names)):
+            os.symlink(target, os.path.join(folder, *names))
+
+    if ("docs/" in text or "tools/" in text) and not os.path.exists(os.path.join(folder, "docs")):
+        shutil.copytree(os.path.join(root, "docs"), os.path.join(folder, "docs"),
+                        ignore=shutil.ignore_patterns("*.png"))
+    if "tools/" in text:
+        link(os.path.join(root, "tools"), "tools")
+        link(programs, "build", "release", "bin")
+    for data in glob.glob(os.path.join(root, "build", "data", "*")):
+        link(data, "build", "data", os.path.basename(data))
+    environment = dict(os.environ)
+    environment["PATH"] = programs + os.pathsep + os.environ.get("PATH", "")
+    try:
+        done = subprocess.run(["bash", "-euo", "pipefail", "-c", text], cwd=folder, env=environment,
+                              stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT, universal_newlines=True, timeout=RUN_SECONDS)
+    except subprocess.TimeoutExpired:
+        findings.add(page.file, first, f"a block that runs for {RUN_SECONDS} s", "one that ends")
+        return False
+    if done.returncode != 0:
+        last = done.stdout.strip().split("\n")[-1]
+        findings.add(page.file, first, f"exit code {done.returncode} ({last})", "0")
+    return done.returncode == 0
+
+
+def pictures_in(folder):
+    """Times of change of all pictures below a folder, by their paths from it."""
+    files = glob.glob(os.path.join(folder, "**", "*.png"), recursive=True)
+    return {os.path.relpath(file, folder): os.stat(file).st_mtime_ns for file in files}
+
+
+def compare_pictures(root, page, first, mark, folder, made, binary, findings):
+    """What a block makes in docs/ is there; of what it makes in another folder something is."""
+    out, docs = mark[2] or "docs", mark[3] or "docs"
+    compared = 0
+    for file in sorted(made):
+        name = os.path.relpath(file, out)
+        shown = os.path.join(docs, name)
+        if name.startswith(".."):
+            continue
+        if not os.path.exists(os.path.join(root, shown)):
+            if not mark[2]:
+                findings.add(page.file, first, f"a command for {shown}", "one for a picture that is there")
+            continue
+        compared += 1
+        done = subprocess.run([binary, "compare", os.path.join(folder, file), os.path.join(root, shown),
+                               "--min-ssim", LEAST_SSIM], stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT, universal_newlines=True)
+        if done.returncode != 0:
+            found = " ".join(done.stdout.split())
+            findings.add(page.file, first, f"another {shown} than its command makes ({found})",
+                         f"one of ssim {LEAST_SSIM} or more")
+    if compared == 0 and mark[2]:
+        findings.add(page.file, first, "no picture", f"one of {docs}")
 
 
 def missing_input(root, programs, text):
-    """The first scan that the block names, or program beside supple, that is not there."""
+    """The first scan that the block or its scene names, or program beside supple, that is not there."""
+    for scene in re.findall(r"docs/[\w./-]+\.toml", text):
+        if os.path.exists(os.path.join(root, scene)):
+            with open(os.path.join(root, scene), encoding="utf-8") as stream:
+                text += "\n" + stream.read()
+    if "tools/" in text and not os.path.exists(os.path.join(programs, "supple-examples")):
+        return "supple-examples"
     for path in re.findall(r"build/data/[\w./-]+", text):
         if not os.path.exists(os.path.join(root, path)):
             return path

@@ -12,17 +12,21 @@ BINARY = os.environ.get("SUPPLE_BINARY", "")
 
 
 class Checks(unittest.TestCase):
-    def findings(self, text, binary=""):
+    def findings(self, text, binary="", files=None):
         with tempfile.TemporaryDirectory() as root:
             os.makedirs(os.path.join(root, "docs"))
             os.makedirs(os.path.join(root, "lib", "body"))
             open(os.path.join(root, "lib", "body", "body.h"), "w").close()
             with open(os.path.join(root, "docs", "page.md"), "w", encoding="utf-8") as page:
                 page.write(text)
+            for name, content in (files or {}).items():
+                os.makedirs(os.path.dirname(os.path.join(root, name)))
+                with open(os.path.join(root, name), "wb") as file:
+                    file.write(content)
             return check_docs.check(root, binary)
 
-    def expect(self, text, start, binary=""):
-        lines = self.findings(text, binary)
+    def expect(self, text, start, binary="", files=None):
+        lines = self.findings(text, binary, files)
         self.assertEqual(len(lines), 1, lines)
         self.assertTrue(lines[0].startswith(start), lines[0])
 
@@ -65,6 +69,26 @@ class Checks(unittest.TestCase):
         self.assertEqual(self.findings(block % "supple info build/data/none.nrrd", BINARY), [])
         self.expect(block % "supple info none.nrrd", "docs/page.md:3: found exit code 3", BINARY)
         self.assertEqual(self.findings("```sh\nsupple info none.nrrd\n```\n", BINARY), [])
+
+    @unittest.skipUnless(BINARY, "SUPPLE_BINARY is not set")
+    def test_pictures(self):
+        make = "mkdir -p out; supple-examples phantom %s body.png; supple render body.png --size 64,64 -o %s"
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.dirname(BINARY) + os.pathsep + os.environ["PATH"]
+            subprocess.run(make % ("t-shape", "shown.png"), shell=True, check=True, cwd=folder,
+                           env={**os.environ, "PATH": path}, stderr=subprocess.DEVNULL)
+            with open(os.path.join(folder, "shown.png"), "rb") as file:
+                shown = {"docs/a/shown.png": file.read()}
+        block = "<!-- pictures%s -->\n```sh\n" + make + "\n```\n"
+        here = block % ("", "t-shape", "docs/a/shown.png")
+        there = block % (": out docs/a", "t-shape", "out/shown.png")
+        self.assertEqual(self.findings(here, BINARY, shown), [])
+        self.assertEqual(self.findings(there, BINARY, shown), [])
+        for text, found in ((block % ("", "gradient", "docs/a/shown.png"), "another docs/a/shown.png"),
+                            (block % ("", "t-shape", "docs/a/other.png"), "a command for docs/a/other.png"),
+                            (block % (": out docs/a", "t-shape", "docs/a/shown.png"), "no picture"),
+                            (block % ("", "none", "docs/a/shown.png"), "exit code")):
+            self.expect(text, "docs/page.md:3: found " + found, BINARY, shown)
 
 
 if __name__ == "__main__":
