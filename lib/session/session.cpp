@@ -163,7 +163,15 @@ void Session::choose_material(const std::string& path, const SessionOptions& opt
   const VolumeStatistics statistics =
       digest_volume(*open_volume(path, options.read), progress).statistics;
   if (options.material) {
+    const bool fits_active = m_material.fits_active;
     m_material = fitted_to(m_material, statistics);
+    if (fits_active && !m_material.fits_active && !are_hounsfield_units(statistics.min)) {
+      warn(progress, "material: densities from " + number_text(statistics.min) + " to " +
+                         number_text(statistics.max) +
+                         " are neither HU nor 0 to 255: every voxel above " +
+                         number_text(statistics.min) +
+                         " is tissue; active = [LO, HI] in the table chooses others");
+    }
     return;
   }
   m_material = homogeneous_material(statistics.min, statistics.max);

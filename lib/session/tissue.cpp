@@ -1,6 +1,7 @@
 #include "lib/session/tissue.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "volumes/base/error.h"
@@ -16,11 +17,15 @@ enum Counted { in_domain, tissue_hu, tissue_hu_in_domain };
 }  // namespace
 
 MaterialTable fitted_to(MaterialTable material, const VolumeStatistics& statistics) {
-  if (!material.fits_domain || !are_hounsfield_units(statistics.min)) return material;
-  material.domain_lo = std::min(material.domain_lo, kTissueHu);
+  const bool is_hu = are_hounsfield_units(statistics.min);
+  const bool is_inside =
+      statistics.min >= material.domain_lo && statistics.max <= material.domain_hi;
+  if (!material.fits_domain || (!is_hu && is_inside)) return material;
+  material.domain_lo = std::min(material.domain_lo, is_hu ? kTissueHu : statistics.min);
   material.domain_hi = std::max(material.domain_hi, statistics.max);
   if (material.fits_active) {
-    material.active_lo = material.domain_lo;
+    material.active_lo =
+        is_hu ? material.domain_lo : std::nextafter(float(statistics.min), float(statistics.max));
     material.active_hi = material.domain_hi;
   }
   material.fits_domain = material.fits_active = false;

@@ -15,7 +15,8 @@ namespace supple {
 constexpr double kTissueHu = -300;
 
 /// A preset without a domain, for a volume of these densities: from kTissueHu to the largest where
-/// they are Hounsfield units. All other tables as they are.
+/// they are Hounsfield units; where they are not and leave the table's domain, what lies above the
+/// least. All other tables as they are.
 MaterialTable fitted_to(MaterialTable material, const VolumeStatistics& statistics);
 
 /// What warn_of_domain needs to have counted.

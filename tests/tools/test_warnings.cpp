@@ -101,6 +101,29 @@ TEST_F(UnitWarnings, APresetAloneTakesTheTissueOfACtForTheBody) {
       16 * 16 * 16);
 }
 
+TEST_F(UnitWarnings, APresetAloneTakesWhatLiesAboveTheLeastOfOtherDensitiesAndSaysSo) {
+  std::string values;
+  for (int n = 0; n < 16 * 16 * 16; ++n) {
+    const std::int16_t value = n % 16 < 4 ? 7 : std::int16_t(7 + n % 4000);
+    values.append(reinterpret_cast<const char*>(&value), sizeof value);
+  }
+  write_text(m_folder / "mri.nrrd",
+             "NRRD0004\ntype: short\nendian: little\ndimension: 3\nspace: LPS\nsizes: 16 16 16\n"
+             "space directions: (1,0,0) (0,1,0) (0,0,1)\nencoding: raw\n\n" +
+                 values);
+  const Outcome alone = deform(m_folder / "mri.nrrd", "preset = \"brain\"\n", "1,0,0", "8,8,8");
+  EXPECT_EQ(elements(alone), 12 * 16 * 16);
+  EXPECT_TRUE(says(alone,
+                   "material: densities from 7 to 4006 are neither HU nor 0 to 255: every voxel "
+                   "above 7 is tissue; active = [LO, HI] in the table chooses others"))
+      << alone.err;
+  EXPECT_FALSE(says(alone, "misses")) << alone.err;
+  const Outcome told =
+      deform(m_folder / "mri.nrrd", "preset = \"brain\"\nactive = [100, 5000]\n", "1,0,0", "8,8,8");
+  EXPECT_LT(elements(told), 12 * 16 * 16);
+  EXPECT_FALSE(says(told, "neither")) << told.err;
+}
+
 TEST_F(UnitWarnings, ADomainThatMissesMostOfTheTissueIsToldWithNumbers) {
   const Outcome shred = deform(head(),
                                "domain = [150, 255]\n"
