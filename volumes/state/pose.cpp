@@ -54,7 +54,7 @@ Pose invert_state(const State& state, Progress* progress) {
 bool has_open_cuts(const State& state, const Displacement& extended) {
   if (state.cuts.empty()) return false;
   const Vec3i& dims = state.geometry.dims();
-  const CutBody cut(extended.u.topology, state.elements, state.cuts, dims);
+  const CutBody cut(extended.u, state.elements, state.cuts, dims);
   return !torn_cells(thickened(extended.u, dims), cut, kClosedCut).empty();
 }
 

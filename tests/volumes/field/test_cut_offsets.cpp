@@ -286,6 +286,31 @@ TEST(PropertyCutOffsets, TheShellGoesWithItsOwnSide) {
   EXPECT_TRUE(field.sample({9.4, 20.5, 10}, o));
 }
 
+TEST(PropertyCutOffsets, NoTissueIsStretchedOverASlitOfAirThroughWhichACutGoes) {
+  // One voxel wide and, in its middle, farther from every cut link than tissue is looked for.
+  const CutBlock block;
+  const BrickTopology slit = box_topology({13, 6, 6}, {13, 17, 17});
+  const BrickTopology elements = subtract(block.elements, slit);
+  const LinkCuts cuts =
+      cuts_where(elements, [](const Vec3i& low, int axis) { return axis == 0 && low.x == 13; });
+  const double d = 6.2;
+  const Displacement u = displacement_on(
+      elements, [&](const Vec3i& v) { return Vec3f(v.x < 14 ? float(-d) : float(d), 0, 0); });
+  const CutElements body{elements, cuts};
+  const OffsetField field = invert_cut(extend_past_cuts(u, dilate(elements, 2), body), body);
+  for (double y = 4.1; y < 19; y += 0.6) {
+    for (double z = 4.3; z < 19; z += 0.6) {
+      for (double x = 13.5 - d - 1.9; x < 13.5 + d + 2; x += 0.43) {
+        Vec3d o;
+        const bool in_gap = std::abs(x - 13.5) < d;
+        ASSERT_EQ(field.sample({x, y, z}, o), !in_gap) << Vec3d(x, y, z);
+        if (in_gap) continue;
+        ASSERT_NEAR(o.x, x < 13.5 ? d : -d, 1e-6) << Vec3d(x, y, z);
+      }
+    }
+  }
+}
+
 TEST(PropertyCutOffsets, AnOpenedSliceOfOneVoxelHasItsGap) {
   const BrickTopology elements = box_topology({4, 4, 0}, {23, 19, 0});
   const LinkCuts cuts =

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <tbb/parallel_for.h>
+
 #include "volumes/field/inversion/output_bricks.h"
 #include "volumes/grid/padded_rows.h"
 #include "volumes/grid/voxel_sets.h"
@@ -12,6 +14,11 @@ namespace supple {
 namespace {
 
 constexpr int kShellRings = 2;
+// Tissue joins two elements beside the air where it leads from one to the other within the box
+// around them and as many voxels more.
+constexpr int kDetour = 2;
+// Elements that no tissue joins are parted where they have moved apart by more, in voxels.
+constexpr double kMovedApart = 1;
 
 Vec3i unit(int axis) {
   Vec3i step(0);
@@ -27,11 +34,25 @@ void for_neighbours(const Vec3i& voxel, Visit&& visit) {
   }
 }
 
+/// Of displacements.
+struct MoveBox {
+  Vec3f lo{HUGE_VALF, HUGE_VALF, HUGE_VALF}, hi{-HUGE_VALF, -HUGE_VALF, -HUGE_VALF};
+
+  void add(const Vec3f& move) { add({move, move}); }
+  void add(const MoveBox& other) {
+    for (int a = 0; a < 3; ++a) {
+      lo[a] = std::min(lo[a], other.lo[a]);
+      hi[a] = std::max(hi[a], other.hi[a]);
+    }
+  }
+  bool is_apart() const { return lo.x <= hi.x && (hi - lo).length() > kMovedApart; }
+};
+
 }  // namespace
 
-CutBody::CutBody(const BrickTopology& voxels, const BrickTopology& elements, const LinkCuts& cuts,
+CutBody::CutBody(const VectorBricks& u, const BrickTopology& elements, const LinkCuts& cuts,
                  const Vec3i& dims)
-    : m_voxels(voxels), m_elements(elements), m_dims(dims) {
+    : m_u(u), m_elements(elements), m_dims(dims) {
   std::vector<Link> links;
   for (std::size_t b = 0; b < cuts.brick_end(); ++b) {
     const LinkCuts::BrickCuts* brick = cuts.brick(b);
@@ -54,7 +75,7 @@ Vec3i CutBody::in_slice(Vec3i voxel) const {
 }
 
 bool CutBody::is_voxel(const Vec3i& voxel) const {
-  return m_voxels.is_active(in_slice(voxel));
+  return m_u.topology.is_active(in_slice(voxel));
 }
 
 void CutBody::mark(const Link& link) {
@@ -99,37 +120,92 @@ Vec3i CutBody::nearest_element(const Vec3i& voxel) const {
   return in_slice(nearest);
 }
 
-/// Whether cuts part two elements in the box between them.
+/// Whether elements within a box lead from one to another, over links that are cut or not.
+bool CutBody::joins(const IndexBox& box, const Vec3i& from, const Vec3i& to, bool over_cuts) const {
+  const Vec3i size = box.hi - box.lo + Vec3i(1);
+  std::vector<bool> is_reached(std::size_t(size.x) * std::size_t(size.y) * std::size_t(size.z));
+  std::vector<Vec3i> reached;
+  const auto reach = [&](const Vec3i& voxel) {
+    const Vec3i at = voxel - box.lo;
+    auto is_known = is_reached[std::size_t((at.x * size.y + at.y) * size.z + at.z)];
+    if (!is_known) reached.push_back(voxel);
+    is_known = true;
+  };
+  reach(from);
+  for (std::size_t n = 0; n < reached.size(); ++n) {
+    if (reached[n] == to) return true;
+    for (int face = 0; face < 6; ++face) {
+      const Vec3i here = reached[n], next = here + unit(face / 2) * (face % 2 ? 1 : -1);
+      if (!box.contains(next) || !is_element(next)) continue;
+      if (over_cuts || !is_cut(face % 2 ? here : next, face / 2)) reach(next);
+    }
+  }
+  return false;
+}
+
+/// Whether two elements are on different sides: parted by cuts in the smallest box around them in
+/// which tissue had joined them, or apart where none does.
 bool CutBody::separates(const Vec3i& a, const Vec3i& b) const {
+  if (a == b || !is_element(a) || !is_element(b)) return false;
   IndexBox box{a, a};
   for (int axis = 0; axis < 3; ++axis) {
     box.lo[axis] = std::min(a[axis], b[axis]);
     box.hi[axis] = std::max(a[axis], b[axis]);
   }
-  std::vector<Vec3i> reached = {a};
-  bool any_cut = false;
-  for (std::size_t n = 0; n < reached.size(); ++n) {
-    if (reached[n] == b) return false;
-    for (int face = 0; face < 6; ++face) {
-      const Vec3i here = reached[n], next = here + unit(face / 2) * (face % 2 ? 1 : -1);
-      if (!box.contains(next) || !is_element(next)) continue;
-      if (is_cut(face % 2 ? here : next, face / 2)) {
-        any_cut = true;
-      } else if (std::find(reached.begin(), reached.end(), next) == reached.end()) {
-        reached.push_back(next);
-      }
-    }
+  for (int margin = 0; margin <= kDetour; ++margin) {
+    if (joins(box, a, b, true)) return !joins(box, a, b, false);
+    box.lo -= Vec3i(1);
+    box.hi += Vec3i(1);
   }
-  return any_cut;
+  Vec3f of_a(0), of_b(0);
+  return m_u.at(a, of_a) && m_u.at(b, of_b) && (of_a - of_b).length() > kMovedApart;
+}
+
+/// Voxels of the shell that touch elements which have moved apart.
+std::vector<Vec3i> CutBody::contested_voxels() const {
+  const BrickTopology& voxels = m_u.topology;
+  std::vector<MoveBox> moves(voxels.brick_count());
+  tbb::parallel_for(std::size_t(0), moves.size(), [&](std::size_t b) {
+    const std::int32_t own = m_elements.find(voxels.origin(b));
+    if (own < 0) return;
+    for_each_active(m_elements.mask(std::size_t(own)), [&](int offset) {
+      moves[b].add(m_u.vectors[b * kBrickVoxels + std::size_t(offset)]);
+    });
+  });
+  std::vector<std::vector<Vec3i>> found(moves.size());
+  tbb::parallel_for(std::size_t(0), moves.size(), [&](std::size_t b) {
+    MoveBox around;
+    for (const std::int32_t n : surroundings_of(voxels, b)) {
+      if (n >= 0) around.add(moves[std::size_t(n)]);
+    }
+    if (!around.is_apart()) return;
+    for_each_active(voxels.mask(b), [&](int offset) {
+      const Vec3i voxel = voxels.origin(b) + brick_local(offset);
+      if (is_element(voxel)) return;
+      MoveBox touching;
+      for_neighbours(voxel, [&](const Vec3i& beside) {
+        Vec3f move;
+        if (is_element(beside) && m_u.at(in_slice(beside), move)) touching.add(move);
+      });
+      if (touching.is_apart()) found[b].push_back(voxel);
+    });
+  });
+  std::vector<Vec3i> contested;
+  for (const auto& part : found) contested.insert(contested.end(), part.begin(), part.end());
+  return contested;
 }
 
 void CutBody::cut_shell(const std::vector<Link>& links) {
   std::vector<Vec3i> shell;
+  const auto add = [&](const Vec3i& voxel) {
+    if (m_u.topology.is_active(voxel) && !m_elements.is_active(voxel)) shell.push_back(voxel);
+  };
+  for (const Vec3i& voxel : contested_voxels()) {
+    add(voxel);
+    for_neighbours(voxel, add);
+  }
   for (const Link& link : links) {
-    for (int n = 0; n < 343; ++n) {
-      const Vec3i voxel = link.low + Vec3i(n / 49 - 3, n / 7 % 7 - 3, n % 7 - 3);
-      if (m_voxels.is_active(voxel) && !m_elements.is_active(voxel)) shell.push_back(voxel);
-    }
+    for (int n = 0; n < 343; ++n) add(link.low + Vec3i(n / 49 - 3, n / 7 % 7 - 3, n % 7 - 3));
   }
   sort_unique(shell);
   std::vector<Link> added;
@@ -137,7 +213,7 @@ void CutBody::cut_shell(const std::vector<Link>& links) {
     const Vec3i mine = nearest_element(voxel);
     for (int face = 0; face < 6; ++face) {
       const Vec3i next = voxel + unit(face / 2) * (face % 2 ? 1 : -1);
-      if (m_voxels.is_active(next) && separates(mine, nearest_element(next))) {
+      if (m_u.topology.is_active(next) && separates(mine, nearest_element(next))) {
         added.push_back({face % 2 ? voxel : next, face / 2});
       }
     }

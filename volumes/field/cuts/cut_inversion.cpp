@@ -400,8 +400,8 @@ Displacement extend_past_cuts(const Displacement& displacement, const BrickTopol
                               const CutElements& body) {
   Displacement extended = extend(displacement, target);
   if (body.cuts.empty()) return extended;
-  extend_beside_cuts(extended.u, CutBody(extended.u.topology, body.elements, body.cuts,
-                                         displacement.geometry.dims()));
+  extend_beside_cuts(extended.u,
+                     CutBody(extended.u, body.elements, body.cuts, displacement.geometry.dims()));
   return extended;
 }
 
@@ -410,7 +410,7 @@ OffsetField invert_cut(const Displacement& displacement, const CutElements& body
   if (body.cuts.empty()) return invert(displacement, params, progress);
   const Vec3i& dims = displacement.geometry.dims();
   const VectorBricks u = thickened(displacement.u, dims);
-  const CutBody cut(displacement.u.topology, body.elements, body.cuts, dims);
+  const CutBody cut(displacement.u, body.elements, body.cuts, dims);
   std::vector<TornCell> torn = torn_cells(u, cut, kClosedCut);
   if (torn.empty()) return invert(displacement, params, progress);
 

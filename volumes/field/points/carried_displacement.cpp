@@ -31,8 +31,7 @@ double depth_at(const CutPiece& piece, const Vec3d& t) {
 CarriedDisplacement::CarriedDisplacement(const Displacement& displacement, const CutElements& body)
     : m_u(thickened(displacement.u, displacement.geometry.dims())), m_smooth(m_u) {
   if (body.cuts.empty()) return;
-  const CutBody cut(displacement.u.topology, body.elements, body.cuts,
-                    displacement.geometry.dims());
+  const CutBody cut(displacement.u, body.elements, body.cuts, displacement.geometry.dims());
   const std::vector<TornCell> torn = torn_cells(m_u, cut, kClosedCut);
   if (!torn.empty()) tear(torn, CutFaces(torn, displacement.geometry, kClosedCut));
 }
