@@ -26,13 +26,15 @@ GoldenFolder::GoldenFolder() {
     if (!entry.is_regular_file()) continue;
     std::filesystem::copy_file(entry.path(), m_folder / entry.path().filename().string());
   }
+  for (const char* file : {"small-head.nhdr", "t-shape.png"}) make(file);
+}
+
+void GoldenFolder::make(const std::string& file) const {
   const std::filesystem::path bin =
       std::filesystem::path(std::getenv("SUPPLE_BINARY")).parent_path();
   const std::string examples = (bin / "supple-examples").string();
-  for (const char* file : {"small-head.nhdr", "t-shape.png"}) {
-    const std::string kind = std::filesystem::path(file).stem().string();
-    EXPECT_EQ(run_program({examples, "phantom", kind, m_folder / file}).exit_code, 0);
-  }
+  const std::string kind = std::filesystem::path(file).stem().string();
+  EXPECT_EQ(run_program({examples, "phantom", kind, m_folder / file}).exit_code, 0);
 }
 
 void GoldenFolder::run(const std::string& name, const std::string& after, int threads) const {

@@ -26,6 +26,8 @@ Image golden_reference(const std::string& name);
 class GoldenFolder {
  public:
   GoldenFolder();
+  /// Writes a generated volume beside the scenes, NAME.nhdr or .png (`supple-examples`).
+  void make(const std::string& file) const;
   /// Runs NAME.toml, after the scene whose state it continues where `after` names one. `threads`:
   /// 0 for all.
   void run(const std::string& name, const std::string& after = "", int threads = 0) const;

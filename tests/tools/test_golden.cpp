@@ -78,6 +78,13 @@ TEST(GoldenImages, OpenedCutsAndOverlappingLipsLookAsTheyDid) {
   expect_all_golden(folder, {"cut_open", "cut_overlap"});
 }
 
+TEST(GoldenImages, LipsThatCloseAndAreThenPushedThroughEachOtherLookAsTheyDid) {
+  const GoldenFolder folder;
+  folder.make("lips.nhdr");
+  folder.run("lips");
+  expect_all_golden(folder, {"lips_closed", "lips_through", "lips_through_slice"});
+}
+
 TEST(GoldenImages, ShearedAndFoldedTissueLooksAsItDid) {
   const GoldenFolder folder;
   folder.run("shear");
@@ -103,7 +110,8 @@ TEST(GoldenRealData, AHeadCtLooksAsItDid) {
   folder.link(header);
   folder.link(voxels);
   folder.run("ct");
-  expect_all_golden(folder, {"ct_bone_drag", "ct_below"});
+  folder.run("cheek");
+  expect_all_golden(folder, {"ct_bone_drag", "ct_below", "ct_cheek"});
 }
 
 TEST(GoldenRealData, AHeadMriLooksAsItDid) {

@@ -25,6 +25,7 @@ Phantom make_phantom(const std::string& kind) {
   if (kind == "gradient") return gradient_phantom(kSliceSize);
   if (kind == "t-shape") return t_shape_phantom(kSliceSize);
   if (kind == "irregular") return irregular_phantom(kSliceSize);
+  if (kind == "lips") return lips_phantom();
   if (kind == "extruded") return extrude(t_shape_phantom(kSliceSize), kExtrusion);
   return constant_phantom({16, 16, 16}, 200);
 }
@@ -70,7 +71,7 @@ int main(int argc, char** argv) {
   phantom->add_option("kind", kind, "Which one")
       ->required()
       ->check(CLI::IsMember(
-          {"head", "small-head", "gradient", "t-shape", "irregular", "extruded", "cube"}));
+          {"head", "small-head", "gradient", "t-shape", "irregular", "extruded", "lips", "cube"}));
   phantom->add_option("output", output, "A .png (one slice) or .nhdr file")->required();
   CLI::App* figure = program.add_subcommand("figure-4-5", "Original ChainMail against ECM");
   figure->add_option("folder", output, "Where the pictures go")->required();

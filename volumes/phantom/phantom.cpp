@@ -73,6 +73,16 @@ Phantom extrude(const Phantom& slice, int count) {
           [density = slice.density](int i, int j, int) { return density(i, j, 0); }};
 }
 
+Phantom lips_phantom() {
+  return {plain_geometry({40, 24, 28}), [](int i, int j, int k) {
+            constexpr double kAir = -1000, kFlesh = 60;
+            const double across = std::hypot(j - 11.5, k - (k < 14 ? 6.5 : 20.5)) - 5;
+            const double ends = std::abs(i - 19.5) - 17;
+            const double inside = std::clamp(0.5 - std::max(across, ends), 0.0, 1.0);
+            return float(std::round(kAir + inside * (kFlesh - kAir)));
+          }};
+}
+
 Phantom constant_phantom(const Vec3i& dims, float value) {
   return {plain_geometry(dims), [value](int, int, int) { return value; }};
 }

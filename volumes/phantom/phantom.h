@@ -29,6 +29,9 @@ Phantom t_shape_phantom(int size);
 Phantom irregular_phantom(int size);
 /// The one-slice phantom repeated `count` times along k (figure 4.15).
 Phantom extrude(const Phantom& slice, int count);
+/// Two lips in HU, 40 x 24 x 28 voxels of 1 mm: soft bars along i, k = 2 to 11 and 16 to 25, with a
+/// slit of air between them.
+Phantom lips_phantom();
 /// Constant value (figure 4.14).
 Phantom constant_phantom(const Vec3i& dims, float value);
 
