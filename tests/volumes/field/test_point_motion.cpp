@@ -173,6 +173,20 @@ TEST(PropertyPointMotion, PointsBesideAnOpenCutGoWithTheirOwnSide) {
   }
 }
 
+TEST(PropertyPointMotion, SidesOfACutThatOverlapByLessThanAVoxelAreNamed) {
+  const BrickTopology block = box_topology({4, 4, 4}, {23, 19, 19});
+  const MovedBody body(block, cut_at_x(block, 13), unit_geometry({28, 24, 24}),
+                       [](const Vec3i& v) { return Vec3f(v.x <= 13 ? 0.45f : -0.4f, 2, 0); });
+  ASSERT_NE(body.offsets.split, nullptr);
+  ASSERT_EQ(body.offsets.certificate.overlapped_voxels, 0);
+  for (double x = 13.02; x < 14; x += 0.06) {
+    const bool is_both = x > 13.1 && x < 13.95;
+    EXPECT_EQ(body.to_rest()->move({x, 10.3, 11.6}).kind,
+              is_both ? PlaceKind::folded : PlaceKind::inside)
+        << x;
+  }
+}
+
 TEST(PropertyPointMotion, FoldsAreNamedOnBothWays) {
   // Between x = 9 and x = 10 the body turns inside out.
   const MovedBody body(box_topology({4, 4, 4}, {15, 15, 15}), {}, unit_geometry({20, 20, 20}),

@@ -230,3 +230,16 @@ TEST(PropertyTissueOverAir, LandmarksInOverlapsAreNamed) {
   EXPECT_EQ(back->move({5.4, 6.2, 4.8}).kind, PlaceKind::inside);
   EXPECT_EQ(back->move({5.4, 6.2, 11.8}).kind, PlaceKind::inside);
 }
+
+TEST(PropertyTissueOverAir, LandmarksBetweenNodesFindTissueAndOverlapsThinnerThanAVoxel) {
+  const Slabs slabs(6.3f);  // the lower one ends at 9.5, the upper one begins at 9.2
+  ASSERT_EQ(slabs.offsets.certificate.overlapped_voxels, 0);
+  const LinkCuts no_cuts;
+  const auto back = motion_to_rest(slabs.displacement, {slabs.elements, no_cuts}, slabs.offsets);
+  for (double z = 9.01; z < 10; z += 0.06) {
+    const bool is_both = z > 9.2 && z < 9.5;
+    const MovedPoint found = back->move({5.4, 6.2, z});
+    EXPECT_EQ(found.kind, is_both ? PlaceKind::folded : PlaceKind::inside) << z;
+    EXPECT_NEAR(found.to_lps_mm.z, z < 9.5 ? z : z + 6.3, 1e-4) << z;
+  }
+}

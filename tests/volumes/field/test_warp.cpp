@@ -76,6 +76,35 @@ TEST(PropertyWarp, AnExportedFieldReadsBackOnItsOwnGridAndOnAMarginGrid) {
   EXPECT_EQ(back.o.topology, where);
 }
 
+TEST(PropertyWarp, VectorsInMillimetresComeBackToTheBitAtPowersOfTwoAndToTheLastDigitElsewhere) {
+  const Vec3i dims(16, 16, 16);
+  const BrickTopology where = box_topology(dims);
+  std::mt19937 random(14);
+  const VectorBricks o = field_on(where, [&](const Vec3i&) { return random_vector(random, 0.5f); });
+  for (const Vec3d& spacing : {Vec3d(1, 0.5, 2), Vec3d(0.957031, 0.957031, 1.5)}) {
+    const Geometry grid(dims, {3, -7, 11},
+                        {Vec3d(0, -spacing.x, 0), {spacing.y, 0, 0}, {0, 0, spacing.z}});
+    const OffsetField offsets{grid, o, {}};
+    Warp warp{"w.nrrd", grid, WarpDirection::resample, std::vector<Vec3f>(16 * 16 * 16)};
+    const auto slices = dense_offsets(offsets, where, grid, VoidMode::outside);
+    for (int k = 0; k < dims.z; ++k) slices(k, &warp.vectors[std::size_t(k) * 16 * 16]);
+    const OffsetField back = offsets_from_warp(warp, grid);
+    int same = 0, compared = 0;
+    for_each_voxel(back.o.topology, [&](const Vec3i& v, std::size_t slot) {
+      Vec3f expected;
+      ASSERT_TRUE(o.at(v, expected));
+      for (int a = 0; a < 3; ++a) {
+        const float found = back.o.vectors[slot][a];
+        same += found == expected[a];
+        EXPECT_LE(std::abs(found - expected[a]), std::ldexp(std::abs(expected[a]), -23)) << v;
+        ++compared;
+      }
+    });
+    EXPECT_EQ(compared, 3 * 16 * 16 * 16);
+    EXPECT_EQ(same == compared, spacing.x == 1);
+  }
+}
+
 TEST(PropertyWarp, LinearWarpsAreExactOnObliqueAnisotropicGrids) {
   const Geometry source = oblique_geometry({40, 38, 30}, {-20, -20, -20}, {1, 1.1, 1.4}, -0.2);
   const Geometry grids[] = {

@@ -78,6 +78,14 @@ bool CutOffsets::offset_of(int piece, const Vec3d& x, Vec3d& offset) const {
   return true;
 }
 
+bool CutOffsets::is_overlapped(const Vec3d& x) const {
+  const std::int32_t b = bricks().find(floor_voxel(x));
+  Vec3d offset;
+  bool overlapping = false;
+  if (b >= 0) m_cells[std::size_t(b)].find(x, m_dims, offset, &overlapping);
+  return overlapping;
+}
+
 double CutOffsets::depth_mm(int number, const Vec3d& x) const {
   const CutPiece& piece = piece_at(number);
   Vec3d X;

@@ -55,6 +55,7 @@ class CutOffsets : public SplitOffsets {
 
   bool sample(std::size_t b, const Vec3d& x, Sample& found) const override;
   bool offset_of(int piece, const Vec3d& x, Vec3d& offset) const override;
+  bool is_overlapped(const Vec3d& x) const override;
   double depth_mm(int piece, const Vec3d& x) const override;
   Vec3d face_normal(int piece, const Vec3d& x) const override;
   void reach(std::size_t b, Vec3d& lo, Vec3d& hi) const override;

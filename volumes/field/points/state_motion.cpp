@@ -104,14 +104,21 @@ class MotionToRest final : public PointMotion {
   Found find(const Vec3d& x) const {
     Vec3d offset;
     if (!is_near(x)) return {-m_u.stretched(x).u, PlaceKind::outside, identity_columns()};
-    if (in_split_brick(x) && m_offsets.sample(x, offset)) return found_at(x + offset, offset);
+    if (in_split_brick(x) && m_offsets.sample(x, offset)) {
+      Found found = found_at(x + offset, offset);
+      if (m_offsets.split->is_overlapped(x)) found.kind = PlaceKind::folded;
+      return found;
+    }
     Vec3d X;
-    if (!solve(x, X)) {
+    bool is_overlapped = false;
+    if (!solve(x, X, is_overlapped)) {
       offset = m_start.sample(x);
       return {offset, PlaceKind::unresolved, identity_columns()};
     }
     Found found{X - x, PlaceKind::torn, m_u.stretched(X).gradient()};
-    return m_u.is_in_torn_cell(X) ? found : found_at(X, found.offset);
+    if (!m_u.is_in_torn_cell(X)) found = found_at(X, found.offset);
+    if (is_overlapped) found.kind = PlaceKind::folded;
+    return found;
   }
 
   /// Far away the displacement is constant.
@@ -134,17 +141,34 @@ class MotionToRest final : public PointMotion {
     return m_elements.is_active(voxel);
   }
 
+  /// Whether the offsets at the nodes around x differ by more than a voxel. What lies between such
+  /// nodes may have come from several places, though none of the nodes has.
+  bool is_at_jump(const Vec3d& x) const {
+    const Vec3i low = floor_voxel(x);
+    Vec3f lo(HUGE_VALF), hi(-HUGE_VALF), offset;
+    for (int n = 0; n < kCellCorners; ++n) {
+      if (!m_offsets.o.at(low + cell_corner(n), offset)) continue;
+      for (int a = 0; a < 3; ++a) {
+        lo[a] = std::min(lo[a], offset[a]);
+        hi[a] = std::max(hi[a], offset[a]);
+      }
+    }
+    return lo.x <= hi.x && (hi - lo).length() > 1;
+  }
+
   /// Of the solutions that the offsets around lead to, one in tissue before one in air, then that
-  /// with the shortest way; one in tissue is enough where there are no folds.
-  bool solve(const Vec3d& x, Vec3d& X) const {
+  /// with the shortest way; one in tissue is enough where there are no folds. `is_overlapped`: set
+  /// where several are in tissue.
+  bool solve(const Vec3d& x, Vec3d& X, bool& is_overlapped) const {
     const PointSolver solver(m_u);
-    const bool in_fold = m_folds.contains(x);
+    const bool in_fold = m_folds.contains(x) || is_at_jump(x);
     bool is_solved = false, in_tissue = false;
     const auto try_from = [&](const Vec3d& start) {
       Vec3d found;
       if (!solver.solve(x, start, found)) return;
       const bool is_better = is_tissue(found);
       if (in_tissue && !is_better) return;
+      is_overlapped = is_overlapped || (in_tissue && (found - X).length() > kSamePlace);
       if (is_solved && in_tissue == is_better && (found - x).length2() >= (X - x).length2()) {
         return;
       }
