@@ -243,3 +243,15 @@ TEST(PropertyTissueOverAir, LandmarksBetweenNodesFindTissueAndOverlapsThinnerTha
     EXPECT_NEAR(found.to_lps_mm.z, z < 9.5 ? z : z + 6.3, 1e-4) << z;
   }
 }
+
+TEST(PropertyTissueOverAir, LandmarksBesideASliceFindItsTissue) {
+  const Body slabs(
+      {14, 26, 1},
+      unite(box_topology({2, 4, 0}, {11, 9, 0}), box_topology({2, 16, 0}, {11, 21, 0})),
+      [](const Vec3i& v) { return Vec3f(0, v.y < 13 ? 0.f : -6.f, 0); });
+  const LinkCuts no_cuts;
+  const auto back = motion_to_rest(slabs.displacement, {slabs.elements, no_cuts}, slabs.offsets);
+  for (const double z : {0.0, 0.4, 0.7, -0.8}) {
+    EXPECT_LT((back->move({5.4, 9.7, z}).to_lps_mm - Vec3d(5.4, 15.7, z)).length(), 1e-4) << z;
+  }
+}
