@@ -12,6 +12,7 @@
 #include "tools/build_facts.h"
 #include "tools/console/command.h"
 #include "tools/console/help.h"
+#include "tools/console/signals.h"
 #include "volumes/base/on_threads.h"
 #include "volumes/base/run_in_child.h"
 #include "volumes/base/version.h"
@@ -48,14 +49,6 @@ void add_global_options(CLI::App& program, GlobalOptions& options) {
 int fail(int exit_code, const std::string& message) {
   std::fprintf(stderr, "supple: error: %s\n", one_line(message).c_str());
   return exit_code;
-}
-
-/// Ends as the signal would have ended the process, so that shells see the interruption.
-int end_by_signal(int number) {
-  std::fprintf(stderr, "supple: stopped, no output was left incomplete\n");
-  std::signal(number, SIG_DFL);
-  std::raise(number);
-  return 128 + number;
 }
 
 /// Given back when memory runs out, since destructors of libraries allocate, too.
@@ -114,7 +107,7 @@ int run_command(const Command& command, const GlobalOptions& options) {
   } catch (const SystemError& error) {
     return fail(kSystem, error.what());
   } catch (const Cancelled&) {
-    return end_by_signal(pending_signal());
+    return end_by_signal();
   } catch (const std::bad_alloc&) {
     return fail(kSystem, command.app->get_name() + ": not enough memory");
   } catch (const std::filesystem::filesystem_error& error) {

@@ -63,7 +63,7 @@ Outcome run_program(const std::vector<std::string>& arguments, const RunOptions&
   if (child == 0) become(arguments, options, out, err);
   if (options.interrupt_after_s >= 0) {
     std::this_thread::sleep_for(std::chrono::duration<double>(options.interrupt_after_s));
-    ::kill(child, SIGINT);
+    ::kill(child, options.interrupt_by);
   }
   Outcome outcome;
   if (options.count_threads) outcome.threads = most_threads(child);

@@ -1,6 +1,7 @@
 // Runs the `supple` program as a user does, and makes small inputs for it.
 #pragma once
 
+#include <csignal>
 #include <string>
 #include <vector>
 
@@ -18,8 +19,9 @@ struct RunOptions {
   std::string directory;          // working directory, empty: the present one
   long long max_file_bytes = -1;  // RLIMIT_FSIZE, stands in for a full disk
   bool as_nobody = false;         // drops root, for whom no folder is read-only
-  double interrupt_after_s = -1;  // sends SIGINT then
-  bool count_threads = false;     // looks every millisecond
+  double interrupt_after_s = -1;  // sends a signal then
+  int interrupt_by = SIGINT;
+  bool count_threads = false;  // looks every millisecond
 };
 
 /// Runs build/…/bin/supple (environment SUPPLE_BINARY) with these arguments.

@@ -1,9 +1,15 @@
+// Signals leave nothing behind, whether the program looks at them in time or not.
+#include <chrono>
 #include <csignal>
+#include <set>
 
 #include <gtest/gtest.h>
 
 #include "tests/support/program.h"
+#include "volumes/base/atomic_file.h"
+#include "volumes/base/reserved_name.h"
 
+using namespace supple;
 using namespace supple::test;
 
 TEST(FaultInterruption, CtrlCLeavesNoPartialFile) {
@@ -31,4 +37,41 @@ TEST(FaultInterruption, CtrlCLeavesNoPartialFile) {
     EXPECT_EQ(folder.entries(), before);
   }
   EXPECT_GT(interrupted, 0);
+}
+
+TEST(FaultInterruption, SigtermDoesNotWaitForALibrary) {
+  const TemporaryFolder folder;
+  write_ball(folder, "ball", 64);
+  write_soft_material(folder / "soft.toml");
+  write_text(folder / "scene.toml",
+             "[volume]\npath = \"ball.nhdr\"\n[material]\ntable = \"soft.toml\"\n[[step]]\n"
+             "model = \"springs\"\nsprings = { integrator = \"projective\" }\n"
+             "[output]\nstate = \"new/out.vdb\"\n");
+  const auto before = folder.entries();
+  RunOptions options;
+  options.interrupt_after_s = 1;  // inside a factorisation of minutes
+  options.interrupt_by = SIGTERM;
+  const auto start = std::chrono::steady_clock::now();
+  const Outcome outcome = run_supple({"run", folder / "scene.toml", "-o", folder / "out"}, options);
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
+  EXPECT_EQ(outcome.exit_code, 128 + SIGTERM) << outcome.err;
+  EXPECT_NE(outcome.err.find("no output was left incomplete"), std::string::npos) << outcome.err;
+  EXPECT_LT(seconds.count(), 10);  // 0.5 s after the signal on an idle machine
+  EXPECT_EQ(folder.entries(), before);
+}
+
+TEST(FaultInterruption, WhatRemainsOfAnOutputIsAllThatWasMadeForIt) {
+  const TemporaryFolder folder;
+  const ReservedName name(folder / "new/deep/out.vdb");
+  const AtomicFile file(folder / "new/deep/out.vdb");
+  std::set<std::string> made;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder.path())) {
+    made.insert(entry.path());
+  }
+  const std::vector<std::string> remains = name.remains();
+  EXPECT_EQ(made.size(), 4u);
+  EXPECT_EQ(std::set<std::string>(remains.begin(), remains.end()), made);
+  for (auto path = remains.rbegin(); path != remains.rend(); ++path) {
+    EXPECT_TRUE(std::filesystem::remove(*path)) << *path;
+  }
 }

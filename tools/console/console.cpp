@@ -1,24 +1,14 @@
 #include "tools/console/console.h"
 
-#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 
 #include <unistd.h>
 
+#include "tools/console/signals.h"
+
 namespace supple::tools {
-
-namespace {
-
-volatile std::sig_atomic_t g_signal = 0;
-
-void remember_signal(int number) {
-  g_signal = number;
-  std::signal(number, SIG_DFL);
-}
-
-}  // namespace
 
 namespace {
 
@@ -46,18 +36,6 @@ std::string one_line(std::string text) {
   return text;
 }
 
-void install_signal_handlers() {
-  std::signal(SIGINT, remember_signal);
-  std::signal(SIGTERM, remember_signal);
-  std::signal(SIGHUP, remember_signal);
-  std::signal(SIGPIPE, SIG_IGN);
-  std::signal(SIGXFSZ, SIG_IGN);
-}
-
-int pending_signal() {
-  return g_signal;
-}
-
 Console::Console(const GlobalOptions& options)
     : m_level(options.quiet ? LogLevel::error : options.log_level),
       m_has_terminal(::isatty(STDERR_FILENO) == 1),
@@ -69,10 +47,15 @@ Console::Console(const GlobalOptions& options)
 
 Console::~Console() {
   clear_line();
+  m_reserved.reset();
+  keep_at_signal();
 }
 
 void Console::claim(const std::vector<std::string>& outputs) {
-  for (const std::string& path : outputs) m_reserved.add(path);
+  for (const std::string& path : outputs) {
+    poll(this);
+    remove_at_signal(m_reserved->add(path));
+  }
   m_outputs.insert(m_outputs.end(), outputs.begin(), outputs.end());
 }
 
@@ -114,7 +97,7 @@ void Console::debug(const std::string& line) {
 }
 
 bool Console::cancelled() const {
-  return g_signal != 0;
+  return pending_signal() != 0;
 }
 
 void Console::clear_line() {

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -63,7 +64,7 @@ class Console final : public Progress {
   std::chrono::duration<double> m_line_every;  // without a terminal
   Clock::time_point m_start = Clock::now();
   std::vector<std::string> m_outputs;
-  ReservedNames m_reserved;
+  std::optional<ReservedNames> m_reserved{std::in_place};
   bool m_line_open = false;
   std::string m_stage;
   Clock::time_point m_stage_start;
@@ -74,11 +75,5 @@ class Console final : public Progress {
 /// The text without what would end the line or steer a terminal, such as a damaged header may hold:
 /// ends of lines become blanks, other control characters '?'.
 std::string one_line(std::string text);
-
-/// Installs handlers for SIGINT, SIGTERM and SIGHUP that only set a flag; a second signal ends the
-/// process.
-void install_signal_handlers();
-/// The signal that asked to stop, or 0.
-int pending_signal();
 
 }  // namespace supple::tools

@@ -8,6 +8,7 @@ const AtomicFile& PendingFiles::add(const std::string& final_path) {
 }
 
 void PendingFiles::commit() {
+  const CommonCommit all;
   for (AtomicFile& file : m_files) file.commit();
   m_files.clear();
   m_folders.keep();

@@ -1,5 +1,6 @@
 #include "volumes/base/atomic_file.h"
 
+#include <atomic>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -15,14 +16,16 @@ namespace supple {
 
 namespace {
 
-/// The same extension as the final name, since several libraries choose the format by it.
+std::atomic<int> g_common_commits{0};
+
+}  // namespace
+
+// The same extension as the final name, since several libraries choose the format by it.
 std::string temporary_name(const std::string& final_path) {
   const std::filesystem::path path(final_path);
   const std::string name = ".supple-" + std::to_string(::getpid()) + "-" + path.filename().string();
   return (path.parent_path() / name).string();
 }
-
-}  // namespace
 
 void throw_write_error(const std::string& path, int errno_value) {
   if (errno_value == ENOENT || errno_value == ENOTDIR) {
@@ -79,6 +82,18 @@ void AtomicFile::commit() {
     throw_write_error(m_final_path, errno);
   }
   m_temporary_path.clear();
+}
+
+CommonCommit::CommonCommit() {
+  ++g_common_commits;
+}
+
+CommonCommit::~CommonCommit() {
+  --g_common_commits;
+}
+
+bool CommonCommit::is_under_way() {
+  return g_common_commits > 0;
 }
 
 }  // namespace supple

@@ -12,6 +12,9 @@ namespace supple {
 /// its folder exists.
 void check_output_place(const std::string& path);
 
+/// Where a file is written before it has its final name.
+std::string temporary_name(const std::string& final_path);
+
 /// Owns a temporary file beside `final_path`. Write to `path()` by any means, then commit().
 /// Without commit() the destructor removes the temporary file and the final name is untouched.
 class AtomicFile {
@@ -32,6 +35,18 @@ class AtomicFile {
  private:
   std::string m_final_path;
   std::string m_temporary_path;
+};
+
+/// Files that belong together get their final names while it lives.
+class CommonCommit {
+ public:
+  CommonCommit();
+  ~CommonCommit();
+  CommonCommit(const CommonCommit&) = delete;
+  CommonCommit& operator=(const CommonCommit&) = delete;
+
+  /// Whether there is one, so that the process should not end; may be asked in a signal handler.
+  static bool is_under_way();
 };
 
 }  // namespace supple

@@ -17,6 +17,8 @@ class MadeFolders {
   /// Makes a folder and those above it where they are missing.
   void make(const std::filesystem::path& folder);
   void keep() { m_folders.clear(); }
+  /// Each after those that it lies in.
+  const std::deque<std::filesystem::path>& made() const { return m_folders; }
 
  private:
   std::deque<std::filesystem::path> m_folders;  // the innermost last

@@ -87,6 +87,16 @@ bool is_passing(int descriptor, struct flock lock) {
 
 }  // namespace
 
+void Remains::remove() const {
+  if (lock >= 0) {
+    struct flock whole = whole_file();
+    const bool is_used =
+        ::fcntl(lock, F_OFD_SETLK, &whole) != 0 && (errno == EAGAIN || errno == EACCES);
+    if (is_used) return;
+  }
+  if (::unlink(path.c_str()) != 0) ::rmdir(path.c_str());
+}
+
 ReservedNames::Folder& ReservedNames::folder_of(const fs::path& path,
                                                 const std::string& final_path) {
   const auto [place, is_new] = m_folders.try_emplace(path);
@@ -101,7 +111,7 @@ ReservedNames::Folder& ReservedNames::folder_of(const fs::path& path,
   return folder;
 }
 
-void ReservedNames::add(const std::string& final_path) {
+std::vector<Remains> ReservedNames::add(const std::string& final_path) {
   const fs::path target = target_of(final_path), path = target.parent_path();
   const std::string name = target.filename().string();
   m_made.make(path);
@@ -131,15 +141,18 @@ void ReservedNames::add(const std::string& final_path) {
   std::error_code ignored;
   for (auto left = first; left != last; ++left) fs::remove(left->second, ignored);
   leftovers.erase(first, last);
+
+  std::vector<Remains> remains;
+  for (const fs::path& folder : m_made.made()) remains.push_back({folder.string()});
+  remains.push_back({(path / kLockName).string(), m_folders[path].descriptor});
+  remains.push_back({temporary_name(target.string())});
+  return remains;
 }
 
 ReservedNames::~ReservedNames() {
   for (const auto& [path, folder] : m_folders) {
     if (folder.descriptor < 0) continue;
-    struct flock whole = whole_file();
-    const bool is_last = ::fcntl(folder.descriptor, F_OFD_SETLK, &whole) == 0 ||
-                         (errno != EAGAIN && errno != EACCES);
-    if (is_last) ::unlink((path / kLockName).c_str());
+    Remains{(path / kLockName).string(), folder.descriptor}.remove();
     ::close(folder.descriptor);
   }
 }

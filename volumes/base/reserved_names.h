@@ -4,10 +4,20 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "volumes/base/made_folders.h"
 
 namespace supple {
+
+/// What a process that ends at once leaves of an output.
+struct Remains {
+  std::string path;  // a file or an empty folder
+  int lock = -1;     // descriptor of a lock file, which goes only with the last that uses it
+
+  /// Calls nothing that a signal handler may not call.
+  void remove() const;
+};
 
 /// Holds one byte for each name of a lock file ".supple.lock" in the folder of the outputs. The
 /// locks end with the process, however it ends; the file goes with the last object that uses it.
@@ -19,9 +29,10 @@ class ReservedNames {
   ReservedNames& operator=(const ReservedNames&) = delete;
 
   /// Makes missing folders, which go with the object unless something is in them, and removes the
-  /// temporary files that killed processes left for this name. Throws SystemError where another
-  /// process or object holds the name, and as AtomicFile.
-  void add(const std::string& final_path);
+  /// temporary files that killed processes left for this name. Returns what would remain of it, in
+  /// the order of making: folders, the lock file, the temporary file of an AtomicFile. Throws
+  /// SystemError where another process or object holds the name, and as AtomicFile.
+  std::vector<Remains> add(const std::string& final_path);
 
  private:
   struct Folder {

@@ -36,6 +36,7 @@ class HeaderWriter : public DenseWriter {
     if (m_gzip) finish_stream();
     if (m_raw_file) m_raw_file->close();
     m_header_file.close();
+    const CommonCommit both;
     if (m_raw_file) m_raw_file->commit();
     m_header_file.commit();
   }
