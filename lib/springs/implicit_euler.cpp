@@ -35,7 +35,7 @@ DampedSpring damped(const Spring& s, const std::vector<Vec3d>& start,
 
 ImplicitEuler::ImplicitEuler(SpringSystem& system, const Params& params)
     : SpringIntegrator(system), m_params(params), m_matrix(system, m_is_held) {
-  if (params.newton_steps < 1 || params.newton_steps_contact < 1 || !(params.tolerance_mn >= 0) ||
+  if (params.newton_steps < 1 || params.newton_steps_bounded < 1 || !(params.tolerance_mn >= 0) ||
       !(params.relative_tolerance >= 0)) {
     throw InputError({"", "implicit Euler",
                       std::to_string(params.newton_steps) + " Newton steps, tolerances " +
@@ -45,15 +45,35 @@ ImplicitEuler::ImplicitEuler(SpringSystem& system, const Params& params)
   }
 }
 
-/// Friction as the impulse that belongs to the pressure, no larger than stops the slip.
-void ImplicitEuler::rub(double dt_s) {
+/// Nodes that were pressed and moved along a curved surface stay on it.
+void ImplicitEuler::stay_on_shapes() {
   for (const PressedNode& p : m_pressed) {
-    const double inertia =
-        m_system.mass_kg[p.node] * (1 / (dt_s * dt_s) + m_system.mass_damping_per_s / dt_s);
-    m_system.pos_mm[p.node] =
-        after_friction(m_system.colliders[p.collider], p.normal, p.force_mn / inertia,
-                       m_start[p.node], dt_s, m_system.pos_mm[p.node]);
+    Vec3d& pos = m_system.pos_mm[p.node];
+    const double moved = (pos - m_before[p.node]).length();
+    Vec3d normal(0.0);
+    const double depth = depth_in(m_system.colliders[p.collider], pos, moved, normal);
+    if (depth < 0 && depth >= -moved) pos += normal * depth;
   }
+}
+
+/// Takes back slip as far as friction reaches, whose forces bend the springs around the node, too.
+void ImplicitEuler::rub(double dt_s) {
+  std::vector<SlidingNode> sliding;
+  for (const PressedNode& p : m_pressed) {
+    const Collider& collider = m_system.colliders[p.collider];
+    if (collider.friction == 0) continue;
+    const Vec3d moved = m_system.pos_mm[p.node] - m_start[p.node] - collider.velocity_mm_s * dt_s;
+    const Vec3d slip = moved - p.normal * p.normal.dot(moved);
+    sliding.push_back({p.node, p.normal, slip, collider.friction * p.force_mn});
+  }
+  if (sliding.empty()) return;
+  m_matrix.assemble(m_system, mass_factor(dt_s), 1 / dt_s, m_start);
+  m_matrix.take_back(sliding);
+  for (const SlidingNode& node : sliding) m_system.pos_mm[node.node] += node.back_mm;
+}
+
+double ImplicitEuler::mass_factor(double dt_s) const {
+  return 1 / (dt_s * dt_s) + m_system.mass_damping_per_s / dt_s;
 }
 
 double ImplicitEuler::descent(double dt_s, SpringStepReport& report) {
@@ -99,7 +119,7 @@ double ImplicitEuler::potential(double dt_s) const {
     const double apart = damped(s, m_start, m_system.pos_mm).apart_mm;
     sum += 0.5 * s.damping_n_s_m / dt_s * apart * apart;
   }
-  return sum;
+  return sum + m_system.barrier.energy_uj(m_system.pos_mm);
 }
 
 SpringStepReport ImplicitEuler::advance(double dt_s) {
@@ -109,16 +129,18 @@ SpringStepReport ImplicitEuler::advance(double dt_s) {
   m_start = m_system.pos_mm;
   m_start_velocity = m_system.velocity_mm_s;
   place_held(1);
-  const bool has_contact = !m_system.colliders.empty();
-  const int most_steps = has_contact ? m_params.newton_steps_contact : m_params.newton_steps;
+  m_system.barrier.wake(m_system.pos_mm);
+  const auto most_steps = [&] {
+    const bool is_bounded = !m_system.colliders.empty() || !m_system.barrier.awake().empty();
+    return is_bounded ? m_params.newton_steps_bounded : m_params.newton_steps;
+  };
   const double largest = descent(dt_s, report);
   const double tolerance = std::max(m_params.tolerance_mn, m_params.relative_tolerance * largest);
   double residual = largest_of(m_step);
-  const double mass_factor = 1 / (dt_s * dt_s) + m_system.mass_damping_per_s / dt_s;
   double phi = potential(dt_s);
-  while (report.iterations < most_steps && residual > tolerance) {
+  while (report.iterations < most_steps() && residual > tolerance) {
     poll(progress());
-    if (!m_matrix.factorise(m_system, mass_factor, 1 / dt_s, m_start, m_pressed)) {
+    if (!m_matrix.factorise(m_system, mass_factor(dt_s), 1 / dt_s, m_start, m_pressed)) {
       throw InputError({"", "implicit Euler", "a matrix that is not positive definite",
                         "masses and stiffnesses whose ratio a double can hold"});
     }
@@ -129,7 +151,9 @@ SpringStepReport ImplicitEuler::advance(double dt_s) {
       for (std::size_t n = 0; n < m_step.size(); ++n) {
         m_system.pos_mm[n] = m_before[n] + m_step[n] * part;
       }
+      stay_on_shapes();
       leave_shapes(m_system.colliders, m_is_held, m_system.pos_mm);
+      m_system.barrier.wake(m_system.pos_mm);
       lower = potential(dt_s);
       if (lower <= phi) break;
     }

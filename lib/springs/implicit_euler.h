@@ -22,7 +22,7 @@ class ImplicitEuler final : public SpringIntegrator {
  public:
   struct Params {
     int newton_steps = 2;           // at most; 1: linearised
-    int newton_steps_contact = 20;  // the same where there are shapes
+    int newton_steps_bounded = 20;  // the same where there are shapes or an awake barrier
     /// Newton ends below this part of the largest force (inertia included) at the step's start, or
     /// below so many mN.
     double relative_tolerance = 1e-3;
@@ -40,6 +40,8 @@ class ImplicitEuler final : public SpringIntegrator {
   /// length with that.
   double descent(double dt_s, SpringStepReport& report);
   double potential(double dt_s) const;
+  double mass_factor(double dt_s) const;
+  void stay_on_shapes();
   void rub(double dt_s);
 
   Params m_params;

@@ -105,9 +105,14 @@ class Builder {
     for (std::size_t n = 0; n < m_result.slots.size(); ++n) {
       if (n % kElementsPerPoll == 0) poll(progress);
       const Slot slot = m_result.slots[n];
+      CellBarrier::Node& node = m_cell_nodes.emplace_back();
+      node.next = {-1, -1, -1};
+      const double factor = class_value(m_params.class_stiffness, m_body.classes[slot], 1);
+      node.stiffness_n_m = float(m_params.structural_n_m * factor);
       for (int axis = 0; axis < 3; ++axis) {
         Slot next, beyond;
         if (!link(slot, axis, next)) continue;
+        node.next[std::size_t(axis)] = m_node[next];
         const Vec3d rest = rest_of(slot, axis);
         add(slot, next, rest, m_params.structural_n_m);
         if (link(next, axis, beyond)) {
@@ -116,6 +121,20 @@ class Builder {
         for (int other = axis + 1; other < 3; ++other) add_diagonals(slot, next, axis, other);
       }
     }
+  }
+
+  /// After add_springs().
+  void add_barrier() {
+    const Vec3i& dims = m_body.geometry.dims();
+    int flat_axis = -1, flat_axes = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (dims[axis] > 1) continue;
+      flat_axis = axis;
+      ++flat_axes;
+    }
+    if (flat_axes > 1) return;
+    m_result.system.barrier =
+        CellBarrier(m_body.geometry.axes_mm(), flat_axis, std::move(m_cell_nodes));
   }
 
  private:
@@ -163,6 +182,7 @@ class Builder {
   const LatticeSpringParams& m_params;
   LatticeSprings& m_result;
   std::vector<int> m_node;  // per slot
+  std::vector<CellBarrier::Node> m_cell_nodes;
 };
 
 }  // namespace
@@ -220,6 +240,7 @@ LatticeSprings make_springs(const Body& body, const LatticeSpringParams& params,
   Builder builder(body, params, result);
   builder.add_nodes();
   builder.add_springs(progress);
+  builder.add_barrier();
   result.system.springs.shrink_to_fit();
   take_state(body, result);
   return result;

@@ -22,7 +22,7 @@ double potential(const SpringSystem& system, const std::vector<Vec3d>& from) {
     const double stretch = (system.pos_mm[s.b] - system.pos_mm[s.a]).length() - s.rest_mm;
     sum += 0.5 * s.stiffness_n_m * stretch * stretch;
   }
-  return sum;
+  return sum + system.barrier.energy_uj(system.pos_mm);
 }
 
 /// The forces, 0 at held nodes; returns the largest.
@@ -47,6 +47,7 @@ Minimiser::Minimiser(SpringSystem& system, const Progress* progress)
     system.pos_mm[held.node] = held.target_mm;
   }
   std::fill(system.velocity_mm_s.begin(), system.velocity_mm_s.end(), Vec3d(0.0));
+  system.barrier.wake(system.pos_mm);
   m_matrix = std::make_unique<SpringMatrix>(system, m_is_held);
   m_highest = spectral_bounds(system, progress).stiffness_1_s2;
   m_least = std::max(1e-12 * m_highest, 1e-12);
@@ -78,6 +79,7 @@ bool Minimiser::descend() {
     for (std::size_t n = 0; n < m_step.size(); ++n) {
       m_system.pos_mm[n] = m_before[n] + m_step[n] * part;
     }
+    m_system.barrier.wake(m_system.pos_mm);
     if (potential(m_system, m_before) > old_potential) continue;
     m_mass_factor = part == 1 ? std::max(m_mass_factor * 0.1, m_least) : m_mass_factor * 4;
     return true;

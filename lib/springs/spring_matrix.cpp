@@ -24,6 +24,10 @@ SymmetricBlock spring_block(const Vec3d& n, double along, double across) {
           d * n.x * n.y,          d * n.x * n.z,          d * n.y * n.z};
 }
 
+std::array<int, 2> pair_of(int a, int b) {
+  return {std::min(a, b), std::max(a, b)};
+}
+
 void add(SymmetricBlock& sum, const SymmetricBlock& block, double factor) {
   for (int n = 0; n < 6; ++n) sum[n] += factor * block[n];
 }
@@ -39,9 +43,6 @@ SpringMatrix::Pattern SpringMatrix::analyse(const SpringSystem& system,
     pattern.row_of_node[n] = int(pattern.node_of_row.size());
     pattern.node_of_row.push_back(int(n));
   }
-  const auto pair_of = [](int a, int b) {
-    return std::array<int, 2>{std::min(a, b), std::max(a, b)};
-  };
   for (const Spring& s : system.springs) {
     const int a = pattern.row_of_node[s.a], b = pattern.row_of_node[s.b];
     pattern.places.push_back({a, b, -1});
@@ -52,10 +53,14 @@ SpringMatrix::Pattern SpringMatrix::analyse(const SpringSystem& system,
   couplings.erase(std::unique(couplings.begin(), couplings.end()), couplings.end());
   for (SpringRows& place : pattern.places) {
     if (place.a < 0 || place.b < 0) continue;
-    const auto at = std::lower_bound(couplings.begin(), couplings.end(), pair_of(place.a, place.b));
-    place.coupling = int(at - couplings.begin());
+    place.coupling = pattern.coupling_of(place.a, place.b);
   }
   return pattern;
+}
+
+int SpringMatrix::Pattern::coupling_of(int a, int b) const {
+  const auto at = std::lower_bound(couplings.begin(), couplings.end(), pair_of(a, b));
+  return at != couplings.end() && *at == pair_of(a, b) ? int(at - couplings.begin()) : -1;
 }
 
 SpringMatrix::SpringMatrix(const SpringSystem& system, const std::vector<char>& is_held)
@@ -65,20 +70,45 @@ SpringMatrix::SpringMatrix(const SpringSystem& system, const std::vector<char>& 
   if (m_factors->products() > kMaxProducts) m_factors.reset();
 }
 
-bool SpringMatrix::factorise(const SpringSystem& system, double mass_factor, double damping_factor,
-                             const std::vector<Vec3d>& damping_pos,
-                             const std::vector<PressedNode>& pressed) {
+void SpringMatrix::add_block(const SpringRows& place, const SymmetricBlock& block) {
+  if (place.a >= 0) add(m_diagonal[place.a], block, 1);
+  if (place.b >= 0) add(m_diagonal[place.b], block, 1);
+  if (place.coupling >= 0) add(m_coupling[place.coupling], block, -1);
+}
+
+/// Of W b'' (sum of c_i.de_i)^2 over n edges, which is at most n W b'' times the sum of squares: a
+/// spring per edge. Two ends that no spring joins are as if each were joined to the world, twice.
+void SpringMatrix::add_barrier(const SpringSystem& system) {
+  for (const CellBarrier::Corner& corner : system.barrier.awake()) {
+    const CellBarrier::Response response = system.barrier.response(corner, system.pos_mm);
+    if (response.second_uj == 0) continue;
+    const int a = m_pattern.row_of_node[corner.node[0]];
+    const long edges = 3 - std::count(corner.node.begin(), corner.node.end(), -1);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (corner.node[axis + 1] < 0) continue;
+      const int b = m_pattern.row_of_node[corner.node[axis + 1]];
+      const Vec3d& c = response.per_edge_1_mm[axis];
+      SpringRows place = {a, b, -1};
+      double stiffness = response.second_uj * double(edges);
+      if (a >= 0 && b >= 0) {
+        place.coupling = m_pattern.coupling_of(a, b);
+        if (place.coupling < 0) stiffness *= 2;
+      }
+      const double length2 = c.length2();
+      if (length2 == 0) continue;
+      add_block(place, spring_block(c / std::sqrt(length2), stiffness * length2, 0));
+    }
+  }
+}
+
+void SpringMatrix::assemble(const SpringSystem& system, double mass_factor, double damping_factor,
+                            const std::vector<Vec3d>& damping_pos) {
   m_diagonal.resize(m_pattern.node_of_row.size());
   for (std::size_t row = 0; row < m_diagonal.size(); ++row) {
     const double m = mass_factor * system.mass_kg[m_pattern.node_of_row[row]];
     m_diagonal[row] = {m, m, m, 0, 0, 0};
   }
   m_coupling.assign(m_pattern.couplings.size(), SymmetricBlock{});
-  const auto add_block = [&](const SpringRows& place, const SymmetricBlock& block) {
-    if (place.a >= 0) add(m_diagonal[place.a], block, 1);
-    if (place.b >= 0) add(m_diagonal[place.b], block, 1);
-    if (place.coupling >= 0) add(m_coupling[place.coupling], block, -1);
-  };
   for (std::size_t n = 0; n < system.springs.size(); ++n) {
     const Spring& s = system.springs[n];
     const SpringRows& place = m_pattern.places[n];
@@ -95,6 +125,13 @@ bool SpringMatrix::factorise(const SpringSystem& system, double mass_factor, dou
     if (length_before == 0) continue;
     add_block(place, spring_block(before / length_before, damping_factor * s.damping_n_s_m, 0));
   }
+  add_barrier(system);
+}
+
+bool SpringMatrix::factorise(const SpringSystem& system, double mass_factor, double damping_factor,
+                             const std::vector<Vec3d>& damping_pos,
+                             const std::vector<PressedNode>& pressed) {
+  assemble(system, mass_factor, damping_factor, damping_pos);
   for (const PressedNode& node : pressed) {
     const int row = m_pattern.row_of_node[node.node];
     const SymmetricBlock& own = m_diagonal[row];
@@ -118,6 +155,38 @@ void SpringMatrix::solve(std::vector<Vec3d>& x, const Progress* progress) {
   }
   std::fill(x.begin(), x.end(), Vec3d(0.0));
   for (std::size_t row = 0; row < m_rows.size(); ++row) x[m_pattern.node_of_row[row]] = m_rows[row];
+}
+
+void SpringMatrix::take_back(std::vector<SlidingNode>& sliding) const {
+  constexpr int kSweeps = 50;
+  std::vector<int> place_of_row(m_diagonal.size(), -1);
+  for (std::size_t n = 0; n < sliding.size(); ++n) {
+    place_of_row[m_pattern.row_of_node[sliding[n].node]] = int(n);
+  }
+  std::vector<std::vector<std::array<int, 2>>> others(sliding.size());  // place, coupling
+  for (std::size_t n = 0; n < m_coupling.size(); ++n) {
+    const auto [row_a, row_b] = m_pattern.couplings[n];
+    const int a = place_of_row[row_a], b = place_of_row[row_b];
+    if (a < 0 || b < 0) continue;
+    others[a].push_back({b, int(n)});
+    others[b].push_back({a, int(n)});
+  }
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    for (std::size_t n = 0; n < sliding.size(); ++n) {
+      SlidingNode& node = sliding[n];
+      const SymmetricBlock& own = m_diagonal[m_pattern.row_of_node[node.node]];
+      Vec3d force = times(own, node.back_mm);
+      for (const auto& [place, coupling] : others[n]) {
+        force += times(m_coupling[coupling], sliding[place].back_mm);
+      }
+      force -= node.normal * node.normal.dot(force);
+      const double stiffness = own[0] + own[1] + own[2] - node.normal.dot(times(own, node.normal));
+      Vec3d slip = node.slip_mm + node.back_mm - force / stiffness;
+      const double pull = stiffness * slip.length();
+      slip *= pull > node.friction_mn ? 1 - node.friction_mn / pull : 0;
+      node.back_mm = slip - node.slip_mm;
+    }
+  }
 }
 
 void SpringMatrix::multiply(const std::vector<Vec3d>& x, std::vector<Vec3d>& product) const {

@@ -1,6 +1,6 @@
 // The matrix of implicit steps: masses on the diagonal, and the second derivatives of the springs,
 // made positive semidefinite: across a compressed spring k (1 - R / |x|) is negative and is taken
-// as 0 (Choi and Ko, Stable but responsive cloth, 2002).
+// as 0 (Choi and Ko, Stable but responsive cloth, 2002). An awake barrier counts by an upper bound.
 //
 // Surfaces and chains are solved by their factors. In solids the factors fill up (a cube of 16^3
 // nodes takes 2.8 s): beyond 2 10^7 products of blocks, or 20,000 nodes, conjugate gradients with
@@ -16,14 +16,26 @@
 
 namespace supple {
 
+/// A node that slips along a surface, which friction of at most `friction_mn` hinders.
+struct SlidingNode {
+  int node;
+  Vec3d normal;
+  Vec3d slip_mm;  // along the surface
+  double friction_mn;
+  Vec3d back_mm{0, 0, 0};
+};
+
 class SpringMatrix {
  public:
   /// Analyses the pattern: masses, springs and held nodes as they are. Keeps no reference.
   SpringMatrix(const SpringSystem& system, const std::vector<char>& is_held);
 
   /// A = diag(mass_factor m) + K(pos) + damping_factor sum d n n^T, n along the springs of
-  /// `damping_pos`, and pressed nodes as good as fixed along their normals; then its factors. In
-  /// mN/mm. False when A is not positive definite.
+  /// `damping_pos`. In mN/mm.
+  void assemble(const SpringSystem& system, double mass_factor, double damping_factor,
+                const std::vector<Vec3d>& damping_pos);
+  /// The same, pressed nodes as good as fixed along their normals; then its factors. False when A
+  /// is not positive definite.
   bool factorise(const SpringSystem& system, double mass_factor, double damping_factor,
                  const std::vector<Vec3d>& damping_pos,
                  const std::vector<PressedNode>& pressed = {});
@@ -31,6 +43,10 @@ class SpringMatrix {
   /// |b|, or after 3,000 steps with what they have, which goes downhill in any case;
   /// they throw Cancelled.
   void solve(std::vector<Vec3d>& x, const Progress* progress = nullptr);
+
+  /// Coulomb's law after assemble(): the ways back y along the surfaces that minimise
+  /// y A y / 2 + sum of friction |slip + y|, all other nodes at rest. Sweeps node by node.
+  void take_back(std::vector<SlidingNode>& sliding) const;
 
   bool is_direct() const { return m_factors.has_value(); }
   std::size_t bytes() const;
@@ -45,9 +61,14 @@ class SpringMatrix {
     std::vector<int> node_of_row;
     std::vector<SpringRows> places;  // per spring
     std::vector<std::array<int, 2>> couplings;
+
+    /// Of two rows; -1: none.
+    int coupling_of(int a, int b) const;
   };
   static Pattern analyse(const SpringSystem& system, const std::vector<char>& is_held);
 
+  void add_block(const SpringRows& place, const SymmetricBlock& block);
+  void add_barrier(const SpringSystem& system);
   void multiply(const std::vector<Vec3d>& x, std::vector<Vec3d>& product) const;
   void solve_by_gradients(const Progress* progress);
 

@@ -45,7 +45,7 @@ std::vector<HeldNode>::iterator held_at(SpringSystem& system, int node) {
 std::size_t SpringSystem::bytes() const {
   return mass_kg.capacity() * sizeof(double) +
          (pos_mm.capacity() + velocity_mm_s.capacity()) * sizeof(Vec3d) +
-         springs.capacity() * sizeof(Spring) + held.capacity() * sizeof(HeldNode);
+         springs.capacity() * sizeof(Spring) + held.capacity() * sizeof(HeldNode) + barrier.bytes();
 }
 
 void validate(const SpringSystem& system) {
@@ -121,6 +121,7 @@ SpringEnergy energy(const SpringSystem& system) {
     const double stretch = (system.pos_mm[s.b] - system.pos_mm[s.a]).length() - s.rest_mm;
     spring += 0.5 * s.stiffness_n_m * stretch * stretch;
   }
+  spring += system.barrier.energy_uj(system.pos_mm);
   return {kinetic * kJoulePerMicrojoule, spring * kJoulePerMicrojoule,
           gravity * kJoulePerMicrojoule};
 }
@@ -150,6 +151,7 @@ int forces_mn(const SpringSystem& system, std::vector<Vec3d>& force, Damping dam
     force[s.a] += along * pull;
     force[s.b] -= along * pull;
   }
+  system.barrier.add_forces(system.pos_mm, force);
   return without_direction;
 }
 

@@ -9,6 +9,7 @@
 //   F_i = sum_j n_ij (k_ij (|x_ij| - R_ij) + d_ij n_ij.(v_j - v_i)) - alpha m_i v_i + m_i g
 // with x_ij = x_j - x_i and n_ij = x_ij / |x_ij|. Damping acts along the spring only, so that it
 // leaves rigid motion alone; the mass damping alpha does not.
+// A barrier adds to that where cells are about to turn inside out (cell_barrier.h).
 //
 // Memory: 56 bytes per node and 32 per spring.
 #pragma once
@@ -16,6 +17,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "lib/springs/cell_barrier.h"
 #include "lib/springs/contact.h"
 #include "volumes/base/vec.h"
 
@@ -41,6 +43,7 @@ struct SpringSystem {
   std::vector<Spring> springs;
   std::vector<HeldNode> held;       // ascending nodes
   std::vector<Collider> colliders;  // that no node may enter
+  CellBarrier barrier;              // of lattices
   Vec3d gravity_m_s2{0, 0, 0};
   double mass_damping_per_s = 0;  // Rayleigh's alpha; its beta is part of the springs' damping
 
@@ -64,16 +67,16 @@ void drive(SpringSystem& system, int node, const Vec3d& target_mm);
 /// Present energies in J. Gravity's is -m g.x, 0 at the origin of the world. A held node counts.
 struct SpringEnergy {
   double kinetic_j = 0;
-  double spring_j = 0;
+  double spring_j = 0;  // with the awake barrier
   double gravity_j = 0;
 
   double total_j() const { return kinetic_j + spring_j + gravity_j; }
 };
 SpringEnergy energy(const SpringSystem& system);
 
-/// Springs (stiffness, and damping unless `without_damping`), mass damping and gravity on every
-/// node, in mN. A spring of length 0 has no direction and pulls nowhere: returns how many there
-/// are. About 10 ns per spring.
+/// Springs (stiffness, and damping unless `without_damping`), awake barrier, mass damping and
+/// gravity on every node, in mN. A spring of length 0 has no direction and pulls nowhere: returns
+/// how many there are. About 10 ns per spring.
 enum class Damping { with, without };
 int forces_mn(const SpringSystem& system, std::vector<Vec3d>& force, Damping damping);
 

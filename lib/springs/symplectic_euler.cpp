@@ -4,13 +4,14 @@
 #include <cmath>
 #include <string>
 
-#include "lib/springs/stability.h"
 #include "lib/springs/units.h"
 #include "volumes/base/error.h"
 
 namespace supple {
 
 namespace {
+
+constexpr int kSubstepsPerLook = 8;  // a node goes a small part of a cell in them
 
 /// Energy of all springs at a strain that rounding may leave in a body at rest, in uJ.
 double rounding_energy(const SpringSystem& system) {
@@ -26,7 +27,8 @@ SymplecticEuler::SymplecticEuler(SpringSystem& system, const Params& params,
                                  const Progress* progress)
     : SpringIntegrator(system),
       m_params(params),
-      m_limit_s(supple::stable_step_s(spectral_bounds(system, progress))),
+      m_bounds(spectral_bounds(system, progress)),
+      m_limit_s(supple::stable_step_s(m_bounds)),
       m_noise_uj(rounding_energy(system)) {
   if (!(params.safety > 0 && params.safety < 1) || params.max_substeps < 1 ||
       !(params.most_gain > 0)) {
@@ -38,13 +40,13 @@ SymplecticEuler::SymplecticEuler(SpringSystem& system, const Params& params,
   }
 }
 
-double SymplecticEuler::substeps_of(double dt_s) const {
-  const double halved = std::ldexp(1, m_halvings);
+double SymplecticEuler::substeps_of(double dt_s, int stiff_halvings) const {
+  const double halved = std::ldexp(1, m_halvings + stiff_halvings);
   double substeps = halved;
   if (dt_s >= m_limit_s) substeps *= std::ceil(dt_s / (m_params.safety * m_limit_s));
   const bool is_refused = substeps > m_params.max_substeps || (!m_params.substep && substeps > 1);
   if (!is_refused) return substeps;
-  if (m_halvings > 0) {
+  if (halved > 1) {
     throw Error("symplectic Euler: time step: found energy that grows from nothing in " +
                 number_text(substeps / 2) + " substeps of a step of " + number_text(dt_s) +
                 " s, expected a motion that it resolves: take a shorter step or implicit Euler");
@@ -75,7 +77,7 @@ double SymplecticEuler::present_energy() const {
     const double stretch = (m_system.pos_mm[s.b] - m_system.pos_mm[s.a]).length() - s.rest_mm;
     sum += 0.5 * s.stiffness_n_m * stretch * stretch;
   }
-  return sum;
+  return sum + m_system.barrier.energy_uj(m_system.pos_mm);
 }
 
 /// What holders do against the present forces in a time h, in uJ.
@@ -111,13 +113,23 @@ void SymplecticEuler::touch(double h, SpringStepReport& report) {
   }
 }
 
-SpringStepReport SymplecticEuler::run(double dt_s, double substeps) {
+/// Wakes the barrier and asks whether what is awake allows such substeps.
+bool SymplecticEuler::is_stable(double h) {
+  m_system.barrier.wake(m_system.pos_mm);
+  if (m_system.barrier.awake().empty()) return true;
+  SpectralBounds bounds = m_bounds;
+  bounds.stiffness_1_s2 += m_system.barrier.stiffness_1_s2(m_system.pos_mm, m_system.mass_kg);
+  return h < supple::stable_step_s(bounds);
+}
+
+std::optional<SpringStepReport> SymplecticEuler::run(double dt_s, double substeps) {
   SpringStepReport report;
   report.substeps = int(substeps);
   const double h = dt_s / substeps;
   m_work_uj = 0;
   for (int n = 0; n < report.substeps; ++n) {
     poll(progress());
+    if (n % kSubstepsPerLook == 0 && !is_stable(h)) return std::nullopt;
     place_held(n / substeps);
     report.without_direction += forces_mn(m_system, m_force, Damping::with);
     add_reactions(m_force, 1 / substeps);
@@ -134,16 +146,23 @@ SpringStepReport SymplecticEuler::run(double dt_s, double substeps) {
 SpringStepReport SymplecticEuler::advance(double dt_s) {
   m_origin = m_system.pos_mm;
   const double start_energy = present_energy();
-  for (int halvings = 0;; ++halvings) {
-    const double substeps = substeps_of(dt_s), h = dt_s / substeps;
+  int halvings = 0, stiff_halvings = 0;  // in this step, for its energy and for the barrier
+  for (;;) {
+    const double substeps = substeps_of(dt_s, stiff_halvings), h = dt_s / substeps;
     const double before = conserved(h);
-    SpringStepReport report = run(dt_s, substeps);
-    const double gain = std::max(0.0, m_gain_uj + conserved(h) - before - m_work_uj);
-    if (gain <= m_params.most_gain * std::max(start_energy, present_energy()) + m_noise_uj) {
-      m_gain_uj = gain;
-      report.halvings = halvings;
-      return report;
+    std::optional<SpringStepReport> report = run(dt_s, substeps);
+    if (!report) {
+      ++stiff_halvings;
+      begin_again();
+      continue;
     }
+    const double gain = m_gain_uj + conserved(h) - before - m_work_uj;  // NaN past all bounds
+    if (gain <= m_params.most_gain * std::max(start_energy, present_energy()) + m_noise_uj) {
+      m_gain_uj = std::max(0.0, gain);
+      report->halvings = halvings + stiff_halvings;
+      return *report;
+    }
+    ++halvings;
     m_gain_uj = 0;
     ++m_halvings;
     begin_again();

@@ -9,10 +9,15 @@
 //   H + h/2 sum over free nodes of v.F,   F the springs' force and weight,
 // which for a linear system stays the same but for the work of holders and shapes. Both are counted
 // so that the sum is exact there. Once it has grown by more than a tenth of the energy, the step is
-// done again with half the substep, from then on. Damping only lowers it.
+// done again with half the substep, from then on. Damping only lowers it. The guard does not see a
+// barrier (cell_barrier.h) that is too stiff for the substeps: its stiffness is bounded every few
+// substeps, and those of the step are halved, too.
 #pragma once
 
+#include <optional>
+
 #include "lib/springs/integrator.h"
+#include "lib/springs/stability.h"
 
 namespace supple {
 
@@ -37,8 +42,10 @@ class SymplecticEuler final : public SpringIntegrator {
   /// Throws InputError naming the step and the limit when it refuses, Error when the energy grows
   /// in the shortest substeps.
   SpringStepReport advance(double dt_s) override;
-  double substeps_of(double dt_s) const;
-  SpringStepReport run(double dt_s, double substeps);
+  double substeps_of(double dt_s, int stiff_halvings) const;
+  /// Nothing where the barrier is too stiff for the substeps.
+  std::optional<SpringStepReport> run(double dt_s, double substeps);
+  bool is_stable(double h);
   void move_nodes(double h);
   void touch(double h, SpringStepReport& report);
   double work_on_held(double h) const;
@@ -47,8 +54,9 @@ class SymplecticEuler final : public SpringIntegrator {
   double present_energy() const;
 
   Params m_params;
+  SpectralBounds m_bounds;  // of the springs
   double m_limit_s;
-  int m_halvings = 0;    // of all substeps, by the guard
+  int m_halvings = 0;    // of all substeps to come, by the guard
   double m_gain_uj = 0;  // of the conserved energy over its lowest so far
   double m_noise_uj;     // what rounding may make of a body at rest
   double m_work_uj = 0;  // of holders and shapes in this step

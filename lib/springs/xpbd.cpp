@@ -13,6 +13,7 @@ namespace supple {
 namespace {
 
 constexpr int kFewestSubsteps = 8;
+constexpr int kCornerSweeps = 4;  // few corners are awake, and stiff
 constexpr std::size_t kSpringsPerPoll = 65536;
 
 /// The h at which h^2 omega^2 + h gamma is what four sweeps solve to 2 %.
@@ -61,12 +62,32 @@ int Xpbd::solve_spring(std::size_t n, double h) {
   return 0;
 }
 
+/// The same of an awake corner, whose force W b'(s) is not linear.
+void Xpbd::solve_corner(std::size_t n, double h) {
+  const CellBarrier::Corner& corner = m_system.barrier.awake()[n];
+  const CellBarrier::Response found = m_system.barrier.response(corner, m_system.pos_mm);
+  double w = 0;
+  for_each_node(corner, found, [&](int node, const Vec3d& per_mm) {
+    w += m_inverse_mass[node] * m_slowing * per_mm.length2();
+  });
+  const double push = h * h * found.first_uj + m_corner_multiplier[n];
+  const double change = -push / (1 + h * h * found.second_uj * w);
+  m_corner_multiplier[n] += change;
+  for_each_node(corner, found, [&](int node, const Vec3d& per_mm) {
+    m_system.pos_mm[node] += per_mm * (m_inverse_mass[node] * m_slowing * change);
+    if (m_is_held[node]) m_held_push[node] += per_mm * change;
+  });
+}
+
 void Xpbd::sweep(double h, bool forwards) {
   const std::size_t count = m_system.springs.size();
   m_without_direction = 0;
   for (std::size_t n = 0; n < count; ++n) {
     if (n % kSpringsPerPoll == 0) poll(progress());
     m_without_direction += solve_spring(forwards ? n : count - 1 - n, h);
+  }
+  for (int n = 0; n < kCornerSweeps; ++n) {
+    for (std::size_t c = 0; c < m_corner_multiplier.size(); ++c) solve_corner(c, h);
   }
 }
 
@@ -119,6 +140,8 @@ SpringStepReport Xpbd::advance(double dt_s) {
       m_system.velocity_mm_s[n] = (m_system.velocity_mm_s[n] + fall) * m_slowing;
       m_system.pos_mm[n] += m_system.velocity_mm_s[n] * h;
     }
+    m_system.barrier.wake(m_system.pos_mm);
+    m_corner_multiplier.assign(m_system.barrier.awake().size(), 0);
     m_multiplier.assign(m_system.springs.size(), 0);
     m_held_push.assign(m_system.node_count(), Vec3d(0.0));
     ContactReport touched;  // of the last sweep

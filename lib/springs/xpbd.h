@@ -40,13 +40,15 @@ class Xpbd final : public SpringIntegrator {
   int substeps_of(double dt_s) const;
   void sweep(double h, bool forwards);
   int solve_spring(std::size_t n, double h);
+  void solve_corner(std::size_t n, double h);
   ContactReport touch_shapes(double h);
   void add_held_forces(double h, double weight);
 
   Params m_params;
   double m_longest_substep_s;
-  std::vector<double> m_inverse_mass;  // 0 at held nodes
-  std::vector<double> m_multiplier;    // per spring, in kg mm: force times h^2
+  std::vector<double> m_inverse_mass;       // 0 at held nodes
+  std::vector<double> m_multiplier;         // per spring, in kg mm: force times h^2
+  std::vector<double> m_corner_multiplier;  // per awake corner of the barrier, the same
   std::vector<Vec3d> m_start;
   std::vector<Vec3d> m_held_push;  // per node: what sweeps would have done to held ones, in kg mm
   double m_slowing = 1;

@@ -219,6 +219,21 @@ TEST(UnitContact, ABeltTakesAlongWhatLiesOnIt) {
   }
 }
 
+TEST(UnitContact, FrictionStretchesAStiffSpringByNoMoreThanItsForce) {
+  // A node on a belt that draws it away from a held one: mu m g = k times what it stretches.
+  for (int kind = 0; kind < 2; ++kind) {
+    SpringSystem system = oscillator(1e-3, 1000, 2, 5, 0);
+    hold(system, 0);
+    system.gravity_m_s2 = {0, 0, -10};
+    Collider belt{PlaneShape{Vec3d(0.0), {0, 0, 1}}};
+    belt.friction = 0.5;
+    belt.velocity_mm_s = {200, 0, 0};
+    system.colliders = {belt};
+    run_steps(*integrator_of(kind, system), 0.01, 50);
+    EXPECT_NEAR(system.pos_mm[1].x - 5, 0.005, 1e-5) << kind;
+  }
+}
+
 TEST(UnitContact, ANodeThatStartsInsideIsPutOutWithoutAVelocity) {
   for (int kind = 0; kind < 4; ++kind) {
     SpringSystem system = oscillator(1e-3, 0, 0, 5, 0);
