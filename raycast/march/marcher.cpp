@@ -270,10 +270,10 @@ void Marcher::composite(int lane, std::int64_t n, float before) {
     alpha = m_context.classifier.with_gradient(alpha, m_lit.magnitude[lane]);
   }
   if (m_is_shaded) {
-    const LightReached* reach =
+    const LightReached* light_reached =
         m_paths != nullptr ? &reach_at(time_of(n), m_lit.facing(lane)) : nullptr;
     colour = m_context.shading.lit(
-        colour, [&](int light) { return m_lit.terms(light, lane); }, reach);
+        colour, [&](int light) { return m_lit.terms(light, lane); }, light_reached);
   }
   colour[3] = 1;
   const float before_it = m_sum[3];
@@ -322,9 +322,9 @@ void Marcher::composite_crossing() {
   const SurfacePoint point = m_context.surfaces->point(m_world_ray, hit);
   Float4 colour = point.colour;
   if (m_context.settings.lighting.model != ShadingModel::none) {
-    const LightReached reach =
+    const LightReached light_reached =
         m_paths != nullptr ? m_paths->reach_of_surface(point) : LightReached();
-    colour = m_context.shading.shaded(colour, {point.normal, 1}, m_view, &reach);
+    colour = m_context.shading.shaded(colour, {point.normal, 1}, m_view, &light_reached);
     colour[3] = 1;
   }
   add(colour, m_context.surfaces->opacity(hit));

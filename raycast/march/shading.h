@@ -72,12 +72,13 @@ class Shading {
   };
   View view(const Ray& ray) const;
 
-  /// Colour of a place of which the terms of light n are terms_of(n). `reach` null: all light
-  /// reaches it.
+  /// Colour of a place of which the terms of light n are terms_of(n). `light_reached` null: all
+  /// light reaches it.
   template <class TermsOf>
-  Float4 lit(const Float4& colour, const TermsOf& terms_of, const LightReached* reach) const;
+  Float4 lit(const Float4& colour, const TermsOf& terms_of,
+             const LightReached* light_reached) const;
   Float4 shaded(const Float4& colour, const Facing& facing, const View& view,
-                const LightReached* reach) const;
+                const LightReached* light_reached) const;
 
   ShadingModel model() const { return m_model; }
   float specular_power() const { return m_specular_power; }
@@ -113,27 +114,28 @@ inline float Shading::highlight(const Facing& facing, const View& view, int n) c
 
 template <class TermsOf>
 Float4 Shading::lit(const Float4& colour, const TermsOf& terms_of,
-                    const LightReached* reach) const {
+                    const LightReached* light_reached) const {
   Float4 diffuse{m_ambient, m_ambient, m_ambient, m_ambient}, specular{0, 0, 0, 0};
   for (int n = 0; n < m_light_count; ++n) {
     LightTerms terms = terms_of(n);
-    if (reach != nullptr) terms.diffuse *= reach->lights[n], terms.specular *= reach->lights[n];
+    if (light_reached != nullptr)
+      terms.diffuse *= light_reached->lights[n], terms.specular *= light_reached->lights[n];
     diffuse += m_lights[n].diffuse * terms.diffuse;
     specular += m_lights[n].specular * terms.specular;
   }
   const Float4 light = colour * diffuse + specular;
-  return reach != nullptr ? light * reach->openness : light;
+  return light_reached != nullptr ? light * light_reached->openness : light;
 }
 
 inline Float4 Shading::shaded(const Float4& colour, const Facing& facing, const View& view,
-                              const LightReached* reach) const {
+                              const LightReached* light_reached) const {
   const auto terms_of = [&](int n) -> LightTerms {
     const float cosine = facing.normal.dot(m_lights[n].towards);
     const float lobe = facing.trust * highlight(facing, view, n);
     return {1 - facing.trust + (cosine > 0 ? facing.trust * cosine : 0),
             std::pow(lobe, m_specular_power)};
   };
-  return lit(colour, terms_of, reach);
+  return lit(colour, terms_of, light_reached);
 }
 
 }  // namespace supple

@@ -196,7 +196,7 @@ void OffsetBricks::mark_pointwise() {
   tbb::parallel_for(std::size_t(0), m_states.size(), [&](std::size_t b) {
     if (!is_pointwise(b)) return;
     Vec3d lo, hi;
-    m_pointwise->reach(pointwise_brick(b), lo, hi);
+    m_pointwise->source_box(pointwise_brick(b), lo, hi);
     m_ranges[b] =
         lo.x > hi.x ? EncodedRange() : reached_range(*m_source, lo - Vec3d(1), hi + Vec3d(1));
   });

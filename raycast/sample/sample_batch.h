@@ -23,7 +23,7 @@ struct SamplingTables {
   static constexpr std::int32_t kPointwise = 1 << 29;  // added to the number of such a brick
   static constexpr std::int32_t kDeformed = 1 << 30;   // added to the slot of a deformed brick
 
-  static constexpr std::int32_t kReach = 400'000;  // bytes between them fit into 31 bits
+  static constexpr std::int32_t kGatherSpan = 400'000;  // bytes between them fit into 31 bits
 
   // In place of brick numbers: kSkip, a source brick (of an identity brick the one beneath), or one
   // of those two.
@@ -36,7 +36,7 @@ struct SamplingTables {
 
   const PointwiseOffsets* pointwise = nullptr;
 
-  std::int32_t reach = kReach;  // bricks apart that one gather can span
+  std::int32_t gather_span = kGatherSpan;  // bricks apart that one gather can span
 
   // Encoded densities that are not transparent: intervals of the classifier's table from the first
   // to the last, and if not all of those, one bit for each: bit n & 31 of word n >> 5.

@@ -29,7 +29,7 @@ class NodeReader {
       : m_base(reinterpret_cast<const std::int32_t*>(tables.nodes +
                                                      std::size_t(brick) * kBrickNodes)) {
     const VI distance = hn::Sub(bricks, ints(brick));
-    m_near = hn::And(wanted, hn::Lt(hn::Abs(distance), ints(tables.reach)));
+    m_near = hn::And(wanted, hn::Lt(hn::Abs(distance), ints(tables.gather_span)));
     const VI bytes = hn::ShiftLeft<1>(hn::Add(hn::Mul(distance, ints(kBrickNodes)), node));
     m_bytes = hn::IfThenElse(near(), bytes, ints(2 * kOrigin));
   }
@@ -43,7 +43,7 @@ class NodeReader {
 
  private:
   static constexpr std::int32_t kBrickNodes = SourceBricks::kBrickNodes;
-  static_assert(2 * std::int64_t(kBrickNodes) * (SamplingTables::kReach + 1) < INT32_MAX);
+  static_assert(2 * std::int64_t(kBrickNodes) * (SamplingTables::kGatherSpan + 1) < INT32_MAX);
   static constexpr std::int32_t kOrigin =
       SourceBricks::kStepX + SourceBricks::kStepY + SourceBricks::kStepZ;
 

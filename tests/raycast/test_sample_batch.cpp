@@ -121,8 +121,8 @@ TEST(PropertySampleBatch, EveryInstructionSetReadsWhatOneSampleAtATimeReads) {
 TEST(PropertySampleBatch, BricksFarApartAreReadOneAfterAnother) {
   const RoughScene scene;
   SamplingTables tables = scene.context.tables;
-  for (const std::int32_t reach : {1, 3}) {
-    tables.reach = reach;
+  for (const std::int32_t span : {1, 3}) {
+    tables.gather_span = span;
     int bent = 0, one_sided = 0;
     compare_with_scalar(scene, tables, bent, one_sided);
   }

@@ -6,6 +6,7 @@
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
 #include "tools/console/parse.h"
+#include "tools/outputs/reports.h"
 #include "tools/outputs/scene_run.h"
 #include "volumes/io/open_volume.h"
 #include "volumes/io/point_file.h"

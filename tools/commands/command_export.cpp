@@ -2,7 +2,7 @@
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
 #include "tools/outputs/output_plan.h"
-#include "tools/outputs/outputs.h"
+#include "tools/outputs/reports.h"
 #include "tools/scene/offset_functions.h"
 #include "volumes/state/state_outputs.h"
 

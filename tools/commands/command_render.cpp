@@ -7,6 +7,7 @@
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
 #include "tools/console/parse.h"
+#include "tools/outputs/reports.h"
 #include "tools/outputs/scene_run.h"
 #include "tools/scene/transfer_file.h"
 #include "volumes/io/open_volume.h"

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/console/command.h"
+#include "tools/outputs/reports.h"
 #include "tools/outputs/scene_run.h"
 
 namespace supple::tools {

@@ -2,7 +2,7 @@
 // the deformed state.
 #pragma once
 
-#include "tools/outputs/outputs.h"
+#include "tools/outputs/view_pictures.h"
 #include "tools/pictures/picture_writer.h"
 
 namespace supple::tools {

@@ -8,7 +8,7 @@
 #include "lib/session/session.h"
 #include "tools/console/console.h"
 #include "tools/outputs/output_plan.h"
-#include "tools/outputs/outputs.h"
+#include "tools/outputs/view_pictures.h"
 #include "tools/pictures/picture_writer.h"
 #include "tools/scene/scene.h"
 

@@ -22,7 +22,7 @@ class PointwiseOffsets {
   /// void. `found` may hold a sample found nearby, to begin with.
   virtual bool sample(std::size_t b, const Vec3d& x, Sample& found) const = 0;
   /// Box in index space around all that samples of brick b can read; lo > hi: nothing.
-  virtual void reach(std::size_t b, Vec3d& lo, Vec3d& hi) const = 0;
+  virtual void source_box(std::size_t b, Vec3d& lo, Vec3d& hi) const = 0;
   /// (I + grad o)^T g of a sample found at x in this piece, which reads the source at y.
   virtual Vec3d pull_back(int piece, const Vec3d& x, const Vec3d& y,
                           const Vec3d& gradient) const = 0;

@@ -40,7 +40,7 @@ class ConstantSplit : public SplitOffsets {
     found.offset = m_offset;
     return true;
   }
-  void reach(std::size_t, Vec3d& lo, Vec3d& hi) const override { lo = hi = Vec3d(0); }
+  void source_box(std::size_t, Vec3d& lo, Vec3d& hi) const override { lo = hi = Vec3d(0); }
   bool offset_of(int, const Vec3d&, Vec3d& offset) const override {
     offset = m_offset;
     return true;

@@ -11,7 +11,7 @@
 #include "tools/bench/bodies/ecm_motion.h"
 #include "volumes/field/inversion/deformed_cell.h"
 #include "volumes/field/inversion/invert.h"
-#include "volumes/field/inversion/output_bricks.h"
+#include "volumes/field/inversion/reachable_bricks.h"
 #include "volumes/field/procedural.h"
 #include "volumes/grid/cell.h"
 

@@ -8,7 +8,7 @@
 
 #include "volumes/field/inversion/displacement_range.h"
 #include "volumes/field/inversion/offset_accumulator.h"
-#include "volumes/field/inversion/output_bricks.h"
+#include "volumes/field/inversion/reachable_bricks.h"
 #include "volumes/field/inversion/source_cells.h"
 #include "volumes/grid/cell.h"
 
@@ -72,7 +72,7 @@ VectorBricks invert_by_tetrahedra(const VectorBricks& u) {
   tbb::parallel_for(std::size_t(0), count, [&](std::size_t b) { ranges[b] = ranges_of(u, b); });
   tbb::parallel_for(std::size_t(0), count,
                     [&](std::size_t b) { reach[b] = reach_of(u.topology, ranges, b); });
-  OffsetAccumulator accumulator(output_origins(u, reach));
+  OffsetAccumulator accumulator(reachable_origins(u, reach));
   tbb::enumerable_thread_specific<Worker> workers;
   tbb::parallel_for(std::size_t(0), count, [&](std::size_t b) {
     Worker& worker = workers.local();

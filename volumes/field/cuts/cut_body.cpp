@@ -5,7 +5,7 @@
 
 #include <tbb/parallel_for.h>
 
-#include "volumes/field/inversion/output_bricks.h"
+#include "volumes/field/inversion/reachable_bricks.h"
 #include "volumes/grid/padded_rows.h"
 #include "volumes/grid/voxel_sets.h"
 

@@ -7,7 +7,7 @@
 
 #include "volumes/field/cuts/cut_offsets.h"
 #include "volumes/field/displacement.h"
-#include "volumes/field/inversion/output_bricks.h"
+#include "volumes/field/inversion/reachable_bricks.h"
 #include "volumes/field/inversion/source_cells.h"
 #include "volumes/field/ring_fill.h"
 #include "volumes/grid/voxel_sets.h"

@@ -99,7 +99,7 @@ Vec3d CutOffsets::face_normal(int number, const Vec3d& x) const {
   return pull_back(number, x, X, m_faces.depth(X, piece.middle()).gradient);
 }
 
-void CutOffsets::reach(std::size_t b, Vec3d& lo, Vec3d& hi) const {
+void CutOffsets::source_box(std::size_t b, Vec3d& lo, Vec3d& hi) const {
   lo = Vec3d(HUGE_VAL);
   hi = Vec3d(-HUGE_VAL);
   for (const CutPiece& piece : m_cells[b].pieces) {

@@ -58,7 +58,7 @@ class CutOffsets : public SplitOffsets {
   bool is_overlapped(const Vec3d& x) const override;
   double depth_mm(int piece, const Vec3d& x) const override;
   Vec3d face_normal(int piece, const Vec3d& x) const override;
-  void reach(std::size_t b, Vec3d& lo, Vec3d& hi) const override;
+  void source_box(std::size_t b, Vec3d& lo, Vec3d& hi) const override;
 
  private:
   const CutPiece& piece_at(int piece) const;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "volumes/field/inversion/output_bricks.h"
+#include "volumes/field/inversion/reachable_bricks.h"
 #include "volumes/grid/cell.h"
 
 namespace supple {

@@ -5,7 +5,7 @@
 
 #include "volumes/base/error.h"
 #include "volumes/field/brick_nodes.h"
-#include "volumes/field/inversion/output_bricks.h"
+#include "volumes/field/inversion/reachable_bricks.h"
 #include "volumes/grid/cell.h"
 
 namespace supple {

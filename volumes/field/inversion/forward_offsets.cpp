@@ -6,7 +6,7 @@
 
 #include <tbb/parallel_for.h>
 
-#include "volumes/field/inversion/output_bricks.h"
+#include "volumes/field/inversion/reachable_bricks.h"
 #include "volumes/grid/cell.h"
 
 namespace supple {
@@ -270,7 +270,7 @@ bool ForwardOffsets::sample(std::size_t b, const Vec3d& x, Sample& found) const 
   return has_air;
 }
 
-void ForwardOffsets::reach(std::size_t b, Vec3d& lo, Vec3d& hi) const {
+void ForwardOffsets::source_box(std::size_t b, Vec3d& lo, Vec3d& hi) const {
   const Vec3i& origin = bricks().origin(b);
   const IndexBox box = join(m_reached[b].source, {origin, origin + Vec3i(kBrickDim)});
   lo = Vec3d(box.lo);

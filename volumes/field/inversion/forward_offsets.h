@@ -31,7 +31,7 @@ class ForwardOffsets final : public PointwiseOffsets {
   void update(const std::vector<std::int32_t>& changed);
 
   bool sample(std::size_t b, const Vec3d& x, Sample& found) const override;
-  void reach(std::size_t b, Vec3d& lo, Vec3d& hi) const override;
+  void source_box(std::size_t b, Vec3d& lo, Vec3d& hi) const override;
   /// (I + grad u)^-T g at the place that was read.
   Vec3d pull_back(int piece, const Vec3d& x, const Vec3d& y, const Vec3d& gradient) const override;
 

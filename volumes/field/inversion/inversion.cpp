@@ -8,7 +8,7 @@
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
-#include "volumes/field/inversion/output_bricks.h"
+#include "volumes/field/inversion/reachable_bricks.h"
 #include "volumes/grid/voxel_sets.h"
 
 namespace supple {
@@ -166,7 +166,7 @@ VectorBricks Inversion::solve(const VectorBricks& u, Progress* progress) {
   m_folded.assign(bricks.size(), {});
   classify(u, bricks);
   place(u, bricks);
-  OffsetAccumulator accumulator(output_origins(u, m_reach));
+  OffsetAccumulator accumulator(reachable_origins(u, m_reach));
   return solve_bricks(u, bricks, accumulator, progress);
 }
 

@@ -7,7 +7,7 @@
 
 #include "volumes/field/inversion/inversion.h"
 #include "volumes/field/inversion/inversion_certificate.h"
-#include "volumes/field/inversion/output_bricks.h"
+#include "volumes/field/inversion/reachable_bricks.h"
 #include "volumes/field/ring_fill.h"
 #include "volumes/grid/voxel_sets.h"
 

@@ -331,7 +331,7 @@ double PathOffsets::depth_mm(int piece, const Vec3d& x) const {
   return origin_of(piece, x).depth_mm;
 }
 
-void PathOffsets::reach(std::size_t b, Vec3d& lo, Vec3d& hi) const {
+void PathOffsets::source_box(std::size_t b, Vec3d& lo, Vec3d& hi) const {
   lo = m_cuts[b].lo + m_moved_lo;
   hi = m_cuts[b].hi + m_moved_hi;
 }

@@ -21,7 +21,7 @@ class PathOffsets : public SplitOffsets {
   bool sample(std::size_t b, const Vec3d& x, Sample& found) const override;
   bool offset_of(int piece, const Vec3d& x, Vec3d& offset) const override;
   double depth_mm(int piece, const Vec3d& x) const override;
-  void reach(std::size_t b, Vec3d& lo, Vec3d& hi) const override;
+  void source_box(std::size_t b, Vec3d& lo, Vec3d& hi) const override;
 
   int pieces() const { return m_pieces; }
 

@@ -1,4 +1,4 @@
-#include "volumes/field/inversion/output_bricks.h"
+#include "volumes/field/inversion/reachable_bricks.h"
 
 #include <algorithm>
 #include <cmath>
@@ -61,7 +61,7 @@ IndexBox nodes_of(const CellCorners& corners, const Vec3i& cell) {
   return nodes;
 }
 
-std::vector<Vec3i> output_origins(const VectorBricks& u, const std::vector<IndexBox>& reaches) {
+std::vector<Vec3i> reachable_origins(const VectorBricks& u, const std::vector<IndexBox>& reaches) {
   tbb::enumerable_thread_specific<std::vector<Vec3i>> parts;
   tbb::parallel_for(std::size_t(0), u.topology.brick_count(), [&](std::size_t b) {
     const IndexBox& reach = reaches[b];

@@ -1,4 +1,4 @@
-// Pictures that commands produce, and reports as JSON.
+// Pictures of effective views: cameras and settings, renderers, and what is said of them.
 #pragma once
 
 #include <memory>
@@ -7,7 +7,6 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "lib/session/session.h"
 #include "raycast/render.h"
 #include "tools/scene/scene.h"
 #include "volumes/state/pose.h"
@@ -56,19 +55,5 @@ FloatImage draw(const PosedVolume& subject, const Renderer* renderer, const Scen
 /// Effective configuration of a picture, embedded in its file; `more` is an object of what else
 /// there is to say.
 std::string describe_view(const SceneView& view, const nlohmann::ordered_json& more);
-
-nlohmann::ordered_json to_json(const InversionCertificate& certificate);
-nlohmann::ordered_json to_json(const BallReport& report, std::int64_t cut_links);
-nlohmann::ordered_json to_json(const StepRecord& record);
-/// One line per handle on stdout: voxel, LPS, density and label.
-void print_places(const std::vector<HandlePlace>& places);
-nlohmann::ordered_json to_json(const std::vector<HandlePlace>& places);
-/// One line per handle on stdout.
-void print_reactions(const std::vector<HandleReaction>& reactions);
-nlohmann::ordered_json to_json(const RenderReport& report);
-
-/// What `export` and `resample` print with --json.
-void print_dense_report(const std::string& path, const Geometry& grid, std::int64_t lost_voxels,
-                        const InversionCertificate& certificate);
 
 }  // namespace supple::tools

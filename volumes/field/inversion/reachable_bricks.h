@@ -17,7 +17,7 @@ bool is_torn(const IndexBox& reach);
 
 /// Sorted, unique origins of the output bricks that the cells of u can reach. `reaches`: nodes in
 /// reach of each source brick (displacement_range.h).
-std::vector<Vec3i> output_origins(const VectorBricks& u, const std::vector<IndexBox>& reaches);
+std::vector<Vec3i> reachable_origins(const VectorBricks& u, const std::vector<IndexBox>& reaches);
 
 /// The origins of all output bricks that hold a node of the box.
 void add_box(const Vec3i& lo, const Vec3i& hi, std::vector<Vec3i>& origins);

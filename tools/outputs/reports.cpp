@@ -1,0 +1,219 @@
+#include "tools/outputs/reports.h"
+
+#include <cstdio>
+
+#include <nlohmann/json.hpp>
+
+namespace supple::tools {
+
+nlohmann::ordered_json vector_json(const Vec3d& v) {
+  return {v.x, v.y, v.z};
+}
+
+nlohmann::ordered_json to_json(const InversionCertificate& certificate) {
+  return nlohmann::ordered_json::parse(certificate_json(certificate));
+}
+
+nlohmann::ordered_json to_json(const BallReport& report, std::int64_t cut_links) {
+  return {{"limits", "ball"},
+          {"moved", report.moved},
+          {"cut_links", cut_links},
+          {"moves", report.moves},
+          {"capped", report.capped},
+          {"links", report.links},
+          {"violated", report.violated},
+          {"worst_excess_voxels", report.worst_excess_voxels},
+          {"max_queue", report.max_queue},
+          {"solve_ms", report.milliseconds}};
+}
+
+namespace {
+
+nlohmann::ordered_json to_json(const ModelEnergy& energy) {
+  return {{"elastic", energy.elastic_j},
+          {"kinetic", energy.kinetic_j},
+          {"gravity", energy.gravity_j},
+          {"total", energy.total_j()}};
+}
+
+nlohmann::ordered_json to_json(const SpringRecord& record) {
+  nlohmann::ordered_json json = {{"steps", record.steps},
+                                 {"nodes", record.nodes},
+                                 {"springs", record.springs},
+                                 {"energy_before_j", to_json(record.before)},
+                                 {"energy_after_j", to_json(record.after)}};
+  if (record.residual_mn) json["residual_mn"] = *record.residual_mn;
+  if (record.motion) {
+    json["substeps"] = record.motion->substeps;
+    json["halvings"] = record.motion->halvings;
+    json["iterations"] = record.motion->iterations;
+    json["contacts"] = record.motion->contacts;
+    json["penetration_mm"] = record.motion->penetration_mm;
+  }
+  json["links"] = record.links.links;
+  json["violated"] = record.links.violated;
+  json["worst_excess_voxels"] = record.links.worst_excess_voxels;
+  json["springs_ms"] = record.milliseconds;
+  return json;
+}
+
+nlohmann::ordered_json to_json(const CellVolumes& volumes) {
+  return {{"cells", volumes.cells},
+          {"rest_mm3", volumes.rest_mm3},
+          {"mm3", volumes.total_mm3},
+          {"ratio", volumes.ratio()},
+          {"smallest_cell_ratio", volumes.smallest},
+          {"largest_cell_ratio", volumes.largest}};
+}
+
+nlohmann::ordered_json to_json(const RelaxParams& params, const RelaxReport& report) {
+  nlohmann::ordered_json json = {{"method", name_of(params.method)},
+                                 {"passes", report.passes},
+                                 {"converged", report.converged},
+                                 {"energy_before_uj", report.energy_before},
+                                 {"energy_after_uj", report.energy_after},
+                                 {"largest_step_voxels", report.largest_step_voxels},
+                                 {"yielded_links", report.yielded_links},
+                                 {"projected", report.projected_links},
+                                 {"projected_max_voxels", report.projected_max_voxels},
+                                 {"projected_held", report.projected_held},
+                                 {"relax_ms", report.milliseconds}};
+  if (report.energy_excess) json["energy_excess_uj"] = *report.energy_excess;
+  if (report.volumes_after) {
+    json["bulk_modulus_kpa"] = params.bulk_modulus_kpa;
+    json["volumes_before"] = to_json(*report.volumes_before);
+    json["volumes_after"] = to_json(*report.volumes_after);
+  }
+  return json;
+}
+
+nlohmann::ordered_json to_json(const TightenReport& report) {
+  return {{"iterations", report.iterations},
+          {"settled", report.settled},
+          {"moved", report.moved},
+          {"links", report.links},
+          {"violated", report.violated},
+          {"worst_excess_voxels", report.worst_excess_voxels},
+          {"excess_before_voxels", report.excess_before_voxels},
+          {"excess_voxels", report.excess_voxels},
+          {"projected", report.projected_links},
+          {"projected_max_voxels", report.projected_max_voxels},
+          {"projected_held", report.projected_held},
+          {"tighten_ms", report.milliseconds}};
+}
+
+nlohmann::ordered_json to_json(const EcmReport& report, std::int64_t cut_links) {
+  return {{"limits", "box"},
+          {"fraction", report.fraction()},
+          {"fraction_exact", std::to_string(report.fraction_numerator) + "/" +
+                                 std::to_string(report.fraction_denominator)},
+          {"engine", name_of(report.engine)},
+          {"moved", report.moved},
+          {"cut_links", cut_links},
+          {"projected", report.projected_links},
+          {"projected_max_voxels", report.projected_max_voxels},
+          {"projected_held", report.projected_held},
+          {"visited", report.visited},
+          {"max_queue", report.max_queue},
+          {"solve_ms", report.milliseconds}};
+}
+
+nlohmann::ordered_json to_json(const std::vector<HandleReaction>& reactions) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const HandleReaction& held : reactions) {
+    const Vec3d& n = held.reaction.force_n;
+    json.push_back({{"step", held.step},
+                    {"handle", held.handle},
+                    {"grab", held.name},
+                    {"force_n", {n.x, n.y, n.z}},
+                    {"taut", held.reaction.taut}});
+  }
+  return json;
+}
+
+}  // namespace
+
+void print_places(const std::vector<HandlePlace>& places) {
+  for (const HandlePlace& place : places) {
+    const Vec3d& voxel = place.centre_index;
+    const Vec3d& lps = place.centre_lps_mm;
+    std::printf("grab %-10s %lld %s voxel %.4g,%.4g,%.4g, LPS %.4g, %.4g, %.4g mm, density %.4g",
+                place.name.c_str(), static_cast<long long>(place.elements),
+                place.elements == 1 ? "element at" : "elements around", voxel.x, voxel.y, voxel.z,
+                lps.x, lps.y, lps.z, double(place.least_density));
+    if (place.largest_density > place.least_density) {
+      std::printf(" to %.4g", double(place.largest_density));
+    }
+    std::string labels;
+    for (const std::int32_t label : place.labels) {
+      labels += (labels.empty() ? ", label " : ", ") +
+                (label == 0 ? std::string("none") : std::to_string(label));
+    }
+    std::printf("%s\n", labels.c_str());
+  }
+}
+
+nlohmann::ordered_json to_json(const std::vector<HandlePlace>& places) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const HandlePlace& place : places) {
+    json.push_back({{"grab", place.name},
+                    {"elements", place.elements},
+                    {"voxel", vector_json(place.centre_index)},
+                    {"lps_mm", vector_json(place.centre_lps_mm)},
+                    {"density", {place.least_density, place.largest_density}},
+                    {"labels", place.labels}});
+  }
+  return json;
+}
+
+void print_reactions(const std::vector<HandleReaction>& reactions) {
+  for (const HandleReaction& held : reactions) {
+    const Vec3d& n = held.reaction.force_n;
+    const auto& taut = held.reaction.taut;
+    std::printf("pull at %-15s %.4g, %.4g, %.4g N (LPS)%s\n", held.name.c_str(), n.x, n.y, n.z,
+                taut[0] || taut[1] || taut[2] ? ", or more: links at their limits join it to "
+                                                "something else that is held"
+                                              : "");
+  }
+}
+
+nlohmann::ordered_json to_json(const StepRecord& record) {
+  if (record.springs) {
+    nlohmann::ordered_json json = {
+        {"model", "springs"},
+        {"cut_links", record.cut_links},
+        {"settings", nlohmann::ordered_json::parse(settings_json(*record.springs))},
+        {"springs", to_json(record.sprung)}};
+    json["reactions"] = to_json(record.reactions);
+    return json;
+  }
+  nlohmann::ordered_json json = record.ball ? to_json(*record.ball, record.cut_links)
+                                            : to_json(record.report, record.cut_links);
+  if (record.relax) json["relax"] = to_json(*record.relax, record.relaxed);
+  if (record.tightened) {
+    json["limits"] = "tighten";
+    json["tighten"] = to_json(*record.tightened);
+  }
+  json["reactions"] = to_json(record.reactions);
+  return json;
+}
+
+nlohmann::ordered_json to_json(const RenderReport& report) {
+  return {{"rays", report.rays},
+          {"samples", report.samples},
+          {"prepare_ms", report.prepare_ms},
+          {"march_ms", report.march_ms},
+          {"bytes", report.bytes}};
+}
+
+void print_dense_report(const std::string& path, const Geometry& grid, std::int64_t lost_voxels,
+                        const InversionCertificate& certificate) {
+  const Vec3i& dims = grid.dims();
+  const nlohmann::ordered_json json = {{"output", path},
+                                       {"dims", {dims.x, dims.y, dims.z}},
+                                       {"lost_voxels", lost_voxels},
+                                       {"certificate", to_json(certificate)}};
+  std::printf("%s\n", json.dump(2).c_str());
+}
+
+}  // namespace supple::tools

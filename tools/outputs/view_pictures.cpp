@@ -1,0 +1,227 @@
+#include "tools/outputs/view_pictures.h"
+
+#include <algorithm>
+
+#include <nlohmann/json.hpp>
+
+#include "raycast/drawings/lattice.h"
+#include "tools/outputs/reports.h"
+#include "tools/scene/transfer_file.h"
+#include "volumes/base/version.h"
+#include "volumes/field/displacement.h"
+#include "volumes/field/inversion/forward_offsets.h"
+#include "volumes/grid/volume.h"
+
+namespace supple::tools {
+
+Camera resolve_camera(const CameraChoice& choice, const Geometry& geometry, double aspect) {
+  if (choice.camera) return *choice.camera;
+  Camera camera = default_camera(geometry, aspect, choice.view, choice.projection,
+                                 choice.fov_degrees.value_or(Camera().vertical_fov_degrees));
+  camera.height_mm = choice.height_mm.value_or(camera.height_mm);
+  return camera;
+}
+
+namespace {
+
+Image draw_body_lattice(const PosedVolume& subject, const SceneView& view) {
+  const Displacement displacement =
+      on_elements(subject.geometry, subject.elements, subject.displacement);
+  const Camera camera = camera_of(subject, view);
+  LatticeStyle style;
+  style.width = view.size[0];
+  style.height = view.size[1];
+  style.grey_lo = subject.grey_lo;
+  style.grey_hi = subject.grey_hi;
+  return draw_lattice(subject.geometry, subject.density, displacement, camera, style);
+}
+
+}  // namespace
+
+Camera camera_of(const PosedVolume& subject, const SceneView& view) {
+  const double aspect = double(view.size[0]) / view.size[1];
+  const bool is_flat = view.lattice && subject.geometry.dims().z == 1;
+  const CameraChoice& choice = view.camera;
+  const bool is_default =
+      !choice.camera && choice.view == "anterior" && !choice.fov_degrees && !choice.height_mm;
+  if (is_flat && is_default) {
+    const Displacement displacement =
+        on_elements(subject.geometry, subject.elements, subject.displacement);
+    return lattice_camera(subject.geometry, displacement, aspect);
+  }
+  return resolve_camera(view.camera, subject.geometry, aspect);
+}
+
+RenderSettings view_settings(const SceneView& view) {
+  RenderSettings settings;
+  settings.width = view.size[0];
+  settings.height = view.size[1];
+  view.sampling.apply_to(settings);
+  settings.lighting = view.lighting;
+  settings.clip_surfaces = view.clip_meshes;
+  settings.auxiliary = !view.picture.aux.empty() || picture_kind(view.image) == PictureKind::exr;
+  return settings;
+}
+
+void rethrow_at(const std::string& place, const InputError& error) {
+  const Problem& problem = error.problem();
+  if (!problem.file.empty() || place.empty()) throw error;
+  throw InputError({place, problem.field, problem.found, problem.expected});
+}
+
+void check_inverse(const SceneView& view, const std::vector<OffsetFunction>& functions) {
+  if (view.inverse || !view.deformed || functions.empty()) return;
+  throw InputError({view.place, "inverse", "sampling paths, which follow offsets",
+                    "inverse = true, or a deformed state alone"});
+}
+
+void check_view(const SceneView& view) {
+  try {
+    if (!view.preset.empty()) preset(view.preset);
+    view_settings(view).validate();
+    check_picture_options(view.picture, view.image, view.place);
+    check_inverse(view, view.path);
+  } catch (const InputError& error) {
+    rethrow_at(view.place, error);
+  }
+}
+
+SceneView effective_view(const SceneView& view, const Geometry& geometry, double min_density) {
+  SceneView effective = view;
+  effective.lattice = view.lattice || geometry.dims().z == 1;
+  if (view.preset.empty() && !view.transfer)
+    effective.preset = are_hounsfield_units(min_density) ? "CT-Bone" : "MR-Default";
+  return effective;
+}
+
+namespace {
+
+/// A warp file says where tissue came from, not where a point of it goes.
+const Displacement* displacement_for_meshes(const PosedVolume& subject, const SceneView& view) {
+  for (const MeshChoice& mesh : view.meshes) {
+    if (mesh.deform && subject.offsets != nullptr && subject.displacement == nullptr) {
+      throw InputError({mesh.place, "deform", "offsets of a warp file",
+                        "a state or the steps of a scene, which know where tissue goes"});
+    }
+  }
+  return subject.displacement;
+}
+
+}  // namespace
+
+bool reads_displacement(const SceneView& view) {
+  const auto deforms = [](const MeshChoice& mesh) { return mesh.deform; };
+  return !view.inverse || view.lattice || view.picture.sequence > 0 || !view.path.empty() ||
+         std::any_of(view.meshes.begin(), view.meshes.end(), deforms);
+}
+
+std::unique_ptr<Renderer> make_renderer(const PosedVolume& subject, const SceneView& view) {
+  auto renderer = std::make_unique<Renderer>(subject.geometry, subject.density, subject.air_rings);
+  pose(*renderer, subject, view);
+  return renderer;
+}
+
+void pose(Renderer& renderer, const PosedVolume& subject, const SceneView& view) {
+  if (subject.offsets == nullptr && subject.displacement != nullptr) {
+    renderer.set_pointwise_offsets(
+        std::make_shared<const ForwardOffsets>(*subject.displacement, &subject.elements));
+  } else {
+    renderer.set_offsets(subject.offsets,
+                         view.half_offsets ? OffsetResolution::half : OffsetResolution::full);
+  }
+  if (!view.meshes.empty()) {
+    renderer.set_surfaces(surfaces_of(view.meshes, displacement_for_meshes(subject, view)));
+  }
+}
+
+FloatImage draw(const PosedVolume& subject, const Renderer* renderer, const SceneView& view,
+                RenderReport* report, Console& console) {
+  if (view.slice) {
+    return to_float(draw_slices(
+        {subject.geometry, subject.density, subject.outlined, subject.offsets}, *view.slice));
+  }
+  if (view.lattice && !view.clips.empty()) {
+    throw InputError({view.place, "clip", "a lattice to draw", "a volume of several slices"});
+  }
+  if (view.lattice && !view.meshes.empty()) {
+    throw InputError({view.place, "mesh", "a lattice to draw", "a volume of several slices"});
+  }
+  if (view.lattice) return to_float(draw_body_lattice(subject, view));
+  RenderSettings settings = view_settings(view);
+  settings.clips = resolve_clips(view.clips, subject.geometry);
+  const TransferFunction function = view.transfer ? *view.transfer : preset(view.preset);
+  return renderer->render_float(camera_of(subject, view), function, settings, report, &console);
+}
+
+namespace {
+
+nlohmann::ordered_json to_json(const ClipChoice& choice) {
+  nlohmann::ordered_json json;
+  if (choice.voxel_corners) {
+    json["box"] = {vector_json(choice.voxel_corners->first),
+                   vector_json(choice.voxel_corners->second)};
+  }
+  for (const HalfSpace& half : choice.clip.region) {
+    json["plane"] = {{"point", vector_json(half.point_lps_mm)},
+                     {"normal", vector_json(half.normal_lps)}};
+  }
+  Clip clip = choice.clip;
+  json.update(nlohmann::ordered_json::parse(fields_json(fields(clip))));
+  return json;
+}
+
+nlohmann::ordered_json to_json(SliceChoice choice) {
+  return nlohmann::ordered_json::parse(fields_json(fields(choice)));
+}
+
+/// The settings of a view as it was drawn, but for those of a default view that say nothing.
+nlohmann::ordered_json settings_of(SceneView view) {
+  SceneView plain;
+  view.sampling.step_voxels = view_settings(view).step_voxels;
+  plain.image = view.image;  // where the picture lies is not what it shows
+  plain.after_step = view.after_step;
+  if (view.transfer) view.preset.clear();
+  return nlohmann::ordered_json::parse(fields_json(fields(view), fields(plain)));
+}
+
+}  // namespace
+
+std::string describe_view(const SceneView& view, const nlohmann::ordered_json& more) {
+  nlohmann::ordered_json json = {{"program", std::string("supple ") + kVersion}};
+  if (view.slice) {
+    json.update(to_json(*view.slice));
+    json["deformed"] = view.deformed;
+    json.update(more);
+    return json.dump();
+  }
+  if (view.transfer) json["transfer"] = to_toml(*view.transfer);
+  json["size"] = view.size;
+  json["deformed"] = view.deformed;
+  json["lattice"] = view.lattice;
+  json.update(settings_of(view));
+  for (const Light& light : view.lighting.lights) json["light"].push_back(to_json(light));
+  for (const MeshChoice& mesh : view.meshes) json["mesh"].push_back(to_json(mesh));
+  for (const OffsetFunction& function : view.path) {
+    json["path"].push_back(nlohmann::ordered_json::parse(function.json));
+  }
+  for (const ClipChoice& clip : view.clips) json["clip"].push_back(to_json(clip));
+  const auto name_of = [](Projection projection) {
+    return projection == Projection::perspective ? "perspective" : "orthographic";
+  };
+  if (const auto& camera = view.camera.camera) {
+    json["camera"] = {{"projection", name_of(camera->projection)},
+                      {"position", vector_json(camera->position_lps_mm)},
+                      {"target", vector_json(camera->target_lps_mm)},
+                      {"up", vector_json(camera->up_lps)},
+                      {"fov", camera->vertical_fov_degrees},
+                      {"height", camera->height_mm}};
+  } else {
+    json["camera"] = {{"projection", name_of(view.camera.projection)}, {"view", view.camera.view}};
+    if (view.camera.fov_degrees) json["camera"]["fov"] = *view.camera.fov_degrees;
+    if (view.camera.height_mm) json["camera"]["height"] = *view.camera.height_mm;
+  }
+  json.update(more);
+  return json.dump();
+}
+
+}  // namespace supple::tools
