@@ -57,6 +57,27 @@ def metaimage(data_file, data=b""):
             data_file + b"\n" + data)
 
 
+def numbers(values):
+    return " ".join("%g" % value for value in values)
+
+
+def itk_text():
+    """A displacement field on 8 x 6 x 5 points."""
+    vectors = struct.unpack("<720f", VECTORS)
+    return ("#Insight Transform File V1.0\n#Transform 0\n"
+            "Transform: DisplacementFieldTransform_double_3_3\nParameters: " + numbers(vectors) +
+            "\nFixedParameters: 8 6 5 1 2 3 1 1 2 1 0 0 0 1 0 0 0 1\n").encode()
+
+
+def elastix_text():
+    """A B-spline of order 3 whose coefficients come last."""
+    return ("(Transform \"BSplineTransform\")\n(FixedImageDimension 3)\n(MovingImageDimension 3)\n"
+            "(Size 8 6 5)\n(Index 0 0 0)\n(Spacing 1 1 2)\n(Origin 1 2 3)\n"
+            "(Direction 1 0 0 0 1 0 0 0 1)\n(GridSize 8 6 5)\n(GridIndex 0 0 0)\n"
+            "(GridSpacing 2 2 4)\n(GridOrigin -3 -2 -1)\n(GridDirection 1 0 0 0 1 0 0 0 1)\n"
+            "(TransformParameters " + numbers(struct.unpack("<720f", VECTORS)) + ")\n").encode()
+
+
 def nifti(magic=b"n+1\0", vox_offset=352.0):
     header = bytearray(352)
     struct.pack_into("<i", header, 0, 348)
@@ -180,6 +201,10 @@ def volumes(folder):
         Seed("vdb", {"u.vdb": by_supple(folder, ["convert", "seed.nrrd"], "u.vdb")}),
         Seed("warp nrrd", {"v.nrrd": warp_nrrd()}),
         Seed("itk transform", {"w.h5": by_supple(folder, ["convert", "seed_warp.nrrd"], "w.h5")}),
+        Seed("itk text transform", {"x.tfm": itk_text()}),
+        Seed("elastix transform", {"y.txt": elastix_text()}),
+        Seed("nrrd segmentation", {"z.seg.nrrd": nrrd("raw", VALUES, "Segment0_Name:=skull\n"
+                                                      "Segment0_LabelValue:=3\n")}),
     ]
 
 

@@ -276,6 +276,10 @@ TEST(FaultTransforms, WhatIsWrongInTransformsOfElastixIsNamed) {
   EXPECT_EQ(error_of_transform(elastix("TranslationTransform", "1 2 nan", "")),
             "t.txt: TransformParameters: found 3 numbers, not all finite, expected 3 finite "
             "numbers");
+  std::string huge = elastix("TranslationTransform", "1 2 3", "");
+  huge.replace(huge.find("(Size 3 2 2)"), 12, "(Size 4096 4096 17)");
+  EXPECT_EQ(error_of_transform(huge),
+            "t.txt: grid: found 285212672 points, expected at most 268435456");
   EXPECT_EQ(error_of_transform("(Transform \"TranslationTransform\")\n(Size 3\n"),
             "t.txt:2: line: found (Size 3, expected (Key values)");
   EXPECT_EQ(error_of_transform("(Transform \"TranslationTransform\")\n(FixedImageDimension 2)\n"),

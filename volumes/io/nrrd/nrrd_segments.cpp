@@ -46,34 +46,37 @@ class MergedLayers : public VolumeFile {
     m_header.warnings.push_back(std::to_string(layers()) +
                                 " layers of segments: where several segments hold a voxel the "
                                 "last of them counts");
-    m_stored.resize(values() * std::size_t(bytes_of(m_file->header().type)));
-    m_values.resize(values());
+    m_row.resize(columns() * layers());
+    m_stored.resize(row_bytes() * std::size_t(m_header.geometry.dims().y));
   }
 
   void read_slice(void* out) override {
     m_file->read_slice(m_stored.data());
-    scale_values_of(m_file->header().type)(m_stored.data(), values(), 1, 0, m_values.data());
     auto* labels = static_cast<std::uint16_t*>(out);
-    for (std::size_t n = 0; n < values() / layers(); ++n) {
-      labels[n] = 0;
-      for (const NrrdSegment& segment : m_segments) {
-        const double value = m_values[n * layers() + std::size_t(segment.layer)];
-        if (value == segment.value) labels[n] = std::uint16_t(segment.label);
+    for (int j = 0; j < m_header.geometry.dims().y; ++j, labels += columns()) {
+      scale_values_of(m_file->header().type)(&m_stored[std::size_t(j) * row_bytes()], m_row.size(),
+                                             1, 0, m_row.data());
+      for (std::size_t i = 0; i < columns(); ++i) {
+        labels[i] = 0;
+        for (const NrrdSegment& segment : m_segments) {
+          const double value = m_row[i * layers() + std::size_t(segment.layer)];
+          if (value == segment.value) labels[i] = std::uint16_t(segment.label);
+        }
       }
     }
   }
 
  private:
   std::size_t layers() const { return std::size_t(m_file->header().components); }
-  std::size_t values() const {
-    const Vec3i& dims = m_header.geometry.dims();
-    return std::size_t(dims.x) * dims.y * layers();
+  std::size_t columns() const { return std::size_t(m_header.geometry.dims().x); }
+  std::size_t row_bytes() const {
+    return m_row.size() * std::size_t(bytes_of(m_file->header().type));
   }
 
   std::unique_ptr<VolumeFile> m_file;
   std::vector<NrrdSegment> m_segments;
   std::vector<char> m_stored;
-  std::vector<double> m_values;
+  std::vector<double> m_row;
 };
 
 }  // namespace

@@ -53,6 +53,12 @@ std::unique_ptr<VolumeFile> open_transform(const std::string& path, TransformKin
   if (!chain.grid && grid == nullptr) {
     throw InputError({path, "grid", "a transform of all space", "a grid to evaluate it on"});
   }
+  // A line of numbers may name any grid; no scanner has made larger volumes.
+  constexpr long long kMostPoints = 1LL << 28;
+  if (chain.grid && chain.grid->voxel_count() > kMostPoints) {
+    throw InputError({path, "grid", std::to_string(chain.grid->voxel_count()) + " points",
+                      "at most " + std::to_string(kMostPoints)});
+  }
   const Geometry where = chain.grid ? *chain.grid : *grid;
   return std::make_unique<TransformVectors>(path, where, std::move(chain));
 }

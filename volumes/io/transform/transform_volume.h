@@ -11,8 +11,9 @@ enum class TransformKind { none, itk, elastix };
 TransformKind transform_kind(const std::string& head);
 
 /// The vectors T(x) - x of a transform file, LPS mm, at the points of the grid that it names or
-/// else of `grid`. Throws InputError as the readers of transform_chain.h, and where there is no
-/// grid. Cost: as PointMap per point, on all threads; the parameters and a slice in memory.
+/// else of `grid`. Throws InputError as the readers of transform_chain.h, where there is no
+/// grid, and where the file's has more than 2^28 points. Cost: as PointMap per point, on all
+/// threads; the parameters and a slice in memory.
 std::unique_ptr<VolumeFile> open_transform(const std::string& path, TransformKind kind,
                                            const Geometry* grid = nullptr);
 

@@ -26,7 +26,8 @@ double densest(E_TransferSyntax syntax) {
       return 65536;  // runs of 2^15 values per bit, in theory
     case EXS_JPEG2000LosslessOnly:
     case EXS_JPEG2000:
-      return 8192;  // empty blocks of 2^12 values per bit, and the headers of a stream
+      return 4096;  // headers of empty pictures; the decoder takes 4 bytes per value and as many
+                    // more
     default:
       return 7000;  // Huffman codes of a bit per block at best
   }
