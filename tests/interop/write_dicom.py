@@ -24,6 +24,8 @@ PREFIX = "1.2.826.0.1.3680043.8.498."
 def missing():
     if not has_module("pydicom"):
         return "python3-pydicom"
+    if not program("gdcmconv"):
+        return "libgdcm-tools"
     return None if all(map(program, [*COMPRESSORS.values(), "dcmdjpeg", "dcmdjpls"])) else "dcmtk"
 
 
@@ -142,14 +144,15 @@ def write(folder, row, affine, values, number):
 
 
 def unpacked(path, scratch):
-    """Pydicom's data set; JPEG, which it leaves to other packages, is unpacked by DCMTK."""
+    """Pydicom's data set; JPEG, which it leaves to other packages, is unpacked by DCMTK and GDCM."""
     import pydicom
 
     syntax = pydicom.dcmread(path, stop_before_pixels=True).file_meta.TransferSyntaxUID
     if syntax.startswith("1.2.840.10008.1.2.4."):
         plain = os.path.join(scratch, f"plain_{os.getpid()}_{abs(hash(path))}.dcm")
-        unpack = program("dcmdjpls" if syntax[20:] in ("80", "81") else "dcmdjpeg")
-        subprocess.run([unpack, path, plain], check=True, capture_output=True)
+        unpack = {"80": ["dcmdjpls"], "81": ["dcmdjpls"], "90": ["gdcmconv", "--raw"],
+                  "91": ["gdcmconv", "--raw"]}.get(syntax[20:], ["dcmdjpeg"])
+        subprocess.run([program(unpack[0]), *unpack[1:], path, plain], check=True, capture_output=True)
         path = plain
     return pydicom.dcmread(path)
 

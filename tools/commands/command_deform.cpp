@@ -245,8 +245,10 @@ Command add_deform(CLI::App& program) {
   scene.add("material", {});
   app->add_option("--material", options->material, "Look-up table from density to link limits")
       ->option_text("M.toml");
-  app->add_option("--labels", options->labels,
-                  "Label volume on the same grid: for [label.N] of the material, and label:N below")
+  app->add_option(
+         "--labels", options->labels,
+         "Label volume on the same grid: for [label.N] of the material, and label:N below; N is a "
+         "number, or the name of a segment")
       ->option_text("FILE");
   app->add_option("--grab", options->grabs,
                   "Voxel, box, label or points (x,y,z in LPS mm) to drag as one; repeat for "

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/dicom_fixtures.h"
+#include "tests/support/dicom_jpeg2000.h"
 #include "volumes/io/open_volume.h"
 
 namespace supple::test {
@@ -80,6 +81,20 @@ TEST(UnitDicomValues, BitsBesideTheStoredOnesAreMaskedAndTheSignIsExtended) {
       expect_values(series, std::to_string(high_bit));
     }
   }
+}
+
+TEST(UnitDicomValues, TheSignOfAJpeg2000StreamIsThatOfTheAttributes) {
+  SeriesFixture series = fixture_of(16, 13, false);
+  series.syntax = EXS_JPEG2000;
+  series.edit = [](DcmDataset& data, int) {
+    compress_jpeg2000(data, EXS_JPEG2000);
+    data.putAndInsertUint16(DCM_PixelRepresentation, 1);
+  };
+  const TemporaryFolder folder;
+  series.write_all(folder);
+  std::vector<double> expected = expected_values(series);
+  for (double& value : expected) value -= value < 4096 ? 0 : 8192;
+  EXPECT_EQ(values_of(*open_volume(folder / ".")), expected);
 }
 
 TEST(UnitDicomValues, OneRescaleOfAllSlicesLeavesTheStoredValues) {
