@@ -130,6 +130,11 @@ void check_options(const ApplyOptions& options) {
     throw UsageError("apply: found " + std::to_string(given) +
                      " of --points, --mesh and --labels, expected one of them");
   }
+  if (!has_labels && !options.labels.grid.file.empty() && is_state_file(options.input)) {
+    throw UsageError(
+        "--grid: found points or a mesh and a state, expected a label volume, or a transform that "
+        "names no grid");
+  }
   const ReadOptions& read = options.labels.read;
   const bool reads = !read.raw.empty() || read.frame || read.channel || read.spacing_mm;
   if (!has_labels && (options.labels.grid.margin_mm != 0 || reads)) {
