@@ -27,7 +27,7 @@ std::unique_ptr<PointMap> field_map(const Geometry& grid, std::vector<Vec3d> vec
 
 /// A point plus a tensor product of B-splines of order 1 to 3 whose coefficients lie on a grid;
 /// none outside of where all coefficients of a point are there (itk::BSplineTransform).
-/// Cost: (order + 1)^3 coefficients per point, 0.2 µs for order 3.
+/// Cost: (order + 1)^3 coefficients per point, 0.1 µs for order 3.
 std::unique_ptr<PointMap> bspline_map(const Geometry& grid, int order,
                                       std::vector<Vec3d> coefficients_mm);
 
