@@ -55,7 +55,8 @@ std::int64_t write_state_warp(const WarpOutput& output, const State& state, cons
     lost = warn_of_lost_material(output.path, state, pose, output.grid, progress);
     facts.geometry = output.grid;
     facts.certificate = certificate_json(pose.offsets.certificate);
-    slices = dense_offsets(pose.offsets, state.density.bricks(), output.grid, output.void_mode);
+    slices = dense_offsets(pose.offsets, state.density.bricks(), output.grid, output.void_mode,
+                           &state.elements);
   }
   WarpJumps jumps(facts.geometry);
   const auto watched = [&](int k, Vec3f* out) {

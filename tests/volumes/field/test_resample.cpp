@@ -6,9 +6,11 @@
 #include "volumes/base/error.h"
 #include "volumes/field/dense/nearest_void.h"
 #include "volumes/field/dense/resample.h"
+#include "volumes/field/inversion/deformed_cell.h"
 #include "volumes/field/inversion/invert.h"
 #include "volumes/field/procedural.h"
 #include "volumes/field/split_offsets.h"
+#include "volumes/grid/voxel_sets.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -203,6 +205,39 @@ TEST(PropertyDenseOffsets, ExtendKeepsConstantsAndCarriesOnWithoutJumps) {
     }
   }
   EXPECT_EQ(dense[dense_index({25, 24, 10}, dims)], Vec3f(0.1f * 24, 0, 0));
+}
+
+TEST(PropertyDenseOffsets, ExtendDoesNotFoldTheAirBetweenPartsThatComeNearEachOther) {
+  // Of two slabs with 12 voxels between, one goes 4 up, the other 5 down: 3 are left.
+  const Geometry geometry = unit_geometry({24, 24, 40});
+  const BrickTopology slabs =
+      unite(box_topology({4, 4, 4}, {19, 19, 10}), box_topology({4, 4, 23}, {19, 19, 30}));
+  const Displacement u = extend(
+      {geometry,
+       field_on(slabs,
+                [](const Vec3i& v) { return v.z < 17 ? Vec3f(3, 0, 4) : Vec3f(-3, 0, -5); })},
+      dilate(slabs, 2));
+  InvertParams params;
+  params.material = &slabs;
+  const OffsetField offsets = invert(u, params);
+  const Vec3i dims = geometry.dims();
+  const auto dense = all_slices<Vec3f>(
+      dense_offsets(offsets, u.u.topology, geometry, VoidMode::extend, &slabs), dims);
+  int folded = 0;
+  for_each_voxel(box_topology(dims - Vec3i(1)), [&](const Vec3i& cell, std::size_t) {
+    CellCorners corners;
+    for (int n = 0; n < 8; ++n) {
+      const Vec3i step(n >> 2, n >> 1 & 1, n & 1);
+      const Vec3d moved = Vec3d(step) + Vec3d(dense[dense_index(cell + step, dims)]);
+      for (int a = 0; a < 3; ++a) corners.p[a][n] = moved[a];
+    }
+    folded += is_folded(corners);
+  });
+  EXPECT_EQ(folded, 0);
+  for_each_voxel(slabs, [&](const Vec3i& v, std::size_t) {
+    const Vec3i at = v + (v.z < 17 ? Vec3i(3, 0, 4) : Vec3i(-3, 0, -5));
+    ASSERT_EQ(dense[dense_index(at, dims)], v.z < 17 ? Vec3f(-3, 0, -4) : Vec3f(3, 0, 5)) << v;
+  });
 }
 
 TEST(PropertyDenseOffsets, AnotherGridReadsTheSameWorldVectors) {

@@ -8,7 +8,7 @@
 
 #include "volumes/field/dense/grid_positions.h"
 #include "volumes/field/dense/nearest_void.h"
-#include "volumes/field/dense/smooth_extension.h"
+#include "volumes/field/dense/unfolded_extension.h"
 #include "volumes/field/dense/vector_slabs.h"
 #include "volumes/field/ring_fill.h"
 #include "volumes/field/split_offsets.h"
@@ -35,15 +35,22 @@ Vec3i nearest_voxel(const Vec3d& pos) {
 /// What a grid point without material reads.
 class VoidOffsets {
  public:
-  VoidOffsets(const OffsetField& offsets, const BrickTopology& source, VoidMode mode)
+  VoidOffsets(const OffsetField& offsets, const BrickTopology& source, VoidMode mode,
+              const BrickTopology* elements)
       : m_source(source), m_dims(offsets.geometry.dims()), m_mode(mode) {
-    if (mode == VoidMode::extend) m_extension = std::make_unique<SmoothExtension>(offsets.o);
+    if (mode == VoidMode::extend) {
+      m_extension = std::make_unique<UnfoldedExtension>(offsets, elements);
+    }
     if (mode != VoidMode::nearest) return;
     // Source voxels that were left, and those that a reading between voxels may round to.
     const BrickTopology wanted = subtract(source, eroded(offsets.o.topology));
     m_nearest = nearest_void(source, wanted, m_dims, offsets.geometry.spacing_mm());
   }
 
+  /// Whether what the field holds there would fold in the air.
+  bool is_instead(const Vec3d& pos) const {
+    return m_extension != nullptr && m_extension->is_replaced(pos);
+  }
   Vec3d at(const Vec3d& pos) const {
     switch (m_mode) {
       case VoidMode::extend:
@@ -86,7 +93,7 @@ class VoidOffsets {
   Vec3i m_dims;
   VoidMode m_mode;
   VectorBricks m_nearest;
-  std::unique_ptr<SmoothExtension> m_extension;
+  std::unique_ptr<UnfoldedExtension> m_extension;
 };
 
 }  // namespace
@@ -110,17 +117,19 @@ bool is_same_lattice(const Geometry& grid, const GridPositions& positions, Vec3i
 }  // namespace
 
 VectorSliceSource dense_offsets(const OffsetField& offsets, const BrickTopology& source,
-                                const Geometry& grid, VoidMode mode) {
+                                const Geometry& grid, VoidMode mode,
+                                const BrickTopology* elements) {
   const GridPositions positions(grid, offsets.geometry);
-  const auto elsewhere = std::make_shared<const VoidOffsets>(offsets, source, mode);
+  const auto elsewhere = std::make_shared<const VoidOffsets>(offsets, source, mode, elements);
   const Vec3i& dims = grid.dims();
   const auto sampled = [&offsets, positions, elsewhere](int i, int j, int k) {
     const Vec3d pos = positions.at(i, j, k);
     Vec3d o(0);
-    if (is_on_lattice_range(pos) && !offsets.sample(pos, o)) o = elsewhere->at(pos);
+    if (!is_on_lattice_range(pos)) return o;
+    if (elsewhere->is_instead(pos) || !offsets.sample(pos, o)) o = elsewhere->at(pos);
     return o;
   };
-  Vec3i first;
+  Vec3i first(0);
   std::shared_ptr<VectorSlabs> slabs;
   if (is_same_lattice(grid, positions, first)) {
     slabs = std::make_shared<VectorSlabs>(
@@ -128,12 +137,13 @@ VectorSliceSource dense_offsets(const OffsetField& offsets, const BrickTopology&
           return split != nullptr && split->bricks().find(origin) >= 0;
         });
   }
-  return [&offsets, sampled, slabs, dims](int k, Vec3f* out) {
+  return [&offsets, sampled, slabs, dims, elsewhere, first](int k, Vec3f* out) {
     const Vec3f* const known = slabs == nullptr ? nullptr : slabs->slice(k);
     tbb::parallel_for(0, dims.y, [&](int j) {
       for (int i = 0; i < dims.x; ++i) {
         const std::size_t n = std::size_t(j) * dims.x + i;
-        const bool is_known = known != nullptr && !std::isnan(known[n].x);
+        const bool is_known = known != nullptr && !std::isnan(known[n].x) &&
+                              !elsewhere->is_instead(Vec3d(first + Vec3i(i, j, k)));
         const Vec3d o = is_known ? Vec3d(known[n]) : sampled(i, j, k);
         out[n] = Vec3f(offsets.geometry.world_vector_from_index(o));
       }

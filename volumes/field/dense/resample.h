@@ -21,7 +21,7 @@ namespace supple {
 enum class VoidMode {
   nearest,  // stays void: o = 0; vacated: the nearest void voxel of the source
   outside,  // void everywhere reads from outside the source box
-  extend    // the offsets of the material carry on smoothly, constant far away
+  extend    // the offsets of the material carry on smoothly, without folds, constant far away
 };
 
 /// Writes the vectors of slice k, dims.x * dims.y of them, i fastest, in mm, LPS.
@@ -32,9 +32,11 @@ using ScalarSliceSource = std::function<void(int k, float* out)>;
 /// The resample-direction field on `grid` (the source grid, or another one). `source` holds the
 /// elements and shell at rest: what is active there and not reached any more is vacated. Nearest in
 /// mm along the axes; where the source box holds no void voxel the vector is 0. Vectors are the
-/// world position of the source point minus that of the grid point.
+/// world position of the source point minus that of the grid point. `elements`: with `extend`, grid
+/// points that read others are air and give way where cells would fold (unfolded_extension.h).
 VectorSliceSource dense_offsets(const OffsetField& offsets, const BrickTopology& source,
-                                const Geometry& grid, VoidMode mode);
+                                const Geometry& grid, VoidMode mode,
+                                const BrickTopology* elements = nullptr);
 
 /// The material-direction field on the source grid: extended u, 0 where nothing is.
 VectorSliceSource dense_displacement(const Displacement& extended);
