@@ -89,19 +89,23 @@ TEST(UnitXpbd, TheForceOnAHolderIsTheMeanOverTheSubsteps) {
 }
 
 TEST(UnitXpbd, TheDeepestPenetrationOfAStepIsTold) {
-  // A node flies through two boxes that overlap by 1 mm and are 6 mm long: only the second of four
-  // substeps ends in both, where there is no way out.
+  // Nodes fly through two boxes each that overlap by 0.4, 1 and 0.4 mm and are 6 mm long: only the
+  // second of four substeps ends in both, where there is no way out.
   SpringSystem system = oscillator(1e-3, 0, 0, 5, 0);
   system.springs.clear();
-  system.pos_mm[1] = {-12, 0, 0};
-  system.velocity_mm_s[1] = {2400, 0, 0};
-  const auto box = [](double middle) {
-    return BoxShape{{0, 0, middle}, {Vec3d(3, 0, 0), Vec3d(0, 50, 0), Vec3d(0, 0, 10)}};
+  system.mass_kg.assign(4, 1e-3);
+  system.pos_mm = {{0, 200, 0}, {-12, 100, 0}, {-12, 0, 0}, {-12, -100, 0}};
+  system.velocity_mm_s.assign(4, {2400, 0, 0});
+  system.held[0].target_mm = system.pos_mm[0];
+  const auto add_box = [&](double y, double z) {
+    const std::array<Vec3d, 3> half_axes = {Vec3d(3, 0, 0), Vec3d(0, 40, 0), Vec3d(0, 0, 10)};
+    system.colliders.push_back({BoxShape{{0, y, z}, half_axes}});
   };
-  system.colliders = {{box(9.5)}, {box(-9.5)}};
-  system.held[0].target_mm = system.pos_mm[0] = {0, 200, 0};
+  for (const double y : {100.0, 0.0, -100.0}) {
+    for (const double side : {-1.0, 1.0}) add_box(y, side * (y == 0 ? 9.5 : 9.8));
+  }
   Xpbd xpbd(system, {4, 4});
   const SpringStepReport report = xpbd.step(0.01);
   EXPECT_NEAR(report.penetration_mm, 1, 1e-9);
-  EXPECT_EQ(report.contacts, 1);
+  EXPECT_EQ(report.contacts, 3);
 }
