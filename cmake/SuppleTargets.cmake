@@ -129,3 +129,12 @@ function(supple_add_tests name)
     endforeach()
   endforeach()
 endfunction()
+
+# supple_add_sanitized(NAME FILTER): quick tests of other labels that sanitized builds run, too.
+function(supple_add_sanitized name filter)
+  if(SUPPLE_SANITIZE)
+    add_test(NAME ${name}.sanitize COMMAND test_${name} --gtest_filter=${filter} --gtest_brief=1)
+    set_tests_properties(${name}.sanitize PROPERTIES LABELS sanitize TIMEOUT 900
+      FAIL_REGULAR_EXPRESSION "0 tests from 0 test suites")
+  endif()
+endfunction()

@@ -50,7 +50,7 @@ if [ "$sanitized" = 1 ]; then
   install_packages "${SUPPLE_CLANG[@]}"
   build_preset asan all -DSUPPLE_WERROR=ON
   say "testing build/asan (unit, property, fault)"
-  run_ctest asan -L 'unit|property|fault'
+  run_ctest asan -L 'unit|property|fault|sanitize'
   bash tools/fuzz.sh --seconds 5
 fi
 build_preset release all

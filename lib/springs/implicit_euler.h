@@ -9,8 +9,9 @@
 // Shapes bound the minimum: nodes on a surface that the forces press into it are fixed along its
 // normal within a Newton step, and every trial of the line search is projected out of the shapes
 // (D. Bertsekas, Projected Newton methods for optimization problems with simple constraints, 1982).
-// So their neighbours feel what they cannot do. Friction takes back slip at the end of the step, as
-// the impulse that belongs to the pressure.
+// Pressed nodes that a step moves along a curved surface are put back onto it. So their neighbours
+// feel what they cannot do. Friction takes back slip at the end of the step: pressed nodes balance
+// its force with what that does to their inertia and to the springs between them and around them.
 #pragma once
 
 #include "lib/springs/integrator.h"

@@ -21,7 +21,7 @@ namespace supple {
 
 struct SpringStepReport {
   int substeps = 0;
-  int halvings = 0;           // times that the energy guard halved the substep
+  int halvings = 0;           // of substeps, for the energy guard or a stiff barrier
   int iterations = 0;         // Newton steps, sweeps or back-solves, all substeps together
   double residual_mn = 0;     // what a solver left of the largest force on a node; implicit ones
   int contacts = 0;           // nodes that touched a shape, summed over substeps

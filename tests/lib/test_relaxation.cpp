@@ -269,8 +269,9 @@ TEST(ExtremesRelaxation, OffsetsStayWithinTheirRange) {
   ASSERT_TRUE(slot_of(body.elements, {0, 0, 0}, ends[0]));
   ASSERT_TRUE(slot_of(body.elements, {8, 0, 0}, ends[1]));
   for (const Slot end : ends) body.q[1].set(end, kMaxOffset);
-  Relaxation relaxation(body, SlotSet(std::vector<Slot>(ends, ends + 2)), {},
-                        params_of(RelaxMethod::accelerated, 0));
+  const SlotSet fixed(std::vector<Slot>(ends, ends + 2));
+  const Holds none;
+  Relaxation relaxation(body, fixed, none, params_of(RelaxMethod::accelerated, 0));
   for (int pass = 0; pass < 60; ++pass) {
     relaxation.pass();
     relaxation.store();

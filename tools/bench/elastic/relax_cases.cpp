@@ -265,27 +265,16 @@ std::vector<BenchRow> measure_descent(const std::vector<RelaxRow>& rows, const B
   return result;
 }
 
-/// The part of the volume that is left after so many passes.
-std::vector<BenchRow> measure_press(const std::vector<RelaxRow>& rows, const Body& rest,
-                                    Progress& cancel) {
+/// What `measure` does to the pressed or pulled body of each row, whose times it returns.
+template <class Measure>
+std::vector<BenchRow> measure_dragged(const std::vector<RelaxRow>& rows, const Body& rest,
+                                      Progress& cancel, const Measure& measure) {
   std::vector<BenchRow> result;
   for (const RelaxRow& row : rows) {
     DraggedBody start = press_or_pull(row, rest, cancel);
     BenchRow fields = row_of(row, rest);
     fields["volume_dragged"] = cell_volumes(start.body).ratio();
-    Relaxation relaxation(start.body, start.still, start.holds, params_of(row));
-    Times times;
-    for (int pass = 1; pass <= row.count; ++pass) {
-      report(&cancel, 0);
-      times.ms.push_back(time_ms([&] { relaxation.pass(); }));
-      const bool is_shown = pass == 10 || pass == 20 || pass == 50 || pass == 100;
-      if (!is_shown && pass != row.count) continue;
-      relaxation.store();
-      const double ratio = cell_volumes(start.body).ratio();
-      if (is_shown) fields["volume_" + std::to_string(pass)] = ratio;
-      if (pass == row.count) fields["volume_after"] = ratio;
-    }
-    fields["passes"] = row.count;
+    const Times times = measure(row, start, fields);
     fields["violations"] = check_links(start.body).violated;
     add_times(fields, times, row.threads);
     result.push_back(std::move(fields));
@@ -293,43 +282,59 @@ std::vector<BenchRow> measure_press(const std::vector<RelaxRow>& rows, const Bod
   return result;
 }
 
+/// The part of the volume that is left after so many passes.
+std::vector<BenchRow> measure_press(const std::vector<RelaxRow>& rows, const Body& rest,
+                                    Progress& cancel) {
+  return measure_dragged(
+      rows, rest, cancel, [&](const RelaxRow& row, DraggedBody& start, BenchRow& fields) {
+        Relaxation relaxation(start.body, start.still, start.holds, params_of(row));
+        Times times;
+        for (int pass = 1; pass <= row.count; ++pass) {
+          report(&cancel, 0);
+          times.ms.push_back(time_ms([&] { relaxation.pass(); }));
+          const bool is_shown = pass == 10 || pass == 20 || pass == 50 || pass == 100;
+          if (!is_shown && pass != row.count) continue;
+          relaxation.store();
+          const double ratio = cell_volumes(start.body).ratio();
+          if (is_shown) fields["volume_" + std::to_string(pass)] = ratio;
+          if (pass == row.count) fields["volume_after"] = ratio;
+        }
+        fields["passes"] = row.count;
+        return times;
+      });
+}
+
 /// The same start, tightened again and again.
 std::vector<BenchRow> measure_tighten(const std::vector<RelaxRow>& rows, const Body& rest,
                                       Progress& cancel) {
-  std::vector<BenchRow> result;
-  for (const RelaxRow& row : rows) {
-    DraggedBody start = press_or_pull(row, rest, cancel);
-    BenchRow fields = row_of(row, rest);
-    fields["volume_dragged"] = cell_volumes(start.body).ratio();
-    fields["relax_passes"] = row.count;
-    RelaxParams relaxing = params_of(row);
-    relaxing.passes = row.count;
-    if (row.count > 0) relax(start.body, {}, start.holds, relaxing, &cancel);
-    fields["volume_before"] = cell_volumes(start.body).ratio();
+  return measure_dragged(
+      rows, rest, cancel, [&](const RelaxRow& row, DraggedBody& start, BenchRow& fields) {
+        fields["relax_passes"] = row.count;
+        RelaxParams relaxing = params_of(row);
+        relaxing.passes = row.count;
+        if (row.count > 0) relax(start.body, {}, start.holds, relaxing, &cancel);
+        fields["volume_before"] = cell_volumes(start.body).ratio();
 
-    Body body;
-    TightenReport tightened;
-    Times times;
-    for (int n = 0; n < 20; ++n) {
-      body = start.body;
-      times.ms.push_back(
-          time_ms([&] { tightened = tighten(body, {}, start.holds, TightenParams(), &cancel); }));
-    }
-    const CellVolumes volumes = cell_volumes(body);
-    fields["volume_after"] = volumes.ratio();
-    fields["smallest_cell"] = volumes.smallest;
-    fields["largest_cell"] = volumes.largest;
-    fields["iterations"] = tightened.iterations;
-    fields["moved"] = tightened.moved;
-    fields["ns_per_moved"] = times.median() * 1e6 / double(tightened.moved);
-    fields["links"] = tightened.links;
-    fields["violated"] = tightened.violated;
-    fields["worst_excess_voxels"] = tightened.worst_excess_voxels;
-    fields["violations"] = check_links(body).violated;
-    add_times(fields, times, row.threads);
-    result.push_back(std::move(fields));
-  }
-  return result;
+        const Body before = start.body;
+        TightenReport tightened;
+        Times times;
+        for (int n = 0; n < 20; ++n) {
+          start.body = before;
+          times.ms.push_back(time_ms(
+              [&] { tightened = tighten(start.body, {}, start.holds, TightenParams(), &cancel); }));
+        }
+        const CellVolumes volumes = cell_volumes(start.body);
+        fields["volume_after"] = volumes.ratio();
+        fields["smallest_cell"] = volumes.smallest;
+        fields["largest_cell"] = volumes.largest;
+        fields["iterations"] = tightened.iterations;
+        fields["moved"] = tightened.moved;
+        fields["ns_per_moved"] = times.median() * 1e6 / double(tightened.moved);
+        fields["links"] = tightened.links;
+        fields["violated"] = tightened.violated;
+        fields["worst_excess_voxels"] = tightened.worst_excess_voxels;
+        return times;
+      });
 }
 
 }  // namespace supple::tools
