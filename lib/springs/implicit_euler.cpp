@@ -47,12 +47,14 @@ ImplicitEuler::ImplicitEuler(SpringSystem& system, const Params& params)
 
 /// Nodes that were pressed and moved along a curved surface stay on it.
 void ImplicitEuler::stay_on_shapes() {
+  constexpr double kSmooth = 0.9;
   for (const PressedNode& p : m_pressed) {
     Vec3d& pos = m_system.pos_mm[p.node];
     const double moved = (pos - m_before[p.node]).length();
     Vec3d normal(0.0);
     const double depth = depth_in(m_system.colliders[p.collider], pos, moved, normal);
-    if (depth < 0 && depth >= -moved) pos += normal * depth;
+    const bool is_smooth = normal.dot(p.normal) > kSmooth;  // no edge that it went over
+    if (depth < 0 && depth >= -moved && is_smooth) pos += normal * depth;
   }
 }
 
