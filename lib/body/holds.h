@@ -18,7 +18,7 @@ struct Bound {
 /// What the handles of earlier drags still hold in one body: elements of two-sided handles stay
 /// where they are; those of push handles stay at or beyond where they were pushed to.
 struct Holds {
-  SlotSet still;
+  SlotSet anchored;
   std::array<std::vector<Bound>, 3> at_least, at_most;  // per coordinate, ascending slots
 };
 

@@ -137,7 +137,7 @@ class BallDrag {
         page.u[n][c] = m_body.q[std::size_t(c)].brick_or_zero(b)[n] / kFixedOne;
       }
     }
-    for (const SlotSet* held : {&m_held.grabbed, m_held.fixed, &m_held.rest.still}) {
+    for (const SlotSet* held : {&m_held.grabbed, m_held.fixed, &m_held.rest.anchored}) {
       const BrickMask* mask = held->find(b);
       if (mask == nullptr) continue;
       for_each_active(*mask, [&](int offset) { mask_set(page.fixed, offset); });
@@ -357,7 +357,7 @@ BallReport drag_ball(Body& body, const std::vector<Handle>& handles,
   const FixedElements fixed = fix(body, anchors);
   const HeldVoxels held = hold(body, handles, fixed, holds);
   Holds next = held.rest;
-  next.still.add(held.grabbed);
+  next.anchored.add(held.grabbed);
 
   BallDrag drag(body, held, params, progress);
   drag.move_handles();

@@ -79,8 +79,8 @@ void CoordinateDrag::for_each_held(std::size_t brick, Direction direction, Visit
   const Slot first = Slot(brick * kBrickVoxels);
   const std::int32_t* saved = m_undo.saved_of(brick);
   const std::int32_t* before = saved != nullptr ? saved : m_values.brick_or_zero(brick);
-  for (const SlotSet* still : {m_held.fixed, &m_held.rest.still}) {
-    const BrickMask* mask = still->find(brick);
+  for (const SlotSet* anchored : {m_held.fixed, &m_held.rest.anchored}) {
+    const BrickMask* mask = anchored->find(brick);
     if (mask == nullptr) continue;
     for_each_active(*mask, [&](int offset) { visit(first + Slot(offset), before[offset]); });
   }

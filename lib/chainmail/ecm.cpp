@@ -104,10 +104,10 @@ void add_bounds(const std::vector<Bound>& places, std::int32_t by, std::vector<B
 /// What is held after the drag: the rest of the earlier holds, and its own handles.
 Holds holds_after(const HeldVoxels& held, const Fraction& fraction) {
   Holds holds = held.rest;
-  std::vector<SlotSet::Brick> still = holds.still.bricks();
+  std::vector<SlotSet::Brick> anchored = holds.anchored.bricks();
   for (const HeldHandle& handle : held.handles) {
     if (!handle.is_push()) {
-      still.insert(still.end(), handle.slots.bricks().begin(), handle.slots.bricks().end());
+      anchored.insert(anchored.end(), handle.slots.bricks().begin(), handle.slots.bricks().end());
       continue;
     }
     for (std::size_t c = 0; c < 3; ++c) {
@@ -116,7 +116,7 @@ Holds holds_after(const HeldVoxels& held, const Fraction& fraction) {
       add_bounds(handle.above[c], by, holds.at_most[c]);
     }
   }
-  holds.still = SlotSet(std::move(still));
+  holds.anchored = SlotSet(std::move(anchored));
   const auto by_slot = [](const Bound& a, const Bound& b) { return a.slot < b.slot; };
   for (auto* side : {&holds.at_least, &holds.at_most}) {
     for (std::vector<Bound>& bounds : *side) std::sort(bounds.begin(), bounds.end(), by_slot);

@@ -142,8 +142,8 @@ HeldVoxels hold(const Body& body, const std::vector<Handle>& handles, const Fixe
   require_free(body, held.handles, fixed, held.grabbed);
   held.fixed = &fixed.slots;
 
-  held.rest.still = earlier.still;
-  held.rest.still.remove(held.grabbed);
+  held.rest.anchored = earlier.anchored;
+  held.rest.anchored.remove(held.grabbed);
   for (std::size_t c = 0; c < 3; ++c) {
     held.rest.at_least[c] = without(earlier.at_least[c], held.grabbed);
     held.rest.at_most[c] = without(earlier.at_most[c], held.grabbed);

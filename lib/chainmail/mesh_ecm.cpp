@@ -167,23 +167,24 @@ MeshProjection MeshEcm::take_positions(const std::vector<NodeSet>& anchors, Prog
   MeshProjection projection;
   projection.violated_links = check(m_links, value).violated;
   if (projection.violated_links > 0) {
-    std::vector<Slot> still;
+    std::vector<Slot> anchored;
     NodeOwners owners(m_body.node_count());
     for (std::size_t a = 0; a < anchors.size(); ++a) {
       const std::vector<Slot> nodes = owners.claim(anchors[a], "anchor " + std::to_string(a), true);
-      still.insert(still.end(), nodes.begin(), nodes.end());
+      anchored.insert(anchored.end(), nodes.begin(), nodes.end());
     }
     std::array<std::vector<std::int32_t>, 3> before;
     for (std::size_t c = 0; c < 3; ++c) {
-      for (const Slot node : still) before[c].push_back(m_values[c].value(node));
+      for (const Slot node : anchored) before[c].push_back(m_values[c].value(node));
     }
     for (MeshValues& values : m_values) {
-      const std::int64_t largest = values.project(still, progress);
+      const std::int64_t largest = values.project(anchored, progress);
       projection.max_move_mm = std::max(projection.max_move_mm, double(largest) * kUnitMm);
     }
-    for (std::size_t n = 0; n < still.size(); ++n) {
+    for (std::size_t n = 0; n < anchored.size(); ++n) {
       bool has_moved = false;
-      for (std::size_t c = 0; c < 3; ++c) has_moved |= m_values[c].value(still[n]) != before[c][n];
+      for (std::size_t c = 0; c < 3; ++c)
+        has_moved |= m_values[c].value(anchored[n]) != before[c][n];
       projection.held_moved += has_moved;
     }
   }
@@ -248,9 +249,9 @@ MeshLinkCheck MeshEcm::check_links() const {
   return check(m_links, [&](Slot node, int c) { return offsets[node][std::size_t(c)]; });
 }
 
-MeshProjection MeshEcm::project(const std::vector<NodeSet>& still, Progress* progress) {
+MeshProjection MeshEcm::project(const std::vector<NodeSet>& anchored, Progress* progress) {
   if (holds_positions()) return {};
-  const MeshProjection projection = take_positions(still, progress);
+  const MeshProjection projection = take_positions(anchored, progress);
   give_positions(true);
   return projection;
 }

@@ -84,9 +84,9 @@ class MeshEcm {
   /// Of the body's present positions. 16 to 28 ns per link. Throws InputError as drag.
   MeshLinkCheck check_links() const;
   /// Rounds the body's positions to 2^-16 mm and, when they break limits, projects them to
-  /// floor((L + U) / 2): valid, with the smallest possible largest move; nodes of `still` keep
+  /// floor((L + U) / 2): valid, with the smallest possible largest move; nodes of `anchored` keep
   /// their places where the links allow that for all of them. Throws InputError as drag.
-  MeshProjection project(const std::vector<NodeSet>& still = {}, Progress* progress = nullptr);
+  MeshProjection project(const std::vector<NodeSet>& anchored = {}, Progress* progress = nullptr);
 
   /// Memory of this object; the body's not included.
   std::size_t bytes() const;

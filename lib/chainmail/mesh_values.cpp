@@ -21,12 +21,12 @@ PropagationCounts MeshValues::run(Direction direction, const std::vector<Seed>& 
   return counts;
 }
 
-std::int64_t MeshValues::project(const std::vector<Slot>& still, Progress* progress) {
+std::int64_t MeshValues::project(const std::vector<Slot>& anchored, Progress* progress) {
   std::vector<Seed> present(m_q.size());
   for (Slot node = 0; node < m_q.size(); ++node) present[node] = {node, m_q[node]};
   run(Direction::raise, present, progress);
   std::vector<Seed> held;
-  for (const Slot node : still) held.push_back(present[node]);
+  for (const Slot node : anchored) held.push_back(present[node]);
   std::vector<std::int32_t> above = m_q;
   run(Direction::lower, held, progress);
   std::vector<std::int32_t> above_held = m_q;

@@ -45,7 +45,7 @@ class MeshValues {
   /// Replaces invalid values by floor((L + U) / 2), L the least valid majorant and U the greatest
   /// valid minorant (project.cpp). Returns the largest move. Throws Cancelled, with values that
   /// mean nothing.
-  std::int64_t project(const std::vector<Slot>& still, Progress* progress);
+  std::int64_t project(const std::vector<Slot>& anchored, Progress* progress);
 
   /// Nodes that were set, each once, in order of their first change.
   const std::vector<Change>& changes() const { return m_changes; }

@@ -32,9 +32,9 @@ void average(BrickValues& above, const BrickValues& below) {
   }
 }
 
-HeldBounds held_bounds(const Body& body, int c, const SlotSet& still, const Holds& held) {
+HeldBounds held_bounds(const Body& body, int c, const SlotSet& anchored, const Holds& held) {
   HeldBounds bounds;
-  still.for_each([&](Slot slot) { bounds.least.push_back({slot, body.q[c].at(slot)}); });
+  anchored.for_each([&](Slot slot) { bounds.least.push_back({slot, body.q[c].at(slot)}); });
   bounds.most = bounds.least;
   for (const Bound& bound : held.at_least[c]) bounds.least.push_back({bound.slot, bound.value});
   for (const Bound& bound : held.at_most[c]) bounds.most.push_back({bound.slot, bound.value});
@@ -86,19 +86,19 @@ ProjectionReport project(Body& body, const SlotSet& fixed, const Holds& held) {
   ProjectionReport report;
   report.violated_links = check_links(body).violated;
   if (report.violated_links > 0) {
-    SlotSet still = held.still;
-    still.add(fixed);
+    SlotSet anchored = held.anchored;
+    anchored.add(fixed);
     Propagator propagator(body);
     std::array<BrickValues, 3> valid;
     std::int64_t largest = 0;
     for (int c = 0; c < 3; ++c) {
       if (body.q[c].empty()) continue;
-      valid[c] = projected(body.q[c], c, held_bounds(body, c, still, held), propagator);
+      valid[c] = projected(body.q[c], c, held_bounds(body, c, anchored, held), propagator);
       largest = std::max(largest, largest_move(body.q[c], valid[c]));
     }
     report.max_move_voxels = double(largest) / kFixedOne;
     body.q.swap(valid);
-    still.for_each([&](Slot slot) {
+    anchored.for_each([&](Slot slot) {
       bool has_moved = false;
       for (int c = 0; c < 3; ++c) has_moved |= body.q[c].at(slot) != valid[c].at(slot);
       report.held_moved += has_moved;

@@ -17,10 +17,10 @@ constexpr double kLeastGain = 0.01;
 
 class Tightening {
  public:
-  Tightening(Body& body, const SlotSet& still, const Holds& held, const TightenParams& params,
+  Tightening(Body& body, const SlotSet& anchored, const Holds& held, const TightenParams& params,
              Progress* progress)
       : m_body(body),
-        m_still(still),
+        m_anchored(anchored),
         m_held(held),
         m_params(params),
         m_progress(progress),
@@ -167,7 +167,7 @@ class Tightening {
                            [](const Bound& bound, Slot wanted) { return bound.slot < wanted; });
       return found != list.end() && found->slot == slot;
     };
-    return m_still.contains(slot) || bounds(m_held.at_least[std::size_t(c)]) ||
+    return m_anchored.contains(slot) || bounds(m_held.at_least[std::size_t(c)]) ||
            bounds(m_held.at_most[std::size_t(c)]);
   }
 
@@ -177,7 +177,7 @@ class Tightening {
     for (std::size_t c = 0; c < 3; ++c) {
       const BrickValues& q = m_body.q[c];
       HeldBounds& bounds = m_bounds[c];
-      m_still.for_each([&](Slot slot) { bounds.least.push_back({slot, q.at(slot)}); });
+      m_anchored.for_each([&](Slot slot) { bounds.least.push_back({slot, q.at(slot)}); });
       bounds.most = bounds.least;
       for (const Bound& bound : m_held.at_least[c]) {
         bounds.least.push_back({bound.slot, std::min(bound.value, q.at(bound.slot))});
@@ -189,7 +189,7 @@ class Tightening {
   }
 
   Body& m_body;
-  const SlotSet& m_still;
+  const SlotSet& m_anchored;
   const Holds& m_held;
   const TightenParams& m_params;
   Progress* m_progress;
@@ -217,16 +217,16 @@ TightenReport tighten(Body& body, const std::vector<Region>& fixed, const Holds&
   const auto begin = std::chrono::steady_clock::now();
   params.validate();
   TightenReport result;
-  SlotSet still = held.still;
-  for (const Region& region : fixed) still.add(elements_of(body, region, "fix"));
+  SlotSet anchored = held.anchored;
+  for (const Region& region : fixed) anchored.add(elements_of(body, region, "fix"));
   if (!body.links_known_valid) {
-    const ProjectionReport projection = project(body, still, held);
+    const ProjectionReport projection = project(body, anchored, held);
     result.projected_links = projection.violated_links;
     result.projected_max_voxels = projection.max_move_voxels;
     result.projected_held = projection.held_moved;
   }
 
-  Tightening tightening(body, still, held, params, progress);
+  Tightening tightening(body, anchored, held, params, progress);
   tightening.run(result);
   result.moved = tightening.commit();
   result.milliseconds =

@@ -20,7 +20,7 @@ struct HeldBody {
 struct HeldMesh {
   MeshBody& body;
   const std::vector<NodeSet>& anchors;  // fixed
-  NodeSet& still;                       // what handles hold; models add theirs
+  NodeSet& anchored;                    // what handles hold; models add theirs
 };
 
 /// Adds nodes to a set that stays ascending, each once.

@@ -14,13 +14,13 @@ void MeshEcmModel::move(const std::vector<MeshHandle>& handles, int, Progress* p
   }
   // What is held stays through the projection, also what is grabbed anew.
   std::vector<NodeSet> anchors = m_held.anchors;
-  if (!m_held.still.empty()) anchors.push_back(m_held.still);
+  if (!m_held.anchored.empty()) anchors.push_back(m_held.anchored);
   const std::vector<Vec3d> before = m_held.body.pos_mm;
   const MeshProjection projection = m_ecm.project(anchors, progress);
-  NodeSet still = m_held.still;
-  remove_nodes(still, grabbed);
+  NodeSet anchored = m_held.anchored;
+  remove_nodes(anchored, grabbed);
   anchors = m_held.anchors;
-  if (!still.empty()) anchors.push_back(still);
+  if (!anchored.empty()) anchors.push_back(anchored);
   try {
     m_report = m_ecm.drag(handles, anchors, progress);
   } catch (...) {
@@ -28,8 +28,8 @@ void MeshEcmModel::move(const std::vector<MeshHandle>& handles, int, Progress* p
     throw;
   }
   m_report.projection = projection;
-  add_nodes(still, follows);
-  m_held.still = std::move(still);
+  add_nodes(anchored, follows);
+  m_held.anchored = std::move(anchored);
 }
 
 }  // namespace supple

@@ -10,9 +10,9 @@ namespace supple {
 RelaxModel::RelaxModel(const HeldBody& held, const RelaxParams& params)
     : m_held(held), m_params(params), m_begin(std::chrono::steady_clock::now()) {
   params.validate();
-  m_still = still_elements(held.body, held.anchors, held.holds);
+  m_anchored = anchored_elements(held.body, held.anchors, held.holds);
   if (!held.body.links_known_valid) {
-    const ProjectionReport projection = project(held.body, m_still, held.holds);
+    const ProjectionReport projection = project(held.body, m_anchored, held.holds);
     m_report.projected_links = projection.violated_links;
     m_report.projected_max_voxels = projection.max_move_voxels;
     m_report.projected_held = projection.held_moved;
@@ -26,7 +26,7 @@ void RelaxModel::begin() {
   if (m_params.bulk_modulus_kpa > 0 && !m_report.volumes_before) {
     m_report.volumes_before = cell_volumes(m_held.body);
   }
-  m_relaxation = std::make_unique<Relaxation>(m_held.body, m_still, m_held.holds, m_params);
+  m_relaxation = std::make_unique<Relaxation>(m_held.body, m_anchored, m_held.holds, m_params);
 }
 
 /// The offsets to the body.
@@ -38,7 +38,7 @@ void RelaxModel::put() {
 void RelaxModel::move(const std::vector<Handle>& handles, int, Progress* progress) {
   put();
   m_drag = EcmSolver(m_held.body).drag(handles, m_held.anchors, m_held.holds, progress);
-  m_still = still_elements(m_held.body, m_held.anchors, m_held.holds);
+  m_anchored = anchored_elements(m_held.body, m_held.anchors, m_held.holds);
   begin();
 }
 

@@ -56,7 +56,7 @@ class RelaxModel final : public Model<Handle> {
 
   HeldBody m_held;
   RelaxParams m_params;
-  SlotSet m_still;
+  SlotSet m_anchored;
   std::unique_ptr<Relaxation> m_relaxation;
   RelaxReport m_report;
   EcmReport m_drag;

@@ -55,12 +55,12 @@ void VoxelSpringModel::move(const std::vector<Handle>& handles, int steps, Progr
       by_mm += body.geometry.axes_mm()[c] * (handle.by(c) / kFixedOne);
     }
     driven.push_back({nodes_of(handle.slots), by_mm});
-    holds.still.add(handle.slots);
+    holds.anchored.add(handle.slots);
   }
-  std::vector<int> still = nodes_of(fixed.slots);
-  const std::vector<int> earlier = nodes_of(found.rest.still);
-  still.insert(still.end(), earlier.begin(), earlier.end());
-  m_motion.move(still, std::move(driven), steps);
+  std::vector<int> anchored = nodes_of(fixed.slots);
+  const std::vector<int> earlier = nodes_of(found.rest.anchored);
+  anchored.insert(anchored.end(), earlier.begin(), earlier.end());
+  m_motion.move(anchored, std::move(driven), steps);
   m_held.holds = std::move(holds);
 }
 
@@ -104,14 +104,14 @@ void MeshSpringModel::move(const std::vector<MeshHandle>& handles, int steps, Pr
         owners.claim(m_held.anchors[a], "anchor " + std::to_string(a), true);
     fixed.insert(fixed.end(), nodes.begin(), nodes.end());
   }
-  for (const int node : m_held.still) {
+  for (const int node : m_held.anchored) {
     if (node >= 0 && std::size_t(node) < m_system.node_count()) continue;
     throw InputError({"", "held nodes", "node " + std::to_string(node),
                       "an index below " + std::to_string(m_system.node_count())});
   }
-  fixed.insert(fixed.end(), m_held.still.begin(), m_held.still.end());
+  fixed.insert(fixed.end(), m_held.anchored.begin(), m_held.anchored.end());
   m_motion.move(fixed, std::move(driven), steps);
-  add_nodes(m_held.still, grabbed);
+  add_nodes(m_held.anchored, grabbed);
 }
 
 std::vector<Reaction> MeshSpringModel::reactions(const std::vector<MeshHandle>& handles) {

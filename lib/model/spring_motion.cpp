@@ -48,9 +48,9 @@ SpringMotion::SpringMotion(SpringSystem& system, const MotionParams& params)
   }
 }
 
-void SpringMotion::move(const std::vector<int>& still, std::vector<DrivenNodes> handles,
+void SpringMotion::move(const std::vector<int>& anchored, std::vector<DrivenNodes> handles,
                         int steps) {
-  std::vector<int> held = still;
+  std::vector<int> held = anchored;
   for (const DrivenNodes& handle : handles) {
     held.insert(held.end(), handle.nodes.begin(), handle.nodes.end());
   }

@@ -43,9 +43,9 @@ class SpringMotion {
   /// validate() of params and system.
   SpringMotion(SpringSystem& system, const MotionParams& params);
 
-  /// Holds the nodes of `still`, and those of the handles, which go evenly over the next `steps`
+  /// Holds the nodes of `anchored`, and those of the handles, which go evenly over the next `steps`
   /// steps, at least 1; lets all others go. Indices in any order.
-  void move(const std::vector<int>& still, std::vector<DrivenNodes> handles, int steps);
+  void move(const std::vector<int>& anchored, std::vector<DrivenNodes> handles, int steps);
   /// False when a minimum is reached. Throws Cancelled, the system as it was before the step.
   bool step(const Progress* progress = nullptr);
   ModelEnergy energy() const;

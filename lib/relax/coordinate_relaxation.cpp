@@ -29,8 +29,9 @@ BrickMask chessboard(int colour) {
 
 }  // namespace
 
-CoordinateRelaxation::CoordinateRelaxation(const Body& body, int coordinate, const SlotSet& still,
-                                           const Holds& held, RelaxMethod method)
+CoordinateRelaxation::CoordinateRelaxation(const Body& body, int coordinate,
+                                           const SlotSet& anchored, const Holds& held,
+                                           RelaxMethod method)
     : m_body(body),
       m_at_least(held.at_least[std::size_t(coordinate)]),
       m_at_most(held.at_most[std::size_t(coordinate)]),
@@ -39,7 +40,7 @@ CoordinateRelaxation::CoordinateRelaxation(const Body& body, int coordinate, con
               method == RelaxMethod::plain ? RigidLinks::springs : RigidLinks::absent),
       m_is_plastic(m_table.has_yield() || has_rest(body, coordinate)),
       m_extent(largest_extent(body.elements)),
-      m_elements(find_movable(body, m_table, still, method != RelaxMethod::plain)),
+      m_elements(find_movable(body, m_table, anchored, method != RelaxMethod::plain)),
       m_now(fine_offsets(body, m_table, held)),
       m_next(body.elements.brick_count()),
       m_changed(body.elements.brick_count(), 0),

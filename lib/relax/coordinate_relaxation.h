@@ -14,8 +14,8 @@ namespace supple {
 
 class CoordinateRelaxation {
  public:
-  /// `still` stays where it is; `bounds` hold elements at or beyond them. All outlive this.
-  CoordinateRelaxation(const Body& body, int coordinate, const SlotSet& still, const Holds& held,
+  /// `anchored` stays where it is; `bounds` hold elements at or beyond them. All outlive this.
+  CoordinateRelaxation(const Body& body, int coordinate, const SlotSet& anchored, const Holds& held,
                        RelaxMethod method);
 
   /// The largest step, 2^-32 voxel.

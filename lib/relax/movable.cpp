@@ -38,13 +38,13 @@ std::size_t Movable::bytes() const {
   return rigid.bytes() + (movable.capacity() + single.capacity()) * sizeof(BrickMask);
 }
 
-Movable find_movable(const Body& body, const LinkTable& table, const SlotSet& still,
+Movable find_movable(const Body& body, const LinkTable& table, const SlotSet& anchored,
                      bool has_clusters) {
   Movable elements;
   for (std::size_t b = 0; b < body.elements.brick_count(); ++b) {
     elements.movable.push_back(body.elements.mask(b));
   }
-  still.for_each([&](Slot slot) { clear_bit(elements.movable, slot); });
+  anchored.for_each([&](Slot slot) { clear_bit(elements.movable, slot); });
   elements.single = elements.movable;
   if (has_clusters && table.has_rigid()) find_rigid_clusters(body, table, elements);
   return elements;

@@ -27,7 +27,7 @@ struct Movable {
 
 /// In the coordinate of the table. A cluster with an element that is held, is held; without
 /// `has_clusters` every element steps on its own.
-Movable find_movable(const Body& body, const LinkTable& table, const SlotSet& still,
+Movable find_movable(const Body& body, const LinkTable& table, const SlotSet& anchored,
                      bool has_clusters);
 
 /// Whether some spring of the coordinate rests elsewhere than in the undeformed body.

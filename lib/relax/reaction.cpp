@@ -52,7 +52,7 @@ SlotSet held_in(const Body& body, int c, const SlotSet& fixed, const Holds& held
   }
   SlotSet result(std::move(at_bound));
   result.add(fixed);
-  result.add(held.still);
+  result.add(held.anchored);
   return result;
 }
 

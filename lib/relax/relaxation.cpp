@@ -135,10 +135,10 @@ void Relaxation::store() {
   }
 }
 
-SlotSet still_elements(const Body& body, const std::vector<Region>& fixed, const Holds& held) {
-  SlotSet still = held.still;
-  for (const Region& region : fixed) still.add(elements_of(body, region, "fix"));
-  return still;
+SlotSet anchored_elements(const Body& body, const std::vector<Region>& fixed, const Holds& held) {
+  SlotSet anchored = held.anchored;
+  for (const Region& region : fixed) anchored.add(elements_of(body, region, "fix"));
+  return anchored;
 }
 
 std::size_t Relaxation::bytes() const {

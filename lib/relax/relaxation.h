@@ -96,6 +96,6 @@ class Relaxation {
 
 /// The elements that stay: those of the regions and of two-sided handles. Throws InputError: a
 /// region without element.
-SlotSet still_elements(const Body& body, const std::vector<Region>& fixed, const Holds& held);
+SlotSet anchored_elements(const Body& body, const std::vector<Region>& fixed, const Holds& held);
 
 }  // namespace supple

@@ -26,7 +26,7 @@ struct VolumeRelaxation::BrickData {
   BrickRest rest[3];
 };
 
-VolumeRelaxation::VolumeRelaxation(const Body& body, const SlotSet& still, const Holds& held,
+VolumeRelaxation::VolumeRelaxation(const Body& body, const SlotSet& anchored, const Holds& held,
                                    const RelaxParams& params)
     : m_body(body),
       m_held(held),
@@ -42,7 +42,7 @@ VolumeRelaxation::VolumeRelaxation(const Body& body, const SlotSet& still, const
   m_clusters.reserve(3);
   for (int c = 0; c < 3; ++c) {
     LinkTable table(body, c, RigidLinks::absent);
-    Movable elements = find_movable(body, table, still, true);
+    Movable elements = find_movable(body, table, anchored, true);
     m_coordinates.push_back({std::move(table), std::move(elements), spacing[c] / kFineVoxel});
     const double weight = stiffness / (spacing[c] * spacing[c]);
     m_weight[std::size_t(c)] = weight / (kFineCell * kFineCell) * (kFineVoxel * kFineVoxel);

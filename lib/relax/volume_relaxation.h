@@ -28,9 +28,9 @@ namespace supple {
 
 class VolumeRelaxation {
  public:
-  /// `still` stays where it is; `held` bounds elements. All outlive this. Of params, `method`
+  /// `anchored` stays where it is; `held` bounds elements. All outlive this. Of params, `method`
   /// (red_black: no over-relaxation, or accelerated) and bulk_modulus_kpa > 0 count.
-  VolumeRelaxation(const Body& body, const SlotSet& still, const Holds& held,
+  VolumeRelaxation(const Body& body, const SlotSet& anchored, const Holds& held,
                    const RelaxParams& params);
 
   /// The largest step, in voxels.

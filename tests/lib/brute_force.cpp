@@ -192,7 +192,7 @@ Wide BruteForce::missing(int c, const Grab& a, const Grab& b) const {
 
 std::optional<Wide> BruteForce::tool_at(int c, bool lower, const Grab& grab, int node) const {
   for (const Kept& kept : m_kept) {
-    if (kept.node != node || kept.still) continue;
+    if (kept.node != node || kept.anchored) continue;
     const bool is_below = kept.least[c] > -kNoPath, is_above = kept.most[c] < kNoPath;
     if (!is_below && !is_above) break;
     if (lower != is_below) return {};
@@ -217,7 +217,7 @@ std::vector<BruteForce::Limit> BruteForce::limits(int c, bool lower, const std::
   }
   for (const Kept& kept : m_kept) {
     if (grabbed[std::size_t(kept.node)]) continue;
-    const Wide bound = kept.still ? q[c][kept.node] : lower ? kept.least[c] : kept.most[c];
+    const Wide bound = kept.anchored ? q[c][kept.node] : lower ? kept.least[c] : kept.most[c];
     if (bound > -kNoPath && bound < kNoPath) list.push_back({kept.node, bound, 0, false});
   }
   return list;

@@ -70,7 +70,7 @@ class BruteForce {
   /// A node that an earlier drag holds: where it is, or by a bound per coordinate.
   struct Kept {
     int node;
-    bool still;
+    bool anchored;
     std::array<Wide, 3> least, most;
   };
   std::vector<Wide> relax(int c, int source, bool from) const;

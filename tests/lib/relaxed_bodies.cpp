@@ -64,7 +64,7 @@ RelaxParams to_rest(double kpa) {
 }
 
 Relaxation relaxation_of(Dragged& dragged, const RelaxParams& params) {
-  return Relaxation(dragged.body, still_elements(dragged.body, dragged.anchors, dragged.holds),
+  return Relaxation(dragged.body, anchored_elements(dragged.body, dragged.anchors, dragged.holds),
                     dragged.holds, params);
 }
 
@@ -72,10 +72,10 @@ int expect_held_through(Dragged dragged, const RelaxParams& params) {
   const Body before = dragged.body;
   const Body& after = dragged.body;
   relax(dragged.body, dragged.anchors, dragged.holds, params);
-  const SlotSet still = still_elements(before, dragged.anchors, dragged.holds);
+  const SlotSet anchored = anchored_elements(before, dragged.anchors, dragged.holds);
   int at_bound = 0;
   for (std::size_t c = 0; c < 3; ++c) {
-    still.for_each([&](Slot slot) { EXPECT_EQ(after.q[c].at(slot), before.q[c].at(slot)); });
+    anchored.for_each([&](Slot slot) { EXPECT_EQ(after.q[c].at(slot), before.q[c].at(slot)); });
     for (const Bound& bound : dragged.holds.at_least[c]) {
       EXPECT_GE(after.q[c].at(bound.slot), bound.value) << name_of(params.method);
       at_bound += after.q[c].at(bound.slot) == bound.value;

@@ -210,7 +210,7 @@ TEST(PropertyBallLimits, WhatEarlierDragsHoldStays) {
   drag_ball(body, {{Vec3i(15, 0, 0), by_voxels(1, 3, 0)}}, {}, holds, {});
   EXPECT_EQ(body.offset({0, 0, 0}, 1), 2 * kVoxel);
   EXPECT_EQ(body.offset({0, 0, 0}, 0), 0);
-  EXPECT_EQ(holds.still.size(), 2u);
+  EXPECT_EQ(holds.anchored.size(), 2u);
 }
 
 TEST(PropertyBallLimits, OnlyBricksThatMoveAreStored) {

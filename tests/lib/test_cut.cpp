@@ -251,17 +251,17 @@ TEST(PropertyCuts, TheSidesOfAPlaneCutMoveIndependently) {
     const int grabbed = random_element(random, block);
     drag(body, {Handle(block.voxel(grabbed), {4000000, -4000000, 4000000})}, {});
     const double side = normal.dot(Vec3d(block.voxel(grabbed)) - middle);
-    int moved = 0, still = 0;
+    int moved = 0, anchored = 0;
     for_each_element(body.elements, [&](Slot slot) {
       const Vec3i voxel = voxel_of(body.elements, slot);
       const bool same_side = normal.dot(Vec3d(voxel) - middle) * side > 0;
       const bool at_rest =
           body.offset(voxel, 0) == 0 && body.offset(voxel, 1) == 0 && body.offset(voxel, 2) == 0;
       EXPECT_EQ(at_rest, !same_side) << voxel;
-      (at_rest ? still : moved) += 1;
+      (at_rest ? anchored : moved) += 1;
     });
     EXPECT_GT(moved, 100);
-    EXPECT_GT(still, 100);
+    EXPECT_GT(anchored, 100);
     if (HasFailure()) FAIL() << "case " << n;
   }
 }

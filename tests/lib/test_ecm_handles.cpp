@@ -134,7 +134,7 @@ TEST(PropertyRegions, AFailedDragHoldsWhatWasHeldBefore) {
   EXPECT_NE(input_error([&] { drag(body, {grab(40, kVoxel)}, {}, holds); }), "");
   ASSERT_EQ(holds.at_least[0].size(), 1u);
   EXPECT_EQ(holds.at_least[0][0].value, kVoxel);
-  EXPECT_EQ(holds.still.size(), 1u);
+  EXPECT_EQ(holds.anchored.size(), 1u);
 }
 
 TEST(UnitRegions, ConflictsBetweenRegionsNameBothAndTheVoxelsInBetween) {
@@ -189,7 +189,7 @@ TEST(ExtremesRegions, AHundredThousandVoxelsMoveAsOneAndStopAtAnchors) {
   const IndexBox region{{4, 3, 3}, {53, 52, 42}};
   Holds holds;
   EXPECT_EQ(drag(body, {{region, {3 * kVoxel, kVoxel, 0}}}, {}, holds).fraction(), 1);
-  EXPECT_EQ(holds.still.size(), 100000u);
+  EXPECT_EQ(holds.anchored.size(), 100000u);
   EXPECT_EQ(body.offset(region.lo, 0), 3 * kVoxel);
   EXPECT_EQ(body.offset(region.hi, 0), 3 * kVoxel);
   EXPECT_EQ(check_links(body).violated, 0);
@@ -197,7 +197,7 @@ TEST(ExtremesRegions, AHundredThousandVoxelsMoveAsOneAndStopAtAnchors) {
   const EcmReport report = drag(body, {{region, {90 * kVoxel, 0, 0}, HandleKind::push}},
                                 {{{63, 0, 0}, {63, 55, 55}}}, holds);
   EXPECT_LT(report.fraction(), 1);
-  EXPECT_EQ(holds.still.size(), 0u);
+  EXPECT_EQ(holds.anchored.size(), 0u);
   EXPECT_EQ(holds.at_least[0].size(), 100000u);
   EXPECT_EQ(check_links(body).violated, 0);
 }

@@ -214,9 +214,9 @@ TEST(PropertyProjection, WhatIsHeldKeepsItsPlaceWhereTheLinksAllowIt) {
   for (int n = 0; n < 60; ++n) {
     Dragged start = dragged(random, {9, 8, 7});
     Body& body = start.body;
-    const SlotSet fixed = still_elements(body, start.anchors, {});
+    const SlotSet fixed = anchored_elements(body, start.anchors, {});
     SlotSet held = fixed;
-    held.add(start.holds.still);
+    held.add(start.holds.anchored);
     for (std::size_t c = 0; c < 3; ++c) {
       for (const auto* bounds : {&start.holds.at_least[c], &start.holds.at_most[c]}) {
         std::vector<Slot> slots;
@@ -235,8 +235,8 @@ TEST(PropertyProjection, WhatIsHeldKeepsItsPlaceWhereTheLinksAllowIt) {
     EXPECT_EQ(check_links(body).violated, 0);
     EXPECT_EQ(report.held_moved, 0);
     for (std::size_t c = 0; c < 3; ++c) {
-      for (const SlotSet* still : {&fixed, static_cast<const SlotSet*>(&start.holds.still)}) {
-        still->for_each([&](Slot at) { EXPECT_EQ(body.q[c].at(at), before.q[c].at(at)); });
+      for (const SlotSet* anchored : {&fixed, static_cast<const SlotSet*>(&start.holds.anchored)}) {
+        anchored->for_each([&](Slot at) { EXPECT_EQ(body.q[c].at(at), before.q[c].at(at)); });
       }
       for (const Bound& bound : start.holds.at_least[c]) {
         EXPECT_GE(body.q[c].at(bound.slot), bound.value);

@@ -345,7 +345,7 @@ TEST(PropertyModels, AMoveThatFailsMovesNothing) {
     EXPECT_NE(input_error([&] { model->move({{{0, 1, 1}, {1, 0, 0}}}, 1, nullptr); }), "");
     model->store();
     EXPECT_EQ(scene.body.q, before.q) << kind;
-    EXPECT_EQ(scene.holds.still.size(), 1u) << kind;
+    EXPECT_EQ(scene.holds.anchored.size(), 1u) << kind;
   }
 }
 
@@ -408,15 +408,15 @@ TEST(PropertyModels, BadParametersAreErrors) {
 TEST(PropertyModels, AMeshBodyGoesFromEcmToSpringsAndBack) {
   MeshBody body = make_mesh_body(sheet(15, 15, 2));
   const std::vector<NodeSet> rim = {{0, 14, 210, 224}};
-  NodeSet still;
-  const HeldMesh held{body, rim, still};
+  NodeSet anchored;
+  const HeldMesh held{body, rim, anchored};
   const MeshLimits limits{1.1, 0.9, 0.3};
   {
     MeshEcmModel ecm(held, limits);
     ecm.move({{{112}, {1.5, 0, 3}}}, 1, nullptr);
     EXPECT_GT(ecm.report().moved, 20);
   }
-  EXPECT_EQ(still, NodeSet{112});
+  EXPECT_EQ(anchored, NodeSet{112});
   const Vec3d grabbed = body.pos_mm[112];
   const std::vector<Vec3d> dragged = body.pos_mm;
   MeshSpringModel springs(held, {}, motion(SpringMethod::implicit, 1e-2));
@@ -432,7 +432,7 @@ TEST(PropertyModels, AMeshBodyGoesFromEcmToSpringsAndBack) {
   run_model(springs, 4);
   EXPECT_NEAR((body.pos_mm[50] - start - Vec3d(0, 0, 1)).length(), 0, 1e-12);
   EXPECT_LT(springs.reactions(handles)[1].force_n.z, 0);
-  EXPECT_EQ(still, (NodeSet{50, 112}));
+  EXPECT_EQ(anchored, (NodeSet{50, 112}));
   {
     MeshEcmModel ecm(held, limits);
     const double z = body.pos_mm[112].z;
@@ -444,13 +444,13 @@ TEST(PropertyModels, AMeshBodyGoesFromEcmToSpringsAndBack) {
     EXPECT_EQ(ecm.report().projection.held_moved, 0);
     EXPECT_NEAR(body.pos_mm[112].z, z, 1.0 / kVoxel);
     EXPECT_NEAR(body.pos_mm[50].z, start.z + 1 + 0.5, 2.0 / kVoxel);
-    EXPECT_EQ(still, (NodeSet{50, 112}));
+    EXPECT_EQ(anchored, (NodeSet{50, 112}));
   }
   const std::vector<Vec3d> before = body.pos_mm;
   MeshSpringModel again(held, {}, motion(SpringMethod::implicit, 1e-2));
   EXPECT_NE(input_error([&] { again.move({{{3}, {0, NAN, 0}}}, 1, nullptr); }), "");
   EXPECT_NE(input_error([&] { again.move({{{999}, {0, 1, 0}}}, 1, nullptr); }), "");
   EXPECT_EQ(body.pos_mm, before);
-  still.push_back(999);
+  anchored.push_back(999);
   EXPECT_NE(input_error([&] { MeshSpringModel(held, {}, {}); }).find("999"), std::string::npos);
 }

@@ -234,8 +234,8 @@ TEST(PropertyReaction, AtTheMinimumItIsTheSlopeOfTheLeastEnergy) {
       drag(body, {{voxel, {by, 0, 0}}}, {}, holds);
       holder = slots_of(body, voxel);
     }
-    if (body.q[0].empty() || holds.still.size() != 2) continue;
-    QuadraticProgram program(body, 0, holds.still);
+    if (body.q[0].empty() || holds.anchored.size() != 2) continue;
+    QuadraticProgram program(body, 0, holds.anchored);
     double excess, excess_below, excess_above;
     program.minimise(1500, excess);
     ASSERT_LT(excess, 1e-5);
@@ -518,10 +518,10 @@ TEST(PropertyReaction, TheResultDoesNotDependOnTheNumberOfThreads) {
   for (int n = 0; n < 10; ++n) {
     const Dragged start = dragged(random, {30, 28, 26});
     std::vector<SlotSet> handles;
-    start.holds.still.for_each(
+    start.holds.anchored.for_each(
         [&](Slot slot) { handles.push_back(SlotSet(std::vector<Slot>{slot})); });
-    const SlotSet still = still_elements(start.body, start.anchors, start.holds);
-    const auto found = [&] { return reactions(start.body, handles, still, start.holds, 20); };
+    const SlotSet anchored = anchored_elements(start.body, start.anchors, start.holds);
+    const auto found = [&] { return reactions(start.body, handles, anchored, start.holds, 20); };
     const auto one = on_threads(1, found), many = on_threads(4, found);
     for (std::size_t handle = 0; handle < handles.size(); ++handle) {
       EXPECT_EQ(one[handle].force_n, many[handle].force_n);

@@ -37,10 +37,10 @@ Dragged drawn_bar(double contrast) {
 /// Least energy of the springs along coordinate 0 under the held elements, by sparse factors; uJ.
 double least_energy(const Dragged& dragged) {
   const Body& body = dragged.body;
-  const SlotSet still = still_elements(body, dragged.anchors, dragged.holds);
+  const SlotSet anchored = anchored_elements(body, dragged.anchors, dragged.holds);
   std::map<Slot, int> row;
   for_each_element(body.elements, [&](Slot slot) {
-    if (!still.contains(slot)) row.emplace(slot, int(row.size()));
+    if (!anchored.contains(slot)) row.emplace(slot, int(row.size()));
   });
   std::vector<Eigen::Triplet<double>> entries;
   Eigen::VectorXd right = Eigen::VectorXd::Zero(int(row.size()));

@@ -25,7 +25,7 @@ TEST(PropertyRelaxation, ItComesNearTheLeastEnergyThatTheLimitsAllow) {
     }
     if (body.q[0].empty()) continue;
     double excess = 0;
-    const double least = QuadraticProgram(body, 0, holds.still).minimise(1000, excess);
+    const double least = QuadraticProgram(body, 0, holds.anchored).minimise(1000, excess);
     if (excess > 1e-5 || least < 1e-2) continue;
     RelaxParams params;
     params.passes = 5000;

@@ -251,7 +251,7 @@ TEST(PropertyTighten, TheResultIsValidHoldsWhatIsHeldAndNeverMissesMoreThanTheSt
     const TightenReport report = tighten(start.body, start.anchors, start.holds);
     EXPECT_EQ(check_links(start.body).violated, 0) << n;
     EXPECT_TRUE(start.body.links_known_valid);
-    still_elements(start.body, start.anchors, start.holds).for_each([&](Slot slot) {
+    anchored_elements(start.body, start.anchors, start.holds).for_each([&](Slot slot) {
       for (std::size_t c = 0; c < 3; ++c) {
         EXPECT_EQ(start.body.q[c].at(slot), before.q[c].at(slot)) << n;
       }

@@ -7,7 +7,7 @@
 
 #include "tests/support/program.h"
 #include "volumes/base/atomic_file.h"
-#include "volumes/base/reserved_name.h"
+#include "volumes/base/reserved_names.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -62,16 +62,18 @@ TEST(FaultInterruption, SigtermDoesNotWaitForALibrary) {
 
 TEST(FaultInterruption, WhatRemainsOfAnOutputIsAllThatWasMadeForIt) {
   const TemporaryFolder folder;
-  const ReservedName name(folder / "new/deep/out.vdb");
+  ReservedNames names;
+  const std::vector<Remains> remains = names.add(folder / "new/deep/out.vdb");
   const AtomicFile file(folder / "new/deep/out.vdb");
   std::set<std::string> made;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder.path())) {
     made.insert(entry.path());
   }
-  const std::vector<std::string> remains = name.remains();
   EXPECT_EQ(made.size(), 4u);
-  EXPECT_EQ(std::set<std::string>(remains.begin(), remains.end()), made);
-  for (auto path = remains.rbegin(); path != remains.rend(); ++path) {
-    EXPECT_TRUE(std::filesystem::remove(*path)) << *path;
+  EXPECT_EQ(remains.size(), made.size());
+  for (auto left = remains.rbegin(); left != remains.rend(); ++left) {
+    EXPECT_EQ(made.erase(left->path), 1u) << left->path;
+    left->remove();
   }
+  EXPECT_EQ(folder.entries(), std::vector<std::string>{});
 }

@@ -21,7 +21,7 @@ namespace {
 /// A body under a drag, and what holds it.
 struct DraggedBody {
   Body body;
-  SlotSet still;
+  SlotSet anchored;
   Holds holds;
 };
 
@@ -43,7 +43,7 @@ DraggedBody pull_front(const Body& rest, double voxels, Progress& cancel) {
   back.hi.y = back.lo.y + (bounds.hi.y - bounds.lo.y) / 16;
   drag(dragged.body, {{front, {0, std::int32_t(voxels * kFixedOne), 0}}}, {Region(back)},
        dragged.holds, &cancel);
-  dragged.still = still_elements(dragged.body, {Region(back)}, dragged.holds);
+  dragged.anchored = anchored_elements(dragged.body, {Region(back)}, dragged.holds);
   return dragged;
 }
 
@@ -52,7 +52,7 @@ DraggedBody pull_middle(const Body& rest, Progress& cancel) {
   DraggedBody dragged{rest, {}, {}};
   const auto by = std::int32_t(0.25 * rest.elements.active_bounds().hi.y * kFixedOne);
   drag(dragged.body, {{middle_element(rest), {by, by, by}}}, {}, dragged.holds, &cancel);
-  dragged.still = still_elements(dragged.body, {}, dragged.holds);
+  dragged.anchored = anchored_elements(dragged.body, {}, dragged.holds);
   return dragged;
 }
 
@@ -70,7 +70,7 @@ DraggedBody drag_at_random(const Body& rest, std::mt19937& random, Progress& can
     nearest_element(rest, voxel, voxel);
     drag(dragged.body, {{voxel, by}}, {}, dragged.holds, &cancel);
   }
-  dragged.still = still_elements(dragged.body, {}, dragged.holds);
+  dragged.anchored = anchored_elements(dragged.body, {}, dragged.holds);
   return dragged;
 }
 
@@ -96,8 +96,8 @@ DraggedBody pull_end(const Body& rest, Progress& cancel) {
   const Region high({box.hi.x, box.lo.y, box.lo.z}, box.hi);
   drag(dragged.body, {{high, {by, 0, 0}}}, {low}, dragged.holds, &cancel);
   // What holds the bar needs no region any more.
-  dragged.still = still_elements(dragged.body, {low}, dragged.holds);
-  dragged.holds.still = dragged.still;
+  dragged.anchored = anchored_elements(dragged.body, {low}, dragged.holds);
+  dragged.holds.anchored = dragged.anchored;
   return dragged;
 }
 
@@ -145,7 +145,7 @@ std::vector<BenchRow> measure_passes(const std::vector<RelaxRow>& rows, const Bo
   std::vector<TimedSide> sides;
   for (const RelaxRow& row : rows) {
     relaxations.push_back(
-        std::make_unique<Relaxation>(start.body, start.still, start.holds, params_of(row)));
+        std::make_unique<Relaxation>(start.body, start.anchored, start.holds, params_of(row)));
     for (int n = 0; n < 2 * row.count; ++n) relaxations.back()->pass();
     sides.push_back({[&relaxation = *relaxations.back(), &row](Times& times) {
                        const oneapi::tbb::global_control limit(
@@ -188,7 +188,7 @@ std::vector<BenchRow> measure_states(const std::vector<RelaxRow>& rows, const Bo
     double worst = 0, before = 0, after = 0;
     for (int n = 0; n < row.count; ++n) {
       DraggedBody state = drag_at_random(rest, random, cancel);
-      Relaxation relaxation(state.body, state.still, state.holds, params_of(row));
+      Relaxation relaxation(state.body, state.anchored, state.holds, params_of(row));
       double energy = HUGE_VAL;
       const auto compare = [&](double now) {
         rises += now > energy * (1 + 1e-12);
@@ -231,7 +231,7 @@ std::vector<BenchRow> measure_descent(const std::vector<RelaxRow>& rows, const B
   std::vector<Times> times(rows.size());
   double least = HUGE_VAL;
   for (std::size_t n = 0; n < rows.size(); ++n) {
-    Relaxation relaxation(start.body, start.still, start.holds, params_of(rows[n]));
+    Relaxation relaxation(start.body, start.anchored, start.holds, params_of(rows[n]));
     energies.emplace_back();
     for (int pass = 0; pass < rows[n].count; ++pass) {
       report(&cancel, 0);
@@ -287,7 +287,7 @@ std::vector<BenchRow> measure_press(const std::vector<RelaxRow>& rows, const Bod
                                     Progress& cancel) {
   return measure_dragged(
       rows, rest, cancel, [&](const RelaxRow& row, DraggedBody& start, BenchRow& fields) {
-        Relaxation relaxation(start.body, start.still, start.holds, params_of(row));
+        Relaxation relaxation(start.body, start.anchored, start.holds, params_of(row));
         Times times;
         for (int pass = 1; pass <= row.count; ++pass) {
           report(&cancel, 0);
