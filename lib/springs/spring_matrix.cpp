@@ -76,27 +76,29 @@ void SpringMatrix::add_block(const SpringRows& place, const SymmetricBlock& bloc
   if (place.coupling >= 0) add(m_coupling[place.coupling], block, -1);
 }
 
-/// Of W b'' (sum of c_i.de_i)^2 over n edges, which is at most n W b'' times the sum of squares: a
-/// spring per edge. Two ends that no spring joins are as if each were joined to the world, twice.
+/// Of W b'' (sum of c_i.de_i)^2 over the edges, which is at most W b'' sum |c_j| times the sum of
+/// (c_i.de_i)^2 / |c_i|: a spring per edge. Ends that no spring joins are as if each were joined to
+/// the world, twice.
 void SpringMatrix::add_barrier(const SpringSystem& system) {
   for (const CellBarrier::Corner& corner : system.barrier.awake()) {
     const CellBarrier::Response response = system.barrier.response(corner, system.pos_mm);
     if (response.second_uj == 0) continue;
     const int a = m_pattern.row_of_node[corner.node[0]];
-    const long edges = 3 - std::count(corner.node.begin(), corner.node.end(), -1);
+    double lengths = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      if (corner.node[axis + 1] < 0) continue;
+      if (corner.node[axis + 1] >= 0) lengths += response.per_edge_1_mm[axis].length();
+    }
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double length = response.per_edge_1_mm[axis].length();
+      if (corner.node[axis + 1] < 0 || length == 0) continue;
       const int b = m_pattern.row_of_node[corner.node[axis + 1]];
-      const Vec3d& c = response.per_edge_1_mm[axis];
       SpringRows place = {a, b, -1};
-      double stiffness = response.second_uj * double(edges);
+      double stiffness = response.second_uj * lengths * length;
       if (a >= 0 && b >= 0) {
         place.coupling = m_pattern.coupling_of(a, b);
         if (place.coupling < 0) stiffness *= 2;
       }
-      const double length2 = c.length2();
-      if (length2 == 0) continue;
-      add_block(place, spring_block(c / std::sqrt(length2), stiffness * length2, 0));
+      add_block(place, spring_block(response.per_edge_1_mm[axis] / length, stiffness, 0));
     }
   }
 }

@@ -262,7 +262,7 @@ TEST_F(ConvergenceSpringScene, AMeshPressesAsTheBoxOfItsShape) {
   const auto press = [&](const std::string& shape) {
     const auto steps = steps_of(
         "[[step]]\nfix = [[0, 12, 0, 15, 15, 15]]\nmodel = \"springs\"\nsprings = { contact = { " +
-        shape + ", by = [0, 3, 0] } }\n");
+        shape + ", by = [0, 1.5, 0] } }\n");
     EXPECT_GT(steps[0]["springs"]["contacts"], 0);
     return steps[0]["settings"]["contact"][0];
   };
