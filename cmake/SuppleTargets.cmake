@@ -90,6 +90,9 @@ function(supple_add_plugin name)
   add_dependencies(${ARG_FOR} ${name})
 endfunction()
 
+set(supple_leaks
+    LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/leaks.supp:print_suppressions=0)
+
 # supple_add_tests(NAME [EXCLUDE REGEX] [SOURCES ...] LIBRARIES ... LABELS ...)
 # All .cpp of the current folder as one binary, one CTest entry per label, or N of them for LABEL/N,
 # so that no processor waits for a long one. A suite belongs to the label its name starts with:
@@ -117,7 +120,7 @@ function(supple_add_tests name)
       set(test ${name}.${label})
       set(environment SUPPLE_BINARY=$<TARGET_FILE:supple> SUPPLE_SOURCE_DIR=${PROJECT_SOURCE_DIR}
           SUPPLE_TEST_OUTPUT=${PROJECT_BINARY_DIR}/test-output
-          LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/leaks.supp:print_suppressions=0)
+          ${supple_leaks})
       if(shards GREATER 1)
         string(APPEND test .${shard})
         math(EXPR index "${shard} - 1")
@@ -135,6 +138,6 @@ function(supple_add_sanitized name filter)
   if(SUPPLE_SANITIZE)
     add_test(NAME ${name}.sanitize COMMAND test_${name} --gtest_filter=${filter} --gtest_brief=1)
     set_tests_properties(${name}.sanitize PROPERTIES LABELS sanitize TIMEOUT 900
-      FAIL_REGULAR_EXPRESSION "0 tests from 0 test suites")
+      FAIL_REGULAR_EXPRESSION "0 tests from 0 test suites" ENVIRONMENT "${supple_leaks}")
   endif()
 endfunction()
