@@ -7,10 +7,10 @@
 #include <gtest/gtest.h>
 
 #include "lib/chainmail/mesh_ecm.h"
-#include "tests/support/sanitized.h"
 #include "tests/lib/mesh_fixtures.h"
 #include "tests/lib/spring_fixtures.h"
 #include "tests/lib/test_bodies.h"
+#include "tests/support/sanitized.h"
 
 using namespace supple;
 using namespace supple::test;

@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "lib/body/slot_set.h"
-#include "tests/support/sanitized.h"
 #include "tests/lib/test_bodies.h"
+#include "tests/support/sanitized.h"
 
 using namespace supple;
 using namespace supple::test;
