@@ -128,7 +128,9 @@ class OneSplitBrick final : public SplitOffsets {
   bool sample(std::size_t, const Vec3d&, Sample&) const override { return false; }
   bool offset_of(int, const Vec3d&, Vec3d&) const override { return false; }
   double depth_mm(int, const Vec3d&) const override { return 0; }
-  void source_box(std::size_t, Vec3d& lo, Vec3d& hi) const override { lo = Vec3d(1), hi = Vec3d(0); }
+  void source_box(std::size_t, Vec3d& lo, Vec3d& hi) const override {
+    lo = Vec3d(1), hi = Vec3d(0);
+  }
 };
 
 TEST(FaultLiveOffsets, OffsetsThatJumpAreNotUpdated) {

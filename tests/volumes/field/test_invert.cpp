@@ -228,7 +228,8 @@ TEST(PropertyInvert, StronglyStretchedNoiseLeavesNoGaps) {
 TEST(PropertyInvert, DoesNotDependOnTheNumberOfThreads) {
   std::mt19937 random(23);
   // Folds included, where several solutions compete.
-  const Displacement noisy = noisy_displacement(random, ball({30, 30, 30}, kSanitized ? 12 : 24), 0.7f);
+  const Displacement noisy =
+      noisy_displacement(random, ball({30, 30, 30}, kSanitized ? 12 : 24), 0.7f);
   const auto with_threads = [&](int threads) {
     return on_threads(threads, [&] { return invert(noisy); });
   };
