@@ -282,7 +282,7 @@ TEST(PropertyInvert, FoldsBetweenTheCornersOfACellAreFound) {
     constexpr int kSteps = 8, kRow = kSteps + 1;
     double smallest = 1e30;
     for (int k = 0; k < kRow * kRow * kRow; ++k) {
-      const Vec3d t = Vec3d(k / (kRow * kRow), k / kRow % kRow, k % kRow) / kSteps;
+      const Vec3d t = Vec3d(Vec3i(k / (kRow * kRow), k / kRow % kRow, k % kRow)) / kSteps;
       Vec3d columns[3] = {Vec3d(0), Vec3d(0), Vec3d(0)};
       for (int corner = 0; corner < 8; ++corner) {
         const Vec3i step = cell_corner(corner);
