@@ -19,7 +19,7 @@ struct Bound {
 /// where they are; those of push handles stay at or beyond where they were pushed to.
 struct Holds {
   SlotSet anchored;
-  std::array<std::vector<Bound>, 3> at_least, at_most;  // per coordinate, ascending slots
+  std::array<std::vector<Bound>, 3> at_least{}, at_most{};  // per coordinate, ascending slots
 };
 
 }  // namespace supple
