@@ -170,7 +170,6 @@ void write_file(const std::string& path, const State& state, const OffsetField* 
                 Progress* progress) {
   if (progress != nullptr) progress->stage("writing state");
   check_state(state, path);
-  initialize_vdb();
   openvdb::GridCPtrVec grids = {make_fixed("q", state, state.q), make_element_mask(state),
                                 make_density(state.density)};
   for (std::size_t axis = 0; axis < 3; ++axis) {

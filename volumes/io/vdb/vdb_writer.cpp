@@ -38,7 +38,6 @@ class VdbWriter : public DenseWriter {
   }
 
   void commit() override {
-    initialize_vdb();
     write_vdb_stream(m_file, {make_grid()}, make_metadata());
     seal_vdb(m_file.path(), VdbKind::volume);
     m_file.commit();
