@@ -93,13 +93,19 @@ endfunction()
 set(supple_leaks
     LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/leaks.supp:print_suppressions=0)
 
-# supple_add_tests(NAME [EXCLUDE REGEX] [SOURCES ...] LIBRARIES ... LABELS ...)
+# supple_add_tests(NAME [EXCLUDE REGEX] [SOURCES ...] LIBRARIES ... LABELS ... [NOT_SANITIZED FILTER ...])
 # All .cpp of the current folder as one binary, one CTest entry per label, or N of them for LABEL/N,
 # so that no processor waits for a long one. A suite belongs to the label its name starts with:
-# TEST(PropertyEcm, ...) runs under the label "property". Anonymous namespaces of one folder share
+# TEST(PropertyEcm, ...) runs under the label "property". Sanitized builds leave out long tests of
+# NOT_SANITIZED, which look at figures and run through code that others run through, too. Anonymous namespaces of one folder share
 # their names, as its files are compiled together.
 function(supple_add_tests name)
-  cmake_parse_arguments(ARG "" "EXCLUDE" "SOURCES;LIBRARIES;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "" "EXCLUDE" "SOURCES;LIBRARIES;LABELS;NOT_SANITIZED" ${ARGN})
+  set(without)
+  if(SUPPLE_SANITIZE AND ARG_NOT_SANITIZED)
+    list(JOIN ARG_NOT_SANITIZED ":" without)
+    string(PREPEND without ":-")
+  endif()
   add_executable(test_${name} ${ARG_SOURCES})
   set(not_here "/itk_[a-z]+\\.cpp$")
   if(ARG_EXCLUDE)
@@ -126,7 +132,7 @@ function(supple_add_tests name)
         math(EXPR index "${shard} - 1")
         list(APPEND environment GTEST_TOTAL_SHARDS=${shards} GTEST_SHARD_INDEX=${index})
       endif()
-      add_test(NAME ${test} COMMAND test_${name} --gtest_filter=${first}${rest}* --gtest_brief=1)
+      add_test(NAME ${test} COMMAND test_${name} --gtest_filter=${first}${rest}*${without} --gtest_brief=1)
       set_tests_properties(${test} PROPERTIES LABELS ${label} TIMEOUT 900 COST ${shards}
         FAIL_REGULAR_EXPRESSION "0 tests from 0 test suites" ENVIRONMENT "${environment}")
     endforeach()

@@ -81,7 +81,7 @@ if [ "${BASH_SOURCE[0]}" = "$0" ]; then
   if [ "${1:-}" = "--with-judges" ]; then
     install_packages "${SUPPLE_JUDGES[@]}" || say "tests that need them will be skipped"
   fi
-  cmake_options=()
+  cmake_options=(-DSUPPLE_BENCH=ON)
   if [ "${1:-}" = "--with-peers" ]; then
     if install_packages "${SUPPLE_PEERS[@]}"; then
       SUPPLE_PROGRAMS+=" supple-itk-inverse supple-itk-warp"

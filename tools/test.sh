@@ -51,9 +51,9 @@ if [ "$sanitized" = 1 ]; then
   build_preset asan all -DSUPPLE_WERROR=ON
   say "testing build/asan (unit, property, fault)"
   run_ctest asan -L 'unit|property|fault|sanitize'
-  bash tools/fuzz.sh --seconds 5
+  bash tools/fuzz.sh --seconds 4
 fi
-build_preset release all
+build_preset release all -DSUPPLE_BENCH=ON
 say "testing build/release"
 run_ctest release
 python3 tests/docs/skipped_tests.py "${need_judges[@]}" "${logs[@]}" || failed=1

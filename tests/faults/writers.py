@@ -17,7 +17,7 @@ import seeds
 DIMS = (64, 48, 32)
 OLD = b"the old file\n"
 FREE_BYTES = 4096  # on the full disk
-KILLS = 20
+KILLS = 8
 TEMPORARY = re.compile(r"^\.supple-\d+-")
 LEFT = re.compile(r"^\.supple(-\d+-.*|\.lock)$")
 FORMATS = ["nrrd", "nhdr", "mha", "mhd", "nii", "nii.gz", "tif", "vdb", "h5"]
