@@ -230,3 +230,45 @@ TEST_F(FaultConvert, ForceSparesTheStateThatAnOutputComesFrom) {
   }
   EXPECT_EQ(read_text(state), before);
 }
+
+TEST_F(UnitConvert, FiltersMakeAVolumeFitForAScene) {
+  write_ball(m_folder, "ball", 16);
+  EXPECT_EQ(run_supple({"crop", m_folder / "ball.nhdr", "--range", "100,255", "--margin", "1", "-o",
+                        m_folder / "body.nrrd"})
+                .exit_code,
+            0);
+  EXPECT_EQ(run("resample", "body.nrrd", "cubes.nii.gz", {"--spacing", "1,1,1"}).exit_code, 0);
+  EXPECT_EQ(run("smooth", "cubes.nii.gz", "smooth.mha", {"--sigma", "1"}).exit_code, 0);
+  EXPECT_EQ(run("threshold", "smooth.mha", "mask.vdb", {"--keep", "100,255", "--mask"}).exit_code,
+            0);
+  // Voxels 3 to 12 are at 100 or more, and one on every side.
+  const Json body = info("body.nrrd"), mask = info("mask.vdb");
+  EXPECT_EQ(body["dims"], (Json{12, 12, 12}));
+  EXPECT_EQ(body["origin_lps_mm"], (Json{2, 2, 3}));
+  EXPECT_EQ(mask["dims"], (Json{12, 12, 18}));
+  EXPECT_EQ(mask["spacing_mm"], (Json{1, 1, 1}));
+  EXPECT_EQ(mask["origin_lps_mm"], (Json{2, 2, 2.75}));
+  // A ball of radius 5.08 around 7.5 is at 100 or more; smoothing takes a little of it.
+  EXPECT_NEAR(mask["active_voxels"].get<double>(), 4.189 * std::pow(5.08, 3) * 1.5, 80);
+}
+
+TEST_F(FaultConvert, FiltersNameWhatTheyCannotDo) {
+  write_ball(m_folder, "ball", 8);
+  const auto expect = [&](const std::vector<std::string>& arguments, int code,
+                          const std::string& line) {
+    const Outcome outcome = run_supple(arguments);
+    EXPECT_EQ(outcome.exit_code, code) << outcome.err;
+    EXPECT_NE(outcome.err.find(line), std::string::npos) << outcome.err;
+    EXPECT_FALSE(std::filesystem::exists(m_folder / "z.nrrd"));
+  };
+  const std::string ball = m_folder / "ball.nhdr", out = m_folder / "z.nrrd";
+  expect({"crop", ball, "-o", out}, 2, "neither --box nor --range");
+  expect({"crop", ball, "--box", "0,0,0:1,1,1", "--range", "1,2", "-o", out}, 2,
+         "--box and --range");
+  expect({"crop", ball, "--box", "0,0,0:8,1,1", "-o", out}, 3, "expected a box within 0,0,0:7,7,7");
+  expect({"smooth", ball, "--sigma", "-1", "-o", out}, 3, "--sigma: found -1");
+  expect({"threshold", ball, "--keep", "1,2", "-o", m_folder / "z.txt"}, 3, "z.txt");
+  expect({"resample", ball, "-o", out}, 2, "expected a state, or --spacing");
+  expect({"resample", ball, "--spacing", "1,1,1", "--margin", "2", "-o", out}, 2,
+         "--margin for a volume");
+}

@@ -1,12 +1,10 @@
 // supple convert: a volume or warp in another format, values and geometry as they are.
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
+#include "tools/outputs/converted.h"
 #include "tools/outputs/output_plan.h"
 #include "volumes/io/format/formats.h"
-#include "volumes/io/load/convert.h"
-#include "volumes/io/load/load.h"
 #include "volumes/io/open_volume.h"
-#include "volumes/state/state_outputs.h"
 
 namespace supple::tools {
 
@@ -18,29 +16,17 @@ struct ConvertOptions {
   WriteOptions write;
 };
 
-/// Scaled integers need to know how far they reach; this reads the file once more.
-ConvertPlan plan_for(const ConvertOptions& options, const VolumeHeader& header, Console& console) {
-  const bool is_scaled = header.slope != 1 || header.intercept != 0;
-  if (header.components > 1 || !is_scaled || keeps_scaling(options.output)) {
-    return plan_conversion(header, options.output, 0, 0);
-  }
-  const auto file = open_volume(options.input, options.read);
-  const VolumeStatistics statistics = digest_volume(*file, &console).statistics;
-  return plan_conversion(header, options.output, statistics.min, statistics.max);
-}
-
 int run_convert(const ConvertOptions& options, const GlobalOptions& global, Console& console) {
   OutputPlan plan(global);
   plan.protect(options.input, options.read);
   plan.add_dense(options.output);
   console.claim(plan.files());
-  const auto file = open_scalars_or_vectors(options.input, options.read);
-  const VolumeHeader& header = file->header();
-  if (header.components != 3) require_scalars(header);
-  warn_of_all(options.input, header.warnings, &console);
-  const ConvertPlan conversion = plan_for(options, header, console);
-  warn_of_all(options.output, convert(*file, conversion, options.output, options.write, &console),
-              &console);
+  const VolumeOpener open = [&] {
+    auto file = open_scalars_or_vectors(options.input, options.read);
+    if (file->header().components != 3) require_scalars(file->header());
+    return file;
+  };
+  write_converted(open, options.output, options.write, console);
   return kOk;
 }
 

@@ -1,9 +1,13 @@
-// supple resample: the deformed volume on a grid, for those who do want it resampled.
+// supple resample: the deformed volume on a grid, for those who do want it resampled; or a volume
+// with other voxel sizes.
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
+#include "tools/outputs/converted.h"
 #include "tools/outputs/output_plan.h"
 #include "tools/outputs/reports.h"
 #include "tools/scene/offset_functions.h"
+#include "volumes/io/filter/filters.h"
+#include "volumes/io/open_volume.h"
 #include "volumes/state/state_outputs.h"
 
 namespace supple::tools {
@@ -13,10 +17,43 @@ namespace {
 struct ResampleOptions {
   std::string input, output, path;
   GridChoice grid;
+  std::optional<Vec3d> spacing_mm;
+  Interpolation interpolation = Interpolation::linear;
   WriteOptions write;
 };
 
+/// Of a volume that is no state.
+Fields volume_fields(ResampleOptions& options) {
+  return {
+      Field("spacing", options.spacing_mm, "Of a volume: voxel size of the result").unit("mm"),
+      Field("interpolation", options.interpolation, {"linear", "nearest"},
+            "Of a volume: nearest is for labels"),
+  };
+}
+
+int resample_volume(const ResampleOptions& options, const GlobalOptions& global, Console& console) {
+  if (!options.spacing_mm) {
+    throw UsageError("resample: found a volume without --spacing, expected a state, or --spacing");
+  }
+  if (!options.path.empty() || !options.grid.file.empty() || options.grid.margin_mm > 0) {
+    throw UsageError("resample: found --path, --grid or --margin for a volume, expected a state");
+  }
+  OutputPlan plan(global);
+  plan.protect(options.input);
+  plan.add_dense(options.output);
+  console.claim(plan.files());
+  const auto open = [&] {
+    return with_spacing(open_volume(options.input), *options.spacing_mm, options.interpolation);
+  };
+  write_converted(open, options.output, options.write, console);
+  return kOk;
+}
+
 int run_resample(const ResampleOptions& options, const GlobalOptions& global, Console& console) {
+  if (!is_state_file(options.input)) return resample_volume(options, global, console);
+  if (options.spacing_mm) {
+    throw UsageError("resample: found --spacing for a state, expected --grid or --margin");
+  }
   OutputPlan plan(global);
   plan.protect(options.input);
   if (!options.grid.file.empty()) plan.protect(options.grid.file);
@@ -38,11 +75,16 @@ int run_resample(const ResampleOptions& options, const GlobalOptions& global, Co
 
 Command add_resample(CLI::App& program) {
   auto options = std::make_shared<ResampleOptions>();
-  CLI::App* app = add_subcommand(program, "resample", "Write the deformed volume on a regular grid",
-                                 "  supple resample drag.vdb -o deformed.nrrd\n"
-                                 "  supple resample drag.vdb --grid atlas.nii.gz -o on_atlas.nrrd\n"
-                                 "  supple resample drag.vdb --margin 20 -o whole.mha");
-  app->add_option("state", options->input, "A state file")->required()->option_text("STATE.vdb");
+  CLI::App* app = add_subcommand(
+      program, "resample",
+      "Write the deformed volume on a regular grid, or any volume with other voxel sizes",
+      "  supple resample drag.vdb -o deformed.nrrd\n"
+      "  supple resample drag.vdb --grid atlas.nii.gz -o on_atlas.nrrd\n"
+      "  supple resample drag.vdb --margin 20 -o whole.mha\n"
+      "  supple resample head.nii.gz --spacing 1,1,1 -o cubes.nrrd");
+  app->add_option("input", options->input, "A state file or a volume")
+      ->required()
+      ->option_text("IN");
   app->add_option("-o,--output", options->output,
                   "Volume to write; its extension chooses the format")
       ->required()
@@ -50,6 +92,7 @@ Command add_resample(CLI::App& program) {
   add_field_options(*app, {path_file_field(options->path)});
   add_field_options(*app, fields(options->write));
   add_field_options(*app, fields(options->grid));
+  add_field_options(*app, volume_fields(*options));
   return {app, [options](const GlobalOptions& global, Console& console) {
             return run_resample(*options, global, console);
           }};

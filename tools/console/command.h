@@ -32,6 +32,7 @@ struct Command {
 Command add_help(CLI::App& program);
 Command add_info(CLI::App& program);
 Command add_convert(CLI::App& program);
+Command add_crop(CLI::App& program);
 Command add_deform(CLI::App& program);
 Command add_export(CLI::App& program);
 Command add_invert(CLI::App& program);
@@ -43,6 +44,8 @@ Command add_presets(CLI::App& program);
 Command add_render(CLI::App& program);
 Command add_run(CLI::App& program);
 Command add_slice(CLI::App& program);
+Command add_smooth(CLI::App& program);
+Command add_threshold(CLI::App& program);
 Command add_compare(CLI::App& program);
 Command add_bench(CLI::App& program);
 

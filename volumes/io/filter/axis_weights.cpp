@@ -1,0 +1,65 @@
+#include "volumes/io/filter/axis_weights.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace supple {
+
+namespace {
+
+constexpr double kCutOff = 4;  // standard deviations
+
+/// Of output n, in inputs.
+double place_of(int n, double step) {
+  return (n + 0.5) * step - 0.5;
+}
+
+}  // namespace
+
+void AxisWeights::add(int first, const std::vector<double>& weights) {
+  const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
+  m_first.push_back(first);
+  for (const double weight : weights) m_weights.push_back(weight / sum);
+  m_begin.push_back(m_weights.size());
+}
+
+AxisWeights AxisWeights::gaussian(int count, double sigma) {
+  const int reach = int(std::floor(kCutOff * sigma));
+  AxisWeights table;
+  std::vector<double> weights;
+  for (int n = 0; n < count; ++n) {
+    const int first = std::max(0, n - reach), last = std::min(count - 1, n + reach);
+    weights.clear();
+    for (int m = first; m <= last; ++m) {
+      weights.push_back(std::exp(-0.5 * double(m - n) * (m - n) / (sigma * sigma)));
+    }
+    table.add(first, weights);
+  }
+  return table;
+}
+
+AxisWeights AxisWeights::linear(int from, int to, double step) {
+  const double width = std::max(1.0, step);
+  AxisWeights table;
+  std::vector<double> weights;
+  for (int n = 0; n < to; ++n) {
+    const double place = std::clamp(place_of(n, step), 0.0, double(from - 1));
+    const int first = std::max(0, int(std::floor(place - width)) + 1);
+    const int last = std::min(from - 1, int(std::ceil(place + width)) - 1);
+    weights.clear();
+    for (int m = first; m <= last; ++m) weights.push_back(1 - std::abs(m - place) / width);
+    table.add(first, weights);
+  }
+  return table;
+}
+
+AxisWeights AxisWeights::nearest(int from, int to, double step) {
+  AxisWeights table;
+  for (int n = 0; n < to; ++n) {
+    table.add(std::clamp(int(std::lround(place_of(n, step))), 0, from - 1), {1.0});
+  }
+  return table;
+}
+
+}  // namespace supple
