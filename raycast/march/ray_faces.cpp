@@ -31,7 +31,7 @@ class FaceSearch {
     const Vec3d read_at = samples.read_at(lane);
     for (const IndexClip& clip : context.source_clips) add_clip(clip, read_at);
     if (is_near_border(context, read_at)) add_border(read_at);
-    if (samples.batch.pointwise >> lane & 1) add_piece(seen_at);
+    if (samples.batch.pointwise >> lane & 1) add_piece(seen_at, read_at);
   }
   const RayFace& face() const { return m_face; }
 
@@ -88,11 +88,11 @@ class FaceSearch {
     return Vec3d(as_seen(space, normal, pos)).dot(direction());
   }
 
-  void add_piece(const Vec3d& pos) {
+  void add_piece(const Vec3d& seen_at, const Vec3d& read_at) {
     Vec3d normal;
     double depth_mm;
     const std::int32_t piece = m_samples.batch.piece[m_lane];
-    if (!m_context.output.pointwise()->face(piece, pos, normal, depth_mm)) return;
+    if (!m_context.output.pointwise()->face(piece, seen_at, read_at, normal, depth_mm)) return;
     const double gain = normal.dot(direction());  // mm deeper per mm
     if (gain > 0) add(Vec3f(normal), depth_mm / gain);
   }

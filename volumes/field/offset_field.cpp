@@ -36,7 +36,8 @@ Vec3d SplitOffsets::face_normal(int piece, const Vec3d& x) const {
   return normal;
 }
 
-bool SplitOffsets::face(int piece, const Vec3d& x, Vec3d& normal, double& depth) const {
+bool SplitOffsets::face(int piece, const Vec3d& x, const Vec3d& /*y*/, Vec3d& normal,
+                        double& depth) const {
   normal = face_normal(piece, x);
   depth = depth_mm(piece, x);
   return normal != Vec3d(0);

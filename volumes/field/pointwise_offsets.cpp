@@ -2,8 +2,8 @@
 
 namespace supple {
 
-bool PointwiseOffsets::face(int /*piece*/, const Vec3d& /*x*/, Vec3d& /*normal*/,
-                            double& /*depth_mm*/) const {
+bool PointwiseOffsets::face(int /*piece*/, const Vec3d& /*x*/, const Vec3d& /*y*/,
+                            Vec3d& /*normal*/, double& /*depth_mm*/) const {
   return false;
 }
 

@@ -26,9 +26,11 @@ class PointwiseOffsets {
   /// (I + grad o)^T g of a sample found at x in this piece, which reads the source at y.
   virtual Vec3d pull_back(int piece, const Vec3d& x, const Vec3d& y,
                           const Vec3d& gradient) const = 0;
-  /// The face behind which a sample lies: its normal, into the piece, in mm per voxel, and the
-  /// distance to it in mm, as in the body before it was split. False: none is known.
-  virtual bool face(int piece, const Vec3d& x, Vec3d& normal, double& depth_mm) const;
+  /// The face behind which a sample found at x in this piece lies, which reads the source at y: its
+  /// normal, into the piece, in mm per voxel, and the distance to it in mm, as in the body before
+  /// it was split. False: none is known.
+  virtual bool face(int piece, const Vec3d& x, const Vec3d& y, Vec3d& normal,
+                    double& depth_mm) const;
 
  protected:
   /// All voxels of the bricks at these sorted origins.

@@ -27,7 +27,8 @@ class SplitOffsets : public PointwiseOffsets {
   virtual Vec3d face_normal(int piece, const Vec3d& x) const;
 
   Vec3d pull_back(int piece, const Vec3d& x, const Vec3d& y, const Vec3d& gradient) const override;
-  bool face(int piece, const Vec3d& x, Vec3d& normal, double& depth_mm) const override;
+  bool face(int piece, const Vec3d& x, const Vec3d& y, Vec3d& normal,
+            double& depth_mm) const override;
 };
 
 }  // namespace supple

@@ -396,3 +396,34 @@ TEST(UnitCutOffsets, AFaceKnowsItsNormalAndDepthOnEitherSide) {
     }
   }
 }
+
+TEST(PropertyCutOffsets, GradientsAndFacesOfBentSidesAreThoseOfDifferences) {
+  const CutBlock block;
+  std::mt19937 random(21);
+  const Displacement u = block.moved([&](bool left, const Vec3d& X) {
+    const Vec3d bend(0.06 * std::sin(X.y / 3), 0.5 * std::cos(X.z / 4), 0.02 * X.x);
+    return bend * (left ? 1 : -2) + Vec3d(left ? -1.5 : 1.5, 0, 0);
+  });
+  const OffsetField field = invert_cut(u, block.body);
+  const SplitOffsets& split = *field.split;
+  int compared = 0, faces = 0;
+  for (int n = 0; n < 4000; ++n) {
+    const Vec3d x = random_place(random, 8, 20);
+    const std::int32_t b = split.bricks().find({int(x.x), int(x.y), int(x.z)});
+    SplitOffsets::Sample found;
+    if (b < 0 || !split.sample(std::size_t(b), x, found)) continue;
+    const Vec3d gradient(random_vector(random, 1)), y = x + found.offset;
+    const Vec3d differences = split.SplitOffsets::pull_back(found.piece, x, y, gradient);
+    ASSERT_LT((split.pull_back(found.piece, x, y, gradient) - differences).length(), 2e-3);
+    ++compared;
+    Vec3d normal;
+    double depth;
+    if (!split.face(found.piece, x, y, normal, depth)) continue;
+    EXPECT_NEAR(split.depth_mm(found.piece, x), depth, 1e-3);
+    // The planes of neighbouring points take over from each other with little jumps.
+    const Vec3d by_steps = split.SplitOffsets::face_normal(found.piece, x);
+    if (by_steps != Vec3d(0) && (normal - by_steps).length() < 0.1) ++faces;
+  }
+  EXPECT_GT(compared, 1000);
+  EXPECT_GT(faces, compared / 3);
+}

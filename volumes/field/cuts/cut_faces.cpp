@@ -10,6 +10,7 @@ namespace supple {
 namespace {
 
 constexpr int kBlock = 4;
+constexpr int kSeenBlock = 2;
 // A plane is fitted to points within this many voxels.
 constexpr double kFitRadius = 2.6;
 // How deep behind a face places know it, and how far beside a point its plane counts, in voxels.
@@ -20,9 +21,8 @@ constexpr double kLeast = 0.1, kMost = 1.5;
 // Deeper than the nearest by more than this, a point is one of another face.
 constexpr double kSameFace = 0.75;
 
-Vec3i block_of(const Vec3d& X) {
-  return {int(std::floor(X.x / kBlock)), int(std::floor(X.y / kBlock)),
-          int(std::floor(X.z / kBlock))};
+Vec3i block_of(const Vec3d& X, int size = kBlock) {
+  return {int(std::floor(X.x / size)), int(std::floor(X.y / size)), int(std::floor(X.z / size))};
 }
 
 struct LinkLess {
@@ -76,6 +76,28 @@ CutFaces::CutFaces(const std::vector<TornCell>& cells, const Geometry& geometry,
   for (std::size_t n = 0; n < m_points.size(); ++n) {
     fit_plane(m_points[n], links[n].first, geometry);
     m_points[n].is_open = links[n].second.dot(m_points[n].across) > closed;
+    if (m_points[n].is_open) list_seen(int(n));
+  }
+}
+
+/// In the blocks that the cylinder of places that know the point touches, by their middles.
+void CutFaces::list_seen(int number) {
+  const Point& point = m_points[std::size_t(number)];
+  const double half = kSeenBlock / 2.0, slack = half * std::sqrt(3.0), deepest = kDeepest + slack;
+  const double beside = kBeside + slack;
+  const Vec3i lo = block_of(point.at - Vec3d(kDeepest + kBeside), kSeenBlock);
+  const Vec3i hi = block_of(point.at + Vec3d(kDeepest + kBeside), kSeenBlock);
+  for (int x = lo.x; x <= hi.x; ++x) {
+    for (int y = lo.y; y <= hi.y; ++y) {
+      for (int z = lo.z; z <= hi.z; ++z) {
+        const Vec3d step = Vec3d(x, y, z) * kSeenBlock + Vec3d(half) - point.at;
+        const double across = step.dot(point.across);
+        if (std::abs(across) > deepest || step.length2() - across * across > beside * beside) {
+          continue;
+        }
+        m_seen[{x, y, z}].push_back(number);
+      }
+    }
   }
 }
 
@@ -132,15 +154,17 @@ CutFaces::Depth CutFaces::depth(const Vec3d& X, const Vec3d& inside) const {
   Seen seen[64];
   int count = 0;
   double nearest = HUGE_VAL;
-  for_near(X, [&](const Point& point) {
-    if (!point.is_open) return;
+  const auto block = m_seen.find(block_of(X, kSeenBlock));
+  if (block == m_seen.end()) return {HUGE_VAL, Vec3d(0)};
+  for (const int number : block->second) {
+    const Point& point = m_points[std::size_t(number)];
     const Vec3d step = X - point.at;
     const double across = step.dot(point.across), beside2 = step.length2() - across * across;
-    if (std::abs(across) > kDeepest || beside2 > kBeside * kBeside || count == 64) return;
+    if (std::abs(across) > kDeepest || beside2 > kBeside * kBeside || count == 64) continue;
     const double sign = (inside - point.at).dot(point.across) < 0 ? -1 : 1;
     seen[count++] = {&point, sign * across, beside2, sign};
     nearest = std::min(nearest, sign * across);
-  });
+  }
   double sum = 0, weights = 0;
   Vec3d gradient(0);
   for (int n = 0; n < count; ++n) {

@@ -87,16 +87,32 @@ bool CutOffsets::is_overlapped(const Vec3d& x) const {
 }
 
 double CutOffsets::depth_mm(int number, const Vec3d& x) const {
-  const CutPiece& piece = piece_at(number);
-  Vec3d X;
-  return piece.source_beyond(x, X) ? m_faces.depth(X, piece.middle()).mm : HUGE_VAL;
+  Vec3d X, normal;
+  double depth;
+  const bool is_known = piece_at(number).source_beyond(x, X) && face(number, x, X, normal, depth);
+  return is_known ? depth : HUGE_VAL;
 }
 
 Vec3d CutOffsets::face_normal(int number, const Vec3d& x) const {
+  Vec3d X, normal;
+  double depth;
+  const bool is_known = piece_at(number).source_beyond(x, X) && face(number, x, X, normal, depth);
+  return is_known ? normal : Vec3d(0);
+}
+
+Vec3d CutOffsets::pull_back(int number, const Vec3d& /*x*/, const Vec3d& y,
+                            const Vec3d& gradient) const {
+  return piece_at(number).pull_back(y, gradient);
+}
+
+bool CutOffsets::face(int number, const Vec3d& /*x*/, const Vec3d& y, Vec3d& normal,
+                      double& depth_mm) const {
   const CutPiece& piece = piece_at(number);
-  Vec3d X;
-  if (!piece.source_beyond(x, X)) return Vec3d(0);
-  return pull_back(number, x, X, m_faces.depth(X, piece.middle()).gradient);
+  const CutFaces::Depth depth = m_faces.depth(y, piece.middle());
+  if (depth.gradient == Vec3d(0)) return false;
+  normal = piece.pull_back(y, depth.gradient);
+  depth_mm = depth.mm;
+  return true;
 }
 
 void CutOffsets::source_box(std::size_t b, Vec3d& lo, Vec3d& hi) const {

@@ -58,6 +58,9 @@ class CutOffsets : public SplitOffsets {
   bool is_overlapped(const Vec3d& x) const override;
   double depth_mm(int piece, const Vec3d& x) const override;
   Vec3d face_normal(int piece, const Vec3d& x) const override;
+  Vec3d pull_back(int piece, const Vec3d& x, const Vec3d& y, const Vec3d& gradient) const override;
+  bool face(int piece, const Vec3d& x, const Vec3d& y, Vec3d& normal,
+            double& depth_mm) const override;
   void source_box(std::size_t b, Vec3d& lo, Vec3d& hi) const override;
 
  private:

@@ -13,6 +13,8 @@ constexpr int kMaxSteps = 20;
 constexpr double kEdge = 1e-5;
 // A side carries on this far from the middle of its cell, in voxels.
 constexpr double kBeyond = 3;
+// Cells of less volume are flat, in voxels^3.
+constexpr double kFlat = 1e-9;
 
 bool is_own(const CutPiece& piece, const Vec3d& t) {
   double sum = 0;
@@ -107,13 +109,26 @@ bool CutPiece::source_beyond(const Vec3d& x, Vec3d& X) const {
     const Vec3d yz = columns[1].cross(columns[2]);
     const double volume = columns[0].dot(yz);
     if (residual.length2() < 1e-18) break;
-    if (std::abs(volume) < 1e-9) return false;
+    if (std::abs(volume) < kFlat) return false;
     const Vec3d xr = columns[0].cross(residual);
     local += Vec3d(residual.dot(yz), xr.dot(columns[2]), -xr.dot(columns[1])) / volume;
     if (!((local - Vec3d(0.5)).length() < kBeyond)) return false;
   }
   X = Vec3d(cell) + local;
   return residual(x, X) < kTolerance;
+}
+
+/// dX/dx is the inverse of (I + grad u), whose columns are the derivatives of the moved place.
+Vec3d CutPiece::pull_back(const Vec3d& X, const Vec3d& gradient) const {
+  if (is_translated) return gradient;
+  Vec3d columns[3];
+  moved(*this, X - Vec3d(cell), columns);
+  const Vec3d yz = columns[1].cross(columns[2]);
+  const double volume = columns[0].dot(yz);
+  if (std::abs(volume) < kFlat) return gradient;
+  return (yz * gradient.x + columns[2].cross(columns[0]) * gradient.y +
+          columns[0].cross(columns[1]) * gradient.z) /
+         volume;
 }
 
 Content CutPiece::content_at(const Vec3d& X) const {
