@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 #include <oneapi/tbb/parallel_for.h>
 
@@ -12,33 +13,12 @@ namespace supple {
 
 namespace {
 
-constexpr int kMaxPixels = 16384;
-
-/// For L, P and S the grid axis that follows it most closely, every axis once.
-std::array<int, 3> patient_axes(const Geometry& geometry) {
-  const auto direction = geometry.direction();
-  std::array<int, 3> order = {0, 1, 2}, best = order;
-  double best_sum = -1;
-  do {
-    double sum = 0;
-    for (int w = 0; w < 3; ++w) sum += std::abs(direction[std::size_t(order[w])][w]);
-    if (sum <= best_sum + 1e-9) continue;
-    best_sum = sum;
-    best = order;
-  } while (std::next_permutation(order.begin(), order.end()));
-  return best;
-}
-
-/// The unit vector of a grid axis, turned towards +world or -world.
-Vec3d along(const Geometry& geometry, int axis, int world, double sign) {
-  const Vec3d unit = geometry.direction()[std::size_t(axis)];
-  return unit[world] * sign < 0 ? -unit : unit;
-}
-
-/// Grey levels of pixels, and whether the material at rest holds the pixel's nearest voxel.
-struct Pixel {
+/// What is known of one pixel.
+struct SlicePixel {
   std::uint8_t grey = 0;
-  bool at_rest = false;
+  bool is_inside = false;  // the volume's box
+  bool at_rest = false;    // the material at rest holds its nearest voxel
+  std::int64_t label = 0;
 };
 
 Vec3i nearest_voxel(const Vec3d& index) {
@@ -46,115 +26,241 @@ Vec3i nearest_voxel(const Vec3d& index) {
           int(std::floor(index.z + 0.5))};
 }
 
+bool is_in_box(const Geometry& geometry, const Vec3d& index) {
+  for (int a = 0; a < 3; ++a) {
+    if (!(index[a] >= -0.5 && index[a] <= geometry.dims()[a] - 0.5)) return false;
+  }
+  return true;
+}
+
+/// Densities along the line of sight through a place.
+class Slab {
+ public:
+  Slab(const Geometry& geometry, const Geometry& slice, const SliceStyle& style)
+      : m_geometry(geometry), m_mode(style.slab) {
+    const Vec3d spacing = geometry.spacing_mm();
+    const double step_mm = std::min({spacing.x, spacing.y, spacing.z});
+    m_count = std::max(1, int(std::ceil(style.thickness_mm / step_mm - 1e-9)));
+    m_step = geometry.index_vector_from_world(slice.direction()[2] * style.thickness_mm) / m_count;
+  }
+
+  /// False where all of it lies outside the box.
+  bool gather(const Vec3d& middle, const DensityAt& density, double& gathered) const {
+    int inside = 0;
+    for (int n = 0; n < m_count; ++n) {
+      const Vec3d place = middle + m_step * (n - 0.5 * (m_count - 1));
+      if (!is_in_box(m_geometry, place)) continue;
+      const double value = density(place);
+      if (m_mode == SlabMode::mean) {
+        gathered = inside == 0 ? value : gathered + value;
+      } else if (inside == 0 || (value > gathered) == (m_mode == SlabMode::maximum)) {
+        gathered = value;
+      }
+      ++inside;
+    }
+    if (m_mode == SlabMode::mean && inside > 1) gathered /= inside;
+    return inside > 0;
+  }
+
+ private:
+  const Geometry& m_geometry;
+  SlabMode m_mode;
+  int m_count;
+  Vec3d m_step;  // index frame
+};
+
+/// Lines of tissue that lay along the grid axes at rest, a length apart.
+class RestGrid {
+ public:
+  RestGrid(const Geometry& geometry, const Geometry& slice, double grid_mm) {
+    int across = 0;  // the axis along which the slice does not reach far
+    const Vec3d normal = slice.direction()[2];
+    for (int a = 1; a < 3; ++a) {
+      const auto nearness = [&](int axis) {
+        return std::abs(geometry.direction()[std::size_t(axis)].dot(normal));
+      };
+      if (nearness(a) > nearness(across)) across = a;
+    }
+    m_axes = {(across + 1) % 3, (across + 2) % 3};
+    for (std::size_t n = 0; n < 2; ++n) {
+      m_per_voxel[n] = geometry.spacing_mm()[m_axes[n]] / grid_mm;
+    }
+  }
+
+  /// How much of a pixel the lines cover, 0 to 1: they are a pixel wide. `across` and `down`: the
+  /// place at rest of the next pixels.
+  double coverage(const Vec3d& at_rest, const Vec3d& across, const Vec3d& down) const {
+    double most = 0;
+    for (std::size_t n = 0; n < 2; ++n) {
+      const int axis = m_axes[n];
+      const double line = at_rest[axis] * m_per_voxel[n];
+      const double per_pixel =
+          std::hypot(across[axis] - at_rest[axis], down[axis] - at_rest[axis]) * m_per_voxel[n];
+      // Where tissue was torn apart neighbours say nothing of the lines.
+      if (!(per_pixel > 0) || per_pixel > 0.5) continue;
+      most = std::max(most, 1 - std::abs(line - std::round(line)) / per_pixel);
+    }
+    return most;
+  }
+
+ private:
+  std::array<int, 2> m_axes;
+  std::array<double, 2> m_per_voxel;  // lines
+};
+
+/// Draws one slice.
+class SliceDrawing {
+ public:
+  SliceDrawing(const Geometry& geometry, const Geometry& slice, const SliceStyle& style)
+      : m_geometry(geometry),
+        m_slice(slice),
+        m_style(style),
+        m_slab(geometry, slice, style),
+        m_width(slice.dims().x),
+        m_height(slice.dims().y),
+        m_pixels(std::size_t(m_width) * m_height) {}
+
+  Image draw(const DensityAt& density) {
+    tbb::parallel_for(0, m_height, [&](int y) {
+      for (int x = 0; x < m_width; ++x) look(x, y, density);
+    });
+    Image image(m_width, m_height);
+    for (int y = 0; y < m_height; ++y) {
+      for (int x = 0; x < m_width; ++x) {
+        if (!pixel(x, y).is_inside) continue;
+        std::uint8_t* rgba = &image.rgba[4 * (std::size_t(y) * m_width + x)];
+        std::fill_n(rgba, 3, pixel(x, y).grey);
+        rgba[3] = 255;
+        if (is_rim(x, y, [](const SlicePixel& p) { return std::int64_t(p.at_rest); })) {
+          std::copy_n(m_style.outline.data(), 3, rgba);
+        }
+        if (is_rim(x, y, [](const SlicePixel& p) { return p.label; })) {
+          std::copy_n(label_colour(pixel(x, y).label).data(), 3, rgba);
+        }
+      }
+    }
+    if (m_style.grid_mm > 0) draw_grid(image);
+    return image;
+  }
+
+ private:
+  const SlicePixel& pixel(int x, int y) const { return m_pixels[std::size_t(y) * m_width + x]; }
+  Vec3d index_at(int x, int y) const {
+    return m_geometry.index_from_world(m_slice.world_from_index(Vec3d(x, y, 0)));
+  }
+  bool rest_place(const Vec3d& index, Vec3d& at_rest) const {
+    at_rest = index;
+    return !m_style.rest_place || m_style.rest_place(index, at_rest);
+  }
+
+  void look(int x, int y, const DensityAt& density) {
+    SlicePixel& pixel = m_pixels[std::size_t(y) * m_width + x];
+    const Vec3d index = index_at(x, y);
+    double value = 0;
+    pixel.is_inside = m_slab.gather(index, density, value);
+    if (!pixel.is_inside) return;
+    const double share = (value - m_style.grey_lo) / (m_style.grey_hi - m_style.grey_lo);
+    pixel.grey = std::uint8_t(std::lround(std::clamp(share, 0.0, 1.0) * 255));
+    pixel.at_rest = m_style.rest != nullptr && m_style.rest->is_active(nearest_voxel(index));
+    Vec3d at_rest;
+    if (m_style.label && rest_place(index, at_rest)) pixel.label = m_style.label(at_rest);
+  }
+
+  /// Whether the pixel is something, and a neighbour something else or beyond the picture.
+  template <class What>
+  bool is_rim(int x, int y, const What& what) const {
+    const std::int64_t own = what(pixel(x, y));
+    if (own == 0) return false;
+    const auto differs = [&](int nx, int ny) {
+      return nx < 0 || ny < 0 || nx >= m_width || ny >= m_height || what(pixel(nx, ny)) != own;
+    };
+    return differs(x - 1, y) || differs(x + 1, y) || differs(x, y - 1) || differs(x, y + 1);
+  }
+
+  void draw_grid(Image& image) const {
+    const RestGrid lines(m_geometry, m_slice, m_style.grid_mm);
+    tbb::parallel_for(0, m_height, [&](int y) {
+      for (int x = 0; x < m_width; ++x) {
+        Vec3d here, across, down;
+        if (!pixel(x, y).is_inside || !rest_place(index_at(x, y), here) ||
+            !rest_place(index_at(x + 1, y), across) || !rest_place(index_at(x, y + 1), down)) {
+          continue;
+        }
+        const double covered = lines.coverage(here, across, down);
+        std::uint8_t* rgba = &image.rgba[4 * (std::size_t(y) * m_width + x)];
+        for (std::size_t c = 0; c < 3; ++c) {
+          rgba[c] = std::uint8_t(std::lround(rgba[c] + covered * (m_style.grid[c] - rgba[c])));
+        }
+      }
+    });
+  }
+
+  const Geometry& m_geometry;
+  const Geometry& m_slice;
+  const SliceStyle& m_style;
+  Slab m_slab;
+  int m_width, m_height;
+  std::vector<SlicePixel> m_pixels;
+};
+
+constexpr double kGoldenTurn = 0.618033988749895;
+
 }  // namespace
 
 void SliceStyle::validate() const {
-  if (std::isfinite(grey_lo) && std::isfinite(grey_hi) && grey_lo < grey_hi) return;
-  throw InputError({"", "window", number_text(grey_lo) + "," + number_text(grey_hi),
-                    "two densities, the lower one first"});
+  if (!std::isfinite(grey_lo) || !std::isfinite(grey_hi) || !(grey_lo < grey_hi)) {
+    throw InputError({"", "window", number_text(grey_lo) + "," + number_text(grey_hi),
+                      "two densities, the lower one first"});
+  }
+  for (const auto& [name, length] : {std::pair("thickness", thickness_mm), {"grid", grid_mm}}) {
+    if (length >= 0 && std::isfinite(length)) continue;
+    throw InputError({"", name, number_text(length) + " mm", "0 mm or more"});
+  }
 }
 
-Geometry slice_grid(const Geometry& geometry, SlicePlane plane, const Vec3d& through_index,
-                    double pixel_mm) {
-  if (!(pixel_mm > 0) || !std::isfinite(pixel_mm)) {
-    throw InputError({"", "pixel", number_text(pixel_mm) + " mm", "a length of more than 0 mm"});
+std::array<std::uint8_t, 3> label_colour(std::int64_t label) {
+  const double turn = double(label) * kGoldenTurn;
+  const double hue = 6 * (turn - std::floor(turn));
+  std::array<std::uint8_t, 3> rgb;
+  for (int c = 0; c < 3; ++c) {
+    // A triangle wave of the hue circle, never darker than a fifth.
+    const double from_peak = std::abs(std::remainder(hue - 2 * c, 6));
+    rgb[std::size_t(c)] = std::uint8_t(std::lround(255 * std::clamp(2 - from_peak, 0.2, 1.0)));
   }
-  const Vec3d last(geometry.dims() - Vec3i(1));
-  for (int a = 0; a < 3; ++a) {
-    if (through_index[a] >= 0 && through_index[a] <= last[a]) continue;
-    throw InputError({"", "position",
-                      number_text(through_index.x) + "," + number_text(through_index.y) + "," +
-                          number_text(through_index.z),
-                      "a voxel from 0,0,0 to " + number_text(last.x) + "," + number_text(last.y) +
-                          "," + number_text(last.z)});
-  }
-  const std::array<int, 3> axes = patient_axes(geometry);
-  const bool is_sagittal = plane == SlicePlane::sagittal, is_axial = plane == SlicePlane::axial;
-  const int right_world = is_sagittal ? 1 : 0, down_world = is_axial ? 1 : 2;
-  const Vec3d right = along(geometry, axes[std::size_t(right_world)], right_world, 1);
-  Vec3d down = along(geometry, axes[std::size_t(down_world)], down_world, is_axial ? 1 : -1);
-  down = (down - right * down.dot(right)).normalized();  // square pixels on sheared grids
-
-  // The box's outer faces, seen from the position, in pixels.
-  const Vec3d through = geometry.world_from_index(through_index);
-  std::array<double, 2> lo = {HUGE_VAL, HUGE_VAL}, hi = {-HUGE_VAL, -HUGE_VAL};
-  for (int corner = 0; corner < 8; ++corner) {
-    Vec3d index(-0.5);
-    for (int a = 0; a < 3; ++a) index[a] = corner >> a & 1 ? last[a] + 0.5 : -0.5;
-    const Vec3d seen = geometry.world_from_index(index) - through;
-    const std::array<double, 2> at = {seen.dot(right) / pixel_mm, seen.dot(down) / pixel_mm};
-    for (std::size_t n = 0; n < 2; ++n) {
-      lo[n] = std::min(lo[n], at[n]);
-      hi[n] = std::max(hi[n], at[n]);
-    }
-  }
-  std::array<int, 2> first{}, pixels{};
-  for (std::size_t n = 0; n < 2; ++n) {
-    const double count = std::floor(hi[n] - 1e-6) - std::ceil(lo[n] + 1e-6) + 1;
-    if (count > kMaxPixels) {
-      throw InputError({"", "slice", number_text(count) + " pixels a side",
-                        "at most " + std::to_string(kMaxPixels)});
-    }
-    first[n] = int(std::ceil(lo[n] + 1e-6));
-    pixels[n] = std::max(1, int(count));
-  }
-  const Vec3d origin = through + right * (first[0] * pixel_mm) + down * (first[1] * pixel_mm);
-  return {{pixels[0], pixels[1], 1},
-          origin,
-          {right * pixel_mm, down * pixel_mm, right.cross(down) * pixel_mm}};
+  return rgb;
 }
 
 Image draw_slice(const Geometry& geometry, const Geometry& slice, const DensityAt& density,
                  const SliceStyle& style) {
   style.validate();
-  const int width = slice.dims().x, height = slice.dims().y;
-  std::vector<Pixel> pixels(std::size_t(width) * height);
-  tbb::parallel_for(0, height, [&](int y) {
-    for (int x = 0; x < width; ++x) {
-      const Vec3d index = geometry.index_from_world(slice.world_from_index(Vec3d(x, y, 0)));
-      const double share = (density(index) - style.grey_lo) / (style.grey_hi - style.grey_lo);
-      Pixel& pixel = pixels[std::size_t(y) * width + x];
-      pixel.grey = std::uint8_t(std::lround(std::clamp(share, 0.0, 1.0) * 255));
-      pixel.at_rest = style.rest != nullptr && style.rest->is_active(nearest_voxel(index));
-    }
-  });
-
-  Image image(width, height);
-  image.has_alpha = false;
-  const auto at_rest = [&](int x, int y) {
-    return x >= 0 && y >= 0 && x < width && y < height &&
-           pixels[std::size_t(y) * width + x].at_rest;
-  };
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      const bool is_rim = at_rest(x, y) && !(at_rest(x - 1, y) && at_rest(x + 1, y) &&
-                                             at_rest(x, y - 1) && at_rest(x, y + 1));
-      std::uint8_t* rgba = &image.rgba[4 * (std::size_t(y) * width + x)];
-      for (std::size_t c = 0; c < 3; ++c) {
-        rgba[c] = is_rim ? style.outline[c] : pixels[std::size_t(y) * width + x].grey;
-      }
-      rgba[3] = 255;
-    }
-  }
-  return image;
+  return SliceDrawing(geometry, slice, style).draw(density);
 }
 
-Image side_by_side(const std::vector<Image>& images, int gap) {
-  int width = -gap, height = 0;
-  for (const Image& image : images) {
-    width += image.width + gap;
-    height = std::max(height, image.height);
+Image tiled(const std::vector<Image>& images, int columns, int gap,
+            std::vector<TilePlace>* places) {
+  const int count = int(images.size()), rows = (count + columns - 1) / columns;
+  // Where columns and rows begin; one more each for the end.
+  std::vector<int> lefts(std::size_t(std::min(columns, count)) + 1, 0);
+  std::vector<int> tops(std::size_t(rows) + 1, 0);
+  const auto column_of = [&](int n) { return std::size_t(n % columns); };
+  const auto row_of = [&](int n) { return std::size_t(n / columns); };
+  for (int n = 0; n < count; ++n) {
+    lefts[column_of(n) + 1] = std::max(lefts[column_of(n) + 1], images[std::size_t(n)].width + gap);
+    tops[row_of(n) + 1] = std::max(tops[row_of(n) + 1], images[std::size_t(n)].height + gap);
   }
-  Image all(width, height);
-  all.has_alpha = false;
-  for (std::size_t n = 3; n < all.rgba.size(); n += 4) all.rgba[n] = 255;
-  int left = 0;
-  for (const Image& image : images) {
+  for (std::vector<int>* starts : {&lefts, &tops}) {
+    std::partial_sum(starts->begin(), starts->end(), starts->begin());
+  }
+  Image all(lefts.back() - gap, tops.back() - gap);
+  for (int n = 0; n < count; ++n) {
+    const Image& image = images[std::size_t(n)];
+    const TilePlace place = {lefts[column_of(n)], tops[row_of(n)]};
+    if (places != nullptr) places->push_back(place);
     for (int y = 0; y < image.height; ++y) {
+      const std::size_t row = std::size_t(place.top + y) * all.width + place.left;
       std::copy_n(&image.rgba[4 * std::size_t(y) * image.width], 4 * image.width,
-                  &all.rgba[4 * (std::size_t(y) * width + left)]);
+                  &all.rgba[4 * row]);
     }
-    left += image.width + gap;
   }
   return all;
 }

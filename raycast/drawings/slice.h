@@ -1,6 +1,7 @@
-// Orthogonal slices as radiologists look at them: axial and coronal with the patient's left on the
-// right, sagittal with posterior on the right; superior up, anterior up in axial ones. A slice lies
-// in a plane of voxels, that of the grid axes nearest to the patient's, and has square pixels.
+// A slice of a volume as a grey picture, with what is drawn over it. A slab gathers densities along
+// the line of sight, over its thickness.
+//
+// Cost: one density per pixel and, in a slab, per smallest voxel of its thickness; all threads.
 #pragma once
 
 #include <array>
@@ -9,38 +10,53 @@
 #include <string>
 #include <vector>
 
+#include "raycast/drawings/slice_grid.h"
 #include "raycast/pictures/image.h"
-#include "volumes/geometry/geometry.h"
 #include "volumes/grid/brick_topology.h"
 
 namespace supple {
 
-enum class SlicePlane { axial, coronal, sagittal };
-
-/// Densities that map to black and white, and the rim of the material at rest.
-struct SliceStyle {
-  double grey_lo = 0, grey_hi = 255;
-  const BrickTopology* rest = nullptr;  // whose outline is drawn; null: none
-  std::array<std::uint8_t, 3> outline = {255, 200, 0};
-
-  /// Throws InputError unless grey_lo and grey_hi are finite and ascending.
-  void validate() const;
-};
-
-/// The grid of one slice whose voxels (x, y, 0) are the pixels: the plane through a voxel position,
-/// over the whole source box. A pixel lies on that position. Throws InputError: a position outside
-/// the box, more than 16384 pixels a side, pixel_mm not positive.
-Geometry slice_grid(const Geometry& geometry, SlicePlane plane, const Vec3d& through_index,
-                    double pixel_mm);
+/// What a slab shows of the densities along its thickness.
+enum class SlabMode { mean, maximum, minimum };
 
 /// A density at a position of the volume's index space.
 using DensityAt = std::function<float(const Vec3d& index)>;
+/// The index position at which the tissue that is seen at a place was at rest; false where none is.
+using RestPlaceAt = std::function<bool(const Vec3d& index, Vec3d& at_rest)>;
+/// The label of tissue by its index position at rest; 0: none.
+using LabelAt = std::function<std::int64_t(const Vec3d& at_rest)>;
 
-/// The densities on a slice's grid as an opaque grey picture, one call per pixel, all threads.
+/// Densities that map to black and white, and what is drawn over them.
+struct SliceStyle {
+  double grey_lo = 0, grey_hi = 255;
+  double thickness_mm = 0;  // of a slab; 0: a plane
+  SlabMode slab = SlabMode::mean;
+  const BrickTopology* rest = nullptr;  // whose outline is drawn; null: none
+  std::array<std::uint8_t, 3> outline = {255, 200, 0};
+  RestPlaceAt rest_place;  // null: tissue is at rest
+  LabelAt label;           // outlined in label_colour; null: none
+  double grid_mm = 0;      // distance of lines that were straight at rest; 0: none
+  std::array<std::uint8_t, 3> grid = {90, 200, 255};
+
+  /// Throws InputError: grey_lo and grey_hi not finite and ascending, negative lengths.
+  void validate() const;
+};
+
+/// Colours that are easy to tell apart for small labels, the same in every picture.
+std::array<std::uint8_t, 3> label_colour(std::int64_t label);
+
+/// The densities on a slice's grid as a grey picture, opaque inside the volume's box and
+/// transparent outside.
 Image draw_slice(const Geometry& geometry, const Geometry& slice, const DensityAt& density,
                  const SliceStyle& style);
 
-/// Pictures from left to right, top edges aligned, on black.
-Image side_by_side(const std::vector<Image>& images, int gap);
+/// Where a picture of a table begins.
+struct TilePlace {
+  int left, top;
+};
+/// Pictures in rows of `columns`, each at the top left of its cell, transparent between; places in
+/// their order.
+Image tiled(const std::vector<Image>& images, int columns, int gap,
+            std::vector<TilePlace>* places = nullptr);
 
 }  // namespace supple

@@ -1,5 +1,5 @@
-// Loads the plugin of what needs OpenCV or OpenEXR: comparisons, legends, EXR files. Cost: about
-// 6 ms and 9 MB, once, when one of them is first asked for.
+// Loads the plugin of what needs OpenCV or OpenEXR: comparisons, legends, words over pictures, EXR
+// files. Cost: about 6 ms and 9 MB, once, when one of them is first asked for.
 #include "raycast/pictures/pictures_plugin.h"
 
 namespace supple {
@@ -28,6 +28,10 @@ Image offset_image(const FloatImage& picture, const ScalarRange& range_mm,
 
 Image depth_image(const FloatImage& picture, const ScalarRange& range_mm) {
   return pictures_plugin().depth_image(picture, range_mm);
+}
+
+void draw_overlay(FloatImage& picture, const Overlay& overlay) {
+  pictures_plugin().draw_overlay(picture, overlay);
 }
 
 void write_exr(const AtomicFile& target, const FloatImage& picture, const std::string& comment) {

@@ -10,7 +10,6 @@ namespace supple {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kMargin = 0.05;  // of the picture, on each side
 
 struct NamedView {
   const char* name;
@@ -29,10 +28,6 @@ std::string numbers_text(const Vec3d& v) {
   return number_text(v.x) + " " + number_text(v.y) + " " + number_text(v.z);
 }
 
-double half_height_at_unit_distance(const Camera& camera) {
-  return std::tan(camera.vertical_fov_degrees * kPi / 360);
-}
-
 const NamedView& find_view(const std::string& name) {
   std::string known;
   for (const NamedView& view : views()) {
@@ -40,17 +35,6 @@ const NamedView& find_view(const std::string& name) {
     known += (known.empty() ? "" : ", ") + std::string(view.name);
   }
   throw InputError({"", "camera view", name, "one of " + known});
-}
-
-/// Corners of the voxels' box, half a voxel beyond the outermost centres.
-std::array<Vec3d, 8> box_corners_mm(const Geometry& geometry) {
-  std::array<Vec3d, 8> corners;
-  for (int c = 0; c < 8; ++c) {
-    Vec3d index;
-    for (int a = 0; a < 3; ++a) index[a] = (c >> a) & 1 ? geometry.dims()[a] - 0.5 : -0.5;
-    corners[c] = geometry.world_from_index(index);
-  }
-  return corners;
 }
 
 }  // namespace
@@ -83,6 +67,17 @@ void Camera::validate(const std::string& file) const {
   if (!(height_mm > 0 && std::isfinite(height_mm))) {
     throw InputError({file, "camera.height", number_text(height_mm), "more than 0 mm"});
   }
+}
+
+double half_height_at_unit_distance(const Camera& camera) {
+  return std::tan(camera.vertical_fov_degrees * kPi / 360);
+}
+
+Camera zoomed(const Camera& camera, double factor) {
+  Camera near = camera;
+  near.height_mm /= factor;
+  near.vertical_fov_degrees = std::atan(half_height_at_unit_distance(camera) / factor) * 360 / kPi;
+  return near;
 }
 
 CameraFrame camera_frame(const Camera& camera) {
@@ -131,7 +126,7 @@ bool project_to_pixel(const Camera& camera, int width, int height, const Vec3d& 
 Camera default_camera(const Geometry& geometry, double aspect, const std::string& view_name,
                       Projection projection, double vertical_fov_degrees) {
   const NamedView& view = find_view(view_name);
-  const std::array<Vec3d, 8> corners = box_corners_mm(geometry);
+  const std::vector<Vec3d> corners = box_corners_lps_mm(geometry);
   Camera camera;
   camera.projection = projection;
   camera.vertical_fov_degrees = vertical_fov_degrees;
@@ -141,7 +136,7 @@ Camera default_camera(const Geometry& geometry, double aspect, const std::string
   const CameraFrame frame = camera_frame(camera);
 
   // The nearest distance (perspective) or least height (orthographic) that shows every corner.
-  const double used = 1 - 2 * kMargin;
+  const double used = 1 - 2 * kFramingMargin;
   const double tan_y = used * half_height_at_unit_distance(camera);
   double distance = 0, half_height = 0, depth = 0;
   for (const Vec3d& corner : corners) {
@@ -156,6 +151,16 @@ Camera default_camera(const Geometry& geometry, double aspect, const std::string
   if (projection == Projection::orthographic) distance = 2 * depth + half_height;
   camera.position_lps_mm = camera.target_lps_mm + view.from * distance;
   return camera;
+}
+
+std::vector<Vec3d> box_corners_lps_mm(const Geometry& geometry) {
+  std::vector<Vec3d> corners(8);
+  for (int c = 0; c < 8; ++c) {
+    Vec3d index;
+    for (int a = 0; a < 3; ++a) index[a] = (c >> a) & 1 ? geometry.dims()[a] - 0.5 : -0.5;
+    corners[c] = geometry.world_from_index(index);
+  }
+  return corners;
 }
 
 std::vector<std::string> view_names() {

@@ -10,6 +10,9 @@
 
 namespace supple {
 
+/// Free on each side of a picture that is framed, as a part of it.
+constexpr double kFramingMargin = 0.05;
+
 enum class Projection { perspective, orthographic };
 
 struct Camera {
@@ -39,6 +42,13 @@ struct CameraFrame {
 };
 CameraFrame camera_frame(const Camera& camera);
 
+/// Half the height of a perspective picture at a distance of 1 along the view.
+double half_height_at_unit_distance(const Camera& camera);
+
+/// Magnified about the middle of the picture by `factor` > 0: a narrower angle or less height, from
+/// the same place.
+Camera zoomed(const Camera& camera, double factor);
+
 /// The rays of one picture.
 class CameraRays {
  public:
@@ -67,6 +77,9 @@ bool project_to_pixel(const Camera& camera, int width, int height, const Vec3d& 
 Camera default_camera(const Geometry& geometry, double aspect, const std::string& view = "anterior",
                       Projection projection = Projection::perspective,
                       double vertical_fov_degrees = Camera().vertical_fov_degrees);
+
+/// The outer corners of the volume's box, half a voxel beyond the outermost centres.
+std::vector<Vec3d> box_corners_lps_mm(const Geometry& geometry);
 
 /// The names that default_camera knows.
 std::vector<std::string> view_names();

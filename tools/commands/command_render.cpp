@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "raycast/scene/framing.h"
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
 #include "tools/console/parse.h"
@@ -161,8 +162,14 @@ void print_camera(const Scene& scene) {
     throw InputError({scene.volume_path, "--print-camera", "a lattice, which frames its body",
                       "a volume of several slices"});
   }
+  if (view.fit == "body" || view.fit == "visible") {
+    throw UsageError("--fit " + view.fit +
+                     ": found --print-camera, which reads no voxels, expected box");
+  }
   const double aspect = double(view.size[0]) / view.size[1];
-  std::fputs(to_toml(resolve_camera(view.camera, geometry, aspect)).c_str(), stdout);
+  Camera camera = resolve_camera(view.camera, geometry, aspect);
+  if (view.fit == "box") camera = framed(camera, aspect, box_corners_lps_mm(geometry));
+  std::fputs(to_toml(zoomed(camera, view.zoom)).c_str(), stdout);
 }
 
 int run_render(RenderOptions& options, const GlobalOptions& global, Console& console) {

@@ -1,4 +1,4 @@
-// supple slice: axial, coronal and sagittal slices of a volume or a deformed state.
+// supple slice: axial, coronal, sagittal and oblique slices of a volume or a deformed state.
 #include <filesystem>
 
 #include "tools/console/command.h"
@@ -43,7 +43,8 @@ Command add_slice(CLI::App& program) {
       program, "slice", "Axial, coronal and sagittal slices of a volume or a deformed state",
       "  supple slice drag.vdb -o slices.png\n"
       "  supple slice drag.vdb --at 128,200,12 --plane sagittal --window -1000,1000 -o bone.png\n"
-      "  supple slice head.nii.gz --scale 4 -o head.png");
+      "  supple slice drag.vdb --plane axial --grid 10 --arrows 8 --annotate all -o moved.png\n"
+      "  supple slice head.nii.gz --lightbox 4x3 --scale 1 -o head.png");
   auto options = std::make_shared<SliceOptions>(*app);
   app->add_option("input", options->input, "A volume or a state")
       ->required()
@@ -51,8 +52,10 @@ Command add_slice(CLI::App& program) {
   ReadOptions read;
   std::string path;
   SliceChoice slice;
+  Decoration decoration;
   options->scene.add("volume", fields(read));
   options->scene.add("view", {path_file_field(path)});
+  options->scene.add("view", fields(decoration));
   options->scene.add("view.slice", fields(slice));
   app->add_flag("--undeformed", options->undeformed, "Show a state's body at rest");
   app->add_option("-o,--output", options->output, "Picture to write")

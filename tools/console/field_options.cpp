@@ -45,7 +45,12 @@ std::string number_as_toml(double value) {
 std::string toml_of(const Field& field, const std::string& option, const std::string& text) {
   if (field.holds<double>() || field.holds<int>()) return toml_number(option, text);
   if (field.holds<Vec3d>()) return toml_numbers(option, text);
-  if (field.holds<NumberPair>() || field.holds<PixelSize>()) return toml_numbers(option, text, 2);
+  if (field.holds<NumberPair>()) return toml_numbers(option, text, 2);
+  if (field.holds<PixelSize>()) {
+    std::string pair = text;  // 4x3 as well as 4,3
+    std::replace(pair.begin(), pair.end(), 'x', ',');
+    return toml_numbers(option, pair, 2);
+  }
   const bool is_list = field.holds<std::vector<std::string>>();
   std::string list;
   for (const std::string& word : is_list ? split(text, ',') : std::vector<std::string>{text}) {

@@ -1,31 +1,15 @@
 #include "tools/outputs/frames.h"
 
-#include <cmath>
-
 #include <nlohmann/json.hpp>
 
+#include "raycast/scene/framing.h"
 #include "raycast/scene/stereo.h"
+#include "tools/outputs/staging.h"
 #include "volumes/field/cuts/cut_offsets.h"
 
 namespace supple::tools {
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
-
-/// `v` turned about the patient's axis towards superior; from above against the clock.
-Vec3d turned(const Vec3d& v, double angle) {
-  const double c = std::cos(angle), s = std::sin(angle);
-  return {c * v.x - s * v.y, s * v.x + c * v.y, v.z};
-}
-
-Camera turned(const Camera& camera, double angle) {
-  Camera around = camera;
-  around.position_lps_mm =
-      camera.target_lps_mm + turned(camera.position_lps_mm - camera.target_lps_mm, angle);
-  around.up_lps = turned(camera.up_lps, angle);
-  return around;
-}
 
 double longest_mm(const VectorBricks& bricks, const Geometry& geometry) {
   const BrickTopology& topology = bricks.topology;
@@ -107,10 +91,11 @@ class ViewDrawing {
     require_subject();
     if (!view.lattice && !view.slice) m_renderer = make_renderer(subject, view);
     if (view.slice) {
-      m_view.slice = effective_slice(
-          *view.slice, {subject.geometry, subject.density, subject.outlined, nullptr});
+      m_view.slice = effective_slice(*view.slice, subject.geometry, subject.density);
     } else {
-      m_camera = camera_of(subject, view);
+      m_camera = framed_camera(subject, m_renderer.get(), view, console);
+      m_view.fit.clear();
+      m_view.zoom = 1;
     }
     m_offset_range.hi = m_options.offset_max_mm;
     const bool needs_longest = m_options.offset_max_mm == 0 && shows("offset");
@@ -120,13 +105,15 @@ class ViewDrawing {
   void draw_all(PictureWriter& writer) {
     for (int n = 0; n < m_options.frame_count(); ++n) {
       SceneView frame = m_view;
-      const Camera camera =
-          m_options.turntable > 0 ? turned(m_camera, 2 * kPi * n / m_options.turntable) : m_camera;
+      const Camera camera = m_options.turntable > 0
+                                ? turned_about_target(m_camera, double(n) / m_options.turntable)
+                                : m_camera;
       if (!m_view.slice) frame.camera.camera = camera;
       double fraction = 1;
       if (m_options.sequence > 0) fraction = double(n) / (m_options.sequence - 1);
+      m_is_seen = false;
       const FloatImage picture = draw_at(fraction, frame);
-      if (m_renderer && is_empty(picture)) {
+      if (m_renderer && !m_is_seen) {
         m_console.warn(m_view.image + ": nothing is to be seen in the picture" +
                        (m_options.is_series() ? ", number " + std::to_string(n) : ""));
       }
@@ -188,6 +175,8 @@ class ViewDrawing {
     RenderReport report;
     FloatImage picture = draw(subject, m_renderer.get(), frame, &report, m_console);
     add(report, m_report);
+    m_is_seen = m_is_seen || !is_empty(picture);
+    if (!frame.slice) decorate(picture, subject, frame);
     return picture;
   }
 
@@ -210,6 +199,7 @@ class ViewDrawing {
   Console& m_console;
   std::unique_ptr<Renderer> m_renderer;
   Camera m_camera;
+  bool m_is_seen = false;  // anything, in the picture that is drawn
   ScalarRange m_offset_range{0, 0};
 };
 

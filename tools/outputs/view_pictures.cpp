@@ -1,11 +1,13 @@
 #include "tools/outputs/view_pictures.h"
 
 #include <algorithm>
+#include <filesystem>
 
 #include <nlohmann/json.hpp>
 
 #include "raycast/drawings/lattice.h"
 #include "tools/outputs/reports.h"
+#include "tools/outputs/slice_pictures.h"
 #include "tools/scene/transfer_file.h"
 #include "volumes/base/version.h"
 #include "volumes/field/displacement.h"
@@ -81,6 +83,7 @@ void check_view(const SceneView& view) {
     view_settings(view).validate();
     check_picture_options(view.picture, view.image, view.place);
     check_inverse(view, view.path);
+    check_decoration(view.decoration, view.slice.has_value());
   } catch (const InputError& error) {
     rethrow_at(view.place, error);
   }
@@ -112,7 +115,7 @@ const Displacement* displacement_for_meshes(const PosedVolume& subject, const Sc
 bool reads_displacement(const SceneView& view) {
   const auto deforms = [](const MeshChoice& mesh) { return mesh.deform; };
   return !view.inverse || view.lattice || view.picture.sequence > 0 || !view.path.empty() ||
-         std::any_of(view.meshes.begin(), view.meshes.end(), deforms);
+         view.fit == "body" || std::any_of(view.meshes.begin(), view.meshes.end(), deforms);
 }
 
 std::unique_ptr<Renderer> make_renderer(const PosedVolume& subject, const SceneView& view) {
@@ -137,8 +140,8 @@ void pose(Renderer& renderer, const PosedVolume& subject, const SceneView& view)
 FloatImage draw(const PosedVolume& subject, const Renderer* renderer, const SceneView& view,
                 RenderReport* report, Console& console) {
   if (view.slice) {
-    return to_float(draw_slices(
-        {subject.geometry, subject.density, subject.outlined, subject.offsets}, *view.slice));
+    return draw_slices({subject.geometry, subject.density, subject.outlined, subject.offsets},
+                       *view.slice, view.decoration);
   }
   if (view.lattice && !view.clips.empty()) {
     throw InputError({view.place, "clip", "a lattice to draw", "a volume of several slices"});
@@ -170,7 +173,13 @@ nlohmann::ordered_json to_json(const ClipChoice& choice) {
   return json;
 }
 
+std::string decoration_json(Decoration decoration) {
+  Decoration plain;
+  return fields_json(fields(decoration), fields(plain));
+}
+
 nlohmann::ordered_json to_json(SliceChoice choice) {
+  choice.labels_path = std::filesystem::path(choice.labels_path).filename().string();
   return nlohmann::ordered_json::parse(fields_json(fields(choice)));
 }
 
@@ -191,6 +200,7 @@ std::string describe_view(const SceneView& view, const nlohmann::ordered_json& m
   if (view.slice) {
     json.update(to_json(*view.slice));
     json["deformed"] = view.deformed;
+    json.update(nlohmann::ordered_json::parse(decoration_json(view.decoration)));
     json.update(more);
     return json.dump();
   }

@@ -1,35 +1,18 @@
 #include "tools/scene/slice_view.h"
 
 #include <algorithm>
+#include <tuple>
 
 #include "volumes/base/error.h"
 #include "volumes/grid/volume.h"
+#include "volumes/io/open_volume.h"
 
 namespace supple::tools {
 
 namespace {
 
-/// Between the slices of a row.
-constexpr int kGapPixels = 8;
-
 /// The usual abdominal and head window: level 40, width 400.
 constexpr double kSoftTissueLo = -160, kSoftTissueHi = 240;
-
-/// The density that is seen at a place: that of where its tissue came from.
-DensityAt density_of(const SliceSource& source) {
-  const float outside = source.density.background();
-  if (source.offsets == nullptr) {
-    return [&source, outside](const Vec3d& index) {
-      return sample_trilinear(source.density, index, outside);
-    };
-  }
-  const OffsetField& offsets = *source.offsets;
-  return [&source, &offsets, outside](const Vec3d& index) {
-    Vec3d offset;
-    if (!offsets.sample(index, offset)) return outside;
-    return sample_trilinear(source.density, index + offset, outside);
-  };
-}
 
 /// Soft tissue where densities are Hounsfield units, else everything there is.
 std::pair<double, double> default_window(const DensityGrid& density) {
@@ -44,42 +27,18 @@ std::pair<double, double> default_window(const DensityGrid& density) {
   return {lo, std::max(hi, lo + 1)};
 }
 
-std::vector<SlicePlane> planes_of(const std::string& name) {
-  if (name == "axial") return {SlicePlane::axial};
-  if (name == "coronal") return {SlicePlane::coronal};
-  if (name == "sagittal") return {SlicePlane::sagittal};
-  return {SlicePlane::axial, SlicePlane::coronal, SlicePlane::sagittal};
-}
-
-SliceStyle style_of(const SliceSource& source, const SliceChoice& choice) {
-  SliceStyle style;
-  style.grey_lo = choice.window->first;
-  style.grey_hi = choice.window->second;
-  const bool is_outlined = choice.outline && source.rest != nullptr && !source.rest->empty();
-  if (is_outlined) style.rest = source.rest;
-  return style;
-}
-
 }  // namespace
 
-SliceChoice effective_slice(const SliceChoice& choice, const SliceSource& source) {
+SliceChoice effective_slice(const SliceChoice& choice, const Geometry& geometry,
+                            const DensityGrid& density) {
   SliceChoice effective = choice;
-  if (!choice.at) effective.at = Vec3d((source.geometry.dims() - Vec3i(1)) / 2);
-  if (!choice.window) effective.window = default_window(source.density);
-  style_of(source, effective).validate();
+  if (!choice.at) effective.at = Vec3d((geometry.dims() - Vec3i(1)) / 2);
+  if (!choice.window) effective.window = default_window(density);
+  if (choice.count() > 1 && choice.plane == "all") effective.plane = "axial";
+  SliceStyle style;
+  std::tie(style.grey_lo, style.grey_hi) = *effective.window;
+  style.validate();
   return effective;
-}
-
-Image draw_slices(const SliceSource& source, const SliceChoice& choice) {
-  const Vec3d spacing = source.geometry.spacing_mm();
-  const double pixel_mm = std::min({spacing.x, spacing.y, spacing.z}) / choice.scale;
-  std::vector<Image> images;
-  for (const SlicePlane plane : planes_of(choice.plane)) {
-    const Geometry slice = slice_grid(source.geometry, plane, *choice.at, pixel_mm);
-    images.push_back(
-        draw_slice(source.geometry, slice, density_of(source), style_of(source, choice)));
-  }
-  return side_by_side(images, kGapPixels);
 }
 
 Fields fields(SliceChoice& choice) {
@@ -90,6 +49,11 @@ Fields fields(SliceChoice& choice) {
           .also("transversal", "axial")
           .also("frontal", "coronal")
           .shown_as("PLANE"),
+      Field("normal", choice.normal,
+            "An oblique slice across this direction in LPS, which points "
+            "to the viewer"),
+      Field("up", choice.up, "Upwards in an oblique slice, in LPS")
+          .otherwise("superior, of nearly axial ones anterior"),
       Field("at", choice.at, "Voxel that the slices pass through")
           .shown_as("I,J,K")
           .otherwise("the middle"),
@@ -97,8 +61,64 @@ Fields fields(SliceChoice& choice) {
           .shown_as("LO,HI")
           .otherwise("soft tissue with HU, else all"),
       Field("scale", choice.scale, "Pixels per voxel of the smallest spacing").range(0.01, 64),
+      Field("thickness", choice.thickness_mm, "Of a slab around the slice")
+          .unit("mm")
+          .range(0, 10000)
+          .otherwise("a plane"),
+      Field("slab", choice.slab, {"mean", "mip", "minip"},
+            "What a slab shows: mean, largest or least density"),
+      Field("lightbox", choice.lightbox, "Columns and rows of parallel slices (axial unless told)")
+          .range(1, 64)
+          .shown_as("CxR")
+          .otherwise("one slice"),
+      Field("every", choice.every_mm, "Between slices of a lightbox")
+          .unit("mm")
+          .positive()
+          .otherwise("evenly through the volume"),
       Field("outline", choice.outline, "Without the outline of the body at rest"),
+      Field("labels", choice.labels_path,
+            "A segmentation to outline, at rest; it moves with the "
+            "tissue")
+          .path(),
+      Field("grid", choice.grid_mm, "Lines that were straight at rest, so far apart")
+          .unit("mm")
+          .at_least(0)
+          .otherwise("none"),
+      Field("arrows", choice.arrows_mm, "Displacements as arrows, so far apart")
+          .unit("mm")
+          .at_least(0)
+          .otherwise("none"),
   };
+}
+
+void complete_slice(SliceChoice& choice, const std::string& place) {
+  const auto refuse = [&](const char* field, const char* found, const char* expected) {
+    throw InputError({place, field, found, expected});
+  };
+  if (choice.normal && choice.plane != "all") refuse("normal", "plane and normal", "one of both");
+  if (choice.up && !choice.normal) refuse("up", "up without normal", "a normal beside it");
+  if (choice.normal) oblique_axes(*choice.normal, choice.up);
+  if (choice.every_mm && choice.count() == 1) {
+    refuse("every", "every without lightbox", "a lightbox beside it");
+  }
+  if (choice.slab != SlabMode::mean && choice.thickness_mm == 0) {
+    refuse("slab", "slab without thickness", "a thickness beside it");
+  }
+  if (choice.labels_path.empty()) return;
+  choice.labels = std::make_shared<StoredLabels>(*open_volume(choice.labels_path, {}));
+}
+
+std::vector<NamedAxes> axes_of(const SliceChoice& choice, const Geometry& geometry) {
+  if (choice.normal) return {{"oblique", oblique_axes(*choice.normal, choice.up)}};
+  std::vector<NamedAxes> all;
+  for (const auto& [name, plane] : {std::pair("axial", SlicePlane::axial),
+                                    {"coronal", SlicePlane::coronal},
+                                    {"sagittal", SlicePlane::sagittal}}) {
+    if (choice.plane == "all" || choice.plane == name) {
+      all.push_back({name, slice_axes(geometry, plane)});
+    }
+  }
+  return all;
 }
 
 }  // namespace supple::tools

@@ -1,41 +1,57 @@
 // Slices as `supple slice` and a scene's [[view]] ask for them.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 
 #include "raycast/drawings/slice.h"
 #include "volumes/base/fields.h"
-#include "volumes/field/offset_field.h"
 #include "volumes/grid/density_grid.h"
+#include "volumes/io/load/stored_labels.h"
 
 namespace supple::tools {
 
 struct SliceChoice {
-  std::string plane = "all";  // axial, coronal, sagittal, or all of them
-  std::optional<Vec3d> at;    // voxel that they pass through; absent: the middle
+  std::string plane = "all";    // axial, coronal, sagittal, or all of them
+  std::optional<Vec3d> normal;  // LPS, to the viewer: one oblique slice instead
+  std::optional<Vec3d> up;      // LPS, of an oblique slice
+  std::optional<Vec3d> at;      // voxel that they pass through; absent: the middle
   /// Densities that are black and white; absent: soft tissue with HU, else all.
   std::optional<NumberPair> window;
-  double scale = 2;  // pixels per voxel of the smallest spacing
+  double scale = 2;         // pixels per voxel of the smallest spacing
+  double thickness_mm = 0;  // of a slab; 0: a plane
+  SlabMode slab = SlabMode::mean;
+  PixelSize lightbox{1, 1};        // columns and rows of parallel slices
+  std::optional<double> every_mm;  // between them; absent: all the way through the volume
   bool outline = true;
-};
+  std::string labels_path;  // of a segmentation that is outlined; empty: none
+  double grid_mm = 0;       // 0: no grid
+  double arrows_mm = 0;     // 0: no arrows
 
-/// What is cut.
-struct SliceSource {
-  const Geometry& geometry;
-  const DensityGrid& density;
-  const BrickTopology* rest;   // outlined; null: nothing
-  const OffsetField* offsets;  // null: straight
+  /// Read when the choice is.
+  std::shared_ptr<const StoredLabels> labels;
+
+  int count() const { return lightbox[0] * lightbox[1]; }
 };
 
 /// The choice with everything decided that was left open. Throws InputError: a bad window.
-SliceChoice effective_slice(const SliceChoice& choice, const SliceSource& source);
-
-/// One slice, or three side by side, of an effective choice.
-Image draw_slices(const SliceSource& source, const SliceChoice& choice);
+SliceChoice effective_slice(const SliceChoice& choice, const Geometry& geometry,
+                            const DensityGrid& density);
 
 /// Of `slice = { … }` in a [[view]].
 Fields fields(SliceChoice& choice);
+
+/// Reads the labels that the choice names. Throws InputError: as a volume file, and settings that
+/// do not go together, with `place`.
+void complete_slice(SliceChoice& choice, const std::string& place);
+
+/// Names of the planes of a choice, and how pictures of them lie in space.
+struct NamedAxes {
+  std::string name;
+  SliceAxes axes;
+};
+std::vector<NamedAxes> axes_of(const SliceChoice& choice, const Geometry& geometry);
 
 }  // namespace supple::tools

@@ -166,6 +166,11 @@ Fields fields(SceneView& view) {
       Field("half_offsets", view.half_offsets,
             "Keep every second offset along each axis: a sixth of their memory"),
       Field("lattice", view.lattice, "Draw elements and links (always so for one-slice bodies)"),
+      Field("fit", view.fit,
+            "What fills the picture: the volume's box, its elements, or what is seen")
+          .one_of({"box", "body", "visible"})
+          .otherwise("box; with a camera file as it says"),
+      Field("zoom", view.zoom, "Magnification").range(0.01, 1000),
       Field("size", view.size, "Pixels").range(1, 16384).otherwise("1024,1024"),
       Field("quality", sampling.quality, {"draft", "default", "accurate"}, "Speed for accuracy"),
       Field("step", sampling.step_voxels, "Sample distance, not the quality's")
@@ -176,7 +181,8 @@ Fields fields(SceneView& view) {
       Field("jitter", sampling.jitter, "Fine noise instead of rings"),
       Field("clip_meshes", view.clip_meshes, "Clips of the picture cut meshes, too"),
   };
-  for (const Fields& more : {fields(view.lighting), fields(view.picture)}) {
+  for (const Fields& more :
+       {fields(view.lighting), fields(view.decoration), fields(view.picture)}) {
     all.insert(all.end(), more.begin(), more.end());
   }
   return all;
@@ -207,6 +213,7 @@ SceneView read_view(TomlTable& table, int steps) {
     view.slice.emplace();
     slice->read(fields(*view.slice));
     slice->finish();
+    complete_slice(*view.slice, slice->place());
   }
   if (view.after_step && *view.after_step > steps) {
     table.fail("after_step", std::to_string(*view.after_step), "0 to " + std::to_string(steps));

@@ -11,6 +11,7 @@
 #include "raycast/scene/camera.h"
 #include "raycast/scene/clip.h"
 #include "raycast/scene/transfer_function.h"
+#include "tools/pictures/decoration.h"
 #include "tools/pictures/picture_options.h"
 #include "tools/scene/offset_functions.h"
 #include "tools/scene/slice_view.h"
@@ -53,6 +54,9 @@ struct SceneView {
   std::vector<MeshChoice> meshes;
   bool clip_meshes = false;
   CameraChoice camera;
+  std::string fit;  // box, body or visible; empty: a named view frames the box
+  double zoom = 1;
+  Decoration decoration;
   PixelSize size{1024, 1024};
   Sampling sampling;
   bool deformed = true;

@@ -4,6 +4,10 @@
 extern "C" __attribute__((visibility("default")))
 const supple::PicturesPlugin supple_pictures_plugin;
 
-const supple::PicturesPlugin supple_pictures_plugin = {
-    supple::PicturesPlugin::kSizes, supple::compare,     supple::difference_image,
-    supple::offset_image,           supple::depth_image, supple::write_exr};
+const supple::PicturesPlugin supple_pictures_plugin = {supple::PicturesPlugin::kSizes,
+                                                       supple::compare,
+                                                       supple::difference_image,
+                                                       supple::offset_image,
+                                                       supple::depth_image,
+                                                       supple::write_exr,
+                                                       supple::draw_overlay};

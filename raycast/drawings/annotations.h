@@ -1,0 +1,73 @@
+// What a viewer of medical images writes over a picture: letters of the patient's sides, a scale
+// bar, an orientation cube, words, a legend of colours, cross-hairs and arrows. Here it is decided
+// what they are and where they lie; raycast/pictures/overlay.h draws them.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "raycast/pictures/colour_map.h"
+#include "raycast/pictures/overlay.h"
+#include "raycast/scene/camera.h"
+
+namespace supple {
+
+/// A part of a picture, in pixels.
+struct PictureArea {
+  double left = 0, top = 0, width = 0, height = 0;
+};
+
+/// Inks that are legible on what is behind: pale with a dark halo, or the reverse.
+enum class Ground { dark, light };
+
+/// The patient's side that a direction points to, as DICOM's Patient Orientation (C.7.6.1.1.1) says
+/// it, with S and I for head and feet: the nearest of R L A P S I, then those whose share of the
+/// unit vector is above 0.2 (about 12 degrees), in descending order: "L", "LA", "SAR".
+std::string orientation_letters(const Vec3d& direction_lps);
+
+/// The largest of 1, 2 and 5 times a power of ten that is not above `longest`.
+double round_length(double longest);
+
+/// mm that a pixel of the picture spans: everywhere in an orthographic picture, in the plane
+/// through the target of a perspective one.
+double mm_per_pixel(const Camera& camera, int height);
+
+/// Writes over one area of a picture: adds to an overlay what is asked for.
+class Annotations {
+ public:
+  Annotations(Overlay& overlay, const PictureArea& area, double letter_height, Ground ground);
+
+  /// Suits an area: 1/32 of its shorter side, at least 9 pixels.
+  static double letter_height_for(const PictureArea& area);
+
+  /// The sides in the middle of each edge. `right` and `up`: of the picture, LPS.
+  void letters(const Vec3d& right, const Vec3d& up);
+  /// A bar of a round length, at most a quarter of the width, in the bottom left corner; `remark`
+  /// follows its length in mm.
+  void scale_bar(double pixel_mm, const std::string& remark);
+  /// A cube in the bottom right corner, seen as the patient is, with the letters of its sides.
+  void cube(const CameraFrame& frame);
+  /// Lines of words in the top left corner.
+  void words(const std::vector<std::string>& lines);
+  /// A bar of colours at the right edge with ticks, `title` above.
+  void legend(const ScalarRange& range, const std::function<Rgb(double value)>& colour,
+              const std::string& title);
+  /// Two lines through a point that leave its surroundings free.
+  void crosshair(const PixelPoint& at);
+  /// From where something was to where it is; one shorter than a pixel is left out.
+  void arrow(const PixelPoint& from, const PixelPoint& to);
+
+ private:
+  void line(const std::vector<PixelPoint>& points, double width);
+  void text(const std::string& words, const PixelPoint& at, const PixelPoint& hold, double height);
+  void letter(const Vec3d& direction, const PixelPoint& at, const PixelPoint& hold);
+
+  Overlay& m_overlay;
+  PictureArea m_area;
+  double m_height;       // of letters, pixels
+  double m_word_height;  // of words
+  Rgb m_word_ink, m_letter_ink, m_halo;
+};
+
+}  // namespace supple

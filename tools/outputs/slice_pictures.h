@@ -1,0 +1,25 @@
+// Pictures of slices: one, three side by side, or a lightbox, with what is drawn and written over
+// them.
+#pragma once
+
+#include "raycast/pictures/float_image.h"
+#include "tools/pictures/decoration.h"
+#include "tools/scene/slice_view.h"
+#include "volumes/field/offset_field.h"
+
+namespace supple::tools {
+
+/// What is cut.
+struct SliceSource {
+  const Geometry& geometry;
+  const DensityGrid& density;
+  const BrickTopology* rest;   // outlined; null: nothing
+  const OffsetField* offsets;  // null: straight
+};
+
+/// Of an effective choice. Throws InputError: a place outside the volume, arrows of what is at
+/// rest.
+FloatImage draw_slices(const SliceSource& source, const SliceChoice& choice,
+                       const Decoration& decoration);
+
+}  // namespace supple::tools

@@ -1,0 +1,144 @@
+#include "tools/outputs/staging.h"
+
+#include <cmath>
+
+#include "raycast/drawings/annotations.h"
+#include "raycast/pictures/background.h"
+#include "raycast/scene/framing.h"
+#include "tools/scene/transfer_file.h"
+#include "volumes/base/error.h"
+#include "volumes/grid/volume.h"
+
+namespace supple::tools {
+
+namespace {
+
+/// Pixels on the longer side of the pictures in which the visible is found.
+constexpr int kLookPixels = 192;
+constexpr float kVisibleOpacity = 0.1f;
+/// Pictures around a turntable's axis.
+constexpr int kLooksAround = 8;
+
+/// Positions of the elements that begin and end each row of a brick, where they are now.
+std::vector<Vec3d> body_points(const PosedVolume& subject) {
+  if (subject.offsets != nullptr && subject.displacement == nullptr) {
+    throw InputError({"", "fit", "body of a volume seen through a warp", "box or visible"});
+  }
+  std::vector<Vec3d> points;
+  const BrickTopology& elements = subject.elements;
+  for (std::size_t b = 0; b < elements.brick_count(); ++b) {
+    for (int row = 0; row < 64; ++row) {
+      const int shift = row % 8 * 8;
+      const unsigned bits = elements.mask(b)[std::size_t(row / 8)] >> shift & 0xFF;
+      if (bits == 0) continue;
+      for (const int k : {__builtin_ctz(bits), 31 - __builtin_clz(bits)}) {
+        const Vec3i voxel = elements.origin(b) + brick_local(row * 8 + k);
+        Vec3f u(0);
+        if (subject.displacement != nullptr) subject.displacement->u.at(voxel, u);
+        points.push_back(subject.geometry.world_from_index(Vec3d(voxel) + Vec3d(u)));
+      }
+    }
+  }
+  return points;
+}
+
+/// Adds where a small picture shows something: the corners of its pixels at their depth, or where
+/// that is not known, beside the target.
+void add_visible_points(const FloatImage& picture, const Camera& camera,
+                        std::vector<Vec3d>& points) {
+  const CameraRays rays(camera, picture.width, picture.height);
+  const Vec3d forward = camera_frame(camera).forward;
+  const double to_target = (camera.target_lps_mm - camera.position_lps_mm).dot(forward);
+  for (std::size_t n = 0; n < picture.pixel_count(); ++n) {
+    if (picture.rgba[4 * n + 3] < kVisibleOpacity) continue;
+    const int x = int(n % std::size_t(picture.width)), y = int(n / std::size_t(picture.width));
+    const double depth = std::isnan(picture.depth_mm[n]) ? to_target : picture.depth_mm[n];
+    for (const auto& [dx, dy] : {std::pair(0, 0), {1, 0}, {0, 1}, {1, 1}}) {
+      const Ray ray = rays.at(x + dx, y + dy);
+      points.push_back(ray.origin_lps_mm +
+                       ray.direction_lps * (depth / ray.direction_lps.dot(forward)));
+    }
+  }
+}
+
+std::vector<Vec3d> visible_points(const PosedVolume& subject, const Renderer& renderer,
+                                  SceneView view, const Camera& camera, Console& console) {
+  const double larger = std::max(view.size[0], view.size[1]);
+  for (int& side : view.size) side = std::max(1, int(std::lround(side * kLookPixels / larger)));
+  view.lighting.model = ShadingModel::none;
+  view.lighting.shadows = false;
+  view.lighting.occlusion_radius_mm = 0;
+  view.picture.aux = {"depth"};
+  std::vector<Vec3d> points;
+  const int looks = view.picture.turntable > 0 ? kLooksAround : 1;
+  for (int n = 0; n < looks; ++n) {
+    view.camera.camera = turned_about_target(camera, double(n) / looks);
+    add_visible_points(draw(subject, &renderer, view, nullptr, console), *view.camera.camera,
+                       points);
+  }
+  return points;
+}
+
+/// Densities between which a transfer function shows something.
+ScalarRange shown_range(const TransferFunction& function) {
+  const std::vector<OpacityKey>& keys = function.opacity;
+  ScalarRange range{keys.front().density, keys.back().density};
+  for (std::size_t n = 0; n + 1 < keys.size() && keys[n + 1].opacity == 0; ++n) {
+    range.lo = keys[n + 1].density;
+  }
+  range.hi = std::max({range.hi, function.colour.back().density, range.lo + 1});
+  return range;
+}
+
+}  // namespace
+
+Camera framed_camera(const PosedVolume& subject, const Renderer* renderer, const SceneView& view,
+                     Console& console) {
+  const Camera camera = camera_of(subject, view);
+  if (view.fit.empty()) return zoomed(camera, view.zoom);
+  const double aspect = double(view.size[0]) / view.size[1];
+  const CameraMotion motion =
+      view.picture.turntable > 0 ? CameraMotion::turntable : CameraMotion::still;
+  const Camera boxed = framed(camera, aspect, box_corners_lps_mm(subject.geometry), motion);
+  if (view.fit == "box") return zoomed(boxed, view.zoom);
+  const bool is_body = view.fit == "body" || renderer == nullptr;
+  const std::vector<Vec3d> points =
+      is_body ? body_points(subject) : visible_points(subject, *renderer, view, boxed, console);
+  return zoomed(points.empty() ? boxed : framed(boxed, aspect, points, motion), view.zoom);
+}
+
+void decorate(FloatImage& picture, const PosedVolume& subject, const SceneView& view) {
+  const Decoration& wanted = view.decoration;
+  const Background behind =
+      wanted.background.empty() ? Background() : parse_background(wanted.background);
+  put_over(behind, picture);
+  if (wanted.annotate.empty()) return;
+
+  const Camera camera = camera_of(subject, view);
+  const CameraFrame frame = camera_frame(camera);
+  const PictureArea area{0, 0, double(picture.width), double(picture.height)};
+  Overlay overlay;
+  // A lattice is drawn on white.
+  const Ground ground = is_light(behind) || view.lattice ? Ground::light : Ground::dark;
+  Annotations annotations(overlay, area, Annotations::letter_height_for(area), ground);
+  if (wanted.shows("letters")) annotations.letters(frame.right, frame.up);
+  if (wanted.shows("scale")) {
+    const bool is_exact = camera.projection == Projection::orthographic;
+    annotations.scale_bar(mm_per_pixel(camera, picture.height), is_exact ? "" : " at target");
+  }
+  if (wanted.shows("cube")) annotations.cube(frame);
+  std::vector<std::string> words = {"from " + orientation_letters(-frame.forward)};
+  if (!view.lattice) {
+    const TransferFunction function = view.transfer ? *view.transfer : preset(view.preset);
+    words.insert(words.begin(), function.name);
+    if (wanted.shows("legend")) {
+      const auto colour = [&](double density) { return Rgb(function.colour_at(density)); };
+      const bool is_ct = are_hounsfield_units(subject.density.background());
+      annotations.legend(shown_range(function), colour, is_ct ? "HU" : "density");
+    }
+  }
+  if (wanted.shows("text")) annotations.words(words);
+  draw_overlay(picture, overlay);
+}
+
+}  // namespace supple::tools

@@ -1,0 +1,25 @@
+// What is behind a picture and what is written over it, as views and slices ask for it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "volumes/base/fields.h"
+
+namespace supple::tools {
+
+struct Decoration {
+  std::string background;             // empty: transparent, of slices black
+  std::vector<std::string> annotate;  // names of annotation_names(), or "all"
+
+  /// Whether it asks for an annotation, by its name or as one of all.
+  bool shows(const std::string& annotation) const;
+};
+
+/// Of a [[view]], with slices or in space.
+Fields fields(Decoration& decoration);
+
+/// Throws InputError: no background, or an annotation that slices (or pictures in space) lack.
+void check_decoration(const Decoration& decoration, bool is_of_slices);
+
+}  // namespace supple::tools
