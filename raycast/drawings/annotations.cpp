@@ -204,7 +204,7 @@ void Annotations::arrow(const PixelPoint& from, const PixelPoint& to) {
   const double dx = to[0] - from[0], dy = to[1] - from[1], length = std::hypot(dx, dy);
   if (length < 1) return;
   const double width = std::max(1.0, m_height / 8);
-  const double head = std::min(length, 5 * width), x = dx / length, y = dy / length;
+  const double head = std::min(length, 4 * width), x = dx / length, y = dy / length;
   const auto barb = [&](double side) {
     return PixelPoint{to[0] - head * x + side * 0.5 * head * y,
                       to[1] - head * y - side * 0.5 * head * x};

@@ -34,9 +34,9 @@ bool is_in_box(const Geometry& geometry, const Vec3d& index) {
 }
 
 /// Densities along the line of sight through a place.
-class Slab {
+class ThickSlice {
  public:
-  Slab(const Geometry& geometry, const Geometry& slice, const SliceStyle& style)
+  ThickSlice(const Geometry& geometry, const Geometry& slice, const SliceStyle& style)
       : m_geometry(geometry), m_mode(style.slab) {
     const Vec3d spacing = geometry.spacing_mm();
     const double step_mm = std::min({spacing.x, spacing.y, spacing.z});
@@ -198,7 +198,7 @@ class SliceDrawing {
   const Geometry& m_geometry;
   const Geometry& m_slice;
   const SliceStyle& m_style;
-  Slab m_slab;
+  ThickSlice m_slab;
   int m_width, m_height;
   std::vector<SlicePixel> m_pixels;
 };

@@ -40,8 +40,8 @@ int run_slice(SliceOptions& options, const GlobalOptions& global, Console& conso
 
 Command add_slice(CLI::App& program) {
   CLI::App* app = add_subcommand(
-      program, "slice", "Axial, coronal and sagittal slices of a volume or a deformed state",
-      "  supple slice drag.vdb -o slices.png\n"
+      program, "slice",
+      "Axial, coronal, sagittal and oblique slices of a volume or a deformed state",
       "  supple slice drag.vdb --at 128,200,12 --plane sagittal --window -1000,1000 -o bone.png\n"
       "  supple slice drag.vdb --plane axial --grid 10 --arrows 8 --annotate all -o moved.png\n"
       "  supple slice head.nii.gz --lightbox 4x3 --scale 1 -o head.png");

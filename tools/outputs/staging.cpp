@@ -18,6 +18,12 @@ constexpr int kLookPixels = 192;
 constexpr float kVisibleOpacity = 0.1f;
 /// Pictures around a turntable's axis.
 constexpr int kLooksAround = 8;
+/// One looks again from the place that was found, where the depth of translucent edges, which is
+/// not known, matters less and less: until the camera moves less than this part of its distance.
+constexpr double kSettled = 0.003;
+constexpr int kMostLooks = 8;
+/// Room beyond the picture's edges, to find what is cut off.
+constexpr double kLookZoom = 0.7;
 
 /// Positions of the elements that begin and end each row of a brick, where they are now.
 std::vector<Vec3d> body_points(const PosedVolume& subject) {
@@ -101,10 +107,19 @@ Camera framed_camera(const PosedVolume& subject, const Renderer* renderer, const
       view.picture.turntable > 0 ? CameraMotion::turntable : CameraMotion::still;
   const Camera boxed = framed(camera, aspect, box_corners_lps_mm(subject.geometry), motion);
   if (view.fit == "box") return zoomed(boxed, view.zoom);
-  const bool is_body = view.fit == "body" || renderer == nullptr;
-  const std::vector<Vec3d> points =
-      is_body ? body_points(subject) : visible_points(subject, *renderer, view, boxed, console);
-  return zoomed(points.empty() ? boxed : framed(boxed, aspect, points, motion), view.zoom);
+  if (view.fit == "body" || renderer == nullptr) {
+    return zoomed(framed(boxed, aspect, body_points(subject), motion), view.zoom);
+  }
+  Camera found = boxed;
+  for (int look = 0; look < kMostLooks; ++look) {
+    const Camera wide = zoomed(found, look == 0 ? 1 : kLookZoom);
+    const Camera before = found;
+    found = framed(found, aspect, visible_points(subject, *renderer, view, wide, console), motion);
+    const double moved = (found.position_lps_mm - before.position_lps_mm).length();
+    const double distance = (found.target_lps_mm - found.position_lps_mm).length();
+    if (look > 0 && moved < kSettled * distance) break;
+  }
+  return zoomed(found, view.zoom);
 }
 
 void decorate(FloatImage& picture, const PosedVolume& subject, const SceneView& view) {

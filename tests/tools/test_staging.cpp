@@ -1,0 +1,230 @@
+// What users ask of a picture beside what it shows: framing, background, annotations, and kinds of
+// slices.
+#include <cmath>
+#include <cstdlib>
+
+#include <gtest/gtest.h>
+
+#include "raycast/pictures/compare.h"
+#include "raycast/pictures/image.h"
+#include "tests/support/program.h"
+
+using namespace supple;
+using namespace supple::test;
+
+namespace {
+
+class UnitStaging : public testing::Test {
+ protected:
+  UnitStaging() { write_ball(m_folder, "ball", 24); }
+
+  Image picture(const std::string& command, std::vector<std::string> more) {
+    std::vector<std::string> arguments = {command, m_folder / "ball.nhdr", "-o", m_folder / "a.png",
+                                          "--force"};
+    const bool is_sized = std::find(more.begin(), more.end(), "--size") != more.end();
+    if (command == "render" && !is_sized) {
+      arguments.insert(arguments.end(), {"--size", "80,80"});
+    }
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome outcome = run_supple(arguments);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return outcome.exit_code == 0 ? read_png(m_folder / "a.png") : Image(1, 1);
+  }
+  int code(const std::string& command, std::vector<std::string> more) {
+    std::vector<std::string> arguments = {command, m_folder / "ball.nhdr", "-o", m_folder / "a.png",
+                                          "--force"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_supple(arguments).exit_code;
+  }
+
+  const TemporaryFolder m_folder;
+};
+
+/// Free pixels at the left, right, top and bottom.
+std::array<int, 4> free_margins(const Image& image) {
+  std::array<int, 4> margins = {image.width, image.width, image.height, image.height};
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      if (image.rgba[4 * (std::size_t(y) * image.width + x) + 3] < 26) continue;
+      margins = {std::min(margins[0], x), std::min(margins[1], image.width - 1 - x),
+                 std::min(margins[2], y), std::min(margins[3], image.height - 1 - y)};
+    }
+  }
+  return margins;
+}
+
+int least(const std::array<int, 4>& margins) {
+  return *std::min_element(margins.begin(), margins.end());
+}
+
+TEST_F(UnitStaging, WhatIsVisibleFillsThePicture) {
+  // An eighth of the ball, far from the middle of its box.
+  const std::vector<std::string> clip = {"--clip-box", "12,12,12:24,24,24"};
+  for (const char* view : {"anterior", "left", "superior"}) {
+    for (const bool is_orthographic : {false, true}) {
+      std::vector<std::string> options = clip;
+      options.insert(options.end(), {"--view", view});
+      if (is_orthographic) options.emplace_back("--orthographic");
+      EXPECT_GE(least(free_margins(picture("render", options))), 7) << view;
+      options.insert(options.end(), {"--fit", "visible"});
+      const auto margins = free_margins(picture("render", options));
+      EXPECT_NEAR(least(margins), 4, 1) << view;
+      // As much on the other side.
+      const bool fits_width = std::min(margins[0], margins[1]) <= 5;
+      EXPECT_NEAR(fits_width ? margins[0] : margins[2], fits_width ? margins[1] : margins[3], 1.5);
+    }
+  }
+}
+
+TEST_F(UnitStaging, TheBodyFillsThePictureWhereItHasGone) {
+  write_soft_material(m_folder / "soft.toml");
+  ASSERT_EQ(run_supple({"deform", m_folder / "ball.nhdr", "--material", m_folder / "soft.toml",
+                        "--grab", "12,12,12", "--by", "20,0,0", "-o", m_folder / "drag.vdb"})
+                .exit_code,
+            0);
+  const auto margins_of = [&](std::vector<std::string> more) {
+    std::vector<std::string> arguments = {"render", m_folder / "drag.vdb", "--size", "80,80",
+                                          "-o",     m_folder / "b.png",    "--force"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    EXPECT_EQ(run_supple(arguments).exit_code, 0);
+    return free_margins(read_png(m_folder / "b.png"));
+  };
+  const auto body = margins_of({"--fit", "body"}), visible = margins_of({"--fit", "visible"});
+  EXPECT_GE(least(body), 3);
+  // Elements beyond the volume's box are not drawn; the body counts them.
+  EXPECT_LE(std::abs(least(visible) - 4), 1);
+}
+
+TEST_F(UnitStaging, AZoomIsACropOfALargerPicture) {
+  const Image large = picture("render", {"--size", "160,160"}),
+              near = picture("render", {"--zoom", "2"});
+  Image crop(80, 80);
+  for (int y = 0; y < 80; ++y) {
+    std::copy_n(&large.rgba[4 * (std::size_t(y + 40) * 160 + 40)], 4 * 80, &crop.rgba[4 * 80 * y]);
+  }
+  EXPECT_GT(compare(near, crop, true).ssim, 0.999);
+}
+
+TEST_F(UnitStaging, ATurntableOfTheVisibleStaysInEveryPicture) {
+  ASSERT_EQ(
+      run_supple({"render", m_folder / "ball.nhdr", "--clip-box", "12,12,12:24,24,24", "--fit",
+                  "visible", "--turntable", "3", "--size", "80,80", "-o", m_folder / "turn_%d.png"})
+          .exit_code,
+      0);
+  int fullest = 80;
+  for (const char* name : {"turn_0.png", "turn_1.png", "turn_2.png"}) {
+    const int margin = least(free_margins(read_png(m_folder / name)));
+    EXPECT_GE(margin, 3) << name;
+    fullest = std::min(fullest, margin);
+  }
+  EXPECT_LE(fullest, 8);
+}
+
+/// The background is seen as far as the picture alone is transparent, whatever the blend.
+TEST_F(UnitStaging, BackgroundsAreCompositedUnderEveryBlend) {
+  for (const char* preset : {"MR-Default", "CT-X-ray", "MR-MIP"}) {
+    const Image alone = picture("render", {"--preset", preset});
+    const Image over = picture("render", {"--preset", preset, "--background", "#4080C0"});
+    EXPECT_FALSE(over.has_alpha);
+    const double behind[] = {0x40, 0x80, 0xC0};
+    for (std::size_t n = 0; n < alone.rgba.size(); n += 4) {
+      const double alpha = alone.rgba[n + 3] / 255.0;
+      for (std::size_t c = 0; c < 3; ++c) {
+        const double expected = alpha * alone.rgba[n + c] + (1 - alpha) * behind[c];
+        ASSERT_NEAR(over.rgba[n + c], expected, 1.6) << preset << " pixel " << n / 4;
+      }
+    }
+  }
+}
+
+TEST_F(UnitStaging, AnnotationsOfASceneAreThoseOfTheCommandLineAndLeaveTheRest) {
+  write_text(m_folder / "scene.toml",
+             "[volume]\npath = \"ball.nhdr\"\n"
+             "[[view]]\nimage = \"space.png\"\nsize = [240, 240]\nfit = \"visible\"\nzoom = 0.8\n"
+             "background = \"checker\"\nannotate = [\"letters\", \"cube\", \"scale\"]\n"
+             "[[view]]\nimage = \"slice.png\"\nannotate = [\"all\"]\nbackground = \"white\"\n"
+             "slice = { lightbox = [2, 1], thickness = 3, slab = \"mip\", plane = \"coronal\" }\n");
+  const Outcome scene =
+      run_supple({"run", m_folder / "scene.toml", "-o", m_folder / "", "--force"});
+  ASSERT_EQ(scene.exit_code, 0) << scene.err;
+  const std::vector<std::string> framing = {"--fit",        "visible", "--zoom", "0.8",
+                                            "--background", "checker", "--size", "240,240"};
+  std::vector<std::string> annotated = framing;
+  annotated.insert(annotated.end(), {"--annotate", "letters,cube,scale"});
+  const Image plain = picture("render", framing), written = picture("render", annotated);
+  EXPECT_EQ(read_png(m_folder / "space.png").rgba, written.rgba);
+  int changed = 0, centre = 0;
+  for (int n = 0; n < 240 * 240; ++n) {
+    const bool differs =
+        !std::equal(&plain.rgba[4 * n], &plain.rgba[4 * n] + 4, &written.rgba[4 * n]);
+    changed += differs;
+    centre += differs && std::abs(n % 240 - 120) < 60 && std::abs(n / 240 - 120) < 60;
+  }
+  EXPECT_GT(changed, 200);
+  EXPECT_EQ(centre, 0);
+  EXPECT_EQ(read_png(m_folder / "slice.png").rgba,
+            picture("slice", {"--lightbox", "2x1", "--thickness", "3", "--slab", "mip", "--plane",
+                              "coronal", "--annotate", "all", "--background", "white"})
+                .rgba);
+}
+
+TEST_F(UnitStaging, ALightboxHoldsTheSlicesThatItsPlacesName) {
+  const Image box =
+      picture("slice", {"--lightbox", "2,2", "--every", "6", "--plane", "axial", "--scale", "1"});
+  // About the middle, voxel 11 of 24 and 1.5 mm a slice: 9, 3, -3 and -9 mm from it.
+  const int width = 24, cell = width + 8;
+  ASSERT_EQ(box.width, 2 * cell - 8);
+  for (int n = 0; n < 4; ++n) {
+    const std::string at = "11,11," + std::to_string(11 - 6 + 4 * n);
+    const Image one = picture("slice", {"--plane", "axial", "--scale", "1", "--at", at});
+    ASSERT_EQ(one.width, width);
+    for (int y = 0; y < one.height; ++y) {
+      const std::uint8_t* row =
+          &box.rgba[4 * (std::size_t(n / 2 * cell + y) * box.width + n % 2 * cell)];
+      ASSERT_TRUE(std::equal(row, row + 4 * width, &one.rgba[4 * std::size_t(y) * width])) << n;
+    }
+  }
+}
+
+TEST_F(UnitStaging, LabelsAndTheirTissueAreOutlinedTogether) {
+  std::string voxels;
+  for (int n = 0; n < 24 * 24 * 24; ++n) voxels += char(n % 24 >= 8 && n % 24 < 16 ? 2 : 0);
+  write_text(m_folder / "labels.raw", voxels);
+  write_text(m_folder / "labels.nhdr",
+             "NRRD0004\ntype: uint8\ndimension: 3\nspace: left-posterior-superior\n"
+             "sizes: 24 24 24\nspace directions: (1,0,0) (0,1,0) (0,0,1.5)\n"
+             "space origin: (0,0,0)\nencoding: raw\ndata file: labels.raw\n");
+  const std::vector<std::string> options = {"--plane", "axial", "--scale", "1"};
+  std::vector<std::string> labelled = options;
+  labelled.insert(labelled.end(), {"--labels", m_folder / "labels.nhdr"});
+  const Image plain = picture("slice", options), outlined = picture("slice", labelled);
+  for (int y = 0; y < 24; ++y) {
+    for (int x = 0; x < 24; ++x) {
+      const std::size_t n = 4 * (std::size_t(y) * 24 + x);
+      const bool differs = !std::equal(&plain.rgba[n], &plain.rgba[n] + 3, &outlined.rgba[n]);
+      const bool is_rim = x == 8 || x == 15 || ((y == 0 || y == 23) && x > 8 && x < 15);
+      ASSERT_EQ(differs, is_rim) << x << " " << y;
+    }
+  }
+}
+
+TEST_F(UnitStaging, WhatCannotBeStagedIsRefused) {
+  EXPECT_EQ(code("render", {"--fit", "tight"}), 2);
+  EXPECT_EQ(code("render", {"--zoom", "0"}), 3);
+  EXPECT_EQ(code("render", {"--background", "mauve"}), 3);
+  EXPECT_EQ(code("render", {"--annotate", "letters,frame"}), 2);
+  EXPECT_EQ(code("render", {"--annotate", "crosshair"}), 3);
+  EXPECT_EQ(code("render", {"--fit", "visible", "--print-camera"}), 2);
+  EXPECT_EQ(code("slice", {"--annotate", "cube"}), 3);
+  EXPECT_EQ(code("slice", {"--normal", "0,0,0"}), 3);
+  EXPECT_EQ(code("slice", {"--normal", "0,0,1", "--plane", "axial"}), 3);
+  EXPECT_EQ(code("slice", {"--up", "0,0,1"}), 3);
+  EXPECT_EQ(code("slice", {"--slab", "mip"}), 3);
+  EXPECT_EQ(code("slice", {"--every", "3"}), 3);
+  EXPECT_EQ(code("slice", {"--lightbox", "0x3"}), 3);
+  EXPECT_EQ(code("slice", {"--lightbox", "3"}), 2);
+  EXPECT_EQ(code("slice", {"--arrows", "5"}), 3);
+  EXPECT_EQ(code("slice", {"--labels", m_folder / "none.nrrd"}), 3);
+}
+
+}  // namespace
