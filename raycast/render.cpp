@@ -15,17 +15,19 @@ double ms_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-SourceBricks make_source(const Geometry& geometry, const DensityGrid& density, int rings) {
-  if (rings <= 0) return SourceBricks(density);
-  return {density, dilate_inside(density.bricks(), rings, geometry.dims())};
+SourceBricks make_source(const Geometry& geometry, const DensityGrid& density, int rings,
+                         Interpolation interpolation) {
+  if (rings <= 0) return SourceBricks(density, interpolation);
+  return {density, dilate_inside(density.bricks(), rings, geometry.dims()), interpolation};
 }
 
 }  // namespace
 
 struct Renderer::Impl {
-  Impl(const Geometry& geometry_, const DensityGrid& density, int background_rings)
+  Impl(const Geometry& geometry_, const DensityGrid& density, int background_rings,
+       Interpolation interpolation)
       : geometry(geometry_),
-        source(make_source(geometry_, density, background_rings)),
+        source(make_source(geometry_, density, background_rings, interpolation)),
         lattice(std::make_unique<OffsetBricks>(source)) {}
 
   Geometry geometry;
@@ -37,8 +39,9 @@ struct Renderer::Impl {
   std::unique_ptr<SurfaceScene> surfaces;
 };
 
-Renderer::Renderer(const Geometry& geometry, const DensityGrid& density, int background_rings)
-    : m_impl(std::make_unique<Impl>(geometry, density, background_rings)) {}
+Renderer::Renderer(const Geometry& geometry, const DensityGrid& density, int background_rings,
+                   Interpolation interpolation)
+    : m_impl(std::make_unique<Impl>(geometry, density, background_rings, interpolation)) {}
 
 Renderer::~Renderer() = default;
 

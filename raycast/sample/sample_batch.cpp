@@ -247,7 +247,8 @@ HWY_INLINE HWY_ATTR void sample_lanes(const SamplingTables& tables, const RayPie
   for (std::uint32_t rest = read; rest != 0;) {
     const NodeReader nodes(tables, batch.brick[at + __builtin_ctz(rest)], entry, node,
                            mask_of(rest));
-    const Interpolated density = read_density(nodes, f);
+    Interpolated density = read_density(nodes, f);
+    if (tables.is_cubic) density.value = read_cubic_density(nodes, f, density.value);
     const MI known = hn::And(density.known, nodes.near());
     hn::BlendedStore(density.value, hn::RebindMask(kFloats, known), kFloats, batch.encoded + at);
     inside |= bits_of(known);
@@ -303,7 +304,8 @@ HWY_ATTR void sample_gradients_impl(const SamplingTables& tables, SampleBatch& b
     while (rest != 0) {
       const NodeReader nodes(tables, batch.brick[at + __builtin_ctz(rest)], brick, node,
                              mask_of(rest));
-      const FloatVector g = read_gradient(nodes, f);
+      const FloatVector g =
+          tables.is_cubic ? read_cubic_gradient(nodes, f) : read_gradient(nodes, f);
       const MF near = hn::RebindMask(kFloats, nodes.near());
       hn::BlendedStore(g.x, near, kFloats, batch.gx + at);
       hn::BlendedStore(g.y, near, kFloats, batch.gy + at);

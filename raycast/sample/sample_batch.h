@@ -1,6 +1,6 @@
 // Up to sixteen samples of one ray at once, in vector registers (design.md section 5): brick
-// look-up, offset, trilinear density, visibility under the transfer function, gradient. The
-// instruction set is chosen when the program starts (Google Highway).
+// look-up, offset, trilinear or cubic density, visibility under the transfer function, gradient.
+// The instruction set is chosen when the program starts (Google Highway).
 //
 // Positions are single precision about a voxel near the samples (RayPiece), so that they are within
 // 1e-4 voxel of their place in a volume of any size.
@@ -33,6 +33,7 @@ struct SamplingTables {
   const std::int16_t* nodes = nullptr;    // SourceBricks
   const float* offsets = nullptr;         // OffsetBricks
   int offset_dim = 0;                     // OffsetBricks::node_dim
+  bool is_cubic = false;                  // SourceBricks::interpolation
 
   const PointwiseOffsets* pointwise = nullptr;
 
@@ -91,7 +92,7 @@ void sample_places(const SamplingTables& tables, const SamplePlaces& places, int
 
 /// Fills in the index-space gradients, encoded density per voxel, of these lanes, all of them
 /// inside: by central differences of the trilinear density over +-1 voxel, one-sided where a
-/// neighbour is void, 0 where both are.
+/// neighbour is void, 0 where both are. Of a cubic density: its derivative.
 void sample_gradients(const SamplingTables& tables, SampleBatch& batch, std::uint32_t wanted);
 
 /// Instruction set that the calls above use, for example "AVX3".

@@ -128,6 +128,80 @@ HWY_INLINE HWY_ATTR FloatVector read_gradient(const NodeReader& nodes, const Flo
           axis_derivative(z_before, z_low, z_high, z_after, f.z, here)};
 }
 
+/// The cubic B-spline's weights of the nodes -1, 0, 1, 2 at t in 0 … 1, and their derivatives (Sigg
+/// and Hadwiger, GPU Gems 2, equation 20-1).
+struct CubicWeights {
+  VF weight[4], slope[4];
+
+  HWY_INLINE HWY_ATTR explicit CubicWeights(VF t) {
+    const VF s = hn::Sub(floats(1), t), t2 = hn::Mul(t, t), s2 = hn::Mul(s, s);
+    const VF sixth = floats(1.0f / 6), half = floats(0.5f), two_thirds = floats(2.0f / 3);
+    weight[0] = hn::Mul(hn::Mul(s2, s), sixth);
+    weight[1] = hn::MulAdd(t2, hn::MulSub(half, t, floats(1)), two_thirds);
+    weight[2] = hn::MulAdd(s2, hn::MulSub(half, s, floats(1)), two_thirds);
+    weight[3] = hn::Mul(hn::Mul(t2, t), sixth);
+    slope[0] = hn::Neg(hn::Mul(half, s2));
+    slope[1] = hn::Mul(t, hn::MulSub(floats(1.5f), t, floats(2)));
+    slope[2] = hn::Neg(hn::Mul(s, hn::MulSub(floats(1.5f), s, floats(2))));
+    slope[3] = hn::Mul(half, t2);
+  }
+};
+
+/// Four nodes along z as densities; those that are void take `instead`.
+struct NodeRow {
+  VF node[4];
+
+  HWY_INLINE HWY_ATTR NodeRow(const NodeReader& nodes, int step, VF instead) {
+    const NodePair low = nodes.pair(step - 1), high = nodes.pair(step + 1);
+    const VI all[4] = {low.low, low.high, high.low, high.high};
+    for (int n = 0; n < 4; ++n) {
+      const MF known = hn::RebindMask(kFloats, is_known(all[n]));
+      node[n] = hn::IfThenElse(known, hn::ConvertTo(kFloats, all[n]), instead);
+    }
+  }
+  HWY_INLINE HWY_ATTR VF sum(const VF (&weight)[4]) const {
+    const VF outer = hn::MulAdd(weight[0], node[0], hn::Mul(weight[3], node[3]));
+    return hn::MulAdd(weight[1], node[1], hn::MulAdd(weight[2], node[2], outer));
+  }
+};
+
+/// The tricubic density; `linear` stands for void nodes.
+HWY_INLINE HWY_ATTR VF read_cubic_density(const NodeReader& nodes, const FloatVector& f,
+                                          VF linear) {
+  const CubicWeights x(f.x), y(f.y), z(f.z);
+  VF sum = floats(0);
+  for (int i = 0; i < 4; ++i) {
+    VF plane = floats(0);
+    for (int j = 0; j < 4; ++j) {
+      const NodeRow row(nodes, (i - 1) * kStepX + (j - 1) * kStepY, linear);
+      plane = hn::MulAdd(y.weight[j], row.sum(z.weight), plane);
+    }
+    sum = hn::MulAdd(x.weight[i], plane, sum);
+  }
+  return sum;
+}
+
+/// Its derivative.
+HWY_INLINE HWY_ATTR FloatVector read_cubic_gradient(const NodeReader& nodes, const FloatVector& f) {
+  const VF linear = read_density(nodes, f).value;
+  const CubicWeights x(f.x), y(f.y), z(f.z);
+  FloatVector sum = {floats(0), floats(0), floats(0)};
+  for (int i = 0; i < 4; ++i) {
+    VF plane = floats(0), plane_y = floats(0), plane_z = floats(0);
+    for (int j = 0; j < 4; ++j) {
+      const NodeRow row(nodes, (i - 1) * kStepX + (j - 1) * kStepY, linear);
+      const VF along = row.sum(z.weight);
+      plane = hn::MulAdd(y.weight[j], along, plane);
+      plane_y = hn::MulAdd(y.slope[j], along, plane_y);
+      plane_z = hn::MulAdd(y.weight[j], row.sum(z.slope), plane_z);
+    }
+    sum.x = hn::MulAdd(x.slope[i], plane, sum.x);
+    sum.y = hn::MulAdd(x.weight[i], plane_y, sum.y);
+    sum.z = hn::MulAdd(x.weight[i], plane_z, sum.z);
+  }
+  return sum;
+}
+
 }  // namespace
 }  // namespace HWY_NAMESPACE
 }  // namespace supple

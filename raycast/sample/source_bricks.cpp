@@ -55,8 +55,9 @@ void EncodedRange::add(const EncodedRange& other) {
   add(other.hi);
 }
 
-SourceBricks::SourceBricks(const DensityGrid& density, const BrickTopology& where)
-    : m_topology(where) {
+SourceBricks::SourceBricks(const DensityGrid& density, const BrickTopology& where,
+                           Interpolation interpolation)
+    : m_interpolation(interpolation), m_topology(where) {
   const std::size_t count = m_topology.brick_count();
   Values values(count);
   for (std::size_t b = 0; b < count; ++b) {
@@ -110,8 +111,10 @@ void SourceBricks::fill_brick(const Values& values, float background, std::size_
         const int offset = brick_offset({x, y, z});
         if (from < 0 || !mask_test(m_topology.mask(from), offset)) continue;
         *out = encode(values[from] != nullptr ? values[from][offset] : background);
-        const bool in_cells = std::min({x, y, z}) >= 0 && std::max({x, y, z}) <= kBrickDim;
-        if (in_cells && *out != kVoid) range.add(float(*out));
+        // A cubic sample reads one node more on every side.
+        const bool is_reached = m_interpolation == Interpolation::cubic ||
+                                (std::min({x, y, z}) >= 0 && std::max({x, y, z}) <= kBrickDim);
+        if (is_reached && *out != kVoid) range.add(float(*out));
       }
     }
   }

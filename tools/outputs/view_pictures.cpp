@@ -119,7 +119,8 @@ bool reads_displacement(const SceneView& view) {
 }
 
 std::unique_ptr<Renderer> make_renderer(const PosedVolume& subject, const SceneView& view) {
-  auto renderer = std::make_unique<Renderer>(subject.geometry, subject.density, subject.air_rings);
+  auto renderer = std::make_unique<Renderer>(subject.geometry, subject.density, subject.air_rings,
+                                             view.sampling.interpolation);
   pose(*renderer, subject, view);
   return renderer;
 }

@@ -176,6 +176,8 @@ Fields fields(SceneView& view) {
       Field("step", sampling.step_voxels, "Sample distance, not the quality's")
           .unit("voxels")
           .range(0.01, 16),
+      Field("sampling", sampling.interpolation, {"linear", "cubic"},
+            "Densities between voxels; cubic: a smoothing B-spline, softens terraces"),
       Field("classification", sampling.classification, {"post", "pre-integrated"},
             "Colours at the samples, or of the way between two"),
       Field("jitter", sampling.jitter, "Fine noise instead of rings"),

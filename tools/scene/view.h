@@ -36,7 +36,8 @@ struct ClipChoice {
 /// How rays are sampled, as given.
 struct Sampling {
   Quality quality = Quality::standard;
-  std::optional<double> step_voxels;  // instead of the quality's
+  std::optional<double> step_voxels;                    // instead of the quality's
+  Interpolation interpolation = Interpolation::linear;  // a renderer's, not of its settings
   Classification classification = Classification::post;
   bool jitter = false;
 
