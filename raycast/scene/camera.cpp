@@ -74,6 +74,7 @@ double half_height_at_unit_distance(const Camera& camera) {
 }
 
 Camera zoomed(const Camera& camera, double factor) {
+  if (factor == 1) return camera;
   Camera near = camera;
   near.height_mm /= factor;
   near.vertical_fov_degrees = std::atan(half_height_at_unit_distance(camera) / factor) * 360 / kPi;

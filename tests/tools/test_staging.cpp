@@ -208,6 +208,51 @@ TEST_F(UnitStaging, LabelsAndTheirTissueAreOutlinedTogether) {
   }
 }
 
+/// Arrows and bent lines are where tissue has moved, straight lines everywhere.
+TEST_F(UnitStaging, ArrowsAndTheGridShowWhereTissueHasGone) {
+  write_soft_material(m_folder / "soft.toml");
+  ASSERT_EQ(run_supple({"deform", m_folder / "ball.nhdr", "--material", m_folder / "soft.toml",
+                        "--grab", "12,12,12", "--by", "6,0,0", "-o", m_folder / "drag.vdb"})
+                .exit_code,
+            0);
+  const auto slice = [&](std::vector<std::string> more) {
+    std::vector<std::string> arguments = {"slice",    m_folder / "drag.vdb",
+                                          "-o",       m_folder / "a.png",
+                                          "--force",  "--plane",
+                                          "axial",    "--at",
+                                          "12,12,12", "--scale",
+                                          "8",        "--no-outline"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome outcome = run_supple(arguments);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return read_png(m_folder / "a.png");
+  };
+  const Image plain = slice({}), arrows = slice({"--arrows", "2"});
+  const Image bent = slice({"--grid", "4"}), straight = slice({"--grid", "4", "--undeformed"});
+  const auto is_orange = [](const std::uint8_t* rgba) {
+    return rgba[0] == 255 && rgba[1] > 90 && rgba[1] < 140 && rgba[2] < 60;
+  };
+  int shafts = 0, last_column = 0, moved_lines = 0;
+  for (int y = 0; y < arrows.height; ++y) {
+    for (int x = 0; x < arrows.width; ++x) {
+      const std::size_t n = 4 * (std::size_t(y) * arrows.width + x);
+      ASSERT_FALSE(is_orange(&plain.rgba[n]));
+      const bool is_arrow = is_orange(&arrows.rgba[n]);
+      shafts += is_arrow;
+      if (is_arrow) last_column = std::max(last_column, x);
+      moved_lines += bent.rgba[n + 2] != straight.rgba[n + 2];
+      // Columns of voxels 8 and 12 are lines at rest; the centre of voxel 0 is in column 3.
+      if (x == 3 + 8 * 8 || x == 3 + 12 * 8) {
+        EXPECT_GT(int(straight.rgba[n + 2]), 240) << x << " " << y;
+      }
+    }
+  }
+  EXPECT_GT(shafts, 100);
+  EXPECT_GT(moved_lines, 500);
+  // The grabbed voxel has gone to column 18.
+  EXPECT_GE(last_column, 17 * 8);
+}
+
 TEST_F(UnitStaging, WhatCannotBeStagedIsRefused) {
   EXPECT_EQ(code("render", {"--fit", "tight"}), 2);
   EXPECT_EQ(code("render", {"--zoom", "0"}), 3);
@@ -224,6 +269,7 @@ TEST_F(UnitStaging, WhatCannotBeStagedIsRefused) {
   EXPECT_EQ(code("slice", {"--lightbox", "0x3"}), 3);
   EXPECT_EQ(code("slice", {"--lightbox", "3"}), 2);
   EXPECT_EQ(code("slice", {"--arrows", "5"}), 3);
+  EXPECT_EQ(code("slice", {"--grid", "0.1"}), 3);
   EXPECT_EQ(code("slice", {"--labels", m_folder / "none.nrrd"}), 3);
 }
 

@@ -56,7 +56,7 @@ SliceStyle slice_style(const SliceSource& source, const SliceChoice& choice) {
   std::tie(style.grey_lo, style.grey_hi) = *choice.window;
   style.thickness_mm = choice.thickness_mm;
   style.slab = choice.slab;
-  style.grid_mm = choice.grid_mm;
+  style.grid_mm = choice.grid_mm.value_or(0);
   const bool is_outlined = choice.outline && source.rest != nullptr && !source.rest->empty();
   if (is_outlined) style.rest = source.rest;
   if (source.offsets != nullptr) {
@@ -186,7 +186,7 @@ double common_letter_height(const std::vector<SlicePanel>& panels) {
 
 FloatImage draw_slices(const SliceSource& source, const SliceChoice& choice,
                        const Decoration& decoration) {
-  if (choice.arrows_mm > 0 && source.offsets == nullptr) {
+  if (choice.arrows_mm && source.offsets == nullptr) {
     throw InputError({"", "arrows", "nothing that has moved", "a deformed state or a warp"});
   }
   std::vector<SlicePanel> panels = panels_of(source, choice);
@@ -209,7 +209,7 @@ FloatImage draw_slices(const SliceSource& source, const SliceChoice& choice,
     SlicePanel& panel = panels[n];
     panel.place = places[n];
     Annotations annotations(overlay, panel.area(), letter_height, Ground::dark);
-    if (choice.arrows_mm > 0) add_arrows(annotations, panel, source, choice.arrows_mm);
+    if (choice.arrows_mm) add_arrows(annotations, panel, source, *choice.arrows_mm);
     annotate(annotations, panel, source, choice, decoration);
     const bool is_last = n + 1 == panels.size();
     if (decoration.shows("legend") && is_last) add_legend(annotations, source, choice);

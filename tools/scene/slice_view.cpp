@@ -82,12 +82,10 @@ Fields fields(SliceChoice& choice) {
           .path(),
       Field("grid", choice.grid_mm, "Lines that were straight at rest, so far apart")
           .unit("mm")
-          .at_least(0)
-          .otherwise("none"),
+          .range(0.5, 1000),
       Field("arrows", choice.arrows_mm, "Displacements as arrows, so far apart")
           .unit("mm")
-          .at_least(0)
-          .otherwise("none"),
+          .range(0.5, 1000),
   };
 }
 

@@ -26,9 +26,8 @@ struct SliceChoice {
   PixelSize lightbox{1, 1};        // columns and rows of parallel slices
   std::optional<double> every_mm;  // between them; absent: all the way through the volume
   bool outline = true;
-  std::string labels_path;  // of a segmentation that is outlined; empty: none
-  double grid_mm = 0;       // 0: no grid
-  double arrows_mm = 0;     // 0: no arrows
+  std::string labels_path;                   // of a segmentation that is outlined; empty: none
+  std::optional<double> grid_mm, arrows_mm;  // distance of lines and arrows; absent: none
 
   /// Read when the choice is.
   std::shared_ptr<const StoredLabels> labels;
