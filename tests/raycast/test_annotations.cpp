@@ -125,6 +125,25 @@ TEST(UnitAnnotations, TheCubeShowsTheSideThatIsSeen) {
   EXPECT_EQ(seen, "LAS");
 }
 
+TEST(UnitAnnotations, ArrowsEndWhereTheyPoint) {
+  const Overlay overlay = written([](Annotations& a) { a.arrow({10, 20}, {40, 60}); });
+  ASSERT_EQ(overlay.size(), 2u);
+  const auto& shaft = std::get<OverlayLine>(overlay[0]).points;
+  EXPECT_EQ(shaft.front(), (PixelPoint{10, 20}));
+  EXPECT_EQ(shaft.back(), (PixelPoint{40, 60}));
+  // The head's other corners lie behind its tip, as far on either side.
+  const auto& head = std::get<OverlayFace>(overlay[1]).corners;
+  EXPECT_EQ(head[0], (PixelPoint{40, 60}));
+  double across = 0;
+  for (std::size_t n = 1; n < 3; ++n) {
+    const double x = head[n][0] - 40, y = head[n][1] - 60;
+    EXPECT_LT(0.6 * x + 0.8 * y, 0);
+    across += 0.8 * x - 0.6 * y;
+  }
+  EXPECT_NEAR(across, 0, 1e-12);
+  EXPECT_TRUE(written([](Annotations& a) { a.arrow({5, 5}, {5.5, 5}); }).empty());
+}
+
 /// Ink is found where it was asked for, and nowhere else.
 TEST(UnitOverlay, ShapesCoverThePixelsThatTheyLieOn) {
   FloatImage picture(64, 48);

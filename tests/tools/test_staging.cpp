@@ -105,19 +105,19 @@ TEST_F(UnitStaging, AZoomIsACropOfALargerPicture) {
   EXPECT_GT(compare(near, crop, true).ssim, 0.999);
 }
 
+/// A sheet that is first seen from its edge.
 TEST_F(UnitStaging, ATurntableOfTheVisibleStaysInEveryPicture) {
-  ASSERT_EQ(
-      run_supple({"render", m_folder / "ball.nhdr", "--clip-box", "12,12,12:24,24,24", "--fit",
-                  "visible", "--turntable", "3", "--size", "80,80", "-o", m_folder / "turn_%d.png"})
-          .exit_code,
-      0);
+  const Outcome outcome = run_supple({"render", m_folder / "ball.nhdr", "--clip-box",
+                                      "11,0,8:13,24,16", "--fit", "visible", "--turntable", "4",
+                                      "--size", "80,80", "-o", m_folder / "turn_%d.png"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   int fullest = 80;
-  for (const char* name : {"turn_0.png", "turn_1.png", "turn_2.png"}) {
+  for (const char* name : {"turn_0.png", "turn_1.png", "turn_2.png", "turn_3.png"}) {
     const int margin = least(free_margins(read_png(m_folder / name)));
     EXPECT_GE(margin, 3) << name;
     fullest = std::min(fullest, margin);
   }
-  EXPECT_LE(fullest, 8);
+  EXPECT_LE(fullest, 6);
 }
 
 /// The background is seen as far as the picture alone is transparent, whatever the blend.
@@ -227,19 +227,17 @@ TEST_F(UnitStaging, ArrowsAndTheGridShowWhereTissueHasGone) {
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     return read_png(m_folder / "a.png");
   };
-  const Image plain = slice({}), arrows = slice({"--arrows", "2"});
+  const Image plain = slice({}), arrows = slice({"--arrows", "8"});
   const Image bent = slice({"--grid", "4"}), straight = slice({"--grid", "4", "--undeformed"});
   const auto is_orange = [](const std::uint8_t* rgba) {
     return rgba[0] == 255 && rgba[1] > 90 && rgba[1] < 140 && rgba[2] < 60;
   };
-  int shafts = 0, last_column = 0, moved_lines = 0;
+  int shafts = 0, moved_lines = 0;
   for (int y = 0; y < arrows.height; ++y) {
     for (int x = 0; x < arrows.width; ++x) {
       const std::size_t n = 4 * (std::size_t(y) * arrows.width + x);
       ASSERT_FALSE(is_orange(&plain.rgba[n]));
-      const bool is_arrow = is_orange(&arrows.rgba[n]);
-      shafts += is_arrow;
-      if (is_arrow) last_column = std::max(last_column, x);
+      shafts += is_orange(&arrows.rgba[n]);
       moved_lines += bent.rgba[n + 2] != straight.rgba[n + 2];
       // Columns of voxels 8 and 12 are lines at rest; the centre of voxel 0 is in column 3.
       if (x == 3 + 8 * 8 || x == 3 + 12 * 8) {
@@ -247,10 +245,19 @@ TEST_F(UnitStaging, ArrowsAndTheGridShowWhereTissueHasGone) {
       }
     }
   }
-  EXPECT_GT(shafts, 100);
+  EXPECT_GT(shafts, 30);
   EXPECT_GT(moved_lines, 500);
-  // The grabbed voxel has gone to column 18.
-  EXPECT_GE(last_column, 17 * 8);
+  // One arrow ends in the middle of the picture, where its tissue is now; it came from the left.
+  const auto is_arrow = [&](int x) {
+    bool is_there = false;
+    for (int y = 92; y < 99; ++y) {
+      const std::uint8_t* rgba = &arrows.rgba[4 * (std::size_t(y) * arrows.width + x)];
+      is_there = is_there || (rgba[0] > rgba[2] + 60);  // smooth edges are not pure
+    }
+    return is_there;
+  };
+  for (int x = 80; x < 94; ++x) EXPECT_TRUE(is_arrow(x)) << x;
+  for (int x = 98; x < 106; ++x) EXPECT_FALSE(is_arrow(x)) << x;
 }
 
 TEST_F(UnitStaging, WhatCannotBeStagedIsRefused) {
