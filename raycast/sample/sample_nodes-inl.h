@@ -148,10 +148,10 @@ struct CubicWeights {
 };
 
 /// Four nodes along z as densities; those that are void take `instead`.
-struct NodeRow {
+struct SplineRow {
   VF node[4];
 
-  HWY_INLINE HWY_ATTR NodeRow(const NodeReader& nodes, int step, VF instead) {
+  HWY_INLINE HWY_ATTR SplineRow(const NodeReader& nodes, int step, VF instead) {
     const NodePair low = nodes.pair(step - 1), high = nodes.pair(step + 1);
     const VI all[4] = {low.low, low.high, high.low, high.high};
     for (int n = 0; n < 4; ++n) {
@@ -173,7 +173,7 @@ HWY_INLINE HWY_ATTR VF read_cubic_density(const NodeReader& nodes, const FloatVe
   for (int i = 0; i < 4; ++i) {
     VF plane = floats(0);
     for (int j = 0; j < 4; ++j) {
-      const NodeRow row(nodes, (i - 1) * kStepX + (j - 1) * kStepY, linear);
+      const SplineRow row(nodes, (i - 1) * kStepX + (j - 1) * kStepY, linear);
       plane = hn::MulAdd(y.weight[j], row.sum(z.weight), plane);
     }
     sum = hn::MulAdd(x.weight[i], plane, sum);
@@ -189,7 +189,7 @@ HWY_INLINE HWY_ATTR FloatVector read_cubic_gradient(const NodeReader& nodes, con
   for (int i = 0; i < 4; ++i) {
     VF plane = floats(0), plane_y = floats(0), plane_z = floats(0);
     for (int j = 0; j < 4; ++j) {
-      const NodeRow row(nodes, (i - 1) * kStepX + (j - 1) * kStepY, linear);
+      const SplineRow row(nodes, (i - 1) * kStepX + (j - 1) * kStepY, linear);
       const VF along = row.sum(z.weight);
       plane = hn::MulAdd(y.weight[j], along, plane);
       plane_y = hn::MulAdd(y.slope[j], along, plane_y);

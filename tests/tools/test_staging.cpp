@@ -274,6 +274,7 @@ TEST_F(UnitStaging, WhatCannotBeStagedIsRefused) {
   EXPECT_EQ(code("slice", {"--slab", "mip"}), 3);
   EXPECT_EQ(code("slice", {"--every", "3"}), 3);
   EXPECT_EQ(code("slice", {"--lightbox", "0x3"}), 3);
+  EXPECT_EQ(code("slice", {"--lightbox", "2x1", "--every", "1000"}), 3);
   EXPECT_EQ(code("slice", {"--lightbox", "3"}), 2);
   EXPECT_EQ(code("slice", {"--arrows", "5"}), 3);
   EXPECT_EQ(code("slice", {"--grid", "0.1"}), 3);

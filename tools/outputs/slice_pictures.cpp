@@ -91,6 +91,10 @@ std::vector<SlicePanel> panels_of(const SliceSource& source, const SliceChoice& 
     if (choice.count() > 1) {
       slice_grid(geometry, axes, *choice.at, pixel_mm);  // refuses a place outside the box
       places = stacked_places(geometry, axes, *choice.at, choice.count(), choice.every_mm);
+      if (places.empty()) {
+        throw InputError({"", "every", number_text(*choice.every_mm) + " mm, all slices outside",
+                          "less than the volume is thick"});
+      }
     }
     for (const Vec3d& place : places) {
       panels.push_back({name, slice_grid(geometry, axes, place, pixel_mm), place});
