@@ -145,7 +145,8 @@ double mean_normal_error(const Renderer& renderer, const Geometry& geometry) {
   int count = 0;
   for (std::size_t n = 0; n < picture.pixel_count(); ++n) {
     if (std::isnan(picture.depth_mm[n])) continue;
-    const Ray ray = camera_ray(camera, 120, 120, double(n % 120) + 0.5, double(n / 120) + 0.5);
+    const std::size_t x = n % 120, y = n / 120;
+    const Ray ray = camera_ray(camera, 120, 120, double(x) + 0.5, double(y) + 0.5);
     const Vec3d place = ray.origin_lps_mm + ray.direction_lps * double(picture.depth_mm[n]);
     const float* normal = &picture.normal_lps[3 * n];
     const double cosine = Vec3d(normal[0], normal[1], normal[2]).dot(place.normalized());
