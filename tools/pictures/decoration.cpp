@@ -14,17 +14,15 @@ bool Decoration::shows(const std::string& annotation) const {
 
 Fields fields(Decoration& decoration) {
   return {
-      Field("background", decoration.background,
-            "Behind the picture: transparent, checker, #RRGGBB, or a name as white")
+      Field("background", decoration.background, "transparent, checker, #RRGGBB or a name")
           .shown_as("COLOUR")
           .for_slices()
           .otherwise("transparent; of slices black"),
       Field("annotate", decoration.annotate,
-            "Write over the picture; cube: in space, crosshair: slices")
+            "Write over the picture: letters, cube, scale, text, legend, crosshair, all")
           .one_of({"letters", "cube", "scale", "text", "legend", "crosshair", "all"})
-          .shown_as("letters,cube,scale,text,legend,crosshair|all")
-          .for_slices()
-          .otherwise("nothing"),
+          .shown_as("A,B,...")
+          .for_slices(),
   };
 }
 

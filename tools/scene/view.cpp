@@ -166,10 +166,9 @@ Fields fields(SceneView& view) {
       Field("half_offsets", view.half_offsets,
             "Keep every second offset along each axis: a sixth of their memory"),
       Field("lattice", view.lattice, "Draw elements and links (always so for one-slice bodies)"),
-      Field("fit", view.fit,
-            "What fills the picture: the volume's box, its elements, or what is seen")
+      Field("fit", view.fit, "What fills the picture")
           .one_of({"box", "body", "visible"})
-          .otherwise("box; with a camera file as it says"),
+          .otherwise("box, or as the camera file"),
       Field("zoom", view.zoom, "Magnification").range(0.01, 1000),
       Field("size", view.size, "Pixels").range(1, 16384).otherwise("1024,1024"),
       Field("quality", sampling.quality, {"draft", "default", "accurate"}, "Speed for accuracy"),
