@@ -18,7 +18,7 @@ struct ResampleOptions {
   std::string input, output, path;
   GridChoice grid;
   std::optional<Vec3d> spacing_mm;
-  Interpolation interpolation = Interpolation::linear;
+  ResampleKernel interpolation = ResampleKernel::linear;
   WriteOptions write;
 };
 
@@ -80,7 +80,6 @@ Command add_resample(CLI::App& program) {
       "Write the deformed volume on a regular grid, or any volume with other voxel sizes",
       "  supple resample drag.vdb -o deformed.nrrd\n"
       "  supple resample drag.vdb --grid atlas.nii.gz -o on_atlas.nrrd\n"
-      "  supple resample drag.vdb --margin 20 -o whole.mha\n"
       "  supple resample head.nii.gz --spacing 1,1,1 -o cubes.nrrd");
   app->add_option("input", options->input, "A state file or a volume")
       ->required()

@@ -224,7 +224,7 @@ TEST(UnitFilters, LabelsTakeTheNearestVoxelAndIntegersStay) {
   for (std::size_t n = 0; n < labels.size(); ++n) labels[n] = std::int16_t(n * 37 % 101);
   const Vec3d factor(0.5, 1, 1.0 / 3);
   const auto file = with_spacing(in_memory(ValueType::int16, labels),
-                                 kFilterGrid.spacing_mm() * factor, Interpolation::nearest);
+                                 kFilterGrid.spacing_mm() * factor, ResampleKernel::nearest);
   const Vec3i dims = file->header().geometry.dims();
   EXPECT_EQ(dims, Vec3i(14, 6, 15));
   const std::vector<std::int16_t> found = values_of<std::int16_t>(*file);

@@ -175,7 +175,7 @@ std::unique_ptr<VolumeFile> smooth(std::unique_ptr<VolumeFile> file, double sigm
 }
 
 std::unique_ptr<VolumeFile> with_spacing(std::unique_ptr<VolumeFile> file, const Vec3d& spacing_mm,
-                                         Interpolation interpolation) {
+                                         ResampleKernel interpolation) {
   const VolumeHeader& header = file->header();
   const Vec3i& from = header.geometry.dims();
   const Vec3d old = header.geometry.spacing_mm();
@@ -191,7 +191,7 @@ std::unique_ptr<VolumeFile> with_spacing(std::unique_ptr<VolumeFile> file, const
     }
     to[a] = int(count);
     first[a] = (step[a] - 1) / 2;
-    weights[std::size_t(a)] = interpolation == Interpolation::linear
+    weights[std::size_t(a)] = interpolation == ResampleKernel::linear
                                   ? AxisWeights::linear(from[a], to[a], step[a])
                                   : AxisWeights::nearest(from[a], to[a], step[a]);
   }
