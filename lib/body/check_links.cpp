@@ -9,6 +9,7 @@
 #include <tbb/parallel_reduce.h>
 
 #include "lib/body/body.h"
+#include "lib/body/diagonals.h"
 #include "lib/body/lattice.h"
 
 namespace supple {
@@ -52,6 +53,17 @@ std::int64_t excess_of(const Body& body, int axis, Slot low, Slot high, int c) {
   return std::max<std::int64_t>(0, std::abs(stretch) - limit);
 }
 
+/// The same of a link of any direction.
+std::int64_t excess_along(const Body& body, int direction, Slot from, Slot to, int c) {
+  if (body.q[c].empty()) return 0;
+  const std::int64_t stretch = std::int64_t(body.q[c].at(to)) - body.q[c].at(from);
+  const std::int32_t limit =
+      body.slacks.fall(stretch > 0 ? opposite_direction(direction) : direction, c,
+                       body.classes[from], body.classes[to]);
+  if (limit >= kUnlimitedSlack) return 0;
+  return std::max<std::int64_t>(0, std::abs(stretch) - limit);
+}
+
 struct Counts {
   std::int64_t links = 0, violated = 0, worst = 0;
   bool can_fold = false;
@@ -67,6 +79,21 @@ void count_brick(const Body& body, const FoldTable& folds, std::size_t b, Counts
     }
     counts.violated += excess > 0;
     counts.worst = std::max(counts.worst, excess);
+  });
+  if (body.slacks.links() == 6) return;
+  for_each_active(body.elements.mask(b), [&](int offset) {
+    const Slot from = Slot(b * kBrickVoxels + std::size_t(offset));
+    for_each_linked(body.elements, body.cuts, body.slacks.links(), from,
+                    [&](int direction, Slot to) {
+                      if (direction < kNoStep || !is_diagonal(direction)) return;
+                      ++counts.links;
+                      std::int64_t excess = 0;
+                      for (int c = 0; c < 3; ++c) {
+                        excess = std::max(excess, excess_along(body, direction, from, to, c));
+                      }
+                      counts.violated += excess > 0;
+                      counts.worst = std::max(counts.worst, excess);
+                    });
   });
 }
 

@@ -8,13 +8,11 @@
 
 #include "lib/body/brick_faces.h"
 #include "lib/chainmail/brick_kernel.h"
+#include "lib/chainmail/diagonal_visit.h"
 
 namespace supple {
 
 namespace {
-
-/// Entrance of a brick besides its faces 0…5: a seed was set inside.
-constexpr int kSeeded = 6;
 
 /// Fewer bricks than this are visited faster than other threads wake up.
 constexpr std::size_t kParallelBricks = 12;
@@ -23,6 +21,10 @@ constexpr std::size_t kBricksPerTask = 4;
 /// One visit of a brick: reads its neighbours, writes its own values.
 class BrickVisit {
  public:
+  static constexpr int kNeighbours = 6;
+  /// Entrance besides the faces 0…5: a seed was set inside.
+  static constexpr int kSeeded = 6;
+
   BrickVisit(const Body& body, const LinkCosts& costs, const PropagationTask& task, std::size_t b)
       : m_body(body),
         m_costs(costs),
@@ -31,6 +33,11 @@ class BrickVisit {
         m_brick(b) {
     load_levels(offsets(b), m_direction, m_levels);
   }
+
+  static std::size_t neighbour(const BrickTopology& elements, std::size_t brick, int face) {
+    return std::size_t(elements.neighbour(brick, face));
+  }
+  static int opposite(int face) { return opposite_face(face); }
 
   /// Draws in what the neighbour across a face sends.
   void draw(int face) {
@@ -107,14 +114,21 @@ class BrickVisit {
   alignas(64) Level m_face_costs[kFaceVoxels];
 };
 
-int parity(const Vec3i& origin) {
-  return ((origin.x ^ origin.y ^ origin.z) >> 3) & 1;
+/// Bricks of one phase share no link: face neighbours differ in parity; where diagonals lead across
+/// edges and corners, all neighbours differ in the parity of some coordinate.
+int phase_of(const Vec3i& origin, int links) {
+  const int i = origin.x >> 3 & 1, j = origin.y >> 3 & 1, k = origin.z >> 3 & 1;
+  return links == 6 ? i ^ j ^ k : 4 * i + 2 * j + k;
 }
 
 }  // namespace
 
 BlockPropagator::BlockPropagator(const Body& body)
     : m_body(body), m_waiting(body.elements.brick_count()) {}
+
+int BlockPropagator::seeded() const {
+  return m_body.slacks.links() == 6 ? BrickVisit::kSeeded : DiagonalVisit::kSeeded;
+}
 
 const LinkCosts& BlockPropagator::costs_of(const PropagationTask& task) {
   LinkCosts& costs = m_costs[task.coordinate][task.direction == Direction::lower];
@@ -143,7 +157,7 @@ void BlockPropagator::run(const PropagationTask& task, const std::vector<Seed>& 
       if (task.undo != nullptr) task.undo->before_change(brick, task.values);
       task.values.set(seed.slot, seed.value);
     }
-    if (level >= present) wait(brick, level, kSeeded);
+    if (level >= present) wait(brick, level, seeded());
   }
   drain(task, counts);
 }
@@ -159,39 +173,50 @@ void BlockPropagator::close(const PropagationTask& task, int bucket_shift,
     for_each_active(m_body.elements.mask(b), [&](int offset) {
       largest[b] = std::max(largest[b], level_of(q[offset], task.direction));
     });
-    for (int face = 0; face < 6; ++face) {
-      const std::int32_t other = m_body.elements.neighbour(b, face);
+    const auto touch = [&](std::int32_t other) {
       if (other >= 0) largest[other] = std::max(largest[other], kLevelBias);
+    };
+    if (m_body.slacks.links() == 6) {
+      for (int face = 0; face < 6; ++face) touch(m_body.elements.neighbour(b, face));
+    } else {
+      for (const std::int32_t other : neighbours_of(m_body.elements, b)) touch(other);
     }
     first = std::max({first, largest[b], kLevelBias});
   }
   start(task, first, bucket_shift);
   for (std::size_t b = 0; b < largest.size(); ++b) {
-    if (largest[b] != 0) wait(b, largest[b], kSeeded);
+    if (largest[b] != 0) wait(b, largest[b], seeded());
   }
   drain(task, counts);
 }
 
-/// Lets a brick wait for what enters by a face or was set inside; a larger level moves it forward.
+/// Lets a brick wait for what enters by a neighbour or was set inside; a larger level moves it
+/// forward.
 void BlockPropagator::wait(std::size_t brick, Level level, int entrance) {
   Waiting& waiting = m_waiting[brick];
-  waiting.faces = std::uint8_t(waiting.faces | 1 << entrance);
+  waiting.entrances |= 1u << entrance;
   if (level <= waiting.level) return;
   waiting.level = level;
   m_queue.push(Slot(brick), std::int32_t(level));
 }
 
 void BlockPropagator::drain(const PropagationTask& task, PropagationCounts& counts) {
+  const int links = m_body.slacks.links();
   while (m_queue.take_bucket(m_round)) {
     if (task.progress != nullptr && task.progress->cancelled()) throw Cancelled();
     for (const QueueEntry& entry : m_round) {
       // A larger level has moved the brick forward, or it was visited already.
       if (m_waiting[entry.slot].level != Level(entry.value)) continue;
-      m_phases[parity(m_body.elements.origin(entry.slot))].push_back(entry.slot);
+      m_phases[phase_of(m_body.elements.origin(entry.slot), links)].push_back(entry.slot);
     }
     for (auto& bricks : m_phases) {
+      if (bricks.empty()) continue;
       counts.visits += std::int64_t(bricks.size());
-      visit_phase(task, bricks);
+      if (links == 6) {
+        visit_phase<BrickVisit>(task, bricks);
+      } else {
+        visit_phase<DiagonalVisit>(task, bricks);
+      }
       bricks.clear();
     }
   }
@@ -205,27 +230,30 @@ void BlockPropagator::forget_waiting() {
   for (auto& bricks : m_phases) bricks.clear();
 }
 
-/// Visits bricks of one parity; only the last loop depends on their order.
+/// Visits bricks of one phase; only the last loop depends on their order.
+template <class Visit>
 void BlockPropagator::visit_phase(const PropagationTask& task, std::vector<std::uint32_t>& bricks) {
   const LinkCosts& costs = costs_of(task);
   for (const std::uint32_t brick : bricks) {
     if (task.undo != nullptr) task.undo->before_change(brick, task.values);
     task.values.touch(brick);
   }
-  m_outgoing.resize(bricks.size());
+  constexpr int kNeighbours = Visit::kNeighbours;
+  m_outgoing.resize(bricks.size() * kNeighbours);
   const auto visit = [&](std::size_t n) {
     const std::size_t brick = bricks[n];
-    const unsigned entered = m_waiting[brick].faces;
+    const unsigned entered = m_waiting[brick].entrances;
     m_waiting[brick] = {};
-    BrickVisit here(m_body, costs, task, brick);
-    for (int face = 0; face < 6; ++face) {
-      if (entered >> face & 1) here.draw(face);
+    Visit here(m_body, costs, task, brick);
+    for (int side = 0; side < kNeighbours; ++side) {
+      if (entered >> side & 1) here.draw(side);
     }
     here.close();
     const unsigned changed = here.store(task.values.touch(brick));
-    const unsigned leaving = entered >> kSeeded & 1 ? ~0u : changed;
-    for (int face = 0; face < 6; ++face) {
-      m_outgoing[n][face] = leaving >> face & 1 ? here.send(face) : 0;
+    const unsigned leaving = entered >> Visit::kSeeded & 1 ? ~0u : changed;
+    Level* const outgoing = m_outgoing.data() + n * kNeighbours;
+    for (int side = 0; side < kNeighbours; ++side) {
+      outgoing[side] = leaving >> side & 1 ? here.send(side) : 0;
     }
   };
   if (bricks.size() < kParallelBricks || tbb::this_task_arena::max_concurrency() == 1) {
@@ -237,10 +265,11 @@ void BlockPropagator::visit_phase(const PropagationTask& task, std::vector<std::
     });
   }
   for (std::size_t n = 0; n < bricks.size(); ++n) {
-    for (int face = 0; face < 6; ++face) {
-      if (m_outgoing[n][face] == 0) continue;
-      wait(std::size_t(m_body.elements.neighbour(bricks[n], face)), m_outgoing[n][face],
-           opposite_face(face));
+    const Level* const outgoing = m_outgoing.data() + n * kNeighbours;
+    for (int side = 0; side < kNeighbours; ++side) {
+      if (outgoing[side] == 0) continue;
+      wait(Visit::neighbour(m_body.elements, bricks[n], side), outgoing[side],
+           Visit::opposite(side));
     }
   }
 }
@@ -248,7 +277,7 @@ void BlockPropagator::visit_phase(const PropagationTask& task, std::vector<std::
 std::size_t BlockPropagator::bytes() const {
   std::size_t total = m_waiting.capacity() * sizeof(Waiting) + m_queue.bytes() +
                       m_round.capacity() * sizeof(QueueEntry) +
-                      m_outgoing.capacity() * sizeof(Outgoing);
+                      m_outgoing.capacity() * sizeof(Level);
   for (const auto& bricks : m_phases) total += bricks.capacity() * sizeof(std::uint32_t);
   for (const auto& coordinate : m_costs) {
     for (const LinkCosts& costs : coordinate) total += costs.bytes();

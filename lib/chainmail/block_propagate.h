@@ -4,7 +4,8 @@
 // takes one bucket of it: every brick draws in the levels across its changed faces, closes itself
 // (brick_kernel.h), and finds which neighbours that affects. Face neighbours differ in the parity
 // of their brick coordinates, so the even and then the odd bricks of a round can be visited by all
-// threads without one reading what another writes. The fixed point is unique and rounds do not
+// threads without one reading what another writes; with diagonals, whose links also lead across
+// edges and corners, a round has 8 phases. The fixed point is unique and rounds do not
 // depend on threads: values and visits are the same whatever their number.
 //
 //   rigid or stiff: 2 to 3 visits per brick reached, smooth material 1; about 1.5 us a visit
@@ -39,16 +40,17 @@ class BlockPropagator {
   /// A brick that waits: the largest level that reaches it, and from where.
   struct Waiting {
     Level level = 0;  // 0: does not wait
-    std::uint8_t faces = 0;
+    std::uint32_t entrances = 0;
   };
-  /// Largest level that a visit sends across each face and that changes the neighbour; 0: none.
-  using Outgoing = std::array<Level, 6>;
 
   const LinkCosts& costs_of(const PropagationTask& task);
   void start(const PropagationTask& task, Level first, int bucket_shift);
   void wait(std::size_t brick, Level level, int entrance);
   void drain(const PropagationTask& task, PropagationCounts& counts);
   void forget_waiting();
+  /// Entrance of a brick beside its neighbours: a seed was set inside.
+  int seeded() const;
+  template <class Visit>
   void visit_phase(const PropagationTask& task, std::vector<std::uint32_t>& bricks);
 
   const Body& m_body;
@@ -56,8 +58,10 @@ class BlockPropagator {
   std::vector<Waiting> m_waiting;
   BucketQueue m_queue{256};
   std::vector<QueueEntry> m_round;
-  std::array<std::vector<std::uint32_t>, 2> m_phases;  // bricks of a round by parity
-  std::vector<Outgoing> m_outgoing;
+  std::array<std::vector<std::uint32_t>, 8> m_phases;  // bricks of a round that share no link
+  /// Per brick of a phase and neighbour, the largest level that a visit sends there and that
+  /// changes it; 0: none.
+  std::vector<Level> m_outgoing;
   bool m_running = false;  // still true in start(): an exception ended the last run
 };
 

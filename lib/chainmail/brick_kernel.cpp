@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cstring>
-#include <utility>
+
+#include "lib/chainmail/brick_vectors.h"
 
 #ifdef __AVX512VBMI__
 #include <immintrin.h>
@@ -15,56 +16,6 @@ namespace {
 constexpr std::uint64_t kAllBits = ~std::uint64_t(0);
 /// Distance in a brick to the next voxel along each axis.
 constexpr int kOffsetStep[3] = {64, 8, 1};
-
-/// One row of a brick, and as many rows as the machine's vectors hold.
-using SlackRow = Level __attribute__((vector_size(32), may_alias));
-using SignedRow = std::int32_t __attribute__((vector_size(32), may_alias));
-#ifdef __AVX512F__
-using Rows = Level __attribute__((vector_size(64), may_alias));
-using SignedRows = std::int32_t __attribute__((vector_size(64), may_alias));
-#else
-using Rows = SlackRow;
-using SignedRows = SignedRow;
-#endif
-constexpr int kRowLanes = 8;
-constexpr int kLanes = sizeof(Rows) / sizeof(Level);
-constexpr int kVectors = kBrickVoxels / kLanes;
-constexpr int kPlaneVectors = 64 / kLanes;
-
-/// Both sides of the choice signed, which compilers know as one instruction.
-inline SlackRow larger(SlackRow a, SlackRow b) {
-  const SignedRow x = SignedRow(a), y = SignedRow(b);
-  return SlackRow(x > y ? x : y);
-}
-#ifdef __AVX512F__
-inline Rows larger(Rows a, Rows b) {
-  const SignedRows x = SignedRows(a), y = SignedRows(b);
-  return Rows(x > y ? x : y);
-}
-#endif
-
-template <class Vector>
-bool any_set(Vector v) {
-  Level all = 0;
-  for (std::size_t lane = 0; lane < sizeof(Vector) / sizeof(Level); ++lane) all |= v[lane];
-  return all != 0;
-}
-
-/// Every row moved by `Step` lanes towards higher k (lower when negative); the ends repeat.
-constexpr int source_lane(int lane, int step) {
-  const int within = lane % kRowLanes - step;
-  return lane / kRowLanes * kRowLanes + (within < 0            ? 0
-                                         : within >= kRowLanes ? kRowLanes - 1
-                                                               : within);
-}
-template <int Step, std::size_t... Lane>
-inline Rows moved(Rows v, std::index_sequence<Lane...>) {
-  return __builtin_shufflevector(v, v, source_lane(int(Lane), Step)...);
-}
-template <int Step>
-inline Rows moved(Rows v) {
-  return moved<Step>(v, std::make_index_sequence<kLanes>());
-}
 
 /// kNoLink in the `Step` lanes that no other lane reaches, and a mask of the other lanes.
 template <int Step>
@@ -137,9 +88,11 @@ class ByteTable {
 };
 #endif
 
-/// out[n] = row[index[n]] for a multiple of 64 links. Plain loads beat the gather instructions.
-void gather(const CostRow& row, const std::uint16_t* __restrict index, int count,
-            Level* __restrict out) {
+}  // namespace
+
+/// Plain loads beat the gather instructions.
+void gather_costs(const CostRow& row, const std::uint16_t* __restrict index, int count,
+                  Level* __restrict out) {
 #ifdef __AVX512VBMI__
   if (!row.bytes.empty()) {
     const ByteTable table(row.bytes);
@@ -150,6 +103,8 @@ void gather(const CostRow& row, const std::uint16_t* __restrict index, int count
   const Level* __restrict levels = row.levels.data();
   for (int n = 0; n < count; ++n) out[n] = levels[index[n]];
 }
+
+namespace {
 
 /// Entries of a cost row for the links from every voxel to the one `stride` offsets on.
 void link_entries(const std::uint8_t* __restrict classes, int offset_step, int class_stride,
@@ -184,7 +139,8 @@ void sum_along_rows(const Level* links, Level (&out)[3][64][8]) {
   }
 }
 
-/// kNoLink where a bit is missing, for `rows` times 8 costs.
+}  // namespace
+
 void remove_missing(std::uint64_t links, int rows, Level* costs) {
   if (links == kAllBits) return;
   constexpr SlackRow kBit = {1, 2, 4, 8, 16, 32, 64, 128};
@@ -197,16 +153,18 @@ void remove_missing(std::uint64_t links, int rows, Level* costs) {
   }
 }
 
+namespace {
+
 void look_up_along_i(const CostRow& row, const std::uint16_t* entries, const BrickMask& links,
                      Level (&out)[7][64]) {
-  gather(row, entries, 7 * 64, out[0]);
+  gather_costs(row, entries, 7 * 64, out[0]);
   for (int p = 0; p < 7; ++p) remove_missing(links[p], 8, out[p]);
 }
 
 void look_up_along_j(const CostRow& row, const std::uint16_t* entries, const BrickMask& links,
                      Level (&out)[8][8][8]) {
   constexpr std::uint64_t kLastRow = std::uint64_t(0xff) << 56;
-  gather(row, entries, kBrickVoxels, out[0][0]);
+  gather_costs(row, entries, kBrickVoxels, out[0][0]);
   for (int plane = 0; plane < 8; ++plane) {
     remove_missing(links[plane] | kLastRow, 7, out[plane][0]);
   }
@@ -215,7 +173,7 @@ void look_up_along_j(const CostRow& row, const std::uint16_t* entries, const Bri
 void look_up_along_k(const CostRow& row, const std::uint16_t* entries, const BrickMask& links,
                      Level* out) {
   constexpr std::uint64_t kLastColumn = 0x8080808080808080u;
-  gather(row, entries, kBrickVoxels, out);
+  gather_costs(row, entries, kBrickVoxels, out);
   for (int plane = 0; plane < 8; ++plane) {
     remove_missing(links[plane] | kLastColumn, 8, out + 64 * plane);
   }
@@ -359,8 +317,12 @@ void look_up_face_costs(const CostRow& row, int stride, const std::uint8_t* low_
   for (int n = 0; n < 64; ++n) {
     entries[n] = std::uint16_t(low_classes[n] * stride + high_classes[n]);
   }
-  gather(row, entries, 64, out);
+  gather_costs(row, entries, 64, out);
   remove_missing(links, 8, out);
+}
+
+bool close_rows(const BrickCosts& costs, Level* levels) {
+  return sweep_k(costs, reinterpret_cast<Rows*>(levels));
 }
 
 int close_brick(const BrickCosts& costs, Level* levels) {

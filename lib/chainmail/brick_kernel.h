@@ -41,6 +41,13 @@ unsigned store_levels(const Level* levels, Direction direction, std::int32_t* q)
 void look_up_face_costs(const CostRow& row, int stride, const std::uint8_t* low_classes,
                         const std::uint8_t* high_classes, std::uint64_t links, Level* out);
 
+/// out[n] = row[index[n]] for a multiple of 64 links.
+void gather_costs(const CostRow& row, const std::uint16_t* index, int count, Level* out);
+/// kNoLink where a bit is missing, for `rows` times 8 costs.
+void remove_missing(std::uint64_t links, int rows, Level* costs);
+
+/// Closes every row of 512 levels under the links along k; true when a level changed.
+bool close_rows(const BrickCosts& costs, Level* levels);
 /// Raises 512 levels (64-byte aligned) to the closure; returns the number of sweeps.
 int close_brick(const BrickCosts& costs, Level* levels);
 

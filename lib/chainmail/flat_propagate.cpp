@@ -1,12 +1,13 @@
 #include "lib/chainmail/flat_propagate.h"
 
+#include "lib/body/diagonals.h"
 #include "lib/chainmail/flat_engine.h"
 
 namespace supple {
 
 namespace {
 
-/// One coordinate of a voxel body: values in bricks, six neighbours per slot.
+/// One coordinate of a voxel body: values in bricks, neighbours by the links of a slot.
 class LatticeGraph {
  public:
   LatticeGraph(const Body& body, const PropagationTask& task) : m_body(body), m_task(task) {}
@@ -22,6 +23,16 @@ class LatticeGraph {
   void for_each_link(Slot from, Visit&& visit) const {
     const SlackTable& slacks = m_body.slacks;
     const std::uint8_t from_class = m_body.classes[from];
+    if (slacks.links() != 6) {
+      for_each_linked(m_body.elements, m_body.cuts, slacks.links(), from,
+                      [&](int direction, Slot to) {
+                        visit(to, [&] {
+                          return slacks.fall(kRaise ? direction : opposite_direction(direction),
+                                             m_task.coordinate, from_class, m_body.classes[to]);
+                        });
+                      });
+      return;
+    }
     for (int axis = 0; axis < 3; ++axis) {
       for (const bool positive : {false, true}) {
         Slot to;

@@ -34,7 +34,7 @@ CostRow costs_of(const std::int32_t* slacks, std::size_t count) {
 /// Raising the low end of a link lifts its high end once `lower` is used up, and the high end the
 /// low one once `upper` is; lowering is mirrored.
 LinkCosts::LinkCosts(const SlackTable& slacks, int coordinate, Direction direction)
-    : m_stride(slacks.stride()) {
+    : m_stride(slacks.stride()), m_links(slacks.links()) {
   const std::size_t count = std::size_t(255) * std::size_t(m_stride) + 256;
   for (int axis = 0; axis < 3; ++axis) {
     for (const bool upward : {false, true}) {
@@ -45,6 +45,18 @@ LinkCosts::LinkCosts(const SlackTable& slacks, int coordinate, Direction directi
     }
     m_symmetric[axis] = m_rows[axis][0] == m_rows[axis][1];
   }
+  if (m_links == 6) return;
+  m_diagonals.resize(kDirections);
+  for (int d = 0; d < kDirections; ++d) {
+    if (!is_diagonal(d) || !has_direction(m_links, d)) continue;
+    // Raising the start of a link lifts its end once the fall is used up.
+    const int falls = direction == Direction::raise ? d : opposite_direction(d);
+    m_diagonals[std::size_t(d)] = costs_of(slacks.fall_row(falls, coordinate), count);
+  }
+  for (int d = 0; d < kDirections; ++d) {
+    if (!has_direction(m_links, d)) continue;
+    m_same_back[std::size_t(d)] = along(d) == along(opposite_direction(d));
+  }
 }
 
 std::size_t LinkCosts::bytes() const {
@@ -53,6 +65,9 @@ std::size_t LinkCosts::bytes() const {
     for (const CostRow& row : axis) {
       total += row.levels.capacity() * sizeof(Level) + row.bytes.capacity();
     }
+  }
+  for (const CostRow& row : m_diagonals) {
+    total += sizeof row + row.levels.capacity() * sizeof(Level) + row.bytes.capacity();
   }
   return total;
 }

@@ -47,12 +47,24 @@ class LinkCosts {
   const CostRow& row(int axis, bool upward) const { return m_rows[axis][upward]; }
   /// Across its own axis a coordinate pays the same both ways.
   bool is_symmetric(int axis) const { return m_symmetric[axis]; }
+  /// 6, 18 or 26 per voxel, as in SlackTable.
+  int links() const { return m_links; }
+  /// Cost of travelling in any direction that a link has.
+  const CostRow& along(int direction) const {
+    return is_diagonal(direction) ? m_diagonals[std::size_t(direction)]
+                                  : m_rows[axis_of_direction(direction)][direction > kNoStep];
+  }
+  /// The same both ways.
+  bool is_symmetric_along(int direction) const { return m_same_back[std::size_t(direction)]; }
   std::size_t bytes() const;
 
  private:
   int m_stride = 1;
   std::array<std::array<CostRow, 2>, 3> m_rows;  // [axis][upward]
   std::array<bool, 3> m_symmetric{};
+  int m_links = 6;
+  std::vector<CostRow> m_diagonals;  // by direction; empty with 6 links
+  std::array<bool, kDirections> m_same_back{};
 };
 
 }  // namespace supple

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "lib/chainmail/link_masks.h"
+
 namespace supple {
 
 namespace {
@@ -37,14 +39,12 @@ int typical_slack_bits(const Body& body, int coordinate) {
   return count == 0 ? kFixedBits : int(sum_of_logs / count);
 }
 
-/// Whether a brick or a face neighbour of it holds offsets.
+/// Whether a brick or one that its links lead to holds offsets.
 bool near_stored(const BrickTopology& elements, const BrickValues& values, std::size_t b) {
-  if (values.brick(b) != nullptr) return true;
-  for (int face = 0; face < 6; ++face) {
-    const std::int32_t other = elements.neighbour(b, face);
-    if (other >= 0 && values.brick(std::size_t(other)) != nullptr) return true;
-  }
-  return false;
+  const BrickNeighbours bricks = neighbours_of(elements, b);
+  return std::any_of(bricks.begin(), bricks.end(), [&](std::int32_t other) {
+    return other >= 0 && values.brick(std::size_t(other)) != nullptr;
+  });
 }
 
 /// Every element that may have a broken link, at its value; only those that have one will spread.

@@ -169,6 +169,9 @@ void MaterialTable::validate(const std::string& file) const {
   if (components < 0) {
     throw InputError({file, "components", std::to_string(components), "0 (all) or a count >= 1"});
   }
+  if (links != 6 && links != 18 && links != 26) {
+    throw InputError({file, "links", std::to_string(links), "6, 18 or 26"});
+  }
   for (const auto& [label, table] : labels) {
     const std::string name = label_name(label);
     if (label < 1 || label > kMaxLabel) {

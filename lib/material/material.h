@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "lib/material/link_direction.h"
 #include "volumes/base/vec.h"
 #include "volumes/grid/labels.h"
 
@@ -57,6 +58,8 @@ struct MaterialTable : LimitTable {
   double active_lo = 1, active_hi = 255;  // densities that are elements
   Combine combine = Combine::density;
   int components = 0;  // 0: all pieces; n: the n largest ("largest" is 1)
+  /// Links of a voxel: 6 along the axes, 18 with diagonals of faces, 26 with those of cells.
+  int links = 6;
   /// The table is a preset without a domain: fitted_to() (lib/session/tissue.h) chooses the domain
   /// by the volume, and the active densities with it unless they were given.
   bool fits_domain = false, fits_active = false;
@@ -185,6 +188,11 @@ constexpr std::int32_t kUnlimitedSlack = 1 << 30;
 std::int32_t fixed_slack(double length);
 
 /// All slacks by look-up from the classes of both ends. 36 kB; 4.7 MB where limits are combined.
+/// Diagonals take as much again for every 6 of their 12 (18 links) or 20 directions (26).
+///
+/// The slack of a diagonal is the quadrature of those of its axes, in integers, rounded down:
+///   fall_d(c)^2 = sum over axes a with d_a != 0 of fall_{d_a}(c)^2,
+/// so that the limits of all links touch one ellipsoid (docs/models/ecm.md, "Diagonal links").
 class SlackTable {
  public:
   SlackTable() = default;
@@ -208,14 +216,29 @@ class SlackTable {
   const std::int32_t* lower_row(int axis, int coordinate) const {
     return m_lower.data() + std::size_t(3 * axis + coordinate) * m_row_size;
   }
+  /// The same for a link of any direction from voxel i to j: q_i[c] - q_j[c] <= fall. A fall
+  /// against the direction is one along the opposite direction. Diagonals exist as far as links()
+  /// says.
+  const std::int32_t* fall_row(int direction, int coordinate) const;
+  std::int32_t fall(int direction, int coordinate, std::uint8_t class_a,
+                    std::uint8_t class_b) const {
+    return fall_row(direction, coordinate)[class_a * m_stride + class_b];
+  }
+  /// 6, 18 or 26 per voxel.
+  int links() const { return m_links; }
   int stride() const { return m_stride; }
   std::size_t bytes() const;
 
  private:
+  void add_diagonals();
+
   // density: rows of 511, one per sum of classes; limits: rows of 256 * 256.
   int m_stride = 1;
   std::size_t m_row_size = 0;
   std::vector<std::int32_t> m_upper, m_lower;
+  int m_links = 6;
+  std::array<std::int8_t, kDirections> m_diagonal_of{};  // place of its rows in m_diagonals
+  std::vector<std::int32_t> m_diagonals;                 // 3 rows per direction
 };
 
 }  // namespace supple

@@ -52,6 +52,12 @@ int read_components(TomlTable& table) {
   table.fail("components", "another value", "\"all\", \"largest\" or a count from 1");
 }
 
+int read_links(TomlTable& table) {
+  const long long links = table.integer("links").value_or(6);
+  if (links == 6 || links == 18 || links == 26) return int(links);
+  table.fail("links", std::to_string(links), "6, 18 or 26");
+}
+
 void append_curve(std::string& text, const std::string& name, const Curve& curve) {
   text += name + " = [";
   for (const auto& [density, value] : curve.keys) {
@@ -166,7 +172,7 @@ void read_labels(TomlTable& labels, const LabelNames& names, MaterialTable& mate
 MaterialTable read_material_table(TomlTable& table, const LabelNames& names) {
   MaterialTable material;
   know_limits(table);
-  table.know({"active", "combine", "components", "label"});
+  table.know({"active", "combine", "components", "links", "label"});
   read_range(table, "domain", material.domain_lo, material.domain_hi);
   material.fits_domain = table.has("preset") && !table.has("domain");
   material.fits_active = material.fits_domain && !table.has("active");
@@ -176,6 +182,7 @@ MaterialTable read_material_table(TomlTable& table, const LabelNames& names) {
   read_curves(table, material);
   material.combine = read_combine(table);
   material.components = read_components(table);
+  material.links = read_links(table);
   if (auto labels = table.table("label")) read_labels(*labels, names, material);
   table.finish();
   material.validate(table.place());
@@ -201,6 +208,7 @@ std::string material_to_toml(const MaterialTable& material) {
   if (material.components > 0) {
     text += "components = " + std::to_string(material.components) + "\n";
   }
+  if (material.links != 6) text += "links = " + std::to_string(material.links) + "\n";
   for (const auto& [label, limits] : material.labels) {
     text += "\n[label." + std::to_string(label) + "]\n";
     append_range(text, "domain", limits.domain_lo, limits.domain_hi);

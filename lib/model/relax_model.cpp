@@ -32,11 +32,22 @@ void RelaxModel::begin() {
 /// The offsets to the body.
 void RelaxModel::put() {
   m_relaxation->store();
-  m_held.body.links_known_valid = m_params.method != RelaxMethod::plain;
+  m_held.body.links_known_valid =
+      m_params.method != RelaxMethod::plain && m_held.body.slacks.links() == 6;
+}
+
+/// The springs and their steps know axis links only: what diagonals do not allow is moved back.
+void RelaxModel::keep_diagonals() {
+  Body& body = m_held.body;
+  if (body.slacks.links() == 6 || m_params.method == RelaxMethod::plain) return;
+  const ProjectionReport projection = project(body, m_anchored, m_held.holds);
+  m_report.diagonal_links = projection.violated_links;
+  m_report.diagonal_max_voxels = projection.max_move_voxels;
 }
 
 void RelaxModel::move(const std::vector<Handle>& handles, int, Progress* progress) {
   put();
+  keep_diagonals();
   m_drag = EcmSolver(m_held.body).drag(handles, m_held.anchors, m_held.holds, progress);
   m_anchored = anchored_elements(m_held.body, m_held.anchors, m_held.holds);
   begin();
@@ -72,6 +83,7 @@ std::vector<Reaction> RelaxModel::reactions(const std::vector<Handle>& handles) 
 
 void RelaxModel::store() {
   put();
+  keep_diagonals();
   Body& body = m_held.body;
   if (body.material.has_yield_strain() && m_report.passes > m_stored_passes) {
     m_energy_before_flow = m_relaxation->energy();

@@ -15,6 +15,10 @@ struct RelaxReport {
   std::int64_t projected_links = 0;  // of an invalid start
   double projected_max_voxels = 0;
   std::int64_t projected_held = 0;  // elements that are held but that it had to move
+  /// Links that a diagonal's limit moved back after the last pass, and how far; energies are those
+  /// before that. 0 with 6 links.
+  std::int64_t diagonal_links = 0;
+  double diagonal_max_voxels = 0;
   int passes = 0;
   /// The last pass moved nothing further than the tolerance, and the forces that are left put the
   /// energy within 1 % of the least, or a millionth of what it was; where volume is conserved, the
@@ -53,6 +57,7 @@ class RelaxModel final : public Model<Handle> {
   void begin();
   bool forces_agree();
   void put();
+  void keep_diagonals();
 
   HeldBody m_held;
   RelaxParams m_params;

@@ -402,6 +402,12 @@ void Session::relax_body(StepRecord& record, Progress* progress) {
   const RelaxReport& report = record.relaxed;
   warn_of_projection(report.projected_links, report.projected_max_voxels, report.projected_held,
                      progress);
+  if (report.diagonal_links > 0) {
+    note(progress, "relaxation knows links along the axes only: " +
+                       with_count(report.diagonal_links, "link") +
+                       " moved back to the limits of diagonals, largest move " +
+                       four_digits(report.diagonal_max_voxels) + " voxels");
+  }
   const LinkCheck check =
       record.relax->method == RelaxMethod::plain ? check_links(m_body) : LinkCheck();
   if (check.violated > 0) {

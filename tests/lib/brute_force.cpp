@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <set>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -109,6 +111,23 @@ Wide units_below(Real voxels) {
   return std::max<Wide>(0, Wide(units));
 }
 
+struct Bounds {
+  Wide upper, lower;
+};
+/// Of coordinate c across a link along an axis.
+Bounds bounds_by_hand(const Block& block, int axis, int c, const End& a, const End& b) {
+  const MaterialTable& table = block.table;
+  if (c == axis) {
+    return {units_below(at_link(table, longest_of, axis, a, b) - 1),
+            units_below(1 - at_link(table, shortest_of, axis, a, b))};
+  }
+  const double h[3] = {block.spacing_mm.x, block.spacing_mm.y, block.spacing_mm.z};
+  const bool first = c == (axis == 0 ? 1 : 0);
+  const Wide shear =
+      units_below(at_link(table, first ? shear1_of : shear2_of, axis, a, b) * h[axis] / h[c]);
+  return {shear, shear};
+}
+
 }  // namespace
 
 BruteForce::BruteForce(const Block& block) : m_nodes(block.size()) {
@@ -116,7 +135,6 @@ BruteForce::BruteForce(const Block& block) : m_nodes(block.size()) {
   const int dims[3] = {block.dims.x, block.dims.y, block.dims.z};
   const int step[3] = {1, dims[0], dims[0] * dims[1]};
   const int classes = classes_of_each(block.table);
-  const double h[3] = {block.spacing_mm.x, block.spacing_mm.y, block.spacing_mm.z};
   for (int low = 0; low < m_nodes; ++low) {
     const int position[3] = {low % dims[0], low / dims[0] % dims[1], low / dims[0] / dims[1]};
     for (int axis = 0; axis < 3; ++axis) {
@@ -124,18 +142,70 @@ BruteForce::BruteForce(const Block& block) : m_nodes(block.size()) {
       if (!block.cut.empty() && (block.cut[low] >> axis & 1)) continue;
       const int high = low + step[axis];
       if (!block.element[low] || !block.element[high]) continue;
-      const MaterialTable& table = block.table;
       const End a = end_by_hand(block, low, classes), b = end_by_hand(block, high, classes);
       Link link{low, high, {}, {}};
-      link.upper[axis] = units_below(at_link(table, longest_of, axis, a, b) - 1);
-      link.lower[axis] = units_below(1 - at_link(table, shortest_of, axis, a, b));
-      bool first = true;
       for (int c = 0; c < 3; ++c) {
-        if (c == axis) continue;
-        const CurveOf shear = first ? shear1_of : shear2_of;
-        link.upper[c] = link.lower[c] =
-            units_below(at_link(table, shear, axis, a, b) * h[axis] / h[c]);
-        first = false;
+        const Bounds bounds = bounds_by_hand(block, axis, c, a, b);
+        link.upper[c] = bounds.upper;
+        link.lower[c] = bounds.lower;
+      }
+      m_links.push_back(link);
+    }
+  }
+  if (block.table.links > 6) add_diagonals(block);
+}
+
+/// Every way to order the steps of every diagonal is tried, from link to link.
+void BruteForce::add_diagonals(const Block& block) {
+  const int size[3] = {block.dims.x, block.dims.y, block.dims.z};
+  const int step[3] = {1, size[0], size[0] * size[1]};
+  std::set<std::pair<int, int>> joined_nodes;
+  for (const Link& link : m_links) joined_nodes.insert({link.low, link.high});
+  const auto link_between = [&](int a, int b) { return joined_nodes.count(std::minmax(a, b)) > 0; };
+  for (int from = 0; from < m_nodes; ++from) {
+    const int position[3] = {from % size[0], from / size[0] % size[1], from / size[0] / size[1]};
+    for (int code = 0; code < 27; ++code) {
+      const int d[3] = {code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1};
+      const int axes = std::abs(d[0]) + std::abs(d[1]) + std::abs(d[2]);
+      if (axes < 2 || axes > (block.table.links == 18 ? 2 : 3)) continue;
+      int to = from;
+      bool within = true;
+      for (int a = 0; a < 3; ++a) {
+        within = within && position[a] + d[a] >= 0 && position[a] + d[a] < size[a];
+        to += d[a] * step[a];
+      }
+      if (!within || from > to || !block.element[from] || !block.element[to]) continue;
+      bool joined = false;
+      int order[3] = {0, 1, 2};
+      do {
+        int at = from;
+        bool path = true;
+        for (const int a : order) {
+          if (d[a] == 0) continue;
+          path = path && link_between(at, at + d[a] * step[a]);
+          at += d[a] * step[a];
+        }
+        joined = joined || path;
+      } while (std::next_permutation(order, order + 3));
+      if (!joined) continue;
+      Link link{from, to, {}, {}};
+      const int classes = classes_of_each(block.table);
+      const End a = end_by_hand(block, from, classes), b = end_by_hand(block, to, classes);
+      for (int c = 0; c < 3; ++c) {
+        Real rise = 0, fall = 0;
+        for (int axis = 0; axis < 3; ++axis) {
+          if (d[axis] == 0) continue;
+          const Bounds bounds = bounds_by_hand(block, axis, c, a, b);
+          const Real up = Real(d[axis] > 0 ? bounds.upper : bounds.lower);
+          const Real down = Real(d[axis] > 0 ? bounds.lower : bounds.upper);
+          rise += up * up;
+          fall += down * down;
+        }
+        const auto root = [](Real square) {
+          return square >= Real(1 << 30) * Real(1 << 30) ? kNoPath : Wide(std::sqrt(square));
+        };
+        link.upper[c] = root(rise);
+        link.lower[c] = root(fall);
       }
       m_links.push_back(link);
     }

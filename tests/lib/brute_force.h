@@ -73,6 +73,7 @@ class BruteForce {
     bool anchored;
     std::array<Wide, 3> least, most;
   };
+  void add_diagonals(const Block& block);
   std::vector<Wide> relax(int c, int source, bool from) const;
   std::vector<Limit> limits(int c, bool lower, const std::vector<Grab>& grabs,
                             const std::vector<int>& anchors) const;

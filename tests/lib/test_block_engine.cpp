@@ -96,6 +96,25 @@ TEST(PropertyBlockEngine, TheEngineIsChosenByHowFullTheBricksAre) {
   EXPECT_EQ(engine_of({1, 1, 300}), Engine::flat);
 }
 
+TEST(PropertyBlockEngine, WithDiagonalsResultAndVisitsDependNeitherOnThreadsNorOnTheEngine) {
+  for (const int links : {18, 26}) {
+    Block block = shells({37, 30, 41}, unsigned(links));
+    block.table.links = links;
+    std::mt19937 random(7);
+    cut_randomly(random, block);
+    const Body body = body_of(block);
+    std::int64_t visits_of_one = 0, visits = 0;
+    const auto expected = dragged(body, Engine::flat, 1);
+    const auto one = dragged(body, Engine::block, 1, &visits_of_one);
+    const auto two = dragged(body, Engine::block, 2, &visits);
+    for (int c = 0; c < 3; ++c) {
+      EXPECT_EQ(one[c], expected[c]) << links << " links, axis " << c;
+      EXPECT_EQ(two[c], expected[c]) << links << " links, axis " << c;
+    }
+    EXPECT_EQ(visits, visits_of_one) << links << " links";
+  }
+}
+
 namespace {
 
 /// Half of a block with the layer of voxels beyond its border, whose values the other half owns.

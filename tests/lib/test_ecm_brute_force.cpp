@@ -80,14 +80,16 @@ struct Tally {
   int drags = 0, moved = 0, conflicts = 0, stopped = 0, shortened = 0, unlimited = 0;
 };
 
-enum class With { nothing, cuts, labels };
+enum class With { nothing, cuts, labels, diagonals };
 
 /// Drags one random body several times, comparing after each.
 void run_case(unsigned seed, const Vec3i& max_dims, With with, Tally& tally) {
   SCOPED_TRACE("seed " + std::to_string(seed));
   std::mt19937 random(seed);
   Block block = random_block(random, max_dims);
-  if (with == With::cuts) cut_randomly(random, block);
+  if (with == With::diagonals) block.table.links = random() % 3 == 0 ? 18 : 26;
+  if (with == With::cuts || (with == With::diagonals && random() % 2 == 0))
+    cut_randomly(random, block);
   if (with == With::labels) label_randomly(random, block);
   Body body = body_of(block);
   BruteForce brute(block);
@@ -151,6 +153,19 @@ TEST(PropertyEcm, EqualsBruteForceBitForBitWhereLabelsHaveTablesOfTheirOwn) {
   for (unsigned seed = 2000; seed < 2000 + unsigned(cases(300)) && !HasFailure(); ++seed) {
     const Vec3i max_dims = seed % 3 == 0 ? Vec3i(12, 12, 1) : Vec3i(10, 9, 5);
     run_case(seed, max_dims, With::labels, tally);
+  }
+  std::printf("drags %d, moved %d, conflicts %d, stopped at once %d, shortened %d\n", tally.drags,
+              tally.moved, tally.conflicts, tally.stopped, tally.shortened);
+  EXPECT_GE(tally.moved, cases(400));
+  EXPECT_GE(tally.conflicts, cases(20));
+  EXPECT_GE(tally.shortened, cases(20));
+}
+
+TEST(PropertyEcm, EqualsBruteForceBitForBitWithDiagonalLinks) {
+  Tally tally;
+  for (unsigned seed = 3000; seed < 3000 + unsigned(cases(300)) && !HasFailure(); ++seed) {
+    const Vec3i max_dims = seed % 3 == 0 ? Vec3i(12, 12, 2) : Vec3i(8, 7, 5);
+    run_case(seed, max_dims, With::diagonals, tally);
   }
   std::printf("drags %d, moved %d, conflicts %d, stopped at once %d, shortened %d\n", tally.drags,
               tally.moved, tally.conflicts, tally.stopped, tally.shortened);

@@ -78,6 +78,10 @@ nlohmann::ordered_json to_json(const RelaxParams& params, const RelaxReport& rep
                                  {"projected_max_voxels", report.projected_max_voxels},
                                  {"projected_held", report.projected_held},
                                  {"relax_ms", report.milliseconds}};
+  if (report.diagonal_links > 0) {
+    json["diagonal_links"] = report.diagonal_links;
+    json["diagonal_max_voxels"] = report.diagonal_max_voxels;
+  }
   if (report.energy_excess) json["energy_excess_uj"] = *report.energy_excess;
   if (report.volumes_after) {
     json["bulk_modulus_kpa"] = params.bulk_modulus_kpa;

@@ -1,0 +1,194 @@
+#include "lib/chainmail/diagonal_visit.h"
+
+#include <algorithm>
+
+#include "lib/body/brick_faces.h"
+
+namespace supple {
+
+namespace {
+
+/// Around the 64 values of a face, so that those of a diagonal's other end can be read.
+constexpr int kFaceHalo = 9;
+template <class T>
+struct HaloFace {
+  T values[kFaceHalo + kFaceVoxels + kFaceHalo] = {};
+  T* first() { return values + kFaceHalo; }
+  const T* first() const { return values + kFaceHalo; }
+};
+
+/// The face towards a side that is one step along an axis; -1 for edges and corners.
+int face_of_side(int side) {
+  if (is_diagonal(side)) return -1;
+  return 2 * axis_of_direction(side) + (side > kNoStep ? 1 : 0);
+}
+
+/// The bits of a face whose step along the face's two axes stays in it.
+std::uint64_t steps_in_face(int u, int v) {
+  std::uint64_t bits = ~std::uint64_t(0);
+  if (u > 0) bits &= bits >> 8;
+  if (u < 0) bits &= bits << 8;
+  if (v > 0) bits &= 0x7f7f7f7f7f7f7f7fu;
+  if (v < 0) bits &= 0xfefefefefefefefeu;
+  return bits;
+}
+
+/// Links from the voxels of a face into the neighbour across it: `visit(direction, shift, bits)`,
+/// where the other end of voxel n is value n + shift of the neighbour's face.
+template <class Visit>
+void for_each_diagonal_across(const LinkMasks& links, int side, int face, Visit&& visit) {
+  const int axis = axis_of_face(face);
+  const int first = axis == 0 ? 1 : 0, second = axis == 2 ? 1 : 2;
+  for (int u = -1; u <= 1; ++u) {
+    for (int v = -1; v <= 1; ++v) {
+      const int direction = side + u * (direction_along(first, true) - kNoStep) +
+                            v * (direction_along(second, true) - kNoStep);
+      const std::uint64_t bits =
+          face_bits(links[std::size_t(direction)], face) & steps_in_face(u, v);
+      if (bits != 0) visit(direction, 8 * u + v, bits);
+    }
+  }
+}
+
+}  // namespace
+
+DiagonalVisit::DiagonalVisit(const Body& body, const LinkCosts& costs, const PropagationTask& task,
+                             std::size_t brick)
+    : m_body(body),
+      m_costs(costs),
+      m_values(task.values),
+      m_direction(task.direction),
+      m_brick(brick),
+      m_neighbours(neighbours_of(body.elements, brick)) {
+  find_links(body.elements, body.cuts, costs.links(), m_neighbours, m_links);
+  load_levels(offsets(brick), m_direction, m_levels);
+}
+
+/// Links across an edge or a corner: `visit(direction, own, other)` with the offsets of both ends.
+template <class Visit>
+void DiagonalVisit::for_each_link_to(int side, Visit&& visit) const {
+  const LinkStep towards = step_of_direction(side);
+  const auto lo = [&](int axis) { return towards[std::size_t(axis)] > 0 ? 7 : 0; };
+  const auto hi = [&](int axis) { return towards[std::size_t(axis)] < 0 ? 0 : 7; };
+  // An edge has one free axis; the links step along it or not.
+  for (int direction = 0; direction < kDirections; ++direction) {
+    if (!has_direction(m_costs.links(), direction)) continue;
+    const LinkStep step = step_of_direction(direction);
+    bool leads_there = true;
+    for (std::size_t a = 0; a < 3; ++a) leads_there &= towards[a] == 0 || step[a] == towards[a];
+    if (!leads_there) continue;
+    const BrickMask& links = m_links[std::size_t(direction)];
+    for (int i = lo(0); i <= hi(0); ++i) {
+      for (int j = lo(1); j <= hi(1); ++j) {
+        for (int k = lo(2); k <= hi(2); ++k) {
+          const int own = 64 * i + 8 * j + k;
+          const Vec3i end(i + step[0], j + step[1], k + step[2]);
+          const Vec3i brick(end.x >> 3, end.y >> 3, end.z >> 3);
+          if (brick != Vec3i(towards[0], towards[1], towards[2])) continue;
+          if (mask_test(links, own)) visit(direction, own, brick_offset(end));
+        }
+      }
+    }
+  }
+}
+
+void DiagonalVisit::draw(int side) {
+  if (side == kSeeded) return;
+  const auto other = std::size_t(m_neighbours[std::size_t(side)]);
+  if (const int face = face_of_side(side); face >= 0) return draw_face(side, face, other);
+  const std::int32_t* sent = offsets(other);
+  for_each_link_to(side, [&](int direction, int own, int there) {
+    const CostRow& row = m_costs.along(opposite_direction(direction));
+    const Level cost =
+        row.levels[std::size_t(classes(m_brick)[own] * m_costs.stride() + classes(other)[there])];
+    const Level level = level_of(sent[there], m_direction) - cost;
+    m_levels[own] = Level(std::max(std::int32_t(level), std::int32_t(m_levels[own])));
+  });
+}
+
+void DiagonalVisit::draw_face(int side, int face, std::size_t other) {
+  alignas(64) Level own[kFaceVoxels], costs[kFaceVoxels];
+  alignas(64) std::uint8_t own_classes[kFaceVoxels];
+  HaloFace<std::int32_t> sent;
+  HaloFace<std::uint8_t> other_classes;
+  take_face(offsets(other), opposite_face(face), sent.first());
+  take_face(m_levels, face, own);
+  take_face(classes(m_brick), face, own_classes);
+  take_face(classes(other), opposite_face(face), other_classes.first());
+  for_each_diagonal_across(m_links, side, face, [&](int direction, int shift, std::uint64_t bits) {
+    look_up_face_costs(m_costs.along(opposite_direction(direction)), m_costs.stride(), own_classes,
+                       other_classes.first() + shift, bits, costs);
+    const std::int32_t* from = sent.first() + shift;
+    for (int n = 0; n < kFaceVoxels; ++n) {
+      const std::int32_t level = std::int32_t(level_of(from[n], m_direction) - costs[n]);
+      own[n] = Level(std::max(level, std::int32_t(own[n])));
+    }
+  });
+  put_face(own, face, m_levels);
+}
+
+void DiagonalVisit::close() {
+  BrickCosts axes;
+  DiagonalCosts diagonals;
+  look_up_costs(m_costs, classes(m_brick), m_links, axes, diagonals);
+  close_brick(axes, diagonals, m_levels);
+}
+
+unsigned DiagonalVisit::store(std::int32_t* q) const {
+  const unsigned faces = store_levels(m_levels, m_direction, q);
+  unsigned sides = 0;
+  for (int side = 0; side < kDirections; ++side) {
+    if (m_neighbours[std::size_t(side)] < 0) continue;
+    const LinkStep step = step_of_direction(side);
+    bool changed = true;
+    for (int axis = 0; axis < 3; ++axis) {
+      const int way = step[std::size_t(axis)];
+      if (way != 0) changed &= (faces >> (2 * axis + (way > 0 ? 1 : 0)) & 1) != 0;
+    }
+    sides |= unsigned(changed) << side;
+  }
+  return sides;
+}
+
+Level DiagonalVisit::send(int side) const {
+  if (side == kNoStep || m_neighbours[std::size_t(side)] < 0) return 0;
+  const auto other = std::size_t(m_neighbours[std::size_t(side)]);
+  if (const int face = face_of_side(side); face >= 0) return send_face(side, face, other);
+  const std::int32_t* present = offsets(other);
+  std::int32_t largest = 0;
+  for_each_link_to(side, [&](int direction, int own, int there) {
+    const Level cost =
+        m_costs.along(direction)
+            .levels[std::size_t(classes(m_brick)[own] * m_costs.stride() + classes(other)[there])];
+    const auto level = std::int32_t(m_levels[own] - cost);
+    if (level > std::int32_t(level_of(present[there], m_direction))) {
+      largest = std::max(largest, level);
+    }
+  });
+  return Level(largest);
+}
+
+Level DiagonalVisit::send_face(int side, int face, std::size_t other) const {
+  alignas(64) Level own[kFaceVoxels], costs[kFaceVoxels];
+  alignas(64) std::uint8_t own_classes[kFaceVoxels];
+  HaloFace<std::int32_t> present;
+  HaloFace<std::uint8_t> other_classes;
+  take_face(m_levels, face, own);
+  take_face(offsets(other), opposite_face(face), present.first());
+  take_face(classes(m_brick), face, own_classes);
+  take_face(classes(other), opposite_face(face), other_classes.first());
+  std::int32_t largest = 0;
+  for_each_diagonal_across(m_links, side, face, [&](int direction, int shift, std::uint64_t bits) {
+    look_up_face_costs(m_costs.along(direction), m_costs.stride(), own_classes,
+                       other_classes.first() + shift, bits, costs);
+    const std::int32_t* there = present.first() + shift;
+    for (int n = 0; n < kFaceVoxels; ++n) {
+      const std::int32_t level = std::int32_t(own[n] - costs[n]);
+      const std::int32_t now = std::int32_t(level_of(there[n], m_direction));
+      largest = std::max(largest, level > now ? level : 0);
+    }
+  });
+  return Level(largest);
+}
+
+}  // namespace supple

@@ -1,0 +1,54 @@
+// One visit of a brick whose material has diagonals: as the visit of block_propagate.cpp, with 26
+// neighbours in place of 6. Sides are directions (lib/material/link_direction.h).
+#pragma once
+
+#include "lib/body/body.h"
+#include "lib/chainmail/diagonal_kernel.h"
+#include "lib/chainmail/propagation.h"
+
+namespace supple {
+
+class DiagonalVisit {
+ public:
+  static constexpr int kNeighbours = kDirections;
+  /// Entrance besides the neighbours: a seed was set inside.
+  static constexpr int kSeeded = kNoStep;
+
+  DiagonalVisit(const Body& body, const LinkCosts& costs, const PropagationTask& task,
+                std::size_t brick);
+
+  static std::size_t neighbour(const BrickTopology& elements, std::size_t brick, int side) {
+    return std::size_t(neighbours_of(elements, brick)[std::size_t(side)]);
+  }
+  static int opposite(int side) { return opposite_direction(side); }
+
+  /// Draws in what a neighbour sends.
+  void draw(int side);
+  void close();
+  /// Stores the values; returns the sides that a change may affect, as bits.
+  unsigned store(std::int32_t* q) const;
+  /// The largest level that goes to a neighbour and changes it; 0: none does.
+  Level send(int side) const;
+
+ private:
+  template <class Visit>
+  void for_each_link_to(int side, Visit&& visit) const;
+  void draw_face(int side, int face, std::size_t other);
+  Level send_face(int side, int face, std::size_t other) const;
+
+  const std::int32_t* offsets(std::size_t brick) const { return m_values.brick_or_zero(brick); }
+  const std::uint8_t* classes(std::size_t brick) const {
+    return m_body.classes.data() + brick * kBrickVoxels;
+  }
+
+  const Body& m_body;
+  const LinkCosts& m_costs;
+  const BrickValues& m_values;
+  const Direction m_direction;
+  const std::size_t m_brick;
+  const BrickNeighbours m_neighbours;
+  LinkMasks m_links;
+  alignas(64) Level m_levels[kBrickVoxels];
+};
+
+}  // namespace supple
