@@ -163,6 +163,26 @@ TEST(UnitLinks, TheBumpOfABallIsRoundWith26LinksAndAnOctahedronWith6) {
   EXPECT_LT(std::max(all.axis / all.diagonal, all.diagonal / all.axis), 1.15);
 }
 
+TEST(PropertyLinks, SlackToAnyVoxelIsAtMost13PercentMoreThanThatOfABall) {
+  // The worst direction of the metric is (1, sqrt(2) - 1, sqrt(3) - sqrt(2)).
+  const double worst26 = std::hypot(1, std::sqrt(2) - 1, std::sqrt(3) - std::sqrt(2));
+  MaterialTable table = constant_table(1.25, 0.75, 0.25);
+  table.links = 26;
+  constexpr int kMiddle = 16;
+  Body body = body_of(full_block(Vec3i(2 * kMiddle + 1), table, [](int, int, int) { return 0.0; }));
+  const std::int32_t by = 20 * kVoxel;
+  EcmSolver(body).drag({{Vec3i(kMiddle), {by, 0, 0}}}, {});
+  double largest = 0;
+  for_each_element(body.elements, [&](Slot slot) {
+    const double distance = Vec3d(voxel_of(body.elements, slot) - Vec3i(kMiddle)).length();
+    if (distance == 0) return;
+    const double ratio = (by - body.q[0].at(slot)) / (0.25 * kVoxel * distance);
+    ASSERT_GE(ratio, 0.9999);  // slack is rounded down to 2^-16 voxel
+    largest = std::max(largest, ratio);
+  });
+  EXPECT_NEAR(largest, worst26, 0.002);
+}
+
 namespace {
 
 /// A soft bar with diagonals, its middle pulled across it.

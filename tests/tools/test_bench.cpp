@@ -186,6 +186,25 @@ TEST(UnitBench, RowsOfBallLimitsSayHowFarTheyAreFromBoxLimits) {
   EXPECT_LE(rows[1]["mean_distance_voxels"], rows[1]["max_distance_voxels"]);
 }
 
+TEST(UnitBench, RowsOfDiagonalLinksSayTheCostPerElementAndPerLink) {
+  const TemporaryFolder folder;
+  const Outcome outcome = run_supple({"bench", "ecm", "--quick", "--threads", "1", "--only",
+                                      "links/smooth", "--json", folder / "links.json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto rows = nlohmann::json::parse(read_text(folder / "links.json"))["rows"];
+  ASSERT_EQ(rows.size(), 3u);
+  // Of a cube of 64 voxels: along the axes, diagonals of its squares, and of its cells.
+  const std::int64_t n = 64, m = 63, axes = 3 * m * n * n, of_squares = 6 * m * m * n;
+  const std::int64_t links[] = {axes, axes + of_squares, axes + of_squares + 4 * m * m * m};
+  for (std::size_t row = 0; row < 3; ++row) {
+    EXPECT_EQ(rows[row]["moved"], rows[row]["nodes"]);
+    EXPECT_EQ(rows[row]["links"], links[row]);
+    EXPECT_NEAR(rows[row]["ns_per_link"].get<double>() * double(links[row]),
+                rows[row]["ns_per_node"].get<double>() * double(n * n * n),
+                1000);  // printed digits
+  }
+}
+
 TEST(UnitBench, APatternWithoutRowsIsAWrongCommandLine) {
   const Outcome outcome = run_supple({"bench", "ecm", "--only", "no-such-row"});
   EXPECT_EQ(outcome.exit_code, 2);

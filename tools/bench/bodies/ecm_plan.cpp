@@ -31,6 +31,7 @@ class Planner {
     for (const int size : {64, 256, 512}) add_local(size);
     add_stream();
     add_ball();
+    add_links();
     keep_only();
     return std::move(m_plan);
   }
@@ -136,6 +137,19 @@ class Planner {
       for (const std::string field : {"noise", "smooth"}) {
         m_plan.push_back({"ball", field, size, "+x", "rest", 0, {{"supple", 1}, {"ball", 1}}});
       }
+    }
+  }
+
+  /// Diagonals: every element moves, by what deform uses.
+  void add_links() {
+    for (const std::string field : {"noise", "smooth"}) {
+      const int size = m_options.quick ? 64 : 128;
+      EcmWorkload workload{"links", field, Vec3i(size), "+x", "rest", 0, {}};
+      for (const std::string engine : {"links6", "links18", "links26"}) {
+        workload.sides.push_back({engine, 1});
+        if (m_threads > 1) workload.sides.push_back({engine, m_threads});
+      }
+      m_plan.push_back(workload);
     }
   }
 

@@ -12,13 +12,13 @@ namespace supple::tools {
 
 /// One row of a comparison.
 struct EcmSide {
-  std::string engine;  // multiset, bucket, supple or ball
+  std::string engine;  // multiset, bucket, supple, ball; links6, links18, links26
   int threads = 1;
 };
 
 /// What the sides of one comparison do.
 struct EcmWorkload {
-  std::string kind;  // the row's `case`: all, local, stream or ball
+  std::string kind;  // the row's `case`: all, local, stream, ball or links
   std::string field;
   Vec3i size;
   std::string direction;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "tools/bench/ecm/ecm_ball.h"
+#include "tools/bench/ecm/ecm_links.h"
 #include "tools/bench/ecm/ecm_sides.h"
 #include "tools/bench/ecm/ecm_stream.h"
 
@@ -87,6 +88,7 @@ void add_speedups(std::vector<BenchRow>& rows) {
 std::vector<BenchRow> measure_sides(const EcmWorkload& workload, MeasuredBody& measured,
                                     const EcmCaseLimits& limits, Progress& cancel) {
   if (workload.kind == "ball") return measure_ball(workload, measured, limits, cancel);
+  if (workload.kind == "links") return measure_links(workload, measured, limits, cancel);
   if (workload.kind == "stream") return measure_stream(workload, measured, limits, cancel);
   if (workload.kind == "all") {
     return measure_motion(workload, measured, motion_of_all(workload, measured.body), limits,
