@@ -60,11 +60,13 @@ class BallDrag {
 
   void move_handles() {
     for (const HeldHandle& handle : m_held.handles) {
-      if (handle.by(0) == 0 && handle.by(1) == 0 && handle.by(2) == 0) continue;
+      std::size_t n = 0;
       handle.slots.for_each([&](Slot slot) {
+        const std::array<std::int32_t, 3>& by = handle.by(n++);
+        if (by[0] == 0 && by[1] == 0 && by[2] == 0) return;
         BrickCopy& page = page_of(slot);
         Vec3d& u = page.u[slot % kBrickVoxels];
-        for (int c = 0; c < 3; ++c) u[c] += handle.by(c) / kFixedOne;
+        for (int c = 0; c < 3; ++c) u[c] += by[std::size_t(c)] / kFixedOne;
         mark_moved(page, slot);
       });
     }

@@ -42,21 +42,28 @@ void CoordinateDrag::commit() {
 template <class Visit>
 void CoordinateDrag::for_each_target(std::size_t h, Direction direction, Visit&& visit) const {
   const HeldHandle& handle = m_held.handles[h];
-  const std::int32_t by = scaled_by(h);
+  const auto c = std::size_t(m_coordinate);
   if (handle.is_push()) {
     const auto& tool = direction == Direction::raise ? handle.below : handle.above;
-    for (const Bound& place : tool[std::size_t(m_coordinate)]) {
-      visit(place.slot, place.value + by, m_values.at(place.slot));
+    for (const ToolPlace& place : tool[c]) {
+      visit(place.slot, place.value + scaled(place.by), m_values.at(place.slot), place.by);
     }
     return;
   }
+  const bool as_one = handle.moves_as_one();
+  std::int32_t by = handle.source->by_q[c], part = scaled(by);
+  std::size_t n = 0;
   for (const SlotSet::Brick& entry : handle.slots.bricks()) {
     const std::int32_t* saved = m_undo.saved_of(entry.brick);
     const Slot first = entry.brick * kBrickVoxels;
     const std::int32_t* now = m_values.brick_or_zero(entry.brick);
     const std::int32_t* before = saved != nullptr ? saved : now;
     for_each_active(entry.mask, [&](int offset) {
-      visit(first + Slot(offset), before[offset] + by, now[offset]);
+      if (!as_one) {
+        by = handle.by(n++)[c];
+        part = scaled(by);
+      }
+      visit(first + Slot(offset), before[offset] + part, now[offset], by);
     });
   }
 }
@@ -123,14 +130,16 @@ void CoordinateDrag::throw_conflict(const Target& above, const Target& below,
                                 m_held.handles[below.handle].source->region.name()};
   const std::string voxels[2] = {voxel_text(voxel_of(m_body.elements, above.slot)),
                                  voxel_text(voxel_of(m_body.elements, below.slot))};
+  const bool within = above.handle == below.handle;
   const bool single = names[0] == voxels[0] && names[1] == voxels[1];
   const double missing_mm =
       double(missing) / kFixedOne * m_body.geometry.spacing_mm()[m_coordinate];
-  throw InputError({"", "grab " + names[0] + " and " + names[1],
+  throw InputError({"", "grab " + names[0] + (within ? "" : " and " + names[1]),
                     "targets " + number_text(missing_mm) + " mm further apart along axis " +
                         "ijk"[m_coordinate] + " than the links between " +
                         (single ? "them" : "voxels " + voxels[0] + " and " + voxels[1]) + " allow",
-                    "handles that agree with each other"});
+                    within ? "a motion that the links inside the handle can follow"
+                           : "handles that agree with each other"});
 }
 
 template class DragAlgebra<CoordinateDrag>;

@@ -29,7 +29,6 @@ class CoordinateDrag : public DragAlgebra<CoordinateDrag> {
  private:
   friend DragAlgebra<CoordinateDrag>;
   std::size_t handle_count() const { return m_held.handles.size(); }
-  std::int32_t by(std::size_t handle) const { return m_held.handles[handle].by(m_coordinate); }
   template <class Visit>
   void for_each_target(std::size_t handle, Direction direction, Visit&& visit) const;
   std::int64_t excess_of_held(Direction direction) const;

@@ -7,7 +7,7 @@
 //   L_j = max over A (l_a - dist(a, j)),   U_j = min over B (u_b + dist(j, b)),
 // L <= U by the triangle inequality, and q_j <- median(L, q, U) is valid, meets every bound and
 // moves least. L is only needed above q and U only below. Who bounds what, with D the displacement
-// of a handle, f the fraction of the drag and q the offsets before it:
+// of an element of a handle, f the fraction of the drag and q the offsets before it:
 //   two-sided handle     in A and B   l = u = q + f D
 //   push handle          in A or B    l = t + f D or u = t + f D
 //   anchor, held voxel   in A and B   l = u = q
@@ -38,9 +38,9 @@ namespace supple {
 
 /// `Drag` derives from it and knows where elements are, who holds them, and how to propagate:
 ///   std::size_t handle_count() const
-///   std::int32_t by(std::size_t handle) const          displacement D
-///   void for_each_target(handle, direction, visit)     visit(slot, target, present) for elements
-///       that the handle keeps from sinking below their target (raise) or rising above it (lower)
+///   void for_each_target(handle, direction, visit)     visit(slot, target, present, by) for
+///       elements that the handle keeps from sinking below their target (raise) or rising above it
+///       (lower); by is the element's displacement D, target what scaled(by) comes to
 ///   std::int64_t excess_of_held(direction)             how far held elements are beyond bounds
 ///   std::vector<Seed> pulled_back(direction, shift)    rolls back; held upper bounds (raise) or
 ///       lower ones (lower), shifted: what the run before did not reach may be left out
@@ -64,8 +64,8 @@ class DragAlgebra {
     std::int32_t value;
   };
 
-  /// What a handle's displacement comes to.
-  std::int32_t scaled_by(std::size_t handle) const { return m_fraction.scale(drag().by(handle)); }
+  /// What a displacement comes to.
+  std::int32_t scaled(std::int32_t by) const { return m_fraction.scale(by); }
 
  private:
   /// How far held elements were moved beyond their bounds, upwards and downwards.
@@ -91,7 +91,7 @@ class DragAlgebra {
     std::vector<Seed> seeds;
     for (std::size_t h = 0; h < drag().handle_count(); ++h) {
       drag().for_each_target(
-          h, direction, [&](Slot slot, std::int32_t target, std::int32_t present) {
+          h, direction, [&](Slot slot, std::int32_t target, std::int32_t present, std::int32_t) {
             if (direction == Direction::raise ? target > present : target < present) {
               seeds.push_back({slot, target});
             }
@@ -100,34 +100,35 @@ class DragAlgebra {
     return seeds;
   }
 
-  /// The smallest (dist(a, b) - (q_a - u_b)) / D_a over handles a that rise (D_a > 0) and held
-  /// upper bounds b. When all rise by the same D, the excess of the whole drag is D minus the
-  /// smallest numerator. Otherwise one run serves all pairs: held elements pulled down to u_b - max
-  /// D_a lower a handle by max D_a minus its smallest numerator, unless that is negative. What the
-  /// whole drag did not reach limits nothing. Sinking handles: mirrored.
+  /// The smallest (dist(a, b) - (q_a - u_b)) / D_a over elements a of handles that rise (D_a > 0)
+  /// and held upper bounds b. When all rise by the same D, the excess of the whole drag is D minus
+  /// the smallest numerator. Otherwise one run serves all pairs: held elements pulled down to u_b -
+  /// max D_a lower an element by max D_a minus its smallest numerator, unless that is negative.
+  /// What the whole drag did not reach limits nothing. Sinking handles: mirrored.
   void limit_by_held(Direction direction, std::int64_t excess, Fraction& fraction) {
     const int sign = direction == Direction::raise ? 1 : -1;
     std::int32_t furthest = 0, nearest = INT32_MAX;
-    for (std::size_t h = 0; h < drag().handle_count(); ++h) {
-      const std::int32_t by = sign * drag().by(h);
-      if (by <= 0) continue;
+    const auto for_each_rising = [&](auto&& visit) {
+      for (std::size_t h = 0; h < drag().handle_count(); ++h) {
+        drag().for_each_target(
+            h, direction, [&](Slot, std::int32_t target, std::int32_t present, std::int32_t by) {
+              if (sign * by > 0) visit(target, present, sign * by);
+            });
+      }
+    };
+    for_each_rising([&](std::int32_t, std::int32_t, std::int32_t by) {
       furthest = std::max(furthest, by);
       nearest = std::min(nearest, by);
-    }
+    });
     if (nearest == furthest) return fraction.limit_to(furthest - excess, furthest);
 
     const std::vector<Seed> pulled = drag().pulled_back(direction, sign * furthest);
     drag().propagate(sign > 0 ? Direction::lower : Direction::raise, pulled);
-    for (std::size_t h = 0; h < drag().handle_count(); ++h) {
-      const std::int32_t by = sign * drag().by(h);
-      if (by <= 0) continue;
-      std::int64_t room = furthest;
-      drag().for_each_target(h, direction, [&](Slot, std::int32_t target, std::int32_t present) {
-        // sign * (target - present) = by + how far the handle followed.
-        room = std::min(room, furthest + by - sign * (std::int64_t(target) - present));
-      });
-      fraction.limit_to(room, by);
-    }
+    for_each_rising([&](std::int32_t target, std::int32_t present, std::int32_t by) {
+      // sign * (target - present) = by + how far the element followed.
+      const std::int64_t room = furthest + by - sign * (std::int64_t(target) - present);
+      if (room < by) fraction.limit_to(room, by);
+    });
   }
 
   /// Every conflict between handles leaves the upper one of a pair below its lower bound: U of the
@@ -136,13 +137,14 @@ class DragAlgebra {
     std::int64_t worst = 0;
     Target above{};
     for (std::size_t h = 0; h < drag().handle_count(); ++h) {
-      drag().for_each_target(h, Direction::raise,
-                             [&](Slot slot, std::int32_t target, std::int32_t present) {
-                               const std::int64_t missing = std::int64_t(target) - present;
-                               if (missing <= worst) return;
-                               worst = missing;
-                               above = {h, slot, target};
-                             });
+      drag().for_each_target(
+          h, Direction::raise,
+          [&](Slot slot, std::int32_t target, std::int32_t present, std::int32_t) {
+            const std::int64_t missing = std::int64_t(target) - present;
+            if (missing <= worst) return;
+            worst = missing;
+            above = {h, slot, target};
+          });
     }
     if (worst > 0) report_conflict(above, worst);
   }
@@ -153,12 +155,12 @@ class DragAlgebra {
     drag().propagate(Direction::raise, {{above.slot, above.value}});
     Target below = above;
     for (std::size_t h = 0; h < drag().handle_count(); ++h) {
-      drag().for_each_target(h, Direction::lower,
-                             [&](Slot slot, std::int32_t target, std::int32_t present) {
-                               if (below.slot != above.slot || slot == above.slot) return;
-                               if (present - std::int64_t(target) >= missing)
-                                 below = {h, slot, target};
-                             });
+      drag().for_each_target(
+          h, Direction::lower,
+          [&](Slot slot, std::int32_t target, std::int32_t present, std::int32_t) {
+            if (below.slot != above.slot || slot == above.slot) return;
+            if (present - std::int64_t(target) >= missing) below = {h, slot, target};
+          });
     }
     drag().throw_conflict(above, below, missing);
   }

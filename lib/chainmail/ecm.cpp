@@ -72,8 +72,13 @@ std::size_t kept_undo_bricks(const Body& body) {
 }
 
 bool moves_along(const HeldVoxels& held, int coordinate) {
-  return std::any_of(held.handles.begin(), held.handles.end(),
-                     [&](const HeldHandle& handle) { return handle.by(coordinate) != 0; });
+  return std::any_of(held.handles.begin(), held.handles.end(), [&](const HeldHandle& handle) {
+    const auto moves = [&](const std::array<std::int32_t, 3>& by) {
+      return by[std::size_t(coordinate)] != 0;
+    };
+    const auto& each = handle.source->each_by_q;
+    return each.empty() ? moves(handle.source->by_q) : std::any_of(each.begin(), each.end(), moves);
+  });
 }
 
 /// All coordinates at their whole targets; again, shortened by one common fraction, when anchors
@@ -95,9 +100,11 @@ CoordinateDrags solve(Body& body, const HeldVoxels& held, Propagator& propagator
 
 /// The places that a push handle came to; one that was withdrawn beyond the range asks nothing
 /// more.
-void add_bounds(const std::vector<Bound>& places, std::int32_t by, std::vector<Bound>& bounds) {
-  for (const Bound& place : places) {
-    bounds.push_back({place.slot, std::clamp(place.value + by, -kMaxOffset, kMaxOffset)});
+void add_bounds(const std::vector<ToolPlace>& places, const Fraction& fraction,
+                std::vector<Bound>& bounds) {
+  for (const ToolPlace& place : places) {
+    const std::int32_t value = place.value + fraction.scale(place.by);
+    bounds.push_back({place.slot, std::clamp(value, -kMaxOffset, kMaxOffset)});
   }
 }
 
@@ -111,9 +118,8 @@ Holds holds_after(const HeldVoxels& held, const Fraction& fraction) {
       continue;
     }
     for (std::size_t c = 0; c < 3; ++c) {
-      const std::int32_t by = fraction.scale(handle.by(int(c)));
-      add_bounds(handle.below[c], by, holds.at_least[c]);
-      add_bounds(handle.above[c], by, holds.at_most[c]);
+      add_bounds(handle.below[c], fraction, holds.at_least[c]);
+      add_bounds(handle.above[c], fraction, holds.at_most[c]);
     }
   }
   holds.anchored = SlotSet(std::move(anchored));

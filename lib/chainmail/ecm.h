@@ -27,8 +27,8 @@ struct FixedElements;
 /// where it is, and withdrawing it leaves the tissue where that was pushed to.
 enum class HandleKind { two_sided, push };
 
-/// A grabbed region and how far all its elements move from where they are now, as one, per grid
-/// axis in 2^-16 voxel.
+/// A grabbed region and how far its elements move from where they are now, per grid axis in 2^-16
+/// voxel: all as one, or each by itself.
 struct Handle {
   Handle(const Vec3i& grabbed, const std::array<std::int32_t, 3>& by,
          HandleKind how = HandleKind::two_sided)
@@ -40,6 +40,11 @@ struct Handle {
   Region region;
   std::array<std::int32_t, 3> by_q;
   HandleKind kind = HandleKind::two_sided;
+  /// Where not empty, in place of by_q: of each element by itself, in the order of the slots of
+  /// elements_of(region). A part of the drag is that part of each: targets stay on straight lines,
+  /// since limits that hold at both ends of a line hold all along it, and not on arcs.
+  std::vector<std::array<std::int32_t, 3>> each_by_q = {};
+  bool is_edge = false;  // of the handle before it, with which reports count it
 };
 
 /// Displacement in mm along the grid axes i, j, k to the nearest fixed point.

@@ -57,17 +57,26 @@ void require_free(const Body& body, const std::vector<HeldHandle>& handles,
   }
 }
 
+void require_moves(const HeldHandle& handle) {
+  const std::size_t given = handle.source->each_by_q.size(), elements = handle.slots.size();
+  if (handle.moves_as_one() || given == elements) return;
+  throw InputError({"", grab_name(*handle.source), std::to_string(given) + " displacements",
+                    "one for each of " + std::to_string(elements) + " elements"});
+}
+
 void require_range(const Body& body, const HeldHandle& handle) {
-  for (int c = 0; c < 3; ++c) {
-    const std::int64_t by = handle.by(c);
-    std::int64_t furthest = 0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    std::int64_t furthest = 0, longest = 0;
+    std::size_t n = 0;
     handle.slots.for_each([&](Slot slot) {
-      const std::int64_t target = body.q[std::size_t(c)].at(slot) + by;
+      const std::int64_t by = handle.by(n++)[c];
+      const std::int64_t target = body.q[c].at(slot) + by;
       if (std::llabs(target) > std::llabs(furthest)) furthest = target;
+      if (std::llabs(by) > std::llabs(longest)) longest = by;
     });
-    if (std::llabs(furthest) <= kMaxOffset && std::llabs(by) < kMaxOffset) continue;
+    if (std::llabs(furthest) <= kMaxOffset && std::llabs(longest) < kMaxOffset) continue;
     throw InputError({"", grab_name(*handle.source),
-                      "a move by " + number_text(double(by) / kFixedOne) +
+                      "a move by " + number_text(double(longest) / kFixedOne) +
                           " voxels to an offset of " + number_text(double(furthest) / kFixedOne) +
                           " voxels along axis " + "ijk"[c],
                       "moves and offsets within +-16383 voxels"});
@@ -85,14 +94,15 @@ const Bound* find_bound(const std::vector<Bound>& bounds, Slot slot) {
 /// side that it moves away from.
 void place_tool(const Body& body, const Holds& earlier, HeldHandle& handle) {
   for (std::size_t c = 0; c < 3; ++c) {
-    const std::int32_t by = handle.source->by_q[c];
+    std::size_t n = 0;
     handle.slots.for_each([&](Slot slot) {
+      const std::int32_t by = handle.by(n++)[c];
       if (const Bound* least = find_bound(earlier.at_least[c], slot)) {
-        handle.below[c].push_back(*least);
+        handle.below[c].push_back({slot, least->value, by});
       } else if (const Bound* most = find_bound(earlier.at_most[c], slot)) {
-        handle.above[c].push_back(*most);
+        handle.above[c].push_back({slot, most->value, by});
       } else if (by != 0) {
-        (by > 0 ? handle.below : handle.above)[c].push_back({slot, body.q[c].at(slot)});
+        (by > 0 ? handle.below : handle.above)[c].push_back({slot, body.q[c].at(slot), by});
       }
     });
   }
@@ -135,6 +145,7 @@ HeldVoxels hold(const Body& body, const std::vector<Handle>& handles, const Fixe
   HeldVoxels held;
   for (const Handle& handle : handles) {
     held.handles.push_back({elements_of(body, handle.region, "grab"), &handle});
+    require_moves(held.handles.back());
     require_range(body, held.handles.back());
     if (handle.kind == HandleKind::push) place_tool(body, earlier, held.handles.back());
   }

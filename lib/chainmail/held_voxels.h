@@ -10,16 +10,27 @@
 
 namespace supple {
 
+/// An element that a push handle holds from one side, the tool's place before the drag, and how far
+/// the tool goes.
+struct ToolPlace {
+  Slot slot;
+  std::int32_t value, by;
+};
+
 /// A handle in the body; `source` is the handle as given and outlives the drag.
 struct HeldHandle {
   SlotSet slots;
   const Handle* source;
   /// Of a push handle, per coordinate: the elements that it keeps from sinking, and from rising,
-  /// with the tool's place before the drag.
-  std::array<std::vector<Bound>, 3> below = {}, above = {};
+  /// ascending.
+  std::array<std::vector<ToolPlace>, 3> below = {}, above = {};
 
   bool is_push() const { return source->kind == HandleKind::push; }
-  std::int32_t by(int coordinate) const { return source->by_q[std::size_t(coordinate)]; }
+  bool moves_as_one() const { return source->each_by_q.empty(); }
+  /// The displacement of the n-th of the slots.
+  const std::array<std::int32_t, 3>& by(std::size_t n) const {
+    return moves_as_one() ? source->by_q : source->each_by_q[n];
+  }
 };
 
 /// Anchors found in the body.
@@ -42,8 +53,9 @@ FixedElements fix(const Body& body, const std::vector<Region>& regions);
 
 /// Finds handles in the body. Elements that are grabbed are not held any more; a push handle goes
 /// on from where it pushed them to. Throws InputError: a handle without element, a voxel in two
-/// handles or in a handle and an anchor, a target beyond the range of +-16384 voxels. Cost: the
-/// bricks of handles and holds, the offsets of the grabbed elements and the bounds.
+/// handles or in a handle and an anchor, a displacement for more or fewer elements than there are,
+/// a target beyond the range of +-16384 voxels. Cost: the bricks of handles and holds, the offsets
+/// of the grabbed elements and the bounds.
 HeldVoxels hold(const Body& body, const std::vector<Handle>& handles, const FixedElements& fixed,
                 const Holds& holds);
 

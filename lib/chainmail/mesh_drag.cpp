@@ -29,12 +29,13 @@ MeshDrag::~MeshDrag() {
 template <class Visit>
 void MeshDrag::for_each_target(std::size_t h, Direction direction, Visit&& visit) const {
   const HeldNodes::Handle& handle = m_held.handles[h];
-  const bool pushes_so = direction == Direction::raise ? by(h) > 0 : by(h) < 0;
+  const std::int32_t by = handle.by[std::size_t(m_values.coordinate())];
+  const bool pushes_so = direction == Direction::raise ? by > 0 : by < 0;
   if (handle.is_push && !pushes_so) return;
-  const std::int32_t scaled = scaled_by(h);
+  const std::int32_t part = scaled(by);
   for (std::size_t n = 0; n < handle.nodes.size(); ++n) {
     const Slot node = handle.nodes[n];
-    visit(node, m_handle_starts[h][n] + scaled, m_values.value(node));
+    visit(node, m_handle_starts[h][n] + part, m_values.value(node), by);
   }
 }
 

@@ -41,9 +41,6 @@ class MeshDrag : public DragAlgebra<MeshDrag> {
  private:
   friend DragAlgebra<MeshDrag>;
   std::size_t handle_count() const { return m_held.handles.size(); }
-  std::int32_t by(std::size_t handle) const {
-    return m_held.handles[handle].by[std::size_t(m_values.coordinate())];
-  }
   template <class Visit>
   void for_each_target(std::size_t handle, Direction direction, Visit&& visit) const;
   std::int64_t excess_of_held(Direction direction) const;

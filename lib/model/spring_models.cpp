@@ -50,11 +50,12 @@ void VoxelSpringModel::move(const std::vector<Handle>& handles, int steps, Progr
   std::vector<DrivenNodes> driven;
   for (const HeldHandle& handle : found.handles) {
     if (handle.is_push()) throw_push("a push handle", "handles that hold what they grab");
-    Vec3d by_mm(0.0);
-    for (int c = 0; c < 3; ++c) {
-      by_mm += body.geometry.axes_mm()[c] * (handle.by(c) / kFixedOne);
+    driven.push_back({nodes_of(handle.slots), {}});
+    for (std::size_t n = 0; n < driven.back().nodes.size(); ++n) {
+      const std::array<std::int32_t, 3>& by = handle.by(n);
+      driven.back().by_mm.push_back(
+          body.geometry.world_vector_from_index(Vec3d(by[0], by[1], by[2]) / kFixedOne));
     }
-    driven.push_back({nodes_of(handle.slots), by_mm});
     holds.anchored.add(handle.slots);
   }
   std::vector<int> anchored = nodes_of(fixed.slots);
@@ -95,7 +96,7 @@ void MeshSpringModel::move(const std::vector<MeshHandle>& handles, int steps, Pr
           {"", name, "a move by " + number_text(handles[h].by_mm[c]) + " mm", "a finite one"});
     }
     const std::vector<Slot> nodes = owners.claim(handles[h].nodes, name, false);
-    driven.push_back({indices(nodes), handles[h].by_mm});
+    driven.push_back({indices(nodes), std::vector<Vec3d>(nodes.size(), handles[h].by_mm)});
     grabbed.insert(grabbed.end(), nodes.begin(), nodes.end());
   }
   NodeSet fixed;

@@ -83,7 +83,7 @@ void SpringMotion::drive() {
   const double part = m_params.minimise ? 1 : double(m_step) / m_steps;
   for (std::size_t h = 0; h < m_handles.size(); ++h) {
     for (std::size_t n = 0; n < m_handles[h].nodes.size(); ++n) {
-      supple::drive(m_system, m_handles[h].nodes[n], m_starts[h][n] + m_handles[h].by_mm * part);
+      supple::drive(m_system, m_handles[h].nodes[n], m_starts[h][n] + m_handles[h].by_mm[n] * part);
     }
   }
   for (std::size_t n = 0; n < m_system.colliders.size(); ++n) {

@@ -31,10 +31,10 @@ struct MotionParams {
   void validate() const;
 };
 
-/// Nodes that go `by` together, or stay.
+/// Nodes and how far each of them goes.
 struct DrivenNodes {
   std::vector<int> nodes;
-  Vec3d by_mm{0, 0, 0};
+  std::vector<Vec3d> by_mm;
 };
 
 class SpringMotion {

@@ -17,8 +17,13 @@ void HandleLedger::add(int step, const std::vector<Handle>& handles, const Body&
   m_handles.erase(std::remove_if(m_handles.begin(), m_handles.end(),
                                  [](const LedgerEntry& entry) { return entry.elements.empty(); }),
                   m_handles.end());
+  int number = 0;
   for (std::size_t n = 0; n < handles.size(); ++n) {
-    m_handles.push_back({step, int(n) + 1, handles[n].region.name(), elements[n]});
+    if (handles[n].is_edge && n > 0) {
+      m_handles.back().elements.add(elements[n]);
+    } else {
+      m_handles.push_back({step, ++number, handles[n].region.name(), elements[n]});
+    }
   }
 }
 

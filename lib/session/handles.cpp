@@ -58,21 +58,136 @@ Region region_of(const GivenHandle& given, const Geometry& geometry) {
     }
     return Region::of_points(std::move(voxels), file_name(*given.points));
   }
-  if (given.label) return Vec3i(0);  // the session finds the elements
   if (given.at_lps_mm) return voxel_at(*given.at_lps_mm, geometry, given.place, "at_mm");
-  return *given.box;
+  if (given.corners) return *box_of(given, geometry);
+  return Vec3i(0);  // the session finds the elements
+}
+
+Vec3i nearest_voxel(const Vec3d& index) {
+  Vec3i voxel;
+  for (int c = 0; c < 3; ++c) {
+    voxel[c] = int(std::lround(std::clamp(index[c], -kMaxCoordinate, kMaxCoordinate)));
+  }
+  return voxel;
+}
+
+/// Whether the elements are found by more than a region of voxels.
+bool needs_selection(const GivenHandle& given) {
+  return given.ball || given.density || given.piece_at || given.soft_mm > 0;
+}
+
+HandleMotion motion_of(const GivenHandle& given, const Geometry& geometry) {
+  HandleMotion motion;
+  if (given.about) {
+    motion.about_lps_mm = geometry.world_from_index(index_of(*given.about, given.frame, geometry));
+  }
+  if (given.rotate_deg) {
+    motion.angle_deg = *given.rotate_deg;
+    motion.axis_lps = lps_of(*given.axis, given.frame, geometry);
+  }
+  motion.scale = given.scale_axes.value_or(Vec3d(given.scale.value_or(1)));
+  motion.scales_along_grid = given.frame == PlaceFrame::voxel;
+  return motion;
+}
+
+/// Along the grid axes.
+Vec3d shift_mm(const GivenHandle& given, const Geometry& geometry) {
+  if (given.by_lps_mm) return along_grid(*given.by_lps_mm, geometry);
+  const Vec3d by = given.by.value_or(Vec3d(0));
+  if (given.frame == PlaceFrame::voxel) return by;
+  return along_grid(lps_of(by, given.frame, geometry), geometry);
 }
 
 }  // namespace
+
+Vec3d index_of(const Vec3d& place, PlaceFrame frame, const Geometry& geometry) {
+  if (frame == PlaceFrame::voxel) return place;
+  return geometry.index_from_world(lps_of(place, frame, geometry));
+}
+
+Vec3d lps_of(const Vec3d& vector_mm, PlaceFrame frame, const Geometry& geometry) {
+  if (frame == PlaceFrame::lps) return vector_mm;
+  if (frame == PlaceFrame::ras) return {-vector_mm.x, -vector_mm.y, vector_mm.z};
+  return geometry.world_vector_from_index(vector_mm / geometry.spacing_mm());
+}
+
+Fields fields(GivenSelection& given) {
+  return {
+      Field("frame", given.frame, {"voxel", "lps", "ras"},
+            "Places are voxels, and directions mm along the grid axes; or both are mm in LPS or "
+            "RAS"),
+      Field("grab_ball", given.ball, "Centre of a ball, whose elements are grabbed"),
+      Field("radius", given.radius_mm, "Of the ball").unit("mm").at_least(0),
+      Field("grab_density", given.density,
+            "Elements of these densities, of the box or ball if there is one"),
+      Field("piece_at", given.piece_at,
+            "The face-connected piece that holds this place, of what else is grabbed or of all"),
+  };
+}
+
+Fields fields(GivenMotion& given) {
+  return {
+      Field("by", given.by, "How far, in mm along the directions of the frame"),
+      Field("by_mm_lps", given.by_lps_mm, "The same in LPS, whatever the frame"),
+      Field("scale", given.scale, "Factor about a point, before it is turned").positive(),
+      Field("scale_axes", given.scale_axes, "The same, one factor per axis of the frame")
+          .positive(),
+      Field("rotate", given.rotate_deg, "Right-handed turn about the axis, before it is shifted")
+          .unit("degrees")
+          .range(-180, 180),
+      Field("axis", given.axis, "Direction of the turn's axis"),
+      Field("about", given.about, "The point that turn and scale leave where it is")
+          .otherwise("the middle of what is grabbed"),
+      Field("soft", given.soft_mm,
+            "Width of an edge around a voxel, box or ball that follows in part")
+          .unit("mm")
+          .at_least(0),
+      Field("push", given.push, "Moves tissue ahead of it along each axis, and never back"),
+  };
+}
+
+std::optional<IndexBox> box_of(const GivenSelection& given, const Geometry& geometry) {
+  if (!given.corners) return std::nullopt;
+  IndexBox box;
+  const auto& [a, b] = *given.corners;
+  const Vec3i first = nearest_voxel(index_of(a, given.frame, geometry));
+  const Vec3i second = nearest_voxel(index_of(b, given.frame, geometry));
+  for (int c = 0; c < 3; ++c) {
+    box.lo[c] = std::min(first[c], second[c]);
+    box.hi[c] = std::max(first[c], second[c]);
+  }
+  return box;
+}
+
+Selection to_selection(const GivenSelection& given, const Geometry& geometry) {
+  Selection selection;
+  selection.box = box_of(given, geometry);
+  if (given.at_lps_mm) {
+    const Vec3i voxel = voxel_at(*given.at_lps_mm, geometry, given.place, "at_mm");
+    selection.box = IndexBox{voxel, voxel};
+  }
+  if (given.ball) {
+    selection.ball_index = index_of(*given.ball, given.frame, geometry);
+    selection.radius_mm = given.radius_mm.value_or(0);
+  }
+  selection.density = given.density;
+  if (given.piece_at) {
+    const Vec3d index = index_of(*given.piece_at, given.frame, geometry);
+    selection.piece_at =
+        voxel_at(geometry.world_from_index(index), geometry, given.place, "piece_at");
+  }
+  return selection;
+}
 
 std::vector<Drag> to_drags(const GivenHandle& given, const Geometry& geometry) {
   const HandleKind kind = given.push ? HandleKind::push : HandleKind::two_sided;
   if (given.points && given.points->has_displacements) {
     return drags_of_points(*given.points, kind, geometry);
   }
-  Drag drag{region_of(given, geometry),
-            given.by_mm ? *given.by_mm : along_grid(*given.by_lps_mm, geometry), kind,
-            given.label.value_or(0)};
+  Drag drag{region_of(given, geometry), shift_mm(given, geometry), kind, given.label.value_or(0)};
+  if (needs_selection(given)) drag.selection = to_selection(given, geometry);
+  drag.motion = motion_of(given, geometry);
+  drag.soft_mm = given.soft_mm;
   return {std::move(drag)};
 }
 

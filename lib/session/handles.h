@@ -1,7 +1,8 @@
 // Handles and anchors as users write them, on the command line and in scenes: voxels, boxes,
-// positions in LPS millimetres, files of points and labels.
+// balls, densities, connected pieces, files of points and labels; shifted, turned and scaled.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,18 +12,52 @@
 
 namespace supple {
 
-/// Exactly one of box, at_lps_mm, points and label, and one of by_mm and by_lps_mm unless the
-/// points have displacements of their own.
-struct GivenHandle {
-  std::string place;            // "file:line" of a scene, for errors
-  std::optional<IndexBox> box;  // a voxel is a box of one
+/// What numbers of places mean: voxels, whose directions are millimetres along the grid axes i, j,
+/// k; or millimetres in the patient.
+enum class PlaceFrame { voxel, lps, ras };
+
+Vec3d index_of(const Vec3d& place, PlaceFrame frame, const Geometry& geometry);
+/// A vector of mm.
+Vec3d lps_of(const Vec3d& vector_mm, PlaceFrame frame, const Geometry& geometry);
+
+/// Exactly one of box, at_lps_mm, points, label and ball, or none beside density or piece_at, which
+/// narrow a box or a ball.
+struct GivenSelection {
+  std::string place;  // "file:line" of a scene, for errors
+  PlaceFrame frame = PlaceFrame::voxel;
+  std::optional<std::array<Vec3d, 2>> corners;  // of a box; a voxel is a box of one
   std::optional<Vec3d> at_lps_mm;
   std::optional<PointFile> points;
   std::optional<std::int32_t> label;
-  std::optional<Vec3d> by_mm;  // along the grid axes i, j, k
+  std::optional<Vec3d> ball;
+  std::optional<double> radius_mm;
+  std::optional<NumberPair> density;
+  std::optional<Vec3d> piece_at;
+};
+/// The keys whose values are numbers alone.
+Fields fields(GivenSelection& given);
+
+/// One of by_mm and by_lps_mm, or a turn or a scale, unless the points have displacements of their
+/// own.
+struct GivenMotion {
+  std::optional<Vec3d> by;  // mm along the directions of the frame
   std::optional<Vec3d> by_lps_mm;
+  std::optional<double> rotate_deg;
+  std::optional<Vec3d> axis, about;  // of the frame
+  std::optional<double> scale;
+  std::optional<Vec3d> scale_axes;  // per axis of the frame
+  double soft_mm = 0;
   bool push = false;
 };
+Fields fields(GivenMotion& given);
+
+struct GivenHandle : GivenSelection, GivenMotion {};
+
+/// The voxels of a voxel or box. In mm, those between the voxels nearest to the corners.
+std::optional<IndexBox> box_of(const GivenSelection& given, const Geometry& geometry);
+
+/// What an anchor holds. Throws InputError for a place outside the volume.
+Selection to_selection(const GivenSelection& given, const Geometry& geometry);
 
 /// What it means on a grid: one drag, or one per point with a displacement of its own. Throws
 /// InputError for what cannot move there: outside the volume, or beyond the range.

@@ -16,10 +16,27 @@ nlohmann::ordered_json to_json(const IndexBox& box) {
   return {box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z};
 }
 
+nlohmann::ordered_json to_json(const Vec3d& v) {
+  return {v.x, v.y, v.z};
+}
+
+void add_motion(const HandleMotion& motion, nlohmann::ordered_json& json) {
+  if (motion.is_shift()) return;
+  if (motion.about_lps_mm) json["about_lps_mm"] = to_json(*motion.about_lps_mm);
+  if (motion.scale != Vec3d(1)) {
+    json[motion.scales_along_grid ? "scale_ijk" : "scale_lps"] = to_json(motion.scale);
+  }
+  if (motion.angle_deg == 0) return;
+  json["axis_lps"] = to_json(motion.axis_lps);
+  json["rotate_degrees"] = motion.angle_deg;
+}
+
 /// With the voxels themselves, so that the record does not depend on other files.
 nlohmann::ordered_json to_json(const Drag& drag) {
   nlohmann::ordered_json json;
-  if (drag.label != 0) {
+  if (drag.selection) {
+    json = nlohmann::ordered_json::parse(selection_json(*drag.selection));
+  } else if (drag.label != 0) {
     json["grab_label"] = drag.label;
   } else if (const IndexBox* box = drag.region.box()) {
     if (box->lo == box->hi) {
@@ -33,7 +50,9 @@ nlohmann::ordered_json to_json(const Drag& drag) {
       for (const Vec3i& voxel : *drag.region.points()) json["voxels"].push_back(to_json(voxel));
     }
   }
-  json["by_mm"] = {drag.by_mm.x, drag.by_mm.y, drag.by_mm.z};
+  add_motion(drag.motion, json);
+  json["by_mm"] = to_json(drag.by_mm);
+  if (drag.soft_mm > 0) json["soft_mm"] = drag.soft_mm;
   if (drag.kind == HandleKind::push) json["push"] = true;
   return json;
 }
@@ -53,6 +72,9 @@ nlohmann::ordered_json to_json(const StepRecord& record) {
     step["fix"].push_back(to_json(box));
   }
   if (!record.fix_labels.empty()) step["fix_label"] = record.fix_labels;
+  for (const Selection& selection : record.fix_selections) {
+    step["anchors"].push_back(nlohmann::ordered_json::parse(selection_json(selection)));
+  }
   if (record.release) step["release"] = true;
   if (record.ball) step["limits"] = "ball";
   if (record.tightened) step["limits"] = "tighten";

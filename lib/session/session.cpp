@@ -6,6 +6,7 @@
 
 #include "lib/material/material_file.h"
 #include "lib/model/quasi_static.h"
+#include "lib/session/drag_handles.h"
 #include "lib/session/journal.h"
 #include "lib/session/tissue.h"
 #include "volumes/base/text.h"
@@ -88,6 +89,7 @@ struct Session::Before {
   LinkCheck links;
   std::vector<IndexBox> anchors;
   std::vector<std::int32_t> anchor_labels;
+  std::vector<std::string> anchor_selections;
   Holds holds;
   HandleLedger ledger;
   double pressure_kpa;
@@ -103,6 +105,7 @@ Session::Before Session::before() const {
           m_links,
           m_state.anchors,
           m_state.anchor_labels,
+          m_state.anchor_selections,
           m_holds,
           m_ledger,
           m_pressure_kpa};
@@ -118,6 +121,7 @@ void Session::restore(Before&& before) {
   m_links = before.links;
   m_state.anchors = std::move(before.anchors);
   m_state.anchor_labels = std::move(before.anchor_labels);
+  m_state.anchor_selections = std::move(before.anchor_selections);
   m_holds = std::move(before.holds);
   m_ledger = std::move(before.ledger);
   m_pressure_kpa = before.pressure_kpa;
@@ -225,6 +229,7 @@ Region Session::region_of_label(std::int32_t label, const std::string& role) con
 }
 
 Region Session::region_of(const Drag& drag) const {
+  if (drag.selection) return supple::region_of(*drag.selection, m_body, m_state.density, "grab");
   return drag.label != 0 ? region_of_label(drag.label, "grab") : drag.region;
 }
 
@@ -239,6 +244,9 @@ void Session::check(const StepRequest& request) const {
     elements_of(m_body, box, "fix");
   }
   for (const std::int32_t label : request.fix_labels) require_label(m_state.labels, label, "fix");
+  for (const Selection& selection : request.fix_selections) {
+    supple::region_of(selection, m_body, m_state.density, "fix");
+  }
 }
 
 std::vector<HandlePlace> Session::places(const std::vector<Drag>& drags) const {
@@ -251,6 +259,7 @@ void Session::release_and_fix(const StepRequest& request) {
   if (request.release) {
     m_state.anchors.clear();
     m_state.anchor_labels.clear();
+    m_state.anchor_selections.clear();
     m_holds = {};
     m_ledger.release();
   }
@@ -262,22 +271,37 @@ void Session::release_and_fix(const StepRequest& request) {
     require_label(m_state.labels, label, "fix");
     add(m_state.anchor_labels, label);
   }
-  if (request.release || !request.fix.empty() || !request.fix_labels.empty()) find_anchors();
+  for (const Selection& selection : request.fix_selections) {
+    add(m_state.anchor_selections, selection_json(selection));
+  }
+  if (request.release || !request.fix.empty() || !request.fix_labels.empty() ||
+      !request.fix_selections.empty()) {
+    find_anchors();
+  }
 }
 
-std::vector<Handle> Session::handles_of(const std::vector<Drag>& drags) const {
-  std::vector<Handle> handles;
-  for (const Drag& drag : drags) {
-    handles.emplace_back(region_of(drag), fixed_from_mm(drag.by_mm, geometry().spacing_mm()),
-                         drag.kind);
+std::vector<Handle> Session::handles_of(const StepRequest& request) const {
+  std::vector<Region> regions;
+  bool has_edges = false;
+  for (const Drag& drag : request.drags) {
+    regions.push_back(region_of(drag));
+    has_edges = has_edges || drag.soft_mm > 0;
   }
-  return handles;
+  const bool is_pushed = !request.springs && request.limits != Limits::ball;
+  return supple::handles_of(request.drags, regions,
+                            {m_body, m_state.density,
+                             has_edges ? anchored_elements(m_body, m_anchors, m_holds) : SlotSet(),
+                             is_pushed ? HandleKind::push : HandleKind::two_sided});
 }
 
 void Session::find_anchors() {
   m_anchors.assign(m_state.anchors.begin(), m_state.anchors.end());
   for (const std::int32_t label : m_state.anchor_labels) {
     m_anchors.push_back(region_of_label(label, "fix"));
+  }
+  for (const std::string& text : m_state.anchor_selections) {
+    m_anchors.push_back(
+        supple::region_of(selection_from_json(text, "state"), m_body, m_state.density, "fix"));
   }
 }
 
@@ -302,7 +326,7 @@ const StepRecord& Session::step(const StepRequest& request, Progress* heard) {
 void Session::run_step(StepRecord& record, Progress* progress) {
   check(record);
   release_and_fix(record);
-  const std::vector<Handle> handles = handles_of(record.drags);
+  const std::vector<Handle> handles = handles_of(record);
   record.cut_links = apply_cuts(m_body, m_state.labels, record.cuts, progress);
   m_links.fold_free = m_links.fold_free && m_body.cuts.empty();
   HandleLedger ledger = m_ledger;

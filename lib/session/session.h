@@ -44,9 +44,9 @@ class Session {
   const LinkCheck& links() const { return m_links; }
 
   /// Cuts, then solves one step, then relaxes, then tightens; or lets springs move the body. Cuts
-  /// are made in the body at rest and stay. Handles stay held and boxes and labels fixed until a
-  /// step releases them. Throws InputError as the solvers do, Cancelled; with keeps_undo everything
-  /// is then as it was before the step.
+  /// are made in the body at rest and stay. Handles stay held and anchors fixed until a step
+  /// releases them. Throws InputError as the solvers do, Cancelled; with keeps_undo everything is
+  /// then as it was before the step.
   const StepRecord& step(const StepRequest& request, Progress* progress = nullptr);
 
   /// Throws InputError as step() does for handles and fixed voxels that are no elements; a label
@@ -93,7 +93,7 @@ class Session {
   Region region_of_label(std::int32_t label, const std::string& role) const;
   void release_and_fix(const StepRequest& request);
   void find_anchors();
-  std::vector<Handle> handles_of(const std::vector<Drag>& drags) const;
+  std::vector<Handle> handles_of(const StepRequest& request) const;
   void relax_body(StepRecord& record, Progress* progress);
   void tighten_body(StepRecord& record, Progress* progress);
   void solve(const std::vector<Handle>& handles, StepRecord& record, Progress* progress);
@@ -110,7 +110,7 @@ class Session {
   Body m_body;
   std::unique_ptr<VoxelEcmModel> m_ecm;  // of m_body
   LinkCheck m_links;
-  std::vector<Region> m_anchors;  // the boxes and labels that the state has fixed
+  std::vector<Region> m_anchors;  // the boxes, labels and selections that the state has fixed
   Holds m_holds;                  // what earlier steps dragged
   HandleLedger m_ledger;          // the handles that did
   double m_pressure_kpa = 0;      // bulk modulus of the relaxation that the body rests under

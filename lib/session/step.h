@@ -11,16 +11,21 @@
 #include "lib/relax/relaxation.h"
 #include "lib/session/cut_surface.h"
 #include "lib/session/handle_ledger.h"
+#include "lib/session/handle_motion.h"
+#include "lib/session/selection.h"
 #include "lib/session/spring_step.h"
 
 namespace supple {
 
-/// A handle with its displacement in millimetres along the grid axes.
+/// A handle with its motion; the displacement is in millimetres along the grid axes.
 struct Drag {
   Region region;
   Vec3d by_mm;
   HandleKind kind = HandleKind::two_sided;
   std::int32_t label = 0;  // whose elements are grabbed, as one, instead of the region
+  std::optional<Selection> selection = {};  // what is grabbed, instead of the region
+  HandleMotion motion = {};
+  double soft_mm = 0;  // width of an edge around a selected box or ball, which follows in part
 };
 
 /// box: each component of a link is limited on its own (eqs. 4.3-4.5); ball: its length (eq. 4.6);
@@ -31,6 +36,7 @@ struct StepRequest {
   std::vector<Drag> drags;
   std::vector<IndexBox> fix;
   std::vector<std::int32_t> fix_labels;
+  std::vector<Selection> fix_selections;
   bool release = false;
   std::vector<CutSurface> cuts;
   Limits limits = Limits::box;

@@ -260,7 +260,7 @@ Wide BruteForce::missing(int c, const Grab& a, const Grab& b) const {
   return largest;
 }
 
-std::optional<Wide> BruteForce::tool_at(int c, bool lower, const Grab& grab, int node) const {
+std::optional<Wide> BruteForce::tool_at(int c, bool lower, int node, Wide by) const {
   for (const Kept& kept : m_kept) {
     if (kept.node != node || kept.anchored) continue;
     const bool is_below = kept.least[c] > -kNoPath, is_above = kept.most[c] < kNoPath;
@@ -268,7 +268,7 @@ std::optional<Wide> BruteForce::tool_at(int c, bool lower, const Grab& grab, int
     if (lower != is_below) return {};
     return lower ? kept.least[c] : kept.most[c];
   }
-  if (lower ? grab.by[c] > 0 : grab.by[c] < 0) return q[c][node];
+  if (lower ? by > 0 : by < 0) return q[c][node];
   return {};
 }
 
@@ -278,11 +278,13 @@ std::vector<BruteForce::Limit> BruteForce::limits(int c, bool lower, const std::
   std::vector<char> grabbed(std::size_t(m_nodes), 0);
   for (const int node : anchors) list.push_back({node, q[c][node], 0, false});
   for (const Grab& grab : grabs) {
-    for (const int node : grab.nodes) {
+    for (std::size_t n = 0; n < grab.nodes.size(); ++n) {
+      const int node = grab.nodes[n];
+      const Wide by = grab.by_of(n)[c];
       grabbed[std::size_t(node)] = 1;
       const std::optional<Wide> at =
-          grab.push ? tool_at(c, lower, grab, node) : std::optional<Wide>(q[c][node]);
-      if (at) list.push_back({node, *at, grab.by[c], true});
+          grab.push ? tool_at(c, lower, node, by) : std::optional<Wide>(q[c][node]);
+      if (at) list.push_back({node, *at, by, true});
     }
   }
   for (const Kept& kept : m_kept) {
@@ -356,12 +358,13 @@ std::vector<BruteForce::Kept> BruteForce::kept_after(const std::vector<Grab>& gr
   std::vector<Kept> kept_nodes;
   std::vector<char> grabbed(std::size_t(m_nodes), 0);
   for (const Grab& grab : grabs) {
-    for (const int node : grab.nodes) {
+    for (std::size_t n = 0; n < grab.nodes.size(); ++n) {
+      const int node = grab.nodes[n];
       Kept kept{node, !grab.push, {-kNoPath, -kNoPath, -kNoPath}, {kNoPath, kNoPath, kNoPath}};
       for (int c = 0; c < 3; ++c) {
-        const Wide part = part_of(grab.by[c], outcome);
-        if (const auto at = tool_at(c, true, grab, node)) kept.least[c] = *at + part;
-        if (const auto at = tool_at(c, false, grab, node)) kept.most[c] = *at + part;
+        const Wide by = grab.by_of(n)[c], part = part_of(by, outcome);
+        if (const auto at = tool_at(c, true, node, by)) kept.least[c] = *at + part;
+        if (const auto at = tool_at(c, false, node, by)) kept.most[c] = *at + part;
       }
       kept_nodes.push_back(kept);
       grabbed[std::size_t(node)] = 1;

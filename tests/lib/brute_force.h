@@ -34,6 +34,9 @@ class BruteForce {
     std::vector<int> nodes;
     std::array<Wide, 3> by;
     bool push = false;
+    std::vector<std::array<Wide, 3>> each = {};  // of every node, in place of by
+
+    const std::array<Wide, 3>& by_of(std::size_t n) const { return each.empty() ? by : each[n]; }
   };
   struct Outcome {
     bool conflict = false;
@@ -82,7 +85,7 @@ class BruteForce {
   void move_between(int c, const std::vector<Limit>& lower, const std::vector<Limit>& upper,
                     const Outcome& outcome);
   /// Where the tool of a push handle limits a node in one coordinate, none where it does not.
-  std::optional<Wide> tool_at(int c, bool lower, const Grab& grab, int node) const;
+  std::optional<Wide> tool_at(int c, bool lower, int node, Wide by) const;
   std::vector<Kept> kept_after(const std::vector<Grab>& grabs, const Outcome& outcome) const;
 
   std::vector<Kept> m_kept;

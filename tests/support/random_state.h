@@ -150,6 +150,8 @@ inline State random_state(unsigned seed, int max_dim = 28) {
   for (const auto& [label, count] : label_counts(state.labels)) {
     if (count % 2 == 0) state.anchor_labels.push_back(label);
   }
+  if (seed % 2 == 0)
+    state.anchor_selections = {"{\"grab_density\":[300,3100]}", "{\"radius\":2.5}"};
   add_motion(random, state);
   return state;
 }
@@ -168,8 +170,9 @@ inline bool same_state(const State& a, const State& b) {
          a.elements == b.elements && a.q == b.q && a.rest == b.rest &&
          a.velocity_mm_s == b.velocity_mm_s && a.cuts == b.cuts && a.anchors == b.anchors &&
          a.labels == b.labels && a.anchor_labels == b.anchor_labels &&
-         a.material_toml == b.material_toml && a.configuration == b.configuration &&
-         a.source_name == b.source_name && a.source_type == b.source_type;
+         a.anchor_selections == b.anchor_selections && a.material_toml == b.material_toml &&
+         a.configuration == b.configuration && a.source_name == b.source_name &&
+         a.source_type == b.source_type;
 }
 
 }  // namespace supple::test

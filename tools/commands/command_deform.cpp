@@ -1,10 +1,12 @@
 // supple deform: drags voxels of a volume or state and writes the state.
 #include <cstdio>
+#include <map>
 
 #include <nlohmann/json.hpp>
 
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
+#include "tools/console/grab_text.h"
 #include "tools/console/parse.h"
 #include "tools/outputs/reports.h"
 #include "tools/outputs/scene_run.h"
@@ -24,35 +26,25 @@ struct DeformOptions {
   bool push = false;
 };
 
-std::string toml_box(const std::string& option, const std::string& text) {
-  const IndexBox box = parse_box(option, text);
-  return "[" + to_text(box.lo) + "," + to_text(box.hi) + "]";
-}
-
-/// Every --grab takes the next --by, except files whose points have displacements of their own.
+/// Every --grab takes the next --by, except those that say how they move: tables with a motion, and
+/// files whose points have displacements.
 std::string handle_tables(const DeformOptions& options) {
   std::string tables;
   std::size_t bys = 0;
   for (const std::string& text : options.grabs) {
-    bool takes_by = true;
-    if (const auto label = parse_label("--grab", text)) {
-      tables += "{ grab_label = " + toml_string(*label);
-    } else if (is_point_file_name(text)) {
-      takes_by = !read_point_file(text).has_displacements;
-      tables += "{ points = " + toml_string(text);
-    } else {
-      tables += "{ grab_box = " + toml_box("--grab", text);
-    }
-    if (takes_by && bys < options.bys.size()) {
+    const GrabText grab = parse_grab("--grab", text);
+    tables += "{ " + grab.keys;
+    if (!grab.moves_itself && bys < options.bys.size()) {
       tables += ", by = " + toml_numbers("--by", options.bys[bys]);
     }
-    bys += takes_by;
+    bys += !grab.moves_itself;
     tables += options.push ? ", push = true }, " : " }, ";
   }
   if (bys != options.bys.size()) {
     throw UsageError(to_line({"", "--by", std::to_string(options.bys.size()) + " of them",
                               "one for each of " + std::to_string(bys) +
-                                  " --grab, in order; files with dx,dy,dz take none"}));
+                                  " --grab, in order; files with dx,dy,dz and tables with a motion "
+                                  "take none"}));
   }
   if (options.push && options.grabs.empty()) {
     throw UsageError(to_line({"", "--push", "no --grab", "a handle that pushes"}));
@@ -61,20 +53,24 @@ std::string handle_tables(const DeformOptions& options) {
 }
 
 void set_anchors(DeformOptions& options) {
-  std::string boxes, labels, files;
+  std::map<std::string, std::string> lists;
   for (const std::string& text : options.fixes) {
     if (const auto label = parse_label("--fix", text)) {
-      labels += toml_string(*label) + ", ";
-    } else if (is_point_file_name(text)) {
-      files += toml_string(text) + ", ";
+      lists["fix_label"] += toml_string(*label) + ", ";
+      continue;
+    }
+    if (is_point_file_name(text)) {
+      lists["fix_points"] += toml_string(text) + ", ";
+      continue;
+    }
+    const GrabText grab = parse_grab("--fix", text);
+    if (grab.is_plain_box) {
+      lists["fix"] += grab.keys.substr(grab.keys.find('[')) + ", ";
     } else {
-      boxes += toml_box("--fix", text) + ", ";
+      lists["anchors"] += "{ " + grab.keys + " }, ";
     }
   }
-  for (const auto& [key, list] :
-       {std::pair{"fix", boxes}, std::pair{"fix_label", labels}, std::pair{"fix_points", files}}) {
-    if (!list.empty()) options.scene.set("step", key, "[" + list + "]", "--fix");
-  }
+  for (const auto& [key, list] : lists) options.scene.set("step", key, "[" + list + "]", "--fix");
 }
 
 /// "MESH", "label:N", or the table as in a scene.
@@ -251,19 +247,20 @@ Command add_deform(CLI::App& program) {
          "number, or the name of a segment")
       ->option_text("FILE");
   app->add_option("--grab", options->grabs,
-                  "Voxel, box, label or points (x,y,z in LPS mm) to drag as one; repeat for "
-                  "several handles. Points with columns dx,dy,dz too move each by its own")
+                  "Voxel, box, ball (radius in mm), range of densities, connected piece, label or "
+                  "points to drag as one; PLACE is I,J,K or lps:X,Y,Z or ras:X,Y,Z in mm; TABLE "
+                  "as a scene's handles; repeat for several")
       ->allow_extra_args(false)
-      ->option_text("I,J,K[:I,J,K]|FILE.csv|label:N");
+      ->option_text("I,J,K[:I,J,K]|ball:PLACE:R|density:LO:HI|piece:PLACE|label:N|FILE.csv|TABLE");
   app->add_option(
          "--by", options->bys,
          "How far, in mm along the grid axes; one per --grab, in order, but none for a file "
-         "with dx,dy,dz")
+         "with dx,dy,dz, or a table with a motion")
       ->allow_extra_args(false)
       ->option_text("DX,DY,DZ");
-  app->add_option("--fix", options->fixes, "Voxel, box, label or points that stay where they are")
+  app->add_option("--fix", options->fixes, "What stays where it is, as for --grab")
       ->allow_extra_args(false)
-      ->option_text("I,J,K[:I,J,K]|FILE.csv|label:N");
+      ->option_text("I,J,K[:I,J,K]|…");
   app->add_option(
          "--cut", options->cuts,
          "Cut the body at rest along a surface in LPS mm (.stl, .ply, .obj), around a label, "

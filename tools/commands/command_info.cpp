@@ -163,7 +163,8 @@ nlohmann::ordered_json describe_state(const InfoOptions& options, Console& conso
                          state.labels.bytes() + offset_bytes;
   json["source"] = state.source_name;
   json["cut_links"] = state.cuts.count();
-  json["anchors"] = state.anchors.size() + state.anchor_labels.size();
+  json["anchors"] =
+      state.anchors.size() + state.anchor_labels.size() + state.anchor_selections.size();
   const auto labels = label_counts(state.labels);
   for (const auto& [label, elements] : labels) json["labels"][std::to_string(label)] = elements;
   json["largest_offset_voxels"] = longest_voxels;

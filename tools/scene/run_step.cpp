@@ -17,6 +17,16 @@ StepRequest request_of(const SceneStep& step, const Geometry& geometry) {
     request.fix.insert(request.fix.end(), points.begin(), points.end());
   }
   request.fix_labels = step.fix_labels;
+  for (const GivenSelection& given : step.anchors) {
+    Selection selection = to_selection(given, geometry);
+    Selection without_box = selection;
+    without_box.box.reset();
+    if (without_box == Selection()) {
+      request.fix.push_back(*selection.box);
+    } else {
+      request.fix_selections.push_back(std::move(selection));
+    }
+  }
   request.release = step.release;
   request.cuts = step.cuts;
   request.limits = step.limits;
@@ -55,7 +65,8 @@ void require_meets_volume(const IndexBox& box, const std::string& place, const s
 
 void check_step(const SceneStep& step, const Geometry& geometry) {
   for (const GivenHandle& handle : step.handles) {
-    if (handle.box) require_meets_volume(*handle.box, step.place, "grab", geometry);
+    const auto box = box_of(handle, geometry);
+    if (box) require_meets_volume(*box, step.place, "grab", geometry);
     if (step.springs && handle.push) {
       throw InputError(
           {step.place, "push", "a push handle beside springs", "handles that hold what they grab"});

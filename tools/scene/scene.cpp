@@ -4,6 +4,7 @@
 
 #include "lib/material/material_file.h"
 #include "lib/material/toml_table.h"
+#include "tools/scene/handle_keys.h"
 #include "tools/scene/spring_keys.h"
 #include "volumes/base/error.h"
 #include "volumes/io/load/label_file.h"
@@ -12,99 +13,6 @@
 namespace supple::tools {
 
 namespace {
-
-IndexBox to_box(TomlTable& table, const std::string& key, const std::vector<double>& row) {
-  IndexBox box;
-  const std::size_t last = row.size() - 3;
-  for (int axis = 0; axis < 3; ++axis) {
-    for (const double value : {row[axis], row[last + axis]}) {
-      if (!is_integer(value)) table.fail(key, number_text(value), "integer voxels");
-    }
-    box.lo[axis] = int(std::min(row[axis], row[last + axis]));
-    box.hi[axis] = int(std::max(row[axis], row[last + axis]));
-  }
-  return box;
-}
-
-/// What a handle may have, in `handles` and in a step's short form.
-constexpr std::initializer_list<const char*> kHandleKeys = {
-    "grab", "grab_box", "grab_label", "at_mm", "points", "by", "by_mm_lps", "push"};
-
-std::optional<PointFile> read_points(TomlTable& table, const std::string& key) {
-  const auto path = table.path(key);
-  if (!path) return std::nullopt;
-  return read_point_file(*path);
-}
-
-std::int32_t label_of(const TomlTable& table, const std::string& key, const std::string& text,
-                      const LabelNames& names) {
-  const auto label = find_label(names, text);
-  if (!label) table.fail(key, text, expected_label(names));
-  return *label;
-}
-
-/// By number or by name.
-std::optional<std::int32_t> read_label(TomlTable& table, const std::string& key,
-                                       const LabelNames& names) {
-  if (!table.has(key)) return std::nullopt;
-  return label_of(table, key,
-                  table.is_string(key) ? *table.string(key) : number_text(*table.number(key)),
-                  names);
-}
-
-std::vector<std::int32_t> read_labels(TomlTable& table, const std::string& key,
-                                      const LabelNames& names) {
-  std::vector<std::string> texts;
-  if (table.is_list_of_strings(key)) {
-    texts = *table.strings(key);
-  } else if (const auto numbers = table.numbers(key)) {
-    for (const double number : *numbers) texts.push_back(number_text(number));
-  }
-  std::vector<std::int32_t> labels;
-  for (const std::string& text : texts) labels.push_back(label_of(table, key, text, names));
-  return labels;
-}
-
-/// Which elements, by exactly one of the keys.
-void read_grab(TomlTable& table, const LabelNames& names, GivenHandle& handle) {
-  if (const auto voxel = table.voxel("grab")) handle.box = IndexBox{*voxel, *voxel};
-  if (const auto corners = table.numbers("grab_box")) {
-    if (handle.box) table.fail("grab_box", "grab and grab_box", "one of both");
-    if (corners->size() != 6) {
-      table.fail("grab_box", std::to_string(corners->size()) + " numbers",
-                 "six integers [i0, j0, k0, i1, j1, k1]");
-    }
-    handle.box = to_box(table, "grab_box", *corners);
-  }
-  handle.at_lps_mm = table.vector("at_mm");
-  handle.points = read_points(table, "points");
-  handle.label = read_label(table, "grab_label", names);
-  const int given = int(handle.box.has_value()) + int(handle.at_lps_mm.has_value()) +
-                    int(handle.points.has_value()) + int(handle.label.has_value());
-  const char* expected = "one of grab = [i, j, k], grab_box, grab_label, at_mm and points";
-  if (given == 0) table.fail_missing("grab", expected);
-  if (given > 1) table.fail("grab", "several of them", expected);
-}
-
-GivenHandle read_handle(TomlTable& table, const LabelNames& names) {
-  GivenHandle handle;
-  table.know(kHandleKeys);
-  handle.place = table.place("grab");
-  read_grab(table, names, handle);
-  handle.by_mm = table.vector("by");
-  handle.by_lps_mm = table.vector("by_mm_lps");
-  handle.push = table.boolean("push").value_or(false);
-  if (handle.points && handle.points->has_displacements) {
-    if (!handle.by_mm && !handle.by_lps_mm) return handle;
-    table.fail(handle.by_mm ? "by" : "by_mm_lps", "a displacement beside those of the points",
-               "one of both");
-  }
-  if (handle.by_mm.has_value() == handle.by_lps_mm.has_value()) {
-    if (!handle.by_mm) table.fail_missing("by", "either by = [x, y, z] or by_mm_lps");
-    table.fail("by", "by and by_mm_lps", "either by = [x, y, z] or by_mm_lps");
-  }
-  return handle;
-}
 
 /// Of a table `plane` of a cut.
 Fields plane_fields(CutSurface& surface) {
@@ -177,11 +85,7 @@ SceneStep read_step(TomlTable& table, const LabelNames& names) {
     step.handles.push_back(read_handle(handle, names));
     handle.finish();
   }
-  // The short form of one handle.
-  bool is_short = false;
-  for (const char* key : kHandleKeys) {
-    is_short = table.has(key) || is_short;
-  }
+  const bool is_short = has_handle(table);
   if (is_short && !step.handles.empty()) {
     table.fail("grab", "grab beside handles", "either the short form or handles");
   }
@@ -192,9 +96,18 @@ SceneStep read_step(TomlTable& table, const LabelNames& names) {
   for (const std::string& path : table.paths("fix_points")) {
     step.fix_points.push_back(read_point_file(path));
   }
+  for (TomlTable& anchor : table.table_or_tables("anchors")) {
+    step.anchors.push_back(read_anchor(anchor, names));
+    anchor.finish();
+  }
   step.fix_labels = read_labels(table, "fix_label", names);
   StepSettings settings;
   table.read(fields(settings));
+  if (settings.fix_density) {
+    GivenSelection& bone = step.anchors.emplace_back();
+    bone.place = table.place("fix_density");
+    bone.density = settings.fix_density;
+  }
   step.release = settings.release;
   step.limits = settings.limits;
   step.springs = read_springs(table, settings.has_springs);
@@ -223,7 +136,7 @@ SceneOutput read_output(TomlTable& table) {
 
 bool SceneStep::does_nothing() const {
   return handles.empty() && fix.empty() && fix_points.empty() && !release && fix_labels.empty() &&
-         cuts.empty() && !relax && !springs && limits != Limits::tighten;
+         anchors.empty() && cuts.empty() && !relax && !springs && limits != Limits::tighten;
 }
 
 std::vector<std::string> Scene::outputs() const {
@@ -246,6 +159,7 @@ Fields fields(StepSettings& settings) {
       Field("limits", settings.limits, {"box", "ball", "tighten"},
             "box: each component of a link; ball: its length, order-dependent; tighten: box, and "
             "narrower across stretched links"),
+      Field("fix_density", settings.fix_density, "Elements of these densities stay where they are"),
       Field("release", settings.release, "Let go of everything that is held or fixed"),
   };
 }

@@ -21,6 +21,7 @@ struct SceneStep {
   std::vector<IndexBox> fix;
   std::vector<std::int32_t> fix_labels;
   std::vector<PointFile> fix_points;
+  std::vector<GivenSelection> anchors;  // what stays, beside fix, fix_labels and fix_points
   Limits limits = Limits::box;
   bool release = false;  // lets go of everything that earlier steps held
   std::vector<CutSurface> cuts;
@@ -61,6 +62,7 @@ struct StepSettings {
   Limits limits = Limits::box;
   bool release = false;
   bool has_springs = false;
+  std::optional<NumberPair> fix_density;
 };
 Fields fields(StepSettings& settings);
 

@@ -180,15 +180,17 @@ std::vector<char> in_largest(DisjointSets& sets, std::vector<std::int64_t> sizes
   return kept;
 }
 
-}  // namespace
-
-BrickTopology largest_components(const BrickTopology& topology, int count) {
-  const Pieces pieces(topology);
+/// Unites what touches across the faces of bricks.
+DisjointSets united(const BrickTopology& topology, const Pieces& pieces) {
   DisjointSets sets(pieces.count());
   for (std::size_t b = 0; b < topology.brick_count(); ++b) {
     for (int axis = 0; axis < 3; ++axis) unite_across(topology, pieces, b, axis, sets);
   }
-  const std::vector<char> kept = in_largest(sets, piece_sizes(topology, pieces), count);
+  return sets;
+}
+
+BrickTopology kept_pieces(const BrickTopology& topology, const Pieces& pieces,
+                          const std::vector<char>& kept) {
   std::vector<BrickMask> masks(topology.brick_count(), BrickMask{});
   tbb::parallel_for(std::size_t(0), topology.brick_count(), [&](std::size_t b) {
     const BrickMask& mask = topology.mask(b);
@@ -201,6 +203,27 @@ BrickTopology largest_components(const BrickTopology& topology, int count) {
     });
   });
   return {topology.index().origins(), std::move(masks)};
+}
+
+}  // namespace
+
+BrickTopology largest_components(const BrickTopology& topology, int count) {
+  const Pieces pieces(topology);
+  DisjointSets sets = united(topology, pieces);
+  return kept_pieces(topology, pieces, in_largest(sets, piece_sizes(topology, pieces), count));
+}
+
+BrickTopology component_at(const BrickTopology& topology, const Vec3i& voxel) {
+  if (!topology.is_active(voxel)) return {};
+  const Pieces pieces(topology);
+  DisjointSets sets = united(topology, pieces);
+  const std::uint32_t wanted =
+      sets.root(pieces.at(std::size_t(topology.find(voxel)), brick_offset(voxel)));
+  std::vector<char> kept(pieces.count(), 0);
+  for (std::uint32_t piece = 0; piece < kept.size(); ++piece) {
+    kept[piece] = sets.root(piece) == wanted;
+  }
+  return kept_pieces(topology, pieces, kept);
 }
 
 }  // namespace supple

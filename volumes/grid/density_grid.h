@@ -66,5 +66,7 @@ DensityGrid restrict_to(const DensityGrid& grid, const BrickTopology& keep);
 /// Face-connected pieces of the active voxels, largest first (ties: smallest first voxel in brick
 /// order); at most `count` of them are kept.
 BrickTopology largest_components(const BrickTopology& topology, int count);
+/// The face-connected piece that holds the voxel; empty where the voxel is not active.
+BrickTopology component_at(const BrickTopology& topology, const Vec3i& voxel);
 
 }  // namespace supple

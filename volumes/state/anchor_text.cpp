@@ -33,6 +33,9 @@ std::string anchors_to_json(const Anchors& anchors) {
     json.push_back({box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z});
   }
   for (const std::int32_t label : anchors.labels) json.push_back({{"label", label}});
+  for (const std::string& selection : anchors.selections) {
+    json.push_back({{"select", nlohmann::json::parse(selection)}});
+  }
   return json.dump();
 }
 
@@ -42,6 +45,10 @@ Anchors anchors_from_json(const std::string& text, const std::string& file) {
     if (!json.is_array()) throw std::out_of_range("no list");
     Anchors anchors;
     for (const nlohmann::json& item : json) {
+      if (item.contains("select")) {
+        anchors.selections.push_back(item.at("select").dump());
+        continue;
+      }
       if (item.is_object()) {
         anchors.labels.push_back(to_int(item.at("label")));
         continue;
@@ -53,7 +60,7 @@ Anchors anchors_from_json(const std::string& text, const std::string& file) {
     return anchors;
   } catch (const std::exception&) {
     throw InputError({file, "anchors", text.substr(0, kMaxFoundText),
-                      "a list of boxes of six integers and of labels"});
+                      "a list of boxes of six integers, of labels and selections"});
   }
 }
 

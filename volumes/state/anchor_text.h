@@ -9,12 +9,13 @@
 
 namespace supple {
 
-/// What stays where it is: boxes, both corners inside, then labels.
+/// What stays where it is: boxes, both corners inside, then labels, then selections as JSON.
 struct Anchors {
   std::vector<IndexBox> boxes;
   std::vector<std::int32_t> labels;
+  std::vector<std::string> selections;
 };
-/// [[i0, j0, k0, i1, j1, k1], ..., {"label": n}, ...]
+/// [[i0, j0, k0, i1, j1, k1], ..., {"label": n}, ..., {"select": {...}}, ...]
 std::string anchors_to_json(const Anchors& anchors);
 /// Throws InputError naming `file` when the text is no list of those.
 Anchors anchors_from_json(const std::string& text, const std::string& file);

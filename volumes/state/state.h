@@ -45,10 +45,12 @@ struct State {
   BrickValues labels;
   std::vector<IndexBox> anchors;
   std::vector<std::int32_t> anchor_labels;  // whose elements stay where they are too
-  std::string material_toml;                // the table as text, so that a state can be continued
-  std::string configuration;                // JSON: the effective settings that produced it
-  std::string source_name;                  // file name of the source volume
-  std::string source_type;                  // numpy name of the stored type
+  /// What else stays, each as JSON that whoever continues the state can read.
+  std::vector<std::string> anchor_selections;
+  std::string material_toml;  // the table as text, so that a state can be continued
+  std::string configuration;  // JSON: the effective settings that produced it
+  std::string source_name;    // file name of the source volume
+  std::string source_type;    // numpy name of the stored type
 };
 
 /// Name of the rest stretches of the links along an axis in messages and files: "rest_i" and so on.

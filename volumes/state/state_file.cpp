@@ -155,7 +155,7 @@ openvdb::MetaMap make_metadata(const State& state) {
     metadata.insertMeta(kStateMetadataPrefix + name, openvdb::StringMetadata(text));
   };
   insert("format", kFormatVersion);
-  insert("anchors", anchors_to_json({state.anchors, state.anchor_labels}));
+  insert("anchors", anchors_to_json({state.anchors, state.anchor_labels, state.anchor_selections}));
   insert("configuration", state.configuration);
   insert("frame", "LPS");
   insert("geometry", geometry_to_json(state.geometry));
@@ -335,6 +335,7 @@ State read_state(const std::string& path, Progress* progress) {
   Anchors anchors = anchors_from_json(text_of(content, "anchors", path), path);
   state.anchors = std::move(anchors.boxes);
   state.anchor_labels = std::move(anchors.labels);
+  state.anchor_selections = std::move(anchors.selections);
   state.material_toml = text_of(content, "material", path);
   state.configuration = text_of(content, "configuration", path);
   state.source_name = text_of(content, "source_name", path);

@@ -1,0 +1,192 @@
+#include "lib/session/selection.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "volumes/base/error.h"
+#include "volumes/base/text.h"
+
+namespace supple {
+
+namespace {
+
+constexpr std::size_t kMaxFoundText = 80;
+
+/// Visits the elements for which `is_in(voxel)` holds, brick by brick: visit(brick, mask).
+template <class IsIn, class Visit>
+void for_each_brick_of(const BrickTopology& elements, const IsIn& is_in, const Visit& visit) {
+  for (std::size_t b = 0; b < elements.brick_count(); ++b) {
+    BrickMask mask{};
+    for_each_active(elements.mask(b), [&](int offset) {
+      if (is_in(elements.origin(b) + brick_local(offset))) mask_set(mask, offset);
+    });
+    if (mask_count(mask) > 0) visit(b, mask);
+  }
+}
+
+bool is_within(const std::optional<NumberPair>& range, const DensityGrid& density,
+               const Vec3i& voxel) {
+  if (!range) return true;
+  const double value = density.at(voxel);
+  return value >= range->first && value <= range->second;
+}
+
+/// How far the voxel lies outside box and ball; 0 inside. Exact where the axes are perpendicular.
+double distance_mm(const Selection& selection, const Geometry& geometry, const Vec3i& voxel) {
+  const auto length_mm = [&](const Vec3d& step) {
+    return geometry.world_vector_from_index(step).length();
+  };
+  double distance = 0;
+  if (selection.box) {
+    Vec3d step(0.0);
+    for (int c = 0; c < 3; ++c) {
+      step[c] = voxel[c] - std::clamp(voxel[c], selection.box->lo[c], selection.box->hi[c]);
+    }
+    distance = length_mm(step);
+  }
+  if (selection.ball_index) {
+    const double beyond = length_mm(Vec3d(voxel) - *selection.ball_index) - selection.radius_mm;
+    distance = std::max(distance, beyond);
+  }
+  return distance;
+}
+
+std::string density_text(const NumberPair& range) {
+  return number_text(range.first) + ":" + number_text(range.second);
+}
+
+[[noreturn]] void throw_empty(const Selection& selection, const Body& body,
+                              const std::string& role) {
+  std::string expected = "a selection that holds elements";
+  if (selection.ball_index) {
+    Vec3i centre;
+    for (int c = 0; c < 3; ++c) centre[c] = int(std::lround((*selection.ball_index)[c]));
+    expected += "; " + nearest_text(body, centre);
+  } else if (selection.density) {
+    expected += "; those of the body have densities from " + number_text(body.material.active_lo) +
+                " to " + number_text(body.material.active_hi);
+  }
+  throw InputError({"", role + " " + selection.name(), "no element", expected});
+}
+
+}  // namespace
+
+bool Selection::operator==(const Selection& other) const {
+  return box == other.box && ball_index == other.ball_index && radius_mm == other.radius_mm &&
+         density == other.density && piece_at == other.piece_at;
+}
+
+std::string Selection::name() const {
+  std::string text;
+  const auto add = [&](const std::string& part) { text += (text.empty() ? "" : " ") + part; };
+  if (box) add(Region(*box).name());
+  if (ball_index) add("ball:" + to_text(*ball_index) + ":" + number_text(radius_mm));
+  if (density) add("density:" + density_text(*density));
+  if (piece_at) add("piece:" + to_text(*piece_at));
+  return text;
+}
+
+Region region_of(const Selection& selection, const Body& body, const DensityGrid& density,
+                 const std::string& role) {
+  std::vector<Vec3i> origins;
+  std::vector<BrickMask> masks;
+  const auto is_in = [&](const Vec3i& voxel) {
+    return distance_mm(selection, body.geometry, voxel) <= 0 &&
+           is_within(selection.density, density, voxel);
+  };
+  for_each_brick_of(body.elements, is_in, [&](std::size_t b, const BrickMask& mask) {
+    origins.push_back(body.elements.origin(b));
+    masks.push_back(mask);
+  });
+  BrickTopology found(std::move(origins), std::move(masks));
+  if (found.empty()) throw_empty(selection, body, role);
+  if (selection.piece_at) {
+    const Vec3i& voxel = *selection.piece_at;
+    found = component_at(found, voxel);
+    if (found.empty()) {
+      const bool is_element = body.elements.is_active(voxel);
+      throw InputError({"", role + " " + selection.name(),
+                        "voxel " + to_text(voxel) +
+                            (is_element ? " of density " + number_text(density.at(voxel)) +
+                                              ", which is not selected"
+                                        : ", which is void"),
+                        is_element ? "a voxel of the piece"
+                                   : "a voxel of the piece; " + nearest_text(body, voxel)});
+    }
+  }
+  return Region::of_mask(std::make_shared<BrickTopology>(std::move(found)), selection.name());
+}
+
+SoftEdge soft_edge(const Selection& selection, double width_mm, const Body& body,
+                   const DensityGrid& density) {
+  SoftEdge edge;
+  std::vector<SlotSet::Brick> bricks;
+  const auto is_in = [&](const Vec3i& voxel) {
+    const double distance = distance_mm(selection, body.geometry, voxel);
+    return distance > 0 && distance < width_mm && is_within(selection.density, density, voxel);
+  };
+  for_each_brick_of(body.elements, is_in, [&](std::size_t b, const BrickMask& mask) {
+    bricks.push_back({std::uint32_t(b), mask});
+    for_each_active(mask, [&](int offset) {
+      const Vec3i voxel = body.elements.origin(b) + brick_local(offset);
+      const double t = distance_mm(selection, body.geometry, voxel) / width_mm;
+      edge.parts.push_back(1 - t * t * (3 - 2 * t));
+    });
+  });
+  edge.slots = SlotSet(std::move(bricks));
+  return edge;
+}
+
+std::string selection_json(const Selection& selection) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::object();
+  if (const auto& box = selection.box) {
+    json["grab_box"] = {box->lo.x, box->lo.y, box->lo.z, box->hi.x, box->hi.y, box->hi.z};
+  }
+  if (const auto& ball = selection.ball_index) {
+    json["grab_ball"] = {ball->x, ball->y, ball->z};
+    json["radius"] = selection.radius_mm;
+  }
+  if (const auto& range = selection.density) json["grab_density"] = {range->first, range->second};
+  if (const auto& voxel = selection.piece_at) json["piece_at"] = {voxel->x, voxel->y, voxel->z};
+  return json.dump();
+}
+
+Selection selection_from_json(const std::string& text, const std::string& file) {
+  Selection selection;
+  try {
+    const nlohmann::json json = nlohmann::json::parse(text);
+    const auto list = [&](const char* key, std::size_t size) {
+      const auto values = json.at(key).get<std::vector<double>>();
+      if (values.size() != size) throw std::out_of_range("another length");
+      for (const double value : values) {
+        if (!(std::abs(value) <= kMaxCoordinate)) throw std::out_of_range("no place");
+      }
+      return values;
+    };
+    const auto voxel_at = [](const std::vector<double>& v, std::size_t first) {
+      return Vec3i(int(v[first]), int(v[first + 1]), int(v[first + 2]));
+    };
+    if (json.contains("grab_box")) {
+      const auto v = list("grab_box", 6);
+      selection.box = IndexBox{voxel_at(v, 0), voxel_at(v, 3)};
+    }
+    if (json.contains("grab_ball")) {
+      const auto v = list("grab_ball", 3);
+      selection.ball_index = Vec3d(v[0], v[1], v[2]);
+      selection.radius_mm = json.at("radius").get<double>();
+    }
+    if (json.contains("grab_density")) {
+      const auto v = list("grab_density", 2);
+      selection.density = NumberPair(v[0], v[1]);
+    }
+    if (json.contains("piece_at")) selection.piece_at = voxel_at(list("piece_at", 3), 0);
+    if (selection == Selection()) throw std::out_of_range("nothing selected");
+  } catch (const std::exception&) {
+    throw InputError({file, "anchors", text.substr(0, kMaxFoundText), "a selection of elements"});
+  }
+  return selection;
+}
+
+}  // namespace supple

@@ -1,0 +1,48 @@
+// Elements by where they lie at rest, by density and by connection: what a handle grabs and an
+// anchor holds beside boxes, points and labels.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "lib/body/region.h"
+#include "volumes/base/fields.h"
+
+namespace supple {
+
+/// What is given narrows the body, one after another: a box, a ball, a range of densities; and
+/// then the face-connected piece of that which holds a voxel. Cuts do not part pieces.
+struct Selection {
+  std::optional<IndexBox> box;
+  std::optional<Vec3d> ball_index;  // centre in voxels
+  double radius_mm = 0;
+  std::optional<NumberPair> density;  // both ends belong to it
+  std::optional<Vec3i> piece_at;
+
+  bool operator==(const Selection& other) const;
+  /// As on the command line: "ball:128,211,12:8", "density:300:3100", "piece:128,211,12".
+  std::string name() const;
+};
+
+/// Throws InputError, named `role` ("grab", "fix"), when there is no such element, and for a piece
+/// at a voxel that is none of them. Cost: a pass over the elements.
+Region region_of(const Selection& selection, const Body& body, const DensityGrid& density,
+                 const std::string& role);
+
+/// Elements around a box or ball and how much of its motion each takes.
+struct SoftEdge {
+  SlotSet slots;
+  std::vector<double> parts;  // 0 to 1, in the order of the slots
+};
+
+/// The elements of the selection's densities outside its box or ball, nearer to it than `width_mm`.
+/// The part falls from 1 to 0 with slope 0 at both ends: 1 - t^2 (3 - 2 t) at distance t width_mm.
+SoftEdge soft_edge(const Selection& selection, double width_mm, const Body& body,
+                   const DensityGrid& density);
+
+/// As a journal records it, and a state its anchors.
+std::string selection_json(const Selection& selection);
+/// Throws InputError naming `file`.
+Selection selection_from_json(const std::string& text, const std::string& file);
+
+}  // namespace supple

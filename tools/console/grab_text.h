@@ -1,0 +1,26 @@
+// What a handle grabs or an anchor holds, as text on the command line. All throw UsageError.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace supple::tools {
+
+struct GrabText {
+  std::string keys;           // of the table of a scene, "grab_ball = [1, 2, 3], radius = 4"
+  bool is_plain_box = false;  // a voxel or a box of voxels
+  bool moves_itself = false;  // a table with a motion, or points with displacements
+};
+
+/// A place: "I,J,K" in voxels, "lps:X,Y,Z" or "ras:X,Y,Z" in mm.
+struct PlaceText {
+  std::string frame;  // as in a scene
+  std::string toml;   // its numbers
+};
+PlaceText parse_place(const std::string& option, const std::string& text);
+
+/// A voxel or box "I,J,K[:I,J,K]", "lps:X,Y,Z", "ras:X,Y,Z", "ball:PLACE:RADIUS", "density:LO:HI",
+/// "piece:PLACE", "label:N", a file of points, or a table as in a scene.
+GrabText parse_grab(const std::string& option, const std::string& text);
+
+}  // namespace supple::tools

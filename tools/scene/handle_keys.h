@@ -1,0 +1,30 @@
+// Tables of handles and anchors in a scene (docs/scenes.md).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lib/material/toml_table.h"
+#include "lib/session/handles.h"
+#include "volumes/io/load/label_file.h"
+
+namespace supple::tools {
+
+/// Corners in any order, "[i, j, k]" or "[i0, j0, k0, i1, j1, k1]".
+IndexBox to_box(TomlTable& table, const std::string& key, const std::vector<double>& row);
+
+/// By number or by name.
+std::optional<std::int32_t> read_label(TomlTable& table, const std::string& key,
+                                       const LabelNames& names);
+std::vector<std::int32_t> read_labels(TomlTable& table, const std::string& key,
+                                      const LabelNames& names);
+
+/// Whether the table has a key of a handle: the short form of a step.
+bool has_handle(TomlTable& table);
+/// Throws InputError unless it grabs one thing and says how that moves.
+GivenHandle read_handle(TomlTable& table, const LabelNames& names);
+/// The keys of what a handle grabs.
+GivenSelection read_anchor(TomlTable& table, const LabelNames& names);
+
+}  // namespace supple::tools
