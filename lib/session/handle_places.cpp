@@ -6,32 +6,18 @@
 #include <vector>
 
 #include "volumes/base/error.h"
-#include "volumes/io/bytes/value_type.h"
-#include "volumes/io/load/slice_values.h"
+#include "volumes/io/load/values_at.h"
 #include "volumes/io/open_volume.h"
 
 namespace supple {
 
 namespace {
 
-/// NaN where the file holds no number.
-float density_in_file(const DensitySource& source, const Vec3i& voxel) {
-  const auto file = open_volume(source.path, source.read);
-  const VolumeHeader& header = file->header();
-  const Vec3i& dims = header.geometry.dims();
-  const std::size_t count = std::size_t(dims.x) * dims.y;
-  std::vector<char> stored(count * bytes_of(header.type));
-  for (int k = 0; k <= voxel.z; ++k) file->read_slice(stored.data());
-  std::vector<float> densities(count);
-  densities_of(header, stored.data(), count, densities.data());
-  return densities[std::size_t(voxel.y) * dims.x + voxel.x];
-}
-
 std::optional<float> density_at(const Vec3i& voxel, const State& state,
                                 const DensitySource& source) {
   if (state.density.bricks().is_active(voxel)) return state.density.at(voxel);
   if (source.path.empty()) return std::nullopt;
-  return density_in_file(source, voxel);
+  return values_at(*open_volume(source.path, source.read), {voxel}).front();
 }
 
 /// The density and which side of the elements' range it is on.

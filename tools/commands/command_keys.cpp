@@ -27,20 +27,25 @@ struct KeyTable {
 std::vector<KeyTable> all_tables() {
   static ReadOptions read;
   static StepSettings step;
+  static GivenHandle handle;
   static RelaxParams relax;
   static SpringStep springs;
   static SceneView view;
   static SliceChoice slice;
   static Clip clip;
   static Light light;
-  return {{"volume", "[volume]", "", fields(read)},
-          {"step", "[[step]]", "", fields(step)},
-          {"relax", "relax = { … } of a [[step]]", "relax-", fields(relax)},
-          {"springs", "springs = { … } of a [[step]]", "springs-", fields(springs)},
-          {"view", "[[view]]", "", fields(view)},
-          {"slice", "slice = { … } of a [[view]]", "", fields(slice)},
-          {"clip", "clip = [{ … }] of a [[view]]", "clip-", fields(clip)},
-          {"light", "light = [{ … }] of a [[view]]", "", fields(light)}};
+  return {
+      {"volume", "[volume]", "", fields(read)},
+      {"step", "[[step]]", "", fields(step)},
+      {"grab", "handles = [{ … }] and anchors = [{ … }] of a [[step]]", "",
+       fields(static_cast<GivenSelection&>(handle))},
+      {"motion", "handles = [{ … }] of a [[step]]", "", fields(static_cast<GivenMotion&>(handle))},
+      {"relax", "relax = { … } of a [[step]]", "relax-", fields(relax)},
+      {"springs", "springs = { … } of a [[step]]", "springs-", fields(springs)},
+      {"view", "[[view]]", "", fields(view)},
+      {"slice", "slice = { … } of a [[view]]", "", fields(slice)},
+      {"clip", "clip = [{ … }] of a [[view]]", "clip-", fields(clip)},
+      {"light", "light = [{ … }] of a [[view]]", "", fields(light)}};
 }
 
 std::string kind_of(const Field& field) {
@@ -53,7 +58,9 @@ std::string kind_of(const Field& field) {
 
 /// Nothing where only scenes have the key, or where the option is one of a command's own.
 std::string option_of(const KeyTable& table, const Field& field) {
-  if (field.is_only_in_scenes() || table.name == "light") return "";
+  const bool has_no_options =
+      table.name == "light" || table.name == "grab" || table.name == "motion";
+  if (field.is_only_in_scenes() || has_no_options) return "";
   return option_name(field, table.prefix);
 }
 

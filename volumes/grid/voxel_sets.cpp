@@ -1,6 +1,8 @@
 #include "volumes/grid/voxel_sets.h"
 
 #include <algorithm>
+#include <array>
+#include <map>
 
 #include <tbb/parallel_for.h>
 
@@ -23,6 +25,20 @@ BrickTopology box_topology(const Vec3i& dims) {
         masks.push_back(mask);
       }
     }
+  }
+  return {std::move(origins), std::move(masks)};
+}
+
+BrickTopology topology_of(const std::vector<Vec3i>& voxels) {
+  std::map<std::array<int, 3>, BrickMask> bricks;
+  for (const Vec3i& voxel : voxels) {
+    mask_set(bricks[{voxel.x & ~7, voxel.y & ~7, voxel.z & ~7}], brick_offset(voxel));
+  }
+  std::vector<Vec3i> origins;
+  std::vector<BrickMask> masks;
+  for (const auto& [origin, mask] : bricks) {
+    origins.emplace_back(origin[0], origin[1], origin[2]);
+    masks.push_back(mask);
   }
   return {std::move(origins), std::move(masks)};
 }

@@ -20,6 +20,9 @@ struct VoxelHash {
 /// The voxels 0 … dims - 1.
 BrickTopology box_topology(const Vec3i& dims);
 
+/// Those of a list, in any order, each once or more often.
+BrickTopology topology_of(const std::vector<Vec3i>& voxels);
+
 /// The sorted union of two topologies.
 BrickTopology unite(const BrickTopology& a, const BrickTopology& b);
 
