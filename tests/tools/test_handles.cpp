@@ -156,3 +156,74 @@ TEST_F(UnitHandles, APushOnTheCommandLineLeavesWhatAHandleWouldTakeAlong) {
   pushing.push_back("--push");
   EXPECT_EQ(deform("push.vdb", pushing).exit_code, 0);
 }
+
+TEST_F(UnitHandles, TextsOfTheCommandLineAreTheTablesOfAScene) {
+  const auto expect_same = [&](const std::vector<std::string>& options, const std::string& step) {
+    const Outcome command = deform("command.vdb", options);
+    ASSERT_EQ(command.exit_code, 0) << command.err;
+    const Outcome scene = run_scene("[[step]]\n" + step);
+    ASSERT_EQ(scene.exit_code, 0) << scene.err;
+    EXPECT_EQ(resampled("command.vdb"), resampled("scene.vdb")) << step;
+  };
+  const std::vector<std::string> by = {"--by", "1.5,0,0", "--force", "--grab"};
+  const auto grab = [&](const std::string& text) {
+    std::vector<std::string> options = by;
+    options.push_back(text);
+    return options;
+  };
+  expect_same(grab("ball:8,8,8:2"), "grab_ball = [8, 8, 8]\nradius = 2\nby = [1.5, 0, 0]\n");
+  expect_same(grab("density:150:200"), "grab_density = [150, 200]\nby = [1.5, 0, 0]\n");
+  expect_same(grab("piece:8,8,8"), "piece_at = [8, 8, 8]\nby = [1.5, 0, 0]\n");
+  expect_same(grab("lps:8.2,7.9,12"), "grab = [8, 8, 8]\nby = [1.5, 0, 0]\n");
+  expect_same({"--force", "--grab", "{grab = [8, 8, 8], soft = 4, rotate = 20, axis = [0, 0, 1]}"},
+              "handles = [{ grab = [8, 8, 8], soft = 4, rotate = 20, axis = [0, 0, 1] }]\n");
+  expect_same({"--force", "--grab", "8,8,8", "--by", "2,0,0", "--fix",
+               "{grab_box = [4, 0, 0, 5, "
+               "15, 15], grab_density = [1, 255]}"},
+              "grab = [8, 8, 8]\nby = [2, 0, 0]\nfix = [[4, 0, 0, 5, 15, 15]]\n");
+}
+
+TEST_F(UnitHandles, AFrameHoldsForPlacesAndDirections) {
+  ASSERT_EQ(run_scene("[[step]]\ngrab_box = [7, 8, 8, 8, 9, 8]\nabout = [8, 8, 8]\nrotate = 9\n"
+                      "axis = [0, 0, 2]\nby = [1, 0.5, 0]\n")
+                .exit_code,
+            0);
+  const std::string voxels = resampled("scene.vdb");
+  const Outcome ras = run_scene(
+      "[[step]]\nframe = \"ras\"\ngrab_box = [-7, -8, 12, -8, -9, 12]\nabout = [-8, -8, 12]\n"
+      "rotate = 9\naxis = [0, 0, 1]\nby = [-1, -0.5, 0]\n");
+  ASSERT_EQ(ras.exit_code, 0) << ras.err;
+  EXPECT_EQ(resampled("scene.vdb"), voxels);
+}
+
+TEST_F(UnitHandles, HandlesThatSayTooLittleOrTooMuchAreNamedByKey) {
+  const auto refused = [&](const std::string& keys, const std::vector<std::string>& words) {
+    expect_refused(run_scene("[[step]]\n" + keys), 3, words);
+  };
+  const std::string by = "by = [1.0, 0.0, 0.0]\n";
+  refused("grab_ball = [8, 8, 8]\n" + by, {"radius"});
+  refused("grab = [8, 8, 8]\nradius = 3\n" + by, {"radius", "grab_ball"});
+  refused("grab = [8, 8, 8]\ngrab_ball = [8, 8, 8]\nradius = 3\n" + by, {"grab", "several"});
+  refused("grab_density = [200, 100]\n" + by, {"grab_density", "LEAST"});
+  refused("grab = [8, 8, 8]\nrotate = 10\n", {"axis"});
+  refused("grab = [8, 8, 8]\nrotate = 10\naxis = [0, 0, 0]\n", {"axis", "direction"});
+  refused("grab = [8, 8, 8]\nrotate = 200\naxis = [0, 0, 1]\n", {"rotate", "180"});
+  refused("grab = [8, 8, 8]\nscale = 1.1\nscale_axes = [1, 1, 1]\n", {"scale", "one of both"});
+  refused("grab = [8, 8, 8]\nscale = 0\n", {"scale", "positive"});
+  refused("grab = [8, 8, 8]\nabout = [8, 8, 8]\n" + by, {"about", "rotate"});
+  refused("grab_density = [1, 255]\nsoft = 3\n" + by, {"soft", "edge"});
+  refused("grab_density = [230, 255]\n" + by, {"density:230:255", "no element", "1 to 255"});
+  refused("piece_at = [0, 0, 0]\n" + by, {"piece:0,0,0", "void", "nearest"});
+  refused("piece_at = [99, 0, 0]\n" + by, {"piece_at", "inside the volume"});
+  refused("anchors = [{ points = \"none.csv\" }]\n", {"none.csv"});
+  expect_refused(deform("x.vdb", {"--grab", "ball:8,8,8", "--by", "1,0,0"}), 2, {"--grab", "8"});
+  expect_refused(deform("x.vdb", {"--grab", "density:1", "--by", "1,0,0"}), 2,
+                 {"--grab", "density:LEAST:LARGEST"});
+  expect_refused(deform("x.vdb", {"--grab", "lps:8,8", "--by", "1,0,0"}), 2, {"--grab", "8,8"});
+}
+
+TEST_F(UnitHandles, ATurnTooFarForTheLinksNamesThePairInsideTheHandle) {
+  expect_refused(run_scene("[[step]]\ngrab_box = [6, 6, 8, 9, 9, 8]\nrotate = 60\n"
+                           "axis = [0, 0, 1]\n"),
+                 3, {"grab 6,6,8:9,9,8", "mm further apart", "inside the handle"});
+}

@@ -113,6 +113,26 @@ TEST(PropertyComponents, SheetsMeetAcrossAllFacesOfBricks) {
   }
 }
 
+TEST(PropertyComponents, ThePieceAtAVoxelIsThatOfAFlood) {
+  std::mt19937 random(6);
+  for (const int percent : {10, 31, 40, 95}) {
+    const BrickTopology topology =
+        box_topology(12, [&](int, int, int) { return int(random() % 100) < percent; });
+    const FloodedPieces flooded(topology);
+    for (int n = 0; n < 20; ++n) {
+      const Vec3i& at = flooded.voxels[random() % flooded.voxels.size()];
+      const int piece = flooded.piece_of.at(FloodedPieces::key(at));
+      const BrickTopology found = component_at(topology, at);
+      EXPECT_EQ(found.active_count(), flooded.sizes[std::size_t(piece)]);
+      for (const Vec3i& voxel : flooded.voxels) {
+        ASSERT_EQ(found.is_active(voxel), flooded.piece_of.at(FloodedPieces::key(voxel)) == piece);
+      }
+    }
+  }
+  EXPECT_TRUE(
+      component_at(box_topology(8, [](int i, int, int) { return i > 0; }), {0, 0, 0}).empty());
+}
+
 TEST(UnitComponents, ACheckerboardIsAllSinglesWhichOrderByTheirPlace) {
   const BrickTopology topology =
       box_topology(8, [](int i, int j, int k) { return ((i + j + k) & 1) == 0; });
