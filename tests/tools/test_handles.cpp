@@ -175,6 +175,9 @@ TEST_F(UnitHandles, TextsOfTheCommandLineAreTheTablesOfAScene) {
   expect_same(grab("density:150:200"), "grab_density = [150, 200]\nby = [1.5, 0, 0]\n");
   expect_same(grab("piece:8,8,8"), "piece_at = [8, 8, 8]\nby = [1.5, 0, 0]\n");
   expect_same(grab("lps:8.2,7.9,12"), "grab = [8, 8, 8]\nby = [1.5, 0, 0]\n");
+  // Directions are of the frame of the place.
+  expect_same(grab("ball:ras:-8,-8,12:2"),
+              "grab_ball = [8, 8, 8]\nradius = 2\nby = [-1.5, 0, 0]\n");
   expect_same({"--force", "--grab", "{grab = [8, 8, 8], soft = 4, rotate = 20, axis = [0, 0, 1]}"},
               "handles = [{ grab = [8, 8, 8], soft = 4, rotate = 20, axis = [0, 0, 1] }]\n");
   expect_same({"--force", "--grab", "8,8,8", "--by", "2,0,0", "--fix",

@@ -252,10 +252,10 @@ Command add_deform(CLI::App& program) {
                   "as a scene's handles; repeat for several")
       ->allow_extra_args(false)
       ->option_text("I,J,K[:I,J,K]|ball:PLACE:R|density:LO:HI|piece:PLACE|label:N|FILE.csv|TABLE");
-  app->add_option(
-         "--by", options->bys,
-         "How far, in mm along the grid axes; one per --grab, in order, but none for a file "
-         "with dx,dy,dz, or a table with a motion")
+  app->add_option("--by", options->bys,
+                  "How far, in mm along the grid axes, or in the frame of a place with lps: or "
+                  "ras:; one per "
+                  "--grab, in order, but none for a file with dx,dy,dz, or a table with a motion")
       ->allow_extra_args(false)
       ->option_text("DX,DY,DZ");
   app->add_option("--fix", options->fixes, "What stays where it is, as for --grab")
