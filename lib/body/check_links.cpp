@@ -9,8 +9,8 @@
 #include <tbb/parallel_reduce.h>
 
 #include "lib/body/body.h"
-#include "lib/body/diagonals.h"
 #include "lib/body/lattice.h"
+#include "lib/body/link_masks.h"
 
 namespace supple {
 
@@ -53,21 +53,43 @@ std::int64_t excess_of(const Body& body, int axis, Slot low, Slot high, int c) {
   return std::max<std::int64_t>(0, std::abs(stretch) - limit);
 }
 
-/// The same of a link of any direction.
-std::int64_t excess_along(const Body& body, int direction, Slot from, Slot to, int c) {
-  if (body.q[c].empty()) return 0;
-  const std::int64_t stretch = std::int64_t(body.q[c].at(to)) - body.q[c].at(from);
-  const std::int32_t limit =
-      body.slacks.fall(stretch > 0 ? opposite_direction(direction) : direction, c,
-                       body.classes[from], body.classes[to]);
-  if (limit >= kUnlimitedSlack) return 0;
-  return std::max<std::int64_t>(0, std::abs(stretch) - limit);
-}
-
 struct Counts {
   std::int64_t links = 0, violated = 0, worst = 0;
   bool can_fold = false;
 };
+
+/// Diagonals towards later voxels.
+void count_diagonals(const Body& body, std::size_t b, Counts& counts) {
+  const BrickNeighbours bricks = neighbours_of(body.elements, b);
+  LinkMasks links;
+  find_links(body.elements, body.cuts, body.slacks.links(), bricks, links);
+  for (int direction = kNoStep + 1; direction < kDirections; ++direction) {
+    if (!is_diagonal(direction)) continue;
+    const LinkStep step = step_of_direction(direction);
+    for_each_active(links[std::size_t(direction)], [&](int offset) {
+      const Vec3i end = brick_local(offset) + Vec3i(step[0], step[1], step[2]);
+      const auto other =
+          std::size_t(bricks[std::size_t(direction_of_step(end.x >> 3, end.y >> 3, end.z >> 3))]);
+      const int there = brick_offset(end);
+      const std::uint8_t from_class = body.classes[b * kBrickVoxels + std::size_t(offset)];
+      const std::uint8_t to_class = body.classes[other * kBrickVoxels + std::size_t(there)];
+      std::int64_t excess = 0;
+      for (int c = 0; c < 3; ++c) {
+        const BrickValues& q = body.q[std::size_t(c)];
+        if (q.empty()) continue;
+        const std::int64_t stretch =
+            std::int64_t(q.brick_or_zero(other)[there]) - q.brick_or_zero(b)[offset];
+        if (stretch == 0) continue;
+        const std::int32_t limit = body.slacks.fall(
+            stretch > 0 ? opposite_direction(direction) : direction, c, from_class, to_class);
+        if (limit < kUnlimitedSlack) excess = std::max(excess, std::abs(stretch) - limit);
+      }
+      ++counts.links;
+      counts.violated += excess > 0;
+      counts.worst = std::max(counts.worst, excess);
+    });
+  }
+}
 
 void count_brick(const Body& body, const FoldTable& folds, std::size_t b, Counts& counts) {
   for_each_link(body.elements, body.cuts, b, [&](int axis, Slot low, Slot high) {
@@ -80,21 +102,7 @@ void count_brick(const Body& body, const FoldTable& folds, std::size_t b, Counts
     counts.violated += excess > 0;
     counts.worst = std::max(counts.worst, excess);
   });
-  if (body.slacks.links() == 6) return;
-  for_each_active(body.elements.mask(b), [&](int offset) {
-    const Slot from = Slot(b * kBrickVoxels + std::size_t(offset));
-    for_each_linked(body.elements, body.cuts, body.slacks.links(), from,
-                    [&](int direction, Slot to) {
-                      if (direction < kNoStep || !is_diagonal(direction)) return;
-                      ++counts.links;
-                      std::int64_t excess = 0;
-                      for (int c = 0; c < 3; ++c) {
-                        excess = std::max(excess, excess_along(body, direction, from, to, c));
-                      }
-                      counts.violated += excess > 0;
-                      counts.worst = std::max(counts.worst, excess);
-                    });
-  });
+  if (body.slacks.links() != 6) count_diagonals(body, b, counts);
 }
 
 }  // namespace

@@ -25,17 +25,17 @@ class BrickVisit {
   /// Entrance besides the faces 0…5: a seed was set inside.
   static constexpr int kSeeded = 6;
 
-  BrickVisit(const Body& body, const LinkCosts& costs, const PropagationTask& task, std::size_t b)
-      : m_body(body),
-        m_costs(costs),
-        m_values(task.values),
-        m_direction(task.direction),
+  BrickVisit(const VisitContext& context, std::size_t b)
+      : m_body(context.body),
+        m_costs(context.costs),
+        m_values(context.task.values),
+        m_direction(context.task.direction),
         m_brick(b) {
     load_levels(offsets(b), m_direction, m_levels);
   }
 
-  static std::size_t neighbour(const BrickTopology& elements, std::size_t brick, int face) {
-    return std::size_t(elements.neighbour(brick, face));
+  static std::size_t neighbour(const VisitContext& context, std::size_t brick, int face) {
+    return std::size_t(context.body.elements.neighbour(brick, face));
   }
   static int opposite(int face) { return opposite_face(face); }
 
@@ -126,6 +126,18 @@ int phase_of(const Vec3i& origin, int links) {
 BlockPropagator::BlockPropagator(const Body& body)
     : m_body(body), m_waiting(body.elements.brick_count()) {}
 
+/// Who the neighbours of all bricks are, where links lead across edges and corners.
+void BlockPropagator::find_neighbours() {
+  if (m_body.slacks.links() == 6 || !m_neighbours.empty()) return;
+  m_neighbours.resize(m_body.elements.brick_count());
+  using Range = tbb::blocked_range<std::size_t>;
+  tbb::parallel_for(Range(0, m_neighbours.size(), 256), [&](const Range& range) {
+    for (std::size_t b = range.begin(); b < range.end(); ++b) {
+      m_neighbours[b] = neighbours_of(m_body.elements, b);
+    }
+  });
+}
+
 int BlockPropagator::seeded() const {
   return m_body.slacks.links() == 6 ? BrickVisit::kSeeded : DiagonalVisit::kSeeded;
 }
@@ -140,6 +152,7 @@ void BlockPropagator::start(const PropagationTask& task, Level first, int bucket
   if (m_running) forget_waiting();
   m_running = true;
   costs_of(task);
+  find_neighbours();
   task.values.resize(m_body.elements.brick_count());
   m_queue.reset(std::int32_t(first), true, bucket_shift);
 }
@@ -164,6 +177,7 @@ void BlockPropagator::run(const PropagationTask& task, const std::vector<Seed>& 
 
 void BlockPropagator::close(const PropagationTask& task, int bucket_shift,
                             PropagationCounts& counts) {
+  find_neighbours();
   // Bricks at rest matter only beside stored ones.
   std::vector<Level> largest(m_body.elements.brick_count(), 0);
   Level first = 0;
@@ -179,7 +193,7 @@ void BlockPropagator::close(const PropagationTask& task, int bucket_shift,
     if (m_body.slacks.links() == 6) {
       for (int face = 0; face < 6; ++face) touch(m_body.elements.neighbour(b, face));
     } else {
-      for (const std::int32_t other : neighbours_of(m_body.elements, b)) touch(other);
+      for (const std::int32_t other : m_neighbours[b]) touch(other);
     }
     first = std::max({first, largest[b], kLevelBias});
   }
@@ -233,7 +247,7 @@ void BlockPropagator::forget_waiting() {
 /// Visits bricks of one phase; only the last loop depends on their order.
 template <class Visit>
 void BlockPropagator::visit_phase(const PropagationTask& task, std::vector<std::uint32_t>& bricks) {
-  const LinkCosts& costs = costs_of(task);
+  const VisitContext context = {m_body, costs_of(task), task, m_neighbours};
   for (const std::uint32_t brick : bricks) {
     if (task.undo != nullptr) task.undo->before_change(brick, task.values);
     task.values.touch(brick);
@@ -244,7 +258,7 @@ void BlockPropagator::visit_phase(const PropagationTask& task, std::vector<std::
     const std::size_t brick = bricks[n];
     const unsigned entered = m_waiting[brick].entrances;
     m_waiting[brick] = {};
-    Visit here(m_body, costs, task, brick);
+    Visit here(context, brick);
     for (int side = 0; side < kNeighbours; ++side) {
       if (entered >> side & 1) here.draw(side);
     }
@@ -268,14 +282,14 @@ void BlockPropagator::visit_phase(const PropagationTask& task, std::vector<std::
     const Level* const outgoing = m_outgoing.data() + n * kNeighbours;
     for (int side = 0; side < kNeighbours; ++side) {
       if (outgoing[side] == 0) continue;
-      wait(Visit::neighbour(m_body.elements, bricks[n], side), outgoing[side],
-           Visit::opposite(side));
+      wait(Visit::neighbour(context, bricks[n], side), outgoing[side], Visit::opposite(side));
     }
   }
 }
 
 std::size_t BlockPropagator::bytes() const {
-  std::size_t total = m_waiting.capacity() * sizeof(Waiting) + m_queue.bytes() +
+  std::size_t total = m_neighbours.capacity() * sizeof(BrickNeighbours) +
+                      m_waiting.capacity() * sizeof(Waiting) + m_queue.bytes() +
                       m_round.capacity() * sizeof(QueueEntry) +
                       m_outgoing.capacity() * sizeof(Level);
   for (const auto& bricks : m_phases) total += bricks.capacity() * sizeof(std::uint32_t);

@@ -9,7 +9,7 @@
 // depend on threads: values and visits are the same whatever their number.
 //
 //   rigid or stiff: 2 to 3 visits per brick reached, smooth material 1; about 1.5 us a visit
-//   memory: 8 bytes per brick of the body, 40 bytes per brick waiting
+//   memory: 8 bytes per brick of the body, 116 with diagonals; 40 bytes per brick waiting
 #pragma once
 
 #include <array>
@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "lib/body/body.h"
+#include "lib/body/link_masks.h"
 #include "lib/chainmail/bucket_queue.h"
 #include "lib/chainmail/link_costs.h"
 #include "lib/chainmail/propagation.h"
@@ -44,6 +45,7 @@ class BlockPropagator {
   };
 
   const LinkCosts& costs_of(const PropagationTask& task);
+  void find_neighbours();
   void start(const PropagationTask& task, Level first, int bucket_shift);
   void wait(std::size_t brick, Level level, int entrance);
   void drain(const PropagationTask& task, PropagationCounts& counts);
@@ -55,6 +57,7 @@ class BlockPropagator {
 
   const Body& m_body;
   std::array<std::array<LinkCosts, 2>, 3> m_costs;  // [coordinate][direction], built when asked for
+  std::vector<BrickNeighbours> m_neighbours;        // per brick; empty with 6 links
   std::vector<Waiting> m_waiting;
   BucketQueue m_queue{256};
   std::vector<QueueEntry> m_round;

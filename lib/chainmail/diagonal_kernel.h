@@ -8,7 +8,7 @@
 #include <cstdint>
 
 #include "lib/chainmail/brick_kernel.h"
-#include "lib/chainmail/link_masks.h"
+#include "lib/body/link_masks.h"
 
 namespace supple {
 

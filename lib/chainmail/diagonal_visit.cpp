@@ -33,6 +33,37 @@ std::uint64_t steps_in_face(int u, int v) {
   return bits;
 }
 
+/// A link that may lead to the brick at one side, with the offsets of its ends in their bricks.
+struct Crossing {
+  std::uint8_t direction;
+  std::uint16_t own, other;
+};
+/// All of them, of edges and corners: up to 22.
+using CrossingsOfSides = std::array<std::vector<Crossing>, kDirections>;
+
+CrossingsOfSides find_crossings() {
+  CrossingsOfSides crossings;
+  for (int direction = 0; direction < kDirections; ++direction) {
+    const LinkStep step = step_of_direction(direction);
+    for (int own = 0; own < kBrickVoxels; ++own) {
+      const Vec3i end = brick_local(own) + Vec3i(step[0], step[1], step[2]);
+      const int side = direction_of_step(end.x >> 3, end.y >> 3, end.z >> 3);
+      if (!is_diagonal(side)) continue;
+      crossings[std::size_t(side)].push_back(
+          {std::uint8_t(direction), std::uint16_t(own), std::uint16_t(brick_offset(end))});
+    }
+  }
+  return crossings;
+}
+const CrossingsOfSides kCrossings = find_crossings();
+
+/// Whether a level of one end lies above that of the other: else no cost need be looked up.
+bool any_above(const std::int32_t* levels, const std::int32_t* others) {
+  std::int32_t any = 0;
+  for (int n = 0; n < kFaceVoxels; ++n) any |= levels[n] > others[n] ? -1 : 0;
+  return any != 0;
+}
+
 /// Links from the voxels of a face into the neighbour across it: `visit(direction, shift, bits)`,
 /// where the other end of voxel n is value n + shift of the neighbour's face.
 template <class Visit>
@@ -52,43 +83,22 @@ void for_each_diagonal_across(const LinkMasks& links, int side, int face, Visit&
 
 }  // namespace
 
-DiagonalVisit::DiagonalVisit(const Body& body, const LinkCosts& costs, const PropagationTask& task,
-                             std::size_t brick)
-    : m_body(body),
-      m_costs(costs),
-      m_values(task.values),
-      m_direction(task.direction),
+DiagonalVisit::DiagonalVisit(const VisitContext& context, std::size_t brick)
+    : m_body(context.body),
+      m_costs(context.costs),
+      m_values(context.task.values),
+      m_direction(context.task.direction),
       m_brick(brick),
-      m_neighbours(neighbours_of(body.elements, brick)) {
-  find_links(body.elements, body.cuts, costs.links(), m_neighbours, m_links);
+      m_neighbours(context.neighbours[brick]) {
+  find_links(m_body.elements, m_body.cuts, m_costs.links(), m_neighbours, m_links);
   load_levels(offsets(brick), m_direction, m_levels);
 }
 
 /// Links across an edge or a corner: `visit(direction, own, other)` with the offsets of both ends.
 template <class Visit>
 void DiagonalVisit::for_each_link_to(int side, Visit&& visit) const {
-  const LinkStep towards = step_of_direction(side);
-  const auto lo = [&](int axis) { return towards[std::size_t(axis)] > 0 ? 7 : 0; };
-  const auto hi = [&](int axis) { return towards[std::size_t(axis)] < 0 ? 0 : 7; };
-  // An edge has one free axis; the links step along it or not.
-  for (int direction = 0; direction < kDirections; ++direction) {
-    if (!has_direction(m_costs.links(), direction)) continue;
-    const LinkStep step = step_of_direction(direction);
-    bool leads_there = true;
-    for (std::size_t a = 0; a < 3; ++a) leads_there &= towards[a] == 0 || step[a] == towards[a];
-    if (!leads_there) continue;
-    const BrickMask& links = m_links[std::size_t(direction)];
-    for (int i = lo(0); i <= hi(0); ++i) {
-      for (int j = lo(1); j <= hi(1); ++j) {
-        for (int k = lo(2); k <= hi(2); ++k) {
-          const int own = 64 * i + 8 * j + k;
-          const Vec3i end(i + step[0], j + step[1], k + step[2]);
-          const Vec3i brick(end.x >> 3, end.y >> 3, end.z >> 3);
-          if (brick != Vec3i(towards[0], towards[1], towards[2])) continue;
-          if (mask_test(links, own)) visit(direction, own, brick_offset(end));
-        }
-      }
-    }
+  for (const Crossing& link : kCrossings[std::size_t(side)]) {
+    if (mask_test(m_links[link.direction], link.own)) visit(link.direction, link.own, link.other);
   }
 }
 
@@ -107,24 +117,31 @@ void DiagonalVisit::draw(int side) {
 }
 
 void DiagonalVisit::draw_face(int side, int face, std::size_t other) {
-  alignas(64) Level own[kFaceVoxels], costs[kFaceVoxels];
+  alignas(64) std::int32_t own[kFaceVoxels];
+  alignas(64) Level costs[kFaceVoxels];
   alignas(64) std::uint8_t own_classes[kFaceVoxels];
   HaloFace<std::int32_t> sent;
   HaloFace<std::uint8_t> other_classes;
-  take_face(offsets(other), opposite_face(face), sent.first());
-  take_face(m_levels, face, own);
+  take_levels(other, face, sent.first());
+  take_face(signed_levels(), face, own);
   take_face(classes(m_brick), face, own_classes);
   take_face(classes(other), opposite_face(face), other_classes.first());
   for_each_diagonal_across(m_links, side, face, [&](int direction, int shift, std::uint64_t bits) {
+    const std::int32_t* from = sent.first() + shift;
+    if (!any_above(from, own)) return;
     look_up_face_costs(m_costs.along(opposite_direction(direction)), m_costs.stride(), own_classes,
                        other_classes.first() + shift, bits, costs);
-    const std::int32_t* from = sent.first() + shift;
     for (int n = 0; n < kFaceVoxels; ++n) {
-      const std::int32_t level = std::int32_t(level_of(from[n], m_direction) - costs[n]);
-      own[n] = Level(std::max(level, std::int32_t(own[n])));
+      own[n] = std::max(std::int32_t(Level(from[n]) - costs[n]), own[n]);
     }
   });
-  put_face(own, face, m_levels);
+  put_face(own, face, reinterpret_cast<std::int32_t*>(m_levels));
+}
+
+/// The levels of the face of a neighbour that lies across a face.
+void DiagonalVisit::take_levels(std::size_t other, int face, std::int32_t* levels) const {
+  take_face(offsets(other), opposite_face(face), levels);
+  for (int n = 0; n < kFaceVoxels; ++n) levels[n] = std::int32_t(level_of(levels[n], m_direction));
 }
 
 void DiagonalVisit::close() {
@@ -169,23 +186,24 @@ Level DiagonalVisit::send(int side) const {
 }
 
 Level DiagonalVisit::send_face(int side, int face, std::size_t other) const {
-  alignas(64) Level own[kFaceVoxels], costs[kFaceVoxels];
+  alignas(64) std::int32_t own[kFaceVoxels];
+  alignas(64) Level costs[kFaceVoxels];
   alignas(64) std::uint8_t own_classes[kFaceVoxels];
   HaloFace<std::int32_t> present;
   HaloFace<std::uint8_t> other_classes;
-  take_face(m_levels, face, own);
-  take_face(offsets(other), opposite_face(face), present.first());
+  take_face(signed_levels(), face, own);
+  take_levels(other, face, present.first());
   take_face(classes(m_brick), face, own_classes);
   take_face(classes(other), opposite_face(face), other_classes.first());
   std::int32_t largest = 0;
   for_each_diagonal_across(m_links, side, face, [&](int direction, int shift, std::uint64_t bits) {
+    const std::int32_t* there = present.first() + shift;
+    if (!any_above(own, there)) return;
     look_up_face_costs(m_costs.along(direction), m_costs.stride(), own_classes,
                        other_classes.first() + shift, bits, costs);
-    const std::int32_t* there = present.first() + shift;
     for (int n = 0; n < kFaceVoxels; ++n) {
-      const std::int32_t level = std::int32_t(own[n] - costs[n]);
-      const std::int32_t now = std::int32_t(level_of(there[n], m_direction));
-      largest = std::max(largest, level > now ? level : 0);
+      const std::int32_t level = std::int32_t(Level(own[n]) - costs[n]);
+      largest = std::max(largest, level > there[n] ? level : 0);
     }
   });
   return Level(largest);

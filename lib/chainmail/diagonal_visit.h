@@ -2,11 +2,21 @@
 // neighbours in place of 6. Sides are directions (lib/material/link_direction.h).
 #pragma once
 
+#include <vector>
+
 #include "lib/body/body.h"
 #include "lib/chainmail/diagonal_kernel.h"
 #include "lib/chainmail/propagation.h"
 
 namespace supple {
+
+/// What visits of one phase share.
+struct VisitContext {
+  const Body& body;
+  const LinkCosts& costs;
+  const PropagationTask& task;
+  const std::vector<BrickNeighbours>& neighbours;  // empty with 6 links
+};
 
 class DiagonalVisit {
  public:
@@ -14,11 +24,10 @@ class DiagonalVisit {
   /// Entrance besides the neighbours: a seed was set inside.
   static constexpr int kSeeded = kNoStep;
 
-  DiagonalVisit(const Body& body, const LinkCosts& costs, const PropagationTask& task,
-                std::size_t brick);
+  DiagonalVisit(const VisitContext& context, std::size_t brick);
 
-  static std::size_t neighbour(const BrickTopology& elements, std::size_t brick, int side) {
-    return std::size_t(neighbours_of(elements, brick)[std::size_t(side)]);
+  static std::size_t neighbour(const VisitContext& context, std::size_t brick, int side) {
+    return std::size_t(context.neighbours[brick][std::size_t(side)]);
   }
   static int opposite(int side) { return opposite_direction(side); }
 
@@ -36,6 +45,10 @@ class DiagonalVisit {
   void draw_face(int side, int face, std::size_t other);
   Level send_face(int side, int face, std::size_t other) const;
 
+  void take_levels(std::size_t other, int face, std::int32_t* levels) const;
+  const std::int32_t* signed_levels() const {
+    return reinterpret_cast<const std::int32_t*>(m_levels);
+  }
   const std::int32_t* offsets(std::size_t brick) const { return m_values.brick_or_zero(brick); }
   const std::uint8_t* classes(std::size_t brick) const {
     return m_body.classes.data() + brick * kBrickVoxels;
@@ -46,7 +59,7 @@ class DiagonalVisit {
   const BrickValues& m_values;
   const Direction m_direction;
   const std::size_t m_brick;
-  const BrickNeighbours m_neighbours;
+  const BrickNeighbours& m_neighbours;
   LinkMasks m_links;
   alignas(64) Level m_levels[kBrickVoxels];
 };

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "lib/chainmail/link_masks.h"
+#include "lib/body/link_masks.h"
 
 namespace supple {
 

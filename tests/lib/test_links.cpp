@@ -8,7 +8,7 @@
 
 #include "lib/body/diagonals.h"
 #include "lib/chainmail/ecm.h"
-#include "lib/chainmail/link_masks.h"
+#include "lib/body/link_masks.h"
 #include "lib/chainmail/tighten.h"
 #include "lib/material/material_file.h"
 #include "lib/model/relax_model.h"

@@ -1,5 +1,5 @@
 // Which links the voxels of one brick have, diagonals and links to other bricks included, as bits:
-// the rule of lib/body/diagonals.h for 512 voxels at a time. About 1,500 cycles.
+// the rule of diagonals.h for 512 voxels at a time. About 1,500 cycles.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-#include "lib/chainmail/link_masks.h"
+#include "lib/body/link_masks.h"
 
 #include <cstring>
 
