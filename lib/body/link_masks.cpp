@@ -1,10 +1,15 @@
 #include "lib/body/link_masks.h"
 
+#include <algorithm>
 #include <cstring>
 
 namespace supple {
 
 namespace {
+
+constexpr std::uint64_t kAllOfPlane = ~std::uint64_t(0);
+constexpr BrickMask kAllVoxels = {kAllOfPlane, kAllOfPlane, kAllOfPlane, kAllOfPlane,
+                                  kAllOfPlane, kAllOfPlane, kAllOfPlane, kAllOfPlane};
 
 /// Bits of a brick and of the voxels around it: rows of 10 along k, 10 x 10 of them, bit 1 of row
 /// 11 being voxel 0 of the brick. Rows beyond are there to be read and mean nothing.
@@ -90,6 +95,13 @@ void find_axis_links(const BrickTopology& elements, const LinkCuts& cuts,
   }
 }
 
+/// Nothing but elements in the brick and around it.
+bool is_inside(const BrickTopology& elements, const BrickNeighbours& bricks) {
+  return std::all_of(bricks.begin(), bricks.end(), [&](std::int32_t brick) {
+    return brick >= 0 && elements.mask(std::size_t(brick)) == kAllVoxels;
+  });
+}
+
 }  // namespace
 
 BrickNeighbours neighbours_of(const BrickTopology& elements, std::size_t brick) {
@@ -115,6 +127,12 @@ BrickNeighbours neighbours_of(const BrickTopology& elements, std::size_t brick) 
 
 void find_links(const BrickTopology& elements, const LinkCuts& cuts, int links,
                 const BrickNeighbours& bricks, LinkMasks& out) {
+  if (cuts.empty() && is_inside(elements, bricks)) {
+    for (int direction = 0; direction < kDirections; ++direction) {
+      out[std::size_t(direction)] = has_direction(links, direction) ? kAllVoxels : BrickMask{};
+    }
+    return;
+  }
   std::array<HaloBits, kDirections> halo;
   find_axis_links(elements, cuts, bricks, halo);
   for (int axes = 2; axes <= (links == 6 ? 1 : links == 18 ? 2 : 3); ++axes) {

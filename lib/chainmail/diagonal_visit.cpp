@@ -108,10 +108,10 @@ void DiagonalVisit::draw(int side) {
   if (const int face = face_of_side(side); face >= 0) return draw_face(side, face, other);
   const std::int32_t* sent = offsets(other);
   for_each_link_to(side, [&](int direction, int own, int there) {
-    const CostRow& row = m_costs.along(opposite_direction(direction));
-    const Level cost =
-        row.levels[std::size_t(classes(m_brick)[own] * m_costs.stride() + classes(other)[there])];
-    const Level level = level_of(sent[there], m_direction) - cost;
+    const Level from = level_of(sent[there], m_direction);
+    if (from <= m_levels[own]) return;
+    const std::vector<Level>& costs = m_costs.along(opposite_direction(direction)).levels;
+    const Level level = from - costs[entry_of(own, other, there)];
     m_levels[own] = Level(std::max(std::int32_t(level), std::int32_t(m_levels[own])));
   });
 }
@@ -174,13 +174,12 @@ Level DiagonalVisit::send(int side) const {
   const std::int32_t* present = offsets(other);
   std::int32_t largest = 0;
   for_each_link_to(side, [&](int direction, int own, int there) {
-    const Level cost =
-        m_costs.along(direction)
-            .levels[std::size_t(classes(m_brick)[own] * m_costs.stride() + classes(other)[there])];
+    const auto now = std::int32_t(level_of(present[there], m_direction));
+    if (std::int32_t(m_levels[own]) <= std::max(now, largest)) return;
+    const std::vector<Level>& costs = m_costs.along(direction).levels;
+    const Level cost = costs[entry_of(own, other, there)];
     const auto level = std::int32_t(m_levels[own] - cost);
-    if (level > std::int32_t(level_of(present[there], m_direction))) {
-      largest = std::max(largest, level);
-    }
+    if (level > now) largest = std::max(largest, level);
   });
   return Level(largest);
 }
