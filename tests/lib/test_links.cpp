@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "lib/body/diagonals.h"
-#include "lib/chainmail/ecm.h"
 #include "lib/body/link_masks.h"
+#include "lib/chainmail/ecm.h"
 #include "lib/chainmail/tighten.h"
 #include "lib/material/material_file.h"
 #include "lib/model/relax_model.h"
@@ -218,6 +218,51 @@ TEST(PropertyLinks, RelaxationLeavesAValidConfigurationOfAllLinks) {
     for (int j = 0; j < 11; ++j) EXPECT_EQ(body.offset({0, j, 4}, 2), 0);
     EXPECT_EQ(body.offset({12, 5, 4}, 2), -3 * kVoxel);
   }
+}
+
+TEST(PropertyLinks, BrokenDiagonalsAreCountedAndProjected) {
+  std::mt19937 random(53);
+  std::int64_t only_diagonals = 0;
+  for (int n = 0; n < 30; ++n) {
+    Block block = random_block(random, {18, 17, 10});
+    block.table.links = n % 3 ? 26 : 18;
+    if (n % 2) cut_randomly(random, block);
+    Body body = body_of(block);
+    for (BrickValues& q : body.q) {
+      q.resize(body.elements.brick_count());
+      for_each_element(body.elements, [&](Slot slot) {
+        if (random() % 4 == 0) q.set(slot, std::int32_t(random() % 20000) - 10000);
+      });
+    }
+    body.links_known_valid = false;
+    std::int64_t links = 0, broken = 0;
+    double worst = 0;
+    for_each_element(body.elements, [&](Slot from) {
+      for_each_linked(body.elements, body.cuts, block.table.links, from, [&](int d, Slot to) {
+        if (d < kNoStep) return;
+        std::int64_t excess = 0;
+        for (int c = 0; c < 3; ++c) {
+          const std::int64_t rise = std::int64_t(body.q[c].at(to)) - body.q[c].at(from);
+          const int falling = rise > 0 ? opposite_direction(d) : d;
+          const std::int32_t most =
+              body.slacks.fall(falling, c, body.classes[from], body.classes[to]);
+          excess = std::max(excess, std::abs(rise) - most);
+        }
+        ++links;
+        broken += excess > 0;
+        only_diagonals += excess > 0 && is_diagonal(d);
+        worst = std::max(worst, double(excess) / kVoxel);
+      });
+    });
+    const LinkCheck check = check_links(body);
+    EXPECT_EQ(check.links, links);
+    EXPECT_EQ(check.violated, broken);
+    EXPECT_EQ(check.worst_excess_voxels, worst);
+    const ProjectionReport report = project(body, {}, {});
+    EXPECT_EQ(report.violated_links, broken);
+    EXPECT_EQ(check_links(body).violated, 0);
+  }
+  EXPECT_GT(only_diagonals, 5000);
 }
 
 TEST(UnitLinks, TighteningRefusesDiagonalsInOneLine) {
