@@ -7,8 +7,8 @@
 #include <array>
 #include <cstdint>
 
-#include "lib/chainmail/brick_kernel.h"
 #include "lib/body/link_masks.h"
+#include "lib/chainmail/brick_kernel.h"
 
 namespace supple {
 

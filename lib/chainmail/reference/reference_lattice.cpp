@@ -1,6 +1,7 @@
 #include "lib/chainmail/reference/reference_lattice.h"
 
 #include "lib/body/lattice.h"
+#include "volumes/base/error.h"
 
 namespace supple::reference {
 
@@ -12,6 +13,7 @@ Offsets ReferenceLattice::at_rest() const {
 
 ReferenceLattice lattice_of(const Body& body) {
   ReferenceLattice lattice;
+  if (body.slacks.links() != 6) throw Error("reference lattice: found diagonals, expected 6 links");
   if (body.elements.empty()) return lattice;
   const IndexBox& bounds = body.elements.active_bounds();
   lattice.origin = bounds.lo;
