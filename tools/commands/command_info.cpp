@@ -7,6 +7,7 @@
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
 #include "tools/console/people_text.h"
+#include "tools/outputs/reports.h"
 #include "volumes/base/sha256.h"
 #include "volumes/grid/labels.h"
 #include "volumes/io/bytes/value_type.h"
@@ -24,17 +25,13 @@ struct InfoOptions {
   ReadOptions read;
 };
 
-nlohmann::ordered_json to_list(const Vec3d& v) {
-  return {v.x, v.y, v.z};
-}
-
 void add_geometry(nlohmann::ordered_json& json, const Geometry& geometry) {
   const Vec3d& origin = geometry.origin_lps_mm();
   const auto direction = geometry.direction();
   const auto& axes = geometry.axes_mm();
   json["dims"] = {geometry.dims().x, geometry.dims().y, geometry.dims().z};
-  json["spacing_mm"] = to_list(geometry.spacing_mm());
-  json["origin_lps_mm"] = to_list(origin);
+  json["spacing_mm"] = vector_json(geometry.spacing_mm());
+  json["origin_lps_mm"] = vector_json(origin);
   nlohmann::ordered_json rows = nlohmann::ordered_json::array(),
                          affine = nlohmann::ordered_json::array();
   for (int row = 0; row < 3; ++row) {

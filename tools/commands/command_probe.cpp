@@ -10,6 +10,7 @@
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
 #include "tools/console/grab_text.h"
+#include "tools/outputs/reports.h"
 #include "volumes/base/text.h"
 #include "volumes/grid/voxel_sets.h"
 #include "volumes/io/load/label_file.h"
@@ -25,10 +26,6 @@ struct ProbeOptions {
   std::vector<std::string> at;
   ReadOptions read;
 };
-
-nlohmann::ordered_json to_list(const Vec3d& v) {
-  return {v.x, v.y, v.z};
-}
 
 struct ProbedPlace {
   Vec3d index, lps_mm;
@@ -58,8 +55,8 @@ ProbedPlace place_at(const std::string& text, const Geometry& geometry) {
 nlohmann::ordered_json describe(const ProbedPlace& place) {
   const Vec3d& lps = place.lps_mm;
   return {{"voxel", {place.voxel.x, place.voxel.y, place.voxel.z}},
-          {"index", to_list(place.index)},
-          {"lps_mm", to_list(lps)},
+          {"index", vector_json(place.index)},
+          {"lps_mm", vector_json(lps)},
           {"ras_mm", {-lps.x, -lps.y, lps.z}}};
 }
 
@@ -103,8 +100,8 @@ void add_element(nlohmann::ordered_json& json, const ProbedPlace& place, const S
 void add_motion(nlohmann::ordered_json& json, const ProbedPlace& place, const Pose& pose) {
   const Geometry& geometry = pose.offsets.geometry;
   const auto add = [&](const char* name, const char* end, const Vec3d& vector) {
-    json[std::string(name) + "_mm"] = to_list(geometry.world_vector_from_index(vector));
-    json[end] = to_list(geometry.world_from_index(place.index + vector));
+    json[std::string(name) + "_mm"] = vector_json(geometry.world_vector_from_index(vector));
+    json[end] = vector_json(geometry.world_from_index(place.index + vector));
   };
   Vec3d vector;
   if (pose.displacement.u.sample(place.index, vector)) {
