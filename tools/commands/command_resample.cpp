@@ -33,6 +33,7 @@ Fields volume_fields(ResampleOptions& options) {
 
 int resample_volume(const ResampleOptions& options, const GlobalOptions& global, Console& console) {
   if (!options.spacing_mm) {
+    open_volume(options.input);  // what cannot be read is named first
     throw UsageError("resample: found a volume without --spacing, expected a state, or --spacing");
   }
   if (!options.path.empty() || !options.grid.file.empty() || options.grid.margin_mm > 0) {
