@@ -8,6 +8,7 @@
 #include "lib/model/quasi_static.h"
 #include "lib/session/drag_handles.h"
 #include "lib/session/journal.h"
+#include "lib/session/step_warnings.h"
 #include "lib/session/tissue.h"
 #include "volumes/base/text.h"
 #include "volumes/io/load/label_file.h"
@@ -41,41 +42,6 @@ class Listener final : public Progress {
   std::vector<std::string>& m_messages;
   Progress* m_next;
 };
-
-std::string four_digits(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return text;
-}
-
-void warn_of_projection(std::int64_t links, double max_voxels, std::int64_t held,
-                        Progress* progress) {
-  if (links == 0) return;
-  if (held > 0) {
-    warn(progress, with_count(held, "held element") +
-                       " had to move: links do not reach from one to the other");
-  }
-  warn(progress, "the start broke " + with_count(links, "link") +
-                     "; it was projected, largest move " + four_digits(max_voxels) + " voxels");
-}
-
-void warn_of_report(const EcmReport& report, Progress* progress) {
-  warn_of_projection(report.projected_links, report.projected_max_voxels, report.projected_held,
-                     progress);
-  if (report.fraction_numerator != report.fraction_denominator) {
-    warn(progress, "anchors stopped the drag at " + four_digits(100 * report.fraction()) + " %" +
-                       " (" + std::to_string(report.fraction_numerator) + "/" +
-                       std::to_string(report.fraction_denominator) + ")");
-  }
-}
-
-void warn_of_report(const BallReport& report, Progress* progress) {
-  if (report.violated == 0) return;
-  warn(progress, "ball limits leave " + with_count(report.violated, "link") + " of " +
-                     std::to_string(report.links) + " violated, by at most " +
-                     four_digits(report.worst_excess_voxels) + " voxels" +
-                     (report.capped ? "; the moves reached their limit" : ""));
-}
 
 }  // namespace
 
@@ -423,35 +389,15 @@ void Session::relax_body(StepRecord& record, Progress* progress) {
   RelaxModel model(held(), *record.relax);
   run_model(model, record.relax->passes, progress);
   record.relaxed = model.report();
-  const RelaxReport& report = record.relaxed;
-  warn_of_projection(report.projected_links, report.projected_max_voxels, report.projected_held,
-                     progress);
-  if (report.diagonal_links > 0) {
-    note(progress, "relaxation knows links along the axes only: " +
-                       with_count(report.diagonal_links, "link") +
-                       " moved back to the limits of diagonals, largest move " +
-                       four_digits(report.diagonal_max_voxels) + " voxels");
-  }
   const LinkCheck check =
       record.relax->method == RelaxMethod::plain ? check_links(m_body) : LinkCheck();
-  if (check.violated > 0) {
-    warn(progress, "plain relaxation broke " + with_count(check.violated, "link") + " of " +
-                       std::to_string(check.links) + ", by at most " +
-                       four_digits(check.worst_excess_voxels) + " voxels");
-  }
+  warn_of_report(record.relaxed, check, progress);
 }
 
 void Session::tighten_body(StepRecord& record, Progress* progress) {
   stage(progress, "tightening");
   record.tightened = tighten(m_body, m_anchors, m_holds, TightenParams(), progress);
-  const TightenReport& report = *record.tightened;
-  warn_of_projection(report.projected_links, report.projected_max_voxels, report.projected_held,
-                     progress);
-  if (report.violated == 0) return;
-  note(progress, "tightened limits leave " + with_count(report.violated, "link") + " of " +
-                     std::to_string(report.links) + " violated, by at most " +
-                     four_digits(report.worst_excess_voxels) +
-                     " voxels; the material's own limits hold");
+  warn_of_report(*record.tightened, progress);
 }
 
 std::string Session::journal() const {

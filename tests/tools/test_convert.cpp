@@ -265,6 +265,7 @@ TEST_F(FaultConvert, FiltersNameWhatTheyCannotDo) {
   expect({"crop", ball, "-o", out}, 2, "neither --box nor --range");
   expect({"crop", ball, "--box", "0,0,0:1,1,1", "--range", "1,2", "-o", out}, 2,
          "--box and --range");
+  expect({"crop", ball, "--box", "0,0,0:1,1,1", "--margin", "2", "-o", out}, 2, "--margin beside");
   expect({"crop", ball, "--box", "0,0,0:8,1,1", "-o", out}, 3, "expected a box within 0,0,0:7,7,7");
   expect({"smooth", ball, "--sigma", "-1", "-o", out}, 3, "--sigma: found -1");
   expect({"threshold", ball, "--keep", "1,2", "-o", m_folder / "z.txt"}, 3, "z.txt");

@@ -81,6 +81,9 @@ int run_crop(const CropOptions& options, const GlobalOptions& global, Console& c
                      (options.range ? "--box and --range" : "neither --box nor --range") +
                      ", expected one of them");
   }
+  if (!options.range && options.margin_mm > 0) {
+    throw UsageError("crop: found --margin beside --box, expected it beside --range");
+  }
   const IndexBox box = options.range ? box_of_densities(*open_volume(options.input, options.read),
                                                         options.range->first, options.range->second,
                                                         options.margin_mm, &console)

@@ -1,0 +1,15 @@
+// What the user should hear of a step: projections, stopped drags, limits that are left broken.
+#pragma once
+
+#include "lib/session/step.h"
+#include "volumes/base/progress.h"
+
+namespace supple {
+
+void warn_of_report(const EcmReport& report, Progress* progress);
+void warn_of_report(const BallReport& report, Progress* progress);
+void warn_of_report(const TightenReport& report, Progress* progress);
+/// `check`: of the links after a relaxation that may break them.
+void warn_of_report(const RelaxReport& report, const LinkCheck& check, Progress* progress);
+
+}  // namespace supple
