@@ -32,12 +32,9 @@ class TomlTable {
   static TomlTable read(const std::string& path);
   /// The root of a text; `source` names it in errors.
   static TomlTable parse(const std::string& text, const std::string& source);
-  /// Options of a command line, written as TOML. `options`: the option behind the full name of a
-  /// key, for errors.
+  /// Options of a command line, written as TOML with strings by toml_string(), whose bytes it gives
+  /// back. `options`: the option behind the full name of a key, for errors.
   static TomlTable of_options(const std::string& text, std::map<std::string, std::string> options);
-
-  /// Any text as a string of TOML. A table of options gives back its very bytes, UTF-8 or not.
-  static std::string quoted(const std::string& bytes);
 
   /// Sets those of the fields that are there. A value that is not allowed is an error, and so is a
   /// required field that is missing.

@@ -12,7 +12,7 @@ from program import BAD_INPUT, SYSTEM, Policy
 import seeds
 from seeds import Seed, VALUES, VECTORS
 
-MOST_FLIPS = 24
+MOST_FLIPS = 12
 MOST_OUTPUT_BYTES = 64 << 20  # a flipped size must not fill the disk
 A_FILE_IT_NAMES = "found no such file"  # a flipped name of a data file, which the line says
 SEALED = {"vdb", "state"}  # a digest covers every byte

@@ -5,6 +5,7 @@
 
 #include "raycast/pictures/compare.h"
 #include "tools/console/command.h"
+#include "tools/console/field_options.h"
 #include "tools/outputs/output_plan.h"
 
 namespace supple::tools {
@@ -16,6 +17,17 @@ struct CompareOptions {
   std::optional<double> max_rmse, min_ssim, max_diff;
   std::string mask;
 };
+
+Fields fields(CompareOptions& options) {
+  return {
+      Field("max_rmse", options.max_rmse, "Largest root mean square difference").range(0, 1),
+      Field("min_ssim", options.min_ssim, "Smallest structural similarity").range(-1, 1),
+      Field("max_diff", options.max_diff, "Largest difference of any channel").range(0, 1),
+      Field("mask", options.mask, "foreground: only where either picture is not empty")
+          .one_of({"foreground"}),
+      Field("diff", options.difference, "Write the amplified difference").shown_as("D.png"),
+  };
+}
 
 /// One line per limit that is broken.
 std::vector<std::string> broken_limits(const CompareOptions& options,
@@ -45,9 +57,6 @@ std::vector<std::string> broken_limits(const CompareOptions& options,
 }
 
 int run_compare(const CompareOptions& options, const GlobalOptions& global, Console& console) {
-  if (options.max_rmse) require_within("--max-rmse", *options.max_rmse, 0, 1);
-  if (options.min_ssim) require_within("--min-ssim", *options.min_ssim, -1, 1);
-  if (options.max_diff) require_within("--max-diff", *options.max_diff, 0, 1);
   OutputPlan plan(global);
   plan.protect(options.a);
   plan.protect(options.b);
@@ -85,17 +94,7 @@ Command add_compare(CLI::App& program) {
       "  supple compare a.png b.png --mask foreground --diff difference.png --json");
   app->add_option("a", options->a, "A PNG file")->required()->option_text("A.png");
   app->add_option("b", options->b, "A PNG file of the same size")->required()->option_text("B.png");
-  app->add_option("--max-rmse", options->max_rmse, "Largest root mean square difference, 0 to 1")
-      ->option_text("R");
-  app->add_option("--min-ssim", options->min_ssim, "Smallest structural similarity")
-      ->option_text("S");
-  app->add_option("--max-diff", options->max_diff, "Largest difference of any channel, 0 to 1")
-      ->option_text("D");
-  app->add_option("--mask", options->mask, "foreground: only where either picture is not empty")
-      ->check(CLI::IsMember({"foreground"}))
-      ->option_text("foreground");
-  app->add_option("--diff", options->difference, "Write the amplified difference")
-      ->option_text("D.png");
+  add_field_options(*app, fields(*options));
   return {app, [options](const GlobalOptions& global, Console& console) {
             return run_compare(*options, global, console);
           }};

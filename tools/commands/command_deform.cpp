@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "lib/material/toml_string.h"
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
 #include "tools/console/grab_text.h"

@@ -22,6 +22,21 @@ struct MetricsOptions {
   std::string displacement_map, jacobian_map, fold_map;
 };
 
+Fields fields(MetricsOptions& options) {
+  return {
+      Field("labels", options.labels, "Label volume on the same grid: a line per label")
+          .shown_as("FILE")
+          .otherwise("the state's labels"),
+      Field("displacement", options.displacement_map,
+            "Map of |u| in mm on the source grid, 0 outside the body")
+          .shown_as("VOLUME"),
+      Field("jacobian", options.jacobian_map, "Map of det F = det(I + grad u), 1 outside the body")
+          .shown_as("VOLUME"),
+      Field("folds", options.fold_map, "Map of folded cells: 1 at their lowest corner")
+          .shown_as("VOLUME"),
+  };
+}
+
 nlohmann::ordered_json summary_json(const DeformationSummary& summary) {
   return {{"elements", summary.elements},
           {"moved", summary.moved},
@@ -130,17 +145,7 @@ Command add_metrics(CLI::App& program) {
       "  supple metrics drag.vdb --labels organs.nrrd --json\n"
       "  supple metrics drag.vdb --jacobian det_f.nrrd --displacement length.nrrd");
   app->add_option("state", options->input, "A state file")->required()->option_text("STATE.vdb");
-  app->add_option("--labels", options->labels,
-                  "Label volume on the same grid: a line per label (default: the state's labels)")
-      ->option_text("FILE");
-  app->add_option("--displacement", options->displacement_map,
-                  "Map of |u| in mm on the source grid, 0 outside the body")
-      ->option_text("VOLUME");
-  app->add_option("--jacobian", options->jacobian_map,
-                  "Map of det F = det(I + grad u), 1 outside the body")
-      ->option_text("VOLUME");
-  app->add_option("--folds", options->fold_map, "Map of folded cells: 1 at their lowest corner")
-      ->option_text("VOLUME");
+  add_field_options(*app, fields(*options));
   return {app, [options](const GlobalOptions& global, Console& console) {
             return run_metrics(*options, global, console);
           }};

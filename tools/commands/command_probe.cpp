@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "lib/material/material_file.h"
+#include "lib/material/toml_string.h"
 #include "lib/session/handles.h"
 #include "lib/session/session.h"
 #include "tools/console/command.h"

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "lib/material/toml_string.h"
 #include "raycast/scene/framing.h"
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"

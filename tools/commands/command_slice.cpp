@@ -1,6 +1,7 @@
 // supple slice: axial, coronal, sagittal and oblique slices of a volume or a deformed state.
 #include <filesystem>
 
+#include "lib/material/toml_string.h"
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
 #include "tools/outputs/scene_run.h"

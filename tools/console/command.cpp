@@ -9,9 +9,4 @@ CLI::App* add_subcommand(CLI::App& program, const std::string& name, const std::
   return app;
 }
 
-void require_within(const std::string& option, double value, double lo, double hi) {
-  if (value >= lo && value <= hi) return;
-  throw InputError({"", option, number_text(value), number_text(lo) + " to " + number_text(hi)});
-}
-
 }  // namespace supple::tools

@@ -54,7 +54,4 @@ Command add_bench(CLI::App& program);
 CLI::App* add_subcommand(CLI::App& program, const std::string& name, const std::string& description,
                          const std::string& examples);
 
-/// Throws InputError for NaN, infinity and numbers outside [lo, hi]; `option` names it.
-void require_within(const std::string& option, double value, double lo, double hi);
-
 }  // namespace supple::tools

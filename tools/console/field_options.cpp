@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "lib/material/toml_string.h"
 #include "tools/console/command.h"
 #include "tools/console/parse.h"
+#include "volumes/base/text.h"
 
 namespace supple::tools {
 
@@ -118,10 +120,6 @@ std::string option_name(const Field& field, const std::string& prefix) {
   const bool* const* flag = std::get_if<bool*>(&field.target());
   const bool is_on = flag != nullptr && **flag;
   return "--" + prefix + (is_on ? "no-" : "") + dashed(field.name());
-}
-
-std::string toml_string(const std::string& text) {
-  return TomlTable::quoted(text);
 }
 
 bool is_table(const std::string& text) {

@@ -56,8 +56,6 @@ class SceneOptions {
   std::map<std::string, std::string> m_names;  // full name of a key to its option
 };
 
-/// Text as a TOML string.
-std::string toml_string(const std::string& text);
 /// Whether the text is meant as a table, "{ … }".
 bool is_table(const std::string& text);
 /// One table as it stands in a scene. Throws UsageError naming the option for anything else.

@@ -1,5 +1,6 @@
 #include "tools/console/grab_text.h"
 
+#include "lib/material/toml_string.h"
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
 #include "tools/console/parse.h"

@@ -4,6 +4,7 @@
 #include <optional>
 #include <sstream>
 
+#include "lib/material/toml_string.h"
 #include "volumes/base/error.h"
 #include "volumes/io/point_file.h"
 
@@ -276,8 +277,7 @@ Field path_file_field(std::string& file) {
 
 std::vector<OffsetFunction> read_path_file(const std::string& file, Console& console) {
   if (file.empty()) return {};
-  TomlTable table =
-      TomlTable::of_options("path = " + TomlTable::quoted(file), {{"path", "--path"}});
+  TomlTable table = TomlTable::of_options("path = " + toml_string(file), {{"path", "--path"}});
   std::vector<OffsetFunction> functions = read_path(table);
   for (const std::string& line : table.warnings()) console.warn(line);
   return functions;

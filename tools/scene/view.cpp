@@ -4,6 +4,7 @@
 
 #include "tools/scene/transfer_file.h"
 #include "volumes/base/error.h"
+#include "volumes/base/text.h"
 
 namespace supple::tools {
 

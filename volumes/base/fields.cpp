@@ -8,6 +8,7 @@
 #include <cstdlib>
 
 #include "volumes/base/error.h"
+#include "volumes/base/text.h"
 
 namespace supple {
 
@@ -63,15 +64,6 @@ std::string json_string(const std::string& text) {
     }
   }
   return json + "\"";
-}
-
-std::string exact_text(double value) {
-  char text[40];
-  for (int digits = 6; digits <= 17; ++digits) {
-    std::snprintf(text, sizeof text, "%.*g", digits, value);
-    if (std::strtod(text, nullptr) == value) break;
-  }
-  return text;
 }
 
 std::string colour_text(const Rgb& rgb) {

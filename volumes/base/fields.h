@@ -151,7 +151,4 @@ std::string json_string(const std::string& text);
 /// "a, b and c".
 std::string listed(const std::vector<std::string>& names, const char* last = "and");
 
-/// The fewest digits that read back as the same number.
-std::string exact_text(double value);
-
 }  // namespace supple

@@ -1,6 +1,7 @@
 #include "volumes/base/text.h"
 
 #include <algorithm>
+#include <charconv>
 #include <numeric>
 #include <sstream>
 
@@ -40,6 +41,11 @@ std::string nearest_name(const std::string& name, const std::vector<std::string>
     nearest = known;
   }
   return nearest;
+}
+
+std::string exact_text(double value) {
+  char digits[32];
+  return {digits, std::to_chars(digits, digits + sizeof digits, value).ptr};
 }
 
 std::string to_text(const Vec3i& v) {

@@ -16,6 +16,9 @@ std::string with_count(std::int64_t count, const std::string& what);
 /// characters; empty where none is that near.
 std::string nearest_name(const std::string& name, const std::vector<std::string>& names);
 
+/// The shortest decimal number that reads back to the same bits.
+std::string exact_text(double value);
+
 /// "1,2,3".
 std::string to_text(const Vec3i& v);
 /// With six significant digits.

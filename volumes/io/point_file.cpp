@@ -11,6 +11,7 @@
 
 #include "volumes/base/error.h"
 #include "volumes/base/regular_file.h"
+#include "volumes/base/text.h"
 #include "volumes/io/bytes/output_file.h"
 #include "volumes/io/bytes/text_header.h"
 #include "volumes/io/format/dense_writer.h"
@@ -192,7 +193,7 @@ void write_points_like(const std::string& path, const PointFile& file,
       const double value = points_lps_mm[n][a];
       if (value == row.at_lps_mm[a]) continue;
       text.append(file.content, taken, span.begin - taken);
-      text += exact_decimal((row.is_ras && a != 2 ? -value : value) + 0.0);  // never -0
+      text += exact_text((row.is_ras && a != 2 ? -value : value) + 0.0);  // never -0
       taken = span.begin + span.size;
     }
   }

@@ -1,7 +1,6 @@
 #include "volumes/io/format/dense_writer.h"
 
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 
 #include "volumes/base/error.h"
@@ -99,12 +98,6 @@ void require_perpendicular(const DenseImage& image, const std::string& path,
 
 std::string file_name_of(const std::string& path) {
   return std::filesystem::path(path).filename().string();
-}
-
-std::string exact_decimal(double value) {
-  char digits[32];
-  const auto end = std::to_chars(digits, digits + sizeof digits, value).ptr;
-  return {digits, end};
 }
 
 Fields fields(WriteOptions& options) {

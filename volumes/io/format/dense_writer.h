@@ -83,7 +83,4 @@ void require_perpendicular(const DenseImage& image, const std::string& path,
 /// "head.raw" of "scans/head.raw".
 std::string file_name_of(const std::string& path);
 
-/// The shortest decimal number that reads back to the same bits.
-std::string exact_decimal(double value);
-
 }  // namespace supple

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "volumes/base/text.h"
 #include "volumes/io/bytes/output_file.h"
 #include "volumes/io/format/dense_writer.h"
 #include "volumes/io/mesh/mesh_formats.h"
@@ -26,7 +27,7 @@ void put(double number, bool is_big, char* out) {
 }
 
 std::string text_of(double value, NumberCode code) {
-  if (code == NumberCode::text) return exact_decimal(value);
+  if (code == NumberCode::text) return exact_text(value);
   char digits[32];
   return {digits, std::to_chars(digits, digits + sizeof digits, float(value)).ptr};
 }

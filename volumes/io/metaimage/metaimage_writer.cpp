@@ -2,6 +2,7 @@
 // inflates gzip as well as zlib streams; without CompressedDataSize it reads garbage behind LOCAL.
 #include <array>
 
+#include "volumes/base/text.h"
 #include "volumes/io/format/header_writer.h"
 
 namespace supple {
@@ -14,7 +15,7 @@ constexpr std::array<const char*, 10> kTypeNames = {
     "MET_UINT", "MET_LONG_LONG", "MET_ULONG_LONG", "MET_FLOAT",  "MET_DOUBLE"};
 
 std::string triple(const Vec3d& v) {
-  return exact_decimal(v.x) + " " + exact_decimal(v.y) + " " + exact_decimal(v.z);
+  return exact_text(v.x) + " " + exact_text(v.y) + " " + exact_text(v.z);
 }
 
 std::string header_of(const DenseImage& image, const std::string& data_file, bool compress) {

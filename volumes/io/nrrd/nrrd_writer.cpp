@@ -2,6 +2,7 @@
 // a RAS space flips geometry but not vectors in ITK. Any affine.
 #include <array>
 
+#include "volumes/base/text.h"
 #include "volumes/io/format/header_writer.h"
 
 namespace supple {
@@ -13,7 +14,7 @@ constexpr std::array<const char*, 10> kTypeNames = {
     "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "float", "double"};
 
 std::string tuple(const Vec3d& v) {
-  return "(" + exact_decimal(v.x) + "," + exact_decimal(v.y) + "," + exact_decimal(v.z) + ")";
+  return "(" + exact_text(v.x) + "," + exact_text(v.y) + "," + exact_text(v.z) + ")";
 }
 
 std::string header_of(const DenseImage& image, const std::string& data_file, bool compress) {

@@ -16,6 +16,7 @@
 #include <zlib.h>
 
 #include "volumes/base/error.h"
+#include "volumes/base/text.h"
 #include "volumes/io/bytes/output_file.h"
 #include "volumes/io/format/dense_writer.h"
 #include "volumes/io/tiff/tiff_metadata.h"
@@ -64,14 +65,14 @@ void difference(char* row, std::int64_t count, int width) {
 std::string description_of(const Geometry& geometry) {
   const std::string slices = std::to_string(geometry.dims().z);
   std::string text = "ImageJ=1.53t\nimages=" + slices + "\nslices=" + slices + "\nunit=mm\n";
-  text += "spacing=" + exact_decimal(geometry.spacing_mm().z) + "\nloop=false\n";
+  text += "spacing=" + exact_text(geometry.spacing_mm().z) + "\nloop=false\n";
   text += std::string(kTiffAffineKey) + "=";
   for (const Vec3d& axis : geometry.axes_mm()) {
-    for (int a = 0; a < 3; ++a) text += exact_decimal(axis[a]) + " ";
+    for (int a = 0; a < 3; ++a) text += exact_text(axis[a]) + " ";
   }
   const Vec3d& origin = geometry.origin_lps_mm();
-  return text + exact_decimal(origin.x) + " " + exact_decimal(origin.y) + " " +
-         exact_decimal(origin.z) + "\n";
+  return text + exact_text(origin.x) + " " + exact_text(origin.y) + " " + exact_text(origin.z) +
+         "\n";
 }
 
 /// What programs other than supple will not find in the file.
