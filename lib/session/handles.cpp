@@ -90,12 +90,35 @@ HandleMotion motion_of(const GivenHandle& given, const Geometry& geometry) {
   return motion;
 }
 
-/// Along the grid axes.
-Vec3d shift_mm(const GivenHandle& given, const Geometry& geometry) {
+/// Along the grid axes; of a handle, or of a pose in its frame.
+template <class Given>
+Vec3d shift_mm(const Given& given, PlaceFrame frame, const Geometry& geometry) {
   if (given.by_lps_mm) return along_grid(*given.by_lps_mm, geometry);
   const Vec3d by = given.by.value_or(Vec3d(0));
-  if (given.frame == PlaceFrame::voxel) return by;
-  return along_grid(lps_of(by, given.frame, geometry), geometry);
+  if (frame == PlaceFrame::voxel) return by;
+  return along_grid(lps_of(by, frame, geometry), geometry);
+}
+
+PosePath path_of(const GivenHandle& given, const Geometry& geometry) {
+  const auto with_axis = std::find_if(given.path.begin(), given.path.end(),
+                                      [](const GivenPose& pose) { return pose.axis.has_value(); });
+  const Vec3d first = with_axis != given.path.end() ? *with_axis->axis : Vec3d(0, 0, 1);
+  const Vec3d axis = given.axis.value_or(first);
+  PosePath path;
+  for (const GivenPose& pose : given.path) {
+    if (pose.by || pose.by_lps_mm) {
+      path.add_shift(pose.time, shift_mm(pose, given.frame, geometry), pose.easing);
+    }
+    if (pose.rotate_deg) {
+      path.add_turn(pose.time, lps_of(pose.axis.value_or(axis), given.frame, geometry),
+                    *pose.rotate_deg, pose.easing);
+    }
+    if (pose.scale || pose.scale_axes) {
+      path.add_scale(pose.time, pose.scale_axes.value_or(Vec3d(pose.scale.value_or(1))),
+                     pose.easing);
+    }
+  }
+  return path;
 }
 
 }  // namespace
@@ -146,6 +169,26 @@ Fields fields(GivenMotion& given) {
   };
 }
 
+Fields fields(GivenPose& given) {
+  return {
+      Field("time", given.time, "When the pose is reached, in seconds or frames as [film] says")
+          .required(),
+      Field("easing", given.easing, {"smooth", "linear", "spline", "hold"},
+            "On the way to the next pose: starts and stops gently, evenly, passes through without "
+            "a stop, or jumps at its end"),
+      Field("by", given.by, "Shift, in mm along the directions of the frame"),
+      Field("by_mm_lps", given.by_lps_mm, "The same in LPS, whatever the frame"),
+      Field("rotate", given.rotate_deg, "Right-handed turn about the axis; 720: twice round")
+          .unit("degrees")
+          .range(-36000, 36000),
+      Field("axis", given.axis, "Direction of the turn's axis")
+          .otherwise("that of the handle, or of the first pose"),
+      Field("scale", given.scale, "Factor about a point, before it is turned").positive(),
+      Field("scale_axes", given.scale_axes, "The same, one factor per axis of the frame")
+          .positive(),
+  };
+}
+
 std::optional<IndexBox> box_of(const GivenSelection& given, const Geometry& geometry) {
   if (!given.corners) return std::nullopt;
   IndexBox box;
@@ -179,15 +222,23 @@ Selection to_selection(const GivenSelection& given, const Geometry& geometry) {
   return selection;
 }
 
-std::vector<Drag> to_drags(const GivenHandle& given, const Geometry& geometry) {
+std::vector<Drag> to_drags(const GivenHandle& given, const Geometry& geometry, double time) {
   const HandleKind kind = given.push ? HandleKind::push : HandleKind::two_sided;
   if (given.points && given.points->has_displacements) {
     return drags_of_points(*given.points, kind, geometry);
   }
-  Drag drag{region_of(given, geometry), shift_mm(given, geometry), kind, given.label.value_or(0)};
+  Drag drag{region_of(given, geometry), shift_mm(given, given.frame, geometry), kind,
+            given.label.value_or(0)};
   if (needs_selection(given)) drag.selection = to_selection(given, geometry);
   drag.motion = motion_of(given, geometry);
   drag.soft_mm = given.soft_mm;
+  if (given.is_animated()) {
+    const PathPose pose = path_of(given, geometry).at(time);
+    drag.by_mm = pose.shift_mm;
+    drag.motion.axis_lps = pose.axis;
+    drag.motion.angle_deg = pose.angle_deg;
+    drag.motion.scale = pose.scale;
+  }
   return {std::move(drag)};
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "lib/session/step.h"
+#include "volumes/geometry/pose_path.h"
 #include "volumes/io/point_file.h"
 
 namespace supple {
@@ -51,7 +52,25 @@ struct GivenMotion {
 };
 Fields fields(GivenMotion& given);
 
-struct GivenHandle : GivenSelection, GivenMotion {};
+/// One key of a handle's path: what it says of shift, turn and scale is meant from where the path
+/// starts, and what it does not say is left to the other keys.
+struct GivenPose {
+  std::string place;
+  double time = 0;
+  Easing easing = Easing::smooth;
+  std::optional<Vec3d> by, by_lps_mm;
+  std::optional<double> rotate_deg;
+  std::optional<Vec3d> axis;  // of the frame; absent: that of the handle, or of the first pose
+  std::optional<double> scale;
+  std::optional<Vec3d> scale_axes;
+};
+Fields fields(GivenPose& given);
+
+struct GivenHandle : GivenSelection, GivenMotion {
+  std::vector<GivenPose> path;  // instead of a shift, turn and scale; times ascend
+
+  bool is_animated() const { return !path.empty(); }
+};
 
 /// The voxels of a voxel or box. In mm, those between the voxels nearest to the corners.
 std::optional<IndexBox> box_of(const GivenSelection& given, const Geometry& geometry);
@@ -59,9 +78,10 @@ std::optional<IndexBox> box_of(const GivenSelection& given, const Geometry& geom
 /// What an anchor holds. Throws InputError for a place outside the volume.
 Selection to_selection(const GivenSelection& given, const Geometry& geometry);
 
-/// What it means on a grid: one drag, or one per point with a displacement of its own. Throws
-/// InputError for what cannot move there: outside the volume, or beyond the range.
-std::vector<Drag> to_drags(const GivenHandle& given, const Geometry& geometry);
+/// What it means on a grid: one drag, or one per point with a displacement of its own. One that
+/// follows a path is taken at its pose at `time`. Throws InputError for what cannot move there:
+/// outside the volume, or beyond the range.
+std::vector<Drag> to_drags(const GivenHandle& given, const Geometry& geometry, double time);
 
 /// Throws InputError with the line of the first point that lies outside the body, and how far.
 void require_in_body(const PointFile& points, const Body& body);

@@ -1,6 +1,7 @@
 // supple keys: the keys of the tables of a scene, and the options that stand for them.
 #include <algorithm>
 #include <cstdio>
+#include <set>
 
 #include <nlohmann/json.hpp>
 
@@ -28,6 +29,9 @@ std::vector<KeyTable> all_tables() {
   static ReadOptions read;
   static StepSettings step;
   static GivenHandle handle;
+  static GivenPose pose;
+  static Film film;
+  static CameraKey camera_key;
   static RelaxParams relax;
   static SpringStep springs;
   static SceneView view;
@@ -40,9 +44,12 @@ std::vector<KeyTable> all_tables() {
       {"grab", "handles = [{ … }] and anchors = [{ … }] of a [[step]]", "",
        fields(static_cast<GivenSelection&>(handle))},
       {"motion", "handles = [{ … }] of a [[step]]", "", fields(static_cast<GivenMotion&>(handle))},
+      {"path", "path = [{ … }] of a handle", "", fields(pose)},
       {"relax", "relax = { … } of a [[step]]", "relax-", fields(relax)},
       {"springs", "springs = { … } of a [[step]]", "springs-", fields(springs)},
       {"view", "[[view]]", "", fields(view)},
+      {"camera_path", "camera_path = [{ … }] of a [[view]]", "", fields(camera_key)},
+      {"film", "[film]", "", fields(film)},
       {"slice", "slice = { … } of a [[view]]", "", fields(slice)},
       {"clip", "clip = [{ … }] of a [[view]]", "clip-", fields(clip)},
       {"light", "light = [{ … }] of a [[view]]", "", fields(light)}};
@@ -58,8 +65,9 @@ std::string kind_of(const Field& field) {
 
 /// Nothing where only scenes have the key, or where the option is one of a command's own.
 std::string option_of(const KeyTable& table, const Field& field) {
-  const bool has_no_options =
-      table.name == "light" || table.name == "grab" || table.name == "motion";
+  static const std::set<std::string> kSceneTables = {"light", "grab", "motion",
+                                                     "path", "film", "camera_path"};
+  const bool has_no_options = kSceneTables.count(table.name) != 0;
   if (field.is_only_in_scenes() || has_no_options) return "";
   return option_name(field, table.prefix);
 }

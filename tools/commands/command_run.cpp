@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/console/command.h"
+#include "tools/outputs/film_record.h"
 #include "tools/outputs/reports.h"
 #include "tools/outputs/scene_run.h"
 
@@ -16,6 +17,8 @@ struct RunSceneOptions {
   std::string folder = ".";
   bool dry_run = false;
   bool allow_outside = false;
+  bool resume = false;
+  std::string frames;
 };
 
 std::size_t fixed_count(const SceneStep& step) {
@@ -101,11 +104,41 @@ void print_results(const SceneRun& run, const Scene& scene, const RunSceneOption
   }
 }
 
-int run_scene(const RunSceneOptions& options, const GlobalOptions& global, Console& console) {
-  const Scene scene = read_scene(options.scene);
+/// Which frames are to be made; the files of incomplete ones may be there.
+void choose_frames(Scene& scene, const RunSceneOptions& options, GlobalOptions& global) {
+  if (!scene.film) {
+    if (!options.resume && options.frames.empty()) return;
+    throw InputError({scene.file, options.resume ? "--resume" : "--frames",
+                      "a scene without frames", "a table [film]"});
+  }
+  scene.film->todo = frames_of(options.frames, *scene.film);
+  scene.film->makes_videos = options.frames.empty();
+  if (!options.resume || global.force) return;
+  leave_out_made(scene, options.folder);
+  global.force = true;
+}
+
+OutputPlan plan_of(const Scene& scene, const RunSceneOptions& options,
+                   const GlobalOptions& global) {
+  try {
+    return check_scene(scene, options.folder, global);
+  } catch (const UsageError& error) {
+    if (!scene.film) throw;
+    throw UsageError(std::string(error.what()) + ", or --resume to make the missing frames");
+  }
+}
+
+int run_scene(const RunSceneOptions& options, const GlobalOptions& given, Console& console) {
+  Scene scene = read_scene(options.scene);
+  GlobalOptions global = given;
+  choose_frames(scene, options, global);
   if (!options.allow_outside) require_inside(scene, options.folder);
-  const OutputPlan plan = check_scene(scene, options.folder, global);
+  const OutputPlan plan = plan_of(scene, options, global);
   if (options.dry_run) return try_scene(scene, options, global, console);
+  if (scene.film && scene.film->todo.empty() && !scene.film->makes_videos) {
+    console.note("all frames are there");
+    return kOk;
+  }
   console.claim(plan.files());
   SceneRun run(scene, options.folder, global.json, console);
   run.run();
@@ -120,12 +153,16 @@ Command add_run(CLI::App& program) {
   CLI::App* app = add_subcommand(program, "run", "Run a scene file: deform, render and export",
                                  "  supple run head_drag.toml\n"
                                  "  supple run head_drag.toml -o out/head_drag --force\n"
-                                 "  supple run head_drag.toml --dry-run");
+                                 "  supple run head_film.toml -o frames --resume");
   app->add_option("scene", options->scene, "A scene file")->required()->option_text("SCENE.toml");
   app->add_option("-o,--output", options->folder, "Folder of the outputs, created when missing")
       ->option_text("DIR");
   app->add_flag("--allow-outside", options->allow_outside,
                 "Let the scene write outside of DIR: by absolute names and by ..");
+  app->add_flag("--resume", options->resume,
+                "Of a film, make the frames that are missing, as after an interruption");
+  app->add_option("--frames", options->frames, "Of a film, make these frames alone, and no video")
+      ->option_text("A:B");
   app->add_flag("--dry-run", options->dry_run,
                 "Check the scene against its volume and print what it would do");
   return {app, [options](const GlobalOptions& global, Console& console) {

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "raycast/scene/camera_path.h"
 #include "raycast/scene/framing.h"
 #include "raycast/scene/stereo.h"
 #include "tools/outputs/staging.h"
@@ -78,13 +79,38 @@ void add(const RenderReport& more, RenderReport* sum) {
   sum->bytes = std::max(sum->bytes, more.bytes);
 }
 
+/// The keys of a view's camera, framed as the first frame shows the subject.
+CameraPath camera_path_of(const PosedVolume& subject, const Renderer* renderer, SceneView view,
+                          Console& console) {
+  CameraPath path;
+  const std::vector<CameraKey> keys = std::exchange(view.camera_keys, {});
+  const bool has_heights =
+      std::any_of(keys.begin(), keys.end(), [](const CameraKey& key) { return key.height; });
+  for (const CameraKey& key : keys) {
+    if (key.choice) {
+      view.camera = *key.choice;
+      const Camera camera = framed_camera(subject, renderer, view, console);
+      path.add_place(key.time, camera, key.easing);
+      if (!has_heights) path.add_height(key.time, camera.height_mm, key.easing);
+    }
+    if (key.fov) path.add_fov(key.time, *key.fov, key.easing);
+    if (key.height) path.add_height(key.time, *key.height, key.easing);
+    if (key.turn_deg) path.add_turn(key.time, *key.turn_deg, key.easing);
+    if (key.zoom) path.add_zoom(key.time, *key.zoom, key.easing);
+  }
+  return path;
+}
+
+}  // namespace
+
 /// Draws the pictures of one view, its sampling bricks built once.
 class ViewDrawing {
  public:
-  ViewDrawing(const PosedVolume& subject, const SceneView& view, RenderReport* report,
-              Console& console)
+  ViewDrawing(const PosedVolume& subject, const SceneView& view, const Film* film,
+              RenderReport* report, Console& console)
       : m_subject(subject),
         m_view(view),
+        m_film(film != nullptr ? *film : Film()),
         m_options(m_view.picture),
         m_report(report),
         m_console(console) {
@@ -93,9 +119,16 @@ class ViewDrawing {
     if (view.slice) {
       m_view.slice = effective_slice(*view.slice, subject.geometry, subject.density);
     } else {
-      m_camera = framed_camera(subject, m_renderer.get(), view, console);
+      SceneView framing = view;
+      framing.zoom = 1;
+      const bool turns = std::any_of(view.camera_keys.begin(), view.camera_keys.end(),
+                                     [](const CameraKey& key) { return key.turn_deg; });
+      if (turns) framing.picture.turntable = 1;  // in sight all the way round
+      m_camera = framed_camera(subject, m_renderer.get(), framing, console);
+      m_path = camera_path_of(subject, m_renderer.get(), framing, console);
       m_view.fit.clear();
       m_view.zoom = 1;
+      m_zoom = view.zoom;
     }
     m_offset_range.hi = m_options.offset_max_mm;
     const bool needs_longest = m_options.offset_max_mm == 0 && shows("offset");
@@ -104,26 +137,43 @@ class ViewDrawing {
 
   void draw_all(PictureWriter& writer) {
     for (int n = 0; n < m_options.frame_count(); ++n) {
-      SceneView frame = m_view;
-      const Camera camera = m_options.turntable > 0
-                                ? turned_about_target(m_camera, double(n) / m_options.turntable)
-                                : m_camera;
-      if (!m_view.slice) frame.camera.camera = camera;
       double fraction = 1;
       if (m_options.sequence > 0) fraction = double(n) / (m_options.sequence - 1);
-      m_is_seen = false;
-      const FloatImage picture = draw_at(fraction, frame);
-      if (m_renderer && !m_is_seen) {
-        m_console.warn(m_view.image + ": nothing is to be seen in the picture" +
-                       (m_options.is_series() ? ", number " + std::to_string(n) : ""));
-      }
-      writer.write({picture, n, describe(frame, n, fraction), m_offset_range,
-                    -camera_frame(camera).forward});
+      write_picture(n, fraction, writer,
+                    [&](const SceneView& view) { return draw_at(fraction, view); });
     }
     writer.finish();
   }
 
+  void draw_frame(const PosedVolume& subject, int n, PictureWriter& writer) {
+    write_picture(n, 1, writer, [&](const SceneView& view) { return draw_posed(subject, view); });
+    writer.finish();
+  }
+
  private:
+  Camera camera_at(int n) const {
+    if (m_options.turntable > 0) {
+      return zoomed(turned_about_target(m_camera, double(n) / m_options.turntable), m_zoom);
+    }
+    if (m_options.film == 0) return zoomed(m_camera, m_zoom);
+    return zoomed(m_path.at(m_camera, m_film.time_of(n)), m_zoom);
+  }
+
+  template <class Draw>
+  void write_picture(int n, double fraction, PictureWriter& writer, const Draw& draw) {
+    SceneView frame = m_view;
+    const Camera camera = camera_at(n);
+    if (!m_view.slice) frame.camera.camera = camera;
+    m_is_seen = false;
+    const FloatImage picture = draw(frame);
+    if (m_renderer && !m_is_seen) {
+      m_console.warn(m_view.image + ": nothing is to be seen in the picture" +
+                     (m_options.is_series() ? ", number " + std::to_string(n) : ""));
+    }
+    writer.write(
+        {picture, n, describe(frame, n, fraction), m_offset_range, -camera_frame(camera).forward});
+  }
+
   bool shows(const std::string& channel) const {
     const std::vector<std::string>& aux = m_options.aux;
     return std::find(aux.begin(), aux.end(), channel) != aux.end();
@@ -141,6 +191,8 @@ class ViewDrawing {
     const bool is_moved = m_subject.offsets != nullptr || m_subject.displacement != nullptr;
     require(is_moved || !shows("offset"), "aux", "no offsets to show",
             "a deformed state, or a volume through a warp");
+    require(m_options.film == 0 || !shows("offset") || m_options.offset_max_mm > 0, "offset_max",
+            "none beside offsets in a film", "mm, the same in all frames");
     const bool is_flat = m_view.lattice || m_view.slice;
     require(!is_flat || m_options.aux.empty(), "aux", "a lattice or slices to draw",
             "a picture of a volume");
@@ -192,23 +244,44 @@ class ViewDrawing {
     return describe_view(frame, more);
   }
 
-  const PosedVolume& m_subject;
+  const PosedVolume m_subject;
   SceneView m_view;
+  const Film m_film;
   const PictureOptions& m_options;
   RenderReport* m_report;
   Console& m_console;
   std::unique_ptr<Renderer> m_renderer;
   Camera m_camera;
+  CameraPath m_path;
+  double m_zoom = 1;
   bool m_is_seen = false;  // anything, in the picture that is drawn
   ScalarRange m_offset_range{0, 0};
 };
 
-}  // namespace
+FilmView::FilmView(const PosedVolume& first, const SceneView& view, const Film& film,
+                   RenderReport* report, Console& console)
+    : m_place(view.place) {
+  try {
+    m_drawing = std::make_unique<ViewDrawing>(first, view, &film, report, console);
+  } catch (const InputError& error) {
+    rethrow_at(view.place, error);
+  }
+}
+
+FilmView::~FilmView() = default;
+
+void FilmView::draw(const PosedVolume& subject, int frame, PictureWriter& writer) {
+  try {
+    m_drawing->draw_frame(subject, frame, writer);
+  } catch (const InputError& error) {
+    rethrow_at(m_place, error);
+  }
+}
 
 void draw_view(const PosedVolume& subject, const SceneView& view, PictureWriter& writer,
                RenderReport* report, Console& console) {
   try {
-    ViewDrawing(subject, view, report, console).draw_all(writer);
+    ViewDrawing(subject, view, nullptr, report, console).draw_all(writer);
   } catch (const InputError& error) {
     rethrow_at(view.place, error);
   }

@@ -14,4 +14,23 @@ namespace supple::tools {
 void draw_view(const PosedVolume& subject, const SceneView& view, PictureWriter& writer,
                RenderReport* report, Console& console);
 
+class ViewDrawing;
+
+/// A view in a film: its pictures one by one, its sampling bricks built once.
+class FilmView {
+ public:
+  /// The first frame decides how the camera frames the subject. All that the subjects refer to
+  /// stays where it is.
+  FilmView(const PosedVolume& first, const SceneView& view, const Film& film, RenderReport* report,
+           Console& console);
+  ~FilmView();
+
+  /// Throws as draw_view().
+  void draw(const PosedVolume& subject, int frame, PictureWriter& writer);
+
+ private:
+  std::unique_ptr<ViewDrawing> m_drawing;
+  std::string m_place;
+};
+
 }  // namespace supple::tools

@@ -50,7 +50,11 @@ void OutputPlan::add_image(const std::string& path) {
 }
 
 void OutputPlan::add_pictures(const PictureOptions& options, const std::string& image) {
-  for (const std::string& file : picture_files(options, image)) add_file(file);
+  add_files(picture_files(options, image));
+}
+
+void OutputPlan::add_files(const std::vector<std::string>& pictures) {
+  for (const std::string& file : pictures) add_file(file);
 }
 
 void OutputPlan::add_state(const std::string& path) {

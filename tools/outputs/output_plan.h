@@ -27,6 +27,7 @@ class OutputPlan {
   /// Each throws UsageError (exists, no --force) or InputError (everything else).
   void add_image(const std::string& path);                                     // .png
   void add_pictures(const PictureOptions& options, const std::string& image);  // of one view
+  void add_files(const std::vector<std::string>& pictures);                    // of a checked view
   void add_state(const std::string& path);                                     // .vdb
   void add_report(const std::string& path);                                    // .json
   void add_like(const std::string& path, const std::string& input);            // input's extension

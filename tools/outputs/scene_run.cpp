@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "lib/material/material_file.h"
-#include "tools/outputs/frames.h"
+#include "tools/outputs/film_record.h"
 #include "tools/outputs/output_plan.h"
 #include "tools/scene/run_step.h"
 #include "volumes/grid/brick_topology.h"
@@ -83,6 +83,13 @@ std::string path_in(const std::string& folder, const std::string& name) {
   return folder.empty() ? name : (std::filesystem::path(folder) / name).string();
 }
 
+void plan_outputs(const SceneOutput& output, const std::string& folder, OutputPlan& plan) {
+  if (!output.state.empty()) plan.add_state(path_in(folder, output.state));
+  for (const auto* names : {&output.offsets, &output.displacements, &output.volumes}) {
+    for (const std::string& name : *names) plan.add_dense(path_in(folder, name));
+  }
+}
+
 OutputPlan check_scene(const Scene& scene, const std::string& folder, const GlobalOptions& global) {
   const bool is_file = !scene.file.empty();
   OutputPlan plan(global, is_file);
@@ -100,12 +107,12 @@ OutputPlan check_scene(const Scene& scene, const std::string& folder, const Glob
   for (const SceneView& view : scene.views) {
     check_view(view);
     check_inverse(view, scene.path);
-    plan.add_pictures(view.picture, path_in(folder, view.image));
+    if (!scene.film) plan.add_pictures(view.picture, path_in(folder, view.image));
   }
-  const SceneOutput& output = scene.output;
-  if (!output.state.empty()) plan.add_state(path_in(folder, output.state));
-  for (const auto* names : {&output.offsets, &output.displacements, &output.volumes}) {
-    for (const std::string& name : *names) plan.add_dense(path_in(folder, name));
+  if (scene.film) {
+    plan_film(scene, folder, plan);
+  } else {
+    plan_outputs(scene.output, folder, plan);
   }
   return plan;
 }
@@ -141,7 +148,8 @@ SceneRun::~SceneRun() = default;
 void SceneRun::open() {
   if (needs_body(m_scene)) {
     require_no_warp(m_scene, "a body that moves by itself");
-    const SessionOptions options{m_scene.material, m_scene.labels_path, m_scene.read};
+    const bool is_animated = m_scene.film && m_scene.still_steps() < m_scene.steps.size();
+    const SessionOptions options{m_scene.material, m_scene.labels_path, m_scene.read, is_animated};
     m_session = std::make_unique<Session>(m_scene.volume_path, options, &m_console);
     m_state.geometry = m_session->geometry();
     m_grey_lo = m_session->body().material.domain_lo;
@@ -200,6 +208,7 @@ std::vector<HandlePlace> SceneRun::places(const SceneStep& step) const {
 }
 
 void SceneRun::run() {
+  if (m_scene.film) return run_film();
   draw_views(0);
   for (std::size_t n = 0; n < m_scene.steps.size(); ++n) {
     run_step(*m_session, m_scene.steps[n], m_tells_reactions, &m_console);
@@ -207,12 +216,15 @@ void SceneRun::run() {
   }
   if (writes_fields(m_scene.output)) seen(last_step());
   m_pictures.commit();
-  if (!m_scene.file.empty()) {
-    for (const std::string& name : m_scene.outputs()) {
-      std::filesystem::create_directories(std::filesystem::path(path_of(name)).parent_path());
-    }
+  make_folders();
+  write_outputs(last_step(), 0);
+}
+
+void SceneRun::make_folders() const {
+  if (m_scene.file.empty()) return;
+  for (const std::string& name : m_scene.outputs()) {
+    std::filesystem::create_directories(std::filesystem::path(path_of(name)).parent_path());
   }
-  write_outputs();
 }
 
 const InversionCertificate* SceneRun::certificate() const {
@@ -276,7 +288,7 @@ const Displacement& SceneRun::without_inverse(const SceneView& view, int step) {
 
 /// Whether the view, seen along a path of its own, is all that a state is opened for.
 bool SceneRun::is_all_that_reads(const SceneView& view) const {
-  return !m_session && m_scene.views.size() == 1 && view.picture.sequence == 0;
+  return !m_session && !m_scene.film && m_scene.views.size() == 1 && view.picture.sequence == 0;
 }
 
 /// Leaves the certificate.
@@ -322,55 +334,61 @@ const Pose* SceneRun::posed_volume_for(SceneView& view) {
   return &*m_own;
 }
 
+SceneRun::Drawn SceneRun::drawn_after(int step, const SceneView& view) {
+  SceneView asked = view;
+  const OffsetField* offsets = nullptr;
+  const Displacement* moved = nullptr;
+  const bool solves = !m_is_volume && view.deformed && !view.inverse;
+  if (solves) {
+    moved = &without_inverse(view, step);
+  } else if (const Pose* pose = m_is_volume ? posed_volume_for(asked) : posed_for(asked, step)) {
+    offsets = &pose->offsets;
+    if (!m_has_warp || !view.deformed) moved = &pose->displacement;
+  }
+  SceneView drawn = effective_view(asked, m_state.geometry, m_state.density.background());
+  if (offsets != nullptr && !reads_displacement(drawn)) moved = nullptr;
+  const BrickTopology& elements = m_is_volume ? m_state.density.bricks() : m_state.elements;
+  return {std::move(drawn),
+          {m_state.geometry, m_state.density, elements, offsets, moved, m_grey_lo, m_grey_hi,
+           m_is_volume ? kAirRings : 0, m_is_volume ? nullptr : &m_state.elements, &m_state.cuts}};
+}
+
 void SceneRun::draw_views(int step) {
   for (const SceneView& view : m_scene.views) {
     if (view.after_step.value_or(last_step()) != step) continue;
-    SceneView asked = view;
-    const OffsetField* offsets = nullptr;
-    const Displacement* moved = nullptr;
-    const bool solves = !m_is_volume && view.deformed && !view.inverse;
-    if (solves) {
-      moved = &without_inverse(view, step);
-    } else if (const Pose* pose = m_is_volume ? posed_volume_for(asked) : posed_for(asked, step)) {
-      offsets = &pose->offsets;
-      if (!m_has_warp || !view.deformed) moved = &pose->displacement;
-    }
-    const SceneView drawn = effective_view(asked, m_state.geometry, m_state.density.background());
-    if (offsets != nullptr && !reads_displacement(drawn)) moved = nullptr;
+    const Drawn drawn = drawn_after(step, view);
     PictureWriter writer(m_pictures, path_of(view.image), view.picture);
-    const BrickTopology& elements = m_is_volume ? m_state.density.bricks() : m_state.elements;
-    const PosedVolume subject{m_state.geometry,
-                              m_state.density,
-                              elements,
-                              offsets,
-                              moved,
-                              m_grey_lo,
-                              m_grey_hi,
-                              m_is_volume ? kAirRings : 0,
-                              m_is_volume ? nullptr : &m_state.elements,
-                              &m_state.cuts};
-    draw_view(subject, drawn, writer, &m_drawn, m_console);
+    draw_view(drawn.subject, drawn.view, writer, &m_drawn, m_console);
     m_own.reset();
   }
 }
 
-void SceneRun::write_outputs() {
+/// Of a film the outputs of one frame: those with a number, and after the last frame all.
+void SceneRun::write_outputs(int last, int frame) {
   const SceneOutput& output = m_scene.output;
-  const int last = last_step();
-  if (!output.state.empty()) {
+  const auto is_due = [&](const std::string& name) {
+    if (!m_scene.film) return !name.empty();
+    return has_frame_number(name) || (!name.empty() && frame == m_scene.film->frames - 1);
+  };
+  const auto file_of = [&](const std::string& name) {
+    return path_of(m_scene.film ? frame_name(name, frame) : name);
+  };
+  if (is_due(output.state)) {
     const Pose& moved = deformed(last);
-    write_state(path_of(output.state), m_state, moved.offsets, &m_console);
+    write_state(file_of(output.state), m_state, moved.offsets, &m_console);
   }
   const auto write_warps = [&](const std::vector<std::string>& names, WarpDirection direction) {
     for (const std::string& name : names) {
-      write_state_warp({path_of(name), direction, VoidMode::nearest, m_state.geometry}, m_state,
+      if (!is_due(name)) continue;
+      write_state_warp({file_of(name), direction, VoidMode::nearest, m_state.geometry}, m_state,
                        seen(last), &m_console);
     }
   };
   write_warps(output.offsets, WarpDirection::resample);
   write_warps(output.displacements, WarpDirection::material);
   for (const std::string& name : output.volumes) {
-    write_resampled(path_of(name), m_state, seen(last), m_state.geometry, {}, &m_console);
+    if (!is_due(name)) continue;
+    write_resampled(file_of(name), m_state, seen(last), m_state.geometry, {}, &m_console);
   }
 }
 

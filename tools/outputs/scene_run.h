@@ -7,6 +7,7 @@
 
 #include "lib/session/session.h"
 #include "tools/console/console.h"
+#include "tools/outputs/frames.h"
 #include "tools/outputs/output_plan.h"
 #include "tools/outputs/view_pictures.h"
 #include "tools/pictures/picture_writer.h"
@@ -18,6 +19,9 @@ namespace supple::tools {
 /// be known to fail before a volume is read. Missing folders are no error where the scene is a
 /// file. Throws UsageError or InputError.
 OutputPlan check_scene(const Scene& scene, const std::string& folder, const GlobalOptions& global);
+
+/// Adds files that are no pictures.
+void plan_outputs(const SceneOutput& output, const std::string& folder, OutputPlan& plan);
 
 /// Throws InputError for an output by an absolute name or by "..", which lies outside of the
 /// folder.
@@ -41,7 +45,8 @@ class SceneRun {
   /// What the handles of a step take hold of.
   std::vector<HandlePlace> places(const SceneStep& step) const;
 
-  /// Solves and draws everything first, so that a scene that fails leaves nothing behind.
+  /// Solves and draws everything first, so that a scene that fails leaves nothing behind. Of a film
+  /// every frame stands by itself: its files appear when all of them are complete.
   void run();
 
   /// The body; null where nothing moves.
@@ -66,8 +71,19 @@ class SceneRun {
   const Pose* posed_volume_for(SceneView& view);
   bool is_all_that_reads(const SceneView& view) const;
   Pose take_deformed();
+  /// A view as it is drawn after a step, and what it shows.
+  struct Drawn {
+    SceneView view;
+    PosedVolume subject;
+  };
+  Drawn drawn_after(int step, const SceneView& view);
   void draw_views(int step);
-  void write_outputs();
+  void make_folders() const;
+  void write_outputs(int last, int frame);
+  void run_film();
+  int pose_frame(int frame);
+  void make_frame(int frame, std::vector<std::unique_ptr<FilmView>>& views);
+  void make_videos();
 
   const Scene& m_scene;
   std::string m_folder;
@@ -82,6 +98,7 @@ class SceneRun {
   int m_state_step = -1, m_displaced_step = -1, m_inverted_step = -1, m_seen_step = -1;
   std::optional<Pose> m_seen;  // as the scene's path shows it
   std::optional<Pose> m_own;   // as the path of one view does
+  int m_posed_steps = 0;       // of the session, that a frame of a film has taken
   PendingFiles m_pictures;
   RenderReport m_drawn;
 };

@@ -12,19 +12,42 @@ namespace supple::tools {
 
 namespace {
 
-constexpr int kMaxFrames = 10000;
-
 /// %d or %04d and the like, once.
 const std::regex& frame_pattern() {
   static const std::regex pattern("%(0([1-9]))?d");
   return pattern;
 }
 
-bool has_frame_number(const std::string& name) {
-  return std::regex_search(name, frame_pattern());
+/// A film is made frame by frame, its video of the files.
+void check_film(const PictureOptions& options, const std::string& image, const std::string& place) {
+  const auto refuse = [&](const char* field, const std::string& found,
+                          const std::string& expected) {
+    throw InputError({place, field, found, expected});
+  };
+  if (options.film == 0) {
+    if (!options.video.empty()) refuse("video", options.video, "a scene with [film]");
+    return;
+  }
+  if (options.turntable > 0) refuse("turntable", "a turntable in a film", "turn in camera_path");
+  if (options.sequence > 0) refuse("sequence", "a sequence in a film", "a path of the handle");
+  if (picture_kind(image) == PictureKind::video) {
+    refuse("image", image, "numbered pictures, and video = \"" + image + "\" beside them");
+  }
+  if (options.video.empty()) return;
+  if (!is_video_extension(std::filesystem::path(options.video).extension().string())) {
+    refuse("video", options.video, "extension .mp4, .webm or .avi");
+  }
+  if (picture_kind(image) != PictureKind::png || options.bits != 8) {
+    refuse("video", "a video of " + image, "PNG files of 8 bits");
+  }
+  require_video_encoder(options.video);
 }
 
 }  // namespace
+
+bool has_frame_number(const std::string& name) {
+  return std::regex_search(name, frame_pattern());
+}
 
 PictureKind picture_kind(const std::string& path) {
   const std::string extension = std::filesystem::path(path).extension().string();
@@ -55,16 +78,20 @@ Fields fields(PictureOptions& options) {
           .otherwise("1/30 of the distance to the target"),
       Field("turntable", options.turntable,
             "N pictures around the target, as a_%03d.png or a video (.mp4, .webm, .avi)")
-          .range(1, kMaxFrames)
+          .range(1, kMostFrames)
           .otherwise(""),
       Field("sequence", options.sequence, "N pictures from rest to the deformed state")
           .for_slices()
-          .range(2, kMaxFrames)
+          .range(2, kMostFrames)
           .otherwise(""),
       Field("fps", options.frames_per_second, "Pictures a second of a video")
           .for_slices()
           .range(0.1, 240)
           .shown_as("F"),
+      Field("video", options.video, "Also a video (.mp4, .webm, .avi) of the PNG files of a film")
+          .for_slices()
+          .only_in_scenes()
+          .shown_as("FILE"),
   };
 }
 
@@ -79,6 +106,7 @@ void check_picture_options(const PictureOptions& options, const std::string& ima
     refuse("bits", std::to_string(options.bits), "8 or 16");
   }
   if (options.bits == 16 && kind != PictureKind::png) refuse("bits", "16 of " + image, "a PNG");
+  check_film(options, image, place);
   if (options.turntable > 0 && options.sequence > 0) {
     refuse("sequence", "turntable and sequence", "one of both");
   }
@@ -108,6 +136,14 @@ std::string aux_name(const std::string& image, const std::string& channel) {
   return (path.parent_path() / (path.stem().string() + "_" + channel + ".png")).string();
 }
 
+std::vector<std::string> frame_files(const PictureOptions& options, const std::string& image,
+                                     int frame) {
+  const std::string name = frame_name(image, frame);
+  std::vector<std::string> files = {name};
+  for (const std::string& channel : options.aux) files.push_back(aux_name(name, channel));
+  return files;
+}
+
 std::vector<std::string> picture_files(const PictureOptions& options, const std::string& image) {
   if (picture_kind(image) == PictureKind::video || !options.is_series()) {
     std::vector<std::string> files = {image};
@@ -116,9 +152,8 @@ std::vector<std::string> picture_files(const PictureOptions& options, const std:
   }
   std::vector<std::string> files;
   for (int n = 0; n < options.frame_count(); ++n) {
-    const std::string name = frame_name(image, n);
-    files.push_back(name);
-    for (const std::string& channel : options.aux) files.push_back(aux_name(name, channel));
+    const std::vector<std::string> more = frame_files(options, image, n);
+    files.insert(files.end(), more.begin(), more.end());
   }
   return files;
 }

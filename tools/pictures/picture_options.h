@@ -22,10 +22,14 @@ struct PictureOptions {
   int turntable = 0;             // pictures of a full turn; 0: none
   int sequence = 0;              // pictures from rest to the deformed state; 0: none
   double frames_per_second = 25;
+  std::string video;  // of the numbered pictures of a film
+  int film = 0;       // frames of the scene's film; 0: none
 
-  bool is_series() const { return turntable > 0 || sequence > 0; }
-  int frame_count() const { return std::max({1, turntable, sequence}); }
+  bool is_series() const { return turntable > 0 || sequence > 0 || film > 0; }
+  int frame_count() const { return std::max({1, turntable, sequence, film}); }
 };
+
+constexpr int kMostFrames = 10000;
 
 /// By the extension. Throws InputError for another than .png, .exr, .mp4, .webm and .avi.
 PictureKind picture_kind(const std::string& path);
@@ -38,10 +42,15 @@ Fields fields(PictureOptions& options);
 void check_picture_options(const PictureOptions& options, const std::string& image,
                            const std::string& place);
 
+/// Whether there is a place for a number, %d or %04d and the like.
+bool has_frame_number(const std::string& name);
 /// "name_%04d.png" with a number; the name itself when it has no %d.
 std::string frame_name(const std::string& image, int frame);
 /// "name.png" and "depth" to "name_depth.png"; always a PNG.
 std::string aux_name(const std::string& image, const std::string& channel);
+/// The files of one picture of a series.
+std::vector<std::string> frame_files(const PictureOptions& options, const std::string& image,
+                                     int frame);
 /// Every file that the pictures of one view become.
 std::vector<std::string> picture_files(const PictureOptions& options, const std::string& image);
 

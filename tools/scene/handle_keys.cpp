@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "tools/scene/film.h"
 #include "volumes/base/error.h"
 
 namespace supple::tools {
@@ -9,8 +10,8 @@ namespace supple::tools {
 namespace {
 
 /// Keys of handles that are no plain fields.
-constexpr std::initializer_list<const char*> kOtherKeys = {"grab", "grab_box", "grab_label",
-                                                           "at_mm", "points"};
+constexpr std::initializer_list<const char*> kOtherKeys = {"grab",  "grab_box", "grab_label",
+                                                           "at_mm", "points",   "path"};
 
 std::int32_t label_of(const TomlTable& table, const std::string& key, const std::string& text,
                       const LabelNames& names) {
@@ -83,14 +84,50 @@ void check_turn(const TomlTable& table, const GivenHandle& handle) {
   const bool scales = handle.scale || handle.scale_axes;
   if (handle.scale && handle.scale_axes) table.fail("scale", "scale and scale_axes", "one of both");
   if (handle.rotate_deg && !handle.axis) table.fail_missing("axis", "the direction [x, y, z]");
-  if (handle.axis && !handle.rotate_deg) table.fail("axis", "an axis without rotate", "both");
+  if (handle.axis && !handle.rotate_deg && !handle.is_animated()) {
+    table.fail("axis", "an axis without rotate", "both");
+  }
   if (handle.axis && *handle.axis == Vec3d(0)) table.fail("axis", "[0, 0, 0]", "a direction");
-  if (handle.about && !handle.rotate_deg && !scales) {
+  if (handle.about && !handle.rotate_deg && !scales && !handle.is_animated()) {
     table.fail("about", "a point without rotate or scale", "one of both");
   }
   if (handle.soft_mm > 0 &&
       (handle.piece_at || !(handle.corners || handle.ball || handle.at_lps_mm))) {
     table.fail("soft", "an edge of something else", "an edge of a voxel, box or ball");
+  }
+}
+
+GivenPose read_pose(TomlTable& table) {
+  GivenPose pose;
+  pose.place = table.place();
+  table.read(fields(pose));
+  table.finish();
+  const bool scales = pose.scale || pose.scale_axes;
+  if (!pose.by && !pose.by_lps_mm && !pose.rotate_deg && !scales) {
+    table.fail_missing("by", "by = [x, y, z], by_mm_lps, rotate or scale");
+  }
+  if (pose.by && pose.by_lps_mm) table.fail("by", "by and by_mm_lps", "one of both");
+  if (pose.scale && pose.scale_axes) table.fail("scale", "scale and scale_axes", "one of both");
+  if (pose.axis && *pose.axis == Vec3d(0)) table.fail("axis", "[0, 0, 0]", "a direction");
+  return pose;
+}
+
+void read_poses(TomlTable& table, GivenHandle& handle) {
+  bool has_axis = handle.axis.has_value(), turns = false;
+  for (TomlTable& pose : table.tables("path")) {
+    handle.path.push_back(read_pose(pose));
+    has_axis = has_axis || handle.path.back().axis;
+    turns = turns || handle.path.back().rotate_deg;
+    require_later(pose, handle.path);
+  }
+  if (!handle.is_animated()) return;
+  for (const char* key : {"by", "by_mm_lps", "scale", "scale_axes", "rotate"}) {
+    if (table.has(key)) table.fail(key, std::string(key) + " beside path", "it in the path's keys");
+  }
+  if (turns && !has_axis) table.fail_missing("axis", "the direction [x, y, z] of the turns");
+  if (!turns && has_axis) table.fail("axis", "an axis without rotate", "both");
+  if (handle.points && handle.points->has_displacements) {
+    table.fail("path", "a path beside the displacements of the points", "one of both");
   }
 }
 
@@ -150,7 +187,9 @@ GivenHandle read_handle(TomlTable& table, const LabelNames& names) {
   has_handle(table);
   read_selection(table, names, handle);
   table.read(fields(static_cast<GivenMotion&>(handle)));
+  read_poses(table, handle);
   check_turn(table, handle);
+  if (handle.is_animated()) return handle;
   const bool is_posed = handle.rotate_deg || handle.scale || handle.scale_axes;
   if (handle.points && handle.points->has_displacements) {
     if (!handle.by && !handle.by_lps_mm && !is_posed) return handle;
@@ -164,7 +203,7 @@ GivenHandle read_handle(TomlTable& table, const LabelNames& names) {
     table.fail("by", "by and by_mm_lps", "either by = [x, y, z] or by_mm_lps");
   }
   if (!handle.by && !handle.by_lps_mm && !is_posed) {
-    table.fail_missing("by", "by = [x, y, z], by_mm_lps, rotate or scale");
+    table.fail_missing("by", "by = [x, y, z], by_mm_lps, rotate, scale or path");
   }
   return handle;
 }
@@ -173,6 +212,7 @@ GivenSelection read_anchor(TomlTable& table, const LabelNames& names) {
   GivenSelection given;
   table.know(kOtherKeys);
   read_selection(table, names, given);
+  if (table.has("path")) table.fail("path", "in anchors", "it in handles");
   if (given.points || given.label) {
     table.fail(given.points ? "points" : "grab_label", "in anchors", "fix_points or fix_label");
   }

@@ -6,10 +6,12 @@
 
 namespace supple::tools {
 
-StepRequest request_of(const SceneStep& step, const Geometry& geometry) {
+StepRequest request_of(const SceneStep& step, const Geometry& geometry, double time) {
   StepRequest request;
   for (const GivenHandle& handle : step.handles) {
-    for (Drag& drag : to_drags(handle, geometry)) request.drags.push_back(std::move(drag));
+    for (Drag& drag : to_drags(handle, geometry, time)) {
+      request.drags.push_back(std::move(drag));
+    }
   }
   request.fix = step.fix;
   for (const PointFile& file : step.fix_points) {
@@ -111,10 +113,10 @@ void check_step(const Session& session, const SceneStep& step) {
 }
 
 const StepRecord& run_step(Session& session, const SceneStep& step, bool tells_reactions,
-                           Progress* progress) {
+                           Progress* progress, double time) {
   return placed_at(step, [&]() -> const StepRecord& {
     require_points(step, session.body());
-    StepRequest request = request_of(step, session.geometry());
+    StepRequest request = request_of(step, session.geometry(), time);
     request.tells_reactions = tells_reactions;
     return session.step(request, progress);
   });

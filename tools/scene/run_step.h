@@ -1,6 +1,8 @@
 // The one stage that runs a step, whether a scene or the options of `supple deform` ask for it.
 #pragma once
 
+#include <limits>
+
 #include "lib/session/session.h"
 #include "tools/scene/scene.h"
 
@@ -10,8 +12,12 @@ namespace supple::tools {
 /// InputError.
 void check_step(const SceneStep& step, const Geometry& geometry);
 
-/// What a step asks of the solver, on the grid of the volume.
-StepRequest request_of(const SceneStep& step, const Geometry& geometry);
+/// After every key of a path.
+constexpr double kEndOfPaths = std::numeric_limits<double>::infinity();
+
+/// What a step asks of the solver, on the grid of the volume, with the handles that follow a path
+/// at their poses at `time`.
+StepRequest request_of(const SceneStep& step, const Geometry& geometry, double time = kEndOfPaths);
 
 /// Throws InputError, naming the step, for handles and fixed voxels that are no elements.
 void check_step(const Session& session, const SceneStep& step);
@@ -19,6 +25,6 @@ void check_step(const Session& session, const SceneStep& step);
 /// Names the step in the errors of the solver. `tells_reactions`: the record holds what handles
 /// feel.
 const StepRecord& run_step(Session& session, const SceneStep& step, bool tells_reactions,
-                           Progress* progress);
+                           Progress* progress, double time = kEndOfPaths);
 
 }  // namespace supple::tools

@@ -6,6 +6,7 @@
 #include "lib/material/toml_table.h"
 #include "tools/scene/handle_keys.h"
 #include "tools/scene/spring_keys.h"
+#include "tools/scene/transfer_file.h"
 #include "volumes/base/error.h"
 #include "volumes/io/load/label_file.h"
 #include "volumes/io/open_volume.h"
@@ -132,6 +133,56 @@ SceneOutput read_output(TomlTable& table) {
   return output;
 }
 
+/// Of a key, if it has one.
+void stretch(Film& film, bool has_frames, double time) {
+  if (!has_frames) film.frames = std::max(film.frames, film.frames_until(time));
+}
+
+void read_film(TomlTable& table, Scene& scene) {
+  Film film;
+  table.read(fields(film));
+  table.finish();
+  const bool has_frames = film.frames > 0;
+  for (const SceneStep& step : scene.steps) {
+    for (const GivenHandle& handle : step.handles) {
+      if (handle.is_animated()) stretch(film, has_frames, handle.path.back().time);
+    }
+  }
+  for (SceneView& view : scene.views) {
+    if (!view.camera_keys.empty()) stretch(film, has_frames, view.camera_keys.back().time);
+  }
+  if (film.frames == 0) table.fail_missing("frames", "how many, or keys with times in a path");
+  for (int frame = 0; frame < film.frames; ++frame) film.todo.push_back(frame);
+  for (SceneView& view : scene.views) {
+    if (view.after_step) {
+      throw InputError({view.place, "after_step", "a step in a film", "a film of all steps"});
+    }
+    view.picture.film = film.frames;
+    view.picture.frames_per_second = film.frames_per_second;
+  }
+  scene.film = film;
+}
+
+/// Paths need a film's times.
+void require_film(const Scene& scene) {
+  for (const SceneView& view : scene.views) {
+    if (view.camera_keys.empty()) continue;
+    throw InputError({view.camera_keys.front().place, "camera_path", "a path without a film",
+                      "a table [film] beside it"});
+  }
+}
+
+/// What the pictures depend on, but for the contents of the volume, its labels and meshes.
+std::string description_of(const Scene& scene, const std::string& text) {
+  std::string all = text;
+  if (scene.material) all += material_to_toml(*scene.material);
+  for (const SceneView& view : scene.views) {
+    if (view.transfer) all += to_toml(*view.transfer);
+    if (view.camera.camera) all += to_toml(*view.camera.camera);
+  }
+  return all;
+}
+
 }  // namespace
 
 bool SceneStep::does_nothing() const {
@@ -139,16 +190,59 @@ bool SceneStep::does_nothing() const {
          anchors.empty() && cuts.empty() && !relax && !springs && limits != Limits::tighten;
 }
 
+bool SceneStep::is_animated() const {
+  return std::any_of(handles.begin(), handles.end(),
+                     [](const GivenHandle& handle) { return handle.is_animated(); });
+}
+
+std::size_t Scene::still_steps() const {
+  const auto first = std::find_if(steps.begin(), steps.end(),
+                                  [](const SceneStep& step) { return step.is_animated(); });
+  return std::size_t(first - steps.begin());
+}
+
+std::vector<std::string> SceneOutput::all() const {
+  std::vector<std::string> names;
+  if (!state.empty()) names.push_back(state);
+  for (const auto* list : {&offsets, &displacements, &volumes}) {
+    names.insert(names.end(), list->begin(), list->end());
+  }
+  return names;
+}
+
+std::vector<std::string> Scene::outputs_of(int frame) const {
+  std::vector<std::string> paths;
+  for (const SceneView& view : views) {
+    const std::vector<std::string> files = frame_files(view.picture, view.image, frame);
+    paths.insert(paths.end(), files.begin(), files.end());
+  }
+  for (const std::string& name : output.all()) {
+    if (has_frame_number(name) || frame == film->frames - 1) {
+      paths.push_back(frame_name(name, frame));
+    }
+  }
+  return paths;
+}
+
 std::vector<std::string> Scene::outputs() const {
   std::vector<std::string> paths;
+  if (film) {
+    for (const int frame : film->todo) {
+      const std::vector<std::string> files = outputs_of(frame);
+      paths.insert(paths.end(), files.begin(), files.end());
+    }
+    for (const SceneView& view : views) {
+      const std::string& video = view.picture.video;
+      if (film->makes_videos && !video.empty()) paths.push_back(video);
+    }
+    return paths;
+  }
   for (const SceneView& view : views) {
     const std::vector<std::string> files = picture_files(view.picture, view.image);
     paths.insert(paths.end(), files.begin(), files.end());
   }
-  if (!output.state.empty()) paths.push_back(output.state);
-  for (const auto* list : {&output.offsets, &output.displacements, &output.volumes}) {
-    paths.insert(paths.end(), list->begin(), list->end());
-  }
+  const std::vector<std::string> names = output.all();
+  paths.insert(paths.end(), names.begin(), names.end());
   return paths;
 }
 
@@ -172,7 +266,7 @@ Scene read_scene(TomlTable root) {
   Scene scene;
   scene.file = root.file();
 
-  root.know({"volume", "labels", "material", "step", "view", "path", "output"});
+  root.know({"volume", "labels", "material", "step", "view", "path", "output", "film"});
   TomlTable volume = root.require(root.table("volume"), "volume", "a table [volume] with a path");
   volume.know({"path", "offsets"});
   volume.read(fields(scene.read));
@@ -202,6 +296,12 @@ Scene read_scene(TomlTable root) {
   for (TomlTable& view : root.tables("view")) scene.views.push_back(read_view(view, steps));
   scene.path = read_path(root);
   if (auto output = root.table("output")) scene.output = read_output(*output);
+  if (auto film = root.table("film")) {
+    read_film(*film, scene);
+    scene.described = description_of(scene, root.json());
+  } else {
+    require_film(scene);
+  }
   root.finish();
   scene.warnings = root.warnings();
   return scene;

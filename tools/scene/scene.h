@@ -10,6 +10,7 @@
 #include "lib/session/cut_surface.h"
 #include "lib/session/handles.h"
 #include "lib/session/session.h"
+#include "tools/scene/film.h"
 #include "tools/scene/view.h"
 #include "volumes/base/vec.h"
 
@@ -29,6 +30,8 @@ struct SceneStep {
   std::optional<SpringStep> springs;  // when model = "springs"
 
   bool does_nothing() const;
+  /// Whether a handle follows a path.
+  bool is_animated() const;
 };
 
 struct SceneOutput {
@@ -36,6 +39,8 @@ struct SceneOutput {
   std::vector<std::string> offsets;        // resample-direction warps
   std::vector<std::string> displacements;  // material-direction warps
   std::vector<std::string> volumes;        // resampled volumes
+
+  std::vector<std::string> all() const;
 };
 
 struct Scene {
@@ -50,10 +55,16 @@ struct Scene {
   std::vector<SceneView> views;
   std::vector<OffsetFunction> path;  // of all deformed views and outputs but the state
   SceneOutput output;
+  std::optional<Film> film;
+  std::string described;              // the file and those that it names, for a film's record
   std::vector<std::string> warnings;  // keys by their former names
 
-  /// Every output path, relative as written.
+  /// Every output path, relative as written; of a film, those of its frames to be made.
   std::vector<std::string> outputs() const;
+  /// The files of one frame of a film. An output without a number is of the last one.
+  std::vector<std::string> outputs_of(int frame) const;
+  /// Steps before the first whose handles follow a path: the same in all frames.
+  std::size_t still_steps() const;
 };
 
 /// Of a [[step]], but for its lists and tables: handles, fix, cut, relax, springs. `model` is

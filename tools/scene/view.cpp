@@ -10,60 +10,6 @@ namespace supple::tools {
 
 namespace {
 
-/// What a camera table may say of a position.
-struct CameraPosition {
-  std::optional<Vec3d> position, target, up;
-  std::optional<double> fov, height;
-
-  /// Whether there is more than a named view may have.
-  bool is_given() const { return position || target || up; }
-};
-
-Fields camera_fields(CameraChoice& choice, CameraPosition& given) {
-  return {
-      Field("projection", choice.projection, {"perspective", "orthographic"}, "Of the rays"),
-      side_field(choice.view),
-      Field("position", given.position, "Of the eye, in LPS mm, instead of a side"),
-      Field("target", given.target, "What it looks at, in LPS mm"),
-      Field("up", given.up, "Upwards in the picture, in LPS").otherwise("[0, 0, 1]"),
-      Field("fov", given.fov, "Vertical angle of a perspective picture")
-          .unit("degrees")
-          .otherwise("30"),
-      Field("height", given.height, "Of an orthographic picture").unit("mm").otherwise("300"),
-  };
-}
-
-CameraChoice read_camera(TomlTable table) {
-  CameraChoice choice;
-  CameraPosition given;
-  table.read(camera_fields(choice, given));
-  table.finish();
-  const bool perspective = choice.projection == Projection::perspective;
-  if (perspective && given.height) table.fail("height", "height", "fov for a perspective camera");
-  if (!perspective && given.fov) table.fail("fov", "fov", "height for an orthographic camera");
-  Camera camera;
-  if (!given.is_given()) {
-    choice.fov_degrees = given.fov;
-    choice.height_mm = given.height;
-    camera.vertical_fov_degrees = given.fov.value_or(camera.vertical_fov_degrees);
-    camera.height_mm = given.height.value_or(camera.height_mm);
-    camera.validate(table.place());
-    return choice;
-  }
-  if (table.has("view")) {
-    table.fail("view", "view beside position", "a named view or a position, not both");
-  }
-  camera.projection = choice.projection;
-  camera.position_lps_mm = table.require(given.position, "position", "three numbers in LPS mm");
-  camera.target_lps_mm = table.require(given.target, "target", "three numbers in LPS mm");
-  camera.up_lps = given.up.value_or(camera.up_lps);
-  camera.vertical_fov_degrees = given.fov.value_or(camera.vertical_fov_degrees);
-  camera.height_mm = given.height.value_or(camera.height_mm);
-  camera.validate(table.place());
-  choice.camera = camera;
-  return choice;
-}
-
 Fields half_space_fields(HalfSpace& half) {
   return {
       Field("point", half.point_lps_mm, "A point in LPS mm").required(),
@@ -116,16 +62,6 @@ void refuse_beside_slice(const TomlTable& table, const Fields& fields) {
 }
 
 }  // namespace
-
-Field side_field(std::string& side) {
-  return Field("view", side, "The side that the volume is seen from")
-      .one_of(view_names())
-      .also("front", "anterior")
-      .also("back", "posterior")
-      .also("top", "superior")
-      .also("bottom", "inferior")
-      .shown_as("SIDE");
-}
 
 Fields fields(Clip& clip) {
   return {
@@ -193,7 +129,7 @@ Fields fields(SceneView& view) {
 SceneView read_view(TomlTable& table, int steps) {
   SceneView view;
   view.place = table.place();
-  table.know({"transfer", "camera", "clip", "light", "mesh", "slice", "path"});
+  table.know({"transfer", "camera", "clip", "light", "mesh", "slice", "path", "camera_path"});
   table.read(fields(view));
   if (const auto path = table.path("transfer")) {
     if (!view.preset.empty()) table.fail("transfer", "preset and transfer", "one of both");
@@ -203,11 +139,8 @@ SceneView read_view(TomlTable& table, int steps) {
   for (TomlTable& clip : table.tables("clip")) view.clips.push_back(read_clip(clip));
   view.lighting.lights = read_lights(table);
   view.meshes = read_meshes(table);
-  if (table.is_string("camera")) {
-    view.camera = read_camera(TomlTable::read(*table.path("camera")));
-  } else if (const auto camera = table.table("camera")) {
-    view.camera = read_camera(*camera);
-  }
+  view.camera = read_camera_choice(table);
+  view.camera_keys = read_camera_keys(table, view.camera);
   if (view.half_offsets && !view.inverse) {
     table.fail("half_offsets", "half_offsets without inverse", "one of both");
   }
@@ -223,19 +156,6 @@ SceneView read_view(TomlTable& table, int steps) {
   table.finish();
   if (view.slice) refuse_beside_slice(table, fields(view));
   return view;
-}
-
-std::string to_toml(const Camera& camera) {
-  const auto list = [](const Vec3d& v) {
-    return "[" + exact_text(v.x) + ", " + exact_text(v.y) + ", " + exact_text(v.z) + "]\n";
-  };
-  const bool perspective = camera.projection == Projection::perspective;
-  std::string text = "projection = \"";
-  text += perspective ? "perspective\"\n" : "orthographic\"\n";
-  text += "position = " + list(camera.position_lps_mm) + "target = " + list(camera.target_lps_mm) +
-          "up = " + list(camera.up_lps);
-  return text + (perspective ? "fov = " + exact_text(camera.vertical_fov_degrees) + "\n"
-                             : "height = " + exact_text(camera.height_mm) + "\n");
 }
 
 std::vector<Clip> resolve_clips(const std::vector<ClipChoice>& choices, const Geometry& geometry) {

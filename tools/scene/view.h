@@ -13,19 +13,12 @@
 #include "raycast/scene/transfer_function.h"
 #include "tools/pictures/decoration.h"
 #include "tools/pictures/picture_options.h"
+#include "tools/scene/camera_keys.h"
 #include "tools/scene/offset_functions.h"
 #include "tools/scene/slice_view.h"
 #include "tools/scene/view_light.h"
 
 namespace supple::tools {
-
-/// Camera as given: a named view, which frames the volume, or a full camera.
-struct CameraChoice {
-  std::string view = "anterior";
-  Projection projection = Projection::perspective;
-  std::optional<double> fov_degrees, height_mm;  // of a named view, in place of its own
-  std::optional<Camera> camera;
-};
 
 /// A clip as given: a box in voxels needs the volume's geometry.
 struct ClipChoice {
@@ -55,7 +48,8 @@ struct SceneView {
   std::vector<MeshChoice> meshes;
   bool clip_meshes = false;
   CameraChoice camera;
-  std::string fit;  // box, body or visible; empty: a named view frames the box
+  std::vector<CameraKey> camera_keys;  // of a film, times ascend
+  std::string fit;                     // box, body or visible; empty: a named view frames the box
   double zoom = 1;
   Decoration decoration;
   PixelSize size{1024, 1024};
@@ -74,14 +68,8 @@ Fields fields(Clip& clip);
 /// Of a [[view]], but for its tables: camera, clip, light, mesh, path, slice.
 Fields fields(SceneView& view);
 
-/// The key `view` of a camera and the option of that name: a side, "front" for anterior and so on.
-Field side_field(std::string& side);
-
 /// A table [[view]] of a scene with that many steps. Throws InputError as TomlTable does.
 SceneView read_view(TomlTable& table, int steps);
-
-/// The file of a camera that a view's key `camera` names: the keys of that table.
-std::string to_toml(const Camera& camera);
 
 /// The clips of a view of the volume.
 std::vector<Clip> resolve_clips(const std::vector<ClipChoice>& choices, const Geometry& geometry);

@@ -1,0 +1,101 @@
+// The frames of a film. Each is solved from where the body is before the first step with a path, so
+// that it depends on the scene and its own time alone: frames may be made in any order, by several
+// processes, and again after an interruption, with the same bytes. What stays from frame to frame
+// is that body, one copy of its node state and the sampling bricks of each view.
+#include <algorithm>
+#include <filesystem>
+
+#include "tools/outputs/film_record.h"
+#include "tools/outputs/scene_run.h"
+#include "tools/pictures/video.h"
+#include "tools/scene/run_step.h"
+
+namespace supple::tools {
+
+namespace {
+
+InputError in_frame(int frame, const InputError& error) {
+  const Problem& problem = error.problem();
+  return InputError({problem.file, problem.field + " in frame " + std::to_string(frame),
+                     problem.found, problem.expected});
+}
+
+}  // namespace
+
+/// The number by which the poses of this frame are kept.
+int SceneRun::pose_frame(int frame) {
+  const std::size_t still = m_scene.still_steps();
+  if (still == m_scene.steps.size()) return 0;
+  for (; m_posed_steps > 0; --m_posed_steps) m_session->undo();
+  const double time = m_scene.film->time_of(frame);
+  for (std::size_t n = still; n < m_scene.steps.size(); ++n) {
+    run_step(*m_session, m_scene.steps[n], m_tells_reactions, &m_console, time);
+    ++m_posed_steps;
+  }
+  return frame;
+}
+
+void SceneRun::make_frame(int frame, std::vector<std::unique_ptr<FilmView>>& views) {
+  const int pose = pose_frame(frame);
+  PendingFiles pictures;
+  for (std::size_t n = 0; n < views.size(); ++n) {
+    const SceneView& view = m_scene.views[n];
+    const Drawn drawn = drawn_after(pose, view);
+    PictureWriter writer(pictures, path_of(view.image), view.picture);
+    views[n]->draw(drawn.subject, frame, writer);
+    m_own.reset();
+  }
+  write_outputs(pose, frame);
+  pictures.commit();
+}
+
+void SceneRun::run_film() {
+  for (std::size_t n = 0; n < m_scene.still_steps(); ++n) {
+    run_step(*m_session, m_scene.steps[n], m_tells_reactions, &m_console);
+  }
+  make_folders();
+  write_film_record(m_scene, m_folder);
+  if (!m_scene.film->todo.empty()) {
+    // Cameras are framed by the first frame, whichever frames are made.
+    std::vector<std::unique_ptr<FilmView>> views;
+    const int first = pose_frame(0);
+    for (const SceneView& view : m_scene.views) {
+      const Drawn drawn = drawn_after(first, view);
+      views.push_back(std::make_unique<FilmView>(drawn.subject, drawn.view, *m_scene.film, &m_drawn,
+                                                 m_console));
+      m_own.reset();
+    }
+    for (const int frame : m_scene.film->todo) {
+      try {
+        make_frame(frame, views);
+      } catch (const InputError& error) {
+        throw in_frame(frame, error);
+      }
+    }
+  }
+  make_videos();
+}
+
+/// Of the files, so that a video is the same whichever runs made them.
+void SceneRun::make_videos() {
+  if (!m_scene.film->makes_videos) return;
+  for (const SceneView& view : m_scene.views) {
+    const PictureOptions& options = view.picture;
+    if (options.video.empty()) continue;
+    std::unique_ptr<VideoEncoder> encoder;
+    PendingFiles files;
+    const std::string path = path_of(options.video);
+    for (int frame = 0; frame < options.film; ++frame) {
+      const Image image = read_png(path_of(frame_name(view.image, frame)));
+      if (encoder == nullptr) {
+        encoder = std::make_unique<VideoEncoder>(files.add(path).path(), path, image.width,
+                                                 image.height, options.frames_per_second, "");
+      }
+      encoder->add(image);
+    }
+    encoder->finish();
+    files.commit();
+  }
+}
+
+}  // namespace supple::tools
