@@ -32,17 +32,22 @@ void RelaxModel::begin() {
 /// The offsets to the body.
 void RelaxModel::put() {
   m_relaxation->store();
-  m_held.body.links_known_valid =
-      m_params.method != RelaxMethod::plain && m_held.body.slacks.links() == 6;
+  m_held.body.links_known_valid = m_params.method != RelaxMethod::plain && knows_all_links();
 }
 
-/// The springs and their steps know axis links only: what diagonals do not allow is moved back.
+bool RelaxModel::knows_all_links() const {
+  return spring_links(m_held.body, m_params.bulk_modulus_kpa) == m_held.body.slacks.links();
+}
+
+/// Where volume is conserved, springs and steps know axis links only: what diagonals do not allow
+/// is moved back, and passes go on from there.
 void RelaxModel::keep_diagonals() {
-  Body& body = m_held.body;
-  if (body.slacks.links() == 6 || m_params.method == RelaxMethod::plain) return;
-  const ProjectionReport projection = project(body, m_anchored, m_held.holds);
+  if (knows_all_links() || m_params.method == RelaxMethod::plain) return;
+  const ProjectionReport projection = project(m_held.body, m_anchored, m_held.holds);
+  if (projection.violated_links == 0) return;
   m_report.diagonal_links = projection.violated_links;
   m_report.diagonal_max_voxels = projection.max_move_voxels;
+  begin();
 }
 
 void RelaxModel::move(const std::vector<Handle>& handles, int, Progress* progress) {

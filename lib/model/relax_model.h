@@ -15,8 +15,8 @@ struct RelaxReport {
   std::int64_t projected_links = 0;  // of an invalid start
   double projected_max_voxels = 0;
   std::int64_t projected_held = 0;  // elements that are held but that it had to move
-  /// Links that a diagonal's limit moved back after the last pass, and how far; energies are those
-  /// before that. 0 with 6 links.
+  /// Where volume is conserved: links that a diagonal's limit moved back after the last pass, and
+  /// how far. The energy is the one after that. 0 with 6 links.
   std::int64_t diagonal_links = 0;
   double diagonal_max_voxels = 0;
   int passes = 0;
@@ -57,6 +57,7 @@ class RelaxModel final : public Model<Handle> {
   void begin();
   bool forces_agree();
   void put();
+  bool knows_all_links() const;
   void keep_diagonals();
 
   HeldBody m_held;

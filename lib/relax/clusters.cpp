@@ -68,8 +68,8 @@ Clusters find_clusters(const Body& body, const LinkTable& table,
   const BrickTopology& elements = body.elements;
   SlotForest forest(elements.brick_count());
   for (const std::uint32_t b : bricks) {
-    for_each_link(elements, body.cuts, b, [&](int axis, Slot low, Slot high) {
-      if (joins(axis, low, high)) forest.join(low, high);
+    for_each_link(body, table.links(), b, [&](int kind, Slot low, Slot high) {
+      if (joins(kind, low, high)) forest.join(low, high);
     });
   }
 
@@ -92,20 +92,18 @@ Clusters find_clusters(const Body& body, const LinkTable& table,
   group_by_cluster(members, count, clusters.members, clusters.first);
 
   std::vector<std::pair<std::uint32_t, Clusters::Boundary>> boundary;
-  for (const auto& [cluster, slot] : members) {
-    for (int axis = 0; axis < 3; ++axis) {
-      for (const bool upwards : {false, true}) {
-        Slot other;
-        if (!neighbour_slot(elements, body.cuts, slot, axis, upwards, other)) continue;
-        if (numbers[other] == cluster) continue;
-        const LinkValues& values = table.values(axis, body.classes[slot], body.classes[other]);
-        const std::int32_t rest = body.rest[std::size_t(axis)][std::size_t(table.coordinate())].at(
-            upwards ? slot : other);
-        boundary.push_back(
-            {cluster,
-             {slot, other, values, upwards ? rest : -rest, upwards, numbers[other] != kNone}});
-      }
-    }
+  for (const auto& member : members) {
+    const std::uint32_t cluster = member.first;
+    const Slot slot = member.second;
+    for_each_neighbour(body, table.links(), slot, [&](int kind, bool upwards, Slot other) {
+      if (numbers[other] == cluster) return;
+      const LinkValues& values = table.values(kind, body.classes[slot], body.classes[other]);
+      const std::int32_t rest =
+          rest_of_link(body, kind, table.coordinate(), upwards ? slot : other);
+      boundary.push_back(
+          {cluster,
+           {slot, other, values, upwards ? rest : -rest, upwards, numbers[other] != kNone}});
+    });
   }
   group_by_cluster(boundary, count, clusters.boundary, clusters.first_link);
   return clusters;

@@ -33,10 +33,11 @@ struct Clusters {
   std::size_t bytes() const;
 };
 
-/// Whether the link from `low` to the next element `high` along `axis` joins both.
-using Joins = std::function<bool(int axis, Slot low, Slot high)>;
+/// Whether the link of this kind from `low` to `high` joins both.
+using Joins = std::function<bool(int kind, Slot low, Slot high)>;
 
-/// The clusters of at least two elements that joined links of the given bricks (ascending) make;
+/// The clusters of at least two elements that joined links of the given bricks (ascending) make,
+/// links of the kinds that the table knows;
 /// numbered by their smallest slots, so that nothing depends on the order of the links.
 Clusters find_clusters(const Body& body, const LinkTable& table,
                        const std::vector<std::uint32_t>& bricks, const Joins& joins);

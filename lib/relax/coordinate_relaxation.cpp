@@ -17,6 +17,10 @@ constexpr double kTight = kTightSlack * kFinePerUnit;
 /// Passes from one look for elements that block each other to the next.
 constexpr int kTightPasses = 24;
 
+bool takes_turns(RelaxMethod method) {
+  return method == RelaxMethod::red_black || method == RelaxMethod::accelerated;
+}
+
 /// Voxels of a brick whose coordinates have an even (0) or odd (1) sum. Brick origins are even.
 BrickMask chessboard(int colour) {
   constexpr std::uint64_t kEvenPlane = 0xaa55aa55aa55aa55u;
@@ -43,15 +47,17 @@ CoordinateRelaxation::CoordinateRelaxation(const Body& body, int coordinate,
       m_elements(find_movable(body, m_table, anchored, method != RelaxMethod::plain)),
       m_now(fine_offsets(body, m_table, held)),
       m_next(body.elements.brick_count()),
+      m_in_turns(has_diagonals() && takes_turns(method)),
       m_changed(body.elements.brick_count(), 0),
       m_is_tight(body.elements.brick_count(), 0),
       m_energies(body.elements.brick_count(), 0) {
   for (std::size_t b = 0; b < m_now.brick_count(); ++b) {
     const double* values = m_now.brick(b);
     if (values == nullptr) continue;
-    std::copy_n(values, kBrickVoxels, m_next.touch(b));
+    if (!m_in_turns) std::copy_n(values, kBrickVoxels, m_next.touch(b));
     m_changed[b] = 1;
   }
+  if (has_diagonals()) m_one_class = classes_of_bricks(body);
   for (const auto& axis : body.rest) {
     const BrickValues& rest = axis[std::size_t(coordinate)];
     for (std::size_t b = 0; b < rest.brick_count(); ++b) {
@@ -61,19 +67,28 @@ CoordinateRelaxation::CoordinateRelaxation(const Body& body, int coordinate,
   add_bricks();
 }
 
+/// Whether it changed, or a brick to which links lead.
+bool CoordinateRelaxation::is_due(std::size_t brick) const {
+  const auto changed = [&](std::int32_t b) { return b >= 0 && m_changed[std::size_t(b)] != 0; };
+  if (changed(std::int32_t(brick))) return true;
+  if (has_diagonals()) {
+    const BrickNeighbours around = neighbours_of(m_body.elements, brick);
+    return std::any_of(around.begin(), around.end(), changed);
+  }
+  for (int face = 0; face < 6; ++face) {
+    if (changed(m_body.elements.neighbour(brick, face))) return true;
+  }
+  return false;
+}
+
 /// Bricks of the next pass: those that changed, and their neighbours.
 void CoordinateRelaxation::add_bricks() {
   m_work.clear();
   for (std::size_t b = 0; b < m_changed.size(); ++b) {
-    bool is_due = m_changed[b] != 0;
-    for (int face = 0; face < 6 && !is_due; ++face) {
-      const std::int32_t other = m_body.elements.neighbour(b, face);
-      is_due = other >= 0 && m_changed[std::size_t(other)] != 0;
-    }
-    if (!is_due) continue;
+    if (!is_due(b)) continue;
     m_work.push_back(std::uint32_t(b));
     m_now.touch(b);
-    m_next.touch(b);
+    if (!m_in_turns) m_next.touch(b);
   }
 }
 
@@ -191,17 +206,20 @@ double CoordinateRelaxation::sweep_stiff_clusters() {
 
 /// Elements that links at their limits join within aligned blocks of 2^block_bits voxels.
 Clusters CoordinateRelaxation::find_tight_clusters(int block_bits) const {
-  const auto joins = [&](int axis, Slot low, Slot high) {
+  const auto joins = [&](int kind, Slot low, Slot high) {
     if (!m_elements.moves(low) || !m_elements.moves(high)) return false;
     const std::uint8_t a = m_body.classes[low], b = m_body.classes[high];
-    if (m_table.is_rigid(axis, a, b)) return true;
-    const LinkValues& values = m_table.values(axis, a, b);
+    if (m_table.is_rigid(kind, a, b)) return true;
+    const LinkValues& values = m_table.values(kind, a, b);
     const double apart = m_now.at(high) - m_now.at(low);
     const double wider = values.upper * kFinePerUnit - apart;
     const double narrower = values.lower * kFinePerUnit + apart;
     if (std::min(wider, narrower) > kTight) return false;
     const Vec3i at = voxel_of(m_body.elements, low), next = voxel_of(m_body.elements, high);
-    return at[axis] >> block_bits == next[axis] >> block_bits;
+    const auto same_block = [&](int axis) {
+      return at[axis] >> block_bits == next[axis] >> block_bits;
+    };
+    return same_block(0) && same_block(1) && same_block(2);
   };
   std::vector<char> wanted = m_is_tight;
   for (const Slot slot : m_elements.rigid.members) wanted[slot / kBrickVoxels] = 1;
@@ -218,11 +236,12 @@ double CoordinateRelaxation::pass() {
   double largest = 0;
   if (m_method == RelaxMethod::plain || m_method == RelaxMethod::jacobi) {
     rule.limited = m_method == RelaxMethod::jacobi;
-    largest = sweep_nodes(-1, rule, true);
+    largest = has_diagonals() ? sweep_diagonals_at_once(rule) : sweep_nodes(-1, rule, true);
   } else {
     rule.share = 1;
     if (m_method == RelaxMethod::accelerated) rule.relaxation = over_relaxation(m_passes, m_extent);
-    for (const int colour : {0, 1}) {
+    if (has_diagonals()) largest = sweep_diagonals(rule);
+    for (int colour = 0; colour < 2 && !has_diagonals(); ++colour) {
       largest = std::max(largest, sweep_nodes(colour, rule, colour == 0));
     }
   }
@@ -247,7 +266,9 @@ double CoordinateRelaxation::pass() {
 double CoordinateRelaxation::energy() {
   in_parallel(m_work.size(), [&](std::size_t n) {
     double unused[kBrickVoxels];
-    m_energies[m_work[n]] = sweep_one(m_work[n], BrickMask{}, {}, unused).energy;
+    m_energies[m_work[n]] = has_diagonals()
+                                ? sweep_diagonals_of(m_work[n], BrickMask{}, {}, unused).energy
+                                : sweep_one(m_work[n], BrickMask{}, {}, unused).energy;
   });
   double total = 0;
   for (const double energy : m_energies) total += energy;

@@ -6,6 +6,7 @@
 
 #include <vector>
 
+#include "lib/relax/diagonal_sweep.h"
 #include "lib/relax/movable.h"
 #include "lib/relax/relaxation.h"
 #include "lib/relax/sweep_kernel.h"
@@ -33,7 +34,14 @@ class CoordinateRelaxation {
   void add_bricks();
   SweepOutcome sweep_one(std::size_t brick, const BrickMask& free, const SweepRule& rule,
                          double* out) const;
+  bool is_due(std::size_t brick) const;
+  bool has_diagonals() const { return m_table.links() != 6; }
   double sweep_nodes(int colour, const SweepRule& rule, bool first);
+  SweepOutcome sweep_diagonals_of(std::size_t brick, const BrickMask& free,
+                                  const DiagonalSweep& sweep, double* out) const;
+  double sweep_diagonals_at_once(const SweepRule& rule);
+  double sweep_diagonals(const SweepRule& rule);
+  bool find_bounds(std::size_t brick, NodeBounds& out) const;
   double sweep_stiff_clusters();
   std::vector<std::uint32_t> stored_bricks() const;
   double sweep_clusters(const Clusters& clusters, double relaxation);
@@ -49,7 +57,11 @@ class CoordinateRelaxation {
   bool m_is_plastic;
   int m_extent;  // of the body, voxels
   Movable m_elements;
-  BrickArray<double> m_now, m_next;   // the same where the last pass changed nothing
+  std::vector<std::int16_t> m_one_class;  // of bricks, with diagonals (diagonal_brick.h)
+  /// The same where the last pass changed nothing. With diagonals whose nodes step in turns, the
+  /// second stays empty.
+  BrickArray<double> m_now, m_next;
+  bool m_in_turns;
   std::vector<std::uint32_t> m_work;  // bricks of the next pass, ascending
   std::vector<char> m_changed;        // per brick, in this pass
   std::vector<char> m_is_tight;       // per brick: a link was at its limit in the last sweep

@@ -38,22 +38,21 @@ class Excess {
   }
 
  private:
-  const LinkValues& values(int axis, Slot low, Slot high) const {
-    return m_table.values(axis, m_body.classes[low], m_body.classes[high]);
+  const LinkValues& values(int kind, Slot low, Slot high) const {
+    return m_table.values(kind, m_body.classes[low], m_body.classes[high]);
   }
-  bool is_tight(int axis, Slot low, Slot high) const {
-    const LinkValues& link = values(axis, low, high);
+  bool is_tight(int kind, Slot low, Slot high) const {
+    const LinkValues& link = values(kind, low, high);
     const double apart = m_now.at(high) - m_now.at(low);
     return std::min(link.upper * kFinePerUnit - apart, link.lower * kFinePerUnit + apart) <=
            kStopped;
   }
 
   void find_forces() {
-    const std::size_t c = std::size_t(m_table.coordinate());
     for (const std::uint32_t b : m_bricks) {
-      for_each_link(m_body.elements, m_body.cuts, b, [&](int axis, Slot low, Slot high) {
-        const LinkValues& link = values(axis, low, high);
-        const double rest = m_body.rest[std::size_t(axis)][c].at(low) * kFinePerUnit;
+      for_each_link(m_body, m_table.links(), b, [&](int kind, Slot low, Slot high) {
+        const LinkValues& link = values(kind, low, high);
+        const double rest = rest_of_link(m_body, kind, m_table.coordinate(), low) * kFinePerUnit;
         const double pull =
             link.stiffness * pulled_stretch(link, m_now.at(high) - m_now.at(low) - rest);
         if (pull == 0) return;
@@ -65,15 +64,15 @@ class Excess {
 
   void add_clusters(const std::vector<Bound>& at_least, const std::vector<Bound>& at_most) {
     const Joins stiff = joined_from(m_body, m_table, m_elements, m_stiffness);
-    const Joins joins = [&](int axis, Slot low, Slot high) {
+    const Joins joins = [&](int kind, Slot low, Slot high) {
       if (!m_elements.moves(low) || !m_elements.moves(high)) return false;
-      const bool is_rigid = m_table.is_rigid(axis, m_body.classes[low], m_body.classes[high]);
-      if (is_rigid || is_tight(axis, low, high)) {
+      const bool is_rigid = m_table.is_rigid(kind, m_body.classes[low], m_body.classes[high]);
+      if (is_rigid || is_tight(kind, low, high)) {
         m_is_loaded.set(low, 1);
         return true;
       }
-      if (!stiff(axis, low, high)) return false;
-      m_joined = std::min(m_joined, double(values(axis, low, high).stiffness));
+      if (!stiff(kind, low, high)) return false;
+      m_joined = std::min(m_joined, double(values(kind, low, high).stiffness));
       return true;
     };
     const Clusters clusters = find_clusters(m_body, m_table, m_bricks, joins);
@@ -122,19 +121,16 @@ class Excess {
         std::abs(bound->value * kFinePerUnit - m_now.at(slot)) <= kStopped) {
       return true;
     }
-    for (int axis = 0; axis < 3; ++axis) {
-      for (const bool to_next : {false, true}) {
-        Slot other;
-        if (!neighbour_slot(m_body.elements, m_body.cuts, slot, axis, to_next, other)) continue;
-        const Slot low = to_next ? slot : other, high = to_next ? other : slot;
-        const LinkValues& link = values(axis, low, high);
-        const double apart = m_now.at(high) - m_now.at(low);
-        const double slack = to_next == upwards ? link.lower * kFinePerUnit + apart
-                                                : link.upper * kFinePerUnit - apart;
-        if (slack <= kStopped) return true;
-      }
-    }
-    return false;
+    bool stopped = false;
+    for_each_neighbour(m_body, m_table.links(), slot, [&](int kind, bool to_next, Slot other) {
+      const Slot low = to_next ? slot : other, high = to_next ? other : slot;
+      const LinkValues& link = values(kind, low, high);
+      const double apart = m_now.at(high) - m_now.at(low);
+      const double slack = to_next == upwards ? link.lower * kFinePerUnit + apart
+                                              : link.upper * kFinePerUnit - apart;
+      stopped = stopped || slack <= kStopped;
+    });
+    return stopped;
   }
 
   /// Of all offsets, rest included.

@@ -67,6 +67,12 @@ class FractionFilter {
   /// The bricks whose links, as their lower ends have them, meet brick b.
   void add_due(std::size_t b, std::vector<char>& due) const {
     due[b] = 1;
+    if (m_table.links() != 6) {
+      for (const std::int32_t other : neighbours_of(m_body.elements, b)) {
+        if (other >= 0) due[std::size_t(other)] = 1;
+      }
+      return;
+    }
     for (int axis = 0; axis < 3; ++axis) {
       const std::int32_t lower = m_body.elements.neighbour(b, 2 * axis);
       if (lower >= 0) due[std::size_t(lower)] = 1;
@@ -75,19 +81,19 @@ class FractionFilter {
 
   std::vector<Slot> ends_of_broken_links(std::size_t b) const {
     std::vector<Slot> ends;
-    for_each_link(m_body.elements, m_body.cuts, b, [&](int axis, Slot low, Slot high) {
-      if (holds(axis, low, high)) return;
+    for_each_link(m_body, m_table.links(), b, [&](int kind, Slot low, Slot high) {
+      if (holds(kind, low, high)) return;
       ends.push_back(low);
       ends.push_back(high);
     });
     return ends;
   }
 
-  bool holds(int axis, Slot low, Slot high) const {
+  bool holds(int kind, Slot low, Slot high) const {
     const std::uint8_t a = m_body.classes[low], b = m_body.classes[high];
     const double stretch = m_fine.at(high) - m_fine.at(low);
-    if (m_table.is_rigid(axis, a, b)) return stretch == 0;
-    const LinkValues& limits = m_table.values(axis, a, b);
+    if (m_table.is_rigid(kind, a, b)) return stretch == 0;
+    const LinkValues& limits = m_table.values(kind, a, b);
     return stretch <= limits.upper * kFinePerUnit && -stretch <= limits.lower * kFinePerUnit;
   }
 

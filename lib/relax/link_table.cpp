@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include "lib/relax/spring_shares.h"
+
 namespace supple {
 
 namespace {
@@ -17,33 +19,40 @@ float limit_of(std::int32_t slack) {
 
 }  // namespace
 
-LinkTable::LinkTable(const Body& body, int coordinate, RigidLinks rigid)
+LinkTable::LinkTable(const Body& body, int coordinate, RigidLinks rigid, int links)
     : m_stride(body.slacks.stride()),
       m_coordinate(coordinate),
-      m_has_yield(body.material.has_yield_strain()) {
+      m_links(links),
+      m_has_yield(body.material.has_yield_strain()),
+      m_rows(std::size_t(kinds_of(links))),
+      m_rigid(std::size_t(kinds_of(links))) {
   const MaterialClasses classes(body.material);
   const Vec3d spacing = body.geometry.spacing_mm();
+  const auto shares = spring_shares(spacing, links);
   const std::size_t entries = std::size_t(kLastClass) * m_stride + kLastClass + 1;
-  for (int axis = 0; axis < 3; ++axis) {
-    m_rows[axis].assign(entries + 1, {0, kUnlimited, kUnlimited, kUnlimited});
-    m_rigid[axis].assign(entries, 0);
-    const double area_per_length =
-        spacing[(axis + 1) % 3] * spacing[(axis + 2) % 3] / spacing[axis];
-    // In density mode only the sum of the classes counts: class_a 0 and 255 reach all entries.
-    for (int a = 0; a <= kLastClass; a += m_stride == 1 ? kLastClass : 1) {
-      for (int b = 0; b <= kLastClass; ++b) {
-        const std::size_t entry = std::size_t(a) * m_stride + b;
+  for (std::size_t kind = 0; kind < m_rows.size(); ++kind) {
+    m_rows[kind].assign(entries + 1, {0, kUnlimited, kUnlimited, kUnlimited});
+    m_rigid[kind].assign(entries, 0);
+  }
+  // In density mode only the sum of the classes counts: class_a 0 and 255 reach all entries.
+  for (int a = 0; a <= kLastClass; a += m_stride == 1 ? kLastClass : 1) {
+    for (int b = 0; b <= kLastClass; ++b) {
+      const std::size_t entry = std::size_t(a) * m_stride + b;
+      const LinkPhysics physics = classes.physics(a, b);
+      for (std::size_t kind = 0; kind < m_rows.size(); ++kind) {
+        const int direction = kDirectionOfKind[kind];
         const std::int32_t upper =
-            body.slacks.upper(axis, coordinate, std::uint8_t(a), std::uint8_t(b));
-        const std::int32_t lower =
-            body.slacks.lower(axis, coordinate, std::uint8_t(a), std::uint8_t(b));
-        m_rigid[axis][entry] = upper == 0 && lower == 0;
-        m_has_rigid = m_has_rigid || m_rigid[axis][entry];
-        if (m_rigid[axis][entry] && rigid == RigidLinks::absent) continue;
-        const LinkPhysics physics = classes.physics(a, b);
-        m_rows[axis][entry] = {
-            float(physics.stiffness_kpa * area_per_length), limit_of(upper), limit_of(lower),
-            float(physics.yield_strain * spacing[axis] / spacing[coordinate] * kFixedOne)};
+            body.slacks.fall_row(opposite_direction(direction), coordinate)[entry];
+        const std::int32_t lower = body.slacks.fall_row(direction, coordinate)[entry];
+        m_rigid[kind][entry] = upper == 0 && lower == 0;
+        m_has_rigid = m_has_rigid || m_rigid[kind][entry];
+        if (m_rigid[kind][entry] && rigid == RigidLinks::absent) continue;
+        // Bodies with diagonals have no springs that yield (relaxation.cpp).
+        const double yield = kind < kAxisKinds ? physics.yield_strain * spacing[int(kind)] /
+                                                     spacing[coordinate] * kFixedOne
+                                               : kUnlimited;
+        m_rows[kind][entry] = {float(physics.stiffness_kpa * shares[kind]), limit_of(upper),
+                               limit_of(lower), float(yield)};
       }
     }
   }
@@ -51,8 +60,8 @@ LinkTable::LinkTable(const Body& body, int coordinate, RigidLinks rigid)
 
 std::size_t LinkTable::bytes() const {
   std::size_t total = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    total += m_rows[axis].capacity() * sizeof(LinkValues) + m_rigid[axis].capacity();
+  for (std::size_t kind = 0; kind < m_rows.size(); ++kind) {
+    total += m_rows[kind].capacity() * sizeof(LinkValues) + m_rigid[kind].capacity();
   }
   return total;
 }

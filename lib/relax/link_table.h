@@ -2,11 +2,11 @@
 // stiffness and its limits (thesis section 4.2.3, design.md section 3).
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
 #include "lib/body/body.h"
+#include "lib/relax/link_kinds.h"
 
 namespace supple {
 
@@ -31,21 +31,27 @@ enum class RigidLinks { absent, springs };
 
 class LinkTable {
  public:
-  /// Stiffness of a link: Young's modulus times the area that belongs to it over its length. Rigid
-  /// links, those without slack, are absent where their ends move as one (clusters.h).
-  LinkTable(const Body& body, int coordinate, RigidLinks rigid);
+  /// Stiffness of a link: Young's modulus times its share (spring_shares.h), with 6 links the area
+  /// that belongs to it over its length. Rigid links, those without slack, are absent where their
+  /// ends move as one (clusters.h). `links`: those of the body, or 6 for axis links alone.
+  LinkTable(const Body& body, int coordinate, RigidLinks rigid, int links);
+  LinkTable(const Body& body, int coordinate, RigidLinks rigid)
+      : LinkTable(body, coordinate, rigid, body.slacks.links()) {}
 
-  /// Entry class_a * stride + class_b of a row, stride as in SlackTable, classes as in Body;
-  /// missing() and beyond: absent.
-  const LinkValues* row(int axis) const { return m_rows[axis].data(); }
-  const LinkValues& values(int axis, int class_a, int class_b) const {
-    return m_rows[axis][std::size_t(class_a) * m_stride + class_b];
+  /// Of a kind of link (link_kinds.h); axes are the first three. Entry class_a * stride + class_b
+  /// of a row, stride as in SlackTable, classes as in Body; missing() and beyond: absent.
+  const LinkValues* row(int kind) const { return m_rows[std::size_t(kind)].data(); }
+  const LinkValues& values(int kind, int class_a, int class_b) const {
+    return m_rows[std::size_t(kind)][std::size_t(class_a) * m_stride + class_b];
   }
+  /// 6, 18 or 26 per voxel.
+  int links() const { return m_links; }
+  int stride() const { return m_stride; }
   int coordinate() const { return m_coordinate; }
   std::int32_t missing() const { return std::int32_t(m_rows[0].size()) - 1; }
   /// Whether a link of these classes lets its ends come no nearer nor farther apart.
-  bool is_rigid(int axis, int class_a, int class_b) const {
-    return m_rigid[axis][std::size_t(class_a) * m_stride + class_b] != 0;
+  bool is_rigid(int kind, int class_a, int class_b) const {
+    return m_rigid[std::size_t(kind)][std::size_t(class_a) * m_stride + class_b] != 0;
   }
   bool has_rigid() const { return m_has_rigid; }
   bool has_yield() const { return m_has_yield; }
@@ -54,9 +60,10 @@ class LinkTable {
  private:
   int m_stride;
   int m_coordinate;
+  int m_links;
   bool m_has_rigid = false, m_has_yield = false;
-  std::array<std::vector<LinkValues>, 3> m_rows;
-  std::array<std::vector<std::uint8_t>, 3> m_rigid;
+  std::vector<std::vector<LinkValues>> m_rows;     // per kind
+  std::vector<std::vector<std::uint8_t>> m_rigid;  // per kind
 };
 
 }  // namespace supple

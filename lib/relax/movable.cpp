@@ -18,8 +18,8 @@ void clear_bit(std::vector<BrickMask>& masks, Slot slot) {
 void find_rigid_clusters(const Body& body, const LinkTable& table, Movable& elements) {
   std::vector<std::uint32_t> bricks(elements.movable.size());
   std::iota(bricks.begin(), bricks.end(), 0u);
-  elements.rigid = find_clusters(body, table, bricks, [&](int axis, Slot low, Slot high) {
-    return table.is_rigid(axis, body.classes[low], body.classes[high]);
+  elements.rigid = find_clusters(body, table, bricks, [&](int kind, Slot low, Slot high) {
+    return table.is_rigid(kind, body.classes[low], body.classes[high]);
   });
   for (std::size_t c = 0; c < elements.rigid.count(); ++c) {
     const auto begin = elements.rigid.members.begin() + elements.rigid.first[c];

@@ -15,27 +15,15 @@ namespace supple {
 
 namespace {
 
-/// Calls visit(axis, upwards, other) for every element that a link joins to `slot`.
-template <class Visit>
-void for_each_neighbour(const Body& body, Slot slot, Visit&& visit) {
-  for (int axis = 0; axis < 3; ++axis) {
-    for (const bool upwards : {false, true}) {
-      Slot other;
-      if (neighbour_slot(body.elements, body.cuts, slot, axis, upwards, other)) {
-        visit(axis, upwards, other);
-      }
-    }
-  }
-}
-
 /// Whether the link lets its ends come no farther apart, or no nearer. A link without slack does
 /// neither.
-bool is_tight(const Body& body, int c, int axis, Slot low, Slot high) {
+bool is_tight(const Body& body, int c, int kind, Slot low, Slot high) {
   const BrickValues& q = body.q[std::size_t(c)];
   const std::uint8_t a = body.classes[low], b = body.classes[high];
   const std::int64_t apart = std::int64_t(q.at(high)) - q.at(low);
-  const std::int64_t upper = body.slacks.upper(axis, c, a, b);
-  const std::int64_t lower = body.slacks.lower(axis, c, a, b);
+  const int direction = kDirectionOfKind[std::size_t(kind)];
+  const std::int64_t upper = body.slacks.fall(opposite_direction(direction), c, a, b);
+  const std::int64_t lower = body.slacks.fall(direction, c, a, b);
   return (upper < kUnlimitedSlack && upper - apart <= kTightSlack) ||
          (lower < kUnlimitedSlack && lower + apart <= kTightSlack);
 }
@@ -88,8 +76,8 @@ Bearers find_bearers(const Body& body, int c, const std::vector<SlotSet>& handle
   for (std::size_t next = 0; next < queue.size(); ++next) {
     const Slot slot = queue[next];
     const std::int32_t holder = bearers.holder.at(slot);
-    for_each_neighbour(body, slot, [&](int axis, bool upwards, Slot other) {
-      if (!is_tight(body, c, axis, upwards ? slot : other, upwards ? other : slot)) return;
+    for_each_neighbour(body, body.slacks.links(), slot, [&](int kind, bool upwards, Slot other) {
+      if (!is_tight(body, c, kind, upwards ? slot : other, upwards ? other : slot)) return;
       std::int32_t there = bearers.holder.at(other);
       if (there == 0 && held.contains(other)) there = others;
       if (there == 0) return give(other, holder);
@@ -126,14 +114,19 @@ void add_springs(const Body& body, const LinkTable& table, std::size_t b,
     const std::int32_t other = body.elements.neighbour(b, face);
     is_strained = other >= 0 && has_strain(body, c, std::size_t(other));
   }
+  if (!is_strained && table.links() != 6) {
+    for (const std::int32_t other : neighbours_of(body.elements, b)) {
+      is_strained = is_strained || (other >= 0 && has_strain(body, c, std::size_t(other)));
+    }
+  }
   if (!is_strained) return;
   const double mm = body.geometry.spacing_mm()[int(c)] / (kFinePerUnit * kFixedOne);
   for_each_active(body.elements.mask(b), [&](int offset) {
     if (holder[offset] == 0) return;
     const Slot slot = Slot(b * kBrickVoxels) + Slot(offset);
-    for_each_neighbour(body, slot, [&](int axis, bool upwards, Slot other) {
-      const LinkValues& link = table.values(axis, body.classes[slot], body.classes[other]);
-      const std::int32_t rest = body.rest[std::size_t(axis)][c].at(upwards ? slot : other);
+    for_each_neighbour(body, table.links(), slot, [&](int kind, bool upwards, Slot other) {
+      const LinkValues& link = table.values(kind, body.classes[slot], body.classes[other]);
+      const std::int32_t rest = rest_of_link(body, kind, int(c), upwards ? slot : other);
       const double stretch =
           double(body.q[c].at(other)) - body.q[c].at(slot) - (upwards ? rest : -rest);
       forces[std::size_t(offset)] +=
@@ -189,7 +182,7 @@ struct Share {
 /// number of threads.
 std::vector<double> forces_mn(const Body& body, int c, const Bearers& bearers, std::size_t handles,
                               double kpa) {
-  const LinkTable table(body, c, RigidLinks::absent);
+  const LinkTable table(body, c, RigidLinks::absent, spring_links(body, kpa));
   std::vector<std::vector<Share>> shares(body.elements.brick_count());
   in_parallel(shares.size(), [&](std::size_t b) {
     const std::int32_t* holder = bearers.holder.brick(b);

@@ -18,6 +18,17 @@ double fine_mm(const Body& body, int c) {
   return body.geometry.spacing_mm()[c] / (kFinePerUnit * kFixedOne);
 }
 
+/// Rest stretches belong to axis links.
+void require_no_yield(const Body& body) {
+  const int links = body.slacks.links();
+  if (links == 6) return;
+  for (int c = 0; c < 3; ++c) {
+    if (!body.material.has_yield_strain() && !has_rest(body, c)) continue;
+    throw InputError({"", "links", std::to_string(links) + " with plastic flow",
+                      "links = 6, or a material without plastic: diagonals do not yield"});
+  }
+}
+
 }  // namespace
 
 const char* name_of(RelaxMethod method) {
@@ -26,6 +37,10 @@ const char* name_of(RelaxMethod method) {
 
 bool conserves_volume(RelaxMethod method) {
   return method == RelaxMethod::red_black || method == RelaxMethod::accelerated;
+}
+
+int spring_links(const Body& body, double bulk_modulus_kpa) {
+  return bulk_modulus_kpa > 0 ? 6 : body.slacks.links();
 }
 
 Fields fields(RelaxParams& params) {
@@ -75,6 +90,7 @@ Relaxation::Relaxation(Body& body, const SlotSet& fixed, const Holds& held,
                        const RelaxParams& params)
     : m_body(body) {
   params.validate();
+  require_no_yield(body);
   if (params.bulk_modulus_kpa > 0) {
     m_volume = std::make_unique<VolumeRelaxation>(body, fixed, held, params);
     return;

@@ -35,6 +35,10 @@ const char* name_of(RelaxMethod method);
 /// Whether the method can conserve volume: elements of a cell must not step together.
 bool conserves_volume(RelaxMethod method);
 
+/// Links of a voxel that are springs, 6, 18 or 26: all that the body has, or those along the axes
+/// where volume is conserved.
+int spring_links(const Body& body, double bulk_modulus_kpa);
+
 /// A bulk modulus beyond this is taken for a mistake: water has 2.2e6 kPa.
 constexpr double kMaxBulkModulusKpa = 1e9;
 /// Throws InputError where it is not 0 to that.
@@ -69,7 +73,7 @@ class Relaxation {
  public:
   /// Elements of `held.still` and `fixed` stay; those of push handles stay at or beyond where they
   /// were pushed to. The body is a valid one (for method plain any) and must not change while this
-  /// lives. Throws InputError: params out of range.
+  /// lives. Throws InputError: params out of range, springs that yield in a body with diagonals.
   Relaxation(Body& body, const SlotSet& fixed, const Holds& held, const RelaxParams& params);
   ~Relaxation();
 

@@ -6,10 +6,11 @@ namespace supple {
 
 Joins joined_from(const Body& body, const LinkTable& table, const Movable& elements,
                   double stiffness_n_m) {
-  return [&body, &table, &elements, stiffness_n_m](int axis, Slot low, Slot high) {
+  return [&body, &table, &elements, stiffness_n_m](int kind, Slot low, Slot high) {
     if (!elements.moves(low) || !elements.moves(high)) return false;
     const std::uint8_t a = body.classes[low], b = body.classes[high];
-    return table.is_rigid(axis, a, b) || table.values(axis, a, b).stiffness >= stiffness_n_m;
+    if (table.is_rigid(kind, a, b)) return true;
+    return kind < kAxisKinds && table.values(kind, a, b).stiffness >= stiffness_n_m;
   };
 }
 

@@ -14,12 +14,12 @@ namespace supple {
 /// A link this much stiffer than another counts as stiff beside it.
 constexpr double kStiffRatio = 30;
 
-/// What joins the elements that links of at least `stiffness_n_m` or rigid ones join; only those
-/// that move.
+/// What joins the elements that axis links of at least `stiffness_n_m` or rigid ones join; only
+/// those that move.
 Joins joined_from(const Body& body, const LinkTable& table, const Movable& elements,
                   double stiffness_n_m);
 
-/// Softest and stiffest link of these bricks, in N/m; 0 and 0 without links.
+/// Softest and stiffest axis link of these bricks, in N/m; 0 and 0 without links.
 struct StiffnessRange {
   double least = 0, most = 0;
 };

@@ -41,7 +41,7 @@ VolumeRelaxation::VolumeRelaxation(const Body& body, const SlotSet& anchored, co
   m_coordinates.reserve(3);
   m_clusters.reserve(3);
   for (int c = 0; c < 3; ++c) {
-    LinkTable table(body, c, RigidLinks::absent);
+    LinkTable table(body, c, RigidLinks::absent, 6);
     Movable elements = find_movable(body, table, anchored, true);
     m_coordinates.push_back({std::move(table), std::move(elements), spacing[c] / kFineVoxel});
     const double weight = stiffness / (spacing[c] * spacing[c]);

@@ -50,7 +50,7 @@ void warn_of_report(const RelaxReport& report, const LinkCheck& check, Progress*
   warn_of_projection(report.projected_links, report.projected_max_voxels, report.projected_held,
                      progress);
   if (report.diagonal_links > 0) {
-    note(progress, "relaxation knows links along the axes only: " +
+    note(progress, "relaxation that conserves volume knows links along the axes only: " +
                        with_count(report.diagonal_links, "link") +
                        " moved back to the limits of diagonals, largest move " +
                        four_digits(report.diagonal_max_voxels) + " voxels");

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lib/body/lattice.h"
+#include "lib/body/diagonals.h"
+#include "tests/lib/relaxed_bodies.h"
 
 namespace supple::test {
 
@@ -15,17 +16,21 @@ QuadraticProgram::QuadraticProgram(const Body& body, std::size_t c, const SlotSe
     m_x[slot] = body.q[c].at(slot) / kFixedOne;
   });
   m_at.resize(m_x.size());
-  for (std::size_t b = 0; b < body.elements.brick_count(); ++b) {
-    for_each_link(body.elements, body.cuts, b, [&](int axis, Slot low, Slot high) {
+  const int links = body.slacks.links();
+  for_each_element(body.elements, [&](Slot low) {
+    for_each_linked(body.elements, body.cuts, links, low, [&](int direction, Slot high) {
+      if (direction < kNoStep) return;
       const std::uint8_t first = body.classes[low], second = body.classes[high];
-      const double k = classes.physics(first, second).stiffness_kpa * h[(axis + 1) % 3] *
-                       h[(axis + 2) % 3] / h[axis];
+      const double k =
+          classes.physics(first, second).stiffness_kpa * spring_share(h, links, direction);
+      const auto fall = [&](int way) {
+        return body.slacks.fall(way, int(c), first, second) / kFixedOne;
+      };
       m_at[low].push_back(m_links.size());
       m_at[high].push_back(m_links.size());
-      m_links.push_back({low, high, k, body.slacks.upper(axis, int(c), first, second) / kFixedOne,
-                         body.slacks.lower(axis, int(c), first, second) / kFixedOne, 0});
+      m_links.push_back({low, high, k, fall(opposite_direction(direction)), fall(direction), 0});
     });
-  }
+  });
   for (Slot slot = 0; slot < m_x.size(); ++slot) {
     if (!m_at[slot].empty() && !held.contains(slot)) m_free.push_back(slot);
   }

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "lib/body/diagonals.h"
 #include "lib/body/lattice.h"
 #include "volumes/base/on_threads.h"
 
@@ -37,8 +38,34 @@ bool corners_of(const Body& body, Slot low, std::array<Slot, 8>& slots) {
 
 }  // namespace
 
-Dragged dragged(std::mt19937& random, const Vec3i& max_dims) {
+double spring_share(const Vec3d& h, int links, int direction) {
+  const double volume = h.x * h.y * h.z;
+  const auto diagonal = [&](const LinkStep& step) {
+    double longest = 0;
+    int axes = 0;
+    for (std::size_t a = 0; a < 3; ++a) {
+      if (step[a] == 0) continue;
+      ++axes;
+      longest = std::max(longest, h[int(a)]);
+    }
+    const double weight = axes == 3 ? 1.0 / 36 : links == 18 ? 1.0 / 6 : 1.0 / 9;
+    return weight * volume / (longest * longest);
+  };
+  const LinkStep step = step_of_direction(direction);
+  if (is_diagonal(direction)) return diagonal(step);
+  const std::size_t axis = std::size_t(axis_of_direction(direction));
+  // What the diagonals along the axis do not carry of E V / h^2.
+  double left = volume / (h[int(axis)] * h[int(axis)]);
+  for (int other = 0; other < kDirections; ++other) {
+    const LinkStep way = step_of_direction(other);
+    if (is_diagonal(other) && has_direction(links, other) && way[axis] > 0) left -= diagonal(way);
+  }
+  return left;
+}
+
+Dragged dragged(std::mt19937& random, const Vec3i& max_dims, int links) {
   Block block = random_block(random, max_dims);
+  block.table.links = links;
   if (random() % 3 == 0) cut_randomly(random, block);
   Dragged result{body_of(block), {}, {}};
   if (random() % 2 == 0) {
@@ -105,19 +132,21 @@ double spring_energy(const Body& body) {
   const MaterialClasses classes(body.material);
   const Vec3d h = body.geometry.spacing_mm();
   double sum = 0;
-  for (std::size_t b = 0; b < body.elements.brick_count(); ++b) {
-    for_each_link(body.elements, body.cuts, b, [&](int axis, Slot low, Slot high) {
+  const int links = body.slacks.links();
+  for_each_element(body.elements, [&](Slot low) {
+    for_each_linked(body.elements, body.cuts, links, low, [&](int direction, Slot high) {
+      if (direction < kNoStep) return;
       const LinkPhysics physics = classes.physics(body.classes[low], body.classes[high]);
-      const double stiffness =
-          physics.stiffness_kpa * h[(axis + 1) % 3] * h[(axis + 2) % 3] / h[axis];
+      const double stiffness = physics.stiffness_kpa * spring_share(h, links, direction);
+      const int axis = axis_of_direction(direction);
       for (std::size_t c = 0; c < 3; ++c) {
-        const double stretch = double(body.q[c].at(high)) - body.q[c].at(low) -
-                               body.rest[std::size_t(axis)][c].at(low);
+        double stretch = double(body.q[c].at(high)) - body.q[c].at(low);
+        if (!is_diagonal(direction)) stretch -= body.rest[std::size_t(axis)][c].at(low);
         sum += energy_of_link(stiffness, stretch / kFixedOne * h[int(c)],
                               physics.yield_strain * h[axis]);
       }
     });
-  }
+  });
   return sum;
 }
 

@@ -16,7 +16,11 @@ struct Dragged {
   std::vector<Region> anchors;
 };
 
-Dragged dragged(std::mt19937& random, const Vec3i& max_dims);
+Dragged dragged(std::mt19937& random, const Vec3i& max_dims, int links = 6);
+
+/// N/m of a link of 1 kPa that leaves a voxel in that direction, by the definition in
+/// docs/models/relaxation.md.
+double spring_share(const Vec3d& spacing_mm, int links, int direction);
 
 /// Until nothing moves.
 RelaxParams to_rest(double kpa = 0);

@@ -1,0 +1,77 @@
+// Sweeps of a coordinate over a body with diagonal links.
+#include <algorithm>
+#include <array>
+#include <limits>
+
+#include "lib/relax/coordinate_relaxation.h"
+#include "lib/relax/in_parallel.h"
+
+namespace supple {
+
+/// False where the brick has none.
+bool CoordinateRelaxation::find_bounds(std::size_t brick, NodeBounds& out) const {
+  const auto [least, least_end] = bounds_in(m_at_least, brick);
+  const auto [most, most_end] = bounds_in(m_at_most, brick);
+  if (least == least_end && most == most_end) return false;
+  std::fill_n(out.least, kBrickVoxels, -std::numeric_limits<double>::infinity());
+  std::fill_n(out.most, kBrickVoxels, std::numeric_limits<double>::infinity());
+  for (auto bound = least; bound != least_end; ++bound) {
+    out.least[bound->slot % kBrickVoxels] = bound->value * kFinePerUnit;
+  }
+  for (auto bound = most; bound != most_end; ++bound) {
+    out.most[bound->slot % kBrickVoxels] = bound->value * kFinePerUnit;
+  }
+  return true;
+}
+
+SweepOutcome CoordinateRelaxation::sweep_diagonals_of(std::size_t brick, const BrickMask& free,
+                                                      const DiagonalSweep& sweep,
+                                                      double* out) const {
+  DiagonalBrick loaded;
+  load_brick(m_body, m_table.links(), brick, m_now, m_one_class, loaded);
+  NodeBounds bounds;
+  DiagonalSweep bounded = sweep;
+  if (find_bounds(brick, bounds)) bounded.bounds = &bounds;
+  return sweep_brick(loaded, m_table, free, bounded, out);
+}
+
+/// All single nodes of the pass's bricks; returns the largest step.
+double CoordinateRelaxation::sweep_diagonals_at_once(const SweepRule& rule) {
+  std::vector<double> largest(m_work.size());
+  in_parallel(m_work.size(), [&](std::size_t n) {
+    const std::size_t brick = m_work[n];
+    const SweepOutcome outcome = sweep_diagonals_of(brick, m_elements.single[brick],
+                                                    {rule, true, nullptr}, m_next.touch(brick));
+    m_energies[brick] = outcome.energy;
+    m_is_tight[brick] = outcome.least_slack <= kTightSlack * kFinePerUnit;
+    largest[n] = outcome.largest_step;
+    if (largest[n] != 0) m_changed[brick] = 1;
+  });
+  m_now.swap(m_next);
+  return largest.empty() ? 0 : *std::max_element(largest.begin(), largest.end());
+}
+
+/// The same in place, one colour of bricks after the other.
+double CoordinateRelaxation::sweep_diagonals(const SweepRule& rule) {
+  std::array<std::vector<std::uint32_t>, 8> colours;
+  for (const std::uint32_t b : m_work) {
+    colours[std::size_t(brick_colour(m_body.elements.origin(b)))].push_back(b);
+  }
+  double all = 0;
+  for (const auto& bricks : colours) {
+    std::vector<double> largest(bricks.size());
+    in_parallel(bricks.size(), [&](std::size_t n) {
+      const std::size_t brick = bricks[n];
+      const SweepOutcome outcome = sweep_diagonals_of(brick, m_elements.single[brick],
+                                                      {rule, false, nullptr}, m_now.touch(brick));
+      m_energies[brick] = outcome.energy;
+      m_is_tight[brick] = outcome.least_slack <= kTightSlack * kFinePerUnit;
+      largest[n] = outcome.largest_step;
+      if (largest[n] != 0) m_changed[brick] = 1;
+    });
+    for (const double step : largest) all = std::max(all, step);
+  }
+  return all;
+}
+
+}  // namespace supple

@@ -1,0 +1,204 @@
+#include "lib/relax/diagonal_sweep.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "lib/relax/node_rows.h"
+
+namespace supple {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr unsigned kWholeRow = 0xff;
+using EntryRow = std::int32_t __attribute__((vector_size(32)));
+
+/// Which nodes of a row come before their neighbours that way in a pass.
+class PassOrder {
+ public:
+  PassOrder() {
+    for (int colour = 0; colour < 8; ++colour) {
+      for (int row = 0; row < 64; ++row) {
+        for (int direction = 0; direction < kDirections; ++direction) {
+          m_first[colour][row][direction] = first_of(colour, row / 8, row % 8, direction);
+        }
+      }
+    }
+  }
+  const std::uint8_t* of_row(int colour, int i, int j) const { return m_first[colour][8 * i + j]; }
+
+ private:
+  /// Of a node of the brick and the layer around it.
+  static int order_of(int colour, int i, int j, int k) {
+    const int brick = colour ^ ((i >> 3 & 1) << 2 | (j >> 3 & 1) << 1 | (k >> 3 & 1));
+    return brick << 3 | (i & 1) << 2 | (j & 1) << 1 | (k & 1);
+  }
+  static std::uint8_t first_of(int colour, int i, int j, int direction) {
+    const LinkStep step = step_of_direction(direction);
+    unsigned bits = 0;
+    for (int k = 0; k < 8; ++k) {
+      const int here = order_of(colour, i, j, k);
+      bits |= unsigned(here < order_of(colour, i + step[0], j + step[1], k + step[2])) << k;
+    }
+    return std::uint8_t(bits);
+  }
+
+  std::uint8_t m_first[8][64][kDirections];
+};
+
+/// Of eight links, in the direction away from a node; `other` is the far end.
+struct AwayRow {
+  NodeRow stiffness, wider, narrower;  // limits of other - here and of here - other
+};
+
+inline NodeRow chosen_or(unsigned bits, NodeRow row, double otherwise) {
+  constexpr MaskRow kBit = {1, 2, 4, 8, 16, 32, 64, 128};
+  const MaskRow set = (MaskRow{} + std::int64_t(bits)) & kBit;
+  return set != 0 ? row : NodeRow{} + otherwise;
+}
+
+/// What the links of eight nodes ask of them.
+struct RowAsk {
+  NodeRow force{}, stiffness{};
+  NodeRow rise = NodeRow{} + kInfinity, sink = NodeRow{} + kInfinity;
+};
+
+class BrickSweep {
+ public:
+  BrickSweep(DiagonalBrick& brick, const LinkTable& table, const DiagonalSweep& sweep)
+      : m_brick(brick), m_table(table), m_sweep(sweep), m_kinds(kinds_of(table.links())) {
+    for (int kind = 0; kind < kLinkKinds; ++kind) {
+      m_kind_of[kDirectionOfKind[std::size_t(kind)]] = kind;
+      m_kind_of[opposite_direction(kDirectionOfKind[std::size_t(kind)])] = kind;
+      if (kind >= m_kinds || brick.of_one_class < 0) continue;
+      const LinkValues& link = table.values(kind, brick.of_one_class, brick.of_one_class);
+      m_one_class[kind] = {NodeRow{} + double(link.stiffness),
+                           NodeRow{} + double(link.upper) * kFinePerUnit,
+                           NodeRow{} + double(link.lower) * kFinePerUnit};
+    }
+  }
+
+  SweepOutcome run(const BrickMask& free, double* out) {
+    for (int colour = 0; colour < 4; ++colour) {
+      for (int i = colour >> 1; i < 8; i += 2) {
+        for (int j = colour & 1; j < 8; j += 2) {
+          step_row(i, j, unsigned(free[std::size_t(i)] >> (8 * j)) & kWholeRow, out);
+        }
+      }
+    }
+    SweepOutcome outcome;
+    outcome.least_slack = m_least[0];
+    for (int lane = 0; lane < 8; ++lane) {
+      outcome.energy += m_energy[lane];
+      outcome.least_slack = std::min(outcome.least_slack, m_least[lane]);
+      outcome.largest_step = std::max(outcome.largest_step, m_largest[lane]);
+    }
+    return outcome;
+  }
+
+ private:
+  AwayRow links_of(int direction, unsigned bits, int i, int j) const {
+    const int kind = m_kind_of[direction];
+    const bool upwards = direction > kNoStep;
+    if (m_brick.of_one_class < 0) {
+      const LinkRow link = look_up_row(kind, direction, bits, i, j);
+      return upwards ? AwayRow{link.stiffness, link.upper, link.lower}
+                     : AwayRow{link.stiffness, link.lower, link.upper};
+    }
+    AwayRow away = m_one_class[kind];
+    if (!upwards) std::swap(away.wider, away.narrower);
+    if (bits == kWholeRow) return away;
+    return {chosen(bits, away.stiffness), chosen_or(bits, away.wider, kInfinity),
+            chosen_or(bits, away.narrower, kInfinity)};
+  }
+
+  LinkRow look_up_row(int kind, int direction, unsigned bits, int i, int j) const {
+    constexpr EntryRow kBit = {1, 2, 4, 8, 16, 32, 64, 128};
+    const LinkStep step = step_of_direction(direction);
+    EntryRow here, other;
+    std::memcpy(&here, m_brick.classes.row(i, j), sizeof here);
+    std::memcpy(&other, m_brick.classes.row(i + step[0], j + step[1]) + step[2], sizeof other);
+    const EntryRow set = (EntryRow{} + std::int32_t(bits)) & kBit;
+    const EntryRow entries =
+        set != 0 ? here * m_table.stride() + other : EntryRow{} + m_table.missing();
+    alignas(32) std::int32_t places[8];
+    std::memcpy(places, &entries, sizeof places);
+    return look_up(m_table.row(kind), places);
+  }
+
+  /// `counted`: nodes whose links' energy counts, where they come first.
+  void ask_links(int direction, int i, int j, NodeRow here, unsigned counted, RowAsk& ask) {
+    const unsigned bits =
+        unsigned(m_brick.links[std::size_t(direction)][std::size_t(i)] >> (8 * j)) & kWholeRow;
+    if (bits == 0) return;
+    const LinkStep step = step_of_direction(direction);
+    const AwayRow away = links_of(direction, bits, i, j);
+    const NodeRow stretch = load(m_brick.offsets.row(i + step[0], j + step[1]) + step[2]) - here;
+    const NodeRow force = away.stiffness * stretch;
+    ask.force += force;
+    ask.stiffness += away.stiffness;
+    ask.rise = smaller(ask.rise, away.narrower + stretch);
+    ask.sink = smaller(ask.sink, away.wider - stretch);
+    m_energy += chosen(m_first[direction] & counted, force * stretch);
+  }
+
+  NodeRow step_of(const RowAsk& ask, int i, int j, NodeRow here) const {
+    const SweepRule& rule = m_sweep.rule;
+    const NodeRow wanted = ask.force * rule.relaxation / (ask.stiffness + kNoStiffness);
+    NodeRow up = NodeRow{} + kInfinity, down = up;
+    if (rule.limited) {
+      up = ask.rise * rule.share;
+      down = ask.sink * rule.share;
+    }
+    if (m_sweep.bounds != nullptr) {
+      const int first = 64 * i + 8 * j;
+      up = smaller(up, larger(NodeRow{}, load(m_sweep.bounds->most + first) - here));
+      down = smaller(down, larger(NodeRow{}, here - load(m_sweep.bounds->least + first)));
+    }
+    return truncated(larger(-down, smaller(up, wanted)));
+  }
+
+  /// The other eight rows around stay while this one steps, so their links are asked once.
+  void step_row(int i, int j, unsigned free, double* out) {
+    static const PassOrder kOrder;
+    m_first = kOrder.of_row(m_brick.colour, i, j);
+    double* const row = m_brick.offsets.row(i, j);
+    NodeRow here = load(row);
+    RowAsk around;
+    for (int direction = 0; direction < kDirections; ++direction) {
+      if (direction / 3 == kNoStep / 3) continue;
+      ask_links(direction, i, j, here, kWholeRow, around);
+    }
+    const unsigned colours[2] = {m_sweep.at_once ? kWholeRow : 0x55u, m_sweep.at_once ? 0u : 0xaau};
+    for (const unsigned colour : colours) {
+      if (colour == 0) continue;
+      RowAsk ask = around;
+      ask_links(direction_along(2, false), i, j, here, colour, ask);
+      ask_links(direction_along(2, true), i, j, here, colour, ask);
+      m_least = smaller(m_least, chosen_or(colour, smaller(ask.rise, ask.sink), kInfinity));
+      const NodeRow step = chosen(free & colour, step_of(ask, i, j, here));
+      here += step;
+      m_largest = larger(m_largest, larger(step, -step));
+      if (!m_sweep.at_once) std::memcpy(row, &here, sizeof here);
+    }
+    std::memcpy(out + 64 * i + 8 * j, &here, sizeof here);
+  }
+
+  DiagonalBrick& m_brick;
+  const LinkTable& m_table;
+  const DiagonalSweep& m_sweep;
+  int m_kinds;
+  int m_kind_of[kDirections] = {};
+  AwayRow m_one_class[kLinkKinds];  // upwards, of a brick of one class
+  const std::uint8_t* m_first = nullptr;
+  NodeRow m_energy{}, m_largest{}, m_least = NodeRow{} + kInfinity;
+};
+
+}  // namespace
+
+SweepOutcome sweep_brick(DiagonalBrick& brick, const LinkTable& table, const BrickMask& free,
+                         const DiagonalSweep& sweep, double* out) {
+  return BrickSweep(brick, table, sweep).run(free, out);
+}
+
+}  // namespace supple
