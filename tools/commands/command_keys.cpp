@@ -28,6 +28,7 @@ std::vector<KeyTable> all_tables() {
   static ReadOptions read;
   static StepSettings step;
   static GivenHandle handle;
+  static Retraction retract;
   static RelaxParams relax;
   static SpringStep springs;
   static SceneView view;
@@ -40,6 +41,7 @@ std::vector<KeyTable> all_tables() {
       {"grab", "handles = [{ … }] and anchors = [{ … }] of a [[step]]", "",
        fields(static_cast<GivenSelection&>(handle))},
       {"motion", "handles = [{ … }] of a [[step]]", "", fields(static_cast<GivenMotion&>(handle))},
+      {"retract", "retract = [{ … }] of a [[step]]", "", fields(retract)},
       {"relax", "relax = { … } of a [[step]]", "relax-", fields(relax)},
       {"springs", "springs = { … } of a [[step]]", "springs-", fields(springs)},
       {"view", "[[view]]", "", fields(view)},
@@ -58,8 +60,8 @@ std::string kind_of(const Field& field) {
 
 /// Nothing where only scenes have the key, or where the option is one of a command's own.
 std::string option_of(const KeyTable& table, const Field& field) {
-  const bool has_no_options =
-      table.name == "light" || table.name == "grab" || table.name == "motion";
+  const bool has_no_options = table.name == "light" || table.name == "grab" ||
+                              table.name == "motion" || table.name == "retract";
   if (field.is_only_in_scenes() || has_no_options) return "";
   return option_name(field, table.prefix);
 }
