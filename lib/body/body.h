@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "lib/body/rigid_pieces.h"
 #include "lib/material/material.h"
 #include "volumes/state/state.h"
 
@@ -17,13 +18,15 @@ struct Body {
   BrickTopology elements;
   std::vector<std::uint8_t> classes;  // material class per voxel
   std::array<BrickValues, 3> q;       // offsets from rest, 2^-16 voxel; stored where they moved
-  LinkCuts cuts;                      // links between elements that are absent
-  RestStretch rest;                   // of the links' springs; empty without plastic flow
+  /// Links between elements that are absent: cut, or between two elements of rigid pieces.
+  LinkCuts cuts;
+  RestStretch rest;  // of the links' springs; empty without plastic flow
   /// What models beside ECM know of a node, empty unless one has left some: of each offset the rest
   /// beyond q, 2^-32 voxel, at most half a unit of q; and velocities. Who writes q drops the
   /// fractions of what it moved.
   std::array<BrickArray<std::int16_t>, 3> fraction;
   Velocities velocity_mm_s;  // LPS
+  RigidPieces rigid;         // what moves as rigid bodies
   SlackTable slacks;
   MaterialTable material;
   /// True while all links are known to hold, so that a drag need not check them. Whoever writes q

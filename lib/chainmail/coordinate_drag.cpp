@@ -16,10 +16,12 @@ std::vector<Bound>::const_iterator first_bound_from(const std::vector<Bound>& bo
 }  // namespace
 
 CoordinateDrag::CoordinateDrag(Body& body, int coordinate, const HeldVoxels& held,
-                               Propagator& propagator, UndoLog& undo, Progress* progress)
+                               const FreePieces& pieces, Propagator& propagator, UndoLog& undo,
+                               Progress* progress)
     : m_body(body),
       m_coordinate(coordinate),
       m_held(held),
+      m_pieces(pieces),
       m_values(body.q[coordinate]),
       m_undo(undo),
       m_propagator(propagator),
@@ -69,6 +71,20 @@ void CoordinateDrag::for_each_target(std::size_t h, Direction direction, Visit&&
 }
 
 void CoordinateDrag::propagate(Direction direction, const std::vector<Seed>& seeds) {
+  run(direction, seeds);
+  if (m_pieces.empty()) return;
+  const auto before = [&](std::size_t brick) {
+    const std::int32_t* saved = m_undo.saved_of(brick);
+    return saved != nullptr ? saved : m_values.brick_or_zero(brick);
+  };
+  for (;;) {
+    const std::vector<Seed> more = m_pieces.lagging(m_values, before, direction, m_undo.bricks());
+    if (more.empty()) return;
+    run(direction, more);
+  }
+}
+
+void CoordinateDrag::run(Direction direction, const std::vector<Seed>& seeds) {
   const PropagationCounts counts =
       m_propagator.run({m_coordinate, direction, m_values, &m_undo, m_progress}, seeds);
   m_counts.visits += counts.visits;

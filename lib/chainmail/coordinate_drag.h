@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "lib/chainmail/drag_algebra.h"
+#include "lib/chainmail/free_pieces.h"
 #include "lib/chainmail/held_voxels.h"
 
 namespace supple {
@@ -12,9 +13,9 @@ namespace supple {
 class CoordinateDrag : public DragAlgebra<CoordinateDrag> {
  public:
   /// Gives the coordinate its table of bricks if it never moved; the destructor rolls back unless
-  /// commit() was called. `undo` must be empty.
-  CoordinateDrag(Body& body, int coordinate, const HeldVoxels& held, Propagator& propagator,
-                 UndoLog& undo, Progress* progress);
+  /// commit() was called. `undo` must be empty, and `pieces` are those that `held` leaves free.
+  CoordinateDrag(Body& body, int coordinate, const HeldVoxels& held, const FreePieces& pieces,
+                 Propagator& propagator, UndoLog& undo, Progress* progress);
   ~CoordinateDrag();
   CoordinateDrag(const CoordinateDrag&) = delete;
   CoordinateDrag& operator=(const CoordinateDrag&) = delete;
@@ -34,6 +35,7 @@ class CoordinateDrag : public DragAlgebra<CoordinateDrag> {
   std::int64_t excess_of_held(Direction direction) const;
   std::vector<Seed> pulled_back(Direction direction, std::int32_t shift);
   void propagate(Direction direction, const std::vector<Seed>& seeds);
+  void run(Direction direction, const std::vector<Seed>& seeds);
   void roll_back() { m_undo.roll_back(m_values); }
   [[noreturn]] void throw_conflict(const Target& above, const Target& below,
                                    std::int64_t missing) const;
@@ -47,6 +49,7 @@ class CoordinateDrag : public DragAlgebra<CoordinateDrag> {
   Body& m_body;
   const int m_coordinate;
   const HeldVoxels& m_held;
+  const FreePieces& m_pieces;
   BrickValues& m_values;
   bool m_committed = false;
   UndoLog& m_undo;

@@ -83,16 +83,18 @@ bool moves_along(const HeldVoxels& held, int coordinate) {
 
 /// All coordinates at their whole targets; again, shortened by one common fraction, when anchors
 /// stop one of them.
-CoordinateDrags solve(Body& body, const HeldVoxels& held, Propagator& propagator,
-                      std::array<UndoLog, 3>& undo, Fraction& fraction, Progress* progress) {
+CoordinateDrags solve(Body& body, const HeldVoxels& held, const FreePieces& pieces,
+                      Propagator& propagator, std::array<UndoLog, 3>& undo, bool whole_only,
+                      Fraction& fraction, Progress* progress) {
   CoordinateDrags drags;
   for (int c = 0; c < 3; ++c) {
     report(progress, c / 3.0);
     if (!moves_along(held, c)) continue;
-    drags.push_back(std::make_unique<CoordinateDrag>(body, c, held, propagator, undo[c], progress));
+    drags.push_back(
+        std::make_unique<CoordinateDrag>(body, c, held, pieces, propagator, undo[c], progress));
     drags.back()->try_whole(fraction);
   }
-  if (!fraction.is_whole()) {
+  if (!fraction.is_whole() && !whole_only) {
     for (const auto& drag : drags) drag->redo(fraction);
   }
   return drags;
@@ -159,6 +161,37 @@ EcmReport EcmSolver::drag(const std::vector<Handle>& handles, const std::vector<
 
 EcmReport EcmSolver::drag(const std::vector<Handle>& handles, const std::vector<Region>& anchors,
                           Holds& holds, Progress* progress) {
+  return run(handles, anchors, holds, Extent::part, progress);
+}
+
+EcmReport EcmSolver::drag_whole(const std::vector<Handle>& handles,
+                                const std::vector<Region>& anchors, Holds& holds,
+                                Progress* progress) {
+  return run(handles, anchors, holds, Extent::whole, progress);
+}
+
+bool EcmSolver::allows(const std::vector<Handle>& handles, const std::vector<Region>& anchors,
+                       const Holds& holds, Progress* progress) {
+  Holds same = holds;
+  try {
+    const EcmReport report = run(handles, anchors, same, Extent::tried, progress);
+    return report.fraction_numerator == report.fraction_denominator;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+FreePieces EcmSolver::free_pieces(const HeldVoxels& held) const {
+  if (m_body.rigid.empty()) return {};
+  std::vector<const SlotSet*> sets = {held.fixed, &held.rest.anchored};
+  for (const HeldHandle& handle : held.handles) {
+    if (!handle.is_push()) sets.push_back(&handle.slots);
+  }
+  return FreePieces(m_body, sets);
+}
+
+EcmReport EcmSolver::run(const std::vector<Handle>& handles, const std::vector<Region>& anchors,
+                         Holds& holds, Extent extent, Progress* progress) {
   const auto begin = std::chrono::steady_clock::now();
   EcmReport result;
   result.engine = engine();
@@ -172,10 +205,13 @@ EcmReport EcmSolver::drag(const std::vector<Handle>& handles, const std::vector<
     result.projected_held = projection.held_moved;
   }
   const HeldVoxels held = hold(m_body, handles, *m_fixed, holds);
+  const FreePieces pieces = free_pieces(held);
   Fraction fraction;
-  const CoordinateDrags drags = solve(m_body, held, m_propagator, m_undo, fraction, progress);
+  const CoordinateDrags drags =
+      solve(m_body, held, pieces, m_propagator, m_undo, extent != Extent::part, fraction, progress);
   result.fraction_numerator = fraction.numerator;
   result.fraction_denominator = fraction.denominator;
+  if (extent == Extent::tried || (extent == Extent::whole && !fraction.is_whole())) return result;
   result.moved = count_moved(drags);
   Holds next = holds_after(held, fraction);
   for (const auto& coordinate : drags) {

@@ -19,7 +19,9 @@
 
 namespace supple {
 
+class FreePieces;
 struct FixedElements;
+struct HeldVoxels;
 
 /// A two-sided handle takes its elements along whichever way it goes. A push handle is a tool that
 /// does not stick: in a coordinate with by > 0 its elements end at least that far, with by < 0 at
@@ -68,14 +70,15 @@ struct EcmReport {
 };
 
 /// Moves the handles, holds every element of the anchors where it is, and lets the body follow:
-/// median(L, q, U) of the envelopes. Anchors shorten the whole drag by one fraction; handles must
-/// agree with each other for the whole drag, whatever the anchors allow. A start that is not known
-/// to be valid (Body::links_known_valid) is checked and, when invalid, projected first, to
-/// floor((L + U) / 2). Throws InputError: a handle or anchor without element (names the nearest
-/// one), a voxel in two handles or in a handle and an anchor, handles that contradict each other
-/// (names the pair and the missing distance in mm), an offset beyond the range. The body is
-/// unchanged then, also when `progress` cancels. Memory: 2 kB per brick touched and coordinate, for
-/// undoing.
+/// median(L, q, U) of the envelopes. Rigid pieces (Body::rigid) that are not grabbed as a whole
+/// only shift, all elements by the same; those that are must have targets that keep them rigid.
+/// Anchors shorten the whole drag by one fraction; handles must agree with each other for the whole
+/// drag, whatever the anchors allow. A start that is not known to be valid
+/// (Body::links_known_valid) is checked and, when invalid, projected first, to floor((L + U) / 2).
+/// Throws InputError: a handle or anchor without element (names the nearest one), a voxel in two
+/// handles or in a handle and an anchor, handles that contradict each other (names the pair and the
+/// missing distance in mm), an offset beyond the range. The body is unchanged then, also when
+/// `progress` cancels. Memory: 2 kB per brick touched and coordinate, for undoing.
 EcmReport drag(Body& body, const std::vector<Handle>& handles, const std::vector<Region>& anchors,
                Progress* progress = nullptr);
 
@@ -98,12 +101,27 @@ class EcmSolver {
   EcmReport drag(const std::vector<Handle>& handles, const std::vector<Region>& anchors,
                  Holds& holds, Progress* progress = nullptr);
 
+  /// All or nothing: where anchors stop a part of the drag nothing moves, and the report's fraction
+  /// says how much they allow.
+  EcmReport drag_whole(const std::vector<Handle>& handles, const std::vector<Region>& anchors,
+                       Holds& holds, Progress* progress = nullptr);
+
+  /// Whether anchors and the handles among each other allow the whole drag; the body stays.
+  bool allows(const std::vector<Handle>& handles, const std::vector<Region>& anchors,
+              const Holds& holds, Progress* progress = nullptr);
+
   /// block or flat.
   Engine engine() const { return m_propagator.engine(); }
   /// Memory kept between drags, the body's not included.
   std::size_t bytes() const;
 
  private:
+  /// part: as far as anchors allow; whole: all or nothing; tried: nothing, but the report.
+  enum class Extent { part, whole, tried };
+  EcmReport run(const std::vector<Handle>& handles, const std::vector<Region>& anchors,
+                Holds& holds, Extent extent, Progress* progress);
+  FreePieces free_pieces(const HeldVoxels& held) const;
+
   Body& m_body;
   Propagator m_propagator;
   std::array<UndoLog, 3> m_undo;           // per coordinate

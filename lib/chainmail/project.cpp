@@ -64,17 +64,30 @@ std::int64_t largest_move(const BrickValues& before, const BrickValues& after) {
 }  // namespace
 
 BrickValues projected(const BrickValues& values, int coordinate, const HeldBounds& bounds,
-                      Propagator& propagator, Progress* progress) {
-  const auto task = [&](Direction direction, BrickValues& moved) {
-    return PropagationTask{coordinate, direction, moved, nullptr, progress};
+                      Propagator& propagator, Progress* progress, const FreePieces& pieces) {
+  const std::vector<std::size_t> of_pieces =
+      pieces.empty() ? std::vector<std::size_t>() : pieces.bricks();
+  const auto run = [&](Direction direction, BrickValues& moved, const std::vector<Seed>* seeds) {
+    const PropagationTask task{coordinate, direction, moved, nullptr, progress};
+    if (seeds == nullptr) {
+      propagator.close(task);
+    } else {
+      propagator.run(task, *seeds);
+    }
+    while (!pieces.empty()) {
+      const auto before = [&](std::size_t brick) { return values.brick_or_zero(brick); };
+      const std::vector<Seed> more = pieces.lagging(moved, before, direction, of_pieces);
+      if (more.empty()) return;
+      propagator.run(task, more);
+    }
   };
   BrickValues above = values, below = values;
-  propagator.close(task(Direction::raise, above));
-  propagator.close(task(Direction::lower, below));
+  run(Direction::raise, above, nullptr);
+  run(Direction::lower, below, nullptr);
   if (!bounds.least.empty() || !bounds.most.empty()) {
     BrickValues lowered = above, raised = below;
-    propagator.run(task(Direction::lower, lowered), bounds.most);
-    propagator.run(task(Direction::raise, raised), bounds.least);
+    run(Direction::lower, lowered, &bounds.most);
+    run(Direction::raise, raised, &bounds.least);
     average(lowered, raised);
     if (meets(lowered, bounds)) return lowered;
   }
@@ -89,11 +102,13 @@ ProjectionReport project(Body& body, const SlotSet& fixed, const Holds& held) {
     SlotSet anchored = held.anchored;
     anchored.add(fixed);
     Propagator propagator(body);
+    const FreePieces pieces = body.rigid.empty() ? FreePieces() : FreePieces(body, {});
     std::array<BrickValues, 3> valid;
     std::int64_t largest = 0;
     for (int c = 0; c < 3; ++c) {
       if (body.q[c].empty()) continue;
-      valid[c] = projected(body.q[c], c, held_bounds(body, c, anchored, held), propagator);
+      valid[c] = projected(body.q[c], c, held_bounds(body, c, anchored, held), propagator, nullptr,
+                           pieces);
       largest = std::max(largest, largest_move(body.q[c], valid[c]));
     }
     report.max_move_voxels = double(largest) / kFixedOne;

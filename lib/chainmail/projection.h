@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "lib/chainmail/free_pieces.h"
 #include "lib/chainmail/propagate.h"
 
 namespace supple {
@@ -13,8 +14,10 @@ struct HeldBounds {
 };
 
 /// The half-way values of the envelopes, within the bounds where the links allow that: they satisfy
-/// every link. `values` meet the bounds, and `propagator` is that of the body. Throws Cancelled.
+/// every link. `values` meet the bounds, and `propagator` is that of the body. Each of the `pieces`
+/// shifts as one. Throws Cancelled.
 BrickValues projected(const BrickValues& values, int coordinate, const HeldBounds& bounds,
-                      Propagator& propagator, Progress* progress = nullptr);
+                      Propagator& propagator, Progress* progress = nullptr,
+                      const FreePieces& pieces = {});
 
 }  // namespace supple

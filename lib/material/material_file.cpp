@@ -1,7 +1,9 @@
 #include "lib/material/material_file.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 
 #include "lib/material/presets.h"
 #include "lib/material/toml_table.h"
@@ -58,6 +60,16 @@ int read_links(TomlTable& table) {
   table.fail("links", std::to_string(links), "6, 18 or 26");
 }
 
+std::optional<std::pair<double, double>> read_rigid(TomlTable& table) {
+  std::pair<double, double> range;
+  read_range(table, "rigid", range.first, range.second);
+  if (!(range.first <= range.second)) {
+    table.fail("rigid", number_text(range.first) + " before " + number_text(range.second),
+               "densities [LEAST, LARGEST]");
+  }
+  return range;
+}
+
 void append_curve(std::string& text, const std::string& name, const Curve& curve) {
   text += name + " = [";
   for (const auto& [density, value] : curve.keys) {
@@ -100,10 +112,12 @@ void know_limits(TomlTable& table) {
               "stiffness", "density", "damping", "plastic", "preset"});
 }
 
-/// What keys that are not given count as: the curves of the preset, or none.
-LimitTable read_preset(TomlTable& table, const LimitTable& limits) {
+/// What keys that are not given count as: the curves of the preset, or none. `tissue`: the table of
+/// a tissue preset, which only the common table can have.
+LimitTable read_preset(TomlTable& table, const LimitTable& limits, const MaterialTable* tissue) {
   const auto name = table.string("preset");
   if (!name) return {};
+  if (tissue != nullptr) return *tissue;
   try {
     return preset_table(*name, limits.domain_lo, limits.domain_hi);
   } catch (const InputError& error) {
@@ -112,9 +126,9 @@ LimitTable read_preset(TomlTable& table, const LimitTable& limits) {
 }
 
 /// Curves over the domain of `limits`.
-void read_curves(TomlTable& table, LimitTable& limits) {
+void read_curves(TomlTable& table, LimitTable& limits, const MaterialTable* tissue = nullptr) {
   const std::string pairs = "a list of [density, value] pairs";
-  const LimitTable preset = read_preset(table, limits);
+  const LimitTable preset = read_preset(table, limits, tissue);
   const auto or_else = [](std::optional<Curve> curve, const Curve& of_preset) {
     return curve || of_preset.keys.empty() ? std::move(curve) : std::optional<Curve>(of_preset);
   };
@@ -167,22 +181,52 @@ void read_labels(TomlTable& labels, const LabelNames& names, MaterialTable& mate
   }
 }
 
+/// The table of a tissue preset, if the table names one. Curves of one that fits its domain to the
+/// volume are constant.
+std::optional<MaterialTable> read_tissue(TomlTable& table) {
+  if (!table.is_string("preset")) return std::nullopt;
+  const std::string name = *table.string("preset");
+  const TissuePreset* preset = find_tissue_preset(name);
+  if (preset == nullptr) {
+    const auto& others = material_presets();
+    const bool is_known = std::any_of(others.begin(), others.end(),
+                                      [&](const auto& other) { return name == other.name; });
+    if (is_known) return std::nullopt;
+    table.fail("preset", '"' + name + '"', "one of " + all_preset_names());
+  }
+  MaterialTable tissue = parse_material(preset->table, preset->name);
+  tissue.fits_domain = std::string(preset->table).rfind("domain", 0) != 0;
+  return tissue;
+}
+
 }  // namespace
 
 MaterialTable read_material_table(TomlTable& table, const LabelNames& names) {
-  MaterialTable material;
   know_limits(table);
-  table.know({"active", "combine", "components", "links", "label"});
+  table.know({"active", "combine", "components", "links", "rigid", "label"});
+  const std::optional<MaterialTable> tissue = read_tissue(table);
+  MaterialTable material;
+  if (tissue) {
+    material.domain_lo = tissue->domain_lo;
+    material.domain_hi = tissue->domain_hi;
+    material.components = tissue->components;
+    material.links = tissue->links;
+    material.rigid = tissue->rigid;
+    material.fits_domain = tissue->fits_domain;
+  } else {
+    material.fits_domain = table.has("preset");
+  }
   read_range(table, "domain", material.domain_lo, material.domain_hi);
-  material.fits_domain = table.has("preset") && !table.has("domain");
+  material.fits_domain = material.fits_domain && !table.has("domain");
   material.fits_active = material.fits_domain && !table.has("active");
   material.active_lo = material.domain_lo;
   material.active_hi = material.domain_hi;
   read_range(table, "active", material.active_lo, material.active_hi);
-  read_curves(table, material);
+  read_curves(table, material, tissue ? &*tissue : nullptr);
   material.combine = read_combine(table);
-  material.components = read_components(table);
-  material.links = read_links(table);
+  if (table.has("components")) material.components = read_components(table);
+  if (table.has("links")) material.links = read_links(table);
+  if (table.has("rigid")) material.rigid = read_rigid(table);
   if (auto labels = table.table("label")) read_labels(*labels, names, material);
   table.finish();
   material.validate(table.place());
@@ -195,6 +239,9 @@ MaterialTable parse_material(const std::string& text, const std::string& source)
 }
 
 MaterialTable read_material(const std::string& path, const LabelNames& names) {
+  if (find_tissue_preset(path) != nullptr && !std::filesystem::exists(path)) {
+    return parse_material("preset = \"" + path + "\"", path);
+  }
   TomlTable table = TomlTable::read(path);
   return read_material_table(table, names);
 }
@@ -209,6 +256,7 @@ std::string material_to_toml(const MaterialTable& material) {
     text += "components = " + std::to_string(material.components) + "\n";
   }
   if (material.links != 6) text += "links = " + std::to_string(material.links) + "\n";
+  if (material.rigid) append_range(text, "rigid", material.rigid->first, material.rigid->second);
   for (const auto& [label, limits] : material.labels) {
     text += "\n[label." + std::to_string(label) + "]\n";
     append_range(text, "domain", limits.domain_lo, limits.domain_hi);

@@ -8,7 +8,8 @@
 //
 // Sources stand beside the values in presets.cpp and in docs/materials.md. Values found in the
 // literature differ by up to two decades (brain 2.1 to 250 kPa, thesis table 3.1), so these are
-// starting points. Nothing is plastic by preset.
+// starting points. Nothing is plastic by preset. Tables of whole pictures are ct-head, ct-body and
+// mr-brain.
 #pragma once
 
 #include <string>
@@ -28,6 +29,18 @@ const std::vector<MaterialPreset>& material_presets();
 
 /// The names in quotes, separated by commas, for messages.
 std::string material_preset_names();
+
+/// Whole tables of a kind of picture, as TOML: "ct-head", "ct-body", "mr-brain". Densities of CT
+/// are in HU; bone moves as rigid pieces.
+struct TissuePreset {
+  const char* name;
+  const char* table;
+};
+const std::vector<TissuePreset>& tissue_presets();
+/// Null where there is none of that name.
+const TissuePreset* find_tissue_preset(const std::string& name);
+/// All presets in quotes, separated by commas.
+std::string all_preset_names();
 
 /// Constant curves over the domain [domain_lo, domain_hi]. Throws InputError without a file,
 /// field "preset", with the names, for an unknown one.

@@ -11,6 +11,15 @@ void VoxelEcmModel::move(const std::vector<Handle>& handles, int, Progress* prog
   m_report = m_solver.drag(handles, m_held.anchors, m_held.holds, progress);
 }
 
+bool VoxelEcmModel::move_whole(const std::vector<Handle>& handles, Progress* progress) {
+  m_report = m_solver.drag_whole(handles, m_held.anchors, m_held.holds, progress);
+  return m_report.fraction_numerator == m_report.fraction_denominator;
+}
+
+bool VoxelEcmModel::allows(const std::vector<Handle>& handles, Progress* progress) {
+  return m_solver.allows(handles, m_held.anchors, m_held.holds, progress);
+}
+
 ModelEnergy VoxelEcmModel::energy() {
   const SlotSet none;
   RelaxParams params;

@@ -13,6 +13,10 @@ class VoxelEcmModel final : public Model<Handle> {
   explicit VoxelEcmModel(const HeldBody& held);
 
   void move(const std::vector<Handle>& handles, int steps, Progress* progress) override;
+  /// All or nothing; false where anchors stop a part of the drag.
+  bool move_whole(const std::vector<Handle>& handles, Progress* progress);
+  /// Whether anchors and other handles allow the whole drag, which is not done.
+  bool allows(const std::vector<Handle>& handles, Progress* progress);
   bool step(const Progress* = nullptr) override { return false; }
   /// That of the springs that relaxation would find.
   ModelEnergy energy() override;

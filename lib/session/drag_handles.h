@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "lib/session/step.h"
+#include "lib/session/rigid_drag.h"
 
 namespace supple {
 
@@ -15,11 +15,19 @@ struct HandleSurroundings {
   /// Two-sided edges are held at their targets. Pushing ones go at least so far where the handle
   /// takes them further: limits too tight for the edge's slope then stop nothing.
   HandleKind edge_kind;
+  /// What drags do to rigid pieces, and the part of all motions that is asked for: pieces turn by
+  /// that part of their angle, all else goes that part of its straight way.
+  const std::vector<PieceMotion>* pieces = nullptr;
+  double part = 1;
 };
 
+/// The elements as a region.
+Region region_of(const SlotSet& slots, const BrickTopology& elements, std::string name);
+
 /// The handles of each drag, `regions` being what they grab; edges are handles of their own behind
-/// theirs, without what is taken or grabbed, and where several meet with the first. Throws
-/// InputError for a region without element, a motion beyond the range.
+/// theirs, without what is taken, grabbed or rigid, and where several meet with the first. A rigid
+/// piece that drags touch is a handle as a whole. Throws InputError for a region without element, a
+/// motion beyond the range.
 std::vector<Handle> handles_of(const std::vector<Drag>& drags, const std::vector<Region>& regions,
                                const HandleSurroundings& around);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "lib/model/quasi_static.h"
+#include "lib/session/removal.h"
 
 namespace supple {
 
@@ -25,6 +26,13 @@ void HandleLedger::add(int step, const std::vector<Handle>& handles, const Body&
       m_handles.push_back({step, ++number, handles[n].region.name(), elements[n]});
     }
   }
+}
+
+void HandleLedger::move_to(const BrickTopology& from, const BrickTopology& to) {
+  for (LedgerEntry& entry : m_handles) entry.elements = moved_to(from, to, entry.elements);
+  m_handles.erase(std::remove_if(m_handles.begin(), m_handles.end(),
+                                 [](const LedgerEntry& entry) { return entry.elements.empty(); }),
+                  m_handles.end());
 }
 
 std::vector<SlotSet> HandleLedger::elements() const {

@@ -22,6 +22,8 @@ class HandleLedger {
   /// InputError for one without element.
   void add(int step, const std::vector<Handle>& handles, const Body& body);
   void release() { m_handles.clear(); }
+  /// After elements were removed: what is left of each handle, on the bricks of `to`.
+  void move_to(const BrickTopology& from, const BrickTopology& to);
 
   bool empty() const { return m_handles.empty(); }
   /// The elements of each; no element is in two.

@@ -73,7 +73,7 @@ Vec3i nearest_voxel(const Vec3d& index) {
 
 /// Whether the elements are found by more than a region of voxels.
 bool needs_selection(const GivenHandle& given) {
-  return given.ball || given.density || given.piece_at || given.soft_mm > 0;
+  return given.ball || given.density || given.piece_at || given.rigid_at || given.soft_mm > 0;
 }
 
 HandleMotion motion_of(const GivenHandle& given, const Geometry& geometry) {
@@ -145,6 +145,7 @@ Fields fields(GivenSelection& given) {
             "Elements of these densities, of the box or ball if there is one"),
       Field("piece_at", given.piece_at,
             "The face-connected piece that holds this place, of what else is grabbed or of all"),
+      Field("rigid_at", given.rigid_at, "The rigid piece that holds this place"),
   };
 }
 
@@ -214,12 +215,19 @@ Selection to_selection(const GivenSelection& given, const Geometry& geometry) {
     selection.radius_mm = given.radius_mm.value_or(0);
   }
   selection.density = given.density;
-  if (given.piece_at) {
-    const Vec3d index = index_of(*given.piece_at, given.frame, geometry);
-    selection.piece_at =
-        voxel_at(geometry.world_from_index(index), geometry, given.place, "piece_at");
-  }
+  const auto voxel_of_place = [&](const Vec3d& place, const char* field) {
+    const Vec3d index = index_of(place, given.frame, geometry);
+    return voxel_at(geometry.world_from_index(index), geometry, given.place, field);
+  };
+  if (given.piece_at) selection.piece_at = voxel_of_place(*given.piece_at, "piece_at");
+  if (given.rigid_at) selection.rigid_at = voxel_of_place(*given.rigid_at, "rigid_at");
   return selection;
+}
+
+ChosenPart to_part(const GivenPart& given, const Geometry& geometry) {
+  ChosenPart part{given.name, given.label.value_or(0)};
+  if (!given.label) part.selection = to_selection(given, geometry);
+  return part;
 }
 
 std::vector<Drag> to_drags(const GivenHandle& given, const Geometry& geometry, double time) {

@@ -21,8 +21,8 @@ Vec3d index_of(const Vec3d& place, PlaceFrame frame, const Geometry& geometry);
 /// A vector of mm.
 Vec3d lps_of(const Vec3d& vector_mm, PlaceFrame frame, const Geometry& geometry);
 
-/// Exactly one of box, at_lps_mm, points, label and ball, or none beside density or piece_at, which
-/// narrow a box or a ball.
+/// Exactly one of box, at_lps_mm, points, label and ball, or none beside density, piece_at or
+/// rigid_at, which narrow a box or a ball.
 struct GivenSelection {
   std::string place;  // "file:line" of a scene, for errors
   PlaceFrame frame = PlaceFrame::voxel;
@@ -33,7 +33,7 @@ struct GivenSelection {
   std::optional<Vec3d> ball;
   std::optional<double> radius_mm;
   std::optional<NumberPair> density;
-  std::optional<Vec3d> piece_at;
+  std::optional<Vec3d> piece_at, rigid_at;
 };
 /// The keys whose values are numbers alone.
 Fields fields(GivenSelection& given);
@@ -71,6 +71,12 @@ struct GivenHandle : GivenSelection, GivenMotion {
 
   bool is_animated() const { return !path.empty(); }
 };
+
+/// All that is chosen together: what moves as a rigid piece, or is removed.
+struct GivenPart : GivenSelection {
+  std::string name;
+};
+ChosenPart to_part(const GivenPart& given, const Geometry& geometry);
 
 /// The voxels of a voxel or box. In mm, those between the voxels nearest to the corners.
 std::optional<IndexBox> box_of(const GivenSelection& given, const Geometry& geometry);

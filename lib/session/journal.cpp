@@ -82,6 +82,13 @@ nlohmann::ordered_json to_json(const StepRecord& record) {
     step["cut"].push_back(nlohmann::ordered_json::parse(settings_json(surface)));
   }
   if (!record.cuts.empty()) step["cut_links"] = record.cut_links;
+  for (const ChosenPart& part : record.remove) {
+    step["remove"].push_back(nlohmann::ordered_json::parse(chosen_json(part)));
+  }
+  for (const Retraction& retraction : record.retract) {
+    step["retract"].push_back(nlohmann::ordered_json::parse(settings_json(retraction)));
+  }
+  step.update(nlohmann::ordered_json::parse(settings_json(record.rigid)));
   if (record.relax) {
     step["relax"] = recorded(*record.relax);
     if (record.relax->bulk_modulus_kpa == 0) step["relax"].erase("bulk_modulus_kpa");

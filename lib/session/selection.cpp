@@ -7,6 +7,7 @@
 
 #include "volumes/base/error.h"
 #include "volumes/base/text.h"
+#include "volumes/grid/labels.h"
 
 namespace supple {
 
@@ -57,6 +58,21 @@ std::string density_text(const NumberPair& range) {
   return number_text(range.first) + ":" + number_text(range.second);
 }
 
+const SlotSet& rigid_elements(const Vec3i& voxel, const Body& body, const std::string& role) {
+  Slot slot;
+  const int piece = slot_of(body.elements, voxel, slot) ? body.rigid.at(slot) : -1;
+  if (piece >= 0) return *body.rigid.list[std::size_t(piece)].elements;
+  throw InputError({"", role + " rigid:" + to_text(voxel),
+                    body.rigid.empty() ? "a body without rigid pieces"
+                                       : "voxel " + to_text(voxel) + " of no rigid piece",
+                    "a voxel of a rigid piece"});
+}
+
+bool holds(const SlotSet& set, const BrickTopology& elements, const Vec3i& voxel) {
+  Slot slot;
+  return slot_of(elements, voxel, slot) && set.contains(slot);
+}
+
 [[noreturn]] void throw_empty(const Selection& selection, const Body& body,
                               const std::string& role) {
   std::string expected = "a selection that holds elements";
@@ -75,7 +91,7 @@ std::string density_text(const NumberPair& range) {
 
 bool Selection::operator==(const Selection& other) const {
   return box == other.box && ball_index == other.ball_index && radius_mm == other.radius_mm &&
-         density == other.density && piece_at == other.piece_at;
+         density == other.density && piece_at == other.piece_at && rigid_at == other.rigid_at;
 }
 
 std::string Selection::name() const {
@@ -84,6 +100,7 @@ std::string Selection::name() const {
   if (box) add(Region(*box).name());
   if (ball_index) add("ball:" + to_text(*ball_index) + ":" + number_text(radius_mm));
   if (density) add("density:" + density_text(*density));
+  if (rigid_at) add("rigid:" + to_text(*rigid_at));
   if (piece_at) add("piece:" + to_text(*piece_at));
   return text;
 }
@@ -92,7 +109,10 @@ Region region_of(const Selection& selection, const Body& body, const DensityGrid
                  const std::string& role) {
   std::vector<Vec3i> origins;
   std::vector<BrickMask> masks;
+  const SlotSet* rigid =
+      selection.rigid_at ? &rigid_elements(*selection.rigid_at, body, role) : nullptr;
   const auto is_in = [&](const Vec3i& voxel) {
+    if (rigid != nullptr && !holds(*rigid, body.elements, voxel)) return false;
     return distance_mm(selection, body.geometry, voxel) <= 0 &&
            is_within(selection.density, density, voxel);
   };
@@ -149,6 +169,7 @@ std::string selection_json(const Selection& selection) {
     json["radius"] = selection.radius_mm;
   }
   if (const auto& range = selection.density) json["grab_density"] = {range->first, range->second};
+  if (const auto& voxel = selection.rigid_at) json["rigid_at"] = {voxel->x, voxel->y, voxel->z};
   if (const auto& voxel = selection.piece_at) json["piece_at"] = {voxel->x, voxel->y, voxel->z};
   return json.dump();
 }
@@ -181,12 +202,35 @@ Selection selection_from_json(const std::string& text, const std::string& file) 
       const auto v = list("grab_density", 2);
       selection.density = NumberPair(v[0], v[1]);
     }
+    if (json.contains("rigid_at")) selection.rigid_at = voxel_at(list("rigid_at", 3), 0);
     if (json.contains("piece_at")) selection.piece_at = voxel_at(list("piece_at", 3), 0);
     if (selection == Selection()) throw std::out_of_range("nothing selected");
   } catch (const std::exception&) {
     throw InputError({file, "anchors", text.substr(0, kMaxFoundText), "a selection of elements"});
   }
   return selection;
+}
+
+std::string ChosenPart::title() const {
+  if (!name.empty()) return name;
+  return selection ? selection->name() : "label:" + std::to_string(label);
+}
+
+SlotSet elements_of(const ChosenPart& part, const Body& body, const DensityGrid& density,
+                    const BrickValues& labels, const std::string& role) {
+  if (part.label != 0) {
+    require_label(labels, part.label, role);
+    return slots_in_mask(body.elements, label_mask(body.elements, labels, part.label));
+  }
+  return elements_of(body, region_of(*part.selection, body, density, role), role);
+}
+
+std::string chosen_json(const ChosenPart& part) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::object();
+  if (part.selection) json = nlohmann::ordered_json::parse(selection_json(*part.selection));
+  if (part.label != 0) json["grab_label"] = part.label;
+  if (!part.name.empty()) json["name"] = part.name;
+  return json.dump();
 }
 
 }  // namespace supple

@@ -10,14 +10,16 @@
 
 namespace supple {
 
-/// What is given narrows the body, one after another: a box, a ball, a range of densities; and
-/// then the face-connected piece of that which holds a voxel. Cuts do not part pieces.
+/// What is given narrows the body, one after another: a box, a ball, a range of densities, the
+/// rigid piece that holds a voxel; and then the face-connected piece of that which holds a voxel.
+/// Cuts do not part face-connected pieces.
 struct Selection {
   std::optional<IndexBox> box;
   std::optional<Vec3d> ball_index;  // centre in voxels
   double radius_mm = 0;
   std::optional<NumberPair> density;  // both ends belong to it
   std::optional<Vec3i> piece_at;
+  std::optional<Vec3i> rigid_at;  // the rigid piece that holds a voxel
 
   bool operator==(const Selection& other) const;
   /// As on the command line: "ball:128,211,12:8", "density:300:3100", "piece:128,211,12".
@@ -28,6 +30,21 @@ struct Selection {
 /// at a voxel that is none of them. Cost: a pass over the elements.
 Region region_of(const Selection& selection, const Body& body, const DensityGrid& density,
                  const std::string& role);
+
+/// All elements of a label or of a selection, connected or not, under a name.
+struct ChosenPart {
+  std::string name;  // empty: as the selection
+  std::int32_t label = 0;
+  std::optional<Selection> selection = {};
+
+  std::string title() const;
+};
+
+/// Throws InputError, named `role`, as region_of(), and for a label that no element has.
+SlotSet elements_of(const ChosenPart& part, const Body& body, const DensityGrid& density,
+                    const BrickValues& labels, const std::string& role);
+/// As a journal records it: JSON.
+std::string chosen_json(const ChosenPart& part);
 
 /// Elements around a box or ball and how much of its motion each takes.
 struct SoftEdge {

@@ -48,7 +48,8 @@ class Listener final : public Progress {
 struct Session::Before {
   std::array<BrickValues, 3> q;
   std::array<BrickArray<std::int16_t>, 3> fraction;
-  LinkCuts cuts;
+  LinkCuts cuts, state_cuts;
+  RigidPieces rigid;
   RestStretch rest;
   Velocities velocity_mm_s;
   bool links_known_valid;
@@ -59,28 +60,41 @@ struct Session::Before {
   Holds holds;
   HandleLedger ledger;
   double pressure_kpa;
+  /// Before elements are removed: all else of the state and the body.
+  std::shared_ptr<std::pair<State, Body>> whole;
 };
 
-Session::Before Session::before() const {
-  return {m_body.q,
-          m_body.fraction,
-          m_body.cuts,
-          m_body.rest,
-          m_body.velocity_mm_s,
-          m_body.links_known_valid,
-          m_links,
-          m_state.anchors,
-          m_state.anchor_labels,
-          m_state.anchor_selections,
-          m_holds,
-          m_ledger,
-          m_pressure_kpa};
+Session::Before Session::before(const StepRequest& request) const {
+  return {
+      m_body.q,
+      m_body.fraction,
+      m_body.cuts,
+      m_state.cuts,
+      m_body.rigid,
+      m_body.rest,
+      m_body.velocity_mm_s,
+      m_body.links_known_valid,
+      m_links,
+      m_state.anchors,
+      m_state.anchor_labels,
+      m_state.anchor_selections,
+      m_holds,
+      m_ledger,
+      m_pressure_kpa,
+      request.remove.empty() ? nullptr : std::make_shared<std::pair<State, Body>>(m_state, m_body)};
 }
 
 void Session::restore(Before&& before) {
+  if (before.whole) {
+    m_state = std::move(before.whole->first);
+    m_body = std::move(before.whole->second);
+    m_ecm = std::make_unique<VoxelEcmModel>(held());
+  }
   m_body.q = std::move(before.q);
   m_body.fraction = std::move(before.fraction);
   m_body.cuts = std::move(before.cuts);
+  m_state.cuts = std::move(before.state_cuts);
+  m_body.rigid = std::move(before.rigid);
   m_body.rest = std::move(before.rest);
   m_body.velocity_mm_s = std::move(before.velocity_mm_s);
   m_body.links_known_valid = before.links_known_valid;
@@ -115,6 +129,7 @@ Session::Session(const std::string& path, const SessionOptions& options, Progres
   stage(progress, "building the body");
   m_body = make_body(m_state, m_material);
   m_state.material_toml = material_to_toml(m_material);
+  take_pieces_of_state(path, progress);
   m_links = check_links(m_body);
   m_body.links_known_valid = m_links.violated == 0;
   find_anchors();
@@ -200,7 +215,11 @@ Region Session::region_of(const Drag& drag) const {
 }
 
 void Session::check(const StepRequest& request) const {
+  const auto waits = [&](const Selection& selection) {  // for pieces that a step makes
+    return selection.rigid_at && m_body.rigid.empty();
+  };
   for (const Drag& drag : request.drags) {
+    if (drag.selection && waits(*drag.selection)) continue;
     const Region region = region_of(drag);
     require_element(region, "grab", m_body, m_state, m_source);
     elements_of(m_body, region, "grab");
@@ -211,6 +230,7 @@ void Session::check(const StepRequest& request) const {
   }
   for (const std::int32_t label : request.fix_labels) require_label(m_state.labels, label, "fix");
   for (const Selection& selection : request.fix_selections) {
+    if (waits(selection)) continue;
     supple::region_of(selection, m_body, m_state.density, "fix");
   }
 }
@@ -246,20 +266,6 @@ void Session::release_and_fix(const StepRequest& request) {
   }
 }
 
-std::vector<Handle> Session::handles_of(const StepRequest& request) const {
-  std::vector<Region> regions;
-  bool has_edges = false;
-  for (const Drag& drag : request.drags) {
-    regions.push_back(region_of(drag));
-    has_edges = has_edges || drag.soft_mm > 0;
-  }
-  const bool is_pushed = !request.springs && request.limits != Limits::ball;
-  return supple::handles_of(request.drags, regions,
-                            {m_body, m_state.density,
-                             has_edges ? anchored_elements(m_body, m_anchors, m_holds) : SlotSet(),
-                             is_pushed ? HandleKind::push : HandleKind::two_sided});
-}
-
 void Session::find_anchors() {
   m_anchors.assign(m_state.anchors.begin(), m_state.anchors.end());
   for (const std::int32_t label : m_state.anchor_labels) {
@@ -269,6 +275,7 @@ void Session::find_anchors() {
     m_anchors.push_back(
         supple::region_of(selection_from_json(text, "state"), m_body, m_state.density, "fix"));
   }
+  fix_whole_pieces();
 }
 
 const StepRecord& Session::step(const StepRequest& request, Progress* heard) {
@@ -276,7 +283,7 @@ const StepRecord& Session::step(const StepRequest& request, Progress* heard) {
   StepRecord record;
   static_cast<StepRequest&>(record) = request;
   std::optional<Before> earlier;
-  if (m_keeps_undo) earlier = before();
+  if (m_keeps_undo) earlier = before(record);
   m_pose.reset();
   try {
     run_step(record, &listener);
@@ -290,21 +297,27 @@ const StepRecord& Session::step(const StepRequest& request, Progress* heard) {
 }
 
 void Session::run_step(StepRecord& record, Progress* progress) {
-  check(record);
+  const bool has_new_elements = !record.remove.empty() || !record.rigid.empty();
+  if (!has_new_elements) check(record);
+  prepare_body(record, progress);
+  if (has_new_elements) check(record);
+  check_model_of_pieces(record);
   release_and_fix(record);
-  const std::vector<Handle> handles = handles_of(record);
-  record.cut_links = apply_cuts(m_body, m_state.labels, record.cuts, progress);
-  m_links.fold_free = m_links.fold_free && m_body.cuts.empty();
+  const std::vector<PieceMotion> pieces =
+      motions_of_pieces(m_body, record.drags, regions_of(record));
+  const std::vector<Handle> handles = handles_of(record, pieces, 1);
   HandleLedger ledger = m_ledger;
   ledger.add(int(m_records.size()) + 1, handles, m_body);
   if (record.springs) {
     const std::vector<SlotSet> told =
         record.tells_reactions ? ledger.elements() : std::vector<SlotSet>();
-    record.sprung = move_by_springs(*record.springs, held(), handles, told, progress);
+    std::vector<Region> anchors;
+    record.sprung =
+        move_by_springs(*record.springs, held_with_pieces(anchors), handles, told, progress);
     if (record.tells_reactions) record.reactions = ledger.name(record.sprung.reactions);
     m_pressure_kpa = 0;
   } else {
-    move_quasi_statically(handles, record, progress);
+    move_quasi_statically(handles, pieces, record, progress);
     if (record.tells_reactions) {
       record.reactions =
           ledger.name(quasi_static_reactions(held(), ledger.elements(), m_pressure_kpa));
@@ -354,52 +367,6 @@ bool Session::undo() {
   return true;
 }
 
-void Session::move_quasi_statically(const std::vector<Handle>& handles, StepRecord& record,
-                                    Progress* progress) {
-  stage(progress, "solving");
-  solve(handles, record, progress);
-  if (!handles.empty() || record.release) m_pressure_kpa = 0;
-  debug(progress, std::string("solve: ") + (record.ball ? "ball" : name_of(record.report.engine)) +
-                      " engine, " + std::to_string(record.report.visited) +
-                      " visits, longest queue " + std::to_string(record.report.max_queue) +
-                      ", body " + std::to_string(m_body.bytes() >> 20) + " MiB");
-  if (record.relax) relax_body(record, progress);
-  if (record.limits == Limits::tighten) tighten_body(record, progress);
-}
-
-void Session::solve(const std::vector<Handle>& handles, StepRecord& record, Progress* progress) {
-  if (record.limits != Limits::ball) {
-    m_ecm->move(handles, 1, progress);
-    record.report = m_ecm->report();
-    warn_of_report(record.report, progress);
-    return;
-  }
-  record.ball = drag_ball(m_body, handles, m_anchors, m_holds, BallParams(), progress);
-  m_links.fold_free = false;
-  record.report.moved = record.ball->moved;
-  record.report.visited = record.ball->moves;
-  record.report.max_queue = record.ball->max_queue;
-  record.report.milliseconds = record.ball->milliseconds;
-  warn_of_report(*record.ball, progress);
-}
-
-void Session::relax_body(StepRecord& record, Progress* progress) {
-  stage(progress, "relaxing");
-  m_pressure_kpa = record.relax->bulk_modulus_kpa;
-  RelaxModel model(held(), *record.relax);
-  run_model(model, record.relax->passes, progress);
-  record.relaxed = model.report();
-  const LinkCheck check =
-      record.relax->method == RelaxMethod::plain ? check_links(m_body) : LinkCheck();
-  warn_of_report(record.relaxed, check, progress);
-}
-
-void Session::tighten_body(StepRecord& record, Progress* progress) {
-  stage(progress, "tightening");
-  record.tightened = tighten(m_body, m_anchors, m_holds, TightenParams(), progress);
-  warn_of_report(*record.tightened, progress);
-}
-
 std::string Session::journal() const {
   return journal_json(m_state.configuration, m_records);
 }
@@ -407,7 +374,12 @@ std::string Session::journal() const {
 State Session::state() const {
   State state = m_state;
   state.q = m_body.q;
-  state.cuts = m_body.cuts;
+  if (m_body.rigid.empty()) {
+    state.cuts = m_body.cuts;
+  } else {
+    state.pieces = *m_body.rigid.number_of;
+    state.piece_texts = texts_of_pieces(m_body.rigid);
+  }
   state.rest = m_body.rest;
   state.velocity_mm_s = m_body.velocity_mm_s;
   state.configuration = journal();

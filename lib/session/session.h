@@ -11,6 +11,7 @@
 #include "lib/model/relax_model.h"
 #include "lib/model/voxel_ecm_model.h"
 #include "lib/session/handle_places.h"
+#include "lib/session/rigid_drag.h"
 #include "lib/session/step.h"
 #include "volumes/io/format/volume_file.h"
 #include "volumes/state/pose.h"
@@ -90,21 +91,35 @@ class Session {
   void open_labels(const std::string& path, Progress* progress);
   void warn_of_material(Progress* progress) const;
   Region region_of(const Drag& drag) const;
+  std::vector<Region> regions_of(const StepRequest& request) const;
   Region region_of_label(std::int32_t label, const std::string& role) const;
   void release_and_fix(const StepRequest& request);
   void find_anchors();
-  std::vector<Handle> handles_of(const StepRequest& request) const;
+  void fix_whole_pieces();
+  /// `part`: of all motions, where rigid pieces turn.
+  std::vector<Handle> handles_of(const StepRequest& request, const std::vector<PieceMotion>& pieces,
+                                 double part) const;
+  void prepare_body(StepRecord& record, Progress* progress);
+  void remove_parts(StepRecord& record, Progress* progress);
+  void cut_body(StepRecord& record, Progress* progress);
+  void take_pieces_of_state(const std::string& path, Progress* progress);
+  void check_model_of_pieces(const StepRequest& request) const;
+  HeldBody held_with_pieces(std::vector<Region>& anchors);
   void relax_body(StepRecord& record, Progress* progress);
   void tighten_body(StepRecord& record, Progress* progress);
-  void solve(const std::vector<Handle>& handles, StepRecord& record, Progress* progress);
-  void move_quasi_statically(const std::vector<Handle>& handles, StepRecord& record,
+  void solve(const std::vector<Handle>& handles, const std::vector<PieceMotion>& pieces,
+             StepRecord& record, Progress* progress);
+  void solve_turns(const std::vector<Handle>& handles, const std::vector<PieceMotion>& pieces,
+                   StepRecord& record, Progress* progress);
+  void move_quasi_statically(const std::vector<Handle>& handles,
+                             const std::vector<PieceMotion>& pieces, StepRecord& record,
                              Progress* progress);
   void run_step(StepRecord& record, Progress* progress);
-  Before before() const;
+  Before before(const StepRequest& request) const;
   void restore(Before&& before);
   HeldBody held() { return {m_body, m_anchors, m_holds}; }
 
-  State m_state;
+  State m_state;  // its cuts are those of the body without what rigid pieces hide, if there are any
   DensitySource m_source;  // of a volume
   MaterialTable m_material;
   Body m_body;

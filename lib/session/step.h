@@ -12,6 +12,8 @@
 #include "lib/session/cut_surface.h"
 #include "lib/session/handle_ledger.h"
 #include "lib/session/handle_motion.h"
+#include "lib/session/retraction.h"
+#include "lib/session/rigid_request.h"
 #include "lib/session/selection.h"
 #include "lib/session/spring_step.h"
 
@@ -39,6 +41,9 @@ struct StepRequest {
   std::vector<Selection> fix_selections;
   bool release = false;
   std::vector<CutSurface> cuts;
+  std::vector<ChosenPart> remove;  // elements that are gone from now on
+  RigidRequest rigid;              // after cuts and removals, before the drags
+  std::vector<Retraction> retract;
   Limits limits = Limits::box;
   std::optional<RelaxParams> relax;   // after the drag
   std::optional<SpringStep> springs;  // instead of both
@@ -47,6 +52,7 @@ struct StepRequest {
 
 struct StepRecord : StepRequest {
   std::int64_t cut_links = 0;             // that the cuts removed
+  std::int64_t removed = 0;               // elements
   EcmReport report;                       // of ball limits: what both have in common
   std::optional<BallReport> ball;         // when the step was solved under ball limits
   RelaxReport relaxed;                    // when the step relaxes

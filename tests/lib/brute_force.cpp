@@ -236,6 +236,12 @@ std::vector<Wide> BruteForce::relax(int c, int source, bool from) const {
   return distance;
 }
 
+void BruteForce::join(const std::vector<int>& nodes) {
+  for (std::size_t n = 1; n < nodes.size(); ++n) {
+    m_links.push_back({nodes[n - 1], nodes[n], {0, 0, 0}, {0, 0, 0}});
+  }
+}
+
 int BruteForce::broken_links() const {
   int broken = 0;
   for (const Link& link : m_links) {

@@ -57,6 +57,9 @@ class BruteForce {
   std::vector<Wide> distances_to(int c, int source) const { return relax(c, source, false); }
   int broken_links() const;
 
+  /// Keeps the present distances between these nodes, whose own links are cut.
+  void join(const std::vector<int>& nodes);
+
   std::array<std::vector<Wide>, 3> q;  // one per node of the block
 
  private:

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "lib/body/rigid_links.h"
 #include "lib/chainmail/ecm.h"
 #include "tests/lib/brute_force.h"
 #include "tests/support/sanitized.h"
@@ -80,7 +81,54 @@ struct Tally {
   int drags = 0, moved = 0, conflicts = 0, stopped = 0, shortened = 0, unlimited = 0;
 };
 
-enum class With { nothing, cuts, labels, diagonals };
+enum class With { nothing, cuts, labels, diagonals, pieces };
+
+/// Boxes of elements, each a piece; links inside and between them are cut.
+std::vector<std::vector<int>> random_pieces(std::mt19937& random, Block& block) {
+  std::vector<int> piece_of(std::size_t(block.size()), -1);
+  std::vector<std::vector<int>> pieces(1 + random() % 4);
+  for (int p = 0; p < int(pieces.size()); ++p) {
+    const Vec3i lo = block.voxel(random_element(random, block));
+    const IndexBox box{lo, lo + Vec3i(int(random() % 4), int(random() % 4), int(random() % 3))};
+    for (int n = 0; n < block.size(); ++n) {
+      if (block.element[std::size_t(n)] && box.contains(block.voxel(n))) {
+        piece_of[std::size_t(n)] = p;
+      }
+    }
+  }
+  if (block.cut.empty()) block.cut.assign(std::size_t(block.size()), 0);
+  const int step[3] = {1, block.dims.x, block.dims.x * block.dims.y};
+  for (int n = 0; n < block.size(); ++n) {
+    if (piece_of[std::size_t(n)] < 0) continue;
+    pieces[std::size_t(piece_of[std::size_t(n)])].push_back(n);
+    const Vec3i at = block.voxel(n) - block.origin;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (at[axis] + 1 == block.dims[axis]) continue;
+      if (piece_of[std::size_t(n + step[axis])] >= 0) {
+        block.cut[std::size_t(n)] = char(block.cut[std::size_t(n)] | 1 << axis);
+      }
+    }
+  }
+  return pieces;
+}
+
+/// The body and brute force with pieces.
+void make_rigid(const Block& block, const std::vector<std::vector<int>>& pieces, Body& body,
+                BruteForce& brute) {
+  std::vector<RigidPiece> list;
+  for (const std::vector<int>& nodes : pieces) {
+    std::vector<Slot> slots;
+    for (const int node : nodes) {
+      Slot slot = 0;
+      ASSERT_TRUE(slot_of(body.elements, block.voxel(node), slot));
+      slots.push_back(slot);
+    }
+    list.emplace_back();
+    list.back().elements = std::make_shared<SlotSet>(std::move(slots));
+    brute.join(nodes);
+  }
+  body.rigid = numbered(std::move(list), body.elements);
+}
 
 /// Drags one random body several times, comparing after each.
 void run_case(unsigned seed, const Vec3i& max_dims, With with, Tally& tally) {
@@ -91,8 +139,14 @@ void run_case(unsigned seed, const Vec3i& max_dims, With with, Tally& tally) {
   if (with == With::cuts || (with == With::diagonals && random() % 2 == 0))
     cut_randomly(random, block);
   if (with == With::labels) label_randomly(random, block);
+  std::vector<std::vector<int>> pieces;
+  if (with == With::pieces) {
+    if (random() % 3 == 0) block.table.links = 26;
+    pieces = random_pieces(random, block);
+  }
   Body body = body_of(block);
   BruteForce brute(block);
+  make_rigid(block, pieces, body, brute);
   EcmSolver solver(body, seed % 2 ? Engine::flat : Engine::block);
   for (int n = 0; n < 4; ++n) {
     const RandomDrag drag = random_drag(random, block);
@@ -166,6 +220,19 @@ TEST(PropertyEcm, EqualsBruteForceBitForBitWithDiagonalLinks) {
   for (unsigned seed = 3000; seed < 3000 + unsigned(cases(300)) && !HasFailure(); ++seed) {
     const Vec3i max_dims = seed % 3 == 0 ? Vec3i(12, 12, 2) : Vec3i(8, 7, 5);
     run_case(seed, max_dims, With::diagonals, tally);
+  }
+  std::printf("drags %d, moved %d, conflicts %d, stopped at once %d, shortened %d\n", tally.drags,
+              tally.moved, tally.conflicts, tally.stopped, tally.shortened);
+  EXPECT_GE(tally.moved, cases(400));
+  EXPECT_GE(tally.conflicts, cases(20));
+  EXPECT_GE(tally.shortened, cases(20));
+}
+
+TEST(PropertyEcm, EqualsBruteForceBitForBitWithPiecesThatShiftAsOne) {
+  Tally tally;
+  for (unsigned seed = 4000; seed < 4000 + unsigned(cases(300)) && !HasFailure(); ++seed) {
+    const Vec3i max_dims = seed % 3 == 0 ? Vec3i(12, 12, 2) : Vec3i(9, 8, 5);
+    run_case(seed, max_dims, With::pieces, tally);
   }
   std::printf("drags %d, moved %d, conflicts %d, stopped at once %d, shortened %d\n", tally.drags,
               tally.moved, tally.conflicts, tally.stopped, tally.shortened);

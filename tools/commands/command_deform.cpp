@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "lib/material/presets.h"
 #include "lib/material/toml_string.h"
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
@@ -23,7 +24,8 @@ struct DeformOptions {
 
   SceneOptions scene;
   std::string input, material, labels, output;
-  std::vector<std::string> grabs, bys, fixes, cuts, contacts;
+  std::vector<std::string> grabs, bys, fixes, cuts, contacts, removed, rigid, rigid_seeds,
+      retractions;
   bool push = false;
 };
 
@@ -74,6 +76,29 @@ void set_anchors(DeformOptions& options) {
   for (const auto& [key, list] : lists) options.scene.set("step", key, "[" + list + "]", "--fix");
 }
 
+/// What --remove and --rigid choose.
+void set_parts(DeformOptions& options) {
+  std::string removed, rigid, seeds;
+  for (const std::string& text : options.removed) {
+    removed += "{ " + parse_grab("--remove", text).keys + " }, ";
+  }
+  for (const std::string& text : options.rigid) {
+    rigid += "{ " + parse_grab("--rigid", text).keys + " }, ";
+  }
+  for (const std::string& text : options.rigid_seeds) {
+    seeds += toml_numbers("--rigid-seed", text) + ", ";
+  }
+  std::string retractions;
+  for (const std::string& text : options.retractions) {
+    retractions += toml_table("--retract", text) + ", ";
+  }
+  SceneOptions& scene = options.scene;
+  if (!retractions.empty()) scene.set("step", "retract", "[" + retractions + "]", "--retract");
+  if (!removed.empty()) scene.set("step", "remove", "[" + removed + "]", "--remove");
+  if (!rigid.empty()) scene.set("step", "rigid", "[" + rigid + "]", "--rigid");
+  if (!seeds.empty()) scene.set("step", "rigid_seeds", "[" + seeds + "]", "--rigid-seed");
+}
+
 /// "MESH", "label:N", or the table as in a scene.
 std::string cut_table(const std::string& text) {
   if (is_table(text)) return toml_table("--cut", text);
@@ -98,11 +123,14 @@ Scene to_scene(DeformOptions& options) {
     given.set("labels", "path", toml_string(options.labels), "--labels");
   }
   if (!options.material.empty()) {
-    given.set("material", "table", toml_string(options.material), "--material");
+    const bool is_preset = find_tissue_preset(options.material) != nullptr;
+    given.set("material", is_preset ? "preset" : "table", toml_string(options.material),
+              "--material");
   }
   const std::string handles = handle_tables(options);
   if (!options.grabs.empty()) given.set("step", "handles", handles, "--grab");
   set_anchors(options);
+  set_parts(options);
   if (!options.cuts.empty()) given.set("step", "cut", cut_tables(options.cuts), "--cut");
   if (!options.contacts.empty()) {
     std::string tables;
@@ -114,8 +142,9 @@ Scene to_scene(DeformOptions& options) {
   given.call("step[1].relax", "--relax");
   if (!given.has("step") && !given.has("step.relax") && !given.has("step.springs")) {
     throw UsageError(
-        "deform: found neither --grab nor --fix nor --cut nor --release nor --relax nor --model "
-        "nor --limits tighten, expected something to do");
+        "deform: found neither --grab nor --fix nor --cut nor --remove nor --rigid nor --release "
+        "nor "
+        "--relax nor --model nor --limits tighten, expected something to do");
   }
   return read_scene(given.scene());
 }
@@ -173,6 +202,12 @@ void print_deform(const Session& session, const SceneStep& step,
   print_places(session.places(record.drags));
   std::printf("elements        %lld\n",
               static_cast<long long>(session.body().elements.active_count()));
+  if (!session.body().rigid.empty()) {
+    std::printf("rigid pieces    %zu\n", session.body().rigid.list.size());
+  }
+  if (!step.remove.empty()) {
+    std::printf("removed         %lld elements\n", static_cast<long long>(record.removed));
+  }
   if (!step.cuts.empty()) {
     std::printf("cut links       %lld\n", static_cast<long long>(record.cut_links));
   }
@@ -197,6 +232,7 @@ void print_json(const Session& session, const std::string& output,
                 const InversionCertificate& certificate) {
   nlohmann::ordered_json json = to_json(session.records().back());
   json["handles"] = to_json(session.places(session.records().back().drags));
+  if (!session.body().rigid.empty()) json["rigid_pieces"] = to_json(session.body().rigid);
   json["elements"] = session.body().elements.active_count();
   json["fold_free_material"] = session.links().fold_free;
   json["folded"] = certificate.folded_cells - certificate.folded_air_cells;
@@ -240,8 +276,9 @@ Command add_deform(CLI::App& program) {
   scene.add("volume", fields(read));
   scene.add("labels", {});
   scene.add("material", {});
-  app->add_option("--material", options->material, "Look-up table from density to link limits")
-      ->option_text("M.toml");
+  app->add_option("--material", options->material,
+                  "Look-up table from density to link limits, or ct-head, ct-body or mr-brain")
+      ->option_text("M.toml|NAME");
   app->add_option(
          "--labels", options->labels,
          "Label volume on the same grid: for [label.N] of the material, and label:N below; N is a "
@@ -268,6 +305,24 @@ Command add_deform(CLI::App& program) {
          "or as a table of a scene says, such as {plane = {…}}; repeatable")
       ->allow_extra_args(false)
       ->option_text("MESH|label:N|TABLE");
+  app->add_option("--remove", options->removed,
+                  "Elements that are gone, as for --grab; rigid:PLACE is a whole rigid piece")
+      ->allow_extra_args(false)
+      ->option_text("ball:PLACE:R|…");
+  app->add_option("--rigid", options->rigid,
+                  "All of this moves as one rigid piece, as for --grab; a handle anywhere on it "
+                  "moves it as a whole")
+      ->allow_extra_args(false)
+      ->option_text("label:N|TABLE|…");
+  app->add_option("--rigid-seed", options->rigid_seeds,
+                  "A voxel of a rigid piece; with two or more, each takes what is nearest to it")
+      ->allow_extra_args(false)
+      ->option_text("I,J,K");
+  app->add_option("--retract", options->retractions,
+                  "Push the lips of a cut apart, as a table of a scene says, such as {corner = "
+                  "[0, 0, 0], edge1 = [40, 0, 0], edge2 = [0, 20, 0], by = 10}; repeatable")
+      ->allow_extra_args(false)
+      ->option_text("TABLE");
   app->add_flag("--push", options->push,
                 "Handles only push: in every axis they move tissue ahead of them, not back");
   scene.add("step", fields(settings));

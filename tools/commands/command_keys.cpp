@@ -32,6 +32,7 @@ std::vector<KeyTable> all_tables() {
   static GivenPose pose;
   static Film film;
   static CameraKey camera_key;
+  static Retraction retract;
   static RelaxParams relax;
   static SpringStep springs;
   static SceneView view;
@@ -45,6 +46,7 @@ std::vector<KeyTable> all_tables() {
        fields(static_cast<GivenSelection&>(handle))},
       {"motion", "handles = [{ … }] of a [[step]]", "", fields(static_cast<GivenMotion&>(handle))},
       {"path", "path = [{ … }] of a handle", "", fields(pose)},
+      {"retract", "retract = [{ … }] of a [[step]]", "", fields(retract)},
       {"relax", "relax = { … } of a [[step]]", "relax-", fields(relax)},
       {"springs", "springs = { … } of a [[step]]", "springs-", fields(springs)},
       {"view", "[[view]]", "", fields(view)},
@@ -65,8 +67,8 @@ std::string kind_of(const Field& field) {
 
 /// Nothing where only scenes have the key, or where the option is one of a command's own.
 std::string option_of(const KeyTable& table, const Field& field) {
-  static const std::set<std::string> kSceneTables = {"light", "grab", "motion",
-                                                     "path", "film", "camera_path"};
+  static const std::set<std::string> kSceneTables = {"light", "grab",        "motion", "path",
+                                                     "film",  "camera_path", "retract"};
   const bool has_no_options = kSceneTables.count(table.name) != 0;
   if (field.is_only_in_scenes() || has_no_options) return "";
   return option_name(field, table.prefix);

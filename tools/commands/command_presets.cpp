@@ -1,6 +1,8 @@
-// supple presets: the transfer functions that come with the program, to look at and to edit.
+// supple presets: the transfer functions and materials that come with the program, to look at and
+// to edit.
 #include <cstdio>
 
+#include "lib/material/presets.h"
 #include "tools/console/command.h"
 #include "tools/scene/transfer_file.h"
 
@@ -8,13 +10,24 @@ namespace supple::tools {
 
 Command add_presets(CLI::App& program) {
   auto name = std::make_shared<std::string>();
-  CLI::App* app = add_subcommand(program, "presets",
-                                 "List the transfer functions, or print one as TOML for editing",
-                                 "  supple presets\n"
-                                 "  supple presets CT-Bone > my_bone.toml\n"
-                                 "  supple render head.nhdr --preset my_bone.toml -o head.png");
+  auto materials = std::make_shared<bool>(false);
+  CLI::App* app = add_subcommand(
+      program, "presets", "List transfer functions or materials, or print one as TOML for editing",
+      "  supple presets\n"
+      "  supple presets ct-head > my_head.toml\n"
+      "  supple presets CT-Bone > my_bone.toml\n"
+      "  supple render head.nhdr --preset my_bone.toml -o head.png");
   app->add_option("name", *name, "Which to print")->option_text("NAME");
-  return {app, [name](const GlobalOptions&, Console&) {
+  app->add_flag("--materials", *materials, "List the materials of whole pictures instead");
+  return {app, [name, materials](const GlobalOptions&, Console&) {
+            if (const TissuePreset* tissue = find_tissue_preset(*name)) {
+              std::fputs(tissue->table, stdout);
+              return int(kOk);
+            }
+            if (*materials && name->empty()) {
+              for (const TissuePreset& known : tissue_presets()) std::printf("%s\n", known.name);
+              return int(kOk);
+            }
             if (!name->empty()) {
               require_preset("name", *name);
               std::fputs(to_toml(preset(*name)).c_str(), stdout);

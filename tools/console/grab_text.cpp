@@ -72,6 +72,10 @@ GrabText parse_grab(const std::string& option, const std::string& text) {
     const PlaceText place = parse_place(option, rest);
     return {frame_key(place) + ", piece_at = " + place.toml};
   }
+  if (take_prefix("rigid:", rest)) {
+    const PlaceText place = parse_place(option, rest);
+    return {frame_key(place) + ", rigid_at = " + place.toml};
+  }
   if (rest.compare(0, 4, "lps:") == 0 || rest.compare(0, 4, "ras:") == 0) {
     const PlaceText place = parse_place(option, rest);
     return {frame_key(place) + ", grab = " + place.toml};

@@ -20,7 +20,8 @@ struct PlaceText {
 PlaceText parse_place(const std::string& option, const std::string& text);
 
 /// A voxel or box "I,J,K[:I,J,K]", "lps:X,Y,Z", "ras:X,Y,Z", "ball:PLACE:RADIUS", "density:LO:HI",
-/// "piece:PLACE", "label:N", a file of points, or a table as in a scene.
+/// "piece:PLACE", "rigid:PLACE",
+/// "label:N", a file of points, or a table as in a scene.
 GrabText parse_grab(const std::string& option, const std::string& text);
 
 }  // namespace supple::tools

@@ -1,5 +1,6 @@
 #include "tools/outputs/reports.h"
 
+#include <cmath>
 #include <cstdio>
 
 #include <nlohmann/json.hpp>
@@ -181,6 +182,23 @@ void print_reactions(const std::vector<HandleReaction>& reactions) {
   }
 }
 
+nlohmann::ordered_json to_json(const RigidPieces& pieces) {
+  constexpr double kDegreesOfHalf = 360 / 3.14159265358979323846;
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const RigidPiece& piece : pieces.list) {
+    const std::array<double, 4>& turn = piece.pose.turn;
+    const double sine = std::hypot(std::hypot(turn[1], turn[2]), turn[3]);
+    nlohmann::ordered_json shift = nlohmann::ordered_json::array();
+    for (const std::int64_t q : piece.pose.shift_q) shift.push_back(double(q) / kFixedOne);
+    list.push_back({{"name", piece.name},
+                    {"elements", piece.elements->size()},
+                    {"centre_voxel", vector_json(piece.centre_index)},
+                    {"turn_degrees", std::atan2(sine, turn[0]) * kDegreesOfHalf},
+                    {"shift_voxels", std::move(shift)}});
+  }
+  return list;
+}
+
 nlohmann::ordered_json to_json(const StepRecord& record) {
   if (record.springs) {
     nlohmann::ordered_json json = {
@@ -193,6 +211,7 @@ nlohmann::ordered_json to_json(const StepRecord& record) {
   }
   nlohmann::ordered_json json = record.ball ? to_json(*record.ball, record.cut_links)
                                             : to_json(record.report, record.cut_links);
+  if (record.removed > 0) json["removed"] = record.removed;
   if (record.relax) json["relax"] = to_json(*record.relax, record.relaxed);
   if (record.tightened) {
     json["limits"] = "tighten";

@@ -15,6 +15,8 @@ namespace supple::tools {
 nlohmann::ordered_json vector_json(const Vec3d& v);
 nlohmann::ordered_json to_json(const InversionCertificate& certificate);
 nlohmann::ordered_json to_json(const BallReport& report, std::int64_t cut_links);
+/// Name, elements, turn and shift of each.
+nlohmann::ordered_json to_json(const RigidPieces& pieces);
 nlohmann::ordered_json to_json(const StepRecord& record);
 /// One line per handle on stdout: voxel, LPS, density and label.
 void print_places(const std::vector<HandlePlace>& places);

@@ -58,18 +58,20 @@ void read_selection(TomlTable& table, const LabelNames& names, GivenSelection& g
   given.points = read_points(table, "points");
   given.label = read_label(table, "grab_label", names);
   const bool has_place = given.corners || given.at_lps_mm || given.ball;
-  const bool narrows = given.density || given.piece_at;
+  const bool narrows = given.density || given.piece_at || given.rigid_at;
   const int count = int(given.corners.has_value()) + int(given.at_lps_mm.has_value()) +
                     int(given.points.has_value()) + int(given.label.has_value()) +
                     int(given.ball.has_value());
   const char* expected =
-      "one of grab = [i, j, k], grab_box, grab_ball, grab_label, grab_density, piece_at, at_mm and "
-      "points";
+      "one of grab = [i, j, k], grab_box, grab_ball, grab_label, grab_density, piece_at, rigid_at, "
+      "at_mm and points";
   if (count == 0 && !narrows) table.fail_missing("grab", expected);
   if (count > 1) table.fail("grab", "several of them", expected);
   if (narrows && count == 1 && !has_place) {
-    table.fail(given.density ? "grab_density" : "piece_at", "beside points or a label",
-               "it alone, or with a voxel, box or ball");
+    table.fail(given.density    ? "grab_density"
+               : given.piece_at ? "piece_at"
+                                : "rigid_at",
+               "beside points or a label", "it alone, or with a voxel, box or ball");
   }
   if (given.ball.has_value() != given.radius_mm.has_value()) {
     if (given.ball) table.fail_missing("radius", "of the ball, a number of mm");
@@ -216,6 +218,15 @@ GivenSelection read_anchor(TomlTable& table, const LabelNames& names) {
   if (given.points || given.label) {
     table.fail(given.points ? "points" : "grab_label", "in anchors", "fix_points or fix_label");
   }
+  return given;
+}
+
+GivenPart read_part(TomlTable& table, const LabelNames& names) {
+  GivenPart given;
+  table.know(kOtherKeys);
+  given.name = table.string("name").value_or("");
+  read_selection(table, names, given);
+  if (given.points) table.fail("points", "points of a file", "a label, box, ball or densities");
   return given;
 }
 

@@ -26,5 +26,7 @@ bool has_handle(TomlTable& table);
 GivenHandle read_handle(TomlTable& table, const LabelNames& names);
 /// The keys of what a handle grabs.
 GivenSelection read_anchor(TomlTable& table, const LabelNames& names);
+/// The same with labels, and a name of its own.
+GivenPart read_part(TomlTable& table, const LabelNames& names);
 
 }  // namespace supple::tools

@@ -29,6 +29,11 @@ StepRequest request_of(const SceneStep& step, const Geometry& geometry, double t
       request.fix_selections.push_back(std::move(selection));
     }
   }
+  for (const GivenPart& part : step.remove) request.remove.push_back(to_part(part, geometry));
+  request.retract = step.retract;
+  request.rigid.density = step.rigid_density;
+  request.rigid.seeds = step.rigid_seeds;
+  for (const GivenPart& part : step.rigid) request.rigid.parts.push_back(to_part(part, geometry));
   request.release = step.release;
   request.cuts = step.cuts;
   request.limits = step.limits;

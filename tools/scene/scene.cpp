@@ -79,6 +79,33 @@ std::optional<SpringStep> read_springs(TomlTable& table, bool has_springs) {
   return springs ? read_spring_step(*springs) : SpringStep();
 }
 
+/// What is removed and what is rigid.
+void read_parts(TomlTable& table, const LabelNames& names, SceneStep& step) {
+  for (TomlTable& part : table.table_or_tables("remove")) {
+    step.remove.push_back(read_part(part, names));
+    part.finish();
+  }
+  for (TomlTable& part : table.table_or_tables("rigid")) {
+    step.rigid.push_back(read_part(part, names));
+    part.finish();
+  }
+  const auto seeds = table.rows("rigid_seeds", {3}, "a list of voxels [i, j, k]");
+  for (std::size_t n = 0; seeds && n < seeds->size(); ++n) {
+    step.rigid_seeds.push_back(to_box(table, "rigid_seeds", (*seeds)[n]).lo);
+  }
+}
+
+Retraction read_retraction(TomlTable& table) {
+  Retraction retraction;
+  retraction.place = table.place();
+  table.read(fields(retraction));
+  if (retraction.edge1.cross(retraction.edge2) == Vec3d(0)) {
+    table.fail("edge2", "edges that span no area", "two vectors that differ in direction");
+  }
+  table.finish();
+  return retraction;
+}
+
 SceneStep read_step(TomlTable& table, const LabelNames& names) {
   SceneStep step;
   step.place = table.place();
@@ -102,6 +129,7 @@ SceneStep read_step(TomlTable& table, const LabelNames& names) {
     anchor.finish();
   }
   step.fix_labels = read_labels(table, "fix_label", names);
+  read_parts(table, names, step);
   StepSettings settings;
   table.read(fields(settings));
   if (settings.fix_density) {
@@ -109,16 +137,22 @@ SceneStep read_step(TomlTable& table, const LabelNames& names) {
     bone.place = table.place("fix_density");
     bone.density = settings.fix_density;
   }
+  step.rigid_density = settings.rigid_density;
   step.release = settings.release;
   step.limits = settings.limits;
   step.springs = read_springs(table, settings.has_springs);
   for (TomlTable& cut : table.tables("cut")) step.cuts.push_back(read_cut(cut, names));
+  for (TomlTable& patch : table.table_or_tables("retract")) {
+    step.retract.push_back(read_retraction(patch));
+  }
   if (auto relax = table.table("relax")) step.relax = read_relax(*relax);
   table.finish();
   if (is_short) step.handles.push_back(read_handle(table, names));
   if (step.does_nothing()) {
     table.fail("", "a step that does nothing",
-               "grab, handles, fix, fix_label, fix_points, cut, relax, model, release or limits");
+               "grab, handles, fix, fix_label, fix_points, cut, remove, rigid, retract, relax, "
+               "model, release "
+               "or limits");
   }
   return step;
 }
@@ -187,7 +221,9 @@ std::string description_of(const Scene& scene, const std::string& text) {
 
 bool SceneStep::does_nothing() const {
   return handles.empty() && fix.empty() && fix_points.empty() && !release && fix_labels.empty() &&
-         anchors.empty() && cuts.empty() && !relax && !springs && limits != Limits::tighten;
+         anchors.empty() && cuts.empty() && remove.empty() && rigid.empty() &&
+         rigid_seeds.empty() && retract.empty() && !rigid_density && !relax && !springs &&
+         limits != Limits::tighten;
 }
 
 bool SceneStep::is_animated() const {
@@ -254,6 +290,8 @@ Fields fields(StepSettings& settings) {
             "box: each component of a link; ball: its length, order-dependent; tighten: box, and "
             "narrower across stretched links"),
       Field("fix_density", settings.fix_density, "Elements of these densities stay where they are"),
+      Field("rigid_density", settings.rigid_density,
+            "Every connected part of these densities moves as a rigid piece"),
       Field("release", settings.release, "Let go of everything that is held or fixed"),
   };
 }

@@ -26,6 +26,10 @@ struct SceneStep {
   Limits limits = Limits::box;
   bool release = false;  // lets go of everything that earlier steps held
   std::vector<CutSurface> cuts;
+  std::vector<GivenPart> remove, rigid;
+  std::vector<Retraction> retract;
+  std::vector<Vec3i> rigid_seeds;
+  std::optional<NumberPair> rigid_density;
   std::optional<RelaxParams> relax;
   std::optional<SpringStep> springs;  // when model = "springs"
 
@@ -67,13 +71,14 @@ struct Scene {
   std::size_t still_steps() const;
 };
 
-/// Of a [[step]], but for its lists and tables: handles, fix, cut, relax, springs. `model` is
+/// Of a [[step]], but for its lists and tables: handles, fix, cut, remove, rigid, relax, springs.
+/// `model` is
 /// "springs" where the step has springs.
 struct StepSettings {
   Limits limits = Limits::box;
   bool release = false;
   bool has_springs = false;
-  std::optional<NumberPair> fix_density;
+  std::optional<NumberPair> fix_density, rigid_density;
 };
 Fields fields(StepSettings& settings);
 

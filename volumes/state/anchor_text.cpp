@@ -1,5 +1,7 @@
 #include "volumes/state/anchor_text.h"
 
+#include <algorithm>
+
 #include <nlohmann/json.hpp>
 
 #include "volumes/base/error.h"
@@ -62,6 +64,24 @@ Anchors anchors_from_json(const std::string& text, const std::string& file) {
     throw InputError({file, "anchors", text.substr(0, kMaxFoundText),
                       "a list of boxes of six integers, of labels and selections"});
   }
+}
+
+std::string pieces_to_json(const std::vector<std::string>& pieces) {
+  nlohmann::json json = nlohmann::json::array();
+  for (const std::string& piece : pieces) json.push_back(nlohmann::json::parse(piece));
+  return json.dump();
+}
+
+std::vector<std::string> pieces_from_json(const std::string& text, const std::string& file) {
+  const nlohmann::json json = parse_list_or_object(text, file, "pieces");
+  const bool is_list = json.is_array() && std::all_of(json.begin(), json.end(),
+                                                      [](const auto& x) { return x.is_object(); });
+  if (!is_list) {
+    throw InputError({file, "pieces", text.substr(0, kMaxFoundText), "a list of objects"});
+  }
+  std::vector<std::string> pieces;
+  for (const nlohmann::json& piece : json) pieces.push_back(piece.dump());
+  return pieces;
 }
 
 }  // namespace supple

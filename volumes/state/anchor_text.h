@@ -1,4 +1,4 @@
-// The anchors of a state as JSON.
+// The anchors and rigid pieces of a state as JSON.
 #pragma once
 
 #include <cstdint>
@@ -19,5 +19,10 @@ struct Anchors {
 std::string anchors_to_json(const Anchors& anchors);
 /// Throws InputError naming `file` when the text is no list of those.
 Anchors anchors_from_json(const std::string& text, const std::string& file);
+
+/// A list of objects, each given as its JSON; and back.
+std::string pieces_to_json(const std::vector<std::string>& pieces);
+/// Throws InputError naming `file` when the text is no list of objects.
+std::vector<std::string> pieces_from_json(const std::string& text, const std::string& file);
 
 }  // namespace supple

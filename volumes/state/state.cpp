@@ -140,6 +140,26 @@ void check_labels(const State& state, const std::string& file) {
   }
 }
 
+void check_pieces(const State& state, const std::string& file) {
+  const auto count = std::int32_t(state.piece_texts.size());
+  const std::size_t bricks = state.elements.brick_count();
+  if (state.pieces.brick_count() != 0 && state.pieces.brick_count() != bricks) {
+    throw InputError({file, "piece", std::to_string(state.pieces.brick_count()) + " bricks",
+                      "0 or " + std::to_string(bricks)});
+  }
+  for (std::size_t b = 0; b < state.pieces.brick_count(); ++b) {
+    const std::int32_t* pieces = state.pieces.brick_or_zero(b);
+    for (int offset = 0; offset < kBrickVoxels; ++offset) {
+      const bool is_element = mask_test(state.elements.mask(b), offset);
+      if (pieces[offset] >= 0 && pieces[offset] <= (is_element ? count : 0)) continue;
+      throw InputError(
+          {file, "piece at " + to_text(state.elements.origin(b) + brick_local(offset)),
+           std::to_string(pieces[offset]),
+           is_element ? "0 to " + std::to_string(count) : "0 where there is no element"});
+    }
+  }
+}
+
 void check_anchors(const State& state, const std::string& file) {
   for (const IndexBox& box : state.anchors) {
     if (!box.empty()) continue;
@@ -167,6 +187,7 @@ void check_state(const State& state, const std::string& file) {
   check_velocities(state, file);
   check_cuts(state, file);
   check_labels(state, file);
+  check_pieces(state, file);
   check_anchors(state, file);
 }
 

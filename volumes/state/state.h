@@ -43,6 +43,11 @@ struct State {
   /// Of a segmentation, 1 to 65535, 0 at elements without one; empty when none are in use. Bricks
   /// as in `elements`, 0 where there is no element.
   BrickValues labels;
+  /// Rigid pieces, from 1, 0 at elements of none; empty when there are none. Bricks as in
+  /// `elements`.
+  BrickValues pieces;
+  /// Name and pose of each piece, as JSON that whoever continues the state can read.
+  std::vector<std::string> piece_texts;
   std::vector<IndexBox> anchors;
   std::vector<std::int32_t> anchor_labels;  // whose elements stay where they are too
   /// What else stays, each as JSON that whoever continues the state can read.
@@ -65,7 +70,8 @@ Displacement extended_displacement_of(const State& state);
 /// finite and inside the source box, every element among them, q on the bricks of the elements,
 /// |q| <= kMaxOffset, 0 in inactive slots, rest stretches likewise within twice that, velocities
 /// finite and 0 in inactive slots, cut links between elements, labels 0 to 65535 and only at
-/// elements, no empty anchor box, no anchor label without elements. Cost: one pass over the bricks.
+/// elements, pieces likewise up to the number of their texts, no empty anchor box, no anchor label
+/// without elements. Cost: one pass over the bricks.
 void check_state(const State& state, const std::string& file);
 
 /// Writes atomically; equal states give equal files, a coordinate of zeros counts as one that never

@@ -5,7 +5,8 @@
 // `rest_i`, `rest_j`, `rest_k` (Vec3I, only where links to the next voxel have flowed), `velocity`
 // (Vec3D, mm/s LPS, only where something moves), `cut_links`
 // (Int32, only when links are cut; bits 0, 1, 2: the link to the next voxel along i, j, k is
-// absent), `label` (Int32, only when there are any; 1 to 65535), and derived for other programs
+// absent), `label` (Int32, only when there are any; 1 to 65535), `piece` (Int32, only when there
+// are rigid pieces, from 1, whose poses are metadata), and derived for other programs
 // `displacement` (Vec3S, material direction, extended over the shell) and `offset` (Vec3S, resample
 // direction), in mm LPS. Those before stay in index space; the others carry the affine where
 // OpenVDB takes it, and neither they nor what follows them is read back. The nodes of all trees
@@ -121,11 +122,12 @@ openvdb::GridBase::Ptr make_cut_links(const State& state) {
   });
 }
 
-openvdb::GridBase::Ptr make_labels(const State& state) {
-  return make_vdb_grid<Int32Grid>("label", state.elements, 0, [&](auto& leaf, std::size_t b) {
-    const std::int32_t* labels = state.labels.brick_or_zero(b);
+openvdb::GridBase::Ptr make_numbers(const char* name, const State& state,
+                                    const BrickValues& numbers) {
+  return make_vdb_grid<Int32Grid>(name, state.elements, 0, [&](auto& leaf, std::size_t b) {
+    const std::int32_t* values = numbers.brick_or_zero(b);
     for (int offset = 0; offset < kBrickVoxels; ++offset) {
-      if (labels[offset] != 0) leaf.setValueOn(openvdb::Index(offset), labels[offset]);
+      if (values[offset] != 0) leaf.setValueOn(openvdb::Index(offset), values[offset]);
     }
   });
 }
@@ -160,6 +162,7 @@ openvdb::MetaMap make_metadata(const State& state) {
   insert("frame", "LPS");
   insert("geometry", geometry_to_json(state.geometry));
   insert("material", state.material_toml);
+  if (!state.piece_texts.empty()) insert("pieces", pieces_to_json(state.piece_texts));
   insert("source_name", state.source_name);
   insert("source_type", state.source_type);
   insert("units", "mm");
@@ -178,7 +181,9 @@ void write_file(const std::string& path, const State& state, const OffsetField* 
   }
   if (!is_empty(state.velocity_mm_s)) grids.push_back(make_velocity(state));
   if (!state.cuts.empty()) grids.push_back(make_cut_links(state));
-  if (!label_counts(state.labels).empty()) grids.push_back(make_labels(state));
+  if (!label_counts(state.labels).empty())
+    grids.push_back(make_numbers("label", state, state.labels));
+  if (!state.piece_texts.empty()) grids.push_back(make_numbers("piece", state, state.pieces));
   grids.push_back(make_vectors(kDisplacementGrid, "material", extended_displacement_of(state).u,
                                state.geometry));
   if (offsets != nullptr) {
@@ -292,17 +297,19 @@ void read_cut_links(const Int32Grid& grid, State& state, const std::string& path
   }
 }
 
-/// The labels themselves are for check_state to judge.
-void read_labels(const Int32Grid& grid, State& state, const std::string& path) {
-  state.labels.resize(state.elements.brick_count());
+/// Labels or pieces; the numbers themselves are for check_state to judge.
+void read_numbers(const Int32Grid& grid, const State& state, BrickValues& numbers,
+                  const std::string& path) {
+  numbers.resize(state.elements.brick_count());
   for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
     const std::int32_t b = state.elements.find(to_vec(leaf->origin()));
     for (auto value = leaf->cbeginValueOn(); value; ++value) {
       if (b < 0 || *value == 0) {
-        throw InputError({path, "grid label", b < 0 ? "a label without element" : "0",
-                          "labels from 1 at elements only"});
+        const std::string name = grid.getName();
+        throw InputError({path, "grid " + name, b < 0 ? "a " + name + " without element" : "0",
+                          name + "s from 1 at elements only"});
       }
-      state.labels.set(std::size_t(b) * kBrickVoxels + value.pos(), *value);
+      numbers.set(std::size_t(b) * kBrickVoxels + value.pos(), *value);
     }
   }
 }
@@ -357,7 +364,13 @@ State read_state(const std::string& path, Progress* progress) {
     read_cut_links(*grid_of<Int32Grid>(content, "cut_links", state.geometry, path), state, path);
   }
   if (has_grid(content, "label")) {
-    read_labels(*grid_of<Int32Grid>(content, "label", state.geometry, path), state, path);
+    read_numbers(*grid_of<Int32Grid>(content, "label", state.geometry, path), state, state.labels,
+                 path);
+  }
+  if (has_grid(content, "piece")) {
+    read_numbers(*grid_of<Int32Grid>(content, "piece", state.geometry, path), state, state.pieces,
+                 path);
+    state.piece_texts = pieces_from_json(text_of(content, "pieces", path), path);
   }
   check_state(state, path);
   report(progress, 1);

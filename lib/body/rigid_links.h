@@ -1,0 +1,33 @@
+// What rigid pieces make of the links of a body, and connected parts over links.
+#pragma once
+
+#include <vector>
+
+#include "lib/body/body.h"
+
+namespace supple {
+
+/// `cuts`, and every link between two elements of pieces: what solvers are not to see.
+LinkCuts cuts_with_pieces(const Body& body, const LinkCuts& cuts);
+
+/// Cuts the links between two different pieces. Returns how many of them were not cut before.
+std::int64_t cut_joints(const Body& body, LinkCuts& cuts);
+
+/// Links inside each piece that are cut.
+std::vector<std::int64_t> cut_links_inside(const Body& body, const LinkCuts& cuts);
+
+/// The parts of a set that uncut axis links connect, in the order of their first elements. About
+/// 0.5 us per element.
+std::vector<SlotSet> connected_parts(const BrickTopology& elements, const LinkCuts& cuts,
+                                     const SlotSet& set);
+
+/// The parts of a set that lie nearest to each seed, by way of axis links inside the set and in mm;
+/// equally near ones go to the earlier seed. What no way reaches stays with none. Seeds are
+/// elements of the set.
+std::vector<SlotSet> nearest_parts(const Body& body, const LinkCuts& cuts, const SlotSet& set,
+                                   const std::vector<Slot>& seeds);
+
+/// The pieces under numbers in their order; those without element are dropped.
+RigidPieces numbered(std::vector<RigidPiece> pieces, const BrickTopology& elements);
+
+}  // namespace supple

@@ -1,0 +1,46 @@
+// Rigid pieces in the difference constraints of one coordinate. While a piece only shifts, the
+// offsets of its elements keep their differences: it is one node of the graph, joined to the tissue
+// by all links of its elements. The engines know nothing of that. Between their runs every element
+// of a piece is brought as far as the one that went furthest, until none lags behind: a shortest
+// path visits a piece at most once, so there are at most as many runs as pieces on a path, and the
+// result is exact, the same bits whatever the order.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "lib/body/body.h"
+#include "lib/chainmail/propagation.h"
+
+namespace supple {
+
+class FreePieces {
+ public:
+  FreePieces() = default;
+  /// The pieces of the body, but those that one of the sets holds as a whole: these have targets or
+  /// stay.
+  FreePieces(const Body& body, const std::vector<const SlotSet*>& held);
+
+  bool empty() const { return m_count == 0; }
+
+  /// The offsets of a brick before the run.
+  using Before = std::function<const std::int32_t*(std::size_t brick)>;
+  /// Where elements that lag behind their piece are to go. `bricks`: all that may have changed.
+  std::vector<Seed> lagging(const BrickValues& now, const Before& before, Direction direction,
+                            const std::vector<std::size_t>& bricks) const;
+  /// The bricks with elements of any piece.
+  std::vector<std::size_t> bricks() const;
+
+ private:
+  struct Reach {
+    std::int64_t least = 0, most = 0;
+    std::size_t elements = 0;  // looked at
+  };
+
+  const Body* m_body = nullptr;
+  std::vector<char> m_is_free;  // per piece
+  std::vector<std::size_t> m_sizes;
+  std::size_t m_count = 0;
+};
+
+}  // namespace supple

@@ -1,0 +1,32 @@
+// Opening a cut: both lips are pushed apart, most in the middle of the incision and at the skin.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "lib/chainmail/ecm.h"
+#include "volumes/base/fields.h"
+
+namespace supple {
+
+/// A patch as that of a cut. edge1 runs along the incision, edge2 from its depth to the skin.
+struct Retraction {
+  std::string place;  // for errors
+  Vec3d corner{0, 0, 0}, edge1{0, 0, 0}, edge2{0, 0, 0};
+  bool in_voxels = false;  // of the volume, instead of LPS mm
+  double by_mm = 0;        // between the lips
+  double width_mm = 3;     // of each lip
+};
+Fields fields(Retraction& retraction);
+
+/// The lips as pushing handles, first the one on the side of edge1 x edge2: elements at rest within
+/// `width` of the patch go half of `by` away from it, times 4 s (1 - s) along edge1 and t / t_skin
+/// along edge2, t_skin being the largest t of any of them. What is `taken` stays. Throws InputError
+/// where a side has no element.
+std::vector<Handle> handles_of(const Retraction& retraction, const Body& body,
+                               const SlotSet& taken);
+
+/// As a journal records it: JSON.
+std::string settings_json(const Retraction& retraction);
+
+}  // namespace supple

@@ -1,0 +1,30 @@
+// Handles that take hold of rigid pieces: each moves the whole piece as one rigid body.
+#pragma once
+
+#include <vector>
+
+#include "lib/session/step.h"
+
+namespace supple {
+
+/// Where a drag, or several, take a piece.
+struct PieceMotion {
+  std::size_t piece;  // in Body::rigid
+  std::size_t drag;   // the first that takes hold of it
+  RigidMotion motion;
+};
+
+/// The motions of all pieces that two-sided drags touch; `regions` are what the drags grab. Several
+/// drags of one piece give the rigid motion nearest to theirs. Throws InputError for a scale, and
+/// for drags that no rigid motion meets within half a voxel.
+std::vector<PieceMotion> motions_of_pieces(const Body& body, const std::vector<Drag>& drags,
+                                           const std::vector<Region>& regions);
+
+/// A handle of all elements of the piece, to where a part of the motion takes them. Throws
+/// InputError beyond the range of offsets.
+Handle handle_of(const Body& body, const PieceMotion& motion, double part);
+
+/// The poses after that part of the motions.
+void set_poses(Body& body, const std::vector<PieceMotion>& motions, double part);
+
+}  // namespace supple

@@ -1,0 +1,47 @@
+// Which elements of a body a step makes rigid pieces, and the pieces of a state.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lib/body/rigid_links.h"
+#include "lib/session/selection.h"
+#include "volumes/base/progress.h"
+
+namespace supple {
+
+struct RigidRequest {
+  std::optional<NumberPair> density;  // every connected part of these densities is a piece
+  std::vector<Vec3i> seeds;           // pieces with several are parted between them
+  std::vector<ChosenPart> parts;      // a piece each, which takes its elements from other pieces
+
+  bool empty() const { return !density && seeds.empty() && parts.empty(); }
+};
+
+/// Connected parts of fewer elements than this stay tissue: specks of noise.
+constexpr std::size_t kLeastPiece = 8;
+
+/// Makes pieces, in the order of RigidRequest, and cuts the links between them in `cuts`, which are
+/// those of the body without what its pieces hide. New pieces of elements that have moved take the
+/// pose nearest to where they are. Throws InputError, the body unchanged: a part without element, a
+/// seed that is in no piece.
+void make_pieces(Body& body, LinkCuts& cuts, const RigidRequest& request,
+                 const DensityGrid& density, const BrickValues& labels, Progress* progress);
+
+/// Parts the pieces that cuts have gone through since `inside_before` (cut_links_inside) was
+/// counted: each connected part is a piece, of the same pose.
+void part_pieces(Body& body, const LinkCuts& cuts, const std::vector<std::int64_t>& inside_before);
+
+/// Shifts of poses, as far as the solver has shifted their elements.
+void follow_shifts(Body& body);
+
+/// As a journal records it: JSON.
+std::string settings_json(const RigidRequest& request);
+
+/// What a state keeps of the pieces, and back. Throws InputError naming `file`.
+std::vector<std::string> texts_of_pieces(const RigidPieces& pieces);
+RigidPieces pieces_of(const std::vector<std::string>& texts, const BrickValues& numbers,
+                      const BrickTopology& elements, const std::string& file);
+
+}  // namespace supple

@@ -1,0 +1,356 @@
+// Rigid pieces, removal and their state through whole sessions: two bars of bone that touch, in
+// soft tissue.
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "lib/material/material_file.h"
+#include "lib/session/session.h"
+#include "tests/lib/test_bodies.h"
+#include "tests/support/program.h"
+
+using namespace supple;
+using namespace supple::test;
+
+namespace {
+
+constexpr Vec3i kDims(30, 18, 16);
+const IndexBox kLeft{{6, 7, 6}, {11, 10, 9}}, kRight{{12, 7, 6}, {18, 10, 9}};
+
+class UnitPieces : public ::testing::Test {
+ protected:
+  UnitPieces() {
+    std::string voxels;
+    for (int k = 0; k < kDims.z; ++k) {
+      for (int j = 0; j < kDims.y; ++j) {
+        for (int i = 0; i < kDims.x; ++i) {
+          const Vec3i voxel(i, j, k);
+          const bool is_air = i == 0 && j == 0 && k == 0;
+          const bool is_bone = kLeft.contains(voxel) || kRight.contains(voxel);
+          voxels += char(static_cast<unsigned char>(is_air ? 0 : is_bone ? 200 : 100));
+        }
+      }
+    }
+    write_text(m_folder / "bars.raw", voxels);
+    write_text(m_folder / "bars.nhdr",
+               "NRRD0004\ntype: uint8\ndimension: 3\nspace: left-posterior-superior\n"
+               "sizes: 30 18 16\nspace directions: (1,0,0) (0,1,0) (0,0,1.5)\n"
+               "space origin: (0,0,0)\nencoding: raw\ndata file: bars.raw\n");
+    m_options.keeps_undo = true;
+    m_options.material = parse_material(
+        "domain = [0, 255]\nactive = [1, 255]\nmax_length = [[0, 1.6]]\n"
+        "min_length = [[0, 0.6]]\nshear = [[0, 0.29]]\nlinks = 26\nrigid = [180, 255]\n",
+        "test");
+  }
+
+  TemporaryFolder m_folder;
+  SessionOptions m_options;
+};
+
+std::array<Vec3d, 8> corners_of(const Body& body, const IndexBox& box) {
+  std::array<Vec3d, 8> places;
+  for (int n = 0; n < 8; ++n) {
+    const Vec3i voxel(n & 1 ? box.hi.x : box.lo.x, n & 2 ? box.hi.y : box.lo.y,
+                      n & 4 ? box.hi.z : box.lo.z);
+    Vec3d at(voxel);
+    for (int c = 0; c < 3; ++c) at[c] += double(body.offset(voxel, c)) / kVoxel;
+    places[std::size_t(n)] = body.geometry.world_from_index(at);
+  }
+  return places;
+}
+
+/// By how much distances between the corners of a box differ from those at rest, mm.
+double bend(const Body& body, const IndexBox& box) {
+  Body rest = body;
+  for (BrickValues& q : rest.q) q.clear();
+  const auto now = corners_of(body, box), before = corners_of(rest, box);
+  double worst = 0;
+  for (std::size_t a = 0; a < 8; ++a) {
+    for (std::size_t b = 0; b < a; ++b) {
+      const double change = (now[a] - now[b]).length() - (before[a] - before[b]).length();
+      worst = std::max(worst, std::abs(change));
+    }
+  }
+  return worst;
+}
+
+Drag drag_of(const IndexBox& grabbed, const Vec3d& by_mm, double turn_deg = 0) {
+  Drag drag{Region(grabbed), by_mm};
+  drag.motion.angle_deg = turn_deg;
+  return drag;
+}
+
+StepRequest step_of(std::vector<Drag> drags) {
+  StepRequest request;
+  request.drags = std::move(drags);
+  return request;
+}
+
+StepRequest parting() {
+  StepRequest request;
+  request.rigid.seeds = {{7, 8, 7}, {17, 8, 7}};
+  return request;
+}
+
+}  // namespace
+
+TEST_F(UnitPieces, BarsThatTouchAreOnePieceUntilSeedsPartThem) {
+  Session session(m_folder / "bars.nhdr", m_options);
+  ASSERT_EQ(session.body().rigid.list.size(), 1u);
+  EXPECT_EQ(session.body().rigid.list[0].elements->size(), 6u * 16 + 7 * 16);
+  session.step(parting());
+  ASSERT_EQ(session.body().rigid.list.size(), 2u);
+  // Half of the way from 7 to 17 is 12, which goes to the earlier seed.
+  EXPECT_EQ(session.body().rigid.list[0].elements->size(), 7u * 16);
+  EXPECT_EQ(session.body().rigid.list[1].elements->size(), 6u * 16);
+  // They are parted: links between them are cut, in what the state shows, too.
+  EXPECT_EQ(session.state().cuts.count(), 16);
+}
+
+TEST_F(UnitPieces, AHandleOnAVoxelOfAPieceMovesAllOfIt) {
+  Session session(m_folder / "bars.nhdr", m_options);
+  session.drag(Vec3i(7, 8, 7), {0.5, -1.25, 0.75});
+  for (const IndexBox& box : {kLeft, kRight}) {
+    EXPECT_EQ(session.body().offset(box.lo, 0), kVoxel / 2);
+    EXPECT_EQ(session.body().offset(box.hi, 1), -kVoxel * 5 / 4);
+    EXPECT_EQ(session.body().offset(box.hi, 2), kVoxel / 2);
+  }
+  EXPECT_EQ(check_links(session.body()).violated, 0);
+}
+
+TEST_F(UnitPieces, ATurnedPieceKeepsItsShapeAndItsLinksToTissueHold) {
+  Session session(m_folder / "bars.nhdr", m_options);
+  session.step(parting());
+  StepRequest turn = step_of({drag_of({{15, 8, 7}, {15, 8, 7}}, {0, 0, 0}, 12)});
+  turn.drags[0].motion.about_lps_mm = Vec3d(12, 8.5, 11.25);
+  const StepRecord& record = session.step(turn);
+  EXPECT_EQ(record.report.fraction(), 1);
+  const IndexBox right{{13, 7, 6}, {18, 10, 9}};
+  EXPECT_LT(bend(session.body(), right), 1e-4);
+  EXPECT_EQ(check_links(session.body()).violated, 0);
+  // 6 mm from the axis, by 12 degrees.
+  const Vec3d at(18 - 12, 7 - 8.5, 0);
+  const double angle = 12 * 3.14159265358979323846 / 180;
+  EXPECT_NEAR(session.body().offset({18, 7, 6}, 0) / double(kVoxel),
+              at.x * std::cos(angle) - at.y * std::sin(angle) - at.x, 2e-5);
+  EXPECT_NEAR(session.body().offset({18, 7, 6}, 1) / double(kVoxel),
+              at.x * std::sin(angle) + at.y * std::cos(angle) - at.y, 2e-5);
+}
+
+TEST_F(UnitPieces, ATurnThatAnchorsStopGoesAPartOfItsAngle) {
+  Session session(m_folder / "bars.nhdr", m_options);
+  session.step(parting());
+  StepRequest turn = step_of({drag_of({{18, 8, 7}, {18, 8, 7}}, {0, 0, 0}, 15)});
+  turn.drags[0].motion.about_lps_mm = Vec3d(12, 8.5, 11.25);
+  turn.fix = {{{13, 12, 5}, {20, 12, 10}}, {{13, 5, 5}, {20, 5, 10}}};
+  const StepRecord& record = session.step(turn);
+  const double fraction = record.report.fraction();
+  EXPECT_GT(fraction, 0.2);
+  EXPECT_LT(fraction, 1);
+  EXPECT_LT(bend(session.body(), {{13, 7, 6}, {18, 10, 9}}), 1e-4);
+  const double turned = 2 * std::acos(session.body().rigid.list[1].pose.turn[0]);
+  EXPECT_NEAR(turned * 180 / 3.14159265358979323846, 15 * fraction, 1e-9);
+  EXPECT_EQ(session.body().offset({15, 12, 7}, 1), 0);
+}
+
+TEST_F(UnitPieces, TissuePullsAFreePieceAlongAndAnAnchoredOneStopsIt) {
+  Session session(m_folder / "bars.nhdr", m_options);
+  session.step(parting());
+  session.drag(Vec3i(24, 8, 7), {8, 0, 0});
+  const Body& body = session.body();
+  const std::int32_t by = body.offset({18, 8, 7}, 0);
+  EXPECT_GT(by, 0);
+  EXPECT_EQ(body.offset({13, 7, 6}, 0), by);
+  EXPECT_EQ(body.rigid.list[1].pose.shift_q[0], by);
+  EXPECT_LT(body.offset({11, 8, 7}, 0), by);  // the other piece is another node
+  ASSERT_TRUE(session.undo());
+  session.fix({{13, 7, 6}, {13, 7, 6}});  // one voxel holds the piece
+  const StepRecord& record = session.drag(Vec3i(24, 8, 7), {8, 0, 0});
+  // Six links from the bar's end, each stretches by 0.6.
+  EXPECT_NEAR(record.report.fraction() * 8, 6 * 0.6, 1e-3);
+  EXPECT_EQ(session.body().offset({18, 8, 7}, 0), 0);
+}
+
+TEST_F(UnitPieces, AStateKeepsPiecesAndPosesAndGoesOnAsIfItHadNotBeenWritten) {
+  Session session(m_folder / "bars.nhdr", m_options);
+  session.step(parting());
+  session.step(step_of({drag_of(kLeft, {0.3, 0.1, 0}, 9)}));
+  session.write_state(m_folder / "turned.vdb");
+  SessionOptions options;
+  options.keeps_undo = true;
+  Session further(m_folder / "turned.vdb", options);
+  ASSERT_EQ(further.body().rigid.list.size(), 2u);
+  for (std::size_t n = 0; n < 2; ++n) {
+    EXPECT_EQ(further.body().rigid.list[n].pose, session.body().rigid.list[n].pose);
+    EXPECT_EQ(further.body().rigid.list[n].name, session.body().rigid.list[n].name);
+  }
+  EXPECT_EQ(further.state().cuts, session.state().cuts);
+  EXPECT_TRUE(further.body().links_known_valid);
+  for (Session* each : {&session, &further}) {
+    StepRequest more = step_of({drag_of(kRight, {0, 0.5, 0}, -6)});
+    more.release = true;
+    each->step(more);
+  }
+  EXPECT_EQ(further.state().q, session.state().q);
+  EXPECT_EQ(further.journal(), session.journal());
+}
+
+TEST_F(UnitPieces, StepsTakenBackRestorePiecesPosesAndRemovedElements) {
+  Session session(m_folder / "bars.nhdr", m_options);
+  std::vector<State> states = {session.state()};
+  session.step(parting());
+  states.push_back(session.state());
+  session.step(step_of({drag_of(kRight, {0, 0, 0}, 8)}));
+  states.push_back(session.state());
+  StepRequest removal;
+  ChosenPart part;
+  part.selection = Selection();
+  part.selection->rigid_at = Vec3i(7, 8, 7);
+  removal.remove = {part};
+  EXPECT_EQ(session.step(removal).removed, 7 * 16);
+  for (std::size_t n = states.size(); n-- > 0;) {
+    ASSERT_TRUE(session.undo());
+    const State state = session.state();
+    EXPECT_EQ(state.q, states[n].q) << n;
+    EXPECT_EQ(state.elements, states[n].elements) << n;
+    EXPECT_EQ(state.cuts, states[n].cuts) << n;
+    EXPECT_EQ(state.pieces, states[n].pieces) << n;
+    EXPECT_EQ(state.piece_texts, states[n].piece_texts) << n;
+  }
+}
+
+TEST_F(UnitPieces, WhatIsRemovedIsVoidInTheStateAndAfterIt) {
+  Session session(m_folder / "bars.nhdr", m_options);
+  session.step(parting());
+  session.drag(Vec3i(24, 8, 7), {1, 0, 0});
+  const Vec3i kept(24, 8, 7), gone(7, 8, 7);
+  const std::int64_t elements = session.body().elements.active_count();
+  StepRequest removal;
+  ChosenPart part;
+  part.selection = Selection();
+  part.selection->rigid_at = gone;
+  removal.remove = {part};
+  session.step(removal);
+  EXPECT_EQ(session.body().elements.active_count(), elements - 7 * 16);
+  EXPECT_FALSE(session.body().elements.is_active(gone));
+  EXPECT_EQ(session.state().density.at(gone), 0);
+  EXPECT_EQ(session.state().density.at(kept), 100);
+  EXPECT_EQ(session.body().offset(kept, 0), kVoxel);
+  ASSERT_EQ(session.body().rigid.list.size(), 1u);
+  // What was held still is: the drag of something else does not move it.
+  session.drag(Vec3i(24, 3, 7), {0, -1, 0});
+  EXPECT_EQ(session.body().offset(kept, 0), kVoxel);
+  session.write_state(m_folder / "removed.vdb");
+  Session further(m_folder / "removed.vdb");
+  EXPECT_EQ(further.state().elements, session.state().elements);
+  EXPECT_EQ(further.state().q, session.state().q);
+}
+
+TEST_F(UnitPieces, TwoHandlesOfAPieceMakeTheNearestMotionOrAreRefused) {
+  Session session(m_folder / "bars.nhdr", m_options);
+  session.step(parting());
+  // The ends of the right bar, opposed: a turn about its middle.
+  session.step(step_of({drag_of({{13, 8, 7}, {13, 8, 7}}, {0, -0.4, 0}),
+                        drag_of({{18, 8, 7}, {18, 8, 7}}, {0, 0.4, 0})}));
+  EXPECT_LT(bend(session.body(), {{13, 7, 6}, {18, 10, 9}}), 1e-4);
+  EXPECT_NEAR(session.body().offset({18, 8, 7}, 1) / double(kVoxel), 0.4, 0.01);
+  const std::string error = input_error([&] {
+    session.step(step_of({drag_of({{13, 8, 7}, {13, 8, 7}}, {-2, 0, 0}),
+                          drag_of({{18, 8, 7}, {18, 8, 7}}, {2, 0, 0})}));
+  });
+  EXPECT_NE(error.find("voxel 13,8,7 of 13,8,7"), std::string::npos) << error;
+  EXPECT_NE(error.find("mm from the nearest rigid motion"), std::string::npos) << error;
+}
+
+TEST_F(UnitPieces, AScaleOfAPieceIsRefused) {
+  Session session(m_folder / "bars.nhdr", m_options);
+  StepRequest scale = step_of({drag_of(kLeft, {0, 0, 0})});
+  scale.drags[0].motion.scale = Vec3d(1.1);
+  EXPECT_EQ(input_error([&] { session.step(scale); }),
+            "grab 6,7,6:11,10,9: found a scale of rigid piece:6,7,6, expected a shift or a turn");
+}
+
+TEST_F(UnitPieces, RelaxationLeavesPiecesWhereTheyAre) {
+  Session session(m_folder / "bars.nhdr", m_options);
+  session.step(parting());
+  session.step(step_of({drag_of(kRight, {1, 0.5, 0}, 8)}));
+  const State before = session.state();
+  RelaxParams params;
+  params.passes = 30;
+  session.relax(params);
+  EXPECT_NE(session.state().q, before.q);
+  for (const RigidPiece& piece : session.body().rigid.list) {
+    piece.elements->for_each([&](Slot slot) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        ASSERT_EQ(session.body().q[c].at(slot), before.q[c].at(slot));
+      }
+    });
+  }
+}
+
+TEST_F(UnitPieces, ACutThroughAPiecePartsIt) {
+  Session session(m_folder / "bars.nhdr", m_options);
+  session.drag(Vec3i(7, 8, 7), {0.5, 0, 0});
+  CutSurface plane;
+  plane.in_voxels = true;
+  plane.corner = {14.5, -1, -1};
+  plane.edge1 = {0, 40, 0};
+  plane.edge2 = {0, 0, 40};
+  session.cut(plane);
+  ASSERT_EQ(session.body().rigid.list.size(), 2u);
+  for (const RigidPiece& piece : session.body().rigid.list) {
+    EXPECT_EQ(piece.pose.shift_q[0], kVoxel / 2);
+  }
+  StepRequest apart = step_of({drag_of({{16, 8, 7}, {16, 8, 7}}, {1, 0, 0})});
+  apart.release = true;
+  session.step(apart);
+  EXPECT_EQ(session.body().offset({15, 8, 7}, 0), kVoxel * 3 / 2);
+  EXPECT_LT(session.body().offset({14, 8, 7}, 0), kVoxel);
+}
+
+TEST_F(UnitPieces, APieceOfBentTissueTakesTheNearestPose) {
+  m_options.material->rigid.reset();
+  Session session(m_folder / "bars.nhdr", m_options);
+  session.drag(Vec3i(18, 8, 7), {0, 3, 0});
+  EXPECT_GT(bend(session.body(), kRight), 0.1);
+  StepRequest rigid;
+  ChosenPart part;
+  part.name = "bar";
+  part.selection = Selection();
+  part.selection->box = kRight;
+  rigid.rigid.parts = {part};
+  rigid.release = true;
+  session.step(rigid);
+  EXPECT_LT(bend(session.body(), kRight), 1e-4);
+  EXPECT_EQ(check_links(session.body()).violated, 0);
+  EXPECT_NE(session.messages().back().find("projected"), std::string::npos);
+}
+
+TEST_F(UnitPieces, RandomDragsNeverBendAPiece) {
+  Session session(m_folder / "bars.nhdr", m_options);
+  session.step(parting());
+  std::mt19937 random(9);
+  int turned = 0, done = 0;
+  for (int n = 0; n < 60; ++n) {
+    StepRequest request;
+    request.release = true;
+    if (n % 3 == 0) request.fix = {{{0, 0, 1}, {29, 2, 15}}};
+    Drag drag = drag_of({{0, 0, 0}, {0, 0, 0}}, {pick(random, -2, 2), pick(random, -2, 2), 0});
+    const Vec3i at(4 + int(random() % 22), 4 + int(random() % 10), 3 + int(random() % 9));
+    drag.region = Region(at);
+    if (n % 2 == 0) {
+      drag.motion.angle_deg = pick(random, -4, 4);
+      drag.motion.axis_lps = Vec3d(pick(random, -1, 1), pick(random, -1, 1), 1);
+    }
+    request.drags = {drag};
+    if (!input_error([&] { session.step(request); }).empty()) continue;
+    ++done;
+    ASSERT_LT(bend(session.body(), {{6, 7, 6}, {12, 10, 9}}), 1e-4) << n;
+    ASSERT_LT(bend(session.body(), {{13, 7, 6}, {18, 10, 9}}), 1e-4) << n;
+    ASSERT_EQ(check_links(session.body()).violated, 0) << n;
+  }
+  for (const RigidPiece& piece : session.body().rigid.list) turned += piece.pose.turn[0] < 1;
+  EXPECT_GE(done, 40);
+  EXPECT_GE(turned, 1);
+}
