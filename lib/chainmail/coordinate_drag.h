@@ -13,7 +13,8 @@ class CoordinateDrag : public DragAlgebra<CoordinateDrag> {
  public:
   /// Gives the coordinate its table of bricks if it never moved; the destructor rolls back unless
   /// commit() was called. `undo` must be empty.
-  CoordinateDrag(Body& body, int coordinate, const HeldVoxels& held, Propagator& propagator,
+  /// Edges among the handles that are held may yield: their displacements become what they do.
+  CoordinateDrag(Body& body, int coordinate, HeldVoxels& held, Propagator& propagator,
                  UndoLog& undo, Progress* progress);
   ~CoordinateDrag();
   CoordinateDrag(const CoordinateDrag&) = delete;
@@ -29,6 +30,10 @@ class CoordinateDrag : public DragAlgebra<CoordinateDrag> {
  private:
   friend DragAlgebra<CoordinateDrag>;
   std::size_t handle_count() const { return m_held.handles.size(); }
+  bool is_edge(std::size_t handle) const {
+    return m_held.handles[handle].source->is_edge && m_held.handles[handle].is_push();
+  }
+  bool let_edges_yield(Direction direction, std::int32_t furthest);
   template <class Visit>
   void for_each_target(std::size_t handle, Direction direction, Visit&& visit) const;
   std::int64_t excess_of_held(Direction direction) const;
@@ -46,7 +51,7 @@ class CoordinateDrag : public DragAlgebra<CoordinateDrag> {
 
   Body& m_body;
   const int m_coordinate;
-  const HeldVoxels& m_held;
+  HeldVoxels& m_held;
   BrickValues& m_values;
   bool m_committed = false;
   UndoLog& m_undo;

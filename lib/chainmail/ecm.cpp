@@ -82,8 +82,8 @@ bool moves_along(const HeldVoxels& held, int coordinate) {
 }
 
 /// All coordinates at their whole targets; again, shortened by one common fraction, when anchors
-/// stop one of them.
-CoordinateDrags solve(Body& body, const HeldVoxels& held, Propagator& propagator,
+/// stop one of them, and with less of their edges when anchors stop those.
+CoordinateDrags solve(Body& body, HeldVoxels& held, Propagator& propagator,
                       std::array<UndoLog, 3>& undo, Fraction& fraction, Progress* progress) {
   CoordinateDrags drags;
   for (int c = 0; c < 3; ++c) {
@@ -92,7 +92,9 @@ CoordinateDrags solve(Body& body, const HeldVoxels& held, Propagator& propagator
     drags.push_back(std::make_unique<CoordinateDrag>(body, c, held, propagator, undo[c], progress));
     drags.back()->try_whole(fraction);
   }
-  if (!fraction.is_whole()) {
+  const bool edges_yielded = std::any_of(drags.begin(), drags.end(),
+                                         [](const auto& drag) { return drag->edges_yielded(); });
+  if (!fraction.is_whole() || edges_yielded) {
     for (const auto& drag : drags) drag->redo(fraction);
   }
   return drags;
@@ -171,7 +173,7 @@ EcmReport EcmSolver::drag(const std::vector<Handle>& handles, const std::vector<
     result.projected_max_voxels = projection.max_move_voxels;
     result.projected_held = projection.held_moved;
   }
-  const HeldVoxels held = hold(m_body, handles, *m_fixed, holds);
+  HeldVoxels held = hold(m_body, handles, *m_fixed, holds);
   Fraction fraction;
   const CoordinateDrags drags = solve(m_body, held, m_propagator, m_undo, fraction, progress);
   result.fraction_numerator = fraction.numerator;

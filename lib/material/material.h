@@ -60,6 +60,8 @@ struct MaterialTable : LimitTable {
   int components = 0;  // 0: all pieces; n: the n largest ("largest" is 1)
   /// Links of a voxel: 6 along the axes, 18 with diagonals of faces, 26 with those of cells.
   int links = 6;
+  /// Drags of this tissue are relaxed unless a step says otherwise (tissue_relaxation()).
+  bool relaxes = false;
   /// The table is a preset without a domain: fitted_to() (lib/session/tissue.h) chooses the domain
   /// by the volume, and the active densities with it unless they were given.
   bool fits_domain = false, fits_active = false;

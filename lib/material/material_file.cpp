@@ -172,7 +172,7 @@ void read_labels(TomlTable& labels, const LabelNames& names, MaterialTable& mate
 MaterialTable read_material_table(TomlTable& table, const LabelNames& names) {
   MaterialTable material;
   know_limits(table);
-  table.know({"active", "combine", "components", "links", "label"});
+  table.know({"active", "combine", "components", "links", "relax", "label"});
   read_range(table, "domain", material.domain_lo, material.domain_hi);
   material.fits_domain = table.has("preset") && !table.has("domain");
   material.fits_active = material.fits_domain && !table.has("active");
@@ -183,6 +183,7 @@ MaterialTable read_material_table(TomlTable& table, const LabelNames& names) {
   material.combine = read_combine(table);
   material.components = read_components(table);
   material.links = read_links(table);
+  material.relaxes = table.boolean("relax").value_or(false);
   if (auto labels = table.table("label")) read_labels(*labels, names, material);
   table.finish();
   material.validate(table.place());
@@ -209,6 +210,7 @@ std::string material_to_toml(const MaterialTable& material) {
     text += "components = " + std::to_string(material.components) + "\n";
   }
   if (material.links != 6) text += "links = " + std::to_string(material.links) + "\n";
+  if (material.relaxes) text += "relax = true\n";
   for (const auto& [label, limits] : material.labels) {
     text += "\n[label." + std::to_string(label) + "]\n";
     append_range(text, "domain", limits.domain_lo, limits.domain_hi);

@@ -291,6 +291,7 @@ const StepRecord& Session::step(const StepRequest& request, Progress* heard) {
 
 void Session::run_step(StepRecord& record, Progress* progress) {
   check(record);
+  if (is_relaxed_by_default(record)) record.relax = tissue_relaxation();
   release_and_fix(record);
   const std::vector<Handle> handles = handles_of(record);
   record.cut_links = apply_cuts(m_body, m_state.labels, record.cuts, progress);
@@ -381,6 +382,11 @@ void Session::solve(const std::vector<Handle>& handles, StepRecord& record, Prog
   record.report.max_queue = record.ball->max_queue;
   record.report.milliseconds = record.ball->milliseconds;
   warn_of_report(*record.ball, progress);
+}
+
+bool Session::is_relaxed_by_default(const StepRequest& request) const {
+  return m_material.relaxes && !request.no_relax && !request.relax && !request.drags.empty() &&
+         !request.springs && request.limits != Limits::ball;
 }
 
 void Session::relax_body(StepRecord& record, Progress* progress) {

@@ -43,7 +43,8 @@ class Session {
   /// Links of the material that may fold, NaN voxels and the like have been warned of.
   const LinkCheck& links() const { return m_links; }
 
-  /// Cuts, then solves one step, then relaxes, then tightens; or lets springs move the body. Cuts
+  /// Cuts, then solves one step, then relaxes (StepRequest::relax), then tightens; or lets springs
+  /// move the body. Cuts
   /// are made in the body at rest and stay. Handles stay held and anchors fixed until a step
   /// releases them. Throws InputError as the solvers do, Cancelled; with keeps_undo everything is
   /// then as it was before the step.
@@ -94,6 +95,7 @@ class Session {
   void release_and_fix(const StepRequest& request);
   void find_anchors();
   std::vector<Handle> handles_of(const StepRequest& request) const;
+  bool is_relaxed_by_default(const StepRequest& request) const;
   void relax_body(StepRecord& record, Progress* progress);
   void tighten_body(StepRecord& record, Progress* progress);
   void solve(const std::vector<Handle>& handles, StepRecord& record, Progress* progress);

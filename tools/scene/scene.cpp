@@ -109,10 +109,14 @@ SceneStep read_step(TomlTable& table, const LabelNames& names) {
     bone.density = settings.fix_density;
   }
   step.release = settings.release;
+  step.no_relax = settings.no_relax;
   step.limits = settings.limits;
   step.springs = read_springs(table, settings.has_springs);
   for (TomlTable& cut : table.tables("cut")) step.cuts.push_back(read_cut(cut, names));
-  if (auto relax = table.table("relax")) step.relax = read_relax(*relax);
+  if (auto relax = table.table("relax")) {
+    if (step.no_relax) table.fail("no_relax", "no_relax beside relax", "one of them");
+    step.relax = read_relax(*relax);
+  }
   table.finish();
   if (is_short) step.handles.push_back(read_handle(table, names));
   if (step.does_nothing()) {
@@ -160,6 +164,8 @@ Fields fields(StepSettings& settings) {
             "box: each component of a link; ball: its length, order-dependent; tighten: box, and "
             "narrower across stretched links"),
       Field("fix_density", settings.fix_density, "Elements of these densities stay where they are"),
+      Field("no_relax", settings.no_relax,
+            "Leave a drag as Enhanced ChainMail made it, where the material has relax = true"),
       Field("release", settings.release, "Let go of everything that is held or fixed"),
   };
 }

@@ -26,6 +26,7 @@ struct SceneStep {
   bool release = false;  // lets go of everything that earlier steps held
   std::vector<CutSurface> cuts;
   std::optional<RelaxParams> relax;
+  bool no_relax = false;              // even where the material asks for it
   std::optional<SpringStep> springs;  // when model = "springs"
 
   bool does_nothing() const;
@@ -61,6 +62,7 @@ struct Scene {
 struct StepSettings {
   Limits limits = Limits::box;
   bool release = false;
+  bool no_relax = false;
   bool has_springs = false;
   std::optional<NumberPair> fix_density;
 };
