@@ -15,7 +15,7 @@ std::vector<Bound>::const_iterator first_bound_from(const std::vector<Bound>& bo
 
 }  // namespace
 
-CoordinateDrag::CoordinateDrag(Body& body, int coordinate, const HeldVoxels& held,
+CoordinateDrag::CoordinateDrag(Body& body, int coordinate, HeldVoxels& held,
                                const FreePieces& pieces, Propagator& propagator, UndoLog& undo,
                                Progress* progress)
     : m_body(body),
@@ -102,7 +102,8 @@ void CoordinateDrag::for_each_held(std::size_t brick, Direction direction, Visit
   const Slot first = Slot(brick * kBrickVoxels);
   const std::int32_t* saved = m_undo.saved_of(brick);
   const std::int32_t* before = saved != nullptr ? saved : m_values.brick_or_zero(brick);
-  for (const SlotSet* anchored : {m_held.fixed, &m_held.rest.anchored}) {
+  const Holds& rest = m_held.rest;
+  for (const SlotSet* anchored : {m_held.fixed, &rest.anchored}) {
     const BrickMask* mask = anchored->find(brick);
     if (mask == nullptr) continue;
     for_each_active(*mask, [&](int offset) { visit(first + Slot(offset), before[offset]); });
@@ -138,6 +139,26 @@ std::vector<Seed> CoordinateDrag::pulled_back(Direction direction, std::int32_t 
     });
   }
   return seeds;
+}
+
+bool CoordinateDrag::let_edges_yield(Direction direction, std::int32_t furthest) {
+  const std::int64_t sign = direction == Direction::raise ? 1 : -1;
+  bool any = false;
+  for (std::size_t h = 0; h < handle_count(); ++h) {
+    if (!is_edge(h)) continue;
+    HeldHandle& edge = m_held.handles[h];
+    auto& places = (direction == Direction::raise ? edge.below : edge.above)[m_coordinate];
+    for (ToolPlace& place : places) {
+      const std::int64_t by = sign * place.by;
+      if (by <= 0) continue;
+      const std::int64_t followed = sign * (std::int64_t(place.value) - m_values.at(place.slot));
+      const std::int64_t room = std::max<std::int64_t>(0, furthest - followed);
+      if (room >= by) continue;
+      place.by = std::int32_t(sign * room);
+      any = true;
+    }
+  }
+  return any;
 }
 
 void CoordinateDrag::throw_conflict(const Target& above, const Target& below,

@@ -14,7 +14,8 @@ class CoordinateDrag : public DragAlgebra<CoordinateDrag> {
  public:
   /// Gives the coordinate its table of bricks if it never moved; the destructor rolls back unless
   /// commit() was called. `undo` must be empty, and `pieces` are those that `held` leaves free.
-  CoordinateDrag(Body& body, int coordinate, const HeldVoxels& held, const FreePieces& pieces,
+  /// Edges among the handles that are held may yield: their displacements become what they do.
+  CoordinateDrag(Body& body, int coordinate, HeldVoxels& held, const FreePieces& pieces,
                  Propagator& propagator, UndoLog& undo, Progress* progress);
   ~CoordinateDrag();
   CoordinateDrag(const CoordinateDrag&) = delete;
@@ -30,6 +31,10 @@ class CoordinateDrag : public DragAlgebra<CoordinateDrag> {
  private:
   friend DragAlgebra<CoordinateDrag>;
   std::size_t handle_count() const { return m_held.handles.size(); }
+  bool is_edge(std::size_t handle) const {
+    return m_held.handles[handle].source->is_edge && m_held.handles[handle].is_push();
+  }
+  bool let_edges_yield(Direction direction, std::int32_t furthest);
   template <class Visit>
   void for_each_target(std::size_t handle, Direction direction, Visit&& visit) const;
   std::int64_t excess_of_held(Direction direction) const;
@@ -48,7 +53,7 @@ class CoordinateDrag : public DragAlgebra<CoordinateDrag> {
 
   Body& m_body;
   const int m_coordinate;
-  const HeldVoxels& m_held;
+  HeldVoxels& m_held;
   const FreePieces& m_pieces;
   BrickValues& m_values;
   bool m_committed = false;

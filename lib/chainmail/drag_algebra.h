@@ -46,12 +46,19 @@ namespace supple {
 ///       lower ones (lower), shifted: what the run before did not reach may be left out
 ///   void propagate(direction, seeds), void roll_back()
 ///   [[noreturn]] void throw_conflict(above, below, missing)
+///   bool is_edge(handle) const                         of a soft handle: its displacements are
+///       wishes, of which it does what anchors allow
+///   bool let_edges_yield(direction, furthest)          after pulled_back() by `furthest` was
+///       propagated: cuts displacements of edges down to their room; whether any was
 template <class Drag>
 class DragAlgebra {
  public:
   /// Moves the handles by the whole and tightens `fraction` by what is held. Throws InputError when
   /// handles contradict each other, whatever the anchors say.
   void try_whole(Fraction& fraction);
+
+  /// Whether try_whole() cut displacements of edges, so that redo() must follow.
+  bool edges_yielded() const { return m_edges_yielded; }
 
   /// Starts over and moves the handles by that part.
   void redo(const Fraction& fraction);
@@ -104,27 +111,32 @@ class DragAlgebra {
   /// and held upper bounds b. When all rise by the same D, the excess of the whole drag is D minus
   /// the smallest numerator. Otherwise one run serves all pairs: held elements pulled down to u_b -
   /// max D_a lower an element by max D_a minus its smallest numerator, unless that is negative.
-  /// What the whole drag did not reach limits nothing. Sinking handles: mirrored.
+  /// What the whole drag did not reach limits nothing. Sinking handles: mirrored. Elements of edges
+  /// limit nothing either: each by itself goes no further than its numerator.
   void limit_by_held(Direction direction, std::int64_t excess, Fraction& fraction) {
     const int sign = direction == Direction::raise ? 1 : -1;
     std::int32_t furthest = 0, nearest = INT32_MAX;
-    const auto for_each_rising = [&](auto&& visit) {
+    bool has_edges = false;
+    for (std::size_t h = 0; h < drag().handle_count(); ++h) has_edges |= drag().is_edge(h);
+    const auto for_each_rising = [&](bool with_edges, auto&& visit) {
       for (std::size_t h = 0; h < drag().handle_count(); ++h) {
+        if (!with_edges && drag().is_edge(h)) continue;
         drag().for_each_target(
             h, direction, [&](Slot, std::int32_t target, std::int32_t present, std::int32_t by) {
               if (sign * by > 0) visit(target, present, sign * by);
             });
       }
     };
-    for_each_rising([&](std::int32_t, std::int32_t, std::int32_t by) {
+    for_each_rising(true, [&](std::int32_t, std::int32_t, std::int32_t by) {
       furthest = std::max(furthest, by);
       nearest = std::min(nearest, by);
     });
-    if (nearest == furthest) return fraction.limit_to(furthest - excess, furthest);
+    if (nearest == furthest && !has_edges) return fraction.limit_to(furthest - excess, furthest);
 
     const std::vector<Seed> pulled = drag().pulled_back(direction, sign * furthest);
     drag().propagate(sign > 0 ? Direction::lower : Direction::raise, pulled);
-    for_each_rising([&](std::int32_t target, std::int32_t present, std::int32_t by) {
+    if (has_edges && drag().let_edges_yield(direction, furthest)) m_edges_yielded = true;
+    for_each_rising(false, [&](std::int32_t target, std::int32_t present, std::int32_t by) {
       // sign * (target - present) = by + how far the element followed.
       const std::int64_t room = furthest + by - sign * (std::int64_t(target) - present);
       if (room < by) fraction.limit_to(room, by);
@@ -166,6 +178,7 @@ class DragAlgebra {
   }
 
   Fraction m_fraction;  // of the targets
+  bool m_edges_yielded = false;
 };
 
 // Not inline: instantiated where for_each_target is, in the source of each drag.

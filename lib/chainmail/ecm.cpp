@@ -82,8 +82,8 @@ bool moves_along(const HeldVoxels& held, int coordinate) {
 }
 
 /// All coordinates at their whole targets; again, shortened by one common fraction, when anchors
-/// stop one of them.
-CoordinateDrags solve(Body& body, const HeldVoxels& held, const FreePieces& pieces,
+/// stop one of them, and with less of their edges when anchors stop those.
+CoordinateDrags solve(Body& body, HeldVoxels& held, const FreePieces& pieces,
                       Propagator& propagator, std::array<UndoLog, 3>& undo, bool whole_only,
                       Fraction& fraction, Progress* progress) {
   CoordinateDrags drags;
@@ -94,7 +94,9 @@ CoordinateDrags solve(Body& body, const HeldVoxels& held, const FreePieces& piec
         std::make_unique<CoordinateDrag>(body, c, held, pieces, propagator, undo[c], progress));
     drags.back()->try_whole(fraction);
   }
-  if (!fraction.is_whole() && !whole_only) {
+  const bool edges_yielded = std::any_of(drags.begin(), drags.end(),
+                                         [](const auto& drag) { return drag->edges_yielded(); });
+  if (fraction.is_whole() ? edges_yielded : !whole_only) {
     for (const auto& drag : drags) drag->redo(fraction);
   }
   return drags;
@@ -204,7 +206,7 @@ EcmReport EcmSolver::run(const std::vector<Handle>& handles, const std::vector<R
     result.projected_max_voxels = projection.max_move_voxels;
     result.projected_held = projection.held_moved;
   }
-  const HeldVoxels held = hold(m_body, handles, *m_fixed, holds);
+  HeldVoxels held = hold(m_body, handles, *m_fixed, holds);
   const FreePieces pieces = free_pieces(held);
   Fraction fraction;
   const CoordinateDrags drags =

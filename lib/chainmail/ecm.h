@@ -46,7 +46,9 @@ struct Handle {
   /// elements_of(region). A part of the drag is that part of each: targets stay on straight lines,
   /// since limits that hold at both ends of a line hold all along it, and not on arcs.
   std::vector<std::array<std::int32_t, 3>> each_by_q = {};
-  bool is_edge = false;  // of the handle before it, with which reports count it
+  /// Of the handle before it, with which reports count it. Where it pushes, its displacements are
+  /// wishes: each element goes as far as anchors let it, and shortens the drag of no other.
+  bool is_edge = false;
 };
 
 /// Displacement in mm along the grid axes i, j, k to the nearest fixed point.

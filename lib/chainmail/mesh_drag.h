@@ -40,6 +40,8 @@ class MeshDrag : public DragAlgebra<MeshDrag> {
 
  private:
   friend DragAlgebra<MeshDrag>;
+  bool is_edge(std::size_t) const { return false; }
+  bool let_edges_yield(Direction, std::int32_t) { return false; }
   std::size_t handle_count() const { return m_held.handles.size(); }
   template <class Visit>
   void for_each_target(std::size_t handle, Direction direction, Visit&& visit) const;

@@ -62,6 +62,8 @@ struct MaterialTable : LimitTable {
   int links = 6;
   /// Densities whose face-connected pieces move as rigid bodies.
   std::optional<std::pair<double, double>> rigid;
+  /// Drags of this tissue are relaxed unless a step says otherwise (tissue_relaxation()).
+  bool relaxes = false;
   /// The table is a preset without a domain: fitted_to() (lib/session/tissue.h) chooses the domain
   /// by the volume, and the active densities with it unless they were given.
   bool fits_domain = false, fits_active = false;

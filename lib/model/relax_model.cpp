@@ -7,6 +7,11 @@
 
 namespace supple {
 
+const char* name_of(RelaxEnd end) {
+  static constexpr const char* kNames[] = {"passes", "at rest", "converged", "budget"};
+  return kNames[std::size_t(end)];
+}
+
 RelaxModel::RelaxModel(const HeldBody& held, const RelaxParams& params)
     : m_held(held), m_params(params), m_begin(std::chrono::steady_clock::now()) {
   params.validate();
@@ -26,6 +31,7 @@ void RelaxModel::begin() {
   if (m_params.bulk_modulus_kpa > 0 && !m_report.volumes_before) {
     m_report.volumes_before = cell_volumes(m_held.body);
   }
+  if (m_relaxation) m_work += m_relaxation->work();
   m_relaxation = std::make_unique<Relaxation>(m_held.body, m_anchored, m_held.holds, m_params);
 }
 
@@ -64,12 +70,24 @@ bool RelaxModel::step(const Progress*) {
   if (m_report.passes == 0) m_report.energy_before = m_relaxation->energy_before_pass();
   ++m_report.passes;
   m_report.converged = m_report.largest_step_voxels <= m_params.tolerance_voxels && forces_agree();
-  return !m_report.converged && m_report.largest_step_voxels > 0;
+  const double budget = m_params.budget_million * 1e6;
+  const bool is_spent = budget > 0 && m_work + m_relaxation->work() >= budget;
+  m_report.end = m_report.converged                  ? RelaxEnd::converged
+                 : m_report.largest_step_voxels == 0 ? RelaxEnd::at_rest
+                 : is_spent                          ? RelaxEnd::budget
+                                                     : RelaxEnd::passes;
+  return m_report.end == RelaxEnd::passes;
 }
 
 /// Whether the energy is as good as the least by the forces that are left.
 bool RelaxModel::forces_agree() {
   constexpr double kPart = 0.01, kPartOfStart = 1e-6;
+  if (m_params.budget_million > 0) {
+    // A look takes as long as some passes.
+    constexpr int kPassesPerLook = 8;
+    if (m_report.passes < m_next_look && m_report.largest_step_voxels > 0) return false;
+    m_next_look = m_report.passes + std::max(kPassesPerLook, m_report.passes / 8);
+  }
   m_report.energy_excess = m_relaxation->excess();
   if (!m_report.energy_excess) return true;
   return *m_report.energy_excess <=

@@ -11,6 +11,11 @@
 
 namespace supple {
 
+/// Why passes ended: as many as were asked for, nothing moved any more, forces and steps agree
+/// (RelaxReport::converged), or the work that was allowed is done.
+enum class RelaxEnd { passes, at_rest, converged, budget };
+const char* name_of(RelaxEnd end);
+
 struct RelaxReport {
   std::int64_t projected_links = 0;  // of an invalid start
   double projected_max_voxels = 0;
@@ -24,6 +29,7 @@ struct RelaxReport {
   /// energy within 1 % of the least, or a millionth of what it was; where volume is conserved, the
   /// step alone.
   bool converged = false;
+  RelaxEnd end = RelaxEnd::passes;
   std::optional<double> energy_excess;         // uJ, at most so far above the least; when looked at
   double energy_before = 0, energy_after = 0;  // uJ (N/m * mm^2)
   double largest_step_voxels = 0;              // of the last pass
@@ -41,7 +47,7 @@ class RelaxModel final : public Model<Handle> {
   ~RelaxModel() override;
 
   void move(const std::vector<Handle>& handles, int steps, Progress* progress) override;
-  /// False when converged, or when no element can move any more.
+  /// False when converged, when no element can move any more, or when the budget is spent.
   bool step(const Progress* progress = nullptr) override;
   ModelEnergy energy() override;
   std::vector<Reaction> reactions(const std::vector<Handle>& handles) override;
@@ -67,6 +73,8 @@ class RelaxModel final : public Model<Handle> {
   RelaxReport m_report;
   EcmReport m_drag;
   int m_stored_passes = 0;
+  int m_next_look = 0;  // pass in which the forces are asked next
+  double m_work = 0;    // of earlier relaxations, when a move began a new one
   std::optional<double> m_energy_before_flow;  // uJ, since the last step
   std::chrono::steady_clock::time_point m_begin;
 };

@@ -21,6 +21,8 @@ class CoordinateRelaxation {
 
   /// The largest step, 2^-32 voxel.
   double pass();
+  /// Voxels of the bricks that the next pass looks at.
+  double work_of_pass() const { return double(m_work.size()) * kBrickVoxels; }
   /// Sum of stiffness * stretch^2 over all links before the last pass: N/m * (2^-32 voxel)^2.
   double energy_before_pass() const { return m_energy; }
   double energy();

@@ -63,7 +63,20 @@ Fields fields(RelaxParams& params) {
           .option("bulk-modulus")
           .recorded_as("bulk_modulus_kpa")
           .formerly("volume"),
+      Field("budget", params.budget_million,
+            "End once that many elements were looked at, those of every pass and axis; 0: no limit")
+          .unit("million")
+          .at_least(0)
+          .recorded_as("budget_million"),
   };
+}
+
+RelaxParams tissue_relaxation() {
+  RelaxParams params;
+  params.passes = 5000;
+  params.tolerance_voxels = 0.01;
+  params.budget_million = 200;
+  return params;
 }
 
 void RelaxParams::validate() const {
@@ -72,6 +85,9 @@ void RelaxParams::validate() const {
   }
   if (!(tolerance_voxels >= 0)) {
     throw InputError({"", "tolerance", std::to_string(tolerance_voxels), "0 or more voxels"});
+  }
+  if (!(budget_million >= 0)) {
+    throw InputError({"", "budget", number_text(budget_million), "0 or more million elements"});
   }
   check_bulk_modulus(bulk_modulus_kpa);
   if (bulk_modulus_kpa > 0 && !conserves_volume(method)) {
@@ -106,6 +122,7 @@ Relaxation::~Relaxation() = default;
 
 double Relaxation::pass() {
   if (m_volume) {
+    m_work += m_volume->work_of_pass();
     const double largest = m_volume->pass();
     m_energy = m_volume->energy_before_pass();
     return largest;
@@ -115,6 +132,7 @@ double Relaxation::pass() {
   for (int c = 0; c < 3; ++c) {
     const auto& coordinate = m_coordinates[std::size_t(c)];
     if (!coordinate) continue;
+    m_work += coordinate->work_of_pass();
     largest = std::max(largest, coordinate->pass());
     const double mm = fine_mm(m_body, c);
     m_energy += 0.5 * coordinate->energy_before_pass() * mm * mm;

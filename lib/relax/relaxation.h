@@ -56,10 +56,18 @@ struct RelaxParams {
   /// Bulk modulus with which cells keep their rest volume (volume_relaxation.h); 0: they do not.
   /// Only with the methods red_black and accelerated.
   double bulk_modulus_kpa = 0;
+  /// Ends after the pass in which so many million elements were looked at, one by one in each pass
+  /// and coordinate; 0: no limit. Work and not time, so that the result is the same on every
+  /// machine. With a budget the forces are asked less often whether they agree.
+  double budget_million = 0;
 
   /// Throws InputError: a value out of range.
   void validate() const;
 };
+
+/// Of a drag in tissue whose material asks for it (MaterialTable::relaxes): until it has settled to
+/// a hundredth of a voxel, or its budget is spent.
+RelaxParams tissue_relaxation();
 
 /// Of `relax = { … }` in a scene.
 Fields fields(RelaxParams& params);
@@ -89,6 +97,8 @@ class Relaxation {
   std::optional<double> excess() const;
   /// Writes the offsets to the body: again a valid configuration, with fractions and without.
   void store();
+  /// Elements looked at so far, each coordinate by itself.
+  double work() const { return m_work; }
   std::size_t bytes() const;
 
  private:
@@ -96,6 +106,7 @@ class Relaxation {
   std::array<std::unique_ptr<CoordinateRelaxation>, 3> m_coordinates;
   std::unique_ptr<VolumeRelaxation> m_volume;  // in their stead
   double m_energy = 0;
+  double m_work = 0;
 };
 
 /// The elements that stay: those of the regions and of two-sided handles. Throws InputError: a

@@ -135,6 +135,12 @@ double VolumeRelaxation::sweep(std::size_t brick, double relaxation) {
   return largest;
 }
 
+double VolumeRelaxation::work_of_pass() const {
+  std::size_t bricks = 0;
+  for (const auto& colour : m_work) bricks += colour.size();
+  return 3.0 * double(bricks) * kBrickVoxels;
+}
+
 double VolumeRelaxation::pass() {
   m_energy = energy();
   std::fill(m_changed.begin(), m_changed.end(), 0);

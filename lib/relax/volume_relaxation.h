@@ -35,6 +35,8 @@ class VolumeRelaxation {
 
   /// The largest step, in voxels.
   double pass();
+  /// Voxels of the bricks that the next pass looks at, in each coordinate.
+  double work_of_pass() const;
   /// Of links and cells before the last pass, in uJ.
   double energy_before_pass() const { return m_energy; }
   double energy();

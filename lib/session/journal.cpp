@@ -92,6 +92,7 @@ nlohmann::ordered_json to_json(const StepRecord& record) {
   if (record.relax) {
     step["relax"] = recorded(*record.relax);
     if (record.relax->bulk_modulus_kpa == 0) step["relax"].erase("bulk_modulus_kpa");
+    if (record.relax->budget_million == 0) step["relax"].erase("budget_million");
   }
   if (record.springs) {
     step["springs"] = nlohmann::ordered_json::parse(settings_json(*record.springs));

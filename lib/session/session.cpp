@@ -302,6 +302,7 @@ void Session::run_step(StepRecord& record, Progress* progress) {
   prepare_body(record, progress);
   if (has_new_elements) check(record);
   check_model_of_pieces(record);
+  if (is_relaxed_by_default(record)) record.relax = tissue_relaxation();
   release_and_fix(record);
   const std::vector<PieceMotion> pieces =
       motions_of_pieces(m_body, record.drags, regions_of(record));

@@ -44,7 +44,8 @@ class Session {
   /// Links of the material that may fold, NaN voxels and the like have been warned of.
   const LinkCheck& links() const { return m_links; }
 
-  /// Cuts, then solves one step, then relaxes, then tightens; or lets springs move the body. Cuts
+  /// Cuts, then solves one step, then relaxes (StepRequest::relax), then tightens; or lets springs
+  /// move the body. Cuts
   /// are made in the body at rest and stay. Handles stay held and anchors fixed until a step
   /// releases them. Throws InputError as the solvers do, Cancelled; with keeps_undo everything is
   /// then as it was before the step.
@@ -99,6 +100,7 @@ class Session {
   /// `part`: of all motions, where rigid pieces turn.
   std::vector<Handle> handles_of(const StepRequest& request, const std::vector<PieceMotion>& pieces,
                                  double part) const;
+  bool is_relaxed_by_default(const StepRequest& request) const;
   void prepare_body(StepRecord& record, Progress* progress);
   void remove_parts(StepRecord& record, Progress* progress);
   void cut_body(StepRecord& record, Progress* progress);

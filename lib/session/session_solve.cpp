@@ -53,6 +53,11 @@ void Session::solve(const std::vector<Handle>& handles, const std::vector<PieceM
   warn_of_report(*record.ball, progress);
 }
 
+bool Session::is_relaxed_by_default(const StepRequest& request) const {
+  return m_material.relaxes && !request.no_relax && !request.relax && !request.drags.empty() &&
+         !request.springs && request.limits != Limits::ball;
+}
+
 void Session::relax_body(StepRecord& record, Progress* progress) {
   stage(progress, "relaxing");
   m_pressure_kpa = record.relax->bulk_modulus_kpa;

@@ -45,7 +45,10 @@ struct StepRequest {
   RigidRequest rigid;              // after cuts and removals, before the drags
   std::vector<Retraction> retract;
   Limits limits = Limits::box;
-  std::optional<RelaxParams> relax;   // after the drag
+  /// After the drag. Absent: tissue_relaxation() where the step drags under box limits and the
+  /// material asks for it, unless no_relax.
+  std::optional<RelaxParams> relax;
+  bool no_relax = false;
   std::optional<SpringStep> springs;  // instead of both
   bool tells_reactions = false;       // of the handles that are held, in the record
 };

@@ -55,6 +55,11 @@ void warn_of_report(const RelaxReport& report, const LinkCheck& check, Progress*
                        " moved back to the limits of diagonals, largest move " +
                        four_digits(report.diagonal_max_voxels) + " voxels");
   }
+  if (report.end == RelaxEnd::budget) {
+    note(progress, "relaxation ended by its budget, in pass " + std::to_string(report.passes) +
+                       ", whose largest step was " + four_digits(report.largest_step_voxels) +
+                       " voxels; a larger budget of relax lets it go on");
+  }
   if (check.violated > 0) {
     warn(progress, "plain relaxation broke " + with_count(check.violated, "link") + " of " +
                        std::to_string(check.links) + ", by at most " +

@@ -56,6 +56,52 @@ TEST_F(UnitRelax, DeformSaysWhatARelaxationDid) {
       << text.out;
 }
 
+TEST_F(UnitRelax, MaterialsThatAskForItAreRelaxedUnlessTheStepSaysOtherwise) {
+  const auto relaxed = [&](const std::vector<std::string>& options) {
+    std::vector<std::string> arguments = {"--json"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    const Outcome outcome = pull(arguments);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return nlohmann::json::parse(outcome.out).value("relax", nlohmann::json());
+  };
+  EXPECT_TRUE(relaxed({}).is_null());
+  write_text(m_folder / "m.toml", kMaterial + "links = 26\nrelax = true\n");
+  const nlohmann::json asked = relaxed({});
+  EXPECT_GT(asked["passes"], 20);
+  EXPECT_EQ(asked["ended_by"], "converged");
+  EXPECT_TRUE(relaxed({"--no-relax"}).is_null());
+  EXPECT_EQ(relaxed({"--relax", "3"})["passes"], 3);
+  // A step that drags nothing is as it was asked for.
+  const Outcome released = deform({m_folder / "out.vdb", "--release", "--json"});
+  ASSERT_EQ(released.exit_code, 0) << released.err;
+  EXPECT_FALSE(nlohmann::json::parse(released.out).contains("relax"));
+  // The state keeps the material, and the record what was done.
+  EXPECT_NE(read_state(m_folder / "out.vdb").material_toml.find("relax = true"), std::string::npos);
+
+  const Outcome both = pull({"--relax", "3", "--no-relax"});
+  EXPECT_EQ(both.exit_code, 3);
+  EXPECT_NE(both.err.find("--no-relax: found no_relax beside relax"), std::string::npos)
+      << both.err;
+}
+
+TEST_F(UnitRelax, ABudgetEndsItAfterTheSameWorkOnAnyMachine) {
+  const auto relaxed = [&](const std::string& threads) {
+    const Outcome outcome =
+        pull({"--relax", "5000", "--relax-budget", "0.5", "--threads", threads, "--json"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_NE(outcome.err.find("ended by its budget"), std::string::npos) << outcome.err;
+    nlohmann::json relax = nlohmann::json::parse(outcome.out)["relax"];
+    relax.erase("relax_ms");
+    return relax;
+  };
+  const nlohmann::json one = relaxed("1");
+  EXPECT_EQ(one["ended_by"], "budget");
+  // Eight bricks, one coordinate in motion: at most 4096 elements a pass.
+  EXPECT_GE(one["passes"], 122);
+  EXPECT_LE(one["passes"], 400);
+  EXPECT_EQ(one, relaxed("3"));
+}
+
 TEST_F(UnitRelax, ItEndsWhenNothingMovesFurtherThanTheTolerance) {
   const Outcome outcome = pull({"--relax", "5000", "--relax-tolerance", "0.001", "--json"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;

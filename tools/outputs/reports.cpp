@@ -71,6 +71,7 @@ nlohmann::ordered_json to_json(const RelaxParams& params, const RelaxReport& rep
   nlohmann::ordered_json json = {{"method", name_of(params.method)},
                                  {"passes", report.passes},
                                  {"converged", report.converged},
+                                 {"ended_by", name_of(report.end)},
                                  {"energy_before_uj", report.energy_before},
                                  {"energy_after_uj", report.energy_after},
                                  {"largest_step_voxels", report.largest_step_voxels},

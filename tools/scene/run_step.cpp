@@ -38,6 +38,7 @@ StepRequest request_of(const SceneStep& step, const Geometry& geometry, double t
   request.cuts = step.cuts;
   request.limits = step.limits;
   request.relax = step.relax;
+  request.no_relax = step.no_relax;
   request.springs = step.springs;
   return request;
 }

@@ -139,13 +139,17 @@ SceneStep read_step(TomlTable& table, const LabelNames& names) {
   }
   step.rigid_density = settings.rigid_density;
   step.release = settings.release;
+  step.no_relax = settings.no_relax;
   step.limits = settings.limits;
   step.springs = read_springs(table, settings.has_springs);
   for (TomlTable& cut : table.tables("cut")) step.cuts.push_back(read_cut(cut, names));
   for (TomlTable& patch : table.table_or_tables("retract")) {
     step.retract.push_back(read_retraction(patch));
   }
-  if (auto relax = table.table("relax")) step.relax = read_relax(*relax);
+  if (auto relax = table.table("relax")) {
+    if (step.no_relax) table.fail("no_relax", "no_relax beside relax", "one of them");
+    step.relax = read_relax(*relax);
+  }
   table.finish();
   if (is_short) step.handles.push_back(read_handle(table, names));
   if (step.does_nothing()) {
@@ -292,6 +296,8 @@ Fields fields(StepSettings& settings) {
       Field("fix_density", settings.fix_density, "Elements of these densities stay where they are"),
       Field("rigid_density", settings.rigid_density,
             "Every connected part of these densities moves as a rigid piece"),
+      Field("no_relax", settings.no_relax,
+            "Leave a drag as Enhanced ChainMail made it, where the material has relax = true"),
       Field("release", settings.release, "Let go of everything that is held or fixed"),
   };
 }

@@ -31,6 +31,7 @@ struct SceneStep {
   std::vector<Vec3i> rigid_seeds;
   std::optional<NumberPair> rigid_density;
   std::optional<RelaxParams> relax;
+  bool no_relax = false;              // even where the material asks for it
   std::optional<SpringStep> springs;  // when model = "springs"
 
   bool does_nothing() const;
@@ -77,6 +78,7 @@ struct Scene {
 struct StepSettings {
   Limits limits = Limits::box;
   bool release = false;
+  bool no_relax = false;
   bool has_springs = false;
   std::optional<NumberPair> fix_density, rigid_density;
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <optional>
 #include <random>
@@ -24,6 +25,13 @@ struct DraggedBody {
   SlotSet anchored;
   Holds holds;
 };
+
+/// The body under a material with that many links.
+Body with_links(Body body, int links) {
+  body.material.links = links;
+  body.slacks = SlackTable(body.material, body.geometry.spacing_mm());
+  return body;
+}
 
 RelaxParams params_of(const RelaxRow& row) {
   RelaxParams params;
@@ -109,6 +117,7 @@ BenchRow row_of(const RelaxRow& row, const Body& body) {
   BenchRow fields;
   fields["case"] = row.kind;
   fields["method"] = name_of(row.method);
+  if (row.kind == "links") fields["links_per_node"] = row.links;
   if (row.is_of_volume()) fields["volume_kpa"] = row.volume_kpa;
   fields["field"] = row.field;
   const Vec3i size = body.geometry.dims();
@@ -138,12 +147,19 @@ double moved_percent(const Body& body) {
 /// memory is there and what moves is in motion.
 std::vector<BenchRow> measure_passes(const std::vector<RelaxRow>& rows, const Body& rest,
                                      bool quick, Progress& cancel) {
-  DraggedBody start = rows[0].kind == "volume"
-                          ? pull_middle(rest, cancel)
-                          : pull_front(rest, 0.45 * rest.elements.active_bounds().hi.y, cancel);
+  std::map<int, DraggedBody> starts;  // by links
+  for (const RelaxRow& row : rows) {
+    if (starts.count(row.links) != 0) continue;
+    const Body body = with_links(rest, row.links);
+    starts.insert(
+        {row.links, row.kind == "volume"
+                        ? pull_middle(body, cancel)
+                        : pull_front(body, 0.45 * body.elements.active_bounds().hi.y, cancel)});
+  }
   std::vector<std::unique_ptr<Relaxation>> relaxations;
   std::vector<TimedSide> sides;
   for (const RelaxRow& row : rows) {
+    DraggedBody& start = starts.at(row.links);
     relaxations.push_back(
         std::make_unique<Relaxation>(start.body, start.anchored, start.holds, params_of(row)));
     for (int n = 0; n < 2 * row.count; ++n) relaxations.back()->pass();
@@ -164,9 +180,16 @@ std::vector<BenchRow> measure_passes(const std::vector<RelaxRow>& rows, const Bo
   for (std::size_t n = 0; n < rows.size(); ++n) {
     BenchRow fields = row_of(rows[n], rest);
     relaxations[n]->store();
+    const Body& body = starts.at(rows[n].links).body;
     const double nodes = double(rest.elements.active_count());
-    fields["moved_percent"] = moved_percent(start.body);
+    fields["moved_percent"] = moved_percent(body);
     fields["ns_per_node_pass"] = sides[n].times.median() * 1e6 / nodes;
+    if (rows[n].kind == "links") {
+      const LinkCheck check = check_links(body);
+      fields["links"] = check.links;
+      fields["violated"] = check.violated;
+      fields["ns_per_link_pass"] = sides[n].times.median() * 1e6 / double(check.links);
+    }
     fields["mean_ns_per_node_pass"] = mean(sides[n].times) * 1e6 / nodes;
     fields["bytes_per_node"] = double(relaxations[n]->bytes()) / nodes;
     add_times(fields, sides[n].times, rows[n].threads);

@@ -23,7 +23,8 @@ std::string RelaxRow::name() const {
   if (kind == "tighten") return group() + "/" + std::to_string(count);
   std::string text = group() + "/" + name_of(method);
   if (is_of_volume()) text += "/" + std::to_string(int(volume_kpa));
-  if (kind == "cost" || kind == "volume") text += "/" + std::to_string(threads);
+  if (kind == "links") text += "/links" + std::to_string(links);
+  if (kind == "cost" || kind == "volume" || kind == "links") text += "/" + std::to_string(threads);
   return text;
 }
 
@@ -52,6 +53,13 @@ std::vector<RelaxRow> plan_relax(const RelaxPlanOptions& options) {
   add_methods("cost", "noise", 128, 4);
   add_methods("cost", "head_phantom", 128, 4);
   if (!quick) add_methods("cost", "noise", 256, 2);
+  for (const char* field : {"smooth", "noise"}) {
+    for (const RelaxMethod method : {RelaxMethod::jacobi, RelaxMethod::accelerated}) {
+      for (const int links : {6, 18, 26}) {
+        add_on_threads({"links", field, quick ? 64 : 128, method, 0, 1, 4, links});
+      }
+    }
+  }
   for (const int size : {64, 128}) {
     if (quick && size > 64) continue;
     for (const double kpa : {0.0, 100.0}) {

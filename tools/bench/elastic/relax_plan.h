@@ -16,13 +16,15 @@ struct RelaxRow {
   double volume_kpa = 0;  // bulk modulus; 0: volume is not conserved
   int threads = 1;
   int count = 0;  // passes timed per round, states, most passes, or passes before tightening
+  int links = 6;  // per voxel
 
   /// Whether the bulk modulus tells the row from others.
   bool is_of_volume() const { return kind == "volume" || kind == "press" || kind == "pull"; }
 
   /// Rows of a group share a body and follow each other.
   std::string group() const;
-  /// case/field/size/method[/volume][/threads], or tighten/field/size/passes, which --only matches.
+  /// case/field/size/method[/volume or links][/threads], or tighten/field/size/passes, which --only
+  /// matches.
   std::string name() const;
 };
 
