@@ -101,6 +101,9 @@ FloatImage Renderer::render_float(const Camera& camera, const TransferFunction& 
   const double prepare_ms = ms_since(start);
 
   FloatImage picture(settings.width, settings.height, settings.auxiliary);
+  if (settings.auxiliary && settings.tells_surfaces) {
+    picture.surface.assign(picture.pixel_count(), -1);
+  }
   const auto march_start = Clock::now();
   const std::int64_t samples = march_pixels(*context, camera, {}, picture, progress);
 

@@ -54,6 +54,7 @@ class PixelMarch {
     m_picture.depth_mm[n] = float(seen.distance_mm * ray.direction_lps.dot(m_forward));
     for (int c = 0; c < 3; ++c) m_picture.normal_lps[3 * n + c] = seen.normal_lps[c];
     m_picture.offset_mm[n] = seen.offset_mm;
+    if (!m_picture.surface.empty()) m_picture.surface[n] = seen.surface;
   }
   std::int64_t samples() const { return m_marcher.samples(); }
 

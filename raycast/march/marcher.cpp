@@ -335,7 +335,8 @@ void Marcher::composite_crossing() {
 bool Marcher::surface(SeenSurface& seen) {
   if (m_surface_crossing >= 0) {
     const TriangleHit& hit = m_crossings.hit(m_surface_crossing);
-    seen = {hit.t, m_context.surfaces->point(m_world_ray, hit).normal, 0};
+    seen = {hit.t, m_context.surfaces->point(m_world_ray, hit).normal, 0,
+            m_context.surfaces->surface(hit)};
     return true;
   }
   if (m_surface < 0 || m_sum[3] < kSurfaceOpacity) return false;
@@ -347,6 +348,7 @@ bool Marcher::surface(SeenSurface& seen) {
   const Vec3d offset = samples.read_at(0) - samples.seen_at(0);
   const bool is_bent = (batch.bent | batch.pointwise) & 1;
   seen.distance_mm = m_surface_t;
+  seen.surface = -1;
   seen.normal_lps = m_lit.normal.at(0);
   seen.offset_mm =
       is_bent ? float(m_context.geometry.world_vector_from_index(offset).length()) : 0.0f;

@@ -26,6 +26,7 @@ struct SeenSurface {
   double distance_mm = 0;  // along the ray
   Vec3f normal_lps;
   float offset_mm = 0;
+  int surface = -1;  // its index among the surfaces; -1: the volume
 };
 
 /// Marches rays one after another; one per thread.

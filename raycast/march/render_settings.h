@@ -31,6 +31,7 @@ struct RenderSettings {
   double early_termination = 0.99;  // accumulated opacity that ends a ray
   std::vector<Clip> clips;          // what is seen lies in all of them
   bool auxiliary = false;           // depth, normal and offset beside the colours
+  bool tells_surfaces = false;      // which surface is seen, beside the auxiliary channels
   bool clip_surfaces = false;       // clips of the deformed space cut surfaces, too
 
   /// Sets step_voxels and stride.

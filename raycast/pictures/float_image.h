@@ -23,6 +23,12 @@ struct FloatImage {
   std::vector<float> depth_mm;    // from the camera, along its view
   std::vector<float> normal_lps;  // 3 per pixel: unit, towards the viewer
   std::vector<float> offset_mm;   // length of the offset, 0 in what stayed
+  std::vector<int> surface;       // index of the surface that is seen; -1: the volume, or nothing
+
+  /// Of a film, filled by screen_motion(): pixels to the right and upwards, 2 per pixel.
+  std::vector<float> forward_px;   // to the next picture
+  std::vector<float> backward_px;  // to the one before
+  std::vector<float> id;           // label of the tissue, or number of the mesh; 0: none
 
   FloatImage() = default;
   FloatImage(int width_, int height_, bool has_auxiliary = false);
@@ -45,9 +51,9 @@ FloatImage to_float(const Image& image);
 void write_png16(const AtomicFile& target, const FloatImage& picture, const std::string& comment);
 
 /// Floats, compressed without loss: R, G, B (linear, premultiplied), A unless the picture is
-/// opaque, and of the auxiliary channels Z, N.X, N.Y, N.Z and offset; where there is none Z is
-/// infinite and the others 0. `comment` is the attribute `comments`. Not committed. Throws
-/// SystemError.
+/// opaque, and of the other channels Z, N.X, N.Y, N.Z, offset, forward.u, forward.v, backward.u,
+/// backward.v and id; where there is none Z is infinite and the others 0. `comment` is the
+/// attribute `comments`. Not committed. Throws SystemError.
 void write_exr(const AtomicFile& target, const FloatImage& picture, const std::string& comment);
 
 /// Pictures from left to right, top edges aligned, transparent (opaque ones: on black) between.

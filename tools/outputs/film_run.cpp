@@ -35,14 +35,36 @@ int SceneRun::pose_frame(int frame) {
   return frame;
 }
 
+bool SceneRun::shows_motion() const {
+  return std::any_of(m_scene.views.begin(), m_scene.views.end(),
+                     [](const SceneView& view) { return view.picture.shows("motion"); });
+}
+
+/// The displacements of the frames before and after one; none of others is kept.
+void SceneRun::find_neighbours(int frame) {
+  if (!shows_motion() || m_scene.still_steps() == m_scene.steps.size()) return;
+  m_beside.erase(m_beside.begin(), m_beside.lower_bound(frame - 1));
+  for (const int other : {frame - 1, frame + 1}) {
+    if (m_beside.count(other) != 0) continue;
+    pose_frame(other);
+    m_beside[other] = extended_displacement_of(m_session->state());
+  }
+}
+
 void SceneRun::make_frame(int frame, std::vector<std::unique_ptr<FilmView>>& views) {
+  find_neighbours(frame);
   const int pose = pose_frame(frame);
   PendingFiles pictures;
   for (std::size_t n = 0; n < views.size(); ++n) {
     const SceneView& view = m_scene.views[n];
     const Drawn drawn = drawn_after(pose, view);
     PictureWriter writer(pictures, path_of(view.image), view.picture);
-    views[n]->draw(drawn.subject, frame, writer);
+    const Displacement* same = drawn.subject.displacement;  // where no step moves anything
+    NeighbourFrames beside = {same, same};
+    if (same != nullptr && m_beside.count(frame - 1) != 0) {
+      beside = {&m_beside.at(frame - 1), &m_beside.at(frame + 1)};
+    }
+    views[n]->draw(drawn.subject, beside, frame, writer);
     m_own.reset();
   }
   write_outputs(pose, frame);

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "raycast/motion.h"
 #include "raycast/scene/camera_path.h"
 #include "raycast/scene/framing.h"
 #include "raycast/scene/stereo.h"
@@ -79,6 +80,26 @@ void add(const RenderReport& more, RenderReport* sum) {
   sum->bytes = std::max(sum->bytes, more.bytes);
 }
 
+/// Numbers of meshes come after those of labels.
+constexpr int kFirstMeshId = 65536;
+
+/// Of each pixel the label of the tissue that is seen, or the number of the mesh.
+std::vector<float> ids_of(const FloatImage& picture, const std::vector<Vec3d>& rest_places,
+                          const PosedVolume& subject) {
+  std::vector<float> ids(picture.pixel_count(), 0.0f);
+  for (std::size_t n = 0; n < ids.size(); ++n) {
+    if (picture.surface[n] >= 0) {
+      ids[n] = float(kFirstMeshId + picture.surface[n]);
+    } else if (is_finite(rest_places[n]) && subject.labels != nullptr) {
+      const Vec3i voxel = floor_voxel(rest_places[n] + Vec3d(0.5));
+      const std::int32_t brick = subject.elements.find(voxel);
+      if (brick < 0) continue;
+      ids[n] = float(subject.labels->at(std::size_t(brick) * kBrickVoxels + brick_offset(voxel)));
+    }
+  }
+  return ids;
+}
+
 /// The keys of a view's camera, framed as the first frame shows the subject.
 CameraPath camera_path_of(const PosedVolume& subject, const Renderer* renderer, SceneView view,
                           Console& console) {
@@ -139,14 +160,19 @@ class ViewDrawing {
     for (int n = 0; n < m_options.frame_count(); ++n) {
       double fraction = 1;
       if (m_options.sequence > 0) fraction = double(n) / (m_options.sequence - 1);
-      write_picture(n, fraction, writer,
-                    [&](const SceneView& view) { return draw_at(fraction, view); });
+      FloatImage picture = draw_at(fraction, frame_view(n));
+      const Displacement* moved = m_subject.displacement;
+      add_channels(picture, m_subject, {moved, moved}, n);
+      write_picture(picture, n, fraction, writer);
     }
     writer.finish();
   }
 
-  void draw_frame(const PosedVolume& subject, int n, PictureWriter& writer) {
-    write_picture(n, 1, writer, [&](const SceneView& view) { return draw_posed(subject, view); });
+  void draw_frame(const PosedVolume& subject, const NeighbourFrames& beside, int n,
+                  PictureWriter& writer) {
+    FloatImage picture = draw_posed(subject, frame_view(n));
+    add_channels(picture, subject, beside, n);
+    write_picture(picture, n, 1, writer);
     writer.finish();
   }
 
@@ -159,25 +185,43 @@ class ViewDrawing {
     return zoomed(m_path.at(m_camera, m_film.time_of(n)), m_zoom);
   }
 
-  template <class Draw>
-  void write_picture(int n, double fraction, PictureWriter& writer, const Draw& draw) {
+  /// The view of one picture, of which nothing has been seen so far.
+  SceneView frame_view(int n) {
     SceneView frame = m_view;
-    const Camera camera = camera_at(n);
-    if (!m_view.slice) frame.camera.camera = camera;
+    if (!m_view.slice) frame.camera.camera = camera_at(n);
     m_is_seen = false;
-    const FloatImage picture = draw(frame);
+    return frame;
+  }
+
+  void write_picture(const FloatImage& picture, int n, double fraction, PictureWriter& writer) {
     if (m_renderer && !m_is_seen) {
       m_console.warn(m_view.image + ": nothing is to be seen in the picture" +
                      (m_options.is_series() ? ", number " + std::to_string(n) : ""));
     }
-    writer.write(
-        {picture, n, describe(frame, n, fraction), m_offset_range, -camera_frame(camera).forward});
+    writer.write({picture, n, describe(frame_view(n), n, fraction), m_offset_range,
+                  -camera_frame(camera_at(n)).forward});
   }
 
-  bool shows(const std::string& channel) const {
-    const std::vector<std::string>& aux = m_options.aux;
-    return std::find(aux.begin(), aux.end(), channel) != aux.end();
+  /// Motion to the frames beside this one, and numbers of what is seen.
+  void add_channels(FloatImage& picture, const PosedVolume& subject, const NeighbourFrames& beside,
+                    int n) const {
+    if (!shows("motion") && !shows("id")) return;
+    const Geometry& geometry = subject.geometry;
+    const Camera camera = camera_at(n);
+    const std::vector<Vec3d> places = rest_places(picture, camera, geometry, subject.offsets);
+    const auto deforms = [&](int mesh) { return m_view.meshes[std::size_t(mesh)].deform; };
+    const auto motion_to = [&](int other, const Displacement* displacement) {
+      return screen_motion(picture, places, geometry, {camera, subject.displacement},
+                           {camera_at(other), displacement}, deforms);
+    };
+    if (shows("motion")) {
+      picture.forward_px = motion_to(n + 1, beside.after);
+      picture.backward_px = motion_to(n - 1, beside.before);
+    }
+    if (shows("id")) picture.id = ids_of(picture, places, subject);
   }
+
+  bool shows(const std::string& channel) const { return m_options.shows(channel); }
 
   void require_subject() const {
     const auto require = [&](bool good, const char* field, const char* found,
@@ -193,6 +237,16 @@ class ViewDrawing {
             "a deformed state, or a volume through a warp");
     require(m_options.film == 0 || !shows("offset") || m_options.offset_max_mm > 0, "offset_max",
             "none beside offsets in a film", "mm, the same in all frames");
+    const bool has_motion = shows("motion");
+    require(!has_motion || m_view.path.empty(), "aux", "motion along sampling paths",
+            "a body without");
+    const bool solves = m_subject.displacement != nullptr && m_subject.offsets == nullptr;
+    require(!(has_motion || shows("id")) || !solves, "aux", "motion or id without an inverse",
+            "inverse = true");
+    const bool has_ids =
+        !m_view.meshes.empty() || (m_subject.labels != nullptr && !m_subject.labels->empty());
+    require(!shows("id") || has_ids, "aux", "id without labels or meshes",
+            "[labels] in the scene, or meshes in the view");
     const bool is_flat = m_view.lattice || m_view.slice;
     require(!is_flat || m_options.aux.empty(), "aux", "a lattice or slices to draw",
             "a picture of a volume");
@@ -270,9 +324,10 @@ FilmView::FilmView(const PosedVolume& first, const SceneView& view, const Film& 
 
 FilmView::~FilmView() = default;
 
-void FilmView::draw(const PosedVolume& subject, int frame, PictureWriter& writer) {
+void FilmView::draw(const PosedVolume& subject, const NeighbourFrames& beside, int frame,
+                    PictureWriter& writer) {
   try {
-    m_drawing->draw_frame(subject, frame, writer);
+    m_drawing->draw_frame(subject, beside, frame, writer);
   } catch (const InputError& error) {
     rethrow_at(m_place, error);
   }

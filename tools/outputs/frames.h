@@ -16,6 +16,12 @@ void draw_view(const PosedVolume& subject, const SceneView& view, PictureWriter&
 
 class ViewDrawing;
 
+/// The body in the frames beside one; null: at rest.
+struct NeighbourFrames {
+  const Displacement* before = nullptr;
+  const Displacement* after = nullptr;
+};
+
 /// A view in a film: its pictures one by one, its sampling bricks built once.
 class FilmView {
  public:
@@ -26,7 +32,8 @@ class FilmView {
   ~FilmView();
 
   /// Throws as draw_view().
-  void draw(const PosedVolume& subject, int frame, PictureWriter& writer);
+  void draw(const PosedVolume& subject, const NeighbourFrames& beside, int frame,
+            PictureWriter& writer);
 
  private:
   std::unique_ptr<ViewDrawing> m_drawing;

@@ -350,7 +350,8 @@ SceneRun::Drawn SceneRun::drawn_after(int step, const SceneView& view) {
   const BrickTopology& elements = m_is_volume ? m_state.density.bricks() : m_state.elements;
   return {std::move(drawn),
           {m_state.geometry, m_state.density, elements, offsets, moved, m_grey_lo, m_grey_hi,
-           m_is_volume ? kAirRings : 0, m_is_volume ? nullptr : &m_state.elements, &m_state.cuts}};
+           m_is_volume ? kAirRings : 0, m_is_volume ? nullptr : &m_state.elements, &m_state.cuts,
+           &m_state.labels}};
 }
 
 void SceneRun::draw_views(int step) {

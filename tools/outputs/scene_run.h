@@ -1,6 +1,7 @@
 // The one stage that runs a scene, whether a file or the options of a command describe it.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -82,6 +83,8 @@ class SceneRun {
   void write_outputs(int last, int frame);
   void run_film();
   int pose_frame(int frame);
+  bool shows_motion() const;
+  void find_neighbours(int frame);
   void make_frame(int frame, std::vector<std::unique_ptr<FilmView>>& views);
   void make_videos();
 
@@ -96,9 +99,10 @@ class SceneRun {
   bool m_has_warp = false;   // which m_deformed holds
   Pose m_deformed;
   int m_state_step = -1, m_displaced_step = -1, m_inverted_step = -1, m_seen_step = -1;
-  std::optional<Pose> m_seen;  // as the scene's path shows it
-  std::optional<Pose> m_own;   // as the path of one view does
-  int m_posed_steps = 0;       // of the session, that a frame of a film has taken
+  std::optional<Pose> m_seen;            // as the scene's path shows it
+  std::optional<Pose> m_own;             // as the path of one view does
+  int m_posed_steps = 0;                 // of the session, that a frame of a film has taken
+  std::map<int, Displacement> m_beside;  // of frames, for the motion of those beside them
   PendingFiles m_pictures;
   RenderReport m_drawn;
 };

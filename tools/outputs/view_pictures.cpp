@@ -62,6 +62,7 @@ RenderSettings view_settings(const SceneView& view) {
   settings.lighting = view.lighting;
   settings.clip_surfaces = view.clip_meshes;
   settings.auxiliary = !view.picture.aux.empty() || picture_kind(view.image) == PictureKind::exr;
+  settings.tells_surfaces = view.picture.shows("motion") || view.picture.shows("id");
   return settings;
 }
 
@@ -115,7 +116,8 @@ const Displacement* displacement_for_meshes(const PosedVolume& subject, const Sc
 bool reads_displacement(const SceneView& view) {
   const auto deforms = [](const MeshChoice& mesh) { return mesh.deform; };
   return !view.inverse || view.lattice || view.picture.sequence > 0 || !view.path.empty() ||
-         view.fit == "body" || std::any_of(view.meshes.begin(), view.meshes.end(), deforms);
+         view.fit == "body" || view.picture.shows("motion") ||
+         std::any_of(view.meshes.begin(), view.meshes.end(), deforms);
 }
 
 std::unique_ptr<Renderer> make_renderer(const PosedVolume& subject, const SceneView& view) {

@@ -27,6 +27,7 @@ struct PosedVolume {
   int air_rings = 0;                        // see Renderer; 0 for a state, which keeps its shell
   const BrickTopology* outlined = nullptr;  // in slices; null: nothing
   const LinkCuts* cuts = nullptr;           // of the elements; null: none
+  const BrickValues* labels = nullptr;      // of the elements; null: none
 };
 /// The camera of an effective view, marched or drawn as a lattice.
 Camera camera_of(const PosedVolume& subject, const SceneView& view);

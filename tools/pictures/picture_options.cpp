@@ -43,6 +43,25 @@ void check_film(const PictureOptions& options, const std::string& image, const s
   require_video_encoder(options.video);
 }
 
+/// Motion and numbers have no picture of their own.
+void check_channels(const PictureOptions& options, PictureKind kind, const std::string& place) {
+  const auto refuse = [&](const std::string& found, const std::string& expected) {
+    throw InputError({place, "aux", found, expected});
+  };
+  for (const char* channel : {"motion", "id"}) {
+    if (!options.shows(channel)) continue;
+    if (kind != PictureKind::exr) {
+      refuse(std::string(channel) + " of what is no .exr", "an .exr, whose channels these are");
+    }
+    if (options.stereo != StereoMode::none) {
+      refuse(std::string(channel) + " of a stereo pair", "no stereo");
+    }
+  }
+  if (options.shows("motion") && options.film == 0 && options.turntable == 0) {
+    refuse("motion of a single picture or a sequence", "a scene with [film], or a turntable");
+  }
+}
+
 }  // namespace
 
 bool has_frame_number(const std::string& name) {
@@ -62,9 +81,11 @@ Fields fields(PictureOptions& options) {
   return {
       Field("bits", options.bits, "Of a PNG: 8 or 16").range(8, 16).shown_as("8|16").for_slices(),
       Field("aux", options.aux,
-            "Also IMAGE_depth.png, _normal.png, _offset.png (lengths in mm with a legend)")
-          .one_of({"depth", "normal", "offset"})
-          .shown_as("depth,normal,offset"),
+            "Also IMAGE_depth.png, _normal.png, _offset.png (lengths in mm with a legend); of an "
+            ".exr "
+            "motion to the frames beside it and id of label or mesh")
+          .one_of({"depth", "normal", "offset", "motion", "id"})
+          .shown_as("NAMES"),
       Field("offset_max", options.offset_max_mm, "End of the offsets' colours")
           .unit("mm")
           .at_least(0)
@@ -107,6 +128,7 @@ void check_picture_options(const PictureOptions& options, const std::string& ima
   }
   if (options.bits == 16 && kind != PictureKind::png) refuse("bits", "16 of " + image, "a PNG");
   check_film(options, image, place);
+  check_channels(options, kind, place);
   if (options.turntable > 0 && options.sequence > 0) {
     refuse("sequence", "turntable and sequence", "one of both");
   }
@@ -120,6 +142,17 @@ void check_picture_options(const PictureOptions& options, const std::string& ima
   if (!options.aux.empty() && options.stereo == StereoMode::anaglyph) {
     refuse("aux", "pictures beside an anaglyph", "side-by-side or no stereo");
   }
+}
+
+bool PictureOptions::shows(const std::string& channel) const {
+  return std::find(aux.begin(), aux.end(), channel) != aux.end();
+}
+
+std::vector<std::string> PictureOptions::maps() const {
+  std::vector<std::string> channels = aux;
+  const auto is_no_map = [](const std::string& name) { return name == "motion" || name == "id"; };
+  channels.erase(std::remove_if(channels.begin(), channels.end(), is_no_map), channels.end());
+  return channels;
 }
 
 std::string frame_name(const std::string& image, int frame) {
@@ -140,14 +173,14 @@ std::vector<std::string> frame_files(const PictureOptions& options, const std::s
                                      int frame) {
   const std::string name = frame_name(image, frame);
   std::vector<std::string> files = {name};
-  for (const std::string& channel : options.aux) files.push_back(aux_name(name, channel));
+  for (const std::string& channel : options.maps()) files.push_back(aux_name(name, channel));
   return files;
 }
 
 std::vector<std::string> picture_files(const PictureOptions& options, const std::string& image) {
   if (picture_kind(image) == PictureKind::video || !options.is_series()) {
     std::vector<std::string> files = {image};
-    for (const std::string& channel : options.aux) files.push_back(aux_name(image, channel));
+    for (const std::string& channel : options.maps()) files.push_back(aux_name(image, channel));
     return files;
   }
   std::vector<std::string> files;

@@ -15,7 +15,7 @@ enum class PictureKind { png, exr, video };
 
 struct PictureOptions {
   int bits = 8;                  // of a PNG: 8 or 16
-  std::vector<std::string> aux;  // pictures beside the main one: depth, normal, offset
+  std::vector<std::string> aux;  // beside the colours: depth, normal, offset; motion, id
   double offset_max_mm = 0;      // end of the offsets' map; 0: the longest offset of all
   StereoMode stereo = StereoMode::none;
   double eye_separation_mm = 0;  // 0: one thirtieth of the distance to the target
@@ -26,6 +26,10 @@ struct PictureOptions {
   int film = 0;       // frames of the scene's film; 0: none
 
   bool is_series() const { return turntable > 0 || sequence > 0 || film > 0; }
+  /// Whether `aux` has the name.
+  bool shows(const std::string& channel) const;
+  /// Those of `aux` that become pictures beside the main one.
+  std::vector<std::string> maps() const;
   int frame_count() const { return std::max({1, turntable, sequence, film}); }
 };
 

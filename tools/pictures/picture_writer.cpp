@@ -32,7 +32,7 @@ void PictureWriter::write(const DrawnPicture& drawn) {
 void PictureWriter::write_aux(const DrawnPicture& drawn, const std::string& image) {
   const FloatImage& picture = drawn.picture;
   const Vec3f eye(drawn.towards_camera_lps);
-  for (const std::string& channel : m_options.aux) {
+  for (const std::string& channel : m_options.maps()) {
     const AtomicFile& file = m_files.add(aux_name(image, channel));
     const Image shown = channel == "depth" ? depth_image(picture, range_of(picture.depth_mm))
                         : channel == "normal"

@@ -56,6 +56,15 @@ class Channels {
     const char* axes[] = {"N.X", "N.Y", "N.Z"};
     for (std::size_t c = 0; c < 3; ++c) add(axes[c], &m_normal[c], 3);
     add("offset", m_offset.data(), 1);
+    m_forward = picture.forward_px;
+    m_backward = picture.backward_px;
+    m_id = picture.id;
+    const char* motions[] = {"forward.u", "forward.v", "backward.u", "backward.v"};
+    for (std::size_t c = 0; c < 4; ++c) {
+      std::vector<float>& motion = c < 2 ? m_forward : m_backward;
+      if (!motion.empty()) add(motions[c], &motion[c % 2], 2);
+    }
+    if (!m_id.empty()) add("id", m_id.data(), 1);
   }
   const Imf::FrameBuffer& buffer() const { return m_buffer; }
 
@@ -70,7 +79,7 @@ class Channels {
   std::size_t m_width;
   Imf::Header& m_header;
   Imf::FrameBuffer m_buffer;
-  std::vector<float> m_rgba, m_depth, m_normal, m_offset;
+  std::vector<float> m_rgba, m_depth, m_normal, m_offset, m_forward, m_backward, m_id;
 };
 
 }  // namespace
