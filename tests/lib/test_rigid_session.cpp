@@ -1,6 +1,8 @@
 // Rigid pieces, removal and their state through whole sessions: two bars of bone that touch, in
 // soft tissue.
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -353,4 +355,53 @@ TEST_F(UnitPieces, RandomDragsNeverBendAPiece) {
   for (const RigidPiece& piece : session.body().rigid.list) turned += piece.pose.turn[0] < 1;
   EXPECT_GE(done, 40);
   EXPECT_GE(turned, 1);
+}
+
+/// Takes minutes: run by hand with SUPPLE_CT_HEAD=build/data/ct_head.nhdr (docs/models/rigid.md).
+TEST(ExtremesRigid, TwoHundredRandomDragsOfAHeadLeaveBoneRigid) {
+  const char* path = std::getenv("SUPPLE_CT_HEAD");
+  if (path == nullptr) GTEST_SKIP() << "SUPPLE_CT_HEAD names no head CT";
+  SessionOptions options;
+  options.material = read_material("ct-head");
+  Session session(path, options);
+  const Body& body = session.body();
+  std::vector<Slot> slots;
+  for_each_element(body.elements, [&](Slot slot) { slots.push_back(slot); });
+  std::mt19937 random(12);
+  double worst_mm = 0, milliseconds = 0;
+  int done = 0, turned = 0;
+  for (int n = 0; n < 200; ++n) {
+    const Vec3i at = voxel_of(body.elements, slots[random() % slots.size()]);
+    StepRequest request =
+        step_of({drag_of({at, at}, {pick(random, -8, 8), pick(random, -8, 8), pick(random, -8, 8)},
+                         n % 4 == 0 ? pick(random, -5, 5) : 0)});
+    request.drags[0].motion.axis_lps = Vec3d(pick(random, -1, 1), 1, pick(random, -1, 1));
+    request.release = true;
+    if (!input_error([&] { session.step(request); }).empty()) continue;
+    ++done;
+    milliseconds += session.records().back().report.milliseconds;
+    for (const RigidPiece& piece : body.rigid.list) {
+      // Elements against the motion that fits them best, whatever pose the piece has in mind.
+      RigidFit fit;
+      const auto now = [&](Slot slot) {
+        Vec3d place(voxel_of(body.elements, slot));
+        for (int c = 0; c < 3; ++c) place[c] += body.q[std::size_t(c)].at(slot) / double(kVoxel);
+        return body.geometry.world_from_index(place);
+      };
+      const auto rest = [&](Slot slot) {
+        return body.geometry.world_from_index(Vec3d(voxel_of(body.elements, slot)));
+      };
+      piece.elements->for_each([&](Slot slot) { fit.add(rest(slot), now(slot)); });
+      const RigidMotion motion = fit.motion();
+      piece.elements->for_each([&](Slot slot) {
+        worst_mm = std::max(worst_mm, (motion(rest(slot)) - now(slot)).length());
+      });
+    }
+  }
+  for (const RigidPiece& piece : body.rigid.list) turned += piece.pose.turn[0] < 1;
+  std::printf("drags %d of 200, %.1f ms each, turned pieces %d of %zu, worst residual %.2g mm\n",
+              done, milliseconds / done, turned, body.rigid.list.size(), worst_mm);
+  EXPECT_LE(worst_mm, 1e-3 * 0.957);
+  EXPECT_EQ(check_links(body).violated, 0);
+  EXPECT_GE(done, 100);
 }

@@ -29,6 +29,7 @@ struct SceneStep {
   std::vector<Retraction> retract;
   std::vector<Vec3i> rigid_seeds;
   std::optional<NumberPair> rigid_density;
+  double joint_mm = 0;
   std::optional<RelaxParams> relax;
   std::optional<SpringStep> springs;  // when model = "springs"
 
@@ -68,6 +69,7 @@ struct StepSettings {
   bool release = false;
   bool has_springs = false;
   std::optional<NumberPair> fix_density, rigid_density;
+  double joint_mm = 0;
 };
 Fields fields(StepSettings& settings);
 
