@@ -54,6 +54,47 @@ std::int64_t cut_joints(const Body& body, LinkCuts& cuts) {
   return std::int64_t(joints.size());
 }
 
+std::int64_t cut_joint_spaces(const Body& body, LinkCuts& cuts, std::size_t first, double gap_mm) {
+  using Entry = std::tuple<double, std::int32_t, Slot>;  // way from a piece in mm, piece, element
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+  BrickValues nearest(body.elements.brick_count());  // number of the piece
+  BrickArray<double> way_to(body.elements.brick_count());
+  const Vec3d spacing = body.geometry.spacing_mm();
+  const auto reach = [&](double way, std::int32_t piece, Slot from) {
+    for_each_neighbour(body.elements, cuts, from, [&](int axis, Slot to) {
+      const double further = way + spacing[axis];
+      if (nearest.at(to) == 0 && body.rigid.at(to) < 0 && further <= gap_mm) {
+        queue.push({further, piece, to});
+      }
+    });
+  };
+  for (std::size_t n = 0; n < body.rigid.list.size(); ++n) {
+    body.rigid.list[n].elements->for_each([&](Slot slot) { reach(0, std::int32_t(n) + 1, slot); });
+  }
+  while (!queue.empty()) {
+    const auto [way, piece, slot] = queue.top();
+    queue.pop();
+    if (nearest.at(slot) != 0) continue;
+    nearest.set(slot, piece);
+    way_to.touch(slot / kBrickVoxels)[slot % kBrickVoxels] = way;
+    reach(way, piece, slot);
+  }
+  const auto piece_of = [&](Slot slot) {
+    return body.rigid.at(slot) >= 0 ? body.rigid.at(slot) + 1 : nearest.at(slot);
+  };
+  std::vector<std::pair<Slot, int>> parted;
+  for (std::size_t b = 0; b < body.elements.brick_count(); ++b) {
+    for_each_link(body.elements, cuts, b, [&](int axis, Slot low, Slot high) {
+      const std::int32_t a = piece_of(low), z = piece_of(high);
+      if (a == 0 || z == 0 || a == z || std::size_t(std::max(a, z) - 1) < first) return;
+      if (way_to.at(low) + spacing[axis] + way_to.at(high) > gap_mm) return;
+      parted.emplace_back(low, axis);
+    });
+  }
+  for (const auto& [low, axis] : parted) cut_link(cuts, low, axis);
+  return std::int64_t(parted.size());
+}
+
 std::vector<std::int64_t> cut_links_inside(const Body& body, const LinkCuts& cuts) {
   std::vector<std::int64_t> counts(body.rigid.list.size(), 0);
   const auto count = [&](const LinkCuts& seen, int sign) {

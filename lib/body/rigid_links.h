@@ -13,6 +13,10 @@ LinkCuts cuts_with_pieces(const Body& body, const LinkCuts& cuts);
 /// Cuts the links between two different pieces. Returns how many of them were not cut before.
 std::int64_t cut_joints(const Body& body, LinkCuts& cuts);
 
+/// Parts tissue halfway between pieces that are nearer to each other than `gap_mm` by way of links:
+/// a joint's space. Of two such pieces one is `first` or a later one. Returns the links cut.
+std::int64_t cut_joint_spaces(const Body& body, LinkCuts& cuts, std::size_t first, double gap_mm);
+
 /// Links inside each piece that are cut.
 std::vector<std::int64_t> cut_links_inside(const Body& body, const LinkCuts& cuts);
 

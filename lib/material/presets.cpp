@@ -30,8 +30,8 @@ const std::vector<MaterialPreset>& material_presets() {
 }
 
 // Limits are not measured ones, as above. Soft tissue gives more than "soft-tissue" does, since
-// bone is rigid: a push must find room in front of it. min_length > 2 · shear, so that no cell
-// folds.
+// bone is rigid: a push must find room in front of it, and a turn of bone shears what it encloses.
+// With min_length < 2 · shear cells may fold in CT.
 //
 // Stiffness: fat 3.25 kPa (Samani, Zubovits and Plewes 2007, as above); skin in vivo 4.5 to 8 kPa
 // (Pailler-Mattei, Bec and Zahouani, Med. Eng. Phys. 30, 599-606, 2008), of which 6 stands for
@@ -47,7 +47,7 @@ links      = 26
 rigid      = [300, 3100]
 max_length = [[-300, 2.0]]
 min_length = [[-300, 0.4]]
-shear      = [[-300, 0.19]]
+shear      = [[-300, 0.6]]
 stiffness  = [[-300, 3.25], [-50, 3.25], [50, 6]]
 density    = [[-300, 950], [-50, 950], [50, 1060], [300, 1060], [1500, 1920]]
 damping    = [[-300, 10]]
@@ -59,7 +59,7 @@ links      = 26
 rigid      = [250, 3100]
 max_length = [[-300, 1.8]]
 min_length = [[-300, 0.5]]
-shear      = [[-300, 0.24]]
+shear      = [[-300, 0.4]]
 stiffness  = [[-300, 3.25], [-50, 3.25], [50, 6]]
 density    = [[-300, 950], [-50, 950], [50, 1060], [300, 1060], [1500, 1920]]
 damping    = [[-300, 10]]

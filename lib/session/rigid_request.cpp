@@ -210,6 +210,10 @@ void make_pieces(Body& body, LinkCuts& cuts, const RigidRequest& request,
     throw;
   }
   cut_joints(body, cuts);
+  if (request.joint_mm > 0 && !request.parts.empty()) {
+    const std::size_t pieces = body.rigid.list.size();
+    cut_joint_spaces(body, cuts, pieces - std::min(pieces, request.parts.size()), request.joint_mm);
+  }
   body.cuts = cuts_with_pieces(body, cuts);
 }
 
@@ -255,6 +259,7 @@ std::string settings_json(const RigidRequest& request) {
     json["rigid_density"] = {request.density->first, request.density->second};
   }
   for (const Vec3i& seed : request.seeds) json["rigid_seeds"].push_back({seed.x, seed.y, seed.z});
+  if (request.joint_mm > 0) json["joint"] = request.joint_mm;
   for (const ChosenPart& part : request.parts) {
     json["rigid"].push_back(nlohmann::ordered_json::parse(chosen_json(part)));
   }

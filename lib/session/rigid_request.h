@@ -16,6 +16,8 @@ struct RigidRequest {
   std::vector<Vec3i> seeds;           // pieces with several are parted between them
   std::vector<ChosenPart> parts;      // a piece each, which takes its elements from other pieces
 
+  double joint_mm = 0;  // tissue is parted between `parts` and pieces so near
+
   bool empty() const { return !density && seeds.empty() && parts.empty(); }
 };
 

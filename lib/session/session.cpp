@@ -134,7 +134,7 @@ Session::Session(const std::string& path, const SessionOptions& options, Progres
   m_body.links_known_valid = m_links.violated == 0;
   find_anchors();
   m_ecm = std::make_unique<VoxelEcmModel>(held());
-  if (!m_links.fold_free) {
+  if (!m_links.fold_free && m_body.rigid.empty()) {
     note(progress,
          "the material does not rule out folds (min_length > 2 shear fails on some link)");
   }

@@ -1,6 +1,8 @@
 // Rigid pieces, removal and their state through whole sessions: two bars of bone that touch, in
 // soft tissue.
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -276,9 +278,11 @@ TEST_F(UnitPieces, RelaxationLeavesPiecesWhereTheyAre) {
   session.step(parting());
   session.step(step_of({drag_of(kRight, {1, 0.5, 0}, 8)}));
   const State before = session.state();
-  RelaxParams params;
-  params.passes = 30;
-  session.relax(params);
+  StepRequest relax;
+  relax.release = true;  // not held by the handle that turned it
+  relax.relax = RelaxParams();
+  relax.relax->passes = 30;
+  session.step(relax);
   EXPECT_NE(session.state().q, before.q);
   for (const RigidPiece& piece : session.body().rigid.list) {
     piece.elements->for_each([&](Slot slot) {
@@ -353,4 +357,151 @@ TEST_F(UnitPieces, RandomDragsNeverBendAPiece) {
   for (const RigidPiece& piece : session.body().rigid.list) turned += piece.pose.turn[0] < 1;
   EXPECT_GE(done, 40);
   EXPECT_GE(turned, 1);
+}
+
+TEST_F(UnitPieces, AJointSpacePartsTissueHalfwayBetweenNearPieces) {
+  m_options.material->rigid.reset();
+  StepRequest request;
+  for (const IndexBox& box : {IndexBox{{6, 7, 6}, {9, 10, 9}}, IndexBox{{14, 7, 6}, {18, 10, 9}}}) {
+    ChosenPart part;
+    part.selection = Selection();
+    part.selection->box = box;
+    request.rigid.parts.push_back(part);
+  }
+  // From 9 to 14 it is 5 mm: too far for a joint of 4.5, near enough for one of 5.
+  request.rigid.joint_mm = 4.5;
+  Session apart(m_folder / "bars.nhdr", m_options);
+  apart.step(request);
+  EXPECT_EQ(apart.state().cuts.count(), 0);
+  request.rigid.joint_mm = 5;
+  Session near(m_folder / "bars.nhdr", m_options);
+  near.step(request);
+  const State state = near.state();
+  EXPECT_EQ(state.cuts.count(), 16);  // the links from 11 to 12, halfway, or from 12 to 13
+  for (int j = 7; j <= 10; ++j) {
+    int cut = 0;
+    for (int i = 9; i < 14; ++i) {
+      const Vec3i low(i, j, 8);
+      cut += state.cuts.is_cut(std::size_t(state.elements.find(low)), brick_offset(low), 0);
+    }
+    EXPECT_EQ(cut, 1) << j;
+  }
+}
+
+TEST_F(UnitPieces, RetractionOpensACutLikeAWedgeAndLeavesItsEndsClosed) {
+  m_options.material->rigid.reset();
+  Session session(m_folder / "bars.nhdr", m_options);
+  CutSurface plane;
+  plane.in_voxels = true;
+  plane.corner = {5, 8.5, 7};
+  plane.edge1 = {20, 0, 0};
+  plane.edge2 = {0, 0, 12};
+  Retraction retraction;
+  retraction.corner = plane.corner;
+  retraction.edge1 = plane.edge1;
+  retraction.edge2 = plane.edge2;
+  retraction.in_voxels = true;
+  retraction.by_mm = 3;
+  retraction.width_mm = 1;
+  StepRequest request;
+  request.cuts = {plane};
+  request.retract = {retraction};
+  session.step(request);
+  const Body& body = session.body();
+  const auto gap = [&](int i, int k) {
+    return double(body.offset({i, 9, k}, 1) - body.offset({i, 8, k}, 1)) / kVoxel;
+  };
+  EXPECT_NEAR(gap(15, 15), 3, 1e-4);  // the middle, at the skin
+  EXPECT_GE(gap(15, 11), 3 * 0.5 - 1e-4);
+  EXPECT_LT(gap(15, 9), 2.2);
+  EXPECT_LE(gap(4, 15), 0.6 + 1e-4);  // before the end: a link, which stretches by 0.6
+  EXPECT_EQ(check_links(body).violated, 0);
+  // Held: a drag of something else leaves the lips at least so far apart.
+  session.drag(Vec3i(15, 2, 7), {0, 0.5, 0});
+  EXPECT_GE(gap(15, 15), 3 - 1e-4);
+}
+
+TEST_F(UnitPieces, ARetractionWithoutTissueOnASideIsRefused) {
+  Session session(m_folder / "bars.nhdr", m_options);
+  Retraction beside;
+  beside.place = "scene:3";
+  beside.corner = {0, 17.5, 0};
+  beside.edge1 = {20, 0, 0};
+  beside.edge2 = {0, 0, 20};
+  beside.by_mm = 1;
+  StepRequest request;
+  request.retract = {beside};
+  const std::string error = input_error([&] { session.step(request); });
+  EXPECT_NE(error.find("scene:3: retract: found no element within 3 mm"), std::string::npos)
+      << error;
+}
+
+TEST(UnitTissuePresets, StandForKeysThatAreNotGiven) {
+  const MaterialTable head = read_material("ct-head");
+  EXPECT_EQ(head.links, 26);
+  ASSERT_TRUE(head.rigid);
+  EXPECT_EQ(head.rigid->first, 300);
+  EXPECT_EQ(head.active_lo, -300);
+  EXPECT_FALSE(head.fits_domain);
+  const MaterialTable own = parse_material(
+      "preset = \"ct-head\"\nlinks = 6\nrigid = [500, 3100]\n"
+      "shear = [[-300, 0.1]]\n",
+      "own");
+  EXPECT_EQ(own.links, 6);
+  EXPECT_EQ(own.rigid->first, 500);
+  EXPECT_EQ(own.shear1(0), 0.1);
+  EXPECT_EQ(own.min_length(0), head.min_length(0));
+  EXPECT_EQ(material_to_toml(parse_material(material_to_toml(own), "text")), material_to_toml(own));
+  EXPECT_TRUE(read_material("mr-brain").fits_domain);
+  const std::string error = input_error([] { parse_material("preset = \"ct-heat\"\n", "own"); });
+  EXPECT_NE(error.find("\"ct-head\""), std::string::npos) << error;
+}
+
+/// Takes minutes: run by hand with SUPPLE_CT_HEAD=build/data/ct_head.nhdr (docs/models/rigid.md).
+TEST(ExtremesRigid, TwoHundredRandomDragsOfAHeadLeaveBoneRigid) {
+  const char* path = std::getenv("SUPPLE_CT_HEAD");
+  if (path == nullptr) GTEST_SKIP() << "SUPPLE_CT_HEAD names no head CT";
+  SessionOptions options;
+  options.material = read_material("ct-head");
+  Session session(path, options);
+  const Body& body = session.body();
+  std::vector<Slot> slots;
+  for_each_element(body.elements, [&](Slot slot) { slots.push_back(slot); });
+  std::mt19937 random(12);
+  double worst_mm = 0, milliseconds = 0;
+  int done = 0, turned = 0;
+  for (int n = 0; n < 200; ++n) {
+    const Vec3i at = voxel_of(body.elements, slots[random() % slots.size()]);
+    StepRequest request =
+        step_of({drag_of({at, at}, {pick(random, -8, 8), pick(random, -8, 8), pick(random, -8, 8)},
+                         n % 4 == 0 ? pick(random, -5, 5) : 0)});
+    request.drags[0].motion.axis_lps = Vec3d(pick(random, -1, 1), 1, pick(random, -1, 1));
+    request.release = true;
+    if (!input_error([&] { session.step(request); }).empty()) continue;
+    ++done;
+    milliseconds += session.records().back().report.milliseconds;
+    for (const RigidPiece& piece : body.rigid.list) {
+      // Elements against the motion that fits them best, whatever pose the piece has in mind.
+      RigidFit fit;
+      const auto now = [&](Slot slot) {
+        Vec3d place(voxel_of(body.elements, slot));
+        for (int c = 0; c < 3; ++c) place[c] += body.q[std::size_t(c)].at(slot) / double(kVoxel);
+        return body.geometry.world_from_index(place);
+      };
+      const auto rest = [&](Slot slot) {
+        return body.geometry.world_from_index(Vec3d(voxel_of(body.elements, slot)));
+      };
+      piece.elements->for_each([&](Slot slot) { fit.add(rest(slot), now(slot)); });
+      const RigidMotion motion = fit.motion();
+      piece.elements->for_each([&](Slot slot) {
+        worst_mm = std::max(worst_mm, (motion(rest(slot)) - now(slot)).length());
+      });
+    }
+  }
+  for (const RigidPiece& piece : body.rigid.list) turned += piece.pose.turn[0] < 1;
+  std::printf("drags %d of 200, %.1f ms each, turned pieces %d of %zu, worst residual %.2g mm\n",
+              done, milliseconds / done, turned, body.rigid.list.size(), worst_mm);
+  EXPECT_LE(worst_mm, 1e-3 * 0.957);
+  EXPECT_EQ(check_links(body).violated, 0);
+  EXPECT_GE(done, 100);
 }

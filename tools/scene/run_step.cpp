@@ -32,6 +32,7 @@ StepRequest request_of(const SceneStep& step, const Geometry& geometry, double t
   for (const GivenPart& part : step.remove) request.remove.push_back(to_part(part, geometry));
   request.retract = step.retract;
   request.rigid.density = step.rigid_density;
+  request.rigid.joint_mm = step.joint_mm;
   request.rigid.seeds = step.rigid_seeds;
   for (const GivenPart& part : step.rigid) request.rigid.parts.push_back(to_part(part, geometry));
   request.release = step.release;

@@ -138,6 +138,10 @@ SceneStep read_step(TomlTable& table, const LabelNames& names) {
     bone.density = settings.fix_density;
   }
   step.rigid_density = settings.rigid_density;
+  step.joint_mm = settings.joint_mm;
+  if (step.joint_mm > 0 && step.rigid.empty()) {
+    table.fail("joint", "no rigid beside it", "rigid = [{ … }], which the joint is around");
+  }
   step.release = settings.release;
   step.no_relax = settings.no_relax;
   step.limits = settings.limits;
@@ -296,6 +300,10 @@ Fields fields(StepSettings& settings) {
       Field("fix_density", settings.fix_density, "Elements of these densities stay where they are"),
       Field("rigid_density", settings.rigid_density,
             "Every connected part of these densities moves as a rigid piece"),
+      Field("joint", settings.joint_mm,
+            "Tissue is parted halfway between pieces of rigid and other pieces that are so near")
+          .unit("mm")
+          .at_least(0),
       Field("no_relax", settings.no_relax,
             "Leave a drag as Enhanced ChainMail made it, where the material has relax = true"),
       Field("release", settings.release, "Let go of everything that is held or fixed"),

@@ -30,6 +30,7 @@ struct SceneStep {
   std::vector<Retraction> retract;
   std::vector<Vec3i> rigid_seeds;
   std::optional<NumberPair> rigid_density;
+  double joint_mm = 0;
   std::optional<RelaxParams> relax;
   bool no_relax = false;              // even where the material asks for it
   std::optional<SpringStep> springs;  // when model = "springs"
@@ -81,6 +82,7 @@ struct StepSettings {
   bool no_relax = false;
   bool has_springs = false;
   std::optional<NumberPair> fix_density, rigid_density;
+  double joint_mm = 0;
 };
 Fields fields(StepSettings& settings);
 
