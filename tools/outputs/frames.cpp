@@ -89,17 +89,19 @@ class ViewDrawing {
         m_report(report),
         m_console(console) {
     require_subject();
-    if (!view.lattice && !view.slice) m_renderer = make_renderer(subject, view);
+    m_offset_range.hi = m_options.offset_max_mm;
+    const bool shows_arrows = view.marks.arrows_mm && !view.slice;
+    const bool needs_longest = shows("offset") || shows_arrows;
+    if (m_offset_range.hi == 0 && needs_longest) m_offset_range.hi = longest_offset_mm(subject);
+    if (shows_arrows) m_view.picture.offset_max_mm = m_offset_range.hi;
+    if (!view.lattice && !view.slice) m_renderer = make_renderer(subject, m_view);
     if (view.slice) {
       m_view.slice = effective_slice(*view.slice, subject.geometry, subject.density);
     } else {
-      m_camera = framed_camera(subject, m_renderer.get(), view, console);
+      m_camera = framed_camera(subject, m_renderer.get(), m_view, console);
       m_view.fit.clear();
       m_view.zoom = 1;
     }
-    m_offset_range.hi = m_options.offset_max_mm;
-    const bool needs_longest = m_options.offset_max_mm == 0 && shows("offset");
-    if (needs_longest) m_offset_range.hi = longest_offset_mm(subject);
   }
 
   void draw_all(PictureWriter& writer) {
@@ -141,6 +143,8 @@ class ViewDrawing {
     const bool is_moved = m_subject.offsets != nullptr || m_subject.displacement != nullptr;
     require(is_moved || !shows("offset"), "aux", "no offsets to show",
             "a deformed state, or a volume through a warp");
+    require(is_moved || !m_view.marks.arrows_mm || m_view.slice, "arrows", "nothing that has moved",
+            "a deformed state or a warp");
     const bool is_flat = m_view.lattice || m_view.slice;
     require(!is_flat || m_options.aux.empty(), "aux", "a lattice or slices to draw",
             "a picture of a volume");

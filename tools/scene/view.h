@@ -15,6 +15,7 @@
 #include "tools/pictures/picture_options.h"
 #include "tools/scene/offset_functions.h"
 #include "tools/scene/slice_view.h"
+#include "tools/scene/tissue_marks.h"
 #include "tools/scene/view_light.h"
 
 namespace supple::tools {
@@ -58,6 +59,7 @@ struct SceneView {
   std::string fit;  // box, body or visible; empty: a named view frames the box
   double zoom = 1;
   Decoration decoration;
+  TissueMarks marks;
   PixelSize size{1024, 1024};
   Sampling sampling;
   bool deformed = true;
