@@ -52,8 +52,9 @@ TEST(UnitColourMap, TheLegendRunsFromTheLeastAtItsFootToTheMostAtItsHead) {
   for (int x = 0; x < image.width && bar.empty(); ++x) {
     if (pixel(image, x, 120) == kWhite) continue;
     EXPECT_GE(x, 300);
+    constexpr int kRim = 4;  // and its halo
     for (int y = 0; y < 240; ++y) {
-      const Colour colour = pixel(image, x, y);
+      const Colour colour = pixel(image, x + kRim, y);
       const auto [least, most] = std::minmax_element(colour.begin(), colour.end());
       if (*most - *least > 60) bar.push_back(colour);  // neither paper nor ink, nor their mixture
     }

@@ -88,7 +88,7 @@ TEST(InteropVtu, EveryEncodingIsReadAndSolidsLieWhereVtkFindsThem) {
     const bool is_ours = ours.length() > 0;
     on_hull += is_ours != (known == 1);
     if (is_ours && known == 1) {
-      ASSERT_LT((ours + u).length(), 1e-4) << n;
+      ASSERT_LT((ours + u).length(), 1e-3) << n;  // VTK warps in floats
     }
   }
   EXPECT_GT(inside, 1500);
