@@ -140,6 +140,7 @@ FloatImage marked_wall(const SurfaceGrid& grid, const ShowsTissue& shows_tissue,
   }
   const auto rest_place = [&](const Vec3d& index, Vec3d& at_rest) {
     at_rest = index + moved;
+    at_rest.y += 0.02 * index.x;  // planes along the wall cross it, but hardly
     return true;
   };
   draw_surface_grid(wall, camera, Geometry(), grid, rest_place, shows_tissue);

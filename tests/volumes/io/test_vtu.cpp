@@ -1,4 +1,6 @@
 // Solids of other programs that have moved, as warps; composed transforms.
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -76,31 +78,54 @@ TEST(PropertyVtu, ASolidBringsItsContentAlongAndLeavesAllElse) {
   EXPECT_GT(inside, 6000);
 }
 
+bool is_in(const MovedSolid& solid, const std::array<int, 4>& tetrahedron, const Vec3d& x) {
+  std::array<Vec3d, 4> p;
+  for (std::size_t n = 0; n < 4; ++n) {
+    p[n] = solid.points_lps_mm[std::size_t(tetrahedron[n])] - x;
+  }
+  const auto volume = [](const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+    return a.dot(b.cross(c));
+  };
+  const double v[] = {volume(p[1], p[3], p[2]), volume(p[0], p[2], p[3]), volume(p[0], p[3], p[1]),
+                      volume(p[0], p[1], p[2])};
+  const auto all = [&](double sign) {
+    return std::all_of(v, v + 4, [&](double part) { return part * sign > 1e-12; });
+  };
+  return all(1) || all(-1);
+}
+
 TEST(UnitVtu, OtherCellsAreTheTetrahedraOfTheirCorners) {
   const TemporaryFolder folder;
-  const auto count_of = [&](const std::string& type, int corners) {
+  const auto count_of = [&](const std::string& type, const std::vector<int>& corners) {
     std::string points, ids;
     for (int n = 0; n < 8; ++n) {
       points += std::to_string(n % 2) + " " + std::to_string(n / 2 % 2) + " " +
                 std::to_string(n / 4) + " ";
-      if (n < corners) ids += std::to_string(n) + " ";
     }
+    for (const int n : corners) ids += std::to_string(n) + " ";
     std::string zeros;
     for (int n = 0; n < 24; ++n) zeros += "0 ";
-    write_text(folder / "a.vtu",
-               vtu(points, array("U", "Float32", 3, zeros), ids, std::to_string(corners), type));
-    double volume = 0;
-    for (const auto& t : read_vtu(folder / "a.vtu").tetrahedra) {
-      const auto at = [&](std::size_t n) {
-        return Vec3d(t[n] % 2, t[n] / 2 % 2, t[n] / 4);  // NOLINT(bugprone-integer-division)
-      };
-      volume += std::abs((at(1) - at(0)).dot((at(2) - at(0)).cross(at(3) - at(0)))) / 6;
+    write_text(folder / "a.vtu", vtu(points, array("U", "Float32", 3, zeros), ids,
+                                     std::to_string(corners.size()), type));
+    // How many of the tetrahedra a place lies in, over places in the cube.
+    const auto solid = read_vtu(folder / "a.vtu");
+    std::array<int, 4> places{};
+    for (int n = 0; n < 1000; ++n) {
+      const Vec3d x(0.013 + 0.1 * (n % 10), 0.027 + 0.1 * (n / 10 % 10), 0.041 + 0.1 * (n / 100));
+      int holding = 0;
+      for (const auto& t : solid.tetrahedra) holding += is_in(solid, t, x);
+      ++places[std::size_t(std::min(holding, 3))];
     }
-    return volume;
+    return places;
   };
-  EXPECT_NEAR(count_of("11", 8), 1, 1e-12);  // a voxel fills the cube
-  EXPECT_NEAR(count_of("10", 4), 0, 1e-12);  // four corners of a face
-  EXPECT_GT(count_of("14", 5), 0.3);         // a pyramid over a twisted base
+  // Each fills its part of the cube once, and nothing twice; points count along x, y, z.
+  EXPECT_EQ(count_of("11", {0, 1, 2, 3, 4, 5, 6, 7})[1], 1000);
+  EXPECT_EQ(count_of("12", {0, 1, 3, 2, 4, 5, 7, 6})[1], 1000);
+  EXPECT_EQ(count_of("10", {0, 1, 2, 3})[0], 1000);  // four corners of a face
+  const auto wedge = count_of("13", {0, 2, 1, 4, 6, 5}), pyramid = count_of("14", {0, 1, 3, 2, 4});
+  EXPECT_NEAR(wedge[1], 500, 60);
+  EXPECT_NEAR(pyramid[1], 333, 60);
+  EXPECT_EQ(wedge[2] + wedge[3] + pyramid[2] + pyramid[3], 0);
 }
 
 TEST(FaultVtu, WhatIsNoMovedSolidNamesFileAndField) {
