@@ -180,8 +180,8 @@ void Annotations::legend(const ScalarRange& range, const std::function<Rgb(doubl
     return range.lo + (range.hi - range.lo) * step / kLegendSteps;
   };
   for (int step = 0; step < kLegendSteps; ++step) {
-    // Half a pixel more, so that no seam shows between two.
-    const double low = row(value_at(step)) + 0.5, high = row(value_at(step + 1));
+    // Beyond the next row of pixels, or what is behind shows between two smooth edges.
+    const double low = std::min(bottom, row(value_at(step)) + 1.5), high = row(value_at(step + 1));
     OverlayFace piece;
     piece.corners = {{left, low}, {left, high}, {right, high}, {right, low}};
     piece.fill = colour(value_at(step + 0.5));

@@ -42,8 +42,7 @@ SliceChoice effective_slice(const SliceChoice& choice, const Geometry& geometry,
 
 Field sampling_field(Interpolation& interpolation) {
   return Field("sampling", interpolation, {"linear", "cubic", "interpolating"},
-               "Densities between voxels; cubic: a smoothing B-spline, softens terraces; "
-               "interpolating: one through all voxels");
+               "cubic smooths terraces, interpolating keeps thin walls");
 }
 
 Fields fields(SliceChoice& choice) {

@@ -8,11 +8,9 @@ namespace supple::tools {
 
 Fields fields(TissueMarks& marks) {
   return {
-      Field("labels", marks.labels_path,
-            "A segmentation at rest: outlines in slices, surfaces in space, which move with the "
-            "tissue")
+      Field("labels", marks.labels_path, "Outlines, in space surfaces, of a segmentation at rest")
           .path(),
-      Field("grid", marks.grid_mm, "Lines on the tissue that were straight at rest, so far apart")
+      Field("grid", marks.grid_mm, "Lines that were straight at rest, so far apart")
           .unit("mm")
           .range(0.5, 1000),
       Field("arrows", marks.arrows_mm, "Displacements as arrows, so far apart")
