@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "volumes/base/error.h"
 
@@ -14,7 +15,8 @@ constexpr Rgb kPale{1, 1, 1}, kDark{0, 0, 0};
 constexpr Rgb kPaleLetter{1, 0.9, 0.4}, kDarkLetter{0.5, 0.15, 0};
 constexpr Rgb kCrossInk{0.3, 0.9, 0.4}, kArrowInk{1, 0.45, 0.1};
 constexpr double kWordHeight = 0.75;  // of that of letters
-constexpr int kLegendSteps = 64;
+constexpr int kLegendSteps = 128;
+constexpr double kBetweenLegends = 0.07;  // of the height
 
 struct PatientSide {
   char positive, negative;
@@ -159,26 +161,31 @@ void Annotations::words(const std::vector<std::string>& lines) {
   double y = m_area.top + m_word_height;
   for (const std::string& words : lines) {
     text(words, {m_area.left + m_word_height, y}, {0, 0}, m_word_height);
-    y += 1.9 * m_word_height;
+    y += kLineReach * m_height;
   }
 }
 
 void Annotations::legend(const ScalarRange& range, const std::function<Rgb(double value)>& colour,
-                         const std::string& title) {
+                         const std::string& title, int n, int count) {
   const double unit = m_word_height;
   const double left = m_area.left + m_area.width - 10 * unit, right = left + 1.5 * unit;
-  const double top = m_area.top + 0.2 * m_area.height, bottom = m_area.top + 0.7 * m_area.height;
+  // All of them between a fifth and seven tenths of the height, with room for titles between.
+  const double share = (0.5 + kBetweenLegends) / count;
+  const double top = m_area.top + (0.2 + n * share) * m_area.height;
+  const double bottom = top + (share - kBetweenLegends) * m_area.height;
   const auto row = [&](double value) {
     return bottom - (value - range.lo) / (range.hi - range.lo) * (bottom - top);
   };
   const auto value_at = [&](double step) {
     return range.lo + (range.hi - range.lo) * step / kLegendSteps;
   };
-  for (int n = 0; n < kLegendSteps; ++n) {
-    // Half a pixel more, so that no seam shows between two.
-    const double low = row(value_at(n)) + 0.5, high = row(value_at(n + 1));
-    m_overlay.push_back(OverlayFace{{{left, low}, {left, high}, {right, high}, {right, low}},
-                                    colour(value_at(n + 0.5))});
+  for (int step = 0; step < kLegendSteps; ++step) {
+    // Beyond the next row of pixels, or what is behind shows between two smooth edges.
+    const double low = std::min(bottom, row(value_at(step)) + 1.5), high = row(value_at(step + 1));
+    OverlayFace piece;
+    piece.corners = {{left, low}, {left, high}, {right, high}, {right, low}};
+    piece.fill = colour(value_at(step + 0.5));
+    m_overlay.emplace_back(std::move(piece));
   }
   line({{left, top}, {right, top}, {right, bottom}, {left, bottom}, {left, top}}, 1);
   for (const double tick : legend_ticks(range)) {

@@ -48,11 +48,16 @@ class Annotations {
   void scale_bar(double pixel_mm, const std::string& remark);
   /// A cube in the bottom right corner, seen as the patient is, with the letters of its sides.
   void cube(const CameraFrame& frame);
+  /// Room that they take from the edges of an area, in heights of letters.
+  static constexpr double kLettersReach = 2, kScaleBarReach = 3, kCubeReach = 6;
+  static constexpr double kWordsReach = 0.75, kLineReach = 1.425;  // and so much for every line
+  static constexpr double kLegendReach = 8.25;
+
   /// Lines of words in the top left corner.
   void words(const std::vector<std::string>& lines);
-  /// A bar of colours at the right edge with ticks, `title` above.
+  /// A bar of colours at the right edge with ticks, `title` above: the n-th of so many, from above.
   void legend(const ScalarRange& range, const std::function<Rgb(double value)>& colour,
-              const std::string& title);
+              const std::string& title, int n = 0, int count = 1);
   /// Two lines through a point that leave its surroundings free.
   void crosshair(const PixelPoint& at);
   /// From where something was to where it is; one shorter than a pixel is left out.

@@ -128,7 +128,7 @@ void RenderContext::fill_tables() {
   tables.nodes = source.nodes();
   tables.offsets = output.offsets();
   tables.offset_dim = output.node_dim();
-  tables.is_cubic = source.interpolation() == Interpolation::cubic;
+  tables.is_cubic = source.interpolation() != Interpolation::linear;
   tables.pointwise = output.pointwise();
   tables.first_visible = classifier.first_visible();
   tables.last_visible = classifier.last_visible();

@@ -2,6 +2,11 @@
 // files. Cost: about 6 ms and 9 MB, once, when one of them is first asked for.
 #include "raycast/pictures/pictures_plugin.h"
 
+#include <algorithm>
+#include <cmath>
+
+#include "raycast/pictures/colour_map.h"
+
 namespace supple {
 
 namespace {
@@ -21,13 +26,10 @@ Image difference_image(const Image& a, const Image& b) {
   return pictures_plugin().difference_image(a, b);
 }
 
-Image offset_image(const FloatImage& picture, const ScalarRange& range_mm,
-                   const std::array<float, 3>& towards_camera) {
-  return pictures_plugin().offset_image(picture, range_mm, towards_camera);
-}
-
-Image depth_image(const FloatImage& picture, const ScalarRange& range_mm) {
-  return pictures_plugin().depth_image(picture, range_mm);
+Rgb offset_colour(double share) {
+  static const ColourTable table = pictures_plugin().offset_colours();
+  const auto& entry = table[std::size_t(std::lround(std::clamp(share, 0.0, 1.0) * 255))];
+  return {entry[0] / 255.0, entry[1] / 255.0, entry[2] / 255.0};
 }
 
 void draw_overlay(FloatImage& picture, const Overlay& overlay) {

@@ -1,7 +1,6 @@
 // What program and plugin agree on (volumes/base/plugin.h).
 #pragma once
 
-#include "raycast/pictures/colour_map.h"
 #include "raycast/pictures/compare.h"
 #include "raycast/pictures/float_image.h"
 #include "raycast/pictures/overlay.h"
@@ -10,7 +9,12 @@
 
 namespace supple {
 
-/// The functions of these names in colour_map.h, compare.h, float_image.h and overlay.h.
+/// 8 bits of red, green and blue.
+using ColourTable = std::array<std::array<std::uint8_t, 3>, 256>;
+/// What offset_colour() looks up.
+ColourTable offset_colours();
+
+/// The functions of these names in compare.h, float_image.h and overlay.h.
 struct PicturesPlugin {
   static constexpr PluginName kName{"supple_pictures.so", "supple_pictures_plugin",
                                     "compares pictures, draws legends and words, and writes EXR"};
@@ -21,9 +25,7 @@ struct PicturesPlugin {
   std::array<std::size_t, 5> sizes;
   Comparison (*compare)(const Image& a, const Image& b, bool foreground_only);
   Image (*difference_image)(const Image& a, const Image& b);
-  Image (*offset_image)(const FloatImage& picture, const ScalarRange& range_mm,
-                        const std::array<float, 3>& towards_camera);
-  Image (*depth_image)(const FloatImage& picture, const ScalarRange& range_mm);
+  ColourTable (*offset_colours)();
   void (*write_exr)(const AtomicFile& target, const FloatImage& picture,
                     const std::string& comment);
   void (*draw_overlay)(FloatImage& picture, const Overlay& overlay);

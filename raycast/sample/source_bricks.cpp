@@ -6,6 +6,8 @@
 
 #include <oneapi/tbb/parallel_for.h>
 
+#include "volumes/grid/b_spline.h"
+
 namespace supple {
 
 namespace {
@@ -64,6 +66,11 @@ SourceBricks::SourceBricks(const DensityGrid& density, const BrickTopology& wher
     const std::int32_t from = density.bricks().find(m_topology.origin(b));
     if (from >= 0) values[b] = density.values(from);
   }
+  std::vector<float> coefficients;
+  if (interpolation == Interpolation::interpolating) {
+    coefficients = b_spline_coefficients(m_topology, values, density.background());
+    for (std::size_t b = 0; b < count; ++b) values[b] = &coefficients[b * kBrickVoxels];
+  }
   choose_encoding(density, values);
   m_nodes.resize(count * kBrickNodes, kVoid);
   m_ranges.resize(count);
@@ -112,7 +119,7 @@ void SourceBricks::fill_brick(const Values& values, float background, std::size_
         if (from < 0 || !mask_test(m_topology.mask(from), offset)) continue;
         *out = encode(values[from] != nullptr ? values[from][offset] : background);
         // A cubic sample reads one node more on every side.
-        const bool is_reached = m_interpolation == Interpolation::cubic ||
+        const bool is_reached = m_interpolation != Interpolation::linear ||
                                 (std::min({x, y, z}) >= 0 && std::max({x, y, z}) <= kBrickDim);
         if (is_reached && *out != kVoid) range.add(float(*out));
       }

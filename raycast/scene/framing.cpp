@@ -8,7 +8,6 @@ namespace supple {
 
 namespace {
 
-constexpr double kUsed = 1 - 2 * kFramingMargin;
 constexpr int kAroundAxis = 24;  // places of a point on its circle
 constexpr double kLeastHeight_mm = 1;
 constexpr double kFullTurn = 6.283185307179586;
@@ -26,25 +25,30 @@ struct Extent {
 };
 
 /// What points want of a camera of one direction. With r, u, f along right, up and forward a
-/// perspective camera at (cr, cu, cf) sees a point between its sides where
-/// |r - cr| <= t (f - cf), that is r - t f <= cr - t cf and cr + t cf <= r + t f; so with A the
-/// largest r - t f and B the least r + t f it may go as far as cf = (B - A) / 2t, at cr = (A + B)
-/// / 2.
+/// perspective camera at (cr, cu, cf) sees a point between its sides, of tangents t to the left and
+/// s to the right, where -t (f - cf) <= r - cr <= s (f - cf), that is r - s f <= cr - s cf and
+/// cr + t cf <= r + t f; so with A the largest r - s f and B the least r + t f it may go as far as
+/// cf = (B - A) / (t + s), at cr = (A + B + (s - t) cf) / 2.
 class PointsInView {
  public:
-  PointsInView(const Camera& camera, double aspect)
+  PointsInView(const Camera& camera, double aspect, const FramingMargins& margins)
       : m_camera(camera), m_frame(camera_frame(camera)), m_aspect(aspect) {
     const double half = half_height_at_unit_distance(camera);
-    m_tan = {kUsed * half * aspect, kUsed * half};
+    m_margin = {{{margins.left, margins.right}, {margins.bottom, margins.top}}};
+    for (std::size_t a = 0; a < 2; ++a) {
+      for (std::size_t side = 0; side < 2; ++side) {
+        m_tan[a][side] = (1 - 2 * m_margin[a][side]) * half * (a == 0 ? aspect : 1);
+      }
+    }
   }
 
   void add(const Vec3d& point) {
     const double across[2] = {point.dot(m_frame.right), point.dot(m_frame.up)};
     const double f = point.dot(m_frame.forward);
-    for (int a = 0; a < 2; ++a) {
+    for (std::size_t a = 0; a < 2; ++a) {
       m_across[a].add(across[a]);
-      m_low_side[a] = std::max(m_low_side[a], across[a] - m_tan[a] * f);
-      m_high_side[a] = std::min(m_high_side[a], across[a] + m_tan[a] * f);
+      m_low_side[a] = std::max(m_low_side[a], across[a] - m_tan[a][1] * f);
+      m_high_side[a] = std::min(m_high_side[a], across[a] + m_tan[a][0] * f);
     }
     m_depth.add(f);
   }
@@ -56,13 +60,19 @@ class PointsInView {
     double back = 0;
     if (m_camera.projection == Projection::perspective) {
       back = m_depth.lo - kLeastHeight_mm;
-      for (int a = 0; a < 2; ++a) {
-        place[a] = (m_low_side[a] + m_high_side[a]) / 2;
-        back = std::min(back, (m_high_side[a] - m_low_side[a]) / (2 * m_tan[a]));
+      for (std::size_t a = 0; a < 2; ++a) {
+        back = std::min(back, (m_high_side[a] - m_low_side[a]) / (m_tan[a][0] + m_tan[a][1]));
+      }
+      for (std::size_t a = 0; a < 2; ++a) {
+        place[a] = (m_low_side[a] + m_high_side[a] + (m_tan[a][1] - m_tan[a][0]) * back) / 2;
       }
     } else {
-      framing.height_mm = std::max(
-          {m_across[1].length() / kUsed, m_across[0].length() / m_aspect / kUsed, kLeastHeight_mm});
+      framing.height_mm = std::max({m_across[1].length() / used(1),
+                                    m_across[0].length() / m_aspect / used(0), kLeastHeight_mm});
+      for (std::size_t a = 0; a < 2; ++a) {
+        const double size = framing.height_mm * (a == 0 ? m_aspect : 1);
+        place[a] += (m_margin[a][1] - m_margin[a][0]) / 2 * size;
+      }
       back = m_depth.middle() - m_depth.length() - framing.height_mm / 2;
     }
     const Vec3d aside = m_frame.right * place[0] + m_frame.up * place[1];
@@ -74,10 +84,13 @@ class PointsInView {
  private:
   static constexpr double kEndless = std::numeric_limits<double>::infinity();
 
+  double used(std::size_t a) const { return 1 - (m_margin[a][0] + m_margin[a][1]); }
+
   Camera m_camera;
   CameraFrame m_frame;
   double m_aspect;
-  std::array<double, 2> m_tan;
+  // By axis, then its low and high side.
+  std::array<std::array<double, 2>, 2> m_margin, m_tan;
   std::array<Extent, 2> m_across;
   Extent m_depth;
   std::array<double, 2> m_low_side = {-kEndless, -kEndless}, m_high_side = {kEndless, kEndless};
@@ -85,7 +98,8 @@ class PointsInView {
 
 /// Every point on its circle about the axis. The places of a circle lie mirrored to the view, so
 /// that the camera's central ray meets the axis.
-Camera framed_turntable(const Camera& camera, double aspect, const std::vector<Vec3d>& points) {
+Camera framed_turntable(const Camera& camera, double aspect, const std::vector<Vec3d>& points,
+                        const FramingMargins& margins) {
   Extent x, y;
   for (const Vec3d& point : points) {
     x.add(point.x);
@@ -96,7 +110,9 @@ Camera framed_turntable(const Camera& camera, double aspect, const std::vector<V
   const Vec3d level = Vec3d(frame.right.x, frame.right.y, 0);
   const Vec3d first = level.length() > 1e-9 ? level.normalized() : Vec3d(1, 0, 0);
   const Vec3d second = superior.cross(first);
-  PointsInView view(camera, aspect);
+  const double sides = std::max(margins.left, margins.right);
+  const double ends = std::max(margins.top, margins.bottom);
+  PointsInView view(camera, aspect, {sides, sides, ends, ends});
   for (const Vec3d& point : points) {
     // The corners of a polygon about the circle.
     const double radius =
@@ -121,10 +137,12 @@ Camera framed_turntable(const Camera& camera, double aspect, const std::vector<V
 }  // namespace
 
 Camera framed(const Camera& camera, double aspect, const std::vector<Vec3d>& points_lps_mm,
-              CameraMotion motion) {
+              CameraMotion motion, const FramingMargins& margins) {
   if (points_lps_mm.empty()) return camera;
-  if (motion == CameraMotion::turntable) return framed_turntable(camera, aspect, points_lps_mm);
-  PointsInView view(camera, aspect);
+  if (motion == CameraMotion::turntable) {
+    return framed_turntable(camera, aspect, points_lps_mm, margins);
+  }
+  PointsInView view(camera, aspect, margins);
   for (const Vec3d& point : points_lps_mm) view.add(point);
   return view.camera();
 }

@@ -11,14 +11,21 @@ namespace supple {
 /// How a framed camera is going to move.
 enum class CameraMotion { still, turntable };
 
+/// What stays free at the sides of a framed picture, as parts of its width and height.
+struct FramingMargins {
+  double left = kFramingMargin, right = kFramingMargin;
+  double top = kFramingMargin, bottom = kFramingMargin;
+};
+
 /// The camera with its direction, upwards and angle kept, moved to where every point is seen as
-/// large as fits, 5 % of the picture free on each side; `aspect` is width by height. In perspective
-/// this is the nearest such place, an exact solution of the eight half-planes that each point
-/// gives. The target is the middle of the points' depths, on the central ray. For a turntable the
-/// target lies on the patient's axis through the middle of the points, and every point is seen all
-/// the way round. Without points the camera as it is. Cost: one pass, or 24 of a turntable.
+/// large as fits between the margins; `aspect` is width by height. In perspective this is the
+/// nearest such place, an exact solution of the four half-planes that each point gives. The target
+/// is the middle of the points' depths, on the central ray. For a turntable the target lies on the
+/// patient's axis through the middle of the points, and every point is seen all the way round,
+/// between the wider margins of each pair. Without points the camera as it is. Cost: one pass, or
+/// 24 of a turntable.
 Camera framed(const Camera& camera, double aspect, const std::vector<Vec3d>& points_lps_mm,
-              CameraMotion motion = CameraMotion::still);
+              CameraMotion motion = CameraMotion::still, const FramingMargins& margins = {});
 
 /// The camera moved about the patient's axis through its target, by `share` of a full turn; from
 /// above against the clock.

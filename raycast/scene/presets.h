@@ -1,7 +1,9 @@
-// The presets of transfer_function.h. Names and intent follow 3D Slicer's volume rendering presets
-// (Modules/Loadable/VolumeRendering/Resources/presets.xml); the tables are our own, with opacities
-// per millimetre. Colours change little across the densities of a surface: where they do, samples
-// at fixed steps meet the ramp at varying depths and draw rings.
+// The presets of transfer_function.h. Names, and but for CT-Air, CT-Bone, CT-Muscle,
+// CT-Soft-Tissue, CT-X-ray, MR-Default and MR-MIP the looks, follow 3D Slicer's volume rendering
+// presets (Modules/Loadable/VolumeRendering/Resources/presets.xml; key points rounded), whose
+// opacities are per millimetre as well. Of those seven the tables are our own: their colours change
+// little across the densities of a surface, since where they do, samples at fixed steps meet the
+// ramp at varying depths and draw rings.
 #pragma once
 
 #include "raycast/scene/transfer_function.h"

@@ -10,21 +10,28 @@ namespace {
 TransferFunction mr_angio() {
   TransferFunction f;
   f.name = "MR-Angio";
-  f.opacity = {{130, 0}, {180, 0.12}, {230, 0.6}, {255, 0.8}};
-  f.colour = {{130, {0.55, 0.06, 0.04}}, {190, {0.8, 0.16, 0.1}}, {255, {1, 0.82, 0.62}}};
-  f.ambient = 0.2, f.diffuse = 0.85, f.specular = 0.3, f.specular_power = 16;
+  f.opacity = {{151, 0}, {158, 0.44}, {190, 0.58}, {201, 0.73}};
+  f.colour = {{151, {0.37, 0.19, 0}},
+              {158, {0.75, 0.38, 0}},
+              {190, {1, 0.87, 0.73}},
+              {201, {0.94, 0.94, 0.94}},
+              {3661, {1, 1, 1}}};
+  f.ambient = 0.2, f.diffuse = 1, f.specular = 0, f.specular_power = 1;
   return f;
 }
 
+/// Skin and thin tissue brown, brain grey, fat and marrow white.
 TransferFunction mr_default() {
   TransferFunction f;
   f.name = "MR-Default";
   f.opacity = {{0, 0}, {20, 0}, {45, 0.15}, {120, 0.3}, {220, 0.4}, {1024, 0.5}};
   f.colour = {{0, {0, 0, 0}},
               {20, {0.17, 0.02, 0.01}},
-              {45, {0.42, 0.16, 0.09}},
-              {120, {0.78, 0.60, 0.40}},
-              {220, {0.86, 0.83, 0.78}},
+              {45, {0.42, 0.18, 0.11}},
+              {75, {0.60, 0.42, 0.32}},
+              {100, {0.62, 0.57, 0.52}},
+              {130, {0.70, 0.68, 0.65}},
+              {220, {0.90, 0.88, 0.85}},
               {1024, {1, 1, 1}}};
   f.ambient = 0.3, f.diffuse = 1.0, f.specular = 0.2, f.specular_power = 10;
   return f;
@@ -34,22 +41,20 @@ TransferFunction mr_mip() {
   TransferFunction f;
   f.name = "MR-MIP";
   f.blend = Blend::maximum;
+  f.background = "black";
   f.opacity = {{0, 0}, {20, 0}, {100, 1}, {1024, 1}};
   f.colour = {{0, {0, 0, 0}}, {250, {1, 1, 1}}, {1024, {1, 1, 1}}};
   return f;
 }
 
-/// T2-weighted brain: liquor is the brightest.
+/// T2-weighted brain: tissue yellow, liquor, the brightest, blue.
 TransferFunction mr_t2_brain() {
   TransferFunction f;
   f.name = "MR-T2-Brain";
-  f.opacity = {{30, 0}, {60, 0.03}, {120, 0.15}, {180, 0.4}, {255, 0.7}};
-  f.colour = {{30, {0.25, 0.2, 0.22}},
-              {100, {0.62, 0.52, 0.5}},
-              {170, {0.85, 0.8, 0.78}},
-              {255, {0.75, 0.9, 1}}};
+  f.opacity = {{36, 0}, {218, 0.17}, {412, 1}};
+  f.colour = {{0, {0, 0, 0}}, {99, {0.96, 0.84, 0.19}}, {412, {0, 0.59, 0.81}}, {641, {1, 1, 1}}};
   f.full_shading_gradient = 15;
-  f.ambient = 0.25, f.diffuse = 0.9, f.specular = 0.15, f.specular_power = 10;
+  f.ambient = 0.3, f.diffuse = 0.6, f.specular = 0.5, f.specular_power = 40;
   return f;
 }
 

@@ -32,6 +32,8 @@ struct TransferFunction {
   /// inside a thin sheet, point anywhere; shading fades to facing the light, or samples that happen
   /// to fall there show as dark lines. 0 trusts all.
   double full_shading_gradient = 0;
+  /// Behind pictures that ask for none: a name of parse_background(), or empty: transparent.
+  std::string background;
   double ambient = 0.2, diffuse = 0.9, specular = 0.2, specular_power = 10;
 
   double opacity_at(double density) const;

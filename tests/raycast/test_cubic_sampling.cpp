@@ -9,6 +9,7 @@
 #include "raycast/render.h"
 #include "tests/raycast/scenes.h"
 #include "volumes/field/procedural.h"
+#include "volumes/grid/b_spline.h"
 
 namespace supple {
 namespace {
@@ -21,7 +22,8 @@ struct CubicScene {
   RenderContext context{geometry,          source,          output, default_camera(geometry, 1),
                         fog_function(0.1), RenderSettings()};
 
-  explicit CubicScene(const DensityGrid& grid) : source(grid, Interpolation::cubic) {}
+  explicit CubicScene(const DensityGrid& grid, Interpolation interpolation = Interpolation::cubic)
+      : source(grid, interpolation) {}
 
   SampleBatch sampled(const std::vector<Vec3d>& places) const {
     SamplePlaces wanted;
@@ -123,6 +125,40 @@ TEST(PropertyCubicSampling, RoughVolumesWithHolesAreTheWeightedSumOfTheirNodes) 
   }
   EXPECT_GT(compared, 1000);
   EXPECT_GT(beside_holes, 100);
+}
+
+/// Densities of a body are reached at its voxels, and gradients are those of the densities.
+TEST(PropertyCubicSampling, TheInterpolatingSplineIsReadWithItsGradient) {
+  const DensityGrid grid = grid_of(voxels_of({24, 24, 24}, everywhere), [](const Vec3d& p) {
+    return std::floor(300 * std::sin(0.9 * p.x + 0.02 * p.y * p.z) + 100 * std::cos(1.3 * p.z));
+  });
+  const CubicScene scene(grid, Interpolation::interpolating);
+  const SplineDensity spline(grid, {24, 24, 24}, true);
+  std::mt19937 random(6);
+  std::uniform_int_distribution<int> voxel(4, 18);
+  const double step = 1e-3, code = 2 * scene.source.scale();
+  for (int round = 0; round < 40; ++round) {
+    std::vector<Vec3d> places = random_places(random);
+    for (std::size_t n = 0; n < places.size(); n += 2) {
+      places[n] = Vec3d(voxel(random), voxel(random), voxel(random));
+    }
+    const SampleBatch batch = scene.sampled(places);
+    for (std::size_t n = 0; n < places.size(); ++n) {
+      const Vec3d& p = places[n];
+      const double density = scene.source.density(batch.encoded[n]);
+      ASSERT_NEAR(density, spline.at(p), code);
+      if (n % 2 == 0) {
+        ASSERT_NEAR(density, double(grid.at(floor_voxel(p))), code);
+      }
+      const float* gradient[] = {batch.gx, batch.gy, batch.gz};
+      for (int a = 0; a < 3; ++a) {
+        Vec3d ahead = p, behind = p;
+        ahead[a] += step, behind[a] -= step;
+        const double slope = (spline.at(ahead) - spline.at(behind)) / (2 * step);
+        ASSERT_NEAR(gradient[a][n] * scene.source.scale(), slope, 4 * code);
+      }
+    }
+  }
 }
 
 /// A ball in thick slices whose density falls off as partial volume lets it.

@@ -68,6 +68,25 @@ TEST(PropertyFraming, PointsTouchTwoOppositeMarginsAndStayWithinTheOthers) {
   }
 }
 
+/// The side that binds is reached exactly, and what is free beside it is shared evenly.
+TEST(PropertyFraming, EverySideKeepsItsOwnMargin) {
+  const FramingMargins margins{0.04, 0.3, 0.1, 0.2};
+  for (const Camera& camera : cameras_of_all_kinds()) {
+    for (const double aspect : {0.5, 1.0, 2.0}) {
+      const std::vector<Vec3d> points = cloud(7);
+      const SeenBox seen(framed(camera, aspect, points, CameraMotion::still, margins), aspect,
+                         points);
+      const double left = seen.left - margins.left, right = 1 - seen.right - margins.right;
+      const double top = seen.top - margins.top, bottom = 1 - seen.bottom - margins.bottom;
+      for (const double spare : {left, right, top, bottom}) EXPECT_GE(spare, -1e-9);
+      EXPECT_LT(std::min(left + right, top + bottom), 1e-9) << left << " " << top;
+      if (camera.projection == Projection::perspective) continue;
+      EXPECT_NEAR(left, right, 1e-9);
+      EXPECT_NEAR(top, bottom, 1e-9);
+    }
+  }
+}
+
 TEST(PropertyFraming, DirectionAndAngleStay) {
   for (const Camera& camera : cameras_of_all_kinds()) {
     const Camera framing = framed(camera, 1, cloud(3));

@@ -56,7 +56,7 @@ TEST(UnitTransferFunction, ErrorsNameTheKeyPoint) {
 
 TEST(UnitTransferFunction, PresetsAreValidAndHaveTheNamesOfTheirLists) {
   const std::vector<std::string> names = preset_names();
-  ASSERT_EQ(names.size(), 17u);
+  ASSERT_EQ(names.size(), 26u);
   EXPECT_TRUE(std::is_sorted(names.begin(), names.end()));
   for (const std::string& name : names) {
     const TransferFunction f = preset(name);
@@ -70,17 +70,26 @@ TEST(UnitTransferFunction, EveryPresetShowsWhatItIsNamedAfterAndNotAll) {
     const char* name;
     double hidden, shown;  // densities
   };
-  const Case cases[] = {{"CT-Air", 0, -900},
+  const Case cases[] = {{"CT-AAA", 60, 250},
+                        {"CT-AAA2", 60, 250},
+                        {"CT-Air", 0, -900},
                         {"CT-Bone", 60, 600},
                         {"CT-Bones", 60, 600},
                         {"CT-Cardiac", -1000, 250},
+                        {"CT-Cardiac2", 0, 250},
+                        {"CT-Cardiac3", -100, 250},
                         {"CT-Chest-Contrast-Enhanced", -1000, 250},
-                        {"CT-Chest-Vessels", 60, 250},
+                        {"CT-Chest-Vessels", -1300, 250},
+                        {"CT-Coronary-Arteries", 60, 250},
+                        {"CT-Coronary-Arteries-2", 60, 250},
+                        {"CT-Coronary-Arteries-3", 60, 250},
                         {"CT-Cropped-Volume-Bone", -1000, 600},
                         {"CT-Fat", 60, -90},
-                        {"CT-Lung", 60, -600},
+                        {"CT-Liver-Vasculature", 60, 250},
+                        {"CT-Lung", 60, -500},
                         {"CT-MIP", -1000, 600},
                         {"CT-Muscle", -1000, 60},
+                        {"CT-Pulmonary-Arteries", -600, 60},
                         {"CT-Soft-Tissue", -1000, 60},
                         {"CT-X-ray", -1000, 600},
                         {"MR-Angio", 100, 250},

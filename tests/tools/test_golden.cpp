@@ -2,7 +2,7 @@
 // `bash tools/update_golden.sh` renders the references anew.
 #include <gtest/gtest.h>
 
-#include "raycast/pictures/colour_map.h"
+#include "raycast/drawings/value_images.h"
 #include "raycast/pictures/compare.h"
 #include "tests/tools/golden.h"
 #include "volumes/geometry/geometry.h"

@@ -42,7 +42,7 @@ const std::map<std::string, std::set<std::string>> kThirdPartyHomes = {
     {"nanovdb/", {"tools/bench"}},
     {"tiff", {"volumes/io/tiff"}},
     {"nifti", {"volumes/io/nifti"}},
-    {"pugixml", {"volumes/io/tiff"}},
+    {"pugixml", {"volumes/io/tiff", "volumes/io/vtu"}},
     {"dcmtk/", {"volumes/io/dicom/plugin"}},
     {"openjpeg", {"volumes/io/dicom/plugin"}},
     {"hdf5", {"volumes/io/hdf5/plugin"}},

@@ -123,7 +123,7 @@ TEST_F(UnitStaging, ATurntableOfTheVisibleStaysInEveryPicture) {
 /// The background is seen as far as the picture alone is transparent, whatever the blend.
 TEST_F(UnitStaging, BackgroundsAreCompositedUnderEveryBlend) {
   for (const char* preset : {"MR-Default", "CT-X-ray", "MR-MIP"}) {
-    const Image alone = picture("render", {"--preset", preset});
+    const Image alone = picture("render", {"--preset", preset, "--background", "transparent"});
     const Image over = picture("render", {"--preset", preset, "--background", "#4080C0"});
     EXPECT_FALSE(over.has_alpha);
     const double behind[] = {0x40, 0x80, 0xC0};
@@ -140,15 +140,15 @@ TEST_F(UnitStaging, BackgroundsAreCompositedUnderEveryBlend) {
 TEST_F(UnitStaging, AnnotationsOfASceneAreThoseOfTheCommandLineAndLeaveTheRest) {
   write_text(m_folder / "scene.toml",
              "[volume]\npath = \"ball.nhdr\"\n"
-             "[[view]]\nimage = \"space.png\"\nsize = [240, 240]\nfit = \"visible\"\nzoom = 0.8\n"
+             "[[view]]\nimage = \"space.png\"\nsize = [240, 240]\nzoom = 0.8\n"
              "background = \"checker\"\nannotate = [\"letters\", \"cube\", \"scale\"]\n"
              "[[view]]\nimage = \"slice.png\"\nannotate = [\"all\"]\nbackground = \"white\"\n"
              "slice = { lightbox = [2, 1], thickness = 3, slab = \"mip\", plane = \"coronal\" }\n");
   const Outcome scene =
       run_supple({"run", m_folder / "scene.toml", "-o", m_folder / "", "--force"});
   ASSERT_EQ(scene.exit_code, 0) << scene.err;
-  const std::vector<std::string> framing = {"--fit",        "visible", "--zoom", "0.8",
-                                            "--background", "checker", "--size", "240,240"};
+  const std::vector<std::string> framing = {"--zoom",  "0.8",    "--background",
+                                            "checker", "--size", "240,240"};
   std::vector<std::string> annotated = framing;
   annotated.insert(annotated.end(), {"--annotate", "letters,cube,scale"});
   const Image plain = picture("render", framing), written = picture("render", annotated);
@@ -258,6 +258,89 @@ TEST_F(UnitStaging, ArrowsAndTheGridShowWhereTissueHasGone) {
   };
   for (int x = 80; x < 94; ++x) EXPECT_TRUE(is_arrow(x)) << x;
   for (int x = 98; x < 106; ++x) EXPECT_FALSE(is_arrow(x)) << x;
+}
+
+/// Arrows are seen in space where tissue has moved, lines of the grid bend there, and surfaces of
+/// labels go along.
+TEST_F(UnitStaging, ArrowsGridAndLabelsShowInSpaceWhereTissueHasGone) {
+  write_soft_material(m_folder / "soft.toml");
+  ASSERT_EQ(run_supple({"deform", m_folder / "ball.nhdr", "--material", m_folder / "soft.toml",
+                        "--grab", "12,12,12", "--by", "6,0,0", "-o", m_folder / "drag.vdb"})
+                .exit_code,
+            0);
+  ASSERT_EQ(run_supple({"threshold", m_folder / "ball.nhdr", "--keep", "150,255", "--mask", "-o",
+                        m_folder / "mask.nrrd"})
+                .exit_code,
+            0);
+  const auto render = [&](std::vector<std::string> more) {
+    std::vector<std::string> arguments = {
+        "render", m_folder / "drag.vdb", "-o", m_folder / "a.png", "--force", "--size", "120,120"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome outcome = run_supple(arguments);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return read_png(m_folder / "a.png");
+  };
+  const auto differing = [](const Image& a, const Image& b, bool of_alpha) {
+    int count = 0;
+    for (std::size_t n = 0; n < a.rgba.size(); n += 4) {
+      const std::size_t first = of_alpha ? 3 : 0;
+      count += !std::equal(&a.rgba[n + first], &a.rgba[n + 4], &b.rgba[n + first]);
+    }
+    return count;
+  };
+  const Image plain = render({}), grid = render({"--grid", "4"});
+  const Image still = render({"--undeformed"}), straight = render({"--undeformed", "--grid", "4"});
+  EXPECT_GT(differing(plain, grid, false), 300);
+  EXPECT_EQ(differing(plain, grid, true), 0);  // on what is seen alone
+  EXPECT_GT(differing(still, straight, false), 300);
+  EXPECT_GT(differing(grid, straight, false), 300);
+  // The same lines where samples solve for themselves.
+  EXPECT_GT(compare(grid, render({"--grid", "4", "--no-inverse"}), true).ssim, 0.98);
+
+  // Half of the ball is cut away: arrows of what is left stick out of the face.
+  const std::vector<std::string> half = {"--clip-box", "0,12,0:24,24,24"};
+  std::vector<std::string> with_arrows = half;
+  with_arrows.insert(with_arrows.end(), {"--arrows", "3"});
+  EXPECT_GT(differing(render(half), render(with_arrows), false), 100);
+  const auto left_of = [](const Image& image) { return free_margins(image)[1]; };
+  const std::vector<std::string> nothing = {"--clip-box", "0,0,0:1,1,1", "--labels",
+                                            m_folder / "mask.nrrd"};
+  std::vector<std::string> rest = nothing;
+  rest.emplace_back("--undeformed");
+  EXPECT_LT(left_of(render(nothing)), left_of(render(rest)) - 4);  // it has moved to the left
+
+  EXPECT_EQ(code("render", {"--arrows", "5"}), 3);  // a volume at rest
+  EXPECT_EQ(code("render", {"--grid", "0.1"}), 3);
+  EXPECT_EQ(code("render", {"--labels", m_folder / "none.nrrd"}), 3);
+}
+
+/// The right margin is wide enough for a legend.
+TEST_F(UnitStaging, AnnotationsStandBesideWhatIsFitted) {
+  const Outcome outcome = run_supple(
+      {"render", m_folder / "ball.nhdr", "-o", m_folder / "b.png", "--force", "--fit", "visible",
+       "--size", "400,400", "--annotate", "legend", "--aux", "depth", "--view", "superior"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const Image depth = read_png(m_folder / "b_depth.png");
+  int right_most = 0;
+  for (int y = 0; y < 400; ++y) {
+    for (int x = 0; x < 400; ++x) {
+      if (depth.rgba[4 * (std::size_t(y) * std::size_t(depth.width) + std::size_t(x))] > 20) {
+        right_most = std::max(right_most, x);
+      }
+    }
+  }
+  // Depths are known where half of the light is stopped, a few pixels inside of what is visible.
+  EXPECT_LE(right_most, 400 - 8.25 * 400 / 32 + 1);
+  EXPECT_GT(right_most, 400 - 8.25 * 400 / 32 - 12);
+}
+
+/// Projections have a black background, unless told.
+TEST_F(UnitStaging, ProjectionsLieOnBlackUnlessTold) {
+  const Image on_black = picture("render", {"--preset", "MR-MIP"});
+  EXPECT_FALSE(on_black.has_alpha);
+  EXPECT_EQ(on_black.rgba[0], 0);
+  EXPECT_TRUE(picture("render", {"--preset", "MR-MIP", "--background", "transparent"}).has_alpha);
+  EXPECT_TRUE(picture("render", {"--preset", "MR-Default"}).has_alpha);
 }
 
 TEST_F(UnitStaging, WhatCannotBeStagedIsRefused) {

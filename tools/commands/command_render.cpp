@@ -11,6 +11,7 @@
 #include "tools/console/parse.h"
 #include "tools/outputs/reports.h"
 #include "tools/outputs/scene_run.h"
+#include "tools/outputs/staging.h"
 #include "tools/scene/transfer_file.h"
 #include "volumes/io/open_volume.h"
 
@@ -169,7 +170,10 @@ void print_camera(const Scene& scene) {
   }
   const double aspect = double(view.size[0]) / view.size[1];
   Camera camera = resolve_camera(view.camera, geometry, aspect);
-  if (view.fit == "box") camera = framed(camera, aspect, box_corners_lps_mm(geometry));
+  if (view.fit == "box") {
+    camera = framed(camera, aspect, box_corners_lps_mm(geometry), CameraMotion::still,
+                    framing_margins(view));
+  }
   std::fputs(to_toml(zoomed(camera, view.zoom)).c_str(), stdout);
 }
 

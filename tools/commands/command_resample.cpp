@@ -19,32 +19,34 @@ struct ResampleOptions {
   GridChoice grid;
   std::optional<Vec3d> spacing_mm;
   ResampleKernel interpolation = ResampleKernel::linear;
+  ReadOptions read;
   WriteOptions write;
 };
 
-/// Of a volume that is no state.
-Fields volume_fields(ResampleOptions& options) {
+Fields voxel_fields(ResampleOptions& options) {
   return {
       Field("spacing", options.spacing_mm, "Of a volume: voxel size of the result").unit("mm"),
-      Field("interpolation", options.interpolation, {"linear", "nearest"},
-            "Of a volume: nearest is for labels"),
+      Field("interpolation", options.interpolation, {"linear", "nearest", "cubic"},
+            "Densities between voxels; nearest (of a volume) is for labels, cubic an interpolating "
+            "B-spline"),
   };
 }
 
 int resample_volume(const ResampleOptions& options, const GlobalOptions& global, Console& console) {
   if (!options.spacing_mm) {
-    open_volume(options.input);  // what cannot be read is named first
+    open_volume(options.input, options.read);  // what cannot be read is named first
     throw UsageError("resample: found a volume without --spacing, expected a state, or --spacing");
   }
   if (!options.path.empty() || !options.grid.file.empty() || options.grid.margin_mm > 0) {
     throw UsageError("resample: found --path, --grid or --margin for a volume, expected a state");
   }
   OutputPlan plan(global);
-  plan.protect(options.input);
+  plan.protect(options.input, options.read);
   plan.add_dense(options.output);
   console.claim(plan.files());
   const auto open = [&] {
-    return with_spacing(open_volume(options.input), *options.spacing_mm, options.interpolation);
+    return with_spacing(open_volume(options.input, options.read), *options.spacing_mm,
+                        options.interpolation);
   };
   write_converted(open, options.output, options.write, console);
   return kOk;
@@ -55,6 +57,11 @@ int run_resample(const ResampleOptions& options, const GlobalOptions& global, Co
   if (options.spacing_mm) {
     throw UsageError("resample: found --spacing for a state, expected --grid or --margin");
   }
+  if (options.interpolation == ResampleKernel::nearest) {
+    throw UsageError(
+        "resample: found --interpolation nearest for a state, expected linear or cubic");
+  }
+  require_unused(options.read, options.input);
   OutputPlan plan(global);
   plan.protect(options.input);
   if (!options.grid.file.empty()) plan.protect(options.grid.file);
@@ -65,7 +72,8 @@ int run_resample(const ResampleOptions& options, const GlobalOptions& global, Co
   const Pose deformed = invert_and_send_along(state, functions, console);
   const Geometry grid = choose_grid(state.geometry, options.grid);
   const std::int64_t lost =
-      write_resampled(options.output, state, deformed, grid, options.write, &console);
+      write_resampled(options.output, state, deformed, grid, options.write, &console,
+                      options.interpolation == ResampleKernel::cubic);
   if (global.json) {
     print_dense_report(options.output, grid, lost, deformed.offsets.certificate);
   }
@@ -90,9 +98,13 @@ Command add_resample(CLI::App& program) {
       ->required()
       ->option_text("VOLUME");
   add_field_options(*app, {path_file_field(options->path)});
+  for (const Field& field : fields(options->read)) {
+    // --spacing is that of the result here.
+    if (field.name() != "spacing") add_field_options(*app, {field});
+  }
   add_field_options(*app, fields(options->write));
   add_field_options(*app, fields(options->grid));
-  add_field_options(*app, volume_fields(*options));
+  add_field_options(*app, voxel_fields(*options));
   return {app, [options](const GlobalOptions& global, Console& console) {
             return run_resample(*options, global, console);
           }};

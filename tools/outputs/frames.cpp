@@ -136,11 +136,16 @@ class ViewDrawing {
         m_report(report),
         m_console(console) {
     require_subject();
-    if (!view.lattice && !view.slice) m_renderer = make_renderer(subject, view);
+    m_offset_range.hi = m_options.offset_max_mm;
+    const bool shows_arrows = view.marks.arrows_mm && !view.slice;
+    const bool needs_longest = shows("offset") || shows_arrows;
+    if (m_offset_range.hi == 0 && needs_longest) m_offset_range.hi = longest_offset_mm(subject);
+    if (shows_arrows) m_view.picture.offset_max_mm = m_offset_range.hi;
+    if (!view.lattice && !view.slice) m_renderer = make_renderer(subject, m_view);
     if (view.slice) {
       m_view.slice = effective_slice(*view.slice, subject.geometry, subject.density);
     } else {
-      SceneView framing = view;
+      SceneView framing = m_view;
       framing.zoom = 1;
       const bool turns = std::any_of(view.camera_keys.begin(), view.camera_keys.end(),
                                      [](const CameraKey& key) { return key.turn_deg; });
@@ -151,9 +156,6 @@ class ViewDrawing {
       m_view.zoom = 1;
       m_zoom = view.zoom;
     }
-    m_offset_range.hi = m_options.offset_max_mm;
-    const bool needs_longest = m_options.offset_max_mm == 0 && shows("offset");
-    if (needs_longest) m_offset_range.hi = longest_offset_mm(subject);
   }
 
   void draw_all(PictureWriter& writer) {
@@ -235,7 +237,8 @@ class ViewDrawing {
     const bool is_moved = m_subject.offsets != nullptr || m_subject.displacement != nullptr;
     require(is_moved || !shows("offset"), "aux", "no offsets to show",
             "a deformed state, or a volume through a warp");
-    require(m_options.film == 0 || !shows("offset") || m_options.offset_max_mm > 0, "offset_max",
+    const bool colours_offsets = shows("offset") || (m_view.marks.arrows_mm && !m_view.slice);
+    require(m_options.film == 0 || !colours_offsets || m_options.offset_max_mm > 0, "offset_max",
             "none beside offsets in a film", "mm, the same in all frames");
     const bool has_motion = shows("motion");
     require(!has_motion || m_view.path.empty(), "aux", "motion along sampling paths",
@@ -247,6 +250,8 @@ class ViewDrawing {
         !m_view.meshes.empty() || (m_subject.labels != nullptr && !m_subject.labels->empty());
     require(!shows("id") || has_ids, "aux", "id without labels or meshes",
             "[labels] in the scene, or meshes in the view");
+    require(is_moved || !m_view.marks.arrows_mm || m_view.slice, "arrows", "nothing that has moved",
+            "a deformed state or a warp");
     const bool is_flat = m_view.lattice || m_view.slice;
     require(!is_flat || m_options.aux.empty(), "aux", "a lattice or slices to draw",
             "a picture of a volume");

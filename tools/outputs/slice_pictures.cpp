@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <memory>
 #include <tuple>
 
 #include "raycast/drawings/annotations.h"
 #include "raycast/pictures/background.h"
 #include "volumes/base/error.h"
+#include "volumes/grid/b_spline.h"
 #include "volumes/grid/volume.h"
 #include "volumes/io/bytes/value_type.h"
 
@@ -35,19 +37,28 @@ struct SlicePanel {
   }
 };
 
-/// The density that is seen at a place: that of where its tissue came from.
-DensityAt seen_density(const SliceSource& source) {
-  const float outside = source.density.background();
-  if (source.offsets == nullptr) {
+/// Densities between the voxels of the source.
+DensityAt density_between(const SliceSource& source, Interpolation interpolation) {
+  if (interpolation == Interpolation::linear) {
+    const float outside = source.density.background();
     return [&source, outside](const Vec3d& index) {
       return sample_trilinear(source.density, index, outside);
     };
   }
+  const auto spline = std::make_shared<const SplineDensity>(
+      source.density, source.geometry.dims(), interpolation == Interpolation::interpolating);
+  return [spline](const Vec3d& index) { return float(spline->at(index)); };
+}
+
+/// The density that is seen at a place: that of where its tissue came from.
+DensityAt seen_density(const SliceSource& source, Interpolation interpolation) {
+  DensityAt at_rest = density_between(source, interpolation);
+  if (source.offsets == nullptr) return at_rest;
+  const float outside = source.density.background();
   const OffsetField& offsets = *source.offsets;
-  return [&source, &offsets, outside](const Vec3d& index) {
+  return [&offsets, outside, at_rest](const Vec3d& index) {
     Vec3d offset;
-    if (!offsets.sample(index, offset)) return outside;
-    return sample_trilinear(source.density, index + offset, outside);
+    return offsets.sample(index, offset) ? at_rest(index + offset) : outside;
   };
 }
 
@@ -56,7 +67,7 @@ SliceStyle slice_style(const SliceSource& source, const SliceChoice& choice) {
   std::tie(style.grey_lo, style.grey_hi) = *choice.window;
   style.thickness_mm = choice.thickness_mm;
   style.slab = choice.slab;
-  style.grid_mm = choice.grid_mm.value_or(0);
+  style.grid_mm = choice.marks.grid_mm.value_or(0);
   const bool is_outlined = choice.outline && source.rest != nullptr && !source.rest->empty();
   if (is_outlined) style.rest = source.rest;
   if (source.offsets != nullptr) {
@@ -67,8 +78,8 @@ SliceStyle slice_style(const SliceSource& source, const SliceChoice& choice) {
       return true;
     };
   }
-  if (choice.labels != nullptr) {
-    const StoredLabels& labels = *choice.labels;
+  if (choice.marks.labels != nullptr) {
+    const StoredLabels& labels = *choice.marks.labels;
     const ScaleValues to_number = scale_values_of(labels.type());
     style.label = [&labels, &source, to_number](const Vec3d& at_rest) {
       char stored[8] = {};
@@ -190,14 +201,15 @@ double common_letter_height(const std::vector<SlicePanel>& panels) {
 
 FloatImage draw_slices(const SliceSource& source, const SliceChoice& choice,
                        const Decoration& decoration) {
-  if (choice.arrows_mm && source.offsets == nullptr) {
+  if (choice.marks.arrows_mm && source.offsets == nullptr) {
     throw InputError({"", "arrows", "nothing that has moved", "a deformed state or a warp"});
   }
   std::vector<SlicePanel> panels = panels_of(source, choice);
   const SliceStyle style = slice_style(source, choice);
+  const DensityAt seen = seen_density(source, choice.interpolation);
   std::vector<Image> images;
   for (const SlicePanel& panel : panels) {
-    images.push_back(draw_slice(source.geometry, panel.grid, seen_density(source), style));
+    images.push_back(draw_slice(source.geometry, panel.grid, seen, style));
   }
   const int columns = choice.count() > 1 ? choice.lightbox[0] : int(images.size());
   std::vector<TilePlace> places;
@@ -213,7 +225,7 @@ FloatImage draw_slices(const SliceSource& source, const SliceChoice& choice,
     SlicePanel& panel = panels[n];
     panel.place = places[n];
     Annotations annotations(overlay, panel.area(), letter_height, Ground::dark);
-    if (choice.arrows_mm) add_arrows(annotations, panel, source, *choice.arrows_mm);
+    if (choice.marks.arrows_mm) add_arrows(annotations, panel, source, *choice.marks.arrows_mm);
     annotate(annotations, panel, source, choice, decoration);
     const bool is_last = n + 1 == panels.size();
     if (decoration.shows("legend") && is_last) add_legend(annotations, source, choice);

@@ -5,6 +5,7 @@
 #include "raycast/drawings/annotations.h"
 #include "raycast/pictures/background.h"
 #include "raycast/scene/framing.h"
+#include "tools/outputs/space_marks.h"
 #include "tools/scene/transfer_file.h"
 #include "volumes/base/error.h"
 #include "volumes/grid/volume.h"
@@ -22,6 +23,8 @@ constexpr int kLooksAround = 8;
 /// not known, matters less and less: until the camera moves less than this part of its distance.
 constexpr double kSettled = 0.003;
 constexpr int kMostLooks = 8;
+/// Annotations of small pictures leave the subject at least a third.
+constexpr double kWidestMargin = 1.0 / 3;
 /// Room beyond the picture's edges, to find what is cut off.
 constexpr double kLookZoom = 0.7;
 
@@ -98,6 +101,27 @@ ScalarRange shown_range(const TransferFunction& function) {
 
 }  // namespace
 
+FramingMargins framing_margins(const SceneView& view) {
+  const Decoration& wanted = view.decoration;
+  const double width = view.size[0], height = view.size[1];
+  double left = 0, right = 0, top = 0, bottom = 0;  // heights of letters
+  if (wanted.shows("letters")) left = right = top = bottom = Annotations::kLettersReach;
+  if (wanted.shows("scale")) bottom = std::max(bottom, Annotations::kScaleBarReach);
+  if (wanted.shows("cube")) right = std::max(right, Annotations::kCubeReach);
+  if (wanted.shows("cube")) bottom = std::max(bottom, Annotations::kCubeReach);
+  if (wanted.shows("text")) {
+    top = std::max(top, Annotations::kWordsReach + 2 * Annotations::kLineReach);
+  }
+  if (wanted.shows("legend")) {
+    right = std::max(right, Annotations::kLegendReach);
+  }
+  const double letter = Annotations::letter_height_for({0, 0, width, height});
+  const auto margin = [&](double letters, double side) {
+    return std::clamp(letters * letter / side, kFramingMargin, kWidestMargin);
+  };
+  return {margin(left, width), margin(right, width), margin(top, height), margin(bottom, height)};
+}
+
 Camera framed_camera(const PosedVolume& subject, const Renderer* renderer, const SceneView& view,
                      Console& console) {
   const Camera camera = camera_of(subject, view);
@@ -105,16 +129,19 @@ Camera framed_camera(const PosedVolume& subject, const Renderer* renderer, const
   const double aspect = double(view.size[0]) / view.size[1];
   const CameraMotion motion =
       view.picture.turntable > 0 ? CameraMotion::turntable : CameraMotion::still;
-  const Camera boxed = framed(camera, aspect, box_corners_lps_mm(subject.geometry), motion);
+  const FramingMargins margins = framing_margins(view);
+  const Camera boxed =
+      framed(camera, aspect, box_corners_lps_mm(subject.geometry), motion, margins);
   if (view.fit == "box") return zoomed(boxed, view.zoom);
   if (view.fit == "body" || renderer == nullptr) {
-    return zoomed(framed(boxed, aspect, body_points(subject), motion), view.zoom);
+    return zoomed(framed(boxed, aspect, body_points(subject), motion, margins), view.zoom);
   }
   Camera found = boxed;
   for (int look = 0; look < kMostLooks; ++look) {
     const Camera wide = zoomed(found, look == 0 ? 1 : kLookZoom);
     const Camera before = found;
-    found = framed(found, aspect, visible_points(subject, *renderer, view, wide, console), motion);
+    found = framed(found, aspect, visible_points(subject, *renderer, view, wide, console), motion,
+                   margins);
     const double moved = (found.position_lps_mm - before.position_lps_mm).length();
     const double distance = (found.target_lps_mm - found.position_lps_mm).length();
     if (look > 0 && moved < kSettled * distance) break;
@@ -124,6 +151,7 @@ Camera framed_camera(const PosedVolume& subject, const Renderer* renderer, const
 
 void decorate(FloatImage& picture, const PosedVolume& subject, const SceneView& view) {
   const Decoration& wanted = view.decoration;
+  draw_grid(picture, subject, view, camera_of(subject, view));
   const Background behind =
       wanted.background.empty() ? Background() : parse_background(wanted.background);
   put_over(behind, picture);
@@ -144,14 +172,16 @@ void decorate(FloatImage& picture, const PosedVolume& subject, const SceneView& 
   if (wanted.shows("cube")) annotations.cube(frame);
   std::vector<std::string> words = {"from " + orientation_letters(-frame.forward)};
   if (!view.lattice) {
-    const TransferFunction function = view.transfer ? *view.transfer : preset(view.preset);
+    const TransferFunction function = look_of(view);
     words.insert(words.begin(), function.name);
     if (wanted.shows("legend")) {
       const auto colour = [&](double density) { return Rgb(function.colour_at(density)); };
       const bool is_ct = are_hounsfield_units(subject.density.background());
-      annotations.legend(shown_range(function), colour, is_ct ? "HU" : "density");
+      const int count = view.marks.arrows_mm ? 2 : 1;
+      annotations.legend(shown_range(function), colour, is_ct ? "HU" : "density", 0, count);
     }
   }
+  if (wanted.shows("legend") && view.marks.arrows_mm) add_arrow_legend(annotations, view);
   if (wanted.shows("text")) annotations.words(words);
   draw_overlay(picture, overlay);
 }

@@ -2,9 +2,13 @@
 // behind it, and what is written over it.
 #pragma once
 
+#include "raycast/scene/framing.h"
 #include "tools/outputs/view_pictures.h"
 
 namespace supple::tools {
+
+/// What annotations of a view need beside its subject.
+FramingMargins framing_margins(const SceneView& view);
 
 /// The camera of an effective view, fitted and zoomed as it asks for. `renderer` shows the subject;
 /// null for a lattice. What is visible is found in small pictures: where their opacity is at least

@@ -1,13 +1,13 @@
 #include "tools/outputs/view_pictures.h"
 
 #include <algorithm>
-#include <filesystem>
 
 #include <nlohmann/json.hpp>
 
 #include "raycast/drawings/lattice.h"
 #include "tools/outputs/reports.h"
 #include "tools/outputs/slice_pictures.h"
+#include "tools/outputs/space_marks.h"
 #include "tools/scene/transfer_file.h"
 #include "volumes/base/version.h"
 #include "volumes/field/displacement.h"
@@ -54,6 +54,10 @@ Camera camera_of(const PosedVolume& subject, const SceneView& view) {
   return resolve_camera(view.camera, subject.geometry, aspect);
 }
 
+TransferFunction look_of(const SceneView& view) {
+  return view.transfer ? *view.transfer : preset(view.preset);
+}
+
 RenderSettings view_settings(const SceneView& view) {
   RenderSettings settings;
   settings.width = view.size[0];
@@ -61,7 +65,8 @@ RenderSettings view_settings(const SceneView& view) {
   view.sampling.apply_to(settings);
   settings.lighting = view.lighting;
   settings.clip_surfaces = view.clip_meshes;
-  settings.auxiliary = !view.picture.aux.empty() || picture_kind(view.image) == PictureKind::exr;
+  settings.auxiliary = !view.picture.aux.empty() || view.marks.grid_mm ||
+                       picture_kind(view.image) == PictureKind::exr;
   settings.tells_surfaces = view.picture.shows("motion") || view.picture.shows("id");
   return settings;
 }
@@ -95,28 +100,17 @@ SceneView effective_view(const SceneView& view, const Geometry& geometry, double
   effective.lattice = view.lattice || geometry.dims().z == 1;
   if (view.preset.empty() && !view.transfer)
     effective.preset = are_hounsfield_units(min_density) ? "CT-Bone" : "MR-Default";
+  // An EXR is composited elsewhere.
+  std::string& background = effective.decoration.background;
+  const bool is_final = !effective.lattice && picture_kind(view.image) != PictureKind::exr;
+  if (background.empty() && is_final && !view.slice) background = look_of(effective).background;
   return effective;
 }
-
-namespace {
-
-/// A warp file says where tissue came from, not where a point of it goes.
-const Displacement* displacement_for_meshes(const PosedVolume& subject, const SceneView& view) {
-  for (const MeshChoice& mesh : view.meshes) {
-    if (mesh.deform && subject.offsets != nullptr && subject.displacement == nullptr) {
-      throw InputError({mesh.place, "deform", "offsets of a warp file",
-                        "a state or the steps of a scene, which know where tissue goes"});
-    }
-  }
-  return subject.displacement;
-}
-
-}  // namespace
 
 bool reads_displacement(const SceneView& view) {
   const auto deforms = [](const MeshChoice& mesh) { return mesh.deform; };
   return !view.inverse || view.lattice || view.picture.sequence > 0 || !view.path.empty() ||
-         view.fit == "body" || view.picture.shows("motion") ||
+         view.fit == "body" || view.picture.shows("motion") || view.marks.labels != nullptr ||
          std::any_of(view.meshes.begin(), view.meshes.end(), deforms);
 }
 
@@ -135,8 +129,8 @@ void pose(Renderer& renderer, const PosedVolume& subject, const SceneView& view)
     renderer.set_offsets(subject.offsets,
                          view.half_offsets ? OffsetResolution::half : OffsetResolution::full);
   }
-  if (!view.meshes.empty()) {
-    renderer.set_surfaces(surfaces_of(view.meshes, displacement_for_meshes(subject, view)));
+  if (!view.meshes.empty() || view.marks.has_surfaces()) {
+    renderer.set_surfaces(surfaces_of(subject, view));
   }
 }
 
@@ -152,11 +146,15 @@ FloatImage draw(const PosedVolume& subject, const Renderer* renderer, const Scen
   if (view.lattice && !view.meshes.empty()) {
     throw InputError({view.place, "mesh", "a lattice to draw", "a volume of several slices"});
   }
+  if (view.lattice && !view.marks.empty()) {
+    throw InputError(
+        {view.place, "labels, grid or arrows", "a lattice to draw", "a volume of several slices"});
+  }
   if (view.lattice) return to_float(draw_body_lattice(subject, view));
   RenderSettings settings = view_settings(view);
   settings.clips = resolve_clips(view.clips, subject.geometry);
-  const TransferFunction function = view.transfer ? *view.transfer : preset(view.preset);
-  return renderer->render_float(camera_of(subject, view), function, settings, report, &console);
+  return renderer->render_float(camera_of(subject, view), look_of(view), settings, report,
+                                &console);
 }
 
 namespace {
@@ -182,7 +180,7 @@ std::string decoration_json(Decoration decoration) {
 }
 
 nlohmann::ordered_json to_json(SliceChoice choice) {
-  choice.labels_path = std::filesystem::path(choice.labels_path).filename().string();
+  choice.marks = recorded(choice.marks);
   return nlohmann::ordered_json::parse(fields_json(fields(choice)));
 }
 
@@ -193,6 +191,7 @@ nlohmann::ordered_json settings_of(SceneView view) {
   plain.image = view.image;  // where the picture lies is not what it shows
   plain.after_step = view.after_step;
   if (view.transfer) view.preset.clear();
+  view.marks = recorded(view.marks);
   return nlohmann::ordered_json::parse(fields_json(fields(view), fields(plain)));
 }
 

@@ -32,6 +32,8 @@ struct PosedVolume {
 /// The camera of an effective view, marched or drawn as a lattice.
 Camera camera_of(const PosedVolume& subject, const SceneView& view);
 RenderSettings view_settings(const SceneView& view);
+/// The transfer function of an effective view.
+TransferFunction look_of(const SceneView& view);
 /// The error with a view's place, unless it has one of its own.
 [[noreturn]] void rethrow_at(const std::string& place, const InputError& error);
 /// Throws InputError when a view without inverse is to be seen along functions.

@@ -19,7 +19,7 @@ Fields fields(Decoration& decoration) {
           .for_slices()
           .otherwise("transparent; of slices black"),
       Field("annotate", decoration.annotate,
-            "Write over the picture: letters, cube, scale, text, legend, crosshair, all")
+            "Write letters, cube, scale, text, legend, crosshair or all")
           .one_of({"letters", "cube", "scale", "text", "legend", "crosshair", "all"})
           .shown_as("A,B,...")
           .for_slices(),

@@ -1,5 +1,7 @@
 #include "tools/pictures/picture_writer.h"
 
+#include "raycast/drawings/value_images.h"
+
 namespace supple::tools {
 
 const AtomicFile& PendingFiles::add(const std::string& final_path) {

@@ -5,7 +5,6 @@
 
 #include "volumes/base/error.h"
 #include "volumes/grid/volume.h"
-#include "volumes/io/open_volume.h"
 
 namespace supple::tools {
 
@@ -41,8 +40,13 @@ SliceChoice effective_slice(const SliceChoice& choice, const Geometry& geometry,
   return effective;
 }
 
+Field sampling_field(Interpolation& interpolation) {
+  return Field("sampling", interpolation, {"linear", "cubic", "interpolating"},
+               "cubic smooths terraces, interpolating keeps thin walls");
+}
+
 Fields fields(SliceChoice& choice) {
-  return {
+  Fields all = {
       Field("plane", choice.plane, "Which slices")
           .one_of({"axial", "coronal", "sagittal", "all"})
           .also("transverse", "axial")
@@ -61,6 +65,7 @@ Fields fields(SliceChoice& choice) {
           .shown_as("LO,HI")
           .otherwise("soft tissue with HU, else all"),
       Field("scale", choice.scale, "Pixels per voxel of the smallest spacing").range(0.01, 64),
+      sampling_field(choice.interpolation),
       Field("thickness", choice.thickness_mm, "Of a slab around the slice")
           .unit("mm")
           .range(0, 10000)
@@ -76,17 +81,9 @@ Fields fields(SliceChoice& choice) {
           .positive()
           .otherwise("evenly through the volume"),
       Field("outline", choice.outline, "Without the outline of the body at rest"),
-      Field("labels", choice.labels_path,
-            "A segmentation to outline, at rest; it moves with the "
-            "tissue")
-          .path(),
-      Field("grid", choice.grid_mm, "Lines that were straight at rest, so far apart")
-          .unit("mm")
-          .range(0.5, 1000),
-      Field("arrows", choice.arrows_mm, "Displacements as arrows, so far apart")
-          .unit("mm")
-          .range(0.5, 1000),
   };
+  for (const Field& mark : fields(choice.marks)) all.push_back(mark);
+  return all;
 }
 
 void complete_slice(SliceChoice& choice, const std::string& place) {
@@ -102,8 +99,7 @@ void complete_slice(SliceChoice& choice, const std::string& place) {
   if (choice.slab != SlabMode::mean && choice.thickness_mm == 0) {
     refuse("slab", "slab without thickness", "a thickness beside it");
   }
-  if (choice.labels_path.empty()) return;
-  choice.labels = std::make_shared<StoredLabels>(*open_volume(choice.labels_path, {}));
+  read_labels(choice.marks);
 }
 
 std::vector<NamedAxes> axes_of(const SliceChoice& choice, const Geometry& geometry) {

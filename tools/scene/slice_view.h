@@ -1,15 +1,15 @@
 // Slices as `supple slice` and a scene's [[view]] ask for them.
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 
 #include "raycast/drawings/slice.h"
+#include "raycast/sample/source_bricks.h"
+#include "tools/scene/tissue_marks.h"
 #include "volumes/base/fields.h"
 #include "volumes/grid/density_grid.h"
-#include "volumes/io/load/stored_labels.h"
 
 namespace supple::tools {
 
@@ -20,17 +20,14 @@ struct SliceChoice {
   std::optional<Vec3d> at;      // voxel that they pass through; absent: the middle
   /// Densities that are black and white; absent: soft tissue with HU, else all.
   std::optional<NumberPair> window;
+  Interpolation interpolation = Interpolation::linear;
   double scale = 2;         // pixels per voxel of the smallest spacing
   double thickness_mm = 0;  // of a slab; 0: a plane
   SlabMode slab = SlabMode::mean;
   PixelSize lightbox{1, 1};        // columns and rows of parallel slices
   std::optional<double> every_mm;  // between them; absent: all the way through the volume
   bool outline = true;
-  std::string labels_path;                   // of a segmentation that is outlined; empty: none
-  std::optional<double> grid_mm, arrows_mm;  // distance of lines and arrows; absent: none
-
-  /// Read when the choice is.
-  std::shared_ptr<const StoredLabels> labels;
+  TissueMarks marks;
 
   int count() const { return lightbox[0] * lightbox[1]; }
 };
@@ -38,6 +35,9 @@ struct SliceChoice {
 /// The choice with everything decided that was left open. Throws InputError: a bad window.
 SliceChoice effective_slice(const SliceChoice& choice, const Geometry& geometry,
                             const DensityGrid& density);
+
+/// How densities between voxels are read, in slices and pictures in space.
+Field sampling_field(Interpolation& interpolation);
 
 /// Of `slice = { … }` in a [[view]].
 Fields fields(SliceChoice& choice);

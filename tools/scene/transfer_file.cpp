@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "lib/material/toml_table.h"
+#include "raycast/pictures/background.h"
 #include "tools/console/command.h"
 #include "volumes/base/error.h"
 #include "volumes/base/text.h"
@@ -52,6 +53,14 @@ Blend read_blend(TomlTable& table) {
   table.fail("blend", "\"" + name + "\"", "\"composite\" or \"maximum\"");
 }
 
+void check_background(const TomlTable& table, const std::string& background) {
+  try {
+    parse_background(background);
+  } catch (const InputError& error) {
+    table.fail("background", "\"" + background + "\"", error.problem().expected);
+  }
+}
+
 std::string to_toml(const std::string& key, const std::vector<OpacityKey>& keys) {
   std::string text = key + " = [";
   for (const OpacityKey& k : keys)
@@ -63,10 +72,12 @@ std::string to_toml(const std::string& key, const std::vector<OpacityKey>& keys)
 
 TransferFunction read_transfer_function(const std::string& path) {
   TomlTable table = TomlTable::read(path);
-  table.know({"name", "blend", "opacity", "colour", "gradient_opacity"});
+  table.know({"name", "blend", "background", "opacity", "colour", "gradient_opacity"});
   TransferFunction function;
   function.name = table.string("name").value_or(std::filesystem::path(path).stem().string());
   function.blend = read_blend(table);
+  function.background = table.string("background").value_or("");
+  if (!function.background.empty()) check_background(table, function.background);
   function.opacity = read_opacities(table, "opacity");
   if (function.opacity.empty()) {
     table.fail_missing("opacity", "a list of [density, opacity] pairs");
@@ -93,6 +104,7 @@ void require_preset(const std::string& option, const std::string& name) {
 std::string to_toml(const TransferFunction& function) {
   std::string text = "name = \"" + function.name + "\"\n";
   if (function.blend == Blend::maximum) text += "blend = \"maximum\"\n";
+  if (!function.background.empty()) text += "background = \"" + function.background + "\"\n";
   text += "# [density, opacity]\n" + to_toml("opacity", function.opacity);
   text += "# [density, red, green, blue]\ncolour = [";
   for (const ColourKey& key : function.colour) {

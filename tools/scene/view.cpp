@@ -112,15 +112,14 @@ Fields fields(SceneView& view) {
       Field("step", sampling.step_voxels, "Sample distance, not the quality's")
           .unit("voxels")
           .range(0.01, 16),
-      Field("sampling", sampling.interpolation, {"linear", "cubic"},
-            "Densities between voxels; cubic: a smoothing B-spline, softens terraces"),
+      sampling_field(sampling.interpolation),
       Field("classification", sampling.classification, {"post", "pre-integrated"},
             "Colours at the samples, or of the way between two"),
       Field("jitter", sampling.jitter, "Fine noise instead of rings"),
       Field("clip_meshes", view.clip_meshes, "Clips of the picture cut meshes, too"),
   };
   for (const Fields& more :
-       {fields(view.lighting), fields(view.decoration), fields(view.picture)}) {
+       {fields(view.lighting), fields(view.marks), fields(view.decoration), fields(view.picture)}) {
     all.insert(all.end(), more.begin(), more.end());
   }
   return all;
@@ -150,6 +149,7 @@ SceneView read_view(TomlTable& table, int steps) {
     slice->finish();
     complete_slice(*view.slice, slice->place());
   }
+  read_labels(view.marks);
   if (view.after_step && *view.after_step > steps) {
     table.fail("after_step", std::to_string(*view.after_step), "0 to " + std::to_string(steps));
   }

@@ -16,6 +16,7 @@
 #include "tools/scene/camera_keys.h"
 #include "tools/scene/offset_functions.h"
 #include "tools/scene/slice_view.h"
+#include "tools/scene/tissue_marks.h"
 #include "tools/scene/view_light.h"
 
 namespace supple::tools {
@@ -52,6 +53,7 @@ struct SceneView {
   std::string fit;                     // box, body or visible; empty: a named view frames the box
   double zoom = 1;
   Decoration decoration;
+  TissueMarks marks;
   PixelSize size{1024, 1024};
   Sampling sampling;
   bool deformed = true;

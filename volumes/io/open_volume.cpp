@@ -12,6 +12,7 @@
 #include "volumes/io/images/image_series.h"
 #include "volumes/io/tiff/tiff_directories.h"
 #include "volumes/io/transform/transform_volume.h"
+#include "volumes/io/vtu/vtu.h"
 
 namespace supple {
 
@@ -88,6 +89,7 @@ std::unique_ptr<VolumeFile> open_known(const std::string& path, const ReadOption
   if (is_openvdb(head)) return open_vdb(path);
   const TransformKind transform = transform_kind(head);
   if (transform != TransformKind::none) return open_transform(path, transform, options.grid);
+  if (is_vtu(head)) return open_vtu(path, options.grid);
 
   const std::string extension = extension_of(path);
   if (extension == ".nrrd" || extension == ".nhdr") return open_nrrd(path, options);
@@ -125,7 +127,8 @@ void check_slice(const VolumeHeader& header) {
 
 /// Readers of several frames choose among them by themselves.
 bool has_frames(const std::string& format) {
-  return format != "png" && format != "raw" && format != "vdb" && format != "transform";
+  return format != "png" && format != "raw" && format != "vdb" && format != "transform" &&
+         format != "vtu";
 }
 
 }  // namespace

@@ -2,15 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include "volumes/io/bytes/text_header.h"
 #include "volumes/io/bytes/value_type.h"
 #include "volumes/io/format/formats.h"
 #include "volumes/io/open_volume.h"
+#include "volumes/io/transform/transform_volume.h"
 
 namespace supple {
 
 namespace {
+
+/// Bytes in which a transform file says that it is one.
+constexpr int kTransformHead = 1024;
 
 std::optional<WarpDirection> parse_direction(const VolumeHeader& header) {
   const std::string& name = header.warp_direction;
@@ -67,6 +72,22 @@ Warp read_warp(const std::string& path, Progress* progress, const Geometry* grid
                       "finite numbers in every component"});
   }
   return warp;
+}
+
+TransformChain read_transform(const std::string& path, Progress* progress, const Geometry* grid) {
+  if (std::filesystem::is_regular_file(path)) {
+    const TransformKind kind = transform_kind(InputFile(path).head(kTransformHead));
+    if (kind != TransformKind::none) return read_chain(path, kind);
+  }
+  const Warp warp = read_warp(path, progress, grid);
+  if (warp.direction == WarpDirection::material) {
+    throw InputError({path, "direction", "material", "resample: supple invert gives it"});
+  }
+  TransformChain chain;
+  chain.grid = warp.geometry;
+  std::vector<Vec3d> vectors(warp.vectors.begin(), warp.vectors.end());
+  chain.links.push_back({field_map(warp.geometry, std::move(vectors)), false});
+  return chain;
 }
 
 }  // namespace supple

@@ -6,6 +6,7 @@
 
 #include "volumes/base/progress.h"
 #include "volumes/field/dense/warp.h"
+#include "volumes/io/transform/transform_chain.h"
 
 namespace supple {
 
@@ -17,5 +18,11 @@ namespace supple {
 /// `grid`: where a transform that names no grid is evaluated.
 Warp read_warp(const std::string& path, Progress* progress = nullptr,
                const Geometry* grid = nullptr);
+
+/// The transform of a file, at any place: of a registration program, or a warp of resample
+/// direction in any format, which moves nothing outside of its grid, as in ITK. Throws InputError
+/// as read_warp, and for a warp of material direction. `grid`: where a mesh is evaluated.
+TransformChain read_transform(const std::string& path, Progress* progress = nullptr,
+                              const Geometry* grid = nullptr);
 
 }  // namespace supple

@@ -1,5 +1,6 @@
 #include "volumes/state/state_outputs.h"
 
+#include "volumes/grid/b_spline.h"
 #include "volumes/io/open_volume.h"
 #include "volumes/state/warp_jumps.h"
 
@@ -72,13 +73,17 @@ std::int64_t write_state_warp(const WarpOutput& output, const State& state, cons
 }
 
 std::int64_t write_resampled(const std::string& path, const State& state, const Pose& pose,
-                             const Geometry& grid, const WriteOptions& options,
-                             Progress* progress) {
+                             const Geometry& grid, const WriteOptions& options, Progress* progress,
+                             bool is_cubic) {
   const std::int64_t lost = warn_of_lost_material(path, state, pose, grid, progress);
   ValueType type = ValueType::float32;
   find_numpy_type(state.source_type, type);
-  const auto slices =
-      dense_resampled(pose.offsets, state.density, grid, state.density.background());
+  std::optional<SplineDensity> spline;
+  if (is_cubic) spline.emplace(state.density, state.geometry.dims(), true);
+  const auto between = [&](const Vec3d& index) { return float(spline->at(index)); };
+  const float fill = state.density.background();
+  const auto slices = is_cubic ? dense_resampled(pose.offsets, between, grid, fill)
+                               : dense_resampled(pose.offsets, state.density, grid, fill);
   warn_of_all(path, write_volume(path, grid, type, slices, progress, options), progress);
   return lost;
 }

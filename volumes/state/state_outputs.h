@@ -34,6 +34,7 @@ struct WarpOutput {
 std::int64_t write_state_warp(const WarpOutput& output, const State& state, const Pose& pose,
                               Progress* progress);
 std::int64_t write_resampled(const std::string& path, const State& state, const Pose& pose,
-                             const Geometry& grid, const WriteOptions& options, Progress* progress);
+                             const Geometry& grid, const WriteOptions& options, Progress* progress,
+                             bool is_cubic = false);
 
 }  // namespace supple

@@ -4,10 +4,6 @@
 extern "C" __attribute__((visibility("default")))
 const supple::PicturesPlugin supple_pictures_plugin;
 
-const supple::PicturesPlugin supple_pictures_plugin = {supple::PicturesPlugin::kSizes,
-                                                       supple::compare,
-                                                       supple::difference_image,
-                                                       supple::offset_image,
-                                                       supple::depth_image,
-                                                       supple::write_exr,
-                                                       supple::draw_overlay};
+const supple::PicturesPlugin supple_pictures_plugin = {
+    supple::PicturesPlugin::kSizes, supple::compare,   supple::difference_image,
+    supple::offset_colours,         supple::write_exr, supple::draw_overlay};

@@ -10,6 +10,7 @@
 #include "tests/support/errors.h"
 #include "tests/support/io_fixtures.h"
 #include "volumes/base/error.h"
+#include "volumes/grid/b_spline.h"
 #include "volumes/io/filter/filters.h"
 
 using namespace supple;
@@ -194,6 +195,30 @@ TEST(PropertyFilters, OtherSpacingsKeepTheBoxAndEveryLinearFunctionInside) {
     });
     EXPECT_GT(inside, 0);
   }
+}
+
+/// The spline of b_spline.h, which filters recursively, at the same places.
+TEST(PropertyFilters, CubicSpacingsReadTheSplineThroughAllVoxels) {
+  const std::vector<float> values = noise();
+  BrickMask mask{};
+  std::vector<float> brick(kBrickVoxels);
+  for_each_voxel(kFilterDims, [&](const Vec3i& v) {
+    mask_set(mask, brick_offset(v));
+    brick[std::size_t(brick_offset(v))] = values[index_of(v)];
+  });
+  const DensityGrid density = make_density_grid({{Vec3i(0)}, {mask}}, brick, 0);
+  const SplineDensity spline(density, kFilterDims, true);
+  const Vec3d factor(1.0 / 3, 0.5, 0.4);
+  const auto file =
+      with_spacing(in_memory(values), kFilterGrid.spacing_mm() * factor, ResampleKernel::cubic);
+  const Geometry grid = file->header().geometry;
+  const std::vector<float> found = values_of<float>(*file);
+  std::size_t n = 0;
+  for_each_voxel(grid.dims(), [&](const Vec3i& v) {
+    Vec3d at = kFilterGrid.index_from_world(grid.world_from_index(Vec3d(v)));
+    for (int a = 0; a < 3; ++a) at[a] = std::clamp(at[a], 0.0, kFilterDims[a] - 1.0);
+    ASSERT_NEAR(found[n++], spline.at(at), 0.01);
+  });
 }
 
 TEST(PropertyFilters, WiderVoxelsTakeTheMeanOfAHatOfTheirWidth) {

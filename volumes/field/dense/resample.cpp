@@ -168,9 +168,17 @@ VectorSliceSource dense_displacement(const Displacement& extended) {
 
 ScalarSliceSource dense_resampled(const OffsetField& offsets, const DensityGrid& density,
                                   const Geometry& grid, float fill) {
+  const auto trilinear = [&density, fill](const Vec3d& index) {
+    return sample_trilinear(density, index, fill);
+  };
+  return dense_resampled(offsets, trilinear, grid, fill);
+}
+
+ScalarSliceSource dense_resampled(const OffsetField& offsets, const SourceDensity& density,
+                                  const Geometry& grid, float fill) {
   const GridPositions positions(grid, offsets.geometry);
   const Vec3i &dims = grid.dims(), source_dims = offsets.geometry.dims();
-  return [&offsets, &density, positions, dims, source_dims, fill](int k, float* out) {
+  return [&offsets, density, positions, dims, source_dims, fill](int k, float* out) {
     tbb::parallel_for(0, dims.y, [&](int j) {
       for (int i = 0; i < dims.x; ++i) {
         const Vec3d pos = positions.at(i, j, k);
@@ -181,7 +189,7 @@ ScalarSliceSource dense_resampled(const OffsetField& offsets, const DensityGrid&
         source += o;
         // A volume of one slice has nothing to interpolate across it.
         for (int a = 0; a < 3; ++a) source[a] = source_dims[a] == 1 ? 0 : source[a];
-        value = sample_trilinear(density, source, fill);
+        value = density(source);
       }
     });
   };

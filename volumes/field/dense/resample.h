@@ -41,7 +41,12 @@ VectorSliceSource dense_offsets(const OffsetField& offsets, const BrickTopology&
 /// The material-direction field on the source grid: extended u, 0 where nothing is.
 VectorSliceSource dense_displacement(const Displacement& extended);
 
-/// The deformed volume on `grid`: the density at x + o(x), trilinear; void reads `fill`.
+/// A density at a place of the source's index frame.
+using SourceDensity = std::function<float(const Vec3d& index)>;
+/// The deformed volume on `grid`: the density at x + o(x); void reads `fill`.
+ScalarSliceSource dense_resampled(const OffsetField& offsets, const SourceDensity& density,
+                                  const Geometry& grid, float fill);
+/// The same with trilinear densities.
 ScalarSliceSource dense_resampled(const OffsetField& offsets, const DensityGrid& density,
                                   const Geometry& grid, float fill);
 

@@ -4,11 +4,14 @@
 #include <cmath>
 #include <numeric>
 
+#include "volumes/grid/b_spline.h"
+
 namespace supple {
 
 namespace {
 
 constexpr double kCutOff = 4;  // standard deviations
+constexpr double kSplineReach = 12;
 
 /// Of output n, in inputs.
 double place_of(int n, double step) {
@@ -50,6 +53,30 @@ AxisWeights AxisWeights::linear(int from, int to, double step) {
     weights.clear();
     for (int m = first; m <= last; ++m) weights.push_back(1 - std::abs(m - place) / width);
     table.add(first, weights);
+  }
+  return table;
+}
+
+AxisWeights AxisWeights::cubic(int from, int to, double step) {
+  const double width = std::max(1.0, step);
+  const int period = std::max(1, 2 * from - 2);
+  AxisWeights table;
+  std::vector<double> weights;
+  for (int n = 0; n < to; ++n) {
+    const double place = std::clamp(place_of(n, step), 0.0, double(from - 1));
+    const int begin = int(std::ceil(place - kSplineReach * width));
+    const int end = int(std::floor(place + kSplineReach * width));
+    // Inputs and those that are mirrored onto them; a small volume is mirrored more than once.
+    const bool is_wide = end - begin >= from - 1;
+    const int low = is_wide ? 0 : std::max(0, std::min(begin, 2 * (from - 1) - end));
+    const int high = is_wide ? from - 1 : std::min(from - 1, std::max(end, -begin));
+    weights.assign(std::size_t(high - low + 1), 0.0);
+    for (int m = begin; m <= end; ++m) {
+      const int folded = ((m % period) + period) % period;
+      const int input = folded < from ? folded : period - folded;
+      weights[std::size_t(input - low)] += cardinal_spline((m - place) / width);
+    }
+    table.add(low, weights);
   }
   return table;
 }

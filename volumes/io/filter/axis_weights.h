@@ -13,6 +13,9 @@ class AxisWeights {
   /// Linear interpolation of `from` inputs at `to` places that are `step` inputs apart, the first
   /// at (step - 1) / 2; for steps over 1 the hat is as much wider.
   static AxisWeights linear(int from, int to, double step);
+  /// The same by the interpolating cubic B-spline, as far as its weights are above 1e-6; inputs are
+  /// mirrored at the outer ones.
+  static AxisWeights cubic(int from, int to, double step);
   /// The input nearest to each of these places.
   static AxisWeights nearest(int from, int to, double step);
 

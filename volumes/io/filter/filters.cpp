@@ -191,9 +191,10 @@ std::unique_ptr<VolumeFile> with_spacing(std::unique_ptr<VolumeFile> file, const
     }
     to[a] = int(count);
     first[a] = (step[a] - 1) / 2;
-    weights[std::size_t(a)] = interpolation == ResampleKernel::linear
-                                  ? AxisWeights::linear(from[a], to[a], step[a])
-                                  : AxisWeights::nearest(from[a], to[a], step[a]);
+    const auto make = interpolation == ResampleKernel::linear  ? AxisWeights::linear
+                      : interpolation == ResampleKernel::cubic ? AxisWeights::cubic
+                                                               : AxisWeights::nearest;
+    weights[std::size_t(a)] = make(from[a], to[a], step[a]);
   }
   const Geometry grid = moved_grid(header, to, first, step);
   return std::make_unique<SeparableVolume>(std::move(file), std::move(weights), grid);

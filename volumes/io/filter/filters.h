@@ -27,11 +27,12 @@ IndexBox box_of_densities(VolumeFile& file, double lo, double hi, double margin_
 /// of the cut-off along k.
 std::unique_ptr<VolumeFile> smooth(std::unique_ptr<VolumeFile> file, double sigma_mm);
 
-enum class ResampleKernel { linear, nearest };
+enum class ResampleKernel { linear, nearest, cubic };
 
 /// The same box with other voxel sizes: outer faces of the first voxels stay where they are, counts
 /// are rounded. Linear along each axis; where voxels grow, the kernel grows with them, so that no
-/// value is skipped. `nearest` is for labels. Throws InputError (field "spacing") for what is no
+/// value is skipped. `nearest` is for labels; `cubic` passes through all voxels, keeps edges sharp
+/// and may overshoot beside them. Throws InputError (field "spacing") for what is no
 /// length or gives more than 2^31 - 1 voxels along an axis.
 std::unique_ptr<VolumeFile> with_spacing(std::unique_ptr<VolumeFile> file, const Vec3d& spacing_mm,
                                          ResampleKernel interpolation = ResampleKernel::linear);

@@ -42,6 +42,10 @@ struct TransformChain {
   Vec3d at(const Vec3d& lps_mm) const;
 };
 
+/// Several as one, the last applied first, as ITK's CompositeTransform and the options -t of ANTs
+/// say it: x goes to first(second(... last(x))). The grid is that of the last with one.
+TransformChain compose(std::vector<TransformChain> chains);
+
 /// "#Insight Transform File V1.0": identity, translation, affine, Euler, versor, similarity,
 /// displacement fields and B-splines; several only in a CompositeTransform, which applies the last
 /// first. The grid is that of the only displacement field among linear transforms, else none.

@@ -116,6 +116,17 @@ class BsplinePoints : public PointMap {
   int m_order;
 };
 
+/// A chain as one map: what it adds is relative to where it begins.
+class ChainPoints : public PointMap {
+ public:
+  explicit ChainPoints(std::vector<TransformChain::Link> links) : m_chain{std::move(links), {}} {}
+
+  Vec3d at(const Vec3d& lps_mm) const override { return m_chain.at(lps_mm); }
+
+ private:
+  TransformChain m_chain;
+};
+
 }  // namespace
 
 std::unique_ptr<PointMap> affine_map(const Geometry& map) {
@@ -137,6 +148,15 @@ Vec3d TransformChain::at(const Vec3d& lps_mm) const {
     place = link.adds ? place + link.map->at(lps_mm) - lps_mm : link.map->at(place);
   }
   return place;
+}
+
+TransformChain compose(std::vector<TransformChain> chains) {
+  TransformChain all;
+  for (auto chain = chains.rbegin(); chain != chains.rend(); ++chain) {
+    if (!all.grid) all.grid = chain->grid;
+    all.links.push_back({std::make_unique<ChainPoints>(std::move(chain->links)), false});
+  }
+  return all;
 }
 
 }  // namespace supple

@@ -46,10 +46,13 @@ TransformKind transform_kind(const std::string& head) {
                                                          : TransformKind::none;
 }
 
+TransformChain read_chain(const std::string& path, TransformKind kind) {
+  return kind == TransformKind::itk ? read_itk_transform(path) : read_elastix_transform(path);
+}
+
 std::unique_ptr<VolumeFile> open_transform(const std::string& path, TransformKind kind,
                                            const Geometry* grid) {
-  TransformChain chain =
-      kind == TransformKind::itk ? read_itk_transform(path) : read_elastix_transform(path);
+  TransformChain chain = read_chain(path, kind);
   if (!chain.grid && grid == nullptr) {
     throw InputError({path, "grid", "a transform of all space", "a grid to evaluate it on"});
   }
@@ -60,7 +63,12 @@ std::unique_ptr<VolumeFile> open_transform(const std::string& path, TransformKin
                       "at most " + std::to_string(kMostPoints)});
   }
   const Geometry where = chain.grid ? *chain.grid : *grid;
-  return std::make_unique<TransformVectors>(path, where, std::move(chain));
+  return transform_volume(path, where, std::move(chain));
+}
+
+std::unique_ptr<VolumeFile> transform_volume(const std::string& path, const Geometry& grid,
+                                             TransformChain chain) {
+  return std::make_unique<TransformVectors>(path, grid, std::move(chain));
 }
 
 }  // namespace supple

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "volumes/io/format/volume_file.h"
+#include "volumes/io/transform/transform_chain.h"
 
 namespace supple {
 
@@ -16,5 +17,12 @@ TransformKind transform_kind(const std::string& head);
 /// threads; the parameters and a slice in memory.
 std::unique_ptr<VolumeFile> open_transform(const std::string& path, TransformKind kind,
                                            const Geometry* grid = nullptr);
+
+/// The transform of such a file; it needs no grid.
+TransformChain read_chain(const std::string& path, TransformKind kind);
+
+/// The vectors of a chain on a grid, as open_transform gives them.
+std::unique_ptr<VolumeFile> transform_volume(const std::string& path, const Geometry& grid,
+                                             TransformChain chain);
 
 }  // namespace supple

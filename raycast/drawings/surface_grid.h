@@ -1,0 +1,37 @@
+// A grid of tissue drawn on what a picture in space shows: lines where the planes between cubes of
+// tissue at rest come to the visible surface. They bend as the tissue does, on skin and on the
+// faces of clips alike.
+//
+// Lines are found in the tangent plane of each pixel's place, from where the tissue there and a
+// pixel beside it was at rest. Planes that lie nearly along the surface draw nothing on it: their
+// lines would be blotches. Cost: three look-ups per pixel with a surface; all threads.
+#pragma once
+
+#include <array>
+#include <functional>
+
+#include "raycast/pictures/float_image.h"
+#include "raycast/scene/camera.h"
+#include "volumes/base/fields.h"
+#include "volumes/geometry/geometry.h"
+
+namespace supple {
+
+struct SurfaceGrid {
+  double apart_mm = 10;  // between planes, along the grid axes
+  double width = 1;      // of lines, pixels
+  Rgb ink{0.35, 0.78, 1};
+};
+
+/// Where the tissue that is seen at a place of the index frame was at rest; false: nowhere.
+using SeenRestPlace = std::function<bool(const Vec3d& index, Vec3d& at_rest)>;
+/// Whether a pixel shows tissue and no mesh; null: all do.
+using ShowsTissue = std::function<bool(int x, int y)>;
+
+/// Draws over the colours of a picture with depths and normals, where it shows a surface. Throws
+/// InputError: a picture without them.
+void draw_surface_grid(FloatImage& picture, const Camera& camera, const Geometry& geometry,
+                       const SurfaceGrid& grid, const SeenRestPlace& rest_place,
+                       const ShowsTissue& shows_tissue);
+
+}  // namespace supple

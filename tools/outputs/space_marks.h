@@ -1,0 +1,22 @@
+// The marks of a view in space: arrows and surfaces of labels among the meshes of the picture, the
+// grid on its tissue.
+#pragma once
+
+#include "raycast/drawings/annotations.h"
+#include "tools/outputs/view_pictures.h"
+
+namespace supple::tools {
+
+/// All surfaces that a view shows with the subject in its pose: its meshes, arrows up to
+/// `view.picture.offset_max_mm`, which is known, and labels. Throws InputError: what the subject
+/// does not know.
+std::vector<Surface> surfaces_of(const PosedVolume& subject, const SceneView& view);
+
+/// Draws the grid on a picture with depths and normals, where no mesh is before the tissue.
+void draw_grid(FloatImage& picture, const PosedVolume& subject, const SceneView& view,
+               const Camera& camera);
+
+/// The legend of the arrows' colours.
+void add_arrow_legend(Annotations& annotations, const SceneView& view);
+
+}  // namespace supple::tools
