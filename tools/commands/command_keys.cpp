@@ -6,6 +6,7 @@
 
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
+#include "tools/scene/cut_keys.h"
 #include "tools/scene/scene.h"
 #include "volumes/io/open_volume.h"
 
@@ -30,6 +31,8 @@ std::vector<KeyTable> all_tables() {
   static GivenHandle handle;
   static RelaxParams relax;
   static SpringStep springs;
+  static CutSurface plane, curve;
+  curve.curve.emplace();
   static SceneView view;
   static SliceChoice slice;
   static Clip clip;
@@ -40,6 +43,8 @@ std::vector<KeyTable> all_tables() {
       {"grab", "handles = [{ … }] and anchors = [{ … }] of a [[step]]", "",
        fields(static_cast<GivenSelection&>(handle))},
       {"motion", "handles = [{ … }] of a [[step]]", "", fields(static_cast<GivenMotion&>(handle))},
+      {"plane", "plane = { … } of a cut", "", plane_fields(plane)},
+      {"curve", "curve = { … } of a cut", "", curve_fields(curve)},
       {"relax", "relax = { … } of a [[step]]", "relax-", fields(relax)},
       {"springs", "springs = { … } of a [[step]]", "springs-", fields(springs)},
       {"view", "[[view]]", "", fields(view)},
