@@ -16,7 +16,8 @@ PlanePatch plane_of(const CutSurface& surface, const Geometry& geometry) {
 }
 
 TriangleMesh mesh_of(const CutCurve& curve, bool in_voxels, const Geometry& geometry) {
-  SweptCurve swept{curve.points, curve.direction, curve.depth_mm, curve.above_mm, curve.is_smooth};
+  SweptCurve swept{curve.points, curve.direction, curve.depth_mm, curve.above_mm,
+                   !curve.is_straight};
   if (in_voxels) {
     for (Vec3d& point : swept.points_lps_mm) point = geometry.world_from_index(point);
     swept.direction = geometry.world_vector_from_index(curve.direction);
@@ -92,9 +93,12 @@ std::string settings_json(const CutSurface& surface) {
     const CutCurve& curve = *surface.curve;
     nlohmann::ordered_json points;
     for (const Vec3d& point : curve.points) points.push_back(list(point));
-    json["curve"] = {{"points", points},           {"direction", list(curve.direction)},
-                     {"depth_mm", curve.depth_mm}, {"above_mm", curve.above_mm},
-                     {"smooth", curve.is_smooth},  {"frame", frame}};
+    json["curve"] = {{"points", points},
+                     {"direction", list(curve.direction)},
+                     {"depth_mm", curve.depth_mm},
+                     {"above_mm", curve.above_mm},
+                     {"straight", curve.is_straight},
+                     {"frame", frame}};
     if (!curve.file.empty()) json["curve"]["file"] = curve.file;
   } else {
     json["plane"] = {{"corner", list(surface.corner)},

@@ -19,7 +19,7 @@ struct CutCurve {
   std::string file;  // that the points came from, without folder; empty: from the scene
   Vec3d direction{0, 0, 0};
   double depth_mm = 0, above_mm = 5;
-  bool is_smooth = true;
+  bool is_straight = false;
 };
 
 struct CutSurface {

@@ -63,8 +63,9 @@ std::string kind_of(const Field& field) {
 
 /// Nothing where only scenes have the key, or where the option is one of a command's own.
 std::string option_of(const KeyTable& table, const Field& field) {
-  const bool has_no_options =
-      table.name == "light" || table.name == "grab" || table.name == "motion";
+  const bool has_no_options = table.name == "light" || table.name == "grab" ||
+                              table.name == "motion" || table.name == "plane" ||
+                              table.name == "curve";
   if (field.is_only_in_scenes() || has_no_options) return "";
   return option_name(field, table.prefix);
 }

@@ -27,7 +27,7 @@ Fields curve_fields(CutSurface& surface) {
       Field("above", curve.above_mm, "How far against it, to cut what is above the points")
           .unit("mm")
           .at_least(0),
-      Field("smooth", curve.is_smooth, "A spline through the points, not straight segments"),
+      Field("straight", curve.is_straight, "Straight lines from point to point, not a spline"),
       Field("frame", surface.in_voxels, {"lps", "voxel"},
             "LPS mm, or voxels of the volume: points and direction"),
   };

@@ -8,6 +8,8 @@ namespace supple {
 namespace {
 
 constexpr int kRings = 2;
+// Beside a cut a voxel may be this many rings from the elements of its own side.
+constexpr int kRingsOfSide = 4;
 
 }  // namespace
 
@@ -22,15 +24,20 @@ void extend_beside_cuts(VectorBricks& u, const CutBody& body) {
     }
   }
   sort_unique(voxels);
-  for (int ring = 1; ring <= kRings; ++ring) {
+  std::unordered_map<Vec3i, int, VoxelHash> later;  // rings from the elements of their side
+  const auto ring_of = [&](const Vec3i& voxel) {
+    const auto found = later.find(voxel);
+    return found != later.end() ? found->second : body.ring(voxel);
+  };
+  for (int ring = 1; ring <= kRingsOfSide; ++ring) {
     for (const Vec3i& voxel : voxels) {
       const std::int32_t b = u.topology.find(voxel);
       const int offset = brick_offset(voxel);
       if (b < 0 || !mask_test(u.topology.mask(std::size_t(b)), offset)) continue;
-      if (body.ring(voxel) != ring) continue;
+      if (ring_of(voxel) != ring) continue;
       Extrapolation extrapolation;
       const auto value_at = [&](const Vec3i& from, const Vec3i& to, Vec3f& value) {
-        return u.at(to, value) && body.ring(to) < ring && body.connects(from, to);
+        return u.at(to, value) && ring_of(to) < ring && body.connects(from, to);
       };
       for (int n = 0; n < 27; ++n) {
         const Vec3i beside = voxel + Vec3i(n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1);
@@ -42,7 +49,10 @@ void extend_beside_cuts(VectorBricks& u, const CutBody& body) {
           extrapolation.add(near);
         }
       }
-      if (extrapolation.empty()) continue;
+      if (extrapolation.empty()) {
+        later[voxel] = ring + 1;
+        continue;
+      }
       u.vectors[std::size_t(b) * kBrickVoxels + std::size_t(offset)] = extrapolation.value();
     }
   }

@@ -7,8 +7,8 @@ namespace supple {
 
 namespace {
 
-constexpr int kPlaneBlock = 4;
-constexpr double kFarthest = 4;  // voxels from a crossing, at which sides are known
+constexpr int kPlaneBlock = 6;
+constexpr double kFarthest = 6;  // voxels from a crossing, at which sides are known
 // How fast farther crossings count less, in voxels.
 constexpr double kWidth = 1;
 

@@ -29,7 +29,7 @@ class CutPlanes {
   bool empty() const { return m_points.empty(); }
 
   struct Side {
-    bool is_known = false;  // a crossing is within four voxels
+    bool is_known = false;  // a crossing is within six voxels
     double distance = 0;    // from the surface in voxels, positive where `normal` points
     Vec3d normal{0, 0, 0};
   };
@@ -43,7 +43,7 @@ class CutPlanes {
   void for_near(const Vec3d& X, Visit&& visit) const;
 
   std::vector<Point> m_points;
-  std::unordered_map<Vec3i, std::vector<int>, VoxelHash> m_blocks;  // of four voxels
+  std::unordered_map<Vec3i, std::vector<int>, VoxelHash> m_blocks;  // of six voxels
 };
 
 }  // namespace supple
