@@ -95,7 +95,10 @@ class AxisCutter {
         inside = part >= 0;
         along += part * triangle[corner][m_axis];
       }
-      if (inside) cross_link(column, row, floor_divide(along, area * kOne));
+      if (!inside) continue;
+      const std::int64_t low = floor_divide(along, area * kOne);
+      const double fraction = double(along - low * (area * kOne)) / double(area * kOne);
+      cross_link(column, row, low, LinkCuts::place_of(fraction));
     }
   }
 
@@ -119,7 +122,7 @@ class AxisCutter {
   }
 
   /// Marks the link that starts at `low`, if both its ends are elements.
-  void cross_link(int column, int row, std::int64_t low) {
+  void cross_link(int column, int row, std::int64_t low, LinkCuts::Place place) {
     const IndexBox& bounds = m_elements.active_bounds();
     if (low < bounds.lo[m_axis] || low >= bounds.hi[m_axis]) return;
     Vec3i voxel;
@@ -129,7 +132,7 @@ class AxisCutter {
     Slot slot, next;
     if (!slot_of(m_elements, voxel, slot)) return;
     if (!neighbour_slot(m_elements, LinkCuts{}, slot, m_axis, true, next)) return;
-    m_crossed.cut(slot / kBrickVoxels, int(slot % kBrickVoxels), m_axis);
+    m_crossed.cut(slot / kBrickVoxels, int(slot % kBrickVoxels), m_axis, place);
   }
 
   const BrickTopology& m_elements;
@@ -158,8 +161,9 @@ CutReport merge(const LinkCuts& crossed, Body& body) {
   for (std::size_t b = 0; b < crossed.brick_end(); ++b) {
     const LinkCuts::BrickCuts* links = crossed.brick(b);
     for (int axis = 0; links != nullptr && axis < 3; ++axis) {
-      for_each_active((*links)[axis],
-                      [&](int offset) { report.newly_cut += body.cuts.cut(b, offset, axis); });
+      for_each_active((*links)[axis], [&](int offset) {
+        report.newly_cut += body.cuts.cut(b, offset, axis, crossed.place(b, offset, axis));
+      });
     }
   }
   return report;

@@ -5,7 +5,9 @@
 // voxel, so that no lattice-aligned plane passes through voxel centres, and rounded to 2^-24 voxel.
 // From there on everything is exact in integers: per triangle and axis, the lattice lines inside
 // its projection (edges included) are intersected with it and the link floor(t) is crossed. Shared
-// vertices round alike, so a closed surface leaves no link between its inside and its outside.
+// vertices round alike, so a closed surface leaves no link between its inside and its outside. Each
+// cut link keeps where it was crossed, so that faces are where the surface was; of several surfaces
+// through one link the first counts.
 //
 // Cost: about 100 ns per lattice line that the projections of a triangle cover inside the bounds of
 // the elements; nothing depends on the volume.

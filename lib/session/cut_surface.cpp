@@ -15,6 +15,16 @@ PlanePatch plane_of(const CutSurface& surface, const Geometry& geometry) {
           geometry.world_vector_from_index(surface.edge2)};
 }
 
+TriangleMesh mesh_of(const CutCurve& curve, bool in_voxels, const Geometry& geometry) {
+  SweptCurve swept{curve.points, curve.direction, curve.depth_mm, curve.above_mm,
+                   !curve.is_straight};
+  if (in_voxels) {
+    for (Vec3d& point : swept.points_lps_mm) point = geometry.world_from_index(point);
+    swept.direction = geometry.world_vector_from_index(curve.direction);
+  }
+  return swept_surface(swept);
+}
+
 CutReport cut_around(std::int32_t label, Body& body, const BrickValues& labels) {
   require_label(labels, label, "cut");
   return cut_boundary(body, [&](Slot slot) { return labels.at(slot) == label; });
@@ -25,6 +35,9 @@ CutReport cut_along(const CutSurface& surface, Body& body, const BrickValues& la
   try {
     if (surface.label != 0) return cut_around(surface.label, body, labels);
     if (surface.mesh) return cut(body, *surface.mesh);
+    if (surface.curve) {
+      return cut(body, mesh_of(*surface.curve, surface.in_voxels, body.geometry));
+    }
     return cut(body, plane_of(surface, body.geometry));
   } catch (const InputError& error) {
     const Problem& problem = error.problem();
@@ -71,15 +84,27 @@ std::int64_t apply_cuts(Body& body, const BrickValues& labels,
 std::string settings_json(const CutSurface& surface) {
   nlohmann::ordered_json json;
   const auto list = [](const Vec3d& v) { return nlohmann::ordered_json{v.x, v.y, v.z}; };
+  const char* frame = surface.in_voxels ? "voxel" : "lps";
   if (surface.mesh) {
     json["mesh"] = surface.mesh_file;
   } else if (surface.label != 0) {
     json["label"] = surface.label;
+  } else if (surface.curve) {
+    const CutCurve& curve = *surface.curve;
+    nlohmann::ordered_json points;
+    for (const Vec3d& point : curve.points) points.push_back(list(point));
+    json["curve"] = {{"points", points},
+                     {"direction", list(curve.direction)},
+                     {"depth_mm", curve.depth_mm},
+                     {"above_mm", curve.above_mm},
+                     {"straight", curve.is_straight},
+                     {"frame", frame}};
+    if (!curve.file.empty()) json["curve"]["file"] = curve.file;
   } else {
     json["plane"] = {{"corner", list(surface.corner)},
                      {"edge1", list(surface.edge1)},
                      {"edge2", list(surface.edge2)},
-                     {"frame", surface.in_voxels ? "voxel" : "lps"}};
+                     {"frame", frame}};
   }
   return json.dump();
 }

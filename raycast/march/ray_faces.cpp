@@ -88,19 +88,29 @@ class FaceSearch {
     return Vec3d(as_seen(space, normal, pos)).dot(direction());
   }
 
+  /// A face counts where it cuts something that is seen, not where a ray came through its plane in
+  /// the air beside a lip. The tissue is taken as moved without turning since the ray crossed it.
   void add_piece(const Vec3d& seen_at, const Vec3d& read_at) {
     Vec3d normal;
     double depth_mm;
     const std::int32_t piece = m_samples.batch.piece[m_lane];
     if (!m_context.output.pointwise()->face(piece, seen_at, read_at, normal, depth_mm)) return;
     const double gain = normal.dot(direction());  // mm deeper per mm
-    if (gain > 0) add(Vec3f(normal), depth_mm / gain);
+    if (!(gain > 0)) return;
+    const double mm_ago = depth_mm / gain;
+    if (share_of(mm_ago) > 0 && is_visible_at(read_at - direction() * mm_ago)) {
+      add(Vec3f(normal), mm_ago);
+    }
+  }
+
+  float share_of(double mm_ago) const {
+    const double voxels = mm_ago / m_context.step_mm * m_context.settings.step_voxels;
+    return float(std::clamp(kFaceVoxels + 1 - voxels, 0.0, 1.0));
   }
 
   /// `normal`: index space, of a face that the ray crossed some mm ago.
   void add(const Vec3f& normal, double mm_ago) {
-    const double voxels = mm_ago / m_context.step_mm * m_context.settings.step_voxels;
-    const float share = float(std::clamp(kFaceVoxels + 1 - voxels, 0.0, 1.0));
+    const float share = share_of(mm_ago);
     if (share <= m_face.share) return;
     m_face.normal = m_context.to_world(normal).normalized();
     if (m_face.normal.dot(m_towards_eye) < 0) m_face.normal = -m_face.normal;

@@ -83,6 +83,40 @@ TEST_F(UnitCutting, AMeshInMillimetresAndAPlaneInEitherFrameCutTheSame) {
   EXPECT_EQ(step["cut"][0]["plane"]["frame"], "voxel");
 }
 
+TEST_F(UnitCutting, ADrawnCurveCutsAsThePlaneThatItSweeps) {
+  const auto cut_and_move = [&](const std::string& cut, const std::string& name) {
+    return parse(run_scene(
+        "[[step]]\ncut = [{ " + cut + " }]\n[[step]]\ngrab = [8, 11, 8]\nby = [0.0, 3.0, 0.0]\n",
+        name));
+  };
+  write_text(m_folder / "drawn.mrk.json",
+             R"({"markups": [{"type": "Curve", "coordinateSystem": "LPS", "controlPoints": [
+                {"position": [-9, 6.5, 2]}, {"position": [20, 6.5, 2]},
+                {"position": [40, 6.5, 2]}]}]})");
+  const std::string rest = ", direction = [0, 0, 2], depth = 58, above = 11 }";
+  const auto plane = cut_and_move(
+      "plane = { corner = [-9, 6.5, -9], edge1 = [49, 0, 0], edge2 = [0, 0, 69] }", "plane");
+  const auto points = cut_and_move(
+      "curve = { points = [[-9, 6.5, 2], [20, 6.5, 2], [40, 6.5, 2]]" + rest, "points");
+  const auto file = cut_and_move("curve = { points = \"drawn.mrk.json\"" + rest, "file");
+  const auto voxels = cut_and_move(
+      "curve = { points = [[-9, 8.5, 2], [40, 8.5, 2]], direction = [0, 0, 2], depth = 58, above = "
+      "11, frame = \"voxel\" }",
+      "voxels");
+  EXPECT_GT(plane["steps"][0]["cut_links"], 50);
+  const std::string expected = read_text(m_folder / "out/plane.nrrd");
+  for (const auto& [json, name] :
+       {std::pair(points, "points"), std::pair(file, "file"), std::pair(voxels, "voxels")}) {
+    EXPECT_EQ(json["steps"][0]["cut_links"], plane["steps"][0]["cut_links"]) << name;
+    EXPECT_EQ(read_text(m_folder / ("out/" + std::string(name) + ".nrrd")), expected) << name;
+  }
+  const auto info = parse(run_supple({"info", "--json", m_folder / "out/file.vdb"}));
+  const auto& curve = info["configuration"]["steps"][0]["cut"][0]["curve"];
+  EXPECT_EQ(curve["file"], "drawn.mrk.json");
+  EXPECT_EQ(curve["points"][1], nlohmann::json({20, 6.5, 2}));
+  EXPECT_EQ(curve["depth_mm"], 58);
+}
+
 TEST_F(UnitCutting, AContinuedStateIsStillCut) {
   const std::vector<std::string> soft = {"--material", m_folder / "soft.toml"};
   const auto cut =
@@ -149,7 +183,15 @@ TEST_F(UnitCutting, UnusableCutsAreRefusedWithTheirPlace) {
   expect_refused("{ mesh = \"soft.toml\" }",
                  {"soft.toml", "extension", ".stl, .ply, .obj or .vtk"});
   expect_refused("{ mesh = \"knife.obj\", " + plane + "[0, 1, 0] } }", {"scene.toml:6", "either"});
-  expect_refused("{ }", {"scene.toml:6", "either mesh, plane or label"});
+  expect_refused("{ }", {"scene.toml:6", "either mesh, plane, curve or label"});
+  const std::string curve = "{ curve = { points = ", two = "[[0, 0, 0], [9, 0, 0]]";
+  expect_refused(curve + two + ", direction = [0, 0, 1] } }", {"scene.toml:6", "depth"});
+  expect_refused(curve + two + ", direction = [0, 0, 0], depth = 3 } }",
+                 {"scene.toml:6", "direction", "found [0, 0, 0]"});
+  expect_refused(curve + two + ", direction = [1, 0, 0], depth = 3 } }",
+                 {"scene.toml:6", "direction", "one across it"});
+  expect_refused(curve + "[[0, 0, 0]], direction = [0, 0, 1], depth = 3 } }",
+                 {"scene.toml:6", "points", "two points"});
   expect_refused("{ label = 3 }", {"scene.toml:6", "label"});
   expect_refused("{ " + plane + "[2, 0, 0] } }", {"scene.toml:6", "edge2", "span no area"});
   expect_refused("{ " + plane + "[0, 1, 0], frame = \"ras\" } }", {"frame", "lps or voxel"});

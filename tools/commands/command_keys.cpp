@@ -7,6 +7,7 @@
 
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
+#include "tools/scene/cut_keys.h"
 #include "tools/scene/scene.h"
 #include "volumes/io/open_volume.h"
 
@@ -35,6 +36,8 @@ std::vector<KeyTable> all_tables() {
   static Retraction retract;
   static RelaxParams relax;
   static SpringStep springs;
+  static CutSurface plane, curve;
+  curve.curve.emplace();
   static SceneView view;
   static SliceChoice slice;
   static Clip clip;
@@ -47,6 +50,8 @@ std::vector<KeyTable> all_tables() {
       {"motion", "handles = [{ … }] of a [[step]]", "", fields(static_cast<GivenMotion&>(handle))},
       {"path", "path = [{ … }] of a handle", "", fields(pose)},
       {"retract", "retract = [{ … }] of a [[step]]", "", fields(retract)},
+      {"plane", "plane = { … } of a cut", "", plane_fields(plane)},
+      {"curve", "curve = { … } of a cut", "", curve_fields(curve)},
       {"relax", "relax = { … } of a [[step]]", "relax-", fields(relax)},
       {"springs", "springs = { … } of a [[step]]", "springs-", fields(springs)},
       {"view", "[[view]]", "", fields(view)},
@@ -67,8 +72,8 @@ std::string kind_of(const Field& field) {
 
 /// Nothing where only scenes have the key, or where the option is one of a command's own.
 std::string option_of(const KeyTable& table, const Field& field) {
-  static const std::set<std::string> kSceneTables = {"light", "grab",        "motion", "path",
-                                                     "film",  "camera_path", "retract"};
+  static const std::set<std::string> kSceneTables = {
+      "light", "grab", "motion", "path", "film", "camera_path", "retract", "plane", "curve"};
   const bool has_no_options = kSceneTables.count(table.name) != 0;
   if (field.is_only_in_scenes() || has_no_options) return "";
   return option_name(field, table.prefix);

@@ -4,6 +4,7 @@
 
 #include "lib/material/material_file.h"
 #include "lib/material/toml_table.h"
+#include "tools/scene/cut_keys.h"
 #include "tools/scene/handle_keys.h"
 #include "tools/scene/spring_keys.h"
 #include "tools/scene/transfer_file.h"
@@ -14,40 +15,6 @@
 namespace supple::tools {
 
 namespace {
-
-/// Of a table `plane` of a cut.
-Fields plane_fields(CutSurface& surface) {
-  return {
-      Field("corner", surface.corner, "A point [x, y, z]").required(),
-      Field("edge1", surface.edge1, "A vector [x, y, z]").required(),
-      Field("edge2", surface.edge2, "A vector [x, y, z]").required(),
-      Field("frame", surface.in_voxels, {"lps", "voxel"}, "LPS mm, or voxels of the volume"),
-  };
-}
-
-CutSurface read_plane(TomlTable& table) {
-  CutSurface surface;
-  surface.place = table.place();
-  table.read(plane_fields(surface));
-  if (surface.edge1.cross(surface.edge2) == Vec3d(0)) {
-    table.fail("edge2", "edges that span no area", "two vectors that differ in direction");
-  }
-  table.finish();
-  return surface;
-}
-
-CutSurface read_cut(TomlTable& table, const LabelNames& names) {
-  table.know({"plane", "mesh", "label"});
-  auto plane = table.table("plane");
-  const auto mesh = table.path("mesh");
-  const auto label = read_label(table, "label", names);
-  table.finish();
-  const int given = int(plane.has_value()) + int(mesh.has_value()) + int(label.has_value());
-  if (given == 0) table.fail_missing("mesh", "either mesh, plane or label");
-  if (given > 1) table.fail("mesh", "several of them", "either mesh, plane or label");
-  if (label) return label_cut(*label, table.place());
-  return plane ? read_plane(*plane) : mesh_cut(*mesh);
-}
 
 RelaxParams read_relax(TomlTable& table) {
   RelaxParams params;

@@ -1,14 +1,27 @@
 #include "volumes/grid/link_cuts.h"
 
+#include <algorithm>
+
 namespace supple {
 
-bool LinkCuts::cut(std::size_t b, int offset, int axis) {
+LinkCuts::Place LinkCuts::place_of(double fraction) {
+  return Place(1 + std::clamp(int(fraction * kPlaces), 0, kPlaces - 1));
+}
+
+bool LinkCuts::cut(std::size_t b, int offset, int axis, Place place) {
   if (b >= m_record_of.size()) m_record_of.resize(b + 1, -1);
   if (m_record_of[b] < 0) {
     m_record_of[b] = std::int32_t(m_records.size());
     m_records.push_back({});
   }
-  BrickMask& mask = m_records[std::size_t(m_record_of[b])][axis];
+  const std::size_t record = std::size_t(m_record_of[b]);
+  if (place != 0) {
+    if (m_places.size() <= record) m_places.resize(record + 1);
+    m_places[record].resize(3 * kBrickVoxels);
+    Place& known = m_places[record][std::size_t(axis * kBrickVoxels + offset)];
+    if (known == 0) known = place;
+  }
+  BrickMask& mask = m_records[record][axis];
   if (mask_test(mask, offset)) return false;
   mask_set(mask, offset);
   ++m_count;
@@ -16,7 +29,10 @@ bool LinkCuts::cut(std::size_t b, int offset, int axis) {
 }
 
 std::size_t LinkCuts::bytes() const {
-  return m_record_of.capacity() * sizeof(std::int32_t) + m_records.capacity() * sizeof(BrickCuts);
+  std::size_t places = m_places.capacity() * sizeof(std::vector<Place>);
+  for (const auto& brick : m_places) places += brick.capacity() * sizeof(Place);
+  return m_record_of.capacity() * sizeof(std::int32_t) + m_records.capacity() * sizeof(BrickCuts) +
+         places;
 }
 
 bool LinkCuts::operator==(const LinkCuts& other) const {
@@ -26,6 +42,11 @@ bool LinkCuts::operator==(const LinkCuts& other) const {
     const BrickCuts* theirs = other.brick(b);
     if (mine == nullptr) continue;
     if (theirs == nullptr || *mine != *theirs) return false;
+    if (m_places.empty() && other.m_places.empty()) continue;
+    for (int n = 0; n < 3 * kBrickVoxels; ++n) {
+      const int offset = n % kBrickVoxels, axis = n / kBrickVoxels;
+      if (place(b, offset, axis) != other.place(b, offset, axis)) return false;
+    }
   }
   return true;
 }

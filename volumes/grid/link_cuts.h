@@ -1,6 +1,7 @@
 // Links of the voxel lattice that are absent though both their ends are elements: where tissue has
-// been cut. Memory: nothing while nothing is cut, then 4 bytes per brick up to the last cut one and
-// 192 bytes per brick with a cut.
+// been cut, and at which place of the link, where a surface did it. Memory: nothing while nothing
+// is cut, then 4 bytes per brick up to the last cut one, 192 bytes per brick with a cut, and 3 kB
+// more where places are known.
 #pragma once
 
 #include <array>
@@ -18,6 +19,14 @@ class LinkCuts {
  public:
   /// Per axis, the voxels of a brick whose link to the next voxel is absent.
   using BrickCuts = std::array<BrickMask, 3>;
+  /// Where a surface crosses a link, from 1 at its lower end to kPlaces at its upper one; 0:
+  /// unknown.
+  using Place = std::uint16_t;
+  static constexpr int kPlaces = 511;
+
+  /// Of the fraction of a link, 0 to 1, and back, to a thousandth; the middle where it is unknown.
+  static Place place_of(double fraction);
+  static double fraction_of(Place place) { return place == 0 ? 0.5 : (place - 0.5) / kPlaces; }
 
   bool empty() const { return m_records.empty(); }
   /// Null where no link of the brick's voxels is cut; any b.
@@ -30,8 +39,15 @@ class LinkCuts {
     return cuts != nullptr && mask_test((*cuts)[axis], offset);
   }
   /// Marks the link as absent; whether it exists is for the caller to know. False when it already
-  /// was.
-  bool cut(std::size_t b, int offset, int axis);
+  /// was: then the place that is known first stays.
+  bool cut(std::size_t b, int offset, int axis, Place place = 0);
+  /// 0 where the link is not cut or it is not known where.
+  Place place(std::size_t b, int offset, int axis) const {
+    if (b >= m_record_of.size() || m_record_of[b] < 0) return 0;
+    const std::size_t record = std::size_t(m_record_of[b]);
+    if (record >= m_places.size() || m_places[record].empty()) return 0;
+    return m_places[record][std::size_t(axis * kBrickVoxels + offset)];
+  }
 
   /// No brick at or beyond it has a cut link.
   std::size_t brick_end() const { return m_record_of.size(); }
@@ -39,13 +55,14 @@ class LinkCuts {
   std::int64_t count() const { return m_count; }
   std::size_t bytes() const;
 
-  /// The same links, in whatever order they were cut.
+  /// The same links at the same places, in whatever order they were cut.
   bool operator==(const LinkCuts& other) const;
   bool operator!=(const LinkCuts& other) const { return !(*this == other); }
 
  private:
   std::vector<std::int32_t> m_record_of;  // per brick, index into m_records or -1
   std::vector<BrickCuts> m_records;
+  std::vector<std::vector<Place>> m_places;  // as m_records; shorter, or empty, where none is known
   std::int64_t m_count = 0;
 };
 

@@ -5,12 +5,13 @@
 // `rest_i`, `rest_j`, `rest_k` (Vec3I, only where links to the next voxel have flowed), `velocity`
 // (Vec3D, mm/s LPS, only where something moves), `cut_links`
 // (Int32, only when links are cut; bits 0, 1, 2: the link to the next voxel along i, j, k is
-// absent), `label` (Int32, only when there are any; 1 to 65535), `piece` (Int32, only when there
-// are rigid pieces, from 1, whose poses are metadata), and derived for other programs
-// `displacement` (Vec3S, material direction, extended over the shell) and `offset` (Vec3S, resample
-// direction), in mm LPS. Those before stay in index space; the others carry the affine where
-// OpenVDB takes it, and neither they nor what follows them is read back. The nodes of all trees
-// are those of bricks, so that the file depends on the content alone.
+// absent; bits 3 to 11, 12 to 20, 21 to 29: where along it, LinkCuts::Place), `label` (Int32, only
+// when there are any; 1 to 65535), `piece` (Int32, only when there are rigid pieces, from 1, whose
+// poses are metadata), and derived for other programs `displacement` (Vec3S, material direction,
+// extended over the shell) and `offset` (Vec3S, resample direction), in mm LPS. Those before stay
+// in index space; the others carry the affine where OpenVDB takes it, and neither they nor what
+// follows them is read back. The nodes of all trees are those of bricks, so that the file depends
+// on the content alone.
 //
 // Cost with Blosc, 3.5 million elements that all moved, one core: 0.5 s and 46 MB to write (0.75 s
 // and 69 MB with offsets), 0.25 s to read.
@@ -110,13 +111,21 @@ openvdb::GridBase::Ptr make_density(const DensityGrid& density) {
                                   });
 }
 
+/// The lowest bit of the place of a cut link.
+int place_shift(int axis) {
+  return 3 + 9 * axis;
+}
+
 openvdb::GridBase::Ptr make_cut_links(const State& state) {
   return make_vdb_grid<Int32Grid>("cut_links", state.elements, 0, [&](auto& leaf, std::size_t b) {
     const LinkCuts::BrickCuts* cuts = state.cuts.brick(b);
     if (cuts == nullptr) return;
     for (int offset = 0; offset < kBrickVoxels; ++offset) {
       int bits = 0;
-      for (int axis = 0; axis < 3; ++axis) bits |= mask_test((*cuts)[axis], offset) << axis;
+      for (int axis = 0; axis < 3; ++axis) {
+        if (!mask_test((*cuts)[axis], offset)) continue;
+        bits |= 1 << axis | state.cuts.place(b, offset, axis) << place_shift(axis);
+      }
       if (bits != 0) leaf.setValueOn(openvdb::Index(offset), bits);
     }
   });
@@ -279,19 +288,32 @@ void read_vectors(const Grid& grid, const State& state, std::array<BrickArray<T>
 }
 
 /// The links themselves are for check_state to judge.
+/// Whether some link is cut, and a place only given for those that are.
+bool is_cut_record(std::int32_t bits) {
+  bool is_valid = bits > 0 && bits >> place_shift(3) == 0 && (bits & 7) != 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const bool has_place = (bits >> place_shift(axis) & LinkCuts::kPlaces) != 0;
+    is_valid = is_valid && (!has_place || (bits >> axis & 1) != 0);
+  }
+  return is_valid;
+}
+
 void read_cut_links(const Int32Grid& grid, State& state, const std::string& path) {
   for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
     const std::int32_t b = state.elements.find(to_vec(leaf->origin()));
     for (auto value = leaf->cbeginValueOn(); value; ++value) {
-      if (*value < 1 || *value > 7) {
-        throw InputError({path, "grid cut_links", std::to_string(*value), "bits 1 to 7"});
+      if (!is_cut_record(*value)) {
+        throw InputError({path, "grid cut_links", std::to_string(*value),
+                          "bits 1 to 7, and places of the links that these name"});
       }
       if (b < 0) {
         throw InputError(
             {path, "grid cut_links", "a cut without element", "cuts between elements"});
       }
       for (int axis = 0; axis < 3; ++axis) {
-        if (*value >> axis & 1) state.cuts.cut(std::size_t(b), int(value.pos()), axis);
+        if (!(*value >> axis & 1)) continue;
+        const int place = *value >> place_shift(axis) & LinkCuts::kPlaces;
+        state.cuts.cut(std::size_t(b), int(value.pos()), axis, LinkCuts::Place(place));
       }
     }
   }

@@ -91,6 +91,36 @@ TEST(UnitState, LinksCutInAnotherOrderGiveTheSameFileAndNoneGivesNoGrid) {
   EXPECT_EQ(read_text(folder / "a.vdb"), read_text(folder / "b.vdb"));
 }
 
+TEST(UnitState, PlacesOfCutLinksAreKeptToAThousandth) {
+  const TemporaryFolder folder;
+  State state;
+  state.geometry = Geometry().with_dims({8, 8, 8});
+  state.elements = bricks_where({8, 8, 8}, [](const Vec3i&) { return true; });
+  state.density = make_density_grid(state.elements, std::vector<float>(kBrickVoxels, 1.0f), 0);
+  for (int n = 0; n < 7; ++n) {
+    for (int axis = 0; axis < 3; ++axis) {
+      state.cuts.cut(0, brick_offset({n, n, n}), axis, LinkCuts::place_of((3 * n + axis) / 20.0));
+    }
+  }
+  state.cuts.cut(0, brick_offset({0, 3, 4}), 1);
+  write_state(folder / "places.vdb", state);
+  const State read = read_state(folder / "places.vdb");
+  EXPECT_TRUE(read.cuts == state.cuts);
+  for (int n = 0; n < 7; ++n) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const LinkCuts::Place place = read.cuts.place(0, brick_offset({n, n, n}), axis);
+      EXPECT_NEAR(LinkCuts::fraction_of(place), (3 * n + axis) / 20.0, 1e-3);
+    }
+  }
+  EXPECT_EQ(read.cuts.place(0, brick_offset({0, 3, 4}), 1), 0);
+  // Of two surfaces through a link the first counts.
+  LinkCuts twice = read.cuts;
+  EXPECT_FALSE(twice.cut(0, 0, 0, LinkCuts::place_of(0.9)));
+  EXPECT_TRUE(twice == read.cuts);
+  EXPECT_FALSE(twice.cut(0, brick_offset({0, 3, 4}), 1, LinkCuts::place_of(0.9)));
+  EXPECT_FALSE(twice == read.cuts);
+}
+
 TEST(UnitState, LabelsThatNoElementHasGiveNoGrid) {
   const TemporaryFolder folder;
   State state;

@@ -169,6 +169,10 @@ TEST_F(FaultForgedState, CutsWhereThereIsNoLinkAreRejected) {
   while (is_element(empty)) ++empty.z;
   forge(linked, 2);
   ASSERT_EQ(read_error(), "");
+  forge(linked, 511 << 12 | 2);
+  ASSERT_EQ(read_error(), "");
+  forge(linked, 1 << 30 | 2);
+  expect_error("grid cut_links: found 1073741826, expected bits 1 to 7");
   forge(linked, 8 | 2);
   expect_error("grid cut_links: found 10, expected bits 1 to 7");
   forge(linked, 0);

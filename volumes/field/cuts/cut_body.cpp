@@ -6,6 +6,7 @@
 #include <tbb/parallel_for.h>
 
 #include "volumes/field/inversion/reachable_bricks.h"
+#include "volumes/grid/cell.h"
 #include "volumes/grid/padded_rows.h"
 #include "volumes/grid/voxel_sets.h"
 
@@ -19,6 +20,8 @@ constexpr int kShellRings = 2;
 constexpr int kDetour = 2;
 // Elements that no tissue joins are parted where they have moved apart by more, in voxels.
 constexpr double kMovedApart = 1;
+// Nearer to a surface than this, in voxels, an element is on the side that its cut links say.
+constexpr double kUndecided = 0.05;
 
 Vec3i unit(int axis) {
   Vec3i step(0);
@@ -32,6 +35,23 @@ void for_neighbours(const Vec3i& voxel, Visit&& visit) {
   for (int n = 0; n < 27; ++n) {
     if (n != 13) visit(voxel + Vec3i(n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1));
   }
+}
+
+/// Along the normal of the one, of the other.
+double same_way(const CutPlanes::Side& one, const CutPlanes::Side& other) {
+  return one.normal.dot(other.normal) < 0 ? -other.distance : other.distance;
+}
+
+/// Where a surface is not known nothing is on another side.
+bool is_same_side(const CutPlanes::Side& a, const CutPlanes::Side& b) {
+  return !a.is_known || !b.is_known || std::signbit(a.distance) == std::signbit(same_way(a, b));
+}
+
+/// Where the surface crosses the link from one to the other; 0: unknown.
+LinkCuts::Place place_between(const CutPlanes::Side& low, const CutPlanes::Side& high) {
+  if (!low.is_known || !high.is_known || is_same_side(low, high)) return 0;
+  const double apart = low.distance - same_way(low, high);
+  return LinkCuts::place_of(apart == 0 ? 0.5 : low.distance / apart);
 }
 
 /// Of displacements.
@@ -59,10 +79,16 @@ CutBody::CutBody(const VectorBricks& u, const BrickTopology& elements, const Lin
     for (int axis = 0; brick != nullptr && axis < 3; ++axis) {
       for_each_active((*brick)[axis], [&](int offset) {
         links.push_back({elements.origin(b) + brick_local(offset), axis});
-        mark(links.back());
+        const LinkCuts::Place place = cuts.place(b, offset, axis);
+        mark(links.back(), place);
+        if (place == 0) return;
+        Vec3d at(links.back().low);
+        at[axis] += LinkCuts::fraction_of(place);
+        m_planes.add(at, axis);
       });
     }
   }
+  m_planes.fit();
   cut_shell(links);
   find_parted_cells();
 }
@@ -78,13 +104,20 @@ bool CutBody::is_voxel(const Vec3i& voxel) const {
   return m_u.topology.is_active(in_slice(voxel));
 }
 
-void CutBody::mark(const Link& link) {
-  m_cut[link.low] |= std::uint8_t(1 << link.axis);
+void CutBody::mark(const Link& link, LinkCuts::Place place) {
+  CutAxes& axes = m_cut[link.low];
+  axes.bits |= std::uint8_t(1 << link.axis);
+  if (place != 0) axes.places[std::size_t(link.axis)] = place;
 }
 
 bool CutBody::is_cut(const Vec3i& low, int axis) const {
   const auto found = m_cut.find(in_slice(low));
-  return found != m_cut.end() && (found->second >> axis & 1);
+  return found != m_cut.end() && (found->second.bits >> axis & 1);
+}
+
+LinkCuts::Place CutBody::place(const Link& link) const {
+  const auto found = m_cut.find(in_slice(link.low));
+  return found == m_cut.end() ? LinkCuts::Place(0) : found->second.places[std::size_t(link.axis)];
 }
 
 int CutBody::ring(const Vec3i& voxel) const {
@@ -103,21 +136,29 @@ int CutBody::ring(const Vec3i& voxel) const {
 }
 
 /// The voxel itself where none is in reach.
-Vec3i CutBody::nearest_element(const Vec3i& voxel) const {
-  if (is_element(voxel)) return voxel;
-  Vec3i nearest = voxel;
-  int shortest = 3 * kShellRings * kShellRings + 1;
+CutBody::Owner CutBody::owner_of(const Vec3i& voxel) const {
+  Owner owner{in_slice(voxel), side_of(voxel)};
+  if (is_element(voxel)) return owner;
+  int shortest = 3 * kShellRings * kShellRings + 1, shortest_of_any = shortest;
+  Vec3i nearest = owner.element;
   for (int x = -kShellRings; x <= kShellRings; ++x) {
     for (int y = -kShellRings; y <= kShellRings; ++y) {
       for (int z = -kShellRings; z <= kShellRings; ++z) {
         const Vec3i step(x, y, z);
-        if (step.dot(step) >= shortest || !is_element(voxel + step)) continue;
-        shortest = step.dot(step);
-        nearest = voxel + step;
+        const int length2 = step.dot(step);
+        if (length2 >= shortest || !is_element(voxel + step)) continue;
+        if (length2 < shortest_of_any) {
+          shortest_of_any = length2;
+          nearest = voxel + step;
+        }
+        if (!is_same_side(owner.side, side_of(voxel + step))) continue;
+        shortest = length2;
+        owner.element = in_slice(voxel + step);
       }
     }
   }
-  return in_slice(nearest);
+  if (shortest > 3 * kShellRings * kShellRings) owner.element = in_slice(nearest);
+  return owner;
 }
 
 /// Whether elements within a box lead from one to another, over links that are cut or not.
@@ -208,17 +249,51 @@ void CutBody::cut_shell(const std::vector<Link>& links) {
     for (int n = 0; n < 343; ++n) add(link.low + Vec3i(n / 49 - 3, n / 7 % 7 - 3, n % 7 - 3));
   }
   sort_unique(shell);
-  std::vector<Link> added;
+  std::vector<Vec3i> voxels = shell;
   for (const Vec3i& voxel : shell) {
-    const Vec3i mine = nearest_element(voxel);
     for (int face = 0; face < 6; ++face) {
       const Vec3i next = voxel + unit(face / 2) * (face % 2 ? 1 : -1);
-      if (m_u.topology.is_active(next) && separates(mine, nearest_element(next))) {
-        added.push_back({face % 2 ? voxel : next, face / 2});
+      if (m_u.topology.is_active(next)) voxels.push_back(next);
+    }
+  }
+  sort_unique(voxels);
+  std::vector<Owner> owners(voxels.size());
+  tbb::parallel_for(std::size_t(0), voxels.size(),
+                    [&](std::size_t n) { owners[n] = owner_of(voxels[n]); });
+  const auto owner_at = [&](const Vec3i& voxel) -> const Owner& {
+    const auto found = std::lower_bound(voxels.begin(), voxels.end(), voxel, voxel_less);
+    return owners[std::size_t(found - voxels.begin())];
+  };
+  std::vector<std::pair<Link, LinkCuts::Place>> added;
+  for (const Vec3i& voxel : shell) {
+    for (int face = 0; face < 6; ++face) {
+      const Vec3i next = voxel + unit(face / 2) * (face % 2 ? 1 : -1);
+      if (!m_u.topology.is_active(next)) continue;
+      const Link link{face % 2 ? voxel : next, face / 2};
+      const Owner& low = owner_at(link.low);
+      const Owner& high = owner_at(face % 2 ? next : voxel);
+      if (separates(low.element, high.element)) {
+        added.emplace_back(link, place_between(low.side, high.side));
       }
     }
   }
-  for (const Link& link : added) mark(link);
+  for (const auto& [link, place] : added) mark(link, place);
+}
+
+/// Of an element beside the surface what its cut links say, since rounding has a say in planes.
+CutPlanes::Side CutBody::side_of(const Vec3i& voxel) const {
+  CutPlanes::Side side = m_planes.side_of(Vec3d(voxel));
+  if (!side.is_known || std::abs(side.distance) > kUndecided || !is_element(voxel)) return side;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double slope = side.normal[axis];
+    if (std::abs(slope) < 0.1) continue;
+    const bool is_low = is_cut(voxel, axis) && is_element(voxel + unit(axis));
+    const bool is_high = is_cut(voxel - unit(axis), axis) && is_element(voxel - unit(axis));
+    if (is_low == is_high) continue;
+    side.distance = std::copysign(std::abs(side.distance), is_low ? -slope : slope);
+    return side;
+  }
+  return side;
 }
 
 bool CutBody::connects(const Vec3i& from, const Vec3i& to) const {
@@ -270,14 +345,35 @@ CellSides CutBody::sides(const Vec3i& cell) const {
       }
     }
   }
+  if (sides.count > 2) join_around(cell, sides);
   return sides;
+}
+
+/// A bent surface may part a cell in three, though two of the parts hold together beside the cell:
+/// these are one side. Where a surface is not known, what it parted stays apart.
+void CutBody::join_around(const Vec3i& cell, CellSides& sides) const {
+  const IndexBox box{cell - Vec3i(1), cell + Vec3i(2)};
+  for (int a = 0; a < 8; ++a) {
+    for (int b = a + 1; b < 8; ++b) {
+      const std::uint8_t one = sides.of[std::size_t(a)], other = sides.of[std::size_t(b)];
+      const Vec3i from = cell + cell_corner(a), to = cell + cell_corner(b);
+      if (one == other || !is_element(from) || !is_element(to)) continue;
+      if (!m_planes.side_of(Vec3d(from)).is_known || !joins(box, from, to, false)) continue;
+      const std::uint8_t kept = std::min(one, other), gone = std::max(one, other);
+      for (std::uint8_t& side : sides.of) {
+        if (side == gone) side = kept;
+        if (side > gone) --side;
+      }
+      --sides.count;
+    }
+  }
 }
 
 void CutBody::find_parted_cells() {
   std::vector<Vec3i> cells;
-  for (const auto& [low, bits] : m_cut) {
+  for (const auto& [low, axes] : m_cut) {
     for (int axis = 0; axis < 3; ++axis) {
-      if (!(bits >> axis & 1)) continue;
+      if (!(axes.bits >> axis & 1)) continue;
       const Vec3i u = unit((axis + 1) % 3), v = unit((axis + 2) % 3);
       for (const Vec3i& cell : {low, low - u, low - v, low - u - v}) cells.push_back(cell);
     }
@@ -289,42 +385,6 @@ void CutBody::find_parted_cells() {
       complete = is_voxel(cell + Vec3i(n >> 2, n >> 1 & 1, n & 1));
     }
     if (complete && sides(cell).count > 1) m_parted.push_back(cell);
-  }
-}
-
-void extend_beside_cuts(VectorBricks& u, const CutBody& body) {
-  // The second ring sees four voxels far.
-  std::vector<Vec3i> voxels;
-  for (const Vec3i& cell : body.parted_cells()) {
-    for (int n = 0; n < 512; ++n) {
-      const Vec3i voxel = cell + brick_local(n) - Vec3i(3);
-      const int ring = u.topology.is_active(voxel) ? body.ring(voxel) : 0;
-      if (ring >= 1 && ring <= kShellRings) voxels.push_back(voxel);
-    }
-  }
-  sort_unique(voxels);
-  for (int ring = 1; ring <= kShellRings; ++ring) {
-    for (const Vec3i& voxel : voxels) {
-      const std::int32_t b = u.topology.find(voxel);
-      const int offset = brick_offset(voxel);
-      if (b < 0 || !mask_test(u.topology.mask(std::size_t(b)), offset)) continue;
-      if (body.ring(voxel) != ring) continue;
-      Extrapolation extrapolation;
-      const auto value_at = [&](const Vec3i& from, const Vec3i& to, Vec3f& value) {
-        return u.at(to, value) && body.ring(to) < ring && body.connects(from, to);
-      };
-      for_neighbours(voxel, [&](const Vec3i& beside) {
-        Vec3f near, far;
-        if (!value_at(voxel, beside, near)) return;
-        if (value_at(beside, 2 * beside - voxel, far)) {
-          extrapolation.add_row(near, far);
-        } else {
-          extrapolation.add(near);
-        }
-      });
-      if (extrapolation.empty()) continue;
-      u.vectors[std::size_t(b) * kBrickVoxels + std::size_t(offset)] = extrapolation.value();
-    }
   }
 }
 

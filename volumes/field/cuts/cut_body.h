@@ -2,12 +2,12 @@
 // same side, and one value of u per side where there used to be one per voxel.
 //
 // Two corners of a cell are on the same side when uncut links of that cell connect them. A cut goes
-// on through the shell around the elements, where each voxel belongs to its nearest element: links
-// there are cut when a cut lies between the elements of their ends, or when no tissue joins these
-// within a few voxels and they have moved apart by more than one, so that no tissue is stretched
-// over a slit of air through which the cut goes.
-// Cost: about 1 µs per cut link; beyond, 1 µs per shell voxel of bricks in which elements move
-// apart.
+// on through the shell around the elements, where each voxel belongs to its nearest element; beside
+// a surface that is known, to the nearest on its own side of it (cut_planes.h). Links there are cut
+// when a cut lies between the elements of their ends, or when no tissue joins these within a few
+// voxels and they have moved apart by more than one, so that no tissue is stretched over a slit of
+// air through which the cut goes. Cost: about 1 µs per cut link; beyond, 1 µs per shell voxel of
+// bricks in which elements move apart.
 #pragma once
 
 #include <array>
@@ -15,6 +15,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "volumes/field/cuts/cut_planes.h"
 #include "volumes/field/vector_bricks.h"
 #include "volumes/grid/link_cuts.h"
 #include "volumes/grid/voxel_sets.h"
@@ -41,6 +42,8 @@ class CutBody {
           const Vec3i& dims);
 
   bool is_cut(const Vec3i& low, int axis) const;
+  /// Where the surface crosses a link that is cut; 0: unknown.
+  LinkCuts::Place place(const Link& link) const;
   bool is_element(const Vec3i& voxel) const { return m_elements.is_active(in_slice(voxel)); }
   /// Whether uncut links lead from one corner of a cell to another.
   bool connects(const Vec3i& from, const Vec3i& to) const;
@@ -53,10 +56,21 @@ class CutBody {
  private:
   Vec3i in_slice(Vec3i voxel) const;
   bool is_voxel(const Vec3i& voxel) const;
-  void mark(const Link& link);
+  struct CutAxes {
+    std::uint8_t bits = 0;  // 0 to 2: axes
+    std::array<LinkCuts::Place, 3> places{};
+  };
+  void mark(const Link& link, LinkCuts::Place place = 0);
+  CutPlanes::Side side_of(const Vec3i& voxel) const;
+  /// The element that a voxel goes with, and its side of the surface.
+  struct Owner {
+    Vec3i element;
+    CutPlanes::Side side;
+  };
+  Owner owner_of(const Vec3i& voxel) const;
+  void join_around(const Vec3i& cell, CellSides& sides) const;
   std::vector<Vec3i> contested_voxels() const;
   void cut_shell(const std::vector<Link>& links);
-  Vec3i nearest_element(const Vec3i& voxel) const;
   bool joins(const IndexBox& box, const Vec3i& from, const Vec3i& to, bool over_cuts) const;
   bool separates(const Vec3i& a, const Vec3i& b) const;
   void find_parted_cells();
@@ -64,7 +78,8 @@ class CutBody {
   const VectorBricks& m_u;
   const BrickTopology& m_elements;
   Vec3i m_dims;
-  std::unordered_map<Vec3i, std::uint8_t, VoxelHash> m_cut;  // bits 0 to 2: axes
+  std::unordered_map<Vec3i, CutAxes, VoxelHash> m_cut;
+  CutPlanes m_planes;
   std::vector<Vec3i> m_parted;
 };
 

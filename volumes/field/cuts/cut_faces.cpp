@@ -11,13 +11,12 @@ namespace {
 
 constexpr int kBlock = 4;
 constexpr int kSeenBlock = 2;
-// A plane is fitted to points within this many voxels.
-constexpr double kFitRadius = 2.6;
 // How deep behind a face places know it, and how far beside a point its plane counts, in voxels.
 constexpr double kDeepest = 4;
 constexpr double kBeside = 1.5, kBesideWidth = 0.8;
-// What a corner of a torn cell is away from the face at least, and at most, in voxels.
-constexpr double kLeast = 0.1, kMost = 1.5;
+// What a corner of a torn cell is away from the face at least, where the face is in the middle of
+// links and where it is a surface, and at most, in voxels.
+constexpr double kLeast = 0.1, kLeastExact = 1e-3, kMost = 1.5, kMostExact = 2;
 // Deeper than the nearest by more than this, a point is one of another face.
 constexpr double kSameFace = 0.75;
 
@@ -48,27 +47,19 @@ void add_openings(const TornCell& cell, std::map<CutBody::Link, Vec3d, LinkLess>
   }
 }
 
-/// The direction in which a symmetric matrix stretches least, by inverse iteration.
-Vec3d least_direction(const Vec3d (&m)[3], Vec3d start) {
-  const Vec3d yz = m[1].cross(m[2]), zx = m[2].cross(m[0]), xy = m[0].cross(m[1]);
-  for (int n = 0; n < 12; ++n) {
-    start = (yz * start.x + zx * start.y + xy * start.z);
-    if (start.length2() == 0) break;
-    start.normalize();
-  }
-  return start;
-}
-
 }  // namespace
 
-CutFaces::CutFaces(const std::vector<TornCell>& cells, const Geometry& geometry, double closed) {
+CutFaces::CutFaces(const std::vector<TornCell>& cells, const CutBody& body,
+                   const Geometry& geometry, double closed) {
   std::map<CutBody::Link, Vec3d, LinkLess> openings;
   for (const TornCell& cell : cells) add_openings(cell, openings);
   std::vector<std::pair<int, Vec3d>> links;  // axis, opening
   for (const auto& [link, apart] : openings) {
     Point point;
     point.at = Vec3d(link.low);
-    point.at[link.axis] += 0.5;
+    const LinkCuts::Place place = body.place(link);
+    point.at[link.axis] += LinkCuts::fraction_of(place);
+    point.is_crossing = place != 0;
     m_blocks[block_of(point.at)].push_back(int(m_points.size()));
     m_points.push_back(point);
     links.emplace_back(link.axis, apart);
@@ -114,29 +105,14 @@ void CutFaces::for_near(const Vec3d& X, Visit&& visit) const {
 /// Least squares in mm; the normal points along the link.
 void CutFaces::fit_plane(Point& point, int axis, const Geometry& geometry) const {
   std::vector<Vec3d> near;
-  Vec3d mean(0);
   for_near(point.at, [&](const Point& other) {
     const Vec3d step = other.at - point.at;
-    if (step.length() > kFitRadius) return;
+    if (step.length() > kPlaneFitRadius) return;
     near.push_back(geometry.world_vector_from_index(step));
-    mean += near.back();
   });
-  mean /= double(near.size());
-  Vec3d m[3] = {Vec3d(0), Vec3d(0), Vec3d(0)};
-  double trace = 0;
-  for (const Vec3d& p : near) {
-    const Vec3d d = p - mean;
-    for (int a = 0; a < 3; ++a) m[a] += d * d[a];
-    trace += d.dot(d);
-  }
   Vec3d along(0);
   along[axis] = 1;
-  const Vec3d link_covector = geometry.world_gradient_from_index(along);
-  Vec3d normal = link_covector.normalized();
-  if (near.size() > 2 && trace > 0) {
-    for (int a = 0; a < 3; ++a) m[a][a] += 1e-3 * trace;
-    normal = least_direction(m, normal);
-  }
+  Vec3d normal = plane_normal(near, geometry.world_gradient_from_index(along));
   if (normal.dot(geometry.axes_mm()[std::size_t(axis)]) < 0) normal = -normal;
   for (int a = 0; a < 3; ++a) {
     point.normal_mm[a] = normal.dot(geometry.axes_mm()[std::size_t(a)]);
@@ -180,18 +156,21 @@ CutFaces::Depth CutFaces::depth(const Vec3d& X, const Vec3d& inside) const {
 }
 
 /// From the planes of the points beside X, turned along `orientation`.
-bool CutFaces::signed_distance(const Vec3d& X, const Vec3d& orientation, double& distance) const {
+CutFaces::Distance CutFaces::signed_distance(const Vec3d& X, const Vec3d& orientation) const {
   double sum = 0, weights = 0;
+  bool is_exact = true;
   for_near(X, [&](const Point& point) {
     const Vec3d step = X - point.at;
     const double across = step.dot(point.across), beside2 = step.length2() - across * across;
-    if (std::abs(across) > kMost || beside2 > kBeside * kBeside) return;
+    if (std::abs(across) > (point.is_crossing ? kMostExact : kMost) || beside2 > kBeside * kBeside)
+      return;
     const double weight = std::exp(-beside2 / (kBesideWidth * kBesideWidth));
     sum += weight * (point.across.dot(orientation) < 0 ? -across : across);
     weights += weight;
+    is_exact = is_exact && point.is_crossing;
   });
-  if (weights > 0) distance = sum / weights;
-  return weights > 0;
+  if (weights == 0) return {};
+  return {sum / weights, true, is_exact};
 }
 
 std::array<float, 8> CutFaces::depths_of_corners(const TornCell& cell, int side) const {
@@ -210,10 +189,12 @@ std::array<float, 8> CutFaces::depths_of_corners(const TornCell& cell, int side)
   if (cell.sides.count != 2) return depths;  // no plane has three sides
   for (int n = 0; n < 8; ++n) {
     const Vec3d X = Vec3d(cell.cell) + Vec3d(n >> 2, n >> 1 & 1, n & 1);
-    double distance;
-    if (!signed_distance(X, into, distance)) continue;
+    const Distance distance = signed_distance(X, into);
+    if (!distance.is_known) continue;
     const double sign = cell.sides.of[std::size_t(n)] == side ? 1 : -1;
-    depths[std::size_t(n)] = float(sign * std::clamp(sign * distance, kLeast, kMost));
+    const double least = distance.is_exact ? kLeastExact : kLeast;
+    const double most = distance.is_exact ? kMostExact : kMost;
+    depths[std::size_t(n)] = float(sign * std::clamp(sign * distance.voxels, least, most));
   }
   return depths;
 }

@@ -1,9 +1,10 @@
-// The faces that an opened cut shows: a point in the middle of every cut link whose ends have moved
-// apart, each with the plane that fits the points around it. A cut along a lattice plane has its
-// face exactly there, in the middle of the links; an oblique one is smooth, though its links are
-// stairs: within each cell its face is where the distances of the corners from those planes
-// interpolate to zero, between the ends of every cut link.
-// Cost: about 4 µs and 0.5 kB per point once, 0.1 µs per look-up near a face.
+// The faces that an opened cut shows: a point on every cut link whose ends have moved apart, where
+// the surface crossed it, each with the plane that fits the points around it. Within each cell the
+// face is where the distances of the corners from those planes interpolate to zero, between the
+// ends of every cut link; of a plane cut that is the plane. Where no surface is known (a cut around
+// a label, a state of an older version) the points are the middles of the links. A cell in which
+// more than two sides meet is split by voxels. Cost: about 4 µs and 0.5 kB per point once, 0.1 µs
+// per look-up near a face.
 #pragma once
 
 #include <vector>
@@ -16,7 +17,8 @@ namespace supple {
 class CutFaces {
  public:
   /// Sides closer than `closed` voxels show no face.
-  CutFaces(const std::vector<TornCell>& cells, const Geometry& geometry, double closed);
+  CutFaces(const std::vector<TornCell>& cells, const CutBody& body, const Geometry& geometry,
+           double closed);
 
   struct Depth {
     double mm;
@@ -36,10 +38,15 @@ class CutFaces {
     Vec3d normal_mm;  // (X - at) . normal_mm is the distance from its plane in mm
     Vec3d across;     // the normal's direction, length 1
     bool is_open = false;
+    bool is_crossing = false;  // of a surface; otherwise the middle of a link
   };
   void fit_plane(Point& point, int axis, const Geometry& geometry) const;
   void list_seen(int point);
-  bool signed_distance(const Vec3d& X, const Vec3d& orientation, double& distance) const;
+  struct Distance {
+    double voxels = 0;
+    bool is_known = false, is_exact = false;
+  };
+  Distance signed_distance(const Vec3d& X, const Vec3d& orientation) const;
   template <class Visit>
   void for_near(const Vec3d& X, Visit&& visit) const;
 

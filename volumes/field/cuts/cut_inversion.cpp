@@ -242,6 +242,7 @@ void CutInversion::add_pieces(std::size_t source, CutBrick& brick) const {
 }
 
 void CutInversion::find_reaching(CutBrick& brick) const {
+  for (const CutPiece& piece : brick.pieces) brick.guards.emplace_back(piece);
   std::vector<std::pair<std::int32_t, std::int32_t>> pairs;  // cell, piece
   for (std::size_t p = 0; p < brick.pieces.size(); ++p) {
     const CutBox box = box_of(brick.pieces[p], 1e-3);
@@ -414,7 +415,7 @@ OffsetField invert_cut(const Displacement& displacement, const CutElements& body
   std::vector<TornCell> torn = torn_cells(u, cut, kClosedCut);
   if (torn.empty()) return invert(displacement, params, progress);
 
-  CutFaces faces(torn, displacement.geometry, kClosedCut);
+  CutFaces faces(torn, cut, displacement.geometry, kClosedCut);
   CutInversion inversion(u, torn, faces, body.elements, dims);
   OffsetField field = invert({displacement.geometry, inversion.whole_part()}, params, progress);
   std::vector<CutBrick> bricks = inversion.split_bricks(field, progress);

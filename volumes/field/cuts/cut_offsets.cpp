@@ -27,6 +27,7 @@ int CutBrick::find(const Vec3d& x, const Vec3i& dims, Vec3d& offset, bool* overl
   std::optional<Vec3d> first;  // place of tissue
   for (std::int32_t n = begin[local]; n < begin[local + 1]; ++n) {
     const int number = reaching[std::size_t(n)];
+    if (guards[std::size_t(number)].excludes(x)) continue;
     const CutPiece& piece = pieces[std::size_t(number)];
     Vec3d X;
     if (!piece.source_of(x, X) || !is_in_slice(X, dims)) continue;

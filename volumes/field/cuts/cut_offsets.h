@@ -5,8 +5,8 @@
 // as the cut face, which lies in the middle of the cut links (cut_faces.h), and no further. What is
 // not reached by any side is empty. Around the cut samples are inverted one by one from the source
 // cells that reach them, with no offsets on a lattice between; everywhere else offsets are those of
-// invert(). Cost: 100 kB per split brick (those within three voxels of a face, and those where
-// sides overlap); about 0.4 µs per sample in one.
+// invert(). Cost: 150 kB per split brick (those within three voxels of a face, and those where
+// sides overlap); about 0.2 µs per sample in one.
 #pragma once
 
 #include "volumes/field/cuts/cut_faces.h"
@@ -40,6 +40,7 @@ OffsetField invert_cut(const Displacement& displacement, const CutElements& body
 struct CutBrick {
   Vec3i origin;
   std::vector<CutPiece> pieces;
+  std::vector<PieceGuard> guards;   // of the pieces
   std::vector<std::int32_t> begin;  // per cell, where its pieces begin in `reaching`; and the end
   std::vector<std::int32_t> reaching;  // numbers of pieces
 

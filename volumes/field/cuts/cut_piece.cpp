@@ -15,6 +15,8 @@ constexpr double kEdge = 1e-5;
 constexpr double kBeyond = 3;
 // Cells of less volume are flat, in voxels^3.
 constexpr double kFlat = 1e-9;
+// Cells of less have no guard.
+constexpr double kThin = 1e-3;
 
 bool is_own(const CutPiece& piece, const Vec3d& t) {
   double sum = 0;
@@ -152,6 +154,37 @@ Vec3d CutPiece::middle() const {
     ++count;
   }
   return Vec3d(cell) + sum / double(count);
+}
+
+/// A cell maps into the hull of its corners. The margin is that of source_of(), with rounding.
+PieceGuard::PieceGuard(const CutPiece& piece)
+    : m_centre(0), m_rows{Vec3f(0), Vec3f(0), Vec3f(0)}, m_lo(-HUGE_VALF), m_hi(HUGE_VALF) {
+  const CellCorners corners = piece.corners();
+  Vec3d columns[3] = {Vec3d(0), Vec3d(0), Vec3d(0)};
+  for (int n = 0; n < 8; ++n) {
+    const Vec3d p = corners.corner(n);
+    m_centre += p * 0.125;
+    for (int a = 0; a < 3; ++a) columns[a] += p * (n & (4 >> a) ? 0.25 : -0.25);
+  }
+  const Vec3d yz = columns[1].cross(columns[2]);
+  const double volume = columns[0].dot(yz);
+  const Vec3d middle = m_centre;
+  m_centre += Vec3d(piece.cell);
+  if (!(std::abs(volume) > kThin)) return;
+  const Vec3d rows[3] = {yz / volume, columns[2].cross(columns[0]) / volume,
+                         columns[0].cross(columns[1]) / volume};
+  for (int a = 0; a < 3; ++a) {
+    double lo = HUGE_VAL, hi = -HUGE_VAL;
+    for (int n = 0; n < 8; ++n) {
+      const double t = rows[a].dot(corners.corner(n) - middle);
+      lo = std::min(lo, t);
+      hi = std::max(hi, t);
+    }
+    const double margin = 2e-3 + 2 * kTolerance * rows[a].length();
+    m_rows[std::size_t(a)] = Vec3f(rows[a]);
+    m_lo[a] = float(lo - margin);
+    m_hi[a] = float(hi + margin);
+  }
 }
 
 }  // namespace supple

@@ -1,5 +1,5 @@
 // One side of a torn cell, or a cell that is whole, as a piece of material that moves by itself.
-// Cost: 170 bytes; about 0.15 µs per place that lies in it.
+// Cost: 250 bytes with its guard; about 0.15 µs per place that lies in it.
 #pragma once
 
 #include <array>
@@ -34,6 +34,26 @@ struct CutPiece {
   double residual(const Vec3d& x, const Vec3d& X) const;
   /// A place at rest in the middle of its own corners.
   Vec3d middle() const;
+};
+
+/// A box around a moved piece, along its own edges: tells for a twentieth of the cost of
+/// source_of() that a place is not in it.
+class PieceGuard {
+ public:
+  explicit PieceGuard(const CutPiece& piece);
+  bool excludes(const Vec3d& x) const {
+    const Vec3f d(x - m_centre);
+    for (int a = 0; a < 3; ++a) {
+      const float t = m_rows[a].dot(d);
+      if (t < m_lo[a] || t > m_hi[a]) return true;
+    }
+    return false;
+  }
+
+ private:
+  Vec3d m_centre;
+  std::array<Vec3f, 3> m_rows;  // of the inverse of the mean gradient
+  Vec3f m_lo, m_hi;
 };
 
 }  // namespace supple

@@ -33,7 +33,7 @@ CarriedDisplacement::CarriedDisplacement(const Displacement& displacement, const
   if (body.cuts.empty()) return;
   const CutBody cut(displacement.u, body.elements, body.cuts, displacement.geometry.dims());
   const std::vector<TornCell> torn = torn_cells(m_u, cut, kClosedCut);
-  if (!torn.empty()) tear(torn, CutFaces(torn, displacement.geometry, kClosedCut));
+  if (!torn.empty()) tear(torn, CutFaces(torn, cut, displacement.geometry, kClosedCut));
 }
 
 void CarriedDisplacement::tear(const std::vector<TornCell>& torn, const CutFaces& faces) {

@@ -1,0 +1,149 @@
+// Where the lips of an opened cut are, against the surface that made it.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "tests/lib/cut_fixtures.h"
+#include "volumes/field/cuts/cut_offsets.h"
+#include "volumes/grid/voxel_sets.h"
+
+using namespace supple;
+using namespace supple::test;
+
+namespace {
+
+constexpr int kSize = 30;
+
+Vec3d middle() {
+  return Vec3d(0.5 * (kSize - 1)) + Vec3d(0.13, -0.21, 0.32);
+}
+
+/// A block cut in two by a plane through its middle.
+struct CutBlock {
+  Body body = body_of(homogeneous({kSize, kSize, kSize}, 2, 0.5, 1));
+  Vec3d normal, along1, along2;
+
+  explicit CutBlock(const Vec3d& direction) : normal(direction.normalized()) {
+    along1 = normal.cross(std::abs(normal.z) < 0.5 ? Vec3d(0, 0, 1) : Vec3d(0, 1, 0)).normalized();
+    along2 = normal.cross(along1);
+    const Geometry& geometry = body.geometry;
+    cut(body, PlanePatch{geometry.world_from_index(middle() - (along1 + along2) * kSize),
+                         geometry.world_vector_from_index(along1 * (2.0 * kSize)),
+                         geometry.world_vector_from_index(along2 * (2.0 * kSize))});
+  }
+  bool is_upper(const Vec3d& X) const { return (X - middle()).dot(normal) > 0; }
+
+  /// Both sides moved, each by a function of the place at rest; with the shell.
+  template <class Move>
+  OffsetField moved(Move&& u) const {
+    Displacement field{body.geometry, {body.elements, {}}};
+    field.u.vectors.resize(slot_count(body.elements), Vec3f(0));
+    for_each_element(body.elements, [&](Slot slot) {
+      const Vec3d X(voxel_of(body.elements, slot));
+      field.u.vectors[slot] = Vec3f(u(is_upper(X), X));
+    });
+    const CutElements elements{body.elements, body.cuts};
+    return invert_cut(extend_past_cuts(field, dilate(body.elements, 2), elements), elements);
+  }
+};
+
+/// Beyond the last voxels of the block by one: skin lies between tissue and air.
+bool is_in_reach(const Vec3d& X) {
+  for (int a = 0; a < 3; ++a) {
+    if (X[a] < -1 || X[a] > kSize) return false;
+  }
+  return true;
+}
+
+/// The largest distance from the surface at which content ends, along lines across it.
+template <class Move>
+double worst_lip(const CutBlock& block, const OffsetField& field, Move&& u, int& lips) {
+  constexpr double kStep = 0.02, kFar = 0.6;
+  double worst = 0;
+  for (double s = -kSize; s < kSize; s += 0.83) {
+    for (double t = -kSize; t < kSize; t += 0.91) {
+      const Vec3d foot = middle() + block.along1 * s + block.along2 * t;
+      for (const bool upper : {false, true}) {
+        const Vec3d inwards = block.normal * (upper ? 1 : -1);
+        if (!is_in_reach(foot - inwards * kFar) || !is_in_reach(foot + inwards * kFar)) continue;
+        // Material of this side at depths beyond and behind the surface.
+        double end = kFar;
+        for (double depth = kFar; depth > -kFar; depth -= kStep) {
+          const Vec3d X = foot + inwards * depth;
+          Vec3d o;
+          if (!field.sample(X + u(upper, X), o)) break;
+          end = depth;
+        }
+        worst = std::max(worst, std::abs(end));
+        ++lips;
+      }
+    }
+  }
+  return worst;
+}
+
+}  // namespace
+
+TEST(PropertyCutLips, OfAnObliqueCutLieWithinATenthOfAVoxelOfThePlane) {
+  const double angle = 30 * M_PI / 180;
+  const Vec3d directions[] = {{std::cos(angle), std::sin(angle), 0},
+                              {std::sin(angle), 0, std::cos(angle)},
+                              {std::cos(angle), std::sin(angle) * 0.6, std::sin(angle) * 0.8},
+                              {1, 1, 1},
+                              {0, 1, 0}};
+  for (const Vec3d& direction : directions) {
+    const CutBlock block(direction);
+    const auto apart = [&](bool upper, const Vec3d& X) {
+      const Vec3d d = X - middle();
+      const Vec3d turn(0.04 * d.y, -0.04 * d.x, 0.03 * d.x);
+      return block.normal * (upper ? 1.7 : -2.3) + (upper ? turn : -turn);
+    };
+    const auto shifted = [&](bool upper, const Vec3d&) {
+      return block.normal * (upper ? 2.5 : -0.5);
+    };
+    int lips = 0;
+    EXPECT_LT(worst_lip(block, block.moved(shifted), shifted, lips), 0.05) << direction;
+    EXPECT_LT(worst_lip(block, block.moved(apart), apart, lips), 0.1) << direction;
+    EXPECT_GT(lips, 2000);
+  }
+}
+
+TEST(PropertyCutLips, OfASphereLieWithinATenthOfAVoxel) {
+  Body body = body_of(homogeneous({kSize, kSize, kSize}, 2, 0.5, 1));
+  const double radius = 9.3;
+  TriangleMesh sphere = unit_sphere(4);
+  for (Vec3d& vertex : sphere.vertices_lps_mm) vertex = middle() + vertex * radius;
+  cut(body, to_world(body.geometry, sphere));
+  // What was inside goes far away and leaves a hole.
+  Displacement field{body.geometry, {body.elements, {}}};
+  field.u.vectors.resize(slot_count(body.elements), Vec3f(0));
+  const Vec3f away(0, 0, 60);
+  Slot first;
+  ASSERT_TRUE(slot_of(body.elements, Vec3i(middle()), first));
+  std::vector<Slot> open = {first};
+  field.u.vectors[first] = away;
+  while (!open.empty()) {
+    const Slot slot = open.back();
+    open.pop_back();
+    for (int face = 0; face < 6; ++face) {
+      Slot next;
+      if (!neighbour_slot(body.elements, body.cuts, slot, face / 2, face % 2 != 0, next) ||
+          field.u.vectors[next] == away) {
+        continue;
+      }
+      field.u.vectors[next] = away;
+      open.push_back(next);
+    }
+  }
+  const OffsetField offsets = invert_cut(field, {body.elements, body.cuts});
+  std::mt19937 random(3);
+  for (int n = 0; n < 20000; ++n) {
+    const Vec3d direction = pick_vector(random, -1, 1).normalized();
+    Vec3d o;
+    EXPECT_TRUE(offsets.sample(middle() + direction * (radius + 0.1), o)) << direction;
+    EXPECT_FALSE(offsets.sample(middle() + direction * (radius - 0.1), o)) << direction;
+    const Vec3d moved = middle() + Vec3d(away);
+    EXPECT_TRUE(offsets.sample(moved + direction * (radius - 0.1), o)) << direction;
+    EXPECT_FALSE(offsets.sample(moved + direction * (radius + 0.1), o)) << direction;
+  }
+}

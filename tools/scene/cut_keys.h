@@ -1,0 +1,20 @@
+// Cuts as scenes and the command line write them.
+#pragma once
+
+#include "lib/material/toml_table.h"
+#include "lib/session/cut_surface.h"
+#include "volumes/base/fields.h"
+#include "volumes/io/load/label_file.h"
+
+namespace supple::tools {
+
+/// Of a table `plane` of a cut.
+Fields plane_fields(CutSurface& surface);
+/// Of a table `curve` of a cut, but for its points; `surface.curve` must be there.
+Fields curve_fields(CutSurface& surface);
+
+/// An entry of `cut`. Throws InputError: unknown key, wrong type or value, missing key, and as
+/// read_mesh and read_point_file.
+CutSurface read_cut(TomlTable& table, const LabelNames& names);
+
+}  // namespace supple::tools
