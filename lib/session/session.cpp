@@ -266,18 +266,6 @@ void Session::release_and_fix(const StepRequest& request) {
   }
 }
 
-void Session::find_anchors() {
-  m_anchors.assign(m_state.anchors.begin(), m_state.anchors.end());
-  for (const std::int32_t label : m_state.anchor_labels) {
-    m_anchors.push_back(region_of_label(label, "fix"));
-  }
-  for (const std::string& text : m_state.anchor_selections) {
-    m_anchors.push_back(
-        supple::region_of(selection_from_json(text, "state"), m_body, m_state.density, "fix"));
-  }
-  fix_whole_pieces();
-}
-
 const StepRecord& Session::step(const StepRequest& request, Progress* heard) {
   Listener listener(m_messages, heard);
   StepRecord record;

@@ -129,6 +129,18 @@ void Session::remove_parts(StepRecord& record, Progress* progress) {
   m_ecm = std::make_unique<VoxelEcmModel>(held());
 }
 
+void Session::find_anchors() {
+  m_anchors.assign(m_state.anchors.begin(), m_state.anchors.end());
+  for (const std::int32_t label : m_state.anchor_labels) {
+    m_anchors.push_back(region_of_label(label, "fix"));
+  }
+  for (const std::string& text : m_state.anchor_selections) {
+    m_anchors.push_back(
+        supple::region_of(selection_from_json(text, "state"), m_body, m_state.density, "fix"));
+  }
+  fix_whole_pieces();
+}
+
 /// A piece that an anchor touches stays as a whole.
 void Session::fix_whole_pieces() {
   if (m_body.rigid.empty() || m_anchors.empty()) return;

@@ -307,22 +307,16 @@ Command add_deform(CLI::App& program) {
          "or as a table of a scene says, such as {plane = {…}}; repeatable")
       ->allow_extra_args(false)
       ->option_text("MESH|label:N|TABLE");
-  app->add_option("--remove", options->removed,
-                  "Elements that are gone, as for --grab; rigid:PLACE is a whole rigid piece")
+  app->add_option("--remove", options->removed, "What is gone from now on, as for --grab")
       ->allow_extra_args(false)
-      ->option_text("ball:PLACE:R|…");
-  app->add_option("--rigid", options->rigid,
-                  "All of this moves as one rigid piece, as for --grab; a handle anywhere on it "
-                  "moves it as a whole")
+      ->option_text("rigid:PLACE|…");
+  app->add_option("--rigid", options->rigid, "What moves as a rigid piece, as for --grab")
       ->allow_extra_args(false)
-      ->option_text("label:N|TABLE|…");
-  app->add_option("--rigid-seed", options->rigid_seeds,
-                  "A voxel of a rigid piece; with two or more, each takes what is nearest to it")
+      ->option_text("label:N|…");
+  app->add_option("--rigid-seed", options->rigid_seeds, "Part a piece between such voxels")
       ->allow_extra_args(false)
       ->option_text("I,J,K");
-  app->add_option("--retract", options->retractions,
-                  "Push the lips of a cut apart, as a table of a scene says, such as {corner = "
-                  "[0, 0, 0], edge1 = [40, 0, 0], edge2 = [0, 20, 0], by = 10}; repeatable")
+  app->add_option("--retract", options->retractions, "Push lips of a cut apart, as in scenes")
       ->allow_extra_args(false)
       ->option_text("TABLE");
   app->add_flag("--push", options->push,

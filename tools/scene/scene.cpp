@@ -266,9 +266,9 @@ Fields fields(StepSettings& settings) {
             "narrower across stretched links"),
       Field("fix_density", settings.fix_density, "Elements of these densities stay where they are"),
       Field("rigid_density", settings.rigid_density,
-            "Every connected part of these densities moves as a rigid piece"),
+            "Connected parts of these densities move as rigid pieces"),
       Field("joint", settings.joint_mm,
-            "Tissue is parted halfway between pieces of rigid and other pieces that are so near")
+            "Tissue is parted halfway between a piece of rigid and others so near")
           .unit("mm")
           .at_least(0),
       Field("no_relax", settings.no_relax,
