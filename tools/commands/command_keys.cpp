@@ -66,7 +66,7 @@ std::string kind_of(const Field& field) {
 /// Nothing where only scenes have the key, or where the option is one of a command's own.
 std::string option_of(const KeyTable& table, const Field& field) {
   static const std::set<std::string> kSceneTables = {"light", "grab", "motion",
-                                                     "path", "film", "camera_path"};
+                                                     "path",  "film", "camera_path"};
   const bool has_no_options = kSceneTables.count(table.name) != 0;
   if (field.is_only_in_scenes() || has_no_options) return "";
   return option_name(field, table.prefix);
