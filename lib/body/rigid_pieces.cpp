@@ -8,33 +8,6 @@ namespace supple {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-
-using Quaternion = std::array<double, 4>;
-
-Quaternion product(const Quaternion& a, const Quaternion& b) {
-  return {a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
-          a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
-          a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
-          a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0]};
-}
-
-/// Of length 1, with w >= 0: the shorter turn.
-Quaternion normalized(Quaternion q) {
-  double square = 0;
-  for (const double x : q) square += x * x;
-  const double scale = (q[0] < 0 ? -1 : 1) / std::sqrt(square);
-  for (double& x : q) x *= scale;
-  return q;
-}
-
-/// How far a turn about the origin takes v; exact for no turn.
-Vec3d way_of(const Quaternion& turn, const Vec3d& v) {
-  const Vec3d axis(turn[1], turn[2], turn[3]);
-  const Vec3d cross = axis.cross(v);
-  return cross * (2 * turn[0]) + axis.cross(cross) * 2;
-}
-
 /// Eigenvalues and eigenvectors (columns) of a symmetric matrix by Jacobi's rotations.
 void diagonalize(double (&matrix)[4][4], double (&vectors)[4][4]) {
   constexpr int kSweeps = 30;  // converges quadratically; 6 are usual
@@ -72,26 +45,14 @@ void diagonalize(double (&matrix)[4][4], double (&vectors)[4][4]) {
 }  // namespace
 
 Vec3d RigidMotion::operator()(const Vec3d& place_lps_mm) const {
-  return place_lps_mm + way_of(turn, place_lps_mm - about_lps_mm) + shift_lps_mm;
+  return place_lps_mm + turn.way_of(place_lps_mm - about_lps_mm) + shift_lps_mm;
 }
 
 RigidMotion RigidMotion::part(double fraction) const {
   RigidMotion part = *this;
   part.shift_lps_mm = shift_lps_mm * fraction;
-  const Quaternion whole = normalized(turn);
-  const double sine = std::hypot(std::hypot(whole[1], whole[2]), whole[3]);
-  if (sine == 0) return part;
-  const double half = std::atan2(sine, whole[0]) * fraction;
-  for (int n = 1; n < 4; ++n) {
-    part.turn[std::size_t(n)] = whole[std::size_t(n)] / sine * std::sin(half);
-  }
-  part.turn[0] = std::cos(half);
+  part.turn = between(Turn(), turn.unit(), fraction);
   return part;
-}
-
-std::array<double, 4> turn_about(const Vec3d& axis_lps, double angle_deg) {
-  const Vec3d axis = axis_lps.normalized() * std::sin(angle_deg * kPi / 360);
-  return {std::cos(angle_deg * kPi / 360), axis.x, axis.y, axis.z};
 }
 
 PoseOffsets::PoseOffsets(const Geometry& geometry, const RigidPiece& piece)
@@ -100,7 +61,7 @@ PoseOffsets::PoseOffsets(const Geometry& geometry, const RigidPiece& piece)
     Vec3d step(0.0);
     step[a] = 1;
     m_columns[std::size_t(a)] = geometry.index_vector_from_world(
-        way_of(piece.pose.turn, geometry.world_vector_from_index(step)));
+        piece.pose.turn.way_of(geometry.world_vector_from_index(step)));
   }
 }
 
@@ -116,7 +77,7 @@ std::array<std::int64_t, 3> PoseOffsets::operator()(const Vec3i& voxel) const {
 
 RigidPose moved_by(const RigidMotion& motion, const RigidPiece& piece, const Geometry& geometry) {
   RigidPose pose = piece.pose;
-  if (motion.turns()) pose.turn = normalized(product(motion.turn, piece.pose.turn));
+  if (motion.turns()) pose.turn = (motion.turn * piece.pose.turn).unit();
   Vec3d centre = piece.centre_index;
   for (int c = 0; c < 3; ++c) centre[c] += double(pose.shift_q[std::size_t(c)]) / kFixedOne;
   const Vec3d from = geometry.world_from_index(centre);
@@ -161,13 +122,14 @@ RigidMotion RigidFit::motion() const {
   for (int n = 1; n < 4; ++n) largest = std::max(largest, matrix[n][n]);
   // Of all turns that fit equally well the one nearest to none.
   const double tolerance = 1e-12 * m_square;
-  Quaternion turn{0, 0, 0, 0};
-  for (std::size_t n = 0; n < 4; ++n) {
+  Turn turn{0, {0, 0, 0}};
+  for (int n = 0; n < 4; ++n) {
     if (matrix[n][n] < largest - tolerance) continue;
-    for (std::size_t k = 0; k < 4; ++k) turn[k] += vectors[0][n] * vectors[k][n];
+    turn.w += vectors[0][n] * vectors[0][n];
+    for (int a = 0; a < 3; ++a) turn.v[a] += vectors[0][n] * vectors[a + 1][n];
   }
   RigidMotion motion;
-  if (turn[0] > 1e-12) motion.turn = normalized(turn);
+  if (turn.w > 1e-12) motion.turn = turn.unit();
   motion.about_lps_mm = m_first_from + m_sum_from / count;
   motion.shift_lps_mm = m_first_to + m_sum_to / count - motion.about_lps_mm;
   return motion;

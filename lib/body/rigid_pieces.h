@@ -12,29 +12,27 @@
 
 #include "lib/body/slot_set.h"
 #include "volumes/geometry/geometry.h"
+#include "volumes/geometry/turn.h"
 #include "volumes/grid/brick_values.h"
 
 namespace supple {
 
 /// A turn about a point and a shift, in LPS mm: x goes to about + turn (x - about) + shift.
 struct RigidMotion {
-  std::array<double, 4> turn{1, 0, 0, 0};  // unit quaternion w, x, y, z
+  Turn turn;
   Vec3d about_lps_mm{0, 0, 0};
   Vec3d shift_lps_mm{0, 0, 0};
 
-  bool turns() const { return turn[1] != 0 || turn[2] != 0 || turn[3] != 0; }
+  bool turns() const { return turn.turns(); }
   Vec3d operator()(const Vec3d& place_lps_mm) const;
   /// The same turn by a part of its angle, and that part of the shift.
   RigidMotion part(double fraction) const;
 };
 
-/// The shorter turn with this axis (of any length but 0) and angle.
-std::array<double, 4> turn_about(const Vec3d& axis_lps, double angle_deg);
-
 /// Where a piece is: turned about its centre at rest, then shifted along the grid in whole units of
 /// q, so that shifts of the solver are kept exactly.
 struct RigidPose {
-  std::array<double, 4> turn{1, 0, 0, 0};  // unit quaternion, LPS
+  Turn turn;  // in LPS
   std::array<std::int64_t, 3> shift_q{0, 0, 0};
 
   bool operator==(const RigidPose& other) const {

@@ -44,6 +44,7 @@ const std::vector<TissuePreset>& tissue_presets() {
 active     = [-300, 3100]
 components = "largest"
 links      = 26
+relax      = true
 rigid      = [300, 3100]
 max_length = [[-300, 2.0]]
 min_length = [[-300, 0.4]]
@@ -56,6 +57,7 @@ damping    = [[-300, 10]]
 active     = [-300, 3100]
 components = "largest"
 links      = 26
+relax      = true
 rigid      = [250, 3100]
 max_length = [[-300, 1.8]]
 min_length = [[-300, 0.5]]
@@ -65,6 +67,7 @@ density    = [[-300, 950], [-50, 950], [50, 1060], [300, 1060], [1500, 1920]]
 damping    = [[-300, 10]]
 )"},
       {"mr-brain", R"(links      = 26
+relax      = true
 max_length = [[0, 1.3]]
 min_length = [[0, 0.7]]
 shear      = [[0, 0.3]]

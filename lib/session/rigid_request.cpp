@@ -271,7 +271,8 @@ std::vector<std::string> texts_of_pieces(const RigidPieces& pieces) {
   for (const RigidPiece& piece : pieces.list) {
     nlohmann::json json;
     json["name"] = piece.name;
-    json["turn"] = piece.pose.turn;
+    const Turn& turn = piece.pose.turn;
+    json["turn"] = {turn.w, turn.v.x, turn.v.y, turn.v.z};
     json["shift"] = piece.pose.shift_q;
     texts.push_back(json.dump());
   }
@@ -292,10 +293,10 @@ RigidPieces pieces_of(const std::vector<std::string>& texts, const BrickValues& 
     try {
       const auto json = nlohmann::json::parse(texts[n]);
       piece.name = json.at("name").get<std::string>();
-      piece.pose.turn = json.at("turn").get<std::array<double, 4>>();
+      const auto turn = json.at("turn").get<std::array<double, 4>>();
+      piece.pose.turn = {turn[0], {turn[1], turn[2], turn[3]}};
       piece.pose.shift_q = json.at("shift").get<std::array<std::int64_t, 3>>();
-      double square = 0;
-      for (const double part : piece.pose.turn) square += part * part;
+      const double square = piece.pose.turn.squared_length();
       if (!(std::abs(square - 1) < 1e-9) || slots[n].empty()) throw std::out_of_range("no pose");
     } catch (const std::exception&) {
       throw InputError({file, "pieces", texts[n].substr(0, 80),

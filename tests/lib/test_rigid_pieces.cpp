@@ -135,7 +135,7 @@ TEST(PropertyRigid, MovingThereAndBackRestoresThePose) {
   for (int n = 0; n < 100; ++n) {
     const RigidMotion motion = random_motion(random);
     RigidMotion back = motion;
-    for (std::size_t k = 1; k < 4; ++k) back.turn[k] = -back.turn[k];
+    back.turn = back.turn.inverse();
     back.about_lps_mm = motion.about_lps_mm + motion.shift_lps_mm;
     back.shift_lps_mm = -motion.shift_lps_mm;
     const RigidPose before = piece.pose;
@@ -143,7 +143,7 @@ TEST(PropertyRigid, MovingThereAndBackRestoresThePose) {
     piece.pose = moved_by(back, piece, body.geometry);
     for (std::size_t c = 0; c < 3; ++c) {
       EXPECT_LE(std::abs(piece.pose.shift_q[c] - before.shift_q[c]), 2);
-      EXPECT_NEAR(piece.pose.turn[c + 1], before.turn[c + 1], 1e-12);
+      EXPECT_NEAR(piece.pose.turn.v[int(c)], before.turn.v[int(c)], 1e-12);
     }
     piece.pose = before;
   }

@@ -151,7 +151,7 @@ TEST_F(UnitPieces, ATurnThatAnchorsStopGoesAPartOfItsAngle) {
   EXPECT_GT(fraction, 0.2);
   EXPECT_LT(fraction, 1);
   EXPECT_LT(bend(session.body(), {{13, 7, 6}, {18, 10, 9}}), 1e-4);
-  const double turned = 2 * std::acos(session.body().rigid.list[1].pose.turn[0]);
+  const double turned = 2 * std::acos(session.body().rigid.list[1].pose.turn.w);
   EXPECT_NEAR(turned * 180 / 3.14159265358979323846, 15 * fraction, 1e-9);
   EXPECT_EQ(session.body().offset({15, 12, 7}, 1), 0);
 }
@@ -355,7 +355,7 @@ TEST_F(UnitPieces, RandomDragsNeverBendAPiece) {
     ASSERT_LT(bend(session.body(), {{13, 7, 6}, {18, 10, 9}}), 1e-4) << n;
     ASSERT_EQ(check_links(session.body()).violated, 0) << n;
   }
-  for (const RigidPiece& piece : session.body().rigid.list) turned += piece.pose.turn[0] < 1;
+  for (const RigidPiece& piece : session.body().rigid.list) turned += piece.pose.turn.w < 1;
   EXPECT_GE(done, 40);
   EXPECT_GE(turned, 1);
 }
@@ -499,7 +499,7 @@ TEST(ExtremesRigid, TwoHundredRandomDragsOfAHeadLeaveBoneRigid) {
       });
     }
   }
-  for (const RigidPiece& piece : body.rigid.list) turned += piece.pose.turn[0] < 1;
+  for (const RigidPiece& piece : body.rigid.list) turned += piece.pose.turn.w < 1;
   std::printf("drags %d of 200, %.1f ms each, turned pieces %d of %zu, worst residual %.2g mm\n",
               done, milliseconds / done, turned, body.rigid.list.size(), worst_mm);
   EXPECT_LE(worst_mm, 1e-3 * 0.957);

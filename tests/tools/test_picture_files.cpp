@@ -124,7 +124,7 @@ TEST_F(UnitPictureFiles, WhatDoesNotGoTogetherIsRefusedInOneLineAndLeavesNothing
   const Case cases[] = {
       {"ball.nhdr", "a.png", {"--aux", "offset"}, 3, "aux"},
       {"drag.vdb", "a.png", {"--aux", "offset", "--undeformed"}, 3, "aux"},
-      {"ball.nhdr", "a.png", {"--aux", "colour"}, 2, "depth, normal or offset"},
+      {"ball.nhdr", "a.png", {"--aux", "colour"}, 2, "depth, normal, offset, motion or id"},
       {"ball.nhdr", "a.png", {"--aux", "depth", "--lattice"}, 3, "aux"},
       {"ball.nhdr", "a.png", {"--aux", "depth", "--stereo", "anaglyph"}, 3, "aux"},
       {"ball.nhdr", "a_%d.png", {"--sequence", "3"}, 3, "sequence"},

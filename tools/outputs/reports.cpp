@@ -184,17 +184,14 @@ void print_reactions(const std::vector<HandleReaction>& reactions) {
 }
 
 nlohmann::ordered_json to_json(const RigidPieces& pieces) {
-  constexpr double kDegreesOfHalf = 360 / 3.14159265358979323846;
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const RigidPiece& piece : pieces.list) {
-    const std::array<double, 4>& turn = piece.pose.turn;
-    const double sine = std::hypot(std::hypot(turn[1], turn[2]), turn[3]);
     nlohmann::ordered_json shift = nlohmann::ordered_json::array();
     for (const std::int64_t q : piece.pose.shift_q) shift.push_back(double(q) / kFixedOne);
     list.push_back({{"name", piece.name},
                     {"elements", piece.elements->size()},
                     {"centre_voxel", vector_json(piece.centre_index)},
-                    {"turn_degrees", std::atan2(sine, turn[0]) * kDegreesOfHalf},
+                    {"turn_degrees", piece.pose.turn.angle_deg()},
                     {"shift_voxels", std::move(shift)}});
   }
   return list;

@@ -23,9 +23,14 @@ Turn Turn::operator*(const Turn& first) const {
   return {w * first.w - v.dot(first.v), first.v * w + v * first.w + v.cross(first.v)};
 }
 
-Vec3d Turn::operator()(const Vec3d& x) const {
+Vec3d Turn::way_of(const Vec3d& x) const {
   const Vec3d twice = v.cross(x) * 2.0;
-  return x + twice * w + v.cross(twice);
+  return twice * w + v.cross(twice);
+}
+
+Turn Turn::unit() const {
+  const double scale = (w < 0 ? -1 : 1) / std::sqrt(squared_length());
+  return {w * scale, v * scale};
 }
 
 double Turn::angle_deg() const {

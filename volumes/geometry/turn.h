@@ -13,7 +13,14 @@ struct Turn {
 
   Turn operator*(const Turn& first) const;  // `first`, then this
   Turn inverse() const { return {w, -v}; }
-  Vec3d operator()(const Vec3d& x) const;
+  Vec3d operator()(const Vec3d& x) const { return x + way_of(x); }
+  /// From x to where it goes; exactly 0 without a turn.
+  Vec3d way_of(const Vec3d& x) const;
+  bool operator==(const Turn& other) const { return w == other.w && v == other.v; }
+  bool turns() const { return v != Vec3d(0); }
+  double squared_length() const { return w * w + v.dot(v); }
+  /// The same turn as a quaternion of length 1 with w >= 0.
+  Turn unit() const;
   /// 0 to 180 degrees, about an axis of unit length.
   double angle_deg() const;
   Vec3d axis() const;
