@@ -2,6 +2,7 @@
 
 #include "tools/scene/film.h"
 #include "volumes/base/error.h"
+#include "volumes/base/text.h"
 
 namespace supple::tools {
 
