@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# From a fresh clone to pictures of a real head CT, undeformed and with the upper jaw dragged, a
-# state file and a warp file. Writes only under build/ and out/head_drag/. Re-runnable.
+# From a fresh clone to pictures of a real head CT, undeformed and with the upper jaw
+# advanced, a state file and a warp file. Writes only under build/ and out/head_upper_jaw/. Re-runnable.
 #
 #   bash tools/demo.sh
 set -euo pipefail
@@ -37,12 +37,12 @@ stage install supple_setup
 stage build build_preset release "$SUPPLE_PROGRAMS" "${first_build[@]}"
 stage fetch fetch_volume
 mkdir -p out
-stage run build/release/bin/supple run docs/scenes/head_drag.toml -o out/head_drag --force
+stage run build/release/bin/supple run docs/scenes/head_upper_jaw.toml -o out/head_upper_jaw --force
 
 say "done: $volume"
-echo "pictures  $(ls out/head_drag/*.png | tr '\n' ' ')"
-echo "state     out/head_drag/drag.vdb"
-echo "warp      $(ls out/head_drag/warp.* | tr '\n' ' ')"
+echo "pictures  $(ls out/head_upper_jaw/*.png | tr '\n' ' ')"
+echo "state     out/head_upper_jaw/moved.vdb"
+echo "warp      $(ls out/head_upper_jaw/warp.* | tr '\n' ' ')"
 for n in "${!stage_names[@]}"; do
   printf 'stage     %-8s %7s s\n' "${stage_names[$n]}" "${stage_seconds[$n]}"
 done

@@ -81,9 +81,8 @@ Fields fields(PictureOptions& options) {
   return {
       Field("bits", options.bits, "Of a PNG: 8 or 16").range(8, 16).shown_as("8|16").for_slices(),
       Field("aux", options.aux,
-            "Also IMAGE_depth.png, _normal.png, _offset.png (lengths in mm with a legend); of an "
-            ".exr "
-            "motion to the frames beside it and id of label or mesh")
+            "Also IMAGE_depth.png, _normal.png, _offset.png (lengths in mm with a legend); .exr: "
+            "motion and id, too")
           .one_of({"depth", "normal", "offset", "motion", "id"})
           .shown_as("NAMES"),
       Field("offset_max", options.offset_max_mm, "End of the offsets' colours")

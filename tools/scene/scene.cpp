@@ -267,12 +267,10 @@ Fields fields(StepSettings& settings) {
       Field("fix_density", settings.fix_density, "Elements of these densities stay where they are"),
       Field("rigid_density", settings.rigid_density,
             "Connected parts of these densities move as rigid pieces"),
-      Field("joint", settings.joint_mm,
-            "Tissue is parted halfway between a piece of rigid and others so near")
+      Field("joint", settings.joint_mm, "Part the tissue between pieces that are so near")
           .unit("mm")
           .at_least(0),
-      Field("no_relax", settings.no_relax,
-            "Leave a drag as Enhanced ChainMail made it, where the material has relax = true"),
+      Field("no_relax", settings.no_relax, "Leave drags unrelaxed, whatever the material asks for"),
       Field("release", settings.release, "Let go of everything that is held or fixed"),
   };
 }
