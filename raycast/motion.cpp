@@ -21,9 +21,9 @@ Vec3d displacement_at(const Displacement* displacement, const Vec3d& pos_index) 
 
 Vec3d place_seen(const FloatImage& picture, const CameraRays& rays, const Vec3d& forward,
                  std::size_t n) {
-  const double x = double(n % std::size_t(picture.width));
-  const double y = double(n / std::size_t(picture.width));
-  const Ray ray = rays.at(x + 0.5, y + 0.5);
+  const std::size_t row = n / std::size_t(picture.width);
+  const std::size_t column = n % std::size_t(picture.width);
+  const Ray ray = rays.at(double(column) + 0.5, double(row) + 0.5);
   return ray.origin_lps_mm +
          ray.direction_lps * (double(picture.depth_mm[n]) / ray.direction_lps.dot(forward));
 }

@@ -18,7 +18,7 @@ bool LinkCuts::cut(std::size_t b, int offset, int axis, Place place) {
   if (place != 0) {
     if (m_places.size() <= record) m_places.resize(record + 1);
     m_places[record].resize(3 * kBrickVoxels);
-    Place& known = m_places[record][std::size_t(axis * kBrickVoxels + offset)];
+    Place& known = m_places[record][std::size_t(axis) * kBrickVoxels + std::size_t(offset)];
     if (known == 0) known = place;
   }
   BrickMask& mask = m_records[record][axis];

@@ -46,7 +46,7 @@ class LinkCuts {
     if (b >= m_record_of.size() || m_record_of[b] < 0) return 0;
     const std::size_t record = std::size_t(m_record_of[b]);
     if (record >= m_places.size() || m_places[record].empty()) return 0;
-    return m_places[record][std::size_t(axis * kBrickVoxels + offset)];
+    return m_places[record][std::size_t(axis) * kBrickVoxels + std::size_t(offset)];
   }
 
   /// No brick at or beyond it has a cut link.

@@ -30,7 +30,7 @@ struct PaddedRows {
 
   /// `mask_at(n)`: pointer to the valid voxels of surrounding brick n, or null.
   template <class MaskAt>
-  explicit PaddedRows(MaskAt&& mask_at) {
+  explicit PaddedRows(const MaskAt& mask_at) {
     for (int x = 0; x < kRows; ++x) {
       for (int y = 0; y < kRows; ++y) {
         const SurroundingVoxel voxel = surrounding_voxel({x - kPad, y - kPad, 0});
