@@ -18,10 +18,10 @@ targets=("$@")
 [ "${#targets[@]}" -gt 0 ] ||
   targets=(nrrd metaimage nifti tiff png hdf5 vdb transform dicom raw stl ply obj vtk points)
 
-# An input of more than 10 s, of 2 GiB or with a leak is a finding. HDF5 and OpenVDB leave memory
-# behind when they meet damage. Their files are tried in a child process (volumes/base/run_in_child.h):
-# inputs on which the child ends, but not the target, are kept, and the program itself must refuse
-# them.
+# An input of more than 30 s, of 2 GiB or with a leak is a finding. HDF5 and OpenVDB leave memory
+# behind when they meet damage. Their files are tried in a child process, which may take up to 8 s of
+# processor time, more on a busy machine (volumes/base/run_in_child.h): inputs on which the child
+# ends, but not the target, are kept, and the program itself must refuse them.
 sanitizer_of() {
   case "$1" in
     hdf5 | vdb) printf 'detect_leaks=0:allocator_may_return_null=1' ;;
@@ -44,7 +44,7 @@ refused_by_program() {
     [ -e "$input" ] || continue
     cp "$input" "build/fuzz/input.$2"
     status=0
-    timeout 10 build/asan/bin/supple info "build/fuzz/input.$2" >>"$log" 2>&1 || status=$?
+    timeout 30 build/asan/bin/supple info "build/fuzz/input.$2" >>"$log" 2>&1 || status=$?
     [ "$status" -eq 3 ] || { say "fuzz $1: supple info exits with $status for $input"; return 1; }
     rm "$input"
     refused=$((refused + 1))
@@ -59,7 +59,7 @@ fuzz() {
   export ASAN_OPTIONS="$(sanitizer_of "$target")"
   while [ "$used" -lt "$seconds" ]; do
     if ! processor_time "build/asan/bin/fuzz_$target" "build/fuzz/corpus/$target" \
-      "build/fuzz/seeds/$target" -max_total_time="$((seconds - used))" -timeout=10 -max_len=65536 \
+      "build/fuzz/seeds/$target" -max_total_time="$((seconds - used))" -timeout=30 -max_len=65536 \
       -rss_limit_mb=2048 -print_final_stats=1 \
       -artifact_prefix="build/fuzz/findings/$target-"; then
       say "fuzz $target: a finding, see $log"

@@ -35,17 +35,22 @@ SweepOutcome CoordinateRelaxation::sweep_diagonals_of(std::size_t brick, const B
   return sweep_brick(loaded, m_table, free, bounded, out);
 }
 
+/// Single nodes of one brick; keeps what the pass needs to know of it and returns the largest step.
+double CoordinateRelaxation::step_diagonals_of(std::size_t brick, const DiagonalSweep& sweep,
+                                               double* out) {
+  const SweepOutcome outcome = sweep_diagonals_of(brick, m_elements.single[brick], sweep, out);
+  m_energies[brick] = outcome.energy;
+  m_is_tight[brick] = outcome.least_slack <= kTightSlack * kFinePerUnit;
+  if (outcome.largest_step != 0) m_changed[brick] = 1;
+  return outcome.largest_step;
+}
+
 /// All single nodes of the pass's bricks; returns the largest step.
 double CoordinateRelaxation::sweep_diagonals_at_once(const SweepRule& rule) {
   std::vector<double> largest(m_work.size());
   in_parallel(m_work.size(), [&](std::size_t n) {
     const std::size_t brick = m_work[n];
-    const SweepOutcome outcome = sweep_diagonals_of(brick, m_elements.single[brick],
-                                                    {rule, true, nullptr}, m_next.touch(brick));
-    m_energies[brick] = outcome.energy;
-    m_is_tight[brick] = outcome.least_slack <= kTightSlack * kFinePerUnit;
-    largest[n] = outcome.largest_step;
-    if (largest[n] != 0) m_changed[brick] = 1;
+    largest[n] = step_diagonals_of(brick, {rule, true, nullptr}, m_next.touch(brick));
   });
   m_now.swap(m_next);
   return largest.empty() ? 0 : *std::max_element(largest.begin(), largest.end());
@@ -62,12 +67,7 @@ double CoordinateRelaxation::sweep_diagonals(const SweepRule& rule) {
     std::vector<double> largest(bricks.size());
     in_parallel(bricks.size(), [&](std::size_t n) {
       const std::size_t brick = bricks[n];
-      const SweepOutcome outcome = sweep_diagonals_of(brick, m_elements.single[brick],
-                                                      {rule, false, nullptr}, m_now.touch(brick));
-      m_energies[brick] = outcome.energy;
-      m_is_tight[brick] = outcome.least_slack <= kTightSlack * kFinePerUnit;
-      largest[n] = outcome.largest_step;
-      if (largest[n] != 0) m_changed[brick] = 1;
+      largest[n] = step_diagonals_of(brick, {rule, false, nullptr}, m_now.touch(brick));
     });
     for (const double step : largest) all = std::max(all, step);
   }

@@ -41,6 +41,7 @@ class CoordinateRelaxation {
   double sweep_nodes(int colour, const SweepRule& rule, bool first);
   SweepOutcome sweep_diagonals_of(std::size_t brick, const BrickMask& free,
                                   const DiagonalSweep& sweep, double* out) const;
+  double step_diagonals_of(std::size_t brick, const DiagonalSweep& sweep, double* out);
   double sweep_diagonals_at_once(const SweepRule& rule);
   double sweep_diagonals(const SweepRule& rule);
   bool find_bounds(std::size_t brick, NodeBounds& out) const;

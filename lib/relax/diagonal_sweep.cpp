@@ -86,14 +86,7 @@ class BrickSweep {
         }
       }
     }
-    SweepOutcome outcome;
-    outcome.least_slack = m_least[0];
-    for (int lane = 0; lane < 8; ++lane) {
-      outcome.energy += m_energy[lane];
-      outcome.least_slack = std::min(outcome.least_slack, m_least[lane]);
-      outcome.largest_step = std::max(outcome.largest_step, m_largest[lane]);
-    }
-    return outcome;
+    return outcome_of(m_energy, m_least, m_largest);
   }
 
  private:

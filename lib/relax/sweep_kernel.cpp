@@ -133,14 +133,7 @@ SweepOutcome sweep(const PaddedBrick<double>& offsets, const BrickSprings& links
       largest = larger(largest, larger(step, -step));
     }
   }
-  SweepOutcome outcome;
-  outcome.least_slack = least[0];
-  for (int lane = 0; lane < 8; ++lane) {
-    outcome.energy += energy[lane];
-    outcome.least_slack = std::min(outcome.least_slack, least[lane]);
-    outcome.largest_step = std::max(outcome.largest_step, largest[lane]);
-  }
-  return outcome;
+  return outcome_of(energy, least, largest);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 // weighted by the stiffness of its links, no further than the limits allow.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "lib/relax/brick_springs.h"
@@ -25,6 +26,19 @@ struct SweepOutcome {
   double energy = 0;
   double least_slack = 0;  // of all links that meet the brick, before the sweep; may be infinite
 };
+
+/// The outcome of a sweep whose lanes have summed their own.
+template <class Row>
+SweepOutcome outcome_of(const Row& energy, const Row& least_slack, const Row& largest_step) {
+  SweepOutcome outcome;
+  outcome.least_slack = least_slack[0];
+  for (int lane = 0; lane < 8; ++lane) {
+    outcome.energy += energy[lane];
+    outcome.least_slack = std::min(outcome.least_slack, least_slack[lane]);
+    outcome.largest_step = std::max(outcome.largest_step, largest_step[lane]);
+  }
+  return outcome;
+}
 
 /// A spring pulls with stiffness * stretch; beyond its yield stretch the pull stays what it is
 /// there, as plastic flow lets it. `rest` is null where all are elastic and at rest in the

@@ -3,26 +3,11 @@
 #include <cmath>
 
 #include "volumes/base/error.h"
+#include "volumes/geometry/turn.h"
 
 namespace supple {
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
-
-/// Where an element is now, in voxels.
-Vec3d place_now(const Body& body, Slot slot) {
-  Vec3d place(voxel_of(body.elements, slot));
-  for (int c = 0; c < 3; ++c) place[c] += body.q[std::size_t(c)].at(slot) / kFixedOne;
-  return place;
-}
-
-/// Rodrigues' formula; exact for an angle of 0.
-Vec3d turned(const Vec3d& v, const Vec3d& axis, double angle_deg) {
-  const double angle = angle_deg * kPi / 180;
-  const double sine = std::sin(angle), versine = 2 * std::sin(angle / 2) * std::sin(angle / 2);
-  return v + axis.cross(v) * sine + axis.cross(axis.cross(v)) * versine;
-}
 
 Vec3d scaled(const Vec3d& v, const HandleMotion& motion, const Geometry& geometry) {
   if (!motion.scales_along_grid) return v * motion.scale;
@@ -30,6 +15,12 @@ Vec3d scaled(const Vec3d& v, const HandleMotion& motion, const Geometry& geometr
 }
 
 }  // namespace
+
+Vec3d place_now(const Body& body, Slot slot) {
+  Vec3d place(voxel_of(body.elements, slot));
+  for (int c = 0; c < 3; ++c) place[c] += body.q[std::size_t(c)].at(slot) / kFixedOne;
+  return place;
+}
 
 Vec3d centre_lps_mm(const Body& body, const SlotSet& slots) {
   Vec3d sum(0.0);
@@ -41,13 +32,13 @@ Displacements displacements_of(const Body& body, const SlotSet& slots, const Han
                                const Vec3d& by_mm, const std::vector<double>& parts) {
   const Geometry& geometry = body.geometry;
   const Vec3d about = motion.about_lps_mm ? *motion.about_lps_mm : centre_lps_mm(body, slots);
-  const Vec3d axis = motion.axis_lps.normalized();
+  const Turn turn = turn_about(motion.axis_lps, motion.angle_deg);
   const Vec3d shift = by_mm / geometry.spacing_mm();
   Displacements displacements;
   displacements.reserve(slots.size());
   slots.for_each([&](Slot slot) {
     const Vec3d from = geometry.world_from_index(place_now(body, slot)) - about;
-    const Vec3d to = turned(scaled(from, motion, geometry), axis, motion.angle_deg);
+    const Vec3d to = turn(scaled(from, motion, geometry));
     Vec3d way = shift;
     if (!motion.is_shift()) way += geometry.index_vector_from_world(to - from);
     if (!parts.empty()) way *= parts[displacements.size()];

@@ -23,6 +23,9 @@ struct HandleMotion {
 
 using Displacements = std::vector<std::array<std::int32_t, 3>>;
 
+/// Where an element is now, in voxels.
+Vec3d place_now(const Body& body, Slot slot);
+
 /// The middle of where elements are now.
 Vec3d centre_lps_mm(const Body& body, const SlotSet& slots);
 

@@ -170,13 +170,19 @@ Fields fields(GivenMotion& given) {
   };
 }
 
-Fields fields(GivenPose& given) {
+Fields key_fields(double& time, Easing& easing) {
   return {
-      Field("time", given.time, "When the pose is reached, in seconds or frames as [film] says")
+      Field("time", time, "When the key is reached, in seconds or frames as [film] says")
           .required(),
-      Field("easing", given.easing, {"smooth", "linear", "spline", "hold"},
-            "On the way to the next pose: starts and stops gently, evenly, passes through without "
-            "a stop, or jumps at its end"),
+      Field("easing", easing, {"smooth", "linear", "spline", "hold"},
+            "On the way to the next key: starts and stops gently, evenly, passes through without a "
+            "stop, or jumps at its end"),
+  };
+}
+
+Fields fields(GivenPose& given) {
+  Fields all = key_fields(given.time, given.easing);
+  const Fields own = {
       Field("by", given.by, "Shift, in mm along the directions of the frame"),
       Field("by_mm_lps", given.by_lps_mm, "The same in LPS, whatever the frame"),
       Field("rotate", given.rotate_deg, "Right-handed turn about the axis; 720: twice round")
@@ -188,6 +194,8 @@ Fields fields(GivenPose& given) {
       Field("scale_axes", given.scale_axes, "The same, one factor per axis of the frame")
           .positive(),
   };
+  all.insert(all.end(), own.begin(), own.end());
+  return all;
 }
 
 std::optional<IndexBox> box_of(const GivenSelection& given, const Geometry& geometry) {

@@ -65,6 +65,8 @@ struct GivenPose {
   std::optional<Vec3d> scale_axes;
 };
 Fields fields(GivenPose& given);
+/// `time` and `easing` of a key of any path, of handles or cameras.
+Fields key_fields(double& time, Easing& easing);
 
 struct GivenHandle : GivenSelection, GivenMotion {
   std::vector<GivenPose> path;  // instead of a shift, turn and scale; times ascend

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "lib/session/drag_handles.h"
+#include "lib/session/handle_motion.h"
 #include "volumes/base/error.h"
 #include "volumes/base/text.h"
 
@@ -16,9 +17,7 @@ namespace {
 constexpr double kMisfitVoxels = 0.5;
 
 Vec3d present_lps_mm(const Body& body, Slot slot) {
-  Vec3d place(voxel_of(body.elements, slot));
-  for (int c = 0; c < 3; ++c) place[c] += body.q[std::size_t(c)].at(slot) / kFixedOne;
-  return body.geometry.world_from_index(place);
+  return body.geometry.world_from_index(place_now(body, slot));
 }
 
 RigidMotion motion_of(const Body& body, const Drag& drag, const SlotSet& grabbed) {

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "lib/session/handle_motion.h"
 #include "volumes/base/error.h"
 #include "volumes/base/text.h"
 #include "volumes/grid/labels.h"
@@ -28,13 +29,6 @@ RigidPiece piece_of(const Body& body, std::string name, SlotSet slots) {
   piece.centre_index = centre_of(body.elements, slots);
   piece.elements = std::make_shared<SlotSet>(std::move(slots));
   return piece;
-}
-
-/// Where an element is, in voxels.
-Vec3d present_place(const Body& body, Slot slot) {
-  Vec3d place(voxel_of(body.elements, slot));
-  for (int c = 0; c < 3; ++c) place[c] += body.q[std::size_t(c)].at(slot) / kFixedOne;
-  return place;
 }
 
 bool is_shifted_as_one(const Body& body, const RigidPiece& piece,
@@ -77,7 +71,7 @@ void find_pose(Body& body, RigidPiece& piece, Progress* progress) {
   const Geometry& geometry = body.geometry;
   piece.elements->for_each([&](Slot slot) {
     fit.add(geometry.world_from_index(Vec3d(voxel_of(body.elements, slot))),
-            geometry.world_from_index(present_place(body, slot)));
+            geometry.world_from_index(place_now(body, slot)));
   });
   piece.pose = moved_by(fit.motion(), piece, geometry);
   const double largest = put_at_pose(body, piece);

@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-// As in sample_batch.cpp.
-#define HWY_DISABLED_TARGETS HWY_SSSE3
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "raycast/march/light_lanes.cpp"
 #include <hwy/foreach_target.h>

@@ -5,8 +5,6 @@
 #include "raycast/sample/offset_bricks.h"
 #include "raycast/sample/source_bricks.h"
 
-// Machines between SSE2 and SSE4 run the scalar code: one compilation less.
-#define HWY_DISABLED_TARGETS HWY_SSSE3
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "raycast/sample/sample_batch.cpp"
 #include <hwy/foreach_target.h>

@@ -111,7 +111,7 @@ void choose_frames(Scene& scene, const RunSceneOptions& options, GlobalOptions& 
     throw InputError({scene.file, options.resume ? "--resume" : "--frames",
                       "a scene without frames", "a table [film]"});
   }
-  scene.film->todo = frames_of(options.frames, *scene.film);
+  scene.film->frames_to_make = frames_of(options.frames, *scene.film);
   scene.film->makes_videos = options.frames.empty();
   if (!options.resume || global.force) return;
   leave_out_made(scene, options.folder);
@@ -135,7 +135,7 @@ int run_scene(const RunSceneOptions& options, const GlobalOptions& given, Consol
   if (!options.allow_outside) require_inside(scene, options.folder);
   const OutputPlan plan = plan_of(scene, options, global);
   if (options.dry_run) return try_scene(scene, options, global, console);
-  if (scene.film && scene.film->todo.empty() && !scene.film->makes_videos) {
+  if (scene.film && scene.film->frames_to_make.empty() && !scene.film->makes_videos) {
     console.note("all frames are there");
     return kOk;
   }

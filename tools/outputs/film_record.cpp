@@ -54,7 +54,7 @@ bool is_made(const Scene& scene, const std::string& folder, int frame) {
 
 void plan_film(const Scene& scene, const std::string& folder, OutputPlan& plan) {
   const Film& film = *scene.film;
-  for (const int frame : film.todo) {
+  for (const int frame : film.frames_to_make) {
     for (const SceneView& view : scene.views) {
       plan.add_files(frame_files(view.picture, path_in(folder, view.image), frame));
     }
@@ -67,7 +67,7 @@ void plan_film(const Scene& scene, const std::string& folder, OutputPlan& plan) 
 }
 
 std::vector<int> frames_of(const std::string& text, const Film& film) {
-  if (text.empty()) return film.todo;
+  if (text.empty()) return film.frames_to_make;
   std::smatch match;
   static const std::regex pattern("([0-9]{1,5})(:([0-9]{1,5}))?");
   const auto refuse = [&] {
@@ -85,10 +85,10 @@ std::vector<int> frames_of(const std::string& text, const Film& film) {
 void leave_out_made(Scene& scene, const std::string& folder) {
   Film& film = *scene.film;
   std::vector<int> missing;
-  for (const int frame : film.todo) {
+  for (const int frame : film.frames_to_make) {
     if (!is_made(scene, folder, frame)) missing.push_back(frame);
   }
-  if (missing.size() < film.todo.size()) {
+  if (missing.size() < film.frames_to_make.size()) {
     const std::string path = film_record_path(scene, folder);
     std::ifstream file(path);
     const auto record = nlohmann::json::parse(file, nullptr, false);
@@ -105,7 +105,7 @@ void leave_out_made(Scene& scene, const std::string& folder) {
   film.makes_videos =
       film.makes_videos &&
       (!missing.empty() || std::any_of(scene.views.begin(), scene.views.end(), lacks));
-  film.todo = std::move(missing);
+  film.frames_to_make = std::move(missing);
 }
 
 std::string film_record_path(const Scene& scene, const std::string& folder) {

@@ -77,7 +77,7 @@ void SceneRun::run_film() {
   }
   make_folders();
   write_film_record(m_scene, m_folder);
-  if (!m_scene.film->todo.empty()) {
+  if (!m_scene.film->frames_to_make.empty()) {
     // Cameras are framed by the first frame, whichever frames are made.
     std::vector<std::unique_ptr<FilmView>> views;
     const int first = pose_frame(0);
@@ -87,7 +87,7 @@ void SceneRun::run_film() {
                                                  m_console));
       m_own.reset();
     }
-    for (const int frame : m_scene.film->todo) {
+    for (const int frame : m_scene.film->frames_to_make) {
       try {
         make_frame(frame, views);
       } catch (const InputError& error) {

@@ -1,5 +1,6 @@
 #include "tools/scene/camera_keys.h"
 
+#include "lib/session/handles.h"
 #include "tools/scene/film.h"
 #include "volumes/base/error.h"
 #include "volumes/base/text.h"
@@ -106,12 +107,8 @@ Field side_field(std::string& side) {
 }
 
 Fields fields(CameraKey& key) {
-  return {
-      Field("time", key.time, "When the key is reached, in seconds or frames as [film] says")
-          .required(),
-      Field("easing", key.easing, {"smooth", "linear", "spline", "hold"},
-            "On the way to the next key: starts and stops gently, evenly, passes through without a "
-            "stop, or jumps at its end"),
+  Fields all = key_fields(key.time, key.easing);
+  const Fields own = {
       side_field(key.view),
       Field("position", key.position, "Of the eye, in LPS mm, instead of a side"),
       Field("target", key.target, "What it looks at, in LPS mm"),
@@ -123,6 +120,8 @@ Fields fields(CameraKey& key) {
           .unit("degrees"),
       Field("zoom", key.zoom, "Magnification").range(0.01, 1000),
   };
+  all.insert(all.end(), own.begin(), own.end());
+  return all;
 }
 
 CameraChoice read_camera_choice(TomlTable& view) {

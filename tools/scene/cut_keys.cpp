@@ -33,15 +33,18 @@ Fields curve_fields(CutSurface& surface) {
   };
 }
 
+void require_area(const TomlTable& table, const Vec3d& edge1, const Vec3d& edge2) {
+  if (edge1.cross(edge2) != Vec3d(0)) return;
+  table.fail("edge2", "edges that span no area", "two vectors that differ in direction");
+}
+
 namespace {
 
 CutSurface read_plane(TomlTable& table) {
   CutSurface surface;
   surface.place = table.place();
   table.read(plane_fields(surface));
-  if (surface.edge1.cross(surface.edge2) == Vec3d(0)) {
-    table.fail("edge2", "edges that span no area", "two vectors that differ in direction");
-  }
+  require_area(table, surface.edge1, surface.edge2);
   table.finish();
   return surface;
 }

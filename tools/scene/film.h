@@ -12,8 +12,8 @@ namespace supple::tools {
 struct Film {
   int frames = 0;  // 0 as given: to the last key
   double frames_per_second = 25;
-  bool counts_frames = false;  // keys have numbers of frames, not seconds
-  std::vector<int> todo;  // frames that are to be made, ascending: all unless the command says so
+  bool counts_frames = false;       // keys have numbers of frames, not seconds
+  std::vector<int> frames_to_make;  // ascending; all unless the command says so
   bool makes_videos = true;
 
   /// Of a frame, as keys have it.

@@ -66,9 +66,7 @@ Retraction read_retraction(TomlTable& table) {
   Retraction retraction;
   retraction.place = table.place();
   table.read(fields(retraction));
-  if (retraction.edge1.cross(retraction.edge2) == Vec3d(0)) {
-    table.fail("edge2", "edges that span no area", "two vectors that differ in direction");
-  }
+  require_area(table, retraction.edge1, retraction.edge2);
   table.finish();
   return retraction;
 }
@@ -161,7 +159,7 @@ void read_film(TomlTable& table, Scene& scene) {
     if (!view.camera_keys.empty()) stretch(film, has_frames, view.camera_keys.back().time);
   }
   if (film.frames == 0) table.fail_missing("frames", "how many, or keys with times in a path");
-  for (int frame = 0; frame < film.frames; ++frame) film.todo.push_back(frame);
+  for (int frame = 0; frame < film.frames; ++frame) film.frames_to_make.push_back(frame);
   for (SceneView& view : scene.views) {
     if (view.after_step) {
       throw InputError({view.place, "after_step", "a step in a film", "a film of all steps"});
@@ -238,7 +236,7 @@ std::vector<std::string> Scene::outputs_of(int frame) const {
 std::vector<std::string> Scene::outputs() const {
   std::vector<std::string> paths;
   if (film) {
-    for (const int frame : film->todo) {
+    for (const int frame : film->frames_to_make) {
       const std::vector<std::string> files = outputs_of(frame);
       paths.insert(paths.end(), files.begin(), files.end());
     }

@@ -146,7 +146,7 @@ VdbContent foreign_grids(const std::string& path) {
   constexpr std::int64_t kLeast = std::int64_t(256) << 20, kMost = std::int64_t(1) << 40;
   constexpr std::int64_t kBytesPerSecond = 16 << 20;
   const std::int64_t bytes = InputFile(path).size();
-  const ChildBounds bounds{kLeast + std::min(256 * bytes, kMost), int(8 + bytes / kBytesPerSecond)};
+  const ChildBounds bounds{kLeast + std::min(256 * bytes, kMost), int(3 + bytes / kBytesPerSecond)};
   run_in_child({path, "grids", "", "intact OpenVDB grids"}, bounds, [&] {
     try {
       all_grids(path);
