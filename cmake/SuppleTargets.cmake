@@ -40,11 +40,12 @@ else()
   target_compile_options(supple_cold INTERFACE $<$<CONFIG:Release>:-O1>)
 endif()
 
-# supple_add_sources(TARGET FOLDER ... [EXCLUDE REGEX] [UNITY COUNT])
+# supple_add_sources(TARGET FOLDER ... [EXCLUDE REGEX] [UNITY COUNT] [UNOPTIMISED])
 # Every .cpp directly in these folders of the current directory, so that a new file needs no line
 # here. With SUPPLE_UNITY those of a folder are compiled together, COUNT at a time (8; 1: each alone).
+# UNOPTIMISED: in sanitized builds, where compiling them takes longer than running them.
 function(supple_add_sources target)
-  cmake_parse_arguments(ARG "" "EXCLUDE;UNITY" "" ${ARGN})
+  cmake_parse_arguments(ARG "UNOPTIMISED" "EXCLUDE;UNITY" "" ${ARGN})
   if(NOT ARG_UNITY)
     set(ARG_UNITY 8)
   endif()
@@ -61,6 +62,11 @@ function(supple_add_sources target)
         math(EXPR group "${count} / ${ARG_UNITY}")
         set_source_files_properties(${source} TARGET_DIRECTORY ${target}
                                     PROPERTIES UNITY_GROUP ${name}_${group})
+        if(ARG_UNOPTIMISED AND SUPPLE_SANITIZE)
+          set_source_files_properties(
+            ${CMAKE_CURRENT_BINARY_DIR}/CMakeFiles/${target}.dir/Unity/unity_${name}_${group}_cxx.cxx
+            PROPERTIES COMPILE_OPTIONS -O0)
+        endif()
         math(EXPR count "${count} + 1")
       endforeach()
     endif()
