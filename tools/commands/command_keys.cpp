@@ -31,6 +31,7 @@ std::vector<KeyTable> all_tables() {
   static StepSettings step;
   static GivenHandle handle;
   static GivenPose pose;
+  static FunctionKeys function;
   static Film film;
   static CameraKey camera_key;
   static Retraction retract;
@@ -49,6 +50,7 @@ std::vector<KeyTable> all_tables() {
        fields(static_cast<GivenSelection&>(handle))},
       {"motion", "handles = [{ … }] of a [[step]]", "", fields(static_cast<GivenMotion&>(handle))},
       {"path", "path = [{ … }] of a handle", "", fields(pose)},
+      {"function", "[path] of a scene and path = { … } of a [[view]]", "", fields(function)},
       {"retract", "retract = [{ … }] of a [[step]]", "", fields(retract)},
       {"plane", "plane = { … } of a cut", "", plane_fields(plane)},
       {"curve", "curve = { … } of a cut", "", curve_fields(curve)},
@@ -72,8 +74,9 @@ std::string kind_of(const Field& field) {
 
 /// Nothing where only scenes have the key, or where the option is one of a command's own.
 std::string option_of(const KeyTable& table, const Field& field) {
-  static const std::set<std::string> kSceneTables = {
-      "light", "grab", "motion", "path", "film", "camera_path", "retract", "plane", "curve"};
+  static const std::set<std::string> kSceneTables = {"light",    "grab", "motion",      "path",
+                                                     "function", "film", "camera_path", "retract",
+                                                     "plane",    "curve"};
   const bool has_no_options = kSceneTables.count(table.name) != 0;
   if (field.is_only_in_scenes() || has_no_options) return "";
   return option_name(field, table.prefix);

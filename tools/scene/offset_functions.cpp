@@ -2,13 +2,37 @@
 
 #include <algorithm>
 #include <optional>
-#include <sstream>
+#include <set>
+#include <tuple>
 
 #include "lib/material/toml_string.h"
 #include "volumes/base/error.h"
 #include "volumes/io/point_file.h"
 
 namespace supple::tools {
+
+Fields fields(FunctionKeys& keys) {
+  return {
+      Field("point", keys.point,
+            "In LPS: on the axis (bend, twist, taper), or on the side that opens (cut-open)")
+          .unit("mm")
+          .otherwise("the middle of the volume"),
+      Field("axis", keys.axis, "Direction in LPS, of the hinge for cut-open").otherwise("superior"),
+      Field("range", keys.range, "Of bend, twist and taper: a stretch of the axis from the point")
+          .unit("mm")
+          .otherwise("all of the volume"),
+      Field("towards", keys.towards, "Of bend: direction in LPS, across the axis"),
+      Field("angle", keys.angle, "Of bend, at most 180; of twist; of cut-open with a hinge")
+          .unit("degrees"),
+      Field("factor", keys.factor, "Of taper: at the end of the range"),
+      Field("normal", keys.normal, "Of cut-open: of its plane, in LPS"),
+      Field("gap", keys.gap, "Of cut-open without a hinge, and of explode").unit("mm"),
+      Field("hinge", keys.hinge, "Of cut-open by an angle: a point of the hinge in LPS").unit("mm"),
+      Field("points", keys.points,
+            "Of lattice: a point file whose displacements move the control points nearest to it")
+          .path(),
+  };
+}
 
 namespace {
 
@@ -18,30 +42,29 @@ Vec3d centre_of(const Geometry& geometry) {
   return geometry.world_from_index(Vec3d(geometry.dims() - Vec3i(1)) / 2.0);
 }
 
-/// point, axis and range, as far as they are given.
-struct RangeKeys {
-  std::optional<Vec3d> point, axis;
-  std::optional<std::vector<double>> range;
-
-  AxisRange on(const Geometry& geometry) const {
-    AxisRange result;
-    result.point = point.value_or(centre_of(geometry));
-    result.axis = axis.value_or(result.axis);
-    if (range) {
-      result.begin_mm = (*range)[0];
-      result.end_mm = (*range)[1];
-    } else {
-      span_box(geometry, result);
-    }
-    return result;
+AxisRange range_of(const FunctionKeys& keys, const Geometry& geometry) {
+  AxisRange result;
+  result.point = keys.point.value_or(centre_of(geometry));
+  result.axis = keys.axis.value_or(result.axis);
+  if (keys.range) {
+    std::tie(result.begin_mm, result.end_mm) = *keys.range;
+  } else {
+    span_box(geometry, result);
   }
-};
+  return result;
+}
 
-RangeKeys read_range(TomlTable& table) {
-  RangeKeys keys{table.vector("point"), table.vector("axis"), table.numbers("range")};
-  if (keys.range && keys.range->size() != 2) {
-    table.fail("range", std::to_string(keys.range->size()) + " numbers", "two, in mm");
+/// The keys that a function has, and what else it reads.
+FunctionKeys read_keys(TomlTable& table, const std::set<std::string>& names,
+                       std::initializer_list<const char*> others = {}) {
+  FunctionKeys keys;
+  Fields chosen;
+  for (const Field& field : fields(keys)) {
+    if (names.count(field.name()) != 0) chosen.push_back(field);
   }
+  table.know({"function"});
+  table.know(others);
+  table.read(chosen);
   return keys;
 }
 
@@ -74,66 +97,54 @@ std::array<int, 3> read_counts(TomlTable& table, const std::string& key,
   return {found.x, found.y, found.z};
 }
 
-double read_number(TomlTable& table, const std::string& key, const std::string& expected) {
-  const auto number = table.number(key);
-  return table.require(number, key, expected);
-}
-
 Maker read_bend(TomlTable& table) {
-  table.know({"function", "point", "axis", "range", "towards", "angle"});
-  const RangeKeys range = read_range(table);
-  const auto direction = table.vector("towards");
-  const Vec3d towards = table.require(direction, "towards", "a direction in LPS");
-  const double angle = read_number(table, "angle", "an angle in degrees");
-  return [=](const Geometry& g) { return make_bend({range.on(g), towards, angle}); };
+  const FunctionKeys keys = read_keys(table, {"point", "axis", "range", "towards", "angle"});
+  const Vec3d towards = table.require(keys.towards, "towards", "a direction in LPS");
+  const double angle = table.require(keys.angle, "angle", "an angle in degrees");
+  return [=](const Geometry& g) { return make_bend({range_of(keys, g), towards, angle}); };
 }
 
 Maker read_twist(TomlTable& table) {
-  table.know({"function", "point", "axis", "range", "angle"});
-  const RangeKeys range = read_range(table);
-  const double angle = read_number(table, "angle", "an angle in degrees");
-  return [=](const Geometry& g) { return make_twist({range.on(g), angle}); };
+  const FunctionKeys keys = read_keys(table, {"point", "axis", "range", "angle"});
+  const double angle = table.require(keys.angle, "angle", "an angle in degrees");
+  return [=](const Geometry& g) { return make_twist({range_of(keys, g), angle}); };
 }
 
 Maker read_taper(TomlTable& table) {
-  table.know({"function", "point", "axis", "range", "factor"});
-  const RangeKeys range = read_range(table);
-  const double factor = read_number(table, "factor", "a factor");
-  return [=](const Geometry& g) { return make_taper({range.on(g), factor}); };
+  const FunctionKeys keys = read_keys(table, {"point", "axis", "range", "factor"});
+  const double factor = table.require(keys.factor, "factor", "a factor");
+  return [=](const Geometry& g) { return make_taper({range_of(keys, g), factor}); };
 }
 
 Maker read_cut_open(TomlTable& table) {
-  table.know({"function", "point", "normal", "gap", "angle", "hinge", "axis"});
-  const auto point = table.vector("point");
-  const auto given_normal = table.vector("normal");
+  const FunctionKeys keys = read_keys(table, {"point", "normal", "gap", "angle", "hinge", "axis"});
   CutOpenParams params;
-  params.normal = table.require(given_normal, "normal", "a direction in LPS");
-  const bool swings = table.has("angle");
-  if (swings == table.has("gap")) {
+  params.normal = table.require(keys.normal, "normal", "a direction in LPS");
+  const bool swings = keys.angle.has_value();
+  if (swings == keys.gap.has_value()) {
     if (swings) table.fail("gap", "gap and angle", "one of both");
     table.fail_missing("gap", "either gap in mm or angle in degrees");
   }
-  params.gap_mm = table.number("gap").value_or(0);
-  params.angle_degrees = table.number("angle").value_or(0);
-  const auto hinge = table.vector("hinge"), axis = table.vector("axis");
+  params.gap_mm = keys.gap.value_or(0);
+  params.angle_degrees = keys.angle.value_or(0);
   if (swings) {
-    params.hinge = table.require(hinge, "hinge", "a point of the hinge in LPS mm");
-    params.hinge_axis = table.require(axis, "axis", "the direction of the hinge in LPS");
-  } else if (hinge || axis) {
-    table.fail(hinge ? "hinge" : "axis", "a hinge beside gap", "angle, or no hinge");
+    params.hinge = table.require(keys.hinge, "hinge", "a point of the hinge in LPS mm");
+    params.hinge_axis = table.require(keys.axis, "axis", "the direction of the hinge in LPS");
+  } else if (keys.hinge || keys.axis) {
+    table.fail(keys.hinge ? "hinge" : "axis", "a hinge beside gap", "angle, or no hinge");
   }
   return [=](const Geometry& g) {
     CutOpenParams placed = params;
-    placed.point = point.value_or(centre_of(g));
+    placed.point = keys.point.value_or(centre_of(g));
     return make_cut_open(placed);
   };
 }
 
 Maker read_explode(TomlTable& table) {
-  table.know({"function", "grid", "box", "gap"});
+  const FunctionKeys keys = read_keys(table, {"gap"}, {"grid", "box"});
   ExplodeParams params;
   params.grid = read_counts(table, "grid", "the number of pieces along i, j and k");
-  params.gap_mm = read_number(table, "gap", "a gap in mm");
+  params.gap_mm = table.require(keys.gap, "gap", "a gap in mm");
   const BoxKey box = read_box(table);
   return [=](const Geometry& g) {
     ExplodeParams placed = params;
@@ -181,13 +192,13 @@ void add_points(const PointFile& file, const Geometry& geometry, LatticeParams& 
 }
 
 Maker read_lattice(TomlTable& table) {
-  table.know({"function", "lattice", "box", "move", "points"});
+  const FunctionKeys keys = read_keys(table, {"points"}, {"lattice", "box", "move"});
   LatticeParams params;
   params.points = read_counts(table, "lattice", "the number of control points along i, j and k");
   params.moves = read_moves(table);
   std::optional<PointFile> file;
-  if (const auto path = table.path("points")) {
-    file = read_point_file(*path);
+  if (!keys.points.empty()) {
+    file = read_point_file(keys.points);
     if (!file->has_displacements) {
       table.fail("points", "points without displacements", "columns x,y,z,dx,dy,dz");
     }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,16 @@
 #include "volumes/state/pose.h"
 
 namespace supple::tools {
+
+/// What the tables of functions say in numbers, places and names, as far as it is given. A function
+/// has some of them.
+struct FunctionKeys {
+  std::optional<Vec3d> point, axis, towards, normal, hinge;
+  std::optional<NumberPair> range;
+  std::optional<double> angle, factor, gap;
+  std::string points;
+};
+Fields fields(FunctionKeys& keys);
 
 /// One table. What it leaves out is chosen by the volume's geometry.
 struct OffsetFunction {
