@@ -18,46 +18,6 @@ std::string number(double value) {
   return text;
 }
 
-/// A curve under the name that the user gave it.
-struct NamedCurve {
-  std::string name;
-  const Curve* curve;
-  double lo, hi;  // admissible values; lo is exclusive when `open`
-  bool open;
-  const char* expected;
-};
-
-std::vector<NamedCurve> curves_of(const LimitTable& table) {
-  const double infinity = HUGE_VAL;
-  const auto longest = [&](std::string name, const Curve& curve) {
-    return NamedCurve{std::move(name), &curve, 1, infinity, false, "max_length >= 1"};
-  };
-  const auto shortest = [&](std::string name, const Curve& curve) {
-    return NamedCurve{std::move(name), &curve, 0, 1, true, "0 < min_length <= 1"};
-  };
-  std::vector<NamedCurve> curves{longest("max_length", table.max_length),
-                                 shortest("min_length", table.min_length),
-                                 {"shear1", &table.shear1, 0, infinity, false, "shear >= 0"},
-                                 {"shear2", &table.shear2, 0, infinity, false, "shear >= 0"}};
-  for (int axis = 0; axis < 3; ++axis) {
-    if (const auto& curve = table.max_length_axis[axis]) {
-      curves.push_back(longest(std::string("max_length_") + kAxisName[axis], *curve));
-    }
-    if (const auto& curve = table.min_length_axis[axis]) {
-      curves.push_back(shortest(std::string("min_length_") + kAxisName[axis], *curve));
-    }
-  }
-  const auto physical = [&](const char* name, const std::optional<Curve>& curve, bool above_zero,
-                            const char* expected) {
-    if (curve) curves.push_back({name, &*curve, 0, infinity, above_zero, expected});
-  };
-  physical("stiffness", table.stiffness, true, "stiffness > 0 kPa");
-  physical("density", table.mass_density, true, "density > 0 kg/m³");
-  physical("damping", table.rayleigh_beta_ms, false, "damping >= 0 ms");
-  physical("plastic", table.yield_strain, true, "plastic > 0");
-  return curves;
-}
-
 void validate_curve(const std::string& file, const LimitTable& table, const NamedCurve& named) {
   const auto& keys = named.curve->keys;
   if (keys.empty()) {
@@ -136,6 +96,41 @@ void warn_of_missing_column(const std::string& column, std::optional<Curve> Limi
 }
 
 }  // namespace
+
+const std::array<PhysicalColumn, 4> kPhysicalColumns = {{
+    {"stiffness", &LimitTable::stiffness, true, "stiffness > 0 kPa"},
+    {"density", &LimitTable::mass_density, true, "density > 0 kg/m³"},
+    {"damping", &LimitTable::rayleigh_beta_ms, false, "damping >= 0 ms"},
+    {"plastic", &LimitTable::yield_strain, true, "plastic > 0"},
+}};
+
+std::vector<NamedCurve> curves_of(const LimitTable& table) {
+  const double infinity = HUGE_VAL;
+  const auto longest = [&](std::string name, const Curve& curve) {
+    return NamedCurve{std::move(name), &curve, 1, infinity, false, "max_length >= 1"};
+  };
+  const auto shortest = [&](std::string name, const Curve& curve) {
+    return NamedCurve{std::move(name), &curve, 0, 1, true, "0 < min_length <= 1"};
+  };
+  std::vector<NamedCurve> curves{longest("max_length", table.max_length),
+                                 shortest("min_length", table.min_length),
+                                 {"shear1", &table.shear1, 0, infinity, false, "shear >= 0"},
+                                 {"shear2", &table.shear2, 0, infinity, false, "shear >= 0"}};
+  for (int axis = 0; axis < 3; ++axis) {
+    if (const auto& curve = table.max_length_axis[axis]) {
+      curves.push_back(longest(std::string("max_length_") + kAxisName[axis], *curve));
+    }
+    if (const auto& curve = table.min_length_axis[axis]) {
+      curves.push_back(shortest(std::string("min_length_") + kAxisName[axis], *curve));
+    }
+  }
+  for (const PhysicalColumn& column : kPhysicalColumns) {
+    if (const auto& curve = table.*column.curve) {
+      curves.push_back({column.name, &*curve, 0, infinity, column.is_above_zero, column.expected});
+    }
+  }
+  return curves;
+}
 
 double Curve::operator()(double density) const {
   if (density <= keys.front().first) return keys.front().second;

@@ -53,6 +53,26 @@ struct LimitTable {
   bool is_constant() const;
 };
 
+/// A column of physical values, which a table need not have.
+struct PhysicalColumn {
+  const char* name;  // in files
+  std::optional<Curve> LimitTable::*curve;
+  bool is_above_zero;
+  const char* expected;
+};
+extern const std::array<PhysicalColumn, 4> kPhysicalColumns;
+
+/// A curve under its name in files.
+struct NamedCurve {
+  std::string name;
+  const Curve* curve;
+  double lo, hi;  // admissible values; lo is exclusive when `open`
+  bool open;
+  const char* expected;
+};
+/// All that the table has.
+std::vector<NamedCurve> curves_of(const LimitTable& table);
+
 /// The table as the user wrote it.
 struct MaterialTable : LimitTable {
   double active_lo = 1, active_hi = 255;  // densities that are elements

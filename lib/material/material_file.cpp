@@ -87,29 +87,14 @@ void append_range(std::string& text, const std::string& name, double lo, double 
 }
 
 void append_limits(std::string& text, const LimitTable& limits) {
-  append_curve(text, "max_length", limits.max_length);
-  append_curve(text, "min_length", limits.min_length);
-  append_curve(text, "shear1", limits.shear1);
-  append_curve(text, "shear2", limits.shear2);
-  for (int axis = 0; axis < 3; ++axis) {
-    const std::string suffix = std::string("_") + kAxisNames[axis];
-    if (limits.max_length_axis[axis]) {
-      append_curve(text, "max_length" + suffix, *limits.max_length_axis[axis]);
-    }
-    if (limits.min_length_axis[axis]) {
-      append_curve(text, "min_length" + suffix, *limits.min_length_axis[axis]);
-    }
-  }
-  if (limits.stiffness) append_curve(text, "stiffness", *limits.stiffness);
-  if (limits.mass_density) append_curve(text, "density", *limits.mass_density);
-  if (limits.rayleigh_beta_ms) append_curve(text, "damping", *limits.rayleigh_beta_ms);
-  if (limits.yield_strain) append_curve(text, "plastic", *limits.yield_strain);
+  for (const NamedCurve& named : curves_of(limits)) append_curve(text, named.name, *named.curve);
 }
 
 void know_limits(TomlTable& table) {
   table.know({"domain", "max_length", "min_length", "shear", "shear1", "shear2", "max_length_i",
               "max_length_j", "max_length_k", "min_length_i", "min_length_j", "min_length_k",
-              "stiffness", "density", "damping", "plastic", "preset"});
+              "preset"});
+  for (const PhysicalColumn& column : kPhysicalColumns) table.know({column.name});
 }
 
 /// What keys that are not given count as: the curves of the preset, or none. `tissue`: the table of
@@ -151,14 +136,10 @@ void read_curves(TomlTable& table, LimitTable& limits, const MaterialTable* tiss
     limits.max_length_axis[axis] = read_curve(table, "max_length" + suffix);
     limits.min_length_axis[axis] = read_curve(table, "min_length" + suffix);
   }
-  const auto optional = [&](const std::string& key, const std::optional<Curve>& of_preset) {
-    const auto curve = read_curve(table, key);
-    return curve ? curve : of_preset;
-  };
-  limits.stiffness = optional("stiffness", preset.stiffness);
-  limits.mass_density = optional("density", preset.mass_density);
-  limits.rayleigh_beta_ms = optional("damping", preset.rayleigh_beta_ms);
-  limits.yield_strain = optional("plastic", preset.yield_strain);
+  for (const PhysicalColumn& column : kPhysicalColumns) {
+    limits.*column.curve = read_curve(table, column.name);
+    if (!(limits.*column.curve)) limits.*column.curve = preset.*column.curve;
+  }
 }
 
 /// [label.N] tables, N a number or a name, each with the domain of `material` unless it has its
