@@ -105,6 +105,23 @@ TEST_F(PropertyFilm, FramesOfAnotherSceneAreNotContinued) {
   EXPECT_EQ(run("out", {"--resume", "--force", "--frames", "0"}).exit_code, 0);
 }
 
+TEST_F(PropertyFilm, AWarningIsToldOnceWithItsFrames) {
+  write_scene("film.toml",
+              "[film]\ntimes = \"frames\"\n[[step]]\nfix = [[0, 0, 0, 12, 23, 23]]\n"
+              "grab = [14, 12, 12]\npath = [{ time = 0, by = [0, 0, 0], easing = \"linear\" },\n"
+              "        { time = 4, by = [20, 0, 0] }]\n[output]\nstate = \"s_%02d.vdb\"\n");
+  const Outcome outcome = run("out");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  std::size_t count = 0;
+  for (std::size_t at = 0; (at = outcome.err.find("anchors stopped", at)) != std::string::npos;) {
+    ++count, ++at;
+  }
+  EXPECT_EQ(count, 2u) << outcome.err;
+  for (const char* words : {"warning: frame 1: anchors stopped the drag at", "frames 2 to 4: as"}) {
+    EXPECT_NE(outcome.err.find(words), std::string::npos) << outcome.err;
+  }
+}
+
 TEST_F(PropertyFilm, WhatCannotBeFilmedIsRefused) {
   write_film("turntable = 4\n");
   expect_refused(run("out"), {"turntable", "turn in camera_path"});
