@@ -1,4 +1,5 @@
 // Films: frames that depend on the scene and their time alone, and go on after an interruption.
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -209,15 +210,30 @@ TEST_F(InteropFilm, OpenImageIoReadsTheSameMotionAndNumbers) {
        {"forward.u, 32-bit floating-point", "backward.v, 32-bit", "id, 32-"}) {
     EXPECT_NE(header.find(channel), std::string::npos) << header;
   }
-  for (const char* name : {"forward.u", "forward.v", "backward.u", "backward.v", "id"}) {
-    const Outcome dump =
-        run_program({"/usr/bin/oiiotool", "--dumpdata", std::string("-i:ch=") + name, path});
-    ASSERT_EQ(dump.exit_code, 0) << dump.err;
+  const std::string list = "channel list: ";
+  const std::string info = run_program({"/usr/bin/oiiotool", "--info", "-v", path}).out;
+  const std::size_t at = info.find(list);
+  ASSERT_NE(at, std::string::npos) << info;
+  std::istringstream named(info.substr(at + list.size(), info.find('\n', at) - at - list.size()));
+  std::vector<std::string> names;
+  for (std::string name; named >> name;) names.push_back(name.substr(0, name.find(',')));
+  const Outcome dump = run_program({"/usr/bin/oiiotool", "--dumpdata", path});
+  ASSERT_EQ(dump.exit_code, 0) << dump.err;
+  std::vector<std::vector<float>> pixels;
+  std::istringstream lines(dump.out);
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t end = line.find("): ");
+    if (end == std::string::npos) continue;
+    std::istringstream words(line.substr(end + 3));
+    std::vector<float>& pixel = pixels.emplace_back();
+    for (std::string word; words >> word;) pixel.push_back(std::stof(word));
+  }
+  for (const char* name : {"forward.u", "forward.v", "backward.u", "backward.v", "id", "Z"}) {
+    const auto column = std::find(names.begin(), names.end(), name) - names.begin();
     std::vector<float> values;
-    std::istringstream lines(dump.out);
-    for (std::string line; std::getline(lines, line);) {
-      const std::size_t end = line.find("): ");
-      if (end != std::string::npos) values.push_back(std::stof(line.substr(end + 3)));
+    for (const std::vector<float>& pixel : pixels) {
+      ASSERT_LT(std::size_t(column), pixel.size()) << name;
+      values.push_back(pixel[std::size_t(column)]);
     }
     const std::vector<float> expected = channel_of(path, name);
     ASSERT_EQ(values.size(), expected.size()) << name << dump.out.substr(0, 300);
