@@ -1,6 +1,8 @@
 #include "lib/session/drag_handles.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <limits>
 
 namespace supple {
 
@@ -30,6 +32,46 @@ void shorten(Handle& handle, double part) {
   }
 }
 
+const Body& start_of(const HandleSurroundings& around) {
+  return around.start != nullptr ? *around.start : around.body;
+}
+
+/// The motion with the point that it goes about, which is meant from where it starts.
+HandleMotion centred(HandleMotion motion, const Drag& drag, const Region& region,
+                     const HandleSurroundings& around) {
+  const bool is_plain = motion.is_shift() && drag.soft_mm == 0;
+  if (!is_plain && !motion.about_lps_mm) {
+    const Body& start = start_of(around);
+    motion.about_lps_mm = centre_lps_mm(start, elements_of(start, region, "grab"));
+  }
+  return motion;
+}
+
+/// Displacements from `start` become those from now on: of a tool, from where it was at the pose
+/// before; of all else, from where elements are. Those that an edge has taken further ask nothing.
+void go_on(Handle& handle, const SlotSet& slots, const Displacements& earlier,
+           const HandleSurroundings& around) {
+  constexpr std::int64_t kMost = std::numeric_limits<std::int32_t>::max();
+  const bool is_wish = handle.kind == HandleKind::push && handle.is_edge;
+  const bool is_tool = handle.kind == HandleKind::push && !handle.is_edge;
+  Displacements ways;
+  slots.for_each([&](Slot slot) {
+    const std::size_t n = ways.size();
+    auto& by = ways.emplace_back(handle.each_by_q.empty() ? handle.by_q : handle.each_by_q[n]);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::int64_t moved =
+          std::int64_t(around.body.q[c].at(slot)) - around.start->q[c].at(slot);
+      const std::int64_t left = by[c] - (is_tool ? std::int64_t(earlier[n][c]) : moved);
+      const bool is_passed = is_wish && (by[c] > 0 ? left < 0 : left > 0 || by[c] == 0);
+      by[c] = is_passed ? 0 : std::int32_t(std::clamp(left, -kMost, kMost));
+    }
+  });
+  const bool is_even =
+      std::all_of(ways.begin(), ways.end(), [&](const auto& by) { return by == ways.front(); });
+  if (is_even) handle.by_q = ways.front();
+  handle.each_by_q = is_even ? Displacements() : std::move(ways);
+}
+
 /// The elements of a drag that no rigid piece has, and the pieces that it is the first to take.
 void add_grabbed(const Drag& drag, std::size_t number, const Region& region,
                  const HandleMotion& motion, const HandleSurroundings& around,
@@ -39,7 +81,9 @@ void add_grabbed(const Drag& drag, std::size_t number, const Region& region,
   const bool is_rigid = around.pieces != nullptr && drag.kind == HandleKind::two_sided;
   SlotSet slots;
   bool is_left = true;
-  if (is_rigid || !motion.is_shift()) slots = elements_of(body, region, "grab");
+  if (is_rigid || !motion.is_shift() || around.start != nullptr) {
+    slots = elements_of(body, region, "grab");
+  }
   if (is_rigid) {
     const std::size_t grabbed = slots.size();
     for (const PieceMotion& piece : *around.pieces) {
@@ -52,7 +96,12 @@ void add_grabbed(const Drag& drag, std::size_t number, const Region& region,
   }
   if (is_left) {
     if (!motion.is_shift()) {
-      handle.each_by_q = displacements_of(body, slots, motion, drag.by_mm);
+      handle.each_by_q = displacements_of(start_of(around), slots, motion, drag.by_mm);
+    }
+    if (around.start != nullptr) {
+      const Drag& before = (*around.earlier)[number];
+      const HandleMotion earlier = centred(before.motion, before, region, around);
+      go_on(handle, slots, displacements_of(*around.start, slots, earlier, before.by_mm), around);
     }
     shorten(handle, around.part);
     handles.push_back(std::move(handle));
@@ -70,11 +119,7 @@ void add_grabbed(const Drag& drag, std::size_t number, const Region& region,
 void add_handles(const Drag& drag, std::size_t number, const Region& region,
                  const HandleSurroundings& around, SlotSet& taken, std::vector<Handle>& handles) {
   const Body& body = around.body;
-  HandleMotion motion = drag.motion;
-  const bool is_plain = motion.is_shift() && drag.soft_mm == 0;
-  if (!is_plain && !motion.about_lps_mm) {
-    motion.about_lps_mm = centre_lps_mm(body, elements_of(body, region, "grab"));
-  }
+  const HandleMotion motion = centred(drag.motion, drag, region, around);
   add_grabbed(drag, number, region, motion, around, handles);
   if (drag.soft_mm == 0) return;
   SoftEdge edge = soft_edge(*drag.selection, drag.soft_mm, body, around.density);
@@ -83,8 +128,9 @@ void add_handles(const Drag& drag, std::size_t number, const Region& region,
   taken.add(edge.slots);
   Handle soft(region_of(edge.slots, body.elements, "edge of " + region.name()), {0, 0, 0},
               around.edge_kind);
-  soft.each_by_q = displacements_of(body, edge.slots, motion, drag.by_mm, edge.parts);
+  soft.each_by_q = displacements_of(start_of(around), edge.slots, motion, drag.by_mm, edge.parts);
   soft.is_edge = true;
+  if (around.start != nullptr) go_on(soft, edge.slots, {}, around);
   shorten(soft, around.part);
   handles.push_back(std::move(soft));
 }

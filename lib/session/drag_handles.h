@@ -19,6 +19,10 @@ struct HandleSurroundings {
   /// that part of their angle, all else goes that part of its straight way.
   const std::vector<PieceMotion>* pieces = nullptr;
   double part = 1;
+  /// Where motions are meant from, if not from the body as it is, and the drags at the pose before:
+  /// two-sided handles go to where `start` puts them, pushing ones on from that pose.
+  const Body* start = nullptr;
+  const std::vector<Drag>* earlier = nullptr;
 };
 
 /// The elements as a region.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "lib/session/handle_path.h"
 #include "volumes/base/error.h"
 #include "volumes/base/text.h"
 
@@ -97,28 +98,6 @@ Vec3d shift_mm(const Given& given, PlaceFrame frame, const Geometry& geometry) {
   const Vec3d by = given.by.value_or(Vec3d(0));
   if (frame == PlaceFrame::voxel) return by;
   return along_grid(lps_of(by, frame, geometry), geometry);
-}
-
-PosePath path_of(const GivenHandle& given, const Geometry& geometry) {
-  const auto with_axis = std::find_if(given.path.begin(), given.path.end(),
-                                      [](const GivenPose& pose) { return pose.axis.has_value(); });
-  const Vec3d first = with_axis != given.path.end() ? *with_axis->axis : Vec3d(0, 0, 1);
-  const Vec3d axis = given.axis.value_or(first);
-  PosePath path;
-  for (const GivenPose& pose : given.path) {
-    if (pose.by || pose.by_lps_mm) {
-      path.add_shift(pose.time, shift_mm(pose, given.frame, geometry), pose.easing);
-    }
-    if (pose.rotate_deg) {
-      path.add_turn(pose.time, lps_of(pose.axis.value_or(axis), given.frame, geometry),
-                    *pose.rotate_deg, pose.easing);
-    }
-    if (pose.scale || pose.scale_axes) {
-      path.add_scale(pose.time, pose.scale_axes.value_or(Vec3d(pose.scale.value_or(1))),
-                     pose.easing);
-    }
-  }
-  return path;
 }
 
 }  // namespace
@@ -232,6 +211,28 @@ Selection to_selection(const GivenSelection& given, const Geometry& geometry) {
   return selection;
 }
 
+PosePath path_of(const GivenHandle& given, const Geometry& geometry) {
+  const auto with_axis = std::find_if(given.path.begin(), given.path.end(),
+                                      [](const GivenPose& pose) { return pose.axis.has_value(); });
+  const Vec3d first = with_axis != given.path.end() ? *with_axis->axis : Vec3d(0, 0, 1);
+  const Vec3d axis = given.axis.value_or(first);
+  PosePath path;
+  for (const GivenPose& pose : given.path) {
+    if (pose.by || pose.by_lps_mm) {
+      path.add_shift(pose.time, shift_mm(pose, given.frame, geometry), pose.easing);
+    }
+    if (pose.rotate_deg) {
+      path.add_turn(pose.time, lps_of(pose.axis.value_or(axis), given.frame, geometry),
+                    *pose.rotate_deg, pose.easing);
+    }
+    if (pose.scale || pose.scale_axes) {
+      path.add_scale(pose.time, pose.scale_axes.value_or(Vec3d(pose.scale.value_or(1))),
+                     pose.easing);
+    }
+  }
+  return path;
+}
+
 ChosenPart to_part(const GivenPart& given, const Geometry& geometry) {
   ChosenPart part{given.name, given.label.value_or(0)};
   if (!given.label) part.selection = to_selection(given, geometry);
@@ -249,11 +250,9 @@ std::vector<Drag> to_drags(const GivenHandle& given, const Geometry& geometry, d
   drag.motion = motion_of(given, geometry);
   drag.soft_mm = given.soft_mm;
   if (given.is_animated()) {
-    const PathPose pose = path_of(given, geometry).at(time);
-    drag.by_mm = pose.shift_mm;
-    drag.motion.axis_lps = pose.axis;
-    drag.motion.angle_deg = pose.angle_deg;
-    drag.motion.scale = pose.scale;
+    const DragPose pose = pose_of(path_of(given, geometry).at(time), drag.motion);
+    drag.by_mm = pose.by_mm;
+    drag.motion = pose.motion;
   }
   return {std::move(drag)};
 }

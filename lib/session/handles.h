@@ -86,6 +86,9 @@ std::optional<IndexBox> box_of(const GivenSelection& given, const Geometry& geom
 /// What an anchor holds. Throws InputError for a place outside the volume.
 Selection to_selection(const GivenSelection& given, const Geometry& geometry);
 
+/// The path on a grid; empty where the handle follows none.
+PosePath path_of(const GivenHandle& given, const Geometry& geometry);
+
 /// What it means on a grid: one drag, or one per point with a displacement of its own. One that
 /// follows a path is taken at its pose at `time`. Throws InputError for what cannot move there:
 /// outside the volume, or beyond the range.

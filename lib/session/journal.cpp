@@ -52,6 +52,11 @@ nlohmann::ordered_json to_json(const Drag& drag) {
   }
   add_motion(drag.motion, json);
   json["by_mm"] = to_json(drag.by_mm);
+  for (const DragPose& pose : drag.way) {
+    nlohmann::ordered_json& on_the_way = json["way"].emplace_back();
+    add_motion(pose.motion, on_the_way);
+    on_the_way["by_mm"] = to_json(pose.by_mm);
+  }
   if (drag.soft_mm > 0) json["soft_mm"] = drag.soft_mm;
   if (drag.kind == HandleKind::push) json["push"] = true;
   return json;

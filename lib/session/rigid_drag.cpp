@@ -115,6 +115,23 @@ std::vector<PieceMotion> motions_of_pieces(const Body& body, const std::vector<D
   return motions;
 }
 
+PieceMotion continued(const PieceMotion& motion, const Body& start, const Body& body) {
+  const Geometry& geometry = body.geometry;
+  const RigidPiece& piece = body.rigid.list[motion.piece];
+  const RigidPose to = moved_by(motion.motion, start.rigid.list[motion.piece], geometry);
+  PieceMotion rest = motion;
+  rest.motion.turn = to.turn * piece.pose.turn.inverse();
+  Vec3d now = piece.centre_index, way;
+  for (int c = 0; c < 3; ++c) {
+    const std::int64_t shift = piece.pose.shift_q[std::size_t(c)];
+    now[c] += double(shift) / kFixedOne;
+    way[c] = double(to.shift_q[std::size_t(c)] - shift) / kFixedOne;
+  }
+  rest.motion.about_lps_mm = geometry.world_from_index(now);
+  rest.motion.shift_lps_mm = geometry.world_vector_from_index(way);
+  return rest;
+}
+
 Handle handle_of(const Body& body, const PieceMotion& motion, double part) {
   const RigidPiece& piece = body.rigid.list[motion.piece];
   Handle handle(region_of(*piece.elements, body.elements, "rigid " + piece.name), {0, 0, 0});

@@ -20,6 +20,9 @@ struct PieceMotion {
 std::vector<PieceMotion> motions_of_pieces(const Body& body, const std::vector<Drag>& drags,
                                            const std::vector<Region>& regions);
 
+/// The motion of a piece from where it is to where `motion` takes it from the pose in `start`.
+PieceMotion continued(const PieceMotion& motion, const Body& start, const Body& body);
+
 /// A handle of all elements of the piece, to where a part of the motion takes them. Throws
 /// InputError beyond the range of offsets.
 Handle handle_of(const Body& body, const PieceMotion& motion, double part);

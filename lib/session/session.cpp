@@ -5,9 +5,8 @@
 #include <stdexcept>
 
 #include "lib/material/material_file.h"
-#include "lib/model/quasi_static.h"
-#include "lib/session/drag_handles.h"
 #include "lib/session/journal.h"
+#include "lib/session/session_walk.h"
 #include "lib/session/step_warnings.h"
 #include "lib/session/tissue.h"
 #include "volumes/base/text.h"
@@ -276,43 +275,14 @@ const StepRecord& Session::step(const StepRequest& request, Progress* heard) {
   try {
     run_step(record, &listener);
   } catch (...) {
+    m_walk.reset();
     if (earlier) restore(std::move(*earlier));
     throw;
   }
+  m_walk.reset();
   if (earlier) m_undo.push_back(std::move(*earlier));
   m_records.push_back(std::move(record));
   return m_records.back();
-}
-
-void Session::run_step(StepRecord& record, Progress* progress) {
-  const bool has_new_elements = !record.remove.empty() || !record.rigid.empty();
-  if (!has_new_elements) check(record);
-  prepare_body(record, progress);
-  if (has_new_elements) check(record);
-  check_model_of_pieces(record);
-  if (is_relaxed_by_default(record)) record.relax = tissue_relaxation();
-  release_and_fix(record);
-  const std::vector<PieceMotion> pieces =
-      motions_of_pieces(m_body, record.drags, regions_of(record));
-  const std::vector<Handle> handles = handles_of(record, pieces, 1);
-  HandleLedger ledger = m_ledger;
-  ledger.add(int(m_records.size()) + 1, handles, m_body);
-  if (record.springs) {
-    const std::vector<SlotSet> told =
-        record.tells_reactions ? ledger.elements() : std::vector<SlotSet>();
-    std::vector<Region> anchors;
-    record.sprung =
-        move_by_springs(*record.springs, held_with_pieces(anchors), handles, told, progress);
-    if (record.tells_reactions) record.reactions = ledger.name(record.sprung.reactions);
-    m_pressure_kpa = 0;
-  } else {
-    move_quasi_statically(handles, pieces, record, progress);
-    if (record.tells_reactions) {
-      record.reactions =
-          ledger.name(quasi_static_reactions(held(), ledger.elements(), m_pressure_kpa));
-    }
-  }
-  m_ledger = std::move(ledger);
 }
 
 const StepRecord& Session::drag(const Region& grabbed, const Vec3d& by_mm, Progress* progress) {

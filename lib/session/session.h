@@ -87,6 +87,7 @@ class Session {
 
  private:
   struct Before;
+  struct Walk;
   void choose_material(const std::string& path, const SessionOptions& options, Progress* progress);
   void open_volume_file(const std::string& path, const ReadOptions& read, Progress* progress);
   void open_labels(const std::string& path, Progress* progress);
@@ -117,6 +118,9 @@ class Session {
                              const std::vector<PieceMotion>& pieces, StepRecord& record,
                              Progress* progress);
   void run_step(StepRecord& record, Progress* progress);
+  void move(StepRecord& record, Progress* progress);
+  void follow_ways(StepRecord& record, Progress* progress);
+  std::vector<PieceMotion> motions_of(const StepRequest& request) const;
   Before before(const StepRequest& request) const;
   void restore(Before&& before);
   HeldBody held() { return {m_body, m_anchors, m_holds}; }
@@ -134,7 +138,8 @@ class Session {
   std::vector<StepRecord> m_records;
   std::vector<std::string> m_messages;
   bool m_keeps_undo;
-  std::vector<Before> m_undo;  // one for each step
+  std::vector<Before> m_undo;    // one for each step
+  std::unique_ptr<Walk> m_walk;  // while drags follow ways
   std::optional<Pose> m_pose;
 };
 

@@ -4,6 +4,7 @@
 #include "lib/session/drag_handles.h"
 #include "lib/session/removal.h"
 #include "lib/session/session.h"
+#include "lib/session/session_walk.h"
 #include "volumes/base/text.h"
 
 namespace supple {
@@ -20,14 +21,20 @@ std::vector<Handle> Session::handles_of(const StepRequest& request,
                                      [](const Drag& drag) { return drag.soft_mm > 0; });
   const bool is_pushed = !request.springs && request.limits != Limits::ball;
   const std::vector<Region> regions = regions_of(request);
+  const bool goes_on = m_walk && !m_walk->earlier.empty();
   SlotSet taken;
   if (has_edges || !request.retract.empty()) {
-    taken = anchored_elements(m_body, m_anchors, m_holds);
+    taken = m_walk ? m_walk->taken : anchored_elements(m_body, m_anchors, m_holds);
   }
-  std::vector<Handle> handles = supple::handles_of(
-      request.drags, regions,
-      {m_body, m_state.density, taken, is_pushed ? HandleKind::push : HandleKind::two_sided,
-       pieces.empty() ? nullptr : &pieces, part});
+  const HandleSurroundings around = {m_body,
+                                     m_state.density,
+                                     taken,
+                                     is_pushed ? HandleKind::push : HandleKind::two_sided,
+                                     pieces.empty() ? nullptr : &pieces,
+                                     part,
+                                     goes_on ? &m_walk->start : nullptr,
+                                     goes_on ? &m_walk->earlier : nullptr};
+  std::vector<Handle> handles = supple::handles_of(request.drags, regions, around);
   if (request.retract.empty()) return handles;
   for (const Handle& handle : handles) taken.add(elements_of(m_body, handle.region, "grab"));
   for (const RigidPiece& piece : m_body.rigid.list) taken.add(*piece.elements);

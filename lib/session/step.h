@@ -19,6 +19,12 @@
 
 namespace supple {
 
+/// Where a drag takes its elements, from where they are before the step.
+struct DragPose {
+  Vec3d by_mm;
+  HandleMotion motion;
+};
+
 /// A handle with its motion; the displacement is in millimetres along the grid axes.
 struct Drag {
   Region region;
@@ -28,12 +34,17 @@ struct Drag {
   std::optional<Selection> selection = {};  // what is grabbed, instead of the region
   HandleMotion motion = {};
   double soft_mm = 0;  // width of an edge around a selected box or ball, which follows in part
+  /// Poses to pass through before the motion above; as many in every drag of a step that has any.
+  std::vector<DragPose> way = {};
 };
 
 /// box: each component of a link is limited on its own (eqs. 4.3-4.5); ball: its length (eq. 4.6);
 /// tighten: box, and then tighten(), after the step's relaxation if it has one.
 enum class Limits { box, ball, tighten };
 
+/// Drags with a way go from pose to pose; each is solved, and relaxed, as a step of its own that
+/// starts where the one before it ended. Drags without are where they go from the first pose on.
+/// Cuts, removals, new pieces, anchors and retractions come with the first.
 struct StepRequest {
   std::vector<Drag> drags;
   std::vector<IndexBox> fix;
@@ -53,6 +64,8 @@ struct StepRequest {
   bool tells_reactions = false;       // of the handles that are held, in the record
 };
 
+/// Of drags with a way: the report of the drag as of all poses, its fraction the smallest of them,
+/// its moved elements the most; all else is of the last.
 struct StepRecord : StepRequest {
   std::int64_t cut_links = 0;             // that the cuts removed
   std::int64_t removed = 0;               // elements

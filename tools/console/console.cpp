@@ -86,11 +86,28 @@ void Console::print(LogLevel level, const char* prefix, const std::string& line)
   std::fprintf(stderr, "supple: %s%s\n", prefix, one_line(line).c_str());
 }
 
+void Console::print_once(LogLevel level, const char* prefix, const std::string& line) {
+  const std::optional<std::string> told = m_repeated ? m_repeated->take(line) : line;
+  if (told) print(level, prefix, *told);
+}
+
 void Console::warn(const std::string& line) {
-  print(LogLevel::warning, "warning: ", line);
+  print_once(LogLevel::warning, "warning: ", line);
 }
 void Console::note(const std::string& line) {
-  print(LogLevel::info, "", line);
+  print_once(LogLevel::info, "", line);
+}
+
+void Console::enter(const std::string& what, int number) {
+  if (!m_repeated) m_repeated.emplace(what);
+  m_repeated->enter(number);
+}
+
+void Console::tell_repeats() {
+  if (!m_repeated) return;
+  const std::vector<std::string> lines = m_repeated->repeats();
+  m_repeated.reset();
+  for (const std::string& line : lines) warn(line);
 }
 void Console::debug(const std::string& line) {
   print(LogLevel::debug, "debug: ", line);

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "volumes/base/progress.h"
+#include "volumes/base/repeated_lines.h"
 #include "volumes/base/reserved_names.h"
 #include "volumes/base/text.h"
 
@@ -38,6 +39,12 @@ class Console final : public Progress {
   void note(const std::string& line) override;
   void debug(const std::string& line) override;
 
+  /// Warnings and notes from now on are of one of many, such as "frame" 3: a kind is told once,
+  /// with its number.
+  void enter(const std::string& what, int number);
+  /// Says which kinds came again, and ends the numbering.
+  void tell_repeats();
+
   void stage(std::string_view name) override;
   void update(double fraction) override;
   bool cancelled() const override;
@@ -58,9 +65,11 @@ class Console final : public Progress {
   void finish_stage();
   void show_progress(double fraction, Clock::time_point now);
   void print(LogLevel level, const char* prefix, const std::string& line);
+  void print_once(LogLevel level, const char* prefix, const std::string& line);
 
   LogLevel m_level;
   bool m_has_terminal;
+  std::optional<RepeatedLines> m_repeated;
   std::chrono::duration<double> m_line_every;  // without a terminal
   Clock::time_point m_start = Clock::now();
   std::vector<std::string> m_outputs;

@@ -24,6 +24,7 @@ InputError in_frame(int frame, const InputError& error) {
 
 /// The number by which the poses of this frame are kept.
 int SceneRun::pose_frame(int frame) {
+  m_console.enter("frame", frame);
   const std::size_t still = m_scene.still_steps();
   if (still == m_scene.steps.size()) return 0;
   for (; m_posed_steps > 0; --m_posed_steps) m_session->undo();
@@ -95,6 +96,7 @@ void SceneRun::run_film() {
       }
     }
   }
+  m_console.tell_repeats();
   make_videos();
 }
 

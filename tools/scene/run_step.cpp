@@ -2,17 +2,28 @@
 
 #include <cmath>
 
+#include "lib/session/handle_path.h"
 #include "volumes/base/text.h"
 
 namespace supple::tools {
 
+namespace {
+
+std::vector<Drag> drags_of(const std::vector<GivenHandle>& handles, const Geometry& geometry,
+                           double time) {
+  if (time == kWholePaths) return drags_along_paths(handles, geometry);
+  std::vector<Drag> drags;
+  for (const GivenHandle& handle : handles) {
+    for (Drag& drag : to_drags(handle, geometry, time)) drags.push_back(std::move(drag));
+  }
+  return drags;
+}
+
+}  // namespace
+
 StepRequest request_of(const SceneStep& step, const Geometry& geometry, double time) {
   StepRequest request;
-  for (const GivenHandle& handle : step.handles) {
-    for (Drag& drag : to_drags(handle, geometry, time)) {
-      request.drags.push_back(std::move(drag));
-    }
-  }
+  request.drags = drags_of(step.handles, geometry, time);
   request.fix = step.fix;
   for (const PointFile& file : step.fix_points) {
     const std::vector<IndexBox> points = boxes_of(file, geometry);

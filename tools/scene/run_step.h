@@ -12,12 +12,12 @@ namespace supple::tools {
 /// InputError.
 void check_step(const SceneStep& step, const Geometry& geometry);
 
-/// After every key of a path.
-constexpr double kEndOfPaths = std::numeric_limits<double>::infinity();
+/// Handles follow their paths from the first key to the last.
+constexpr double kWholePaths = std::numeric_limits<double>::infinity();
 
-/// What a step asks of the solver, on the grid of the volume, with the handles that follow a path
-/// at their poses at `time`.
-StepRequest request_of(const SceneStep& step, const Geometry& geometry, double time = kEndOfPaths);
+/// What a step asks of the solver, on the grid of the volume, with the handles that have a path
+/// at their poses at `time`, where a film takes them at once.
+StepRequest request_of(const SceneStep& step, const Geometry& geometry, double time = kWholePaths);
 
 /// Throws InputError, naming the step, for handles and fixed voxels that are no elements.
 void check_step(const Session& session, const SceneStep& step);
@@ -25,6 +25,6 @@ void check_step(const Session& session, const SceneStep& step);
 /// Names the step in the errors of the solver. `tells_reactions`: the record holds what handles
 /// feel.
 const StepRecord& run_step(Session& session, const SceneStep& step, bool tells_reactions,
-                           Progress* progress, double time = kEndOfPaths);
+                           Progress* progress, double time = kWholePaths);
 
 }  // namespace supple::tools

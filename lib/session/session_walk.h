@@ -1,0 +1,17 @@
+// What a session keeps while the drags of a step go from pose to pose.
+#pragma once
+
+#include <vector>
+
+#include "lib/session/session.h"
+
+namespace supple {
+
+struct Session::Walk {
+  Body start;                 // from where the poses are meant
+  SlotSet taken;              // by anchors and earlier steps, then
+  HandleLedger ledger;        // then
+  std::vector<Drag> earlier;  // as of the pose before; empty at the first one
+};
+
+}  // namespace supple
