@@ -120,7 +120,12 @@ void CutFaces::fit_plane(Point& point, int axis, const Geometry& geometry) const
   point.across = point.normal_mm.normalized();
 }
 
-CutFaces::Depth CutFaces::depth(const Vec3d& X, const Vec3d& inside) const {
+const CutFaces::Points* CutFaces::seen_from(const Vec3i& cell) const {
+  const auto found = m_seen.find(block_of(Vec3d(cell), kSeenBlock));
+  return found == m_seen.end() ? nullptr : &found->second;
+}
+
+CutFaces::Depth CutFaces::depth(const Vec3d& X, const Vec3d& inside, const Points* points) const {
   struct Seen {
     const Point* point;
     double depth;  // voxels
@@ -130,9 +135,8 @@ CutFaces::Depth CutFaces::depth(const Vec3d& X, const Vec3d& inside) const {
   Seen seen[64];
   int count = 0;
   double nearest = HUGE_VAL;
-  const auto block = m_seen.find(block_of(X, kSeenBlock));
-  if (block == m_seen.end()) return {HUGE_VAL, Vec3d(0)};
-  for (const int number : block->second) {
+  if (points == nullptr) return {HUGE_VAL, Vec3d(0)};
+  for (const int number : *points) {
     const Point& point = m_points[std::size_t(number)];
     const Vec3d step = X - point.at;
     const double across = step.dot(point.across), beside2 = step.length2() - across * across;

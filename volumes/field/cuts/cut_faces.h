@@ -24,9 +24,17 @@ class CutFaces {
     double mm;
     Vec3d gradient;  // mm per voxel
   };
+  /// The points of open faces that places in a cell may know; null: none. Valid as long as these
+  /// faces, moved or not.
+  using Points = std::vector<int>;
+  const Points* seen_from(const Vec3i& cell) const;
   /// Distance of X, index space at rest, from the nearest open face beside it, positive on the side
   /// on which `inside` lies; infinite, without gradient, where none is within four voxels.
-  Depth depth(const Vec3d& X, const Vec3d& inside) const;
+  Depth depth(const Vec3d& X, const Vec3d& inside) const {
+    return depth(X, inside, seen_from(floor_voxel(X)));
+  }
+  /// The same, from what seen_from() gives for the cell in which X lies.
+  Depth depth(const Vec3d& X, const Vec3d& inside, const Points* seen) const;
 
   /// At the corners of a torn cell, the distance in voxels from the face of one side; positive at
   /// its own corners and there alone.
@@ -53,7 +61,7 @@ class CutFaces {
   std::vector<Point> m_points;
   std::unordered_map<Vec3i, std::vector<int>, VoxelHash> m_blocks;  // of four voxels
   /// The open points that places in a block of two voxels may know.
-  std::unordered_map<Vec3i, std::vector<int>, VoxelHash> m_seen;
+  std::unordered_map<Vec3i, Points, VoxelHash> m_seen;
 };
 
 }  // namespace supple

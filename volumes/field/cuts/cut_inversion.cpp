@@ -87,7 +87,6 @@ class CutInversion {
   std::vector<Vec3i> first_bricks(InversionCertificate& certificate) const;
   std::vector<CutBrick> fill(const std::vector<Vec3i>& origins) const;
   void add_pieces(std::size_t source, CutBrick& brick) const;
-  void find_reaching(CutBrick& brick) const;
   BrickMask overlaps_of(const CutBrick& brick) const;
 
   const VectorBricks& m_u;
@@ -223,8 +222,8 @@ std::vector<Vec3i> CutInversion::first_bricks(InversionCertificate& certificate)
 
 void CutInversion::add_pieces(std::size_t source, CutBrick& brick) const {
   CutBox box;
-  box.add(Vec3d(brick.origin) - Vec3d(1e-3));
-  box.add(Vec3d(brick.origin) + Vec3d(kBrickDim + 1e-3));
+  box.add(Vec3d(brick.origin()) - Vec3d(1e-3));
+  box.add(Vec3d(brick.origin()) + Vec3d(kBrickDim + 1e-3));
   const auto reaches = [&](const CutPiece& piece) {
     for (int a = 0; a < 3; ++a) {
       if (piece.cell[a] + double(piece.lo[a]) > box.hi[a]) return false;
@@ -237,33 +236,8 @@ void CutInversion::add_pieces(std::size_t source, CutBrick& brick) const {
     std::array<Vec3f, 8> u;
     if (is_torn(cell) || !corners_of(cell, u)) return;
     const CutPiece piece = whole_piece(cell, u);
-    if (reaches(piece)) brick.pieces.push_back(piece);
+    if (reaches(piece)) brick.add(piece);
   });
-}
-
-void CutInversion::find_reaching(CutBrick& brick) const {
-  for (const CutPiece& piece : brick.pieces) brick.guards.emplace_back(piece);
-  std::vector<std::pair<std::int32_t, std::int32_t>> pairs;  // cell, piece
-  for (std::size_t p = 0; p < brick.pieces.size(); ++p) {
-    const CutBox box = box_of(brick.pieces[p], 1e-3);
-    Vec3i lo, hi;
-    for (int a = 0; a < 3; ++a) {
-      lo[a] = int(std::floor(std::max(box.lo[a] - brick.origin[a], 0.0)));
-      hi[a] = int(std::floor(std::min(box.hi[a] - brick.origin[a], kBrickDim - 1.0)));
-    }
-    for (int x = lo.x; x <= hi.x; ++x) {
-      for (int y = lo.y; y <= hi.y; ++y) {
-        for (int z = lo.z; z <= hi.z; ++z) pairs.emplace_back(brick_offset({x, y, z}), int(p));
-      }
-    }
-  }
-  std::sort(pairs.begin(), pairs.end());
-  brick.begin.assign(kBrickVoxels + 1, 0);
-  for (const auto& [cell, piece] : pairs) {
-    ++brick.begin[std::size_t(cell) + 1];
-    brick.reaching.push_back(piece);
-  }
-  for (std::size_t n = 0; n < kBrickVoxels; ++n) brick.begin[n + 1] += brick.begin[n];
 }
 
 /// The pieces of the given bricks, in ascending order of their sources.
@@ -286,17 +260,16 @@ std::vector<CutBrick> CutInversion::fill(const std::vector<Vec3i>& origins) cons
       if (found != number.end()) sources[found->second].push_back(source);
     });
   }
-  std::vector<CutBrick> bricks(origins.size());
-  for (std::size_t n = 0; n < origins.size(); ++n) bricks[n].origin = origins[n];
+  std::vector<CutBrick> bricks(origins.begin(), origins.end());
   for (const CutPiece& side : m_sides) {
     for_bricks_of(box_of(side, 1e-3), [&](const Vec3i& origin) {
       const auto found = number.find(origin);
-      if (found != number.end()) bricks[found->second].pieces.push_back(side);
+      if (found != number.end()) bricks[found->second].add(side);
     });
   }
   tbb::parallel_for(std::size_t(0), bricks.size(), [&](std::size_t n) {
     for (const std::size_t source : sources[n]) add_pieces(source, bricks[n]);
-    find_reaching(bricks[n]);
+    bricks[n].find_reaching();
   });
   return bricks;
 }
@@ -304,10 +277,8 @@ std::vector<CutBrick> CutInversion::fill(const std::vector<Vec3i>& origins) cons
 BrickMask CutInversion::overlaps_of(const CutBrick& brick) const {
   BrickMask overlaps{};
   for (int n = 0; n < kBrickVoxels; ++n) {
-    Vec3d offset;
-    bool overlapping = false;
-    brick.find(Vec3d(brick.origin + brick_local(n)), m_dims, offset, &overlapping);
-    if (overlapping) mask_set(overlaps, n);
+    const Vec3d node(brick.origin() + brick_local(n));
+    if (brick.is_overlapped(node, m_dims)) mask_set(overlaps, n);
   }
   return overlaps;
 }
@@ -323,13 +294,13 @@ std::vector<CutBrick> CutInversion::split_bricks(OffsetField& field, Progress* p
     std::vector<BrickMask> overlaps(bricks.size());
     tbb::parallel_for(std::size_t(0), bricks.size(),
                       [&](std::size_t n) { overlaps[n] = overlaps_of(bricks[n]); });
-    for (std::size_t n = 0; n < bricks.size(); ++n) known.emplace(bricks[n].origin, overlaps[n]);
+    for (std::size_t n = 0; n < bricks.size(); ++n) known.emplace(bricks[n].origin(), overlaps[n]);
     next.clear();
     for (std::size_t n = 0; n < bricks.size(); ++n) {
       const bool overlap = mask_count(overlaps[n]) > 0;
       for (int side = 0; overlap && side < 27; ++side) {
         const Vec3i step(side / 9 - 1, side / 3 % 3 - 1, side % 3 - 1);
-        const Vec3i origin = bricks[n].origin + step * kBrickDim;
+        const Vec3i origin = bricks[n].origin() + step * kBrickDim;
         if (known.count(origin) == 0) next.push_back(origin);
       }
     }
@@ -337,8 +308,7 @@ std::vector<CutBrick> CutInversion::split_bricks(OffsetField& field, Progress* p
     std::move(bricks.begin(), bricks.end(), std::back_inserter(all));
   }
   std::sort(all.begin(), all.end(), [](const CutBrick& a, const CutBrick& b) {
-    return std::tie(a.origin.x, a.origin.y, a.origin.z) <
-           std::tie(b.origin.x, b.origin.y, b.origin.z);
+    return voxel_less(a.origin(), b.origin());
   });
   for (std::size_t b = 0; b < field.overlaps.brick_count(); ++b) {
     known.emplace(field.overlaps.origin(b), field.overlaps.mask(b));
@@ -359,7 +329,7 @@ VectorBricks CutInversion::joined(const VectorBricks& offsets,
   std::vector<Vec3i> origins;
   std::vector<BrickMask> masks;
   Bricks split;
-  for (const CutBrick& brick : bricks) split.insert(brick.origin);
+  for (const CutBrick& brick : bricks) split.insert(brick.origin());
   for (std::size_t b = 0; b < offsets.topology.brick_count(); ++b) {
     if (split.count(offsets.topology.origin(b)) != 0) continue;
     origins.push_back(offsets.topology.origin(b));
@@ -370,16 +340,16 @@ VectorBricks CutInversion::joined(const VectorBricks& offsets,
   tbb::parallel_for(std::size_t(0), bricks.size(), [&](std::size_t n) {
     for (int local = 0; local < kBrickVoxels; ++local) {
       Vec3d offset(0);
-      const Vec3d node(bricks[n].origin + brick_local(local));
+      const Vec3d node(bricks[n].origin() + brick_local(local));
       if (bricks[n].find(node, m_dims, offset) >= 0) mask_set(valid[n], local);
       vectors[n][std::size_t(local)] = Vec3f(offset);
     }
   });
   std::unordered_map<Vec3i, std::size_t, VoxelHash> number;
   for (std::size_t n = 0; n < bricks.size(); ++n) {
-    origins.push_back(bricks[n].origin);
+    origins.push_back(bricks[n].origin());
     masks.push_back(valid[n]);
-    number.emplace(bricks[n].origin, n);
+    number.emplace(bricks[n].origin(), n);
   }
   VectorBricks result{BrickTopology(std::move(origins), std::move(masks)), {}};
   result.vectors.resize(result.topology.brick_count() * kBrickVoxels);

@@ -9,8 +9,8 @@
 // sides overlap); about 0.2 µs per sample in one.
 #pragma once
 
+#include "volumes/field/cuts/cut_brick.h"
 #include "volumes/field/cuts/cut_faces.h"
-#include "volumes/field/cuts/cut_piece.h"
 #include "volumes/field/inversion/invert.h"
 #include "volumes/field/split_offsets.h"
 
@@ -36,19 +36,6 @@ Displacement extend_past_cuts(const Displacement& displacement, const BrickTopol
 OffsetField invert_cut(const Displacement& displacement, const CutElements& body,
                        const InvertParams& params = {}, Progress* progress = nullptr);
 
-/// A brick of the output and the pieces that reach the cells in it.
-struct CutBrick {
-  Vec3i origin;
-  std::vector<CutPiece> pieces;
-  std::vector<PieceGuard> guards;   // of the pieces
-  std::vector<std::int32_t> begin;  // per cell, where its pieces begin in `reaching`; and the end
-  std::vector<std::int32_t> reaching;  // numbers of pieces
-
-  /// The offset at x, tissue before air, then the smallest, and which piece it is; -1 in the void.
-  /// `overlapping`, where given: whether tissue lies there that comes from elsewhere.
-  int find(const Vec3d& x, const Vec3i& dims, Vec3d& offset, bool* overlapping = nullptr) const;
-};
-
 class CutOffsets : public SplitOffsets {
  public:
   /// `bricks`: sorted by origin.
@@ -65,11 +52,18 @@ class CutOffsets : public SplitOffsets {
   void source_box(std::size_t b, Vec3d& lo, Vec3d& hi) const override;
 
  private:
-  const CutPiece& piece_at(int piece) const;
+  struct PieceOfBrick {
+    const CutPiece& piece;
+    const PieceMap& map;
+  };
+  PieceOfBrick piece_at(int piece) const;
+  static Vec3d pulled_back(const PieceOfBrick& of, const Vec3d& y, const Vec3d& gradient);
 
   std::vector<CutBrick> m_cells;
-  std::vector<int> m_first_piece;  // of every brick
+  std::vector<int> m_first_piece;        // of every brick
+  std::vector<std::int32_t> m_brick_of;  // of every piece
   CutFaces m_faces;
+  std::vector<const CutFaces::Points*> m_seen;  // from every piece
   Vec3i m_dims;
 };
 

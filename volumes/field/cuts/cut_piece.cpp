@@ -15,16 +15,18 @@ constexpr double kEdge = 1e-5;
 constexpr double kBeyond = 3;
 // Cells of less volume are flat, in voxels^3.
 constexpr double kFlat = 1e-9;
-// Cells of less have no guard.
+// Cells of less have no map.
 constexpr double kThin = 1e-3;
+// A map is solved to this, in voxels, well below the width of its edge; what rounding leaves of the
+// preconditioned equation; and how far inside a face a place is not near it.
+constexpr double kMapTolerance = 3e-6;
+constexpr float kFloatNoise = 5e-7f, kMapEdge = 2e-5f;
+// Half width of the box on which a map is tested for injectivity, and det J of the preconditioned
+// map above which Newton goes on.
+constexpr float kInjectiveHalf = 0.75f, kRegular = 1e-3f;
 
-bool is_own(const CutPiece& piece, const Vec3d& t) {
-  double sum = 0;
-  for (int n = 0; n < 8; ++n) {
-    sum += piece.depth[std::size_t(n)] *
-           ((n & 4 ? t.x : 1 - t.x) * (n & 2 ? t.y : 1 - t.y) * (n & 1 ? t.z : 1 - t.z));
-  }
-  return sum >= 0;
+float largest(const Vec3f& v) {
+  return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }
 
 /// Where the place `local` of the cell is now, relative to the cell, and its derivatives.
@@ -68,6 +70,16 @@ CutPiece::CutPiece(const Vec3i& at, const std::array<Vec3f, 8>& moves) : cell(at
   }
 }
 
+bool CutPiece::is_own(const Vec3d& t) const {
+  if (is_whole) return true;
+  double sum = 0;
+  for (int n = 0; n < 8; ++n) {
+    sum += depth[std::size_t(n)] *
+           ((n & 4 ? t.x : 1 - t.x) * (n & 2 ? t.y : 1 - t.y) * (n & 1 ? t.z : 1 - t.z));
+  }
+  return sum >= 0;
+}
+
 CellCorners CutPiece::corners() const {
   CellCorners corners;
   for (int n = 0; n < 8; ++n) {
@@ -85,7 +97,7 @@ bool CutPiece::source_of(const Vec3d& x, Vec3d& X) const {
   }
   if (is_translated) {
     X = x - Vec3d(u[0]);
-    return is_whole || is_own(*this, X - Vec3d(cell));
+    return is_own(X - Vec3d(cell));
   }
   Vec3d local;
   const DeformedCell deformed(corners(), is_folded);
@@ -96,7 +108,7 @@ bool CutPiece::source_of(const Vec3d& x, Vec3d& X) const {
   }
   if (outcome != DeformedCell::Outcome::inside) return false;
   X = Vec3d(cell) + local;
-  return is_whole || is_own(*this, local);
+  return is_own(local);
 }
 
 bool CutPiece::source_beyond(const Vec3d& x, Vec3d& X) const {
@@ -157,14 +169,29 @@ Vec3d CutPiece::middle() const {
 }
 
 /// A cell maps into the hull of its corners. The margin is that of source_of(), with rounding.
-PieceGuard::PieceGuard(const CutPiece& piece)
-    : m_centre(0), m_rows{Vec3f(0), Vec3f(0), Vec3f(0)}, m_lo(-HUGE_VALF), m_hi(HUGE_VALF) {
+PieceMap::PieceMap(const CutPiece& piece)
+    : m_centre(0),
+      m_rows{Vec3f(0), Vec3f(0), Vec3f(0)},
+      m_lo(-HUGE_VALF),
+      m_hi(HUGE_VALF),
+      m_xy(0),
+      m_yz(0),
+      m_xz(0),
+      m_xyz(0) {
   const CellCorners corners = piece.corners();
   Vec3d columns[3] = {Vec3d(0), Vec3d(0), Vec3d(0)};
+  Vec3d bent[4] = {Vec3d(0), Vec3d(0), Vec3d(0), Vec3d(0)};  // of xy, yz, xz, xyz
   for (int n = 0; n < 8; ++n) {
     const Vec3d p = corners.corner(n);
+    const double x = n & 4 ? 1 : -1, y = n & 2 ? 1 : -1, z = n & 1 ? 1 : -1;
     m_centre += p * 0.125;
-    for (int a = 0; a < 3; ++a) columns[a] += p * (n & (4 >> a) ? 0.25 : -0.25);
+    columns[0] += p * (0.25 * x);
+    columns[1] += p * (0.25 * y);
+    columns[2] += p * (0.25 * z);
+    bent[0] += p * (0.5 * x * y);
+    bent[1] += p * (0.5 * y * z);
+    bent[2] += p * (0.5 * x * z);
+    bent[3] += p * (x * y * z);
   }
   const Vec3d yz = columns[1].cross(columns[2]);
   const double volume = columns[0].dot(yz);
@@ -173,6 +200,7 @@ PieceGuard::PieceGuard(const CutPiece& piece)
   if (!(std::abs(volume) > kThin)) return;
   const Vec3d rows[3] = {yz / volume, columns[2].cross(columns[0]) / volume,
                          columns[0].cross(columns[1]) / volume};
+  double longest = 0;
   for (int a = 0; a < 3; ++a) {
     double lo = HUGE_VAL, hi = -HUGE_VAL;
     for (int n = 0; n < 8; ++n) {
@@ -184,7 +212,74 @@ PieceGuard::PieceGuard(const CutPiece& piece)
     m_rows[std::size_t(a)] = Vec3f(rows[a]);
     m_lo[a] = float(lo - margin);
     m_hi[a] = float(hi + margin);
+    m_xy[a] = float(rows[a].dot(bent[0]));
+    m_yz[a] = float(rows[a].dot(bent[1]));
+    m_xz[a] = float(rows[a].dot(bent[2]));
+    m_xyz[a] = float(rows[a].dot(bent[3]));
+    longest = std::max(longest, columns[a].length());
   }
+  constexpr float kHalf = kInjectiveHalf;
+  float rest = 0;  // the largest row sum of N' on that box
+  for (int a = 0; a < 3; ++a) {
+    const float pairs = std::abs(m_xy[a]) + std::abs(m_yz[a]) + std::abs(m_xz[a]);
+    m_bend = std::max(m_bend, pairs + 7 * std::abs(m_xyz[a]));
+    rest = std::max(rest, pairs * (2 * kHalf) + std::abs(m_xyz[a]) * (3 * kHalf * kHalf));
+  }
+  m_is_injective = rest < 1;
+  m_tolerance = float(kMapTolerance / longest);
+  m_is_regular = !piece.is_folded && m_tolerance > kFloatNoise;
+}
+
+inline Vec3f PieceMap::value(const Vec3f& eta) const {
+  return eta + m_xy * (eta.x * eta.y) + m_yz * (eta.y * eta.z) + m_xz * (eta.x * eta.z) +
+         m_xyz * (eta.x * eta.y * eta.z);
+}
+
+/// Of the preconditioned map.
+inline PieceMap::Jacobian PieceMap::jacobian(const Vec3f& eta) const {
+  Jacobian j{m_xy * eta.y + m_xz * eta.z + m_xyz * (eta.y * eta.z),
+             m_xy * eta.x + m_yz * eta.z + m_xyz * (eta.x * eta.z),
+             m_yz * eta.y + m_xz * eta.x + m_xyz * (eta.x * eta.y)};
+  j.x.x += 1;
+  j.y.y += 1;
+  j.z.z += 1;
+  return j;
+}
+
+PieceMap::Outcome PieceMap::newton(const Vec3f& t, Vec3d& local) const {
+  if (!m_is_regular) return Outcome::undecided;
+  Vec3f eta;
+  for (int a = 0; a < 3; ++a) eta[a] = std::clamp(t[a], -0.5f, 0.5f);
+  for (int step = 0;; ++step) {
+    const Vec3f residual = value(eta) - t;
+    if (largest(residual) <= m_tolerance) break;
+    if (step == kMaxSteps) return Outcome::undecided;
+    const Jacobian j = jacobian(eta);
+    const Vec3f yz = j.y.cross(j.z), xr = j.x.cross(residual);
+    const float volume = j.x.dot(yz);
+    if (!(std::abs(volume) > kRegular)) return Outcome::undecided;
+    const Vec3f change = Vec3f(residual.dot(yz), xr.dot(j.z), -xr.dot(j.y)) / volume;
+    eta -= change;
+    const float size = largest(change);
+    if (!(largest(eta) <= 2)) return Outcome::undecided;
+    // What the step leaves is of second order in it; often that settles it without another look.
+    if (size < 1 && m_bend * size * size <= m_tolerance) break;
+  }
+  const float reached = largest(eta);
+  for (int a = 0; a < 3; ++a) local[a] = std::clamp(double(eta[a]) + 0.5, 0.0, 1.0);
+  if (reached < 0.5f - kMapEdge) return Outcome::inside;
+  if (reached <= 0.5f + float(kEdge)) return Outcome::edge;
+  return m_is_injective && reached <= kInjectiveHalf ? Outcome::outside : Outcome::undecided;
+}
+
+/// dX/dx is the inverse of G (I + N'), whose columns are the derivatives of the moved place.
+Vec3d PieceMap::pull_back(const Vec3d& local, const Vec3d& gradient) const {
+  const Jacobian j = jacobian(Vec3f(local - Vec3d(0.5)));
+  const Vec3f yz = j.y.cross(j.z), g(gradient);
+  const float volume = j.x.dot(yz);
+  if (!(std::abs(volume) > kRegular)) return gradient;
+  const Vec3f w = (yz * g.x + j.z.cross(j.x) * g.y + j.x.cross(j.y) * g.z) / volume;
+  return Vec3d(m_rows[0] * w.x + m_rows[1] * w.y + m_rows[2] * w.z);
 }
 
 }  // namespace supple

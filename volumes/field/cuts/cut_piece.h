@@ -1,5 +1,5 @@
 // One side of a torn cell, or a cell that is whole, as a piece of material that moves by itself.
-// Cost: 250 bytes with its guard; about 0.15 µs per place that lies in it.
+// Cost: 320 bytes with its map; about 0.05 µs per place that lies in it.
 #pragma once
 
 #include <array>
@@ -22,6 +22,8 @@ struct CutPiece {
   CutPiece(const Vec3i& cell, const std::array<Vec3f, 8>& u, const std::array<float, 8>& depth);
 
   CellCorners corners() const;
+  /// Whether a place of its cell, 0 to 1 along each axis, is on its side.
+  bool is_own(const Vec3d& local) const;
   /// The place X of the piece that is seen at x; false where the piece is not.
   bool source_of(const Vec3d& x, Vec3d& X) const;
   /// The same for the displacement carried on beyond the piece; false where it leads nowhere.
@@ -36,24 +38,47 @@ struct CutPiece {
   Vec3d middle() const;
 };
 
-/// A box around a moved piece, along its own edges: tells for a twentieth of the cost of
-/// source_of() that a place is not in it.
-class PieceGuard {
+/// The map of a piece in single precision: tells which place of its cell is at x now, for a
+/// twentieth of the cost of source_of() when it is none. With eta in [-1/2, 1/2]^3, about its
+/// centre and multiplied by the inverse of its mean gradient G, the cell maps to eta + N(eta)
+/// (deformed_cell.h), which Newton solves from the same start whatever was asked before.
+class PieceMap {
  public:
-  explicit PieceGuard(const CutPiece& piece);
-  bool excludes(const Vec3d& x) const {
+  enum class Outcome { inside, edge, outside, undecided };
+
+  explicit PieceMap(const CutPiece& piece);
+
+  /// `local`: in [0, 1]^3, to 1e-5 voxel; `edge`: near a face of the cell, where the next cell may
+  /// have it, too. `undecided`: source_of() knows.
+  Outcome solve(const Vec3d& x, Vec3d& local) const {
     const Vec3f d(x - m_centre);
+    Vec3f t;
     for (int a = 0; a < 3; ++a) {
-      const float t = m_rows[a].dot(d);
-      if (t < m_lo[a] || t > m_hi[a]) return true;
+      t[a] = m_rows[std::size_t(a)].dot(d);
+      if (t[a] < m_lo[a] || t[a] > m_hi[a]) return Outcome::outside;
     }
-    return false;
+    return newton(t, local);
   }
+  /// Neither folded nor nearly flat.
+  bool is_regular() const { return m_is_regular; }
+  /// (dX/dx)^T g at a place of the cell or near it, of a regular one.
+  Vec3d pull_back(const Vec3d& local, const Vec3d& gradient) const;
 
  private:
+  struct Jacobian {
+    Vec3f x, y, z;  // columns
+  };
+  Outcome newton(const Vec3f& t, Vec3d& local) const;
+  Vec3f value(const Vec3f& eta) const;
+  Jacobian jacobian(const Vec3f& eta) const;
+
   Vec3d m_centre;
-  std::array<Vec3f, 3> m_rows;  // of the inverse of the mean gradient
-  Vec3f m_lo, m_hi;
+  std::array<Vec3f, 3> m_rows;  // of the inverse of G; 0 where G is flat
+  Vec3f m_lo, m_hi;             // of the preconditioned corners
+  Vec3f m_xy, m_yz, m_xz, m_xyz;
+  float m_tolerance = 0;  // of the preconditioned equation
+  float m_bend = 0;       // |N(a + b) - N(a) - N'(a) b| <= m_bend |b|^2 for |a| <= 2, |b| <= 1
+  bool m_is_regular = false, m_is_injective = false;  // the latter on a box larger than the cell
 };
 
 }  // namespace supple

@@ -1,0 +1,45 @@
+// A brick of the output through which a cut goes, and the pieces of material that reach the cells
+// in it: samples there are inverted one by one. Cost: 320 bytes per piece; about 0.05 µs per place
+// in the piece that had the place before, where one piece alone can, else 0.2 µs.
+#pragma once
+
+#include <vector>
+
+#include "volumes/field/cuts/cut_piece.h"
+#include "volumes/grid/brick_topology.h"
+
+namespace supple {
+
+class CutBrick {
+ public:
+  explicit CutBrick(const Vec3i& origin) : m_origin(origin) {}
+
+  void add(const CutPiece& piece) { m_pieces.push_back(piece); }
+  /// After the last piece was added: which of them reach which cell.
+  void find_reaching();
+
+  const Vec3i& origin() const { return m_origin; }
+  const std::vector<CutPiece>& pieces() const { return m_pieces; }
+  const PieceMap& map(int piece) const { return m_maps[std::size_t(piece)]; }
+
+  /// The offset at x, tissue before air, then the smallest, and which piece it is; -1 in the void.
+  /// `guess`: a piece that may have it, or -1; it saves time and changes nothing.
+  int find(const Vec3d& x, const Vec3i& dims, Vec3d& offset, int guess = -1) const;
+  /// Whether tissue lies at x that comes from elsewhere than what find() gives.
+  bool is_overlapped(const Vec3d& x, const Vec3i& dims) const;
+
+ private:
+  bool source_of(int piece, const Vec3d& x, Vec3d& X) const;
+  bool is_single(std::size_t cell) const;
+  template <class Visit>
+  void for_found(const Vec3d& x, const Vec3i& dims, Visit&& visit) const;
+
+  Vec3i m_origin;
+  std::vector<CutPiece> m_pieces;
+  std::vector<PieceMap> m_maps;          // of the pieces
+  std::vector<std::int32_t> m_begin;     // per cell, where its pieces begin below; and the end
+  std::vector<std::int32_t> m_reaching;  // numbers of pieces
+  BrickMask m_single{};  // cells whose places have one piece each: no side ends in them, none folds
+};
+
+}  // namespace supple
