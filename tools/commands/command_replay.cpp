@@ -22,9 +22,11 @@ struct ReplayFiles {
 
 nlohmann::ordered_json phase_json(const PhaseTimes& times) {
   return {{"count", times.ms.size()},
-          {"median_ms", times.quantile(0.5)},
-          {"p95_ms", times.quantile(0.95)},
-          {"max_ms", times.quantile(1)}};
+          {"median_ms", quantile(times.ms, 0.5)},
+          {"p95_ms", quantile(times.ms, 0.95)},
+          {"max_ms", quantile(times.ms, 1)},
+          {"cpu_median_ms", quantile(times.cpu_ms, 0.5)},
+          {"cpu_p95_ms", quantile(times.cpu_ms, 0.95)}};
 }
 
 nlohmann::ordered_json replay_json(const ReplayReport& report) {
@@ -32,7 +34,7 @@ nlohmann::ordered_json replay_json(const ReplayReport& report) {
       {"events", report.events}, {"merged", report.merged}, {"moved_max", report.moved_max}};
   json["solve"] = phase_json(report.solve);
   json["prepare"] = phase_json(report.prepare);
-  json["march"] = phase_json(report.march);
+  json["frame"] = phase_json(report.frame);
   json["first_pixels"] = phase_json(report.first_pixels);
   json["refined"] = phase_json(report.refined);
   json["first_pixels_least_part"] = report.least_part;
@@ -41,17 +43,18 @@ nlohmann::ordered_json replay_json(const ReplayReport& report) {
 }
 
 void print_phase(const char* name, const PhaseTimes& times) {
-  std::printf("%-14s %6zu %9.1f %9.1f %9.1f\n", name, times.ms.size(), times.quantile(0.5),
-              times.quantile(0.95), times.quantile(1));
+  std::printf("%-14s %6zu %9.1f %9.1f %9.1f %9.1f\n", name, times.ms.size(),
+              quantile(times.ms, 0.5), quantile(times.ms, 0.95), quantile(times.ms, 1),
+              quantile(times.cpu_ms, 0.95));
 }
 
 void print_replay(const ReplayReport& report, const std::string& hash, double peak_mb) {
   std::printf("events         %d, %d merged, at most %lld elements moved by one\n", report.events,
               report.merged, static_cast<long long>(report.moved_max));
-  std::printf("phase           count median ms    p95 ms    max ms\n");
+  std::printf("phase           count median ms    p95 ms    max ms   cpu p95\n");
   print_phase("solve", report.solve);
   print_phase("prepare", report.prepare);
-  print_phase("march", report.march);
+  print_phase("frame", report.frame);
   print_phase("first pixels", report.first_pixels);
   print_phase("refined", report.refined);
   std::printf("first pixels   at least %.0f %% of the width\n", 100 * report.least_part);

@@ -6,6 +6,8 @@
 #include <mutex>
 #include <set>
 
+#include <tbb/parallel_for.h>
+
 #include "raycast/progressive.h"
 #include "tools/outputs/staging.h"
 #include "tools/outputs/view_pictures.h"
@@ -40,6 +42,21 @@ constexpr double kLeastPart = 0.25;      // of the budget that rays have in any 
 constexpr double kBudgetToAimAt = 0.85;  // what is left covers what varies
 
 using Changed = std::set<std::int32_t>;
+
+/// Two pixels in a row and the part of the later one, in 256ths.
+struct Between {
+  int low, high, part;
+};
+
+std::vector<Between> places_between(int to, int from) {
+  std::vector<Between> places;
+  for (int n = 0; n < to; ++n) {
+    const double place = std::clamp((n + 0.5) * from / to - 0.5, 0.0, double(from - 1));
+    places.push_back({int(place), std::min(int(place) + 1, from - 1),
+                      int(std::lround(256 * (place - std::floor(place))))});
+  }
+  return places;
+}
 
 std::vector<std::int32_t> take(Changed& changed) {
   const Changed taken = std::exchange(changed, {});
@@ -80,7 +97,8 @@ struct LivePicture::Impl {
   bool is_new = true;
   std::mutex guard;  // of what interrupt() reaches from another thread
   std::unique_ptr<ProgressiveRender> progressive;
-  CostPer forward_brick{0.02}, inverse_brick{0.08}, forward_pixel{5e-4}, inverse_pixel{4e-4};
+  CostPer forward_brick{0.02}, inverse_brick{0.08}, forward_pixel{5e-4}, inverse_pixel{4e-4},
+      frame{8};
 };
 
 void LivePicture::Impl::open() {
@@ -226,18 +244,21 @@ bool LivePicture::follow() {
   return true;
 }
 
+void LivePicture::prepare() {
+  m_cost = {};
+  m_impl->follow_for_sooner(double(m_impl->view.size[0]) * m_impl->view.size[1] / 8, m_cost);
+}
+
 Image LivePicture::first_pixels(double budget_ms) {
   Impl& impl = *m_impl;
   RenderSettings settings = impl.settings();
   const double pixels = double(settings.width) * settings.height;
   const int width = settings.width, height = settings.height;
-  m_cost = {};
-  impl.follow_for_sooner(pixels / 8, m_cost);
   CostPer& pixel = m_cost.by_inverse ? impl.inverse_pixel : impl.forward_pixel;
   double part = 1;
   if (budget_ms > 0) {
     const double left =
-        std::max(kBudgetToAimAt * budget_ms - m_cost.prepare_ms, kLeastPart * budget_ms);
+        std::max(kBudgetToAimAt * budget_ms - impl.frame.of(1), kLeastPart * budget_ms);
     part = std::clamp(std::sqrt(left / std::max(pixel.of(pixels), 1e-9)), kSmallest, 1.0);
     settings.set_quality(Quality::draft);
   }
@@ -245,12 +266,16 @@ Image LivePicture::first_pixels(double budget_ms) {
   settings.height = std::max(1, int(std::lround(part * height)));
   settings.auxiliary = false;
   const auto start = Clock::now();
-  FloatImage picture = impl.renderer->render_float(impl.camera, look_of(impl.view), settings);
+  RenderReport report;
+  FloatImage picture =
+      impl.renderer->render_float(impl.camera, look_of(impl.view), settings, &report);
   m_cost.width = settings.width;
   m_cost.height = settings.height;
   if (impl.view.decoration.annotate.empty()) decorate(picture, impl.subject(), impl.view);
   Image image = enlarged(to_image(picture), width, height);
-  m_cost.march_ms = ms_since(start);
+  m_cost.march_ms = report.march_ms;
+  m_cost.frame_ms = ms_since(start) - report.march_ms;
+  impl.frame.add(m_cost.frame_ms, 1);
   pixel.add(m_cost.march_ms, double(settings.width) * settings.height);
   return image;
 }
@@ -285,26 +310,22 @@ Image enlarged(const Image& image, int width, int height) {
   if (image.width == width && image.height == height) return image;
   Image large(width, height);
   large.has_alpha = image.has_alpha;
-  const auto place = [](int n, int to, int from) {
-    return std::clamp((n + 0.5) * from / to - 0.5, 0.0, double(from - 1));
-  };
-  for (int y = 0; y < height; ++y) {
-    const double v = place(y, height, image.height);
-    const int y0 = int(v), y1 = std::min(y0 + 1, image.height - 1);
-    for (int x = 0; x < width; ++x) {
-      const double u = place(x, width, image.width);
-      const int x0 = int(u), x1 = std::min(x0 + 1, image.width - 1);
-      const auto at = [&](int i, int j, int c) {
-        return double(image.rgba[4 * (std::size_t(j) * image.width + i) + c]);
-      };
+  const std::vector<Between> across = places_between(width, image.width);
+  const std::vector<Between> down = places_between(height, image.height);
+  tbb::parallel_for(0, height, [&](int y) {
+    const std::uint8_t* upper = &image.rgba[std::size_t(down[y].low) * image.width * 4];
+    const std::uint8_t* lower = &image.rgba[std::size_t(down[y].high) * image.width * 4];
+    std::uint8_t* out = &large.rgba[std::size_t(y) * width * 4];
+    const int v = down[y].part;
+    for (const Between& x : across) {
+      const int u = x.part;
       for (int c = 0; c < 4; ++c) {
-        const double upper = at(x0, y0, c) + (u - x0) * (at(x1, y0, c) - at(x0, y0, c));
-        const double lower = at(x0, y1, c) + (u - x0) * (at(x1, y1, c) - at(x0, y1, c));
-        large.rgba[4 * (std::size_t(y) * width + x) + c] =
-            std::uint8_t(std::lround(upper + (v - y0) * (lower - upper)));
+        const int top = upper[4 * x.low + c] * (256 - u) + upper[4 * x.high + c] * u;
+        const int bottom = lower[4 * x.low + c] * (256 - u) + lower[4 * x.high + c] * u;
+        *out++ = std::uint8_t((top * (256 - v) + bottom * v + (1 << 15)) >> 16);
       }
     }
-  }
+  });
   return large;
 }
 

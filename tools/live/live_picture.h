@@ -17,8 +17,9 @@ namespace supple::tools {
 
 /// What the last first_pixels() did.
 struct LiveCost {
-  double prepare_ms = 0;  // from the solver's offsets to what rays read
-  double march_ms = 0;
+  double prepare_ms = 0;      // from the solver's offsets to what rays read
+  double frame_ms = 0;        // what a frame takes whatever its size
+  double march_ms = 0;        // what grows with it
   int width = 0, height = 0;  // that were marched
   bool by_inverse = false;
 };
@@ -34,8 +35,10 @@ class LivePicture {
   /// The body may have moved; whether it has, or the view is another.
   bool follow();
 
-  /// A picture of the view's size within about `budget_ms` (0: however long it takes), counted from
-  /// here.
+  /// Makes what rays read: the inverse, or offsets that samples solve for, whichever is sooner.
+  void prepare();
+  /// After prepare(): a picture of the view's size within about `budget_ms` (0: however long it
+  /// takes), counted from here.
   Image first_pixels(double budget_ms);
   const LiveCost& cost() const { return m_cost; }
 

@@ -66,8 +66,9 @@ void LiveSession::read_events(const std::string& path) {
   TomlTable root = TomlTable::read(path);
   m_head = head_of(root, m_scene).dump();
   const Json file = Json::parse(root.json());
-  m_view_keys =
-      file.contains("view") ? file["view"][file["view"].size() - 1].dump() : Json({{"image", kNoPicture}}).dump();
+  m_view_keys = file.contains("view") ? file["view"][file["view"].size() - 1].dump()
+                                      : Json({{"image", kNoPicture}}).dump();
+  m_first_view_keys = m_view_keys;
   for (TomlTable& table : root.tables("event")) {
     m_events.push_back(read_event(table, m_scene.label_names));
   }
@@ -230,6 +231,7 @@ void LiveSession::change_view(const LiveEvent& event) {
 
 std::string LiveSession::journal() const {
   Json json = Json::parse(m_head);
+  json["view"].push_back(Json::parse(m_first_view_keys));
   for (const LiveEvent& event : m_carried_out) json["event"].push_back(keys_of_event(event));
   return toml_document(json.dump());
 }

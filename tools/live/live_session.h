@@ -66,7 +66,7 @@ class LiveSession {
   std::vector<LiveEvent> m_events, m_carried_out;
   std::unique_ptr<Session> m_session;
   SceneView m_view;
-  std::string m_view_keys;  // JSON
+  std::string m_view_keys, m_first_view_keys;  // JSON; the latter as opened
   std::optional<LiveEvent> m_grab;
   Vec3d m_reached{0, 0, 0};  // by the handle that is grabbed, as `to` counts
   Limits m_limits = Limits::box;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <thread>
 
 #include <sys/resource.h>
@@ -20,6 +21,13 @@ constexpr double kPauseMs = 500;
 SceneView sized(SceneView view, const PixelSize& size) {
   view.size = size;
   return view;
+}
+
+/// Of the process, all threads.
+double cpu_ms() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return double(now.tv_sec) * 1e3 + double(now.tv_nsec) * 1e-6;
 }
 
 template <class T>
@@ -42,12 +50,19 @@ Fields fields(ReplayOptions& options) {
   };
 }
 
-double PhaseTimes::quantile(double part) const {
-  if (ms.empty()) return 0;
-  std::vector<double> sorted = ms;
-  std::sort(sorted.begin(), sorted.end());
-  const auto rank = std::ptrdiff_t(std::ceil(part * double(sorted.size()))) - 1;
-  return sorted[std::size_t(std::max<std::ptrdiff_t>(rank, 0))];
+double quantile(std::vector<double> values, double part) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  const auto rank = std::ptrdiff_t(std::ceil(part * double(values.size()))) - 1;
+  return values[std::size_t(std::max<std::ptrdiff_t>(rank, 0))];
+}
+
+Stopwatch::Stopwatch(std::chrono::steady_clock::time_point started)
+    : m_start(started), m_cpu_ms(cpu_ms()) {}
+
+void Stopwatch::add_to(PhaseTimes& times) const {
+  times.ms.push_back(ms());
+  times.cpu_ms.push_back(cpu_ms() - m_cpu_ms);
 }
 
 Replay::Replay(const std::string& path, const ReplayOptions& options, Console& console)
@@ -59,8 +74,8 @@ Replay::Replay(const std::string& path, const ReplayOptions& options, Console& c
 void Replay::run(bool compares) {
   m_compares = compares;
   stage(&m_console, "replaying");
-  m_asked = std::chrono::steady_clock::now();
   m_picture.follow();
+  m_picture.prepare();
   m_picture.first_pixels(0);  // of the body as it was opened, not of an event
   while (refine()) {
   }
@@ -123,41 +138,42 @@ void Replay::run_in_time() {
 }
 
 void Replay::show(const LiveEvent& event, std::chrono::steady_clock::time_point posted) {
+  const Stopwatch since_event(posted);
   ++m_report.events;
   m_report.merged += event.merged;
   const std::size_t steps = m_live.session().records().size();
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch solving;
   m_live.carry_out(event);
-  const double solve_ms = ms_since(start);
+  if (!event.is_of_view()) solving.add_to(m_report.solve);
   if (m_live.session().records().size() > steps) {
     m_report.moved_max =
         std::max(m_report.moved_max, m_live.session().records().back().report.moved);
   }
-  if (!event.is_of_view()) m_report.solve.ms.push_back(solve_ms);
   if (event.is_of_view()) m_picture.look(sized(m_live.view(), m_options.size));
-  draw(solve_ms, posted);
+  draw(since_event);
 }
 
 void Replay::relax_on() {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch since_event;
   m_live.relax_on();
-  const double solve_ms = ms_since(start);
-  m_report.solve.ms.push_back(solve_ms);
-  draw(solve_ms, start);
+  since_event.add_to(m_report.solve);
+  draw(since_event);
 }
 
 /// Nothing where nothing has changed.
-void Replay::draw(double solve_ms, std::chrono::steady_clock::time_point posted) {
+void Replay::draw(const Stopwatch& since_event) {
+  const Stopwatch preparing;
   if (!m_picture.follow()) return;
-  const double follow_ms = ms_since(posted) - solve_ms;
-  const double left = std::max(m_options.budget_ms - ms_since(posted), 0.2 * m_options.budget_ms);
-  m_first = m_picture.first_pixels(left);
-  m_report.prepare.ms.push_back(std::max(follow_ms, 0.0) + m_picture.cost().prepare_ms);
-  m_report.march.ms.push_back(m_picture.cost().march_ms);
-  m_report.first_pixels.ms.push_back(ms_since(posted));
+  m_picture.prepare();
+  preparing.add_to(m_report.prepare);
+  const Stopwatch drawing;
+  const double budget = m_options.budget_ms;
+  m_first = m_picture.first_pixels(budget > 0 ? std::max(budget - since_event.ms(), 1e-3) : 0);
+  drawing.add_to(m_report.frame);
+  since_event.add_to(m_report.first_pixels);
   m_report.least_part =
       std::min(m_report.least_part, double(m_picture.cost().width) / m_first.width);
-  m_asked = posted;
+  m_asked = since_event;
 }
 
 /// One pass more; false when there is nothing left to do.
@@ -165,7 +181,7 @@ bool Replay::refine() {
   if (m_picture.settled()) return false;
   if (m_picture.refine()) return true;
   if (m_report.events == 0) return false;
-  m_report.refined.ms.push_back(ms_since(m_asked));
+  m_asked.add_to(m_report.refined);
   if (m_compares) {
     m_report.first_pixels_ssim.push_back(compare(m_first, *m_picture.settled(), true).ssim);
   }

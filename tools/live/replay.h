@@ -19,17 +19,32 @@ struct ReplayOptions {
 };
 Fields fields(ReplayOptions& options);
 
-/// Milliseconds of one phase.
+/// Milliseconds of one phase, and of processor time, all threads together: that hardly depends on
+/// what else the machine does.
 struct PhaseTimes {
-  std::vector<double> ms;
-  /// Nearest rank; 0 where there are none.
-  double quantile(double part) const;
+  std::vector<double> ms, cpu_ms;
+};
+/// Nearest rank; 0 where there are none.
+double quantile(std::vector<double> values, double part);
+
+/// Runs from its making.
+class Stopwatch {
+ public:
+  /// `started`: before, for the time; processor time counts from now.
+  explicit Stopwatch(
+      std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now());
+  double ms() const { return ms_since(m_start); }
+  void add_to(PhaseTimes& times) const;
+
+ private:
+  std::chrono::steady_clock::time_point m_start;
+  double m_cpu_ms;
 };
 
 struct ReplayReport {
   int events = 0, merged = 0;
   std::int64_t moved_max = 0;  // elements, by one event
-  PhaseTimes solve, prepare, march, first_pixels, refined;
+  PhaseTimes solve, prepare, frame, first_pixels, refined;
   double least_part = 1;                  // of the view's width that first pixels had
   std::vector<double> first_pixels_ssim;  // against the settled picture
 };
@@ -52,7 +67,7 @@ class Replay {
   void run_in_time();
   void show(const LiveEvent& event, std::chrono::steady_clock::time_point posted);
   void relax_on();
-  void draw(double solve_ms, std::chrono::steady_clock::time_point posted);
+  void draw(const Stopwatch& since_event);
   bool refine();
 
   const ReplayOptions m_options;
@@ -62,7 +77,7 @@ class Replay {
   ReplayReport m_report;
   bool m_compares = false;
   Image m_first;
-  std::chrono::steady_clock::time_point m_asked;  // the event that the picture follows
+  Stopwatch m_asked;  // since the event that the picture follows
 };
 
 /// SHA-256 of elements, offsets, cuts, pieces, rest lengths and velocities: equal for equal bodies,
