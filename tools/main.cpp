@@ -137,13 +137,13 @@ int run_program(int argc, char** argv) {
       "  supple render drag.vdb --preset CT-Bone -o drag.png\n"
       "Exit codes: 0 done, 1 failure or over a limit, 2 wrong command line or existing output,\n"
       "3 unusable value or file, 4 the system refuses (disk, permission, memory).");
-  const Command commands[] = {add_info(program),      add_probe(program),    add_convert(program),
-                              add_compose(program),   add_crop(program),     add_smooth(program),
-                              add_threshold(program), add_deform(program),   add_render(program),
-                              add_slice(program),     add_presets(program),  add_keys(program),
-                              add_export(program),    add_resample(program), add_apply(program),
-                              add_run(program),       add_compare(program),  add_invert(program),
-                              add_metrics(program),   add_bench(program),    add_help(program)};
+  const Command commands[] = {
+      add_info(program),   add_probe(program),    add_convert(program),   add_compose(program),
+      add_crop(program),   add_smooth(program),   add_threshold(program), add_deform(program),
+      add_render(program), add_slice(program),    add_presets(program),   add_keys(program),
+      add_export(program), add_resample(program), add_apply(program),     add_run(program),
+      add_replay(program), add_compare(program),  add_invert(program),    add_metrics(program),
+      add_bench(program),  add_help(program)};
   const auto is_named = [&](const Command& command) { return command.app->check_name(argv[1]); };
   if (argc > 1 && argv[1][0] != '-' &&
       std::none_of(std::begin(commands), std::end(commands), is_named)) {

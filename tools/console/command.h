@@ -44,6 +44,7 @@ Command add_apply(CLI::App& program);
 Command add_presets(CLI::App& program);
 Command add_probe(CLI::App& program);
 Command add_render(CLI::App& program);
+Command add_replay(CLI::App& program);
 Command add_run(CLI::App& program);
 Command add_slice(CLI::App& program);
 Command add_smooth(CLI::App& program);

@@ -92,6 +92,10 @@ void plan_outputs(const SceneOutput& output, const std::string& folder, OutputPl
 
 OutputPlan check_scene(const Scene& scene, const std::string& folder, const GlobalOptions& global) {
   const bool is_file = !scene.file.empty();
+  if (scene.has_events) {
+    throw InputError({scene.file, "event", "the journal of a live session",
+                      "a scene of it (`supple replay --scene`), or `supple replay`"});
+  }
   OutputPlan plan(global, is_file);
   if (is_file) plan.protect(scene.file);
   // A command may continue a state in place.

@@ -71,6 +71,8 @@ Retraction read_retraction(TomlTable& table) {
   return retraction;
 }
 
+}  // namespace
+
 SceneStep read_step(TomlTable& table, const LabelNames& names) {
   SceneStep step;
   step.place = table.place();
@@ -129,6 +131,8 @@ SceneStep read_step(TomlTable& table, const LabelNames& names) {
   }
   return step;
 }
+
+namespace {
 
 SceneOutput read_output(TomlTable& table) {
   SceneOutput output;
@@ -281,7 +285,8 @@ Scene read_scene(TomlTable root) {
   Scene scene;
   scene.file = root.file();
 
-  root.know({"volume", "labels", "material", "step", "view", "path", "output", "film"});
+  root.know({"volume", "labels", "material", "step", "view", "path", "output", "film", "event"});
+  scene.has_events = root.has("event");
   TomlTable volume = root.require(root.table("volume"), "volume", "a table [volume] with a path");
   volume.know({"path", "offsets"});
   volume.read(fields(scene.read));
@@ -289,7 +294,7 @@ Scene read_scene(TomlTable root) {
   scene.warp_path = volume.path("offsets").value_or("");
   volume.finish();
 
-  LabelNames names;
+  LabelNames& names = scene.label_names;
   if (auto labels = root.table("labels")) {
     scene.labels_path = labels->require(labels->path("path"), "path", "the path of a volume");
     labels->finish();

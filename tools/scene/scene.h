@@ -13,6 +13,7 @@
 #include "tools/scene/film.h"
 #include "tools/scene/view.h"
 #include "volumes/base/vec.h"
+#include "volumes/io/load/label_file.h"
 
 namespace supple::tools {
 
@@ -55,6 +56,7 @@ struct Scene {
   ReadOptions read;
   std::string warp_path;    // resolved; the volume is seen through it; empty: as it is
   std::string labels_path;  // resolved; empty without labels
+  LabelNames label_names;   // of its segments
   std::optional<MaterialTable> material;
   std::string material_path;  // resolved; empty for an inline table
   std::vector<SceneStep> steps;
@@ -64,6 +66,7 @@ struct Scene {
   std::optional<Film> film;
   std::string described;              // the file and those that it names, for a film's record
   std::vector<std::string> warnings;  // keys by their former names
+  bool has_events = false;            // of a live session, which read_event reads
 
   /// Every output path, relative as written; of a film, those of its frames to be made.
   std::vector<std::string> outputs() const;
@@ -85,6 +88,9 @@ struct StepSettings {
   double joint_mm = 0;
 };
 Fields fields(StepSettings& settings);
+
+/// One of [[step]].
+SceneStep read_step(TomlTable& table, const LabelNames& names);
 
 /// Throws InputError: unknown key (line and suggestion), wrong type or value, missing key.
 Scene read_scene(const std::string& path);

@@ -1,0 +1,133 @@
+// supple replay: a journal or a scene as a live session, and how long its events took.
+#include <cerrno>
+#include <cstdio>
+#include <fstream>
+
+#include <nlohmann/json.hpp>
+
+#include "tools/console/command.h"
+#include "tools/console/field_options.h"
+#include "tools/live/replay.h"
+#include "tools/outputs/output_plan.h"
+#include "volumes/base/atomic_file.h"
+
+namespace supple::tools {
+
+namespace {
+
+struct ReplayFiles {
+  std::string input, check, image, scene, journal, state;
+  bool compares = false;
+};
+
+nlohmann::ordered_json phase_json(const PhaseTimes& times) {
+  return {{"count", times.ms.size()},
+          {"median_ms", quantile(times.ms, 0.5)},
+          {"p95_ms", quantile(times.ms, 0.95)},
+          {"max_ms", quantile(times.ms, 1)},
+          {"cpu_median_ms", quantile(times.cpu_ms, 0.5)},
+          {"cpu_p95_ms", quantile(times.cpu_ms, 0.95)}};
+}
+
+nlohmann::ordered_json replay_json(const ReplayReport& report) {
+  nlohmann::ordered_json json = {
+      {"events", report.events}, {"merged", report.merged}, {"moved_max", report.moved_max}};
+  json["solve"] = phase_json(report.solve);
+  json["prepare"] = phase_json(report.prepare);
+  json["frame"] = phase_json(report.frame);
+  json["first_pixels"] = phase_json(report.first_pixels);
+  json["refined"] = phase_json(report.refined);
+  json["first_pixels_least_part"] = report.least_part;
+  if (!report.first_pixels_ssim.empty()) json["first_pixels_ssim"] = report.first_pixels_ssim;
+  return json;
+}
+
+void print_phase(const char* name, const PhaseTimes& times) {
+  std::printf("%-14s %6zu %9.1f %9.1f %9.1f %9.1f\n", name, times.ms.size(),
+              quantile(times.ms, 0.5), quantile(times.ms, 0.95), quantile(times.ms, 1),
+              quantile(times.cpu_ms, 0.95));
+}
+
+void print_replay(const ReplayReport& report, const std::string& hash, double peak_mb) {
+  std::printf("events         %d, %d merged, at most %lld elements moved by one\n", report.events,
+              report.merged, static_cast<long long>(report.moved_max));
+  std::printf("phase           count median ms    p95 ms    max ms   cpu p95\n");
+  print_phase("solve", report.solve);
+  print_phase("prepare", report.prepare);
+  print_phase("frame", report.frame);
+  print_phase("first pixels", report.first_pixels);
+  print_phase("refined", report.refined);
+  std::printf("first pixels   at least %.0f %% of the width\n", 100 * report.least_part);
+  for (const double ssim : report.first_pixels_ssim) std::printf("ssim           %.4f\n", ssim);
+  std::printf("peak memory    %.0f MB\nstate          %s\n", peak_mb, hash.c_str());
+}
+
+void write_toml(const std::string& path, const std::string& text) {
+  AtomicFile file(path);
+  std::ofstream out(file.path(), std::ios::binary);
+  if (!(out << text << std::flush)) throw_write_error(path, errno);
+  file.commit();
+}
+
+int run_replay(const ReplayFiles& files, const ReplayOptions& options, const GlobalOptions& global,
+               Console& console) {
+  OutputPlan plan(global, false);
+  plan.protect(files.input);
+  if (!files.image.empty()) plan.add_image(files.image);
+  if (!files.state.empty()) plan.add_state(files.state);
+  for (const std::string& path : {files.scene, files.journal}) {
+    if (!path.empty()) plan.add_like(path, files.input);
+  }
+  console.claim(plan.files());
+  Replay replay(files.input, options, console);
+  replay.run(files.compares);
+  const double peak_mb = peak_rss_mb();
+  Session& session = replay.live().session();
+  const std::string hash = hash_of(session.state());
+  if (!files.image.empty()) write_png(files.image, *replay.settled());
+  if (!files.scene.empty()) write_toml(files.scene, replay.live().batch_scene());
+  if (!files.journal.empty()) write_toml(files.journal, replay.live().journal());
+  if (!files.state.empty()) session.write_state(files.state, &console);
+  if (global.json) {
+    nlohmann::ordered_json json = replay_json(replay.report());
+    json["peak_rss_mb"] = peak_mb;
+    json["state"] = hash;
+    std::printf("%s\n", json.dump(2).c_str());
+  } else if (!global.quiet) {
+    print_replay(replay.report(), hash, peak_mb);
+  }
+  if (!files.check.empty() && hash_of(read_state(files.check, &console)) != hash) {
+    throw Error(files.check + ": another state than the events lead to");
+  }
+  return kOk;
+}
+
+}  // namespace
+
+Command add_replay(CLI::App& program) {
+  CLI::App* app = add_subcommand(
+      program, "replay", "Run the journal of a live session, or a scene as one, and tell its times",
+      "  supple replay session.toml --json\n"
+      "  supple replay session.toml --speed 1 --budget 50 --size 512,512\n"
+      "  supple replay session.toml --check jaw.vdb --scene batch.toml --image jaw.png");
+  auto files = std::make_shared<ReplayFiles>();
+  auto options = std::make_shared<ReplayOptions>();
+  app->add_option("input", files->input, "A journal, or a scene whose steps are its events")
+      ->required()
+      ->option_text("JOURNAL|SCENE.toml");
+  add_field_options(*app, fields(*options));
+  app->add_option("--check", files->check, "Fail unless the events lead to this state")
+      ->option_text("STATE.vdb");
+  app->add_option("--image", files->image, "The settled picture")->option_text("F.png");
+  app->add_option("--scene", files->scene, "The events as a scene for `supple run`")
+      ->option_text("F.toml");
+  app->add_option("--journal", files->journal, "What was carried out, to be replayed")
+      ->option_text("F.toml");
+  app->add_option("--state", files->state, "The state at the end")->option_text("F.vdb");
+  app->add_flag("--ssim", files->compares, "Compare first pixels with what they become");
+  return {app, [files, options](const GlobalOptions& global, Console& console) {
+            return run_replay(*files, *options, global, console);
+          }};
+}
+
+}  // namespace supple::tools

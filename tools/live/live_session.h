@@ -1,0 +1,78 @@
+// A session that follows events: each that changes the body becomes a step of it, so that a batch
+// scene of these steps gives the same state, bit for bit, whatever time or threads they took.
+// Relaxation goes in slices between which new events may come. The view follows, too.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "lib/session/session.h"
+#include "tools/console/console.h"
+#include "tools/scene/live_event.h"
+
+namespace supple::tools {
+
+/// Passes of relaxation after which a new event may come; a relaxation of more is as many events.
+constexpr int kSlicePasses = 5;
+
+class LiveSession {
+ public:
+  /// Opens what the file, a journal or a scene, describes; its events and steps are left to
+  /// events(). Throws InputError as read_scene and Session.
+  LiveSession(const std::string& path, Console& console);
+
+  /// Those of a journal; of a scene its steps, each as one event.
+  const std::vector<LiveEvent>& events() const { return m_events; }
+
+  /// Does what the event says; of a relaxation its first passes, see pending(). Throws InputError
+  /// with the event's place, and Cancelled: nothing has changed then.
+  void carry_out(const LiveEvent& event, Progress* progress = nullptr);
+  /// Passes of relaxation that are still to be done; any event but those of the view ends them.
+  int pending() const { return m_pending; }
+  /// The next of them.
+  void relax_on(Progress* progress = nullptr);
+
+  Session& session() { return *m_session; }
+  const Scene& scene() const { return m_scene; }
+  /// As the events so far ask for it.
+  const SceneView& view() const { return m_view; }
+
+  /// What was carried out, as a file that replays to the same state.
+  std::string journal() const;
+  /// The steps that are not taken back, as a scene that `supple run` brings to the same state.
+  std::string batch_scene() const;
+
+ private:
+  /// A step of the session, and where its handle had been before.
+  struct DoneStep {
+    SceneStep step;
+    std::string keys;
+    Vec3d reached_before;
+    Vec3d reached;
+  };
+  void read_events(const std::string& path);
+  void set_view();
+  void drag(const LiveEvent& event, Progress* progress);
+  void run(const SceneStep& step, const std::string& keys, Progress* progress);
+  void do_again(DoneStep done, Progress* progress);
+  void relax(const LiveEvent& event, int passes, Progress* progress);
+  void record(LiveEvent event);
+  void change_view(const LiveEvent& event);
+
+  Console& m_console;
+  Scene m_scene;
+  std::string m_head;  // JSON: the file without steps, events and outputs, paths absolute
+  std::vector<LiveEvent> m_events, m_carried_out;
+  std::unique_ptr<Session> m_session;
+  SceneView m_view;
+  std::string m_view_keys, m_first_view_keys;  // JSON; the latter as opened
+  std::optional<LiveEvent> m_grab;
+  Vec3d m_reached{0, 0, 0};  // by the handle that is grabbed, as `to` counts
+  Limits m_limits = Limits::box;
+  std::vector<DoneStep> m_done, m_undone;
+  std::optional<LiveEvent> m_relaxation;
+  int m_pending = 0;
+};
+
+}  // namespace supple::tools

@@ -1,0 +1,179 @@
+#include "tools/scene/live_event.h"
+
+#include <algorithm>
+#include <cctype>
+
+#include <nlohmann/json.hpp>
+
+#include "lib/material/toml_string.h"
+#include "tools/scene/cut_keys.h"
+#include "tools/scene/handle_keys.h"
+
+namespace supple::tools {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const std::vector<std::string>& kind_names() {
+  static const std::vector<std::string> names = {"grab",   "push",   "drag",   "release", "cut",
+                                                 "anchor", "relax",  "limits", "step",    "undo",
+                                                 "redo",   "camera", "look",   "clip"};
+  return names;
+}
+
+/// The keys of the table that are not the event's own.
+std::string other_keys(const TomlTable& table) {
+  Json json = Json::parse(table.json());
+  LiveEvent plain;
+  for (const Field& field : fields(plain)) json.erase(field.name());
+  return json.dump();
+}
+
+void read_grab(TomlTable& table, const LabelNames& names, LiveEvent& event) {
+  GivenHandle& handle = event.step.handles.emplace_back();
+  static_cast<GivenSelection&>(handle) = read_anchor(table, names);
+  handle.soft_mm = table.number("soft").value_or(0);
+  handle.push = event.kind == EventKind::push;
+}
+
+/// The view's part that the event replaces; the rest of a view is read where it is drawn.
+void read_part_of_view(TomlTable& table, EventKind kind) {
+  switch (kind) {
+    case EventKind::camera:
+      table.require(table.table("camera"), "camera", "a table");
+      break;
+    case EventKind::look:
+      if (!table.has("preset") && !table.has("transfer")) {
+        table.fail_missing("preset", "a preset, or transfer, a file");
+      }
+      break;
+    default:
+      table.tables("clip");
+  }
+}
+
+void read_keys(TomlTable& table, const LabelNames& names, LiveEvent& event) {
+  switch (event.kind) {
+    case EventKind::grab:
+    case EventKind::push:
+      return read_grab(table, names, event);
+    case EventKind::drag:
+      table.require(table.vector("to"), "to", "[x, y, z] in mm");
+      return;
+    case EventKind::anchor:
+      event.step.anchors.push_back(read_anchor(table, names));
+      return;
+    case EventKind::cut:
+      event.step.cuts.push_back(read_cut(table, names));
+      return;
+    case EventKind::relax:
+      event.step.relax = tissue_relaxation();
+      table.read(fields(*event.step.relax));
+      return;
+    case EventKind::step:
+      event.step = read_step(table, names);
+      return;
+    case EventKind::camera:
+    case EventKind::look:
+    case EventKind::clip:
+      return read_part_of_view(table, event.kind);
+    default:
+      return;
+  }
+}
+
+/// Quoted where it is no bare key.
+std::string toml_key(const std::string& key) {
+  const auto is_bare = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '-'; };
+  const bool all = !key.empty() && std::all_of(key.begin(), key.end(), is_bare);
+  return all ? key : toml_string(key);
+}
+
+void write_inline(const Json& value, std::string& text) {
+  if (value.is_object()) {
+    text += "{ ";
+    for (const auto& [key, entry] : value.items()) {
+      text += (text.back() == ' ' && text[text.size() - 2] == '{' ? "" : ", ") + toml_key(key);
+      text += " = ";
+      write_inline(entry, text);
+    }
+    text += " }";
+  } else if (value.is_array()) {
+    text += "[";
+    for (std::size_t n = 0; n < value.size(); ++n) {
+      if (n > 0) text += ", ";
+      write_inline(value[n], text);
+    }
+    text += "]";
+  } else {
+    text += value.is_string() ? toml_string(value.get<std::string>()) : value.dump();
+  }
+}
+
+}  // namespace
+
+const char* name_of(EventKind kind) {
+  return kind_names()[std::size_t(kind)].c_str();
+}
+
+Fields fields(LiveEvent& event) {
+  return {
+      Field("kind", event.kind, kind_names(), "What happens").required(),
+      Field("at", event.at_ms, "Since the session was opened").unit("ms").at_least(0),
+      Field("merged", event.merged, "Earlier events that it replaced before they had begun")
+          .at_least(0),
+      Field("to", event.to, "Of drag: from where it was grabbed, in directions as a scene's by")
+          .unit("mm"),
+      Field("all", event.all, "Of release: let go of everything that is held or fixed"),
+      Field("limits", event.limits, {"box", "ball", "tighten"}, "Of limits: those of later drags"),
+  };
+}
+
+LiveEvent read_event(TomlTable& table, const LabelNames& names) {
+  LiveEvent event;
+  event.place = table.place();
+  event.step.place = event.place;
+  // `limits` may be a key of a step, too.
+  Fields own = fields(event);
+  own.pop_back();
+  table.read(own);
+  if (event.kind == EventKind::limits) table.read({fields(event).back()});
+  event.keys = other_keys(table);
+  // A step finishes its table.
+  table.know({"kind", "at", "merged", "to", "all"});
+  if (event.is_of_view()) table.know({"preset", "transfer"});
+  read_keys(table, names, event);
+  table.finish();
+  event.step.place = event.place;
+  return event;
+}
+
+std::string toml_of_json(const std::string& json) {
+  std::string text;
+  write_inline(Json::parse(json), text);
+  return text;
+}
+
+std::string toml_document(const std::string& json) {
+  std::string text;
+  const auto add = [&](const std::string& head, const Json& table) {
+    text += (text.empty() ? "" : "\n") + head + "\n";
+    for (const auto& [key, value] : table.items()) {
+      text += toml_key(key) + " = ";
+      write_inline(value, text);
+      text += "\n";
+    }
+  };
+  const Json root = Json::parse(json);
+  for (const auto& [key, value] : root.items()) {
+    if (!value.is_array()) {
+      add("[" + key + "]", value);
+      continue;
+    }
+    for (const Json& table : value) add("[[" + key + "]]", table);
+  }
+  return text;
+}
+
+}  // namespace supple::tools
