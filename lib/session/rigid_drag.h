@@ -20,8 +20,10 @@ struct PieceMotion {
 std::vector<PieceMotion> motions_of_pieces(const Body& body, const std::vector<Drag>& drags,
                                            const std::vector<Region>& regions);
 
-/// A handle of all elements of the piece, to where a part of the motion takes them. Throws
-/// InputError beyond the range of offsets.
+/// A handle that takes all elements of the piece to where the pose puts them. Throws InputError
+/// beyond the range of offsets.
+Handle handle_at(const Body& body, const RigidPiece& piece, const RigidPose& pose);
+/// The same, to where a part of the motion takes them.
 Handle handle_of(const Body& body, const PieceMotion& motion, double part);
 
 /// The poses after that part of the motions.
