@@ -38,7 +38,8 @@ Vec6 joined(const Vec3d& a, const Vec3d& b) {
 /// A piece in LPS mm about its present centre, and the motion that is sought.
 class MotionSearch {
  public:
-  MotionSearch(const Body& body, const RigidPiece& piece, const std::vector<ElementBounds>& bounds)
+  MotionSearch(const Body& body, const RigidPiece& piece, const std::vector<ElementBounds>& bounds,
+               double cube_mm)
       : m_body(body), m_piece(piece), m_bounds(bounds) {
     Vec3d centre = piece.centre_index;
     for (int c = 0; c < 3; ++c) centre[c] += double(piece.pose.shift_q[std::size_t(c)]) / kFixedOne;
@@ -50,10 +51,11 @@ class MotionSearch {
       m_radius_mm = std::max(m_radius_mm, arm.length());
       ++m_count;
     });
-    // Each voxel's own, as of a cube: so that a row of them or a single one has all three.
+    // So a row of voxels or a single one has moments about all axes.
     const Vec3d spacing = body.geometry.spacing_mm();
     for (int a = 0; a < 3; ++a) {
-      m_moments[std::size_t(a)][a] += m_count * spacing[a] * spacing[a] / 12;
+      const double edge = std::max(spacing[a], cube_mm);
+      m_moments[std::size_t(a)][a] += m_count * edge * edge / 12;
     }
     m_voxel_mm = std::min({spacing.x, spacing.y, spacing.z});
     for (int a = 0; a < 3; ++a) {
@@ -200,8 +202,8 @@ class MotionSearch {
 }  // namespace
 
 std::optional<RigidPose> smallest_pose(const Body& body, const RigidPiece& piece,
-                                       const std::vector<ElementBounds>& bounds) {
-  return MotionSearch(body, piece, bounds).run();
+                                       const std::vector<ElementBounds>& bounds, double cube_mm) {
+  return MotionSearch(body, piece, bounds, cube_mm).run();
 }
 
 }  // namespace supple

@@ -1,6 +1,8 @@
 // The smallest rigid motion of a piece that takes its elements within bounds, such as those that
 // handles and anchors set through tissue: of a motion x -> T (x - c) + c + t, c the centre of the
-// elements, the one with the least sum of squared ways, sum |T r - r|^2 + N |t|^2.
+// elements, the one with the least sum of squared ways, sum |T r - r|^2 + N |t|^2. A turn counts
+// with the tissue that it carries, too: each element as a cube. Without it a small piece that is
+// carried far would pivot by any angle, to save a part of its own size.
 //
 // Bounds are linear in the offset of an element, and offsets nearly linear in the six unknowns of a
 // further small motion. So each iteration solves a convex quadratic program, 6 unknowns and two
@@ -25,8 +27,10 @@ struct ElementBounds {
 };
 
 /// The pose that the smallest motion takes the piece to from where it is in the body; bounds, of
-/// elements of the piece, hold for rounded offsets there. Nothing where no motion meets them.
+/// elements of the piece, hold for rounded offsets there. `cube_mm`: edge of each element as a
+/// cube, at least its voxel. Nothing where no motion meets the bounds.
 std::optional<RigidPose> smallest_pose(const Body& body, const RigidPiece& piece,
-                                       const std::vector<ElementBounds>& bounds);
+                                       const std::vector<ElementBounds>& bounds,
+                                       double cube_mm = 0);
 
 }  // namespace supple

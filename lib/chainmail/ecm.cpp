@@ -203,13 +203,12 @@ EcmReport EcmSolver::try_whole(const std::vector<Handle>& handles,
   return run(handles, anchors, same, Extent::tried, false, progress);
 }
 
-std::vector<ElementBounds> EcmSolver::bounds_of(const RigidPiece& piece,
-                                                const std::vector<Handle>& handles,
-                                                const std::vector<Region>& anchors,
-                                                const Holds& holds, std::int32_t reach_q,
-                                                Progress* progress) {
+std::vector<std::vector<ElementBounds>> EcmSolver::bounds_of(
+    const std::vector<const RigidPiece*>& pieces, const std::vector<Handle>& handles,
+    const std::vector<Region>& anchors, const Holds& holds, std::int32_t reach_q,
+    Progress* progress) {
   const HeldVoxels held = hold(m_body, handles, fixed(anchors), holds);
-  return bounds_of_piece(m_body, piece, held, reach_q, m_propagator, progress);
+  return bounds_of_pieces(m_body, pieces, held, reach_q, m_propagator, progress);
 }
 
 FreePieces EcmSolver::free_pieces(const HeldVoxels& held) const {

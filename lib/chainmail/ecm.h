@@ -126,14 +126,16 @@ class EcmSolver {
   EcmReport try_whole(const std::vector<Handle>& handles, const std::vector<Region>& anchors,
                       const Holds& holds, Progress* progress = nullptr);
 
-  /// Where the whole drag lets elements of the piece be, each by itself, by way of tissue: between
-  /// the envelopes of all that is held, handles at their targets. Bounds further than `reach_q`
-  /// from where an element is are left out, and elements without any. A drag that keeps a pose of
-  /// the piece within them can only fail by way from the piece back to itself. Cost: six
+  /// Where the whole drag lets elements of pieces be, each by itself, by way of tissue: between the
+  /// envelopes of all that is held, handles at their targets. Bounds further than `reach_q` from
+  /// where an element is are left out, and elements without any. A drag that keeps the pose of a
+  /// single piece within them can only fail by way from the piece back to itself. Cost: six
   /// propagations, as far as `reach_q`, and a copy of all offsets.
-  std::vector<ElementBounds> bounds_of(const RigidPiece& piece, const std::vector<Handle>& handles,
-                                       const std::vector<Region>& anchors, const Holds& holds,
-                                       std::int32_t reach_q, Progress* progress = nullptr);
+  std::vector<std::vector<ElementBounds>> bounds_of(const std::vector<const RigidPiece*>& pieces,
+                                                    const std::vector<Handle>& handles,
+                                                    const std::vector<Region>& anchors,
+                                                    const Holds& holds, std::int32_t reach_q,
+                                                    Progress* progress = nullptr);
 
   /// block or flat.
   Engine engine() const { return m_propagator.engine(); }

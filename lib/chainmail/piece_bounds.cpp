@@ -52,36 +52,38 @@ BrickValues envelope(const Body& body, int coordinate, Direction direction, std:
 
 }  // namespace
 
-std::vector<ElementBounds> bounds_of_piece(const Body& body, const RigidPiece& piece,
-                                           const HeldVoxels& held, std::int32_t reach_q,
-                                           Propagator& propagator, Progress* progress) {
-  std::vector<ElementBounds> all;
-  piece.elements->for_each([&](Slot slot) {
-    const std::int32_t none = ElementBounds::kNone;
-    all.push_back({slot, {-none, -none, -none}, {none, none, none}});
-  });
+std::vector<std::vector<ElementBounds>> bounds_of_pieces(
+    const Body& body, const std::vector<const RigidPiece*>& pieces, const HeldVoxels& held,
+    std::int32_t reach_q, Propagator& propagator, Progress* progress) {
+  constexpr std::int32_t kNone = ElementBounds::kNone;
+  std::vector<std::vector<ElementBounds>> all(pieces.size());
+  for (std::size_t n = 0; n < pieces.size(); ++n) {
+    pieces[n]->elements->for_each([&](Slot slot) {
+      all[n].push_back({slot, {-kNone, -kNone, -kNone}, {kNone, kNone, kNone}});
+    });
+  }
   for (int c = 0; c < 3; ++c) {
     const BrickValues& q = body.q[std::size_t(c)];
     for (const Direction direction : {Direction::raise, Direction::lower}) {
       const std::int64_t by = direction == Direction::raise ? -std::int64_t(reach_q) : reach_q;
       const BrickValues reached = envelope(
           body, c, direction, by, bounds_of_held(body, held, c, direction), propagator, progress);
-      for (ElementBounds& element : all) {
-        const std::int32_t value = reached.at(element.slot);
-        if (value == q.at(element.slot) + by) continue;
-        (direction == Direction::raise ? element.least : element.most)[std::size_t(c)] = value;
+      for (std::vector<ElementBounds>& bounds : all) {
+        for (ElementBounds& element : bounds) {
+          const std::int32_t value = reached.at(element.slot);
+          if (value == q.at(element.slot) + by) continue;
+          (direction == Direction::raise ? element.least : element.most)[std::size_t(c)] = value;
+        }
       }
     }
   }
-  all.erase(std::remove_if(all.begin(), all.end(),
-                           [](const ElementBounds& element) {
-                             for (std::size_t c = 0; c < 3; ++c) {
-                               if (element.least[c] != -ElementBounds::kNone) return false;
-                               if (element.most[c] != ElementBounds::kNone) return false;
-                             }
-                             return true;
-                           }),
-            all.end());
+  for (std::vector<ElementBounds>& bounds : all) {
+    const auto is_free = [](const ElementBounds& element) {
+      return element.least == std::array<std::int32_t, 3>{-kNone, -kNone, -kNone} &&
+             element.most == std::array<std::int32_t, 3>{kNone, kNone, kNone};
+    };
+    bounds.erase(std::remove_if(bounds.begin(), bounds.end(), is_free), bounds.end());
+  }
   return all;
 }
 

@@ -11,8 +11,8 @@
 namespace supple {
 
 /// EcmSolver::bounds_of(): `held` with its handles at their targets.
-std::vector<ElementBounds> bounds_of_piece(const Body& body, const RigidPiece& piece,
-                                           const HeldVoxels& held, std::int32_t reach_q,
-                                           Propagator& propagator, Progress* progress);
+std::vector<std::vector<ElementBounds>> bounds_of_pieces(
+    const Body& body, const std::vector<const RigidPiece*>& pieces, const HeldVoxels& held,
+    std::int32_t reach_q, Propagator& propagator, Progress* progress);
 
 }  // namespace supple

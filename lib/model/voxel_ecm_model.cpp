@@ -33,10 +33,10 @@ bool VoxelEcmModel::allows(const std::vector<Handle>& handles, Progress* progres
   return m_report.fraction_numerator == m_report.fraction_denominator;
 }
 
-std::vector<ElementBounds> VoxelEcmModel::bounds_of(const RigidPiece& piece,
-                                                    const std::vector<Handle>& handles,
-                                                    std::int32_t reach_q, Progress* progress) {
-  return m_solver.bounds_of(piece, handles, m_held.anchors, m_held.holds, reach_q, progress);
+std::vector<std::vector<ElementBounds>> VoxelEcmModel::bounds_of(
+    const std::vector<const RigidPiece*>& pieces, const std::vector<Handle>& handles,
+    std::int32_t reach_q, Progress* progress) {
+  return m_solver.bounds_of(pieces, handles, m_held.anchors, m_held.holds, reach_q, progress);
 }
 
 ModelEnergy VoxelEcmModel::energy() {

@@ -20,8 +20,9 @@ class VoxelEcmModel final : public Model<Handle> {
   /// Whether anchors and other handles allow the whole drag, which is not done.
   bool allows(const std::vector<Handle>& handles, Progress* progress);
   /// EcmSolver::bounds_of()
-  std::vector<ElementBounds> bounds_of(const RigidPiece& piece, const std::vector<Handle>& handles,
-                                       std::int32_t reach_q, Progress* progress);
+  std::vector<std::vector<ElementBounds>> bounds_of(const std::vector<const RigidPiece*>& pieces,
+                                                    const std::vector<Handle>& handles,
+                                                    std::int32_t reach_q, Progress* progress);
   bool step(const Progress* = nullptr) override { return false; }
   /// That of the springs that relaxation would find.
   ModelEnergy energy() override;

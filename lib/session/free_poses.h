@@ -34,12 +34,16 @@ class FreePoses {
   bool find(const std::vector<Handle>& handles, std::vector<FreePose>& poses);
   /// The handles, and one for each pose.
   std::vector<Handle> with(const std::vector<Handle>& handles, const std::vector<FreePose>& poses,
-                           std::size_t left_out = SIZE_MAX) const;
+                           const std::vector<std::size_t>& left_out = {}) const;
 
  private:
-  std::optional<RigidPose> smallest(const std::vector<Handle>& handles,
-                                    const std::vector<FreePose>& poses, std::size_t n);
-  bool shrink_one(const std::vector<Handle>& handles, std::vector<FreePose>& poses, std::size_t n);
+  using Group = std::vector<std::size_t>;  // places in a list of poses
+  std::vector<Group> groups_of(const std::vector<FreePose>& poses, std::size_t first) const;
+  bool find_group(const std::vector<Handle>& handles, std::vector<FreePose>& poses,
+                  const Group& group, bool skips_impossible);
+  void shrink_group(const std::vector<Handle>& handles, std::vector<FreePose>& poses,
+                    const Group& group);
+  double shift_mm(const FreePose& free) const;
   double longest_way(const RigidPiece& piece, const RigidPose& pose) const;
 
   Body& m_body;

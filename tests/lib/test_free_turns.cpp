@@ -78,12 +78,14 @@ TEST_F(UnitRod, PulledAtAnEndTakesTheMotionOfTheLeastSumOfSquares) {
   session.step(m_rod);
   session.step(pull({{{11, 1, 1}, {0, 3, 0}}}));
   // Three links shear, so the end of the rod goes at least so far along j. Of all angles that bring
-  // it there the best: 6 t^2 + 2 (1 - cos a) (sum of x^2 + 1/12 + 1/12 of each voxel).
-  const double end = 3 - 3 * kShear;
+  // it there the best: 6 t^2 + 2 (1 - cos a) (sum of x^2 + 2 edge^2 / 12 of each voxel), the edge
+  // of the cube that it carries being four times the shift.
+  const double end = 3 - 3 * kShear, edge = 4 * end;
   double best = 0, least = 1e9;
   for (double a = 0; a < 90; a += 1e-3) {
     const double t = end - 2.5 * std::sin(a * kDegree);
-    const double sum = 6 * t * t + 2 * (1 - std::cos(a * kDegree)) * (17.5 + 6 * 2 / 12.0);
+    const double sum =
+        6 * t * t + 2 * (1 - std::cos(a * kDegree)) * (17.5 + 6 * 2 * edge * edge / 12);
     if (sum < least) {
       least = sum;
       best = a;
