@@ -79,6 +79,13 @@ bool SlotSet::contains(Slot slot) const {
   return mask != nullptr && mask_test(*mask, int(slot % kBrickVoxels));
 }
 
+Slot SlotSet::first() const {
+  const Brick& entry = m_bricks.front();
+  int first = -1;
+  for_each_active(entry.mask, [&](int offset) { first = first < 0 ? offset : first; });
+  return entry.brick * kBrickVoxels + Slot(first);
+}
+
 bool SlotSet::first_common(const SlotSet& other, Slot& slot) const {
   if (other.m_bricks.size() < m_bricks.size()) return other.first_common(*this, slot);
   for (const Brick& entry : m_bricks) {

@@ -38,6 +38,8 @@ class SlotSet {
     }
   }
 
+  /// Smallest element of a set that is not empty.
+  Slot first() const;
   /// Smallest element of both sets; false when they have none in common.
   bool first_common(const SlotSet& other, Slot& slot) const;
   void add(const SlotSet& other);

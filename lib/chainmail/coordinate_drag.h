@@ -24,6 +24,7 @@ class CoordinateDrag : public DragAlgebra<CoordinateDrag> {
   /// Keeps the result.
   void commit();
 
+  int coordinate() const { return m_coordinate; }
   const UndoLog& undo() const { return m_undo; }
   const BrickValues& values() const { return m_values; }
   const PropagationCounts& counts() const { return m_counts; }

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <memory>
 
 #include "lib/chainmail/coordinate_drag.h"
 #include "lib/chainmail/held_voxels.h"
+#include "lib/chainmail/piece_bounds.h"
 
 namespace supple {
 
@@ -63,6 +65,22 @@ std::int64_t count_moved(const CoordinateDrags& drags) {
     moved += kBrickVoxels - std::count(changes, changes + kBrickVoxels, 0);
   }
   return moved;
+}
+
+std::vector<PieceShift> shifted_pieces(const FreePieces& pieces, const CoordinateDrags& drags) {
+  if (pieces.empty()) return {};
+  std::map<std::size_t, PieceShift> shifts;
+  for (const auto& drag : drags) {
+    const std::vector<std::int32_t> by_q = pieces.shifts(drag->values(), drag->undo());
+    for (std::size_t n = 0; n < by_q.size(); ++n) {
+      if (by_q[n] == 0) continue;
+      PieceShift& shift = shifts.try_emplace(n, PieceShift{n, {0, 0, 0}}).first->second;
+      shift.by_q[std::size_t(drag->coordinate())] = by_q[n];
+    }
+  }
+  std::vector<PieceShift> list;
+  for (const auto& [piece, shift] : shifts) list.push_back(shift);
+  return list;
 }
 
 /// Undo memory that stays for the next drag: one byte per element and coordinate, so that local
@@ -163,24 +181,34 @@ EcmReport EcmSolver::drag(const std::vector<Handle>& handles, const std::vector<
 
 EcmReport EcmSolver::drag(const std::vector<Handle>& handles, const std::vector<Region>& anchors,
                           Holds& holds, Progress* progress) {
-  return run(handles, anchors, holds, Extent::part, progress);
+  return run(handles, anchors, holds, Extent::part, false, progress);
 }
 
 EcmReport EcmSolver::drag_whole(const std::vector<Handle>& handles,
                                 const std::vector<Region>& anchors, Holds& holds,
                                 Progress* progress) {
-  return run(handles, anchors, holds, Extent::whole, progress);
+  return run(handles, anchors, holds, Extent::whole, false, progress);
 }
 
-bool EcmSolver::allows(const std::vector<Handle>& handles, const std::vector<Region>& anchors,
-                       const Holds& holds, Progress* progress) {
+EcmReport EcmSolver::drag_unless_pieces_shift(const std::vector<Handle>& handles,
+                                              const std::vector<Region>& anchors, Holds& holds,
+                                              bool whole, Progress* progress) {
+  return run(handles, anchors, holds, whole ? Extent::whole : Extent::part, true, progress);
+}
+
+EcmReport EcmSolver::try_whole(const std::vector<Handle>& handles,
+                               const std::vector<Region>& anchors, const Holds& holds,
+                               Progress* progress) {
   Holds same = holds;
-  try {
-    const EcmReport report = run(handles, anchors, same, Extent::tried, progress);
-    return report.fraction_numerator == report.fraction_denominator;
-  } catch (const InputError&) {
-    return false;
-  }
+  return run(handles, anchors, same, Extent::tried, false, progress);
+}
+
+std::vector<std::vector<ElementBounds>> EcmSolver::bounds_of(
+    const std::vector<const RigidPiece*>& pieces, const std::vector<Handle>& handles,
+    const std::vector<Region>& anchors, const Holds& holds, std::int32_t reach_q,
+    Progress* progress) {
+  const HeldVoxels held = hold(m_body, handles, fixed(anchors), holds);
+  return bounds_of_pieces(m_body, pieces, held, reach_q, m_propagator, progress);
 }
 
 FreePieces EcmSolver::free_pieces(const HeldVoxels& held) const {
@@ -192,13 +220,19 @@ FreePieces EcmSolver::free_pieces(const HeldVoxels& held) const {
   return FreePieces(m_body, sets);
 }
 
+const FixedElements& EcmSolver::fixed(const std::vector<Region>& anchors) {
+  if (m_fixed->regions != anchors) *m_fixed = fix(m_body, anchors);
+  return *m_fixed;
+}
+
 EcmReport EcmSolver::run(const std::vector<Handle>& handles, const std::vector<Region>& anchors,
-                         Holds& holds, Extent extent, Progress* progress) {
+                         Holds& holds, Extent extent, bool unless_pieces_shift,
+                         Progress* progress) {
   const auto begin = std::chrono::steady_clock::now();
   EcmReport result;
   result.engine = engine();
   if (!m_body.links_known_valid) m_body.links_known_valid = check_links(m_body).violated == 0;
-  if (m_fixed->regions != anchors) *m_fixed = fix(m_body, anchors);
+  fixed(anchors);
   OffsetsGuard guard(m_body);
   if (!m_body.links_known_valid) {
     const ProjectionReport projection = project(m_body, m_fixed->slots, holds);
@@ -209,10 +243,13 @@ EcmReport EcmSolver::run(const std::vector<Handle>& handles, const std::vector<R
   HeldVoxels held = hold(m_body, handles, *m_fixed, holds);
   const FreePieces pieces = free_pieces(held);
   Fraction fraction;
+  const bool whole_only = extent == Extent::whole || extent == Extent::tried;
   const CoordinateDrags drags =
-      solve(m_body, held, pieces, m_propagator, m_undo, extent != Extent::part, fraction, progress);
+      solve(m_body, held, pieces, m_propagator, m_undo, whole_only, fraction, progress);
   result.fraction_numerator = fraction.numerator;
   result.fraction_denominator = fraction.denominator;
+  result.shifted = shifted_pieces(pieces, drags);
+  if (unless_pieces_shift && !result.shifted.empty()) return result;
   if (extent == Extent::tried || (extent == Extent::whole && !fraction.is_whole())) return result;
   result.moved = count_moved(drags);
   Holds next = holds_after(held, fraction);

@@ -14,6 +14,7 @@
 #include "lib/body/body.h"
 #include "lib/body/holds.h"
 #include "lib/body/region.h"
+#include "lib/body/smallest_motion.h"
 #include "lib/chainmail/propagate.h"
 #include "volumes/base/progress.h"
 
@@ -55,11 +56,18 @@ struct Handle {
 /// Throws InputError when not finite or beyond the range of +-16383 voxels.
 std::array<std::int32_t, 3> fixed_from_mm(const Vec3d& by_mm, const Vec3d& spacing_mm);
 
+/// A free rigid piece (in Body::rigid) that a drag shifts.
+struct PieceShift {
+  std::size_t piece;
+  std::array<std::int32_t, 3> by_q;
+};
+
 struct EcmReport {
   /// Part of the drag that anchors allow, kept rational; 1/1 when nothing stops it.
   std::int64_t fraction_numerator = 1;
   std::int64_t fraction_denominator = 1;
-  std::int64_t moved = 0;            // elements whose offset changed
+  std::int64_t moved = 0;  // elements whose offset changed
+  std::vector<PieceShift> shifted = {};
   std::int64_t projected_links = 0;  // links of an invalid start that were wrong
   double projected_max_voxels = 0;   // largest move of the projection
   std::int64_t projected_held = 0;   // elements that are held but that it had to move
@@ -108,9 +116,26 @@ class EcmSolver {
   EcmReport drag_whole(const std::vector<Handle>& handles, const std::vector<Region>& anchors,
                        Holds& holds, Progress* progress = nullptr);
 
-  /// Whether anchors and the handles among each other allow the whole drag; the body stays.
-  bool allows(const std::vector<Handle>& handles, const std::vector<Region>& anchors,
-              const Holds& holds, Progress* progress = nullptr);
+  /// As drag(), or drag_whole(), but where free pieces would shift nothing moves: the report says
+  /// which, and how far.
+  EcmReport drag_unless_pieces_shift(const std::vector<Handle>& handles,
+                                     const std::vector<Region>& anchors, Holds& holds, bool whole,
+                                     Progress* progress = nullptr);
+
+  /// What drag_whole() would report; the body stays. Throws as drag() does.
+  EcmReport try_whole(const std::vector<Handle>& handles, const std::vector<Region>& anchors,
+                      const Holds& holds, Progress* progress = nullptr);
+
+  /// Where the whole drag lets elements of pieces be, each by itself, by way of tissue: between the
+  /// envelopes of all that is held, handles at their targets. Bounds further than `reach_q` from
+  /// where an element is are left out, and elements without any. A drag that keeps the pose of a
+  /// single piece within them can only fail by way from the piece back to itself. Cost: six
+  /// propagations, as far as `reach_q`, and a copy of all offsets.
+  std::vector<std::vector<ElementBounds>> bounds_of(const std::vector<const RigidPiece*>& pieces,
+                                                    const std::vector<Handle>& handles,
+                                                    const std::vector<Region>& anchors,
+                                                    const Holds& holds, std::int32_t reach_q,
+                                                    Progress* progress = nullptr);
 
   /// block or flat.
   Engine engine() const { return m_propagator.engine(); }
@@ -121,8 +146,9 @@ class EcmSolver {
   /// part: as far as anchors allow; whole: all or nothing; tried: nothing, but the report.
   enum class Extent { part, whole, tried };
   EcmReport run(const std::vector<Handle>& handles, const std::vector<Region>& anchors,
-                Holds& holds, Extent extent, Progress* progress);
+                Holds& holds, Extent extent, bool unless_pieces_shift, Progress* progress);
   FreePieces free_pieces(const HeldVoxels& held) const;
+  const FixedElements& fixed(const std::vector<Region>& anchors);
 
   Body& m_body;
   Propagator m_propagator;

@@ -70,6 +70,17 @@ std::vector<Seed> FreePieces::lagging(const BrickValues& now, const Before& befo
   return seeds;
 }
 
+std::vector<std::int32_t> FreePieces::shifts(const BrickValues& now, const UndoLog& before) const {
+  std::vector<std::int32_t> shifts;
+  for (std::size_t n = 0; n < m_is_free.size(); ++n) {
+    const Slot first = m_body->rigid.list[n].elements->first();
+    const std::int32_t* from = before.saved_of(first / kBrickVoxels);
+    const bool has_moved = m_is_free[n] != 0 && from != nullptr;
+    shifts.push_back(has_moved ? now.at(first) - from[first % kBrickVoxels] : 0);
+  }
+  return shifts;
+}
+
 std::vector<std::size_t> FreePieces::bricks() const {
   std::vector<std::size_t> bricks;
   for (std::size_t b = 0; b < m_body->elements.brick_count(); ++b) {

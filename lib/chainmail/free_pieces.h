@@ -22,6 +22,8 @@ class FreePieces {
   FreePieces(const Body& body, const std::vector<const SlotSet*>& held);
 
   bool empty() const { return m_count == 0; }
+  /// By what a run has shifted each of them since `before`; 0 of those that it leaves out.
+  std::vector<std::int32_t> shifts(const BrickValues& now, const UndoLog& before) const;
 
   /// The offsets of a brick before the run.
   using Before = std::function<const std::int32_t*(std::size_t brick)>;

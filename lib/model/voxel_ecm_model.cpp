@@ -2,6 +2,7 @@
 
 #include "lib/model/quasi_static.h"
 #include "lib/relax/relaxation.h"
+#include "volumes/base/error.h"
 
 namespace supple {
 
@@ -16,8 +17,26 @@ bool VoxelEcmModel::move_whole(const std::vector<Handle>& handles, Progress* pro
   return m_report.fraction_numerator == m_report.fraction_denominator;
 }
 
+bool VoxelEcmModel::move_unless_pieces_shift(const std::vector<Handle>& handles, bool whole,
+                                             Progress* progress) {
+  m_report =
+      m_solver.drag_unless_pieces_shift(handles, m_held.anchors, m_held.holds, whole, progress);
+  return m_report.shifted.empty();
+}
+
 bool VoxelEcmModel::allows(const std::vector<Handle>& handles, Progress* progress) {
-  return m_solver.allows(handles, m_held.anchors, m_held.holds, progress);
+  try {
+    m_report = m_solver.try_whole(handles, m_held.anchors, m_held.holds, progress);
+  } catch (const InputError&) {
+    return false;
+  }
+  return m_report.fraction_numerator == m_report.fraction_denominator;
+}
+
+std::vector<std::vector<ElementBounds>> VoxelEcmModel::bounds_of(
+    const std::vector<const RigidPiece*>& pieces, const std::vector<Handle>& handles,
+    std::int32_t reach_q, Progress* progress) {
+  return m_solver.bounds_of(pieces, handles, m_held.anchors, m_held.holds, reach_q, progress);
 }
 
 ModelEnergy VoxelEcmModel::energy() {

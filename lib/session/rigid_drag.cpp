@@ -132,16 +132,10 @@ PieceMotion continued(const PieceMotion& motion, const Body& start, const Body& 
   return rest;
 }
 
-Handle handle_of(const Body& body, const PieceMotion& motion, double part) {
-  const RigidPiece& piece = body.rigid.list[motion.piece];
+Handle handle_at(const Body& body, const RigidPiece& piece, const RigidPose& pose) {
   Handle handle(region_of(*piece.elements, body.elements, "rigid " + piece.name), {0, 0, 0});
-  if (!motion.motion.turns()) {
-    const Vec3d by = body.geometry.index_vector_from_world(motion.motion.part(part).shift_lps_mm);
-    handle.by_q = fixed_from_mm(by, Vec3d(1));
-    return handle;
-  }
   RigidPiece moved = piece;
-  moved.pose = moved_by(motion.motion.part(part), piece, body.geometry);
+  moved.pose = pose;
   const PoseOffsets offsets(body.geometry, moved);
   piece.elements->for_each([&](Slot slot) {
     const Vec3i voxel = voxel_of(body.elements, slot);
@@ -157,6 +151,17 @@ Handle handle_of(const Body& body, const PieceMotion& motion, double part) {
       by[c] = std::int32_t(to[c] - body.q[c].at(slot));
     }
   });
+  return handle;
+}
+
+Handle handle_of(const Body& body, const PieceMotion& motion, double part) {
+  const RigidPiece& piece = body.rigid.list[motion.piece];
+  if (motion.motion.turns()) {
+    return handle_at(body, piece, moved_by(motion.motion.part(part), piece, body.geometry));
+  }
+  Handle handle(region_of(*piece.elements, body.elements, "rigid " + piece.name), {0, 0, 0});
+  const Vec3d by = body.geometry.index_vector_from_world(motion.motion.part(part).shift_lps_mm);
+  handle.by_q = fixed_from_mm(by, Vec3d(1));
   return handle;
 }
 

@@ -23,8 +23,10 @@ std::vector<PieceMotion> motions_of_pieces(const Body& body, const std::vector<D
 /// The motion of a piece from where it is to where `motion` takes it from the pose in `start`.
 PieceMotion continued(const PieceMotion& motion, const Body& start, const Body& body);
 
-/// A handle of all elements of the piece, to where a part of the motion takes them. Throws
-/// InputError beyond the range of offsets.
+/// A handle that takes all elements of the piece to where the pose puts them. Throws InputError
+/// beyond the range of offsets.
+Handle handle_at(const Body& body, const RigidPiece& piece, const RigidPose& pose);
+/// The same, to where a part of the motion takes them.
 Handle handle_of(const Body& body, const PieceMotion& motion, double part);
 
 /// The poses after that part of the motions.

@@ -105,10 +105,7 @@ std::vector<RigidPiece> without(const std::vector<RigidPiece>& pieces, const Slo
 }
 
 std::string first_voxel_name(const Body& body, const SlotSet& slots) {
-  const SlotSet::Brick& first = slots.bricks().front();
-  int offset = -1;
-  for_each_active(first.mask, [&](int n) { offset = offset < 0 ? n : offset; });
-  return "piece:" + to_text(body.elements.origin(first.brick) + brick_local(offset));
+  return "piece:" + to_text(voxel_of(body.elements, slots.first()));
 }
 
 /// Every connected part of the densities that is in no piece yet.
@@ -235,10 +232,7 @@ void part_pieces(Body& body, const LinkCuts& cuts, const std::vector<std::int64_
 
 void follow_shifts(Body& body) {
   for (RigidPiece& piece : body.rigid.list) {
-    const SlotSet::Brick& brick = piece.elements->bricks().front();
-    int first = -1;
-    for_each_active(brick.mask, [&](int offset) { first = first < 0 ? offset : first; });
-    const Slot slot = brick.brick * kBrickVoxels + Slot(first);
+    const Slot slot = piece.elements->first();
     const std::array<std::int64_t, 3> by_pose =
         PoseOffsets(body.geometry, piece)(voxel_of(body.elements, slot));
     for (std::size_t c = 0; c < 3; ++c) {

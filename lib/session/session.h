@@ -10,6 +10,7 @@
 
 #include "lib/model/relax_model.h"
 #include "lib/model/voxel_ecm_model.h"
+#include "lib/session/free_poses.h"
 #include "lib/session/handle_places.h"
 #include "lib/session/rigid_drag.h"
 #include "lib/session/step.h"
@@ -114,6 +115,11 @@ class Session {
              StepRecord& record, Progress* progress);
   void solve_turns(const std::vector<Handle>& handles, const std::vector<PieceMotion>& pieces,
                    StepRecord& record, Progress* progress);
+  void move_free_pieces_too(const std::vector<Handle>& handles, StepRecord& record,
+                            Progress* progress);
+  std::vector<FreePose> free_pieces(const std::vector<Handle>& handles) const;
+  void move_with(const std::vector<Handle>& handles, const std::vector<FreePose>& poses,
+                 StepRecord& record, Progress* progress);
   void move_quasi_statically(const std::vector<Handle>& handles,
                              const std::vector<PieceMotion>& pieces, StepRecord& record,
                              Progress* progress);

@@ -3,8 +3,11 @@
 #include <numeric>
 
 #include "lib/model/quasi_static.h"
+#include "lib/relax/relaxation.h"
+#include "lib/session/free_poses.h"
 #include "lib/session/session.h"
 #include "lib/session/step_warnings.h"
+#include "volumes/base/error.h"
 
 namespace supple {
 
@@ -12,6 +15,22 @@ namespace {
 
 /// Turns that anchors stop are shortened to a multiple of this part.
 constexpr int kTurnParts = 1024;
+/// The same of drags that turns of free pieces lengthen.
+constexpr int kDragParts = 64;
+
+bool is_whole(const EcmReport& report) {
+  return report.fraction_numerator == report.fraction_denominator;
+}
+
+/// The largest part of `all` that a bisection finds possible; `done` is.
+template <class IsPossible>
+int largest_part(int done, int all, IsPossible&& is_possible) {
+  while (all - done > 1) {
+    const int part = (done + all) / 2;
+    (is_possible(part) ? done : all) = part;
+  }
+  return done;
+}
 
 }  // namespace
 
@@ -38,9 +57,7 @@ void Session::solve(const std::vector<Handle>& handles, const std::vector<PieceM
     return warn_of_report(record.report, progress);
   }
   if (record.limits != Limits::ball) {
-    m_ecm->move(handles, 1, progress);
-    follow_shifts(m_body);
-    record.report = m_ecm->report();
+    move_free_pieces_too(handles, record, progress);
     warn_of_report(record.report, progress);
     return;
   }
@@ -81,22 +98,97 @@ void Session::tighten_body(StepRecord& record, Progress* progress) {
 void Session::solve_turns(const std::vector<Handle>& handles,
                           const std::vector<PieceMotion>& pieces, StepRecord& record,
                           Progress* progress) {
-  int done = 0, stopped = kTurnParts;
-  if (m_ecm->move_whole(handles, progress)) {
-    done = kTurnParts;
-  } else {
-    while (stopped - done > 1) {
-      const int part = (done + stopped) / 2;
-      const auto shorter = handles_of(record, pieces, double(part) / kTurnParts);
-      (m_ecm->allows(shorter, progress) ? done : stopped) = part;
-    }
-    m_ecm->move_whole(handles_of(record, pieces, double(done) / kTurnParts), progress);
+  int done = kTurnParts;
+  std::vector<Handle> allowed = handles;
+  bool is_moved = m_ecm->move_unless_pieces_shift(handles, true, progress);
+  if (!is_whole(m_ecm->report())) {
+    done = largest_part(0, kTurnParts, [&](int part) {
+      return m_ecm->allows(handles_of(record, pieces, double(part) / kTurnParts), progress);
+    });
+    allowed = handles_of(record, pieces, double(done) / kTurnParts);
+    is_moved = m_ecm->move_unless_pieces_shift(allowed, true, progress);
   }
   record.report = m_ecm->report();
+  if (!is_moved) {
+    FreePoses search(m_body, *m_ecm, progress);
+    std::vector<FreePose> poses = search.shifted(record.report);
+    search.shrink(allowed, poses);
+    move_with(allowed, poses, record, progress);
+  }
   const int common = std::gcd(done, kTurnParts);
   record.report.fraction_numerator = done / common;
   record.report.fraction_denominator = kTurnParts / common;
   set_poses(m_body, pieces, double(done) / kTurnParts);
+  follow_shifts(m_body);
+}
+
+/// Free pieces that shifts alone would move take their smallest motions instead. Where shifts make
+/// the drag shorter, or impossible, the largest multiple of 1/64 that such motions allow is tried.
+void Session::move_free_pieces_too(const std::vector<Handle>& handles, StepRecord& record,
+                                   Progress* progress) {
+  FreePoses search(m_body, *m_ecm, progress);
+  std::vector<FreePose> poses;
+  try {
+    const bool is_moved = m_ecm->move_unless_pieces_shift(handles, false, progress);
+    record.report = m_ecm->report();
+    if (is_moved) return follow_shifts(m_body);
+    poses = search.shifted(record.report);
+  } catch (const InputError&) {
+    poses = free_pieces(handles);
+    if (poses.empty() || !search.find(handles, poses)) throw;
+    record.report = EcmReport();
+    record.report.engine = m_ecm->report().engine;
+  }
+  EcmReport& report = record.report;
+  if (!is_whole(report)) {
+    const int shifted = int(report.fraction() * kDragParts);
+    std::vector<FreePose> found;
+    const int part = largest_part(shifted, kDragParts, [&](int tried) {
+      std::vector<FreePose> further = poses;
+      if (!search.find(shortened(handles, tried, kDragParts), further)) return false;
+      found = std::move(further);
+      return true;
+    });
+    if (!found.empty()) {
+      poses = std::move(found);
+      const int common = std::gcd(part, kDragParts);
+      report.fraction_numerator = part / common;
+      report.fraction_denominator = kDragParts / common;
+    }
+  }
+  const std::vector<Handle> allowed =
+      shortened(handles, report.fraction_numerator, report.fraction_denominator);
+  search.shrink(allowed, poses);
+  move_with(allowed, poses, record, progress);
+}
+
+/// Pieces that nothing holds, where they are.
+std::vector<FreePose> Session::free_pieces(const std::vector<Handle>& handles) const {
+  SlotSet held = anchored_elements(m_body, m_anchors, m_holds);
+  for (const Handle& handle : handles) held.add(elements_of(m_body, handle.region, "grab"));
+  std::vector<FreePose> poses;
+  for (std::size_t n = 0; n < m_body.rigid.list.size(); ++n) {
+    const RigidPiece& piece = m_body.rigid.list[n];
+    Slot slot;
+    if (!piece.elements->first_common(held, slot)) poses.push_back({n, piece.pose});
+  }
+  return poses;
+}
+
+/// The drag of which the record tells, with free pieces at these poses, which nothing holds then.
+void Session::move_with(const std::vector<Handle>& handles, const std::vector<FreePose>& poses,
+                        StepRecord& record, Progress* progress) {
+  const EcmReport told = record.report;
+  const FreePoses free(m_body, *m_ecm, progress);
+  m_ecm->move_whole(free.with(handles, poses), progress);
+  record.report = m_ecm->report();
+  record.report.fraction_numerator = told.fraction_numerator;
+  record.report.fraction_denominator = told.fraction_denominator;
+  for (const FreePose& moved : poses) {
+    RigidPiece& piece = m_body.rigid.list[moved.piece];
+    piece.pose = moved.pose;
+    m_holds.anchored.remove(*piece.elements);
+  }
   follow_shifts(m_body);
 }
 

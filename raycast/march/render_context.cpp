@@ -72,6 +72,11 @@ Vec3f RenderContext::pull_back(const SampleBatch& batch, int lane, const Vec3d& 
     return Vec3f(output.pointwise()->pull_back(batch.piece[lane], x, y, Vec3d(gradient)));
   }
   if (!(batch.bent >> lane & 1)) return gradient;
+  Vec3f pulled;
+  if (source.interpolation() != Interpolation::linear &&
+      output.pull_back_smoothly(x, gradient, pulled)) {
+    return pulled;
+  }
   const float* node = tables.offsets + std::int64_t(batch.offset_node[lane]) * 3;
   return pull_back_gradient(
       {node, batch.ox[lane], batch.oy[lane], batch.oz[lane], tables.offset_dim}, gradient);

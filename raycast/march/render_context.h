@@ -33,7 +33,7 @@ struct RenderContext {
   /// Encoded density per voxel to density per mm.
   Vec3f to_world(const Vec3f& index_gradient) const;
   /// (I + grad o)^T g of a lane that stands for a sample seen at x that reads the
-  /// source at y, index space.
+  /// source at y, index space. Derivatives of offsets are continuous where densities are cubic.
   Vec3f pull_back(const SampleBatch& batch, int lane, const Vec3d& x, const Vec3d& y,
                   const Vec3f& gradient) const;
 

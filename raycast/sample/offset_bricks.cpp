@@ -202,6 +202,43 @@ void OffsetBricks::mark_pointwise() {
   });
 }
 
+/// False where it is void or pointwise.
+bool OffsetBricks::offset_at(const Vec3d& place, Vec3f& offset) const {
+  const Vec3i voxel(int(std::floor(place.x)), int(std::floor(place.y)), int(std::floor(place.z)));
+  const std::int32_t b = find(voxel);
+  if (b < 0) return false;
+  if (is_identity(std::size_t(b))) {
+    offset = Vec3f(0.0F);
+    return true;
+  }
+  if (!is_deformed(std::size_t(b))) return false;
+  const Vec3d at = (place - Vec3d(m_index.origin(std::size_t(b)))) / double(m_node_spacing);
+  const Vec3i cell(int(at.x), int(at.y), int(at.z));
+  const float* node = this->node(std::size_t(b), cell);
+  const int sz = 3, sy = sz * node_dim(), sx = sy * node_dim();
+  Float4 corners[8];
+  for (int n = 0; n < 8; ++n) {
+    corners[n] = load(node + (n & 4 ? sx : 0) + (n & 2 ? sy : 0) + (n & 1 ? sz : 0));
+  }
+  const Vec3f in(at - Vec3d(cell));
+  const Float4 value = derivatives_of(corners, in.x, in.y, in.z).value;
+  offset = {value[0], value[1], value[2]};
+  return offset.x == offset.x;
+}
+
+bool OffsetBricks::pull_back_smoothly(const Vec3d& place, const Vec3f& gradient,
+                                      Vec3f& pulled) const {
+  pulled = gradient;
+  for (int a = 0; a < 3; ++a) {
+    Vec3d half(0.0);
+    half[a] = 0.5 * m_node_spacing;
+    Vec3f below, above;
+    if (!offset_at(place - half, below) || !offset_at(place + half, above)) return false;
+    pulled[a] += (above - below).dot(gradient) / float(m_node_spacing);
+  }
+  return true;
+}
+
 std::size_t OffsetBricks::deformed_count() const {
   return std::size_t(std::count_if(m_states.begin(), m_states.end(),
                                    [](std::int32_t state) { return state >= kDeformed; }));

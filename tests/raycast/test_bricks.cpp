@@ -126,6 +126,36 @@ TEST(UnitBricks, GradientsArePulledBackByTheTransposeOfIdentityPlusGradO) {
   EXPECT_NEAR(g.z, 100 + 30, 1e-3);
 }
 
+TEST(UnitBricks, SmoothPullBackIsExactWhereOffsetsAreLinearAndHasNoStepWhereCellsMeet) {
+  const BrickTopology where = voxels_of({24, 16, 16}, everywhere);
+  const SourceBricks source(grid_of(where, [](const Vec3d& p) { return p.x; }));
+  for (const int spacing : {1, 2}) {
+    const OffsetBricks linear(
+        source,
+        offsets_of(
+            where,
+            [](const Vec3d& p) { return Vec3d(0.25 * p.x, 0.5 * p.x - 0.125 * p.y, 0.25 * p.z); }),
+        nullptr, spacing);
+    Vec3f pulled;
+    ASSERT_TRUE(linear.pull_back_smoothly({7.9, 5.3, 8.2}, {1, 2, 4}, pulled));
+    EXPECT_NEAR(pulled.x, 1 + 0.25 * 1 + 0.5 * 2, 1e-5);
+    EXPECT_NEAR(pulled.y, 2 - 0.125 * 2, 1e-5);
+    EXPECT_NEAR(pulled.z, 4 + 0.25 * 4, 1e-5);
+    // A kink in the plane x = 8, where bricks meet.
+    const OffsetBricks kinked(
+        source, offsets_of(where, [](const Vec3d& p) { return Vec3d(std::abs(p.x - 8), 0, 0); }),
+        nullptr, spacing);
+    Vec3f before, after;
+    ASSERT_TRUE(kinked.pull_back_smoothly({7.999, 5.3, 8.2}, {1, 0, 0}, before));
+    ASSERT_TRUE(kinked.pull_back_smoothly({8.001, 5.3, 8.2}, {1, 0, 0}, after));
+    EXPECT_NEAR(before.x, after.x, 0.01);
+    EXPECT_NEAR(before.x, 1, 0.01);
+    ASSERT_TRUE(kinked.pull_back_smoothly({10.5, 5.3, 8.2}, {1, 0, 0}, after));
+    EXPECT_NEAR(after.x, 2, 1e-5);
+    EXPECT_FALSE(kinked.pull_back_smoothly({23.9, 5.3, 8.2}, {1, 0, 0}, after));
+  }
+}
+
 TEST(UnitBricks, ZeroOffsetsGiveIdentityBricksAndOneVectorMakesItsBricksDeformed) {
   const BrickTopology where = voxels_of({32, 32, 32}, [](const Vec3i& v) { return v.x > 2; });
   const SourceBricks source(grid_of(where, [](const Vec3d& p) { return p.y; }));
