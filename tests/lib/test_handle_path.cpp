@@ -131,6 +131,24 @@ TEST_F(PropertyHandlePath, AHandleThatTurnsAndComesBackLeavesTissueWhereItWasTak
   EXPECT_GT(most, 0.02);
 }
 
+TEST_F(PropertyHandlePath, PosesAreMeantFromWhereTheStepStarts) {
+  const auto found = after({grabbing(kLow, kHigh, {turned(0, 0), turned(1, 15), turned(2, -15)})});
+  auto expected = opened();
+  StepRequest once;
+  once.drags.push_back({kMiddle, {0, 0, 0}});
+  once.drags.front().motion.axis_lps = {0, 0, 1};
+  once.drags.front().motion.angle_deg = -15;
+  expected->step(once);
+  const IndexBox grabbed{Vec3i(kLow), Vec3i(kHigh)};
+  for_each_element(found->body().elements, [&](Slot slot) {
+    const Vec3i voxel = voxel_of(found->body().elements, slot);
+    if (grabbed.contains(voxel)) {
+      EXPECT_EQ(moved(*found, voxel), moved(*expected, voxel)) << voxel;
+    }
+  });
+  EXPECT_GT(moved(*found, {13, 13, 11}).length(), 0.3);
+}
+
 TEST_F(PropertyHandlePath, PosesLieSoNearThatShiftsAndTurnsStayOnTheirPath) {
   EXPECT_EQ(poses(grabbing(kLow, kHigh, {turned(0, 0), turned(1, 10)})), 1u);
   EXPECT_EQ(poses(grabbing(kLow, kHigh, {turned(0, 0), turned(1, 45)})), 8u);
@@ -182,6 +200,31 @@ TEST_F(PropertyHandlePath, EdgesAndToolsFollowToo) {
   tool.push = true;
   const auto pushed = after({tool});
   EXPECT_EQ(moved(*pushed, {11, 11, 11}), Vec3d(4, 0, 0));
+
+  // Tissue that another handle pulls ahead of the tool does not take the tool along.
+  GivenHandle ahead;
+  ahead.corners = {Vec3d(20, 11, 11), Vec3d(20, 11, 11)};
+  ahead.by = Vec3d(3, 0, 0);
+  tool.path = {shifted(1, {0.1, 0.5, 0}), shifted(2, {0.5, 0.5, 0}), shifted(3, {0.5, 0, 0}),
+               shifted(4, {2, 0, 0})};
+  const auto met = after({tool, ahead});
+  EXPECT_EQ(moved(*met, {13, 11, 11}).x, 2);
+}
+
+TEST_F(PropertyHandlePath, AnEdgeTurnsBackWithItsHandle) {
+  m_options.material = parse_material(
+      "domain = [0, 255]\nactive = [1, 255]\nmax_length = [[0, 2.5]]\nmin_length = [[0, 0.1]]\n"
+      "shear = [[0, 1.5]]\n",
+      "test");
+  GivenHandle soft;
+  soft.ball = Vec3d(12, 12, 12);
+  soft.radius_mm = 2.5;
+  soft.soft_mm = 5;
+  soft.path = {shifted(1, {0, 3, 0}), shifted(2, {0, -3, 0})};
+  const auto found = after({soft});
+  EXPECT_EQ(moved(*found, {12, 12, 12}).y, -3);
+  const double t = 0.5;  // of the edge's width, at 5 mm from the middle
+  EXPECT_LT(moved(*found, {17, 12, 12}).y, -3 * (1 - t * t * (3 - 2 * t)) + 2 / kFixedOne);
 }
 
 TEST_F(PropertyHandlePath, HandlesWithoutPathAreWhereTheyGoFromTheFirstPoseOn) {
@@ -228,9 +271,9 @@ TEST_F(PropertyHandlePath, ARigidPieceOnAPathKeepsItsShapeAndMeetsItsEnd) {
 
 TEST_F(PropertyHandlePath, APathThatCannotBeFollowedNamesThePose) {
   GivenHandle left =
-      grabbing({9, 11, 11}, {9, 11, 11},
+      grabbing({10, 11, 11}, {10, 11, 11},
                {shifted(1, {0, 0, 0}), shifted(2, {0, 0.5, 0}), shifted(3, {-9, 0.5, 0})});
-  GivenHandle right = grabbing({12, 11, 11}, {12, 11, 11}, {shifted(1, {0, 0, 0})});
+  GivenHandle right = grabbing({13, 11, 11}, {13, 11, 11}, {shifted(1, {0, 0, 0})});
   auto session = opened();
   StepRequest request;
   request.drags = drags_along_paths({left, right}, session->geometry());
@@ -241,6 +284,11 @@ TEST_F(PropertyHandlePath, APathThatCannotBeFollowedNamesThePose) {
     EXPECT_NE(error.problem().field.find("pose 2 of 2"), std::string::npos)
         << error.problem().field;
   }
-  session->release();  // the session goes on
-  EXPECT_EQ(session->drag(kMiddle, {1, 0, 0}).report.fraction(), 1);
+  const Vec3d before = moved(*session, {10, 11, 11});
+  EXPECT_EQ(before, Vec3d(0, 0.5, 0));
+  StepRequest further;
+  further.release = true;
+  further.drags.push_back({kMiddle, {1, 0, 0}});
+  EXPECT_EQ(session->step(further).report.fraction(), 1);
+  EXPECT_EQ(moved(*session, {10, 11, 11}) - before, Vec3d(1, 0, 0));
 }

@@ -113,7 +113,7 @@ TEST(UnitMotion, WhatRestsUnderAStillCameraHasExactlyNone) {
 TEST(UnitMotion, ASurfaceThatDoesNotDeformMovesWithTheCameraAlone) {
   const BallPicture ball;
   Surface wall;
-  wall.mesh.vertices_lps_mm = {{60, -90, -90}, {60, 90, -90}, {60, 90, 90}, {60, -90, 90}};
+  wall.mesh.vertices_lps_mm = {{26, -90, -90}, {26, 90, -90}, {26, 90, 90}, {26, -90, 90}};
   wall.mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
   Renderer renderer(ball.geometry, ball.density);
   renderer.set_surfaces({wall});
@@ -134,7 +134,11 @@ TEST(UnitCameraPath, ItIsAtItsKeysAndBetweenThemOnAnArc) {
   CameraPath path;
   path.add_place(0, front, Easing::linear);
   path.add_place(2, left, Easing::linear);
-  for (const auto& [time, expected] : {std::pair(0.0, front), std::pair(2.0, left)}) {
+  Camera rolled = left;
+  rolled.up_lps = {0, 0.4, 1};
+  path.add_place(3, rolled, Easing::linear);
+  for (const auto& [time, expected] :
+       {std::pair(0.0, front), std::pair(2.0, left), std::pair(3.0, rolled)}) {
     const Camera at = path.at(Camera(), time);
     EXPECT_LT((at.position_lps_mm - expected.position_lps_mm).length(), 1e-9);
     EXPECT_LT((camera_frame(at).up - camera_frame(expected).up).length(), 1e-12);

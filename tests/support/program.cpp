@@ -65,6 +65,14 @@ Outcome run_program(const std::vector<std::string>& arguments, const RunOptions&
     std::this_thread::sleep_for(std::chrono::duration<double>(options.interrupt_after_s));
     ::kill(child, options.interrupt_by);
   }
+  if (!options.interrupt_at_file.empty()) {
+    siginfo_t ended = {};
+    while (ended.si_pid == 0 && !std::filesystem::exists(options.interrupt_at_file)) {
+      ::waitid(P_PID, id_t(child), &ended, WEXITED | WNOHANG | WNOWAIT);
+      std::this_thread::sleep_for(std::chrono::microseconds(100));
+    }
+    ::kill(child, options.interrupt_by);
+  }
   Outcome outcome;
   if (options.count_threads) outcome.threads = most_threads(child);
   int status = 0;

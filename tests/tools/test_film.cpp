@@ -1,5 +1,10 @@
 // Films: frames that depend on the scene and their time alone, and go on after an interruption.
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
 #include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfInputFile.h>
 #include <gtest/gtest.h>
@@ -36,6 +41,17 @@ class PropertyFilm : public ::testing::Test {
     options.insert(options.begin(), {"run", m_folder / "film.toml", "-o", m_folder / folder});
     return run_supple(options);
   }
+  /// Frame 2 of a film with a mesh.
+  std::string film_exr() {
+    write_text(m_folder / "probe.obj", "v 8 -4 14\nv 13 -4 14\nv 8 -4 20\nf 1 2 3\n");
+    write_film(
+        "[[view]]\nimage = \"m_%02d.exr\"\nsize = [48, 40]\naux = [\"motion\", \"id\"]\n"
+        "mesh = [{ path = \"probe.obj\" }]\n"
+        "camera_path = [{ time = 0, turn = 0, zoom = 1 }, { time = 5, turn = 50, zoom = 1.5 }]\n");
+    const Outcome outcome = run("out", {"--frames", "2"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return m_folder / "out/m_02.exr";
+  }
   void expect_same(const std::string& a, const std::string& b, int frame) {
     for (const std::string& name :
          {"f_0" + std::to_string(frame) + ".png", "s_0" + std::to_string(frame) + ".vdb"}) {
@@ -52,6 +68,24 @@ class PropertyFilm : public ::testing::Test {
 
   TemporaryFolder m_folder;
 };
+
+using InteropFilm = PropertyFilm;
+
+/// Row by row from above.
+std::vector<float> channel_of(const std::string& path, const char* name) {
+  Imf::InputFile file(path.c_str());
+  const Imath::Box2i box = file.header().dataWindow();
+  const std::size_t width = std::size_t(box.max.x - box.min.x + 1);
+  const std::size_t height = std::size_t(box.max.y - box.min.y + 1);
+  std::vector<float> values(width * height);
+  if (file.header().channels().findChannel(name) == nullptr) return {};
+  Imf::FrameBuffer buffer;
+  buffer.insert(name, Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(values.data()), sizeof(float),
+                                 width * sizeof(float)));
+  file.setFrameBuffer(buffer);
+  file.readPixels(box.min.y, box.max.y);
+  return values;
+}
 
 }  // namespace
 
@@ -75,12 +109,15 @@ TEST_F(PropertyFilm, AFilmThatWasKilledGoesOnWithTheSameBytes) {
 TEST_F(PropertyFilm, KillInTheMiddleLeavesWholeFramesAndThoseThatAreMissing) {
   write_film();
   ASSERT_EQ(run("whole").exit_code, 0);
-  for (const double seconds : {0.1, 0.25}) {
+  for (const char* last : {"f_00.png", "s_02.vdb", "f_04.png"}) {
     RunOptions options;
-    options.interrupt_after_s = seconds;
+    options.interrupt_at_file = m_folder / (std::string("killed/") + last);
     options.interrupt_by = SIGKILL;
-    run_supple({"run", m_folder / "film.toml", "-o", m_folder / "killed", "--force"}, options);
-    ASSERT_EQ(run("killed", {"--resume"}).exit_code, 0);
+    const Outcome killed =
+        run_supple({"run", m_folder / "film.toml", "-o", m_folder / "killed"}, options);
+    EXPECT_EQ(killed.exit_code, 128 + SIGKILL);
+    const Outcome resumed = run("killed", {"--resume"});
+    ASSERT_EQ(resumed.exit_code, 0) << resumed.err;
     for (int frame = 0; frame < 6; ++frame) expect_same("whole", "killed", frame);
     std::filesystem::remove_all(m_folder / "killed");
   }
@@ -139,14 +176,70 @@ TEST_F(PropertyFilm, WhatCannotBeFilmedIsRefused) {
 }
 
 TEST_F(PropertyFilm, AnExrOfAFilmHasMotionAndNumbers) {
-  write_text(m_folder / "probe.obj", "v 0 -9 0\nv 5 -9 0\nv 0 -9 5\nf 1 2 3\n");
-  write_film(
-      "[[view]]\nimage = \"m_%02d.exr\"\nsize = [48, 40]\naux = [\"motion\", \"id\"]\n"
-      "mesh = [{ path = \"probe.obj\" }]\n");
-  const Outcome outcome = run("out", {"--frames", "2"});
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  const Imf::InputFile file((m_folder / "out/m_02.exr").c_str());
+  const std::string path = film_exr();
+  EXPECT_EQ(channel_of(path, "Z").size(), 48u * 40);
+  // Twice as large and seen further from the left in each frame: what is in front, the middle of
+  // the picture, goes to the patient's right, and back to where it was before.
+  const std::size_t middle = 20 * 48 + 24;
+  EXPECT_LT(channel_of(path, "forward.u")[middle], -0.5f);
+  EXPECT_GT(channel_of(path, "backward.u")[middle], 0.5f);
+  // The picture grows: what lies above its middle goes up, what lies below goes down.
+  const std::vector<float> up = channel_of(path, "forward.v"), alpha = channel_of(path, "A");
+  const std::vector<float> down = channel_of(path, "backward.v");
+  const std::size_t above = 14 * 48 + 24, below = 26 * 48 + 24;
+  ASSERT_TRUE(alpha[above] > 0.5f && alpha[below] > 0.5f);
+  EXPECT_TRUE(up[above] > 0 && up[below] < 0) << up[above] << " " << up[below];
+  EXPECT_TRUE(down[above] < 0 && down[below] > 0);
+  int of_mesh = 0;
+  const std::vector<float> ids = channel_of(path, "id");
+  for (const float id : ids) {
+    EXPECT_TRUE(id == 0 || id == 65536) << id;
+    of_mesh += id == 65536;
+  }
+  EXPECT_GT(of_mesh, 2);
+  EXPECT_EQ(ids[middle], 0);
+}
+
+TEST_F(InteropFilm, OpenImageIoReadsTheSameMotionAndNumbers) {
+  if (!runs("command -v oiiotool && command -v exrheader")) {
+    GTEST_SKIP() << "openexr and openimageio-tools are not installed";
+  }
+  const std::string path = film_exr();
+  const std::string header = run_program({"/usr/bin/exrheader", path}).out;
+  for (const char* channel :
+       {"forward.u, 32-bit floating-point", "backward.v, 32-bit", "id, 32-"}) {
+    EXPECT_NE(header.find(channel), std::string::npos) << header;
+  }
+  const std::string list = "channel list: ";
+  const std::string info = run_program({"/usr/bin/oiiotool", "--info", "-v", path}).out;
+  const std::size_t at = info.find(list);
+  ASSERT_NE(at, std::string::npos) << info;
+  std::istringstream named(info.substr(at + list.size(), info.find('\n', at) - at - list.size()));
+  std::vector<std::string> names;
+  for (std::string name; named >> name;) names.push_back(name.substr(0, name.find(',')));
+  const Outcome dump = run_program({"/usr/bin/oiiotool", "--dumpdata", path});
+  ASSERT_EQ(dump.exit_code, 0) << dump.err;
+  std::vector<std::vector<float>> pixels;
+  std::istringstream lines(dump.out);
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t end = line.find("): ");
+    if (end == std::string::npos) continue;
+    std::istringstream words(line.substr(end + 3));
+    std::vector<float>& pixel = pixels.emplace_back();
+    for (std::string word; words >> word;) pixel.push_back(std::stof(word));
+  }
   for (const char* name : {"forward.u", "forward.v", "backward.u", "backward.v", "id", "Z"}) {
-    EXPECT_NE(file.header().channels().findChannel(name), nullptr) << name;
+    const auto column = std::find(names.begin(), names.end(), name) - names.begin();
+    std::vector<float> values;
+    for (const std::vector<float>& pixel : pixels) {
+      ASSERT_LT(std::size_t(column), pixel.size()) << name;
+      values.push_back(pixel[std::size_t(column)]);
+    }
+    const std::vector<float> expected = channel_of(path, name);
+    ASSERT_EQ(values.size(), expected.size()) << name << dump.out.substr(0, 300);
+    for (std::size_t n = 0; n < values.size(); ++n) {
+      if (!std::isfinite(expected[n])) continue;
+      EXPECT_NEAR(values[n], expected[n], 1e-5 * (1 + std::abs(expected[n]))) << name << " " << n;
+    }
   }
 }
