@@ -1,6 +1,7 @@
 // The seed corpus of the fuzz targets: small files of every format and variant, one folder each.
 //
 //   fuzz_seeds FOLDER
+#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -117,6 +118,53 @@ void make_transforms(const Seeds& seeds) {
                  "0)\n(GridDirection 1 0 0 0 1 0 0 0 1)\n(BSplineTransformSplineOrder 1)\n");
 }
 
+/// Solids that have moved (VTU), which are opened with a grid as transforms are.
+void make_solids(const Seeds& seeds) {
+  const auto solid = [](const std::string& compressor, const std::string& format,
+                        const std::array<std::string, 5>& values, const std::string& appended) {
+    const char* const heads[] = {"\"Float64\" Name=\"U\" NumberOfComponents=\"3\"",
+                                 "\"Float64\" Name=\"Points\" NumberOfComponents=\"3\"",
+                                 "\"Int64\" Name=\"connectivity\"", "\"Int64\" Name=\"offsets\"",
+                                 "\"UInt8\" Name=\"types\""};
+    std::array<std::string, 5> arrays;
+    for (std::size_t n = 0; n < 5; ++n) {
+      const bool is_offset = format == "appended";
+      arrays[n] =
+          std::string("<DataArray type=") + heads[n] + " format=\"" + format + "\"" +
+          (is_offset ? " offset=\"" + values[n] + "\"/>" : ">" + values[n] + "</DataArray>");
+    }
+    return "<VTKFile type=\"UnstructuredGrid\" version=\"0.1\" byte_order=\"LittleEndian\"" +
+           compressor +
+           "><UnstructuredGrid><Piece NumberOfPoints=\"4\" NumberOfCells=\"1\"><PointData>" +
+           arrays[0] + "</PointData><Points>" + arrays[1] + "</Points><Cells>" + arrays[2] +
+           arrays[3] + arrays[4] + "</Cells></Piece></UnstructuredGrid>" + appended + "</VTKFile>";
+  };
+  seeds.text("transform", "ascii.vtu",
+             solid("", "ascii",
+                   {".5 .5 .5 .6 .5 .5 .5 .6 .5 .5 .5 .6", "0 0 0 1 0 0 0 1 0 0 0 1", "0 1 2 3",
+                    "4", "10"},
+                   ""));
+  // As VTK writes it.
+  seeds.text(
+      "transform", "zlib.vtu",
+      solid(" header_type=\"UInt32\" compressor=\"vtkZLibDataCompressor\"", "binary",
+            {"AQAAAACAAABgAAAAGAAAAA==eF5jYACBB/YMaLQxGDzGECdVHgDwDREU",
+             "AQAAAACAAABgAAAAEgAAAA==eF5jYMAHPtjjlSZCHgB4XQOO",
+             "AQAAAACAAAAgAAAAEwAAAA==eF5jYIAARijNBKWZoTQAAHAABw==",
+             "AQAAAACAAAAIAAAACwAAAA==eF5jYYAAAAAoAAU=", "AQAAAACAAAABAAAACQAAAA==eF7jAgAACwAL"},
+            ""));
+  const auto block = [](const std::string& bytes) {
+    return std::string(1, char(bytes.size())) + std::string(3, '\0') + bytes;
+  };
+  const std::string numbers(96, '\x3f');
+  const std::string ids("\0\0\0\0\0\0\0\0\1\0\0\0\0\0\0\0\2\0\0\0\0\0\0\0\3\0\0\0\0\0\0\0", 32);
+  seeds.text(
+      "transform", "raw.vtu",
+      solid("", "appended", {"0", "100", "200", "236", "248"},
+            "<AppendedData encoding=\"raw\">_" + block(numbers) + block(numbers) + block(ids) +
+                block(std::string("\4\0\0\0\0\0\0\0", 8)) + block("\n") + "</AppendedData>"));
+}
+
 void make_binary_formats(const Seeds& seeds) {
   for (const ValueType type : {ValueType::uint8, ValueType::int16, ValueType::float32}) {
     const std::string name = numpy_name(type);
@@ -224,6 +272,7 @@ int main(int count, char** arguments) {
   const supple::fuzz::Seeds seeds(arguments[1]);
   supple::fuzz::make_text_formats(seeds);
   supple::fuzz::make_transforms(seeds);
+  supple::fuzz::make_solids(seeds);
   supple::fuzz::make_binary_formats(seeds);
   supple::fuzz::make_grids(seeds);
   supple::fuzz::make_dicom(seeds);

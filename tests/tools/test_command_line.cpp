@@ -117,3 +117,17 @@ TEST(UnitCommandLine, NegativeNumbersAreValuesNotOptions) {
   EXPECT_GT(json["moved"], 1);
   EXPECT_LE(json["certificate"]["residual_max_voxels"], 1e-3);
 }
+
+TEST(UnitCommandLine, AMaterialByAWrongNameIsToldTheNearest) {
+  const TemporaryFolder folder;
+  write_ball(folder, "ball", 16);
+  const Outcome wrong = run_supple({"deform", folder / "ball.nhdr", "--material", "ct-heat",
+                                    "--grab", "8,8,8", "--by", "1,0,0", "-o", folder / "x.vdb"});
+  EXPECT_EQ(wrong.exit_code, 3);
+  for (const char* words : {"--material", "'ct-heat'", "mr-brain", "did you mean 'ct-head'?"}) {
+    EXPECT_NE(wrong.err.find(words), std::string::npos) << wrong.err;
+  }
+  const Outcome probe = run_supple(
+      {"probe", folder / "ball.nhdr", "--at", "8,8,8", "--material", "mr-brain", "--json"});
+  EXPECT_EQ(probe.exit_code, 0) << probe.err;
+}

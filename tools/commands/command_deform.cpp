@@ -4,7 +4,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "lib/material/presets.h"
 #include "lib/material/toml_string.h"
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
@@ -123,7 +122,7 @@ Scene to_scene(DeformOptions& options) {
     given.set("labels", "path", toml_string(options.labels), "--labels");
   }
   if (!options.material.empty()) {
-    const bool is_preset = find_tissue_preset(options.material) != nullptr;
+    const bool is_preset = is_tissue_preset("--material", options.material);
     given.set("material", is_preset ? "preset" : "table", toml_string(options.material),
               "--material");
   }

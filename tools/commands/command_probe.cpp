@@ -11,6 +11,7 @@
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
 #include "tools/console/grab_text.h"
+#include "tools/console/parse.h"
 #include "tools/outputs/reports.h"
 #include "volumes/base/text.h"
 #include "volumes/grid/voxel_sets.h"
@@ -116,8 +117,11 @@ nlohmann::ordered_json probe_body(const ProbeOptions& options, bool is_state, Co
   given.labels_path = options.labels;
   given.read = options.read;
   if (!options.material.empty()) {
-    given.material = read_material(
-        options.material, options.labels.empty() ? LabelNames() : label_names(options.labels));
+    given.material =
+        is_tissue_preset("--material", options.material)
+            ? parse_material("preset = " + toml_string(options.material), options.material)
+            : read_material(options.material,
+                            options.labels.empty() ? LabelNames() : label_names(options.labels));
   }
   Session session(options.input, given, &console);
   const State state = session.state();
@@ -242,9 +246,10 @@ Command add_probe(CLI::App& program) {
       ->required()
       ->allow_extra_args(false)
       ->option_text("PLACE");
-  app->add_option("--material", options->material,
-                  "Look-up table: also tells class and limits of the links")
-      ->option_text("M.toml");
+  app->add_option(
+         "--material", options->material,
+         "Look-up table, or ct-head, ct-body or mr-brain: also tells class and limits of links")
+      ->option_text("M.toml|NAME");
   app->add_option("--labels", options->labels, "Label volume on the same grid")
       ->option_text("FILE");
   add_field_options(*app, fields(options->read));

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdlib>
+#include <filesystem>
 #include <sstream>
 #include <vector>
 
+#include "lib/material/presets.h"
 #include "tools/console/command.h"
 #include "volumes/grid/labels.h"
 
@@ -82,6 +84,17 @@ std::optional<std::string> parse_label(const std::string& option, const std::str
         "label:N with N from 1 to " + std::to_string(kMaxLabel) + ", or the name of a segment");
   }
   return label;
+}
+
+bool is_tissue_preset(const std::string& option, const std::string& text) {
+  if (find_tissue_preset(text) != nullptr) return true;
+  if (std::filesystem::exists(text)) return false;
+  std::vector<std::string> names;
+  for (const TissuePreset& preset : tissue_presets()) names.emplace_back(preset.name);
+  const std::string nearest = nearest_name(text, names);
+  throw InputError({"", option, "'" + text + "', and no such file",
+                    "a table, or " + listed(names, "or") +
+                        (nearest.empty() ? "" : ": did you mean '" + nearest + "'?")});
 }
 
 }  // namespace supple::tools

@@ -17,5 +17,8 @@ std::vector<std::string> split(const std::string& text, char separator);
 IndexBox parse_box(const std::string& option, const std::string& text);
 /// N of "label:N", 1 to 65535 or a name; nothing when the text does not start with "label:".
 std::optional<std::string> parse_label(const std::string& option, const std::string& text);
+/// Whether a material is a preset, not a file. Throws InputError with the nearest name for what is
+/// neither.
+bool is_tissue_preset(const std::string& option, const std::string& text);
 
 }  // namespace supple::tools

@@ -38,26 +38,68 @@ void expect_same(const Warp& ours, const Warp& judge, const std::string& name) {
   EXPECT_GT(longest, 1) << name;
 }
 
-TEST(InteropTransforms, ItkTakesPointsWhereItsTextTransformsTakeOurs) {
+/// Where the program of ITK lies that writes transforms and fields; empty where there is none.
+std::string itk_judge() {
   const char* binary = std::getenv("SUPPLE_BINARY");
   const std::filesystem::path judge =
       std::filesystem::path(binary != nullptr ? binary : "").parent_path() / "supple-itk-fields";
-  if (!std::filesystem::exists(judge)) GTEST_SKIP() << "libinsighttoolkit5-dev is not installed";
-  const TemporaryFolder folder;
-  const Geometry grid = fixed_grid();
+  return std::filesystem::exists(judge) ? judge.string() : "";
+}
+
+void write_grid(const std::string& path, const Geometry& grid) {
   DenseImage image;
   image.geometry = grid;
   image.type = ValueType::float32;
-  const auto writer = create_dense(folder / "grid.mha", image);
+  const auto writer = create_dense(path, image);
   const std::vector<float> slice(20 * 18);
   for (int k = 0; k < 16; ++k) writer->write_slice(slice.data());
   writer->commit();
+}
+
+TEST(InteropTransforms, ItkTakesPointsWhereItsTextTransformsTakeOurs) {
+  const std::string judge = itk_judge();
+  if (judge.empty()) GTEST_SKIP() << "libinsighttoolkit5-dev is not installed";
+  const TemporaryFolder folder;
+  const Geometry grid = fixed_grid();
+  write_grid(folder / "grid.mha", grid);
   for (const char* name : {"affine", "euler", "similarity", "bspline", "composite"}) {
-    ASSERT_TRUE(runs(judge.string() + " " + name + " " + (folder / "grid.mha") + " " +
-                     (folder / "t.tfm") + " " + (folder / "field.mha")))
+    ASSERT_TRUE(runs(judge + " " + name + " " + (folder / "grid.mha") + " " + (folder / "t.tfm") +
+                     " " + (folder / "field.mha")))
         << name;
     expect_same(read_warp(folder / "t.tfm", nullptr, &grid), read_warp(folder / "field.mha"), name);
   }
+}
+
+TEST(InteropTransforms, ComposeGivesTheFieldOfItksComposite) {
+  const std::string judge = itk_judge();
+  if (judge.empty()) GTEST_SKIP() << "libinsighttoolkit5-dev is not installed";
+  const TemporaryFolder folder;
+  const std::string grid = folder / "grid.mha";
+  write_grid(grid, fixed_grid());
+  std::string parts;
+  for (const char* name : {"euler", "bspline", "affine", "composite"}) {
+    const std::string path = folder / (std::string(name) + ".tfm");
+    ASSERT_TRUE(runs(judge + " " + name + " " + grid + " " + path + " " +
+                     (folder / (std::string(name) + ".mha"))));
+    if (name != std::string("composite")) parts += path + " ";
+  }
+  const std::string compose = std::string(std::getenv("SUPPLE_BINARY")) + " compose ";
+  const Warp expected = read_warp(folder / "composite.mha");
+  for (const char* output : {"all.mha", "all.nrrd", "all.nii.gz", "all.h5"}) {
+    ASSERT_TRUE(runs(compose + parts + "--grid " + grid + " -o " + (folder / output))) << output;
+    expect_same(read_warp(folder / output), expected, output);
+  }
+  // A field of ITK that the affine map takes points into: that of the two, between grid points.
+  ASSERT_TRUE(runs(compose + (folder / "euler.mha") + " " + (folder / "affine.tfm") + " --grid " +
+                   grid + " -o " + (folder / "two.mha")));
+  ASSERT_TRUE(runs(compose + (folder / "euler.tfm") + " " + (folder / "affine.tfm") + " --grid " +
+                   grid + " -o " + (folder / "both.mha")));
+  const Warp two = read_warp(folder / "two.mha"), both = read_warp(folder / "both.mha");
+  std::size_t same = 0;
+  for (std::size_t n = 0; n < two.vectors.size(); ++n) {
+    same += (two.vectors[n] - both.vectors[n]).length() < kTolerance;
+  }
+  EXPECT_GT(same, two.vectors.size() / 8);  // inside of the field; beyond it stands for nothing
 }
 
 std::string words(const Vec3d& v) {

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/errors.h"
 #include "tests/support/io_fixtures.h"
 #include "volumes/io/vtu/vtu.h"
 #include "volumes/io/warp_file.h"
@@ -103,6 +104,101 @@ TEST(InteropVtu, EveryEncodingIsReadAndSolidsLieWhereVtkFindsThem) {
       ASSERT_LT((other.points_lps_mm[n] - raw.points_lps_mm[n]).length(), 1e-5) << name;
     }
   }
+}
+
+const char* const kMeshio = R"(
+import meshio, numpy
+places = numpy.array([[x, y, z] for z in (0.0, 4.0) for y in (0.0, 4.0) for x in (0.0, 4.0, 8.0)])
+moved = places * [0.1, -0.05, 0.02] + [1, 2, 3]
+cubes = numpy.array([[0, 1, 4, 3, 6, 7, 10, 9], [1, 2, 5, 4, 7, 8, 11, 10]])
+mesh = meshio.Mesh(places, [('hexahedron', cubes)], point_data={'Displacement': moved},
+                   cell_data={'stress': [numpy.ones((2, 6))]})
+meshio.write('ascii.vtu', mesh, file_format='vtu', binary=False)
+for name in ('zlib', 'none', 'lzma'):
+    compression = None if name == 'none' else name
+    meshio.write(name + '.vtu', mesh, file_format='vtu', binary=True, compression=compression)
+)";
+
+TEST(InteropVtu, FilesOfMeshioAreReadOrRefusedByTheirCompression) {
+  if (std::system("/usr/bin/python3 -c 'import meshio' > /dev/null 2>&1") != 0) {
+    GTEST_SKIP() << "python3-meshio is not installed";
+  }
+  const TemporaryFolder folder;
+  write_text(folder / "script.py", kMeshio);
+  ASSERT_EQ(
+      std::system(("cd " + (folder / "") + " && /usr/bin/python3 script.py > log 2>&1").c_str()), 0)
+      << read_text(folder / "log");
+  for (const char* name : {"ascii", "zlib", "none"}) {
+    const MovedSolid solid = read_vtu(folder / (std::string(name) + ".vtu"));
+    ASSERT_EQ(solid.points_lps_mm.size(), 12u) << name;
+    EXPECT_GE(solid.tetrahedra.size(), 10u) << name;
+    for (std::size_t n = 0; n < 12; ++n) {
+      const Vec3d& x = solid.points_lps_mm[n];
+      EXPECT_EQ(x, Vec3d(4.0 * (n % 3), 4.0 * (n / 3 % 2), 4.0 * (n / 6))) << name;
+      const Vec3d u = x * Vec3d(0.1, -0.05, 0.02) + Vec3d(1, 2, 3);
+      EXPECT_LT((solid.moved_mm[n] - u).length(), 1e-9) << name;
+    }
+  }
+  const std::string refused = input_error([&] { read_vtu(folder / "lzma.vtu"); });
+  EXPECT_NE(refused.find("compressor: found vtkLZMADataCompressor"), std::string::npos) << refused;
+}
+
+/// A bar of 20 x 10 x 10 mm that CalculiX stretches by a tenth; its `.frd` as VTU by meshio.
+const char* const kCalculix = R"(
+import subprocess, meshio, numpy
+places, n = [], {}
+for k in range(3):
+    for j in range(3):
+        for i in range(5):
+            n[i, j, k] = len(places) + 1
+            places.append((5.0 * i, 5.0 * j, 5.0 * k))
+cubes = [[n[i+a, j+b, k+c] for a, b, c in ((0,0,0),(1,0,0),(1,1,0),(0,1,0),(0,0,1),(1,0,1),(1,1,1),(0,1,1))]
+         for k in range(2) for j in range(2) for i in range(4)]
+with open('bar.inp', 'w') as f:
+    f.write('*NODE, NSET=ALL\n')
+    for m, p in enumerate(places): f.write('%d, %g, %g, %g\n' % (m + 1, *p))
+    f.write('*ELEMENT, TYPE=C3D8, ELSET=BAR\n')
+    for m, c in enumerate(cubes): f.write('%d, %s\n' % (m + 1, ', '.join(map(str, c))))
+    f.write('*MATERIAL, NAME=M\n*ELASTIC\n1.0, 0.3\n*SOLID SECTION, ELSET=BAR, MATERIAL=M\n')
+    f.write('*STEP\n*STATIC\n*BOUNDARY\n')
+    for m, p in enumerate(places):
+        if p[0] == 0: f.write('%d, 1, 1, 0\n' % (m + 1))
+        if p[0] == 20: f.write('%d, 1, 1, 2\n' % (m + 1))
+        if p[1] == 0: f.write('%d, 2, 2, 0\n' % (m + 1))
+        if p[2] == 0: f.write('%d, 3, 3, 0\n' % (m + 1))
+    f.write('*NODE FILE\nU\n*END STEP\n')
+subprocess.run(['ccx', 'bar'], check=True, stdout=subprocess.DEVNULL)
+moved, reading = numpy.zeros((len(places), 3)), False
+for line in open('bar.frd'):
+    if line.startswith(' -4'): reading = 'DISP' in line
+    elif line.startswith(' -3'): reading = False
+    elif reading and line.startswith(' -1'):
+        moved[int(line[3:13]) - 1] = [float(line[13 + 12 * c:25 + 12 * c]) for c in range(3)]
+meshio.write('bar.vtu', meshio.Mesh(numpy.array(places), [('hexahedron', numpy.array(cubes) - 1)],
+                                    point_data={'U': moved}), file_format='vtu')
+)";
+
+TEST(InteropVtu, ABarThatCalculixStretchesGetsThinnerByPoissonsRatio) {
+  if (std::system("command -v ccx > /dev/null && /usr/bin/python3 -c 'import meshio' "
+                  "> /dev/null 2>&1") != 0) {
+    GTEST_SKIP() << "calculix-ccx and python3-meshio are not installed";
+  }
+  const TemporaryFolder folder;
+  write_text(folder / "script.py", kCalculix);
+  ASSERT_EQ(
+      std::system(("cd " + (folder / "") + " && /usr/bin/python3 script.py > log 2>&1").c_str()), 0)
+      << read_text(folder / "log");
+  const Geometry grid({12, 6, 6}, {0.5, 0.5, 0.5}, {Vec3d(1.7, 0, 0), {0, 1.7, 0}, {0, 0, 1.7}});
+  const Warp warp = read_warp(folder / "bar.vtu", nullptr, &grid);
+  int inside = 0;
+  for (std::size_t n = 0; n < warp.vectors.size(); ++n) {
+    const Vec3d y = grid.world_from_index(Vec3d(n % 12, n / 12 % 6, n / 72));
+    const Vec3d x = y / Vec3d(1.1, 0.97, 0.97);
+    if (x.x > 20 || x.y > 10 || x.z > 10) continue;
+    EXPECT_LT((Vec3d(warp.vectors[n]) - (x - y)).length(), 1e-4) << y;
+    ++inside;
+  }
+  EXPECT_GT(inside, 300);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include "tests/support/errors.h"
 #include "tests/support/io_fixtures.h"
@@ -158,6 +159,24 @@ TEST(FaultVtu, WhatIsNoMovedSolidNamesFileAndField) {
   expect_field(coded, "DataArray Points");  // numbers are no base64
   write_text(folder / "a.vtu", good);
   EXPECT_NE(input_error([&] { read_warp(folder / "a.vtu"); }).find("grid"), std::string::npos);
+}
+
+TEST(FaultVtu, BlocksThatTheFileIsTooShortForTakeNoMemory) {
+  const TemporaryFolder folder;
+  std::string claims = cube("u");
+  const std::string head = "version=\"0.1\"";
+  claims.insert(claims.find(head), "compressor=\"vtkZLibDataCompressor\" ");
+  const std::size_t begin = claims.find("ascii\">", claims.find("Name=\"Points\""));
+  const std::size_t end = claims.find("</DataArray>", begin);
+  // 2^28 - 1 blocks of 32 kB.
+  claims.replace(begin, end - begin, "binary\">////DwCAAAAAAAAA");
+  write_text(folder / "a.vtu", claims);
+  rusage before, after;
+  getrusage(RUSAGE_SELF, &before);
+  const std::string line = input_error([&] { read_vtu(folder / "a.vtu"); });
+  getrusage(RUSAGE_SELF, &after);
+  EXPECT_NE(line.find("DataArray Points: found 16 characters"), std::string::npos) << line;
+  EXPECT_LT(after.ru_maxrss - before.ru_maxrss, 100 << 10);  // kB
 }
 
 const std::string kItkHead = "#Insight Transform File V1.0\n#Transform 0\n";

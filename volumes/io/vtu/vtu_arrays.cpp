@@ -130,15 +130,15 @@ std::uint64_t header_word(std::string header, std::size_t n, const VtuEncoding& 
 
 std::string inflated_blocks(const VtuArray& array, const VtuEncoding& encoding, ArrayBytes& bytes) {
   const std::uint64_t word = encoding.is_header_64 ? 8 : 4;
-  std::vector<std::uint64_t> sizes;
-  std::uint64_t block_size = 0, last_size = 0;
+  std::uint64_t blocks = 0, block_size = 0, last_size = 0;
   // Blocks, their size, that of the last (0: whole), then the compressed size of each.
   const std::string listed = bytes.header_and(3 * word, [&](const std::string& header) {
-    sizes.resize(std::size_t(std::min(header_word(header, 0, encoding), kMostBytes / word)));
+    blocks = std::min(header_word(header, 0, encoding), kMostBytes / word);
     block_size = header_word(header, 1, encoding);
     last_size = header_word(header, 2, encoding);
-    return sizes.size() * word;
+    return blocks * word;
   });
+  std::vector<std::uint64_t> sizes(blocks);  // which the file is long enough for
   for (std::size_t n = 0; n < sizes.size(); ++n) sizes[n] = header_word(listed, n, encoding);
   std::uint64_t all = 0;
   for (const std::uint64_t size : sizes) all += std::min(size, kMostBytes);
