@@ -154,7 +154,9 @@ int run_program(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return program.exit(error);
     const std::string hint = hint_for(program, {argv + 1, argv + argc});
-    return fail(kUsage, hint.empty() ? std::string(error.what()) + " (see supple --help)" : hint);
+    const bool names_command = argc > 1 && argv[1][0] != '-';
+    const std::string help = names_command ? "supple " + std::string(argv[1]) : "supple";
+    return fail(kUsage, hint.empty() ? error.what() + (" (see " + help + " --help)") : hint);
   } catch (const UsageError& error) {
     return fail(kUsage, error.what());
   } catch (const InputError& error) {

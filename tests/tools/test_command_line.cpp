@@ -118,7 +118,7 @@ TEST(UnitCommandLine, NegativeNumbersAreValuesNotOptions) {
   EXPECT_LE(json["certificate"]["residual_max_voxels"], 1e-3);
 }
 
-TEST(UnitCommandLine, AMaterialByAWrongNameIsToldTheNearest) {
+TEST(UnitCommandLine, ErrorsTellTheNearestNameAndTheHelpOfTheCommand) {
   const TemporaryFolder folder;
   write_ball(folder, "ball", 16);
   const Outcome wrong = run_supple({"deform", folder / "ball.nhdr", "--material", "ct-heat",
@@ -127,6 +127,8 @@ TEST(UnitCommandLine, AMaterialByAWrongNameIsToldTheNearest) {
   for (const char* words : {"--material", "'ct-heat'", "mr-brain", "did you mean 'ct-head'?"}) {
     EXPECT_NE(wrong.err.find(words), std::string::npos) << wrong.err;
   }
+  const Outcome incomplete = run_supple({"deform", folder / "ball.nhdr", "--grab", "8,8,8"});
+  EXPECT_NE(incomplete.err.find("see supple deform --help"), std::string::npos) << incomplete.err;
   const Outcome probe = run_supple(
       {"probe", folder / "ball.nhdr", "--at", "8,8,8", "--material", "mr-brain", "--json"});
   EXPECT_EQ(probe.exit_code, 0) << probe.err;
