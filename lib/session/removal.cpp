@@ -59,7 +59,8 @@ LinkCuts moved_cuts(const BrickTopology& from, const BrickTopology& to, const Li
   return moved;
 }
 
-DensityGrid left_densities(const State& state, const BrickTopology& left) {
+DensityGrid left_densities(const State& state, const BrickTopology& left,
+                           const BrickArray<double>& left_share) {
   const BrickTopology shell = dilate_inside(left, kShellVoxels, state.geometry.dims());
   const float air = state.density.background();
   return fill_density_grid(
@@ -74,7 +75,13 @@ DensityGrid left_densities(const State& state, const BrickTopology& left) {
         for_each_active(shell.mask(b), [&](int offset) {
           const bool was = elements >= 0 && mask_test(state.elements.mask(elements), offset);
           const bool is = kept >= 0 && mask_test(left.mask(kept), offset);
-          if (is || !was) out[offset] = values[offset];
+          if (is || !was) {
+            out[offset] = values[offset];
+          } else {
+            const double share =
+                left_share.at(std::size_t(elements) * kBrickVoxels + std::size_t(offset));
+            out[offset] += float(share) * (values[offset] - air);
+          }
         });
       },
       air);
@@ -105,14 +112,31 @@ std::vector<Bound> moved_bounds(const BrickTopology& from, const BrickTopology& 
 
 }  // namespace
 
-State without_elements(const State& state, const SlotSet& removed) {
+void RemovedElements::add(const SlotSet& more, const Selection* selection, const Body& body) {
+  if (left_share.brick_count() == 0) left_share.resize(body.elements.brick_count());
+  const Vec3d spacing = body.geometry.spacing_mm();
+  const double voxel_mm = std::max({spacing.x, spacing.y, spacing.z});
+  more.for_each([&](Slot slot) {
+    double share = 0;
+    if (selection != nullptr && selection->ball_index) {
+      const double beyond_mm =
+          beyond_ball_mm(*selection, body.geometry, voxel_of(body.elements, slot));
+      share = std::clamp(1 + beyond_mm / voxel_mm, 0.0, 1.0);
+    }
+    if (slots.contains(slot)) share = std::min(share, left_share.at(slot));
+    if (share != left_share.at(slot)) left_share.set(slot, share);
+  });
+  slots.add(more);
+}
+
+State without_elements(const State& state, const RemovedElements& removed) {
   State left = state;
-  left.elements = left_of(state.elements, removed);
+  left.elements = left_of(state.elements, removed.slots);
   if (left.elements.empty()) {
     throw InputError({"", "remove", "all " + with_count(state.elements.active_count(), "element"),
                       "a part of the body"});
   }
-  left.density = left_densities(state, left.elements);
+  left.density = left_densities(state, left.elements, removed.left_share);
   for (BrickValues& q : left.q) move_values(state.elements, left.elements, q);
   for (auto& axis : left.rest) {
     for (BrickValues& rest : axis) move_values(state.elements, left.elements, rest);

@@ -48,8 +48,7 @@ double distance_mm(const Selection& selection, const Geometry& geometry, const V
     distance = length_mm(step);
   }
   if (selection.ball_index) {
-    const double beyond = length_mm(Vec3d(voxel) - *selection.ball_index) - selection.radius_mm;
-    distance = std::max(distance, beyond);
+    distance = std::max(distance, beyond_ball_mm(selection, geometry, voxel));
   }
   return distance;
 }
@@ -88,6 +87,11 @@ bool holds(const SlotSet& set, const BrickTopology& elements, const Vec3i& voxel
 }
 
 }  // namespace
+
+double beyond_ball_mm(const Selection& selection, const Geometry& geometry, const Vec3i& voxel) {
+  const Vec3d from = Vec3d(voxel) - *selection.ball_index;
+  return geometry.world_vector_from_index(from).length() - selection.radius_mm;
+}
 
 bool Selection::operator==(const Selection& other) const {
   return box == other.box && ball_index == other.ball_index && radius_mm == other.radius_mm &&

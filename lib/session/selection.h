@@ -31,6 +31,9 @@ struct Selection {
 Region region_of(const Selection& selection, const Body& body, const DensityGrid& density,
                  const std::string& role);
 
+/// How far a voxel lies outside the selection's ball; negative inside.
+double beyond_ball_mm(const Selection& selection, const Geometry& geometry, const Vec3i& voxel);
+
 /// All elements of a label or of a selection, connected or not, under a name.
 struct ChosenPart {
   std::string name;  // empty: as the selection

@@ -96,15 +96,16 @@ void Session::cut_body(StepRecord& record, Progress* progress) {
 
 void Session::remove_parts(StepRecord& record, Progress* progress) {
   stage(progress, "removing elements");
-  SlotSet removed;
+  RemovedElements removed;
   for (const ChosenPart& part : record.remove) {
-    removed.add(elements_of(part, m_body, m_state.density, m_state.labels, "remove"));
+    removed.add(elements_of(part, m_body, m_state.density, m_state.labels, "remove"),
+                part.selection ? &*part.selection : nullptr, m_body);
   }
   const State whole = state();
   const BrickTopology from = whole.elements;
   m_state = without_elements(whole, removed);
   m_state.configuration = whole.configuration;
-  record.removed = std::int64_t(removed.size());
+  record.removed = std::int64_t(removed.slots.size());
   for (auto selection = m_state.anchor_selections.begin();
        selection != m_state.anchor_selections.end();) {
     const bool is_lost = [&] {

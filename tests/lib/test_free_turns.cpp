@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "lib/body/nearest_point.h"
 #include "lib/material/material_file.h"
 #include "lib/session/session.h"
 #include "tests/lib/test_bodies.h"
@@ -252,4 +253,58 @@ TEST(PropertySmallestMotion, OfBoundsThatContradictEachOtherThereIsNone) {
     given.bounds[0].most = {kVoxel - 1, kVoxel, kVoxel};
     EXPECT_FALSE(smallest_pose(given.body, given.piece, given.bounds));
   }
+}
+
+TEST(PropertyNearestPoint, IsThatOfHildrethsIterationWhateverIsAddedFirst) {
+  std::mt19937 random(23);
+  int several = 0;
+  for (int n = 0; n < 100; ++n) {
+    // Half-spaces that hold a point away from the origin.
+    std::vector<Vec6> rows(20);
+    std::vector<double> least;
+    Vec6 inside;
+    for (double& value : inside) value = pick(random, -2, 2);
+    for (Vec6& row : rows) {
+      for (double& value : row) value = pick(random, -1, 1);
+      least.push_back(dot(row, inside) - pick(random, 0, 0.5));
+    }
+    NearestPoint nearest;
+    int added = 0;
+    for (; added < 500; ++added) {
+      std::size_t worst = rows.size();
+      double missing = 1e-10;
+      for (std::size_t r = 0; r < rows.size(); ++r) {
+        const double excess = least[r] - dot(rows[r], nearest.x());
+        if (excess > missing) {
+          missing = excess;
+          worst = r;
+        }
+      }
+      if (worst == rows.size()) break;
+      ASSERT_TRUE(nearest.add(rows[worst], least[worst])) << n;
+    }
+    several += added > 6;
+    // Multipliers one by one, until nothing changes.
+    Vec6 x{};
+    std::vector<double> multipliers(rows.size(), 0);
+    double largest = 1;
+    for (int sweep = 0; sweep < 20000 && largest > 1e-11; ++sweep) {
+      largest = 0;
+      for (std::size_t r = 0; r < rows.size(); ++r) {
+        const double step = (least[r] - dot(rows[r], x)) / dot(rows[r], rows[r]);
+        const double change = std::max(step, -multipliers[r]);
+        multipliers[r] += change;
+        largest = std::max(largest, std::abs(change));
+        for (std::size_t a = 0; a < 6; ++a) x[a] += change * rows[r][a];
+      }
+    }
+    for (std::size_t a = 0; a < 6; ++a) EXPECT_NEAR(nearest.x()[a], x[a], 1e-5) << n;
+  }
+  EXPECT_GE(several, 10);
+}
+
+TEST(PropertyNearestPoint, ThereIsNoneWithinHalfSpacesThatDoNotMeet) {
+  NearestPoint nearest;
+  ASSERT_TRUE(nearest.add({1, 1, 0, 0, 0, 0}, 2));
+  EXPECT_FALSE(nearest.add({-1, -1, 0, 0, 0, 0}, -1));
 }

@@ -63,6 +63,12 @@ TEST(UnitRigid, AMotionTurnsRightHandedAboutItsPointThenShifts) {
     RigidMotion turn;
     turn.turn = turn_about(axis, angle);
     EXPECT_NEAR((turn(v) - turned(v, axis, angle)).length(), 0, 1e-12);
+    RigidMotion all = turn;
+    all.about_lps_mm = random_vector(random, 20);
+    all.shift_lps_mm = random_vector(random, 20);
+    const Vec3d about = all.about_lps_mm;
+    EXPECT_NEAR((all(v) - about - turned(v - about, axis, angle) - all.shift_lps_mm).length(), 0,
+                1e-12);
     EXPECT_NEAR((turn.part(0.3)(v) - turned(v, axis, 0.3 * angle)).length(), 0, 1e-12);
   }
 }
@@ -94,6 +100,19 @@ TEST(UnitRigid, PointsThatLeaveATurnOpenGiveTheSmallestOne) {
   EXPECT_NEAR((row.motion()({0, 0, 7}) - Vec3d(0, 1, 7)).length(), 0, 1e-9);
   // A quarter about z, and none about the row itself.
   EXPECT_NEAR((turned_row.motion()({0, 0, 7}) - Vec3d(0, 0, 7)).length(), 0, 1e-9);
+}
+
+TEST(PropertyRigid, PointsOfALineTurnByTheAngleBetweenTheLines) {
+  std::mt19937 random(10);
+  for (int n = 0; n < 100; ++n) {
+    const RigidMotion motion = random_motion(random);
+    const Vec3d along = random_vector(random, 1).normalized(), at = random_vector(random, 50);
+    RigidFit fit;
+    for (int p = 0; p < 4; ++p) fit.add(at + along * p, motion(at + along * p));
+    const Vec3d to = (motion(at + along) - motion(at)).normalized();
+    const double angle = std::acos(std::clamp(along.dot(to), -1.0, 1.0));
+    EXPECT_NEAR(fit.motion().turn.angle_deg(), angle * 180 / 3.14159265358979323846, 1e-3) << n;
+  }
 }
 
 TEST(PropertyRigid, ThousandMovesLeaveEveryElementWithinRoundingOfARigidPose) {
