@@ -9,6 +9,7 @@
 #include "lib/relax/spring_shares.h"
 #include "tests/lib/brute_force.h"
 #include "tests/lib/relaxed_bodies.h"
+#include "tests/support/sanitized.h"
 
 using namespace supple;
 using namespace supple::test;
