@@ -32,6 +32,84 @@ void average(BrickValues& above, const BrickValues& below) {
   }
 }
 
+bool meets(const BrickValues& values, const HeldBounds& bounds) {
+  return std::all_of(bounds.least.begin(), bounds.least.end(),
+                     [&](const Seed& seed) { return values.at(seed.slot) >= seed.value; }) &&
+         std::all_of(bounds.most.begin(), bounds.most.end(),
+                     [&](const Seed& seed) { return values.at(seed.slot) <= seed.value; });
+}
+
+/// Elements that are nearer to each other than a contact allows, and where they are to go.
+std::vector<Seed> pressed(const std::vector<ContactLink>& contacts, const BrickValues& values,
+                          Direction direction) {
+  std::vector<Seed> seeds;
+  for (const ContactLink& contact : contacts) {
+    const std::int64_t below = values.at(contact.below), above = values.at(contact.above);
+    if (above - below >= contact.least) continue;
+    if (direction == Direction::raise) {
+      seeds.push_back({contact.above, std::int32_t(below + contact.least)});
+    } else {
+      seeds.push_back({contact.below, std::int32_t(above - contact.least)});
+    }
+  }
+  return seeds;
+}
+
+/// Envelopes of one coordinate under links, pieces and contacts.
+class Envelopes {
+ public:
+  Envelopes(const BrickValues& values, int coordinate, const std::vector<ContactLink>& contacts,
+            Propagator& propagator, Progress* progress, const FreePieces& pieces)
+      : m_values(values),
+        m_coordinate(coordinate),
+        m_contacts(contacts),
+        m_propagator(propagator),
+        m_progress(progress),
+        m_pieces(pieces),
+        m_of_pieces(pieces.empty() ? std::vector<std::size_t>() : pieces.bricks()) {}
+
+  /// That of all elements, or of the seeds.
+  void move(Direction direction, BrickValues& moved, const std::vector<Seed>* seeds) {
+    moved.resize(m_values.brick_count());
+    const PropagationTask task{m_coordinate, direction, moved, nullptr, m_progress};
+    if (seeds == nullptr) {
+      m_propagator.close(task);
+    } else {
+      m_propagator.run(task, *seeds);
+    }
+    for (int run = 0;; ++run) {
+      std::vector<Seed> more = pressed(m_contacts, moved, direction);
+      if (!m_pieces.empty()) {
+        const auto before = [&](std::size_t brick) { return m_values.brick_or_zero(brick); };
+        const std::vector<Seed> lagging = m_pieces.lagging(moved, before, direction, m_of_pieces);
+        more.insert(more.end(), lagging.begin(), lagging.end());
+      }
+      if (more.empty()) return;
+      if (!m_contacts.empty() && run == kMostRuns) {
+        m_has_contradiction = true;
+        return;
+      }
+      m_propagator.run(task, more);
+    }
+  }
+  /// Contacts that go round and round, as links pull back what they push.
+  bool has_contradiction() const { return m_has_contradiction; }
+
+ private:
+  static constexpr int kMostRuns = 500;
+
+  const BrickValues& m_values;
+  const int m_coordinate;
+  const std::vector<ContactLink>& m_contacts;
+  Propagator& m_propagator;
+  Progress* m_progress;
+  const FreePieces& m_pieces;
+  const std::vector<std::size_t> m_of_pieces;
+  bool m_has_contradiction = false;
+};
+
+}  // namespace
+
 HeldBounds held_bounds(const Body& body, int c, const SlotSet& anchored, const Holds& held) {
   HeldBounds bounds;
   anchored.for_each([&](Slot slot) { bounds.least.push_back({slot, body.q[c].at(slot)}); });
@@ -39,13 +117,6 @@ HeldBounds held_bounds(const Body& body, int c, const SlotSet& anchored, const H
   for (const Bound& bound : held.at_least[c]) bounds.least.push_back({bound.slot, bound.value});
   for (const Bound& bound : held.at_most[c]) bounds.most.push_back({bound.slot, bound.value});
   return bounds;
-}
-
-bool meets(const BrickValues& values, const HeldBounds& bounds) {
-  return std::all_of(bounds.least.begin(), bounds.least.end(),
-                     [&](const Seed& seed) { return values.at(seed.slot) >= seed.value; }) &&
-         std::all_of(bounds.most.begin(), bounds.most.end(),
-                     [&](const Seed& seed) { return values.at(seed.slot) <= seed.value; });
 }
 
 std::int64_t largest_move(const BrickValues& before, const BrickValues& after) {
@@ -61,38 +132,41 @@ std::int64_t largest_move(const BrickValues& before, const BrickValues& after) {
   return largest;
 }
 
-}  // namespace
-
 BrickValues projected(const BrickValues& values, int coordinate, const HeldBounds& bounds,
                       Propagator& propagator, Progress* progress, const FreePieces& pieces) {
-  const std::vector<std::size_t> of_pieces =
-      pieces.empty() ? std::vector<std::size_t>() : pieces.bricks();
-  const auto run = [&](Direction direction, BrickValues& moved, const std::vector<Seed>* seeds) {
-    const PropagationTask task{coordinate, direction, moved, nullptr, progress};
-    if (seeds == nullptr) {
-      propagator.close(task);
-    } else {
-      propagator.run(task, *seeds);
-    }
-    while (!pieces.empty()) {
-      const auto before = [&](std::size_t brick) { return values.brick_or_zero(brick); };
-      const std::vector<Seed> more = pieces.lagging(moved, before, direction, of_pieces);
-      if (more.empty()) return;
-      propagator.run(task, more);
-    }
-  };
+  const std::vector<ContactLink> none;
+  Envelopes envelopes(values, coordinate, none, propagator, progress, pieces);
   BrickValues above = values, below = values;
-  run(Direction::raise, above, nullptr);
-  run(Direction::lower, below, nullptr);
+  envelopes.move(Direction::raise, above, nullptr);
+  envelopes.move(Direction::lower, below, nullptr);
   if (!bounds.least.empty() || !bounds.most.empty()) {
     BrickValues lowered = above, raised = below;
-    run(Direction::lower, lowered, &bounds.most);
-    run(Direction::raise, raised, &bounds.least);
+    envelopes.move(Direction::lower, lowered, &bounds.most);
+    envelopes.move(Direction::raise, raised, &bounds.least);
     average(lowered, raised);
     if (meets(lowered, bounds)) return lowered;
   }
   average(above, below);
   return above;
+}
+
+std::optional<BrickValues> projected(const BrickValues& values, int coordinate,
+                                     const HeldBounds& bounds,
+                                     const std::vector<ContactLink>& contacts,
+                                     Propagator& propagator, Progress* progress,
+                                     const FreePieces& pieces) {
+  Envelopes envelopes(values, coordinate, contacts, propagator, progress, pieces);
+  BrickValues lowered = values, raised = values;
+  const std::vector<Seed> none;
+  envelopes.move(Direction::raise, lowered, &none);
+  if (envelopes.has_contradiction()) return std::nullopt;
+  envelopes.move(Direction::lower, lowered, &bounds.most);
+  envelopes.move(Direction::lower, raised, &none);
+  envelopes.move(Direction::raise, raised, &bounds.least);
+  if (envelopes.has_contradiction()) return std::nullopt;
+  average(lowered, raised);
+  if (!meets(lowered, bounds)) return std::nullopt;
+  return lowered;
 }
 
 ProjectionReport project(Body& body, const SlotSet& fixed, const Holds& held) {

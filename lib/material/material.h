@@ -84,6 +84,8 @@ struct MaterialTable : LimitTable {
   std::optional<std::pair<double, double>> rigid;
   /// Drags of this tissue are relaxed unless a step says otherwise (tissue_relaxation()).
   bool relaxes = false;
+  /// Sides of a cut do not pass through each other (lib/chainmail/cut_contact.h).
+  bool has_contact = true;
   /// The table is a preset without a domain: fitted_to() (lib/session/tissue.h) chooses the domain
   /// by the volume, and the active densities with it unless they were given.
   bool fits_domain = false, fits_active = false;

@@ -184,7 +184,7 @@ std::optional<MaterialTable> read_tissue(TomlTable& table) {
 
 MaterialTable read_material_table(TomlTable& table, const LabelNames& names) {
   know_limits(table);
-  table.know({"active", "combine", "components", "links", "rigid", "relax", "label"});
+  table.know({"active", "combine", "components", "links", "rigid", "relax", "contact", "label"});
   const std::optional<MaterialTable> tissue = read_tissue(table);
   MaterialTable material;
   if (tissue) {
@@ -194,6 +194,7 @@ MaterialTable read_material_table(TomlTable& table, const LabelNames& names) {
     material.links = tissue->links;
     material.rigid = tissue->rigid;
     material.relaxes = tissue->relaxes;
+    material.has_contact = tissue->has_contact;
     material.fits_domain = tissue->fits_domain;
   } else {
     material.fits_domain = table.has("preset");
@@ -210,6 +211,7 @@ MaterialTable read_material_table(TomlTable& table, const LabelNames& names) {
   if (table.has("links")) material.links = read_links(table);
   if (table.has("rigid")) material.rigid = read_rigid(table);
   material.relaxes = table.boolean("relax").value_or(material.relaxes);
+  material.has_contact = table.boolean("contact").value_or(material.has_contact);
   if (auto labels = table.table("label")) read_labels(*labels, names, material);
   table.finish();
   material.validate(table.place());
@@ -241,6 +243,7 @@ std::string material_to_toml(const MaterialTable& material) {
   if (material.links != 6) text += "links = " + std::to_string(material.links) + "\n";
   if (material.rigid) append_range(text, "rigid", material.rigid->first, material.rigid->second);
   if (material.relaxes) text += "relax = true\n";
+  if (!material.has_contact) text += "contact = false\n";
   for (const auto& [label, limits] : material.labels) {
     text += "\n[label." + std::to_string(label) + "]\n";
     append_range(text, "domain", limits.domain_lo, limits.domain_hi);

@@ -109,10 +109,15 @@ class Session {
   void take_pieces_of_state(const std::string& path, Progress* progress);
   void check_model_of_pieces(const StepRequest& request) const;
   HeldBody held_with_pieces(std::vector<Region>& anchors);
-  void relax_body(StepRecord& record, Progress* progress);
+  void relax_body(int passes, StepRecord& record, Progress* progress);
   void tighten_body(StepRecord& record, Progress* progress);
   void solve(const std::vector<Handle>& handles, const std::vector<PieceMotion>& pieces,
              StepRecord& record, Progress* progress);
+  void solve_in_contact(CutContact& contact, const std::vector<Handle>& handles,
+                        const std::vector<PieceMotion>& pieces, StepRecord& record,
+                        Progress* progress);
+  std::unique_ptr<CutContact> contact_of(const StepRequest& request);
+  SlotSet fixed_elements() const;
   void solve_turns(const std::vector<Handle>& handles, const std::vector<PieceMotion>& pieces,
                    StepRecord& record, Progress* progress);
   void move_free_pieces_too(const std::vector<Handle>& handles, StepRecord& record,

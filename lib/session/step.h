@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lib/chainmail/ball_limits.h"
+#include "lib/chainmail/cut_contact.h"
 #include "lib/chainmail/tighten.h"
 #include "lib/model/relax_model.h"
 #include "lib/relax/relaxation.h"
@@ -71,6 +72,7 @@ struct StepRecord : StepRequest {
   std::int64_t removed = 0;               // elements
   EcmReport report;                       // of ball limits: what both have in common
   std::optional<BallReport> ball;         // when the step was solved under ball limits
+  SidesReport contact;                    // of the sides of cuts, after drag and relaxation
   RelaxReport relaxed;                    // when the step relaxes
   SpringRecord sprung;                    // when springs move it
   std::vector<HandleReaction> reactions;  // of all handles that are held, at its end

@@ -38,6 +38,16 @@ void warn_of_report(const EcmReport& report, Progress* progress) {
   }
 }
 
+void warn_of_report(const SidesReport& report, Progress* progress) {
+  if (report.parts < CutContact::kDragParts) {
+    warn(progress, "the sides of a cut stopped the drag: both are held where they meet");
+  }
+  if (report.left > 0) {
+    warn(progress, "the sides of a cut overlap by up to " + four_digits(report.left_voxels) +
+                       " voxels: what is held leaves no room");
+  }
+}
+
 void warn_of_report(const BallReport& report, Progress* progress) {
   if (report.violated == 0) return;
   warn(progress, "ball limits leave " + with_count(report.violated, "link") + " of " +

@@ -7,6 +7,7 @@
 namespace supple {
 
 void warn_of_report(const EcmReport& report, Progress* progress);
+void warn_of_report(const SidesReport& report, Progress* progress);
 void warn_of_report(const BallReport& report, Progress* progress);
 void warn_of_report(const TightenReport& report, Progress* progress);
 /// `check`: of the links after a relaxation that may break them.

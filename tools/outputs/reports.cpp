@@ -93,6 +93,15 @@ nlohmann::ordered_json to_json(const RelaxParams& params, const RelaxReport& rep
   return json;
 }
 
+nlohmann::ordered_json to_json(const SidesReport& report) {
+  return {{"overlapping", report.overlapping},
+          {"deepest_voxels", report.deepest_voxels},
+          {"max_move_voxels", report.max_move_voxels},
+          {"left", report.left},
+          {"left_voxels", report.left_voxels},
+          {"part_of_drag", double(report.parts) / CutContact::kDragParts}};
+}
+
 nlohmann::ordered_json to_json(const TightenReport& report) {
   return {{"iterations", report.iterations},
           {"settled", report.settled},
@@ -210,6 +219,7 @@ nlohmann::ordered_json to_json(const StepRecord& record) {
   nlohmann::ordered_json json = record.ball ? to_json(*record.ball, record.cut_links)
                                             : to_json(record.report, record.cut_links);
   if (record.removed > 0) json["removed"] = record.removed;
+  if (record.contact.overlapping > 0) json["contact"] = to_json(record.contact);
   if (record.relax) json["relax"] = to_json(*record.relax, record.relaxed);
   if (record.tightened) {
     json["limits"] = "tighten";

@@ -5,6 +5,7 @@
 #include "volumes/base/error.h"
 #include "volumes/field/dense/resample.h"
 #include "volumes/field/dense/warp.h"
+#include "volumes/grid/voxel_sets.h"
 
 using namespace supple;
 using namespace supple::test;

@@ -1,11 +1,10 @@
-// Which bricks a cut splits, what reaches them, and how their offsets join those of the rest.
+#include "volumes/field/cuts/cut_inversion.h"
+
 #include <algorithm>
 #include <cmath>
-#include <unordered_set>
 
 #include <tbb/parallel_for.h>
 
-#include "volumes/field/cuts/cut_offsets.h"
 #include "volumes/field/displacement.h"
 #include "volumes/field/inversion/reachable_bricks.h"
 #include "volumes/field/inversion/source_cells.h"
@@ -22,27 +21,6 @@ constexpr double kNearFace = 3;
 constexpr double kNearCell = 1;
 // A box of more output bricks is compared with them one by one.
 constexpr double kManyBricks = 4096;
-
-struct CutBox {
-  Vec3d lo{HUGE_VAL, HUGE_VAL, HUGE_VAL}, hi{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
-
-  bool empty() const { return lo.x > hi.x; }
-  void add(const Vec3d& p) {
-    for (int a = 0; a < 3; ++a) {
-      lo[a] = std::min(lo[a], p[a]);
-      hi[a] = std::max(hi[a], p[a]);
-    }
-  }
-  /// In steps of bricks.
-  IndexBox bricks() const {
-    IndexBox box;
-    for (int a = 0; a < 3; ++a) {
-      box.lo[a] = int(std::floor(lo[a])) >> 3;
-      box.hi[a] = int(std::floor(hi[a])) >> 3;
-    }
-    return box;
-  }
-};
 
 CutBox box_of(const CutPiece& piece, double margin) {
   CutBox box;
@@ -64,39 +42,7 @@ void for_bricks_of(const CutBox& box, Visit&& visit) {
   }
 }
 
-class CutInversion {
- public:
-  CutInversion(const VectorBricks& u, const std::vector<TornCell>& torn, const CutFaces& faces,
-               const BrickTopology& elements, const Vec3i& dims);
-
-  /// u without the corners of torn cells: what a lattice of offsets can hold.
-  VectorBricks whole_part() const;
-  /// The bricks that the cut splits; counts into the certificate what `whole_part` lacks, and puts
-  /// their overlaps in place of those that are there.
-  std::vector<CutBrick> split_bricks(OffsetField& field, Progress* progress);
-  /// The offsets of split bricks at their nodes in place of those that are there.
-  VectorBricks joined(const VectorBricks& offsets, const std::vector<CutBrick>& bricks) const;
-
- private:
-  bool is_torn(const Vec3i& cell) const { return m_torn_at.count(cell) != 0; }
-  void find_source_boxes();
-  bool corners_of(const Vec3i& cell, std::array<Vec3f, 8>& u) const;
-  CutPiece whole_piece(const Vec3i& cell, const std::array<Vec3f, 8>& u) const;
-  std::uint8_t elements_of(const Vec3i& cell) const;
-  void count_folds(const CutPiece& piece, InversionCertificate& certificate) const;
-  std::vector<Vec3i> first_bricks(InversionCertificate& certificate) const;
-  std::vector<CutBrick> fill(const std::vector<Vec3i>& origins) const;
-  void add_pieces(std::size_t source, CutBrick& brick) const;
-  BrickMask overlaps_of(const CutBrick& brick) const;
-
-  const VectorBricks& m_u;
-  const BrickTopology& m_elements;
-  Vec3i m_dims;
-  std::vector<CutPiece> m_sides;  // of the torn cells
-  std::unordered_set<Vec3i, VoxelHash> m_torn_at;
-  std::unordered_set<Vec3i, VoxelHash> m_corners;  // of torn cells
-  std::vector<CutBox> m_boxes;                     // moved cells of every source brick
-};
+}  // namespace
 
 CutInversion::CutInversion(const VectorBricks& u, const std::vector<TornCell>& torn,
                            const CutFaces& faces, const BrickTopology& elements, const Vec3i& dims)
@@ -363,35 +309,6 @@ VectorBricks CutInversion::joined(const VectorBricks& offsets,
     std::copy_n(from, kBrickVoxels, result.vectors.begin() + std::ptrdiff_t(b) * kBrickVoxels);
   }
   return result;
-}
-
-}  // namespace
-
-Displacement extend_past_cuts(const Displacement& displacement, const BrickTopology& target,
-                              const CutElements& body) {
-  Displacement extended = extend(displacement, target);
-  if (body.cuts.empty()) return extended;
-  extend_beside_cuts(extended.u,
-                     CutBody(extended.u, body.elements, body.cuts, displacement.geometry.dims()));
-  return extended;
-}
-
-OffsetField invert_cut(const Displacement& displacement, const CutElements& body,
-                       const InvertParams& params, Progress* progress) {
-  if (body.cuts.empty()) return invert(displacement, params, progress);
-  const Vec3i& dims = displacement.geometry.dims();
-  const VectorBricks u = thickened(displacement.u, dims);
-  const CutBody cut(displacement.u, body.elements, body.cuts, dims);
-  std::vector<TornCell> torn = torn_cells(u, cut, kClosedCut);
-  if (torn.empty()) return invert(displacement, params, progress);
-
-  CutFaces faces(torn, cut, displacement.geometry, kClosedCut);
-  CutInversion inversion(u, torn, faces, body.elements, dims);
-  OffsetField field = invert({displacement.geometry, inversion.whole_part()}, params, progress);
-  std::vector<CutBrick> bricks = inversion.split_bricks(field, progress);
-  field.o = inversion.joined(field.o, bricks);
-  field.split = std::make_shared<const CutOffsets>(std::move(bricks), std::move(faces), dims);
-  return field;
 }
 
 }  // namespace supple

@@ -1,0 +1,61 @@
+// Keeps the sides of cuts from passing through each other: contact without friction.
+//
+// ECM, relaxation and whatever else moves a body know nothing of contacts. Afterwards lips that
+// overlap are taken apart: across each axis in turn, the contacts of the present state
+// (cut_lips.h) are difference constraints beside those of the links, and the projection of
+// project.cpp meets both with the smallest possible largest move, exactly and whatever the order.
+// Both lips yield alike, unless one is held. Lips change their shape as they are pushed, so the
+// rounds go on until no point of a lip is behind the other one. A body without cuts costs nothing,
+// one whose lips do not meet 2 us per cut link.
+#pragma once
+
+#include <functional>
+
+#include "lib/body/holds.h"
+#include "lib/chainmail/cut_lips.h"
+#include "lib/chainmail/free_pieces.h"
+#include "lib/chainmail/propagate.h"
+#include "volumes/base/progress.h"
+
+namespace supple {
+
+struct SidesReport {
+  std::int64_t overlapping = 0;  // points of lips that were behind the other lip
+  double deepest_voxels = 0;     // of these
+  double max_move_voxels = 0;    // that took them apart
+  std::int64_t left = 0;         // points that still are behind it
+  double left_voxels = 0;        // the deepest of these
+  /// Of the drag, in 1/kDragParts, which what is held on both sides leaves room for.
+  int parts = 1024;
+};
+
+class CutContact {
+ public:
+  /// Remembers which parts of lips lie before each other: make it before the body moves. `cuts`:
+  /// those of the body without the links that rigid pieces hide. Both outlive this.
+  CutContact(Body& body, const LinkCuts& cuts);
+
+  static constexpr int kDragParts = 1024;
+
+  bool empty() const { return m_lips.empty(); }
+
+  /// Calls move(n), which drags by n / kDragParts of the whole, and takes lips apart: for the whole
+  /// drag, or for the largest n that a bisection finds to leave room for both lips. `fixed` and
+  /// what `holds` holds after the move stay. Throws what move() throws.
+  SidesReport drag(const SlotSet& fixed, Holds& holds, const std::function<void(int)>& move,
+                   Progress* progress = nullptr);
+
+  /// Takes overlapping lips apart. What is fixed or held stays, and all links keep their limits.
+  /// Where these leave no room some overlap is `left`.
+  SidesReport part(const SlotSet& fixed, const Holds& held, Progress* progress = nullptr);
+
+ private:
+  double part_across(int c, const SlotSet& anchored, const Holds& held, Propagator& propagator,
+                     const FreePieces& pieces, Progress* progress);
+
+  Body& m_body;
+  CutLips m_lips;
+  CutLips::Before m_before;
+};
+
+}  // namespace supple

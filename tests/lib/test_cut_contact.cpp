@@ -1,0 +1,252 @@
+// The sides of cuts do not pass through each other, whatever is dragged where.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "lib/chainmail/cut_contact.h"
+#include "lib/chainmail/ecm.h"
+#include "lib/chainmail/projection.h"
+#include "lib/model/relax_model.h"
+#include "tests/lib/cut_fixtures.h"
+#include "tests/support/sanitized.h"
+#include "volumes/field/cuts/cut_offsets.h"
+#include "volumes/grid/voxel_sets.h"
+
+using namespace supple;
+using namespace supple::test;
+
+namespace {
+
+constexpr int kCube = 10;
+
+/// Cut in two by a plane near its middle; no cell of it folds.
+Body cut_cube(const Vec3d& direction) {
+  Body body = body_of(homogeneous({kCube, kCube, kCube}, 1.4, 0.6, 0.25));
+  const Vec3d normal = direction.normalized();
+  const Vec3d along =
+      normal.cross(std::abs(normal.z) < 0.5 ? Vec3d(0, 0, 1) : Vec3d(0, 1, 0)).normalized();
+  const Vec3d across = normal.cross(along);
+  const Vec3d centre = Vec3d(0.5 * (kCube - 1)) + Vec3d(0.13, -0.21, 0.32);
+  const double size = 2 * kCube;
+  const Geometry& geometry = body.geometry;
+  cut(body, PlanePatch{geometry.world_from_index(centre - (along + across) * size),
+                       geometry.world_vector_from_index(along * (2 * size)),
+                       geometry.world_vector_from_index(across * (2 * size))});
+  return body;
+}
+
+std::int64_t overlapped_voxels(const Body& body) {
+  Displacement field{body.geometry, {body.elements, {}}};
+  field.u.vectors.resize(slot_count(body.elements), Vec3f(0));
+  for_each_element(body.elements, [&](Slot slot) {
+    for (int c = 0; c < 3; ++c) {
+      field.u.vectors[slot][c] = float(body.q[std::size_t(c)].at(slot) / kFixedOne);
+    }
+  });
+  const CutElements elements{body.elements, body.cuts};
+  InvertParams params;
+  params.material = &body.elements;
+  const Displacement extended = extend_past_cuts(field, dilate(body.elements, 2), elements);
+  return invert_cut(extended, elements, params).certificate.overlapped_voxels;
+}
+
+std::array<std::int32_t, 3> part_of(std::array<std::int32_t, 3> by, int parts) {
+  for (std::int32_t& q : by) q = std::int32_t(std::int64_t(q) * parts / CutContact::kDragParts);
+  return by;
+}
+
+std::array<std::int32_t, 3> random_move(std::mt19937& random, int voxels) {
+  std::array<std::int32_t, 3> by;
+  for (std::int32_t& q : by) q = int(random() % unsigned(2 * voxels * kVoxel)) - voxels * kVoxel;
+  return by;
+}
+
+/// One envelope by relaxing every link and contact until nothing changes; none where that does not
+/// end.
+std::optional<std::vector<std::int64_t>> envelope(const Body& body, int c, bool raise,
+                                                  const std::vector<ContactLink>& contacts) {
+  std::vector<std::int64_t> q(slot_count(body.elements), 0);
+  for (std::size_t n = 0; n < q.size(); ++n) q[n] = body.q[std::size_t(c)].at(n);
+  bool has_changed = true;
+  // q[above] - q[below] >= least
+  const auto keep = [&](Slot below, Slot above, std::int64_t least) {
+    if (q[above] - q[below] >= least) return;
+    (raise ? q[above] : q[below]) = raise ? q[below] + least : q[above] - least;
+    has_changed = true;
+  };
+  for (int pass = 0; has_changed && pass < 2000; ++pass) {
+    has_changed = false;
+    for (std::size_t b = 0; b < body.elements.brick_count(); ++b) {
+      for_each_link(body.elements, body.cuts, b, [&](int axis, Slot low, Slot high) {
+        const std::uint8_t x = body.classes[low], y = body.classes[high];
+        const std::int64_t lower = body.slacks.lower(axis, c, x, y);
+        const std::int64_t upper = body.slacks.upper(axis, c, x, y);
+        if (lower < kUnlimitedSlack) keep(low, high, -lower);
+        if (upper < kUnlimitedSlack) keep(high, low, -upper);
+      });
+    }
+    for (const ContactLink& contact : contacts) keep(contact.below, contact.above, contact.least);
+  }
+  if (has_changed) return std::nullopt;
+  return q;
+}
+
+std::int64_t floor_half(std::int64_t sum) {
+  return sum >= 0 ? sum / 2 : -((1 - sum) / 2);
+}
+
+}  // namespace
+
+TEST(PropertyCutContact, AThousandRandomDragsOfClosedCutsLeaveNoPointBehindTheOtherLip) {
+  const Vec3d normals[] = {{0, 0, 1}, {1, 0, 0}, {0.5, 0, 0.87}, {0.3, 0.4, 0.87}, {1, 1, 0.2}};
+  constexpr int kDrags = cases(1000), kOfABody = 5;
+  std::mt19937 random(11);
+  int met = 0, shortened = 0, inverted = 0, overlapped_states = 0;
+  std::int64_t overlapped = 0;
+  for (int n = 0; n * kOfABody < kDrags; ++n) {
+    Body body = cut_cube(normals[n % 5]);
+    EcmSolver solver(body);
+    std::vector<Region> anchors;
+    if (n % 3 != 0) anchors.push_back(IndexBox{{0, 0, 0}, {kCube - 1, kCube - 1, 0}});
+    const SlotSet fixed = anchors.empty() ? SlotSet() : elements_of(body, anchors[0], "fix");
+    for (int k = 0; k < kOfABody; ++k) {
+      const Vec3i voxel(int(random() % kCube), int(random() % kCube),
+                        1 + int(random() % (kCube - 1)));
+      const std::array<std::int32_t, 3> by = random_move(random, 5);
+      CutContact contact(body, body.cuts);
+      Holds holds;
+      const SidesReport report = contact.drag(fixed, holds, [&](int parts) {
+        solver.drag({Handle(voxel, part_of(by, parts))}, anchors, holds);
+      });
+      ASSERT_EQ(report.left, 0) << "body " << n << " drag " << k;
+      ASSERT_EQ(check_links(body).violated, 0);
+      met += report.overlapping > 0;
+      shortened += report.parts < CutContact::kDragParts;
+    }
+    if (n % 2 != 0) continue;
+    const std::int64_t voxels = overlapped_voxels(body);
+    ++inverted;
+    overlapped += voxels;
+    overlapped_states += voxels > 0;
+  }
+  std::printf("lips met in %d drags, %d shortened; %lld overlapped voxels in %d of %d states\n",
+              met, shortened, static_cast<long long>(overlapped), overlapped_states, inverted);
+  EXPECT_GT(met, kDrags / 4);
+  EXPECT_LT(shortened, kDrags / 4);
+}
+
+TEST(PropertyCutContact, ContactsAreProjectedAsByBruteForce) {
+  int compared = 0, contradictions = 0;
+  for (unsigned n = 0; n < cases(200); ++n) {
+    std::mt19937 random(900 + n);
+    Block block = random_block(random, {7, 6, 5});
+    cut_randomly(random, block);
+    Body body = body_of(block);
+    drag(body, {Handle(block.voxel(random_element(random, block)), random_move(random, 2))}, {});
+    const int c = int(random() % 3);
+    body.q[std::size_t(c)].resize(body.elements.brick_count());
+    std::vector<ContactLink> contacts;
+    for (unsigned k = 0; k < 1 + random() % 6; ++k) {
+      Slot below = 0, above = 0;
+      slot_of(body.elements, block.voxel(random_element(random, block)), below);
+      slot_of(body.elements, block.voxel(random_element(random, block)), above);
+      if (below == above) continue;
+      const BrickValues& q = body.q[std::size_t(c)];
+      const int closer = int(random() % (2 * kVoxel)) - kVoxel;
+      contacts.push_back({below, above, std::int64_t(q.at(above)) - q.at(below) + closer});
+    }
+    const auto above = envelope(body, c, true, contacts),
+               below = envelope(body, c, false, contacts);
+    for (const Engine engine : {Engine::block, Engine::flat}) {
+      Propagator propagator(body, engine);
+      const auto apart = projected(body.q[std::size_t(c)], c, {}, contacts, propagator);
+      ASSERT_EQ(apart.has_value(), above.has_value()) << n;
+      if (!apart) continue;
+      for_each_element(body.elements, [&](Slot slot) {
+        ASSERT_EQ(apart->at(slot), floor_half((*above)[slot] + (*below)[slot])) << n;
+      });
+    }
+    (above ? compared : contradictions) += 1;
+  }
+  std::printf("%d compared, %d contradictions\n", compared, contradictions);
+  EXPECT_GT(compared, cases(100));
+  EXPECT_GT(contradictions, 0);
+}
+
+TEST(PropertyCutContact, BothSidesGiveWayAlikeAndSlideFreely) {
+  Body body = cut_cube({0, 0, 1});
+  const Vec3i low(5, 5, 0), high(5, 5, kCube - 1);
+  // Across the cut nothing follows a side that slides.
+  {
+    CutContact contact(body, body.cuts);
+    drag(body, {Handle(low, {3 * kVoxel, 0, 0})}, {});
+    const SidesReport slid = contact.part({}, {});
+    EXPECT_LT(slid.max_move_voxels, 1.0 / 64);  // a film between them, so that no place is of both
+    EXPECT_EQ(body.offset(high, 0), 0);
+  }
+  CutContact contact(body, body.cuts);
+  Holds holds;
+  EcmSolver solver(body);
+  const SidesReport met = contact.drag({}, holds, [&](int parts) {
+    solver.drag({Handle(low, part_of({0, 0, 4 * kVoxel}, parts))}, {}, holds);
+  });
+  EXPECT_EQ(met.parts, CutContact::kDragParts);
+  EXPECT_GT(met.overlapping, 0);
+  EXPECT_EQ(body.offset(low, 2), 4 * kVoxel);
+  EXPECT_GT(body.offset(Vec3i(5, 5, 5), 2), 0);
+  EXPECT_EQ(overlapped_voxels(body), 0);
+}
+
+TEST(PropertyCutContact, WhatIsHeldOnBothSidesShortensTheDrag) {
+  Body body = cut_cube({0, 0, 1});
+  const IndexBox top{{0, 0, 6}, {kCube - 1, kCube - 1, kCube - 1}};
+  const std::vector<Region> anchors = {top};
+  const SlotSet fixed = elements_of(body, anchors[0], "fix");
+  const IndexBox bottom{{0, 0, 0}, {kCube - 1, kCube - 1, 3}};
+  CutContact contact(body, body.cuts);
+  Holds holds;
+  EcmSolver solver(body);
+  const SidesReport report = contact.drag(fixed, holds, [&](int parts) {
+    solver.drag({Handle(Region(bottom), part_of({0, 0, 3 * kVoxel}, parts))}, anchors, holds);
+  });
+  // One link below the cut and one above it give way by 0.4 voxel each.
+  EXPECT_EQ(report.left, 0);
+  EXPECT_NEAR(report.parts, 0.8 / 3 * CutContact::kDragParts, 0.3 * CutContact::kDragParts);
+  EXPECT_LT(report.parts, CutContact::kDragParts);
+  EXPECT_EQ(overlapped_voxels(body), 0);
+  for_each_element(body.elements, [&](Slot slot) {
+    if (voxel_of(body.elements, slot).z < 6) return;
+    EXPECT_EQ(body.q[2].at(slot), 0);
+  });
+}
+
+TEST(PropertyCutContact, AfterARelaxationTooTheSidesAreApart) {
+  int met = 0;
+  for (unsigned n = 0; n < cases(12); ++n) {
+    std::mt19937 random(40 + n);
+    Body body = cut_cube(n % 2 == 0 ? Vec3d(0, 0, 1) : Vec3d(0.5, 0, 0.87));
+    const std::vector<Region> anchors = {IndexBox{{0, 0, 0}, {kCube - 1, kCube - 1, 0}}};
+    const SlotSet fixed = elements_of(body, anchors[0], "fix");
+    Holds holds;
+    EcmSolver solver(body);
+    {
+      // The upper side is lifted and bent, so that it comes back as it relaxes.
+      const Vec3i voxel(int(random() % kCube), int(random() % kCube), kCube - 1);
+      CutContact contact(body, body.cuts);
+      contact.drag(fixed, holds, [&](int parts) {
+        solver.drag({Handle(voxel, part_of({0, kVoxel, -4 * kVoxel}, parts))}, anchors, holds);
+      });
+    }
+    CutContact contact(body, body.cuts);
+    RelaxParams params;
+    params.passes = 200;
+    const SidesReport report = contact.drag(fixed, holds, [&](int parts) {
+      RelaxModel model({body, anchors, holds}, params);
+      run_model(model, params.passes * parts / CutContact::kDragParts);
+    });
+    met += report.overlapping > 0 || report.parts < CutContact::kDragParts;
+    EXPECT_EQ(report.left, 0) << n;
+    EXPECT_EQ(check_links(body).violated, 0);
+  }
+  EXPECT_GT(met, 0);
+}
