@@ -6,6 +6,7 @@
 
 #include "lib/material/material_file.h"
 #include "lib/session/journal.h"
+#include "lib/session/session_before.h"
 #include "lib/session/session_walk.h"
 #include "lib/session/step_warnings.h"
 #include "lib/session/tissue.h"
@@ -43,69 +44,6 @@ class Listener final : public Progress {
 };
 
 }  // namespace
-
-struct Session::Before {
-  std::array<BrickValues, 3> q;
-  std::array<BrickArray<std::int16_t>, 3> fraction;
-  LinkCuts cuts, state_cuts;
-  RigidPieces rigid;
-  RestStretch rest;
-  Velocities velocity_mm_s;
-  bool links_known_valid;
-  LinkCheck links;
-  std::vector<IndexBox> anchors;
-  std::vector<std::int32_t> anchor_labels;
-  std::vector<std::string> anchor_selections;
-  Holds holds;
-  HandleLedger ledger;
-  double pressure_kpa;
-  /// Before elements are removed: all else of the state and the body.
-  std::shared_ptr<std::pair<State, Body>> whole;
-};
-
-Session::Before Session::before(const StepRequest& request) const {
-  return {
-      m_body.q,
-      m_body.fraction,
-      m_body.cuts,
-      m_state.cuts,
-      m_body.rigid,
-      m_body.rest,
-      m_body.velocity_mm_s,
-      m_body.links_known_valid,
-      m_links,
-      m_state.anchors,
-      m_state.anchor_labels,
-      m_state.anchor_selections,
-      m_holds,
-      m_ledger,
-      m_pressure_kpa,
-      request.remove.empty() ? nullptr : std::make_shared<std::pair<State, Body>>(m_state, m_body)};
-}
-
-void Session::restore(Before&& before) {
-  if (before.whole) {
-    m_state = std::move(before.whole->first);
-    m_body = std::move(before.whole->second);
-    m_ecm = std::make_unique<VoxelEcmModel>(held());
-  }
-  m_body.q = std::move(before.q);
-  m_body.fraction = std::move(before.fraction);
-  m_body.cuts = std::move(before.cuts);
-  m_state.cuts = std::move(before.state_cuts);
-  m_body.rigid = std::move(before.rigid);
-  m_body.rest = std::move(before.rest);
-  m_body.velocity_mm_s = std::move(before.velocity_mm_s);
-  m_body.links_known_valid = before.links_known_valid;
-  m_links = before.links;
-  m_state.anchors = std::move(before.anchors);
-  m_state.anchor_labels = std::move(before.anchor_labels);
-  m_state.anchor_selections = std::move(before.anchor_selections);
-  m_holds = std::move(before.holds);
-  m_ledger = std::move(before.ledger);
-  m_pressure_kpa = before.pressure_kpa;
-  find_anchors();
-}
 
 Session::Session(const std::string& path, const SessionOptions& options, Progress* heard)
     : m_keeps_undo(options.keeps_undo) {
@@ -280,7 +218,7 @@ const StepRecord& Session::step(const StepRequest& request, Progress* heard) {
     throw;
   }
   m_walk.reset();
-  if (earlier) m_undo.push_back(std::move(*earlier));
+  if (earlier) keep(std::move(*earlier));
   m_records.push_back(std::move(record));
   return m_records.back();
 }
@@ -313,17 +251,6 @@ const StepRecord& Session::release(Progress* progress) {
   StepRequest request;
   request.release = true;
   return step(request, progress);
-}
-
-bool Session::undo() {
-  if (!m_keeps_undo)
-    throw std::logic_error("undo() of a session without SessionOptions::keeps_undo");
-  if (m_undo.empty()) return false;
-  restore(std::move(m_undo.back()));
-  m_undo.pop_back();
-  m_records.pop_back();
-  m_pose.reset();
-  return true;
 }
 
 std::string Session::journal() const {

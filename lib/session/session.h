@@ -3,6 +3,7 @@
 // know goes to `progress` and stays among the messages.
 #pragma once
 
+#include <deque>
 #include <memory>
 #include <optional>
 #include <string>
@@ -26,9 +27,12 @@ struct SessionOptions {
   /// Labels on the grid of the volume; empty: those of a state.
   std::string labels_path = {};
   ReadOptions read = {};
-  /// Keeps what undo() needs: after each step a copy of the node state where elements moved.
+  /// Keeps what undo() needs: after each step the bricks that it changed, as they were; all
+  /// together at most kMostUndoBytes, then the oldest steps are for good.
   bool keeps_undo = false;
 };
+
+constexpr std::size_t kMostUndoBytes = std::size_t(512) << 20;
 
 class Session {
  public:
@@ -134,6 +138,7 @@ class Session {
   std::vector<PieceMotion> motions_of(const StepRequest& request) const;
   Before before(const StepRequest& request) const;
   void restore(Before&& before);
+  void keep(Before&& before);
   HeldBody held() { return {m_body, m_anchors, m_holds}; }
 
   State m_state;  // its cuts are those of the body without what rigid pieces hide, if there are any
@@ -149,7 +154,8 @@ class Session {
   std::vector<StepRecord> m_records;
   std::vector<std::string> m_messages;
   bool m_keeps_undo;
-  std::vector<Before> m_undo;    // one for each step
+  std::deque<Before> m_undo;  // one for each step that can be taken back
+  std::size_t m_undo_bytes = 0;
   std::unique_ptr<Walk> m_walk;  // while drags follow ways
   std::optional<Pose> m_pose;
 };

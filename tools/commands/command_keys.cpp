@@ -8,6 +8,7 @@
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
 #include "tools/scene/cut_keys.h"
+#include "tools/scene/live_event.h"
 #include "tools/scene/scene.h"
 #include "volumes/io/open_volume.h"
 
@@ -33,6 +34,7 @@ std::vector<KeyTable> all_tables() {
   static GivenPose pose;
   static FunctionKeys function;
   static Film film;
+  static LiveEvent event;
   static CameraKey camera_key;
   static Retraction retract;
   static RelaxParams relax;
@@ -59,6 +61,7 @@ std::vector<KeyTable> all_tables() {
       {"view", "[[view]]", "", fields(view)},
       {"camera_path", "camera_path = [{ … }] of a [[view]]", "", fields(camera_key)},
       {"film", "[film]", "", fields(film)},
+      {"event", "[[event]] of a journal", "", fields(event)},
       {"slice", "slice = { … } of a [[view]]", "", fields(slice)},
       {"clip", "clip = [{ … }] of a [[view]]", "clip-", fields(clip)},
       {"light", "light = [{ … }] of a [[view]]", "", fields(light)}};
@@ -74,9 +77,9 @@ std::string kind_of(const Field& field) {
 
 /// Nothing where only scenes have the key, or where the option is one of a command's own.
 std::string option_of(const KeyTable& table, const Field& field) {
-  static const std::set<std::string> kSceneTables = {"light",    "grab", "motion",      "path",
-                                                     "function", "film", "camera_path", "retract",
-                                                     "plane",    "curve"};
+  static const std::set<std::string> kSceneTables = {"light",    "grab",  "motion", "path",
+                                                     "function", "film",  "event",  "camera_path",
+                                                     "retract",  "plane", "curve"};
   const bool has_no_options = kSceneTables.count(table.name) != 0;
   if (field.is_only_in_scenes() || has_no_options) return "";
   return option_name(field, table.prefix);

@@ -19,8 +19,6 @@ namespace supple::tools {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 /// A running mean of a cost per piece of work, which follows the last few.
 class CostPer {
  public:
@@ -170,7 +168,7 @@ void LivePicture::Impl::follow_inverse() {
 }
 
 void LivePicture::Impl::follow_for_sooner(double pixels, LiveCost& cost) {
-  const auto start = Clock::now();
+  const auto start = std::chrono::steady_clock::now();
   const double forward_ms = forward_brick.of(double(for_forward.size())) + forward_pixel.of(pixels);
   const double inverse_ms = inverse_brick.of(double(for_inverse.size())) + inverse_pixel.of(pixels);
   cost.by_inverse = !cuts.empty() || inverse_ms <= forward_ms;
@@ -212,7 +210,8 @@ void LivePicture::Impl::replace(std::unique_ptr<ProgressiveRender> next) {
 }
 
 double ms_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
+      .count();
 }
 
 LivePicture::LivePicture(Session& session, const SceneView& view, Console& console)
@@ -265,7 +264,7 @@ Image LivePicture::first_pixels(double budget_ms) {
   settings.width = std::max(1, int(std::lround(part * width)));
   settings.height = std::max(1, int(std::lround(part * height)));
   settings.auxiliary = false;
-  const auto start = Clock::now();
+  const auto start = std::chrono::steady_clock::now();
   RenderReport report;
   FloatImage picture =
       impl.renderer->render_float(impl.camera, look_of(impl.view), settings, &report);
@@ -284,7 +283,7 @@ bool LivePicture::refine() {
   Impl& impl = *m_impl;
   if (m_settled) return false;
   if (!impl.progressive) {
-    const auto start = Clock::now();
+    const auto start = std::chrono::steady_clock::now();
     const double bricks = double(impl.for_inverse.size());
     impl.follow_inverse();
     if (impl.cuts.empty()) impl.inverse_brick.add(ms_since(start), bricks);

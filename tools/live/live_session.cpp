@@ -11,8 +11,6 @@ namespace supple::tools {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr const char* kNoPicture = "live.png";  // a view in a file names one
 
 std::string absolute(const std::string& path) {
@@ -20,9 +18,9 @@ std::string absolute(const std::string& path) {
 }
 
 /// The tables of the file that say what is opened.
-Json head_of(const TomlTable& root, const Scene& scene) {
-  const Json file = Json::parse(root.json());
-  Json head = Json::object();
+nlohmann::ordered_json head_of(const TomlTable& root, const Scene& scene) {
+  const nlohmann::ordered_json file = nlohmann::ordered_json::parse(root.json());
+  nlohmann::ordered_json head = nlohmann::ordered_json::object();
   head["volume"] = file["volume"];
   head["volume"]["path"] = absolute(scene.volume_path);
   if (file.contains("labels")) head["labels"] = {{"path", absolute(scene.labels_path)}};
@@ -33,15 +31,15 @@ Json head_of(const TomlTable& root, const Scene& scene) {
   return head;
 }
 
-Json keys_of_event(const LiveEvent& event) {
-  Json json = {{"kind", name_of(event.kind)}, {"at", event.at_ms}};
+nlohmann::ordered_json keys_of_event(const LiveEvent& event) {
+  nlohmann::ordered_json json = {{"kind", name_of(event.kind)}, {"at", event.at_ms}};
   if (event.merged > 0) json["merged"] = event.merged;
   if (event.kind == EventKind::drag) json["to"] = {event.to.x, event.to.y, event.to.z};
   if (event.all) json["all"] = true;
   if (event.kind == EventKind::limits) {
     json["limits"] = std::vector<std::string>{"box", "ball", "tighten"}[std::size_t(event.limits)];
   }
-  json.update(Json::parse(event.keys));
+  json.update(nlohmann::ordered_json::parse(event.keys));
   return json;
 }
 
@@ -65,9 +63,9 @@ LiveSession::LiveSession(const std::string& path, Console& console)
 void LiveSession::read_events(const std::string& path) {
   TomlTable root = TomlTable::read(path);
   m_head = head_of(root, m_scene).dump();
-  const Json file = Json::parse(root.json());
+  const nlohmann::ordered_json file = nlohmann::ordered_json::parse(root.json());
   m_view_keys = file.contains("view") ? file["view"][file["view"].size() - 1].dump()
-                                      : Json({{"image", kNoPicture}}).dump();
+                                      : nlohmann::ordered_json({{"image", kNoPicture}}).dump();
   m_first_view_keys = m_view_keys;
   for (TomlTable& table : root.tables("event")) {
     m_events.push_back(read_event(table, m_scene.label_names));
@@ -116,15 +114,19 @@ void LiveSession::carry_out(const LiveEvent& event, Progress* progress) {
         SceneStep step;
         step.place = event.place;
         step.release = true;
-        run(step, Json({{"release", true}}).dump(), progress);
+        run(step, nlohmann::ordered_json({{"release", true}}).dump(), progress);
       }
       m_grab.reset();
       break;
     case EventKind::cut:
-      run(event.step, Json({{"cut", {Json::parse(event.keys)}}}).dump(), progress);
+      run(event.step,
+          nlohmann::ordered_json({{"cut", {nlohmann::ordered_json::parse(event.keys)}}}).dump(),
+          progress);
       break;
     case EventKind::anchor:
-      run(event.step, Json({{"anchors", {Json::parse(event.keys)}}}).dump(), progress);
+      run(event.step,
+          nlohmann::ordered_json({{"anchors", {nlohmann::ordered_json::parse(event.keys)}}}).dump(),
+          progress);
       break;
     case EventKind::relax:
       return relax(event, event.step.relax->passes, progress);
@@ -132,8 +134,7 @@ void LiveSession::carry_out(const LiveEvent& event, Progress* progress) {
       m_limits = event.limits;
       break;
     case EventKind::undo:
-      if (m_done.empty()) break;
-      m_session->undo();
+      if (m_done.empty() || !m_session->undo()) break;
       m_reached = m_done.back().reached_before;
       m_undone.push_back(std::move(m_done.back()));
       m_done.pop_back();
@@ -164,10 +165,10 @@ void LiveSession::drag(const LiveEvent& event, Progress* progress) {
   step.limits = m_limits;
   step.no_relax = true;
   check_step(step, m_session->geometry());
-  Json handle = Json::parse(m_grab->keys);
+  nlohmann::ordered_json handle = nlohmann::ordered_json::parse(m_grab->keys);
   handle["by"] = {by.x, by.y, by.z};
   if (step.handles.front().push) handle["push"] = true;
-  Json keys = {{"handles", {handle}}, {"no_relax", true}};
+  nlohmann::ordered_json keys = {{"handles", {handle}}, {"no_relax", true}};
   if (m_limits != Limits::box) keys["limits"] = m_limits == Limits::ball ? "ball" : "tighten";
   const Vec3d before = m_reached;
   run(step, keys.dump(), progress);
@@ -191,14 +192,17 @@ void LiveSession::do_again(DoneStep done, Progress* progress) {
 void LiveSession::relax(const LiveEvent& event, int passes, Progress* progress) {
   LiveEvent slice = event;
   slice.step.relax->passes = std::min(passes, kSlicePasses);
-  Json keys = Json::parse(event.keys);
+  nlohmann::ordered_json keys = nlohmann::ordered_json::parse(event.keys);
   keys["passes"] = slice.step.relax->passes;
   slice.keys = keys.dump();
   SceneStep step;
   step.place = event.place;
   step.relax = slice.step.relax;
-  run(step, Json({{"relax", Json::parse(fields_json(fields(*slice.step.relax)))}}).dump(),
-      progress);
+  nlohmann::ordered_json settings;
+  for (const Field& field : fields(*slice.step.relax)) {
+    settings[field.name()] = nlohmann::ordered_json::parse(field.json());
+  }
+  run(step, nlohmann::ordered_json({{"relax", settings}}).dump(), progress);
   const RelaxReport& done = m_session->records().back().relaxed;
   m_pending = done.end == RelaxEnd::passes ? passes - slice.step.relax->passes : 0;
   m_relaxation = event;
@@ -214,13 +218,13 @@ void LiveSession::record(LiveEvent event) {
 }
 
 void LiveSession::change_view(const LiveEvent& event) {
-  Json keys = Json::parse(m_view_keys);
+  nlohmann::ordered_json keys = nlohmann::ordered_json::parse(m_view_keys);
   if (event.kind == EventKind::look) {
     keys.erase("preset");
     keys.erase("transfer");
   }
-  keys.update(Json::parse(event.keys));
-  const std::string text = toml_document(Json({{"view", keys}}).dump());
+  keys.update(nlohmann::ordered_json::parse(event.keys));
+  const std::string text = toml_document(nlohmann::ordered_json({{"view", keys}}).dump());
   TomlTable root = TomlTable::parse(text, event.place);
   TomlTable table = *root.table("view");
   SceneView view = read_view(table, 0);
@@ -230,16 +234,17 @@ void LiveSession::change_view(const LiveEvent& event) {
 }
 
 std::string LiveSession::journal() const {
-  Json json = Json::parse(m_head);
-  json["view"].push_back(Json::parse(m_first_view_keys));
+  nlohmann::ordered_json json = nlohmann::ordered_json::parse(m_head);
+  json["view"].push_back(nlohmann::ordered_json::parse(m_first_view_keys));
   for (const LiveEvent& event : m_carried_out) json["event"].push_back(keys_of_event(event));
   return toml_document(json.dump());
 }
 
 std::string LiveSession::batch_scene() const {
-  Json json = Json::parse(m_head);
-  for (const DoneStep& done : m_done) json["step"].push_back(Json::parse(done.keys));
-  Json view = Json::parse(m_view_keys);
+  nlohmann::ordered_json json = nlohmann::ordered_json::parse(m_head);
+  for (const DoneStep& done : m_done)
+    json["step"].push_back(nlohmann::ordered_json::parse(done.keys));
+  nlohmann::ordered_json view = nlohmann::ordered_json::parse(m_view_keys);
   view["size"] = m_view.size;
   json["view"].push_back(view);
   json["output"] = {{"state", "live.vdb"}};

@@ -1,0 +1,53 @@
+// What a step did to the nodes of a body, to be taken back: the bricks that it changed, as they
+// were. Memory: those bricks. Cost to make: one comparison per stored value.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "lib/body/body.h"
+
+namespace supple {
+
+/// One array of numbers per voxel.
+template <class T>
+class BrickChange {
+ public:
+  BrickChange(const BrickArray<T>& before, const BrickArray<T>& after);
+  /// `values` are those after the change.
+  void take_back(BrickArray<T>& values) const;
+  std::size_t bytes() const { return m_values.size() * sizeof(T) + m_bricks.size() * 5; }
+
+ private:
+  std::size_t m_brick_count;
+  std::vector<std::uint32_t> m_bricks;
+  std::vector<std::uint8_t> m_is_stored;  // before, one for each of them
+  std::vector<T> m_values;                // of those that were
+};
+
+/// All that models leave in nodes.
+struct StepNodes {
+  explicit StepNodes(const Body& body)
+      : q(body.q), fraction(body.fraction), rest(body.rest), velocity_mm_s(body.velocity_mm_s) {}
+
+  std::array<BrickValues, 3> q;
+  std::array<BrickArray<std::int16_t>, 3> fraction;
+  RestStretch rest;
+  Velocities velocity_mm_s;
+};
+
+class NodeChange {
+ public:
+  /// The body has the elements that it had.
+  NodeChange(const StepNodes& before, const Body& after);
+  void take_back(Body& body) const;
+  std::size_t bytes() const;
+
+ private:
+  std::vector<BrickChange<std::int32_t>> m_integers;  // q, then rest
+  std::vector<BrickChange<std::int16_t>> m_fractions;
+  std::vector<BrickChange<double>> m_velocities;
+};
+
+}  // namespace supple

@@ -1,0 +1,31 @@
+// What a session keeps of itself before a step, for its own sources.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "lib/session/node_change.h"
+#include "lib/session/session.h"
+
+namespace supple {
+
+struct Session::Before {
+  std::optional<StepNodes> nodes;    // until the step is done
+  std::optional<NodeChange> change;  // from then on
+  LinkCuts cuts, state_cuts;
+  RigidPieces rigid;
+  bool links_known_valid;
+  LinkCheck links;
+  std::vector<IndexBox> anchors;
+  std::vector<std::int32_t> anchor_labels;
+  std::vector<std::string> anchor_selections;
+  Holds holds;
+  HandleLedger ledger;
+  double pressure_kpa;
+  /// Before elements are removed: all else of the state and the body.
+  std::shared_ptr<std::pair<State, Body>> whole;
+
+  std::size_t bytes() const { return change ? change->bytes() : 0; }
+};
+
+}  // namespace supple

@@ -1,0 +1,78 @@
+// The part of a session that takes steps back.
+#include <stdexcept>
+
+#include "lib/session/session_before.h"
+
+namespace supple {
+
+Session::Before Session::before(const StepRequest& request) const {
+  return {
+      StepNodes(m_body),
+      std::nullopt,
+      m_body.cuts,
+      m_state.cuts,
+      m_body.rigid,
+      m_body.links_known_valid,
+      m_links,
+      m_state.anchors,
+      m_state.anchor_labels,
+      m_state.anchor_selections,
+      m_holds,
+      m_ledger,
+      m_pressure_kpa,
+      request.remove.empty() ? nullptr : std::make_shared<std::pair<State, Body>>(m_state, m_body)};
+}
+
+void Session::restore(Before&& before) {
+  if (before.whole) {
+    m_state = std::move(before.whole->first);
+    m_body = std::move(before.whole->second);
+    m_ecm = std::make_unique<VoxelEcmModel>(held());
+  } else if (before.change) {
+    before.change->take_back(m_body);
+  } else {
+    m_body.q = std::move(before.nodes->q);
+    m_body.fraction = std::move(before.nodes->fraction);
+    m_body.rest = std::move(before.nodes->rest);
+    m_body.velocity_mm_s = std::move(before.nodes->velocity_mm_s);
+  }
+  m_body.cuts = std::move(before.cuts);
+  m_state.cuts = std::move(before.state_cuts);
+  m_body.rigid = std::move(before.rigid);
+  m_body.links_known_valid = before.links_known_valid;
+  m_links = before.links;
+  m_state.anchors = std::move(before.anchors);
+  m_state.anchor_labels = std::move(before.anchor_labels);
+  m_state.anchor_selections = std::move(before.anchor_selections);
+  m_holds = std::move(before.holds);
+  m_ledger = std::move(before.ledger);
+  m_pressure_kpa = before.pressure_kpa;
+  find_anchors();
+}
+
+/// The step is done: only what it changed is kept, and of the oldest steps nothing where all take
+/// too much.
+void Session::keep(Before&& before) {
+  if (!before.whole) before.change.emplace(*before.nodes, m_body);
+  before.nodes.reset();
+  m_undo_bytes += before.bytes();
+  m_undo.push_back(std::move(before));
+  while (m_undo.size() > 1 && m_undo_bytes > kMostUndoBytes) {
+    m_undo_bytes -= m_undo.front().bytes();
+    m_undo.pop_front();
+  }
+}
+
+bool Session::undo() {
+  if (!m_keeps_undo)
+    throw std::logic_error("undo() of a session without SessionOptions::keeps_undo");
+  if (m_undo.empty()) return false;
+  m_undo_bytes -= m_undo.back().bytes();
+  restore(std::move(m_undo.back()));
+  m_undo.pop_back();
+  m_records.pop_back();
+  m_pose.reset();
+  return true;
+}
+
+}  // namespace supple

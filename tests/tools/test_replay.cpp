@@ -1,0 +1,166 @@
+// Live sessions: events, journals, batch scenes of them, undo, and pictures in a budget.
+#include <iterator>
+#include <random>
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+#include "raycast/pictures/image.h"
+#include "tests/support/program.h"
+
+using namespace supple;
+using namespace supple::test;
+
+namespace {
+
+/// The words of a command line.
+Outcome run_line(const std::string& line) {
+  std::istringstream words(line);
+  return run_supple({std::istream_iterator<std::string>(words), {}});
+}
+
+class UnitReplay : public ::testing::Test {
+ protected:
+  UnitReplay() { write_ball(m_folder, "ball", 24); }
+
+  /// A journal of the ball with these events.
+  std::string journal(const std::string& events, const std::string& name = "journal.toml") {
+    write_text(m_folder / name,
+               "[volume]\npath = \"ball.nhdr\"\n[[view]]\nimage = \"view.png\"\nsize = [96, 96]\n" +
+                   events);
+    return m_folder / name;
+  }
+  Outcome replay(const std::string& file, const std::string& more = "") {
+    return run_line("replay " + file + " --quiet --force --size 96,96 " + more);
+  }
+  std::string hash(const std::string& file, const std::string& more = "") {
+    const Outcome run = replay(file, "--json " + more);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    const std::size_t at = run.out.find("\"state\": \"");
+    return at == std::string::npos ? "" : run.out.substr(at + 10, 64);
+  }
+
+  TemporaryFolder m_folder;
+};
+
+std::string event(const std::string& kind, const std::string& keys = "") {
+  return "[[event]]\nkind = \"" + kind + "\"\n" + keys + "\n";
+}
+
+std::string vector_text(const std::array<double, 3>& v) {
+  return "[" + std::to_string(v[0]) + ", " + std::to_string(v[1]) + ", " + std::to_string(v[2]) +
+         "]";
+}
+
+const std::string kDrags =
+    event("anchor", "grab_box = [4, 4, 8, 20, 20, 9]") + event("grab", "grab = [12, 12, 16]") +
+    event("drag", "to = [0.7, 1.3, 0.1]") + event("drag", "to = [1.1, 2.9, 0.3]") +
+    event("drag", "to = [0.3, 9.9, 0.2]") + event("drag", "to = [0.2, 2.2, 0.9]") +
+    event("release") + event("relax", "passes = 12");
+
+/// Random events that change the body or not.
+std::string random_events(int count) {
+  std::mt19937 random(7);
+  std::string text;
+  for (int n = 0; n < count; ++n) {
+    const auto number = [&](int most) { return int(random() % unsigned(most)); };
+    const std::string voxel = "[" + std::to_string(9 + number(6)) + ", " +
+                              std::to_string(9 + number(6)) + ", " + std::to_string(9 + number(6)) +
+                              "]";
+    const int what = number(12);
+    if (n == 0 || what == 0) {
+      text += event("grab", "grab = " + voxel);
+    } else if (what == 1) {
+      text += event("redo");
+    } else if (what == 2) {
+      text += event("relax", "passes = 2");
+    } else if (what == 3) {
+      text += event("undo");
+    } else if (what == 4 && n > 3) {
+      text += event("release", "all = true") + event("grab", "grab = " + voxel);
+    } else {
+      text += event("drag", "to = " + vector_text({number(30) / 10. - 1.5, number(30) / 10. - 1.5,
+                                                   number(20) / 10. - 1}));
+    }
+  }
+  return text;
+}
+
+}  // namespace
+
+TEST_F(UnitReplay, AJournalTheSceneMadeFromItAndAnyNumberOfThreadsLeadToTheSameState) {
+  const std::string file = journal(kDrags);
+  const std::string one = hash(file, "--threads 1 --scene " + (m_folder / "batch.toml") +
+                                         " --journal " + (m_folder / "carried.toml"));
+  EXPECT_EQ(one.size(), 64u);
+  EXPECT_EQ(hash(file, "--threads 2"), one);
+  EXPECT_EQ(hash(file, "--threads 8 --budget 1"), one);
+  EXPECT_EQ(hash(m_folder / "carried.toml"), one);
+  EXPECT_EQ(hash(m_folder / "batch.toml"), one);
+  ASSERT_EQ(
+      run_line("run " + (m_folder / "batch.toml") + " --quiet -o " + (m_folder / "out")).exit_code,
+      0);
+  EXPECT_EQ(replay(file, "--check " + (m_folder / "out/live.vdb")).exit_code, 0);
+  const std::string other = journal(
+      event("grab", "grab = [12, 12, 16]") + event("drag", "to = [0.7, 1.3, 0.1]"), "other.toml");
+  EXPECT_EQ(replay(other, "--check " + (m_folder / "out/live.vdb")).exit_code, 1);
+}
+
+TEST_F(UnitReplay, TheSettledPictureIsThatOfRender) {
+  const std::string file = journal(kDrags + event("camera", "camera = { view = \"left\" }") +
+                                   event("look", "preset = \"MR-Default\"") +
+                                   event("clip", "clip = [{ box = [0, 0, 0, 15, 30, 30] }]"));
+  ASSERT_EQ(
+      replay(file, "--image " + (m_folder / "live.png") + " --state " + (m_folder / "live.vdb"))
+          .exit_code,
+      0);
+  ASSERT_EQ(
+      run_line("render " + (m_folder / "live.vdb") + " --quiet --view left --preset " +
+               "MR-Default --size 96,96 --clip-box 0,0,0:15,30,30 -o " + (m_folder / "batch.png"))
+          .exit_code,
+      0);
+  EXPECT_EQ(read_png(m_folder / "live.png").rgba, read_png(m_folder / "batch.png").rgba);
+}
+
+TEST_F(UnitReplay, AThousandRandomEventsAndAsManyUndosLeadBackToTheStart) {
+  const std::string rest = hash(journal(event("grab", "grab = [12, 12, 16]")));
+  const std::string there = random_events(1000);
+  std::string back;
+  for (int n = 0; n < 1000; ++n) back += event("undo");
+  const std::string moved = hash(journal(there, "there.toml"), "--budget 1");
+  EXPECT_NE(moved, rest);
+  EXPECT_EQ(hash(journal(there + back, "back.toml"), "--budget 1"), rest);
+}
+
+TEST_F(UnitReplay, ARedoLeadsToWhereTheUndoCameFrom) {
+  const std::string end = hash(journal(kDrags));
+  const std::string undos = event("undo") + event("undo") + event("undo");
+  const std::string redos = event("redo") + event("redo") + event("redo");
+  EXPECT_NE(hash(journal(kDrags + undos)), end);
+  EXPECT_EQ(hash(journal(kDrags + undos + redos)), end);
+}
+
+TEST_F(UnitReplay, EventsThatComeFasterThanTheyAreDoneAreMergedAndTheirJournalReplays) {
+  std::string many = event("grab", "grab = [12, 12, 16]");
+  for (int n = 1; n <= 400; ++n) {
+    many += event("drag", "to = " + vector_text({0, 0.01 * n, 0}));
+  }
+  const std::string file = journal(many);
+  const std::string journal_file = m_folder / "merged.toml";
+  const Outcome run = replay(file, "--json --speed 1000 --journal " + journal_file);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(run.out.find("\"merged\": 0,"), std::string::npos);
+  const std::string hash_now = run.out.substr(run.out.find("\"state\": \"") + 10, 64);
+  EXPECT_EQ(hash(journal_file), hash_now);
+}
+
+TEST_F(UnitReplay, BadEventsNameTheirLineAndWhatIsExpected) {
+  const Outcome unknown = replay(journal(event("grab", "grabb = [1, 2, 3]")));
+  EXPECT_EQ(unknown.exit_code, 3);
+  EXPECT_NE(unknown.err.find("grabb"), std::string::npos) << unknown.err;
+  const Outcome nothing = replay(journal(event("drag", "to = [1, 2, 3]")));
+  EXPECT_EQ(nothing.exit_code, 3);
+  EXPECT_NE(nothing.err.find("grab or push before it"), std::string::npos) << nothing.err;
+  EXPECT_EQ(replay(journal(event("grab", "grab = [0, 0, 0]"))).exit_code, 3);
+  EXPECT_EQ(run_line("run " + journal(kDrags) + " -o " + (m_folder / "out")).exit_code, 3);
+}
