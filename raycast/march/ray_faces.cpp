@@ -48,26 +48,28 @@ class FaceSearch {
     double mm_ago = 0;
     const IndexClip::Plane* plane = face_of(*m_context.border, pos, mm_ago);
     if (plane == nullptr) return;
-    if (is_visible_at(crossed_at(pos, mm_ago))) {
-      add(as_seen(ClipSpace::source, plane->normal, pos), mm_ago);
-    }
-  }
-
-  /// Where the ray was so long ago, in the source; what it reads is taken as moved alike.
-  Vec3d crossed_at(Vec3d pos, double mm_ago) const {
-    const Vec3d here = pos;
+    Vec3d came_from = pos;
     for (int a = 0; a < 3; ++a) {
       Vec3d axis(0);
       axis[a] = 1;
-      pos[a] -= mm_ago * rate(ClipSpace::source, axis, here);
+      came_from[a] -= mm_ago * rate(ClipSpace::source, axis, pos);
     }
-    return pos;
+    if (is_visible_at(came_from)) add(as_seen(ClipSpace::source, plane->normal, pos), mm_ago);
   }
 
+  /// By the nearest voxel of the volume.
   bool is_visible_at(const Vec3d& pos) const {
-    float encoded;
-    return m_context.source.sample(pos, m_context.geometry.dims(), encoded) &&
-           m_context.classifier.may_be_visible({encoded, encoded});
+    Vec3i voxel;
+    for (int a = 0; a < 3; ++a) {
+      voxel[a] = int(std::lround(std::clamp(pos[a], 0.0, m_context.geometry.dims()[a] - 1.0)));
+    }
+    const BrickTopology& where = m_context.source.topology();
+    const std::int32_t b = where.find(voxel);
+    if (b < 0) return false;
+    const std::int16_t code =
+        *m_context.source.node(std::size_t(b), voxel - where.origin(std::size_t(b)));
+    return code != SourceBricks::kVoid &&
+           m_context.classifier.may_be_visible({float(code), float(code)});
   }
 
   const IndexClip::Plane* face_of(const IndexClip& clip, const Vec3d& pos, double& mm_ago) const {
@@ -87,7 +89,7 @@ class FaceSearch {
   }
 
   /// A face counts where it cuts something that is seen, not where a ray came through its plane in
-  /// the air beside a lip.
+  /// the air beside a lip. The tissue is taken as moved without turning since the ray crossed it.
   void add_piece(const Vec3d& seen_at, const Vec3d& read_at) {
     Vec3d normal;
     double depth_mm;
@@ -96,7 +98,7 @@ class FaceSearch {
     const double gain = normal.dot(direction());  // mm deeper per mm
     if (!(gain > 0)) return;
     const double mm_ago = depth_mm / gain;
-    if (share_of(mm_ago) > 0 && is_visible_at(crossed_at(read_at, mm_ago))) {
+    if (share_of(mm_ago) > 0 && is_visible_at(read_at - direction() * mm_ago)) {
       add(Vec3f(normal), mm_ago);
     }
   }

@@ -39,17 +39,13 @@ struct CutSlab {
   }
   Image picture(const OffsetField& field, const TransferFunction& function,
                 const std::string& view = "anterior", const std::vector<Clip>& clips = {}) const {
+    Renderer renderer(geometry, density);
+    renderer.set_offsets(&field);
     RenderSettings settings = small_picture(80);
     settings.early_termination = 1;
     settings.clips = clips;
-    return picture(field, function, settings,
-                   default_camera(geometry, 1, view, Projection::orthographic));
-  }
-  Image picture(const OffsetField& field, const TransferFunction& function,
-                const RenderSettings& settings, const Camera& camera) const {
-    Renderer renderer(geometry, density);
-    renderer.set_offsets(&field);
-    return renderer.render(camera, function, settings);
+    return renderer.render(default_camera(geometry, 1, view, Projection::orthographic), function,
+                           settings);
   }
 };
 
@@ -102,36 +98,6 @@ TEST(PropertyCutPictures, AnOpenedFaceIsLitAsTheFaceOfAClip) {
     ++compared;
   }
   EXPECT_GT(compared, 800);
-}
-
-TEST(PropertyCutPictures, SkinBesideALipIsLitAsSkinUpToTheLip) {
-  // Oblique rays cross the plane of the right lip in the air before they meet the skin beside it.
-  const CutSlab slab;
-  const OffsetField field = slab.moved(pulled_apart, slab.cuts);
-  ASSERT_NE(field.split, nullptr);
-  const Vec3d lip = slab.geometry.world_from_index({22.8, 12, 20});
-  const Vec3d along = slab.geometry.world_vector_from_index({0.6, 0.8, 0}).normalized();
-  Camera camera;
-  camera.projection = Projection::orthographic;
-  camera.position_lps_mm = lip - along * 100.0;
-  camera.target_lps_mm = lip;
-  camera.height_mm = 12;
-  RenderSettings settings = small_picture(160, 0.1);
-  const Image image = slab.picture(field, fog_function(0.9999), settings, camera);
-  // From where the row meets the skin at a right angle to the lip, on both sides of the lip.
-  const CameraFrame frame = camera_frame(camera);
-  const Vec3d skin = slab.geometry.world_vector_from_index({1, 0, 0});
-  const double pixels_per_voxel = skin.dot(frame.right) * 160 / camera.height_mm;
-  const auto brightness = [&](double voxels_beside) {
-    const std::size_t x = std::size_t(80 + voxels_beside * pixels_per_voxel);
-    return int(image.rgba[4 * (80 * 160 + x)]);
-  };
-  const int far = brightness(5);
-  EXPECT_GT(far, 20);
-  EXPECT_GT(std::abs(brightness(-1.5) - far), 10);  // the face itself, which the light does not see
-  for (double beside = 0.15; beside < 3; beside += 0.1) {
-    EXPECT_NEAR(brightness(beside), far, 2) << beside;
-  }
 }
 
 TEST(PropertyCutPictures, ACutThatStaysClosedCannotBeSeen) {
