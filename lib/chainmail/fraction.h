@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <numeric>
 
 namespace supple {
 
@@ -12,9 +13,16 @@ struct Fraction {
 
   bool is_whole() const { return numerator == denominator; }
   /// The smaller of both; the parts of each are below 2^31.
-  void limit_to(std::int64_t other_numerator, std::int64_t other_denominator);
+  void limit_to(std::int64_t other_numerator, std::int64_t other_denominator) {
+    if (other_numerator * denominator >= numerator * other_denominator) return;
+    const std::int64_t divisor = std::gcd(other_numerator, other_denominator);
+    numerator = other_numerator / divisor;
+    denominator = other_denominator / divisor;
+  }
   /// `value` times the fraction, truncated toward zero.
-  std::int32_t scale(std::int32_t value) const;
+  std::int32_t scale(std::int32_t value) const {
+    return std::int32_t(value * numerator / denominator);
+  }
 };
 
 }  // namespace supple

@@ -134,11 +134,18 @@ TEST_F(UnitLabels, AFixedLabelStaysAndIsStillFixedInTheContinuedState) {
   EXPECT_NE(other.err.find("a state without fixed labels"), std::string::npos) << other.err;
 }
 
-TEST_F(UnitLabels, ACutLabelMovesWithoutItsSurroundings) {
-  const Outcome outcome =
-      deform("ball.nhdr", {"--cut", "label:3", "--grab", "label:3", "--by", "3,0,0"});
+TEST_F(UnitLabels, ACutLabelPushesItsSurroundingsAndPullsNothingAlong) {
+  const std::vector<std::string> options = {"--cut",   "label:3", "--grab",
+                                            "label:3", "--by",    "3,0,0"};
+  const Outcome outcome = deform("ball.nhdr", options);
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_GT(nlohmann::json::parse(outcome.out)["cut_links"], 0);
+  EXPECT_EQ(moves_of(3), std::make_pair(3.0, 3.0));
+  EXPECT_EQ(moves_of(1).first, 0.0);
+  EXPECT_GT(moves_of(2).second, 2.0);
+
+  write_text(m_folder / "passing.toml", "contact = false\n" + read_text(m_folder / "soft.toml"));
+  ASSERT_EQ(deform("ball.nhdr", options, "passing.toml").exit_code, 0);
   EXPECT_EQ(moves_of(3), std::make_pair(3.0, 3.0));
   EXPECT_EQ(moves_of(1), std::make_pair(0.0, 0.0));
   EXPECT_EQ(moves_of(2), std::make_pair(0.0, 0.0));

@@ -134,7 +134,8 @@ TEST(InteropVtu, FilesOfMeshioAreReadOrRefusedByTheirCompression) {
     EXPECT_GE(solid.tetrahedra.size(), 10u) << name;
     for (std::size_t n = 0; n < 12; ++n) {
       const Vec3d& x = solid.points_lps_mm[n];
-      EXPECT_EQ(x, Vec3d(4.0 * (n % 3), 4.0 * (n / 3 % 2), 4.0 * (n / 6))) << name;
+      const Vec3i at(int(n) % 3, int(n) / 3 % 2, int(n) / 6);
+      EXPECT_EQ(x, Vec3d(at) * 4.0) << name;
       const Vec3d u = x * Vec3d(0.1, -0.05, 0.02) + Vec3d(1, 2, 3);
       EXPECT_LT((solid.moved_mm[n] - u).length(), 1e-9) << name;
     }
@@ -192,7 +193,8 @@ TEST(InteropVtu, ABarThatCalculixStretchesGetsThinnerByPoissonsRatio) {
   const Warp warp = read_warp(folder / "bar.vtu", nullptr, &grid);
   int inside = 0;
   for (std::size_t n = 0; n < warp.vectors.size(); ++n) {
-    const Vec3d y = grid.world_from_index(Vec3d(n % 12, n / 12 % 6, n / 72));
+    const Vec3i at(int(n) % 12, int(n) / 12 % 6, int(n) / 72);
+    const Vec3d y = grid.world_from_index(Vec3d(at));
     const Vec3d x = y / Vec3d(1.1, 0.97, 0.97);
     if (x.x > 20 || x.y > 10 || x.z > 10) continue;
     EXPECT_LT((Vec3d(warp.vectors[n]) - (x - y)).length(), 1e-4) << y;
