@@ -16,10 +16,10 @@ struct Outcome {
 };
 
 struct RunOptions {
-  std::string directory;          // working directory, empty: the present one
-  long long max_file_bytes = -1;  // RLIMIT_FSIZE, stands in for a full disk
-  bool as_nobody = false;         // drops root, for whom no folder is read-only
-  double interrupt_after_s = -1;  // sends a signal then
+  std::string directory;            // working directory, empty: the present one
+  long long max_file_bytes = -1;    // RLIMIT_FSIZE, stands in for a full disk
+  bool as_nobody = false;           // drops root, for whom no folder is read-only
+  double interrupt_after_s = -1;    // sends a signal then
   std::string interrupt_at_file{};  // or as soon as this file is there
   int interrupt_by = SIGINT;
   bool count_threads = false;  // looks every millisecond
