@@ -45,8 +45,7 @@ nlohmann::ordered_json keys_of_event(const LiveEvent& event) {
 
 }  // namespace
 
-LiveSession::LiveSession(const std::string& path, Console& console)
-    : m_console(console), m_scene(read_scene(path)) {
+LiveSession::LiveSession(const std::string& path, Console& console) : m_scene(read_scene(path)) {
   for (const std::string& line : m_scene.warnings) console.warn(line);
   if (!m_scene.warp_path.empty() || !m_scene.path.empty() || m_scene.film) {
     throw InputError({m_scene.file, "", "a warp, path or film", "a body that events move"});

@@ -60,7 +60,6 @@ class LiveSession {
   void record(LiveEvent event);
   void change_view(const LiveEvent& event);
 
-  Console& m_console;
   Scene m_scene;
   std::string m_head;  // JSON: the file without steps, events and outputs, paths absolute
   std::vector<LiveEvent> m_events, m_carried_out;
