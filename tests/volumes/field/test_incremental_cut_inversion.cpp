@@ -1,7 +1,6 @@
 // Cut bodies that move a little at a time, against an inversion anew.
 #include <gtest/gtest.h>
 
-#include "tests/support/sanitized.h"
 #include "tests/volumes/field/offset_fixtures.h"
 #include "volumes/base/on_threads.h"
 #include "volumes/field/cuts/cut_offsets.h"
@@ -67,7 +66,7 @@ void expect_same_samples(std::mt19937& random, const OffsetField& a, const Offse
 }  // namespace
 
 TEST(PropertyIncrementalCutInversion, AfterEveryLocalChangeItHasTheBitsOfAnInversionAnew) {
-  constexpr int kBodies = kSanitized ? 1 : 3;
+  constexpr int kBodies = 3;
   int torn = 0;
   for (int n = 0; n < kBodies; ++n) {
     std::mt19937 random(unsigned(70 + n));
