@@ -104,13 +104,15 @@ void Session::solve(const std::vector<Handle>& handles, const std::vector<PieceM
   record.report.milliseconds = record.ball->milliseconds;
 }
 
-/// None where no cut can close, or nothing is to be kept apart.
+/// None where no cut can close, or nothing is to be kept apart. Sides between or beside rigid
+/// pieces have too little room: a drag would be tried many times over, each time with the whole
+/// body.
 std::unique_ptr<CutContact> Session::contact_of(const StepRequest& request) {
-  const LinkCuts& cuts = m_body.rigid.empty() ? m_body.cuts : m_state.cuts;
-  if (!m_material.has_contact || request.limits == Limits::ball || cuts.empty()) {
+  if (!m_material.has_contact || request.limits == Limits::ball || !m_body.rigid.empty() ||
+      m_body.cuts.empty()) {
     return nullptr;
   }
-  auto contact = std::make_unique<CutContact>(m_body, cuts);
+  auto contact = std::make_unique<CutContact>(m_body, m_body.cuts);
   return contact->empty() ? nullptr : std::move(contact);
 }
 
@@ -120,18 +122,9 @@ SlotSet Session::fixed_elements() const {
   return fixed;
 }
 
-/// Turning pieces have stopped where anchors stop them; sides that they press together are taken
-/// apart as far as there is room.
 void Session::solve_in_contact(CutContact& contact, const std::vector<Handle>& handles,
                                const std::vector<PieceMotion>& pieces, StepRecord& record,
                                Progress* progress) {
-  if (has_turns(pieces)) {
-    solve_turns(handles, pieces, record, progress);
-    SlotSet fixed = fixed_elements();
-    for (const RigidPiece& piece : m_body.rigid.list) fixed.add(*piece.elements);
-    record.contact = contact.part(fixed, m_holds, progress);
-    return;
-  }
   constexpr int kAll = CutContact::kDragParts;
   const auto move = [&](int parts) {
     m_ecm->move(parts == kAll ? handles : handles_of(record, pieces, double(parts) / kAll), 1,
