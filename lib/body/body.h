@@ -21,22 +21,22 @@ struct Body {
   /// Links between elements that are absent: cut, or between two elements of rigid pieces.
   LinkCuts cuts;
   RestStretch rest;  // of the links' springs; empty without plastic flow
-  /// What models beside ECM know of a node, empty unless one has left some: of each offset the rest
-  /// beyond q, 2^-32 voxel, at most half a unit of q; and velocities. Who writes q drops the
-  /// fractions of what it moved.
+  /// Node state of the models beside ECM, empty unless one of them has left some. The fraction is
+  /// the rest of an offset beyond q, in 2^-32 voxel, at most half a unit of q. Code that writes q
+  /// drops the fractions of the voxels that it moved.
   std::array<BrickArray<std::int16_t>, 3> fraction;
   Velocities velocity_mm_s;  // LPS
-  RigidPieces rigid;         // what moves as rigid bodies
+  RigidPieces rigid;         // sets of elements that move as rigid bodies
   SlackTable slacks;
   MaterialTable material;
-  /// True while all links are known to hold, so that a drag need not check them. Whoever writes q
+  /// True while all links are known to hold, so that a drag need not check them. Code that writes q
   /// other than through a model that keeps links valid sets it to false.
   bool links_known_valid = false;
 
   /// Offset of coordinate c of a voxel that is an element; 0 for a coordinate that never moved.
   std::int32_t offset(const Vec3i& voxel, int c) const;
   std::size_t bytes() const;
-  /// Drops the fractions of a brick's offsets that are no longer what they were `before`.
+  /// Drops the fractions of a brick's offsets that differ from those `before`.
   void drop_fractions(int c, std::size_t brick, const std::int32_t* before);
 };
 

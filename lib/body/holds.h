@@ -1,4 +1,4 @@
-// What does not move freely: elements that handles of earlier drags hold.
+// Elements that do not move freely, since handles of earlier drags hold them.
 #pragma once
 
 #include <array>
@@ -15,8 +15,8 @@ struct Bound {
   std::int32_t value;
 };
 
-/// What the handles of earlier drags still hold in one body: elements of two-sided handles stay
-/// where they are; those of push handles stay at or beyond where they were pushed to.
+/// Elements of one body that the handles of earlier drags still hold. Those of two-sided handles
+/// stay where they are. Those of push handles stay at or beyond the place that they were pushed to.
 struct Holds {
   SlotSet anchored;
   std::array<std::vector<Bound>, 3> at_least{}, at_most{};  // per coordinate, ascending slots

@@ -1,5 +1,5 @@
-// Which links the voxels of one brick have, diagonals and links to other bricks included, as bits:
-// the rule of diagonals.h for 512 voxels at a time. About 1,500 cycles.
+// Links of the voxels of one brick as bits, diagonals and links to other bricks included: the rule
+// of diagonals.h for 512 voxels at a time. About 1,500 cycles.
 #pragma once
 
 #include <array>

@@ -1,10 +1,10 @@
 // The point nearest to the origin within half-spaces of six dimensions: a strictly convex quadratic
 // program in the coordinates in which its Hessian is the identity.
 //
-// Half-spaces are added one by one, the caller choosing which is violated most, and the set of
-// those that are met with equality is kept by the dual method of Goldfarb and Idnani (Math.
-// Program. 27, 1-33, 1983): the nearest point of what was added so far, exact to rounding, after
-// every one. O(active^2) per change of the set, at most six active.
+// Half-spaces are added one by one; the caller chooses the one that is violated most. The dual
+// method of Goldfarb and Idnani (Math. Program. 27, 1-33, 1983) keeps the set of those that are met
+// with equality. After each addition the point is the nearest one in all half-spaces added so far,
+// exact to rounding. O(active^2) per change of the set, at most six active.
 #pragma once
 
 #include <array>

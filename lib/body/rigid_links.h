@@ -1,4 +1,4 @@
-// What rigid pieces make of the links of a body, and connected parts over links.
+// Links of a body that rigid pieces hide or cut, and parts that links connect.
 #pragma once
 
 #include <vector>
@@ -7,7 +7,7 @@
 
 namespace supple {
 
-/// `cuts`, and every link between two elements of pieces: what solvers are not to see.
+/// Links that solvers must not see: `cuts`, and every link between two elements of pieces.
 LinkCuts cuts_with_pieces(const Body& body, const LinkCuts& cuts);
 
 /// Cuts the links between two different pieces. Returns how many of them were not cut before.
@@ -26,8 +26,8 @@ std::vector<SlotSet> connected_parts(const BrickTopology& elements, const LinkCu
                                      const SlotSet& set);
 
 /// The parts of a set that lie nearest to each seed, by way of axis links inside the set and in mm;
-/// equally near ones go to the earlier seed. What no way reaches stays with none. Seeds are
-/// elements of the set.
+/// equally near ones go to the earlier seed. Elements that no way reaches belong to no part. Seeds
+/// are elements of the set.
 std::vector<SlotSet> nearest_parts(const Body& body, const LinkCuts& cuts, const SlotSet& set,
                                    const std::vector<Slot>& seeds);
 

@@ -1,7 +1,7 @@
 // Rigid pieces: sets of elements that move as rigid bodies, such as the bones of a CT. Links inside
-// a piece and between two pieces do not exist for the solvers; what keeps a piece in shape is its
-// pose, six numbers from which the offset of every element is rounded once. So thousands of moves
-// do not bend it.
+// a piece and between two pieces do not exist for the solvers. A piece keeps its shape by its pose,
+// six numbers from which the offset of every element is rounded once. So thousands of moves do not
+// bend it.
 #pragma once
 
 #include <array>

@@ -1,8 +1,8 @@
 // The smallest rigid motion of a piece that takes its elements within bounds, such as those that
 // handles and anchors set through tissue: of a motion x -> T (x - c) + c + t, c the centre of the
-// elements, the one with the least sum of squared ways, sum |T r - r|^2 + N |t|^2. A turn counts
-// with the tissue that it carries, too: each element as a cube. Without it a small piece that is
-// carried far would pivot by any angle, to save a part of its own size.
+// elements, the one with the least sum of squared ways, sum |T r - r|^2 + N |t|^2. The cost of a
+// turn includes the tissue that it carries: each element counts as a cube. Without that a small
+// piece that is carried far would pivot by any angle, to save a part of its own size.
 //
 // Bounds are linear in the offset of an element, and offsets nearly linear in the six unknowns of a
 // further small motion. So each iteration solves a convex quadratic program, 6 unknowns and two

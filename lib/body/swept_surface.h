@@ -12,7 +12,7 @@ struct SweptCurve {
   std::vector<Vec3d> points_lps_mm;  // at least two
   Vec3d direction{0, 0, 0};          // LPS, any length but 0
   double depth_mm = 0;               // how far along the direction
-  double above_mm = 0;               // and how far against it, so that what is above is cut too
+  double above_mm = 0;               // and how far against it, so that tissue above is cut too
   /// A spline through the points (Catmull and Rom, as 3D Slicer draws its curves) instead of
   /// straight segments.
   bool is_smooth = true;

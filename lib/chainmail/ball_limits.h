@@ -5,11 +5,11 @@
 // The coordinates are not independent any more, and the result DEPENDS ON THE PROCESSING ORDER
 // (figure 4.18; a test shows two orders that end apart). So the order is fixed: the largest
 // violation in mm first, among equal ones the candidate with the lower slot, then the sponsor with
-// the lower slot; one thread; double precision, without any source of chance. Nor is there a least
-// solution to reach: neighbours push each other back and forth, so moves are capped and what is
-// left is counted. A length has no side: a handle that jumps past its neighbour turns the link
-// round, so large drags are better given in parts of less than a voxel. `drag()` of ecm.h has none
-// of these defects and is the default.
+// the lower slot. One thread computes it in double precision, without any source of chance. There
+// is no least solution either: neighbours push each other back and forth. So the number of moves is
+// capped, and violations that are left are counted. A length has no side: a handle that jumps past
+// its neighbour turns the link round. Large drags are therefore better given in parts of less than
+// a voxel. `drag()` of ecm.h has none of these defects and is the default.
 //
 // Cost, measured: 0.2 to 1.3 us per move (a heap of links), 1 to 14 moves per element that moves,
 // so 0.2 to 15 us per element, 5 to 1000 times that of drag(); 14 kB per brick touched.
@@ -53,9 +53,9 @@ struct BallReport {
 
 /// Moves the handles by the whole and lets the body follow. Elements of handles and anchors never
 /// move as candidates: a link from a moved element to one of them moves the element back. Handles
-/// and anchors that contradict each other are no error here: what they tear is in the report.
-/// Links that are violated from the start move only when they meet one that moves. Offsets are
-/// rounded to 2^-16 voxel at the end; cut links are absent. Body::links_known_valid is false
+/// and anchors that contradict each other are no error here: the report counts the links that they
+/// tear. Links that are violated from the start move only when they meet one that moves. Offsets
+/// are rounded to 2^-16 voxel at the end; cut links are absent. Body::links_known_valid is false
 /// afterwards, as the box limits need not hold, and the next drag() projects. Throws InputError: a
 /// region without element, a voxel held twice, a push handle, an offset beyond the range. The body
 /// is unchanged then, also when `progress` cancels.
@@ -63,8 +63,8 @@ BallReport drag_ball(Body& body, const std::vector<Handle>& handles,
                      const std::vector<Region>& anchors, const BallParams& params = {},
                      Progress* progress = nullptr);
 
-/// The same among what earlier drags hold, and holds these handles too. Push handles that are still
-/// held are an InputError.
+/// The same among the elements that earlier drags hold; these handles are held too. Push handles
+/// that are still held are an InputError.
 BallReport drag_ball(Body& body, const std::vector<Handle>& handles,
                      const std::vector<Region>& anchors, Holds& holds, const BallParams& params,
                      Progress* progress = nullptr);

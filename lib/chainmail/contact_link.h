@@ -8,7 +8,7 @@
 
 namespace supple {
 
-/// q of `above` is to be at least q of `below` + least; nothing bounds it from the other side.
+/// Demands q of `above` >= q of `below` + least. Nothing bounds it from the other side.
 struct ContactLink {
   Slot below, above;
   std::int64_t least;

@@ -1,4 +1,5 @@
-// One coordinate of a drag of voxels (drag_algebra.h), on bricks that remember what they were.
+// One coordinate of a drag of voxels (drag_algebra.h), on bricks that keep their former values for
+// undoing.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +15,8 @@ class CoordinateDrag : public DragAlgebra<CoordinateDrag> {
  public:
   /// Gives the coordinate its table of bricks if it never moved; the destructor rolls back unless
   /// commit() was called. `undo` must be empty, and `pieces` are those that `held` leaves free.
-  /// Edges among the handles that are held may yield: their displacements become what they do.
+  /// Edges among the handles that are held may yield: their displacements become the ones
+  /// performed.
   CoordinateDrag(Body& body, int coordinate, HeldVoxels& held, const FreePieces& pieces,
                  Propagator& propagator, UndoLog& undo, Progress* progress);
   ~CoordinateDrag();
@@ -46,8 +48,8 @@ class CoordinateDrag : public DragAlgebra<CoordinateDrag> {
   [[noreturn]] void throw_conflict(const Target& above, const Target& below,
                                    std::int64_t missing) const;
 
-  /// Calls `visit(slot, limit)` for what is held in a brick and may not rise above its limit
-  /// (raise) or sink below it (lower).
+  /// Calls `visit(slot, limit)` for the held elements of a brick that may not rise above their
+  /// limit (raise) or sink below it (lower).
   template <class Visit>
   void for_each_held(std::size_t brick, Direction direction, Visit&& visit) const;
   const std::vector<Bound>& held_bounds(Direction direction) const;

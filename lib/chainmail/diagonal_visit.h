@@ -10,7 +10,7 @@
 
 namespace supple {
 
-/// What visits of one phase share.
+/// Data that the visits of one phase share.
 struct VisitContext {
   const Body& body;
   const LinkCosts& costs;
@@ -31,7 +31,7 @@ class DiagonalVisit {
   }
   static int opposite(int side) { return opposite_direction(side); }
 
-  /// Draws in what a neighbour sends.
+  /// Draws in the levels that a neighbour sends.
   void draw(int side);
   void close();
   /// Stores the values; returns the sides that a change may affect, as bits.

@@ -6,21 +6,21 @@
 // can be met iff l_a - u_b <= dist(a, b) for all a in A, b in B (design.md section 3). Then
 //   L_j = max over A (l_a - dist(a, j)),   U_j = min over B (u_b + dist(j, b)),
 // L <= U by the triangle inequality, and q_j <- median(L, q, U) is valid, meets every bound and
-// moves least. L is only needed above q and U only below. Who bounds what, with D the displacement
-// of an element of a handle, f the fraction of the drag and q the offsets before it:
+// moves least. L is only needed above q and U only below. The bounds of each kind of element
+// follow, with D the displacement of an element of a handle, f the fraction of the drag and q the
+// offsets before it:
 //   two-sided handle     in A and B   l = u = q + f D
 //   push handle          in A or B    l = t + f D or u = t + f D
 //   anchor, held voxel   in A and B   l = u = q
 //   held push            in A or B    l = t or u = t
 // A push handle is a tool at the place t: on elements that it does not hold yet t = q, and it is in
 // A when D > 0, in B when D < 0, in neither when D = 0; later it stays on its side, t <= q in A and
-// t >= q in B, so that withdrawing it moves nothing.
-// Handles must agree at f = 1. Two push handles of one direction always do, as A meets no B.
-// At f = 0 the bounds are met, so what is held only limits f: for a handle a in A that rises and a
-// held upper bound b, f D_a <= dist(a, b) - (l_a - u_b), l_a before the drag; and mirrored for
-// sinking handles. Truncating
-// the targets toward zero keeps them feasible: trunc(f D_a) - trunc(f D_b) <= max(0, D_a - D_b)
-// where both fit at f = 1, and it only shortens moves against what is held.
+// t >= q in B, so that withdrawing it moves nothing. Handles must agree at f = 1. Two push handles
+// of one direction always do, as A meets no B. At f = 0 the bounds are met, so held elements only
+// limit f: for a handle a in A that rises and a held upper bound b, f D_a <= dist(a, b) - (l_a -
+// u_b), l_a before the drag; and mirrored for sinking handles. Truncating the targets toward zero
+// keeps them feasible: trunc(f D_a) - trunc(f D_b) <= max(0, D_a - D_b) where both fit at f = 1,
+// and it only shortens moves against held elements.
 //
 // Conflicts show in the same runs: a held element above its upper bound after the raise, below its
 // lower bound after the lowering, or a handle that ends below its lower bound.
@@ -40,21 +40,21 @@ namespace supple {
 ///   std::size_t handle_count() const
 ///   void for_each_target(handle, direction, visit)     visit(slot, target, present, by) for
 ///       elements that the handle keeps from sinking below their target (raise) or rising above it
-///       (lower); by is the element's displacement D, target what scaled(by) comes to
+///       (lower); by is the element's displacement D, target its place after scaled(by)
 ///   std::int64_t excess_of_held(direction)             how far held elements are beyond bounds
 ///   std::vector<Seed> pulled_back(direction, shift)    rolls back; held upper bounds (raise) or
-///       lower ones (lower), shifted: what the run before did not reach may be left out
+///       lower ones (lower), shifted; those that the run before did not reach may be left out
 ///   void propagate(direction, seeds), void roll_back()
 ///   [[noreturn]] void throw_conflict(above, below, missing)
 ///   bool is_edge(handle) const                         of a soft handle: its displacements are
-///       wishes, of which it does what anchors allow
+///       shortened to the part that anchors allow
 ///   bool let_edges_yield(direction, furthest)          after pulled_back() by `furthest` was
 ///       propagated: cuts displacements of edges down to their room; whether any was
 template <class Drag>
 class DragAlgebra {
  public:
-  /// Moves the handles by the whole and tightens `fraction` by what is held. Throws InputError when
-  /// handles contradict each other, whatever the anchors say.
+  /// Moves the handles by the whole and tightens `fraction` by the elements that are held. Throws
+  /// InputError when handles contradict each other, whatever the anchors say.
   void try_whole(Fraction& fraction);
 
   /// Whether try_whole() cut displacements of edges, so that redo() must follow.
@@ -71,7 +71,7 @@ class DragAlgebra {
     std::int32_t value;
   };
 
-  /// What a displacement comes to.
+  /// The part of a displacement that is performed.
   std::int32_t scaled(std::int32_t by) const { return m_fraction.scale(by); }
 
  private:
@@ -111,8 +111,8 @@ class DragAlgebra {
   /// and held upper bounds b. When all rise by the same D, the excess of the whole drag is D minus
   /// the smallest numerator. Otherwise one run serves all pairs: held elements pulled down to u_b -
   /// max D_a lower an element by max D_a minus its smallest numerator, unless that is negative.
-  /// What the whole drag did not reach limits nothing. Sinking handles: mirrored. Elements of edges
-  /// limit nothing either: each by itself goes no further than its numerator.
+  /// Elements that the whole drag did not reach limit nothing. Sinking handles: mirrored. Elements
+  /// of edges limit nothing either: each by itself goes no further than its numerator.
   void limit_by_held(Direction direction, std::int64_t excess, Fraction& fraction) {
     const int sign = direction == Direction::raise ? 1 : -1;
     std::int32_t furthest = 0, nearest = INT32_MAX;

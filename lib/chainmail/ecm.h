@@ -27,7 +27,7 @@ struct HeldVoxels;
 /// A two-sided handle takes its elements along whichever way it goes. A push handle is a tool that
 /// does not stick: in a coordinate with by > 0 its elements end at least that far, with by < 0 at
 /// most, and by = 0 asks for nothing. Held through later drags it keeps its side: it pushes on from
-/// where it is, and withdrawing it leaves the tissue where that was pushed to.
+/// where it is, and withdrawing it leaves the tissue where it was pushed to.
 enum class HandleKind { two_sided, push };
 
 /// A grabbed region and how far its elements move from where they are now, per grid axis in 2^-16
@@ -43,16 +43,18 @@ struct Handle {
   Region region;
   std::array<std::int32_t, 3> by_q;
   HandleKind kind = HandleKind::two_sided;
-  /// Where not empty, in place of by_q: of each element by itself, in the order of the slots of
-  /// elements_of(region). A part of the drag is that part of each: targets stay on straight lines,
-  /// since limits that hold at both ends of a line hold all along it, and not on arcs.
+  /// Displacements of the single elements in place of by_q, in the order of the slots of
+  /// elements_of(region); empty: all move by by_q. A part of the drag is that part of each
+  /// displacement, so targets stay on straight lines and not on arcs: limits that hold at both ends
+  /// of a line hold all along it.
   std::vector<std::array<std::int32_t, 3>> each_by_q = {};
-  /// Of the handle before it, with which reports count it. Where it pushes, its displacements are
-  /// wishes: each element goes as far as anchors let it, and shortens the drag of no other.
+  /// The soft edge of the handle before it, with which reports count it. An edge that pushes only
+  /// asks for its displacements: each element goes as far as anchors let it, and shortens the drag
+  /// of no other.
   bool is_edge = false;
 };
 
-/// Displacement in mm along the grid axes i, j, k to the nearest fixed point.
+/// Displacement in mm along the grid axes i, j, k, rounded to the nearest fixed-point number.
 /// Throws InputError when not finite or beyond the range of +-16383 voxels.
 std::array<std::int32_t, 3> fixed_from_mm(const Vec3d& by_mm, const Vec3d& spacing_mm);
 
@@ -92,9 +94,9 @@ struct EcmReport {
 EcmReport drag(Body& body, const std::vector<Handle>& handles, const std::vector<Region>& anchors,
                Progress* progress = nullptr);
 
-/// The same among what earlier drags hold, which counts as anchors, and adds these handles to
-/// `holds`. Elements that are grabbed again are no anchors; where both times a push handle did, the
-/// new one is the same tool and goes on.
+/// The same among the elements that earlier drags hold, which count as anchors; these handles are
+/// added to `holds`. Elements that are grabbed again are no anchors. Where a push handle grabbed
+/// them both times, the new one is the same tool and goes on.
 EcmReport drag(Body& body, const std::vector<Handle>& handles, const std::vector<Region>& anchors,
                Holds& holds, Progress* progress = nullptr);
 
@@ -116,21 +118,22 @@ class EcmSolver {
   EcmReport drag_whole(const std::vector<Handle>& handles, const std::vector<Region>& anchors,
                        Holds& holds, Progress* progress = nullptr);
 
-  /// As drag(), or drag_whole(), but where free pieces would shift nothing moves: the report says
-  /// which, and how far.
+  /// As drag(), or as drag_whole(), unless free pieces would shift. In that case nothing moves, and
+  /// the report says which pieces would, and how far.
   EcmReport drag_unless_pieces_shift(const std::vector<Handle>& handles,
                                      const std::vector<Region>& anchors, Holds& holds, bool whole,
                                      Progress* progress = nullptr);
 
-  /// What drag_whole() would report; the body stays. Throws as drag() does.
+  /// The report that drag_whole() would give; the body stays. Throws as drag() does.
   EcmReport try_whole(const std::vector<Handle>& handles, const std::vector<Region>& anchors,
                       const Holds& holds, Progress* progress = nullptr);
 
-  /// Where the whole drag lets elements of pieces be, each by itself, by way of tissue: between the
-  /// envelopes of all that is held, handles at their targets. Bounds further than `reach_q` from
-  /// where an element is are left out, and elements without any. A drag that keeps the pose of a
-  /// single piece within them can only fail by way from the piece back to itself. Cost: six
-  /// propagations, as far as `reach_q`, and a copy of all offsets.
+  /// Bounds that tissue puts on each element of the pieces by itself while the whole drag is
+  /// performed: between the envelopes of all held elements, handles at their targets. Bounds
+  /// further than `reach_q` from the place of an element are left out, and so are elements without
+  /// any. A drag that keeps the pose of a single piece within them can only fail by paths that lead
+  /// from the piece back to itself. Cost: six propagations, as far as `reach_q`, and a copy of all
+  /// offsets.
   std::vector<std::vector<ElementBounds>> bounds_of(const std::vector<const RigidPiece*>& pieces,
                                                     const std::vector<Handle>& handles,
                                                     const std::vector<Region>& anchors,
@@ -157,9 +160,9 @@ class EcmSolver {
 };
 
 /// Projects an invalid configuration to floor((L + U) / 2): the smallest possible largest move.
-/// What is fixed or held stays, and push handles keep their side, in every coordinate in which the
-/// links allow that; elsewhere all move, and `held_moved` says how many of `fixed` and `held.still`
-/// did.
+/// Fixed and held elements stay, and push handles keep their side, in every coordinate in which the
+/// links allow that. In the other coordinates all elements move, and `held_moved` counts those of
+/// `fixed` and `held.still` that did.
 struct ProjectionReport {
   std::int64_t violated_links = 0;
   double max_move_voxels = 0;

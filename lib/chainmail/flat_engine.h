@@ -10,7 +10,7 @@
 //
 // A Graph is one coordinate of a body:
 //   std::int32_t value(Slot) const;
-//   void set(Slot, std::int32_t);             and whatever is to be undone later
+//   void set(Slot, std::int32_t);             also records the value for undoing
 //   template <bool kRaise, class Visit>
 //   void for_each_link(Slot from, Visit&&) const;
 // for_each_link calls visit(to, slack) for the links of a node; `slack` is a function of no

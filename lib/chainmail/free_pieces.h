@@ -1,9 +1,9 @@
 // Rigid pieces in the difference constraints of one coordinate. While a piece only shifts, the
 // offsets of its elements keep their differences: it is one node of the graph, joined to the tissue
-// by all links of its elements. The engines know nothing of that. Between their runs every element
-// of a piece is brought as far as the one that went furthest, until none lags behind: a shortest
-// path visits a piece at most once, so there are at most as many runs as pieces on a path, and the
-// result is exact, the same bits whatever the order.
+// by all links of its elements. The engines know nothing of pieces. Between their runs every
+// element of a piece is brought as far as the one that went furthest, until none lags behind. A
+// shortest path visits a piece at most once, so there are at most as many runs as pieces on a path.
+// The result is exact, the same bits whatever the order.
 #pragma once
 
 #include <functional>
@@ -22,12 +22,12 @@ class FreePieces {
   FreePieces(const Body& body, const std::vector<const SlotSet*>& held);
 
   bool empty() const { return m_count == 0; }
-  /// By what a run has shifted each of them since `before`; 0 of those that it leaves out.
+  /// Shift of each piece by a run, from `before` to `now`; 0 for pieces that are left out.
   std::vector<std::int32_t> shifts(const BrickValues& now, const UndoLog& before) const;
 
   /// The offsets of a brick before the run.
   using Before = std::function<const std::int32_t*(std::size_t brick)>;
-  /// Where elements that lag behind their piece are to go. `bricks`: all that may have changed.
+  /// Targets of elements that lag behind their piece. `bricks`: all that may have changed.
   std::vector<Seed> lagging(const BrickValues& now, const Before& before, Direction direction,
                             const std::vector<std::size_t>& bricks) const;
   /// The bricks with elements of any piece.

@@ -1,4 +1,4 @@
-// What a drag holds, found in the body: grabbed elements with their displacements, elements that
+// Elements that a drag holds, found in the body: grabbed ones with their displacements, ones that
 // stay, and bounds that earlier push handles left.
 #pragma once
 
@@ -39,7 +39,7 @@ struct FixedElements {
   SlotSet slots;
 };
 
-/// What stays where it is: `fixed` and `rest.still`.
+/// Grabbed elements, and elements that stay where they are: `fixed` and `rest.still`.
 struct HeldVoxels {
   std::vector<HeldHandle> handles;
   SlotSet grabbed;       // the elements of all handles

@@ -1,5 +1,5 @@
-// What one link takes from a value that travels through it, looked up from the classes of its ends:
-// the slack of design.md section 3 for one coordinate and one direction of propagation.
+// Cost of one link, which a value loses when it travels through it, looked up from the classes of
+// its ends: the slack of design.md section 3 for one coordinate and one direction of propagation.
 //
 // Values travel as levels, biased so that a missing link needs no branch:
 //   raise:  level = q + 2^30      lower:  level = 2^30 - q      1 <= level < 2^31 as |q| < 2^30

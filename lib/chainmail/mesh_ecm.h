@@ -6,8 +6,8 @@
 // the processing order. They are written to MeshBody::pos_mm as rest + q 2^-16 mm, so that other
 // models may move the same body in between.
 //
-// Cost: a look at every position per drag (1 to 3 ns per node), then what moves: 130 to 165 ns per
-// moved node and coordinate, on one thread.
+// Cost on one thread: a look at every position per drag (1 to 3 ns per node), then 130 to 165 ns
+// per moved node and coordinate.
 #pragma once
 
 #include <array>

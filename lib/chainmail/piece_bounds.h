@@ -1,4 +1,4 @@
-// Where what is held lets the elements of a rigid piece be, each by itself: between the envelopes
+// Bounds that held elements put on each element of a rigid piece by itself: between the envelopes
 //   L_j = max over A (l_a - dist(a, j)),   U_j = min over B (u_b + dist(j, b))
 // of drag_algebra.h, through tissue alone.
 #pragma once

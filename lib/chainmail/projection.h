@@ -1,4 +1,4 @@
-// One coordinate of the projection of project.cpp, for those who keep offsets outside the body.
+// One coordinate of the projection of project.cpp, for callers that keep offsets outside the body.
 #pragma once
 
 #include <optional>
@@ -11,7 +11,7 @@
 
 namespace supple {
 
-/// What holds an element from sinking below a value and from rising above one.
+/// Bounds that keep an element from sinking below a value and from rising above one.
 struct HeldBounds {
   std::vector<Seed> least, most;
 };
@@ -31,7 +31,7 @@ std::optional<BrickValues> projected(const BrickValues& values, int coordinate,
                                      Propagator& propagator, Progress* progress = nullptr,
                                      const FreePieces& pieces = {});
 
-/// Those of elements that stay, and of what is held, in the present state.
+/// Bounds of elements that stay and of elements that are held, in the present state.
 HeldBounds held_bounds(const Body& body, int coordinate, const SlotSet& anchored,
                        const Holds& held);
 

@@ -1,4 +1,4 @@
-// What both engines are asked to do, and what they count.
+// Tasks of both engines, and the counts that they return.
 #pragma once
 
 #include <cstdint>

@@ -10,18 +10,19 @@
 // three coordinates,
 //   1. the links along the axis, chain by chain: every link that is too long or too short for its
 //      tightened limits gets the nearest length that they allow, the others keep theirs. A chain
-//      moves about what it holds on to: its held element, or the place where as many of its
-//      elements move one way as the other. What lies between two held elements stays.
-//   2. the whole coordinate under the material's limits and what is held: the projection of
+//      moves about a fixed point: its held element, or the place where as many of its
+//      elements move one way as the other. Elements between two held ones stay.
+//   2. the whole coordinate under the material's limits and all holds: the projection of
 //      project.cpp, half-way between the envelopes.
 // Chains are paths, so 1 never contradicts itself; 2 is exact. So there is no processing order: the
-// bits are the same for any number of threads. A state counts by the sum over all links of the
-// squares of what they miss of the limits tightened by that same state. Iterations go on while each
-// takes a hundredth of it away; one that does not is undone.
+// bits are the same for any number of threads. A state is measured by a sum of squares over all
+// links: of the length by which each misses the limits tightened by that same state. Iterations go
+// on while each takes a hundredth of the sum away; one that does not is undone.
 //
-// Hence what ball limits cannot have: the result is a valid ECM configuration, whatever is left
-// violated; handles, anchors and pushes are as the drag left them; the sum of squares never rises.
-// What is left violated is counted. It is no error: material and holds may leave no room.
+// So three properties hold that ball limits lack: the result is a valid ECM configuration, even
+// where tightened limits stay violated; handles, anchors and pushes are as the drag left them; the
+// sum of squares never rises. Links that stay violated are counted. They are no error: material and
+// holds may leave no room.
 //
 // Volume follows from the lengths along the axes alone: where shear is strong, or two axes are
 // stretched and the third is to make up for both, it is kept in part. A drag alone stretches links
@@ -30,7 +31,7 @@
 // figures. A later relaxation draws the links back, so tightening comes last.
 //
 // Cost, measured: 0.4 to 2 us per element that moves, two to three iterations together; about 30 kB
-// per brick at or beside what moves.
+// per brick that moves or lies beside one that does.
 #pragma once
 
 #include <cstdint>
@@ -64,7 +65,8 @@ struct TightenReport {
   /// tolerance, in rest lengths of the link.
   std::int64_t links = 0, violated = 0;
   double worst_excess_voxels = 0;
-  /// What all links miss together, as the root of the sum of squares, in the start and the result.
+  /// Length that all links miss together, as the root of the sum of squares, in the start and the
+  /// result.
   double excess_before_voxels = 0, excess_voxels = 0;
   double milliseconds = 0;
 };

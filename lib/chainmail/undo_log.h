@@ -1,6 +1,6 @@
 // Keeps the offsets of every brick as they were before its first change: 2 kB per touched brick,
-// nothing for one that was not stored. What is not touched costs nothing either: the index grows
-// by pages of 1024 bricks.
+// nothing for one that was not stored. Untouched bricks cost nothing either: the index grows by
+// pages of 1024 bricks.
 #pragma once
 
 #include <array>

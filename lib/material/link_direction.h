@@ -1,6 +1,6 @@
-// Directions of the links of a voxel: steps d in {-1, 0, 1}^3 along the grid axes, numbered
-// 9 (d_i + 1) + 3 (d_j + 1) + d_k + 1. Opposite directions add up to 26; 13 is no step at all, and
-// directions above 13 lead to the later voxel in the order of slots.
+// Directions of the links of a voxel: steps d in {-1, 0, 1}^3 along the grid axes, numbered 9 (d_i
+// + 1) + 3 (d_j + 1) + d_k + 1. Opposite directions add up to 26; 13 is no step, and directions
+// above 13 lead to the later voxel in the order of slots.
 #pragma once
 
 #include <array>

@@ -1,7 +1,7 @@
-// Look-up tables from density to link limits (thesis section 4.2.3, figure 4.11; design.md
-// section 2) and to what relaxation and springs need. Densities become 256 classes; a link looks
-// its limits up at the mean of both ends, half classes kept. Labels of a segmentation may have
-// tables of their own; links then take the mean of both ends' limits.
+// Look-up tables from density to link limits (thesis section 4.2.3, figure 4.11; design.md section
+// 2) and to the elastic and plastic values of relaxation and springs. Densities become 256 classes;
+// a link looks its limits up at the mean of both ends, half classes kept. Labels of a segmentation
+// may have tables of their own; links then take the mean of both ends' limits.
 #pragma once
 
 #include <array>
@@ -29,7 +29,7 @@ enum class Combine { density, limits };
 /// Classes are 0…kLastClass.
 constexpr int kLastClass = 255;
 
-/// What a table without the curve has.
+/// Values of a table without the curve.
 constexpr double kDefaultStiffnessKpa = 1;
 constexpr double kDefaultMassDensity = 1000;  // kg/m³
 

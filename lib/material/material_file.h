@@ -10,8 +10,9 @@ namespace supple {
 
 class TomlTable;
 
-/// Reads a material file; throws InputError naming the key point. Tables of labels may have the
-/// names of a segmentation (label_names of volumes/io/load/label_file.h).
+/// Reads a material file; throws InputError naming the key point. `names` are those of a
+/// segmentation's labels (label_names of volumes/io/load/label_file.h); tables of labels may use
+/// them.
 MaterialTable read_material(const std::string& path, const LabelNames& names = {});
 /// Parses a table from text, e.g. the one that a state carries; `source` names it in errors.
 MaterialTable parse_material(const std::string& text, const std::string& source);

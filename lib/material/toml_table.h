@@ -23,7 +23,7 @@ class table;
 
 namespace supple {
 
-/// True for what an int holds exactly.
+/// True for a number that an int holds exactly.
 bool is_integer(double value);
 
 class TomlTable {

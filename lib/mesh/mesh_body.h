@@ -33,8 +33,8 @@ struct MeshBody {
   std::size_t bytes() const;
 };
 
-/// At rest; the edges of the triangles become the links. Vertices stay what they are: those of an
-/// STL file, which stores every corner anew, are joined by merge_equal_vertices first. Throws
+/// At rest; the edges of the triangles become the links. Vertices are not merged: those of an STL
+/// file, which stores every corner anew, are joined by merge_equal_vertices first. Throws
 /// InputError: an index without vertex, a triangle with a corner twice, a coordinate that is not
 /// finite.
 MeshBody make_mesh_body(const TriangleMesh& mesh);

@@ -1,4 +1,4 @@
-// A body and what is held in it: beside the node state, all that its models share.
+// A body with its anchors and holds: beside the node state, all that its models share.
 #pragma once
 
 #include <vector>
@@ -8,19 +8,19 @@
 
 namespace supple {
 
-/// References: all outlive the models. Who changes anchors or holds tells models of relaxation and
-/// springs by a move(), of no handle if need be; VoxelEcmModel looks at them in every move()
-/// anyway.
+/// References: all outlive the models. Code that changes anchors or holds tells models of
+/// relaxation and springs by a move(), of no handle if need be. VoxelEcmModel looks at them in
+/// every move() anyway.
 struct HeldBody {
   Body& body;
   const std::vector<Region>& anchors;  // fixed
-  Holds& holds;                        // what handles hold; models add theirs
+  Holds& holds;                        // elements that handles hold; models add theirs
 };
 
 struct HeldMesh {
   MeshBody& body;
   const std::vector<NodeSet>& anchors;  // fixed
-  NodeSet& anchored;                    // what handles hold; models add theirs
+  NodeSet& anchored;                    // nodes that handles hold; models add theirs
 };
 
 /// Adds nodes to a set that stays ascending, each once.

@@ -1,10 +1,10 @@
-// What all models of a body share, so that a scene may exchange them while it runs (thesis chapter
-// 5: "a simulation may change its algorithm").
+// Interface that all models of a body share, so that a scene may exchange them while it runs
+// (thesis chapter 5: "a simulation may change its algorithm").
 //
 // A model takes the node state of a body when it is made: offsets or positions, velocities where it
 // knows motion. It moves the nodes step by step and hands them back with store(); the next model
 // goes on from there. Nothing else passes from one to the other, and nothing is lost between them:
-// what a model does not know of (velocities, in a quasi-static one) it leaves as it is.
+// a model leaves values that it does not know of (velocities, in a quasi-static one) as they are.
 //
 // | model   | voxel bodies     | mesh bodies     | a step is      | knows               |
 // |---------|------------------|-----------------|----------------|---------------------|
@@ -20,7 +20,7 @@
 
 namespace supple {
 
-/// Energies that a model knows of, in J; 0 what it does not.
+/// Energies that a model knows of, in J; 0 for the others.
 struct ModelEnergy {
   double elastic_j = 0;
   double kinetic_j = 0;
@@ -39,9 +39,9 @@ class Model {
   Model& operator=(const Model&) = delete;
 
   /// Sends the handles on their way from where they are: models that know time move them evenly
-  /// over the next `steps` steps, the others at once. They stay held where they come to, by what
-  /// holds the body, until that is told otherwise. Throws InputError as the ECM drag of that body
-  /// does: a handle without nodes, held twice, beyond the range. Nothing has moved then.
+  /// over the next `steps` steps, the others at once. At the end they stay held where they are,
+  /// among the holds of the body, until those are changed. Throws InputError as the ECM drag of
+  /// that body does: a handle without nodes, held twice, beyond the range. Nothing has moved then.
   virtual void move(const std::vector<Handle>& handles, int steps, Progress* progress) = 0;
   /// One pass, or one step of time. False when the body has come to rest by the model's own
   /// measure: further steps change nothing. When `progress` cancels, long steps throw Cancelled,
@@ -52,7 +52,7 @@ class Model {
   /// The forces at these handles, now or in the last step of time, in their order; wherever they
   /// are to go. Throws InputError for one without nodes.
   virtual std::vector<Reaction> reactions(const std::vector<Handle>& handles) = 0;
-  /// Hands the node state to the body. What this model keeps beside it stays: it may go on.
+  /// Hands the node state to the body. Other data of this model stay, so that it may go on.
   virtual void store() = 0;
 };
 

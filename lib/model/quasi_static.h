@@ -1,4 +1,4 @@
-// What models of voxel bodies without time share.
+// Functions that models of voxel bodies without time share.
 #pragma once
 
 #include <vector>

@@ -26,8 +26,8 @@ struct RelaxReport {
   double diagonal_max_voxels = 0;
   int passes = 0;
   /// The last pass moved nothing further than the tolerance, and the forces that are left put the
-  /// energy within 1 % of the least, or a millionth of what it was; where volume is conserved, the
-  /// step alone.
+  /// energy within 1 % of the least, or within a millionth of the energy before. Where volume is
+  /// conserved, the step alone decides.
   bool converged = false;
   RelaxEnd end = RelaxEnd::passes;
   std::optional<double> energy_excess;         // uJ, at most so far above the least; when looked at
@@ -81,8 +81,8 @@ class RelaxModel final : public Model<Handle> {
 
 /// Up to params.passes passes of a body whose elements in `fixed` and `held.still` stay, and those
 /// of push handles at or beyond where they were pushed to; then plastic flow. `progress` may cancel
-/// between two passes: Cancelled is thrown, and the body is what as many passes alone would have
-/// made of it. Throws InputError as RelaxModel.
+/// between two passes: Cancelled is thrown, and the body is as after a relaxation of that many
+/// passes. Throws InputError as RelaxModel.
 RelaxReport relax(Body& body, const std::vector<Region>& fixed, const Holds& held,
                   const RelaxParams& params, Progress* progress = nullptr);
 

@@ -1,7 +1,6 @@
 // Springs as models of voxel bodies and of mesh bodies: steps of time, or a minimisation of the
-// energy. Limits of links play no part: what springs leave may be no valid ChainMail configuration,
-// and the next ECM drag or relaxation projects it and says so (thesis section 4.2.3, second
-// method).
+// energy. Limits of links play no part, so the result may be no valid ChainMail configuration. The
+// next ECM drag or relaxation projects it and says so (thesis section 4.2.3, second method).
 //
 // Fixed nodes and handles are held nodes. Velocities go from the body to the springs and back; a
 // minimum has none.

@@ -1,5 +1,5 @@
-// What models of springs on voxel and on mesh bodies share: a spring system whose held nodes are
-// driven, an integrator or a minimisation that moves it, and the forces on handles.
+// Common part of the models of springs on voxel and on mesh bodies: a spring system whose held
+// nodes are driven, an integrator or a minimisation that moves it, and the forces on handles.
 #pragma once
 
 #include <memory>

@@ -27,8 +27,8 @@ struct PaddedBrick {
   const T* row(int i, int j) const { return values + (10 * (i + 1) + j + 1) * kRowStride + kFirst; }
 };
 
-/// Fills `out`: `source_of(brick)` gives what reads that brick's value at an offset, and `absent`
-/// stands beyond the body.
+/// Fills `out`: `source_of(brick)` gives a function that reads that brick's value at an offset, and
+/// `absent` stands beyond the body.
 template <class T, class SourceOf>
 void pad_brick(const BrickTopology& elements, std::size_t b, T absent, SourceOf&& source_of,
                PaddedBrick<T>& out) {

@@ -1,5 +1,6 @@
-// One brick with what its cells need: the offsets of its elements and one layer around them,
-// corners included, and by how much each cell that touches the brick exceeds its rest volume.
+// One brick with the data of its cells: the offsets of its elements and one layer around them,
+// corners included, and the volume by which each cell that touches the brick exceeds its rest
+// volume.
 //
 // Every other value along k lies side by side, since neighbours never step together: a row holds
 // the values of even k, then those of odd k.

@@ -24,13 +24,13 @@ struct BrickBounds {
   double least[3][kBrickVoxels], most[3][kBrickVoxels];
 };
 
-/// So that what has neither links nor cells has a step of 0 / kNoStiffness.
+/// Stiffness of an element without links and cells, whose step is then 0 / kNoStiffness.
 constexpr double kNoStiffness = 1e-300;
 
 /// Over-relaxation helps slow modes of the springs. Where cells are much stiffer, the slow modes
-/// are those that keep volumes, which it does not help, and the others only ring: what is beyond 1
-/// shrinks with the share of the links. Measured on a pressed ball of 24 voxels, kappa = 10, 100
-/// and 1000 times Young's modulus: the best fixed values were 1.65, 1.3 and 1.1.
+/// are those that keep volumes, which it does not help, and the others only ring. So the part
+/// beyond 1 shrinks with the share of the links. Measured on a pressed ball of 24 voxels, kappa =
+/// 10, 100 and 1000 times Young's modulus: the best fixed values were 1.65, 1.3 and 1.1.
 template <class Number>
 inline Number damped_relaxation(double relaxation, Number of_links, Number of_cells) {
   return 1 + (relaxation - 1) * of_links / (of_links + 0.25 * of_cells + kNoStiffness);

@@ -1,4 +1,4 @@
-// What pulls at a cluster, and how far its links and the bounds of its elements let it go.
+// The force on a cluster, and how far its links and the bounds of its elements let it go.
 #pragma once
 
 #include <vector>

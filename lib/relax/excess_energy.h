@@ -9,8 +9,8 @@
 // elements. Elements outside are clusters of one. So
 //   s^2 <= R sum |F| + s sqrt(sum n (sum |d|)^2 / k).
 // Limits: a set of elements that links at their limits join counts by its net force, and not at all
-// where a limit stops it; what its elements exert on each other is taken for the limits' load. The
-// bound is rigorous where no limit is reached.
+// where a limit stops it; forces between its elements are taken for the limits' load. The bound is
+// rigorous where no limit is reached.
 #pragma once
 
 #include <vector>

@@ -1,5 +1,5 @@
-// What relaxation knows of a link in one coordinate, looked up from the classes of its ends: its
-// stiffness and its limits (thesis section 4.2.3, design.md section 3).
+// Stiffness and limits of a link in one coordinate, looked up from the classes of its ends (thesis
+// section 4.2.3, design.md section 3).
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// What every relaxation needs to know of a body beside its links: which elements may step, alone or
-// as parts of rigid clusters, what bounds them, and how far a step may go beyond equilibrium.
+// Data of a body that every relaxation needs beside its links: the elements that may step, alone or
+// as parts of rigid clusters, their bounds, and how far a step may go beyond equilibrium.
 #pragma once
 
 #include <utility>
@@ -37,9 +37,9 @@ bool has_rest(const Body& body, int coordinate);
 std::pair<std::vector<Bound>::const_iterator, std::vector<Bound>::const_iterator> bounds_in(
     const std::vector<Bound>& bounds, std::size_t brick);
 
-/// Of a pass, counted from 0: grows from 1 as the momentum of Nesterov's method does, up to what
-/// suits the slowest mode of a body of that many voxels (Young 1971 for one whose ends are fixed; a
-/// free end halves the rate). Any below 2 lowers the energy.
+/// Of a pass, counted from 0: grows from 1 as the momentum of Nesterov's method does, up to the
+/// value for the slowest mode of a body of that many voxels (Young 1971 for one whose ends are
+/// fixed; a free end halves the rate). Any below 2 lowers the energy.
 double over_relaxation(int pass, int extent);
 /// Voxels of the body along its longest axis.
 int largest_extent(const BrickTopology& elements);

@@ -70,7 +70,7 @@ inline NodeRow chosen(unsigned bits, NodeRow row) {
   return set != 0 ? row : NodeRow{};
 }
 
-/// So that a node without links has a step of 0 / kNoStiffness.
+/// Stiffness of a node without links, whose step is then 0 / kNoStiffness.
 constexpr double kNoStiffness = 1e-300;
 
 }  // namespace supple

@@ -4,7 +4,7 @@
 //
 // A relaxation is one load step of rate-independent, perfectly plastic springs: while it runs, a
 // spring beyond its yield stretch pulls no more than there, which is the energy that is stored and
-// dissipated; then the rest stretch takes up what is beyond.
+// dissipated; then the rest stretch takes up the part beyond.
 #pragma once
 
 #include <cstdint>

@@ -1,14 +1,14 @@
 // The force on a handle that holds a deformed body, from the energy of relaxation (relaxation.h).
 //
-// Per grid coordinate, a handle feels the springs of its own elements and what links at their
-// limits transmit: elements that such links join to it lean on it, so the forces of their springs
-// count as well. A breadth-first flood from everything that is held, over links at either limit,
-// gives each element that it reaches to the holder that is fewest links away. The sum of their
-// forces is
+// Per grid coordinate, a handle feels the springs of its own elements and the forces that links at
+// their limits transmit: elements that such links join to it lean on it, so the forces of their
+// springs count as well. A breadth-first flood from everything that is held, over links at either
+// limit, gives each element that it reaches to the holder that is fewest links away. The sum of
+// their forces is
 // - where relaxation has come to its minimum, the force that keeps the handle in place, that is
 //   -d(least energy)/d(handle): without the links at their limits, those elements would not be
-//   balanced, and by the Karush-Kuhn-Tucker conditions the links carry just what they lack;
-// - after an ECM drag, -d(energy)/d(handle) for a drag that goes on: what is at its limit comes
+//   balanced, and by the Karush-Kuhn-Tucker conditions the links carry the missing force;
+// - after an ECM drag, -d(energy)/d(handle) for a drag that goes on: links at their limits come
 //   along, the rest stays.
 //
 // A link at its longest pulls and does not push, yet the flood asks for no direction. At the
@@ -29,8 +29,8 @@
 namespace supple {
 
 struct Reaction {
-  /// With which the body pulls at the holder, in N, LPS. Its work on a way dx is force . dx, also
-  /// where the grid's axes are not perpendicular.
+  /// Force with which the body pulls at the holder, in N, LPS. Its work on a way dx is force . dx,
+  /// also where the grid's axes are not perpendicular.
   Vec3d force_n{0, 0, 0};
   /// Per grid coordinate: links at their limits join this holder to another one. They can carry any
   /// force between the two, which statics does not determine: the force is then a part only.
@@ -38,11 +38,11 @@ struct Reaction {
 };
 
 /// One per handle. As for relaxation, elements of `fixed` and `held.still` are held, and those of
-/// push handles in the coordinates where they lie at their bound; what nobody holds there leans on
-/// others. An element of several handles counts for the first, what is held without belonging to
-/// one is another holder. Cells count with that bulk modulus, as in relaxation with it; 0: not.
-/// In a coordinate in which nothing moved or rests elsewhere (with cells: in any of the three)
-/// there is no force, and nothing is taut. Throws InputError: a bulk modulus out of range.
+/// push handles in the coordinates where they lie at their bound; elements that nobody holds there
+/// lean on others. An element of several handles counts for the first. Held elements of no handle
+/// are one more holder. Cells count with that bulk modulus, as in relaxation with it; 0: not. In a
+/// coordinate in which nothing moved or rests elsewhere (with cells: in any of the three) there is
+/// no force, and nothing is taut. Throws InputError: a bulk modulus out of range.
 ///
 /// O(elements held by the handles or leaning on them), all those that are held where a handle is
 /// taut to one; 2 kB per brick with any of these.

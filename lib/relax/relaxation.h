@@ -32,7 +32,7 @@ enum class RelaxMethod {
 };
 const char* name_of(RelaxMethod method);
 
-/// Whether the method can conserve volume: elements of a cell must not step together.
+/// True for methods that can conserve volume, in which elements of a cell do not step together.
 bool conserves_volume(RelaxMethod method);
 
 /// Links of a voxel that are springs, 6, 18 or 26: all that the body has, or those along the axes
@@ -41,7 +41,7 @@ int spring_links(const Body& body, double bulk_modulus_kpa);
 
 /// A bulk modulus beyond this is taken for a mistake: water has 2.2e6 kPa.
 constexpr double kMaxBulkModulusKpa = 1e9;
-/// Throws InputError where it is not 0 to that.
+/// Throws InputError for a value outside 0 to kMaxBulkModulusKpa.
 void check_bulk_modulus(double kpa);
 
 /// A number of passes beyond this is taken for a mistake.
@@ -65,8 +65,8 @@ struct RelaxParams {
   void validate() const;
 };
 
-/// Of a drag in tissue whose material asks for it (MaterialTable::relaxes): until it has settled to
-/// a hundredth of a voxel, or its budget is spent.
+/// Relaxation after a drag in tissue whose material asks for it (MaterialTable::relaxes): until it
+/// has settled to a hundredth of a voxel, or its budget is spent.
 RelaxParams tissue_relaxation();
 
 /// Of `relax = { … }` in a scene.

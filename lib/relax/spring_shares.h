@@ -6,8 +6,8 @@
 // V the volume of a voxel. Along the axes alone this is k = E V / h_a^2, Young's modulus times area
 // over length. Diagonals in their four or two directions add nothing to a != b. With
 //   k = w E V / (longest spacing along the diagonal)^2
-// the axes carry what is left, always a positive part. Where the spacings are equal, w is that of
-// the isotropic stencils of 18 and 26 neighbours (lattice Boltzmann's D3Q19 and D3Q27):
+// the axes carry the rest, which is always positive. Where the spacings are equal, w is that of the
+// isotropic stencils of 18 and 26 neighbours (lattice Boltzmann's D3Q19 and D3Q27):
 //   18: 1/3 along axes, 1/6 across faces;   26: 4/9 along axes, 1/9 across faces, 1/36 across
 //   cells,
 // for which the terms of fourth order are a multiple of (d^2)^2 as well: a handle's dimple is round

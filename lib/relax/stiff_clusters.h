@@ -1,7 +1,7 @@
 // Elements that stiff links join. A relaxation that steps elements one by one moves a stiff part
 // hardly at all, as each of its elements is held back by the others: passes grow with the contrast
-// of stiffness. Stepped as one it moves at the pace of what surrounds it. In one coordinate the
-// motion that costs a stiff part next to nothing is a shift, so nothing else is needed.
+// of stiffness. Stepped as one it moves at the pace of its surroundings. In one coordinate a shift
+// is the only motion that costs a stiff part next to nothing, so shifts suffice.
 #pragma once
 
 #include <vector>
@@ -14,8 +14,7 @@ namespace supple {
 /// A link this much stiffer than another counts as stiff beside it.
 constexpr double kStiffRatio = 30;
 
-/// What joins the elements that axis links of at least `stiffness_n_m` or rigid ones join; only
-/// those that move.
+/// Joins the moving elements that axis links of at least `stiffness_n_m`, or rigid ones, join.
 Joins joined_from(const Body& body, const LinkTable& table, const Movable& elements,
                   double stiffness_n_m);
 

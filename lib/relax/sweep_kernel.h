@@ -40,9 +40,8 @@ SweepOutcome outcome_of(const Row& energy, const Row& least_slack, const Row& la
   return outcome;
 }
 
-/// A spring pulls with stiffness * stretch; beyond its yield stretch the pull stays what it is
-/// there, as plastic flow lets it. `rest` is null where all are elastic and at rest in the
-/// undeformed body.
+/// A spring pulls with stiffness * stretch; beyond its yield stretch the pull stays constant, as in
+/// plastic flow. `rest` is null where all are elastic and at rest in the undeformed body.
 ///
 /// `free` nodes of the brick step from `offsets`; all others stay. Writes 512 offsets, those of
 /// `offsets` where nothing steps.

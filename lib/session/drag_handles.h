@@ -7,7 +7,7 @@
 
 namespace supple {
 
-/// What a drag's edge may not take: anchors, and what earlier steps hold.
+/// Elements that a drag's edge may not take: anchors, and elements that earlier steps hold.
 struct HandleSurroundings {
   const Body& body;
   const DensityGrid& density;
@@ -15,11 +15,11 @@ struct HandleSurroundings {
   /// Two-sided edges are held at their targets. Pushing ones go at least so far where the handle
   /// takes them further: limits too tight for the edge's slope then stop nothing.
   HandleKind edge_kind;
-  /// What drags do to rigid pieces, and the part of all motions that is asked for: pieces turn by
-  /// that part of their angle, all else goes that part of its straight way.
+  /// Motions of rigid pieces, and the part of all motions that is asked for: pieces turn by that
+  /// part of their angle, all other elements go that part of their straight way.
   const std::vector<PieceMotion>* pieces = nullptr;
   double part = 1;
-  /// Where motions are meant from, if not from the body as it is, and the drags at the pose before:
+  /// The body that motions start from (null: the body as it is), and the drags at the pose before:
   /// two-sided handles go to where `start` puts them, pushing ones on from that pose.
   const Body* start = nullptr;
   const std::vector<Drag>* earlier = nullptr;
@@ -28,10 +28,10 @@ struct HandleSurroundings {
 /// The elements as a region.
 Region region_of(const SlotSet& slots, const BrickTopology& elements, std::string name);
 
-/// The handles of each drag, `regions` being what they grab; edges are handles of their own behind
-/// theirs, without what is taken, grabbed or rigid, and where several meet with the first. A rigid
-/// piece that drags touch is a handle as a whole. Throws InputError for a region without element, a
-/// motion beyond the range.
+/// The handles of each drag, which grabs its entry of `regions`. An edge is a handle of its own
+/// behind its handle, without elements that are taken, grabbed or rigid; elements of several edges
+/// belong to the first. A rigid piece that drags touch is a handle as a whole. Throws InputError
+/// for a region without element, a motion beyond the range.
 std::vector<Handle> handles_of(const std::vector<Drag>& drags, const std::vector<Region>& regions,
                                const HandleSurroundings& around);
 

@@ -1,4 +1,4 @@
-// The handles that steps so far hold, and what they feel: what a haptic device would.
+// The handles that steps so far hold, and the forces on them, as a haptic device would feel them.
 #pragma once
 
 #include <string>
@@ -18,11 +18,12 @@ struct HandleReaction {
 
 class HandleLedger {
  public:
-  /// The handles of a step are held from now on; what they take of earlier ones these lose. Throws
-  /// InputError for one without element.
+  /// The handles of a step are held from now on. Elements that they take belong to earlier handles
+  /// no more. Throws InputError for one without element.
   void add(int step, const std::vector<Handle>& handles, const Body& body);
   void release() { m_handles.clear(); }
-  /// After elements were removed: what is left of each handle, on the bricks of `to`.
+  /// After elements were removed: keeps the remaining elements of each handle, on the bricks of
+  /// `to`.
   void move_to(const BrickTopology& from, const BrickTopology& to);
 
   bool empty() const { return m_handles.empty(); }

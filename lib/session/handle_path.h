@@ -14,10 +14,10 @@ constexpr double kMostTurnDeg = 10;
 /// Of the motion's point and frame, at a pose of its path.
 DragPose pose_of(const PathPose& pose, HandleMotion motion);
 
-/// What the handles of a step mean on a grid, as to_drags() at the end of their paths, with the
-/// poses on the way: those of all keys, and so many between them that shifts stray from straight
-/// lines by no more than a quarter of a voxel and turns by no more than kMostTurnDeg at once.
-/// Straight ways need none between: ECM gives the same in one drag as in many.
+/// The handles of a step on a grid, as to_drags() at the end of their paths, with the poses on the
+/// way: those of all keys, and as many between them as keep shifts within a quarter of a voxel of
+/// straight lines and turns within kMostTurnDeg each. Straight ways need none between: ECM gives
+/// the same in one drag as in many.
 std::vector<Drag> drags_along_paths(const std::vector<GivenHandle>& handles,
                                     const Geometry& geometry);
 

@@ -1,5 +1,5 @@
-// What handles take hold of, for people: where it lies at rest, which densities and labels it has;
-// and why there is nothing to take hold of.
+// Elements that handles grab, described for people: their place at rest, densities and labels; and
+// messages that say why a place has no element.
 #pragma once
 
 #include <set>

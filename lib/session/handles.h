@@ -13,8 +13,8 @@
 
 namespace supple {
 
-/// What numbers of places mean: voxels, whose directions are millimetres along the grid axes i, j,
-/// k; or millimetres in the patient.
+/// Frames of places: voxels, with directions in millimetres along the grid axes i, j, k; or
+/// millimetres in the patient.
 enum class PlaceFrame { voxel, lps, ras };
 
 Vec3d index_of(const Vec3d& place, PlaceFrame frame, const Geometry& geometry);
@@ -52,8 +52,8 @@ struct GivenMotion {
 };
 Fields fields(GivenMotion& given);
 
-/// One key of a handle's path: what it says of shift, turn and scale is meant from where the path
-/// starts, and what it does not say is left to the other keys.
+/// One key of a handle's path: its shift, turn and scale count from the start of the path; absent
+/// ones are interpolated from the other keys.
 struct GivenPose {
   std::string place;
   double time = 0;
@@ -74,7 +74,7 @@ struct GivenHandle : GivenSelection, GivenMotion {
   bool is_animated() const { return !path.empty(); }
 };
 
-/// All that is chosen together: what moves as a rigid piece, or is removed.
+/// Elements that are chosen together, to move as a rigid piece or to be removed.
 struct GivenPart : GivenSelection {
   std::string name;
 };
@@ -83,15 +83,15 @@ ChosenPart to_part(const GivenPart& given, const Geometry& geometry);
 /// The voxels of a voxel or box. In mm, those between the voxels nearest to the corners.
 std::optional<IndexBox> box_of(const GivenSelection& given, const Geometry& geometry);
 
-/// What an anchor holds. Throws InputError for a place outside the volume.
+/// The elements that an anchor holds. Throws InputError for a place outside the volume.
 Selection to_selection(const GivenSelection& given, const Geometry& geometry);
 
 /// The path on a grid; empty where the handle follows none.
 PosePath path_of(const GivenHandle& given, const Geometry& geometry);
 
-/// What it means on a grid: one drag, or one per point with a displacement of its own. One that
-/// follows a path is taken at its pose at `time`. Throws InputError for what cannot move there:
-/// outside the volume, or beyond the range.
+/// The handle on a grid: one drag, or one per point with a displacement of its own. A handle that
+/// follows a path is taken at its pose at `time`. Throws InputError for places outside the volume
+/// and for displacements beyond the range.
 std::vector<Drag> to_drags(const GivenHandle& given, const Geometry& geometry, double time);
 
 /// Throws InputError with the line of the first point that lies outside the body, and how far.

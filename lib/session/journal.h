@@ -1,4 +1,4 @@
-// What was asked of a body, step by step: the record that its state file carries.
+// Journal of a body: the steps that were asked of it, as its state file records them.
 #pragma once
 
 #include <string>

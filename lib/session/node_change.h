@@ -1,4 +1,4 @@
-// What a step did to the nodes of a body, to be taken back: the bricks that it changed, as they
+// Changes of a step to the nodes of a body, to be taken back: the bricks that it changed, as they
 // were. Memory: those bricks. Cost to make: one comparison per stored value.
 #pragma once
 

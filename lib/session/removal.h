@@ -1,4 +1,4 @@
-// Taking elements out of a body: what is removed is void from then on.
+// Removal of elements from a body: they are void from then on.
 #pragma once
 
 #include "lib/body/holds.h"
@@ -13,15 +13,15 @@ struct RemovedElements {
   /// 0 to 1: the part of its density that a removed element leaves behind.
   BrickArray<double> left_share;
 
-  /// Removes these, too. `selection` is what selected them, or null.
+  /// Removes these, too. `selection` selected them; it may be null.
   void add(const SlotSet& more, const Selection* selection, const Body& body);
 };
 
 /// The state without these elements of its body: densities there are those of the air around the
 /// volume, but for a part of their own within a voxel of the surface of a removed ball, so that its
 /// rim is round in pictures. Offsets, labels and cuts go with them, and anchors without an element
-/// left. Densities further than two voxels from what is left go, too. Throws InputError where
-/// nothing is left.
+/// left. Densities further than two voxels from the remaining elements go, too. Throws InputError
+/// where nothing is left.
 State without_elements(const State& state, const RemovedElements& removed);
 
 /// The elements of a set on the bricks of another topology, as far as it has them.

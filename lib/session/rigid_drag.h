@@ -14,9 +14,9 @@ struct PieceMotion {
   RigidMotion motion;
 };
 
-/// The motions of all pieces that two-sided drags touch; `regions` are what the drags grab. Several
-/// drags of one piece give the rigid motion nearest to theirs. Throws InputError for a scale, and
-/// for drags that no rigid motion meets within half a voxel.
+/// The motions of all pieces that two-sided drags touch; `regions` are the elements that the drags
+/// grab. Several drags of one piece give the rigid motion nearest to theirs. Throws InputError for
+/// a scale, and for drags that no rigid motion meets within half a voxel.
 std::vector<PieceMotion> motions_of_pieces(const Body& body, const std::vector<Drag>& drags,
                                            const std::vector<Region>& regions);
 

@@ -25,9 +25,9 @@ struct RigidRequest {
 constexpr std::size_t kLeastPiece = 8;
 
 /// Makes pieces, in the order of RigidRequest, and cuts the links between them in `cuts`, which are
-/// those of the body without what its pieces hide. New pieces of elements that have moved take the
-/// pose nearest to where they are. Throws InputError, the body unchanged: a part without element, a
-/// seed that is in no piece.
+/// those of the body without the links that its pieces hide. New pieces of elements that have moved
+/// take the pose nearest to where they are. Throws InputError, the body unchanged: a part without
+/// element, a seed that is in no piece.
 void make_pieces(Body& body, LinkCuts& cuts, const RigidRequest& request,
                  const DensityGrid& density, const BrickValues& labels, Progress* progress);
 
@@ -41,7 +41,7 @@ void follow_shifts(Body& body);
 /// As a journal records it: JSON.
 std::string settings_json(const RigidRequest& request);
 
-/// What a state keeps of the pieces, and back. Throws InputError naming `file`.
+/// Pieces as the texts that a state keeps, and back. Throws InputError naming `file`.
 std::vector<std::string> texts_of_pieces(const RigidPieces& pieces);
 RigidPieces pieces_of(const std::vector<std::string>& texts, const BrickValues& numbers,
                       const BrickTopology& elements, const std::string& file);

@@ -1,5 +1,5 @@
-// Elements by where they lie at rest, by density and by connection: what a handle grabs and an
-// anchor holds beside boxes, points and labels.
+// Elements selected by place at rest, by density and by connection, for handles and anchors beside
+// boxes, points and labels.
 #pragma once
 
 #include <optional>
@@ -10,9 +10,9 @@
 
 namespace supple {
 
-/// What is given narrows the body, one after another: a box, a ball, a range of densities, the
-/// rigid piece that holds a voxel; and then the face-connected piece of that which holds a voxel.
-/// Cuts do not part face-connected pieces.
+/// Each member that is given narrows the body further, in this order: a box, a ball, a range of
+/// densities, the rigid piece that holds a voxel, and the face-connected piece of the rest that
+/// holds a voxel. Cuts do not part face-connected pieces.
 struct Selection {
   std::optional<IndexBox> box;
   std::optional<Vec3d> ball_index;  // centre in voxels

@@ -1,6 +1,6 @@
 // One body from file to deformed state, without a window: load, drag, anchor, cut, relax, undo, and
-// what came of it as values. A session prints nothing and keeps a journal; what the user should
-// know goes to `progress` and stays among the messages.
+// results as values. A session prints nothing and keeps a journal; warnings go to `progress` and
+// stay among the messages.
 #pragma once
 
 #include <deque>
@@ -27,8 +27,8 @@ struct SessionOptions {
   /// Labels on the grid of the volume; empty: those of a state.
   std::string labels_path = {};
   ReadOptions read = {};
-  /// Keeps what undo() needs: after each step the bricks that it changed, as they were; all
-  /// together at most kMostUndoBytes, then the oldest steps are for good.
+  /// Keeps the data of undo(): after each step the bricks that it changed, as they were; all
+  /// together at most kMostUndoBytes. Beyond that the oldest steps cannot be undone.
   bool keeps_undo = false;
 };
 
@@ -46,7 +46,8 @@ class Session {
 
   const Geometry& geometry() const { return m_state.geometry; }
   const Body& body() const { return m_body; }
-  /// Links of the material that may fold, NaN voxels and the like have been warned of.
+  /// Check of the links when the session was opened. Links of the material that may fold, NaN
+  /// voxels and the like have been warned of.
   const LinkCheck& links() const { return m_links; }
 
   /// Cuts, then solves one step, then relaxes (StepRequest::relax), then tightens; or lets springs
@@ -59,7 +60,7 @@ class Session {
   /// Throws InputError as step() does for handles and fixed voxels that are no elements; a label
   /// needs some element.
   void check(const StepRequest& request) const;
-  /// What each drag takes hold of. Throws as check().
+  /// The elements that each drag grabs. Throws as check().
   std::vector<HandlePlace> places(const std::vector<Drag>& drags) const;
 
   /// Steps of one thing each. `by_mm` goes along the grid axes.
@@ -141,14 +142,14 @@ class Session {
   void keep(Before&& before);
   HeldBody held() { return {m_body, m_anchors, m_holds}; }
 
-  State m_state;  // its cuts are those of the body without what rigid pieces hide, if there are any
+  State m_state;  // its cuts are those of the body without the links that rigid pieces hide
   DensitySource m_source;  // of a volume
   MaterialTable m_material;
   Body m_body;
   std::unique_ptr<VoxelEcmModel> m_ecm;  // of m_body
   LinkCheck m_links;
   std::vector<Region> m_anchors;  // the boxes, labels and selections that the state has fixed
-  Holds m_holds;                  // what earlier steps dragged
+  Holds m_holds;                  // elements that earlier steps dragged
   HandleLedger m_ledger;          // the handles that did
   double m_pressure_kpa = 0;      // bulk modulus of the relaxation that the body rests under
   std::vector<StepRecord> m_records;

@@ -1,4 +1,4 @@
-// What a session keeps of itself before a step, for its own sources.
+// Data that a session keeps of itself before a step, for its own sources.
 #pragma once
 
 #include <memory>

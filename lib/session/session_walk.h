@@ -1,4 +1,4 @@
-// What a session keeps while the drags of a step go from pose to pose.
+// Data that a session keeps while the drags of a step go from pose to pose.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,7 @@
 namespace supple {
 
 struct Session::Walk {
-  Body start;                 // from where the poses are meant
+  Body start;                 // that the poses start from
   SlotSet taken;              // by anchors and earlier steps, then
   HandleLedger ledger;        // then
   std::vector<Drag> earlier;  // as of the pose before; empty at the first one

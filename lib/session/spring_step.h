@@ -16,7 +16,7 @@ struct SpringStep {
   double time_s = 0.1;                // of a motion
   int most_steps = 500;               // of a minimisation
   std::vector<std::string> contacts;  // motion.colliders as JSON, for the record
-  /// N/m; in place of what the material gives.
+  /// N/m; in place of the material's values.
   std::optional<double> structural_n_m, shear_n_m, bending_n_m;
   double mass_damping_per_s = 0;
 
@@ -33,7 +33,7 @@ struct SpringRecord {
   ModelEnergy before, after;
   std::optional<double> residual_mn;       // of a minimisation: largest force on a free node
   std::optional<SpringStepReport> motion;  // of all steps of a motion
-  LinkCheck links;                         // what ChainMail's limits say of the result
+  LinkCheck links;                         // of the result, under ChainMail's limits
   double milliseconds = 0;
   std::vector<Reaction> reactions;  // of `gripped`
 };
@@ -49,7 +49,7 @@ Fields fields(SpringStep& step);
 /// The fields without effect: those of a motion in a minimisation, and the other way round.
 std::vector<std::string> idle_fields(const SpringStep& step);
 
-/// As a journal records it: JSON, without what has no effect.
+/// As a journal records it: JSON, without fields that have no effect.
 std::string settings_json(const SpringStep& step);
 
 }  // namespace supple

@@ -1,4 +1,4 @@
-// One step of a session: what is asked of the solvers, and what came of it.
+// One step of a session: the request to the solvers, and the record of its results.
 #pragma once
 
 #include <optional>
@@ -32,7 +32,7 @@ struct Drag {
   Vec3d by_mm;
   HandleKind kind = HandleKind::two_sided;
   std::int32_t label = 0;  // whose elements are grabbed, as one, instead of the region
-  std::optional<Selection> selection = {};  // what is grabbed, instead of the region
+  std::optional<Selection> selection = {};  // grabbed instead of the region
   HandleMotion motion = {};
   double soft_mm = 0;  // width of an edge around a selected box or ball, which follows in part
   /// Poses to pass through before the motion above; as many in every drag of a step that has any.
@@ -43,9 +43,9 @@ struct Drag {
 /// tighten: box, and then tighten(), after the step's relaxation if it has one.
 enum class Limits { box, ball, tighten };
 
-/// Drags with a way go from pose to pose; each is solved, and relaxed, as a step of its own that
-/// starts where the one before it ended. Drags without are where they go from the first pose on.
-/// Cuts, removals, new pieces, anchors and retractions come with the first.
+/// Drags with a way go from pose to pose. Each pose is solved, and relaxed, as a step of its own
+/// that starts where the one before it ended. Drags without a way are at their ends from the first
+/// pose on. Cuts, removals, new pieces, anchors and retractions come with the first.
 struct StepRequest {
   std::vector<Drag> drags;
   std::vector<IndexBox> fix;
@@ -65,12 +65,12 @@ struct StepRequest {
   bool tells_reactions = false;       // of the handles that are held, in the record
 };
 
-/// Of drags with a way: the report of the drag as of all poses, its fraction the smallest of them,
-/// its moved elements the most; all else is of the last.
+/// Results of a step. For drags with a way the report of the drag covers all poses: its fraction is
+/// the smallest, its moved elements are the most. All other members are those of the last pose.
 struct StepRecord : StepRequest {
   std::int64_t cut_links = 0;             // that the cuts removed
   std::int64_t removed = 0;               // elements
-  EcmReport report;                       // of ball limits: what both have in common
+  EcmReport report;                       // of ball limits: the common members
   std::optional<BallReport> ball;         // when the step was solved under ball limits
   SidesReport contact;                    // of the sides of cuts, after drag and relaxation
   RelaxReport relaxed;                    // when the step relaxes

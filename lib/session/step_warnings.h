@@ -1,4 +1,4 @@
-// What the user should hear of a step: projections, stopped drags, limits that are left broken.
+// Warnings about a step: projections, stopped drags, limits that are left broken.
 #pragma once
 
 #include "lib/session/step.h"

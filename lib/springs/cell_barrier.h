@@ -1,5 +1,5 @@
 // A barrier against cells that turn inside out. Springs alone let the corner of a cell pass through
-// the opposite side: their energy has a minimum there, too.
+// the opposite side, since their energy has a minimum there, too.
 //
 // At each corner of a cell between eight nodes, with edges e_i to the corner's neighbours and
 // J = det(e_1, e_2, e_3) over its value at rest, stands the energy
@@ -31,7 +31,7 @@ double inversion_barrier_second(double s);
 
 class CellBarrier {
  public:
-  /// What a node knows of the lattice.
+  /// Place of a node in the lattice.
   struct Node {
     std::array<int, 3> next;  // at the end of the link along each axis; -1: none
     float stiffness_n_m;      // k; a corner has that of its node
@@ -43,7 +43,7 @@ class CellBarrier {
     double inverse_volume_mm3;  // signed: times det(e_1, e_2, e_3) it is J
     double weight_uj;           // W
   };
-  /// What a corner does at the present positions, by s.
+  /// Energy of a corner at the present positions, and its derivatives by s.
   struct Response {
     double s = 0;
     double energy_uj = 0, first_uj = 0, second_uj = 0;  // W b(s) and its derivatives

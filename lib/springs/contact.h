@@ -1,11 +1,11 @@
 // Contact of nodes with rigid shapes: nodes are projected onto the surface, with Coulomb friction.
 //
-// A node that ends a step inside a shape goes to the nearest point of its surface, and of what it
-// moved along that surface friction takes back up to mu times the depth. In one step of dt a force
-// F into the surface makes the depth F dt^2 / m, so that this is Coulomb's law (Mueller et al.,
-// Position based dynamics, 2007). A node that is inside already when a step begins is put onto the
-// surface first, without a velocity from that. Shapes are solid and looked at where they are at the
-// end of a step: one that moves further than it is thick in one step may pass a node by.
+// A node that ends a step inside a shape goes to the nearest point of its surface. Friction takes
+// back up to mu times the depth of its motion along that surface. In one step of dt a force F into
+// the surface makes the depth F dt^2 / m, so that this is Coulomb's law (Mueller et al., Position
+// based dynamics, 2007). A node that is inside already when a step begins is put onto the surface
+// first, without a velocity from that. Shapes are solid and looked at where they are at the end of
+// a step: one that moves further than it is thick in one step may pass a node by.
 //
 // Cost: 3 to 22 ns per node and analytic shape, 2 to 4 us per node that is near a triangle mesh.
 #pragma once

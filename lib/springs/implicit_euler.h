@@ -3,15 +3,15 @@
 //            + 1/(2 h) sum d (n_0.(dx_b - dx_a))^2 + alpha/(2 h) |x - x_0|^2_M,
 // by Newton's method with a line search; v = (x - x_0) / h. One Newton step is the linearised
 // method of Baraff and Witkin (Large steps in cloth simulation, 1998). Stable for any step; damps
-// what is faster than the step. n_0 are the springs' directions at the start, so that damping never
-// adds energy.
+// motions that are faster than the step. n_0 are the springs' directions at the start, so that
+// damping never adds energy.
 //
 // Shapes bound the minimum: nodes on a surface that the forces press into it are fixed along its
 // normal within a Newton step, and every trial of the line search is projected out of the shapes
 // (D. Bertsekas, Projected Newton methods for optimization problems with simple constraints, 1982).
 // Pressed nodes that a step moves along a curved surface are put back onto it. So their neighbours
-// feel what they cannot do. Friction takes back slip at the end of the step: pressed nodes balance
-// its force with what that does to their inertia and to the springs between them and around them.
+// feel the constraint. Friction takes back slip at the end of the step: pressed nodes balance its
+// force with the change of their inertia and of the springs between them and around them.
 #pragma once
 
 #include "lib/springs/integrator.h"

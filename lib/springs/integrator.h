@@ -1,5 +1,5 @@
-// What all integrators of a spring system share: one step, its report, and the forces on what is
-// held.
+// Interface of all integrators of a spring system: one step, its report, and the forces on held
+// nodes.
 //
 // | integrator         | stable for          | conserves          | cost of a step         |
 // |--------------------|---------------------|--------------------|------------------------|
@@ -23,7 +23,7 @@ struct SpringStepReport {
   int substeps = 0;
   int halvings = 0;           // of substeps, for the energy guard or a stiff barrier
   int iterations = 0;         // Newton steps, sweeps or back-solves, all substeps together
-  double residual_mn = 0;     // what a solver left of the largest force on a node; implicit ones
+  double residual_mn = 0;     // largest force on a node that an implicit solver left
   int contacts = 0;           // nodes that touched a shape, summed over substeps
   double penetration_mm = 0;  // deepest that contact left
   int without_direction = 0;  // springs of length 0 that were met
@@ -63,7 +63,8 @@ class SpringIntegrator {
 
   /// Where held nodes are and how fast at `part` (0…1) of the present step.
   void place_held(double part);
-  /// Adds what the springs do at held nodes now (force in mN, all nodes) to the mean, by `weight`.
+  /// Adds the present forces of the springs at held nodes (`force` in mN, all nodes) to the mean,
+  /// by `weight`.
   void add_reactions(const std::vector<Vec3d>& force, double weight);
   /// Contact at the end of a substep, counted.
   void end_contacts(const std::vector<Vec3d>& start_mm, double dt_s, SpringStepReport& report);

@@ -24,9 +24,9 @@ struct LatticeSpringParams {
   double stiffness_damping_s = 0;  // Rayleigh's beta: adds beta k to a spring's damping
   double mass_damping_per_s = 0;   // Rayleigh's alpha
   double density_kg_m3 = 1000;
-  /// Per material class, factors of the stiffnesses and of the density (empty: 1), and what a class
-  /// adds to stiffness_damping_s (empty: nothing). A spring has the mean of its ends' values
-  /// (thesis section 4.2.3).
+  /// Per material class, factors of the stiffnesses and of the density (empty: 1), and terms added
+  /// to stiffness_damping_s (empty: nothing). A spring has the mean of its ends' values (thesis
+  /// section 4.2.3).
   std::vector<double> class_stiffness, class_density, class_damping_s;
 
   /// Throws InputError: a value that is negative or not finite, tables of other than 256 entries.
@@ -60,8 +60,8 @@ LatticeSprings make_springs(const Body& body, const LatticeSpringParams& params,
 /// Positions, from offsets and their fractions, and velocities of the body.
 void take_state(const Body& body, LatticeSprings& springs);
 
-/// Positions as offsets with fractions, rounded to 2^-32 voxel, and velocities: what came by
-/// take_state goes back bit for bit. Velocities that are all 0 take no memory in the body. Unless
+/// Positions as offsets with fractions, rounded to 2^-32 voxel, and velocities: a state taken by
+/// take_state() goes back bit for bit. Velocities that are all 0 take no memory in the body. Unless
 /// nothing moved, links are not known to be valid afterwards (check_links, project). Returns the
 /// largest rounding in voxels. Throws InputError for an offset beyond +-16383 voxels; the body is
 /// unchanged then.

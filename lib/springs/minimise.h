@@ -54,8 +54,8 @@ struct MinimiseReport {
 };
 
 /// Steps down to the tolerance, or as far as they lead. When `progress` cancels, between two steps,
-/// it returns what it has: a valid state of less energy, but not necessarily one whose ChainMail
-/// limits hold. Throws InputError as validate(system).
+/// it returns the present state: a valid one of less energy, but not necessarily one whose
+/// ChainMail limits hold. Throws InputError as validate(system).
 MinimiseReport minimise(SpringSystem& system, const MinimiseParams& params = {},
                         Progress* progress = nullptr);
 

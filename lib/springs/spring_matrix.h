@@ -40,8 +40,8 @@ class SpringMatrix {
                  const std::vector<Vec3d>& damping_pos,
                  const std::vector<PressedNode>& pressed = {});
   /// A x = b for the free nodes, in place; 0 for held ones. Conjugate gradients end at 10^-8 of
-  /// |b|, or after 3,000 steps with what they have, which goes downhill in any case;
-  /// they throw Cancelled.
+  /// |b|, or after 3,000 steps with the iterate at hand, which goes downhill in any case. They
+  /// throw Cancelled.
   void solve(std::vector<Vec3d>& x, const Progress* progress = nullptr);
 
   /// Coulomb's law after assemble(): the ways back y along the surfaces that minimise

@@ -2,8 +2,8 @@
 // move.
 //
 // Units: positions in LPS mm, velocities in mm/s; masses in kg, stiffness in N/m, damping in N s/m.
-// These fit together without factors, since kg mm/s^2 = mN and N/m * mm = mN; what is reported is
-// in N and J.
+// These fit together without factors, since kg mm/s^2 = mN and N/m * mm = mN. Reports are in N and
+// J.
 //
 // Force on node i (eqs. 3.15 and 3.16; eq. 6.1 is misprinted, with k|x| - R for k(|x| - R)):
 //   F_i = sum_j n_ij (k_ij (|x_ij| - R_ij) + d_ij n_ij.(v_j - v_i)) - alpha m_i v_i + m_i g
@@ -51,7 +51,7 @@ struct SpringSystem {
   std::size_t bytes() const;
 };
 
-/// Throws InputError naming what is wrong: lengths that differ, a mass that is not positive, a
+/// Throws InputError that names the fault: lengths that differ, a mass that is not positive, a
 /// spring with equal or missing ends or negative values, held nodes out of order, anything that is
 /// not finite.
 void validate(const SpringSystem& system);

@@ -3,9 +3,9 @@
 // the root of k / m.
 //
 // The limit of stability is that of small motions. Springs that are pressed together until their
-// directions turn round within a substep may gain energy below it. A guard looks at what the method
-// conserves in place of the energy (E. Hairer, C. Lubich, G. Wanner, Geometric Numerical
-// Integration, 2006, section IX.3): with substeps of h
+// directions turn round within a substep may gain energy below it. A guard looks at the quantity
+// that the method conserves in place of the energy (E. Hairer, C. Lubich, G. Wanner, Geometric
+// Numerical Integration, 2006, section IX.3): with substeps of h
 //   H + h/2 sum over free nodes of v.F,   F the springs' force and weight,
 // which for a linear system stays the same but for the work of holders and shapes. Both are counted
 // so that the sum is exact there. Once it has grown by more than a tenth of the energy, the step is
@@ -58,7 +58,7 @@ class SymplecticEuler final : public SpringIntegrator {
   double m_limit_s;
   int m_halvings = 0;    // of all substeps to come, by the guard
   double m_gain_uj = 0;  // of the conserved energy over its lowest so far
-  double m_noise_uj;     // what rounding may make of a body at rest
+  double m_noise_uj;     // bound of rounding in a body at rest
   double m_work_uj = 0;  // of holders and shapes in this step
   std::vector<Vec3d> m_force, m_start, m_before_pos, m_before_velocity, m_origin;
 };

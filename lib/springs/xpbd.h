@@ -5,14 +5,14 @@
 // which is the paper's equation 26 times h^2 k, so that k = 0 and k without bound are no
 // exceptions.
 //
-// Every substep starts with multipliers of 0, and what sweeps leave unsolved makes the body softer
-// than it is: by how much depends on h^2 omega^2 + h gamma alone (stability.h), not on the size of
-// the body. With four sweeps cubes of 6^3 and 14^3 voxels under their weight, soft or half of them
-// hard, damped or not, sank too far by at most 2 % at 10, 22 % at 30 and 123 % at 100. The number
-// of substeps therefore follows from stiffnesses, masses and the step; a fixed one keeps the price
-// fixed and is soft. A single sweep per substep carries stretch one way only: dragged, the membrane
-// of `supple bench springs` then reached 1.04 to 1.5 times the energy that it reached with two.
-// Less than two are refused.
+// Every substep starts with multipliers of 0, and the residual that sweeps leave makes the body
+// softer than it is. By how much depends on h^2 omega^2 + h gamma alone (stability.h), not on the
+// size of the body. With four sweeps cubes of 6^3 and 14^3 voxels under their weight, soft or half
+// of them hard, damped or not, sank too far by at most 2 % at 10, 22 % at 30 and 123 % at 100. The
+// number of substeps therefore follows from stiffnesses, masses and the step; a fixed one keeps the
+// price fixed and is soft. A single sweep per substep carries stretch one way only: dragged, the
+// membrane of `supple bench springs` then reached 1.04 to 1.5 times the energy that it reached with
+// two. Less than two are refused.
 #pragma once
 
 #include "lib/springs/integrator.h"
@@ -50,7 +50,7 @@ class Xpbd final : public SpringIntegrator {
   std::vector<double> m_multiplier;         // per spring, in kg mm: force times h^2
   std::vector<double> m_corner_multiplier;  // per awake corner of the barrier, the same
   std::vector<Vec3d> m_start;
-  std::vector<Vec3d> m_held_push;  // per node: what sweeps would have done to held ones, in kg mm
+  std::vector<Vec3d> m_held_push;  // per node: impulse of the sweeps on held ones, in kg mm
   double m_slowing = 1;
   int m_without_direction = 0;
 };

@@ -1,8 +1,8 @@
 // Gibson's original ChainMail (thesis section 4.1.1, steps 1 to 6) with one candidate list per
-// direction: four in 2D, six in 3D. It tears inhomogeneous bodies (figure 4.5), which is what it is
-// kept for. In a homogeneous one that is valid it moves exactly the elements that a staircase from
-// the grabbed voxel reaches inside the body (along i, then j, then k), as ECM does, and no others:
-// all of them in a box, and in other bodies, convex or not, where the grabbed voxel sees them so.
+// direction: four in 2D, six in 3D. It tears inhomogeneous bodies (figure 4.5); it is kept to show
+// that. In a homogeneous one that is valid it moves exactly the elements that a staircase from the
+// grabbed voxel reaches inside the body (along i, then j, then k), as ECM does, and no others: all
+// of them in a box, and in other bodies, convex or not, where the grabbed voxel sees them so.
 //
 // Cost: one visit per node, no ordering.
 #pragma once
