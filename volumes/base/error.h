@@ -6,8 +6,8 @@
 
 namespace supple {
 
-/// What is wrong with one value of one file: printed as "file: field: found X, expected Y".
-/// Empty parts are left out.
+/// A fault of one value of one file: printed as "file: field: found X, expected Y". Empty parts are
+/// left out.
 struct Problem {
   std::string file;
   std::string field;

@@ -1,6 +1,6 @@
 // One list per table of settings. A struct of settings names its fields once, in a function
-// `fields`: scene files, the command line, records of what was done and the tables of the
-// documentation read that list.
+// `fields`: scene files, the command line, records of steps and the tables of the documentation
+// read that list.
 #pragma once
 
 #include <array>
@@ -26,10 +26,10 @@ using NumberPair = std::pair<double, double>;
 using PixelSize = std::array<int, 2>;
 
 std::string colour_text(const Rgb& rgb);
-/// None for what is not "#RRGGBB".
+/// None for text other than "#RRGGBB".
 std::optional<Rgb> parse_colour(const std::string& text);
 
-/// One setting: its name, where its value is kept, what it means and what it may be.
+/// One setting: its name, the address of its value, its meaning and its allowed values.
 class Field {
  public:
   /// An enumeration as its names, in the order of the enumerators from 0.
@@ -75,9 +75,10 @@ class Field {
   Field& only_in_scenes() { return m_is_only_in_scenes = true, *this; }
   /// Of a view: slices have it, too.
   Field& for_slices() { return m_is_for_slices = true, *this; }
-  /// What stands for the value in a help text.
+  /// Placeholder of the value in a help text.
   Field& shown_as(const char* placeholder) { return m_placeholder = placeholder, *this; }
-  /// Says what holds where the setting is left out and its default does not; empty: nothing.
+  /// Replaces the default in help and documentation, where another value holds when the setting is
+  /// left out; empty: no default is shown.
   Field& otherwise(std::string text) { return m_otherwise = std::move(text), *this; }
   /// The value of an option that is given without one.
   Field& implying(const char* value) { return m_implied = value, *this; }
@@ -124,7 +125,7 @@ class Field {
   std::string text() const;
   /// The present value as JSON; empty where there is none.
   std::string json() const;
-  /// What holds where the setting is left out, for help and documentation; empty: nothing.
+  /// The default, for help and documentation; empty: there is none.
   std::string default_text() const;
 
  private:
@@ -141,8 +142,8 @@ class Field {
 
 using Fields = std::vector<Field>;
 
-/// All values as one object of JSON by the names of records. What is absent is left out, and what
-/// is the same in `plain`, the fields of the same struct.
+/// All values as one object of JSON by the names of records. Absent values are left out, and so are
+/// those that are the same in `plain`, fields of the same struct.
 std::string fields_json(const Fields& fields, const Fields& plain = {});
 
 /// Text as a string of JSON, and of TOML.

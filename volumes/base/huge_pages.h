@@ -1,5 +1,5 @@
 // Large arrays in pages of 2 MiB where the system offers them: the first touch of 4 kB pages takes
-// as long as the inversion of what they hold.
+// as long as the inversion of their contents.
 #pragma once
 
 #include <cstdint>

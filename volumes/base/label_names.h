@@ -11,7 +11,7 @@ namespace supple {
 
 constexpr std::int32_t kMaxLabel = 65535;
 
-/// What a segmentation calls its labels, in the order of its file. Names may come twice.
+/// Names of a segmentation's labels, in the order of its file. Names may come twice.
 using LabelNames = std::vector<std::pair<std::int32_t, std::string>>;
 
 /// The label that `text` means: the number that it is, 1 to kMaxLabel without leading zeros, or the

@@ -9,8 +9,8 @@
 
 namespace supple {
 
-/// What `work` returns. TBB's limit alone only lowers the number of threads: beyond the cores an
-/// arena of that size is needed, too.
+/// Runs `work` on that many threads and returns its result. TBB's limit alone only lowers the
+/// number of threads: beyond the cores an arena of that size is needed, too.
 template <class Work>
 auto on_threads(int threads, Work&& work) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,

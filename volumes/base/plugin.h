@@ -1,7 +1,7 @@
-// Plugins: shared objects that the program loads when it first needs what their libraries do, so
-// that starting it costs neither their time nor their memory. A plugin carries its own copies of
-// the few sources that it needs and exports one symbol, its entry. Objects cross the border through
-// virtual functions and as exceptions.
+// Plugins: shared objects that the program loads when it first needs their libraries, so that a
+// start costs neither their time nor their memory. A plugin carries its own copies of the few
+// sources that it needs and exports one symbol, its entry. Objects cross the border through virtual
+// functions and as exceptions.
 #pragma once
 
 #include <array>

@@ -20,9 +20,9 @@ class Progress {
   /// True once the user asked to stop; may be polled from any thread.
   virtual bool cancelled() const = 0;
 
-  /// What the user has to know of a result that stands all the same; a line without a full stop.
+  /// A warning about a result that is still valid; a line without a full stop.
   virtual void warn(const std::string& line) { static_cast<void>(line); }
-  /// What is worth knowing, and what helps to find faults.
+  /// Information for the user, and details that help to find faults.
   virtual void note(const std::string& line) { static_cast<void>(line); }
   virtual void debug(const std::string& line) { static_cast<void>(line); }
 };
@@ -51,7 +51,7 @@ inline void report(Progress* progress, double fraction) {
   if (progress != nullptr) progress->update(fraction);
 }
 
-/// What a reader found or a writer could not keep, as warnings that name the file.
+/// Findings of a reader, or losses of a writer, as warnings that name the file.
 inline void warn_of_all(const std::string& path, const std::vector<std::string>& lines,
                         Progress* progress) {
   for (const std::string& line : lines) warn(progress, path + ": " + line);

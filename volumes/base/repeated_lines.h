@@ -12,7 +12,7 @@ namespace supple {
 
 class RepeatedLines {
  public:
-  /// What is numbered: "frame", "pose".
+  /// `what`: the kind of thing that is numbered, "frame" or "pose".
   explicit RepeatedLines(std::string what) : m_what(std::move(what)) {}
 
   /// Lines from now on are of this number.

@@ -1,4 +1,4 @@
-// Names of outputs, held by one process while it computes what will be there.
+// Names of outputs, held by one process while it computes their contents.
 #pragma once
 
 #include <filesystem>
@@ -10,7 +10,7 @@
 
 namespace supple {
 
-/// What a process that ends at once leaves of an output.
+/// Remains of an output when its process ends at once.
 struct Remains {
   std::string path;  // a file or an empty folder
   int lock = -1;     // descriptor of a lock file, which goes only with the last that uses it
@@ -29,8 +29,8 @@ class ReservedNames {
   ReservedNames& operator=(const ReservedNames&) = delete;
 
   /// Makes missing folders, which go with the object unless something is in them, and removes the
-  /// temporary files that killed processes left for this name. Returns what would remain of it, in
-  /// the order of making: folders, the lock file, the temporary file of an AtomicFile. Throws
+  /// temporary files that killed processes left for this name. Returns its possible remains, in the
+  /// order of making: folders, the lock file, the temporary file of an AtomicFile. Throws
   /// SystemError where another process or object holds the name, and as AtomicFile.
   std::vector<Remains> add(const std::string& final_path);
 

@@ -9,7 +9,7 @@
 namespace supple {
 
 struct ChildBounds {
-  std::int64_t bytes;     // memory beyond what the process has
+  std::int64_t bytes;     // memory beyond that of the process
   int processor_seconds;  // of the trial
 };
 

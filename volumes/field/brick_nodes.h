@@ -8,7 +8,7 @@
 
 namespace supple {
 
-/// What the nodes of a brick are like, and how they lie in memory.
+/// Properties of the nodes of a brick, and their layout in memory.
 struct BrickNodes {
   static constexpr int kDim = 9;                                                 // nodes 0 … 8
   static constexpr int kStepX = 3 * kDim * kDim, kStepY = 3 * kDim, kStepZ = 3;  // in floats
@@ -24,8 +24,8 @@ struct BrickNodes {
 };
 
 /// Writes the nodes of the brick at `origin`, kFloats of them, x slowest, not a number where there
-/// is none. With `extrapolated` a ring of them is added around the valid
-/// ones, as extrapolate_into_bricks() does. `occupied` is what is not void. Vectors that are not
+/// is none. With `extrapolated` a ring of them is added around the valid ones, as
+/// extrapolate_into_bricks() does. `occupied`: voxels that are not void. Vectors that are not
 /// finite or lead nowhere (2^20 voxels) count as none.
 void gather_nodes(const VectorBrickFinder& field, const BrickTopology& occupied, bool extrapolated,
                   const Vec3i& origin, float* out, BrickNodes& nodes);

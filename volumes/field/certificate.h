@@ -1,4 +1,4 @@
-// What an inversion says of itself.
+// The certificate of an inversion: residuals, folds, unresolved voxels.
 #pragma once
 
 #include <cstdint>

@@ -19,7 +19,7 @@ inline Vec3d product(const Columns& F, const Vec3d& v) {
   return F[0] * v.x + F[1] * v.y + F[2] * v.z;
 }
 
-/// det F F^-T: what turns the normals of surfaces that F moves, areas included.
+/// det F F^-T, which turns the normals of surfaces that F moves, areas included.
 inline Columns cofactor(const Columns& F) {
   return {F[1].cross(F[2]), F[2].cross(F[0]), F[0].cross(F[1])};
 }

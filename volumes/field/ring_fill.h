@@ -5,7 +5,7 @@
 // mean of all such neighbours, or continues the field linearly from those that have another one
 // behind them (Extrapolation in padded_rows.h). Sums are double and in one fixed order. So the
 // result depends neither on the thread count nor on the order of bricks, and a constant field, zero
-// above all, stays exactly what it is. Cost: about 60 ns per new voxel and core, linearly 120 ns.
+// above all, stays exactly constant. Cost: about 60 ns per new voxel and core, linearly 120 ns.
 //
 // The displacement of tissue goes on linearly in the two rings that a state keeps around it: with
 // means its gradient would end in the outermost cell, which is where surfaces lie. SSIM against the

@@ -1,10 +1,11 @@
 // Offsets that jump: a body that is cut open or falls into pieces (thesis section 3.3.5:
 // "discontinuous sample paths can result in cut open objects").
 //
-// Around a jump the offsets of lattice nodes belong to different pieces, and what lies between them
-// is neither. So the bricks that a jump passes through are set apart as split: each sample in one
-// of their cells asks which piece it lies in and takes that piece's own offset, exactly. Faces are
-// as sharp as the samples are close, gaps are empty, and bricks without a jump cost what they did.
+// Around a jump the offsets of lattice nodes belong to different pieces, and values interpolated
+// between them belong to neither. So the bricks that a jump passes through are set apart as split:
+// each sample in one of their cells asks which piece it lies in and takes that piece's own offset,
+// exactly. Faces are as sharp as the samples are close, gaps are empty, and bricks without a jump
+// cost as much as without splitting.
 #pragma once
 
 #include "volumes/field/pointwise_offsets.h"

@@ -96,7 +96,7 @@ void for_each_active(const BrickMask& mask, Visit&& visit) {
 /// All voxels within Chebyshev distance `rings` of an active voxel (26-neighbourhood dilation).
 BrickTopology dilate(const BrickTopology& topology, int rings);
 
-/// The same, but what is new lies inside the box of voxels 0 … dims - 1.
+/// The same, but new voxels lie inside the box of voxels 0 … dims - 1.
 BrickTopology dilate_inside(const BrickTopology& topology, int rings, const Vec3i& dims);
 
 /// True when a trilinear reading at the position would see an active voxel.

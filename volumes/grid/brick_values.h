@@ -15,7 +15,7 @@
 
 namespace supple {
 
-/// What a brick that is not stored reads as.
+/// Values of a brick that is not stored.
 template <class T>
 alignas(64) inline constexpr T kZeroBrickOf[kBrickVoxels] = {};
 inline constexpr auto& kZeroBrick = kZeroBrickOf<std::int32_t>;

@@ -57,7 +57,7 @@ DensityGrid fill_density_grid(const BrickTopology& bricks,
                               const std::function<void(std::size_t b, float* out)>& fill,
                               float background);
 
-/// What bytes() of a grid with these bricks is, without building it.
+/// The bytes() of a grid with these bricks, without building it.
 std::size_t density_grid_bytes(const BrickTopology& bricks);
 
 /// The same densities on fewer voxels: those that are active in `keep`.

@@ -67,9 +67,9 @@ struct PaddedRows {
   static constexpr unsigned kUpTo = (1u << (kBrickDim + kPad - 1)) - 1;
 };
 
-/// What valid neighbours say of a voxel that has no value yet: their mean; or, when there are two
-/// voxels in a row in some directions, the mean of what continues them linearly. Differences of
-/// more than a voxel are not continued. Summed in double: exact for what is constant.
+/// The value of a voxel that has none yet, from valid neighbours: their mean; or, when there are
+/// two voxels in a row in some directions, the mean of their linear continuations. Differences of
+/// more than a voxel are not continued. Summed in double: exact for constant fields.
 class Extrapolation {
  public:
   void add(const Vec3f& near) {

@@ -1,4 +1,4 @@
-// A scanned volume: sparse densities plus geometry, and what was said of it on the way in.
+// A scanned volume: sparse densities, geometry, and the statistics and warnings of its reading.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ struct VolumeStatistics {
   double max = 0;
   double mean = 0;
   std::int64_t nan_count = 0;
-  std::int64_t infinite_count = 0;   // also what overflows a float
+  std::int64_t infinite_count = 0;   // values that overflow a float included
   std::int64_t above_min_count = 0;  // voxels with a value > min
 };
 

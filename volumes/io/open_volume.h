@@ -11,18 +11,17 @@
 
 namespace supple {
 
-/// Chooses the format by the file's content first and its extension second.
-/// Throws InputError: missing, empty, unknown format, bad header, wrong length, an option that does
-/// not fit the file, several frames or channels of which none was chosen, vectors instead of
-/// scalars (read_warp of warp_file.h takes those).
-/// `progress` hears what the user should know of a file that can be read.
+/// Chooses the format by the file's content first and its extension second. Throws InputError:
+/// missing, empty, unknown format, bad header, wrong length, an option that does not fit the file,
+/// several frames or channels of which none was chosen, vectors instead of scalars (read_warp of
+/// warp_file.h takes those). `progress` receives the warnings about a file that can be read.
 std::unique_ptr<VolumeFile> open_volume(const std::string& path, const ReadOptions& options = {},
                                         Progress* progress = nullptr);
 
 /// Of a volume that a user names.
 Fields fields(ReadOptions& options);
 
-/// What open_volume opens, or a file of vectors when no channel is chosen.
+/// Opens the files of open_volume(), and files of vectors when no channel is chosen.
 std::unique_ptr<VolumeFile> open_scalars_or_vectors(const std::string& path,
                                                     const ReadOptions& options = {});
 

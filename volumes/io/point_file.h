@@ -41,8 +41,8 @@ struct PointFile {
 PointFile read_point_file(const std::string& path);
 
 /// The same file with these points in place of its own, one per row: all other columns, comments
-/// and line ends are kept, and the digits of coordinates that are what they were. Numbers are
-/// written with as many digits as it takes to read the same number back. Throws as OutputFile.
+/// and line ends are kept, and the digits of unchanged coordinates. Numbers are written with as
+/// many digits as it takes to read the same number back. Throws as OutputFile.
 void write_points_like(const std::string& path, const PointFile& file,
                        const std::vector<Vec3d>& points_lps_mm);
 

@@ -17,7 +17,7 @@ std::vector<std::string> write_volume(const std::string& path, const Geometry& g
                                       Progress* progress = nullptr,
                                       const WriteOptions& options = {});
 
-/// What a warp file says beside its vectors.
+/// Records of a warp file beside its vectors.
 struct WarpFacts {
   Geometry geometry;
   WarpDirection direction = WarpDirection::resample;

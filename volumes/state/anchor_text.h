@@ -9,7 +9,8 @@
 
 namespace supple {
 
-/// What stays where it is: boxes, both corners inside, then labels, then selections as JSON.
+/// Elements that stay where they are: boxes, both corners inside, then labels, then selections as
+/// JSON.
 struct Anchors {
   std::vector<IndexBox> boxes;
   std::vector<std::int32_t> labels;

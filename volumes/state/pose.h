@@ -1,5 +1,5 @@
-// Where the tissue of a state has gone, and how pictures, slices and exports find what they see: by
-// the inverse, or each sample by itself.
+// The present place of the tissue of a state. Pictures, slices and exports find its sources by the
+// inverse, or each sample by itself.
 #pragma once
 
 #include "volumes/base/progress.h"
@@ -7,7 +7,7 @@
 
 namespace supple {
 
-/// Extended displacement and its inverse: what renderer and exports read.
+/// Extended displacement and its inverse, which renderer and exports read.
 struct Pose {
   Displacement displacement;
   OffsetField offsets;

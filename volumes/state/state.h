@@ -23,8 +23,8 @@ constexpr int kFixedBits = 16;
 constexpr double kFixedOne = 65536.0;
 constexpr std::int32_t kMaxOffset = (1 << 30) - 1;
 
-/// Stretch at which the spring of a link is at rest, per axis of the link and coordinate, in
-/// 2^-16 voxel, at its end at the lower index: what plastic flow left. Stored where it flowed.
+/// Stretch at which the spring of a link is at rest, per axis of the link and coordinate, in 2^-16
+/// voxel, at its end at the lower index, as plastic flow left it. Stored where it flowed.
 using RestStretch = std::array<std::array<BrickValues, 3>, 3>;
 
 /// Velocities of elements along LPS x, y, z in mm/s; empty where nothing moves.
@@ -46,11 +46,11 @@ struct State {
   /// Rigid pieces, from 1, 0 at elements of none; empty when there are none. Bricks as in
   /// `elements`.
   BrickValues pieces;
-  /// Name and pose of each piece, as JSON that whoever continues the state can read.
+  /// Name and pose of each piece, as JSON, for the session that continues the state.
   std::vector<std::string> piece_texts;
   std::vector<IndexBox> anchors;
   std::vector<std::int32_t> anchor_labels;  // whose elements stay where they are too
-  /// What else stays, each as JSON that whoever continues the state can read.
+  /// Further anchors, each a selection as JSON, for the session that continues the state.
   std::vector<std::string> anchor_selections;
   std::string material_toml;  // the table as text, so that a state can be continued
   std::string configuration;  // JSON: the effective settings that produced it

@@ -1,4 +1,4 @@
-// Writing what a state gives on regular grids: warps and resampled volumes.
+// Outputs of a state on regular grids: warps and resampled volumes.
 #pragma once
 
 #include <string>
@@ -29,8 +29,8 @@ struct WarpOutput {
   Geometry grid;                           // of the resample direction
   WriteOptions options = {};
 };
-/// Both warn of material that leaves the grid and return how many voxels of it do. A note says what
-/// a warp is good for: how far neighbouring vectors differ, and how many pairs fold.
+/// Both warn of material that leaves the grid and return how many voxels of it do. A note tells the
+/// uses of a warp: how far neighbouring vectors differ, and how many pairs fold.
 std::int64_t write_state_warp(const WarpOutput& output, const State& state, const Pose& pose,
                               Progress* progress);
 std::int64_t write_resampled(const std::string& path, const State& state, const Pose& pose,

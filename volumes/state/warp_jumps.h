@@ -28,7 +28,7 @@ class WarpJumps {
   std::int64_t m_folded = 0;
 };
 
-/// What a warp in resample direction with that content of the void is good for, in one line.
+/// The uses of a warp in resample direction with that content of the void, in one line.
 std::string use_of_warp(VoidMode void_mode, const WarpJumps& jumps);
 
 }  // namespace supple

@@ -1,10 +1,10 @@
 // From the sparse offset field to dense grids: warp export and the resampled volume.
 //
 // Everything is produced slice by slice, so that the memory of an export does not grow with the
-// grid. What is passed by reference must outlive the returned source. A grid point within 1e-6
-// voxel of a source voxel takes that voxel's offset exactly. One thread at a time may ask for a
-// slice; offsets on the source's own lattice are cheap in ascending order. Cost per voxel and core:
-// 5 ns there, 20 to 100 ns on other grids and in the void.
+// grid. Arguments by reference must outlive the returned source. A grid point within 1e-6 voxel of
+// a source voxel takes that voxel's offset exactly. One thread at a time may ask for a slice;
+// offsets on the source's own lattice are cheap in ascending order. Cost per voxel and core: 5 ns
+// there, 20 to 100 ns on other grids and in the void.
 #pragma once
 
 #include <functional>
@@ -17,7 +17,7 @@
 
 namespace supple {
 
-/// What a dense export writes where there is no material (design.md section 2 "The air").
+/// Contents of a dense export where there is no material (design.md section 2 "The air").
 enum class VoidMode {
   nearest,  // stays void: o = 0; vacated: the nearest void voxel of the source
   outside,  // void everywhere reads from outside the source box
@@ -30,10 +30,11 @@ using VectorSliceSource = std::function<void(int k, Vec3f* out)>;
 using ScalarSliceSource = std::function<void(int k, float* out)>;
 
 /// The resample-direction field on `grid` (the source grid, or another one). `source` holds the
-/// elements and shell at rest: what is active there and not reached any more is vacated. Nearest in
-/// mm along the axes; where the source box holds no void voxel the vector is 0. Vectors are the
-/// world position of the source point minus that of the grid point. `elements`: with `extend`, grid
-/// points that read others are air and give way where cells would fold (unfolded_extension.h).
+/// elements and shell at rest: voxels that are active there and not reached any more are vacated.
+/// Nearest in mm along the axes; where the source box holds no void voxel the vector is 0. Vectors
+/// are the world position of the source point minus that of the grid point. `elements`: with
+/// `extend`, grid points that read others are air and give way where cells would fold
+/// (unfolded_extension.h).
 VectorSliceSource dense_offsets(const OffsetField& offsets, const BrickTopology& source,
                                 const Geometry& grid, VoidMode mode,
                                 const BrickTopology* elements = nullptr);
@@ -50,7 +51,7 @@ ScalarSliceSource dense_resampled(const OffsetField& offsets, const SourceDensit
 ScalarSliceSource dense_resampled(const OffsetField& offsets, const DensityGrid& density,
                                   const Geometry& grid, float fill);
 
-/// Voxels X of the material whose place X + u(X) lies beyond the outer voxel faces of `grid`: what
+/// Voxels X of the material whose place X + u(X) lies beyond the outer voxel faces of `grid`, which
 /// a dense output would lose. Takes u on the elements, not extended into the air.
 std::int64_t count_outside(const Displacement& material, const Geometry& grid);
 

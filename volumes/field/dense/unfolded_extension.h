@@ -3,8 +3,9 @@
 // Where two parts of the material come near each other, the extensions of both meet in the air
 // between them with a jump (smooth_extension.h), and a cell there turns its inside out. Its nodes
 // in the air and their neighbours then take the mean of their six neighbours, again and again,
-// until no cell folds. What tissue is seen at keeps its offset. Bounded: folds that no air can undo
-// stay. Cost: 0.2 µs per voxel of the bricks that touch the material, and 3 µs per node and pass.
+// until no cell folds. Nodes at which tissue is seen keep their offsets. Bounded: folds that no air
+// can undo stay. Cost: 0.2 µs per voxel of the bricks that touch the material, and 3 µs per node
+// and pass.
 #pragma once
 
 #include <unordered_map>

@@ -1,6 +1,6 @@
 // Solves the cells of one source brick for the lattice nodes in reach: translated cells exactly,
 // ordinary ones sixteen at a time (lane_solver.h), the rest one by one (deformed_cell.h). Every
-// cell finds its own nodes, so what a brick contributes depends on nothing but its cells.
+// cell finds its own nodes, so the results of a brick depend on nothing but its cells.
 #pragma once
 
 #include "volumes/field/inversion/invert.h"

@@ -1,5 +1,6 @@
-// What a deformation does to the elements of a body: how far they moved, how their volume changed,
-// where the material folded. All in the material frame: voxel X tells of the tissue that was at X.
+// Metrics of a deformation at the elements of a body: how far they moved, how their volume changed,
+// where the material folded. All in the material frame: the value at voxel X is that of the tissue
+// that was at X.
 //
 // F = I + grad u by central differences over the elements (one-sided at the surface and at cuts, as
 // ITK's displacement Jacobians are inside; no difference along an axis where neither neighbour is

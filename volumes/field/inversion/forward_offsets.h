@@ -1,6 +1,7 @@
 // Offsets without an inverse: each sample x solves y + u(y) = x for itself, by Newton on the
 // displacement, and reads the source at y (design.md section 4). For pictures while a body is being
-// dragged: what a change costs is to look how far the source bricks that it touches have moved.
+// dragged: a change costs no more than a look at how far the source bricks that it touches have
+// moved.
 //
 // A solution begins at that of the sample before, then at those of places nearby whose images are
 // known, until one lies in tissue; air is taken where none does. Where tissue comes from several
@@ -40,7 +41,7 @@ class ForwardOffsets final : public PointwiseOffsets {
  private:
   static constexpr int kSeeds = 8;  // one in every octant
 
-  /// What can be seen in an output brick.
+  /// Sources that can be seen in an output brick.
   struct Reached {
     Reached() { seed.fill(Vec3f(std::numeric_limits<float>::quiet_NaN())); }
 

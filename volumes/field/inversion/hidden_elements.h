@@ -1,5 +1,5 @@
-// Elements that an offset field does not show: something else is read where they went, as offsets
-// hold one place of several, and as between nodes they are interpolated.
+// Elements that an offset field does not show. Something else is read where they went, since
+// offsets hold one place of several and are interpolated between nodes.
 #pragma once
 
 #include <cstdint>
@@ -9,10 +9,10 @@
 
 namespace supple {
 
-/// How many of the elements X are not seen at X + u(X): what is read there lies more than a voxel
-/// from X, or nothing is. `displacement`: on all elements; `offsets`: its inverse. Where some of
-/// the nodes around X + u(X) hold no offset, the others count. Cost: about 10 ns per moved element,
-/// 50 ns where offsets are split, 1 ns per unmoved one.
+/// Number of elements X that are not seen at X + u(X): the place that is read there lies more than
+/// a voxel from X, or none is read. `displacement`: on all elements; `offsets`: its inverse. Where
+/// some of the nodes around X + u(X) hold no offset, the others count. Cost: about 10 ns per moved
+/// element, 50 ns where offsets are split, 1 ns per unmoved one.
 std::int64_t count_hidden(const Displacement& displacement, const BrickTopology& elements,
                           const OffsetField& offsets);
 

@@ -1,6 +1,6 @@
-// The inversion of one displacement after the other on the same source bricks: everything at once,
-// or what a change touches. What an output brick holds depends on the source bricks that reach it
-// and on nothing else, so both ways end with the same bits.
+// The inversion of one displacement after the other on the same source bricks: of all bricks at
+// once, or of those that a change touches. The contents of an output brick depend on the source
+// bricks that reach it and on nothing else, so both ways end with the same bits.
 #pragma once
 
 #include <unordered_map>
@@ -48,8 +48,8 @@ class Inversion {
   const Vec3i m_dims;
   const InvertParams m_params;
   BrickTopology m_slice;  // of a volume of one slice, its elements, thickened
-  // Per source brick: where its voxels go, the nodes that its cells reach, u = 0 at all corners of
-  // the cells, what was found out about them.
+  // Per source brick: how far its voxels move, the nodes that its cells reach, whether u = 0 at all
+  // corners of the cells, and the findings about them.
   std::vector<BrickRanges> m_ranges;
   std::vector<IndexBox> m_reach;
   std::vector<std::uint8_t> m_still;

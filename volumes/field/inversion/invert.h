@@ -22,9 +22,9 @@ struct InvertParams {
 /// Inverts the extended displacement; u is trilinear on the cells whose eight corners are valid.
 /// Deterministic and independent of the thread count. Where deformed cells overlap, one whose eight
 /// corners are elements wins, then one in which the nearest voxel is, then air; among equals the
-/// smallest |o| wins (then the lower source voxel), and what tissue covers more than once is listed
-/// in `overlaps`. Where u = 0 at all corners, o = 0 exactly. Nodes of occupied
-/// output bricks that no material reaches stay invalid (the marcher extrapolates for itself).
+/// smallest |o| wins (then the lower source voxel), and nodes that tissue covers more than once are
+/// listed in `overlaps`. Where u = 0 at all corners, o = 0 exactly. Nodes of occupied output bricks
+/// that no material reaches stay invalid (the marcher extrapolates for itself).
 ///
 /// A field without a complete cell (a single voxel, a sheet one voxel thick) gives no offsets until
 /// it is extended; `certificate.cells` says so. A volume of one slice is inverted in its plane.

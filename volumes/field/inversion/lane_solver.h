@@ -1,5 +1,5 @@
 // The inversion of a brick's cells in single precision, sixteen at a time: the same equation and
-// the same bounds as deformed_cell.h, which stays the authority for what the lanes decline.
+// the same bounds as deformed_cell.h, which stays the authority for cells that the lanes decline.
 //
 // Coordinates are relative to each cell and to one whole-voxel shift of its brick, so that floats
 // resolve 10^-6 voxel whatever the displacement. Cells that are folded, nearly flat or stretched
@@ -16,7 +16,7 @@
 
 namespace supple {
 
-/// What a solver found out about the cells of one brick.
+/// Findings of a solver about the cells of one brick.
 struct CellResults {
   std::vector<OffsetAccumulator::NodeSolution> hits;
   std::vector<OpenNode> doubts;

@@ -30,7 +30,7 @@ class OffsetAccumulator {
     Content content = Content::tissue;
   };
 
-  /// `origins`: sorted, unique origins of the output bricks; what falls into others is dropped.
+  /// `origins`: sorted, unique origins of the output bricks; solutions in others are dropped.
   explicit OffsetAccumulator(std::vector<Vec3i> origins);
 
   /// Thread-safe.
@@ -56,7 +56,8 @@ class OffsetAccumulator {
   VectorBricks finish();
 
  private:
-  /// Which solutions of a brick there are, and of what: at least the surface of tissue, its inside.
+  /// Nodes of a brick that have a solution, and its content: at least the surface of tissue, or its
+  /// inside.
   struct Taken {
     BrickMask any{}, surface{}, tissue{};
   };

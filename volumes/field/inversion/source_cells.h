@@ -51,7 +51,7 @@ BrickTopology thickened(const BrickTopology& voxels, const Vec3i& dims);
 /// Sources further apart than this, in voxels, are not the same place found twice.
 constexpr double kSamePlace = 0.5;
 
-/// What a place of a source cell is made of. Where several places come to one, tissue hides air.
+/// Content of a place in a source cell. Where several places come to one, tissue hides air.
 enum class Content : std::uint8_t {
   air,      // the nearest voxel is no element
   surface,  // it is one, but not every corner of the cell

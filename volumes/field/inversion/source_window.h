@@ -32,7 +32,7 @@ class SourceWindow {
                   const Vec3i& window);
   float residual(int node, const Vec3f& offset) const;
 
-  Vec3f m_shift{0, 0, 0};  // whole voxels near the offsets, so that floats resolve what is left
+  Vec3f m_shift{0, 0, 0};  // whole voxels near the offsets, so that floats resolve the rest
   Vec3i m_lo{0, 0, 0};     // of the window, relative to the brick and the shift
   Vec3i m_dims{0, 0, 0};
   std::vector<Entry> m_entries;  // [x][y][z]

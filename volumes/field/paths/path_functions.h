@@ -22,8 +22,8 @@ struct AxisRange {
   double begin_mm = 0, end_mm = 0;  // begin < end
 };
 
-/// What lies before the range stays; from there on the axis becomes an arc towards a direction
-/// across it, and what lies beyond goes on straight. The axis keeps its length. Within half a turn;
+/// The body before the range stays. From there on the axis becomes an arc towards a direction
+/// across it, and the body beyond goes on straight. The axis keeps its length. Within half a turn;
 /// material beyond the arc's centre is refused when it comes to be bent.
 struct BendParams {
   AxisRange range;
@@ -60,7 +60,7 @@ std::shared_ptr<const PathFunction> make_cut_open(const CutOpenParams& params);
 
 /// The box (index space, its corners in any order) falls into a grid of equal pieces, at most 4096,
 /// that move apart along the grid axes until there is a gap between neighbours. The middle stays;
-/// the outermost pieces hold what lies beyond the box.
+/// the outermost pieces include the body beyond the box.
 struct ExplodeParams {
   std::array<int, 3> grid = {1, 1, 1};
   Vec3d corner_index{0, 0, 0}, opposite_index{0, 0, 0};

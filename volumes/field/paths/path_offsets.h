@@ -26,7 +26,7 @@ class PathOffsets : public SplitOffsets {
   int pieces() const { return m_pieces; }
 
  private:
-  /// What a piece, of all functions together, makes of x.
+  /// Source of x under a piece of all functions together.
   struct Origin {
     Vec3d step;       // p(x) - x, index space; exactly 0 where the path is straight
     double depth_mm;  // smallest over the functions

@@ -2,11 +2,10 @@
 // by sampling it along bent, and possibly broken, paths.
 //
 // Functions are given by the deformation that one sees. Of each the map and its inverse are known:
-// what is seen at x was at p(x), and the sampling path is o(x) = p(x) - x. Several functions act on
-// the body one after another; a body that was moved before (a simulated deformation) is followed on
-// from p(x), so that o(x) = p(x) - x + o_moved(p(x)).
-// Cost: 0.1 to 0.5 µs per voxel of the seen body, function and core, once; bricks in which the body
-// falls apart cost as much per sample.
+// material seen at x was at p(x), and the sampling path is o(x) = p(x) - x. Several functions act
+// on the body one after another; a body that was moved before (a simulated deformation) is followed
+// on from p(x), so that o(x) = p(x) - x + o_moved(p(x)). Cost: 0.1 to 0.5 µs per voxel of the seen
+// body, function and core, once; bricks in which the body falls apart cost as much per sample.
 #pragma once
 
 #include <cmath>
@@ -27,11 +26,11 @@ class PathFunction {
 
   /// Pieces that the body falls into; each has a smooth map of its own, defined everywhere.
   virtual int pieces() const { return 1; }
-  /// Where what was at `from`, as part of the piece, is seen. Throws InputError where the function
-  /// would turn the body inside out.
+  /// The place at which material from `from`, as part of the piece, is seen. Throws InputError
+  /// where the function would turn the body inside out.
   virtual Vec3d forward(const Vec3d& from, int piece) const = 0;
-  /// Where what is seen at `at`, as part of the piece, was; exactly `at` where nothing moves, NaN
-  /// where nothing is seen.
+  /// The source of material seen at `at`, as part of the piece; exactly `at` where nothing moves,
+  /// NaN where nothing is seen.
   virtual Vec3d backward(const Vec3d& at, int piece) const = 0;
   /// Distance of `from` to the nearest face of the piece, negative outside of the piece.
   virtual double depth_mm(const Vec3d& from, int piece) const;
@@ -51,7 +50,7 @@ OffsetField follow_path(const SamplingPath& path, const Geometry& geometry,
 OffsetField follow_path(const SamplingPath& path, const OffsetField& moved,
                         Progress* progress = nullptr);
 
-/// The same in the material direction: what is at X + u(X) moves on along the path.
+/// The same in the material direction: material at X + u(X) moves on along the path.
 Displacement move_along(const SamplingPath& path, const Displacement& displacement);
 
 }  // namespace supple

@@ -1,5 +1,5 @@
 // Where points go: along with the material, back to rest, or through a warp. For landmarks, meshes
-// and whatever else lies between voxels.
+// and other data that lie between voxels.
 //
 // Each point is solved for by itself, so that there and back again is the same place off folds: by
 // Newton on the trilinear field, and where kinks hold it up by the cells around (deformed_cell.h).
@@ -13,12 +13,12 @@
 
 namespace supple {
 
-/// What is known of a place.
+/// Kind of a place, which says how its motion was found.
 enum class PlaceKind {
   inside,     // in the material or the shell around it; in the grid of a warp
   outside,    // beyond: the motion carries on smoothly there; beyond the grid of a warp it ends
   folded,     // in a fold: several places have come here; the one with the shortest way counts
-  torn,       // on or in an open cut, on no side of it: what the nearest side or the stretch gives
+  torn,       // on or in an open cut, on no side of it: moves as the nearest side or the stretch
   unresolved  // nothing was found; the place is a guess
 };
 

@@ -19,7 +19,7 @@ enum class ValueType;  // of volume_file.h
 /// numbers between blanks, line ends and commas. hex: two hexadecimal digits per byte.
 enum class Compression { none, deflate, bzip2, text, hex };
 
-/// What a source may hold behind the bytes that its header claims.
+/// Whether a source may hold bytes behind those that its header claims.
 enum class Surplus { error, ignore };
 
 /// Where the values of a volume lie.
@@ -29,7 +29,7 @@ struct ByteRange {
   std::int64_t size = 0;           // bytes that the header claims (decoded)
   Compression compression = Compression::none;
   Surplus surplus = Surplus::error;
-  ValueType text_type{};  // what the numbers of a text become, in native byte order
+  ValueType text_type{};  // type that numbers of a text become, in native byte order
 };
 
 class ByteSource {
@@ -47,11 +47,11 @@ class ByteSource {
 /// Checks `range` against the file's length: deflate cannot shrink by more than 1032:1, a number of
 /// a text takes two characters, a byte in hex too. bzip2 has no useful bound (about 2 000 000:1),
 /// so that a claim beyond 1000:1 is proved by decoding the stream once, without keeping it. Hence
-/// no slice that a caller allocates is larger than 1032 times the file, or than what the file
-/// holds. Throws InputError with both numbers.
+/// no slice that a caller allocates is larger than 1032 times the file, or than its contents.
+/// Throws InputError with both numbers.
 void check_range(const std::shared_ptr<const InputFile>& file, const ByteRange& range);
 
-/// Opens what check_range has passed.
+/// Opens a range that check_range() has passed.
 std::unique_ptr<ByteSource> open_checked(std::shared_ptr<const InputFile> file,
                                          const ByteRange& range);
 

@@ -1,5 +1,5 @@
-// What the encodings of byte_source.h share: a buffer of the file, bytes dropped at the front, and
-// errors that name how much was found and how much the header claims.
+// Common part of the encodings of byte_source.h: a buffer of the file, bytes dropped at the front,
+// and errors that name the number of bytes found and the number that the header claims.
 #pragma once
 
 #include <memory>

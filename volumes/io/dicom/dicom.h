@@ -1,6 +1,6 @@
-// DICOM series as volumes. All that the other rooms see of this one: everything that needs DCMTK
-// lies in a plugin of its own, which is loaded when a DICOM file is met, so that programs that meet
-// none neither start later nor hold its libraries in memory.
+// DICOM series as volumes. Other folders include this header only. Everything that needs DCMTK lies
+// in a plugin of its own, which is loaded when a DICOM file is opened; programs that open none
+// neither start later nor hold its libraries in memory.
 #pragma once
 
 #include <memory>
@@ -13,15 +13,15 @@ namespace supple {
 /// True when the bytes (132 or more of them) are the start of a DICOM file.
 bool is_dicom(const std::string& head);
 
-/// True when a regular file of the folder itself is a DICOM file; false for what is no folder.
-/// Files that cannot be opened do not count. Opens files until one is found.
+/// True when a regular file of the folder itself is a DICOM file; false for a path that is no
+/// folder. Files that cannot be opened do not count. Opens files until one is found.
 bool holds_dicom(const std::string& folder);
 
 /// The one series of a folder (flat), the series that a file belongs to (in the file's folder), or
 /// one multi-frame file. Slices are sorted by position along row x column; options.frame chooses
 /// among several at the same positions. Throws InputError for several series, slices of different
-/// kinds, uneven distances, and what cannot be decoded; SystemError when a file may not be read or
-/// the plugin cannot be loaded.
+/// kinds, uneven distances, and data that cannot be decoded; SystemError when a file may not be
+/// read or the plugin cannot be loaded.
 std::unique_ptr<VolumeFile> open_dicom(const std::string& path, const ReadOptions& options);
 
 }  // namespace supple

@@ -1,4 +1,4 @@
-// What program and plugin agree on (volumes/base/plugin.h).
+// Interface between the program and its DICOM plugin (volumes/base/plugin.h).
 #pragma once
 
 #include <memory>

@@ -32,14 +32,14 @@ enum class ResampleKernel { linear, nearest, cubic };
 /// The same box with other voxel sizes: outer faces of the first voxels stay where they are, counts
 /// are rounded. Linear along each axis; where voxels grow, the kernel grows with them, so that no
 /// value is skipped. `nearest` is for labels; `cubic` passes through all voxels, keeps edges sharp
-/// and may overshoot beside them. Throws InputError (field "spacing") for what is no
-/// length or gives more than 2^31 - 1 voxels along an axis.
+/// and may overshoot beside them. Throws InputError (field "spacing") for a spacing that is no
+/// length, or one that gives more than 2^31 - 1 voxels along an axis.
 std::unique_ptr<VolumeFile> with_spacing(std::unique_ptr<VolumeFile> file, const Vec3d& spacing_mm,
                                          ResampleKernel interpolation = ResampleKernel::linear);
 
-/// Which densities stay, and what stands for the others.
+/// Range of densities that stay, and the replacement of the others.
 struct Threshold {
-  double lo = 0, hi = 0;          // both belong to what stays
+  double lo = 0, hi = 0;          // both belong to the range
   std::optional<double> outside;  // rounded into the file's type; none: `minimum` of the volume
   bool is_mask = false;           // 1 and 0 as uint8 in place of the densities
 };

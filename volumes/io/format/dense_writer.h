@@ -13,7 +13,7 @@
 
 namespace supple {
 
-/// What the file will say of its values.
+/// Description of the values, as the file will record it.
 struct DenseImage {
   Geometry geometry;
   ValueType type = ValueType::float32;
@@ -39,12 +39,13 @@ class DenseWriter {
   virtual ~DenseWriter() = default;
   /// The next slice k: dims.x * dims.y values as in memory, components together.
   virtual void write_slice(const void* values) = 0;
-  /// Work that remains after the last slice and may take long, such as compressing what had to be
-  /// put in order first. Throws Cancelled. commit() does it where the caller has not.
+  /// Work that remains after the last slice and may take long, such as compressing values that had
+  /// to be put in order first. Throws Cancelled. commit() does it where the caller has not.
   virtual void complete(Progress* progress) { static_cast<void>(progress); }
   /// After the last slice: completes the files and gives them their names.
   virtual void commit() = 0;
-  /// What the format could not keep, known after commit(): each a line without the file's name.
+  /// Properties that the format could not keep, known after commit(): each a line without the
+  /// file's name.
   virtual std::vector<std::string> warnings() const { return {}; }
 };
 

@@ -7,7 +7,7 @@
 namespace supple {
 
 /// Stands in a header for the length in bytes of the compressed stream, which is known at the end;
-/// blanks fill what the number leaves.
+/// blanks fill the rest of the field.
 constexpr const char* kStreamSize = "@@@@@@@@@@@@@@@@@@@@";
 
 /// Writes `header`, then the slices as they come: little-endian, plain, or as one gzip stream. Both

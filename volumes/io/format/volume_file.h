@@ -1,4 +1,4 @@
-// A volume file that is being read, slice by slice: what every reader of a format gives.
+// A volume file that is being read, slice by slice: the result of every reader of a format.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 namespace supple {
 
-/// What the user says where a file leaves a choice or says nothing.
+/// Choices of the user where a file leaves one or says nothing.
 struct ReadOptions {
   /// dims=X,Y,Z,type=int16,spacing=A,B,C[,endian=big][,offset=BYTES] makes the file headerless raw.
   std::string raw = {};
@@ -30,7 +30,7 @@ struct ReadOptions {
 /// Throws InputError when a choice is made: `path` is a state, which says everything itself.
 void require_unused(const ReadOptions& options, const std::string& path);
 
-/// What a header claims, checked against the file's length before anything is allocated.
+/// Claims of a header, checked against the file's length before anything is allocated.
 struct VolumeHeader {
   std::string path;  // as the user gave it
   /// Files that the volume is read from beside or instead of `path`: of values, of a header, of
@@ -47,8 +47,8 @@ struct VolumeHeader {
   std::string warp_direction;   // of vectors, where the header records it as write_warp does
   std::string certificate;      // of the inversion that gave the vectors, one line of JSON
   bool vectors_in_ras = false;  // x and y of the vectors point right and anterior
-  LabelNames label_names;       // of a segmentation that names what its values mean
-  /// What the user should know of a file that can be read: each a line without the file's name.
+  LabelNames label_names;       // of a segmentation that names its labels
+  /// Warnings about a file that can be read: each a line without the file's name.
   std::vector<std::string> warnings;
 };
 
@@ -61,7 +61,7 @@ class VolumeFile {
   virtual ~VolumeFile() = default;
   const VolumeHeader& header() const { return m_header; }
   /// Puts other voxel sizes in place of the file's; directions and origin stay. Throws InputError
-  /// for what is no length.
+  /// for a spacing that is no length.
   void set_spacing(const Vec3d& spacing_mm);
   /// Reads the next slice k: dims.x * dims.y stored values in native byte order, times the
   /// components, which lie together.

@@ -1,4 +1,4 @@
-// What program and plugin agree on (volumes/base/plugin.h).
+// Interface between the program and its HDF5 plugin (volumes/base/plugin.h).
 #pragma once
 
 #include <memory>
@@ -17,7 +17,7 @@ struct Hdf5Plugin {
                                                      sizeof(DenseImage), sizeof(WriteOptions)};
 
   std::array<std::size_t, 4> sizes;
-  /// `path` is as the user gave it, `name` the file in it: what follows names a dataset. Throws
+  /// `path` is as the user gave it, `name` the file in it; the rest names a dataset. Throws
   /// InputError. A damaged file may crash the library.
   std::unique_ptr<VolumeFile> (*open)(const std::string& name, const std::string& path,
                                       const ReadOptions& options);

@@ -10,7 +10,7 @@
 
 namespace supple {
 
-/// What the values of the output are.
+/// Values of the output, by type and scaling.
 struct ConvertPlan {
   ValueType type = ValueType::float32;
   double slope = 1;  // recorded in the output

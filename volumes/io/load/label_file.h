@@ -1,4 +1,4 @@
-// Label volumes: what a segmentation calls each voxel.
+// Label volumes: a segmentation's label of each voxel.
 #pragma once
 
 #include <string>
@@ -18,7 +18,7 @@ BrickValues read_labels(const std::string& path, const Geometry& geometry,
 BrickValues read_labels(VolumeFile& file, const Geometry& geometry, const BrickTopology& elements,
                         Progress* progress = nullptr);
 
-/// What a file calls its labels; nothing where it does not say, or is not there. Reads a header.
+/// Names that a file gives its labels; empty where it gives none, or is not there. Reads a header.
 LabelNames label_names(const std::string& path);
 
 }  // namespace supple

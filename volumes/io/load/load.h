@@ -11,7 +11,7 @@
 
 namespace supple {
 
-/// What `supple info` prints beyond the header.
+/// Values that `supple info` prints beyond the header.
 struct VolumeDigest {
   VolumeStatistics statistics;
   std::string sha256;             // of the stored values, little-endian, i fastest, before slope
@@ -20,7 +20,8 @@ struct VolumeDigest {
 VolumeDigest digest_volume(VolumeFile& file, Progress* progress = nullptr);
 
 /// Every voxel above the file's minimum becomes active; background is the minimum. NaN, infinity
-/// and what overflows a float are void (statistics.nan_count). Comparisons are those of floats.
+/// and values that overflow a float are void (statistics.nan_count). Comparisons are those of
+/// floats.
 Volume load_volume(const std::string& path, const ReadOptions& options = {},
                    Progress* progress = nullptr);
 /// The same from an open file of which no slice was read yet.

@@ -14,7 +14,7 @@
 
 namespace supple {
 
-/// Slices k0 … k0 + depth - 1, i fastest. What is not finite as a float is NaN here: void.
+/// Slices k0 … k0 + depth - 1, i fastest. Values that are not finite as floats are NaN here: void.
 struct Slab {
   int k0 = 0;
   int depth = 0;

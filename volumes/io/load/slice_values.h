@@ -15,7 +15,7 @@ struct SliceStatistics {
   std::int64_t finite_count = 0;
   std::int64_t min_count = 0;  // values equal to min
   std::int64_t nan_count = 0;
-  std::int64_t infinite_count = 0;  // also what overflows a float
+  std::int64_t infinite_count = 0;  // values that overflow a float included
 
   SliceStatistics();
   /// `later` describes values behind these.

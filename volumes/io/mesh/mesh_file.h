@@ -1,6 +1,6 @@
 // A mesh file whose vertices move: the same file again with other coordinates and normals, and
-// everything else byte for byte, be it faces, lines, colours, scalars, names or comments.
-// Cost: twice the file's bytes, 100 bytes per vertex, and what mesh_slots.h says.
+// everything else byte for byte, be it faces, lines, colours, scalars, names or comments. Cost:
+// twice the file's bytes, 100 bytes per vertex, and that of mesh_slots.h.
 #pragma once
 
 #include <functional>
@@ -24,8 +24,8 @@ class MeshFile {
   using TurnNormal = std::function<Vec3d(std::size_t vertex, const Vec3d& normal)>;
 
   /// Writes the file with these positions. Normals keep their length; one that several vertices
-  /// share becomes the mean of what each makes of it, one of an STL triangle follows from its new
-  /// corners; those of length 0 stay. Numbers that do not change keep their digits. Throws as
+  /// share becomes the mean of its images at each of them, one of an STL triangle follows from its
+  /// new corners; those of length 0 stay. Numbers that do not change keep their digits. Throws as
   /// OutputFile.
   void write_moved(const std::string& path, const std::vector<Vec3d>& positions_lps_mm,
                    const TurnNormal& turned) const;

@@ -1,4 +1,4 @@
-// What our own NIfTI files say beside the format's fields: one header extension of the code 6
+// Records of our own NIfTI files beside the format's fields: one header extension of the code 6
 // (comment), a text of lines "supple direction: resample" and "supple certificate: {json}".
 #pragma once
 

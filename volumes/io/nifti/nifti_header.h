@@ -42,7 +42,7 @@ std::string nifti_head(const InputFile& file, std::size_t limit);
 
 /// The grid in LPS mm: sform, else qform, else the spacings alone. Where sform and qform are both
 /// set and put a corner of the box more than 0.05 voxel apart, `warnings` says so. Throws
-/// InputError for what is no grid.
+/// InputError for numbers that give no grid.
 Geometry nifti_geometry(const std::string& path, const nifti_2_header& header, const Vec3i& dims,
                         std::vector<std::string>& warnings);
 

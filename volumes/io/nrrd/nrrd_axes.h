@@ -1,4 +1,4 @@
-// What the axes of a NRRD mean: the lattice, components and frames, and the lattice's place.
+// Meaning of the axes of a NRRD: the lattice, components and frames, and the lattice's place.
 // Sources: http://teem.sourceforge.net/nrrd/format.html; without `space`, spacings span LPS axes
 // and axis mins give the origin, as ITK reads them; spaces that name no patient axes count as LPS,
 // with a warning.
@@ -35,8 +35,8 @@ Geometry nrrd_geometry(const NrrdHeader& header, const NrrdAxes& axes);
 /// One line where the space names no axes of a patient; else empty.
 std::string warning_of_space(const NrrdHeader& header);
 
-/// Vectors are mm along the axes of LPS whatever `space` says, as ITK reads and writes them; what
-/// asks for something else is refused.
+/// Vectors are mm along the axes of LPS whatever `space` says, as ITK reads and writes them;
+/// headers that ask for something else are refused.
 void check_frame_of_vectors(const NrrdHeader& header, const NrrdAxes& axes);
 
 /// One entry per vector of the field's text: its components, or none for "none".

@@ -1,8 +1,7 @@
-// What the tags of a TIFF file say beside its pixels: which page is which slice, channel and frame,
-// and how large voxels are.
-// Sources: ImageJ's ij.io.TiffDecoder and FileOpener (ImageDescription "ImageJ=..."); OME-TIFF
-// (docs.openmicroscopy.org/ome-model, 2016-06); TIFF 6.0 for resolutions.
-// Cost: an OME description is held as a tree, some ten times its text of at most 64 MiB.
+// Metadata in the tags of a TIFF file: the slice, channel and frame of each page, and the size of
+// voxels. Sources: ImageJ's ij.io.TiffDecoder and FileOpener (ImageDescription "ImageJ=...");
+// OME-TIFF (docs.openmicroscopy.org/ome-model, 2016-06); TIFF 6.0 for resolutions. Cost: an OME
+// description is held as a tree, some ten times its text of at most 64 MiB.
 #pragma once
 
 #include <cstdint>
@@ -45,8 +44,7 @@ TiffLayout plain_layout(const TiffPages& pages);
 /// The key of the affine in ImageDescription; other programs pass over it.
 constexpr const char* kTiffAffineKey = "supple_index_to_lps_mm";
 
-/// Factor from a unit of length to mm, nothing for what is no unit that microscopes and scanners
-/// use.
+/// Factor from a unit of length to mm; nothing for units that microscopes and scanners do not use.
 std::optional<double> mm_per_unit(const std::string& unit);
 
 }  // namespace supple

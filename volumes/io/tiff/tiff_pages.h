@@ -20,7 +20,7 @@ struct tiff;
 
 namespace supple {
 
-/// What the tags of a page say of its pixels.
+/// Format of a page's pixels, by its tags.
 struct TiffPage {
   std::int64_t width = 0;
   std::int64_t height = 0;
@@ -48,7 +48,7 @@ class TiffPages {
   ~TiffPages();
 
   std::size_t count() const { return m_offsets.size(); }
-  /// What all pages have in common.
+  /// The format that all pages share.
   const TiffPage& format() const { return m_format; }
   /// Of the first page.
   const std::string& description() const { return m_description; }

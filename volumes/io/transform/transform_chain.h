@@ -1,5 +1,5 @@
 // Transforms of registration programs, one after the other: where each point of the fixed image is
-// taken from in the moving one, both LPS mm. A warp of resample direction is what moves a point.
+// taken from in the moving one, both LPS mm. A warp of resample direction moves points this way.
 #pragma once
 
 #include <memory>

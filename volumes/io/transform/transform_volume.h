@@ -8,7 +8,7 @@ namespace supple {
 
 enum class TransformKind { none, itk, elastix };
 
-/// What the first bytes of a file are the beginning of.
+/// The kind of transform file that begins with these bytes.
 TransformKind transform_kind(const std::string& head);
 
 /// The vectors T(x) - x of a transform file, LPS mm, at the points of the grid that it names or

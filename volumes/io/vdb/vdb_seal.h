@@ -19,7 +19,7 @@ enum class VdbKind {
   state,    // a deformed body (state.h)
   volume    // a dense volume or warp (dense_writer.h)
 };
-/// `none` also for what cannot be read.
+/// `none` also for files that cannot be read.
 VdbKind vdb_kind(const std::string& path);
 
 /// Names of all our file-level metadata start with this; OpenVDB writes them sorted, so the first

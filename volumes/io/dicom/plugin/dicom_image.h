@@ -15,7 +15,7 @@
 
 namespace supple {
 
-/// Where one frame lies and what its values mean. LPS millimetres.
+/// Place of one frame and the meaning of its values. LPS millimetres.
 struct ImagePlane {
   std::size_t image = 0;    // among the images of a series
   int frame = 0;            // within the image

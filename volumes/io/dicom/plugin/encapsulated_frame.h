@@ -1,4 +1,5 @@
-// Compressed frames before they are decoded: their bytes, and what DCMTK's decoders take on trust.
+// Compressed frames before they are decoded: their bytes, and checks that DCMTK's decoders leave
+// out.
 #pragma once
 
 #include <cstdint>

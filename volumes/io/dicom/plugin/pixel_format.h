@@ -19,7 +19,7 @@ struct PixelFormat {
   ValueType type() const;
 };
 
-/// Throws InputError for colour and for what is no 8, 16 or 32-bit grey image.
+/// Throws InputError for colour and for all but 8, 16 and 32-bit grey images.
 PixelFormat pixel_format(const std::string& path, DcmItem& dataset);
 
 /// Leaves of every value the stored bits, as a number of the allocated width: other bits (overlays)

@@ -59,7 +59,7 @@ struct Dataset {
 /// An open file that does not change.
 class Hdf5File {
  public:
-  /// `shown` is how errors name it. Throws InputError for what is no intact HDF5 file.
+  /// `shown` is how errors name it. Throws InputError for a file that is no intact HDF5 file.
   Hdf5File(const std::string& path, std::string shown);
   Hdf5File(const Hdf5File&) = delete;
   Hdf5File& operator=(const Hdf5File&) = delete;

@@ -1,4 +1,4 @@
-// What the datasets of an HDF5 file mean, by the conventions of the programs that write them.
+// Meaning of the datasets of an HDF5 file, by the conventions of the programs that write them.
 #pragma once
 
 #include "volumes/io/hdf5/plugin/hdf5_slices.h"

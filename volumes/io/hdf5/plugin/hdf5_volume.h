@@ -8,7 +8,7 @@
 
 namespace supple::hdf5 {
 
-/// What `options` choose of the file `name`; `path` is as the user gave it, `name` or
+/// The volume that `options` choose in the file `name`; `path` is as the user gave it, `name` or
 /// "name:/dataset". Throws InputError.
 std::unique_ptr<VolumeFile> open_file(const std::string& name, const std::string& path,
                                       const ReadOptions& options);

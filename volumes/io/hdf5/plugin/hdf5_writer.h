@@ -8,7 +8,7 @@
 
 namespace supple::hdf5 {
 
-/// Expects perpendicular axes. Throws InputError for what can be no output, SystemError.
+/// Expects perpendicular axes. Throws InputError for a path that can be no output, SystemError.
 std::unique_ptr<DenseWriter> create_file(const std::string& path, const DenseImage& image,
                                          const WriteOptions& options);
 
