@@ -1,5 +1,5 @@
-// What moves in a picture, and what is seen in it: the motion of every visible place on the screen
-// between two pictures, and numbers of tissues and meshes, for compositing programs.
+// Channels for compositing programs: the motion of every visible place on the screen between two
+// pictures, and numbers of tissues and meshes.
 #pragma once
 
 #include <functional>
@@ -23,10 +23,10 @@ struct FilmedBody {
 std::vector<Vec3d> rest_places(const FloatImage& picture, const Camera& camera,
                                const Geometry& geometry, const OffsetField* offsets);
 
-/// Pixels to the right and upwards, two numbers for each pixel, by which what is seen in it moves
-/// on its way from `now` to `then`: with the tissue, or where `moves` says no of a surface (its
-/// index) with the camera alone. 0 where nothing is seen and for what goes behind the camera. Exact
-/// for the place that the depth names. Within a voxel of a cut the motions of both sides are
+/// Motion of the visible place of each pixel from `now` to `then`, in pixels to the right and
+/// upwards, two numbers for each: with the tissue, or where `moves` says no of a surface (its
+/// index) with the camera alone. 0 where nothing is seen and for places that go behind the camera.
+/// Exact for the place that the depth names. Within a voxel of a cut the motions of both sides are
 /// mixed.
 std::vector<float> screen_motion(const FloatImage& picture, const std::vector<Vec3d>& rest_places,
                                  const Geometry& geometry, const FilmedBody& now,

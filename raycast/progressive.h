@@ -30,7 +30,7 @@ class ProgressiveRender {
   bool finished() const { return m_spacing == 1; }
   /// Samples read from the source in complete passes.
   std::int64_t samples() const { return m_samples; }
-  /// The picture so far, pixels repeated over what is still missing; not during refine().
+  /// The picture so far, with pixels repeated over missing ones; not during refine().
   FloatImage picture() const;
 
  private:

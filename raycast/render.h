@@ -57,13 +57,13 @@ class Renderer {
                    OffsetResolution resolution = OffsetResolution::full);
 
   /// Follows a local change of the offsets set last: those in the bricks at these origins (unique)
-  /// are now what `offsets` finds, and may be gone. As IncrementalInversion::update and finder say.
-  /// Throws InputError when those offsets jump.
+  /// are now those that `offsets` finds, and may be gone. As IncrementalInversion::update and
+  /// finder say. Throws InputError when those offsets jump.
   void update_offsets(const std::vector<Vec3i>& changed, const VectorBrickFinder& offsets);
 
-  /// Until offsets are set or updated: what is seen in the bricks of `offsets` finds its own, and
-  /// all else is at rest. To be called again when they have changed. For example ForwardOffsets,
-  /// which need no inverse.
+  /// Until offsets are set or updated: samples in the bricks of `offsets` find their own offsets,
+  /// and all others are at rest. To be called again when they have changed. For example
+  /// ForwardOffsets, which need no inverse.
   void set_pointwise_offsets(std::shared_ptr<const PointwiseOffsets> offsets);
 
   /// Replaces the surfaces (copied) shown with the volume, wherever they lie; in the deformed
@@ -81,7 +81,7 @@ class Renderer {
 
  private:
   friend class ProgressiveRender;
-  /// What all rays of the picture share; throws InputError for a bad argument.
+  /// Data that all rays of the picture share; throws InputError for a bad argument.
   std::unique_ptr<RenderContext> prepare(const Camera& camera, const TransferFunction& function,
                                          const RenderSettings& settings) const;
 

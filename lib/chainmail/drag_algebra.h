@@ -16,11 +16,12 @@
 // A push handle is a tool at the place t: on elements that it does not hold yet t = q, and it is in
 // A when D > 0, in B when D < 0, in neither when D = 0; later it stays on its side, t <= q in A and
 // t >= q in B, so that withdrawing it moves nothing. Handles must agree at f = 1. Two push handles
-// of one direction always do, as A meets no B. At f = 0 the bounds are met, so held elements only
-// limit f: for a handle a in A that rises and a held upper bound b, f D_a <= dist(a, b) - (l_a -
-// u_b), l_a before the drag; and mirrored for sinking handles. Truncating the targets toward zero
-// keeps them feasible: trunc(f D_a) - trunc(f D_b) <= max(0, D_a - D_b) where both fit at f = 1,
-// and it only shortens moves against held elements.
+// of one direction always do, as A meets no B.
+// At f = 0 the bounds are met, so held elements only limit f: for a handle a in A that rises and a
+// held upper bound b, f D_a <= dist(a, b) - (l_a - u_b), l_a before the drag; and mirrored for
+// sinking handles. Truncating the targets toward zero keeps them feasible: trunc(f D_a) - trunc(f
+// D_b) <= max(0, D_a - D_b) where both fit at f = 1, and it only shortens moves against held
+// elements.
 //
 // Conflicts show in the same runs: a held element above its upper bound after the raise, below its
 // lower bound after the lowering, or a handle that ends below its lower bound.

@@ -1,6 +1,6 @@
-// What a viewer of medical images writes over a picture: letters of the patient's sides, a scale
-// bar, an orientation cube, words, a legend of colours, cross-hairs and arrows. Here it is decided
-// what they are and where they lie; raycast/pictures/overlay.h draws them.
+// Annotations of medical pictures: letters of the patient's sides, a scale bar, an orientation
+// cube, words, a legend of colours, cross-hairs and arrows. Their contents and places are decided
+// here; raycast/pictures/overlay.h draws them.
 #pragma once
 
 #include <functional>
@@ -18,7 +18,7 @@ struct PictureArea {
   double left = 0, top = 0, width = 0, height = 0;
 };
 
-/// Inks that are legible on what is behind: pale with a dark halo, or the reverse.
+/// Ground that inks must be legible on: pale ink with a dark halo, or the reverse.
 enum class Ground { dark, light };
 
 /// The patient's side that a direction points to, as DICOM's Patient Orientation (C.7.6.1.1.1) says
@@ -33,7 +33,7 @@ double round_length(double longest);
 /// through the target of a perspective one.
 double mm_per_pixel(const Camera& camera, int height);
 
-/// Writes over one area of a picture: adds to an overlay what is asked for.
+/// Writes over one area of a picture: adds shapes to an overlay.
 class Annotations {
  public:
   Annotations(Overlay& overlay, const PictureArea& area, double letter_height, Ground ground);

@@ -1,5 +1,5 @@
 // Displacements as arrows in space: a shaft and a head each, as triangles that a picture draws with
-// its other surfaces, hidden by what lies before them.
+// its other surfaces, hidden by nearer tissue.
 // Cost: 46 triangles per arrow.
 #pragma once
 

@@ -1,5 +1,5 @@
-// A slice of a volume as a grey picture, with what is drawn over it. A slab gathers densities along
-// the line of sight, over its thickness.
+// A slice of a volume as a grey picture, with outlines, labels and a grid over it. A slab gathers
+// densities along the line of sight, over its thickness.
 //
 // Cost: one density per pixel and, in a slab, per smallest voxel of its thickness; all threads.
 #pragma once
@@ -16,7 +16,7 @@
 
 namespace supple {
 
-/// What a slab shows of the densities along its thickness.
+/// Reduction of the densities along the thickness of a slab.
 enum class SlabMode { mean, maximum, minimum };
 
 /// A density at a position of the volume's index space.
@@ -26,7 +26,7 @@ using RestPlaceAt = std::function<bool(const Vec3d& index, Vec3d& at_rest)>;
 /// The label of tissue by its index position at rest; 0: none.
 using LabelAt = std::function<std::int64_t(const Vec3d& at_rest)>;
 
-/// Densities that map to black and white, and what is drawn over them.
+/// Densities that map to black and white, and drawings over them.
 struct SliceStyle {
   double grey_lo = 0, grey_hi = 255;
   double thickness_mm = 0;  // of a slab; 0: a plane

@@ -1,6 +1,6 @@
-// A grid of tissue drawn on what a picture in space shows: lines where the planes between cubes of
-// tissue at rest come to the visible surface. They bend as the tissue does, on skin and on the
-// faces of clips alike.
+// A grid of tissue drawn on the surfaces of a picture in space: lines where the planes between
+// cubes of tissue at rest come to the visible surface. They bend as the tissue does, on skin and on
+// the faces of clips alike.
 //
 // Lines are found in the tangent plane of each pixel's place, from where the tissue there and a
 // pixel beside it was at rest. Planes that lie nearly along the surface draw nothing on it: their

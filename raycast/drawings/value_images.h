@@ -1,5 +1,4 @@
-// Pictures of what was seen beside the colours: depth and offset length, each with a legend in a
-// strip to its right.
+// Pictures of depth and offset length, each with a legend in a strip to its right.
 #pragma once
 
 #include <array>

@@ -19,7 +19,7 @@ class EmbreeScene {
   RTCGeometry geometry() const { return m_geometry; }
   /// Throws SystemError.
   void build(RTCBuildQuality quality);
-  /// Traverses the whole scene; the geometry's functions collect what is hit.
+  /// Traverses the whole scene; the geometry's functions collect the hits.
   void traverse(RTCIntersectContext* context, const float origin[3], const float direction[3],
                 float length) const;
 

@@ -1,6 +1,6 @@
-// How the samples of a batch lie to the light, all lanes at once in vector registers: gradients to
-// normals, and what each light comes to there (Shading adds them up). The instruction set is chosen
-// as for sample_batch.
+// Light on the samples of a batch, all lanes at once in vector registers: normals from gradients,
+// and the terms of each light (Shading adds them up). The instruction set is chosen as for
+// sample_batch.
 #pragma once
 
 #include <array>

@@ -1,19 +1,19 @@
-// What of the light reaches a place: shadows of the deformed volume and of the meshes, and ambient
-// occlusion.
+// The share of light that reaches a place: shadows of the deformed volume and of the meshes, and
+// ambient occlusion.
 //
 // Shadow: the transmittance exp(-integral of the extinction) along the straight path to the light,
 // under the transfer function and clips of the picture, a sample per voxel, ended where less than
 // 1/1000 is left; times (1 - opacity) of every surface crossed. Emission-absorption as in N. Max,
-// Optical models for direct volume rendering, IEEE TVCG 1(2), 1995, section 4.
-// Ambient occlusion: F. Hernell, P. Ljung, A. Ynnerman, Local ambient occlusion in direct volume
-// rendering, IEEE TVCG 16(4), 2010: light is emitted evenly within a ball, and what arrives along
-// 32 fixed directions is averaged, weighted by the cosine with the normal. Departure: relative to a
-// plane without anything above it, so that open places keep their brightness.
+// Optical models for direct volume rendering, IEEE TVCG 1(2), 1995, section 4. Ambient occlusion:
+// F. Hernell, P. Ljung, A. Ynnerman, Local ambient occlusion in direct volume rendering, IEEE TVCG
+// 16(4), 2010: light is emitted evenly within a ball, and the light that arrives along 32 fixed
+// directions is averaged, weighted by the cosine with the normal. Departure: relative to a plane
+// without anything above it, so that open places keep their brightness.
 //
 // Bias: paths in the volume begin 2 voxels before the place, along its normal (towards the viewer
-// where it has none): a surface of the volume is 2 to 3 voxels thick and would shade itself. What
-// lies nearer casts no shadow on the volume; thin bone does not leak, as paths begin on the side
-// that is seen.
+// where it has none): a surface of the volume is 2 to 3 voxels thick and would shade itself. Nearer
+// tissue casts no shadow on the volume; thin bone does not leak, as paths begin on the side that is
+// seen.
 // Cost, measured on ct_head: about 1 µs per path to a light, 6 µs per place for an occlusion of 10
 // mm.
 #pragma once
@@ -24,7 +24,7 @@
 
 namespace supple {
 
-/// What the light paths of a picture share.
+/// Data that the light paths of a picture share.
 class LightMedium {
  public:
   explicit LightMedium(const RenderContext& context);
@@ -53,9 +53,9 @@ class LightPaths {
  public:
   explicit LightPaths(const LightMedium& medium);
 
-  /// A place in the volume, LPS mm; `facing` as it is shaded.
-  /// What it finds at one sample of a ray holds for those of the next voxel (shadows) or two
-  /// (occlusion), as paths to the light cost much more than a sample.
+  /// A place in the volume, LPS mm; `facing` as it is shaded. The result at one sample of a ray is
+  /// used for the samples of the next voxel (shadows) or two (occlusion), since paths to the light
+  /// cost much more than a sample.
   const LightReached& reach_of_sample(double t_mm, const Vec3d& pos_lps_mm, const Facing& facing,
                                       const Vec3f& towards_eye);
   void begin_ray();
@@ -77,7 +77,7 @@ class LightPaths {
   float surface_transmittance(const Vec3d& start, const Vec3f& direction);
   /// Where the ray leaves the brick that it is in at t, when that is transparent; else t.
   double end_of_emptiness(const IndexRay& ray, double t);
-  /// Places along a path and what they extinguish.
+  /// Places along a path and their extinction.
   struct PathSamples {
     static constexpr int kMost = SampleBatch::kLanes;
     int count = 0;

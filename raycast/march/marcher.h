@@ -21,7 +21,7 @@ namespace supple {
 
 class LightPaths;
 
-/// What a ray met, see FloatImage.
+/// Surface that a ray met, see FloatImage.
 struct SeenSurface {
   double distance_mm = 0;  // along the ray
   Vec3f normal_lps;
@@ -37,7 +37,8 @@ class Marcher {
 
   /// Colour (premultiplied) and opacity. `shift`, 0 … 1: where the samples begin within a step.
   Float4 march(const Ray& ray, float shift = 0);
-  /// What the last ray met; false when its opacity stayed below one half. Reads its sample again.
+  /// Surface that the last ray met; false when its opacity stayed below one half. Reads its sample
+  /// again.
   bool surface(SeenSurface& seen);
   /// Samples read from the source so far.
   std::int64_t samples() const { return m_samples; }

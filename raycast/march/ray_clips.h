@@ -1,4 +1,4 @@
-// What the clips of the deformed space, which cut the picture, leave of a ray.
+// Parts of a ray that the clips of the deformed space, which cut the picture, leave.
 #pragma once
 
 #include <vector>

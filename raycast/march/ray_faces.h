@@ -1,7 +1,7 @@
 // Faces that a ray passed shortly before its samples. Samples just behind a clip are shaded as its
-// face: their own gradients belong to the inside of the tissue and would leave what the clip opens
-// dark and rough. So are those behind the volume's own border, beyond which nothing is known, and
-// those of a piece that the ray entered out of a gap.
+// face: their own gradients belong to the inside of the tissue and would leave opened tissue dark
+// and rough. So are those behind the volume's own border, beyond which nothing is known, and those
+// of a piece that the ray entered out of a gap.
 #pragma once
 
 #include "raycast/march/light_lanes.h"

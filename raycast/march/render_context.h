@@ -1,5 +1,5 @@
-// What all rays of a picture share (design.md section 5): the transfer function as a table, which
-// bricks it leaves visible, where rays can meet them, lights and clips.
+// Data that all rays of a picture share (design.md section 5): the transfer function as a table,
+// the bricks that it leaves visible and their bounds, lights and clips.
 #pragma once
 
 #include <array>

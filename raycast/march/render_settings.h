@@ -26,10 +26,10 @@ struct RenderSettings {
   Classification classification = Classification::post;
   bool jitter = false;  // begins each ray elsewhere within a step: fine noise instead of rings
   Lighting lighting;
-  bool transform_gradient = true;   // the (I + grad o)^T term; off only to show what it is for
-  bool skip_empty_space = true;     // leaves out what is known to be transparent; same picture
+  bool transform_gradient = true;   // the (I + grad o)^T term; off only to show its effect
+  bool skip_empty_space = true;     // leaves out bricks known to be transparent; same picture
   double early_termination = 0.99;  // accumulated opacity that ends a ray
-  std::vector<Clip> clips;          // what is seen lies in all of them
+  std::vector<Clip> clips;          // a visible place lies in all of them
   bool auxiliary = false;           // depth, normal and offset beside the colours
   bool tells_surfaces = false;      // which surface is seen, beside the auxiliary channels
   bool clip_surfaces = false;       // clips of the deformed space cut surfaces, too

@@ -41,20 +41,19 @@ struct Lighting {
   void validate(const std::string& file) const;
 };
 
-/// How a place lies to the light: a unit normal on the viewer's side and the share, 0…1, in which
-/// it counts; the rest counts as facing every light.
+/// Orientation of a place to the light: a unit normal on the viewer's side and the share, 0…1, in
+/// which it counts; the rest counts as facing every light.
 struct Facing {
   Vec3f normal{0, 0, 0};
   float trust = 0;
 };
 
-/// What a light comes to at a place, 0…1, before its colour and what of it gets there: facing it,
-/// and its highlight.
+/// Terms of a light at a place, 0…1, without its colour and shadows: diffuse, and its highlight.
 struct LightTerms {
   float diffuse, specular;
 };
 
-/// What of each light reaches a place, and of the light from all around, 0…1.
+/// Share of each light, and of the light from all around, that reaches a place, 0…1.
 struct LightReached {
   std::array<float, Lighting::kMaxLights> lights;
   float openness = 1;
@@ -65,7 +64,7 @@ class Shading {
  public:
   Shading(const Camera& camera, const TransferFunction& function, const Lighting& lighting);
 
-  /// Of the ray under way: what depends on its direction alone.
+  /// Data of the ray under way that depend on its direction alone.
   struct View {
     Vec3f towards_eye;
     std::array<Vec3f, Lighting::kMaxLights> half;  // between the eye and each light

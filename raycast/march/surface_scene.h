@@ -1,4 +1,4 @@
-// All surfaces of a picture: where rays cross them, and what lies there to be lit.
+// All surfaces of a picture: crossings of rays, and the places there to be lit.
 // Cost: 180 bytes per triangle, the tree included; about 1 µs per ray that comes near.
 #pragma once
 
@@ -8,7 +8,7 @@
 
 namespace supple {
 
-/// What a ray crosses, seen from where it comes from.
+/// Place at which a ray crosses a surface, seen from its origin.
 struct SurfacePoint {
   Float4 colour;      // rgb; 1
   Vec3f normal;       // unit, on the viewer's side

@@ -1,5 +1,5 @@
-// What lies behind a picture: nothing, one colour, or the checkerboard by which programs show that
-// there is nothing. Colours are composited as they are displayed, like those of the marcher.
+// Background of a picture: transparent, one colour, or the checkerboard by which programs show
+// transparency. Colours are composited as they are displayed, like those of the marcher.
 #pragma once
 
 #include <string>

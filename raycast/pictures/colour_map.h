@@ -1,4 +1,4 @@
-// Scalars as colours, and what their legends say.
+// Scalars as colours, and the ticks of their legends.
 #pragma once
 
 #include "raycast/pictures/float_image.h"
@@ -17,7 +17,7 @@ ScalarRange range_of(const std::vector<float>& values);
 std::vector<double> legend_ticks(const ScalarRange& range);
 
 /// Of an offset by its share of the longest, 0 to 1: part of magma from light to dark, uniform in
-/// perceived lightness, so that what stayed is light and keeps its relief.
+/// perceived lightness, so that tissue at rest is light and keeps its relief.
 Rgb offset_colour(double share);
 
 /// Red, green, blue = (1 + normal) / 2 of L, P, S; transparent where there is none.

@@ -1,5 +1,5 @@
-// What the marcher produces: a picture in floats, with what was seen beside its colours. Files of 8
-// or 16 bits and EXR are conversions of it.
+// Result of the marcher: a picture in floats, with depths, normals and other channels beside its
+// colours. Files of 8 or 16 bits and EXR are conversions of it.
 //
 // Colours are composited as they are displayed (sRGB-encoded values, as VTK does it); EXR files get
 // linear ones, so that viewers show the same picture.
@@ -22,7 +22,7 @@ struct FloatImage {
   /// asked for, NaN where there is none.
   std::vector<float> depth_mm;    // from the camera, along its view
   std::vector<float> normal_lps;  // 3 per pixel: unit, towards the viewer
-  std::vector<float> offset_mm;   // length of the offset, 0 in what stayed
+  std::vector<float> offset_mm;   // length of the offset, 0 where tissue is at rest
   std::vector<int> surface;       // index of the surface that is seen; -1: the volume, or nothing
 
   /// Of a film, filled by screen_motion(): pixels to the right and upwards, 2 per pixel.
@@ -40,7 +40,7 @@ struct FloatImage {
 float linear_from_srgb(float encoded);
 float srgb_from_linear(float linear);
 
-/// Straight 8 bits; what has no opacity is black.
+/// Straight 8 bits; pixels without opacity are black.
 Image to_image(const FloatImage& picture);
 /// The same in 16 bits, 4 per pixel.
 std::vector<std::uint16_t> to_16_bit(const FloatImage& picture);

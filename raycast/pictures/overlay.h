@@ -1,4 +1,4 @@
-// Shapes and words drawn over a picture. Where they lie is decided by raycast/drawings; here they
+// Shapes and words drawn over a picture. Their places are decided by raycast/drawings; here they
 // become pixels. OpenCV draws them, in the plugin that is loaded when the first is drawn.
 #pragma once
 
@@ -47,7 +47,7 @@ using OverlayShape = std::variant<OverlayFace, OverlayLine, OverlayText>;
 /// In the order of drawing.
 using Overlay = std::vector<OverlayShape>;
 
-/// Draws over the picture with smooth edges; what is transparent becomes opaque there. Parts beyond
+/// Draws over the picture with smooth edges; transparent pixels become opaque there. Parts beyond
 /// the picture are cut off. Depths and the like stay.
 void draw_overlay(FloatImage& picture, const Overlay& overlay);
 

@@ -1,4 +1,4 @@
-// What program and plugin agree on (volumes/base/plugin.h).
+// Interface between the program and its picture plugin (volumes/base/plugin.h).
 #pragma once
 
 #include "raycast/pictures/compare.h"
@@ -11,7 +11,7 @@ namespace supple {
 
 /// 8 bits of red, green and blue.
 using ColourTable = std::array<std::array<std::uint8_t, 3>, 256>;
-/// What offset_colour() looks up.
+/// The table of offset_colour().
 ColourTable offset_colours();
 
 /// The functions of these names in compare.h, float_image.h and overlay.h.

@@ -30,8 +30,9 @@ class Classifier {
   }
   /// Red, green, blue and opacity of a step along which the density goes linearly from one code to
   /// another: opacity by the integral of the extinction, colour its mean weighted by extinction,
-  /// without what the step hides of itself (after K. Engel, M. Kraus, T. Ertl, High-quality
-  /// pre-integrated volume rendering, Graphics Hardware 2001). Not with gradient opacity.
+  /// without the part of the step that it hides itself (after K. Engel, M. Kraus, T. Ertl,
+  /// High-quality pre-integrated volume rendering, Graphics Hardware 2001). Not with gradient
+  /// opacity.
   Float4 integrate(float front, float back) const;
   /// Opacity of one step with the gradient's share (density per mm).
   float with_gradient(float opacity, float gradient_per_mm) const;

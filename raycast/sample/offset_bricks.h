@@ -1,7 +1,7 @@
-// The brick table of the output lattice, {empty, identity, deformed} (design.md section 5), and
-// the offsets of deformed bricks with their apron. A brick without an entry is empty; identity
-// bricks cost what straight rays cost; straight rendering is the table whose bricks are all
-// identity. In pointwise bricks each sample asks for its own offset (pointwise_offsets.h).
+// The brick table of the output lattice, {empty, identity, deformed} (design.md section 5), and the
+// offsets of deformed bricks with their apron. A brick without an entry is empty; identity bricks
+// cost as much as straight rays; straight rendering is the table whose bricks are all identity. In
+// pointwise bricks each sample asks for its own offset (pointwise_offsets.h).
 // Cost: 8.8 kB per deformed brick, 1.5 kB with every second offset.
 #pragma once
 
@@ -24,9 +24,9 @@ class OffsetBricks {
   OffsetBricks(const SourceBricks& source, const VectorBricks& offsets,
                std::shared_ptr<const PointwiseOffsets> pointwise = nullptr, int node_spacing = 1);
 
-  /// Follows a change of the offsets: those in the bricks at these origins (unique) are now what
-  /// `offsets` finds, and may be gone; all others are as they were. The bricks are then those that
-  /// the changed offsets would have given, but for pointwise ones, of which there may be none.
+  /// Follows a change of the offsets: those in the bricks at these origins (unique) are now those
+  /// that `offsets` finds, and may be gone; all others are unchanged. The bricks are then those
+  /// that the changed offsets would have given, but for pointwise ones, of which there may be none.
   void update(const std::vector<Vec3i>& changed, const VectorBrickFinder& offsets);
   /// Replaces the pointwise offsets of bricks that are otherwise straight; null: none.
   void set_pointwise(std::shared_ptr<const PointwiseOffsets> pointwise);

@@ -51,11 +51,11 @@ struct RayPiece {
   Vec3i base{0, 0, 0};
   Vec3f first{0, 0, 0};
   Vec3f per_sample{0, 0, 0};
-  // Bricks without larger codes are skipped; only where the tables say what they can read.
+  // Bricks without larger codes are skipped; only where the tables give their largest codes.
   float above = -std::numeric_limits<float>::infinity();
 };
 
-/// What samples read, and where. Lanes outside a mask hold nothing of use.
+/// Places and values that samples read. Lanes outside a mask hold nothing of use.
 struct SampleBatch {
   static constexpr int kLanes = 16;
 

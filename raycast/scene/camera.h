@@ -54,7 +54,7 @@ class CameraRays {
  public:
   CameraRays(const Camera& camera, int width, int height);
   /// Ray through pixel coordinates (px, py), centres at +0.5, row 0 at the top. Orthographic rays
-  /// start on the plane through the camera's position; what lies behind it is not seen.
+  /// start on the plane through the camera's position; places behind it are not seen.
   Ray at(double px, double py) const;
 
  private:

@@ -7,10 +7,10 @@
 
 namespace supple {
 
-/// Place, angle, turn and magnification have keys of their own; what has none is that of the
-/// camera that it starts from. Between two places the target goes straight, and the eye around it:
-/// the picture's axes turn by the shortest arc, and the distance changes by the same factor in the
-/// same time. Angle and height change evenly, the magnification by factors.
+/// Place, angle, turn and magnification have keys of their own; those without keys stay as in the
+/// camera that the path starts from. Between two places the target goes straight, and the eye
+/// around it: the picture's axes turn by the shortest arc, and the distance changes by the same
+/// factor in the same time. Angle and height change evenly, the magnification by factors.
 class CameraPath {
  public:
   /// Times ascend, of each kind. The place is that of eye, target and upwards.

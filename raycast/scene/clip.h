@@ -1,6 +1,6 @@
 // Leaving out parts of a picture. A region is convex, an intersection of half-spaces; a clip keeps
-// what lies inside it or what lies outside. In the deformed space it cuts the picture, whatever
-// lies there; in the source space it cuts the tissue, and the cut moves along with it.
+// its inside or its outside. In the deformed space it cuts the picture, whatever tissue lies there;
+// in the source space it cuts the tissue, and the cut moves along with it.
 #pragma once
 
 #include <string>
@@ -50,7 +50,7 @@ class IndexClip {
     double depth_mm(const Vec3d& x) const { return normal.dot(x) - distance; }
   };
 
-  /// The face by which a ray came into what is kept before it reached x, and how many mm ago; null
+  /// The face by which a ray entered the kept part before it reached x, and how many mm ago; null
   /// when it came by none. `rate(normal)` is the depth, mm, that it gains per mm.
   template <class Rate>
   const Plane* face_behind(const Vec3d& x, Rate&& rate, double& mm_ago) const {

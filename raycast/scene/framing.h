@@ -1,5 +1,5 @@
-// Cameras moved so that given points fill the picture. What is to be seen decides on
-// the points: the volume's box, the elements of a body, or what a picture of them showed.
+// Cameras moved so that given points fill the picture. The points are those of the things to be
+// seen: the volume's box, the elements of a body, or the visible parts of a picture.
 #pragma once
 
 #include <vector>
@@ -11,7 +11,7 @@ namespace supple {
 /// How a framed camera is going to move.
 enum class CameraMotion { still, turntable };
 
-/// What stays free at the sides of a framed picture, as parts of its width and height.
+/// Free margins at the sides of a framed picture, as parts of its width and height.
 struct FramingMargins {
   double left = kFramingMargin, right = kFramingMargin;
   double top = kFramingMargin, bottom = kFramingMargin;

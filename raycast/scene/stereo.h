@@ -18,7 +18,7 @@ StereoCameras stereo_cameras(const Camera& camera, double eye_separation_mm = 0)
 
 /// Red and cyan, opaque, on black: the least-squares projection for CRT primaries and red-cyan
 /// glasses of E. Dubois, "A projection method to generate anaglyph stereo images", ICASSP 2001, on
-/// linear colours; what lies outside of the gamut is clipped. Without auxiliary channels.
+/// linear colours; colours outside of the gamut are clipped. Without auxiliary channels.
 FloatImage anaglyph(const FloatImage& left, const FloatImage& right);
 
 }  // namespace supple

@@ -1,5 +1,5 @@
-// `supple bench io`: how fast files become sparse grids and volumes become files, beside what the
-// system needs for the bytes alone (design.md section 9).
+// `supple bench io`: how fast files become sparse grids and volumes become files, beside the time
+// that the system needs for the bytes alone (design.md section 9).
 #pragma once
 
 #include <string>

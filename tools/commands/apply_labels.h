@@ -27,17 +27,17 @@ struct LabelReport {
   std::int64_t unresolved = 0;  // voxels whose origin was not found; they are 0
 };
 
-/// What is at x + o(x), 0 in the void.
+/// Writes for each voxel x the label at x + o(x), 0 in the void.
 LabelReport write_labels(const std::string& path, const StoredLabels& labels,
                          const OffsetField& offsets, const Geometry& grid, Console& console);
-/// What is where the motion leads; 0 outside of it.
+/// Writes for each voxel the label at the place that the motion leads to; 0 outside of the motion.
 LabelReport write_labels(const std::string& path, const StoredLabels& labels,
                          const PointMotion& motion, const Geometry& grid, Console& console);
 
 /// Labels that are gone, voxels that were not found.
 void warn_of(const LabelReport& report, const std::string& path, Console& console);
 
-/// What `apply` prints of them with --json; at most 1000 labels.
+/// The report of `apply` about labels with --json; at most 1000 labels.
 nlohmann::ordered_json to_json(const LabelReport& report);
 
 }  // namespace supple::tools

@@ -1,4 +1,4 @@
-// Points of files sent through a motion: what became of them, for warnings and reports.
+// Points of files sent through a motion, and their outcomes for warnings and reports.
 #pragma once
 
 #include <functional>
@@ -28,8 +28,8 @@ MovedPlaces move_all(const PointMotion& motion, const std::vector<Vec3d>& points
 void warn_of(const MovedPlaces& moved, bool is_warp,
              const std::function<std::string(std::size_t)>& name, Console& console);
 
-/// What `apply` prints of them with --json; at most 1000 of each kind are listed by their numbers
-/// from 0.
+/// The report of `apply` about points with --json; at most 1000 of each kind are listed by their
+/// numbers from 0.
 nlohmann::ordered_json to_json(const MovedPlaces& moved);
 
 }  // namespace supple::tools

@@ -1,4 +1,4 @@
-// What a subcommand is made of, and the helpers that several of them share.
+// Parts of a subcommand, and helpers that several subcommands share.
 #pragma once
 
 #include <functional>

@@ -1,4 +1,4 @@
-// What a person sees: warnings, notes and progress on stderr, results on stdout. Progress is a line
+// Output for people: warnings, notes and progress on stderr, results on stdout. Progress is a line
 // that changes on a terminal; elsewhere a line every ten seconds, or as many as the environment
 // variable SUPPLE_PROGRESS_SECONDS says. Also keeps the time of every stage, holds the names of
 // outputs and turns Ctrl-C into cancellation.
@@ -81,8 +81,8 @@ class Console final : public Progress {
   std::vector<std::pair<std::string, double>> m_seconds;
 };
 
-/// The text without what would end the line or steer a terminal, such as a damaged header may hold:
-/// ends of lines become blanks, other control characters '?'.
+/// The text without characters that would end the line or steer a terminal, such as a damaged
+/// header may hold: ends of lines become blanks, other control characters '?'.
 std::string one_line(std::string text);
 
 }  // namespace supple::tools

@@ -16,15 +16,15 @@
 namespace supple::tools {
 
 /// The option of a field: "--" + prefix + its name with '-' for '_'; of a flag that is on by
-/// default
-/// "--no-" and so on.
+/// default "--no-" and so on.
 std::string option_name(const Field& field, const std::string& prefix = "");
 
-/// Every field as an option that sets it when the command line is parsed. What the fields refer to
+/// Every field as an option that sets it when the command line is parsed. The values of the fields
 /// must outlive the parsing.
 void add_field_options(CLI::App& app, const Fields& fields);
 
-/// Options that stand for keys of a scene: what is given becomes a scene, and is read as one.
+/// Options that stand for keys of a scene: those that are given become a scene, and are read as
+/// one.
 class SceneOptions {
  public:
   explicit SceneOptions(CLI::App& app) : m_app(app) {}
@@ -33,11 +33,11 @@ class SceneOptions {
   /// The fields of a table, "volume", "step", "step.relax" …: "--" + prefix + name. A table that
   /// holds others comes before them.
   void add(const std::string& table, const Fields& fields, const std::string& prefix = "");
-  /// A key with its value as TOML; `option` stands for it in errors. Throws UsageError for what is
-  /// no TOML.
+  /// A key with its value as TOML; `option` stands for it in errors. Throws UsageError for text
+  /// that is no TOML.
   void set(const std::string& table, const std::string& key, const std::string& toml,
            const std::string& option);
-  /// What errors call a key or table, by its full name: "step[1].relax".
+  /// Sets the name of a key or table in errors; `full_name` is "step[1].relax" and the like.
   void call(const std::string& full_name, const std::string& option) {
     m_names[full_name] = option;
   }
@@ -60,10 +60,10 @@ class SceneOptions {
 bool is_table(const std::string& text);
 /// One table as it stands in a scene. Throws UsageError naming the option for anything else.
 std::string toml_table(const std::string& option, const std::string& text);
-/// A number as TOML. Throws UsageError naming the option for what is none.
+/// A number as TOML. Throws UsageError naming the option for text that is no number.
 std::string toml_number(const std::string& option, const std::string& text);
-/// Numbers "A,B,C" as a TOML list. Throws UsageError naming the option for another count of them,
-/// and for what is no number.
+/// Numbers "A,B,C" as a TOML list. Throws UsageError naming the option for another count of
+/// numbers, and for text that is none.
 std::string toml_numbers(const std::string& option, const std::string& text, std::size_t count = 3);
 
 }  // namespace supple::tools

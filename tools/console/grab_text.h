@@ -1,4 +1,4 @@
-// What a handle grabs or an anchor holds, as text on the command line. All throw UsageError.
+// Selections of handles and anchors as text on the command line. All functions throw UsageError.
 #pragma once
 
 #include <string>
@@ -20,8 +20,7 @@ struct PlaceText {
 PlaceText parse_place(const std::string& option, const std::string& text);
 
 /// A voxel or box "I,J,K[:I,J,K]", "lps:X,Y,Z", "ras:X,Y,Z", "ball:PLACE:RADIUS", "density:LO:HI",
-/// "piece:PLACE", "rigid:PLACE",
-/// "label:N", a file of points, or a table as in a scene.
+/// "piece:PLACE", "rigid:PLACE", "label:N", a file of points, or a table as in a scene.
 GrabText parse_grab(const std::string& option, const std::string& text);
 
 }  // namespace supple::tools

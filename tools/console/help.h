@@ -38,8 +38,8 @@ std::vector<const CLI::Option*> shown_options(const CLI::App& app);
 /// "found 'infoo', expected info: did you mean 'info'?" and the like.
 std::string unknown_subcommand(const CLI::App& program, const std::string& name);
 
-/// What is wrong where an option has numbers apart ("--grab 128 211 12") or is none that the
-/// command knows; empty where neither is so.
+/// A hint where an option has its numbers apart ("--grab 128 211 12") or is unknown to the command;
+/// empty where neither is so.
 std::string hint_for(const CLI::App& program, const std::vector<std::string>& arguments);
 
 }  // namespace supple::tools

@@ -13,11 +13,12 @@ namespace supple::tools {
 
 /// The parts between separators.
 std::vector<std::string> split(const std::string& text, char separator);
-/// "I,J,K" or "I,J,K:I,J,K", the corners in any order; what was not a label or a file must be one.
+/// "I,J,K" or "I,J,K:I,J,K", the corners in any order; text that is no label and no file must be
+/// one.
 IndexBox parse_box(const std::string& option, const std::string& text);
 /// N of "label:N", 1 to 65535 or a name; nothing when the text does not start with "label:".
 std::optional<std::string> parse_label(const std::string& option, const std::string& text);
-/// Whether a material is a preset, not a file. Throws InputError with the nearest name for what is
+/// Whether a material is a preset, not a file. Throws InputError with the nearest name where it is
 /// neither.
 bool is_tissue_preset(const std::string& option, const std::string& text);
 

@@ -1,6 +1,6 @@
 // Ctrl-C, SIGTERM and SIGHUP: a flag that long operations look at. Where none looks in time, inside
-// a factorisation of a library for instance, the process ends without unwinding, and removes what
-// it had begun to write.
+// a factorisation of a library for instance, the process ends without unwinding, and removes the
+// files that it had begun to write.
 #pragma once
 
 #include <vector>
@@ -13,8 +13,8 @@ namespace supple::tools {
 void install_signal_handlers();
 /// The signal that asked to stop, or 0.
 int pending_signal();
-/// Adds to what goes when a signal ends the process: files and empty folders, in the order of their
-/// making. From one thread.
+/// Adds files and empty folders that are removed when a signal ends the process, in the order of
+/// their making. From one thread.
 void remove_at_signal(const std::vector<Remains>& remains);
 /// Forgets them all.
 void keep_at_signal();

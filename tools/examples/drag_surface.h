@@ -14,7 +14,7 @@ struct SurfaceDrag {
   double max_length = 1.2, min_length = 0.8, shear = 0.2;
 };
 
-/// Writes the file again with its vertices moved, and prints what happened. Throws InputError.
+/// Writes the file again with its vertices moved, and prints a report. Throws InputError.
 void drag_surface(const SurfaceDrag& drag);
 
 }  // namespace supple::examples

@@ -1,5 +1,5 @@
-// Supple in one header: open a volume or state, say what it is made of, drag, anchor, cut, relax,
-// take back, and have displacement, offsets, pictures and files of it.
+// Supple in one header: open a volume or state, choose its material, drag, anchor, cut, relax,
+// undo, and get displacement, offsets, pictures and files.
 //
 //   supple::SessionOptions options;
 //   options.material = supple::read_material("ct_head_material.toml");
@@ -10,7 +10,7 @@
 //   session.write_state("jaw.vdb");
 //   write_png("jaw.png", show(session.state(), &session.pose()));
 //
-// Errors are supple::Error and what derives from it (volumes/base/error.h).
+// Errors are supple::Error and its derived classes (volumes/base/error.h).
 #pragma once
 
 #include "lib/material/material_file.h"

@@ -1,4 +1,4 @@
-// What is known of a film before its frames are made: its files, which of them are there, and the
+// Files of a film before its frames are made: their names, those that are there already, and the
 // record beside them by which a resumed run knows its own frames.
 #pragma once
 

@@ -20,8 +20,8 @@ class OutputPlan {
   explicit OutputPlan(const GlobalOptions& options, bool creates_folders = false)
       : m_force(options.force), m_creates_folders(creates_folders) {}
 
-  /// A file that must not be overwritten, and what a volume of that name is read from beside it:
-  /// the data files of a header, the slices of a folder.
+  /// A file that must not be overwritten, and the files that a volume of that name is read from
+  /// beside it: the data files of a header, the slices of a folder.
   void protect(const std::string& input, const ReadOptions& read = {});
 
   /// Each throws UsageError (exists, no --force) or InputError (everything else).
@@ -31,7 +31,7 @@ class OutputPlan {
   void add_state(const std::string& path);                                     // .vdb
   void add_report(const std::string& path);                                    // .json
   void add_like(const std::string& path, const std::string& input);            // input's extension
-  void add_dense(const std::string& path);  // what volume_writer.h knows; pairs count both files
+  void add_dense(const std::string& path);  // a format of volume_writer.h; pairs count both files
 
   /// The files, in the order in which they were added.
   const std::vector<std::string>& files() const { return m_files; }

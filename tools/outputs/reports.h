@@ -25,7 +25,7 @@ nlohmann::ordered_json to_json(const std::vector<HandlePlace>& places);
 void print_reactions(const std::vector<HandleReaction>& reactions);
 nlohmann::ordered_json to_json(const RenderReport& report);
 
-/// What `export` and `resample` print with --json.
+/// The report of `export` and `resample` with --json.
 void print_dense_report(const std::string& path, const Geometry& grid, std::int64_t lost_voxels,
                         const InversionCertificate& certificate);
 

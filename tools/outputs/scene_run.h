@@ -36,14 +36,14 @@ std::string path_in(const std::string& folder, const std::string& name);
 
 class SceneRun {
  public:
-  /// Opens what the scene shows: a body where something moves, else a state or a volume alone.
-  /// `tells_reactions`: the records hold what handles feel. Refers to the scene.
+  /// Opens the subject of the scene: a body where something moves, else a state or a volume alone.
+  /// `tells_reactions`: the records hold the forces on handles. Refers to the scene.
   SceneRun(const Scene& scene, const std::string& folder, bool tells_reactions, Console& console);
   ~SceneRun();
 
   /// Throws InputError, with the place in the scene, where a handle or a fixed voxel is no element.
   void check_steps() const;
-  /// What the handles of a step take hold of.
+  /// The elements that the handles of a step grab.
   std::vector<HandlePlace> places(const SceneStep& step) const;
 
   /// Solves and draws everything first, so that a scene that fails leaves nothing behind. Of a film
@@ -72,7 +72,7 @@ class SceneRun {
   const Pose* posed_volume_for(SceneView& view);
   bool is_all_that_reads(const SceneView& view) const;
   Pose take_deformed();
-  /// A view as it is drawn after a step, and what it shows.
+  /// A view as it is drawn after a step, with its subject.
   struct Drawn {
     SceneView view;
     PosedVolume subject;

@@ -1,4 +1,4 @@
-// Pictures of slices: one, three side by side, or a lightbox, with what is drawn and written over
+// Pictures of slices: one, three side by side, or a lightbox, with drawings and annotations over
 // them.
 #pragma once
 
@@ -9,7 +9,7 @@
 
 namespace supple::tools {
 
-/// What is cut.
+/// The volume that slices cut, with its outlines and offsets.
 struct SliceSource {
   const Geometry& geometry;
   const DensityGrid& density;
@@ -17,7 +17,7 @@ struct SliceSource {
   const OffsetField* offsets;  // null: straight
 };
 
-/// Of an effective choice. Throws InputError: a place outside the volume, arrows of what is at
+/// Of an effective choice. Throws InputError: a place outside the volume, arrows of a volume at
 /// rest.
 FloatImage draw_slices(const SliceSource& source, const SliceChoice& choice,
                        const Decoration& decoration);

@@ -8,8 +8,8 @@
 namespace supple::tools {
 
 /// All surfaces that a view shows with the subject in its pose: its meshes, arrows up to
-/// `view.picture.offset_max_mm`, which is known, and labels. Throws InputError: what the subject
-/// does not know.
+/// `view.picture.offset_max_mm`, which is known, and labels. Throws InputError for marks that the
+/// subject has no data for.
 std::vector<Surface> surfaces_of(const PosedVolume& subject, const SceneView& view);
 
 /// Draws the grid on a picture with depths and normals, where no mesh is before the tissue.

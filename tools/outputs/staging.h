@@ -1,5 +1,4 @@
-// How a picture in space is staged: from where it is taken so that what matters fills it, what is
-// behind it, and what is written over it.
+// Staging of a picture in space: a camera that its subject fills, the background, and annotations.
 #pragma once
 
 #include "raycast/scene/framing.h"
@@ -7,11 +6,11 @@
 
 namespace supple::tools {
 
-/// What annotations of a view need beside its subject.
+/// Margins that the annotations of a view need beside its subject.
 FramingMargins framing_margins(const SceneView& view);
 
 /// The camera of an effective view, fitted and zoomed as it asks for. `renderer` shows the subject;
-/// null for a lattice. What is visible is found in small pictures: where their opacity is at least
+/// null for a lattice. The visible part is found in small pictures: where their opacity is at least
 /// a tenth; inside of the volume's box, or of the camera's picture where the view names a place.
 Camera framed_camera(const PosedVolume& subject, const Renderer* renderer, const SceneView& view,
                      Console& console);

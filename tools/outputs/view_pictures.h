@@ -1,4 +1,4 @@
-// Pictures of effective views: cameras and settings, renderers, and what is said of them.
+// Pictures of effective views: cameras and settings, renderers, and their records.
 #pragma once
 
 #include <memory>
@@ -38,7 +38,7 @@ TransferFunction look_of(const SceneView& view);
 [[noreturn]] void rethrow_at(const std::string& place, const InputError& error);
 /// Throws InputError when a view without inverse is to be seen along functions.
 void check_inverse(const SceneView& view, const std::vector<OffsetFunction>& functions);
-/// Checks what does not depend on the volume, with the view's place in errors.
+/// Checks the settings that do not depend on the volume, with the view's place in errors.
 void check_view(const SceneView& view);
 /// The view as it will be drawn: one-slice bodies as lattices, and where no preset is named CT-Bone
 /// if densities reach below -200, as Hounsfield units of air do, else MR-Default.
@@ -55,8 +55,8 @@ void pose(Renderer& renderer, const PosedVolume& subject, const SceneView& view)
 FloatImage draw(const PosedVolume& subject, const Renderer* renderer, const SceneView& view,
                 RenderReport* report, Console& console);
 
-/// Effective configuration of a picture, embedded in its file; `more` is an object of what else
-/// there is to say.
+/// Effective configuration of a picture, embedded in its file; `more` is an object with further
+/// facts.
 std::string describe_view(const SceneView& view, const nlohmann::ordered_json& more);
 
 }  // namespace supple::tools

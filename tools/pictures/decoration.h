@@ -1,4 +1,4 @@
-// What is behind a picture and what is written over it, as views and slices ask for it.
+// Background and annotations of a picture, as views and slices ask for them.
 #pragma once
 
 #include <string>

@@ -41,8 +41,8 @@ PictureKind picture_kind(const std::string& path);
 /// Of a [[view]].
 Fields fields(PictureOptions& options);
 
-/// Throws InputError naming `place`: values out of range, what does not go together, a name that
-/// does not fit; SystemError: a video without the program ffmpeg.
+/// Throws InputError naming `place`: values out of range, settings that do not go together, a name
+/// that does not fit; SystemError: a video without the program ffmpeg.
 void check_picture_options(const PictureOptions& options, const std::string& image,
                            const std::string& place);
 

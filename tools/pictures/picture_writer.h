@@ -15,7 +15,7 @@
 
 namespace supple::tools {
 
-/// Files under temporary names, and the folders made for them. What is not committed vanishes.
+/// Files under temporary names, and the folders made for them. Files that are not committed vanish.
 class PendingFiles {
  public:
   PendingFiles() = default;
@@ -31,7 +31,7 @@ class PendingFiles {
   std::deque<AtomicFile> m_files;
 };
 
-/// One picture of a view, and what its file says of it.
+/// One picture of a view, and the record in its file.
 struct DrawnPicture {
   const FloatImage& picture;
   int frame;  // from 0

@@ -22,14 +22,14 @@ class VideoEncoder {
   /// `path` may be a temporary name of the right extension; `shown_as` names the file in errors.
   VideoEncoder(const std::string& path, std::string shown_as, int width, int height,
                double frames_per_second, const std::string& comment);
-  /// Without finish(): ends the encoder; what it has written is of no use.
+  /// Without finish(): ends the encoder, whose file is then of no use.
   ~VideoEncoder();
   VideoEncoder(const VideoEncoder&) = delete;
   VideoEncoder& operator=(const VideoEncoder&) = delete;
 
   /// The next picture, shown on black. Throws SystemError.
   void add(const Image& image);
-  /// Waits for the encoder. Throws SystemError with what it said.
+  /// Waits for the encoder. Throws SystemError with its messages.
   void finish();
 
  private:
@@ -40,7 +40,7 @@ class VideoEncoder {
   int wait_for_end();
 
   std::string m_shown_as;
-  std::unique_ptr<std::FILE, CloseFile> m_messages;  // what the encoder says
+  std::unique_ptr<std::FILE, CloseFile> m_messages;  // messages of the encoder
   pid_t m_process = -1;
   int m_pipe = -1;
 };

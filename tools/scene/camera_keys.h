@@ -19,7 +19,7 @@ struct CameraChoice {
   std::optional<Camera> camera;
 };
 
-/// A key of `camera_path`; what it does not say is left to the other keys.
+/// A key of `camera_path`; absent values are interpolated from the other keys.
 struct CameraKey {
   std::string place;
   double time = 0;

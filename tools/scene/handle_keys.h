@@ -24,7 +24,7 @@ std::vector<std::int32_t> read_labels(TomlTable& table, const std::string& key,
 bool has_handle(TomlTable& table);
 /// Throws InputError unless it grabs one thing and says how that moves.
 GivenHandle read_handle(TomlTable& table, const LabelNames& names);
-/// The keys of what a handle grabs.
+/// The keys of a selection, as of handles.
 GivenSelection read_anchor(TomlTable& table, const LabelNames& names);
 /// The same with labels, and a name of its own.
 GivenPart read_part(TomlTable& table, const LabelNames& names);

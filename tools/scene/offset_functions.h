@@ -14,8 +14,8 @@
 
 namespace supple::tools {
 
-/// What the tables of functions say in numbers, places and names, as far as it is given. A function
-/// has some of them.
+/// Numbers, places and names in the tables of functions, as far as they are given. A function has
+/// some of them.
 struct FunctionKeys {
   std::optional<Vec3d> point, axis, towards, normal, hinge;
   std::optional<NumberPair> range;
@@ -24,7 +24,7 @@ struct FunctionKeys {
 };
 Fields fields(FunctionKeys& keys);
 
-/// One table. What it leaves out is chosen by the volume's geometry.
+/// One table. Absent values are chosen by the volume's geometry.
 struct OffsetFunction {
   std::string place, name;  // for errors: "file:line", "path[2]"
   std::string json;         // the table as given
@@ -49,7 +49,7 @@ Pose send_along(const std::vector<OffsetFunction>& functions, const Geometry& ge
 Pose send_along(const std::vector<OffsetFunction>& functions, const Pose& moved, Console& console);
 /// The same of a pose that nothing else needs: at no time both are whole.
 Pose send_along(const std::vector<OffsetFunction>& functions, Pose&& moved, Console& console);
-/// Of a state; without functions what invert_state returns.
+/// Of a state; without functions the result of invert_state().
 Pose invert_and_send_along(const State& state, const std::vector<OffsetFunction>& functions,
                            Console& console);
 OffsetField send_along(const std::vector<OffsetFunction>& functions, const OffsetField& moved,

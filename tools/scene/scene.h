@@ -23,7 +23,7 @@ struct SceneStep {
   std::vector<IndexBox> fix;
   std::vector<std::int32_t> fix_labels;
   std::vector<PointFile> fix_points;
-  std::vector<GivenSelection> anchors;  // what stays, beside fix, fix_labels and fix_points
+  std::vector<GivenSelection> anchors;  // beside fix, fix_labels and fix_points
   Limits limits = Limits::box;
   bool release = false;  // lets go of everything that earlier steps held
   std::vector<CutSurface> cuts;

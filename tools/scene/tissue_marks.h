@@ -1,5 +1,5 @@
-// What shows how tissue has moved, over slices and in pictures in space: a grid that was straight
-// at rest, arrows, and the labels of a segmentation.
+// Marks that show the motion of tissue, over slices and in pictures in space: a grid that was
+// straight at rest, arrows, and the labels of a segmentation.
 #pragma once
 
 #include <memory>

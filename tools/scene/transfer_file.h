@@ -13,7 +13,7 @@ TransferFunction read_transfer_function(const std::string& path);
 /// Throws UsageError, naming the option, where no preset has the name.
 void require_preset(const std::string& option, const std::string& name);
 
-/// What read_transfer_function() reads, exactly.
+/// Text that read_transfer_function() reads back exactly.
 std::string to_toml(const TransferFunction& function);
 
 }  // namespace supple::tools

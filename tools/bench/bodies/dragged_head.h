@@ -1,5 +1,5 @@
 // A head phantom that is dragged out of rest at the cheek, again and again, with its extended
-// displacement kept up to date: what the rows `update` of the benchmarks follow.
+// displacement kept up to date, for the rows `update` of the benchmarks.
 #pragma once
 
 #include <memory>

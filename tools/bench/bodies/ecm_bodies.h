@@ -12,8 +12,9 @@ namespace supple::tools {
 /// A full block at rest under design.md section 2's example table (class 255 stretches by 1.5,
 /// shrinks by 0.6 and shears by 0.7; class 0 is rigid), spacing 1 mm. Fields:
 ///   noise   classes 1 to 255, hashed from the voxel;
-///   ct      rigid ellipsoidal shells (class 0), 3 voxels thick, 13 apart, in soft noise 200 to
-///   255; smooth  waves of 60 to 120 voxels, classes 28 to 228.
+///   ct      rigid ellipsoidal shells (class 0), 3 voxels thick, 13 apart, in soft noise of
+///           classes 200 to 255;
+///   smooth  waves of 60 to 120 voxels, classes 28 to 228.
 /// No density grid is built: 1 byte per voxel, 100 per brick. Some 3 ns per voxel and core.
 Body block_body(const std::string& field, const Vec3i& size);
 

@@ -24,13 +24,13 @@ class EcmEngine {
   virtual void reset() = 0;
   /// Anchors for the pulls that follow. Throws Error: multiset knows none.
   virtual void fix(const IndexBox& box) = 0;
-  /// What is timed.
+  /// The timed part.
   virtual void pull(const BenchDrag& pull) = 0;
   /// Elements that the last pull moved.
   virtual std::int64_t moved() = 0;
   /// Most nodes (bricks on the path `block`) that waited at one time during the last pull.
   virtual std::int64_t max_list() const = 0;
-  /// What did the work: multiset, flat or block.
+  /// The engine that did the work: multiset, flat or block.
   virtual std::string path() const = 0;
   /// Equal for equal offsets of equal elements, whatever their order in memory.
   virtual std::uint64_t checksum() const = 0;
@@ -41,7 +41,7 @@ class EcmEngine {
 /// `cancel` may be polled while they run.
 std::unique_ptr<EcmEngine> make_engine(const std::string& name, Body& body, Progress* cancel);
 
-/// What the multiset engine is expected to take for that many voxels of the body's box.
+/// Memory that the multiset engine is expected to take for that many voxels of the body's box.
 std::int64_t expected_multiset_bytes(const Vec3i& size);
 
 /// Forgets all offsets of the body and their memory.

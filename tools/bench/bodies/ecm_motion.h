@@ -9,7 +9,7 @@ namespace supple::tools {
 struct Motion {
   std::vector<BenchDrag>
       script;  // from rest: warms up, shows memory, and must end alike for all sides
-  std::vector<BenchDrag> cycle;  // what is timed
+  std::vector<BenchDrag> cycle;  // the timed part
   bool from_rest = false;        // each cycle, or else goes on from where the body is
   int max_cycles = 100;          // of all sides together, for the range
 };

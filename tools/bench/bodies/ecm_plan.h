@@ -16,7 +16,7 @@ struct EcmSide {
   int threads = 1;
 };
 
-/// What the sides of one comparison do.
+/// Task of all sides of one comparison.
 struct EcmWorkload {
   std::string kind;  // the row's `case`: all, local, stream, ball or links
   std::string field;

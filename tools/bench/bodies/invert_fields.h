@@ -11,10 +11,11 @@ namespace supple::tools {
 
 /// A full block of size^3 voxels, spacing 1 mm:
 ///   smooth   a Gaussian bump, det F from 0.7 to 1.3;
-///   extreme  the block twisted by 2 radians about k after a bump with det F down to 0.15; no
-///   folds; fold     a bump with det F down to -0.5, so that its front side folds over; noisy what
-///   Enhanced ChainMail makes of a diagonal pull in the middle of noise, under the
-///            example table of design.md section 2, which lets cells fold; less the mean, in
+///   extreme  the block twisted by 2 radians about k after a bump with det F down to 0.15, without
+///            folds;
+///   fold     a bump with det F down to -0.5, so that its front side folds over;
+///   noisy    the result of Enhanced ChainMail for a diagonal pull in the middle of noise, under
+///            the example table of design.md section 2, which lets cells fold; less the mean, in
 ///            whole voxels.
 Displacement field_to_invert(const std::string& name, int size);
 

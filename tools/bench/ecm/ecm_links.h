@@ -1,4 +1,4 @@
-// What diagonal links cost: the same pull on the same body with 6, 18 and 26 links per voxel.
+// Cost of diagonal links: the same pull on the same body with 6, 18 and 26 links per voxel.
 #pragma once
 
 #include "tools/bench/ecm/ecm_cases.h"

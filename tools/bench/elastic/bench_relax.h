@@ -1,4 +1,5 @@
-// supple bench relax: what a pass of relaxation costs, what it breaks, and how fast it goes down.
+// `supple bench relax`: the cost of a pass of relaxation, the limits that it breaks, and the
+// descent of the energy.
 #pragma once
 
 #include <string>
@@ -23,9 +24,9 @@ std::vector<std::string> relax_row_names(const RelaxBenchOptions& options, Conso
 /// Rows by case:
 ///   cost    ns per node and pass of every method, one and several threads, in turns;
 ///   volume  the same along all axes, with conservation of volume and without;
-///   press   what is left of the volume of a ball that plates press, under several bulk moduli;
-///   pull    what becomes of that of a bar which is pulled;
-///   tighten what tightening limits (lib/chainmail/tighten.h) make of both volumes;
+///   press   the volume of a ball that plates press, under several bulk moduli;
+///   pull    the volume of a bar that is pulled;
+///   tighten both volumes after tightening of limits (lib/chainmail/tighten.h);
 ///   states  random dragged states: limits that the passes broke, and passes after which the energy
 ///           was higher than before;
 ///   descent the energy of every method after a number of passes, and the passes it takes to come

@@ -1,4 +1,4 @@
-// `supple bench springs`: what a frame of a membrane costs, and what becomes of its energy
+// `supple bench springs`: the cost of a frame of a membrane, and the course of its energy
 // (design.md sections 6 and 9).
 #pragma once
 

@@ -1,5 +1,5 @@
-// The cases of `supple bench relax` (bench_relax.h says what each shows). All rows of a call belong
-// to one group; `rest` is their body at rest. Throw Cancelled.
+// The cases of `supple bench relax` (described in bench_relax.h). All rows of a call belong to one
+// group; `rest` is their body at rest. Throw Cancelled.
 #pragma once
 
 #include <vector>

@@ -27,7 +27,7 @@ class Forceps {
   explicit Forceps(SpringSystem& system);
   /// Sets where the nodes are at the end of that frame.
   void move(SpringSystem& system, int frame) const;
-  /// The force in N with which the membrane pulls them down, of what held nodes feel.
+  /// The force in N with which the membrane pulls them down, from the reactions at held nodes.
   double pull_n(const SpringSystem& system, const std::vector<Vec3d>& reactions_n) const;
 
  private:

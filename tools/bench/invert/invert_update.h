@@ -12,7 +12,7 @@
 namespace supple::tools {
 
 /// A head of that size with a shell of two voxels, dragged out of rest at the cheek so that about
-/// `wanted` elements move, `events` times: one row per number of threads. Timed is what brings the
+/// `wanted` elements move, `events` times: one row per number of threads. The timed part brings the
 /// extended displacement and the inversion up to date. Throws Error when the outcome has not the
 /// bits of a full inversion, Cancelled.
 std::vector<BenchRow> measure_update(const Vec3i& size, std::int64_t wanted,

@@ -1,5 +1,5 @@
-// Programs of other people that a benchmark runs beside its own: how they are found, started, asked
-// line by line, and what they cost as the system counts it.
+// Programs of other people that a benchmark runs beside its own: they are found, started and asked
+// line by line, and their cost is taken from the system.
 #pragma once
 
 #include <optional>
@@ -43,7 +43,7 @@ class PeerProcess {
   PeerProcess(const PeerProcess&) = delete;
   PeerProcess& operator=(const PeerProcess&) = delete;
 
-  /// The next line that it prints. Throws Error, with what it said last, when it ends instead.
+  /// The next line that it prints. Throws Error, with its last message, when it ends instead.
   std::string read_line();
   /// Sends a line and returns the next one.
   std::string ask(const std::string& line);

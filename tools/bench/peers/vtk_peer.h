@@ -26,7 +26,7 @@ struct VtkAnswer {
   double frame_ms;       // until the window shows the picture
   double cast_ms;        // of that, the ray caster alone
   double growth_mbytes;  // peak resident size above that of Python and VTK without data
-  PixelBox cast;         // what rays were cast for
+  PixelBox cast;         // the pixels that rays were cast for
 };
 
 class VtkPeer {

@@ -1,5 +1,5 @@
-// What a displacement that is known on the elements alone costs a picture: extended into the air
-// and inverted, against the exact offsets of an analytic deformation.
+// Error of a picture whose displacement is known on the elements alone: extended into the air and
+// inverted, against the exact offsets of an analytic deformation.
 #pragma once
 
 #include <functional>

@@ -1,5 +1,5 @@
 // VTK's fixed-point ray caster beside the marcher: straight frames of one head, camera, transfer
-// function and light. What can be compared and what cannot is in docs/benchmarks/render.md.
+// function and light. The limits of the comparison are in docs/benchmarks/render.md.
 #pragma once
 
 #include <functional>

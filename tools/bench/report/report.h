@@ -1,4 +1,4 @@
-// What every benchmark hands in: rows of named fields, as JSON and as tables (design.md section 9).
+// Results of a benchmark: rows of named fields, as JSON and as tables (design.md section 9).
 #pragma once
 
 #include <string>

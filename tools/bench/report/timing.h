@@ -23,8 +23,8 @@ struct Times {
 /// Milliseconds that `action` takes.
 double time_ms(const std::function<void()>& action);
 
-/// Milliseconds of processor time, all threads of the program together, that `action` takes: what
-/// others do on the machine hardly counts.
+/// Milliseconds of processor time, all threads of the program together, that `action` takes; other
+/// work on the machine hardly counts.
 double cpu_time_ms(const std::function<void()>& action);
 
 /// Rounds of a comparison: at least `min_rounds`, then until `budget_ms` are spent.

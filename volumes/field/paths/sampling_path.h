@@ -4,8 +4,9 @@
 // Functions are given by the deformation that one sees. Of each the map and its inverse are known:
 // material seen at x was at p(x), and the sampling path is o(x) = p(x) - x. Several functions act
 // on the body one after another; a body that was moved before (a simulated deformation) is followed
-// on from p(x), so that o(x) = p(x) - x + o_moved(p(x)). Cost: 0.1 to 0.5 µs per voxel of the seen
-// body, function and core, once; bricks in which the body falls apart cost as much per sample.
+// on from p(x), so that o(x) = p(x) - x + o_moved(p(x)).
+// Cost: 0.1 to 0.5 µs per voxel of the seen body, function and core, once; bricks in which the body
+// falls apart cost as much per sample.
 #pragma once
 
 #include <cmath>

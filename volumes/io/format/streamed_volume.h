@@ -1,8 +1,8 @@
 // A volume whose values lie in runs of bytes, as those of raw, NRRD, MetaImage and NIfTI files once
 // their headers are understood. The axes of the values may lie in any order that keeps i before j
-// before k, components and frames of a time series before, between or behind them. Cost: no memory
-// beyond the caller's slice where the values lie as the caller wants them; else all that lies
-// between one slice and the next.
+// before k, components and frames of a time series before, between or behind them.
+// Cost: no memory beyond the caller's slice where the values lie as the caller wants them; else all
+// that lies between one slice and the next.
 #pragma once
 
 #include <functional>

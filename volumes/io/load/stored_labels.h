@@ -1,6 +1,7 @@
 // A label volume as its file stores it, at hand in any order: the label of any place, by a
-// segmentation on any grid. Cost: the stored bytes of every 8^3 block with a label, 4 bytes per
-// block of the grid, and eight slices while reading.
+// segmentation on any grid.
+// Cost: the stored bytes of every 8^3 block with a label, 4 bytes per block of the grid, and eight
+// slices while reading.
 #pragma once
 
 #include <cstdint>

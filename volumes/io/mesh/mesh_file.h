@@ -1,6 +1,6 @@
 // A mesh file whose vertices move: the same file again with other coordinates and normals, and
-// everything else byte for byte, be it faces, lines, colours, scalars, names or comments. Cost:
-// twice the file's bytes, 100 bytes per vertex, and that of mesh_slots.h.
+// everything else byte for byte, be it faces, lines, colours, scalars, names or comments.
+// Cost: twice the file's bytes, 100 bytes per vertex, and that of mesh_slots.h.
 #pragma once
 
 #include <functional>

@@ -1,7 +1,7 @@
 // Segmentations of 3D Slicer (.seg.nrrd): a NRRD whose keys Segment0_Name, Segment0_LabelValue,
 // Segment0_Layer and so on give its values their meaning. Segments that overlap lie in layers, the
-// components of a voxel. Source: slicer.readthedocs.io, developer guide, "Segmentation labelmap
-// file format".
+// components of a voxel.
+// Source: slicer.readthedocs.io, developer guide, "Segmentation labelmap file format".
 #pragma once
 
 #include <memory>

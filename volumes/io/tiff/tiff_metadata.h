@@ -1,7 +1,7 @@
 // Metadata in the tags of a TIFF file: the slice, channel and frame of each page, and the size of
 // voxels. Sources: ImageJ's ij.io.TiffDecoder and FileOpener (ImageDescription "ImageJ=...");
-// OME-TIFF (docs.openmicroscopy.org/ome-model, 2016-06); TIFF 6.0 for resolutions. Cost: an OME
-// description is held as a tree, some ten times its text of at most 64 MiB.
+// OME-TIFF (docs.openmicroscopy.org/ome-model, 2016-06); TIFF 6.0 for resolutions.
+// Cost: an OME description is held as a tree, some ten times its text of at most 64 MiB.
 #pragma once
 
 #include <cstdint>

@@ -1,7 +1,7 @@
 // The attributes of a DICOM file in front of its pixels (PS3.10, PS3.5), read without them. Source:
 // DCMTK's parser over the file's first bytes. It recurses into nested sequences and trusts lengths,
-// so its input is limited: kMaxHeaderBytes in all, kMaxDepth sequences deep. Cost: a few times the
-// size of the header, which is some kB for a slice.
+// so its input is limited: kMaxHeaderBytes in all, kMaxDepth sequences deep.
+// Cost: a few times the size of the header, which is some kB for a slice.
 #pragma once
 
 #include <cstdint>
