@@ -38,12 +38,6 @@ std::int64_t warn_of_lost_material(const std::string& path, const State& state, 
 
 }  // namespace
 
-VoidMode parse_void_mode(const std::string& name) {
-  if (name == "nearest") return VoidMode::nearest;
-  if (name == "outside") return VoidMode::outside;
-  return VoidMode::extend;
-}
-
 std::int64_t write_state_warp(const WarpOutput& output, const State& state, const Pose& pose,
                               Progress* progress) {
   WarpFacts facts{state.geometry, output.direction, ""};

@@ -20,8 +20,6 @@ Geometry choose_grid(const Geometry& source, const GridChoice& choice);
 /// That of its file; nothing without one.
 std::optional<Geometry> grid_of_file(const GridChoice& choice);
 
-VoidMode parse_void_mode(const std::string& name);
-
 struct WarpOutput {
   std::string path;
   WarpDirection direction = WarpDirection::resample;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "volumes/field/inversion/deformed_cell.h"
+
 namespace supple {
 
 namespace {

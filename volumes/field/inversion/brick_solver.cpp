@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "volumes/field/inversion/deformed_cell.h"
 #include "volumes/field/inversion/reachable_bricks.h"
 #include "volumes/grid/cell.h"
 

@@ -2,7 +2,7 @@
 // the brick and its seven upper neighbours.
 #pragma once
 
-#include "volumes/field/inversion/deformed_cell.h"
+#include "volumes/field/inversion/cell_corners.h"
 #include "volumes/field/vector_bricks.h"
 
 namespace supple {

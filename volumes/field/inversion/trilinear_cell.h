@@ -2,7 +2,7 @@
 #pragma once
 
 #include "volumes/field/columns.h"
-#include "volumes/field/inversion/deformed_cell.h"
+#include "volumes/field/inversion/cell_corners.h"
 
 namespace supple {
 

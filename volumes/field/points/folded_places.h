@@ -7,7 +7,7 @@
 
 #include <unordered_map>
 
-#include "volumes/field/inversion/deformed_cell.h"
+#include "volumes/field/inversion/cell_corners.h"
 #include "volumes/grid/voxel_sets.h"
 
 namespace supple {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "volumes/field/inversion/deformed_cell.h"
 #include "volumes/field/inversion/trilinear_cell.h"
 
 namespace supple {
