@@ -11,10 +11,9 @@
 namespace supple {
 
 struct Look {
-  std::string preset = "CT-Bone";  // a name of presets.h
-  std::string view = "anterior";   // a name of view_names()
-  int width = 1024;
-  int height = 1024;
+  std::string preset = "CT-Bone";                                        // a name of presets.h
+  std::string view = "anterior";                                         // a name of view_names()
+  int width = RenderSettings().width, height = RenderSettings().height;  // pixels
   Quality quality = Quality::standard;
 };
 

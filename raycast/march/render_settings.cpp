@@ -24,7 +24,7 @@ Quality parse_quality(const std::string& name) {
 }
 
 void RenderSettings::set_quality(Quality quality) {
-  set_step(1.0 / (quality == Quality::draft ? 2 : quality == Quality::accurate ? 5 : 3));
+  set_step(1.0 / samples_per_voxel(quality));
 }
 
 void RenderSettings::set_step(double voxels) {

@@ -15,14 +15,20 @@ enum class Quality { draft, standard, accurate };
 /// "draft", "default", "accurate". Throws InputError listing them.
 Quality parse_quality(const std::string& name);
 
+/// Samples of a ray per voxel of the smallest spacing.
+constexpr int samples_per_voxel(Quality quality) {
+  return quality == Quality::draft ? 2 : quality == Quality::accurate ? 5 : 3;
+}
+
 /// Whether densities become colours at the samples, or along the way between two.
 enum class Classification { post, pre_integrated };
 
 struct RenderSettings {
   int width = 1024;
   int height = 1024;
-  double step_voxels = 1.0 / 3;  // of the smallest spacing
-  int stride = 3;                // steps taken at once while transparent; 1 switches it off
+  double step_voxels = 1.0 / samples_per_voxel(Quality::standard);  // of the smallest spacing
+  /// Steps taken at once while transparent; 1 switches it off.
+  int stride = samples_per_voxel(Quality::standard);
   Classification classification = Classification::post;
   bool jitter = false;  // begins each ray elsewhere within a step: fine noise instead of rings
   Lighting lighting;

@@ -27,13 +27,13 @@ struct ClipChoice {
   std::optional<std::pair<Vec3d, Vec3d>> voxel_corners;
 };
 
-/// How rays are sampled, as given.
+/// How rays are sampled, as given; by default as RenderSettings says.
 struct Sampling {
   Quality quality = Quality::standard;
   std::optional<double> step_voxels;                    // instead of the quality's
   Interpolation interpolation = Interpolation::linear;  // a renderer's, not of its settings
-  Classification classification = Classification::post;
-  bool jitter = false;
+  Classification classification = RenderSettings().classification;
+  bool jitter = RenderSettings().jitter;
 
   void apply_to(RenderSettings& settings) const;
 };
@@ -54,7 +54,7 @@ struct SceneView {
   double zoom = 1;
   Decoration decoration;
   TissueMarks marks;
-  PixelSize size{1024, 1024};
+  PixelSize size{RenderSettings().width, RenderSettings().height};
   Sampling sampling;
   bool deformed = true;
   bool inverse = true;        // false: each sample solves for itself where it reads the source
