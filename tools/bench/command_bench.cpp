@@ -3,6 +3,7 @@
 
 #include "tools/bench/benches.h"
 #include "tools/console/command.h"
+#include "tools/console/field_options.h"
 #include "tools/outputs/output_plan.h"
 
 namespace supple::tools {
@@ -15,7 +16,25 @@ struct CommandOptions {
   bool list = false, markdown = false;
 };
 
+Fields fields(CommandOptions& options) {
+  return {
+      Field("quick", options.bench.quick, "The rows that matter most, within a minute"),
+      Field("only", options.bench.only,
+            "Rows whose name holds this; * stands for anything; may be repeated")
+          .shown_as("PATTERN"),
+      Field("list", options.list, "Print the names of the rows and measure none"),
+      Field("json", options.output, "Write the rows as JSON").shown_as("FILE"),
+      Field("markdown", options.markdown, "Print tables of a Markdown document"),
+      Field("ct_head", options.bench.ct_head, "The head CT of ecm and relax")
+          .shown_as("FILE")
+          .otherwise("build/data/ct_head.nhdr where that exists"),
+  };
+}
+
 int run_bench(const CommandOptions& options, const GlobalOptions& global, Console& console) {
+  if (options.list && (options.markdown || !options.output.empty())) {
+    throw UsageError("--list: found beside --json or --markdown, expected one of them");
+  }
   const Bench bench = bench_of(options.bench, global.threads, console);
   if (options.list) {
     for (const std::string& name : bench.row_names()) std::printf("%s\n", name.c_str());
@@ -48,21 +67,7 @@ Command add_bench(CLI::App& program) {
       ->required()
       ->check(CLI::IsMember({"ecm", "invert", "io", "relax", "render", "springs"}))
       ->option_text("NAME");
-  app->add_flag("--quick", options->bench.quick, "The rows that matter most, within a minute");
-  app->add_option("--only", options->bench.only,
-                  "Rows whose name holds this; * stands for anything; may be repeated")
-      ->allow_extra_args(false)
-      ->option_text("PATTERN");
-  CLI::Option* list =
-      app->add_flag("--list", options->list, "Print the names of the rows and measure none");
-  app->add_option("--json", options->output, "Write the rows as JSON")
-      ->excludes(list)
-      ->option_text("FILE");
-  app->add_flag("--markdown", options->markdown, "Print tables of a Markdown document")
-      ->excludes(list);
-  app->add_option("--ct-head", options->bench.ct_head,
-                  "The head CT of ecm and relax; build/data/ct_head.nhdr where that exists")
-      ->option_text("FILE");
+  add_field_options(*app, fields(*options));
   return {app, [options](const GlobalOptions& global, Console& console) {
             return run_bench(*options, global, console);
           }};

@@ -24,7 +24,21 @@ struct ApplyOptions {
   LabelOptions labels;
 };
 
-/// What moves: a state with its displacement and, for the way back, offsets; or a warp.
+Fields fields(ApplyOptions& options) {
+  return {
+      Field("points", options.points,
+            "Points in LPS mm: columns x,y,z, others are kept; or Slicer's .mrk.json")
+          .shown_as("FILE.csv"),
+      Field("mesh", options.mesh, "STL, PLY, OBJ or legacy VTK; all but places and normals is kept")
+          .shown_as("FILE"),
+      Field("labels", options.labels.path,
+            "A label volume; takes the nearest label, 0 where no material is")
+          .shown_as("FILE"),
+      Field("back", options.back, "From the deformed place back to rest"),
+  };
+}
+
+/// The source of a motion: a state with its displacement and, for the way back, offsets; or a warp.
 struct MotionSource {
   State state;
   Pose deformed;
@@ -183,16 +197,7 @@ Command add_apply(CLI::App& program) {
   app->add_option("-o,--output", options->output, "The file moved: same kind as the input")
       ->required()
       ->option_text("FILE");
-  app->add_option("--points", options->points,
-                  "Points in LPS mm: columns x,y,z, others are kept; or Slicer's .mrk.json")
-      ->option_text("FILE.csv");
-  app->add_option("--mesh", options->mesh,
-                  "STL, PLY, OBJ or legacy VTK; all but places and normals is kept")
-      ->option_text("FILE");
-  app->add_option("--labels", options->labels.path,
-                  "A label volume; takes the nearest label, 0 where no material is")
-      ->option_text("FILE");
-  app->add_flag("--back", options->back, "From the deformed place back to rest");
+  add_field_options(*app, fields(*options));
   add_field_options(*app, fields(options->labels.grid));
   add_field_options(*app, fields(options->labels.read));
   return {app, [options](const GlobalOptions& global, Console& console) {

@@ -12,11 +12,21 @@ namespace {
 
 struct ExportOptions {
   std::string input, output, path;
-  std::string direction = "resample";
-  std::string void_mode = "nearest";
+  WarpDirection direction = WarpDirection::resample;
+  VoidMode void_mode = VoidMode::nearest;
   GridChoice grid;
   WriteOptions write;
 };
+
+Fields fields(ExportOptions& options) {
+  return {
+      Field("direction", options.direction, {"resample", "material"},
+            "resample: out(x) = in(x + o(x)); material: voxel X moves to X + u(X)"),
+      Field("void", options.void_mode, {"nearest", "outside", "extend"},
+            "Where no material is: nearest void, outside the source, or extend"),
+      path_file_field(options.path),
+  };
+}
 
 int run_export(const ExportOptions& options, const GlobalOptions& global, Console& console) {
   OutputPlan plan(global);
@@ -24,9 +34,9 @@ int run_export(const ExportOptions& options, const GlobalOptions& global, Consol
   if (!options.grid.file.empty()) plan.protect(options.grid.file);
   plan.add_dense(options.output);
   console.claim(plan.files());
-  const bool material = options.direction == "material";
+  const bool material = options.direction == WarpDirection::material;
   const bool has_grid = !options.grid.file.empty() || options.grid.margin_mm != 0;
-  if (material && (has_grid || options.void_mode != "nearest")) {
+  if (material && (has_grid || options.void_mode != VoidMode::nearest)) {
     throw UsageError(
         "--grid, --margin and --void: found with --direction material, expected "
         "--direction resample (a material field lives on the source grid)");
@@ -35,10 +45,9 @@ int run_export(const ExportOptions& options, const GlobalOptions& global, Consol
   const State state = read_state(options.input, &console);
   const Pose deformed = invert_and_send_along(state, functions, console);
   const Geometry grid = choose_grid(state.geometry, options.grid);
-  const std::int64_t lost = write_state_warp(
-      {options.output, material ? WarpDirection::material : WarpDirection::resample,
-       parse_void_mode(options.void_mode), grid, options.write},
-      state, deformed, &console);
+  const std::int64_t lost =
+      write_state_warp({options.output, options.direction, options.void_mode, grid, options.write},
+                       state, deformed, &console);
   if (global.json) {
     print_dense_report(options.output, grid, lost, deformed.offsets.certificate);
   }
@@ -58,15 +67,7 @@ Command add_export(CLI::App& program) {
   app->add_option("-o,--output", options->output, "Warp to write; its extension chooses the format")
       ->required()
       ->option_text("FIELD");
-  app->add_option("--direction", options->direction,
-                  "resample: out(x) = in(x + o(x)); material: voxel X moves to X + u(X)")
-      ->check(CLI::IsMember({"resample", "material"}))
-      ->option_text("resample|material");
-  app->add_option("--void", options->void_mode,
-                  "Where no material is: nearest void, outside the source, or extend")
-      ->check(CLI::IsMember({"nearest", "outside", "extend"}))
-      ->option_text("nearest|outside|extend");
-  add_field_options(*app, {path_file_field(options->path)});
+  add_field_options(*app, fields(*options));
   add_field_options(*app, fields(options->write));
   add_field_options(*app, vector_fields(options->write));
   add_field_options(*app, fields(options->grid));

@@ -18,13 +18,25 @@ namespace {
 
 struct InvertOptions {
   std::string input, output, direction;
-  std::string void_mode = "extend";
+  VoidMode void_mode = VoidMode::extend;
   GridChoice grid;
   WriteOptions write;
 };
 
-/// What the inverse is called: by default the direction of the input, so that programs that apply
-/// the one apply the other the same way.
+Fields fields(InvertOptions& options) {
+  return {
+      Field("direction", options.direction,
+            "How the result is recorded: the input's direction means the inverse deformation, the "
+            "other one the same deformation")
+          .one_of({"resample", "material"})
+          .otherwise("the input's"),
+      Field("void", options.void_mode, {"nearest", "outside", "extend"},
+            "Where the inverse is not defined: extend, outside, or nearest (0)"),
+  };
+}
+
+/// Direction of the inverse: by default that of the input, so that programs that apply the one
+/// apply the other the same way.
 WarpDirection direction_of(const InvertOptions& options, const Warp& warp) {
   if (options.direction == "resample") return WarpDirection::resample;
   if (options.direction == "material") return WarpDirection::material;
@@ -71,8 +83,7 @@ int run_invert(const InvertOptions& options, const GlobalOptions& global, Consol
   const InversionCertificate& certificate = inverse.certificate;
   warn_of(certificate, count_uncovered(inverse, grid), options.input, console);
   const BrickTopology nothing_vacated;
-  const auto slices =
-      dense_offsets(inverse, nothing_vacated, grid, parse_void_mode(options.void_mode));
+  const auto slices = dense_offsets(inverse, nothing_vacated, grid, options.void_mode);
   const WarpFacts facts{grid, direction, certificate_json(certificate)};
   warn_of_all(options.output, write_warp(options.output, facts, slices, &console, options.write),
               &console);
@@ -99,15 +110,7 @@ Command add_invert(CLI::App& program) {
   app->add_option("-o,--output", options->output, "Warp to write; its extension chooses the format")
       ->required()
       ->option_text("FIELD");
-  app->add_option("--direction", options->direction,
-                  "How the result is recorded: the input's direction means the inverse "
-                  "deformation (default), the other one the same deformation")
-      ->check(CLI::IsMember({"resample", "material"}))
-      ->option_text("resample|material");
-  app->add_option("--void", options->void_mode,
-                  "Where the inverse is not defined: extend (default), outside, or nearest (0)")
-      ->check(CLI::IsMember({"nearest", "outside", "extend"}))
-      ->option_text("extend|outside|nearest");
+  add_field_options(*app, fields(*options));
   add_field_options(*app, fields(options->write));
   add_field_options(*app, vector_fields(options->write));
   add_field_options(*app, fields(options->grid));

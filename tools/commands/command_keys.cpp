@@ -63,8 +63,8 @@ std::vector<KeyTable> all_tables() {
       {"film", "[film]", "", fields(film)},
       {"event", "[[event]] of a journal", "", fields(event)},
       {"slice", "slice = { … } of a [[view]]", "", fields(slice)},
-      {"clip", "clip = [{ … }] of a [[view]]", "clip-", fields(clip)},
-      {"light", "light = [{ … }] of a [[view]]", "", fields(light)}};
+      {"clip", "clip = [{ … }] of a [[view]]", "clip-", tools::fields(clip)},
+      {"light", "light = [{ … }] of a [[view]]", "", tools::fields(light)}};
 }
 
 std::string kind_of(const Field& field) {
