@@ -64,6 +64,34 @@ TEST(UnitCommandLine, AWrongCommandLineIsOneLineAndExitCodeTwo) {
   }
 }
 
+TEST(UnitCommandLine, InfoOfSeveralFilesDescribesThemAllAndNamesThoseThatItCannotRead) {
+  const TemporaryFolder folder;
+  write_ball(folder, "ball", 16);
+  write_ball(folder, "small", 8);
+  const std::string ball = folder / "ball.nhdr", none = folder / "none.nrrd",
+                    small = folder / "small.nhdr";
+  const Outcome outcome = run_supple({"info", "--json", ball, none, small});
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_EQ(count_of(outcome.err, "\n"), 1u) << outcome.err;
+  EXPECT_EQ(outcome.err.find("supple: error: " + none), 0u) << outcome.err;
+  auto json = nlohmann::json::parse(outcome.out);
+  ASSERT_EQ(json.size(), 3u);
+  EXPECT_EQ(json[0]["file"], ball);
+  EXPECT_EQ(json[0]["dims"], nlohmann::json({16, 16, 16}));
+  EXPECT_EQ(json[1]["file"], none);
+  EXPECT_EQ(json[1]["exit_code"], 3);
+  EXPECT_EQ("supple: error: " + json[1]["error"].get<std::string>() + "\n", outcome.err);
+  EXPECT_EQ(json[2]["file"], small);
+  json[2].erase("file");
+  EXPECT_EQ(json[2], nlohmann::json::parse(run_supple({"info", "--json", small}).out));
+
+  const Outcome text = run_supple({"info", small, ball});
+  EXPECT_EQ(text.exit_code, 0) << text.err;
+  EXPECT_LT(text.out.find(small), text.out.find(ball));
+  EXPECT_NE(text.out.find(ball), std::string::npos);
+  EXPECT_EQ(run_supple({"info", small, ball, "--raw", "dims=1"}).exit_code, 3);
+}
+
 TEST(UnitCommandLine, InfoAsJsonHasTheDocumentedFields) {
   const TemporaryFolder folder;
   write_ball(folder, "ball", 16);

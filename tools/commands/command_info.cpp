@@ -1,4 +1,4 @@
-// supple info: what a volume or state file holds.
+// supple info: the contents of volume, warp and state files.
 #include <cmath>
 #include <cstdio>
 
@@ -21,7 +21,7 @@ namespace supple::tools {
 namespace {
 
 struct InfoOptions {
-  std::string input;
+  std::vector<std::string> inputs;
   ReadOptions read;
 };
 
@@ -97,20 +97,20 @@ void add_scalars(nlohmann::ordered_json& json, VolumeFile& file, Console& consol
   json["sha256"] = digest.sha256;
 }
 
-nlohmann::ordered_json describe_volume(const InfoOptions& options, Console& console) {
+nlohmann::ordered_json describe_volume(const std::string& path, ReadOptions read,
+                                       Console& console) {
   std::int64_t frames = 1;
-  ReadOptions read = options.read;
   read.frames_found = &frames;
-  const auto file = open_scalars_or_vectors(options.input, read);
+  const auto file = open_scalars_or_vectors(path, read);
   const VolumeHeader& header = file->header();
-  for (const std::string& line : header.warnings) console.warn(options.input + ": " + line);
+  warn_of_all(path, header.warnings, &console);
   if (header.components != 3) require_scalars(header);
   nlohmann::ordered_json json;
   json["format"] = header.format;
   json["type"] = numpy_name(header.type);
   if (frames > 1) {
     json["frames"] = frames;
-    json["frame"] = options.read.frame.value_or(0);
+    json["frame"] = read.frame.value_or(0);
   }
   add_geometry(json, header.geometry);
   for (const auto& [label, name] : header.label_names) {
@@ -124,8 +124,8 @@ nlohmann::ordered_json describe_volume(const InfoOptions& options, Console& cons
   return json;
 }
 
-nlohmann::ordered_json describe_state(const InfoOptions& options, Console& console) {
-  const State state = read_state(options.input, &console);
+nlohmann::ordered_json describe_state(const std::string& path, Console& console) {
+  const State state = read_state(path, &console);
   const BrickTopology& kept = state.density.bricks();
   double min = 0, max = 0, sum = 0;
   std::int64_t count = 0;
@@ -181,16 +181,55 @@ void print_info(const nlohmann::ordered_json& json) {
   std::printf("%-22s %.4g %%\n", "occupancy", 100 * json["active_voxels"].get<double>() / voxels);
 }
 
-int run_info(const InfoOptions& options, const GlobalOptions& global, Console& console) {
-  const nlohmann::ordered_json json = is_state_file(options.input)
-                                          ? describe_state(options, console)
-                                          : describe_volume(options, console);
-  console.stage_seconds();
+nlohmann::ordered_json describe(const std::string& path, const ReadOptions& read,
+                                Console& console) {
+  const nlohmann::ordered_json json =
+      is_state_file(path) ? describe_state(path, console) : describe_volume(path, read, console);
   VolumeStatistics statistics;
   statistics.nan_count = json.value("nan_voxels", std::int64_t(0));
   statistics.infinite_count = json.value("infinite_voxels", std::int64_t(0));
   const std::string void_values = void_values_text(statistics);
-  if (!void_values.empty()) console.warn(options.input + ": " + void_values + " count as void");
+  if (!void_values.empty()) console.warn(path + ": " + void_values + " count as void");
+  return json;
+}
+
+/// Each file after the other. One that cannot be read has a line on stderr, and with --json an
+/// entry with the line and the exit code that it would have alone. The exit code of all is that of
+/// the first of these.
+int run_on_several(const InfoOptions& options, const GlobalOptions& global, Console& console) {
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  int exit_code = kOk;
+  const char* gap = "";
+  const auto refuse = [&](const std::string& path, int code, const std::string& line) {
+    if (exit_code == kOk) exit_code = code;
+    console.error(line);
+    all.push_back({{"file", path}, {"error", line}, {"exit_code", code}});
+  };
+  for (const std::string& path : options.inputs) {
+    try {
+      nlohmann::ordered_json json = {{"file", path}};
+      json.update(describe(path, options.read, console));
+      if (!global.json) {
+        std::printf("%s", gap);
+        print_info(json);
+        gap = "\n";
+      }
+      all.push_back(std::move(json));
+    } catch (const InputError& error) {
+      if (error.problem().file.empty()) throw;  // an option, which all files share
+      refuse(path, kBadInput, error.what());
+    } catch (const SystemError& error) {
+      refuse(path, kSystem, error.what());
+    }
+  }
+  if (global.json) std::printf("%s\n", all.dump(2).c_str());
+  return exit_code;
+}
+
+int run_info(const InfoOptions& options, const GlobalOptions& global, Console& console) {
+  if (options.inputs.size() > 1) return run_on_several(options, global, console);
+  const nlohmann::ordered_json json = describe(options.inputs.front(), options.read, console);
+  console.stage_seconds();
   if (global.json) {
     std::printf("%s\n", json.dump(2).c_str());
   } else {
@@ -204,14 +243,14 @@ int run_info(const InfoOptions& options, const GlobalOptions& global, Console& c
 Command add_info(CLI::App& program) {
   auto options = std::make_shared<InfoOptions>();
   CLI::App* app = add_subcommand(
-      program, "info", "Print geometry, type, range and memory of a volume, warp or state",
+      program, "info", "Print geometry, type, range and memory of volumes, warps and states",
       "  supple info head.nii.gz\n"
-      "  supple info --json drag.vdb\n"
+      "  supple info --json drag.vdb warp.nrrd\n"
       "  supple info scan.raw --raw "
       "dims=256,256,108,type=int16,spacing=0.957,0.957,1.5");
-  app->add_option("file", options->input, "A volume, a folder of slices, a warp or a state")
+  app->add_option("file", options->inputs, "Volumes, folders of slices, warps or states")
       ->required()
-      ->option_text("FILE");
+      ->option_text("FILE ...");
   add_field_options(*app, fields(options->read));
   return {app, [options](const GlobalOptions& global, Console& console) {
             return run_info(*options, global, console);

@@ -91,6 +91,9 @@ void Console::print_once(LogLevel level, const char* prefix, const std::string& 
   if (told) print(level, prefix, *told);
 }
 
+void Console::error(const std::string& line) {
+  print(LogLevel::error, "error: ", line);
+}
 void Console::warn(const std::string& line) {
   print_once(LogLevel::warning, "warning: ", line);
 }

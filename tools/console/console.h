@@ -35,6 +35,8 @@ class Console final : public Progress {
   explicit Console(const GlobalOptions& options);
   ~Console() override;
 
+  /// Of one of several inputs, where the others are worked on all the same.
+  void error(const std::string& line);
   void warn(const std::string& line) override;
   void note(const std::string& line) override;
   void debug(const std::string& line) override;
