@@ -4,6 +4,7 @@ Exit 0, or a documented exit code with one line on stderr that begins with "supp
 names the file; never a signal, a hang, memory beyond a bound, or a file left behind.
 """
 import hashlib
+import json
 import os
 import resource
 import shutil
@@ -89,33 +90,47 @@ def run(arguments, cwd=None, program=None, stdout=None, stop=None, **child_limit
         return Outcome(child.returncode, *texts, usage.ru_maxrss / 1024, bool(late))
 
 
-def problems_of(outcome, codes, names, max_peak_mb=MAX_PEAK_MB):
-    """What breaks the policy. `names`: files of which the line must name one; none: any line."""
+def manners_of(outcome, max_peak_mb=MAX_PEAK_MB):
+    """What breaks the policy however many files a run is about."""
     problems = []
     if outcome.timed_out:
         return ["ran longer than %.0f s" % seconds_allowed()]
     if outcome.code < 0:
         problems.append("ended by %s" % signal.Signals(-outcome.code).name)
-    elif outcome.code not in codes:
-        problems.append("exit code %d, expected %s" % (outcome.code, codes))
     if outcome.peak_mb > max_peak_mb and not is_sanitized():
         problems.append("peak of %.0f MB, allowed %d" % (outcome.peak_mb, max_peak_mb))
-    lines, errors = outcome.err.splitlines(), outcome.error_lines()
-    if any(not line.startswith("supple: ") for line in lines):
+    if any(not line.startswith("supple: ") for line in outcome.err.splitlines()):
         problems.append("a line on stderr is not supple's")
     if any(word.lower() in outcome.err.lower() for word in FOREIGN_WORDS):
         problems.append("stderr speaks of a crash or with a library's voice")
     if any(ord(c) < 32 or ord(c) == 127 for line in outcome.err.split("\n") for c in line):
         problems.append("control characters on stderr")
-    if outcome.code == 0 and errors:
+    if outcome.code == 0 and outcome.error_lines():
         problems.append("an error line with exit code 0")
+    return problems
+
+
+def problems_of_line(line, names):
+    problems = []
+    if len(line) > MAX_LINE:
+        problems.append("an error line of %d characters" % len(line))
+    if names and not any(os.path.basename(name) in line for name in names):
+        problems.append("the line names none of %s" % ", ".join(names))
+    return problems
+
+
+def problems_of(outcome, codes, names, max_peak_mb=MAX_PEAK_MB):
+    """What breaks the policy. `names`: files of which the line must name one; none: any line."""
+    problems = manners_of(outcome, max_peak_mb)
+    if outcome.timed_out:
+        return problems
+    if outcome.code >= 0 and outcome.code not in codes:
+        problems.append("exit code %d, expected %s" % (outcome.code, codes))
+    lines, errors = outcome.err.splitlines(), outcome.error_lines()
     if outcome.code > 0:
         if len(errors) != 1 or lines[-1:] != errors:
             problems.append("%d error lines, expected one, the last" % len(errors))
-        if errors and len(errors[0]) > MAX_LINE:
-            problems.append("an error line of %d characters" % len(errors[0]))
-        if errors and names and not any(os.path.basename(name) in errors[0] for name in names):
-            problems.append("the line names none of %s" % ", ".join(names))
+        problems += [problem for line in errors[:1] for problem in problems_of_line(line, names)]
         if outcome.out:
             problems.append("output on stdout of a failed run")
     return problems
@@ -171,6 +186,53 @@ class Policy:
                                                  outcome.err.strip()[:1000]))
         return outcome
 
+    def expect_each(self, label, files, options=()):
+        """`supple info` on several files in one start: (label, path, codes, names) of each, as for
+        expect(). Returns (code, whether a warning names it) of each."""
+        if len(files) < 2:
+            return [self.read_alone(*file, options) for file in files]
+        before = contents(self.folder)
+        paths = [path for _, path, _, _ in files]
+        outcome = run(["info", "--json", *paths, *options], cwd=self.folder)
+        problems = manners_of(outcome)
+        if contents(self.folder) != before:
+            problems.append("a file was changed or left behind")
+        try:
+            entries = json.loads(outcome.out)
+            told = [entry["file"] for entry in entries]
+        except ValueError:
+            entries, told = [], []
+        if told != paths:
+            problems.append("%d of %d files are answered for" % (len(told), len(paths)))
+        if problems:
+            self.fail(label, "; ".join(problems) + "\n  " + outcome.err.strip()[:1000])
+            return [self.read_alone(*file, options) for file in files]  # shows which is to blame
+        lines, outcomes = iter(outcome.error_lines()), []
+        for (name, path, codes, names), entry in zip(files, entries):
+            code = entry.get("exit_code", 0)
+            if code not in codes:
+                problems.append("%s: exit code %d, expected %s" % (name, code, codes))
+            if "error" in entry:
+                line = next(lines, "")
+                if line != "supple: error: " + entry["error"]:
+                    problems.append("%s: stderr says %s" % (name, line or "nothing"))
+                problems += ["%s: %s" % (name, text) for text in problems_of_line(line, names)]
+            self.runs += 1
+            self.refused += code > 0
+            outcomes.append((code, "supple: warning: " + path in outcome.err))
+        if outcome.code != next((code for code, _ in outcomes if code), 0):
+            problems.append("exit code %d is not that of the first refused file" % outcome.code)
+        if next(lines, None):
+            problems.append("more error lines than refused files")
+        self.peak_mb = max(self.peak_mb, outcome.peak_mb)
+        if problems:
+            self.fail(label, "\n  ".join([*problems, outcome.err.strip()[:1000]]))
+        return outcomes
+
+    def read_alone(self, label, path, codes, names, options):
+        outcome = self.expect(label, ["info", path, *options], codes, names)
+        return outcome.code, "supple: warning: " + path in outcome.err
+
     def count(self, outcome):
         self.runs += 1
         self.refused += outcome.code > 0
@@ -186,6 +248,6 @@ class Policy:
 
     def finish(self):
         shutil.rmtree(self.folder, ignore_errors=True)
-        print("%d runs, %d refused, %d broke the policy, largest peak %.0f MB" %
+        print("%d trials, %d refused, %d broke the policy, largest peak %.0f MB" %
               (self.runs, self.refused, self.failed, self.peak_mb))
         sys.exit(1 if self.failed or self.runs == 0 else 0)

@@ -1,8 +1,11 @@
 """Every format cut at every tenth of each of its files: read whole, or refused with one line.
 
-Under sanitizers, whose starts are slow, at every fourth.
+The cut copies of a file are read in one start of the program; the copy cut in the middle is also
+given to a command that writes, which leaves no output behind. Meshes and points are read by such a
+command alone: at every tenth, under sanitizers, whose starts are slow, at every fourth.
 """
 import os
+import shutil
 import struct
 
 from program import BAD_INPUT, Policy, is_sanitized
@@ -15,12 +18,9 @@ CORNERS = [(2, 2, 2), (6, 2, 4), (3, 5, 6), (5, 4, 9)]
 FACES = [(0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3)]
 
 
-PARTS = 4 if is_sanitized() else 10
-
-
-def cut_points(size):
+def cut_points(size, parts):
     """Where the parts of a file end; 0 is an empty file."""
-    return sorted({size * part // PARTS for part in range(PARTS)})
+    return sorted({size * part // parts for part in range(parts)})
 
 
 def meshes():
@@ -49,38 +49,74 @@ def meshes():
     ]
 
 
-def cut_everywhere(policy, seed, arguments, output=None):
-    """arguments: the command with {} for the file."""
-    def expect(label, codes, names):
-        outcome = policy.expect("%s, %s" % (seed.name, label),
-                                [argument.replace("{}", seed.main) for argument in arguments] +
-                                seed.options, codes, names, [output] if output else [])
-        if output and os.path.exists(policy.path(output)):
-            os.remove(policy.path(output))
-        return outcome
-
-    seed.write(policy.folder)
-    expect("whole", [0], [])
-    # All slices of a series are alike: the middle one stands for them.
+def files_to_cut(seed):
+    """All slices of a series are alike: the middle one stands for them."""
     files = sorted(seed.files)
-    for name in files[len(files) // 2:][:1] if os.path.dirname(files[0]) else files:
-        data = seed.files[name]
-        for end in cut_points(len(data)):
-            seed.write(policy.folder, {name: data[:end]})
-            may_read = name in seed.cut_ends or (os.path.dirname(name) and end < 132)
-            outcome = expect("%s of %d bytes cut at %d" % (name, len(data), end),
-                             [0, BAD_INPUT] if may_read else [BAD_INPUT],
-                             [name, seed.main])
-            # A slice that is none any more is missing, and that is said.
-            if outcome.code == 0 and name not in seed.cut_ends and "warning" not in outcome.err:
-                policy.fail(seed.name, "%s cut at %d passes without a warning" % (name, end))
+    return files[len(files) // 2:][:1] if os.path.dirname(files[0]) else files
+
+
+def may_be_read(seed, name, end):
+    return name in seed.cut_ends or (os.path.dirname(name) and end < 132)
+
+
+def expect_cut(policy, seed, arguments, output, name, end):
+    """arguments: the command with {} for the file."""
+    label = "%s, %s cut at %d of %d bytes" % (seed.name, name, end, len(seed.files[name]))
+    seed.write(policy.folder, {name: seed.files[name][:end]})
+    policy.expect(label, [argument.replace("{}", seed.main) for argument in arguments] +
+                  seed.options, [0, BAD_INPUT] if may_be_read(seed, name, end) else [BAD_INPUT],
+                  [name, seed.main], [output])
+    if os.path.exists(policy.path(output)):
+        os.remove(policy.path(output))
+
+
+def cut_everywhere(policy, seed, arguments, output):
+    seed.write(policy.folder)
+    expect_whole(policy, seed, arguments, output)
+    for name in files_to_cut(seed):
+        for end in cut_points(len(seed.files[name]), 4 if is_sanitized() else 10):
+            expect_cut(policy, seed, arguments, output, name, end)
     seed.remove(policy.folder)
+
+
+def expect_whole(policy, seed, arguments, output):
+    policy.expect(seed.name + ", whole", [argument.replace("{}", seed.main)
+                                          for argument in arguments] + seed.options, [0], [],
+                  [output])
+    if os.path.exists(policy.path(output)):
+        os.remove(policy.path(output))
+
+
+def read_everywhere(policy, seed):
+    """Each cut copy in a folder of its own, beside the seed's other files."""
+    for name in files_to_cut(seed):
+        data = seed.files[name]
+        copies = []
+        for end in cut_points(len(data), 10):
+            folder = "cut_at_%d" % end
+            seed.write(policy.path(folder), {name: data[:end]})
+            copies.append(("%s cut at %d of %d bytes" % (name, end, len(data)),
+                           os.path.join(folder, seed.main),
+                           [0, BAD_INPUT] if may_be_read(seed, name, end) else [BAD_INPUT],
+                           [name, seed.main]))
+        outcomes = policy.expect_each(seed.name, copies, seed.options)
+        # A slice that is none any more is missing, and that is said.
+        for (label, path, _, _), (code, is_warned) in zip(copies, outcomes):
+            if code == 0 and name not in seed.cut_ends and not is_warned:
+                policy.fail(seed.name, label + " passes without a warning")
+            shutil.rmtree(policy.path(path.split(os.sep)[0]))
 
 
 def main():
     policy = Policy()
     for seed in seeds.volumes(policy.folder):
-        cut_everywhere(policy, seed, ["convert", "{}", "out.mha"], "out.mha")
+        read_everywhere(policy, seed)
+        seed.write(policy.folder)
+        expect_whole(policy, seed, ["convert", "{}", "out.mha"], "out.mha")
+        for name in files_to_cut(seed):
+            expect_cut(policy, seed, ["convert", "{}", "out.mha"], "out.mha", name,
+                       len(seed.files[name]) // 2)
+        seed.remove(policy.folder)
     soft = Seed("soft", {"soft.toml": MATERIAL.encode(), "ball.nrrd": seeds.nrrd("raw", seeds.VALUES)})
     soft.write(policy.folder)
     deform = ["deform", "ball.nrrd", "--quiet", "--material", "soft.toml", "--by", "0.1,0,0",
@@ -94,7 +130,7 @@ def main():
     with open(policy.path("out.vdb"), "rb") as file:
         state = Seed("state", {"state.vdb": file.read()})
     os.remove(policy.path("out.vdb"))
-    cut_everywhere(policy, state, ["info", "{}"])
+    read_everywhere(policy, state)
     policy.finish()
 
 

@@ -1,4 +1,4 @@
-"""What the interoperability scripts share: readings of a volume, supple's own reading, the
+"""Common part of the interoperability scripts: readings of a volume, supple's own reading, the
 comparison of two readings, and the tally that a script ends with.
 
 A reading is what any program says of one file: dims, affine from index to LPS in mm, numpy's name of
@@ -15,6 +15,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 
 SKIPPED = 77  # CTest's SKIP_RETURN_CODE
+WORKERS = max(2, min(8, os.cpu_count() or 2))
 
 try:
     import numpy as np
@@ -75,12 +76,8 @@ def run_supple(*arguments):
                           text=True, timeout=120, stdin=subprocess.DEVNULL)
 
 
-def supple_reading(path, options=()):
-    """What `supple info --json` says: a Reading, or a Refusal."""
-    done = run_supple("--json", "--quiet", "info", path, *options)
-    if done.returncode != 0:
-        return Refusal(done.returncode, done.stderr)
-    said = json.loads(done.stdout)
+def reading_of(said):
+    """One object of `supple info --json` as a Reading."""
     affine = np.array(said["affine_lps"])
     parts = np.array(said["direction"]) * said["spacing_mm"]
     if not (np.allclose(parts, affine[:3, :3], rtol=0, atol=1e-12 * np.abs(affine).max())
@@ -88,6 +85,53 @@ def supple_reading(path, options=()):
         return Refusal(0, f"affine_lps {affine.tolist()} is not direction, spacing and origin")
     return Reading(tuple(said["dims"]), affine, said["type"], said["sha256"],
                    (said["min"], said["max"]))
+
+
+def supple_reading(path, options=()):
+    """What `supple info --json` says: a Reading, or a Refusal."""
+    done = run_supple("--json", "--quiet", "info", path, *options)
+    if done.returncode != 0:
+        return Refusal(done.returncode, done.stderr)
+    return reading_of(json.loads(done.stdout))
+
+
+MOST_FILES = 20  # of one start
+
+
+def supple_readings(cases):
+    """{(path, options): Reading or Refusal} for (path, options) of all cases, many files of the same
+    options per start."""
+    groups, found = {}, {}
+    for path, options in cases:
+        groups.setdefault(tuple(map(str, options)), []).append(path)
+    batches = [(paths[n:n + MOST_FILES], options) for options, paths in groups.items()
+               for n in range(0, len(paths), MOST_FILES)]
+
+    def read(batch):
+        paths, options = batch
+        done = run_supple("--json", "--quiet", "info", *paths, *options)
+        try:
+            said = json.loads(done.stdout) if len(paths) > 1 else None
+        except ValueError:
+            said = None
+        if said is None:  # one file, or an end by a signal: each alone shows which file is to blame
+            return {(path, options): supple_reading(path, options) for path in paths}
+        lines = iter(done.stderr.splitlines(keepends=True))
+        codes = [entry["exit_code"] for entry in said if "error" in entry]
+        told = {}
+        for entry in said:
+            refused = "error" in entry
+            told[entry["file"], options] = (Refusal(entry["exit_code"], next(lines, "")) if refused
+                                            else reading_of(entry))
+        if done.returncode != (codes or [0])[0] or next(lines, None) or len(told) != len(set(paths)):
+            sys.exit(f"supple info on several files: exit code {done.returncode}, expected that of "
+                     f"the first that is refused and a line for each:\n{done.stderr}")
+        return told
+
+    with ThreadPoolExecutor(WORKERS) as pool:
+        for readings in pool.map(read, batches):
+            found.update(readings)
+    return found
 
 
 def differences(ours, theirs: Reading, tolerance=1e-9):
@@ -142,8 +186,7 @@ class Tally:
         self.disagreements += 1
         print(f"{name}: {what}: supple {ours}, {judge or 'expected'} {theirs}", flush=True)
 
-    def compare(self, case: Case):
-        ours = supple_reading(case.path, case.options)
+    def compare(self, case: Case, ours):
         name = case.name or " ".join([os.path.basename(case.path), *map(str, case.options)])
         lines = []
         for judge, oracle in case.oracles:
@@ -158,8 +201,13 @@ class Tally:
 
     def compare_all(self, cases):
         """Several at a time, reported in the order given."""
-        with ThreadPoolExecutor(max(2, min(8, os.cpu_count() or 2))) as pool:
-            for lines in pool.map(self.compare, cases):
+        ours = supple_readings([(case.path, case.options) for case in cases])
+
+        def compare(case):
+            return self.compare(case, ours[case.path, tuple(map(str, case.options))])
+
+        with ThreadPoolExecutor(WORKERS) as pool:
+            for lines in pool.map(compare, cases):
                 self.files += 1
                 for line in lines:
                     self.report(*line)
