@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "raycast/pictures/compare.h"
+#include "raycast/sample/sample_batch.h"
 #include "tests/raycast/scenes.h"
 #include "tests/support/program.h"
 #include "volumes/base/on_threads.h"
@@ -59,6 +60,30 @@ TEST(PropertyRender, ZeroOffsetsGiveTheStraightPictureBitForBit) {
       EXPECT_GT(compare(expected, Image(96, 96), true).compared_pixels, 500);
     }
   }
+}
+
+/// The golden pictures are made by the best set; packages run on machines with less.
+TEST(PropertyRender, EveryInstructionSetGivesThePictureOfTheBest) {
+  const Geometry geometry = cube_geometry(kBodySize);
+  Renderer renderer(geometry, rough_volume());
+  const OffsetField bent = sample_offsets(bump_warp(Vec3d(23.5), 18, 4), geometry,
+                                          voxels_of(Vec3i(kBodySize), everywhere));
+  renderer.set_offsets(&bent);
+  const Camera camera = default_camera(geometry, 1);
+  const Image best = renderer.render(camera, surface_function(), small_picture(96));
+  const std::vector<std::string> sets = sampling_instruction_sets();
+#ifdef SUPPLE_TEST_ALL_LANES
+  EXPECT_GE(sets.size(), 2u);
+#endif
+  for (const std::string& set : sets) {
+    choose_sampling_instruction_set(set);
+    const Image image = renderer.render(camera, surface_function(), small_picture(96));
+    const Comparison comparison = compare(best, image, true);
+    EXPECT_GT(comparison.compared_pixels, 500) << set;
+    EXPECT_LE(comparison.rmse, 1e-3) << set;
+    EXPECT_GE(comparison.ssim, 0.999) << set;
+  }
+  choose_sampling_instruction_set("");
 }
 
 TEST(PropertyRender, TinyOffsetsTakeTheDeformedPathAndHardlyChangeThePicture) {
