@@ -3,6 +3,7 @@
 
 links     relative links and #anchors of every *.md lead somewhere
 paths     folders and files in backticks that look like paths of the repository exist
+functions `file.cpp`, `name` and `file.h`, `Type::name`: the file names that function
 commands  lines `supple ...` in sh blocks use a subcommand and options that it has
 samples   cpp blocks are taken from examples/: the line before says <!-- sample: FILE NAME -->, and the
           block is what stands between the two lines `// [NAME]` of that file
@@ -152,6 +153,20 @@ def check_paths(root, pages, findings):
                     continue
                 if not path_exists(root, path.rstrip("/")):
                     findings.add(page.file, n + 1, f"`{path}`", "a file or folder that exists")
+
+
+def check_functions(root, page, findings):
+    pair = re.compile(r"`((?:" + "|".join(ROOTS) + r")/[\w./+-]+\.(?:cpp|h))`, `(?:\w+::)*(\w+)(?:\(\))?`")
+    for n, line in enumerate(page.lines):
+        if page.code[n] or os.path.basename(page.file) == "CHANGELOG.md":
+            continue
+        for path, name in pair.findall(line):
+            place = os.path.join(root, path)
+            if not os.path.isfile(place):
+                continue  # check_paths says so
+            with open(place, encoding="utf-8") as file:
+                if not re.search(r"\b" + name + r"\b", file.read()):
+                    findings.add(page.file, n + 1, f"`{path}`, `{name}`", "a function of that file")
 
 
 def check_samples(root, page, findings):
@@ -423,6 +438,7 @@ def check(root, binary, writes=False):
     check_links(root, pages, findings)
     check_paths(root, pages, findings)
     for page in pages.values():
+        check_functions(root, page, findings)
         check_samples(root, page, findings)
     if binary:
         program = Program(binary)

@@ -42,6 +42,13 @@ class Checks(unittest.TestCase):
                          [])
         self.expect("`lib/body/gone.h`", "docs/page.md:1: found `lib/body/gone.h`, expected")
 
+    def test_functions(self):
+        files = {"lib/ecm/ecm.cpp": b"void Ecm::drag(int by) {}\n"}
+        self.assertEqual(self.findings("`lib/ecm/ecm.cpp`, `Ecm::drag`; `lib/ecm/ecm.cpp`, `drag()`",
+                                       files=files), [])
+        self.expect("| 1 | `lib/ecm/ecm.cpp`, `Ecm::dra` |",
+                    "docs/page.md:1: found `lib/ecm/ecm.cpp`, `dra`, expected", files=files)
+
     @unittest.skipUnless(BINARY, "SUPPLE_BINARY is not set")
     def test_commands(self):
         right = ("```sh\nsupple deform a.nrrd --grab 1,2,3 \\\n  --by -1,0,0 -o b.vdb  # --none\n"
