@@ -9,8 +9,9 @@ namespace supple {
 
 namespace {
 
-/// How often the residual is computed afresh after it seemed small enough.
-constexpr int kMaxRestarts = 5;
+/// The residual is computed afresh after it seemed small enough; where it is not, iterations start
+/// again from there.
+constexpr int kMaxStarts = 5;
 
 /// Of single nodes, by ranges.
 struct NodeNorms {
@@ -109,7 +110,8 @@ void ConjugateGradients::measure() {
 }
 
 bool ConjugateGradients::is_converged() const {
-  return std::max(m_state.residual_max, m_state.residual_rms) <= m_params.tolerance;
+  return std::max(m_state.residual_max, m_state.residual_rms) <= m_params.tolerance &&
+         m_state.reaction_change <= m_params.reaction_tolerance;
 }
 
 /// z = B r in single precision, scaled so that neither large nor small forces leave its range;
@@ -149,11 +151,10 @@ bool ConjugateGradients::iterate(double& r_z, double previous) {
 }
 
 bool ConjugateGradients::run(Progress* progress) {
-  for (int restart = 0; restart <= kMaxRestarts; ++restart) {
-    compute_residual();
-    measure();
-    if (m_state.largest_force_mn == 0) return true;
-    if (is_converged() && (restart > 0 || m_largest_residual_mn == 0)) return true;
+  compute_residual();
+  measure();
+  if (m_largest_residual_mn == 0) return true;
+  for (int start = 0; start < kMaxStarts; ++start) {
     double previous = 0;
     while (m_state.iterations < m_params.max_iterations) {
       poll(progress);
@@ -162,13 +163,16 @@ bool ConjugateGradients::run(Progress* progress) {
       previous = r_z;
       ++m_state.iterations;
       measure();
-      if (is_converged() && m_state.reaction_change <= m_params.reaction_tolerance) break;
+      if (is_converged()) break;
     }
+    const double change = m_state.reaction_change;
+    compute_residual();
+    measure();
+    m_state.reaction_change = change;
+    if (is_converged()) return true;
     if (m_state.iterations >= m_params.max_iterations) break;
   }
-  compute_residual();
-  measure();
-  return is_converged();
+  return false;
 }
 
 }  // namespace supple
