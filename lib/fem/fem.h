@@ -1,0 +1,131 @@
+// Voxel finite elements: linear isotropic elasticity of a body, one trilinear hexahedron per
+// element voxel (design.md section 6; docs/models/fem.md).
+//
+//   find u with  K u = f,  u prescribed where something is held,
+//   K = sum over elements of  integral B^T D B,  D from Young's modulus E and Poisson's ratio nu
+//
+// Nodes lie at voxel corners, in LPS mm. A corner around which the elements fall into several
+// pieces (pieces are joined over faces whose link is not cut) has one node per piece, so that cuts
+// open and voxels that touch by an edge or corner alone are not joined. Forces are in mN inside
+// (kPa mm^2) and in N in reports.
+//
+// Solver: conjugate gradients in double precision, preconditioned by one geometric multigrid
+// V-cycle in single precision (multigrid.h). Results do not depend on the number of threads.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "lib/body/body.h"
+#include "lib/body/slot_set.h"
+#include "lib/fem/element_matrix.h"
+#include "lib/fem/fem_loads.h"
+#include "lib/fem/hex_mesh.h"
+#include "volumes/base/progress.h"
+
+namespace supple {
+
+/// Elastic constants per material class (Body::classes).
+struct ElasticTable {
+  std::array<double, kLastClass + 1> young_kpa, poisson;
+
+  static ElasticTable uniform(double young_kpa, double poisson);
+  /// Throws InputError: 0 < E < infinity, -1 < nu <= kMaxPoisson expected.
+  void validate() const;
+};
+constexpr double kMaxPoisson = 0.4999;
+
+/// What becomes of islands: pieces of the body whose rigid motions nothing prevents.
+enum class LooseIslands {
+  hold,   // their nodes stay where they are, and what acts on them is carried by what holds them
+  refuse  // an error
+};
+
+struct FemParams {
+  /// Ends when the residual, largest and rms over nodes, is at most this part of the largest nodal
+  /// force (of loads, reactions included) and the reactions changed by at most
+  /// `reaction_tolerance`, relative, over the last iteration.
+  double tolerance = 1e-6;
+  double reaction_tolerance = 1e-5;
+  int max_iterations = 400;
+  LooseIslands loose = LooseIslands::hold;
+  /// Bounds of linear theory; larger ones are flagged.
+  double max_rotation_deg = 5;
+  double max_strain = 0.05;
+
+  /// Throws InputError.
+  void validate() const;
+};
+
+/// With which the body pulls at what holds it.
+struct FemReaction {
+  Vec3d force_n{0, 0, 0};     // LPS
+  Vec3d moment_nmm{0, 0, 0};  // LPS, about `centre_mm`
+  Vec3d centre_mm{0, 0, 0};   // mean rest position of the nodes
+  std::int64_t nodes = 0;
+};
+
+struct FemReport {
+  std::int64_t elements = 0, nodes = 0, unknowns = 0;
+  int levels = 0;
+  int iterations = 0;
+  double residual_max = 0, residual_rms = 0;  // relative to the largest nodal force
+  double largest_force_n = 0;
+  /// |sum of loads and reactions| relative to the sum of their lengths.
+  double force_balance = 0;
+  /// |u.Ku - u.(f + r)| relative to u.Ku; r are the reactions.
+  double energy_identity = 0;
+  double energy_mj = 0;        // u.Ku / 2
+  double reaction_change = 0;  // relative, over the last iteration
+  std::int64_t loose_islands = 0, loose_elements = 0, islands = 0;
+  double largest_rotation_deg = 0, largest_strain = 0;
+  bool beyond_linear = false;
+  std::size_t bytes = 0;  // at the most, of the solver and its mesh
+  double setup_ms = 0, solve_ms = 0;
+};
+
+struct FemSolution {
+  /// Displacement in mm, LPS, three per node of the mesh.
+  std::vector<double> u_mm;
+  std::vector<FemReaction> reactions;  // as FemLoads::held
+  FemReport report;
+};
+
+/// The solver did not reach its tolerances; the message carries the numbers.
+class NotConverged : public Error {
+ public:
+  explicit NotConverged(const FemReport& report);
+  const FemReport& report() const { return m_report; }
+
+ private:
+  FemReport m_report;
+};
+
+/// A body with elastic constants, ready for any number of solves. Keeps nothing of the body but its
+/// shape, cuts and classes.
+class FemModel {
+ public:
+  /// Throws InputError: a value of `elastic` out of range, a body without elements.
+  FemModel(const Body& body, const ElasticTable& elastic, Dilatation dilatation = Dilatation::mean,
+           Progress* progress = nullptr);
+  ~FemModel();
+
+  const HexMesh& mesh() const;
+  const VoxelMaterial& material() const;
+
+  /// Throws InputError (a value out of range, loose islands that are refused), NotConverged,
+  /// Cancelled.
+  FemSolution solve(const FemLoads& loads, const FemParams& params = {},
+                    Progress* progress = nullptr) const;
+
+  /// K u in mN, three per node: the operator as it is, for checks and other solvers.
+  void apply(const std::vector<double>& u_mm, std::vector<double>& force_mn) const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> m_parts;
+};
+
+}  // namespace supple

@@ -1,0 +1,71 @@
+// Hexahedra and their nodes: the voxels of a body, or the cells of a coarser level of its
+// multigrid hierarchy. Elements lie in blocks of 8^3 cells; blocks have one of eight colours by the
+// parity of their coordinates, and blocks of one colour share no node, so that threads may add to
+// nodes colour by colour in an order that is always the same.
+//
+// Nodes are numbered as elements meet them first, so each block owns a contiguous range.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "lib/body/body.h"
+#include "lib/body/slot_set.h"
+
+namespace supple {
+
+using NodeIndex = std::int32_t;
+/// Nodes of a hexahedron at its corners 4 di + 2 dj + dk.
+using Corners = std::array<NodeIndex, 8>;
+
+struct HexMesh {
+  Geometry geometry;  // of the voxels, also for coarser levels
+  int level = 0;      // cells are 2^level voxels wide
+
+  // Per block.
+  std::vector<Vec3i> origin;                // smallest cell, a multiple of 8
+  std::vector<std::int32_t> element_begin;  // one more than blocks
+  std::vector<NodeIndex> node_begin;        // likewise: the nodes that its elements met first
+  std::array<std::vector<std::int32_t>, 8> of_colour;  // ascending blocks
+
+  // Per element: ascending cells within a block.
+  std::vector<std::uint16_t> offset;  // of the cell in its block, as brick_offset()
+  std::vector<Corners> corners;
+
+  std::int32_t element_count() const { return std::int32_t(offset.size()); }
+  NodeIndex node_count() const { return node_begin.empty() ? 0 : node_begin.back(); }
+  std::size_t block_count() const { return origin.size(); }
+  std::size_t bytes() const;
+};
+
+/// One element per voxel; block b is brick b of the body.
+HexMesh hex_mesh(const Body& body);
+
+/// How the elements and nodes of a mesh lie in those of the next coarser one.
+struct Coarsening {
+  std::vector<std::int32_t> parent;       // element of the coarser mesh, per element
+  std::vector<std::int32_t> node_parent;  // per node: an element of the coarser mesh around it
+  std::vector<std::uint8_t> node_place;   // and where: 9 i + 3 j + k, in half edges, each 0 ... 2
+  std::size_t bytes() const;
+};
+
+/// Cells of twice the width. A cell has an element wherever it has children, and one for each
+/// group of children that share no node; elements of neighbouring cells share the corners of their
+/// common face, edge or corner when any of their children share a node. So nodes of thin shells
+/// and on both sides of gaps stay apart on all levels.
+HexMesh coarsen(const HexMesh& fine, Coarsening& coarsening);
+
+/// Rest position in LPS mm of a corner of an element of the voxel mesh.
+Vec3d corner_position(const HexMesh& mesh, std::int32_t block, int offset, int corner);
+/// Rest positions of all nodes.
+std::vector<Vec3d> node_positions(const HexMesh& mesh);
+
+/// Connected pieces, numbered by their first element.
+struct Islands {
+  std::vector<std::int32_t> of_element, of_node;
+  std::int32_t count = 0;
+};
+Islands find_islands(const HexMesh& mesh);
+
+}  // namespace supple

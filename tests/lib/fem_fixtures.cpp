@@ -1,0 +1,198 @@
+#include "tests/lib/fem_fixtures.h"
+
+#include <map>
+
+#include <Eigen/Dense>
+
+namespace supple::test {
+
+namespace {
+
+/// Whether two neighbouring elements are joined across their common face.
+bool is_joined(const Body& body, Vec3i a, Vec3i b) {
+  if (voxel_less(b, a)) std::swap(a, b);
+  if (!body.elements.is_active(a) || !body.elements.is_active(b)) return false;
+  const int axis = b.x != a.x ? 0 : b.y != a.y ? 1 : 2;
+  return !body.cuts.is_cut(std::size_t(body.elements.find(a)), brick_offset(a), axis);
+}
+
+/// The piece among the eight voxels around a lattice corner that a voxel belongs to, as the bits of
+/// its voxels: voxel (corner - 1 + bits).
+int piece_around(const Body& body, const Vec3i& corner, int own) {
+  int piece = 1 << own;
+  for (int round = 0; round < 8; ++round) {
+    for (int a = 0; a < 8; ++a) {
+      for (int axis = 0; axis < 3; ++axis) {
+        const int b = a ^ (4 >> axis);
+        const auto voxel = [&](int bits) {
+          return corner - Vec3i(1) + Vec3i(bits >> 2 & 1, bits >> 1 & 1, bits & 1);
+        };
+        if ((piece >> a & 1) != 0 && is_joined(body, voxel(a), voxel(b))) piece |= 1 << b;
+      }
+    }
+  }
+  return piece;
+}
+
+using Strain = Eigen::Matrix<double, 6, 24>;
+
+/// Engineering strain xx, yy, zz, xy, yz, zx of the corners' displacements.
+Strain strain_matrix(const Eigen::Matrix3d& axes, const Vec3d& at) {
+  Strain b = Strain::Zero();
+  const Eigen::Matrix3d inverse = axes.inverse();
+  for (int n = 0; n < 8; ++n) {
+    const int bits[3] = {n >> 2 & 1, n >> 1 & 1, n & 1};
+    Eigen::RowVector3d slope;
+    for (int d = 0; d < 3; ++d) {
+      slope[d] = bits[d] != 0 ? 1 : -1;
+      for (int e = 0; e < 3; ++e) {
+        if (e != d) slope[d] *= bits[e] != 0 ? at[e] : 1 - at[e];
+      }
+    }
+    const Eigen::RowVector3d g = slope * inverse;
+    b(0, 3 * n) = b(3, 3 * n + 1) = b(5, 3 * n + 2) = g[0];
+    b(1, 3 * n + 1) = b(3, 3 * n) = b(4, 3 * n + 2) = g[1];
+    b(2, 3 * n + 2) = b(4, 3 * n + 1) = b(5, 3 * n) = g[2];
+  }
+  return b;
+}
+
+Eigen::Matrix<double, 24, 24> element_stiffness(const Geometry& geometry, double e, double nu,
+                                                Dilatation dilatation) {
+  Eigen::Matrix3d axes;
+  for (int a = 0; a < 3; ++a) {
+    for (int c = 0; c < 3; ++c) axes(c, a) = geometry.axes_mm()[a][c];
+  }
+  Eigen::Matrix<double, 6, 6> d = Eigen::Matrix<double, 6, 6>::Zero();
+  const double factor = e / ((1 + nu) * (1 - 2 * nu));
+  d.topLeftCorner<3, 3>().setConstant(nu * factor);
+  for (int n = 0; n < 3; ++n) {
+    d(n, n) = (1 - nu) * factor;
+    d(3 + n, 3 + n) = (1 - 2 * nu) / 2 * factor;
+  }
+  std::vector<Strain> points;
+  Eigen::Matrix<double, 1, 24> mean = Eigen::Matrix<double, 1, 24>::Zero();
+  for (int p = 0; p < 8; ++p) {
+    const double lo = 0.5 - 0.5 / std::sqrt(3.0), hi = 1 - lo;
+    points.push_back(strain_matrix(
+        axes, {(p & 4) != 0 ? hi : lo, (p & 2) != 0 ? hi : lo, (p & 1) != 0 ? hi : lo}));
+    mean += points.back().topRows<3>().colwise().sum() / 8;
+  }
+  Eigen::Matrix<double, 24, 24> k = Eigen::Matrix<double, 24, 24>::Zero();
+  for (Strain& b : points) {
+    if (dilatation == Dilatation::mean) {
+      const Eigen::Matrix<double, 1, 24> own = b.topRows<3>().colwise().sum();
+      for (int n = 0; n < 3; ++n) b.row(n) += (mean - own) / 3;
+    }
+    k += b.transpose() * d * b * (std::abs(axes.determinant()) / 8);
+  }
+  return k;
+}
+
+}  // namespace
+
+Body fem_body(int n, const std::function<int(const Vec3i&)>& class_of, double spacing_mm) {
+  Block block = homogeneous(Vec3i(n), 1.5, 0.5, 0.5);
+  block.spacing_mm = Vec3d(spacing_mm);
+  for (int v = 0; v < block.size(); ++v) block.element[v] = class_of(block.voxel(v)) >= 0;
+  Body body = body_of(block);
+  for (std::size_t b = 0; b < body.elements.brick_count(); ++b) {
+    for_each_active(body.elements.mask(b), [&](int offset) {
+      body.classes[b * kBrickVoxels + offset] =
+          std::uint8_t(class_of(body.elements.origin(b) + brick_local(offset)));
+    });
+  }
+  return body;
+}
+
+Body fem_cube(int n, double spacing_mm) {
+  return fem_body(
+      n, [](const Vec3i&) { return 0; }, spacing_mm);
+}
+
+Body random_fem_body(std::mt19937& random, const Vec3i& max_dims) {
+  Block block = random_block(random, max_dims);
+  cut_randomly(random, block);
+  Body body = body_of(block);
+  for (std::uint8_t& of : body.classes) of = std::uint8_t(random() % 256);
+  std::array<Vec3d, 3> axes{Vec3d(pick(random, 0.5, 2), 0, 0), Vec3d(0, pick(random, 0.5, 2), 0),
+                            Vec3d(0, 0, pick(random, 0.5, 2))};
+  for (Vec3d& axis : axes) {
+    axis += Vec3d(pick(random, -0.2, 0.2), pick(random, -0.2, 0.2), pick(random, -0.2, 0.2));
+  }
+  if (random() % 2 == 0) std::swap(axes[0], axes[2]);
+  body.geometry = Geometry(body.geometry.dims(), Vec3d(10, -20, 30), axes);
+  return body;
+}
+
+ElasticTable random_elastic(std::mt19937& random) {
+  ElasticTable table;
+  for (int n = 0; n <= kLastClass; ++n) {
+    table.young_kpa[n] = std::pow(10, pick(random, -1, 2));
+    table.poisson[n] = pick(random, -0.3, 0.49);
+  }
+  return table;
+}
+
+SlotSet elements_in(const Body& body, const IndexBox& box) {
+  return slots_in_box(body.elements, box);
+}
+
+HeldElements hold_where(const Body& body, std::function<bool(const Vec3d&)> where,
+                        std::function<Vec3d(const Vec3d&)> displacement_mm) {
+  HeldElements held;
+  held.elements = slots_in_mask(body.elements, body.elements);
+  held.holds_node = std::move(where);
+  held.displacement_mm = std::move(displacement_mm);
+  return held;
+}
+
+Eigen::SparseMatrix<double> assembled_stiffness(const Body& body, const HexMesh& mesh,
+                                                const ElasticTable& elastic,
+                                                Dilatation dilatation) {
+  using Node = std::array<int, 4>;  // lattice corner and piece
+  std::map<Node, NodeIndex> node_of;
+  std::map<NodeIndex, Node> seen;
+  std::map<int, Eigen::Matrix<double, 24, 24>> stiffness;
+  std::vector<Eigen::Triplet<double>> entries;
+  for (std::size_t b = 0; b < body.elements.brick_count(); ++b) {
+    std::int32_t element = mesh.element_begin[b];
+    for_each_active(body.elements.mask(b), [&](int offset) {
+      const Vec3i voxel = body.elements.origin(b) + brick_local(offset);
+      const Corners& corners = mesh.corners[element++];
+      for (int c = 0; c < 8; ++c) {
+        const Vec3i corner = voxel + Vec3i(c >> 2 & 1, c >> 1 & 1, c & 1);
+        const Node node{corner.x, corner.y, corner.z, piece_around(body, corner, 7 - c)};
+        EXPECT_EQ(node_of.try_emplace(node, corners[c]).first->second, corners[c]);
+        EXPECT_EQ(seen.try_emplace(corners[c], node).first->second, node);
+      }
+      const int of = body.classes[b * kBrickVoxels + offset];
+      auto found = stiffness.find(of);
+      if (found == stiffness.end()) {
+        found = stiffness
+                    .emplace(of, element_stiffness(body.geometry, elastic.young_kpa[of],
+                                                   elastic.poisson[of], dilatation))
+                    .first;
+      }
+      for (int n = 0; n < 24; ++n) {
+        for (int m = 0; m < 24; ++m) {
+          entries.emplace_back(3 * corners[n / 3] + n % 3, 3 * corners[m / 3] + m % 3,
+                               found->second(n, m));
+        }
+      }
+    });
+  }
+  EXPECT_EQ(node_of.size(), std::size_t(mesh.node_count()));
+  const int unknowns = 3 * mesh.node_count();
+  Eigen::SparseMatrix<double> k(unknowns, unknowns);
+  k.setFromTriplets(entries.begin(), entries.end());
+  return k;
+}
+
+std::vector<double> random_values(std::mt19937& random, std::size_t count) {
+  std::vector<double> values(count);
+  for (double& value : values) value = pick(random, -1, 1);
+  return values;
+}
+
+}  // namespace supple::test
