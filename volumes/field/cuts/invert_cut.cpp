@@ -1,6 +1,7 @@
 // The inversion of cut bodies, at once or one after the other.
 #include <algorithm>
 #include <functional>
+#include <optional>
 
 #include "volumes/field/cuts/cut_inversion.h"
 #include "volumes/field/displacement.h"
@@ -25,7 +26,9 @@ OffsetField invert_apart(const Displacement& displacement, const CutElements& bo
                          const std::function<OffsetField(const Displacement&)>& invert_whole,
                          Progress* progress) {
   const Vec3i& dims = displacement.geometry.dims();
-  const VectorBricks u = thickened(displacement.u, dims);
+  std::optional<VectorBricks> thick;
+  if (std::min({dims.x, dims.y, dims.z}) == 1) thick = thickened(displacement.u, dims);
+  const VectorBricks& u = thick ? *thick : displacement.u;
   const CutBody cut(displacement.u, body.elements, body.cuts, dims);
   const std::vector<TornCell> torn = torn_cells(u, cut, kClosedCut);
   if (torn.empty()) return invert_whole(displacement);
