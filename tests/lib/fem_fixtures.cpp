@@ -34,11 +34,11 @@ int piece_around(const Body& body, const Vec3i& corner, int own) {
   return piece;
 }
 
-using Strain = Eigen::Matrix<double, 6, 24>;
+using Strain = Eigen::MatrixXd;  // 6 x 24
 
 /// Engineering strain xx, yy, zz, xy, yz, zx of the corners' displacements.
 Strain strain_matrix(const Eigen::Matrix3d& axes, const Vec3d& at) {
-  Strain b = Strain::Zero();
+  Strain b = Strain::Zero(6, 24);
   const Eigen::Matrix3d inverse = axes.inverse();
   for (int n = 0; n < 8; ++n) {
     const int bits[3] = {n >> 2 & 1, n >> 1 & 1, n & 1};
@@ -57,31 +57,31 @@ Strain strain_matrix(const Eigen::Matrix3d& axes, const Vec3d& at) {
   return b;
 }
 
-Eigen::Matrix<double, 24, 24> element_stiffness(const Geometry& geometry, double e, double nu,
-                                                Dilatation dilatation) {
+Eigen::MatrixXd element_stiffness(const Geometry& geometry, double e, double nu,
+                                  Dilatation dilatation) {
   Eigen::Matrix3d axes;
   for (int a = 0; a < 3; ++a) {
     for (int c = 0; c < 3; ++c) axes(c, a) = geometry.axes_mm()[a][c];
   }
-  Eigen::Matrix<double, 6, 6> d = Eigen::Matrix<double, 6, 6>::Zero();
+  Eigen::MatrixXd d = Eigen::MatrixXd::Zero(6, 6);
   const double factor = e / ((1 + nu) * (1 - 2 * nu));
-  d.topLeftCorner<3, 3>().setConstant(nu * factor);
+  d.topLeftCorner(3, 3).setConstant(nu * factor);
   for (int n = 0; n < 3; ++n) {
     d(n, n) = (1 - nu) * factor;
     d(3 + n, 3 + n) = (1 - 2 * nu) / 2 * factor;
   }
   std::vector<Strain> points;
-  Eigen::Matrix<double, 1, 24> mean = Eigen::Matrix<double, 1, 24>::Zero();
+  Eigen::RowVectorXd mean = Eigen::RowVectorXd::Zero(24);
   for (int p = 0; p < 8; ++p) {
     const double lo = 0.5 - 0.5 / std::sqrt(3.0), hi = 1 - lo;
     points.push_back(strain_matrix(
         axes, {(p & 4) != 0 ? hi : lo, (p & 2) != 0 ? hi : lo, (p & 1) != 0 ? hi : lo}));
-    mean += points.back().topRows<3>().colwise().sum() / 8;
+    mean += points.back().topRows(3).colwise().sum() / 8;
   }
-  Eigen::Matrix<double, 24, 24> k = Eigen::Matrix<double, 24, 24>::Zero();
+  Eigen::MatrixXd k = Eigen::MatrixXd::Zero(24, 24);
   for (Strain& b : points) {
     if (dilatation == Dilatation::mean) {
-      const Eigen::Matrix<double, 1, 24> own = b.topRows<3>().colwise().sum();
+      const Eigen::RowVectorXd own = b.topRows(3).colwise().sum();
       for (int n = 0; n < 3; ++n) b.row(n) += (mean - own) / 3;
     }
     k += b.transpose() * d * b * (std::abs(axes.determinant()) / 8);
@@ -153,7 +153,7 @@ Eigen::SparseMatrix<double> assembled_stiffness(const Body& body, const HexMesh&
   using Node = std::array<int, 4>;  // lattice corner and piece
   std::map<Node, NodeIndex> node_of;
   std::map<NodeIndex, Node> seen;
-  std::map<int, Eigen::Matrix<double, 24, 24>> stiffness;
+  std::map<int, Eigen::MatrixXd> stiffness;
   std::vector<Eigen::Triplet<double>> entries;
   for (std::size_t b = 0; b < body.elements.brick_count(); ++b) {
     std::int32_t element = mesh.element_begin[b];
