@@ -66,8 +66,8 @@ std::string not_converged_text(const FemReport& report) {
 }
 
 /// Reactions, balance and energy from r = f - K u, which is minus the force of what holds a node.
-void balance(const HexMesh& mesh, const NodalLoads& loads, const std::vector<double>& u,
-             const std::vector<double>& r, FemReport& report) {
+void balance(const NodalLoads& loads, const std::vector<double>& u, const std::vector<double>& r,
+             FemReport& report) {
   Vec3d sum(0);
   double lengths = 0, energy = 0, work_of_residual = 0;
   for (std::size_t n = 0; n < loads.held.size(); ++n) {
@@ -85,7 +85,6 @@ void balance(const HexMesh& mesh, const NodalLoads& loads, const std::vector<dou
     sum += held + load;
     lengths += held.length() + load.length();
   }
-  (void)mesh;
   report.energy_mj = energy / 2 * 1e-3;  // mN mm are uJ
   report.force_balance = lengths > 0 ? sum.length() / lengths : 0;
   report.energy_identity = energy != 0 ? std::abs(work_of_residual / energy) : 0;
@@ -200,7 +199,7 @@ FemSolution FemModel::solve(const FemLoads& loads, const FemParams& params,
   report.bytes = m_parts->bytes() + multigrid.bytes() + solver.bytes();
   report.solve_ms = milliseconds_since(solve_start);
   if (!converged) throw NotConverged(report);
-  balance(mesh(), nodal, solver.u(), solver.residual(), report);
+  balance(nodal, solver.u(), solver.residual(), report);
   out.reactions = reactions_of(node_positions(mesh()), nodal, solver.residual());
   const LargestMotion largest = largest_motion(mesh(), material(), solver.u());
   report.largest_rotation_deg = largest.rotation_deg;

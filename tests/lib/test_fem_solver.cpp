@@ -1,0 +1,279 @@
+// Solutions of voxel finite elements against a direct solver, formulas and laws.
+#include <cmath>
+
+#include <Eigen/SparseCholesky>
+#include <gtest/gtest.h>
+
+#include "lib/fem/fem_results.h"
+#include "lib/fem/loose_islands.h"
+#include "tests/lib/fem_fixtures.h"
+#include "volumes/base/on_threads.h"
+
+using namespace supple;
+using namespace supple::test;
+
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+/// A block of n^3 voxels of 1 mm whose lowest faces may slide in themselves and whose face at the
+/// end of z is moved by `stretch_mm`.
+FemLoads pulled_along_z(const Body& body, int n, double stretch_mm) {
+  FemLoads loads;
+  for (int a = 0; a < 3; ++a) {
+    loads.held.push_back(hold_where(body, [a](const Vec3d& x) { return x[a] < -0.49; }));
+    loads.held.back().axes = {a == 0, a == 1, a == 2};
+  }
+  loads.held.push_back(hold_where(
+      body, [n](const Vec3d& x) { return x.z > n - 0.51; },
+      [=](const Vec3d&) { return Vec3d(0, 0, stretch_mm); }));
+  loads.held.back().axes = {false, false, true};
+  return loads;
+}
+
+/// Displacement of a manufactured solution in the unit cube, and the force that it needs.
+struct Manufactured {
+  Vec3d amplitude{0.3, -0.2, 0.5};
+  ElasticModuli moduli;
+
+  Vec3d displacement(const Vec3d& x) const {
+    return amplitude * (std::sin(kPi * x.x) * std::sin(kPi * x.y) * std::sin(kPi * x.z));
+  }
+  /// -div sigma = -(mu lap u + (kappa + mu / 3) grad div u).
+  Vec3d force(const Vec3d& x) const {
+    double s[3], c[3];
+    for (int a = 0; a < 3; ++a) {
+      s[a] = std::sin(kPi * x[a]);
+      c[a] = std::cos(kPi * x[a]);
+    }
+    const double all = s[0] * s[1] * s[2];
+    Vec3d out(0);
+    for (int a = 0; a < 3; ++a) {
+      const int b = (a + 1) % 3, d = (a + 2) % 3;
+      const double grad_div =
+          kPi * kPi *
+          (-amplitude[a] * all + c[a] * (amplitude[b] * c[b] * s[d] + amplitude[d] * c[d] * s[b]));
+      out[a] = 3 * kPi * kPi * moduli.shear_kpa * amplitude[a] * all -
+               (moduli.bulk_kpa + moduli.shear_kpa / 3) * grad_div;
+    }
+    return out;
+  }
+};
+
+/// Root mean square over the nodes of the error of a unit cube of n^3 elements.
+double manufactured_error(int n, double poisson) {
+  const Body body = fem_cube(n, 1.0 / n);
+  const Manufactured exact{{0.3, -0.2, 0.5}, elastic_moduli(2, poisson)};
+  const auto in_cube = [n](const Vec3d& x) { return x + Vec3d(0.5 / n); };
+  FemLoads loads;
+  loads.held.push_back(hold_where(
+      body,
+      [&](const Vec3d& x) {
+        const Vec3d at = in_cube(x);
+        bool is_face = false;
+        for (int a = 0; a < 3; ++a) is_face = is_face || at[a] < 1e-9 || at[a] > 1 - 1e-9;
+        return is_face;
+      },
+      [&](const Vec3d& x) { return exact.displacement(in_cube(x)); }));
+  loads.body_force = [&](const Vec3d& x) { return exact.force(in_cube(x)); };
+  const FemModel model(body, ElasticTable::uniform(2, poisson));
+  const FemSolution solution = model.solve(loads);
+  const std::vector<Vec3d> positions = node_positions(model.mesh());
+  double sum = 0;
+  for (std::size_t m = 0; m < positions.size(); ++m) {
+    const Vec3d want = exact.displacement(in_cube(positions[m]));
+    for (int a = 0; a < 3; ++a) sum += std::pow(solution.u_mm[3 * m + a] - want[a], 2);
+  }
+  return std::sqrt(sum / double(positions.size()));
+}
+
+double order_of(double poisson) {
+  const double coarse = manufactured_error(6, poisson);
+  const double middle = manufactured_error(12, poisson);
+  const double fine = manufactured_error(24, poisson);
+  EXPECT_LT(middle, coarse);
+  EXPECT_LT(fine, middle);
+  return std::log2(coarse / fine) / 2;
+}
+
+}  // namespace
+
+TEST(PropertyFem, TheSolutionIsThatOfADirectSolverOnRandomBodies) {
+  std::mt19937 random(11);
+  for (int round = 0; round < 12; ++round) {
+    const Body body = random_fem_body(random, Vec3i(9, 10, 12));
+    const ElasticTable elastic = random_elastic(random);
+    const FemModel model(body, elastic);
+    FemLoads loads;
+    const Vec3d slope(pick(random, -0.1, 0.1), pick(random, -0.1, 0.1), pick(random, -0.1, 0.1));
+    // A random third of all places is held, so that most islands are.
+    std::mt19937 chosen(round);
+    const Vec3d wave(chosen() % 7 + 3.0, chosen() % 7 + 3.0, chosen() % 7 + 3.0);
+    loads.held.push_back(hold_where(
+        body, [wave](const Vec3d& x) { return std::sin(wave.dot(x)) > 0.6; },
+        [slope](const Vec3d& x) { return slope * x.x + Vec3d(0.2, 0, -0.1); }));
+    loads.body_force = [slope](const Vec3d& x) { return slope * (1 + 0.1 * x.y); };
+    FemParams params;
+    params.tolerance = 1e-9;
+    const FemSolution solution = model.solve(loads, params);
+
+    NodalLoads nodal = nodal_loads(model.mesh(), model.material(), loads);
+    hold_loose_islands(model.mesh(), true, nodal.held);
+    Eigen::SparseMatrix<double> k =
+        assembled_stiffness(body, model.mesh(), elastic, Dilatation::mean);
+    const Eigen::VectorXd prescribed =
+        Eigen::Map<const Eigen::VectorXd>(nodal.u_mm.data(), k.rows());
+    Eigen::VectorXd right =
+        Eigen::Map<const Eigen::VectorXd>(nodal.force_mn.data(), k.rows()) - k * prescribed;
+    const auto is_held = [&](int row) { return (nodal.held[row / 3] >> row % 3 & 1) != 0; };
+    k.prune([&](int row, int column, double) {
+      return row == column || (!is_held(row) && !is_held(column));
+    });
+    for (int row = 0; row < k.rows(); ++row) {
+      if (is_held(row)) right[row] = 0;
+    }
+    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> direct(k);
+    const Eigen::VectorXd expected = prescribed + direct.solve(right);
+    const double scale = expected.cwiseAbs().maxCoeff();
+    for (int n = 0; n < k.rows(); ++n) EXPECT_NEAR(solution.u_mm[n], expected[n], 1e-6 * scale);
+    EXPECT_LT(solution.report.force_balance, 1e-6);
+    EXPECT_LT(solution.report.energy_identity, 1e-6);
+  }
+}
+
+TEST(PropertyFem, ABlockIsStretchedAsHookeSays) {
+  const int n = 6;
+  const double young = 12, stretch = 0.3, strain = stretch / n;
+  const Body body = fem_cube(n);
+  for (const double poisson : {0.0, 0.3, 0.49, 0.4999}) {
+    const FemModel model(body, ElasticTable::uniform(young, poisson));
+    FemParams params;
+    params.tolerance = 1e-8;
+    const FemSolution solution = model.solve(pulled_along_z(body, n, stretch), params);
+    // The body pulls back at what moves its end: E times strain times area, in N.
+    const FemReaction& end = solution.reactions.back();
+    EXPECT_NEAR(end.force_n.z, -young * strain * n * n * 1e-3, 1e-8);
+    EXPECT_EQ(end.nodes, (n + 1) * (n + 1));
+    const std::vector<Vec3d> positions = node_positions(model.mesh());
+    for (std::size_t m = 0; m < positions.size(); ++m) {
+      const Vec3d x = positions[m] + Vec3d(0.5);
+      const Vec3d want = Vec3d(-poisson * x.x, -poisson * x.y, x.z) * strain;
+      for (int a = 0; a < 3; ++a) EXPECT_NEAR(solution.u_mm[3 * m + a], want[a], 1e-6);
+    }
+    const ElementState state = element_state(model.mesh(), model.material(), solution.u_mm, 17);
+    EXPECT_NEAR(value_of(state, FemQuantity::von_mises), young * strain, 1e-4);
+    EXPECT_NEAR(value_of(state, FemQuantity::pressure), -young * strain / 3, 2e-3);
+    EXPECT_NEAR(value_of(state, FemQuantity::energy_density), young * strain * strain / 2, 1e-4);
+    EXPECT_NEAR(value_of(state, FemQuantity::volume_strain), (1 - 2 * poisson) * strain, 1e-5);
+    EXPECT_FALSE(solution.report.beyond_linear == (strain <= params.max_strain));
+  }
+}
+
+TEST(PropertyFem, LoadsAreCarriedByWhatHoldsTheBody) {
+  const int n = 5;
+  Body body = fem_cube(n, 2);
+  FemLoads loads;
+  loads.held.push_back(hold_where(body, [](const Vec3d& x) { return x.z < -0.9; }));
+  const FemModel model(body, ElasticTable::uniform(10, 0.4));
+  const auto pull = [&] { return model.solve(loads).reactions.front(); };
+
+  loads.forces.push_back({elements_in(body, {{1, 1, 3}, {2, 4, 4}}), {0.01, -0.02, 0.03}});
+  const FemReaction by_force = pull();
+  for (int a = 0; a < 3; ++a) {
+    EXPECT_NEAR(by_force.force_n[a], loads.forces[0].force_n[a], 1e-7);
+  }
+  // About the middle of the held face; the force acts at the middle of its elements.
+  const Vec3d arm = Vec3d(3, 5, 7) - by_force.centre_mm;
+  const Vec3d moment = arm.cross(loads.forces[0].force_n);
+  for (int a = 0; a < 3; ++a) EXPECT_NEAR(by_force.moment_nmm[a], moment[a], 1e-5);
+
+  loads.forces.clear();
+  loads.gravity_m_s2 = {0, 0, -9.81};
+  loads.mass_density.fill(1000);
+  EXPECT_NEAR(pull().force_n.z, -9.81 * 1e-6 * n * n * n * 8, 1e-9);
+
+  loads.gravity_m_s2 = Vec3d(0);
+  loads.face_pressures.push_back(
+      {elements_in(body, {{0, 0, 0}, {4, 4, 4}}), 3,
+       [](const Vec3d&, const Vec3d& normal) { return normal.z > 0.9; }});
+  EXPECT_NEAR(pull().force_n.z, -3 * n * n * 4 * 1e-3, 1e-7);
+
+  // A swelling pulls at nobody in all.
+  loads.face_pressures.clear();
+  loads.inner_pressures.push_back({elements_in(body, {{1, 1, 2}, {3, 3, 3}}), 5});
+  const FemReaction swollen = pull();
+  EXPECT_LT(swollen.force_n.length(), 1e-8);
+}
+
+TEST(PropertyFem, SolutionsHaveTheSameBitsOnAnyNumberOfThreads) {
+  std::mt19937 random(12);
+  const Body body = random_fem_body(random, Vec3i(30, 30, 30));
+  const FemModel model(body, random_elastic(random));
+  FemLoads loads;
+  loads.held.push_back(hold_where(body, [](const Vec3d& x) { return x.x < 0; }));
+  loads.body_force = [](const Vec3d& x) { return Vec3d(0.1, 0.01 * x.x, 0); };
+  const auto solve = [&] { return model.solve(loads).u_mm; };
+  const std::vector<double> one = on_threads(1, solve);
+  EXPECT_EQ(on_threads(3, solve), one);
+}
+
+TEST(PropertyFem, IterationsStayFewForACubeAndAStiffShell) {
+  const int n = 32;
+  const auto iterations = [&](const Body& body, const ElasticTable& elastic) {
+    return FemModel(body, elastic).solve(pulled_along_z(body, n, 0.5)).report.iterations;
+  };
+  EXPECT_LE(iterations(fem_cube(n), ElasticTable::uniform(1, 0.3)), 10);
+  const Body skull = fem_body(n, [&](const Vec3i& voxel) {
+    const double radius = (Vec3d(voxel) - Vec3d((n - 1) / 2.0)).length();
+    return radius > 15 ? -1 : radius > 12 ? 1 : 0;
+  });
+  ElasticTable elastic = ElasticTable::uniform(1, 0.3);
+  elastic.young_kpa[1] = 1e6;
+  FemLoads loads;
+  loads.held.push_back(hold_where(skull, [](const Vec3d& x) { return x.z < 3; }));
+  loads.forces.push_back({elements_in(skull, {{14, 14, 14}, {17, 17, 17}}), {0, 0.01, 0}});
+  EXPECT_LE(FemModel(skull, elastic).solve(loads).report.iterations, 18);
+}
+
+TEST(UnitFem, WhatDoesNotConvergeOrHasNoAnswerIsAnError) {
+  const Body body = fem_cube(8);
+  const FemModel model(body, ElasticTable::uniform(1, 0.45));
+  FemParams params;
+  params.max_iterations = 1;
+  try {
+    model.solve(pulled_along_z(body, 8, 1), params);
+    ADD_FAILURE() << "converged in one iteration";
+  } catch (const NotConverged& error) {
+    EXPECT_EQ(error.report().iterations, 1);
+    EXPECT_GT(error.report().residual_max, params.tolerance);
+    EXPECT_NE(std::string(error.what()).find("after 1 iterations"), std::string::npos);
+  }
+  params = {};
+  params.loose = LooseIslands::refuse;
+  EXPECT_THROW(model.solve({}, params), InputError);
+  EXPECT_THROW(ElasticTable::uniform(0, 0.3).validate(), InputError);
+  EXPECT_THROW(ElasticTable::uniform(1, 0.5).validate(), InputError);
+}
+
+TEST(UnitFem, DisplacementsOfCentresBecomeTheOffsetsOfTheBody) {
+  Body body = fem_cube(4, 0.5);
+  const HexMesh mesh = hex_mesh(body);
+  std::vector<double> u;
+  for (const Vec3d& x : node_positions(mesh)) {
+    for (const double value : {0.25 * x.x, 0.5, -0.125 * x.z}) u.push_back(value);
+  }
+  store_displacement(mesh, u, body);
+  EXPECT_FALSE(body.links_known_valid);
+  // In 2^-16 of a voxel of 0.5 mm; voxel 3 lies at 1.5 mm.
+  EXPECT_EQ(body.offset({3, 1, 2}, 0), std::lround(0.25 * 1.5 / 0.5 * 65536));
+  EXPECT_EQ(body.offset({3, 1, 2}, 1), 65536);
+  EXPECT_EQ(body.offset({3, 1, 2}, 2), std::lround(-0.125 * 1.0 / 0.5 * 65536));
+}
+
+TEST(ConvergenceFem, AManufacturedSolutionIsMetAtOrderTwo) {
+  EXPECT_GE(order_of(0.3), 1.85);
+}
+
+TEST(ConvergenceFem, NearIncompressibilityTheOrderStays) {
+  EXPECT_GE(order_of(0.49), 1.7);
+}
