@@ -19,6 +19,8 @@
 // squares of what they miss of the limits tightened by that same state. Iterations go on while each
 // takes a hundredth of it away; one that does not is undone.
 //
+// Diagonals of a material with 18 or 26 links keep their own limits, in 2.
+//
 // Hence what ball limits cannot have: the result is a valid ECM configuration, whatever is left
 // violated; handles, anchors and pushes are as the drag left them; the sum of squares never rises.
 // What is left violated is counted. It is no error: material and holds may leave no room.
