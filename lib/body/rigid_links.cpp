@@ -1,6 +1,7 @@
 #include "lib/body/rigid_links.h"
 
 #include <algorithm>
+#include <limits>
 #include <queue>
 #include <tuple>
 
@@ -54,7 +55,8 @@ std::int64_t cut_joints(const Body& body, LinkCuts& cuts) {
   return std::int64_t(joints.size());
 }
 
-std::int64_t cut_joint_spaces(const Body& body, LinkCuts& cuts, std::size_t first, double gap_mm) {
+std::int64_t cut_joint_spaces(const Body& body, LinkCuts& cuts, double gap_mm,
+                              const std::function<bool(std::size_t, std::size_t)>& is_joint) {
   using Entry = std::tuple<double, std::int32_t, Slot>;  // way from a piece in mm, piece, element
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
   BrickValues nearest(body.elements.brick_count());  // number of the piece
@@ -86,7 +88,8 @@ std::int64_t cut_joint_spaces(const Body& body, LinkCuts& cuts, std::size_t firs
   for (std::size_t b = 0; b < body.elements.brick_count(); ++b) {
     for_each_link(body.elements, cuts, b, [&](int axis, Slot low, Slot high) {
       const std::int32_t a = piece_of(low), z = piece_of(high);
-      if (a == 0 || z == 0 || a == z || std::size_t(std::max(a, z) - 1) < first) return;
+      if (a == 0 || z == 0 || a == z) return;
+      if (!is_joint(std::size_t(a - 1), std::size_t(z - 1))) return;
       if (way_to.at(low) + spacing[axis] + way_to.at(high) > gap_mm) return;
       parted.emplace_back(low, axis);
     });
@@ -128,24 +131,31 @@ std::vector<SlotSet> connected_parts(const BrickTopology& elements, const LinkCu
   return parts;
 }
 
-std::vector<SlotSet> nearest_parts(const Body& body, const LinkCuts& cuts, const SlotSet& set,
+std::vector<SlotSet> flooded_parts(const Body& body, const DensityGrid& density,
+                                   const LinkCuts& cuts, const SlotSet& set,
                                    const std::vector<Slot>& seeds) {
-  using Entry = std::tuple<double, std::int32_t, Slot>;  // way in mm, seed, element
+  // Least density on the way here, negative; way at that density in mm, seed, element.
+  using Entry = std::tuple<float, double, std::int32_t, Slot>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
   BrickValues owner(body.elements.brick_count());  // -1: in the set, owned by none
   set.for_each([&](Slot slot) { owner.set(slot, -1); });
-  for (std::size_t n = 0; n < seeds.size(); ++n) queue.push({0, std::int32_t(n) + 1, seeds[n]});
+  for (std::size_t n = 0; n < seeds.size(); ++n) {
+    queue.push({-std::numeric_limits<float>::infinity(), 0, std::int32_t(n) + 1, seeds[n]});
+  }
   const Vec3d spacing = body.geometry.spacing_mm();
   std::vector<std::vector<Slot>> parts(seeds.size());
   while (!queue.empty()) {
-    const auto [way, seed, slot] = queue.top();
+    const auto [level, way, seed, slot] = queue.top();
     queue.pop();
     if (owner.at(slot) != -1) continue;
     owner.set(slot, seed);
     parts[std::size_t(seed - 1)].push_back(slot);
-    for_each_neighbour(body.elements, cuts, slot, [&, way = way, seed = seed](int axis, Slot to) {
-      if (owner.at(to) == -1) queue.push({way + spacing[axis], seed, to});
-    });
+    const auto reach = [&, level = level, way = way, seed = seed](int axis, Slot to) {
+      if (owner.at(to) != -1) return;
+      const float lower = std::max(level, -density.at(voxel_of(body.elements, to)));
+      queue.push({lower, lower > level ? spacing[axis] : way + spacing[axis], seed, to});
+    };
+    for_each_neighbour(body.elements, cuts, slot, reach);
   }
   std::vector<SlotSet> sets;
   for (std::vector<Slot>& part : parts) sets.emplace_back(std::move(part));

@@ -216,12 +216,6 @@ TightenReport tighten(Body& body, const std::vector<Region>& fixed, const Holds&
                       const TightenParams& params, Progress* progress) {
   const auto begin = std::chrono::steady_clock::now();
   params.validate();
-  if (body.slacks.links() != 6) {
-    throw InputError(
-        {"", "limits",
-         "\"tighten\" with " + std::to_string(body.slacks.links()) + " links per voxel",
-         "\"box\", or links = 6 in the material"});
-  }
   TightenReport result;
   SlotSet anchored = held.anchored;
   for (const Region& region : fixed) anchored.add(elements_of(body, region, "fix"));

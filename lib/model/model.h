@@ -13,6 +13,7 @@
 // | springs | VoxelSpringModel | MeshSpringModel | a step of time | elasticity, inertia |
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "lib/relax/reaction.h"
@@ -47,6 +48,8 @@ class Model {
   /// measure: further steps change nothing. When `progress` cancels, long steps throw Cancelled,
   /// the body as it was before them.
   virtual bool step(const Progress* progress = nullptr) = 0;
+  /// How much of all it may do is done, where something other than a number of steps ends it.
+  virtual double part_done() const { return 0; }
   /// Of the body as it is now.
   virtual ModelEnergy energy() = 0;
   /// The forces at these handles, now or in the last step of time, in their order; wherever they
@@ -63,7 +66,7 @@ int run_model(Model<Handle>& model, int steps, Progress* progress = nullptr) {
   int done = 0;
   try {
     for (bool moves = true; moves && done < steps; ++done) {
-      report(progress, double(done) / steps);
+      report(progress, std::max(double(done) / steps, model.part_done()));
       moves = model.step(progress);
     }
   } catch (const Cancelled&) {

@@ -79,6 +79,11 @@ bool RelaxModel::step(const Progress*) {
   return m_report.end == RelaxEnd::passes;
 }
 
+double RelaxModel::part_done() const {
+  if (m_params.budget_million <= 0) return 0;
+  return std::min(1.0, (m_work + m_relaxation->work()) / (m_params.budget_million * 1e6));
+}
+
 /// Whether the energy is as good as the least by the forces that are left.
 bool RelaxModel::forces_agree() {
   constexpr double kPart = 0.01, kPartOfStart = 1e-6;

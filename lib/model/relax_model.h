@@ -49,6 +49,8 @@ class RelaxModel final : public Model<Handle> {
   void move(const std::vector<Handle>& handles, int steps, Progress* progress) override;
   /// False when converged, when no element can move any more, or when the budget is spent.
   bool step(const Progress* progress = nullptr) override;
+  /// Of the budget.
+  double part_done() const override;
   ModelEnergy energy() override;
   std::vector<Reaction> reactions(const std::vector<Handle>& handles) override;
   /// Ends with plastic flow, where links have yielded in passes since the last store().

@@ -139,7 +139,8 @@ std::vector<Slot> slots_of_seeds(const Body& body, const std::vector<Vec3i>& see
 }
 
 /// Parts every piece that holds several seeds; the rest of it stays with the first of them.
-void part_between(Body& body, const LinkCuts& cuts, const std::vector<Vec3i>& seeds) {
+void part_between(Body& body, const LinkCuts& cuts, const std::vector<Vec3i>& seeds,
+                  const DensityGrid& density) {
   const std::vector<Slot> slots = slots_of_seeds(body, seeds);
   std::vector<RigidPiece> pieces;
   for (std::size_t n = 0; n < body.rigid.list.size(); ++n) {
@@ -152,7 +153,7 @@ void part_between(Body& body, const LinkCuts& cuts, const std::vector<Vec3i>& se
       pieces.push_back(piece);
       continue;
     }
-    std::vector<SlotSet> parts = nearest_parts(body, cuts, *piece.elements, own);
+    std::vector<SlotSet> parts = flooded_parts(body, density, cuts, *piece.elements, own);
     std::vector<RigidPiece> others = {piece};
     for (std::size_t p = 1; p < parts.size(); ++p) {
       SlotSet taken;
@@ -183,6 +184,23 @@ void add_part(Body& body, const ChosenPart& part, const DensityGrid& density,
   body.rigid = numbered(std::move(pieces), body.elements);
 }
 
+/// Between pieces of seeds, and around those of parts.
+void cut_joint_spaces_of(const Body& body, LinkCuts& cuts, const RigidRequest& request) {
+  if (request.joint_mm <= 0) return;
+  const std::size_t pieces = body.rigid.list.size();
+  const std::size_t first_part = pieces - std::min(pieces, request.parts.size());
+  std::vector<char> has_seed(pieces, 0);
+  for (const Vec3i& seed : request.seeds) {
+    Slot slot;
+    if (slot_of(body.elements, seed, slot) && body.rigid.at(slot) >= 0) {
+      has_seed[std::size_t(body.rigid.at(slot))] = 1;
+    }
+  }
+  cut_joint_spaces(body, cuts, request.joint_mm, [&](std::size_t piece, std::size_t other) {
+    return std::max(piece, other) >= first_part || (has_seed[piece] && has_seed[other]);
+  });
+}
+
 }  // namespace
 
 void make_pieces(Body& body, LinkCuts& cuts, const RigidRequest& request,
@@ -193,7 +211,7 @@ void make_pieces(Body& body, LinkCuts& cuts, const RigidRequest& request,
   std::array<BrickValues, 3> q = body.q;
   try {
     if (request.density) add_density(body, cuts, *request.density, density, progress);
-    if (!request.seeds.empty()) part_between(body, cuts, request.seeds);
+    if (!request.seeds.empty()) part_between(body, cuts, request.seeds, density);
     for (const ChosenPart& part : request.parts) add_part(body, part, density, labels, progress);
   } catch (const InputError&) {
     body.rigid = std::move(earlier);
@@ -201,10 +219,7 @@ void make_pieces(Body& body, LinkCuts& cuts, const RigidRequest& request,
     throw;
   }
   cut_joints(body, cuts);
-  if (request.joint_mm > 0 && !request.parts.empty()) {
-    const std::size_t pieces = body.rigid.list.size();
-    cut_joint_spaces(body, cuts, pieces - std::min(pieces, request.parts.size()), request.joint_mm);
-  }
+  cut_joint_spaces_of(body, cuts, request);
   body.cuts = cuts_with_pieces(body, cuts);
 }
 

@@ -13,10 +13,10 @@ namespace supple {
 
 struct RigidRequest {
   std::optional<NumberPair> density;  // every connected part of these densities is a piece
-  std::vector<Vec3i> seeds;           // pieces with several are parted between them
+  std::vector<Vec3i> seeds;           // pieces with several are parted where bone is thinnest
   std::vector<ChosenPart> parts;      // a piece each, which takes its elements from other pieces
 
-  double joint_mm = 0;  // tissue is parted between `parts` and pieces so near
+  double joint_mm = 0;  // tissue is parted around `parts`, and between pieces of `seeds`, so near
 
   bool empty() const { return !density && seeds.empty() && parts.empty(); }
 };

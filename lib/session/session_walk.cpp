@@ -95,6 +95,7 @@ void Session::run_step(StepRecord& record, Progress* progress) {
   prepare_body(record, progress);
   if (has_new_elements) check(record);
   check_model_of_pieces(record);
+  note_of_links(record, m_body.slacks.links(), progress);
   if (is_relaxed_by_default(record)) record.relax = tissue_relaxation();
   release_and_fix(record);
   if (poses_of(record.drags) > 1) {
@@ -143,15 +144,14 @@ void Session::move(StepRecord& record, Progress* progress) {
 }
 
 void Session::follow_ways(StepRecord& record, Progress* progress) {
-  if (!record.retract.empty()) {
-    throw InputError(
-        {record.retract.front().place, "retract", "beside a path", "it in a step of its own"});
-  }
   m_walk = std::make_unique<Walk>(
       Walk{m_body, anchored_elements(m_body, m_anchors, m_holds), m_ledger, {}});
   const std::vector<Drag> drags = record.drags;
+  const std::vector<Retraction> retract = record.retract;
   const bool tells_reactions = record.tells_reactions;
   const std::size_t poses = poses_of(drags);
+  // Lips open by the same part at each pose: `by` goes on from where they are.
+  for (Retraction& patch : record.retract) patch.by_mm /= double(poses);
   RepeatedLines lines("pose");
   EcmReport whole;
   for (std::size_t pose = 0; pose < poses; ++pose) {
@@ -170,6 +170,7 @@ void Session::follow_ways(StepRecord& record, Progress* progress) {
   }
   for (const std::string& line : lines.repeats()) warn(progress, line);
   record.drags = drags;
+  record.retract = retract;
   record.tells_reactions = tells_reactions;
   record.report = whole;
 }

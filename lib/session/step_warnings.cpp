@@ -28,6 +28,14 @@ void warn_of_projection(std::int64_t links, double max_voxels, std::int64_t held
 
 }  // namespace
 
+void note_of_links(const StepRequest& request, int links, Progress* progress) {
+  const bool is_ball = request.limits == Limits::ball;
+  if (links == 6 || (!request.springs && !is_ball)) return;
+  note(progress, std::string(is_ball ? "ball limits know" : "springs have") +
+                     " links of their own; links = " + std::to_string(links) +
+                     " of the material counts in other steps");
+}
+
 void warn_of_report(const EcmReport& report, Progress* progress) {
   warn_of_projection(report.projected_links, report.projected_max_voxels, report.projected_held,
                      progress);

@@ -6,6 +6,8 @@
 
 namespace supple {
 
+/// Of a step whose model does not use the material's diagonal links.
+void note_of_links(const StepRequest& request, int links, Progress* progress);
 void warn_of_report(const EcmReport& report, Progress* progress);
 void warn_of_report(const SidesReport& report, Progress* progress);
 void warn_of_report(const BallReport& report, Progress* progress);

@@ -113,6 +113,27 @@ TEST_F(PropertyHandlePath, ARelaxedPathIsItsKeysAsRelaxedSteps) {
   EXPECT_EQ(found->body().q, expected->body().q);
 }
 
+TEST_F(PropertyHandlePath, APathUnderSpringsIsItsKeysAsStepsOfSprings) {
+  for (const bool minimises : {false, true}) {
+    StepRequest sprung;
+    sprung.springs = SpringStep();
+    sprung.springs->motion.minimise = minimises;
+    sprung.springs->time_s = 0.004;
+    sprung.springs->motion.step_s = 0.002;
+    sprung.springs->most_steps = 3;
+    const auto found =
+        after({grabbing(kLow, kHigh, {shifted(1, {1, 0, 0}), shifted(3, {1, 1, 0})})}, sprung);
+    auto expected = opened();
+    for (const Vec3d& way : {Vec3d(1, 0, 0), Vec3d(0, 1, 0)}) {
+      sprung.drags = {Drag{kGrabbed, way}};
+      expected->step(sprung);
+    }
+    EXPECT_EQ(found->body().q, expected->body().q) << minimises;
+    EXPECT_NEAR((moved(*found, {11, 11, 11}) - Vec3d(1, 1, 0)).length(), 0, 1e-4) << minimises;
+    EXPECT_NE(moved(*found, {9, 11, 11}), Vec3d(0, 0, 0)) << minimises;
+  }
+}
+
 TEST_F(PropertyHandlePath, AHandleThatTurnsAndComesBackLeavesTissueWhereItWasTaken) {
   const GivenHandle path =
       grabbing(kLow, kHigh, {turned(0, 0), turned(1, 15), turned(2, -15), turned(3, 0)});

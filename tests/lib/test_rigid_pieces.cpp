@@ -195,11 +195,39 @@ TEST(UnitRigid, ElementsGoToTheNearestSeedByWayOfTheSetInMm) {
     slot_of(body.elements, {i, j, 0}, found);
     return found;
   };
-  const auto parts = nearest_parts(body, {}, set, {slot(11, 0), slot(3, 2)});
+  const auto parts = flooded_parts(body, {}, {}, set, {slot(11, 0), slot(3, 2)});
   ASSERT_EQ(parts.size(), 2u);
   // From (3, 2) it is 3 + 8 + n mm to (n, 0), from (11, 0) it is 11 - n: equal at 0.
   EXPECT_EQ(parts[0].size(), 12u);
   EXPECT_EQ(parts[1].size(), 13u);
   EXPECT_TRUE(parts[0].contains(slot(0, 0)));
   EXPECT_TRUE(parts[1].contains(slot(0, 1)));
+}
+
+TEST(UnitRigid, PartsOfSeedsMeetWhereBoneIsLeastDenseHoweverFarThatIsFromTheSeeds) {
+  const Body body = body_of(homogeneous({20, 4, 4}, 1.2, 0.8, 0.3));
+  // A long bone up to i = 14, whose marrow is less dense than the joint, a short one from 16 on.
+  std::vector<float> values(body.elements.brick_count() * kBrickVoxels, 0);
+  const auto slot = [&](const Vec3i& voxel) {
+    Slot found = 0;
+    slot_of(body.elements, voxel, found);
+    return found;
+  };
+  const auto density = [](const Vec3i& at) {
+    if (at.x == 15) return 350;
+    const bool is_marrow = at.x < 14 && at.y % 3 > 0 && at.z % 3 > 0;
+    return is_marrow ? 310 : 700 + 40 * ((at.x * 7 + at.y * 3 + at.z) % 5);
+  };
+  for_each_element(body.elements,
+                   [&](Slot s) { values[s] = float(density(voxel_of(body.elements, s))); });
+  const DensityGrid grid = make_density_grid(body.elements, values, 0);
+  const SlotSet all = slots_in_box(body.elements, {{0, 0, 0}, {19, 3, 3}});
+  const auto parts = flooded_parts(body, grid, {}, all, {slot({0, 0, 0}), slot({18, 2, 2})});
+  ASSERT_EQ(parts.size(), 2u);
+  EXPECT_EQ(parts[0].size() + parts[1].size(), all.size());
+  all.for_each([&](Slot s) {
+    const int i = voxel_of(body.elements, s).x;
+    if (i == 15) return;  // the joint itself is as near to either side
+    EXPECT_EQ(parts[0].contains(s), i < 15) << to_text(voxel_of(body.elements, s));
+  });
 }

@@ -422,6 +422,38 @@ TEST_F(UnitPieces, RetractionOpensACutLikeAWedgeAndLeavesItsEndsClosed) {
   EXPECT_GE(gap(15, 15), 3 - 1e-4);
 }
 
+TEST_F(UnitPieces, ARetractionBesideAPathOpensInEqualPartsPoseByPose) {
+  Session session(m_folder / "bars.nhdr", m_options);
+  CutSurface plane;
+  plane.in_voxels = true;
+  plane.corner = {5, 8.5, 11};
+  plane.edge1 = {20, 0, 0};
+  plane.edge2 = {0, 0, 8};
+  StepRequest request;
+  request.cuts = {plane};
+  request.retract.emplace_back();
+  Retraction& retraction = request.retract.back();
+  retraction.corner = plane.corner;
+  retraction.edge1 = plane.edge1;
+  retraction.edge2 = plane.edge2;
+  retraction.in_voxels = true;
+  retraction.by_mm = 3;
+  retraction.width_mm = 1;
+  Drag away{Region({15, 2, 7}, {15, 2, 7}), {0, -0.5, 0}};
+  away.way = {{{0.25, 0, 0}, {}}, {{0.25, -0.25, 0}, {}}, {{0, -0.5, 0}, {}}};
+  request.drags = {away};
+  const StepRecord& record = session.step(request);
+  const Body& body = session.body();
+  const auto half = [&](int j) { return double(body.offset({15, j, 15}, 1)) / kVoxel; };
+  EXPECT_NEAR(half(9), 1.5, 2e-4);
+  EXPECT_NEAR(half(8), -1.5, 2e-4);
+  EXPECT_EQ(body.offset({15, 2, 7}, 1), -kVoxel / 2);
+  EXPECT_EQ(check_links(body).violated, 0);
+  // The record has what was asked for.
+  ASSERT_EQ(record.retract.size(), 1u);
+  EXPECT_EQ(record.retract[0].by_mm, 3);
+}
+
 TEST_F(UnitPieces, ARetractionWithoutTissueOnASideIsRefused) {
   Session session(m_folder / "bars.nhdr", m_options);
   Retraction beside;

@@ -106,8 +106,8 @@ SceneStep read_step(TomlTable& table, const LabelNames& names) {
   }
   step.rigid_density = settings.rigid_density;
   step.joint_mm = settings.joint_mm;
-  if (step.joint_mm > 0 && step.rigid.empty()) {
-    table.fail("joint", "no rigid beside it", "rigid = [{ … }], which the joint is around");
+  if (step.joint_mm > 0 && step.rigid.empty() && step.rigid_seeds.empty()) {
+    table.fail("joint", "no rigid or rigid_seeds beside it", "pieces that the joint is around");
   }
   step.release = settings.release;
   step.no_relax = settings.no_relax;
