@@ -99,14 +99,16 @@ export function placeInViewPlane(camera, place, x, y, size) {
   return add(origin, times(direction, dot(minus(place, origin), forward) / dot(direction, forward)));
 }
 
-/// A shift kept to one patient axis: the point of that axis nearest to where the pointer leads.
-/// An axis that looks into the picture (within 5 degrees) moves by the vertical way of the pointer.
-export function alongAxis(camera, shift, axis) {
-  const {right, up, forward} = cameraFrame(camera);
+/// A shift kept to one axis: the way along it that is seen nearest to where the pointer leads, in a
+/// picture with the directions right, up and forward. An axis that looks into the picture (within 5
+/// degrees) is moved along by the vertical way of the pointer, up: away.
+export function alongAxis({right, up, forward}, shift, axis) {
   const inPlane = minus(axis, times(forward, dot(axis, forward)));
   const seen = dot(inPlane, inPlane);
+  if (seen < Math.sin(5 * Math.PI / 180) ** 2) {
+    return times(axis, dot(shift, up) * Math.sign(dot(axis, forward)));
+  }
   const flat = add(times(right, dot(shift, right)), times(up, dot(shift, up)));
-  if (seen < 0.0076) return times(axis, -dot(flat, up) * Math.sign(dot(axis, forward) || 1));
   return times(axis, dot(flat, inPlane) / seen);
 }
 
