@@ -62,7 +62,7 @@ export function zoomed(camera, factor) {
 /// Turned about the line of sight; positive degrees turn the picture counterclockwise.
 export function rolled(camera, degrees) {
   const {up, forward} = cameraFrame(camera);
-  return {...camera, up: normalized(turned(up, forward, -degrees))};
+  return {...camera, up: normalized(turned(up, forward, degrees))};
 }
 
 /// Degrees that the pointer went around the middle of a view, from (x0, y0) to (x1, y1).

@@ -1,10 +1,9 @@
 // Marks over a picture: the patient's sides, cube, scale bar, cross-hair, handles, measures, and what a
 // tool draws. They are made anew from the scene, for the camera or plane of the picture that is seen.
 
-import {kSides, sideLetters} from './camera.js';
+import {heightAtTarget, kSides, sideLetters} from './camera.js';
 import {svg, short} from './elements.js';
 import {scaleBar} from './geometry.js';
-import {heightAtTarget} from './camera.js';
 import {distance, dot, minus, times} from './vectors.js';
 
 const line = (cls, [x1, y1], [x2, y2]) => svg('line', {class: cls, x1, y1, x2, y2});
@@ -29,8 +28,8 @@ export function drawMarks(view) {
 function letters(view) {
   const {right, up} = view.directions();
   const [w, h] = [view.picture.clientWidth, view.picture.clientHeight];
-  return [text('letter', 12, h / 2 + 5, sideLetters(times(right, -1))),
-          text('letter', w - 12, h / 2 + 5, sideLetters(right)),
+  return [text('letter', 6, h / 2 + 5, sideLetters(times(right, -1)), 'start'),
+          text('letter', w - 6, h / 2 + 5, sideLetters(right), 'end'),
           text('letter', w / 2, 18, sideLetters(up)),
           text('letter', w / 2, h - 8, sideLetters(times(up, -1)))];
 }

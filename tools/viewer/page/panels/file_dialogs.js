@@ -118,6 +118,7 @@ export class Files {
       }), ok));
     this.dialog.replaceChildren(form);
     this.dialog.showModal();
+    (this.dialog.querySelector('#save-name') ?? browser.entries).focus();
     return browser.go(sessionStorage.getItem(kFolder) ?? '');
   }
 

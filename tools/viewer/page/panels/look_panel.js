@@ -93,7 +93,7 @@ export class LookPanel {
   }
 
   clipSection() {
-    this.clips = element('ul', {class: 'list', 'aria-label': 'Clips'});
+    this.clips = element('ul', {class: 'list clips', 'aria-label': 'Clips'});
     const add = element('div', {class: 'row'},
       button('Box around the cross-hair', () => this.addClip({box: this.boxHere(), keep: 'outside', space: 'deformed'})),
       button('Plane at the cross-hair, towards the viewer', () => this.addClip(this.planeHere())));
