@@ -220,3 +220,9 @@ test('the own camera leads until the scene has it', () => {
   socket.say(sceneOf(sent, [7, 7, 7]));
   assert.deepEqual(session.camera().position, [7, 7, 7], 'another page turned it');
 });
+
+test('docs/viewer.md lists the keys as they are', async () => {
+  const {documented} = await import('./keys_table.mjs');
+  const {text, wanted} = documented();
+  assert.equal(text, wanted, 'run node tests/viewer/browser/keys_table.mjs --write');
+});

@@ -38,7 +38,7 @@ export class Slices {
     ++this.unanswered;
     try {
       const slices = await this.session.ask('slices', values);
-      if (this.session.scene) this.session.scene.slices = slices;
+      if (this.session.scene) this.session.scene.slices = {...this.session.scene.slices, ...slices};
     } catch (error) {
       this.session.addLog({level: 'error', text: error.message});
     }

@@ -4,6 +4,19 @@ import {button, checkbox, element, field, number, section, select, show} from '.
 import {iconButton} from '../icons.js';
 import {OptionsForm} from './options_form.js';
 
+/// What a handle or anchor takes hold of.
+function selectionText({text, event = {}}) {
+  const place = (v) => v.map((x) => Math.round(x * 10) / 10).join(', ');
+  if (event.grab) return `voxel ${place(event.grab)}`;
+  if (event.grab_ball) return `ball at ${place(event.grab_ball)}, ${event.radius ?? 0} mm`;
+  if (event.grab_box) return `box ${place(event.grab_box)}`;
+  return text;
+}
+function cutText({text, event}) {
+  const curve = event?.curve;
+  return curve ? `line of ${curve.points?.length ?? 0} points, ${curve.depth} mm deep` : text;
+}
+
 export class DeformPanel {
   constructor(app, root) {
     Object.assign(this, {app, session: app.session, lists: {}});
@@ -23,7 +36,9 @@ export class DeformPanel {
     try {
       this.relax = new OptionsForm(await this.session.ask('options', {kind: 'relax'}));
       this.relaxHome.replaceChildren(this.relax.root);
-    } catch { /* relaxation then has its defaults */ }
+      this.springs = new OptionsForm(await this.session.ask('options', {kind: 'springs'}), () => this.chooseModel('springs'));
+      this.springsHome.append(this.springs.root);
+    } catch { /* both then have their defaults */ }
   }
 
   toolSection() {
@@ -55,15 +70,21 @@ export class DeformPanel {
 
   modelSection() {
     this.model = select([['ecm', 'Enhanced ChainMail'], ['springs', 'Springs']], 'ecm',
-                        (model) => this.session.event({kind: 'model', model}), {id: 'model'});
+                        (model) => this.chooseModel(model), {id: 'model'});
     this.limits = select([['box', 'Box: each component'], ['ball', 'Ball: the length'], ['tighten', 'Tighten: narrower across stretched links']], 'box',
                          (limits) => this.session.event({kind: 'limits', limits}), {id: 'limits'});
     this.relaxHome = element('div');
+    this.springsHome = element('details', {hidden: true}, element('summary', {}, 'Springs'));
     this.relaxButton = button('Relax (E)', () => this.startRelaxing(), {id: 'relax'});
     this.relaxStop = button('Stop', () => this.session.ask('cancel', true).catch(() => {}), {id: 'relax-stop', hidden: true});
     this.relaxState = element('p', {class: 'note', role: 'status'});
-    return section('Model and relaxation', true, field('Model', this.model), field('Limits of links', this.limits),
-                   this.relaxHome, element('div', {class: 'row'}, this.relaxButton, this.relaxStop), this.relaxState);
+    return section('Model and relaxation', true, field('Model', this.model), this.springsHome,
+                   field('Limits of links', this.limits), this.relaxHome, element('div', {class: 'row'}, this.relaxButton, this.relaxStop), this.relaxState);
+  }
+  chooseModel(model) {
+    if (this.springs && !this.springs.isValid()) return;
+    const springs = model === 'springs' ? {springs: this.springs?.values() ?? {}} : {};
+    this.session.event({kind: 'model', model, ...springs});
   }
   startRelaxing() {
     if (!this.session.scene || (this.relax && !this.relax.isValid())) return;
@@ -81,18 +102,18 @@ export class DeformPanel {
     for (const input of [this.model, this.limits, this.relaxButton]) input.disabled = !scene;
     if (scene) {
       this.model.value = scene.model ?? 'ecm';
+      this.springsHome.hidden = scene.model !== 'springs';
       this.limits.value = scene.limits ?? 'box';
     }
     this.relaxStop.hidden = !scene?.relaxing;
     this.relaxState.textContent = !scene ? '' : scene.relaxing ? `Relaxing: ${scene.relaxing} passes to do`
       : scene.relaxes ? 'The material relaxes every drag after its release' : '';
     this.fill('handles', scene?.handles ?? [], (handle, i) => [
-      button(`${i + 1}. ${handle.text}`, () => this.app.slices.setCursor(this.session.geometry.indexOfLps(handle.lps)),
+      button(`${i + 1}. ${selectionText(handle)}`, () => this.app.slices.setCursor(this.session.geometry.indexOfLps(handle.lps)),
              {class: 'link', title: 'Cross-hair there'}), this.removal('handle', i)]);
     this.fill('anchors', scene?.anchors ?? [], (anchor, i) => [
-      anchor.lps ? button(anchor.text, () => this.app.slices.setCursor(this.session.geometry.indexOfLps(anchor.lps)),
-                          {class: 'link', title: 'Cross-hair there'}) : anchor.text, this.removal('anchor', i)]);
-    this.fill('cuts', scene?.cuts ?? [], (cut) => [`${cut.text}: ${cut.links} links`]);
+      this.placed(selectionText(anchor), anchor.event), this.removal('anchor', i)]);
+    this.fill('cuts', scene?.cuts ?? [], (cut, i) => [`${i + 1}. ${cutText(cut)}`]);
     this.refreshHistory(scene);
   }
   fill(name, items, entry) {
@@ -103,8 +124,22 @@ export class DeformPanel {
     list.replaceChildren(...items.map((item, i) => element('li', {}, ...entry(item, i))));
     if (!items.length) list.append(element('li', {class: 'none'}, 'None'));
   }
+  /// A text that leads the cross-hair to the middle of what is selected.
+  placed(text, event) {
+    const middle = event?.grab ?? event?.grab_ball;
+    return middle ? button(text, () => this.app.slices.setCursor(middle), {class: 'link', title: 'Cross-hair there'}) : text;
+  }
   removal(what, i) {
-    return iconButton('remove', `Let go of ${what} ${i + 1}`, () => this.session.event({kind: 'release', [what]: i}));
+    return iconButton('remove', `Let go of ${what} ${i + 1}`, () => this.letGo(what, i),
+                      {title: 'Let go of this one; the others are fixed again where they are'});
+  }
+  /// The session knows only to let go of everything, so the others are fixed again.
+  letGo(what, i) {
+    const {handles, anchors} = this.session.scene;
+    const others = [...handles.filter((_, k) => what !== 'handle' || k !== i),
+                    ...anchors.filter((_, k) => what !== 'anchor' || k !== i)];
+    this.session.event({kind: 'release', all: true});
+    for (const {event: {soft, ...selection}} of others) this.session.event({...selection, kind: 'anchor'});
   }
 
   historySection() {

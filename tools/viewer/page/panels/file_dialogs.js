@@ -14,6 +14,9 @@ export const kSaves = {
   warp: ['Export warp', 'warp', ['.nrrd', '.mha', '.nii.gz', '.h5', '.vdb']],
   volume: ['Export deformed volume', 'deformed', ['.nrrd', '.nii.gz', '.mha']]};
 
+/// Options of `save` that each kind has.
+const kOptions = {warp: ['direction'], turntable: ['frames', 'fps', 'frames_per_second', 'size'], screenshot: ['size']};
+
 const kFolder = 'supple.folder';
 
 class Browser {
@@ -143,6 +146,7 @@ export class Files {
   async save(what) {
     if (!this.session.scene) return this.app.say('Nothing is open that could be saved');
     const [title, name, extensions] = kSaves[what];
+    this.view = this.app.viewForTools();
     const file = element('input', {type: 'text', value: name + extensions[0], id: 'save-name', required: true});
     const extension = extensions.length > 1 ? select(extensions, extensions[0], (chosen) => {
       const old = extensions.find((one) => file.value.endsWith(one));
@@ -151,21 +155,25 @@ export class Files {
     const force = checkbox('Replace a file of this name', false, () => {}, {id: 'save-force'});
     const browser = new Browser(this.session, (picked) => { file.value = picked.name; },
                                 ({name: other}) => extensions.some((one) => other.endsWith(one)));
-    const form = new OptionsForm(await this.session.ask('options', {kind: 'save.' + what}).catch(() => []));
+    const form = new OptionsForm(await this.optionsOf(what));
     const content = [field('Name', element('span', {class: 'pair'}, file, extension)), form.root, force];
     return this.show(title, browser, content, 'Save', async () => {
       if (!browser.path) throw new Error('Choose a folder first');
       if (!form.isValid()) throw new Error('An option is out of its bounds');
       const saved = await this.session.ask('save', {what, path: browser.path.replace(/\/$/, '') + '/' + file.value.trim(),
-        force: force.querySelector('input').checked, ...this.ofView(what), ...form.values()});
+        force: force.querySelector('input').checked, ...form.values(),
+        ...(what === 'screenshot' ? {view: this.view.name} : {}),
+        ...(what === 'screenshot' || what === 'turntable' ? {size: form.value('size')} : {})});
       this.app.say(`Saved ${saved.path}, ${bytesText(saved.bytes)}`);
       this.session.addLog({level: 'note', text: `saved ${saved.path}, ${bytesText(saved.bytes)}`});
     });
   }
-  /// Pictures are of the view that is at work, as large as it is seen.
-  ofView(what) {
-    if (what !== 'screenshot' && what !== 'turntable') return {};
-    const view = what === 'turntable' ? this.app.view('3d') : this.app.viewForTools();
-    return what === 'turntable' ? {size: view.size()} : {view: view.name, size: view.size()};
+  /// Pictures are of the view that is at work, as large as it is seen unless told.
+  async optionsOf(what) {
+    if (!(what in kOptions)) return [];
+    const all = await this.session.ask('options', {kind: 'save'}).catch(() => []);
+    const size = (what === 'turntable' ? this.app.view('3d') : this.view).size();
+    return all.filter(({name}) => kOptions[what].includes(name))
+      .map((option) => option.name === 'size' ? {...option, default: size} : option);
   }
 }

@@ -4,8 +4,8 @@
 import {button, element, field, number, section, select} from '../elements.js';
 import {iconButton} from '../icons.js';
 
-/// docs/materials.md; the server's own list comes with the connection.
-const kPresets = ['soft-tissue', 'bone', 'brain', 'membrane', 'ct-head', 'ct-body', 'mr-brain'];
+/// Of single tissues (docs/materials.md); those of whole pictures come from the server.
+const kTissues = ['soft-tissue', 'bone', 'brain', 'membrane'];
 const kCurves = {
   max_length: ['Longest link', '× rest length'], min_length: ['Shortest link', '× rest length'],
   shear: ['Shear', '× rest length'], shear1: ['Shear, lower axis', '× rest length'], shear2: ['Shear, higher axis', '× rest length'],
@@ -17,12 +17,19 @@ export class MaterialPanel {
   constructor(app, root) {
     Object.assign(this, {app, session: app.session, table: null});
     this.preset = select([], '', (preset) => preset && this.send({preset}), {id: 'material-preset'});
-    this.choices(kPresets);
+    this.choices(kTissues);
     this.body = element('div', {class: 'material'});
     this.state = element('p', {class: 'note'});
     root.append(section('Material', false, field('Preset', this.preset), this.state, this.body));
     this.session.on('opened', (scene) => this.load(scene));
+    this.session.on('connection', (state) => state !== 'lost' && this.loadPresets());
     this.session.on('scene', (scene) => this.refresh(scene));
+  }
+  async loadPresets() {
+    try {
+      const presets = await this.session.ask('materials', true);
+      this.choices([...presets.map(({name}) => name), ...kTissues]);
+    } catch { /* those of tissues remain */ }
   }
   choices(names) {
     this.preset.replaceChildren(...['', ...names].map((name) => element('option', {value: name}, name || 'Choose…')));

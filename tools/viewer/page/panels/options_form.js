@@ -3,6 +3,14 @@
 
 import {checkbox, element, field, number, select} from '../elements.js';
 
+/// Bounds from words such as "1 to 16384 pixels" or "0 or more mm".
+export function boundsOf(allowed = '') {
+  const range = /^(-?[\d.]+) to (-?[\d.]+)/.exec(allowed);
+  if (range) return [Number(range[1]), Number(range[2])];
+  const least = /^(-?[\d.]+) or more/.exec(allowed);
+  return [least ? Number(least[1]) : undefined, undefined];
+}
+
 /// The form, and `values()`: those that differ from the default.
 export class OptionsForm {
   constructor(options, changed = () => {}) {
@@ -12,7 +20,7 @@ export class OptionsForm {
   }
 
   /// The element of an option and a function that reads it.
-  control({type, name, choices, least, most, default: value, help}, changed) {
+  control({type, name, choices, allowed, default: value, help}, changed) {
     if (type === 'bool') {
       const box = checkbox(name.replaceAll('_', ' '), value === true, changed, {});
       box.title = help ?? '';
@@ -23,7 +31,8 @@ export class OptionsForm {
       return [list, () => list.value];
     }
     if (type === 'number' || type === 'integer') {
-      const input = number(value ?? '', changed, {min: least, max: most, step: type === 'integer' ? 1 : 'any'});
+      const [min, max] = boundsOf(allowed);
+      const input = number(value ?? '', changed, {min, max, step: type === 'integer' ? 1 : 'any'});
       return [input, () => input.value === '' ? undefined : input.valueAsNumber];
     }
     const text = element('input', {type: 'text', value: Array.isArray(value) ? value.join(', ') : value ?? '', onchange: changed});
@@ -31,6 +40,7 @@ export class OptionsForm {
     return [text, () => text.value.trim() === '' ? undefined : read()];
   }
 
+  value(wanted) { return this.inputs.find(([{name}]) => name === wanted)?.[2](); }
   isValid() { return this.inputs.every(([, node]) => node.reportValidity?.() ?? true); }
   values() {
     const given = this.inputs.map(([{name, default: value}, , read]) => [name, read(), value]);
