@@ -213,7 +213,9 @@ test('the own camera leads until the scene has it', () => {
   socket.say(sceneOf(sent - 1, [0, -100, 0]));
   assert.deepEqual(session.camera().position, [0, -50, 0], 'an older scene does not turn it back');
   assert.deepEqual(session.shownCamera().position, [0, -100, 0]);
-  session.passes({...parseFrame(frameBytes({view: 0, event: sent, frame: 1}))});
+  const frame = parseFrame(frameBytes({view: 0, event: sent, frame: 1}));
+  assert.ok(!session.passes({...frame, connection: 0}), 'a frame of an earlier connection');
+  assert.ok(session.passes({...frame, connection: 1}));
   assert.deepEqual(session.shownCamera().position, [0, -50, 0]);
   assert.deepEqual(socket.sent.at(-1), {ack: 1});
   socket.say(sceneOf(sent, [0, -50, 0]));

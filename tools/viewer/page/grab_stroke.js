@@ -95,7 +95,12 @@ export class GrabStroke {
     this.view.refresh();
   }
 
-  wheel({dx, dy}) { this.resize(-(dx + dy)); }
+  wheel({dx, dy}) {
+    this.turned = (this.turned ?? 0) - dx - dy;
+    if (Math.abs(this.turned) < 0.4) return;  // fine steps of touch pads add up
+    this.resize(this.turned);
+    this.turned = 0;
+  }
   /// Another handle at the same place, led as far.
   resize(steps) {
     const radius = nextSize(this.radius, steps);

@@ -3,27 +3,29 @@
 import {actionOf, kBindings, kGestures, shownKey} from './bindings.js';
 import {button, element} from './elements.js';
 
-/// Where typing is meant for a field, only keys with Ctrl and function keys are ours.
-function isTyping(event) {
-  const {target} = event;
-  const fields = target.closest?.('input:not([type=checkbox], [type=range], [type=color]), select, textarea, [contenteditable]');
-  return Boolean(fields) && !event.ctrlKey && !event.metaKey && !/^F\d+$/.test(event.key);
-}
+const kWithin = ['Enter', ' ', 'ArrowLeft', 'ArrowRight', 'ArrowUp', 'ArrowDown', 'PageUp', 'PageDown', 'Home', 'End'];
 
-/// Enter and Space press what has the focus; arrows move it within.
-function isForControl(event) {
-  const control = event.target.closest?.('button, summary, input, [role=tab], [role=menuitem], [role=listbox]');
-  if (!control) return false;
-  return ['Enter', ' ', 'ArrowLeft', 'ArrowRight', 'ArrowUp', 'ArrowDown', 'PageUp', 'PageDown', 'Home', 'End'].includes(event.key) &&
-    !event.ctrlKey;
+/// Whether a key is meant for the field or button that has the focus. A pointer over a view makes letters the
+/// view's, where they are no input, and Space and Enter, where a click and not a key has led the focus.
+function isForControl(event, isOverView) {
+  const {key, target} = event;
+  if (/^F\d+$/.test(key)) return false;
+  const withCtrl = event.ctrlKey || event.metaKey;
+  if (target.matches?.('input[type=text], textarea')) return !withCtrl || /^[acvxyz]$/i.test(key);
+  if (target.matches?.('input[type=number]')) {
+    if (withCtrl) return /^[acvxyz]$/i.test(key);
+    return !(isOverView && /^[a-z]$/i.test(key) && key !== 'e');
+  }
+  if (withCtrl) return false;
+  if (target.matches?.('select')) return !(isOverView && /^[a-z]$/i.test(key));
+  const control = target.closest?.('button, summary, input, [role=tab], [role=menuitem], [role=listbox]');
+  return Boolean(control) && kWithin.includes(key) && (!isOverView || target.matches(':focus-visible'));
 }
 
 export function listenToKeys(app) {
   document.addEventListener('keydown', (event) => {
     if (document.querySelector('dialog[open]') || event.defaultPrevented) return;
-    if (isTyping(event) || isForControl(event)) return;
-    const typingUndo = event.target.matches?.('input[type=text], input[type=number]') && /^[zy]$/i.test(event.key);
-    if (typingUndo) return;
+    if (isForControl(event, app.hovered !== null)) return;
     const view = app.viewForTools();
     const own = document.activeElement?.closest?.('.view') || app.hovered ? [view.name === '3d' ? 'space' : 'slice'] : [];
     const action = actionOf(event, [...app.tools.scopes, ...own, 'any']);

@@ -7,6 +7,8 @@ import {Geometry} from './geometry.js';
 import {cameraKeys} from './camera.js';
 
 const kLogLines = 500;
+/// Events that always lead to another picture, whose time is measured.
+const kSeen = ['camera', 'look', 'clip', 'drag'];
 
 export class Session {
   constructor(address, token, Socket) {
@@ -111,7 +113,7 @@ export class Session {
     const n = this.connection.post('event', event);
     if (!n) return 0;
     this.lastSent = n;
-    this.latencies.sent(n, time);
+    if (kSeen.includes(event.kind)) this.latencies.sent(n, time);
     return n;
   }
 
@@ -141,11 +143,14 @@ export class Session {
     const frame = parseFrame(buffer);
     if (!frame) return;
     ++this.counts.frames;
+    frame.connection = this.counts.connections;
     this.tell('frame', frame);
   }
 
   /// A picture is decoded: whether it is to be shown.
   passes(frame) {
+    // Another connection counts anew; what it has not sent says nothing.
+    if (frame.connection !== this.counts.connections) return false;
     this.connection.ack(frame.frame);
     const passes = this.gates[frame.view].pass(frame);
     if (!passes) ++this.counts.stale;

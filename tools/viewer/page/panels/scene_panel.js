@@ -32,6 +32,12 @@ export class ScenePanel {
   }
 
   refresh(scene) {
+    const key = JSON.stringify([scene?.volume, scene?.moved, scene?.memory]);
+    if (key !== this.key) this.fill(scene);
+    this.key = key;
+    this.refreshCursor();
+  }
+  fill(scene) {
     const fact = ([name, value]) => [element('dt', {}, name), element('dd', {}, value)];
     const v = scene?.volume;
     this.facts.replaceChildren(...(v ? [
@@ -43,7 +49,6 @@ export class ScenePanel {
       element('td', {}, element('strong', {}, part), element('span', {class: 'why'}, why)), element('td', {class: 'bytes'}, bytesText(bytes)))));
     this.memorySum.replaceChildren(...(memory.length ? [element('tr', {}, element('th', {scope: 'row'}, 'Together'),
       element('td', {class: 'bytes'}, bytesText(memory.reduce((sum, {bytes}) => sum + bytes, 0))))] : []));
-    this.refreshCursor();
   }
 
   refreshCursor() {
