@@ -30,7 +30,7 @@ export class Gestures {
     const box = this.target.getBoundingClientRect();
     return {x: event.clientX - box.left, y: event.clientY - box.top, time: event.timeStamp,
             shift: event.shiftKey, ctrl: event.ctrlKey || event.metaKey, button: event.button,
-            touch: event.pointerType === 'touch'};
+            touch: event.pointerType === 'touch', side: event.target.dataset?.side};
   }
 
   down(event) {

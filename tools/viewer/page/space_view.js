@@ -24,8 +24,12 @@ export class SpaceView extends View {
     this.refresh();
   }
 
-  motionOf({button, shift, ctrl}) {
+  motionOf({button, shift, ctrl, side, time}) {
     if (!this.camera) return null;
+    if (side && button === 0) {  // of the cube
+      this.lookFrom(side, time);
+      return null;
+    }
     if (button === 1 || (button === 0 && shift)) return this.moves;
     if (button === 2) return this.zooms;
     if (button === 0 && ctrl) return this.rolls;
