@@ -4,6 +4,7 @@ import {execFileSync, spawn} from 'node:child_process';
 import {mkdtempSync, rmSync, writeFileSync} from 'node:fs';
 import {tmpdir} from 'node:os';
 import {dirname, join} from 'node:path';
+import {sleep} from './chromium.mjs';
 import {readPng} from './png.mjs';
 
 export const kSupple = process.env.SUPPLE_BINARY ?? 'build/release/bin/supple';
@@ -27,7 +28,9 @@ export class Folder {
 
 export class Server {
   static async start(...options) {
-    const child = spawn(kSupple, ['view', '--no-browser', ...options], {stdio: ['ignore', 'pipe', 'pipe']});
+    // While one works on the page: SUPPLE_PAGE=tools/viewer/page serves it as it is in the tree.
+    const page = process.env.SUPPLE_PAGE ? ['--page', process.env.SUPPLE_PAGE] : [];
+    const child = spawn(kSupple, ['view', '--no-browser', ...page, ...options], {stdio: ['ignore', 'pipe', 'pipe']});
     const server = new Server(child);
     await server.started;
     return server;
@@ -64,9 +67,14 @@ export class View {
 
   /// All that was sent is carried out, and the pictures of all views are settled ones of it.
   async settled(seconds = 20) {
-    await this.until('the pictures settle', `$state === "connected" && $scene && $carriedOut >= $sent && !$scene.relaxing &&
-      Object.entries($views).every(([name, v]) => document.querySelector('#view-' + name + ' .picture').clientWidth === 0 ||
-        (v.settled && v.event >= $sent && v.count))`, seconds);
+    await this.until('all is carried out', '$state === "connected" && $scene && $carriedOut >= $sent && !$scene.relaxing', seconds);
+    // Slices are drawn exactly after the picture in space has settled; of four views one slice is seen, or only one view.
+    const n = await this.get('barrier()');
+    const slice = await this.page.eval(`['axial', 'coronal', 'sagittal'].find((name) => document.querySelector('#view-' + name + ' .picture').clientWidth > 0)`);
+    if (slice) await this.until('the slices settle', `$views.${slice}.event >= ${n} && $views.${slice}.settled && !$decoding`, seconds);
+    await this.until('the pictures settle', `!$decoding && ['3d', 'axial', 'coronal', 'sagittal'].every((name) =>
+      document.querySelector('#view-' + name + ' .picture').clientWidth === 0 || $views[name].settled)`, seconds);
+    if (!slice) await sleep(300);
   }
   /// The picture of a view as it is drawn, without marks.
   async picture(name = '3d') {

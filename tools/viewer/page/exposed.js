@@ -18,6 +18,9 @@ export function exposed(app) {
     get tool() { return tools.stroke ? tools.stroke.constructor.name : tools.name; },
     get measures() { return copy(tools.measures); },
     get settings() { return copy(app.settings); },
+    /// Sends what changes nothing and is shown in slices after all that was sent before; its number.
+    barrier() { return session.post('slices', {}); },
+    get decoding() { return app.views.reduce((sum, view) => sum + view.decoding, 0); },
     /// Of each view: the event and frame that it shows, how many it has shown, whether any went back.
     get views() { return Object.fromEntries(app.views.map((view) => [view.name, {...view.shown}])); },
     /// Where a place in LPS mm is on the page, in CSS pixels of the window; null where it is not seen.

@@ -31,7 +31,7 @@ export class Session {
     this.connection = new Connection(address, token, {
       opened: () => this.opened(), closed: () => this.closed(),
       text: (message) => this.heard(message), binary: (buffer) => this.frame(buffer),
-      failed: (n, error) => this.addLog({level: 'error', text: error, n})}, Socket);
+      failed: (n, error) => this.refused(n, error)}, Socket);
   }
 
   on(topic, listener) {
@@ -40,6 +40,12 @@ export class Session {
   }
   tell(topic, value) {
     for (const listener of this.listeners.get(topic) ?? []) listener(value);
+  }
+
+  /// An event that the server does not take has been dealt with.
+  refused(n, text) {
+    this.lastCarriedOut = Math.max(this.lastCarriedOut, n);
+    this.addLog({level: 'error', text, n});
   }
 
   opened() {

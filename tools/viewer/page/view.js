@@ -21,6 +21,7 @@ export class View {
                         this.bar, this.picture);
     this.frame = null;
     this.shown = {count: 0, event: 0, frame: 0, settled: false, wentBack: 0};
+    this.decoding = 0;
     this.pointer = null;
     this.context = this.canvas.getContext('2d', {alpha: false});
     this.gestures = new Gestures(this.picture, this);
@@ -61,6 +62,7 @@ export class View {
 
   async received(frame) {
     let bitmap = null;
+    ++this.decoding;
     try {
       bitmap = await createImageBitmap(new Blob([frame.picture], {type: frame.type}));
     } catch {
@@ -69,6 +71,7 @@ export class View {
     const passes = this.session.passes(frame);
     if (bitmap && passes) this.draw(frame, bitmap);
     bitmap?.close();
+    --this.decoding;
   }
 
   draw(frame, bitmap) {
@@ -76,6 +79,9 @@ export class View {
       this.canvas.width = frame.width;
       this.canvas.height = frame.height;
     }
+    // What is transparent lies on black, not on the picture before.
+    this.context.fillStyle = '#000';
+    this.context.fillRect(0, 0, frame.width, frame.height);
     this.context.drawImage(bitmap, 0, 0, frame.width, frame.height);
     if (frame.frame < this.shown.frame || frame.event < this.shown.event) ++this.shown.wentBack;
     this.frame = frame;
