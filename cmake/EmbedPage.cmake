@@ -1,5 +1,7 @@
-# Writes the files below FOLDER as arrays into OUTPUT, for tools/viewer/page_files.h.
+# Writes the files below FOLDER as arrays into OUTPUT, for tools/viewer/page_files.h, but for what only
+# people and tests read.
 file(GLOB_RECURSE files RELATIVE ${FOLDER} ${FOLDER}/*)
+list(FILTER files EXCLUDE REGEX "(^|/)(README[.]md|package[.]json)$")
 list(SORT files)
 set(arrays "")
 set(entries "")

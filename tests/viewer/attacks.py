@@ -170,7 +170,7 @@ def attacks(server, folder):
             server, f"DELETE / HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n".encode()), 405),
         "a body": lambda: refuses(answer_to(
             server, (f"POST / HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nContent-Length: 100000000000"
-                     "\r\n\r\n").encode() + b"x" * 10000) or b"HTTP/1.1 405", 405, 413),
+                     "\r\n\r\n").encode() + b"x" * 10000) or b"HTTP/1.1 405", 400, 405, 413),
         "headers of a megabyte": lambda: no_success(answer_to(
             server, b"GET / HTTP/1.1\r\nX: " + b"a" * (1 << 20) + b"\r\n\r\n")),
         "binary garbage instead of HTTP": lambda: no_success(answer_to(server, os.urandom(65536))),

@@ -14,6 +14,8 @@ import tempfile
 import time
 
 VIEWS = ("3d", "axial", "coronal", "sagittal")
+# Events that change pictures.
+DRAWN = ("drag", "camera", "look", "clip", "undo", "redo", "relax", "cut", "material")
 TEXT, BINARY, CLOSE, PING, PONG = 1, 2, 8, 9, 10
 
 
@@ -115,9 +117,10 @@ class Page:
     def __init__(self, port, token, acknowledges=True, **headers):
         self.socket = socket.create_connection(("127.0.0.1", port), timeout=30)
         self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        self.buffer = b""
+        self.buffer, self.parts = b"", []
         self.acknowledges = acknowledges
-        self.n = 0
+        self.n = self.drawn = 0  # the last message, and the last that changed pictures
+        self.sizes = {}
         self.frames, self.answers, self.logs, self.progress = [], {}, [], []
         self.scene, self.hello, self.bye = None, None, None
         self.socket.sendall(handshake(port, token, **headers))
@@ -150,6 +153,10 @@ class Page:
         if "ack" not in message:
             self.n += 1
             message = {"n": self.n, **message}
+            kind = message.get("event", {}).get("kind")
+            if kind in DRAWN or "slices" in message or "deformed" in message:
+                self.drawn = self.n
+            self.sizes.update(message.get("size", {}))
         self.send_raw(TEXT, json.dumps(message).encode())
         return self.n
 
@@ -184,8 +191,11 @@ class Page:
         if len(buffer) < at + size:
             return None
         self.buffer = buffer[at + size:]
-        assert buffer[0] & 0x80, "messages come whole"
-        return buffer[0] & 15, buffer[at:at + size]
+        self.parts.append((buffer[0] & 15, buffer[at:at + size]))
+        if not buffer[0] & 0x80:
+            return self._parse()
+        parts, self.parts = self.parts, []
+        return parts[0][0], b"".join(data for _, data in parts)
 
     def receive(self, seconds=20):
         """Takes in one message; False after so long without any."""
@@ -241,12 +251,14 @@ class Page:
         return frames[-1] if frames else None
 
     def settle(self, event=None, view="3d", seconds=30):
-        """Until a settled picture shows that event, or the last message."""
-        wanted = self.n if event is None else event
+        """Until a settled picture shows that event, or the last that changed pictures. Where nothing
+        changes nothing is drawn."""
+        wanted = self.drawn if event is None else event
 
         def is_settled():
             frame = self.last(view)
-            return frame is not None and frame.is_settled and frame.event >= wanted
+            return (frame is not None and frame.is_settled and frame.event >= wanted and
+                    self.sizes.get(view, [frame.width, frame.height]) == [frame.width, frame.height])
         self.until(is_settled, seconds)
         return self.last(view)
 

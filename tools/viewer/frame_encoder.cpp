@@ -47,8 +47,12 @@ void FrameEncoder::run() {
       first.reset();
     }
     next->frame.is_png = true;
-    next->frame.picture = png_bytes(next->image, kPngLevel);
-    m_pages.publish(std::move(next->frame));
+    try {
+      next->frame.picture = png_bytes(next->image, kPngLevel);
+      m_pages.publish(std::move(next->frame));
+    } catch (const std::exception&) {
+      // Without memory for it the page keeps the picture before; the session goes on.
+    }
   }
 }
 

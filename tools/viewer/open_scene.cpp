@@ -64,7 +64,13 @@ void OpenScene::see(const ViewSettings& settings, std::uint64_t number) {
   if (is_other_picture) m_loop.set_frame(frame_for(m_settings, m_budget_ms));
 }
 
+void OpenScene::begins() {
+  m_outlets.progress.begin();
+  m_moves_view = false;
+}
+
 void OpenScene::carried_out(const LiveEvent& event) {
+  m_moves_view = event.is_of_view();
   m_number = std::uint64_t(event.number);
   m_is_told = false;
   m_outlets.progress.end();
@@ -90,8 +96,10 @@ FrameMessage OpenScene::frame_of(int view, double ms) const {
 }
 
 void OpenScene::drew(const Image& first, const LiveCost&, const Stopwatch& since_event) {
-  m_range.reset();
-  for (std::size_t view = 1; view < kViewCount; ++view) m_stale[view] = 2;
+  if (!m_moves_view) {
+    m_range.reset();
+    for (std::size_t view = 1; view < kViewCount; ++view) m_stale[view] = 2;
+  }
   if (m_settings.sizes[0][0] == 0) return;
   FrameMessage frame = frame_of(0, 0);
   frame.picture = jpeg_of(first);
@@ -100,9 +108,6 @@ void OpenScene::drew(const Image& first, const LiveCost&, const Stopwatch& since
 }
 
 void OpenScene::settled(const Image& image, const Stopwatch& since_event) {
-  for (std::size_t view = 1; view < kViewCount; ++view) {
-    m_stale[view] = std::max(m_stale[view], 1);
-  }
   if (m_settings.sizes[0][0] == 0) return;
   FrameMessage frame = frame_of(0, since_event.ms());
   frame.is_settled = true;

@@ -54,7 +54,7 @@ class OpenScene final : public LoopWatcher {
   OverlayRange overlay_range();
 
  private:
-  void begins() override { m_outlets.progress.begin(); }
+  void begins() override;
   void carried_out(const LiveEvent& event) override;
   bool refused(const LiveEvent& event, const std::string& why) override;
   void drew(const Image& first, const LiveCost& cost, const Stopwatch& since_event) override;
@@ -74,6 +74,7 @@ class OpenScene final : public LoopWatcher {
   std::array<int, kViewCount> m_stale{};
   std::optional<OverlayRange> m_range;
   bool m_is_told = false;
+  bool m_moves_view = false;  // the event changes how the body is looked at, not the body
   std::chrono::steady_clock::time_point m_told;
 };
 

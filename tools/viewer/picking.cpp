@@ -77,7 +77,7 @@ Json place_json(OpenScene& scene, const Vec3d& index) {
   const RestPlaceAt rest = picture.rest_places(false);
   Vec3d at_rest = index;
   const bool is_known = !rest || rest(index, at_rest);
-  Vec3i voxel;
+  Vec3i voxel(0);
   const bool is_element = is_known && element_at(state.elements, at_rest, voxel);
   Json json = {{"index", vector_json(index)},
                {"lps", vector_json(state.geometry.world_from_index(index))},

@@ -248,7 +248,7 @@ Json OpenScene::description() {
   Json scene;
   scene["volume"] = volume_json(m_live.scene(), state);
   scene["view"] = {{"camera", camera_json(*view.camera.camera)},
-                   {"preset", view.preset},
+                   {"preset", view.transfer ? "" : view.preset},
                    {"transfer", transfer_json(look_of(view))},
                    {"clips", clips}};
   scene["slices"] = slices_json();

@@ -73,6 +73,7 @@ class PageSocket final : public PageOutlet, public std::enable_shared_from_this<
     timeout.keep_alive_pings = true;
     m_socket.set_option(timeout);
     m_socket.read_message_max(kMostMessageBytes);
+    m_socket.auto_fragment(false);
     const std::string protocol = m_served.gatekeeper.protocol();
     m_socket.set_option(
         websocket::stream_base::decorator([protocol](websocket::response_type& response) {

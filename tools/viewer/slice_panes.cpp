@@ -87,9 +87,9 @@ void paint_overlay(Image& image, const Geometry& grid, const State& state, Slice
 
 Fields fields(SliceSettings& settings) {
   return {
-      Field("cursor", settings.cursor, "Index that all slices pass through"),
-      Field("window", settings.window, "Densities from black to white").positive(),
-      Field("level", settings.level, "Density in the middle of them"),
+      Field("cursor", settings.cursor, "Index that all slices pass through").range(-1e5, 1e5),
+      Field("window", settings.window, "Densities from black to white").range(1e-6, 1e9),
+      Field("level", settings.level, "Density in the middle of them").range(-1e9, 1e9),
       Field("overlay", settings.overlay, {"none", "displacement", "det_f"},
             "What is painted over the densities"),
       Field("outline", settings.outline, "The outline of the body at rest"),

@@ -320,7 +320,10 @@ void Viewer::take_slices(const PageMessage& message) {
   table.read(fields(slices));
   if (auto centre = table.table("centre")) {
     for (std::size_t plane = 0; plane < 3; ++plane) {
-      if (const auto at = centre->vector(kViewNames[plane + 1])) slices.centre[plane] = *at;
+      Vec3d at(0);
+      if (!centre->has(kViewNames[plane + 1])) continue;
+      centre->read({Field(kViewNames[plane + 1], at, "Index in the middle").range(-1e5, 1e5)});
+      slices.centre[plane] = at;
     }
     centre->finish();
   }
