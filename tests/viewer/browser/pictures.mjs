@@ -2,8 +2,8 @@
 //
 //   node tests/viewer/browser/pictures.mjs FOLDER VOLUME [options of supple view]
 //
-// First what docs/viewer.md shows, by the keys and mouse that it describes, then the page at the sizes
-// 1280×800, 2560×1440 and 390×844, dark and light.
+// What docs/viewer.md shows, by the keys and mouse that it describes; with SUPPLE_SIZES=1 also the page
+// as it opens, its list of keys, and windows of several sizes, dark and light, to be looked at.
 
 import {writeFileSync} from 'node:fs';
 import {join} from 'node:path';
@@ -22,25 +22,14 @@ try {
     writeFileSync(join(folder, name), await page.picture());
   };
   await view.until('the volume is open', 'window.supple && $scene && $views["3d"].count', 120);
-  await keep('viewer_open.png');
+  if (process.env.SUPPLE_SIZES) await keep('size_open.png');
   await dragged(page, view);
   await keep('viewer_drag.png');
   await page.key('Enter');
   await page.eval(`(() => { const list = document.getElementById('overlay'); list.value = 'displacement'; list.dispatchEvent(new Event('change')); })()`);
   await page.eval(`document.getElementById('tab-look').click()`);
   await keep('viewer_overlay.png');
-  await page.key('h');
-  await sleep(300);
-  writeFileSync(join(folder, 'viewer_keys.png'), await page.picture());
-  await page.key('Escape');
-  for (const [width, height, scale, light] of [[1280, 800, 1, true], [2560, 1440, 1, false], [390, 844, 2, false], [640, 400, 2, false]]) {
-    await page.resize(width, height, scale);
-    await page.colours(light ? 'light' : 'dark');
-    if (width < 700) await page.reload();
-    await view.until('it is connected', 'window.supple && $scene && $views["3d"].count', 30);
-    await sleep(200);
-    await keep(`size_${width}x${height}.png`);
-  }
+  if (process.env.SUPPLE_SIZES) await sizes(page, view, keep);
 } finally {
   await browser.stop();
   await server.stop();
@@ -58,5 +47,20 @@ async function dragged(page, view) {
   for (let i = 1; i <= 10; ++i) {
     await page.move(px + 3 * i, py + i);
     await sleep(60);
+  }
+}
+
+async function sizes(page, view, keep) {
+  await page.key('h');
+  await sleep(300);
+  writeFileSync(join(folder, 'size_keys.png'), await page.picture());
+  await page.key('Escape');
+  for (const [width, height, scale, light] of [[1280, 800, 1, true], [2560, 1440, 1, false], [390, 844, 2, false], [640, 400, 2, false]]) {
+    await page.resize(width, height, scale);
+    await page.colours(light ? 'light' : 'dark');
+    if (width < 700) await page.reload();
+    await view.until('it is connected', 'window.supple && $scene && $views["3d"].count', 30);
+    await sleep(200);
+    await keep(`size_${width}x${height}.png`);
   }
 }

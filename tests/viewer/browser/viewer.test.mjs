@@ -394,6 +394,7 @@ step('a page that is loaded again finds its session', async () => {
 step('two pages show the same session', async () => {
   const other = new View(await browser.page(server.address, kWindow));
   await other.until('the other page is connected', 'window.supple && $scene && $views["3d"].count');
+  await page.send('Page.bringToFront');  // browsers slow down pages that are behind another
   const [x, y] = await view.middle();
   await page.drag([x, y], [x - 60, y]);
   const {position} = await camera();

@@ -123,7 +123,7 @@ function cube(view) {
 function legend(view) {
   const slices = view.app.slices.now;
   const range = slices.overlay_range;
-  if (!slices.overlay || slices.overlay === 'none' || !range || view.picture.clientHeight < 150) return [];
+  if (!slices.overlay || slices.overlay === 'none' || !range || view.picture.clientHeight < 150 || view.picture.clientWidth < 180) return [];
   const colours = slices.overlay_colours ?? [];
   const unit = {displacement: ' mm', energy: ' kPa'}[slices.overlay] ?? '';
   const [x, top, height] = [view.picture.clientWidth - 20, 34, view.picture.clientHeight / 2 - 60];

@@ -69,9 +69,9 @@ export class DeformPanel {
   }
 
   modelSection() {
-    this.model = select([['ecm', 'Enhanced ChainMail'], ['springs', 'Springs']], 'ecm',
+    this.model = select([['ecm', 'ChainMail (ECM)'], ['springs', 'Springs']], 'ecm',
                         (model) => this.chooseModel(model), {id: 'model'});
-    this.limits = select([['box', 'Box: each component'], ['ball', 'Ball: the length'], ['tighten', 'Tighten: narrower across stretched links']], 'box',
+    this.limits = select(['box', 'ball', 'tighten'], 'box',
                          (limits) => this.session.event({kind: 'limits', limits}), {id: 'limits'});
     this.relaxHome = element('div');
     this.springsHome = element('details', {hidden: true}, element('summary', {}, 'Springs'));
@@ -79,7 +79,8 @@ export class DeformPanel {
     this.relaxStop = button('Stop', () => this.session.ask('cancel', true).catch(() => {}), {id: 'relax-stop', hidden: true});
     this.relaxState = element('p', {class: 'note', role: 'status'});
     return section('Model and relaxation', true, field('Model', this.model), this.springsHome,
-                   field('Limits of links', this.limits), this.relaxHome, element('div', {class: 'row'}, this.relaxButton, this.relaxStop), this.relaxState);
+                   field('Limits of links', this.limits, null,
+                     'box: each component of a link; ball: its length; tighten: box, and narrower across stretched links'), this.relaxHome, element('div', {class: 'row'}, this.relaxButton, this.relaxStop), this.relaxState);
   }
   chooseModel(model) {
     if (this.springs && !this.springs.isValid()) return;

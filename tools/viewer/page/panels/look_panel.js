@@ -73,7 +73,7 @@ export class LookPanel {
       this.windowChoice.value = '';
     });
     this.windows = field('Window preset', this.windowChoice);
-    this.overlay = select([['none', 'None'], ['displacement', 'Displacement (mm)'], ['det_f', 'Volume change (det F)']], 'none',
+    this.overlay = select([['none', 'None'], ['displacement', 'Displacement'], ['det_f', 'det F']], 'none',
                           (overlay) => set({overlay}), {id: 'overlay'});
     this.outline = checkbox('Outline of the body at rest', true, (outline) => set({outline}));
     this.cross = checkbox('Cross-hair', true, (crosshair) => {
@@ -81,7 +81,7 @@ export class LookPanel {
       app.refreshViews();
     });
     return section('Slices', true, this.windows, field('Window', this.window), field('Level', this.level),
-                   field('Overlay', this.overlay), this.outline, this.cross);
+                   field('Overlay', this.overlay, null, 'Displacement in mm, or the change of volume, det F'), this.outline, this.cross);
   }
   refreshSlices() {
     const {window, level, overlay, outline} = this.app.slices.now;
