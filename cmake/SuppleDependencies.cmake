@@ -19,6 +19,13 @@ find_package(tomlplusplus REQUIRED)
 # Compiled once, in lib/material/toml_table.cpp.
 target_compile_definitions(tomlplusplus::tomlplusplus INTERFACE TOML_HEADER_ONLY=0)
 find_package(nlohmann_json REQUIRED)
+# Debian's package of libjpeg-turbo has no CMake file for this interface of it.
+find_path(TURBOJPEG_INCLUDE_DIR turbojpeg.h REQUIRED)
+find_library(TURBOJPEG_LIBRARY turbojpeg REQUIRED)
+add_library(TurboJPEG::turbojpeg UNKNOWN IMPORTED)
+set_target_properties(TurboJPEG::turbojpeg PROPERTIES
+  IMPORTED_LOCATION ${TURBOJPEG_LIBRARY}
+  INTERFACE_INCLUDE_DIRECTORIES ${TURBOJPEG_INCLUDE_DIR})
 
 # Debian's FindOpenVDB.cmake brings its own FindTBB and switches delayed loading on; an imported
 # target by hand avoids both.

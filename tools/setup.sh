@@ -12,14 +12,14 @@ SUPPLE_ROOT="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 SUPPLE_PACKAGES=(
   ca-certificates git build-essential cmake ninja-build python3-minimal
   libopenvdb-dev liblog4cplus-dev libnanovdb-dev libboost-dev libtbb-dev libembree-dev libhwy-dev
-  libopencv-dev libtiff-dev libpugixml-dev libpng-dev libopenexr-dev ffmpeg libnifti2-dev zlib1g-dev
+  libopencv-dev libtiff-dev libpugixml-dev libpng-dev libturbojpeg0-dev libopenexr-dev ffmpeg libnifti2-dev zlib1g-dev
   libbz2-dev libeigen3-dev
   libhdf5-dev libdcmtk-dev libopenjp2-7-dev libssl-dev
   libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libgtest-dev)
 SUPPLE_JUDGES=(elastix plastimatch teem-apps python3-openvdb python3-nibabel python3-tifffile
   python3-h5py python3-pydicom python3 python3-vtk9 libtiff-tools dcmtk libgdcm-tools
   libinsighttoolkit5-dev mricron-data openexr openimageio-tools python3-meshio
-  calculix-ccx)
+  calculix-ccx chromium nodejs)
 # Of preset asan: the compiler, its sanitizers, a linker, and what names their stacks.
 SUPPLE_CLANG=(clang-14 libclang-rt-14-dev lld-14 llvm-14)
 SUPPLE_PEERS=(python3-vtk9 xvfb libinsighttoolkit5-dev)

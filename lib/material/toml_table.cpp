@@ -350,7 +350,8 @@ std::vector<std::string> TomlTable::keys() const {
 std::vector<TomlTable> TomlTable::tables(const std::string& key) {
   const toml::node* node = find(key);
   if (node == nullptr) return {};
-  if (!node->is_array_of_tables()) {
+  const bool is_empty = node->is_array() && node->as_array()->empty();
+  if (!is_empty && !node->is_array_of_tables()) {
     fail(key, text_of(*node), "tables, [[" + key + "]] or a list of { … }");
   }
   std::vector<TomlTable> tables;

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "lib/material/material_file.h"
 #include "volumes/base/version.h"
 
 namespace supple {
@@ -81,6 +82,7 @@ nlohmann::ordered_json to_json(const StepRecord& record) {
     step["anchors"].push_back(nlohmann::ordered_json::parse(selection_json(selection)));
   }
   if (record.release) step["release"] = true;
+  if (record.material) step["material"] = material_to_toml(*record.material);
   if (record.ball) step["limits"] = "ball";
   if (record.tightened) step["limits"] = "tighten";
   for (const CutSurface& surface : record.cuts) {

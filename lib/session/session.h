@@ -46,6 +46,7 @@ class Session {
 
   const Geometry& geometry() const { return m_state.geometry; }
   const Body& body() const { return m_body; }
+  const MaterialTable& material() const { return m_material; }
   /// Check of the links when the session was opened. Links of the material that may fold, NaN
   /// voxels and the like have been warned of.
   const LinkCheck& links() const { return m_links; }
@@ -72,6 +73,8 @@ class Session {
   /// Takes the last step back, bit for bit; false where none is left to take back. Throws
   /// std::logic_error where SessionOptions::keeps_undo is off.
   bool undo();
+  /// What is kept for it.
+  std::size_t undo_bytes() const { return m_undo_bytes; }
 
   const std::vector<StepRecord>& records() const { return m_records; }
   /// Warnings since the session was opened, in order.
@@ -109,6 +112,7 @@ class Session {
                                  double part) const;
   bool is_relaxed_by_default(const StepRequest& request) const;
   void prepare_body(StepRecord& record, Progress* progress);
+  void change_material(const MaterialTable& material, Progress* progress);
   void remove_parts(StepRecord& record, Progress* progress);
   void cut_body(StepRecord& record, Progress* progress);
   void take_pieces_of_state(const std::string& path, Progress* progress);

@@ -9,6 +9,14 @@
 
 namespace supple {
 
+/// What a material makes of a body.
+struct MaterialBefore {
+  MaterialTable material;
+  std::string toml;
+  std::vector<std::uint8_t> classes;
+  SlackTable slacks;
+};
+
 struct Session::Before {
   std::optional<StepNodes> nodes;    // until the step is done
   std::optional<NodeChange> change;  // from then on
@@ -22,10 +30,13 @@ struct Session::Before {
   Holds holds;
   HandleLedger ledger;
   double pressure_kpa;
+  std::shared_ptr<const MaterialBefore> material;  // before it changes
   /// Before elements are removed: all else of the state and the body.
   std::shared_ptr<std::pair<State, Body>> whole;
 
-  std::size_t bytes() const { return change ? change->bytes() : 0; }
+  std::size_t bytes() const {
+    return (change ? change->bytes() : 0) + (material ? material->classes.size() : 0);
+  }
 };
 
 }  // namespace supple

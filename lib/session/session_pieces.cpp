@@ -1,6 +1,7 @@
 // The part of a session that deals with rigid pieces, cuts and removed elements.
 #include <algorithm>
 
+#include "lib/material/material_file.h"
 #include "lib/session/drag_handles.h"
 #include "lib/session/removal.h"
 #include "lib/session/session.h"
@@ -62,8 +63,30 @@ void Session::take_pieces_of_state(const std::string& path, Progress* progress) 
   m_state.piece_texts.clear();
 }
 
-/// Cuts, removals and new pieces come before anything that moves.
+/// Rigid pieces stay what they are.
+void Session::change_material(const MaterialTable& material, Progress* progress) {
+  if (material.fits_domain) {
+    throw InputError({"", "domain", "none", "the densities that the curves span, [LO, HI]"});
+  }
+  m_material = material;
+  m_material.active_lo = m_body.material.active_lo;
+  m_material.active_hi = m_body.material.active_hi;
+  m_material.components = m_body.material.components;
+  for (const std::string& line : m_material.warnings()) warn(progress, "material: " + line);
+  Body changed =
+      make_body(m_state.geometry, m_state.density, m_state.elements, m_material, m_state.labels);
+  m_body.material = m_material;
+  m_body.classes = std::move(changed.classes);
+  m_body.slacks = std::move(changed.slacks);
+  m_state.material_toml = material_to_toml(m_material);
+  m_links = check_links(m_body);
+  m_body.links_known_valid = m_links.violated == 0;
+  m_ecm = std::make_unique<VoxelEcmModel>(held());
+}
+
+/// Material, cuts, removals and new pieces come before anything that moves.
 void Session::prepare_body(StepRecord& record, Progress* progress) {
+  if (record.material) change_material(*record.material, progress);
   cut_body(record, progress);
   if (!record.remove.empty()) remove_parts(record, progress);
   if (!record.rigid.empty()) {

@@ -20,6 +20,9 @@ Session::Before Session::before(const StepRequest& request) const {
       m_holds,
       m_ledger,
       m_pressure_kpa,
+      request.material ? std::make_shared<const MaterialBefore>(MaterialBefore{
+                             m_material, m_state.material_toml, m_body.classes, m_body.slacks})
+                       : nullptr,
       request.remove.empty() ? nullptr : std::make_shared<std::pair<State, Body>>(m_state, m_body)};
 }
 
@@ -35,6 +38,14 @@ void Session::restore(Before&& before) {
     m_body.fraction = std::move(before.nodes->fraction);
     m_body.rest = std::move(before.nodes->rest);
     m_body.velocity_mm_s = std::move(before.nodes->velocity_mm_s);
+  }
+  if (before.material) {
+    m_material = before.material->material;
+    m_state.material_toml = before.material->toml;
+    m_body.material = m_material;
+    m_body.classes = before.material->classes;
+    m_body.slacks = before.material->slacks;
+    m_ecm = std::make_unique<VoxelEcmModel>(held());
   }
   m_body.cuts = std::move(before.cuts);
   m_state.cuts = std::move(before.state_cuts);

@@ -8,6 +8,7 @@
 #include "lib/chainmail/ball_limits.h"
 #include "lib/chainmail/cut_contact.h"
 #include "lib/chainmail/tighten.h"
+#include "lib/material/material.h"
 #include "lib/model/relax_model.h"
 #include "lib/relax/relaxation.h"
 #include "lib/session/cut_surface.h"
@@ -63,6 +64,9 @@ struct StepRequest {
   bool no_relax = false;
   std::optional<SpringStep> springs;  // instead of both
   bool tells_reactions = false;       // of the handles that are held, in the record
+  /// From now on, for the elements that there are: `active` and `components` chose them when the
+  /// volume was opened. Links whose limits the body breaks then are projected before it moves.
+  std::optional<MaterialTable> material;
 };
 
 /// Results of a step. For drags with a way the report of the drag covers all poses: its fraction is

@@ -3,12 +3,14 @@
 #include <cerrno>
 #include <csetjmp>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <memory>
 
 #include <png.h>
 
 #include "raycast/pictures/float_image.h"
+#include "raycast/pictures/png_bytes.h"
 #include "volumes/base/atomic_file.h"
 #include "volumes/base/error.h"
 #include "volumes/base/regular_file.h"
@@ -120,6 +122,12 @@ std::vector<png_bytep> row_pointers(std::uint8_t* rgba, std::size_t row_bytes, i
   return rows;
 }
 
+/// libpng takes non-const rows but does not change them.
+std::vector<png_bytep> rows_of(const Raster& image) {
+  return row_pointers(static_cast<std::uint8_t*>(const_cast<void*>(image.rgba)),
+                      std::size_t(image.width) * image.bits / 2, image.height);
+}
+
 void write_raster(const AtomicFile& target, const Raster& image, const std::string& comment) {
   const std::string& path = target.final_path();
   if (image.width < 1 || image.height < 1) {
@@ -130,10 +138,7 @@ void write_raster(const AtomicFile& target, const Raster& image, const std::stri
   PngFile file(std::fopen(target.path().c_str(), "wb"));
   if (!file) throw SystemError(path + ": cannot write: " + std::strerror(errno));
 
-  // libpng takes non-const rows and text but does not change them.
-  std::vector<png_bytep> rows =
-      row_pointers(static_cast<std::uint8_t*>(const_cast<void*>(image.rgba)),
-                   std::size_t(image.width) * image.bits / 2, image.height);
+  std::vector<png_bytep> rows = rows_of(image);
   char key[] = "Comment";
   png_text text{};
   text.compression = PNG_TEXT_COMPRESSION_NONE;
@@ -154,6 +159,22 @@ void write_raster(const AtomicFile& target, const Raster& image, const std::stri
 
 void write_png(const AtomicFile& target, const Image& image, const std::string& comment) {
   write_raster(target, {image.width, image.height, 8, image.has_alpha, image.rgba.data()}, comment);
+}
+
+std::vector<std::uint8_t> png_bytes(const Image& image, int level) {
+  char* data = nullptr;
+  std::size_t size = 0;
+  PngFile file(open_memstream(&data, &size));
+  if (!file) throw SystemError("PNG: not enough memory");
+  const Raster raster{image.width, image.height, 8, image.has_alpha, image.rgba.data()};
+  std::vector<png_bytep> rows = rows_of(raster);
+  PngWriter writer;
+  png_set_compression_level(writer.png, level);
+  const bool is_encoded = encode(writer, file.get(), raster, nullptr, rows.data());
+  const bool is_whole = std::fclose(file.release()) == 0;
+  const std::unique_ptr<char, void (*)(void*)> owner(data, std::free);
+  if (!is_encoded || !is_whole) throw SystemError("PNG: not enough memory");
+  return {data, data + size};
 }
 
 void write_png(const std::string& path, const Image& image, const std::string& comment) {

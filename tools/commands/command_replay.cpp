@@ -32,11 +32,11 @@ nlohmann::ordered_json phase_json(const PhaseTimes& times) {
 nlohmann::ordered_json replay_json(const ReplayReport& report) {
   nlohmann::ordered_json json = {
       {"events", report.events}, {"merged", report.merged}, {"moved_max", report.moved_max}};
-  json["solve"] = phase_json(report.solve);
-  json["prepare"] = phase_json(report.prepare);
-  json["frame"] = phase_json(report.frame);
-  json["first_pixels"] = phase_json(report.first_pixels);
-  json["refined"] = phase_json(report.refined);
+  json["solve"] = phase_json(report.of(LivePhase::solve));
+  json["prepare"] = phase_json(report.of(LivePhase::prepare));
+  json["frame"] = phase_json(report.of(LivePhase::frame));
+  json["first_pixels"] = phase_json(report.of(LivePhase::first_pixels));
+  json["refined"] = phase_json(report.of(LivePhase::refined));
   json["first_pixels_least_part"] = report.least_part;
   if (!report.first_pixels_ssim.empty()) json["first_pixels_ssim"] = report.first_pixels_ssim;
   return json;
@@ -52,11 +52,11 @@ void print_replay(const ReplayReport& report, const std::string& hash, double pe
   std::printf("events         %d, %d merged, at most %lld elements moved by one\n", report.events,
               report.merged, static_cast<long long>(report.moved_max));
   std::printf("phase           count median ms    p95 ms    max ms   cpu p95\n");
-  print_phase("solve", report.solve);
-  print_phase("prepare", report.prepare);
-  print_phase("frame", report.frame);
-  print_phase("first pixels", report.first_pixels);
-  print_phase("refined", report.refined);
+  print_phase("solve", report.of(LivePhase::solve));
+  print_phase("prepare", report.of(LivePhase::prepare));
+  print_phase("frame", report.of(LivePhase::frame));
+  print_phase("first pixels", report.of(LivePhase::first_pixels));
+  print_phase("refined", report.of(LivePhase::refined));
   std::printf("first pixels   at least %.0f %% of the width\n", 100 * report.least_part);
   for (const double ssim : report.first_pixels_ssim) std::printf("ssim           %.4f\n", ssim);
   std::printf("peak memory    %.0f MB\nstate          %s\n", peak_mb, hash.c_str());

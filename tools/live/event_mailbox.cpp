@@ -6,8 +6,9 @@ namespace supple::tools {
 
 namespace {
 
-bool replaces(const LiveEvent& later, const LiveEvent& earlier) {
-  if (later.kind != earlier.kind) return false;
+bool replaces(const LiveEvent& later, const PostedEvent& posted) {
+  const LiveEvent& earlier = posted.event;
+  if (posted.task || later.kind != earlier.kind) return false;
   return later.kind == EventKind::drag || later.is_of_view();
 }
 
@@ -17,12 +18,20 @@ void EventMailbox::post(LiveEvent event) {
   const auto now = std::chrono::steady_clock::now();
   {
     const std::lock_guard lock(m_guard);
-    if (!m_waiting.empty() && replaces(event, m_waiting.back().event)) {
+    if (!m_waiting.empty() && replaces(event, m_waiting.back())) {
       event.merged += m_waiting.back().event.merged + 1;
-      m_waiting.back() = {std::move(event), now};
+      m_waiting.back() = {std::move(event), {}, now};
     } else {
-      m_waiting.push_back({std::move(event), now});
+      m_waiting.push_back({std::move(event), {}, now});
     }
+  }
+  m_changed.notify_one();
+}
+
+void EventMailbox::post(std::function<void()> task) {
+  {
+    const std::lock_guard lock(m_guard);
+    m_waiting.push_back({LiveEvent(), std::move(task), std::chrono::steady_clock::now()});
   }
   m_changed.notify_one();
 }

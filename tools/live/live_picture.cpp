@@ -6,11 +6,15 @@
 #include <mutex>
 #include <set>
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 
 #include "raycast/progressive.h"
+#include "tools/live/stopwatch.h"
 #include "tools/outputs/staging.h"
 #include "tools/outputs/view_pictures.h"
+#include "volumes/field/cuts/cut_offsets.h"
 #include "volumes/field/inversion/forward_offsets.h"
 #include "volumes/field/inversion/invert.h"
 #include "volumes/state/live_displacement.h"
@@ -56,6 +60,17 @@ std::vector<Between> places_between(int to, int from) {
   return places;
 }
 
+/// Of one topology, those whose vectors differ.
+std::vector<std::int32_t> differing_bricks(const Displacement& before, const Displacement& after) {
+  std::vector<std::int32_t> differing;
+  for (std::size_t b = 0; b < after.u.topology.brick_count(); ++b) {
+    const Vec3f* was = &before.u.vectors[b * kBrickVoxels];
+    const Vec3f* is = &after.u.vectors[b * kBrickVoxels];
+    if (!std::equal(is, is + kBrickVoxels, was)) differing.push_back(std::int32_t(b));
+  }
+  return differing;
+}
+
 std::vector<std::int32_t> take(Changed& changed) {
   const Changed taken = std::exchange(changed, {});
   return {taken.begin(), taken.end()};
@@ -74,6 +89,13 @@ struct LivePicture::Impl {
   bool follow();
   void follow_forward();
   void follow_inverse();
+  void follow_cut_inverse();
+  void follow_rest();
+  /// The inverse, up to date.
+  const OffsetField& all_offsets();
+  OffsetResolution resolution() const {
+    return view.half_offsets ? OffsetResolution::half : OffsetResolution::full;
+  }
   void follow_for_sooner(double pixels, LiveCost& cost);
   PosedVolume subject() const;
   RenderSettings settings() const;
@@ -81,14 +103,20 @@ struct LivePicture::Impl {
 
   Session& session;
   Console& console;
-  State state;  // as opened; its q is not kept up to date
+  State state;  // as opened; its q and cuts are not kept up to date
   std::unique_ptr<LiveDisplacement> moved;
   std::shared_ptr<ForwardOffsets> forward;
   std::unique_ptr<IncrementalInversion> inversion;
   std::unique_ptr<Renderer> renderer;
   Changed for_forward, for_inverse;  // bricks in which the displacement has changed since
-  bool is_inverse_shown = false, is_cut_shown = false;
+  enum class Shown { nothing, forward, inverse, rest };
+  Shown shown = Shown::nothing;
+  bool renderer_follows = false;     // the renderer has kept all offsets of `inversion` so far
+  std::optional<OffsetField> field;  // those of `inversion`, copied
   LinkCuts cuts;
+  std::unique_ptr<IncrementalCutInversion> cut_inversion;  // of elements and `cuts`
+  Displacement cut_displacement;                           // that it follows
+  bool is_cut_stale = true;
 
   SceneView view;
   Camera camera;
@@ -115,8 +143,12 @@ void LivePicture::Impl::open() {
       std::make_unique<Renderer>(state.geometry, state.density, 0, view.sampling.interpolation);
   for_forward.clear();
   for_inverse.clear();
-  is_inverse_shown = false;
-  cuts = {};
+  shown = Shown::nothing;
+  renderer_follows = false;
+  field.reset();
+  cut_inversion.reset();
+  cuts = session.body().cuts;
+  is_cut_stale = true;
 }
 
 bool LivePicture::Impl::follow() {
@@ -129,46 +161,82 @@ bool LivePicture::Impl::follow() {
   for_forward.insert(changed.begin(), changed.end());
   for_inverse.insert(changed.begin(), changed.end());
   const bool is_cut = body.cuts != cuts;
-  if (is_cut) cuts = body.cuts;
+  if (is_cut) {
+    if (body.cuts.count() < cuts.count()) cut_inversion.reset();
+    if (body.cuts.empty()) shown = Shown::nothing;
+    cuts = body.cuts;
+  }
+  is_cut_stale = is_cut_stale || is_cut || !changed.empty();
   return is_cut || !changed.empty();
 }
 
 void LivePicture::Impl::follow_forward() {
-  if (!for_forward.empty()) {
-    forward->update(take(for_forward));
-    renderer->set_pointwise_offsets(forward);
-    is_inverse_shown = false;
-  } else if (is_inverse_shown) {
-    renderer->set_pointwise_offsets(forward);
-    is_inverse_shown = false;
-  }
+  const bool is_changed = !for_forward.empty();
+  if (is_changed) forward->update(take(for_forward));
+  if (is_changed || shown != Shown::forward) renderer->set_pointwise_offsets(forward);
+  shown = Shown::forward;
 }
 
-/// Where links are cut everything is inverted anew, since the displacement may jump.
 void LivePicture::Impl::follow_inverse() {
-  const bool is_up_to_date = is_inverse_shown && for_inverse.empty();
-  if (!cuts.empty()) {
-    renderer->set_offsets(&session.pose(&console).offsets,
-                          view.half_offsets ? OffsetResolution::half : OffsetResolution::full);
-    is_cut_shown = true;
-    is_inverse_shown = true;
-    return;
-  }
-  if (is_up_to_date && !is_cut_shown) return;
+  if (!cuts.empty()) return follow_cut_inverse();
+  const bool is_up_to_date = shown == Shown::inverse && for_inverse.empty();
+  if (is_up_to_date) return;
   const std::vector<Vec3i> touched = inversion->update(moved->displacement(), take(for_inverse));
-  if (is_cut_shown || view.half_offsets) {
-    const OffsetField all = inversion->field();
-    renderer->set_offsets(&all,
-                          view.half_offsets ? OffsetResolution::half : OffsetResolution::full);
+  if (!touched.empty()) field.reset();
+  if (!renderer_follows || view.half_offsets) {
+    renderer->set_offsets(&all_offsets(), resolution());
   } else {
     renderer->update_offsets(touched, inversion->finder());
   }
-  is_cut_shown = false;
-  is_inverse_shown = true;
+  renderer_follows = true;
+  shown = Shown::inverse;
+}
+
+/// Where links are cut the displacement may jump.
+void LivePicture::Impl::follow_cut_inverse() {
+  if (shown == Shown::inverse && !is_cut_stale) return;
+  renderer->set_offsets(&all_offsets(), resolution());
+  renderer_follows = false;
+  shown = Shown::inverse;
+}
+
+const OffsetField& LivePicture::Impl::all_offsets() {
+  if (cuts.empty()) {
+    if (!field) field = inversion->field();
+    return *field;
+  }
+  // A session alone knows what pieces hide of the cuts.
+  if (!session.body().rigid.empty()) return session.pose(&console).offsets;
+  if (!is_cut_stale) return cut_inversion->field();
+  state.q = session.body().q;
+  state.cuts = cuts;
+  Displacement next = extended_displacement_of(state);
+  if (cut_inversion) {
+    cut_inversion->update(next, differing_bricks(cut_displacement, next), &console);
+  } else {
+    InvertParams params;
+    params.material = &state.elements;
+    cut_inversion = std::make_unique<IncrementalCutInversion>(
+        next, CutElements{state.elements, cuts}, params, &console);
+  }
+  cut_displacement = std::move(next);
+  is_cut_stale = false;
+  return cut_inversion->field();
+}
+
+void LivePicture::Impl::follow_rest() {
+  if (shown != Shown::rest) renderer->set_offsets(nullptr);
+  renderer_follows = false;
+  shown = Shown::rest;
 }
 
 void LivePicture::Impl::follow_for_sooner(double pixels, LiveCost& cost) {
   const auto start = std::chrono::steady_clock::now();
+  if (!view.deformed) {
+    follow_rest();
+    cost.by_inverse = true;
+    return;
+  }
   const double forward_ms = forward_brick.of(double(for_forward.size())) + forward_pixel.of(pixels);
   const double inverse_ms = inverse_brick.of(double(for_inverse.size())) + inverse_pixel.of(pixels);
   cost.by_inverse = !cuts.empty() || inverse_ms <= forward_ms;
@@ -207,11 +275,6 @@ RenderSettings LivePicture::Impl::settings() const {
 void LivePicture::Impl::replace(std::unique_ptr<ProgressiveRender> next) {
   const std::lock_guard lock(guard);
   progressive = std::move(next);
-}
-
-double ms_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
-      .count();
 }
 
 LivePicture::LivePicture(Session& session, const SceneView& view, Console& console)
@@ -285,8 +348,12 @@ bool LivePicture::refine() {
   if (!impl.progressive) {
     const auto start = std::chrono::steady_clock::now();
     const double bricks = double(impl.for_inverse.size());
-    impl.follow_inverse();
-    if (impl.cuts.empty()) impl.inverse_brick.add(ms_since(start), bricks);
+    if (impl.view.deformed) {
+      impl.follow_inverse();
+    } else {
+      impl.follow_rest();
+    }
+    if (impl.cuts.empty() && impl.view.deformed) impl.inverse_brick.add(ms_since(start), bricks);
     impl.replace(std::make_unique<ProgressiveRender>(*impl.renderer, impl.camera,
                                                      look_of(impl.view), impl.settings()));
     return true;
@@ -303,6 +370,86 @@ bool LivePicture::refine() {
 void LivePicture::interrupt() {
   const std::lock_guard lock(m_impl->guard);
   if (m_impl->progressive) m_impl->progressive->cancel();
+}
+
+Image LivePicture::shot(const Camera& camera, const PixelSize& size, Progress* progress) {
+  Impl& impl = *m_impl;
+  if (impl.view.deformed) {
+    impl.follow_inverse();
+  } else {
+    impl.follow_rest();
+  }
+  SceneView view = impl.view;
+  view.size = size;
+  view.camera.camera = camera;
+  RenderSettings settings = view_settings(view);
+  settings.clips = resolve_clips(view.clips, impl.state.geometry);
+  FloatImage picture =
+      impl.renderer->render_float(camera, look_of(view), settings, nullptr, progress);
+  decorate(picture, impl.subject(), view);
+  return to_image(picture);
+}
+
+const SceneView& LivePicture::view() const {
+  return m_impl->view;
+}
+
+const Renderer& LivePicture::renderer() const {
+  return *m_impl->renderer;
+}
+
+const State& LivePicture::opened() const {
+  return m_impl->state;
+}
+
+RestPlaceAt LivePicture::rest_places(bool exact) {
+  Impl& impl = *m_impl;
+  if (!impl.view.deformed) return nullptr;
+  if (exact || impl.shown != Impl::Shown::forward) {
+    impl.follow_inverse();
+    return [&offsets = impl.all_offsets()](const Vec3d& index, Vec3d& at_rest) {
+      Vec3d offset;
+      if (!offsets.sample(index, offset)) return false;
+      at_rest = index + offset;
+      return true;
+    };
+  }
+  const BrickTopology& voxels = impl.state.density.bricks();
+  return [&forward = *impl.forward, &tissue = voxels](const Vec3d& index, Vec3d& at_rest) {
+    PointwiseOffsets::Sample found;
+    const Vec3i voxel(int(std::lround(index.x)), int(std::lround(index.y)),
+                      int(std::lround(index.z)));
+    const std::int32_t brick = forward.bricks().find(voxel);
+    if (brick >= 0 && !forward.sample(std::size_t(brick), index, found)) return false;
+    at_rest = index + found.offset;
+    return brick >= 0 || tissue.is_active(voxel);
+  };
+}
+
+const Displacement& LivePicture::displacement() const {
+  return m_impl->moved->displacement();
+}
+
+double LivePicture::longest_mm() const {
+  const State& state = m_impl->state;
+  const VectorBricks& u = m_impl->moved->displacement().u;
+  return std::sqrt(tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, u.vectors.size()), 0.0,
+      [&](const tbb::blocked_range<std::size_t>& range, double most) {
+        for (std::size_t n = range.begin(); n < range.end(); ++n) {
+          const Vec3d mm = state.geometry.world_vector_from_index(Vec3d(u.vectors[n]));
+          most = std::max(most, mm.dot(mm));
+        }
+        return most;
+      },
+      [](double a, double b) { return std::max(a, b); }));
+}
+
+LivePicture::Memory LivePicture::memory() const {
+  const Impl& impl = *m_impl;
+  const std::size_t voxels = impl.state.density.bricks().brick_count() * kBrickVoxels;
+  const std::size_t moved = impl.moved->displacement().u.vectors.size() * sizeof(Vec3f);
+  return {voxels * sizeof(float), moved, impl.forward->bytes()};
 }
 
 Image enlarged(const Image& image, int width, int height) {

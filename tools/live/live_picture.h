@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "lib/session/session.h"
+#include "raycast/drawings/slice.h"
 #include "raycast/pictures/image.h"
 #include "tools/console/console.h"
 #include "tools/scene/view.h"
@@ -49,14 +50,32 @@ class LivePicture {
   /// Complete; empty before refine() says so.
   const std::optional<Image>& settled() const { return m_settled; }
 
+  /// The settled picture of the view with another camera or size, whatever is being refined. Throws
+  /// Cancelled.
+  Image shot(const Camera& camera, const PixelSize& size, Progress* progress);
+
+  /// The view as it is drawn, its camera framed.
+  const SceneView& view() const;
+  const Renderer& renderer() const;
+  const State& opened() const;
+  /// Where what is seen was at rest, valid until the body moves or is seen otherwise; null: nothing
+  /// has moved. `exact`: by the inverse, which is brought up to date; else as is sooner.
+  RestPlaceAt rest_places(bool exact);
+  const Displacement& displacement() const;
+  /// The longest displacement.
+  double longest_mm() const;
+  /// What it keeps in memory, in bytes.
+  struct Memory {
+    std::size_t source = 0, displacement = 0, offsets = 0;
+  };
+  Memory memory() const;
+
  private:
   struct Impl;
   std::unique_ptr<Impl> m_impl;
   LiveCost m_cost;
   std::optional<Image> m_settled;
 };
-
-double ms_since(std::chrono::steady_clock::time_point start);
 
 /// Stretched to that size, linear between pixels.
 Image enlarged(const Image& image, int width, int height);

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tools/outputs/view_pictures.h"
 #include "tools/scene/run_step.h"
 
 namespace supple::tools {
@@ -36,6 +37,8 @@ nlohmann::ordered_json keys_of_event(const LiveEvent& event) {
   if (event.merged > 0) json["merged"] = event.merged;
   if (event.kind == EventKind::drag) json["to"] = {event.to.x, event.to.y, event.to.z};
   if (event.all) json["all"] = true;
+  if (event.restore) json["restore"] = true;
+  if (event.no_relax) json["no_relax"] = true;
   if (event.kind == EventKind::limits) {
     json["limits"] = std::vector<std::string>{"box", "ball", "tighten"}[std::size_t(event.limits)];
   }
@@ -43,24 +46,28 @@ nlohmann::ordered_json keys_of_event(const LiveEvent& event) {
   return json;
 }
 
+nlohmann::ordered_json relax_keys(RelaxParams params) {
+  return nlohmann::ordered_json::parse(fields_json(fields(params)));
+}
+
 }  // namespace
 
-LiveSession::LiveSession(const std::string& path, Console& console) : m_scene(read_scene(path)) {
-  for (const std::string& line : m_scene.warnings) console.warn(line);
+LiveSession::LiveSession(const TomlTable& root, Progress* progress) : m_scene(read_scene(root)) {
+  for (const std::string& line : m_scene.warnings) warn(progress, line);
   if (!m_scene.warp_path.empty() || !m_scene.path.empty() || m_scene.film) {
     throw InputError({m_scene.file, "", "a warp, path or film", "a body that events move"});
   }
-  read_events(path);
+  read_events(root);
   const SessionOptions options{m_scene.material, m_scene.labels_path, m_scene.read, true};
-  m_session = std::make_unique<Session>(m_scene.volume_path, options, &console);
+  m_session = std::make_unique<Session>(m_scene.volume_path, options, progress);
   if (m_session->geometry().dims().z == 1) {
     throw InputError({m_scene.volume_path, "", "one slice", "a volume of several slices"});
   }
   set_view();
 }
 
-void LiveSession::read_events(const std::string& path) {
-  TomlTable root = TomlTable::read(path);
+void LiveSession::read_events(const TomlTable& whole) {
+  TomlTable root = whole;
   m_head = head_of(root, m_scene).dump();
   const nlohmann::ordered_json file = nlohmann::ordered_json::parse(root.json());
   m_view_keys = file.contains("view") ? file["view"][file["view"].size() - 1].dump()
@@ -103,48 +110,42 @@ void LiveSession::carry_out(const LiveEvent& event, Progress* progress) {
       check_step(*m_session, asked);
       m_grab = event;
       m_reached = Vec3d(0);
+      ++m_stroke;
       break;
     }
     case EventKind::drag:
       drag(event, progress);
       break;
     case EventKind::release:
-      if (event.all) {
-        SceneStep step;
-        step.place = event.place;
-        step.release = true;
-        run(step, nlohmann::ordered_json({{"release", true}}).dump(), progress);
-      }
-      m_grab.reset();
-      break;
+      return release(event, progress);
     case EventKind::cut:
-      run(event.step,
+      run(event.kind, event.step,
           nlohmann::ordered_json({{"cut", {nlohmann::ordered_json::parse(event.keys)}}}).dump(),
           progress);
       break;
     case EventKind::anchor:
-      run(event.step,
+      run(event.kind, event.step,
           nlohmann::ordered_json({{"anchors", {nlohmann::ordered_json::parse(event.keys)}}}).dump(),
           progress);
       break;
+    case EventKind::model:
+      m_model.reset();
+      if (event.step.springs) m_model = event;
+      break;
     case EventKind::relax:
+      ++m_stroke;
       return relax(event, event.step.relax->passes, progress);
     case EventKind::limits:
       m_limits = event.limits;
       break;
     case EventKind::undo:
-      if (m_done.empty() || !m_session->undo()) break;
-      m_reached = m_done.back().reached_before;
-      m_undone.push_back(std::move(m_done.back()));
-      m_done.pop_back();
+      take_back(event.all);
       break;
     case EventKind::redo:
-      if (m_undone.empty()) break;
-      do_again(m_undone.back(), progress);
-      m_undone.pop_back();
+      do_again(event.all, progress);
       break;
     default:
-      run(event.step, event.keys, progress);
+      run(event.kind, event.step, event.keys, progress);
   }
   record(event);
 }
@@ -161,31 +162,98 @@ void LiveSession::drag(const LiveEvent& event, Progress* progress) {
   step.place = event.place;
   step.handles = m_grab->step.handles;
   step.handles.front().by = by;
-  step.limits = m_limits;
   step.no_relax = true;
+  if (m_model) {
+    step.springs = m_model->step.springs;
+  } else {
+    step.limits = m_limits;
+  }
   check_step(step, m_session->geometry());
   nlohmann::ordered_json handle = nlohmann::ordered_json::parse(m_grab->keys);
   handle["by"] = {by.x, by.y, by.z};
   if (step.handles.front().push) handle["push"] = true;
   nlohmann::ordered_json keys = {{"handles", {handle}}, {"no_relax", true}};
-  if (m_limits != Limits::box) keys["limits"] = m_limits == Limits::ball ? "ball" : "tighten";
+  if (m_model) {
+    keys.update(nlohmann::ordered_json::parse(m_model->keys));
+  } else if (m_limits != Limits::box) {
+    keys["limits"] = m_limits == Limits::ball ? "ball" : "tighten";
+  }
   const Vec3d before = m_reached;
-  run(step, keys.dump(), progress);
+  run(event.kind, step, keys.dump(), progress);
   m_reached = before + by * m_session->records().back().report.fraction();
   m_done.back().reached_before = before;
   m_done.back().reached = m_reached;
 }
 
-void LiveSession::run(const SceneStep& step, const std::string& keys, Progress* progress) {
-  run_step(*m_session, step, false, progress);
-  m_undone.clear();
-  m_done.push_back({step, keys, m_reached, m_reached});
+/// Where the material asks for it tissue that was dragged then relaxes, in slices that are recorded
+/// as events of their own.
+void LiveSession::release(const LiveEvent& event, Progress* progress) {
+  LiveEvent carried_out = event;
+  const bool was_dragged = m_grab && !m_done.empty() && m_done.back().kind == EventKind::drag &&
+                           m_done.back().stroke == m_stroke;
+  if (event.restore) {
+    while (m_grab && !m_done.empty() && m_done.back().kind == EventKind::drag &&
+           m_done.back().stroke == m_stroke && take_back()) {
+    }
+  }
+  if (event.all) {
+    SceneStep step;
+    step.place = event.place;
+    step.release = true;
+    ++m_stroke;
+    run(event.kind, step, nlohmann::ordered_json({{"release", true}}).dump(), progress);
+  }
+  m_grab.reset();
+  const bool relaxes = was_dragged && !event.restore && !event.all && !event.no_relax &&
+                       m_session->material().relaxes && !m_model && m_limits != Limits::ball;
+  carried_out.no_relax = event.no_relax || relaxes;
+  record(carried_out);
+  if (!relaxes) return;
+  LiveEvent relaxation;
+  relaxation.kind = EventKind::relax;
+  relaxation.place = event.place;
+  relaxation.at_ms = event.at_ms;
+  relaxation.step.relax = tissue_relaxation();
+  relaxation.keys = relax_keys(*relaxation.step.relax).dump();
+  ++m_stroke;
+  m_relaxation = relaxation;
+  m_pending = relaxation.step.relax->passes;
 }
 
-void LiveSession::do_again(DoneStep done, Progress* progress) {
-  run_step(*m_session, done.step, false, progress);
-  m_reached = done.reached;
-  m_done.push_back(std::move(done));
+void LiveSession::run(EventKind kind, const SceneStep& step, const std::string& keys,
+                      Progress* progress) {
+  run_step(*m_session, step, false, progress);
+  m_undone.clear();
+  if (kind != EventKind::drag && kind != EventKind::relax) ++m_stroke;
+  m_done.push_back({kind, m_stroke, step, keys, m_reached, m_reached});
+}
+
+/// One step; false where none is left.
+bool LiveSession::take_back() {
+  if (m_done.empty() || !m_session->undo()) return false;
+  m_reached = m_done.back().reached_before;
+  m_undone.push_back(std::move(m_done.back()));
+  m_done.pop_back();
+  return true;
+}
+
+void LiveSession::take_back(bool whole_stroke) {
+  if (!take_back()) return;
+  const int stroke = m_undone.back().stroke;
+  while (whole_stroke && !m_done.empty() && m_done.back().stroke == stroke && take_back()) {
+  }
+}
+
+void LiveSession::do_again(bool whole_stroke, Progress* progress) {
+  if (m_undone.empty()) return;
+  const int stroke = m_undone.back().stroke;
+  do {
+    DoneStep& done = m_undone.back();
+    run_step(*m_session, done.step, false, progress);
+    m_reached = done.reached;
+    m_done.push_back(std::move(done));
+    m_undone.pop_back();
+  } while (whole_stroke && !m_undone.empty() && m_undone.back().stroke == stroke);
 }
 
 void LiveSession::relax(const LiveEvent& event, int passes, Progress* progress) {
@@ -197,23 +265,23 @@ void LiveSession::relax(const LiveEvent& event, int passes, Progress* progress) 
   SceneStep step;
   step.place = event.place;
   step.relax = slice.step.relax;
-  nlohmann::ordered_json settings;
-  for (const Field& field : fields(*slice.step.relax)) {
-    settings[field.name()] = nlohmann::ordered_json::parse(field.json());
-  }
-  run(step, nlohmann::ordered_json({{"relax", settings}}).dump(), progress);
+  run(event.kind, step, nlohmann::ordered_json({{"relax", relax_keys(*slice.step.relax)}}).dump(),
+      progress);
   const RelaxReport& done = m_session->records().back().relaxed;
   m_pending = done.end == RelaxEnd::passes ? passes - slice.step.relax->passes : 0;
   m_relaxation = event;
-  record(std::move(slice));
+  record(slice);
 }
 
 void LiveSession::relax_on(Progress* progress) {
   if (m_pending > 0) relax(*m_relaxation, std::exchange(m_pending, 0), progress);
 }
 
-void LiveSession::record(LiveEvent event) {
-  m_carried_out.push_back(std::move(event));
+/// Of cameras, looks or clips in a row the last says it all.
+void LiveSession::record(const LiveEvent& event) {
+  if (event.is_of_view() && event.kind == m_last_recorded) m_carried_out.pop_back();
+  m_carried_out.push_back(keys_of_event(event).dump());
+  m_last_recorded = event.kind;
 }
 
 void LiveSession::change_view(const LiveEvent& event) {
@@ -227,6 +295,7 @@ void LiveSession::change_view(const LiveEvent& event) {
   TomlTable root = TomlTable::parse(text, event.place);
   TomlTable table = *root.table("view");
   SceneView view = read_view(table, 0);
+  check_view(view);
   view.size = m_view.size;
   m_view = std::move(view);
   m_view_keys = keys.dump();
@@ -235,7 +304,9 @@ void LiveSession::change_view(const LiveEvent& event) {
 std::string LiveSession::journal() const {
   nlohmann::ordered_json json = nlohmann::ordered_json::parse(m_head);
   json["view"].push_back(nlohmann::ordered_json::parse(m_first_view_keys));
-  for (const LiveEvent& event : m_carried_out) json["event"].push_back(keys_of_event(event));
+  for (const std::string& event : m_carried_out) {
+    json["event"].push_back(nlohmann::ordered_json::parse(event));
+  }
   return toml_document(json.dump());
 }
 

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "lib/session/session.h"
-#include "tools/console/console.h"
 #include "tools/scene/live_event.h"
 
 namespace supple::tools {
@@ -18,9 +17,9 @@ constexpr int kSlicePasses = 5;
 
 class LiveSession {
  public:
-  /// Opens what the file, a journal or a scene, describes; its events and steps are left to
+  /// Opens what the root of a journal or a scene describes; its events and steps are left to
   /// events(). Throws InputError as read_scene and Session.
-  LiveSession(const std::string& path, Console& console);
+  LiveSession(const TomlTable& root, Progress* progress);
 
   /// Those of a journal; of a scene its steps, each as one event.
   const std::vector<LiveEvent>& events() const { return m_events; }
@@ -32,11 +31,31 @@ class LiveSession {
   int pending() const { return m_pending; }
   /// The next of them.
   void relax_on(Progress* progress = nullptr);
+  void stop_relaxing() { m_pending = 0; }
 
   Session& session() { return *m_session; }
   const Scene& scene() const { return m_scene; }
   /// As the events so far ask for it.
   const SceneView& view() const { return m_view; }
+
+  /// A step of the session, and where its handle had been before. Steps of one stroke, the drags
+  /// since a grab or the slices of a relaxation, are undone together where that is asked for.
+  struct DoneStep {
+    EventKind kind;
+    int stroke;
+    SceneStep step;
+    std::string keys;  // JSON, of a [[step]]
+    Vec3d reached_before;
+    Vec3d reached;
+  };
+  const std::vector<DoneStep>& done() const { return m_done; }
+  /// The last is redone first.
+  const std::vector<DoneStep>& undone() const { return m_undone; }
+  /// What is grabbed, and how far it has come, as `to` counts.
+  const std::optional<LiveEvent>& grabbed() const { return m_grab; }
+  const Vec3d& reached() const { return m_reached; }
+  Limits limits() const { return m_limits; }
+  bool has_springs() const { return m_model.has_value(); }
 
   /// What was carried out, as a file that replays to the same state.
   std::string journal() const;
@@ -44,29 +63,29 @@ class LiveSession {
   std::string batch_scene() const;
 
  private:
-  /// A step of the session, and where its handle had been before.
-  struct DoneStep {
-    SceneStep step;
-    std::string keys;
-    Vec3d reached_before;
-    Vec3d reached;
-  };
-  void read_events(const std::string& path);
+  void read_events(const TomlTable& root);
   void set_view();
   void drag(const LiveEvent& event, Progress* progress);
-  void run(const SceneStep& step, const std::string& keys, Progress* progress);
-  void do_again(DoneStep done, Progress* progress);
+  void release(const LiveEvent& event, Progress* progress);
+  void run(EventKind kind, const SceneStep& step, const std::string& keys, Progress* progress);
+  bool take_back();
+  void take_back(bool whole_stroke);
+  void do_again(bool whole_stroke, Progress* progress);
   void relax(const LiveEvent& event, int passes, Progress* progress);
-  void record(LiveEvent event);
+  void record(const LiveEvent& event);
   void change_view(const LiveEvent& event);
 
   Scene m_scene;
   std::string m_head;  // JSON: the file without steps, events and outputs, paths absolute
-  std::vector<LiveEvent> m_events, m_carried_out;
+  std::vector<LiveEvent> m_events;
+  std::vector<std::string> m_carried_out;  // JSON
+  EventKind m_last_recorded = EventKind::step;
   std::unique_ptr<Session> m_session;
   SceneView m_view;
   std::string m_view_keys, m_first_view_keys;  // JSON; the latter as opened
   std::optional<LiveEvent> m_grab;
+  std::optional<LiveEvent> m_model;  // of springs
+  int m_stroke = 0;
   Vec3d m_reached{0, 0, 0};  // by the handle that is grabbed, as `to` counts
   Limits m_limits = Limits::box;
   std::vector<DoneStep> m_done, m_undone;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <thread>
 
 #include <sys/resource.h>
@@ -17,18 +16,6 @@ namespace {
 
 /// A pause of the hand after which the picture settles.
 constexpr double kPauseMs = 500;
-
-SceneView sized(SceneView view, const PixelSize& size) {
-  view.size = size;
-  return view;
-}
-
-/// Of the process, all threads.
-double cpu_ms() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return double(now.tv_sec) * 1e3 + double(now.tv_nsec) * 1e-6;
-}
 
 template <class T>
 void feed(Sha256& sha, const BrickArray<T>& values, std::size_t bricks) {
@@ -57,28 +44,16 @@ double quantile(std::vector<double> values, double part) {
   return values[std::size_t(std::max<std::ptrdiff_t>(rank, 0))];
 }
 
-Stopwatch::Stopwatch(std::chrono::steady_clock::time_point started)
-    : m_start(started), m_cpu_ms(cpu_ms()) {}
-
-void Stopwatch::add_to(PhaseTimes& times) const {
-  times.ms.push_back(ms());
-  times.cpu_ms.push_back(cpu_ms() - m_cpu_ms);
-}
-
 Replay::Replay(const std::string& path, const ReplayOptions& options, Console& console)
     : m_options(options),
       m_console(console),
-      m_live(path, console),
-      m_picture(m_live.session(), sized(m_live.view(), options.size), console) {}
+      m_live(TomlTable::read(path), &console),
+      m_loop(m_live, {options.size, true, options.budget_ms}, *this, console) {}
 
 void Replay::run(bool compares) {
   m_compares = compares;
   stage(&m_console, "replaying");
-  m_picture.follow();
-  m_picture.prepare();
-  m_picture.first_pixels(0);  // of the body as it was opened, not of an event
-  while (refine()) {
-  }
+  m_loop.settle();
   if (m_options.speed > 0) {
     run_in_time();
   } else {
@@ -90,12 +65,14 @@ void Replay::run_at_once() {
   const std::vector<LiveEvent>& events = m_live.events();
   for (std::size_t n = 0; n < events.size(); ++n) {
     poll(&m_console);
-    show(events[n], std::chrono::steady_clock::now());
-    while (m_live.pending() > 0) relax_on();
+    LiveEvent event = events[n];
+    event.merged = 0;  // those that it replaced are not in the journal
+    m_loop.show(event, std::chrono::steady_clock::now());
+    while (m_live.pending() > 0) m_loop.relax_on();
     const bool is_last = n + 1 == events.size();
     const bool pauses = is_last || events[n].kind == EventKind::release ||
                         events[n + 1].at_ms - events[n].at_ms >= kPauseMs;
-    while (pauses && refine()) {
+    while (pauses && m_loop.refine()) {
     }
   }
 }
@@ -108,28 +85,16 @@ void Replay::run_in_time() {
       std::this_thread::sleep_until(
           start + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
                       std::chrono::duration<double, std::milli>(event.at_ms / m_options.speed)));
-      mailbox.post(event);
-      m_picture.interrupt();
+      LiveEvent posted = event;
+      posted.merged = 0;  // those that it replaced are not in the journal
+      mailbox.post(std::move(posted));
+      m_loop.interrupt();
       if (m_console.cancelled()) break;
     }
     mailbox.close();
   });
   try {
-    bool is_settled = false;
-    while (true) {
-      poll(&m_console);
-      const bool is_idle = is_settled && m_live.pending() == 0;
-      if (auto posted = mailbox.take(is_idle)) {
-        show(posted->event, posted->posted);
-        is_settled = false;
-      } else if (m_live.pending() > 0) {
-        relax_on();
-      } else if (!is_settled) {
-        is_settled = !refine();
-      } else if (mailbox.is_closed()) {
-        break;
-      }
-    }
+    m_loop.run(mailbox);
   } catch (...) {
     hand.join();
     throw;
@@ -137,55 +102,29 @@ void Replay::run_in_time() {
   hand.join();
 }
 
-void Replay::show(const LiveEvent& event, std::chrono::steady_clock::time_point posted) {
-  const Stopwatch since_event(posted);
+void Replay::spent(LivePhase phase, const Stopwatch& time) {
+  PhaseTimes& times = m_report.phases[std::size_t(phase)];
+  times.ms.push_back(time.ms());
+  times.cpu_ms.push_back(time.cpu_ms());
+}
+
+void Replay::carried_out(const LiveEvent& event) {
   ++m_report.events;
   m_report.merged += event.merged;
-  const std::size_t steps = m_live.session().records().size();
-  const Stopwatch solving;
-  m_live.carry_out(event);
-  if (!event.is_of_view()) solving.add_to(m_report.solve);
-  if (m_live.session().records().size() > steps) {
-    m_report.moved_max =
-        std::max(m_report.moved_max, m_live.session().records().back().report.moved);
+  const std::vector<StepRecord>& steps = m_live.session().records();
+  if (steps.size() > m_steps) {
+    m_report.moved_max = std::max(m_report.moved_max, steps.back().report.moved);
   }
-  if (event.is_of_view()) m_picture.look(sized(m_live.view(), m_options.size));
-  draw(since_event);
+  m_steps = steps.size();
 }
 
-void Replay::relax_on() {
-  const Stopwatch since_event;
-  m_live.relax_on();
-  since_event.add_to(m_report.solve);
-  draw(since_event);
+void Replay::drew(const Image& first, const LiveCost& cost, const Stopwatch&) {
+  m_first = first;
+  m_report.least_part = std::min(m_report.least_part, double(cost.width) / first.width);
 }
 
-/// Nothing where nothing has changed.
-void Replay::draw(const Stopwatch& since_event) {
-  const Stopwatch preparing;
-  if (!m_picture.follow()) return;
-  m_picture.prepare();
-  preparing.add_to(m_report.prepare);
-  const Stopwatch drawing;
-  const double budget = m_options.budget_ms;
-  m_first = m_picture.first_pixels(budget > 0 ? std::max(budget - since_event.ms(), 1e-3) : 0);
-  drawing.add_to(m_report.frame);
-  since_event.add_to(m_report.first_pixels);
-  m_report.least_part =
-      std::min(m_report.least_part, double(m_picture.cost().width) / m_first.width);
-  m_asked = since_event;
-}
-
-/// One pass more; false when there is nothing left to do.
-bool Replay::refine() {
-  if (m_picture.settled()) return false;
-  if (m_picture.refine()) return true;
-  if (m_report.events == 0) return false;
-  m_asked.add_to(m_report.refined);
-  if (m_compares) {
-    m_report.first_pixels_ssim.push_back(compare(m_first, *m_picture.settled(), true).ssim);
-  }
-  return false;
+void Replay::settled(const Image& image, const Stopwatch&) {
+  if (m_compares) m_report.first_pixels_ssim.push_back(compare(m_first, image, true).ssim);
 }
 
 std::string hash_of(const State& state) {

@@ -7,8 +7,7 @@
 #include <vector>
 
 #include "raycast/pictures/image.h"
-#include "tools/live/live_picture.h"
-#include "tools/live/live_session.h"
+#include "tools/live/live_loop.h"
 
 namespace supple::tools {
 
@@ -27,29 +26,17 @@ struct PhaseTimes {
 /// Nearest rank; 0 where there are none.
 double quantile(std::vector<double> values, double part);
 
-/// Runs from its making.
-class Stopwatch {
- public:
-  /// `started`: before, for the time; processor time counts from now.
-  explicit Stopwatch(
-      std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now());
-  double ms() const { return ms_since(m_start); }
-  void add_to(PhaseTimes& times) const;
-
- private:
-  std::chrono::steady_clock::time_point m_start;
-  double m_cpu_ms;
-};
-
 struct ReplayReport {
   int events = 0, merged = 0;
-  std::int64_t moved_max = 0;  // elements, by one event
-  PhaseTimes solve, prepare, frame, first_pixels, refined;
+  std::int64_t moved_max = 0;             // elements, by one event
+  PhaseTimes phases[5];                   // by LivePhase
   double least_part = 1;                  // of the view's width that first pixels had
   std::vector<double> first_pixels_ssim;  // against the settled picture
+
+  const PhaseTimes& of(LivePhase phase) const { return phases[std::size_t(phase)]; }
 };
 
-class Replay {
+class Replay final : public LoopWatcher {
  public:
   /// Opens what the file describes.
   Replay(const std::string& path, const ReplayOptions& options, Console& console);
@@ -60,24 +47,24 @@ class Replay {
   LiveSession& live() { return m_live; }
   const ReplayReport& report() const { return m_report; }
   /// The last settled picture.
-  const std::optional<Image>& settled() const { return m_picture.settled(); }
+  const std::optional<Image>& settled() { return m_loop.picture().settled(); }
 
  private:
   void run_at_once();
   void run_in_time();
-  void show(const LiveEvent& event, std::chrono::steady_clock::time_point posted);
-  void relax_on();
-  void draw(const Stopwatch& since_event);
-  bool refine();
+  void spent(LivePhase phase, const Stopwatch& time) override;
+  void carried_out(const LiveEvent& event) override;
+  void drew(const Image& first, const LiveCost& cost, const Stopwatch& since_event) override;
+  void settled(const Image& image, const Stopwatch& since_event) override;
 
   const ReplayOptions m_options;
   Console& m_console;
   LiveSession m_live;
-  LivePicture m_picture;
+  LiveLoop m_loop;
   ReplayReport m_report;
+  std::size_t m_steps = 0;
   bool m_compares = false;
   Image m_first;
-  Stopwatch m_asked;  // since the event that the picture follows
 };
 
 /// SHA-256 of elements, offsets, cuts, pieces, rest lengths and velocities: equal for equal bodies,

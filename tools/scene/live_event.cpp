@@ -8,6 +8,7 @@
 #include "lib/material/toml_string.h"
 #include "tools/scene/cut_keys.h"
 #include "tools/scene/handle_keys.h"
+#include "tools/scene/spring_keys.h"
 
 namespace supple::tools {
 
@@ -16,17 +17,33 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 const std::vector<std::string>& kind_names() {
-  static const std::vector<std::string> names = {"grab",   "push",   "drag",   "release", "cut",
-                                                 "anchor", "relax",  "limits", "step",    "undo",
-                                                 "redo",   "camera", "look",   "clip"};
+  static const std::vector<std::string> names = {
+      "grab", "push", "drag", "release", "cut",      "anchor", "relax", "limits",
+      "step", "undo", "redo", "model",   "material", "camera", "look",  "clip"};
   return names;
 }
 
+/// The fields that an event of its kind has. Those of a step may have the same names.
+Fields own_fields(LiveEvent& event) {
+  const EventKind kind = event.kind;
+  const bool is_release = kind == EventKind::release;
+  const bool is_back = kind == EventKind::undo || kind == EventKind::redo;
+  Fields own;
+  for (const Field& field : fields(event)) {
+    const std::string& name = field.name();
+    const bool is_missing =
+        (name == "to" && kind != EventKind::drag) || (name == "all" && !is_release && !is_back) ||
+        (name == "restore" && !is_release) || (name == "no_relax" && !is_release) ||
+        (name == "limits" && kind != EventKind::limits);
+    if (!is_missing) own.push_back(field);
+  }
+  return own;
+}
+
 /// The keys of the table that are not the event's own.
-std::string other_keys(const TomlTable& table) {
+std::string other_keys(const TomlTable& table, const Fields& own) {
   Json json = Json::parse(table.json());
-  LiveEvent plain;
-  for (const Field& field : fields(plain)) json.erase(field.name());
+  for (const Field& field : own) json.erase(field.name());
   return json.dump();
 }
 
@@ -35,6 +52,19 @@ void read_grab(TomlTable& table, const LabelNames& names, LiveEvent& event) {
   static_cast<GivenSelection&>(handle) = read_anchor(table, names);
   handle.soft_mm = table.number("soft").value_or(0);
   handle.push = event.kind == EventKind::push;
+}
+
+void read_model(TomlTable& table, LiveEvent& event) {
+  StepSettings settings;
+  const Fields all = fields(settings);
+  table.require(table.string("model"), "model", "\"ecm\" or \"springs\"");
+  table.read({all.front()});
+  auto springs = table.table("springs");
+  if (springs && !settings.has_springs) {
+    table.fail("springs", "springs without their model", "model = \"springs\"");
+  }
+  if (settings.has_springs)
+    event.step.springs = springs ? read_spring_step(*springs) : SpringStep();
 }
 
 /// The view's part that the event replaces; the rest of a view is read where it is drawn.
@@ -74,6 +104,13 @@ void read_keys(TomlTable& table, const LabelNames& names, LiveEvent& event) {
     case EventKind::step:
       event.step = read_step(table, names);
       return;
+    case EventKind::model:
+      return read_model(table, event);
+    case EventKind::material: {
+      TomlTable material = table.require(table.table("material"), "material", "a table");
+      event.step.material = read_material_choice(material, names);
+      return;
+    }
     case EventKind::camera:
     case EventKind::look:
     case EventKind::clip:
@@ -125,7 +162,11 @@ Fields fields(LiveEvent& event) {
           .at_least(0),
       Field("to", event.to, "Of drag: from where it was grabbed, in directions as a scene's by")
           .unit("mm"),
-      Field("all", event.all, "Of release: let go of everything that is held or fixed"),
+      Field("all", event.all,
+            "Of release: let go of everything that is held or fixed; of undo and redo: all drags "
+            "since one grab, or all of a relaxation"),
+      Field("restore", event.restore, "Of release: take the drags since the grab back"),
+      Field("no_relax", event.no_relax, "Of release: even where the material asks for it"),
       Field("limits", event.limits, {"box", "ball", "tighten"}, "Of limits: those of later drags"),
   };
 }
@@ -134,14 +175,11 @@ LiveEvent read_event(TomlTable& table, const LabelNames& names) {
   LiveEvent event;
   event.place = table.place();
   event.step.place = event.place;
-  // `limits` may be a key of a step, too.
-  Fields own = fields(event);
-  own.pop_back();
+  table.read({fields(event).front()});
+  const Fields own = own_fields(event);
   table.read(own);
-  if (event.kind == EventKind::limits) table.read({fields(event).back()});
-  event.keys = other_keys(table);
-  // A step finishes its table.
-  table.know({"kind", "at", "merged", "to", "all"});
+  event.keys = other_keys(table, own);
+  table.know({"kind", "at", "merged"});  // a step finishes its table
   if (event.is_of_view()) table.know({"preset", "transfer"});
   read_keys(table, names, event);
   table.finish();

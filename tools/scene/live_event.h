@@ -1,4 +1,4 @@
-// Events of a live session as a journal's [[event]] and, later, a page's messages describe them:
+// Events of a live session as a journal's [[event]] and a page's messages describe them:
 // what was grabbed, where it was dragged, what was cut, fixed, relaxed, taken back, and how it is
 // looked at. The head of a journal is that of a scene.
 #pragma once
@@ -11,8 +11,9 @@ namespace supple::tools {
 
 /// grab and push name a handle; drag says where it is now, counted from where it was grabbed, in
 /// the directions of a scene's `by`; release ends that, the handle stays held unless everything is
-/// let go. cut, anchor, relax and step are those of a scene. undo and redo count events that
-/// changed the body. camera, look and clip replace that part of the view.
+/// let go. cut, anchor, relax, material and step are those of a scene. model chooses what moves the
+/// body in later drags. undo and redo count events that changed the body. camera, look and clip
+/// replace that part of the view.
 enum class EventKind {
   grab,
   push,
@@ -25,6 +26,8 @@ enum class EventKind {
   step,
   undo,
   redo,
+  model,
+  material,
   camera,
   look,
   clip
@@ -33,10 +36,12 @@ enum class EventKind {
 struct LiveEvent {
   std::string place;  // "file:line", for errors
   EventKind kind = EventKind::step;
-  double at_ms = 0;  // since the session was opened
-  int merged = 0;    // earlier events that this one replaced before they had begun
+  double at_ms = 0;         // since the session was opened
+  int merged = 0;           // earlier events that this one replaced before they had begun
+  std::int64_t number = 0;  // of who posts it, in no file
   Vec3d to{0, 0, 0};
   bool all = false;
+  bool restore = false, no_relax = false;
   Limits limits = Limits::box;
   std::string keys = "{}";  // JSON: those of the kind, as in scenes
   SceneStep step;           // what they say; of grab and push its one handle, which does not move

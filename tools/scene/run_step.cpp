@@ -52,6 +52,7 @@ StepRequest request_of(const SceneStep& step, const Geometry& geometry, double t
   request.relax = step.relax;
   request.no_relax = step.no_relax;
   request.springs = step.springs;
+  request.material = step.material;
   return request;
 }
 

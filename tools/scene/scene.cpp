@@ -73,6 +73,14 @@ Retraction read_retraction(TomlTable& table) {
 
 }  // namespace
 
+MaterialTable read_material_choice(TomlTable& table, const LabelNames& names, std::string* path) {
+  const auto file = table.path("table");
+  if (!file) return read_material_table(table, names);
+  table.finish();
+  if (path != nullptr) *path = *file;
+  return read_material(*file, names);
+}
+
 SceneStep read_step(TomlTable& table, const LabelNames& names) {
   SceneStep step;
   step.place = table.place();
@@ -121,12 +129,15 @@ SceneStep read_step(TomlTable& table, const LabelNames& names) {
     if (step.no_relax) table.fail("no_relax", "no_relax beside relax", "one of them");
     step.relax = read_relax(*relax);
   }
+  if (auto material = table.table("material")) {
+    step.material = read_material_choice(*material, names);
+  }
   table.finish();
   if (is_short) step.handles.push_back(read_handle(table, names));
   if (step.does_nothing()) {
     table.fail("", "a step that does nothing",
                "grab, handles, fix, fix_label, fix_points, cut, remove, rigid, retract, relax, "
-               "model, release "
+               "model, material, release "
                "or limits");
   }
   return step;
@@ -200,7 +211,7 @@ bool SceneStep::does_nothing() const {
   return handles.empty() && fix.empty() && fix_points.empty() && !release && fix_labels.empty() &&
          anchors.empty() && cuts.empty() && remove.empty() && rigid.empty() &&
          rigid_seeds.empty() && retract.empty() && !rigid_density && !relax && !springs &&
-         limits != Limits::tighten;
+         !material && limits != Limits::tighten;
 }
 
 bool SceneStep::is_animated() const {
@@ -301,13 +312,7 @@ Scene read_scene(TomlTable root) {
     names = label_names(scene.labels_path);
   }
   if (auto material = root.table("material")) {
-    if (const auto file = material->path("table")) {
-      material->finish();
-      scene.material_path = *file;
-      scene.material = read_material(scene.material_path, names);
-    } else {
-      scene.material = read_material_table(*material, names);
-    }
+    scene.material = read_material_choice(*material, names, &scene.material_path);
   }
   for (TomlTable& step : root.tables("step")) {
     scene.steps.push_back(read_step(step, names));

@@ -33,8 +33,9 @@ struct SceneStep {
   std::optional<NumberPair> rigid_density;
   double joint_mm = 0;
   std::optional<RelaxParams> relax;
-  bool no_relax = false;              // even where the material asks for it
-  std::optional<SpringStep> springs;  // when model = "springs"
+  bool no_relax = false;                  // even where the material asks for it
+  std::optional<SpringStep> springs;      // when model = "springs"
+  std::optional<MaterialTable> material;  // from now on
 
   bool does_nothing() const;
   /// Whether a handle follows a path.
@@ -88,6 +89,10 @@ struct StepSettings {
   double joint_mm = 0;
 };
 Fields fields(StepSettings& settings);
+
+/// A table [material], or one of a step: a file or the keys of one. `path`: gets the file's.
+MaterialTable read_material_choice(TomlTable& table, const LabelNames& names,
+                                   std::string* path = nullptr);
 
 /// One of [[step]].
 SceneStep read_step(TomlTable& table, const LabelNames& names);

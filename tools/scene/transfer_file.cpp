@@ -4,7 +4,6 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "lib/material/toml_table.h"
 #include "raycast/pictures/background.h"
 #include "tools/console/command.h"
 #include "volumes/base/error.h"
@@ -72,9 +71,14 @@ std::string to_toml(const std::string& key, const std::vector<OpacityKey>& keys)
 
 TransferFunction read_transfer_function(const std::string& path) {
   TomlTable table = TomlTable::read(path);
+  return read_transfer_function(table);
+}
+
+TransferFunction read_transfer_function(TomlTable& table) {
   table.know({"name", "blend", "background", "opacity", "colour", "gradient_opacity"});
   TransferFunction function;
-  function.name = table.string("name").value_or(std::filesystem::path(path).stem().string());
+  function.name =
+      table.string("name").value_or(std::filesystem::path(table.file()).stem().string());
   function.blend = read_blend(table);
   function.background = table.string("background").value_or("");
   if (!function.background.empty()) check_background(table, function.background);
@@ -88,7 +92,7 @@ TransferFunction read_transfer_function(const std::string& path) {
     function.*scalar.value = table.number(scalar.key).value_or(function.*scalar.value);
   }
   table.finish();
-  function.validate(path);
+  function.validate(table.file());
   return function;
 }
 

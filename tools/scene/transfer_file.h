@@ -3,12 +3,15 @@
 
 #include <string>
 
+#include "lib/material/toml_table.h"
 #include "raycast/scene/transfer_function.h"
 
 namespace supple::tools {
 
 /// Throws InputError: missing or bad file, unknown key, values that TransferFunction refuses.
 TransferFunction read_transfer_function(const std::string& path);
+/// The same of a table.
+TransferFunction read_transfer_function(TomlTable& table);
 
 /// Throws UsageError, naming the option, where no preset has the name.
 void require_preset(const std::string& option, const std::string& name);

@@ -130,9 +130,13 @@ SceneView read_view(TomlTable& table, int steps) {
   view.place = table.place();
   table.know({"transfer", "camera", "clip", "light", "mesh", "slice", "path", "camera_path"});
   table.read(fields(view));
-  if (const auto path = table.path("transfer")) {
+  if (table.has("transfer")) {
     if (!view.preset.empty()) table.fail("transfer", "preset and transfer", "one of both");
-    view.transfer = read_transfer_function(*path);
+    if (table.is_string("transfer")) {
+      view.transfer = read_transfer_function(*table.path("transfer"));
+    } else if (auto transfer = table.table("transfer")) {
+      view.transfer = read_transfer_function(*transfer);
+    }
   }
   view.path = read_path(table);
   for (TomlTable& clip : table.tables("clip")) view.clips.push_back(read_clip(clip));

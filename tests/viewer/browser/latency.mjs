@@ -1,0 +1,82 @@
+// Time from a mouse event to the picture on the page, measured in the page, and whether any view ever
+// went back:
+//
+//   node tests/viewer/browser/latency.mjs VOLUME|STATE|SCENE [options of supple view]
+//
+// with SUPPLE_EVENTS mouse moves of each kind (300), SUPPLE_PIXELS square for the view in space (512),
+// and SUPPLE_GRAB "x,y", where to grab in parts of the view (0.5,0.5). The other views are hidden but
+// with SUPPLE_FOUR=1. One line of JSON for each kind.
+
+import {Chromium, sleep} from './chromium.mjs';
+import {Server, View} from './supple_view.mjs';
+
+const events = Number(process.env.SUPPLE_EVENTS ?? 300), pixels = Number(process.env.SUPPLE_PIXELS ?? 512);
+const place = (process.env.SUPPLE_GRAB ?? '0.5,0.5').split(',').map(Number);
+
+const server = await Server.start(...process.argv.slice(2));
+const browser = await Chromium.start();
+try {
+  const page = await browser.page(server.address, {width: 1400, height: 900});
+  const view = new View(page);
+  await view.until('the volume is open', 'window.supple && $scene && $views["3d"].count', 120);
+  if (!process.env.SUPPLE_FOUR) await page.doubleClick(...await view.middle());
+  await fitted(page, view);
+  await view.settled(60);
+  await page.eval('supple.latency(true)');
+  const box = await page.box('#view-3d .picture');
+  const [x, y] = [box.x + box.width * place[0], box.y + box.height * place[1]];
+  await page.move(x, y);
+  await page.press(x, y);
+  const circle = async (radius, more) => {
+    for (let i = 1; i <= events; ++i) {
+      const angle = i / 40 * 2 * Math.PI;
+      await page.move(x + radius * Math.sin(angle), y + radius * (1 - Math.cos(angle)), more);
+      await sleep(16);
+    }
+  };
+  const rotating = Date.now();
+  const first = (await view.get('views'))['3d'].count;
+  await circle(60, {button: 'left', buttons: 1});
+  await report(view, 'rotate', first, rotating);
+  await page.release(x, y);
+  await page.key('1');
+  await view.settled(60);
+  await page.eval('supple.latency(true)');
+  await page.move(x, y);
+  await page.key('g');
+  await view.until('there is tissue to grab', '$scene.grab', 20);
+  const dragging = Date.now(), second = (await view.get('views'))['3d'].count;
+  await circle(20);
+  await report(view, 'drag', second, dragging);
+  const released = Date.now();
+  await page.key('Enter');
+  await view.settled(120);
+  console.log(JSON.stringify({kind: 'settled after release', ms: Date.now() - released,
+                              relaxed: await view.get('scene.relaxes'), moved: await view.get('scene.moved')}));
+} finally {
+  await browser.stop();
+  await server.stop();
+}
+
+/// A window in which the view in space has the wanted pixels.
+async function fitted(page, view) {
+  for (let tries = 0; tries < 3; ++tries) {
+    const {width, height} = await page.box('#view-3d .picture');
+    const [w, h] = await page.eval('[innerWidth, innerHeight]');
+    const scale = process.env.SUPPLE_FOUR ? 2 : 1;
+    await page.resize(Math.round(w + scale * (pixels - width)), Math.round(h + scale * (pixels - height)));
+    await sleep(200);
+  }
+  await view.until('the size is taken', `$views["3d"].width === ${pixels} && $views["3d"].height === ${pixels}`, 30);
+}
+
+async function report(view, kind, first, since) {
+  await view.until('the last picture', '$views["3d"].event >= $sent', 30);
+  const seconds = (Date.now() - since) / 1000;
+  const {count, median, p95, max} = await view.get('latency(true)');
+  const views = await view.get('views');
+  const round = (ms) => Math.round(ms * 10) / 10;
+  console.log(JSON.stringify({kind, events: count, median_ms: round(median), p95_ms: round(p95), max_ms: round(max),
+    pictures_per_s: round((views['3d'].count - first) / seconds), stale_shown: Object.values(views).reduce((sum, v) => sum + v.wentBack, 0),
+    size: [views["3d"].width, views["3d"].height]}));
+}

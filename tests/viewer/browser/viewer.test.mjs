@@ -1,0 +1,466 @@
+// The page of `supple view` in Chromium, by real mouse, touch and key events. One session from open to
+// the last restart, asserted on the page's state, on files that were written, and on pictures.
+
+import assert from 'node:assert/strict';
+import {existsSync, readFileSync} from 'node:fs';
+import {after, before, test} from 'node:test';
+import {Chromium, kChromium, sleep} from './chromium.mjs';
+import {difference, readPng} from './png.mjs';
+import {Folder, kSupple, Server, supple, View} from './supple_view.mjs';
+import {cameraFrame} from '../../../tools/viewer/page/camera.js';
+import {distance, length, minus} from '../../../tools/viewer/page/vectors.js';
+
+const missing = !kChromium ? 'no chromium' : !existsSync(kSupple) ? `no ${kSupple}` : false;
+if (process.env.SUPPLE_BROWSER_REQUIRED && missing) throw new Error(missing);
+
+const kWindow = {width: 900, height: 640};
+let folder, server, browser, page, view;
+
+/// A step of the session; after a failure the others would only repeat it.
+let failed = false;
+function step(name, run) {
+  test(name, {skip: missing, timeout: 60000}, async (t) => {
+    if (failed) return t.skip('an earlier step failed');
+    failed = true;
+    await run(t);
+    assert.deepEqual(page.errors, [], 'errors on the console');
+    failed = false;
+  });
+}
+
+before(async () => {
+  if (missing) return;
+  folder = new Folder();
+  [server, browser] = await Promise.all([
+    Server.start('--folder', folder.path, '--token', folder.at('.token')), Chromium.start()]);
+  page = await browser.page(server.address, kWindow);
+  view = new View(page);
+});
+after(async () => {
+  await browser?.stop();
+  await server?.stop('SIGKILL');
+  folder?.remove();
+});
+
+const scene = () => view.get('scene');
+const camera = () => view.get('camera');
+const steps = () => page.eval('supple.scene.undo.reduce((sum, {steps}) => sum + steps, 0)');
+const moved = ({lps, rest_lps: rest}) => minus(lps, rest);
+
+/// A grab at a place of a view, led by (dx, dy) pixels; `between` while it is held.
+async function grab([x, y], [dx, dy], between = async () => {}) {
+  await page.move(x, y);
+  await page.key('g');
+  await view.until('the handle is there', '$scene.grab');
+  for (let i = 1; i <= 6; ++i) {
+    await page.move(x + dx * i / 6, y + dy * i / 6);
+    await sleep(20);
+  }
+  await view.until('the drag is carried out', '$carriedOut >= $sent');
+  await between();
+}
+
+step('open: a volume is opened by the dialog, and four views show it', async () => {
+  await view.until('the page is connected', '$state === "connected"');
+  assert.equal(await page.eval(`document.getElementById('welcome').hidden`), false);
+  await page.key('Control+o');
+  await page.until('the folders are listed', `document.querySelector('dialog[open] .folder')`);
+  await view.goTo(folder.path);
+  await page.clickOn('[data-name="head.nhdr"]');
+  await page.eval(`document.querySelector('dialog[open] input[type=text]').value = ${JSON.stringify(folder.at('soft.toml'))}`);
+  await page.clickOn('dialog[open] button[type=submit]');
+  await view.until('the volume is open', '$scene && $scene.volume', 30);
+  await page.until('the dialog is gone', `!document.querySelector('dialog[open]')`);
+  await view.settled();
+  const {volume, undo} = await scene();
+  assert.deepEqual([volume.dims, undo], [[96, 96, 54], []]);
+  for (const name of ['3d', 'axial', 'coronal', 'sagittal']) {
+    const picture = await view.picture(name);
+    const black = {...picture, pixels: new Uint8Array(picture.pixels.length)};
+    assert.ok(difference(picture, black).mean > 5, `the view ${name} is black`);
+  }
+});
+
+step('rotate: a drag turns the camera about its target, and the picture follows', async () => {
+  const first = await view.picture(), before = await camera();
+  const [x, y] = await view.middle();
+  await page.drag([x, y], [x + 80, y + 25], {steps: 20});
+  await view.settled();
+  const now = await camera();
+  assert.ok(Math.abs(distance(now.position, now.target) - distance(before.position, before.target)) < 1e-3);
+  assert.ok(distance(now.target, before.target) < 1e-6);
+  const turned = Math.acos(cameraFrame(now).forward.reduce((sum, v, a) => sum + v * cameraFrame(before).forward[a], 0)) * 180 / Math.PI;
+  const {width, height} = await page.box('#view-3d .picture');
+  const expected = Math.hypot(80 / width, 25 / height) * 200;
+  assert.ok(Math.abs(turned - expected) < expected * 0.06, `turned by ${turned} degrees instead of ${expected}`);
+  assert.ok(difference(first, await view.picture()).mean > 2);
+  const {counts, views} = {counts: await view.get('counts'), views: await view.get('views')};
+  assert.ok(views['3d'].count > 3 && Object.values(views).every(({wentBack}) => wentBack === 0), JSON.stringify([counts, views]));
+  await page.key('r');
+  await view.settled();
+  assert.ok(distance((await camera()).position, before.position) < 1e-3);
+});
+
+step('pan, zoom and roll by mouse, standard views by keys', async () => {
+  const [x, y] = await view.middle();
+  const before = await camera();
+  const mm = (c) => 2 * Math.tan(c.fov * Math.PI / 360) * distance(c.position, c.target);
+  await page.drag([x, y], [x + 30, y], {modifiers: 8});
+  const {height} = await page.box('#view-3d .picture');
+  assert.ok(Math.abs(distance((await camera()).target, before.target) - 30 / height * mm(before)) < 0.5);
+  await page.wheel(x, y, -200);
+  await view.until('the wheel is heard', `Math.abs(Math.hypot(...$camera.position.map((v, a) => v - $camera.target[a])) - ${distance(before.position, before.target)}) > 1`);
+  assert.ok(mm(await camera()) < mm(before));
+  await page.drag([x + 60, y], [x, y - 60], {modifiers: 2});
+  assert.ok(Math.abs((await camera()).up[2]) < 0.95, 'rolled');
+  for (const [key, side] of [['1', [0, -1, 0]], ['3', [1, 0, 0]], ['7', [0, 0, 1]], ['Shift+3', [-1, 0, 0]]]) {
+    await page.key(key);
+    await sleep(50);
+    const {position, target} = await camera();
+    const from = minus(position, target).map((v) => Math.round(v / distance(position, target)));
+    assert.deepEqual(from.map((v) => v + 0), side, `key ${key}`);
+  }
+  await page.key('1');
+  await view.settled();
+});
+
+step('a settled picture is that of supple render', async () => {
+  await view.saved('state', 'start.vdb', {folder: folder.path});
+  await view.saved('camera', 'camera.toml');
+  const shown = await view.picture();
+  supple('render', folder.at('start.vdb'), '--camera', folder.at('camera.toml'), '--size', `${shown.width},${shown.height}`,
+         '-o', folder.at('rendered.png'));
+  const {mean, most} = difference(shown, readPng(readFileSync(folder.at('rendered.png'))));
+  assert.ok(mean < 0.5 && most <= 8, `pictures differ by ${mean} and at most ${most} of 255`);
+});
+
+step('preset and transfer function change the look', async () => {
+  const bone = await view.picture();
+  await page.eval(`(() => { const list = document.getElementById('preset'); list.value = 'CT-Soft-Tissue';
+    list.dispatchEvent(new Event('change')); })()`);
+  await view.until('the preset is taken', '$scene.view.preset === "CT-Soft-Tissue"');
+  await view.settled();
+  const skin = await view.picture();
+  assert.ok(difference(bone, skin).mean > 2);
+  const [x, y] = await page.middle('.point.opacity[data-point="opacity:1"]');
+  const before = (await scene()).view.transfer.opacity;
+  await page.drag([x, y], [x + 12, y - 10]);
+  await view.until('the curve is taken', `JSON.stringify($scene.view.transfer.opacity) !== ${JSON.stringify(JSON.stringify(before))}`);
+  const now = (await scene()).view.transfer.opacity;
+  assert.ok(now[1][0] > before[1][0] && now[1][1] >= before[1][1]);
+  await page.eval(`document.querySelector('.point.opacity[data-point="opacity:0"]').focus()`);
+  await page.key('ArrowRight');
+  await view.until('keys move points', `$scene.view.transfer.opacity[0][0] > ${now[0][0]}`);
+  await page.eval(`(() => { const list = document.getElementById('preset'); list.value = 'CT-Bone';
+    list.dispatchEvent(new Event('change')); })()`);
+  await view.settled();
+  assert.ok(difference(bone, await view.picture()).mean < 0.1, 'the preset is back');
+});
+
+step('slices: wheel, cross-hair, window, zoom', async () => {
+  const [x, y] = await view.middle('axial');
+  const {cursor} = await view.get('slices');
+  await page.wheel(x, y, -100);
+  await view.until('the next slice', `$slices.cursor[2] === ${Math.round(cursor[2]) + 1}`);
+  await page.click(x + 30, y + 20);
+  await view.until('the cross-hair is there', `$slices.cursor[0] !== ${cursor[0]}`);
+  const lps = await page.eval(`(() => { const p = supple.place('axial', ${'supple.scene'} && [0, 1, 2].map((r) => supple.slices.cursor.reduce(
+    (sum, v, a) => sum + v * supple.scene.volume.affine[4 * r + a], supple.scene.volume.affine[4 * r + 3]))); return p; })()`);
+  assert.ok(Math.hypot(lps[0] - x - 30, lps[1] - y - 20) < 1.5, `the cross-hair is at ${lps} instead of ${[x + 30, y + 20]}`);
+  const [cx, cy] = await view.middle('coronal');
+  const before = await view.get('slices');
+  await page.move(cx - 20, cy + 10, {modifiers: 8});
+  await view.until('Shift and move lead the cross-hair', `$slices.cursor[2] !== ${before.cursor[2]}`);
+  await page.move(x, y);
+  await page.key('w');
+  await page.drag([x, y], [x + 40, y]);
+  await view.until('the window is wider', `$slices.window > ${before.window}`);
+  await page.key('w');
+  await page.drag([x, y], [x, y + 60], {button: 'right'});
+  await view.until('the slice is nearer', '$slices.zoom > 1.05');
+  await page.move(x, y);
+  await page.key('r');
+  await view.until('the slice fits', '$slices.zoom === 1');
+  await view.settled();
+});
+
+step('grab, drag, release: the tissue goes where the pointer led it', async () => {
+  const [x, y] = await view.middle();
+  await grab([x, y], [12, 18]);
+  const {grab: held} = await scene();
+  assert.equal(held.event.kind, 'grab');
+  await page.key('Enter');
+  await view.until('it is kept', '!$scene.grab && $tool === "none"');
+  await view.settled();
+  const {handles} = await scene();
+  assert.equal(handles.length, 1);
+  const {height} = await page.box('#view-3d .picture');
+  const c = await camera();
+  const mmPerPixel = 2 * Math.tan(c.fov * Math.PI / 360) * distance(c.position, handles[0].rest_lps) / height;
+  const way = moved(handles[0]);
+  const {right, up} = cameraFrame(c);
+  const along = (axis) => way.reduce((sum, v, a) => sum + v * axis[a], 0);
+  assert.ok(Math.abs(along(right) - 12 * mmPerPixel) < 1 && Math.abs(along(up) + 18 * mmPerPixel) < 1.2,
+            `moved by ${way} mm for ${12 * mmPerPixel}, ${-18 * mmPerPixel}`);
+  assert.deepEqual(await view.undoTexts(), ['drag']);
+});
+
+step('Esc restores, X keeps to an axis, the wheel changes the handle', async () => {
+  const before = await steps();
+  const [x, y] = await view.middle();
+  await grab([x - 30, y - 20], [-25, 10], async () => {
+    assert.ok(await steps() > before);
+    await page.key('Escape');
+  });
+  await view.until('it is as it was', `!$scene.grab && $scene.undo.reduce((sum, {steps}) => sum + steps, 0) === ${before}`);
+  await grab([x - 30, y - 20], [-25, 10], async () => {
+    await page.key('x');
+    await view.until('it is kept to the axis', '$carriedOut >= $sent');
+    const {radius} = await view.get('settings');
+    await page.wheel(x - 55, y - 10, -100);
+    await view.until('the handle is larger', `$settings.radius > ${radius} && $carriedOut >= $sent`);
+    await page.key('Enter');
+  });
+  await view.until('it is kept', '!$scene.grab && $tool === "none"');
+  await view.settled();
+  const {handles} = await scene();
+  const [left, posterior, superior] = moved(handles.at(-1));
+  assert.ok(Math.abs(left) > 2 && Math.abs(posterior) < 0.05 && Math.abs(superior) < 0.05, `moved by ${[left, posterior, superior]}`);
+  assert.equal(handles.at(-1).event.radius, (await view.get('settings')).radius);
+});
+
+step('anchor, relax and cut', async () => {
+  const [x, y] = await view.middle();
+  await page.move(x, y - 60);
+  await page.key('a');
+  await view.until('tissue is fixed', '$scene.anchors.length === 1');
+  await page.key('e');
+  await view.until('it relaxes', '$scene.undo.some(({text}) => text === "relax")', 30);
+  await view.settled(30);
+  await page.move(x, y);
+  await page.key('k');
+  await page.drag([x - 40, y + 30], [x + 40, y + 32], {steps: 10});
+  await view.until('it is cut', '$scene.cuts.length === 1', 20);
+  await view.settled(30);
+  assert.deepEqual((await view.undoTexts()).slice(-3), ['anchor', 'relax', 'cut']);
+  const {event} = (await scene()).cuts[0];
+  assert.ok(event.curve.points.length >= 2 && event.curve.depth === 20);
+});
+
+step('measure: a distance between two places', async () => {
+  const [x, y] = await view.middle('axial');
+  await page.move(x, y);
+  await page.key('m');
+  await page.drag([x - 40, y], [x + 40, y]);
+  await view.until('it is measured', '$measures.length === 1');
+  const [{from, to, text}] = await view.get('measures');
+  assert.equal(text, `${Number(distance(from, to).toPrecision(4))} mm`);
+  assert.ok(distance(from, to) > 20 && Math.abs(from[2] - to[2]) < 0.01);
+});
+
+step('journal and state: a replay of what was saved comes to the same body', async () => {
+  await view.saved('state', 'worked.vdb');
+  await view.saved('journal', 'session.toml');
+  supple('replay', folder.at('session.toml'), '--check', folder.at('worked.vdb'));
+});
+
+step('undo and redo go back to the beginning and forth again, exactly', async () => {
+  const all = await view.undoTexts();
+  for (let i = 0; i < all.length; ++i) await page.key('Control+z');
+  await view.until('everything is taken back', '$scene.undo.length === 0', 30);
+  await view.settled(30);
+  await view.saved('state', 'undone.vdb');
+  const hash = (name) => JSON.parse(supple('info', folder.at(name), '--json')).state_sha256 ?? JSON.parse(supple('info', folder.at(name), '--json')).sha256;
+  assert.equal(hash('undone.vdb'), hash('start.vdb'));
+  await page.key('Control+Shift+z');
+  await view.until('the first is made again', '$scene.undo.length === 1');
+  for (let i = 1; i < all.length; ++i) await page.key('Control+Shift+z');
+  await view.until('all are made again', `$scene.undo.length === ${all.length}`, 30);
+  await view.settled(30);
+  await view.saved('state', 'redone.vdb');
+  assert.equal(hash('redone.vdb'), hash('worked.vdb'));
+});
+
+step('Space shows the body at rest', async () => {
+  const deformed = await view.picture();
+  await page.clickOn('#view-3d .picture');
+  await page.key(' ');
+  await view.until('it is at rest', '$scene.deformed === false');
+  await view.settled();
+  assert.ok(difference(deformed, await view.picture()).mean > 0.05);
+  await page.key(' ');
+  await view.until('it is deformed', '$scene.deformed === true');
+  await view.settled();
+  assert.ok(difference(deformed, await view.picture()).mean < 0.02);
+});
+
+step('export: a warp in the words of the command line; an existing file only when told', async () => {
+  await view.saved('warp', 'warp.nrrd', {options: {direction: 'material'}});
+  assert.deepEqual(JSON.parse(supple('info', folder.at('warp.nrrd'), '--json')).dims, [96, 96, 54]);
+  const first = readFileSync(folder.at('warp.nrrd'));
+  await view.save('warp', 'warp.nrrd');
+  const told = await page.until('it is refused', `document.querySelector('dialog[open] .error').textContent`);
+  assert.match(told, /exists/);
+  await page.key('Escape');
+  await page.until('the dialog is gone', `!document.querySelector('dialog[open]')`);
+  await view.saved('warp', 'warp.nrrd', {force: true});
+  assert.notDeepEqual(readFileSync(folder.at('warp.nrrd')), first, 'the other direction');
+  await view.saved('screenshot', 'picture.png');
+  assert.ok(readPng(readFileSync(folder.at('picture.png'))).width > 100);
+});
+
+step('clips and lists can be edited', async () => {
+  await page.eval(`[...document.querySelectorAll('#panel-look button')].find((b) => /^Box/.test(b.textContent)).click()`);
+  await view.until('a box is clipped', '$scene.view.clips.length === 1');
+  await page.eval(`document.querySelector('[aria-label="Remove clip 1"]').click()`);
+  await view.until('no clip is left', '$scene.view.clips.length === 0');
+  const {anchors, handles} = await scene();
+  await page.eval(`document.querySelector('[aria-label="Let go of anchor 1"]').click()`);
+  await view.until('one is let go of, the others are fixed', `$carriedOut >= $sent && $scene.handles.length === 0 &&
+    $scene.anchors.length === ${anchors.length + handles.length - 1}`);
+});
+
+step('double click maximises a view and brings the four back', async () => {
+  const [x, y] = await view.middle();
+  const before = await page.box('#view-3d .picture');
+  await page.doubleClick(x, y);
+  await page.until('it is large', `document.querySelector('#view-axial').hidden`);
+  await view.settled();
+  const after = await page.box('#view-3d .picture');
+  assert.ok(after.width > before.width * 1.5);
+  assert.equal((await view.get('views'))['3d'].width, Math.round(after.width));
+  await page.doubleClick(...await view.middle());
+  await page.until('four are back', `!document.querySelector('#view-axial').hidden`);
+  await view.settled();
+});
+
+step('help lists all keys', async () => {
+  await page.key('?');
+  await page.until('the help is there', `document.querySelector('dialog.help').open`);
+  assert.ok(await page.eval(`document.querySelectorAll('dialog.help kbd').length`) > 40);
+  await page.key('Escape');
+  await page.until('it is gone', `!document.querySelector('dialog.help').open`);
+});
+
+step('everything that can be used has a name for screen readers', async () => {
+  await page.send('Accessibility.enable');
+  const {nodes} = await page.send('Accessibility.getFullAXTree');
+  const roles = ['button', 'textbox', 'spinbutton', 'combobox', 'slider', 'checkbox', 'tab', 'listbox', 'menuitem', 'application', 'link'];
+  const used = nodes.filter((node) => !node.ignored && roles.includes(node.role?.value));
+  assert.ok(used.length > 40);
+  assert.deepEqual(used.filter((node) => !node.name?.value).map((node) => node.role.value), []);
+});
+
+step('nothing is clipped or lies over another at any size of the window', async () => {
+  for (const [width, height, scale] of [[1280, 800, 1], [2560, 1440, 1], [390, 844, 2], [640, 400, 2]]) {
+    await page.resize(width, height, scale);
+    await sleep(150);
+    const faults = await page.eval(`(() => {
+      const seen = (e) => e.checkVisibility() && e.getBoundingClientRect().width > 0;
+      const parts = [...document.querySelectorAll('#toolbar button, #toolbar select, .view-bar > *, #status button')].filter(seen);
+      const boxes = parts.map((e) => [e, e.getBoundingClientRect()]);
+      const name = (e) => e.getAttribute('aria-label') || e.textContent || e.id;
+      const faults = [];
+      for (const [e, b] of boxes) {
+        if (b.left < -1 || b.top < -1 || b.right > innerWidth + 1 || b.bottom > innerHeight + 1) faults.push('outside: ' + name(e));
+        if (e.tagName === 'BUTTON' && e.scrollWidth > e.clientWidth + 1) faults.push('clipped: ' + name(e));
+      }
+      for (const bar of document.querySelectorAll('.view-bar')) if (seen(bar) && bar.scrollWidth > bar.clientWidth + 1) faults.push('bar: ' + bar.textContent);
+      const panel = document.getElementById('panel').getBoundingClientRect();
+      for (let i = 0; i < boxes.length; ++i) for (let k = 0; k < i; ++k) {
+        const [a, b] = [boxes[i][1], boxes[k][1]];
+        if (boxes[i][0].contains(boxes[k][0]) || boxes[k][0].contains(boxes[i][0])) continue;
+        if (Math.min(a.right, b.right) - Math.max(a.left, b.left) > 1 && Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 1) faults.push('over another: ' + name(boxes[i][0]) + ' and ' + name(boxes[k][0]));
+      }
+      if (document.documentElement.scrollWidth > innerWidth) faults.push('the page scrolls sideways');
+      return faults;
+    })()`);
+    assert.deepEqual(faults, [], `at ${width} × ${height}`);
+  }
+  await page.resize(kWindow.width, kWindow.height, 1);
+  await view.settled();
+});
+
+step('a page that is loaded again finds its session', async () => {
+  const before = await scene(), {session} = await view.get('hello');
+  await page.reload();
+  await view.until('it is back', 'window.supple && $scene && $views["3d"].count');
+  await view.settled();
+  const now = await scene();
+  assert.equal((await view.get('hello')).session, session);
+  assert.deepEqual([now.undo, now.handles, now.anchors], [before.undo, before.handles, before.anchors]);
+});
+
+step('two pages show the same session', async () => {
+  const other = new View(await browser.page(server.address, kWindow));
+  await other.until('the other page is connected', 'window.supple && $scene && $views["3d"].count');
+  await page.send('Page.bringToFront');  // browsers slow down pages that are behind another
+  const [x, y] = await view.middle();
+  await page.drag([x, y], [x - 60, y]);
+  const {position} = await camera();
+  await other.until('the other one turns, too', `Math.hypot(...$camera.position.map((v, a) => v - ${JSON.stringify(position)}[a])) < 0.01`);
+  await view.settled();
+  await other.settled();
+  assert.ok(difference(await view.picture(), await other.picture()).mean < 0.05);
+  assert.deepEqual(other.page.errors, []);
+  await other.page.close();
+  await page.key('1');
+  await view.settled();
+});
+
+step('touch: one finger rotates, two zoom, a long press grabs', async () => {
+  await page.send('Emulation.setTouchEmulationEnabled', {enabled: true, maxTouchPoints: 2});
+  const [x, y] = await view.middle();
+  const before = await camera();
+  const fingers = async (paths, pause = 25) => {
+    await page.touch('touchStart', paths.map(([from]) => from));
+    for (let i = 1; i <= 8; ++i) {
+      await page.touch('touchMove', paths.map(([from, to]) => from.map((v, a) => v + (to[a] - v) * i / 8)));
+      await sleep(pause);
+    }
+    await page.touch('touchEnd', []);
+  };
+  await fingers([[[x, y], [x + 60, y]]]);
+  await view.until('one finger turns', `Math.hypot(...$camera.position.map((v, a) => v - ${JSON.stringify(before.position)}[a])) > 20`);
+  const turned = await camera();
+  await fingers([[[x - 20, y], [x - 60, y]], [[x + 20, y], [x + 60, y]]]);
+  await view.until('two fingers zoom', `Math.hypot(...$camera.position.map((v, a) => v - $camera.target[a])) < ${0.5 * distance(turned.position, turned.target)}`);
+  await page.key('1');
+  await view.settled();
+  const done = (await view.undoTexts()).length;
+  await page.touch('touchStart', [[x, y]]);
+  await view.until('a long press grabs', '$scene.grab', 10);
+  for (let i = 1; i <= 5; ++i) {
+    await page.touch('touchMove', [[x + 4 * i, y]]);
+    await sleep(30);
+  }
+  await page.touch('touchEnd', []);
+  await view.until('lifting keeps', `!$scene.grab && $scene.undo.length === ${done + 1}`);
+  await page.send('Emulation.setTouchEmulationEnabled', {enabled: false});
+  await view.settled(30);
+});
+
+step('a server killed in mid-drag and started again is found again', async () => {
+  const [x, y] = await view.middle();
+  await grab([x, y], [10, 0]);
+  await server.stop('SIGKILL');
+  await page.until('the loss is told', `!document.getElementById('banner').hidden`);
+  await page.move(x + 20, y);
+  server = await Server.start(folder.at('head.nhdr'), '--material', folder.at('soft.toml'), '--folder', folder.path,
+                              '--token', folder.at('.token'), '--port', server.port);
+  await view.until('the page is back', '$state === "connected" && $counts.restarts === 1 && $scene', 20);
+  assert.equal(await page.eval(`document.getElementById('banner').hidden`), true);
+  assert.equal(await view.get('tool'), 'none');
+  await view.settled();
+  await grab([x, y], [10, 0]);
+  await page.key('Enter');
+  await view.until('it can be grabbed again', '!$scene.grab && $scene.undo.length === 1');
+  assert.ok(Object.values(await view.get('views')).every(({wentBack}) => wentBack === 0));
+});
+
+step('a server that ends says so', async () => {
+  const {code} = await server.stop('SIGINT');
+  assert.ok([0, 130, null].includes(code), `exit ${code}: ${server.errors}`);
+  const text = await page.until('it is told', `!document.getElementById('banner').hidden && document.getElementById('banner-text').textContent`);
+  assert.match(text, /ended|lost/);
+});

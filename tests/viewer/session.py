@@ -1,0 +1,360 @@
+"""A live session as a page drives it: pictures, picks, drags, undo, cuts, slices, files, several
+pages, reconnection, and the end of the server."""
+import os
+import signal
+import subprocess
+import sys
+import time
+
+from page import Closed, Page, Refused, Server, ball_folder, binary
+
+
+def expect(condition, what):
+    if not condition:
+        raise AssertionError(what)
+
+
+def error_of(call, *arguments, **keys):
+    try:
+        call(*arguments, **keys)
+    except RuntimeError as error:
+        return str(error)
+    raise AssertionError(f"no error of {arguments} {keys}")
+
+
+def begin(server, **keys):
+    page = Page(server.port, server.token, **keys)
+    page.until(lambda: page.scene is not None)
+    return page
+
+
+def surface(page):
+    """The pick in the middle of the picture, which the ball fills."""
+    hit = page.ask(pick={"view": "3d", "at": [48.5, 48.5]})
+    expect(hit and hit["element"], f"nothing in the middle: {hit}")
+    return hit
+
+
+def drag(page, mm=1.0, steps=5):
+    hit = surface(page)
+    page.event("grab", grab=hit["voxel"])
+    for step in range(1, steps + 1):
+        page.event("drag", to=[mm * step / steps, 0, 0])
+    page.carried_out()
+    return hit
+
+
+def pictures_and_scene(server, folder):
+    page = begin(server)
+    expect(page.hello["version"] and page.hello["pages"] == 1, page.hello)
+    page.ask(size={"3d": [96, 96], "axial": [64, 64], "coronal": [48, 32], "sagittal": [0, 0]})
+    settled = page.settle()
+    expect((settled.width, settled.height) == (96, 96) and settled.is_png, "a settled PNG")
+    axial = page.settle(view="axial")
+    expect((axial.width, axial.height) == (64, 64), "an axial slice")
+    page.settle(view="coronal")
+    expect(page.last("sagittal") is None, "a hidden view is not drawn")
+    scene = page.scene
+    expect(scene["volume"]["dims"] == [40, 40, 40] and scene["volume"]["elements"] > 10000, scene)
+    expect(scene["undo"] == [] and scene["model"] == "ecm", scene)
+    # The middle of the axial slice, by its affine, is the middle of the volume.
+    middle = [axial.pixels[a] + 31.5 * axial.pixels[3 + a] + 31.5 * axial.pixels[6 + a]
+              for a in range(3)]
+    expect(all(abs(place - 19.5) < 0.51 for place in middle), middle)
+    page.close()
+
+
+def drags_and_undo(server, folder):
+    page = begin(server)
+    page.ask(size={"3d": [96, 96]})
+    page.settle()
+    hit = drag(page)
+    expect(page.scene["undo"][-1]["text"] == "drag", page.scene["undo"])
+    expect(abs(page.scene["grab"]["reached"][0] - 1) < 1e-3, page.scene["grab"])
+    page.event("release")
+    page.settle()
+    expect(page.last().event >= page.drawn, "the settled picture shows the last drag")
+    moved = page.ask(pick={"view": "3d", "at": [48.5, 48.5]})
+    expect(max(abs(d) for d in moved["displacement"]) > 0.3, moved)
+    page.event("undo", all=True)
+    expect(page.carried_out()["undo"] == [] and len(page.scene["redo"]) == 1, page.scene)
+    page.event("redo", all=True)
+    expect(len(page.carried_out()["undo"]) == 1, page.scene)
+    page.event("undo", all=True)
+    page.carried_out()
+    # Esc: what was dragged since the grab is taken back, and no more.
+    page.event("grab", grab=hit["voxel"])
+    page.event("drag", to=[0, 0.5, 0])
+    page.event("release", restore=True)
+    expect(page.carried_out()["undo"] == [] and page.scene["grab"] is None, page.scene)
+    # One pixel to the right on the picture is as long in the world as the pick says.
+    right, towards = hit["right"], hit["towards"]
+    expect(abs(sum(a * b for a, b in zip(right, towards))) < 1e-6, "across the view")
+    page.close()
+
+
+def latest_wins(server, folder):
+    """Drags faster than they are done are merged; no picture shows an older event than one before."""
+    page = begin(server)
+    page.ask(size={"3d": [96, 96], "axial": [64, 64]})
+    hit = surface(page)
+    page.event("grab", grab=hit["voxel"])
+    for step in range(600):
+        page.send(event={"kind": "drag", "to": [0.002 * step, 0, 0]})
+        time.sleep(0.0027)  # below the limit of messages
+        while page.receive(0):
+            pass
+    page.settle()
+    page.event("release")
+    page.settle()
+    for view in ("3d", "axial"):
+        events = [frame.event for frame in page.frames if frame.view == view]
+        expect(events == sorted(events), f"{view}: {events}")
+        numbers = [frame.number for frame in page.frames if frame.view == view]
+        expect(numbers == sorted(set(numbers)), numbers)
+    steps = page.scene["undo"][-1]["steps"]
+    expect(1 <= steps <= 600, steps)
+    page.event("undo", all=True)
+    page.carried_out()
+    page.close()
+
+
+def unread_pictures(server, folder):
+    """A page that acknowledges nothing gets two pictures, and does not hold up another one."""
+    deaf = begin(server, acknowledges=False)
+    page = begin(server)
+    page.ask(size={"3d": [96, 96]})
+    for angle in range(20):
+        page.event("camera", camera={"position": [19.5 + angle, -200, 19.5],
+                                     "target": [19.5, 19.5, 19.5], "up": [0, 0, 1], "fov": 20})
+    page.settle()
+    while deaf.receive(0.2):
+        pass
+    expect(len(deaf.frames) == 2, f"{len(deaf.frames)} pictures without an acknowledgement")
+    deaf.acknowledges = True
+    deaf.send(ack=deaf.frames[0].number)
+    deaf.send(ack=deaf.frames[1].number)
+    deaf.until(lambda: deaf.last().is_settled)
+    expect(deaf.last().picture == page.last().picture, "both see the same")
+    expect(deaf.scene["view"]["camera"] == page.scene["view"]["camera"], "and know the same")
+    deaf.close()
+    page.close()
+
+
+def cuts_slices_and_settings(server, folder):
+    page = begin(server)
+    page.ask(size={"3d": [96, 96], "axial": [64, 64], "coronal": [0, 0], "sagittal": [64, 64]})
+    page.event("anchor", grab_ball=[20, 20, 8], radius=4)
+    page.event("cut", plane={"corner": [0, 0, 20.3], "edge1": [40, 0, 0], "edge2": [0, 18, 0]})
+    drag(page, 0.8)
+    page.event("release")
+    scene = page.carried_out()
+    expect(len(scene["anchors"]) == 1 and len(scene["cuts"]) == 1, scene["anchors"])
+    expect([stroke["text"] for stroke in scene["undo"]] == ["anchor", "cut", "drag"], scene["undo"])
+    page.event("relax", passes=12)
+    page.until(lambda: page.scene["undo"][-1] == {"text": "relax", "steps": 3})
+    slices = page.ask(slices={"cursor": [20, 12, 20], "overlay": "displacement"})
+    expect(slices["cursor"] == [20, 12, 20] and slices["window"] > 0, slices)
+    coloured = page.settle(view="axial")
+    page.ask(slices={"overlay": "det_f"})
+    expect(page.settle(view="axial").picture != coloured.picture, "another overlay")
+    expect(page.carried_out()["slices"]["overlay_range"] == [0.5, 1.5], page.scene["slices"])
+    page.ask(deformed=False)
+    rest = page.settle(view="3d")
+    page.ask(deformed=True)
+    expect(page.settle(view="3d").picture != rest.picture, "at rest it looks otherwise")
+    page.event("limits", limits="tighten")
+    page.event("model", model="springs")
+    scene = page.carried_out()
+    expect((scene["limits"], scene["model"]) == ("tighten", "springs"), scene["model"])
+    page.event("limits", limits="box")
+    page.event("model", model="ecm")
+    material = page.ask(material=True)
+    material["max_length"] = [[0, 1.4], [1200, 1.4]]
+    page.event("material", material=material)
+    page.carried_out()
+    expect(page.ask(material=True)["max_length"][0][1] == 1.4, "a new material")
+    page.event("undo", all=True)
+    page.carried_out()
+    expect(page.ask(material=True)["max_length"][0][1] != 1.4, "the old material")
+    for _ in range(4):
+        page.event("undo", all=True)
+    expect(page.carried_out()["undo"] == [] and page.scene["cuts"] == [], page.scene["undo"])
+    page.close()
+
+
+def looks_and_questions(server, folder):
+    page = begin(server)
+    presets = page.ask(presets=True)
+    expect(len(presets) > 10 and presets[0]["opacity"], presets[:1])
+    own = dict(presets[0], name="mine", opacity=[[500, 0.0], [900, 0.9]])
+    page.event("look", transfer=own)
+    expect(page.carried_out()["view"]["transfer"]["opacity"] == own["opacity"], page.scene["view"])
+    page.event("look", preset="MR-Default")
+    expect(page.carried_out()["view"]["preset"] == "MR-Default", page.scene["view"])
+    page.event("clip", clip=[{"box": [0, 0, 0, 20, 40, 40]}])
+    expect(len(page.carried_out()["view"]["clips"]) == 1, page.scene["view"]["clips"])
+    page.event("clip", clip=[])
+    histogram = page.ask(histogram={"bins": 64})
+    expect(sum(histogram["counts"]) == page.scene["volume"]["elements"], histogram)
+    expect({"name", "help", "type"} <= set(page.ask(options={"kind": "relax"})[0]), "options")
+    expect(page.ask(materials=True)[0]["table"]["shear"], "presets of materials")
+    ray = page.ask(pick={"view": "3d", "at": [0.5, 0.5], "ray_only": True})
+    expect(ray["ray"]["direction"] and "voxel" not in ray, ray)
+    expect(page.ask(pick={"view": "3d", "at": [0.5, 0.5]}) is None, "a corner is empty")
+    for message in ({"event": {"kind": "drag", "to": [1, 2]}}, {"event": {"kind": "no"}},
+                    {"event": {"kind": "grab"}}, {"size": {"3d": [-1, 5]}}, {"pick": {}},
+                    {"size": {"4d": [5, 5]}}, {"slices": {"window": 0}}, {"deformed": 1},
+                    {"options": {"kind": "no"}}, {"histogram": {"bins": 1}},
+                    {"event": {"kind": "look", "preset": "no"}}, {"list": 5}):
+        try:
+            page.ask(**message)
+            page.until(lambda: page.logs and page.logs[-1].get("n") == page.n, 10)
+        except RuntimeError:
+            pass
+    page.event("drag", to=[1, 0, 0])  # nothing is grabbed
+    page.until(lambda: page.logs and page.logs[-1].get("n") == page.n)
+    expect("grab" in page.logs[-1]["text"], page.logs[-1])
+    page.close()
+
+
+def files(server, folder):
+    page = begin(server)
+    page.ask(size={"3d": [96, 96]})
+    drag(page)
+    page.event("release")
+    page.settle()
+    for what, name, more in (
+            ("state", "live.vdb", {}), ("scene", "live.toml", {}), ("journal", "journal.toml", {}),
+            ("camera", "camera.toml", {}), ("transfer", "look.toml", {}),
+            ("screenshot", "shot.png", {"size": [80, 60]}), ("slices", "slices.png", {}),
+            ("screenshot", "axial.png", {"size": [80, 60], "view": "axial"}),
+            ("warp", "warp.nrrd", {}), ("warp", "push.nii.gz", {"direction": "material"}),
+            ("volume", "moved.nrrd", {}), ("turntable", "turn.png", {"frames": 3, "size": [32, 32]})):
+        told = page.ask(save={"what": what, "path": name, **more})
+        path = os.path.join(folder, name)
+        if what == "turntable":
+            path = os.path.join(folder, "turn_0002.png")
+        else:
+            expect(told["bytes"] == os.path.getsize(path), told)
+        expect(os.path.getsize(path) > 0, path)
+    expect("exists" in error_of(page.ask, save={"what": "state", "path": "live.vdb"}), "exists")
+    page.ask(save={"what": "state", "path": "live.vdb", "force": True})
+    error_of(page.ask, save={"what": "state", "path": "live.png"})
+    # The journal, the scene and the state that were saved lead to the same body.
+    run = subprocess.run([binary(), "replay", "journal.toml", "--quiet", "--check", "live.vdb",
+                          "--size", "32,32"], cwd=folder)
+    expect(run.returncode == 0, "the journal leads to the state")
+    run = subprocess.run([binary(), "replay", "live.toml", "--quiet", "--check", "live.vdb", "--size",
+                          "32,32"], cwd=folder)
+    expect(run.returncode == 0, "the scene leads to the state")
+    # The settled picture is that of `supple render`.
+    subprocess.run([binary(), "render", "live.vdb", "--quiet", "--camera", "camera.toml", "--preset",
+                    page.scene["view"]["preset"], "--size", "80,60", "-o", "render.png"], cwd=folder,
+                   check=True)
+    with open(os.path.join(folder, "shot.png"), "rb") as shot:
+        subprocess.run([binary(), "compare", "shot.png", "render.png", "--max-rmse", "0"], cwd=folder,
+                       check=True, stdout=subprocess.DEVNULL)
+    # What was saved is listed, and opened again.
+    listed = page.ask(list={"path": folder})
+    expect({"name", "bytes", "kind"} == set(listed["files"][0]), listed["files"][0])
+    expect("live.vdb" in [file["name"] for file in listed["files"]], listed)
+    expect(page.ask(list={"path": ""})["folders"] == [os.path.realpath(folder)], "one root")
+    page.ask(open={"path": "live.vdb"})
+    page.until(lambda: page.scene and page.scene["volume"]["path"].endswith("live.vdb"))
+    page.settle()
+    moved = surface(page)
+    expect(max(abs(d) for d in moved["displacement"]) > 0.3, f"the state is shown moved: {moved}")
+    error_of(page.ask, open={"path": "shot.png"})
+    error_of(page.ask, open={"path": "missing.nrrd"})
+    surface(page)
+    page.ask(open={"path": "ball.nrrd"})
+    page.until(lambda: page.scene and page.scene["volume"]["path"].endswith("ball.nrrd"))
+    page.close()
+
+
+def reconnection(server, folder):
+    page = begin(server)
+    page.ask(size={"3d": [96, 96]})
+    hit = surface(page)
+    page.event("grab", grab=hit["voxel"])
+    page.event("drag", to=[0.7, 0, 0])
+    page.carried_out()
+    session = page.hello["session"]
+    page.socket.close()  # in mid-drag
+    again = begin(server)
+    expect(again.hello["session"] == session, "the same session")
+    expect(abs(again.scene["grab"]["reached"][0] - 0.7) < 1e-3, again.scene["grab"])
+    again.until(lambda: again.last() is not None)
+    again.event("drag", to=[0.9, 0, 0])
+    again.event("release")
+    expect(again.carried_out()["grab"] is None, "released")
+    again.event("undo", all=True)
+    again.carried_out()
+    again.close()
+
+
+def ends(folder):
+    """Ctrl-C, the last page gone, a port that is taken, and a kill in mid-drag."""
+    server = Server("ball.nrrd", folder=folder)
+    page = begin(server)
+    drag(page)
+    page.send(event={"kind": "relax", "passes": 1000})
+    code, errors = server.stop(signal.SIGINT)
+    expect(code == -signal.SIGINT, f"{code} {errors}")
+    expect(errors.count("\n") <= 4 and "Sanitizer" not in errors, errors)
+    try:
+        page.until(lambda: page.bye is not None, 10)
+    except Closed:
+        raise AssertionError("no good-bye")
+
+    server = Server("ball.nrrd", "--grace", "0.5", folder=folder)
+    begin(server).close()
+    server.process.wait(20)
+    expect(server.stop()[0] == 0, "a session whose last page is gone ends by itself")
+
+    server = Server("ball.nrrd", "--token", "token.txt", folder=folder)
+    page = begin(server)
+    hit = surface(page)
+    page.event("grab", grab=hit["voxel"])
+    page.send(event={"kind": "drag", "to": [1, 0, 0]})
+    taken = subprocess.run([binary(), "view", "--no-browser", "--port", str(server.port)],
+                           capture_output=True, text=True, cwd=folder)
+    expect(taken.returncode == 4 and taken.stderr.count("\n") == 1, taken)
+    port, token = server.port, server.token
+    server.process.kill()
+    server.stop()
+    again = Server("ball.nrrd", "--token", "token.txt", "--port", str(port), folder=folder)
+    expect(again.token == token, "the token outlives the server")
+    page = begin(again)
+    expect(page.scene["undo"] == [], "a new session")
+    page.close()
+    again.stop()
+    empty = Server(folder=folder)
+    page = Page(empty.port, empty.token)
+    expect("nothing" in error_of(page.event, "undo"), "nothing is open")
+    page.ask(open={"path": "ball.nrrd"})
+    page.until(lambda: page.scene is not None)
+    page.settle()
+    empty.stop()
+
+
+def main():
+    with ball_folder() as folder:
+        with Server("ball.nrrd", "--size", "96,96", folder=folder) as server:
+            for part in (pictures_and_scene, drags_and_undo, latest_wins, unread_pictures,
+                         cuts_slices_and_settings, looks_and_questions, reconnection, files):
+                begun = time.monotonic()
+                part(server, folder)
+                print(f"{part.__name__}: {time.monotonic() - begun:.1f} s", flush=True)
+        ends(folder)
+        print("ends")
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except (AssertionError, RuntimeError, TimeoutError, Closed, Refused) as error:
+        import traceback
+        traceback.print_exc()
+        sys.exit(1)

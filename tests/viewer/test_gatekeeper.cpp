@@ -1,0 +1,134 @@
+// Who may speak to the viewer, and which files a page may name.
+#include <filesystem>
+#include <fstream>
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include "tests/support/errors.h"
+#include "tests/support/temporary_folder.h"
+#include "tools/viewer/folders.h"
+#include "tools/viewer/gatekeeper.h"
+#include "volumes/base/error.h"
+
+using namespace supple;
+using namespace supple::test;
+using namespace supple::tools;
+
+namespace {
+
+const std::string kToken(32, 'a');
+
+}  // namespace
+
+TEST(UnitGatekeeper, OnlyNamesOfTheLoopbackWithThePortAreHosts) {
+  const Gatekeeper gate(8080, kToken);
+  for (const char* own : {"localhost:8080", "127.0.0.1:8080", "[::1]:8080"}) {
+    EXPECT_TRUE(gate.is_own_host(own)) << own;
+    EXPECT_TRUE(gate.is_own_origin(std::string("http://") + own)) << own;
+  }
+  for (const char* foreign :
+       {"", "localhost", "127.0.0.1", "127.0.0.1:80", "127.0.0.1:80800", "localhost:8080.evil.org",
+        "evil.org:8080", "localhost.evil.org:8080", "127.0.0.2:8080", "0.0.0.0:8080", "[::]:8080",
+        "::1:8080", "LOCALHOST:8080 ", "user@localhost:8080", "localhost:8080/",
+        "localhost:8080,x"}) {
+    EXPECT_FALSE(gate.is_own_host(foreign)) << foreign;
+    EXPECT_FALSE(gate.is_own_origin(std::string("http://") + foreign)) << foreign;
+  }
+}
+
+TEST(UnitGatekeeper, AnOriginIsThePagesOrNone) {
+  const Gatekeeper gate(8080, kToken);
+  EXPECT_TRUE(gate.is_own_origin(""));
+  for (const char* foreign : {"null", "https://localhost:8080", "file://", "http:/localhost:8080",
+                              "http://http://localhost:8080", "ws://localhost:8080"}) {
+    EXPECT_FALSE(gate.is_own_origin(foreign)) << foreign;
+  }
+}
+
+TEST(UnitGatekeeper, TheTokenMustBeThereWhole) {
+  const Gatekeeper gate(1, kToken);
+  EXPECT_TRUE(gate.has_token("supple." + kToken));
+  EXPECT_TRUE(gate.has_token("chat,\t supple." + kToken + " ,other"));
+  for (const std::string& wrong :
+       {std::string(), std::string("supple."), "supple." + kToken.substr(1),
+        "supple." + kToken + "a", "Supple." + kToken, kToken, "supple. " + kToken,
+        "supple." + std::string(32, 'b'), std::string(1000, ','), "supple." + kToken + "\n"}) {
+    EXPECT_FALSE(gate.has_token(wrong)) << wrong;
+  }
+}
+
+TEST(UnitGatekeeper, TokensDifferAndOneOfAFileIsKeptAwayFromOthers) {
+  EXPECT_EQ(make_token().size(), 32u);
+  EXPECT_NE(make_token(), make_token());
+  const TemporaryFolder folder;
+  const std::string path = folder / "token";
+  const std::string token = token_of_file(path);
+  EXPECT_EQ(token_of_file(path), token);
+  struct stat status {};
+  ASSERT_EQ(::stat(path.c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777, 0600u);
+  ASSERT_EQ(::chmod(path.c_str(), 0644), 0);
+  EXPECT_THROW(token_of_file(path), InputError);
+  ASSERT_EQ(::chmod(path.c_str(), 0600), 0);
+  std::ofstream(path) << "short";
+  EXPECT_THROW(token_of_file(path), InputError);
+}
+
+class UnitFolders : public ::testing::Test {
+ protected:
+  UnitFolders() {
+    std::filesystem::create_directories(m_outside / "in/below");
+    for (const char* name : {"secret", "in/file", "in/below/deep"}) {
+      std::ofstream(m_outside / name) << name;
+    }
+    std::filesystem::create_symlink(m_outside / "secret", m_outside / "in/leads_out");
+    std::filesystem::create_symlink(m_outside / "in/file", m_outside / "in/leads_in");
+    std::filesystem::create_directory_symlink("..", m_outside / "in/up");
+  }
+  std::string at(const std::string& name) const { return m_outside / name; }
+
+  TemporaryFolder m_outside;
+};
+
+TEST_F(UnitFolders, FilesBelowAreFoundWithoutLinks) {
+  const Folders folders({at("in")});
+  const std::string root = std::filesystem::canonical(at("in")).string();
+  EXPECT_EQ(folders.input("file"), root + "/file");
+  EXPECT_EQ(folders.input("below/../file"), root + "/file");
+  EXPECT_EQ(folders.input(at("in/below/deep")), root + "/below/deep");
+  EXPECT_EQ(folders.input("leads_in"), root + "/file");
+  EXPECT_EQ(folders.input(root), root);
+  EXPECT_EQ(folders.output("below/new.vdb"), root + "/below/new.vdb");
+  EXPECT_EQ(folders.output("file"), root + "/file");
+}
+
+TEST_F(UnitFolders, NothingElseIsReadOrWritten) {
+  const Folders folders({at("in")});
+  for (const std::string& path :
+       {std::string(), std::string("../secret"), at("secret"), std::string("leads_out"),
+        std::string("up/secret"), std::string("/etc/passwd"), std::string("missing"),
+        std::string("below/../../secret"), std::string("file\0.png", 9), std::string("file\n"),
+        at("in") + "x", std::string(5000, 'a'), std::string(".."), std::string("/")}) {
+    EXPECT_THROW(folders.input(path), InputError) << path;
+  }
+  for (const std::string& path :
+       {std::string(), std::string("."), std::string("below/"), std::string("leads_out"),
+        std::string("leads_in"), std::string("../new"), std::string("up/new"),
+        std::string("missing/new"), std::string("below"), at("new"), std::string("/tmp/new")}) {
+    EXPECT_THROW(folders.output(path), InputError) << path;
+  }
+}
+
+TEST_F(UnitFolders, WhatIsOutsideAndWhatIsMissingLookAlike) {
+  const Folders folders({at("in")});
+  const auto message = [&](const std::string& path) {
+    try {
+      folders.input(path);
+    } catch (const InputError& error) {
+      return error.problem().found + error.problem().expected;
+    }
+    return std::string("found");
+  };
+  EXPECT_EQ(message("../secret"), message("../nothing"));
+}

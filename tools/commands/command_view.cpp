@@ -1,0 +1,158 @@
+// supple view: a live session in the browser.
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+
+#include <fcntl.h>
+#include <nlohmann/json.hpp>
+#include <spawn.h>
+#include <unistd.h>
+
+#include "tools/console/command.h"
+#include "tools/console/field_options.h"
+#include "tools/console/signals.h"
+#include "tools/viewer/gatekeeper.h"
+#include "tools/viewer/server.h"
+
+namespace supple::tools {
+
+namespace {
+
+struct ViewCommand {
+  ViewerOptions viewer;
+  ServerOptions server;
+  std::vector<std::string> folders;
+  std::string token_file;
+  bool no_browser = false;
+};
+
+Fields fields(ViewCommand& command) {
+  return {
+      Field("port", command.server.port, "Of 127.0.0.1; 0: a free one").range(0, 65535),
+      Field("budget", command.viewer.budget_ms,
+            "From event to first pixels; 0: as long as it takes")
+          .unit("ms")
+          .at_least(0),
+      Field("size", command.viewer.size, "Pixels until a page tells its own").range(1, 4096),
+      Field("grace", command.server.grace_s, "That the session outlives its last page; 0: for ever")
+          .unit("s")
+          .at_least(0),
+  };
+}
+
+/// A file that leads the browser to the page. On a command line others could read the token.
+class Doorway {
+ public:
+  explicit Doorway(const std::string& address) {
+    std::string name = (std::filesystem::temp_directory_path() / "supple-XXXXXX.html").string();
+    const int file = ::mkostemps(name.data(), 5, O_CLOEXEC);
+    if (file < 0) return;
+    m_path = name;
+    const std::string text =
+        "<!doctype html><meta http-equiv=\"refresh\" content=\"0;url=" + address +
+        "\"><title>supple</title>\n";
+    if (::write(file, text.data(), text.size()) < 0) m_path.clear();
+    ::close(file);
+  }
+  ~Doorway() {
+    if (!m_path.empty()) ::unlink(m_path.c_str());
+  }
+  Doorway(const Doorway&) = delete;
+  Doorway& operator=(const Doorway&) = delete;
+
+  /// With what the system opens pages with; without a display that would be a terminal.
+  void open() const {
+    const bool has_display = std::getenv("DISPLAY") != nullptr || std::getenv("WAYLAND_DISPLAY");
+    if (m_path.empty() || !has_display) return;
+    posix_spawn_file_actions_t quiet;
+    posix_spawn_file_actions_init(&quiet);
+    for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+      posix_spawn_file_actions_addopen(&quiet, stream, "/dev/null", O_RDWR, 0);
+    }
+    std::string program = "xdg-open", path = m_path;
+    char* arguments[] = {program.data(), path.data(), nullptr};
+    pid_t process = 0;
+    ::posix_spawnp(&process, program.c_str(), &quiet, nullptr, arguments, environ);
+    posix_spawn_file_actions_destroy(&quiet);
+  }
+
+ private:
+  std::string m_path;
+};
+
+std::vector<std::string> folders_of(const ViewCommand& command) {
+  std::vector<std::string> folders = command.folders;
+  if (!folders.empty()) return folders;
+  folders.emplace_back(".");
+  if (!command.viewer.input.empty()) {
+    folders.push_back(std::filesystem::absolute(command.viewer.input).parent_path().string());
+  }
+  return folders;
+}
+
+void tell_address(const std::string& address, int port, const GlobalOptions& global) {
+  if (global.json) {
+    const nlohmann::ordered_json json = {{"address", address}, {"port", port}};
+    std::printf("%s\n", json.dump().c_str());
+  } else {
+    std::printf("%s\n", address.c_str());
+  }
+  std::fflush(stdout);
+}
+
+int run_view(ViewCommand command, const GlobalOptions& global, Console& console) {
+  const Folders folders(folders_of(command));
+  command.server.token =
+      command.token_file.empty() ? make_token() : token_of_file(command.token_file);
+  Server server(command.server);
+  Viewer viewer(command.viewer, folders, console);
+  const std::string address =
+      "http://127.0.0.1:" + std::to_string(server.port()) + "/#" + command.server.token;
+  console.clear_line();
+  tell_address(address, server.port(), global);
+  std::optional<Doorway> doorway;
+  if (!command.no_browser) {
+    doorway.emplace(address);
+    doorway->open();
+  }
+  server.run(viewer, [&] { return console.cancelled(); });
+  viewer.join_thread();
+  poll(&console);
+  return kOk;
+}
+
+}  // namespace
+
+Command add_view(CLI::App& program) {
+  CLI::App* app = add_subcommand(
+      program, "view", "Deform a volume live, in the browser: grab, drag, cut, relax, undo",
+      "  supple view head.nii.gz --material ct-head\n"
+      "  supple view session.toml --folder ~/volumes\n"
+      "  supple view drag.vdb --port 8080 --no-browser");
+  auto command = std::make_shared<ViewCommand>();
+  app->add_option("input", command->viewer.input,
+                  "A volume, a state, a scene or a journal; without one the page opens it")
+      ->option_text("VOLUME|STATE|SCENE");
+  app->add_option("--material", command->viewer.material,
+                  "Of a volume: a table, or one that `supple presets --materials` lists")
+      ->option_text("M.toml|NAME");
+  app->add_option("--preset", command->viewer.preset, "Look to begin with")->option_text("NAME");
+  app->add_option("--folder", command->folders,
+                  "Folder whose files the page may open and write; may be repeated (the current "
+                  "one and that of the input)")
+      ->option_text("DIR")
+      ->allow_extra_args(false);
+  add_field_options(*app, fields(*command));
+  app->add_flag("--no-browser", command->no_browser, "Print the address, open no browser");
+  app->add_option("--token", command->token_file,
+                  "Keep the address's token in this file, so that pages outlive a restart")
+      ->option_text("FILE");
+  app->add_option("--page", command->server.page_folder,
+                  "Serve the page from this folder, while one works on it")
+      ->option_text("DIR");
+  return {app, [command](const GlobalOptions& global, Console& console) {
+            return run_view(*command, global, console);
+          }};
+}
+
+}  // namespace supple::tools

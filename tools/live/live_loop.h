@@ -1,0 +1,86 @@
+// The thread of a live session: it carries out the events of a mailbox one after the other, draws
+// what each leads to within a promised time, relaxes in slices between which new events come, and
+// refines the picture while nothing else is to be done. A replay runs one, and a viewer.
+#pragma once
+
+#include "raycast/pictures/image.h"
+#include "tools/live/event_mailbox.h"
+#include "tools/live/live_picture.h"
+#include "tools/live/live_session.h"
+#include "tools/live/stopwatch.h"
+
+namespace supple::tools {
+
+/// solve: events that change the body; prepare: what rays read; frame: bounds and rays;
+/// first_pixels: from the event to the picture of it; refined: from there to the settled one.
+enum class LivePhase { solve, prepare, frame, first_pixels, refined };
+
+/// What a loop tells; called from the thread that runs it.
+class LoopWatcher {
+ public:
+  virtual ~LoopWatcher() = default;
+  virtual void spent(LivePhase, const Stopwatch&) {}
+  /// Before an event or a slice of relaxation is carried out.
+  virtual void begins() {}
+  virtual void carried_out(const LiveEvent&) {}
+  /// The event cannot be done, and nothing has changed. False: it ends the loop.
+  virtual bool refused(const LiveEvent&, const std::string& /*why*/) { return false; }
+  /// A first picture, which better ones follow.
+  virtual void drew(const Image&, const LiveCost&, const Stopwatch& /*since_event*/) {}
+  virtual void settled(const Image&, const Stopwatch& /*since_event*/) {}
+  /// Some other work, a short piece of it; false when there is none. Before pictures are refined.
+  virtual bool work() { return false; }
+};
+
+/// How a page wants to see it, whatever the events say.
+struct LiveFrame {
+  PixelSize size{512, 512};
+  bool deformed = true;
+  double budget_ms = 50;  // from event to first pixels; 0: as long as it takes
+};
+
+class LiveLoop {
+ public:
+  /// All outlive the loop. `progress`: of what events do; null: none.
+  LiveLoop(LiveSession& live, const LiveFrame& frame, LoopWatcher& watcher, Console& console,
+           Progress* progress = nullptr);
+
+  /// From another thread: something has been posted.
+  void interrupt() { m_picture.interrupt(); }
+
+  /// The body as it was opened, settled.
+  void settle();
+  /// Until the mailbox is closed and all is done, or leave(). Throws Cancelled when the console
+  /// says so, and what an event throws that the watcher does not put up with.
+  void run(EventMailbox& mailbox);
+  /// run() returns after the task that calls this.
+  void leave() { m_leaves = true; }
+
+  /// One event, and its first pixels.
+  void show(const LiveEvent& event, std::chrono::steady_clock::time_point posted);
+  /// A slice of relaxation, and its first pixels.
+  void relax_on();
+  /// One pass more; false when there is nothing left to do.
+  bool refine();
+  /// Another size or pose; the next run() draws it.
+  void set_frame(const LiveFrame& frame);
+
+  LiveSession& live() { return m_live; }
+  LivePicture& picture() { return m_picture; }
+
+ private:
+  SceneView framed(SceneView view) const;
+  bool carry_out(const LiveEvent& event);
+  void draw(const Stopwatch& since_event);
+
+  LiveSession& m_live;
+  LiveFrame m_frame;
+  LoopWatcher& m_watcher;
+  Console& m_console;
+  Progress* m_progress;
+  LivePicture m_picture;
+  Stopwatch m_asked;  // since the event that the picture follows
+  bool m_has_work = true, m_leaves = false;
+};
+
+}  // namespace supple::tools

@@ -1,0 +1,42 @@
+// Pictures on their way to a page: JPEG while it moves, PNG once it is settled, behind a small head
+// (README.md).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "raycast/pictures/image.h"
+#include "volumes/base/vec.h"
+
+namespace supple::tools {
+
+constexpr int kViewCount = 4;
+extern const std::array<const char*, kViewCount> kViewNames;  // 3d, axial, coronal, sagittal
+
+/// The LPS place of a picture's first pixel, and what one pixel to the right and down is.
+struct PixelFrame {
+  Vec3d first_lps_mm, right_mm, down_mm;
+};
+
+struct FrameMessage {
+  std::uint64_t stamp = 0;   // ascends with what is shown; of two the later is newer
+  std::uint64_t number = 0;  // of the last message that it shows
+  int view = 0;
+  bool is_png = false, is_settled = false;
+  int width = 0, height = 0;  // of the view
+  double ms = 0;              // since the event
+  std::optional<PixelFrame> pixels;
+  std::vector<std::uint8_t> picture;
+};
+
+/// `event`: `number` as the page counts.
+std::vector<std::uint8_t> head_of(const FrameMessage& frame, std::uint32_t event,
+                                  std::uint32_t frame_number);
+
+/// Opaque, on black. Throws Error.
+std::vector<std::uint8_t> jpeg_of(const Image& image);
+
+}  // namespace supple::tools

@@ -1,0 +1,170 @@
+#include "tools/viewer/open_scene.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tools/outputs/view_pictures.h"
+
+namespace supple::tools {
+
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr auto kTellScenesEvery = 100ms;
+/// Pixels of slices in haste: one of so many along each axis.
+constexpr int kHasteEvery = 2;
+
+double rounded_up(double length) {
+  if (!(length > 0)) return 1;
+  const double unit = std::pow(10, std::floor(std::log10(length)));
+  for (const double step : {1., 2., 5.}) {
+    if (step * unit >= length) return step * unit;
+  }
+  return 10 * unit;
+}
+
+LiveFrame frame_for(const ViewSettings& settings, double budget_ms) {
+  PixelSize size = settings.sizes[0];
+  if (size[0] == 0 || size[1] == 0) size = {64, 64};  // hidden
+  return {size, settings.deformed, budget_ms};
+}
+
+}  // namespace
+
+OpenScene::OpenScene(const TomlTable& root, double budget_ms, const ViewSettings& settings,
+                     const SceneOutlets& outlets)
+    : m_outlets(outlets),
+      m_settings(settings),
+      m_live(root, &outlets.progress),
+      m_loop(m_live, frame_for(settings, budget_ms), *this, outlets.console, &outlets.progress),
+      m_budget_ms(budget_ms) {
+  m_settings.slices = default_slices(picture().opened());
+  for (const LiveEvent& event : m_live.events()) {
+    m_live.carry_out(event, &outlets.progress);
+    while (m_live.pending() > 0) m_live.relax_on(&outlets.progress);
+  }
+  m_stale = {0, 1, 1, 1};
+}
+
+void OpenScene::run(EventMailbox& mailbox) {
+  m_loop.set_frame(frame_for(m_settings, m_budget_ms));
+  tell_scene();
+  m_loop.run(mailbox);
+}
+
+void OpenScene::see(const ViewSettings& settings, std::uint64_t number) {
+  m_number = number;
+  const bool is_other_picture =
+      settings.sizes[0] != m_settings.sizes[0] || settings.deformed != m_settings.deformed;
+  m_settings = settings;
+  for (int view = 1; view < kViewCount; ++view) m_stale[std::size_t(view)] = 1;
+  m_range.reset();
+  m_is_told = false;
+  if (is_other_picture) m_loop.set_frame(frame_for(m_settings, m_budget_ms));
+}
+
+void OpenScene::begins() {
+  m_outlets.progress.begin();
+  m_moves_view = false;
+}
+
+void OpenScene::carried_out(const LiveEvent& event) {
+  m_moves_view = event.is_of_view();
+  m_number = std::uint64_t(event.number);
+  m_is_told = false;
+  m_outlets.progress.end();
+}
+
+bool OpenScene::refused(const LiveEvent& event, const std::string& why) {
+  m_number = std::max(m_number, std::uint64_t(event.number));
+  m_outlets.pages.tell_refused(m_number, why);
+  m_is_told = false;
+  m_outlets.progress.end();
+  return true;
+}
+
+FrameMessage OpenScene::frame_of(int view, double ms) const {
+  FrameMessage frame;
+  frame.stamp = m_outlets.pages.next_stamp();
+  frame.number = m_number;
+  frame.view = view;
+  frame.width = m_settings.sizes[std::size_t(view)][0];
+  frame.height = m_settings.sizes[std::size_t(view)][1];
+  frame.ms = ms;
+  return frame;
+}
+
+void OpenScene::drew(const Image& first, const LiveCost&, const Stopwatch& since_event) {
+  if (!m_moves_view) {
+    m_range.reset();
+    for (std::size_t view = 1; view < kViewCount; ++view) m_stale[view] = 2;
+  }
+  if (m_settings.sizes[0][0] == 0) return;
+  FrameMessage frame = frame_of(0, 0);
+  frame.picture = jpeg_of(first);
+  frame.ms = since_event.ms();
+  m_outlets.pages.publish(std::move(frame));
+}
+
+void OpenScene::settled(const Image& image, const Stopwatch& since_event) {
+  if (m_settings.sizes[0][0] == 0) return;
+  FrameMessage frame = frame_of(0, since_event.ms());
+  frame.is_settled = true;
+  m_outlets.encoder.encode(std::move(frame), image);
+}
+
+/// Slices in haste while the picture moves, and exactly once it has settled.
+bool OpenScene::work() {
+  if (!m_is_told && may_tell()) tell_scene();
+  return draw_next_pane() || !m_is_told;
+}
+
+bool OpenScene::draw_next_pane() {
+  const bool is_at_rest = picture().settled().has_value();
+  for (int view = 1; view < kViewCount; ++view) {
+    int& stale = m_stale[std::size_t(view)];
+    const PixelSize& size = m_settings.sizes[std::size_t(view)];
+    if (size[0] == 0 || size[1] == 0) stale = 0;
+    if (stale == 0 || (stale == 1 && !is_at_rest)) continue;
+    const bool exact = is_at_rest;
+    const RestPlaceAt rest = picture().rest_places(exact);
+    SlicePane pane = draw_pane(picture().opened(), m_settings.slices, view - 1, size, rest,
+                               overlay_range(), exact ? 1 : kHasteEvery);
+    FrameMessage frame = frame_of(view, 0);
+    frame.pixels = pane.pixels;
+    frame.is_settled = exact;
+    stale = exact ? 0 : 1;
+    if (exact) {
+      m_outlets.encoder.encode(std::move(frame), std::move(pane.image));
+    } else {
+      frame.picture = jpeg_of(pane.image);
+      m_outlets.pages.publish(std::move(frame));
+    }
+    return true;
+  }
+  return false;
+}
+
+/// Of displacements the largest, rounded up, so that the legend holds still.
+OverlayRange OpenScene::overlay_range() {
+  if (m_range) return *m_range;
+  m_range = OverlayRange{0.5, 1.5};
+  if (m_settings.slices.overlay == SliceOverlay::displacement) {
+    m_range = OverlayRange{0, rounded_up(picture().longest_mm())};
+  }
+  return *m_range;
+}
+
+/// While a hand drags ten times a second are enough.
+bool OpenScene::may_tell() const {
+  return !m_live.grabbed() || std::chrono::steady_clock::now() - m_told > kTellScenesEvery;
+}
+
+void OpenScene::tell_scene() {
+  m_is_told = true;
+  m_told = std::chrono::steady_clock::now();
+  m_outlets.pages.tell_scene(description(), m_number);
+}
+
+}  // namespace supple::tools

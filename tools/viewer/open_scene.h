@@ -1,0 +1,85 @@
+// What is open in the viewer: a live session with its loop, its pictures on their way to the pages,
+// and what the pages ask about it. Everything here runs on the thread of the loop.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "tools/live/live_loop.h"
+#include "tools/viewer/frame_encoder.h"
+#include "tools/viewer/page_progress.h"
+#include "tools/viewer/view_settings.h"
+
+namespace supple::tools {
+
+/// What a scene says to the pages through.
+struct SceneOutlets {
+  Pages& pages;
+  FrameEncoder& encoder;
+  PageProgress& progress;
+  Console& console;
+};
+
+class OpenScene final : public LoopWatcher {
+ public:
+  /// Opens what the root of a scene or journal describes and carries out its steps or events.
+  /// Throws as LiveSession.
+  OpenScene(const TomlTable& root, double budget_ms, const ViewSettings& settings,
+            const SceneOutlets& outlets);
+
+  /// See LiveLoop::run().
+  void run(EventMailbox& mailbox);
+  void leave() { m_loop.leave(); }
+  /// From another thread: something was posted.
+  void interrupt() { m_loop.interrupt(); }
+
+  /// The pages have other wishes; `number` as of Pages::note().
+  void see(const ViewSettings& settings, std::uint64_t number);
+  /// What was asked last, for frames of what changes nothing else.
+  void seen(std::uint64_t number) { m_number = number; }
+  void stop_relaxing() { live().stop_relaxing(); }
+
+  LiveSession& live() { return m_live; }
+  LivePicture& picture() { return m_loop.picture(); }
+  const ViewSettings& settings() const { return m_settings; }
+  PageProgress& progress() { return m_outlets.progress; }
+
+  /// The message `scene`, but for `event`, which each page counts for itself.
+  nlohmann::ordered_json description();
+  nlohmann::ordered_json slices_json();
+  void tell_scene();
+  /// Of the values that the slices' overlay shows.
+  OverlayRange overlay_range();
+
+ private:
+  void begins() override;
+  void carried_out(const LiveEvent& event) override;
+  bool refused(const LiveEvent& event, const std::string& why) override;
+  void drew(const Image& first, const LiveCost& cost, const Stopwatch& since_event) override;
+  void settled(const Image& image, const Stopwatch& since_event) override;
+  bool work() override;
+  bool draw_next_pane();
+  bool may_tell() const;
+  FrameMessage frame_of(int view, double ms) const;
+
+  SceneOutlets m_outlets;
+  ViewSettings m_settings;
+  LiveSession m_live;
+  LiveLoop m_loop;
+  std::uint64_t m_number = 0;
+  double m_budget_ms;
+  /// Of each pane: 0 up to date, 1 to be drawn exactly, 2 to be drawn in haste and then exactly.
+  std::array<int, kViewCount> m_stale{};
+  std::optional<OverlayRange> m_range;
+  bool m_is_told = false;
+  bool m_moves_view = false;  // the event changes how the body is looked at, not the body
+  std::chrono::steady_clock::time_point m_told;
+};
+
+/// A transfer function as the message `presets` has it.
+nlohmann::ordered_json transfer_json(const TransferFunction& function);
+nlohmann::ordered_json camera_json(const Camera& camera);
+
+}  // namespace supple::tools

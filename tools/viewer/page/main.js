@@ -1,0 +1,166 @@
+// The page: joins session, views, tools and panels, and carries out actions. `window.supple` tells tests
+// and curious people what is going on; it cannot be written to.
+
+import {SpaceView} from './space_view.js';
+import {Slices, SliceView} from './slice_view.js';
+import {Layout, makeTabs} from './layout.js';
+import {Session} from './session.js';
+import {Tools} from './tools.js';
+import {Toolbar} from './toolbar.js';
+import {Help, listenToKeys} from './keyboard.js';
+import {Files} from './panels/file_dialogs.js';
+import {DeformPanel} from './panels/deform_panel.js';
+import {LookPanel} from './panels/look_panel.js';
+import {MaterialPanel} from './panels/material_panel.js';
+import {ScenePanel} from './panels/scene_panel.js';
+import {exposed} from './exposed.js';
+import {nextSize} from './grab_stroke.js';
+
+class App {
+  constructor() {
+    const token = location.hash.slice(1);
+    const scheme = location.protocol === 'https:' ? 'wss:' : 'ws:';
+    this.session = new Session(`${scheme}//${location.host}/socket`, token);
+    this.settings = {radius: 5, soft: 5, push: false, cutDepth: 20, cutAbove: 5, crosshair: true};
+    this.settingListeners = [];
+    this.slices = new Slices(this.session);
+    this.tools = new Tools(this);
+    this.layout = new Layout(this, document.getElementById('views'));
+    this.views = [new SliceView(this, 'axial'), new SpaceView(this), new SliceView(this, 'coronal'), new SliceView(this, 'sagittal')];
+    this.layout.root.append(...this.views.map((view) => view.root));
+    this.active = this.view('3d');
+    this.hovered = null;
+    this.files = new Files(this);
+    this.help = new Help();
+    const panel = (id) => document.getElementById(id);
+    new LookPanel(this, panel('panel-look'));
+    new DeformPanel(this, panel('panel-deform'));
+    new MaterialPanel(this, panel('panel-deform'));
+    new ScenePanel(this, panel('panel-scene'));
+    makeTabs(document.querySelector('#panel [role=tablist]'));
+    this.toolbar = new Toolbar(this);
+    listenToKeys(this);
+    this.session.on('connection', (state) => this.connectionChanged(state));
+    this.session.on('scene', () => this.toolbar.refresh());
+    this.session.on('slices', () => this.refreshViews());
+    this.session.on('log', ({level, text}) => level === 'error' && this.say(text));
+    window.addEventListener('focus', () => this.sizesChanged());
+    window.addEventListener('online', () => this.session.connection.retry());
+    this.activate(this.active);
+  }
+
+  view(name) { return this.views.find((view) => view.name === name); }
+  /// The view of a key: under the pointer, else with the focus, else the last one.
+  viewForTools() {
+    if (this.tools.stroke) return this.tools.stroke.view;
+    const view = this.hovered ?? this.active;
+    return view.isVisible ? view : this.views.find((one) => one.isVisible) ?? view;
+  }
+  activate(view) {
+    this.active = view;
+    for (const one of this.views) one.root.classList.toggle('active', one === view);
+  }
+  refreshViews() { for (const view of this.views) view.refresh(); }
+
+  say(text) { document.getElementById('say').textContent = text; }
+  onSettings(listener) { this.settingListeners.push(listener); }
+  settingsChanged() { for (const listener of this.settingListeners) listener(); }
+  toolChanged() {
+    this.toolbar?.refresh();
+    this.layout.root.dataset.tool = this.tools.stroke ? 'stroke' : this.tools.name;
+  }
+
+  /// The server draws as large as the views are; asked for once sizes have come to rest.
+  sizesChanged() {
+    clearTimeout(this.sizeTimer);
+    this.sizeTimer = setTimeout(() => this.sendSizes(), 60);
+  }
+  sendSizes() {
+    const sizes = Object.fromEntries(this.views.map((view) => [view.name, view.room()]));
+    const differs = this.views.some((view) => view.frame && view.isVisible &&
+                                    String(view.room()) !== String([view.frame.width, view.frame.height]));
+    const key = JSON.stringify(sizes);
+    if ((key === this.sizesSent && !differs) || !this.session.connection.isOpen) return;
+    this.sizesSent = key;
+    this.session.post('size', sizes);
+    this.session.timedView = this.view('3d').isVisible ? '3d' : this.views.find((view) => view.isVisible)?.name;
+  }
+
+  connectionChanged(state) {
+    const banner = document.getElementById('banner');
+    banner.hidden = state === 'connected' || state === 'restarted';
+    if (!banner.hidden) return this.tellLoss(state);
+    for (const view of this.views) view.restart();
+    this.sizesSent = null;
+    this.sendSizes();
+    this.toolbar.refresh();
+    if (state === 'restarted') this.say('The server was started again: what was not saved is gone');
+  }
+  /// Whether the server is gone, has ended, or refuses this page.
+  async tellLoss(state) {
+    const text = document.getElementById('banner-text');
+    this.toolbar.refresh();
+    if (state === 'ended') {
+      text.textContent = 'The program has ended. Start supple view again and open the address that it prints.';
+      return;
+    }
+    if (!location.hash.slice(1)) {
+      text.textContent = 'The address has no token. Open the address that supple view printed, with all after #.';
+      return;
+    }
+    text.textContent = 'The connection to the program is lost. Trying again…';
+    try {
+      const answer = await fetch('/', {method: 'HEAD', cache: 'no-store'});
+      if (answer.ok && !this.session.connection.isOpen) {
+        text.textContent = 'The program answers but refuses this page. If it was started again, open the address that it printed.';
+      }
+    } catch { /* it does not answer */ }
+  }
+
+  /// Carries an action out; false where it has no meaning now.
+  act(action, event = new Event('act')) {
+    if (this.tools.act(action, event)) return true;
+    const {session} = this;
+    const view = this.viewForTools();
+    const space = this.view('3d');
+    const changes = (kind, more = {}) => {
+      if (session.scene) session.event({kind, ...more}, event.timeStamp);
+    };
+    const actions = {
+      'undo': () => changes('undo', {all: true}), 'redo': () => changes('redo', {all: true}),
+      'relax': () => document.getElementById('relax').click(),
+      'let-go': () => changes('release', {all: true}),
+      'grab': () => this.tools.start('grab'), 'anchor': () => this.tools.start('anchor'),
+      'cut': () => this.tools.start('cut'), 'measure': () => this.tools.start('measure'),
+      'window-level': () => this.tools.toggle('window-level'),
+      'clear-measures': () => {
+        this.tools.measures = [];
+        session.tell('measures');
+        this.refreshViews();
+      },
+      'deformed': () => this.showDeformed(!(session.scene?.deformed ?? true)),
+      'reset-view': () => view.reset(event.timeStamp), 'projection': () => space.toggleProjection(event.timeStamp),
+      'maximise': () => this.layout.toggle(view.name), 'next-view': () => this.layout.next(),
+      'brush-larger': () => this.resizeBrush(1), 'brush-smaller': () => this.resizeBrush(-1),
+      'open': () => this.files.open(), 'screenshot': () => this.files.save('screenshot'),
+      'save-state': () => this.files.save('state'), 'help': () => this.help.show()};
+    if (action.startsWith('side-')) space.lookFrom(action.slice(5), event.timeStamp);
+    else if (action in actions) actions[action]();
+    else return view.act(action, event.timeStamp);
+    return true;
+  }
+  showDeformed(deformed) {
+    if (!this.session.scene) return;
+    this.session.ask('deformed', deformed).catch((error) => this.say(error.message));
+    this.say(deformed ? 'The deformed body' : 'The body at rest');
+  }
+  resizeBrush(steps) {
+    this.settings.radius = nextSize(this.settings.radius, steps);
+    this.settingsChanged();
+    this.refreshViews();
+    this.say(`Radius of handles and anchors: ${this.settings.radius} mm`);
+  }
+}
+
+const app = new App();
+Object.defineProperty(window, 'supple', {value: exposed(app)});

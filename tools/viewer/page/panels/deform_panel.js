@@ -1,0 +1,167 @@
+// How the body moves: tools, model, limits, relaxation, and what was done, as lists that can be edited.
+
+import {button, checkbox, element, field, number, section, select, show} from '../elements.js';
+import {iconButton} from '../icons.js';
+import {OptionsForm} from './options_form.js';
+
+/// What a handle or anchor takes hold of.
+function selectionText({text, event = {}}) {
+  const place = (v) => v.map((x) => Math.round(x * 10) / 10).join(', ');
+  if (event.grab) return `voxel ${place(event.grab)}`;
+  if (event.grab_ball) return `ball at ${place(event.grab_ball)}, ${event.radius ?? 0} mm`;
+  if (event.grab_box) return `box ${place(event.grab_box)}`;
+  return text;
+}
+function cutText({text, event}) {
+  const curve = event?.curve;
+  return curve ? `line of ${curve.points?.length ?? 0} points, ${curve.depth} mm deep` : text;
+}
+
+export class DeformPanel {
+  constructor(app, root) {
+    Object.assign(this, {app, session: app.session, lists: {}});
+    root.append(this.toolSection(), this.modelSection(),
+                this.listSection('Handles', 'handles', true), this.listSection('Anchors', 'anchors', true),
+                this.listSection('Cuts', 'cuts', false), this.historySection());
+    this.session.on('scene', (scene) => this.refresh(scene));
+    this.session.on('measures', () => this.refreshMeasures());
+    this.session.on('opened', () => this.refreshMeasures());
+    this.session.on('connection', (state) => state !== 'lost' && this.loadOptions());
+    app.onSettings(() => this.refreshSettings());
+    this.refreshMeasures();
+  }
+
+  async loadOptions() {
+    if (this.relax) return;
+    try {
+      this.relax = new OptionsForm(await this.session.ask('options', {kind: 'relax'}));
+      this.relaxHome.replaceChildren(this.relax.root);
+      this.springs = new OptionsForm(await this.session.ask('options', {kind: 'springs'}), () => this.chooseModel('springs'));
+      this.springsHome.append(this.springs.root);
+    } catch { /* both then have their defaults */ }
+  }
+
+  toolSection() {
+    const {settings} = this.app;
+    const setting = (name, least) => {
+      const input = number(settings[name], (value) => { settings[name] = value; }, {min: least, id: 'setting-' + name});
+      return input;
+    };
+    this.radius = setting('radius', 0);
+    this.measures = element('ul', {class: 'list', 'aria-label': 'Measures'});
+    return section('Tools', true,
+      field('Handle radius', this.radius, 'mm', '0: one voxel. The wheel changes it while grabbing'),
+      field('Soft edge', setting('soft', 0), 'mm', 'Tissue around the handle that follows in part'),
+      checkbox('Push: tissue is moved ahead and does not stick', settings.push, (push) => { settings.push = push; }),
+      field('Depth of cuts', setting('cutDepth', 0.1), 'mm', 'From the surface inwards; in slices half to each side'),
+      field('… and above the line', setting('cutAbove', 0), 'mm', 'Against the direction, to cut what is above the points'),
+      this.measures);
+  }
+  refreshSettings() { show(this.radius, this.app.settings.radius); }
+  refreshMeasures() {
+    const {tools} = this.app;
+    this.measures.replaceChildren(...tools.measures.map(({text}, i) => element('li', {}, `Measure ${i + 1}: ${text}`,
+      iconButton('remove', `Remove measure ${i + 1}`, () => {
+        tools.measures.splice(i, 1);
+        this.session.tell('measures');
+        this.app.refreshViews();
+      }))));
+  }
+
+  modelSection() {
+    this.model = select([['ecm', 'ChainMail (ECM)'], ['springs', 'Springs']], 'ecm',
+                        (model) => this.chooseModel(model), {id: 'model'});
+    this.limits = select(['box', 'ball', 'tighten'], 'box',
+                         (limits) => this.session.event({kind: 'limits', limits}), {id: 'limits'});
+    this.relaxHome = element('div');
+    this.springsHome = element('details', {hidden: true}, element('summary', {}, 'Springs'));
+    this.relaxButton = button('Relax (E)', () => this.startRelaxing(), {id: 'relax'});
+    this.relaxStop = button('Stop', () => this.session.ask('cancel', true).catch(() => {}), {id: 'relax-stop', hidden: true});
+    this.relaxState = element('p', {class: 'note', role: 'status'});
+    return section('Model and relaxation', true, field('Model', this.model), this.springsHome,
+                   field('Limits of links', this.limits, null,
+                     'box: each component of a link; ball: its length; tighten: box, and narrower across stretched links'), this.relaxHome, element('div', {class: 'row'}, this.relaxButton, this.relaxStop), this.relaxState);
+  }
+  chooseModel(model) {
+    if (this.springs && !this.springs.isValid()) return;
+    const springs = model === 'springs' ? {springs: this.springs?.values() ?? {}} : {};
+    this.session.event({kind: 'model', model, ...springs});
+  }
+  startRelaxing() {
+    if (!this.session.scene || (this.relax && !this.relax.isValid())) return;
+    this.session.event({kind: 'relax', passes: 20, ...this.relax?.values()});
+  }
+
+  listSection(title, name, canRelease) {
+    const list = element('ul', {class: 'list', 'aria-label': title});
+    this.lists[name] = list;
+    const row = canRelease ? element('div', {class: 'row'}, button('Let go of all (Shift+A)', () => this.session.event({kind: 'release', all: true}))) : null;
+    return section(title, name === 'handles', list, row);
+  }
+
+  refresh(scene) {
+    for (const input of [this.model, this.limits, this.relaxButton]) input.disabled = !scene;
+    if (scene) {
+      this.model.value = scene.model ?? 'ecm';
+      this.springsHome.hidden = scene.model !== 'springs';
+      this.limits.value = scene.limits ?? 'box';
+    }
+    this.relaxStop.hidden = !scene?.relaxing;
+    this.relaxState.textContent = !scene ? '' : scene.relaxing ? `Relaxing: ${scene.relaxing} passes to do`
+      : scene.relaxes ? 'The material relaxes every drag after its release' : '';
+    this.fill('handles', scene?.handles ?? [], (handle, i) => [
+      button(`${i + 1}. ${selectionText(handle)}`, () => this.app.slices.setCursor(this.session.geometry.indexOfLps(handle.lps)),
+             {class: 'link', title: 'Cross-hair there'}), this.removal('handle', i)]);
+    this.fill('anchors', scene?.anchors ?? [], (anchor, i) => [
+      this.placed(selectionText(anchor), anchor.event), this.removal('anchor', i)]);
+    this.fill('cuts', scene?.cuts ?? [], (cut, i) => [`${i + 1}. ${cutText(cut)}`]);
+    this.refreshHistory(scene);
+  }
+  fill(name, items, entry) {
+    const key = JSON.stringify(items);
+    const list = this.lists[name];
+    if (list.dataset.key === key) return;
+    list.dataset.key = key;
+    list.replaceChildren(...items.map((item, i) => element('li', {}, ...entry(item, i))));
+    if (!items.length) list.append(element('li', {class: 'none'}, 'None'));
+  }
+  /// A text that leads the cross-hair to the middle of what is selected.
+  placed(text, event) {
+    const middle = event?.grab ?? event?.grab_ball;
+    return middle ? button(text, () => this.app.slices.setCursor(middle), {class: 'link', title: 'Cross-hair there'}) : text;
+  }
+  removal(what, i) {
+    return iconButton('remove', `Let go of ${what} ${i + 1}`, () => this.letGo(what, i),
+                      {title: 'Let go of this one; the others are fixed again where they are'});
+  }
+  /// The session knows only to let go of everything, so the others are fixed again.
+  letGo(what, i) {
+    const {handles, anchors} = this.session.scene;
+    const others = [...handles.filter((_, k) => what !== 'handle' || k !== i),
+                    ...anchors.filter((_, k) => what !== 'anchor' || k !== i)];
+    this.session.event({kind: 'release', all: true});
+    for (const {event: {soft, ...selection}} of others) this.session.event({...selection, kind: 'anchor'});
+  }
+
+  historySection() {
+    this.history = element('ol', {class: 'list', id: 'history', 'aria-label': 'Steps that can be taken back'});
+    return section('History', true, this.history, element('div', {class: 'row'},
+      button('Undo', () => this.app.act('undo'), {'aria-keyshortcuts': 'Control+Z'}),
+      button('Redo', () => this.app.act('redo'), {'aria-keyshortcuts': 'Control+Shift+Z'})));
+  }
+  refreshHistory(scene) {
+    const undo = scene?.undo ?? [], redo = scene?.redo ?? [];
+    const key = JSON.stringify([undo, redo]);
+    if (key === this.historyKey) return;
+    this.historyKey = key;
+    const text = ({text, steps}) => steps > 1 ? `${text} (${steps} steps)` : text;
+    const step = (kind, count) => () => { for (let i = 0; i < count; ++i) this.session.event({kind, all: true}); };
+    this.history.replaceChildren(
+      ...undo.map((entry, i) => element('li', {}, button(text(entry), step('undo', undo.length - 1 - i),
+        {class: 'link', title: 'Go back to after this'}))),
+      ...[...redo].reverse().map((entry, i) => element('li', {class: 'undone'}, button(text(entry), step('redo', i + 1),
+        {class: 'link', title: 'Make it again'}))));
+    if (!undo.length && !redo.length) this.history.append(element('li', {class: 'none'}, 'Nothing was done yet'));
+    if (undo.length) this.history.prepend(element('li', {}, button('As it was opened', step('undo', undo.length), {class: 'link'})));
+  }
+}

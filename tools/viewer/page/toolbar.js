@@ -1,0 +1,128 @@
+// The bar on top: files, history, tools, and how the page itself looks.
+
+import {button} from './elements.js';
+import {iconButton} from './icons.js';
+import {kSaves} from './panels/file_dialogs.js';
+import {kTools} from './tools.js';
+
+const kTheme = 'supple.theme';
+
+export class Toolbar {
+  constructor(app) {
+    this.app = app;
+    const at = (id) => document.getElementById(id);
+    this.undo = at('undo');
+    this.redo = at('redo');
+    this.deformed = at('deformed');
+    at('open').addEventListener('click', () => app.files.open());
+    this.undo.addEventListener('click', () => app.act('undo'));
+    this.redo.addEventListener('click', () => app.act('redo'));
+    this.deformed.addEventListener('click', () => app.act('deformed'));
+    at('help').addEventListener('click', () => app.help.show());
+    at('banner-retry').addEventListener('click', () => app.session.connection.retry());
+    this.panelButton = at('toggle-panel');
+    this.panelButton.addEventListener('click', () => this.togglePanel());
+    // A small screen begins with the pictures.
+    if (window.matchMedia('(max-width: 56rem)').matches) this.togglePanel();
+    this.makeSaveMenu(at('save'), at('save-menu'));
+    this.makeTools(at('tools'));
+    this.makeTheme(at('theme'));
+    this.speed = at('speed');
+    app.session.on('shown', () => this.tellSpeed());
+    this.refresh();
+  }
+
+  togglePanel() {
+    const hidden = document.body.classList.toggle('panel-hidden');
+    this.panelButton.setAttribute('aria-expanded', String(!hidden));
+    this.app.sizesChanged();
+  }
+
+  makeSaveMenu(opener, menu) {
+    const close = (focus) => {
+      menu.hidden = true;
+      opener.setAttribute('aria-expanded', 'false');
+      if (focus) opener.focus();
+    };
+    for (const [what, [title]] of Object.entries(kSaves)) {
+      menu.append(button(title + '…', () => {
+        close(false);
+        this.app.files.save(what);
+      }, {role: 'menuitem', tabindex: -1, 'data-save': what}));
+    }
+    const items = [...menu.children];
+    opener.addEventListener('click', () => {
+      menu.hidden = !menu.hidden;
+      opener.setAttribute('aria-expanded', String(!menu.hidden));
+      if (!menu.hidden) items[0].focus();
+    });
+    menu.addEventListener('keydown', (event) => {
+      const at = items.indexOf(document.activeElement);
+      const step = {ArrowDown: 1, ArrowUp: -1}[event.key];
+      if (step) items[(at + step + items.length) % items.length].focus();
+      else if (event.key === 'Home' || event.key === 'End') items.at(event.key === 'Home' ? 0 : -1).focus();
+      else if (event.key === 'Escape' || event.key === 'Tab') close(event.key === 'Escape');
+      else return;
+      if (event.key !== 'Tab') event.preventDefault();
+      event.stopPropagation();
+    });
+    document.addEventListener('pointerdown', (event) => {
+      if (!menu.hidden && !menu.contains(event.target) && !opener.contains(event.target)) close(false);
+    });
+  }
+
+  makeTools(group) {
+    this.tools = kTools.map(([name, title, key]) => iconButton(name, title, () => this.app.tools.select(name), {
+      'data-tool': name, 'aria-pressed': 'false', title: key ? `${title} (${key})` : title,
+      'aria-keyshortcuts': key || null}));
+    group.append(...this.tools);
+  }
+
+  makeTheme(chooser) {
+    const apply = (theme) => {
+      if (theme) document.documentElement.dataset.theme = theme;
+      else delete document.documentElement.dataset.theme;
+    };
+    let stored = '';
+    try {
+      stored = localStorage.getItem(kTheme) ?? '';
+    } catch { /* then the system's */ }
+    chooser.value = stored;
+    apply(stored);
+    chooser.addEventListener('change', () => {
+      apply(chooser.value);
+      try {
+        localStorage.setItem(kTheme, chooser.value);
+      } catch { /* until the page is closed */ }
+    });
+  }
+
+  refresh() {
+    const {session, tools} = this.app;
+    const {scene} = session;
+    this.undo.disabled = !scene?.undo?.length;
+    this.redo.disabled = !scene?.redo?.length;
+    this.deformed.disabled = !scene;
+    this.deformed.setAttribute('aria-pressed', String(scene?.deformed ?? true));
+    this.deformed.textContent = scene && !scene.deformed ? 'At rest' : 'Deformed';
+    for (const tool of this.tools) {
+      tool.setAttribute('aria-pressed', String(tool.dataset.tool === tools.name));
+      tool.disabled = !scene;
+    }
+    document.title = scene ? `${scene.volume.name} – Supple` : 'Supple';
+    document.getElementById('name').textContent = scene ? scene.volume.name : '';
+    document.getElementById('welcome').hidden = Boolean(scene) || session.state !== 'connected';
+  }
+
+  /// Pictures a second and the time from input to picture, once a second.
+  tellSpeed() {
+    this.frames = (this.frames ?? 0) + 1;
+    this.timer ??= setTimeout(() => {
+      const {latencies} = this.app.session;
+      const last = latencies.percentile(0.95, latencies.ms.slice(-60));
+      this.speed.textContent = last === null ? '' : `${this.frames} pictures/s, ${Math.round(last)} ms`;
+      this.frames = 0;
+      this.timer = null;
+    }, 1000);
+  }
+}

@@ -1,0 +1,87 @@
+#include "tools/viewer/page_message.h"
+
+#include <algorithm>
+#include <array>
+
+namespace supple::tools {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::array<const char*, 15> kVerbs = {
+    "event",  "size", "slices",  "deformed",  "pick",     "list",    "open",     "save",
+    "cancel", "ack",  "presets", "histogram", "material", "options", "materials"};
+
+bool is_verb(const std::string& key) {
+  return std::find(kVerbs.begin(), kVerbs.end(), key) != kVerbs.end();
+}
+
+/// Texts of an event that are no paths; every other one must name a file within the folders.
+constexpr std::array<const char*, 19> kPlainTexts = {
+    "kind",    "preset",     "view",   "projection", "keep",    "space",      "limits",
+    "model",   "frame",      "method", "name",       "blend",   "background", "components",
+    "combine", "integrator", "solver", "easing",     "boundary"};
+
+void check_texts(Json& value, const std::string& key, const Folders& folders) {
+  if (value.is_object()) {
+    for (auto& [name, entry] : value.items()) check_texts(entry, name, folders);
+  } else if (value.is_array()) {
+    for (Json& entry : value) check_texts(entry, key, folders);
+  } else if (value.is_string()) {
+    const bool is_plain =
+        std::find(kPlainTexts.begin(), kPlainTexts.end(), key) != kPlainTexts.end();
+    if (!is_plain) value = folders.input(value.get<std::string>());
+  }
+}
+
+}  // namespace
+
+PageMessage parse_page_message(std::string_view text) {
+  if (text.size() > kMostMessageBytes) throw BadMessage("a message of more than 1 MiB");
+  // The parser does not recurse, but who reads the value does.
+  const auto limit_depth = [](int depth, Json::parse_event_t, Json&) {
+    if (depth > kMostMessageDepth) throw BadMessage("a message of lists within lists");
+    return true;
+  };
+  Json json;
+  try {
+    json = Json::parse(text.begin(), text.end(), limit_depth);
+  } catch (const Json::exception&) {
+    throw BadMessage("a message that is no JSON");
+  }
+  if (!json.is_object()) throw BadMessage("a message that is no object");
+  PageMessage message;
+  for (auto& [key, value] : json.items()) {
+    if (key == "n") {
+      const bool is_number = value.is_number_unsigned();
+      const std::uint64_t n = is_number ? value.get<std::uint64_t>() : 0;
+      if (n == 0 || n > UINT32_MAX) throw BadMessage("a number n outside 1 to 2^32-1");
+      message.n = std::uint32_t(n);
+    } else if (is_verb(key) && message.verb.empty()) {
+      message.verb = key;
+      message.value = std::move(value);
+    } else {
+      throw BadMessage("a message with two verbs or an unknown key");
+    }
+  }
+  if (message.verb.empty()) throw BadMessage("a message without a verb");
+  return message;
+}
+
+TomlTable table_of(const PageMessage& message) {
+  if (!message.value.is_object()) {
+    throw InputError({message.verb, "", "no object", "an object of keys"});
+  }
+  TomlTable root = TomlTable::parse(toml_document(Json{{message.verb, message.value}}.dump()), "");
+  return *root.table(message.verb);
+}
+
+LiveEvent event_of(const PageMessage& message, const LabelNames& names, const Folders& folders) {
+  PageMessage checked = message;
+  check_texts(checked.value, "", folders);
+  TomlTable table = table_of(checked);
+  return read_event(table, names);
+}
+
+}  // namespace supple::tools

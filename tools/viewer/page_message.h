@@ -1,0 +1,44 @@
+// What a page says to the server: one JSON object with one verb (README.md), from anybody who has
+// got through to the socket. Nothing here trusts its input: depth, size and every value is checked
+// before anything is done.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include <nlohmann/json.hpp>
+
+#include "tools/scene/live_event.h"
+#include "tools/viewer/folders.h"
+
+namespace supple::tools {
+
+constexpr std::size_t kMostMessageBytes = std::size_t(1) << 20;
+constexpr int kMostMessageDepth = 12;
+
+/// The message is none: its connection is closed with this code of RFC 6455.
+class BadMessage : public Error {
+ public:
+  explicit BadMessage(const std::string& why) : Error(why) {}
+  static constexpr int kCloseCode = 1007;
+};
+
+struct PageMessage {
+  std::optional<std::uint32_t> n;  // which its answer names
+  std::string verb;
+  nlohmann::ordered_json value;
+};
+
+/// Throws BadMessage.
+PageMessage parse_page_message(std::string_view text);
+
+/// The value of a verb as a table, so that keys are read strictly. Throws InputError for values
+/// that TOML lacks.
+TomlTable table_of(const PageMessage& message);
+
+/// An event, its files within the folders. Throws InputError as read_event.
+LiveEvent event_of(const PageMessage& message, const LabelNames& names, const Folders& folders);
+
+}  // namespace supple::tools

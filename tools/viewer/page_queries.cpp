@@ -1,0 +1,202 @@
+#include "tools/viewer/page_queries.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "lib/material/material_file.h"
+#include "lib/material/presets.h"
+#include "lib/relax/relaxation.h"
+#include "lib/session/spring_step.h"
+#include "tools/outputs/reports.h"
+#include "tools/viewer/saving.h"
+#include "volumes/io/open_volume.h"
+
+namespace supple::tools {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMostListed = 2000;
+
+const char* kind_of_file(const std::string& name) {
+  const std::string extension = fs::path(name).extension().string();
+  if (extension == ".toml") return "scene";
+  if (extension == ".vdb") return "state";
+  static const std::vector<std::string> volumes = {".nrrd", ".nhdr", ".mha",  ".mhd", ".nii",
+                                                   ".gz",   ".hdr",  ".dcm",  ".tif", ".tiff",
+                                                   ".png",  ".h5",   ".hdf5", ".raw"};
+  return std::find(volumes.begin(), volumes.end(), extension) != volumes.end() ? "volume" : "other";
+}
+
+Json roots_json(const Folders& folders) {
+  return {
+      {"path", ""}, {"parent", nullptr}, {"folders", folders.roots()}, {"files", Json::array()}};
+}
+
+/// What a folder holds but for hidden files, names ascending; links that lead out are left out.
+Json list_json(const std::string& path, const Folders& folders) {
+  if (path.empty()) return roots_json(folders);
+  const std::string folder = folders.input(path);
+  std::vector<std::string> inside;
+  std::vector<std::pair<std::string, std::uintmax_t>> files;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    if (name.empty() || name.front() == '.') continue;
+    if (inside.size() + files.size() == kMostListed) break;
+    std::error_code missing;
+    if (entry->is_symlink(missing)) {
+      try {
+        folders.input(entry->path().string());
+      } catch (const InputError&) {
+        continue;
+      }
+    }
+    if (entry->is_directory(missing)) inside.push_back(name);
+    if (entry->is_regular_file(missing)) files.emplace_back(name, entry->file_size(missing));
+  }
+  if (error) throw InputError({path, "list", "no folder to be read", "a folder"});
+  std::sort(inside.begin(), inside.end());
+  std::sort(files.begin(), files.end());
+  Json json = {{"path", folder}, {"parent", ""}, {"folders", inside}, {"files", Json::array()}};
+  const std::vector<std::string>& roots = folders.roots();
+  if (std::find(roots.begin(), roots.end(), folder) == roots.end()) {
+    json["parent"] = fs::path(folder).parent_path().string();
+  }
+  for (const auto& [name, bytes] : files) {
+    json["files"].push_back({{"name", name}, {"bytes", bytes}, {"kind", kind_of_file(name)}});
+  }
+  return json;
+}
+
+const char* type_of(const Field& field) {
+  if (!field.names().empty()) return "choice";
+  if (field.holds<bool>()) return "bool";
+  if (field.holds<int>()) return "integer";
+  if (field.holds<double>()) return "number";
+  if (field.holds<std::string>()) return "text";
+  return "vector";
+}
+
+/// What the command line's help says of them.
+Json options_json(const Fields& fields) {
+  Json json = Json::array();
+  for (const Field& field : fields) {
+    Json one = {{"name", field.name()}, {"type", type_of(field)}, {"help", field.help()}};
+    if (!field.names().empty()) one["choices"] = field.names();
+    if (!field.unit().empty()) one["unit"] = field.unit();
+    one["allowed"] = field.allowed();
+    const std::string value = field.json();
+    if (!value.empty()) one["default"] = Json::parse(value);
+    json.push_back(std::move(one));
+  }
+  return json;
+}
+
+Json options_of(const std::string& kind) {
+  if (kind == "relax") {
+    RelaxParams params;
+    return options_json(fields(params));
+  }
+  if (kind == "springs") {
+    SpringStep step;
+    return options_json(fields(step));
+  }
+  if (kind == "save") {
+    SaveRequest request;
+    return options_json(fields(request));
+  }
+  if (kind == "slices") {
+    SliceSettings slices;
+    return options_json(fields(slices));
+  }
+  throw InputError({"options", "kind", "'" + kind + "'", "relax, springs, save or slices"});
+}
+
+Json presets_json() {
+  Json json = Json::array();
+  for (const std::string& name : preset_names()) json.push_back(transfer_json(preset(name)));
+  return json;
+}
+
+/// Of whole pictures, as their files would have them.
+Json material_presets_json() {
+  Json json = Json::array();
+  for (const TissuePreset& preset : tissue_presets()) {
+    const TomlTable table = TomlTable::parse(preset.table, preset.name);
+    json.push_back({{"name", preset.name}, {"table", Json::parse(table.json())}});
+  }
+  return json;
+}
+
+/// A string of the message's only key.
+std::string text_in(const PageMessage& message, const char* key) {
+  TomlTable table = table_of(message);
+  const std::string text = table.require(table.string(key), key, "a text");
+  table.finish();
+  return text;
+}
+
+}  // namespace
+
+Json query(const PageMessage& message, const Folders& folders) {
+  if (message.verb == "list") return list_json(text_in(message, "path"), folders);
+  if (message.verb == "options") return options_of(text_in(message, "kind"));
+  if (message.verb == "presets") return presets_json();
+  return material_presets_json();
+}
+
+int histogram_bins(TomlTable& table) {
+  int bins = 256;
+  table.read({Field("bins", bins, "Of equal width").range(2, 4096)});
+  table.finish();
+  return bins;
+}
+
+Json histogram_json(OpenScene& scene, int bins) {
+  const State& state = scene.picture().opened();
+  const DensityGrid& density = state.density;
+  float lo = 0, hi = 0;
+  bool is_first = true;
+  const auto for_each_element = [&](const auto& visit) {
+    for (std::size_t b = 0; b < state.elements.brick_count(); ++b) {
+      const std::int32_t source = density.bricks().find(state.elements.origin(b));
+      if (source < 0) continue;
+      for_each_active(state.elements.mask(b),
+                      [&](int offset) { visit(density.values(std::size_t(source))[offset]); });
+    }
+  };
+  for_each_element([&](float value) {
+    lo = is_first ? value : std::min(lo, value);
+    hi = is_first ? value : std::max(hi, value);
+    is_first = false;
+  });
+  std::vector<std::int64_t> counts(std::size_t(bins), 0);
+  const double scale = hi > lo ? bins / (double(hi) - lo) : 0;
+  for_each_element([&](float value) {
+    const int bin = std::clamp(int((double(value) - lo) * scale), 0, bins - 1);
+    ++counts[std::size_t(bin)];
+  });
+  return {{"lo", lo}, {"hi", hi}, {"counts", counts}};
+}
+
+Json material_json(OpenScene& scene) {
+  const std::string text = material_to_toml(scene.live().session().material());
+  return Json::parse(TomlTable::parse(text, "material").json());
+}
+
+Json slices_json(SliceSettings slices) {
+  Json json = Json::parse(fields_json(fields(slices)));
+  json["centre"] = Json::object();
+  for (std::size_t plane = 0; plane < 3; ++plane) {
+    if (slices.centre[plane]) {
+      json["centre"][kViewNames[plane + 1]] = vector_json(*slices.centre[plane]);
+    }
+  }
+  return json;
+}
+
+}  // namespace supple::tools

@@ -1,0 +1,171 @@
+#include "tools/viewer/picking.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tools/outputs/reports.h"
+#include "tools/outputs/view_pictures.h"
+#include "volumes/grid/volume.h"
+
+namespace supple::tools {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Of the picture of one ray: narrow enough to be that ray.
+constexpr double kRayDegrees = 1e-4, kRayHeightMm = 1e-4;
+/// An element further from what is seen than this, in voxels, is not what was meant.
+constexpr double kFurthestVoxels = 4;
+
+/// A camera whose picture of one pixel is the ray.
+Camera ray_camera(const Camera& camera, const Ray& ray) {
+  Camera narrow = camera;
+  narrow.position_lps_mm = ray.origin_lps_mm;
+  narrow.target_lps_mm = ray.origin_lps_mm + ray.direction_lps * 100.;
+  narrow.up_lps = camera_frame(camera).up;
+  narrow.vertical_fov_degrees = kRayDegrees;
+  narrow.height_mm = kRayHeightMm;
+  narrow.window_shift = 0;
+  return narrow;
+}
+
+/// mm along the grid axes of a vector in LPS.
+Vec3d along_grid(const Geometry& geometry, const Vec3d& vector_mm) {
+  const Vec3d steps = geometry.index_vector_from_world(vector_mm), mm = geometry.spacing_mm();
+  return {steps.x * mm.x, steps.y * mm.y, steps.z * mm.z};
+}
+
+/// Where the ray meets what is seen; none where it meets nothing.
+std::optional<double> seen_depth(LivePicture& picture, const Camera& camera, const Ray& ray) {
+  RenderSettings settings = view_settings(picture.view());
+  settings.clips = resolve_clips(picture.view().clips, picture.opened().geometry);
+  settings.width = settings.height = 1;
+  settings.auxiliary = true;
+  const FloatImage seen =
+      picture.renderer().render_float(ray_camera(camera, ray), look_of(picture.view()), settings);
+  if (!(seen.depth_mm[0] >= 0)) return std::nullopt;
+  return seen.depth_mm[0];
+}
+
+/// The element at a place at rest, or the nearest one not far from it.
+bool element_at(const BrickTopology& elements, const Vec3d& at_rest, Vec3i& element) {
+  const Vec3i middle(int(std::lround(at_rest.x)), int(std::lround(at_rest.y)),
+                     int(std::lround(at_rest.z)));
+  const int reach = int(kFurthestVoxels);
+  double nearest = kFurthestVoxels * kFurthestVoxels;
+  bool found = false;
+  for (int k = -reach; k <= reach; ++k) {
+    for (int j = -reach; j <= reach; ++j) {
+      for (int i = -reach; i <= reach; ++i) {
+        const Vec3i voxel = middle + Vec3i(i, j, k);
+        const Vec3d apart = Vec3d(voxel) - at_rest;
+        if (apart.dot(apart) >= nearest || !elements.is_active(voxel)) continue;
+        nearest = apart.dot(apart);
+        element = voxel;
+        found = true;
+      }
+    }
+  }
+  return found;
+}
+
+/// What is seen at a place of the index frame.
+Json place_json(OpenScene& scene, const Vec3d& index) {
+  LivePicture& picture = scene.picture();
+  const State& state = picture.opened();
+  const RestPlaceAt rest = picture.rest_places(false);
+  Vec3d at_rest = index;
+  const bool is_known = !rest || rest(index, at_rest);
+  Vec3i voxel(0);
+  const bool is_element = is_known && element_at(state.elements, at_rest, voxel);
+  Json json = {{"index", vector_json(index)},
+               {"lps", vector_json(state.geometry.world_from_index(index))},
+               {"element", is_element}};
+  if (is_element) json["voxel"] = {voxel.x, voxel.y, voxel.z};
+  if (is_known) {
+    json["rest_lps"] = vector_json(state.geometry.world_from_index(at_rest));
+    json["displacement"] = vector_json(state.geometry.world_vector_from_index(index - at_rest));
+    json["density"] = sample_trilinear(state.density, at_rest, state.density.background());
+  }
+  return json;
+}
+
+Json pick_in_space(OpenScene& scene, const PickRequest& request) {
+  LivePicture& picture = scene.picture();
+  const Geometry& geometry = picture.opened().geometry;
+  const SceneView& view = picture.view();
+  const Camera& camera = *view.camera.camera;
+  const Ray ray = camera_ray(camera, view.size[0], view.size[1], request.at[0], request.at[1]);
+  const CameraFrame frame = camera_frame(camera);
+  double depth = 0;
+  Json json;
+  if (request.ray_only) {
+    depth = (camera.target_lps_mm - ray.origin_lps_mm).dot(frame.forward) /
+            ray.direction_lps.dot(frame.forward);
+    json = Json::object();
+  } else {
+    const std::optional<double> seen = seen_depth(picture, camera, ray);
+    if (!seen) return nullptr;
+    depth = *seen;
+    json =
+        place_json(scene, geometry.index_from_world(ray.origin_lps_mm + ray.direction_lps * depth));
+  }
+  const double along_view = depth * ray.direction_lps.dot(frame.forward);
+  const double pixel_mm = camera.projection == Projection::perspective
+                              ? 2 * half_height_at_unit_distance(camera) * along_view / view.size[1]
+                              : camera.height_mm / view.size[1];
+  json["depth"] = depth;
+  json["right"] = vector_json(along_grid(geometry, frame.right * pixel_mm));
+  json["down"] = vector_json(along_grid(geometry, frame.up * -pixel_mm));
+  json["towards"] = vector_json(along_grid(geometry, frame.forward * -1.));
+  json["ray"] = {{"origin", vector_json(ray.origin_lps_mm)},
+                 {"direction", vector_json(ray.direction_lps)}};
+  return json;
+}
+
+Json pick_in_slice(OpenScene& scene, const PickRequest& request) {
+  const State& state = scene.picture().opened();
+  const ViewSettings& settings = scene.settings();
+  const PixelFrame pixels = pane_pixels(state.geometry, settings.slices, request.view - 1,
+                                        settings.sizes[std::size_t(request.view)]);
+  const Vec3d place = pixels.first_lps_mm + pixels.right_mm * (request.at[0] - 0.5) +
+                      pixels.down_mm * (request.at[1] - 0.5);
+  const Vec3d index = state.geometry.index_from_world(place);
+  for (int a = 0; a < 3; ++a) {
+    if (index[a] < -0.5 || index[a] > state.geometry.dims()[a] - 0.5) return nullptr;
+  }
+  Vec3d away = pixels.right_mm.cross(pixels.down_mm);
+  away = away / away.length();
+  Json json = place_json(scene, index);
+  json["depth"] = 0;
+  json["right"] = vector_json(along_grid(state.geometry, pixels.right_mm));
+  json["down"] = vector_json(along_grid(state.geometry, pixels.down_mm));
+  json["towards"] = vector_json(along_grid(state.geometry, away * -1.));
+  json["ray"] = {{"origin", vector_json(place)}, {"direction", vector_json(away)}};
+  return json;
+}
+
+}  // namespace
+
+PickRequest pick_request(TomlTable& table) {
+  PickRequest request;
+  const std::string view = table.require(table.string("view"), "view", "the name of a view");
+  const auto named = std::find(kViewNames.begin(), kViewNames.end(), view);
+  if (named == kViewNames.end()) table.fail("view", view, "3d, axial, coronal or sagittal");
+  request.view = int(named - kViewNames.begin());
+  const auto at = table.require(table.numbers("at"), "at", "[x, y] in pixels");
+  if (at.size() != 2) table.fail("at", std::to_string(at.size()) + " numbers", "[x, y] in pixels");
+  request.at = {at[0], at[1]};
+  request.ray_only = table.boolean("ray_only").value_or(false);
+  table.finish();
+  return request;
+}
+
+Json pick(OpenScene& scene, const PickRequest& request) {
+  if (request.view == 0) return pick_in_space(scene, request);
+  if (scene.settings().sizes[std::size_t(request.view)][0] == 0) return nullptr;
+  return pick_in_slice(scene, request);
+}
+
+}  // namespace supple::tools

@@ -1,0 +1,21 @@
+// What lies under the pointer, and what moving the pointer by a pixel means there.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "tools/viewer/open_scene.h"
+
+namespace supple::tools {
+
+struct PickRequest {
+  int view = 0;
+  std::array<double, 2> at{};
+  bool ray_only = false;
+};
+/// Throws InputError.
+PickRequest pick_request(TomlTable& table);
+
+/// The answer to `pick`; null where nothing is hit.
+nlohmann::ordered_json pick(OpenScene& scene, const PickRequest& request);
+
+}  // namespace supple::tools

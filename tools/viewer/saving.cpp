@@ -1,0 +1,220 @@
+#include "tools/viewer/saving.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+#include "tools/outputs/slice_pictures.h"
+#include "tools/outputs/view_pictures.h"
+#include "tools/pictures/video.h"
+#include "tools/scene/transfer_file.h"
+#include "volumes/base/atomic_file.h"
+#include "volumes/state/state_outputs.h"
+
+namespace supple::tools {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct SaveKind {
+  const char* name;
+  std::vector<std::string> extensions;
+};
+
+const std::vector<SaveKind>& save_kinds() {
+  static const std::vector<SaveKind> kinds = {
+      {"state", {".vdb"}},
+      {"scene", {".toml"}},
+      {"journal", {".toml"}},
+      {"camera", {".toml"}},
+      {"transfer", {".toml"}},
+      {"screenshot", {".png"}},
+      {"slices", {".png"}},
+      {"warp", {".nrrd", ".nhdr", ".mha", ".mhd", ".nii", ".nii.gz", ".h5", ".vdb"}},
+      {"volume", {".nrrd", ".nhdr", ".mha", ".mhd", ".nii", ".nii.gz"}},
+      {"turntable", {".png", ".mp4"}}};
+  return kinds;
+}
+
+bool ends_with(const std::string& text, const std::string& end) {
+  return text.size() > end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+void check_extension(const TomlTable& table, const SaveRequest& request) {
+  for (const SaveKind& kind : save_kinds()) {
+    if (kind.name != request.what) continue;
+    const bool fits =
+        std::any_of(kind.extensions.begin(), kind.extensions.end(),
+                    [&](const std::string& end) { return ends_with(request.path, end); });
+    std::string expected;
+    for (const std::string& end : kind.extensions) expected += (expected.empty() ? "" : ", ") + end;
+    if (!fits) table.fail("path", request.path, "a name that ends in " + expected);
+  }
+}
+
+void write_text(const std::string& path, const std::string& text) {
+  AtomicFile file(path);
+  std::ofstream out(file.path(), std::ios::binary);
+  if (!(out << text << std::flush)) throw_write_error(path, errno);
+  file.commit();
+}
+
+/// Around the axis through the target along what is up.
+Camera turned(const Camera& camera, double angle) {
+  const CameraFrame frame = camera_frame(camera);
+  const Vec3d from = camera.position_lps_mm - camera.target_lps_mm;
+  const Vec3d& axis = frame.up;
+  const Vec3d along = axis * axis.dot(from), across = from - along;
+  Camera next = camera;
+  next.up_lps = axis;
+  next.position_lps_mm = camera.target_lps_mm + along + across * std::cos(angle) +
+                         axis.cross(across) * std::sin(angle);
+  return next;
+}
+
+std::string frame_path(const std::string& path, int frame) {
+  char number[16];
+  std::snprintf(number, sizeof number, "_%04d", frame);
+  const fs::path whole(path);
+  return (whole.parent_path() / (whole.stem().string() + number + ".png")).string();
+}
+
+void check_frames_free(const SaveRequest& request) {
+  if (request.force || ends_with(request.path, ".mp4")) return;
+  for (int n = 0; n < request.frames; ++n) {
+    const std::string path = frame_path(request.path, n);
+    if (fs::exists(fs::symlink_status(path))) {
+      throw InputError({path, "path", "a file that exists", "another name, or force"});
+    }
+  }
+}
+
+void save_turntable(OpenScene& scene, const SaveRequest& request) {
+  constexpr double kTurn = 6.283185307179586;
+  const Camera camera = *scene.picture().view().camera.camera;
+  Progress& progress = scene.progress();
+  const bool is_video = ends_with(request.path, ".mp4");
+  check_frames_free(request);
+  if (is_video) require_video_encoder(request.path);
+  std::optional<AtomicFile> file;
+  std::optional<VideoEncoder> video;
+  if (is_video) {
+    file.emplace(request.path);
+    video.emplace(file->path(), request.path, request.size[0], request.size[1],
+                  request.frames_per_second, "");
+  }
+  progress.stage("turntable");
+  for (int n = 0; n < request.frames; ++n) {
+    report(&progress, double(n) / request.frames);
+    const Image image =
+        scene.picture().shot(turned(camera, kTurn * n / request.frames), request.size, nullptr);
+    if (is_video) {
+      video->add(image);
+    } else {
+      write_png(frame_path(request.path, n), image);
+    }
+  }
+  if (!is_video) return;
+  video->finish();
+  file->commit();
+}
+
+void save_slices(OpenScene& scene, const SaveRequest& request) {
+  const State& state = scene.picture().opened();
+  const SliceSettings& slices = scene.settings().slices;
+  SliceChoice choice;
+  choice.at = slices.cursor;
+  choice.window = {slices.level - slices.window / 2, slices.level + slices.window / 2};
+  choice.outline = slices.outline;
+  Decoration decoration;
+  decoration.annotate = {"all"};
+  const bool deformed = scene.settings().deformed;
+  const OffsetField* offsets =
+      deformed ? &scene.live().session().pose(&scene.progress()).offsets : nullptr;
+  const SliceSource source{state.geometry, state.density, deformed ? &state.elements : nullptr,
+                           offsets};
+  write_png(request.path, to_image(draw_slices(source, choice, decoration)));
+}
+
+void save_screenshot(OpenScene& scene, const SaveRequest& request) {
+  if (request.view == 0) {
+    const Camera camera = *scene.picture().view().camera.camera;
+    return write_png(request.path, scene.picture().shot(camera, request.size, &scene.progress()));
+  }
+  const SlicePane pane =
+      draw_pane(scene.picture().opened(), scene.settings().slices, request.view - 1, request.size,
+                scene.picture().rest_places(true), scene.overlay_range(), 1);
+  write_png(request.path, pane.image);
+}
+
+void save_dense(OpenScene& scene, const SaveRequest& request) {
+  Session& session = scene.live().session();
+  Progress* progress = &scene.progress();
+  const Pose& pose = session.pose(progress);
+  if (request.what == "volume") {
+    write_resampled(request.path, session.state(), pose, session.geometry(), {}, progress);
+    return;
+  }
+  write_state_warp({request.path, request.direction, VoidMode::nearest, session.geometry(), {}},
+                   session.state(), pose, progress);
+}
+
+void write_what(OpenScene& scene, const SaveRequest& request) {
+  LiveSession& live = scene.live();
+  const std::string& what = request.what;
+  if (what == "state") return live.session().write_state(request.path, &scene.progress());
+  if (what == "scene") return write_text(request.path, live.batch_scene());
+  if (what == "journal") return write_text(request.path, live.journal());
+  const SceneView& view = scene.picture().view();
+  if (what == "camera") return write_text(request.path, to_toml(*view.camera.camera));
+  if (what == "transfer") return write_text(request.path, to_toml(look_of(view)));
+  if (what == "screenshot") return save_screenshot(scene, request);
+  if (what == "slices") return save_slices(scene, request);
+  if (what == "turntable") return save_turntable(scene, request);
+  save_dense(scene, request);
+}
+
+}  // namespace
+
+Fields fields(SaveRequest& request) {
+  std::vector<std::string> names;
+  for (const SaveKind& kind : save_kinds()) names.emplace_back(kind.name);
+  return {
+      Field("what", request.what, "What is saved").one_of(names).required(),
+      Field("force", request.force, "Overwrite existing outputs"),
+      Field("size", request.size, "Pixels").range(1, 16384),
+      Field("direction", request.direction, {"resample", "material"},
+            "resample: out(x) = in(x + o(x)); material: voxel X moves to X + u(X)"),
+      Field("frames", request.frames, "Pictures of a turn").range(1, 3600),
+      Field("frames_per_second", request.frames_per_second, "Of a video").range(1, 240),
+  };
+}
+
+SaveRequest save_request(TomlTable& table, const Folders& folders) {
+  SaveRequest request;
+  table.know({"path", "view"});
+  table.read(fields(request));
+  const std::string view = table.string("view").value_or("3d");
+  const auto named = std::find(kViewNames.begin(), kViewNames.end(), view);
+  if (named == kViewNames.end()) table.fail("view", view, "3d, axial, coronal or sagittal");
+  request.view = int(named - kViewNames.begin());
+  request.path = folders.output(table.require(table.string("path"), "path", "a file's name"));
+  table.finish();
+  check_extension(table, request);
+  if (!request.force && fs::exists(fs::symlink_status(request.path))) {
+    table.fail("path", request.path + " exists", "another name, or force");
+  }
+  return request;
+}
+
+nlohmann::ordered_json save(OpenScene& scene, const SaveRequest& request) {
+  write_what(scene, request);
+  std::error_code error;
+  const auto bytes = fs::file_size(request.path, error);
+  return {{"path", request.path}, {"bytes", error ? 0 : bytes}};
+}
+
+}  // namespace supple::tools

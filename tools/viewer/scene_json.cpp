@@ -1,0 +1,284 @@
+// The message `scene`: all that the page's panels show.
+#include <algorithm>
+
+#include "tools/outputs/reports.h"
+#include "tools/outputs/view_pictures.h"
+#include "tools/viewer/open_scene.h"
+#include "tools/viewer/page_queries.h"
+#include "volumes/grid/volume.h"
+
+namespace supple::tools {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json keys_json(const std::vector<OpacityKey>& keys) {
+  Json rows = Json::array();
+  for (const OpacityKey& key : keys) rows.push_back({key.density, key.opacity});
+  return rows;
+}
+
+Json clip_json(const ClipChoice& choice) {
+  Json json;
+  if (choice.voxel_corners) {
+    const auto& [a, b] = *choice.voxel_corners;
+    json["box"] = {a.x, a.y, a.z, b.x, b.y, b.z};
+  } else if (!choice.clip.region.empty()) {
+    json["plane"] = {{"point", vector_json(choice.clip.region[0].point_lps_mm)},
+                     {"normal", vector_json(choice.clip.region[0].normal_lps)}};
+  }
+  json["keep"] = choice.clip.keep == ClipKeep::inside ? "inside" : "outside";
+  json["space"] = choice.clip.space == ClipSpace::source ? "source" : "deformed";
+  return json;
+}
+
+/// Least and largest density of the elements and their surroundings.
+std::pair<float, float> densities_of(const State& state) {
+  float lo = state.density.background(), hi = lo;
+  for (std::size_t b = 0; b < state.density.bricks().brick_count(); ++b) {
+    const auto [least, most] =
+        std::minmax_element(state.density.values(b), state.density.values(b) + kBrickVoxels);
+    lo = std::min(lo, *least);
+    hi = std::max(hi, *most);
+  }
+  return {lo, hi};
+}
+
+Json volume_json(const Scene& scene, const State& state) {
+  const Geometry& geometry = state.geometry;
+  const auto& axes = geometry.axes_mm();
+  const Vec3d& origin = geometry.origin_lps_mm();
+  Json affine = Json::array();
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) affine.push_back(axes[std::size_t(column)][row]);
+    affine.push_back(origin[row]);
+  }
+  for (const double last : {0., 0., 0., 1.}) affine.push_back(last);
+  const auto [lo, hi] = densities_of(state);
+  const Vec3i& dims = geometry.dims();
+  return {{"name", state.source_name},
+          {"path", scene.volume_path},
+          {"dims", {dims.x, dims.y, dims.z}},
+          {"spacing", vector_json(geometry.spacing_mm())},
+          {"affine", affine},
+          {"hu", are_hounsfield_units(state.density.background())},
+          {"density", {lo, hi}},
+          {"elements", state.elements.active_count()}};
+}
+
+const char* text_of(EventKind kind, const SceneStep& step) {
+  if (kind == EventKind::drag && step.springs) return "drag by springs";
+  return name_of(kind);
+}
+
+/// Strokes of steps, with how many each has.
+Json strokes_json(const std::vector<LiveSession::DoneStep>& steps, bool from_end) {
+  Json strokes = Json::array();
+  int last = -1;
+  const auto add = [&](const LiveSession::DoneStep& done) {
+    if (done.stroke == last) {
+      strokes.back()["steps"] = strokes.back()["steps"].get<int>() + 1;
+    } else {
+      strokes.push_back({{"text", text_of(done.kind, done.step)}, {"steps", 1}});
+    }
+    last = done.stroke;
+  };
+  if (from_end) {
+    std::for_each(steps.rbegin(), steps.rend(), add);
+  } else {
+    std::for_each(steps.begin(), steps.end(), add);
+  }
+  return strokes;
+}
+
+/// A selection's keys in few words.
+std::string words_of(const Json& keys) {
+  for (const char* key : {"grab", "grab_box", "grab_ball", "grab_label", "grab_density", "at_mm",
+                          "piece_at", "rigid_at", "points"}) {
+    if (!keys.contains(key)) continue;
+    std::string words = std::string(key) + " " + keys[key].dump();
+    if (keys.contains("radius")) words += ", " + keys["radius"].dump() + " mm";
+    return words;
+  }
+  return "a part of the body";
+}
+
+/// Keys of an event from those of a step's entry.
+Json event_json(const char* kind, Json keys) {
+  for (const char* key : {"by", "by_mm_lps", "push"}) keys.erase(key);
+  Json event = {{"kind", kind}};
+  event.update(keys);
+  return event;
+}
+
+Json handle_json(const Json& keys, const Vec3d& rest_index, const State& state,
+                 const Displacement& moved) {
+  const Geometry& geometry = state.geometry;
+  Vec3d u(0);
+  if (!moved.u.sample(rest_index, u)) u = Vec3d(0);
+  return {{"text", words_of(keys)},
+          {"voxel", vector_json(rest_index)},
+          {"lps", vector_json(geometry.world_from_index(rest_index + u))},
+          {"rest_lps", vector_json(geometry.world_from_index(rest_index))},
+          {"event", event_json("grab", keys)}};
+}
+
+/// The middle of a voxel, box or ball; nothing of other selections.
+std::optional<Vec3d> middle_of(const GivenSelection& given, const Geometry& geometry) {
+  if (given.at_lps_mm) return geometry.index_from_world(*given.at_lps_mm);
+  if (given.ball) return index_of(*given.ball, given.frame, geometry);
+  if (!given.corners) return std::nullopt;
+  return (index_of((*given.corners)[0], given.frame, geometry) +
+          index_of((*given.corners)[1], given.frame, geometry)) /
+         2;
+}
+
+/// What steps hold, fix and cut; a release lets go of what was held and fixed before it.
+struct HeldLists {
+  Json handles = Json::array(), anchors = Json::array(), cuts = Json::array();
+};
+HeldLists lists_of(const std::vector<LiveSession::DoneStep>& done, const State& state,
+                   const Displacement& moved) {
+  HeldLists lists;
+  int last_stroke = -1;
+  for (const LiveSession::DoneStep& step : done) {
+    const bool is_same_drag = step.kind == EventKind::drag && step.stroke == last_stroke;
+    last_stroke = step.stroke;
+    if (is_same_drag) continue;
+    const Json keys = Json::parse(step.keys);
+    if (step.step.release) lists.handles = lists.anchors = Json::array();
+    for (std::size_t n = 0; n < step.step.handles.size(); ++n) {
+      const auto middle = middle_of(step.step.handles[n], state.geometry);
+      const Json entry = keys.contains("handles") ? keys["handles"][n] : keys;
+      if (middle) lists.handles.push_back(handle_json(entry, *middle, state, moved));
+    }
+    if (keys.contains("anchors")) {
+      const Json anchors = keys["anchors"].is_array() ? keys["anchors"] : Json{keys["anchors"]};
+      for (const Json& anchor : anchors) {
+        lists.anchors.push_back(
+            {{"text", words_of(anchor)}, {"event", event_json("anchor", anchor)}});
+      }
+    }
+    if (keys.contains("fix")) {
+      for (const Json& box : keys["fix"]) {
+        const char* key = box.size() == 3 ? "grab" : "grab_box";
+        lists.anchors.push_back({{"text", std::string(key) + " " + box.dump()},
+                                 {"event", {{"kind", "anchor"}, {key, box}}}});
+      }
+    }
+    for (const Json& cut : keys.value("cut", Json::array())) {
+      lists.cuts.push_back({{"text", cut.begin().key()}, {"event", event_json("cut", cut)}});
+    }
+  }
+  return lists;
+}
+
+Json memory_json(const Session& session, const LivePicture::Memory& memory) {
+  const auto part = [](const char* name, std::size_t bytes, const char* why) {
+    return Json{{"part", name}, {"bytes", bytes}, {"why", why}};
+  };
+  return {part("densities", memory.source, "what pictures sample: elements and two voxels around"),
+          part("body", session.body().bytes(), "classes, offsets and cuts of the elements"),
+          part("displacement", memory.displacement, "of elements and the air around, for pictures"),
+          part("offsets", memory.offsets, "by which samples solve for themselves while dragging"),
+          part("undo", session.undo_bytes(), "bricks that steps changed, as they were before")};
+}
+
+}  // namespace
+
+Json camera_json(const Camera& camera) {
+  Json json = {
+      {"projection", camera.projection == Projection::perspective ? "perspective" : "orthographic"},
+      {"position", vector_json(camera.position_lps_mm)},
+      {"target", vector_json(camera.target_lps_mm)},
+      {"up", vector_json(camera.up_lps)}};
+  if (camera.projection == Projection::perspective) {
+    json["fov"] = camera.vertical_fov_degrees;
+  } else {
+    json["height"] = camera.height_mm;
+  }
+  return json;
+}
+
+Json transfer_json(const TransferFunction& function) {
+  Json colours = Json::array();
+  for (const ColourKey& key : function.colour) {
+    colours.push_back({key.density, key.rgb[0], key.rgb[1], key.rgb[2]});
+  }
+  Json json = {{"name", function.name},
+               {"blend", function.blend == Blend::maximum ? "maximum" : "composite"},
+               {"opacity", keys_json(function.opacity)},
+               {"colour", colours}};
+  if (!function.gradient_opacity.empty()) {
+    json["gradient_opacity"] = keys_json(function.gradient_opacity);
+  }
+  if (!function.background.empty()) json["background"] = function.background;
+  json["unit_distance"] = function.unit_distance_mm;
+  json["full_shading_gradient"] = function.full_shading_gradient;
+  json["ambient"] = function.ambient;
+  json["diffuse"] = function.diffuse;
+  json["specular"] = function.specular;
+  json["specular_power"] = function.specular_power;
+  return json;
+}
+
+Json OpenScene::slices_json() {
+  const SliceSettings& slices = m_settings.slices;
+  Json json = supple::tools::slices_json(slices);
+  if (slices.overlay == SliceOverlay::none) return json;
+  const OverlayRange range = overlay_range();
+  json["overlay_range"] = {range.lo, range.hi};
+  for (int n = 0; n < 16; ++n) {
+    Json& colour = json["overlay_colours"].emplace_back();
+    for (const double c : overlay_colour(slices.overlay, n / 15.)) {
+      colour.push_back(int(std::lround(255 * c)));
+    }
+  }
+  return json;
+}
+
+Json OpenScene::description() {
+  const State& state = picture().opened();
+  const SceneView& view = picture().view();
+  const Session& session = m_live.session();
+  HeldLists lists = lists_of(m_live.done(), state, picture().displacement());
+  Json clips = Json::array();
+  for (const ClipChoice& clip : view.clips) clips.push_back(clip_json(clip));
+  Json scene;
+  scene["volume"] = volume_json(m_live.scene(), state);
+  scene["view"] = {{"camera", camera_json(*view.camera.camera)},
+                   {"preset", view.transfer ? "" : view.preset},
+                   {"transfer", transfer_json(look_of(view))},
+                   {"clips", clips}};
+  scene["slices"] = slices_json();
+  scene["deformed"] = m_settings.deformed;
+  scene["grab"] = nullptr;
+  if (const auto& grab = m_live.grabbed()) {
+    Json event = {{"kind", name_of(grab->kind)}};
+    event.update(Json::parse(grab->keys));
+    scene["grab"] = {{"event", event}, {"reached", vector_json(m_live.reached())}};
+  }
+  scene["handles"] = std::move(lists.handles);
+  scene["anchors"] = std::move(lists.anchors);
+  scene["cuts"] = std::move(lists.cuts);
+  scene["undo"] = strokes_json(m_live.done(), false);
+  scene["redo"] = strokes_json(m_live.undone(), true);
+  const char* const limits[] = {"box", "ball", "tighten"};
+  scene["limits"] = limits[std::size_t(m_live.limits())];
+  scene["model"] = m_live.has_springs() ? "springs" : "ecm";
+  scene["relaxing"] = m_live.pending();
+  scene["relaxes"] = session.material().relaxes;
+  scene["material"] = {{"name", m_live.scene().material_path},
+                       {"fold_free", session.links().fold_free}};
+  if (!session.records().empty()) {
+    const EcmReport& report = session.records().back().report;
+    scene["moved"] = report.moved;
+    scene["fraction"] = report.fraction();
+  }
+  scene["memory"] = memory_json(session, picture().memory());
+  scene["warnings"] = session.messages();
+  return scene;
+}
+
+}  // namespace supple::tools

@@ -1,0 +1,41 @@
+// HTTP and WebSocket on the loopback: serves the page, lets in who has the token (gatekeeper.h),
+// and passes messages on to the viewer. Whoever misbehaves loses his own connection: requests of
+// more than 8 kB or slower than ten seconds, messages of more than 1 MiB, more than 400 a second,
+// or that are none; of connections that have not opened a socket at most 64 are kept, the oldest
+// goes.
+//
+// One thread, that of run(). The only file that knows Boost.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "tools/viewer/viewer.h"
+
+namespace supple::tools {
+
+struct ServerOptions {
+  int port = 0;         // 0: a free one
+  double grace_s = 60;  // that the session outlives its last page; 0: for ever
+  std::string page_folder;
+  std::string token;
+};
+
+class Server {
+ public:
+  /// Listens on 127.0.0.1, and on ::1 where there is one. Throws SystemError: the port is taken.
+  explicit Server(const ServerOptions& options);
+  ~Server();
+
+  int port() const;
+  /// Until `stops` says so, the viewer has ended, or the last page has been gone for long. Asked
+  /// twenty times a second.
+  void run(Viewer& viewer, const std::function<bool()>& stops);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> m_impl;
+};
+
+}  // namespace supple::tools

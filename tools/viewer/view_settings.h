@@ -1,0 +1,15 @@
+// How the pages want to see what is open: sizes, slices, at rest or not. It belongs to the session:
+// all pages that watch it see the same.
+#pragma once
+
+#include "tools/viewer/slice_panes.h"
+
+namespace supple::tools {
+
+struct ViewSettings {
+  std::array<PixelSize, kViewCount> sizes{PixelSize{512, 512}, {0, 0}, {0, 0}, {0, 0}};
+  SliceSettings slices;
+  bool deformed = true;
+};
+
+}  // namespace supple::tools

@@ -1,0 +1,365 @@
+#include "tools/viewer/viewer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "lib/material/presets.h"
+#include "tools/viewer/gatekeeper.h"
+#include "tools/viewer/page_queries.h"
+#include "tools/viewer/picking.h"
+#include "tools/viewer/saving.h"
+#include "volumes/base/version.h"
+
+namespace supple::tools {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kLargestSide = 4096;  // of a view, pixels
+
+std::string absolute_path(const std::string& path) {
+  return std::filesystem::absolute(path).lexically_normal().string();
+}
+
+/// Those that the scene names lie within the folders.
+void require_within(const Scene& scene, const Folders& folders) {
+  for (const std::string& path : {scene.volume_path, scene.labels_path, scene.material_path}) {
+    if (!path.empty()) folders.input(path);
+  }
+}
+
+PixelSize size_of(TomlTable& table, const char* view, const PixelSize& before) {
+  const auto given = table.numbers(view);
+  if (!given) return before;
+  const auto is_side = [](double side) {
+    return is_integer(side) && side >= 0 && side <= kLargestSide;
+  };
+  if (given->size() != 2 || !is_side((*given)[0]) || !is_side((*given)[1])) {
+    table.fail(view, "another size", "[width, height], integers from 0 to 4096");
+  }
+  return {int((*given)[0]), int((*given)[1])};
+}
+
+}  // namespace
+
+TomlTable scene_of_file(const std::string& path, const std::string& material,
+                        const std::string& preset) {
+  if (std::filesystem::path(path).extension() == ".toml") return TomlTable::read(path);
+  Json json = {{"volume", {{"path", absolute_path(path)}}}};
+  if (find_tissue_preset(material) != nullptr) {
+    json["material"]["preset"] = material;
+  } else if (!material.empty()) {
+    json["material"]["table"] = absolute_path(material);
+  }
+  json["view"].push_back({{"image", "live.png"}});
+  if (!preset.empty()) json["view"][0]["preset"] = preset;
+  return TomlTable::parse(toml_document(json.dump()), path);
+}
+
+Viewer::Viewer(const ViewerOptions& options, const Folders& folders, Console& console)
+    : m_options(options),
+      m_folders(folders),
+      m_console(console),
+      m_session_id(make_token().substr(0, 8)),
+      m_encoder(m_pages),
+      m_progress(m_pages, console) {
+  m_settings.sizes[0] = options.size;
+  if (!options.input.empty()) {
+    open(options.input, options.material, options.preset);
+    m_scene = std::move(m_next);
+  }
+  m_thread = std::thread([this] { run(); });
+}
+
+Viewer::~Viewer() {
+  end("");
+  if (m_thread.joinable()) m_thread.join();
+}
+
+void Viewer::end(const std::string& reason) {
+  if (m_ends.exchange(true)) return;
+  if (!reason.empty()) m_pages.tell_all(Pages::text_of({{"bye", {{"reason", reason}}}}));
+  m_progress.cancel();
+  m_mailbox.post([this] {
+    if (m_scene) m_scene->leave();
+  });
+  m_mailbox.close();
+  const std::lock_guard lock(m_guard);
+  if (m_interruptible != nullptr) m_interruptible->interrupt();
+}
+
+void Viewer::join_thread() {
+  m_thread.join();
+  if (m_failure) std::rethrow_exception(m_failure);
+}
+
+void Viewer::run() {
+  try {
+    while (!m_ends) {
+      if (m_next) m_scene = std::move(m_next);
+      {
+        const std::lock_guard lock(m_guard);
+        m_interruptible = m_scene.get();
+      }
+      if (m_scene) {
+        m_scene->run(m_mailbox);
+      } else if (auto posted = m_mailbox.take(true)) {
+        if (posted->task) posted->task();
+      } else {
+        break;
+      }
+      const std::lock_guard lock(m_guard);
+      m_interruptible = nullptr;
+    }
+  } catch (...) {
+    m_failure = std::current_exception();
+  }
+  const std::lock_guard lock(m_guard);
+  m_interruptible = nullptr;
+  m_has_ended = true;
+}
+
+/// On the session's thread, or before there is one. The scene so far stays where this one fails.
+void Viewer::open(const std::string& path, const std::string& material, const std::string& preset) {
+  m_progress.begin();
+  const TomlTable root = scene_of_file(path, material, preset);
+  ViewSettings settings;
+  {
+    const std::lock_guard lock(m_guard);
+    settings = m_settings;
+  }
+  settings.deformed = true;
+  m_next = std::make_unique<OpenScene>(root, m_options.budget_ms, settings,
+                                       SceneOutlets{m_pages, m_encoder, m_progress, m_console});
+  m_progress.end();
+  m_pages.forget_frames();
+  const std::lock_guard lock(m_guard);
+  m_settings = m_next->settings();
+  m_label_names = m_next->live().scene().label_names;
+  m_has_scene = true;
+}
+
+OpenScene& Viewer::opened() {
+  if (!m_scene) throw InputError({"", "open", "nothing", "an open volume"});
+  return *m_scene;
+}
+
+int Viewer::join(std::shared_ptr<PageOutlet> page) {
+  const Json hello = {{"version", kVersion},
+                      {"session", m_session_id},
+                      {"pages", m_pages.count() + 1},
+                      {"budget_ms", m_options.budget_ms},
+                      {"threads", std::thread::hardware_concurrency()}};
+  return m_pages.join(std::move(page), Pages::text_of({{"hello", hello}}));
+}
+
+void Viewer::leave(int page) {
+  m_pages.leave(page);
+}
+
+void Viewer::answer(int page, const PageMessage& message, const Json& ok) {
+  if (message.n) m_pages.tell(page, Pages::text_of({{"re", *message.n}, {"ok", ok}}));
+}
+
+void Viewer::answer_error(int page, const PageMessage& message, const std::string& why) {
+  if (message.n) m_pages.tell(page, Pages::text_of({{"re", *message.n}, {"error", why}}));
+}
+
+void Viewer::receive(int page, std::string_view text) {
+  const PageMessage message = parse_page_message(text);
+  try {
+    dispatch(page, message);
+  } catch (const BadMessage&) {
+    throw;
+  } catch (const std::exception& error) {
+    answer_error(page, message, error.what());
+  }
+}
+
+void Viewer::dispatch(int page, const PageMessage& message) {
+  const std::string& verb = message.verb;
+  if (verb == "event") return take_event(page, message);
+  if (verb == "ack") {
+    if (!message.value.is_number_unsigned()) throw BadMessage("an ack without a number");
+    return m_pages.acknowledge(page, message.value.get<std::uint32_t>());
+  }
+  if (verb == "size") {
+    take_size(message);
+    return see_soon(page, message);
+  }
+  if (verb == "slices") {
+    take_slices(message);
+    return see_soon(page, message);
+  }
+  if (verb == "deformed") {
+    if (!message.value.is_boolean()) {
+      throw InputError({"deformed", "", "no truth value", "true or false"});
+    }
+    {
+      const std::lock_guard lock(m_guard);
+      m_settings.deformed = message.value.get<bool>();
+    }
+    return see_soon(page, message);
+  }
+  if (verb == "pick") {
+    TomlTable table = table_of(message);
+    const PickRequest request = pick_request(table);
+    return answer_later(page, message,
+                        [request](OpenScene& scene) { return pick(scene, request); });
+  }
+  if (verb == "save") {
+    TomlTable table = table_of(message);
+    const SaveRequest request = save_request(table, m_folders);
+    return answer_later(page, message,
+                        [request](OpenScene& scene) { return save(scene, request); });
+  }
+  if (verb == "open") {
+    TomlTable table = table_of(message);
+    const std::string path = m_folders.input(table.require(table.string("path"), "path", "a file"));
+    std::string material = table.string("material").value_or("");
+    const bool is_file = !material.empty() && find_tissue_preset(material) == nullptr;
+    if (is_file) material = m_folders.input(material);
+    const std::string preset = table.string("preset").value_or("");
+    table.finish();
+    m_mailbox.post([this, page, message, path, material, preset] {
+      try {
+        require_within(read_scene(scene_of_file(path, material, preset)), m_folders);
+        open(path, material, preset);
+        if (m_scene) m_scene->leave();
+        answer(page, message, true);
+      } catch (const std::exception& error) {
+        m_progress.end();
+        answer_error(page, message, error.what());
+      }
+    });
+    return interrupt();
+  }
+  if (verb == "cancel") {
+    m_progress.cancel();
+    m_mailbox.post([this] {
+      if (!m_scene) return;
+      m_scene->stop_relaxing();
+      m_scene->tell_scene();
+    });
+    return answer(page, message, true);
+  }
+  if (verb == "histogram") {
+    TomlTable table = table_of(message);
+    const int bins = histogram_bins(table);
+    return answer_later(page, message,
+                        [bins](OpenScene& scene) { return histogram_json(scene, bins); });
+  }
+  if (verb == "material") {
+    return answer_later(page, message, [](OpenScene& scene) { return material_json(scene); });
+  }
+  answer(page, message, query(message, m_folders));
+}
+
+void Viewer::interrupt() {
+  const std::lock_guard lock(m_guard);
+  if (m_interruptible != nullptr) m_interruptible->interrupt();
+}
+
+template <class Work>
+void Viewer::answer_later(int page, const PageMessage& message, Work work) {
+  m_mailbox.post([this, page, message, work] {
+    m_progress.begin();
+    try {
+      answer(page, message, work(opened()));
+    } catch (const std::exception& error) {
+      answer_error(page, message, error.what());
+    }
+    m_progress.end();
+  });
+  interrupt();
+}
+
+/// Numbers are noted before anything can be shown that has them.
+std::uint64_t Viewer::take_number(int page, const PageMessage& message) {
+  std::uint64_t number = 0;
+  {
+    const std::lock_guard lock(m_guard);
+    number = m_next_number++;
+  }
+  if (message.n) m_pages.note(page, number, *message.n);
+  return number;
+}
+
+void Viewer::take_event(int page, const PageMessage& message) {
+  LabelNames names;
+  {
+    const std::lock_guard lock(m_guard);
+    if (!m_has_scene) throw InputError({"", "open", "nothing", "an open volume"});
+    names = m_label_names;
+  }
+  LiveEvent event = event_of(message, names, m_folders);
+  event.at_ms = std::floor(ms_since(m_start));
+  event.number = std::int64_t(take_number(page, message));
+  m_mailbox.post(std::move(event));
+  interrupt();
+  answer(page, message, true);
+}
+
+void Viewer::take_size(const PageMessage& message) {
+  TomlTable table = table_of(message);
+  const std::lock_guard lock(m_guard);
+  ViewSettings settings = m_settings;
+  for (std::size_t view = 0; view < kViewCount; ++view) {
+    settings.sizes[view] = size_of(table, kViewNames[view], settings.sizes[view]);
+  }
+  table.finish();
+  m_settings = settings;
+}
+
+void Viewer::take_slices(const PageMessage& message) {
+  TomlTable table = table_of(message);
+  const std::lock_guard lock(m_guard);
+  SliceSettings slices = m_settings.slices;
+  table.read(fields(slices));
+  if (auto centre = table.table("centre")) {
+    for (std::size_t plane = 0; plane < 3; ++plane) {
+      Vec3d at(0);
+      if (!centre->has(kViewNames[plane + 1])) continue;
+      centre->read({Field(kViewNames[plane + 1], at, "Index in the middle").range(-1e5, 1e5)});
+      slices.centre[plane] = at;
+    }
+    centre->finish();
+  }
+  table.finish();
+  m_settings.slices = slices;
+}
+
+/// Of wishes that follow each other before the session looks only the last counts.
+void Viewer::see_soon(int page, const PageMessage& message) {
+  const std::uint64_t number = take_number(page, message);
+  bool is_posted = false;
+  {
+    const std::lock_guard lock(m_guard);
+    m_view_number = number;
+    is_posted = std::exchange(m_is_view_posted, true);
+  }
+  if (!is_posted) {
+    m_mailbox.post([this] {
+      ViewSettings settings;
+      std::uint64_t last = 0;
+      {
+        const std::lock_guard lock(m_guard);
+        m_is_view_posted = false;
+        settings = m_settings;
+        last = m_view_number;
+      }
+      if (m_scene) m_scene->see(settings, last);
+    });
+    interrupt();
+  }
+  ViewSettings now;
+  {
+    const std::lock_guard lock(m_guard);
+    now = m_settings;
+  }
+  answer(page, message, message.verb == "slices" ? slices_json(now.slices) : Json(true));
+}
+
+}  // namespace supple::tools

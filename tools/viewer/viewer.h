@@ -1,0 +1,88 @@
+// The session behind the pages: takes what they say, answers, and shows them what it leads to. A
+// thread of its own solves and renders; those of the sockets hand messages in and never wait for
+// it.
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "tools/viewer/open_scene.h"
+#include "tools/viewer/page_message.h"
+
+namespace supple::tools {
+
+struct ViewerOptions {
+  std::string input;     // a volume, state, scene or journal; empty: nothing yet
+  std::string material;  // of a volume
+  std::string preset;
+  double budget_ms = 50;
+  PixelSize size{512, 512};
+};
+
+/// A scene of the file, as text: of a scene or journal itself. Throws InputError.
+TomlTable scene_of_file(const std::string& path, const std::string& material,
+                        const std::string& preset);
+
+class Viewer {
+ public:
+  /// Throws as OpenScene for what the options open.
+  Viewer(const ViewerOptions& options, const Folders& folders, Console& console);
+  ~Viewer();
+
+  /// From any thread.
+  int join(std::shared_ptr<PageOutlet> page);
+  void leave(int page);
+  /// One message. Throws BadMessage: the connection is to be closed.
+  void receive(int page, std::string_view text);
+  std::size_t page_count() const { return m_pages.count(); }
+  /// Says good-bye and ends the session; what runs is cancelled.
+  void end(const std::string& reason);
+  /// Whether the session's thread has ended by itself, by an error or a signal.
+  bool has_ended() const { return m_has_ended; }
+  /// Throws what ended it, if anything did.
+  void join_thread();
+
+ private:
+  void run();
+  void answer(int page, const PageMessage& message, const nlohmann::ordered_json& ok);
+  void answer_error(int page, const PageMessage& message, const std::string& why);
+  void dispatch(int page, const PageMessage& message);
+  void take_event(int page, const PageMessage& message);
+  void take_size(const PageMessage& message);
+  void take_slices(const PageMessage& message);
+  void see_soon(int page, const PageMessage& message);
+  void interrupt();
+  std::uint64_t take_number(int page, const PageMessage& message);
+  /// Runs on the session's thread, and answers with what it returns.
+  template <class Work>
+  void answer_later(int page, const PageMessage& message, Work work);
+  void open(const std::string& path, const std::string& material, const std::string& preset);
+  OpenScene& opened();
+
+  const ViewerOptions m_options;
+  const Folders m_folders;
+  Console& m_console;
+  const std::string m_session_id;
+  const std::chrono::steady_clock::time_point m_start = std::chrono::steady_clock::now();
+  Pages m_pages;
+  FrameEncoder m_encoder;
+  PageProgress m_progress;
+  EventMailbox m_mailbox;
+
+  std::mutex m_guard;  // of what follows
+  ViewSettings m_settings;
+  LabelNames m_label_names;
+  bool m_has_scene = false, m_is_view_posted = false;
+  std::uint64_t m_next_number = 1, m_view_number = 0;
+  OpenScene* m_interruptible = nullptr;
+
+  std::unique_ptr<OpenScene> m_scene, m_next;  // of the session's thread
+  std::atomic<bool> m_ends{false}, m_has_ended{false};
+  std::exception_ptr m_failure;
+  std::thread m_thread;
+};
+
+}  // namespace supple::tools
