@@ -47,7 +47,8 @@ ElementMatrix element_matrix(const std::array<Vec3d, 3>& axes_mm, Dilatation dil
 /// displacement: [corner][d], in 1/mm.
 std::array<Vec3d, 8> shape_gradients(const std::array<Vec3d, 3>& axes_mm, const Vec3d& reference);
 
-/// H K H / 64, H the Hadamard matrix of the corners: K = H (H K H / 64) H.
+/// H K H^T / 64, H the Hadamard matrix [mode][corner] in the order of kModes, of which H^T H = 8:
+/// K = H^T (H K H^T / 64) H.
 Matrix24 in_modes(const Matrix24& matrix);
 
 /// P^T K P of a coarse element for the child at place `child` (bits as of corners), whose corners

@@ -15,13 +15,13 @@
 
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <vector>
 
 #include "lib/body/body.h"
 #include "lib/body/slot_set.h"
 #include "lib/fem/element_matrix.h"
+#include "lib/fem/fem_loads.h"
 #include "lib/fem/hex_mesh.h"
 #include "volumes/base/progress.h"
 
@@ -36,51 +36,6 @@ struct ElasticTable {
   void validate() const;
 };
 constexpr double kMaxPoisson = 0.4999;
-
-/// Elements whose corners are prescribed a displacement, as a handle or an anchor does.
-struct HeldElements {
-  SlotSet elements;
-  /// Of a node at rest at a position in LPS mm; null: none, that is an anchor.
-  std::function<Vec3d(const Vec3d& rest_mm)> displacement_mm;
-  /// The components of LPS that are prescribed; the others move freely.
-  std::array<bool, 3> axes{true, true, true};
-  /// Which corners of the elements; null: all eight.
-  std::function<bool(const Vec3d& rest_mm)> holds_node;
-};
-
-/// A force that is shared equally by the nodes of the elements.
-struct ForceOnElements {
-  SlotSet elements;
-  Vec3d force_n{0, 0, 0};  // in all, LPS
-};
-
-/// On faces of elements behind which there is no element, or a cut link.
-struct PressureOnFaces {
-  SlotSet elements;
-  double pressure_kpa = 0;  // pushes inwards when positive
-  /// Which faces, by their centre at rest and their outward unit normal, LPS; null: all.
-  std::function<bool(const Vec3d& centre_mm, const Vec3d& normal)> includes;
-};
-
-/// An isotropic stress inside elements that pushes their neighbours away, as a swelling does.
-struct PressureInElements {
-  SlotSet elements;
-  double pressure_kpa = 0;
-};
-
-struct FemLoads {
-  /// A node that several hold obeys the first.
-  std::vector<HeldElements> held;
-  std::vector<ForceOnElements> forces;
-  std::vector<PressureOnFaces> face_pressures;
-  std::vector<PressureInElements> inner_pressures;
-  Vec3d gravity_m_s2{0, 0, 0};  // LPS
-  /// kg/m^3 per class; only with gravity.
-  std::array<double, kLastClass + 1> mass_density{};
-  /// In mN/mm^3 at rest positions, LPS, by one point per node; null: none. For manufactured
-  /// solutions and fields of force.
-  std::function<Vec3d(const Vec3d& rest_mm)> body_force;
-};
 
 /// What becomes of islands: pieces of the body whose rigid motions nothing prevents.
 enum class LooseIslands {
@@ -106,14 +61,14 @@ struct FemParams {
 
 /// With which the body pulls at what holds it.
 struct FemReaction {
-  Vec3d force_n{0, 0, 0};       // LPS
-  Vec3d moment_nmm{0, 0, 0};    // LPS, about `centre_mm`
-  Vec3d centre_mm{0, 0, 0};     // mean rest position of the nodes
+  Vec3d force_n{0, 0, 0};     // LPS
+  Vec3d moment_nmm{0, 0, 0};  // LPS, about `centre_mm`
+  Vec3d centre_mm{0, 0, 0};   // mean rest position of the nodes
   std::int64_t nodes = 0;
 };
 
 struct FemReport {
-  std::int64_t elements = 0, nodes = 0, unknowns = 0, split_corners = 0;
+  std::int64_t elements = 0, nodes = 0, unknowns = 0;
   int levels = 0;
   int iterations = 0;
   double residual_max = 0, residual_rms = 0;  // relative to the largest nodal force
@@ -148,18 +103,17 @@ class NotConverged : public Error {
   FemReport m_report;
 };
 
-class FemHierarchy;
-
 /// A body with elastic constants, ready for any number of solves. Keeps nothing of the body but its
 /// shape, cuts and classes.
 class FemModel {
  public:
   /// Throws InputError: a value of `elastic` out of range, a body without elements.
-  FemModel(const Body& body, const ElasticTable& elastic,
-           Dilatation dilatation = Dilatation::mean, Progress* progress = nullptr);
+  FemModel(const Body& body, const ElasticTable& elastic, Dilatation dilatation = Dilatation::mean,
+           Progress* progress = nullptr);
   ~FemModel();
 
   const HexMesh& mesh() const;
+  const VoxelMaterial& material() const;
 
   /// Throws InputError (a value out of range, loose islands that are refused), NotConverged,
   /// Cancelled.
@@ -170,7 +124,8 @@ class FemModel {
   void apply(const std::vector<double>& u_mm, std::vector<double>& force_mn) const;
 
  private:
-  std::unique_ptr<FemHierarchy> m_hierarchy;
+  struct Parts;
+  std::unique_ptr<Parts> m_parts;
 };
 
 }  // namespace supple

@@ -24,9 +24,9 @@ struct HexMesh {
   int level = 0;      // cells are 2^level voxels wide
 
   // Per block.
-  std::vector<Vec3i> origin;                 // smallest cell, a multiple of 8
-  std::vector<std::int32_t> element_begin;   // one more than blocks
-  std::vector<NodeIndex> node_begin;         // likewise: the nodes that its elements met first
+  std::vector<Vec3i> origin;                // smallest cell, a multiple of 8
+  std::vector<std::int32_t> element_begin;  // one more than blocks
+  std::vector<NodeIndex> node_begin;        // likewise: the nodes that its elements met first
   std::array<std::vector<std::int32_t>, 8> of_colour;  // ascending blocks
 
   // Per element: ascending cells within a block.
@@ -44,9 +44,9 @@ HexMesh hex_mesh(const Body& body);
 
 /// How the elements and nodes of a mesh lie in those of the next coarser one.
 struct Coarsening {
-  std::vector<std::int32_t> parent;        // element of the coarser mesh, per element
-  std::vector<std::int32_t> node_parent;   // per node: an element of the coarser mesh around it
-  std::vector<std::uint8_t> node_place;    // and where: 9 i + 3 j + k, in half edges, each 0 ... 2
+  std::vector<std::int32_t> parent;       // element of the coarser mesh, per element
+  std::vector<std::int32_t> node_parent;  // per node: an element of the coarser mesh around it
+  std::vector<std::uint8_t> node_place;   // and where: 9 i + 3 j + k, in half edges, each 0 ... 2
   std::size_t bytes() const;
 };
 

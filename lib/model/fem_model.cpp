@@ -8,6 +8,7 @@
 
 #include "lib/body/node_offsets.h"
 #include "lib/chainmail/held_voxels.h"
+#include "lib/fem/fem_results.h"
 #include "lib/model/quasi_static.h"
 #include "volumes/base/error.h"
 
@@ -255,12 +256,8 @@ void VoxelFemModel::store() {
   NodeOffsets state(body);
   for (std::size_t b = 0; b < mesh.block_count(); ++b) {
     for (std::int32_t e = mesh.element_begin[b]; e < mesh.element_begin[b + 1]; ++e) {
-      Vec3d sum(0.0);
-      for (const NodeIndex node : mesh.corners[std::size_t(e)]) {
-        const double* u = &m_solution.u_mm[3 * std::size_t(node)];
-        sum += Vec3d(u[0], u[1], u[2]);
-      }
-      const Vec3d offset = body.geometry.index_vector_from_world(sum / 8);
+      const Vec3d offset = body.geometry.index_vector_from_world(
+          centre_displacement(mesh, m_solution.u_mm, e));
       const Slot slot = Slot(b * kBrickVoxels + mesh.offset[std::size_t(e)]);
       for (int c = 0; c < 3; ++c) state.set_offset(c, slot, offset[c]);
     }

@@ -50,7 +50,8 @@ class VoxelFemModel final : public Model<Handle> {
   FemReaction anchor_reaction() const;
   /// Of the last move.
   const FemReport& report() const { return m_solution.report; }
-  const HexMesh& mesh() const { return m_model.mesh(); }
+  const FemModel& solid() const { return m_model; }
+  /// Of the nodes of its mesh.
   const std::vector<double>& displacement_mm() const { return m_solution.u_mm; }
 
  private:

@@ -1,0 +1,37 @@
+#include "lib/fem/cell_classes.h"
+
+namespace supple {
+
+GroupKind CellClasses::kind(std::size_t cell) const {
+  if (constraint[cell] >= 0) return GroupKind::constrained;
+  if (present[cell] != 0xff) return GroupKind::mixed;
+  for (const std::uint8_t of : of_child[cell]) {
+    if (of != of_child[cell][0]) return GroupKind::mixed;
+  }
+  return GroupKind::alike;
+}
+
+CellClasses cell_classes(const HexMesh& voxels, const Coarsening& coarsening,
+                         const VoxelMaterial& material, const HeldBits& held, int cells) {
+  CellClasses out;
+  out.of_child.resize(cells);
+  out.present.assign(cells, 0);
+  out.constraint.assign(cells, -1);
+  for (std::int32_t e = 0; e < voxels.element_count(); ++e) {
+    const std::int32_t cell = coarsening.parent[e];
+    const Vec3i local = brick_local(voxels.offset[e]);
+    const int child = (local.x & 1) * 4 + (local.y & 1) * 2 + (local.z & 1);
+    out.of_child[cell][child] = material.classes[e];
+    out.present[cell] = std::uint8_t(out.present[cell] | 1 << child);
+    const std::uint32_t bits = held_corners(voxels.corners[e], held);
+    if (bits == 0) continue;
+    if (out.constraint[cell] < 0) {
+      out.constraint[cell] = std::int32_t(out.held.size());
+      out.held.push_back({});
+    }
+    out.held[out.constraint[cell]][child] = bits;
+  }
+  return out;
+}
+
+}  // namespace supple

@@ -1,0 +1,181 @@
+#include "lib/fem/cell_matrices.h"
+
+#include <memory>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+namespace supple {
+
+namespace {
+
+void add_scaled(const Matrix24& from, double factor, Matrix24& to) {
+  for (int n = 0; n < 24; ++n) {
+    for (int m = 0; m < 24; ++m) to[n][m] += factor * from[n][m];
+  }
+}
+
+void clear_rows(std::uint32_t held, Matrix24& matrix) {
+  for (int n = 0; n < 24; ++n) {
+    if ((held >> n & 1) == 0) continue;
+    matrix[n].fill(0);
+    for (int m = 0; m < 24; ++m) matrix[m][n] = 0;
+  }
+}
+
+int place_in_cell(std::uint16_t offset) {
+  const Vec3i local = brick_local(offset);
+  return (local.x & 1) * 4 + (local.y & 1) * 2 + (local.z & 1);
+}
+
+/// M and A of a voxel as seen from a cell that it is a child of, and from one more.
+struct ChildParts {
+  Matrix24 shear[8], bulk[8];
+
+  explicit ChildParts(const ElementMatrix& matrix) {
+    for (int child = 0; child < 8; ++child) {
+      shear[child] = on_parent(matrix.shear, child);
+      bulk[child] = on_parent(matrix.bulk, child);
+    }
+  }
+};
+
+/// The matrix of one cell of level 1.
+Matrix24 cell_matrix(const CellClasses& cells, std::size_t cell, const VoxelMaterial& material,
+                     const ChildParts& parts) {
+  Matrix24 sum{};
+  for (int child = 0; child < 8; ++child) {
+    if ((cells.present[cell] >> child & 1) == 0) continue;
+    const std::uint8_t of = cells.of_child[cell][child];
+    const double shear = material.moduli.shear[of], bulk = material.moduli.bulk[of];
+    const std::uint32_t held =
+        cells.constraint[cell] < 0 ? 0 : cells.held[cells.constraint[cell]][child];
+    if (held == 0) {
+      add_scaled(parts.shear[child], shear, sum);
+      add_scaled(parts.bulk[child], bulk, sum);
+      continue;
+    }
+    Matrix24 own{};
+    add_scaled(material.matrix.shear, shear, own);
+    add_scaled(material.matrix.bulk, bulk, own);
+    clear_rows(held, own);
+    add_scaled(on_parent(own, child), 1, sum);
+  }
+  return sum;
+}
+
+/// Elements by their parent.
+struct ChildLists {
+  std::vector<std::int32_t> begin, child;
+
+  ChildLists(const Coarsening& coarsening, std::int32_t parents) : begin(parents + 1, 0) {
+    for (const std::int32_t parent : coarsening.parent) ++begin[parent + 1];
+    for (std::int32_t n = 0; n < parents; ++n) begin[n + 1] += begin[n];
+    child.resize(coarsening.parent.size());
+    std::vector<std::int32_t> next(begin.begin(), begin.end() - 1);
+    for (std::size_t e = 0; e < child.size(); ++e) {
+      child[next[coarsening.parent[e]]++] = std::int32_t(e);
+    }
+  }
+};
+
+template <class Visit>
+void for_all(std::size_t count, Visit&& visit) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count),
+                    [&](const tbb::blocked_range<std::size_t>& range) {
+                      for (std::size_t n = range.begin(); n < range.end(); ++n) visit(n);
+                    });
+}
+
+}  // namespace
+
+CellMatrices CellMatrices::of_voxels(const HexMesh& voxels, const VoxelMaterial& material,
+                                     const HeldBits& held) {
+  CellMatrices out;
+  out.m_matrices.resize(voxels.corners.size());
+  for_all(out.size(), [&](std::size_t e) {
+    const std::uint8_t of = material.classes[e];
+    out.m_matrices[e] = Matrix24{};
+    add_scaled(material.matrix.shear, material.moduli.shear[of], out.m_matrices[e]);
+    add_scaled(material.matrix.bulk, material.moduli.bulk[of], out.m_matrices[e]);
+    clear_rows(held_corners(voxels.corners[e], held), out.m_matrices[e]);
+  });
+  return out;
+}
+
+CellMatrices CellMatrices::of_cells(const CellClasses& cells, const VoxelMaterial& material) {
+  CellMatrices out;
+  out.m_matrices.resize(cells.present.size());
+  const auto parts = std::make_unique<ChildParts>(material.matrix);
+  for_all(out.size(), [&](std::size_t cell) {
+    out.m_matrices[cell] = cell_matrix(cells, cell, material, *parts);
+  });
+  return out;
+}
+
+CellMatrices CellMatrices::of_large_cells(const HexMesh& cells_mesh, const Coarsening& coarsening,
+                                          const CellClasses& cells, const VoxelMaterial& material,
+                                          std::int32_t count) {
+  CellMatrices out;
+  out.m_matrices.resize(count);
+  const auto parts = std::make_unique<ChildParts>(material.matrix);
+  // [place of the child][place of the voxel in it], and sums over a child of one class.
+  struct Tables {
+    Matrix24 shear[8][8], bulk[8][8], shear_alike[8], bulk_alike[8];
+  };
+  const auto tables = std::make_unique<Tables>();
+  for (int place = 0; place < 8; ++place) {
+    tables->shear_alike[place] = tables->bulk_alike[place] = Matrix24{};
+    for (int child = 0; child < 8; ++child) {
+      tables->shear[place][child] = on_parent(parts->shear[child], place);
+      tables->bulk[place][child] = on_parent(parts->bulk[child], place);
+      add_scaled(tables->shear[place][child], 1, tables->shear_alike[place]);
+      add_scaled(tables->bulk[place][child], 1, tables->bulk_alike[place]);
+    }
+  }
+  const ChildLists lists(coarsening, count);
+  for_all(out.size(), [&](std::size_t large) {
+    Matrix24& sum = out.m_matrices[large];
+    sum = Matrix24{};
+    for (std::int32_t n = lists.begin[large]; n < lists.begin[large + 1]; ++n) {
+      const std::size_t cell = std::size_t(lists.child[n]);
+      const int place = place_in_cell(cells_mesh.offset[cell]);
+      const GroupKind kind = cells.kind(cell);
+      if (kind == GroupKind::constrained) {
+        add_scaled(on_parent(cell_matrix(cells, cell, material, *parts), place), 1, sum);
+        continue;
+      }
+      if (kind == GroupKind::alike) {
+        const std::uint8_t of = cells.of_child[cell][0];
+        add_scaled(tables->shear_alike[place], material.moduli.shear[of], sum);
+        add_scaled(tables->bulk_alike[place], material.moduli.bulk[of], sum);
+        continue;
+      }
+      for (int child = 0; child < 8; ++child) {
+        if ((cells.present[cell] >> child & 1) == 0) continue;
+        const std::uint8_t of = cells.of_child[cell][child];
+        add_scaled(tables->shear[place][child], material.moduli.shear[of], sum);
+        add_scaled(tables->bulk[place][child], material.moduli.bulk[of], sum);
+      }
+    }
+  });
+  return out;
+}
+
+CellMatrices CellMatrices::coarser(const HexMesh& mesh, const Coarsening& coarsening,
+                                   std::int32_t count) const {
+  CellMatrices out;
+  out.m_matrices.resize(count);
+  const ChildLists lists(coarsening, count);
+  for_all(out.size(), [&](std::size_t large) {
+    Matrix24& sum = out.m_matrices[large];
+    sum = Matrix24{};
+    for (std::int32_t n = lists.begin[large]; n < lists.begin[large + 1]; ++n) {
+      const std::size_t cell = std::size_t(lists.child[n]);
+      add_scaled(on_parent(m_matrices[cell], place_in_cell(mesh.offset[cell])), 1, sum);
+    }
+  });
+  return out;
+}
+
+}  // namespace supple

@@ -1,0 +1,214 @@
+#include "lib/fem/fem.h"
+
+#include <chrono>
+#include <cmath>
+
+#include "lib/fem/conjugate_gradients.h"
+#include "lib/fem/fem_results.h"
+#include "lib/fem/hex_operator.h"
+#include "lib/fem/loose_islands.h"
+#include "lib/fem/multigrid.h"
+
+namespace supple {
+
+struct FemModel::Parts {
+  VoxelMaterial material;
+  MeshLevels levels;
+  HexOperator stiffness;
+
+  Parts(VoxelMaterial of, HexMesh mesh)
+      : material(std::move(of)), levels(std::move(mesh)), stiffness(levels.meshes[0], material) {}
+
+  std::size_t bytes() const {
+    return material.classes.capacity() + levels.bytes() + stiffness.bytes();
+  }
+};
+
+namespace {
+
+constexpr double kNPerMn = 1e-3;
+
+double milliseconds_since(std::chrono::steady_clock::time_point start) {
+  const std::chrono::duration<double, std::milli> passed = std::chrono::steady_clock::now() - start;
+  return passed.count();
+}
+
+void require(bool holds, const char* field, double found, const char* expected) {
+  if (!holds) throw InputError({"", field, number_text(found), expected});
+}
+
+VoxelMaterial material_of(const Body& body, const ElasticTable& elastic, Dilatation dilatation) {
+  elastic.validate();
+  VoxelMaterial out;
+  out.matrix = element_matrix(body.geometry.axes_mm(), dilatation);
+  for (int n = 0; n <= kLastClass; ++n) {
+    const ElasticModuli moduli = elastic_moduli(elastic.young_kpa[n], elastic.poisson[n]);
+    out.moduli.shear[n] = moduli.shear_kpa;
+    out.moduli.bulk[n] = moduli.bulk_kpa;
+    out.moduli_single.shear[n] = float(moduli.shear_kpa);
+    out.moduli_single.bulk[n] = float(moduli.bulk_kpa);
+  }
+  out.classes.reserve(std::size_t(body.elements.active_count()));
+  for (std::size_t b = 0; b < body.elements.brick_count(); ++b) {
+    for_each_active(body.elements.mask(b), [&](int offset) {
+      out.classes.push_back(body.classes[b * kBrickVoxels + offset]);
+    });
+  }
+  return out;
+}
+
+std::string not_converged_text(const FemReport& report) {
+  return "finite elements did not converge: residual " + number_text(report.residual_max) +
+         " of the largest nodal force (rms " + number_text(report.residual_rms) +
+         "), reactions changed by " + number_text(report.reaction_change) + " after " +
+         std::to_string(report.iterations) + " iterations, " + std::to_string(report.unknowns) +
+         " unknowns";
+}
+
+/// Reactions, balance and energy from r = f - K u, which is minus the force of what holds a node.
+void balance(const HexMesh& mesh, const NodalLoads& loads, const std::vector<double>& u,
+             const std::vector<double>& r, FemReport& report) {
+  Vec3d sum(0);
+  double lengths = 0, energy = 0, work_of_residual = 0;
+  for (std::size_t n = 0; n < loads.held.size(); ++n) {
+    Vec3d held(0), load(0);
+    for (int a = 0; a < 3; ++a) {
+      const std::size_t at = 3 * n + std::size_t(a);
+      if (!loads.force_mn.empty()) load[a] = loads.force_mn[at];
+      energy += u[at] * (load[a] - r[at]);
+      if ((loads.held[n] >> a & 1) != 0) {
+        held[a] = -r[at];
+      } else {
+        work_of_residual += u[at] * r[at];
+      }
+    }
+    sum += held + load;
+    lengths += held.length() + load.length();
+  }
+  (void)mesh;
+  report.energy_mj = energy / 2 * 1e-3;  // mN mm are uJ
+  report.force_balance = lengths > 0 ? sum.length() / lengths : 0;
+  report.energy_identity = energy != 0 ? std::abs(work_of_residual / energy) : 0;
+}
+
+std::vector<FemReaction> reactions_of(const std::vector<Vec3d>& positions, const NodalLoads& loads,
+                                      const std::vector<double>& r) {
+  std::vector<FemReaction> out;
+  for (const std::vector<NodeIndex>& nodes : loads.nodes_of) {
+    FemReaction reaction;
+    reaction.nodes = std::int64_t(nodes.size());
+    for (const NodeIndex n : nodes) reaction.centre_mm += positions[n];
+    if (!nodes.empty()) reaction.centre_mm /= double(nodes.size());
+    for (const NodeIndex n : nodes) {
+      // The body pulls with r at what holds the node.
+      Vec3d force(0);
+      for (int a = 0; a < 3; ++a) {
+        if ((loads.held[n] >> a & 1) != 0) force[a] = r[3 * std::size_t(n) + a] * kNPerMn;
+      }
+      reaction.force_n += force;
+      reaction.moment_nmm += (positions[n] - reaction.centre_mm).cross(force);
+    }
+    out.push_back(reaction);
+  }
+  return out;
+}
+
+}  // namespace
+
+ElasticTable ElasticTable::uniform(double young_kpa, double poisson) {
+  ElasticTable table;
+  table.young_kpa.fill(young_kpa);
+  table.poisson.fill(poisson);
+  return table;
+}
+
+void ElasticTable::validate() const {
+  for (int n = 0; n <= kLastClass; ++n) {
+    require(young_kpa[n] > 0 && std::isfinite(young_kpa[n]), "stiffness", young_kpa[n],
+            "above 0 kPa");
+    require(poisson[n] > -1 && poisson[n] <= kMaxPoisson, "poisson", poisson[n],
+            "above -1 and at most 0.4999");
+  }
+}
+
+void FemParams::validate() const {
+  require(tolerance > 0 && tolerance < 1, "tolerance", tolerance, "between 0 and 1");
+  require(reaction_tolerance > 0, "reaction_tolerance", reaction_tolerance, "above 0");
+  require(max_iterations > 0, "max_iterations", max_iterations, "at least 1");
+  require(max_rotation_deg > 0, "max_rotation_deg", max_rotation_deg, "above 0");
+  require(max_strain > 0, "max_strain", max_strain, "above 0");
+}
+
+NotConverged::NotConverged(const FemReport& report)
+    : Error(not_converged_text(report)), m_report(report) {}
+
+FemModel::FemModel(const Body& body, const ElasticTable& elastic, Dilatation dilatation,
+                   Progress* progress) {
+  stage(progress, "finite elements");
+  m_parts = std::make_unique<Parts>(material_of(body, elastic, dilatation), hex_mesh(body));
+}
+
+FemModel::~FemModel() = default;
+
+const HexMesh& FemModel::mesh() const {
+  return m_parts->levels.meshes[0];
+}
+const VoxelMaterial& FemModel::material() const {
+  return m_parts->material;
+}
+
+void FemModel::apply(const std::vector<double>& u_mm, std::vector<double>& force_mn) const {
+  force_mn.assign(u_mm.size(), 0);
+  m_parts->stiffness.add(u_mm.data(), force_mn.data());
+}
+
+FemSolution FemModel::solve(const FemLoads& loads, const FemParams& params,
+                            Progress* progress) const {
+  params.validate();
+  const auto start = std::chrono::steady_clock::now();
+  NodalLoads nodal = nodal_loads(mesh(), material(), loads);
+  FemSolution out;
+  FemReport& report = out.report;
+  report.elements = mesh().element_count();
+  report.nodes = mesh().node_count();
+  const LooseCount loose =
+      hold_loose_islands(mesh(), params.loose == LooseIslands::hold, nodal.held);
+  report.islands = loose.islands;
+  report.loose_islands = loose.loose_islands;
+  report.loose_elements = loose.loose_elements;
+  if (loose.loose_islands > 0 && params.loose == LooseIslands::refuse) {
+    throw InputError({"", "finite elements",
+                      std::to_string(loose.loose_islands) + " pieces of " +
+                          std::to_string(loose.loose_elements) + " elements that nothing holds",
+                      "every piece held so that it cannot move as a rigid body"});
+  }
+  for (const std::uint8_t held : nodal.held) report.unknowns += 3 - __builtin_popcount(held);
+  Multigrid multigrid(m_parts->levels, m_parts->stiffness, material(), nodal.held, {}, progress);
+  report.levels = multigrid.level_count();
+  report.setup_ms = milliseconds_since(start);
+
+  stage(progress, "solving");
+  const auto solve_start = std::chrono::steady_clock::now();
+  ConjugateGradients solver(m_parts->stiffness, multigrid, nodal, params);
+  const bool converged = solver.run(progress);
+  const CgState& state = solver.state();
+  report.iterations = state.iterations;
+  report.residual_max = state.residual_max;
+  report.residual_rms = state.residual_rms;
+  report.largest_force_n = state.largest_force_mn * kNPerMn;
+  report.reaction_change = state.reaction_change;
+  report.bytes = m_parts->bytes() + multigrid.bytes() + solver.bytes();
+  report.solve_ms = milliseconds_since(solve_start);
+  if (!converged) throw NotConverged(report);
+  balance(mesh(), nodal, solver.u(), solver.residual(), report);
+  out.reactions = reactions_of(node_positions(mesh()), nodal, solver.residual());
+  const LargestMotion largest = largest_motion(mesh(), material(), solver.u());
+  report.largest_rotation_deg = largest.rotation_deg;
+  report.largest_strain = largest.strain;
+  report.beyond_linear =
+      largest.rotation_deg > params.max_rotation_deg || largest.strain > params.max_strain;
+  out.u_mm = solver.take_u();
+  return out;
+}
+
+}  // namespace supple

@@ -1,0 +1,196 @@
+#include "lib/fem/fem_loads.h"
+
+#include <algorithm>
+
+#include "volumes/base/error.h"
+#include "volumes/grid/brick_index.h"
+
+namespace supple {
+
+namespace {
+
+/// mN per N; and (kg/m^3) (m/s^2) mm^3 in mN.
+constexpr double kMnPerN = 1e3;
+constexpr double kWeightMn = 1e-6;
+
+struct FoundElement {
+  std::int32_t block, element;
+};
+
+/// The element of a slot of the body; element -1 where there is none.
+FoundElement find_element(const HexMesh& mesh, std::size_t block, int offset) {
+  if (block >= mesh.block_count()) return {0, -1};
+  const auto begin = mesh.offset.begin() + mesh.element_begin[block];
+  const auto end = mesh.offset.begin() + mesh.element_begin[block + 1];
+  const auto place = std::lower_bound(begin, end, std::uint16_t(offset));
+  if (place == end || *place != offset) return {std::int32_t(block), -1};
+  return {std::int32_t(block), std::int32_t(place - mesh.offset.begin())};
+}
+
+template <class Visit>
+void for_each_element(const HexMesh& mesh, const SlotSet& slots, Visit&& visit) {
+  slots.for_each([&](Slot slot) {
+    const FoundElement found = find_element(mesh, slot / kBrickVoxels, int(slot % kBrickVoxels));
+    if (found.element < 0) {
+      throw InputError({"", "finite elements", "a load on a voxel that is no element", "elements"});
+    }
+    visit(found.block, found.element);
+  });
+}
+
+void require_finite(const Vec3d& value, const char* what) {
+  if (is_finite(value)) return;
+  throw InputError({"", what, "a value that is not finite", "numbers"});
+}
+
+/// Nodes of the elements, ascending, each once; with positions where `where` asks for them.
+std::vector<NodeIndex> nodes_of_elements(const HexMesh& mesh, const SlotSet& elements,
+                                         const std::function<bool(const Vec3d&)>& where) {
+  std::vector<NodeIndex> nodes;
+  for_each_element(mesh, elements, [&](std::int32_t block, std::int32_t e) {
+    for (int c = 0; c < 8; ++c) {
+      if (where && !where(corner_position(mesh, block, mesh.offset[e], c))) continue;
+      nodes.push_back(mesh.corners[e][c]);
+    }
+  });
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return nodes;
+}
+
+void hold(const HexMesh& mesh, const HeldElements& held, NodalLoads& out) {
+  std::vector<NodeIndex> nodes = nodes_of_elements(mesh, held.elements, held.holds_node);
+  std::uint8_t bits = 0;
+  for (int a = 0; a < 3; ++a) bits = std::uint8_t(bits | (held.axes[a] ? 1 << a : 0));
+  // What an earlier one holds already is not this one's.
+  nodes.erase(std::remove_if(nodes.begin(), nodes.end(),
+                             [&](NodeIndex n) { return (out.held[n] & bits) != 0; }),
+              nodes.end());
+  if (held.displacement_mm) {
+    for_each_element(mesh, held.elements, [&](std::int32_t block, std::int32_t e) {
+      for (int c = 0; c < 8; ++c) {
+        const NodeIndex node = mesh.corners[e][c];
+        if (!std::binary_search(nodes.begin(), nodes.end(), node)) continue;
+        const Vec3d u = held.displacement_mm(corner_position(mesh, block, mesh.offset[e], c));
+        require_finite(u, "displacement");
+        for (int a = 0; a < 3; ++a) {
+          if (held.axes[a]) out.u_mm[3 * std::size_t(node) + a] = u[a];
+        }
+      }
+    });
+  }
+  for (const NodeIndex node : nodes) out.held[node] = std::uint8_t(out.held[node] | bits);
+  out.nodes_of.push_back(std::move(nodes));
+}
+
+void add_to_node(const Vec3d& force, NodeIndex node, std::vector<double>& sum) {
+  for (int a = 0; a < 3; ++a) sum[3 * std::size_t(node) + a] += force[a];
+}
+
+constexpr int kAxisBits[3] = {4, 2, 1};
+
+/// Whether the element has a neighbour across a face that shares the face's nodes.
+bool is_covered(const HexMesh& mesh, const BrickIndex& index, std::int32_t block, std::int32_t e,
+                int axis, bool is_high) {
+  Vec3i cell = mesh.origin[block] + brick_local(mesh.offset[e]);
+  cell[axis] += is_high ? 1 : -1;
+  const std::int32_t there = index.find(cell);
+  if (there < 0) return false;
+  const FoundElement other = find_element(mesh, std::size_t(there), brick_offset(cell));
+  if (other.element < 0) return false;
+  for (int c = 0; c < 8; ++c) {
+    if (((c & kAxisBits[axis]) != 0) != is_high) continue;
+    if (mesh.corners[e][c] != mesh.corners[other.element][c ^ kAxisBits[axis]]) return false;
+  }
+  return true;
+}
+
+void press_faces(const HexMesh& mesh, const PressureOnFaces& pressure, std::vector<double>& force) {
+  const BrickIndex index(mesh.origin);
+  const std::array<Vec3d, 3> axes = mesh.geometry.axes_mm();
+  const double hand = mesh.geometry.determinant() > 0 ? 1 : -1;
+  for_each_element(mesh, pressure.elements, [&](std::int32_t block, std::int32_t e) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const Vec3d area = axes[(axis + 1) % 3].cross(axes[(axis + 2) % 3]) * hand;
+      for (const bool is_high : {false, true}) {
+        if (is_covered(mesh, index, block, e, axis, is_high)) continue;
+        const Vec3d outward = is_high ? area : -area;
+        const Vec3d centre =
+            (corner_position(mesh, block, mesh.offset[e], is_high ? kAxisBits[axis] : 0) +
+             corner_position(mesh, block, mesh.offset[e], is_high ? 7 : 7 ^ kAxisBits[axis])) *
+            0.5;
+        if (pressure.includes && !pressure.includes(centre, outward.normalized())) continue;
+        for (int c = 0; c < 8; ++c) {
+          if (((c & kAxisBits[axis]) != 0) != is_high) continue;
+          add_to_node(outward * (-pressure.pressure_kpa / 4), mesh.corners[e][c], force);
+        }
+      }
+    }
+  });
+}
+
+/// f = integral p div N: an isotropic stress -p that the stiffness has to balance.
+void press_inside(const HexMesh& mesh, const VoxelMaterial& material,
+                  const PressureInElements& pressure, std::vector<double>& force) {
+  for_each_element(mesh, pressure.elements, [&](std::int32_t, std::int32_t e) {
+    for (int n = 0; n < 24; ++n) {
+      force[3 * std::size_t(mesh.corners[e][n / 3]) + n % 3] +=
+          pressure.pressure_kpa * material.matrix.volume_mm3 * material.matrix.gradient[n];
+    }
+  });
+}
+
+void add_volume_forces(const HexMesh& mesh, const VoxelMaterial& material, const FemLoads& loads,
+                       std::vector<double>& force) {
+  const double share = material.matrix.volume_mm3 / 8;
+  for (std::size_t block = 0; block < mesh.block_count(); ++block) {
+    for (std::int32_t e = mesh.element_begin[block]; e < mesh.element_begin[block + 1]; ++e) {
+      const Vec3d weight =
+          loads.gravity_m_s2 * (loads.mass_density[material.classes[e]] * share * kWeightMn);
+      for (int c = 0; c < 8; ++c) {
+        Vec3d sum = weight;
+        if (loads.body_force) {
+          sum += loads.body_force(corner_position(mesh, std::int32_t(block), mesh.offset[e], c)) *
+                 share;
+        }
+        add_to_node(sum, mesh.corners[e][c], force);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+NodalLoads nodal_loads(const HexMesh& voxels, const VoxelMaterial& material,
+                       const FemLoads& loads) {
+  NodalLoads out;
+  const std::size_t unknowns = 3 * std::size_t(voxels.node_count());
+  out.held.assign(voxels.node_count(), 0);
+  out.u_mm.assign(unknowns, 0);
+  for (const HeldElements& held : loads.held) hold(voxels, held, out);
+  const bool has_volume_force = loads.gravity_m_s2 != Vec3d(0) || loads.body_force;
+  if (loads.forces.empty() && loads.face_pressures.empty() && loads.inner_pressures.empty() &&
+      !has_volume_force) {
+    return out;
+  }
+  out.force_mn.assign(unknowns, 0);
+  for (const ForceOnElements& force : loads.forces) {
+    require_finite(force.force_n, "force");
+    const std::vector<NodeIndex> nodes = nodes_of_elements(voxels, force.elements, nullptr);
+    for (const NodeIndex node : nodes) {
+      add_to_node(force.force_n * (kMnPerN / double(nodes.size())), node, out.force_mn);
+    }
+  }
+  for (const PressureOnFaces& pressure : loads.face_pressures) {
+    require_finite(Vec3d(pressure.pressure_kpa), "pressure");
+    press_faces(voxels, pressure, out.force_mn);
+  }
+  for (const PressureInElements& pressure : loads.inner_pressures) {
+    require_finite(Vec3d(pressure.pressure_kpa), "pressure");
+    press_inside(voxels, material, pressure, out.force_mn);
+  }
+  if (has_volume_force) add_volume_forces(voxels, material, loads, out.force_mn);
+  return out;
+}
+
+}  // namespace supple

@@ -1,0 +1,73 @@
+// What acts on a body: prescribed displacements, forces, pressures and gravity, and the nodal
+// values that these become. Forces of pressures are the integrals of the shape functions, exact for
+// the constant fields that they are; that of gravity is an eighth per corner, likewise.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "lib/body/slot_set.h"
+#include "lib/fem/cell_classes.h"
+#include "lib/fem/hex_mesh.h"
+
+namespace supple {
+
+/// Elements whose corners are prescribed a displacement, as a handle or an anchor does.
+struct HeldElements {
+  SlotSet elements;
+  /// Of a node at rest at a position in LPS mm; null: none, that is an anchor.
+  std::function<Vec3d(const Vec3d& rest_mm)> displacement_mm;
+  /// The components of LPS that are prescribed; the others move freely.
+  std::array<bool, 3> axes{true, true, true};
+  /// Which corners of the elements; null: all eight.
+  std::function<bool(const Vec3d& rest_mm)> holds_node;
+};
+
+/// A force that is shared equally by the nodes of the elements.
+struct ForceOnElements {
+  SlotSet elements;
+  Vec3d force_n{0, 0, 0};  // in all, LPS
+};
+
+/// On faces of elements behind which there is no element, or a cut link.
+struct PressureOnFaces {
+  SlotSet elements;
+  double pressure_kpa = 0;  // pushes inwards when positive
+  /// Which faces, by their centre at rest and their outward unit normal, LPS; null: all.
+  std::function<bool(const Vec3d& centre_mm, const Vec3d& normal)> includes;
+};
+
+/// An isotropic stress inside elements that pushes their neighbours away, as a swelling does.
+struct PressureInElements {
+  SlotSet elements;
+  double pressure_kpa = 0;
+};
+
+struct FemLoads {
+  /// A node that several hold obeys the first.
+  std::vector<HeldElements> held;
+  std::vector<ForceOnElements> forces;
+  std::vector<PressureOnFaces> face_pressures;
+  std::vector<PressureInElements> inner_pressures;
+  Vec3d gravity_m_s2{0, 0, 0};  // LPS
+  /// kg/m^3 per class; only with gravity.
+  std::array<double, kLastClass + 1> mass_density{};
+  /// In mN/mm^3 at rest positions, LPS, by one point per node; null: none. For manufactured
+  /// solutions and fields of force.
+  std::function<Vec3d(const Vec3d& rest_mm)> body_force;
+};
+
+/// The loads at the nodes, three values each.
+struct NodalLoads {
+  HeldBits held;
+  std::vector<double> u_mm;                      // prescribed values, 0 where a component is free
+  std::vector<double> force_mn;                  // empty where no force acts
+  std::vector<std::vector<NodeIndex>> nodes_of;  // per HeldElements: the nodes that it holds
+};
+
+/// Throws InputError: an element that the mesh does not have, a value that is not finite.
+NodalLoads nodal_loads(const HexMesh& voxels, const VoxelMaterial& material, const FemLoads& loads);
+
+}  // namespace supple

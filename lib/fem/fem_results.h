@@ -1,0 +1,75 @@
+// What a solution says of its elements: displacement of centres, strain and stress.
+//
+// Strain is the symmetric gradient at the element's centre, which is also the mean gradient; there
+// the stresses of a trilinear element are most accurate. Under mean dilatation the pressure of
+// single elements may alternate near nu = 1/2 (the checkerboard of Q1-P0), its mean over
+// neighbours does not.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "lib/fem/cell_classes.h"
+#include "lib/fem/hex_mesh.h"
+
+namespace supple {
+
+/// xx, yy, zz, xy, yz, zx in LPS; shear as tensor components.
+using SymmetricTensor = std::array<double, 6>;
+/// Descending.
+std::array<double, 3> eigenvalues(const SymmetricTensor& tensor);
+
+struct ElementState {
+  SymmetricTensor strain, stress_kpa;
+  Vec3d rotation_rad;         // half the curl of u, at the centre
+  double energy_density_kpa;  // mean of the element: u.K u / (2 V); kPa are mJ/cm^3
+};
+ElementState element_state(const HexMesh& voxels, const VoxelMaterial& material,
+                           const std::vector<double>& u_mm, std::int32_t element);
+
+enum class FemQuantity {
+  von_mises,    // kPa
+  pressure,     // kPa, positive where it is compressed
+  principal_1,  // kPa, the largest principal stress
+  principal_2,
+  principal_3,
+  energy_density,  // kPa
+  strain_1,        // the largest principal strain
+  strain_3,        // the smallest
+  volume_strain    // trace
+};
+constexpr std::array<std::pair<FemQuantity, std::string_view>, 9> kFemQuantities{
+    {{FemQuantity::von_mises, "von_mises"},
+     {FemQuantity::pressure, "pressure"},
+     {FemQuantity::principal_1, "principal_1"},
+     {FemQuantity::principal_2, "principal_2"},
+     {FemQuantity::principal_3, "principal_3"},
+     {FemQuantity::energy_density, "energy_density"},
+     {FemQuantity::strain_1, "strain_1"},
+     {FemQuantity::strain_3, "strain_3"},
+     {FemQuantity::volume_strain, "volume_strain"}}};
+double value_of(const ElementState& state, FemQuantity quantity);
+
+/// One value per element, in the order of the mesh, which is that of the body's bricks.
+std::vector<float> element_values(const HexMesh& voxels, const VoxelMaterial& material,
+                                  const std::vector<double>& u_mm, FemQuantity quantity);
+
+/// Largest angle of rotation and largest principal strain (by its amount) of all elements.
+struct LargestMotion {
+  double rotation_deg = 0, strain = 0;
+};
+LargestMotion largest_motion(const HexMesh& voxels, const VoxelMaterial& material,
+                             const std::vector<double>& u_mm);
+
+/// Displacement of an element's centre in mm, LPS: the mean of its eight corners.
+Vec3d centre_displacement(const HexMesh& voxels, const std::vector<double>& u_mm,
+                          std::int32_t element);
+
+/// Writes the displacements of centres to the body's q, rounded to 2^-16 voxel. Fractions and rest
+/// stay as they are; links are no longer known to be valid. The body is the one that the mesh was
+/// made of. Throws InputError beyond kMaxOffset, the body as it was.
+void store_displacement(const HexMesh& voxels, const std::vector<double>& u_mm, Body& body);
+
+}  // namespace supple

@@ -1,0 +1,312 @@
+#include "lib/fem/hex_mesh.h"
+
+#include "lib/fem/corner_sets.h"
+
+namespace supple {
+
+namespace {
+
+/// Corners come as 32-bit numbers.
+constexpr std::int64_t kMaxElements = std::int64_t(1) << 28;
+
+/// Number of an element among those of its brick.
+std::int32_t rank_in(const BrickMask& mask, int offset) {
+  std::int32_t rank = 0;
+  for (int word = 0; word < offset >> 6; ++word) rank += __builtin_popcountll(mask[word]);
+  const std::uint64_t below = (std::uint64_t(1) << (offset & 63)) - 1;
+  return rank + __builtin_popcountll(mask[offset >> 6] & below);
+}
+
+/// Corners of the face of a voxel towards higher coordinates along an axis; those of the opposite
+/// face are these without the axis' bit.
+constexpr int kHighFace[3][4] = {{4, 5, 6, 7}, {2, 3, 6, 7}, {1, 3, 5, 7}};
+constexpr int kAxisBit[3] = {4, 2, 1};
+constexpr int kAxisStride[3] = {64, 8, 1};
+
+/// Joins the corners of the faces that linked voxels have in common.
+void join_over_links(const Body& body, const HexMesh& mesh, CornerSets& sets) {
+  const BrickTopology& elements = body.elements;
+  for (std::size_t b = 0; b < elements.brick_count(); ++b) {
+    const LinkCuts::BrickCuts* cuts = body.cuts.brick(b);
+    std::int32_t element = mesh.element_begin[b];
+    for_each_active(elements.mask(b), [&](int offset) {
+      const Vec3i local = brick_local(offset);
+      for (int axis = 0; axis < 3; ++axis) {
+        if (cuts != nullptr && mask_test((*cuts)[axis], offset)) continue;
+        const bool is_last = local[axis] == kBrickDim - 1;
+        const std::int32_t other = is_last ? elements.neighbour(b, 2 * axis + 1) : std::int32_t(b);
+        const int there = offset + kAxisStride[axis] * (is_last ? 1 - kBrickDim : 1);
+        if (other < 0 || !mask_test(elements.mask(other), there)) continue;
+        const std::int32_t next = mesh.element_begin[other] + rank_in(elements.mask(other), there);
+        for (const int corner : kHighFace[axis]) {
+          sets.join(8 * element + corner, 8 * next + (corner ^ kAxisBit[axis]));
+        }
+      }
+      ++element;
+    });
+  }
+}
+
+/// One node per set of corners, in the order in which elements meet them.
+void number_nodes(HexMesh& mesh, CornerSets& sets) {
+  NodeIndex nodes = 0;
+  mesh.corners.resize(mesh.offset.size());
+  for (std::size_t b = 0; b < mesh.block_count(); ++b) {
+    mesh.node_begin.push_back(nodes);
+    for (std::int32_t e = mesh.element_begin[b]; e < mesh.element_begin[b + 1]; ++e) {
+      for (int c = 0; c < 8; ++c) {
+        const std::uint32_t corner = 8 * std::uint32_t(e) + c;
+        const std::uint32_t first = sets.find(corner);
+        mesh.corners[e][c] = first == corner ? nodes++ : mesh.corners[first / 8][first % 8];
+      }
+    }
+  }
+  mesh.node_begin.push_back(nodes);
+}
+
+void add_block(HexMesh& mesh, const Vec3i& origin) {
+  const int colour = (origin.x >> 3 & 1) * 4 + (origin.y >> 3 & 1) * 2 + (origin.z >> 3 & 1);
+  mesh.of_colour[colour].push_back(std::int32_t(mesh.origin.size()));
+  mesh.origin.push_back(origin);
+}
+
+}  // namespace
+
+std::size_t HexMesh::bytes() const {
+  return origin.capacity() * (sizeof(Vec3i) + 12) + offset.capacity() * sizeof(offset[0]) +
+         corners.capacity() * sizeof(corners[0]);
+}
+
+std::size_t Coarsening::bytes() const {
+  return parent.capacity() * 4 + node_parent.capacity() * 4 + node_place.capacity();
+}
+
+HexMesh hex_mesh(const Body& body) {
+  const BrickTopology& elements = body.elements;
+  if (elements.active_count() == 0 || elements.active_count() > kMaxElements) {
+    throw InputError({"", "finite elements", std::to_string(elements.active_count()) + " voxels",
+                      "1 to " + std::to_string(kMaxElements)});
+  }
+  HexMesh mesh;
+  mesh.geometry = body.geometry;
+  mesh.offset.reserve(std::size_t(elements.active_count()));
+  for (std::size_t b = 0; b < elements.brick_count(); ++b) {
+    add_block(mesh, elements.origin(b));
+    mesh.element_begin.push_back(mesh.element_count());
+    for_each_active(elements.mask(b),
+                    [&](int offset) { mesh.offset.push_back(std::uint16_t(offset)); });
+  }
+  mesh.element_begin.push_back(mesh.element_count());
+  CornerSets sets(8 * mesh.offset.size());
+  join_over_links(body, mesh, sets);
+  number_nodes(mesh, sets);
+  return mesh;
+}
+
+Vec3d corner_position(const HexMesh& mesh, std::int32_t block, int offset, int corner) {
+  const Vec3i cell = mesh.origin[block] + brick_local(offset);
+  return mesh.geometry.world_from_index({cell.x + (corner >> 2 & 1) - 0.5,
+                                         cell.y + (corner >> 1 & 1) - 0.5,
+                                         cell.z + (corner & 1) - 0.5});
+}
+
+std::vector<Vec3d> node_positions(const HexMesh& mesh) {
+  std::vector<Vec3d> positions(mesh.node_count());
+  for (std::size_t b = 0; b < mesh.block_count(); ++b) {
+    for (std::int32_t e = mesh.element_begin[b]; e < mesh.element_begin[b + 1]; ++e) {
+      for (int c = 0; c < 8; ++c) {
+        if (mesh.corners[e][c] < mesh.node_begin[b]) continue;
+        positions[mesh.corners[e][c]] = corner_position(mesh, std::int32_t(b), mesh.offset[e], c);
+      }
+    }
+  }
+  return positions;
+}
+
+Islands find_islands(const HexMesh& mesh) {
+  CornerSets sets(mesh.node_count());
+  for (const Corners& corners : mesh.corners) {
+    for (int c = 1; c < 8; ++c) sets.join(corners[0], corners[c]);
+  }
+  Islands islands;
+  islands.of_node.resize(mesh.node_count());
+  for (NodeIndex n = 0; n < mesh.node_count(); ++n) {
+    const std::uint32_t first = sets.find(n);
+    islands.of_node[n] = first == std::uint32_t(n) ? islands.count++ : islands.of_node[first];
+  }
+  islands.of_element.resize(mesh.corners.size());
+  for (std::size_t e = 0; e < mesh.corners.size(); ++e) {
+    islands.of_element[e] = islands.of_node[mesh.corners[e][0]];
+  }
+  return islands;
+}
+
+// ---- Coarsening
+
+namespace {
+
+/// The elements of the blocks that form one coarse block, in the order of the coarse cells.
+struct CellChildren {
+  std::vector<std::int32_t> element;
+  std::array<std::int32_t, kBrickVoxels + 1> begin;
+};
+
+Vec3i cell_of(const HexMesh& mesh, std::size_t block, std::int32_t element) {
+  return mesh.origin[block] + brick_local(mesh.offset[element]);
+}
+Vec3i halved(const Vec3i& cell) {
+  return {cell.x >> 1, cell.y >> 1, cell.z >> 1};
+}
+int place_in_parent(const Vec3i& cell) {
+  return (cell.x & 1) * 4 + (cell.y & 1) * 2 + (cell.z & 1);
+}
+
+void sort_into_cells(const HexMesh& fine, const std::vector<std::int32_t>& blocks,
+                     CellChildren& out) {
+  out.begin.fill(0);
+  const auto for_each = [&](auto&& visit) {
+    for (const std::int32_t b : blocks) {
+      for (std::int32_t e = fine.element_begin[b]; e < fine.element_begin[b + 1]; ++e) {
+        visit(brick_offset(halved(cell_of(fine, b, e))), e);
+      }
+    }
+  };
+  for_each([&](int cell, std::int32_t) { ++out.begin[cell + 1]; });
+  for (int cell = 0; cell < kBrickVoxels; ++cell) out.begin[cell + 1] += out.begin[cell];
+  out.element.resize(out.begin[kBrickVoxels]);
+  std::array<std::int32_t, kBrickVoxels + 1> next = out.begin;
+  for_each([&](int cell, std::int32_t e) { out.element[next[cell]++] = e; });
+}
+
+bool share_a_node(const Corners& a, const Corners& b) {
+  for (const NodeIndex n : a) {
+    for (const NodeIndex m : b) {
+      if (n == m) return true;
+    }
+  }
+  return false;
+}
+
+/// Gives the children of one cell to `coarse` elements from `next` on: one per group of children
+/// that share nodes. `places` are the children's in the cell. Returns the next free number.
+std::int32_t group_children(const HexMesh& fine, const std::int32_t* children, int count,
+                            const std::uint8_t* places, std::int32_t next,
+                            std::vector<std::int32_t>& parent) {
+  // Nearly always all meet at the middle of the cell.
+  const auto at_middle = [&](int n) { return fine.corners[children[n]][7 - places[n]]; };
+  bool meet = true;
+  for (int n = 1; n < count; ++n) meet = meet && at_middle(n) == at_middle(0);
+  if (meet) {
+    for (int n = 0; n < count; ++n) parent[children[n]] = next;
+    return next + 1;
+  }
+  CornerSets groups(count);
+  for (int n = 1; n < count; ++n) {
+    for (int m = 0; m < n; ++m) {
+      if (share_a_node(fine.corners[children[n]], fine.corners[children[m]])) groups.join(n, m);
+    }
+  }
+  for (int n = 0; n < count; ++n) {
+    const std::uint32_t first = groups.find(n);
+    parent[children[n]] = first == std::uint32_t(n) ? next++ : parent[children[first]];
+  }
+  return next;
+}
+
+/// Joins the corners that two neighbouring coarse elements have in common, by their cells.
+void join_common_corners(std::int32_t a, const Vec3i& cell_a, std::int32_t b, const Vec3i& cell_b,
+                         CornerSets& sets) {
+  const Vec3i step = cell_b - cell_a;
+  for (int c = 0; c < 8; ++c) {
+    int there = c;
+    bool is_common = true;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (step[axis] == 0) continue;
+      is_common = is_common && ((c & kAxisBit[axis]) != 0) == (step[axis] > 0);
+      there ^= kAxisBit[axis];
+    }
+    if (is_common) sets.join(8 * std::uint32_t(a) + c, 8 * std::uint32_t(b) + there);
+  }
+}
+
+/// Coarse elements around one node of the fine mesh share corners; each node notes the first.
+void join_around_nodes(const HexMesh& fine, const std::vector<Vec3i>& coarse_cells,
+                       Coarsening& coarsening, CornerSets& sets) {
+  coarsening.node_parent.assign(fine.node_count(), -1);
+  coarsening.node_place.resize(fine.node_count());
+  std::int32_t last_a = -1, last_b = -1;
+  for (std::size_t block = 0; block < fine.block_count(); ++block) {
+    for (std::int32_t e = fine.element_begin[block]; e < fine.element_begin[block + 1]; ++e) {
+      const std::int32_t parent = coarsening.parent[e];
+      const int place = place_in_parent(cell_of(fine, block, e));
+      for (int c = 0; c < 8; ++c) {
+        const NodeIndex node = fine.corners[e][c];
+        const std::int32_t first = coarsening.node_parent[node];
+        if (first < 0) {
+          coarsening.node_parent[node] = parent;
+          coarsening.node_place[node] =
+              std::uint8_t(9 * ((place >> 2 & 1) + (c >> 2 & 1)) +
+                           3 * ((place >> 1 & 1) + (c >> 1 & 1)) + (place & 1) + (c & 1));
+        } else if (first != parent && (first != last_a || parent != last_b)) {
+          join_common_corners(first, coarse_cells[first], parent, coarse_cells[parent], sets);
+          last_a = first;
+          last_b = parent;
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+
+HexMesh coarsen(const HexMesh& fine, Coarsening& coarsening) {
+  HexMesh coarse;
+  coarse.geometry = fine.geometry;
+  coarse.level = fine.level + 1;
+  // Blocks of the coarse mesh and those that lie in them.
+  BrickIndex index;
+  std::vector<std::vector<std::int32_t>> children_of;
+  for (std::size_t b = 0; b < fine.block_count(); ++b) {
+    const Vec3i half = halved(fine.origin[b]);
+    const Vec3i origin(half.x & ~7, half.y & ~7, half.z & ~7);
+    const std::int32_t known = index.find(origin);
+    const std::size_t block = known >= 0 ? std::size_t(known) : index.add(origin);
+    if (block == children_of.size()) {
+      children_of.emplace_back();
+      add_block(coarse, origin);
+    }
+    children_of[block].push_back(std::int32_t(b));
+  }
+  // Elements: groups of children per cell.
+  coarsening.parent.resize(fine.offset.size());
+  std::vector<Vec3i> cells;
+  CellChildren children;
+  std::vector<std::uint8_t> places;
+  for (std::size_t block = 0; block < coarse.block_count(); ++block) {
+    coarse.element_begin.push_back(coarse.element_count());
+    sort_into_cells(fine, children_of[block], children);
+    places.resize(children.element.size());
+    // Children lie in order of their block and offset; the place in the cell is that of the voxel.
+    for (int cell = 0; cell < kBrickVoxels; ++cell) {
+      const std::int32_t begin = children.begin[cell], end = children.begin[cell + 1];
+      if (begin == end) continue;
+      for (std::int32_t n = begin; n < end; ++n) {
+        places[n] = std::uint8_t(place_in_parent(brick_local(fine.offset[children.element[n]])));
+      }
+      const std::int32_t next =
+          group_children(fine, &children.element[begin], end - begin, &places[begin],
+                         coarse.element_count(), coarsening.parent);
+      while (coarse.element_count() < next) {
+        coarse.offset.push_back(std::uint16_t(cell));
+        cells.push_back(coarse.origin[block] + brick_local(cell));
+      }
+    }
+  }
+  coarse.element_begin.push_back(coarse.element_count());
+  CornerSets sets(8 * coarse.offset.size());
+  join_around_nodes(fine, cells, coarsening, sets);
+  number_nodes(coarse, sets);
+  return coarse;
+}
+
+}  // namespace supple

@@ -1,0 +1,357 @@
+#include "lib/fem/hex_operator.h"
+
+#include <cmath>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+namespace supple {
+
+// ---- Kernels from reference matrices
+
+template <class T>
+VoxelKernel<T>::VoxelKernel(const ElementMatrix& matrix)
+    : is_pointwise(matrix.dilatation == Dilatation::pointwise) {
+  const Matrix24 shear = in_modes(matrix.shear), bulk = in_modes(matrix.bulk);
+  for (int n = 0; n < 9; ++n) {
+    for (int m = 0; m < 9; ++m) {
+      shear_linear[n][m] = T(shear[3 + n][3 + m]);
+      shear_bilinear[n][m] = T(shear[12 + n][12 + m]);
+      bulk_bilinear[n][m] = T(bulk[12 + n][12 + m]);
+      if (n >= 3 || m >= 3) continue;
+      shear_trilinear[n][m] = T(shear[21 + n][21 + m]);
+      bulk_trilinear[n][m] = T(bulk[21 + n][21 + m]);
+    }
+    // H b / 8: only linear modes have a mean gradient.
+    double sum = 0;
+    for (int c = 0; c < 8; ++c) {
+      const bool is_high = (kModes[1 + n / 3] & c) != 0;
+      sum += (is_high ? 1 : -1) * matrix.gradient[3 * c + n % 3];
+    }
+    gradient[n] = T(std::sqrt(matrix.volume_mm3) * sum / 8);
+  }
+}
+
+template <class T>
+AlikeKernel<T>::AlikeKernel(const ElementMatrix& matrix) {
+  Matrix24 shear{}, bulk{};
+  for (int child = 0; child < 8; ++child) {
+    const Matrix24 by_shear = in_modes(on_parent(matrix.shear, child));
+    const Matrix24 by_bulk = in_modes(on_parent(matrix.bulk, child));
+    for (int n = 0; n < 24; ++n) {
+      for (int m = 0; m < 24; ++m) {
+        shear[n][m] += by_shear[n][m];
+        bulk[n][m] += by_bulk[n][m];
+      }
+    }
+  }
+  const auto odd = [](int n) { return n < 9 ? 3 + n : 12 + n; };
+  for (int n = 0; n < 12; ++n) {
+    for (int m = 0; m < 12; ++m) {
+      shear_odd[n][m] = T(shear[odd(n)][odd(m)]);
+      bulk_odd[n][m] = T(bulk[odd(n)][odd(m)]);
+      if (n >= 9 || m >= 9) continue;
+      shear_even[n][m] = T(shear[12 + n][12 + m]);
+      bulk_even[n][m] = T(bulk[12 + n][12 + m]);
+    }
+  }
+}
+
+// ---- What the groups hold
+
+namespace {
+
+constexpr int kChildBytes = 8 * kGroup + 8;
+
+std::vector<GroupKind> kinds_of(const CellClasses& cells) {
+  std::vector<GroupKind> kinds(cells.present.size());
+  for (std::size_t n = 0; n < kinds.size(); ++n) kinds[n] = cells.kind(n);
+  return kinds;
+}
+
+std::array<std::array<float, 24>, 8> diagonals(const Matrix24& matrix, bool is_coarse) {
+  std::array<std::array<float, 24>, 8> out{};
+  for (int child = 0; child < (is_coarse ? 8 : 1); ++child) {
+    const Matrix24 on = is_coarse ? on_parent(matrix, child) : matrix;
+    for (int n = 0; n < 24; ++n) out[child][n] = float(on[n][n]);
+  }
+  return out;
+}
+
+template <class T>
+const ModuliTable<T>& moduli_in(const VoxelMaterial& material) {
+  if constexpr (std::is_same_v<T, float>) {
+    return material.moduli_single;
+  } else {
+    return material.moduli;
+  }
+}
+
+}  // namespace
+
+HexOperator::HexOperator(const HexMesh& mesh, const VoxelMaterial& material)
+    : m_mesh(&mesh),
+      m_material(&material),
+      m_is_coarse(false),
+      m_groups(group_elements(mesh, std::vector<GroupKind>(mesh.offset.size()))),
+      m_voxel_single(material.matrix),
+      m_voxel(material.matrix),
+      m_alike_single(material.matrix),
+      m_alike(material.matrix),
+      m_shear_diagonal(diagonals(material.matrix.shear, false)),
+      m_bulk_diagonal(diagonals(material.matrix.bulk, false)) {
+  m_classes.resize(m_groups.element.size());
+  for (std::size_t n = 0; n < m_classes.size(); ++n) {
+    if (m_groups.element[n] >= 0) m_classes[n] = material.classes[m_groups.element[n]];
+  }
+  for (std::size_t g = 0; g < m_groups.groups.size(); ++g) {
+    m_groups.groups[g].lanes = std::uint32_t(g * kGroup);
+  }
+  std::vector<std::int32_t>().swap(m_groups.element);
+}
+
+HexOperator::HexOperator(const HexMesh& mesh, const CellClasses& cells,
+                         const VoxelMaterial& material)
+    : m_mesh(&mesh),
+      m_material(&material),
+      m_is_coarse(true),
+      m_groups(group_elements(mesh, kinds_of(cells))),
+      m_voxel_single(material.matrix),
+      m_voxel(material.matrix),
+      m_alike_single(material.matrix),
+      m_alike(material.matrix),
+      m_shear_diagonal(diagonals(material.matrix.shear, true)),
+      m_bulk_diagonal(diagonals(material.matrix.bulk, true)) {
+  m_held_of.resize(m_groups.groups.size());
+  for (std::size_t g = 0; g < m_groups.groups.size(); ++g) {
+    ElementGroup& group = m_groups.groups[g];
+    const std::int32_t* elements = &m_groups.element[g * kGroup];
+    group.lanes = std::uint32_t(m_classes.size());
+    m_classes.resize(m_classes.size() + (group.kind == GroupKind::alike ? kGroup : kChildBytes));
+    std::uint8_t* classes = &m_classes[group.lanes];
+    m_held_of[g] = std::uint32_t(m_held.size());
+    if (group.kind == GroupKind::constrained) m_held.resize(m_held.size() + 8 * kGroup);
+    for (int lane = 0; lane < kGroup; ++lane) {
+      if (elements[lane] < 0) continue;
+      const std::size_t cell = std::size_t(elements[lane]);
+      if (group.kind == GroupKind::alike) {
+        classes[lane] = cells.of_child[cell][0];
+        continue;
+      }
+      for (int child = 0; child < 8; ++child) {
+        if ((cells.present[cell] >> child & 1) == 0) continue;
+        classes[kGroup * child + lane] = cells.of_child[cell][child];
+        classes[8 * kGroup + child] = std::uint8_t(classes[8 * kGroup + child] | 1 << lane);
+        if (cells.constraint[cell] < 0) continue;
+        m_held[m_held_of[g] + kGroup * child + lane] = cells.held[cells.constraint[cell]][child];
+      }
+    }
+  }
+  std::vector<std::int32_t>().swap(m_groups.element);
+}
+
+std::size_t HexOperator::bytes() const {
+  return m_groups.bytes() + m_classes.capacity() + (m_held.capacity() + m_held_of.capacity()) * 4;
+}
+
+// ---- The product
+
+template <class T>
+void HexOperator::moduli_of_lanes(const std::uint8_t* classes, unsigned present, Lanes<T>& shear,
+                                  Lanes<T>& bulk) const {
+  const ModuliTable<T>& moduli = moduli_in<T>(*m_material);
+  for (int lane = 0; lane < kGroup; ++lane) {
+    const bool is_there = (present >> lane & 1) != 0;
+    shear[lane] = is_there ? moduli.shear[classes[lane]] : 0;
+    bulk[lane] = is_there ? moduli.bulk[classes[lane]] : 0;
+  }
+}
+
+template <class T>
+ChildLanes<T> HexOperator::children_of(const ElementGroup& group) const {
+  ChildLanes<T> children;
+  const std::uint8_t* classes = &m_classes[group.lanes];
+  for (int child = 0; child < 8; ++child) {
+    moduli_of_lanes<T>(classes + kGroup * child, classes[8 * kGroup + child], children.shear[child],
+                       children.bulk[child]);
+  }
+  if (group.kind == GroupKind::constrained) {
+    children.held = &m_held[m_held_of[std::size_t(&group - m_groups.groups.data())]];
+  }
+  return children;
+}
+
+template <class T>
+void HexOperator::apply_group(const ElementGroup& group, Lanes<T>* x) const {
+  if (group.kind != GroupKind::alike) {
+    if constexpr (std::is_same_v<T, float>) {
+      apply_mixed(m_voxel_single, children_of<T>(group), x);
+    } else {
+      apply_mixed(m_voxel, children_of<T>(group), x);
+    }
+    return;
+  }
+  Lanes<T> shear, bulk;
+  moduli_of_lanes<T>(&m_classes[group.lanes], group.present, shear, bulk);
+  if constexpr (std::is_same_v<T, float>) {
+    m_is_coarse ? apply_alike(m_alike_single, shear, bulk, x)
+                : apply_voxel(m_voxel_single, shear, bulk, x);
+  } else {
+    m_is_coarse ? apply_alike(m_alike, shear, bulk, x) : apply_voxel(m_voxel, shear, bulk, x);
+  }
+}
+
+namespace {
+
+/// Values of a block's nodes, one component after the other.
+template <class T>
+struct BlockValues {
+  explicit BlockValues(std::size_t longest) : stride(longest), x(3 * longest), y(3 * longest) {}
+
+  void load(const NodeIndex* nodes, std::size_t count, const T* global) {
+    for (std::size_t n = 0; n < count; ++n) {
+      if (nodes[n] < 0) {
+        for (int a = 0; a < 3; ++a) x[a * stride + n] = 0;
+        continue;
+      }
+      const T* value = global + 3 * std::size_t(nodes[n]);
+      for (int a = 0; a < 3; ++a) x[a * stride + n] = value[a];
+    }
+  }
+  void clear(std::size_t count) {
+    for (int a = 0; a < 3; ++a) std::fill_n(&y[a * stride], count, T(0));
+  }
+  void add_to(const NodeIndex* nodes, std::size_t count, T sign, T* global) const {
+    for (std::size_t n = 0; n < count; ++n) {
+      if (nodes[n] < 0) continue;
+      T* value = global + 3 * std::size_t(nodes[n]);
+      for (int a = 0; a < 3; ++a) value[a] += sign * y[a * stride + n];
+    }
+  }
+
+  std::size_t stride;
+  std::vector<T> x, y;
+};
+
+constexpr int row_place(int row, int corner) {
+  return ((row >> 3) + (corner >> 2 & 1)) * 81 + ((row & 7) + (corner >> 1 & 1)) * 9 + (corner & 1);
+}
+
+template <class T>
+void read_corners(const ElementGroup& group, const std::uint16_t* listed, const BlockValues<T>& in,
+                  Lanes<T>* x) {
+  for (int c = 0; c < 8; ++c) {
+    for (int a = 0; a < 3; ++a) {
+      const T* values = &in.x[a * in.stride];
+      if (group.row != kListed) {
+        x[3 * c + a] = *reinterpret_cast<const LanesAnywhere<T>*>(values + row_place(group.row, c));
+        continue;
+      }
+      for (int lane = 0; lane < kGroup; ++lane) {
+        x[3 * c + a][lane] = values[listed[group.corners + c * kGroup + lane]];
+      }
+    }
+  }
+}
+
+template <class T>
+void add_corners(const ElementGroup& group, const std::uint16_t* listed, const Lanes<T>* x,
+                 BlockValues<T>& out) {
+  for (int c = 0; c < 8; ++c) {
+    for (int a = 0; a < 3; ++a) {
+      T* values = &out.y[a * out.stride];
+      if (group.row != kListed) {
+        *reinterpret_cast<LanesAnywhere<T>*>(values + row_place(group.row, c)) += x[3 * c + a];
+        continue;
+      }
+      for (int lane = 0; lane < kGroup; ++lane) {
+        values[listed[group.corners + c * kGroup + lane]] += x[3 * c + a][lane];
+      }
+    }
+  }
+}
+
+}  // namespace
+
+template <class T, class Compute>
+void HexOperator::for_each_group(const T* x, T* y, T sign, Compute&& compute) const {
+  for (const std::vector<std::int32_t>& blocks : m_mesh->of_colour) {
+    const auto work = [&](const tbb::blocked_range<std::size_t>& range) {
+      BlockValues<T> values(m_groups.longest_table);
+      alignas(64) Lanes<T> corners[24];
+      for (std::size_t n = range.begin(); n < range.end(); ++n) {
+        const std::int32_t block = blocks[n];
+        const NodeIndex* nodes = &m_groups.nodes[m_groups.table_begin[block]];
+        const std::size_t count = m_groups.table_begin[block + 1] - m_groups.table_begin[block];
+        if (x != nullptr) values.load(nodes, count, x);
+        values.clear(count);
+        for (auto g = m_groups.group_begin[block]; g < m_groups.group_begin[block + 1]; ++g) {
+          const ElementGroup& group = m_groups.groups[g];
+          if (x != nullptr) read_corners(group, m_groups.corners.data(), values, corners);
+          compute(group, corners);
+          add_corners(group, m_groups.corners.data(), corners, values);
+        }
+        values.add_to(nodes, count, sign, y);
+      }
+    };
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks.size(), 1), work);
+  }
+}
+
+template <class T>
+void HexOperator::accumulate(const T* x, T* y, T sign) const {
+  for_each_group(x, y, sign, [this](const ElementGroup& group, Lanes<T>* corners) {
+    apply_group<T>(group, corners);
+  });
+}
+
+template <class T>
+void HexOperator::add(const T* x, T* y) const {
+  accumulate(x, y, T(1));
+}
+template <class T>
+void HexOperator::subtract(const T* x, T* y) const {
+  accumulate(x, y, T(-1));
+}
+template void HexOperator::add(const float*, float*) const;
+template void HexOperator::add(const double*, double*) const;
+template void HexOperator::subtract(const float*, float*) const;
+template void HexOperator::subtract(const double*, double*) const;
+
+// ---- The diagonal
+
+void HexOperator::group_diagonal(const ElementGroup& group, Lanes<float>* out) const {
+  if (group.kind == GroupKind::constrained) {
+    const ChildLanes<float> children = children_of<float>(group);
+    for (int n = 0; n < 24; ++n) {
+      Lanes<float> unit[24] = {};
+      unit[n] += 1;
+      apply_mixed(m_voxel_single, children, unit);
+      out[n] = unit[n];
+    }
+    return;
+  }
+  for (int n = 0; n < 24; ++n) out[n] = Lanes<float>{};
+  Lanes<float> shear, bulk;
+  for (int child = 0; child < (m_is_coarse ? 8 : 1); ++child) {
+    const std::uint8_t* classes = &m_classes[group.lanes];
+    if (group.kind == GroupKind::alike) {
+      moduli_of_lanes<float>(classes, group.present, shear, bulk);
+    } else {
+      moduli_of_lanes<float>(classes + kGroup * child, classes[8 * kGroup + child], shear, bulk);
+    }
+    for (int n = 0; n < 24; ++n) {
+      out[n] += shear * m_shear_diagonal[child][n] + bulk * m_bulk_diagonal[child][n];
+    }
+  }
+}
+
+std::vector<float> HexOperator::diagonal() const {
+  std::vector<float> diagonal(3 * std::size_t(m_mesh->node_count()), 0.0f);
+  for_each_group<float>(
+      nullptr, diagonal.data(), 1.0f,
+      [this](const ElementGroup& group, Lanes<float>* corners) { group_diagonal(group, corners); });
+  return diagonal;
+}
+
+}  // namespace supple

@@ -1,0 +1,71 @@
+// K u on a mesh of hexahedra without a matrix: from classes per voxel and two reference matrices.
+// Level 0 has the voxels themselves. Level 1 has cells of 2^3 voxels by Galerkin, P^T K P, from the
+// voxels' own stiffnesses and with the rows of held nodes of the voxel mesh left out.
+//
+// Cost on one core: 90 million unknowns per second in single precision on level 0
+// (docs/benchmarks.md). Memory: 2.4 bytes per unknown for a full block.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "lib/fem/cell_classes.h"
+#include "lib/fem/element_groups.h"
+#include "lib/fem/element_matrix.h"
+#include "lib/fem/group_kernel.h"
+#include "lib/fem/hex_mesh.h"
+
+namespace supple {
+
+class HexOperator {
+ public:
+  /// Of the voxel mesh. Both must outlive this.
+  HexOperator(const HexMesh& mesh, const VoxelMaterial& material);
+  /// Of the mesh that is one level coarser than the voxels'.
+  HexOperator(const HexMesh& mesh, const CellClasses& cells, const VoxelMaterial& material);
+
+  /// y += K x or y -= K x; three values per node.
+  template <class T>
+  void add(const T* x, T* y) const;
+  template <class T>
+  void subtract(const T* x, T* y) const;
+
+  /// The diagonal of K.
+  std::vector<float> diagonal() const;
+
+  const HexMesh& mesh() const { return *m_mesh; }
+  std::size_t bytes() const;
+
+ private:
+  template <class T>
+  void accumulate(const T* x, T* y, T sign) const;
+  template <class T>
+  void apply_group(const ElementGroup& group, Lanes<T>* x) const;
+  template <class T>
+  void moduli_of_lanes(const std::uint8_t* classes, unsigned present, Lanes<T>& shear,
+                       Lanes<T>& bulk) const;
+  template <class T>
+  ChildLanes<T> children_of(const ElementGroup& group) const;
+  void group_diagonal(const ElementGroup& group, Lanes<float>* out) const;
+  template <class T, class Compute>
+  void for_each_group(const T* x, T* y, T sign, Compute&& compute) const;
+
+  const HexMesh* m_mesh;
+  const VoxelMaterial* m_material;
+  bool m_is_coarse;
+  ElementGroups m_groups;
+  /// Classes of the lanes (kind alike, 8 bytes) or of their children (72: [child][lane], and per
+  /// child which lanes have it).
+  std::vector<std::uint8_t> m_classes;
+  std::vector<std::uint32_t> m_held;     // [child][lane] per constrained group
+  std::vector<std::uint32_t> m_held_of;  // per group, where it begins in m_held
+  VoxelKernel<float> m_voxel_single;
+  VoxelKernel<double> m_voxel;
+  AlikeKernel<float> m_alike_single;
+  AlikeKernel<double> m_alike;
+  /// Diagonals of M and A of a child on its parent, and of a voxel: [child][corner value].
+  std::array<std::array<float, 24>, 8> m_shear_diagonal, m_bulk_diagonal;
+};
+
+}  // namespace supple

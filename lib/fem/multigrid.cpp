@@ -1,0 +1,206 @@
+#include "lib/fem/multigrid.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lib/fem/cell_matrices.h"
+#include "lib/fem/node_vectors.h"
+
+namespace supple {
+
+namespace {
+
+/// The factorisation of so many nodes takes some 100 ms.
+constexpr NodeIndex kCoarsestNodes = 600;
+constexpr int kPowerSteps = 12;
+/// The power method comes from below.
+constexpr double kEigenvalueMargin = 1.1;
+
+}  // namespace
+
+MeshLevels::MeshLevels(HexMesh voxels) {
+  meshes.push_back(std::move(voxels));
+  while (meshes.back().node_count() > kCoarsestNodes) {
+    Coarsening coarsening;
+    HexMesh coarse = coarsen(meshes.back(), coarsening);
+    // Pieces that do not become fewer are factorised as they are.
+    if (coarse.node_count() > 0.8 * meshes.back().node_count()) break;
+    coarsenings.push_back(std::move(coarsening));
+    meshes.push_back(std::move(coarse));
+  }
+}
+
+std::size_t MeshLevels::bytes() const {
+  std::size_t sum = 0;
+  for (const HexMesh& mesh : meshes) sum += mesh.bytes();
+  for (const Coarsening& coarsening : coarsenings) sum += coarsening.bytes();
+  return sum;
+}
+
+void Multigrid::Level::subtract(const float* x, float* y) const {
+  if (fine != nullptr) {
+    fine->subtract(x, y);
+  } else if (cells) {
+    cells->subtract(x, y);
+  } else {
+    matrix->subtract(x, y);
+  }
+}
+
+void Multigrid::invert_diagonal(Level& level, const std::vector<float>& diagonal,
+                                const HeldBits* held) {
+  level.inverse_diagonal.resize(diagonal.size());
+  for (std::size_t n = 0; n < diagonal.size(); ++n) {
+    const bool is_held = held != nullptr && ((*held)[n / 3] >> n % 3 & 1) != 0;
+    level.inverse_diagonal[n] = is_held || diagonal[n] <= 0 ? 0 : 1 / diagonal[n];
+  }
+  level.d.resize(diagonal.size());
+}
+
+namespace {
+
+/// The largest eigenvalue of D^-1 K by the power method, from a vector without structure.
+template <class Subtract>
+double estimate_largest(const std::vector<float>& inverse_diagonal, Subtract&& subtract) {
+  const std::size_t count = inverse_diagonal.size();
+  std::vector<float> x(count), y(count);
+  std::uint32_t random = 1;
+  for (std::size_t n = 0; n < count; ++n) {
+    random = random * 1664525u + 1013904223u;
+    x[n] = inverse_diagonal[n] == 0 ? 0 : float(random >> 8) / float(1 << 24) - 0.5f;
+  }
+  double largest = 0;
+  for (int step = 0; step < kPowerSteps; ++step) {
+    fill(y.data(), count, 0.0f);
+    subtract(x.data(), y.data());
+    // In the norm of D: x.Kx / x.Dx of the start, |D^-1 K x| / |x| at the end.
+    for_ranges(count, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t n = begin; n < end; ++n) y[n] *= -inverse_diagonal[n];
+    });
+    const double before = std::sqrt(dot(x.data(), x.data(), count));
+    const double after = std::sqrt(dot(y.data(), y.data(), count));
+    if (before == 0 || after == 0) return 1;
+    largest = after / before;
+    const float scale = float(1 / after);
+    for_ranges(count, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t n = begin; n < end; ++n) x[n] = scale * y[n];
+    });
+  }
+  return kEigenvalueMargin * largest;
+}
+
+}  // namespace
+
+Multigrid::Multigrid(const MeshLevels& levels, const HexOperator& fine,
+                     const VoxelMaterial& material, const HeldBits& held,
+                     const SmootherParams& params, Progress* progress)
+    : m_params(params), m_levels(levels.coarsenings.size()) {
+  const std::vector<HexMesh>& meshes = levels.meshes;
+  std::optional<CellClasses> cells;
+  if (meshes.size() > 1) {
+    cells =
+        cell_classes(meshes[0], levels.coarsenings[0], material, held, meshes[1].element_count());
+  }
+  std::optional<CellMatrices> matrices;
+  const std::size_t coarsest = meshes.size() - 1;
+  for (std::size_t n = 0; n <= coarsest; ++n) {
+    poll(progress);
+    // The matrices of single elements, where they are needed.
+    if (n == 0 && n == coarsest) {
+      matrices = CellMatrices::of_voxels(meshes[0], material, held);
+    } else if (n == 1 && n == coarsest) {
+      matrices = CellMatrices::of_cells(*cells, material);
+    } else if (n == 2) {
+      matrices = CellMatrices::of_large_cells(meshes[1], levels.coarsenings[1], *cells, material,
+                                              meshes[2].element_count());
+      cells.reset();
+    } else if (n > 2) {
+      matrices =
+          matrices->coarser(meshes[n - 1], levels.coarsenings[n - 1], meshes[n].element_count());
+    }
+    if (n == coarsest) break;
+    Level& level = m_levels[n];
+    level.transfer.emplace(meshes[n], meshes[n + 1], levels.coarsenings[n]);
+    if (n == 0) {
+      level.fine = &fine;
+      invert_diagonal(level, fine.diagonal(), &held);
+    } else if (n == 1) {
+      level.cells.emplace(meshes[1], *cells, material);
+      invert_diagonal(level, level.cells->diagonal(), nullptr);
+    } else {
+      level.matrix = assemble<float>(meshes[n], *matrices);
+      invert_diagonal(level, level.matrix->diagonal(), nullptr);
+    }
+    level.largest_eigenvalue = estimate_largest(
+        level.inverse_diagonal, [&](const float* x, float* y) { level.subtract(x, y); });
+    if (n == 0) continue;
+    level.r.resize(level.unknowns());
+    level.z.resize(level.unknowns());
+  }
+  m_coarsest.emplace(assemble<double>(meshes[coarsest], *matrices));
+  m_coarsest_r.resize(3 * std::size_t(meshes[coarsest].node_count()));
+  m_coarsest_z.resize(m_coarsest_r.size());
+}
+
+std::size_t Multigrid::bytes() const {
+  std::size_t sum = m_coarsest->bytes();
+  for (const Level& level : m_levels) {
+    sum += (level.inverse_diagonal.capacity() + level.r.capacity() + level.z.capacity() +
+            level.d.capacity()) *
+           sizeof(float);
+    if (level.cells) sum += level.cells->bytes();
+    if (level.matrix) sum += level.matrix->bytes();
+  }
+  return sum;
+}
+
+void Multigrid::cycle(float* r, float* z) {
+  cycle_from(0, r, z);
+}
+
+void Multigrid::cycle_from(std::size_t number, float* r, float* z) {
+  if (number == m_levels.size()) {
+    m_coarsest->solve(r, z);
+    return;
+  }
+  Level& level = m_levels[number];
+  smooth(level, true, r, z);
+  const bool next_is_last = number + 1 == m_levels.size();
+  float* coarse_r = next_is_last ? m_coarsest_r.data() : m_levels[number + 1].r.data();
+  float* coarse_z = next_is_last ? m_coarsest_z.data() : m_levels[number + 1].z.data();
+  level.transfer->restrict_to(r, level.inverse_diagonal.data(), coarse_r);
+  cycle_from(number + 1, coarse_r, coarse_z);
+  level.transfer->prolong(coarse_z, level.inverse_diagonal.data(), level.d.data());
+  for_ranges(level.unknowns(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t n = begin; n < end; ++n) z[n] += level.d[n];
+  });
+  level.subtract(level.d.data(), r);
+  smooth(level, false, r, z);
+}
+
+/// Chebyshev iteration for K z = r with the residual kept in r (Saad, Iterative methods for sparse
+/// linear systems, algorithm 12.1). The last product is left out after the coarse correction.
+void Multigrid::smooth(Level& level, bool is_first, float* r, float* z) const {
+  const double hi = level.largest_eigenvalue, lo = hi / m_params.range;
+  const double centre = (hi + lo) / 2, half = (hi - lo) / 2;
+  double rho = half / centre;
+  float keep = 0, step = float(1 / centre);
+  const float* inverse = level.inverse_diagonal.data();
+  for (int n = 0; n < m_params.degree; ++n) {
+    const bool starts = n == 0, overwrites = starts && is_first;
+    for_ranges(level.unknowns(), [&](std::size_t begin, std::size_t end) {
+      float* d = level.d.data();
+      for (std::size_t i = begin; i < end; ++i) {
+        d[i] = starts ? step * inverse[i] * r[i] : keep * d[i] + step * inverse[i] * r[i];
+        z[i] = overwrites ? d[i] : z[i] + d[i];
+      }
+    });
+    const double next = 1 / (2 * centre / half - rho);
+    keep = float(next * rho);
+    step = float(2 * next / half);
+    rho = next;
+    if (is_first || n + 1 < m_params.degree) level.subtract(level.d.data(), r);
+  }
+}
+
+}  // namespace supple

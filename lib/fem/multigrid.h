@@ -1,0 +1,76 @@
+// A geometric multigrid V-cycle as preconditioner, in single precision.
+//
+// Coarse operators are P^T K P of the voxels' own stiffnesses on every level (Galerkin), with
+// prescribed nodes left out of P, so that held single voxels count on all levels. Levels 0 and 1
+// have no matrix (hex_operator.h), coarser ones have blocks per pair of nodes (block_matrix.h), the
+// coarsest is factorised (coarsest_solver.h).
+//
+// Smoother: Chebyshev polynomials of D^-1 K (Adams, Brezina, Hu and Tuminaro 2003), the same before
+// and after the coarse correction, so that the cycle is symmetric and positive definite. It needs
+// nothing but K x, which makes it parallel with the same bits for any number of threads.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "lib/fem/cell_classes.h"
+#include "lib/fem/coarsest_solver.h"
+#include "lib/fem/hex_operator.h"
+#include "lib/fem/transfer.h"
+#include "volumes/base/progress.h"
+
+namespace supple {
+
+/// Meshes of all levels, finest first, and how each lies in the next.
+struct MeshLevels {
+  std::vector<HexMesh> meshes;
+  std::vector<Coarsening> coarsenings;  // one fewer
+
+  explicit MeshLevels(HexMesh voxels);
+  std::size_t bytes() const;
+};
+
+struct SmootherParams {
+  int degree = 2;  // products with K before the coarse correction, and as many after it
+  /// Damps eigenvalues from 1/`range` of the largest one on.
+  double range = 8;
+};
+
+class Multigrid {
+ public:
+  /// `levels` and `material` must outlive this. `fine` is the operator of the voxels.
+  Multigrid(const MeshLevels& levels, const HexOperator& fine, const VoxelMaterial& material,
+            const HeldBits& held, const SmootherParams& params, Progress* progress);
+
+  /// z = B r, r three values per node of the voxels; held components of r do not count, those of z
+  /// are 0. `r` is used up.
+  void cycle(float* r, float* z);
+
+  int level_count() const { return int(m_levels.size()) + 1; }
+  std::size_t bytes() const;
+
+ private:
+  struct Level {
+    const HexOperator* fine = nullptr;         // level 0
+    std::optional<HexOperator> cells;          // level 1
+    std::optional<BlockMatrix<float>> matrix;  // from level 2 on
+    std::optional<Transfer> transfer;
+    std::vector<float> inverse_diagonal;
+    double largest_eigenvalue = 0;
+    std::vector<float> r, z, d;  // r and z of level 0 are the caller's
+
+    void subtract(const float* x, float* y) const;
+    std::size_t unknowns() const { return inverse_diagonal.size(); }
+  };
+  void invert_diagonal(Level& level, const std::vector<float>& diagonal, const HeldBits* held);
+  void cycle_from(std::size_t level, float* r, float* z);
+  void smooth(Level& level, bool is_first, float* r, float* z) const;
+
+  SmootherParams m_params;
+  std::vector<Level> m_levels;  // all but the coarsest
+  std::optional<CoarsestSolver> m_coarsest;
+  std::vector<float> m_coarsest_r, m_coarsest_z;
+};
+
+}  // namespace supple
