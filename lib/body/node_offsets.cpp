@@ -10,8 +10,8 @@ namespace supple {
 
 namespace {
 
-constexpr double kLargestOffset = 16383;  // voxels
-constexpr int kFractionBits = 16;         // of an offset's fraction
+constexpr double kLargestOffset = 16383;                       // voxels
+constexpr int kFractionBits = 16;                              // of an offset's fraction
 constexpr double kFineOne = kFixedOne * (1 << kFractionBits);  // 2^-32 voxel
 
 template <class T>

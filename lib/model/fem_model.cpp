@@ -97,8 +97,7 @@ void require_two_sided(const HeldVoxels& found) {
   }
   for (const HeldHandle& handle : found.handles) {
     if (!handle.is_push()) continue;
-    throw InputError(
-        {"", "finite elements", "a push handle", "handles that hold what they grab"});
+    throw InputError({"", "finite elements", "a push handle", "handles that hold what they grab"});
   }
 }
 
@@ -256,8 +255,8 @@ void VoxelFemModel::store() {
   NodeOffsets state(body);
   for (std::size_t b = 0; b < mesh.block_count(); ++b) {
     for (std::int32_t e = mesh.element_begin[b]; e < mesh.element_begin[b + 1]; ++e) {
-      const Vec3d offset = body.geometry.index_vector_from_world(
-          centre_displacement(mesh, m_solution.u_mm, e));
+      const Vec3d offset =
+          body.geometry.index_vector_from_world(centre_displacement(mesh, m_solution.u_mm, e));
       const Slot slot = Slot(b * kBrickVoxels + mesh.offset[std::size_t(e)]);
       for (int c = 0; c < 3; ++c) state.set_offset(c, slot, offset[c]);
     }
