@@ -81,7 +81,7 @@ FemLoads loads_of(const FemStep& step, const FemTask& task, const Solid& solid) 
     } else {
       loads.face_pressures.push_back({std::move(elements), load.pressure_kpa, {}});
       if (!load.facing) continue;
-      const Vec3d direction = load.facing->unit();
+      const Vec3d direction = *load.facing / load.facing->length();
       loads.face_pressures.back().includes = [direction](const Vec3d&, const Vec3d& normal) {
         return normal.dot(direction) >= kFacingCosine;
       };
