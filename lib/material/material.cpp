@@ -97,11 +97,12 @@ void warn_of_missing_column(const std::string& column, std::optional<Curve> Limi
 
 }  // namespace
 
-const std::array<PhysicalColumn, 4> kPhysicalColumns = {{
-    {"stiffness", &LimitTable::stiffness, true, "stiffness > 0 kPa"},
-    {"density", &LimitTable::mass_density, true, "density > 0 kg/m³"},
-    {"damping", &LimitTable::rayleigh_beta_ms, false, "damping >= 0 ms"},
-    {"plastic", &LimitTable::yield_strain, true, "plastic > 0"},
+const std::array<PhysicalColumn, 5> kPhysicalColumns = {{
+    {"stiffness", &LimitTable::stiffness, true, HUGE_VAL, "stiffness > 0 kPa"},
+    {"poisson", &LimitTable::poisson, false, kLargestPoisson, "poisson from 0 to 0.4999"},
+    {"density", &LimitTable::mass_density, true, HUGE_VAL, "density > 0 kg/m³"},
+    {"damping", &LimitTable::rayleigh_beta_ms, false, HUGE_VAL, "damping >= 0 ms"},
+    {"plastic", &LimitTable::yield_strain, true, HUGE_VAL, "plastic > 0"},
 }};
 
 std::vector<NamedCurve> curves_of(const LimitTable& table) {
@@ -126,7 +127,8 @@ std::vector<NamedCurve> curves_of(const LimitTable& table) {
   }
   for (const PhysicalColumn& column : kPhysicalColumns) {
     if (const auto& curve = table.*column.curve) {
-      curves.push_back({column.name, &*curve, 0, infinity, column.is_above_zero, column.expected});
+      curves.push_back(
+          {column.name, &*curve, 0, column.largest, column.is_above_zero, column.expected});
     }
   }
   return curves;

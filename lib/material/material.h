@@ -26,11 +26,15 @@ struct Curve {
 
 enum class Combine { density, limits };
 
+/// Beyond it pressure is lost among the digits of displacements.
+constexpr double kLargestPoisson = 0.4999;
+
 /// Classes are 0…kLastClass.
 constexpr int kLastClass = 255;
 
 /// Values of a table without the curve.
 constexpr double kDefaultStiffnessKpa = 1;
+constexpr double kDefaultPoisson = 0.45;
 constexpr double kDefaultMassDensity = 1000;  // kg/m³
 
 /// Curves over the densities (voxel values) of a domain. Lengths are factors of the rest length.
@@ -41,6 +45,7 @@ struct LimitTable {
   std::array<std::optional<Curve>, 3> max_length_axis, min_length_axis;
 
   std::optional<Curve> stiffness;     // Young's modulus, kPa, > 0
+  std::optional<Curve> poisson;       // Poisson's ratio, 0 to kLargestPoisson
   std::optional<Curve> mass_density;  // kg/m³, > 0; "density" in files
   /// Stiffness-proportional Rayleigh time β, ms, >= 0: damping force = β · elastic stiffness ·
   /// velocity.
@@ -58,9 +63,10 @@ struct PhysicalColumn {
   const char* name;  // in files
   std::optional<Curve> LimitTable::*curve;
   bool is_above_zero;
+  double largest;
   const char* expected;
 };
-extern const std::array<PhysicalColumn, 4> kPhysicalColumns;
+extern const std::array<PhysicalColumn, 5> kPhysicalColumns;
 
 /// A curve under its name in files.
 struct NamedCurve {
@@ -97,14 +103,15 @@ struct MaterialTable : LimitTable {
 
   /// Whether the common table or one of a label gives the curve.
   bool has_stiffness() const { return has(&LimitTable::stiffness); }
+  bool has_poisson() const { return has(&LimitTable::poisson); }
   bool has_mass_density() const { return has(&LimitTable::mass_density); }
   bool has_rayleigh_beta() const { return has(&LimitTable::rayleigh_beta_ms); }
   bool has_yield_strain() const { return has(&LimitTable::yield_strain); }
 
   /// Throws InputError naming table, key point, value and expectation: 0 < min_length <= 1 <=
-  /// max_length, shear >= 0, stiffness, density and plastic > 0, damping >= 0, densities strictly
-  /// ascending and inside the domain, lo < hi; labels within 1 to kMaxLabel and not more tables
-  /// than classes.
+  /// max_length, shear >= 0, stiffness, density and plastic > 0, damping >= 0, poisson from 0 to
+  /// kLargestPoisson, densities strictly ascending and inside the domain, lo < hi; labels within 1
+  /// to kMaxLabel and not more tables than classes.
   void validate(const std::string& file) const;
   /// One line per pair of key points that fall into the same class, and per table that lacks the
   /// stiffness or density that another one gives; empty when there are none.
@@ -163,6 +170,8 @@ class MaterialClasses {
 
   /// kg/m³ of an element of this class; kDefaultMassDensity where its table has no curve.
   double mass_density_of_class(int of) const;
+  /// Likewise; kDefaultPoisson.
+  double poisson_of_class(int of) const;
 
   struct Share {
     std::int32_t label;  // 0: the common table
@@ -177,6 +186,7 @@ class MaterialClasses {
     double position;  // in its domain, 0…1
   };
   TablePosition position_of(int end) const;
+  double value_of_class(int of, std::optional<Curve> LimitTable::*column, double without) const;
 
   bool m_combines_limits;
   std::vector<Share> m_shares;  // ascending classes

@@ -107,10 +107,19 @@ LinkPhysics MaterialClasses::physics(int class_a, int class_b) const {
           (a.yield_strain + b.yield_strain) / 2};
 }
 
-double MaterialClasses::mass_density_of_class(int of) const {
+double MaterialClasses::value_of_class(int of, std::optional<Curve> LimitTable::*column,
+                                       double without) const {
   const auto [table, position] = position_of(of);
-  if (!table->mass_density) return kDefaultMassDensity;
-  return (*table->mass_density)(density_at(*table, position));
+  const std::optional<Curve>& curve = table->*column;
+  return curve ? (*curve)(density_at(*table, position)) : without;
+}
+
+double MaterialClasses::mass_density_of_class(int of) const {
+  return value_of_class(of, &LimitTable::mass_density, kDefaultMassDensity);
+}
+
+double MaterialClasses::poisson_of_class(int of) const {
+  return value_of_class(of, &LimitTable::poisson, kDefaultPoisson);
 }
 
 LinkLimits limits_of(const MaterialTable& table, int axis, int class_a, int class_b) {

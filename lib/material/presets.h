@@ -1,10 +1,10 @@
 // Materials by name, for tables that need not be typed: limits for ECM and the physical columns.
 //
-//              lengths      shear   stiffness      density     damping
-//   soft-tissue  0.6…1.5    0.29    3.25 kPa    1060 kg/m³    10 ms
-//   bone         1…1        0       18.6 GPa    1920 kg/m³    0.1 ms
-//   brain        0.8…1.2    0.3     6 kPa       1040 kg/m³    10 ms
-//   membrane     0.8…1.1    0.2     2.5 MPa     1130 kg/m³    1 ms
+//              lengths      shear   stiffness   poisson   density     damping
+//   soft-tissue  0.6…1.5    0.29    3.25 kPa    0.48    1060 kg/m³    10 ms
+//   bone         1…1        0       18.6 GPa    0.3     1920 kg/m³    0.1 ms
+//   brain        0.8…1.2    0.3     6 kPa       0.48    1040 kg/m³    10 ms
+//   membrane     0.8…1.1    0.2     2.5 MPa     0.48    1130 kg/m³    1 ms
 //
 // Sources stand beside the values in presets.cpp and in docs/materials.md. Values found in the
 // literature differ by up to two decades (brain 2.1 to 250 kPa, thesis table 3.1), so these are
@@ -22,7 +22,7 @@ namespace supple {
 struct MaterialPreset {
   const char* name;
   double min_length, max_length, shear;  // factors of the rest length; min_length > 2 · shear
-  double stiffness_kpa, mass_density, rayleigh_beta_ms;
+  double stiffness_kpa, poisson, mass_density, rayleigh_beta_ms;
 };
 
 const std::vector<MaterialPreset>& material_presets();

@@ -50,4 +50,12 @@ std::vector<HandleReaction> HandleLedger::name(const std::vector<Reaction>& reac
   return named;
 }
 
+std::vector<HandleReaction> HandleLedger::name(const std::vector<FemReaction>& reactions) const {
+  std::vector<Reaction> forces;
+  for (const FemReaction& reaction : reactions) forces.push_back({reaction.force_n});
+  std::vector<HandleReaction> named = name(forces);
+  for (std::size_t n = 0; n < named.size(); ++n) named[n].moment_nmm = reactions[n].moment_nmm;
+  return named;
+}
+
 }  // namespace supple

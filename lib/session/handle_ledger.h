@@ -1,10 +1,12 @@
 // The handles that steps so far hold, and the forces on them, as a haptic device would feel them.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "lib/chainmail/ecm.h"
+#include "lib/fem/fem.h"
 #include "lib/relax/reaction.h"
 
 namespace supple {
@@ -14,6 +16,8 @@ struct HandleReaction {
   int step, handle;  // that grabbed it, from 1
   std::string name;  // of its region
   Reaction reaction;
+  std::optional<Vec3d> moment_nmm =
+      {};  // LPS, about the mean of its nodes at rest; finite elements
 };
 
 class HandleLedger {
@@ -31,6 +35,7 @@ class HandleLedger {
   std::vector<SlotSet> elements() const;
   /// `reactions` are those of elements().
   std::vector<HandleReaction> name(const std::vector<Reaction>& reactions) const;
+  std::vector<HandleReaction> name(const std::vector<FemReaction>& reactions) const;
 
  private:
   struct LedgerEntry {

@@ -104,6 +104,13 @@ nlohmann::ordered_json to_json(const StepRecord& record) {
   if (record.springs) {
     step["springs"] = nlohmann::ordered_json::parse(settings_json(*record.springs));
   }
+  if (record.fem) {
+    step["fem"] = nlohmann::ordered_json::parse(settings_json(*record.fem));
+    step["fem"]["iterations"] = record.equilibrium.report.iterations;
+    step["fem"]["residual_max"] = record.equilibrium.report.residual_max;
+    step["fem"]["force_balance"] = record.equilibrium.report.force_balance;
+    step["fem"]["energy_identity"] = record.equilibrium.report.energy_identity;
+  }
   step["fraction"] = std::to_string(record.report.fraction_numerator) + "/" +
                      std::to_string(record.report.fraction_denominator);
   return step;

@@ -20,7 +20,7 @@ std::vector<Handle> Session::handles_of(const StepRequest& request,
                                         const std::vector<PieceMotion>& pieces, double part) const {
   const bool has_edges = std::any_of(request.drags.begin(), request.drags.end(),
                                      [](const Drag& drag) { return drag.soft_mm > 0; });
-  const bool is_pushed = !request.springs && request.limits != Limits::ball;
+  const bool is_pushed = !request.springs && !request.fem && request.limits != Limits::ball;
   const std::vector<Region> regions = regions_of(request);
   const bool goes_on = m_walk && !m_walk->earlier.empty();
   SlotSet taken;
@@ -194,9 +194,10 @@ HeldBody Session::held_with_pieces(std::vector<Region>& anchors) {
 }
 
 void Session::check_model_of_pieces(const StepRequest& request) const {
-  if (!request.retract.empty() && (request.springs || request.limits == Limits::ball)) {
+  const bool is_ecm = !request.springs && !request.fem;
+  if (!request.retract.empty() && (!is_ecm || request.limits == Limits::ball)) {
     throw InputError({request.retract.front().place, "retract",
-                      request.springs ? "beside springs" : "beside limits = \"ball\"",
+                      is_ecm ? "beside limits = \"ball\"" : "beside springs or finite elements",
                       "a step of ECM with box limits"});
   }
   if (m_body.rigid.empty()) return;

@@ -144,7 +144,7 @@ void Session::solve_in_contact(CutContact& contact, const std::vector<Handle>& h
 
 bool Session::is_relaxed_by_default(const StepRequest& request) const {
   return m_material.relaxes && !request.no_relax && !request.relax && !request.drags.empty() &&
-         !request.springs && request.limits != Limits::ball;
+         !request.springs && !request.fem && request.limits != Limits::ball;
 }
 
 void Session::relax_body(int passes, StepRecord& record, Progress* progress) {

@@ -133,6 +133,15 @@ void Session::move(StepRecord& record, Progress* progress) {
         move_by_springs(*record.springs, held_with_pieces(anchors), handles, told, progress);
     if (record.tells_reactions) record.reactions = ledger.name(record.sprung.reactions);
     m_pressure_kpa = 0;
+  } else if (record.fem) {
+    const std::vector<SlotSet> told =
+        record.tells_reactions ? ledger.elements() : std::vector<SlotSet>();
+    const LinkCuts& cuts = m_body.rigid.empty() ? m_body.cuts : m_state.cuts;
+    record.equilibrium =
+        move_by_fem(*record.fem, {held(), cuts, m_state.density, m_state.labels, told, pieces},
+                    handles, progress);
+    if (record.tells_reactions) record.reactions = ledger.name(record.equilibrium.reactions);
+    m_pressure_kpa = 0;
   } else {
     move_quasi_statically(handles, pieces, record, progress);
     if (record.tells_reactions) {

@@ -12,6 +12,7 @@
 #include "lib/model/relax_model.h"
 #include "lib/relax/relaxation.h"
 #include "lib/session/cut_surface.h"
+#include "lib/session/fem_step.h"
 #include "lib/session/handle_ledger.h"
 #include "lib/session/handle_motion.h"
 #include "lib/session/retraction.h"
@@ -63,6 +64,7 @@ struct StepRequest {
   std::optional<RelaxParams> relax;
   bool no_relax = false;
   std::optional<SpringStep> springs;  // instead of both
+  std::optional<FemStep> fem;         // likewise
   bool tells_reactions = false;       // of the handles that are held, in the record
   /// From now on, for the elements that there are: `active` and `components` chose them when the
   /// volume was opened. Links whose limits the body breaks then are projected before it moves.
@@ -79,6 +81,7 @@ struct StepRecord : StepRequest {
   SidesReport contact;                    // of the sides of cuts, after drag and relaxation
   RelaxReport relaxed;                    // when the step relaxes
   SpringRecord sprung;                    // when springs move it
+  FemRecord equilibrium;                  // when finite elements do
   std::vector<HandleReaction> reactions;  // of all handles that are held, at its end
   std::optional<TightenReport> tightened;
 };

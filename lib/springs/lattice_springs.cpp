@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "lib/body/node_offsets.h"
 #include "lib/springs/units.h"
 #include "volumes/base/error.h"
 
@@ -12,67 +13,15 @@ namespace supple {
 namespace {
 
 constexpr double kSecondsPerMs = 1e-3;
-constexpr double kLargestOffset = 16383;                       // voxels
-constexpr int kFractionBits = 16;                              // of an offset's fraction
-constexpr double kFineOne = kFixedOne * (1 << kFractionBits);  // 2^-32 voxel
 
 Vec3d position_of(const Body& body, Slot slot) {
   const Vec3i voxel = voxel_of(body.elements, slot);
   Vec3d index(voxel);
   for (int c = 0; c < 3; ++c) {
-    index[c] += body.q[c].at(slot) / kFixedOne + body.fraction[c].at(slot) / kFineOne;
+    index[c] += offset_with_fraction(body, c, slot);
   }
   return body.geometry.world_from_index(index);
 }
-
-/// The node state that a body is to have; memory only where it is not at rest, or was not.
-class NodeState {
- public:
-  explicit NodeState(const Body& body)
-      : m_bricks(body.elements.brick_count()),
-        m_q(body.q),
-        m_fraction(body.fraction),
-        m_velocity(body.velocity_mm_s) {}
-
-  /// 2^-32 voxel.
-  void set_offset(int c, Slot slot, std::int64_t fine) {
-    constexpr std::int64_t kHalf = 1 << (kFractionBits - 1);
-    const std::int64_t whole = (fine + kHalf) >> kFractionBits;
-    m_has_moved |= set(m_q[c], slot, std::int32_t(whole));
-    set(m_fraction[c], slot, std::int16_t(fine - whole * (1 << kFractionBits)));
-  }
-  void set_velocity(int c, Slot slot, double mm_s) { set(m_velocity[c], slot, mm_s); }
-
-  void give(Body& body) {
-    for (auto& fraction : m_fraction) clear_if_zero(fraction);
-    for (auto& velocity : m_velocity) clear_if_zero(velocity);
-    body.q.swap(m_q);
-    body.fraction.swap(m_fraction);
-    body.velocity_mm_s.swap(m_velocity);
-    if (m_has_moved) body.links_known_valid = false;
-  }
-
- private:
-  /// Whether it was another value before.
-  template <class T>
-  bool set(BrickArray<T>& values, Slot slot, T value) {
-    if (values.at(slot) == value) return false;
-    if (values.brick_count() == 0) values.resize(m_bricks);
-    values.set(slot, value);
-    return true;
-  }
-
-  template <class T>
-  static void clear_if_zero(BrickArray<T>& values) {
-    if (values == BrickArray<T>()) values.clear();
-  }
-
-  std::size_t m_bricks;
-  std::array<BrickValues, 3> m_q;
-  std::array<BrickArray<std::int16_t>, 3> m_fraction;
-  Velocities m_velocity;
-  bool m_has_moved = false;
-};
 
 double class_value(const std::vector<double>& table, std::uint8_t cls, double without) {
   return table.empty() ? without : table[cls];
@@ -258,24 +207,14 @@ void take_state(const Body& body, LatticeSprings& springs) {
 }
 
 double give_state(const LatticeSprings& springs, Body& body) {
-  NodeState state(body);
+  NodeOffsets state(body);
   double rounding = 0;
   for (std::size_t n = 0; n < springs.slots.size(); ++n) {
     const Slot slot = springs.slots[n];
     const Vec3i voxel = voxel_of(body.elements, slot);
     const Vec3d index = body.geometry.index_from_world(springs.system.pos_mm[n]);
     for (int c = 0; c < 3; ++c) {
-      const double voxels = index[c] - voxel[c];
-      if (!(std::abs(voxels) <= kLargestOffset)) {
-        throw InputError({"",
-                          "voxel " + std::to_string(voxel.x) + "," + std::to_string(voxel.y) + "," +
-                              std::to_string(voxel.z),
-                          "an offset of " + number_text(voxels) + " voxels", "at most 16383"});
-      }
-      const double exact = voxels * kFineOne;
-      const std::int64_t fine = std::llround(exact);
-      rounding = std::max(rounding, std::abs(exact - double(fine)) / kFineOne);
-      state.set_offset(c, slot, fine);
+      rounding = std::max(rounding, state.set_offset(c, slot, index[c] - voxel[c]));
       state.set_velocity(c, slot, springs.system.velocity_mm_s[n][c]);
     }
   }

@@ -101,13 +101,15 @@ TEST(UnitMaterialPhysics, BetweenTwoTablesALinkTakesTheMeanAndYieldsOnlyIfBothEn
 TEST(UnitMaterialPhysics, ATableTellsWhichCurvesItOrALabelGives) {
   using Column = std::optional<Curve> LimitTable::*;
   const Column columns[] = {&LimitTable::stiffness, &LimitTable::mass_density,
-                            &LimitTable::rayleigh_beta_ms, &LimitTable::yield_strain};
+                            &LimitTable::rayleigh_beta_ms, &LimitTable::yield_strain,
+                            &LimitTable::poisson};
   const auto given = [](const MaterialTable& table) {
     return std::vector<bool>{table.has_stiffness(), table.has_mass_density(),
-                             table.has_rayleigh_beta(), table.has_yield_strain()};
+                             table.has_rayleigh_beta(), table.has_yield_strain(),
+                             table.has_poisson()};
   };
-  for (int n = 0; n < 4; ++n) {
-    std::vector<bool> expected(4, false);
+  for (int n = 0; n < 5; ++n) {
+    std::vector<bool> expected(5, false);
     MaterialTable table = linear_table(1, 1, 0);
     table.labels[7] = rigid_table();
     EXPECT_EQ(given(table), expected);
@@ -123,7 +125,8 @@ TEST(UnitMaterialPhysics, ATableTellsWhichCurvesItOrALabelGives) {
 TEST(UnitMaterialPhysics, ATableOfALabelWhosePhysicsVaryTakesMoreThanOneClass) {
   using Column = std::optional<Curve> LimitTable::*;
   for (const Column column : {&LimitTable::stiffness, &LimitTable::mass_density,
-                              &LimitTable::rayleigh_beta_ms, &LimitTable::yield_strain}) {
+                              &LimitTable::rayleigh_beta_ms, &LimitTable::yield_strain,
+                              &LimitTable::poisson}) {
     MaterialTable table = linear_table(1.5, 0.6, 0.7);
     table.labels[3] = rigid_table();
     table.labels[3].*column = ramp(5, 5);

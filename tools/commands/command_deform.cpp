@@ -139,7 +139,8 @@ Scene to_scene(DeformOptions& options) {
   given.set("output", "state", toml_string(options.output), "--output");
   given.call("step[1]", "deform");
   given.call("step[1].relax", "--relax");
-  if (!given.has("step") && !given.has("step.relax") && !given.has("step.springs")) {
+  if (!given.has("step") && !given.has("step.relax") && !given.has("step.springs") &&
+      !given.has("step.fem")) {
     throw UsageError(
         "deform: found neither --grab nor --fix nor --cut nor --remove nor --rigid nor --release "
         "nor "
@@ -197,6 +198,17 @@ void print_springs(const SpringRecord& record) {
               static_cast<long long>(record.links.links), record.links.worst_excess_voxels);
 }
 
+void print_fem(const FemRecord& record) {
+  const FemReport& report = record.report;
+  std::printf("finite elements %lld unknowns, %d iterations, residual max %.2g, rms %.2g\n",
+              static_cast<long long>(report.unknowns), report.iterations, report.residual_max,
+              report.residual_rms);
+  std::printf("balance         forces %.2g, energy %.2g, reactions changed by %.2g\n",
+              report.force_balance, report.energy_identity, report.reaction_change);
+  std::printf("largest         turn %.3g degrees, strain %.3g; memory %zu MiB\n",
+              report.largest_rotation_deg, report.largest_strain, report.bytes >> 20);
+}
+
 void print_deform(const Session& session, const SceneStep& step,
                   const InversionCertificate& certificate) {
   const StepRecord& record = session.records().back();
@@ -214,6 +226,8 @@ void print_deform(const Session& session, const SceneStep& step,
   }
   if (record.springs) {
     print_springs(record.sprung);
+  } else if (record.fem) {
+    print_fem(record.equilibrium);
   } else if (!step.handles.empty()) {
     print_solve(record);
   }
@@ -273,6 +287,7 @@ Command add_deform(CLI::App& program) {
   StepSettings settings;
   RelaxParams relax;
   SpringStep springs;
+  FemStep fem;
   SceneOptions& scene = options->scene;
   scene.add("volume", fields(read));
   scene.add("labels", {});
@@ -323,6 +338,7 @@ Command add_deform(CLI::App& program) {
   scene.add("step", fields(settings));
   scene.add("step.relax", fields(relax), "relax-");
   scene.add("step.springs", fields(springs), "springs-");
+  scene.add("step.fem", fields(fem), "fem-");
   scene.add("output", {});
   app->add_option("--contact", options->contacts,
                   "A shape that springs meet, as a table of a scene says, such as "

@@ -37,7 +37,8 @@ nlohmann::ordered_json plan_json(const Scene& scene, const RunSceneOptions& opti
                              {"cuts", step.cuts.size()},
                              {"release", step.release},
                              {"relax", step.relax.has_value()},
-                             {"springs", step.springs.has_value()}});
+                             {"springs", step.springs.has_value()},
+                             {"fem", step.fem.has_value()}});
   }
   json["outputs"] = nlohmann::ordered_json::array();
   for (const std::string& name : scene.outputs()) {
@@ -55,6 +56,7 @@ void print_plan(const Scene& scene, const RunSceneOptions& options, const SceneR
                 step.release ? ", releases" : "",
                 step.relax     ? ", relaxes"
                 : step.springs ? ", springs"
+                : step.fem     ? ", finite elements"
                                : "");
     print_places(run.places(step));
   }

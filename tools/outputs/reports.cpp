@@ -58,6 +58,49 @@ nlohmann::ordered_json to_json(const SpringRecord& record) {
   return json;
 }
 
+nlohmann::ordered_json to_json(const FemRecord& record) {
+  const FemReport& report = record.report;
+  nlohmann::ordered_json json = {{"elements", report.elements},
+                                 {"nodes", report.nodes},
+                                 {"unknowns", report.unknowns},
+                                 {"levels", report.levels},
+                                 {"iterations", report.iterations},
+                                 {"residual_max", report.residual_max},
+                                 {"residual_rms", report.residual_rms},
+                                 {"largest_force_n", report.largest_force_n},
+                                 {"force_balance", report.force_balance},
+                                 {"energy_identity", report.energy_identity},
+                                 {"energy_mj", report.energy_mj},
+                                 {"reaction_change", report.reaction_change},
+                                 {"islands", report.islands},
+                                 {"loose_islands", report.loose_islands},
+                                 {"loose_elements", report.loose_elements},
+                                 {"largest_rotation_deg", report.largest_rotation_deg},
+                                 {"largest_strain", report.largest_strain},
+                                 {"beyond_linear", report.beyond_linear},
+                                 {"bytes", report.bytes},
+                                 {"anchor_force_n", vector_json(record.anchors.force_n)},
+                                 {"anchor_moment_nmm", vector_json(record.anchors.moment_nmm)},
+                                 {"links", record.links.links},
+                                 {"violated", record.links.violated},
+                                 {"worst_excess_voxels", record.links.worst_excess_voxels},
+                                 {"setup_ms", report.setup_ms},
+                                 {"solve_ms", report.solve_ms},
+                                 {"fem_ms", record.milliseconds}};
+  if (record.fitted_pieces > 0) {
+    json["fitted_pieces"] = record.fitted_pieces;
+    json["fitted_max_voxels"] = record.fitted_max_voxels;
+  }
+  for (const StrainGauge& gauge : record.gauges) {
+    nlohmann::ordered_json row = {{"label", gauge.label}, {"elements", gauge.elements}};
+    for (std::size_t n = 0; n < kFemQuantities.size(); ++n) {
+      row[std::string(kFemQuantities[n].second)] = gauge.mean[n];
+    }
+    json["gauges"].push_back(std::move(row));
+  }
+  return json;
+}
+
 nlohmann::ordered_json to_json(const CellVolumes& volumes) {
   return {{"cells", volumes.cells},
           {"rest_mm3", volumes.rest_mm3},
@@ -142,6 +185,7 @@ nlohmann::ordered_json to_json(const std::vector<HandleReaction>& reactions) {
                     {"grab", held.name},
                     {"force_n", {n.x, n.y, n.z}},
                     {"taut", held.reaction.taut}});
+    if (held.moment_nmm) json.back()["moment_nmm"] = vector_json(*held.moment_nmm);
   }
   return json;
 }
@@ -213,6 +257,15 @@ nlohmann::ordered_json to_json(const StepRecord& record) {
         {"cut_links", record.cut_links},
         {"settings", nlohmann::ordered_json::parse(settings_json(*record.springs))},
         {"springs", to_json(record.sprung)}};
+    json["reactions"] = to_json(record.reactions);
+    return json;
+  }
+  if (record.fem) {
+    nlohmann::ordered_json json = {
+        {"model", "fem"},
+        {"cut_links", record.cut_links},
+        {"settings", nlohmann::ordered_json::parse(settings_json(*record.fem))},
+        {"fem", to_json(record.equilibrium)}};
     json["reactions"] = to_json(record.reactions);
     return json;
   }

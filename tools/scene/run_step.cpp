@@ -53,6 +53,7 @@ StepRequest request_of(const SceneStep& step, const Geometry& geometry, double t
   request.no_relax = step.no_relax;
   request.springs = step.springs;
   request.material = step.material;
+  if (step.fem) request.fem = fem_step(*step.fem, geometry);
   return request;
 }
 
@@ -88,9 +89,10 @@ void check_step(const SceneStep& step, const Geometry& geometry) {
   for (const GivenHandle& handle : step.handles) {
     const auto box = box_of(handle, geometry);
     if (box) require_meets_volume(*box, step.place, "grab", geometry);
-    if (step.springs && handle.push) {
-      throw InputError(
-          {step.place, "push", "a push handle beside springs", "handles that hold what they grab"});
+    if ((step.springs || step.fem) && handle.push) {
+      throw InputError({step.place, "push",
+                        std::string("a push handle beside ") + (step.fem ? "fem" : "springs"),
+                        "handles that hold what they grab"});
     }
   }
   for (const IndexBox& box : step.fix) {

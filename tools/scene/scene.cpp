@@ -27,23 +27,26 @@ RelaxParams read_relax(TomlTable& table) {
   return params;
 }
 
-/// What moves the body, unless it is ECM. Without a table of springs their defaults.
-std::optional<SpringStep> read_springs(TomlTable& table, bool has_springs) {
-  auto springs = table.table("springs");
-  if (!has_springs) {
-    if (springs) {
-      const std::vector<std::string> keys = springs->keys();
-      springs->fail(keys.empty() ? "" : keys.front(), "springs without their model",
-                    "model = \"springs\"");
+/// The table of what moves the body, unless it is ECM; `read` of one that is left out gives the
+/// defaults.
+template <class Step, class Read>
+std::optional<Step> read_model(TomlTable& table, const std::string& name, bool is_chosen,
+                               Read&& read) {
+  auto own = table.table(name);
+  if (!is_chosen) {
+    if (own) {
+      const std::vector<std::string> keys = own->keys();
+      own->fail(keys.empty() ? "" : keys.front(), name + " without its model",
+                "model = \"" + name + '"');
     }
     return std::nullopt;
   }
   for (const char* key : {"relax", "limits"}) {
     if (table.has(key)) {
-      table.fail(key, std::string(key) + " beside springs", "a step of its own for it");
+      table.fail(key, std::string(key) + " beside " + name, "a step of its own for it");
     }
   }
-  return springs ? read_spring_step(*springs) : SpringStep();
+  return own ? read(*own) : Step();
 }
 
 /// What is removed and what is rigid.
@@ -120,7 +123,10 @@ SceneStep read_step(TomlTable& table, const LabelNames& names) {
   step.release = settings.release;
   step.no_relax = settings.no_relax;
   step.limits = settings.limits;
-  step.springs = read_springs(table, settings.has_springs);
+  step.springs = read_model<SpringStep>(table, "springs", settings.model == StepModel::springs,
+                                        read_spring_step);
+  step.fem = read_model<GivenFem>(table, "fem", settings.model == StepModel::fem,
+                                  [&](TomlTable& fem) { return read_fem(fem, names); });
   for (TomlTable& cut : table.tables("cut")) step.cuts.push_back(read_cut(cut, names));
   for (TomlTable& patch : table.table_or_tables("retract")) {
     step.retract.push_back(read_retraction(patch));
@@ -210,7 +216,7 @@ std::string description_of(const Scene& scene, const std::string& text) {
 bool SceneStep::does_nothing() const {
   return handles.empty() && fix.empty() && fix_points.empty() && !release && fix_labels.empty() &&
          anchors.empty() && cuts.empty() && remove.empty() && rigid.empty() &&
-         rigid_seeds.empty() && retract.empty() && !rigid_density && !relax && !springs &&
+         rigid_seeds.empty() && retract.empty() && !rigid_density && !relax && !springs && !fem &&
          !material && limits != Limits::tighten;
 }
 
@@ -272,8 +278,9 @@ std::vector<std::string> Scene::outputs() const {
 
 Fields fields(StepSettings& settings) {
   return {
-      Field("model", settings.has_springs, {"ecm", "springs"},
-            "What moves the body: Enhanced ChainMail, or springs (docs/models/springs.md)"),
+      Field("model", settings.model, {"ecm", "springs", "fem"},
+            "What moves the body: Enhanced ChainMail, springs, or finite elements "
+            "(docs/models)"),
       Field("limits", settings.limits, {"box", "ball", "tighten"},
             "box: each component of a link; ball: its length, order-dependent; tighten: box, and "
             "narrower across stretched links"),

@@ -10,6 +10,7 @@
 #include "lib/session/cut_surface.h"
 #include "lib/session/handles.h"
 #include "lib/session/session.h"
+#include "tools/scene/fem_keys.h"
 #include "tools/scene/film.h"
 #include "tools/scene/view.h"
 #include "volumes/base/vec.h"
@@ -35,6 +36,7 @@ struct SceneStep {
   std::optional<RelaxParams> relax;
   bool no_relax = false;                  // even where the material asks for it
   std::optional<SpringStep> springs;      // when model = "springs"
+  std::optional<GivenFem> fem;            // when model = "fem"
   std::optional<MaterialTable> material;  // from now on
 
   bool does_nothing() const;
@@ -47,7 +49,6 @@ struct SceneOutput {
   std::vector<std::string> offsets;        // resample-direction warps
   std::vector<std::string> displacements;  // material-direction warps
   std::vector<std::string> volumes;        // resampled volumes
-
   std::vector<std::string> all() const;
 };
 
@@ -77,14 +78,15 @@ struct Scene {
   std::size_t still_steps() const;
 };
 
-/// Of a [[step]], but for its lists and tables: handles, fix, cut, remove, rigid, relax, springs.
-/// `model` is
-/// "springs" where the step has springs.
+enum class StepModel { ecm, springs, fem };
+
+/// Of a [[step]], but for its lists and tables: handles, fix, cut, remove, rigid, relax, springs,
+/// fem.
 struct StepSettings {
   Limits limits = Limits::box;
   bool release = false;
   bool no_relax = false;
-  bool has_springs = false;
+  StepModel model = StepModel::ecm;
   std::optional<NumberPair> fix_density, rigid_density;
   double joint_mm = 0;
 };

@@ -1,0 +1,42 @@
+// The node state that a body is to have, written node by node: offsets with their fractions, and
+// velocities. The body is unchanged until give().
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "lib/body/body.h"
+
+namespace supple {
+
+class NodeOffsets {
+ public:
+  /// Starts from what the body has.
+  explicit NodeOffsets(const Body& body);
+
+  /// In voxels of the coordinate's axis, rounded to 2^-32 of them. Throws InputError beyond +-16383
+  /// voxels. Returns the rounding in voxels.
+  double set_offset(int c, Slot slot, double voxels);
+  /// In 2^-16 voxel, without fraction.
+  void set_whole(int c, Slot slot, std::int32_t q);
+  void set_velocity(int c, Slot slot, double mm_s) { set(m_velocity[c], slot, mm_s); }
+
+  /// Velocities and fractions that are all 0 take no memory in the body. Unless nothing moved,
+  /// links are not known to be valid afterwards (check_links, project).
+  void give(Body& body);
+
+ private:
+  template <class T>
+  bool set(BrickArray<T>& values, Slot slot, T value);
+
+  const BrickTopology& m_elements;
+  std::array<BrickValues, 3> m_q;
+  std::array<BrickArray<std::int16_t>, 3> m_fraction;
+  Velocities m_velocity;
+  bool m_has_moved = false;
+};
+
+/// Offset of coordinate c in voxels, with its fraction.
+double offset_with_fraction(const Body& body, int c, Slot slot);
+
+}  // namespace supple

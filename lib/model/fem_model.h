@@ -1,0 +1,77 @@
+// Finite elements as a model of voxel bodies (lib/fem/fem.h): one linear problem per move, whose
+// displacements count from rest. What is held prescribes the corners of its voxels; the offset of a
+// voxel is the mean of its eight corners. Limits of links play no part, and nothing is remembered:
+// the result depends on what is held where, and on the loads, not on where the rest of the body was
+// before.
+//
+// Corners of an element that is held follow its own offset and, where its neighbours are held by
+// the same, the slope of their offsets: a turn turns the corners, too. Elements that are held get
+// exactly the offset that they were to have.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "lib/fem/fem.h"
+#include "lib/model/held_body.h"
+#include "lib/model/model.h"
+
+namespace supple {
+
+/// Young's modulus and Poisson's ratio of the body's material, or their defaults (material.h).
+ElasticTable material_elasticity(const MaterialTable& material);
+
+class VoxelFemModel final : public Model<Handle> {
+ public:
+  /// `shape`: elements, classes and cuts of the solid, where they are not those of the body; it
+  /// is needed no more afterwards. `loads` are all but what is held. Throws InputError as FemModel.
+  VoxelFemModel(const HeldBody& held, const ElasticTable& elastic, FemLoads loads = {},
+                const FemParams& params = {}, const Body* shape = nullptr,
+                Progress* progress = nullptr);
+
+  /// Reactions are wanted of these elements, which earlier moves have left held.
+  void tell_of(std::vector<SlotSet> elements) { m_told = std::move(elements); }
+
+  /// Solves. Throws InputError as hold(), and for push handles, whose sides linear equations do not
+  /// know; NotConverged; Cancelled.
+  void move(const std::vector<Handle>& handles, int steps, Progress* progress) override;
+  bool step(const Progress* = nullptr) override { return false; }
+  /// The elastic one, of the last move.
+  ModelEnergy energy() override;
+  /// Of handles of the last move, or of elements told of before it.
+  std::vector<Reaction> reactions(const std::vector<Handle>& handles) override;
+  /// Throws InputError for an offset beyond the range, the body unchanged.
+  void store() override;
+
+  /// Sums over what the sets hold together; the moment about the mean of their nodes.
+  std::vector<FemReaction> reactions(const std::vector<SlotSet>& elements) const;
+  /// Of anchors alone.
+  FemReaction anchor_reaction() const;
+  /// Of the last move.
+  const FemReport& report() const { return m_solution.report; }
+  const FemModel& solid() const { return m_model; }
+  /// Of the nodes of its mesh.
+  const std::vector<double>& displacement_mm() const { return m_solution.u_mm; }
+
+ private:
+  /// Elements that go, or stay, together.
+  struct Grip {
+    SlotSet slots;
+    std::vector<Vec3d> offsets;  // of each in voxels: where they are to be
+    bool is_anchor = false;
+  };
+  Grip grip_of(const SlotSet& slots) const;
+  void add_grips(const HeldVoxels& found);
+  HeldElements held_elements(const Grip& grip) const;
+
+  HeldBody m_held;
+  FemModel m_model;
+  FemLoads m_loads;
+  FemParams m_params;
+  std::vector<SlotSet> m_told;
+  std::vector<Grip> m_grips;  // of the last move, in the order of its held elements
+  FemSolution m_solution;
+};
+
+}  // namespace supple

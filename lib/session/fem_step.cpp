@@ -1,0 +1,276 @@
+#include "lib/session/fem_step.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <map>
+
+#include <nlohmann/json.hpp>
+
+#include "lib/body/node_offsets.h"
+#include "lib/session/rigid_drag.h"
+#include "volumes/base/text.h"
+
+namespace supple {
+
+namespace {
+
+/// Cosine of the widest angle between `facing` and the normal of a face.
+constexpr double kFacingCosine = 0.5;
+
+/// What the solver is to see of a body: no cuts inside of rigid pieces, whose elements have a class
+/// of their own.
+struct Solid {
+  std::optional<Body> body;  // where it is another than the session's
+  ElasticTable elastic;
+  std::array<double, kLastClass + 1> mass_density{};
+};
+
+/// A class that no element outside of the pieces has.
+std::uint8_t class_of_pieces(const Body& body) {
+  std::array<bool, kLastClass + 1> is_used{};
+  for_each_element(body.elements, [&](Slot slot) {
+    if (body.rigid.at(slot) < 0) is_used[body.classes[slot]] = true;
+  });
+  const auto free = std::find(is_used.rbegin(), is_used.rend(), false);
+  if (free == is_used.rend()) {
+    throw InputError({"", "rigid pieces", "tissue of all 256 material classes",
+                      "a domain that leaves one of them to the pieces"});
+  }
+  return std::uint8_t(is_used.rend() - free - 1);
+}
+
+Solid solid_of(const FemStep& step, const FemTask& task) {
+  const Body& body = task.held.body;
+  Solid solid;
+  solid.elastic = material_elasticity(body.material);
+  const MaterialClasses classes(body.material);
+  for (int c = 0; c <= kLastClass; ++c) {
+    solid.mass_density[std::size_t(c)] = classes.mass_density_of_class(c);
+  }
+  if (body.rigid.empty()) return solid;
+  solid.body = body;
+  solid.body->cuts = task.cuts;
+  const std::uint8_t rigid = class_of_pieces(body);
+  double mass = 0;
+  std::size_t count = 0;
+  for (const RigidPiece& piece : body.rigid.list) {
+    piece.elements->for_each([&](Slot slot) {
+      mass += solid.mass_density[body.classes[slot]];
+      solid.body->classes[slot] = rigid;
+      ++count;
+    });
+  }
+  solid.mass_density[rigid] = mass / double(std::max<std::size_t>(count, 1));
+  solid.elastic.young_kpa[rigid] = step.rigid_young_kpa;
+  solid.elastic.poisson[rigid] = step.rigid_poisson;
+  return solid;
+}
+
+FemLoads loads_of(const FemStep& step, const FemTask& task, const Solid& solid) {
+  FemLoads loads;
+  loads.gravity_m_s2 = step.gravity_m_s2;
+  loads.mass_density = solid.mass_density;
+  for (const FemLoad& load : step.loads) {
+    SlotSet elements =
+        elements_of(load.part, task.held.body, task.density, task.labels, name_of(load.kind));
+    if (load.kind == LoadKind::force) {
+      loads.forces.push_back({std::move(elements), load.force_n});
+    } else if (load.kind == LoadKind::swelling) {
+      loads.inner_pressures.push_back({std::move(elements), load.pressure_kpa});
+    } else {
+      loads.face_pressures.push_back({std::move(elements), load.pressure_kpa, {}});
+      if (!load.facing) continue;
+      const Vec3d direction = *load.facing / load.facing->length();
+      loads.face_pressures.back().includes = [direction](const Vec3d&, const Vec3d& normal) {
+        return normal.dot(direction) >= kFacingCosine;
+      };
+    }
+  }
+  return loads;
+}
+
+/// Free pieces take the rigid pose nearest to where their elements came to: linear equations let
+/// what turns grow.
+void fit_pieces(Body& body, FemRecord& record) {
+  NodeOffsets offsets(body);
+  for (RigidPiece& piece : body.rigid.list) {
+    RigidPiece at_rest = piece;
+    at_rest.pose = {};
+    const auto deviation = [&](const RigidPiece& posed) {
+      const PoseOffsets by_pose(body.geometry, posed);
+      double most = 0;
+      piece.elements->for_each([&](Slot slot) {
+        const auto q = by_pose(voxel_of(body.elements, slot));
+        for (int c = 0; c < 3; ++c) {
+          const double there = offset_with_fraction(body, c, slot);
+          most = std::max(most, std::abs(there - double(q[std::size_t(c)]) / kFixedOne));
+        }
+      });
+      return most;
+    };
+    if (deviation(piece) == 0) continue;
+    RigidFit fit;
+    piece.elements->for_each([&](Slot slot) {
+      const Vec3d rest(voxel_of(body.elements, slot));
+      Vec3d now = rest;
+      for (int c = 0; c < 3; ++c) now[c] += offset_with_fraction(body, c, slot);
+      fit.add(body.geometry.world_from_index(rest), body.geometry.world_from_index(now));
+    });
+    piece.pose = moved_by(fit.motion(), at_rest, body.geometry);
+    record.fitted_max_voxels = std::max(record.fitted_max_voxels, deviation(piece));
+    ++record.fitted_pieces;
+    const PoseOffsets by_pose(body.geometry, piece);
+    piece.elements->for_each([&](Slot slot) {
+      const auto q = by_pose(voxel_of(body.elements, slot));
+      for (int c = 0; c < 3; ++c) {
+        offsets.set_offset(c, slot, double(q[std::size_t(c)]) / kFixedOne);
+      }
+    });
+  }
+  if (record.fitted_pieces > 0) offsets.give(body);
+}
+
+std::vector<StrainGauge> gauges_of(const VoxelFemModel& model, const FemTask& task) {
+  std::map<std::int32_t, StrainGauge> gauges;
+  if (task.labels.empty()) return {};
+  std::int32_t element = 0;
+  for_each_element(task.held.body.elements, [&](Slot slot) {
+    const std::int32_t label = task.labels.at(slot);
+    if (label > 0) {
+      StrainGauge& gauge = gauges[label];
+      gauge.label = label;
+      ++gauge.elements;
+      const ElementState state = element_state(model.solid().mesh(), model.solid().material(),
+                                               model.displacement_mm(), element);
+      for (std::size_t n = 0; n < kFemQuantities.size(); ++n) {
+        gauge.mean[n] += value_of(state, kFemQuantities[n].first);
+      }
+    }
+    ++element;
+  });
+  std::vector<StrainGauge> list;
+  for (auto& [label, gauge] : gauges) {
+    for (double& mean : gauge.mean) mean /= double(gauge.elements);
+    list.push_back(gauge);
+  }
+  return list;
+}
+
+void warn_of_result(const FemStep& step, const FemRecord& record, Progress* progress) {
+  const FemReport& report = record.report;
+  if (report.loose_islands > 0) {
+    warn(progress, "finite elements: " + with_count(report.loose_islands, "island") + " of " +
+                       with_count(report.loose_elements, "element") +
+                       ", free to move as a rigid body, stay where they were at rest");
+  }
+  if (report.beyond_linear) {
+    warn(progress, "finite elements: turns of up to " + number_text(report.largest_rotation_deg) +
+                       " degrees and strains of up to " + number_text(report.largest_strain) +
+                       " are beyond linear theory (" + number_text(step.params.max_rotation_deg) +
+                       " degrees, " + number_text(step.params.max_strain) + ")");
+  }
+  if (record.links.violated > 0) {
+    warn(progress, "finite elements left " + with_count(record.links.violated, "link") + " of " +
+                       std::to_string(record.links.links) +
+                       " beyond the material's limits, by at most " +
+                       number_text(record.links.worst_excess_voxels) +
+                       " voxels; a later drag or relaxation projects them");
+  }
+}
+
+}  // namespace
+
+const char* name_of(LoadKind kind) {
+  static constexpr const char* kNames[] = {"force", "pressure", "swelling"};
+  return kNames[int(kind)];
+}
+
+FemRecord move_by_fem(const FemStep& step, const FemTask& task, const std::vector<Handle>& handles,
+                      Progress* progress) {
+  const auto begin = std::chrono::steady_clock::now();
+  stage(progress, "finite elements");
+  Body& body = task.held.body;
+  const Solid solid = solid_of(step, task);
+  VoxelFemModel model(task.held, solid.elastic, loads_of(step, task, solid), step.params,
+                      solid.body ? &*solid.body : nullptr, progress);
+  model.tell_of(task.gripped);
+  model.move(handles, 1, progress);
+  model.store();
+  FemRecord record;
+  record.report = model.report();
+  record.reactions = model.reactions(task.gripped);
+  record.anchors = model.anchor_reaction();
+  record.gauges = gauges_of(model, task);
+  if (!body.rigid.empty()) {
+    set_poses(body, task.pieces, 1);
+    fit_pieces(body, record);
+  }
+  record.links = check_links(body);
+  body.links_known_valid = record.links.violated == 0;
+  record.milliseconds =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+  warn_of_result(step, record, progress);
+  return record;
+}
+
+Fields fields(FemStep& step) {
+  FemParams& params = step.params;
+  return {
+      Field("tolerance", params.tolerance, "Largest force left on a node, of the largest there is")
+          .positive(),
+      Field("reaction_tolerance", params.reaction_tolerance,
+            "Largest change of the reactions in the last iteration, relative")
+          .positive(),
+      Field("max_iterations", params.max_iterations, "More are an error").range(1, 100000),
+      Field("loose", params.loose, {"hold", "refuse"},
+            "What nothing holds: stays where it is at rest, or is an error"),
+      Field("max_rotation", params.max_rotation_deg, "Larger turns of an element are warned of")
+          .unit("degrees")
+          .shown_as("DEG")
+          .positive()
+          .recorded_as("max_rotation_deg"),
+      Field("max_strain", params.max_strain, "Larger strains are warned of").positive(),
+      Field("gravity", step.gravity_m_s2, "Acceleration in LPS")
+          .unit("m/s²")
+          .recorded_as("gravity_m_s2"),
+      Field("rigid_stiffness", step.rigid_young_kpa, "Young's modulus of rigid pieces")
+          .unit("kPa")
+          .shown_as("KPA")
+          .positive()
+          .recorded_as("rigid_stiffness_kpa"),
+      Field("rigid_poisson", step.rigid_poisson, "Poisson's ratio of rigid pieces")
+          .range(0, kLargestPoisson),
+  };
+}
+
+Fields load_fields(FemLoad& load) {
+  if (load.kind == LoadKind::force) {
+    return {Field("force_n", load.force_n, "In all, in N along LPS").unit("N").required()};
+  }
+  Fields fields = {Field("pressure_kpa", load.pressure_kpa,
+                         load.kind == LoadKind::pressure
+                             ? "On faces without a neighbour, inwards where positive"
+                             : "Inside elements, outwards where positive")
+                       .unit("kPa")
+                       .required()};
+  if (load.kind == LoadKind::pressure) {
+    fields.push_back(Field("facing", load.facing,
+                           "Faces whose normal is within 60 degrees of this direction in LPS")
+                         .otherwise("all faces"));
+  }
+  return fields;
+}
+
+std::string settings_json(const FemStep& step) {
+  FemStep copy = step;
+  auto json = nlohmann::ordered_json::parse(fields_json(fields(copy)));
+  for (FemLoad& load : copy.loads) {
+    auto entry = nlohmann::ordered_json::parse(chosen_json(load.part));
+    entry.update(nlohmann::ordered_json::parse(fields_json(load_fields(load))));
+    json[std::string(name_of(load.kind)) + "s"].push_back(std::move(entry));
+  }
+  return json.dump();
+}
+
+}  // namespace supple

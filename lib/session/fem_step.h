@@ -1,0 +1,83 @@
+// A step in which finite elements move the body to its equilibrium.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lib/fem/fem_results.h"
+#include "lib/model/fem_model.h"
+#include "lib/session/selection.h"
+#include "volumes/base/fields.h"
+#include "volumes/base/progress.h"
+
+namespace supple {
+
+enum class LoadKind { force, pressure, swelling };
+const char* name_of(LoadKind kind);
+
+/// What acts on elements while the step's equilibrium is sought.
+struct FemLoad {
+  LoadKind kind = LoadKind::force;
+  ChosenPart part;
+  Vec3d force_n{0, 0, 0};   // in all, LPS
+  double pressure_kpa = 0;  // on faces: inwards where positive; of a swelling: outwards
+  /// Of a pressure: faces whose outward normal is within 60 degrees of this direction in LPS, or
+  /// all.
+  std::optional<Vec3d> facing;
+};
+
+struct FemStep {
+  FemParams params;
+  Vec3d gravity_m_s2{0, 0, 0};  // LPS
+  /// Of the elements of rigid pieces.
+  double rigid_young_kpa = 18.6e6, rigid_poisson = 0.3;
+  std::vector<FemLoad> loads;
+};
+
+/// Means over the elements of a label, volumes being alike.
+struct StrainGauge {
+  std::int32_t label = 0;
+  std::int64_t elements = 0;
+  std::array<double, kFemQuantities.size()> mean{};
+};
+
+struct FemRecord {
+  FemReport report;
+  LinkCheck links;                     // what ChainMail's limits say of the result
+  std::vector<FemReaction> reactions;  // of `gripped`
+  FemReaction anchors;
+  /// Free rigid pieces whose elements the nearest rigid pose replaced, and by how much at most.
+  std::int64_t fitted_pieces = 0;
+  double fitted_max_voxels = 0;
+  std::vector<StrainGauge> gauges;  // of the labels of the body
+  double milliseconds = 0;
+};
+
+struct PieceMotion;  // lib/session/rigid_drag.h
+
+/// What a session hands over.
+struct FemTask {
+  HeldBody held;
+  const LinkCuts& cuts;  // of the body without what rigid pieces hide
+  const DensityGrid& density;
+  const BrickValues& labels;
+  const std::vector<SlotSet>& gripped;     // whose reactions are wanted
+  const std::vector<PieceMotion>& pieces;  // that the handles move
+};
+
+/// Moves the body. Warns of loose islands, of results beyond linear theory and of links beyond
+/// their limits. Throws InputError as VoxelFemModel and for loads without element, NotConverged,
+/// Cancelled; the body unchanged then.
+FemRecord move_by_fem(const FemStep& step, const FemTask& task, const std::vector<Handle>& handles,
+                      Progress* progress);
+
+/// Of `fem = { … }` in a scene, but for its loads.
+Fields fields(FemStep& step);
+/// Of a load, but for the elements: `force_n`, or `pressure_kpa` and `facing`.
+Fields load_fields(FemLoad& load);
+/// As a journal records it: JSON.
+std::string settings_json(const FemStep& step);
+
+}  // namespace supple

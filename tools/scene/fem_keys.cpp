@@ -1,0 +1,45 @@
+#include "tools/scene/fem_keys.h"
+
+#include <cmath>
+#include <string>
+
+#include "tools/scene/handle_keys.h"
+
+namespace supple::tools {
+
+namespace {
+
+GivenLoad read_load(TomlTable& table, LoadKind kind, const LabelNames& names) {
+  GivenLoad load;
+  load.kind = kind;
+  table.read(load_fields(load));
+  if (load.facing && *load.facing == Vec3d(0.0)) table.fail("facing", "[0, 0, 0]", "a direction");
+  load.given = read_part(table, names);
+  table.finish();
+  return load;
+}
+
+}  // namespace
+
+GivenFem read_fem(TomlTable& table, const LabelNames& names) {
+  GivenFem given;
+  table.read(fields(given.step));
+  for (const LoadKind kind : {LoadKind::force, LoadKind::pressure, LoadKind::swelling}) {
+    for (TomlTable& load : table.table_or_tables(std::string(name_of(kind)) + "s")) {
+      given.loads.push_back(read_load(load, kind, names));
+    }
+  }
+  table.finish();
+  return given;
+}
+
+FemStep fem_step(const GivenFem& given, const Geometry& geometry) {
+  FemStep step = given.step;
+  for (const GivenLoad& load : given.loads) {
+    step.loads.push_back(load);
+    step.loads.back().part = to_part(load.given, geometry);
+  }
+  return step;
+}
+
+}  // namespace supple::tools
