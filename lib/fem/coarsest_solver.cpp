@@ -6,10 +6,25 @@
 
 namespace supple {
 
+namespace {
+
+using Ldlt = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>;
+
+/// Parts of its diagonal that are added to the matrix. A coarse cell that few voxels fill, or held
+/// nodes surround, has motions that move next to nothing of what is free: their pivots are lost in
+/// rounding. A preconditioner may add to them; the least that makes all pivots positive is taken.
+constexpr double kLeastShift = 1e-11, kMostShift = 1e-3;
+
+bool is_positive_definite(const Ldlt& factor) {
+  return factor.info() == Eigen::Success && factor.vectorD().minCoeff() > 0;
+}
+
+}  // namespace
+
 struct CoarsestSolver::Factor {
   std::vector<int> unknown_of;  // per component of a node, or -1
   int unknowns = 0;
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> ldlt;
+  Ldlt ldlt;
 };
 
 CoarsestSolver::~CoarsestSolver() = default;
@@ -39,14 +54,12 @@ CoarsestSolver::CoarsestSolver(const BlockMatrix<double>& matrix)
   Eigen::SparseMatrix<double> lower(factor.unknowns, factor.unknowns);
   lower.setFromTriplets(entries.begin(), entries.end());
   if (factor.unknowns == 0) return;
-  factor.ldlt.compute(lower);
-  bool is_positive = factor.ldlt.info() == Eigen::Success;
-  for (int n = 0; is_positive && n < factor.unknowns; ++n) {
-    is_positive = factor.ldlt.vectorD()[n] > 0;
+  const Eigen::VectorXd own = lower.diagonal();
+  for (double shift = kLeastShift; shift <= kMostShift; shift *= 100) {
+    lower.diagonal() = own * (1 + shift);
+    if (is_positive_definite(factor.ldlt.compute(lower))) return;
   }
-  if (!is_positive) {
-    throw Error("finite elements: the coarsest level is not positive definite");
-  }
+  throw Error("finite elements: the coarsest level is not positive definite");
 }
 
 void CoarsestSolver::solve(const float* b, float* x) const {
