@@ -100,7 +100,7 @@ export class LookPanel {
     return section('Clips', false, this.clips, add);
   }
   get clipList() { return this.session.scene?.view.clips ?? []; }
-  sendClips(clip) { this.session.event({kind: 'clip', ...(clip.length ? {clip} : {})}); }
+  sendClips(clip) { this.session.event({kind: 'clip', clip}); }
   addClip(clip) {
     if (this.session.scene && clip) this.sendClips([...this.clipList, clip]);
   }
