@@ -60,6 +60,10 @@ void NodeOffsets::set_whole(int c, Slot slot, std::int32_t q) {
   set(m_fraction[std::size_t(c)], slot, std::int16_t(0));
 }
 
+void NodeOffsets::set_velocity(int c, Slot slot, double mm_s) {
+  set(m_velocity[std::size_t(c)], slot, mm_s);
+}
+
 void NodeOffsets::give(Body& body) {
   for (auto& fraction : m_fraction) clear_if_zero(fraction);
   for (auto& velocity : m_velocity) clear_if_zero(velocity);

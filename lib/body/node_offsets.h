@@ -19,7 +19,7 @@ class NodeOffsets {
   double set_offset(int c, Slot slot, double voxels);
   /// In 2^-16 voxel, without fraction.
   void set_whole(int c, Slot slot, std::int32_t q);
-  void set_velocity(int c, Slot slot, double mm_s) { set(m_velocity[c], slot, mm_s); }
+  void set_velocity(int c, Slot slot, double mm_s);
 
   /// Velocities and fractions that are all 0 take no memory in the body. Unless nothing moved,
   /// links are not known to be valid afterwards (check_links, project).
