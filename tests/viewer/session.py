@@ -296,7 +296,7 @@ def reconnection(server, folder):
 
 def ends(folder):
     """Ctrl-C, the last page gone, a port that is taken, and a kill in mid-drag."""
-    server = Server("ball.nrrd", folder=folder)
+    server = Server("ball.nrrd", "--size", "96,96", folder=folder)
     page = begin(server)
     drag(page)
     page.send(event={"kind": "relax", "passes": 1000})
@@ -313,7 +313,7 @@ def ends(folder):
     server.process.wait(20)
     expect(server.stop()[0] == 0, "a session whose last page is gone ends by itself")
 
-    server = Server("ball.nrrd", "--token", "token.txt", folder=folder)
+    server = Server("ball.nrrd", "--token", "token.txt", "--size", "96,96", folder=folder)
     page = begin(server)
     hit = surface(page)
     page.event("grab", grab=hit["voxel"])

@@ -110,7 +110,7 @@ void LiveSession::carry_out(const LiveEvent& event, Progress* progress) {
       check_step(*m_session, asked);
       m_grab = event;
       m_reached = Vec3d(0);
-      ++m_stroke;
+      m_grab_stroke = ++m_stroke;
       break;
     }
     case EventKind::drag:
@@ -133,7 +133,6 @@ void LiveSession::carry_out(const LiveEvent& event, Progress* progress) {
       if (event.step.springs) m_model = event;
       break;
     case EventKind::relax:
-      ++m_stroke;
       return relax(event, event.step.relax->passes, progress);
     case EventKind::limits:
       m_limits = event.limits;
@@ -189,18 +188,16 @@ void LiveSession::drag(const LiveEvent& event, Progress* progress) {
 /// as events of their own.
 void LiveSession::release(const LiveEvent& event, Progress* progress) {
   LiveEvent carried_out = event;
-  const bool was_dragged = m_grab && !m_done.empty() && m_done.back().kind == EventKind::drag &&
-                           m_done.back().stroke == m_stroke;
-  if (event.restore) {
-    while (m_grab && !m_done.empty() && m_done.back().kind == EventKind::drag &&
-           m_done.back().stroke == m_stroke && take_back()) {
-    }
+  const auto is_last_a_drag = [&] {
+    return m_grab && !m_done.empty() && m_done.back().stroke == m_grab_stroke;
+  };
+  const bool was_dragged = is_last_a_drag();
+  while (event.restore && is_last_a_drag() && take_back()) {
   }
   if (event.all) {
     SceneStep step;
     step.place = event.place;
     step.release = true;
-    ++m_stroke;
     run(event.kind, step, nlohmann::ordered_json({{"release", true}}).dump(), progress);
   }
   m_grab.reset();
@@ -215,7 +212,6 @@ void LiveSession::release(const LiveEvent& event, Progress* progress) {
   relaxation.at_ms = event.at_ms;
   relaxation.step.relax = tissue_relaxation();
   relaxation.keys = relax_keys(*relaxation.step.relax).dump();
-  ++m_stroke;
   m_relaxation = relaxation;
   m_pending = relaxation.step.relax->passes;
 }
@@ -224,8 +220,18 @@ void LiveSession::run(EventKind kind, const SceneStep& step, const std::string& 
                       Progress* progress) {
   run_step(*m_session, step, false, progress);
   m_undone.clear();
-  if (kind != EventKind::drag && kind != EventKind::relax) ++m_stroke;
-  m_done.push_back({kind, m_stroke, step, keys, m_reached, m_reached});
+  m_done.push_back({kind, stroke_of(kind), step, keys, m_reached, m_reached});
+}
+
+/// Of the next step. It follows from the events as a journal has them, in which a relaxation is as
+/// many as it had slices.
+int LiveSession::stroke_of(EventKind kind) {
+  const bool follows_its_kind = !m_done.empty() && m_done.back().kind == kind;
+  if (kind == EventKind::relax && follows_its_kind) return m_done.back().stroke;
+  if (kind != EventKind::drag) return ++m_stroke;
+  const bool goes_on = follows_its_kind && m_done.back().stroke == m_grab_stroke;
+  if (!goes_on) m_grab_stroke = ++m_stroke;
+  return m_grab_stroke;
 }
 
 /// One step; false where none is left.

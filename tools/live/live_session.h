@@ -38,8 +38,8 @@ class LiveSession {
   /// As the events so far ask for it.
   const SceneView& view() const { return m_view; }
 
-  /// A step of the session, and where its handle had been before. Steps of one stroke, the drags
-  /// since a grab or the slices of a relaxation, are undone together where that is asked for.
+  /// A step of the session, and where its handle had been before. Steps of one stroke, drags
+  /// since a grab or slices of relaxation in a row, are undone together where that is asked for.
   struct DoneStep {
     EventKind kind;
     int stroke;
@@ -68,6 +68,7 @@ class LiveSession {
   void drag(const LiveEvent& event, Progress* progress);
   void release(const LiveEvent& event, Progress* progress);
   void run(EventKind kind, const SceneStep& step, const std::string& keys, Progress* progress);
+  int stroke_of(EventKind kind);
   bool take_back();
   void take_back(bool whole_stroke);
   void do_again(bool whole_stroke, Progress* progress);
@@ -84,9 +85,9 @@ class LiveSession {
   SceneView m_view;
   std::string m_view_keys, m_first_view_keys;  // JSON; the latter as opened
   std::optional<LiveEvent> m_grab;
-  std::optional<LiveEvent> m_model;  // of springs
-  int m_stroke = 0;
-  Vec3d m_reached{0, 0, 0};  // by the handle that is grabbed, as `to` counts
+  std::optional<LiveEvent> m_model;     // of springs
+  int m_stroke = 0, m_grab_stroke = 0;  // the last number of all; of the drags since the grab
+  Vec3d m_reached{0, 0, 0};             // by the handle that is grabbed, as `to` counts
   Limits m_limits = Limits::box;
   std::vector<DoneStep> m_done, m_undone;
   std::optional<LiveEvent> m_relaxation;

@@ -37,7 +37,7 @@ class OpenScene final : public LoopWatcher {
 
   /// The pages have other wishes; `number` as of Pages::note().
   void see(const ViewSettings& settings, std::uint64_t number);
-  /// What was asked last, for frames of what changes nothing else.
+  /// The number of what was asked last.
   void seen(std::uint64_t number) { m_number = number; }
   void stop_relaxing() { live().stop_relaxing(); }
 

@@ -137,6 +137,7 @@ void Viewer::open(const std::string& path, const std::string& material, const st
   m_pages.forget_frames();
   const std::lock_guard lock(m_guard);
   m_settings = m_next->settings();
+  m_next->seen(m_next_number - 1);  // pictures of it are newer than all that was asked before
   m_label_names = m_next->live().scene().label_names;
   m_has_scene = true;
 }
