@@ -6,6 +6,7 @@
 #include "lib/body/rigid_links.h"
 #include "lib/body/rigid_pieces.h"
 #include "tests/lib/test_bodies.h"
+#include "volumes/base/text.h"
 
 using namespace supple;
 using namespace supple::test;
