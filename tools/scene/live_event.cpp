@@ -59,12 +59,15 @@ void read_model(TomlTable& table, LiveEvent& event) {
   const Fields all = fields(settings);
   table.require(table.string("model"), "model", "\"ecm\" or \"springs\"");
   table.read({all.front()});
+  if (settings.model == StepModel::fem) {
+    table.fail("model", "fem", "\"ecm\" or \"springs\"; finite elements are a `step`");
+  }
+  const bool has_springs = settings.model == StepModel::springs;
   auto springs = table.table("springs");
-  if (springs && !settings.has_springs) {
+  if (springs && !has_springs) {
     table.fail("springs", "springs without their model", "model = \"springs\"");
   }
-  if (settings.has_springs)
-    event.step.springs = springs ? read_spring_step(*springs) : SpringStep();
+  if (has_springs) event.step.springs = springs ? read_spring_step(*springs) : SpringStep();
 }
 
 /// The view's part that the event replaces; the rest of a view is read where it is drawn.
