@@ -335,7 +335,7 @@ def ends(folder):
     expect("nothing" in error_of(page.event, "undo"), "nothing is open")
     page.ask(open={"path": "ball.nrrd"})
     page.until(lambda: page.scene is not None)
-    page.settle()
+    page.settle(event=0)
     empty.stop()
 
 

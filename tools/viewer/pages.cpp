@@ -33,6 +33,11 @@ std::size_t Pages::count() const {
   return m_pages.size();
 }
 
+int Pages::joined() const {
+  const std::lock_guard lock(m_guard);
+  return m_next_page - 1;
+}
+
 void Pages::note(int page, std::uint64_t number, std::uint32_t n) {
   const std::lock_guard lock(m_guard);
   const auto found = m_pages.find(page);

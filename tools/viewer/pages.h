@@ -34,6 +34,8 @@ class Pages {
   int join(std::shared_ptr<PageOutlet> outlet, const std::string& hello);
   void leave(int page);
   std::size_t count() const;
+  /// That have ever joined.
+  int joined() const;
 
   /// The session has taken message `n` of the page as its `number`, which ascends.
   void note(int page, std::uint64_t number, std::uint32_t n);

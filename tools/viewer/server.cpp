@@ -327,7 +327,7 @@ struct Server::Impl {
   std::optional<Served> served;
   std::list<std::weak_ptr<Visitor>> visitors;  // oldest first
   std::function<bool()> stops;
-  bool had_page = false;
+  int pages_seen = 0;
   Clock::time_point last_page = Clock::now();
 };
 
@@ -377,12 +377,11 @@ void Server::Impl::admit(Tcp::socket&& socket) {
 }
 
 void Server::Impl::look() {
-  if (served->viewer.page_count() > 0) {
-    had_page = true;
-    last_page = Clock::now();
-  }
+  const int so_far = served->viewer.pages_so_far();
+  if (served->viewer.page_count() > 0 || so_far != pages_seen) last_page = Clock::now();
+  pages_seen = so_far;
   const std::chrono::duration<double> alone = Clock::now() - last_page;
-  const bool is_left = had_page && options.grace_s > 0 && alone.count() > options.grace_s;
+  const bool is_left = so_far > 0 && options.grace_s > 0 && alone.count() > options.grace_s;
   if (stops() || served->viewer.has_ended() || is_left) {
     served->viewer.end("the server was stopped");
     // What is queued goes out; then every connection ends.

@@ -38,6 +38,7 @@ class Viewer {
   /// One message. Throws BadMessage: the connection is to be closed.
   void receive(int page, std::string_view text);
   std::size_t page_count() const { return m_pages.count(); }
+  int pages_so_far() const { return m_pages.joined(); }
   /// Says good-bye and ends the session; what runs is cancelled.
   void end(const std::string& reason);
   /// Whether the session's thread has ended by itself, by an error or a signal.
