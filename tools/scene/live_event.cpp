@@ -8,13 +8,12 @@
 #include "lib/material/toml_string.h"
 #include "tools/scene/cut_keys.h"
 #include "tools/scene/handle_keys.h"
+#include "tools/scene/json.h"
 #include "tools/scene/spring_keys.h"
 
 namespace supple::tools {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 const std::vector<std::string>& kind_names() {
   static const std::vector<std::string> names = {

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <array>
 
+#include "tools/scene/json.h"
+
 namespace supple::tools {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr std::array<const char*, 15> kVerbs = {
     "event",  "size", "slices",  "deformed",  "pick",     "list",    "open",     "save",

@@ -8,6 +8,7 @@
 #include "lib/relax/relaxation.h"
 #include "lib/session/spring_step.h"
 #include "tools/outputs/reports.h"
+#include "tools/scene/json.h"
 #include "tools/viewer/saving.h"
 #include "volumes/io/open_volume.h"
 
@@ -15,7 +16,6 @@ namespace supple::tools {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMostListed = 2000;

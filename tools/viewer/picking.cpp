@@ -5,13 +5,12 @@
 
 #include "tools/outputs/reports.h"
 #include "tools/outputs/view_pictures.h"
+#include "tools/scene/json.h"
 #include "volumes/grid/volume.h"
 
 namespace supple::tools {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 /// Of the picture of one ray: narrow enough to be that ray.
 constexpr double kRayDegrees = 1e-4, kRayHeightMm = 1e-4;

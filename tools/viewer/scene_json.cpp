@@ -3,6 +3,7 @@
 
 #include "tools/outputs/reports.h"
 #include "tools/outputs/view_pictures.h"
+#include "tools/scene/json.h"
 #include "tools/viewer/open_scene.h"
 #include "tools/viewer/page_queries.h"
 #include "volumes/grid/volume.h"
@@ -10,8 +11,6 @@
 namespace supple::tools {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 Json keys_json(const std::vector<OpacityKey>& keys) {
   Json rows = Json::array();

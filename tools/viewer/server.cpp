@@ -25,7 +25,7 @@ namespace http = beast::http;
 namespace websocket = beast::websocket;
 using Error_code = beast::error_code;
 using Tcp = asio::ip::tcp;
-using Clock = std::chrono::steady_clock;
+using SteadyClock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
 constexpr auto kRequestTime = 10s;
@@ -40,7 +40,7 @@ constexpr std::size_t kMostQueuedBytes = std::size_t(64) << 20;
 class MessageRate {
  public:
   bool allows_one() {
-    const auto now = Clock::now();
+    const auto now = SteadyClock::now();
     m_left = std::min(
         kBurst, m_left + kMessagesPerSecond * std::chrono::duration<double>(now - m_last).count());
     m_last = now;
@@ -50,7 +50,7 @@ class MessageRate {
 
  private:
   double m_left = kBurst;
-  Clock::time_point m_last = Clock::now();
+  SteadyClock::time_point m_last = SteadyClock::now();
 };
 
 /// What connections share.
@@ -328,7 +328,7 @@ struct Server::Impl {
   std::list<std::weak_ptr<Visitor>> visitors;  // oldest first
   std::function<bool()> stops;
   int pages_seen = 0;
-  Clock::time_point last_page = Clock::now();
+  SteadyClock::time_point last_page = SteadyClock::now();
 };
 
 Server::Server(const ServerOptions& options) : m_impl(std::make_unique<Impl>(options)) {
@@ -378,9 +378,9 @@ void Server::Impl::admit(Tcp::socket&& socket) {
 
 void Server::Impl::look() {
   const int so_far = served->viewer.pages_so_far();
-  if (served->viewer.page_count() > 0 || so_far != pages_seen) last_page = Clock::now();
+  if (served->viewer.page_count() > 0 || so_far != pages_seen) last_page = SteadyClock::now();
   pages_seen = so_far;
-  const std::chrono::duration<double> alone = Clock::now() - last_page;
+  const std::chrono::duration<double> alone = SteadyClock::now() - last_page;
   const bool is_left = so_far > 0 && options.grace_s > 0 && alone.count() > options.grace_s;
   if (stops() || served->viewer.has_ended() || is_left) {
     served->viewer.end("the server was stopped");

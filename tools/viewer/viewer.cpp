@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "lib/material/presets.h"
+#include "tools/scene/json.h"
 #include "tools/viewer/gatekeeper.h"
 #include "tools/viewer/page_queries.h"
 #include "tools/viewer/picking.h"
@@ -14,8 +15,6 @@
 namespace supple::tools {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr int kLargestSide = 4096;  // of a view, pixels
 
