@@ -79,7 +79,8 @@ class UnitFolders : public ::testing::Test {
  protected:
   UnitFolders() {
     std::filesystem::create_directories(m_outside / "in/below");
-    for (const char* name : {"secret", "in/file", "in/below/deep"}) {
+    std::filesystem::create_directory(m_outside / "in_too");
+    for (const char* name : {"secret", "in_too/file", "in/file", "in/below/deep"}) {
       std::ofstream(m_outside / name) << name;
     }
     std::filesystem::create_symlink(m_outside / "secret", m_outside / "in/leads_out");
@@ -109,7 +110,8 @@ TEST_F(UnitFolders, NothingElseIsReadOrWritten) {
        {std::string(), std::string("../secret"), at("secret"), std::string("leads_out"),
         std::string("up/secret"), std::string("/etc/passwd"), std::string("missing"),
         std::string("below/../../secret"), std::string("file\0.png", 9), std::string("file\n"),
-        at("in") + "x", std::string(5000, 'a'), std::string(".."), std::string("/")}) {
+        at("in_too/file"), at("in_too"), std::string(5000, 'a'), std::string(".."),
+        std::string("/")}) {
     EXPECT_THROW(folders.input(path), InputError) << path;
   }
   for (const std::string& path :
