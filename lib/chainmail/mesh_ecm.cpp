@@ -14,15 +14,15 @@ namespace supple {
 
 namespace {
 
-using NodeOffsets = std::array<std::int32_t, 3>;
+using MeshOffsets = std::array<std::int32_t, 3>;
 constexpr double kUnitMm = 1 / kFixedOne;
 constexpr const char* kRangeText = "finite moves and offsets within +-16383 mm";
 
 /// Millimetres to fixed point; `what` names them in the message.
 template <class Round>
-NodeOffsets fixed_offsets(const Vec3d& mm, Round&& round, const std::string& node,
+MeshOffsets fixed_offsets(const Vec3d& mm, Round&& round, const std::string& node,
                           const std::string& what) {
-  NodeOffsets fixed;
+  MeshOffsets fixed;
   for (int c = 0; c < 3; ++c) {
     const double units = round(mm[c] * kFixedOne);
     if (!(std::abs(units) <= double(kMaxOffset))) {
@@ -35,7 +35,7 @@ NodeOffsets fixed_offsets(const Vec3d& mm, Round&& round, const std::string& nod
 }
 
 /// The position's offset from rest, rounded to the nearest unit.
-NodeOffsets offset_of(const MeshBody& body, std::size_t node) {
+MeshOffsets offset_of(const MeshBody& body, std::size_t node) {
   return fixed_offsets(
       body.pos_mm[node] - body.rest_mm[node], [](double units) { return std::round(units); },
       "node " + std::to_string(node), "an offset of");
@@ -91,7 +91,7 @@ HeldNodes hold(const std::vector<MeshHandle>& handles, const std::vector<NodeSet
   for (std::size_t h = 0; h < handles.size(); ++h) {
     const MeshHandle& handle = handles[h];
     const std::string name = "handle " + std::to_string(h);
-    const NodeOffsets by = fixed_offsets(
+    const MeshOffsets by = fixed_offsets(
         handle.by_mm, [](double units) { return std::trunc(units); }, name, "a move by");
     held.handles.push_back(
         {owners.claim(handle.nodes, name, false), by, handle.kind == HandleKind::push});
@@ -160,7 +160,7 @@ MeshProjection MeshEcm::take_positions(const std::vector<NodeSet>& anchors, Prog
   m_is_valid = false;
   for (MeshValues& values : m_values) values.forget();  // of a projection that was cancelled
   for (Slot node = 0; node < m_body.node_count(); ++node) {
-    const NodeOffsets offset = offset_of(m_body, node);
+    const MeshOffsets offset = offset_of(m_body, node);
     for (std::size_t c = 0; c < 3; ++c) m_values[c].place(node, offset[c]);
   }
   const auto value = [&](Slot node, int c) { return m_values[std::size_t(c)].value(node); };
@@ -244,7 +244,7 @@ MeshEcmReport MeshEcm::drag(const std::vector<MeshHandle>& handles,
 
 MeshLinkCheck MeshEcm::check_links() const {
   require_positions();
-  std::vector<NodeOffsets> offsets(m_links.node_count());
+  std::vector<MeshOffsets> offsets(m_links.node_count());
   for (std::size_t n = 0; n < offsets.size(); ++n) offsets[n] = offset_of(m_body, n);
   return check(m_links, [&](Slot node, int c) { return offsets[node][std::size_t(c)]; });
 }

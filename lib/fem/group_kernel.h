@@ -20,7 +20,7 @@ struct LaneVector {
       T;
 };
 template <class T>
-using Lanes = typename LaneVector<T>::type;
+using ElementLanes = typename LaneVector<T>::type;
 /// The same at any address.
 template <class T>
 using LanesAnywhere = typename LaneVector<T>::anywhere;
@@ -85,8 +85,9 @@ inline V block_row(const T (&row)[Size], const V* x, int first) {
 
 /// x -> K x in place.
 template <class T>
-inline void apply_voxel(const VoxelKernel<T>& kernel, Lanes<T> shear, Lanes<T> bulk, Lanes<T>* x) {
-  using V = Lanes<T>;
+inline void apply_voxel(const VoxelKernel<T>& kernel, ElementLanes<T> shear, ElementLanes<T> bulk,
+                        ElementLanes<T>* x) {
+  using V = ElementLanes<T>;
   to_modes(x);
   V y[21];
   V dilatation = block_row(kernel.gradient, x, 1);
@@ -110,8 +111,9 @@ inline void apply_voxel(const VoxelKernel<T>& kernel, Lanes<T> shear, Lanes<T> b
 }
 
 template <class T>
-inline void apply_alike(const AlikeKernel<T>& kernel, Lanes<T> shear, Lanes<T> bulk, Lanes<T>* x) {
-  using V = Lanes<T>;
+inline void apply_alike(const AlikeKernel<T>& kernel, ElementLanes<T> shear, ElementLanes<T> bulk,
+                        ElementLanes<T>* x) {
+  using V = ElementLanes<T>;
   to_modes(x);
   V odd[12], y[21];
   for (int n = 0; n < 12; ++n) odd[n] = x[3 * kModes[n < 9 ? 1 + n / 3 : 7] + n % 3];
@@ -137,7 +139,7 @@ inline void apply_alike(const AlikeKernel<T>& kernel, Lanes<T> shear, Lanes<T> b
 /// 3 corner + component; null: none are held.
 template <class T>
 struct ChildLanes {
-  Lanes<T> shear[8], bulk[8];
+  ElementLanes<T> shear[8], bulk[8];
   const std::uint32_t* held = nullptr;  // [child][lane]
 };
 
@@ -195,8 +197,9 @@ inline void clear_held(const std::uint32_t* held, V* x) {
 }
 
 template <class T>
-inline void apply_mixed(const VoxelKernel<T>& kernel, const ChildLanes<T>& children, Lanes<T>* x) {
-  using V = Lanes<T>;
+inline void apply_mixed(const VoxelKernel<T>& kernel, const ChildLanes<T>& children,
+                        ElementLanes<T>* x) {
+  using V = ElementLanes<T>;
   V values[27][3], forces[27][3];
   interpolate_cell(x, values);
   for (auto& force : forces) force[0] = force[1] = force[2] = V{};

@@ -157,8 +157,8 @@ std::size_t HexOperator::bytes() const {
 // ---- The product
 
 template <class T>
-void HexOperator::moduli_of_lanes(const std::uint8_t* classes, unsigned present, Lanes<T>& shear,
-                                  Lanes<T>& bulk) const {
+void HexOperator::moduli_of_lanes(const std::uint8_t* classes, unsigned present,
+                                  ElementLanes<T>& shear, ElementLanes<T>& bulk) const {
   const ModuliTable<T>& moduli = moduli_in<T>(*m_material);
   for (int lane = 0; lane < kGroup; ++lane) {
     const bool is_there = (present >> lane & 1) != 0;
@@ -182,7 +182,7 @@ ChildLanes<T> HexOperator::children_of(const ElementGroup& group) const {
 }
 
 template <class T>
-void HexOperator::apply_group(const ElementGroup& group, Lanes<T>* x) const {
+void HexOperator::apply_group(const ElementGroup& group, ElementLanes<T>* x) const {
   if (group.kind != GroupKind::alike) {
     if constexpr (std::is_same_v<T, float>) {
       apply_mixed(m_voxel_single, children_of<T>(group), x);
@@ -191,7 +191,7 @@ void HexOperator::apply_group(const ElementGroup& group, Lanes<T>* x) const {
     }
     return;
   }
-  Lanes<T> shear, bulk;
+  ElementLanes<T> shear, bulk;
   moduli_of_lanes<T>(&m_classes[group.lanes], group.present, shear, bulk);
   if constexpr (std::is_same_v<T, float>) {
     m_is_coarse ? apply_alike(m_alike_single, shear, bulk, x)
@@ -239,7 +239,7 @@ constexpr int row_place(int row, int corner) {
 
 template <class T>
 void read_corners(const ElementGroup& group, const std::uint16_t* listed, const BlockValues<T>& in,
-                  Lanes<T>* x) {
+                  ElementLanes<T>* x) {
   for (int c = 0; c < 8; ++c) {
     for (int a = 0; a < 3; ++a) {
       const T* values = &in.x[a * in.stride];
@@ -255,7 +255,7 @@ void read_corners(const ElementGroup& group, const std::uint16_t* listed, const 
 }
 
 template <class T>
-void add_corners(const ElementGroup& group, const std::uint16_t* listed, const Lanes<T>* x,
+void add_corners(const ElementGroup& group, const std::uint16_t* listed, const ElementLanes<T>* x,
                  BlockValues<T>& out) {
   for (int c = 0; c < 8; ++c) {
     for (int a = 0; a < 3; ++a) {
@@ -278,7 +278,7 @@ void HexOperator::for_each_group(const T* x, T* y, T sign, Compute&& compute) co
   for (const std::vector<std::int32_t>& blocks : m_mesh->of_colour) {
     const auto work = [&](const tbb::blocked_range<std::size_t>& range) {
       BlockValues<T> values(m_groups.longest_table);
-      alignas(64) Lanes<T> corners[24];
+      alignas(64) ElementLanes<T> corners[24];
       for (std::size_t n = range.begin(); n < range.end(); ++n) {
         const std::int32_t block = blocks[n];
         const NodeIndex* nodes = &m_groups.nodes[m_groups.table_begin[block]];
@@ -300,7 +300,7 @@ void HexOperator::for_each_group(const T* x, T* y, T sign, Compute&& compute) co
 
 template <class T>
 void HexOperator::accumulate(const T* x, T* y, T sign) const {
-  for_each_group(x, y, sign, [this](const ElementGroup& group, Lanes<T>* corners) {
+  for_each_group(x, y, sign, [this](const ElementGroup& group, ElementLanes<T>* corners) {
     apply_group<T>(group, corners);
   });
 }
@@ -320,19 +320,19 @@ template void HexOperator::subtract(const double*, double*) const;
 
 // ---- The diagonal
 
-void HexOperator::group_diagonal(const ElementGroup& group, Lanes<float>* out) const {
+void HexOperator::group_diagonal(const ElementGroup& group, ElementLanes<float>* out) const {
   if (group.kind == GroupKind::constrained) {
     const ChildLanes<float> children = children_of<float>(group);
     for (int n = 0; n < 24; ++n) {
-      Lanes<float> unit[24] = {};
+      ElementLanes<float> unit[24] = {};
       unit[n] += 1;
       apply_mixed(m_voxel_single, children, unit);
       out[n] = unit[n];
     }
     return;
   }
-  for (int n = 0; n < 24; ++n) out[n] = Lanes<float>{};
-  Lanes<float> shear, bulk;
+  for (int n = 0; n < 24; ++n) out[n] = ElementLanes<float>{};
+  ElementLanes<float> shear, bulk;
   for (int child = 0; child < (m_is_coarse ? 8 : 1); ++child) {
     const std::uint8_t* classes = &m_classes[group.lanes];
     if (group.kind == GroupKind::alike) {
@@ -348,9 +348,10 @@ void HexOperator::group_diagonal(const ElementGroup& group, Lanes<float>* out) c
 
 std::vector<float> HexOperator::diagonal() const {
   std::vector<float> diagonal(3 * std::size_t(m_mesh->node_count()), 0.0f);
-  for_each_group<float>(
-      nullptr, diagonal.data(), 1.0f,
-      [this](const ElementGroup& group, Lanes<float>* corners) { group_diagonal(group, corners); });
+  for_each_group<float>(nullptr, diagonal.data(), 1.0f,
+                        [this](const ElementGroup& group, ElementLanes<float>* corners) {
+                          group_diagonal(group, corners);
+                        });
   return diagonal;
 }
 

@@ -41,13 +41,13 @@ class HexOperator {
   template <class T>
   void accumulate(const T* x, T* y, T sign) const;
   template <class T>
-  void apply_group(const ElementGroup& group, Lanes<T>* x) const;
+  void apply_group(const ElementGroup& group, ElementLanes<T>* x) const;
   template <class T>
-  void moduli_of_lanes(const std::uint8_t* classes, unsigned present, Lanes<T>& shear,
-                       Lanes<T>& bulk) const;
+  void moduli_of_lanes(const std::uint8_t* classes, unsigned present, ElementLanes<T>& shear,
+                       ElementLanes<T>& bulk) const;
   template <class T>
   ChildLanes<T> children_of(const ElementGroup& group) const;
-  void group_diagonal(const ElementGroup& group, Lanes<float>* out) const;
+  void group_diagonal(const ElementGroup& group, ElementLanes<float>* out) const;
   template <class T, class Compute>
   void for_each_group(const T* x, T* y, T sign, Compute&& compute) const;
 

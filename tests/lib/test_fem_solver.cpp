@@ -143,7 +143,7 @@ TEST(PropertyFem, TheSolutionIsThatOfADirectSolverOnRandomBodies) {
 
 TEST(PropertyFem, ABlockIsStretchedAsHookeSays) {
   const int n = 6;
-  const double young = 12, stretch = 0.3, strain = stretch / n;
+  const double young = 12, stretch = 0.2, strain = stretch / n;
   const Body body = fem_cube(n);
   for (const double poisson : {0.0, 0.3, 0.49, 0.4999}) {
     const FemModel model(body, ElasticTable::uniform(young, poisson));
@@ -165,7 +165,7 @@ TEST(PropertyFem, ABlockIsStretchedAsHookeSays) {
     EXPECT_NEAR(value_of(state, FemQuantity::pressure), -young * strain / 3, 2e-3);
     EXPECT_NEAR(value_of(state, FemQuantity::energy_density), young * strain * strain / 2, 1e-4);
     EXPECT_NEAR(value_of(state, FemQuantity::volume_strain), (1 - 2 * poisson) * strain, 1e-5);
-    EXPECT_FALSE(solution.report.beyond_linear == (strain <= params.max_strain));
+    EXPECT_FALSE(solution.report.beyond_linear);
   }
 }
 

@@ -139,8 +139,7 @@ Scene to_scene(DeformOptions& options) {
   given.set("output", "state", toml_string(options.output), "--output");
   given.call("step[1]", "deform");
   given.call("step[1].relax", "--relax");
-  if (!given.has("step") && !given.has("step.relax") && !given.has("step.springs") &&
-      !given.has("step.fem")) {
+  if (!given.has("step") && !given.has("step.relax") && !given.has("step.springs")) {
     throw UsageError(
         "deform: found neither --grab nor --fix nor --cut nor --remove nor --rigid nor --release "
         "nor "
@@ -287,7 +286,6 @@ Command add_deform(CLI::App& program) {
   StepSettings settings;
   RelaxParams relax;
   SpringStep springs;
-  FemStep fem;
   SceneOptions& scene = options->scene;
   scene.add("volume", fields(read));
   scene.add("labels", {});
@@ -338,7 +336,6 @@ Command add_deform(CLI::App& program) {
   scene.add("step", fields(settings));
   scene.add("step.relax", fields(relax), "relax-");
   scene.add("step.springs", fields(springs), "springs-");
-  scene.add("step.fem", fields(fem), "fem-");
   scene.add("output", {});
   app->add_option("--contact", options->contacts,
                   "A shape that springs meet, as a table of a scene says, such as "

@@ -61,7 +61,7 @@ std::vector<KeyTable> all_tables() {
       {"curve", "curve = { … } of a cut", "", curve_fields(curve)},
       {"relax", "relax = { … } of a [[step]]", "relax-", fields(relax)},
       {"springs", "springs = { … } of a [[step]]", "springs-", fields(springs)},
-      {"fem", "fem = { … } of a [[step]]", "fem-", fields(fem)},
+      {"fem", "fem = { … } of a [[step]]", "", fields(fem)},
       {"forces", "forces = [{ … }] of fem", "", load_fields(force)},
       {"pressures", "pressures = [{ … }] and swellings = [{ … }] of fem", "",
        load_fields(pressure)},
@@ -85,8 +85,8 @@ std::string kind_of(const Field& field) {
 /// Nothing where only scenes have the key, or where the option is one of a command's own.
 std::string option_of(const KeyTable& table, const Field& field) {
   static const std::set<std::string> kSceneTables = {
-      "light",       "grab",    "motion", "path",  "function", "film",     "event",
-      "camera_path", "retract", "plane",  "curve", "forces",   "pressures"};
+      "light",       "grab",    "motion", "path",  "function", "film",   "event",
+      "camera_path", "retract", "plane",  "curve", "fem",      "forces", "pressures"};
   const bool has_no_options = kSceneTables.count(table.name) != 0;
   if (field.is_only_in_scenes() || has_no_options) return "";
   return option_name(field, table.prefix);
