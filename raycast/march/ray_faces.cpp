@@ -72,13 +72,6 @@ class FaceSearch {
            m_context.classifier.may_be_visible({float(code), float(code)});
   }
 
-  /// By the density at that very place: lips end where it says.
-  bool is_visible_between_voxels(const Vec3d& pos) const {
-    float encoded;
-    return m_context.source.sample(pos, m_context.geometry.dims(), encoded) &&
-           m_context.classifier.may_be_visible({encoded, encoded});
-  }
-
   const IndexClip::Plane* face_of(const IndexClip& clip, const Vec3d& pos, double& mm_ago) const {
     return clip.face_behind(
         pos, [&](const Vec3d& normal) { return rate(clip.space(), normal, pos); }, mm_ago);
@@ -96,22 +89,18 @@ class FaceSearch {
   }
 
   /// A face counts where it cuts something that is seen, not where a ray came through its plane in
-  /// the air beside a lip.
+  /// the air beside a lip. The tissue is taken as moved without turning since the ray crossed it.
   void add_piece(const Vec3d& seen_at, const Vec3d& read_at) {
     Vec3d normal;
     double depth_mm;
     const std::int32_t piece = m_samples.batch.piece[m_lane];
-    const PointwiseOffsets& pieces = *m_context.output.pointwise();
-    if (!pieces.face(piece, seen_at, read_at, normal, depth_mm)) return;
+    if (!m_context.output.pointwise()->face(piece, seen_at, read_at, normal, depth_mm)) return;
     const double gain = normal.dot(direction());  // mm deeper per mm
     if (!(gain > 0)) return;
     const double mm_ago = depth_mm / gain;
-    if (share_of(mm_ago) <= 0) return;
-    Vec3d way;  // per mm of the ray
-    const bool is_seen = pieces.way_of(piece, seen_at, read_at, direction(), way)
-                             ? is_visible_between_voxels(read_at - way * mm_ago)
-                             : is_visible_at(read_at - direction() * mm_ago);
-    if (is_seen) add(Vec3f(normal), mm_ago);
+    if (share_of(mm_ago) > 0 && is_visible_at(read_at - direction() * mm_ago)) {
+      add(Vec3f(normal), mm_ago);
+    }
   }
 
   float share_of(double mm_ago) const {

@@ -7,7 +7,6 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include "volumes/grid/b_spline.h"
-#include "volumes/grid/cell.h"
 
 namespace supple {
 
@@ -127,30 +126,6 @@ void SourceBricks::fill_brick(const Values& values, float background, std::size_
     }
   }
   m_ranges[b] = range;
-}
-
-bool SourceBricks::sample(const Vec3d& pos, const Vec3i& dims, float& encoded) const {
-  Vec3i low;
-  Vec3d t;
-  for (int a = 0; a < 3; ++a) {
-    const double at = std::clamp(pos[a], 0.0, dims[a] - 1.0);
-    low[a] = std::min(int(at), std::max(dims[a] - 2, 0));
-    t[a] = at - low[a];
-  }
-  const std::int32_t b = m_topology.find(low);
-  if (b < 0) return false;
-  double sum = 0;
-  for (int n = 0; n < 8; ++n) {
-    const double weight =
-        (n & 4 ? t.x : 1 - t.x) * (n & 2 ? t.y : 1 - t.y) * (n & 1 ? t.z : 1 - t.z);
-    if (weight == 0) continue;
-    const std::int16_t code =
-        *node(std::size_t(b), low - m_topology.origin(std::size_t(b)) + cell_corner(n));
-    if (code == kVoid) return false;
-    sum += weight * code;
-  }
-  encoded = float(sum);
-  return true;
 }
 
 std::size_t SourceBricks::bytes() const {

@@ -56,9 +56,6 @@ class SourceBricks {
   const EncodedRange& range(std::size_t b) const { return m_ranges[b]; }
   const EncodedRange& range() const { return m_range; }
 
-  /// Trilinear, encoded, at a place clamped to `dims` voxels; false where a node of weight is void.
-  bool sample(const Vec3d& pos, const Vec3i& dims, float& encoded) const;
-
   double density(double encoded) const { return m_offset + m_scale * encoded; }
   double encoded(double density) const { return (density - m_offset) / m_scale; }
   double scale() const { return m_scale; }

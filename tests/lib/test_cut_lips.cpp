@@ -5,7 +5,6 @@
 
 #include "tests/lib/cut_fixtures.h"
 #include "volumes/field/cuts/cut_offsets.h"
-#include "volumes/field/dense/resample.h"
 #include "volumes/grid/voxel_sets.h"
 
 using namespace supple;
@@ -107,52 +106,6 @@ TEST(PropertyCutLips, OfAnObliqueCutLieWithinATenthOfAVoxelOfThePlane) {
     EXPECT_LT(worst_lip(block, block.moved(apart), apart, lips), 0.1) << direction;
     EXPECT_GT(lips, 2000);
   }
-}
-
-TEST(PropertyCutLips, ResampledVolumesAndWarpsEndWithinATenthOfAVoxelOfThePlane) {
-  const double angle = 30 * M_PI / 180;
-  const CutBlock block({std::cos(angle), 0, std::sin(angle)});
-  const auto shift = [&](bool upper) { return block.normal * (upper ? 2.4 : -1.7); };
-  const OffsetField field = block.moved([&](bool upper, const Vec3d&) { return shift(upper); });
-  const DensityGrid density = make_density_grid(
-      block.body.elements, std::vector<float>(slot_count(block.body.elements), 100), -1000);
-  // Finer than the voxels, so that the lip is met everywhere.
-  constexpr int kFine = 4, kNodes = kFine * kSize;
-  const Geometry& geometry = block.body.geometry;
-  std::array<Vec3d, 3> axes = geometry.axes_mm();
-  for (Vec3d& axis : axes) axis /= double(kFine);
-  const Geometry grid({kNodes, kNodes, kNodes}, geometry.world_from_index(Vec3d(0)), axes);
-  const ScalarSliceSource densities = dense_resampled(field, density, grid, -1);
-  const VectorSliceSource warp = dense_offsets(field, block.body.elements, grid, VoidMode::outside);
-  std::vector<float> values(kNodes * kNodes);
-  std::vector<Vec3f> vectors(kNodes * kNodes);
-  int in_gap = 0, beside = 0;
-  for (int k = 0; k < kNodes; k += 3) {
-    densities(k, values.data());
-    warp(k, vectors.data());
-    for (int n = 0; n < kNodes * kNodes; ++n) {
-      const Vec3d x = Vec3d(n % kNodes, n / kNodes, k) / double(kFine);
-      for (const bool upper : {false, true}) {
-        const Vec3d X = x - shift(upper);
-        const double depth = (X - middle()).dot(block.normal) * (upper ? 1 : -1);
-        bool is_inside = true;
-        for (int a = 0; a < 3; ++a) is_inside = is_inside && X[a] > 1 && X[a] < kSize - 2;
-        if (!is_inside || std::abs(depth) < 0.1 || depth < -1.5) continue;
-        const Vec3d way = geometry.index_vector_from_world(Vec3d(vectors[std::size_t(n)]));
-        if (depth > 0) {
-          ASSERT_EQ(values[std::size_t(n)], 100) << x;
-          ASSERT_LT((way + shift(upper)).length(), 1e-3) << x;
-          ++beside;
-        } else {
-          ASSERT_EQ(values[std::size_t(n)], -1) << x;
-          ASSERT_GT((way + shift(upper)).length(), 1) << x;
-          ++in_gap;
-        }
-      }
-    }
-  }
-  EXPECT_GT(in_gap, 10000);
-  EXPECT_GT(beside, 100000);
 }
 
 TEST(PropertyCutLips, OfASphereLieWithinATenthOfAVoxel) {

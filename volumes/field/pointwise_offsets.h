@@ -31,13 +31,6 @@ class PointwiseOffsets {
   /// it was split. False: none is known.
   virtual bool face(int piece, const Vec3d& x, const Vec3d& y, Vec3d& normal,
                     double& depth_mm) const;
-  /// Where a ray with direction d has read the source so far, per step: (I + grad o) d of such a
-  /// sample. False where faces need not be known below voxel size: those of sampling paths, which
-  /// end at the border of the volume, and not in lips.
-  virtual bool way_of(int /*piece*/, const Vec3d& /*x*/, const Vec3d& /*y*/, const Vec3d& /*d*/,
-                      Vec3d& /*way*/) const {
-    return false;
-  }
 
  protected:
   /// All voxels of the bricks at these sorted origins.

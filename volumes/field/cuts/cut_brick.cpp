@@ -2,11 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <limits>
 #include <optional>
-
-#include "volumes/grid/cell.h"
 
 namespace supple {
 
@@ -23,33 +19,12 @@ bool is_in_slice(const Vec3d& X, const Vec3i& dims) {
   return true;
 }
 
-/// Place of a node among the floats.
-std::size_t node_at(const Vec3i& local) {
-  return std::size_t(local.x * BrickNodes::kStepX + local.y * BrickNodes::kStepY +
-                     local.z * BrickNodes::kStepZ);
-}
-
-Float4 load_node(const float* p) {
-  Float4 v;
-  std::memcpy(&v, p, sizeof v);
-  return v;
-}
-
-Vec3d to_vector(const Float4& v) {
-  return {v[0], v[1], v[2]};
-}
-
 /// Exactly that of the lattice where nothing bends.
 Vec3d offset_of(const CutPiece& piece, const Vec3d& X, const Vec3d& x) {
   return piece.is_translated ? -Vec3d(piece.u[0]) : X - x;
 }
 
 }  // namespace
-
-void CutBrick::finish(const Vec3i& dims) {
-  find_reaching();
-  find_nodes(dims);
-}
 
 void CutBrick::find_reaching() {
   for (const CutPiece& piece : m_pieces) m_maps.emplace_back(piece);
@@ -77,30 +52,6 @@ void CutBrick::find_reaching() {
   for (std::size_t n = 0; n < kBrickVoxels; ++n) {
     if (is_single(n)) mask_set(m_single, int(n));
   }
-}
-
-void CutBrick::find_nodes(const Vec3i& dims) {
-  constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-  m_nodes.assign(BrickNodes::kFloats + 1, kNone);
-  for_each_active(m_single, [&](int cell) {
-    bool is_plain = true;
-    for (int n = 0; n < 8; ++n) {
-      const Vec3i local = brick_local(cell) + cell_corner(n);
-      float* at = &m_nodes[node_at(local)];
-      if (at[0] != at[0]) {
-        // What the cell above a node says comes first: find_node() says the same.
-        const bool has_own = std::max({local.x, local.y, local.z}) < kBrickDim &&
-                             mask_test(m_single, brick_offset(local));
-        const int from = has_own ? brick_offset(local) : cell;
-        Vec3d offset;
-        if (find_in(std::size_t(from), Vec3d(m_origin + local), dims, offset) >= 0) {
-          for (int a = 0; a < 3; ++a) at[a] = float(offset[a]);
-        }
-      }
-      is_plain = is_plain && at[0] == at[0];
-    }
-    if (is_plain) mask_set(m_plain, cell);
-  });
 }
 
 /// Whole cells that hold together by faces and do not fold reach no place twice.
@@ -137,7 +88,8 @@ bool CutBrick::source_of(int number, const Vec3d& x, Vec3d& X) const {
 
 /// `visit(number, X)` for every piece that has x.
 template <class Visit>
-void CutBrick::for_found(std::size_t cell, const Vec3d& x, const Vec3i& dims, Visit&& visit) const {
+void CutBrick::for_found(const Vec3d& x, const Vec3i& dims, Visit&& visit) const {
+  const std::size_t cell = std::size_t(brick_offset(floor_voxel(x)));
   for (std::int32_t n = m_begin[cell]; n < m_begin[cell + 1]; ++n) {
     const int number = m_reaching[std::size_t(n)];
     Vec3d X;
@@ -145,11 +97,20 @@ void CutBrick::for_found(std::size_t cell, const Vec3d& x, const Vec3i& dims, Vi
   }
 }
 
-int CutBrick::find_in(std::size_t cell, const Vec3d& x, const Vec3i& dims, Vec3d& offset) const {
+int CutBrick::find(const Vec3d& x, const Vec3i& dims, Vec3d& offset, int guess) const {
+  if (guess >= 0 && mask_test(m_single, brick_offset(floor_voxel(x)))) {
+    const CutPiece& piece = m_pieces[std::size_t(guess)];
+    Vec3d local;
+    if (m_maps[std::size_t(guess)].solve(x, local) == PieceMap::Outcome::inside &&
+        is_in_slice(Vec3d(piece.cell) + local, dims)) {
+      offset = offset_of(piece, Vec3d(piece.cell) + local, x);
+      return guess;
+    }
+  }
   int best = -1;
   double shortest = HUGE_VAL;  // length
   Content best_content = Content::air;
-  for_found(cell, x, dims, [&](int number, const Vec3d& X) {
+  for_found(x, dims, [&](int number, const Vec3d& X) {
     const CutPiece& piece = m_pieces[std::size_t(number)];
     const Content content = piece.content_at(X);
     const Vec3d o = offset_of(piece, X, x);
@@ -164,50 +125,10 @@ int CutBrick::find_in(std::size_t cell, const Vec3d& x, const Vec3i& dims, Vec3d
   return best;
 }
 
-bool CutBrick::find_node(const Vec3i& local, const Vec3i& dims, Vec3d& offset) const {
-  if (!mask_test(m_single, brick_offset(local))) {
-    return find(Vec3d(m_origin + local), dims, offset) >= 0;
-  }
-  const float* at = &m_nodes[node_at(local)];
-  for (int a = 0; a < 3; ++a) offset[a] = at[a];
-  return at[0] == at[0];
-}
-
-bool CutBrick::interpolate(const Vec3d& x, Vec3d& offset) const {
-  return mask_test(m_plain, brick_offset(floor_voxel(x))) && carry_on(x, offset);
-}
-
-bool CutBrick::carry_on(const Vec3d& x, Vec3d& offset) const {
-  offset = to_vector(derivatives(x).value);
-  return offset.x == offset.x;
-}
-
-NodeDerivatives CutBrick::derivatives(const Vec3d& x) const {
-  Vec3i low = floor_voxel(x) - m_origin;
-  for (int a = 0; a < 3; ++a) low[a] = std::clamp(low[a], 0, kBrickDim - 1);
-  const Vec3f in(x - Vec3d(m_origin + low));
-  Float4 corners[8];
-  for (int n = 0; n < 8; ++n) corners[n] = load_node(&m_nodes[node_at(low + cell_corner(n))]);
-  return derivatives_of(corners, in.x, in.y, in.z);
-}
-
-Vec3d CutBrick::pull_back(const Vec3d& x, const Vec3d& gradient) const {
-  const NodeDerivatives o = derivatives(x);
-  return gradient + Vec3d(to_vector(o.along_x).dot(gradient), to_vector(o.along_y).dot(gradient),
-                          to_vector(o.along_z).dot(gradient));
-}
-
-Vec3d CutBrick::way_of(const Vec3d& x, const Vec3d& way) const {
-  const NodeDerivatives o = derivatives(x);
-  return way + to_vector(o.along_x) * way.x + to_vector(o.along_y) * way.y +
-         to_vector(o.along_z) * way.z;
-}
-
 bool CutBrick::is_overlapped(const Vec3d& x, const Vec3i& dims) const {
   std::optional<Vec3d> first;  // place of tissue
   bool is_overlapped = false;
-  const std::size_t cell = std::size_t(brick_offset(floor_voxel(x)));
-  for_found(cell, x, dims, [&](int number, const Vec3d& X) {
+  for_found(x, dims, [&](int number, const Vec3d& X) {
     if (m_pieces[std::size_t(number)].content_at(X) == Content::air) return;
     if (!first) first = X;
     is_overlapped = is_overlapped || (X - *first).length() > kSamePlace;

@@ -9,7 +9,6 @@
 #include "volumes/field/inversion/reachable_bricks.h"
 #include "volumes/field/inversion/source_cells.h"
 #include "volumes/field/ring_fill.h"
-#include "volumes/grid/cell.h"
 #include "volumes/grid/voxel_sets.h"
 
 namespace supple {
@@ -30,26 +29,6 @@ CutBox box_of(const CutPiece& piece, double margin) {
   return box;
 }
 
-/// Whether the moved corners of a cell reach the cells of a brick.
-bool reaches(const CutBox& cell, const Vec3i& brick) {
-  constexpr double kMargin = 1e-3;
-  for (int a = 0; a < 3; ++a) {
-    if (cell.lo[a] > brick[a] + kBrickDim + kMargin || cell.hi[a] < brick[a] - kMargin)
-      return false;
-  }
-  return true;
-}
-
-/// As elements_of(), from the contents of the brick of a cell.
-std::uint8_t elements_in(const CellContents& contents, const Vec3i& cell) {
-  unsigned bits = 0;
-  for (int n = 0; n < 8; ++n) {
-    const Vec3i at = cell + cell_corner(n);
-    bits |= (contents.elements(at.x, at.y) >> at.z & 1) << n;
-  }
-  return std::uint8_t(bits);
-}
-
 using Bricks = std::unordered_set<Vec3i, VoxelHash>;
 
 /// `visit(origin)` for every brick that the box touches.
@@ -67,7 +46,7 @@ void for_bricks_of(const CutBox& box, Visit&& visit) {
 
 CutInversion::CutInversion(const VectorBricks& u, const std::vector<TornCell>& torn,
                            const CutFaces& faces, const BrickTopology& elements, const Vec3i& dims)
-    : m_u(u), m_elements(thickened(elements, dims)), m_dims(dims) {
+    : m_u(u), m_elements(elements), m_dims(dims) {
   for (const TornCell& cell : torn) {
     m_torn_at.insert(cell.cell);
     for (int n = 0; n < 8; ++n) m_corners.insert(cell.cell + Vec3i(n >> 2, n >> 1 & 1, n & 1));
@@ -144,7 +123,9 @@ CutPiece CutInversion::whole_piece(const Vec3i& cell, const std::array<Vec3f, 8>
 std::uint8_t CutInversion::elements_of(const Vec3i& cell) const {
   unsigned bits = 0;
   for (int n = 0; n < 8; ++n) {
-    bits |= unsigned(m_elements.is_active(cell + cell_corner(n))) << n;
+    Vec3i voxel = cell + Vec3i(n >> 2, n >> 1 & 1, n & 1);
+    for (int a = 0; a < 3; ++a) voxel[a] = m_dims[a] == 1 ? 0 : voxel[a];
+    bits |= unsigned(m_elements.is_active(voxel)) << n;
   }
   return std::uint8_t(bits);
 }
@@ -185,53 +166,44 @@ std::vector<Vec3i> CutInversion::first_bricks(InversionCertificate& certificate)
   return bricks;
 }
 
-/// Of the cells that start in a source brick; `bricks` are numbers among `origins`.
-CutInversion::SourcePieces CutInversion::pieces_of(std::size_t source,
-                                                   const std::vector<Vec3i>& origins,
-                                                   const std::vector<std::size_t>& bricks) const {
-  SourcePieces found;
-  SourceCells cells;
-  if (bricks.empty() || !gather_cells(m_u, source, cells)) return found;
-  const CellContents contents(&m_elements, cells.origin);
-  for_each_active(cells.mask, [&](int offset) {
-    const Vec3i local = brick_local(offset), cell = cells.origin + local;
+void CutInversion::add_pieces(std::size_t source, CutBrick& brick) const {
+  CutBox box;
+  box.add(Vec3d(brick.origin()) - Vec3d(1e-3));
+  box.add(Vec3d(brick.origin()) + Vec3d(kBrickDim + 1e-3));
+  const auto reaches = [&](const CutPiece& piece) {
+    for (int a = 0; a < 3; ++a) {
+      if (piece.cell[a] + double(piece.lo[a]) > box.hi[a]) return false;
+      if (piece.cell[a] + double(piece.hi[a]) < box.lo[a]) return false;
+    }
+    return true;
+  };
+  for_each_active(cell_mask(m_u.topology, source), [&](int offset) {
+    const Vec3i cell = m_u.topology.origin(source) + brick_local(offset);
     std::array<Vec3f, 8> u;
-    CutBox box;
-    for (int n = 0; n < 8; ++n) {
-      const Vec3i corner = local + cell_corner(n);
-      u[std::size_t(n)] = cells.u(corner.x, corner.y, corner.z);
-      box.add(Vec3d(cells.origin + corner) + Vec3d(u[std::size_t(n)]));
-    }
-    bool is_kept = false;
-    for (const std::size_t brick : bricks) {
-      if (!reaches(box, origins[brick])) continue;
-      if (!is_kept && is_torn(cell)) return;
-      if (!is_kept) found.pieces.emplace_back(cell, u).elements = elements_in(contents, local);
-      is_kept = true;
-      found.reaching.emplace_back(brick, found.pieces.size() - 1);
-    }
+    if (is_torn(cell) || !corners_of(cell, u)) return;
+    const CutPiece piece = whole_piece(cell, u);
+    if (reaches(piece)) brick.add(piece);
   });
-  return found;
 }
 
 /// The pieces of the given bricks, in ascending order of their sources.
 std::vector<CutBrick> CutInversion::fill(const std::vector<Vec3i>& origins) const {
   std::unordered_map<Vec3i, std::size_t, VoxelHash> number;
   for (std::size_t n = 0; n < origins.size(); ++n) number.emplace(origins[n], n);
-  std::vector<std::vector<std::size_t>> sources(m_boxes.size());  // bricks that each may reach
+  std::vector<std::vector<std::size_t>> sources(origins.size());
   for (std::size_t source = 0; source < m_boxes.size(); ++source) {
     const IndexBox box = m_boxes[source].bricks();
     const Vec3d extent = Vec3d(box.hi - box.lo) + Vec3d(1);
     if (extent.x * extent.y * extent.z > kManyBricks) {
       for (std::size_t n = 0; n < origins.size(); ++n) {
         const Vec3i at(origins[n].x >> 3, origins[n].y >> 3, origins[n].z >> 3);
-        if (box.contains(at)) sources[source].push_back(n);
+        if (box.contains(at)) sources[n].push_back(source);
       }
       continue;
     }
     for_bricks_of(m_boxes[source], [&](const Vec3i& origin) {
       const auto found = number.find(origin);
-      if (found != number.end()) sources[source].push_back(found->second);
+      if (found != number.end()) sources[found->second].push_back(source);
     });
   }
   std::vector<CutBrick> bricks(origins.begin(), origins.end());
@@ -241,15 +213,10 @@ std::vector<CutBrick> CutInversion::fill(const std::vector<Vec3i>& origins) cons
       if (found != number.end()) bricks[found->second].add(side);
     });
   }
-  std::vector<SourcePieces> pieces(sources.size());
-  tbb::parallel_for(std::size_t(0), sources.size(), [&](std::size_t source) {
-    pieces[source] = pieces_of(source, origins, sources[source]);
+  tbb::parallel_for(std::size_t(0), bricks.size(), [&](std::size_t n) {
+    for (const std::size_t source : sources[n]) add_pieces(source, bricks[n]);
+    bricks[n].find_reaching();
   });
-  for (const SourcePieces& of : pieces) {
-    for (const auto& [brick, piece] : of.reaching) bricks[brick].add(of.pieces[piece]);
-  }
-  tbb::parallel_for(std::size_t(0), bricks.size(),
-                    [&](std::size_t n) { bricks[n].finish(m_dims); });
   return bricks;
 }
 
@@ -319,8 +286,9 @@ VectorBricks CutInversion::joined(const VectorBricks& offsets,
   tbb::parallel_for(std::size_t(0), bricks.size(), [&](std::size_t n) {
     for (int local = 0; local < kBrickVoxels; ++local) {
       Vec3d offset(0);
-      if (bricks[n].find_node(brick_local(local), m_dims, offset)) mask_set(valid[n], local);
-      if (mask_test(valid[n], local)) vectors[n][std::size_t(local)] = Vec3f(offset);
+      const Vec3d node(bricks[n].origin() + brick_local(local));
+      if (bricks[n].find(node, m_dims, offset) >= 0) mask_set(valid[n], local);
+      vectors[n][std::size_t(local)] = Vec3f(offset);
     }
   });
   std::unordered_map<Vec3i, std::size_t, VoxelHash> number;

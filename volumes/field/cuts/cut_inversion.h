@@ -52,17 +52,11 @@ class CutInversion {
   void count_folds(const CutPiece& piece, InversionCertificate& certificate) const;
   std::vector<Vec3i> first_bricks(InversionCertificate& certificate) const;
   std::vector<CutBrick> fill(const std::vector<Vec3i>& origins) const;
-  /// Pieces of whole cells, and the numbers of the bricks that each of them reaches.
-  struct SourcePieces {
-    std::vector<CutPiece> pieces;
-    std::vector<std::pair<std::size_t, std::size_t>> reaching;  // brick, piece; ascending pieces
-  };
-  SourcePieces pieces_of(std::size_t source, const std::vector<Vec3i>& origins,
-                         const std::vector<std::size_t>& bricks) const;
+  void add_pieces(std::size_t source, CutBrick& brick) const;
   BrickMask overlaps_of(const CutBrick& brick) const;
 
   const VectorBricks& m_u;
-  BrickTopology m_elements;  // with copies of a single slice
+  const BrickTopology& m_elements;
   Vec3i m_dims;
   std::vector<CutPiece> m_sides;  // of the torn cells
   std::unordered_set<Vec3i, VoxelHash> m_torn_at;

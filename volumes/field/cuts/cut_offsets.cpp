@@ -23,25 +23,16 @@ CutOffsets::PieceOfBrick CutOffsets::piece_at(int piece) const {
   return {m_cells[b].pieces()[std::size_t(number)], m_cells[b].map(number)};
 }
 
-/// Numbers of bricks come after those of all pieces.
-const CutBrick* CutOffsets::nodes_of(int piece) const {
-  const std::size_t pieces = m_brick_of.size();
-  return std::size_t(piece) < pieces ? nullptr : &m_cells[std::size_t(piece) - pieces];
-}
-
 bool CutOffsets::sample(std::size_t b, const Vec3d& x, Sample& found) const {
   const CutBrick& brick = m_cells[b];
-  if (brick.interpolate(x, found.offset)) {
-    found.piece = int(m_brick_of.size() + b);
-    return true;
-  }
-  const int piece = brick.find(x, m_dims, found.offset);
+  const int guess = found.piece - m_first_piece[b];
+  const bool is_own = guess >= 0 && guess < int(brick.pieces().size());
+  const int piece = brick.find(x, m_dims, found.offset, is_own ? guess : -1);
   found.piece = m_first_piece[b] + piece;
   return piece >= 0;
 }
 
 bool CutOffsets::offset_of(int piece, const Vec3d& x, Vec3d& offset) const {
-  if (const CutBrick* brick = nodes_of(piece)) return brick->carry_on(x, offset);
   Vec3d X;
   if (!piece_at(piece).piece.source_beyond(x, X)) return false;
   offset = X - x;
@@ -53,27 +44,13 @@ bool CutOffsets::is_overlapped(const Vec3d& x) const {
   return b >= 0 && m_cells[std::size_t(b)].is_overlapped(x, m_dims);
 }
 
-/// Of a place between nodes its cell at rest is whole.
-CutFaces::Depth CutOffsets::depth_at(const Vec3d& y) const {
-  return m_faces.depth(y, Vec3d(floor_voxel(y)) + Vec3d(0.5));
-}
-
 double CutOffsets::depth_mm(int number, const Vec3d& x) const {
-  if (const CutBrick* brick = nodes_of(number)) {
-    Vec3d offset;
-    return brick->carry_on(x, offset) ? depth_at(x + offset).mm : HUGE_VAL;
-  }
   Vec3d X;
   const CutPiece& piece = piece_at(number).piece;
   return piece.source_beyond(x, X) ? m_faces.depth(X, piece.middle()).mm : HUGE_VAL;
 }
 
 Vec3d CutOffsets::face_normal(int number, const Vec3d& x) const {
-  if (const CutBrick* brick = nodes_of(number)) {
-    Vec3d offset;
-    return brick->carry_on(x, offset) ? brick->pull_back(x, depth_at(x + offset).gradient)
-                                      : Vec3d(0);
-  }
   Vec3d X;
   const PieceOfBrick of = piece_at(number);
   if (!of.piece.source_beyond(x, X)) return Vec3d(0);
@@ -85,28 +62,13 @@ Vec3d CutOffsets::pulled_back(const PieceOfBrick& of, const Vec3d& y, const Vec3
   return of.map.pull_back(y - Vec3d(of.piece.cell), gradient);
 }
 
-Vec3d CutOffsets::pull_back(int number, const Vec3d& x, const Vec3d& y,
+Vec3d CutOffsets::pull_back(int number, const Vec3d& /*x*/, const Vec3d& y,
                             const Vec3d& gradient) const {
-  if (const CutBrick* brick = nodes_of(number)) return brick->pull_back(x, gradient);
   return pulled_back(piece_at(number), y, gradient);
 }
 
-bool CutOffsets::way_of(int number, const Vec3d& x, const Vec3d& y, const Vec3d& d,
-                        Vec3d& way) const {
-  const CutBrick* brick = nodes_of(number);
-  way = brick != nullptr ? brick->way_of(x, d) : piece_at(number).piece.way_of(y, d);
-  return true;
-}
-
-bool CutOffsets::face(int number, const Vec3d& x, const Vec3d& y, Vec3d& normal,
+bool CutOffsets::face(int number, const Vec3d& /*x*/, const Vec3d& y, Vec3d& normal,
                       double& depth_mm) const {
-  if (const CutBrick* brick = nodes_of(number)) {
-    const CutFaces::Depth depth = depth_at(y);
-    if (depth.gradient == Vec3d(0)) return false;
-    normal = brick->pull_back(x, depth.gradient);
-    depth_mm = depth.mm;
-    return true;
-  }
   const CutFaces::Points* seen = m_seen[std::size_t(number)];
   if (seen == nullptr) return false;
   const PieceOfBrick of = piece_at(number);

@@ -5,7 +5,7 @@
 // as the cut face, which lies in the middle of the cut links (cut_faces.h), and no further. What is
 // not reached by any side is empty. Around the cut samples are inverted one by one from the source
 // cells that reach them, with no offsets on a lattice between; everywhere else offsets are those of
-// invert(). Cost: 160 kB per split brick (those within three voxels of a face, and those where
+// invert(). Cost: 150 kB per split brick (those within three voxels of a face, and those where
 // sides overlap); cut_brick.h says what a sample in one costs.
 #pragma once
 
@@ -73,7 +73,6 @@ class CutOffsets : public SplitOffsets {
   Vec3d pull_back(int piece, const Vec3d& x, const Vec3d& y, const Vec3d& gradient) const override;
   bool face(int piece, const Vec3d& x, const Vec3d& y, Vec3d& normal,
             double& depth_mm) const override;
-  bool way_of(int piece, const Vec3d& x, const Vec3d& y, const Vec3d& d, Vec3d& way) const override;
   void source_box(std::size_t b, Vec3d& lo, Vec3d& hi) const override;
 
  private:
@@ -82,10 +81,6 @@ class CutOffsets : public SplitOffsets {
     const PieceMap& map;
   };
   PieceOfBrick piece_at(int piece) const;
-  /// The brick between whose nodes a sample lies, of which that is told in place of a piece; or
-  /// null.
-  const CutBrick* nodes_of(int piece) const;
-  CutFaces::Depth depth_at(const Vec3d& y) const;
   static Vec3d pulled_back(const PieceOfBrick& of, const Vec3d& y, const Vec3d& gradient);
 
   std::vector<CutBrick> m_cells;

@@ -147,18 +147,6 @@ Vec3d CutPiece::pull_back(const Vec3d& X, const Vec3d& gradient) const {
          volume;
 }
 
-Vec3d CutPiece::way_of(const Vec3d& X, const Vec3d& way) const {
-  if (is_translated) return way;
-  Vec3d columns[3];
-  moved(*this, X - Vec3d(cell), columns);
-  const Vec3d yz = columns[1].cross(columns[2]);
-  const double volume = columns[0].dot(yz);
-  if (std::abs(volume) < kFlat) return way;
-  return Vec3d(yz.dot(way), columns[2].cross(columns[0]).dot(way),
-               columns[0].cross(columns[1]).dot(way)) /
-         volume;
-}
-
 Content CutPiece::content_at(const Vec3d& X) const {
   if (elements == 0xff) return Content::tissue;
   int nearest = 0;

@@ -30,8 +30,6 @@ struct CutPiece {
   bool source_beyond(const Vec3d& x, Vec3d& X) const;
   /// (dX/dx)^T g of a place X of the piece or beyond it; g itself where the piece is flat there.
   Vec3d pull_back(const Vec3d& X, const Vec3d& gradient) const;
-  /// dX/dx d, where a way d of the picture leads from X; d itself where the piece is flat there.
-  Vec3d way_of(const Vec3d& X, const Vec3d& way) const;
   /// What lies at a place X of the piece.
   Content content_at(const Vec3d& X) const;
   /// |X + u(X) - x|.

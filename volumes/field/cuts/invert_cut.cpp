@@ -1,7 +1,6 @@
 // The inversion of cut bodies, at once or one after the other.
 #include <algorithm>
 #include <functional>
-#include <optional>
 
 #include "volumes/field/cuts/cut_inversion.h"
 #include "volumes/field/displacement.h"
@@ -26,9 +25,7 @@ OffsetField invert_apart(const Displacement& displacement, const CutElements& bo
                          const std::function<OffsetField(const Displacement&)>& invert_whole,
                          Progress* progress) {
   const Vec3i& dims = displacement.geometry.dims();
-  std::optional<VectorBricks> thick;
-  if (std::min({dims.x, dims.y, dims.z}) == 1) thick = thickened(displacement.u, dims);
-  const VectorBricks& u = thick ? *thick : displacement.u;
+  const VectorBricks u = thickened(displacement.u, dims);
   const CutBody cut(displacement.u, body.elements, body.cuts, dims);
   const std::vector<TornCell> torn = torn_cells(u, cut, kClosedCut);
   if (torn.empty()) return invert_whole(displacement);
