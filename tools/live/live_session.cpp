@@ -46,8 +46,13 @@ nlohmann::ordered_json keys_of_event(const LiveEvent& event) {
   return json;
 }
 
+/// As in a scene, not as records name them.
 nlohmann::ordered_json relax_keys(RelaxParams params) {
-  return nlohmann::ordered_json::parse(fields_json(fields(params)));
+  nlohmann::ordered_json keys;
+  for (const Field& field : fields(params)) {
+    keys[field.name()] = nlohmann::ordered_json::parse(field.json());
+  }
+  return keys;
 }
 
 }  // namespace
