@@ -124,9 +124,9 @@ TEST(UnitMaterialPhysics, ATableTellsWhichCurvesItOrALabelGives) {
 
 TEST(UnitMaterialPhysics, ATableOfALabelWhosePhysicsVaryTakesMoreThanOneClass) {
   using Column = std::optional<Curve> LimitTable::*;
-  for (const Column column : {&LimitTable::stiffness, &LimitTable::mass_density,
-                              &LimitTable::rayleigh_beta_ms, &LimitTable::yield_strain,
-                              &LimitTable::poisson}) {
+  for (const Column column :
+       {&LimitTable::stiffness, &LimitTable::mass_density, &LimitTable::rayleigh_beta_ms,
+        &LimitTable::yield_strain, &LimitTable::poisson}) {
     MaterialTable table = linear_table(1.5, 0.6, 0.7);
     table.labels[3] = rigid_table();
     table.labels[3].*column = ramp(5, 5);
