@@ -72,7 +72,8 @@ TEST_F(UnitMaterialColumns, APresetAloneIsATableAndAStateKeepsItsValues) {
   EXPECT_EQ(kept("preset = \"bone\"\n"),
             "domain = [0, 255]\nactive = [0, 255]\nmax_length = [[0, 1]]\nmin_length = [[0, 1]]\n"
             "shear1 = [[0, 0]]\nshear2 = [[0, 0]]\nstiffness = [[0, 18600000]]\n"
-            "density = [[0, 1920]]\ndamping = [[0, 0.10000000000000001]]\n");
+            "poisson = [[0, 0.29999999999999999]]\ndensity = [[0, 1920]]\ndamping = [[0, "
+            "0.10000000000000001]]\n");
   for (const std::string name : {"soft-tissue", "brain", "membrane"}) {
     const std::string table = kept("preset = \"" + name + "\"\n");
     EXPECT_EQ(kept(table), table);
@@ -86,7 +87,8 @@ TEST_F(UnitMaterialColumns, GivenKeysReplaceThoseOfThePreset) {
             head +
                 "max_length = [[5, 2]]\nmin_length = [[-100, 0.59999999999999998]]\n"
                 "shear1 = [[6, 0.5]]\nshear2 = [[-100, 0.28999999999999998]]\n"
-                "min_length_k = [[7, 0.5]]\nstiffness = [[-100, 3.25]]\ndensity = [[8, 950]]\n"
+                "min_length_k = [[7, 0.5]]\nstiffness = [[-100, 3.25]]\n"
+                "poisson = [[-100, 0.47999999999999998]]\ndensity = [[8, 950]]\n"
                 "damping = [[-100, 10]]\nplastic = [[9, 0.25]]\n");
   const std::string both = kept(head + "preset = \"soft-tissue\"\nshear = [[6, 0.125]]\n");
   EXPECT_NE(both.find("shear1 = [[6, 0.125]]\nshear2 = [[6, 0.125]]\n"), std::string::npos) << both;
