@@ -125,7 +125,7 @@ void ElasticTable::validate() const {
   for (int n = 0; n <= kLastClass; ++n) {
     require(young_kpa[n] > 0 && std::isfinite(young_kpa[n]), "stiffness", young_kpa[n],
             "above 0 kPa");
-    require(poisson[n] > -1 && poisson[n] <= kMaxPoisson, "poisson", poisson[n],
+    require(poisson[n] > -1 && poisson[n] <= kLargestPoisson, "poisson", poisson[n],
             "above -1 and at most 0.4999");
   }
 }

@@ -32,10 +32,9 @@ struct ElasticTable {
   std::array<double, kLastClass + 1> young_kpa, poisson;
 
   static ElasticTable uniform(double young_kpa, double poisson);
-  /// Throws InputError: 0 < E < infinity, -1 < nu <= kMaxPoisson expected.
+  /// Throws InputError: 0 < E < infinity, -1 < nu <= kLargestPoisson expected.
   void validate() const;
 };
-constexpr double kMaxPoisson = 0.4999;
 
 /// What becomes of islands: pieces of the body whose rigid motions nothing prevents.
 enum class LooseIslands {

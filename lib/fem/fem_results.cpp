@@ -139,29 +139,4 @@ Vec3d centre_displacement(const HexMesh& voxels, const std::vector<double>& u_mm
   return sum / 8;
 }
 
-void store_displacement(const HexMesh& voxels, const std::vector<double>& u_mm, Body& body) {
-  std::array<BrickValues, 3> q;
-  for (BrickValues& coordinate : q) coordinate.resize(voxels.block_count());
-  for (std::size_t block = 0; block < voxels.block_count(); ++block) {
-    for (std::int32_t e = voxels.element_begin[block]; e < voxels.element_begin[block + 1]; ++e) {
-      const Vec3d voxels_moved =
-          body.geometry.index_vector_from_world(centre_displacement(voxels, u_mm, e));
-      for (int c = 0; c < 3; ++c) {
-        const double units = std::nearbyint(voxels_moved[c] * kFixedOne);
-        if (!(std::abs(units) <= kMaxOffset)) {
-          throw InputError({"", "displacement", number_text(voxels_moved[c]) + " voxels",
-                            "at most " + number_text(kMaxOffset / kFixedOne)});
-        }
-        if (units == 0) continue;
-        q[c].set(block * kBrickVoxels + voxels.offset[e], std::int32_t(units));
-      }
-    }
-  }
-  for (int c = 0; c < 3; ++c) {
-    body.q[c] = std::move(q[c]);
-    body.fraction[c].clear();
-  }
-  body.links_known_valid = false;
-}
-
 }  // namespace supple

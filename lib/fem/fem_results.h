@@ -67,9 +67,4 @@ LargestMotion largest_motion(const HexMesh& voxels, const VoxelMaterial& materia
 Vec3d centre_displacement(const HexMesh& voxels, const std::vector<double>& u_mm,
                           std::int32_t element);
 
-/// Writes the displacements of centres to the body's q, rounded to 2^-16 voxel. Fractions and rest
-/// stay as they are; links are no longer known to be valid. The body is the one that the mesh was
-/// made of. Throws InputError beyond kMaxOffset, the body as it was.
-void store_displacement(const HexMesh& voxels, const std::vector<double>& u_mm, Body& body);
-
 }  // namespace supple
