@@ -160,9 +160,9 @@ std::vector<StrainGauge> gauges_of(const VoxelFemModel& model, const FemTask& ta
 void warn_of_result(const FemStep& step, const FemRecord& record, Progress* progress) {
   const FemReport& report = record.report;
   if (report.loose_islands > 0) {
-    warn(progress, "finite elements: " + with_count(report.loose_islands, "island") + " of " +
-                       with_count(report.loose_elements, "element") +
-                       ", free to move as a rigid body, stay where they were at rest");
+    warn(progress, "finite elements: nothing holds " + with_count(report.loose_islands, "island") +
+                       " of " + with_count(report.loose_elements, "element") +
+                       ", left where it was at rest");
   }
   if (report.beyond_linear) {
     warn(progress, "finite elements: turns of up to " + number_text(report.largest_rotation_deg) +

@@ -156,7 +156,7 @@ TEST_F(FaultCommandScene, ErrorsNameTheOptionOrThePartOfATable) {
     EXPECT_EQ(outcome.exit_code, code) << outcome.err;
     EXPECT_NE(outcome.err.find(words), std::string::npos) << outcome.err;
   };
-  expect("deform", {"--springs-time", "1"}, 3, "--springs-time: found springs without their model");
+  expect("deform", {"--springs-time", "1"}, 3, "--springs-time: found springs without its model");
   expect("deform", {"--model", "springs", "--springs-time", "0"}, 3,
          "--springs-time: found 0, expected a positive number of s");
   expect("deform", {"--model", "springs", "--contact", "{ sphere = { radius = 1 } }"}, 3,

@@ -64,7 +64,7 @@ void read_model(TomlTable& table, LiveEvent& event) {
   const bool has_springs = settings.model == StepModel::springs;
   auto springs = table.table("springs");
   if (springs && !has_springs) {
-    table.fail("springs", "springs without their model", "model = \"springs\"");
+    table.fail("springs", "springs without its model", "model = \"springs\"");
   }
   if (has_springs) event.step.springs = springs ? read_spring_step(*springs) : SpringStep();
 }
