@@ -298,7 +298,7 @@ TEST(PropertyFem, ABodyOfSingleVoxelsInARowIsSolved) {
     return way.count({v.x, v.y, v.z}) != 0 ? 0 : -1;
   });
   FemLoads loads;
-  loads.held.push_back({elements_in(body, {{20, 20, 20}, {20, 20, 20}})});
+  loads.held.emplace_back().elements = elements_in(body, {{20, 20, 20}, {20, 20, 20}});
   loads.gravity_m_s2 = {0, 0, -9.81};
   loads.mass_density.fill(1000);
   const FemSolution solution = FemModel(body, ElasticTable::uniform(6, 0.45)).solve(loads);
