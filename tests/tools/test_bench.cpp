@@ -323,3 +323,37 @@ TEST(UnitBench, AQuickRunOfSpringsKeepsEveryRow) {
   EXPECT_EQ(std::count(all.begin(), all.end(), '\n'), 44);
   EXPECT_NE(all.find("drag/1e+06/explicit\n"), std::string::npos);
 }
+
+TEST(UnitBench, RowsOfFiniteElementsHaveTheDocumentedFieldsAndConverge) {
+  const TemporaryFolder folder;
+  const Outcome outcome = run_supple(
+      {"bench", "fem", "--quick", "--threads", "2", "--only", "operator/cube/64/double", "--only",
+       "solve/cube/32", "--only", "iterations/shell/32/1e+06/0.3", "--json", folder / "fem.json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto rows = nlohmann::json::parse(read_text(folder / "fem.json"))["rows"];
+  ASSERT_EQ(rows.size(), 4u);
+  const std::int64_t nodes = 65 * 65 * 65;
+  for (const int row : {0, 1}) {
+    EXPECT_EQ(rows[row]["case"], "operator");
+    EXPECT_EQ(rows[row]["precision"], "double");
+    EXPECT_EQ(rows[row]["threads"], row + 1);
+    EXPECT_EQ(rows[row]["unknowns"], 3 * nodes);
+    EXPECT_GT(rows[row]["munknowns_per_s"], 0.0);
+  }
+  for (const int row : {2, 3}) {
+    for (const char* key :
+         {"field", "size", "elements", "poisson", "levels", "residual_max", "reaction_change",
+          "force_balance", "energy_identity", "setup_ms", "solve_ms", "munknowns_per_s",
+          "munknowns_per_cpu_s", "bytes_per_unknown", "cpu_ms", "median_ms", "runs"}) {
+      EXPECT_TRUE(rows[row].contains(key)) << key;
+    }
+    EXPECT_TRUE(rows[row]["converged"]);
+    EXPECT_LE(rows[row]["residual_max"], 1e-6);
+    EXPECT_LT(rows[row]["force_balance"], 1e-6);
+  }
+  // Both ends of the cube are held altogether.
+  EXPECT_EQ(rows[2]["unknowns"], 3 * 33 * 33 * 31);
+  EXPECT_LE(rows[2]["iterations"], 10);
+  EXPECT_EQ(rows[3]["contrast"], 1e6);
+  EXPECT_LE(rows[3]["iterations"], 18);
+}

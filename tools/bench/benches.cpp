@@ -2,6 +2,7 @@
 
 #include "tools/bench/bench_io.h"
 #include "tools/bench/ecm/bench_ecm.h"
+#include "tools/bench/elastic/bench_fem.h"
 #include "tools/bench/elastic/bench_relax.h"
 #include "tools/bench/elastic/bench_springs.h"
 #include "tools/bench/invert/bench_invert.h"
@@ -10,6 +11,11 @@
 namespace supple::tools {
 
 Bench bench_of(const BenchOptions& options, int threads, Console& console) {
+  if (options.name == "fem") {
+    const FemBenchOptions fem{options.quick, threads, options.only, options.ct_head};
+    return {[=, &console] { return fem_row_names(fem, console); },
+            [=, &console] { return bench_fem(fem, console); }};
+  }
   if (options.name == "invert") {
     const InvertBenchOptions invert{options.quick, threads, options.only};
     return {[=] { return invert_row_names(invert); },

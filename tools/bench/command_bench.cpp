@@ -25,7 +25,7 @@ Fields fields(CommandOptions& options) {
       Field("list", options.list, "Print the names of the rows and measure none"),
       Field("json", options.output, "Write the rows as JSON").shown_as("FILE"),
       Field("markdown", options.markdown, "Print tables of a Markdown document"),
-      Field("ct_head", options.bench.ct_head, "The head CT of ecm and relax")
+      Field("ct_head", options.bench.ct_head, "The head CT of ecm, fem and relax")
           .shown_as("FILE")
           .otherwise("build/data/ct_head.nhdr where that exists"),
   };
@@ -63,9 +63,9 @@ Command add_bench(CLI::App& program) {
                      "  supple bench ecm --only 'all/noise/128*+x/rest' --json ecm.json\n"
                      "  supple bench invert --only 128 --json invert.json");
   app->add_option("name", options->bench.name,
-                  "Which benchmark: ecm, invert, io, relax, render or springs")
+                  "Which benchmark: ecm, fem, invert, io, relax, render or springs")
       ->required()
-      ->check(CLI::IsMember({"ecm", "invert", "io", "relax", "render", "springs"}))
+      ->check(CLI::IsMember({"ecm", "fem", "invert", "io", "relax", "render", "springs"}))
       ->option_text("NAME");
   add_field_options(*app, fields(*options));
   return {app, [options](const GlobalOptions& global, Console& console) {
