@@ -1,0 +1,187 @@
+// CalculiX solves the same hexahedra; skipped where calculix-ccx is not installed.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+#include "lib/fem/loose_islands.h"
+#include "tests/lib/fem_fixtures.h"
+#include "tests/support/program.h"
+
+using namespace supple;
+using namespace supple::test;
+
+namespace {
+
+/// A body of two materials that is held and moved at random places and carries a field of force.
+struct JudgedBody {
+  Body body;
+  ElasticTable elastic;
+  FemLoads loads;
+  NodalLoads nodal;  // with what nothing holds at rest
+  FemSolution solution;
+  std::vector<double> force_mn;  // K u
+
+  JudgedBody(std::mt19937& random, Dilatation dilatation)
+      : body(random_fem_body(random, Vec3i(8, 7, 9))), elastic(ElasticTable::uniform(2, 0.3)) {
+    for (std::uint8_t& of : body.classes) of = std::uint8_t(of % 2);
+    elastic.young_kpa[1] = 60;
+    elastic.poisson[1] = 0.42;
+    const Vec3d slope(pick(random, -0.1, 0.1), pick(random, -0.1, 0.1), pick(random, -0.1, 0.1));
+    const Vec3d wave(pick(random, 3, 9), pick(random, 3, 9), pick(random, 3, 9));
+    loads.held.push_back(hold_where(
+        body, [wave](const Vec3d& x) { return std::sin(wave.dot(x)) > 0.8; },
+        [slope](const Vec3d& x) { return slope * x.x + Vec3d(0.2, 0, -0.1); }));
+    loads.body_force = [slope](const Vec3d& x) { return slope * (1 + 0.1 * x.y); };
+    const FemModel model(body, elastic, dilatation);
+    FemParams params;
+    params.tolerance = 1e-9;
+    solution = model.solve(loads, params);
+    model.apply(solution.u_mm, force_mn);
+    nodal = nodal_loads(model.mesh(), model.material(), loads);
+    hold_loose_islands(model.mesh(), true, nodal.held);
+  }
+};
+
+template <class... Values>
+void print(std::string& text, const char* format, Values... values) {
+  char line[200];
+  std::snprintf(line, sizeof line, format, values...);
+  text += line;
+}
+
+/// Corners 4 di + 2 dj + dk of a right-handed hexahedron in the order of C3D8.
+constexpr int kCornerOrder[8] = {0, 4, 6, 2, 1, 5, 7, 3};
+
+/// Bodies side by side in one file, so that CalculiX starts once. It reads 20 characters of a
+/// number.
+class CalculixDeck {
+ public:
+  void add(const JudgedBody& judged, Dilatation dilatation) {
+    const FemModel model(judged.body, judged.elastic, dilatation);
+    const HexMesh& mesh = model.mesh();
+    const std::vector<Vec3d> positions = node_positions(mesh);
+    const bool is_left_handed = mesh.geometry.determinant() < 0;
+    for (std::size_t n = 0; n < positions.size(); ++n) {
+      const Vec3d& x = positions[n];
+      print(m_nodes, "%d, %.12e, %.12e, %.12e\n", number(n), x.x, x.y, x.z);
+      for (int a = 0; a < 3; ++a) {
+        const std::size_t at = 3 * n + std::size_t(a);
+        if ((judged.nodal.held[n] >> a & 1) != 0) {
+          print(m_held, "%d, %d, %d, %.12e\n", number(n), a + 1, a + 1, judged.nodal.u_mm[at]);
+        } else {
+          print(m_forces, "%d, %d, %.12e\n", number(n), a + 1, judged.nodal.force_mn[at]);
+        }
+      }
+    }
+    for (int of = 0; of < 2; ++of) {
+      print(m_elements, "*ELEMENT, TYPE=C3D8, ELSET=E%d_%d\n", m_bodies, of);
+      for (std::size_t e = 0; e < mesh.corners.size(); ++e) {
+        if (model.material().classes[e] != of) continue;
+        print(m_elements, "%d", ++m_element_count);
+        for (int c = 0; c < 8; ++c) {
+          const int corner = kCornerOrder[c] ^ (is_left_handed ? 1 : 0);
+          print(m_elements, ", %d", number(std::size_t(mesh.corners[e][corner])));
+        }
+        m_elements += "\n";
+      }
+      print(m_materials, "*MATERIAL, NAME=M%d_%d\n*ELASTIC\n%.12e, %.12e\n", m_bodies, of,
+            judged.elastic.young_kpa[of], judged.elastic.poisson[of]);
+      print(m_materials, "*SOLID SECTION, ELSET=E%d_%d, MATERIAL=M%d_%d\n", m_bodies, of, m_bodies,
+            of);
+    }
+    ++m_bodies;
+    m_first += int(positions.size());
+  }
+
+  std::string text() const {
+    return "*NODE, NSET=ALL\n" + m_nodes + m_elements + m_materials +
+           "*STEP\n*STATIC\n*BOUNDARY\n" + m_held + "*CLOAD\n" + m_forces +
+           "*NODE PRINT, NSET=ALL\nU, RF\n*END STEP\n";
+  }
+
+ private:
+  int number(std::size_t node) const { return m_first + int(node) + 1; }
+
+  int m_first = 0, m_element_count = 0, m_bodies = 0;
+  std::string m_nodes, m_elements, m_materials, m_held, m_forces;
+};
+
+/// The blocks of a `.dat`: three values per node each.
+std::vector<std::vector<double>> blocks_of(const std::string& dat) {
+  std::vector<std::vector<double>> blocks;
+  std::istringstream lines(dat);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    int node;
+    double x, y, z;
+    if (line.find(" for set ") != std::string::npos) blocks.emplace_back();
+    if (blocks.empty() || !(words >> node >> x >> y >> z)) continue;
+    blocks.back().insert(blocks.back().end(), {x, y, z});
+  }
+  return blocks;
+}
+
+double largest_of(const std::vector<double>& values) {
+  double most = 0;
+  for (const double value : values) most = std::max(most, std::abs(value));
+  return most;
+}
+
+}  // namespace
+
+TEST(InteropFem, CalculixFindsTheSameDisplacementsAndForcesOnTheSameHexahedra) {
+  if (!runs("command -v ccx")) GTEST_SKIP() << "calculix-ccx is not installed";
+  constexpr Dilatation kAsC3d8 = Dilatation::pointwise;
+  std::mt19937 random(21);
+  std::vector<JudgedBody> bodies;
+  CalculixDeck deck;
+  bool has_left = false, has_right = false;
+  for (int n = 0; n < 6; ++n) {
+    bodies.emplace_back(random, kAsC3d8);
+    deck.add(bodies.back(), kAsC3d8);
+    (bodies.back().body.geometry.determinant() < 0 ? has_left : has_right) = true;
+  }
+  EXPECT_TRUE(has_left && has_right);
+  const TemporaryFolder folder;
+  write_text(folder / "bodies.inp", deck.text());
+  ASSERT_TRUE(runs("cd " + (folder / "") + " && ccx bodies"));
+  const std::vector<std::vector<double>> blocks = blocks_of(read_text(folder / "bodies.dat"));
+  ASSERT_EQ(blocks.size(), 2u);
+
+  std::size_t at = 0;
+  for (const JudgedBody& judged : bodies) {
+    const std::vector<double>& u = judged.solution.u_mm;
+    const double u_scale = largest_of(u), force_scale = largest_of(judged.force_mn);
+    ASSERT_LE(at + u.size(), blocks[0].size());
+    ASSERT_EQ(blocks[0].size(), blocks[1].size());
+    Vec3d held_n(0.0);
+    double off_mm = 0, off_mn = 0;
+    for (std::size_t n = 0; n < u.size(); ++n) {
+      off_mm = std::max(off_mm, std::abs(u[n] - blocks[0][at + n]));
+      off_mn = std::max(off_mn, std::abs(judged.force_mn[n] - blocks[1][at + n]));
+    }
+    EXPECT_LT(off_mm, 1e-6 * u_scale);
+    EXPECT_LT(off_mn, 1e-6 * force_scale);
+    // The body pulls at what holds it, less the loads that act there.
+    const FemReaction& reaction = judged.solution.reactions.front();
+    double lengths_n = 0;
+    for (std::size_t n = 0; n < judged.nodal.held.size(); ++n) {
+      if (!std::binary_search(judged.nodal.nodes_of[0].begin(), judged.nodal.nodes_of[0].end(),
+                              NodeIndex(n))) {
+        continue;
+      }
+      Vec3d pull(0.0);
+      for (std::size_t a = 0; a < 3; ++a) {
+        pull[int(a)] = (judged.nodal.force_mn[3 * n + a] - blocks[1][at + 3 * n + a]) * 1e-3;
+      }
+      held_n += pull;
+      lengths_n += pull.length();
+    }
+    EXPECT_LT((reaction.force_n - held_n).length(), 1e-6 * lengths_n);
+    at += u.size();
+  }
+  EXPECT_EQ(at, blocks[0].size());
+}
