@@ -110,6 +110,31 @@ TEST_F(UnitPieces, BarsThatTouchAreOnePieceUntilSeedsPartThem) {
   EXPECT_EQ(session.state().cuts.count(), 16);
 }
 
+TEST_F(UnitPieces, FiniteElementsLeavePiecesRigid) {
+  Session session(m_folder / "bars.nhdr", m_options);
+  StepRequest request = step_of({drag_of({{2, 7, 6}, {2, 10, 9}}, {0, 2, 0})});
+  request.fix = {{{29, 0, 0}, {29, 17, 15}}};
+  request.fem.emplace();
+  const FemRecord& pulled = session.step(request).equilibrium;
+  // Both bars are one piece, which turns and follows the tissue; linear equations let it grow.
+  EXPECT_EQ(pulled.fitted_pieces, 1);
+  EXPECT_GT(pulled.fitted_max_voxels, 0);
+  EXPECT_LT(pulled.fitted_max_voxels, 0.05);
+  EXPECT_LT(bend(session.body(), kLeft), 1e-4);
+  EXPECT_LT(bend(session.body(), kRight), 1e-4);
+  EXPECT_GT(session.body().offset(kLeft.lo, 1), kVoxel / 10);
+  EXPECT_GT(session.body().offset(kLeft.lo, 1), session.body().offset(kRight.hi, 1));
+
+  request = step_of({drag_of({{7, 8, 7}, {7, 8, 7}}, {0, 0, 0.75}, 4)});
+  request.release = true;
+  request.fix = {{{29, 0, 0}, {29, 17, 15}}};
+  request.fem.emplace();
+  // What holds a piece gives it the pose.
+  EXPECT_EQ(session.step(request).equilibrium.fitted_pieces, 0);
+  EXPECT_LT(bend(session.body(), kLeft), 1e-4);
+  EXPECT_LT(bend(session.body(), kRight), 1e-4);
+}
+
 TEST_F(UnitPieces, AHandleOnAVoxelOfAPieceMovesAllOfIt) {
   Session session(m_folder / "bars.nhdr", m_options);
   session.drag(Vec3i(7, 8, 7), {0.5, -1.25, 0.75});

@@ -1,0 +1,213 @@
+// Voxel finite elements of bodies that are cut, in pieces, or held by handles that turn and scale.
+#include <array>
+#include <cmath>
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "lib/fem/fem_results.h"
+#include "lib/model/fem_model.h"
+#include "tests/lib/fem_fixtures.h"
+
+using namespace supple;
+using namespace supple::test;
+
+namespace {
+
+using Place = std::array<int, 3>;
+/// Displacements of the corners of each voxel, mm.
+using CornerMotion = std::map<Place, std::array<Vec3d, 8>>;
+
+CornerMotion corner_motion(const HexMesh& mesh, const std::vector<double>& u_mm) {
+  CornerMotion motion;
+  for (std::size_t b = 0; b < mesh.block_count(); ++b) {
+    for (std::int32_t e = mesh.element_begin[b]; e < mesh.element_begin[b + 1]; ++e) {
+      const Vec3i voxel = mesh.origin[b] + brick_local(mesh.offset[std::size_t(e)]);
+      auto& corners = motion[{voxel.x, voxel.y, voxel.z}];
+      for (std::size_t c = 0; c < 8; ++c) {
+        const double* u = &u_mm[3 * std::size_t(mesh.corners[std::size_t(e)][c])];
+        corners[c] = Vec3d(u[0], u[1], u[2]);
+      }
+    }
+  }
+  return motion;
+}
+
+/// Both ends along x held, the far one moved.
+FemLoads pulled_along_x(const Body& body, double from, double to, const Vec3d& by_mm) {
+  FemLoads loads;
+  loads.held.push_back(hold_where(body, [from](const Vec3d& x) { return x.x < from; }));
+  loads.held.push_back(hold_where(
+      body, [to](const Vec3d& x) { return x.x > to; }, [by_mm](const Vec3d&) { return by_mm; }));
+  return loads;
+}
+
+/// Elements of a block for which `where` holds, their links cut between x = plane - 1 and plane
+/// where `is_cut` says so.
+Body parted_block(const Vec3i& dims, int plane, const std::function<bool(const Vec3i&)>& where,
+                  const std::function<bool(const Vec3i&)>& is_cut) {
+  Block block = homogeneous(dims, 1.5, 0.5, 0.5);
+  block.cut.assign(std::size_t(block.size()), 0);
+  for (int n = 0; n < block.size(); ++n) {
+    const Vec3i voxel = block.voxel(n);
+    block.element[std::size_t(n)] = where(voxel);
+    if (voxel.x == plane - 1 && is_cut(voxel)) block.cut[std::size_t(n)] = 1;
+  }
+  return body_of(block);
+}
+
+bool everywhere(const Vec3i&) {
+  return true;
+}
+bool nowhere(const Vec3i&) {
+  return false;
+}
+
+}  // namespace
+
+TEST(PropertyFem, ABodyThatIsCutThroughIsTwoBodies) {
+  const Vec3i dims(11, 6, 7);
+  const int plane = 5;
+  const ElasticTable elastic = ElasticTable::uniform(4, 0.4);
+  FemParams params;
+  params.tolerance = 1e-9;
+  // Each side is held at its end and pulled towards the other one.
+  const auto solve = [&](const Body& body) {
+    FemLoads loads;
+    loads.held.push_back(hold_where(body, [](const Vec3d& x) { return x.x < 0 || x.x > 10; }));
+    loads.body_force = [](const Vec3d& x) {
+      return Vec3d(x.x < 4.5 ? 0.1 : -0.2, 0.05 * x.y, 0.1);
+    };
+    const FemModel model(body, elastic);
+    return corner_motion(model.mesh(), model.solve(loads, params).u_mm);
+  };
+  const auto is_low = [](const Vec3i& voxel) { return voxel.x < plane; };
+  const auto is_high = [](const Vec3i& voxel) { return voxel.x >= plane; };
+  const CornerMotion whole = solve(parted_block(dims, plane, everywhere, everywhere));
+  CornerMotion parts = solve(parted_block(dims, plane, is_low, nowhere));
+  parts.merge(solve(parted_block(dims, plane, is_high, nowhere)));
+  ASSERT_EQ(whole.size(), parts.size());
+  double most = 0, joined = 0;
+  for (const auto& [voxel, corners] : whole) {
+    for (std::size_t c = 0; c < 8; ++c) {
+      most = std::max(most, corners[c].length());
+      EXPECT_LT((corners[c] - parts.at(voxel)[c]).length(), 1e-7);
+    }
+  }
+  EXPECT_GT(most, 0.1);
+  // Without the cut the result is another.
+  for (const auto& [voxel, corners] : solve(parted_block(dims, plane, everywhere, nowhere))) {
+    joined = std::max(joined, (corners[0] - parts.at(voxel)[0]).length());
+  }
+  EXPECT_GT(joined, 0.1 * most);
+}
+
+TEST(PropertyFem, LipsOfACutOpenTowardsItsMouth) {
+  // A slit from the top half way down, in the middle of a block that is pulled at both ends.
+  const Vec3i dims(12, 4, 8);
+  const int plane = 6, tip = 4;
+  const Body body =
+      parted_block(dims, plane, everywhere, [](const Vec3i& voxel) { return voxel.z >= tip; });
+  const FemModel model(body, ElasticTable::uniform(4, 0.4));
+  const FemSolution solution = model.solve(pulled_along_x(body, -0.4, 11.4, {0.5, 0, 0}));
+  const CornerMotion motion = corner_motion(model.mesh(), solution.u_mm);
+  double below = 0;
+  for (int k = tip; k < dims.z; ++k) {
+    // The upper corners of both sides, 4 di + 2 dj + dk.
+    const double gap = motion.at({plane, 1, k})[1].x - motion.at({plane - 1, 1, k})[5].x;
+    EXPECT_GT(gap, below);
+    below = gap;
+  }
+  EXPECT_GT(below, 0.2);
+  // The tip is one node, whose sides go together.
+  EXPECT_EQ(motion.at({plane, 1, tip})[0], motion.at({plane - 1, 1, tip})[4]);
+  const Body uncut = parted_block(dims, plane, everywhere, nowhere);
+  const FemSolution before = FemModel(uncut, ElasticTable::uniform(4, 0.4))
+                                 .solve(pulled_along_x(uncut, -0.4, 11.4, {0.5, 0, 0}));
+  EXPECT_LT(-solution.reactions[1].force_n.x, -0.8 * before.reactions[1].force_n.x);
+}
+
+TEST(PropertyFem, PiecesThatNothingHoldsAreCountedAndStayAtRest) {
+  const Vec3i dims(11, 4, 4);
+  // Two bars, and a voxel that touches the first of them by an edge alone.
+  Body body = parted_block(
+      dims, 1,
+      [](const Vec3i& v) { return v.x < 5 ? v.y < 3 && v.z < 3 : v.x > 6 || v == Vec3i(5, 3, 1); },
+      nowhere);
+  const std::vector<Region> anchors{Region(IndexBox{{0, 0, 0}, {0, 3, 3}})};
+  Holds holds;
+  FemLoads loads;
+  loads.gravity_m_s2 = {0, 0, -9.81};
+  loads.mass_density.fill(1000);
+  VoxelFemModel model({body, anchors, holds}, ElasticTable::uniform(8, 0.4), loads);
+  model.move({{Vec3i(4, 1, 1), {kVoxel / 8, 0, 0}}}, 1, nullptr);
+  EXPECT_EQ(model.report().islands, 3);
+  EXPECT_EQ(model.report().loose_islands, 2);
+  EXPECT_EQ(model.report().loose_elements, 4 * 4 * 4 + 1);
+  model.store();
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_EQ(body.offset({5, 3, 1}, c), 0);
+    EXPECT_EQ(body.offset({9, 2, 2}, c), 0);
+  }
+  EXPECT_GT(body.offset({3, 1, 1}, 0), 0);
+
+  FemParams params;
+  params.loose = LooseIslands::refuse;
+  VoxelFemModel strict({body, anchors, holds}, ElasticTable::uniform(8, 0.4), {}, params);
+  const std::string refused = input_error([&] {
+    strict.move({{Vec3i(4, 1, 1), {0, 0, 0}}}, 1, nullptr);
+  });
+  EXPECT_NE(refused.find("2 pieces of 65 elements that nothing holds"), std::string::npos)
+      << refused;
+}
+
+TEST(PropertyFem, CornersOfAHandleThatTurnsAndScalesTurnAndScaleToo) {
+  // The elements inside of the handle have the strain and the turn of its motion, although a handle
+  // says no more than where centres go.
+  const double angle = 0.05, scale = 1.02;
+  Body body = fem_cube(9);
+  const std::vector<Region> anchors{Region(IndexBox{{0, 0, 0}, {8, 8, 0}})};
+  Holds holds;
+  const IndexBox grabbed{{2, 2, 4}, {6, 6, 8}};
+  Handle handle{Region(grabbed), {0, 0, 0}};
+  elements_in(body, grabbed).for_each([&](Slot slot) {
+    const Vec3d arm = Vec3d(voxel_of(body.elements, slot)) - Vec3d(4, 4, 6);
+    const Vec3d there(std::cos(angle) * arm.x - std::sin(angle) * arm.y,
+                      std::sin(angle) * arm.x + std::cos(angle) * arm.y, arm.z);
+    const Vec3d by = there * scale - arm;
+    handle.each_by_q.push_back({std::int32_t(std::lround(by.x * kFixedOne)),
+                                std::int32_t(std::lround(by.y * kFixedOne)),
+                                std::int32_t(std::lround(by.z * kFixedOne))});
+  });
+  VoxelFemModel model({body, anchors, holds}, ElasticTable::uniform(8, 0.4));
+  model.move({handle}, 1, nullptr);
+  const HexMesh& mesh = model.solid().mesh();
+  int inside = 0;
+  for (std::size_t b = 0; b < mesh.block_count(); ++b) {
+    for (std::int32_t e = mesh.element_begin[b]; e < mesh.element_begin[b + 1]; ++e) {
+      if (!grabbed.contains(mesh.origin[b] + brick_local(mesh.offset[std::size_t(e)]))) continue;
+      const ElementState state =
+          element_state(mesh, model.solid().material(), model.displacement_mm(), e);
+      EXPECT_NEAR(state.rotation_rad.z, scale * std::sin(angle), 1e-4);
+      EXPECT_NEAR(state.strain[0], scale * std::cos(angle) - 1, 1e-4);
+      EXPECT_NEAR(state.strain[2], scale - 1, 1e-4);
+      EXPECT_NEAR(state.strain[3], 0, 1e-4);
+      ++inside;
+    }
+  }
+  EXPECT_EQ(inside, 5 * 5 * 5);
+}
+
+TEST(PropertyFem, ABodyThatIsHeldAltogetherIsWhereItIsHeld) {
+  Body body = fem_cube(3);
+  Holds holds;
+  const std::vector<Region> none;
+  VoxelFemModel model({body, none, holds}, ElasticTable::uniform(8, 0.4));
+  const std::vector<Handle> all{{IndexBox{{0, 0, 0}, {2, 2, 2}}, {kVoxel, 0, -kVoxel / 2}}};
+  model.move(all, 1, nullptr);
+  EXPECT_EQ(model.report().unknowns, 0);
+  model.store();
+  EXPECT_EQ(body.offset({1, 2, 0}, 0), kVoxel);
+  EXPECT_EQ(body.offset({2, 0, 1}, 2), -kVoxel / 2);
+  EXPECT_LT(model.reactions(all).front().force_n.length(), 1e-9);
+}
