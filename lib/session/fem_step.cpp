@@ -157,6 +157,17 @@ std::vector<StrainGauge> gauges_of(const VoxelFemModel& model, const FemTask& ta
   return list;
 }
 
+std::vector<ElementValues> values_of(const FemStep& step, const VoxelFemModel& model,
+                                     const Body& body) {
+  std::vector<ElementValues> values;
+  for (const FemQuantity quantity : step.wanted) {
+    values.push_back({quantity, body.elements,
+                      element_values(model.solid().mesh(), model.solid().material(),
+                                     model.displacement_mm(), quantity)});
+  }
+  return values;
+}
+
 void warn_of_result(const FemStep& step, const FemRecord& record, Progress* progress) {
   const FemReport& report = record.report;
   if (report.loose_islands > 0) {
@@ -202,6 +213,7 @@ FemRecord move_by_fem(const FemStep& step, const FemTask& task, const std::vecto
   record.reactions = model.reactions(task.gripped);
   record.anchors = model.anchor_reaction();
   record.gauges = gauges_of(model, task);
+  record.values = values_of(step, model, body);
   if (!body.rigid.empty()) {
     set_poses(body, task.pieces, 1);
     fit_pieces(body, record);

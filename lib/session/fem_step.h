@@ -34,6 +34,14 @@ struct FemStep {
   /// Of the elements of rigid pieces.
   double rigid_young_kpa = 18.6e6, rigid_poisson = 0.3;
   std::vector<FemLoad> loads;
+  std::vector<FemQuantity> wanted;  // whose values the record is to have
+};
+
+/// A value per element.
+struct ElementValues {
+  FemQuantity quantity = FemQuantity::von_mises;
+  BrickTopology elements;         // of the body at that step
+  std::vector<float> of_element;  // in the order of their bricks
 };
 
 /// Means over the elements of a label, volumes being alike.
@@ -51,7 +59,8 @@ struct FemRecord {
   /// Free rigid pieces whose elements the nearest rigid pose replaced, and by how much at most.
   std::int64_t fitted_pieces = 0;
   double fitted_max_voxels = 0;
-  std::vector<StrainGauge> gauges;  // of the labels of the body
+  std::vector<StrainGauge> gauges;    // of the labels of the body
+  std::vector<ElementValues> values;  // of FemStep::wanted
   double milliseconds = 0;
 };
 

@@ -24,7 +24,7 @@ struct DeformOptions {
   SceneOptions scene;
   std::string input, material, labels, output;
   std::vector<std::string> grabs, bys, fixes, cuts, contacts, removed, rigid, rigid_seeds,
-      retractions;
+      retractions, elements;
   bool push = false;
 };
 
@@ -113,6 +113,21 @@ std::string cut_tables(const std::vector<std::string>& cuts) {
   return "[" + tables + "]";
 }
 
+/// QUANTITY=FILE of each.
+std::string element_table(const std::vector<std::string>& texts) {
+  std::string entries;
+  for (const std::string& text : texts) {
+    const std::size_t sign = text.find('=');
+    if (sign == 0 || sign == std::string::npos || sign + 1 == text.size()) {
+      throw UsageError(to_line(
+          {"", "--elements", "'" + text + "'", "QUANTITY=FILE, such as von_mises=stress.nrrd"}));
+    }
+    entries += (entries.empty() ? "" : ", ") + toml_string(text.substr(0, sign)) + " = " +
+               toml_string(text.substr(sign + 1));
+  }
+  return "{ " + entries + " }";
+}
+
 /// The options as a scene of one step.
 Scene to_scene(DeformOptions& options) {
   if (options.output.empty()) throw UsageError("--output: found nothing, expected STATE.vdb");
@@ -137,6 +152,9 @@ Scene to_scene(DeformOptions& options) {
     given.set("step.springs", "contact", "[" + tables + "]", "--contact");
   }
   given.set("output", "state", toml_string(options.output), "--output");
+  if (!options.elements.empty()) {
+    given.set("output", "elements", element_table(options.elements), "--elements");
+  }
   given.call("step[1]", "deform");
   given.call("step[1].relax", "--relax");
   if (!given.has("step") && !given.has("step.relax") && !given.has("step.springs")) {
@@ -291,7 +309,7 @@ Command add_deform(CLI::App& program) {
   scene.add("labels", {});
   scene.add("material", {});
   app->add_option("--material", options->material,
-                  "Look-up table from density to link limits, or ct-head, ct-body or mr-brain")
+                  "Look-up table of link limits, or ct-head, ct-body or mr-brain")
       ->option_text("M.toml|NAME");
   app->add_option(
          "--labels", options->labels,
@@ -338,10 +356,15 @@ Command add_deform(CLI::App& program) {
   scene.add("step.springs", fields(springs), "springs-");
   scene.add("output", {});
   app->add_option("--contact", options->contacts,
-                  "A shape that springs meet, as a table of a scene says, such as "
+                  "A shape that springs meet, as in scenes: "
                   "{sphere = {centre = [0, 0, 0], radius = 5}, by = [0, 0, 4]}; repeatable")
       ->allow_extra_args(false)
       ->option_text("TABLE");
+  app->add_option("--elements", options->elements,
+                  "A volume of stress or strain, such as von_mises, of --model fem "
+                  "(docs/models/fem.md); repeatable")
+      ->allow_extra_args(false)
+      ->option_text("QUANTITY=FILE");
   app->add_option("-o,--output", options->output, "State file to write")
       ->required()
       ->option_text("STATE.vdb");

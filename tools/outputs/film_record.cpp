@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/console/command.h"
-#include "tools/outputs/scene_run.h"
+#include "tools/outputs/scene_files.h"
 #include "volumes/base/atomic_file.h"
 #include "volumes/base/sha256.h"
 #include "volumes/base/version.h"
@@ -33,6 +33,10 @@ SceneOutput output_of(const SceneOutput& output, int frame, bool is_last) {
   take(output.offsets, named.offsets);
   take(output.displacements, named.displacements);
   take(output.volumes, named.volumes);
+  for (const ElementOutput& elements : output.elements) {
+    if (!is_due(elements.path)) continue;
+    named.elements.push_back({elements.quantity, frame_name(elements.path, frame)});
+  }
   return named;
 }
 

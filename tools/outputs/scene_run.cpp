@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "lib/material/material_file.h"
+#include "tools/outputs/element_volumes.h"
 #include "tools/outputs/film_record.h"
 #include "tools/outputs/output_plan.h"
 #include "tools/scene/run_step.h"
@@ -79,17 +80,6 @@ void warn_of_lost_sight(const State& state, const Displacement& displacement, Co
 
 }  // namespace
 
-std::string path_in(const std::string& folder, const std::string& name) {
-  return folder.empty() ? name : (std::filesystem::path(folder) / name).string();
-}
-
-void plan_outputs(const SceneOutput& output, const std::string& folder, OutputPlan& plan) {
-  if (!output.state.empty()) plan.add_state(path_in(folder, output.state));
-  for (const auto* names : {&output.offsets, &output.displacements, &output.volumes}) {
-    for (const std::string& name : *names) plan.add_dense(path_in(folder, name));
-  }
-}
-
 OutputPlan check_scene(const Scene& scene, const std::string& folder, const GlobalOptions& global) {
   const bool is_file = !scene.file.empty();
   if (scene.has_events) {
@@ -119,18 +109,6 @@ OutputPlan check_scene(const Scene& scene, const std::string& folder, const Glob
     plan_outputs(scene.output, folder, plan);
   }
   return plan;
-}
-
-void require_inside(const Scene& scene, const std::string& folder) {
-  namespace fs = std::filesystem;
-  const fs::path root = fs::absolute(folder).lexically_normal();
-  for (const std::string& name : scene.outputs()) {
-    const fs::path path = fs::absolute(path_in(folder, name)).lexically_normal();
-    const fs::path inside = path.lexically_relative(root);
-    if (!inside.empty() && *inside.begin() != "..") continue;
-    throw InputError({scene.file, "output", name + ", outside of the folder " + folder,
-                      "a name in the folder, or --allow-outside"});
-  }
 }
 
 void check_places(const Scene& scene, const Geometry& geometry) {
@@ -394,6 +372,10 @@ void SceneRun::write_outputs(int last, int frame) {
   for (const std::string& name : output.volumes) {
     if (!is_due(name)) continue;
     write_resampled(file_of(name), m_state, seen(last), m_state.geometry, {}, &m_console);
+  }
+  for (const ElementOutput& wanted : output.elements) {
+    if (!is_due(wanted.path)) continue;
+    write_element_volume(file_of(wanted.path), *m_session, wanted.quantity, &m_console);
   }
 }
 

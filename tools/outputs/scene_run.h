@@ -10,6 +10,7 @@
 #include "tools/console/console.h"
 #include "tools/outputs/frames.h"
 #include "tools/outputs/output_plan.h"
+#include "tools/outputs/scene_files.h"
 #include "tools/outputs/view_pictures.h"
 #include "tools/pictures/picture_writer.h"
 #include "tools/scene/scene.h"
@@ -21,18 +22,8 @@ namespace supple::tools {
 /// file. Throws UsageError or InputError.
 OutputPlan check_scene(const Scene& scene, const std::string& folder, const GlobalOptions& global);
 
-/// Adds files that are no pictures.
-void plan_outputs(const SceneOutput& output, const std::string& folder, OutputPlan& plan);
-
-/// Throws InputError for an output by an absolute name or by "..", which lies outside of the
-/// folder.
-void require_inside(const Scene& scene, const std::string& folder);
-
 /// Whether the steps and paths fit the volume. Throws InputError.
 void check_places(const Scene& scene, const Geometry& geometry);
-
-/// The path of an output.
-std::string path_in(const std::string& folder, const std::string& name);
 
 class SceneRun {
  public:

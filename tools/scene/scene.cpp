@@ -151,14 +151,18 @@ SceneStep read_step(TomlTable& table, const LabelNames& names) {
 
 namespace {
 
-SceneOutput read_output(TomlTable& table) {
-  SceneOutput output;
-  output.state = table.string("state").value_or("");
-  output.offsets = table.strings("offsets").value_or(std::vector<std::string>{});
-  output.displacements = table.strings("displacements").value_or(std::vector<std::string>{});
-  output.volumes = table.strings("volumes").value_or(std::vector<std::string>{});
-  table.finish();
-  return output;
+/// The last step of finite elements has to say what the outputs want of its elements.
+void ask_for_elements(Scene& scene) {
+  if (scene.output.elements.empty()) return;
+  const auto step = std::find_if(scene.steps.rbegin(), scene.steps.rend(),
+                                 [](const SceneStep& one) { return one.fem.has_value(); });
+  if (step == scene.steps.rend()) {
+    throw InputError({scene.file, "output.elements", "no step of finite elements",
+                      "a step with model = \"fem\""});
+  }
+  for (const ElementOutput& output : scene.output.elements) {
+    step->fem->step.wanted.push_back(output.quantity);
+  }
 }
 
 /// Of a key, if it has one.
@@ -229,15 +233,6 @@ std::size_t Scene::still_steps() const {
   const auto first = std::find_if(steps.begin(), steps.end(),
                                   [](const SceneStep& step) { return step.is_animated(); });
   return std::size_t(first - steps.begin());
-}
-
-std::vector<std::string> SceneOutput::all() const {
-  std::vector<std::string> names;
-  if (!state.empty()) names.push_back(state);
-  for (const auto* list : {&offsets, &displacements, &volumes}) {
-    names.insert(names.end(), list->begin(), list->end());
-  }
-  return names;
 }
 
 std::vector<std::string> Scene::outputs_of(int frame) const {
@@ -328,6 +323,7 @@ Scene read_scene(TomlTable root) {
   for (TomlTable& view : root.tables("view")) scene.views.push_back(read_view(view, steps));
   scene.path = read_path(root);
   if (auto output = root.table("output")) scene.output = read_output(*output);
+  ask_for_elements(scene);
   if (auto film = root.table("film")) {
     read_film(*film, scene);
     scene.described = description_of(scene, root.json());

@@ -12,6 +12,7 @@
 #include "lib/session/session.h"
 #include "tools/scene/fem_keys.h"
 #include "tools/scene/film.h"
+#include "tools/scene/scene_output.h"
 #include "tools/scene/view.h"
 #include "volumes/base/vec.h"
 #include "volumes/io/load/label_file.h"
@@ -42,14 +43,6 @@ struct SceneStep {
   bool does_nothing() const;
   /// Whether a handle follows a path.
   bool is_animated() const;
-};
-
-struct SceneOutput {
-  std::string state;
-  std::vector<std::string> offsets;        // resample-direction warps
-  std::vector<std::string> displacements;  // material-direction warps
-  std::vector<std::string> volumes;        // resampled volumes
-  std::vector<std::string> all() const;
 };
 
 struct Scene {

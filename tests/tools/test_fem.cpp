@@ -1,0 +1,184 @@
+// Finite elements by the program: volumes of stress, gauges, reactions, and what is refused.
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/program.h"
+#include "volumes/io/load/load.h"
+
+using namespace supple;
+using namespace supple::test;
+
+namespace {
+
+constexpr Vec3i kBarDims(6, 5, 9);
+
+/// A bar of voxels of 1 x 0.5 x 2 mm, of E = 20 kPa and nu = 0, so that between its held ends it
+/// is stretched evenly. Its middle has label 1, its ends have label 2.
+class UnitFemScene : public ::testing::Test {
+ protected:
+  UnitFemScene() {
+    write_bar("bar", [](const Vec3i&) { return 100; });
+    write_bar("labels", [](const Vec3i& v) { return v.z == 0 || v.z == 8 ? 2 : 1; });
+    write_text(m_folder / "tissue.toml",
+               "domain = [0, 255]\nactive = [1, 255]\nmax_length = [[0, 1.5]]\n"
+               "min_length = [[0, 0.6]]\nshear = [[0, 0.25]]\nstiffness = [[0, 20]]\n"
+               "poisson = [[0, 0]]\n");
+  }
+
+  void write_bar(const std::string& name, const std::function<int(const Vec3i&)>& value) {
+    std::string voxels;
+    for (int k = 0; k < kBarDims.z; ++k) {
+      for (int j = 0; j < kBarDims.y; ++j) {
+        for (int i = 0; i < kBarDims.x; ++i) {
+          voxels += char(static_cast<unsigned char>(value({i, j, k})));
+        }
+      }
+    }
+    write_text(m_folder / (name + ".raw"), voxels);
+    write_text(m_folder / (name + ".nhdr"),
+               "NRRD0004\ntype: uint8\ndimension: 3\nspace: left-posterior-superior\n"
+               "sizes: 6 5 9\nspace directions: (1,0,0) (0,0.5,0) (0,0,2)\n"
+               "space origin: (0,0,0)\nencoding: raw\ndata file: " +
+                   name + ".raw\n");
+  }
+
+  /// The upper end pulled by an eighth of a millimetre, or as the options say.
+  std::vector<std::string> stretch(const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"deform",     m_folder / "bar.nhdr",
+                                          "--material", m_folder / "tissue.toml",
+                                          "--model",    "fem",
+                                          "--grab",     "0,0,8:5,4,8",
+                                          "--by",       "0,0,0.125",
+                                          "--fix",      "0,0,0:5,4,0",
+                                          "-o",         m_folder / "state.vdb"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  }
+
+  /// A scene of that step with these keys of `fem` and these lines after it.
+  std::string scene(const std::string& fem, const std::string& after = "") {
+    const std::string path = m_folder / "scene.toml";
+    write_text(path,
+               "[volume]\npath = \"bar.nhdr\"\n[material]\ntable = \"tissue.toml\"\n[[step]]\n"
+               "model = \"fem\"\nfem = { " +
+                   fem +
+                   " }\ngrab_box = [0, 0, 8, 5, 4, 8]\nby = [0.0, 0.0, 0.125]\n"
+                   "fix = [[0, 0, 0, 5, 4, 0]]\n" +
+                   after);
+    return path;
+  }
+
+  // Seven voxels of 2 mm between the held ones.
+  const double m_strain = 0.125 / 14, m_stress_kpa = 20 * m_strain;
+  TemporaryFolder m_folder;
+};
+
+}  // namespace
+
+TEST_F(UnitFemScene, VolumesGaugesAndReactionsOfAStretchedBarAreThoseByHand) {
+  const Outcome outcome = run_supple(stretch(
+      {"--labels", m_folder / "labels.nhdr", "--elements", "von_mises=" + (m_folder / "mises.nrrd"),
+       "--elements", "pressure=" + (m_folder / "pressure.mha"), "--elements",
+       "energy_density=" + (m_folder / "energy.nii"), "--elements",
+       "strain_1=" + (m_folder / "strain.nrrd"), "--json"}));
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto json = nlohmann::json::parse(outcome.out);
+  const auto& gauges = json["fem"]["gauges"];
+  ASSERT_EQ(gauges.size(), 2u);
+  EXPECT_EQ(gauges[0]["label"], 1);
+  EXPECT_EQ(gauges[0]["elements"], 6 * 5 * 7);
+  EXPECT_NEAR(gauges[0]["strain_1"], m_strain, 1e-6);
+  EXPECT_NEAR(gauges[0]["von_mises"], m_stress_kpa, 1e-5);
+  EXPECT_NEAR(gauges[0]["principal_1"], m_stress_kpa, 1e-5);
+  EXPECT_NEAR(gauges[0]["energy_density"], m_stress_kpa * m_strain / 2, 1e-7);
+  EXPECT_NEAR(gauges[1]["von_mises"], 0, 1e-6);
+  // 6 x 2.5 mm^2, in N.
+  EXPECT_NEAR(json["reactions"][0]["force_n"][2], -m_stress_kpa * 15e-3, 1e-7);
+
+  const struct {
+    const char* file;
+    double value;
+  } expected[] = {{"mises.nrrd", m_stress_kpa},
+                  {"pressure.mha", -m_stress_kpa / 3},
+                  {"energy.nii", m_stress_kpa * m_strain / 2},
+                  {"strain.nrrd", m_strain}};
+  for (const auto& [file, value] : expected) {
+    const Volume volume = load_volume(m_folder / file);
+    EXPECT_EQ(volume.geometry.dims(), kBarDims) << file;
+    EXPECT_NEAR(volume.geometry.spacing_mm().z, 2, 1e-6) << file;
+    for (int k = 0; k < kBarDims.z; ++k) {
+      const bool is_held = k == 0 || k == 8;
+      for (const Vec3i& voxel : {Vec3i(0, 0, k), Vec3i(5, 4, k), Vec3i(2, 1, k)}) {
+        EXPECT_NEAR(volume.density.at(voxel), is_held ? 0 : value, 2e-5 * std::abs(value) + 1e-7)
+            << file << voxel;
+      }
+    }
+  }
+}
+
+TEST_F(UnitFemScene, AVolumeLiesWhereItsElementsAre) {
+  // A bar with a hole: bricks with gaps.
+  write_bar("bar", [](const Vec3i& v) { return v.x == 2 && v.y < 3 && v.z == 4 ? 0 : 100; });
+  const Outcome outcome = run_supple(
+      {"run", scene("", "[output]\nelements = { von_mises = \"m.nrrd\" }\n"), "-o", m_folder / ""});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const Volume volume = load_volume(m_folder / "m.nrrd");
+  EXPECT_EQ(volume.density.at({2, 1, 4}), 0);
+  // What the hole does not carry goes past it.
+  EXPECT_GT(volume.density.at({2, 3, 4}), 1.1 * m_stress_kpa);
+  EXPECT_LT(volume.density.at({2, 1, 5}), 0.9 * m_stress_kpa);
+  EXPECT_GT(volume.density.at({5, 1, 7}), 0.5 * m_stress_kpa);
+}
+
+TEST_F(UnitFemScene, WhatDoesNotConvergeHasItsNumbersAndNoOutput) {
+  const Outcome outcome =
+      run_supple({"run", scene("max_iterations = 1", "[output]\nstate = \"state.vdb\"\n"), "-o",
+                  m_folder / "out"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.err.find("finite elements did not converge: residual "), std::string::npos)
+      << outcome.err;
+  EXPECT_NE(outcome.err.find("after 1 iterations, "), std::string::npos) << outcome.err;
+  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  for (const std::string& name : m_folder.entries()) {
+    EXPECT_EQ(name.find("state"), std::string::npos) << name;
+  }
+}
+
+TEST_F(UnitFemScene, AnIslandIsWarnedOfOrRefused) {
+  write_bar("bar", [](const Vec3i& v) { return v.x == 4 ? 0 : 100; });
+  const std::string output = "[output]\nstate = \"state.vdb\"\n";
+  const auto run = [&](const std::string& fem) {
+    const std::string path = scene(fem, output);
+    std::string text = read_text(path);
+    text.replace(text.find("[0, 0, 8, 5"), 11, "[0, 0, 8, 3");
+    text.replace(text.find("[0, 0, 0, 5"), 11, "[0, 0, 0, 3");
+    write_text(path, text);
+    return run_supple({"--force", "run", path, "-o", m_folder / ""});
+  };
+  const Outcome held = run("");
+  EXPECT_EQ(held.exit_code, 0) << held.err;
+  EXPECT_NE(held.err.find("nothing holds 1 island of 45 elements"), std::string::npos) << held.err;
+  const Outcome refused = run("loose = \"refuse\"");
+  EXPECT_EQ(refused.exit_code, 3);
+  EXPECT_NE(refused.err.find("1 pieces of 45 elements that nothing holds"), std::string::npos)
+      << refused.err;
+}
+
+TEST_F(UnitFemScene, VolumesOfElementsNeedFiniteElementsAndKnownNames) {
+  std::vector<std::string> arguments =
+      stretch({"--elements", "von_mises=" + (m_folder / "m.nrrd")});
+  arguments[5] = "ecm";
+  Outcome outcome = run_supple(arguments);
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_NE(outcome.err.find("no step of finite elements"), std::string::npos) << outcome.err;
+  outcome = run_supple(stretch({"--elements", "mises=" + (m_folder / "m.nrrd")}));
+  EXPECT_EQ(outcome.exit_code, 3) << outcome.err;
+  EXPECT_NE(outcome.err.find("von_mises"), std::string::npos) << outcome.err;
+  outcome = run_supple(stretch({"--elements", "von_mises"}));
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_NE(outcome.err.find("QUANTITY=FILE"), std::string::npos) << outcome.err;
+}

@@ -1,0 +1,57 @@
+#include "tools/outputs/element_volumes.h"
+
+#include <algorithm>
+#include <stdexcept>
+#include <vector>
+
+#include "volumes/io/volume_writer.h"
+
+namespace supple::tools {
+
+namespace {
+
+const ElementValues& last_values(const Session& session, FemQuantity quantity) {
+  const std::vector<StepRecord>& records = session.records();
+  for (auto record = records.rbegin(); record != records.rend(); ++record) {
+    for (const ElementValues& values : record->equilibrium.values) {
+      if (values.quantity == quantity) return values;
+    }
+  }
+  throw std::logic_error("no step was asked for these values");
+}
+
+}  // namespace
+
+void write_element_volume(const std::string& path, const Session& session, FemQuantity quantity,
+                          Progress* progress) {
+  const Geometry& geometry = session.geometry();
+  const ElementValues& values = last_values(session, quantity);
+  const BrickTopology& elements = values.elements;
+  std::vector<std::size_t> first;  // value of each brick
+  std::size_t count = 0;
+  for (std::size_t b = 0; b < elements.brick_count(); ++b) {
+    first.push_back(count);
+    count += std::size_t(mask_count(elements.mask(b)));
+  }
+  const std::size_t row = std::size_t(geometry.dims().x);
+  const std::size_t slice = row * std::size_t(geometry.dims().y);
+  const auto write_slice = [&](int k, float* out) {
+    std::fill(out, out + slice, 0.0f);
+    for (std::size_t b = 0; b < elements.brick_count(); ++b) {
+      const Vec3i& origin = elements.origin(b);
+      if (k < origin.z || k >= origin.z + kBrickDim) continue;
+      const float* value = &values.of_element[first[b]];
+      for_each_active(elements.mask(b), [&](int offset) {
+        const Vec3i voxel = origin + brick_local(offset);
+        if (voxel.z == k) out[std::size_t(voxel.y) * row + std::size_t(voxel.x)] = *value;
+        ++value;
+      });
+    }
+  };
+  for (const std::string& line :
+       write_volume(path, geometry, ValueType::float32, write_slice, progress)) {
+    warn(progress, line);
+  }
+}
+
+}  // namespace supple::tools

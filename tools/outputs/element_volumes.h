@@ -1,0 +1,17 @@
+// Volumes of stress, strain and energy density of finite elements.
+#pragma once
+
+#include <string>
+
+#include "lib/session/session.h"
+#include "volumes/base/progress.h"
+
+namespace supple::tools {
+
+/// Values of the last step that has some of this quantity (FemStep::wanted), as float32 at the
+/// voxels where the elements were at rest, 0 elsewhere. The format follows the extension. Throws as
+/// write_volume.
+void write_element_volume(const std::string& path, const Session& session, FemQuantity quantity,
+                          Progress* progress);
+
+}  // namespace supple::tools

@@ -1,0 +1,31 @@
+// The files that a scene writes beside its pictures: [output].
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "lib/fem/fem_results.h"
+#include "lib/material/toml_table.h"
+
+namespace supple::tools {
+
+/// A volume of what a step of finite elements says of its elements.
+struct ElementOutput {
+  FemQuantity quantity;
+  std::string path;
+};
+
+struct SceneOutput {
+  std::string state;
+  std::vector<std::string> offsets;        // resample-direction warps
+  std::vector<std::string> displacements;  // material-direction warps
+  std::vector<std::string> volumes;        // resampled volumes
+  std::vector<ElementOutput> elements;     // of the last step of finite elements
+
+  std::vector<std::string> all() const;
+};
+
+/// Throws InputError as TomlTable.
+SceneOutput read_output(TomlTable& table);
+
+}  // namespace supple::tools
