@@ -132,6 +132,7 @@ TEST_F(UnitFemScene, AVolumeLiesWhereItsElementsAre) {
   EXPECT_GT(volume.density.at({2, 3, 4}), 1.1 * m_stress_kpa);
   EXPECT_LT(volume.density.at({2, 1, 5}), 0.9 * m_stress_kpa);
   EXPECT_GT(volume.density.at({5, 1, 7}), 0.5 * m_stress_kpa);
+  EXPECT_EQ(volume.density.at({5, 4, 8}), 0);
 }
 
 TEST_F(UnitFemScene, WhatDoesNotConvergeHasItsNumbersAndNoOutput) {

@@ -23,7 +23,7 @@ struct ReportTable {
 std::string number_cell(double value) {
   char text[32];
   const double size = std::abs(value);
-  const char* format = size == 0 || size >= 100 ? "%.0f" : size >= 10 ? "%.1f" : "%.3g";
+  const char* format = size == 0 || size >= 100 ? "%.0f" : size >= 10 ? "%.1f" : "%.4g";
   std::snprintf(text, sizeof text, format, value);
   return text;
 }
