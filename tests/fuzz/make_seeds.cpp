@@ -260,6 +260,53 @@ void make_meshes(const Seeds& seeds) {
   seeds.text("obj", "a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 -1\n");
 }
 
+/// One message of a page per verb and kind of event, and heads of requests.
+void make_messages(const Seeds& seeds) {
+  const char* const values[] = {
+      R"("cancel":true)",
+      R"("ack":7)",
+      R"("deformed":false)",
+      R"("size":{"3d":[640,480],"axial":[0,0]})",
+      R"("slices":{"cursor":[1,2,3],"window":400,"overlay":"det_f","centre":{"axial":[1,2,3]}})",
+      R"("pick":{"view":"3d","at":[10.5,20],"ray_only":true})",
+      R"("list":{"path":"/tmp"})",
+      R"("open":{"path":"/tmp/a.nrrd","material":"ct-head","preset":"CT-Bone"})",
+      R"("save":{"what":"screenshot","path":"/tmp/a.png","view":"3d","size":[64,64],"force":true})",
+      R"("histogram":{"bins":256})",
+      R"("options":{"kind":"relax"})",
+  };
+  const char* const events[] = {
+      R"("kind":"grab","grab_ball":[1,2,3],"radius":5,"soft":2)",
+      R"("kind":"push","grab":[1,2,3])",
+      R"("kind":"drag","to":[0,1.5,-2e1])",
+      R"("kind":"release","restore":true)",
+      R"("kind":"release","all":true,"no_relax":true)",
+      R"("kind":"anchor","grab_box":[0,0,0,3,3,3])",
+      R"("kind":"anchor","grab_density":[-100,200])",
+      R"("kind":"cut","curve":{"points":[[0,0,0],[1,2,3]],"direction":[0,0,1],"depth":20,"straight":true})",
+      R"("kind":"cut","plane":{"corner":[0,0,0],"edge1":[1,0,0],"edge2":[0,1,0]})",
+      R"("kind":"relax","passes":50,"method":"chaotic")",
+      R"("kind":"limits","limits":"tighten")",
+      R"("kind":"model","model":"springs","springs":{"time":1})",
+      R"("kind":"material","material":{"table":{"domain":[-1000,2000],"active":[[-500,0],[-400,1]]}})",
+      R"("kind":"material","material":{"preset":"ct-head"})",
+      R"("kind":"undo","all":true)",
+      R"("kind":"camera","camera":{"position":[0,-300,0],"target":[0,0,0],"up":[0,0,1],"fov":30})",
+      R"("kind":"look","preset":"CT-Bone")",
+      R"("kind":"look","transfer":{"opacity":[[0,0],[100,1]],"colour":[[0,1,1,1]],"ambient":0.1})",
+      R"("kind":"clip","clip":[{"box":[0,0,0,3,3,3],"keep":"outside","space":"source"}])",
+      R"("kind":"step","grab":[1,2,3],"by":[0,1,0],"relax":{"passes":2})",
+  };
+  int number = 0;
+  const auto add = [&](const std::string& text) {
+    seeds.text("page", std::to_string(++number) + ".json", text);
+  };
+  for (const char* value : values) add(std::string("{\"n\":1,") + value + "}");
+  for (const char* event : events) add(std::string("{\"event\":{") + event + "}}");
+  add("chat, supple." + std::string(32, 'a'));
+  add("http://localhost:8080");
+}
+
 }  // namespace
 
 }  // namespace supple::fuzz
@@ -278,5 +325,6 @@ int main(int count, char** arguments) {
   supple::fuzz::make_dicom(seeds);
   supple::fuzz::make_pictures(seeds);
   supple::fuzz::make_meshes(seeds);
+  supple::fuzz::make_messages(seeds);
   return 0;
 }

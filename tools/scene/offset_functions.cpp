@@ -290,7 +290,7 @@ std::vector<OffsetFunction> read_path_file(const std::string& file, Console& con
   if (file.empty()) return {};
   TomlTable table = TomlTable::of_options("path = " + toml_string(file), {{"path", "--path"}});
   std::vector<OffsetFunction> functions = read_path(table);
-  for (const std::string& line : table.warnings()) console.warn(line);
+  for (const std::string& line : table.warnings()) warn(&console, line);
   return functions;
 }
 

@@ -1,19 +1,17 @@
 #include "tools/viewer/server.h"
 
-#include <deque>
 #include <list>
-#include <variant>
+#include <optional>
 
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/ip/v6_only.hpp>
-#include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
-#include <boost/beast/websocket.hpp>
+#include <boost/beast/websocket/rfc6455.hpp>
 
-#include "tools/viewer/gatekeeper.h"
 #include "tools/viewer/page_files.h"
+#include "tools/viewer/page_socket.h"
 
 namespace supple::tools {
 
@@ -29,178 +27,14 @@ using SteadyClock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
 constexpr auto kRequestTime = 10s;
-constexpr auto kIdleTime = 60s;
 constexpr auto kLookEvery = 50ms;
 constexpr std::uint32_t kMostHeaderBytes = 8192;
-constexpr std::size_t kMostPending = 64;                  // connections without a socket
-constexpr double kMessagesPerSecond = 400, kBurst = 800;  // that a page may send
-constexpr std::size_t kMostQueuedBytes = std::size_t(64) << 20;
-
-/// Tokens that come back with time.
-class MessageRate {
- public:
-  bool allows_one() {
-    const auto now = SteadyClock::now();
-    m_left = std::min(
-        kBurst, m_left + kMessagesPerSecond * std::chrono::duration<double>(now - m_last).count());
-    m_last = now;
-    m_left -= 1;
-    return m_left >= 0;
-  }
-
- private:
-  double m_left = kBurst;
-  SteadyClock::time_point m_last = SteadyClock::now();
-};
-
-/// What connections share.
-struct Served {
-  Viewer& viewer;
-  const Gatekeeper& gatekeeper;
-  const std::string& page_folder;
-};
-
-/// A page's socket. Everything runs on the thread of the server, but for send_…(), which hand over.
-class PageSocket final : public PageOutlet, public std::enable_shared_from_this<PageSocket> {
- public:
-  PageSocket(Tcp::socket&& socket, const Served& served)
-      : m_socket(std::move(socket)), m_served(served) {}
-
-  void accept(http::request<http::empty_body> request) {
-    websocket::stream_base::timeout timeout{};
-    timeout.handshake_timeout = kRequestTime;
-    timeout.idle_timeout = kIdleTime;
-    timeout.keep_alive_pings = true;
-    m_socket.set_option(timeout);
-    m_socket.read_message_max(kMostMessageBytes);
-    m_socket.auto_fragment(false);
-    const std::string protocol = m_served.gatekeeper.protocol();
-    m_socket.set_option(
-        websocket::stream_base::decorator([protocol](websocket::response_type& response) {
-          response.set(http::field::sec_websocket_protocol, protocol);
-        }));
-    m_request = std::move(request);
-    m_socket.async_accept(m_request, [self = shared_from_this()](Error_code error) {
-      if (!error) self->begin();
-    });
-  }
-
-  void send_text(std::shared_ptr<const std::string> text) override {
-    asio::post(m_socket.get_executor(), [self = shared_from_this(), text = std::move(text)] {
-      self->enqueue(std::move(text), text->size());
-    });
-  }
-  void send_frame(std::vector<std::uint8_t> head,
-                  std::shared_ptr<const FrameMessage> frame) override {
-    asio::post(m_socket.get_executor(),
-               [self = shared_from_this(), head = std::move(head), frame = std::move(frame)] {
-                 self->enqueue(Picture{head, frame}, head.size() + frame->picture.size());
-               });
-  }
-
- private:
-  using Text = std::shared_ptr<const std::string>;
-  struct Picture {
-    std::vector<std::uint8_t> head;
-    std::shared_ptr<const FrameMessage> frame;
-  };
-
-  void begin() {
-    m_page = m_served.viewer.join(shared_from_this());
-    read();
-  }
-
-  void read() {
-    m_socket.async_read(m_incoming, [self = shared_from_this()](Error_code error, std::size_t) {
-      if (error) return self->end();
-      self->receive();
-    });
-  }
-
-  void receive() {
-    if (!m_socket.got_text()) return close(websocket::close_code::unknown_data, "text alone");
-    if (!m_rate.allows_one()) {
-      return close(websocket::close_code::policy_error, "more than 400 messages a second");
-    }
-    const std::string text = beast::buffers_to_string(m_incoming.data());
-    m_incoming.consume(m_incoming.size());
-    try {
-      m_served.viewer.receive(m_page, text);
-    } catch (const BadMessage& bad) {
-      return close(websocket::close_code::bad_payload, bad.what());
-    }
-    if (!m_is_closing) read();
-  }
-
-  void enqueue(std::variant<Text, Picture> message, std::size_t bytes) {
-    if (m_is_closing) return;
-    m_queued_bytes += bytes;
-    if (m_queued_bytes > kMostQueuedBytes) return abandon();
-    m_outgoing.emplace_back(std::move(message));
-    if (m_outgoing.size() == 1) write();
-  }
-
-  void write() {
-    const auto written = [self = shared_from_this()](Error_code error, std::size_t bytes) {
-      if (error) return self->end();
-      self->m_outgoing.pop_front();
-      self->m_queued_bytes -= std::min(bytes, self->m_queued_bytes);
-      if (self->m_is_closing) return self->say_close();
-      if (!self->m_outgoing.empty()) self->write();
-    };
-    if (const Text* text = std::get_if<Text>(&m_outgoing.front())) {
-      m_socket.text(true);
-      return m_socket.async_write(asio::buffer(**text), written);
-    }
-    const Picture& picture = std::get<Picture>(m_outgoing.front());
-    m_socket.binary(true);
-    m_socket.async_write(std::array<asio::const_buffer, 2>{asio::buffer(picture.head),
-                                                           asio::buffer(picture.frame->picture)},
-                         written);
-  }
-
-  void close(websocket::close_code code, const std::string& why) {
-    if (m_is_closing) return;
-    m_is_closing = true;
-    m_reason = websocket::close_reason(code, why.substr(0, 120));
-    leave();
-    if (m_outgoing.empty()) say_close();
-  }
-
-  void say_close() {
-    m_socket.async_close(m_reason, [self = shared_from_this()](Error_code) {});
-  }
-
-  /// One that does not read what it is sent.
-  void abandon() {
-    end();
-    beast::get_lowest_layer(m_socket).close();
-  }
-
-  void end() {
-    m_is_closing = true;
-    leave();
-  }
-  void leave() {
-    if (m_page != 0) m_served.viewer.leave(std::exchange(m_page, 0));
-  }
-
-  websocket::stream<beast::tcp_stream> m_socket;
-  const Served& m_served;
-  http::request<http::empty_body> m_request;
-  beast::flat_buffer m_incoming{kMostMessageBytes};
-  MessageRate m_rate;
-  int m_page = 0;
-  std::deque<std::variant<Text, Picture>> m_outgoing;
-  std::size_t m_queued_bytes = 0;
-  bool m_is_closing = false;
-  websocket::close_reason m_reason;
-};
+constexpr std::size_t kMostPending = 64;  // connections without a socket
 
 /// One that asks for files of the page, until it opens a socket.
 class Visitor final : public std::enable_shared_from_this<Visitor> {
  public:
-  Visitor(Tcp::socket&& socket, const Served& served)
+  Visitor(Tcp::socket&& socket, const ServedViewer& served)
       : m_stream(std::move(socket)), m_served(served) {}
 
   void read() {
@@ -259,8 +93,7 @@ class Visitor final : public std::enable_shared_from_this<Visitor> {
       return send(http::status::forbidden, "text/plain", "another token\n", false);
     }
     m_stream.expires_never();
-    const auto page = std::make_shared<PageSocket>(m_stream.release_socket(), m_served);
-    page->accept(std::move(request));
+    open_page_socket(m_stream.release_socket(), m_served, std::move(request));
   }
 
   void send(http::status status, const std::string& type, std::string bytes, bool stays) {
@@ -293,7 +126,7 @@ class Visitor final : public std::enable_shared_from_this<Visitor> {
   }
 
   beast::tcp_stream m_stream;
-  const Served& m_served;
+  const ServedViewer& m_served;
   beast::flat_buffer m_buffer{kMostHeaderBytes};
   std::optional<http::request_parser<http::empty_body>> m_parser;
   http::response<http::string_body> m_response;
@@ -324,7 +157,7 @@ struct Server::Impl {
   std::optional<Tcp::acceptor> v4, v6;
   asio::steady_timer timer;
   std::optional<Gatekeeper> gatekeeper;
-  std::optional<Served> served;
+  std::optional<ServedViewer> served;
   std::list<std::weak_ptr<Visitor>> visitors;  // oldest first
   std::function<bool()> stops;
   int pages_seen = 0;
@@ -397,7 +230,7 @@ void Server::Impl::look() {
 
 void Server::run(Viewer& viewer, const std::function<bool()>& stops) {
   Impl& impl = *m_impl;
-  impl.served.emplace(Served{viewer, *impl.gatekeeper, impl.options.page_folder});
+  impl.served.emplace(ServedViewer{viewer, *impl.gatekeeper, impl.options.page_folder});
   impl.stops = stops;
   impl.accept(*impl.v4);
   if (impl.v6) impl.accept(*impl.v6);

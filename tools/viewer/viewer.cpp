@@ -29,6 +29,20 @@ void require_within(const Scene& scene, const Folders& folders) {
   }
 }
 
+/// What is asked of the open scene, its value read and checked.
+std::function<Json(OpenScene&)> question_of(const PageMessage& message, const Folders& folders) {
+  if (message.verb == "material") return material_json;
+  TomlTable table = table_of(message);
+  if (message.verb == "pick") {
+    return [request = pick_request(table)](OpenScene& scene) { return pick(scene, request); };
+  }
+  if (message.verb == "save") {
+    return
+        [request = save_request(table, folders)](OpenScene& scene) { return save(scene, request); };
+  }
+  return [bins = histogram_bins(table)](OpenScene& scene) { return histogram_json(scene, bins); };
+}
+
 PixelSize size_of(TomlTable& table, const char* view, const PixelSize& before) {
   const auto given = table.numbers(view);
   if (!given) return before;
@@ -181,80 +195,64 @@ void Viewer::receive(int page, std::string_view text) {
 void Viewer::dispatch(int page, const PageMessage& message) {
   const std::string& verb = message.verb;
   if (verb == "event") return take_event(page, message);
-  if (verb == "ack") {
-    if (!message.value.is_number_unsigned()) throw BadMessage("an ack without a number");
-    return m_pages.acknowledge(page, message.value.get<std::uint32_t>());
-  }
-  if (verb == "size") {
-    take_size(message);
+  if (verb == "ack") return take_ack(page, message);
+  if (verb == "open") return take_open(page, message);
+  if (verb == "cancel") return take_cancel(page, message);
+  if (verb == "size" || verb == "slices" || verb == "deformed") {
+    take_wish(message);
     return see_soon(page, message);
   }
-  if (verb == "slices") {
-    take_slices(message);
-    return see_soon(page, message);
-  }
-  if (verb == "deformed") {
-    if (!message.value.is_boolean()) {
-      throw InputError({"deformed", "", "no truth value", "true or false"});
-    }
-    {
-      const std::lock_guard lock(m_guard);
-      m_settings.deformed = message.value.get<bool>();
-    }
-    return see_soon(page, message);
-  }
-  if (verb == "pick") {
-    TomlTable table = table_of(message);
-    const PickRequest request = pick_request(table);
-    return answer_later(page, message,
-                        [request](OpenScene& scene) { return pick(scene, request); });
-  }
-  if (verb == "save") {
-    TomlTable table = table_of(message);
-    const SaveRequest request = save_request(table, m_folders);
-    return answer_later(page, message,
-                        [request](OpenScene& scene) { return save(scene, request); });
-  }
-  if (verb == "open") {
-    TomlTable table = table_of(message);
-    const std::string path = m_folders.input(table.require(table.string("path"), "path", "a file"));
-    std::string material = table.string("material").value_or("");
-    const bool is_file = !material.empty() && find_tissue_preset(material) == nullptr;
-    if (is_file) material = m_folders.input(material);
-    const std::string preset = table.string("preset").value_or("");
-    table.finish();
-    m_mailbox.post([this, page, message, path, material, preset] {
-      try {
-        require_within(read_scene(scene_of_file(path, material, preset)), m_folders);
-        open(path, material, preset);
-        if (m_scene) m_scene->leave();
-        answer(page, message, true);
-      } catch (const std::exception& error) {
-        m_progress.end();
-        answer_error(page, message, error.what());
-      }
-    });
-    return interrupt();
-  }
-  if (verb == "cancel") {
-    m_progress.cancel();
-    m_mailbox.post([this] {
-      if (!m_scene) return;
-      m_scene->stop_relaxing();
-      m_scene->tell_scene();
-    });
-    return answer(page, message, true);
-  }
-  if (verb == "histogram") {
-    TomlTable table = table_of(message);
-    const int bins = histogram_bins(table);
-    return answer_later(page, message,
-                        [bins](OpenScene& scene) { return histogram_json(scene, bins); });
-  }
-  if (verb == "material") {
-    return answer_later(page, message, [](OpenScene& scene) { return material_json(scene); });
+  if (verb == "pick" || verb == "save" || verb == "histogram" || verb == "material") {
+    return answer_later(page, message, question_of(message, m_folders));
   }
   answer(page, message, query(message, m_folders));
+}
+
+void Viewer::take_ack(int page, const PageMessage& message) {
+  if (!message.value.is_number_unsigned()) throw BadMessage("an ack without a number");
+  m_pages.acknowledge(page, message.value.get<std::uint32_t>());
+}
+
+void Viewer::take_wish(const PageMessage& message) {
+  if (message.verb == "size") return take_size(message);
+  if (message.verb == "slices") return take_slices(message);
+  if (!message.value.is_boolean()) {
+    throw InputError({"deformed", "", "no truth value", "true or false"});
+  }
+  const std::lock_guard lock(m_guard);
+  m_settings.deformed = message.value.get<bool>();
+}
+
+void Viewer::take_open(int page, const PageMessage& message) {
+  TomlTable table = table_of(message);
+  const std::string path = m_folders.input(table.require(table.string("path"), "path", "a file"));
+  std::string material = table.string("material").value_or("");
+  const bool is_file = !material.empty() && find_tissue_preset(material) == nullptr;
+  if (is_file) material = m_folders.input(material);
+  const std::string preset = table.string("preset").value_or("");
+  table.finish();
+  m_mailbox.post([this, page, message, path, material, preset] {
+    try {
+      require_within(read_scene(scene_of_file(path, material, preset)), m_folders);
+      open(path, material, preset);
+      if (m_scene) m_scene->leave();
+      answer(page, message, true);
+    } catch (const std::exception& error) {
+      m_progress.end();
+      answer_error(page, message, error.what());
+    }
+  });
+  interrupt();
+}
+
+void Viewer::take_cancel(int page, const PageMessage& message) {
+  m_progress.cancel();
+  m_mailbox.post([this] {
+    if (!m_scene) return;
+    m_scene->stop_relaxing();
+    m_scene->tell_scene();
+  });
+  answer(page, message, true);
 }
 
 void Viewer::interrupt() {
@@ -262,8 +260,7 @@ void Viewer::interrupt() {
   if (m_interruptible != nullptr) m_interruptible->interrupt();
 }
 
-template <class Work>
-void Viewer::answer_later(int page, const PageMessage& message, Work work) {
+void Viewer::answer_later(int page, const PageMessage& message, const Question& work) {
   m_mailbox.post([this, page, message, work] {
     m_progress.begin();
     try {

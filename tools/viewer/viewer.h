@@ -3,6 +3,7 @@
 // it.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -52,14 +53,19 @@ class Viewer {
   void answer_error(int page, const PageMessage& message, const std::string& why);
   void dispatch(int page, const PageMessage& message);
   void take_event(int page, const PageMessage& message);
+  void take_ack(int page, const PageMessage& message);
+  void take_open(int page, const PageMessage& message);
+  void take_cancel(int page, const PageMessage& message);
+  /// How the pages want to see it.
+  void take_wish(const PageMessage& message);
   void take_size(const PageMessage& message);
   void take_slices(const PageMessage& message);
   void see_soon(int page, const PageMessage& message);
   void interrupt();
   std::uint64_t take_number(int page, const PageMessage& message);
+  using Question = std::function<nlohmann::ordered_json(OpenScene&)>;
   /// Runs on the session's thread, and answers with what it returns.
-  template <class Work>
-  void answer_later(int page, const PageMessage& message, Work work);
+  void answer_later(int page, const PageMessage& message, const Question& work);
   void open(const std::string& path, const std::string& material, const std::string& preset);
   OpenScene& opened();
 

@@ -1,0 +1,172 @@
+#include "tools/live/live_body.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace supple::tools {
+
+namespace {
+
+/// Of one topology, those whose vectors differ.
+std::vector<std::int32_t> differing_bricks(const Displacement& before, const Displacement& after) {
+  std::vector<std::int32_t> differing;
+  for (std::size_t b = 0; b < after.u.topology.brick_count(); ++b) {
+    const Vec3f* was = &before.u.vectors[b * kBrickVoxels];
+    const Vec3f* is = &after.u.vectors[b * kBrickVoxels];
+    if (!std::equal(is, is + kBrickVoxels, was)) differing.push_back(std::int32_t(b));
+  }
+  return differing;
+}
+
+}  // namespace
+
+LiveBody::LiveBody(Session& session, Interpolation interpolation, Progress& progress)
+    : m_session(session), m_progress(progress), m_interpolation(interpolation) {
+  open(interpolation);
+}
+
+std::vector<std::int32_t> LiveBody::take(Changed& changed) {
+  const Changed taken = std::exchange(changed, {});
+  return {taken.begin(), taken.end()};
+}
+
+void LiveBody::open(Interpolation interpolation) {
+  m_interpolation = interpolation;
+  m_renderer.reset();
+  m_inversion.reset();
+  m_forward.reset();
+  m_state = m_session.state();
+  m_moved = std::make_unique<LiveDisplacement>(m_state.geometry, m_state.elements,
+                                               m_state.density.bricks());
+  m_moved->update(m_state.q);
+  InvertParams params;
+  params.material = &m_state.elements;
+  m_inversion = std::make_unique<IncrementalInversion>(displacement(), params, &m_progress);
+  m_forward = std::make_shared<ForwardOffsets>(displacement(), &m_state.elements);
+  m_renderer = std::make_unique<Renderer>(m_state.geometry, m_state.density, 0, interpolation);
+  m_for_forward.clear();
+  m_for_inverse.clear();
+  m_shown = Shown::nothing;
+  m_renderer_follows = false;
+  m_field.reset();
+  m_cut_inversion.reset();
+  m_cuts = m_session.body().cuts;
+  m_is_cut_stale = true;
+}
+
+bool LiveBody::follow() {
+  const Body& body = m_session.body();
+  if (!(body.elements == m_state.elements)) {
+    open(m_interpolation);
+    return true;
+  }
+  const std::vector<std::int32_t> changed = m_moved->update(body.q);
+  m_for_forward.insert(changed.begin(), changed.end());
+  m_for_inverse.insert(changed.begin(), changed.end());
+  const bool is_cut = body.cuts != m_cuts;
+  if (is_cut) {
+    if (body.cuts.count() < m_cuts.count()) m_cut_inversion.reset();
+    if (body.cuts.empty()) m_shown = Shown::nothing;
+    m_cuts = body.cuts;
+  }
+  m_is_cut_stale = m_is_cut_stale || is_cut || !changed.empty();
+  return is_cut || !changed.empty();
+}
+
+void LiveBody::show_forward() {
+  const Stopwatch time;
+  const double bricks = double(m_for_forward.size());
+  const bool is_changed = !m_for_forward.empty();
+  if (is_changed) m_forward->update(take(m_for_forward));
+  if (is_changed || m_shown != Shown::forward) m_renderer->set_pointwise_offsets(m_forward);
+  m_shown = Shown::forward;
+  m_forward_brick.add(time.ms(), bricks);
+}
+
+void LiveBody::show_inverse(OffsetResolution resolution) {
+  if (!m_cuts.empty()) return show_cut_inverse(resolution);
+  const bool is_up_to_date = m_shown == Shown::inverse && m_for_inverse.empty();
+  if (is_up_to_date) return;
+  const Stopwatch time;
+  const double bricks = double(m_for_inverse.size());
+  const std::vector<Vec3i> touched = m_inversion->update(displacement(), take(m_for_inverse));
+  if (!touched.empty()) m_field.reset();
+  if (!m_renderer_follows || resolution == OffsetResolution::half) {
+    m_renderer->set_offsets(&inverse(), resolution);
+  } else {
+    m_renderer->update_offsets(touched, m_inversion->finder());
+  }
+  m_renderer_follows = true;
+  m_shown = Shown::inverse;
+  m_inverse_brick.add(time.ms(), bricks);
+}
+
+/// Where links are cut the displacement may jump.
+void LiveBody::show_cut_inverse(OffsetResolution resolution) {
+  if (m_shown == Shown::inverse && !m_is_cut_stale) return;
+  m_renderer->set_offsets(&inverse(), resolution);
+  m_renderer_follows = false;
+  m_shown = Shown::inverse;
+}
+
+void LiveBody::show_rest() {
+  if (m_shown != Shown::rest) m_renderer->set_offsets(nullptr);
+  m_renderer_follows = false;
+  m_shown = Shown::rest;
+}
+
+bool LiveBody::is_inverse_sooner(double forward_rays_ms, double inverse_rays_ms) const {
+  const double forward_ms = m_forward_brick.of(double(m_for_forward.size())) + forward_rays_ms;
+  const double inverse_ms = m_inverse_brick.of(double(m_for_inverse.size())) + inverse_rays_ms;
+  return !m_cuts.empty() || inverse_ms <= forward_ms;
+}
+
+const OffsetField& LiveBody::inverse() {
+  if (m_cuts.empty()) {
+    if (!m_field) m_field = m_inversion->field();
+    return *m_field;
+  }
+  // A session alone knows what pieces hide of the cuts.
+  if (!m_session.body().rigid.empty()) return m_session.pose(&m_progress).offsets;
+  if (m_is_cut_stale) update_cut_inverse();
+  return m_cut_inversion->field();
+}
+
+void LiveBody::update_cut_inverse() {
+  m_state.q = m_session.body().q;
+  m_state.cuts = m_cuts;
+  Displacement next = extended_displacement_of(m_state);
+  if (m_cut_inversion) {
+    m_cut_inversion->update(next, differing_bricks(m_cut_displacement, next), &m_progress);
+  } else {
+    InvertParams params;
+    params.material = &m_state.elements;
+    m_cut_inversion = std::make_unique<IncrementalCutInversion>(
+        next, CutElements{m_state.elements, m_cuts}, params, &m_progress);
+  }
+  m_cut_displacement = std::move(next);
+  m_is_cut_stale = false;
+}
+
+RestPlaceAt rest_places(LiveBody& body) {
+  if (!body.shows_forward()) {
+    return [&offsets = body.inverse()](const Vec3d& index, Vec3d& at_rest) {
+      Vec3d offset;
+      if (!offsets.sample(index, offset)) return false;
+      at_rest = index + offset;
+      return true;
+    };
+  }
+  const BrickTopology& voxels = body.opened().density.bricks();
+  return [&forward = body.forward(), &tissue = voxels](const Vec3d& index, Vec3d& at_rest) {
+    PointwiseOffsets::Sample found;
+    const Vec3i voxel(int(std::lround(index.x)), int(std::lround(index.y)),
+                      int(std::lround(index.z)));
+    const std::int32_t brick = forward.bricks().find(voxel);
+    if (brick >= 0 && !forward.sample(std::size_t(brick), index, found)) return false;
+    at_rest = index + found.offset;
+    return brick >= 0 || tissue.is_active(voxel);
+  };
+}
+
+}  // namespace supple::tools

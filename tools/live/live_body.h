@@ -1,0 +1,81 @@
+// The body of a live session as rays read it: its displacement, and offsets from it that samples
+// solve for themselves or that an inverse holds, brought up to date where the body has moved.
+//
+// Cost: of the bricks that have changed since; with cut links of the whole displacement, with rigid
+// pieces of the whole inverse.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <set>
+
+#include "lib/session/session.h"
+#include "raycast/drawings/slice.h"
+#include "raycast/render.h"
+#include "tools/live/stopwatch.h"
+#include "volumes/base/progress.h"
+#include "volumes/field/cuts/cut_offsets.h"
+#include "volumes/field/inversion/forward_offsets.h"
+#include "volumes/field/inversion/invert.h"
+#include "volumes/state/live_displacement.h"
+
+namespace supple::tools {
+
+class LiveBody {
+ public:
+  /// Of the session as it is now. Refers to it and to `progress`.
+  LiveBody(Session& session, Interpolation interpolation, Progress& progress);
+
+  /// All that depends on which voxels are elements.
+  void open(Interpolation interpolation);
+  /// Takes over what the session has done since; whether that is anything.
+  bool follow();
+
+  /// What the renderer reads from now on, up to date.
+  void show_forward();
+  void show_inverse(OffsetResolution resolution);
+  void show_rest();
+  /// Whether bringing the inverse up to date, and rays through it, are likely to be sooner, with
+  /// the ms that rays would take either way. Always where links are cut: samples do not solve
+  /// across cuts.
+  bool is_inverse_sooner(double forward_rays_ms, double inverse_rays_ms) const;
+  bool shows_forward() const { return m_shown == Shown::forward; }
+
+  const State& opened() const { return m_state; }  // its q and cuts are not kept up to date
+  const Displacement& displacement() const { return m_moved->displacement(); }
+  const Renderer& renderer() const { return *m_renderer; }
+  const ForwardOffsets& forward() const { return *m_forward; }
+  /// The inverse as show_inverse() has left it.
+  const OffsetField& inverse();
+
+ private:
+  void show_cut_inverse(OffsetResolution resolution);
+  void update_cut_inverse();
+  using Changed = std::set<std::int32_t>;
+  static std::vector<std::int32_t> take(Changed& changed);
+
+  Session& m_session;
+  Progress& m_progress;
+  Interpolation m_interpolation;
+  State m_state;
+  std::unique_ptr<LiveDisplacement> m_moved;
+  std::shared_ptr<ForwardOffsets> m_forward;
+  std::unique_ptr<IncrementalInversion> m_inversion;
+  std::unique_ptr<Renderer> m_renderer;
+  Changed m_for_forward, m_for_inverse;  // bricks in which the displacement has changed since
+  enum class Shown { nothing, forward, inverse, rest };
+  Shown m_shown = Shown::nothing;
+  bool m_renderer_follows = false;     // the renderer has kept all offsets of m_inversion so far
+  std::optional<OffsetField> m_field;  // those of m_inversion, copied
+  LinkCuts m_cuts;
+  std::unique_ptr<IncrementalCutInversion> m_cut_inversion;  // of elements and m_cuts
+  Displacement m_cut_displacement;                           // that it follows
+  bool m_is_cut_stale = true;
+  CostPer m_forward_brick{0.02}, m_inverse_brick{0.08};
+};
+
+/// Where what is seen was at rest, as the body shows it now; valid until it moves or is shown
+/// otherwise.
+RestPlaceAt rest_places(LiveBody& body);
+
+}  // namespace supple::tools

@@ -1,0 +1,26 @@
+// A page's socket: messages of the page go to the viewer, what the viewer sends waits here until
+// the page takes it. A page that sends too much, too often or no text, or does not read, is closed.
+#pragma once
+
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/beast/http/empty_body.hpp>
+#include <boost/beast/http/message.hpp>
+
+#include "tools/viewer/gatekeeper.h"
+#include "tools/viewer/viewer.h"
+
+namespace supple::tools {
+
+/// What connections share.
+struct ServedViewer {
+  Viewer& viewer;
+  const Gatekeeper& gatekeeper;
+  const std::string& page_folder;
+};
+
+/// Answers the request, whose token has been checked. The socket lives as long as its connection,
+/// on the thread of its executor.
+void open_page_socket(boost::asio::ip::tcp::socket&& socket, const ServedViewer& served,
+                      boost::beast::http::request<boost::beast::http::empty_body> request);
+
+}  // namespace supple::tools
