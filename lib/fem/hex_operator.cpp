@@ -208,13 +208,14 @@ template <class T>
 struct BlockValues {
   explicit BlockValues(std::size_t longest) : stride(longest), x(3 * longest), y(3 * longest) {}
 
-  void load(const NodeIndex* nodes, std::size_t count, const T* global) {
+  template <class X>
+  void load(const NodeIndex* nodes, std::size_t count, const X* global) {
     for (std::size_t n = 0; n < count; ++n) {
       if (nodes[n] < 0) {
         for (int a = 0; a < 3; ++a) x[a * stride + n] = 0;
         continue;
       }
-      const T* value = global + 3 * std::size_t(nodes[n]);
+      const X* value = global + 3 * std::size_t(nodes[n]);
       for (int a = 0; a < 3; ++a) x[a * stride + n] = value[a];
     }
   }
@@ -273,8 +274,8 @@ void add_corners(const ElementGroup& group, const std::uint16_t* listed, const E
 
 }  // namespace
 
-template <class T, class Compute>
-void HexOperator::for_each_group(const T* x, T* y, T sign, Compute&& compute) const {
+template <class X, class T, class Compute>
+void HexOperator::for_each_group(const X* x, T* y, T sign, Compute&& compute) const {
   for (const std::vector<std::int32_t>& blocks : m_mesh->of_colour) {
     const auto work = [&](const tbb::blocked_range<std::size_t>& range) {
       BlockValues<T> values(m_groups.longest_table);
@@ -298,23 +299,24 @@ void HexOperator::for_each_group(const T* x, T* y, T sign, Compute&& compute) co
   }
 }
 
-template <class T>
-void HexOperator::accumulate(const T* x, T* y, T sign) const {
+template <class X, class T>
+void HexOperator::accumulate(const X* x, T* y, T sign) const {
   for_each_group(x, y, sign, [this](const ElementGroup& group, ElementLanes<T>* corners) {
     apply_group<T>(group, corners);
   });
 }
 
-template <class T>
-void HexOperator::add(const T* x, T* y) const {
+template <class X, class T>
+void HexOperator::add(const X* x, T* y) const {
   accumulate(x, y, T(1));
 }
-template <class T>
-void HexOperator::subtract(const T* x, T* y) const {
+template <class X, class T>
+void HexOperator::subtract(const X* x, T* y) const {
   accumulate(x, y, T(-1));
 }
 template void HexOperator::add(const float*, float*) const;
 template void HexOperator::add(const double*, double*) const;
+template void HexOperator::add(const float*, double*) const;
 template void HexOperator::subtract(const float*, float*) const;
 template void HexOperator::subtract(const double*, double*) const;
 
@@ -348,10 +350,10 @@ void HexOperator::group_diagonal(const ElementGroup& group, ElementLanes<float>*
 
 std::vector<float> HexOperator::diagonal() const {
   std::vector<float> diagonal(3 * std::size_t(m_mesh->node_count()), 0.0f);
-  for_each_group<float>(nullptr, diagonal.data(), 1.0f,
-                        [this](const ElementGroup& group, ElementLanes<float>* corners) {
-                          group_diagonal(group, corners);
-                        });
+  for_each_group<float, float>(nullptr, diagonal.data(), 1.0f,
+                               [this](const ElementGroup& group, ElementLanes<float>* corners) {
+                                 group_diagonal(group, corners);
+                               });
   return diagonal;
 }
 
