@@ -110,9 +110,8 @@ bool ConjugateGradients::is_converged() const {
          m_state.reaction_change <= m_params.reaction_tolerance;
 }
 
-/// z = B r in single precision, scaled so that neither large nor small forces leave its range;
-/// returns r.z.
-double ConjugateGradients::precondition() {
+/// z = B r in single precision, scaled so that neither large nor small forces leave its range.
+void ConjugateGradients::precondition() {
   const double scale = m_largest_residual_mn > 0 ? 1 / m_largest_residual_mn : 1;
   float* r = m_shared.first();
   for_ranges(m_r.size(), [&](std::size_t begin, std::size_t end) {
@@ -122,28 +121,30 @@ double ConjugateGradients::precondition() {
     }
   });
   m_multigrid->cycle(r, m_shared.second());
-  return dot(m_r.data(), m_shared.second(), m_r.size());
 }
 
 /// One step; false where rounding leaves no descent.
-bool ConjugateGradients::iterate(double& r_z, double previous) {
-  const double beta = previous > 0 ? r_z / previous : 0;
+bool ConjugateGradients::iterate(bool is_first) {
   const float* z = m_shared.second();
+  const double beta = is_first ? 0 : -dot(z, m_shared.third(), m_p.size()) / m_p_q;
   for_ranges(m_p.size(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n) {
-      m_p[n] = beta == 0 ? z[n] : float(z[n] + beta * m_p[n]);
+      m_p[n] = is_first ? z[n] : float(z[n] + beta * m_p[n]);
     }
   });
   double* q = m_shared.one();
   fill(q, m_p.size(), 0.0);
   m_stiffness->add(m_p.data(), q);
-  const double p_q = dot(m_p.data(), q, m_p.size());
-  if (!(r_z > 0) || !(p_q > 0)) return false;
-  const double alpha = r_z / p_q;
+  m_p_q = dot(m_p.data(), q, m_p.size());
+  const double r_p = dot(m_r.data(), m_p.data(), m_p.size());
+  if (!(r_p > 0) || !(m_p_q > 0)) return false;
+  const double alpha = r_p / m_p_q;
+  float* q_single = m_shared.third();
   for_ranges(m_p.size(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n) {
       m_u[n] += alpha * m_p[n];
       m_r[n] -= alpha * q[n];
+      q_single[n] = float(q[n]);
     }
   });
   return true;
@@ -154,12 +155,12 @@ bool ConjugateGradients::run(Progress* progress) {
   measure();
   if (m_largest_residual_mn == 0) return true;
   for (int start = 0; start < kMaxStarts; ++start) {
-    double previous = 0;
+    bool is_first = true;
     while (m_state.iterations < m_params.max_iterations) {
       poll(progress);
-      double r_z = precondition();
-      if (!iterate(r_z, previous)) break;
-      previous = r_z;
+      precondition();
+      if (!iterate(is_first)) break;
+      is_first = false;
       ++m_state.iterations;
       measure();
       if (is_converged()) break;

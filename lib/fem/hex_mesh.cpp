@@ -1,5 +1,7 @@
 #include "lib/fem/hex_mesh.h"
 
+#include <algorithm>
+
 #include "lib/fem/corner_sets.h"
 #include "lib/fem/voxel_nodes.h"
 
@@ -12,19 +14,28 @@ constexpr std::int64_t kMaxElements = std::int64_t(1) << 28;
 
 constexpr int kAxisBit[3] = {4, 2, 1};
 
-/// One node per set of corners, in the order in which elements meet them.
+/// One node per set of corners.
 void number_nodes(HexMesh& mesh, CornerSets& sets) {
   NodeIndex nodes = 0;
   mesh.corners.resize(mesh.offset.size());
   for (std::size_t b = 0; b < mesh.block_count(); ++b) {
     mesh.node_begin.push_back(nodes);
-    for (std::int32_t e = mesh.element_begin[b]; e < mesh.element_begin[b + 1]; ++e) {
-      for (int c = 0; c < 8; ++c) {
-        const std::uint32_t corner = 8 * std::uint32_t(e) + c;
-        const std::uint32_t first = sets.find(corner);
-        mesh.corners[e][c] = first == corner ? nodes++ : mesh.corners[first / 8][first % 8];
+    const auto for_all_corners = [&](auto&& visit) {
+      for (std::int32_t e = mesh.element_begin[b]; e < mesh.element_begin[b + 1]; ++e) {
+        for (int c = 0; c < 8; ++c) {
+          const std::uint32_t corner = 8 * std::uint32_t(e) + c;
+          visit(corner, sets.find(corner));
+        }
       }
-    }
+    };
+    OwnNodes own;
+    for_all_corners([&](std::uint32_t corner, std::uint32_t first) {
+      if (first == corner) own.add(mesh, corner);
+    });
+    nodes = own.number(mesh, nodes);
+    for_all_corners([&](std::uint32_t corner, std::uint32_t first) {
+      mesh.corners[corner / 8][corner % 8] = mesh.corners[first / 8][first % 8];
+    });
   }
   mesh.node_begin.push_back(nodes);
 }
@@ -36,6 +47,19 @@ void add_block(HexMesh& mesh, const Vec3i& origin) {
 }
 
 }  // namespace
+
+void OwnNodes::add(const HexMesh& mesh, std::uint32_t corner) {
+  const Vec3i local = brick_local(mesh.offset[corner / 8]);
+  const int place = (local.x + (corner >> 2 & 1)) * 81 + (local.y + (corner >> 1 & 1)) * 9 +
+                    local.z + (corner & 1);
+  m_nodes.emplace_back(place, corner);
+}
+
+NodeIndex OwnNodes::number(HexMesh& mesh, NodeIndex first) {
+  std::sort(m_nodes.begin(), m_nodes.end());
+  for (const auto& [place, corner] : m_nodes) mesh.corners[corner / 8][corner % 8] = first++;
+  return first;
+}
 
 std::size_t HexMesh::bytes() const {
   return origin.capacity() * (sizeof(Vec3i) + 12) + offset.capacity() * sizeof(offset[0]) +

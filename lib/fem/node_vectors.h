@@ -39,7 +39,7 @@ double sum_ranges(std::size_t count, SumRange&& sum_range) {
 }
 
 /// Memory of one vector in double precision, or of two in single precision, by turns: what one of
-/// them held is lost when the other is written.
+/// them held is lost when the other is written. A third in single precision is its own.
 class SharedVectors {
  public:
   explicit SharedVectors(std::size_t count)
@@ -48,7 +48,8 @@ class SharedVectors {
   double* one() { return static_cast<double*>(static_cast<void*>(m_memory.get())); }
   float* first() { return static_cast<float*>(static_cast<void*>(m_memory.get())); }
   float* second() { return first() + m_count; }
-  std::size_t bytes() const { return m_count * sizeof(double); }
+  float* third() { return first() + 2 * m_count; }
+  std::size_t bytes() const { return m_count * 3 * sizeof(float); }
 
  private:
   std::size_t m_count;

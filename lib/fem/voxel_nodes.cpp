@@ -155,15 +155,16 @@ void number_voxel_nodes(const Body& body, HexMesh& mesh) {
   for_all_blocks(mesh, [&](std::size_t b) {
     Surroundings around;
     around.find(body, mesh, b);
-    NodeIndex nodes = 0;
+    OwnNodes own;
     for (std::int32_t e = mesh.element_begin[b]; e < mesh.element_begin[b + 1]; ++e) {
       const int place = wide_place(brick_local(mesh.offset[e]));
       for (int c = 0; c < 8; ++c) {
         const std::uint32_t first = first_corner(around, place, c);
-        mesh.corners[e][c] = first == 8 * std::uint32_t(e) + c ? nodes++ : as_reference(first);
+        mesh.corners[e][c] = as_reference(first);
+        if (first == 8 * std::uint32_t(e) + c) own.add(mesh, first);
       }
     }
-    mesh.node_begin[b + 1] = nodes;
+    mesh.node_begin[b + 1] = own.number(mesh, 0);
   });
   for (std::size_t b = 0; b < mesh.block_count(); ++b) mesh.node_begin[b + 1] += mesh.node_begin[b];
   const auto for_all_corners = [&](auto&& visit) {
