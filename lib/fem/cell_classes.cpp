@@ -1,5 +1,8 @@
 #include "lib/fem/cell_classes.h"
 
+#include <map>
+#include <utility>
+
 namespace supple {
 
 GroupKind CellClasses::kind(std::size_t cell) const {
@@ -11,8 +14,23 @@ GroupKind CellClasses::kind(std::size_t cell) const {
   return GroupKind::alike;
 }
 
+namespace {
+
+/// Per class the first one with the same moduli: densities of one tissue have many classes.
+std::array<std::uint8_t, 256> first_alike(const ModuliTable<double>& moduli) {
+  std::array<std::uint8_t, 256> first;
+  std::map<std::pair<double, double>, std::uint8_t> known;
+  for (int n = 0; n < 256; ++n) {
+    first[n] = known.try_emplace({moduli.shear[n], moduli.bulk[n]}, std::uint8_t(n)).first->second;
+  }
+  return first;
+}
+
+}  // namespace
+
 CellClasses cell_classes(const HexMesh& voxels, const Coarsening& coarsening,
                          const VoxelMaterial& material, const HeldBits& held, int cells) {
+  const std::array<std::uint8_t, 256> alike = first_alike(material.moduli);
   CellClasses out;
   out.of_child.resize(cells);
   out.present.assign(cells, 0);
@@ -21,7 +39,7 @@ CellClasses cell_classes(const HexMesh& voxels, const Coarsening& coarsening,
     const std::int32_t cell = coarsening.parent[e];
     const Vec3i local = brick_local(voxels.offset[e]);
     const int child = (local.x & 1) * 4 + (local.y & 1) * 2 + (local.z & 1);
-    out.of_child[cell][child] = material.classes[e];
+    out.of_child[cell][child] = alike[material.classes[e]];
     out.present[cell] = std::uint8_t(out.present[cell] | 1 << child);
     const std::uint32_t bits = held_corners(voxels.corners[e], held);
     if (bits == 0) continue;

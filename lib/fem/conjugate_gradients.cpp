@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lib/fem/node_vectors.h"
-
 namespace supple {
 
 namespace {
@@ -60,9 +58,7 @@ ConjugateGradients::ConjugateGradients(const HexOperator& stiffness, Multigrid& 
       m_u(std::move(loads.u_mm)),
       m_r(m_u.size()),
       m_p(m_u.size()),
-      m_q(m_u.size()),
-      m_r_single(m_u.size()),
-      m_z(m_u.size()) {
+      m_shared(m_u.size()) {
   if (!loads.force_mn.empty()) {
     const NodeNorms norms = node_norms(loads.force_mn, loads.held);
     m_largest_load_mn = std::max(norms.largest_free, norms.largest_held);
@@ -71,8 +67,8 @@ ConjugateGradients::ConjugateGradients(const HexOperator& stiffness, Multigrid& 
 }
 
 std::size_t ConjugateGradients::bytes() const {
-  return (4 * m_u.capacity() + m_loads->force_mn.capacity()) * sizeof(double) +
-         (m_r_single.capacity() + m_z.capacity()) * sizeof(float) + m_loads->held.capacity();
+  return (2 * m_u.capacity() + m_loads->force_mn.capacity()) * sizeof(double) +
+         m_p.capacity() * sizeof(float) + m_shared.bytes() + m_loads->held.capacity();
 }
 
 /// r = f - K u.
@@ -114,37 +110,41 @@ bool ConjugateGradients::is_converged() const {
          m_state.reaction_change <= m_params.reaction_tolerance;
 }
 
-/// z = B r in single precision, scaled so that neither large nor small forces leave its range;
-/// returns r.z.
-double ConjugateGradients::precondition() {
+/// z = B r in single precision, scaled so that neither large nor small forces leave its range.
+void ConjugateGradients::precondition() {
   const double scale = m_largest_residual_mn > 0 ? 1 / m_largest_residual_mn : 1;
+  float* r = m_shared.first();
   for_ranges(m_r.size(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n) {
       const bool is_held = (m_loads->held[n / 3] >> n % 3 & 1) != 0;
-      m_r_single[n] = is_held ? 0.0f : float(m_r[n] * scale);
+      r[n] = is_held ? 0.0f : float(m_r[n] * scale);
     }
   });
-  m_multigrid->cycle(m_r_single.data(), m_z.data());
-  return dot(m_r.data(), m_z.data(), m_r.size());
+  m_multigrid->cycle(r, m_shared.second());
 }
 
 /// One step; false where rounding leaves no descent.
-bool ConjugateGradients::iterate(double& r_z, double previous) {
-  const double beta = previous > 0 ? r_z / previous : 0;
+bool ConjugateGradients::iterate(bool is_first) {
+  const float* z = m_shared.second();
+  const double beta = is_first ? 0 : -dot(z, m_shared.third(), m_p.size()) / m_p_q;
   for_ranges(m_p.size(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n) {
-      m_p[n] = beta == 0 ? m_z[n] : m_z[n] + beta * m_p[n];
+      m_p[n] = is_first ? z[n] : float(z[n] + beta * m_p[n]);
     }
   });
-  fill(m_q.data(), m_q.size(), 0.0);
-  m_stiffness->add(m_p.data(), m_q.data());
-  const double p_q = dot(m_p.data(), m_q.data(), m_p.size());
-  if (!(r_z > 0) || !(p_q > 0)) return false;
-  const double alpha = r_z / p_q;
+  double* q = m_shared.one();
+  fill(q, m_p.size(), 0.0);
+  m_stiffness->add(m_p.data(), q);
+  m_p_q = dot(m_p.data(), q, m_p.size());
+  const double r_p = dot(m_r.data(), m_p.data(), m_p.size());
+  if (!(r_p > 0) || !(m_p_q > 0)) return false;
+  const double alpha = r_p / m_p_q;
+  float* q_single = m_shared.third();
   for_ranges(m_p.size(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n) {
       m_u[n] += alpha * m_p[n];
-      m_r[n] -= alpha * m_q[n];
+      m_r[n] -= alpha * q[n];
+      q_single[n] = float(q[n]);
     }
   });
   return true;
@@ -155,12 +155,12 @@ bool ConjugateGradients::run(Progress* progress) {
   measure();
   if (m_largest_residual_mn == 0) return true;
   for (int start = 0; start < kMaxStarts; ++start) {
-    double previous = 0;
+    bool is_first = true;
     while (m_state.iterations < m_params.max_iterations) {
       poll(progress);
-      double r_z = precondition();
-      if (!iterate(r_z, previous)) break;
-      previous = r_z;
+      precondition();
+      if (!iterate(is_first)) break;
+      is_first = false;
       ++m_state.iterations;
       measure();
       if (is_converged()) break;

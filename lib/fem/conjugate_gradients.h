@@ -1,9 +1,12 @@
 // Preconditioned conjugate gradients in double precision (Hestenes and Stiefel 1952) with a
-// multigrid cycle as preconditioner.
+// multigrid cycle as preconditioner, which is not quite linear: each direction is made conjugate to
+// the one before by its product with K, not by the norms of residuals (flexible conjugate
+// gradients, Notay 2000).
 //
 // Held components stay in the vectors: there p and z are 0, so that they take no part, and the
 // residual r = f - K u is minus the force of what holds them, known after every iteration at no
-// cost. 48 bytes per unknown, and 8 where forces act.
+// cost. Directions p are rounded to single precision, of which u and r are then updated alike in
+// double, so that r stays f - K u. 32 bytes per unknown, and 8 where forces act.
 #pragma once
 
 #include <vector>
@@ -12,6 +15,7 @@
 #include "lib/fem/fem_loads.h"
 #include "lib/fem/hex_operator.h"
 #include "lib/fem/multigrid.h"
+#include "lib/fem/node_vectors.h"
 
 namespace supple {
 
@@ -41,8 +45,8 @@ class ConjugateGradients {
  private:
   void compute_residual();
   void measure();
-  double precondition();
-  bool iterate(double& r_z, double previous);
+  void precondition();
+  bool iterate(bool is_first);
   bool is_converged() const;
 
   const HexOperator* m_stiffness;
@@ -50,10 +54,14 @@ class ConjugateGradients {
   const NodalLoads* m_loads;
   FemParams m_params;
   CgState m_state;
-  std::vector<double> m_u, m_r, m_p, m_q;
-  std::vector<float> m_r_single, m_z;
+  std::vector<double> m_u, m_r;
+  std::vector<float> m_p;
+  /// K p from its computation to the next r; then r, B r and K p in single precision until the next
+  /// p.
+  SharedVectors m_shared;
   double m_largest_load_mn = 0;
   double m_largest_residual_mn = 0;
+  double m_p_q = 0;
   std::vector<Vec3d> m_reactions;
 };
 

@@ -37,12 +37,13 @@ int lattice_place(const Vec3i& local, int corner) {
          (corner & 1);
 }
 
-void fill_table(const HexMesh& mesh, std::size_t block, BlockTable& table) {
+void fill_table(const HexMesh& mesh, std::size_t block, const std::vector<GroupKind>& kinds,
+                BlockTable& table) {
   table.clear();
   for (std::int32_t e = mesh.element_begin[block]; e < mesh.element_begin[block + 1]; ++e) {
     const Vec3i local = brick_local(mesh.offset[e]);
     std::array<std::uint16_t, 8> places;
-    bool is_lattice = table.in_row[mesh.offset[e]] < 0;
+    bool is_lattice = kinds[e] == GroupKind::alike && table.in_row[mesh.offset[e]] < 0;
     for (int c = 0; c < 8; ++c) {
       const int on_lattice = lattice_place(local, c);
       const int place = table.place(on_lattice, mesh.corners[e][c]);
@@ -57,22 +58,27 @@ void fill_table(const HexMesh& mesh, std::size_t block, BlockTable& table) {
   }
 }
 
-void add_rows(const BlockTable& table, GroupKind kind, const std::vector<GroupKind>& kinds,
-              ElementGroups& out) {
+void add_rows(const BlockTable& table, ElementGroups& out) {
   for (int row = 0; row < 64; ++row) {
     std::array<std::int32_t, kGroup> lanes;
     unsigned present = 0;
-    // A row is as difficult as its most difficult element.
-    GroupKind worst = GroupKind::alike;
     for (int k = 0; k < kGroup; ++k) {
       lanes[k] = table.in_row[8 * row + k];
-      if (lanes[k] < 0) continue;
-      present |= 1u << k;
-      worst = std::max(worst, kinds[lanes[k]]);
+      if (lanes[k] >= 0) present |= 1u << k;
     }
-    if (present == 0 || worst != kind) continue;
-    out.groups.push_back({kind, std::uint8_t(row), std::uint8_t(present)});
+    if (present == 0) continue;
+    out.groups.push_back({GroupKind::alike, std::uint8_t(row), std::uint8_t(present)});
     out.element.insert(out.element.end(), lanes.begin(), lanes.end());
+  }
+}
+
+/// Which rows of the lattice have nodes in sequence from their second one on.
+void note_sequences(const BlockTable& table, ElementGroups& out) {
+  for (int row = 0; row < kLatticeRows; ++row) {
+    const NodeIndex* nodes = &table.lattice[9 * row + 1];
+    bool is_sequence = nodes[0] >= 0;
+    for (int k = 1; k < kGroup; ++k) is_sequence = is_sequence && nodes[k] == nodes[0] + k;
+    out.in_sequence.push_back(is_sequence ? 1 : 0);
   }
 }
 
@@ -99,7 +105,8 @@ void add_listed(const BlockTable& table, GroupKind kind, const std::vector<Group
 
 std::size_t ElementGroups::bytes() const {
   return groups.capacity() * sizeof(ElementGroup) + group_begin.capacity() * 8 +
-         nodes.capacity() * 4 + corners.capacity() * 2 + element.capacity() * 4;
+         nodes.capacity() * 4 + corners.capacity() * 2 + element.capacity() * 4 +
+         in_sequence.capacity();
 }
 
 ElementGroups group_elements(const HexMesh& mesh, const std::vector<GroupKind>& kinds) {
@@ -109,9 +116,10 @@ ElementGroups group_elements(const HexMesh& mesh, const std::vector<GroupKind>& 
   for (std::size_t block = 0; block < mesh.block_count(); ++block) {
     out.group_begin.push_back(std::uint32_t(out.groups.size()));
     out.table_begin.push_back(std::uint32_t(out.nodes.size()));
-    fill_table(mesh, block, table);
+    fill_table(mesh, block, kinds, table);
+    note_sequences(table, out);
+    add_rows(table, out);
     for (const GroupKind kind : {GroupKind::alike, GroupKind::mixed, GroupKind::constrained}) {
-      add_rows(table, kind, kinds, out);
       add_listed(table, kind, kinds, out);
     }
     out.nodes.insert(out.nodes.end(), table.lattice.begin(), table.lattice.end());

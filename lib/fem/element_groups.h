@@ -2,9 +2,10 @@
 //
 // A block copies the values of its nodes into a table: 9^3 places of the lattice first, and behind
 // them the further nodes of places that have several. A group is a row of eight cells along k whose
-// elements have the nodes of the lattice, so that its corners are read as contiguous vectors; or
-// eight elements of anywhere in the block with the places of their corners listed.
-// Memory: 2.9 kB per block, 10 bytes per group.
+// elements are of one material and have the nodes of the lattice, so that its corners are read as
+// contiguous vectors; or eight elements of one kind of anywhere in the block with the places of
+// their corners listed. So one difficult cell does not make its whole row difficult.
+// Memory: 3 kB per block, 10 bytes per group.
 #pragma once
 
 #include <array>
@@ -17,6 +18,7 @@ namespace supple {
 
 constexpr int kGroup = 8;
 constexpr int kLatticeNodes = 729;
+constexpr int kLatticeRows = 81;
 
 /// Elements that the kernels treat alike, least work first.
 enum class GroupKind : std::uint8_t {
@@ -39,7 +41,10 @@ struct ElementGroups {
   std::vector<std::uint32_t> group_begin;  // per block, one more than blocks
   std::vector<NodeIndex> nodes;            // of the blocks' tables; -1: none
   std::vector<std::uint32_t> table_begin;  // per block, one more than blocks
-  std::vector<std::uint16_t> corners;      // of listed groups: [corner][lane], places in the table
+  /// Per block and row of its lattice: whether the nodes are in sequence, without the first of the
+  /// nine.
+  std::vector<std::uint8_t> in_sequence;
+  std::vector<std::uint16_t> corners;  // of listed groups: [corner][lane], places in the table
   /// The element of every lane, -1 where there is none; kept while data of the kinds are filled in.
   std::vector<std::int32_t> element;
   std::size_t longest_table = 0;

@@ -25,6 +25,34 @@ using ElementLanes = typename LaneVector<T>::type;
 template <class T>
 using LanesAnywhere = typename LaneVector<T>::anywhere;
 
+/// Eight points x y z x y z ... to a vector per component.
+template <class T, class X>
+inline void read_points(const X* from, ElementLanes<T>* to) {
+  using V = ElementLanes<X>;
+  const auto* parts = reinterpret_cast<const LanesAnywhere<X>*>(from);
+  const V a = parts[0], b = parts[1], c = parts[2];
+  const V x = __builtin_shufflevector(a, b, 0, 3, 6, 9, 12, 15, 0, 0);
+  const V y = __builtin_shufflevector(a, b, 1, 4, 7, 10, 13, 0, 0, 0);
+  const V z = __builtin_shufflevector(a, b, 2, 5, 8, 11, 14, 0, 0, 0);
+  const V points[3] = {__builtin_shufflevector(x, c, 0, 1, 2, 3, 4, 5, 10, 13),
+                       __builtin_shufflevector(y, c, 0, 1, 2, 3, 4, 8, 11, 14),
+                       __builtin_shufflevector(z, c, 0, 1, 2, 3, 4, 9, 12, 15)};
+  for (int n = 0; n < 3; ++n) to[n] = __builtin_convertvector(points[n], ElementLanes<T>);
+}
+/// Adds a vector per component times `sign` to eight points.
+template <class T>
+inline void add_points(const ElementLanes<T>& x, const ElementLanes<T>& y, const ElementLanes<T>& z,
+                       T sign, T* to) {
+  using V = ElementLanes<T>;
+  auto* parts = reinterpret_cast<LanesAnywhere<T>*>(to);
+  const V a = __builtin_shufflevector(x, y, 0, 8, 0, 1, 9, 0, 2, 10);
+  const V b = __builtin_shufflevector(x, y, 0, 3, 11, 0, 4, 12, 0, 5);
+  const V c = __builtin_shufflevector(x, y, 13, 0, 6, 14, 0, 7, 15, 0);
+  parts[0] += sign * __builtin_shufflevector(a, z, 0, 1, 8, 3, 4, 9, 6, 7);
+  parts[1] += sign * __builtin_shufflevector(b, z, 10, 1, 2, 11, 4, 5, 12, 7);
+  parts[2] += sign * __builtin_shufflevector(c, z, 0, 13, 2, 3, 14, 5, 6, 15);
+}
+
 /// Blocks of K in modes; M and A as in element_matrix.h.
 template <class T>
 struct VoxelKernel {

@@ -1,6 +1,9 @@
 #include "lib/fem/hex_mesh.h"
 
+#include <algorithm>
+
 #include "lib/fem/corner_sets.h"
+#include "lib/fem/voxel_nodes.h"
 
 namespace supple {
 
@@ -9,57 +12,30 @@ namespace {
 /// Corners come as 32-bit numbers.
 constexpr std::int64_t kMaxElements = std::int64_t(1) << 28;
 
-/// Number of an element among those of its brick.
-std::int32_t rank_in(const BrickMask& mask, int offset) {
-  std::int32_t rank = 0;
-  for (int word = 0; word < offset >> 6; ++word) rank += __builtin_popcountll(mask[word]);
-  const std::uint64_t below = (std::uint64_t(1) << (offset & 63)) - 1;
-  return rank + __builtin_popcountll(mask[offset >> 6] & below);
-}
-
-/// Corners of the face of a voxel towards higher coordinates along an axis; those of the opposite
-/// face are these without the axis' bit.
-constexpr int kHighFace[3][4] = {{4, 5, 6, 7}, {2, 3, 6, 7}, {1, 3, 5, 7}};
 constexpr int kAxisBit[3] = {4, 2, 1};
-constexpr int kAxisStride[3] = {64, 8, 1};
 
-/// Joins the corners of the faces that linked voxels have in common.
-void join_over_links(const Body& body, const HexMesh& mesh, CornerSets& sets) {
-  const BrickTopology& elements = body.elements;
-  for (std::size_t b = 0; b < elements.brick_count(); ++b) {
-    const LinkCuts::BrickCuts* cuts = body.cuts.brick(b);
-    std::int32_t element = mesh.element_begin[b];
-    for_each_active(elements.mask(b), [&](int offset) {
-      const Vec3i local = brick_local(offset);
-      for (int axis = 0; axis < 3; ++axis) {
-        if (cuts != nullptr && mask_test((*cuts)[axis], offset)) continue;
-        const bool is_last = local[axis] == kBrickDim - 1;
-        const std::int32_t other = is_last ? elements.neighbour(b, 2 * axis + 1) : std::int32_t(b);
-        const int there = offset + kAxisStride[axis] * (is_last ? 1 - kBrickDim : 1);
-        if (other < 0 || !mask_test(elements.mask(other), there)) continue;
-        const std::int32_t next = mesh.element_begin[other] + rank_in(elements.mask(other), there);
-        for (const int corner : kHighFace[axis]) {
-          sets.join(8 * element + corner, 8 * next + (corner ^ kAxisBit[axis]));
-        }
-      }
-      ++element;
-    });
-  }
-}
-
-/// One node per set of corners, in the order in which elements meet them.
+/// One node per set of corners.
 void number_nodes(HexMesh& mesh, CornerSets& sets) {
   NodeIndex nodes = 0;
   mesh.corners.resize(mesh.offset.size());
   for (std::size_t b = 0; b < mesh.block_count(); ++b) {
     mesh.node_begin.push_back(nodes);
-    for (std::int32_t e = mesh.element_begin[b]; e < mesh.element_begin[b + 1]; ++e) {
-      for (int c = 0; c < 8; ++c) {
-        const std::uint32_t corner = 8 * std::uint32_t(e) + c;
-        const std::uint32_t first = sets.find(corner);
-        mesh.corners[e][c] = first == corner ? nodes++ : mesh.corners[first / 8][first % 8];
+    const auto for_all_corners = [&](auto&& visit) {
+      for (std::int32_t e = mesh.element_begin[b]; e < mesh.element_begin[b + 1]; ++e) {
+        for (int c = 0; c < 8; ++c) {
+          const std::uint32_t corner = 8 * std::uint32_t(e) + c;
+          visit(corner, sets.find(corner));
+        }
       }
-    }
+    };
+    OwnNodes own;
+    for_all_corners([&](std::uint32_t corner, std::uint32_t first) {
+      if (first == corner) own.add(mesh, corner);
+    });
+    nodes = own.number(mesh, nodes);
+    for_all_corners([&](std::uint32_t corner, std::uint32_t first) {
+      mesh.corners[corner / 8][corner % 8] = mesh.corners[first / 8][first % 8];
+    });
   }
   mesh.node_begin.push_back(nodes);
 }
@@ -71,6 +47,19 @@ void add_block(HexMesh& mesh, const Vec3i& origin) {
 }
 
 }  // namespace
+
+void OwnNodes::add(const HexMesh& mesh, std::uint32_t corner) {
+  const Vec3i local = brick_local(mesh.offset[corner / 8]);
+  const int place = (local.x + (corner >> 2 & 1)) * 81 + (local.y + (corner >> 1 & 1)) * 9 +
+                    local.z + (corner & 1);
+  m_nodes.emplace_back(place, corner);
+}
+
+NodeIndex OwnNodes::number(HexMesh& mesh, NodeIndex first) {
+  std::sort(m_nodes.begin(), m_nodes.end());
+  for (const auto& [place, corner] : m_nodes) mesh.corners[corner / 8][corner % 8] = first++;
+  return first;
+}
 
 std::size_t HexMesh::bytes() const {
   return origin.capacity() * (sizeof(Vec3i) + 12) + offset.capacity() * sizeof(offset[0]) +
@@ -97,9 +86,7 @@ HexMesh hex_mesh(const Body& body) {
                     [&](int offset) { mesh.offset.push_back(std::uint16_t(offset)); });
   }
   mesh.element_begin.push_back(mesh.element_count());
-  CornerSets sets(8 * mesh.offset.size());
-  join_over_links(body, mesh, sets);
-  number_nodes(mesh, sets);
+  number_voxel_nodes(body, mesh);
   return mesh;
 }
 

@@ -3,11 +3,13 @@
 // parity of their coordinates, and blocks of one colour share no node, so that threads may add to
 // nodes colour by colour in an order that is always the same.
 //
-// Nodes are numbered as elements meet them first, so each block owns a contiguous range.
+// Each block owns a contiguous range of nodes, those that its elements met first, in the order of
+// their places on the lattice.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "lib/body/body.h"
@@ -37,6 +39,19 @@ struct HexMesh {
   NodeIndex node_count() const { return node_begin.empty() ? 0 : node_begin.back(); }
   std::size_t block_count() const { return origin.size(); }
   std::size_t bytes() const;
+};
+
+/// The nodes of one block, found corner by corner, and then numbered by their places on the
+/// lattice; several of a place as they were found.
+class OwnNodes {
+ public:
+  /// `corner`: 8 element + corner of the first element that has the node.
+  void add(const HexMesh& mesh, std::uint32_t corner);
+  /// Numbers them in mesh.corners from `first` on; returns the next free number.
+  NodeIndex number(HexMesh& mesh, NodeIndex first);
+
+ private:
+  std::vector<std::pair<int, std::uint32_t>> m_nodes;  // place on the lattice, corner
 };
 
 /// One element per voxel; block b is brick b of the body.

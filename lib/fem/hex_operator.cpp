@@ -208,25 +208,54 @@ template <class T>
 struct BlockValues {
   explicit BlockValues(std::size_t longest) : stride(longest), x(3 * longest), y(3 * longest) {}
 
-  void load(const NodeIndex* nodes, std::size_t count, const T* global) {
-    for (std::size_t n = 0; n < count; ++n) {
-      if (nodes[n] < 0) {
-        for (int a = 0; a < 3; ++a) x[a * stride + n] = 0;
+  template <class X>
+  void load_one(NodeIndex node, std::size_t n, const X* global) {
+    for (int a = 0; a < 3; ++a) {
+      x[a * stride + n] = node < 0 ? T(0) : T(global[3 * std::size_t(node) + a]);
+    }
+  }
+  /// `in_sequence` as ElementGroups::in_sequence.
+  template <class X>
+  void load(const NodeIndex* nodes, std::size_t count, const std::uint8_t* in_sequence,
+            const X* global) {
+    for (int row = 0; row < kLatticeRows; ++row) {
+      const std::size_t first = 9 * std::size_t(row);
+      load_one(nodes[first], first, global);
+      if (in_sequence[row] != 0) {
+        ElementLanes<T> points[3];
+        read_points<T>(global + 3 * std::size_t(nodes[first + 1]), points);
+        for (int a = 0; a < 3; ++a) {
+          *reinterpret_cast<LanesAnywhere<T>*>(&x[a * stride + first + 1]) = points[a];
+        }
         continue;
       }
-      const T* value = global + 3 * std::size_t(nodes[n]);
-      for (int a = 0; a < 3; ++a) x[a * stride + n] = value[a];
+      for (std::size_t n = first + 1; n < first + 9; ++n) load_one(nodes[n], n, global);
     }
+    for (std::size_t n = kLatticeNodes; n < count; ++n) load_one(nodes[n], n, global);
   }
   void clear(std::size_t count) {
     for (int a = 0; a < 3; ++a) std::fill_n(&y[a * stride], count, T(0));
   }
-  void add_to(const NodeIndex* nodes, std::size_t count, T sign, T* global) const {
-    for (std::size_t n = 0; n < count; ++n) {
-      if (nodes[n] < 0) continue;
-      T* value = global + 3 * std::size_t(nodes[n]);
-      for (int a = 0; a < 3; ++a) value[a] += sign * y[a * stride + n];
+  void add_one(NodeIndex node, std::size_t n, T sign, T* global) const {
+    if (node < 0) return;
+    for (int a = 0; a < 3; ++a) global[3 * std::size_t(node) + a] += sign * y[a * stride + n];
+  }
+  void add_to(const NodeIndex* nodes, std::size_t count, const std::uint8_t* in_sequence, T sign,
+              T* global) const {
+    for (int row = 0; row < kLatticeRows; ++row) {
+      const std::size_t first = 9 * std::size_t(row);
+      add_one(nodes[first], first, sign, global);
+      if (in_sequence[row] != 0) {
+        const auto points = [&](int a) {
+          return *reinterpret_cast<const LanesAnywhere<T>*>(&y[a * stride + first + 1]);
+        };
+        add_points<T>(points(0), points(1), points(2), sign,
+                      global + 3 * std::size_t(nodes[first + 1]));
+        continue;
+      }
+      for (std::size_t n = first + 1; n < first + 9; ++n) add_one(nodes[n], n, sign, global);
     }
+    for (std::size_t n = kLatticeNodes; n < count; ++n) add_one(nodes[n], n, sign, global);
   }
 
   std::size_t stride;
@@ -273,8 +302,8 @@ void add_corners(const ElementGroup& group, const std::uint16_t* listed, const E
 
 }  // namespace
 
-template <class T, class Compute>
-void HexOperator::for_each_group(const T* x, T* y, T sign, Compute&& compute) const {
+template <class X, class T, class Compute>
+void HexOperator::for_each_group(const X* x, T* y, T sign, Compute&& compute) const {
   for (const std::vector<std::int32_t>& blocks : m_mesh->of_colour) {
     const auto work = [&](const tbb::blocked_range<std::size_t>& range) {
       BlockValues<T> values(m_groups.longest_table);
@@ -283,7 +312,8 @@ void HexOperator::for_each_group(const T* x, T* y, T sign, Compute&& compute) co
         const std::int32_t block = blocks[n];
         const NodeIndex* nodes = &m_groups.nodes[m_groups.table_begin[block]];
         const std::size_t count = m_groups.table_begin[block + 1] - m_groups.table_begin[block];
-        if (x != nullptr) values.load(nodes, count, x);
+        const std::uint8_t* in_sequence = &m_groups.in_sequence[kLatticeRows * std::size_t(block)];
+        if (x != nullptr) values.load(nodes, count, in_sequence, x);
         values.clear(count);
         for (auto g = m_groups.group_begin[block]; g < m_groups.group_begin[block + 1]; ++g) {
           const ElementGroup& group = m_groups.groups[g];
@@ -291,30 +321,31 @@ void HexOperator::for_each_group(const T* x, T* y, T sign, Compute&& compute) co
           compute(group, corners);
           add_corners(group, m_groups.corners.data(), corners, values);
         }
-        values.add_to(nodes, count, sign, y);
+        values.add_to(nodes, count, in_sequence, sign, y);
       }
     };
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks.size(), 1), work);
   }
 }
 
-template <class T>
-void HexOperator::accumulate(const T* x, T* y, T sign) const {
+template <class X, class T>
+void HexOperator::accumulate(const X* x, T* y, T sign) const {
   for_each_group(x, y, sign, [this](const ElementGroup& group, ElementLanes<T>* corners) {
     apply_group<T>(group, corners);
   });
 }
 
-template <class T>
-void HexOperator::add(const T* x, T* y) const {
+template <class X, class T>
+void HexOperator::add(const X* x, T* y) const {
   accumulate(x, y, T(1));
 }
-template <class T>
-void HexOperator::subtract(const T* x, T* y) const {
+template <class X, class T>
+void HexOperator::subtract(const X* x, T* y) const {
   accumulate(x, y, T(-1));
 }
 template void HexOperator::add(const float*, float*) const;
 template void HexOperator::add(const double*, double*) const;
+template void HexOperator::add(const float*, double*) const;
 template void HexOperator::subtract(const float*, float*) const;
 template void HexOperator::subtract(const double*, double*) const;
 
@@ -348,10 +379,10 @@ void HexOperator::group_diagonal(const ElementGroup& group, ElementLanes<float>*
 
 std::vector<float> HexOperator::diagonal() const {
   std::vector<float> diagonal(3 * std::size_t(m_mesh->node_count()), 0.0f);
-  for_each_group<float>(nullptr, diagonal.data(), 1.0f,
-                        [this](const ElementGroup& group, ElementLanes<float>* corners) {
-                          group_diagonal(group, corners);
-                        });
+  for_each_group<float, float>(nullptr, diagonal.data(), 1.0f,
+                               [this](const ElementGroup& group, ElementLanes<float>* corners) {
+                                 group_diagonal(group, corners);
+                               });
   return diagonal;
 }
 

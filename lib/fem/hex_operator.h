@@ -25,11 +25,11 @@ class HexOperator {
   /// Of the mesh that is one level coarser than the voxels'.
   HexOperator(const HexMesh& mesh, const CellClasses& cells, const VoxelMaterial& material);
 
-  /// y += K x or y -= K x; three values per node.
-  template <class T>
-  void add(const T* x, T* y) const;
-  template <class T>
-  void subtract(const T* x, T* y) const;
+  /// y += K x or y -= K x in the precision of y; three values per node.
+  template <class X, class T>
+  void add(const X* x, T* y) const;
+  template <class X, class T>
+  void subtract(const X* x, T* y) const;
 
   /// The diagonal of K.
   std::vector<float> diagonal() const;
@@ -38,8 +38,8 @@ class HexOperator {
   std::size_t bytes() const;
 
  private:
-  template <class T>
-  void accumulate(const T* x, T* y, T sign) const;
+  template <class X, class T>
+  void accumulate(const X* x, T* y, T sign) const;
   template <class T>
   void apply_group(const ElementGroup& group, ElementLanes<T>* x) const;
   template <class T>
@@ -48,8 +48,8 @@ class HexOperator {
   template <class T>
   ChildLanes<T> children_of(const ElementGroup& group) const;
   void group_diagonal(const ElementGroup& group, ElementLanes<float>* out) const;
-  template <class T, class Compute>
-  void for_each_group(const T* x, T* y, T sign, Compute&& compute) const;
+  template <class X, class T, class Compute>
+  void for_each_group(const X* x, T* y, T sign, Compute&& compute) const;
 
   const HexMesh* m_mesh;
   const VoxelMaterial* m_material;

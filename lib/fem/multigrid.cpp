@@ -12,6 +12,9 @@ namespace {
 
 /// The factorisation of so many nodes takes some 100 ms.
 constexpr NodeIndex kCoarsestNodes = 600;
+/// Steps of conjugate gradients on the finest level of the K-cycle, and on those below it.
+constexpr std::size_t kKrylovLevel = 2;
+constexpr int kKrylovSteps = 4, kDeeperKrylovSteps = 2;
 constexpr int kPowerSteps = 12;
 /// The power method comes from below.
 constexpr double kEigenvalueMargin = 1.1;
@@ -134,8 +137,11 @@ Multigrid::Multigrid(const MeshLevels& levels, const HexOperator& fine,
     level.largest_eigenvalue = estimate_largest(
         level.inverse_diagonal, [&](const float* x, float* y) { level.subtract(x, y); });
     if (n == 0) continue;
-    level.r.resize(level.unknowns());
-    level.z.resize(level.unknowns());
+    for (std::vector<float>* of : {&level.r, &level.z}) of->resize(level.unknowns());
+    if (n < kKrylovLevel) continue;
+    for (std::vector<float>* of : {&level.rest, &level.sum, &level.p, &level.q}) {
+      of->resize(level.unknowns());
+    }
   }
   m_coarsest.emplace(assemble<double>(meshes[coarsest], *matrices));
   m_coarsest_r.resize(3 * std::size_t(meshes[coarsest].node_count()));
@@ -145,9 +151,10 @@ Multigrid::Multigrid(const MeshLevels& levels, const HexOperator& fine,
 std::size_t Multigrid::bytes() const {
   std::size_t sum = m_coarsest->bytes();
   for (const Level& level : m_levels) {
-    sum += (level.inverse_diagonal.capacity() + level.r.capacity() + level.z.capacity() +
-            level.d.capacity()) *
-           sizeof(float);
+    for (const std::vector<float>* of : {&level.inverse_diagonal, &level.r, &level.z, &level.d,
+                                         &level.rest, &level.sum, &level.p, &level.q}) {
+      sum += of->capacity() * sizeof(float);
+    }
     if (level.cells) sum += level.cells->bytes();
     if (level.matrix) sum += level.matrix->bytes();
   }
@@ -169,13 +176,50 @@ void Multigrid::cycle_from(std::size_t number, float* r, float* z) {
   float* coarse_r = next_is_last ? m_coarsest_r.data() : m_levels[number + 1].r.data();
   float* coarse_z = next_is_last ? m_coarsest_z.data() : m_levels[number + 1].z.data();
   level.transfer->restrict_to(r, level.inverse_diagonal.data(), coarse_r);
-  cycle_from(number + 1, coarse_r, coarse_z);
+  solve_from(number + 1, coarse_r, coarse_z);
   level.transfer->prolong(coarse_z, level.inverse_diagonal.data(), level.d.data());
   for_ranges(level.unknowns(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n) z[n] += level.d[n];
   });
   level.subtract(level.d.data(), r);
   smooth(level, false, r, z);
+}
+
+/// z = K^-1 r nearly: one cycle, or steps of flexible conjugate gradients with it.
+void Multigrid::solve_from(std::size_t number, float* r, float* z) {
+  if (number < kKrylovLevel || number == m_levels.size()) {
+    cycle_from(number, r, z);
+    return;
+  }
+  Level& level = m_levels[number];
+  const std::size_t count = level.unknowns();
+  const int steps = number == kKrylovLevel ? kKrylovSteps : kDeeperKrylovSteps;
+  float *rest = level.rest.data(), *sum = level.sum.data(), *p = level.p.data(),
+        *q = level.q.data();
+  std::copy_n(r, count, rest);
+  std::fill_n(sum, count, 0.0f);
+  double p_q = 0;
+  for (int step = 0; step < steps; ++step) {
+    if (step > 0) std::copy_n(rest, count, r);
+    cycle_from(number, r, z);
+    // q = -K p.
+    const float beta = step == 0 ? 0.0f : float(dot(z, q, count) / p_q);
+    for_ranges(count, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t n = begin; n < end; ++n) p[n] = step == 0 ? z[n] : z[n] + beta * p[n];
+    });
+    fill(q, count, 0.0f);
+    level.subtract(p, q);
+    p_q = -dot(p, q, count);
+    if (!(p_q > 0)) break;
+    const float alpha = float(dot(p, rest, count) / p_q);
+    for_ranges(count, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t n = begin; n < end; ++n) {
+        sum[n] += alpha * p[n];
+        rest[n] += alpha * q[n];
+      }
+    });
+  }
+  std::copy_n(sum, count, z);
 }
 
 /// Chebyshev iteration for K z = r with the residual kept in r (Saad, Iterative methods for sparse

@@ -1,4 +1,8 @@
-// A geometric multigrid V-cycle as preconditioner, in single precision.
+// A geometric multigrid cycle as preconditioner, in single precision: a V-cycle on the two finest
+// levels, which have nearly all unknowns, and below a K-cycle (Notay and Vassilevski 2008): a few
+// steps of conjugate gradients with the cycle of the levels below as preconditioner. A plate or a
+// beam one voxel thick is stiffer on every next level, by a factor of up to four, so that a V-cycle
+// alone loses the more the deeper it goes: on a head it needs twice as many iterations.
 //
 // Coarse operators are P^T K P of the voxels' own stiffnesses on every level (Galerkin), with
 // prescribed nodes left out of P, so that held single voxels count on all levels. Levels 0 and 1
@@ -6,8 +10,10 @@
 // coarsest is factorised (coarsest_solver.h).
 //
 // Smoother: Chebyshev polynomials of D^-1 K (Adams, Brezina, Hu and Tuminaro 2003), the same before
-// and after the coarse correction, so that the cycle is symmetric and positive definite. It needs
-// nothing but K x, which makes it parallel with the same bits for any number of threads.
+// and after the coarse correction, so that the V-cycle is symmetric and positive definite; the
+// steps of conjugate gradients below make the whole nonlinear by a little. All needs nothing but K
+// x and sums in a fixed order, which makes it parallel with the same bits for any number of
+// threads.
 #pragma once
 
 #include <memory>
@@ -60,13 +66,15 @@ class Multigrid {
     std::optional<Transfer> transfer;
     std::vector<float> inverse_diagonal;
     double largest_eigenvalue = 0;
-    std::vector<float> r, z, d;  // r and z of level 0 are the caller's
+    std::vector<float> r, z, d;          // r and z of level 0 are the caller's
+    std::vector<float> rest, sum, p, q;  // of the K-cycle
 
     void subtract(const float* x, float* y) const;
     std::size_t unknowns() const { return inverse_diagonal.size(); }
   };
   void invert_diagonal(Level& level, const std::vector<float>& diagonal, const HeldBits* held);
   void cycle_from(std::size_t level, float* r, float* z);
+  void solve_from(std::size_t level, float* r, float* z);
   void smooth(Level& level, bool is_first, float* r, float* z) const;
 
   SmootherParams m_params;

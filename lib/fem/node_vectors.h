@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <memory>
 #include <vector>
 
 #include <tbb/blocked_range.h>
@@ -36,6 +37,24 @@ double sum_ranges(std::size_t count, SumRange&& sum_range) {
   for (const double part : sums) sum += part;
   return sum;
 }
+
+/// Memory of one vector in double precision, or of two in single precision, by turns: what one of
+/// them held is lost when the other is written. A third in single precision is its own.
+class SharedVectors {
+ public:
+  explicit SharedVectors(std::size_t count)
+      : m_count(count), m_memory(std::make_unique<std::byte[]>(bytes())) {}
+
+  double* one() { return static_cast<double*>(static_cast<void*>(m_memory.get())); }
+  float* first() { return static_cast<float*>(static_cast<void*>(m_memory.get())); }
+  float* second() { return first() + m_count; }
+  float* third() { return first() + 2 * m_count; }
+  std::size_t bytes() const { return m_count * 3 * sizeof(float); }
+
+ private:
+  std::size_t m_count;
+  std::unique_ptr<std::byte[]> m_memory;
+};
 
 template <class T>
 void fill(T* x, std::size_t count, T value) {
