@@ -159,6 +159,16 @@ def cuts_slices_and_settings(server, folder):
     page.ask(slices={"overlay": "det_f"})
     expect(page.settle(view="axial").picture != coloured.picture, "another overlay")
     expect(page.carried_out()["slices"]["overlay_range"] == [0.5, 1.5], page.scene["slices"])
+    page.ask(slices={"overlay": "none"})
+    plain = page.settle(view="3d").picture
+    for overlay in ("displacement", "det_f", "energy"):
+        page.ask(slices={"overlay": overlay, "overlay_in_space": True})
+        painted = page.settle(view="3d").picture
+        expect(painted != plain, f"{overlay} is painted over the view in space")
+        lo, hi = page.carried_out()["slices"]["overlay_range"]
+        expect(hi > lo, overlay)
+    page.ask(slices={"overlay": "none", "overlay_in_space": False})
+    expect(page.settle(view="3d").picture == plain, "without an overlay it is as before")
     page.ask(deformed=False)
     rest = page.settle(view="3d")
     page.ask(deformed=True)
@@ -218,11 +228,38 @@ def looks_and_questions(server, folder):
     page.close()
 
 
+def let_go_of_one(page):
+    """Of two handles and two anchors one each; what is left stays where it is, in one step each."""
+    page.event("anchor", grab_ball=[20, 20, 8], radius=4)
+    page.event("anchor", grab=[20, 30, 20])
+    page.event("grab", grab_ball=[20, 12, 20], radius=3, soft=2)
+    page.event("drag", to=[0, 0, 0.5])
+    page.event("release")
+    before = page.carried_out()
+    expect((len(before["handles"]), len(before["anchors"])) == (2, 2), before["handles"])
+    page.event("release", anchor=1)
+    scene = page.carried_out()
+    expect(scene["anchors"][0]["event"] == before["anchors"][1]["event"], scene["anchors"])
+    expect(scene["handles"] == before["handles"] and len(scene["anchors"]) == 1, scene["handles"])
+    page.event("release", handle=1)
+    scene = page.carried_out()
+    expect([h["event"] for h in scene["handles"]] == [before["handles"][1]["event"]], scene["handles"])
+    expect(scene["handles"][0]["lps"] == before["handles"][1]["lps"], "it has not moved")
+    expect([stroke["text"] for stroke in scene["undo"]][-2:] == ["release", "release"], scene["undo"])
+    page.event("undo", all=True)
+    expect(page.carried_out()["handles"] == before["handles"], "taken back")
+    page.event("redo", all=True)
+    page.event("release", anchor=2)
+    page.until(lambda: page.logs and page.logs[-1].get("n") == page.n)
+    expect("one of 1 that there are" in page.logs[-1]["text"], page.logs[-1])
+
+
 def files(server, folder):
     page = begin(server)
     page.ask(size={"3d": [96, 96]})
     drag(page)
     page.event("release")
+    let_go_of_one(page)
     page.settle()
     for what, name, more in (
             ("state", "live.vdb", {}), ("scene", "live.toml", {}), ("journal", "journal.toml", {}),

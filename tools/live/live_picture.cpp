@@ -53,12 +53,14 @@ struct LivePicture::Impl {
   PosedVolume subject() const;
   RenderSettings settings() const;
   void replace(std::unique_ptr<ProgressiveRender> next);
+  void paint_and_decorate(FloatImage& picture, const Camera& seen_by, const SceneView& as) const;
 
   Session& session;
   Console& console;
   LiveBody body;
   SceneView view;
   Camera camera;
+  Painter painter;
   bool is_new = true;
   std::mutex guard;  // of what interrupt() reaches from another thread
   std::unique_ptr<ProgressiveRender> progressive;
@@ -83,7 +85,14 @@ PosedVolume LivePicture::Impl::subject() const {
 RenderSettings LivePicture::Impl::settings() const {
   RenderSettings all = view_settings(view);
   all.clips = resolve_clips(view.clips, body.opened().geometry);
+  all.auxiliary = all.auxiliary || painter;
   return all;
+}
+
+void LivePicture::Impl::paint_and_decorate(FloatImage& picture, const Camera& seen_by,
+                                           const SceneView& as) const {
+  if (painter) painter(picture, seen_by);
+  decorate(picture, subject(), as);
 }
 
 void LivePicture::Impl::replace(std::unique_ptr<ProgressiveRender> next) {
@@ -112,6 +121,11 @@ void LivePicture::look(const SceneView& view) {
   impl.view.fit.clear();
   impl.view.zoom = 1;
   impl.is_new = true;
+}
+
+void LivePicture::paint_with(Painter painter) {
+  m_impl->painter = std::move(painter);
+  m_impl->is_new = true;
 }
 
 bool LivePicture::follow() {
@@ -154,13 +168,14 @@ Image LivePicture::first_pixels(double budget_ms) {
   }
   settings.width = std::max(1, int(std::lround(part * width)));
   settings.height = std::max(1, int(std::lround(part * height)));
-  settings.auxiliary = false;
+  settings.auxiliary = bool(impl.painter);
   const auto start = std::chrono::steady_clock::now();
   RenderReport report;
   FloatImage picture =
       impl.body.renderer().render_float(impl.camera, look_of(impl.view), settings, &report);
   m_cost.width = settings.width;
   m_cost.height = settings.height;
+  if (impl.painter) impl.painter(picture, impl.camera);
   if (impl.view.decoration.annotate.empty()) decorate(picture, impl.subject(), impl.view);
   Image image = enlarged(to_image(picture), width, height);
   m_cost.march_ms = report.march_ms;
@@ -183,7 +198,7 @@ bool LivePicture::refine() {
   if (was_interrupted) impl.replace({});
   if (was_interrupted || !impl.progressive->finished()) return true;
   FloatImage picture = impl.progressive->picture();
-  decorate(picture, impl.subject(), impl.view);
+  impl.paint_and_decorate(picture, impl.camera, impl.view);
   m_settled = to_image(picture);
   return false;
 }
@@ -201,9 +216,10 @@ Image LivePicture::shot(const Camera& camera, const PixelSize& size, Progress* p
   view.camera.camera = camera;
   RenderSettings settings = view_settings(view);
   settings.clips = resolve_clips(view.clips, impl.body.opened().geometry);
+  settings.auxiliary = settings.auxiliary || impl.painter;
   FloatImage picture =
       impl.body.renderer().render_float(camera, look_of(view), settings, nullptr, progress);
-  decorate(picture, impl.subject(), view);
+  impl.paint_and_decorate(picture, camera, view);
   return to_image(picture);
 }
 

@@ -4,7 +4,7 @@
 // bit for bit, in passes between which events may come.
 #pragma once
 
-#include <chrono>
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -33,6 +33,9 @@ class LivePicture {
 
   /// Another camera, look or clip. Throws InputError as a view does.
   void look(const SceneView& view);
+  /// Paints over what is seen, whose depths it has, before marks are drawn; empty: nobody.
+  using Painter = std::function<void(FloatImage& picture, const Camera& camera)>;
+  void paint_with(Painter painter);
   /// The body may have moved; whether it has, or the view is another.
   bool follow();
 

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tools/live/held_parts.h"
 #include "tools/outputs/view_pictures.h"
 #include "tools/scene/run_step.h"
 
@@ -38,6 +39,8 @@ nlohmann::ordered_json keys_of_event(const LiveEvent& event) {
   if (event.kind == EventKind::drag) json["to"] = {event.to.x, event.to.y, event.to.z};
   if (event.all) json["all"] = true;
   if (event.restore) json["restore"] = true;
+  if (event.handle > 0) json["handle"] = event.handle;
+  if (event.anchor > 0) json["anchor"] = event.anchor;
   if (event.no_relax) json["no_relax"] = true;
   if (event.kind == EventKind::limits) {
     json["limits"] = std::vector<std::string>{"box", "ball", "tighten"}[std::size_t(event.limits)];
@@ -55,6 +58,10 @@ nlohmann::ordered_json relax_keys(RelaxParams params) {
   return keys;
 }
 
+bool has_anchors(const State& state) {
+  return !state.anchors.empty() || !state.anchor_labels.empty() || !state.anchor_selections.empty();
+}
+
 }  // namespace
 
 LiveSession::LiveSession(const TomlTable& root, Progress* progress) : m_scene(read_scene(root)) {
@@ -68,6 +75,8 @@ LiveSession::LiveSession(const TomlTable& root, Progress* progress) : m_scene(re
   if (m_session->geometry().dims().z == 1) {
     throw InputError({m_scene.volume_path, "", "one slice", "a volume of several slices"});
   }
+  const bool is_state = std::filesystem::path(m_scene.volume_path).extension() == ".vdb";
+  m_is_state_anchored = is_state && has_anchors(m_session->state());
   set_view();
 }
 
@@ -205,8 +214,10 @@ void LiveSession::release(const LiveEvent& event, Progress* progress) {
     step.release = true;
     run(event.kind, step, nlohmann::ordered_json({{"release", true}}).dump(), progress);
   }
+  if (event.handle > 0 || event.anchor > 0) let_go_of_one(event, progress);
   m_grab.reset();
-  const bool relaxes = was_dragged && !event.restore && !event.all && !event.no_relax &&
+  const bool lets_go = event.all || event.handle > 0 || event.anchor > 0;
+  const bool relaxes = was_dragged && !event.restore && !lets_go && !event.no_relax &&
                        m_session->material().relaxes && !m_model && m_limits != Limits::ball;
   carried_out.no_relax = event.no_relax || relaxes;
   record(carried_out);
@@ -219,6 +230,32 @@ void LiveSession::release(const LiveEvent& event, Progress* progress) {
   relaxation.keys = relax_keys(*relaxation.step.relax).dump();
   m_relaxation = relaxation;
   m_pending = relaxation.step.relax->passes;
+}
+
+/// A session lets go of everything; what stays is held and fixed again in the same step.
+void LiveSession::let_go_of_one(const LiveEvent& event, Progress* progress) {
+  const bool is_handle = event.handle > 0;
+  const char* const field = is_handle ? "handle" : "anchor";
+  const int number = is_handle ? event.handle : event.anchor;
+  HeldParts parts = held_parts(m_done);
+  std::vector<HeldPart>& list = is_handle ? parts.handles : parts.anchors;
+  if (event.all || (is_handle && event.anchor > 0)) {
+    throw InputError(
+        {event.place, field, "more than one thing to let go of", "handle, anchor or all"});
+  }
+  if (std::size_t(number) > list.size()) {
+    throw InputError({event.place, field, std::to_string(number),
+                      "one of " + std::to_string(list.size()) + " that there are, from 1"});
+  }
+  if (parts.has_others || m_is_state_anchored) {
+    throw InputError({event.place, field, "fixed labels, points or anchors of a state beside it",
+                      "all, which lets go of everything"});
+  }
+  list.erase(list.begin() + number - 1);
+  std::string keys;
+  SceneStep step = step_that_keeps(parts, keys);
+  step.place = event.place;
+  run(event.kind, step, keys, progress);
 }
 
 void LiveSession::run(EventKind kind, const SceneStep& step, const std::string& keys,

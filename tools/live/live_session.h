@@ -67,6 +67,7 @@ class LiveSession {
   void set_view();
   void drag(const LiveEvent& event, Progress* progress);
   void release(const LiveEvent& event, Progress* progress);
+  void let_go_of_one(const LiveEvent& event, Progress* progress);
   void run(EventKind kind, const SceneStep& step, const std::string& keys, Progress* progress);
   int stroke_of(EventKind kind);
   bool take_back();
@@ -82,6 +83,7 @@ class LiveSession {
   std::vector<std::string> m_carried_out;  // JSON
   EventKind m_last_recorded = EventKind::step;
   std::unique_ptr<Session> m_session;
+  bool m_is_state_anchored = false;  // the opened state fixes elements
   SceneView m_view;
   std::string m_view_keys, m_first_view_keys;  // JSON; the latter as opened
   std::optional<LiveEvent> m_grab;

@@ -55,22 +55,39 @@ void OpenScene::run(EventMailbox& mailbox) {
 
 void OpenScene::see(const ViewSettings& settings, std::uint64_t number) {
   m_number = number;
-  const bool is_other_picture =
-      settings.sizes[0] != m_settings.sizes[0] || settings.deformed != m_settings.deformed;
+  const SliceSettings before = m_settings.slices;
+  const bool is_other_overlay = settings.slices.overlay != before.overlay ||
+                                settings.slices.overlay_in_space != before.overlay_in_space;
+  const bool is_other_picture = settings.sizes[0] != m_settings.sizes[0] ||
+                                settings.deformed != m_settings.deformed || is_other_overlay;
   m_settings = settings;
+  if (is_other_overlay) choose_painter();
   for (int view = 1; view < kViewCount; ++view) m_stale[std::size_t(view)] = 1;
   m_range.reset();
   m_is_told = false;
   if (is_other_picture) m_loop.set_frame(frame_for(m_settings, m_budget_ms));
 }
 
+/// Over the picture in space, as long as an overlay is asked for there.
+void OpenScene::choose_painter() {
+  if (!has_overlay() || !m_settings.slices.overlay_in_space) return picture().paint_with({});
+  picture().paint_with([this](FloatImage& seen, const Camera& camera) {
+    const RestPlaceAt rest = picture().rest_places(false);
+    if (!rest) return;
+    const OverlayField field(m_settings.slices.overlay, m_live.session(), picture().opened(), rest);
+    paint_overlay(seen, camera, field, picture().opened().geometry, overlay_range());
+  });
+}
+
 void OpenScene::begins() {
   m_outlets.progress.begin();
   m_moves_view = false;
+  m_range_before = std::exchange(m_range, std::nullopt);
 }
 
 void OpenScene::carried_out(const LiveEvent& event) {
   m_moves_view = event.is_of_view();
+  if (m_moves_view) m_range = m_range_before;
   m_number = std::uint64_t(event.number);
   m_is_told = false;
   m_outlets.progress.end();
@@ -97,7 +114,6 @@ FrameMessage OpenScene::frame_of(int view, double ms) const {
 
 void OpenScene::drew(const Image& first, const LiveCost&, const Stopwatch& since_event) {
   if (!m_moves_view) {
-    m_range.reset();
     for (std::size_t view = 1; view < kViewCount; ++view) m_stale[view] = 2;
   }
   if (m_settings.sizes[0][0] == 0) return;
@@ -129,8 +145,7 @@ bool OpenScene::draw_next_pane() {
     if (stale == 0 || (stale == 1 && !is_at_rest)) continue;
     const bool exact = is_at_rest;
     const RestPlaceAt rest = picture().rest_places(exact);
-    SlicePane pane = draw_pane(picture().opened(), m_settings.slices, view - 1, size, rest,
-                               overlay_range(), exact ? 1 : kHasteEvery);
+    SlicePane pane = pane_of(view, size, rest, exact ? 1 : kHasteEvery);
     FrameMessage frame = frame_of(view, 0);
     frame.pixels = pane.pixels;
     frame.is_settled = exact;
@@ -146,12 +161,25 @@ bool OpenScene::draw_next_pane() {
   return false;
 }
 
-/// Of displacements the largest, rounded up, so that the legend holds still.
+SlicePane OpenScene::pane_of(int view, const PixelSize& size, const RestPlaceAt& rest, int every) {
+  const SliceSettings& slices = m_settings.slices;
+  std::optional<OverlayField> field;
+  if (has_overlay() && rest) {
+    field.emplace(slices.overlay, m_live.session(), picture().opened(), rest);
+  }
+  return draw_pane(picture().opened(), slices, view - 1, size, rest, field ? &*field : nullptr,
+                   field ? overlay_range() : OverlayRange(), every);
+}
+
+/// Of displacements the largest, of energies nearly, rounded up, so that the legend holds still.
 OverlayRange OpenScene::overlay_range() {
   if (m_range) return *m_range;
   m_range = OverlayRange{0.5, 1.5};
-  if (m_settings.slices.overlay == SliceOverlay::displacement) {
+  if (m_settings.slices.overlay == FieldOverlay::displacement) {
     m_range = OverlayRange{0, rounded_up(picture().longest_mm())};
+  } else if (m_settings.slices.overlay == FieldOverlay::energy) {
+    const double most = most_energy_kpa(m_live.session(), picture().displacement());
+    m_range = OverlayRange{0, rounded_up(most)};
   }
   return *m_range;
 }

@@ -144,10 +144,8 @@ void save_screenshot(OpenScene& scene, const SaveRequest& request) {
     const Camera camera = *scene.picture().view().camera.camera;
     return write_png(request.path, scene.picture().shot(camera, request.size, &scene.progress()));
   }
-  const SlicePane pane =
-      draw_pane(scene.picture().opened(), scene.settings().slices, request.view - 1, request.size,
-                scene.picture().rest_places(true), scene.overlay_range(), 1);
-  write_png(request.path, pane.image);
+  const RestPlaceAt rest = scene.picture().rest_places(true);
+  write_png(request.path, scene.pane_of(request.view, request.size, rest, 1).image);
 }
 
 void save_dense(OpenScene& scene, const SaveRequest& request) {

@@ -1,6 +1,7 @@
 // The message `scene`: all that the page's panels show.
 #include <algorithm>
 
+#include "tools/live/held_parts.h"
 #include "tools/outputs/reports.h"
 #include "tools/outputs/view_pictures.h"
 #include "tools/scene/json.h"
@@ -133,44 +134,37 @@ std::optional<Vec3d> middle_of(const GivenSelection& given, const Geometry& geom
          2;
 }
 
-/// What steps hold, fix and cut; a release lets go of what was held and fixed before it.
-struct HeldLists {
-  Json handles = Json::array(), anchors = Json::array(), cuts = Json::array();
-};
-HeldLists lists_of(const std::vector<LiveSession::DoneStep>& done, const State& state,
-                   const Displacement& moved) {
-  HeldLists lists;
-  int last_stroke = -1;
+/// Numbered as a release counts them. Handles without a middle are not listed.
+Json handles_json(const HeldParts& held, const State& state, const Displacement& moved) {
+  Json handles = Json::array();
+  for (std::size_t n = 0; n < held.handles.size(); ++n) {
+    const auto middle = middle_of(held.handles[n].given, state.geometry);
+    if (!middle) continue;
+    handles.push_back(handle_json(Json::parse(held.handles[n].keys), *middle, state, moved));
+    handles.back()["number"] = n + 1;
+  }
+  return handles;
+}
+
+Json anchors_json(const HeldParts& held) {
+  Json anchors = Json::array();
+  for (const HeldPart& part : held.anchors) {
+    const Json keys = Json::parse(part.keys);
+    anchors.push_back({{"text", words_of(keys)},
+                       {"event", event_json("anchor", keys)},
+                       {"number", anchors.size() + 1}});
+  }
+  return anchors;
+}
+
+Json cuts_json(const std::vector<LiveSession::DoneStep>& done) {
+  Json cuts = Json::array();
   for (const LiveSession::DoneStep& step : done) {
-    const bool is_same_drag = step.kind == EventKind::drag && step.stroke == last_stroke;
-    last_stroke = step.stroke;
-    if (is_same_drag) continue;
-    const Json keys = Json::parse(step.keys);
-    if (step.step.release) lists.handles = lists.anchors = Json::array();
-    for (std::size_t n = 0; n < step.step.handles.size(); ++n) {
-      const auto middle = middle_of(step.step.handles[n], state.geometry);
-      const Json entry = keys.contains("handles") ? keys["handles"][n] : keys;
-      if (middle) lists.handles.push_back(handle_json(entry, *middle, state, moved));
-    }
-    if (keys.contains("anchors")) {
-      const Json anchors = keys["anchors"].is_array() ? keys["anchors"] : Json{keys["anchors"]};
-      for (const Json& anchor : anchors) {
-        lists.anchors.push_back(
-            {{"text", words_of(anchor)}, {"event", event_json("anchor", anchor)}});
-      }
-    }
-    if (keys.contains("fix")) {
-      for (const Json& box : keys["fix"]) {
-        const char* key = box.size() == 3 ? "grab" : "grab_box";
-        lists.anchors.push_back({{"text", std::string(key) + " " + box.dump()},
-                                 {"event", {{"kind", "anchor"}, {key, box}}}});
-      }
-    }
-    for (const Json& cut : keys.value("cut", Json::array())) {
-      lists.cuts.push_back({{"text", cut.begin().key()}, {"event", event_json("cut", cut)}});
+    for (const Json& cut : Json::parse(step.keys).value("cut", Json::array())) {
+      cuts.push_back({{"text", cut.begin().key()}, {"event", event_json("cut", cut)}});
     }
   }
-  return lists;
+  return cuts;
 }
 
 Json memory_json(const Session& session, const LivePicture::Memory& memory) {
@@ -225,7 +219,7 @@ Json transfer_json(const TransferFunction& function) {
 Json OpenScene::slices_json() {
   const SliceSettings& slices = m_settings.slices;
   Json json = supple::tools::slices_json(slices);
-  if (slices.overlay == SliceOverlay::none) return json;
+  if (slices.overlay == FieldOverlay::none) return json;
   const OverlayRange range = overlay_range();
   json["overlay_range"] = {range.lo, range.hi};
   for (int n = 0; n < 16; ++n) {
@@ -241,7 +235,7 @@ Json OpenScene::description() {
   const State& state = picture().opened();
   const SceneView& view = picture().view();
   const Session& session = m_live.session();
-  HeldLists lists = lists_of(m_live.done(), state, picture().displacement());
+  const HeldParts held = held_parts(m_live.done());
   Json clips = Json::array();
   for (const ClipChoice& clip : view.clips) clips.push_back(clip_json(clip));
   Json scene;
@@ -258,9 +252,9 @@ Json OpenScene::description() {
     event.update(Json::parse(grab->keys));
     scene["grab"] = {{"event", event}, {"reached", vector_json(m_live.reached())}};
   }
-  scene["handles"] = std::move(lists.handles);
-  scene["anchors"] = std::move(lists.anchors);
-  scene["cuts"] = std::move(lists.cuts);
+  scene["handles"] = handles_json(held, state, picture().displacement());
+  scene["anchors"] = anchors_json(held);
+  scene["cuts"] = cuts_json(m_live.done());
   scene["undo"] = strokes_json(m_live.done(), false);
   scene["redo"] = strokes_json(m_live.undone(), true);
   const char* const limits[] = {"box", "ball", "tighten"};

@@ -61,7 +61,7 @@ async function grab([x, y], [dx, dy], between = async () => {}) {
 }
 
 step('open: a volume is opened by the dialog, and four views show it', async () => {
-  await view.until('the page is connected', '$state === "connected"');
+  await view.until('the page is connected', 'window.supple && $state === "connected"');
   assert.equal(await page.eval(`document.getElementById('welcome').hidden`), false);
   await page.key('Control+o');
   await page.until('the folders are listed', `document.querySelector('dialog[open] .folder')`);
@@ -316,8 +316,25 @@ step('clips and lists can be edited', async () => {
   await view.until('no clip is left', '$scene.view.clips.length === 0');
   const {anchors, handles} = await scene();
   await page.eval(`document.querySelector('[aria-label="Let go of anchor 1"]').click()`);
-  await view.until('one is let go of, the others are fixed', `$carriedOut >= $sent && $scene.handles.length === 0 &&
-    $scene.anchors.length === ${anchors.length + handles.length - 1}`);
+  await view.until('one is let go of, the others stay', `$carriedOut >= $sent && $scene.handles.length === ${handles.length} &&
+    $scene.anchors.length === ${anchors.length - 1}`);
+  await page.eval(`document.querySelector('[aria-label="Let go of handle 1"]').click()`);
+  await view.until('the other handle stays', `$carriedOut >= $sent && $scene.handles.length === ${handles.length - 1}`);
+  assert.deepEqual((await scene()).handles[0].event, handles[1].event);
+  await view.settled(30);
+  const plain = await view.picture();
+  const choose = (overlay) => page.eval(`(() => { const list = document.getElementById('overlay'); list.value = '${overlay}';
+    list.dispatchEvent(new Event('change')); })()`);
+  await choose('energy');
+  await page.eval(`document.getElementById('overlay-in-space').click()`);
+  await view.until('the overlay has a range', '$scene.slices.overlay_in_space && $scene.slices.overlay_range');
+  await view.settled(30);
+  assert.ok(difference(plain, await view.picture()).mean > 1, 'the view in space is painted');
+  assert.deepEqual(await page.eval(`[...document.querySelectorAll('#view-3d .legend-text')].map((t) => t.textContent)[0]`), 'Strain energy');
+  await choose('none');
+  await view.until('the overlay is gone', '$scene.slices.overlay === "none"');
+  await view.settled(30);
+  assert.ok(difference(plain, await view.picture()).mean < 0.02, 'and as it was without');
 });
 
 step('double click maximises a view and brings the four back', async () => {

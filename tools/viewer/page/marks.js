@@ -19,8 +19,8 @@ export function drawMarks(view) {
   if (scene && view.frame && view.directions()) {
     all.push(...letters(view), ...bar(view), ...crosshair(view), ...handles(view), ...measures(view),
              ...view.app.tools.marks(view));
+    all.push(...legend(view));
     if (view.name === '3d') all.push(cube(view));
-    else all.push(...legend(view));
   }
   view.marks.replaceChildren(...all.filter(Boolean));
 }
@@ -119,19 +119,23 @@ function cube(view) {
   }));
 }
 
-/// Colours of the overlay of slices with their range.
+const kOverlays = {displacement: ['Displacement', ' mm'], det_f: ['det F', ''], energy: ['Strain energy', ' kPa']};
+
+/// Colours of the overlay with their range, where it is painted.
 function legend(view) {
   const slices = view.app.slices.now;
   const range = slices.overlay_range;
-  if (!slices.overlay || slices.overlay === 'none' || !range || view.picture.clientHeight < 150 || view.picture.clientWidth < 180) return [];
+  const isPainted = view.name !== '3d' || slices.overlay_in_space;
+  if (!slices.overlay || slices.overlay === 'none' || !isPainted || !range || view.picture.clientHeight < 150 || view.picture.clientWidth < 180) return [];
   const colours = slices.overlay_colours ?? [];
-  const unit = {displacement: ' mm', energy: ' kPa'}[slices.overlay] ?? '';
+  const [name, unit] = kOverlays[slices.overlay] ?? [slices.overlay, ''];
   const [x, top, height] = [view.picture.clientWidth - 20, 34, view.picture.clientHeight / 2 - 60];
   if (height < 24) return [];
   const part = height / Math.max(1, colours.length);
   const boxes = colours.map((rgb, i) => svg('rect', {
     x, width: 10, y: top + height - (i + 1) * part, height: part + 0.5, fill: `rgb(${rgb.join(',')})`}));
   return [...boxes, svg('rect', {class: 'legend', x, y: top, width: 10, height}),
+          text('legend-text', x + 10, top - 6, name, 'end'),
           text('legend-text', x - 4, top + 9, short(range[1], 3) + unit, 'end'),
           text('legend-text', x - 4, top + height, short(range[0], 3) + unit, 'end')];
 }

@@ -111,9 +111,9 @@ export class DeformPanel {
       : scene.relaxes ? 'The material relaxes every drag after its release' : '';
     this.fill('handles', scene?.handles ?? [], (handle, i) => [
       button(`${i + 1}. ${selectionText(handle)}`, () => this.app.slices.setCursor(this.session.geometry.indexOfLps(handle.lps)),
-             {class: 'link', title: 'Cross-hair there'}), this.removal('handle', i)]);
+             {class: 'link', title: 'Cross-hair there'}), this.removal('handle', i, handle.number)]);
     this.fill('anchors', scene?.anchors ?? [], (anchor, i) => [
-      this.placed(selectionText(anchor), anchor.event), this.removal('anchor', i)]);
+      this.placed(selectionText(anchor), anchor.event), this.removal('anchor', i, anchor.number)]);
     this.fill('cuts', scene?.cuts ?? [], (cut, i) => [`${i + 1}. ${cutText(cut)}`]);
     this.refreshHistory(scene);
   }
@@ -130,17 +130,10 @@ export class DeformPanel {
     const middle = event?.grab ?? event?.grab_ball;
     return middle ? button(text, () => this.app.slices.setCursor(middle), {class: 'link', title: 'Cross-hair there'}) : text;
   }
-  removal(what, i) {
-    return iconButton('remove', `Let go of ${what} ${i + 1}`, () => this.letGo(what, i),
-                      {title: 'Let go of this one; the others are fixed again where they are'});
-  }
-  /// The session knows only to let go of everything, so the others are fixed again.
-  letGo(what, i) {
-    const {handles, anchors} = this.session.scene;
-    const others = [...handles.filter((_, k) => what !== 'handle' || k !== i),
-                    ...anchors.filter((_, k) => what !== 'anchor' || k !== i)];
-    this.session.event({kind: 'release', all: true});
-    for (const {event: {soft, ...selection}} of others) this.session.event({...selection, kind: 'anchor'});
+  /// `counted`: its number among all that are held or fixed, whether or not they are listed.
+  removal(what, i, counted) {
+    return iconButton('remove', `Let go of ${what} ${i + 1}`, () => this.session.event({kind: 'release', [what]: counted}),
+                      {title: 'Let go of this one; the others stay as they are'});
   }
 
   historySection() {

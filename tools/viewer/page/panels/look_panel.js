@@ -73,21 +73,23 @@ export class LookPanel {
       this.windowChoice.value = '';
     });
     this.windows = field('Window preset', this.windowChoice);
-    this.overlay = select([['none', 'None'], ['displacement', 'Displacement'], ['det_f', 'det F']], 'none',
+    this.overlay = select([['none', 'None'], ['displacement', 'Displacement'], ['det_f', 'det F'], ['energy', 'Strain energy']], 'none',
                           (overlay) => set({overlay}), {id: 'overlay'});
+    this.overlayInSpace = checkbox('Overlay in the view in space, too', false, (on) => set({overlay_in_space: on}), {id: 'overlay-in-space'});
     this.outline = checkbox('Outline of the body at rest', true, (outline) => set({outline}));
     this.cross = checkbox('Cross-hair', true, (crosshair) => {
       app.settings.crosshair = crosshair;
       app.refreshViews();
     });
     return section('Slices', true, this.windows, field('Window', this.window), field('Level', this.level),
-                   field('Overlay', this.overlay, null, 'Displacement in mm, or the change of volume, det F'), this.outline, this.cross);
+                   field('Overlay', this.overlay, null, 'Displacement in mm, the change of volume (det F), or the strain energy in kPa by the material\'s modulus'), this.overlayInSpace, this.outline, this.cross);
   }
   refreshSlices() {
-    const {window, level, overlay, outline} = this.app.slices.now;
+    const {window, level, overlay, overlay_in_space: inSpace, outline} = this.app.slices.now;
     show(this.window, window === undefined ? '' : Number(window.toPrecision(5)));
     show(this.level, level === undefined ? '' : Number(level.toPrecision(5)));
     this.overlay.value = overlay ?? 'none';
+    this.overlayInSpace.querySelector('input').checked = inSpace ?? false;
     this.outline.querySelector('input').checked = outline ?? true;
     for (const input of [this.window, this.level, this.overlay, this.windowChoice]) input.disabled = !this.session.scene;
   }

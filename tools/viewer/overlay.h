@@ -1,0 +1,65 @@
+// What is painted over slices and over the picture in space: how far tissue has moved (mm), det F,
+// or the density of strain energy, at the place that is seen.
+//
+// F is the gradient of the deformation at a place of the deformed body, the inverse of the central
+// differences of where its surroundings, half a voxel on each side, were at rest. Strain energy is
+// that of a Saint Venant-Kirchhoff solid, W = λ/2 (tr E)² + μ tr E², E = (FᵀF - 1)/2, with the
+// Young's modulus and Poisson's ratio of the element's class (kPa, which is kJ/m³); ChainMail does
+// not know of it. Across an open cut differences mean nothing. Cost: 7 rest places per pixel.
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "lib/session/session.h"
+#include "raycast/drawings/slice.h"
+#include "raycast/pictures/float_image.h"
+#include "raycast/scene/camera.h"
+
+namespace supple::tools {
+
+enum class FieldOverlay { none, displacement, det_f, energy };
+
+/// Of the map that an overlay is painted with.
+struct OverlayRange {
+  double lo = 0, hi = 1;
+};
+/// det F: blue where tissue is pressed, red where it is stretched, grey where it is as it was.
+Rgb overlay_colour(FieldOverlay overlay, double share);
+
+/// Columns of a gradient: what one step along each grid axis leads to, in voxels.
+using GridGradient = std::array<Vec3d, 3>;
+
+/// kPa of an isotropic solid that has deformed by F between places of the grid.
+double strain_energy_kpa(const GridGradient& f, const Geometry& geometry, double young_kpa,
+                         double poisson);
+
+class OverlayField {
+ public:
+  /// Refers to the session's body and the opened state. `rest`: not null.
+  OverlayField(FieldOverlay overlay, const Session& session, const State& opened,
+               const RestPlaceAt& rest);
+  /// None where no tissue is seen.
+  std::optional<double> at(const Vec3d& index) const;
+  FieldOverlay overlay() const { return m_overlay; }
+
+ private:
+  FieldOverlay m_overlay;
+  const Session& m_session;
+  const State& m_opened;
+  const RestPlaceAt& m_rest;
+  MaterialClasses m_classes;
+};
+
+/// Over the opaque pixels of a slice whose pixels lie on `grid`.
+void paint_overlay(Image& slice, const Geometry& grid, const OverlayField& field,
+                   const Geometry& geometry, const OverlayRange& range);
+/// Over what is seen in space; the picture has its depths.
+void paint_overlay(FloatImage& picture, const Camera& camera, const OverlayField& field,
+                   const Geometry& geometry, const OverlayRange& range);
+
+/// A range for the energies of a body: up to what 99 % of its elements stay below, of which every
+/// fourth along each axis is looked at.
+double most_energy_kpa(const Session& session, const Displacement& moved);
+
+}  // namespace supple::tools
