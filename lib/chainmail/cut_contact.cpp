@@ -2,14 +2,66 @@
 
 #include <algorithm>
 
-#include "lib/chainmail/projection.h"
-
 namespace supple {
 
 namespace {
 
 /// Rounds until lips that change their shape as they are pushed fit each other.
 constexpr int kMostRounds = 40;
+
+/// Where a body is.
+class Offsets {
+ public:
+  explicit Offsets(const Body& body) : m_q(body.q), m_fraction(body.fraction) {}
+  void restore(Body& body) const {
+    body.q = m_q;
+    body.fraction = m_fraction;
+  }
+  /// As far from `start` as so many parts of the way from there. Rounded down, which keeps every
+  /// difference constraint: floor(x - W) is floor(x) - W.
+  void restore_part(const Offsets& start, int parts, Body& body) const {
+    restore(body);
+    for (std::size_t c = 0; c < 3; ++c) {
+      for (std::size_t b = 0; b < m_q[c].brick_count(); ++b) {
+        if (m_q[c].brick(b) == nullptr && start.m_q[c].brick(b) == nullptr) continue;
+        const std::int32_t* from = start.m_q[c].brick_or_zero(b);
+        std::int32_t* now = body.q[c].touch(b);
+        for (int n = 0; n < kBrickVoxels; ++n) {
+          const std::int64_t way = (std::int64_t(now[n]) - from[n]) * parts;
+          now[n] = std::int32_t(from[n] + (way >> kDragPartBits));
+        }
+        body.drop_fractions(int(c), b, m_q[c].brick_or_zero(b));
+      }
+    }
+  }
+
+ private:
+  static constexpr int kDragPartBits = 10;
+  static_assert(CutContact::kDragParts == 1 << kDragPartBits);
+
+  std::array<BrickValues, 3> m_q;
+  decltype(Body::fraction) m_fraction;
+};
+
+/// Of attempt(parts, is_first) the first, which is all of it, or that of the largest part that a
+/// bisection finds to leave no overlap.
+template <class Attempt>
+SidesReport largest_part(Attempt&& attempt) {
+  constexpr int kAll = CutContact::kDragParts;
+  SidesReport report = attempt(kAll, true);
+  if (report.left == 0) return report;
+  int done = 0, stopped = kAll, tried = kAll;
+  const auto attempt_again = [&](int parts) {
+    report = attempt(parts, false);
+    report.parts = tried = parts;
+  };
+  while (stopped - done > 1) {
+    attempt_again((done + stopped) / 2);
+    (report.left == 0 ? done : stopped) = tried;
+  }
+  if (tried != done) attempt_again(done);
+  return report;
+}
 
 }  // namespace
 
@@ -19,51 +71,35 @@ CutContact::CutContact(Body& body, const LinkCuts& cuts) : m_body(body), m_lips(
 
 SidesReport CutContact::drag(const SlotSet& fixed, Holds& holds,
                              const std::function<void(int)>& move, Progress* progress) {
-  const std::array<BrickValues, 3> q = m_body.q;
-  const auto fraction = m_body.fraction;
+  const Offsets start(m_body);
   const Holds before = holds;
-  int tried = -1;
-  const auto attempt = [&](int parts) {
-    if (tried >= 0) {
-      m_body.q = q;
-      m_body.fraction = fraction;
+  return largest_part([&](int parts, bool is_first) {
+    if (!is_first) {
+      start.restore(m_body);
       holds = before;
     }
-    tried = parts;
     move(parts);
-    SidesReport report = part(fixed, holds, progress);
-    report.parts = parts;
-    return report;
-  };
-  SidesReport report = attempt(kDragParts);
-  if (report.left == 0) return report;
-  int done = 0, stopped = kDragParts;
-  while (stopped - done > 1) {
-    const int parts = (done + stopped) / 2;
-    report = attempt(parts);
-    (report.left == 0 ? done : stopped) = parts;
-  }
-  return tried == done ? report : attempt(done);
+    return part(fixed, holds, progress);
+  });
+}
+
+SidesReport CutContact::go(const SlotSet& fixed, const Holds& held,
+                           const std::function<void()>& move, Progress* progress) {
+  const Offsets start(m_body);
+  move();
+  const Offsets end(m_body);
+  return largest_part([&](int parts, bool is_first) {
+    if (!is_first) end.restore_part(start, parts, m_body);
+    return part(fixed, held, progress);
+  });
 }
 
 /// The largest move in voxels; 0 where there is no room. Sides that are pressed give way further in
 /// the next round, so what is too far at once is done by halves.
-double CutContact::part_across(int c, const SlotSet& anchored, const Holds& held,
-                               Propagator& propagator, const FreePieces& pieces,
-                               Progress* progress) {
-  BrickValues& q = m_body.q[std::size_t(c)];
-  q.resize(m_body.elements.brick_count());
-  const HeldBounds bounds = held_bounds(m_body, c, anchored, held);
+double CutContact::part_across(int c, ContactProjection& projection) const {
   for (const double part : {1.0, 0.5, 0.25, 0.0625}) {
-    std::optional<BrickValues> apart = projected(
-        q, c, bounds, m_lips.contacts(c, m_before, part).links, propagator, progress, pieces);
-    if (!apart) continue;
-    const double moved = double(largest_move(q, *apart)) / kFixedOne;
-    q.swap(*apart);
-    for (std::size_t b = 0; b < m_body.fraction[std::size_t(c)].brick_count(); ++b) {
-      m_body.drop_fractions(c, b, apart->brick_or_zero(b));
-    }
-    return moved;
+    const auto moved = projection.meet(c, m_lips.contacts(c, m_before, part).links);
+    if (moved) return double(*moved) / kFixedOne;
   }
   return 0;
 }
@@ -73,8 +109,7 @@ SidesReport CutContact::part(const SlotSet& fixed, const Holds& held, Progress* 
   if (m_lips.empty()) return report;
   SlotSet anchored = held.anchored;
   anchored.add(fixed);
-  Propagator propagator(m_body);
-  const FreePieces pieces = m_body.rigid.empty() ? FreePieces() : FreePieces(m_body, {});
+  ContactProjection projection(m_body, anchored, held, progress);
   for (int round = 0; round <= kMostRounds; ++round) {
     report.left = 0;
     report.left_voxels = 0;
@@ -85,7 +120,7 @@ SidesReport CutContact::part(const SlotSet& fixed, const Holds& held, Progress* 
       report.left += contacts.overlapping;
       report.left_voxels = std::max(report.left_voxels, contacts.deepest_voxels);
       if (round == kMostRounds) continue;
-      const double moved = part_across(c, anchored, held, propagator, pieces, progress);
+      const double moved = part_across(c, projection);
       report.max_move_voxels = std::max(report.max_move_voxels, moved);
       has_moved = has_moved || moved > 0;
     }

@@ -6,15 +6,14 @@
 // project.cpp meets both with the smallest possible largest move, exactly and whatever the order.
 // Both lips yield alike, unless one is held. Lips change their shape as they are pushed, so the
 // rounds go on until no point of a lip is behind the other one. A body without cuts costs nothing,
-// one whose lips do not meet 2 us per cut link.
+// one whose lips do not meet 2 us per cut link; lips that meet cost what they push.
 #pragma once
 
 #include <functional>
 
 #include "lib/body/holds.h"
 #include "lib/chainmail/cut_lips.h"
-#include "lib/chainmail/free_pieces.h"
-#include "lib/chainmail/propagate.h"
+#include "lib/chainmail/projection.h"
 #include "volumes/base/progress.h"
 
 namespace supple {
@@ -45,13 +44,18 @@ class CutContact {
   SidesReport drag(const SlotSet& fixed, Holds& holds, const std::function<void(int)>& move,
                    Progress* progress = nullptr);
 
+  /// The same for a move that keeps all limits and ends before or after its time, such as a
+  /// relaxation: of the way straight to where it ends the whole, or the largest n / kDragParts that
+  /// leaves room. Places on that way keep all limits, too, since these are convex.
+  SidesReport go(const SlotSet& fixed, const Holds& held, const std::function<void()>& move,
+                 Progress* progress = nullptr);
+
   /// Takes overlapping lips apart. What is fixed or held stays, and all links keep their limits.
   /// Where these leave no room some overlap is `left`.
   SidesReport part(const SlotSet& fixed, const Holds& held, Progress* progress = nullptr);
 
  private:
-  double part_across(int c, const SlotSet& anchored, const Holds& held, Propagator& propagator,
-                     const FreePieces& pieces, Progress* progress);
+  double part_across(int c, ContactProjection& projection) const;
 
   Body& m_body;
   CutLips m_lips;

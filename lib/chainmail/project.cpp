@@ -11,6 +11,7 @@
 // met at all, A <= B, and U_a <= q_a <= L_a makes both q_a where l_a = u_a = q_a.
 #include <algorithm>
 #include <cstdlib>
+#include <unordered_set>
 
 #include "lib/chainmail/ecm.h"
 #include "lib/chainmail/projection.h"
@@ -19,6 +20,11 @@ namespace supple {
 
 namespace {
 
+/// floor(sum / 2).
+std::int32_t half(std::int64_t sum) {
+  return std::int32_t(sum >= 0 ? sum / 2 : -((1 - sum) / 2));
+}
+
 /// floor((above + below) / 2) in place of `above`.
 void average(BrickValues& above, const BrickValues& below) {
   for (std::size_t b = 0; b < above.brick_count(); ++b) {
@@ -26,8 +32,7 @@ void average(BrickValues& above, const BrickValues& below) {
     std::int32_t* upper = above.touch(b);
     const std::int32_t* lower = below.brick_or_zero(b);
     for (int offset = 0; offset < kBrickVoxels; ++offset) {
-      const std::int64_t sum = std::int64_t(upper[offset]) + lower[offset];
-      upper[offset] = std::int32_t(sum >= 0 ? sum / 2 : -((1 - sum) / 2));
+      upper[offset] = half(std::int64_t(upper[offset]) + lower[offset]);
     }
   }
 }
@@ -55,14 +60,13 @@ std::vector<Seed> pressed(const std::vector<ContactLink>& contacts, const BrickV
   return seeds;
 }
 
-/// Envelopes of one coordinate under links, pieces and contacts.
+/// Envelopes of one coordinate under links and pieces.
 class Envelopes {
  public:
-  Envelopes(const BrickValues& values, int coordinate, const std::vector<ContactLink>& contacts,
-            Propagator& propagator, Progress* progress, const FreePieces& pieces)
+  Envelopes(const BrickValues& values, int coordinate, Propagator& propagator, Progress* progress,
+            const FreePieces& pieces)
       : m_values(values),
         m_coordinate(coordinate),
-        m_contacts(contacts),
         m_propagator(propagator),
         m_progress(progress),
         m_pieces(pieces),
@@ -77,35 +81,22 @@ class Envelopes {
     } else {
       m_propagator.run(task, *seeds);
     }
-    for (int run = 0;; ++run) {
-      std::vector<Seed> more = pressed(m_contacts, moved, direction);
-      if (!m_pieces.empty()) {
-        const auto before = [&](std::size_t brick) { return m_values.brick_or_zero(brick); };
-        const std::vector<Seed> lagging = m_pieces.lagging(moved, before, direction, m_of_pieces);
-        more.insert(more.end(), lagging.begin(), lagging.end());
-      }
+    if (m_pieces.empty()) return;
+    const auto before = [&](std::size_t brick) { return m_values.brick_or_zero(brick); };
+    for (;;) {
+      const std::vector<Seed> more = m_pieces.lagging(moved, before, direction, m_of_pieces);
       if (more.empty()) return;
-      if (!m_contacts.empty() && run == kMostRuns) {
-        m_has_contradiction = true;
-        return;
-      }
       m_propagator.run(task, more);
     }
   }
-  /// Contacts that go round and round, as links pull back what they push.
-  bool has_contradiction() const { return m_has_contradiction; }
 
  private:
-  static constexpr int kMostRuns = 500;
-
   const BrickValues& m_values;
   const int m_coordinate;
-  const std::vector<ContactLink>& m_contacts;
   Propagator& m_propagator;
   Progress* m_progress;
   const FreePieces& m_pieces;
   const std::vector<std::size_t> m_of_pieces;
-  bool m_has_contradiction = false;
 };
 
 }  // namespace
@@ -134,8 +125,7 @@ std::int64_t largest_move(const BrickValues& before, const BrickValues& after) {
 
 BrickValues projected(const BrickValues& values, int coordinate, const HeldBounds& bounds,
                       Propagator& propagator, Progress* progress, const FreePieces& pieces) {
-  const std::vector<ContactLink> none;
-  Envelopes envelopes(values, coordinate, none, propagator, progress, pieces);
+  Envelopes envelopes(values, coordinate, propagator, progress, pieces);
   BrickValues above = values, below = values;
   envelopes.move(Direction::raise, above, nullptr);
   envelopes.move(Direction::lower, below, nullptr);
@@ -150,23 +140,134 @@ BrickValues projected(const BrickValues& values, int coordinate, const HeldBound
   return above;
 }
 
-std::optional<BrickValues> projected(const BrickValues& values, int coordinate,
-                                     const HeldBounds& bounds,
-                                     const std::vector<ContactLink>& contacts,
-                                     Propagator& propagator, Progress* progress,
-                                     const FreePieces& pieces) {
-  Envelopes envelopes(values, coordinate, contacts, propagator, progress, pieces);
-  BrickValues lowered = values, raised = values;
-  const std::vector<Seed> none;
-  envelopes.move(Direction::raise, lowered, &none);
-  if (envelopes.has_contradiction()) return std::nullopt;
-  envelopes.move(Direction::lower, lowered, &bounds.most);
-  envelopes.move(Direction::lower, raised, &none);
-  envelopes.move(Direction::raise, raised, &bounds.least);
-  if (envelopes.has_contradiction()) return std::nullopt;
-  average(lowered, raised);
-  if (!meets(lowered, bounds)) return std::nullopt;
-  return lowered;
+ContactProjection::ContactProjection(Body& body, const SlotSet& anchored, const Holds& held,
+                                     Progress* progress, Engine engine)
+    : m_body(body),
+      m_anchored(anchored),
+      m_held(held),
+      m_progress(progress),
+      m_propagator(body, engine) {}
+
+/// What may not rise (raise) or sink (lower) any further in a brick, and how far it may.
+template <class Visit>
+void ContactProjection::for_each_held(int c, std::size_t brick, Direction direction,
+                                      Visit&& visit) const {
+  const Slot first = Slot(brick * kBrickVoxels);
+  if (const BrickMask* mask = m_anchored.find(brick)) {
+    const std::int32_t* before = m_undo.saved_of(brick);
+    for_each_active(*mask, [&](int offset) { visit(first + Slot(offset), before[offset]); });
+  }
+  const auto& bounds =
+      (direction == Direction::raise ? m_held.at_most : m_held.at_least)[std::size_t(c)];
+  auto bound = std::lower_bound(bounds.begin(), bounds.end(), first,
+                                [](const Bound& at, Slot slot) { return at.slot < slot; });
+  for (; bound != bounds.end() && bound->slot < first + kBrickVoxels; ++bound) {
+    visit(bound->slot, bound->value);
+  }
+}
+
+/// Seeds that take back what went too far. An element is beyond B (below A) only if what bounds it
+/// there is beyond its own bound, since the envelope is valid: so those are all that count.
+std::vector<Seed> ContactProjection::beyond_bounds(int c, Direction direction) const {
+  std::vector<Seed> seeds;
+  const BrickValues& q = m_body.q[std::size_t(c)];
+  for (const std::size_t brick : m_undo.bricks()) {
+    for_each_held(c, brick, direction, [&](Slot slot, std::int32_t limit) {
+      const std::int32_t now = q.at(slot);
+      if (direction == Direction::raise ? now > limit : now < limit) seeds.push_back({slot, limit});
+    });
+  }
+  return seeds;
+}
+
+/// To the envelope of the seeds under links and contacts; false where that has no end.
+bool ContactProjection::move(int c, const std::vector<ContactLink>& contacts, Direction direction,
+                             std::vector<Seed> seeds) {
+  constexpr int kMostTurns = 64;
+  BrickValues& q = m_body.q[std::size_t(c)];
+  const PropagationTask task{c, direction, q, &m_undo, m_progress};
+  for (int turn = 0; turn < kMostTurns; ++turn) {
+    m_propagator.run(task, seeds);
+    seeds = pressed(contacts, q, direction);
+    if (seeds.empty()) return true;
+  }
+  return false;
+}
+
+/// To min(L, B) or to max(U, A), from where q is.
+bool ContactProjection::reach(int c, const std::vector<ContactLink>& contacts,
+                              Direction direction) {
+  const bool rises = direction == Direction::raise;
+  if (!move(c, contacts, direction, pressed(contacts, m_body.q[std::size_t(c)], direction))) {
+    return false;
+  }
+  const std::vector<Seed> back = beyond_bounds(c, direction);
+  return back.empty() || move(c, contacts, rises ? Direction::lower : Direction::raise, back);
+}
+
+/// From max(U, A) to half-way to min(L, B), of which `above` has the bricks that it changed.
+void ContactProjection::average(int c, const std::vector<std::size_t>& bricks,
+                                const std::vector<std::int32_t>& above) {
+  BrickValues& q = m_body.q[std::size_t(c)];
+  const std::vector<std::size_t> lowered = m_undo.bricks();
+  for (std::size_t n = 0; n < bricks.size(); ++n) m_undo.before_change(bricks[n], q);
+  const auto to_middle = [&](std::size_t brick, const std::int32_t* other) {
+    std::int32_t* now = q.touch(brick);
+    for (int offset = 0; offset < kBrickVoxels; ++offset) {
+      now[offset] = half(std::int64_t(now[offset]) + other[offset]);
+    }
+  };
+  for (std::size_t n = 0; n < bricks.size(); ++n) {
+    to_middle(bricks[n], above.data() + n * kBrickVoxels);
+  }
+  const std::unordered_set<std::size_t> raised(bricks.begin(), bricks.end());
+  for (const std::size_t brick : lowered) {
+    if (raised.count(brick) == 0) to_middle(brick, m_undo.saved_of(brick));
+  }
+}
+
+std::int64_t ContactProjection::commit(int c) {
+  std::int64_t largest = 0;
+  for (const std::size_t brick : m_undo.bricks()) {
+    const std::int32_t* from = m_undo.saved_of(brick);
+    const std::int32_t* to = m_body.q[std::size_t(c)].brick_or_zero(brick);
+    for (int offset = 0; offset < kBrickVoxels; ++offset) {
+      largest = std::max(largest, std::abs(std::int64_t(to[offset]) - from[offset]));
+    }
+    m_body.drop_fractions(c, brick, from);
+  }
+  m_undo.clear();
+  return largest;
+}
+
+std::optional<std::int64_t> ContactProjection::meet(int c,
+                                                    const std::vector<ContactLink>& contacts) {
+  BrickValues& q = m_body.q[std::size_t(c)];
+  q.resize(m_body.elements.brick_count());
+  try {
+    if (reach(c, contacts, Direction::raise)) {
+      const std::vector<std::size_t> bricks = m_undo.bricks();
+      std::vector<std::int32_t> above;
+      above.reserve(bricks.size() * kBrickVoxels);
+      for (const std::size_t brick : bricks) {
+        const std::int32_t* values = q.brick_or_zero(brick);
+        above.insert(above.end(), values, values + kBrickVoxels);
+      }
+      m_undo.roll_back(q);
+      if (reach(c, contacts, Direction::lower)) {
+        average(c, bricks, above);
+        if (beyond_bounds(c, Direction::raise).empty() &&
+            beyond_bounds(c, Direction::lower).empty()) {
+          return commit(c);
+        }
+      }
+    }
+  } catch (...) {
+    m_undo.roll_back(q);
+    throw;
+  }
+  m_undo.roll_back(q);
+  return std::nullopt;
 }
 
 ProjectionReport project(Body& body, const SlotSet& fixed, const Holds& held) {

@@ -23,19 +23,43 @@ BrickValues projected(const BrickValues& values, int coordinate, const HeldBound
                       Propagator& propagator, Progress* progress = nullptr,
                       const FreePieces& pieces = {});
 
-/// The same with contacts beside the links. None where bounds, links and contacts contradict each
-/// other: the bounds come first, and nothing is given up for them.
-std::optional<BrickValues> projected(const BrickValues& values, int coordinate,
-                                     const HeldBounds& bounds,
-                                     const std::vector<ContactLink>& contacts,
-                                     Propagator& propagator, Progress* progress = nullptr,
-                                     const FreePieces& pieces = {});
-
 /// Bounds of elements that stay and of elements that are held, in the present state.
 HeldBounds held_bounds(const Body& body, int coordinate, const SlotSet& anchored,
                        const Holds& held);
 
 /// The largest |q| by which two states of a coordinate differ.
 std::int64_t largest_move(const BrickValues& before, const BrickValues& after);
+
+/// The projection of a body whose links all hold, but for contacts between elements. It visits the
+/// bricks that contacts push and no others: all else has the values that it had.
+class ContactProjection {
+ public:
+  /// All outlive it. What is `anchored` stays. Rigid pieces are not known.
+  ContactProjection(Body& body, const SlotSet& anchored, const Holds& held,
+                    Progress* progress = nullptr, Engine engine = Engine::automatic);
+
+  /// Moves one coordinate until the contacts hold, too. The largest move in units of q; none, and
+  /// nothing has moved, where what is held, links and contacts contradict each other: contacts that
+  /// still push each other on after 64 turns do. Throws Cancelled.
+  std::optional<std::int64_t> meet(int coordinate, const std::vector<ContactLink>& contacts);
+
+ private:
+  bool reach(int c, const std::vector<ContactLink>& contacts, Direction direction);
+  bool move(int c, const std::vector<ContactLink>& contacts, Direction direction,
+            std::vector<Seed> seeds);
+  template <class Visit>
+  void for_each_held(int c, std::size_t brick, Direction direction, Visit&& visit) const;
+  std::vector<Seed> beyond_bounds(int c, Direction direction) const;
+  void average(int c, const std::vector<std::size_t>& bricks,
+               const std::vector<std::int32_t>& above);
+  std::int64_t commit(int c);
+
+  Body& m_body;
+  const SlotSet& m_anchored;
+  const Holds& m_held;
+  Progress* m_progress;
+  Propagator m_propagator;
+  UndoLog m_undo;
+};
 
 }  // namespace supple

@@ -122,7 +122,7 @@ void add_handles(const Drag& drag, std::size_t number, const Region& region,
   const HandleMotion motion = centred(drag.motion, drag, region, around);
   add_grabbed(drag, number, region, motion, around, handles);
   if (drag.soft_mm == 0) return;
-  SoftEdge edge = soft_edge(*drag.selection, drag.soft_mm, body, around.density);
+  SoftEdge edge = soft_edge(*drag.selection, drag.soft_mm, body, around.cuts, around.density);
   take_out(edge, taken);
   if (edge.slots.empty()) return;
   taken.add(edge.slots);

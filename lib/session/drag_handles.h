@@ -7,10 +7,12 @@
 
 namespace supple {
 
-/// Elements that a drag's edge may not take: anchors, and elements that earlier steps hold.
 struct HandleSurroundings {
   const Body& body;
   const DensityGrid& density;
+  /// Those without the links that rigid pieces hide: an edge does not reach across them.
+  const LinkCuts& cuts;
+  /// Elements that a drag's edge may not take: anchors, and elements that earlier steps hold.
   SlotSet taken;
   /// Two-sided edges are held at their targets. Pushing ones go at least so far where the handle
   /// takes them further: limits too tight for the edge's slope then stop nothing.

@@ -15,7 +15,7 @@ namespace supple {
 struct HandlePlace {
   std::string name;  // of its region
   std::int64_t elements = 0;
-  Vec3d centre_index, centre_lps_mm;
+  Vec3d centre_index{0, 0, 0}, centre_lps_mm{0, 0, 0};
   float least_density = 0, largest_density = 0;
   std::set<std::int32_t> labels;  // 0: some have none
 };

@@ -53,6 +53,35 @@ double distance_mm(const Selection& selection, const Geometry& geometry, const V
   return distance;
 }
 
+/// Whether a link is cut on the way from a voxel to the box or ball: along links, as near to the
+/// straight line as they lie.
+bool is_cut_off(const Selection& selection, const Body& body, const LinkCuts& cuts, Vec3i voxel) {
+  Vec3i count, step;  // links left along each axis, and their direction
+  for (int c = 0; c < 3; ++c) {
+    const int to = selection.ball_index
+                       ? int(std::lround((*selection.ball_index)[c]))
+                       : std::clamp(voxel[c], selection.box->lo[c], selection.box->hi[c]);
+    count[c] = std::abs(to - voxel[c]);
+    step[c] = to < voxel[c] ? -1 : 1;
+  }
+  const Vec3d all(count);
+  while (count != Vec3i(0) && distance_mm(selection, body.geometry, voxel) > 0) {
+    int axis = -1;  // that with the largest part of its links left
+    for (int c = 0; c < 3; ++c) {
+      if (count[c] == 0) continue;
+      if (axis < 0 || (count[c] - 0.5) / all[c] > (count[axis] - 0.5) / all[axis]) axis = c;
+    }
+    Vec3i next = voxel;
+    next[axis] += step[axis];
+    --count[axis];
+    const Vec3i& low = step[axis] > 0 ? voxel : next;
+    const std::int32_t brick = body.elements.find(low);
+    if (brick >= 0 && cuts.is_cut(std::size_t(brick), brick_offset(low), axis)) return true;
+    voxel = next;
+  }
+  return false;
+}
+
 std::string density_text(const NumberPair& range) {
   return number_text(range.first) + ":" + number_text(range.second);
 }
@@ -144,12 +173,13 @@ Region region_of(const Selection& selection, const Body& body, const DensityGrid
 }
 
 SoftEdge soft_edge(const Selection& selection, double width_mm, const Body& body,
-                   const DensityGrid& density) {
+                   const LinkCuts& cuts, const DensityGrid& density) {
   SoftEdge edge;
   std::vector<SlotSet::Brick> bricks;
   const auto is_in = [&](const Vec3i& voxel) {
     const double distance = distance_mm(selection, body.geometry, voxel);
-    return distance > 0 && distance < width_mm && is_within(selection.density, density, voxel);
+    return distance > 0 && distance < width_mm && is_within(selection.density, density, voxel) &&
+           (cuts.empty() || !is_cut_off(selection, body, cuts, voxel));
   };
   for_each_brick_of(body.elements, is_in, [&](std::size_t b, const BrickMask& mask) {
     bricks.push_back({std::uint32_t(b), mask});

@@ -55,10 +55,11 @@ struct SoftEdge {
   std::vector<double> parts;  // 0 to 1, in the order of the slots
 };
 
-/// The elements of the selection's densities outside its box or ball, nearer to it than `width_mm`.
+/// The elements of the selection's densities outside its box or ball, nearer to it than `width_mm`,
+/// that none of these cuts parts from it: the links along the straight way to it are whole.
 /// The part falls from 1 to 0 with slope 0 at both ends: 1 - t^2 (3 - 2 t) at distance t width_mm.
 SoftEdge soft_edge(const Selection& selection, double width_mm, const Body& body,
-                   const DensityGrid& density);
+                   const LinkCuts& cuts, const DensityGrid& density);
 
 /// As a journal records it, and a state its anchors.
 std::string selection_json(const Selection& selection);

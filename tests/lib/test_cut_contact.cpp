@@ -61,12 +61,11 @@ std::array<std::int32_t, 3> random_move(std::mt19937& random, int voxels) {
   return by;
 }
 
-/// One envelope by relaxing every link and contact until nothing changes; none where that does not
-/// end.
+/// One envelope of values by relaxing every link and contact until nothing changes; none where that
+/// does not end.
 std::optional<std::vector<std::int64_t>> envelope(const Body& body, int c, bool raise,
-                                                  const std::vector<ContactLink>& contacts) {
-  std::vector<std::int64_t> q(slot_count(body.elements), 0);
-  for (std::size_t n = 0; n < q.size(); ++n) q[n] = body.q[std::size_t(c)].at(n);
+                                                  const std::vector<ContactLink>& contacts,
+                                                  std::vector<std::int64_t> q) {
   bool has_changed = true;
   // q[above] - q[below] >= least
   const auto keep = [&](Slot below, Slot above, std::int64_t least) {
@@ -91,8 +90,26 @@ std::optional<std::vector<std::int64_t>> envelope(const Body& body, int c, bool 
   return q;
 }
 
-std::int64_t floor_half(std::int64_t sum) {
-  return sum >= 0 ? sum / 2 : -((1 - sum) / 2);
+/// The projection by brute force: floor((min(L, B) + max(U, A)) / 2), with B and A those of the
+/// elements that stay; none where these move.
+std::optional<std::vector<std::int64_t>> projected_by_force(
+    const Body& body, int c, const SlotSet& anchored, const std::vector<ContactLink>& contacts) {
+  std::vector<std::int64_t> q(slot_count(body.elements), 0);
+  for (std::size_t n = 0; n < q.size(); ++n) q[n] = body.q[std::size_t(c)].at(n);
+  std::vector<std::int64_t> sum(q.size(), 0);
+  for (const bool raise : {true, false}) {
+    auto moved = envelope(body, c, raise, contacts, q);
+    if (!moved) return std::nullopt;
+    anchored.for_each([&](Slot slot) { (*moved)[slot] = q[slot]; });
+    moved = envelope(body, c, !raise, contacts, *moved);
+    if (!moved) return std::nullopt;
+    for (std::size_t n = 0; n < q.size(); ++n) sum[n] += (*moved)[n];
+  }
+  bool holds = true;
+  for (std::int64_t& value : sum) value = value >= 0 ? value / 2 : -((1 - value) / 2);
+  anchored.for_each([&](Slot slot) { holds = holds && sum[slot] == q[slot]; });
+  if (!holds) return std::nullopt;
+  return sum;
 }
 
 }  // namespace
@@ -155,18 +172,30 @@ TEST(PropertyCutContact, ContactsAreProjectedAsByBruteForce) {
       const int closer = int(random() % (2 * kVoxel)) - kVoxel;
       contacts.push_back({below, above, std::int64_t(q.at(above)) - q.at(below) + closer});
     }
-    const auto above = envelope(body, c, true, contacts),
-               below = envelope(body, c, false, contacts);
-    for (const Engine engine : {Engine::block, Engine::flat}) {
-      Propagator propagator(body, engine);
-      const auto apart = projected(body.q[std::size_t(c)], c, {}, contacts, propagator);
-      ASSERT_EQ(apart.has_value(), above.has_value()) << n;
-      if (!apart) continue;
-      for_each_element(body.elements, [&](Slot slot) {
-        ASSERT_EQ(apart->at(slot), floor_half((*above)[slot] + (*below)[slot])) << n;
-      });
+    std::vector<Slot> held;
+    for (unsigned k = 0; k < random() % 4; ++k) {
+      Slot slot = 0;
+      slot_of(body.elements, block.voxel(random_element(random, block)), slot);
+      held.push_back(slot);
     }
-    (above ? compared : contradictions) += 1;
+    const SlotSet anchored(std::move(held));
+    const auto expected = projected_by_force(body, c, anchored, contacts);
+    for (const Engine engine : {Engine::block, Engine::flat}) {
+      Body moved = body;
+      const Holds none;
+      ContactProjection projection(moved, anchored, none, nullptr, engine);
+      const auto largest = projection.meet(c, contacts);
+      ASSERT_EQ(largest.has_value(), expected.has_value()) << n;
+      std::int64_t most = 0;
+      for_each_element(body.elements, [&](Slot slot) {
+        const std::int64_t before = body.q[std::size_t(c)].at(slot);
+        const std::int64_t now = moved.q[std::size_t(c)].at(slot);
+        ASSERT_EQ(now, expected ? (*expected)[slot] : before) << n;
+        most = std::max(most, std::abs(now - before));
+      });
+      EXPECT_EQ(largest.value_or(0), most) << n;
+    }
+    (expected ? compared : contradictions) += 1;
   }
   std::printf("%d compared, %d contradictions\n", compared, contradictions);
   EXPECT_GT(compared, cases(100));
@@ -240,13 +269,93 @@ TEST(PropertyCutContact, AfterARelaxationTooTheSidesAreApart) {
     CutContact contact(body, body.cuts);
     RelaxParams params;
     params.passes = 200;
-    const SidesReport report = contact.drag(fixed, holds, [&](int parts) {
+    const SidesReport report = contact.go(fixed, holds, [&] {
       RelaxModel model({body, anchors, holds}, params);
-      run_model(model, params.passes * parts / CutContact::kDragParts);
+      run_model(model, params.passes);
     });
     met += report.overlapping > 0 || report.parts < CutContact::kDragParts;
     EXPECT_EQ(report.left, 0) << n;
     EXPECT_EQ(check_links(body).violated, 0);
   }
   EXPECT_GT(met, 0);
+}
+
+TEST(PropertyCutContact, AWayThatHasNoRoomIsGoneInPartAndKeepsEveryLimit) {
+  // The floor comes up by more than both halves can shrink, under a lid that stays.
+  Body body = cut_cube({0.3, 0, 1});
+  const IndexBox floor{{0, 0, 0}, {kCube - 1, kCube - 1, 1}};
+  SlotSet held = elements_of(body, IndexBox{{0, 0, 7}, {kCube - 1, kCube - 1, 9}}, "fix");
+  held.add(elements_of(body, floor, "fix"));
+  Body moved = body;
+  EcmSolver solver(moved);
+  solver.drag({Handle(Region(floor), {kVoxel / 2, -kVoxel / 3, 4 * kVoxel + 17})}, {});
+  ASSERT_EQ(check_links(moved).violated, 0);
+  CutContact contact(body, body.cuts);
+  const SidesReport report = contact.go(held, {}, [&] { body.q = moved.q; });
+  EXPECT_EQ(report.left, 0);
+  EXPECT_GT(report.parts, 0);
+  EXPECT_LT(report.parts, CutContact::kDragParts);
+  EXPECT_EQ(check_links(body).violated, 0);
+  EXPECT_EQ(overlapped_voxels(body), 0);
+}
+
+TEST(PropertyCutContact, LipsThatMeetMoveNothingFarAway) {
+  Body body = body_of(homogeneous({64, 24, 24}, 1.4, 0.6, 0.25));
+  const Geometry& geometry = body.geometry;
+  cut(body, PlanePatch{geometry.world_from_index({-1, -1, 11.4}),
+                       geometry.world_vector_from_index({66, 0, 0}),
+                       geometry.world_vector_from_index({0, 26, 0})});
+  CutContact contact(body, body.cuts);
+  Holds holds;
+  EcmSolver solver(body);
+  const SidesReport report = contact.drag({}, holds, [&](int parts) {
+    solver.drag({Handle(Vec3i(4, 12, 11), part_of({0, 0, 2 * kVoxel}, parts))}, {}, holds);
+  });
+  EXPECT_GT(report.overlapping, 0);
+  EXPECT_EQ(report.left, 0);
+  EXPECT_EQ(overlapped_voxels(body), 0);
+  for (std::size_t b = 0; b < body.elements.brick_count(); ++b) {
+    const bool is_far = body.elements.origin(b).x >= 24;
+    EXPECT_TRUE(!is_far || body.q[2].brick(b) == nullptr) << b;
+  }
+}
+
+TEST(PropertyCutContact, CutsThatEndAndSlicesAreKeptApartWithAnyLinks) {
+  std::mt19937 random(17);
+  int met = 0;
+  std::int64_t left = 0, overlapped = 0, states = 0;
+  for (unsigned n = 0; n < cases(24); ++n) {
+    const int links = n % 3 == 0 ? 6 : n % 3 == 1 ? 18 : 26;
+    const bool is_slice = n % 4 == 3;
+    Block block = homogeneous({16, 14, is_slice ? 1 : 12}, 1.4, 0.6, 0.25);
+    block.table.links = links;
+    Body body = body_of(block);
+    const Geometry& geometry = body.geometry;
+    // From one side to the middle of the body, across j.
+    cut(body, PlanePatch{geometry.world_from_index({-1, 6.3, -2}),
+                         geometry.world_vector_from_index({9.2, n % 2 == 0 ? 0 : 2.1, 0}),
+                         geometry.world_vector_from_index({0, 0, 20})});
+    EcmSolver solver(body);
+    for (int k = 0; k < 3; ++k) {
+      const Vec3i voxel(int(random() % 6), int(random() % 14), is_slice ? 0 : int(random() % 12));
+      std::array<std::int32_t, 3> by = random_move(random, 4);
+      if (is_slice) by[2] = 0;
+      CutContact contact(body, body.cuts);
+      Holds holds;
+      const SidesReport report = contact.drag({}, holds, [&](int parts) {
+        solver.drag({Handle(voxel, part_of(by, parts))}, {}, holds);
+      });
+      met += report.overlapping > 0;
+      left += report.left;
+      ASSERT_EQ(check_links(body).violated, 0);
+    }
+    const std::int64_t voxels = overlapped_voxels(body);
+    overlapped += voxels;
+    states += voxels > 0;
+  }
+  std::printf("lips met in %d drags; %lld points left, %lld voxels in %lld states\n", met,
+              static_cast<long long>(left), static_cast<long long>(overlapped),
+              static_cast<long long>(states));
+  EXPECT_GT(met, int(cases(24)));
+  EXPECT_EQ(left, 0);
 }

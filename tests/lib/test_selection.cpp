@@ -1,8 +1,10 @@
 // Selections of elements against a look at every voxel, and the edges around them.
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
+#include "lib/body/cut.h"
 #include "lib/session/selection.h"
 #include "tests/lib/test_bodies.h"
 #include "tests/support/errors.h"
@@ -115,7 +117,7 @@ TEST(PropertySelection, PartsOfAnEdgeFollowHermitesCubicOfTheDistance) {
     ball.ball_index = given.some_place();
     ball.radius_mm = 0.3 + seed % 3;
     const double width = 1 + seed % 5;
-    const SoftEdge edge = soft_edge(ball, width, given.body, given.density);
+    const SoftEdge edge = soft_edge(ball, width, given.body, given.body.cuts, given.density);
     std::size_t n = 0, expected = 0;
     edge.slots.for_each([&](Slot slot) {
       const Vec3i voxel = voxel_of(given.body.elements, slot);
@@ -132,6 +134,47 @@ TEST(PropertySelection, PartsOfAnEdgeFollowHermitesCubicOfTheDistance) {
     }
     EXPECT_EQ(n, expected);
   }
+}
+
+TEST(UnitSelection, AnEdgeDoesNotReachAcrossACut) {
+  Body body = body_of(homogeneous({20, 15, 15}, 1.3, 0.7, 0.3));
+  const DensityGrid density =
+      make_density_grid(body.elements, std::vector<float>(slot_count(body.elements), 100), 0);
+  Selection ball, box;
+  ball.ball_index = Vec3d(6.8, 4.1, 7.2);
+  ball.radius_mm = 1.6;
+  box.box = IndexBox{{5, 2, 6}, {7, 4, 8}};
+  constexpr double kWidth = 9, kAt = 9.5, kEnd = 7.5;  // the plane i = kAt, as far as j = kEnd
+  const SlotSet whole_ball = soft_edge(ball, kWidth, body, body.cuts, density).slots;
+  const SlotSet whole_box = soft_edge(box, kWidth, body, body.cuts, density).slots;
+  const Geometry& geometry = body.geometry;
+  cut(body, PlanePatch{geometry.world_from_index({kAt, -1, -1}),
+                       geometry.world_vector_from_index({0, kEnd + 1, 0}),
+                       geometry.world_vector_from_index({0, 0, 17})});
+  int parted = 0, beyond_its_end = 0;
+  for (const bool is_ball : {true, false}) {
+    const Selection& selection = is_ball ? ball : box;
+    const SlotSet& whole = is_ball ? whole_ball : whole_box;
+    const SoftEdge edge = soft_edge(selection, kWidth, body, body.cuts, density);
+    EXPECT_EQ(edge.parts.size(), edge.slots.size());
+    whole.for_each([&](Slot slot) {
+      const Vec3d at(voxel_of(body.elements, slot));
+      Vec3d to = is_ball ? *ball.ball_index : at;
+      for (int c = 0; !is_ball && c < 3; ++c) {
+        to[c] = std::clamp(to[c], double(box.box->lo[c]), double(box.box->hi[c]));
+      }
+      if (at.x < kAt) {
+        EXPECT_TRUE(edge.slots.contains(slot)) << at;
+        return;
+      }
+      const double crossed_at = at.y + (to.y - at.y) * (at.x - kAt) / (at.x - to.x);
+      if (std::abs(crossed_at - kEnd) < 1) return;
+      EXPECT_EQ(edge.slots.contains(slot), crossed_at > kEnd) << at;
+      (crossed_at > kEnd ? beyond_its_end : parted) += 1;
+    });
+  }
+  EXPECT_GT(parted, 500);
+  EXPECT_GT(beyond_its_end, 20);
 }
 
 TEST(UnitSelection, AForgedSelectionIsRefused) {

@@ -117,3 +117,23 @@ TEST_F(UnitSession, WithoutUndoNothingIsKeptAndUndoIsAnError) {
   session.drag(kGrabbed, {0, 2, 0});
   EXPECT_THROW(session.undo(), std::logic_error);
 }
+
+TEST_F(UnitSession, HandlesArePlacedInTheMiddleOfTheirElements) {
+  const Session session(m_ball, m_options);
+  Selection ball;
+  ball.ball_index = Vec3d(12, 12, 16);
+  ball.radius_mm = 2.5;
+  std::vector<Drag> drags;
+  for (const Vec3i& voxel : {Vec3i(12, 12, 16), Vec3i(10, 14, 12), Vec3i(10, 14, 12)}) {
+    drags.push_back({Region(IndexBox{voxel, voxel}), {1, 0, 0}});
+  }
+  drags.back().selection = ball;
+  const std::vector<HandlePlace> places = session.places(drags);
+  ASSERT_EQ(places.size(), drags.size());
+  const Vec3d expected[] = {{12, 12, 16}, {10, 14, 12}, {12, 12, 16}};
+  for (std::size_t n = 0; n < places.size(); ++n) {
+    EXPECT_LT((places[n].centre_index - expected[n]).length(), 1e-9) << places[n].centre_index;
+  }
+  EXPECT_EQ(places[0].elements, 1);
+  EXPECT_GT(places[2].elements, 30);
+}

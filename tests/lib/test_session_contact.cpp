@@ -1,0 +1,141 @@
+// Contact of the sides of cuts through whole sessions: an incision, lips that are pushed into each
+// other.
+#include <gtest/gtest.h>
+
+#include "lib/material/material_file.h"
+#include "lib/session/session.h"
+#include "tests/support/program.h"
+#include "volumes/base/on_threads.h"
+
+using namespace supple;
+using namespace supple::test;
+
+namespace {
+
+constexpr int kLong = 24, kHigh = 18, kBone = 4;  // voxels; cuts end above z = kBone
+
+/// By the links of the material.
+class PropertySessionContact : public ::testing::TestWithParam<int> {
+ protected:
+  PropertySessionContact() {
+    std::string voxels;
+    for (int k = 0; k < kHigh; ++k) {
+      for (int n = 0; n < kLong * kLong; ++n) {
+        const bool is_air = k == kHigh - 1 && n == 0;
+        voxels += char(static_cast<unsigned char>(is_air ? 0 : k < kBone ? 200 : 100));
+      }
+    }
+    write_text(m_folder / "plate.raw", voxels);
+    write_text(m_folder / "plate.nhdr",
+               "NRRD0004\ntype: uint8\ndimension: 3\nspace: left-posterior-superior\n"
+               "sizes: 24 24 18\nspace directions: (1,0,0) (0,1,0) (0,0,1)\n"
+               "space origin: (0,0,0)\nencoding: raw\ndata file: plate.raw\n");
+  }
+
+  SessionOptions options(const std::string& more) const {
+    SessionOptions options;
+    options.keeps_undo = true;
+    options.material = parse_material(
+        "domain = [0, 255]\nactive = [1, 255]\nmax_length = [[0, 1.5]]\nmin_length = [[0, 0.6]]\n"
+        "shear = [[0, 0.28]]\nlinks = " +
+            std::to_string(GetParam()) + "\nrelax = false\n" + more,
+        "test");
+    return options;
+  }
+  std::string volume() const { return m_folder / "plate.nhdr"; }
+
+  TemporaryFolder m_folder;
+};
+
+/// Down to the bone across i, from j = `from` to `to`, leaning by `lean` voxels per voxel.
+CutSurface incision(double from, double to, double lean = 0) {
+  CutSurface plane;
+  plane.in_voxels = true;
+  plane.corner = {11.5 - lean * (kHigh - kBone) / 2, from, kBone - 0.5};
+  plane.edge1 = {0, to - from, 0};
+  plane.edge2 = {lean * (kHigh - kBone), 0, double(kHigh - kBone)};
+  return plane;
+}
+
+StepRequest pushed(const Vec3d& by_mm, const IndexBox& lip = {{8, 9, 12}, {10, 14, 16}}) {
+  StepRequest request;
+  request.drags.push_back({Region(lip), by_mm});
+  return request;
+}
+
+std::int64_t overlaps(Session& session) {
+  return session.pose().offsets.certificate.overlapped_voxels;
+}
+
+}  // namespace
+
+TEST_P(PropertySessionContact, AnIncisionDoesNotPassThroughItself) {
+  for (const double lean : {0.0, 0.5}) {
+    Session passing(volume(), options("contact = false\n"));
+    passing.cut(incision(4, 20, lean));
+    passing.step(pushed({4, 0.5, 0}));
+    ASSERT_GT(overlaps(passing), 20) << lean;
+
+    Session session(volume(), options(""));
+    session.cut(incision(4, 20, lean));
+    StepRequest push = pushed({4, 0.5, 0});
+    push.fix = {{{12, 0, 0}, {12, 0, 0}}};
+    const StepRecord& record = session.step(push);
+    EXPECT_GT(record.contact.overlapping, 20);
+    EXPECT_EQ(record.contact.left, 0);
+    EXPECT_EQ(overlaps(session), 0) << lean;
+    EXPECT_EQ(check_links(session.body()).violated, 0);
+    // The other lip gives way.
+    EXPECT_GT(session.body().offset({13, 11, 15}, 0), 0);
+  }
+}
+
+TEST_P(PropertySessionContact, ARelaxationDoesNotPushTheLipsThroughEachOther) {
+  Session session(volume(), options(""));
+  session.cut(incision(4, 20));
+  session.step(pushed({4, 0, 0}));
+  StepRequest relax;
+  relax.relax = RelaxParams();
+  relax.relax->passes = 100;
+  const StepRecord& record = session.step(relax);
+  EXPECT_EQ(record.contact.left, 0);
+  EXPECT_EQ(overlaps(session), 0);
+  EXPECT_EQ(check_links(session.body()).violated, 0);
+}
+
+TEST_P(PropertySessionContact, LipsThatAreBothHeldStopTheDragWhereTheyMeet) {
+  Session session(volume(), options(""));
+  session.cut(incision(-1, 25));
+  StepRequest push = pushed({6, 0, 0}, {{0, 0, 8}, {10, 23, 16}});
+  push.fix = {{{13, 0, 8}, {23, 23, 17}}, {{12, 0, 0}, {12, 0, 0}}};
+  const StepRecord& record = session.step(push);
+  EXPECT_EQ(record.contact.left, 0);
+  EXPECT_LT(record.contact.parts, CutContact::kDragParts);
+  // The drag tells of it, and goes as far.
+  EXPECT_LE(record.report.fraction(), double(record.contact.parts) / CutContact::kDragParts);
+  EXPECT_NEAR(session.body().offset({5, 11, 12}, 0) / 65536.0, 6 * record.report.fraction(), 1e-3);
+  EXPECT_EQ(overlaps(session), 0);
+  // One link on either side of the cut gives way by 0.4, and so do the halves of a link to the
+  // face.
+  EXPECT_GT(session.body().offset({5, 11, 12}, 0), 0.7 * 65536);
+  EXPECT_LT(session.body().offset({5, 11, 12}, 0), (1.2 + 1.0 / 64) * 65536);
+}
+
+TEST_P(PropertySessionContact, DoesNotDependOnThreadsAndIsTakenBack) {
+  const auto moved_on = [&](int threads) {
+    return on_threads(threads, [&] {
+      Session session(volume(), options(""));
+      session.cut(incision(4, 20, 0.4));
+      const State before = session.state();
+      session.step(pushed({3, 1, -1}));
+      const State after = session.state();
+      EXPECT_TRUE(session.undo());
+      EXPECT_EQ(session.state().q, before.q);
+      return after;
+    });
+  };
+  const State one = moved_on(1), many = moved_on(4);
+  EXPECT_EQ(one.q, many.q);
+}
+
+INSTANTIATE_TEST_SUITE_P(, PropertySessionContact, ::testing::Values(6, 26));
