@@ -7,9 +7,9 @@ namespace supple {
 
 namespace {
 
-/// The residual is computed afresh after it seemed small enough; where it is not, iterations start
-/// again from there.
-constexpr int kMaxStarts = 5;
+/// The residual is computed afresh after it seemed small enough, or where a cycle that is not quite
+/// linear gave no descent; iterations start again from there.
+constexpr int kMaxStarts = 20;
 
 /// Of single nodes, by ranges.
 struct NodeNorms {
