@@ -246,7 +246,7 @@ struct BlockValues {
       const std::size_t first = 9 * std::size_t(row);
       add_one(nodes[first], first, sign, global);
       if (in_sequence[row] != 0) {
-        const auto points = [&](int a) {
+        const auto points = [&](int a) -> ElementLanes<T> {
           return *reinterpret_cast<const LanesAnywhere<T>*>(&y[a * stride + first + 1]);
         };
         add_points<T>(points(0), points(1), points(2), sign,
