@@ -2,8 +2,8 @@
 // Level 0 has the voxels themselves. Level 1 has cells of 2^3 voxels by Galerkin, P^T K P, from the
 // voxels' own stiffnesses and with the rows of held nodes of the voxel mesh left out.
 //
-// Cost on level 0 of a full cube of 64^3: some 100 million unknowns per second of processor time in
-// single precision, 85 million in double. Memory: 2.4 bytes per unknown for a full block.
+// Cost on level 0 of a full cube of 64^3: some 117 million unknowns per second of processor time in
+// single precision, 79 million in double. Memory: 2.6 bytes per unknown.
 #pragma once
 
 #include <array>

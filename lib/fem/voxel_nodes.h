@@ -9,7 +9,7 @@
 namespace supple {
 
 /// Fills mesh.corners and mesh.node_begin of a mesh whose elements and blocks are those of the
-/// body. 0.3 us per element.
+/// body.
 void number_voxel_nodes(const Body& body, HexMesh& mesh);
 
 }  // namespace supple
