@@ -10,16 +10,16 @@ namespace {
 constexpr int kMostRounds = 40;
 
 /// Where a body is.
-class Offsets {
+class KeptOffsets {
  public:
-  explicit Offsets(const Body& body) : m_q(body.q), m_fraction(body.fraction) {}
+  explicit KeptOffsets(const Body& body) : m_q(body.q), m_fraction(body.fraction) {}
   void restore(Body& body) const {
     body.q = m_q;
     body.fraction = m_fraction;
   }
   /// As far from `start` as so many parts of the way from there. Rounded down, which keeps every
   /// difference constraint: floor(x - W) is floor(x) - W.
-  void restore_part(const Offsets& start, int parts, Body& body) const {
+  void restore_part(const KeptOffsets& start, int parts, Body& body) const {
     restore(body);
     for (std::size_t c = 0; c < 3; ++c) {
       for (std::size_t b = 0; b < m_q[c].brick_count(); ++b) {
@@ -71,7 +71,7 @@ CutContact::CutContact(Body& body, const LinkCuts& cuts) : m_body(body), m_lips(
 
 SidesReport CutContact::drag(const SlotSet& fixed, Holds& holds,
                              const std::function<void(int)>& move, Progress* progress) {
-  const Offsets start(m_body);
+  const KeptOffsets start(m_body);
   const Holds before = holds;
   return largest_part([&](int parts, bool is_first) {
     if (!is_first) {
@@ -85,9 +85,9 @@ SidesReport CutContact::drag(const SlotSet& fixed, Holds& holds,
 
 SidesReport CutContact::go(const SlotSet& fixed, const Holds& held,
                            const std::function<void()>& move, Progress* progress) {
-  const Offsets start(m_body);
+  const KeptOffsets start(m_body);
   move();
-  const Offsets end(m_body);
+  const KeptOffsets end(m_body);
   return largest_part([&](int parts, bool is_first) {
     if (!is_first) end.restore_part(start, parts, m_body);
     return part(fixed, held, progress);

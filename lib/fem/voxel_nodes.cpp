@@ -18,7 +18,7 @@ int wide_place(const Vec3i& local) {
 }
 
 /// The elements of a block and around it.
-struct Surroundings {
+struct CornerVoxels {
   std::array<std::int32_t, kWide * kWide * kWide> element;  // -1: none
   /// Bits per axis: the link to the next voxel along it is cut. Only where has_cuts.
   std::array<std::uint8_t, kWide * kWide * kWide> cut;
@@ -101,7 +101,7 @@ const std::array<std::array<std::uint8_t, 8>, 256> kUncutPieces = uncut_pieces()
 
 /// The first element of the piece that has corner `c` of the element at `place`, as 8 element +
 /// corner.
-std::uint32_t first_corner(const Surroundings& around, int place, int c) {
+std::uint32_t first_corner(const CornerVoxels& around, int place, int c) {
   // Voxel `bits` around the corner, where the element is voxel 7 - c.
   const int lowest = place + (c >> 2 & 1) * kWideStride[0] + (c >> 1 & 1) * kWideStride[1] +
                      (c & 1) - kWideStride[0] - kWideStride[1] - 1;
@@ -153,7 +153,7 @@ void number_voxel_nodes(const Body& body, HexMesh& mesh) {
   mesh.corners.resize(mesh.offset.size());
   mesh.node_begin.assign(mesh.block_count() + 1, 0);
   for_all_blocks(mesh, [&](std::size_t b) {
-    Surroundings around;
+    CornerVoxels around;
     around.find(body, mesh, b);
     OwnNodes own;
     for (std::int32_t e = mesh.element_begin[b]; e < mesh.element_begin[b + 1]; ++e) {

@@ -2,7 +2,10 @@
 // the page takes it. A page that sends too much, too often or no text, or does not read, is closed.
 #pragma once
 
+#include <chrono>
+
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/beast/core/error.hpp>
 #include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/message.hpp>
 
@@ -10,6 +13,10 @@
 #include "tools/viewer/viewer.h"
 
 namespace supple::tools {
+
+using Error_code = boost::beast::error_code;
+using Tcp = boost::asio::ip::tcp;
+using SteadyClock = std::chrono::steady_clock;
 
 /// What connections share.
 struct ServedViewer {
@@ -20,7 +27,7 @@ struct ServedViewer {
 
 /// Answers the request, whose token has been checked. The socket lives as long as its connection,
 /// on the thread of its executor.
-void open_page_socket(boost::asio::ip::tcp::socket&& socket, const ServedViewer& served,
+void open_page_socket(Tcp::socket&& socket, const ServedViewer& served,
                       boost::beast::http::request<boost::beast::http::empty_body> request);
 
 }  // namespace supple::tools

@@ -21,9 +21,6 @@ namespace asio = boost::asio;
 namespace beast = boost::beast;
 namespace http = beast::http;
 namespace websocket = beast::websocket;
-using Error_code = beast::error_code;
-using Tcp = asio::ip::tcp;
-using SteadyClock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
 constexpr auto kRequestTime = 10s;
