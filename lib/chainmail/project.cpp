@@ -60,6 +60,20 @@ std::vector<Seed> pressed(const std::vector<ContactLink>& contacts, const BrickV
   return seeds;
 }
 
+/// The largest |q| by which two states of a coordinate differ.
+std::int64_t largest_move(const BrickValues& before, const BrickValues& after) {
+  std::int64_t largest = 0;
+  for (std::size_t b = 0; b < after.brick_count(); ++b) {
+    if (after.brick(b) == nullptr) continue;
+    const std::int32_t* from = before.brick_or_zero(b);
+    const std::int32_t* to = after.brick(b);
+    for (int offset = 0; offset < kBrickVoxels; ++offset) {
+      largest = std::max(largest, std::abs(std::int64_t(to[offset]) - from[offset]));
+    }
+  }
+  return largest;
+}
+
 /// Envelopes of one coordinate under links and pieces.
 class Envelopes {
  public:
@@ -108,19 +122,6 @@ HeldBounds held_bounds(const Body& body, int c, const SlotSet& anchored, const H
   for (const Bound& bound : held.at_least[c]) bounds.least.push_back({bound.slot, bound.value});
   for (const Bound& bound : held.at_most[c]) bounds.most.push_back({bound.slot, bound.value});
   return bounds;
-}
-
-std::int64_t largest_move(const BrickValues& before, const BrickValues& after) {
-  std::int64_t largest = 0;
-  for (std::size_t b = 0; b < after.brick_count(); ++b) {
-    if (after.brick(b) == nullptr) continue;
-    const std::int32_t* from = before.brick_or_zero(b);
-    const std::int32_t* to = after.brick(b);
-    for (int offset = 0; offset < kBrickVoxels; ++offset) {
-      largest = std::max(largest, std::abs(std::int64_t(to[offset]) - from[offset]));
-    }
-  }
-  return largest;
 }
 
 BrickValues projected(const BrickValues& values, int coordinate, const HeldBounds& bounds,

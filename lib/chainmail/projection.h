@@ -27,9 +27,6 @@ BrickValues projected(const BrickValues& values, int coordinate, const HeldBound
 HeldBounds held_bounds(const Body& body, int coordinate, const SlotSet& anchored,
                        const Holds& held);
 
-/// The largest |q| by which two states of a coordinate differ.
-std::int64_t largest_move(const BrickValues& before, const BrickValues& after);
-
 /// The projection of a body whose links all hold, but for contacts between elements. It visits the
 /// bricks that contacts push and no others: all else has the values that it had.
 class ContactProjection {

@@ -33,13 +33,15 @@ std::optional<GridGradient> inverse_of(const GridGradient& g) {
   return inverse;
 }
 
-/// Of rest places at a place of the deformed body; none where those around it are not known.
-std::optional<GridGradient> rest_gradient(const RestPlaceAt& rest, const Vec3d& index) {
+/// Central differences of at(index, place), a place in voxels; none where those around are not
+/// known.
+template <class PlaceAt>
+std::optional<GridGradient> gradient_at(const Vec3d& index, PlaceAt&& at) {
   GridGradient g;
   for (int a = 0; a < 3; ++a) {
     Vec3d step(0), ahead, behind;
     step[a] = kHalfStep;
-    if (!rest(index + step, ahead) || !rest(index - step, behind)) return std::nullopt;
+    if (!at(index + step, ahead) || !at(index - step, behind)) return std::nullopt;
     g[std::size_t(a)] = (ahead - behind) / (2 * kHalfStep);
   }
   return g;
@@ -47,15 +49,11 @@ std::optional<GridGradient> rest_gradient(const RestPlaceAt& rest, const Vec3d& 
 
 /// Of the deformation at an element; none at the edge of what is known.
 std::optional<GridGradient> deformation_gradient(const Displacement& moved, const Vec3i& voxel) {
-  GridGradient f;
-  for (int a = 0; a < 3; ++a) {
-    Vec3d step(0), ahead, behind;
-    step[a] = kHalfStep;
-    if (!moved.u.sample(Vec3d(voxel) + step, ahead) || !moved.u.sample(Vec3d(voxel) - step, behind))
-      return std::nullopt;
-    f[std::size_t(a)] = step / kHalfStep + (ahead - behind) / (2 * kHalfStep);
-  }
-  return f;
+  return gradient_at(Vec3d(voxel), [&](const Vec3d& index, Vec3d& place) {
+    if (!moved.u.sample(index, place)) return false;
+    place += index;
+    return true;
+  });
 }
 
 double energy_of_class(const MaterialClasses& classes, int of, const GridGradient& f,
@@ -120,7 +118,7 @@ std::optional<double> OverlayField::at(const Vec3d& index) const {
   if (m_overlay == FieldOverlay::displacement) {
     return m_opened.geometry.world_vector_from_index(index - at_rest).length();
   }
-  const auto rest = rest_gradient(m_rest, index);
+  const auto rest = gradient_at(index, m_rest);
   const auto f = rest ? inverse_of(*rest) : std::nullopt;
   if (m_overlay == FieldOverlay::det_f) return f ? determinant(*f) : 1;
   if (!f) return std::nullopt;
