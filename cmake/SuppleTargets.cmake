@@ -132,7 +132,7 @@ function(supple_add_tests name)
       set(test ${name}.${label})
       set(environment SUPPLE_BINARY=$<TARGET_FILE:supple> SUPPLE_SOURCE_DIR=${PROJECT_SOURCE_DIR}
           SUPPLE_TEST_OUTPUT=${PROJECT_BINARY_DIR}/test-output
-          ${supple_leaks})
+          ${supple_leaks} ${supple_forks})
       if(shards GREATER 1)
         string(APPEND test .${shard})
         math(EXPR index "${shard} - 1")

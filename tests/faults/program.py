@@ -14,6 +14,9 @@ import sys
 import tempfile
 import threading
 
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir, "support"))
+from forks import forks
+
 SKIPPED = 77  # CTest's SKIP_RETURN_CODE
 MAX_PEAK_MB = 300  # for the small files of these tests; the program itself takes about 60
 MAX_SECONDS = 10  # on an idle machine
@@ -68,26 +71,38 @@ def limits(address_space=None, file_size=None):
 
 def run(arguments, cwd=None, program=None, stdout=None, stop=None, **child_limits):
     """stop: (seconds, signal) sent to the program while it runs."""
-    with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
-        child = subprocess.Popen([program or binary(), *map(str, arguments)], cwd=cwd,
-                                 stdin=subprocess.DEVNULL, stdout=stdout or out, stderr=err,
-                                 preexec_fn=limits(**child_limits))
+    with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err, \
+            open(os.devnull) as nothing:
+        command = [program or binary(), *map(str, arguments)]
+        streams = [nothing, stdout or out, err]
+        server = forks(binary()) if program is None and not child_limits else None
+        if server:
+            number = server.start(command, cwd, streams)
+        else:
+            child = subprocess.Popen(command, cwd=cwd, stdin=streams[0], stdout=streams[1],
+                                     stderr=streams[2], preexec_fn=limits(**child_limits))
+            number = child.pid
         late = []
-        timers = [threading.Timer(seconds_allowed(), lambda: (late.append(1), child.kill()))]
+        timers = [threading.Timer(seconds_allowed(),
+                                  lambda: (late.append(1), os.kill(number, signal.SIGKILL)))]
         if stop:
-            timers.append(threading.Timer(stop[0], os.kill, (child.pid, stop[1])))
+            timers.append(threading.Timer(stop[0], os.kill, (number, stop[1])))
         for timer in timers:
             timer.start()
-        _, status, usage = os.wait4(child.pid, 0)
+        if server:
+            status, peak_kib = server.wait()
+        else:
+            _, status, usage = os.wait4(number, 0)
+            peak_kib = usage.ru_maxrss
+            child.returncode = os.waitstatus_to_exitcode(status)
         for timer in timers:
             timer.cancel()
             timer.join()
-        child.returncode = os.waitstatus_to_exitcode(status)
         texts = []
         for stream in (out, err):
             stream.seek(0)
             texts.append(stream.read().decode("utf-8", "backslashreplace"))
-        return Outcome(child.returncode, *texts, usage.ru_maxrss / 1024, bool(late))
+        return Outcome(os.waitstatus_to_exitcode(status), *texts, peak_kib / 1024, bool(late))
 
 
 def manners_of(outcome, max_peak_mb=MAX_PEAK_MB):

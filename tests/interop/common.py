@@ -11,8 +11,12 @@ import os
 import shutil
 import subprocess
 import sys
+import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
+
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir, "support"))
+from forks import forks
 
 SKIPPED = 77  # CTest's SKIP_RETURN_CODE
 WORKERS = max(2, min(8, os.cpu_count() or 2))
@@ -72,8 +76,19 @@ def reading(values, affine, slope=1.0, intercept=0.0) -> Reading:
 def run_supple(*arguments):
     """Finished process of the program under test."""
     binary = os.environ.get("SUPPLE_BINARY", "build/release/bin/supple")
-    return subprocess.run([binary, "--threads", "1", *map(str, arguments)], capture_output=True,
-                          text=True, timeout=120, stdin=subprocess.DEVNULL)
+    command = [binary, "--threads", "1", *map(str, arguments)]
+    server = forks(binary)
+    if not server:
+        return subprocess.run(command, capture_output=True, text=True, timeout=120,
+                              stdin=subprocess.DEVNULL)
+    with tempfile.TemporaryFile("w+") as out, tempfile.TemporaryFile("w+") as err, \
+            open(os.devnull) as nothing:
+        server.start(command, None, [nothing, out, err])
+        status, _ = server.wait()
+        out.seek(0)
+        err.seek(0)
+        return subprocess.CompletedProcess(command, os.waitstatus_to_exitcode(status), out.read(),
+                                           err.read())
 
 
 def reading_of(said):

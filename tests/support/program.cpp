@@ -1,11 +1,14 @@
 #include "tests/support/program.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <csignal>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <thread>
@@ -15,9 +18,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "tests/support/forks.h"
+
 namespace supple::test {
 
 namespace {
+
+constexpr int kForOutput = O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC;
 
 /// In the child: limits, working directory, standard streams, exec.
 [[noreturn]] void become(const std::vector<std::string>& arguments, const RunOptions& options,
@@ -27,8 +34,8 @@ namespace {
     ::setrlimit(RLIMIT_FSIZE, &limit);
   }
   if (!options.directory.empty() && ::chdir(options.directory.c_str()) != 0) ::_exit(126);
-  ::dup2(::open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDOUT_FILENO);
-  ::dup2(::open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDERR_FILENO);
+  ::dup2(::open(out.c_str(), kForOutput, 0600), STDOUT_FILENO);
+  ::dup2(::open(err.c_str(), kForOutput, 0600), STDERR_FILENO);
   ::dup2(::open("/dev/null", O_RDONLY), STDIN_FILENO);
   if (options.as_nobody && ::getuid() == 0 && ::setuid(65534) != 0) ::_exit(126);
   std::vector<char*> argv;
@@ -36,6 +43,27 @@ namespace {
   argv.push_back(nullptr);
   ::execv(argv[0], argv.data());
   ::_exit(127);
+}
+
+/// By a server that this thread keeps; nothing where the tests are run without.
+std::optional<int> status_of_fork(const std::vector<std::string>& arguments,
+                                  const RunOptions& options, const std::string& out,
+                                  const std::string& err) {
+  const char* const library = std::getenv("SUPPLE_FORK_SERVER");
+  const char* const binary = std::getenv("SUPPLE_BINARY");
+  const bool is_plain = options.max_file_bytes < 0 && !options.as_nobody &&
+                        options.interrupt_after_s < 0 && options.interrupt_at_file.empty() &&
+                        !options.count_threads;
+  if (library == nullptr || binary == nullptr || arguments[0] != binary || !is_plain) return {};
+  thread_local Forks forks(binary, library);
+  const std::string directory =
+      options.directory.empty() ? std::filesystem::current_path().string() : options.directory;
+  const std::array<int, 3> streams = {::open("/dev/null", O_RDONLY | O_CLOEXEC),
+                                      ::open(out.c_str(), kForOutput, 0600),
+                                      ::open(err.c_str(), kForOutput, 0600)};
+  const int status = forks.run(arguments, directory, streams);
+  for (const int stream : streams) ::close(stream);
+  return status;
 }
 
 /// The most threads that a child has at a time, until it ends.
@@ -53,11 +81,9 @@ int most_threads(pid_t child) {
   }
 }
 
-}  // namespace
-
-Outcome run_program(const std::vector<std::string>& arguments, const RunOptions& options) {
-  const TemporaryFolder folder;
-  const std::string out = folder / "out", err = folder / "err";
+/// In a process of its own: the status, and the most threads where they are asked for.
+int status_of_start(const std::vector<std::string>& arguments, const RunOptions& options,
+                    const std::string& out, const std::string& err, int& threads) {
   const pid_t child = ::fork();
   if (child < 0) throw std::runtime_error("fork failed");
   if (child == 0) become(arguments, options, out, err);
@@ -73,10 +99,21 @@ Outcome run_program(const std::vector<std::string>& arguments, const RunOptions&
     }
     ::kill(child, options.interrupt_by);
   }
-  Outcome outcome;
-  if (options.count_threads) outcome.threads = most_threads(child);
+  if (options.count_threads) threads = most_threads(child);
   int status = 0;
   ::waitpid(child, &status, 0);
+  return status;
+}
+
+}  // namespace
+
+Outcome run_program(const std::vector<std::string>& arguments, const RunOptions& options) {
+  const TemporaryFolder folder;
+  const std::string out = folder / "out", err = folder / "err";
+  Outcome outcome;
+  const std::optional<int> forked = status_of_fork(arguments, options, out, err);
+  const int status =
+      forked ? *forked : status_of_start(arguments, options, out, err, outcome.threads);
   outcome.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   outcome.out = read_text(out);
   outcome.err = read_text(err);
