@@ -99,19 +99,33 @@ endfunction()
 set(supple_leaks
     LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/leaks.supp:print_suppressions=0)
 
-# supple_add_tests(NAME [EXCLUDE REGEX] [SOURCES ...] LIBRARIES ... LABELS ... [NOT_SANITIZED FILTER ...])
-# All .cpp of the current folder as one binary, one CTest entry per label, or N of them for LABEL/N,
-# so that no processor waits for a long one. A suite belongs to the label its name starts with:
-# TEST(PropertyEcm, ...) runs under the label "property". Sanitized builds leave out long tests of
-# NOT_SANITIZED, which look at figures and run through code that others run through, too. Anonymous namespaces of one folder share
-# their names, as its files are compiled together.
+# supple_add_entry(NAME LABEL PARTS FILTER): tests of test_NAME as PARTS entries of CTest, so that no
+# processor waits for a long one.
+function(supple_add_entry name label parts filter)
+  foreach(part RANGE 1 ${parts})
+    set(test ${name}.${label})
+    set(environment SUPPLE_BINARY=$<TARGET_FILE:supple> SUPPLE_SOURCE_DIR=${PROJECT_SOURCE_DIR}
+        SUPPLE_TEST_OUTPUT=${PROJECT_BINARY_DIR}/test-output ${supple_leaks} ${supple_forks})
+    if(parts GREATER 1)
+      string(APPEND test .${part})
+      math(EXPR index "${part} - 1")
+      list(APPEND environment GTEST_TOTAL_SHARDS=${parts} GTEST_SHARD_INDEX=${index})
+    endif()
+    add_test(NAME ${test} COMMAND test_${name} --gtest_filter=${filter} --gtest_brief=1)
+    set_tests_properties(${test} PROPERTIES LABELS ${label} TIMEOUT 900 COST ${parts}
+      FAIL_REGULAR_EXPRESSION "0 tests from 0 test suites" ENVIRONMENT "${environment}")
+  endforeach()
+endfunction()
+
+# supple_add_tests(NAME [EXCLUDE REGEX] [SOURCES ...] LIBRARIES ... LABELS ...
+#                  [NOT_SANITIZED FILTER ... | SANITIZED FILTER ...])
+# All .cpp of the current folder as one binary, one entry per label, or N of them for LABEL/N. A
+# suite belongs to the label its name starts with: TEST(PropertyEcm, ...) runs under the label
+# "property". Sanitized builds leave out long tests of NOT_SANITIZED, which look at figures and run
+# through code that others run through, too, or run those of SANITIZED alone. Anonymous namespaces of
+# one folder share their names, as its files are compiled together.
 function(supple_add_tests name)
-  cmake_parse_arguments(ARG "" "EXCLUDE" "SOURCES;LIBRARIES;LABELS;NOT_SANITIZED" ${ARGN})
-  set(without)
-  if(SUPPLE_SANITIZE AND ARG_NOT_SANITIZED)
-    list(JOIN ARG_NOT_SANITIZED ":" without)
-    string(PREPEND without ":-")
-  endif()
+  cmake_parse_arguments(ARG "" "EXCLUDE" "SOURCES;LIBRARIES;LABELS;NOT_SANITIZED;SANITIZED" ${ARGN})
   add_executable(test_${name} ${ARG_SOURCES})
   set(not_here "/itk_[a-z]+\\.cpp$")
   if(ARG_EXCLUDE)
@@ -121,35 +135,30 @@ function(supple_add_tests name)
   target_link_libraries(test_${name} PRIVATE supple_options supple_cold supple_test_support
                                              ${ARG_LIBRARIES} GTest::gtest GTest::gtest_main)
   target_precompile_headers(test_${name} REUSE_FROM supple_test_headers)
+  if(SUPPLE_SANITIZE AND ARG_SANITIZED)
+    list(JOIN ARG_SANITIZED ":" filter)
+    supple_add_entry(${name} sanitize 2 "${filter}")
+    return()
+  endif()
+  set(without)
+  if(SUPPLE_SANITIZE AND ARG_NOT_SANITIZED)
+    list(JOIN ARG_NOT_SANITIZED ":" without)
+    string(PREPEND without ":-")
+  endif()
   foreach(entry IN LISTS ARG_LABELS)
     string(REPLACE "/" ";" label "${entry};1")
-    list(GET label 1 shards)
+    list(GET label 1 parts)
     list(GET label 0 label)
     string(SUBSTRING ${label} 0 1 first)
     string(SUBSTRING ${label} 1 -1 rest)
     string(TOUPPER ${first} first)
-    foreach(shard RANGE 1 ${shards})
-      set(test ${name}.${label})
-      set(environment SUPPLE_BINARY=$<TARGET_FILE:supple> SUPPLE_SOURCE_DIR=${PROJECT_SOURCE_DIR}
-          SUPPLE_TEST_OUTPUT=${PROJECT_BINARY_DIR}/test-output
-          ${supple_leaks} ${supple_forks})
-      if(shards GREATER 1)
-        string(APPEND test .${shard})
-        math(EXPR index "${shard} - 1")
-        list(APPEND environment GTEST_TOTAL_SHARDS=${shards} GTEST_SHARD_INDEX=${index})
-      endif()
-      add_test(NAME ${test} COMMAND test_${name} --gtest_filter=${first}${rest}*${without} --gtest_brief=1)
-      set_tests_properties(${test} PROPERTIES LABELS ${label} TIMEOUT 900 COST ${shards}
-        FAIL_REGULAR_EXPRESSION "0 tests from 0 test suites" ENVIRONMENT "${environment}")
-    endforeach()
+    supple_add_entry(${name} ${label} ${parts} "${first}${rest}*${without}")
   endforeach()
 endfunction()
 
 # supple_add_sanitized(NAME FILTER): quick tests of other labels that sanitized builds run, too.
 function(supple_add_sanitized name filter)
   if(SUPPLE_SANITIZE)
-    add_test(NAME ${name}.sanitize COMMAND test_${name} --gtest_filter=${filter} --gtest_brief=1)
-    set_tests_properties(${name}.sanitize PROPERTIES LABELS sanitize TIMEOUT 900
-      FAIL_REGULAR_EXPRESSION "0 tests from 0 test suites" ENVIRONMENT "${supple_leaks}")
+    supple_add_entry(${name} sanitize 1 "${filter}")
   endif()
 endfunction()

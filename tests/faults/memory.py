@@ -8,7 +8,7 @@ import seeds
 from seeds import Seed
 
 MEGABYTE = 1 << 20
-ABOVE_START = [0, 4, 16, 32, 40, 48, 56, 64, 80, 96, 112, 128, 192, 256, 1024]  # MB of addresses
+ABOVE_START = [0, 16, 40, 56, 80, 112, 192, 1024]  # MB of addresses
 DIMS = (160, 160, 120)
 MATERIAL = ("domain = [0, 255]\nactive = [100, 255]\nmax_length = [[0, 1.3]]\n"
             "min_length = [[0, 0.7]]\nshear = [[0, 0.3]]\n")

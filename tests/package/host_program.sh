@@ -8,16 +8,18 @@ way="$1" build="$2" source="$3"
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
+build_type=Release
 if [ "$way" = install ]; then
   prefix="$work/prefix"
   cmake --install "$build" --prefix "$prefix" >"$work/install.log"
 else
   command -v dpkg-shlibdeps >/dev/null || { echo "skipped: dpkg-dev is not installed"; exit 77; }
-  (cd "$work" && cpack --config "$build/CPackConfig.cmake" -B "$work" >"$work/cpack.log" 2>&1) ||
+  (cd "$work" && cpack --config "$build/CPackConfig.cmake" -B "$work" -D CPACK_DEBIAN_COMPRESSION_TYPE=gzip >"$work/cpack.log" 2>&1) ||
     { cat "$work/cpack.log"; exit 1; }
   dpkg -x "$work"/*.deb "$work/root"
   dpkg -I "$work"/*.deb | grep -E '^ (Package|Version|Depends)'
   prefix="$work/root/usr"
+  build_type=  # the same sources once more, without optimiser
 fi
 
 # Nothing of this build leaks: neither its instruction set nor its warnings nor its folders.
@@ -29,7 +31,7 @@ fi
 
 cp -r "$source/examples" "$work/host"
 cmake -S "$work/host" -B "$work/host/build" -DCMAKE_PREFIX_PATH="$prefix" \
-  -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_FLAGS="-Wall -Wextra -Werror" >"$work/configure.log"
+  -DCMAKE_BUILD_TYPE="$build_type" -DCMAKE_CXX_FLAGS="-Wall -Wextra -Werror" >"$work/configure.log"
 cmake --build "$work/host/build" -j "$(nproc)" >"$work/build.log" 2>&1 ||
   { cat "$work/build.log"; exit 1; }
 

@@ -87,16 +87,17 @@ int status_of_start(const std::vector<std::string>& arguments, const RunOptions&
   const pid_t child = ::fork();
   if (child < 0) throw std::runtime_error("fork failed");
   if (child == 0) become(arguments, options, out, err);
-  if (options.interrupt_after_s >= 0) {
-    std::this_thread::sleep_for(std::chrono::duration<double>(options.interrupt_after_s));
-    ::kill(child, options.interrupt_by);
-  }
   if (!options.interrupt_at_file.empty()) {
     siginfo_t ended = {};
     while (ended.si_pid == 0 && !std::filesystem::exists(options.interrupt_at_file)) {
       ::waitid(P_PID, id_t(child), &ended, WEXITED | WNOHANG | WNOWAIT);
       std::this_thread::sleep_for(std::chrono::microseconds(100));
     }
+  }
+  if (options.interrupt_after_s >= 0) {
+    std::this_thread::sleep_for(std::chrono::duration<double>(options.interrupt_after_s));
+  }
+  if (options.interrupt_after_s >= 0 || !options.interrupt_at_file.empty()) {
     ::kill(child, options.interrupt_by);
   }
   if (options.count_threads) threads = most_threads(child);

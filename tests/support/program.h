@@ -19,8 +19,8 @@ struct RunOptions {
   std::string directory;            // working directory, empty: the present one
   long long max_file_bytes = -1;    // RLIMIT_FSIZE, stands in for a full disk
   bool as_nobody = false;           // drops root, for whom no folder is read-only
-  double interrupt_after_s = -1;    // sends a signal then
-  std::string interrupt_at_file{};  // or as soon as this file is there
+  std::string interrupt_at_file{};  // sends a signal as soon as this file is there
+  double interrupt_after_s = -1;    // so long after that, or after the start where none is named
   int interrupt_by = SIGINT;
   bool count_threads = false;  // looks every millisecond
 };

@@ -49,6 +49,7 @@ TEST(FaultInterruption, SigtermDoesNotWaitForALibrary) {
              "[output]\nstate = \"new/out.vdb\"\n");
   const auto before = folder.entries();
   RunOptions options;
+  options.interrupt_at_file = folder / "out";
   options.interrupt_after_s = 1;  // inside a factorisation of minutes
   options.interrupt_by = SIGTERM;
   const auto start = std::chrono::steady_clock::now();
