@@ -85,6 +85,7 @@ TEST(UnitGipl, DamagedHeadersNameFieldAndValue) {
   refuses(204, bytes_of_value(std::nan(""), true), {"a.gipl", "nan"});
   refuses(252, std::string(4, '\0'), {"magic"});
   refuses(4, bytes_of_value(std::uint16_t(65535), true), {"a.gipl"});
+  expect_failure(folder.write("b.gipl", gipl_header().substr(0, 100)), {"100 bytes", "256 bytes"});
 }
 
 TEST(UnitNifti, SformBecomesLps) {

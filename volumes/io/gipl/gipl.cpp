@@ -87,6 +87,10 @@ bool is_gipl_head(const std::string& head) {
 std::unique_ptr<VolumeFile> open_gipl(const std::string& path, const ReadOptions& options) {
   const auto file = std::make_shared<InputFile>(path);
   const std::string head = file->head(kHeaderSize);
+  if (head.size() < kHeaderSize) {
+    throw InputError({path, "file length", std::to_string(head.size()) + " bytes",
+                      "a header of " + std::to_string(kHeaderSize) + " bytes"});
+  }
   if (!is_gipl_head(head)) {
     throw InputError({path, "magic", "another number", "719555000 or 4026526128 at byte 252"});
   }
