@@ -16,7 +16,7 @@ if [ "${1:-}" = "--seconds" ]; then
 fi
 targets=("$@")
 [ "${#targets[@]}" -gt 0 ] ||
-  targets=(nrrd metaimage nifti tiff png hdf5 vdb transform dicom raw stl ply obj vtk points page)
+  targets=(nrrd metaimage nifti gipl tiff png hdf5 vdb transform dicom raw stl ply obj vtk points page)
 
 # An input of more than 30 s, of 2 GiB or with a leak is a finding. HDF5 and OpenVDB leave memory
 # behind when they meet damage. Their files are tried in a child process, which may take up to 8 s of

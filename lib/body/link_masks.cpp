@@ -95,10 +95,11 @@ void find_axis_links(const BrickTopology& elements, const LinkCuts& cuts,
   }
 }
 
-/// Nothing but elements in the brick and around it.
-bool is_inside(const BrickTopology& elements, const BrickNeighbours& bricks) {
+/// Nothing but elements in the brick and around it, and no cut.
+bool is_inside(const BrickTopology& elements, const LinkCuts& cuts, const BrickNeighbours& bricks) {
   return std::all_of(bricks.begin(), bricks.end(), [&](std::int32_t brick) {
-    return brick >= 0 && elements.mask(std::size_t(brick)) == kAllVoxels;
+    return brick >= 0 && elements.mask(std::size_t(brick)) == kAllVoxels &&
+           (cuts.empty() || cuts.brick(std::size_t(brick)) == nullptr);
   });
 }
 
@@ -127,7 +128,7 @@ BrickNeighbours neighbours_of(const BrickTopology& elements, std::size_t brick) 
 
 void find_links(const BrickTopology& elements, const LinkCuts& cuts, int links,
                 const BrickNeighbours& bricks, LinkMasks& out) {
-  if (cuts.empty() && is_inside(elements, bricks)) {
+  if (is_inside(elements, cuts, bricks)) {
     for (int direction = 0; direction < kDirections; ++direction) {
       out[std::size_t(direction)] = has_direction(links, direction) ? kAllVoxels : BrickMask{};
     }

@@ -206,9 +206,15 @@ EcmReport EcmSolver::try_whole(const std::vector<Handle>& handles,
 std::vector<std::vector<ElementBounds>> EcmSolver::bounds_of(
     const std::vector<const RigidPiece*>& pieces, const std::vector<Handle>& handles,
     const std::vector<Region>& anchors, const Holds& holds, std::int32_t reach_q,
-    Progress* progress) {
+    LastingBounds& lasting, Progress* progress) {
+  if (lasting.reach_q < reach_q) {
+    const auto end = handles.begin() + std::ptrdiff_t(lasting.handle_count);
+    const std::vector<Handle> first(handles.begin(), end);
+    find_lasting_bounds(m_body, hold(m_body, first, fixed(anchors), holds), reach_q, lasting,
+                        m_propagator, progress);
+  }
   const HeldVoxels held = hold(m_body, handles, fixed(anchors), holds);
-  return bounds_of_pieces(m_body, pieces, held, reach_q, m_propagator, progress);
+  return bounds_of_pieces(m_body, pieces, held, reach_q, lasting, m_propagator, progress);
 }
 
 FreePieces EcmSolver::free_pieces(const HeldVoxels& held) const {

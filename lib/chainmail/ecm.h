@@ -23,6 +23,7 @@ namespace supple {
 class FreePieces;
 struct FixedElements;
 struct HeldVoxels;
+struct LastingBounds;
 
 /// A two-sided handle takes its elements along whichever way it goes. A push handle is a tool that
 /// does not stick: in a coordinate with by > 0 its elements end at least that far, with by < 0 at
@@ -132,12 +133,14 @@ class EcmSolver {
   /// performed: between the envelopes of all held elements, handles at their targets. Bounds
   /// further than `reach_q` from the place of an element are left out, and so are elements without
   /// any. A drag that keeps the pose of a single piece within them can only fail by paths that lead
-  /// from the piece back to itself. Cost: six propagations, as far as `reach_q`, and a copy of all
-  /// offsets.
+  /// from the piece back to itself. `lasting`: of the same search (piece_bounds.h). Cost: six
+  /// propagations, as far as `reach_q`, of all that is held where they are not known so far yet,
+  /// and of the handles that do not last; and a copy of all offsets.
   std::vector<std::vector<ElementBounds>> bounds_of(const std::vector<const RigidPiece*>& pieces,
                                                     const std::vector<Handle>& handles,
                                                     const std::vector<Region>& anchors,
                                                     const Holds& holds, std::int32_t reach_q,
+                                                    LastingBounds& lasting,
                                                     Progress* progress = nullptr);
 
   /// block or flat.

@@ -81,6 +81,16 @@ std::vector<std::int32_t> FreePieces::shifts(const BrickValues& now, const UndoL
   return shifts;
 }
 
+SlotSet FreePieces::elements() const {
+  std::vector<SlotSet::Brick> bricks;
+  for (std::size_t n = 0; n < m_is_free.size(); ++n) {
+    if (m_is_free[n] == 0) continue;
+    const auto& own = m_body->rigid.list[n].elements->bricks();
+    bricks.insert(bricks.end(), own.begin(), own.end());
+  }
+  return SlotSet(std::move(bricks));
+}
+
 std::vector<std::size_t> FreePieces::bricks() const {
   std::vector<std::size_t> bricks;
   for (std::size_t b = 0; b < m_body->elements.brick_count(); ++b) {

@@ -30,6 +30,8 @@ class FreePieces {
   /// Targets of elements that lag behind their piece. `bricks`: all that may have changed.
   std::vector<Seed> lagging(const BrickValues& now, const Before& before, Direction direction,
                             const std::vector<std::size_t>& bricks) const;
+  /// Of all pieces that were not left out.
+  SlotSet elements() const;
   /// The bricks with elements of any piece.
   std::vector<std::size_t> bricks() const;
 

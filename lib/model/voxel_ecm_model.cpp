@@ -35,8 +35,9 @@ bool VoxelEcmModel::allows(const std::vector<Handle>& handles, Progress* progres
 
 std::vector<std::vector<ElementBounds>> VoxelEcmModel::bounds_of(
     const std::vector<const RigidPiece*>& pieces, const std::vector<Handle>& handles,
-    std::int32_t reach_q, Progress* progress) {
-  return m_solver.bounds_of(pieces, handles, m_held.anchors, m_held.holds, reach_q, progress);
+    std::int32_t reach_q, LastingBounds& lasting, Progress* progress) {
+  return m_solver.bounds_of(pieces, handles, m_held.anchors, m_held.holds, reach_q, lasting,
+                            progress);
 }
 
 ModelEnergy VoxelEcmModel::energy() {

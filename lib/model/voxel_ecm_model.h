@@ -22,7 +22,8 @@ class VoxelEcmModel final : public Model<Handle> {
   /// EcmSolver::bounds_of()
   std::vector<std::vector<ElementBounds>> bounds_of(const std::vector<const RigidPiece*>& pieces,
                                                     const std::vector<Handle>& handles,
-                                                    std::int32_t reach_q, Progress* progress);
+                                                    std::int32_t reach_q, LastingBounds& lasting,
+                                                    Progress* progress);
   bool step(const Progress* = nullptr) override { return false; }
   /// That of the springs that relaxation would find.
   ModelEnergy energy() override;

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "lib/chainmail/fraction.h"
+#include "lib/chainmail/piece_bounds.h"
 #include "lib/session/rigid_drag.h"
 
 namespace supple {
@@ -17,6 +19,10 @@ constexpr int kWayParts = 16;
 /// A piece carries tissue along about as far as twice its shift, on all sides: links give way by
 /// about half of their length.
 constexpr double kCarriedShifts = 4;
+
+std::int32_t reach_q_of(double voxels) {
+  return std::int32_t(std::min(voxels * kFixedOne, double(kMaxOffset)));
+}
 
 RigidPose between(const RigidPose& a, const RigidPose& b, double part) {
   RigidPose pose;
@@ -97,20 +103,33 @@ std::vector<FreePoses::Group> FreePoses::groups_of(const std::vector<FreePose>& 
   return groups;
 }
 
+/// How far bounds are looked for, in voxels: twice as far as any element of the group goes.
+double FreePoses::reach(const std::vector<FreePose>& poses, const Group& group) const {
+  double reach = 1;
+  for (const std::size_t n : group) {
+    reach = std::max(reach, 2 * longest_way(m_body.rigid.list[poses[n].piece], poses[n].pose));
+  }
+  return reach;
+}
+
+/// Of a search from these poses.
+LastingBounds FreePoses::lasting_bounds(const std::vector<Handle>& handles,
+                                        const std::vector<FreePose>& poses) const {
+  Group all(poses.size());
+  std::iota(all.begin(), all.end(), std::size_t(0));
+  return {handles.size(), reach_q_of(reach(poses, all))};
+}
+
 /// Puts the poses of the group at their smallest motions. Bounds are looked for as far as elements
 /// may go; where they go further, once more. False where no motion meets the bounds of a piece.
 bool FreePoses::find_group(const std::vector<Handle>& handles, std::vector<FreePose>& poses,
-                           const Group& group, bool skips_impossible) {
+                           const Group& group, bool skips_impossible, LastingBounds& lasting) {
   const std::vector<Handle> others = with(handles, poses, group);
   std::vector<const RigidPiece*> pieces;
-  double reach = 1;
-  for (const std::size_t n : group) {
-    pieces.push_back(&m_body.rigid.list[poses[n].piece]);
-    reach = std::max(reach, 2 * longest_way(*pieces.back(), poses[n].pose));
-  }
-  for (;;) {
-    const double reach_q = std::min(reach * kFixedOne, double(kMaxOffset));
-    const auto bounds = m_ecm.bounds_of(pieces, others, std::int32_t(reach_q), m_progress);
+  for (const std::size_t n : group) pieces.push_back(&m_body.rigid.list[poses[n].piece]);
+  for (double reach = this->reach(poses, group);;) {
+    const std::int32_t reach_q = reach_q_of(reach);
+    const auto bounds = m_ecm.bounds_of(pieces, others, reach_q, lasting, m_progress);
     std::vector<FreePose> found = poses;
     double way = 0;
     for (std::size_t g = 0; g < group.size(); ++g) {
@@ -131,10 +150,10 @@ bool FreePoses::find_group(const std::vector<Handle>& handles, std::vector<FreeP
 }
 
 void FreePoses::shrink_group(const std::vector<Handle>& handles, std::vector<FreePose>& poses,
-                             const Group& group) {
+                             const Group& group, LastingBounds& lasting) {
   const std::vector<FreePose> before = poses;
   std::vector<FreePose> target = poses;
-  find_group(handles, target, group, true);
+  find_group(handles, target, group, true, lasting);
   const auto allows = [&](int part) {
     for (const std::size_t n : group) {
       poses[n].pose = part == kWayParts
@@ -158,16 +177,18 @@ void FreePoses::shrink_group(const std::vector<Handle>& handles, std::vector<Fre
 }
 
 void FreePoses::shrink(const std::vector<Handle>& handles, std::vector<FreePose>& poses) {
+  LastingBounds lasting = lasting_bounds(handles, poses);
   for (std::size_t first = 0; first < poses.size();) {
     const std::vector<Group> groups = groups_of(poses, first);
     first = poses.size();
-    for (const Group& group : groups) shrink_group(handles, poses, group);
+    for (const Group& group : groups) shrink_group(handles, poses, group, lasting);
   }
 }
 
 bool FreePoses::find(const std::vector<Handle>& handles, std::vector<FreePose>& poses) {
+  LastingBounds lasting = lasting_bounds(handles, poses);
   for (const Group& group : groups_of(poses, 0)) {
-    if (!find_group(handles, poses, group, false)) return false;
+    if (!find_group(handles, poses, group, false, lasting)) return false;
   }
   poses.erase(std::remove_if(poses.begin(), poses.end(),
                              [&](const FreePose& free) {

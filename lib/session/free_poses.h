@@ -4,7 +4,8 @@
 // While all else of the drag stands, the limits are bounds of single elements
 // (EcmSolver::bounds_of), and tissue between two places of the same piece; poses that these forbid
 // are brought back toward the shift that Enhanced ChainMail found, which is always possible.
-// Several pieces take turns, each among the others where they are.
+// Several pieces take turns, each among the others where they are; what else is held bounds them in
+// all turns alike, and is found once (piece_bounds.h).
 #pragma once
 
 #include <vector>
@@ -40,9 +41,12 @@ class FreePoses {
   using Group = std::vector<std::size_t>;  // places in a list of poses
   std::vector<Group> groups_of(const std::vector<FreePose>& poses, std::size_t first) const;
   bool find_group(const std::vector<Handle>& handles, std::vector<FreePose>& poses,
-                  const Group& group, bool skips_impossible);
+                  const Group& group, bool skips_impossible, LastingBounds& lasting);
   void shrink_group(const std::vector<Handle>& handles, std::vector<FreePose>& poses,
-                    const Group& group);
+                    const Group& group, LastingBounds& lasting);
+  double reach(const std::vector<FreePose>& poses, const Group& group) const;
+  LastingBounds lasting_bounds(const std::vector<Handle>& handles,
+                               const std::vector<FreePose>& poses) const;
   double shift_mm(const FreePose& free) const;
   double longest_way(const RigidPiece& piece, const RigidPose& pose) const;
 

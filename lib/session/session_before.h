@@ -18,9 +18,9 @@ struct MaterialBefore {
 };
 
 struct Session::Before {
-  std::optional<StepNodes> nodes;    // until the step is done
-  std::optional<NodeChange> change;  // from then on
-  LinkCuts cuts, state_cuts;
+  std::optional<StepNodes> nodes;            // until the step is done
+  std::optional<NodeChange> change;          // from then on
+  std::optional<LinkCuts> cuts, state_cuts;  // once the step is done, where it changed them
   RigidPieces rigid;
   bool links_known_valid;
   LinkCheck links;
@@ -34,9 +34,7 @@ struct Session::Before {
   /// Before elements are removed: all else of the state and the body.
   std::shared_ptr<std::pair<State, Body>> whole;
 
-  std::size_t bytes() const {
-    return (change ? change->bytes() : 0) + (material ? material->classes.size() : 0);
-  }
+  std::size_t bytes() const;
 };
 
 }  // namespace supple

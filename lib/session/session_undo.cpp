@@ -5,6 +5,26 @@
 
 namespace supple {
 
+namespace {
+
+std::size_t bytes_of(const SlotSet& set) {
+  return set.bricks().size() * sizeof(SlotSet::Brick);
+}
+
+}  // namespace
+
+std::size_t Session::Before::bytes() const {
+  std::size_t total = sizeof *this + (change ? change->bytes() : 0) +
+                      (material ? material->classes.size() : 0) + (cuts ? cuts->bytes() : 0) +
+                      (state_cuts ? state_cuts->bytes() : 0) + bytes_of(holds.anchored) +
+                      rigid.list.size() * sizeof(RigidPiece) + (whole ? whole->second.bytes() : 0);
+  for (std::size_t c = 0; c < 3; ++c) {
+    total += (holds.at_least[c].size() + holds.at_most[c].size()) * sizeof(Bound);
+  }
+  for (const SlotSet& held : ledger.elements()) total += bytes_of(held);
+  return total;
+}
+
 Session::Before Session::before(const StepRequest& request) const {
   return {
       StepNodes(m_body),
@@ -47,8 +67,8 @@ void Session::restore(Before&& before) {
     m_body.slacks = before.material->slacks;
     m_ecm = std::make_unique<VoxelEcmModel>(held());
   }
-  m_body.cuts = std::move(before.cuts);
-  m_state.cuts = std::move(before.state_cuts);
+  if (before.cuts) m_body.cuts = std::move(*before.cuts);
+  if (before.state_cuts) m_state.cuts = std::move(*before.state_cuts);
   m_body.rigid = std::move(before.rigid);
   m_body.links_known_valid = before.links_known_valid;
   m_links = before.links;
@@ -66,6 +86,8 @@ void Session::restore(Before&& before) {
 void Session::keep(Before&& before) {
   if (!before.whole) before.change.emplace(*before.nodes, m_body);
   before.nodes.reset();
+  if (!before.whole && *before.cuts == m_body.cuts) before.cuts.reset();
+  if (!before.whole && *before.state_cuts == m_state.cuts) before.state_cuts.reset();
   m_undo_bytes += before.bytes();
   m_undo.push_back(std::move(before));
   while (m_undo.size() > 1 && m_undo_bytes > kMostUndoBytes) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <mutex>
 
 #include <oneapi/tbb/blocked_range2d.h>
@@ -34,19 +35,30 @@ class SharedProgress {
   std::mutex m_mutex;
 };
 
+/// A premultiplied, sRGB-encoded colour as `factor` times as much light shows it.
+Float4 exposed(Float4 colour, float factor) {
+  const float alpha = colour[3];
+  if (factor == 1 || alpha <= 0) return colour;
+  for (int c = 0; c < 3; ++c) {
+    colour[c] = alpha * srgb_from_linear(factor * linear_from_srgb(colour[c] / alpha));
+  }
+  return colour;
+}
+
 /// One pixel of a picture, marched.
 class PixelMarch {
  public:
   PixelMarch(const RenderContext& context, const Camera& camera, FloatImage& picture)
       : m_marcher(context),
         m_jitter(context.settings.jitter),
+        m_light(float(std::exp2(context.settings.lighting.exposure_stops))),
         m_rays(camera, picture.width, picture.height),
         m_forward(camera_frame(camera).forward),
         m_picture(picture) {}
 
   void march(int x, int y) {
     const Ray ray = m_rays.at(x + 0.5, y + 0.5);
-    const Float4 sum = m_marcher.march(ray, m_jitter ? blue_noise(x, y) : 0);
+    const Float4 sum = exposed(m_marcher.march(ray, m_jitter ? blue_noise(x, y) : 0), m_light);
     const std::size_t n = std::size_t(y) * m_picture.width + x;
     for (std::size_t c = 0; c < 4; ++c) m_picture.rgba[4 * n + c] = sum[c];
     SeenSurface seen;
@@ -61,6 +73,7 @@ class PixelMarch {
  private:
   Marcher m_marcher;
   bool m_jitter;
+  float m_light;  // factor of exposure
   CameraRays m_rays;
   Vec3d m_forward;
   FloatImage& m_picture;

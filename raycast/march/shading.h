@@ -35,9 +35,11 @@ struct Lighting {
   std::vector<Light> lights;  // empty: one as a Light is by default, above and left of the camera
   bool shadows = false;       // of the volume and the meshes on both
   double occlusion_radius_mm = 0;  // of ambient occlusion; 0: none
+  double exposure_stops = 0;       // all that is drawn, in 2^stops times as much light
 
   bool has_paths() const { return shadows || occlusion_radius_mm > 0; }
-  /// Throws InputError: more than kMaxLights, a bad light, an occlusion radius outside 0…1000.
+  /// Throws InputError: more than kMaxLights, a bad light, an occlusion radius outside 0…1000, an
+  /// exposure outside -20…20.
   void validate(const std::string& file) const;
 };
 

@@ -48,6 +48,7 @@ def impossible_sizes():
     yield "nifti gzip", "a.nii.gz", gzip.compress(
         packed(seeds.nifti() + VALUES, 42, "<3h", 32767, 32767, 32767))
     yield "nifti 2", "a.nii", packed(seeds.nifti2() + VALUES, 24, "<3q", 1 << 62, 4, 1)
+    yield "gipl", "a.gipl", packed(seeds.gipl() + VALUES, 0, ">4H", *[65535] * 4)
     yield "nifti 2 product", "a.nii", packed(seeds.nifti2() + VALUES, 24, "<3q", *[1 << 22] * 3)
     for side in (40000, 1 << 31, (1 << 32) - 1):
         data = with_tag(with_tag(seeds.tiff(pages=1), 256, side), 257, side)

@@ -158,6 +158,15 @@ def dicom(slice_number):
     return (bytes(128) + b"DICM" + element(2, 0, b"UL", struct.pack("<I", len(meta))) + meta + body)
 
 
+def gipl():
+    head = struct.pack(">4HH4f", 8, 6, 5, 1, 15, 1, 1, 2, 1).ljust(204, b"\0")
+    return head + struct.pack(">4d4fI", 0, 0, 0, 0, 0, 0, 0, 0, 719555000)
+
+
+def big_endian(values):
+    return struct.pack(">%dh" % (len(values) // 2), *struct.unpack("<%dh" % (len(values) // 2), values))
+
+
 def by_supple(folder, arguments, output):
     """A file that the program itself writes."""
     source = Seed("source", {"seed.nrrd": nrrd("raw", VALUES), "seed_warp.nrrd": warp_nrrd()})
@@ -188,6 +197,7 @@ def volumes(folder):
         Seed("nifti gzip", {"j.nii.gz": gzip.compress(nifti() + VALUES)}),
         Seed("nifti pair", {"k.hdr": nifti(b"ni1\0", 0.0)[:348], "k.img": VALUES}),
         Seed("nifti 2", {"l.nii": nifti2() + VALUES}),
+        Seed("gipl", {"l.gipl": gipl() + big_endian(VALUES)}),
         Seed("tiff", {"m.tif": tiff()}),
         Seed("bigtiff", {"n.tif": tiff(big=True)}),
         Seed("png", {"o.png": png(20, 12, VALUES[:240])}),

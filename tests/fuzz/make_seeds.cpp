@@ -87,6 +87,12 @@ void make_text_formats(const Seeds& seeds) {
              "ObjectType = Image\nNDims = 3\nBinaryData = False\nDimSize = 2 2 1\n"
              "ElementSpacing = 1 2 3\nHeaderSize = 0\nElementType = MET_SHORT\n"
              "ElementDataFile = LOCAL\n1 2 3 4\n");
+  std::string gipl(256, '\0');
+  for (const int byte : {1, 3, 5, 7}) gipl[std::size_t(byte)] = 2;  // 2 x 2 x 2, 2 frames
+  gipl[9] = 15;                                                     // int16
+  for (const std::size_t size : {10, 14, 18}) gipl.replace(size, 2, "\x3f\x80");  // 1 mm
+  gipl.replace(252, 4, "\x2a\xe3\x89\xb8");
+  seeds.text("gipl", "frames.gipl", gipl + std::string(32, '\1'));
   seeds.text("raw", "spec", "dims=2,2,4,type=int16,spacing=1,1,2.5,endian=big,offset=32");
   seeds.text("points", "points.csv", "# a comment\nx,y,z,dx,dy,dz,name\n1,2,3,0.5,0,-1e-3,tip\n");
   seeds.text(

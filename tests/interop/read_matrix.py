@@ -12,7 +12,7 @@ from collections import Counter
 
 from common import Tally, require_sharp_comparison
 
-FORMATS = ["nrrd", "metaimage", "nifti", "tiff", "hdf5", "raw", "dicom"]
+FORMATS = ["nrrd", "metaimage", "nifti", "gipl", "tiff", "hdf5", "raw", "dicom"]
 
 
 def main(formats):

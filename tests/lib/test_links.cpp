@@ -88,9 +88,14 @@ bool is_joined(const Body& body, Slot from, LinkStep step, Slot& to) {
 TEST(PropertyLinks, DiagonalsExistWhereAMonotonePathOfUncutLinksJoinsTheirEnds) {
   std::mt19937 random(31);
   std::int64_t diagonals = 0, missing = 0;
-  for (int n = 0; n < 40; ++n) {
+  for (int n = 0; n < 41; ++n) {
     Block block = random_block(random, {20, 18, 19});
     if (n % 2) cut_randomly(random, block);
+    if (n == 40) {  // whole bricks, with a cut that is near to some of them
+      block = homogeneous({40, 24, 24}, 1.5, 0.6, 0.3);
+      block.cut.assign(std::size_t(block.size()), 0);
+      block.cut[std::size_t(block.index(15, 12, 12))] = 1;
+    }
     const Body body = body_of(block);
     for (std::size_t b = 0; b < body.elements.brick_count(); ++b) {
       LinkMasks masks;

@@ -118,6 +118,33 @@ TEST_F(UnitSession, WithoutUndoNothingIsKeptAndUndoIsAnError) {
   EXPECT_THROW(session.undo(), std::logic_error);
 }
 
+TEST_F(UnitSession, OnlyStepsThatCutKeepTheCutsThatWereThereBefore) {
+  Session session(m_ball, m_options);
+  CutSurface plane;
+  plane.in_voxels = true;
+  plane.corner = {-1, -1, 12.5};
+  plane.edge1 = {40, 0, 0};
+  plane.edge2 = {0, 40, 0};
+  session.cut(plane);
+  const LinkCuts first = session.body().cuts;
+  const std::size_t after_first = session.undo_bytes();
+  session.release();
+  const std::size_t of_release = session.undo_bytes() - after_first;
+  EXPECT_LT(of_release, first.bytes() / 4);
+  plane.corner = {12.5, -1, -1};
+  plane.edge1 = {0, 0, 40};
+  session.cut(plane);
+  EXPECT_GE(session.undo_bytes() - after_first - of_release, first.bytes());
+  for (int n = 0; n < 2; ++n) {
+    ASSERT_TRUE(session.undo());
+    EXPECT_EQ(session.body().cuts, first) << n;
+  }
+  EXPECT_EQ(session.undo_bytes(), after_first);
+  ASSERT_TRUE(session.undo());
+  EXPECT_TRUE(session.body().cuts.empty());
+  EXPECT_EQ(session.undo_bytes(), 0u);
+}
+
 TEST_F(UnitSession, HandlesArePlacedInTheMiddleOfTheirElements) {
   const Session session(m_ball, m_options);
   Selection ball;

@@ -118,6 +118,45 @@ TEST(UnitLight, WhatIsNoLightIsRefused) {
   is_refused({ShadingModel::blinn, {far_light({1, 0, 0}, -1)}, false, 0});
   is_refused({ShadingModel::blinn, std::vector<Light>(9), false, 0});
   is_refused({ShadingModel::blinn, {}, true, -1});
+  is_refused({ShadingModel::blinn, {}, true, 0, 20.5});
+  is_refused({ShadingModel::blinn, {}, true, 0, NAN});
+}
+
+TEST(UnitLight, AStopOfExposureDoublesTheLinearLightOfEveryPixel) {
+  const Geometry geometry = cube_geometry(kLitSize);
+  const Renderer renderer(geometry, whole(lobed_body(Vec3d(23.5), 14)));
+  TransferFunction f = surface_function();
+  f.unit_distance_mm = 20;  // translucent in places
+  const auto picture = [&](double stops) {
+    RenderSettings settings = small_picture(48);
+    settings.lighting.exposure_stops = stops;
+    return renderer.render_float(default_camera(geometry, 1), f, settings);
+  };
+  const auto light = [](const FloatImage& image, std::size_t pixel, std::size_t channel) {
+    const float alpha = image.rgba[4 * pixel + 3];
+    return linear_from_srgb(image.rgba[4 * pixel + channel] / alpha) * alpha;
+  };
+  const FloatImage plain = picture(0);
+  std::size_t translucent = 0, clamped = 0;
+  for (const double stops : {1.0, -2.0, 4.0}) {
+    const FloatImage bright = picture(stops);
+    const Image bytes = to_image(bright);
+    for (std::size_t n = 0; n < plain.pixel_count(); ++n) {
+      const float alpha = plain.rgba[4 * n + 3];
+      ASSERT_EQ(bright.rgba[4 * n + 3], alpha);
+      if (alpha <= 0) continue;
+      translucent += alpha > 0.1f && alpha < 0.9f;
+      for (std::size_t c = 0; c < 3; ++c) {
+        const double expected = std::exp2(stops) * double(light(plain, n, c));
+        ASSERT_NEAR(light(bright, n, c), expected, 1e-5 * (1 + expected));
+        if (expected / double(alpha) <= 1.01) continue;
+        ++clamped;
+        ASSERT_EQ(int(bytes.rgba[4 * n + c]), 255);
+      }
+    }
+  }
+  EXPECT_GT(translucent, 50u);
+  EXPECT_GT(clamped, 1000u);
 }
 
 /// A ball before a wall, lit from one side.

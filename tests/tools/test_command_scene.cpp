@@ -87,12 +87,13 @@ TEST_F(UnitCommandScene, RenderAndSliceHaveTheViewsOfAScene) {
       "render",
       {"--size", "90,60", "--quality", "draft", "--jitter", "--camera", m_folder / "left.toml",
        "--clip-plane", "8,8,8:0,0,1", "--clip-keep", "outside", "--light",
-       "camera:1,1,2:0.8:#FF8040", "--shading", "phong", "--path", m_folder / "twist.toml"},
+       "camera:1,1,2:0.8:#FF8040", "--shading", "phong", "--exposure", "-0.5", "--path",
+       m_folder / "twist.toml"},
       "size = [90, 60]\nquality = \"draft\"\njitter = true\ncamera = \"left.toml\"\n"
       "clip = [{ plane = { point = [8, 8, 8], normal = [0, 0, 1] }, keep = \"outside\" }]\n"
       "light = [{ direction = [1, 1, 2], frame = \"camera\", intensity = 0.8, colour = \"#FF8040\" "
       "}]\n"
-      "shading = \"phong\"\npath = \"twist.toml\"\n");
+      "shading = \"phong\"\nexposure = -0.5\npath = \"twist.toml\"\n");
   expect_same_picture("slice", {}, "slice = {}\n");
   expect_same_picture("slice", {"--plane", "coronal", "--at", "8,9,8", "--scale", "3"},
                       "slice = { plane = \"coronal\", at = [8, 9, 8], scale = 3 }\n");

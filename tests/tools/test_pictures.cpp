@@ -213,6 +213,7 @@ TEST_F(UnitPictures, WhatIsNoLightOrMeshIsRefused) {
   EXPECT_EQ(code("--light", "1,2,3:-1"), 3);
   EXPECT_EQ(code("--shading", "flat"), 2);
   EXPECT_EQ(code("--ambient-occlusion", "-3"), 3);
+  EXPECT_EQ(code("--exposure", "21"), 3);
   EXPECT_EQ(code("--mesh", m_folder / "none.ply"), 3);
   EXPECT_EQ(code("--mesh", m_folder / "empty.obj"), 3);
   EXPECT_EQ(code("--mesh", square + ":#12"), 2);

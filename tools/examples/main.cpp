@@ -21,6 +21,7 @@ constexpr int kExtrusion = 10;
 
 Phantom make_phantom(const std::string& kind) {
   if (kind == "head") return head_phantom({256, 256, 108});
+  if (kind == "large-head") return head_phantom({512, 512, 256});
   if (kind == "small-head") return head_phantom({96, 96, 54});
   if (kind == "gradient") return gradient_phantom(kSliceSize);
   if (kind == "t-shape") return t_shape_phantom(kSliceSize);
@@ -70,8 +71,8 @@ int main(int argc, char** argv) {
   CLI::App* phantom = program.add_subcommand("phantom", "Write a generated volume or grey image");
   phantom->add_option("kind", kind, "Which one")
       ->required()
-      ->check(CLI::IsMember(
-          {"head", "small-head", "gradient", "t-shape", "irregular", "extruded", "lips", "cube"}));
+      ->check(CLI::IsMember({"head", "large-head", "small-head", "gradient", "t-shape", "irregular",
+                             "extruded", "lips", "cube"}));
   phantom->add_option("output", output, "A .png (one slice) or .nhdr file")->required();
   CLI::App* figure = program.add_subcommand("figure-4-5", "Original ChainMail against ECM");
   figure->add_option("folder", output, "Where the pictures go")->required();

@@ -53,6 +53,10 @@ Fields fields(Lighting& lighting) {
           .unit("mm")
           .implying("10")
           .otherwise("none; 10 without a number"),
+      Field("exposure", lighting.exposure_stops,
+            "Twice as much light on all that is drawn per stop")
+          .unit("stops")
+          .range(-20, 20),
   };
 }
 

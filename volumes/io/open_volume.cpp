@@ -85,6 +85,7 @@ std::unique_ptr<VolumeFile> open_known(const std::string& path, const ReadOption
   if (is_tiff(head)) return open_tiff(path, options);
   if (is_nifti_head(head)) return open_nifti(path, options);
   if (is_metaimage(head)) return open_metaimage(path, options);
+  if (is_gipl_head(head)) return open_gipl(path, options);
   if (is_hdf5(head)) return open_hdf5(path, options);
   if (is_openvdb(head)) return open_vdb(path);
   const TransformKind transform = transform_kind(head);
@@ -102,6 +103,7 @@ std::unique_ptr<VolumeFile> open_known(const std::string& path, const ReadOption
       extension == ".he5") {
     return open_hdf5(path, options);
   }
+  if (extension == ".gipl") return open_gipl(path, options);
   if (extension == ".png") return open_png(path);
   if (extension == ".tif" || extension == ".tiff") return open_tiff(path, options);
   if (extension == ".raw" || extension == ".bin") {
@@ -110,8 +112,8 @@ std::unique_ptr<VolumeFile> open_known(const std::string& path, const ReadOption
   }
   throw InputError(
       {path, "format", "unknown content",
-       "NRRD, MetaImage, NIfTI, DICOM, HDF5, OpenVDB, TIFF, PNG, or raw values described by "
-       "raw"});
+       "NRRD, MetaImage, NIfTI, GIPL, DICOM, HDF5, OpenVDB, TIFF, PNG, or raw values described "
+       "by raw"});
 }
 
 /// Readers and loaders hold slices; no scanner makes larger ones.

@@ -1,4 +1,4 @@
-// NIfTI headers patched byte by byte; PNG and TIFF images written by their own libraries.
+// NIfTI and GIPL headers patched byte by byte; PNG and TIFF images written by their own libraries.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -31,6 +31,61 @@ std::string with_qform(std::string header) {
   for (int a = 0; a < 3; ++a) patch(header, 80 + 4 * a, float(a + 2));
   for (int a = 0; a < 3; ++a) patch(header, 268 + 4 * a, float(10 * (a + 1)));
   return header;
+}
+
+void put(std::string& header, std::size_t offset, const std::string& big_endian) {
+  header.replace(offset, big_endian.size(), big_endian);
+}
+
+/// 3 x 2 x 2 voxels of 0.5 x 1 x 2 mm, int16, one frame.
+std::string gipl_header() {
+  std::string header(256, '\0');
+  put(header, 0, bytes_of_values(std::vector<std::uint16_t>{3, 2, 2, 0, 15}, true));
+  put(header, 10, bytes_of_values(std::vector<float>{0.5f, 1, 2, 1}, true));
+  put(header, 204, bytes_of_values(std::vector<double>{-10, 20, 30.5}, true));
+  put(header, 252, bytes_of_value(std::uint32_t(719555000), true));
+  return header;
+}
+
+TEST(UnitGipl, SpacingAndOriginAreReadAlongLps) {
+  const TemporaryFolder folder;
+  const auto file =
+      open_volume(folder.write("a.bin", gipl_header() + bytes_of_values(kShorts, true)));
+  const Geometry& geometry = file->header().geometry;
+  EXPECT_EQ(file->header().format, "gipl");
+  EXPECT_EQ(geometry.dims(), Vec3i(3, 2, 2));
+  expect_nearly(geometry.origin_lps_mm(), {-10, 20, 30.5});
+  expect_nearly(geometry.axes_mm()[0], {0.5, 0, 0});
+  expect_nearly(geometry.axes_mm()[1], {0, 1, 0});
+  expect_nearly(geometry.axes_mm()[2], {0, 0, 2});
+  EXPECT_EQ(read_all(*file), bytes_of_values(kShorts));
+}
+
+TEST(UnitGipl, AFrameOfATimeSeriesIsChosen) {
+  const TemporaryFolder folder;
+  std::string header = gipl_header();
+  put(header, 6, bytes_of_value(std::uint16_t(2), true));
+  const std::string path =
+      folder.write("a.gipl", header + std::string(24, '\7') + bytes_of_values(kShorts, true));
+  EXPECT_EQ(read_all(*open_volume(path, choice(1))), bytes_of_values(kShorts));
+  expect_failure(path, {"a.gipl", "dim[3]"});
+}
+
+TEST(UnitGipl, DamagedHeadersNameFieldAndValue) {
+  const TemporaryFolder folder;
+  const auto refuses = [&](std::size_t offset, const std::string& bytes,
+                           const std::vector<std::string>& parts) {
+    std::string header = gipl_header();
+    put(header, offset, bytes);
+    expect_failure(folder.write("a.gipl", header + bytes_of_values(kShorts, true)), parts);
+  };
+  refuses(2, std::string(2, '\0'), {"dim[1]", "0"});
+  refuses(8, bytes_of_value(std::uint16_t(192), true), {"image type", "192"});
+  refuses(14, bytes_of_value(-1.0f, true), {"pixdim[1]", "-1"});
+  refuses(204, bytes_of_value(std::nan(""), true), {"a.gipl", "nan"});
+  refuses(252, std::string(4, '\0'), {"magic"});
+  refuses(4, bytes_of_value(std::uint16_t(65535), true), {"a.gipl"});
+  expect_failure(folder.write("b.gipl", gipl_header().substr(0, 100)), {"100 bytes", "256 bytes"});
 }
 
 TEST(UnitNifti, SformBecomesLps) {

@@ -15,6 +15,8 @@ std::unique_ptr<VolumeFile> open_nrrd(const std::string& path, const ReadOptions
 std::unique_ptr<VolumeFile> open_metaimage(const std::string& path, const ReadOptions& options);
 /// NIfTI-1 and NIfTI-2: single file or .hdr with .img, each of them gzipped or not.
 std::unique_ptr<VolumeFile> open_nifti(const std::string& path, const ReadOptions& options);
+/// GIPL (itkGiplImageIO.cxx).
+std::unique_ptr<VolumeFile> open_gipl(const std::string& path, const ReadOptions& options);
 /// One grey image as a one-slice volume.
 std::unique_ptr<VolumeFile> open_png(const std::string& path);
 /// TIFF and BigTIFF of one page or many; ImageJ stacks and OME-TIFF.
@@ -41,6 +43,8 @@ std::unique_ptr<VolumeFile> open_channel(std::unique_ptr<VolumeFile> file, int c
 
 /// True when the bytes (348 or more of them) are a NIfTI header.
 bool is_nifti_head(const std::string& head);
+/// True when the bytes (256 or more of them) are a GIPL header.
+bool is_gipl_head(const std::string& head);
 
 /// Geometry of a plain image, which says nothing about millimetres or the patient: 1 mm pixels,
 /// columns towards L (+x), rows downward towards P (+y), as an axial slice is drawn in radiology.
