@@ -28,41 +28,45 @@ Vec3d offset_of(const CutPiece& piece, const Vec3d& X, const Vec3d& x) {
 
 void CutBrick::find_reaching() {
   for (const CutPiece& piece : m_pieces) m_maps.emplace_back(piece);
-  std::vector<std::pair<std::int32_t, std::int32_t>> pairs;  // cell, piece
-  for (std::size_t p = 0; p < m_pieces.size(); ++p) {
-    const Vec3d at(m_pieces[p].cell - m_origin);
+  const auto for_parts = [&](const CutPiece& piece, auto&& visit) {
+    const Vec3d at(piece.cell - m_origin);
     Vec3i lo, hi;
     for (int a = 0; a < 3; ++a) {
-      lo[a] = int(std::floor(std::max(at[a] + m_pieces[p].lo[a] - 1e-3, 0.0)));
-      hi[a] = int(std::floor(std::min(at[a] + m_pieces[p].hi[a] + 1e-3, kBrickDim - 1.0)));
+      lo[a] = int(std::floor(std::max((at[a] + piece.lo[a] - 1e-3) * kParts, 0.0)));
+      hi[a] = int(std::floor(std::min((at[a] + piece.hi[a] + 1e-3) * kParts, kPartDim - 1.0)));
     }
     for (int x = lo.x; x <= hi.x; ++x) {
       for (int y = lo.y; y <= hi.y; ++y) {
-        for (int z = lo.z; z <= hi.z; ++z) pairs.emplace_back(brick_offset({x, y, z}), int(p));
+        for (int z = lo.z; z <= hi.z; ++z) visit(std::size_t((x * kPartDim + y) * kPartDim + z));
       }
     }
+  };
+  constexpr std::size_t kCount = std::size_t(kPartDim) * kPartDim * kPartDim;
+  m_begin.assign(kCount + 1, 0);
+  for (const CutPiece& piece : m_pieces) {
+    for_parts(piece, [&](std::size_t part) { ++m_begin[part + 1]; });
   }
-  std::sort(pairs.begin(), pairs.end());
-  m_begin.assign(kBrickVoxels + 1, 0);
-  for (const auto& [cell, piece] : pairs) {
-    ++m_begin[std::size_t(cell) + 1];
-    m_reaching.push_back(piece);
+  for (std::size_t n = 0; n < kCount; ++n) m_begin[n + 1] += m_begin[n];
+  m_reaching.resize(std::size_t(m_begin[kCount]));
+  std::vector<std::int32_t> next(m_begin.begin(), m_begin.end() - 1);
+  for (std::size_t p = 0; p < m_pieces.size(); ++p) {
+    for_parts(m_pieces[p],
+              [&](std::size_t part) { m_reaching[std::size_t(next[part]++)] = std::int32_t(p); });
   }
-  for (std::size_t n = 0; n < kBrickVoxels; ++n) m_begin[n + 1] += m_begin[n];
-  for (std::size_t n = 0; n < kBrickVoxels; ++n) {
-    if (is_single(n)) mask_set(m_single, int(n));
+  m_single.resize(kCount);
+  for (std::size_t n = 0; n < kCount; ++n) {
+    m_single[n] = is_single(m_reaching.data() + m_begin[n], m_reaching.data() + m_begin[n + 1]);
   }
 }
 
 /// Whole cells that hold together by faces and do not fold reach no place twice.
-bool CutBrick::is_single(std::size_t cell) const {
-  const std::int32_t begin = m_begin[cell], end = m_begin[cell + 1];
+bool CutBrick::is_single(const std::int32_t* begin, const std::int32_t* end) const {
   constexpr int kMostPieces = 64;
   if (begin == end || end - begin > kMostPieces) return false;
   Vec3i cells[kMostPieces];
   int count = 0;
-  for (std::int32_t n = begin; n < end; ++n) {
-    const CutPiece& piece = m_pieces[std::size_t(m_reaching[std::size_t(n)])];
+  for (const std::int32_t* number = begin; number != end; ++number) {
+    const CutPiece& piece = m_pieces[std::size_t(*number)];
     if (!piece.is_whole || piece.is_folded) return false;
     cells[count++] = piece.cell;
   }
@@ -74,6 +78,15 @@ bool CutBrick::is_single(std::size_t cell) const {
     }
   }
   return reached == count;
+}
+
+std::size_t CutBrick::part_of(const Vec3d& x) const {
+  int part = 0;
+  for (int a = 0; a < 3; ++a) {
+    const int at = int((x[a] - m_origin[a]) * kParts);
+    part = part * kPartDim + std::clamp(at, 0, kPartDim - 1);
+  }
+  return std::size_t(part);
 }
 
 bool CutBrick::source_of(int number, const Vec3d& x, Vec3d& X) const {
@@ -89,8 +102,8 @@ bool CutBrick::source_of(int number, const Vec3d& x, Vec3d& X) const {
 /// `visit(number, X)` for every piece that has x.
 template <class Visit>
 void CutBrick::for_found(const Vec3d& x, const Vec3i& dims, Visit&& visit) const {
-  const std::size_t cell = std::size_t(brick_offset(floor_voxel(x)));
-  for (std::int32_t n = m_begin[cell]; n < m_begin[cell + 1]; ++n) {
+  const std::size_t part = part_of(x);
+  for (std::int32_t n = m_begin[part]; n < m_begin[part + 1]; ++n) {
     const int number = m_reaching[std::size_t(n)];
     Vec3d X;
     if (source_of(number, x, X) && is_in_slice(X, dims)) visit(number, X);
@@ -98,7 +111,7 @@ void CutBrick::for_found(const Vec3d& x, const Vec3i& dims, Visit&& visit) const
 }
 
 int CutBrick::find(const Vec3d& x, const Vec3i& dims, Vec3d& offset, int guess) const {
-  if (guess >= 0 && mask_test(m_single, brick_offset(floor_voxel(x)))) {
+  if (guess >= 0 && m_single[part_of(x)]) {
     const CutPiece& piece = m_pieces[std::size_t(guess)];
     Vec3d local;
     if (m_maps[std::size_t(guess)].solve(x, local) == PieceMap::Outcome::inside &&

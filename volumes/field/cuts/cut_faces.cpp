@@ -10,7 +10,6 @@ namespace supple {
 namespace {
 
 constexpr int kBlock = 4;
-constexpr int kSeenBlock = 2;
 // How deep behind a face places know it, and how far beside a point its plane counts, in voxels.
 constexpr double kDeepest = 4;
 constexpr double kBeside = 1.5, kBesideWidth = 0.8;
@@ -20,8 +19,8 @@ constexpr double kLeast = 0.1, kLeastExact = 1e-3, kMost = 1.5, kMostExact = 2;
 // Deeper than the nearest by more than this, a point is one of another face.
 constexpr double kSameFace = 0.75;
 
-Vec3i block_of(const Vec3d& X, int size = kBlock) {
-  return {int(std::floor(X.x / size)), int(std::floor(X.y / size)), int(std::floor(X.z / size))};
+Vec3i block_of(const Vec3d& X) {
+  return floor_voxel(X / double(kBlock));
 }
 
 struct LinkLess {
@@ -71,22 +70,28 @@ CutFaces::CutFaces(const std::vector<TornCell>& cells, const CutBody& body,
   }
 }
 
-/// In the blocks that the cylinder of places that know the point touches, by their middles.
+/// In the cells that the cylinder of places that know the point touches, by their middles.
 void CutFaces::list_seen(int number) {
   const Point& point = m_points[std::size_t(number)];
-  const double half = kSeenBlock / 2.0, slack = half * std::sqrt(3.0), deepest = kDeepest + slack;
-  const double beside = kBeside + slack;
-  const Vec3i lo = block_of(point.at - Vec3d(kDeepest + kBeside), kSeenBlock);
-  const Vec3i hi = block_of(point.at + Vec3d(kDeepest + kBeside), kSeenBlock);
+  const double slack = std::sqrt(0.75), deepest = kDeepest + slack, beside = kBeside + slack;
+  const Vec3i lo = floor_voxel(point.at - Vec3d(kDeepest + kBeside));
+  const Vec3i hi = floor_voxel(point.at + Vec3d(kDeepest + kBeside));
   for (int x = lo.x; x <= hi.x; ++x) {
     for (int y = lo.y; y <= hi.y; ++y) {
       for (int z = lo.z; z <= hi.z; ++z) {
-        const Vec3d step = Vec3d(x, y, z) * kSeenBlock + Vec3d(half) - point.at;
+        const Vec3d step = Vec3d(x, y, z) + Vec3d(0.5) - point.at;
         const double across = step.dot(point.across);
         if (std::abs(across) > deepest || step.length2() - across * across > beside * beside) {
           continue;
         }
-        m_seen[{x, y, z}].push_back(number);
+        const std::size_t brick = m_seen_bricks.add({x & ~7, y & ~7, z & ~7});
+        if (brick == m_seen_at.size()) m_seen_at.emplace_back().fill(-1);
+        std::int32_t& seen = m_seen_at[brick][std::size_t(brick_offset({x, y, z}))];
+        if (seen < 0) {
+          seen = std::int32_t(m_seen.size());
+          m_seen.emplace_back();
+        }
+        m_seen[std::size_t(seen)].push_back(number);
       }
     }
   }
@@ -121,8 +126,10 @@ void CutFaces::fit_plane(Point& point, int axis, const Geometry& geometry) const
 }
 
 const CutFaces::Points* CutFaces::seen_from(const Vec3i& cell) const {
-  const auto found = m_seen.find(block_of(Vec3d(cell), kSeenBlock));
-  return found == m_seen.end() ? nullptr : &found->second;
+  const std::int32_t brick = m_seen_bricks.find(cell);
+  if (brick < 0) return nullptr;
+  const std::int32_t seen = m_seen_at[std::size_t(brick)][std::size_t(brick_offset(cell))];
+  return seen < 0 ? nullptr : &m_seen[std::size_t(seen)];
 }
 
 CutFaces::Depth CutFaces::depth(const Vec3d& X, const Vec3d& inside, const Points* points) const {

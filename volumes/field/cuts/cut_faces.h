@@ -60,8 +60,10 @@ class CutFaces {
 
   std::vector<Point> m_points;
   std::unordered_map<Vec3i, std::vector<int>, VoxelHash> m_blocks;  // of four voxels
-  /// The open points that places in a block of two voxels may know.
-  std::unordered_map<Vec3i, Points, VoxelHash> m_seen;
+  // The open points that places in a cell may know: per brick of cells, their numbers below or -1.
+  BrickIndex m_seen_bricks;
+  std::vector<std::array<std::int32_t, kBrickVoxels>> m_seen_at;
+  std::vector<Points> m_seen;
 };
 
 }  // namespace supple
