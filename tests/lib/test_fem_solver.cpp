@@ -111,8 +111,9 @@ TEST(PropertyFem, TheSolutionIsThatOfADirectSolverOnRandomBodies) {
     FemLoads loads;
     const Vec3d slope(pick(random, -0.1, 0.1), pick(random, -0.1, 0.1), pick(random, -0.1, 0.1));
     // A random third of all places is held, so that most islands are.
-    std::mt19937 chosen(round);
-    const Vec3d wave(chosen() % 7 + 3.0, chosen() % 7 + 3.0, chosen() % 7 + 3.0);
+    std::mt19937 chosen{unsigned(round)};
+    const auto length = [&] { return double(chosen() % 7) + 3; };
+    const Vec3d wave{length(), length(), length()};
     loads.held.push_back(hold_where(
         body, [wave](const Vec3d& x) { return std::sin(wave.dot(x)) > 0.6; },
         [slope](const Vec3d& x) { return slope * x.x + Vec3d(0.2, 0, -0.1); }));
