@@ -234,8 +234,7 @@ Field strain_field(FemStep& step) {
 
 Fields fields(FemStep& step) {
   FemParams& params = step.params;
-  return {
-      strain_field(step),
+  Fields of_scenes = {
       Field("tolerance", params.tolerance, "Largest force left on a node, of the largest there is")
           .positive(),
       Field("reaction_tolerance", params.reaction_tolerance,
@@ -262,6 +261,10 @@ Fields fields(FemStep& step) {
       Field("rigid_poisson", step.rigid_poisson, "Poisson's ratio of rigid pieces")
           .range(0, kLargestPoisson),
   };
+  for (Field& field : of_scenes) field.only_in_scenes();
+  Fields all = {strain_field(step)};
+  all.insert(all.end(), of_scenes.begin(), of_scenes.end());
+  return all;
 }
 
 Fields load_fields(FemLoad& load) {

@@ -227,8 +227,8 @@ TEST(PropertyFemFinite, ABlockIsShearedAsTheFormulaSays) {
   const int n = 4;
   const double gamma = 0.8, shear = elastic_moduli(12, 0.4).shear_kpa;
   const Body body = fem_cube(n);
-  const auto on_top = [n](const Vec3d& x) { return x.z > n - 0.51; };
-  const auto outside = [n](const Vec3d& x) {
+  const auto on_top = [](const Vec3d& x) { return x.z > n - 0.51; };
+  const auto outside = [](const Vec3d& x) {
     return std::min({x.x, x.y, x.z}) < -0.49 || std::max({x.x, x.y, x.z}) > n - 0.51;
   };
   const auto sheared = [=](const Vec3d& x) { return Vec3d(gamma * (x.z + 0.5), 0, 0); };
