@@ -11,32 +11,47 @@
 
 #include <vector>
 
-#include "lib/fem/fem.h"
 #include "lib/fem/fem_loads.h"
-#include "lib/fem/hex_operator.h"
-#include "lib/fem/multigrid.h"
 #include "lib/fem/node_vectors.h"
+#include "lib/fem/residual.h"
+#include "volumes/base/progress.h"
 
 namespace supple {
 
-struct CgState {
-  int iterations = 0;
-  double residual_max = 0, residual_rms = 0;  // relative to the largest nodal force
-  double largest_force_mn = 0;
-  double reaction_change = 0;  // relative to the largest reaction, over the last iteration
+/// A symmetric matrix K and a preconditioner B, nearly its inverse; three values per node.
+class LinearSystem {
+ public:
+  virtual ~LinearSystem() = default;
+  /// y += K x.
+  virtual void add(const float* x, double* y) const = 0;
+  /// y -= K x.
+  virtual void subtract(const double* x, double* y) const = 0;
+  /// z = B r; `r` is used up. Its held components are 0, and those of z are to be.
+  virtual void precondition(float* r, float* z) = 0;
+};
+
+/// Where iterations end.
+struct CgLimits {
+  double tolerance = 1e-6;  // of ResidualSize
+  double reaction_tolerance = 1e-5;
+  int max_iterations = 400;
+  double residual_mn = 0;  // or with the largest residual at most so large
+  /// K may have directions of negative curvature, at the first of which iterations end (Steihaug
+  /// 1983); where that is the very first one, u goes along it as if the curvature were positive.
+  bool may_be_indefinite = false;
 };
 
 class ConjugateGradients {
  public:
   /// All must outlive this. Takes loads.u_mm as the start.
-  ConjugateGradients(const HexOperator& stiffness, Multigrid& multigrid, NodalLoads& loads,
-                     const FemParams& params);
+  ConjugateGradients(LinearSystem& system, NodalLoads& loads, const CgLimits& limits);
 
-  /// True when the tolerances are reached by the residual as it is computed afresh. Throws
-  /// Cancelled.
+  /// True when the limits are reached by the residual as it is computed afresh; false after too
+  /// many iterations, or where no descent is found. Throws Cancelled.
   bool run(Progress* progress);
 
-  const CgState& state() const { return m_state; }
+  int iterations() const { return m_iterations; }
+  const ResidualSize& size() const { return m_size; }
   const std::vector<double>& u() const { return m_u; }
   const std::vector<double>& residual() const { return m_r; }
   std::vector<double> take_u() { return std::move(m_u); }
@@ -44,25 +59,22 @@ class ConjugateGradients {
 
  private:
   void compute_residual();
-  void measure();
   void precondition();
   bool iterate(bool is_first);
   bool is_converged() const;
 
-  const HexOperator* m_stiffness;
-  Multigrid* m_multigrid;
+  LinearSystem* m_system;
   const NodalLoads* m_loads;
-  FemParams m_params;
-  CgState m_state;
+  CgLimits m_limits;
+  ResidualMeter m_meter;
+  ResidualSize m_size;
+  int m_iterations = 0;
   std::vector<double> m_u, m_r;
   std::vector<float> m_p;
   /// K p from its computation to the next r; then r, B r and K p in single precision until the next
   /// p.
   SharedVectors m_shared;
-  double m_largest_load_mn = 0;
-  double m_largest_residual_mn = 0;
   double m_p_q = 0;
-  std::vector<Vec3d> m_reactions;
 };
 
 }  // namespace supple

@@ -64,6 +64,17 @@ std::array<Vec3d, 8> shape_gradients(const std::array<Vec3d, 3>& axes_mm, const 
   return gradients;
 }
 
+GaussGeometry::GaussGeometry(const std::array<Vec3d, 3>& axes_mm, Dilatation dilatation)
+    : is_pointwise(dilatation == Dilatation::pointwise) {
+  double determinant;
+  const std::array<Vec3d, 3> inverse = inverse_rows(axes_mm, determinant);
+  volume_mm3 = std::abs(determinant);
+  // An eighth for the modes, and two units of the reference cube per voxel.
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int d = 0; d < 3; ++d) slope[axis][d] = inverse[axis][d] / 4;
+  }
+}
+
 ElementMatrix element_matrix(const std::array<Vec3d, 3>& axes_mm, Dilatation dilatation) {
   ElementMatrix out{};
   double determinant;

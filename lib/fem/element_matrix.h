@@ -58,6 +58,15 @@ Matrix24 on_parent(const Matrix24& child_matrix, int child);
 /// Weights of a parent's corners at point (i, j, k) of 0 ... 2 or 0 ... 4 steps along each edge.
 std::array<double, 8> corner_weights(const Vec3d& fraction);
 
+/// What the Gauss points of all voxels share (finite_kernel.h).
+struct GaussGeometry {
+  double slope[3][3];  // [axis][direction]: gradients of modes along the axes to LPS, 1/mm
+  double volume_mm3;
+  bool is_pointwise;
+
+  GaussGeometry(const std::array<Vec3d, 3>& axes_mm, Dilatation dilatation);
+};
+
 struct ElasticModuli {
   double shear_kpa, bulk_kpa;  // mu, kappa
 };

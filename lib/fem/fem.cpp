@@ -8,6 +8,7 @@
 #include "lib/fem/hex_operator.h"
 #include "lib/fem/loose_islands.h"
 #include "lib/fem/multigrid.h"
+#include "lib/fem/newton.h"
 
 namespace supple {
 
@@ -27,6 +28,22 @@ struct FemModel::Parts {
 namespace {
 
 constexpr double kNPerMn = 1e-3;
+constexpr double kMjPerUj = 1e-3;
+
+/// The linear stiffness and its multigrid cycle.
+class StiffnessSystem final : public LinearSystem {
+ public:
+  StiffnessSystem(const HexOperator& stiffness, Multigrid& multigrid)
+      : m_stiffness(stiffness), m_multigrid(multigrid) {}
+
+  void add(const float* x, double* y) const override { m_stiffness.add(x, y); }
+  void subtract(const double* x, double* y) const override { m_stiffness.subtract(x, y); }
+  void precondition(float* r, float* z) override { m_multigrid.cycle(r, z); }
+
+ private:
+  const HexOperator& m_stiffness;
+  Multigrid& m_multigrid;
+};
 
 double milliseconds_since(std::chrono::steady_clock::time_point start) {
   const std::chrono::duration<double, std::milli> passed = std::chrono::steady_clock::now() - start;
@@ -58,14 +75,29 @@ VoxelMaterial material_of(const Body& body, const ElasticTable& elastic, Dilatat
 }
 
 std::string not_converged_text(const FemReport& report) {
-  return "finite elements did not converge: residual " + number_text(report.residual_max) +
+  std::string text = "finite elements did not converge";
+  if (report.newton) {
+    const NewtonReport& newton = *report.newton;
+    text += " beyond " + number_text(100 * newton.load_part) + " % of the load (" +
+            std::to_string(newton.load_steps) + " steps, " + std::to_string(newton.rejected_steps) +
+            " given up, " + std::to_string(newton.newton_iterations) +
+            " corrections, smallest det F " + number_text(newton.smallest_j) + ")";
+  }
+  return text + ": residual " + number_text(report.residual_max) +
          " of the largest nodal force (rms " + number_text(report.residual_rms) +
          "), reactions changed by " + number_text(report.reaction_change) + " after " +
          std::to_string(report.iterations) + " iterations, " + std::to_string(report.unknowns) +
          " unknowns";
 }
 
-/// Reactions, balance and energy from r = f - K u, which is minus the force of what holds a node.
+void note(const ResidualSize& size, FemReport& report) {
+  report.residual_max = size.max;
+  report.residual_rms = size.rms;
+  report.largest_force_n = size.largest_force_mn * kNPerMn;
+  report.reaction_change = size.reaction_change;
+}
+
+/// Reactions, balance and energy from r = f - K(u), which is minus the force of what holds a node.
 void balance(const NodalLoads& loads, const std::vector<double>& u, const std::vector<double>& r,
              FemReport& report) {
   Vec3d sum(0);
@@ -85,7 +117,7 @@ void balance(const NodalLoads& loads, const std::vector<double>& u, const std::v
     sum += held + load;
     lengths += held.length() + load.length();
   }
-  report.energy_mj = energy / 2 * 1e-3;  // mN mm are uJ
+  report.energy_mj = energy / 2 * kMjPerUj;
   report.force_balance = lengths > 0 ? sum.length() / lengths : 0;
   report.energy_identity = energy != 0 ? std::abs(work_of_residual / energy) : 0;
 }
@@ -165,7 +197,7 @@ FemSolution FemModel::solve(const FemLoads& loads, const FemParams& params,
                             Progress* progress) const {
   params.validate();
   const auto start = std::chrono::steady_clock::now();
-  NodalLoads nodal = nodal_loads(mesh(), material(), loads);
+  NodalLoads nodal = nodal_loads(mesh(), material(), loads, params.strain);
   FemSolution out;
   FemReport& report = out.report;
   report.elements = mesh().element_count();
@@ -182,32 +214,79 @@ FemSolution FemModel::solve(const FemLoads& loads, const FemParams& params,
                       "every piece held so that it cannot move as a rigid body"});
   }
   for (const std::uint8_t held : nodal.held) report.unknowns += 3 - __builtin_popcount(held);
-  Multigrid multigrid(m_parts->levels, m_parts->stiffness, material(), nodal.held, {}, progress);
-  report.levels = multigrid.level_count();
   report.setup_ms = milliseconds_since(start);
+  if (params.strain == StrainTheory::linear) {
+    solve_linear(nodal, params, progress, out);
+  } else {
+    solve_finite(nodal, params, progress, out);
+  }
+  return out;
+}
+
+void FemModel::solve_linear(NodalLoads& loads, const FemParams& params, Progress* progress,
+                            FemSolution& out) const {
+  FemReport& report = out.report;
+  const auto start = std::chrono::steady_clock::now();
+  Multigrid multigrid(m_parts->levels, m_parts->stiffness, material(), loads.held, {}, progress);
+  report.levels = multigrid.level_count();
+  report.setup_ms += milliseconds_since(start);
 
   stage(progress, "solving");
   const auto solve_start = std::chrono::steady_clock::now();
-  ConjugateGradients solver(m_parts->stiffness, multigrid, nodal, params);
+  StiffnessSystem system(m_parts->stiffness, multigrid);
+  ConjugateGradients solver(system, loads,
+                            {params.tolerance, params.reaction_tolerance, params.max_iterations});
   const bool converged = solver.run(progress);
-  const CgState& state = solver.state();
-  report.iterations = state.iterations;
-  report.residual_max = state.residual_max;
-  report.residual_rms = state.residual_rms;
-  report.largest_force_n = state.largest_force_mn * kNPerMn;
-  report.reaction_change = state.reaction_change;
+  report.iterations = solver.iterations();
+  note(solver.size(), report);
   report.bytes = m_parts->bytes() + multigrid.bytes() + solver.bytes();
   report.solve_ms = milliseconds_since(solve_start);
   if (!converged) throw NotConverged(report);
-  balance(nodal, solver.u(), solver.residual(), report);
-  out.reactions = reactions_of(node_positions(mesh()), nodal, solver.residual());
+  balance(loads, solver.u(), solver.residual(), report);
+  out.reactions = reactions_of(node_positions(mesh()), loads, solver.residual());
   const LargestMotion largest = largest_motion(mesh(), material(), solver.u());
   report.largest_rotation_deg = largest.rotation_deg;
   report.largest_strain = largest.strain;
   report.beyond_linear =
       largest.rotation_deg > params.max_rotation_deg || largest.strain > params.max_strain;
   out.u_mm = solver.take_u();
-  return out;
+}
+
+void FemModel::solve_finite(NodalLoads& loads, const FemParams& params, Progress* progress,
+                            FemSolution& out) const {
+  FemReport& report = out.report;
+  const auto start = std::chrono::steady_clock::now();
+  Multigrid multigrid(m_parts->levels, m_parts->stiffness, material(), loads.held, {}, progress);
+  const FiniteStrain strain(mesh(), material(), loads.swelling_kpa);
+  report.levels = multigrid.level_count();
+  report.setup_ms += milliseconds_since(start);
+
+  stage(progress, "solving");
+  const auto solve_start = std::chrono::steady_clock::now();
+  NewtonLimits limits;
+  limits.tolerance = params.tolerance;
+  limits.reaction_tolerance = params.reaction_tolerance;
+  limits.max_cg_iterations = params.max_iterations;
+  Newton solver(mesh(), strain, material(), multigrid, loads, limits);
+  const bool converged = solver.run(progress);
+  report.newton = solver.report();
+  report.iterations = solver.report().cg_iterations;
+  note(solver.size(), report);
+  report.bytes = m_parts->bytes() + multigrid.bytes() + strain.bytes() + solver.bytes();
+  report.solve_ms = milliseconds_since(solve_start);
+  if (!converged) throw NotConverged(report);
+  balance(loads, solver.u(), solver.residual(), report);
+  report.energy_mj = solver.report().energy_uj * kMjPerUj;
+  std::vector<Vec3d> positions = node_positions(mesh());
+  for (std::size_t n = 0; n < positions.size(); ++n) {
+    for (int a = 0; a < 3; ++a) positions[n][a] += solver.u()[3 * n + std::size_t(a)];
+  }
+  out.reactions = reactions_of(positions, loads, solver.residual());
+  const LargestMotion largest =
+      largest_motion(mesh(), material(), solver.u(), StrainTheory::finite);
+  report.largest_rotation_deg = largest.rotation_deg;
+  report.largest_strain = largest.strain;
+  out.u_mm = solver.take_u();
 }
 
 }  // namespace supple

@@ -1,8 +1,11 @@
-// Voxel finite elements: linear isotropic elasticity of a body, one trilinear hexahedron per
-// element voxel (design.md section 6; docs/models/fem.md).
+// Voxel finite elements: isotropic elasticity of a body, linear or at finite strain, one trilinear
+// hexahedron per element voxel (design.md section 6; docs/models/fem.md).
 //
 //   find u with  K u = f,  u prescribed where something is held,
 //   K = sum over elements of  integral B^T D B,  D from Young's modulus E and Poisson's ratio nu
+//
+// At finite strain K(u) = f, with the neo-Hookean energy of finite_strain.h, whose K(u) is K u for
+// small u; solved by Newton's method in steps of the load (newton.h).
 //
 // Nodes lie at voxel corners, in LPS mm. A corner around which the elements fall into several
 // pieces (pieces are joined over faces whose link is not cut) has one node per piece, so that cuts
@@ -16,6 +19,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "lib/body/body.h"
@@ -23,6 +27,7 @@
 #include "lib/fem/element_matrix.h"
 #include "lib/fem/fem_loads.h"
 #include "lib/fem/hex_mesh.h"
+#include "lib/fem/newton_report.h"
 #include "volumes/base/progress.h"
 
 namespace supple {
@@ -43,12 +48,13 @@ enum class LooseIslands {
 };
 
 struct FemParams {
+  StrainTheory strain = StrainTheory::linear;
   /// Ends when the residual, largest and rms over nodes, is at most this part of the largest nodal
   /// force (of loads, reactions included) and the reactions changed by at most
   /// `reaction_tolerance`, relative, over the last iteration.
   double tolerance = 1e-6;
   double reaction_tolerance = 1e-5;
-  int max_iterations = 400;
+  int max_iterations = 400;  // of each linear system
   LooseIslands loose = LooseIslands::hold;
   /// Bounds of linear theory; larger ones are flagged.
   double max_rotation_deg = 5;
@@ -62,7 +68,7 @@ struct FemParams {
 struct FemReaction {
   Vec3d force_n{0, 0, 0};     // LPS
   Vec3d moment_nmm{0, 0, 0};  // LPS, about `centre_mm`
-  Vec3d centre_mm{0, 0, 0};   // mean rest position of the nodes
+  Vec3d centre_mm{0, 0, 0};  // mean position of the nodes: at rest, at finite strain where they are
   std::int64_t nodes = 0;
 };
 
@@ -74,14 +80,15 @@ struct FemReport {
   double largest_force_n = 0;
   /// |sum of loads and reactions| relative to the sum of their lengths.
   double force_balance = 0;
-  /// |u.Ku - u.(f + r)| relative to u.Ku; r are the reactions.
+  /// |u.K(u) - u.(f + r)| relative to u.K(u); r are the reactions.
   double energy_identity = 0;
-  double energy_mj = 0;        // u.Ku / 2
+  double energy_mj = 0;        // u.Ku / 2, or W(u)
   double reaction_change = 0;  // relative, over the last iteration
   std::int64_t loose_islands = 0, loose_elements = 0, islands = 0;
   double largest_rotation_deg = 0, largest_strain = 0;
-  bool beyond_linear = false;
-  std::size_t bytes = 0;  // at the most, of the solver and its mesh
+  bool beyond_linear = false;          // never at finite strain
+  std::optional<NewtonReport> newton;  // at finite strain
+  std::size_t bytes = 0;               // at the most, of the solver and its mesh
   double setup_ms = 0, solve_ms = 0;
 };
 
@@ -119,11 +126,15 @@ class FemModel {
   FemSolution solve(const FemLoads& loads, const FemParams& params = {},
                     Progress* progress = nullptr) const;
 
-  /// K u in mN, three per node: the operator as it is, for checks and other solvers.
+  /// K u in mN, three per node: the linear operator as it is, for checks and other solvers.
   void apply(const std::vector<double>& u_mm, std::vector<double>& force_mn) const;
 
  private:
   struct Parts;
+  void solve_linear(NodalLoads& loads, const FemParams& params, Progress* progress,
+                    FemSolution& out) const;
+  void solve_finite(NodalLoads& loads, const FemParams& params, Progress* progress,
+                    FemSolution& out) const;
   std::unique_ptr<Parts> m_parts;
 };
 

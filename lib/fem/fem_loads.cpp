@@ -161,8 +161,8 @@ void add_volume_forces(const HexMesh& mesh, const VoxelMaterial& material, const
 
 }  // namespace
 
-NodalLoads nodal_loads(const HexMesh& voxels, const VoxelMaterial& material,
-                       const FemLoads& loads) {
+NodalLoads nodal_loads(const HexMesh& voxels, const VoxelMaterial& material, const FemLoads& loads,
+                       StrainTheory strain) {
   NodalLoads out;
   const std::size_t unknowns = 3 * std::size_t(voxels.node_count());
   out.held.assign(voxels.node_count(), 0);
@@ -187,7 +187,14 @@ NodalLoads nodal_loads(const HexMesh& voxels, const VoxelMaterial& material,
   }
   for (const PressureInElements& pressure : loads.inner_pressures) {
     require_finite(Vec3d(pressure.pressure_kpa), "pressure");
-    press_inside(voxels, material, pressure, out.force_mn);
+    if (strain == StrainTheory::linear) {
+      press_inside(voxels, material, pressure, out.force_mn);
+      continue;
+    }
+    out.swelling_kpa.resize(std::size_t(voxels.element_count()));
+    for_each_element(voxels, pressure.elements, [&](std::int32_t, std::int32_t e) {
+      out.swelling_kpa[std::size_t(e)] += pressure.pressure_kpa;
+    });
   }
   if (has_volume_force) add_volume_forces(voxels, material, loads, out.force_mn);
   return out;

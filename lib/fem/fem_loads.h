@@ -14,6 +14,9 @@
 
 namespace supple {
 
+/// Small displacements, of which forces are linear; or any (finite_strain.h).
+enum class StrainTheory { linear, finite };
+
 /// Elements whose corners are prescribed a displacement, as a handle or an anchor does.
 struct HeldElements {
   SlotSet elements;
@@ -64,10 +67,12 @@ struct NodalLoads {
   HeldBits held;
   std::vector<double> u_mm;                      // prescribed values, 0 where a component is free
   std::vector<double> force_mn;                  // empty where no force acts
+  std::vector<double> swelling_kpa;              // per element; linear theory has forces for it
   std::vector<std::vector<NodeIndex>> nodes_of;  // per HeldElements: the nodes that it holds
 };
 
 /// Throws InputError: an element that the mesh does not have, a value that is not finite.
-NodalLoads nodal_loads(const HexMesh& voxels, const VoxelMaterial& material, const FemLoads& loads);
+NodalLoads nodal_loads(const HexMesh& voxels, const VoxelMaterial& material, const FemLoads& loads,
+                       StrainTheory strain = StrainTheory::linear);
 
 }  // namespace supple

@@ -7,6 +7,8 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
+#include "lib/fem/finite_strain.h"
+#include "lib/fem/small_matrix.h"
 #include "volumes/base/error.h"
 
 namespace supple {
@@ -36,29 +38,56 @@ std::array<double, 3> eigenvalues(const SymmetricTensor& t) {
   return {largest, 3 * mean - largest - smallest, smallest};
 }
 
-ElementState element_state(const HexMesh& voxels, const VoxelMaterial& material,
-                           const std::vector<double>& u_mm, std::int32_t element) {
-  const Corners& corners = voxels.corners[element];
-  // The gradient of the mean of tr e is that of the shape functions at the centre.
-  double gradient[3][3] = {};  // [component][direction]
-  double local[24];
-  for (int n = 0; n < 24; ++n) {
-    local[n] = u_mm[3 * std::size_t(corners[n / 3]) + n % 3];
-    for (int d = 0; d < 3; ++d) {
-      gradient[n % 3][d] += local[n] * material.matrix.gradient[3 * (n / 3) + d];
+namespace {
+
+/// du/dx at the centre of an element, rows are components; the mean of tr e is its trace.
+Matrix9 centre_gradient(const HexMesh& voxels, const VoxelMaterial& material,
+                        const std::vector<double>& u_mm, std::int32_t element) {
+  Matrix9 gradient{};
+  for (std::size_t n = 0; n < 24; ++n) {
+    const double u = u_mm[3 * std::size_t(voxels.corners[element][n / 3]) + n % 3];
+    for (std::size_t d = 0; d < 3; ++d) {
+      gradient[3 * (n % 3) + d] += u * material.matrix.gradient[3 * (n / 3) + d];
     }
   }
-  const auto mean = [&](int a, int b) { return (gradient[a][b] + gradient[b][a]) / 2; };
+  return gradient;
+}
+
+/// The symmetric part.
+SymmetricTensor symmetric(const Matrix9& a) {
+  return {a[0], a[4], a[8], (a[1] + a[3]) / 2, (a[5] + a[7]) / 2, (a[6] + a[2]) / 2};
+}
+
+/// Half the curl.
+Vec3d axial(const Matrix9& a) {
+  return {(a[7] - a[5]) / 2, (a[2] - a[6]) / 2, (a[3] - a[1]) / 2};
+}
+
+/// A B^T.
+Matrix9 times_transposed(const Matrix9& a, const Matrix9& b) {
+  Matrix9 out{};
+  for (std::size_t n = 0; n < 9; ++n) {
+    for (std::size_t m = 0; m < 3; ++m) out[n] += a[3 * (n / 3) + m] * b[3 * (n % 3) + m];
+  }
+  return out;
+}
+
+ElementState linear_state(const HexMesh& voxels, const VoxelMaterial& material,
+                          const std::vector<double>& u_mm, std::int32_t element) {
+  const Matrix9 gradient = centre_gradient(voxels, material, u_mm, element);
   ElementState out;
-  out.strain = {gradient[0][0], gradient[1][1], gradient[2][2], mean(0, 1), mean(1, 2), mean(2, 0)};
-  out.rotation_rad = {(gradient[2][1] - gradient[1][2]) / 2, (gradient[0][2] - gradient[2][0]) / 2,
-                      (gradient[1][0] - gradient[0][1]) / 2};
+  out.strain = symmetric(gradient);
+  out.volume_strain = trace(out.strain);
+  out.rotation_rad = axial(gradient);
   const std::uint8_t of = material.classes[element];
   const double shear = material.moduli.shear[of], bulk = material.moduli.bulk[of];
   for (int n = 0; n < 6; ++n) out.stress_kpa[n] = 2 * shear * out.strain[n];
-  const double volumetric = (bulk - 2 * shear / 3) * trace(out.strain);
+  const double volumetric = (bulk - 2 * shear / 3) * out.volume_strain;
   for (int n = 0; n < 3; ++n) out.stress_kpa[n] += volumetric;
-  double energy = 0;
+  double local[24], energy = 0;
+  for (int n = 0; n < 24; ++n) {
+    local[n] = u_mm[3 * std::size_t(voxels.corners[element][n / 3]) + n % 3];
+  }
   for (int n = 0; n < 24; ++n) {
     double force = 0;
     for (int m = 0; m < 24; ++m) {
@@ -68,6 +97,42 @@ ElementState element_state(const HexMesh& voxels, const VoxelMaterial& material,
   }
   out.energy_density_kpa = energy / material.matrix.volume_mm3;
   return out;
+}
+
+ElementState finite_state(const HexMesh& voxels, const VoxelMaterial& material,
+                          const std::vector<double>& u_mm, std::int32_t element) {
+  Matrix9 f = centre_gradient(voxels, material, u_mm, element);
+  for (std::size_t n = 0; n < 9; n += 4) f[n] += 1;
+  const Matrix9 rotation = rotation_of(f);
+  ElementState out;
+  out.strain = symmetric(times_transposed(f, rotation));
+  for (int n = 0; n < 3; ++n) out.strain[n] -= 1;
+  const Vec3d sine = axial(rotation);
+  const double angle = std::atan2(sine.length(), (rotation[0] + rotation[4] + rotation[8] - 1) / 2);
+  out.rotation_rad = sine.length() > 0 ? sine * (angle / sine.length()) : Vec3d(0);
+  const ElementEnergy energy = element_energy(voxels, material, u_mm, element);
+  out.volume_strain = energy.volume_change;
+  out.energy_density_kpa = energy.density_kpa;
+  // sigma = mu J^(-5/3) dev(F F^T) + kappa (theta - 1) 1.
+  const double J = determinant_of(f, cofactors(f));
+  const std::uint8_t of = material.classes[element];
+  const double shear = material.moduli.shear[of] * std::pow(J, -5.0 / 3);
+  const double dilatation =
+      material.matrix.dilatation == Dilatation::mean ? energy.volume_change : J - 1;
+  const SymmetricTensor b = symmetric(times_transposed(f, f));
+  for (int n = 0; n < 6; ++n) out.stress_kpa[n] = shear * b[n];
+  const double volumetric = material.moduli.bulk[of] * dilatation - shear * trace(b) / 3;
+  for (int n = 0; n < 3; ++n) out.stress_kpa[n] += volumetric;
+  return out;
+}
+
+}  // namespace
+
+ElementState element_state(const HexMesh& voxels, const VoxelMaterial& material,
+                           const std::vector<double>& u_mm, std::int32_t element,
+                           StrainTheory theory) {
+  return theory == StrainTheory::linear ? linear_state(voxels, material, u_mm, element)
+                                        : finite_state(voxels, material, u_mm, element);
 }
 
 double value_of(const ElementState& state, FemQuantity quantity) {
@@ -95,30 +160,31 @@ double value_of(const ElementState& state, FemQuantity quantity) {
     case FemQuantity::volume_strain:
       break;
   }
-  return trace(state.strain);
+  return state.volume_strain;
 }
 
 std::vector<float> element_values(const HexMesh& voxels, const VoxelMaterial& material,
-                                  const std::vector<double>& u_mm, FemQuantity quantity) {
+                                  const std::vector<double>& u_mm, FemQuantity quantity,
+                                  StrainTheory theory) {
   std::vector<float> values(voxels.corners.size());
-  tbb::parallel_for(tbb::blocked_range<std::int32_t>(0, voxels.element_count(), 256),
-                    [&](const tbb::blocked_range<std::int32_t>& range) {
-                      for (std::int32_t e = range.begin(); e < range.end(); ++e) {
-                        values[e] =
-                            float(value_of(element_state(voxels, material, u_mm, e), quantity));
-                      }
-                    });
+  tbb::parallel_for(
+      tbb::blocked_range<std::int32_t>(0, voxels.element_count(), 256),
+      [&](const tbb::blocked_range<std::int32_t>& range) {
+        for (std::int32_t e = range.begin(); e < range.end(); ++e) {
+          values[e] = float(value_of(element_state(voxels, material, u_mm, e, theory), quantity));
+        }
+      });
   return values;
 }
 
 LargestMotion largest_motion(const HexMesh& voxels, const VoxelMaterial& material,
-                             const std::vector<double>& u_mm) {
+                             const std::vector<double>& u_mm, StrainTheory theory) {
   const auto larger = [](const LargestMotion& a, const LargestMotion& b) {
     return LargestMotion{std::max(a.rotation_deg, b.rotation_deg), std::max(a.strain, b.strain)};
   };
   const auto of_range = [&](const tbb::blocked_range<std::int32_t>& range, LargestMotion sum) {
     for (std::int32_t e = range.begin(); e < range.end(); ++e) {
-      const ElementState state = element_state(voxels, material, u_mm, e);
+      const ElementState state = element_state(voxels, material, u_mm, e, theory);
       const std::array<double, 3> principal = eigenvalues(state.strain);
       sum = larger(sum, {state.rotation_rad.length() * kDegrees,
                          std::max(std::abs(principal[0]), std::abs(principal[2]))});

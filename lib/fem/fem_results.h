@@ -4,6 +4,9 @@
 // the stresses of a trilinear element are most accurate. Under mean dilatation the pressure of
 // single elements may alternate near nu = 1/2 (the checkerboard of Q1-P0), its mean over
 // neighbours does not.
+//
+// At finite strain, with F = R U: stress is Cauchy's at the centre, on the axes of LPS; strain is
+// V - 1 (F = V R), whose principal values are stretches less 1; rotation is that of R.
 #pragma once
 
 #include <array>
@@ -12,6 +15,7 @@
 #include <vector>
 
 #include "lib/fem/cell_classes.h"
+#include "lib/fem/fem_loads.h"
 #include "lib/fem/hex_mesh.h"
 
 namespace supple {
@@ -23,11 +27,13 @@ std::array<double, 3> eigenvalues(const SymmetricTensor& tensor);
 
 struct ElementState {
   SymmetricTensor strain, stress_kpa;
+  double volume_strain;       // of the element
   Vec3d rotation_rad;         // half the curl of u, at the centre
-  double energy_density_kpa;  // mean of the element: u.K u / (2 V); kPa are mJ/cm^3
+  double energy_density_kpa;  // mean of the element, per volume at rest; kPa are mJ/cm^3
 };
 ElementState element_state(const HexMesh& voxels, const VoxelMaterial& material,
-                           const std::vector<double>& u_mm, std::int32_t element);
+                           const std::vector<double>& u_mm, std::int32_t element,
+                           StrainTheory theory = StrainTheory::linear);
 
 enum class FemQuantity {
   von_mises,    // kPa
@@ -38,7 +44,7 @@ enum class FemQuantity {
   energy_density,  // kPa
   strain_1,        // the largest principal strain
   strain_3,        // the smallest
-  volume_strain    // trace
+  volume_strain
 };
 constexpr std::array<std::pair<FemQuantity, std::string_view>, 9> kFemQuantities{
     {{FemQuantity::von_mises, "von_mises"},
@@ -54,14 +60,16 @@ double value_of(const ElementState& state, FemQuantity quantity);
 
 /// One value per element, in the order of the mesh, which is that of the body's bricks.
 std::vector<float> element_values(const HexMesh& voxels, const VoxelMaterial& material,
-                                  const std::vector<double>& u_mm, FemQuantity quantity);
+                                  const std::vector<double>& u_mm, FemQuantity quantity,
+                                  StrainTheory theory = StrainTheory::linear);
 
 /// Largest angle of rotation and largest principal strain (by its amount) of all elements.
 struct LargestMotion {
   double rotation_deg = 0, strain = 0;
 };
 LargestMotion largest_motion(const HexMesh& voxels, const VoxelMaterial& material,
-                             const std::vector<double>& u_mm);
+                             const std::vector<double>& u_mm,
+                             StrainTheory theory = StrainTheory::linear);
 
 /// Displacement of an element's centre in mm, LPS: the mean of its eight corners.
 Vec3d centre_displacement(const HexMesh& voxels, const std::vector<double>& u_mm,

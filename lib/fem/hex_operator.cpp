@@ -2,8 +2,7 @@
 
 #include <cmath>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
+#include "lib/fem/block_field.h"
 
 namespace supple {
 
@@ -203,129 +202,30 @@ void HexOperator::apply_group(const ElementGroup& group, ElementLanes<T>* x) con
 
 namespace {
 
-/// Values of a block's nodes, one component after the other.
 template <class T>
-struct BlockValues {
-  explicit BlockValues(std::size_t longest) : stride(longest), x(3 * longest), y(3 * longest) {}
+struct BlockProduct {
+  explicit BlockProduct(const ElementGroups& groups) : in(groups), out(groups) {}
 
-  template <class X>
-  void load_one(NodeIndex node, std::size_t n, const X* global) {
-    for (int a = 0; a < 3; ++a) {
-      x[a * stride + n] = node < 0 ? T(0) : T(global[3 * std::size_t(node) + a]);
-    }
-  }
-  /// `in_sequence` as ElementGroups::in_sequence.
-  template <class X>
-  void load(const NodeIndex* nodes, std::size_t count, const std::uint8_t* in_sequence,
-            const X* global) {
-    for (int row = 0; row < kLatticeRows; ++row) {
-      const std::size_t first = 9 * std::size_t(row);
-      load_one(nodes[first], first, global);
-      if (in_sequence[row] != 0) {
-        ElementLanes<T> points[3];
-        read_points<T>(global + 3 * std::size_t(nodes[first + 1]), points);
-        for (int a = 0; a < 3; ++a) {
-          *reinterpret_cast<LanesAnywhere<T>*>(&x[a * stride + first + 1]) = points[a];
-        }
-        continue;
-      }
-      for (std::size_t n = first + 1; n < first + 9; ++n) load_one(nodes[n], n, global);
-    }
-    for (std::size_t n = kLatticeNodes; n < count; ++n) load_one(nodes[n], n, global);
-  }
-  void clear(std::size_t count) {
-    for (int a = 0; a < 3; ++a) std::fill_n(&y[a * stride], count, T(0));
-  }
-  void add_one(NodeIndex node, std::size_t n, T sign, T* global) const {
-    if (node < 0) return;
-    for (int a = 0; a < 3; ++a) global[3 * std::size_t(node) + a] += sign * y[a * stride + n];
-  }
-  void add_to(const NodeIndex* nodes, std::size_t count, const std::uint8_t* in_sequence, T sign,
-              T* global) const {
-    for (int row = 0; row < kLatticeRows; ++row) {
-      const std::size_t first = 9 * std::size_t(row);
-      add_one(nodes[first], first, sign, global);
-      if (in_sequence[row] != 0) {
-        const auto points = [&](int a) -> ElementLanes<T> {
-          return *reinterpret_cast<const LanesAnywhere<T>*>(&y[a * stride + first + 1]);
-        };
-        add_points<T>(points(0), points(1), points(2), sign,
-                      global + 3 * std::size_t(nodes[first + 1]));
-        continue;
-      }
-      for (std::size_t n = first + 1; n < first + 9; ++n) add_one(nodes[n], n, sign, global);
-    }
-    for (std::size_t n = kLatticeNodes; n < count; ++n) add_one(nodes[n], n, sign, global);
-  }
-
-  std::size_t stride;
-  std::vector<T> x, y;
+  BlockField<T> in, out;
 };
-
-constexpr int row_place(int row, int corner) {
-  return ((row >> 3) + (corner >> 2 & 1)) * 81 + ((row & 7) + (corner >> 1 & 1)) * 9 + (corner & 1);
-}
-
-template <class T>
-void read_corners(const ElementGroup& group, const std::uint16_t* listed, const BlockValues<T>& in,
-                  ElementLanes<T>* x) {
-  for (int c = 0; c < 8; ++c) {
-    for (int a = 0; a < 3; ++a) {
-      const T* values = &in.x[a * in.stride];
-      if (group.row != kListed) {
-        x[3 * c + a] = *reinterpret_cast<const LanesAnywhere<T>*>(values + row_place(group.row, c));
-        continue;
-      }
-      for (int lane = 0; lane < kGroup; ++lane) {
-        x[3 * c + a][lane] = values[listed[group.corners + c * kGroup + lane]];
-      }
-    }
-  }
-}
-
-template <class T>
-void add_corners(const ElementGroup& group, const std::uint16_t* listed, const ElementLanes<T>* x,
-                 BlockValues<T>& out) {
-  for (int c = 0; c < 8; ++c) {
-    for (int a = 0; a < 3; ++a) {
-      T* values = &out.y[a * out.stride];
-      if (group.row != kListed) {
-        *reinterpret_cast<LanesAnywhere<T>*>(values + row_place(group.row, c)) += x[3 * c + a];
-        continue;
-      }
-      for (int lane = 0; lane < kGroup; ++lane) {
-        values[listed[group.corners + c * kGroup + lane]] += x[3 * c + a][lane];
-      }
-    }
-  }
-}
 
 }  // namespace
 
 template <class X, class T, class Compute>
 void HexOperator::for_each_group(const X* x, T* y, T sign, Compute&& compute) const {
-  for (const std::vector<std::int32_t>& blocks : m_mesh->of_colour) {
-    const auto work = [&](const tbb::blocked_range<std::size_t>& range) {
-      BlockValues<T> values(m_groups.longest_table);
-      alignas(64) ElementLanes<T> corners[24];
-      for (std::size_t n = range.begin(); n < range.end(); ++n) {
-        const std::int32_t block = blocks[n];
-        const NodeIndex* nodes = &m_groups.nodes[m_groups.table_begin[block]];
-        const std::size_t count = m_groups.table_begin[block + 1] - m_groups.table_begin[block];
-        const std::uint8_t* in_sequence = &m_groups.in_sequence[kLatticeRows * std::size_t(block)];
-        if (x != nullptr) values.load(nodes, count, in_sequence, x);
-        values.clear(count);
+  for_blocks_by_colour<BlockProduct<T>>(
+      *m_mesh, m_groups, [&](std::int32_t block, BlockProduct<T>& product) {
+        alignas(64) ElementLanes<T> corners[24];
+        if (x != nullptr) product.in.load(block, x);
+        product.out.clear(block);
         for (auto g = m_groups.group_begin[block]; g < m_groups.group_begin[block + 1]; ++g) {
           const ElementGroup& group = m_groups.groups[g];
-          if (x != nullptr) read_corners(group, m_groups.corners.data(), values, corners);
+          if (x != nullptr) product.in.read_corners(group, corners);
           compute(group, corners);
-          add_corners(group, m_groups.corners.data(), corners, values);
+          product.out.add_corners(group, corners);
         }
-        values.add_to(nodes, count, in_sequence, sign, y);
-      }
-    };
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks.size(), 1), work);
-  }
+        product.out.add_to(block, sign, y);
+      });
 }
 
 template <class X, class T>

@@ -131,7 +131,8 @@ void fit_pieces(Body& body, FemRecord& record) {
   if (record.fitted_pieces > 0) offsets.give(body);
 }
 
-std::vector<StrainGauge> gauges_of(const VoxelFemModel& model, const FemTask& task) {
+std::vector<StrainGauge> gauges_of(const VoxelFemModel& model, const FemTask& task,
+                                   StrainTheory theory) {
   std::map<std::int32_t, StrainGauge> gauges;
   if (task.labels.empty()) return {};
   std::int32_t element = 0;
@@ -142,7 +143,7 @@ std::vector<StrainGauge> gauges_of(const VoxelFemModel& model, const FemTask& ta
       gauge.label = label;
       ++gauge.elements;
       const ElementState state = element_state(model.solid().mesh(), model.solid().material(),
-                                               model.displacement_mm(), element);
+                                               model.displacement_mm(), element, theory);
       for (std::size_t n = 0; n < kFemQuantities.size(); ++n) {
         gauge.mean[n] += value_of(state, kFemQuantities[n].first);
       }
@@ -163,7 +164,7 @@ std::vector<ElementValues> values_of(const FemStep& step, const VoxelFemModel& m
   for (const FemQuantity quantity : step.wanted) {
     values.push_back({quantity, body.elements,
                       element_values(model.solid().mesh(), model.solid().material(),
-                                     model.displacement_mm(), quantity)});
+                                     model.displacement_mm(), quantity, step.params.strain)});
   }
   return values;
 }
@@ -212,7 +213,7 @@ FemRecord move_by_fem(const FemStep& step, const FemTask& task, const std::vecto
   record.report = model.report();
   record.reactions = model.reactions(task.gripped);
   record.anchors = model.anchor_reaction();
-  record.gauges = gauges_of(model, task);
+  record.gauges = gauges_of(model, task, step.params.strain);
   record.values = values_of(step, model, body);
   if (!body.rigid.empty()) {
     set_poses(body, task.pieces, 1);
@@ -226,15 +227,21 @@ FemRecord move_by_fem(const FemStep& step, const FemTask& task, const std::vecto
   return record;
 }
 
+Field strain_field(FemStep& step) {
+  return Field("strain", step.params.strain, {"linear", "finite"},
+               "Small turns and strains, or any: neo-Hookean tissue in steps of the load");
+}
+
 Fields fields(FemStep& step) {
   FemParams& params = step.params;
-  return {
+  Fields of_scenes = {
       Field("tolerance", params.tolerance, "Largest force left on a node, of the largest there is")
           .positive(),
       Field("reaction_tolerance", params.reaction_tolerance,
             "Largest change of the reactions in the last iteration, relative")
           .positive(),
-      Field("max_iterations", params.max_iterations, "More are an error").range(1, 100000),
+      Field("max_iterations", params.max_iterations, "Of one linear system; more are an error")
+          .range(1, 100000),
       Field("loose", params.loose, {"hold", "refuse"},
             "What nothing holds: stays where it is at rest, or is an error"),
       Field("max_rotation", params.max_rotation_deg, "Larger turns of an element are warned of")
@@ -254,6 +261,10 @@ Fields fields(FemStep& step) {
       Field("rigid_poisson", step.rigid_poisson, "Poisson's ratio of rigid pieces")
           .range(0, kLargestPoisson),
   };
+  for (Field& field : of_scenes) field.only_in_scenes();
+  Fields all = {strain_field(step)};
+  all.insert(all.end(), of_scenes.begin(), of_scenes.end());
+  return all;
 }
 
 Fields load_fields(FemLoad& load) {

@@ -84,6 +84,8 @@ FemRecord move_by_fem(const FemStep& step, const FemTask& task, const std::vecto
 
 /// Of `fem = { … }` in a scene, but for its loads.
 Fields fields(FemStep& step);
+/// The one of these that is an option of the command line, too.
+Field strain_field(FemStep& step);
 /// Of a load, but for the elements: `force_n`, or `pressure_kpa` and `facing`.
 Fields load_fields(FemLoad& load);
 /// As a journal records it: JSON.

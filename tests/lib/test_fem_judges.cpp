@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "lib/fem/finite_strain.h"
 #include "lib/fem/loose_islands.h"
 #include "tests/lib/fem_fixtures.h"
 #include "tests/support/program.h"
@@ -15,6 +16,9 @@ using namespace supple::test;
 
 namespace {
 
+/// C3D8 has no mean dilatation.
+constexpr Dilatation kAsC3d8 = Dilatation::pointwise;
+
 /// A body of two materials that is held and moved at random places and carries a field of force.
 struct JudgedBody {
   Body body;
@@ -22,24 +26,33 @@ struct JudgedBody {
   FemLoads loads;
   NodalLoads nodal;  // with what nothing holds at rest
   FemSolution solution;
-  std::vector<double> force_mn;  // K u
+  std::vector<double> force_mn;  // K(u)
 
-  JudgedBody(std::mt19937& random, Dilatation dilatation)
+  JudgedBody(std::mt19937& random, StrainTheory strain)
       : body(random_fem_body(random, Vec3i(8, 7, 9))), elastic(ElasticTable::uniform(2, 0.3)) {
     for (std::uint8_t& of : body.classes) of = std::uint8_t(of % 2);
     elastic.young_kpa[1] = 60;
     elastic.poisson[1] = 0.42;
-    const Vec3d slope(pick(random, -0.1, 0.1), pick(random, -0.1, 0.1), pick(random, -0.1, 0.1));
+    const double most = strain == StrainTheory::linear ? 0.1 : 0.3;
+    const Vec3d slope(pick(random, -most, most), pick(random, -most, most),
+                      pick(random, -most, most));
     const Vec3d wave(pick(random, 3, 9), pick(random, 3, 9), pick(random, 3, 9));
     loads.held.push_back(hold_where(
         body, [wave](const Vec3d& x) { return std::sin(wave.dot(x)) > 0.8; },
         [slope](const Vec3d& x) { return slope * x.x + Vec3d(0.2, 0, -0.1); }));
     loads.body_force = [slope](const Vec3d& x) { return slope * (1 + 0.1 * x.y); };
-    const FemModel model(body, elastic, dilatation);
+    const FemModel model(body, elastic, kAsC3d8);
     FemParams params;
+    params.strain = strain;
     params.tolerance = 1e-9;
     solution = model.solve(loads, params);
-    model.apply(solution.u_mm, force_mn);
+    if (strain == StrainTheory::linear) {
+      model.apply(solution.u_mm, force_mn);
+    } else {
+      force_mn.resize(solution.u_mm.size());
+      FiniteStrain(model.mesh(), model.material())
+          .add_forces(solution.u_mm.data(), force_mn.data());
+    }
     nodal = nodal_loads(model.mesh(), model.material(), loads);
     hold_loose_islands(model.mesh(), true, nodal.held);
   }
@@ -59,8 +72,10 @@ constexpr int kCornerOrder[8] = {0, 4, 6, 2, 1, 5, 7, 3};
 /// number.
 class CalculixDeck {
  public:
-  void add(const JudgedBody& judged, Dilatation dilatation) {
-    const FemModel model(judged.body, judged.elastic, dilatation);
+  explicit CalculixDeck(StrainTheory strain) : m_is_finite(strain == StrainTheory::finite) {}
+
+  void add(const JudgedBody& judged) {
+    const FemModel model(judged.body, judged.elastic, kAsC3d8);
     const HexMesh& mesh = model.mesh();
     const std::vector<Vec3d> positions = node_positions(mesh);
     const bool is_left_handed = mesh.geometry.determinant() < 0;
@@ -87,8 +102,15 @@ class CalculixDeck {
         }
         m_elements += "\n";
       }
-      print(m_materials, "*MATERIAL, NAME=M%d_%d\n*ELASTIC\n%.12e, %.12e\n", m_bodies, of,
-            judged.elastic.young_kpa[of], judged.elastic.poisson[of]);
+      const double young = judged.elastic.young_kpa[of], poisson = judged.elastic.poisson[of];
+      print(m_materials, "*MATERIAL, NAME=M%d_%d\n", m_bodies, of);
+      if (m_is_finite) {
+        const ElasticModuli moduli = elastic_moduli(young, poisson);
+        print(m_materials, "*HYPERELASTIC, NEO HOOKE\n%.12e, %.12e\n", moduli.shear_kpa / 2,
+              2 / moduli.bulk_kpa);
+      } else {
+        print(m_materials, "*ELASTIC\n%.12e, %.12e\n", young, poisson);
+      }
       print(m_materials, "*SOLID SECTION, ELSET=E%d_%d, MATERIAL=M%d_%d\n", m_bodies, of, m_bodies,
             of);
     }
@@ -97,14 +119,19 @@ class CalculixDeck {
   }
 
   std::string text() const {
-    return "*NODE, NSET=ALL\n" + m_nodes + m_elements + m_materials +
-           "*STEP\n*STATIC\n*BOUNDARY\n" + m_held + "*CLOAD\n" + m_forces +
-           "*NODE PRINT, NSET=ALL\nU, RF\n*END STEP\n";
+    // The second control is that of corrections; the first steps are a fifth of the load.
+    const std::string step =
+        m_is_finite ? "*STEP, NLGEOM, INC=1000\n*CONTROLS, PARAMETERS=FIELD\n1e-9, 1e-7\n"
+                      "*STATIC\n0.2, 1, 1e-5, 0.2\n"
+                    : "*STEP\n*STATIC\n";
+    return "*NODE, NSET=ALL\n" + m_nodes + m_elements + m_materials + step + "*BOUNDARY\n" +
+           m_held + "*CLOAD\n" + m_forces + "*NODE PRINT, NSET=ALL\nU, RF\n*END STEP\n";
   }
 
  private:
   int number(std::size_t node) const { return m_first + int(node) + 1; }
 
+  bool m_is_finite;
   int m_first = 0, m_element_count = 0, m_bodies = 0;
   std::string m_nodes, m_elements, m_materials, m_held, m_forces;
 };
@@ -130,58 +157,87 @@ double largest_of(const std::vector<double>& values) {
   return most;
 }
 
+/// Runs CalculiX on the deck; blocks of displacements and of forces after the last increment.
+std::vector<std::vector<double>> judge(const CalculixDeck& deck) {
+  const TemporaryFolder folder;
+  write_text(folder / "bodies.inp", deck.text());
+  EXPECT_TRUE(runs("cd " + (folder / "") + " && ccx bodies"));
+  std::vector<std::vector<double>> blocks = blocks_of(read_text(folder / "bodies.dat"));
+  EXPECT_GE(blocks.size(), 2u);
+  blocks.erase(blocks.begin(),
+               blocks.end() - std::min<std::ptrdiff_t>(2, std::ptrdiff_t(blocks.size())));
+  return blocks;
+}
+
+/// Compares one body with its part of the blocks from `at` on, which goes behind it.
+void compare(const JudgedBody& judged, const std::vector<std::vector<double>>& blocks,
+             std::size_t& at) {
+  const std::vector<double>& u = judged.solution.u_mm;
+  const double u_scale = largest_of(u), force_scale = largest_of(judged.force_mn);
+  ASSERT_LE(at + u.size(), blocks[0].size());
+  ASSERT_EQ(blocks[0].size(), blocks[1].size());
+  double off_mm = 0, off_mn = 0;
+  for (std::size_t n = 0; n < u.size(); ++n) {
+    off_mm = std::max(off_mm, std::abs(u[n] - blocks[0][at + n]));
+    off_mn = std::max(off_mn, std::abs(judged.force_mn[n] - blocks[1][at + n]));
+  }
+  EXPECT_LT(off_mm, 1e-6 * u_scale);
+  EXPECT_LT(off_mn, 1e-6 * force_scale);
+  // The body pulls at what holds it, less the loads that act there.
+  const FemReaction& reaction = judged.solution.reactions.front();
+  Vec3d held_n(0.0);
+  double lengths_n = 0;
+  for (std::size_t n = 0; n < judged.nodal.held.size(); ++n) {
+    if (!std::binary_search(judged.nodal.nodes_of[0].begin(), judged.nodal.nodes_of[0].end(),
+                            NodeIndex(n))) {
+      continue;
+    }
+    Vec3d pull(0.0);
+    for (std::size_t a = 0; a < 3; ++a) {
+      pull[int(a)] = (judged.nodal.force_mn[3 * n + a] - blocks[1][at + 3 * n + a]) * 1e-3;
+    }
+    held_n += pull;
+    lengths_n += pull.length();
+  }
+  EXPECT_LT((reaction.force_n - held_n).length(), 1e-6 * lengths_n);
+  at += u.size();
+}
+
 }  // namespace
 
 TEST(InteropFem, CalculixFindsTheSameDisplacementsAndForcesOnTheSameHexahedra) {
   if (!runs("command -v ccx")) GTEST_SKIP() << "calculix-ccx is not installed";
-  constexpr Dilatation kAsC3d8 = Dilatation::pointwise;
   std::mt19937 random(21);
   std::vector<JudgedBody> bodies;
-  CalculixDeck deck;
+  CalculixDeck deck(StrainTheory::linear);
   bool has_left = false, has_right = false;
   for (int n = 0; n < 6; ++n) {
-    bodies.emplace_back(random, kAsC3d8);
-    deck.add(bodies.back(), kAsC3d8);
+    bodies.emplace_back(random, StrainTheory::linear);
+    deck.add(bodies.back());
     (bodies.back().body.geometry.determinant() < 0 ? has_left : has_right) = true;
   }
   EXPECT_TRUE(has_left && has_right);
-  const TemporaryFolder folder;
-  write_text(folder / "bodies.inp", deck.text());
-  ASSERT_TRUE(runs("cd " + (folder / "") + " && ccx bodies"));
-  const std::vector<std::vector<double>> blocks = blocks_of(read_text(folder / "bodies.dat"));
+  const std::vector<std::vector<double>> blocks = judge(deck);
   ASSERT_EQ(blocks.size(), 2u);
-
   std::size_t at = 0;
-  for (const JudgedBody& judged : bodies) {
-    const std::vector<double>& u = judged.solution.u_mm;
-    const double u_scale = largest_of(u), force_scale = largest_of(judged.force_mn);
-    ASSERT_LE(at + u.size(), blocks[0].size());
-    ASSERT_EQ(blocks[0].size(), blocks[1].size());
-    Vec3d held_n(0.0);
-    double off_mm = 0, off_mn = 0;
-    for (std::size_t n = 0; n < u.size(); ++n) {
-      off_mm = std::max(off_mm, std::abs(u[n] - blocks[0][at + n]));
-      off_mn = std::max(off_mn, std::abs(judged.force_mn[n] - blocks[1][at + n]));
-    }
-    EXPECT_LT(off_mm, 1e-6 * u_scale);
-    EXPECT_LT(off_mn, 1e-6 * force_scale);
-    // The body pulls at what holds it, less the loads that act there.
-    const FemReaction& reaction = judged.solution.reactions.front();
-    double lengths_n = 0;
-    for (std::size_t n = 0; n < judged.nodal.held.size(); ++n) {
-      if (!std::binary_search(judged.nodal.nodes_of[0].begin(), judged.nodal.nodes_of[0].end(),
-                              NodeIndex(n))) {
-        continue;
-      }
-      Vec3d pull(0.0);
-      for (std::size_t a = 0; a < 3; ++a) {
-        pull[int(a)] = (judged.nodal.force_mn[3 * n + a] - blocks[1][at + 3 * n + a]) * 1e-3;
-      }
-      held_n += pull;
-      lengths_n += pull.length();
-    }
-    EXPECT_LT((reaction.force_n - held_n).length(), 1e-6 * lengths_n);
-    at += u.size();
+  for (const JudgedBody& judged : bodies) compare(judged, blocks, at);
+  EXPECT_EQ(at, blocks[0].size());
+}
+
+TEST(InteropFem, CalculixFindsTheSameAtFiniteStrain) {
+  if (!runs("command -v ccx")) GTEST_SKIP() << "calculix-ccx is not installed";
+  std::mt19937 random(23);
+  std::vector<JudgedBody> bodies;
+  CalculixDeck deck(StrainTheory::finite);
+  for (int n = 0; n < 2; ++n) {
+    bodies.emplace_back(random, StrainTheory::finite);
+    deck.add(bodies.back());
+    EXPECT_GT(bodies.back().solution.report.largest_strain, 0.1);
+    EXPECT_GT(bodies.back().solution.report.largest_rotation_deg, 10);
   }
+  const std::vector<std::vector<double>> blocks = judge(deck);
+  ASSERT_EQ(blocks.size(), 2u);
+  std::size_t at = 0;
+  for (const JudgedBody& judged : bodies) compare(judged, blocks, at);
   EXPECT_EQ(at, blocks[0].size());
 }

@@ -169,13 +169,33 @@ TEST_F(UnitFemScene, AnIslandIsWarnedOfOrRefused) {
       << refused.err;
 }
 
+TEST_F(UnitFemScene, AtFiniteStrainABarIsStretchedByAHalfAsTheFormulaSays) {
+  std::vector<std::string> arguments =
+      stretch({"--strain", "finite", "--elements", "strain_1=" + (m_folder / "strain.nrrd"),
+               "--elements", "von_mises=" + (m_folder / "mises.nrrd"), "--json"});
+  arguments[9] = "0,0,7";  // half of 14 mm
+  const Outcome outcome = run_supple(arguments);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(outcome.err.find("linear theory"), std::string::npos) << outcome.err;
+  const auto json = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(json["settings"]["strain"], "finite");
+  EXPECT_GE(json["fem"]["newton"]["load_steps"], 1);
+  EXPECT_GT(json["fem"]["newton"]["smallest_det_f"], 0.5);
+  EXPECT_LT(json["fem"]["force_balance"], 1e-6);
+  // Far from the ends, which hold the section, the bar grows thinner, and longer by a half.
+  const double strain = load_volume(m_folder / "strain.nrrd").density.at({2, 2, 4});
+  EXPECT_NEAR(strain, 0.5, 0.05);
+  EXPECT_GT(load_volume(m_folder / "mises.nrrd").density.at({2, 2, 4}), 20 * 0.4);
+}
+
 TEST_F(UnitFemScene, VolumesOfElementsNeedFiniteElementsAndKnownNames) {
   std::vector<std::string> arguments =
       stretch({"--elements", "von_mises=" + (m_folder / "m.nrrd")});
   arguments[5] = "ecm";
   Outcome outcome = run_supple(arguments);
   EXPECT_EQ(outcome.exit_code, 3);
-  EXPECT_NE(outcome.err.find("no step of finite elements"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("--elements: found no step of finite elements"), std::string::npos)
+      << outcome.err;
   outcome = run_supple(stretch({"--elements", "mises=" + (m_folder / "m.nrrd")}));
   EXPECT_EQ(outcome.exit_code, 3) << outcome.err;
   EXPECT_NE(outcome.err.find("von_mises"), std::string::npos) << outcome.err;

@@ -220,6 +220,12 @@ void print_fem(const FemRecord& record) {
   std::printf("finite elements %lld unknowns, %d iterations, residual max %.2g, rms %.2g\n",
               static_cast<long long>(report.unknowns), report.iterations, report.residual_max,
               report.residual_rms);
+  if (report.newton) {
+    const NewtonReport& newton = *report.newton;
+    std::printf("finite strain   %d load steps and %d given up, %d corrections, det F from %.3g\n",
+                newton.load_steps, newton.rejected_steps, newton.newton_iterations,
+                newton.smallest_j);
+  }
   std::printf("balance         forces %.2g, energy %.2g, reactions changed by %.2g\n",
               report.force_balance, report.energy_identity, report.reaction_change);
   std::printf("largest         turn %.3g degrees, strain %.3g; memory %zu MiB\n",
@@ -304,6 +310,7 @@ Command add_deform(CLI::App& program) {
   StepSettings settings;
   RelaxParams relax;
   SpringStep springs;
+  FemStep fem;
   SceneOptions& scene = options->scene;
   scene.add("volume", fields(read));
   scene.add("labels", {});
@@ -354,6 +361,7 @@ Command add_deform(CLI::App& program) {
   scene.add("step", fields(settings));
   scene.add("step.relax", fields(relax), "relax-");
   scene.add("step.springs", fields(springs), "springs-");
+  scene.add("step.fem", {strain_field(fem)});
   scene.add("output", {});
   app->add_option("--contact", options->contacts,
                   "A shape that springs meet, as in scenes: "
@@ -361,8 +369,7 @@ Command add_deform(CLI::App& program) {
       ->allow_extra_args(false)
       ->option_text("TABLE");
   app->add_option("--elements", options->elements,
-                  "A volume of stress or strain, such as von_mises, of --model fem "
-                  "(docs/models/fem.md); repeatable")
+                  "Stress or strain of --model fem as a volume, such as von_mises; repeatable")
       ->allow_extra_args(false)
       ->option_text("QUANTITY=FILE");
   app->add_option("-o,--output", options->output, "State file to write")

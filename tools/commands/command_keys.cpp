@@ -85,8 +85,8 @@ std::string kind_of(const Field& field) {
 /// Nothing where only scenes have the key, or where the option is one of a command's own.
 std::string option_of(const KeyTable& table, const Field& field) {
   static const std::set<std::string> kSceneTables = {
-      "light",       "grab",    "motion", "path",  "function", "film",   "event",
-      "camera_path", "retract", "plane",  "curve", "fem",      "forces", "pressures"};
+      "light",       "grab",    "motion", "path",  "function", "film",     "event",
+      "camera_path", "retract", "plane",  "curve", "forces",   "pressures"};
   const bool has_no_options = kSceneTables.count(table.name) != 0;
   if (field.is_only_in_scenes() || has_no_options) return "";
   return option_name(field, table.prefix);

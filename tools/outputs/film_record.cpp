@@ -35,7 +35,7 @@ SceneOutput output_of(const SceneOutput& output, int frame, bool is_last) {
   take(output.volumes, named.volumes);
   for (const ElementOutput& elements : output.elements) {
     if (!is_due(elements.path)) continue;
-    named.elements.push_back({elements.quantity, frame_name(elements.path, frame)});
+    named.elements.push_back({elements.quantity, frame_name(elements.path, frame), elements.table});
   }
   return named;
 }

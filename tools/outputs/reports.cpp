@@ -87,6 +87,14 @@ nlohmann::ordered_json to_json(const FemRecord& record) {
                                  {"setup_ms", report.setup_ms},
                                  {"solve_ms", report.solve_ms},
                                  {"fem_ms", record.milliseconds}};
+  if (report.newton) {
+    const NewtonReport& newton = *report.newton;
+    json["newton"] = {{"load_steps", newton.load_steps},
+                      {"rejected_steps", newton.rejected_steps},
+                      {"corrections", newton.newton_iterations},
+                      {"shortened", newton.shortened_steps},
+                      {"smallest_det_f", newton.smallest_j}};
+  }
   if (record.fitted_pieces > 0) {
     json["fitted_pieces"] = record.fitted_pieces;
     json["fitted_max_voxels"] = record.fitted_max_voxels;

@@ -157,7 +157,7 @@ void ask_for_elements(Scene& scene) {
   const auto step = std::find_if(scene.steps.rbegin(), scene.steps.rend(),
                                  [](const SceneStep& one) { return one.fem.has_value(); });
   if (step == scene.steps.rend()) {
-    throw InputError({scene.file, "output.elements", "no step of finite elements",
+    throw InputError({scene.file, scene.output.elements.front().table, "no step of finite elements",
                       "a step with model = \"fem\""});
   }
   for (const ElementOutput& output : scene.output.elements) {

@@ -21,7 +21,7 @@ SceneOutput read_output(TomlTable& table) {
   if (auto elements = table.table("elements")) {
     for (const auto& [quantity, name] : kFemQuantities) {
       if (const auto path = elements->string(std::string(name))) {
-        output.elements.push_back({quantity, *path});
+        output.elements.push_back({quantity, *path, table.full_name("elements")});
       }
     }
     elements->finish();

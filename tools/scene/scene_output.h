@@ -13,6 +13,7 @@ namespace supple::tools {
 struct ElementOutput {
   FemQuantity quantity;
   std::string path;
+  std::string table;  // in which it stands, as errors call it
 };
 
 struct SceneOutput {

@@ -1,0 +1,150 @@
+// Values of one block's nodes in the order of its table (element_groups.h), one component after the
+// other, so that groups of elements read and write them as vectors; and the loop over all blocks in
+// which threads may add to nodes.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include "lib/fem/element_groups.h"
+#include "lib/fem/group_kernel.h"
+
+namespace supple {
+
+template <class T>
+class BlockField {
+ public:
+  explicit BlockField(const ElementGroups& groups)
+      : m_groups(groups), m_stride(groups.longest_table), m_values(3 * m_stride) {}
+
+  /// From a vector of all nodes, three values each.
+  template <class X>
+  void load(std::int32_t block, const X* global) {
+    const NodeIndex* nodes = table(block);
+    const std::uint8_t* in_sequence = sequences(block);
+    for (int row = 0; row < kLatticeRows; ++row) {
+      const std::size_t first = 9 * std::size_t(row);
+      load_one(nodes[first], first, global);
+      if (in_sequence[row] != 0) {
+        ElementLanes<T> points[3];
+        read_points<T>(global + 3 * std::size_t(nodes[first + 1]), points);
+        for (int a = 0; a < 3; ++a) {
+          *reinterpret_cast<LanesAnywhere<T>*>(&m_values[a * m_stride + first + 1]) = points[a];
+        }
+        continue;
+      }
+      for (std::size_t n = first + 1; n < first + 9; ++n) load_one(nodes[n], n, global);
+    }
+    for (std::size_t n = kLatticeNodes; n < table_size(block); ++n) load_one(nodes[n], n, global);
+  }
+  void clear(std::int32_t block) {
+    for (int a = 0; a < 3; ++a) std::fill_n(&m_values[a * m_stride], table_size(block), T(0));
+  }
+  /// Adds `sign` times the values to a vector of all nodes.
+  void add_to(std::int32_t block, T sign, T* global) const {
+    const NodeIndex* nodes = table(block);
+    const std::uint8_t* in_sequence = sequences(block);
+    for (int row = 0; row < kLatticeRows; ++row) {
+      const std::size_t first = 9 * std::size_t(row);
+      add_one(nodes[first], first, sign, global);
+      if (in_sequence[row] != 0) {
+        const auto points = [&](int a) -> ElementLanes<T> {
+          return *reinterpret_cast<const LanesAnywhere<T>*>(&m_values[a * m_stride + first + 1]);
+        };
+        add_points<T>(points(0), points(1), points(2), sign,
+                      global + 3 * std::size_t(nodes[first + 1]));
+        continue;
+      }
+      for (std::size_t n = first + 1; n < first + 9; ++n) add_one(nodes[n], n, sign, global);
+    }
+    for (std::size_t n = kLatticeNodes; n < table_size(block); ++n) {
+      add_one(nodes[n], n, sign, global);
+    }
+  }
+
+  /// Corners of a group of elements, [3 corner + component].
+  void read_corners(const ElementGroup& group, ElementLanes<T>* x) const {
+    for (int c = 0; c < 8; ++c) {
+      for (int a = 0; a < 3; ++a) {
+        const T* values = &m_values[a * m_stride];
+        if (group.row != kListed) {
+          x[3 * c + a] =
+              *reinterpret_cast<const LanesAnywhere<T>*>(values + row_place(group.row, c));
+          continue;
+        }
+        for (int lane = 0; lane < kGroup; ++lane) {
+          x[3 * c + a][lane] = values[listed(group, c, lane)];
+        }
+      }
+    }
+  }
+  void add_corners(const ElementGroup& group, const ElementLanes<T>* x) {
+    for (int c = 0; c < 8; ++c) {
+      for (int a = 0; a < 3; ++a) {
+        T* values = &m_values[a * m_stride];
+        if (group.row != kListed) {
+          *reinterpret_cast<LanesAnywhere<T>*>(values + row_place(group.row, c)) += x[3 * c + a];
+          continue;
+        }
+        for (int lane = 0; lane < kGroup; ++lane) {
+          values[listed(group, c, lane)] += x[3 * c + a][lane];
+        }
+      }
+    }
+  }
+
+ private:
+  static constexpr int row_place(int row, int corner) {
+    return ((row >> 3) + (corner >> 2 & 1)) * 81 + ((row & 7) + (corner >> 1 & 1)) * 9 +
+           (corner & 1);
+  }
+  const NodeIndex* table(std::int32_t block) const {
+    return &m_groups.nodes[m_groups.table_begin[std::size_t(block)]];
+  }
+  std::size_t table_size(std::int32_t block) const {
+    return m_groups.table_begin[std::size_t(block) + 1] - m_groups.table_begin[std::size_t(block)];
+  }
+  const std::uint8_t* sequences(std::int32_t block) const {
+    return &m_groups.in_sequence[kLatticeRows * std::size_t(block)];
+  }
+  std::uint16_t listed(const ElementGroup& group, int corner, int lane) const {
+    return m_groups.corners[group.corners + std::size_t(corner * kGroup + lane)];
+  }
+  template <class X>
+  void load_one(NodeIndex node, std::size_t n, const X* global) {
+    for (int a = 0; a < 3; ++a) {
+      m_values[a * m_stride + n] = node < 0 ? T(0) : T(global[3 * std::size_t(node) + a]);
+    }
+  }
+  void add_one(NodeIndex node, std::size_t n, T sign, T* global) const {
+    if (node < 0) return;
+    for (int a = 0; a < 3; ++a) {
+      global[3 * std::size_t(node) + a] += sign * m_values[a * m_stride + n];
+    }
+  }
+
+  const ElementGroups& m_groups;
+  std::size_t m_stride;
+  std::vector<T> m_values;
+};
+
+/// Calls visit(block, scratch) for all blocks, colour by colour: blocks that are visited at the
+/// same time share no node. Every range of blocks has a scratch of its own.
+template <class Scratch, class Visit>
+void for_blocks_by_colour(const HexMesh& mesh, const ElementGroups& groups, Visit&& visit) {
+  for (const std::vector<std::int32_t>& blocks : mesh.of_colour) {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks.size(), 1),
+                      [&](const tbb::blocked_range<std::size_t>& range) {
+                        Scratch scratch(groups);
+                        for (std::size_t n = range.begin(); n < range.end(); ++n) {
+                          visit(blocks[n], scratch);
+                        }
+                      });
+  }
+}
+
+}  // namespace supple

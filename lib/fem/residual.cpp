@@ -1,0 +1,96 @@
+#include "lib/fem/residual.h"
+
+#include <cmath>
+
+#include "lib/fem/node_vectors.h"
+
+namespace supple {
+
+namespace {
+
+/// Of single nodes, by ranges.
+struct NodeNorms {
+  double largest_free = 0, largest_held = 0, squares = 0;
+  double free_lengths = 0, held_lengths = 0;
+  Vec3d free_sum{0, 0, 0};
+};
+
+NodeNorms norms_of_range(const double* r, const std::uint8_t* held, std::size_t begin,
+                         std::size_t end) {
+  NodeNorms norms;
+  for (std::size_t n = begin / 3; n < end / 3; ++n) {
+    double free = 0, reaction = 0;
+    for (int a = 0; a < 3; ++a) {
+      const double value = r[3 * n + std::size_t(a)];
+      const bool is_held = (held[n] >> a & 1) != 0;
+      (is_held ? reaction : free) += value * value;
+      if (!is_held) norms.free_sum[a] += value;
+    }
+    norms.free_lengths += std::sqrt(free);
+    norms.held_lengths += std::sqrt(reaction);
+    norms.largest_free = std::max(norms.largest_free, free);
+    norms.largest_held = std::max(norms.largest_held, reaction);
+    norms.squares += free;
+  }
+  return norms;
+}
+
+NodeNorms node_norms(const std::vector<double>& r, const HeldBits& held) {
+  static_assert(kVectorRange % 3 == 0, "ranges hold whole nodes");
+  std::vector<NodeNorms> parts((r.size() + kVectorRange - 1) / kVectorRange);
+  for_ranges(r.size(), [&](std::size_t begin, std::size_t end) {
+    parts[begin / kVectorRange] = norms_of_range(r.data(), held.data(), begin, end);
+  });
+  NodeNorms sum;
+  for (const NodeNorms& part : parts) {
+    sum.largest_free = std::max(sum.largest_free, part.largest_free);
+    sum.largest_held = std::max(sum.largest_held, part.largest_held);
+    sum.squares += part.squares;
+    sum.free_lengths += part.free_lengths;
+    sum.held_lengths += part.held_lengths;
+    sum.free_sum += part.free_sum;
+  }
+  sum.largest_free = std::sqrt(sum.largest_free);
+  sum.largest_held = std::sqrt(sum.largest_held);
+  return sum;
+}
+
+}  // namespace
+
+ResidualMeter::ResidualMeter(const NodalLoads& loads)
+    : m_loads(&loads), m_reactions(loads.nodes_of.size(), Vec3d(0)) {
+  if (loads.force_mn.empty()) return;
+  const NodeNorms norms = node_norms(loads.force_mn, loads.held);
+  m_largest_load_mn = std::max(norms.largest_free, norms.largest_held);
+  m_load_lengths_mn = norms.free_lengths + norms.held_lengths;
+}
+
+ResidualSize ResidualMeter::operator()(const std::vector<double>& r) {
+  const NodeNorms norms = node_norms(r, m_loads->held);
+  ResidualSize size;
+  size.largest_mn = norms.largest_free;
+  size.largest_force_mn = std::max(m_largest_load_mn, norms.largest_held);
+  const double scale = size.largest_force_mn > 0 ? 1 / size.largest_force_mn : 0;
+  size.max = norms.largest_free * scale;
+  size.rms = std::sqrt(norms.squares / double(m_loads->held.size())) * scale;
+  const double lengths = m_load_lengths_mn + norms.held_lengths;
+  size.balance = lengths > 0 ? norms.free_sum.length() / lengths : 0;
+  double change = 0, largest = 0;
+  for (std::size_t s = 0; s < m_reactions.size(); ++s) {
+    Vec3d sum(0);
+    for (const NodeIndex n : m_loads->nodes_of[s]) {
+      for (int a = 0; a < 3; ++a) {
+        if ((m_loads->held[n] >> a & 1) != 0) sum[a] += r[3 * std::size_t(n) + a];
+      }
+    }
+    change = std::max(change, (sum - m_reactions[s]).length());
+    largest = std::max(largest, sum.length());
+    m_reactions[s] = sum;
+  }
+  // Reactions that balance each other to rounding count by the largest nodal force.
+  largest = std::max(largest, size.largest_force_mn);
+  size.reaction_change = largest > 0 ? change / largest : 0;
+  return size;
+}
+
+}  // namespace supple
