@@ -4,9 +4,11 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/console/command.h"
+#include "tools/console/own_process.h"
 #include "tools/outputs/film_record.h"
 #include "tools/outputs/reports.h"
 #include "tools/outputs/scene_run.h"
+#include "tools/scene/step_method.h"
 
 namespace supple::tools {
 
@@ -19,6 +21,7 @@ struct RunSceneOptions {
   bool allow_outside = false;
   bool resume = false;
   std::string frames;
+  std::string method, state;
 };
 
 std::size_t fixed_count(const SceneStep& step) {
@@ -92,6 +95,7 @@ void print_results(const SceneRun& run, const Scene& scene, const RunSceneOption
     }
     if (run.certificate() != nullptr) json["certificate"] = to_json(*run.certificate());
     for (const auto& [name, seconds] : stages) json["stage_seconds"][name] = seconds;
+    json["peak_rss_mb"] = peak_rss_mb();
     for (const std::string& name : scene.outputs()) {
       json["outputs"].push_back(path_in(options.folder, name));
     }
@@ -132,6 +136,8 @@ OutputPlan plan_of(const Scene& scene, const RunSceneOptions& options,
 
 int run_scene(const RunSceneOptions& options, const GlobalOptions& given, Console& console) {
   Scene scene = read_scene(options.scene);
+  if (!options.method.empty()) solve_by(scene, parse_method(options.method));
+  if (!options.state.empty()) scene.output.state = options.state;
   GlobalOptions global = given;
   choose_frames(scene, options, global);
   if (!options.allow_outside) require_inside(scene, options.folder);
@@ -165,6 +171,12 @@ Command add_run(CLI::App& program) {
                 "Of a film, make the frames that are missing, as after an interruption");
   app->add_option("--frames", options->frames, "Of a film, make these frames alone, and no video")
       ->option_text("A:B");
+  app->add_option("--method", options->method,
+                  "What moves the body in place of the scene's models, such as relax-26:64 "
+                  "(docs/tradeoff.md)")
+      ->option_text("NAME:KNOB");
+  app->add_option("--state", options->state, "Also write the state, in place of the scene's")
+      ->option_text("NAME.vdb");
   app->add_flag("--dry-run", options->dry_run,
                 "Check the scene against its volume and print what it would do");
   return {app, [options](const GlobalOptions& global, Console& console) {
