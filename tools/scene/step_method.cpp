@@ -1,12 +1,9 @@
 #include "tools/scene/step_method.h"
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 
 #include "lib/fem/fem.h"
 #include "volumes/base/error.h"
-#include "volumes/base/text.h"
 
 namespace supple::tools {
 
@@ -49,113 +46,47 @@ const std::vector<double> kPasses = {1, 4, 16, 64, 256, 1024};
 }  // namespace
 
 const std::vector<MethodFamily>& method_families() {
+  constexpr int kMostSteps = SpringStep::kMostSteps;
   static const std::vector<MethodFamily> families = {
-      {"ecm", "ECM", "links", 6, 26, true, {6, 18, 26}, kKnobLinks, by_box},
-      {"ecm-ball", "ECM, ball limits", "links", 6, 6, true, {6}, kKnobLinks, by_ball},
-      {"relax-6", "ECM, relaxed, 6 links", "passes", 1, kMaxPasses, true, kPasses, 6,
+      {{"ecm", "ECM", "links", 6, 26, true, {6, 18, 26}, true}, kKnobLinks, by_box},
+      {{"ecm-ball", "ECM, ball limits", "links", 6, 6, true, {6}, true}, kKnobLinks, by_ball},
+      {{"relax-6", "relaxed, 6 links", "passes", 1, kMaxPasses, true, kPasses}, 6, by_relaxation},
+      {{"relax-18", "relaxed, 18 links", "passes", 1, kMaxPasses, true, kPasses},
+       18,
        by_relaxation},
-      {"relax-18", "ECM, relaxed, 18 links", "passes", 1, kMaxPasses, true, kPasses, 18,
+      {{"relax-26", "relaxed, 26 links", "passes", 1, kMaxPasses, true, kPasses},
+       26,
        by_relaxation},
-      {"relax-26", "ECM, relaxed, 26 links", "passes", 1, kMaxPasses, true, kPasses, 26,
-       by_relaxation},
-      {"springs",
-       "springs, to rest",
-       "steps",
-       1,
-       SpringStep::kMostSteps,
-       true,
-       {2, 8, 32, 128},
+      {{"springs", "springs, to rest", "steps", 1, kMostSteps, true, {2, 8, 32, 128}},
        0,
        by_springs_at_rest},
-      {"springs-implicit",
-       "springs, implicit Euler, 1 s",
-       "steps",
-       1,
-       SpringStep::kMostSteps,
-       true,
-       {2, 8, 32},
+      {{"springs-implicit", "implicit Euler, 1 s", "steps", 1, kMostSteps, true, {2, 8, 32}},
        0,
        by_springs<SpringMethod::implicit>},
-      {"springs-projective",
-       "springs, projective dynamics, 1 s",
-       "steps",
-       1,
-       SpringStep::kMostSteps,
-       true,
-       {2, 8, 32},
+      {{"springs-projective", "projective dyn., 1 s", "steps", 1, kMostSteps, true, {2, 8, 32}},
        0,
        by_springs<SpringMethod::projective>},
-      {"springs-xpbd",
-       "springs, XPBD, 1 s",
-       "steps",
-       1,
-       SpringStep::kMostSteps,
-       true,
-       {8, 32},
+      {{"springs-xpbd", "XPBD, 1 s", "steps", 1, kMostSteps, true, {8, 32}},
        0,
        by_springs<SpringMethod::xpbd>},
-      {"springs-symplectic",
-       "springs, symplectic Euler, 1 s",
-       "steps",
-       1,
-       SpringStep::kMostSteps,
-       true,
-       {32},
+      {{"springs-symplectic", "symplectic Euler, 1 s", "steps", 1, kMostSteps, true, {32}},
        0,
        by_springs<SpringMethod::symplectic>},
-      {"fem",
-       "finite elements",
-       "tolerance",
-       1e-12,
-       0.5,
-       false,
-       {1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8},
+      {{"fem",
+        "finite elements",
+        "tolerance",
+        1e-12,
+        0.5,
+        false,
+        {1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8}},
        0,
        by_fem},
   };
   return families;
 }
 
-std::string StepMethod::name() const {
-  return std::string(family->name) + ':' + exact_text(knob);
-}
-
-namespace {
-
-[[noreturn]] void refuse_method(const std::string& text, const std::string& expected) {
-  throw InputError({"", "method", text, expected});
-}
-
-const MethodFamily& family_of(const std::string& name, const std::string& text) {
-  std::string all;
-  for (const MethodFamily& family : method_families()) {
-    if (family.name == name) return family;
-    all += (all.empty() ? "" : ", ") + std::string(family.name);
-  }
-  refuse_method(text, "NAME:KNOB with one of " + all);
-}
-
-}  // namespace
-
 StepMethod parse_method(const std::string& text) {
-  const std::size_t colon = text.find(':');
-  const MethodFamily& family = family_of(text.substr(0, colon), text);
-  if (colon == std::string::npos) return {&family, family.ladder.back()};
-  const std::string number = text.substr(colon + 1);
-  double knob = 0;
-  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), knob);
-  const bool is_number = error == std::errc() && end == number.data() + number.size();
-  const bool fits = is_number && knob >= family.lowest && knob <= family.highest &&
-                    (!family.is_whole || knob == std::floor(knob));
-  const bool is_listed = family.links != kKnobLinks ||
-                         std::count(family.ladder.begin(), family.ladder.end(), knob) > 0;
-  if (!fits || !is_listed) {
-    std::string expected = std::string(family.knob) + " from " + exact_text(family.lowest) +
-                           " to " + exact_text(family.highest);
-    if (family.links == kKnobLinks) expected = "links that the method has";
-    refuse_method(text, expected);
-  }
-  return {&family, knob};
+  return parse_setting(text, method_families(), "method");
 }
 
 namespace {

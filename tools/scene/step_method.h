@@ -3,38 +3,22 @@
 // outputs stay those of the scene, so that methods are compared under one load.
 #pragma once
 
-#include <string>
-#include <vector>
-
+#include "tools/scene/knob_family.h"
 #include "tools/scene/scene.h"
 
 namespace supple::tools {
 
-/// Methods that differ in one number, the knob, which trades time for error.
-struct MethodFamily {
-  const char* name;                             // "relax-26"
-  const char* title;                            // for charts and tables
-  const char* knob;                             // what the number is: "passes"
-  double lowest, highest;                       // that the knob may have
-  bool is_whole;                                // the knob is a whole number
-  std::vector<double> ladder;                   // its values from the fastest to the most exact
+struct MethodFamily : KnobFamily {
   int links;                                    // of the material; 0: its own; kKnobLinks: the knob
   void (*solve)(SceneStep& step, double knob);  // sets what moves the body
 };
 constexpr int kKnobLinks = -1;
+using StepMethod = KnobSetting<MethodFamily>;
 
 /// All of them, in the order of charts. A new method is one line.
 const std::vector<MethodFamily>& method_families();
 
-struct StepMethod {
-  const MethodFamily* family = nullptr;
-  double knob = 0;
-
-  /// "relax-26:64".
-  std::string name() const;
-};
-
-/// Of "NAME:KNOB"; "NAME" takes the last of the ladder. Throws InputError.
+/// Throws InputError as parse_knob.
 StepMethod parse_method(const std::string& text);
 
 /// Steps that only relaxed, or only named a model, are left out; views go by the steps that stay.

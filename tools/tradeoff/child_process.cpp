@@ -109,15 +109,20 @@ class RunningChild {
   bool m_out_open = true, m_err_open = true;
 };
 
-/// The last line that begins so, without that.
-std::string last_line(const std::string& text, const std::string& prefix) {
-  std::istringstream lines(text);
-  std::string last;
-  for (std::string line; std::getline(lines, line);) {
-    if (line.rfind(prefix, 0) == 0 && line.size() > prefix.size())
-      last = line.substr(prefix.size());
+/// The lines that begin so, without that.
+std::vector<std::string> lines_of(const std::string& text, const std::string& prefix) {
+  std::istringstream stream(text);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(stream, line);) {
+    if (line.rfind(prefix, 0) == 0 && line.size() > prefix.size()) {
+      lines.push_back(line.substr(prefix.size()));
+    }
   }
-  return last;
+  return lines;
+}
+
+std::string last_of(const std::vector<std::string>& lines) {
+  return lines.empty() ? "" : lines.back();
 }
 
 }  // namespace
@@ -142,9 +147,11 @@ ChildEnd run_child(const std::string& program, const std::vector<std::string>& a
   if (cancelled()) throw Cancelled();
   if (WIFEXITED(status)) end.exit_code = WEXITSTATUS(status);
   end.out = child.take_out();
-  end.warning = last_line(child.err(), "supple: warning: ");
-  end.complaint = last_line(child.err(), "supple: error: ");
-  if (end.complaint.empty()) end.complaint = last_line(child.err(), "");
+  for (const std::string& line : lines_of(child.err(), "supple: warning: ")) {
+    end.warnings += (end.warnings.empty() ? "" : "; ") + line;
+  }
+  end.complaint = last_of(lines_of(child.err(), "supple: error: "));
+  if (end.complaint.empty()) end.complaint = last_of(lines_of(child.err(), ""));
   if (end.timed_out) {
     end.complaint = "no result after " + number_text(limit_s) + " s";
   } else if (WIFSIGNALED(status)) {

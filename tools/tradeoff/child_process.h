@@ -12,7 +12,7 @@ struct ChildEnd {
   bool timed_out = false;  // it was ended when its time was over
   std::string out;         // stdout
   std::string complaint;   // the last line on stderr, without "supple: error: "
-  std::string warning;     // the last line of a warning, likewise
+  std::string warnings;    // all lines of warnings, likewise, joined by "; "
   double wall_s = 0;       // from its start to its end
 };
 

@@ -9,8 +9,8 @@ namespace supple::tools {
 
 namespace {
 
-constexpr double kWidth = 760, kHeight = 520;
-constexpr double kLeft = 76, kTop = 34, kRight = 214, kBottom = 54;  // margins; legend on the right
+constexpr double kWidth = 780, kHeight = 520;
+constexpr double kLeft = 76, kTop = 34, kRight = 226, kBottom = 54;  // margins; legend on the right
 
 /// Told apart by most eyes (Okabe and Ito 2008), then darker ones of other hues.
 constexpr std::array<const char*, 12> kColours = {"#0072B2", "#56B4E9", "#D55E00", "#E69F00",

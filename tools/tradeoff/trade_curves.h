@@ -1,5 +1,5 @@
 // What charts and tables read from measured points: fronts, and times and errors at values between
-// the points. Pure functions of times in s and errors in mm.
+// the points. Pure functions of times in s and errors of any kind.
 //
 // Between two points a curve is a straight line in log time and log error, as a work-precision
 // diagram draws it. A curve first loses the points that another one of its own beats in both, so
@@ -13,7 +13,7 @@
 namespace supple::tools {
 
 struct TradePoint {
-  double time_s = 0, error_mm = 0;
+  double time_s = 0, error = 0;
   std::size_t row = 0;  // that it was measured as
 };
 
@@ -28,12 +28,12 @@ struct CurveValue {
 };
 
 /// The least time in which a method's points reach an error: that of a point where the fastest is
-/// good enough. None where no point is. Errors below `floor_mm` count as that.
-std::optional<CurveValue> time_to_error(const std::vector<TradePoint>& points, double error_mm,
-                                        double floor_mm);
+/// good enough. None where no point is. Errors below `floor` count as that.
+std::optional<CurveValue> time_to_error(const std::vector<TradePoint>& points, double error,
+                                        double floor);
 /// The error that a method reaches within a time: that of the most exact point where it takes no
 /// longer. None where the fastest takes longer.
 std::optional<CurveValue> error_within_time(const std::vector<TradePoint>& points, double time_s,
-                                            double floor_mm);
+                                            double floor);
 
 }  // namespace supple::tools

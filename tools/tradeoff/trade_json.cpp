@@ -24,6 +24,12 @@ nlohmann::ordered_json row_json(const TradeRow& row) {
   json["render_s"] = spread_json(row.render_s);
   json["wall_s"] = spread_json(row.wall_s);
   json["peak_mb"] = row.peak_mb;
+  if (row.is_drawing()) {
+    json["draw_s"] = spread_json(row.draw_s);
+    json["rmse"] = row.rmse;
+    json["ssim"] = row.ssim;
+    return json;
+  }
   json["moved"] = row.moved;
   json["error_p50_mm"] = row.p50_mm;
   json["error_p95_mm"] = row.p95_mm;
@@ -36,12 +42,12 @@ nlohmann::ordered_json row_json(const TradeRow& row) {
 /// One table: per method a value or null for each of `values`.
 template <class Read>
 nlohmann::ordered_json matched_json(const SceneCurves& curves, const std::vector<double>& values,
-                                    double floor_mm, const Read& read) {
+                                    const Read& read) {
   nlohmann::ordered_json table;
   for (const MethodCurve& curve : curves.methods) {
     nlohmann::ordered_json& line = table[curve.method] = nlohmann::ordered_json::array();
     for (const double value : values) {
-      const auto found = read(curve.points, value, floor_mm);
+      const auto found = read(curve.points, value, curves.floor);
       if (found) {
         line.push_back({{"value", found->value}, {"rows", {found->row_a, found->row_b}}});
       } else {
@@ -52,18 +58,23 @@ nlohmann::ordered_json matched_json(const SceneCurves& curves, const std::vector
   return table;
 }
 
-nlohmann::ordered_json scene_json(const TradeResults& results, const TradeScene& scene) {
-  const SceneCurves curves = curves_of(results, scene);
-  nlohmann::ordered_json json = {{"scene", scene.file},
-                                 {"volume", scene.volume},
-                                 {"reference", results.rows[curves.reference].name()},
-                                 {"floor_mm", scene.floor_mm}};
+nlohmann::ordered_json curves_json(const TradeResults& results, const SceneCurves& curves) {
+  const std::vector<double>& errors = curves.are_drawings ? kErrorsOfPictures : kErrors_mm;
+  nlohmann::ordered_json json = {{"reference", results.rows[curves.reference].name()},
+                                 {"floor", curves.floor}};
   json["front"] = nlohmann::ordered_json::array();
   for (const TradePoint& point : curves.front) json["front"].push_back(point.row);
-  json["errors_mm"] = kErrors_mm;
-  json["time_to_error_s"] = matched_json(curves, kErrors_mm, scene.floor_mm, time_to_error);
+  json["errors"] = errors;
+  json["time_to_error_s"] = matched_json(curves, errors, time_to_error);
   json["times_s"] = kTimes_s;
-  json["error_within_time_mm"] = matched_json(curves, kTimes_s, scene.floor_mm, error_within_time);
+  json["error_within_time"] = matched_json(curves, kTimes_s, error_within_time);
+  return json;
+}
+
+nlohmann::ordered_json scene_json(const TradeResults& results, const TradeScene& scene) {
+  nlohmann::ordered_json json = {{"scene", scene.file}, {"volume", scene.volume}};
+  json["solving"] = curves_json(results, curves_of(results, scene, false));
+  if (scene.has_drawings) json["drawing"] = curves_json(results, curves_of(results, scene, true));
   return json;
 }
 

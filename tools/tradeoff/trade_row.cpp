@@ -82,6 +82,7 @@ std::vector<Column> make_columns() {
   add_spread(columns, "solve", &TradeRow::solve_s);
   add_spread(columns, "invert", &TradeRow::invert_s);
   add_spread(columns, "render", &TradeRow::render_s);
+  add_spread(columns, "draw", &TradeRow::draw_s);
   add_spread(columns, "wall", &TradeRow::wall_s);
   for (Column& column : std::vector<Column>{
            number_column("peak_mb", &TradeRow::peak_mb), number_column("moved", &TradeRow::moved),
@@ -89,8 +90,9 @@ std::vector<Column> make_columns() {
            number_column("error_p95_mm", &TradeRow::p95_mm),
            number_column("error_max_mm", &TradeRow::max_mm),
            number_column("volume_percent", &TradeRow::volume_percent),
-           number_column("energy_uj", &TradeRow::energy_uj),
-           text_column("warning", &TradeRow::warning), text_column("version", &TradeRow::version),
+           number_column("energy_uj", &TradeRow::energy_uj), number_column("rmse", &TradeRow::rmse),
+           number_column("ssim", &TradeRow::ssim), text_column("warning", &TradeRow::warning),
+           text_column("version", &TradeRow::version),
            text_column("command", &TradeRow::command)}) {
     columns.push_back(std::move(column));
   }

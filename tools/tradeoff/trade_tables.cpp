@@ -17,10 +17,11 @@ MethodCurve& curve_named(SceneCurves& curves, const TradeRow& row,
   return curves.methods.emplace_back(MethodCurve{row.method, title_of(row.method), {}, {}});
 }
 
-bool are_alike(const TradeRow& a, const TradeRow& b, double floor_mm) {
-  const bool overlap = a.solve_s.least <= b.solve_s.most && b.solve_s.least <= a.solve_s.most;
-  const double apart = std::abs(a.p95_mm - b.p95_mm);
-  return overlap && apart <= std::max(floor_mm, kAlikePart * std::max(a.p95_mm, b.p95_mm));
+bool are_alike(const TradeRow& a, const TradeRow& b, double floor) {
+  const Spread &time_a = a.time_s(), &time_b = b.time_s();
+  const bool overlap = time_a.least <= time_b.most && time_b.least <= time_a.most;
+  const double apart = std::abs(a.error() - b.error());
+  return overlap && apart <= std::max(floor, kAlikePart * std::max(a.error(), b.error()));
 }
 
 }  // namespace
@@ -35,13 +36,16 @@ std::string SceneCurves::alike_text(std::size_t row) const {
   return text;
 }
 
-SceneCurves curves_of(const std::vector<TradeRow>& rows, const std::string& scene, double floor_mm,
+SceneCurves curves_of(const std::vector<TradeRow>& rows, const std::string& scene,
+                      bool are_drawings, double floor,
                       std::string (*title_of)(const std::string& method)) {
   SceneCurves curves;
+  curves.are_drawings = are_drawings;
+  curves.floor = floor;
   std::vector<TradePoint> all;
   for (std::size_t r = 0; r < rows.size(); ++r) {
     const TradeRow& row = rows[r];
-    if (row.scene != scene) continue;
+    if (row.scene != scene || row.is_drawing() != are_drawings) continue;
     curves.rows.push_back(r);
     if (curves.rows.size() == 1) {
       curves.reference = r;
@@ -52,12 +56,12 @@ SceneCurves curves_of(const std::vector<TradeRow>& rows, const std::string& scen
       curve.missed.push_back(r);
       continue;
     }
-    const TradePoint point{row.solve_s.median, row.p95_mm, r};
+    const TradePoint point{row.time_s().median, row.error(), r};
     curve.points.push_back(point);
     for (const TradePoint& other : all) {
-      if (are_alike(rows[other.row], row, floor_mm)) curves.alike.emplace_back(other.row, r);
+      if (are_alike(rows[other.row], row, floor)) curves.alike.emplace_back(other.row, r);
     }
-    all.push_back({point.time_s, std::max(point.error_mm, floor_mm), r});
+    all.push_back({point.time_s, std::max(point.error, floor), r});
   }
   curves.front = pareto_front(std::move(all));
   return curves;

@@ -11,6 +11,7 @@ namespace supple::tools {
 
 /// Columns of the tables of matched error and matched time.
 inline const std::vector<double> kErrors_mm = {2, 1, 0.5, 0.1};
+inline const std::vector<double> kErrorsOfPictures = {0.02, 0.01, 0.002};  // 1 - SSIM
 inline const std::vector<double> kTimes_s = {0.016, 0.1, 1, 60};
 
 struct MethodCurve {
@@ -20,6 +21,8 @@ struct MethodCurve {
 };
 
 struct SceneCurves {
+  bool are_drawings = false;
+  double floor = 0;  // of the errors
   std::size_t reference = 0;
   std::vector<std::size_t> rows;  // all of the scene
   std::vector<MethodCurve> methods;
@@ -31,8 +34,9 @@ struct SceneCurves {
   std::string alike_text(std::size_t row) const;
 };
 
-/// `title_of`: of a method's name. The reference is the first row of the scene, and no point.
-SceneCurves curves_of(const std::vector<TradeRow>& rows, const std::string& scene, double floor_mm,
+/// `title_of`: of a method's name. The reference is the first of the rows, and no point.
+SceneCurves curves_of(const std::vector<TradeRow>& rows, const std::string& scene,
+                      bool are_drawings, double floor,
                       std::string (*title_of)(const std::string& method));
 
 }  // namespace supple::tools
