@@ -107,7 +107,9 @@ TEST(UnitTradeRow, AFileOfOtherColumnsIsRefusedWithItsLine) {
     return input_error([&] { rows_from_csv(csv, "runs.csv"); });
   };
   EXPECT_NE(problem_of("x" + text).find("runs.csv:1"), std::string::npos);
-  EXPECT_NE(problem_of(text.substr(0, text.size() - 30)).find("runs.csv:2"), std::string::npos);
+  const std::string cut = problem_of(text.substr(0, text.find('\n') + 40));
+  EXPECT_NE(cut.find("runs.csv:2"), std::string::npos) << cut;
+  EXPECT_NE(cut.find("columns of this version"), std::string::npos) << cut;
   std::string damaged = text;
   damaged.replace(damaged.find("ab,fem,1") + 7, 1, "?");
   EXPECT_NE(problem_of(damaged).find("knob"), std::string::npos);
@@ -136,6 +138,7 @@ TEST(UnitMethodChoice, ItIsTheBestThatEveryLoadOfTheTableAllows) {
     row.scene = "b.toml";
     if (row.method == "relax-6") row.solve_s.median = 0.5;
     if (row.method == "ecm") row.p95_mm = 3;
+    if (row.method == "fem") row.p95_mm = 0.002;
     if (row.method == "springs") row.status = "failed";
     rows.push_back(row);
   }
@@ -148,6 +151,7 @@ TEST(UnitMethodChoice, ItIsTheBestThatEveryLoadOfTheTableAllows) {
   EXPECT_FALSE(most_exact_within(choices, 0.05));
   EXPECT_EQ(fastest_to(choices, 1)->method, "relax-6:16");
   EXPECT_EQ(fastest_to(choices, 0.5)->method, "fem:0.1");
+  EXPECT_FALSE(fastest_to(choices, 0.005)) << "under one load alone";
   EXPECT_FALSE(fastest_to(choices, 0.001));
 }
 
@@ -182,24 +186,29 @@ class UnitTradeoff : public ::testing::Test {
 };
 
 TEST_F(UnitTradeoff, MorePassesAndFinerTolerancesDoNotWorsenTheError) {
-  const Outcome outcome = measure({"--method", "ecm:6", "--method", "relax-6", "--method", "fem"});
+  std::vector<std::string> methods;
+  for (const char* name :
+       {"ecm:6", "relax-6:1", "relax-6:16", "relax-6:256", "fem:0.1", "fem:1e-3", "fem:1e-8"}) {
+    methods.insert(methods.end(), {"--method", name});
+  }
+  const Outcome outcome = measure(methods);
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const std::vector<TradeRow> all = rows();
-  ASSERT_EQ(all.size(), 14u);
+  ASSERT_EQ(all.size(), 8u);
   EXPECT_EQ(all[0].name(), "fem:1e-10");
   EXPECT_EQ(all[0].max_mm, 0);
   EXPECT_GT(all[0].moved, 100);
   EXPECT_GT(all[1].p95_mm, 0.01);
   // Passes lower the energy of the links, which is not that of the reference: to within a tenth.
-  for (std::size_t r = 3; r < 8; ++r) EXPECT_LE(all[r].p95_mm, 1.1 * all[r - 1].p95_mm) << r;
-  EXPECT_LT(all[7].p95_mm, 0.8 * all[2].p95_mm);
-  for (std::size_t r = 9; r < 14; ++r) EXPECT_LE(all[r].p95_mm, all[r - 1].p95_mm) << r;
-  EXPECT_LT(all[13].p95_mm, 1e-4);
-  for (std::size_t r = 2; r < 8; ++r) EXPECT_LE(all[r].energy_uj, all[r - 1].energy_uj) << r;
+  for (std::size_t r = 3; r < 5; ++r) EXPECT_LE(all[r].p95_mm, 1.1 * all[r - 1].p95_mm) << r;
+  EXPECT_LT(all[4].p95_mm, 0.8 * all[2].p95_mm);
+  for (std::size_t r = 6; r < 8; ++r) EXPECT_LE(all[r].p95_mm, all[r - 1].p95_mm) << r;
+  EXPECT_LT(all[7].p95_mm, 1e-4);
+  for (std::size_t r = 2; r < 5; ++r) EXPECT_LE(all[r].energy_uj, all[r - 1].energy_uj) << r;
   const auto json = nlohmann::json::parse(read_text(m_folder / "out/tradeoff.json"));
   EXPECT_EQ(json["rows"].size(), all.size());
   const std::string page = read_text(m_folder / "out/index.html");
-  EXPECT_NE(page.find("id=\"row-15\""), std::string::npos);
+  EXPECT_NE(page.find("id=\"row-9\""), std::string::npos);
   EXPECT_EQ(page.find("http"), std::string::npos) << "the page asks for nothing";
 }
 

@@ -12,15 +12,12 @@ namespace supple::tools {
 std::vector<MethodChoice> choices_of(const std::vector<TradeRow>& rows) {
   std::map<std::string, MethodChoice> by_name;
   std::map<std::string, std::set<std::string>> scenes_of;
-  std::set<std::string> scenes, failed;
+  std::set<std::string> scenes;
   for (const TradeRow& row : rows) {
     if (row.is_drawing()) continue;
     const std::string name = row.name();
     scenes.insert(row.scene);
-    if (!row.is_ok()) {
-      failed.insert(name);
-      continue;
-    }
+    if (!row.is_ok()) continue;
     scenes_of[name].insert(row.scene);
     MethodChoice& choice = by_name[name];
     choice.method = name;
@@ -29,7 +26,7 @@ std::vector<MethodChoice> choices_of(const std::vector<TradeRow>& rows) {
   }
   std::vector<MethodChoice> choices;
   for (const auto& [name, choice] : by_name) {
-    if (failed.count(name) == 0 && scenes_of[name] == scenes) choices.push_back(choice);
+    if (scenes_of[name] == scenes) choices.push_back(choice);
   }
   std::stable_sort(choices.begin(), choices.end(),
                    [](const auto& a, const auto& b) { return a.solve_s < b.solve_s; });

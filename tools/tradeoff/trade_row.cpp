@@ -162,7 +162,7 @@ std::vector<TradeRow> rows_from_csv(const std::string& text, const std::string& 
     const std::string place = file + ':' + std::to_string(line);
     if (fields.size() != columns.size()) {
       throw InputError({place, "", with_count(std::int64_t(fields.size()), "column"),
-                        std::to_string(columns.size()) + " of this version"});
+                        std::to_string(columns.size()) + " columns of this version"});
     }
     TradeRow row;
     for (std::size_t n = 0; n < columns.size(); ++n) {
