@@ -13,9 +13,9 @@
 #include "tools/console/command.h"
 #include "tools/console/help.h"
 #include "tools/console/signals.h"
+#include "tools/program_version.h"
 #include "volumes/base/on_threads.h"
 #include "volumes/base/run_in_child.h"
-#include "volumes/base/version.h"
 
 namespace supple::tools {
 
@@ -124,8 +124,7 @@ int run_command(const Command& command, const GlobalOptions& options) {
 int run_program(int argc, char** argv) {
   GlobalOptions options;
   CLI::App program("Supple deforms CT and MRI volumes and shows them.", "supple");
-  program.set_version_flag("-V,--version", std::string("supple ") + kVersion + ", commit " +
-                                               kCommit + "\n  " + kLibraries);
+  program.set_version_flag("-V,--version", "supple " + program_version() + "\n  " + kLibraries);
   program.require_subcommand(1);
   program.fallthrough();
   program.formatter(std::make_shared<WrappingFormatter>());
@@ -143,7 +142,7 @@ int run_program(int argc, char** argv) {
       add_render(program), add_slice(program),    add_presets(program),   add_keys(program),
       add_export(program), add_resample(program), add_apply(program),     add_run(program),
       add_replay(program), add_compare(program),  add_invert(program),    add_metrics(program),
-      add_view(program),   add_bench(program),    add_help(program)};
+      add_view(program),   add_tradeoff(program), add_bench(program),     add_help(program)};
   const auto is_named = [&](const Command& command) { return command.app->check_name(argv[1]); };
   if (argc > 1 && argv[1][0] != '-' &&
       std::none_of(std::begin(commands), std::end(commands), is_named)) {

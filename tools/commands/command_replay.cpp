@@ -7,6 +7,7 @@
 
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
+#include "tools/console/own_process.h"
 #include "tools/live/replay.h"
 #include "tools/outputs/output_plan.h"
 #include "volumes/base/atomic_file.h"

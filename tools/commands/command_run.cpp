@@ -4,9 +4,15 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/console/command.h"
+#include "tools/console/own_process.h"
 #include "tools/outputs/film_record.h"
 #include "tools/outputs/reports.h"
 #include "tools/outputs/scene_run.h"
+#include "tools/scene/draw_method.h"
+#include "tools/scene/step_method.h"
+#include "tools/tradeoff/method_choice.h"
+#include "tools/tradeoff/run_phases.h"
+#include "tools/tradeoff/text_file.h"
 
 namespace supple::tools {
 
@@ -19,6 +25,8 @@ struct RunSceneOptions {
   bool allow_outside = false;
   bool resume = false;
   std::string frames;
+  std::string method, drawing, state;
+  std::string budget, error, table;
 };
 
 std::size_t fixed_count(const SceneStep& step) {
@@ -79,11 +87,44 @@ int try_scene(const Scene& scene, const RunSceneOptions& options, const GlobalOp
   return kOk;
 }
 
+/// A method from the table of `supple tradeoff`; none where neither a time nor an error is given.
+std::optional<MethodChoice> choose_method(const RunSceneOptions& options) {
+  if (options.budget.empty() && options.error.empty()) return std::nullopt;
+  const auto choices = choices_of(rows_from_csv(text_of_file(options.table), options.table));
+  if (choices.empty()) throw InputError({options.table, "", "no method", "rows that are ok"});
+  if (!options.budget.empty()) {
+    const auto choice = most_exact_within(choices, seconds_of(options.budget, "budget"));
+    if (choice) return choice;
+    const MethodChoice& fastest = choices.front();
+    throw InputError({options.table, "--budget", options.budget,
+                      "at least " + number_text(fastest.solve_s) + "s, that of " + fastest.method});
+  }
+  const auto choice = fastest_to(choices, millimetres_of(options.error, "error"));
+  if (choice) return choice;
+  const auto best = most_exact_within(choices, choices.back().solve_s);
+  throw InputError({options.table, "--error", options.error,
+                    "at least " + number_text(best->error_mm) + "mm, that of " + best->method});
+}
+
+nlohmann::ordered_json choice_json(const MethodChoice& choice, double solve_s) {
+  return {{"method", choice.method},
+          {"expected_solve_s", choice.solve_s},
+          {"expected_error_p95_mm", choice.error_mm},
+          {"solve_s", solve_s}};
+}
+
 void print_results(const SceneRun& run, const Scene& scene, const RunSceneOptions& options,
-                   const GlobalOptions& global, Console& console) {
+                   const std::optional<MethodChoice>& choice, const GlobalOptions& global,
+                   Console& console) {
   const auto stages = console.stage_seconds();
+  const double solve_s = phases_of(stages).solve_s;
+  if (choice) {
+    console.note(choice->method + " took " + number_text(solve_s) + " s to solve, expected were " +
+                 number_text(choice->solve_s) + " s");
+  }
   if (global.json) {
     nlohmann::ordered_json json;
+    if (choice) json["chosen"] = choice_json(*choice, solve_s);
     json["steps"] = nlohmann::ordered_json::array();
     if (run.session() != nullptr) {
       for (const StepRecord& record : run.session()->records()) {
@@ -92,6 +133,7 @@ void print_results(const SceneRun& run, const Scene& scene, const RunSceneOption
     }
     if (run.certificate() != nullptr) json["certificate"] = to_json(*run.certificate());
     for (const auto& [name, seconds] : stages) json["stage_seconds"][name] = seconds;
+    json["peak_rss_mb"] = peak_rss_mb();
     for (const std::string& name : scene.outputs()) {
       json["outputs"].push_back(path_in(options.folder, name));
     }
@@ -132,6 +174,15 @@ OutputPlan plan_of(const Scene& scene, const RunSceneOptions& options,
 
 int run_scene(const RunSceneOptions& options, const GlobalOptions& given, Console& console) {
   Scene scene = read_scene(options.scene);
+  const std::optional<MethodChoice> choice = choose_method(options);
+  if (choice) {
+    console.note("chose " + choice->method + ": expected are " + number_text(choice->solve_s) +
+                 " s to solve and an error of " + number_text(choice->error_mm) + " mm (p95)");
+    solve_by(scene, parse_method(choice->method));
+  }
+  if (!options.method.empty()) solve_by(scene, parse_method(options.method));
+  if (!options.drawing.empty()) draw_by(scene, parse_drawing(options.drawing));
+  if (!options.state.empty()) scene.output.state = options.state;
   GlobalOptions global = given;
   choose_frames(scene, options, global);
   if (!options.allow_outside) require_inside(scene, options.folder);
@@ -144,7 +195,7 @@ int run_scene(const RunSceneOptions& options, const GlobalOptions& given, Consol
   console.claim(plan.files());
   SceneRun run(scene, options.folder, global.json, console);
   run.run();
-  print_results(run, scene, options, global, console);
+  print_results(run, scene, options, choice, global, console);
   return kOk;
 }
 
@@ -165,6 +216,31 @@ Command add_run(CLI::App& program) {
                 "Of a film, make the frames that are missing, as after an interruption");
   app->add_option("--frames", options->frames, "Of a film, make these frames alone, and no video")
       ->option_text("A:B");
+  CLI::Option* table =
+      app->add_option("--table", options->table,
+                      "Measured by supple tradeoff, which --budget and --error choose from")
+          ->option_text("DIR/runs.csv");
+  CLI::Option* budget =
+      app->add_option("--budget", options->budget,
+                      "The most exact method that solves within a time, such as 100ms")
+          ->needs(table)
+          ->option_text("TIME");
+  CLI::Option* error = app->add_option("--error", options->error,
+                                       "The fastest method to an error, such as 0.5mm (p95)")
+                           ->needs(table)
+                           ->excludes(budget)
+                           ->option_text("LENGTH");
+  app->add_option("--method", options->method,
+                  "What moves the body in place of the scene's models, such as relax-26:64 "
+                  "(docs/tradeoff.md)")
+      ->excludes(budget)
+      ->excludes(error)
+      ->option_text("NAME:KNOB");
+  app->add_option("--drawing", options->drawing,
+                  "How views are drawn in place of what they say, such as draw-newton:0.5")
+      ->option_text("NAME:KNOB");
+  app->add_option("--state", options->state, "Also write the state, in place of the scene's")
+      ->option_text("NAME.vdb");
   app->add_flag("--dry-run", options->dry_run,
                 "Check the scene against its volume and print what it would do");
   return {app, [options](const GlobalOptions& global, Console& console) {

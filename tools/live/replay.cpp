@@ -4,8 +4,6 @@
 #include <cmath>
 #include <thread>
 
-#include <sys/resource.h>
-
 #include "raycast/pictures/compare.h"
 #include "tools/live/event_mailbox.h"
 #include "volumes/base/sha256.h"
@@ -146,12 +144,6 @@ std::string hash_of(const State& state) {
   }
   for (const auto& velocity : state.velocity_mm_s) feed(sha, velocity, bricks);
   return sha.hex();
-}
-
-double peak_rss_mb() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return double(usage.ru_maxrss) * 1024 / 1e6;
 }
 
 }  // namespace supple::tools

@@ -71,7 +71,4 @@ class Replay final : public LoopWatcher {
 /// however they came there.
 std::string hash_of(const State& state);
 
-/// The largest resident size of the process so far, in millions of bytes.
-double peak_rss_mb();
-
 }  // namespace supple::tools

@@ -204,7 +204,7 @@ void require_film(const Scene& scene) {
   }
 }
 
-/// What the pictures depend on, but for the contents of the volume, its labels and meshes.
+/// What results depend on, but for the contents of the volume, its labels and meshes.
 std::string description_of(const Scene& scene, const std::string& text) {
   std::string all = text;
   if (scene.material) all += material_to_toml(*scene.material);
@@ -326,11 +326,11 @@ Scene read_scene(TomlTable root) {
   ask_for_elements(scene);
   if (auto film = root.table("film")) {
     read_film(*film, scene);
-    scene.described = description_of(scene, root.json());
   } else {
     require_film(scene);
   }
   root.finish();
+  scene.described = description_of(scene, root.json());
   scene.warnings = root.warnings();
   return scene;
 }

@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "tools/bench/report/memory.h"
+#include "tools/console/own_process.h"
 #include "volumes/base/error.h"
 
 namespace supple::tools {
@@ -140,10 +141,6 @@ ProcessCost PeerProcess::finish() {
   const double peak = double(usage.ru_maxrss) * 1024 / 1e6;
   if (peak > m_own_mbytes) cost.peak_mbytes = peak;
   return cost;
-}
-
-std::string own_program() {
-  return std::filesystem::read_symlink("/proc/self/exe").string();
 }
 
 std::string program_beside(const std::string& name) {

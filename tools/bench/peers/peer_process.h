@@ -62,8 +62,6 @@ class PeerProcess {
   std::string m_unread;
 };
 
-/// This program.
-std::string own_program();
 /// A program that the build puts beside this one; empty when it was not built.
 std::string program_beside(const std::string& name);
 /// The Python that Debian's VTK belongs to.

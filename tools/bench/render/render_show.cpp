@@ -13,6 +13,7 @@
 #include "tools/bench/peers/peer_process.h"
 #include "tools/bench/peers/vtk_peer.h"
 #include "tools/bench/report/memory.h"
+#include "tools/console/own_process.h"
 #include "volumes/field/inversion/forward_offsets.h"
 #include "volumes/field/inversion/invert.h"
 #include "volumes/state/live_displacement.h"

@@ -1,0 +1,274 @@
+// Time against error: rows and their file, fronts, values between points, and the command on a
+// ball.
+#include <fstream>
+#include <sstream>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/errors.h"
+#include "tests/support/program.h"
+#include "tools/tradeoff/method_choice.h"
+#include "tools/tradeoff/trade_curves.h"
+#include "tools/tradeoff/trade_row.h"
+#include "tools/tradeoff/trade_tables.h"
+
+using namespace supple;
+using namespace supple::test;
+using namespace supple::tools;
+
+namespace {
+
+TradeRow row_of(const std::string& method, double knob, double time_s, double error_mm) {
+  TradeRow row;
+  row.scene = "a.toml";
+  row.inputs = "0123456789ab";
+  row.method = method;
+  row.knob = knob;
+  row.status = "ok";
+  row.runs = 3;
+  row.solve_s = {time_s / 1.5, time_s, time_s * 1.5};
+  row.p95_mm = error_mm;
+  return row;
+}
+
+std::vector<std::size_t> rows_of(const std::vector<TradePoint>& points) {
+  std::vector<std::size_t> rows;
+  for (const TradePoint& point : points) rows.push_back(point.row);
+  return rows;
+}
+
+TEST(UnitTradeCurves, TheFrontIsWhatNoOtherPointBeats) {
+  const std::vector<TradePoint> points = {{1, 5, 0}, {2, 5, 1},   {3, 1, 2}, {3, 2, 3},
+                                          {2, 4, 4}, {0.5, 9, 5}, {9, 1, 6}};
+  EXPECT_EQ(rows_of(pareto_front(points)), (std::vector<std::size_t>{5, 0, 4, 2}));
+  EXPECT_TRUE(pareto_front({}).empty());
+}
+
+TEST(UnitTradeCurves, BetweenPointsALineInLogarithmsIsRead) {
+  const std::vector<TradePoint> points = {{0.1, 10, 0}, {10, 0.1, 1}};
+  const auto time = time_to_error(points, 1, 1e-6);
+  ASSERT_TRUE(time);
+  EXPECT_NEAR(time->value, 1, 1e-12);
+  EXPECT_EQ(time->row_a, 0u);
+  EXPECT_EQ(time->row_b, 1u);
+  const auto error = error_within_time(points, 1, 1e-6);
+  ASSERT_TRUE(error);
+  EXPECT_NEAR(error->value, 1, 1e-12);
+}
+
+TEST(UnitTradeCurves, BeyondItsPointsACurvePromisesNothing) {
+  const std::vector<TradePoint> points = {{0.1, 10, 0}, {10, 0.1, 1}};
+  EXPECT_FALSE(time_to_error(points, 0.05, 1e-6));
+  EXPECT_FALSE(error_within_time(points, 0.05, 1e-6));
+  EXPECT_EQ(time_to_error(points, 20, 1e-6)->value, 0.1);
+  EXPECT_EQ(error_within_time(points, 99, 1e-6)->value, 0.1);
+  EXPECT_FALSE(time_to_error({}, 1, 1e-6));
+}
+
+TEST(UnitTradeCurves, APointThatItsOwnCurveBeatsBendsNoLine) {
+  const std::vector<TradePoint> points = {{0.1, 10, 0}, {1, 50, 1}, {10, 0.1, 2}};
+  EXPECT_NEAR(time_to_error(points, 1, 1e-6)->value, 1, 1e-12);
+}
+
+TEST(UnitTradeCurves, NoErrorBelowTheFloorIsRead) {
+  const std::vector<TradePoint> points = {{1, 1, 0}, {10, 0, 1}};
+  EXPECT_EQ(error_within_time(points, 20, 1e-3)->value, 1e-3);
+}
+
+TEST(UnitTradeRow, TheMedianOfAnEvenNumberIsTheMeanOfTheMiddleTwo) {
+  EXPECT_EQ(spread_of({3, 1, 2, 9}).median, 2.5);
+  EXPECT_EQ(spread_of({3, 1, 9}).median, 3);
+  EXPECT_EQ(spread_of({3, 1, 9}).least, 1);
+  EXPECT_EQ(spread_of({3, 1, 9}).most, 9);
+}
+
+TEST(UnitTradeRow, RowsComeBackFromTheirFileToTheBit) {
+  TradeRow row = row_of("relax-26", 64, 1.0 / 3, 2e-300);
+  row.scene = "a \"quoted\", name.toml";
+  row.reason = "two\nlines";
+  row.command = "supple run 'a b.toml' -o x";
+  row.moved = 123456789012;
+  const std::string text = to_csv({row, row_of("fem", 1e-10, 2, 0)});
+  const std::vector<TradeRow> rows = rows_from_csv(text, "runs.csv");
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_EQ(to_csv(rows), text);
+  EXPECT_EQ(rows[0].scene, row.scene);
+  EXPECT_EQ(rows[0].reason, row.reason);
+  EXPECT_EQ(rows[0].solve_s.median, row.solve_s.median);
+  EXPECT_EQ(rows[0].p95_mm, row.p95_mm);
+  EXPECT_EQ(rows[0].moved, row.moved);
+  EXPECT_EQ(rows[1].name(), "fem:1e-10");
+}
+
+TEST(UnitTradeRow, AFileOfOtherColumnsIsRefusedWithItsLine) {
+  const std::string text = to_csv({row_of("fem", 1, 2, 0)});
+  const auto problem_of = [](const std::string& csv) {
+    return input_error([&] { rows_from_csv(csv, "runs.csv"); });
+  };
+  EXPECT_NE(problem_of("x" + text).find("runs.csv:1"), std::string::npos);
+  const std::string cut = problem_of(text.substr(0, text.find('\n') + 40));
+  EXPECT_NE(cut.find("runs.csv:2"), std::string::npos) << cut;
+  EXPECT_NE(cut.find("columns of this version"), std::string::npos) << cut;
+  std::string damaged = text;
+  damaged.replace(damaged.find("ab,fem,1") + 7, 1, "?");
+  EXPECT_NE(problem_of(damaged).find("knob"), std::string::npos);
+}
+
+TEST(UnitTradeTables, RowsWhoseTimesOverlapAreToldApartByTheirErrors) {
+  std::vector<TradeRow> rows = {row_of("fem", 1e-10, 9, 0), row_of("ecm", 6, 1, 1),
+                                row_of("ecm", 18, 1.2, 1.01), row_of("ecm", 26, 1.2, 1.5),
+                                row_of("ecm", 26, 99, 1)};
+  TradeRow failed = row_of("springs", 2, 0, 0);
+  failed.status = "failed";
+  rows.push_back(failed);
+  const SceneCurves curves =
+      curves_of(rows, "a.toml", false, 1e-6, [](const std::string& method) { return method; });
+  EXPECT_EQ(curves.alike, (std::vector<std::pair<std::size_t, std::size_t>>{{1, 2}}));
+  EXPECT_EQ(curves.alike_text(2), "not distinguishable from row 3");
+  EXPECT_EQ(rows_of(curves.front), (std::vector<std::size_t>{1}));
+  ASSERT_EQ(curves.methods.size(), 2u);
+  EXPECT_EQ(curves.methods[1].missed, (std::vector<std::size_t>{5}));
+}
+
+TEST(UnitMethodChoice, ItIsTheBestThatEveryLoadOfTheTableAllows) {
+  std::vector<TradeRow> rows = {row_of("ecm", 6, 0.1, 2), row_of("relax-6", 16, 0.4, 0.9),
+                                row_of("fem", 0.1, 3, 0.01), row_of("springs", 2, 1, 0.1)};
+  for (TradeRow row : std::vector<TradeRow>(rows)) {
+    row.scene = "b.toml";
+    if (row.method == "relax-6") row.solve_s.median = 0.5;
+    if (row.method == "ecm") row.p95_mm = 3;
+    if (row.method == "fem") row.p95_mm = 0.002;
+    if (row.method == "springs") row.status = "failed";
+    rows.push_back(row);
+  }
+  rows.push_back(row_of("relax-6", 64, 0.2, 0.001));  // of one load alone
+  const std::vector<MethodChoice> choices = choices_of(rows);
+  ASSERT_EQ(choices.size(), 3u);
+  EXPECT_EQ(choices[0].error_mm, 3);
+  EXPECT_EQ(most_exact_within(choices, 0.45)->method, "ecm:6");
+  EXPECT_EQ(most_exact_within(choices, 0.5)->method, "relax-6:16");
+  EXPECT_FALSE(most_exact_within(choices, 0.05));
+  EXPECT_EQ(fastest_to(choices, 1)->method, "relax-6:16");
+  EXPECT_EQ(fastest_to(choices, 0.5)->method, "fem:0.1");
+  EXPECT_FALSE(fastest_to(choices, 0.005)) << "under one load alone";
+  EXPECT_FALSE(fastest_to(choices, 0.001));
+}
+
+TEST(UnitMethodChoice, TimesAndLengthsHaveUnits) {
+  EXPECT_DOUBLE_EQ(seconds_of("100ms", "budget"), 0.1);
+  EXPECT_DOUBLE_EQ(seconds_of("1.5min", "budget"), 90);
+  EXPECT_DOUBLE_EQ(millimetres_of("0.5mm", "error"), 0.5);
+  for (const char* wrong : {"100", "ms", "-1s", "1h", "nans", ""}) {
+    EXPECT_FALSE(input_error([&] { seconds_of(wrong, "budget"); }).empty()) << wrong;
+  }
+}
+
+class UnitTradeoff : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    write_ball(m_folder, "ball", 10);
+    write_soft_material(m_folder / "m.toml");
+    write_text(m_folder / "scene.toml",
+               "[volume]\npath = \"ball.nhdr\"\n[material]\ntable = \"m.toml\"\n[[step]]\n"
+               "grab = [5, 8, 5]\nby = [0.0, 0.6, 0.0]\nfix = [[0, 0, 0, 9, 2, 9]]\n");
+  }
+  Outcome measure(const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {
+        "tradeoff", m_folder / "scene.toml", "-o", m_folder / "out", "--runs", "1", "--quiet"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_supple(arguments);
+  }
+  std::string csv() const { return read_text(m_folder / "out/runs.csv"); }
+  std::vector<TradeRow> rows() const { return rows_from_csv(csv(), "runs.csv"); }
+
+  TemporaryFolder m_folder;
+};
+
+TEST_F(UnitTradeoff, MorePassesAndFinerTolerancesDoNotWorsenTheError) {
+  std::vector<std::string> methods;
+  for (const char* name :
+       {"ecm:6", "relax-6:1", "relax-6:16", "relax-6:256", "fem:0.1", "fem:1e-3", "fem:1e-8"}) {
+    methods.insert(methods.end(), {"--method", name});
+  }
+  const Outcome outcome = measure(methods);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const std::vector<TradeRow> all = rows();
+  ASSERT_EQ(all.size(), 8u);
+  EXPECT_EQ(all[0].name(), "fem:1e-10");
+  EXPECT_EQ(all[0].max_mm, 0);
+  EXPECT_GT(all[0].moved, 100);
+  EXPECT_GT(all[1].p95_mm, 0.01);
+  // Passes lower the energy of the links, which is not that of the reference: to within a tenth.
+  for (std::size_t r = 3; r < 5; ++r) EXPECT_LE(all[r].p95_mm, 1.1 * all[r - 1].p95_mm) << r;
+  EXPECT_LT(all[4].p95_mm, 0.8 * all[2].p95_mm);
+  for (std::size_t r = 6; r < 8; ++r) EXPECT_LE(all[r].p95_mm, all[r - 1].p95_mm) << r;
+  EXPECT_LT(all[7].p95_mm, 1e-4);
+  for (std::size_t r = 2; r < 5; ++r) EXPECT_LE(all[r].energy_uj, all[r - 1].energy_uj) << r;
+  const auto json = nlohmann::json::parse(read_text(m_folder / "out/tradeoff.json"));
+  EXPECT_EQ(json["rows"].size(), all.size());
+  const std::string page = read_text(m_folder / "out/index.html");
+  EXPECT_NE(page.find("id=\"row-9\""), std::string::npos);
+  EXPECT_EQ(page.find("http"), std::string::npos) << "the page asks for nothing";
+}
+
+TEST_F(UnitTradeoff, ACallGoesOnWhereTheLastOneEnded) {
+  ASSERT_EQ(measure({"--method", "ecm"}).exit_code, 0);
+  const std::string whole = csv();
+  const std::vector<TradeRow> before = rows();
+  ASSERT_EQ(before.size(), 4u);
+  // As after a kill: the last row is not there.
+  write_text(m_folder / "out/runs.csv", to_csv({before[0], before[1], before[2]}));
+  ASSERT_EQ(measure({"--method", "ecm"}).exit_code, 0);
+  const std::vector<TradeRow> after = rows();
+  ASSERT_EQ(after.size(), 4u);
+  for (std::size_t r = 0; r < 3; ++r) EXPECT_EQ(to_csv({after[r]}), to_csv({before[r]})) << r;
+  EXPECT_EQ(after[3].name(), before[3].name());
+  EXPECT_EQ(after[3].p95_mm, before[3].p95_mm);
+  EXPECT_NE(after[3].wall_s.median, before[3].wall_s.median) << "it was measured again";
+}
+
+TEST_F(UnitTradeoff, ACommandOfARowGivesItsStateAgain) {
+  ASSERT_EQ(measure({"--method", "relax-18:4"}).exit_code, 0);
+  const TradeRow row = rows()[1];
+  EXPECT_NE(row.command.find("--method relax-18:4"), std::string::npos);
+  EXPECT_EQ(run_supple({"run", m_folder / "scene.toml", "--method", "relax-18:4", "--state",
+                        "a.vdb", "-o", m_folder / "again", "--json"})
+                .exit_code,
+            0);
+  EXPECT_TRUE(std::filesystem::exists(m_folder / "again/a.vdb"));
+}
+
+TEST_F(UnitTradeoff, ARunChoosesFromTheTableAndSaysWhat) {
+  ASSERT_EQ(measure({"--method", "ecm:6", "--method", "fem:1e-8"}).exit_code, 0);
+  const auto run = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {
+        "run",     m_folder / "scene.toml",   "-o",    m_folder / "c",
+        "--table", m_folder / "out/runs.csv", "--json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_supple(arguments);
+  };
+  const Outcome exact = run({"--error", "0.001mm"});
+  ASSERT_EQ(exact.exit_code, 0) << exact.err;
+  const auto chosen = nlohmann::json::parse(exact.out)["chosen"];
+  EXPECT_EQ(chosen["method"].get<std::string>().substr(0, 4), "fem:");
+  EXPECT_GT(chosen["solve_s"], 0);
+  const Outcome roomy = run({"--budget", "10min"});
+  EXPECT_NE(roomy.err.find("chose fem:"), std::string::npos) << roomy.err;
+  EXPECT_EQ(run({"--budget", "0.001ms"}).exit_code, 3);
+}
+
+TEST_F(UnitTradeoff, WhatCannotBeComparedIsSaidInOneLine) {
+  const Outcome slow = measure({"--limit", "0.01"});
+  EXPECT_EQ(slow.exit_code, 1);
+  EXPECT_NE(slow.err.find("no reference: no result after 0.01 s"), std::string::npos) << slow.err;
+  const Outcome unknown = measure({"--method", "fern"});
+  EXPECT_EQ(unknown.exit_code, 3);
+  EXPECT_NE(unknown.err.find("found fern"), std::string::npos) << unknown.err;
+  EXPECT_EQ(measure({"--method", "ecm:7"}).exit_code, 3);
+  write_text(m_folder / "scene.toml",
+             read_text(m_folder / "scene.toml") + "limits = \"tighten\"\n");
+  EXPECT_EQ(measure({"--method", "ecm"}).exit_code, 3);
+}
+
+}  // namespace

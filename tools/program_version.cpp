@@ -1,0 +1,12 @@
+#include "tools/program_version.h"
+
+#include "tools/build_facts.h"
+#include "volumes/base/version.h"
+
+namespace supple::tools {
+
+std::string program_version() {
+  return std::string(kVersion) + ", commit " + kCommit;
+}
+
+}  // namespace supple::tools

@@ -1,0 +1,44 @@
+// Work-precision diagrams as SVG: both axes logarithmic, one curve per method, the front of all
+// points drawn through, and at the edges what has no place in the diagram.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace supple::tools {
+
+struct ChartPoint {
+  double x = 0, x_least = 0, x_most = 0;  // of repeated measurements, with whiskers
+  double y = 0;                           // below the floor: drawn on it, hollow
+  std::string tip;                        // shown while the pointer is over it
+  std::string link;                       // of the row that it comes from: "#row-7"
+};
+
+struct ChartCurve {
+  std::string name;
+  std::vector<ChartPoint> points;  // in the order in which they are joined
+};
+
+/// What was asked for and has no point: at the right edge what took too long, at the top what
+/// failed.
+struct ChartMiss {
+  std::size_t curve = 0;  // whose colour it has
+  bool is_slow = false;
+  std::string tip, link;
+};
+
+struct LogChart {
+  std::string x_name, y_name, floor_name;
+  std::vector<ChartCurve> curves;
+  std::vector<ChartMiss> misses;
+  std::vector<ChartPoint> front;  // by ascending x
+  double floor = 0;               // no y is told apart from it below; above 0
+};
+
+/// An element `svg` with its own style; names and tips are escaped.
+std::string to_svg(const LogChart& chart);
+
+/// Text for HTML: & < > " ' as entities.
+std::string html_text(const std::string& text);
+
+}  // namespace supple::tools
