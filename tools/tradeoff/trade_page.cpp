@@ -115,7 +115,7 @@ class PageOfCurves {
         "leaves it, compared with " +
         link_to_reference() +
         ": every sample solves for its source. SSIM and RMSE are over pixels that are not "
-        "empty in both pictures. Below a difference of " +
+        "empty in at least one picture. Below a difference of " +
         short_number(m_curves.floor) +
         " nothing can be told apart: by so much the reference differs from itself with twice "
         "the step. Cubic samples and pre-integration draw another picture on purpose; "
