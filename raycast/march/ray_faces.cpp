@@ -15,6 +15,10 @@ bool is_near_border(const RenderContext& context, const Vec3d& pos) {
   return false;
 }
 
+bool is_beside_cut(const SampleBatch& batch, int lane) {
+  return (batch.pointwise | batch.split) >> lane & 1;
+}
+
 struct RayFace {
   Vec3f normal{0, 0, 0};  // unit, LPS, towards the viewer
   float share = 0;        // 1: the sample lies at it
@@ -31,7 +35,7 @@ class FaceSearch {
     const Vec3d read_at = samples.read_at(lane);
     for (const IndexClip& clip : context.source_clips) add_clip(clip, read_at);
     if (is_near_border(context, read_at)) add_border(read_at);
-    if (samples.batch.pointwise >> lane & 1) add_piece(seen_at, read_at);
+    if (is_beside_cut(samples.batch, lane)) add_piece(seen_at, read_at);
   }
   const RayFace& face() const { return m_face; }
 
@@ -94,7 +98,13 @@ class FaceSearch {
     Vec3d normal;
     double depth_mm;
     const std::int32_t piece = m_samples.batch.piece[m_lane];
-    if (!m_context.output.pointwise()->face(piece, seen_at, read_at, normal, depth_mm)) return;
+    const PointwiseOffsets& pieces = *m_context.output.pointwise();
+    if (m_samples.batch.split >> m_lane & 1) {
+      if (!pieces.face_in_source(read_at, normal, depth_mm)) return;
+      normal = Vec3d(as_seen(ClipSpace::source, normal, read_at));
+    } else if (!pieces.face(piece, seen_at, read_at, normal, depth_mm)) {
+      return;
+    }
     const double gain = normal.dot(direction());  // mm deeper per mm
     if (!(gain > 0)) return;
     const double mm_ago = depth_mm / gain;
@@ -134,7 +144,7 @@ void find_faces(const RenderContext& context, const RaySamples& samples, const V
   const bool has_clips = !context.settings.clips.empty();
   for (std::uint32_t rest = wanted; rest != 0; rest &= rest - 1) {
     const int lane = __builtin_ctz(rest);
-    const bool may_have_face = has_clips || (samples.batch.pointwise >> lane & 1) ||
+    const bool may_have_face = has_clips || is_beside_cut(samples.batch, lane) ||
                                is_near_border(context, samples.read_at(lane));
     if (!may_have_face) continue;
     const RayFace face = FaceSearch(context, samples, towards_eye, lane).face();

@@ -135,6 +135,8 @@ void RenderContext::fill_tables() {
   tables.offset_dim = output.node_dim();
   tables.is_cubic = source.interpolation() != Interpolation::linear;
   tables.pointwise = output.pointwise();
+  tables.pointwise_slots = output.pointwise_slots();
+  tables.interpolated = output.interpolated();
   tables.first_visible = classifier.first_visible();
   tables.last_visible = classifier.last_visible();
   tables.visible_bits = classifier.visible_bits();

@@ -185,12 +185,25 @@ void OffsetBricks::set_pointwise(std::shared_ptr<const PointwiseOffsets> pointwi
   m_valid_bounds = bricks.active_bounds();
 }
 
+/// Whether pointwise brick n has cells that are interpolated, whose offsets are in this slot.
+bool OffsetBricks::keep_interpolated(std::size_t n, std::int32_t slot) {
+  const BrickMask* cells = m_pointwise->interpolated(n);
+  if (m_node_spacing > 1 || cells == nullptr || mask_count(*cells) == 0) return false;
+  m_pointwise_slots.resize(m_pointwise->bricks().brick_count(), -1);
+  m_interpolated.resize(m_pointwise_slots.size());
+  m_pointwise_slots[n] = slot;
+  m_interpolated[n] = *cells;
+  return true;
+}
+
 void OffsetBricks::mark_pointwise() {
   const BrickTopology& bricks = m_pointwise->bricks();
   for (std::size_t n = 0; n < bricks.brick_count(); ++n) {
     const std::int32_t b = m_index.find(bricks.origin(n));
     if (b < 0) continue;
-    if (is_deformed(std::size_t(b))) m_offsets.give_back(m_states[b]);
+    if (is_deformed(std::size_t(b)) && !keep_interpolated(n, m_states[std::size_t(b)])) {
+      m_offsets.give_back(m_states[std::size_t(b)]);
+    }
     m_states[b] = kPointwise - std::int32_t(n);
   }
   tbb::parallel_for(std::size_t(0), m_states.size(), [&](std::size_t b) {

@@ -41,6 +41,12 @@ class OffsetBricks {
   const PointwiseOffsets* pointwise() const { return m_pointwise.get(); }
   /// Which of their bricks a pointwise brick is.
   std::size_t pointwise_brick(std::size_t b) const { return std::size_t(kPointwise - m_states[b]); }
+  /// Of each pointwise brick: its place among offsets(), or -1, and its cells in which these are
+  /// interpolated. Null: in none.
+  const std::int32_t* pointwise_slots() const {
+    return m_pointwise_slots.empty() ? nullptr : m_pointwise_slots.data();
+  }
+  const BrickMask* interpolated() const { return m_interpolated.data(); }
   /// Place of a deformed brick among offsets().
   std::int32_t slot(std::size_t b) const { return m_states[b]; }
   /// The source brick with the same origin, or -1.
@@ -76,6 +82,7 @@ class OffsetBricks {
   EncodedRange range_beneath(std::size_t b) const;
   EncodedRange range_of(std::size_t b, const BrickNodes& nodes) const;
   void mark_pointwise();
+  bool keep_interpolated(std::size_t n, std::int32_t slot);
 
   const SourceBricks* m_source;
   int m_node_spacing = 1;
@@ -87,6 +94,8 @@ class OffsetBricks {
   IndexBox m_valid_bounds;
   NodeSlots m_offsets{BrickNodes::kDim};
   std::shared_ptr<const PointwiseOffsets> m_pointwise;
+  std::vector<std::int32_t> m_pointwise_slots;
+  std::vector<BrickMask> m_interpolated;
 };
 
 /// A place in a cell of a deformed brick.

@@ -178,6 +178,23 @@ HWY_INLINE HWY_ATTR void find_offsets(const SamplingTables& tables, std::uint32_
   }
 }
 
+/// Of the lanes in pointwise bricks those whose cells are interpolated become lanes of deformed
+/// ones.
+HWY_INLINE HWY_ATTR void interpolate_cells(const SamplingTables& tables, std::uint32_t lanes,
+                                           const IntVector& voxel, VI& entry) {
+  alignas(64) std::int32_t entries[SampleBatch::kLanes], cells[SampleBatch::kLanes];
+  hn::Store(entry, kInts, entries);
+  hn::Store(node_of(voxel, 64, 8, 1), kInts, cells);
+  for (std::uint32_t rest = lanes; rest != 0; rest &= rest - 1) {
+    const int lane = __builtin_ctz(rest);
+    const std::size_t brick = std::size_t(entries[lane] - SamplingTables::kPointwise);
+    const std::int32_t slot = tables.pointwise_slots[brick];
+    if (slot < 0 || !mask_test(tables.interpolated[brick], cells[lane])) continue;
+    entries[lane] = SamplingTables::kDeformed + slot;
+  }
+  entry = hn::Load(kInts, entries);
+}
+
 /// Lanes whose density is not transparent.
 HWY_INLINE HWY_ATTR MI visible_lanes(const SamplingTables& tables, VF encoded, MI inside) {
   const VF entry = hn::Min(
@@ -208,10 +225,19 @@ HWY_INLINE HWY_ATTR void sample_lanes(const SamplingTables& tables, const RayPie
   if (hn::AllFalse(kInts, reading)) return;
 
   const MI moved = hn::And(reading, hn::Gt(entry, ints(SamplingTables::kPointwise - 1)));
-  std::uint32_t bent = 0, pointwise = 0;
+  std::uint32_t bent = 0, pointwise = 0, split_lanes = 0;
   if (!hn::AllFalse(kInts, moved)) {
-    bent = bits_of(hn::And(moved, hn::Gt(entry, ints(SamplingTables::kDeformed - 1))));
+    const auto deformed_lanes = [&] {
+      return bits_of(hn::And(moved, hn::Gt(entry, ints(SamplingTables::kDeformed - 1))));
+    };
+    bent = deformed_lanes();
     pointwise = bits_of(moved) & ~bent;
+    if (pointwise != 0 && tables.pointwise_slots != nullptr) {
+      interpolate_cells(tables, pointwise, voxel, entry);
+      bent = deformed_lanes();
+      split_lanes = pointwise & bent;
+      pointwise &= ~bent;
+    }
     const VI slot = hn::Sub(entry, ints(SamplingTables::kDeformed));
     store_offset_cells(tables.offset_dim, slot, voxel, f, at, batch);
     Moves moves;
@@ -258,11 +284,12 @@ HWY_INLINE HWY_ATTR void sample_lanes(const SamplingTables& tables, const RayPie
   batch.visible |= visible << at;
   batch.bent |= (bent & read) << at;
   batch.pointwise |= (pointwise & read) << at;
+  batch.split |= (split_lanes & read) << at;
 }
 
 HWY_ATTR void sample_batch_impl(const SamplingTables& tables, const RayPiece& piece, int first,
                                 int stride, int count, SampleBatch& batch) {
-  batch.read = batch.inside = batch.visible = batch.bent = batch.pointwise = 0;
+  batch.read = batch.inside = batch.visible = batch.bent = batch.pointwise = batch.split = 0;
   const int lanes = int(hn::Lanes(kFloats));
   for (int at = 0; at < count; at += lanes) {
     const VI number = hn::Iota(kInts, at);
@@ -276,7 +303,7 @@ HWY_ATTR void sample_batch_impl(const SamplingTables& tables, const RayPiece& pi
 
 HWY_ATTR void sample_places_impl(const SamplingTables& tables, const SamplePlaces& places,
                                  int count, SampleBatch& batch) {
-  batch.read = batch.inside = batch.visible = batch.bent = batch.pointwise = 0;
+  batch.read = batch.inside = batch.visible = batch.bent = batch.pointwise = batch.split = 0;
   RayPiece piece;
   piece.base = places.base;
   const int lanes = int(hn::Lanes(kFloats));

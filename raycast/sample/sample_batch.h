@@ -36,6 +36,10 @@ struct SamplingTables {
   bool is_cubic = false;                  // SourceBricks::interpolation
 
   const PointwiseOffsets* pointwise = nullptr;
+  // Of its bricks: slots of those that have cells in which offsets are interpolated, or -1, and
+  // these cells.
+  const std::int32_t* pointwise_slots = nullptr;
+  const BrickMask* interpolated = nullptr;
 
   std::int32_t gather_span = kGatherSpan;  // bricks apart that one gather can span
 
@@ -63,7 +67,8 @@ struct SampleBatch {
   std::uint32_t inside = 0;     // of those, lanes whose eight corners all have a density
   std::uint32_t visible = 0;    // of those, lanes that are not transparent
   std::uint32_t bent = 0;       // of those that were read, lanes that followed an offset,
-  std::uint32_t pointwise = 0;  // or one of their own
+  std::uint32_t pointwise = 0;  // or one of their own; of those that were bent,
+  std::uint32_t split = 0;      // lanes in interpolated cells of pointwise bricks
 
   alignas(64) float encoded[kLanes];
   alignas(64) std::int32_t brick[kLanes];                // source

@@ -23,6 +23,9 @@ class PointwiseOffsets {
   virtual bool sample(std::size_t b, const Vec3d& x, Sample& found) const = 0;
   /// Box in index space around all that samples of brick b can read; lo > hi: nothing.
   virtual void source_box(std::size_t b, Vec3d& lo, Vec3d& hi) const = 0;
+  /// Cells of brick b in which offsets may as well be interpolated between nodes of the lattice, as
+  /// in all other bricks. Null: none.
+  virtual const BrickMask* interpolated(std::size_t /*b*/) const { return nullptr; }
   /// (I + grad o)^T g of a sample found at x in this piece, which reads the source at y.
   virtual Vec3d pull_back(int piece, const Vec3d& x, const Vec3d& y,
                           const Vec3d& gradient) const = 0;
@@ -31,6 +34,9 @@ class PointwiseOffsets {
   /// it was split. False: none is known.
   virtual bool face(int piece, const Vec3d& x, const Vec3d& y, Vec3d& normal,
                     double& depth_mm) const;
+
+  /// The same of a sample in such a cell; its normal in the source, in mm per voxel.
+  virtual bool face_in_source(const Vec3d& y, Vec3d& normal, double& depth_mm) const;
 
  protected:
   /// All voxels of the bricks at these sorted origins.

@@ -152,6 +152,33 @@ TEST(PropertyCutOffsets, SidesThatTurnAndStretchAreInvertedExactlyUpToTheFace) {
   EXPECT_GT(beside_face, 1000);
 }
 
+TEST(PropertyCutOffsets, CellsThatMayBeInterpolatedGiveTheOffsetsOfTheirSide) {
+  const CutBlock block;
+  const OffsetField field = invert_cut(block.moved([](bool left, const Vec3d& X) {
+    const Vec3d d = X - Vec3d(13.5, 4, 11);
+    return left ? Vec3d(0.1 * d.x + 0.2 * d.y - 1.5, -0.15 * d.x, 0.05 * d.z)
+                : Vec3d(1.5 - 0.1 * d.x, 0.25 * d.x + 0.05 * d.y, 0.1 * d.y);
+  }),
+                                       block.body);
+  ASSERT_NE(field.split, nullptr);
+  std::mt19937 random(7);
+  int cells = 0, beside_face = 0;
+  const BrickTopology& bricks = field.split->bricks();
+  for (std::size_t b = 0; b < bricks.brick_count(); ++b) {
+    for_each_active(*field.split->interpolated(b), [&](int offset) {
+      const Vec3d x = Vec3d(bricks.origin(b) + brick_local(offset)) + random_place(random, 0, 1);
+      Vec3d between, own;
+      ASSERT_TRUE(field.o.sample(x, between)) << x;
+      ASSERT_TRUE(field.sample(x, own)) << x;  // of its side, exactly
+      EXPECT_LT((between - own).length(), 1e-3) << x;
+      ++cells;
+      beside_face += std::abs((x + own).x - CutBlock::kFace) < 2.5;
+    });
+  }
+  EXPECT_GT(cells, 1500);
+  EXPECT_GT(beside_face, 200);
+}
+
 TEST(PropertyCutOffsets, NoPlaceReadsTissueFromBeyondTheFaceOfItsSide) {
   // An oblique cut, whose links are stairs; the sides keep their volume.
   const BrickTopology elements = box_topology({2, 2, 2}, {25, 21, 13});

@@ -5,6 +5,7 @@
 #include <memory>
 #include <thread>
 
+#include "tools/bench/render/render_cut.h"
 #include "tools/bench/render/render_extension.h"
 #include "tools/bench/render/render_frames.h"
 #include "tools/bench/render/render_kernel.h"
@@ -18,7 +19,7 @@ namespace supple::tools {
 
 namespace {
 
-const Vec3i kHeadSize(512, 512, 256);
+const Vec3i kHeadSize(512, 512, 256), kCutSize(256, 256, 128);
 constexpr std::int64_t kDraggedByRender = 900'000;
 
 using BeforeRun = std::function<void()>;
@@ -113,6 +114,11 @@ std::vector<Part> plan_render(const RenderBenchOptions& options) {
                return bench.measure(sides, rounds, before_run);
              });
   }
+  add_part(plan, options, "cut", cut_sides(), cut_row_name,
+           [image = options.quick ? 512 : 800, rounds = limits({3, 5, 600}, {7, 15, 6000})](
+               const auto& sides, Console&, const BeforeRun& before_run) {
+             return measure_cut(kCutSize, image, sides, rounds, before_run);
+           });
   add_part(plan, options, "extension", extension_sides(options.quick), extension_row_name,
            [rounds = limits({1, 1, 0}, {5, 5, 0})](const auto& sides, Console&,
                                                    const BeforeRun& before_run) {

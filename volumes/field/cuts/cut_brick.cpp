@@ -4,10 +4,14 @@
 #include <cmath>
 #include <optional>
 
+#include "volumes/grid/cell.h"
+
 namespace supple {
 
 namespace {
 
+// Cells are interpolated where that is off by no more than this, in voxels.
+constexpr double kBent = 0.02;
 // Of offsets as long, to this many voxels, that of the first piece counts, not the rounding.
 constexpr double kSameLength = 1e-4;
 
@@ -78,6 +82,42 @@ bool CutBrick::is_single(const std::int32_t* begin, const std::int32_t* end) con
     }
   }
   return reached == count;
+}
+
+/// Whether what is interpolated is what samples find, in the middle of the cell and of its parts.
+bool CutBrick::bends_little(int cell, const VectorBricks& offsets, const Vec3i& dims) const {
+  const Vec3d low(m_origin + brick_local(cell));
+  for (int n = 0; n < 9; ++n) {
+    const Vec3d x = low + (n < 8 ? Vec3d(0.25) + Vec3d(cell_corner(n)) * 0.5 : Vec3d(0.5));
+    Vec3d own, between;
+    if (find(x, dims, own) < 0 || !offsets.sample(x, between)) return false;
+    if ((own - between).length() > kBent) return false;
+  }
+  return true;
+}
+
+void CutBrick::find_interpolated(const VectorBricks& offsets, const Vec3i& dims) {
+  for (int cell = 0; cell < kBrickVoxels; ++cell) {
+    const Vec3i local = brick_local(cell);
+    std::vector<std::int32_t> reaching;
+    for (int n = 0; n < 8; ++n) {
+      const std::size_t part = part_of(Vec3d(m_origin + local) + Vec3d(cell_corner(n)) * 0.5);
+      reaching.insert(reaching.end(), m_reaching.begin() + m_begin[part],
+                      m_reaching.begin() + m_begin[part + 1]);
+    }
+    std::sort(reaching.begin(), reaching.end());
+    reaching.erase(std::unique(reaching.begin(), reaching.end()), reaching.end());
+    bool is_interpolated = is_single(reaching.data(), reaching.data() + reaching.size());
+    for (int n = 0; n < 8 && is_interpolated; ++n) {
+      const Vec3i node = m_origin + local + cell_corner(n);
+      Vec3f offset;
+      is_interpolated = offsets.at(node, offset) &&
+                        std::any_of(reaching.begin(), reaching.end(), [&](std::int32_t piece) {
+                          return m_pieces[std::size_t(piece)].has(Vec3d(node), Vec3d(offset));
+                        });
+    }
+    if (is_interpolated && bends_little(cell, offsets, dims)) mask_set(m_interpolated, cell);
+  }
 }
 
 std::size_t CutBrick::part_of(const Vec3d& x) const {

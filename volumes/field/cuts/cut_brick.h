@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "volumes/field/cuts/cut_piece.h"
-#include "volumes/grid/brick_topology.h"
+#include "volumes/field/vector_bricks.h"
 
 namespace supple {
 
@@ -25,12 +25,17 @@ class CutBrick {
   /// The offset at x, tissue before air, then the smallest, and which piece it is; -1 in the void.
   /// `guess`: a piece that may have it, or -1; it saves time and changes nothing.
   int find(const Vec3d& x, const Vec3i& dims, Vec3d& offset, int guess = -1) const;
+  /// Finds the cells that only whole pieces of one side reach, and whose nodes on the lattice of
+  /// `offsets` are theirs, and where what is interpolated is off by a fiftieth of a voxel at most.
+  void find_interpolated(const VectorBricks& offsets, const Vec3i& dims);
+  const BrickMask& interpolated() const { return m_interpolated; }
   /// Whether tissue lies at x that comes from elsewhere than what find() gives.
   bool is_overlapped(const Vec3d& x, const Vec3i& dims) const;
 
  private:
   bool source_of(int piece, const Vec3d& x, Vec3d& X) const;
   bool is_single(const std::int32_t* begin, const std::int32_t* end) const;
+  bool bends_little(int cell, const VectorBricks& offsets, const Vec3i& dims) const;
   std::size_t part_of(const Vec3d& x) const;
   template <class Visit>
   void for_found(const Vec3d& x, const Vec3i& dims, Visit&& visit) const;
@@ -43,6 +48,7 @@ class CutBrick {
   std::vector<std::int32_t> m_begin;     // per part, where its pieces begin below; and the end
   std::vector<std::int32_t> m_reaching;  // numbers of pieces
   std::vector<bool> m_single;  // parts whose places have one piece each: no side ends, none folds
+  BrickMask m_interpolated{};
 };
 
 }  // namespace supple

@@ -156,7 +156,7 @@ CutFaces::Depth CutFaces::depth(const Vec3d& X, const Vec3d& inside, const Point
   Vec3d gradient(0);
   for (int n = 0; n < count; ++n) {
     if (seen[n].depth > nearest + kSameFace) continue;
-    const double weight = std::exp(-seen[n].beside2 / (kBesideWidth * kBesideWidth));
+    const double weight = std::exp(float(-seen[n].beside2 / (kBesideWidth * kBesideWidth)));
     const Vec3d normal = seen[n].point->normal_mm * seen[n].sign;
     sum += weight * (X - seen[n].point->at).dot(normal);
     gradient += normal * weight;

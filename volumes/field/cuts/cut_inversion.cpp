@@ -311,4 +311,10 @@ VectorBricks CutInversion::joined(const VectorBricks& offsets,
   return result;
 }
 
+void CutInversion::find_interpolated(const VectorBricks& offsets,
+                                     std::vector<CutBrick>& bricks) const {
+  tbb::parallel_for(std::size_t(0), bricks.size(),
+                    [&](std::size_t n) { bricks[n].find_interpolated(offsets, m_dims); });
+}
+
 }  // namespace supple

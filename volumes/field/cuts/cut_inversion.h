@@ -42,6 +42,8 @@ class CutInversion {
   std::vector<CutBrick> split_bricks(OffsetField& field, Progress* progress);
   /// The offsets of split bricks at their nodes in place of those that are there.
   VectorBricks joined(const VectorBricks& offsets, const std::vector<CutBrick>& bricks) const;
+  /// Tells the bricks in which cells they need not be asked; `offsets`: joined().
+  void find_interpolated(const VectorBricks& offsets, std::vector<CutBrick>& bricks) const;
 
  private:
   bool is_torn(const Vec3i& cell) const { return m_torn_at.count(cell) != 0; }

@@ -79,6 +79,17 @@ bool CutOffsets::face(int number, const Vec3d& /*x*/, const Vec3d& y, Vec3d& nor
   return true;
 }
 
+/// What is interpolated is whole.
+bool CutOffsets::face_in_source(const Vec3d& y, Vec3d& normal, double& depth_mm) const {
+  const Vec3i cell = floor_voxel(y);
+  const CutFaces::Points* seen = m_faces.seen_from(cell);
+  if (seen == nullptr) return false;
+  const CutFaces::Depth depth = m_faces.depth(y, Vec3d(cell) + Vec3d(0.5), seen);
+  normal = depth.gradient;
+  depth_mm = depth.mm;
+  return normal != Vec3d(0);
+}
+
 void CutOffsets::source_box(std::size_t b, Vec3d& lo, Vec3d& hi) const {
   lo = Vec3d(HUGE_VAL);
   hi = Vec3d(-HUGE_VAL);

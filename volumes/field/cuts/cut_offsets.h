@@ -3,10 +3,11 @@
 //
 // Nothing is interpolated across a cut. Each side of a cut cell carries its displacement on, as far
 // as the cut face, which lies in the middle of the cut links (cut_faces.h), and no further. What is
-// not reached by any side is empty. Around the cut samples are inverted one by one from the source
-// cells that reach them, with no offsets on a lattice between; everywhere else offsets are those of
-// invert(). Cost: 150 kB per split brick (those within three voxels of a face, and those where
-// sides overlap); cut_brick.h says what a sample in one costs.
+// not reached by any side is empty. In split bricks samples are inverted one by one from the source
+// cells that reach them; a renderer need not, in the cells of such bricks that only one side
+// reaches (interpolated()). Everywhere else offsets are those of invert(). Cost: 260 kB per split
+// brick (those within three voxels of a face, and those where sides overlap); cut_brick.h says what
+// a sample in one costs.
 #pragma once
 
 #include "volumes/field/cuts/cut_brick.h"
@@ -73,6 +74,8 @@ class CutOffsets : public SplitOffsets {
   Vec3d pull_back(int piece, const Vec3d& x, const Vec3d& y, const Vec3d& gradient) const override;
   bool face(int piece, const Vec3d& x, const Vec3d& y, Vec3d& normal,
             double& depth_mm) const override;
+  bool face_in_source(const Vec3d& y, Vec3d& normal, double& depth_mm) const override;
+  const BrickMask* interpolated(std::size_t b) const override { return &m_cells[b].interpolated(); }
   void source_box(std::size_t b, Vec3d& lo, Vec3d& hi) const override;
 
  private:

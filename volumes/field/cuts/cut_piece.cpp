@@ -15,6 +15,8 @@ constexpr int kMaxSteps = 20;
 constexpr double kEdge = 1e-5;
 // A side carries on this far from the middle of its cell, in voxels.
 constexpr double kBeyond = 3;
+// A node that is off by less is the same, in voxels.
+constexpr double kNear = 1e-3;
 // Cells of less volume are flat, in voxels^3.
 constexpr double kFlat = 1e-9;
 // Cells of less have no map.
@@ -132,6 +134,14 @@ bool CutPiece::source_beyond(const Vec3d& x, Vec3d& X) const {
   }
   X = Vec3d(cell) + local;
   return residual(x, X) < kTolerance;
+}
+
+bool CutPiece::has(const Vec3d& x, const Vec3d& offset) const {
+  const Vec3d X = x + offset, local = X - Vec3d(cell);
+  for (int a = 0; a < 3; ++a) {
+    if (!(local[a] >= -kNear && local[a] <= 1 + kNear)) return false;
+  }
+  return residual(x, X) < kNear;
 }
 
 /// dX/dx is the inverse of (I + grad u), whose columns are the derivatives of the moved place.

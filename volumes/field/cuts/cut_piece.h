@@ -28,6 +28,8 @@ struct CutPiece {
   bool source_of(const Vec3d& x, Vec3d& X) const;
   /// The same for the displacement carried on beyond the piece; false where it leads nowhere.
   bool source_beyond(const Vec3d& x, Vec3d& X) const;
+  /// Whether x + offset is a place of the piece that is seen at x, both to a thousandth of a voxel.
+  bool has(const Vec3d& x, const Vec3d& offset) const;
   /// (dX/dx)^T g of a place X of the piece or beyond it; g itself where the piece is flat there.
   Vec3d pull_back(const Vec3d& X, const Vec3d& gradient) const;
   /// What lies at a place X of the piece.

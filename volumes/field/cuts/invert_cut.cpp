@@ -35,6 +35,7 @@ OffsetField invert_apart(const Displacement& displacement, const CutElements& bo
   OffsetField field = invert_whole({displacement.geometry, inversion.whole_part()});
   std::vector<CutBrick> bricks = inversion.split_bricks(field, progress);
   field.o = inversion.joined(field.o, bricks);
+  inversion.find_interpolated(field.o, bricks);
   field.split = std::make_shared<const CutOffsets>(std::move(bricks), std::move(faces), dims);
   return field;
 }
