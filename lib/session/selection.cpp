@@ -15,18 +15,6 @@ namespace {
 
 constexpr std::size_t kMaxFoundText = 80;
 
-/// Visits the elements for which `is_in(voxel)` holds, brick by brick: visit(brick, mask).
-template <class IsIn, class Visit>
-void for_each_brick_of(const BrickTopology& elements, const IsIn& is_in, const Visit& visit) {
-  for (std::size_t b = 0; b < elements.brick_count(); ++b) {
-    BrickMask mask{};
-    for_each_active(elements.mask(b), [&](int offset) {
-      if (is_in(elements.origin(b) + brick_local(offset))) mask_set(mask, offset);
-    });
-    if (mask_count(mask) > 0) visit(b, mask);
-  }
-}
-
 bool is_within(const std::optional<NumberPair>& range, const DensityGrid& density,
                const Vec3i& voxel) {
   if (!range) return true;
@@ -51,6 +39,32 @@ double distance_mm(const Selection& selection, const Geometry& geometry, const V
     distance = std::max(distance, beyond_ball_mm(selection, geometry, voxel));
   }
   return distance;
+}
+
+/// Whether a brick may hold voxels no further than that outside box and ball: an axis of the grid
+/// changes the distance by at most its own length for each voxel.
+bool may_reach(const Selection& selection, const Geometry& geometry, const Vec3i& brick,
+               double within_mm) {
+  constexpr int kHalf = kBrickDim / 2;
+  const Vec3d spacing = geometry.spacing_mm();
+  const double half_mm = kHalf * (spacing.x + spacing.y + spacing.z);
+  return distance_mm(selection, geometry, brick + Vec3i(kHalf)) - half_mm <= within_mm;
+}
+
+/// Visits the elements no further than `within_mm` outside box and ball for which `is_in(voxel)`
+/// holds, brick by brick: visit(brick, mask).
+template <class IsIn, class Visit>
+void for_each_brick_of(const Selection& selection, const Body& body, double within_mm,
+                       const IsIn& is_in, const Visit& visit) {
+  const BrickTopology& elements = body.elements;
+  for (std::size_t b = 0; b < elements.brick_count(); ++b) {
+    if (!may_reach(selection, body.geometry, elements.origin(b), within_mm)) continue;
+    BrickMask mask{};
+    for_each_active(elements.mask(b), [&](int offset) {
+      if (is_in(elements.origin(b) + brick_local(offset))) mask_set(mask, offset);
+    });
+    if (mask_count(mask) > 0) visit(b, mask);
+  }
 }
 
 /// Whether a link is cut on the way from a voxel to the box or ball: along links, as near to the
@@ -149,7 +163,7 @@ Region region_of(const Selection& selection, const Body& body, const DensityGrid
     return distance_mm(selection, body.geometry, voxel) <= 0 &&
            is_within(selection.density, density, voxel);
   };
-  for_each_brick_of(body.elements, is_in, [&](std::size_t b, const BrickMask& mask) {
+  for_each_brick_of(selection, body, 0, is_in, [&](std::size_t b, const BrickMask& mask) {
     origins.push_back(body.elements.origin(b));
     masks.push_back(mask);
   });
@@ -181,7 +195,7 @@ SoftEdge soft_edge(const Selection& selection, double width_mm, const Body& body
     return distance > 0 && distance < width_mm && is_within(selection.density, density, voxel) &&
            (cuts.empty() || !is_cut_off(selection, body, cuts, voxel));
   };
-  for_each_brick_of(body.elements, is_in, [&](std::size_t b, const BrickMask& mask) {
+  for_each_brick_of(selection, body, width_mm, is_in, [&](std::size_t b, const BrickMask& mask) {
     bricks.push_back({std::uint32_t(b), mask});
     for_each_active(mask, [&](int offset) {
       const Vec3i voxel = body.elements.origin(b) + brick_local(offset);
