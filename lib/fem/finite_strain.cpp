@@ -24,8 +24,8 @@ struct TangentFields {
   BlockField<double> u, x, force;
 };
 
-/// Lanes without an element read nodes of others: they are at rest.
-void clear_absent(const ElementGroup& group, Lanes* corners) {
+/// DoubleLanes without an element read nodes of others: they are at rest.
+void clear_absent(const ElementGroup& group, DoubleLanes* corners) {
   if (group.present == 255) return;
   for (int lane = 0; lane < kGroup; ++lane) {
     if ((group.present >> lane & 1) != 0) continue;
@@ -65,7 +65,7 @@ StrainEnergy FiniteStrain::add_forces(const double* u, double* force) const {
   std::vector<StrainEnergy> of_block(m_mesh->block_count());
   for_blocks_by_colour<ForceFields>(
       *m_mesh, m_groups, [&](std::int32_t block, ForceFields& fields) {
-        Lanes x[24], energy, smallest;
+        DoubleLanes x[24], energy, smallest;
         fields.u.load(block, u);
         fields.force.clear(block);
         StrainEnergy& sum = of_block[std::size_t(block)];
@@ -97,7 +97,7 @@ template <class X>
 void FiniteStrain::accumulate_tangent(const double* u, const X* x, double* y, double sign) const {
   for_blocks_by_colour<TangentFields>(
       *m_mesh, m_groups, [&](std::int32_t block, TangentFields& fields) {
-        Lanes at[24], change[24];
+        DoubleLanes at[24], change[24];
         fields.u.load(block, u);
         fields.x.load(block, x);
         fields.force.clear(block);
@@ -133,7 +133,7 @@ ElementEnergy element_energy(const HexMesh& mesh, const VoxelMaterial& material,
   const std::uint8_t of = material.classes[std::size_t(element)];
   moduli.shear[0] = material.moduli.shear[of];
   moduli.bulk[0] = material.moduli.bulk[of];
-  Lanes x[24] = {}, modes[24], energy, smallest;
+  DoubleLanes x[24] = {}, modes[24], energy, smallest;
   for (std::size_t n = 0; n < 24; ++n) {
     x[n][0] = u_mm[3 * std::size_t(mesh.corners[std::size_t(element)][n / 3]) + n % 3];
   }

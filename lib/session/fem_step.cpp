@@ -229,7 +229,7 @@ FemRecord move_by_fem(const FemStep& step, const FemTask& task, const std::vecto
 
 Field strain_field(FemStep& step) {
   return Field("strain", step.params.strain, {"linear", "finite"},
-               "Small turns and strains, or any: neo-Hookean tissue in steps of the load");
+               "Finite elements of small turns, or of any");
 }
 
 Fields fields(FemStep& step) {

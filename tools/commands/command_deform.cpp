@@ -369,7 +369,7 @@ Command add_deform(CLI::App& program) {
       ->allow_extra_args(false)
       ->option_text("TABLE");
   app->add_option("--elements", options->elements,
-                  "Stress or strain of --model fem as a volume, such as von_mises; repeatable")
+                  "Stress or strain as a volume, such as von_mises; repeatable")
       ->allow_extra_args(false)
       ->option_text("QUANTITY=FILE");
   app->add_option("-o,--output", options->output, "State file to write")
