@@ -59,7 +59,7 @@ struct Scene {
   std::vector<OffsetFunction> path;  // of all deformed views and outputs but the state
   SceneOutput output;
   std::optional<Film> film;
-  std::string described;              // the file and those that it names, for records beside results
+  std::string described;  // the file and those that it names, for records beside results
   std::vector<std::string> warnings;  // keys by their former names
   bool has_events = false;            // of a live session, which read_event reads
 
