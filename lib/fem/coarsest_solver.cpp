@@ -16,7 +16,7 @@ using Ldlt = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>;
 constexpr double kLeastShift = 1e-11, kMostShift = 1e-3;
 
 bool is_positive_definite(const Ldlt& factor) {
-  return factor.info() == Eigen::Success && factor.vectorD().minCoeff() > 0;
+  return factor.info() == Eigen::Success && (factor.vectorD().array() > 0).all();
 }
 
 }  // namespace

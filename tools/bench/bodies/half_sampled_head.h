@@ -36,7 +36,11 @@ class HalfSampledHead {
     return sum / 8;
   }
 
+  bool is_tissue(const Vec3i& voxel) const { return (*this)(voxel) > kLeastTissue; }
+
  private:
+  static constexpr float kLeastTissue = -300;  // HU
+
   std::size_t index(int i, int j, int k) const {
     return (std::size_t(k) * m_dims.y + j) * m_dims.x + i;
   }

@@ -15,8 +15,7 @@ namespace supple::tools {
 
 namespace {
 
-constexpr float kTissue = -300;  // HU
-constexpr int kShell = 2;        // voxels of air around the tissue that move with it
+constexpr int kShell = 2;  // voxels of air around the tissue that move with it
 // Of the incision, in parts of the head's width: its half length, and how far each lip goes.
 constexpr double kReach = 0.12, kOpening = 0.03;
 
@@ -42,7 +41,7 @@ CutHead make_cut_head(const Vec3i& size) {
   const HalfSampledHead head(size);
   CutHead result{head_phantom(size).geometry, {}, {}, Vec3d(0), kReach * size.x,
                  kOpening * size.x,           {}};
-  result.elements = block_topology(size, [&](const Vec3i& voxel) { return head(voxel) > kTissue; });
+  result.elements = block_topology(size, [&](const Vec3i& voxel) { return head.is_tissue(voxel); });
   const BrickTopology voxels = dilate_inside(result.elements, kShell, size);
   const auto fill = [&](std::size_t b, float* out) {
     for (int n = 0; n < kBrickVoxels; ++n) out[n] = head(voxels.origin(b) + brick_local(n));

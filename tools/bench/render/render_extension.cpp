@@ -18,15 +18,14 @@ namespace {
 
 constexpr Vec3i kCubeSize(256);
 constexpr int kImageSize = 512;
-constexpr float kTissue = -300;  // HU
-constexpr int kShellRings = 2;   // as states keep them
+constexpr int kShellRings = 2;  // as states keep them
 
 /// The head without its rest, with the shell around it, as a state holds it.
 struct ExtendedHead {
   explicit ExtendedHead(const HalfSampledHead& head)
       : geometry(head_phantom(kCubeSize).geometry),
         elements(largest_components(
-            block_topology(kCubeSize, [&](const Vec3i& v) { return head(v) > kTissue; }), 1)),
+            block_topology(kCubeSize, [&](const Vec3i& v) { return head.is_tissue(v); }), 1)),
         shell(dilate_inside(elements, kShellRings, kCubeSize)),
         density(fill_density_grid(
             shell,
