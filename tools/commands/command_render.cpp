@@ -223,7 +223,7 @@ Command add_render(CLI::App& program) {
          "as `supple presets NAME` prints")
       ->option_text("NAME|F.toml");
   app->add_option("--clip-plane", options->clip_planes,
-                  "Leave out what lies behind a point and normal in LPS mm; repeatable")
+                  "Leave out what is behind a point and normal in LPS mm; repeatable")
       ->allow_extra_args(false)
       ->option_text("X,Y,Z:NX,NY,NZ");
   app->add_option("--clip-box", options->clip_boxes,
