@@ -228,7 +228,7 @@ TEST_F(UnitTradeoff, ACallGoesOnWhereTheLastOneEnded) {
   EXPECT_NE(after[3].wall_s.median, before[3].wall_s.median) << "it was measured again";
 }
 
-TEST_F(UnitTradeoff, ACommandOfARowGivesItsStateAgain) {
+TEST_F(UnitTradeoff, ARunTakesTheMethodOfARowAndWritesTheStateThatIsNamed) {
   ASSERT_EQ(measure({"--method", "relax-18:4"}).exit_code, 0);
   const TradeRow row = rows()[1];
   EXPECT_NE(row.command.find("--method relax-18:4"), std::string::npos);
