@@ -13,7 +13,7 @@ endif()
 # Single files switch off warnings that only GCC has.
 target_compile_options(supple_options INTERFACE
                        $<$<CXX_COMPILER_ID:Clang>:-Wno-unknown-warning-option>)
-if(SUPPLE_UNITY)  # said of types in the anonymous namespace of a file that another includes
+if(SUPPLE_UNITY GREATER 1)  # said of types in the anonymous namespace of a file that another includes
   target_compile_options(supple_options INTERFACE
                          $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
 endif()
@@ -40,26 +40,23 @@ else()
   target_compile_options(supple_cold INTERFACE $<$<CONFIG:Release>:-O1>)
 endif()
 
-# supple_add_sources(TARGET FOLDER ... [EXCLUDE REGEX] [UNITY COUNT] [UNOPTIMISED])
+# supple_add_sources(TARGET FOLDER ... [EXCLUDE REGEX] [UNOPTIMISED])
 # Every .cpp directly in these folders of the current directory, so that a new file needs no line
-# here. With SUPPLE_UNITY those of a folder are compiled together, COUNT at a time (8; 1: each alone).
+# here. Those of a folder are compiled together, SUPPLE_UNITY at a time.
 # UNOPTIMISED: in sanitized builds, where compiling them takes longer than running them.
 function(supple_add_sources target)
-  cmake_parse_arguments(ARG "UNOPTIMISED" "EXCLUDE;UNITY" "" ${ARGN})
-  if(NOT ARG_UNITY)
-    set(ARG_UNITY 8)
-  endif()
+  cmake_parse_arguments(ARG "UNOPTIMISED" "EXCLUDE" "" ${ARGN})
   foreach(folder IN LISTS ARG_UNPARSED_ARGUMENTS)
     file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${folder}/*.cpp)
     if(ARG_EXCLUDE)
       list(FILTER sources EXCLUDE REGEX ${ARG_EXCLUDE})
     endif()
     target_sources(${target} PRIVATE ${sources})
-    if(SUPPLE_UNITY AND ARG_UNITY GREATER 1)
+    if(SUPPLE_UNITY GREATER 1)
       string(MAKE_C_IDENTIFIER "${folder}" name)
       set(count 0)
       foreach(source IN LISTS sources)
-        math(EXPR group "${count} / ${ARG_UNITY}")
+        math(EXPR group "${count} / ${SUPPLE_UNITY}")
         set_source_files_properties(${source} TARGET_DIRECTORY ${target}
                                     PROPERTIES UNITY_GROUP ${name}_${group})
         if(ARG_UNOPTIMISED AND SUPPLE_SANITIZE)
@@ -71,7 +68,7 @@ function(supple_add_sources target)
       endforeach()
     endif()
   endforeach()
-  if(SUPPLE_UNITY AND ARG_UNITY GREATER 1)
+  if(SUPPLE_UNITY GREATER 1)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
   endif()
 endfunction()
@@ -131,7 +128,7 @@ function(supple_add_tests name)
   if(ARG_EXCLUDE)
     string(APPEND not_here "|${ARG_EXCLUDE}")
   endif()
-  supple_add_sources(test_${name} . UNITY 6 EXCLUDE "${not_here}")
+  supple_add_sources(test_${name} . EXCLUDE "${not_here}")
   target_link_libraries(test_${name} PRIVATE supple_options supple_cold supple_test_support
                                              ${ARG_LIBRARIES} GTest::gtest GTest::gtest_main)
   target_precompile_headers(test_${name} REUSE_FROM supple_test_headers)

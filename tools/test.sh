@@ -51,7 +51,7 @@ if [ "$sanitized" = 1 ]; then
   build_preset asan all -DSUPPLE_WERROR=ON
   say "testing build/asan (unit, property, fault)"
   run_ctest asan -L 'unit|property|fault|sanitize'
-  bash tools/fuzz.sh --seconds 3
+  bash tools/fuzz.sh --seconds 2
 fi
 build_preset release all -DSUPPLE_BENCH=ON
 say "testing build/release"

@@ -19,7 +19,7 @@ changed_sources() {
 
 # Commands without unity files and precompiled headers; nothing of it is built.
 mkdir -p build
-cmake -S . -B build/tidy -G Ninja -DCMAKE_BUILD_TYPE=Debug -DSUPPLE_UNITY=OFF \
+cmake -S . -B build/tidy -G Ninja -DCMAKE_BUILD_TYPE=Debug -DSUPPLE_UNITY=1 \
   -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON >build/tidy-configure.log
 
 files=("$@") left_out=0

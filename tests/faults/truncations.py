@@ -2,7 +2,7 @@
 
 The cut copies of a file are read in one start of the program; the copy cut in the middle is also
 given to a command that writes, which leaves no output behind. Meshes and points are read by such a
-command alone: at every tenth, under sanitizers, whose starts are slow, at every fourth.
+command alone: at every tenth, under sanitizers, whose starts are slow, at the half.
 """
 import os
 import shutil
@@ -74,7 +74,7 @@ def cut_everywhere(policy, seed, arguments, output):
     seed.write(policy.folder)
     expect_whole(policy, seed, arguments, output)
     for name in files_to_cut(seed):
-        for end in cut_points(len(seed.files[name]), 4 if is_sanitized() else 10):
+        for end in cut_points(len(seed.files[name]), 2 if is_sanitized() else 10):
             expect_cut(policy, seed, arguments, output, name, end)
     seed.remove(policy.folder)
 

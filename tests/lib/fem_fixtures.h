@@ -12,6 +12,8 @@
 
 namespace supple::test {
 
+constexpr double kPi = 3.14159265358979323846;
+
 /// A block of n^3 voxels of so many mm along each axis.
 Body fem_cube(int n, double spacing_mm = 1);
 /// The voxels of n^3 for which it is not negative, which is their class.

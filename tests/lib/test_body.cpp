@@ -2,6 +2,7 @@
 
 #include "lib/body/body.h"
 #include "tests/lib/brute_force.h"
+#include "tests/support/sanitized.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -82,7 +83,7 @@ TEST(UnitBody, ACutLosesTheFoldGuaranteeAndItsLinksAreNotChecked) {
 
 TEST(PropertyBody, TheNearestElementIsTheNearest) {
   std::mt19937 random(5);
-  for (int n = 0; n < 100; ++n) {
+  for (int n = 0; n < cases(100); ++n) {
     const Block block = random_block(random, {20, 20, 6});
     const Body body = body_of(block);
     const Vec3i from(int(random() % 60) - 30, int(random() % 60) - 30, int(random() % 60) - 30);

@@ -16,8 +16,6 @@ using namespace supple::test;
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-
 FemParams by_newton_to(double tolerance) {
   FemParams params;
   params.strain = StrainTheory::finite;

@@ -19,8 +19,6 @@ using namespace supple::test;
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-
 /// A block of n^3 voxels of 1 mm whose lowest faces may slide in themselves and whose face at the
 /// end of z is moved by `stretch_mm`.
 FemLoads pulled_along_z(const Body& body, int n, double stretch_mm) {

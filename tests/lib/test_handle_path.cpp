@@ -75,7 +75,7 @@ class PropertyHandlePath : public ::testing::Test {
 };
 
 const Vec3d kLow(10, 10, 10), kHigh(13, 13, 13);
-const Region kGrabbed(Vec3i(10, 10, 10), Vec3i(13, 13, 13));
+const Region kPart(Vec3i(10, 10, 10), Vec3i(13, 13, 13));
 
 }  // namespace
 
@@ -84,7 +84,7 @@ TEST_F(PropertyHandlePath, AStraightPathIsOneDrag) {
     const GivenHandle path =
         grabbing(kLow, kHigh, {shifted(0, {0, 0, 0}, easing), shifted(1, {2, -3, 1}, easing)});
     EXPECT_EQ(poses(path), 1u);
-    const auto found = after({path}), expected = stepped(kGrabbed, {{2, -3, 1}});
+    const auto found = after({path}), expected = stepped(kPart, {{2, -3, 1}});
     EXPECT_EQ(found->body().q, expected->body().q);
     EXPECT_EQ(found->journal(), expected->journal());
   }
@@ -95,8 +95,8 @@ TEST_F(PropertyHandlePath, APathRoundACornerIsItsKeysAsSteps) {
       kLow, kHigh,
       {shifted(0, {0, 0, 0}), shifted(1, {5, 0, 0}), shifted(3, {5, 4, 0}), shifted(4, {0, 4, 0})});
   const auto found = after({path});
-  EXPECT_EQ(found->body().q, stepped(kGrabbed, {{5, 0, 0}, {0, 4, 0}, {-5, 0, 0}})->body().q);
-  EXPECT_NE(found->body().q, stepped(kGrabbed, {{0, 4, 0}})->body().q);
+  EXPECT_EQ(found->body().q, stepped(kPart, {{5, 0, 0}, {0, 4, 0}, {-5, 0, 0}})->body().q);
+  EXPECT_NE(found->body().q, stepped(kPart, {{0, 4, 0}})->body().q);
   EXPECT_EQ(found->records().size(), 1u);
 }
 
@@ -107,7 +107,7 @@ TEST_F(PropertyHandlePath, ARelaxedPathIsItsKeysAsRelaxedSteps) {
       after({grabbing(kLow, kHigh, {shifted(1, {4, 0, 0}), shifted(3, {4, 4, 0})})}, relaxed);
   auto expected = opened();
   for (const Vec3d& way : {Vec3d(4, 0, 0), Vec3d(0, 4, 0)}) {
-    relaxed.drags = {Drag{kGrabbed, way}};
+    relaxed.drags = {Drag{kPart, way}};
     expected->step(relaxed);
   }
   EXPECT_EQ(found->body().q, expected->body().q);
@@ -125,7 +125,7 @@ TEST_F(PropertyHandlePath, APathUnderSpringsIsItsKeysAsStepsOfSprings) {
         after({grabbing(kLow, kHigh, {shifted(1, {1, 0, 0}), shifted(3, {1, 1, 0})})}, sprung);
     auto expected = opened();
     for (const Vec3d& way : {Vec3d(1, 0, 0), Vec3d(0, 1, 0)}) {
-      sprung.drags = {Drag{kGrabbed, way}};
+      sprung.drags = {Drag{kPart, way}};
       expected->step(sprung);
     }
     EXPECT_EQ(found->body().q, expected->body().q) << minimises;
@@ -156,7 +156,7 @@ TEST_F(PropertyHandlePath, PosesAreMeantFromWhereTheStepStarts) {
   const auto found = after({grabbing(kLow, kHigh, {turned(0, 0), turned(1, 15), turned(2, -15)})});
   auto expected = opened();
   StepRequest once;
-  once.drags.push_back({kGrabbed, {0, 0, 0}});
+  once.drags.push_back({kPart, {0, 0, 0}});
   once.drags.front().motion.axis_lps = {0, 0, 1};
   once.drags.front().motion.angle_deg = -15;
   expected->step(once);
@@ -256,9 +256,9 @@ TEST_F(PropertyHandlePath, HandlesWithoutPathAreWhereTheyGoFromTheFirstPoseOn) {
       after({plain, grabbing(kLow, kHigh, {shifted(1, {1, 0, 0}), shifted(2, {1, 1, 0})})});
   auto expected = opened();
   StepRequest both;
-  both.drags = {Drag{Vec3i(11, 11, 4), {0, 0, -1}}, Drag{kGrabbed, {1, 0, 0}}};
+  both.drags = {Drag{Vec3i(11, 11, 4), {0, 0, -1}}, Drag{kPart, {1, 0, 0}}};
   expected->step(both);
-  both.drags = {Drag{Vec3i(11, 11, 4), {0, 0, 0}}, Drag{kGrabbed, {0, 1, 0}}};
+  both.drags = {Drag{Vec3i(11, 11, 4), {0, 0, 0}}, Drag{kPart, {0, 1, 0}}};
   expected->step(both);
   EXPECT_EQ(found->body().q, expected->body().q);
 }
@@ -309,7 +309,7 @@ TEST_F(PropertyHandlePath, APathThatCannotBeFollowedNamesThePose) {
   EXPECT_EQ(before, Vec3d(0, 0.5, 0));
   StepRequest further;
   further.release = true;
-  further.drags.push_back({kGrabbed, {1, 0, 0}});
+  further.drags.push_back({kPart, {1, 0, 0}});
   EXPECT_EQ(session->step(further).report.fraction(), 1);
   EXPECT_EQ(moved(*session, {10, 11, 11}) - before, Vec3d(1, 0, 0));
 }

@@ -310,7 +310,7 @@ TEST(PropertyReaction, OfSpringsAndCellsItIsTheSlopeOfTheirEnergy) {
   const auto within = [&](std::int32_t most) {
     return std::int32_t(random() % unsigned(2 * most)) - most;
   };
-  for (int n = 0; n < 60; ++n) {
+  for (int n = 0; n < cases(60); ++n) {
     Block block =
         wide_block({4 + n % 9, 5, 12}, [&](int, int, int) { return double(random() % 256); });
     if (n % 2 == 0) cut_randomly(random, block);
@@ -515,7 +515,7 @@ TEST(ExtremesReaction, ALinkWithoutLimitIsNeverTaut) {
 
 TEST(PropertyReaction, TheResultDoesNotDependOnTheNumberOfThreads) {
   std::mt19937 random(37);
-  for (int n = 0; n < 10; ++n) {
+  for (int n = 0; n < cases(10); ++n) {
     const Dragged start = dragged(random, {30, 28, 26});
     std::vector<SlotSet> handles;
     start.holds.anchored.for_each(

@@ -7,6 +7,7 @@
 #include "lib/chainmail/reference/original_chainmail.h"
 #include "lib/chainmail/reference/thesis_ecm.h"
 #include "tests/lib/test_bodies.h"
+#include "tests/support/sanitized.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -149,7 +150,7 @@ TEST(UnitOriginalChainMail, EcmKeepsTheTRigidThroughTheDragsOfFigure49) {
 
 TEST(PropertyOriginalChainMail, EqualsEcmOnHomogeneousConvexBodies) {
   std::mt19937 random(41);
-  for (int n = 0; n < 100; ++n) {
+  for (int n = 0; n < cases(100); ++n) {
     const Vec3i dims(1 + int(random() % 15), 1 + int(random() % 15),
                      n % 2 ? 1 : 1 + int(random() % 8));
     const Block block =
@@ -169,7 +170,7 @@ TEST(PropertyOriginalChainMail, EqualsEcmOnHomogeneousConvexBodies) {
 
 TEST(PropertyOriginalChainMail, EqualsEcmInRepeatedDragsOfHomogeneousBoxes) {
   std::mt19937 random(44);
-  for (int n = 0; n < 40; ++n) {
+  for (int n = 0; n < cases(40); ++n) {
     const Vec3i dims(1 + int(random() % 12), 1 + int(random() % 12), 1 + int(random() % 6));
     const Block block = homogeneous_shape(random, dims, [](const Vec3d&) { return true; });
     Body ecm = body_of(block), original = ecm;
@@ -186,7 +187,7 @@ TEST(PropertyOriginalChainMail, EqualsEcmInRepeatedDragsOfHomogeneousBoxes) {
 
 TEST(PropertyOriginalChainMail, EqualsEcmOnConvexBodiesGrabbedWhereAllStaircasesStayInside) {
   std::mt19937 random(45);
-  for (int n = 0; n < 60; ++n) {
+  for (int n = 0; n < cases(60); ++n) {
     const Vec3i dims(5 + 2 * int(random() % 5), 5 + 2 * int(random() % 5),
                      5 + 2 * int(random() % 3));
     Body body = body_of(homogeneous_shape(random, dims, ellipsoid(dims)));
@@ -205,7 +206,7 @@ TEST(PropertyOriginalChainMail, EqualsEcmOnConvexBodiesGrabbedWhereAllStaircases
 TEST(PropertyOriginalChainMail, OnAnyHomogeneousBodyItMovesWhatItsStaircasesReachAsEcmDoes) {
   std::mt19937 random(46);
   std::int64_t left_behind = 0;
-  for (int n = 0; n < 150; ++n) {
+  for (int n = 0; n < cases(150); ++n) {
     const Vec3i dims(1 + int(random() % 12), 1 + int(random() % 12), 1 + int(random() % 6));
     const auto noise = [&random](const Vec3d&) { return random() % 5 != 0; };
     Block block = n % 3 == 0   ? homogeneous_shape(random, dims, ellipsoid(dims))
@@ -223,7 +224,7 @@ TEST(PropertyOriginalChainMail, OnAnyHomogeneousBodyItMovesWhatItsStaircasesReac
       ASSERT_FALSE(HasFailure()) << "case " << n << " drag " << drags;
     }
   }
-  EXPECT_GT(left_behind, 1000);
+  EXPECT_GT(left_behind, cases(1000));
 }
 
 TEST(UnitOriginalChainMail, OrdinaryConvexityIsNotEnough) {
@@ -278,7 +279,7 @@ TEST(UnitOriginalChainMail, EqualsEcmOnAUGrabbedInItsBar) {
 
 TEST(PropertyThesisEcm, TheOrderedCandidateListGivesTheBitsOfTheEngine) {
   std::mt19937 random(43);
-  for (int n = 0; n < 250; ++n) {
+  for (int n = 0; n < cases(250); ++n) {
     Block block = random_block(random, n % 8 == 0 ? Vec3i(20, 20, 6) : Vec3i(9, 8, 5));
     if (n % 3 == 0) cut_randomly(random, block);
     Body body = body_of(block);

@@ -27,7 +27,7 @@ RelaxParams params_of(RelaxMethod method, int passes) {
   return params;
 }
 
-Body soft_block(const Vec3i& dims, const std::function<double(int, int, int)>& density) {
+Body soft_body(const Vec3i& dims, const std::function<double(int, int, int)>& density) {
   return body_of(full_block(dims, linear_table(1.5, 0.6, 0.7), density));
 }
 
@@ -120,7 +120,7 @@ TEST(PropertyRelaxation, TheResultDoesNotDependOnTheNumberOfThreads) {
 
 TEST(PropertyRelaxation, ThePlainPassOfTheThesisBreaksLimits) {
   const auto noise = [](int i, int j, int k) { return double((i * 37 + j * 91 + k * 53) % 256); };
-  Body body = soft_block({24, 24, 24}, noise);
+  Body body = soft_body({24, 24, 24}, noise);
   Holds holds;
   drag(body, {{{12, 12, 12}, {6 * kVoxel, 0, 0}}}, {}, holds);
   Body valid = body;

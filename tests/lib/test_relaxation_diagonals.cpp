@@ -163,20 +163,20 @@ namespace {
 /// How far the relaxed offsets two and three voxels beside a single voxel that is held differ from
 /// those of a sphere, 1/r - 1/R: the spread of offset * r over directions, relative to the mean.
 double anisotropy(int links) {
-  constexpr int kSize = 33, kMiddle = 16;
-  Body body = body_of(free_cube(kSize, links));
+  constexpr int kAcross = 33, kCentre = 16;
+  Body body = body_of(free_cube(kAcross, links));
   std::vector<Slot> rim;
   for_each_element(body.elements, [&](Slot slot) {
-    const Vec3d d(voxel_of(body.elements, slot) - Vec3i(kMiddle));
+    const Vec3d d(voxel_of(body.elements, slot) - Vec3i(kCentre));
     if (d.length() > 15.5) rim.push_back(slot);
   });
   Holds holds;
   holds.anchored = SlotSet(std::move(rim));
-  drag(body, {{Vec3i(kMiddle), {kVoxel, 0, 0}}}, {}, holds);
+  drag(body, {{Vec3i(kCentre), {kVoxel, 0, 0}}}, {}, holds);
   relax(body, {}, holds, to_rest());
   double least = HUGE_VAL, most = 0;
   for (const Vec3i& d : {Vec3i(3, 0, 0), Vec3i(2, 2, 1), Vec3i(0, 0, -3), Vec3i(-1, 2, 2)}) {
-    const double here = at(body, d + Vec3i(kMiddle));
+    const double here = at(body, d + Vec3i(kCentre));
     least = std::min(least, here);
     most = std::max(most, here);
   }

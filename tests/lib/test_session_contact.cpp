@@ -12,16 +12,16 @@ using namespace supple::test;
 
 namespace {
 
-constexpr int kLong = 24, kHigh = 18, kBone = 4;  // voxels; cuts end above z = kBone
+constexpr int kLong = 24, kTall = 18, kBone = 4;  // voxels; cuts end above z = kBone
 
 /// By the links of the material.
 class PropertySessionContact : public ::testing::TestWithParam<int> {
  protected:
   PropertySessionContact() {
     std::string voxels;
-    for (int k = 0; k < kHigh; ++k) {
+    for (int k = 0; k < kTall; ++k) {
       for (int n = 0; n < kLong * kLong; ++n) {
-        const bool is_air = k == kHigh - 1 && n == 0;
+        const bool is_air = k == kTall - 1 && n == 0;
         voxels += char(static_cast<unsigned char>(is_air ? 0 : k < kBone ? 200 : 100));
       }
     }
@@ -51,9 +51,9 @@ class PropertySessionContact : public ::testing::TestWithParam<int> {
 CutSurface incision(double from, double to, double lean = 0) {
   CutSurface plane;
   plane.in_voxels = true;
-  plane.corner = {11.5 - lean * (kHigh - kBone) / 2, from, kBone - 0.5};
+  plane.corner = {11.5 - lean * (kTall - kBone) / 2, from, kBone - 0.5};
   plane.edge1 = {0, to - from, 0};
-  plane.edge2 = {lean * (kHigh - kBone), 0, double(kHigh - kBone)};
+  plane.edge2 = {lean * (kTall - kBone), 0, double(kTall - kBone)};
   return plane;
 }
 

@@ -6,13 +6,12 @@
 #include <nlohmann/json.hpp>
 #include <tbb/parallel_for.h>
 
+#include "tools/commands/moved_places.h"
 #include "volumes/field/dense/grid_positions.h"
 
 namespace supple::tools {
 
 namespace {
-
-constexpr std::size_t kListed = 1000;
 
 /// `find(i, j, k, place)`: LPS mm of the place whose label a voxel takes; false for none.
 template <class Find>

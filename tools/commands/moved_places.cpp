@@ -8,7 +8,6 @@ namespace supple::tools {
 namespace {
 
 constexpr std::size_t kChunk = 65536;
-constexpr std::size_t kListed = 1000;
 
 std::vector<std::size_t> numbers_of(const MovedPlaces& moved, PlaceKind kind) {
   std::vector<std::size_t> numbers;

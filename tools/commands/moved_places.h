@@ -12,6 +12,9 @@
 
 namespace supple::tools {
 
+/// Entries of one kind that a report with --json lists at most.
+constexpr std::size_t kListed = 1000;
+
 struct MovedPlaces {
   std::vector<MovedPoint> points;  // one per point given
   std::int64_t outside = 0, folded = 0, torn = 0, unresolved = 0;
@@ -28,8 +31,8 @@ MovedPlaces move_all(const PointMotion& motion, const std::vector<Vec3d>& points
 void warn_of(const MovedPlaces& moved, bool is_warp,
              const std::function<std::string(std::size_t)>& name, Console& console);
 
-/// The report of `apply` about points with --json; at most 1000 of each kind are listed by their
-/// numbers from 0.
+/// The report of `apply` about points with --json; at most `kListed` of each kind are listed
+/// by their numbers from 0.
 nlohmann::ordered_json to_json(const MovedPlaces& moved);
 
 }  // namespace supple::tools

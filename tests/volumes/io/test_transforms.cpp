@@ -26,7 +26,7 @@ std::string itk(const std::string& type, const std::vector<double>& parameters,
 
 const std::string kHead = "#Insight Transform File V1.0\n#Transform 0\n";
 const std::string kAffine = "AffineTransform_double_3_3";
-const std::string kField = "DisplacementFieldTransform_double_3_3";
+const std::string kFieldType = "DisplacementFieldTransform_double_3_3";
 const std::string kComposite = "Transform: CompositeTransform_double_3_3\n";
 const std::vector<double> kMatrix = {1.5, 0.25, 0, -0.5, 1, 0, 0, 0.125, 2, 3, -4, 5};
 
@@ -144,7 +144,7 @@ TEST(UnitTransforms, AFieldAmongLinearTransformsBringsItsGrid) {
   for (int n = 0; n < 36; ++n) vectors.push_back(0.25 * n - 3);
   const std::string path =
       folder.write("a.tfm", kHead + kComposite + itk(kAffine, kMatrix, {0, 0, 0}) +
-                                itk(kField, vectors, fixed_of(dims)) +
+                                itk(kFieldType, vectors, fixed_of(dims)) +
                                 itk("TranslationTransform_double_3_3", {1, 2, 3}, {}));
   const Warp warp = read_warp(path);
   ASSERT_EQ(warp.geometry.dims(), dims);
@@ -245,9 +245,9 @@ TEST(FaultTransforms, WhatIsWrongInTransformsOfItkIsNamedWithItsLine) {
   EXPECT_EQ(error_of_transform(kHead + kComposite),
             "t.txt:3: Transform: found CompositeTransform_double_3_3, expected transforms behind "
             "it");
-  EXPECT_EQ(error_of_transform(kHead + itk(kField, {1, 2, 3}, fixed_of({3, 2, 2}))),
+  EXPECT_EQ(error_of_transform(kHead + itk(kFieldType, {1, 2, 3}, fixed_of({3, 2, 2}))),
             "t.txt:4: Parameters: found fewer numbers, expected 36 numbers");
-  EXPECT_EQ(error_of_transform(kHead + itk(kField, {1, 2, 3}, fixed_of({1 << 20, 1 << 10, 9}))),
+  EXPECT_EQ(error_of_transform(kHead + itk(kFieldType, {1, 2, 3}, fixed_of({1 << 20, 1 << 10, 9}))),
             "t.txt:4: Parameters: found fewer numbers, expected 2.8991e+10 numbers");
   EXPECT_EQ(error_of_transform(kHead + itk("BSplineTransform_double_3_3_4", {1}, {})),
             "t.txt:3: Transform: found BSplineTransform_double_3_3_4, expected order 1, 2 or 3");

@@ -59,16 +59,16 @@ std::string cube(const std::string& name) {
              "0 1 2 3 4 5 6 7", "8", "12");
 }
 
-const Geometry kGrid({30, 30, 30}, {-14.5, -14.3, -14.1}, {Vec3d(1, 0, 0), {0, 1, 0}, {0, 0, 1}});
+const Geometry kAround({30, 30, 30}, {-14.5, -14.3, -14.1}, {Vec3d(1, 0, 0), {0, 1, 0}, {0, 0, 1}});
 
 TEST(PropertyVtu, ASolidBringsItsContentAlongAndLeavesAllElse) {
   const TemporaryFolder folder;
   write_text(folder / "cube.vtu", cube("Displacement"));
-  const Warp warp = read_warp(folder / "cube.vtu", nullptr, &kGrid);
+  const Warp warp = read_warp(folder / "cube.vtu", nullptr, &kAround);
   EXPECT_EQ(warp.direction, WarpDirection::resample);
   int inside = 0;
   for (int n = 0; n < 30 * 30 * 30; ++n) {
-    const Vec3d y = kGrid.world_from_index(Vec3d(n % 30, n / 30 % 30, n / 900));
+    const Vec3d y = kAround.world_from_index(Vec3d(n % 30, n / 30 % 30, n / 900));
     const Vec3d x = back(y);
     const double beyond = std::max({std::abs(x.x), std::abs(x.y), std::abs(x.z)}) - 10;
     if (std::abs(beyond) < 1e-3) continue;
