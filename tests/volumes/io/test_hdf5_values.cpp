@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/io_fixtures.h"
+#include "tests/support/sanitized.h"
 #include "tests/volumes/io/hdf5_fixtures.h"
 #include "volumes/io/format/formats.h"
 #include "volumes/io/open_volume.h"
@@ -56,7 +57,7 @@ TEST(UnitHdf5, EveryTypeInEitherByteOrderComesInNativeForm) {
 TEST(PropertyHdf5, ChunksAndFiltersDoNotChangeTheValues) {
   std::mt19937 random(1);
   const TemporaryFolder folder;
-  for (int n = 0; n < 60; ++n) {
+  for (int n = 0; n < cases(60); ++n) {
     std::vector<hsize_t> dims, chunk;
     for (int a = 0; a < 3; ++a) {
       dims.push_back(1 + random() % 12);

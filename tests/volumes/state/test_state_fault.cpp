@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "tests/support/random_state.h"
+#include "tests/support/sanitized.h"
 #include "tests/support/temporary_folder.h"
 #include "volumes/base/error.h"
 
@@ -55,7 +56,7 @@ TEST(FaultState, EveryFlippedBitIsAnInputError) {
   const TemporaryFolder folder;
   const std::string good = small_state_bytes(folder);
   std::mt19937 random(1);
-  for (int n = 0; n < 3000; ++n) {
+  for (int n = 0; n < cases(3000); ++n) {
     std::string bad = good;
     bad[random() % bad.size()] ^= char(1u << (random() % 8));
     write_text(folder / "bad.vdb", bad);
@@ -82,7 +83,7 @@ TEST(FaultState, OverwrittenRangesAreInputErrors) {
   const TemporaryFolder folder;
   const std::string good = small_state_bytes(folder);
   std::mt19937 random(3);
-  for (int n = 0; n < 1000; ++n) {
+  for (int n = 0; n < cases(1000); ++n) {
     std::string bad = good;
     const std::size_t first = random() % bad.size();
     const std::size_t count = std::min<std::size_t>(1 + random() % 400, bad.size() - first);
