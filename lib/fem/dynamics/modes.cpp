@@ -16,7 +16,7 @@ namespace supple {
 namespace {
 
 /// Of the forces that a solution leaves, of the largest. Vectors of Lanczos are no more exact.
-constexpr double kSolveTolerance = 1e-8;
+constexpr double kSolveTolerance = 1e-9;
 /// Of a Ritz vector, of its eigenvalue; and where only the eigenvalue is asked for, whose error is
 /// the square.
 constexpr double kLanczosTolerance = 1e-9, kCheckTolerance = 1e-3;
