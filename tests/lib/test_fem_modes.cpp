@@ -208,8 +208,7 @@ TEST(ConvergenceFemModes, ABarSwingsAlongItselfAsTheFormulaSays) {
   std::vector<double> errors;
   for (const int n : {4, 8, 16}) {
     const Body body = bar_of({1, 1, n}, kLength / n);
-    HeldElements end =
-        hold_where(body, [n](const Vec3d& x) { return x.z < -0.49 * kLength / n; });
+    HeldElements end = hold_where(body, [n](const Vec3d& x) { return x.z < -0.49 * kLength / n; });
     HeldElements straight = hold_where(body, [](const Vec3d&) { return true; });
     straight.axes = {true, true, false};
     end.axes = {false, false, true};
