@@ -2,6 +2,7 @@
 find_package(Threads REQUIRED)
 find_package(TBB CONFIG REQUIRED)
 find_package(Eigen3 3.4 CONFIG REQUIRED)
+find_path(SPECTRA_INCLUDE_DIR Spectra/SymGEigsShiftSolver.h REQUIRED)
 find_package(Imath CONFIG REQUIRED)
 find_package(embree 3.13 CONFIG REQUIRED)
 find_package(hwy CONFIG REQUIRED)

@@ -13,7 +13,7 @@ SUPPLE_PACKAGES=(
   ca-certificates git build-essential cmake ninja-build python3-minimal
   libopenvdb-dev liblog4cplus-dev libnanovdb-dev libboost-dev libtbb-dev libembree-dev libhwy-dev
   libopencv-dev libtiff-dev libpugixml-dev libpng-dev libturbojpeg0-dev libopenexr-dev ffmpeg libnifti2-dev zlib1g-dev
-  libbz2-dev libeigen3-dev
+  libbz2-dev libeigen3-dev libspectra-dev
   libhdf5-dev libdcmtk-dev libopenjp2-7-dev libssl-dev
   libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libgtest-dev)
 SUPPLE_JUDGES=(elastix plastimatch teem-apps python3-openvdb python3-nibabel python3-tifffile

@@ -1,7 +1,7 @@
 #include "lib/fem/cell_classes.h"
 
 #include <map>
-#include <utility>
+#include <tuple>
 
 namespace supple {
 
@@ -19,9 +19,11 @@ namespace {
 /// Per class the first one with the same moduli: densities of one tissue have many classes.
 std::array<std::uint8_t, 256> first_alike(const ModuliTable<double>& moduli) {
   std::array<std::uint8_t, 256> first;
-  std::map<std::pair<double, double>, std::uint8_t> known;
+  std::map<std::tuple<double, double, double>, std::uint8_t> known;
   for (int n = 0; n < 256; ++n) {
-    first[n] = known.try_emplace({moduli.shear[n], moduli.bulk[n]}, std::uint8_t(n)).first->second;
+    first[n] =
+        known.try_emplace({moduli.shear[n], moduli.bulk[n], moduli.inertia[n]}, std::uint8_t(n))
+            .first->second;
   }
   return first;
 }

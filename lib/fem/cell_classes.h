@@ -2,6 +2,7 @@
 // same moduli being one, and which corners of these are held.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -12,10 +13,16 @@
 
 namespace supple {
 
-/// Shear and bulk modulus per class, in kPa.
+/// Per class: shear and bulk modulus in kPa, and inertia, which is what a matrix c M beside the
+/// stiffness has per volume, in mN/mm^4 (kPa/mm^2); 0 where K stands alone.
 template <class T>
 struct ModuliTable {
   std::array<T, 256> shear, bulk;
+  std::array<T, 256> inertia{};
+
+  bool has_inertia() const {
+    return std::any_of(inertia.begin(), inertia.end(), [](T value) { return value != 0; });
+  }
 };
 
 /// What the voxels of a mesh are made of.

@@ -1,6 +1,6 @@
 #include "lib/fem/cell_matrices.h"
 
-#include <memory>
+#include <vector>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -28,15 +28,38 @@ int place_in_cell(std::uint16_t offset) {
   return (local.x & 1) * 4 + (local.y & 1) * 2 + (local.z & 1);
 }
 
-/// M and A of a voxel as seen from a cell that it is a child of, and from one more.
-struct ChildParts {
-  Matrix24 shear[8], bulk[8];
+/// The parts of a matrix that a class has factors for.
+struct MatrixParts {
+  Matrix24 shear{}, bulk{}, mass{};
 
-  explicit ChildParts(const ElementMatrix& matrix) {
-    for (int child = 0; child < 8; ++child) {
-      shear[child] = on_parent(matrix.shear, child);
-      bulk[child] = on_parent(matrix.bulk, child);
-    }
+  MatrixParts() = default;
+  explicit MatrixParts(const ElementMatrix& matrix)
+      : shear(matrix.shear), bulk(matrix.bulk), mass(matrix.mass) {}
+  MatrixParts(const MatrixParts& of_child, int child)
+      : shear(on_parent(of_child.shear, child)),
+        bulk(on_parent(of_child.bulk, child)),
+        mass(on_parent(of_child.mass, child)) {}
+
+  void add(const MatrixParts& other) {
+    add_scaled(other.shear, 1, shear);
+    add_scaled(other.bulk, 1, bulk);
+    add_scaled(other.mass, 1, mass);
+  }
+  /// Adds the matrix of a class.
+  void add_to(Matrix24& sum, const ModuliTable<double>& moduli, std::uint8_t of) const {
+    add_scaled(shear, moduli.shear[of], sum);
+    add_scaled(bulk, moduli.bulk[of], sum);
+    if (moduli.inertia[of] != 0) add_scaled(mass, moduli.inertia[of], sum);
+  }
+};
+
+/// Those of a voxel as seen from a cell that it is a child of.
+struct ChildParts {
+  MatrixParts own;
+  std::vector<MatrixParts> of;
+
+  explicit ChildParts(const ElementMatrix& matrix) : own(matrix) {
+    for (int child = 0; child < 8; ++child) of.emplace_back(own, child);
   }
 };
 
@@ -47,17 +70,14 @@ Matrix24 cell_matrix(const CellClasses& cells, std::size_t cell, const VoxelMate
   for (int child = 0; child < 8; ++child) {
     if ((cells.present[cell] >> child & 1) == 0) continue;
     const std::uint8_t of = cells.of_child[cell][child];
-    const double shear = material.moduli.shear[of], bulk = material.moduli.bulk[of];
     const std::uint32_t held =
         cells.constraint[cell] < 0 ? 0 : cells.held[cells.constraint[cell]][child];
     if (held == 0) {
-      add_scaled(parts.shear[child], shear, sum);
-      add_scaled(parts.bulk[child], bulk, sum);
+      parts.of[std::size_t(child)].add_to(sum, material.moduli, of);
       continue;
     }
     Matrix24 own{};
-    add_scaled(material.matrix.shear, shear, own);
-    add_scaled(material.matrix.bulk, bulk, own);
+    parts.own.add_to(own, material.moduli, of);
     clear_rows(held, own);
     add_scaled(on_parent(own, child), 1, sum);
   }
@@ -93,11 +113,10 @@ CellMatrices CellMatrices::of_voxels(const HexMesh& voxels, const VoxelMaterial&
                                      const HeldBits& held) {
   CellMatrices out;
   out.m_matrices.resize(voxels.corners.size());
+  const MatrixParts parts(material.matrix);
   for_all(out.size(), [&](std::size_t e) {
-    const std::uint8_t of = material.classes[e];
     out.m_matrices[e] = Matrix24{};
-    add_scaled(material.matrix.shear, material.moduli.shear[of], out.m_matrices[e]);
-    add_scaled(material.matrix.bulk, material.moduli.bulk[of], out.m_matrices[e]);
+    parts.add_to(out.m_matrices[e], material.moduli, material.classes[e]);
     clear_rows(held_corners(voxels.corners[e], held), out.m_matrices[e]);
   });
   return out;
@@ -106,9 +125,9 @@ CellMatrices CellMatrices::of_voxels(const HexMesh& voxels, const VoxelMaterial&
 CellMatrices CellMatrices::of_cells(const CellClasses& cells, const VoxelMaterial& material) {
   CellMatrices out;
   out.m_matrices.resize(cells.present.size());
-  const auto parts = std::make_unique<ChildParts>(material.matrix);
+  const ChildParts parts(material.matrix);
   for_all(out.size(), [&](std::size_t cell) {
-    out.m_matrices[cell] = cell_matrix(cells, cell, material, *parts);
+    out.m_matrices[cell] = cell_matrix(cells, cell, material, parts);
   });
   return out;
 }
@@ -118,19 +137,13 @@ CellMatrices CellMatrices::of_large_cells(const HexMesh& cells_mesh, const Coars
                                           std::int32_t count) {
   CellMatrices out;
   out.m_matrices.resize(count);
-  const auto parts = std::make_unique<ChildParts>(material.matrix);
+  const ChildParts parts(material.matrix);
   // [place of the child][place of the voxel in it], and sums over a child of one class.
-  struct Tables {
-    Matrix24 shear[8][8], bulk[8][8], shear_alike[8], bulk_alike[8];
-  };
-  const auto tables = std::make_unique<Tables>();
-  for (int place = 0; place < 8; ++place) {
-    tables->shear_alike[place] = tables->bulk_alike[place] = Matrix24{};
-    for (int child = 0; child < 8; ++child) {
-      tables->shear[place][child] = on_parent(parts->shear[child], place);
-      tables->bulk[place][child] = on_parent(parts->bulk[child], place);
-      add_scaled(tables->shear[place][child], 1, tables->shear_alike[place]);
-      add_scaled(tables->bulk[place][child], 1, tables->bulk_alike[place]);
+  std::vector<std::vector<MatrixParts>> tables(8);
+  std::vector<MatrixParts> alike(8);
+  for (std::size_t place = 0; place < 8; ++place) {
+    for (const MatrixParts& part : parts.of) {
+      alike[place].add(tables[place].emplace_back(part, int(place)));
     }
   }
   const ChildLists lists(coarsening, count);
@@ -139,23 +152,19 @@ CellMatrices CellMatrices::of_large_cells(const HexMesh& cells_mesh, const Coars
     sum = Matrix24{};
     for (std::int32_t n = lists.begin[large]; n < lists.begin[large + 1]; ++n) {
       const std::size_t cell = std::size_t(lists.child[n]);
-      const int place = place_in_cell(cells_mesh.offset[cell]);
+      const std::size_t place = std::size_t(place_in_cell(cells_mesh.offset[cell]));
       const GroupKind kind = cells.kind(cell);
       if (kind == GroupKind::constrained) {
-        add_scaled(on_parent(cell_matrix(cells, cell, material, *parts), place), 1, sum);
+        add_scaled(on_parent(cell_matrix(cells, cell, material, parts), int(place)), 1, sum);
         continue;
       }
       if (kind == GroupKind::alike) {
-        const std::uint8_t of = cells.of_child[cell][0];
-        add_scaled(tables->shear_alike[place], material.moduli.shear[of], sum);
-        add_scaled(tables->bulk_alike[place], material.moduli.bulk[of], sum);
+        alike[place].add_to(sum, material.moduli, cells.of_child[cell][0]);
         continue;
       }
-      for (int child = 0; child < 8; ++child) {
+      for (std::size_t child = 0; child < 8; ++child) {
         if ((cells.present[cell] >> child & 1) == 0) continue;
-        const std::uint8_t of = cells.of_child[cell][child];
-        add_scaled(tables->shear[place][child], material.moduli.shear[of], sum);
-        add_scaled(tables->bulk[place][child], material.moduli.bulk[of], sum);
+        tables[place][child].add_to(sum, material.moduli, cells.of_child[cell][child]);
       }
     }
   });

@@ -86,6 +86,15 @@ ElementMatrix element_matrix(const std::array<Vec3d, 3>& axes_mm, Dilatation dil
     const Vec3d at(sign(point, 0) * gauss, sign(point, 1) * gauss, sign(point, 2) * gauss);
     add_point(shape_gradients(axes_mm, at), out.volume_mm3 / 8, out);
   }
+  for (int n = 0; n < 8; ++n) {
+    for (int m = 0; m < 8; ++m) {
+      // Along each axis 1/3 for the same end, 1/6 for the other one.
+      const int other_ends = __builtin_popcount(unsigned(n ^ m));
+      for (int a = 0; a < 3; ++a) {
+        out.mass[3 * n + a][3 * m + a] = out.volume_mm3 / 27 / (1 << other_ends);
+      }
+    }
+  }
   const std::array<Vec3d, 8> mean = shape_gradients(axes_mm, Vec3d(0));
   for (int n = 0; n < 24; ++n) out.gradient[n] = mean[n / 3][n % 3];
   if (dilatation == Dilatation::mean) {

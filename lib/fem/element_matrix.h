@@ -15,6 +15,9 @@
 // In Hadamard modes (values at corners times signs of 1, xi, eta, zeta, xi eta, ...) the matrix
 // falls into blocks: 3 x 3 of zeros, 9 x 9 of linear, 9 x 9 of bilinear and 3 x 3 of trilinear
 // modes, since gradients of different modes are orthogonal monomials. That is a third of the work.
+//
+// The consistent mass, integral N N, is diagonal in these modes: V times 1, 1/3, 1/9 and 1/27.
+// Galerkin's product of eight alike voxels is that of the cell, whose functions are theirs, too.
 #pragma once
 
 #include <array>
@@ -37,6 +40,7 @@ constexpr std::array<int, 8> kModes{0, 4, 2, 1, 6, 5, 3, 7};
 struct ElementMatrix {
   Matrix24 shear;     // M
   Matrix24 bulk;      // A
+  Matrix24 mass;      // integral N N, in mm^3
   Vector24 gradient;  // b: the mean of tr e is b . u, in 1/mm
   double volume_mm3;
   Dilatation dilatation;

@@ -9,6 +9,7 @@
 #include "lib/fem/loose_islands.h"
 #include "lib/fem/multigrid.h"
 #include "lib/fem/newton.h"
+#include "lib/fem/stiffness_system.h"
 
 namespace supple {
 
@@ -29,21 +30,6 @@ namespace {
 
 constexpr double kNPerMn = 1e-3;
 constexpr double kMjPerUj = 1e-3;
-
-/// The linear stiffness and its multigrid cycle.
-class StiffnessSystem final : public LinearSystem {
- public:
-  StiffnessSystem(const HexOperator& stiffness, Multigrid& multigrid)
-      : m_stiffness(stiffness), m_multigrid(multigrid) {}
-
-  void add(const float* x, double* y) const override { m_stiffness.add(x, y); }
-  void subtract(const double* x, double* y) const override { m_stiffness.subtract(x, y); }
-  void precondition(float* r, float* z) override { m_multigrid.cycle(r, z); }
-
- private:
-  const HexOperator& m_stiffness;
-  Multigrid& m_multigrid;
-};
 
 double milliseconds_since(std::chrono::steady_clock::time_point start) {
   const std::chrono::duration<double, std::milli> passed = std::chrono::steady_clock::now() - start;
@@ -186,6 +172,16 @@ const HexMesh& FemModel::mesh() const {
 }
 const VoxelMaterial& FemModel::material() const {
   return m_parts->material;
+}
+
+const HexOperator& FemModel::stiffness() const {
+  return m_parts->stiffness;
+}
+const MeshLevels& FemModel::levels() const {
+  return m_parts->levels;
+}
+std::size_t FemModel::bytes() const {
+  return m_parts->bytes();
 }
 
 void FemModel::apply(const std::vector<double>& u_mm, std::vector<double>& force_mn) const {

@@ -32,6 +32,9 @@
 
 namespace supple {
 
+class HexOperator;
+struct MeshLevels;
+
 /// Elastic constants per material class (Body::classes).
 struct ElasticTable {
   std::array<double, kLastClass + 1> young_kpa, poisson;
@@ -128,6 +131,12 @@ class FemModel {
 
   /// K u in mN, three per node: the linear operator as it is, for checks and other solvers.
   void apply(const std::vector<double>& u_mm, std::vector<double>& force_mn) const;
+
+  const HexOperator& stiffness() const;
+  /// The meshes of the multigrid cycle.
+  const MeshLevels& levels() const;
+  /// Of these and of what they are made of.
+  std::size_t bytes() const;
 
  private:
   struct Parts;

@@ -53,12 +53,20 @@ inline void add_points(const ElementLanes<T>& x, const ElementLanes<T>& y, const
   parts[2] += sign * __builtin_shufflevector(c, z, 0, 13, 2, 3, 14, 5, 6, 15);
 }
 
+/// What a group of elements is made of; no inertia where K stands alone.
+template <class T>
+struct LaneMaterial {
+  ElementLanes<T> shear, bulk, inertia;
+  bool has_inertia;
+};
+
 /// Blocks of K in modes; M and A as in element_matrix.h.
 template <class T>
 struct VoxelKernel {
   T shear_linear[9][9], shear_bilinear[9][9], shear_trilinear[3][3];
   T gradient[9];                                // sqrt(V) b in modes
   T bulk_bilinear[9][9], bulk_trilinear[3][3];  // zero under mean dilatation
+  T mass[8];                                    // in the order of kModes
   bool is_pointwise;
 
   explicit VoxelKernel(const ElementMatrix& matrix);
@@ -69,6 +77,7 @@ template <class T>
 struct AlikeKernel {
   T shear_odd[12][12], bulk_odd[12][12];  // linear and trilinear modes
   T shear_even[9][9], bulk_even[9][9];    // bilinear ones
+  T mass[8];
 
   explicit AlikeKernel(const ElementMatrix& matrix);
 };
@@ -111,11 +120,28 @@ inline V block_row(const T (&row)[Size], const V* x, int first) {
   return sum;
 }
 
+/// Modes x become those of forces: y of K, of all modes but the constant ones, and c M x.
+template <class T>
+inline void take_modes(const LaneMaterial<T>& of, const T* mass, const ElementLanes<T>* y,
+                       ElementLanes<T>* x) {
+  if (!of.has_inertia) {
+    x[0] = x[1] = x[2] = ElementLanes<T>{};
+    for (int n = 0; n < 21; ++n) x[3 * kModes[1 + n / 3] + n % 3] = y[n];
+    return;
+  }
+  for (int a = 0; a < 3; ++a) x[a] *= of.inertia * mass[0];
+  for (int n = 0; n < 21; ++n) {
+    ElementLanes<T>& value = x[3 * kModes[1 + n / 3] + n % 3];
+    value = y[n] + of.inertia * mass[1 + n / 3] * value;
+  }
+}
+
 /// x -> K x in place.
 template <class T>
-inline void apply_voxel(const VoxelKernel<T>& kernel, ElementLanes<T> shear, ElementLanes<T> bulk,
+inline void apply_voxel(const VoxelKernel<T>& kernel, const LaneMaterial<T>& of,
                         ElementLanes<T>* x) {
   using V = ElementLanes<T>;
+  const V shear = of.shear, bulk = of.bulk;
   to_modes(x);
   V y[21];
   V dilatation = block_row(kernel.gradient, x, 1);
@@ -132,16 +158,15 @@ inline void apply_voxel(const VoxelKernel<T>& kernel, ElementLanes<T> shear, Ele
       if (n < 3) y[18 + n] += bulk * block_row(kernel.bulk_trilinear[n], x, 7);
     }
   }
-  x[0] = x[1] = x[2] = V{};
-#pragma GCC unroll 21
-  for (int n = 0; n < 21; ++n) x[3 * kModes[1 + n / 3] + n % 3] = y[n];
+  take_modes(of, kernel.mass, y, x);
   from_modes(x);
 }
 
 template <class T>
-inline void apply_alike(const AlikeKernel<T>& kernel, ElementLanes<T> shear, ElementLanes<T> bulk,
+inline void apply_alike(const AlikeKernel<T>& kernel, const LaneMaterial<T>& of,
                         ElementLanes<T>* x) {
   using V = ElementLanes<T>;
+  const V shear = of.shear, bulk = of.bulk;
   to_modes(x);
   V odd[12], y[21];
   for (int n = 0; n < 12; ++n) odd[n] = x[3 * kModes[n < 9 ? 1 + n / 3 : 7] + n % 3];
@@ -158,8 +183,7 @@ inline void apply_alike(const AlikeKernel<T>& kernel, ElementLanes<T> shear, Ele
     y[9 + n] =
         shear * block_row(kernel.shear_even[n], x, 4) + bulk * block_row(kernel.bulk_even[n], x, 4);
   }
-  x[0] = x[1] = x[2] = V{};
-  for (int n = 0; n < 21; ++n) x[3 * kModes[1 + n / 3] + n % 3] = y[n];
+  take_modes(of, kernel.mass, y, x);
   from_modes(x);
 }
 
@@ -167,7 +191,7 @@ inline void apply_alike(const AlikeKernel<T>& kernel, ElementLanes<T> shear, Ele
 /// 3 corner + component; null: none are held.
 template <class T>
 struct ChildLanes {
-  ElementLanes<T> shear[8], bulk[8];
+  LaneMaterial<T> child[8];
   const std::uint32_t* held = nullptr;  // [child][lane]
 };
 
@@ -237,7 +261,7 @@ inline void apply_mixed(const VoxelKernel<T>& kernel, const ChildLanes<T>& child
       for (int a = 0; a < 3; ++a) local[3 * c + a] = values[cell_node(child, c)][a];
     }
     if (children.held != nullptr) clear_held(children.held + kGroup * child, local);
-    apply_voxel(kernel, children.shear[child], children.bulk[child], local);
+    apply_voxel(kernel, children.child[child], local);
     if (children.held != nullptr) clear_held(children.held + kGroup * child, local);
     for (int c = 0; c < 8; ++c) {
       for (int a = 0; a < 3; ++a) forces[cell_node(child, c)][a] += local[3 * c + a];

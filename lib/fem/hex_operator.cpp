@@ -8,6 +8,16 @@ namespace supple {
 
 // ---- Kernels from reference matrices
 
+namespace {
+
+/// The mass in modes, where it is diagonal and alike for all components.
+template <class T>
+void take_mass(const Matrix24& in_modes, T* mass) {
+  for (int mode = 0; mode < 8; ++mode) mass[mode] = T(in_modes[3 * mode][3 * mode]);
+}
+
+}  // namespace
+
 template <class T>
 VoxelKernel<T>::VoxelKernel(const ElementMatrix& matrix)
     : is_pointwise(matrix.dilatation == Dilatation::pointwise) {
@@ -29,21 +39,25 @@ VoxelKernel<T>::VoxelKernel(const ElementMatrix& matrix)
     }
     gradient[n] = T(std::sqrt(matrix.volume_mm3) * sum / 8);
   }
+  take_mass(in_modes(matrix.mass), mass);
 }
 
 template <class T>
 AlikeKernel<T>::AlikeKernel(const ElementMatrix& matrix) {
-  Matrix24 shear{}, bulk{};
+  Matrix24 shear{}, bulk{}, masses{};
   for (int child = 0; child < 8; ++child) {
     const Matrix24 by_shear = in_modes(on_parent(matrix.shear, child));
     const Matrix24 by_bulk = in_modes(on_parent(matrix.bulk, child));
+    const Matrix24 by_mass = in_modes(on_parent(matrix.mass, child));
     for (int n = 0; n < 24; ++n) {
       for (int m = 0; m < 24; ++m) {
         shear[n][m] += by_shear[n][m];
         bulk[n][m] += by_bulk[n][m];
+        masses[n][m] += by_mass[n][m];
       }
     }
   }
+  take_mass(masses, mass);
   const auto odd = [](int n) { return n < 9 ? 3 + n : 12 + n; };
   for (int n = 0; n < 12; ++n) {
     for (int m = 0; m < 12; ++m) {
@@ -92,13 +106,15 @@ HexOperator::HexOperator(const HexMesh& mesh, const VoxelMaterial& material)
     : m_mesh(&mesh),
       m_material(&material),
       m_is_coarse(false),
+      m_has_inertia(material.moduli.has_inertia()),
       m_groups(group_elements(mesh, std::vector<GroupKind>(mesh.offset.size()))),
       m_voxel_single(material.matrix),
       m_voxel(material.matrix),
       m_alike_single(material.matrix),
       m_alike(material.matrix),
       m_shear_diagonal(diagonals(material.matrix.shear, false)),
-      m_bulk_diagonal(diagonals(material.matrix.bulk, false)) {
+      m_bulk_diagonal(diagonals(material.matrix.bulk, false)),
+      m_mass_diagonal(diagonals(material.matrix.mass, false)) {
   m_classes.resize(m_groups.element.size());
   for (std::size_t n = 0; n < m_classes.size(); ++n) {
     if (m_groups.element[n] >= 0) m_classes[n] = material.classes[m_groups.element[n]];
@@ -114,13 +130,15 @@ HexOperator::HexOperator(const HexMesh& mesh, const CellClasses& cells,
     : m_mesh(&mesh),
       m_material(&material),
       m_is_coarse(true),
+      m_has_inertia(material.moduli.has_inertia()),
       m_groups(group_elements(mesh, kinds_of(cells))),
       m_voxel_single(material.matrix),
       m_voxel(material.matrix),
       m_alike_single(material.matrix),
       m_alike(material.matrix),
       m_shear_diagonal(diagonals(material.matrix.shear, true)),
-      m_bulk_diagonal(diagonals(material.matrix.bulk, true)) {
+      m_bulk_diagonal(diagonals(material.matrix.bulk, true)),
+      m_mass_diagonal(diagonals(material.matrix.mass, true)) {
   m_held_of.resize(m_groups.groups.size());
   for (std::size_t g = 0; g < m_groups.groups.size(); ++g) {
     ElementGroup& group = m_groups.groups[g];
@@ -156,14 +174,18 @@ std::size_t HexOperator::bytes() const {
 // ---- The product
 
 template <class T>
-void HexOperator::moduli_of_lanes(const std::uint8_t* classes, unsigned present,
-                                  ElementLanes<T>& shear, ElementLanes<T>& bulk) const {
+LaneMaterial<T> HexOperator::material_of_lanes(const std::uint8_t* classes,
+                                               unsigned present) const {
   const ModuliTable<T>& moduli = moduli_in<T>(*m_material);
+  LaneMaterial<T> of;
+  of.has_inertia = m_has_inertia;
   for (int lane = 0; lane < kGroup; ++lane) {
     const bool is_there = (present >> lane & 1) != 0;
-    shear[lane] = is_there ? moduli.shear[classes[lane]] : 0;
-    bulk[lane] = is_there ? moduli.bulk[classes[lane]] : 0;
+    of.shear[lane] = is_there ? moduli.shear[classes[lane]] : 0;
+    of.bulk[lane] = is_there ? moduli.bulk[classes[lane]] : 0;
+    if (m_has_inertia) of.inertia[lane] = is_there ? moduli.inertia[classes[lane]] : 0;
   }
+  return of;
 }
 
 template <class T>
@@ -171,8 +193,8 @@ ChildLanes<T> HexOperator::children_of(const ElementGroup& group) const {
   ChildLanes<T> children;
   const std::uint8_t* classes = &m_classes[group.lanes];
   for (int child = 0; child < 8; ++child) {
-    moduli_of_lanes<T>(classes + kGroup * child, classes[8 * kGroup + child], children.shear[child],
-                       children.bulk[child]);
+    children.child[child] =
+        material_of_lanes<T>(classes + kGroup * child, classes[8 * kGroup + child]);
   }
   if (group.kind == GroupKind::constrained) {
     children.held = &m_held[m_held_of[std::size_t(&group - m_groups.groups.data())]];
@@ -190,13 +212,11 @@ void HexOperator::apply_group(const ElementGroup& group, ElementLanes<T>* x) con
     }
     return;
   }
-  ElementLanes<T> shear, bulk;
-  moduli_of_lanes<T>(&m_classes[group.lanes], group.present, shear, bulk);
+  const LaneMaterial<T> of = material_of_lanes<T>(&m_classes[group.lanes], group.present);
   if constexpr (std::is_same_v<T, float>) {
-    m_is_coarse ? apply_alike(m_alike_single, shear, bulk, x)
-                : apply_voxel(m_voxel_single, shear, bulk, x);
+    m_is_coarse ? apply_alike(m_alike_single, of, x) : apply_voxel(m_voxel_single, of, x);
   } else {
-    m_is_coarse ? apply_alike(m_alike, shear, bulk, x) : apply_voxel(m_voxel, shear, bulk, x);
+    m_is_coarse ? apply_alike(m_alike, of, x) : apply_voxel(m_voxel, of, x);
   }
 }
 
@@ -263,16 +283,15 @@ void HexOperator::group_diagonal(const ElementGroup& group, ElementLanes<float>*
     return;
   }
   for (int n = 0; n < 24; ++n) out[n] = ElementLanes<float>{};
-  ElementLanes<float> shear, bulk;
   for (int child = 0; child < (m_is_coarse ? 8 : 1); ++child) {
     const std::uint8_t* classes = &m_classes[group.lanes];
-    if (group.kind == GroupKind::alike) {
-      moduli_of_lanes<float>(classes, group.present, shear, bulk);
-    } else {
-      moduli_of_lanes<float>(classes + kGroup * child, classes[8 * kGroup + child], shear, bulk);
-    }
+    const LaneMaterial<float> of =
+        group.kind == GroupKind::alike
+            ? material_of_lanes<float>(classes, group.present)
+            : material_of_lanes<float>(classes + kGroup * child, classes[8 * kGroup + child]);
     for (int n = 0; n < 24; ++n) {
-      out[n] += shear * m_shear_diagonal[child][n] + bulk * m_bulk_diagonal[child][n];
+      out[n] += of.shear * m_shear_diagonal[child][n] + of.bulk * m_bulk_diagonal[child][n];
+      if (m_has_inertia) out[n] += of.inertia * m_mass_diagonal[child][n];
     }
   }
 }

@@ -1,4 +1,5 @@
 // K u on a mesh of hexahedra without a matrix: from classes per voxel and two reference matrices.
+// Where the material has inertia (cell_classes.h), it is (K + c M) u with the consistent mass M.
 // Level 0 has the voxels themselves. Level 1 has cells of 2^3 voxels by Galerkin, P^T K P, from the
 // voxels' own stiffnesses and with the rows of held nodes of the voxel mesh left out.
 //
@@ -43,8 +44,7 @@ class HexOperator {
   template <class T>
   void apply_group(const ElementGroup& group, ElementLanes<T>* x) const;
   template <class T>
-  void moduli_of_lanes(const std::uint8_t* classes, unsigned present, ElementLanes<T>& shear,
-                       ElementLanes<T>& bulk) const;
+  LaneMaterial<T> material_of_lanes(const std::uint8_t* classes, unsigned present) const;
   template <class T>
   ChildLanes<T> children_of(const ElementGroup& group) const;
   void group_diagonal(const ElementGroup& group, ElementLanes<float>* out) const;
@@ -53,7 +53,7 @@ class HexOperator {
 
   const HexMesh* m_mesh;
   const VoxelMaterial* m_material;
-  bool m_is_coarse;
+  bool m_is_coarse, m_has_inertia;
   ElementGroups m_groups;
   /// Classes of the lanes (kind alike, 8 bytes) or of their children (72: [child][lane], and per
   /// child which lanes have it).
@@ -64,8 +64,9 @@ class HexOperator {
   VoxelKernel<double> m_voxel;
   AlikeKernel<float> m_alike_single;
   AlikeKernel<double> m_alike;
-  /// Diagonals of M and A of a child on its parent, and of a voxel: [child][corner value].
-  std::array<std::array<float, 24>, 8> m_shear_diagonal, m_bulk_diagonal;
+  /// Diagonals of M, A and the mass of a child on its parent, and of a voxel: [child][corner
+  /// value].
+  std::array<std::array<float, 24>, 8> m_shear_diagonal, m_bulk_diagonal, m_mass_diagonal;
 };
 
 }  // namespace supple

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "lib/body/node_offsets.h"
+#include "lib/relax/relaxation.h"
 #include "lib/session/rigid_drag.h"
 #include "volumes/base/text.h"
 
@@ -25,6 +26,11 @@ struct Solid {
   ElasticTable elastic;
   std::array<double, kLastClass + 1> mass_density{};
 };
+
+double milliseconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
+      .count();
+}
 
 /// A class that no element outside of the pieces has.
 std::uint8_t class_of_pieces(const Body& body) {
@@ -191,7 +197,36 @@ void warn_of_result(const FemStep& step, const FemRecord& record, Progress* prog
   }
 }
 
+/// Modes count from rest and with all that is held at rest; neither loads nor handles act.
+void find_modes(const FemStep& step, const FemTask& task, const Solid& solid, FemRecord& record,
+                Progress* progress) {
+  Body& body = task.held.body;
+  const FemModel model(solid.body ? *solid.body : body, solid.elastic, Dilatation::mean, progress);
+  record.modes =
+      find_modes_of_body(*step.modes, step.params, model, solid.mass_density,
+                         anchored_elements(body, task.held.anchors, task.held.holds), progress);
+  record.modes->amplitude_mm = step.modes->amplitude_mm.value_or(default_amplitude_mm(body));
+  const ModesReport& report = record.modes->report;
+  record.report.elements = report.elements;
+  record.report.nodes = report.nodes;
+  record.report.unknowns = report.unknowns;
+  record.report.levels = report.levels;
+  record.report.iterations = report.iterations;
+  record.report.residual_max = report.largest_residual;
+  record.report.bytes = report.bytes;
+  if (report.rigid_modes > 0) return;
+  record.report.loose_islands = report.loose_islands;
+  record.report.loose_elements = report.loose_elements;
+}
+
 }  // namespace
+
+void show_mode(int number, FemRecord& record, Body& body) {
+  take_mode_shape(*record.modes, number, body);
+  if (!body.rigid.empty()) fit_pieces(body, record);
+  record.links = check_links(body);
+  body.links_known_valid = record.links.violated == 0;
+}
 
 const char* name_of(LoadKind kind) {
   static constexpr const char* kNames[] = {"force", "pressure", "swelling"};
@@ -204,12 +239,22 @@ FemRecord move_by_fem(const FemStep& step, const FemTask& task, const std::vecto
   stage(progress, "finite elements");
   Body& body = task.held.body;
   const Solid solid = solid_of(step, task);
+  FemRecord record;
+  if (step.modes) {
+    if (!handles.empty()) {
+      throw InputError({"", "modes", "handles", "anchors alone, which stay at rest"});
+    }
+    find_modes(step, task, solid, record, progress);
+    show_mode(step.modes->shape, record, body);
+    record.milliseconds = milliseconds_since(begin);
+    warn_of_result(step, record, progress);
+    return record;
+  }
   VoxelFemModel model(task.held, solid.elastic, loads_of(step, task, solid), step.params,
                       solid.body ? &*solid.body : nullptr, progress);
   model.tell_of(task.gripped);
   model.move(handles, 1, progress);
   model.store();
-  FemRecord record;
   record.report = model.report();
   record.reactions = model.reactions(task.gripped);
   record.anchors = model.anchor_reaction();
@@ -221,8 +266,7 @@ FemRecord move_by_fem(const FemStep& step, const FemTask& task, const std::vecto
   }
   record.links = check_links(body);
   body.links_known_valid = record.links.violated == 0;
-  record.milliseconds =
-      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+  record.milliseconds = milliseconds_since(begin);
   warn_of_result(step, record, progress);
   return record;
 }
@@ -288,6 +332,7 @@ Fields load_fields(FemLoad& load) {
 std::string settings_json(const FemStep& step) {
   FemStep copy = step;
   auto json = nlohmann::ordered_json::parse(fields_json(fields(copy)));
+  if (copy.modes) json["modes"] = nlohmann::ordered_json::parse(fields_json(fields(*copy.modes)));
   for (FemLoad& load : copy.loads) {
     auto entry = nlohmann::ordered_json::parse(chosen_json(load.part));
     entry.update(nlohmann::ordered_json::parse(fields_json(load_fields(load))));

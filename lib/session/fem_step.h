@@ -1,4 +1,4 @@
-// A step in which finite elements move the body to its equilibrium.
+// A step in which finite elements move the body to its equilibrium, or find its modes of vibration.
 #pragma once
 
 #include <array>
@@ -8,6 +8,7 @@
 
 #include "lib/fem/fem_results.h"
 #include "lib/model/fem_model.h"
+#include "lib/session/fem_modes.h"
 #include "lib/session/selection.h"
 #include "volumes/base/fields.h"
 #include "volumes/base/progress.h"
@@ -35,6 +36,7 @@ struct FemStep {
   double rigid_young_kpa = 18.6e6, rigid_poisson = 0.3;
   std::vector<FemLoad> loads;
   std::vector<FemQuantity> wanted;  // whose values the record is to have
+  std::optional<ModeStep> modes;    // instead of an equilibrium
 };
 
 /// A value per element.
@@ -61,6 +63,7 @@ struct FemRecord {
   double fitted_max_voxels = 0;
   std::vector<StrainGauge> gauges;    // of the labels of the body
   std::vector<ElementValues> values;  // of FemStep::wanted
+  std::optional<ModesRecord> modes;   // of FemStep::modes; `report` then has sizes alone
   double milliseconds = 0;
 };
 
@@ -82,7 +85,10 @@ struct FemTask {
 FemRecord move_by_fem(const FemStep& step, const FemTask& task, const std::vector<Handle>& handles,
                       Progress* progress);
 
-/// Of `fem = { … }` in a scene, but for its loads.
+/// The body takes another shape of the record's modes.
+void show_mode(int number, FemRecord& record, Body& body);
+
+/// Of `fem = { … }` in a scene, but for its loads and modes.
 Fields fields(FemStep& step);
 /// The one of these that is an option of the command line, too.
 Field strain_field(FemStep& step);

@@ -76,6 +76,10 @@ class Session {
   /// What is kept for it.
   std::size_t undo_bytes() const { return m_undo_bytes; }
 
+  /// The body takes the shape of another mode that the last step has found; numbers count from 1.
+  /// Throws std::logic_error where it found none, or where steps can be undone.
+  void show_mode(int number);
+
   const std::vector<StepRecord>& records() const { return m_records; }
   /// Warnings since the session was opened, in order.
   const std::vector<std::string>& messages() const { return m_messages; }

@@ -152,6 +152,16 @@ void Session::move(StepRecord& record, Progress* progress) {
   m_ledger = std::move(ledger);
 }
 
+void Session::show_mode(int number) {
+  if (m_keeps_undo || m_records.empty() || !m_records.back().equilibrium.modes) {
+    throw std::logic_error("no modes to show");
+  }
+  StepRecord& last = m_records.back();
+  supple::show_mode(number, last.equilibrium, m_body);
+  last.fem->modes->shape = number;
+  m_pose.reset();
+}
+
 void Session::follow_ways(StepRecord& record, Progress* progress) {
   m_walk = std::make_unique<Walk>(
       Walk{m_body, anchored_elements(m_body, m_anchors, m_holds), m_ledger, {}});

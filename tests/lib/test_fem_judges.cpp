@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "lib/fem/dynamics/modes.h"
 #include "lib/fem/finite_strain.h"
 #include "lib/fem/loose_islands.h"
 #include "tests/lib/fem_fixtures.h"
@@ -118,6 +119,22 @@ class CalculixDeck {
     m_first += int(positions.size());
   }
 
+  /// The ten lowest modes with all that is held at rest; densities per class in kg/m^3.
+  std::string text_of_modes(const double (&density)[2]) const {
+    std::string materials = m_materials, held;
+    for (int of = 0; of < 2; ++of) {
+      const std::string name = "*MATERIAL, NAME=M0_" + std::to_string(of) + "\n";
+      std::string text = name;
+      print(text, "*DENSITY\n%.12e\n", density[of] * 1e-9);
+      materials.replace(materials.find(name), name.size(), text);
+    }
+    std::istringstream lines(m_held);
+    for (std::string line; std::getline(lines, line);)
+      held += line.substr(0, line.rfind(',')) + "\n";
+    return "*NODE, NSET=ALL\n" + m_nodes + m_elements + materials + "*BOUNDARY\n" + held +
+           "*STEP\n*FREQUENCY\n10\n*NODE FILE\nU\n*END STEP\n";
+  }
+
   std::string text() const {
     // The second control is that of corrections; the first steps are a fifth of the load.
     const std::string step =
@@ -167,6 +184,34 @@ std::vector<std::vector<double>> judge(const CalculixDeck& deck) {
   blocks.erase(blocks.begin(),
                blocks.end() - std::min<std::ptrdiff_t>(2, std::ptrdiff_t(blocks.size())));
   return blocks;
+}
+
+/// Cycles per second of modes 1, 2, ..., and the masses that take part along x, y and z in kg.
+struct CalculixModes {
+  std::vector<double> frequency_hz;
+  std::vector<Vec3d> effective_mass_kg;
+};
+
+CalculixModes judge_modes_of(const std::string& deck) {
+  const TemporaryFolder folder;
+  write_text(folder / "modes.inp", deck);
+  EXPECT_TRUE(runs("cd " + (folder / "") + " && ccx modes"));
+  std::istringstream lines(read_text(folder / "modes.dat"));
+  CalculixModes modes;
+  std::string table;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.find("E I G E N") != std::string::npos) table = "frequencies";
+    if (line.find("P A R T I C I P A T I O N") != std::string::npos) table = "factors";
+    if (line.find("E F F E C T I V E") != std::string::npos) table = "masses";
+    if (line.find("T O T A L") != std::string::npos) table = "total";
+    std::istringstream words(line);
+    std::size_t number;
+    double a, b, c;
+    if (!(words >> number >> a >> b >> c)) continue;
+    if (table == "frequencies") modes.frequency_hz.push_back(c);
+    if (table == "masses") modes.effective_mass_kg.emplace_back(a, b, c);
+  }
+  return modes;
 }
 
 /// Compares one body with its part of the blocks from `at` on, which goes behind it.
@@ -240,4 +285,39 @@ TEST(InteropFem, CalculixFindsTheSameAtFiniteStrain) {
   std::size_t at = 0;
   for (const JudgedBody& judged : bodies) compare(judged, blocks, at);
   EXPECT_EQ(at, blocks[0].size());
+}
+
+TEST(InteropFem, CalculixFindsTheSameTenLowestModes) {
+  if (!runs("command -v ccx")) GTEST_SKIP() << "calculix-ccx is not installed";
+  std::mt19937 random(24);
+  constexpr double kDensity[2] = {900, 1800};
+  for (int judged_bodies = 0; judged_bodies < 2;) {
+    const JudgedBody judged(random, StrainTheory::linear);
+    if (judged.solution.report.unknowns < 100) continue;
+    ++judged_bodies;
+    CalculixDeck deck(StrainTheory::linear);
+    deck.add(judged);
+    const CalculixModes expected = judge_modes_of(deck.text_of_modes(kDensity));
+    ASSERT_EQ(expected.frequency_hz.size(), 10u);
+    ASSERT_EQ(expected.effective_mass_kg.size(), 10u);
+    MassDensities density{};
+    density.fill(1);
+    density[0] = kDensity[0];
+    density[1] = kDensity[1];
+    const FemModel model(judged.body, judged.elastic, kAsC3d8);
+    const VibrationModes found = lowest_modes(model, density, judged.loads.held);
+    const MassMatrix mass(model.mesh(), model.material(), density);
+    for (std::size_t m = 0; m < 10; ++m) {
+      EXPECT_NEAR(found.modes[m].frequency_hz, expected.frequency_hz[m],
+                  1e-6 * expected.frequency_hz[m]);
+      // CalculiX counts no mass of what is held.
+      const std::vector<double> inertia = mass.times(found.modes[m].shape);
+      Vec3d participation(0.0);
+      for (std::size_t n = 0; n < inertia.size(); ++n) {
+        if ((judged.nodal.held[n / 3] >> n % 3 & 1) == 0) participation[int(n % 3)] += inertia[n];
+      }
+      const Vec3d off = participation * participation - expected.effective_mass_kg[m];
+      EXPECT_LT(off.length(), 1e-4 * found.report.mass_kg) << m;
+    }
+  }
 }

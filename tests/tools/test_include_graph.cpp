@@ -48,6 +48,7 @@ const std::map<std::string, std::set<std::string>> kThirdPartyHomes = {
     {"openjpeg", {"volumes/io/dicom/plugin"}},
     {"hdf5", {"volumes/io/hdf5/plugin"}},
     {"Eigen/", {"lib/fem", "lib/springs"}},
+    {"Spectra/", {"lib/fem/dynamics"}},
     {"boost/asio", {"tools/viewer"}},
     {"boost/beast", {"tools/viewer"}},
     {"turbojpeg", {"tools/viewer"}},

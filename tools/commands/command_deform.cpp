@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "lib/material/toml_string.h"
+#include "tools/console/body_options.h"
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
 #include "tools/console/grab_text.h"
@@ -22,9 +23,9 @@ struct DeformOptions {
   explicit DeformOptions(CLI::App& app) : scene(app) {}
 
   SceneOptions scene;
-  std::string input, material, labels, output;
-  std::vector<std::string> grabs, bys, fixes, cuts, contacts, removed, rigid, rigid_seeds,
-      retractions, elements;
+  BodyOptions body;
+  std::string output;
+  std::vector<std::string> grabs, bys, contacts, retractions, elements;
   bool push = false;
 };
 
@@ -54,65 +55,6 @@ std::string handle_tables(const DeformOptions& options) {
   return "[" + tables + "]";
 }
 
-void set_anchors(DeformOptions& options) {
-  std::map<std::string, std::string> lists;
-  for (const std::string& text : options.fixes) {
-    if (const auto label = parse_label("--fix", text)) {
-      lists["fix_label"] += toml_string(*label) + ", ";
-      continue;
-    }
-    if (is_point_file_name(text)) {
-      lists["fix_points"] += toml_string(text) + ", ";
-      continue;
-    }
-    const GrabText grab = parse_grab("--fix", text);
-    if (grab.is_plain_box) {
-      lists["fix"] += grab.keys.substr(grab.keys.find('[')) + ", ";
-    } else {
-      lists["anchors"] += "{ " + grab.keys + " }, ";
-    }
-  }
-  for (const auto& [key, list] : lists) options.scene.set("step", key, "[" + list + "]", "--fix");
-}
-
-/// What --remove and --rigid choose.
-void set_parts(DeformOptions& options) {
-  std::string removed, rigid, seeds;
-  for (const std::string& text : options.removed) {
-    removed += "{ " + parse_grab("--remove", text).keys + " }, ";
-  }
-  for (const std::string& text : options.rigid) {
-    rigid += "{ " + parse_grab("--rigid", text).keys + " }, ";
-  }
-  for (const std::string& text : options.rigid_seeds) {
-    seeds += toml_numbers("--rigid-seed", text) + ", ";
-  }
-  std::string retractions;
-  for (const std::string& text : options.retractions) {
-    retractions += toml_table("--retract", text) + ", ";
-  }
-  SceneOptions& scene = options.scene;
-  if (!retractions.empty()) scene.set("step", "retract", "[" + retractions + "]", "--retract");
-  if (!removed.empty()) scene.set("step", "remove", "[" + removed + "]", "--remove");
-  if (!rigid.empty()) scene.set("step", "rigid", "[" + rigid + "]", "--rigid");
-  if (!seeds.empty()) scene.set("step", "rigid_seeds", "[" + seeds + "]", "--rigid-seed");
-}
-
-/// "MESH", "label:N", or the table as in a scene.
-std::string cut_table(const std::string& text) {
-  if (is_table(text)) return toml_table("--cut", text);
-  if (const auto label = parse_label("--cut", text)) {
-    return "{ label = " + toml_string(*label) + " }";
-  }
-  return "{ mesh = " + toml_string(text) + " }";
-}
-
-std::string cut_tables(const std::vector<std::string>& cuts) {
-  std::string tables;
-  for (const std::string& text : cuts) tables += cut_table(text) + ", ";
-  return "[" + tables + "]";
-}
-
 /// QUANTITY=FILE of each.
 std::string element_table(const std::vector<std::string>& texts) {
   std::string entries;
@@ -132,20 +74,14 @@ std::string element_table(const std::vector<std::string>& texts) {
 Scene to_scene(DeformOptions& options) {
   if (options.output.empty()) throw UsageError("--output: found nothing, expected STATE.vdb");
   SceneOptions& given = options.scene;
-  given.set("volume", "path", toml_string(options.input), "input");
-  if (!options.labels.empty()) {
-    given.set("labels", "path", toml_string(options.labels), "--labels");
-  }
-  if (!options.material.empty()) {
-    const bool is_preset = is_tissue_preset("--material", options.material);
-    given.set("material", is_preset ? "preset" : "table", toml_string(options.material),
-              "--material");
-  }
+  set_body(options.body, given);
   const std::string handles = handle_tables(options);
   if (!options.grabs.empty()) given.set("step", "handles", handles, "--grab");
-  set_anchors(options);
-  set_parts(options);
-  if (!options.cuts.empty()) given.set("step", "cut", cut_tables(options.cuts), "--cut");
+  std::string retractions;
+  for (const std::string& text : options.retractions) {
+    retractions += toml_table("--retract", text) + ", ";
+  }
+  if (!retractions.empty()) given.set("step", "retract", "[" + retractions + "]", "--retract");
   if (!options.contacts.empty()) {
     std::string tables;
     for (const std::string& text : options.contacts) tables += toml_table("--contact", text) + ", ";
@@ -303,9 +239,7 @@ Command add_deform(CLI::App& program) {
       "  supple deform head.nhdr --grab 90,200,8:160,210,14 --by 0,-8,0 --push --fix pins.csv "
       "-o push.vdb");
   auto options = std::make_shared<DeformOptions>(*app);
-  app->add_option("input", options->input, "A volume file, or a state to continue")
-      ->required()
-      ->option_text("VOLUME|STATE.vdb");
+  add_body_options(*app, options->body);
   ReadOptions read;
   StepSettings settings;
   RelaxParams relax;
@@ -315,14 +249,6 @@ Command add_deform(CLI::App& program) {
   scene.add("volume", fields(read));
   scene.add("labels", {});
   scene.add("material", {});
-  app->add_option("--material", options->material,
-                  "Look-up table of link limits, or ct-head, ct-body or mr-brain")
-      ->option_text("M.toml|NAME");
-  app->add_option(
-         "--labels", options->labels,
-         "Label volume on the same grid: for [label.N] of the material, and label:N below; N is a "
-         "number, or the name of a segment")
-      ->option_text("FILE");
   app->add_option("--grab", options->grabs,
                   "Voxel, box, ball (radius in mm), range of densities, connected piece, label or "
                   "points to drag as one; PLACE is I,J,K or lps:X,Y,Z or ras:X,Y,Z in mm; TABLE "
@@ -335,24 +261,6 @@ Command add_deform(CLI::App& program) {
                   "--grab, in order, but none for a file with dx,dy,dz, or a table with a motion")
       ->allow_extra_args(false)
       ->option_text("DX,DY,DZ");
-  app->add_option("--fix", options->fixes, "What stays where it is, as for --grab")
-      ->allow_extra_args(false)
-      ->option_text("I,J,K[:I,J,K]|…");
-  app->add_option(
-         "--cut", options->cuts,
-         "Cut the body at rest along a surface in LPS mm (.stl, .ply, .obj), around a label, "
-         "or as a table of a scene says, such as {plane = {…}}; repeatable")
-      ->allow_extra_args(false)
-      ->option_text("MESH|label:N|TABLE");
-  app->add_option("--remove", options->removed, "What is gone from now on, as for --grab")
-      ->allow_extra_args(false)
-      ->option_text("rigid:PLACE|…");
-  app->add_option("--rigid", options->rigid, "What moves as a rigid piece, as for --grab")
-      ->allow_extra_args(false)
-      ->option_text("label:N|…");
-  app->add_option("--rigid-seed", options->rigid_seeds, "Part a piece between such voxels")
-      ->allow_extra_args(false)
-      ->option_text("I,J,K");
   app->add_option("--retract", options->retractions, "Push lips of a cut apart, as in scenes")
       ->allow_extra_args(false)
       ->option_text("TABLE");

@@ -40,6 +40,7 @@ std::vector<KeyTable> all_tables() {
   static RelaxParams relax;
   static SpringStep springs;
   static FemStep fem;
+  static ModeStep modes;
   static FemLoad force, pressure;
   pressure.kind = LoadKind::pressure;
   static CutSurface plane, curve;
@@ -62,6 +63,7 @@ std::vector<KeyTable> all_tables() {
       {"relax", "relax = { … } of a [[step]]", "relax-", fields(relax)},
       {"springs", "springs = { … } of a [[step]]", "springs-", fields(springs)},
       {"fem", "fem = { … } of a [[step]]", "", fields(fem)},
+      {"modes", "modes = { … } of fem", "", fields(modes)},
       {"forces", "forces = [{ … }] of fem", "", load_fields(force)},
       {"pressures", "pressures = [{ … }] and swellings = [{ … }] of fem", "",
        load_fields(pressure)},

@@ -39,6 +39,7 @@ Command add_export(CLI::App& program);
 Command add_invert(CLI::App& program);
 Command add_keys(CLI::App& program);
 Command add_metrics(CLI::App& program);
+Command add_modes(CLI::App& program);
 Command add_resample(CLI::App& program);
 Command add_apply(CLI::App& program);
 Command add_presets(CLI::App& program);

@@ -160,8 +160,7 @@ class ViewDrawing {
 
   void draw_all(PictureWriter& writer) {
     for (int n = 0; n < m_options.frame_count(); ++n) {
-      double fraction = 1;
-      if (m_options.sequence > 0) fraction = double(n) / (m_options.sequence - 1);
+      const double fraction = m_options.fraction_at(n);
       FloatImage picture = draw_at(fraction, frame_view(n));
       const Displacement* moved = m_subject.displacement;
       add_channels(picture, m_subject, {moved, moved}, n);

@@ -8,7 +8,8 @@
 namespace supple::tools {
 
 /// Draws all pictures of an effective view and files them; the report is their sum. In picture n of
-/// a sequence of N the material lies at X + s u(X), s = n / (N - 1): u is scaled and inverted anew,
+/// a sequence of N the material lies at X + s u(X), s = n / (N - 1), or sin(2 pi n / N) where it
+/// swings: u is scaled and inverted anew,
 /// since s o would not be the offset of s u. Throws InputError, with the view's place, for channels
 /// that the subject does not have.
 void draw_view(const PosedVolume& subject, const SceneView& view, PictureWriter& writer,

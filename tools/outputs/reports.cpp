@@ -58,6 +58,35 @@ nlohmann::ordered_json to_json(const SpringRecord& record) {
   return json;
 }
 
+nlohmann::ordered_json to_json(const ModesRecord& record) {
+  const ModesReport& report = record.report;
+  nlohmann::ordered_json modes = nlohmann::ordered_json::array();
+  for (const ModeRow& mode : record.modes) {
+    modes.push_back({{"frequency_hz", mode.frequency_hz},
+                     {"participation_kg_half", vector_json(mode.participation_kg_half)},
+                     {"effective_mass_kg", vector_json(mode.effective_mass_kg)},
+                     {"residual", mode.residual}});
+  }
+  return {{"modes", std::move(modes)},
+          {"amplitude_mm", record.amplitude_mm},
+          {"mass_kg", report.mass_kg},
+          {"elements", report.elements},
+          {"nodes", report.nodes},
+          {"unknowns", report.unknowns},
+          {"levels", report.levels},
+          {"solutions", report.solutions},
+          {"iterations", report.iterations},
+          {"late_modes", report.late_modes},
+          {"rigid_modes", report.rigid_modes},
+          {"islands", report.islands},
+          {"loose_islands", report.loose_islands},
+          {"loose_elements", report.loose_elements},
+          {"largest_residual", report.largest_residual},
+          {"orthogonality", report.orthogonality},
+          {"bytes", report.bytes},
+          {"modes_ms", report.milliseconds}};
+}
+
 nlohmann::ordered_json to_json(const FemRecord& record) {
   const FemReport& report = record.report;
   nlohmann::ordered_json json = {{"elements", report.elements},
@@ -267,6 +296,12 @@ nlohmann::ordered_json to_json(const StepRecord& record) {
         {"springs", to_json(record.sprung)}};
     json["reactions"] = to_json(record.reactions);
     return json;
+  }
+  if (record.equilibrium.modes) {
+    return {{"model", "fem"},
+            {"cut_links", record.cut_links},
+            {"settings", nlohmann::ordered_json::parse(settings_json(*record.fem))},
+            {"modes", to_json(*record.equilibrium.modes)}};
   }
   if (record.fem) {
     nlohmann::ordered_json json = {

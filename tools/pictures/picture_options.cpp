@@ -68,6 +68,12 @@ bool has_frame_number(const std::string& name) {
   return std::regex_search(name, frame_pattern());
 }
 
+double PictureOptions::fraction_at(int n) const {
+  constexpr double kTurn = 2 * 3.14159265358979323846;
+  if (sequence == 0) return 1;
+  return swing ? std::sin(kTurn * n / sequence) : double(n) / (sequence - 1);
+}
+
 PictureKind picture_kind(const std::string& path) {
   const std::string extension = std::filesystem::path(path).extension().string();
   if (extension == ".png") return PictureKind::png;
@@ -97,13 +103,15 @@ Fields fields(PictureOptions& options) {
           .at_least(0)
           .otherwise("1/30 of the distance to the target"),
       Field("turntable", options.turntable,
-            "N pictures around the target, as a_%03d.png or a video (.mp4, .webm, .avi)")
+            "N pictures around the target: a_%03d.png, .mp4, .webm or .avi")
           .range(1, kMostFrames)
           .otherwise(""),
       Field("sequence", options.sequence, "N pictures from rest to the deformed state")
           .for_slices()
           .range(2, kMostFrames)
           .otherwise(""),
+      Field("swing", options.swing, "Sequence of one oscillation, the state its largest swing")
+          .for_slices(),
       Field("fps", options.frames_per_second, "Pictures a second of a video")
           .for_slices()
           .range(0.1, 240)
@@ -131,6 +139,8 @@ void check_picture_options(const PictureOptions& options, const std::string& ima
   if (options.turntable > 0 && options.sequence > 0) {
     refuse("sequence", "turntable and sequence", "one of both");
   }
+  if (options.swing && options.sequence == 0)
+    refuse("swing", "no sequence", "a sequence beside it");
   if (kind == PictureKind::video) {
     if (!options.is_series()) refuse("image", image, "a turntable or a sequence for a video");
     if (!options.aux.empty()) refuse("aux", "pictures beside a video", "a series of PNG files");

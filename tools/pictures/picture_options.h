@@ -21,6 +21,7 @@ struct PictureOptions {
   double eye_separation_mm = 0;  // 0: one thirtieth of the distance to the target
   int turntable = 0;             // pictures of a full turn; 0: none
   int sequence = 0;              // pictures from rest to the deformed state; 0: none
+  bool swing = false;            // of a whole oscillation about rest instead
   double frames_per_second = 25;
   std::string video;  // of the numbered pictures of a film
   int film = 0;       // frames of the scene's film; 0: none
@@ -31,6 +32,8 @@ struct PictureOptions {
   /// Those of `aux` that become pictures beside the main one.
   std::vector<std::string> maps() const;
   int frame_count() const { return std::max({1, turntable, sequence, film}); }
+  /// Of the displacement, in picture n: 1 but in a sequence.
+  double fraction_at(int n) const;
 };
 
 constexpr int kMostFrames = 10000;

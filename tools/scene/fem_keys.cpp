@@ -29,6 +29,11 @@ GivenFem read_fem(TomlTable& table, const LabelNames& names) {
       given.loads.push_back(read_load(load, kind, names));
     }
   }
+  if (auto modes = table.table("modes")) {
+    modes->read(fields(given.step.modes.emplace()));
+    modes->finish();
+    if (!given.loads.empty()) table.fail("modes", "modes beside loads", "one of them");
+  }
   table.finish();
   return given;
 }

@@ -1,0 +1,76 @@
+// The lowest modes of vibration of a body (thesis appendix A):
+//
+//   K phi = omega^2 M phi,  phi^T M phi = 1
+//
+// with phi = 0 where the body is held. A body that nothing holds has six rigid motions per piece,
+// which are recognised and left out.
+//
+// Shift-invert Lanczos with implicit restarts (Spectra): vectors are multiplied by (K + s M)^-1 M,
+// which conjugate gradients with the multigrid cycle do without a matrix (conjugate_gradients.h). s
+// is 0 where the body is held, and small against the lowest omega^2 of a compact body otherwise.
+// Krylov spaces of one vector see one mode of several alike, as a square bar has them, until
+// rounding shows the others. So what was found is taken out, and the lowest of the rest is sought:
+// where it is lower than the last one found, it is taken in and the search repeated.
+//
+// Cost: some 30 solutions for ten modes. Memory: 16 bytes per unknown and mode for the results, 8
+// for each of the 20 or 2 count + 1 vectors of Lanczos, and that of one solution.
+#pragma once
+
+#include <vector>
+
+#include "lib/fem/dynamics/mass.h"
+#include "lib/fem/fem.h"
+
+namespace supple {
+
+struct ModeParams {
+  int count = 10;
+  /// Largest |K phi - omega^2 M phi| relative to |K phi|.
+  double tolerance = 1e-5;
+  int max_iterations = 400;                 // of each linear system
+  LooseIslands loose = LooseIslands::hold;  // of a body that is held somewhere
+
+  /// Throws InputError.
+  void validate() const;
+};
+
+struct VibrationMode {
+  double frequency_hz = 0;
+  double eigenvalue_per_s2 = 0;  // omega^2
+  double residual = 0;           // |K phi - omega^2 M phi| / |K phi|
+  /// phi^T M e for a motion by 1 along each axis of LPS, in kg^1/2; its squares are the masses that
+  /// take part.
+  Vec3d participation_kg_half{0, 0, 0};
+  /// phi in kg^-1/2, three per node of the mesh; its largest component is positive.
+  std::vector<double> shape;
+
+  Vec3d effective_mass_kg() const { return participation_kg_half * participation_kg_half; }
+};
+
+struct ModesReport {
+  std::int64_t elements = 0, nodes = 0, unknowns = 0;
+  int levels = 0;
+  int solutions = 0, iterations = 0;  // of linear systems, and of conjugate gradients in all
+  int late_modes = 0;                 // that only the search among the rest found
+  std::int64_t islands = 0, loose_islands = 0, loose_elements = 0;
+  std::int64_t rigid_modes = 0;  // left out
+  double mass_kg = 0;            // of the whole mesh
+  double largest_residual = 0;
+  double orthogonality = 0;  // the largest entry of phi^T M phi - 1
+  std::size_t bytes = 0;     // at the most, of the solver and its mesh
+  double milliseconds = 0;
+};
+
+struct VibrationModes {
+  std::vector<VibrationMode> modes;  // ascending
+  ModesReport report;
+};
+
+/// The lowest modes of the body with `held` at rest, whatever displacement is prescribed there.
+/// Throws InputError (more modes than half of what can move, a value out of range, loose islands
+/// that are refused), NotConverged, Cancelled.
+VibrationModes lowest_modes(const FemModel& model, const MassDensities& density,
+                            const std::vector<HeldElements>& held, const ModeParams& params = {},
+                            Progress* progress = nullptr);
+
+}  // namespace supple

@@ -1,0 +1,40 @@
+// The rigid motions of pieces that nothing holds, which K does not see: each piece has six. A
+// vector without them is M-orthogonal to all.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "lib/fem/dynamics/mass.h"
+#include "lib/fem/hex_mesh.h"
+
+namespace supple {
+
+class RigidMotions {
+ public:
+  /// Of all pieces of the mesh. Both must outlive this.
+  RigidMotions(const HexMesh& mesh, const MassMatrix& mass);
+
+  /// Takes them out of x; `scratch` is used up.
+  void remove_from(double* x, std::vector<double>& scratch) const;
+
+  std::int64_t count() const { return 6 * std::int64_t(m_pieces.size()); }
+  std::size_t bytes() const;
+
+ private:
+  using Coefficients = Eigen::Matrix<double, 6, 1>;
+  struct Piece {
+    Vec3d centre_mm{0, 0, 0};
+    Eigen::Matrix<double, 6, 6> inverse_gram;  // of the motions in the inner product of M
+  };
+  std::vector<Coefficients> products_with(const double* force) const;
+  Vec3d motion_at(std::size_t node, const Coefficients& of) const;
+
+  const MassMatrix& m_mass;
+  std::vector<Vec3d> m_positions;
+  std::vector<std::int32_t> m_piece_of;  // per node
+  std::vector<Piece> m_pieces;
+};
+
+}  // namespace supple

@@ -1,0 +1,48 @@
+// The lowest modes of vibration in a step of finite elements, and the body in the shape of one.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "lib/body/slot_set.h"
+#include "lib/fem/dynamics/modes.h"
+#include "volumes/base/fields.h"
+
+namespace supple {
+
+struct ModeStep {
+  int count = 10;
+  int shape = 1;                       // which the body takes, the lowest is 1
+  std::optional<double> amplitude_mm;  // of its largest displacement; none: default_amplitude_mm()
+};
+
+/// A mode without its shape at nodes.
+struct ModeRow {
+  double frequency_hz = 0, residual = 0;
+  Vec3d participation_kg_half{0, 0, 0}, effective_mass_kg{0, 0, 0};
+  /// Displacement of the elements' centres along LPS, the longest of length 1, in the order of the
+  /// bricks.
+  std::vector<Vec3f> shape;
+};
+
+struct ModesRecord {
+  ModesReport report;
+  std::vector<ModeRow> modes;  // ascending
+  double amplitude_mm = 0;     // with which they are shown
+};
+
+/// A twentieth of the diagonal of the elements' box.
+double default_amplitude_mm(const Body& body);
+
+/// Modes of the body with these elements at rest. Throws as lowest_modes().
+ModesRecord find_modes_of_body(const ModeStep& step, const FemParams& params, const FemModel& model,
+                               const MassDensities& density, const SlotSet& held,
+                               Progress* progress);
+
+/// The elements lie where the mode has them at its largest, from rest; `number` counts from 1.
+void take_mode_shape(const ModesRecord& record, int number, Body& body);
+
+/// Of `modes = { … }` of fem.
+Fields fields(ModeStep& step);
+
+}  // namespace supple

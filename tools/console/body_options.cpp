@@ -1,0 +1,116 @@
+#include "tools/console/body_options.h"
+
+#include <map>
+
+#include "lib/material/toml_string.h"
+#include "tools/console/grab_text.h"
+#include "tools/console/parse.h"
+#include "volumes/io/point_file.h"
+
+namespace supple::tools {
+
+namespace {
+
+void set_anchors(const BodyOptions& options, SceneOptions& scene) {
+  std::map<std::string, std::string> lists;
+  for (const std::string& text : options.fixes) {
+    if (const auto label = parse_label("--fix", text)) {
+      lists["fix_label"] += toml_string(*label) + ", ";
+      continue;
+    }
+    if (is_point_file_name(text)) {
+      lists["fix_points"] += toml_string(text) + ", ";
+      continue;
+    }
+    const GrabText grab = parse_grab("--fix", text);
+    if (grab.is_plain_box) {
+      lists["fix"] += grab.keys.substr(grab.keys.find('[')) + ", ";
+    } else {
+      lists["anchors"] += "{ " + grab.keys + " }, ";
+    }
+  }
+  for (const auto& [key, list] : lists) scene.set("step", key, "[" + list + "]", "--fix");
+}
+
+/// What --remove and --rigid choose.
+void set_parts(const BodyOptions& options, SceneOptions& scene) {
+  std::string removed, rigid, seeds;
+  for (const std::string& text : options.removed) {
+    removed += "{ " + parse_grab("--remove", text).keys + " }, ";
+  }
+  for (const std::string& text : options.rigid) {
+    rigid += "{ " + parse_grab("--rigid", text).keys + " }, ";
+  }
+  for (const std::string& text : options.rigid_seeds) {
+    seeds += toml_numbers("--rigid-seed", text) + ", ";
+  }
+  if (!removed.empty()) scene.set("step", "remove", "[" + removed + "]", "--remove");
+  if (!rigid.empty()) scene.set("step", "rigid", "[" + rigid + "]", "--rigid");
+  if (!seeds.empty()) scene.set("step", "rigid_seeds", "[" + seeds + "]", "--rigid-seed");
+}
+
+/// "MESH", "label:N", or the table as in a scene.
+std::string cut_table(const std::string& text) {
+  if (is_table(text)) return toml_table("--cut", text);
+  if (const auto label = parse_label("--cut", text)) {
+    return "{ label = " + toml_string(*label) + " }";
+  }
+  return "{ mesh = " + toml_string(text) + " }";
+}
+
+std::string cut_tables(const std::vector<std::string>& cuts) {
+  std::string tables;
+  for (const std::string& text : cuts) tables += cut_table(text) + ", ";
+  return "[" + tables + "]";
+}
+
+}  // namespace
+
+void add_body_options(CLI::App& app, BodyOptions& options) {
+  app.add_option("input", options.input, "A volume file, or a state to continue")
+      ->required()
+      ->option_text("VOLUME|STATE.vdb");
+  app.add_option("--material", options.material,
+                 "Look-up table of link limits, or ct-head, ct-body or mr-brain")
+      ->option_text("M.toml|NAME");
+  app.add_option(
+         "--labels", options.labels,
+         "Label volume on the same grid: for [label.N] of the material, and label:N below; N is a "
+         "number, or the name of a segment")
+      ->option_text("FILE");
+  app.add_option("--fix", options.fixes, "What stays where it is, as --grab of deform names it")
+      ->allow_extra_args(false)
+      ->option_text("I,J,K[:I,J,K]|…");
+  app.add_option(
+         "--cut", options.cuts,
+         "Cut the body at rest along a surface in LPS mm (.stl, .ply, .obj), around a label, "
+         "or as a table of a scene says, such as {plane = {…}}; repeatable")
+      ->allow_extra_args(false)
+      ->option_text("MESH|label:N|TABLE");
+  app.add_option("--remove", options.removed, "What is gone from now on, as for --fix")
+      ->allow_extra_args(false)
+      ->option_text("rigid:PLACE|…");
+  app.add_option("--rigid", options.rigid, "What moves as a rigid piece, as for --fix")
+      ->allow_extra_args(false)
+      ->option_text("label:N|…");
+  app.add_option("--rigid-seed", options.rigid_seeds, "Part a piece between such voxels")
+      ->allow_extra_args(false)
+      ->option_text("I,J,K");
+}
+
+void set_body(const BodyOptions& options, SceneOptions& scene) {
+  scene.set("volume", "path", toml_string(options.input), "input");
+  if (!options.labels.empty()) {
+    scene.set("labels", "path", toml_string(options.labels), "--labels");
+  }
+  if (!options.material.empty()) {
+    const bool is_preset = is_tissue_preset("--material", options.material);
+    scene.set("material", is_preset ? "preset" : "table", toml_string(options.material),
+              "--material");
+  }
+  set_anchors(options, scene);
+  set_parts(options, scene);
+  if (!options.cuts.empty()) scene.set("step", "cut", cut_tables(options.cuts), "--cut");
+}
+
+}  // namespace supple::tools
