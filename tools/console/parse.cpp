@@ -9,6 +9,7 @@
 
 #include "lib/material/presets.h"
 #include "tools/console/command.h"
+#include "volumes/base/fields.h"
 #include "volumes/grid/labels.h"
 
 namespace supple::tools {
