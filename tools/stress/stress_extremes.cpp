@@ -106,6 +106,7 @@ void million_islands(StressInput& input) {
 void thin_voxels(StressInput& input) {
   input.axes_mm = {Vec3d(0.01, 0, 0), Vec3d(0, 1, 0), Vec3d(0, 0, 10)};
   input.view["camera"] = "{ view = \"left\" }";
+  input.slice["scale"] = "0.05";
 }
 void far_world(StressInput& input) {
   input.origin_lps_mm = {1e6, -1e6, 1e6};
@@ -143,6 +144,10 @@ void image_16k(StressInput& input) {
 }
 void image_too_large(StressInput& input) {
   input.view["size"] = "[16385, 1]";
+}
+void slice_too_large(StressInput& input) {
+  thin_voxels(input);
+  input.slice["scale"] = "64";
 }
 void transfer_empty(StressInput& input) {
   input.transfer["opacity"] = "[[0, 0], [255, 0]]";
@@ -227,6 +232,15 @@ const std::vector<StressExtreme>& stress_extremes() {
        kOfView,
        image_too_large,
        {{{3, "16384"}}}},
+      {"slice-too-large",
+       "64 pixels a voxel of 0.01 mm",
+       kOfView,
+       slice_too_large,
+       {{{3, "16384"}}},
+       false,
+       20,
+       1000,
+       {"slices"}},
       {"transfer-empty", "opacity 0 everywhere (nothing is seen)", kOfTransfer, transfer_empty},
       {"transfer-without-keys",
        "no key of opacity",

@@ -41,10 +41,10 @@ std::string scene_text(const StressInput& input, bool has_view) {
   for (const TomlKeys& step : input.later_steps) text += "\n[[step]]\n" + lines_of(step);
   if (!has_view) return text;
   TomlKeys view = input.view;
-  if (view.count("slice") == 0) {
+  if (input.has_slices) {  // without camera, size and colours
+    view = {{"image", view["image"]}, {"slice", in_braces(input.slice)}};
+  } else {
     view["transfer"] = in_braces(input.transfer);
-  } else {  // which has no camera, size or colours
-    view = {{"image", view["image"]}, {"slice", view["slice"]}};
   }
   return text + "\n[[view]]\n" + lines_of(view);
 }

@@ -37,6 +37,8 @@ struct StressInput {
   TomlKeys step;
   std::vector<TomlKeys> later_steps;
   TomlKeys view, transfer;
+  bool has_slices = false;  // instead of a picture in space
+  TomlKeys slice;
 
   double spring_step = 10;      // of the longest stable one of symplectic Euler
   int operations = 300;         // of a live session

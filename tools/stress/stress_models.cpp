@@ -101,7 +101,8 @@ void by_own_samples(StressInput& input) {
 }
 void by_slices(StressInput& input) {
   by_ecm<6>(input);
-  input.view["slice"] = "{ plane = \"all\", outline = false }";
+  input.has_slices = true;
+  input.slice = {{"plane", "\"all\""}, {"outline", "false"}};
 }
 
 constexpr unsigned kEcm = kOfBody | kOfLimits;
