@@ -65,7 +65,8 @@ void measure_places(const StressInput& input, const Body& body, double part, dou
     if (input.is_fixed(voxel)) fixed_voxels = std::max(fixed_voxels, largest_of(u));
   });
   const Vec3d missed = offset_of(body, input.grabbed) - input.by_voxels * part;
-  all.push_back({"farthest element, of the way", farthest_mm / input.by_mm().length(), 0, most});
+  all.push_back(
+      {"farthest element, of the handle's way", farthest_mm / input.by_mm().length(), 0, most});
   all.push_back({"handle off its place, voxels", largest_of(missed), 0, kOffsetStep});
   all.push_back({"fixed elements moved, voxels", fixed_voxels, 0, 0});
 }
@@ -76,7 +77,7 @@ void measure_links(const Session& session, bool must_hold, bool is_all, Measured
   if (must_hold) all.push_back({"links beyond their limits", violated, 0, 0});
   const bool is_told = !session.messages().empty();
   const bool is_as_asked = is_all && violated == 0;
-  all.push_back({"limits met in silence", is_as_asked || is_told ? 0.0 : 1.0, 0, 0});
+  all.push_back({"shortfalls that were not told", is_as_asked || is_told ? 0.0 : 1.0, 0, 0});
 }
 
 }  // namespace
@@ -97,7 +98,7 @@ void run_ball(const StressInput& input, const std::string& folder, Console& cons
   const BallReport& report = run.first().ball.value();
   const bool is_told = !run.session().messages().empty();
   const bool is_all = report.violated == 0 && !report.capped;
-  all.push_back({"limits met in silence", is_all || is_told ? 0.0 : 1.0, 0, 0});
+  all.push_back({"shortfalls that were not told", is_all || is_told ? 0.0 : 1.0, 0, 0});
   all.push_back({"worst link too long, rest lengths", report.worst_excess_voxels, 0,
                  is_all ? 1e-3 : input.by_mm().length() / 1e-3});
 }

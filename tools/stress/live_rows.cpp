@@ -6,6 +6,7 @@
 
 #include "tools/live/live_session.h"
 #include "tools/live/replay.h"
+#include "tools/tradeoff/text_file.h"
 #include "volumes/base/text.h"
 
 namespace supple::tools {
@@ -138,6 +139,11 @@ void carry_out(LiveSession& live, const LiveEvent& event, Console& console, Live
   }
 }
 
+/// The events that led to the error, and that which did not go on, as a journal.
+void write_journal(const LiveSession& live, const std::string& next, const std::string& folder) {
+  replace_text_file(folder + "/journal.toml", live.journal() + "\n[[event]]\n" + next);
+}
+
 std::string replayed_hash(const std::string& journal, const std::string& folder, Console& console) {
   LiveSession again(TomlTable::parse(journal, folder + "/journal.toml"), &console);
   for (const LiveEvent& event : again.events()) {
@@ -158,8 +164,16 @@ void run_live(const StressInput& input, const std::string& folder, Console& cons
   double moved = 0;
   for (int n = 0; n < input.operations; ++n) {
     poll(&console);
-    carry_out(live, event_of(operations.next(), n), console, faults);
-    if (live.pending() > 0 && n % 2 == 0) live.relax_on(&console);
+    const std::string keys = operations.next();
+    try {
+      carry_out(live, event_of(keys, n), console, faults);
+      if (live.pending() > 0 && n % 2 == 0) live.relax_on(&console);
+    } catch (const Cancelled&) {
+      throw;
+    } catch (const std::exception&) {
+      write_journal(live, keys, folder);
+      throw;
+    }
   }
   for (const StepRecord& record : live.session().records()) moved += double(record.report.moved);
   const std::string last = hash_of(live.session().state());

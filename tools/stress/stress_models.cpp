@@ -8,42 +8,53 @@ namespace supple::tools {
 
 namespace {
 
+// What is measured, with its bounds; in the same order as the functions that measure it.
 constexpr const char* kOfEcm =
-    "the handle is where the told part of the drag ends, no element goes further, what is fixed "
-    "stays, no link beyond its limits, and a drag that stops short is told";
+    "the handle is where the part of the drag ends that was told, no element goes further than the "
+    "handle, what is fixed stays, no link is beyond its limits";
 constexpr const char* kOfBall =
-    "the handle is at its target, no element goes 1 % further, what is fixed stays, links longer "
-    "than allowed are told";
+    "the handle is at its target, no element goes 1 % further, what is fixed stays, links that are "
+    "too long are told";
 constexpr const char* kOfRelaxed =
-    "as ECM, elements up to 1.5 times as far, and the energy of the links does not rise";
-constexpr const char* kOfVolume = "the same, and no cell smaller than 1 % of its volume";
+    "the handle is where the part of the drag ends that was told, no element goes 1.5 times as "
+    "far, "
+    "what is fixed stays, no link is beyond its limits, and the energy does not rise";
+constexpr const char* kOfVolume =
+    "the handle is where the part of the drag ends that was told, no element goes 1.5 times as "
+    "far, "
+    "what is fixed stays, no link is beyond its limits, the energy does not rise, and no cell "
+    "shrinks to less than 1 % of its volume";
 constexpr const char* kOfRest =
-    "the handle is at its target, no element goes 1.5 times as far, what is fixed stays, the force "
-    "left is below the tolerance, or told";
+    "the handle is at its target, no element goes 1.5 times as far, what is fixed stays, and the "
+    "force that is left is below the tolerance, or told";
 constexpr const char* kOfMotion =
     "the handle is at its target, no element goes three times as far, what is fixed stays, and "
     "while the handle rests the energy does not grow";
-constexpr const char* kOfSymplectic = "the same, and the energy at most doubles";
+constexpr const char* kOfSymplectic =
+    "the handle is at its target, no element goes three times as far, what is fixed stays, and "
+    "while the handle rests the energy at most doubles";
 constexpr const char* kOfFem =
     "the handle is at its target, no element goes twice as far, what is fixed stays, residual at "
     "most 1e-5, forces balanced to 1e-4, energy identity to 1e-3";
-constexpr const char* kOfFinite = "the same, and det F > 0 everywhere";
+constexpr const char* kOfFinite =
+    "the handle is at its target, no element goes twice as far, what is fixed stays, residual at "
+    "most 1e-5, forces balanced to 1e-4, energy identity to 1e-3, and det F > 0 everywhere";
 constexpr const char* kOfOriginal =
-    "the handle is at its target, no element goes further, no link beyond its limits (a "
-    "homogeneous "
-    "body without anchors)";
+    "the handle is at its target, no element goes further, no link is beyond its limits; anchors "
+    "are "
+    "not known";
 constexpr const char* kOfInverse =
     "the certificate holds: residual at most 1e-3 voxel, no voxel without solution, and under "
     "limits "
     "that exclude folds none and det F > 0";
 constexpr const char* kOfPicture =
-    "the size is as asked for, opacities are numbers from 0 to 1, colours from 0 to 1.3, the sum "
-    "of the "
-    "light's shares, and something is seen in 2 % of the pixels or as stated";
+    "the size is as asked for, opacities are numbers from 0 to 1, colours from 0 to the sum of the "
+    "light's shares (1.3), and something is seen in 2 % of the pixels or as stated";
+constexpr const char* kOfSlices =
+    "values are numbers from 0 to 1, and something is seen in 2 % of the pixels or as stated";
 constexpr const char* kOfLive =
-    "links hold after every operation, elements stay within the range, undo leads back to the "
-    "start, "
-    "and the journal to the same state, bit for bit";
+    "links hold after every operation, elements stay within the range, a refused operation changes "
+    "nothing, undo leads back to the start, and the journal to the same state, bit for bit";
 
 void as_ecm(StressInput& input, int links) {
   input.material["links"] = std::to_string(links);
@@ -139,7 +150,7 @@ const std::vector<StressModel>& stress_models() {
       {"picture", "picture after ECM", kPicture, kOfPicture, by_ecm<6>, run_picture},
       {"picture-solving", "picture without inverse", kPicture, kOfPicture, by_own_samples,
        run_picture},
-      {"slices", "slices after ECM", kEcm, kOfPicture, by_slices, run_picture},
+      {"slices", "slices after ECM", kEcm, kOfSlices, by_slices, run_picture},
       {"live", "live session", kOfSession, kOfLive, by_nothing, run_live},
   };
   return models;
