@@ -64,7 +64,9 @@ void far_drag(StressInput& input) {
 void far_drag_free(StressInput& input) {
   drag_of(input, 10);
   input.fixed.reset();
-  input.least_covered = input.most_covered = 0;
+  input.least_covered = 0;
+  // Slices show the air at the volume's least density, here that of the tissue.
+  input.most_covered = input.has_slices ? 1 : 0;
 }
 void beyond_range(StressInput& input) {
   input.by_voxels = {20000, 0, 0};
