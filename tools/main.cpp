@@ -142,8 +142,8 @@ int run_program(int argc, char** argv) {
       add_render(program), add_slice(program),    add_presets(program),   add_keys(program),
       add_export(program), add_resample(program), add_apply(program),     add_run(program),
       add_replay(program), add_compare(program),  add_invert(program),    add_metrics(program),
-      add_modes(program),  add_view(program),     add_tradeoff(program),  add_bench(program),
-      add_help(program)};
+      add_modes(program),  add_view(program),     add_tradeoff(program),  add_stress(program),
+      add_bench(program),  add_help(program)};
   const auto is_named = [&](const Command& command) { return command.app->check_name(argv[1]); };
   if (argc > 1 && argv[1][0] != '-' &&
       std::none_of(std::begin(commands), std::end(commands), is_named)) {

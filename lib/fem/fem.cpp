@@ -84,16 +84,18 @@ void note(const ResidualSize& size, FemReport& report) {
 }
 
 /// Reactions, balance and energy from r = f - K(u), which is minus the force of what holds a node.
+/// Sums of less than `least_force_mn` are rounding.
 void balance(const NodalLoads& loads, const std::vector<double>& u, const std::vector<double>& r,
-             FemReport& report) {
+             double least_force_mn, FemReport& report) {
   Vec3d sum(0);
-  double lengths = 0, energy = 0, work_of_residual = 0;
+  double lengths = least_force_mn, energy = 0, work_of_residual = 0, farthest_mm = 0;
   for (std::size_t n = 0; n < loads.held.size(); ++n) {
     Vec3d held(0), load(0);
     for (int a = 0; a < 3; ++a) {
       const std::size_t at = 3 * n + std::size_t(a);
       if (!loads.force_mn.empty()) load[a] = loads.force_mn[at];
       energy += u[at] * (load[a] - r[at]);
+      farthest_mm = std::max(farthest_mm, std::abs(u[at]));
       if ((loads.held[n] >> a & 1) != 0) {
         held[a] = -r[at];
       } else {
@@ -105,7 +107,8 @@ void balance(const NodalLoads& loads, const std::vector<double>& u, const std::v
   }
   report.energy_mj = energy / 2 * kMjPerUj;
   report.force_balance = lengths > 0 ? sum.length() / lengths : 0;
-  report.energy_identity = energy != 0 ? std::abs(work_of_residual / energy) : 0;
+  const double least_energy = std::max(std::abs(energy), least_force_mn * farthest_mm);
+  report.energy_identity = least_energy > 0 ? std::abs(work_of_residual) / least_energy : 0;
 }
 
 std::vector<FemReaction> reactions_of(const std::vector<Vec3d>& positions, const NodalLoads& loads,
@@ -238,7 +241,7 @@ void FemModel::solve_linear(NodalLoads& loads, const FemParams& params, Progress
   report.bytes = m_parts->bytes() + multigrid.bytes() + solver.bytes();
   report.solve_ms = milliseconds_since(solve_start);
   if (!converged) throw NotConverged(report);
-  balance(loads, solver.u(), solver.residual(), report);
+  balance(loads, solver.u(), solver.residual(), kLeastForce * solver.size().seen_mn, report);
   out.reactions = reactions_of(node_positions(mesh()), loads, solver.residual());
   const LargestMotion largest = largest_motion(mesh(), material(), solver.u());
   report.largest_rotation_deg = largest.rotation_deg;
@@ -271,7 +274,7 @@ void FemModel::solve_finite(NodalLoads& loads, const FemParams& params, Progress
   report.bytes = m_parts->bytes() + multigrid.bytes() + strain.bytes() + solver.bytes();
   report.solve_ms = milliseconds_since(solve_start);
   if (!converged) throw NotConverged(report);
-  balance(loads, solver.u(), solver.residual(), report);
+  balance(loads, solver.u(), solver.residual(), kLeastForce * solver.size().seen_mn, report);
   report.energy_mj = solver.report().energy_uj * kMjPerUj;
   std::vector<Vec3d> positions = node_positions(mesh());
   for (std::size_t n = 0; n < positions.size(); ++n) {

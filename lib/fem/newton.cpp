@@ -101,6 +101,7 @@ std::vector<double> Newton::solve_tangent(const CgLimits& limits, Progress* prog
   ConjugateGradients solver(system, m_system_loads, limits);
   found = solver.run(progress) || solver.iterations() > 0;
   m_report.cg_iterations += solver.iterations();
+  m_meter.have_seen(solver.size().seen_mn);
   // Five vectors here, and one that keeps the state before the step.
   m_bytes = (5 + (m_whole_mn.empty() ? 0 : 1)) * m_u.size() * sizeof(double) + solver.bytes() +
             turns.bytes();

@@ -63,17 +63,21 @@ ResidualMeter::ResidualMeter(const NodalLoads& loads)
   const NodeNorms norms = node_norms(loads.force_mn, loads.held);
   m_largest_load_mn = std::max(norms.largest_free, norms.largest_held);
   m_load_lengths_mn = norms.free_lengths + norms.held_lengths;
+  m_seen_mn = m_largest_load_mn;
 }
 
 ResidualSize ResidualMeter::operator()(const std::vector<double>& r) {
   const NodeNorms norms = node_norms(r, m_loads->held);
   ResidualSize size;
   size.largest_mn = norms.largest_free;
-  size.largest_force_mn = std::max(m_largest_load_mn, norms.largest_held);
+  have_seen(std::max(norms.largest_free, norms.largest_held));
+  size.seen_mn = m_seen_mn;
+  const double least_force_mn = kLeastForce * m_seen_mn;
+  size.largest_force_mn = std::max({m_largest_load_mn, norms.largest_held, least_force_mn});
   const double scale = size.largest_force_mn > 0 ? 1 / size.largest_force_mn : 0;
   size.max = norms.largest_free * scale;
   size.rms = std::sqrt(norms.squares / double(m_loads->held.size())) * scale;
-  const double lengths = m_load_lengths_mn + norms.held_lengths;
+  const double lengths = std::max(m_load_lengths_mn + norms.held_lengths, least_force_mn);
   size.balance = lengths > 0 ? norms.free_sum.length() / lengths : 0;
   double change = 0, largest = 0;
   for (std::size_t s = 0; s < m_reactions.size(); ++s) {

@@ -1,5 +1,10 @@
 // What a residual r = f - K(u) says: how large it is, and by how much reactions changed since the
 // last one. Where a node is held, r is minus the force of what holds it.
+//
+// A body that follows its handle as a whole ends without forces but for rounding, to which no
+// residual is small. Forces therefore count at least kLeastForce of the largest that there has
+// been, such as that of the handle before anything else moved, and a residual of kRoundingForce of
+// it is as small as double precision makes it.
 #pragma once
 
 #include <algorithm>
@@ -9,10 +14,13 @@
 
 namespace supple {
 
+constexpr double kLeastForce = 1e-9, kRoundingForce = 2e-15;
+
 struct ResidualSize {
   double max = 0, rms = 0;      // over nodes, relative to the largest nodal force
   double largest_mn = 0;        // the largest of a node
-  double largest_force_mn = 0;  // of loads and reactions
+  double largest_force_mn = 0;  // of loads and reactions, at least kLeastForce of seen_mn
+  double seen_mn = 0;           // the largest force of a node that there has been, held or free
   double reaction_change = 0;   // relative to the largest reaction, since the last one
   /// Length of the sum of all nodes' residuals relative to the sum of the lengths of loads and
   /// reactions, which is how far these are from balance. A smooth residual that is small at every
@@ -20,6 +28,7 @@ struct ResidualSize {
   double balance = 0;
 
   bool is_within(double tolerance, double reaction_tolerance) const {
+    if (largest_mn <= kRoundingForce * seen_mn) return true;
     return std::max({max, rms, balance}) <= tolerance && reaction_change <= reaction_tolerance;
   }
 };
@@ -30,10 +39,13 @@ class ResidualMeter {
   explicit ResidualMeter(const NodalLoads& loads);
 
   ResidualSize operator()(const std::vector<double>& r);
+  /// A force of a node that another meter has seen on the way here.
+  void have_seen(double force_mn) { m_seen_mn = std::max(m_seen_mn, force_mn); }
 
  private:
   const NodalLoads* m_loads;
   double m_largest_load_mn = 0, m_load_lengths_mn = 0;
+  double m_seen_mn = 0;
   std::vector<Vec3d> m_reactions;
 };
 

@@ -7,8 +7,8 @@ functions `file.cpp`, `name` and `file.h`, `Type::name`: the file names that fun
 commands  lines `supple ...` in sh blocks use a subcommand and options that it has
 samples   cpp blocks are taken from examples/: the line before says <!-- sample: FILE NAME -->, and the
           block is what stands between the two lines `// [NAME]` of that file
-keys      the table after a line <!-- keys: TABLE --> is what `supple keys TABLE --markdown` prints;
-          with --write it is put there
+tables    the table after a line <!-- keys: TABLE --> is what `supple keys TABLE --markdown` prints, after
+          <!-- stress: TABLE --> what `supple stress --markdown TABLE` does; with --write it is put there
 runs      sh blocks after a line <!-- run --> end with exit code 0 in a temporary folder
 pictures  sh blocks after <!-- pictures --> make the pictures of docs/ again (structural similarity), one after
           the other in a temporary folder per page; <!-- pictures: OUT DOCS --> where they make those of folder
@@ -302,13 +302,14 @@ def check_command(page, line, words, program, findings):
                          "one that its --help lists")
 
 
-def check_keys(root, page, binary, writes, findings):
+def check_tables(root, page, binary, writes, findings):
     lines = page.lines
     for n in range(len(lines) - 1, -1, -1):
-        mark = re.fullmatch(r"<!-- keys: (\w+) -->", lines[n].strip())
+        mark = re.fullmatch(r"<!-- (keys|stress): (\w+) -->", lines[n].strip())
         if not mark or page.code[n]:
             continue
-        printed = subprocess.run([binary, "keys", mark[1], "--markdown"], stdout=subprocess.PIPE,
+        words = ["keys", mark[2], "--markdown"] if mark[1] == "keys" else ["stress", "--markdown", mark[2]]
+        printed = subprocess.run([binary, *words], stdout=subprocess.PIPE,
                                  stderr=subprocess.STDOUT, universal_newlines=True)
         wanted = printed.stdout.rstrip("\n").split("\n")
         end = n + 1
@@ -318,7 +319,7 @@ def check_keys(root, page, binary, writes, findings):
             continue
         if not writes:
             findings.add(page.file, n + 1, "another table",
-                         f"what supple keys {mark[1]} --markdown prints (check_docs.py --write)")
+                         f"what supple {' '.join(words)} prints (check_docs.py --write)")
             continue
         lines[n + 1:end] = wanted
         with open(os.path.join(root, page.file), "w", encoding="utf-8") as stream:
@@ -446,7 +447,7 @@ def check(root, binary, writes=False):
             if page.file in ("README.md", "CONTRIBUTING.md") or page.file.startswith("docs" + os.sep):
                 check_commands(page, program, findings)
                 run_blocks(root, page, binary, findings)
-                check_keys(root, page, binary, writes, findings)
+                check_tables(root, page, binary, writes, findings)
     else:
         print("SUPPLE_BINARY is not set: commands are not checked")
     return findings.lines

@@ -70,6 +70,15 @@ class Checks(unittest.TestCase):
                     "docs/page.md:2: found another table", BINARY)
 
     @unittest.skipUnless(BINARY, "SUPPLE_BINARY is not set")
+    def test_the_matrix_of_extremes(self):
+        table = subprocess.run([BINARY, "stress", "--markdown", "extremes"], stdout=subprocess.PIPE,
+                               universal_newlines=True, check=True).stdout
+        self.assertEqual(self.findings("<!-- stress: extremes -->\n" + table + "\nmore\n", BINARY), [])
+        lines = table.splitlines(keepends=True)
+        self.expect("one\n<!-- stress: extremes -->\n" + "".join(lines[:5] + lines[6:]),
+                    "docs/page.md:2: found another table", BINARY)
+
+    @unittest.skipUnless(BINARY, "SUPPLE_BINARY is not set")
     def test_runs(self):
         block = "<!-- run -->\n```sh\n%s\n```\n"
         self.assertEqual(self.findings(block % "supple presets > a\ntest -s a", BINARY), [])

@@ -106,6 +106,30 @@ TEST_F(UnitPictures, ASliceOfAStateIsASliceOfTheResampledVolume) {
   EXPECT_GT(yellow, 30);
 }
 
+TEST_F(UnitPictures, SlicesShowVolumesOfOneDensityAndOfASmallRange) {
+  const auto brightest = [&](const std::function<float(int)>& density) {
+    std::string bytes =
+        "NRRD0004\ntype: float\ndimension: 3\nsizes: 6 6 6\nendian: little\n"
+        "encoding: raw\n\n";
+    for (int n = 0; n < 216; ++n) {
+      const float value = density(n);
+      bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+    }
+    write_text(m_folder / "small.nrrd", bytes);
+    EXPECT_EQ(
+        run_supple({"slice", m_folder / "small.nrrd", "-o", m_folder / "slice.png", "--force"})
+            .exit_code,
+        0);
+    const Image image = read_png(m_folder / "slice.png");
+    int most = 0;
+    for (std::size_t n = 0; n < image.rgba.size(); n += 4)
+      most = std::max(most, int(image.rgba[n]));
+    return most;
+  };
+  EXPECT_NEAR(brightest([](int) { return 7.0f; }), 128, 3);
+  EXPECT_GT(brightest([](int n) { return float(n % 6) / 1000; }), 250);
+}
+
 TEST_F(UnitPictures, WhatIsNoSliceIsRefused) {
   const auto code = [&](std::vector<std::string> more) {
     std::vector<std::string> arguments = {"slice", m_folder / "ball.nhdr", "-o",

@@ -13,7 +13,8 @@ namespace {
 /// The usual abdominal and head window: level 40, width 400.
 constexpr double kSoftTissueLo = -160, kSoftTissueHi = 240;
 
-/// Soft tissue where densities are Hounsfield units, else everything there is.
+/// Soft tissue where densities are Hounsfield units, else everything there is; one density alone is
+/// grey.
 std::pair<double, double> default_window(const DensityGrid& density) {
   if (are_hounsfield_units(density.background())) return {kSoftTissueLo, kSoftTissueHi};
   float lo = density.background(), hi = lo;
@@ -23,7 +24,8 @@ std::pair<double, double> default_window(const DensityGrid& density) {
     lo = std::min(lo, *least);
     hi = std::max(hi, *most);
   }
-  return {lo, std::max(hi, lo + 1)};
+  if (hi > lo) return {lo, hi};
+  return {double(lo) - 1, double(lo) + 1};
 }
 
 }  // namespace

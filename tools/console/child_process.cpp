@@ -1,10 +1,13 @@
-#include "tools/tradeoff/child_process.h"
+#include "tools/console/child_process.h"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
+#include <fstream>
 #include <sstream>
 
 #include <fcntl.h>
@@ -78,6 +81,14 @@ class RunningChild {
     return m_out_open || m_err_open;
   }
   void end() { ::kill(m_pid, SIGKILL); }
+  /// The largest resident size so far, in millions of bytes; 0 before it is known.
+  double peak_mb() const {
+    std::ifstream status("/proc/" + std::to_string(m_pid) + "/status");
+    for (std::string line; std::getline(status, line);) {
+      if (line.rfind("VmHWM:", 0) == 0) return std::strtod(line.c_str() + 6, nullptr) * 1024e-6;
+    }
+    return 0;
+  }
   /// The status of wait().
   int wait() {
     int status = 0;
@@ -125,10 +136,24 @@ std::string last_of(const std::vector<std::string>& lines) {
   return lines.empty() ? "" : lines.back();
 }
 
+/// What a child that ended by itself had to complain of.
+std::string complaint_of(const std::string& err) {
+  const std::string error = last_of(lines_of(err, "supple: error: "));
+  if (!error.empty()) return error;
+  const std::vector<std::string> lines = lines_of(err, "");
+  for (const std::string& line : lines) {
+    for (const char* report :
+         {"runtime error: ", "ERROR: AddressSanitizer", "ERROR: LeakSanitizer"}) {
+      if (line.find(report) != std::string::npos) return line;
+    }
+  }
+  return last_of(lines);
+}
+
 }  // namespace
 
 ChildEnd run_child(const std::string& program, const std::vector<std::string>& arguments,
-                   double limit_s, const std::function<bool()>& cancelled) {
+                   const ChildLimits& limits, const std::function<bool()>& cancelled) {
   using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
   const auto seconds = [&] { return std::chrono::duration<double>(Clock::now() - start).count(); };
@@ -136,10 +161,11 @@ ChildEnd run_child(const std::string& program, const std::vector<std::string>& a
   ChildEnd end;
   while (child.listen()) {
     if (cancelled()) throw Cancelled();
-    if (!end.timed_out && seconds() > limit_s) {
-      end.timed_out = true;
-      child.end();
-    }
+    end.peak_mb = std::max(end.peak_mb, child.peak_mb());
+    if (end.timed_out || end.over_memory) continue;
+    end.timed_out = seconds() > limits.wall_s;
+    end.over_memory = end.peak_mb > limits.resident_mb;
+    if (end.timed_out || end.over_memory) child.end();
   }
   const int status = child.wait();
   end.wall_s = seconds();
@@ -150,10 +176,11 @@ ChildEnd run_child(const std::string& program, const std::vector<std::string>& a
   for (const std::string& line : lines_of(child.err(), "supple: warning: ")) {
     end.warnings += (end.warnings.empty() ? "" : "; ") + line;
   }
-  end.complaint = last_of(lines_of(child.err(), "supple: error: "));
-  if (end.complaint.empty()) end.complaint = last_of(lines_of(child.err(), ""));
+  end.complaint = complaint_of(child.err());
   if (end.timed_out) {
-    end.complaint = "no result after " + number_text(limit_s) + " s";
+    end.complaint = "no result after " + number_text(limits.wall_s) + " s";
+  } else if (end.over_memory) {
+    end.complaint = "more than " + number_text(limits.resident_mb) + " MB";
   } else if (WIFSIGNALED(status)) {
     end.complaint = "ended by signal " + std::to_string(WTERMSIG(status)) +
                     (end.complaint.empty() ? "" : ": " + end.complaint);

@@ -1,0 +1,123 @@
+// supple stress: every model under extremes, each row with what is expected and what was measured.
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+
+#include <nlohmann/json.hpp>
+
+#include "tools/console/command.h"
+#include "tools/outputs/output_plan.h"
+#include "tools/stress/stress_table.h"
+#include "tools/tradeoff/text_file.h"
+
+namespace supple::tools {
+
+namespace {
+
+struct StressCommand {
+  StressOptions options;
+  std::vector<std::string> outputs;
+  bool lists = false;
+  std::string markdown, row;
+};
+
+bool has_extension(const std::string& path, const char* extension) {
+  return std::filesystem::path(path).extension() == extension;
+}
+
+void check_outputs(const std::vector<std::string>& outputs, const GlobalOptions& global) {
+  for (const std::string& path : outputs) {
+    if (!has_extension(path, ".md") && !has_extension(path, ".csv")) {
+      throw UsageError(to_line({path, "--output", "another extension", ".md or .csv"}));
+    }
+    if (std::filesystem::exists(path) && !global.force) {
+      throw UsageError(path + ": exists; use --force to overwrite it");
+    }
+  }
+}
+
+/// For one that runs all: measured values alone, on stdout.
+int run_one(const StressCommand& given, Console& console) {
+  const StressCell cell = stress_cell_named(given.row);
+  if (given.options.folder.empty()) throw UsageError("--row: needs --keep, a folder for its files");
+  std::filesystem::create_directories(given.options.folder);
+  const MeasuredValues measured = run_row(cell, given.options.folder, console);
+  std::printf("%s\n", to_json(measured).dump(2).c_str());
+  return kOk;
+}
+
+void print_end(const std::vector<StressRow>& rows, std::size_t disagreeing) {
+  std::printf("%zu of %zu rows agree\n", rows.size() - disagreeing, rows.size());
+}
+
+int run_all(const StressCommand& given, const GlobalOptions& global, Console& console) {
+  check_outputs(given.outputs, global);
+  StressOptions options = given.options;
+  options.threads = global.threads;
+  const bool prints = !global.json && !global.quiet;
+  const std::vector<StressRow> rows = run_stress(options, console, [&](const StressRow& row) {
+    if (!prints) return;
+    console.clear_line();
+    std::fputs(row_text(row).c_str(), stdout);
+    std::fflush(stdout);
+  });
+  for (const std::string& path : given.outputs) {
+    replace_text_file(path, has_extension(path, ".md") ? to_markdown(rows) : to_csv(rows));
+  }
+  const auto disagreeing = std::size_t(
+      std::count_if(rows.begin(), rows.end(), [](const StressRow& row) { return !row.agrees; }));
+  if (global.json) std::printf("%s\n", to_json(rows).dump(2).c_str());
+  if (prints) print_end(rows, disagreeing);
+  return disagreeing == 0 ? kOk : kFailure;
+}
+
+int run_stress_command(const StressCommand& given, const GlobalOptions& global, Console& console) {
+  if (!given.row.empty()) return run_one(given, console);
+  if (!given.markdown.empty()) {
+    std::fputs((given.markdown == "models" ? models_markdown() : extremes_markdown()).c_str(),
+               stdout);
+    return kOk;
+  }
+  if (given.lists) {
+    std::fputs(cells_text(cells_of(given.options.choice)).c_str(), stdout);
+    return kOk;
+  }
+  return run_all(given, global, console);
+}
+
+}  // namespace
+
+Command add_stress(CLI::App& program) {
+  auto given = std::make_shared<StressCommand>();
+  StressOptions& options = given->options;
+  CLI::App* app = add_subcommand(program, "stress",
+                                 "Every model under extremes: finite and bounded, or refused",
+                                 "  supple stress\n"
+                                 "  supple stress --only fem --only far-drag\n"
+                                 "  supple stress --long -o stress.md -o stress.csv");
+  app->add_option("--only", options.choice.only, "Of the matrix an extreme, a model or one row")
+      ->option_text("EXTREME|MODEL|EXTREME/MODEL");
+  app->add_flag("--quick", options.choice.quick, "Of every extreme one model");
+  app->add_flag("--long", options.choice.with_long,
+                "Also rows of minutes and gigabytes, such as a million islands");
+  app->add_flag("--list", given->lists, "What is expected of every row; nothing runs");
+  app->add_option("--markdown", given->markdown, "The matrix as the tables of docs/extremes.md")
+      ->check(CLI::IsMember({"models", "extremes"}))
+      ->option_text("models|extremes");
+  app->add_option("-o,--output", given->outputs, "Table of the results, may be given several times")
+      ->option_text("F.md|F.csv");
+  app->add_option("--keep", options.folder, "Keep input and results of every row here")
+      ->option_text("DIR");
+  app->add_option("--patience", options.patience,
+                  "Multiplies the limits of time and memory, as for a build with sanitizers")
+      ->check(CLI::Range(0.01, 1000.0))
+      ->capture_default_str()
+      ->option_text("FACTOR");
+  app->add_option("--row", given->row, "One row in this process, as for a debugger; needs --keep")
+      ->option_text("EXTREME/MODEL");
+  return {app, [given](const GlobalOptions& global, Console& console) {
+            return run_stress_command(*given, global, console);
+          }};
+}
+
+}  // namespace supple::tools
