@@ -1,0 +1,20 @@
+// A plan as a table for people, and as JSON.
+#pragma once
+
+#include <string>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "tools/plan/scene_plan.h"
+
+namespace supple::tools {
+
+/// Stage, what, why, memory and time of every row; what is left out; the sums.
+std::string to_text(const ScenePlan& plan);
+nlohmann::ordered_json to_json(const ScenePlan& plan);
+
+/// What came of it: "predicted …, was …" of peak memory and time.
+std::string outcome_text(const ScenePlan& plan, double peak_mb, double seconds);
+nlohmann::ordered_json outcome_json(const ScenePlan& plan, double peak_mb, double seconds);
+
+}  // namespace supple::tools
