@@ -59,8 +59,8 @@ nlohmann::ordered_json choice_json(const MethodChoice& choice, double solve_s) {
 
 void print_results(const SceneRun& run, const Scene& scene, const RunSceneOptions& options,
                    const std::optional<MethodChoice>& choice,
-                   const std::optional<ScenePlan>& scene_plan, const GlobalOptions& global,
-                   Console& console) {
+                   const std::optional<ScenePlan>& scene_plan, double planning_s,
+                   const GlobalOptions& global, Console& console) {
   const auto stages = console.stage_seconds();
   const double solve_s = phases_of(stages).solve_s;
   if (choice) {
@@ -69,12 +69,13 @@ void print_results(const SceneRun& run, const Scene& scene, const RunSceneOption
   }
   double total = 0;
   for (const auto& [name, seconds] : stages) total += seconds;
-  if (scene_plan) console.note(outcome_text(*scene_plan, peak_rss_mb(), total));
+  const PlanOutcome outcome{peak_rss_mb(), total, processor_seconds() - planning_s};
+  if (scene_plan) console.note(outcome_text(*scene_plan, outcome));
   if (global.json) {
     nlohmann::ordered_json json;
     if (scene_plan) {
       json["plan"] = to_json(*scene_plan);
-      json["outcome"] = outcome_json(*scene_plan, peak_rss_mb(), total);
+      json["outcome"] = outcome_json(*scene_plan, outcome);
     }
     if (choice) json["chosen"] = choice_json(*choice, solve_s);
     json["steps"] = nlohmann::ordered_json::array();
@@ -145,13 +146,15 @@ int run_scene(const RunSceneOptions& options, const GlobalOptions& given, Consol
   console.claim(plan.files());
   SceneRun run(scene, options.folder, global.json, console);
   std::optional<ScenePlan> scene_plan;
+  const double opened_s = processor_seconds();
   if (options.tells_plan) scene_plan = plan_of(scene, run, console);
   if (scene_plan && !global.json && !global.quiet) {
     std::printf("%s", to_text(*scene_plan).c_str());
     std::fflush(stdout);
   }
+  const double planning_s = processor_seconds() - opened_s;
   run.run();
-  print_results(run, scene, options, choice, scene_plan, global, console);
+  print_results(run, scene, options, choice, scene_plan, planning_s, global, console);
   return kOk;
 }
 

@@ -3,6 +3,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include <time.h>
+
 namespace supple::tools {
 
 std::string own_program() {
@@ -29,6 +31,12 @@ double rss_mb() {
 double peak_rss_mb() {
   // getrusage() would count what the parent held when it started this program.
   return status_mb("VmHWM:");
+}
+
+double processor_seconds() {
+  timespec time{};
+  ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return double(time.tv_sec) + 1e-9 * double(time.tv_nsec);
 }
 
 }  // namespace supple::tools

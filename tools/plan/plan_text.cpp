@@ -90,18 +90,21 @@ nlohmann::ordered_json to_json(const ScenePlan& plan) {
   return json;
 }
 
-std::string outcome_text(const ScenePlan& plan, double peak_mb, double seconds) {
-  char text[160];
-  std::snprintf(text, sizeof text, "planned %.0f MB and %.3g s, took %.0f MB and %.3g s",
-                plan.peak_mb, plan.seconds, peak_mb, seconds);
+std::string outcome_text(const ScenePlan& plan, const PlanOutcome& outcome) {
+  char text[200];
+  std::snprintf(text, sizeof text,
+                "planned %.0f MB and %.3g s, took %.0f MB and %.3g s (processor time %.3g s)",
+                plan.peak_mb, plan.seconds, outcome.peak_mb, outcome.seconds,
+                outcome.processor_seconds);
   return text;
 }
 
-nlohmann::ordered_json outcome_json(const ScenePlan& plan, double peak_mb, double seconds) {
+nlohmann::ordered_json outcome_json(const ScenePlan& plan, const PlanOutcome& outcome) {
   return {{"peak_mb", rounded(plan.peak_mb, 1e-3)},
           {"seconds", rounded(plan.seconds, 1e-6)},
-          {"was_peak_mb", peak_mb},
-          {"was_seconds", seconds}};
+          {"was_peak_mb", outcome.peak_mb},
+          {"was_seconds", outcome.seconds},
+          {"was_processor_seconds", outcome.processor_seconds}};
 }
 
 }  // namespace supple::tools

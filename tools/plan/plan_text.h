@@ -13,8 +13,14 @@ namespace supple::tools {
 std::string to_text(const ScenePlan& plan);
 nlohmann::ordered_json to_json(const ScenePlan& plan);
 
-/// What came of it: "predicted …, was …" of peak memory and time.
-std::string outcome_text(const ScenePlan& plan, double peak_mb, double seconds);
-nlohmann::ordered_json outcome_json(const ScenePlan& plan, double peak_mb, double seconds);
+/// What came of a plan.
+struct PlanOutcome {
+  double peak_mb = 0;            // of the process
+  double seconds = 0;            // of all stages
+  double processor_seconds = 0;  // of all threads, without the planning
+};
+/// "planned …, took …" of peak memory and time.
+std::string outcome_text(const ScenePlan& plan, const PlanOutcome& outcome);
+nlohmann::ordered_json outcome_json(const ScenePlan& plan, const PlanOutcome& outcome);
 
 }  // namespace supple::tools

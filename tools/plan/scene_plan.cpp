@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <set>
 
 #include "raycast/sample/source_bricks.h"
 #include "tools/outputs/view_pictures.h"
@@ -20,6 +21,16 @@ constexpr double kFieldTableBytes = 108;  // of any brick of a field: masks, nei
 constexpr double kInvertBytes = 600;      // of any brick while it is inverted
 constexpr double kPixelBytes = 16 + 4 + 4, kAuxiliaryBytes = 28;
 constexpr double kGridBrickBytes = 6300;  // of a grid of vectors in a state
+
+// Code and libraries that come with the first picture, dense file, OpenVDB file and HDF5 file, and
+// what threads work with in an inversion and keep ready in a picture of a body that moves: measured
+// as the growth of a process that does nothing else (docs/economy.md).
+constexpr double kPictureCode = 3.5e6, kDenseCode = 5.5e6, kVdbCode = 10e6, kHdf5Code = 9e6;
+constexpr double kInvertCode = 6e6, kSlotsInAdvance = 4.5e6;
+
+bool ends_with(const std::string& name, const std::string& end) {
+  return name.size() >= end.size() && name.compare(name.size() - end.size(), end.size(), end) == 0;
+}
 
 /// The rows of views and outputs, once the steps are planned.
 class ScenePlanner {
@@ -47,12 +58,15 @@ class ScenePlanner {
   void plan_march(const SceneView& view, const std::string& stage, double pictures);
   void plan_outputs();
   void plan_dense(const std::string& name, const std::string& what, double value_bytes);
+  /// Of `bytes` that come once, those that have not come yet.
+  double once(double bytes) { return m_loaded.insert(bytes).second ? bytes : 0; }
 
   const Scene& m_scene;
   const PlanSubject& m_subject;
   const UnitCosts& m_costs;
   PlanLedger m_ledger;
   MovedBricks m_moved;
+  std::set<double> m_loaded;
   double m_moved_bricks = 0;  // of fields: elements and the air around them
 };
 
@@ -141,7 +155,7 @@ void ScenePlanner::plan_pose() {
                                                 : "no view and no output reads it");
   } else {
     add("pose", "offsets of " + bricks_text(m_moved_bricks), reads_o,
-        m_moved_bricks * kBrickBytes12 + density_bricks() * kFieldTableBytes,
+        m_moved_bricks * kBrickBytes12 + density_bricks() * kFieldTableBytes + once(kInvertCode),
         density_bricks() * kInvertBytes,
         frames() * (m_moved_bricks * kBrickVoxels * m_costs.invert_voxel +
                     density_bricks() * m_costs.still_brick));
@@ -162,12 +176,13 @@ void ScenePlanner::plan_march(const SceneView& view, const std::string& stage, d
   const bool moves = view.deformed && m_moved_bricks > 0;
   const double node_bytes = view.half_offsets ? kHalfNodeBytes : kNodeBytes;
   const double bytes = density_bricks() * (kSourceBytes + kTableBytes) +
-                       (moves && view.inverse ? m_moved_bricks * node_bytes : 0) +
+                       (moves && view.inverse ? m_moved_bricks * node_bytes + kSlotsInAdvance : 0) +
                        pixels * (kPixelBytes + (settings.auxiliary ? kAuxiliaryBytes : 0));
   add(stage,
       count_text(pixels, "rays, ") + count_text(samples, "samples") +
           (pictures > 1 ? ", " + count_text(pictures, "times") : ""),
-      view.deformed ? "a picture of the body moved" : "a picture of the body at rest", 0, bytes,
+      view.deformed ? "a picture of the body moved" : "a picture of the body at rest",
+      once(kPictureCode), bytes,
       density_bricks() * m_costs.source_brick +
           pictures * (pixels * m_costs.ray + samples * m_costs.sample));
 }
@@ -179,8 +194,8 @@ void ScenePlanner::plan_view(const SceneView& given) {
   const double pictures = view.picture.frame_count();
   const double pixels = double(view.size[0]) * view.size[1];
   if (view.slice || view.lattice) {
-    add(stage, count_text(pixels, "pixels"), view.slice ? "slices" : "a lattice", 0,
-        pixels * kPixelBytes, pictures * pixels * m_costs.ray);
+    add(stage, count_text(pixels, "pixels"), view.slice ? "slices" : "a lattice",
+        once(kPictureCode), pixels * kPixelBytes, pictures * pixels * m_costs.ray);
     return;
   }
   plan_march(view, stage, pictures);
@@ -191,8 +206,11 @@ void ScenePlanner::plan_dense(const std::string& name, const std::string& what,
   const Vec3i& dims = m_subject.state.geometry.dims();
   const double voxels = double(m_subject.state.geometry.voxel_count());
   const double slice = double(dims.x) * dims.y;
+  const bool is_vdb = ends_with(name, ".vdb");
+  const bool is_hdf5 = ends_with(name, ".h5") || ends_with(name, ".hdf5");
+  const double code = is_vdb ? once(kVdbCode) : once(kDenseCode) + (is_hdf5 ? once(kHdf5Code) : 0);
   // Eight slices of vectors, and two on their way into the file.
-  add("output " + name, what + " of " + count_text(voxels, "voxels"), "[output]", 0,
+  add("output " + name, what + " of " + count_text(voxels, "voxels"), "[output]", code,
       slice * (8 * 12.0 + 3 * value_bytes) + density_bricks() * 4 * kFieldTableBytes,
       frames() * voxels * m_costs.warp_voxel);
 }
@@ -202,7 +220,7 @@ void ScenePlanner::plan_outputs() {
   if (!output.state.empty()) {
     const double coordinates = element_bricks() * kGridBrickBytes;
     const double offsets = density_bricks() * kGridBrickBytes;
-    add("output " + output.state, "densities, coordinates and offsets", "[output]", 0,
+    add("output " + output.state, "densities, coordinates and offsets", "[output]", once(kVdbCode),
         coordinates + offsets + element_bricks() * kBrickBytes4 / 16,
         frames() *
             (density_bricks() * m_costs.state_brick + m_moved_bricks * m_costs.state_vector_brick));

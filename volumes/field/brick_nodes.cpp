@@ -164,7 +164,6 @@ void gather_nodes(const VectorBrickFinder& field, const BrickTopology& occupied,
   if (is_inside && are_at_rest(around)) {
     nodes.lo = nodes.hi = Vec3f(0);
     nodes.is_zero = true;
-    std::fill_n(out, BrickNodes::kFloats, 0.0f);
     return;
   }
   RowRange range;

@@ -160,6 +160,8 @@ VectorBricks fill_rings(const VectorBricks& seed, const BrickTopology& target, i
     });
     bool grown = false;
     for (std::size_t n = 0; n < pending.size(); ++n) {
+      // Beside a brick that moves at its far side alone.
+      if (moves[n] && are_zeros(vectors.brick(pending[n]))) vectors.release(pending[n]);
       grown = grown || any_bit(ring[n]);
       for (int word = 0; word < 8; ++word) valid[pending[n]][word] |= ring[n][word];
     }

@@ -78,8 +78,8 @@ TEST(PropertyEconomy, UntouchedBricksHaveNeitherDisplacementNorOffset) {
 }
 
 TEST(PropertyEconomy, TheFieldsOfADragDoNotGrowWithTheTissueAroundIt) {
-  const Pose small = invert_state(dragged(64)), large = invert_state(dragged(160));
-  EXPECT_GT(large.offsets.o.topology.brick_count(), 12 * small.offsets.o.topology.brick_count());
+  const Pose small = invert_state(dragged(64)), large = invert_state(dragged(128));
+  EXPECT_GT(large.offsets.o.topology.brick_count(), 6 * small.offsets.o.topology.brick_count());
   EXPECT_EQ(large.displacement.u.vectors.stored_bricks(),
             small.displacement.u.vectors.stored_bricks());
   EXPECT_EQ(large.offsets.o.vectors.stored_bricks(), small.offsets.o.vectors.stored_bricks());

@@ -29,12 +29,19 @@ constexpr double kNanosecondsPerMs = 1e6;
 constexpr int kRelaxPasses = 8, kSpringSteps = 8;
 constexpr int kPictureSize = 256;
 
+/// Wall time, or processor time where that is less: on a busy machine, of one thread.
+double effort_ms(const std::function<void()>& action) {
+  double wall_ms = 0;
+  const double cpu_ms = cpu_time_ms([&] { wall_ms = time_ms(action); });
+  return std::min(wall_ms, cpu_ms);
+}
+
 /// The least of the rounds is what the others would be on a quiet machine.
 double least_ms(Console& console, const std::function<void()>& action) {
   double least = HUGE_VAL;
   for (int round = 0; round < kRounds; ++round) {
     if (console.cancelled()) throw Cancelled();
-    least = std::min(least, time_ms(action));
+    least = std::min(least, effort_ms(action));
   }
   return least;
 }
@@ -108,9 +115,10 @@ void Calibration::measure_drag(Session& session) {
   double least = HUGE_VAL;
   for (int round = 0; round < kRounds; ++round) {
     // On and on, so that every round moves tissue.
-    const StepRecord& record = session.drag(middle_of(session), Vec3d(0, 6, 0));
-    const double moved = double(record.report.moved);
-    if (moved > 0) least = std::min(least, per_unit(record.report.milliseconds, moved));
+    double moved = 0;
+    const double ms = effort_ms(
+        [&] { moved = double(session.drag(middle_of(session), Vec3d(0, 6, 0)).report.moved); });
+    if (moved > 0) least = std::min(least, per_unit(ms, moved));
   }
   if (least < HUGE_VAL) m_costs.ecm_element = least;
 }
@@ -121,7 +129,7 @@ void Calibration::measure_relaxation(const Session& session) {
     RelaxParams params;
     params.bulk_modulus_kpa = conserves ? 100 : 0;
     Relaxation relaxation(body, {}, {}, params);
-    const double ms = time_ms([&] {
+    const double ms = effort_ms([&] {
       for (int pass = 0; pass < kRelaxPasses; ++pass) relaxation.pass();
     });
     const double cost = per_unit(ms, relaxation.work() / (conserves ? 3 : 1));
@@ -187,24 +195,29 @@ void Calibration::measure_files(const State& at_rest, const State& moved) {
 }
 
 void Calibration::measure_motion() {
-  const auto step = [&](bool by_fem) {
+  const auto step = [&](bool is_fem) {
     Session session(m_lips, with_material());
     StepRequest request;
     request.drags.push_back({middle_of(session), Vec3d(0, 0, 1)});
-    if (by_fem) {
+    const Vec3i& dims = session.geometry().dims();
+    request.fix.push_back({{0, 0, 0}, {3, dims.y - 1, dims.z - 1}});  // one end of both
+    if (is_fem) {
       request.fem.emplace();
     } else {
       request.springs.emplace();
       request.springs->motion.minimise = true;
       request.springs->most_steps = kSpringSteps;
     }
-    return session.step(request);
+    StepRecord record;
+    const double ms = effort_ms([&] { record = session.step(request); });
+    return std::pair(ms, record);
   };
-  const SpringRecord springs = step(false).sprung;
-  m_costs.spring = per_unit(springs.milliseconds, double(springs.springs) * springs.steps);
-  const FemRecord fem = step(true).equilibrium;
-  m_costs.fem_unknown =
-      per_unit(fem.milliseconds, double(fem.report.unknowns) * std::max(1, fem.report.iterations));
+  const auto [springs_ms, by_springs] = step(false);
+  const SpringRecord& springs = by_springs.sprung;
+  m_costs.spring = per_unit(springs_ms, double(springs.springs) * springs.steps);
+  const auto [fem_ms, by_fem] = step(true);
+  const FemReport& fem = by_fem.equilibrium.report;
+  m_costs.fem_unknown = per_unit(fem_ms, double(fem.unknowns) * std::max(1, fem.iterations));
 }
 
 UnitCosts Calibration::measure() {
