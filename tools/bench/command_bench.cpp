@@ -44,8 +44,11 @@ int run_calibration(const GlobalOptions& global, Console& console) {
     std::printf("%s\n", fields_json(fields(costs)).c_str());
   } else if (!global.quiet) {
     for (const Field& field : fields(costs)) {
-      std::printf("%-20s %10s %-3s %s\n", field.name().c_str(), field.text().c_str(),
-                  field.unit().c_str(), field.help().c_str());
+      const bool is_number = field.holds<double>();
+      const std::string value =
+          is_number ? number_text(*std::get<double*>(field.target())) : field.text();
+      std::printf("%-20s %10s %-3s %s\n", field.name().c_str(), value.c_str(), field.unit().c_str(),
+                  field.help().c_str());
     }
   }
   return kOk;

@@ -32,6 +32,14 @@ bool ends_with(const std::string& name, const std::string& end) {
   return name.size() >= end.size() && name.compare(name.size() - end.size(), end.size(), end) == 0;
 }
 
+/// Of slices: an axial, a coronal and a sagittal one side by side, or as many as a lightbox has.
+double slice_pixels(const SliceChoice& slice, const Geometry& geometry) {
+  const Vec3d& spacing = geometry.spacing_mm();
+  const double pixel_mm = std::min({spacing.x, spacing.y, spacing.z}) / slice.scale;
+  const Vec3d sides = Vec3d(geometry.dims()) * spacing / pixel_mm;
+  return (sides.x * sides.y + sides.x * sides.z + sides.y * sides.z) * slice.count();
+}
+
 /// The rows of views and outputs, once the steps are planned.
 class ScenePlanner {
  public:
@@ -192,7 +200,8 @@ void ScenePlanner::plan_view(const SceneView& given) {
   const SceneView view = effective_view(given, state.geometry, state.density.background());
   const std::string stage = "view " + view.image;
   const double pictures = view.picture.frame_count();
-  const double pixels = double(view.size[0]) * view.size[1];
+  const double pixels =
+      view.slice ? slice_pixels(*view.slice, state.geometry) : double(view.size[0]) * view.size[1];
   if (view.slice || view.lattice) {
     add(stage, count_text(pixels, "pixels"), view.slice ? "slices" : "a lattice",
         once(kPictureCode), pixels * kPixelBytes, pictures * pixels * m_costs.ray);
