@@ -63,7 +63,7 @@ TEST_F(UnitPlan, ADragAlongOneAxisNeedsOneCoordinate) {
 
 TEST_F(UnitPlan, RelaxationIsPlannedWhereAStepAsksForIt) {
   const Json without = plan(kPlannedStep + kPlannedView),
-             with = plan(kPlannedStep + "relax = 5\n" + kPlannedView);
+             with = plan(kPlannedStep + "relax = { passes = 5 }\n" + kPlannedView);
   EXPECT_TRUE(says(without.at("not"), "step 1: stiffness"));
   EXPECT_FALSE(says(with.at("not"), "step 1: stiffness"));
   EXPECT_TRUE(says(with.at("rows"), "stiffness and up to 5 passes"));
