@@ -62,8 +62,8 @@ struct Waiting {
 };
 
 /// What is left of the handles' way at the middle of every brick; negative: not reached.
-std::vector<double> ways_left(const Body& body, const std::vector<Grip>& grips, int coordinate,
-                              const MeanSlacks& slacks) {
+std::vector<double> ways_left(const Body& body, const std::vector<PlannedGrip>& grips,
+                              int coordinate, const MeanSlacks& slacks) {
   std::vector<double> left(body.elements.brick_count(), -1);
   std::priority_queue<Waiting> queue;
   const auto offer = [&](std::size_t brick, double way) {
@@ -71,7 +71,7 @@ std::vector<double> ways_left(const Body& body, const std::vector<Grip>& grips, 
     left[brick] = way;
     queue.push({way, brick});
   };
-  for (const Grip& grip : grips) {
+  for (const PlannedGrip& grip : grips) {
     const double way = std::abs(double(grip.by_q[std::size_t(coordinate)]));
     for (const SlotSet::Brick& entry : grip.elements.bricks()) offer(entry.brick, way);
   }
@@ -125,10 +125,10 @@ void MovedBricks::add(const MovedBricks& other) {
   }
 }
 
-MovedBricks reach_of(const Body& body, const std::vector<Grip>& grips) {
+MovedBricks reach_of(const Body& body, const std::vector<PlannedGrip>& grips) {
   MovedBricks moved;
   for (int c = 0; c < 3; ++c) {
-    const bool is_asked = std::any_of(grips.begin(), grips.end(), [&](const Grip& grip) {
+    const bool is_asked = std::any_of(grips.begin(), grips.end(), [&](const PlannedGrip& grip) {
       return grip.by_q[std::size_t(c)] != 0;
     });
     if (!is_asked) continue;

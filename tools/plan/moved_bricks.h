@@ -35,10 +35,10 @@ struct MovedBricks {
 
 /// Of the grabbed elements, which drag `by_q` says: offsets in 2^-16 voxel (ecm.h). A coordinate
 /// that no drag asks for has no bricks.
-struct Grip {
+struct PlannedGrip {
   SlotSet elements;
   std::array<std::int32_t, 3> by_q;
 };
-MovedBricks reach_of(const Body& body, const std::vector<Grip>& grips);
+MovedBricks reach_of(const Body& body, const std::vector<PlannedGrip>& grips);
 
 }  // namespace supple::tools

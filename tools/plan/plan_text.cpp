@@ -30,16 +30,16 @@ std::string seconds_text(double seconds) {
   return text;
 }
 
-using Cells = std::array<std::string, 5>;
+using RowCells = std::array<std::string, 5>;
 
 /// Columns as wide as their longest cell; numbers stand to the right.
-std::string table_text(const std::vector<Cells>& rows) {
+std::string table_text(const std::vector<RowCells>& rows) {
   std::array<std::size_t, 5> width{};
-  for (const Cells& row : rows) {
+  for (const RowCells& row : rows) {
     for (std::size_t n = 0; n < row.size(); ++n) width[n] = std::max(width[n], row[n].size());
   }
   std::string text;
-  for (const Cells& row : rows) {
+  for (const RowCells& row : rows) {
     std::string line;
     for (std::size_t n = 0; n < row.size(); ++n) {
       const std::string gap(width[n] - row[n].size(), ' ');
@@ -57,7 +57,7 @@ double rounded(double value, double to) {
 }  // namespace
 
 std::string to_text(const ScenePlan& plan) {
-  std::vector<Cells> cells = {{"stage", "what", "why", "memory", "time"}};
+  std::vector<RowCells> cells = {{"stage", "what", "why", "memory", "time"}};
   for (const PlanRow& row : plan.rows) {
     cells.push_back({row.stage, row.what, row.why, megabytes_text(row.held_mb, row.brief_mb),
                      seconds_text(row.seconds)});

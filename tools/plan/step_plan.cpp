@@ -23,7 +23,7 @@ std::string axis_name(int coordinate) {
 
 /// The elements that a drag grabs and the longest way of any, per coordinate. Nothing where it
 /// waits for pieces that the step makes.
-std::optional<Grip> grip_of(const Drag& drag, const Session& session, const State& state) {
+std::optional<PlannedGrip> grip_of(const Drag& drag, const Session& session, const State& state) {
   const Body& body = session.body();
   if (drag.selection && drag.selection->rigid_at && body.rigid.empty()) return std::nullopt;
   SlotSet slots;
@@ -34,7 +34,7 @@ std::optional<Grip> grip_of(const Drag& drag, const Session& session, const Stat
   } else {
     slots = elements_of(body, drag.region, "grab");
   }
-  Grip grip{std::move(slots), {0, 0, 0}};
+  PlannedGrip grip{std::move(slots), {0, 0, 0}};
   const auto take = [&](const HandleMotion& motion, const Vec3d& by_mm) {
     Displacements ways;
     if (motion.is_shift()) {
@@ -113,7 +113,7 @@ void StepPlan::move_all(MovedBricks& moved, const std::string& why) {
 }
 
 MovedBricks StepPlan::drag(const MovedBricks& before) {
-  std::vector<Grip> grips;
+  std::vector<PlannedGrip> grips;
   for (const Drag& drag : m_request.drags) {
     if (auto grip = grip_of(drag, m_session, m_state)) grips.push_back(std::move(*grip));
   }
