@@ -152,7 +152,7 @@ std::int32_t OffsetBricks::gather_brick(std::size_t b, const VectorBrickFinder& 
   } else {
     float all[BrickNodes::kFloats];
     gather_nodes(offsets, m_source->topology(), true, origin, all, nodes);
-    keep_every_second(all, out);
+    if (!nodes.is_identity()) keep_every_second(all, out);
   }
   m_ranges[b] = range_of(b, nodes);
   return nodes.is_identity() ? kIdentity : nodes.empty() ? kEmpty : kDeformed;

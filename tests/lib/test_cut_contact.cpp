@@ -37,11 +37,11 @@ Body cut_cube(const Vec3d& direction) {
 
 std::int64_t overlapped_voxels(const Body& body) {
   Displacement field{body.geometry, {body.elements, {}}};
-  field.u.vectors.resize(slot_count(body.elements), Vec3f(0));
+  field.u.vectors.resize(body.elements.brick_count());
   for_each_element(body.elements, [&](Slot slot) {
-    for (int c = 0; c < 3; ++c) {
-      field.u.vectors[slot][c] = float(body.q[std::size_t(c)].at(slot) / kFixedOne);
-    }
+    Vec3f u;
+    for (int c = 0; c < 3; ++c) u[c] = float(body.q[std::size_t(c)].at(slot) / kFixedOne);
+    field.u.vectors.set(slot, u);
   });
   const CutElements elements{body.elements, body.cuts};
   InvertParams params;

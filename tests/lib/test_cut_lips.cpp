@@ -37,10 +37,10 @@ struct CutBlock {
   template <class Move>
   OffsetField moved(Move&& u) const {
     Displacement field{body.geometry, {body.elements, {}}};
-    field.u.vectors.resize(slot_count(body.elements), Vec3f(0));
+    field.u.vectors.resize(body.elements.brick_count());
     for_each_element(body.elements, [&](Slot slot) {
       const Vec3d X(voxel_of(body.elements, slot));
-      field.u.vectors[slot] = Vec3f(u(is_upper(X), X));
+      field.u.vectors.set(slot, Vec3f(u(is_upper(X), X)));
     });
     const CutElements elements{body.elements, body.cuts};
     return invert_cut(extend_past_cuts(field, dilate(body.elements, 2), elements), elements);
@@ -116,22 +116,22 @@ TEST(PropertyCutLips, OfASphereLieWithinATenthOfAVoxel) {
   cut(body, to_world(body.geometry, sphere));
   // What was inside goes far away and leaves a hole.
   Displacement field{body.geometry, {body.elements, {}}};
-  field.u.vectors.resize(slot_count(body.elements), Vec3f(0));
+  field.u.vectors.resize(body.elements.brick_count());
   const Vec3f away(0, 0, 60);
   Slot first;
   ASSERT_TRUE(slot_of(body.elements, Vec3i(middle()), first));
   std::vector<Slot> open = {first};
-  field.u.vectors[first] = away;
+  field.u.vectors.set(first, away);
   while (!open.empty()) {
     const Slot slot = open.back();
     open.pop_back();
     for (int face = 0; face < 6; ++face) {
       Slot next;
       if (!neighbour_slot(body.elements, body.cuts, slot, face / 2, face % 2 != 0, next) ||
-          field.u.vectors[next] == away) {
+          field.u.vectors.at(next) == away) {
         continue;
       }
-      field.u.vectors[next] = away;
+      field.u.vectors.set(next, away);
       open.push_back(next);
     }
   }

@@ -164,3 +164,28 @@ TEST_F(UnitSession, HandlesArePlacedInTheMiddleOfTheirElements) {
   EXPECT_EQ(places[0].elements, 1);
   EXPECT_GT(places[2].elements, 30);
 }
+
+TEST_F(UnitSession, ADragAlongOneAxisCreatesNoOtherCoordinate) {
+  Session session(m_ball, {});
+  session.drag(kGrabbed, {0, 3, 0});
+  const Body& body = session.body();
+  EXPECT_GT(body.q[1].stored_bricks(), 0u);
+  for (const std::size_t other : {0, 2}) EXPECT_EQ(body.q[other].bytes(), 0u) << other;
+  EXPECT_EQ(session.state().q[0].bytes(), 0u);
+}
+
+TEST_F(UnitSession, WithoutRelaxationThereIsNoStiffness) {
+  const auto relaxes = [&](bool asked) {
+    Session session(m_ball, {});
+    Heard heard;
+    StepRequest request;
+    request.drags.push_back({Region(kGrabbed), {0, 3, 0}});
+    if (asked) request.relax = RelaxParams();
+    session.step(request, &heard);
+    // What relaxation leaves beside the offsets.
+    EXPECT_EQ(session.body().fraction[1].stored_bricks() > 0, asked);
+    return std::count(heard.stages.begin(), heard.stages.end(), "relaxing") > 0;
+  };
+  EXPECT_FALSE(relaxes(false));
+  EXPECT_TRUE(relaxes(true));
+}

@@ -37,6 +37,11 @@ inline BrickTopology voxels_of(const Vec3i& dims, const VoxelPredicate& active) 
   }
   return {origins, masks};
 }
+/// The same vector at every voxel of the bricks.
+inline BrickVectors vectors_of(const BrickTopology& bricks, const Vec3f& vector) {
+  return BrickVectors::of(std::vector<Vec3f>(bricks.brick_count() * kBrickVoxels, vector));
+}
+
 inline bool everywhere(const Vec3i&) {
   return true;
 }

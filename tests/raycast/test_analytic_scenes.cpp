@@ -122,7 +122,7 @@ TEST(PropertyAnalyticScene, TheVolumesBorderIsLitAsAFaceWhateverIsCutThere) {
   slanted.target_lps_mm = {0, kFront, 0};
   // A shift moves the border along.
   OffsetField shifted{cube_geometry(kScene), {voxels_of(Vec3i(kScene), everywhere), {}}, {}};
-  shifted.o.vectors.assign(shifted.o.topology.brick_count() * kBrickVoxels, Vec3f(0, -3, 0));
+  shifted.o.vectors = vectors_of(shifted.o.topology, Vec3f(0, -3, 0));
   for (const bool moved : {false, true}) {
     renderer.set_offsets(moved ? &shifted : nullptr);
     for (const Camera& camera : {front_camera(12), slanted}) {
@@ -171,11 +171,11 @@ TEST(PropertyAnalyticScene, AnAffinelyDeformedBallIsAnEllipsoidWithItsNormals) {
   // Back from the picture to the ball.
   const Matrix back{{{0.75, -0.2, 0}, {0.1, 1.25, 0.15}, {0, 0.1, 0.9}}};
   OffsetField offsets{geometry, {voxels_of(Vec3i(kScene), everywhere), {}}, {}};
-  offsets.o.vectors.resize(offsets.o.topology.brick_count() * kBrickVoxels);
+  offsets.o.vectors.resize(offsets.o.topology.brick_count());
   for (std::size_t b = 0; b < offsets.o.topology.brick_count(); ++b) {
     for (int n = 0; n < kBrickVoxels; ++n) {
       const Vec3d x = from_centre(Vec3d(offsets.o.topology.origin(b) + brick_local(n)));
-      offsets.o.vectors[b * kBrickVoxels + n] = Vec3f(back.times(x) - x);
+      offsets.o.vectors.touch(b)[n] = Vec3f(back.times(x) - x);
     }
   }
   renderer.set_offsets(&offsets);

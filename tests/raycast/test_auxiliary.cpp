@@ -77,7 +77,7 @@ TEST(UnitAuxiliary, TheOffsetOfAShiftedBallIsTheShiftInMillimetres) {
   const Geometry geometry = cube_geometry(kAuxSize, kSpacing);
   Renderer renderer(geometry, ball(geometry));
   OffsetField offsets{geometry, {voxels_of(geometry.dims(), everywhere), {}}, {}};
-  offsets.o.vectors.assign(offsets.o.topology.brick_count() * kBrickVoxels, Vec3f(-2, 0, 1));
+  offsets.o.vectors = vectors_of(offsets.o.topology, Vec3f(-2, 0, 1));
   renderer.set_offsets(&offsets);
   const Camera camera = default_camera(geometry, 1);
   const FloatImage moved = renderer.render_float(camera, wall(), settings());

@@ -14,10 +14,10 @@ namespace supple {
 namespace {
 
 VectorBricks offsets_of(const BrickTopology& where, const std::function<Vec3d(const Vec3d&)>& o) {
-  VectorBricks field{where, std::vector<Vec3f>(where.brick_count() * kBrickVoxels, Vec3f(0))};
+  VectorBricks field{where, BrickVectors(where.brick_count())};
   for (std::size_t b = 0; b < where.brick_count(); ++b) {
     for_each_active(where.mask(b), [&](int n) {
-      field.vectors[b * kBrickVoxels + n] = Vec3f(o(Vec3d(where.origin(b) + brick_local(n))));
+      field.vectors.touch(b)[n] = Vec3f(o(Vec3d(where.origin(b) + brick_local(n))));
     });
   }
   return field;
@@ -33,7 +33,7 @@ TEST(UnitBricks, OffsetsTakeTheMemoryThatIsDocumented) {
   const BrickTopology where = voxels_of(Vec3i(64), everywhere);
   const SourceBricks source(grid_of(where, [](const Vec3d& p) { return p.x; }));
   VectorBricks moved{where, {}};
-  moved.vectors.assign(where.brick_count() * kBrickVoxels, Vec3f(0.3f, -0.2f, 0.1f));
+  moved.vectors = vectors_of(where, Vec3f(0.3f, -0.2f, 0.1f));
   const auto per_brick = [&](const OffsetBricks& bricks) {
     return double(bricks.bytes()) / double(bricks.brick_count());
   };
@@ -161,7 +161,7 @@ TEST(UnitBricks, ZeroOffsetsGiveIdentityBricksAndOneVectorMakesItsBricksDeformed
   const SourceBricks source(grid_of(where, [](const Vec3d& p) { return p.y; }));
   VectorBricks offsets = offsets_of(where, [](const Vec3d&) { return Vec3d(0); });
   EXPECT_EQ(OffsetBricks(source, offsets).deformed_count(), 0u);
-  offsets.vectors[std::size_t(where.find({16, 16, 16})) * kBrickVoxels] = Vec3f(0.5f, 0, 0);
+  offsets.vectors.touch(std::size_t(where.find({16, 16, 16})))[0] = Vec3f(0.5f, 0, 0);
   // Its own brick and the seven whose apron holds the node.
   EXPECT_EQ(OffsetBricks(source, offsets).deformed_count(), 8u);
 }

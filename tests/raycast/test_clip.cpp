@@ -182,7 +182,7 @@ TEST(PropertyClip, ACutOfTheTissueMovesWithIt) {
   Renderer renderer(geometry, body_grid());
   // Shown at x is the source at x + o: the tissue moves by 4 voxels towards higher x.
   OffsetField offsets{geometry, {where, {}}, {}};
-  offsets.o.vectors.assign(where.brick_count() * kBrickVoxels, Vec3f(-4, 0, 0));
+  offsets.o.vectors = vectors_of(where, Vec3f(-4, 0, 0));
   renderer.set_offsets(&offsets);
   const Camera camera = default_camera(geometry, 1);
   const Clip tissue = plane({2, 0, 0}, {1, 0.3, 0}, ClipKeep::inside, ClipSpace::source);

@@ -28,11 +28,10 @@ struct CutSlab {
   }
   template <class Move>
   OffsetField moved(Move&& u, const LinkCuts& by) const {
-    VectorBricks field{elements, std::vector<Vec3f>(elements.brick_count() * kBrickVoxels)};
+    VectorBricks field{elements, BrickVectors(elements.brick_count())};
     for (std::size_t b = 0; b < elements.brick_count(); ++b) {
       for_each_active(elements.mask(b), [&](int offset) {
-        field.vectors[b * kBrickVoxels + std::size_t(offset)] =
-            Vec3f(u(Vec3d(elements.origin(b) + brick_local(offset))));
+        field.vectors.touch(b)[offset] = Vec3f(u(Vec3d(elements.origin(b) + brick_local(offset))));
       });
     }
     return invert_cut({geometry, std::move(field)}, {elements, by});

@@ -14,11 +14,11 @@ std::array<int, 3> pixel_at(const Image& image, double x, double y) {
 }
 
 Displacement at_rest(const Geometry& geometry, const BrickTopology& where) {
-  return {geometry, {where, std::vector<Vec3f>(where.brick_count() * kBrickVoxels, Vec3f(0))}};
+  return {geometry, {where, BrickVectors(where.brick_count())}};
 }
 
 void shift(Displacement& u, const Vec3i& voxel, const Vec3f& by) {
-  u.u.vectors[std::size_t(u.u.topology.find(voxel)) * kBrickVoxels + brick_offset(voxel)] = by;
+  u.u.vectors.touch(std::size_t(u.u.topology.find(voxel)))[brick_offset(voxel)] = by;
 }
 
 /// Slices of 5x3 voxels: right-handed, left-handed, and tilted in the patient.

@@ -214,7 +214,7 @@ TEST(PropertyShadow, TheShadowIsThatOfTheDeformedVolume) {
   Renderer renderer(geometry, rest.grid());
   // Up by 7 voxels; the wall looks the same.
   OffsetField offsets{geometry, {voxels_of(Vec3i(kLitSize), everywhere), {}}, {}};
-  offsets.o.vectors.assign(offsets.o.topology.brick_count() * kBrickVoxels, Vec3f(0, 0, -7));
+  offsets.o.vectors = vectors_of(offsets.o.topology, Vec3f(0, 0, -7));
   renderer.set_offsets(&offsets);
   RenderSettings settings = small_picture(96);
   settings.lighting.shadows = true;

@@ -37,7 +37,7 @@ RenderSettings with_surfaces() {
 /// u everywhere the same, in voxels.
 Displacement shifted(const Geometry& geometry, const BrickTopology& bricks, const Vec3f& u) {
   Displacement displacement{geometry, {bricks, {}}};
-  displacement.u.vectors.assign(bricks.brick_count() * kBrickVoxels, u);
+  displacement.u.vectors = vectors_of(bricks, u);
   return displacement;
 }
 

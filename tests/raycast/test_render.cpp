@@ -34,7 +34,7 @@ DensityGrid rough_volume() {
 }
 
 OffsetField zero_offsets(const Geometry& geometry, const BrickTopology& where) {
-  return {geometry, {where, std::vector<Vec3f>(where.brick_count() * kBrickVoxels, Vec3f(0))}, {}};
+  return {geometry, {where, BrickVectors(where.brick_count())}, {}};
 }
 
 std::vector<std::string> some_views() {
@@ -91,7 +91,7 @@ TEST(PropertyRender, TinyOffsetsTakeTheDeformedPathAndHardlyChangeThePicture) {
   const DensityGrid grid = rough_volume();
   Renderer straight(geometry, grid), offset(geometry, grid);
   OffsetField tiny = zero_offsets(geometry, grid.bricks());
-  for (Vec3f& v : tiny.o.vectors) v = Vec3f(1e-6f, 0, 0);
+  tiny.o.vectors = vectors_of(tiny.o.topology, Vec3f(1e-6f, 0, 0));
   offset.set_offsets(&tiny);
   const Camera camera = default_camera(geometry, 1);
   const Image a = straight.render(camera, surface_function(), small_picture(96));
@@ -170,7 +170,7 @@ TEST(PropertyRender, ConstantOffsetsShowTheMovedVolume) {
   const Renderer expected(geometry,
                           grid_of(there, [&](const Vec3d& p) { return body(p - Vec3d(shift)); }));
   OffsetField offsets = zero_offsets(geometry, there);
-  for (Vec3f& v : offsets.o.vectors) v = -Vec3f(shift);
+  offsets.o.vectors = vectors_of(offsets.o.topology, -Vec3f(shift));
   moved.set_offsets(&offsets);
   const Camera camera = default_camera(geometry, 1);
   const Comparison result =

@@ -84,7 +84,7 @@ TEST(PropertyRenderAccuracy, OffsetsOfTheWrongSignFailWidely) {
     DeformedBody body(c.warp);
     OffsetField offsets =
         sample_offsets(c.warp, body.geometry(), voxels_of(body.geometry().dims(), everywhere));
-    for (Vec3f& v : offsets.o.vectors) v = -v;
+    for_each_stored(offsets.o.vectors, [](Vec3f& v) { v = -v; });
     EXPECT_LT(body.judge(offsets, small_picture(200)).ssim, 0.9) << c.name;
   }
 }

@@ -88,10 +88,7 @@ TEST(ExtremesRender, OffsetsThatLeadNowhereAreEmptyAndNotANumberIsVoid) {
   const BrickTopology& where = grid.bricks();
   for (const float far : {1e4f, 1e30f, std::numeric_limits<float>::infinity(),
                           std::numeric_limits<float>::quiet_NaN()}) {
-    const OffsetField offsets{
-        geometry,
-        {where, std::vector<Vec3f>(where.brick_count() * kBrickVoxels, Vec3f(0, far, 0))},
-        {}};
+    const OffsetField offsets{geometry, {where, vectors_of(where, Vec3f(0, far, 0))}, {}};
     renderer.set_offsets(&offsets);
     EXPECT_EQ(visible_pixels(renderer.render(default_camera(geometry, 1), fog_function(0.9),
                                              small_picture(16))),

@@ -56,16 +56,16 @@ void for_each_voxel(const BrickTopology& topology, Visit&& visit) {
 
 inline VectorBricks field_on(const BrickTopology& topology,
                              const std::function<Vec3f(const Vec3i&)>& value) {
-  VectorBricks field{topology, std::vector<Vec3f>(topology.brick_count() * kBrickVoxels, Vec3f(0))};
+  VectorBricks field{topology, BrickVectors(topology.brick_count())};
   for_each_voxel(topology,
-                 [&](const Vec3i& v, std::size_t slot) { field.vectors[slot] = value(v); });
+                 [&](const Vec3i& v, std::size_t slot) { field.vectors.set(slot, value(v)); });
   return field;
 }
 
 inline VoxelField to_map(const VectorBricks& field) {
   VoxelField map;
   for_each_voxel(field.topology,
-                 [&](const Vec3i& v, std::size_t slot) { map[key(v)] = field.vectors[slot]; });
+                 [&](const Vec3i& v, std::size_t slot) { map[key(v)] = field.vectors.at(slot); });
   return map;
 }
 
@@ -95,7 +95,7 @@ inline Displacement noisy_displacement(std::mt19937& random, const BrickTopology
 inline double max_residual(const VectorBricks& u, const VectorBricks& o) {
   double worst = 0;
   for_each_voxel(o.topology, [&](const Vec3i& x, std::size_t slot) {
-    const Vec3d offset(o.vectors[slot]);
+    const Vec3d offset(o.vectors.at(slot));
     Vec3d pos = Vec3d(x) + offset, moved;
     if (!u.sample(pos, moved)) {
       for (int a = 0; a < 3; ++a) {

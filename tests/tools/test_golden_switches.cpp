@@ -78,7 +78,7 @@ TEST_F(GoldenSwitches, WithoutTheExtensionIntoTheAirTheyFail) {
   for (std::size_t b = 0; b < topology.brick_count(); ++b) {
     for_each_active(topology.mask(b), [&](int n) {
       const bool is_element = m_state.elements.is_active(topology.origin(b) + brick_local(n));
-      if (!is_element) cut_short.u.vectors[b * kBrickVoxels + n] = {0, 0, 0};
+      if (!is_element) cut_short.u.vectors.touch(b)[n] = {0, 0, 0};
     });
   }
   show(cut_short);
@@ -92,7 +92,7 @@ TEST_F(GoldenSwitches, WithoutJitterTheJitteredOneFails) {
 
 TEST_F(GoldenSwitches, WithTheSignOfTheOffsetsFlippedTheyFail) {
   OffsetField offsets = invert(extended_displacement_of(m_state));
-  for (Vec3f& vector : offsets.o.vectors) vector = -vector;
+  for_each_stored(offsets.o.vectors, [](Vec3f& vector) { vector = -vector; });
   show(offsets);
   expect_golden_fails("shear_bone.png", "CT-Bone");
   expect_golden_fails("shear_skin.png", "CT-Soft-Tissue");

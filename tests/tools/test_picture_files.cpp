@@ -197,7 +197,7 @@ TEST_F(UnitPictureFiles, ASequenceScalesTheDisplacementFromRestToTheState) {
   // Halfway: where half of u leads, which is not half of the offsets.
   const State state = read_state(m_folder / "drag.vdb");
   Displacement half = extended_displacement_of(state);
-  for (Vec3f& u : half.u.vectors) u *= 0.5f;
+  for_each_stored(half.u.vectors, [](Vec3f& u) { u *= 0.5f; });
   const OffsetField offsets = invert(half);
   Renderer renderer(state.geometry, state.density);
   renderer.set_offsets(&offsets);

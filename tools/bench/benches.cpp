@@ -1,7 +1,9 @@
 #include "tools/bench/benches.h"
 
 #include "tools/bench/bench_io.h"
+#include "tools/bench/calibrate/calibrate.h"
 #include "tools/bench/ecm/bench_ecm.h"
+#include "tools/bench/economy/bench_economy.h"
 #include "tools/bench/elastic/bench_fem.h"
 #include "tools/bench/elastic/bench_relax.h"
 #include "tools/bench/elastic/bench_springs.h"
@@ -11,6 +13,11 @@
 namespace supple::tools {
 
 Bench bench_of(const BenchOptions& options, int threads, Console& console) {
+  if (options.name == "economy") {
+    const EconomyBenchOptions economy{options.quick, threads, options.only};
+    return {[=] { return economy_row_names(economy); },
+            [=, &console] { return bench_economy(economy, console); }};
+  }
   if (options.name == "fem") {
     const FemBenchOptions fem{options.quick, threads, options.only, options.ct_head};
     return {[=, &console] { return fem_row_names(fem, console); },
@@ -43,6 +50,10 @@ Bench bench_of(const BenchOptions& options, int threads, Console& console) {
   const EcmBenchOptions ecm{options.quick, threads, options.only, options.ct_head};
   return {[=, &console] { return ecm_row_names(ecm, console); },
           [=, &console] { return bench_ecm(ecm, console); }};
+}
+
+UnitCosts measured_costs(Console& console) {
+  return calibrate(console);
 }
 
 }  // namespace supple::tools

@@ -7,6 +7,7 @@
 
 #include "tools/bench/report/report.h"
 #include "tools/console/console.h"
+#include "tools/plan/unit_costs.h"
 
 namespace supple::tools {
 
@@ -24,5 +25,8 @@ struct Bench {
 
 /// A build with SUPPLE_BENCH=OFF (no_benches.cpp) throws UsageError.
 Bench bench_of(const BenchOptions& options, int threads, Console& console);
+
+/// What `supple bench --calibrate` measures (calibrate/calibrate.h); likewise.
+UnitCosts measured_costs(Console& console);
 
 }  // namespace supple::tools

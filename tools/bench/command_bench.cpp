@@ -13,7 +13,7 @@ namespace {
 struct CommandOptions {
   BenchOptions bench;
   std::string output;
-  bool list = false, markdown = false;
+  bool list = false, markdown = false, calibrate = false;
 };
 
 Fields fields(CommandOptions& options) {
@@ -31,7 +31,33 @@ Fields fields(CommandOptions& options) {
   };
 }
 
+/// For the plans of this user's scenes.
+int run_calibration(const GlobalOptions& global, Console& console) {
+  const std::string path = calibration_file();
+  if (path.empty()) {
+    throw SystemError("--calibrate: neither XDG_CACHE_HOME nor HOME says where to keep the costs");
+  }
+  UnitCosts costs = measured_costs(console);
+  write_costs(path, costs);
+  console.note("wrote " + path);
+  if (global.json) {
+    std::printf("%s\n", fields_json(fields(costs)).c_str());
+  } else if (!global.quiet) {
+    for (const Field& field : fields(costs)) {
+      const bool is_number = field.holds<double>();
+      const std::string value =
+          is_number ? number_text(*std::get<double*>(field.target())) : field.text();
+      std::printf("%-20s %10s %-3s %s\n", field.name().c_str(), value.c_str(), field.unit().c_str(),
+                  field.help().c_str());
+    }
+  }
+  return kOk;
+}
+
 int run_bench(const CommandOptions& options, const GlobalOptions& global, Console& console) {
+  if (options.calibrate) return run_calibration(global, console);
+  if (options.bench.name.empty())
+    throw UsageError("bench: found no name, expected one, or --calibrate");
   if (options.list && (options.markdown || !options.output.empty())) {
     throw UsageError("--list: found beside --json or --markdown, expected one of them");
   }
@@ -62,11 +88,15 @@ Command add_bench(CLI::App& program) {
                      "  supple bench ecm --quick\n"
                      "  supple bench ecm --only 'all/noise/128*+x/rest' --json ecm.json\n"
                      "  supple bench invert --only 128 --json invert.json");
-  app->add_option("name", options->bench.name,
-                  "Which benchmark: ecm, fem, invert, io, relax, render or springs")
-      ->required()
-      ->check(CLI::IsMember({"ecm", "fem", "invert", "io", "relax", "render", "springs"}))
-      ->option_text("NAME");
+  CLI::Option* name =
+      app->add_option("name", options->bench.name,
+                      "Which benchmark: ecm, economy, fem, invert, io, relax, render or springs")
+          ->check(CLI::IsMember(
+              {"ecm", "economy", "fem", "invert", "io", "relax", "render", "springs"}))
+          ->option_text("NAME");
+  app->add_flag("--calibrate", options->calibrate,
+                "Measure what `supple run --dry-run` reckons with, and keep it for this user")
+      ->excludes(name);
   add_field_options(*app, fields(*options));
   return {app, [options](const GlobalOptions& global, Console& console) {
             return run_bench(*options, global, console);

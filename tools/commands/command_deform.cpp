@@ -12,6 +12,7 @@
 #include "tools/console/parse.h"
 #include "tools/outputs/reports.h"
 #include "tools/outputs/scene_run.h"
+#include "tools/plan/planned_run.h"
 #include "volumes/io/open_volume.h"
 #include "volumes/io/point_file.h"
 
@@ -26,7 +27,7 @@ struct DeformOptions {
   BodyOptions body;
   std::string output;
   std::vector<std::string> grabs, bys, contacts, retractions, elements;
-  bool push = false;
+  bool push = false, dry_run = false;
 };
 
 /// Every --grab takes the next --by, except those that say how they move: tables with a motion, and
@@ -217,7 +218,9 @@ void print_json(const Session& session, const std::string& output,
 
 int run_deform(DeformOptions& options, const GlobalOptions& global, Console& console) {
   const Scene scene = to_scene(options);
-  console.claim(check_scene(scene, "", global).files());
+  const OutputPlan plan = check_scene(scene, "", global);
+  if (options.dry_run) return tell_plan(scene, "", global, console);
+  console.claim(plan.files());
   SceneRun run(scene, "", true, console);
   run.run();
   if (global.json) {
@@ -265,7 +268,7 @@ Command add_deform(CLI::App& program) {
       ->allow_extra_args(false)
       ->option_text("TABLE");
   app->add_flag("--push", options->push,
-                "Handles only push: in every axis they move tissue ahead of them, not back");
+                "Handles only push: they move tissue ahead of them, not back");
   scene.add("step", fields(settings));
   scene.add("step.relax", fields(relax), "relax-");
   scene.add("step.springs", fields(springs), "springs-");
@@ -280,6 +283,8 @@ Command add_deform(CLI::App& program) {
                   "Stress or strain as a volume, such as von_mises; repeatable")
       ->allow_extra_args(false)
       ->option_text("QUANTITY=FILE");
+  app->add_flag("--dry-run", options->dry_run,
+                "Print what would be held and computed, and why; write nothing");
   app->add_option("-o,--output", options->output, "State file to write")
       ->required()
       ->option_text("STATE.vdb");

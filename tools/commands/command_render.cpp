@@ -12,6 +12,7 @@
 #include "tools/outputs/reports.h"
 #include "tools/outputs/scene_run.h"
 #include "tools/outputs/staging.h"
+#include "tools/plan/planned_run.h"
 #include "tools/scene/transfer_file.h"
 #include "volumes/io/open_volume.h"
 
@@ -27,6 +28,7 @@ struct RenderOptions {
   std::vector<std::string> clip_planes, clip_boxes, lights, meshes;
   std::string clip_keep = "inside", clip_space = "deformed";
   bool deform_meshes = false, orthographic = false, prints_camera = false;
+  bool dry_run = false;
 };
 
 /// "A:B", split at its colon. Throws UsageError.
@@ -185,7 +187,9 @@ int run_render(RenderOptions& options, const GlobalOptions& global, Console& con
   }
   if (options.output.empty()) throw UsageError("--output is required");
   check_options(scene);
-  console.claim(check_scene(scene, "", global).files());
+  const OutputPlan plan = check_scene(scene, "", global);
+  if (options.dry_run) return tell_plan(scene, "", global, console);
+  console.claim(plan.files());
   SceneRun run(scene, "", false, console);
   run.run();
   if (global.json) {
@@ -238,8 +242,7 @@ Command add_render(CLI::App& program) {
         ->option_text(field.placeholder());
   }
   app->add_option("--light", options->lights,
-                  "Direction to a light in LPS (or of the camera: right, up, to the viewer); "
-                  "repeatable")
+                  "Direction to a light, LPS or right, up, to the viewer; repeatable")
       ->allow_extra_args(false)
       ->option_text("[camera:]X,Y,Z[:INTENSITY[:#RRGGBB]]");
   app->add_option("--mesh", options->meshes,
@@ -262,6 +265,8 @@ Command add_render(CLI::App& program) {
   app->get_option("--lattice")->excludes("--offsets");
   app->add_flag("--print-camera", options->prints_camera,
                 "Print the camera as a file for --camera and draw nothing");
+  app->add_flag("--dry-run", options->dry_run,
+                "Print what would be held and computed, and why; write nothing");
   app->add_option("-o,--output", options->output,
                   "Picture to write; .exr: floats with depth, normals and offsets")
       ->option_text("IMAGE.png|.exr");

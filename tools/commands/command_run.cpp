@@ -8,6 +8,8 @@
 #include "tools/outputs/film_record.h"
 #include "tools/outputs/reports.h"
 #include "tools/outputs/scene_run.h"
+#include "tools/plan/plan_text.h"
+#include "tools/plan/planned_run.h"
 #include "tools/scene/draw_method.h"
 #include "tools/scene/step_method.h"
 #include "tools/tradeoff/method_choice.h"
@@ -21,71 +23,13 @@ namespace {
 struct RunSceneOptions {
   std::string scene;
   std::string folder = ".";
-  bool dry_run = false;
+  bool dry_run = false, tells_plan = false;
   bool allow_outside = false;
   bool resume = false;
   std::string frames;
   std::string method, drawing, state;
   std::string budget, error, table;
 };
-
-std::size_t fixed_count(const SceneStep& step) {
-  std::size_t points = 0;
-  for (const PointFile& file : step.fix_points) points += file.rows.size();
-  return step.fix.size() + step.fix_labels.size() + points;
-}
-
-nlohmann::ordered_json plan_json(const Scene& scene, const RunSceneOptions& options,
-                                 const SceneRun& run) {
-  nlohmann::ordered_json json = {{"volume", scene.volume_path}};
-  json["steps"] = nlohmann::ordered_json::array();
-  for (const SceneStep& step : scene.steps) {
-    json["steps"].push_back({{"handles", to_json(run.places(step))},
-                             {"fix", fixed_count(step)},
-                             {"cuts", step.cuts.size()},
-                             {"release", step.release},
-                             {"relax", step.relax.has_value()},
-                             {"springs", step.springs.has_value()},
-                             {"fem", step.fem.has_value()}});
-  }
-  json["outputs"] = nlohmann::ordered_json::array();
-  for (const std::string& name : scene.outputs()) {
-    json["outputs"].push_back(path_in(options.folder, name));
-  }
-  return json;
-}
-
-void print_plan(const Scene& scene, const RunSceneOptions& options, const SceneRun& run) {
-  std::printf("volume  %s\n", scene.volume_path.c_str());
-  for (std::size_t n = 0; n < scene.steps.size(); ++n) {
-    const SceneStep& step = scene.steps[n];
-    std::printf("step %zu  %zu handles, %zu fixed boxes, points and labels, %zu cuts%s%s\n", n + 1,
-                step.handles.size(), fixed_count(step), step.cuts.size(),
-                step.release ? ", releases" : "",
-                step.relax     ? ", relaxes"
-                : step.springs ? ", springs"
-                : step.fem     ? ", finite elements"
-                               : "");
-    print_places(run.places(step));
-  }
-  for (const std::string& name : scene.outputs()) {
-    std::printf("writes  %s\n", path_in(options.folder, name).c_str());
-  }
-}
-
-/// Checks handles against the volume, too, and writes nothing.
-int try_scene(const Scene& scene, const RunSceneOptions& options, const GlobalOptions& global,
-              Console& console) {
-  const SceneRun run(scene, options.folder, false, console);
-  run.check_steps();
-  console.stage_seconds();
-  if (global.json) {
-    std::printf("%s\n", plan_json(scene, options, run).dump(2).c_str());
-  } else {
-    print_plan(scene, options, run);
-  }
-  return kOk;
-}
 
 /// A method from the table of `supple tradeoff`; none where neither a time nor an error is given.
 std::optional<MethodChoice> choose_method(const RunSceneOptions& options) {
@@ -114,16 +58,25 @@ nlohmann::ordered_json choice_json(const MethodChoice& choice, double solve_s) {
 }
 
 void print_results(const SceneRun& run, const Scene& scene, const RunSceneOptions& options,
-                   const std::optional<MethodChoice>& choice, const GlobalOptions& global,
-                   Console& console) {
+                   const std::optional<MethodChoice>& choice,
+                   const std::optional<ScenePlan>& scene_plan, double planning_s,
+                   const GlobalOptions& global, Console& console) {
   const auto stages = console.stage_seconds();
   const double solve_s = phases_of(stages).solve_s;
   if (choice) {
     console.note(choice->method + " took " + number_text(solve_s) + " s to solve, expected were " +
                  number_text(choice->solve_s) + " s");
   }
+  double total = 0;
+  for (const auto& [name, seconds] : stages) total += seconds;
+  const PlanOutcome outcome{peak_rss_mb(), total, processor_seconds() - planning_s};
+  if (scene_plan) console.note(outcome_text(*scene_plan, outcome));
   if (global.json) {
     nlohmann::ordered_json json;
+    if (scene_plan) {
+      json["plan"] = to_json(*scene_plan);
+      json["outcome"] = outcome_json(*scene_plan, outcome);
+    }
     if (choice) json["chosen"] = choice_json(*choice, solve_s);
     json["steps"] = nlohmann::ordered_json::array();
     if (run.session() != nullptr) {
@@ -141,8 +94,6 @@ void print_results(const SceneRun& run, const Scene& scene, const RunSceneOption
     return;
   }
   if (global.quiet) return;
-  double total = 0;
-  for (const auto& [name, seconds] : stages) total += seconds;
   for (const auto& [name, seconds] : stages) {
     std::printf("%-18s %7.2f s  %3.0f %%\n", name.c_str(), seconds, 100 * seconds / total);
   }
@@ -162,8 +113,8 @@ void choose_frames(Scene& scene, const RunSceneOptions& options, GlobalOptions& 
   global.force = true;
 }
 
-OutputPlan plan_of(const Scene& scene, const RunSceneOptions& options,
-                   const GlobalOptions& global) {
+OutputPlan files_of(const Scene& scene, const RunSceneOptions& options,
+                    const GlobalOptions& global) {
   try {
     return check_scene(scene, options.folder, global);
   } catch (const UsageError& error) {
@@ -186,16 +137,24 @@ int run_scene(const RunSceneOptions& options, const GlobalOptions& given, Consol
   GlobalOptions global = given;
   choose_frames(scene, options, global);
   if (!options.allow_outside) require_inside(scene, options.folder);
-  const OutputPlan plan = plan_of(scene, options, global);
-  if (options.dry_run) return try_scene(scene, options, global, console);
+  const OutputPlan plan = files_of(scene, options, global);
+  if (options.dry_run) return tell_plan(scene, options.folder, global, console);
   if (scene.film && scene.film->frames_to_make.empty() && !scene.film->makes_videos) {
     console.note("all frames are there");
     return kOk;
   }
   console.claim(plan.files());
   SceneRun run(scene, options.folder, global.json, console);
+  std::optional<ScenePlan> scene_plan;
+  const double opened_s = processor_seconds();
+  if (options.tells_plan) scene_plan = plan_of(scene, run, console);
+  if (scene_plan && !global.json && !global.quiet) {
+    std::printf("%s", to_text(*scene_plan).c_str());
+    std::fflush(stdout);
+  }
+  const double planning_s = processor_seconds() - opened_s;
   run.run();
-  print_results(run, scene, options, choice, global, console);
+  print_results(run, scene, options, choice, scene_plan, planning_s, global, console);
   return kOk;
 }
 
@@ -241,8 +200,12 @@ Command add_run(CLI::App& program) {
       ->option_text("NAME:KNOB");
   app->add_option("--state", options->state, "Also write the state, in place of the scene's")
       ->option_text("NAME.vdb");
-  app->add_flag("--dry-run", options->dry_run,
-                "Check the scene against its volume and print what it would do");
+  CLI::Option* dry_run =
+      app->add_flag("--dry-run", options->dry_run,
+                    "Check the scene against its volume and print what would be held and computed, "
+                    "and why, with memory and time");
+  app->add_flag("--plan", options->tells_plan, "Print that first, and afterwards what came of it")
+      ->excludes(dry_run);
   return {app, [options](const GlobalOptions& global, Console& console) {
             return run_scene(*options, global, console);
           }};

@@ -1,4 +1,4 @@
-// This process: where its program lies, and the most memory that it has held.
+// This process: where its program lies, the memory that it holds and has held, its processor time.
 #pragma once
 
 #include <string>
@@ -8,8 +8,14 @@ namespace supple::tools {
 /// The file of the program that is running.
 std::string own_program();
 
+/// The resident size of the process, in millions of bytes.
+double rss_mb();
+
 /// The largest resident size of the process so far, in millions of bytes. That of the program which
 /// started it does not count.
 double peak_rss_mb();
+
+/// Processor time of all threads of the process so far.
+double processor_seconds();
 
 }  // namespace supple::tools

@@ -11,9 +11,9 @@ namespace {
 std::vector<std::int32_t> differing_bricks(const Displacement& before, const Displacement& after) {
   std::vector<std::int32_t> differing;
   for (std::size_t b = 0; b < after.u.topology.brick_count(); ++b) {
-    const Vec3f* was = &before.u.vectors[b * kBrickVoxels];
-    const Vec3f* is = &after.u.vectors[b * kBrickVoxels];
-    if (!std::equal(is, is + kBrickVoxels, was)) differing.push_back(std::int32_t(b));
+    const Vec3f* was = before.u.vectors.brick_or_zero(b);
+    const Vec3f* is = after.u.vectors.brick_or_zero(b);
+    if (was != is && !std::equal(is, is + kBrickVoxels, was)) differing.push_back(std::int32_t(b));
   }
   return differing;
 }

@@ -250,11 +250,14 @@ double LivePicture::longest_mm() const {
   const State& state = m_impl->body.opened();
   const VectorBricks& u = m_impl->body.displacement().u;
   return std::sqrt(tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(0, u.vectors.size()), 0.0,
+      tbb::blocked_range<std::size_t>(0, u.vectors.brick_count()), 0.0,
       [&](const tbb::blocked_range<std::size_t>& range, double most) {
-        for (std::size_t n = range.begin(); n < range.end(); ++n) {
-          const Vec3d mm = state.geometry.world_vector_from_index(Vec3d(u.vectors[n]));
-          most = std::max(most, mm.dot(mm));
+        for (std::size_t b = range.begin(); b < range.end(); ++b) {
+          const Vec3f* const vectors = u.vectors.brick(b);
+          for (int n = 0; vectors != nullptr && n < kBrickVoxels; ++n) {
+            const Vec3d mm = state.geometry.world_vector_from_index(Vec3d(vectors[n]));
+            most = std::max(most, mm.dot(mm));
+          }
         }
         return most;
       },
@@ -264,7 +267,7 @@ double LivePicture::longest_mm() const {
 LivePicture::Memory LivePicture::memory() const {
   const Impl& impl = *m_impl;
   const std::size_t voxels = impl.body.opened().density.bricks().brick_count() * kBrickVoxels;
-  const std::size_t moved = impl.body.displacement().u.vectors.size() * sizeof(Vec3f);
+  const std::size_t moved = impl.body.displacement().u.vectors.bytes();
   return {voxels * sizeof(float), moved, impl.body.forward().bytes()};
 }
 

@@ -17,8 +17,10 @@ double longest_mm(const VectorBricks& bricks, const Geometry& geometry) {
   const BrickTopology& topology = bricks.topology;
   double longest = 0;
   for (std::size_t b = 0; b < topology.brick_count(); ++b) {
+    const Vec3f* const vectors = bricks.vectors.brick(b);
+    if (vectors == nullptr) continue;
     for_each_active(topology.mask(b), [&](int n) {
-      const Vec3d vector(bricks.vectors[b * kBrickVoxels + n]);
+      const Vec3d vector(vectors[n]);
       longest = std::max(longest, geometry.world_vector_from_index(vector).length());
     });
   }
@@ -36,7 +38,7 @@ class Halfway {
  public:
   Halfway(const PosedVolume& subject, double fraction, bool needs_inverse, Console& console)
       : m_displacement(*subject.displacement), m_subject(subject) {
-    for (Vec3f& u : m_displacement.u.vectors) u *= float(fraction);
+    for_each_stored(m_displacement.u.vectors, [&](Vec3f& u) { u *= float(fraction); });
     if (!needs_inverse) return;
     InvertParams params;
     params.material = &subject.elements;

@@ -23,6 +23,13 @@ namespace {
 /// Voxels of air around the densities above the minimum that a surface needs.
 constexpr int kAirRings = 2;
 
+/// Whether an output reads where what is seen came from; displacements say where it went.
+bool reads_inverse(const Scene& scene) {
+  const SceneOutput& output = scene.output;
+  if (!(output.state.empty() && output.offsets.empty() && output.volumes.empty())) return true;
+  return !output.displacements.empty() && !scene.path.empty();
+}
+
 bool writes_fields(const SceneOutput& output) {
   return !(output.state.empty() && output.offsets.empty() && output.displacements.empty() &&
            output.volumes.empty());
@@ -54,10 +61,12 @@ std::int64_t count_outside_box(const State& state, const Displacement& displacem
   const Vec3i& dims = state.geometry.dims();
   std::int64_t count = 0;
   for (std::size_t b = 0; b < state.elements.brick_count(); ++b) {
+    const std::int32_t same = displacement.u.topology.find(state.elements.origin(b));
+    const Vec3f* const vectors = displacement.u.vectors.brick(std::size_t(same));
+    if (vectors == nullptr) continue;  // at rest, and so inside
     for_each_active(state.elements.mask(b), [&](int offset) {
       const Vec3i voxel = state.elements.origin(b) + brick_local(offset);
-      Vec3f u(0);
-      displacement.u.at(voxel, u);
+      const Vec3f& u = vectors[offset];
       bool is_inside = true;
       for (int a = 0; a < 3; ++a) {
         const double place = double(voxel[a]) + u[a];
@@ -196,7 +205,7 @@ void SceneRun::run() {
     run_step(*m_session, m_scene.steps[n], m_tells_reactions, &m_console);
     draw_views(int(n) + 1);
   }
-  if (writes_fields(m_scene.output)) seen(last_step());
+  if (reads_inverse(m_scene)) seen(last_step());
   m_pictures.commit();
   make_folders();
   write_outputs(last_step(), 0);
@@ -363,8 +372,13 @@ void SceneRun::write_outputs(int last, int frame) {
   const auto write_warps = [&](const std::vector<std::string>& names, WarpDirection direction) {
     for (const std::string& name : names) {
       if (!is_due(name)) continue;
+      if (reads_inverse(m_scene)) {
+        seen(last);
+      } else {
+        displacement(last);
+      }
       write_state_warp({file_of(name), direction, VoidMode::nearest, m_state.geometry}, m_state,
-                       seen(last), &m_console);
+                       m_scene.path.empty() ? m_deformed : *m_seen, &m_console);
     }
   };
   write_warps(output.offsets, WarpDirection::resample);

@@ -41,6 +41,8 @@ class SceneRun {
   /// every frame stands by itself: its files appear when all of them are complete.
   void run();
 
+  /// The subject as it is now; of a volume alone geometry and densities.
+  State opened() const { return m_session ? m_session->state() : m_state; }
   /// The body; null where nothing moves.
   const Session* session() const { return m_session.get(); }
   /// Of the last inversion; null where there was none.

@@ -306,9 +306,8 @@ SamplingPath to_path(const std::vector<OffsetFunction>& functions, const Geometr
 Pose send_along(const std::vector<OffsetFunction>& functions, const Geometry& geometry,
                 const BrickTopology& body, Console& console) {
   const SamplingPath path = to_path(functions, geometry);
-  const std::vector<Vec3f> still(body.brick_count() * kBrickVoxels, Vec3f(0));
   return placed(functions.front(), [&] {
-    return Pose{move_along(path, {geometry, {body, still}}),
+    return Pose{move_along(path, {geometry, {body, BrickVectors(body.brick_count())}}),
                 follow_path(path, geometry, body, &console)};
   });
 }

@@ -80,6 +80,16 @@ bool is_full(const BrickMask& mask) {
   return all == ~std::uint64_t(0);
 }
 
+/// Whether none of the brick's own vectors and its upper neighbours' is stored.
+bool are_at_rest(const ViewsAround& around) {
+  for (int n = 0; n < 27; ++n) {
+    const Vec3i step = surrounding_step(n);
+    if (std::min({step.x, step.y, step.z}) < 0) continue;
+    if (around[n].vectors != kZeroBrickOf<Vec3f>) return false;
+  }
+  return true;
+}
+
 bool is_place(const Vec3f& v) {
   return std::abs(v.x) + std::abs(v.y) + std::abs(v.z) < kMaxVectorVoxels;
 }
@@ -150,8 +160,13 @@ void gather_nodes(const VectorBrickFinder& field, const BrickTopology& occupied,
     around[n] = field(origin + step * kBrickDim);
     if (is_upper) is_inside = is_inside && around[n].mask != nullptr && is_full(*around[n].mask);
   }
-  RowRange range;
   nodes.is_void = true;
+  if (is_inside && are_at_rest(around)) {
+    nodes.lo = nodes.hi = Vec3f(0);
+    nodes.is_zero = true;
+    return;
+  }
+  RowRange range;
   if (!is_inside || !gather_inside(around, out, range)) {
     range = RowRange();
     gather_beside_void(around, occupied, extrapolated, origin, out, range, nodes.is_void);

@@ -26,7 +26,8 @@ struct BrickNodes {
 /// Writes the nodes of the brick at `origin`, kFloats of them, x slowest, not a number where there
 /// is none. With `extrapolated` a ring of them is added around the valid ones, as
 /// extrapolate_into_bricks() does. `occupied`: voxels that are not void. Vectors that are not
-/// finite or lead nowhere (2^20 voxels) count as none.
+/// finite or lead nowhere (2^20 voxels) count as none. Of a brick in which all nodes are there and
+/// none is stored, nothing is written.
 void gather_nodes(const VectorBrickFinder& field, const BrickTopology& occupied, bool extrapolated,
                   const Vec3i& origin, float* out, BrickNodes& nodes);
 

@@ -17,11 +17,12 @@ double raised_cosine(double distance, double radius) {
 
 VectorBricks sample_function(const std::function<Vec3d(const Vec3d&)>& function,
                              const BrickTopology& where) {
-  VectorBricks field{where, std::vector<Vec3f>(where.brick_count() * kBrickVoxels, Vec3f(0))};
+  VectorBricks field{where, BrickVectors(where.brick_count())};
+  field.vectors.touch_all();
   tbb::parallel_for(std::size_t(0), where.brick_count(), [&](std::size_t b) {
+    Vec3f* const vectors = field.vectors.touch(b);
     for_each_active(where.mask(b), [&](int offset) {
-      const Vec3d vector = function(Vec3d(where.origin(b) + brick_local(offset)));
-      field.vectors[b * kBrickVoxels + offset] = Vec3f(vector);
+      vectors[offset] = Vec3f(function(Vec3d(where.origin(b) + brick_local(offset))));
     });
   });
   return field;

@@ -32,8 +32,8 @@ BrickMask next_ring(const PaddedRows<1>& padded, const BrickMask& wanted, const 
 /// Fills ring `number` of one brick: calls `set(offset, vector)`.
 template <class MaskOf, class Set>
 void fill_ring(const BrickMask& ring, int number, RingFill fill, const Surroundings& around,
-               MaskOf&& mask_of, const std::vector<Vec3f>& vectors, Set&& set) {
-  const auto vectors_of = [&](int n) { return &vectors[std::size_t(around[n]) * kBrickVoxels]; };
+               MaskOf&& mask_of, const BrickVectors& vectors, Set&& set) {
+  const auto vectors_of = [&](int n) { return vectors.brick_or_zero(std::size_t(around[n])); };
   if (!any_bit(ring)) return;
   if (number <= int(fill)) {
     const PaddedRows<2> padded = padded_rows<2>(around, mask_of);
@@ -66,23 +66,46 @@ std::vector<std::int32_t> with_neighbours(const BrickTopology& topology,
 
 /// Drops what is not valid; brick order stays.
 VectorBricks compact(const BrickTopology& bricks, const std::vector<BrickMask>& valid,
-                     std::vector<Vec3f> vectors, std::vector<std::uint8_t>* ring_of) {
+                     BrickVectors vectors, std::vector<std::uint8_t>* ring_of) {
+  bool is_all = true;
+  for (std::size_t b = 0; b < bricks.brick_count(); ++b) {
+    is_all = is_all && valid[b] == bricks.mask(b);
+  }
+  if (is_all) return {bricks, std::move(vectors)};
   std::vector<Vec3i> origins;
   std::vector<BrickMask> masks;
+  std::vector<std::size_t> kept;
   for (std::size_t b = 0; b < bricks.brick_count(); ++b) {
     if (!any_bit(valid[b])) continue;
     const std::size_t from = b * kBrickVoxels, to = origins.size() * kBrickVoxels;
-    if (from != to) {
-      std::copy_n(vectors.begin() + from, kBrickVoxels, vectors.begin() + to);
-      if (ring_of) std::copy_n(ring_of->begin() + from, kBrickVoxels, ring_of->begin() + to);
+    if (from != to && ring_of) {
+      std::copy_n(ring_of->begin() + from, kBrickVoxels, ring_of->begin() + to);
     }
     origins.push_back(bricks.origin(b));
     masks.push_back(valid[b]);
+    kept.push_back(b);
   }
-  vectors.resize(origins.size() * kBrickVoxels);
-  vectors.shrink_to_fit();
-  if (ring_of) ring_of->resize(vectors.size());
+  vectors.keep_only(kept);
+  if (ring_of) ring_of->resize(kept.size() * kBrickVoxels);
   return {BrickTopology(std::move(origins), std::move(masks)), std::move(vectors)};
+}
+
+/// Whether every voxel of `part` is one of `whole`.
+bool holds(const BrickTopology& whole, const BrickTopology& part) {
+  for (std::size_t b = 0; b < part.brick_count(); ++b) {
+    const std::int32_t same = whole.find(part.origin(b));
+    if (same < 0) return false;
+    for (int word = 0; word < 8; ++word) {
+      if ((part.mask(b)[word] & ~whole.mask(std::size_t(same))[word]) != 0) return false;
+    }
+  }
+  return true;
+}
+
+/// Whether some of these bricks may hold a vector other than 0.
+bool is_stored(const BrickVectors& vectors, const Surroundings& bricks) {
+  return std::any_of(bricks.begin(), bricks.end(),
+                     [&](std::int32_t b) { return vectors.brick(std::size_t(b)) != nullptr; });
 }
 
 }  // namespace
@@ -90,9 +113,9 @@ VectorBricks compact(const BrickTopology& bricks, const std::vector<BrickMask>& 
 VectorBricks fill_rings(const VectorBricks& seed, const BrickTopology& target, int max_rings,
                         RingFill fill, std::vector<std::uint8_t>* ring_of) {
   // Seed and target in one set of bricks.
-  const BrickTopology bricks = unite(seed.topology, target);
+  const BrickTopology bricks = holds(target, seed.topology) ? target : unite(seed.topology, target);
   const std::size_t count = bricks.brick_count();
-  std::vector<Vec3f> vectors(count * kBrickVoxels, Vec3f(0));
+  BrickVectors vectors(count);
   std::vector<BrickMask> valid(count, BrickMask{});
   if (ring_of) ring_of->assign(count * kBrickVoxels, 0);
   std::vector<std::size_t> pending;  // bricks with wanted voxels
@@ -100,8 +123,8 @@ VectorBricks fill_rings(const VectorBricks& seed, const BrickTopology& target, i
     const std::int32_t s = seed.topology.find(bricks.origin(b));
     if (s >= 0) {
       valid[b] = seed.topology.mask(s);
-      std::copy_n(seed.vectors.begin() + std::size_t(s) * kBrickVoxels, kBrickVoxels,
-                  vectors.begin() + b * kBrickVoxels);
+      const Vec3f* const given = seed.vectors.brick(std::size_t(s));
+      if (given != nullptr) std::copy_n(given, kBrickVoxels, vectors.touch(b));
     }
     if (valid[b] != bricks.mask(b)) pending.push_back(b);
   }
@@ -109,24 +132,36 @@ VectorBricks fill_rings(const VectorBricks& seed, const BrickTopology& target, i
   tbb::parallel_for(std::size_t(0), pending.size(),
                     [&](std::size_t n) { around[n] = surroundings_of(bricks, pending[n]); });
 
-  // Vectors of a ring are written beside the valid ones, which alone are read.
+  // Vectors of a ring are written beside the valid ones, which alone are read. Where no brick
+  // around is stored the ring is of zeros, and its brick is not stored either.
   std::vector<BrickMask> ring(pending.size());
+  std::vector<std::uint8_t> moves(pending.size());
+  const auto mask_of = [&](std::int32_t m) -> const BrickMask& { return valid[m]; };
   for (int number = 1; number <= max_rings; ++number) {
     tbb::parallel_for(std::size_t(0), pending.size(), [&](std::size_t n) {
       const std::size_t b = pending[n];
-      const auto mask_of = [&](std::int32_t m) -> const BrickMask& { return valid[m]; };
       ring[n] = next_ring(padded_rows<1>(around[n], mask_of), bricks.mask(b), valid[b]);
+      moves[n] = any_bit(ring[n]) && is_stored(vectors, around[n]);
+    });
+    for (std::size_t n = 0; n < pending.size(); ++n) {
+      if (moves[n]) vectors.touch(pending[n]);
+    }
+    tbb::parallel_for(std::size_t(0), pending.size(), [&](std::size_t n) {
+      const std::size_t b = pending[n];
+      if (ring_of) {
+        for_each_active(ring[n], [&](int offset) {
+          (*ring_of)[b * kBrickVoxels + std::size_t(offset)] = std::uint8_t(std::min(number, 255));
+        });
+      }
+      if (!moves[n]) return;
+      Vec3f* const own = vectors.touch(b);
       fill_ring(ring[n], number, fill, around[n], mask_of, vectors,
-                [&](int offset, const Vec3f& v) {
-                  vectors[b * kBrickVoxels + std::size_t(offset)] = v;
-                  if (ring_of) {
-                    (*ring_of)[b * kBrickVoxels + std::size_t(offset)] =
-                        std::uint8_t(std::min(number, 255));
-                  }
-                });
+                [&](int offset, const Vec3f& v) { own[offset] = v; });
     });
     bool grown = false;
     for (std::size_t n = 0; n < pending.size(); ++n) {
+      // Beside a brick that moves at its far side alone.
+      if (moves[n] && are_zeros(vectors.brick(pending[n]))) vectors.release(pending[n]);
       grown = grown || any_bit(ring[n]);
       for (int word = 0; word < 8; ++word) valid[pending[n]][word] |= ring[n][word];
     }
@@ -171,9 +206,11 @@ std::vector<std::int32_t> refill_rings(VectorBricks& field, const RingOrder& ord
     is_changed[n] = bricks[n] == changed[next];
     next += is_changed[n];
   }
+  for (const std::int32_t b : bricks) field.vectors.touch(std::size_t(b));
   for (int number = 1; number <= last; ++number) {
     tbb::parallel_for(std::size_t(0), bricks.size(), [&](std::size_t n) {
       const std::size_t b = std::size_t(bricks[n]);
+      Vec3f* const own = field.vectors.touch(b);
       if (order.last(b) < number) return;
       BrickMask ring = number == order.rings() ? topology.mask(b) : order.before(number + 1, b);
       for (int word = 0; word < 8; ++word) ring[word] &= ~order.before(number, b)[word];
@@ -184,7 +221,7 @@ std::vector<std::int32_t> refill_rings(VectorBricks& field, const RingOrder& ord
       };
       fill_ring(ring, number, RingFill::linear, around, mask_of, field.vectors,
                 [&](int offset, const Vec3f& v) {
-                  Vec3f& vector = field.vectors[b * kBrickVoxels + std::size_t(offset)];
+                  Vec3f& vector = own[offset];
                   is_changed[n] = is_changed[n] || v != vector;
                   vector = v;
                 });

@@ -8,7 +8,7 @@ VectorBrickFinder finder_of(const VectorBricks& field) {
   return [&field](const Vec3i& origin) -> VectorBrickView {
     const std::int32_t b = field.topology.find(origin);
     if (b < 0) return {};
-    return {&field.topology.mask(std::size_t(b)), &field.vectors[std::size_t(b) * kBrickVoxels]};
+    return {&field.topology.mask(std::size_t(b)), field.vectors.brick_or_zero(std::size_t(b))};
   };
 }
 
@@ -16,7 +16,7 @@ bool VectorBricks::at(const Vec3i& voxel, Vec3f& vector) const {
   const std::int32_t b = topology.find(voxel);
   const int offset = brick_offset(voxel);
   if (b < 0 || !mask_test(topology.mask(b), offset)) return false;
-  vector = vectors[std::size_t(b) * kBrickVoxels + offset];
+  vector = vectors.brick_or_zero(std::size_t(b))[offset];
   return true;
 }
 
@@ -39,7 +39,7 @@ bool VectorBricks::sample(const Vec3d& pos_index, Vec3d& vector) const {
     const std::int32_t brick = in_one_brick || corner == 0 ? first : topology.find(voxel);
     const int offset = brick_offset(voxel);
     if (brick < 0 || !mask_test(topology.mask(brick), offset)) return false;
-    const Vec3f& v = vectors[std::size_t(brick) * kBrickVoxels + offset];
+    const Vec3f& v = vectors.brick_or_zero(std::size_t(brick))[offset];
     sum.x += w * v.x;
     sum.y += w * v.y;
     sum.z += w * v.z;
@@ -49,7 +49,7 @@ bool VectorBricks::sample(const Vec3d& pos_index, Vec3d& vector) const {
 }
 
 std::size_t VectorBricks::bytes() const {
-  return topology.bytes() + vectors.capacity() * sizeof(Vec3f);
+  return topology.bytes() + vectors.bytes();
 }
 
 }  // namespace supple

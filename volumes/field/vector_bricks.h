@@ -1,17 +1,17 @@
 // A sparse vector field on voxels: one Vec3f per voxel of every occupied brick, valid where the
-// topology is active. Cost: 6 kB per brick.
+// topology is active. Bricks without a vector other than 0, where nothing moves, are not stored.
+// Cost: 6 kB per stored brick, 108 bytes for any other.
 #pragma once
 
 #include <functional>
-#include <vector>
 
-#include "volumes/grid/brick_topology.h"
+#include "volumes/grid/brick_values.h"
 
 namespace supple {
 
 struct VectorBricks {
-  BrickTopology topology;      // active: the vector is valid
-  std::vector<Vec3f> vectors;  // [512 * b + offset]
+  BrickTopology topology;  // active: the vector is valid
+  BrickVectors vectors;    // of its bricks
 
   /// True and the vector, or false where invalid.
   bool at(const Vec3i& voxel, Vec3f& vector) const;
@@ -24,7 +24,7 @@ struct VectorBricks {
 /// One brick of a sparse vector field; null where there is none.
 struct VectorBrickView {
   const BrickMask* mask = nullptr;
-  const Vec3f* vectors = nullptr;  // 512
+  const Vec3f* vectors = nullptr;  // 512, those of kZeroBrickOf where none are stored
 };
 
 /// The brick with this origin, wherever it is kept. May be asked by several threads at once.

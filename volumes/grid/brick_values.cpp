@@ -1,7 +1,6 @@
 #include "volumes/grid/brick_values.h"
 
 #include <algorithm>
-#include <cstring>
 
 namespace supple {
 
@@ -19,6 +18,27 @@ BrickArray<T>::BrickArray(const BrickArray& other) : BrickArray(other.brick_coun
 }
 
 template <class T>
+BrickArray<T> BrickArray<T>::of(const std::vector<T>& values) {
+  BrickArray array(values.size() / kBrickVoxels);
+  for (std::size_t b = 0; b < array.brick_count(); ++b) {
+    const T* const brick = &values[b * kBrickVoxels];
+    if (!are_zeros(brick)) std::copy_n(brick, kBrickVoxels, array.touch(b));
+  }
+  return array;
+}
+
+template <class T>
+std::vector<T> BrickArray<T>::all() const {
+  std::vector<T> values;
+  values.reserve(brick_count() * kBrickVoxels);
+  for (std::size_t b = 0; b < brick_count(); ++b) {
+    const T* const brick = brick_or_zero(b);
+    values.insert(values.end(), brick, brick + kBrickVoxels);
+  }
+  return values;
+}
+
+template <class T>
 void BrickArray<T>::swap(BrickArray& other) noexcept {
   m_table.swap(other.m_table);
   m_chunks.swap(other.m_chunks);
@@ -32,7 +52,7 @@ T* BrickArray<T>::store(std::size_t b) {
   if (m_free.empty()) add_chunk();
   T* const values = m_free.back();
   m_free.pop_back();
-  std::memset(values, 0, sizeof(Brick));
+  std::fill_n(values, kBrickVoxels, T(0));
   m_table[b] = values;
   ++m_stored;
   return values;
@@ -59,6 +79,24 @@ void BrickArray<T>::release(std::size_t b) {
 }
 
 template <class T>
+void BrickArray<T>::touch_all() {
+  for (std::size_t b = 0; b < brick_count(); ++b) touch(b);
+}
+
+template <class T>
+void BrickArray<T>::keep_only(const std::vector<std::size_t>& kept) {
+  std::vector<T*> table;
+  table.reserve(kept.size());
+  std::size_t next = 0;  // of the bricks that were not looked at
+  for (const std::size_t b : kept) {
+    for (; next < b; ++next) release(next);
+    table.push_back(m_table[next++]);
+  }
+  for (; next < m_table.size(); ++next) release(next);
+  m_table = std::move(table);
+}
+
+template <class T>
 void BrickArray<T>::resize(std::size_t brick_count) {
   for (std::size_t b = brick_count; b < m_table.size(); ++b) release(b);
   m_table.resize(brick_count, nullptr);
@@ -75,7 +113,8 @@ bool BrickArray<T>::operator==(const BrickArray& other) const {
   const std::size_t count = std::max(brick_count(), other.brick_count());
   for (std::size_t b = 0; b < count; ++b) {
     if (brick(b) == other.brick(b)) continue;
-    if (std::memcmp(brick_or_zero(b), other.brick_or_zero(b), sizeof(Brick)) != 0) return false;
+    const T* const values = brick_or_zero(b);
+    if (!std::equal(values, values + kBrickVoxels, other.brick_or_zero(b))) return false;
   }
   return true;
 }
@@ -83,5 +122,6 @@ bool BrickArray<T>::operator==(const BrickArray& other) const {
 template class BrickArray<std::int16_t>;
 template class BrickArray<std::int32_t>;
 template class BrickArray<double>;
+template class BrickArray<Vec3f>;
 
 }  // namespace supple

@@ -1,6 +1,7 @@
 #include "volumes/io/volume_writer.h"
 
 #include <cstring>
+#include <stdexcept>
 
 #include <tbb/task_group.h>
 
@@ -48,6 +49,15 @@ std::vector<std::string> write_image(const std::string& path, const DenseImage& 
   return writer->warnings();
 }
 
+DenseImage image_of(const WarpFacts& facts) {
+  DenseImage image;
+  image.geometry = facts.geometry;
+  image.components = 3;
+  image.direction = facts.direction == WarpDirection::resample ? "resample" : "material";
+  image.certificate = facts.certificate;
+  return image;
+}
+
 }  // namespace
 
 std::vector<std::string> write_volume(const std::string& path, const Geometry& geometry,
@@ -72,12 +82,18 @@ std::vector<std::string> write_warp(const std::string& path, const WarpFacts& fa
     slices(k, vectors.data());
     std::memcpy(out, vectors.data(), vectors.size() * sizeof(Vec3f));
   };
-  DenseImage image;
-  image.geometry = facts.geometry;
-  image.components = 3;
-  image.direction = facts.direction == WarpDirection::resample ? "resample" : "material";
-  image.certificate = facts.certificate;
-  return write_image(path, image, options, fill, progress);
+  return write_image(path, image_of(facts), options, fill, progress);
+}
+
+std::vector<std::string> write_warp(const std::string& path, const WarpFacts& facts,
+                                    const VectorBricks& vectors_mm, Progress* progress,
+                                    const WriteOptions& options) {
+  if (progress != nullptr) progress->stage("writing");
+  const std::unique_ptr<DenseWriter> writer = create_dense(path, image_of(facts), options);
+  if (!writer->write_bricks(vectors_mm)) throw std::logic_error(path + ": a dense format");
+  writer->complete(progress);
+  writer->commit();
+  return writer->warnings();
 }
 
 }  // namespace supple

@@ -30,4 +30,10 @@ std::vector<std::string> write_warp(const std::string& path, const WarpFacts& fa
                                     const VectorSliceSource& slices, Progress* progress = nullptr,
                                     const WriteOptions& options = {});
 
+/// The same of vectors that are 0 but in these bricks, for formats in which such space costs
+/// nothing (keeps_bricks()): the file that all their slices would give.
+std::vector<std::string> write_warp(const std::string& path, const WarpFacts& facts,
+                                    const VectorBricks& vectors_mm, Progress* progress = nullptr,
+                                    const WriteOptions& options = {});
+
 }  // namespace supple

@@ -9,11 +9,18 @@
 
 namespace supple {
 
+namespace {
+
+bool is_stored(const std::array<BrickValues, 3>& q, std::size_t b) {
+  return q[0].brick(b) != nullptr || q[1].brick(b) != nullptr || q[2].brick(b) != nullptr;
+}
+
+}  // namespace
+
 LiveDisplacement::LiveDisplacement(const Geometry& geometry, const BrickTopology& elements,
                                    const BrickTopology& shell)
     : m_elements(elements), m_is_moved(elements.brick_count(), 0) {
-  const VectorBricks rest{elements,
-                          std::vector<Vec3f>(elements.brick_count() * kBrickVoxels, Vec3f(0))};
+  const VectorBricks rest{elements, BrickVectors(elements.brick_count())};
   std::vector<std::uint8_t> ring_of;
   m_extended = {geometry, fill_rings(rest, shell, std::numeric_limits<int>::max(), RingFill::linear,
                                      &ring_of)};
@@ -25,13 +32,12 @@ LiveDisplacement::LiveDisplacement(const Geometry& geometry, const BrickTopology
 
 /// Writes the elements of one brick; true when any of them changed.
 bool LiveDisplacement::take_over(const std::array<BrickValues, 3>& q, std::size_t b) {
-  const bool moves =
-      q[0].brick(b) != nullptr || q[1].brick(b) != nullptr || q[2].brick(b) != nullptr;
+  const bool moves = is_stored(q, b);
   if (!moves && !m_is_moved[b]) return false;
   m_is_moved[b] = moves;
   const std::int32_t* values[3];
   for (int c = 0; c < 3; ++c) values[c] = q[c].brick_or_zero(b);
-  Vec3f* u = &m_extended.u.vectors[std::size_t(m_brick_of[b]) * kBrickVoxels];
+  Vec3f* u = m_extended.u.vectors.touch(std::size_t(m_brick_of[b]));
   bool is_changed = false;
   for_each_active(m_elements.mask(b), [&](int offset) {
     const Vec3f now(float(values[0][offset] / kFixedOne), float(values[1][offset] / kFixedOne),
@@ -43,6 +49,9 @@ bool LiveDisplacement::take_over(const std::array<BrickValues, 3>& q, std::size_
 }
 
 std::vector<std::int32_t> LiveDisplacement::update(const std::array<BrickValues, 3>& q) {
+  for (std::size_t b = 0; b < m_elements.brick_count(); ++b) {
+    if (is_stored(q, b)) m_extended.u.vectors.touch(std::size_t(m_brick_of[b]));
+  }
   std::vector<std::uint8_t> is_changed(m_elements.brick_count());
   tbb::parallel_for(std::size_t(0), is_changed.size(),
                     [&](std::size_t b) { is_changed[b] = take_over(q, b); });

@@ -62,12 +62,17 @@ Displacement on_elements(const Geometry& geometry, const BrickTopology& elements
                          const Displacement* displacement) {
   Displacement result{geometry, {}};
   result.u.topology = elements;
-  result.u.vectors.resize(elements.brick_count() * kBrickVoxels, Vec3f(0));
+  result.u.vectors.resize(elements.brick_count());
   if (displacement == nullptr) return result;
   for (std::size_t b = 0; b < elements.brick_count(); ++b) {
+    const std::int32_t same = displacement->u.topology.find(elements.origin(b));
+    const Vec3f* const u = displacement->u.vectors.brick(std::size_t(same));
+    if (u == nullptr) continue;
+    Vec3f* const vectors = result.u.vectors.touch(b);
     for_each_active(elements.mask(b), [&](int offset) {
-      const Vec3i voxel = elements.origin(b) + brick_local(offset);
-      displacement->u.at(voxel, result.u.vectors[b * kBrickVoxels + offset]);
+      if (mask_test(displacement->u.topology.mask(std::size_t(same)), offset)) {
+        vectors[offset] = u[offset];
+      }
     });
   }
   return result;

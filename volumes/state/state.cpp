@@ -197,14 +197,15 @@ std::string rest_name(int axis) {
 
 Displacement displacement_of(const State& state) {
   Displacement displacement{state.geometry, {state.elements, {}}};
-  std::vector<Vec3f>& vectors = displacement.u.vectors;
-  vectors.assign(state.elements.brick_count() * kBrickVoxels, Vec3f(0));
+  BrickVectors& vectors = displacement.u.vectors;
+  vectors.resize(state.elements.brick_count());
   for (int c = 0; c < 3; ++c) {
     for (std::size_t b = 0; b < state.q[c].brick_count(); ++b) {
       const std::int32_t* values = state.q[c].brick(b);
       if (values == nullptr) continue;
-      for (std::size_t offset = 0; offset < kBrickVoxels; ++offset) {
-        vectors[b * kBrickVoxels + offset][c] = float(values[offset] / kFixedOne);
+      Vec3f* const u = vectors.touch(b);
+      for (int offset = 0; offset < kBrickVoxels; ++offset) {
+        u[offset][c] = float(values[offset] / kFixedOne);
       }
     }
   }

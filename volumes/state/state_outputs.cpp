@@ -42,24 +42,38 @@ std::int64_t write_state_warp(const WarpOutput& output, const State& state, cons
                               Progress* progress) {
   WarpFacts facts{state.geometry, output.direction, ""};
   VectorSliceSource slices;
+  std::optional<VectorBricks> sparse;
   std::int64_t lost = 0;
   const bool is_material = output.direction == WarpDirection::material;
+  const bool may_be_sparse = keeps_bricks(output.path);
   if (is_material) {
-    slices = dense_displacement(pose.displacement);
+    if (may_be_sparse) sparse = sparse_displacement(pose.displacement);
+    if (!sparse) slices = dense_displacement(pose.displacement);
   } else {
     lost = warn_of_lost_material(output.path, state, pose, output.grid, progress);
     facts.geometry = output.grid;
     facts.certificate = certificate_json(pose.offsets.certificate);
-    slices = dense_offsets(pose.offsets, state.density.bricks(), output.grid, output.void_mode,
-                           &state.elements);
+    if (may_be_sparse && output.void_mode == VoidMode::nearest && output.grid == state.geometry) {
+      sparse = sparse_offsets(pose.offsets, state.density.bricks());
+    }
+    if (!sparse) {
+      slices = dense_offsets(pose.offsets, state.density.bricks(), output.grid, output.void_mode,
+                             &state.elements);
+    }
   }
   WarpJumps jumps(facts.geometry);
   const auto watched = [&](int k, Vec3f* out) {
     slices(k, out);
     jumps.add(out);
   };
-  warn_of_all(output.path, write_warp(output.path, facts, watched, progress, output.options),
-              progress);
+  if (sparse) {
+    jumps.add(*sparse);
+    warn_of_all(output.path, write_warp(output.path, facts, *sparse, progress, output.options),
+                progress);
+  } else {
+    warn_of_all(output.path, write_warp(output.path, facts, watched, progress, output.options),
+                progress);
+  }
   note(progress, output.path + ": " +
                      (is_material ? "for moving points and meshes from rest, not for resampling"
                                   : use_of_warp(output.void_mode, jumps)));

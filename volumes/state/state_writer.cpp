@@ -108,7 +108,7 @@ openvdb::GridBase::Ptr make_vectors(const char* name, const char* direction,
   auto grid = make_vdb_grid<openvdb::Vec3SGrid>(
       name, field.topology, openvdb::Vec3f(0), [&](auto& leaf, std::size_t b) {
         for_each_active(field.topology.mask(b), [&](int offset) {
-          const Vec3f& v = field.vectors[b * kBrickVoxels + offset];
+          const Vec3f& v = field.vectors.brick_or_zero(b)[offset];
           const Vec3f mm(geometry.world_vector_from_index(Vec3d(v)));
           leaf.setValueOn(openvdb::Index(offset), openvdb::Vec3f(mm.x, mm.y, mm.z));
         });

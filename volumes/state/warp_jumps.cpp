@@ -28,6 +28,40 @@ void WarpJumps::add(const Vec3f* slice) {
   m_below.assign(slice, slice + count);
 }
 
+void WarpJumps::add_pair(const Vec3f& lower, const Vec3f& upper, int axis) {
+  const Vec3d axis_mm = m_grid.axes_mm()[axis];
+  const double step_mm = axis_mm.length();
+  const Vec3d jump = Vec3d(upper) - Vec3d(lower);
+  m_largest_mm = std::max(m_largest_mm, jump.length());
+  m_folded += jump.dot(axis_mm / step_mm) <= -step_mm;
+}
+
+/// Pairs of which one voxel at least lies in a brick that is stored.
+void WarpJumps::add(const VectorBricks& vectors_mm) {
+  const IndexBox box{Vec3i(0), m_grid.dims() - Vec3i(1)};
+  const BrickTopology& bricks = vectors_mm.topology;
+  const auto vector_at = [&](const Vec3i& voxel) {
+    Vec3f vector(0);
+    vectors_mm.at(voxel, vector);
+    return vector;
+  };
+  for (std::size_t b = 0; b < bricks.brick_count(); ++b) {
+    for (int n = 0; n < kBrickVoxels; ++n) {
+      const Vec3i voxel = bricks.origin(b) + brick_local(n);
+      if (!box.contains(voxel)) continue;
+      const Vec3f own = vectors_mm.vectors.brick_or_zero(b)[n];
+      for (int axis = 0; axis < 3; ++axis) {
+        Vec3i upper = voxel, lower = voxel;
+        ++upper[axis];
+        --lower[axis];
+        if (box.contains(upper)) add_pair(own, vector_at(upper), axis);
+        // That of a brick that is not stored would not come otherwise.
+        if (box.contains(lower) && bricks.find(lower) < 0) add_pair(Vec3f(0), own, axis);
+      }
+    }
+  }
+}
+
 std::string use_of_warp(VoidMode void_mode, const WarpJumps& jumps) {
   const bool is_smooth = void_mode == VoidMode::extend;
   std::string text = is_smooth ? "smooth beyond the tissue, for points, inversion and registration"

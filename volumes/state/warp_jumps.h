@@ -15,6 +15,8 @@ class WarpJumps {
  public:
   explicit WarpJumps(const Geometry& grid);
   void add(const Vec3f* slice);
+  /// In place of all slices: vectors in mm that are 0 but in these bricks.
+  void add(const VectorBricks& vectors_mm);
 
   /// Largest length of the difference of two neighbours' vectors.
   double largest_mm() const { return m_largest_mm; }
@@ -22,6 +24,8 @@ class WarpJumps {
   std::int64_t folded_pairs() const { return m_folded; }
 
  private:
+  void add_pair(const Vec3f& lower, const Vec3f& upper, int axis);
+
   Geometry m_grid;
   std::vector<Vec3f> m_below;  // empty before the first
   double m_largest_mm = 0;

@@ -79,7 +79,7 @@ TEST(PropertyInversionCertificate, ThePercentileIsThatOfTheNodesAndLiesBetweenMe
   ASSERT_EQ(field.certificate.folded_cells, 0);
   std::vector<double> residuals;
   for_each_voxel(field.o.topology, [&](const Vec3i& x, std::size_t slot) {
-    const Vec3d o(field.o.vectors[slot]);
+    const Vec3d o(field.o.vectors.at(slot));
     Vec3d moved;
     if (noisy.u.sample(Vec3d(x) + o, moved)) residuals.push_back((o + moved).length());
   });

@@ -239,7 +239,7 @@ TEST(PropertyCutOffsets, BricksAwayFromTheCutKeepTheirBits) {
     if (field.split->bricks().is_active(v)) return;
     Vec3f other;
     ASSERT_TRUE(plain.o.at(v, other));
-    EXPECT_EQ(field.o.vectors[slot], other);
+    EXPECT_EQ(field.o.vectors.at(slot), other);
     ++compared;
   });
   EXPECT_GT(compared, 5000);

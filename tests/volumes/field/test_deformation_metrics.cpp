@@ -31,10 +31,10 @@ BrickTopology block() {
 
 Displacement displaced(const BrickTopology& elements, const std::function<Vec3d(Vec3d)>& u) {
   Displacement displacement{kScan, {elements, {}}};
-  displacement.u.vectors.assign(elements.brick_count() * kBrickVoxels, Vec3f(0));
+  displacement.u.vectors.resize(elements.brick_count());
   for (std::size_t b = 0; b < elements.brick_count(); ++b) {
     for_each_active(elements.mask(b), [&](int offset) {
-      displacement.u.vectors[b * kBrickVoxels + offset] =
+      displacement.u.vectors.touch(b)[offset] =
           Vec3f(u(Vec3d(elements.origin(b) + brick_local(offset))));
     });
   }

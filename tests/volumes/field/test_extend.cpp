@@ -87,7 +87,7 @@ TEST(PropertyExtend, AConstantFieldStaysThatConstantExactly) {
     const VectorBricks extended = extend({unit_geometry({9, 9, 9}), seed}, target).u;
     EXPECT_TRUE(extended.topology == target);
     for_each_voxel(target, [&](const Vec3i&, std::size_t slot) {
-      ASSERT_EQ(extended.vectors[slot], constant);
+      ASSERT_EQ(extended.vectors.at(slot), constant);
     });
   }
 }
@@ -105,9 +105,9 @@ TEST(PropertyExtend, ALinearFieldGoesOnLinearlyForTwoRings) {
   int beyond = 0;
   for_each_voxel(target, [&](const Vec3i& v, std::size_t slot) {
     if (near.is_active(v)) {
-      ASSERT_EQ(extended.vectors[slot], linear(v)) << v;
+      ASSERT_EQ(extended.vectors.at(slot), linear(v)) << v;
     } else {
-      beyond += extended.vectors[slot] != linear(v);
+      beyond += extended.vectors.at(slot) != linear(v);
     }
   });
   EXPECT_GT(beyond, 1000);  // which take means

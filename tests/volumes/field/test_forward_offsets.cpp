@@ -56,7 +56,7 @@ TEST(PropertyForwardOffsets, AtNodesTheyAreThoseOfTheInversion) {
       ++missing;
       return;
     }
-    ASSERT_LT((found.offset - Vec3d(inverse.o.vectors[slot])).length(), 1e-3);
+    ASSERT_LT((found.offset - Vec3d(inverse.o.vectors.at(slot))).length(), 1e-3);
   });
   EXPECT_GT(nodes, 20000);
   EXPECT_LE(missing, nodes / 1000);  // on the very border
@@ -120,7 +120,7 @@ TEST(PropertyForwardOffsets, AfterLocalChangesTheyAreThoseOfTheWholeDisplacement
     for_each_voxel(displacement.u.topology, [&](const Vec3i& v, std::size_t slot) {
       const double share = 1 - (Vec3d(v) - centre).length2() / 100;
       if (share <= 0 && step != 3) return;
-      displacement.u.vectors[slot] = Vec3f(size * float(share), 0, 0);
+      displacement.u.vectors.set(slot, Vec3f(size * float(share), 0, 0));
       const std::int32_t b = std::int32_t(slot / kBrickVoxels);
       if (changed.empty() || changed.back() != b) changed.push_back(b);
     });

@@ -42,7 +42,7 @@ std::vector<std::int32_t> move_ball(std::mt19937& random, VectorBricks& u, float
     for_each_active(u.topology.mask(b), [&](int offset) {
       const Vec3d d = Vec3d(u.topology.origin(b) + brick_local(offset)) - centre;
       if (d.length() > radius) return;
-      u.vectors[b * kBrickVoxels + std::size_t(offset)] = d.dot(normal) < 0 ? one : other;
+      u.vectors.touch(b)[offset] = d.dot(normal) < 0 ? one : other;
       is_changed = true;
     });
     if (is_changed) changed.push_back(std::int32_t(b));

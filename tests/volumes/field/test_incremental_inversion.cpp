@@ -16,7 +16,7 @@ std::vector<std::int32_t> change_ball(VectorBricks& u, const Vec3d& center, doub
   std::vector<std::int32_t> changed;
   for_each_voxel(u.topology, [&](const Vec3i& v, std::size_t slot) {
     if ((Vec3d(v) - center).length() > radius) return;
-    u.vectors[slot] = value(v);
+    u.vectors.set(slot, value(v));
     const std::int32_t b = std::int32_t(slot / kBrickVoxels);
     if (changed.empty() || changed.back() != b) changed.push_back(b);
   });

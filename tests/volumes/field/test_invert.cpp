@@ -98,7 +98,7 @@ TEST(PropertyInvert, AZeroDisplacementGivesExactZerosOnItsOwnVoxels) {
                                              [](const Vec3i&) { return Vec3f(-0.0f); });
   const OffsetField field = invert(still);
   EXPECT_TRUE(field.o.topology == still.u.topology);
-  for (const Vec3f& o : field.o.vectors) {
+  for (const Vec3f& o : field.o.vectors.all()) {
     ASSERT_EQ(o, Vec3f(0));
     ASSERT_FALSE(std::signbit(o.x) || std::signbit(o.y) || std::signbit(o.z));
   }
@@ -115,7 +115,7 @@ TEST(PropertyInvert, RegionsThatDidNotMoveStayExactlyZeroBesideOnesThatDid) {
   const OffsetField field = invert(displacement);
   for_each_voxel(field.o.topology, [&](const Vec3i& v, std::size_t slot) {
     if (std::abs(v.x - 20) >= 7 || std::abs(v.z - 20) >= 7) {
-      ASSERT_EQ(field.o.vectors[slot], Vec3f(0));
+      ASSERT_EQ(field.o.vectors.at(slot), Vec3f(0));
     }
   });
 }
@@ -147,7 +147,7 @@ TEST(PropertyInvert, LinearWarpsGiveTheirAnalyticOffsets) {
     const OffsetField field = invert(displacement);
     ASSERT_GT(field.o.topology.active_count(), 5000);
     for_each_voxel(field.o.topology, [&](const Vec3i& x, std::size_t slot) {
-      ASSERT_LT((Vec3d(field.o.vectors[slot]) - warp.offset_voxels(Vec3d(x))).length(), 2e-5);
+      ASSERT_LT((Vec3d(field.o.vectors.at(slot)) - warp.offset_voxels(Vec3d(x))).length(), 2e-5);
     });
     EXPECT_LE(field.certificate.residual_max, 1e-4);
     EXPECT_EQ(field.certificate.unresolved_voxels, 0);
@@ -202,8 +202,8 @@ TEST(PropertyInvert, SinglePrecisionLanesAgreeWithTheDoublePrecisionSolver) {
     EXPECT_EQ(lanes.certificate.folded_cells, scalar.certificate.folded_cells);
     EXPECT_EQ(lanes.certificate.unresolved, scalar.certificate.unresolved);
     double worst = 0;
-    for (std::size_t n = 0; n < lanes.o.vectors.size(); ++n) {
-      worst = std::max(worst, double((lanes.o.vectors[n] - scalar.o.vectors[n]).length()));
+    for (std::size_t n = 0; n < lanes.o.vectors.brick_count() * kBrickVoxels; ++n) {
+      worst = std::max(worst, double((lanes.o.vectors.at(n) - scalar.o.vectors.at(n)).length()));
     }
     EXPECT_LT(worst, size < 0.2f ? 2e-5 : 1e-3);
   }
@@ -412,7 +412,7 @@ TEST(PropertyExtrapolate, ZeroOffsetsStayZeroAndTheBorderCanBeSampled) {
   const VectorBricks zeros = field_on(ball({9, 9, 9}, 6), [](const Vec3i&) { return Vec3f(0); });
   const VectorBricks wider = extrapolate_into_bricks(zeros, 2);
   EXPECT_TRUE(wider.topology == dilate(zeros.topology, 2));
-  for (const Vec3f& o : wider.vectors) ASSERT_EQ(o, Vec3f(0));
+  for (const Vec3f& o : wider.vectors.all()) ASSERT_EQ(o, Vec3f(0));
   for_each_voxel(zeros.topology, [&](const Vec3i& v, std::size_t) {
     Vec3d o;
     EXPECT_TRUE(wider.sample(Vec3d(v) + Vec3d(0.7, -0.6, 0.5), o));

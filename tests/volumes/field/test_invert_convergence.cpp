@@ -46,7 +46,7 @@ double bump_error(int n) {
   EXPECT_EQ(field.certificate.folded_cells, 0);
   double worst = 0;
   for_each_voxel(field.o.topology, [&](const Vec3i& x, std::size_t slot) {
-    const Vec3d error = Vec3d(field.o.vectors[slot]) - bump.offset_voxels(Vec3d(x));
+    const Vec3d error = Vec3d(field.o.vectors.at(slot)) - bump.offset_voxels(Vec3d(x));
     worst = std::max(worst, error.length() / n);
   });
   return worst;

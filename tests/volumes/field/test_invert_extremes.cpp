@@ -26,7 +26,7 @@ TEST(ExtremesInvert, OneVoxelHasNoCellUntilItIsExtended) {
   EXPECT_EQ(extended.certificate.cells, 8);
   EXPECT_TRUE(extended.o.topology == box_topology({10, 7, 6}, {11, 9, 8}));
   for_each_voxel(extended.o.topology, [&](const Vec3i&, std::size_t slot) {
-    EXPECT_EQ(extended.o.vectors[slot], Vec3f(-2.5f, 0, 1));
+    EXPECT_EQ(extended.o.vectors.at(slot), Vec3f(-2.5f, 0, 1));
   });
 }
 

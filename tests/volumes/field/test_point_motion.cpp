@@ -146,7 +146,7 @@ TEST(PropertyPointMotion, TheWayBackHasTheOffsetsOfTheInverse) {
   int nodes = 0;
   for_each_voxel(body.offsets.o.topology, [&](const Vec3i& x, std::size_t slot) {
     const MovedPoint moved = to_rest->move(Vec3d(x));
-    const Vec3d expected = Vec3d(x) + Vec3d(body.offsets.o.vectors[slot]);
+    const Vec3d expected = Vec3d(x) + Vec3d(body.offsets.o.vectors.at(slot));
     EXPECT_LT((moved.to_lps_mm - expected).length(), 1e-3) << x;
     ++nodes;
   });

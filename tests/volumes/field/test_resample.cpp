@@ -330,8 +330,9 @@ TEST(UnitCountOutside, CountsTheMovedVoxelsBeyondTheGrid) {
   const Geometry geometry = oblique_geometry(Vec3i(10), {-31, 17, 5}, {1, 2, 3}, 0.3);
   // Voxels 7 to 9 along i move by 1.6: the last face lies at 9.5, so 8 and 9 are lost.
   const BrickTopology where = box_topology({7, 0, 2}, {9, 4, 4});
-  const Displacement moved{
-      geometry, {where, std::vector<Vec3f>(where.brick_count() * kBrickVoxels, Vec3f(1.6f, 0, 0))}};
+  const Displacement moved{geometry,
+                           {where, BrickVectors::of(std::vector<Vec3f>(
+                                       where.brick_count() * kBrickVoxels, Vec3f(1.6f, 0, 0)))}};
   EXPECT_EQ(count_outside(moved, geometry), 2 * 5 * 3);
   EXPECT_EQ(count_outside(moved, with_margin(geometry, 9)), 0);
 }

@@ -149,7 +149,7 @@ TEST(PropertyPath, NodesHoldTheExactPath) {
       double nearest = HUGE_VAL;
       for (int piece = 0; piece < function->pieces(); ++piece) {
         const Vec3d o = geometry.index_vector_from_world(function->backward(at, piece) - at);
-        nearest = std::min(nearest, (o - Vec3d(field.o.vectors[slot])).length());
+        nearest = std::min(nearest, (o - Vec3d(field.o.vectors.at(slot))).length());
       }
       EXPECT_LT(nearest, 1e-5) << name;
     });
@@ -217,7 +217,7 @@ TEST(PropertyPath, WhereAPathIsStraightTheMovedBodyKeepsItsOffsetsExactly) {
   EXPECT_EQ(to_map(field.o), to_map(moved.o));
   const OffsetField rest = follow_path({far}, geometry, body_of(geometry));
   EXPECT_TRUE(rest.o.topology == body_of(geometry));
-  for (const Vec3f& o : rest.o.vectors) EXPECT_EQ(o, Vec3f(0));
+  for (const Vec3f& o : rest.o.vectors.all()) EXPECT_EQ(o, Vec3f(0));
 }
 
 TEST(PropertyPath, AnExplodedBoxKeepsEveryVoxelOnceAndLeavesItsGapsEmpty) {
@@ -299,7 +299,7 @@ TEST(PropertyPath, MaterialMovesAgainstItsSamplingPath) {
     const OffsetField field = follow_path(path, moved);
     int count = 0;
     for_each_voxel(now.u.topology, [&](const Vec3i& voxel, std::size_t slot) {
-      const Vec3d x = Vec3d(voxel) + Vec3d(now.u.vectors[slot]);
+      const Vec3d x = Vec3d(voxel) + Vec3d(now.u.vectors.at(slot));
       Vec3d offset;
       if (!field.sample(x, offset)) return;
       EXPECT_LT((x + offset - Vec3d(voxel)).length(), 0.25);

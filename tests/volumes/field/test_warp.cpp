@@ -45,7 +45,7 @@ TEST(UnitWarp, OnTheSameGridEveryVectorComesBackExactly) {
   EXPECT_EQ(field.o.topology, box_topology(Vec3i(0), grid.dims() - Vec3i(1)));
   for_each_voxel(field.o.topology, [&](const Vec3i& v, std::size_t slot) {
     const Vec3f& mm = warp.vectors[(std::size_t(v.z) * 9 + v.y) * 21 + v.x];
-    EXPECT_EQ(field.o.vectors[slot], Vec3f(mm.y * 2, mm.x / -2, mm.z / 4));
+    EXPECT_EQ(field.o.vectors.at(slot), Vec3f(mm.y * 2, mm.x / -2, mm.z / 4));
   });
 }
 
@@ -72,7 +72,7 @@ TEST(PropertyWarp, AnExportedFieldReadsBackOnItsOwnGridAndOnAMarginGrid) {
   for_each_voxel(back.o.topology, [&](const Vec3i& v, std::size_t slot) {
     Vec3f expected(0);
     ASSERT_TRUE(offsets.o.at(v, expected)) << v;
-    EXPECT_LT((back.o.vectors[slot] - expected).length(), 1e-5f) << v;
+    EXPECT_LT((back.o.vectors.at(slot) - expected).length(), 1e-5f) << v;
   });
   EXPECT_EQ(back.o.topology, where);
 }
@@ -95,7 +95,7 @@ TEST(PropertyWarp, VectorsInMillimetresComeBackToTheBitAtPowersOfTwoAndToTheLast
       Vec3f expected;
       ASSERT_TRUE(o.at(v, expected));
       for (int a = 0; a < 3; ++a) {
-        const float found = back.o.vectors[slot][a];
+        const float found = back.o.vectors.at(slot)[a];
         same += found == expected[a];
         EXPECT_LE(std::abs(found - expected[a]), std::ldexp(std::abs(expected[a]), -23)) << v;
         ++compared;
@@ -117,7 +117,7 @@ TEST(PropertyWarp, LinearWarpsAreExactOnObliqueAnisotropicGrids) {
     for_each_voxel(field.o.topology, [&](const Vec3i& v, std::size_t slot) {
       const Vec3d expected =
           source.index_vector_from_world(linear_vector(source.world_from_index(Vec3d(v))));
-      EXPECT_LT((Vec3d(field.o.vectors[slot]) - expected).length(), 2e-6) << v;
+      EXPECT_LT((Vec3d(field.o.vectors.at(slot)) - expected).length(), 2e-6) << v;
     });
     // Valid is what lies in the warp's grid and reads the source box, and nothing else.
     const IndexBox box{Vec3i(-16), source.dims() + Vec3i(16)};

@@ -42,7 +42,7 @@ TEST(PropertyLiveDisplacement, AfterEveryDragItHasTheBitsOfTheWholeExtension) {
     for (BrickValues& values : state.q) values.resize(state.elements.brick_count());
     LiveDisplacement live(state.geometry, state.elements, shell);
     for (int step = 0; step < 4; ++step) {
-      const std::vector<Vec3f> before = live.displacement().u.vectors;
+      const std::vector<Vec3f> before = live.displacement().u.vectors.all();
       drag_at_random(random, state.elements, state.q);
       const std::vector<std::int32_t> changed = live.update(state.q);
       const Displacement whole = extend(displacement_of(state), shell);
@@ -52,7 +52,7 @@ TEST(PropertyLiveDisplacement, AfterEveryDragItHasTheBitsOfTheWholeExtension) {
       for (std::size_t n = 0; n < before.size(); ++n) {
         const auto brick = std::int32_t(n / kBrickVoxels);
         if (std::binary_search(changed.begin(), changed.end(), brick)) continue;
-        ASSERT_EQ(before[n], whole.u.vectors[n]);
+        ASSERT_EQ(before[n], whole.u.vectors.at(n));
       }
     }
     EXPECT_TRUE(live.update(state.q).empty());

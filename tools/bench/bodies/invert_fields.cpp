@@ -64,11 +64,12 @@ Displacement pulled_noise(int size) {
   Displacement displacement = displacement_of(state);
   // Without what all share, so that methods that fill the volume's own box can be compared.
   Vec3d sum(0);
-  for (const Vec3f& u : displacement.u.vectors) sum += Vec3d(u);
-  const Vec3d mean = sum / double(displacement.u.vectors.size());
+  for (const Vec3f& u : displacement.u.vectors.all()) sum += Vec3d(u);
+  const Vec3d mean = sum / double(displacement.u.vectors.brick_count() * kBrickVoxels);
   const Vec3f shared(float(std::round(mean.x)), float(std::round(mean.y)),
                      float(std::round(mean.z)));
-  for (Vec3f& u : displacement.u.vectors) u -= shared;
+  displacement.u.vectors.touch_all();
+  for_each_stored(displacement.u.vectors, [&](Vec3f& u) { u -= shared; });
   return displacement;
 }
 

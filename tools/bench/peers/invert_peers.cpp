@@ -30,12 +30,11 @@ VectorBricks read_dense(const BrickTopology& voxels, const Vec3i& dims, const st
   std::ifstream stream(path, std::ios::binary);
   stream.read(reinterpret_cast<char*>(dense.data()), std::streamsize(dense.size() * sizeof(Vec3f)));
   if (!stream) throw Error(path + ": found fewer values than voxels");
-  VectorBricks o{voxels, std::vector<Vec3f>(voxels.brick_count() * kBrickVoxels, Vec3f(0))};
+  VectorBricks o{voxels, BrickVectors(voxels.brick_count())};
   for (std::size_t b = 0; b < voxels.brick_count(); ++b) {
     for_each_active(voxels.mask(b), [&](int offset) {
       const Vec3i v = voxels.origin(b) + brick_local(offset);
-      o.vectors[b * kBrickVoxels + std::size_t(offset)] =
-          dense[(std::size_t(v.z) * dims.y + v.y) * dims.x + v.x];
+      o.vectors.touch(b)[offset] = dense[(std::size_t(v.z) * dims.y + v.y) * dims.x + v.x];
     });
   }
   return o;

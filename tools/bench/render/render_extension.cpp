@@ -54,12 +54,10 @@ Displacement displacement_with(const std::string& air, const AnalyticWarp& warp,
   if (air == "analytic") return sample_displacement(warp, body.geometry, body.shell);
   const Displacement inside = sample_displacement(warp, body.geometry, body.elements);
   if (air == "extended") return extend(inside, body.shell);
-  Displacement torn{body.geometry,
-                    {body.shell, std::vector<Vec3f>(body.shell.brick_count() * kBrickVoxels)}};
+  Displacement torn{body.geometry, {body.shell, BrickVectors(body.shell.brick_count())}};
   for (std::size_t b = 0; b < body.shell.brick_count(); ++b) {
     for_each_active(body.shell.mask(b), [&](int offset) {
-      Vec3f& u = torn.u.vectors[b * kBrickVoxels + std::size_t(offset)];
-      u = Vec3f(0);
+      Vec3f& u = torn.u.vectors.touch(b)[offset];
       inside.u.at(body.shell.origin(b) + brick_local(offset), u);
     });
   }

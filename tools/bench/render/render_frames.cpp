@@ -73,7 +73,8 @@ struct FrameBench::Impl {
   OffsetField zero_offsets(const std::string& kind) const {
     const BrickTopology where = dilate(head.density.bricks(), kRings + 1);
     OffsetField zero = sample_offsets(shear_warp(Vec3d(size) / 2, 0), head.geometry, where);
-    for (Vec3f& offset : zero.o.vectors) offset = Vec3f(kind == "zero" ? kStoredZero : 0.0f);
+    for_each_stored(zero.o.vectors,
+                    [&](Vec3f& offset) { offset = Vec3f(kind == "zero" ? kStoredZero : 0.0f); });
     return zero;
   }
 

@@ -16,7 +16,7 @@ openvdb::Vec3SGrid::Ptr vdb_offsets(const VectorBricks& offsets) {
     const Vec3i& origin = offsets.topology.origin(b);
     auto* leaf = grid->tree().touchLeaf(openvdb::Coord(origin.x, origin.y, origin.z));
     for_each_active(offsets.topology.mask(b), [&](int offset) {
-      const Vec3f& o = offsets.vectors[b * kBrickVoxels + offset];
+      const Vec3f& o = offsets.vectors.brick_or_zero(b)[offset];
       leaf->setValueOn(openvdb::Index(offset), openvdb::Vec3s(o.x, o.y, o.z));
     });
   }

@@ -209,9 +209,8 @@ std::vector<Vec3i> CutBody::contested_voxels() const {
   tbb::parallel_for(std::size_t(0), moves.size(), [&](std::size_t b) {
     const std::int32_t own = m_elements.find(voxels.origin(b));
     if (own < 0) return;
-    for_each_active(m_elements.mask(std::size_t(own)), [&](int offset) {
-      moves[b].add(m_u.vectors[b * kBrickVoxels + std::size_t(offset)]);
-    });
+    for_each_active(m_elements.mask(std::size_t(own)),
+                    [&](int offset) { moves[b].add(m_u.vectors.brick_or_zero(b)[offset]); });
   });
   std::vector<std::vector<Vec3i>> found(moves.size());
   tbb::parallel_for(std::size_t(0), moves.size(), [&](std::size_t b) {

@@ -53,7 +53,7 @@ void extend_beside_cuts(VectorBricks& u, const CutBody& body) {
         later[voxel] = ring + 1;
         continue;
       }
-      u.vectors[std::size_t(b) * kBrickVoxels + std::size_t(offset)] = extrapolation.value();
+      u.vectors.touch(std::size_t(b))[offset] = extrapolation.value();
     }
   }
 }

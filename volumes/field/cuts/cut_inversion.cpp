@@ -73,11 +73,11 @@ VectorBricks CutInversion::whole_part() const {
     masks[std::size_t(b)][std::size_t(offset >> 6)] &= ~(std::uint64_t(1) << (offset & 63));
   }
   VectorBricks whole{BrickTopology(origins, masks), {}};
-  whole.vectors.reserve(whole.topology.brick_count() * kBrickVoxels);
+  whole.vectors.resize(whole.topology.brick_count());
   for (std::size_t b = 0; b < whole.topology.brick_count(); ++b) {
-    const auto from = m_u.vectors.begin() +
-                      std::ptrdiff_t(m_u.topology.find(whole.topology.origin(b))) * kBrickVoxels;
-    whole.vectors.insert(whole.vectors.end(), from, from + kBrickVoxels);
+    const std::int32_t same = m_u.topology.find(whole.topology.origin(b));
+    const Vec3f* const from = m_u.vectors.brick(std::size_t(same));
+    if (from != nullptr) std::copy_n(from, kBrickVoxels, whole.vectors.touch(b));
   }
   return whole;
 }
@@ -87,9 +87,8 @@ void CutInversion::find_source_boxes() {
   const BrickTopology& bricks = m_u.topology;
   std::vector<CutBox> moves(bricks.brick_count());
   tbb::parallel_for(std::size_t(0), moves.size(), [&](std::size_t b) {
-    for_each_active(bricks.mask(b), [&](int offset) {
-      moves[b].add(Vec3d(m_u.vectors[b * kBrickVoxels + std::size_t(offset)]));
-    });
+    for_each_active(bricks.mask(b),
+                    [&](int offset) { moves[b].add(Vec3d(m_u.vectors.brick_or_zero(b)[offset])); });
   });
   m_boxes.resize(moves.size());
   for (std::size_t b = 0; b < moves.size(); ++b) {
@@ -298,15 +297,14 @@ VectorBricks CutInversion::joined(const VectorBricks& offsets,
     number.emplace(bricks[n].origin(), n);
   }
   VectorBricks result{BrickTopology(std::move(origins), std::move(masks)), {}};
-  result.vectors.resize(result.topology.brick_count() * kBrickVoxels);
+  result.vectors.resize(result.topology.brick_count());
   for (std::size_t b = 0; b < result.topology.brick_count(); ++b) {
     const Vec3i& origin = result.topology.origin(b);
     const auto found = number.find(origin);
-    const Vec3f* from =
-        found != number.end()
-            ? vectors[found->second].data()
-            : &offsets.vectors[std::size_t(offsets.topology.find(origin)) * kBrickVoxels];
-    std::copy_n(from, kBrickVoxels, result.vectors.begin() + std::ptrdiff_t(b) * kBrickVoxels);
+    const Vec3f* from = found != number.end()
+                            ? vectors[found->second].data()
+                            : offsets.vectors.brick(std::size_t(offsets.topology.find(origin)));
+    if (from != nullptr) std::copy_n(from, kBrickVoxels, result.vectors.touch(b));
   }
   return result;
 }

@@ -13,13 +13,15 @@ Displacement displacement_of_warp(const Warp& warp) {
   const Vec3i& dims = warp.geometry.dims();
   Displacement displacement{warp.geometry, {box_topology(dims), {}}};
   VectorBricks& u = displacement.u;
-  u.vectors.assign(u.topology.brick_count() * kBrickVoxels, Vec3f(0));
+  u.vectors.resize(u.topology.brick_count());
+  u.vectors.touch_all();
   tbb::parallel_for(std::size_t(0), u.topology.brick_count(), [&](std::size_t b) {
+    Vec3f* const vectors = u.vectors.touch(b);
     for_each_active(u.topology.mask(b), [&](int offset) {
       const Vec3i voxel = u.topology.origin(b) + brick_local(offset);
       const std::size_t row = std::size_t(voxel.z) * dims.y + voxel.y;
       const Vec3d vector(warp.vectors[row * dims.x + voxel.x]);
-      u.vectors[b * kBrickVoxels + offset] = Vec3f(warp.geometry.index_vector_from_world(vector));
+      vectors[offset] = Vec3f(warp.geometry.index_vector_from_world(vector));
     });
   });
   return displacement;

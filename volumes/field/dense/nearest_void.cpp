@@ -195,7 +195,7 @@ bool is_solid(const BrickTopology& source, const Vec3i& dims) {
 
 /// What a window tells of the wanted voxels: `exact` when nothing beyond it can be nearer.
 struct Attempt {
-  std::vector<Vec3f> vectors;
+  BrickVectors vectors;
   bool exact = true;
   bool found_any = false;
 };
@@ -203,7 +203,7 @@ struct Attempt {
 Attempt look_up(const FeatureWindow& window, const IndexBox& box, const BrickTopology& wanted,
                 const Vec3i& dims, const Vec3d& spacing_mm) {
   Attempt attempt;
-  attempt.vectors.assign(wanted.brick_count() * kBrickVoxels, Vec3f(0));
+  attempt.vectors.resize(wanted.brick_count());
   for (std::size_t b = 0; b < wanted.brick_count(); ++b) {
     for_each_active(wanted.mask(b), [&](int offset) {
       const Vec3i voxel = wanted.origin(b) + brick_local(offset);
@@ -215,7 +215,7 @@ Attempt look_up(const FeatureWindow& window, const IndexBox& box, const BrickTop
       }
       attempt.found_any = true;
       attempt.exact = attempt.exact && window.distance_squared(voxel, found) <= unseen * unseen;
-      attempt.vectors[b * kBrickVoxels + offset] = Vec3f(found - voxel);
+      attempt.vectors.touch(b)[offset] = Vec3f(found - voxel);
     });
   }
   return attempt;

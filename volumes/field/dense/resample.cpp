@@ -166,6 +166,55 @@ VectorSliceSource dense_displacement(const Displacement& extended) {
   };
 }
 
+namespace {
+
+/// Vectors of the stored bricks of `first`, and of `second` where that has none, in mm; none when
+/// these are more than a quarter of the box.
+std::optional<VectorBricks> in_millimetres(const VectorBricks& first, const VectorBricks& second,
+                                           const Geometry& geometry) {
+  std::vector<Vec3i> origins;
+  for (const VectorBricks* field : {&first, &second}) {
+    for (std::size_t b = 0; b < field->topology.brick_count(); ++b) {
+      if (field->vectors.brick(b) != nullptr) origins.push_back(field->topology.origin(b));
+    }
+  }
+  sort_unique(origins);
+  constexpr std::int64_t kLargestPart = 4;
+  if (std::int64_t(origins.size()) * kBrickVoxels * kLargestPart > geometry.voxel_count()) {
+    return std::nullopt;
+  }
+  BrickMask all;
+  all.fill(~std::uint64_t(0));
+  std::vector<BrickMask> masks(origins.size(), all);
+  VectorBricks result{BrickTopology(origins, std::move(masks)), BrickVectors(origins.size())};
+  result.vectors.touch_all();
+  tbb::parallel_for(std::size_t(0), origins.size(), [&](std::size_t b) {
+    Vec3f* const out = result.vectors.touch(b);
+    for (int n = 0; n < kBrickVoxels; ++n) {
+      const Vec3i voxel = result.topology.origin(b) + brick_local(n);
+      Vec3f vector(0);
+      if (!first.at(voxel, vector)) second.at(voxel, vector);
+      out[n] = Vec3f(geometry.world_vector_from_index(Vec3d(vector)));
+    }
+  });
+  return result;
+}
+
+}  // namespace
+
+std::optional<VectorBricks> sparse_offsets(const OffsetField& offsets,
+                                           const BrickTopology& source) {
+  if (offsets.split != nullptr) return std::nullopt;
+  const Geometry& geometry = offsets.geometry;
+  const BrickTopology wanted = subtract(source, eroded(offsets.o.topology));
+  const VectorBricks left = nearest_void(source, wanted, geometry.dims(), geometry.spacing_mm());
+  return in_millimetres(offsets.o, left, geometry);
+}
+
+std::optional<VectorBricks> sparse_displacement(const Displacement& extended) {
+  return in_millimetres(extended.u, {}, extended.geometry);
+}
+
 ScalarSliceSource dense_resampled(const OffsetField& offsets, const DensityGrid& density,
                                   const Geometry& grid, float fill) {
   const auto trilinear = [&density, fill](const Vec3d& index) {
@@ -198,10 +247,12 @@ ScalarSliceSource dense_resampled(const OffsetField& offsets, const SourceDensit
 std::int64_t count_outside(const Displacement& material, const Geometry& grid) {
   const BrickTopology& bricks = material.u.topology;
   std::int64_t count = 0;
+  const bool is_own = grid == material.geometry;
   for (std::size_t b = 0; b < bricks.brick_count(); ++b) {
+    if (is_own && material.u.vectors.brick(b) == nullptr) continue;  // at rest, and so inside
     for_each_active(bricks.mask(b), [&](int offset) {
       const Vec3d moved = Vec3d(bricks.origin(b) + brick_local(offset)) +
-                          Vec3d(material.u.vectors[b * kBrickVoxels + offset]);
+                          Vec3d(material.u.vectors.brick_or_zero(b)[offset]);
       const Vec3d pos = grid.index_from_world(material.geometry.world_from_index(moved));
       bool inside = true;
       for (int a = 0; a < 3; ++a) {

@@ -48,10 +48,11 @@ void SmoothExtension::average_blocks(const VectorBricks& offsets) {
     const Vec3i block(floor_div(origin.x, m_block), floor_div(origin.y, m_block),
                       floor_div(origin.z, m_block));
     const std::size_t n = block_index(block - m_lo);
-    for_each_active(offsets.topology.mask(b), [&](int offset) {
-      m_mean[n] += Vec3d(offsets.vectors[b * kBrickVoxels + offset]);
-      ++m_count[n];
-    });
+    m_count[n] += mask_count(offsets.topology.mask(b));
+    const Vec3f* const vectors = offsets.vectors.brick(b);
+    if (vectors == nullptr) continue;
+    for_each_active(offsets.topology.mask(b),
+                    [&](int offset) { m_mean[n] += Vec3d(vectors[offset]); });
   }
   for (std::size_t n = 0; n < m_mean.size(); ++n) {
     if (m_count[n] > 0) m_mean[n] /= m_count[n];
@@ -128,7 +129,7 @@ Vec3d SmoothExtension::at(const Vec3i& voxel) const {
   if (b < 0 || !mask_test(m_near.topology.mask(b), offset)) return coarse(Vec3d(voxel));
   const std::size_t slot = std::size_t(b) * kBrickVoxels + offset;
   const double fade = m_ring[slot] / double(kRings + 1);
-  const Vec3d near(m_near.vectors[slot]);
+  const Vec3d near(m_near.vectors.brick_or_zero(std::size_t(b))[offset]);
   return fade == 0 ? near : near * (1 - fade) + coarse(Vec3d(voxel)) * fade;
 }
 

@@ -35,8 +35,7 @@ void VectorSlabs::turn(int slab) {
 void VectorSlabs::turn_brick(const Vec3i& origin) {
   const Vec3f invalid(std::numeric_limits<float>::quiet_NaN());
   const std::int32_t b = m_leaves_out(origin) ? -1 : m_field.topology.find(origin);
-  const Vec3f* const vectors =
-      b < 0 ? nullptr : m_field.vectors.data() + std::size_t(b) * kBrickVoxels;
+  const Vec3f* const vectors = m_field.vectors.brick_or_zero(std::size_t(b));
   const BrickMask mask = b < 0 ? BrickMask{} : m_field.topology.mask(std::size_t(b));
   Vec3i lo, hi;  // of the brick's voxels inside the box
   for (int a = 0; a < 2; ++a) {

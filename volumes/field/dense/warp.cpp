@@ -128,11 +128,12 @@ OffsetField offsets_from_warp(const Warp& warp, const Geometry& source, Progress
   o.topology = find_valid(sampler, spanned_bricks(warp, source), progress);
 
   // Sampled a second time rather than kept, so that no brick is in memory twice.
-  o.vectors.assign(o.topology.brick_count() * kBrickVoxels, Vec3f(0));
+  o.vectors.resize(o.topology.brick_count());
+  o.vectors.touch_all();
   tbb::parallel_for(std::size_t(0), o.topology.brick_count(), [&](std::size_t b) {
+    Vec3f* const vectors = o.vectors.touch(b);
     for_each_active(o.topology.mask(b), [&](int local) {
-      sampler.offset_at(o.topology.origin(b) + brick_local(local),
-                        o.vectors[b * kBrickVoxels + local]);
+      sampler.offset_at(o.topology.origin(b) + brick_local(local), vectors[local]);
     });
   });
   report(progress, 1.0);

@@ -51,7 +51,7 @@ std::int32_t upper_brick(const BrickTopology& bricks, std::size_t b, int n) {
 
 BrickRanges ranges_of(const VectorBricks& u, std::size_t b) {
   const BrickMask& mask = u.topology.mask(b);
-  const Vec3f* vectors = &u.vectors[b * kBrickVoxels];
+  const Vec3f* vectors = u.vectors.brick_or_zero(b);
   Range4 parts[8];
   for (int x = 0; x < kBrickDim; ++x) {
     for (int y = 0; y < kBrickDim; ++y) {

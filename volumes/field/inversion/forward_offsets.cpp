@@ -147,7 +147,7 @@ void ForwardOffsets::plant_seeds(std::size_t b, const BrickIndex& index,
     const int node = seed_node(b, cell_corner(n) * kSeedSpacing);
     if (node < 0) continue;
     const Vec3i at = origin + brick_local(node);
-    const Vec3f offset = -m_u.vectors[b * kBrickVoxels + std::size_t(node)];
+    const Vec3f offset = -m_u.vectors.brick_or_zero(b)[node];
     const Vec3i image = floor_voxel(Vec3d(at) - Vec3d(offset));
     const std::int32_t brick = index.find(image);
     if (brick < 0) continue;
@@ -166,7 +166,7 @@ void ForwardOffsets::plant_seeds(std::size_t b, const BrickIndex& index,
 bool ForwardOffsets::corners_at(std::size_t b, const Vec3i& voxel, Float4 (&corners)[8]) const {
   const BrickTopology& topology = m_u.topology;
   const auto read = [&](std::size_t brick, int offset) {
-    const Vec3f& u = m_u.vectors[brick * kBrickVoxels + std::size_t(offset)];
+    const Vec3f& u = m_u.vectors.brick_or_zero(brick)[offset];
     return Float4{u.x, u.y, u.z, 0};
   };
   const Vec3i local = voxel - topology.origin(b);

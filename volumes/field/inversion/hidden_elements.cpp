@@ -41,18 +41,17 @@ bool sample_of_some(const VectorBricks& o, const Vec3d& x, Vec3d& offset) {
 /// Counts in one source brick after the other, with the memory for it.
 class HiddenCount {
  public:
-  HiddenCount(const VectorBricks& u, const OffsetField& field)
-      : m_u(u), m_field(field), m_no_folds(field.o.topology.brick_count()) {}
+  HiddenCount(const VectorBricks& u, const OffsetField& field) : m_u(u), m_field(field) {}
 
   /// `elements`: of the brick at `origin`.
   int count(const Vec3i& origin, const BrickMask& elements) {
     const std::int32_t b = m_u.topology.find(origin);
     if (b < 0) return mask_count(elements);
-    const Vec3f* u = &m_u.vectors[std::size_t(b) * kBrickVoxels];
+    const Vec3f* u = m_u.vectors.brick_or_zero(std::size_t(b));
     if (is_still(origin, elements, u)) return 0;
     // The equation of the inverse, with the fields in each other's place: |u + o(X + u)|.
     const bool measured = m_field.split == nullptr &&
-                          m_window.measure(m_field.o, m_no_folds, origin, elements, u, m_distances);
+                          m_window.measure(m_field.o, {}, origin, elements, u, m_distances);
     int hidden = 0;
     for_each_active(elements, [&](int n) {
       const double distance = measured ? double(m_distances[n]) : SourceWindow::kUnknown;
@@ -71,9 +70,8 @@ class HiddenCount {
     for (int word = 0; word < 8; ++word) {
       if ((elements[word] & ~m_field.o.topology.mask(b)[word]) != 0) return false;
     }
-    const Vec3f* o = &m_field.o.vectors[std::size_t(b) * kBrickVoxels];
-    const auto is_zero = [](const Vec3f& v) { return v == Vec3f(0); };
-    return std::all_of(u, u + kBrickVoxels, is_zero) && std::all_of(o, o + kBrickVoxels, is_zero);
+    const Vec3f* o = m_field.o.vectors.brick_or_zero(std::size_t(b));
+    return are_zeros(u) && are_zeros(o);
   }
 
   bool is_hidden(const Vec3d& at, const Vec3d& moved) const {
@@ -88,7 +86,6 @@ class HiddenCount {
 
   const VectorBricks& m_u;
   const OffsetField& m_field;
-  const std::vector<BrickMask> m_no_folds;
   SourceWindow m_window;
   std::array<float, kBrickVoxels> m_distances;
 };

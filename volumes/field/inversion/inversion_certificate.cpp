@@ -66,7 +66,7 @@ void Probe::measure_far(const Vec3d& pos, const Vec3f& offset, ResidualHistogram
 void Probe::measure_brick(std::size_t b, ResidualHistogram& histogram) {
   if (measure_still(b, histogram)) return;
   const Vec3i& origin = m_o.topology.origin(b);
-  const Vec3f* vectors = &m_o.vectors[b * kBrickVoxels];
+  const Vec3f* vectors = m_o.vectors.brick_or_zero(b);
   const BrickMask& nodes = m_o.topology.mask(b);
   const bool measured = m_window.measure(m_u, m_folded, origin, nodes, vectors, m_residuals);
   for_each_active(nodes, [&](int offset) {
@@ -83,17 +83,15 @@ void Probe::measure_brick(std::size_t b, ResidualHistogram& histogram) {
 /// Where no offset is other than 0, u at the voxel itself is the residual. False elsewhere, or when
 /// such a voxel is no source.
 bool Probe::measure_still(std::size_t b, ResidualHistogram& histogram) const {
-  const Vec3f* vectors = &m_o.vectors[b * kBrickVoxels];
-  const auto is_zero = [](const Vec3f& o) { return o == Vec3f(0); };
-  if (!std::all_of(vectors, vectors + kBrickVoxels, is_zero)) return false;
+  if (!are_zeros(m_o.vectors.brick_or_zero(b))) return false;
   const std::int32_t same = m_u.topology.find(m_o.topology.origin(b));
   if (same < 0) return false;
   const BrickMask& nodes = m_o.topology.mask(b);
   for (int word = 0; word < 8; ++word) {
     if ((nodes[word] & ~m_u.topology.mask(same)[word]) != 0) return false;
   }
-  const Vec3f* u = &m_u.vectors[std::size_t(same) * kBrickVoxels];
-  if (mask_count(m_folded[same]) == 0 && std::all_of(u, u + kBrickVoxels, is_zero)) {
+  const Vec3f* u = m_u.vectors.brick_or_zero(std::size_t(same));
+  if (mask_count(m_folded[same]) == 0 && are_zeros(u)) {
     histogram.add_zeros(mask_count(nodes));
     return true;
   }

@@ -48,7 +48,7 @@ struct IncrementalInversion::Impl {
   struct Brick {
     BrickMask mask;
     BrickResiduals residuals;
-    std::array<Vec3f, kBrickVoxels> vectors;
+    std::vector<Vec3f> vectors;  // empty: none other than 0
   };
 
   Impl(const Displacement& displacement, const InvertParams& invert_params)
@@ -83,7 +83,9 @@ void IncrementalInversion::Impl::solve_all(const Displacement& displacement, Pro
 }
 
 void IncrementalInversion::Impl::give_up(Brick*& brick) {
-  if (brick != nullptr) free.push_back(brick);
+  if (brick == nullptr) return;
+  brick->vectors = {};
+  free.push_back(brick);
   brick = nullptr;
 }
 
@@ -105,8 +107,8 @@ void IncrementalInversion::Impl::take_over(const VectorBricks& offsets,
   tbb::parallel_for(std::size_t(0), count, [&](std::size_t b) {
     taken[b]->mask = offsets.topology.mask(b);
     taken[b]->residuals = of_bricks[b];
-    std::copy_n(offsets.vectors.begin() + std::ptrdiff_t(b * kBrickVoxels), kBrickVoxels,
-                taken[b]->vectors.begin());
+    const Vec3f* const vectors = offsets.vectors.brick(b);
+    if (vectors != nullptr) taken[b]->vectors.assign(vectors, vectors + kBrickVoxels);
   });
 }
 
@@ -174,7 +176,8 @@ VectorBrickFinder IncrementalInversion::finder() const {
   return [impl = m_impl.get()](const Vec3i& origin) -> VectorBrickView {
     const std::int32_t n = impl->index.find(origin);
     if (n < 0 || impl->bricks[n] == nullptr) return {};
-    return {&impl->bricks[n]->mask, impl->bricks[n]->vectors.data()};
+    const std::vector<Vec3f>& vectors = impl->bricks[n]->vectors;
+    return {&impl->bricks[n]->mask, vectors.empty() ? kZeroBrickOf<Vec3f> : vectors.data()};
   };
 }
 
@@ -188,11 +191,12 @@ OffsetField IncrementalInversion::field() const {
                     certificate(),
                     nullptr,
                     m_impl->inversion.overlaps()};
-  field.o.vectors.resize(origins.size() * kBrickVoxels);
-  tbb::parallel_for(std::size_t(0), origins.size(), [&](std::size_t n) {
-    std::copy_n(find(origins[n]).vectors, kBrickVoxels,
-                field.o.vectors.begin() + std::ptrdiff_t(n * kBrickVoxels));
-  });
+  field.o.vectors.resize(origins.size());
+  for (std::size_t n = 0; n < origins.size(); ++n) {
+    const Vec3f* const vectors = find(origins[n]).vectors;
+    if (vectors == kZeroBrickOf<Vec3f>) continue;
+    std::copy_n(vectors, kBrickVoxels, field.o.vectors.touch(n));
+  }
   return field;
 }
 

@@ -3,16 +3,11 @@
 #include <algorithm>
 #include <tuple>
 
-#include "volumes/base/huge_pages.h"
 #include "volumes/grid/cell.h"
 
 namespace supple {
 
 namespace {
-
-// Memory of bricks without a solution is given back, at the cost of a copy, when it is more than a
-// small part.
-constexpr double kKeptPart = 0.8;
 
 double length_squared(const Vec3f& o) {
   return double(o.x) * o.x + double(o.y) * o.y + double(o.z) * o.z;
@@ -64,12 +59,10 @@ class OutputBox {
 
 OffsetAccumulator::OffsetAccumulator(std::vector<Vec3i> origins)
     : m_bricks(brick_table(std::move(origins))),
-      m_vectors(reserve_in_huge_pages<Vec3f>(m_bricks.brick_count() * kBrickVoxels)),
+      m_vectors(m_bricks.brick_count()),
       m_taken(m_bricks.brick_count()),
       m_losers(m_bricks.brick_count()),
-      m_locks(m_bricks.brick_count()) {
-  m_vectors.resize(m_bricks.brick_count() * kBrickVoxels, Vec3f(0));
-}
+      m_locks(m_bricks.brick_count()) {}
 
 bool OffsetAccumulator::has_taken(std::int32_t b, int offset, Content content) const {
   const Taken& taken = m_taken[b];
@@ -79,9 +72,19 @@ bool OffsetAccumulator::has_taken(std::int32_t b, int offset, Content content) c
                    offset);
 }
 
+/// Of a brick that this thread has locked.
+inline void OffsetAccumulator::put(std::int32_t b, int offset, const Vec3f& o) {
+  if (m_vectors.brick(std::size_t(b)) == nullptr) {
+    if (o == Vec3f(0)) return;
+    const tbb::spin_mutex::scoped_lock lock(m_storing);
+    m_vectors.touch(std::size_t(b));
+  }
+  m_vectors.touch(std::size_t(b))[offset] = o;
+}
+
 inline void OffsetAccumulator::take(std::int32_t b, const NodeSolution& hit) {
   const int offset = brick_offset(hit.node);
-  Vec3f& o = m_vectors[std::size_t(b) * kBrickVoxels + offset];
+  const Vec3f o = m_vectors.brick_or_zero(std::size_t(b))[offset];
   Taken& taken = m_taken[b];
   if (mask_test(taken.any, offset)) {
     const bool is_less = !has_taken(b, offset, hit.content);
@@ -93,7 +96,7 @@ inline void OffsetAccumulator::take(std::int32_t b, const NodeSolution& hit) {
     }
     if (stays) return;
   }
-  o = hit.o;
+  put(b, offset, hit.o);
   mask_set(taken.any, offset);
   if (hit.content >= Content::surface) mask_set(taken.surface, offset);
   if (hit.content == Content::tissue) mask_set(taken.tissue, offset);
@@ -164,7 +167,8 @@ void OffsetAccumulator::merge_zeros(const Vec3i& origin, const BrickMask& cells,
 void OffsetAccumulator::merge_zero_nodes(std::int32_t b, const Taken& zeros) {
   const tbb::spin_mutex::scoped_lock lock(m_locks[b]);
   Taken& taken = m_taken[b];
-  Vec3f* vectors = &m_vectors[std::size_t(b) * kBrickVoxels];
+  const bool is_stored = m_vectors.brick(std::size_t(b)) != nullptr;
+  const Vec3f* vectors = m_vectors.brick_or_zero(std::size_t(b));
   for (int word = 0; word < 8; ++word) {
     const std::uint64_t yield = zeros.any[word] & ((taken.surface[word] & ~zeros.surface[word]) |
                                                    (taken.tissue[word] & ~zeros.tissue[word]));
@@ -172,12 +176,12 @@ void OffsetAccumulator::merge_zero_nodes(std::int32_t b, const Taken& zeros) {
     const auto for_bits = [&](std::uint64_t bits, auto&& visit) {
       for (; bits != 0; bits &= bits - 1) visit(64 * word + __builtin_ctzll(bits));
     };
-    for_bits(taken.surface[word] & zeros.surface[word], [&](int offset) {
+    for_bits(is_stored ? taken.surface[word] & zeros.surface[word] : 0, [&](int offset) {
       if (vectors[offset] == Vec3f(0)) return;
       const bool stays = yield >> (offset & 63) & 1;
       m_losers[b].push_back({offset, stays ? Vec3f(0) : vectors[offset]});
     });
-    for_bits(taken.any[word] & set, [&](int offset) { vectors[offset] = Vec3f(0); });
+    for_bits(is_stored ? taken.any[word] & set : 0, [&](int offset) { put(b, offset, Vec3f(0)); });
     taken.any[word] |= zeros.any[word];
     taken.surface[word] |= zeros.surface[word] & set;
     taken.tissue[word] |= zeros.tissue[word] & set;
@@ -216,7 +220,7 @@ BrickTopology OffsetAccumulator::overlaps() const {
   for (std::size_t b = 0; b < m_losers.size(); ++b) {
     BrickMask mask{};
     for (const Loser& loser : m_losers[b]) {
-      const Vec3f& o = m_vectors[b * kBrickVoxels + std::size_t(loser.offset)];
+      const Vec3f& o = m_vectors.brick_or_zero(b)[loser.offset];
       if (length_squared(loser.o - o) > kSamePlace * kSamePlace) mask_set(mask, loser.offset);
     }
     if (mask_count(mask) == 0) continue;
@@ -229,23 +233,15 @@ BrickTopology OffsetAccumulator::overlaps() const {
 VectorBricks OffsetAccumulator::finish() {
   std::vector<Vec3i> origins;
   std::vector<BrickMask> masks;
+  std::vector<std::size_t> kept;  // those with a solution
   for (std::size_t b = 0; b < m_bricks.brick_count(); ++b) {
+    if (mask_count(m_taken[b].any) == 0) continue;
     origins.push_back(m_bricks.origin(b));
     masks.push_back(m_taken[b].any);
+    kept.push_back(b);
   }
-  BrickTopology topology(std::move(origins), std::move(masks));
-  // The topology has dropped the bricks without a solution; close the gaps.
-  std::size_t from = 0;
-  for (std::size_t to = 0; to < topology.brick_count(); ++to, ++from) {
-    while (m_bricks.origin(from) != topology.origin(to)) ++from;
-    if (from == to) continue;
-    std::copy_n(m_vectors.begin() + from * kBrickVoxels, kBrickVoxels,
-                m_vectors.begin() + to * kBrickVoxels);
-  }
-  m_vectors.resize(topology.brick_count() * kBrickVoxels);
-  if (double(m_vectors.size()) < kKeptPart * double(m_vectors.capacity()))
-    m_vectors.shrink_to_fit();
-  return {std::move(topology), std::move(m_vectors)};
+  m_vectors.keep_only(kept);
+  return {BrickTopology(std::move(origins), std::move(masks)), std::move(m_vectors)};
 }
 
 }  // namespace supple

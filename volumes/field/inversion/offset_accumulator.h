@@ -3,8 +3,8 @@
 // Where several source cells reach a node, tissue stays before its surface and that before air,
 // then the smallest |o|, then the lexicographically smallest o, which is the lowest source
 // position. That order is total, so the result does not depend on who comes first. Cost: 6 kB per
-// output brick, one uncontended lock per run of nodes in a brick, 16 bytes per solution of tissue
-// that did not stay.
+// output brick with an offset other than 0, one uncontended lock per run of nodes in a brick, 16
+// bytes per solution of tissue that did not stay.
 #pragma once
 
 #include <vector>
@@ -67,10 +67,12 @@ class OffsetAccumulator {
   };
   bool has_taken(std::int32_t b, int offset, Content content) const;
   void take(std::int32_t b, const NodeSolution& hit);
+  void put(std::int32_t b, int offset, const Vec3f& o);
   void merge_zero_nodes(std::int32_t b, const Taken& zeros);
 
   BrickTopology m_bricks;
-  std::vector<Vec3f> m_vectors;
+  BrickVectors m_vectors;
+  tbb::spin_mutex m_storing;  // held while a brick is added to m_vectors
   std::vector<Taken> m_taken;
   std::vector<std::vector<Loser>> m_losers;  // of tissue that came to a node beside other tissue
   std::vector<tbb::spin_mutex> m_locks;

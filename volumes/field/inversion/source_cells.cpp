@@ -30,8 +30,6 @@ unsigned voxel_row(const BrickTopology& voxels, const std::array<std::int32_t, 8
   return row(column) | (row(column + 1) & 1) << 8;
 }
 
-const std::vector<Vec3f> kNowhere(kBrickDim, Vec3f(0));
-
 using Floats8 = float __attribute__((vector_size(32)));
 using Floats16 = float __attribute__((vector_size(64)));
 
@@ -122,8 +120,7 @@ bool gather_cells(const VectorBricks& u, std::size_t b, SourceCells& cells) {
       const int column = 4 * (x >> 3) + 2 * (y >> 3);
       const int offset = ((x & 7) << 6) | ((y & 7) << 3);
       const auto row = [&](int n) {
-        return bricks[n] < 0 ? kNowhere.data()
-                             : &u.vectors[std::size_t(bricks[n]) * kBrickVoxels + offset];
+        return u.vectors.brick_or_zero(std::size_t(bricks[n])) + offset;
       };
       copy_row(row(column), row(column + 1), x, y, cells);
     }
@@ -180,14 +177,16 @@ VectorBricks thickened(const VectorBricks& u, const Vec3i& dims) {
   for (int axis = 0; axis < 3; ++axis) {
     if (dims[axis] != 1) continue;
     VectorBricks thick{slice_and_its_copies(result.topology, axis), {}};
-    thick.vectors.assign(thick.topology.brick_count() * kBrickVoxels, Vec3f(0));
+    thick.vectors.resize(thick.topology.brick_count());
     for (std::size_t b = 0; b < thick.topology.brick_count(); ++b) {
       for_each_active(thick.topology.mask(b), [&](int offset) {
         Vec3i voxel = thick.topology.origin(b) + brick_local(offset);
-        Vec3f& vector = thick.vectors[b * kBrickVoxels + offset];
-        if (result.at(voxel, vector)) return;
-        voxel[axis] = 0;
-        result.at(voxel, vector);
+        Vec3f vector(0);
+        if (!result.at(voxel, vector)) {
+          voxel[axis] = 0;
+          result.at(voxel, vector);
+        }
+        if (vector != Vec3f(0)) thick.vectors.touch(b)[offset] = vector;
       });
     }
     result = std::move(thick);

@@ -70,7 +70,7 @@ bool SourceWindow::measure(const VectorBricks& u, const std::vector<BrickMask>& 
 void SourceWindow::copy_brick(const VectorBricks& u, const std::vector<BrickMask>& folded,
                               const Vec3i& origin, const Vec3i& window) {
   const std::int32_t b = u.topology.find(origin);
-  const bool may_be_last = b + 1 == std::int32_t(u.topology.brick_count());
+  const Vec3f* const vectors = u.vectors.brick_or_zero(std::size_t(b));
   const Float4 shift = to_four(m_shift);
   Vec3i first, end;
   for (int a = 0; a < 3; ++a) {
@@ -82,10 +82,10 @@ void SourceWindow::copy_brick(const VectorBricks& u, const std::vector<BrickMask
       const Vec3i at = origin + Vec3i(x, y, first.z) - window;
       Entry* out = &m_entries[(std::size_t(at.x) * m_dims.y + at.y) * m_dims.z + at.z];
       const unsigned valid = b < 0 ? 0 : unsigned(u.topology.mask(b)[x] >> (8 * y)) & 0xff;
-      const unsigned folds = b < 0 ? 0 : unsigned(folded[b][x] >> (8 * y)) & 0xff;
-      const Vec3f* row =
-          b < 0 ? nullptr : &u.vectors[std::size_t(b) * kBrickVoxels + 64 * x + 8 * y];
-      if (valid == 0xff && folds == 0 && !may_be_last) {
+      const unsigned folds = b < 0 || folded.empty() ? 0 : unsigned(folded[b][x] >> (8 * y)) & 0xff;
+      const Vec3f* row = vectors + 64 * x + 8 * y;
+      const bool is_last = x + y == 2 * (kBrickDim - 1);
+      if (valid == 0xff && folds == 0 && !is_last) {
         // Four floats are read, the last of which belongs to the next voxel and is dropped.
         for (int z = first.z; z < end.z; ++z, ++out) {
           Float4 v;

@@ -75,7 +75,7 @@ PathOffsets::PathOffsets(SamplingPath path, const OffsetField& moved)
   m_moved->o = extrapolate_into_bricks(moved.o, 1);
   for (std::size_t b = 0; b < m_moved->o.topology.brick_count(); ++b) {
     for_each_active(m_moved->o.topology.mask(b), [&](int local) {
-      const Vec3f& offset = m_moved->o.vectors[b * kBrickVoxels + std::size_t(local)];
+      const Vec3f& offset = m_moved->o.vectors.brick_or_zero(b)[local];
       for (int a = 0; a < 3; ++a) {
         m_moved_lo[a] = std::min(m_moved_lo[a], double(offset[a]));
         m_moved_hi[a] = std::max(m_moved_hi[a], double(offset[a]));
@@ -269,7 +269,8 @@ VectorBricks PathOffsets::run(Progress* progress) {
   }
 
   std::vector<BrickMask> masks(bricks.size(), BrickMask{});
-  std::vector<Vec3f> vectors(bricks.size() * kBrickVoxels, Vec3f(0));
+  BrickVectors vectors(bricks.size());
+  vectors.touch_all();
   std::vector<Survey> surveys(bricks.size());
   constexpr std::size_t kChunk = 1024;
   for (std::size_t start = 0; start < bricks.size(); start += kChunk) {
@@ -277,7 +278,7 @@ VectorBricks PathOffsets::run(Progress* progress) {
     tbb::parallel_for(start, std::min(bricks.size(), start + kChunk), [&](std::size_t b) {
       surveys[b] = survey(bricks[b], pieces[b]);
       sample_nodes(bricks[b], pieces[b], surveys[b].moves ? Border::wide : Border::exact, masks[b],
-                   &vectors[b * kBrickVoxels]);
+                   vectors.touch(b));
     });
   }
 
@@ -289,18 +290,13 @@ VectorBricks PathOffsets::run(Progress* progress) {
   }
   set_bricks(std::move(split_bricks));
 
-  // The topology drops bricks without the body; close the gaps.
-  BrickTopology topology(bricks, masks);
-  std::size_t from = 0;
-  for (std::size_t to = 0; to < topology.brick_count(); ++to, ++from) {
-    while (bricks[from] != topology.origin(to)) ++from;
-    if (from == to) continue;
-    std::copy_n(vectors.begin() + std::ptrdiff_t(from) * kBrickVoxels, kBrickVoxels,
-                vectors.begin() + std::ptrdiff_t(to) * kBrickVoxels);
+  // The topology drops bricks without the body.
+  std::vector<std::size_t> kept;
+  for (std::size_t b = 0; b < bricks.size(); ++b) {
+    if (mask_count(masks[b]) > 0) kept.push_back(b);
   }
-  vectors.resize(topology.brick_count() * kBrickVoxels);
-  vectors.shrink_to_fit();
-  return {std::move(topology), std::move(vectors)};
+  vectors.keep_only(kept);
+  return {BrickTopology(std::move(bricks), std::move(masks)), std::move(vectors)};
 }
 
 bool PathOffsets::sample(std::size_t b, const Vec3d& x, Sample& found) const {

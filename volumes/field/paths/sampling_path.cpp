@@ -36,9 +36,11 @@ Displacement move_along(const SamplingPath& path, const Displacement& displaceme
   Displacement result = displacement;
   const Geometry& geometry = result.geometry;
   const BrickTopology& where = result.u.topology;
+  result.u.vectors.touch_all();
   tbb::parallel_for(std::size_t(0), where.brick_count(), [&](std::size_t b) {
+    Vec3f* const vectors = result.u.vectors.touch(b);
     for_each_active(where.mask(b), [&](int offset) {
-      Vec3f& u = result.u.vectors[b * kBrickVoxels + offset];
+      Vec3f& u = vectors[offset];
       const Vec3d before =
           geometry.world_from_index(Vec3d(where.origin(b) + brick_local(offset)) + Vec3d(u));
       Vec3d now = before;

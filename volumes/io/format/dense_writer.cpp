@@ -85,6 +85,10 @@ std::vector<std::string> output_files(const std::string& path) {
   return {path, raw_path};
 }
 
+bool keeps_bricks(const std::string& path) {
+  return format_of(path).create == create_vdb;
+}
+
 bool keeps_scaling(const std::string& path) {
   return format_of(path).keeps_scaling;
 }

@@ -8,6 +8,7 @@
 
 #include "volumes/base/fields.h"
 #include "volumes/base/progress.h"
+#include "volumes/field/vector_bricks.h"
 #include "volumes/geometry/geometry.h"
 #include "volumes/io/format/volume_file.h"
 
@@ -39,6 +40,11 @@ class DenseWriter {
   virtual ~DenseWriter() = default;
   /// The next slice k: dims.x * dims.y values as in memory, components together.
   virtual void write_slice(const void* values) = 0;
+  /// In place of all slices: these vectors at the voxels of these bricks, and 0 elsewhere. False
+  /// where the format is dense; nothing has been written then.
+  virtual bool write_bricks(const VectorBricks& vectors) {
+    return static_cast<void>(vectors), false;
+  }
   /// Work that remains after the last slice and may take long, such as compressing values that had
   /// to be put in order first. Throws Cancelled. commit() does it where the caller has not.
   virtual void complete(Progress* progress) { static_cast<void>(progress); }
@@ -57,6 +63,10 @@ std::unique_ptr<DenseWriter> create_dense(const std::string& path, const DenseIm
 /// The files that writing to `path` creates or replaces: itself, and for detached headers the
 /// `.raw` beside it. Throws InputError for an unknown extension.
 std::vector<std::string> output_files(const std::string& path);
+
+/// True when a file holds the bricks that are not uniform alone, so that DenseWriter::write_bricks
+/// does what it says.
+bool keeps_bricks(const std::string& path);
 
 /// True when the format of `path` records slope and intercept, so that stored values can stay.
 bool keeps_scaling(const std::string& path);

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <map>
 #include <optional>
+#include <type_traits>
 
 #include "volumes/geometry/geometry_text.h"
 #include "volumes/io/bytes/value_type.h"
@@ -35,6 +36,19 @@ class VdbWriter : public DenseWriter {
     ++m_depth;
     ++m_next_k;
     if (m_depth == kBrickDim || m_next_k == m_image.geometry.dims().z) flush_slab();
+  }
+
+  bool write_bricks(const VectorBricks& vectors) override {
+    if constexpr (std::is_same_v<Value, openvdb::Vec3f>) {
+      const Vec3i& dims = m_image.geometry.dims();
+      for (int k0 = 0; k0 < dims.z; k0 += kBrickDim) {
+        for (int j0 = 0; j0 < dims.y; j0 += kBrickDim) {
+          for (int i0 = 0; i0 < dims.x; i0 += kBrickDim) take_vectors(vectors, {i0, j0, k0});
+        }
+      }
+      return true;
+    }
+    return false;
   }
 
   void commit() override {
@@ -111,15 +125,34 @@ class VdbWriter : public DenseWriter {
   void take_brick(const Vec3i& origin) {
     const Vec3i& dims = m_image.geometry.dims();
     const Value* first = &m_slab[std::size_t(origin.y) * dims.x + origin.x];
-    const auto at = [&](int i, int j, int k) -> const Value& {
+    take_values(origin, [&](int i, int j, int k) -> const Value& {
       return first[(std::size_t(k) * dims.y + j) * dims.x + i];
-    };
+    });
+  }
+
+  void take_vectors(const VectorBricks& vectors, const Vec3i& origin) {
+    const std::int32_t b = vectors.topology.find(origin);
+    const Vec3f* const stored = vectors.vectors.brick(std::size_t(b));
+    if (stored == nullptr) {
+      m_uniform.push_back({origin, Value(0)});
+      return;
+    }
+    take_values(origin, [&](int i, int j, int k) {
+      const Vec3f& v = stored[(i << 6) | (j << 3) | k];
+      return Value(v.x, v.y, v.z);
+    });
+  }
+
+  /// `at(i, j, k)`: of the brick.
+  template <class At>
+  void take_values(const Vec3i& origin, const At& at) {
+    const Value first = at(0, 0, 0);
     bool uniform = true;
     for_each_voxel(origin, [&](openvdb::Index, int i, int j, int k) {
-      uniform = uniform && same(at(i, j, k), *first);
+      uniform = uniform && same(at(i, j, k), first);
     });
     if (uniform) {
-      m_uniform.push_back({origin, *first});
+      m_uniform.push_back({origin, first});
       return;
     }
     auto leaf = std::make_unique<Leaf>(to_coord(origin), Value(0));

@@ -1,0 +1,136 @@
+// Plans: what `--dry-run` says of a scene, and that a run holds and computes no more than that.
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/program.h"
+#include "tests/support/sanitized.h"
+
+using namespace supple::test;
+
+namespace {
+
+using Json = nlohmann::json;
+
+const std::string kPlannedStep = "[[step]]\ngrab = [12, 12, 12]\nby = [0.0, 3.0, 0.0]\n";
+const std::string kPlannedView = "[[view]]\nimage = \"a.png\"\nsize = [64, 48]\n";
+
+class UnitPlan : public ::testing::Test {
+ protected:
+  UnitPlan() {
+    write_ball(m_folder, "ball", 24);
+    write_soft_material(m_folder / "soft.toml");
+  }
+
+  /// What a command prints with --json.
+  Json run(const std::string& text, const std::vector<std::string>& more = {}) {
+    write_text(m_folder / "scene.toml",
+               "[volume]\npath = \"ball.nhdr\"\n[material]\ntable = \"soft.toml\"\n" + text);
+    std::vector<std::string> words = {
+        "run", m_folder / "scene.toml", "-o", m_folder / "out", "--force", "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    return json_of(words);
+  }
+  static Json json_of(const std::vector<std::string>& words) {
+    const Outcome outcome = run_supple(words);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return outcome.exit_code == 0 ? Json::parse(outcome.out) : Json();
+  }
+  Json plan(const std::string& text) { return run(text, {"--dry-run"}).at("plan"); }
+
+  TemporaryFolder m_folder;
+};
+
+/// Whether some row, or something that is left out, begins with these words.
+bool says(const Json& list, const std::string& words) {
+  for (const Json& entry : list) {
+    if (entry.at("what").get<std::string>().rfind(words, 0) == 0) return true;
+  }
+  return false;
+}
+
+bool has_stage(const Json& report, const std::string& name) {
+  return report.at("stage_seconds").contains(name);
+}
+
+TEST_F(UnitPlan, ADragAlongOneAxisNeedsOneCoordinate) {
+  const Json plan = this->plan(kPlannedStep + kPlannedView);
+  EXPECT_TRUE(says(plan.at("rows"), "coordinate j"));
+  for (const char* other : {"i", "k"}) {
+    EXPECT_FALSE(says(plan.at("rows"), std::string("coordinate ") + other));
+    EXPECT_TRUE(says(plan.at("not"), std::string("step 1: coordinate ") + other));
+  }
+}
+
+TEST_F(UnitPlan, RelaxationIsPlannedWhereAStepAsksForIt) {
+  const Json without = plan(kPlannedStep + kPlannedView),
+             with = plan(kPlannedStep + "relax = { passes = 5 }\n" + kPlannedView);
+  EXPECT_TRUE(says(without.at("not"), "step 1: stiffness"));
+  EXPECT_FALSE(says(with.at("not"), "step 1: stiffness"));
+  EXPECT_TRUE(says(with.at("rows"), "stiffness and up to 5 passes"));
+  EXPECT_GT(with.at("seconds"), without.at("seconds"));
+}
+
+TEST_F(UnitPlan, WithoutExportAndDeformedViewsNothingIsInverted) {
+  const std::string at_rest = kPlannedView + "deformed = false\n",
+                    solving = kPlannedView + "inverse = false\n";
+  for (const std::string& view : {at_rest, solving}) {
+    EXPECT_TRUE(says(plan(kPlannedStep + view).at("not"), "inverse (offsets)")) << view;
+    EXPECT_FALSE(has_stage(run(kPlannedStep + view), "inverting")) << view;
+  }
+  for (const std::string& more : {kPlannedView, std::string("[output]\nstate = \"a.vdb\"\n")}) {
+    EXPECT_FALSE(says(plan(kPlannedStep + more).at("not"), "inverse (offsets)")) << more;
+    EXPECT_TRUE(has_stage(run(kPlannedStep + more), "inverting")) << more;
+  }
+}
+
+TEST_F(UnitPlan, AnExportOfDisplacementsAloneNeedsNoInverse) {
+  const std::string output = "[output]\ndisplacements = [\"u.nrrd\"]\n";
+  EXPECT_TRUE(says(plan(kPlannedStep + output).at("not"), "inverse (offsets)"));
+  EXPECT_FALSE(has_stage(run(kPlannedStep + output), "inverting"));
+}
+
+TEST_F(UnitPlan, WithoutPicturesNothingIsRendered) {
+  const std::string output = "[output]\noffsets = [\"w.nrrd\"]\n";
+  EXPECT_TRUE(says(plan(kPlannedStep + output).at("not"), "sampling bricks, Embree's scene"));
+  EXPECT_FALSE(has_stage(run(kPlannedStep + output), "rendering"));
+  EXPECT_FALSE(
+      says(plan(kPlannedStep + kPlannedView).at("not"), "sampling bricks, Embree's scene"));
+  EXPECT_TRUE(has_stage(run(kPlannedStep + kPlannedView), "rendering"));
+}
+
+TEST_F(UnitPlan, ARunThatWasPlannedSaysWhatCameOfIt) {
+  const Json report = run(kPlannedStep + kPlannedView, {"--plan"});
+  const Json& outcome = report.at("outcome");
+  EXPECT_EQ(outcome.at("peak_mb"), report.at("plan").at("peak_mb"));
+  EXPECT_GT(outcome.at("was_seconds"), 0);
+  if (kSanitized) return;  // shadow memory is in no plan
+  // The volume is small, so that most of it is the program.
+  const double ratio =
+      outcome.at("peak_mb").get<double>() / outcome.at("was_peak_mb").get<double>();
+  EXPECT_GT(ratio, 0.8);
+  EXPECT_LT(ratio, 1.25);
+}
+
+TEST_F(UnitPlan, OptionsOfCommandsArePlannedAsScenesOfOneStep) {
+  const Json deform = json_of({"deform", m_folder / "ball.nhdr", "--grab", "12,12,12", "--by",
+                               "0,3,0", "-o", m_folder / "s.vdb", "--dry-run", "--json"});
+  EXPECT_TRUE(says(deform.at("plan").at("rows"), "coordinate j"));
+  EXPECT_FALSE(std::filesystem::exists(m_folder / "s.vdb"));
+  const Json render =
+      json_of({"render", m_folder / "ball.nhdr", "-o", m_folder / "p.png", "--dry-run", "--json"});
+  EXPECT_TRUE(says(render.at("plan").at("not"), "a body"));
+  EXPECT_FALSE(std::filesystem::exists(m_folder / "p.png"));
+}
+
+TEST_F(UnitPlan, TheTableNamesStagesReasonsAndWhatIsLeftOut) {
+  write_text(m_folder / "scene.toml",
+             "[volume]\npath = \"ball.nhdr\"\n" + kPlannedStep + kPlannedView);
+  const Outcome outcome = run_supple({"run", m_folder / "scene.toml", "--dry-run"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  for (const char* words : {"stage", "why", "memory", "a handle moves along it", "view a.png",
+                            "not     step 1: coordinate i: no handle moves along it", "peak "}) {
+    EXPECT_NE(outcome.out.find(words), std::string::npos) << words << " in " << outcome.out;
+  }
+}
+
+}  // namespace

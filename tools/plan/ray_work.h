@@ -1,0 +1,20 @@
+// How many samples a picture reads, without drawing it: a few of its rays go through the volume at
+// rest, half a voxel at a time and with the nearest voxel's density.
+//
+// Deformation is not seen, and neither are clips, meshes and rays towards lights.
+// Cost: 50 ns per voxel on the way, 0.1 s at most for usual volumes.
+#pragma once
+
+#include "raycast/march/render_settings.h"
+#include "raycast/scene/camera.h"
+#include "raycast/scene/transfer_function.h"
+#include "volumes/geometry/geometry.h"
+#include "volumes/grid/density_grid.h"
+
+namespace supple::tools {
+
+/// Of all pixels.
+double samples_of(const DensityGrid& density, const Geometry& geometry, const Camera& camera,
+                  const TransferFunction& function, const RenderSettings& settings);
+
+}  // namespace supple::tools

@@ -1,0 +1,275 @@
+#include "tools/plan/scene_plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <set>
+
+#include "raycast/sample/source_bricks.h"
+#include "tools/outputs/view_pictures.h"
+#include "tools/plan/plan_ledger.h"
+#include "tools/plan/ray_work.h"
+
+namespace supple::tools {
+
+namespace {
+
+constexpr double kSourceBytes = 2 * SourceBricks::kBrickNodes + 8;  // of a brick in pictures
+constexpr double kNodeBytes = 8748, kHalfNodeBytes = 1500;          // of a deformed one
+constexpr double kTableBytes = 90;        // of any brick in the tables of a renderer
+constexpr double kFieldTableBytes = 108;  // of any brick of a field: masks, neighbours, place
+constexpr double kInvertBytes = 600;      // of any brick while it is inverted
+constexpr double kPixelBytes = 16 + 4 + 4, kAuxiliaryBytes = 28;
+constexpr double kGridBrickBytes = 6300;  // of a grid of vectors in a state
+
+// Code and libraries that come with the first picture, dense file, OpenVDB file and HDF5 file, and
+// what threads work with in an inversion and keep ready in a picture of a body that moves: measured
+// as the growth of a process that does nothing else (docs/economy.md).
+constexpr double kPictureCode = 3.5e6, kDenseCode = 5.5e6, kVdbCode = 10e6, kHdf5Code = 9e6;
+constexpr double kInvertCode = 6e6, kSlotsInAdvance = 4.5e6;
+
+bool ends_with(const std::string& name, const std::string& end) {
+  return name.size() >= end.size() && name.compare(name.size() - end.size(), end.size(), end) == 0;
+}
+
+/// Of slices: an axial, a coronal and a sagittal one side by side, or as many as a lightbox has.
+double slice_pixels(const SliceChoice& slice, const Geometry& geometry) {
+  const Vec3d& spacing = geometry.spacing_mm();
+  const double pixel_mm = std::min({spacing.x, spacing.y, spacing.z}) / slice.scale;
+  const Vec3d sides = Vec3d(geometry.dims()) * spacing / pixel_mm;
+  return (sides.x * sides.y + sides.x * sides.z + sides.y * sides.z) * slice.count();
+}
+
+/// The rows of views and outputs, once the steps are planned.
+class ScenePlanner {
+ public:
+  ScenePlanner(const Scene& scene, const PlanSubject& subject, const UnitCosts& costs,
+               ScenePlan& plan)
+      : m_scene(scene), m_subject(subject), m_costs(costs), m_ledger(plan, subject) {}
+
+  void plan();
+
+ private:
+  double density_bricks() const { return double(m_subject.state.density.bricks().brick_count()); }
+  double element_bricks() const { return double(m_subject.state.elements.brick_count()); }
+  double frames() const { return m_scene.film ? double(m_scene.film->frames_to_make.size()) : 1; }
+  void add(const std::string& stage, const std::string& what, const std::string& why,
+           double held_bytes, double brief_bytes, double ns) {
+    m_ledger.add({stage, what, why, held_bytes / kMegabyte, brief_bytes / kMegabyte, ns * 1e-9});
+  }
+  void plan_subject();
+  void plan_steps();
+  void plan_pose();
+  std::string asks_for_displacement() const;
+  std::string asks_for_inverse() const;
+  void plan_view(const SceneView& view);
+  void plan_march(const SceneView& view, const std::string& stage, double pictures);
+  void plan_outputs();
+  void plan_dense(const std::string& name, const std::string& what, double value_bytes);
+  /// Of `bytes` that come once, those that have not come yet.
+  double once(double bytes) { return m_loaded.insert(bytes).second ? bytes : 0; }
+
+  const Scene& m_scene;
+  const PlanSubject& m_subject;
+  const UnitCosts& m_costs;
+  PlanLedger m_ledger;
+  MovedBricks m_moved;
+  std::set<double> m_loaded;
+  double m_moved_bricks = 0;  // of fields: elements and the air around them
+};
+
+/// Held already: a part of what the process holds now.
+void ScenePlanner::plan_subject() {
+  const State& state = m_subject.state;
+  const double grid_mb = double(state.density.bytes()) / kMegabyte;
+  const double body_mb =
+      m_subject.session == nullptr ? 0 : double(m_subject.session->body().bytes()) / kMegabyte;
+  const Vec3i& dims = state.geometry.dims();
+  m_ledger.add({"open",
+                count_text(double(state.geometry.voxel_count()), "voxels in ") +
+                    bricks_text(density_bricks()),
+                std::filesystem::path(m_scene.volume_path).filename().string() + ", " +
+                    std::to_string(dims.x) + "x" + std::to_string(dims.y) + "x" +
+                    std::to_string(dims.z),
+                grid_mb, 0, m_subject.open_seconds});
+  m_ledger.give_back(grid_mb);
+  if (m_subject.session == nullptr) {
+    m_ledger.leave_out("a body", "nothing moves, and nothing is written of what moved");
+    return;
+  }
+  m_ledger.add({"open",
+                count_text(double(state.elements.active_count()), "elements in ") +
+                    bricks_text(element_bricks()),
+                "what the material makes tissue", body_mb, 0, 0});
+  m_ledger.give_back(body_mb);
+}
+
+void ScenePlanner::plan_steps() {
+  if (m_subject.session == nullptr) return;
+  for (std::size_t n = 0; n < m_scene.steps.size(); ++n) {
+    m_moved = plan_step(m_scene.steps[n], int(n) + 1, *m_subject.session, m_subject.state, m_moved,
+                        m_costs, m_ledger);
+  }
+  const double still = element_bricks() - double(m_moved.count());
+  if (still > 0) {
+    m_ledger.leave_out("displacement and offsets of " + bricks_text(still), "nothing reaches them");
+  }
+  m_moved_bricks = double(m_moved.count()) * density_bricks() / std::max(1.0, element_bricks());
+}
+
+/// The first that reads the displacement; empty: nothing does.
+std::string ScenePlanner::asks_for_displacement() const {
+  const std::string inverse = asks_for_inverse();
+  if (!inverse.empty()) return inverse;
+  for (const SceneView& view : m_scene.views) {
+    if (view.deformed) return "view " + view.image;
+  }
+  const std::vector<std::string>& names = m_scene.output.displacements;
+  return names.empty() ? "" : "output " + names.front();
+}
+
+/// The first that reads offsets; empty: nothing does.
+std::string ScenePlanner::asks_for_inverse() const {
+  const SceneOutput& output = m_scene.output;
+  for (const SceneView& view : m_scene.views) {
+    if (view.deformed && view.inverse) return "view " + view.image;
+  }
+  if (!output.state.empty()) return "output " + output.state;
+  for (const auto* names : {&output.offsets, &output.volumes}) {
+    if (!names->empty()) return "output " + names->front();
+  }
+  if (!output.displacements.empty() && !m_scene.path.empty()) return "the path of displacements";
+  return "";
+}
+
+void ScenePlanner::plan_pose() {
+  if (m_subject.session == nullptr) return;
+  const std::string reads_u = asks_for_displacement(), reads_o = asks_for_inverse();
+  if (reads_u.empty()) {
+    m_ledger.leave_out("displacement of voxels", "no view and no output shows the body moved");
+  } else {
+    // The state of the step is a copy of what moved.
+    const double copied =
+        double(m_moved.count(0) + m_moved.count(1) + m_moved.count(2)) * kBrickBytes4;
+    add("pose", "displacement of " + bricks_text(m_moved_bricks), reads_u,
+        copied + m_moved_bricks * kBrickBytes12 + 3 * density_bricks() * kFieldTableBytes,
+        density_bricks() * kFieldTableBytes,
+        frames() * (m_moved_bricks * kBrickVoxels * m_costs.displacement_voxel +
+                    density_bricks() * m_costs.still_brick));
+  }
+  if (reads_o.empty()) {
+    m_ledger.leave_out("inverse (offsets)", reads_u.empty()
+                                                ? "no view and no output shows the body moved"
+                                                : "no view and no output reads it");
+  } else {
+    add("pose", "offsets of " + bricks_text(m_moved_bricks), reads_o,
+        m_moved_bricks * kBrickBytes12 + density_bricks() * kFieldTableBytes + once(kInvertCode),
+        density_bricks() * kInvertBytes,
+        frames() * (m_moved_bricks * kBrickVoxels * m_costs.invert_voxel +
+                    density_bricks() * m_costs.still_brick));
+  }
+}
+
+void ScenePlanner::plan_march(const SceneView& view, const std::string& stage, double pictures) {
+  const State& state = m_subject.state;
+  const double grey_lo = state.density.background();
+  const PosedVolume at_rest{state.geometry, state.density, state.elements, nullptr,
+                            nullptr,        grey_lo,       grey_lo + 1};
+  RenderSettings settings = view_settings(view);
+  SceneView plain = view;
+  plain.fit.clear();
+  const double samples =
+      samples_of(state.density, state.geometry, camera_of(at_rest, plain), look_of(view), settings);
+  const double pixels = double(view.size[0]) * view.size[1];
+  const bool moves = view.deformed && m_moved_bricks > 0;
+  const double node_bytes = view.half_offsets ? kHalfNodeBytes : kNodeBytes;
+  const double bytes = density_bricks() * (kSourceBytes + kTableBytes) +
+                       (moves && view.inverse ? m_moved_bricks * node_bytes + kSlotsInAdvance : 0) +
+                       pixels * (kPixelBytes + (settings.auxiliary ? kAuxiliaryBytes : 0));
+  add(stage,
+      count_text(pixels, "rays, ") + count_text(samples, "samples") +
+          (pictures > 1 ? ", " + count_text(pictures, "times") : ""),
+      view.deformed ? "a picture of the body moved" : "a picture of the body at rest",
+      once(kPictureCode), bytes,
+      density_bricks() * m_costs.source_brick +
+          pictures * (pixels * m_costs.ray + samples * m_costs.sample));
+}
+
+void ScenePlanner::plan_view(const SceneView& given) {
+  const State& state = m_subject.state;
+  const SceneView view = effective_view(given, state.geometry, state.density.background());
+  const std::string stage = "view " + view.image;
+  const double pictures = view.picture.frame_count();
+  const double pixels =
+      view.slice ? slice_pixels(*view.slice, state.geometry) : double(view.size[0]) * view.size[1];
+  if (view.slice || view.lattice) {
+    add(stage, count_text(pixels, "pixels"), view.slice ? "slices" : "a lattice",
+        once(kPictureCode), pixels * kPixelBytes, pictures * pixels * m_costs.ray);
+    return;
+  }
+  plan_march(view, stage, pictures);
+}
+
+void ScenePlanner::plan_dense(const std::string& name, const std::string& what,
+                              double value_bytes) {
+  const Vec3i& dims = m_subject.state.geometry.dims();
+  const double voxels = double(m_subject.state.geometry.voxel_count());
+  const double slice = double(dims.x) * dims.y;
+  const bool is_vdb = ends_with(name, ".vdb");
+  const bool is_hdf5 = ends_with(name, ".h5") || ends_with(name, ".hdf5");
+  const double code = is_vdb ? once(kVdbCode) : once(kDenseCode) + (is_hdf5 ? once(kHdf5Code) : 0);
+  // Eight slices of vectors, and two on their way into the file.
+  add("output " + name, what + " of " + count_text(voxels, "voxels"), "[output]", code,
+      slice * (8 * 12.0 + 3 * value_bytes) + density_bricks() * 4 * kFieldTableBytes,
+      frames() * voxels * m_costs.warp_voxel);
+}
+
+void ScenePlanner::plan_outputs() {
+  const SceneOutput& output = m_scene.output;
+  if (!output.state.empty()) {
+    const double coordinates = element_bricks() * kGridBrickBytes;
+    const double offsets = density_bricks() * kGridBrickBytes;
+    add("output " + output.state, "densities, coordinates and offsets", "[output]", once(kVdbCode),
+        coordinates + offsets + element_bricks() * kBrickBytes4 / 16,
+        frames() *
+            (density_bricks() * m_costs.state_brick + m_moved_bricks * m_costs.state_vector_brick));
+  }
+  for (const std::string& name : output.offsets) plan_dense(name, "a warp", 12);
+  for (const std::string& name : output.displacements) plan_dense(name, "displacements", 12);
+  for (const std::string& name : output.volumes) plan_dense(name, "a resampled volume", 4);
+  for (const ElementOutput& elements : output.elements) {
+    plan_dense(elements.path, "a value per element", 4);
+  }
+  if (output.all().empty()) {
+    m_ledger.leave_out("a state, warps, resampled volumes", "the scene has no [output]");
+  } else if (output.state.empty()) {
+    m_ledger.leave_out("a state", "[output] names none");
+  }
+}
+
+void ScenePlanner::plan() {
+  plan_subject();
+  plan_steps();
+  plan_pose();
+  bool marches = false;
+  for (const SceneView& view : m_scene.views) {
+    plan_view(view);
+    marches = marches || !(view.slice || view.lattice || m_subject.state.geometry.dims().z == 1);
+  }
+  if (!marches) {
+    m_ledger.leave_out("sampling bricks, Embree's scene",
+                       m_scene.views.empty() ? "no view" : "slices and lattices march no rays");
+  }
+  plan_outputs();
+}
+
+}  // namespace
+
+ScenePlan plan_scene(const Scene& scene, const PlanSubject& subject, const UnitCosts& costs) {
+  ScenePlan plan;
+  plan.costs = origin_of(costs);
+  ScenePlanner(scene, subject, costs, plan).plan();
+  return plan;
+}
+
+}  // namespace supple::tools
