@@ -71,8 +71,7 @@ class StepPlan {
  public:
   StepPlan(const SceneStep& step, int number, const Session& session, const State& state,
            const UnitCosts& costs, PlanLedger& ledger)
-      : m_step(step),
-        m_stage("step " + std::to_string(number)),
+      : m_stage("step " + std::to_string(number)),
         m_session(session),
         m_state(state),
         m_costs(costs),
@@ -93,7 +92,6 @@ class StepPlan {
   void springs();
   void finite_elements();
 
-  const SceneStep& m_step;
   std::string m_stage;
   const Session& m_session;
   const State& m_state;
