@@ -9,18 +9,21 @@ namespace {
 /// Rounds until lips that change their shape as they are pushed fit each other.
 constexpr int kMostRounds = 40;
 
-/// Where a body is.
+/// Where a body is, and whether its links are known to be valid there.
 class KeptOffsets {
  public:
-  explicit KeptOffsets(const Body& body) : m_q(body.q), m_fraction(body.fraction) {}
+  explicit KeptOffsets(const Body& body)
+      : m_q(body.q), m_fraction(body.fraction), m_links_known_valid(body.links_known_valid) {}
   void restore(Body& body) const {
     body.q = m_q;
     body.fraction = m_fraction;
+    body.links_known_valid = m_links_known_valid;
   }
   /// As far from `start` as so many parts of the way from there. Rounded down, which keeps every
   /// difference constraint: floor(x - W) is floor(x) - W.
   void restore_part(const KeptOffsets& start, int parts, Body& body) const {
     restore(body);
+    body.links_known_valid = m_links_known_valid && start.m_links_known_valid;
     for (std::size_t c = 0; c < 3; ++c) {
       for (std::size_t b = 0; b < m_q[c].brick_count(); ++b) {
         if (m_q[c].brick(b) == nullptr && start.m_q[c].brick(b) == nullptr) continue;
@@ -41,6 +44,7 @@ class KeptOffsets {
 
   std::array<BrickValues, 3> m_q;
   decltype(Body::fraction) m_fraction;
+  bool m_links_known_valid;
 };
 
 /// Of attempt(parts, is_first) the first, which is all of it, or that of the largest part that a

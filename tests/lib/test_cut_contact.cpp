@@ -249,6 +249,27 @@ TEST(PropertyCutContact, WhatIsHeldOnBothSidesShortensTheDrag) {
   });
 }
 
+TEST(UnitCutContact, AStartThatOtherModelsLeftInvalidIsProjectedForEveryPartThatIsTried) {
+  Body body = cut_cube({0, 0, 1});
+  for (BrickValues& q : body.q) q.resize(body.elements.brick_count());
+  Slot slot = 0;
+  ASSERT_TRUE(slot_of(body.elements, {2, 2, 1}, slot));
+  body.q[2].set(slot, -2 * kVoxel);
+  body.links_known_valid = false;
+  const std::vector<Region> anchors = {IndexBox{{0, 0, 6}, {kCube - 1, kCube - 1, kCube - 1}}};
+  CutContact contact(body, body.cuts);
+  Holds holds;
+  EcmSolver solver(body);
+  const SidesReport report =
+      contact.drag(elements_of(body, anchors[0], "fix"), holds, [&](int parts) {
+        EXPECT_FALSE(body.links_known_valid);
+        const IndexBox bottom{{0, 0, 0}, {kCube - 1, kCube - 1, 3}};
+        solver.drag({Handle(Region(bottom), part_of({0, 0, 3 * kVoxel}, parts))}, anchors, holds);
+      });
+  EXPECT_LT(report.parts, CutContact::kDragParts);
+  EXPECT_EQ(check_links(body).violated, 0);
+}
+
 TEST(PropertyCutContact, AfterARelaxationTooTheSidesAreApart) {
   int met = 0;
   for (unsigned n = 0; n < cases(12); ++n) {
