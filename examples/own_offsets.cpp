@@ -13,12 +13,12 @@ int main(int argc, char** argv) try {
   supple::OffsetField field;
   field.geometry = volume.geometry;
   field.o.topology = supple::dilate(volume.density.bricks(), 8);
-  field.o.vectors.resize(field.o.topology.brick_count() * supple::kBrickVoxels);
+  field.o.vectors.resize(field.o.topology.brick_count());
   for (std::size_t b = 0; b < field.o.topology.brick_count(); ++b) {
     for (int n = 0; n < supple::kBrickVoxels; ++n) {
       const supple::Vec3i x = field.o.topology.origin(b) + supple::brick_local(n);
       // What is now at x came from x + o(x).
-      field.o.vectors[b * supple::kBrickVoxels + n] = {0.2f * float(x.z), 0, 0};
+      field.o.vectors.set(b * supple::kBrickVoxels + n, {0.2f * float(x.z), 0, 0});
     }
   }
 
