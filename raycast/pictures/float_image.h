@@ -16,7 +16,7 @@ struct FloatImage {
   int width = 0;
   int height = 0;
   bool has_alpha = true;
-  std::vector<float> rgba;  // 4 * (y * width + x); premultiplied, sRGB-encoded, 0…1
+  std::vector<float> rgba;  // 4 * (y * width + x); premultiplied sRGB; highlights may pass 1
 
   /// Of the sample at which the opacity of a ray passes one half, or of its maximum; empty unless
   /// asked for, NaN where there is none.
