@@ -40,6 +40,10 @@ else()
   target_compile_options(supple_cold INTERFACE $<$<CONFIG:Release>:-O1>)
 endif()
 
+# Tests, which take longer to optimise than to run.
+add_library(supple_unoptimised INTERFACE)
+target_compile_options(supple_unoptimised INTERFACE $<$<OR:$<CONFIG:Release>,$<BOOL:${SUPPLE_SANITIZE}>>:-O0>)
+
 # supple_add_sources(TARGET FOLDER ... [EXCLUDE REGEX] [UNOPTIMISED])
 # Every .cpp directly in these folders of the current directory, so that a new file needs no line
 # here. Those of a folder are compiled together, SUPPLE_UNITY at a time.
@@ -114,24 +118,29 @@ function(supple_add_entry name label parts filter)
   endforeach()
 endfunction()
 
-# supple_add_tests(NAME [EXCLUDE REGEX] [SOURCES ...] LIBRARIES ... LABELS ...
+# supple_add_tests(NAME [COLD] [EXCLUDE REGEX] [SOURCES ...] LIBRARIES ... LABELS ...
 #                  [NOT_SANITIZED FILTER ... | SANITIZED FILTER ...])
+# COLD: tests that compute much themselves; all others are not optimised at all.
 # All .cpp of the current folder as one binary, one entry per label, or N of them for LABEL/N. A
 # suite belongs to the label its name starts with: TEST(PropertyEcm, ...) runs under the label
 # "property". Sanitized builds leave out long tests of NOT_SANITIZED, which look at figures and run
 # through code that others run through, too, or run those of SANITIZED alone. Anonymous namespaces of
 # one folder share their names, as its files are compiled together.
 function(supple_add_tests name)
-  cmake_parse_arguments(ARG "" "EXCLUDE" "SOURCES;LIBRARIES;LABELS;NOT_SANITIZED;SANITIZED" ${ARGN})
+  cmake_parse_arguments(ARG "COLD" "EXCLUDE" "SOURCES;LIBRARIES;LABELS;NOT_SANITIZED;SANITIZED" ${ARGN})
+  set(how unoptimised)
+  if(ARG_COLD)
+    set(how cold)
+  endif()
   add_executable(test_${name} ${ARG_SOURCES})
   set(not_here "/itk_[a-z]+\\.cpp$")
   if(ARG_EXCLUDE)
     string(APPEND not_here "|${ARG_EXCLUDE}")
   endif()
   supple_add_sources(test_${name} . EXCLUDE "${not_here}")
-  target_link_libraries(test_${name} PRIVATE supple_options supple_cold supple_test_support
+  target_link_libraries(test_${name} PRIVATE supple_options supple_${how} supple_test_support
                                              ${ARG_LIBRARIES} GTest::gtest GTest::gtest_main)
-  target_precompile_headers(test_${name} REUSE_FROM supple_test_headers)
+  target_precompile_headers(test_${name} REUSE_FROM supple_${how}_headers)
   if(SUPPLE_SANITIZE AND ARG_SANITIZED)
     list(JOIN ARG_SANITIZED ":" filter)
     supple_add_entry(${name} sanitize 2 "${filter}")

@@ -85,7 +85,7 @@ bool ConjugateGradients::iterate(bool is_first) {
   return true;
 }
 
-bool ConjugateGradients::run(Progress* progress) {
+bool ConjugateGradients::run(const Progress* progress) {
   compute_residual();
   m_size = m_meter(m_r);
   if (m_size.largest_mn == 0) return true;

@@ -48,7 +48,7 @@ class ConjugateGradients {
 
   /// True when the limits are reached by the residual as it is computed afresh; false after too
   /// many iterations, or where no descent is found. Throws Cancelled.
-  bool run(Progress* progress);
+  bool run(const Progress* progress);
 
   int iterations() const { return m_iterations; }
   const ResidualSize& size() const { return m_size; }

@@ -111,6 +111,8 @@ void balance(const NodalLoads& loads, const std::vector<double>& u, const std::v
   report.energy_identity = least_energy > 0 ? std::abs(work_of_residual) / least_energy : 0;
 }
 
+}  // namespace
+
 std::vector<FemReaction> reactions_of(const std::vector<Vec3d>& positions, const NodalLoads& loads,
                                       const std::vector<double>& r) {
   std::vector<FemReaction> out;
@@ -132,8 +134,6 @@ std::vector<FemReaction> reactions_of(const std::vector<Vec3d>& positions, const
   }
   return out;
 }
-
-}  // namespace
 
 ElasticTable ElasticTable::uniform(double young_kpa, double poisson) {
   ElasticTable table;

@@ -102,6 +102,11 @@ struct FemSolution {
   FemReport report;
 };
 
+/// Of what each of loads.nodes_of holds, from r = f - K(u) (in motion less damping and inertia) at
+/// nodes of these positions.
+std::vector<FemReaction> reactions_of(const std::vector<Vec3d>& positions, const NodalLoads& loads,
+                                      const std::vector<double>& r);
+
 /// The solver did not reach its tolerances; the message carries the numbers.
 class NotConverged : public Error {
  public:

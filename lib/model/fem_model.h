@@ -3,17 +3,13 @@
 // voxel is the mean of its eight corners. Limits of links play no part, and nothing is remembered:
 // the result depends on what is held where, and on the loads, not on where the rest of the body was
 // before.
-//
-// Corners of an element that is held follow its own offset and, where its neighbours are held by
-// the same, the slope of their offsets: a turn turns the corners, too. Elements that are held get
-// exactly the offset that they were to have.
 #pragma once
 
 #include <cstdint>
 #include <optional>
 #include <vector>
 
-#include "lib/fem/fem.h"
+#include "lib/model/fem_grips.h"
 #include "lib/model/held_body.h"
 #include "lib/model/model.h"
 
@@ -55,22 +51,12 @@ class VoxelFemModel final : public Model<Handle> {
   const std::vector<double>& displacement_mm() const { return m_solution.u_mm; }
 
  private:
-  /// Elements that go, or stay, together.
-  struct Grip {
-    SlotSet slots;
-    std::vector<Vec3d> offsets;  // of each in voxels: where they are to be
-    bool is_anchor = false;
-  };
-  Grip grip_of(const SlotSet& slots) const;
-  void add_grips(const HeldVoxels& found);
-  HeldElements held_elements(const Grip& grip) const;
-
   HeldBody m_held;
   FemModel m_model;
   FemLoads m_loads;
   FemParams m_params;
   std::vector<SlotSet> m_told;
-  std::vector<Grip> m_grips;  // of the last move, in the order of its held elements
+  std::vector<FemGrip> m_grips;  // of the last move, in the order of its held elements
   FemSolution m_solution;
 };
 

@@ -11,6 +11,8 @@
 // | ecm     | VoxelEcmModel    | MeshEcmModel    | nothing        | limits              |
 // | relax   | RelaxModel       |                 | a pass         | limits, elasticity  |
 // | springs | VoxelSpringModel | MeshSpringModel | a step of time | elasticity, inertia |
+// | fem     | VoxelFemModel    |                 | nothing        | elasticity          |
+// |         | VoxelFemMotion   |                 | a step of time | elasticity, inertia |
 #pragma once
 
 #include <algorithm>

@@ -18,13 +18,15 @@ namespace {
 
 /// Cosine of the widest angle between `facing` and the normal of a face.
 constexpr double kFacingCosine = 0.5;
+constexpr double kSecondsPerMillisecond = 1e-3;
 
 /// What the solver is to see of a body: no cuts inside of rigid pieces, whose elements have a class
 /// of their own.
 struct Solid {
   std::optional<Body> body;  // where it is another than the session's
   ElasticTable elastic;
-  std::array<double, kLastClass + 1> mass_density{};
+  MassDensities mass_density{};
+  std::array<double, kLastClass + 1> damping_s{};
 };
 
 double milliseconds_since(std::chrono::steady_clock::time_point start) {
@@ -53,6 +55,8 @@ Solid solid_of(const FemStep& step, const FemTask& task) {
   const MaterialClasses classes(body.material);
   for (int c = 0; c <= kLastClass; ++c) {
     solid.mass_density[std::size_t(c)] = classes.mass_density_of_class(c);
+    solid.damping_s[std::size_t(c)] =
+        classes.physics(c, c).rayleigh_beta_ms * kSecondsPerMillisecond;
   }
   if (body.rigid.empty()) return solid;
   solid.body = body;
@@ -137,8 +141,8 @@ void fit_pieces(Body& body, FemRecord& record) {
   if (record.fitted_pieces > 0) offsets.give(body);
 }
 
-std::vector<StrainGauge> gauges_of(const VoxelFemModel& model, const FemTask& task,
-                                   StrainTheory theory) {
+std::vector<StrainGauge> gauges_of(const FemModel& solid, const std::vector<double>& u_mm,
+                                   const FemTask& task, StrainTheory theory) {
   std::map<std::int32_t, StrainGauge> gauges;
   if (task.labels.empty()) return {};
   std::int32_t element = 0;
@@ -148,8 +152,8 @@ std::vector<StrainGauge> gauges_of(const VoxelFemModel& model, const FemTask& ta
       StrainGauge& gauge = gauges[label];
       gauge.label = label;
       ++gauge.elements;
-      const ElementState state = element_state(model.solid().mesh(), model.solid().material(),
-                                               model.displacement_mm(), element, theory);
+      const ElementState state =
+          element_state(solid.mesh(), solid.material(), u_mm, element, theory);
       for (std::size_t n = 0; n < kFemQuantities.size(); ++n) {
         gauge.mean[n] += value_of(state, kFemQuantities[n].first);
       }
@@ -164,13 +168,13 @@ std::vector<StrainGauge> gauges_of(const VoxelFemModel& model, const FemTask& ta
   return list;
 }
 
-std::vector<ElementValues> values_of(const FemStep& step, const VoxelFemModel& model,
-                                     const Body& body) {
+std::vector<ElementValues> values_of(const FemStep& step, const FemModel& solid,
+                                     const std::vector<double>& u_mm, const Body& body) {
   std::vector<ElementValues> values;
   for (const FemQuantity quantity : step.wanted) {
-    values.push_back({quantity, body.elements,
-                      element_values(model.solid().mesh(), model.solid().material(),
-                                     model.displacement_mm(), quantity, step.params.strain)});
+    values.push_back(
+        {quantity, body.elements,
+         element_values(solid.mesh(), solid.material(), u_mm, quantity, step.params.strain)});
   }
   return values;
 }
@@ -219,7 +223,82 @@ void find_modes(const FemStep& step, const FemTask& task, const Solid& solid, Fe
   record.report.loose_elements = report.loose_elements;
 }
 
+void move_to_equilibrium(const FemStep& step, const FemTask& task, const Solid& solid,
+                         const std::vector<Handle>& handles, FemRecord& record,
+                         Progress* progress) {
+  VoxelFemModel model(task.held, solid.elastic, loads_of(step, task, solid), step.params,
+                      solid.body ? &*solid.body : nullptr, progress);
+  model.tell_of(task.gripped);
+  model.move(handles, 1, progress);
+  model.store();
+  record.report = model.report();
+  record.reactions = model.reactions(task.gripped);
+  record.anchors = model.anchor_reaction();
+  record.gauges = gauges_of(model.solid(), model.displacement_mm(), task, step.params.strain);
+  record.values = values_of(step, model.solid(), model.displacement_mm(), task.held.body);
+  if (step.keeps_nodes) record.nodes.u_mm = model.displacement_mm();
+}
+
+/// Damping of the elements' material, and that of the step.
+RayleighDamping damping_of(const FemStep& step, const Solid& solid) {
+  RayleighDamping damping;
+  damping.mass_per_s = step.motion->mass_damping_per_s;
+  damping.stiffness_s = solid.damping_s;
+  return damping;
+}
+
+void move_in_time(const FemStep& step, const FemTask& task, const Solid& solid,
+                  const std::vector<Handle>& handles, FemRecord& record, Progress* progress) {
+  const MotionStep& motion = *step.motion;
+  motion.validate();
+  if (step.params.strain == StrainTheory::finite) {
+    throw InputError({"", "strain", "finite beside a motion", "linear"});
+  }
+  FemMotionParams params{solid.elastic,
+                         solid.mass_density,
+                         damping_of(step, solid),
+                         {},
+                         loads_of(step, task, solid),
+                         step.params.loose};
+  params.newmark = {motion.step_length_s(), step.params.tolerance, step.params.max_iterations};
+  VoxelFemMotion model(task.held, std::move(params), solid.body ? &*solid.body : nullptr, progress);
+  model.tell_of(task.gripped);
+  model.start_from(task.nodes);
+  record.motion = run_motion(motion, model, task.held.body, handles, task.gripped, progress);
+  const std::vector<double>& u = model.motion().u_mm();
+  FemReport& report = record.report;
+  report.elements = model.solid().mesh().element_count();
+  report.nodes = model.solid().mesh().node_count();
+  for (const std::uint8_t held : model.motion().loads().held) {
+    report.unknowns += 3 - __builtin_popcount(held);
+  }
+  report.levels = model.motion().level_count();
+  report.iterations = model.motion().iterations();
+  report.residual_max = model.motion().residual_max();
+  report.energy_mj = record.motion->samples.back().energy.elastic_mj;
+  report.islands = model.loose().islands;
+  report.loose_islands = model.held_islands();
+  report.loose_elements = report.loose_islands > 0 ? model.loose().loose_elements : 0;
+  report.bytes = model.bytes();
+  report.largest_rotation_deg = record.motion->largest.rotation_deg;
+  report.largest_strain = record.motion->largest.strain;
+  report.beyond_linear = report.largest_rotation_deg > step.params.max_rotation_deg ||
+                         report.largest_strain > step.params.max_strain;
+  record.reactions = model.reactions(task.gripped);
+  record.anchors = model.anchor_reaction();
+  record.gauges = gauges_of(model.solid(), u, task, StrainTheory::linear);
+  record.values = values_of(step, model.solid(), u, task.held.body);
+  if (step.keeps_nodes) record.nodes = {u, model.motion().v_mm_s()};
+}
+
 }  // namespace
+
+void show_frame(std::size_t frame, FemRecord& record, Body& body) {
+  take_frame(*record.motion, frame, body);
+  if (!body.rigid.empty()) fit_pieces(body, record);
+  record.links = check_links(body);
+  body.links_known_valid = record.links.violated == 0;
+}
 
 void show_mode(int number, FemRecord& record, Body& body) {
   take_mode_shape(*record.modes, number, body);
@@ -250,16 +329,11 @@ FemRecord move_by_fem(const FemStep& step, const FemTask& task, const std::vecto
     warn_of_result(step, record, progress);
     return record;
   }
-  VoxelFemModel model(task.held, solid.elastic, loads_of(step, task, solid), step.params,
-                      solid.body ? &*solid.body : nullptr, progress);
-  model.tell_of(task.gripped);
-  model.move(handles, 1, progress);
-  model.store();
-  record.report = model.report();
-  record.reactions = model.reactions(task.gripped);
-  record.anchors = model.anchor_reaction();
-  record.gauges = gauges_of(model, task, step.params.strain);
-  record.values = values_of(step, model, body);
+  if (step.motion) {
+    move_in_time(step, task, solid, handles, record, progress);
+  } else {
+    move_to_equilibrium(step, task, solid, handles, record, progress);
+  }
   if (!body.rigid.empty()) {
     set_poses(body, task.pieces, 1);
     fit_pieces(body, record);
@@ -332,6 +406,12 @@ Fields load_fields(FemLoad& load) {
 std::string settings_json(const FemStep& step) {
   FemStep copy = step;
   auto json = nlohmann::ordered_json::parse(fields_json(fields(copy)));
+  if (copy.motion) {
+    json["motion"] = nlohmann::ordered_json::parse(fields_json(fields(*copy.motion)));
+    for (const Vec3i& voxel : copy.motion->watch) {
+      json["motion"]["watch"].push_back({voxel.x, voxel.y, voxel.z});
+    }
+  }
   if (copy.modes) json["modes"] = nlohmann::ordered_json::parse(fields_json(fields(*copy.modes)));
   for (FemLoad& load : copy.loads) {
     auto entry = nlohmann::ordered_json::parse(chosen_json(load.part));

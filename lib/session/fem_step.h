@@ -1,4 +1,5 @@
-// A step in which finite elements move the body to its equilibrium, or find its modes of vibration.
+// A step in which finite elements move the body to its equilibrium or through time, or find its
+// modes of vibration.
 #pragma once
 
 #include <array>
@@ -8,7 +9,8 @@
 
 #include "lib/fem/fem_results.h"
 #include "lib/model/fem_model.h"
-#include "lib/session/fem_modes.h"
+#include "lib/session/fem/fem_modes.h"
+#include "lib/session/fem/motion_step.h"
 #include "lib/session/selection.h"
 #include "volumes/base/fields.h"
 #include "volumes/base/progress.h"
@@ -35,8 +37,10 @@ struct FemStep {
   /// Of the elements of rigid pieces.
   double rigid_young_kpa = 18.6e6, rigid_poisson = 0.3;
   std::vector<FemLoad> loads;
-  std::vector<FemQuantity> wanted;  // whose values the record is to have
-  std::optional<ModeStep> modes;    // instead of an equilibrium
+  std::vector<FemQuantity> wanted;   // whose values the record is to have
+  std::optional<ModeStep> modes;     // instead of an equilibrium
+  std::optional<MotionStep> motion;  // likewise
+  bool keeps_nodes = false;          // for a motion that the next step is to have
 };
 
 /// A value per element.
@@ -61,9 +65,11 @@ struct FemRecord {
   /// Free rigid pieces whose elements the nearest rigid pose replaced, and by how much at most.
   std::int64_t fitted_pieces = 0;
   double fitted_max_voxels = 0;
-  std::vector<StrainGauge> gauges;    // of the labels of the body
-  std::vector<ElementValues> values;  // of FemStep::wanted
-  std::optional<ModesRecord> modes;   // of FemStep::modes; `report` then has sizes alone
+  std::vector<StrainGauge> gauges;     // of the labels of the body
+  std::vector<ElementValues> values;   // of FemStep::wanted
+  FemNodes nodes;                      // where FemStep::keeps_nodes, until the next step
+  std::optional<ModesRecord> modes;    // of FemStep::modes; `report` then has sizes alone
+  std::optional<MotionRecord> motion;  // of FemStep::motion; all else is as at its end
   double milliseconds = 0;
 };
 
@@ -77,6 +83,7 @@ struct FemTask {
   const BrickValues& labels;
   const std::vector<SlotSet>& gripped;     // whose reactions are wanted
   const std::vector<PieceMotion>& pieces;  // that the handles move
+  const FemNodes& nodes;                   // of the step before
 };
 
 /// Moves the body. Warns of loose islands, of results beyond linear theory and of links beyond
@@ -85,10 +92,12 @@ struct FemTask {
 FemRecord move_by_fem(const FemStep& step, const FemTask& task, const std::vector<Handle>& handles,
                       Progress* progress);
 
+/// The body takes the shape that it had at one of the motion's frame times.
+void show_frame(std::size_t frame, FemRecord& record, Body& body);
 /// The body takes another shape of the record's modes.
 void show_mode(int number, FemRecord& record, Body& body);
 
-/// Of `fem = { … }` in a scene, but for its loads and modes.
+/// Of `fem = { … }` in a scene, but for its loads, modes and motion.
 Fields fields(FemStep& step);
 /// The one of these that is an option of the command line, too.
 Field strain_field(FemStep& step);

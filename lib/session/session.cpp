@@ -219,6 +219,7 @@ const StepRecord& Session::step(const StepRequest& request, Progress* heard) {
   }
   m_walk.reset();
   if (earlier) keep(std::move(*earlier));
+  if (!m_records.empty()) m_records.back().equilibrium.nodes = {};
   m_records.push_back(std::move(record));
   return m_records.back();
 }

@@ -80,6 +80,10 @@ class Session {
   /// Throws std::logic_error where it found none, or where steps can be undone.
   void show_mode(int number);
 
+  /// The body takes the shape that it had at one of the frame times of the motion of the last step,
+  /// from 0. Throws std::logic_error as show_mode().
+  void show_frame(int frame);
+
   const std::vector<StepRecord>& records() const { return m_records; }
   /// Warnings since the session was opened, in order.
   const std::vector<std::string>& messages() const { return m_messages; }

@@ -137,9 +137,11 @@ void Session::move(StepRecord& record, Progress* progress) {
     const std::vector<SlotSet> told =
         record.tells_reactions ? ledger.elements() : std::vector<SlotSet>();
     const LinkCuts& cuts = m_body.rigid.empty() ? m_body.cuts : m_state.cuts;
-    record.equilibrium =
-        move_by_fem(*record.fem, {held(), cuts, m_state.density, m_state.labels, told, pieces},
-                    handles, progress);
+    static const FemNodes none;
+    const FemNodes& nodes = m_records.empty() ? none : m_records.back().equilibrium.nodes;
+    record.equilibrium = move_by_fem(
+        *record.fem, {held(), cuts, m_state.density, m_state.labels, told, pieces, nodes}, handles,
+        progress);
     if (record.tells_reactions) record.reactions = ledger.name(record.equilibrium.reactions);
     m_pressure_kpa = 0;
   } else {
@@ -150,6 +152,14 @@ void Session::move(StepRecord& record, Progress* progress) {
     }
   }
   m_ledger = std::move(ledger);
+}
+
+void Session::show_frame(int frame) {
+  if (m_keeps_undo || m_records.empty() || !m_records.back().equilibrium.motion) {
+    throw std::logic_error("no motion to show");
+  }
+  supple::show_frame(std::size_t(frame), m_records.back().equilibrium, m_body);
+  m_pose.reset();
 }
 
 void Session::show_mode(int number) {

@@ -189,6 +189,62 @@ Eigen::SparseMatrix<double> assembled_stiffness(const Body& body, const HexMesh&
   return k;
 }
 
+Eigen::MatrixXd assembled_mass(const FemModel& model, const MassDensities& density) {
+  const HexMesh& mesh = model.mesh();
+  Eigen::MatrixXd mass = Eigen::MatrixXd::Zero(3 * mesh.node_count(), 3 * mesh.node_count());
+  const double volume_mm3 = std::abs(mesh.geometry.determinant());
+  for (std::size_t e = 0; e < mesh.corners.size(); ++e) {
+    const double weight_kg = density[model.material().classes[e]] * 1e-9 * volume_mm3 / 8;
+    for (int point = 0; point < 8; ++point) {
+      double shape[8];
+      for (int c = 0; c < 8; ++c) {
+        shape[c] = 1;
+        for (int bit = 1; bit < 8; bit *= 2) {
+          const double at = 0.5 + ((point & bit) != 0 ? 0.5 : -0.5) / std::sqrt(3.0);
+          shape[c] *= (c & bit) != 0 ? at : 1 - at;
+        }
+      }
+      for (int a = 0; a < 8; ++a) {
+        for (int b = 0; b < 8; ++b) {
+          for (int axis = 0; axis < 3; ++axis) {
+            mass(3 * mesh.corners[e][a] + axis, 3 * mesh.corners[e][b] + axis) +=
+                weight_kg * shape[a] * shape[b];
+          }
+        }
+      }
+    }
+  }
+  return mass;
+}
+
+Eigen::MatrixXd free_part(const Eigen::MatrixXd& matrix, const HeldBits& held) {
+  std::vector<int> free;
+  for (int n = 0; n < matrix.rows(); ++n) {
+    if ((held[std::size_t(n / 3)] >> n % 3 & 1) == 0) free.push_back(n);
+  }
+  Eigen::MatrixXd part(Eigen::Index(free.size()), Eigen::Index(free.size()));
+  for (Eigen::Index a = 0; a < part.rows(); ++a) {
+    for (Eigen::Index b = 0; b < part.cols(); ++b) {
+      part(a, b) = matrix(free[std::size_t(a)], free[std::size_t(b)]);
+    }
+  }
+  return part;
+}
+
+MassDensities even_density(double kg_m3) {
+  MassDensities density;
+  density.fill(kg_m3);
+  return density;
+}
+
+std::vector<double> orders_of(const std::vector<double>& errors) {
+  std::vector<double> orders;
+  for (std::size_t n = 1; n < errors.size(); ++n) {
+    orders.push_back(std::log2(std::abs(errors[n - 1] / errors[n])));
+  }
+  return orders;
+}
+
 std::vector<double> random_values(std::mt19937& random, std::size_t count) {
   std::vector<double> values(count);
   for (double& value : values) value = pick(random, -1, 1);

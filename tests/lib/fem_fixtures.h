@@ -5,8 +5,10 @@
 #include <random>
 #include <vector>
 
+#include <Eigen/Core>
 #include <Eigen/SparseCore>
 
+#include "lib/fem/dynamics/mass.h"
 #include "lib/fem/fem.h"
 #include "tests/lib/test_bodies.h"
 
@@ -34,6 +36,16 @@ HeldElements hold_where(const Body& body, std::function<bool(const Vec3d&)> wher
 /// Rows are numbered as the nodes of `mesh`, which are checked to join the same corners.
 Eigen::SparseMatrix<double> assembled_stiffness(const Body& body, const HexMesh& mesh,
                                                 const ElasticTable& elastic, Dilatation dilatation);
+
+/// In kg, by 2^3 Gauss points per element.
+Eigen::MatrixXd assembled_mass(const FemModel& model, const MassDensities& density);
+/// Rows and columns of components that are not held.
+Eigen::MatrixXd free_part(const Eigen::MatrixXd& matrix, const HeldBits& held);
+
+MassDensities even_density(double kg_m3);
+
+/// Orders of errors whose steps are halved.
+std::vector<double> orders_of(const std::vector<double>& errors);
 
 std::vector<double> random_values(std::mt19937& random, std::size_t count);
 

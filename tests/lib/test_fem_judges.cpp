@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "lib/fem/dynamics/modes.h"
+#include "lib/fem/dynamics/newmark.h"
 #include "lib/fem/finite_strain.h"
 #include "lib/fem/loose_islands.h"
 #include "tests/lib/fem_fixtures.h"
@@ -121,18 +122,16 @@ class CalculixDeck {
 
   /// The ten lowest modes with all that is held at rest; densities per class in kg/m^3.
   std::string text_of_modes(const double (&density)[2]) const {
-    std::string materials = m_materials, held;
-    for (int of = 0; of < 2; ++of) {
-      const std::string name = "*MATERIAL, NAME=M0_" + std::to_string(of) + "\n";
-      std::string text = name;
-      print(text, "*DENSITY\n%.12e\n", density[of] * 1e-9);
-      materials.replace(materials.find(name), name.size(), text);
-    }
-    std::istringstream lines(m_held);
-    for (std::string line; std::getline(lines, line);)
-      held += line.substr(0, line.rfind(',')) + "\n";
-    return "*NODE, NSET=ALL\n" + m_nodes + m_elements + materials + "*BOUNDARY\n" + held +
-           "*STEP\n*FREQUENCY\n10\n*NODE FILE\nU\n*END STEP\n";
+    return text_with_mass(density, {}) + "*STEP\n*FREQUENCY\n10\n*NODE FILE\nU\n*END STEP\n";
+  }
+
+  /// So many steps of time from rest under the forces, with all that is held at rest.
+  std::string text_of_motion(const double (&density)[2], const RayleighDamping& damping,
+                             double step_s, int steps) const {
+    std::string motion = "*STEP, INC=100000\n*DYNAMIC, DIRECT, ALPHA=0\n";
+    print(motion, "%.12e, %.12e\n", step_s, steps * step_s);
+    return text_with_mass(density, damping) + motion + "*CLOAD\n" + m_forces +
+           "*NODE PRINT, NSET=ALL\nU, V\n*END STEP\n";
   }
 
   std::string text() const {
@@ -146,6 +145,24 @@ class CalculixDeck {
   }
 
  private:
+  /// All but the step.
+  std::string text_with_mass(const double (&density)[2], const RayleighDamping& damping) const {
+    std::string materials = m_materials, held;
+    for (int of = 0; of < 2; ++of) {
+      const std::string name = "*MATERIAL, NAME=M0_" + std::to_string(of) + "\n";
+      std::string text = name;
+      print(text, "*DENSITY\n%.12e\n", density[of] * 1e-9);
+      if (!damping.empty()) {
+        print(text, "*DAMPING, ALPHA=%.12e, BETA=%.12e\n", damping.mass_per_s,
+              damping.stiffness_s[std::size_t(of)]);
+      }
+      materials.replace(materials.find(name), name.size(), text);
+    }
+    std::istringstream lines(m_held);
+    for (std::string line; std::getline(lines, line);)
+      held += line.substr(0, line.rfind(',')) + "\n";
+    return "*NODE, NSET=ALL\n" + m_nodes + m_elements + materials + "*BOUNDARY\n" + held;
+  }
   int number(std::size_t node) const { return m_first + int(node) + 1; }
 
   bool m_is_finite;
@@ -174,10 +191,10 @@ double largest_of(const std::vector<double>& values) {
   return most;
 }
 
-/// Runs CalculiX on the deck; blocks of displacements and of forces after the last increment.
-std::vector<std::vector<double>> judge(const CalculixDeck& deck) {
+/// Runs CalculiX on the deck; the two blocks that are printed after the last increment.
+std::vector<std::vector<double>> judge(const std::string& deck) {
   const TemporaryFolder folder;
-  write_text(folder / "bodies.inp", deck.text());
+  write_text(folder / "bodies.inp", deck);
   EXPECT_TRUE(runs("cd " + (folder / "") + " && ccx bodies"));
   std::vector<std::vector<double>> blocks = blocks_of(read_text(folder / "bodies.dat"));
   EXPECT_GE(blocks.size(), 2u);
@@ -262,7 +279,7 @@ TEST(InteropFem, CalculixFindsTheSameDisplacementsAndForcesOnTheSameHexahedra) {
     (bodies.back().body.geometry.determinant() < 0 ? has_left : has_right) = true;
   }
   EXPECT_TRUE(has_left && has_right);
-  const std::vector<std::vector<double>> blocks = judge(deck);
+  const std::vector<std::vector<double>> blocks = judge(deck.text());
   ASSERT_EQ(blocks.size(), 2u);
   std::size_t at = 0;
   for (const JudgedBody& judged : bodies) compare(judged, blocks, at);
@@ -280,7 +297,7 @@ TEST(InteropFem, CalculixFindsTheSameAtFiniteStrain) {
     EXPECT_GT(bodies.back().solution.report.largest_strain, 0.1);
     EXPECT_GT(bodies.back().solution.report.largest_rotation_deg, 10);
   }
-  const std::vector<std::vector<double>> blocks = judge(deck);
+  const std::vector<std::vector<double>> blocks = judge(deck.text());
   ASSERT_EQ(blocks.size(), 2u);
   std::size_t at = 0;
   for (const JudgedBody& judged : bodies) compare(judged, blocks, at);
@@ -318,6 +335,53 @@ TEST(InteropFem, CalculixFindsTheSameTenLowestModes) {
       }
       const Vec3d off = participation * participation - expected.effective_mass_kg[m];
       EXPECT_LT(off.length(), 1e-4 * found.report.mass_kg) << m;
+    }
+  }
+}
+
+TEST(InteropFem, CalculixMovesTheSameInTime) {
+  if (!runs("command -v ccx")) GTEST_SKIP() << "calculix-ccx is not installed";
+  std::mt19937 random(25);
+  constexpr double kDensity[2] = {900, 1800};
+  for (int judged_bodies = 0; judged_bodies < 2;) {
+    const JudgedBody judged(random, StrainTheory::linear);
+    if (judged.solution.report.unknowns < 100) continue;
+    const bool is_damped = judged_bodies++ == 1;
+    CalculixDeck deck(StrainTheory::linear);
+    deck.add(judged);
+    RayleighDamping damping;
+    damping.mass_per_s = is_damped ? 20 : 0;
+    // One beta: with one per material CalculiX 2.20 damps differently.
+    damping.stiffness_s[0] = is_damped ? 4e-4 : 0;
+    damping.stiffness_s[1] = is_damped ? 4e-4 : 0;
+    constexpr double kStep_s = 5e-5;
+    constexpr int kSteps = 40;
+    const std::vector<std::vector<double>> blocks =
+        judge(deck.text_of_motion(kDensity, damping, kStep_s, kSteps));
+    ASSERT_EQ(blocks.size(), 2u);
+    MassDensities density{};
+    density.fill(1);
+    density[0] = kDensity[0];
+    density[1] = kDensity[1];
+    const FemModel model(judged.body, judged.elastic, kAsC3d8);
+    NodalLoads loads = judged.nodal;
+    std::fill(loads.u_mm.begin(), loads.u_mm.end(), 0.0);
+    NewmarkParams params;
+    params.step_s = kStep_s;
+    params.tolerance = 1e-9;
+    Newmark motion(model, density, damping, loads, params);
+    motion.start(loads.u_mm, loads.u_mm);
+    for (int n = 0; n < kSteps; ++n) motion.step({});
+    ASSERT_EQ(blocks[0].size(), loads.u_mm.size());
+    for (std::size_t which = 0; which < 2; ++which) {
+      const std::vector<double>& found = which == 0 ? motion.u_mm() : motion.v_mm_s();
+      const double scale = largest_of(found);
+      EXPECT_GT(scale, 0);
+      double off = 0;
+      for (std::size_t n = 0; n < found.size(); ++n) {
+        off = std::max(off, std::abs(found[n] - blocks[which][n]));
+      }
+      EXPECT_LT(off, (which == 0 ? 1e-5 : 1e-4) * scale) << which;
     }
   }
 }

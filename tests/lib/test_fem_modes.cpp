@@ -15,58 +15,6 @@ using namespace supple::test;
 
 namespace {
 
-constexpr double kWholeTurn = 2 * 3.14159265358979323846;
-
-MassDensities even_density(double kg_m3) {
-  MassDensities density;
-  density.fill(kg_m3);
-  return density;
-}
-
-/// In kg, by 2^3 Gauss points per element.
-Eigen::MatrixXd assembled_mass(const FemModel& model, const MassDensities& density) {
-  const HexMesh& mesh = model.mesh();
-  Eigen::MatrixXd mass = Eigen::MatrixXd::Zero(3 * mesh.node_count(), 3 * mesh.node_count());
-  const double volume_mm3 = std::abs(mesh.geometry.determinant());
-  for (std::size_t e = 0; e < mesh.corners.size(); ++e) {
-    const double weight_kg = density[model.material().classes[e]] * 1e-9 * volume_mm3 / 8;
-    for (int point = 0; point < 8; ++point) {
-      double shape[8];
-      for (int c = 0; c < 8; ++c) {
-        shape[c] = 1;
-        for (int bit = 1; bit < 8; bit *= 2) {
-          const double at = 0.5 + ((point & bit) != 0 ? 0.5 : -0.5) / std::sqrt(3.0);
-          shape[c] *= (c & bit) != 0 ? at : 1 - at;
-        }
-      }
-      for (int a = 0; a < 8; ++a) {
-        for (int b = 0; b < 8; ++b) {
-          for (int axis = 0; axis < 3; ++axis) {
-            mass(3 * mesh.corners[e][a] + axis, 3 * mesh.corners[e][b] + axis) +=
-                weight_kg * shape[a] * shape[b];
-          }
-        }
-      }
-    }
-  }
-  return mass;
-}
-
-/// Rows and columns of components that are not held.
-Eigen::MatrixXd free_part(const Eigen::MatrixXd& matrix, const HeldBits& held) {
-  std::vector<int> free;
-  for (int n = 0; n < matrix.rows(); ++n) {
-    if ((held[std::size_t(n / 3)] >> n % 3 & 1) == 0) free.push_back(n);
-  }
-  Eigen::MatrixXd part(Eigen::Index(free.size()), Eigen::Index(free.size()));
-  for (Eigen::Index a = 0; a < part.rows(); ++a) {
-    for (Eigen::Index b = 0; b < part.cols(); ++b) {
-      part(a, b) = matrix(free[std::size_t(a)], free[std::size_t(b)]);
-    }
-  }
-  return part;
-}
-
 struct JudgedModes {
   VibrationModes found;
   Eigen::VectorXd eigenvalues;  // of the dense solver, with those of rigid motions
@@ -118,7 +66,7 @@ void expect_eigenvalues(const JudgedModes& judged) {
   for (std::size_t n = 0; n < judged.found.modes.size(); ++n) {
     const double expected = judged.eigenvalues[rigid + std::int64_t(n)];
     EXPECT_NEAR(judged.found.modes[n].eigenvalue_per_s2, expected, 1e-7 * expected) << n;
-    EXPECT_NEAR(judged.found.modes[n].frequency_hz, std::sqrt(expected) / kWholeTurn,
+    EXPECT_NEAR(judged.found.modes[n].frequency_hz, std::sqrt(expected) / (2 * kPi),
                 1e-7 * std::sqrt(expected));
   }
 }
@@ -127,15 +75,6 @@ Body bar_of(const Vec3i& dims, double spacing_mm) {
   Block block = homogeneous(dims, 1.5, 0.5, 0.5);
   block.spacing_mm = Vec3d(spacing_mm);
   return body_of(block);
-}
-
-/// Orders of errors whose steps are halved.
-std::vector<double> orders_of(const std::vector<double>& errors) {
-  std::vector<double> orders;
-  for (std::size_t n = 1; n < errors.size(); ++n) {
-    orders.push_back(std::log2(std::abs(errors[n - 1] / errors[n])));
-  }
-  return orders;
 }
 
 }  // namespace
@@ -219,7 +158,7 @@ TEST(ConvergenceFemModes, ABarSwingsAlongItselfAsTheFormulaSays) {
     const VibrationMode& along = found.modes[0];
     errors.push_back(along.frequency_hz / exact - 1);
     // A quarter of a wave: 8 / pi^2 of the mass.
-    EXPECT_NEAR(along.effective_mass_kg().z / found.report.mass_kg, 32 / (kWholeTurn * kWholeTurn),
+    EXPECT_NEAR(along.effective_mass_kg().z / found.report.mass_kg, 32 / ((2 * kPi) * (2 * kPi)),
                 0.02);
   }
   EXPECT_LT(errors.back(), 5e-4);
@@ -231,11 +170,11 @@ TEST(ConvergenceFemModes, ABeamBendsAsTimoshenkoSays) {
   constexpr double kLength = 32, kHeight = 4, kYoung = 12, kDensity = 1000;
   // Simply supported: w = sin(k z), which Timoshenko's equations have exactly.
   const double e = kYoung * 1e3, shear = 5.0 / 6 * e / 2, height = kHeight * 1e-3;
-  const double k = kWholeTurn / (kLength * 2e-3), inertia = height * height / 12;
+  const double k = (2 * kPi) / (kLength * 2e-3), inertia = height * height / 12;
   const double a = kDensity * kDensity * inertia / shear;
   const double b = kDensity * (1 + inertia * k * k * (1 + e / shear));
   const double c = e * inertia * k * k * k * k;
-  const double exact = std::sqrt((b - std::sqrt(b * b - 4 * a * c)) / (2 * a)) / kWholeTurn;
+  const double exact = std::sqrt((b - std::sqrt(b * b - 4 * a * c)) / (2 * a)) / (2 * kPi);
   std::vector<double> errors;
   for (const int n : {2, 4, 8}) {
     const double h = kHeight / n;

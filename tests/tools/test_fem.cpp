@@ -2,12 +2,14 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <sstream>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "tests/support/program.h"
 #include "volumes/io/load/load.h"
+#include "volumes/io/warp_file.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -70,6 +72,34 @@ class UnitFemScene : public ::testing::Test {
                    "fix = [[0, 0, 0, 5, 4, 0]]\n" +
                    after);
     return path;
+  }
+
+  /// The bar stretched as that step does, `by` far, then let go for a motion with these keys.
+  std::string swing(const std::string& motion, const std::string& by, const std::string& after) {
+    const std::string path = scene("");
+    std::string text = read_text(path);
+    text.replace(text.find("[0.0, 0.0, 0.125]"), 17, by);
+    write_text(path, text +
+                         "[[step]]\nmodel = \"fem\"\nrelease = true\n"
+                         "fix = [[0, 0, 0, 5, 4, 0]]\nfem = { motion = { " +
+                         motion + " } }\n" + after);
+    return path;
+  }
+
+  /// The numbers of a table.
+  std::vector<std::vector<double>> rows_of(const std::string& name) const {
+    std::istringstream lines(read_text(m_folder / name));
+    std::vector<std::vector<double>> rows;
+    std::string line;
+    std::getline(lines, line);
+    while (std::getline(lines, line)) {
+      std::istringstream cells(line);
+      rows.emplace_back();
+      for (std::string cell; std::getline(cells, cell, ',');) {
+        rows.back().push_back(std::stod(cell));
+      }
+    }
+    return rows;
   }
 
   // Seven voxels of 2 mm between the held ones.
@@ -187,6 +217,93 @@ TEST_F(UnitFemScene, AtFiniteStrainABarIsStretchedByAHalf) {
   EXPECT_NEAR(strain, 0.5, 0.05);
   // By linear theory 10 kPa.
   EXPECT_NEAR(load_volume(m_folder / "mises.nrrd").density.at({2, 2, 4}), 7.75, 0.25);
+}
+
+TEST_F(UnitFemScene, ABarThatIsLetGoSwingsAndIsFilmed) {
+  // 16 mm of it are free; a wave goes along them and back in 4 L / c. Half of that later all odd
+  // waves are where they were, with the other sign.
+  const double period_s = 4 * 16e-3 / std::sqrt(20e3 / 1000);
+  const std::string watch = "watch = [[2, 2, 8], [0, 0, 0]]";
+  const std::string path =
+      swing("time = " + std::to_string(period_s) + ", step = 1e-4, " + watch, "[0, 0, 0.125]",
+            "[film]\nframes = 5\n[output]\ndisplacements = [\"u_%d.nrrd\"]\n"
+            "motion = \"swing.csv\"\n");
+  const Outcome outcome = run_supple({"run", path, "-o", m_folder / "", "--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto motion = nlohmann::json::parse(outcome.out)["steps"][1]["fem"]["motion"];
+  EXPECT_EQ(motion["steps"], 144);
+  EXPECT_LT(motion["energy_error"], 1e-4);
+  EXPECT_EQ(motion["dissipated_mj"], 0);
+  EXPECT_EQ(motion["work_mj"], 0);  // nothing that is held moves
+  const std::vector<std::vector<double>> rows = rows_of("swing.csv");
+  ASSERT_EQ(rows.size(), 145u);
+  EXPECT_EQ(read_text(m_folder / "swing.csv").find("time_s,elastic_mj,kinetic_mj,work_mj,"), 0u);
+  // Beside five columns of energy and size, u of the voxels.
+  EXPECT_EQ(rows[0].size(), 12u);
+  EXPECT_NEAR(rows[0][8], 0.125, 1e-6);
+  EXPECT_NEAR(rows[72][8], -0.125, 0.01);
+  EXPECT_NEAR(rows[144][8], 0.125, 0.01);
+  EXPECT_NEAR(rows[144][0], period_s, 1e-4 * period_s);
+  for (const std::vector<double>& row : rows) {
+    EXPECT_NEAR(row[1] + row[2], rows[0][1], 1e-4 * rows[0][1]);
+    EXPECT_EQ(row[11], 0);
+  }
+  for (const int frame : {0, 2, 4}) {
+    const Warp warp = read_warp(m_folder / ("u_" + std::to_string(frame) + ".nrrd"));
+    EXPECT_NEAR(warp.vectors[(8 * 5 + 2) * 6 + 2].z, rows[std::size_t(36 * frame)][8], 1e-4)
+        << frame;
+  }
+}
+
+TEST_F(UnitFemScene, AHandleMovesSmoothlyInTimeAndFeelsTheBody) {
+  const std::string path =
+      scene("motion = { time = 0.4, step = 2e-3, ramp = 0.2, mass_damping = 40 }",
+            "[output]\nstate = \"state.vdb\"\nmotion = \"pull.csv\"\n");
+  const Outcome outcome = run_supple({"run", path, "-o", m_folder / "", "--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto step = nlohmann::json::parse(outcome.out)["steps"][0];
+  const std::vector<std::vector<double>> rows = rows_of("pull.csv");
+  ASSERT_EQ(rows.size(), 201u);
+  EXPECT_EQ(rows[0].size(), 9u);  // with the force on the handle
+  EXPECT_NE(read_text(m_folder / "pull.csv").find(",force_1_1_z_n\n"), std::string::npos);
+  // At the end it rests under the force that equilibrium has.
+  EXPECT_NEAR(rows.back()[8], -m_stress_kpa * 15e-3, 1e-3 * m_stress_kpa * 15e-3);
+  EXPECT_NEAR(step["reactions"][0]["force_n"][2], rows.back()[8], 1e-8);
+  EXPECT_NEAR(rows[50][5], 0.0625, 1e-3);  // half of the way in half of the time
+  EXPECT_LT(step["fem"]["motion"]["energy_error"], 0.01);
+  const auto& motion = step["fem"]["motion"];
+  EXPECT_NEAR(motion["work_mj"], double(motion["elastic_mj"]) + double(motion["dissipated_mj"]),
+              0.01 * double(motion["work_mj"]));
+  // The state goes on: at rest, as far as anyone can see.
+  const Outcome on = run_supple({"deform", m_folder / "state.vdb", "--model", "fem", "--json", "-o",
+                                 m_folder / "on.vdb", "--fix", "0,0,0:5,4,0"});
+  EXPECT_EQ(on.exit_code, 0) << on.err;
+}
+
+TEST_F(UnitFemScene, MotionsThatCannotBeAreErrors) {
+  const auto expect_error = [&](const std::string& path, const std::string& line,
+                                const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments = {"run", path, "-o", m_folder / "out"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome outcome = run_supple(arguments);
+    EXPECT_EQ(outcome.exit_code, 3) << outcome.err;
+    EXPECT_NE(outcome.err.find(line), std::string::npos) << outcome.err;
+  };
+  expect_error(scene("motion = { step = 1e-3 }", ""), "motion.time");
+  expect_error(scene("motion = { time = 0.1, step = -1 }", ""), "step");
+  expect_error(scene("motion = { time = 1e3, step = 1e-6 }", ""), "at most 1000000 steps");
+  expect_error(scene("motion = { time = 0.1 }, modes = { count = 2 }", ""),
+               "a motion beside modes");
+  expect_error(scene("motion = { time = 0.1 }, strain = \"finite\"", ""), "finite beside a motion");
+  expect_error(scene("motion = { time = 0.1, watch = [[9, 9, 9]] }", ""),
+               "watch: found voxel 9,9,9");
+  expect_error(scene("motion = { time = 0.1 }", "[film]\nfps = 25\n"), "film.frames");
+  expect_error(scene("", "[output]\nmotion = \"a.csv\"\n"),
+               "output.motion: found no motion in time");
+  expect_error(scene("motion = { time = 0.1 }", "[output]\nmotion = \"a.txt\"\n"), ".csv");
+  expect_error(scene("motion = { time = 0.1 }", "[[step]]\nrelease = true\n[film]\nframes = 3\n"),
+               "the last step");
+  expect_error(scene("motion = { time = 0.1 }", ""), "a motion in time", {"--method", "fem:1e-6"});
 }
 
 TEST_F(UnitFemScene, VolumesOfElementsNeedFiniteElementsAndKnownNames) {

@@ -41,6 +41,7 @@ std::vector<KeyTable> all_tables() {
   static SpringStep springs;
   static FemStep fem;
   static ModeStep modes;
+  static MotionStep fem_motion;
   static FemLoad force, pressure;
   pressure.kind = LoadKind::pressure;
   static CutSurface plane, curve;
@@ -64,6 +65,7 @@ std::vector<KeyTable> all_tables() {
       {"springs", "springs = { … } of a [[step]]", "springs-", fields(springs)},
       {"fem", "fem = { … } of a [[step]]", "", fields(fem)},
       {"modes", "modes = { … } of fem", "", fields(modes)},
+      {"fem_motion", "motion = { … } of fem", "", fields(fem_motion)},
       {"forces", "forces = [{ … }] of fem", "", load_fields(force)},
       {"pressures", "pressures = [{ … }] and swellings = [{ … }] of fem", "",
        load_fields(pressure)},

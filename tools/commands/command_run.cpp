@@ -5,6 +5,7 @@
 
 #include "tools/console/command.h"
 #include "tools/console/own_process.h"
+#include "tools/console/text_file.h"
 #include "tools/outputs/film_record.h"
 #include "tools/outputs/reports.h"
 #include "tools/outputs/scene_run.h"
@@ -14,7 +15,6 @@
 #include "tools/scene/step_method.h"
 #include "tools/tradeoff/method_choice.h"
 #include "tools/tradeoff/run_phases.h"
-#include "tools/tradeoff/text_file.h"
 
 namespace supple::tools {
 

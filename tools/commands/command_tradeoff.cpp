@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/console/command.h"
-#include "tools/tradeoff/text_file.h"
+#include "tools/console/text_file.h"
 #include "tools/tradeoff/trade_page.h"
 
 namespace supple::tools {

@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "tools/console/text_file.h"
 #include "volumes/io/volume_writer.h"
 
 namespace supple::tools {
@@ -52,6 +53,19 @@ void write_element_volume(const std::string& path, const Session& session, FemQu
        write_volume(path, geometry, ValueType::float32, write_slice, progress)) {
     warn(progress, line);
   }
+}
+
+void write_motion_table(const std::string& path, const Session& session) {
+  const std::vector<StepRecord>& records = session.records();
+  const auto record = std::find_if(records.rbegin(), records.rend(), [](const StepRecord& one) {
+    return one.equilibrium.motion.has_value();
+  });
+  if (record == records.rend()) throw std::logic_error("no motion for a table");
+  std::vector<std::string> handles;
+  for (const HandleReaction& reaction : record->reactions) {
+    handles.push_back(std::to_string(reaction.step) + "_" + std::to_string(reaction.handle));
+  }
+  replace_text_file(path, motion_csv(*record->equilibrium.motion, handles));
 }
 
 }  // namespace supple::tools

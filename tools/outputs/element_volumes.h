@@ -1,4 +1,4 @@
-// Volumes of stress, strain and energy density of finite elements.
+// Volumes of stress, strain and energy density of finite elements, and tables of their motion.
 #pragma once
 
 #include <string>
@@ -13,5 +13,8 @@ namespace supple::tools {
 /// write_volume.
 void write_element_volume(const std::string& path, const Session& session, FemQuantity quantity,
                           Progress* progress);
+
+/// Of the last step with a motion in time (motion_csv). Throws SystemError.
+void write_motion_table(const std::string& path, const Session& session);
 
 }  // namespace supple::tools

@@ -22,9 +22,20 @@ InputError in_frame(int frame, const InputError& error) {
 
 }  // namespace
 
+/// Runs the steps once; their motion has a shape for every frame.
+int SceneRun::motion_frame(int frame) {
+  for (; m_posed_steps < int(m_scene.steps.size()); ++m_posed_steps) {
+    run_step(*m_session, m_scene.steps[std::size_t(m_posed_steps)], m_tells_reactions, &m_console);
+  }
+  const int last = m_scene.film->frames - 1;
+  m_session->show_frame(std::clamp(frame, 0, last));
+  return frame;
+}
+
 /// The number by which the poses of this frame are kept.
 int SceneRun::pose_frame(int frame) {
   m_console.enter("frame", frame);
+  if (m_scene.films_motion()) return motion_frame(frame);
   const std::size_t still = m_scene.still_steps();
   if (still == m_scene.steps.size()) return 0;
   for (; m_posed_steps > 0; --m_posed_steps) m_session->undo();
@@ -43,7 +54,8 @@ bool SceneRun::shows_motion() const {
 
 /// The displacements of the frames before and after one; none of others is kept.
 void SceneRun::find_neighbours(int frame) {
-  if (!shows_motion() || m_scene.still_steps() == m_scene.steps.size()) return;
+  const bool moves = m_scene.films_motion() || m_scene.still_steps() < m_scene.steps.size();
+  if (!shows_motion() || !moves) return;
   m_beside.erase(m_beside.begin(), m_beside.lower_bound(frame - 1));
   for (const int other : {frame - 1, frame + 1}) {
     if (m_beside.count(other) != 0) continue;
@@ -73,7 +85,8 @@ void SceneRun::make_frame(int frame, std::vector<std::unique_ptr<FilmView>>& vie
 }
 
 void SceneRun::run_film() {
-  for (std::size_t n = 0; n < m_scene.still_steps(); ++n) {
+  const std::size_t still = m_scene.films_motion() ? 0 : m_scene.still_steps();
+  for (std::size_t n = 0; n < still; ++n) {
     run_step(*m_session, m_scene.steps[n], m_tells_reactions, &m_console);
   }
   make_folders();

@@ -87,6 +87,26 @@ nlohmann::ordered_json to_json(const ModesRecord& record) {
           {"modes_ms", report.milliseconds}};
 }
 
+nlohmann::ordered_json to_json(const MotionRecord& record) {
+  const MotionSample& end = record.samples.back();
+  double largest_mm = 0, kinetic_mj = 0;
+  for (const MotionSample& sample : record.samples) {
+    largest_mm = std::max(largest_mm, sample.largest_mm);
+    kinetic_mj = std::max(kinetic_mj, sample.energy.kinetic_mj);
+  }
+  nlohmann::ordered_json json = {{"steps", record.steps},
+                                 {"step_s", record.step_s},
+                                 {"elastic_mj", end.energy.elastic_mj},
+                                 {"kinetic_mj", end.energy.kinetic_mj},
+                                 {"work_mj", end.energy.work_mj},
+                                 {"dissipated_mj", end.energy.dissipated_mj},
+                                 {"largest_kinetic_mj", kinetic_mj},
+                                 {"energy_error", record.energy_error},
+                                 {"largest_mm", largest_mm}};
+  for (const Vec3d& u : end.watched_mm) json["watched_mm"].push_back(vector_json(u));
+  return json;
+}
+
 nlohmann::ordered_json to_json(const FemRecord& record) {
   const FemReport& report = record.report;
   nlohmann::ordered_json json = {{"elements", report.elements},
@@ -116,6 +136,14 @@ nlohmann::ordered_json to_json(const FemRecord& record) {
                                  {"setup_ms", report.setup_ms},
                                  {"solve_ms", report.solve_ms},
                                  {"fem_ms", record.milliseconds}};
+  if (record.motion) {
+    for (const char* of_equilibria :
+         {"residual_rms", "largest_force_n", "force_balance", "energy_identity", "energy_mj",
+          "reaction_change", "setup_ms", "solve_ms"}) {
+      json.erase(of_equilibria);
+    }
+    json["motion"] = to_json(*record.motion);
+  }
   if (report.newton) {
     const NewtonReport& newton = *report.newton;
     json["newton"] = {{"load_steps", newton.load_steps},

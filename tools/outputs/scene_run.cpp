@@ -128,7 +128,10 @@ void check_places(const Scene& scene, const Geometry& geometry) {
 
 SceneRun::SceneRun(const Scene& scene, const std::string& folder, bool tells_reactions,
                    Console& console)
-    : m_scene(scene), m_folder(folder), m_tells_reactions(tells_reactions), m_console(console) {
+    : m_scene(scene),
+      m_folder(folder),
+      m_tells_reactions(tells_reactions || !scene.output.motion.empty()),
+      m_console(console) {
   for (const std::string& line : scene.warnings) console.warn(line);
   open();
   check_places(scene, m_state.geometry);
@@ -391,6 +394,7 @@ void SceneRun::write_outputs(int last, int frame) {
     if (!is_due(wanted.path)) continue;
     write_element_volume(file_of(wanted.path), *m_session, wanted.quantity, &m_console);
   }
+  if (is_due(output.motion)) write_motion_table(path_of(output.motion), *m_session);
 }
 
 }  // namespace supple::tools

@@ -76,6 +76,7 @@ class SceneRun {
   void write_outputs(int last, int frame);
   void run_film();
   int pose_frame(int frame);
+  int motion_frame(int frame);
   bool shows_motion() const;
   void find_neighbours(int frame);
   void make_frame(int frame, std::vector<std::unique_ptr<FilmView>>& views);

@@ -16,6 +16,8 @@ constexpr double kSpringBytes = 456, kSpringsOfElement = 12;
 constexpr double kFemBytes = 103;         // per unknown
 constexpr double kNodesOfElement = 1.12;  // of a head; of one slice twice as many
 constexpr double kLinearIterations = 60, kNewtonSystems = 12;
+/// Of the iterations of an equilibrium, those of a step of time.
+constexpr double kMotionPart = 0.2;
 
 std::string axis_name(int coordinate) {
   return std::string(1, "ijk"[coordinate]);
@@ -183,7 +185,8 @@ void StepPlan::finite_elements() {
   const bool is_slice = m_session.geometry().dims().z == 1;
   const double unknowns = 3 * elements() * (is_slice ? 2.1 : kNodesOfElement);
   const bool is_finite = m_request.fem->params.strain == StrainTheory::finite;
-  const double systems = is_finite ? kNewtonSystems : 1;
+  const std::optional<MotionStep>& motion = m_request.fem->motion;
+  const double systems = is_finite ? kNewtonSystems : motion ? motion->steps() * kMotionPart : 1;
   add(count_text(unknowns, "unknowns") + ", some " +
           count_text(systems * kLinearIterations, "iterations"),
       "the step moves the body by finite elements", 0, unknowns * kFemBytes,

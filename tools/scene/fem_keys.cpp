@@ -34,6 +34,16 @@ GivenFem read_fem(TomlTable& table, const LabelNames& names) {
     modes->finish();
     if (!given.loads.empty()) table.fail("modes", "modes beside loads", "one of them");
   }
+  if (auto motion = table.table("motion")) {
+    if (given.step.modes) table.fail("motion", "a motion beside modes", "one of them");
+    MotionStep& step = given.step.motion.emplace();
+    motion->read(fields(step));
+    if (const auto rows = motion->rows("watch", {3}, "a list of [i, j, k]")) {
+      for (const std::vector<double>& row : *rows)
+        step.watch.push_back(to_box(*motion, "watch", row).lo);
+    }
+    motion->finish();
+  }
   table.finish();
   return given;
 }

@@ -151,6 +151,23 @@ SceneStep read_step(TomlTable& table, const LabelNames& names) {
 
 namespace {
 
+void require_motion(const Scene& scene) {
+  if (scene.output.motion.empty()) return;
+  for (const SceneStep& step : scene.steps) {
+    if (step.fem && step.fem->step.motion) return;
+  }
+  throw InputError({scene.file, "output.motion", "no motion in time",
+                    "a step with model = \"fem\" and fem = { motion = { ... } }"});
+}
+
+/// Steps of finite elements hand their nodes to a motion that follows.
+void keep_nodes(std::vector<SceneStep>& steps) {
+  for (std::size_t n = 1; n < steps.size(); ++n) {
+    const bool is_motion = steps[n].fem && steps[n].fem->step.motion;
+    if (is_motion && steps[n - 1].fem) steps[n - 1].fem->step.keeps_nodes = true;
+  }
+}
+
 /// The last step of finite elements has to say what the outputs want of its elements.
 void ask_for_elements(Scene& scene) {
   if (scene.output.elements.empty()) return;
@@ -170,6 +187,24 @@ void stretch(Film& film, bool has_frames, double time) {
   if (!has_frames) film.frames = std::max(film.frames, film.frames_until(time));
 }
 
+/// The frames show the motion of a step evenly over its time.
+void spread_motion(Scene& scene, std::size_t number, const Film& film) {
+  SceneStep& step = scene.steps[number];
+  const auto refuse = [&](const char* field, const char* found, const char* expected) {
+    throw InputError({step.place, field, found, expected});
+  };
+  if (film.frames == 0) refuse("film", "a motion in time and no frames", "film.frames");
+  if (number + 1 < scene.steps.size())
+    refuse("motion", "steps after it in a film", "the last step");
+  for (const SceneStep& any : scene.steps) {
+    if (any.is_animated()) refuse("motion", "handles that follow a path", "one of them in a film");
+  }
+  MotionStep& motion = *step.fem->step.motion;
+  for (int frame = 0; frame < film.frames; ++frame) {
+    motion.frame_times_s.push_back(motion.time_s * frame / std::max(1, film.frames - 1));
+  }
+}
+
 void read_film(TomlTable& table, Scene& scene) {
   Film film;
   table.read(fields(film));
@@ -179,6 +214,9 @@ void read_film(TomlTable& table, Scene& scene) {
     for (const GivenHandle& handle : step.handles) {
       if (handle.is_animated()) stretch(film, has_frames, handle.path.back().time);
     }
+  }
+  for (std::size_t n = 0; n < scene.steps.size(); ++n) {
+    if (scene.steps[n].fem && scene.steps[n].fem->step.motion) spread_motion(scene, n, film);
   }
   for (SceneView& view : scene.views) {
     if (!view.camera_keys.empty()) stretch(film, has_frames, view.camera_keys.back().time);
@@ -227,6 +265,10 @@ bool SceneStep::does_nothing() const {
 bool SceneStep::is_animated() const {
   return std::any_of(handles.begin(), handles.end(),
                      [](const GivenHandle& handle) { return handle.is_animated(); });
+}
+
+bool Scene::films_motion() const {
+  return film && !steps.empty() && steps.back().fem && steps.back().fem->step.motion;
 }
 
 std::size_t Scene::still_steps() const {
@@ -324,6 +366,8 @@ Scene read_scene(TomlTable root) {
   scene.path = read_path(root);
   if (auto output = root.table("output")) scene.output = read_output(*output);
   ask_for_elements(scene);
+  keep_nodes(scene.steps);
+  require_motion(scene);
   if (auto film = root.table("film")) {
     read_film(*film, scene);
   } else {

@@ -67,6 +67,8 @@ struct Scene {
   std::vector<std::string> outputs() const;
   /// The files of one frame of a film. An output without a number is of the last one.
   std::vector<std::string> outputs_of(int frame) const;
+  /// Whether the frames of a film are those of the motion in time of its last step.
+  bool films_motion() const;
   /// Steps before the first whose handles follow a path: the same in all frames.
   std::size_t still_steps() const;
 };

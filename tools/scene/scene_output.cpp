@@ -9,6 +9,7 @@ std::vector<std::string> SceneOutput::all() const {
     names.insert(names.end(), list->begin(), list->end());
   }
   for (const ElementOutput& output : elements) names.push_back(output.path);
+  if (!motion.empty()) names.push_back(motion);
   return names;
 }
 
@@ -18,6 +19,7 @@ SceneOutput read_output(TomlTable& table) {
   output.offsets = table.strings("offsets").value_or(std::vector<std::string>{});
   output.displacements = table.strings("displacements").value_or(std::vector<std::string>{});
   output.volumes = table.strings("volumes").value_or(std::vector<std::string>{});
+  output.motion = table.string("motion").value_or("");
   if (auto elements = table.table("elements")) {
     for (const auto& [quantity, name] : kFemQuantities) {
       if (const auto path = elements->string(std::string(name))) {

@@ -107,6 +107,7 @@ void require_common_loads(const SceneStep& step, const StepMethod& method) {
   if (step.fem && has_own_loads(*step.fem) && !is_fem) {
     refuse("fem", "forces, pressures, swellings or gravity", "handles and anchors, or fem");
   }
+  if (step.fem && step.fem->step.motion) refuse("motion", "a motion in time", "an equilibrium");
   if (step.springs && has_own_loads(*step.springs)) {
     refuse("springs", "shapes in contact or gravity", "handles and anchors");
   }

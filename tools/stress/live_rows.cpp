@@ -4,9 +4,9 @@
 #include <cmath>
 #include <random>
 
+#include "tools/console/text_file.h"
 #include "tools/live/live_session.h"
 #include "tools/live/replay.h"
-#include "tools/tradeoff/text_file.h"
 #include "volumes/base/text.h"
 
 namespace supple::tools {

@@ -1,6 +1,6 @@
 #include "tools/stress/stress_input.h"
 
-#include "tools/tradeoff/text_file.h"
+#include "tools/console/text_file.h"
 #include "volumes/base/text.h"
 #include "volumes/io/volume_writer.h"
 

@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "tools/bench/report/machine.h"
-#include "tools/tradeoff/text_file.h"
+#include "tools/console/text_file.h"
 #include "volumes/base/text.h"
 
 namespace supple::tools {

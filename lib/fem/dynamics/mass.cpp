@@ -13,15 +13,21 @@ constexpr double kKgPerDensityVolume = 1e-9;
 
 }  // namespace
 
+ClassParts even_parts(double part) {
+  ClassParts parts;
+  parts.fill(part);
+  return parts;
+}
+
 VoxelMaterial weighted_material(const VoxelMaterial& material, const MassDensities& density,
-                                double stiffness_part, double mass_part_per_s2) {
+                                const ClassParts& stiffness_parts, double mass_part_per_s2) {
   VoxelMaterial out = material;
   for (std::size_t n = 0; n < density.size(); ++n) {
     if (!(density[n] > 0) || !std::isfinite(density[n])) {
       throw InputError({"", "density", number_text(density[n]), "above 0 kg/m³"});
     }
-    out.moduli.shear[n] *= stiffness_part;
-    out.moduli.bulk[n] *= stiffness_part;
+    out.moduli.shear[n] *= stiffness_parts[n];
+    out.moduli.bulk[n] *= stiffness_parts[n];
     out.moduli.inertia[n] = mass_part_per_s2 * density[n] * kKgPerDensityVolume;
     out.moduli_single.shear[n] = float(out.moduli.shear[n]);
     out.moduli_single.bulk[n] = float(out.moduli.bulk[n]);

@@ -17,17 +17,23 @@ namespace supple {
 /// kg/m^3 per class.
 using MassDensities = std::array<double, 256>;
 
-/// What a K + c M is made of: a without a unit, c in 1/s^2. K u is in mN of u in mm, and so is
-/// c M u. Throws InputError for a density that is not above 0.
+/// A factor of the stiffness, per class.
+using ClassParts = std::array<double, 256>;
+/// The same of all classes.
+ClassParts even_parts(double part);
+
+/// What the sum over elements of a K, and c M, are made of: a without a unit, c in 1/s^2. K u is in
+/// mN of u in mm, and so is c M u. Throws InputError for a density that is not above 0.
 VoxelMaterial weighted_material(const VoxelMaterial& material, const MassDensities& density,
-                                double stiffness_part, double mass_part_per_s2);
+                                const ClassParts& stiffness_parts, double mass_part_per_s2);
 
 /// M, in kg. Of a vector in mm it gives kg mm, of one in mm/s^2 mN.
 class MassMatrix {
  public:
   /// `mesh` must outlive this.
   MassMatrix(const HexMesh& mesh, const VoxelMaterial& material, const MassDensities& density)
-      : m_material(weighted_material(material, density, 0, 1)), m_operator(mesh, m_material) {}
+      : m_material(weighted_material(material, density, even_parts(0), 1)),
+        m_operator(mesh, m_material) {}
   MassMatrix(const MassMatrix&) = delete;
   MassMatrix& operator=(const MassMatrix&) = delete;
 

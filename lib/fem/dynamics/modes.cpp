@@ -90,7 +90,7 @@ struct Vibration {
       rigid.emplace(model.mesh(), mass_matrix);
       report.rigid_modes = rigid->count();
       shift_per_s2 = kShiftPart * least_quotient_of_strains();
-      shifted_material = weighted_material(model.material(), density, 1, shift_per_s2);
+      shifted_material = weighted_material(model.material(), density, even_parts(1), shift_per_s2);
       shifted.emplace(model.mesh(), *shifted_material);
     }
     multigrid.emplace(model.levels(), matrix(), is_free ? *shifted_material : model.material(),

@@ -1,4 +1,4 @@
-#include "lib/session/fem_modes.h"
+#include "lib/session/fem/fem_modes.h"
 
 #include <algorithm>
 #include <cmath>

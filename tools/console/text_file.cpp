@@ -1,4 +1,4 @@
-#include "tools/tradeoff/text_file.h"
+#include "tools/console/text_file.h"
 
 #include <cerrno>
 #include <fstream>

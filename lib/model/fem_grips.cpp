@@ -1,0 +1,315 @@
+#include "lib/model/fem_grips.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <unordered_map>
+
+#include "lib/body/node_offsets.h"
+#include "lib/fem/fem_results.h"
+#include "volumes/base/error.h"
+
+namespace supple {
+
+namespace {
+
+/// Of the corner of voxels at the lattice place nearest to an index position.
+std::uint64_t corner_key(const Vec3d& index) {
+  std::uint64_t key = 0;
+  for (int c = 0; c < 3; ++c) {
+    const std::int64_t place = std::llround(index[c] + 0.5) + (1 << 20);
+    key = (key << 21) | (std::uint64_t(place) & ((1u << 21) - 1));
+  }
+  return key;
+}
+
+struct CornerSum {
+  Vec3d sum{0, 0, 0};
+  int count = 0;
+};
+using CornerOffsets = std::unordered_map<std::uint64_t, CornerSum>;
+
+/// Offsets of elements at their corners.
+class CornerField {
+ public:
+  CornerField(const Body& body, const SlotSet& slots, const std::vector<Vec3d>& offsets)
+      : m_elements(body.elements), m_offsets(offsets) {
+    std::size_t n = 0;
+    slots.for_each([&](Slot slot) { m_number[slot] = n++; });
+  }
+
+  /// Per corner the mean of what its elements say.
+  CornerOffsets at_corners() const {
+    CornerOffsets corners;
+    for (const auto& [slot, n] : m_number) {
+      const Vec3i voxel = voxel_of(m_elements, slot);
+      const std::array<Vec3d, 3> slopes = slopes_at(voxel, n);
+      for (int corner = 0; corner < 8; ++corner) {
+        const Vec3d way((corner & 4 ? 0.5 : -0.5), (corner & 2 ? 0.5 : -0.5),
+                        (corner & 1 ? 0.5 : -0.5));
+        CornerSum& sum = corners[corner_key(Vec3d(voxel) + way)];
+        sum.sum += m_offsets[n] + slopes[0] * way.x + slopes[1] * way.y + slopes[2] * way.z;
+        ++sum.count;
+      }
+    }
+    return corners;
+  }
+
+ private:
+  /// Along each axis, from the neighbours that there are.
+  std::array<Vec3d, 3> slopes_at(const Vec3i& voxel, std::size_t n) const {
+    std::array<Vec3d, 3> slopes;
+    for (int axis = 0; axis < 3; ++axis) {
+      Vec3d ends[2] = {m_offsets[n], m_offsets[n]};
+      int steps = 0;
+      for (const int side : {0, 1}) {
+        Vec3i beside = voxel;
+        beside[axis] += side == 1 ? 1 : -1;
+        Slot slot;
+        if (!slot_of(m_elements, beside, slot)) continue;
+        const auto found = m_number.find(slot);
+        if (found == m_number.end()) continue;
+        ends[side] = m_offsets[found->second];
+        ++steps;
+      }
+      slopes[std::size_t(axis)] = steps == 0 ? Vec3d(0.0) : (ends[1] - ends[0]) / steps;
+    }
+    return slopes;
+  }
+
+  const BrickTopology& m_elements;
+  const std::vector<Vec3d>& m_offsets;
+  std::unordered_map<Slot, std::size_t> m_number;
+};
+
+void require_two_sided(const HeldVoxels& found) {
+  for (const auto* bounds : {&found.rest.at_least, &found.rest.at_most}) {
+    for (const std::vector<Bound>& of_coordinate : *bounds) {
+      if (of_coordinate.empty()) continue;
+      throw InputError({"", "finite elements", "a push handle of an earlier drag, still held",
+                        "its release, or a handle that holds"});
+    }
+  }
+  for (const HeldHandle& handle : found.handles) {
+    if (!handle.is_push()) continue;
+    throw InputError({"", "finite elements", "a push handle", "handles that hold what they grab"});
+  }
+}
+
+/// The sum, about the mean of all nodes.
+FemReaction sum_of(const std::vector<FemReaction>& parts) {
+  FemReaction sum;
+  for (const FemReaction& part : parts) {
+    sum.nodes += part.nodes;
+    sum.centre_mm += part.centre_mm * double(part.nodes);
+    sum.force_n += part.force_n;
+  }
+  if (sum.nodes > 0) sum.centre_mm /= double(sum.nodes);
+  for (const FemReaction& part : parts) {
+    sum.moment_nmm += part.moment_nmm + (part.centre_mm - sum.centre_mm).cross(part.force_n);
+  }
+  return sum;
+}
+
+/// Where the elements are.
+FemGrip grip_of(const Body& body, const SlotSet& slots) {
+  FemGrip grip;
+  grip.slots = slots;
+  slots.for_each([&](Slot slot) {
+    Vec3d& offset = grip.start.emplace_back(0.0);
+    for (int c = 0; c < 3; ++c) offset[c] = offset_with_fraction(body, c, slot);
+  });
+  grip.offsets = grip.start;
+  return grip;
+}
+
+HeldElements held_with(const Body& body, const SlotSet& slots, const std::vector<Vec3d>& offsets) {
+  HeldElements held;
+  held.elements = slots;
+  const Geometry& geometry = body.geometry;
+  const Vec3d& first = offsets.front();
+  const bool is_one = std::all_of(offsets.begin(), offsets.end(),
+                                  [&](const Vec3d& offset) { return offset == first; });
+  if (is_one && first == Vec3d(0.0)) return held;
+  if (is_one) {
+    const Vec3d u_mm = geometry.world_vector_from_index(first);
+    held.displacement_mm = [u_mm](const Vec3d&) { return u_mm; };
+    return held;
+  }
+  const auto corners =
+      std::make_shared<const CornerOffsets>(CornerField(body, slots, offsets).at_corners());
+  held.displacement_mm = [corners, &geometry](const Vec3d& rest_mm) {
+    const CornerSum& found = corners->at(corner_key(geometry.index_from_world(rest_mm)));
+    return geometry.world_vector_from_index(found.sum / found.count);
+  };
+  return held;
+}
+
+/// The elements of a mesh by their slots in the body.
+class ElementOfSlot {
+ public:
+  ElementOfSlot(const HexMesh& mesh, const Body& body) : m_mesh(mesh), m_elements(body.elements) {}
+
+  /// That beside an element, across a face; -1 where none is joined.
+  std::int32_t beside(std::int32_t block, std::int32_t e, int axis, bool is_high) const {
+    Vec3i voxel = m_mesh.origin[std::size_t(block)] + brick_local(m_mesh.offset[std::size_t(e)]);
+    voxel[axis] += is_high ? 1 : -1;
+    Slot slot;
+    if (!slot_of(m_elements, voxel, slot)) return -1;
+    const std::size_t there = slot / kBrickVoxels;
+    const auto begin = m_mesh.offset.begin() + m_mesh.element_begin[there];
+    const auto end = m_mesh.offset.begin() + m_mesh.element_begin[there + 1];
+    const auto found = std::lower_bound(begin, end, std::uint16_t(slot % kBrickVoxels));
+    const auto other = std::int32_t(found - m_mesh.offset.begin());
+    const int bit = 4 >> axis, low = 0, high = bit;
+    return m_mesh.corners[std::size_t(e)][is_high ? high : low] ==
+                   m_mesh.corners[std::size_t(other)][is_high ? low : high]
+               ? other
+               : -1;
+  }
+
+ private:
+  const HexMesh& m_mesh;
+  const BrickTopology& m_elements;
+};
+
+template <class Visit>
+void for_each_of_mesh(const HexMesh& mesh, Visit&& visit) {
+  for (std::size_t b = 0; b < mesh.block_count(); ++b) {
+    for (std::int32_t e = mesh.element_begin[b]; e < mesh.element_begin[b + 1]; ++e) {
+      visit(std::int32_t(b), e, Slot(b * kBrickVoxels + mesh.offset[std::size_t(e)]));
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<FemGrip> fem_grips(const Body& body, const HeldVoxels& found,
+                               const std::vector<SlotSet>& told) {
+  require_two_sided(found);
+  std::vector<FemGrip> grips;
+  const auto add_handles = [&](bool edges) {
+    for (const HeldHandle& handle : found.handles) {
+      if (handle.source->is_edge != edges) continue;
+      FemGrip& grip = grips.emplace_back(grip_of(body, handle.slots));
+      for (std::size_t n = 0; n < grip.offsets.size(); ++n) {
+        for (int c = 0; c < 3; ++c) {
+          grip.offsets[n][c] += handle.by(n)[std::size_t(c)] / kFixedOne;
+        }
+      }
+    }
+  };
+  add_handles(false);
+  if (!found.fixed->empty()) {
+    grips.push_back(grip_of(body, *found.fixed));
+    grips.back().is_anchor = true;
+  }
+  add_handles(true);
+  SlotSet rest = found.rest.anchored;
+  rest.remove(*found.fixed);
+  for (const SlotSet& set : told) {
+    std::vector<Slot> slots;
+    set.for_each([&](Slot slot) {
+      if (rest.contains(slot)) slots.push_back(slot);
+    });
+    if (slots.empty()) continue;
+    grips.push_back(grip_of(body, SlotSet(std::move(slots))));
+    rest.remove(grips.back().slots);
+  }
+  if (!rest.empty()) grips.push_back(grip_of(body, rest));
+  return grips;
+}
+
+HeldElements held_at_end(const Body& body, const FemGrip& grip) {
+  return held_with(body, grip.slots, grip.offsets);
+}
+HeldElements held_at_start(const Body& body, const FemGrip& grip) {
+  return held_with(body, grip.slots, grip.start);
+}
+
+std::vector<FemReaction> sums_over(const std::vector<SlotSet>& elements,
+                                   const std::vector<FemGrip>& grips,
+                                   const std::vector<FemReaction>& of_grip) {
+  std::vector<FemReaction> sums;
+  for (const SlotSet& set : elements) {
+    std::vector<FemReaction> parts;
+    for (std::size_t n = 0; n < grips.size(); ++n) {
+      if (set.contains(grips[n].slots.first())) parts.push_back(of_grip[n]);
+    }
+    sums.push_back(sum_of(parts));
+  }
+  return sums;
+}
+
+std::vector<double> at_nodes(const HexMesh& mesh, const Body& body,
+                             const std::vector<Vec3d>& of_element) {
+  std::vector<double> sums(3 * std::size_t(mesh.node_count()), 0.0);
+  std::vector<std::uint8_t> counts(std::size_t(mesh.node_count()), 0);
+  const ElementOfSlot elements(mesh, body);
+  for_each_of_mesh(mesh, [&](std::int32_t block, std::int32_t e, Slot) {
+    const Vec3d& own = of_element[std::size_t(e)];
+    Vec3d slopes[3];
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::int32_t low = elements.beside(block, e, axis, false);
+      const std::int32_t high = elements.beside(block, e, axis, true);
+      const Vec3d& before = low < 0 ? own : of_element[std::size_t(low)];
+      const Vec3d& after = high < 0 ? own : of_element[std::size_t(high)];
+      slopes[axis] = low < 0 && high < 0 ? Vec3d(0) : (after - before) / ((low >= 0) + (high >= 0));
+    }
+    for (int corner = 0; corner < 8; ++corner) {
+      Vec3d value = own;
+      for (int axis = 0; axis < 3; ++axis) {
+        value += slopes[axis] * ((corner >> (2 - axis) & 1) != 0 ? 0.5 : -0.5);
+      }
+      const auto node = std::size_t(mesh.corners[std::size_t(e)][std::size_t(corner)]);
+      for (int c = 0; c < 3; ++c) sums[3 * node + std::size_t(c)] += value[c];
+      ++counts[node];
+    }
+  });
+  for (std::size_t n = 0; n < sums.size(); ++n) sums[n] /= counts[n / 3];
+  return sums;
+}
+
+std::vector<Vec3d> element_displacements(const HexMesh& mesh, const Body& body) {
+  std::vector<Vec3d> values(std::size_t(mesh.element_count()));
+  for_each_of_mesh(mesh, [&](std::int32_t, std::int32_t e, Slot slot) {
+    Vec3d offset;
+    for (int c = 0; c < 3; ++c) offset[c] = offset_with_fraction(body, c, slot);
+    values[std::size_t(e)] = body.geometry.world_vector_from_index(offset);
+  });
+  return values;
+}
+
+std::vector<Vec3d> element_velocities(const HexMesh& mesh, const Body& body) {
+  std::vector<Vec3d> values(std::size_t(mesh.element_count()), Vec3d(0));
+  for_each_of_mesh(mesh, [&](std::int32_t, std::int32_t e, Slot slot) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      values[std::size_t(e)][int(c)] = body.velocity_mm_s[c].at(slot);
+    }
+  });
+  return values;
+}
+
+void give_to_body(const HexMesh& mesh, const std::vector<double>& u_mm,
+                  const std::vector<double>& v_mm_s, const std::vector<FemGrip>& grips,
+                  bool are_at_end, Body& body) {
+  NodeOffsets state(body);
+  for_each_of_mesh(mesh, [&](std::int32_t, std::int32_t e, Slot slot) {
+    const Vec3d offset = body.geometry.index_vector_from_world(centre_displacement(mesh, u_mm, e));
+    for (int c = 0; c < 3; ++c) state.set_offset(c, slot, offset[c]);
+    if (v_mm_s.empty()) return;
+    const Vec3d velocity = centre_displacement(mesh, v_mm_s, e);
+    for (int c = 0; c < 3; ++c) state.set_velocity(c, slot, velocity[c]);
+  });
+  for (auto grip = grips.rbegin(); are_at_end && grip != grips.rend(); ++grip) {
+    std::size_t n = 0;
+    grip->slots.for_each([&](Slot slot) {
+      for (int c = 0; c < 3; ++c) state.set_offset(c, slot, grip->offsets[n][c]);
+      ++n;
+    });
+  }
+  state.give(body);
+}
+
+}  // namespace supple

@@ -1,0 +1,137 @@
+#include "lib/model/fem_motion.h"
+
+#include <algorithm>
+
+#include "lib/fem/fem_results.h"
+#include "lib/model/quasi_static.h"
+
+namespace supple {
+
+namespace {
+
+/// Of what elements and nodes say of each other; offsets of elements are rounded to 2^-32 voxel.
+constexpr double kAlike = 1e-6;
+
+bool is_zero(const std::vector<Vec3d>& values) {
+  return std::all_of(values.begin(), values.end(), [](const Vec3d& of) { return of == Vec3d(0); });
+}
+
+/// The values of held components, where `loads` has them.
+void take_held(const NodalLoads& loads, std::vector<double>& values) {
+  for (std::size_t n = 0; n < values.size(); ++n) {
+    if ((loads.held[n / 3] >> n % 3 & 1) != 0) values[n] = loads.u_mm[n];
+  }
+}
+
+}  // namespace
+
+VoxelFemMotion::VoxelFemMotion(const HeldBody& held, FemMotionParams params, const Body* shape,
+                               Progress* progress)
+    : m_held(held),
+      m_model(shape != nullptr ? *shape : held.body, params.elastic, Dilatation::mean, progress),
+      m_params(std::move(params)) {
+  m_params.newmark.validate();
+  m_params.damping.validate();
+}
+
+FemNodes VoxelFemMotion::nodes_of_body() const {
+  const HexMesh& mesh = m_model.mesh();
+  const Body& body = m_held.body;
+  const std::vector<Vec3d> moved = element_displacements(mesh, body);
+  const std::vector<Vec3d> velocities = element_velocities(mesh, body);
+  const auto are_alike = [&](const std::vector<double>& nodes, const std::vector<Vec3d>& elements) {
+    if (nodes.empty()) return is_zero(elements);
+    if (nodes.size() != 3 * std::size_t(mesh.node_count())) return false;
+    for (std::size_t e = 0; e < elements.size(); ++e) {
+      const Vec3d off = centre_displacement(mesh, nodes, std::int32_t(e)) - elements[e];
+      if (off.length() > kAlike * (1 + elements[e].length())) return false;
+    }
+    return true;
+  };
+  FemNodes nodes;
+  if (!m_start.u_mm.empty() && are_alike(m_start.u_mm, moved) &&
+      are_alike(m_start.v_mm_s, velocities)) {
+    nodes = m_start;
+  } else {
+    nodes.u_mm = at_nodes(mesh, body, moved);
+    if (!is_zero(velocities)) nodes.v_mm_s = at_nodes(mesh, body, velocities);
+  }
+  if (nodes.v_mm_s.empty()) nodes.v_mm_s.assign(nodes.u_mm.size(), 0.0);
+  return nodes;
+}
+
+void VoxelFemMotion::move(const std::vector<Handle>& handles, int steps, Progress* progress) {
+  const Body& body = m_held.body;
+  const HexMesh& mesh = m_model.mesh();
+  const FixedElements fixed = fix(body, m_held.anchors);
+  HeldVoxels found = hold(body, handles, fixed, m_held.holds);
+  m_grips = fem_grips(body, found, m_told);
+  FemLoads start;  // where what is held begins
+  m_params.loads.held.clear();
+  for (const FemGrip& grip : m_grips) {
+    start.held.push_back(held_at_start(body, grip));
+    m_params.loads.held.push_back(held_at_end(body, grip));
+  }
+  auto [u, v] = nodes_of_body();
+  take_held(nodal_loads(mesh, m_model.material(), start), u);
+  NodalLoads loads = nodal_loads(mesh, m_model.material(), m_params.loads);
+  const HeldBits by_grips = loads.held;
+  const bool holds_some = !m_grips.empty();
+  m_loose =
+      hold_loose_islands(mesh, holds_some && m_params.loose == LooseIslands::hold, loads.held);
+  if (holds_some && m_loose.loose_islands > 0 && m_params.loose == LooseIslands::refuse) {
+    throw InputError({"", "finite elements",
+                      std::to_string(m_loose.loose_islands) + " pieces of " +
+                          std::to_string(m_loose.loose_elements) + " elements that nothing holds",
+                      "every piece held so that it cannot move as a rigid body"});
+  }
+  for (std::size_t n = 0; n < u.size(); ++n) {
+    if (((loads.held[n / 3] & ~by_grips[n / 3]) >> n % 3 & 1) != 0) loads.u_mm[n] = u[n];
+  }
+  m_newmark = std::make_unique<Newmark>(m_model, m_params.density, m_params.damping,
+                                        std::move(loads), m_params.newmark, progress);
+  m_newmark->start(std::move(u), std::move(v), progress);
+  m_steps = steps;
+  found.rest.anchored.add(found.grabbed);
+  m_held.holds = std::move(found.rest);
+}
+
+bool VoxelFemMotion::step(const Progress* progress) {
+  const double h = m_params.newmark.step_s;
+  m_newmark->step(smooth_way((m_newmark->steps() + 1) * h, m_steps * h), progress);
+  return true;
+}
+
+ModelEnergy VoxelFemMotion::energy() {
+  const MotionEnergy energy = m_newmark->energy();
+  return {energy.elastic_mj * kJoulePerMillijoule, energy.kinetic_mj * kJoulePerMillijoule, 0};
+}
+
+std::vector<Reaction> VoxelFemMotion::reactions(const std::vector<Handle>& handles) {
+  std::vector<Reaction> found;
+  for (const FemReaction& reaction : reactions(elements_of_handles(m_held.body, handles))) {
+    found.push_back({reaction.force_n});
+  }
+  return found;
+}
+
+std::vector<FemReaction> VoxelFemMotion::reactions(const std::vector<SlotSet>& elements) const {
+  return sums_over(
+      elements, m_grips,
+      reactions_of(node_positions(m_model.mesh()), m_newmark->loads(), m_newmark->reaction_mn()));
+}
+
+FemReaction VoxelFemMotion::anchor_reaction() const {
+  const auto anchors = std::find_if(m_grips.begin(), m_grips.end(),
+                                    [](const FemGrip& grip) { return grip.is_anchor; });
+  if (anchors == m_grips.end()) return {};
+  return reactions({anchors->slots}).front();
+}
+
+void VoxelFemMotion::store() {
+  if (!m_newmark) return;
+  give_to_body(m_model.mesh(), m_newmark->u_mm(), m_newmark->v_mm_s(), m_grips,
+               m_newmark->steps() >= m_steps, m_held.body);
+}
+
+}  // namespace supple

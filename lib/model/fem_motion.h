@@ -1,0 +1,85 @@
+// Finite elements in time as a model of voxel bodies (lib/fem/dynamics/newmark.h): every step is
+// one of time. The motion goes on from where the body is and how fast it moves; the nodes between
+// its elements are those of the step before, or interpolated (fem_grips.h). What is held goes
+// smoothly along straight ways, or stays; all else has inertia. Limits of links play no part.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "lib/fem/dynamics/newmark.h"
+#include "lib/fem/loose_islands.h"
+#include "lib/model/fem_grips.h"
+#include "lib/model/held_body.h"
+#include "lib/model/model.h"
+
+namespace supple {
+
+/// What a motion of finite elements is made of, beside the body.
+struct FemMotionParams {
+  ElasticTable elastic;
+  MassDensities density;  // kg/m^3
+  RayleighDamping damping;
+  NewmarkParams newmark;
+  FemLoads loads;  // all but what is held
+  /// Of pieces that nothing holds, beside others that are held. Where nothing is held at all, all
+  /// move freely.
+  LooseIslands loose = LooseIslands::hold;
+};
+
+/// Where nodes are and how fast they move, three values each, LPS: what the elements of a body tell
+/// of by their means alone.
+struct FemNodes {
+  std::vector<double> u_mm, v_mm_s;  // no velocities: at rest
+};
+
+class VoxelFemMotion final : public Model<Handle> {
+ public:
+  /// `shape`: elements, classes and cuts of the solid, where they are not those of the body; it
+  /// is needed no more afterwards. Throws InputError as FemModel and Newmark.
+  VoxelFemMotion(const HeldBody& held, FemMotionParams params, const Body* shape = nullptr,
+                 Progress* progress = nullptr);
+
+  /// Reactions are wanted of these elements, which earlier moves have left held.
+  void tell_of(std::vector<SlotSet> elements) { m_told = std::move(elements); }
+
+  /// Where a move() may begin, in place of what it would interpolate: used where the elements of
+  /// the body are, and move, as these nodes say.
+  void start_from(FemNodes nodes) { m_start = std::move(nodes); }
+
+  /// Begins a motion; the handles go over the next `steps` steps (smooth_way), or are there at once
+  /// with 0. Throws InputError as hold(), for push handles, and for loose islands that are refused;
+  /// NotConverged; Cancelled.
+  void move(const std::vector<Handle>& handles, int steps, Progress* progress) override;
+  /// Always true: what rests for a moment may move again. Throws NotConverged; Cancelled, the
+  /// motion as it was.
+  bool step(const Progress* progress = nullptr) override;
+  ModelEnergy energy() override;
+  std::vector<Reaction> reactions(const std::vector<Handle>& handles) override;
+  /// Offsets and velocities. Throws InputError for an offset beyond the range, the body unchanged.
+  void store() override;
+
+  /// As VoxelFemModel's, of this moment.
+  std::vector<FemReaction> reactions(const std::vector<SlotSet>& elements) const;
+  FemReaction anchor_reaction() const;
+  const Newmark& motion() const { return *m_newmark; }
+  const FemModel& solid() const { return m_model; }
+  /// Pieces that nothing holds, and how many of them stay where they are therefore.
+  const LooseCount& loose() const { return m_loose; }
+  std::int64_t held_islands() const { return m_grips.empty() ? 0 : m_loose.loose_islands; }
+  std::size_t bytes() const { return m_model.bytes() + m_newmark->bytes(); }
+
+ private:
+  FemNodes nodes_of_body() const;
+  HeldBody m_held;
+  FemModel m_model;
+  FemMotionParams m_params;
+  std::vector<SlotSet> m_told;
+  std::vector<FemGrip> m_grips;
+  std::unique_ptr<Newmark> m_newmark;
+  LooseCount m_loose;
+  FemNodes m_start;
+  int m_steps = 0;  // of the handles' ways
+};
+
+}  // namespace supple
