@@ -42,7 +42,7 @@ endif()
 
 # Tests, which take longer to optimise than to run.
 add_library(supple_unoptimised INTERFACE)
-target_compile_options(supple_unoptimised INTERFACE $<$<OR:$<CONFIG:Release>,$<BOOL:${SUPPLE_SANITIZE}>>:-O0>)
+target_compile_options(supple_unoptimised INTERFACE $<$<CONFIG:Release>:-O0>)
 
 # supple_add_sources(TARGET FOLDER ... [EXCLUDE REGEX] [UNOPTIMISED])
 # Every .cpp directly in these folders of the current directory, so that a new file needs no line
@@ -129,7 +129,7 @@ endfunction()
 function(supple_add_tests name)
   cmake_parse_arguments(ARG "COLD" "EXCLUDE" "SOURCES;LIBRARIES;LABELS;NOT_SANITIZED;SANITIZED" ${ARGN})
   set(how unoptimised)
-  if(ARG_COLD)
+  if(ARG_COLD OR SUPPLE_SANITIZE)  # sanitized, cold code is not optimised either
     set(how cold)
   endif()
   add_executable(test_${name} ${ARG_SOURCES})

@@ -349,7 +349,9 @@ TEST(PropertyFemMotion, AMotionThatIsStoredGoesOnAsIfItHadNotBeen) {
     for (int n = 0; n < 20; ++n) first.step();
     first.store();
     VoxelFemMotion second({two, anchors, held_two}, params);
-    if (with_nodes) second.start_from({first.motion().u_mm(), first.motion().v_mm_s()});
+    FemNodes nodes{first.motion().u_mm(), first.motion().v_mm_s()};
+    if (!with_nodes) nodes.u_mm[0] += 0.1;  // of another body
+    second.start_from(nodes);
     second.move({}, 0, nullptr);
     for (int n = 0; n < 20; ++n) second.step();
     const double off = distance(second.motion().u_mm(), whole.motion().u_mm());
@@ -359,6 +361,39 @@ TEST(PropertyFemMotion, AMotionThatIsStoredGoesOnAsIfItHadNotBeen) {
       EXPECT_GT(off, 1e-4 * scale);
     }
   }
+}
+
+TEST(PropertyFemMotion, LoosePiecesRestBesideWhatIsHeldAndFallWhereNothingIs) {
+  // Two plates with a gap.
+  Body body = fem_body(5, [](const Vec3i& v) { return v.x == 2 ? -1 : 0; });
+  FemMotionParams params;
+  params.elastic = ElasticTable::uniform(6, 0.3);
+  params.density = even_density(kDensity);
+  params.loads.gravity_m_s2 = Vec3d(0, 0, -9.81);
+  params.loads.mass_density.fill(kDensity);
+  params.newmark = exact_steps(0.01);
+  const auto moved_after = [&](const std::vector<Region>& anchors) {
+    Body falling = body;
+    Holds holds;
+    VoxelFemMotion motion({falling, anchors, holds}, params);
+    motion.move({}, 0, nullptr);
+    for (int n = 0; n < 5; ++n) motion.step();
+    motion.store();
+    EXPECT_EQ(motion.loose().loose_islands, anchors.empty() ? 2 : 1);
+    EXPECT_EQ(motion.held_islands(), anchors.empty() ? 0 : 1);
+    return falling;
+  };
+  const std::vector<Region> foot{IndexBox{{0, 0, 0}, {1, 4, 0}}};
+  const Body held = moved_after(foot);
+  EXPECT_LT(held.offset({0, 2, 4}, 2), 0);
+  EXPECT_EQ(held.offset({4, 2, 4}, 2), 0);
+  const Body free = moved_after({});
+  EXPECT_NEAR(free.offset({0, 2, 4}, 2) / kFixedOne, -9.81e3 * 0.05 * 0.05 / 2, 1e-3);
+  EXPECT_NEAR(free.velocity_mm_s[2].at(Slot(0)), -9.81e3 * 0.05, 1e-3);
+  params.loose = LooseIslands::refuse;
+  Holds holds;
+  VoxelFemMotion refused({body, foot, holds}, params);
+  EXPECT_THROW(refused.move({}, 0, nullptr), InputError);
 }
 
 TEST(PropertyFemMotion, NodesAreExactWhereElementsAreLinearInSpace) {

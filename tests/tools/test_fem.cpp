@@ -255,6 +255,19 @@ TEST_F(UnitFemScene, ABarThatIsLetGoSwingsAndIsFilmed) {
   }
 }
 
+TEST_F(UnitFemScene, DampingOfTheMaterialTakesEnergy) {
+  write_text(m_folder / "tissue.toml",
+             read_text(m_folder / "tissue.toml") + "damping = [[0, 2]]\n");
+  const Outcome outcome =
+      run_supple({"run", swing("time = 0.05", "[0, 0, 0.125]", ""), "-o", m_folder / "", "--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto motion = nlohmann::json::parse(outcome.out)["steps"][1]["fem"]["motion"];
+  EXPECT_EQ(motion["steps"], 100);
+  // The bar swings at 70 Hz, with a damping ratio of 0.44.
+  EXPECT_GT(motion["dissipated_mj"], 100 * double(motion["elastic_mj"]));
+  EXPECT_LT(motion["energy_error"], 1e-4);
+}
+
 TEST_F(UnitFemScene, AHandleMovesSmoothlyInTimeAndFeelsTheBody) {
   const std::string path =
       scene("motion = { time = 0.4, step = 2e-3, ramp = 0.2, mass_damping = 40 }",
@@ -271,6 +284,7 @@ TEST_F(UnitFemScene, AHandleMovesSmoothlyInTimeAndFeelsTheBody) {
   EXPECT_NEAR(step["reactions"][0]["force_n"][2], rows.back()[8], 1e-8);
   EXPECT_NEAR(rows[50][5], 0.0625, 1e-3);  // half of the way in half of the time
   EXPECT_LT(step["fem"]["motion"]["energy_error"], 0.01);
+  EXPECT_GT(step["fem"]["motion"]["dissipated_mj"], 0);
   const auto& motion = step["fem"]["motion"];
   EXPECT_NEAR(motion["work_mj"], double(motion["elastic_mj"]) + double(motion["dissipated_mj"]),
               0.01 * double(motion["work_mj"]));
