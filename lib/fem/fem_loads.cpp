@@ -13,28 +13,15 @@ namespace {
 constexpr double kMnPerN = 1e3;
 constexpr double kWeightMn = 1e-6;
 
-struct FoundElement {
-  std::int32_t block, element;
-};
-
-/// The element of a slot of the body; element -1 where there is none.
-FoundElement find_element(const HexMesh& mesh, std::size_t block, int offset) {
-  if (block >= mesh.block_count()) return {0, -1};
-  const auto begin = mesh.offset.begin() + mesh.element_begin[block];
-  const auto end = mesh.offset.begin() + mesh.element_begin[block + 1];
-  const auto place = std::lower_bound(begin, end, std::uint16_t(offset));
-  if (place == end || *place != offset) return {std::int32_t(block), -1};
-  return {std::int32_t(block), std::int32_t(place - mesh.offset.begin())};
-}
-
 template <class Visit>
 void for_each_element(const HexMesh& mesh, const SlotSet& slots, Visit&& visit) {
   slots.for_each([&](Slot slot) {
-    const FoundElement found = find_element(mesh, slot / kBrickVoxels, int(slot % kBrickVoxels));
-    if (found.element < 0) {
+    const std::size_t block = slot / kBrickVoxels;
+    const std::int32_t element = element_at(mesh, block, int(slot % kBrickVoxels));
+    if (element < 0) {
       throw InputError({"", "finite elements", "a load on a voxel that is no element", "elements"});
     }
-    visit(found.block, found.element);
+    visit(std::int32_t(block), element);
   });
 }
 
@@ -96,11 +83,11 @@ bool is_covered(const HexMesh& mesh, const BrickIndex& index, std::int32_t block
   cell[axis] += is_high ? 1 : -1;
   const std::int32_t there = index.find(cell);
   if (there < 0) return false;
-  const FoundElement other = find_element(mesh, std::size_t(there), brick_offset(cell));
-  if (other.element < 0) return false;
+  const std::int32_t other = element_at(mesh, std::size_t(there), brick_offset(cell));
+  if (other < 0) return false;
   for (int c = 0; c < 8; ++c) {
     if (((c & kAxisBits[axis]) != 0) != is_high) continue;
-    if (mesh.corners[e][c] != mesh.corners[other.element][c ^ kAxisBits[axis]]) return false;
+    if (mesh.corners[e][c] != mesh.corners[other][c ^ kAxisBits[axis]]) return false;
   }
   return true;
 }

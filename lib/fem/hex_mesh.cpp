@@ -90,6 +90,14 @@ HexMesh hex_mesh(const Body& body) {
   return mesh;
 }
 
+std::int32_t element_at(const HexMesh& mesh, std::size_t block, int offset) {
+  if (block >= mesh.block_count()) return -1;
+  const auto begin = mesh.offset.begin() + mesh.element_begin[block];
+  const auto end = mesh.offset.begin() + mesh.element_begin[block + 1];
+  const auto place = std::lower_bound(begin, end, std::uint16_t(offset));
+  return place == end || *place != offset ? -1 : std::int32_t(place - mesh.offset.begin());
+}
+
 Vec3d corner_position(const HexMesh& mesh, std::int32_t block, int offset, int corner) {
   const Vec3i cell = mesh.origin[block] + brick_local(offset);
   return mesh.geometry.world_from_index({cell.x + (corner >> 2 & 1) - 0.5,

@@ -71,6 +71,9 @@ struct Coarsening {
 /// and on both sides of gaps stay apart on all levels.
 HexMesh coarsen(const HexMesh& fine, Coarsening& coarsening);
 
+/// The element of a cell of a block; -1 where there is none.
+std::int32_t element_at(const HexMesh& mesh, std::size_t block, int offset);
+
 /// Rest position in LPS mm of a corner of an element of the voxel mesh.
 Vec3d corner_position(const HexMesh& mesh, std::int32_t block, int offset, int corner);
 /// Rest positions of all nodes.

@@ -30,6 +30,31 @@ struct CornerSum {
 };
 using CornerOffsets = std::unordered_map<std::uint64_t, CornerSum>;
 
+/// Trilinear between the corners of the voxel around an index position; some of them at a corner,
+/// an edge or a face.
+Vec3d between(const CornerOffsets& corners, const Vec3d& index) {
+  constexpr double kAtCorner = 1e-6;
+  Vec3d low, part;
+  for (int c = 0; c < 3; ++c) {
+    low[c] = std::floor(index[c] + 0.5 + kAtCorner) - 0.5;
+    part[c] = index[c] - low[c] < 2 * kAtCorner ? 0 : index[c] - low[c];
+  }
+  Vec3d value(0.0);
+  for (int corner = 0; corner < 8; ++corner) {
+    double weight = 1;
+    Vec3d place = low;
+    for (int c = 0; c < 3; ++c) {
+      const bool is_high = (corner >> c & 1) != 0;
+      weight *= is_high ? part[c] : 1 - part[c];
+      if (is_high) place[c] += 1;
+    }
+    if (weight == 0) continue;
+    const CornerSum& found = corners.at(corner_key(place));
+    value += found.sum * (weight / found.count);
+  }
+  return value;
+}
+
 /// Offsets of elements at their corners.
 class CornerField {
  public:
@@ -140,8 +165,7 @@ HeldElements held_with(const Body& body, const SlotSet& slots, const std::vector
   const auto corners =
       std::make_shared<const CornerOffsets>(CornerField(body, slots, offsets).at_corners());
   held.displacement_mm = [corners, &geometry](const Vec3d& rest_mm) {
-    const CornerSum& found = corners->at(corner_key(geometry.index_from_world(rest_mm)));
-    return geometry.world_vector_from_index(found.sum / found.count);
+    return geometry.world_vector_from_index(between(*corners, geometry.index_from_world(rest_mm)));
   };
   return held;
 }
@@ -157,11 +181,7 @@ class ElementOfSlot {
     voxel[axis] += is_high ? 1 : -1;
     Slot slot;
     if (!slot_of(m_elements, voxel, slot)) return -1;
-    const std::size_t there = slot / kBrickVoxels;
-    const auto begin = m_mesh.offset.begin() + m_mesh.element_begin[there];
-    const auto end = m_mesh.offset.begin() + m_mesh.element_begin[there + 1];
-    const auto found = std::lower_bound(begin, end, std::uint16_t(slot % kBrickVoxels));
-    const auto other = std::int32_t(found - m_mesh.offset.begin());
+    const std::int32_t other = element_at(m_mesh, slot / kBrickVoxels, int(slot % kBrickVoxels));
     const int bit = 4 >> axis, low = 0, high = bit;
     return m_mesh.corners[std::size_t(e)][is_high ? high : low] ==
                    m_mesh.corners[std::size_t(other)][is_high ? low : high]
@@ -291,16 +311,26 @@ std::vector<Vec3d> element_velocities(const HexMesh& mesh, const Body& body) {
   return values;
 }
 
-void give_to_body(const HexMesh& mesh, const std::vector<double>& u_mm,
-                  const std::vector<double>& v_mm_s, const std::vector<FemGrip>& grips,
-                  bool are_at_end, Body& body) {
+std::vector<Vec3d> at_centres(const HexMesh& mesh, const std::vector<double>& nodes) {
+  std::vector<Vec3d> values;
+  values.reserve(std::size_t(mesh.element_count()));
+  for (std::int32_t e = 0; e < mesh.element_count(); ++e) {
+    values.push_back(centre_displacement(mesh, nodes, e));
+  }
+  return values;
+}
+
+void give_to_body(const std::vector<Vec3d>& u_mm, const std::vector<Vec3d>& v_mm_s,
+                  const std::vector<FemGrip>& grips, bool are_at_end, Body& body) {
   NodeOffsets state(body);
-  for_each_of_mesh(mesh, [&](std::int32_t, std::int32_t e, Slot slot) {
-    const Vec3d offset = body.geometry.index_vector_from_world(centre_displacement(mesh, u_mm, e));
+  std::size_t e = 0;
+  for_each_element(body.elements, [&](Slot slot) {
+    const Vec3d offset = body.geometry.index_vector_from_world(u_mm[e]);
     for (int c = 0; c < 3; ++c) state.set_offset(c, slot, offset[c]);
-    if (v_mm_s.empty()) return;
-    const Vec3d velocity = centre_displacement(mesh, v_mm_s, e);
-    for (int c = 0; c < 3; ++c) state.set_velocity(c, slot, velocity[c]);
+    if (!v_mm_s.empty()) {
+      for (int c = 0; c < 3; ++c) state.set_velocity(c, slot, v_mm_s[e][c]);
+    }
+    ++e;
   });
   for (auto grip = grips.rbegin(); are_at_end && grip != grips.rend(); ++grip) {
     std::size_t n = 0;

@@ -29,7 +29,7 @@ struct FemGrip {
 std::vector<FemGrip> fem_grips(const Body& body, const HeldVoxels& found,
                                const std::vector<SlotSet>& told);
 
-/// With the corners where the grip's elements are to be; or where they are.
+/// With the corners where the grip's elements are to be, or where they are; trilinear between them.
 HeldElements held_at_end(const Body& body, const FemGrip& grip);
 HeldElements held_at_start(const Body& body, const FemGrip& grip);
 
@@ -50,11 +50,13 @@ std::vector<Vec3d> element_displacements(const HexMesh& mesh, const Body& body);
 /// Velocities in mm/s, LPS; 0 where the body has none.
 std::vector<Vec3d> element_velocities(const HexMesh& mesh, const Body& body);
 
-/// Hands displacements of nodes, and velocities unless empty, to the body. Elements of grips get
-/// exactly where they were to be, where `are_at_end`. Throws InputError for an offset beyond the
-/// range, the body unchanged.
-void give_to_body(const HexMesh& mesh, const std::vector<double>& u_mm,
-                  const std::vector<double>& v_mm_s, const std::vector<FemGrip>& grips,
-                  bool are_at_end, Body& body);
+/// The other way round: the mean of the nodes of each element.
+std::vector<Vec3d> at_centres(const HexMesh& mesh, const std::vector<double>& nodes);
+
+/// Hands displacements of elements, and velocities unless empty, to the body, in the order of its
+/// bricks. Elements of grips get exactly where they were to be, where `are_at_end`. Throws
+/// InputError for an offset beyond the range, the body unchanged.
+void give_to_body(const std::vector<Vec3d>& u_mm, const std::vector<Vec3d>& v_mm_s,
+                  const std::vector<FemGrip>& grips, bool are_at_end, Body& body);
 
 }  // namespace supple

@@ -14,13 +14,46 @@ ElasticTable material_elasticity(const MaterialTable& material) {
   return table;
 }
 
+namespace {
+
+std::optional<RefinedShape> refined(const Body& body, int halvings) {
+  if (halvings == 0) return std::nullopt;
+  return std::make_optional<RefinedShape>(body, halvings);
+}
+
+}  // namespace
+
 VoxelFemModel::VoxelFemModel(const HeldBody& held, const ElasticTable& elastic, FemLoads loads,
-                             const FemParams& params, const Body* shape, Progress* progress)
+                             const FemParams& params, const Body* shape, int halvings,
+                             Progress* progress)
     : m_held(held),
-      m_model(shape != nullptr ? *shape : held.body, elastic, Dilatation::mean, progress),
+      m_refined(refined(shape != nullptr ? *shape : held.body, halvings)),
+      m_model(m_refined          ? m_refined->body()
+              : shape != nullptr ? *shape
+                                 : held.body,
+              elastic, Dilatation::mean, progress),
       m_loads(std::move(loads)),
       m_params(params) {
   params.validate();
+  if (!m_refined) return;
+  const auto refine = [&](auto& list) {
+    for (auto& load : list) {
+      load.elements = m_refined->parts_of(load.elements, m_held.body.elements);
+    }
+  };
+  refine(m_loads.forces);
+  refine(m_loads.face_pressures);
+  refine(m_loads.inner_pressures);
+}
+
+std::vector<std::vector<std::int32_t>> VoxelFemModel::parts() const {
+  std::vector<std::vector<std::int32_t>> all;
+  if (!m_refined) return all;
+  const BrickTopology& elements = m_held.body.elements;
+  for_each_element(elements, [&](Slot slot) {
+    all.push_back(m_refined->parts_of(m_model.mesh(), voxel_of(elements, slot)));
+  });
+  return all;
 }
 
 void VoxelFemModel::move(const std::vector<Handle>& handles, int, Progress* progress) {
@@ -28,7 +61,10 @@ void VoxelFemModel::move(const std::vector<Handle>& handles, int, Progress* prog
   HeldVoxels found = hold(m_held.body, handles, fixed, m_held.holds);
   m_grips = fem_grips(m_held.body, found, m_told);
   m_loads.held.clear();
-  for (const FemGrip& grip : m_grips) m_loads.held.push_back(held_at_end(m_held.body, grip));
+  for (const FemGrip& grip : m_grips) {
+    HeldElements& held = m_loads.held.emplace_back(held_at_end(m_held.body, grip));
+    if (m_refined) held.elements = m_refined->parts_of(held.elements, m_held.body.elements);
+  }
   m_solution = m_model.solve(m_loads, m_params, progress);
   found.rest.anchored.add(found.grabbed);
   m_held.holds = std::move(found.rest);
@@ -59,7 +95,17 @@ FemReaction VoxelFemModel::anchor_reaction() const {
 
 void VoxelFemModel::store() {
   if (m_solution.u_mm.empty()) return;
-  give_to_body(m_model.mesh(), m_solution.u_mm, {}, m_grips, true, m_held.body);
+  std::vector<Vec3d> moved;
+  if (m_refined) {
+    const BrickTopology& elements = m_held.body.elements;
+    for_each_element(elements, [&](Slot slot) {
+      moved.push_back(
+          m_refined->at_centre(m_model.mesh(), m_solution.u_mm, voxel_of(elements, slot)));
+    });
+  } else {
+    moved = at_centres(m_model.mesh(), m_solution.u_mm);
+  }
+  give_to_body(moved, {}, m_grips, true, m_held.body);
 }
 
 }  // namespace supple

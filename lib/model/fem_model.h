@@ -12,6 +12,7 @@
 #include "lib/model/fem_grips.h"
 #include "lib/model/held_body.h"
 #include "lib/model/model.h"
+#include "lib/model/refined_shape.h"
 
 namespace supple {
 
@@ -21,9 +22,10 @@ ElasticTable material_elasticity(const MaterialTable& material);
 class VoxelFemModel final : public Model<Handle> {
  public:
   /// `shape`: elements, classes and cuts of the solid, where they are not those of the body; it
-  /// is needed no more afterwards. `loads` are all but what is held. Throws InputError as FemModel.
+  /// is needed no more afterwards. `loads` are all but what is held. `halvings`: of the voxels'
+  /// edges, for smaller elements (refined_shape.h). Throws InputError as FemModel.
   VoxelFemModel(const HeldBody& held, const ElasticTable& elastic, FemLoads loads = {},
-                const FemParams& params = {}, const Body* shape = nullptr,
+                const FemParams& params = {}, const Body* shape = nullptr, int halvings = 0,
                 Progress* progress = nullptr);
 
   /// Reactions are wanted of these elements, which earlier moves have left held.
@@ -47,11 +49,15 @@ class VoxelFemModel final : public Model<Handle> {
   /// Of the last move.
   const FemReport& report() const { return m_solution.report; }
   const FemModel& solid() const { return m_model; }
+  /// The elements of its mesh that the voxels of the body consist of, in the order of the bricks;
+  /// empty where each is one element.
+  std::vector<std::vector<std::int32_t>> parts() const;
   /// Of the nodes of its mesh.
   const std::vector<double>& displacement_mm() const { return m_solution.u_mm; }
 
  private:
   HeldBody m_held;
+  std::optional<RefinedShape> m_refined;
   FemModel m_model;
   FemLoads m_loads;
   FemParams m_params;

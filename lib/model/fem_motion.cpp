@@ -130,7 +130,8 @@ FemReaction VoxelFemMotion::anchor_reaction() const {
 
 void VoxelFemMotion::store() {
   if (!m_newmark) return;
-  give_to_body(m_model.mesh(), m_newmark->u_mm(), m_newmark->v_mm_s(), m_grips,
+  const HexMesh& mesh = m_model.mesh();
+  give_to_body(at_centres(mesh, m_newmark->u_mm()), at_centres(mesh, m_newmark->v_mm_s()), m_grips,
                m_newmark->steps() >= m_steps, m_held.body);
 }
 

@@ -141,22 +141,50 @@ void fit_pieces(Body& body, FemRecord& record) {
   if (record.fitted_pieces > 0) offsets.give(body);
 }
 
-std::vector<StrainGauge> gauges_of(const FemModel& solid, const std::vector<double>& u_mm,
-                                   const FemTask& task, StrainTheory theory) {
+/// What a solution says of the elements of the body, each of which may have parts.
+struct SolvedElements {
+  const FemModel& solid;
+  const std::vector<double>& u_mm;
+  StrainTheory theory;
+  std::vector<std::vector<std::int32_t>> parts;  // per element of the body; empty: each is its own
+
+  void add_to(StrainGauge& gauge, std::size_t element) const {
+    const std::vector<std::int32_t> itself{std::int32_t(element)};
+    const std::vector<std::int32_t>& of = parts.empty() ? itself : parts[element];
+    for (const std::int32_t part : of) {
+      const ElementState state = element_state(solid.mesh(), solid.material(), u_mm, part, theory);
+      for (std::size_t n = 0; n < kFemQuantities.size(); ++n) {
+        gauge.mean[n] += value_of(state, kFemQuantities[n].first) / double(of.size());
+      }
+    }
+  }
+
+  /// Mean of a quantity over each element.
+  std::vector<float> values_of(FemQuantity quantity) const {
+    std::vector<float> values =
+        element_values(solid.mesh(), solid.material(), u_mm, quantity, theory);
+    if (parts.empty()) return values;
+    std::vector<float> means;
+    for (const std::vector<std::int32_t>& of : parts) {
+      double sum = 0;
+      for (const std::int32_t part : of) sum += values[std::size_t(part)];
+      means.push_back(float(sum / double(of.size())));
+    }
+    return means;
+  }
+};
+
+std::vector<StrainGauge> gauges_of(const SolvedElements& solved, const FemTask& task) {
   std::map<std::int32_t, StrainGauge> gauges;
   if (task.labels.empty()) return {};
-  std::int32_t element = 0;
+  std::size_t element = 0;
   for_each_element(task.held.body.elements, [&](Slot slot) {
     const std::int32_t label = task.labels.at(slot);
     if (label > 0) {
       StrainGauge& gauge = gauges[label];
       gauge.label = label;
       ++gauge.elements;
-      const ElementState state =
-          element_state(solid.mesh(), solid.material(), u_mm, element, theory);
-      for (std::size_t n = 0; n < kFemQuantities.size(); ++n) {
-        gauge.mean[n] += value_of(state, kFemQuantities[n].first);
-      }
+      solved.add_to(gauge, element);
     }
     ++element;
   });
@@ -168,13 +196,11 @@ std::vector<StrainGauge> gauges_of(const FemModel& solid, const std::vector<doub
   return list;
 }
 
-std::vector<ElementValues> values_of(const FemStep& step, const FemModel& solid,
-                                     const std::vector<double>& u_mm, const Body& body) {
+std::vector<ElementValues> values_of(const FemStep& step, const SolvedElements& solved,
+                                     const Body& body) {
   std::vector<ElementValues> values;
   for (const FemQuantity quantity : step.wanted) {
-    values.push_back(
-        {quantity, body.elements,
-         element_values(solid.mesh(), solid.material(), u_mm, quantity, step.params.strain)});
+    values.push_back({quantity, body.elements, solved.values_of(quantity)});
   }
   return values;
 }
@@ -227,16 +253,18 @@ void move_to_equilibrium(const FemStep& step, const FemTask& task, const Solid& 
                          const std::vector<Handle>& handles, FemRecord& record,
                          Progress* progress) {
   VoxelFemModel model(task.held, solid.elastic, loads_of(step, task, solid), step.params,
-                      solid.body ? &*solid.body : nullptr, progress);
+                      solid.body ? &*solid.body : nullptr, step.halvings, progress);
   model.tell_of(task.gripped);
   model.move(handles, 1, progress);
   model.store();
   record.report = model.report();
   record.reactions = model.reactions(task.gripped);
   record.anchors = model.anchor_reaction();
-  record.gauges = gauges_of(model.solid(), model.displacement_mm(), task, step.params.strain);
-  record.values = values_of(step, model.solid(), model.displacement_mm(), task.held.body);
-  if (step.keeps_nodes) record.nodes.u_mm = model.displacement_mm();
+  const SolvedElements solved{model.solid(), model.displacement_mm(), step.params.strain,
+                              model.parts()};
+  record.gauges = gauges_of(solved, task);
+  record.values = values_of(step, solved, task.held.body);
+  if (step.keeps_nodes && step.halvings == 0) record.nodes.u_mm = model.displacement_mm();
 }
 
 /// Damping of the elements' material, and that of the step.
@@ -286,8 +314,9 @@ void move_in_time(const FemStep& step, const FemTask& task, const Solid& solid,
                          report.largest_strain > step.params.max_strain;
   record.reactions = model.reactions(task.gripped);
   record.anchors = model.anchor_reaction();
-  record.gauges = gauges_of(model.solid(), u, task, StrainTheory::linear);
-  record.values = values_of(step, model.solid(), u, task.held.body);
+  const SolvedElements solved{model.solid(), u, StrainTheory::linear, {}};
+  record.gauges = gauges_of(solved, task);
+  record.values = values_of(step, solved, task.held.body);
   if (step.keeps_nodes) record.nodes = {u, model.motion().v_mm_s()};
 }
 
@@ -319,6 +348,11 @@ FemRecord move_by_fem(const FemStep& step, const FemTask& task, const std::vecto
   Body& body = task.held.body;
   const Solid solid = solid_of(step, task);
   FemRecord record;
+  if (step.halvings > 0 && (step.modes || step.motion)) {
+    throw InputError({"", "refine",
+                      std::string("smaller elements beside ") + (step.modes ? "modes" : "a motion"),
+                      "0"});
+  }
   if (step.modes) {
     if (!handles.empty()) {
       throw InputError({"", "modes", "handles", "anchors alone, which stay at rest"});
@@ -362,6 +396,9 @@ Fields fields(FemStep& step) {
           .range(1, 100000),
       Field("loose", params.loose, {"hold", "refuse"},
             "What nothing holds: stays where it is at rest, or is an error"),
+      Field("refine", step.halvings,
+            "Elements of half a voxel's edge, 1, of a quarter, 2, an eighth, 3")
+          .range(0, kMostHalvings),
       Field("max_rotation", params.max_rotation_deg, "Larger turns of an element are warned of")
           .unit("degrees")
           .shown_as("DEG")

@@ -36,6 +36,7 @@ struct FemStep {
   Vec3d gravity_m_s2{0, 0, 0};  // LPS
   /// Of the elements of rigid pieces.
   double rigid_young_kpa = 18.6e6, rigid_poisson = 0.3;
+  int halvings = 0;  // of the voxels' edges, for smaller elements
   std::vector<FemLoad> loads;
   std::vector<FemQuantity> wanted;   // whose values the record is to have
   std::optional<ModeStep> modes;     // instead of an equilibrium

@@ -7,6 +7,7 @@
 
 #include "lib/fem/fem_results.h"
 #include "lib/model/fem_model.h"
+#include "lib/model/refined_shape.h"
 #include "tests/lib/fem_fixtures.h"
 
 using namespace supple;
@@ -210,4 +211,108 @@ TEST(PropertyFem, ABodyThatIsHeldAltogetherIsWhereItIsHeld) {
   EXPECT_EQ(body.offset({1, 2, 0}, 0), kVoxel);
   EXPECT_EQ(body.offset({2, 0, 1}, 2), -kVoxel / 2);
   EXPECT_LT(model.reactions(all).front().force_n.length(), 1e-9);
+}
+
+TEST(PropertyFemRefined, PartsOfVoxelsHaveTheirPlaceClassAndCuts) {
+  std::mt19937 random(51);
+  for (const int halvings : {1, 2}) {
+    const Body body = random_fem_body(random, Vec3i(11, 10, 9));
+    const RefinedShape refined(body, halvings);
+    const Body& fine = refined.body();
+    const int parts = 1 << halvings;
+    EXPECT_EQ(fine.elements.active_count(), body.elements.active_count() * parts * parts * parts);
+    EXPECT_NEAR(fine.geometry.determinant() * parts * parts * parts, body.geometry.determinant(),
+                1e-12);
+    std::int64_t cut = 0, cut_inside = 0;
+    for_each_element(fine.elements, [&](Slot slot) {
+      const Vec3i voxel = voxel_of(fine.elements, slot);
+      const Vec3d in_body =
+          body.geometry.index_from_world(fine.geometry.world_from_index(Vec3d(voxel)));
+      Vec3i coarse;
+      for (int c = 0; c < 3; ++c) coarse[c] = int(std::lround(in_body[c]));
+      EXPECT_LT((in_body - Vec3d(coarse)).length(), 0.87);
+      Slot of = 0;
+      ASSERT_TRUE(slot_of(body.elements, coarse, of));
+      EXPECT_EQ(fine.classes[slot], body.classes[of]);
+      for (int axis = 0; axis < 3; ++axis) {
+        Slot beside = 0;
+        Vec3i next = voxel;
+        next[axis] += 1;
+        if (!slot_of(fine.elements, next, beside)) continue;
+        const bool is_cut = fine.cuts.is_cut(slot / kBrickVoxels, int(slot % kBrickVoxels), axis);
+        const bool is_border = (voxel[axis] + 1) % parts == 0;
+        cut += is_cut;
+        cut_inside += is_cut && !is_border;
+        if (!is_border) continue;
+        EXPECT_EQ(is_cut, body.cuts.is_cut(of / kBrickVoxels, int(of % kBrickVoxels), axis));
+      }
+    });
+    EXPECT_GT(cut, 0);
+    EXPECT_EQ(cut_inside, 0);
+    // Neither a gap nor a bridge.
+    EXPECT_EQ(find_islands(hex_mesh(fine)).count, find_islands(hex_mesh(body)).count);
+  }
+}
+
+TEST(PropertyFemRefined, CentresPartsAndSetsFindEachOther) {
+  std::mt19937 random(52);
+  const Body body = random_fem_body(random, Vec3i(6, 5, 6));
+  const RefinedShape refined(body, 2);
+  const HexMesh mesh = hex_mesh(refined.body());
+  std::vector<double> places;
+  for (const Vec3d& x : node_positions(mesh)) places.insert(places.end(), {x.x, x.y, x.z});
+  for_each_element(body.elements, [&](Slot slot) {
+    const Vec3i voxel = voxel_of(body.elements, slot);
+    const Vec3d centre = body.geometry.world_from_index(Vec3d(voxel));
+    EXPECT_LT((refined.at_centre(mesh, places, voxel) - centre).length(), 1e-9);
+    const std::vector<std::int32_t> parts = refined.parts_of(mesh, voxel);
+    ASSERT_EQ(parts.size(), 64u);
+    Vec3d mean(0.0);
+    for (const std::int32_t part : parts) mean += centre_displacement(mesh, places, part) / 64;
+    EXPECT_LT((mean - centre).length(), 1e-9);
+    EXPECT_EQ(refined.parts_of(SlotSet(std::vector<Slot>{slot}), body.elements).size(), 64u);
+  });
+}
+
+TEST(ConvergenceFemRefined, TurnsOfHandlesAreExactAndEnergyFallsTowardsItsLimit) {
+  // A block whose end is turned by a few degrees: lines between corners stay lines.
+  Body body = fem_cube(6);
+  const std::vector<Region> anchors{IndexBox{{0, 0, 0}, {5, 5, 0}}};
+  std::vector<std::array<std::int32_t, 3>> each;
+  Handle handle(Region(IndexBox{{0, 0, 5}, {5, 5, 5}}), {0, 0, 0});
+  elements_in(body, {{0, 0, 5}, {5, 5, 5}}).for_each([&](Slot slot) {
+    const Vec3i voxel = voxel_of(body.elements, slot);
+    each.push_back({int(-0.05 * (voxel.y - 2.5) * kFixedOne),
+                    int(0.05 * (voxel.x - 2.5) * kFixedOne), int(0.1 * kFixedOne)});
+  });
+  handle.each_by_q = each;
+  std::vector<double> energies, moments;
+  for (const int halvings : {0, 1, 2, 3}) {
+    Body turned = body;
+    Holds holds;
+    VoxelFemModel model({turned, anchors, holds}, ElasticTable::uniform(5, 0.3), {}, {}, nullptr,
+                        halvings);
+    model.move({handle}, 1, nullptr);
+    model.store();
+    energies.push_back(model.report().energy_mj);
+    moments.push_back(
+        model.reactions(std::vector<SlotSet>{elements_in(body, {{0, 0, 5}, {5, 5, 5}})})[0]
+            .moment_nmm.z);
+    EXPECT_NEAR(turned.offset({0, 5, 5}, 0) / kFixedOne, -0.125, 1e-4);
+    // Every node of the handle goes where the turn takes it.
+    const std::vector<Vec3d> places = node_positions(model.solid().mesh());
+    for (std::size_t n = 0; n < places.size(); ++n) {
+      if (places[n].z < 4.5 - 1e-9) continue;
+      const Vec3d u(model.displacement_mm()[3 * n], model.displacement_mm()[3 * n + 1],
+                    model.displacement_mm()[3 * n + 2]);
+      EXPECT_LT((u - Vec3d(-0.05 * (places[n].y - 2.5), 0.05 * (places[n].x - 2.5), 0.1)).length(),
+                1e-4);
+    }
+  }
+  for (std::size_t n = 1; n < energies.size(); ++n) {
+    EXPECT_LT(energies[n], energies[n - 1]);
+    EXPECT_LT(std::abs(moments[n]), std::abs(moments[n - 1]));
+  }
+  // Edges of what is held are singular: the order is about 1.
+  EXPECT_GT((energies[1] - energies[2]) / (energies[2] - energies[3]), 1.7);
 }

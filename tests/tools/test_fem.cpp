@@ -150,6 +150,29 @@ TEST_F(UnitFemScene, VolumesGaugesAndReactionsOfAStretchedBarAreThoseByHand) {
   }
 }
 
+TEST_F(UnitFemScene, SmallerElementsStretchTheBarAlike) {
+  const std::string path = scene("refine = 1", "[output]\nelements = { von_mises = \"m.nrrd\" }\n");
+  std::string text = read_text(path);
+  text.insert(text.find("[material]"), "[labels]\npath = \"labels.nhdr\"\n");
+  write_text(path, text);
+  const Outcome outcome = run_supple({"run", path, "-o", m_folder / "", "--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto step = nlohmann::json::parse(outcome.out)["steps"][0];
+  EXPECT_EQ(step["fem"]["elements"], 8 * 6 * 5 * 9);
+  EXPECT_EQ(step["fem"]["gauges"][0]["elements"], 6 * 5 * 7);
+  EXPECT_NEAR(step["fem"]["gauges"][0]["von_mises"], m_stress_kpa, 1e-5);
+  EXPECT_NEAR(step["reactions"][0]["force_n"][2], -m_stress_kpa * 15e-3, 1e-7);
+  const Volume volume = load_volume(m_folder / "m.nrrd");
+  EXPECT_NEAR(volume.density.at({2, 1, 4}), m_stress_kpa, 1e-4 * m_stress_kpa);
+  EXPECT_NEAR(volume.density.at({2, 1, 8}), 0, 1e-5);
+  for (const char* beside : {"motion = { time = 1 }", "modes = { count = 1 }"}) {
+    const Outcome refused =
+        run_supple({"run", scene("refine = 1, " + std::string(beside)), "-o", m_folder / ""});
+    EXPECT_EQ(refused.exit_code, 3);
+    EXPECT_NE(refused.err.find("smaller elements beside"), std::string::npos) << refused.err;
+  }
+}
+
 TEST_F(UnitFemScene, AVolumeLiesWhereItsElementsAre) {
   // A bar with a hole: bricks with gaps.
   write_bar("bar", [](const Vec3i& v) { return v.x == 2 && v.y < 3 && v.z == 4 ? 0 : 100; });

@@ -212,6 +212,22 @@ TEST_F(UnitTradeoff, MorePassesAndFinerTolerancesDoNotWorsenTheError) {
   EXPECT_EQ(page.find("http"), std::string::npos) << "the page asks for nothing";
 }
 
+TEST_F(UnitTradeoff, ElementsOfHalfAVoxelSayHowFarTheReferenceIsFromItsLimit) {
+  ASSERT_EQ(measure({"--method", "fem-fine", "--method", "ecm:6"}).exit_code, 0);
+  const std::vector<TradeRow> all = rows();
+  ASSERT_EQ(all.size(), 3u);
+  EXPECT_EQ(all[1].name(), "fem-fine:1");
+  EXPECT_GT(all[1].p95_mm, 1e-3);
+  EXPECT_LT(all[1].p95_mm, all[2].p95_mm);
+  const auto scene = nlohmann::json::parse(read_text(m_folder / "out/tradeoff.json"))["scenes"][0];
+  EXPECT_NEAR(scene["size_error_mm"], 2 * all[1].p95_mm, 1e-9);
+  EXPECT_EQ(scene["solving"]["floor"], scene["size_error_mm"]);
+  EXPECT_NE(read_text(m_folder / "out/index.html").find("Richardson"), std::string::npos);
+  ASSERT_EQ(measure({"--method", "ecm:6"}).exit_code, 0);
+  EXPECT_NE(read_text(m_folder / "out/index.html").find("smaller elements were not measured"),
+            std::string::npos);
+}
+
 TEST_F(UnitTradeoff, ACallGoesOnWhereTheLastOneEnded) {
   ASSERT_EQ(measure({"--method", "ecm"}).exit_code, 0);
   const std::string whole = csv();

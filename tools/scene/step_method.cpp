@@ -12,6 +12,7 @@ namespace {
 /// Time that springs have to follow their handles and come to rest. Short of a second they still
 /// swing, in which case their error says so.
 constexpr double kSpringTime_s = 1.0;
+constexpr double kFineTolerance = 1e-6;
 
 void by_box(SceneStep&, double) {}
 void by_ball(SceneStep& step, double) {
@@ -39,6 +40,12 @@ void by_fem(SceneStep& step, double tolerance) {
   step.fem->step.params.tolerance = tolerance;
   step.fem->step.params.reaction_tolerance = std::max(1e-9, tolerance);
   step.fem->step.params.max_iterations = 5000;
+}
+
+/// Elements of parts of a voxel say how far those of whole voxels are from their limit.
+void by_fine_fem(SceneStep& step, double halvings) {
+  by_fem(step, kFineTolerance);
+  step.fem->step.halvings = int(halvings);
 }
 
 const std::vector<double> kPasses = {1, 4, 16, 64, 256, 1024};
@@ -81,6 +88,9 @@ const std::vector<MethodFamily>& method_families() {
         {1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8}},
        0,
        by_fem},
+      {{"fem-fine", "elements of parts of a voxel", "halvings", 1, kMostHalvings, true, {1}},
+       0,
+       by_fine_fem},
   };
   return families;
 }
@@ -103,7 +113,7 @@ void require_common_loads(const SceneStep& step, const StepMethod& method) {
   const auto refuse = [&](const char* field, const char* found, const char* expected) {
     throw InputError({step.place, field, std::string(found) + " under " + method.name(), expected});
   };
-  const bool is_fem = method.family->solve == by_fem;
+  const bool is_fem = method.family->solve == by_fem || method.family->solve == by_fine_fem;
   if (step.fem && has_own_loads(*step.fem) && !is_fem) {
     refuse("fem", "forces, pressures, swellings or gravity", "handles and anchors, or fem");
   }

@@ -73,6 +73,7 @@ nlohmann::ordered_json curves_json(const TradeResults& results, const SceneCurve
 
 nlohmann::ordered_json scene_json(const TradeResults& results, const TradeScene& scene) {
   nlohmann::ordered_json json = {{"scene", scene.file}, {"volume", scene.volume}};
+  json["size_error_mm"] = scene.size_error_mm;
   json["solving"] = curves_json(results, curves_of(results, scene, false));
   if (scene.has_drawings) json["drawing"] = curves_json(results, curves_of(results, scene, true));
   return json;

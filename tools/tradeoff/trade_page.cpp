@@ -91,22 +91,33 @@ class PageOfCurves {
 
   void tell_reference_state() {
     const TradeRow& row = reference();
-    m_html +=
-        "<p>Volume <code>" + html_text(m_scene.volume) +
-        "</code>. Errors are distances in mm to the reference, " + link_to_reference() +
-        ": linear finite elements on the same voxels, over the " + std::to_string(row.moved) +
-        " elements that it moves by more than 1&#8239;% of the largest move. Below " +
-        short_number(m_curves.floor) +
-        " mm nothing can be told apart: by so much the reference differs from itself solved "
-        "less tightly, or places are rounded when they are stored. This floor is that of the "
-        "solver alone. How far the voxels are from the tissue, and linear theory from large "
-        "moves, it does not say. Passes of relaxation lower the energy of the links' springs, "
-        "which is not that of the reference: with many of them the error ends where both "
-        "models differ, and may rise on the way there.";
+    m_html += "<p>Volume <code>" + html_text(m_scene.volume) +
+              "</code>. Errors are distances in mm to the reference, " + link_to_reference() +
+              ": linear finite elements on the same voxels, over the " + std::to_string(row.moved) +
+              " elements that it moves by more than 1&#8239;% of the largest move. Below " +
+              short_number(m_curves.floor) + " mm nothing can be told apart: " + floor_text() +
+              " How far linear theory is from large moves it does not say. Passes of relaxation "
+              "lower the energy of the links' springs, "
+              "which is not that of the reference: with many of them the error ends where both "
+              "models differ, and may rise on the way there.";
     if (!row.warning.empty()) {
       m_html += " The reference warned: <em>" + html_text(row.warning) + "</em>.";
     }
     m_html += "</p>\n";
+  }
+
+  std::string floor_text() const {
+    if (m_scene.size_error_mm == m_curves.floor) {
+      return "by so much the reference is from the limit of smaller elements, estimated by "
+             "Richardson's rule from elements of half a voxel and the order 1 that edges of "
+             "handles and staircases have.";
+    }
+    return std::string(
+               "by so much the reference differs from itself solved less tightly, or "
+               "places are rounded when they are stored.") +
+           (m_scene.size_error_mm > 0
+                ? " The size of its elements adds " + short_number(m_scene.size_error_mm) + " mm."
+                : " This floor is that of the solver alone: smaller elements were not measured.");
   }
 
   void tell_reference_picture() {

@@ -22,9 +22,11 @@ struct TradeOptions {
 struct TradeScene {
   std::string file, name;  // as given; the name of its files
   std::string volume;      // as it was found
-  /// Errors below are none: the steps in which places are stored, or what the reference differs by
-  /// from itself solved a hundred times less tightly.
+  /// Errors below are none: the steps in which places are stored, what the reference differs by
+  /// from itself solved a hundred times less tightly, or how far it is from elements without size.
   double floor_mm = 0;
+  /// That last one, by the elements of half a voxel (Richardson); 0 where they were not measured.
+  double size_error_mm = 0;
   /// Of 1 - SSIM: what a step twice as long does to the reference.
   double floor_picture = 0;
   bool has_drawings = false;
