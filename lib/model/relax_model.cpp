@@ -12,9 +12,23 @@ const char* name_of(RelaxEnd end) {
   return kNames[std::size_t(end)];
 }
 
+double poisson_bulk_modulus(const Body& body) {
+  const MaterialClasses classes(body.material);
+  double sum_kpa = 0;
+  std::size_t count = 0;
+  for_each_element(body.elements, [&](Slot slot) {
+    if (body.rigid.at(slot) >= 0) return;
+    const int of = body.classes[slot];
+    sum_kpa += classes.physics(of, of).stiffness_kpa / (1 - 2 * classes.poisson_of_class(of));
+    ++count;
+  });
+  return std::min(sum_kpa / double(std::max<std::size_t>(count, 1)), kMaxBulkModulusKpa);
+}
+
 RelaxModel::RelaxModel(const HeldBody& held, const RelaxParams& params)
     : m_held(held), m_params(params), m_begin(std::chrono::steady_clock::now()) {
   params.validate();
+  if (params.poisson) m_params.bulk_modulus_kpa = poisson_bulk_modulus(held.body);
   m_anchored = anchored_elements(held.body, held.anchors, held.holds);
   if (!held.body.links_known_valid) {
     const ProjectionReport projection = project(held.body, m_anchored, held.holds);

@@ -39,6 +39,13 @@ struct RelaxReport {
   double milliseconds = 0;  // from the model's making
 };
 
+/// The bulk modulus in kPa with which relaxation has Navier's equations inside of tissue: mean over
+/// the elements outside of rigid pieces of E / (1 - 2 nu). Springs alone minimise E |grad u|^2 / 2,
+/// whose equations lack the part (lambda + mu) grad div u of elasticity; with mu = E the cells add
+/// it, lambda + mu being mu / (1 - 2 nu). At free surfaces both energies differ
+/// (docs/models/relaxation.md).
+double poisson_bulk_modulus(const Body& body);
+
 class RelaxModel final : public Model<Handle> {
  public:
   /// An invalid start is projected first, as drag() does. Throws InputError, the body unchanged:

@@ -63,6 +63,9 @@ Fields fields(RelaxParams& params) {
           .option("bulk-modulus")
           .recorded_as("bulk_modulus_kpa")
           .formerly("volume"),
+      Field("poisson", params.poisson,
+            "Keep volume as the material's Poisson's ratio says, in place of a bulk modulus")
+          .only_in_scenes(),
       Field("budget", params.budget_million,
             "End once that many elements were looked at, those of every pass and axis; 0: no limit")
           .unit("million")
@@ -90,7 +93,7 @@ void RelaxParams::validate() const {
     throw InputError({"", "budget", number_text(budget_million), "0 or more million elements"});
   }
   check_bulk_modulus(bulk_modulus_kpa);
-  if (bulk_modulus_kpa > 0 && !conserves_volume(method)) {
+  if ((bulk_modulus_kpa > 0 || poisson) && !conserves_volume(method)) {
     throw InputError(
         {"", "bulk_modulus", std::string("method ") + name_of(method), "red-black or accelerated"});
   }

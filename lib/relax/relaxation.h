@@ -56,6 +56,8 @@ struct RelaxParams {
   /// Bulk modulus with which cells keep their rest volume (volume_relaxation.h); 0: they do not.
   /// Only with the methods red_black and accelerated.
   double bulk_modulus_kpa = 0;
+  /// That bulk modulus follows from the material instead (poisson_bulk_modulus).
+  bool poisson = false;
   /// Ends after the pass in which so many million elements were looked at, one by one in each pass
   /// and coordinate; 0: no limit. Work and not time, so that the result is the same on every
   /// machine. With a budget the forces are asked less often whether they agree.

@@ -97,6 +97,10 @@ void Session::run_step(StepRecord& record, Progress* progress) {
   check_model_of_pieces(record);
   note_of_links(record, m_body.slacks.links(), progress);
   if (is_relaxed_by_default(record)) record.relax = tissue_relaxation();
+  if (record.relax && record.relax->poisson) {
+    record.relax->poisson = false;  // the record has its value
+    record.relax->bulk_modulus_kpa = poisson_bulk_modulus(m_body);
+  }
   release_and_fix(record);
   if (poses_of(record.drags) > 1) {
     follow_ways(record, progress);

@@ -8,6 +8,7 @@
 #include "lib/fem/fem_results.h"
 #include "lib/model/fem_model.h"
 #include "lib/model/refined_shape.h"
+#include "lib/model/relax_model.h"
 #include "tests/lib/fem_fixtures.h"
 
 using namespace supple;
@@ -315,4 +316,97 @@ TEST(ConvergenceFemRefined, TurnsOfHandlesAreExactAndEnergyFallsTowardsItsLimit)
   }
   // Edges of what is held are singular: the order is about 1.
   EXPECT_GT((energies[1] - energies[2]) / (energies[2] - energies[3]), 1.7);
+}
+
+namespace {
+
+/// Root mean square of the distance of elements from where finite elements have them, of their way.
+double distance_of(const Body& relaxed, const Body& solved) {
+  const HexMesh mesh = hex_mesh(solved);
+  const std::vector<Vec3d> found = element_displacements(mesh, relaxed);
+  const std::vector<Vec3d> wanted = element_displacements(mesh, solved);
+  double off = 0, way = 0;
+  for (std::size_t e = 0; e < wanted.size(); ++e) {
+    off += (found[e] - wanted[e]).length2();
+    way += wanted[e].length2();
+  }
+  return std::sqrt(off / way);
+}
+
+RelaxParams to_the_end(double bulk_modulus_kpa) {
+  RelaxParams params;
+  params.passes = 4000;
+  params.tolerance_voxels = 1e-6;
+  params.bulk_modulus_kpa = bulk_modulus_kpa;
+  return params;
+}
+
+Body relaxed_from(Body body, const std::vector<Region>& anchors, const Handle& handle,
+                  const RelaxParams& params) {
+  Holds holds;
+  RelaxModel model({body, anchors, holds}, params);
+  model.move({handle}, 1, nullptr);
+  run_model(model, params.passes);
+  return body;
+}
+
+}  // namespace
+
+TEST(ConvergenceElasticRelaxation, WithItsSurfaceHeldABodyObeysNavier) {
+  // u = (x^2, 0, 0) / 10 n on the surface of a cube, whose inside is 3 kPa and nu = 0.45.
+  constexpr double kYoung = 3, kPoisson = 0.45;
+  std::vector<double> of_theory;
+  for (const int n : {8, 16}) {
+    Block block = homogeneous(Vec3i(n), 10, 0.05, 5);
+    block.table.stiffness = Curve{{{0, kYoung}}};
+    block.table.poisson = Curve{{{0, kPoisson}}};
+    const Body rest = body_of(block);
+    std::vector<Vec3i> surface;
+    std::vector<std::array<std::int32_t, 3>> ways;
+    for_each_element(rest.elements, [&](Slot slot) {
+      const Vec3i v = voxel_of(rest.elements, slot);
+      const auto is_end = [n](int at) { return at == 0 || at == n - 1; };
+      if (!is_end(v.x) && !is_end(v.y) && !is_end(v.z)) return;
+      surface.push_back(v);
+      ways.push_back({int(0.1 * v.x * v.x / n * kFixedOne), 0, 0});
+    });
+    Handle handle(Region::of_points(surface, "surface"), {0, 0, 0});
+    handle.each_by_q = ways;
+    Body solved = rest;
+    Holds holds;
+    VoxelFemModel fem({solved, {}, holds}, ElasticTable::uniform(kYoung, kPoisson));
+    fem.move({handle}, 1, nullptr);
+    fem.store();
+    RelaxParams by_material = to_the_end(0);
+    by_material.poisson = true;
+    EXPECT_NEAR(poisson_bulk_modulus(rest), kYoung / (1 - 2 * kPoisson), 1e-6 * kYoung);
+    of_theory.push_back(distance_of(relaxed_from(rest, {}, handle, by_material), solved));
+    if (n == 8) continue;
+    for (const double factor : {0.0, 0.2, 5.0}) {
+      const RelaxParams other = to_the_end(factor * kYoung / (1 - 2 * kPoisson));
+      EXPECT_GT(distance_of(relaxed_from(rest, {}, handle, other), solved), 1.5 * of_theory.back())
+          << factor;
+    }
+  }
+  // Elements hold the corners of the surface's voxels, half a voxel further in: of order 1.
+  EXPECT_LT(of_theory[1], 0.06);
+  EXPECT_LT(of_theory[1], 0.6 * of_theory[0]);
+}
+
+TEST(ConvergenceElasticRelaxation, APulledBlockNarrowsAlmostAsAnElasticOne) {
+  Block block = homogeneous(Vec3i(12), 10, 0.05, 5);
+  block.table.stiffness = Curve{{{0, 1}}};
+  block.table.poisson = Curve{{{0, 0.48}}};
+  const Body rest = body_of(block);
+  const std::vector<Region> foot{IndexBox{{0, 0, 0}, {11, 11, 0}}};
+  const Handle pull(Region(IndexBox{{0, 0, 11}, {11, 11, 11}}), {0, 0, int(0.3 * kFixedOne)});
+  Body solved = rest;
+  Holds holds;
+  VoxelFemModel fem({solved, foot, holds}, ElasticTable::uniform(1, 0.48));
+  fem.move({pull}, 1, nullptr);
+  fem.store();
+  RelaxParams by_material = to_the_end(0);
+  by_material.poisson = true;
+  EXPECT_LT(distance_of(relaxed_from(rest, foot, pull, by_material), solved), 0.06);
+  EXPECT_GT(distance_of(relaxed_from(rest, foot, pull, to_the_end(0)), solved), 0.3);
 }

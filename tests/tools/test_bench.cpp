@@ -324,6 +324,21 @@ TEST(UnitBench, AQuickRunOfSpringsKeepsEveryRow) {
   EXPECT_NE(all.find("drag/1e+06/explicit\n"), std::string::npos);
 }
 
+TEST(UnitBench, FittedRelaxationIsNearerToFiniteElementsThanPlainOne) {
+  const TemporaryFolder folder;
+  const Outcome outcome =
+      run_supple({"bench", "fit", "--only", "pull/0.45/poisson", "--only", "pull/0.45/relax6",
+                  "--only", "pull/0.45/ecm26", "--json", folder / "fit.json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto rows = nlohmann::json::parse(read_text(folder / "fit.json"))["rows"];
+  ASSERT_EQ(rows.size(), 3u);
+  EXPECT_EQ(rows[0]["model"], "ecm26");
+  EXPECT_NEAR(rows[0]["slack"], 0.02, 0.002);  // of the load
+  EXPECT_GT(rows[1]["error_rms"], 0.25);
+  EXPECT_LT(rows[2]["error_rms"], 0.05);
+  EXPECT_NEAR(rows[2]["bulk_over_young"], 10, 1e-9);
+}
+
 TEST(UnitBench, RowsOfFiniteElementsHaveTheDocumentedFieldsAndConverge) {
   const TemporaryFolder folder;
   const Outcome outcome = run_supple(

@@ -66,6 +66,27 @@ TEST_F(UnitRelaxVolume, ASceneAndDeformAgree) {
   EXPECT_EQ(read_state(m_folder / "out.vdb").q, by_deform);
 }
 
+TEST_F(UnitRelaxVolume, PoissonsRatioOfTheMaterialGivesTheModulus) {
+  write_text(m_folder / "soft.toml",
+             read_text(m_folder / "soft.toml") + "stiffness = [[0, 2]]\npoisson = [[0, 0.45]]\n");
+  Outcome outcome = scene("{ passes = 30, poisson = true }");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const State state = read_state(m_folder / "out.vdb");
+  const auto relax = nlohmann::json::parse(state.configuration)["steps"][0]["relax"];
+  EXPECT_NEAR(relax["bulk_modulus_kpa"], 20, 1e-9);
+  EXPECT_FALSE(relax.contains("poisson"));
+  ASSERT_EQ(scene("{ passes = 30, bulk_modulus = 20 }").exit_code, 0);
+  EXPECT_EQ(read_state(m_folder / "out.vdb").q, state.q);
+  outcome = scene("{ poisson = true, bulk_modulus = 1 }");
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_NE(outcome.err.find("relax.poisson: found poisson beside bulk_modulus"), std::string::npos)
+      << outcome.err;
+  outcome = scene("{ poisson = true, method = \"plain\" }");
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_NE(outcome.err.find("relax.poisson: found method \"plain\""), std::string::npos)
+      << outcome.err;
+}
+
 TEST_F(UnitRelaxVolume, WithoutItNeitherTheReportNorTheStateMentionsIt) {
   const Outcome outcome = deform({"--relax", "3"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;

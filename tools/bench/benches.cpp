@@ -5,6 +5,7 @@
 #include "tools/bench/ecm/bench_ecm.h"
 #include "tools/bench/economy/bench_economy.h"
 #include "tools/bench/elastic/bench_fem.h"
+#include "tools/bench/elastic/bench_fit.h"
 #include "tools/bench/elastic/bench_relax.h"
 #include "tools/bench/elastic/bench_springs.h"
 #include "tools/bench/invert/bench_invert.h"
@@ -22,6 +23,10 @@ Bench bench_of(const BenchOptions& options, int threads, Console& console) {
     const FemBenchOptions fem{options.quick, threads, options.only, options.ct_head};
     return {[=, &console] { return fem_row_names(fem, console); },
             [=, &console] { return bench_fem(fem, console); }};
+  }
+  if (options.name == "fit") {
+    const FitBenchOptions fit{options.quick, options.only};
+    return {[=] { return fit_row_names(fit); }, [=, &console] { return bench_fit(fit, console); }};
   }
   if (options.name == "invert") {
     const InvertBenchOptions invert{options.quick, threads, options.only};

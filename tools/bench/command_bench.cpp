@@ -90,9 +90,9 @@ Command add_bench(CLI::App& program) {
                      "  supple bench invert --only 128 --json invert.json");
   CLI::Option* name =
       app->add_option("name", options->bench.name,
-                      "Which benchmark: ecm, economy, fem, invert, io, relax, render or springs")
+                      "Which benchmark: ecm, economy, fem, fit, invert, io, relax, render or springs")
           ->check(CLI::IsMember(
-              {"ecm", "economy", "fem", "invert", "io", "relax", "render", "springs"}))
+              {"ecm", "economy", "fem", "fit", "invert", "io", "relax", "render", "springs"}))
           ->option_text("NAME");
   app->add_flag("--calibrate", options->calibrate,
                 "Measure what `supple run --dry-run` reckons with, and keep it for this user")

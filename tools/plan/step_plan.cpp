@@ -147,7 +147,7 @@ void StepPlan::relax(MovedBricks& moved) {
     return;
   }
   const RelaxParams params = m_request.relax ? *m_request.relax : tissue_relaxation();
-  const bool conserves = params.bulk_modulus_kpa > 0;
+  const bool conserves = params.bulk_modulus_kpa > 0 || params.poisson;
   double passes = params.passes, count = 0, bricks = 0;
   for (int c = 0; c < 3; ++c) {
     if (!moved.moves(c) && !conserves) continue;

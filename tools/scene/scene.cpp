@@ -19,8 +19,13 @@ namespace {
 RelaxParams read_relax(TomlTable& table) {
   RelaxParams params;
   table.read(fields(params));
-  if (params.bulk_modulus_kpa > 0 && !conserves_volume(params.method)) {
-    table.fail("bulk_modulus", std::string("method \"") + name_of(params.method) + "\"",
+  const bool conserves = params.bulk_modulus_kpa > 0 || params.poisson;
+  if (params.bulk_modulus_kpa > 0 && params.poisson) {
+    table.fail("poisson", "poisson beside bulk_modulus", "one of them");
+  }
+  if (conserves && !conserves_volume(params.method)) {
+    table.fail(params.poisson ? "poisson" : "bulk_modulus",
+               std::string("method \"") + name_of(params.method) + "\"",
                "method \"red-black\" or \"accelerated\"");
   }
   table.finish();

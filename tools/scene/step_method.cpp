@@ -23,6 +23,10 @@ void by_relaxation(SceneStep& step, double passes) {
   step.relax = RelaxParams();
   step.relax->passes = int(passes);
 }
+void by_elastic_relaxation(SceneStep& step, double passes) {
+  by_relaxation(step, passes);
+  step.relax->poisson = true;
+}
 void by_springs_at_rest(SceneStep& step, double steps) {
   step.springs = SpringStep();
   step.springs->motion.minimise = true;
@@ -64,6 +68,9 @@ const std::vector<MethodFamily>& method_families() {
       {{"relax-26", "relaxed, 26 links", "passes", 1, kMaxPasses, true, kPasses},
        26,
        by_relaxation},
+      {{"relax-poisson", "relaxed, volume by \u03bd", "passes", 1, kMaxPasses, true, kPasses},
+       6,
+       by_elastic_relaxation},
       {{"springs", "springs, to rest", "steps", 1, kMostSteps, true, {2, 8, 32, 128}},
        0,
        by_springs_at_rest},

@@ -17,7 +17,7 @@
 // for the solver's residual.
 //
 // Cost of a step: one solution, whose iterations are fewer the smaller the step is, and four
-// products. Memory: 40 bytes per unknown beside that of a solution.
+// products. Memory: 48 bytes per unknown beside that of a solution.
 #pragma once
 
 #include <array>
@@ -105,7 +105,7 @@ class Newmark {
   const FemModel& m_model;
   NewmarkParams m_params;
   NodalLoads m_loads;
-  std::vector<double> m_from;  // of held components; empty where none of them goes anywhere
+  std::vector<double> m_from;  // where held components began
   std::unique_ptr<Operators> m_operators;
   std::optional<Multigrid> m_multigrid;
   std::vector<double> m_u, m_v, m_a, m_reaction;

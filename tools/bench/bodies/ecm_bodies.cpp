@@ -148,10 +148,13 @@ Body tissue_ball_body(int diameter) {
   return ball_of(diameter, tissue_material());
 }
 
-Body tissue_bar_body(int length) {
-  const Vec3i size(length, length / 3, length / 3);
+Body even_block_body(const Vec3i& size, const MaterialTable& material) {
   return body_at_rest(geometry_of(size), block_topology(size, [](const Vec3i&) { return true; }),
-                      tissue_material(), [](const Vec3i&) { return std::uint8_t(255); });
+                      material, [](const Vec3i&) { return std::uint8_t(255); });
+}
+
+Body tissue_bar_body(int length) {
+  return even_block_body(Vec3i(length, length / 3, length / 3), tissue_material());
 }
 
 Body head_phantom_body(const Vec3i& size) {

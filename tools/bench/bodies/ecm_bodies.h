@@ -36,6 +36,9 @@ Body tissue_ball_body(int diameter);
 /// A bar of that tissue, a third as many voxels along j and k as along i.
 Body tissue_bar_body(int length);
 
+/// A full block of voxels of 1 mm, of one kind: class 255 of the material.
+Body even_block_body(const Vec3i& size, const MaterialTable& material);
+
 /// A head CT under the material of docs/scenes/ct_head_material.toml.
 Body ct_head_body(const std::string& path);
 /// The path given, or the head CT that tools/fetch_ct_head.sh fetches; empty where there is
