@@ -12,6 +12,7 @@
 #include "tools/tradeoff/trade_curves.h"
 #include "tools/tradeoff/trade_row.h"
 #include "tools/tradeoff/trade_tables.h"
+#include "volumes/io/load/load.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -207,6 +208,8 @@ TEST_F(UnitTradeoff, MorePassesAndFinerTolerancesDoNotWorsenTheError) {
   for (std::size_t r = 2; r < 5; ++r) EXPECT_LE(all[r].energy_uj, all[r - 1].energy_uj) << r;
   const auto json = nlohmann::json::parse(read_text(m_folder / "out/tradeoff.json"));
   EXPECT_EQ(json["rows"].size(), all.size());
+  EXPECT_NEAR(load_volume(m_folder / "out/runs/scene/ecm_6/error.nrrd").statistics.max,
+              all[1].max_mm, 1e-6);
   const std::string page = read_text(m_folder / "out/index.html");
   EXPECT_NE(page.find("id=\"row-9\""), std::string::npos);
   EXPECT_EQ(page.find("http"), std::string::npos) << "the page asks for nothing";

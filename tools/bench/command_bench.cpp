@@ -89,8 +89,9 @@ Command add_bench(CLI::App& program) {
                      "  supple bench ecm --only 'all/noise/128*+x/rest' --json ecm.json\n"
                      "  supple bench invert --only 128 --json invert.json");
   CLI::Option* name =
-      app->add_option("name", options->bench.name,
-                      "Which benchmark: ecm, economy, fem, fit, invert, io, relax, render or springs")
+      app->add_option(
+             "name", options->bench.name,
+             "Which benchmark: ecm, economy, fem, fit, invert, io, relax, render or springs")
           ->check(CLI::IsMember(
               {"ecm", "economy", "fem", "fit", "invert", "io", "relax", "render", "springs"}))
           ->option_text("NAME");

@@ -23,11 +23,9 @@ const ElementValues& last_values(const Session& session, FemQuantity quantity) {
 
 }  // namespace
 
-void write_element_volume(const std::string& path, const Session& session, FemQuantity quantity,
+void write_element_values(const std::string& path, const Geometry& geometry,
+                          const BrickTopology& elements, const std::vector<float>& of_element,
                           Progress* progress) {
-  const Geometry& geometry = session.geometry();
-  const ElementValues& values = last_values(session, quantity);
-  const BrickTopology& elements = values.elements;
   std::vector<std::size_t> first;  // value of each brick
   std::size_t count = 0;
   for (std::size_t b = 0; b < elements.brick_count(); ++b) {
@@ -41,7 +39,7 @@ void write_element_volume(const std::string& path, const Session& session, FemQu
     for (std::size_t b = 0; b < elements.brick_count(); ++b) {
       const Vec3i& origin = elements.origin(b);
       if (k < origin.z || k >= origin.z + kBrickDim) continue;
-      const float* value = &values.of_element[first[b]];
+      const float* value = &of_element[first[b]];
       for_each_active(elements.mask(b), [&](int offset) {
         const Vec3i voxel = origin + brick_local(offset);
         if (voxel.z == k) out[std::size_t(voxel.y) * row + std::size_t(voxel.x)] = *value;
@@ -53,6 +51,12 @@ void write_element_volume(const std::string& path, const Session& session, FemQu
        write_volume(path, geometry, ValueType::float32, write_slice, progress)) {
     warn(progress, line);
   }
+}
+
+void write_element_volume(const std::string& path, const Session& session, FemQuantity quantity,
+                          Progress* progress) {
+  const ElementValues& values = last_values(session, quantity);
+  write_element_values(path, session.geometry(), values.elements, values.of_element, progress);
 }
 
 void write_motion_table(const std::string& path, const Session& session) {

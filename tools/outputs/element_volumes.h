@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "lib/session/session.h"
 #include "volumes/base/progress.h"
@@ -12,6 +13,11 @@ namespace supple::tools {
 /// voxels where the elements were at rest, 0 elsewhere. The format follows the extension. Throws as
 /// write_volume.
 void write_element_volume(const std::string& path, const Session& session, FemQuantity quantity,
+                          Progress* progress);
+
+/// One value per element, in the order of the bricks, the same way.
+void write_element_values(const std::string& path, const Geometry& geometry,
+                          const BrickTopology& elements, const std::vector<float>& of_element,
                           Progress* progress);
 
 /// Of the last step with a motion in time (motion_csv). Throws SystemError.

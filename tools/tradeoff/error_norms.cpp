@@ -72,7 +72,8 @@ double ErrorReference::resolution_mm() const {
   return std::max({spacing.x, spacing.y, spacing.z}) / kFixedOne;
 }
 
-ErrorNorms ErrorReference::norms_of(const std::string& state_path, Progress* progress) const {
+ErrorNorms ErrorReference::norms_of(const std::string& state_path, Progress* progress,
+                                    std::vector<float>* distances_mm) const {
   const State state = read_state(state_path, progress);
   if (!has_same_elements(state, m_state)) {
     throw InputError(
@@ -84,6 +85,7 @@ ErrorNorms ErrorReference::norms_of(const std::string& state_path, Progress* pro
     const Vec3d wanted_mm = offset_mm(m_state, slot);
     const double error_mm = (offset_mm(state, slot) - wanted_mm).length();
     norms.max_mm = std::max(norms.max_mm, error_mm);
+    if (distances_mm != nullptr) distances_mm->push_back(float(error_mm));
     if (wanted_mm.length() > m_least_mm) errors_mm.push_back(error_mm);
   });
   norms.moved = std::int64_t(errors_mm.size());

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "lib/material/material.h"
 #include "volumes/base/progress.h"
@@ -29,8 +30,12 @@ class ErrorReference {
   ErrorReference(const std::string& state_path, Progress* progress);
 
   /// Of another state of the same body. The largest distance is that of all elements, moved or not.
-  /// Throws InputError as read_state, and for another grid or other elements.
-  ErrorNorms norms_of(const std::string& state_path, Progress* progress) const;
+  /// `distances_mm`: gets that of each element, in the order of the bricks. Throws InputError as
+  /// read_state, and for another grid or other elements.
+  ErrorNorms norms_of(const std::string& state_path, Progress* progress,
+                      std::vector<float>* distances_mm = nullptr) const;
+
+  const State& state() const { return m_state; }
 
   /// Steps in which a state stores places: no error below half of it is seen.
   double resolution_mm() const;

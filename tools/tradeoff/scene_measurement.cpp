@@ -9,6 +9,7 @@
 #include "raycast/pictures/compare.h"
 #include "tools/console/child_process.h"
 #include "tools/console/own_process.h"
+#include "tools/outputs/element_volumes.h"
 #include "tools/program_version.h"
 #include "tools/tradeoff/run_phases.h"
 #include "volumes/base/sha256.h"
@@ -200,17 +201,22 @@ TradeRow SceneMeasurement::measure(const RowSetting& setting) {
   return row;
 }
 
-/// The state of the reference stays.
+/// The state of the reference stays; of others a map of the distances.
 void SceneMeasurement::compare_states(const RowSetting& setting, TradeRow& row) {
   const std::string state = folder_of(setting) + '/' + kStateName;
-  const ErrorNorms norms = reference().norms_of(state, nullptr);
+  std::vector<float> distances_mm;
+  const ErrorNorms norms = reference().norms_of(state, nullptr, &distances_mm);
   row.moved = norms.moved;
   row.p50_mm = norms.p50_mm;
   row.p95_mm = norms.p95_mm;
   row.max_mm = norms.max_mm;
   row.volume_percent = norms.volume_percent;
   row.energy_uj = norms.energy_uj;
-  if (setting.name() != to_row(reference_method()).name()) fs::remove(state);
+  if (setting.name() == to_row(reference_method()).name()) return;
+  fs::remove(state);
+  const State& wanted = reference().state();
+  write_element_values(folder_of(setting) + "/error.nrrd", wanted.geometry, wanted.elements,
+                       distances_mm, nullptr);
 }
 
 void SceneMeasurement::compare_pictures(const RowSetting& setting, TradeRow& row) {
