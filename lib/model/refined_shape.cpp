@@ -38,8 +38,7 @@ BrickTopology refined_elements(const BrickTopology& coarse, int halvings) {
 
 }  // namespace
 
-RefinedShape::RefinedShape(const Body& coarse, int halvings)
-    : m_halvings(halvings), m_parts(1 << halvings) {
+RefinedShape::RefinedShape(const Body& coarse, int halvings) : m_parts(1 << halvings) {
   if (halvings < 1 || halvings > kMostHalvings) throw std::logic_error("halvings of voxels");
   m_fine.geometry = refined_geometry(coarse.geometry, m_parts);
   m_fine.elements = refined_elements(coarse.elements, halvings);

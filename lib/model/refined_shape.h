@@ -32,7 +32,7 @@ class RefinedShape {
  private:
   std::int32_t element_of(const HexMesh& mesh, const Vec3i& fine) const;
 
-  int m_halvings, m_parts;  // of an edge
+  int m_parts;  // of an edge
   Body m_fine;
 };
 
