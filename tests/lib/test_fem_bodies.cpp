@@ -374,7 +374,8 @@ TEST(ConvergenceElasticRelaxation, WithItsSurfaceHeldABodyObeysNavier) {
     handle.each_by_q = ways;
     Body solved = rest;
     Holds holds;
-    VoxelFemModel fem({solved, {}, holds}, ElasticTable::uniform(kYoung, kPoisson));
+    const std::vector<Region> nothing;
+    VoxelFemModel fem({solved, nothing, holds}, ElasticTable::uniform(kYoung, kPoisson));
     fem.move({handle}, 1, nullptr);
     fem.store();
     RelaxParams by_material = to_the_end(0);
