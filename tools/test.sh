@@ -20,12 +20,13 @@ for option in "$@"; do
 done
 
 logs=()
-# run_ctest PRESET [options]: a failure is reported at the end, after the list of skips.
+# run_ctest PRESET [options]: a failure is reported at the end, after the list of skips. One test more
+# than processors, as many wait for files and programs.
 failed=0
 run_ctest() {
   local preset="$1"
   shift
-  ctest --test-dir "build/$preset" -j "$(nproc)" --output-on-failure "$@" || failed=1
+  ctest --test-dir "build/$preset" -j "$(($(nproc) + 1))" --output-on-failure "$@" || failed=1
   logs+=("build/$preset/Testing/Temporary/LastTest.log")
 }
 
