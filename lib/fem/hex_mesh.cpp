@@ -9,9 +9,6 @@ namespace supple {
 
 namespace {
 
-/// Corners come as 32-bit numbers.
-constexpr std::int64_t kMaxElements = std::int64_t(1) << 28;
-
 constexpr int kAxisBit[3] = {4, 2, 1};
 
 /// One node per set of corners.
@@ -72,9 +69,9 @@ std::size_t Coarsening::bytes() const {
 
 HexMesh hex_mesh(const Body& body) {
   const BrickTopology& elements = body.elements;
-  if (elements.active_count() == 0 || elements.active_count() > kMaxElements) {
+  if (elements.active_count() == 0 || elements.active_count() > kMostElements) {
     throw InputError({"", "finite elements", std::to_string(elements.active_count()) + " voxels",
-                      "1 to " + std::to_string(kMaxElements)});
+                      "1 to " + std::to_string(kMostElements)});
   }
   HexMesh mesh;
   mesh.geometry = body.geometry;

@@ -18,6 +18,8 @@
 namespace supple {
 
 using NodeIndex = std::int32_t;
+/// Corners of elements come as 32-bit numbers.
+constexpr std::int64_t kMostElements = std::int64_t(1) << 28;
 /// Nodes of a hexahedron at its corners 4 di + 2 dj + dk.
 using Corners = std::array<NodeIndex, 8>;
 

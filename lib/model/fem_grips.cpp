@@ -327,9 +327,7 @@ void give_to_body(const std::vector<Vec3d>& u_mm, const std::vector<Vec3d>& v_mm
   for_each_element(body.elements, [&](Slot slot) {
     const Vec3d offset = body.geometry.index_vector_from_world(u_mm[e]);
     for (int c = 0; c < 3; ++c) state.set_offset(c, slot, offset[c]);
-    if (!v_mm_s.empty()) {
-      for (int c = 0; c < 3; ++c) state.set_velocity(c, slot, v_mm_s[e][c]);
-    }
+    for (int c = 0; c < 3; ++c) state.set_velocity(c, slot, v_mm_s.empty() ? 0 : v_mm_s[e][c]);
     ++e;
   });
   for (auto grip = grips.rbegin(); are_at_end && grip != grips.rend(); ++grip) {

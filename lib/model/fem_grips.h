@@ -53,9 +53,9 @@ std::vector<Vec3d> element_velocities(const HexMesh& mesh, const Body& body);
 /// The other way round: the mean of the nodes of each element.
 std::vector<Vec3d> at_centres(const HexMesh& mesh, const std::vector<double>& nodes);
 
-/// Hands displacements of elements, and velocities unless empty, to the body, in the order of its
-/// bricks. Elements of grips get exactly where they were to be, where `are_at_end`. Throws
-/// InputError for an offset beyond the range, the body unchanged.
+/// Hands displacements and velocities of elements to the body, in the order of its bricks; without
+/// velocities it is at rest. Elements of grips get exactly where they were to be, where
+/// `are_at_end`. Throws InputError for an offset beyond the range, the body unchanged.
 void give_to_body(const std::vector<Vec3d>& u_mm, const std::vector<Vec3d>& v_mm_s,
                   const std::vector<FemGrip>& grips, bool are_at_end, Body& body);
 

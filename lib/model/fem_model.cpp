@@ -18,6 +18,13 @@ namespace {
 
 std::optional<RefinedShape> refined(const Body& body, int halvings) {
   if (halvings == 0) return std::nullopt;
+  const std::int64_t count = body.elements.active_count() << 3 * halvings;
+  if (count > kMostElements) {
+    throw InputError({"", "refine",
+                      std::to_string(count) + " elements, " + std::to_string(1 << 3 * halvings) +
+                          " of each voxel",
+                      "at most " + std::to_string(kMostElements)});
+  }
   return std::make_optional<RefinedShape>(body, halvings);
 }
 

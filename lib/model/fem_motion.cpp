@@ -2,15 +2,11 @@
 
 #include <algorithm>
 
-#include "lib/fem/fem_results.h"
 #include "lib/model/quasi_static.h"
 
 namespace supple {
 
 namespace {
-
-/// Of what elements and nodes say of each other; offsets of elements are rounded to 2^-32 voxel.
-constexpr double kAlike = 1e-6;
 
 bool is_zero(const std::vector<Vec3d>& values) {
   return std::all_of(values.begin(), values.end(), [](const Vec3d& of) { return of == Vec3d(0); });
@@ -39,18 +35,8 @@ FemNodes VoxelFemMotion::nodes_of_body() const {
   const Body& body = m_held.body;
   const std::vector<Vec3d> moved = element_displacements(mesh, body);
   const std::vector<Vec3d> velocities = element_velocities(mesh, body);
-  const auto are_alike = [&](const std::vector<double>& nodes, const std::vector<Vec3d>& elements) {
-    if (nodes.empty()) return is_zero(elements);
-    if (nodes.size() != 3 * std::size_t(mesh.node_count())) return false;
-    for (std::size_t e = 0; e < elements.size(); ++e) {
-      const Vec3d off = centre_displacement(mesh, nodes, std::int32_t(e)) - elements[e];
-      if (off.length() > kAlike * (1 + elements[e].length())) return false;
-    }
-    return true;
-  };
   FemNodes nodes;
-  if (!m_start.u_mm.empty() && are_alike(m_start.u_mm, moved) &&
-      are_alike(m_start.v_mm_s, velocities)) {
+  if (m_start.u_mm.size() == 3 * std::size_t(mesh.node_count()) && m_start.elements_mm == moved) {
     nodes = m_start;
   } else {
     nodes.u_mm = at_nodes(mesh, body, moved);
@@ -72,7 +58,8 @@ void VoxelFemMotion::move(const std::vector<Handle>& handles, int steps, Progres
     start.held.push_back(held_at_start(body, grip));
     m_params.loads.held.push_back(held_at_end(body, grip));
   }
-  auto [u, v] = nodes_of_body();
+  FemNodes nodes = nodes_of_body();
+  std::vector<double>& u = nodes.u_mm;
   take_held(nodal_loads(mesh, m_model.material(), start), u);
   NodalLoads loads = nodal_loads(mesh, m_model.material(), m_params.loads);
   const HeldBits by_grips = loads.held;
@@ -90,7 +77,7 @@ void VoxelFemMotion::move(const std::vector<Handle>& handles, int steps, Progres
   }
   m_newmark = std::make_unique<Newmark>(m_model, m_params.density, m_params.damping,
                                         std::move(loads), m_params.newmark, progress);
-  m_newmark->start(std::move(u), std::move(v), progress);
+  m_newmark->start(std::move(u), std::move(nodes.v_mm_s), progress);
   m_steps = steps;
   found.rest.anchored.add(found.grabbed);
   m_held.holds = std::move(found.rest);

@@ -31,6 +31,7 @@ struct FemMotionParams {
 /// of by their means alone.
 struct FemNodes {
   std::vector<double> u_mm, v_mm_s;  // no velocities: at rest
+  std::vector<Vec3d> elements_mm;    // where the body then had its elements
 };
 
 class VoxelFemMotion final : public Model<Handle> {
@@ -44,7 +45,7 @@ class VoxelFemMotion final : public Model<Handle> {
   void tell_of(std::vector<SlotSet> elements) { m_told = std::move(elements); }
 
   /// Where a move() may begin, in place of what it would interpolate: used where the elements of
-  /// the body are, and move, as these nodes say.
+  /// the body are still where they were with these nodes.
   void start_from(FemNodes nodes) { m_start = std::move(nodes); }
 
   /// Begins a motion; the handles go over the next `steps` steps (smooth_way), or are there at once

@@ -4,7 +4,8 @@
 // A model takes the node state of a body when it is made: offsets or positions, velocities where it
 // knows motion. It moves the nodes step by step and hands them back with store(); the next model
 // goes on from there. Nothing else passes from one to the other, and nothing is lost between them:
-// a model leaves values that it does not know of (velocities, in a quasi-static one) as they are.
+// a model leaves values that it does not know of (velocities, in ECM and relaxation) as they are.
+// Under finite elements a body in equilibrium is at rest.
 //
 // | model   | voxel bodies     | mesh bodies     | a step is      | knows               |
 // |---------|------------------|-----------------|----------------|---------------------|

@@ -103,6 +103,8 @@ FemLoads loads_of(const FemStep& step, const FemTask& task, const Solid& solid) 
 /// Free pieces take the rigid pose nearest to where their elements came to: linear equations let
 /// what turns grow.
 void fit_pieces(Body& body, FemRecord& record) {
+  record.fitted_pieces = 0;
+  record.fitted_max_voxels = 0;
   NodeOffsets offsets(body);
   for (RigidPiece& piece : body.rigid.list) {
     RigidPiece at_rest = piece;
@@ -141,12 +143,14 @@ void fit_pieces(Body& body, FemRecord& record) {
   if (record.fitted_pieces > 0) offsets.give(body);
 }
 
+using Parts = std::vector<std::vector<std::int32_t>>;
+
 /// What a solution says of the elements of the body, each of which may have parts.
 struct SolvedElements {
   const FemModel& solid;
   const std::vector<double>& u_mm;
   StrainTheory theory;
-  std::vector<std::vector<std::int32_t>> parts;  // per element of the body; empty: each is its own
+  Parts parts;  // per element of the body; empty: each is its own
 
   void add_to(StrainGauge& gauge, std::size_t element) const {
     const std::vector<std::int32_t> itself{std::int32_t(element)};
@@ -260,11 +264,15 @@ void move_to_equilibrium(const FemStep& step, const FemTask& task, const Solid& 
   record.report = model.report();
   record.reactions = model.reactions(task.gripped);
   record.anchors = model.anchor_reaction();
+  const bool is_looked_at = !task.labels.empty() || !step.wanted.empty();
   const SolvedElements solved{model.solid(), model.displacement_mm(), step.params.strain,
-                              model.parts()};
+                              is_looked_at ? model.parts() : Parts()};
   record.gauges = gauges_of(solved, task);
   record.values = values_of(step, solved, task.held.body);
-  if (step.keeps_nodes && step.halvings == 0) record.nodes.u_mm = model.displacement_mm();
+  if (step.keeps_nodes && step.halvings == 0) {
+    record.nodes = {
+        model.displacement_mm(), {}, element_displacements(model.solid().mesh(), task.held.body)};
+  }
 }
 
 /// Damping of the elements' material, and that of the step.
@@ -317,7 +325,10 @@ void move_in_time(const FemStep& step, const FemTask& task, const Solid& solid,
   const SolvedElements solved{model.solid(), u, StrainTheory::linear, {}};
   record.gauges = gauges_of(solved, task);
   record.values = values_of(step, solved, task.held.body);
-  if (step.keeps_nodes) record.nodes = {u, model.motion().v_mm_s()};
+  if (step.keeps_nodes) {
+    record.nodes = {u, model.motion().v_mm_s(),
+                    element_displacements(model.solid().mesh(), task.held.body)};
+  }
 }
 
 }  // namespace

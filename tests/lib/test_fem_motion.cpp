@@ -349,8 +349,9 @@ TEST(PropertyFemMotion, AMotionThatIsStoredGoesOnAsIfItHadNotBeen) {
     for (int n = 0; n < 20; ++n) first.step();
     first.store();
     VoxelFemMotion second({two, anchors, held_two}, params);
-    FemNodes nodes{first.motion().u_mm(), first.motion().v_mm_s()};
-    if (!with_nodes) nodes.u_mm[0] += 0.1;  // of another body
+    FemNodes nodes{first.motion().u_mm(), first.motion().v_mm_s(),
+                   element_displacements(first.solid().mesh(), two)};
+    if (!with_nodes) nodes.elements_mm[0].x += 1e-9;  // of another body
     second.start_from(nodes);
     second.move({}, 0, nullptr);
     for (int n = 0; n < 20; ++n) second.step();

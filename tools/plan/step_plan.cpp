@@ -14,6 +14,7 @@ namespace {
 constexpr double kRelaxBytes = 18, kVolumeBytes = 25;  // per element that moves (docs/models)
 constexpr double kSpringBytes = 456, kSpringsOfElement = 12;
 constexpr double kFemBytes = 103;         // per unknown
+constexpr double kMotionBytes = 170;      // more, with mass, damping and what moves
 constexpr double kNodesOfElement = 1.12;  // of a head; of one slice twice as many
 constexpr double kLinearIterations = 60, kNewtonSystems = 12;
 /// Of the iterations of an equilibrium, those of a step of time.
@@ -183,13 +184,15 @@ void StepPlan::springs() {
 
 void StepPlan::finite_elements() {
   const bool is_slice = m_session.geometry().dims().z == 1;
-  const double unknowns = 3 * elements() * (is_slice ? 2.1 : kNodesOfElement);
+  const double parts = std::pow(8, m_request.fem->halvings);
+  const double unknowns = 3 * elements() * parts * (is_slice ? 2.1 : kNodesOfElement);
   const bool is_finite = m_request.fem->params.strain == StrainTheory::finite;
   const std::optional<MotionStep>& motion = m_request.fem->motion;
   const double systems = is_finite ? kNewtonSystems : motion ? motion->steps() * kMotionPart : 1;
   add(count_text(unknowns, "unknowns") + ", some " +
           count_text(systems * kLinearIterations, "iterations"),
-      "the step moves the body by finite elements", 0, unknowns * kFemBytes,
+      "the step moves the body by finite elements", 0,
+      unknowns * (kFemBytes + (motion ? kMotionBytes : 0)),
       unknowns * systems * kLinearIterations * m_costs.fem_unknown);
 }
 

@@ -158,6 +158,10 @@ namespace {
 
 void require_motion(const Scene& scene) {
   if (scene.output.motion.empty()) return;
+  if (has_frame_number(scene.output.motion)) {
+    throw InputError({scene.file, "output.motion", scene.output.motion,
+                      "a name without a number, as one table has all times"});
+  }
   for (const SceneStep& step : scene.steps) {
     if (step.fem && step.fem->step.motion) return;
   }

@@ -14,6 +14,9 @@ namespace {
 constexpr double kDefaultSteps = 100;
 /// More are taken for a mistake.
 constexpr int kMostSteps = 1000000;
+constexpr double kLongestRamp = 1e9;
+/// Outside of these nothing but rounding is left of a step.
+constexpr double kLeastTime_s = 1e-9, kMostTime_s = 1e6;
 
 /// The elements of voxels in the mesh of a body.
 std::vector<std::int32_t> elements_at(const std::vector<Vec3i>& voxels, const Body& body) {
@@ -80,7 +83,7 @@ int MotionStep::steps() const {
 }
 
 int MotionStep::ramp_steps() const {
-  return int(std::lround(std::min(ramp_s.value_or(time_s), 1e6 * time_s) / step_length_s()));
+  return int(std::lround(std::min(ramp_s.value_or(time_s) / step_length_s(), kLongestRamp)));
 }
 
 void MotionStep::validate() const {
@@ -141,7 +144,10 @@ void take_frame(const MotionRecord& record, std::size_t frame, Body& body) {
   std::size_t element = 0;
   for_each_element(body.elements, [&](Slot slot) {
     const Vec3d offset = body.geometry.index_vector_from_world(Vec3d(displacement[element++]));
-    for (int c = 0; c < 3; ++c) offsets.set_offset(c, slot, offset[c]);
+    for (int c = 0; c < 3; ++c) {
+      offsets.set_offset(c, slot, offset[c]);
+      offsets.set_velocity(c, slot, 0);
+    }
   });
   offsets.give(body);
 }
@@ -177,14 +183,17 @@ std::string motion_csv(const MotionRecord& record, const std::vector<std::string
 
 Fields fields(MotionStep& step) {
   Fields all = {
-      Field("time", step.time_s, "Length of the motion").unit("s").required().positive(),
+      Field("time", step.time_s, "Length of the motion")
+          .unit("s")
+          .required()
+          .range(kLeastTime_s, kMostTime_s),
       Field("step", step.step_s, "Longest step of time")
           .unit("s")
-          .positive()
+          .range(kLeastTime_s, kMostTime_s)
           .otherwise("a hundredth of the time"),
       Field("ramp", step.ramp_s, "In which handles go their way, smoothly; 0: at once")
           .unit("s")
-          .at_least(0)
+          .range(0, kMostTime_s)
           .otherwise("the whole time"),
       Field("mass_damping", step.mass_damping_per_s, "Rayleigh damping by the mass, α")
           .unit("1/s")

@@ -55,7 +55,7 @@ MotionRecord run_motion(const MotionStep& step, VoxelFemMotion& model, const Bod
                         const std::vector<Handle>& handles, const std::vector<SlotSet>& gripped,
                         Progress* progress);
 
-/// The elements lie where the record's frame has them.
+/// The elements lie, at rest, where the record's frame has them.
 void take_frame(const MotionRecord& record, std::size_t frame, Body& body);
 
 /// One row per sample: time in s, energies in mJ, displacements in mm, and the forces with which
