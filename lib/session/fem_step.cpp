@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <map>
 
 #include <nlohmann/json.hpp>
 
@@ -143,72 +142,6 @@ void fit_pieces(Body& body, FemRecord& record) {
   if (record.fitted_pieces > 0) offsets.give(body);
 }
 
-using Parts = std::vector<std::vector<std::int32_t>>;
-
-/// What a solution says of the elements of the body, each of which may have parts.
-struct SolvedElements {
-  const FemModel& solid;
-  const std::vector<double>& u_mm;
-  StrainTheory theory;
-  Parts parts;  // per element of the body; empty: each is its own
-
-  void add_to(StrainGauge& gauge, std::size_t element) const {
-    const std::vector<std::int32_t> itself{std::int32_t(element)};
-    const std::vector<std::int32_t>& of = parts.empty() ? itself : parts[element];
-    for (const std::int32_t part : of) {
-      const ElementState state = element_state(solid.mesh(), solid.material(), u_mm, part, theory);
-      for (std::size_t n = 0; n < kFemQuantities.size(); ++n) {
-        gauge.mean[n] += value_of(state, kFemQuantities[n].first) / double(of.size());
-      }
-    }
-  }
-
-  /// Mean of a quantity over each element.
-  std::vector<float> values_of(FemQuantity quantity) const {
-    std::vector<float> values =
-        element_values(solid.mesh(), solid.material(), u_mm, quantity, theory);
-    if (parts.empty()) return values;
-    std::vector<float> means;
-    for (const std::vector<std::int32_t>& of : parts) {
-      double sum = 0;
-      for (const std::int32_t part : of) sum += values[std::size_t(part)];
-      means.push_back(float(sum / double(of.size())));
-    }
-    return means;
-  }
-};
-
-std::vector<StrainGauge> gauges_of(const SolvedElements& solved, const FemTask& task) {
-  std::map<std::int32_t, StrainGauge> gauges;
-  if (task.labels.empty()) return {};
-  std::size_t element = 0;
-  for_each_element(task.held.body.elements, [&](Slot slot) {
-    const std::int32_t label = task.labels.at(slot);
-    if (label > 0) {
-      StrainGauge& gauge = gauges[label];
-      gauge.label = label;
-      ++gauge.elements;
-      solved.add_to(gauge, element);
-    }
-    ++element;
-  });
-  std::vector<StrainGauge> list;
-  for (auto& [label, gauge] : gauges) {
-    for (double& mean : gauge.mean) mean /= double(gauge.elements);
-    list.push_back(gauge);
-  }
-  return list;
-}
-
-std::vector<ElementValues> values_of(const FemStep& step, const SolvedElements& solved,
-                                     const Body& body) {
-  std::vector<ElementValues> values;
-  for (const FemQuantity quantity : step.wanted) {
-    values.push_back({quantity, body.elements, solved.values_of(quantity)});
-  }
-  return values;
-}
-
 void warn_of_result(const FemStep& step, const FemRecord& record, Progress* progress) {
   const FemReport& report = record.report;
   if (report.loose_islands > 0) {
@@ -266,9 +199,9 @@ void move_to_equilibrium(const FemStep& step, const FemTask& task, const Solid& 
   record.anchors = model.anchor_reaction();
   const bool is_looked_at = !task.labels.empty() || !step.wanted.empty();
   const SolvedElements solved{model.solid(), model.displacement_mm(), step.params.strain,
-                              is_looked_at ? model.parts() : Parts()};
-  record.gauges = gauges_of(solved, task);
-  record.values = values_of(step, solved, task.held.body);
+                              is_looked_at ? model.parts() : ElementParts()};
+  record.gauges = gauges_of(solved, task.held.body.elements, task.labels);
+  record.values = values_of(solved, task.held.body.elements, step.wanted);
   if (step.keeps_nodes && step.halvings == 0) {
     record.nodes = {
         model.displacement_mm(), {}, element_displacements(model.solid().mesh(), task.held.body)};
@@ -323,8 +256,8 @@ void move_in_time(const FemStep& step, const FemTask& task, const Solid& solid,
   record.reactions = model.reactions(task.gripped);
   record.anchors = model.anchor_reaction();
   const SolvedElements solved{model.solid(), u, StrainTheory::linear, {}};
-  record.gauges = gauges_of(solved, task);
-  record.values = values_of(step, solved, task.held.body);
+  record.gauges = gauges_of(solved, task.held.body.elements, task.labels);
+  record.values = values_of(solved, task.held.body.elements, step.wanted);
   if (step.keeps_nodes) {
     record.nodes = {u, model.motion().v_mm_s(),
                     element_displacements(model.solid().mesh(), task.held.body)};

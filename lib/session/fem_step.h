@@ -9,6 +9,7 @@
 
 #include "lib/fem/fem_results.h"
 #include "lib/model/fem_model.h"
+#include "lib/session/fem/element_results.h"
 #include "lib/session/fem/fem_modes.h"
 #include "lib/session/fem/motion_step.h"
 #include "lib/session/selection.h"
@@ -42,20 +43,6 @@ struct FemStep {
   std::optional<ModeStep> modes;     // instead of an equilibrium
   std::optional<MotionStep> motion;  // likewise
   bool keeps_nodes = false;          // for a motion that the next step is to have
-};
-
-/// A value per element.
-struct ElementValues {
-  FemQuantity quantity = FemQuantity::von_mises;
-  BrickTopology elements;         // of the body at that step
-  std::vector<float> of_element;  // in the order of their bricks
-};
-
-/// Means over the elements of a label, volumes being alike.
-struct StrainGauge {
-  std::int32_t label = 0;
-  std::int64_t elements = 0;
-  std::array<double, kFemQuantities.size()> mean{};
 };
 
 struct FemRecord {

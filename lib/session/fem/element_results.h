@@ -1,0 +1,50 @@
+// What a solution of finite elements says of the elements of a body: values of each, and means over
+// labels.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "lib/body/body.h"
+#include "lib/fem/fem.h"
+#include "lib/fem/fem_results.h"
+
+namespace supple {
+
+/// A value per element.
+struct ElementValues {
+  FemQuantity quantity = FemQuantity::von_mises;
+  BrickTopology elements;         // of the body at that step
+  std::vector<float> of_element;  // in the order of their bricks
+};
+
+/// Means over the elements of a label, volumes being alike.
+struct StrainGauge {
+  std::int32_t label = 0;
+  std::int64_t elements = 0;
+  std::array<double, kFemQuantities.size()> mean{};
+};
+
+/// The elements of the solid that each element of the body consists of.
+using ElementParts = std::vector<std::vector<std::int32_t>>;
+
+/// What a solution says of the elements of the body, each of which may have parts.
+struct SolvedElements {
+  const FemModel& solid;
+  const std::vector<double>& u_mm;
+  StrainTheory theory;
+  ElementParts parts;  // per element of the body; empty: each is its own
+
+  void add_to(StrainGauge& gauge, std::size_t element) const;
+  /// Mean of a quantity over each element.
+  std::vector<float> values_of(FemQuantity quantity) const;
+};
+
+/// Of the labels of these elements, ascending.
+std::vector<StrainGauge> gauges_of(const SolvedElements& solved, const BrickTopology& elements,
+                                   const BrickValues& labels);
+std::vector<ElementValues> values_of(const SolvedElements& solved, const BrickTopology& elements,
+                                     const std::vector<FemQuantity>& wanted);
+
+}  // namespace supple
