@@ -189,7 +189,8 @@ void TomlTable::read_field(const Field& field, const std::string& key) {
   if (auto* value = std::get_if<NumberPair*>(&target)) **value = pair();
   if (auto* value = std::get_if<std::optional<NumberPair>*>(&target)) **value = pair();
   if (auto* value = std::get_if<std::string*>(&target)) {
-    **value = field.is_path() ? *path(key) : field.name_for(*string(key));
+    **value =
+        field.is_path() && !field.is_word(*string(key)) ? *path(key) : field.name_for(*string(key));
     named(**value);
   }
   if (auto* value = std::get_if<PixelSize*>(&target)) {

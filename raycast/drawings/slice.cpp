@@ -131,6 +131,12 @@ class SliceDrawing {
         std::uint8_t* rgba = &image.rgba[4 * (std::size_t(y) * m_width + x)];
         std::fill_n(rgba, 3, pixel(x, y).grey);
         rgba[3] = 255;
+      }
+    }
+    if (m_style.paint) m_style.paint(image);
+    for (int y = 0; y < m_height; ++y) {
+      for (int x = 0; x < m_width; ++x) {
+        std::uint8_t* rgba = &image.rgba[4 * (std::size_t(y) * m_width + x)];
         if (is_rim(x, y, [](const SlicePixel& p) { return std::int64_t(p.at_rest); })) {
           std::copy_n(m_style.outline.data(), 3, rgba);
         }

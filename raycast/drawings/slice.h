@@ -33,9 +33,10 @@ struct SliceStyle {
   SlabMode slab = SlabMode::mean;
   const BrickTopology* rest = nullptr;  // whose outline is drawn; null: none
   std::array<std::uint8_t, 3> outline = {255, 200, 0};
-  RestPlaceAt rest_place;  // null: tissue is at rest
-  LabelAt label;           // outlined in label_colour; null: none
-  double grid_mm = 0;      // distance of lines that were straight at rest; 0: none
+  RestPlaceAt rest_place;             // null: tissue is at rest
+  LabelAt label;                      // outlined in label_colour; null: none
+  std::function<void(Image&)> paint;  // over the greys, below all drawings; null: nothing
+  double grid_mm = 0;                 // distance of lines that were straight at rest; 0: none
   std::array<std::uint8_t, 3> grid = {90, 200, 255};
 
   /// Throws InputError: grey_lo and grey_hi not finite and ascending, negative lengths.

@@ -6,6 +6,7 @@
 #include "raycast/scene/camera_path.h"
 #include "raycast/scene/framing.h"
 #include "raycast/scene/stereo.h"
+#include "tools/outputs/overlay_paint.h"
 #include "tools/outputs/staging.h"
 #include "volumes/field/cuts/cut_offsets.h"
 
@@ -143,9 +144,12 @@ class ViewDrawing {
     const bool needs_longest = shows("offset") || shows_arrows;
     if (m_offset_range.hi == 0 && needs_longest) m_offset_range.hi = longest_offset_mm(subject);
     if (shows_arrows) m_view.picture.offset_max_mm = m_offset_range.hi;
+    TissueMarks& marks = view.slice ? m_view.slice->marks : m_view.marks;
+    const bool colours_motion = marks.overlay == "displacement" && !marks.overlay_range;
+    marks = with_overlay_range(marks, colours_motion ? longest_offset_mm(subject) : 0);
     if (!view.lattice && !view.slice) m_renderer = make_renderer(subject, m_view);
     if (view.slice) {
-      m_view.slice = effective_slice(*view.slice, subject.geometry, subject.density);
+      m_view.slice = effective_slice(*m_view.slice, subject.geometry, subject.density);
     } else {
       SceneView framing = m_view;
       framing.zoom = 1;
@@ -253,6 +257,13 @@ class ViewDrawing {
             "[labels] in the scene, or meshes in the view");
     require(is_moved || !m_view.marks.arrows_mm || m_view.slice, "arrows", "nothing that has moved",
             "a deformed state or a warp");
+    const TissueMarks& marks = m_view.slice ? m_view.slice->marks : m_view.marks;
+    require(is_moved || !marks.shows_motion_in_colour(), "overlay", "nothing that has moved",
+            "a deformed state or a warp");
+    require(!solves || marks.overlay.empty() || m_view.slice, "overlay", "no inverse",
+            "inverse = true");
+    require(m_options.film == 0 || marks.overlay != "displacement" || marks.overlay_range,
+            "overlay_range", "none beside displacements in a film", "mm, the same in all frames");
     const bool is_flat = m_view.lattice || m_view.slice;
     require(!is_flat || m_options.aux.empty(), "aux", "a lattice or slices to draw",
             "a picture of a volume");

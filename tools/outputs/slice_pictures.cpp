@@ -8,6 +8,7 @@
 
 #include "raycast/drawings/annotations.h"
 #include "raycast/pictures/background.h"
+#include "tools/outputs/overlay_paint.h"
 #include "volumes/base/error.h"
 #include "volumes/grid/b_spline.h"
 #include "volumes/grid/volume.h"
@@ -70,14 +71,7 @@ SliceStyle slice_style(const SliceSource& source, const SliceChoice& choice) {
   style.grid_mm = choice.marks.grid_mm.value_or(0);
   const bool is_outlined = choice.outline && source.rest != nullptr && !source.rest->empty();
   if (is_outlined) style.rest = source.rest;
-  if (source.offsets != nullptr) {
-    style.rest_place = [&offsets = *source.offsets](const Vec3d& index, Vec3d& at_rest) {
-      Vec3d offset;
-      if (!offsets.sample(index, offset)) return false;
-      at_rest = index + offset;
-      return true;
-    };
-  }
+  style.rest_place = rest_place_of(source.offsets);
   if (choice.marks.labels != nullptr) {
     const StoredLabels& labels = *choice.marks.labels;
     const ScaleValues to_number = scale_values_of(labels.type());
@@ -161,14 +155,17 @@ void annotate(Annotations& annotations, const SlicePanel& panel, const SliceSour
   if (decoration.shows("text")) annotations.words(words_of(panel, choice, source.geometry));
 }
 
-void add_legend(Annotations& annotations, const SliceSource& source, const SliceChoice& choice) {
+void add_legend(Annotations& annotations, const SliceSource& source, const SliceChoice& choice,
+                const ValuePaint* paint) {
   const auto [lo, hi] = *choice.window;
   const auto grey = [lo = lo, hi = hi](double value) {
     const double share = (value - lo) / (hi - lo);
     return Rgb{share, share, share};
   };
   const bool is_ct = are_hounsfield_units(source.density.background());
-  annotations.legend({lo, hi}, grey, is_ct ? "HU" : "density");
+  const int count = paint != nullptr ? 2 : 1;
+  annotations.legend({lo, hi}, grey, is_ct ? "HU" : "density", 0, count);
+  if (paint != nullptr) add_overlay_legend(annotations, choice.marks, *paint, 1, count);
 }
 
 /// From where the tissue at places of a regular pattern came.
@@ -201,14 +198,25 @@ double common_letter_height(const std::vector<SlicePanel>& panels) {
 
 FloatImage draw_slices(const SliceSource& source, const SliceChoice& choice,
                        const Decoration& decoration) {
-  if (choice.marks.arrows_mm && source.offsets == nullptr) {
-    throw InputError({"", "arrows", "nothing that has moved", "a deformed state or a warp"});
-  }
+  const auto require_motion = [&](bool shows_motion, const char* field) {
+    if (!shows_motion || source.offsets != nullptr) return;
+    throw InputError({"", field, "nothing that has moved", "a deformed state or a warp"});
+  };
+  require_motion(choice.marks.arrows_mm.has_value(), "arrows");
+  require_motion(choice.marks.shows_motion_in_colour(), "overlay");
   std::vector<SlicePanel> panels = panels_of(source, choice);
-  const SliceStyle style = slice_style(source, choice);
+  SliceStyle style = slice_style(source, choice);
+  const PaintedBody painted{source.geometry, source.elements, style.rest_place};
+  std::optional<ValuePaint> paint;
+  if (!choice.marks.overlay.empty()) {
+    paint = overlay_paint(choice.marks, painted, PaintEdge::halfway);
+  }
   const DensityAt seen = seen_density(source, choice.interpolation);
   std::vector<Image> images;
   for (const SlicePanel& panel : panels) {
+    if (paint) {
+      style.paint = [&](Image& slice) { paint_values(slice, panel.grid, *paint, source.geometry); };
+    }
     images.push_back(draw_slice(source.geometry, panel.grid, seen, style));
   }
   const int columns = choice.count() > 1 ? choice.lightbox[0] : int(images.size());
@@ -228,7 +236,9 @@ FloatImage draw_slices(const SliceSource& source, const SliceChoice& choice,
     if (choice.marks.arrows_mm) add_arrows(annotations, panel, source, *choice.marks.arrows_mm);
     annotate(annotations, panel, source, choice, decoration);
     const bool is_last = n + 1 == panels.size();
-    if (decoration.shows("legend") && is_last) add_legend(annotations, source, choice);
+    if (decoration.shows("legend") && is_last) {
+      add_legend(annotations, source, choice, paint ? &*paint : nullptr);
+    }
   }
   if (!overlay.empty()) draw_overlay(picture, overlay);
   return picture;

@@ -183,10 +183,10 @@ void draw_grid(FloatImage& picture, const PosedVolume& subject, const SceneView&
   draw_surface_grid(picture, camera, subject.geometry, grid, rest_place_of(subject), shows_tissue);
 }
 
-void add_arrow_legend(Annotations& annotations, const SceneView& view) {
+void add_arrow_legend(Annotations& annotations, const SceneView& view, int count) {
   const double longest = view.picture.offset_max_mm;
   const auto colour = [&](double length) { return arrow_colour(length / longest); };
-  annotations.legend({0, longest}, colour, "moved (mm)", 1, 2);
+  annotations.legend({0, longest}, colour, "moved (mm)", 1, count);
 }
 
 }  // namespace supple::tools

@@ -16,7 +16,7 @@ std::vector<Surface> surfaces_of(const PosedVolume& subject, const SceneView& vi
 void draw_grid(FloatImage& picture, const PosedVolume& subject, const SceneView& view,
                const Camera& camera);
 
-/// The legend of the arrows' colours.
-void add_arrow_legend(Annotations& annotations, const SceneView& view);
+/// The legend of the arrows' colours, the second of so many.
+void add_arrow_legend(Annotations& annotations, const SceneView& view, int count);
 
 }  // namespace supple::tools

@@ -5,6 +5,7 @@
 #include "raycast/drawings/annotations.h"
 #include "raycast/pictures/background.h"
 #include "raycast/scene/framing.h"
+#include "tools/outputs/overlay_paint.h"
 #include "tools/outputs/space_marks.h"
 #include "tools/scene/transfer_file.h"
 #include "volumes/base/error.h"
@@ -151,6 +152,12 @@ Camera framed_camera(const PosedVolume& subject, const Renderer* renderer, const
 
 void decorate(FloatImage& picture, const PosedVolume& subject, const SceneView& view) {
   const Decoration& wanted = view.decoration;
+  const PaintedBody painted{subject.geometry, &subject.elements, rest_place_of(subject.offsets)};
+  std::optional<ValuePaint> paint;
+  if (!view.marks.overlay.empty()) {
+    paint = overlay_paint(view.marks, painted, PaintEdge::beside);
+    paint_values(picture, camera_of(subject, view), *paint, subject.geometry);
+  }
   draw_grid(picture, subject, view, camera_of(subject, view));
   const Background behind =
       wanted.background.empty() ? Background() : parse_background(wanted.background);
@@ -177,11 +184,12 @@ void decorate(FloatImage& picture, const PosedVolume& subject, const SceneView& 
     if (wanted.shows("legend")) {
       const auto colour = [&](double density) { return Rgb(function.colour_at(density)); };
       const bool is_ct = are_hounsfield_units(subject.density.background());
-      const int count = view.marks.arrows_mm ? 2 : 1;
+      const int count = 1 + (view.marks.arrows_mm ? 1 : 0) + (paint ? 1 : 0);
       annotations.legend(shown_range(function), colour, is_ct ? "HU" : "density", 0, count);
+      if (paint) add_overlay_legend(annotations, view.marks, *paint, count - 1, count);
+      if (view.marks.arrows_mm) add_arrow_legend(annotations, view, count);
     }
   }
-  if (wanted.shows("legend") && view.marks.arrows_mm) add_arrow_legend(annotations, view);
   if (wanted.shows("text")) annotations.words(words);
   draw_overlay(picture, overlay);
 }

@@ -66,8 +66,9 @@ RenderSettings view_settings(const SceneView& view) {
   settings.lighting = view.lighting;
   settings.clip_surfaces = view.clip_meshes;
   settings.auxiliary = !view.picture.aux.empty() || view.marks.grid_mm ||
-                       picture_kind(view.image) == PictureKind::exr;
-  settings.tells_surfaces = view.picture.shows("motion") || view.picture.shows("id");
+                       !view.marks.overlay.empty() || picture_kind(view.image) == PictureKind::exr;
+  settings.tells_surfaces =
+      view.picture.shows("motion") || view.picture.shows("id") || !view.marks.overlay.empty();
   return settings;
 }
 
@@ -137,8 +138,9 @@ void pose(Renderer& renderer, const PosedVolume& subject, const SceneView& view)
 FloatImage draw(const PosedVolume& subject, const Renderer* renderer, const SceneView& view,
                 RenderReport* report, Console& console) {
   if (view.slice) {
-    return draw_slices({subject.geometry, subject.density, subject.outlined, subject.offsets},
-                       *view.slice, view.decoration);
+    return draw_slices(
+        {subject.geometry, subject.density, subject.outlined, subject.offsets, &subject.elements},
+        *view.slice, view.decoration);
   }
   if (view.lattice && !view.clips.empty()) {
     throw InputError({view.place, "clip", "a lattice to draw", "a volume of several slices"});
@@ -147,8 +149,8 @@ FloatImage draw(const PosedVolume& subject, const Renderer* renderer, const Scen
     throw InputError({view.place, "mesh", "a lattice to draw", "a volume of several slices"});
   }
   if (view.lattice && !view.marks.empty()) {
-    throw InputError(
-        {view.place, "labels, grid or arrows", "a lattice to draw", "a volume of several slices"});
+    throw InputError({view.place, "labels, grid, arrows or overlay", "a lattice to draw",
+                      "a volume of several slices"});
   }
   if (view.lattice) return to_float(draw_body_lattice(subject, view));
   RenderSettings settings = view_settings(view);

@@ -44,7 +44,7 @@ SliceChoice effective_slice(const SliceChoice& choice, const Geometry& geometry,
 
 Field sampling_field(Interpolation& interpolation) {
   return Field("sampling", interpolation, {"linear", "cubic", "interpolating"},
-               "cubic smooths terraces, interpolating keeps thin walls");
+               "cubic smooths, interpolating keeps thin walls");
 }
 
 Fields fields(SliceChoice& choice) {
@@ -101,7 +101,7 @@ void complete_slice(SliceChoice& choice, const std::string& place) {
   if (choice.slab != SlabMode::mean && choice.thickness_mm == 0) {
     refuse("slab", "slab without thickness", "a thickness beside it");
   }
-  read_labels(choice.marks);
+  read_marks(choice.marks, place);
 }
 
 std::vector<NamedAxes> axes_of(const SliceChoice& choice, const Geometry& geometry) {

@@ -42,7 +42,7 @@ Field sampling_field(Interpolation& interpolation);
 /// Of `slice = { … }` in a [[view]].
 Fields fields(SliceChoice& choice);
 
-/// Reads the labels that the choice names. Throws InputError: as a volume file, and settings that
+/// Reads the files that the choice names. Throws InputError: as a volume file, and settings that
 /// do not go together, with `place`.
 void complete_slice(SliceChoice& choice, const std::string& place);
 

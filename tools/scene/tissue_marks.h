@@ -1,5 +1,5 @@
-// Marks that show the motion of tissue, over slices and in pictures in space: a grid that was
-// straight at rest, arrows, and the labels of a segmentation.
+// Marks on tissue, over slices and in pictures in space: a grid that was straight at rest, arrows,
+// the labels of a segmentation, and values in colour.
 #pragma once
 
 #include <memory>
@@ -7,6 +7,7 @@
 #include <string>
 
 #include "volumes/base/fields.h"
+#include "volumes/grid/volume.h"
 #include "volumes/io/load/stored_labels.h"
 
 namespace supple::tools {
@@ -14,19 +15,29 @@ namespace supple::tools {
 struct TissueMarks {
   std::string labels_path;                   // of a segmentation at rest; empty: none
   std::optional<double> grid_mm, arrows_mm;  // distance of lines and arrows; absent: none
+  std::string overlay;  // displacement, det_f, or a file of values at rest; empty: none
+  std::optional<NumberPair> overlay_range;  // at the ends of its colours; absent: of all values
 
   bool has_surfaces() const { return arrows_mm || labels != nullptr; }
-  bool empty() const { return !grid_mm && !has_surfaces(); }
+  bool empty() const { return !grid_mm && !has_surfaces() && overlay.empty(); }
 
-  /// Read by read_labels.
+  bool names_overlay_file() const {
+    return !overlay.empty() && overlay != "displacement" && overlay != "det_f";
+  }
+
+  bool shows_motion_in_colour() const { return !overlay.empty() && !names_overlay_file(); }
+
+  /// Read by read_marks.
   std::shared_ptr<const StoredLabels> labels;
+  std::shared_ptr<const Volume> overlay_volume;
 };
 
 /// Of a [[view]] and of its slice.
 Fields fields(TissueMarks& marks);
 
-/// Reads the labels that are named. Throws InputError: as a volume file.
-void read_labels(TissueMarks& marks);
+/// Reads the files that are named. Throws InputError: as a volume file, a range that does not
+/// ascend, with `place`.
+void read_marks(TissueMarks& marks, const std::string& place);
 
 /// As they are recorded: files by their names alone.
 TissueMarks recorded(TissueMarks marks);

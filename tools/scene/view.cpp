@@ -153,7 +153,7 @@ SceneView read_view(TomlTable& table, int steps) {
     slice->finish();
     complete_slice(*view.slice, slice->place());
   }
-  read_labels(view.marks);
+  read_marks(view.marks, view.place);
   if (view.after_step && *view.after_step > steps) {
     table.fail("after_step", std::to_string(*view.after_step), "0 to " + std::to_string(steps));
   }

@@ -48,8 +48,7 @@ Fields fields(Lighting& lighting) {
   return {
       Field("shading", lighting.model, {"none", "phong", "blinn"}, "How surfaces reflect light"),
       Field("shadows", lighting.shadows, "Volume and meshes cast shadows"),
-      Field("ambient_occlusion", lighting.occlusion_radius_mm,
-            "Darken what is enclosed within a radius")
+      Field("ambient_occlusion", lighting.occlusion_radius_mm, "Darken what is enclosed")
           .unit("mm")
           .implying("10")
           .otherwise("none; 10 without a number"),

@@ -75,7 +75,7 @@ void OpenScene::choose_painter() {
     const RestPlaceAt rest = picture().rest_places(false);
     if (!rest) return;
     const OverlayField field(m_settings.slices.overlay, m_live.session(), picture().opened(), rest);
-    paint_overlay(seen, camera, field, picture().opened().geometry, overlay_range());
+    paint_values(seen, camera, field.paint(overlay_range()), picture().opened().geometry);
   });
 }
 
@@ -168,18 +168,18 @@ SlicePane OpenScene::pane_of(int view, const PixelSize& size, const RestPlaceAt&
     field.emplace(slices.overlay, m_live.session(), picture().opened(), rest);
   }
   return draw_pane(picture().opened(), slices, view - 1, size, rest, field ? &*field : nullptr,
-                   field ? overlay_range() : OverlayRange(), every);
+                   field ? overlay_range() : ScalarRange(), every);
 }
 
 /// Of displacements the largest, of energies nearly, rounded up, so that the legend holds still.
-OverlayRange OpenScene::overlay_range() {
+ScalarRange OpenScene::overlay_range() {
   if (m_range) return *m_range;
-  m_range = OverlayRange{0.5, 1.5};
+  m_range = ScalarRange{0.5, 1.5};
   if (m_settings.slices.overlay == FieldOverlay::displacement) {
-    m_range = OverlayRange{0, rounded_up(picture().longest_mm())};
+    m_range = ScalarRange{0, rounded_up(picture().longest_mm())};
   } else if (m_settings.slices.overlay == FieldOverlay::energy) {
     const double most = most_energy_kpa(m_live.session(), picture().displacement());
-    m_range = OverlayRange{0, rounded_up(most)};
+    m_range = ScalarRange{0, rounded_up(most)};
   }
   return *m_range;
 }

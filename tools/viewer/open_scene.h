@@ -51,7 +51,7 @@ class OpenScene final : public LoopWatcher {
   nlohmann::ordered_json slices_json();
   void tell_scene();
   /// Of the values that the overlay shows.
-  OverlayRange overlay_range();
+  ScalarRange overlay_range();
   /// A slice as the settings ask for it.
   SlicePane pane_of(int view, const PixelSize& size, const RestPlaceAt& rest, int every);
 
@@ -76,7 +76,7 @@ class OpenScene final : public LoopWatcher {
   double m_budget_ms;
   /// Of each pane: 0 up to date, 1 to be drawn exactly, 2 to be drawn in haste and then exactly.
   std::array<int, kViewCount> m_stale{};
-  std::optional<OverlayRange> m_range, m_range_before;
+  std::optional<ScalarRange> m_range, m_range_before;
   bool m_is_told = false;
   bool m_moves_view = false;  // the event changes how the body is looked at, not the body
   std::chrono::steady_clock::time_point m_told;

@@ -8,27 +8,17 @@
 // not know of it. Across an open cut differences mean nothing. Cost: 7 rest places per pixel.
 #pragma once
 
-#include <array>
 #include <optional>
 
 #include "lib/session/session.h"
-#include "raycast/drawings/slice.h"
-#include "raycast/pictures/float_image.h"
-#include "raycast/scene/camera.h"
+#include "raycast/drawings/painted_values.h"
 
 namespace supple::tools {
 
 enum class FieldOverlay { none, displacement, det_f, energy };
 
-/// Of the map that an overlay is painted with.
-struct OverlayRange {
-  double lo = 0, hi = 1;
-};
 /// det F: blue where tissue is pressed, red where it is stretched, grey where it is as it was.
-Rgb overlay_colour(FieldOverlay overlay, double share);
-
-/// Columns of a gradient: what one step along each grid axis leads to, in voxels.
-using GridGradient = std::array<Vec3d, 3>;
+ValueColours colours_of(FieldOverlay overlay);
 
 /// kPa of an isotropic solid that has deformed by F between places of the grid.
 double strain_energy_kpa(const GridGradient& f, const Geometry& geometry, double young_kpa,
@@ -41,7 +31,8 @@ class OverlayField {
                const RestPlaceAt& rest);
   /// None where no tissue is seen.
   std::optional<double> at(const Vec3d& index) const;
-  FieldOverlay overlay() const { return m_overlay; }
+  /// What at() says, in the colours of the overlay. Refers to this.
+  ValuePaint paint(const ScalarRange& range) const;
 
  private:
   FieldOverlay m_overlay;
@@ -50,13 +41,6 @@ class OverlayField {
   const RestPlaceAt& m_rest;
   MaterialClasses m_classes;
 };
-
-/// Over the opaque pixels of a slice whose pixels lie on `grid`.
-void paint_overlay(Image& slice, const Geometry& grid, const OverlayField& field,
-                   const Geometry& geometry, const OverlayRange& range);
-/// Over what is seen in space; the picture has its depths.
-void paint_overlay(FloatImage& picture, const Camera& camera, const OverlayField& field,
-                   const Geometry& geometry, const OverlayRange& range);
 
 /// A range for the energies of a body: up to what 99 % of its elements stay below, of which every
 /// fourth along each axis is looked at.

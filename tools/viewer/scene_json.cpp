@@ -220,11 +220,11 @@ Json OpenScene::slices_json() {
   const SliceSettings& slices = m_settings.slices;
   Json json = supple::tools::slices_json(slices);
   if (slices.overlay == FieldOverlay::none) return json;
-  const OverlayRange range = overlay_range();
+  const ScalarRange range = overlay_range();
   json["overlay_range"] = {range.lo, range.hi};
   for (int n = 0; n < 16; ++n) {
     Json& colour = json["overlay_colours"].emplace_back();
-    for (const double c : overlay_colour(slices.overlay, n / 15.)) {
+    for (const double c : value_colour(colours_of(slices.overlay), n / 15.)) {
       colour.push_back(int(std::lround(255 * c)));
     }
   }

@@ -72,7 +72,7 @@ PixelFrame pane_pixels(const Geometry& geometry, const SliceSettings& settings, 
 
 SlicePane draw_pane(const State& state, const SliceSettings& settings, int plane,
                     const PixelSize& size, const RestPlaceAt& rest, const OverlayField* overlay,
-                    const OverlayRange& range, int every) {
+                    const ScalarRange& range, int every) {
   const Geometry& geometry = state.geometry;
   const PixelSize drawn{std::max(1, size[0] / every), std::max(1, size[1] / every)};
   const Geometry grid = pane_grid(geometry, settings, plane, drawn);
@@ -87,9 +87,11 @@ SlicePane draw_pane(const State& state, const SliceSettings& settings, int plane
   style.grey_hi = settings.level + settings.window / 2;
   if (settings.outline && rest) style.rest = &state.elements;
   style.rest_place = rest;
+  if (overlay != nullptr) {
+    style.paint = [&](Image& slice) { paint_values(slice, grid, overlay->paint(range), geometry); };
+  }
   SlicePane pane;
   pane.image = draw_slice(geometry, grid, density, style);
-  if (overlay != nullptr) paint_overlay(pane.image, grid, *overlay, geometry, range);
   pane.pixels = pane_pixels(geometry, settings, plane, size);
   return pane;
 }

@@ -43,6 +43,6 @@ PixelFrame pane_pixels(const Geometry& geometry, const SliceSettings& settings, 
 /// `overlay`: null: none. `every`: only so many-th pixels, for haste.
 SlicePane draw_pane(const State& state, const SliceSettings& settings, int plane,
                     const PixelSize& size, const RestPlaceAt& rest, const OverlayField* overlay,
-                    const OverlayRange& range, int every);
+                    const ScalarRange& range, int every);
 
 }  // namespace supple::tools

@@ -105,6 +105,10 @@ std::string Field::name_for(const std::string& word) const {
   return found == m_synonyms.end() ? word : found->second;
 }
 
+bool Field::is_word(const std::string& text) const {
+  return std::find(m_words.begin(), m_words.end(), text) != m_words.end();
+}
+
 bool Field::allows(double value) const {
   return value >= m_lo && value <= m_hi && !(m_is_open && value == m_lo);
 }

@@ -66,6 +66,8 @@ class Field {
   Field& required() { return m_is_required = true, *this; }
   /// The path of an input: in a file, relative ones start at its folder.
   Field& path() { return m_is_path = true, *this; }
+  /// One of these words, or else the path of an input.
+  Field& word_or_path(std::vector<std::string> words) { return m_words = std::move(words), path(); }
   /// The names that a string may have.
   Field& one_of(std::vector<std::string> names) { return m_names = std::move(names), *this; }
   /// The name on the command line, without dashes, where it is not the prefix of the table and the
@@ -98,6 +100,8 @@ class Field {
   bool is_only_in_scenes() const { return m_is_only_in_scenes; }
   bool is_for_slices() const { return m_is_for_slices; }
   bool is_path() const { return m_is_path; }
+  /// Whether a text is one of the words that stand beside paths.
+  bool is_word(const std::string& text) const;
   const Target& target() const { return m_target; }
   /// Whether the value is a T, or a T that may be absent.
   template <class T>
@@ -132,7 +136,7 @@ class Field {
   std::string m_name, m_help, m_unit, m_option, m_former, m_placeholder, m_implied, m_record;
   Target m_target;
   std::optional<std::string> m_otherwise;
-  std::vector<std::string> m_names;
+  std::vector<std::string> m_names, m_words;
   std::map<std::string, std::string> m_synonyms;
   double m_lo = -std::numeric_limits<double>::infinity();
   double m_hi = std::numeric_limits<double>::infinity();
