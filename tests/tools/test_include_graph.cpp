@@ -51,7 +51,7 @@ const std::map<std::string, std::set<std::string>> kThirdPartyHomes = {
     {"Spectra/", {"lib/fem/dynamics"}},
     {"boost/asio", {"tools/viewer"}},
     {"boost/beast", {"tools/viewer"}},
-    {"turbojpeg", {"tools/viewer"}},
+    {"turbojpeg", {"tools/pictures"}},
 };
 
 struct Include {

@@ -5,7 +5,8 @@
 
 #include "tools/console/command.h"
 #include "tools/console/text_file.h"
-#include "tools/tradeoff/trade_page.h"
+#include "tools/tradeoff/page/scene_charts.h"
+#include "tools/tradeoff/page/trade_page.h"
 
 namespace supple::tools {
 
@@ -28,6 +29,10 @@ int run_trade(const TradeCommand& given, const GlobalOptions& global, Console& c
   const nlohmann::ordered_json json = to_json(results);
   replace_text_file(options.measure.folder + "/tradeoff.json", json.dump(2) + '\n');
   replace_text_file(options.measure.folder + "/index.html", trade_page(results));
+  for (const ChartFile& chart : chart_files(results)) {
+    replace_text_file(options.measure.folder + '/' + chart.name, chart.svg);
+  }
+  if (json.contains("held_out")) console.note(json["held_out"]["summary"]);
   if (global.json) {
     std::printf("%s\n", json.dump(2).c_str());
   } else if (!global.quiet) {
@@ -46,7 +51,7 @@ Command add_tradeoff(CLI::App& program) {
                                  "  supple tradeoff press.toml -o out/press\n"
                                  "  supple tradeoff press.toml -o out/press --method fem "
                                  "--method relax-26:64 --runs 3\n"
-                                 "  supple tradeoff a.toml b.toml -o out/both --limit 60");
+                                 "  supple tradeoff a.toml b.toml --held-out c.toml -o out/loads");
   app->add_option("scene", options.scenes, "Scene files, one load each")
       ->required()
       ->option_text("SCENE.toml");
@@ -54,6 +59,9 @@ Command add_tradeoff(CLI::App& program) {
                   "Folder of the results; what it holds is kept")
       ->required()
       ->option_text("DIR");
+  app->add_option("--held-out", options.held_out,
+                  "One more load: measured and drawn, but nothing is chosen by it")
+      ->option_text("SCENE.toml");
   app->add_option("--method", given->methods, "Of all methods these, such as fem or relax-26:64")
       ->option_text("NAME[:KNOB]");
   app->add_option("--drawing", given->drawings, "Of all drawings these, such as draw-newton")

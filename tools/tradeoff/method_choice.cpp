@@ -14,7 +14,7 @@ std::vector<MethodChoice> choices_of(const std::vector<TradeRow>& rows) {
   std::map<std::string, std::set<std::string>> scenes_of;
   std::set<std::string> scenes;
   for (const TradeRow& row : rows) {
-    if (row.is_drawing()) continue;
+    if (row.is_drawing() || row.held_out != 0) continue;
     const std::string name = row.name();
     scenes.insert(row.scene);
     if (!row.is_ok()) continue;

@@ -15,7 +15,7 @@ struct MethodChoice {
 };
 
 /// Every method that all scenes of the rows have and that failed in none, by ascending time.
-/// Drawings do not count.
+/// Neither drawings nor held-out loads count.
 std::vector<MethodChoice> choices_of(const std::vector<TradeRow>& rows);
 
 /// None where the fastest takes longer; of equal errors the faster.

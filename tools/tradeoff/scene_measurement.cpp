@@ -153,6 +153,7 @@ TradeRow SceneMeasurement::empty_row(const RowSetting& setting) const {
   row.threads = m_options.threads;
   row.version = program_version();
   row.command = command_line(arguments(setting));
+  row.picture = picture_of(setting);
   return row;
 }
 

@@ -74,10 +74,11 @@ void add_spread(std::vector<Column>& columns, const std::string& name, Spread Tr
 
 std::vector<Column> make_columns() {
   std::vector<Column> columns = {
-      text_column("scene", &TradeRow::scene),   text_column("inputs", &TradeRow::inputs),
-      text_column("method", &TradeRow::method), number_column("knob", &TradeRow::knob),
-      text_column("status", &TradeRow::status), text_column("reason", &TradeRow::reason),
-      number_column("runs", &TradeRow::runs),   number_column("threads", &TradeRow::threads)};
+      text_column("scene", &TradeRow::scene),        text_column("inputs", &TradeRow::inputs),
+      text_column("method", &TradeRow::method),      number_column("knob", &TradeRow::knob),
+      text_column("status", &TradeRow::status),      text_column("reason", &TradeRow::reason),
+      number_column("runs", &TradeRow::runs),        number_column("threads", &TradeRow::threads),
+      number_column("held_out", &TradeRow::held_out)};
   add_spread(columns, "prepare", &TradeRow::prepare_s);
   add_spread(columns, "solve", &TradeRow::solve_s);
   add_spread(columns, "invert", &TradeRow::invert_s);

@@ -23,6 +23,7 @@ struct TradeRow {
   std::string status;         // "ok", "failed", "time limit" or "not run"
   std::string reason;         // unless ok
   int runs = 0, threads = 0;  // threads 0: all
+  int held_out = 0;           // 1: nothing is chosen from it
   Spread prepare_s, solve_s, invert_s, render_s;
   Spread draw_s;  // inverse and rendering of one run
   Spread wall_s;
@@ -36,6 +37,7 @@ struct TradeRow {
   double rmse = 0, ssim = 0;
   std::string warning;  // all of the last run
   std::string version, command;
+  std::string picture;  // file of its first view in space; not in the CSV file, empty without
 
   bool is_ok() const { return status == "ok"; }
   bool is_drawing() const { return method.rfind("draw", 0) == 0; }

@@ -27,12 +27,17 @@ class TradeoffRun {
   TradeoffRun(const TradeOptions& options, Console& console)
       : m_options(options), m_console(console), m_csv(options.measure.folder + "/runs.csv") {
     for (const std::string& file : options.scenes) add_scene(file);
+    if (!options.held_out.empty()) {
+      add_scene(options.held_out);
+      m_results.scenes.back().is_held_out = true;
+    }
     m_all = m_scenes.size() * (2 + options.methods.size() + options.drawings.size());
   }
 
   TradeResults run() {
     fs::create_directories(m_options.measure.folder);
     if (fs::exists(m_csv)) m_known = rows_from_csv(text_of_file(m_csv), m_csv);
+    for (TradeRow& row : m_known) mark_held_out(row);
     const MachineFacts machine = measure_machine();
     m_results.machine = machine.cpu + ", " + with_count(machine.cores, "core");
     for (std::size_t n = 0; n < m_scenes.size(); ++n) measure_scene(n);
@@ -113,6 +118,7 @@ class TradeoffRun {
       return measurement.is_current(known) && known.name() == setting.name();
     });
     if (row == m_known.end()) return false;
+    row->picture = measurement.picture_of(setting);
     m_results.rows.push_back(std::move(*row));
     m_known.erase(row);
     return true;
@@ -130,7 +136,15 @@ class TradeoffRun {
     return "";
   }
 
+  /// As this call says, whatever an earlier one did; rows of scenes that it does not name stay.
+  void mark_held_out(TradeRow& row) const {
+    for (const TradeScene& scene : m_results.scenes) {
+      if (scene.file == row.scene) row.held_out = scene.is_held_out ? 1 : 0;
+    }
+  }
+
   void add(TradeRow row) {
+    mark_held_out(row);
     m_results.rows.push_back(std::move(row));
     write_rows();
   }
@@ -181,6 +195,12 @@ SceneCurves curves_of(const TradeResults& results, const TradeScene& scene, bool
   };
   const double floor = are_drawings ? scene.floor_picture : scene.floor_mm;
   return curves_of(results.rows, scene.file, are_drawings, floor, title_of);
+}
+
+double TradeResults::floor_mm() const {
+  double floor = 0;
+  for (const TradeScene& scene : scenes) floor = std::max(floor, scene.floor_mm);
+  return floor;
 }
 
 TradeResults run_tradeoff(const TradeOptions& options, Console& console) {

@@ -14,6 +14,7 @@ namespace supple::tools {
 
 struct TradeOptions {
   std::vector<std::string> scenes;
+  std::string held_out;  // one more, which nothing is chosen by; empty: none
   std::vector<StepMethod> methods;
   std::vector<DrawMethod> drawings;  // of the first view that is drawn by rays
   MeasureOptions measure;
@@ -30,12 +31,16 @@ struct TradeScene {
   /// Of 1 - SSIM: what a step twice as long does to the reference.
   double floor_picture = 0;
   bool has_drawings = false;
+  bool is_held_out = false;
 };
 
 struct TradeResults {
   std::string machine;
   std::vector<TradeScene> scenes;
   std::vector<TradeRow> rows;  // the reference of each scene is its first, that of drawings theirs
+
+  /// The largest floor of all scenes.
+  double floor_mm() const;
 };
 
 /// Points of one of the scenes as curves; without drawings none of them.

@@ -5,6 +5,7 @@
 #include <condition_variable>
 #include <thread>
 
+#include "raycast/pictures/image.h"
 #include "tools/viewer/pages.h"
 
 namespace supple::tools {

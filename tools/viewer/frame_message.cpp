@@ -2,38 +2,17 @@
 
 #include <cstring>
 
-#include <turbojpeg.h>
-
-#include "volumes/base/error.h"
-
 namespace supple::tools {
 
 const std::array<const char*, kViewCount> kViewNames = {"3d", "axial", "coronal", "sagittal"};
 
 namespace {
 
-constexpr int kJpegQuality = 85;
-
-struct CloseCompressor {
-  void operator()(void* compressor) const { tjDestroy(compressor); }
-};
-
 template <class T>
 void append(std::vector<std::uint8_t>& bytes, T value) {
   const std::size_t at = bytes.size();
   bytes.resize(at + sizeof(T));
   std::memcpy(&bytes[at], &value, sizeof(T));  // x86-64 is little-endian, as the head
-}
-
-/// Pixels that hide what is behind in part are rare: at edges of what is drawn on nothing.
-std::vector<std::uint8_t> on_black(const Image& image) {
-  std::vector<std::uint8_t> rgba = image.rgba;
-  for (std::size_t i = 0; i < rgba.size(); i += 4) {
-    const unsigned alpha = rgba[i + 3];
-    if (alpha == 255) continue;
-    for (std::size_t c = 0; c < 3; ++c) rgba[i + c] = std::uint8_t(rgba[i + c] * alpha / 255);
-  }
-  return rgba;
 }
 
 }  // namespace
@@ -57,23 +36,6 @@ std::vector<std::uint8_t> head_of(const FrameMessage& frame, std::uint32_t event
     }
   }
   return head;
-}
-
-std::vector<std::uint8_t> jpeg_of(const Image& image) {
-  static thread_local const std::unique_ptr<void, CloseCompressor> compressor(tjInitCompress());
-  if (compressor == nullptr) throw SystemError("libjpeg-turbo: not enough memory");
-  std::vector<std::uint8_t> flattened;
-  if (image.has_alpha) flattened = on_black(image);
-  const std::uint8_t* rgba = image.has_alpha ? flattened.data() : image.rgba.data();
-  std::vector<std::uint8_t> bytes(tjBufSize(image.width, image.height, TJSAMP_420));
-  unsigned char* out = bytes.data();
-  unsigned long size = static_cast<unsigned long>(bytes.size());
-  if (tjCompress2(compressor.get(), rgba, image.width, 0, image.height, TJPF_RGBX, &out, &size,
-                  TJSAMP_420, kJpegQuality, TJFLAG_NOREALLOC | TJFLAG_FASTDCT) != 0) {
-    throw Error(std::string("libjpeg-turbo: ") + tjGetErrorStr2(compressor.get()));
-  }
-  bytes.resize(size);
-  return bytes;
 }
 
 }  // namespace supple::tools

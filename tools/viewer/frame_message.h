@@ -8,7 +8,6 @@
 #include <optional>
 #include <vector>
 
-#include "raycast/pictures/image.h"
 #include "volumes/base/vec.h"
 
 namespace supple::tools {
@@ -35,8 +34,5 @@ struct FrameMessage {
 /// `event`: `number` as the page counts.
 std::vector<std::uint8_t> head_of(const FrameMessage& frame, std::uint32_t event,
                                   std::uint32_t frame_number);
-
-/// Opaque, on black. Throws Error.
-std::vector<std::uint8_t> jpeg_of(const Image& image);
 
 }  // namespace supple::tools

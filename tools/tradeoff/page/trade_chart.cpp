@@ -1,9 +1,12 @@
-#include "tools/tradeoff/trade_chart.h"
+#include "tools/tradeoff/page/trade_chart.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
+
+#include "tools/tradeoff/page/page_parts.h"
+#include "tools/tradeoff/page/page_text.h"
 
 namespace supple::tools {
 
@@ -46,7 +49,7 @@ Axis axis_of(double least, double most, double begin, double end) {
 
 class ChartDrawing {
  public:
-  explicit ChartDrawing(const LogChart& chart) : m_chart(chart) {
+  ChartDrawing(const LogChart& chart, bool is_alone) : m_chart(chart), m_is_alone(is_alone) {
     double x_least = 1e300, x_most = 0, y_most = chart.floor;
     for (const ChartCurve& curve : chart.curves) {
       for (const ChartPoint& point : curve.points) {
@@ -61,9 +64,7 @@ class ChartDrawing {
   }
 
   std::string draw() {
-    m_svg = "<svg class=\"chart\" viewBox=\"0 0 " + number(kWidth) + ' ' + number(kHeight) +
-            "\" role=\"img\" aria-label=\"" +
-            html_text(m_chart.y_name + " against " + m_chart.x_name) + "\">\n";
+    begin();
     draw_grid();
     draw_floor();
     draw_front();
@@ -74,6 +75,28 @@ class ChartDrawing {
   }
 
  private:
+  void begin() {
+    const std::string width = number(kWidth), height = number(kHeight);
+    if (m_is_alone) {
+      m_svg =
+          "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" "
+          "width=\"" +
+          width + "\" height=\"" + height + "\" font-family=\"sans-serif\"";
+    } else {
+      m_svg = "<svg";
+    }
+    m_svg += " class=\"chart\" viewBox=\"0 0 " + width + ' ' + height +
+             "\" role=\"img\" aria-label=\"" +
+             html_text(m_chart.y_name + " against " + m_chart.x_name) + "\">\n";
+    if (!m_is_alone) return;
+    m_svg += kChartStyle;
+    m_svg += "<rect width=\"" + width + "\" height=\"" + height + "\" fill=\"#fff\"/>\n";
+  }
+  std::string linked(const std::string& link, const std::string& element) const {
+    if (m_is_alone) return element + '\n';
+    return "<a href=\"" + html_text(link) + "\">" + element + "</a>\n";
+  }
+
   double x_of(const ChartPoint& point) const { return m_x.place(std::max(point.x, 1e-6)); }
   double y_of(const ChartPoint& point) const { return m_y.place(std::max(point.y, m_chart.floor)); }
 
@@ -83,8 +106,12 @@ class ChartDrawing {
              more + '>' + html_text(words) + "</text>\n";
   }
   void line(double x0, double y0, double x1, double y1, const std::string& look) {
-    m_svg += "<line x1=\"" + number(x0) + "\" y1=\"" + number(y0) + "\" x2=\"" + number(x1) +
-             "\" y2=\"" + number(y1) + "\" " + look + "/>\n";
+    m_svg += line_text(x0, y0, x1, y1, look);
+  }
+  static std::string line_text(double x0, double y0, double x1, double y1,
+                               const std::string& look) {
+    return "<line x1=\"" + number(x0) + "\" y1=\"" + number(y0) + "\" x2=\"" + number(x1) +
+           "\" y2=\"" + number(y1) + "\" " + look + "/>\n";
   }
 
   void draw_grid() {
@@ -125,17 +152,17 @@ class ChartDrawing {
   void draw_curve(std::size_t c) {
     const ChartCurve& curve = m_chart.curves[c];
     const std::string colour = colour_of(c);
-    m_svg += "<g class=\"curve\" data-curve=\"" + std::to_string(c) + "\" style=\"--c:" + colour +
+    m_svg += "<g class=\"curve\" data-curve=\"" + std::to_string(c) + "\" style=\"color:" + colour +
              "\">\n<path class=\"way\" d=\"" + way_of(curve.points) + "\"/>\n";
     for (const ChartPoint& point : curve.points) {
       const double y = y_of(point);
       line(m_x.place(std::max(point.x_least, 1e-6)), y, m_x.place(std::max(point.x_most, 1e-6)), y,
            "class=\"whisker\"");
       const bool is_below = point.y < m_chart.floor;
-      m_svg += "<a href=\"" + html_text(point.link) + "\"><circle class=\"" +
-               (is_below ? "point hollow" : "point") + "\" cx=\"" + number(x_of(point)) +
-               "\" cy=\"" + number(y) + "\" r=\"4.5\"><title>" + html_text(point.tip) +
-               "</title></circle></a>\n";
+      m_svg += linked(point.link,
+                      std::string("<circle class=\"") + (is_below ? "point hollow" : "point") +
+                          "\" cx=\"" + number(x_of(point)) + "\" cy=\"" + number(y) +
+                          "\" r=\"4.5\"><title>" + html_text(point.tip) + "</title></circle>");
     }
     m_svg += "</g>\n";
   }
@@ -146,13 +173,13 @@ class ChartDrawing {
     for (const ChartMiss& miss : m_chart.misses) {
       const double x = miss.is_slow ? m_x.end + 8 : m_x.begin + 12 + 14 * failed++;
       const double y = miss.is_slow ? m_y.end + 12 + 14 * slow++ : m_y.end - 10;
-      m_svg += "<a href=\"" + html_text(miss.link) +
-               "\"><g class=\"miss\" style=\"--c:" + colour_of(miss.curve) + "\"><title>" +
-               html_text(miss.tip) + "</title>";
-      line(x - 4, y - 4, x + 4, y + 4, "");
-      line(x - 4, y + 4, x + 4, y - 4, "");
-      m_svg += "<rect x=\"" + number(x - 6) + "\" y=\"" + number(y - 6) +
-               "\" width=\"12\" height=\"12\" class=\"touch\"/></g></a>\n";
+      const std::string cross =
+          line_text(x - 4, y - 4, x + 4, y + 4, "") + line_text(x - 4, y + 4, x + 4, y - 4, "");
+      m_svg += linked(miss.link, std::string("<g class=\"miss\" style=\"color:") +
+                                     colour_of(miss.curve) + "\"><title>" + html_text(miss.tip) +
+                                     "</title>" + cross + "<rect x=\"" + number(x - 6) + "\" y=\"" +
+                                     number(y - 6) +
+                                     "\" width=\"12\" height=\"12\" class=\"touch\"/></g>");
     }
   }
 
@@ -161,8 +188,9 @@ class ChartDrawing {
     const double x = kWidth - kRight + 26;
     for (std::size_t c = 0; c < m_chart.curves.size(); ++c, y += 19) {
       m_svg += "<g class=\"entry\" data-curve=\"" + std::to_string(c) +
-               "\" style=\"--c:" + std::string(colour_of(c)) + "\"><circle class=\"point\" cx=\"" +
-               number(x) + "\" cy=\"" + number(y - 4) + "\" r=\"4.5\"/>";
+               "\" style=\"color:" + std::string(colour_of(c)) +
+               "\"><circle class=\"point\" cx=\"" + number(x) + "\" cy=\"" + number(y - 4) +
+               "\" r=\"4.5\"/>";
       text(x + 12, y, m_chart.curves[c].name, "start");
       m_svg += "</g>\n";
     }
@@ -170,7 +198,7 @@ class ChartDrawing {
     text(x + 12, y, "front: no other beats it", "start");
     if (m_chart.misses.empty()) return;
     y += 19;
-    m_svg += "<g class=\"miss\" style=\"--c:#555\">";
+    m_svg += "<g class=\"miss\" style=\"color:#555\">";
     line(x - 4, y - 8, x + 4, y, "");
     line(x - 4, y, x + 4, y - 8, "");
     m_svg += "</g>";
@@ -178,6 +206,7 @@ class ChartDrawing {
   }
 
   const LogChart& m_chart;
+  bool m_is_alone;
   Axis m_x, m_y;
   std::string m_svg;
 };
@@ -185,33 +214,11 @@ class ChartDrawing {
 }  // namespace
 
 std::string to_svg(const LogChart& chart) {
-  return ChartDrawing(chart).draw();
+  return ChartDrawing(chart, false).draw();
 }
 
-std::string html_text(const std::string& text) {
-  std::string safe;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        safe += "&amp;";
-        break;
-      case '<':
-        safe += "&lt;";
-        break;
-      case '>':
-        safe += "&gt;";
-        break;
-      case '"':
-        safe += "&quot;";
-        break;
-      case '\'':
-        safe += "&#39;";
-        break;
-      default:
-        safe += c;
-    }
-  }
-  return safe;
+std::string to_svg_file(const LogChart& chart) {
+  return ChartDrawing(chart, true).draw();
 }
 
 }  // namespace supple::tools

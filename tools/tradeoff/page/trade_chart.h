@@ -35,10 +35,9 @@ struct LogChart {
   double floor = 0;               // no y is told apart from it below; above 0
 };
 
-/// An element `svg` with its own style; names and tips are escaped.
+/// An element `svg` for the page, which has its style; names and tips are escaped.
 std::string to_svg(const LogChart& chart);
-
-/// Text for HTML: & < > " ' as entities.
-std::string html_text(const std::string& text);
+/// The same as a file of its own, with its style and without links.
+std::string to_svg_file(const LogChart& chart);
 
 }  // namespace supple::tools

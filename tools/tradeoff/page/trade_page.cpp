@@ -1,51 +1,18 @@
-#include "tools/tradeoff/trade_page.h"
+#include "tools/tradeoff/page/trade_page.h"
 
 #include <algorithm>
-#include <cstdio>
 
-#include "tools/tradeoff/page_parts.h"
-#include "tools/tradeoff/trade_chart.h"
+#include "tools/tradeoff/page/held_out_part.h"
+#include "tools/tradeoff/page/page_parts.h"
+#include "tools/tradeoff/page/page_text.h"
+#include "tools/tradeoff/page/scene_charts.h"
+#include "tools/tradeoff/page/thumbnails.h"
 #include "tools/tradeoff/trade_curves.h"
 #include "tools/tradeoff/trade_tables.h"
 
 namespace supple::tools {
 
 namespace {
-
-std::string short_number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
-
-std::string time_text(double seconds) {
-  if (seconds < 1) return short_number(1000 * seconds) + " ms";
-  return seconds < 60 ? short_number(seconds) + " s" : short_number(seconds / 60) + " min";
-}
-
-std::string spread_text(const Spread& spread) {
-  return time_text(spread.median) + " (" + time_text(spread.least) + " to " +
-         time_text(spread.most) + ')';
-}
-
-/// Rows are named by their lines in runs.csv, whose first line has the names of columns.
-std::string row_id(std::size_t row) {
-  return "row-" + std::to_string(row + 2);
-}
-
-std::string tip_of(const TradeRow& row) {
-  std::string tip = row.name() + '\n' + row.command + '\n';
-  if (!row.is_ok()) return tip + row.status + ": " + row.reason;
-  tip += "solve " + spread_text(row.solve_s) + ", prepare " + time_text(row.prepare_s.median) +
-         ", invert " + time_text(row.invert_s.median) + ", render " +
-         time_text(row.render_s.median) + ", " + std::to_string(row.runs) + " runs, " +
-         short_number(row.peak_mb) + " MB\n";
-  if (row.is_drawing()) {
-    return tip + "SSIM " + short_number(row.ssim) + ", RMSE " + short_number(row.rmse);
-  }
-  return tip + "error p50 " + short_number(row.p50_mm) + ", p95 " + short_number(row.p95_mm) +
-         ", max " + short_number(row.max_mm) + " mm";
-}
 
 /// One diagram of a scene with its tables: of solving, or of drawing.
 class PageOfCurves {
@@ -72,7 +39,11 @@ class PageOfCurves {
 
   void draw_of_solving() {
     tell_reference_state();
-    m_html += to_svg(chart("time of solving, s", "error p95, mm"));
+    draw_chart();
+    if (m_scene.is_held_out) {
+      m_html += held_out_part(m_results);
+      return;
+    }
     const auto mm = [](double value) { return short_number(value) + " mm"; };
     draw_matched("Time of solving to an error (p95)", kErrors_mm, mm, time_text, time_to_error);
     draw_matched("Error (p95) within a time of solving", kTimes_s, time_text, mm,
@@ -81,12 +52,18 @@ class PageOfCurves {
 
   void draw_of_drawings() {
     tell_reference_picture();
-    m_html += to_svg(chart("time of inverse and rendering, s", "1 - SSIM"));
+    draw_chart();
+    if (m_scene.is_held_out) return;
     const auto ssim = [](double value) { return "SSIM " + short_number(1 - value); };
     draw_matched("Time of inverse and rendering to a likeness", kErrorsOfPictures, ssim, time_text,
                  time_to_error);
     draw_matched("Likeness within a time of inverse and rendering", kTimes_s, time_text, ssim,
                  error_within_time);
+  }
+
+  void draw_chart() {
+    m_html += "<div class=\"wide\">" + to_svg(chart_of(m_results, m_curves)) + "</div>\n" +
+              gallery_of(m_results, m_curves);
   }
 
   void tell_reference_state() {
@@ -133,32 +110,6 @@ class PageOfCurves {
         "theirs is a difference, not an error.</p>\n";
   }
 
-  ChartPoint chart_point(std::size_t r) const {
-    const TradeRow& row = m_results.rows[r];
-    const Spread& time = row.time_s();
-    return {time.median, time.least, time.most, row.error(), tip_of(row), '#' + row_id(r)};
-  }
-
-  LogChart chart(const std::string& x_name, const std::string& y_name) const {
-    LogChart chart;
-    chart.x_name = x_name;
-    chart.y_name = y_name;
-    chart.floor_name = "floor of the reference";
-    chart.floor = m_curves.floor;
-    for (const MethodCurve& curve : m_curves.methods) {
-      ChartCurve drawn{curve.title, {}};
-      for (const TradePoint& point : curve.points) drawn.points.push_back(chart_point(point.row));
-      for (const std::size_t r : curve.missed) {
-        const TradeRow& row = m_results.rows[r];
-        chart.misses.push_back(
-            {chart.curves.size(), row.status != "failed", tip_of(row), '#' + row_id(r)});
-      }
-      chart.curves.push_back(std::move(drawn));
-    }
-    for (const TradePoint& point : m_curves.front) chart.front.push_back(chart_point(point.row));
-    return chart;
-  }
-
   std::string cell(const std::optional<CurveValue>& value, const std::string& text,
                    bool is_best) const {
     if (!value) return "<td>&#8211;</td>";
@@ -173,7 +124,7 @@ class PageOfCurves {
   template <class Head, class Text, class Read>
   void draw_matched(const std::string& title, const std::vector<double>& values, const Head& head,
                     const Text& text, const Read& read) {
-    m_html += "<h3>" + title + "</h3>\n<table><tr><th>method</th>";
+    m_html += "<h3>" + title + "</h3>\n<div class=\"wide\"><table><tr><th>method</th>";
     for (const double value : values) m_html += "<th>" + head(value) + "</th>";
     m_html += "</tr>\n";
     std::vector<double> best(values.size(), 1e300);
@@ -192,7 +143,8 @@ class PageOfCurves {
       m_html += "</tr>\n";
     }
     m_html +=
-        "</table>\n<p>&#8211;: not reached. ~: on the line between the row that the number leads "
+        "</table></div>\n<p>&#8211;: not reached. ~: on the line between the row that the number "
+        "leads "
         "to and the one that ~ does. Bold: the best of a column.</p>\n";
   }
 
@@ -225,11 +177,11 @@ class PageOfCurves {
   }
 
   void draw_rows() {
-    m_html += "<h3>All rows</h3>\n<table><tr><th>row</th><th>setting</th>";
+    m_html += "<h3>All rows</h3>\n<div class=\"wide\"><table><tr><th>row</th><th>setting</th>";
     for (const std::string& head : heads()) m_html += "<th>" + head + "</th>";
     m_html += "<th></th></tr>\n";
     for (const std::size_t r : m_curves.rows) draw_row(r);
-    m_html += "</table>\n";
+    m_html += "</table></div>\n";
   }
 
   void draw_row(std::size_t r) {
@@ -260,8 +212,9 @@ class PageOfCurves {
 std::string trade_page(const TradeResults& results) {
   std::string html =
       "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">"
       "<title>Time against error</title>\n" +
-      std::string(kStyle) + "</head><body>\n<h1>Time against error</h1>\n";
+      std::string(kStyle) + kChartStyle + "</head><body>\n<h1>Time against error</h1>\n";
   if (!results.rows.empty()) {
     html +=
         "<p>supple " + html_text(results.rows.front().version) + "; " + html_text(results.machine) +
