@@ -213,6 +213,21 @@ TEST_F(UnitOverlayOptions, SlicesAndPicturesArePaintedOverTheBodyAlone) {
   EXPECT_GT(changed, 200);
 }
 
+TEST_F(UnitOverlayOptions, TheOutlineAtRestIsDrawnWhereTheBodyWas) {
+  const std::vector<std::string> plain = {"--size", "60,60", "--preset", "MR-Default"};
+  std::vector<std::string> outlined = plain;
+  outlined.emplace_back("--outline");
+  const Image without = picture("render", plain), with = picture("render", outlined);
+  int yellow = 0, changed = 0;
+  for (std::size_t n = 0; n < with.rgba.size(); n += 4) {
+    const bool differs = !std::equal(&with.rgba[n], &with.rgba[n + 4], &without.rgba[n]);
+    changed += differs;
+    yellow += differs && with.rgba[n] == 255 && with.rgba[n + 1] == 200 && with.rgba[n + 2] == 0;
+  }
+  EXPECT_GT(yellow, 60);
+  EXPECT_EQ(changed, yellow);
+}
+
 TEST_F(UnitOverlayOptions, WhatCannotBePaintedIsRefusedWithTheOption) {
   const auto expect = [&](const std::string& input, const std::vector<std::string>& more,
                           const std::string& words) {
@@ -227,4 +242,5 @@ TEST_F(UnitOverlayOptions, WhatCannotBePaintedIsRefusedWithTheOption) {
   expect("drag.vdb", {"--overlay-range", "1,2"}, "a range without an overlay");
   expect("drag.vdb", {"--overlay", "det_f", "--no-inverse"}, "--overlay: found no inverse");
   expect("drag.vdb", {"--overlay", "det_f", "--lattice"}, "a lattice to draw");
+  expect("drag.vdb", {"--outline", "--lattice"}, "a lattice to draw");
 }

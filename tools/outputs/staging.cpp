@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "raycast/drawings/annotations.h"
+#include "raycast/drawings/rest_outline.h"
 #include "raycast/pictures/background.h"
 #include "raycast/scene/framing.h"
 #include "tools/outputs/overlay_paint.h"
@@ -159,6 +160,9 @@ void decorate(FloatImage& picture, const PosedVolume& subject, const SceneView& 
     paint_values(picture, camera_of(subject, view), *paint, subject.geometry);
   }
   draw_grid(picture, subject, view, camera_of(subject, view));
+  if (view.outline) {
+    RestOutline(subject.elements, subject.geometry).draw(picture, camera_of(subject, view));
+  }
   const Background behind =
       wanted.background.empty() ? Background() : parse_background(wanted.background);
   put_over(behind, picture);

@@ -148,8 +148,8 @@ FloatImage draw(const PosedVolume& subject, const Renderer* renderer, const Scen
   if (view.lattice && !view.meshes.empty()) {
     throw InputError({view.place, "mesh", "a lattice to draw", "a volume of several slices"});
   }
-  if (view.lattice && !view.marks.empty()) {
-    throw InputError({view.place, "labels, grid, arrows or overlay", "a lattice to draw",
+  if (view.lattice && (!view.marks.empty() || view.outline)) {
+    throw InputError({view.place, "labels, grid, arrows, overlay or outline", "a lattice to draw",
                       "a volume of several slices"});
   }
   if (view.lattice) return to_float(draw_body_lattice(subject, view));

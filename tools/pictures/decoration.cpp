@@ -17,7 +17,7 @@ Fields fields(Decoration& decoration) {
       Field("background", decoration.background, "transparent, checker, #RRGGBB or a name")
           .shown_as("COLOUR")
           .for_slices()
-          .otherwise("transparent; of slices black"),
+          .otherwise("black in slices"),
       Field("annotate", decoration.annotate,
             "Write letters, cube, scale, text, legend, crosshair or all")
           .one_of({"letters", "cube", "scale", "text", "legend", "crosshair", "all"})

@@ -106,6 +106,7 @@ Fields fields(SceneView& view) {
       Field("fit", view.fit, "What fills the picture")
           .one_of({"box", "body", "visible"})
           .otherwise("box, or as the camera file"),
+      Field("outline", view.outline, "The silhouette of the body at rest"),
       Field("zoom", view.zoom, "Magnification").range(0.01, 1000),
       Field("size", view.size, "Pixels").range(1, 16384).otherwise("1024,1024"),
       Field("quality", sampling.quality, {"draft", "default", "accurate"}, "Speed for accuracy"),

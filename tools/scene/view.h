@@ -54,6 +54,7 @@ struct SceneView {
   double zoom = 1;
   Decoration decoration;
   TissueMarks marks;
+  bool outline = false;  // of the body at rest
   PixelSize size{RenderSettings().width, RenderSettings().height};
   Sampling sampling;
   bool deformed = true;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "tools/outputs/view_pictures.h"
+#include "tools/pictures/jpeg.h"
 
 namespace supple::tools {
 
@@ -57,7 +58,8 @@ void OpenScene::see(const ViewSettings& settings, std::uint64_t number) {
   m_number = number;
   const SliceSettings before = m_settings.slices;
   const bool is_other_overlay = settings.slices.overlay != before.overlay ||
-                                settings.slices.overlay_in_space != before.overlay_in_space;
+                                settings.slices.overlay_in_space != before.overlay_in_space ||
+                                settings.slices.outline_in_space != before.outline_in_space;
   const bool is_other_picture = settings.sizes[0] != m_settings.sizes[0] ||
                                 settings.deformed != m_settings.deformed || is_other_overlay;
   m_settings = settings;
@@ -68,15 +70,25 @@ void OpenScene::see(const ViewSettings& settings, std::uint64_t number) {
   if (is_other_picture) m_loop.set_frame(frame_for(m_settings, m_budget_ms));
 }
 
-/// Over the picture in space, as long as an overlay is asked for there.
+/// Over the picture in space, as long as an overlay or the outline is asked for there.
 void OpenScene::choose_painter() {
-  if (!has_overlay() || !m_settings.slices.overlay_in_space) return picture().paint_with({});
-  picture().paint_with([this](FloatImage& seen, const Camera& camera) {
-    const RestPlaceAt rest = picture().rest_places(false);
-    if (!rest) return;
-    const OverlayField field(m_settings.slices.overlay, m_live.session(), picture().opened(), rest);
-    paint_values(seen, camera, field.paint(overlay_range()), picture().opened().geometry);
+  const bool paints = has_overlay() && m_settings.slices.overlay_in_space;
+  const bool outlines = m_settings.slices.outline_in_space;
+  if (!outlines) m_rest_outline.reset();
+  if (!paints && !outlines) return picture().paint_with({});
+  const State& opened = picture().opened();
+  if (outlines && !m_rest_outline) m_rest_outline.emplace(opened.elements, opened.geometry);
+  picture().paint_with([this, paints](FloatImage& seen, const Camera& camera) {
+    if (paints) paint_overlay(seen, camera);
+    if (m_rest_outline && m_settings.deformed) m_rest_outline->draw(seen, camera);
   });
+}
+
+void OpenScene::paint_overlay(FloatImage& seen, const Camera& camera) {
+  const RestPlaceAt rest = picture().rest_places(false);
+  if (!rest) return;
+  const OverlayField field(m_settings.slices.overlay, m_live.session(), picture().opened(), rest);
+  paint_values(seen, camera, field.paint(overlay_range()), picture().opened().geometry);
 }
 
 void OpenScene::begins() {

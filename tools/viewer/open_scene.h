@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "raycast/drawings/rest_outline.h"
 #include "tools/live/live_loop.h"
 #include "tools/viewer/frame_encoder.h"
 #include "tools/viewer/page_progress.h"
@@ -66,6 +67,7 @@ class OpenScene final : public LoopWatcher {
   bool may_tell() const;
   bool has_overlay() const { return m_settings.slices.overlay != FieldOverlay::none; }
   void choose_painter();
+  void paint_overlay(FloatImage& seen, const Camera& camera);
   FrameMessage frame_of(int view, double ms) const;
 
   SceneOutlets m_outlets;
@@ -77,6 +79,7 @@ class OpenScene final : public LoopWatcher {
   /// Of each pane: 0 up to date, 1 to be drawn exactly, 2 to be drawn in haste and then exactly.
   std::array<int, kViewCount> m_stale{};
   std::optional<ScalarRange> m_range, m_range_before;
+  std::optional<RestOutline> m_rest_outline;  // while it is drawn in space
   bool m_is_told = false;
   bool m_moves_view = false;  // the event changes how the body is looked at, not the body
   std::chrono::steady_clock::time_point m_told;

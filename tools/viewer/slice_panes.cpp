@@ -49,6 +49,7 @@ Fields fields(SliceSettings& settings) {
       Field("overlay", settings.overlay, {"none", "displacement", "det_f", "energy"},
             "What is painted over the densities"),
       Field("overlay_in_space", settings.overlay_in_space, "Over the view in space, too"),
+      Field("outline_in_space", settings.outline_in_space, "Over the view in space, too"),
       Field("outline", settings.outline, "The outline of the body at rest"),
       Field("zoom", settings.zoom, "Magnification").range(0.05, 100),
   };

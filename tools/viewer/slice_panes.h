@@ -20,6 +20,7 @@ struct SliceSettings {
   double window = 400, level = 40;
   FieldOverlay overlay = FieldOverlay::none;
   bool overlay_in_space = false;  // too
+  bool outline_in_space = false;  // of the body at rest, too
   bool outline = true;
   double zoom = 1;                             // 1: the whole slice fits
   std::array<std::optional<Vec3d>, 3> centre;  // index in the middle of each; absent: of the box

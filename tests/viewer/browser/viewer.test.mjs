@@ -335,6 +335,13 @@ step('clips and lists can be edited', async () => {
   await view.until('the overlay is gone', '$scene.slices.overlay === "none"');
   await view.settled(30);
   assert.ok(difference(plain, await view.picture()).mean < 0.02, 'and as it was without');
+  await page.eval(`document.getElementById('outline-in-space').click()`);
+  await view.until('the outline at rest is asked for', '$scene.slices.outline_in_space');
+  await view.settled(30);
+  assert.ok(difference(plain, await view.picture()).mean > 0.02, 'the outline at rest is drawn');
+  await page.eval(`document.getElementById('outline-in-space').click()`);
+  await view.until('it is gone', '!$scene.slices.outline_in_space');
+  await view.settled(30);
 });
 
 step('double click maximises a view and brings the four back', async () => {

@@ -77,20 +77,23 @@ export class LookPanel {
                           (overlay) => set({overlay}), {id: 'overlay'});
     this.overlayInSpace = checkbox('Overlay in the view in space, too', false, (on) => set({overlay_in_space: on}), {id: 'overlay-in-space'});
     this.outline = checkbox('Outline of the body at rest', true, (outline) => set({outline}));
+    this.outlineInSpace = checkbox('Outline in the view in space, too', false, (on) => set({outline_in_space: on}), {id: 'outline-in-space'});
     this.cross = checkbox('Cross-hair', true, (crosshair) => {
       app.settings.crosshair = crosshair;
       app.refreshViews();
     });
     return section('Slices', true, this.windows, field('Window', this.window), field('Level', this.level),
-                   field('Overlay', this.overlay, null, 'Displacement in mm, the change of volume (det F), or the strain energy in kPa by the material\'s modulus'), this.overlayInSpace, this.outline, this.cross);
+                   field('Overlay', this.overlay, null, 'Displacement in mm, the change of volume (det F), or the strain energy in kPa by the material\'s modulus'), this.overlayInSpace, this.outline,
+                   this.outlineInSpace, this.cross);
   }
   refreshSlices() {
-    const {window, level, overlay, overlay_in_space: inSpace, outline} = this.app.slices.now;
+    const {window, level, overlay, overlay_in_space: inSpace, outline, outline_in_space: outlineInSpace} = this.app.slices.now;
     show(this.window, window === undefined ? '' : Number(window.toPrecision(5)));
     show(this.level, level === undefined ? '' : Number(level.toPrecision(5)));
     this.overlay.value = overlay ?? 'none';
     this.overlayInSpace.querySelector('input').checked = inSpace ?? false;
     this.outline.querySelector('input').checked = outline ?? true;
+    this.outlineInSpace.querySelector('input').checked = outlineInSpace ?? false;
     for (const input of [this.window, this.level, this.overlay, this.windowChoice]) input.disabled = !this.session.scene;
   }
 
