@@ -12,7 +12,7 @@ h1 { font-size: 1.5rem; } h2 { font-size: 1.2rem; margin-top: 2.2rem; } h3 { fon
 .wide { overflow-x: auto; }
 table { border-collapse: collapse; margin: .6rem 0 1.4rem; font-size: .85rem; }
 th, td { padding: .18rem .5rem; text-align: right; border-bottom: 1px solid #ddd; white-space: nowrap; }
-td.note { text-align: left; white-space: normal; min-width: 14rem; color: #555; }
+td.note { text-align: left; white-space: normal; min-width: 9rem; color: #555; }
 th:first-child, td:first-child { text-align: left; }
 td.text { text-align: left; } tr:target { background: #fff3c4; } td.best { font-weight: 600; }
 a { color: inherit; } code { font-size: .85em; background: #f3f3f3; padding: .1em .3em; }
