@@ -11,7 +11,7 @@ h1 { font-size: 1.5rem; } h2 { font-size: 1.2rem; margin-top: 2.2rem; } h3 { fon
 .pictures img { display: block; max-width: 100%; height: auto; border: 1px solid #ddd; box-sizing: border-box; }
 .wide { overflow-x: auto; }
 table { border-collapse: collapse; margin: .6rem 0 1.4rem; font-size: .85rem; }
-th, td { padding: .18rem .5rem; text-align: right; border-bottom: 1px solid #ddd; white-space: nowrap; }
+th, td { padding: .18rem .38rem; text-align: right; border-bottom: 1px solid #ddd; white-space: nowrap; }
 td.note { text-align: left; white-space: normal; min-width: 9rem; color: #555; }
 th:first-child, td:first-child { text-align: left; }
 td.text { text-align: left; } tr:target { background: #fff3c4; } td.best { font-weight: 600; }
