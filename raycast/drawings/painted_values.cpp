@@ -36,8 +36,8 @@ Rgb value_colour(ValueColours colours, double share) {
   return colour;
 }
 
-Rgb ValuePaint::colour(double value) const {
-  return value_colour(colours, std::clamp((value - range.lo) / (range.hi - range.lo), 0., 1.));
+Rgb ValuePaint::colour(double of) const {
+  return value_colour(colours, std::clamp((of - range.lo) / (range.hi - range.lo), 0., 1.));
 }
 
 void paint_values(Image& slice, const Geometry& grid, const ValuePaint& paint,

@@ -30,7 +30,7 @@ struct ValuePaint {
   ValueColours colours = ValueColours::ascending;
 
   /// Of a value in the range or beyond it.
-  Rgb colour(double value) const;
+  Rgb colour(double of) const;
 };
 
 /// Paints over the opaque pixels of a slice whose pixels lie on `grid`; a slab by its middle.
