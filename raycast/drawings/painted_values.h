@@ -5,10 +5,11 @@
 // Cost: one value per pixel, all threads.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <optional>
 
-#include "raycast/drawings/slice.h"
+#include "raycast/drawings/rest_place.h"
 #include "raycast/pictures/colour_map.h"
 #include "raycast/pictures/float_image.h"
 #include "raycast/scene/camera.h"
@@ -17,6 +18,9 @@ namespace supple {
 
 /// The value of what is seen at a place of the volume's index space; none: nothing is painted.
 using ValueAt = std::function<std::optional<double>(const Vec3d& index)>;
+
+/// det F at the ends of its colours, unless told.
+constexpr ScalarRange kVolumeRatios{0.5, 1.5};
 
 /// From light to dark, or from blue over grey to red for values about a middle.
 enum class ValueColours { ascending, about_middle };

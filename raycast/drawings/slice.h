@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "raycast/drawings/rest_place.h"
 #include "raycast/drawings/slice_grid.h"
 #include "raycast/pictures/image.h"
 #include "volumes/grid/brick_topology.h"
@@ -21,8 +22,6 @@ enum class SlabMode { mean, maximum, minimum };
 
 /// A density at a position of the volume's index space.
 using DensityAt = std::function<float(const Vec3d& index)>;
-/// The index position at which the tissue that is seen at a place was at rest; false where none is.
-using RestPlaceAt = std::function<bool(const Vec3d& index, Vec3d& at_rest)>;
 /// The label of tissue by its index position at rest; 0: none.
 using LabelAt = std::function<std::int64_t(const Vec3d& at_rest)>;
 

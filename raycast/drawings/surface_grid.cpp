@@ -21,7 +21,7 @@ constexpr double kGrazing = 0.05;
 class GridPainter {
  public:
   GridPainter(FloatImage& picture, const Camera& camera, const Geometry& geometry,
-              const SurfaceGrid& grid, const SeenRestPlace& rest_place)
+              const SurfaceGrid& grid, const RestPlaceAt& rest_place)
       : m_picture(picture),
         m_geometry(geometry),
         m_grid(grid),
@@ -86,7 +86,7 @@ class GridPainter {
   FloatImage& m_picture;
   const Geometry& m_geometry;
   const SurfaceGrid& m_grid;
-  const SeenRestPlace& m_rest_place;
+  const RestPlaceAt& m_rest_place;
   CameraRays m_rays;
   Vec3d m_forward;
 };
@@ -94,7 +94,7 @@ class GridPainter {
 }  // namespace
 
 void draw_surface_grid(FloatImage& picture, const Camera& camera, const Geometry& geometry,
-                       const SurfaceGrid& grid, const SeenRestPlace& rest_place,
+                       const SurfaceGrid& grid, const RestPlaceAt& rest_place,
                        const ShowsTissue& shows_tissue) {
   if (!picture.has_auxiliary()) {
     throw InputError({"", "grid", "a picture without depths", "one with depths and normals"});

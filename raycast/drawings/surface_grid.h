@@ -10,6 +10,7 @@
 #include <array>
 #include <functional>
 
+#include "raycast/drawings/rest_place.h"
 #include "raycast/pictures/float_image.h"
 #include "raycast/scene/camera.h"
 #include "volumes/base/fields.h"
@@ -23,15 +24,13 @@ struct SurfaceGrid {
   Rgb ink{0.35, 0.78, 1};
 };
 
-/// Where the tissue that is seen at a place of the index frame was at rest; false: nowhere.
-using SeenRestPlace = std::function<bool(const Vec3d& index, Vec3d& at_rest)>;
 /// Whether a pixel shows tissue and no mesh; null: all do.
 using ShowsTissue = std::function<bool(int x, int y)>;
 
 /// Draws over the colours of a picture with depths and normals, where it shows a surface. Throws
 /// InputError: a picture without them.
 void draw_surface_grid(FloatImage& picture, const Camera& camera, const Geometry& geometry,
-                       const SurfaceGrid& grid, const SeenRestPlace& rest_place,
+                       const SurfaceGrid& grid, const RestPlaceAt& rest_place,
                        const ShowsTissue& shows_tissue);
 
 }  // namespace supple

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "raycast/pictures/compare.h"
 #include "raycast/pictures/image.h"
 #include "tests/support/program.h"
 #include "tools/outputs/overlay_paint.h"
@@ -60,7 +61,7 @@ const Geometry kBody({8, 8, 8}, {0, 0, 0}, {Vec3d(1, 0, 0), {0, 1, 0}, {0, 0, 1}
 TEST(UnitOverlayPaint, DisplacementsAreLengthsInMmOfElementsAlone) {
   const BrickTopology elements = cube();
   const Geometry wide({8, 8, 8}, {0, 0, 0}, {Vec3d(2, 0, 0), {0, 1, 0}, {0, 0, 1}});
-  const PaintedBody body{wide, &elements, [](const Vec3d& x, Vec3d& at_rest) {
+  const PaintedBody body{wide, elements, [](const Vec3d& x, Vec3d& at_rest) {
                            at_rest = x - Vec3d(1.5, 0, 0);
                            return true;
                          }};
@@ -79,7 +80,7 @@ TEST(UnitOverlayPaint, DisplacementsAreLengthsInMmOfElementsAlone) {
 
 TEST(UnitOverlayPaint, DetFOfAStretchIsItsRatio) {
   const BrickTopology elements = cube();
-  const PaintedBody body{kBody, &elements, [](const Vec3d& x, Vec3d& at_rest) {
+  const PaintedBody body{kBody, elements, [](const Vec3d& x, Vec3d& at_rest) {
                            at_rest = {x.x / 1.25, x.y, x.z};
                            return true;
                          }};
@@ -95,7 +96,7 @@ TEST(UnitOverlayPaint, DetFOfAStretchIsItsRatio) {
 TEST(UnitOverlayPaint, AVolumeIsReadWhereTissueWasAtRestByItsOwnGrid) {
   const BrickTopology elements = cube();
   const Geometry fine({40, 24, 24}, {-2, -1, -1}, {Vec3d(0.4, 0, 0), {0, 0.5, 0}, {0, 0, 0.5}});
-  const PaintedBody body{kBody, &elements, [](const Vec3d& x, Vec3d& at_rest) {
+  const PaintedBody body{kBody, elements, [](const Vec3d& x, Vec3d& at_rest) {
                            at_rest = x - Vec3d(0, 1, 0);
                            return x.z < 6;
                          }};
@@ -117,7 +118,7 @@ TEST(UnitOverlayPaint, AVolumeIsReadWhereTissueWasAtRestByItsOwnGrid) {
 /// Voxels without a value do not take part, so that values are not faded at the skin.
 TEST(UnitOverlayPaint, ValuesAtAnEdgeAreThoseOfTheVoxelsThatHaveOne) {
   const BrickTopology elements = cube();
-  const PaintedBody body{kBody, &elements, nullptr};
+  const PaintedBody body{kBody, elements, nullptr};
   TissueMarks marks;
   marks.overlay = "ramp.nrrd";
   marks.overlay_volume = ramp(kBody);
@@ -128,8 +129,8 @@ TEST(UnitOverlayPaint, ValuesAtAnEdgeAreThoseOfTheVoxelsThatHaveOne) {
   EXPECT_FALSE(slice.value({3.4, 4, 4}));
   EXPECT_NEAR(*space.value({3.4, 4, 4}), 7, 1e-6);
   EXPECT_FALSE(space.value({2.9, 4, 4}));
-  // A volume without a body is painted where it has values.
-  const PaintedBody bodiless{kBody, nullptr, nullptr};
+  // A plain volume is painted where it has values.
+  const PaintedBody bodiless{kBody, marks.overlay_volume->density.bricks(), nullptr};
   EXPECT_TRUE(overlay_paint(marks, bodiless, PaintEdge::halfway).value({7, 7, 7}));
   EXPECT_FALSE(slice.value({7, 7, 7}));
 }
@@ -143,7 +144,7 @@ TEST(UnitOverlayPaint, ValuesOfBothSignsHaveTheirMiddleAtZero) {
   marks.overlay_volume = volume;
   marks = with_overlay_range(marks, 0);
   EXPECT_EQ(*marks.overlay_range, NumberPair(-2, 2));
-  const PaintedBody body{kBody, nullptr, nullptr};
+  const PaintedBody body{kBody, volume->density.bricks(), nullptr};
   EXPECT_EQ(overlay_paint(marks, body, PaintEdge::halfway).colours, ValueColours::about_middle);
 }
 
@@ -228,6 +229,54 @@ TEST_F(UnitOverlayOptions, TheOutlineAtRestIsDrawnWhereTheBodyWas) {
   EXPECT_EQ(changed, yellow);
 }
 
+TEST_F(UnitOverlayOptions, SamplesThatSolveForThemselvesArePaintedAsThroughTheInverse) {
+  const std::vector<std::string> exact = {"--size",     "60,60",     "--preset",
+                                          "MR-Default", "--overlay", "displacement"};
+  std::vector<std::string> solved = exact;
+  solved.emplace_back("--no-inverse");
+  EXPECT_GT(compare(picture("render", exact), picture("render", solved), true).ssim, 0.98);
+}
+
+/// Words are no files of the scene's folder, and files lie beside it.
+TEST_F(UnitOverlayOptions, AScenePaintsAsTheCommandLineDoes) {
+  const auto of_scene = [&](const std::string& overlay) {
+    write_text(
+        m_folder / "s.toml",
+        "[volume]\npath = \"ball.nhdr\"\n[material]\ntable = \"soft.toml\"\n[[step]]\ngrab = [12, "
+        "12, 12]\nby = [4.0, 0.0, 0.0]\n[[view]]\nimage = \"p.png\"\nsize = [60, 60]\npreset = "
+        "\"MR-Default\"\noverlay = \"" +
+            overlay + "\"\n[[view]]\nimage = \"q.png\"\nslice = { plane = \"axial\", overlay = \"" +
+            overlay + "\" }\n");
+    EXPECT_EQ(run({"run", m_folder / "s.toml", "-o", m_folder / "out", "--force"}), "");
+    return std::pair(read_png(m_folder / "out/p.png"), read_png(m_folder / "out/q.png"));
+  };
+  for (const std::string& overlay : {std::string("displacement"), std::string("ball.nhdr")}) {
+    const bool is_file = overlay == "ball.nhdr";
+    const std::string given = is_file ? m_folder / overlay : overlay;
+    const auto [space, slice] = of_scene(overlay);
+    EXPECT_EQ(
+        space.rgba,
+        picture("render", {"--size", "60,60", "--preset", "MR-Default", "--overlay", given}).rgba);
+    EXPECT_EQ(slice.rgba, picture("slice", {"--plane", "axial", "--overlay", given}).rgba);
+  }
+}
+
+TEST_F(UnitOverlayOptions, AFilmOfDisplacementsNeedsARange) {
+  const auto film = [&](const std::string& range) {
+    write_text(
+        m_folder / "f.toml",
+        "[volume]\npath = \"ball.nhdr\"\n[material]\ntable = \"soft.toml\"\n[film]\nframes = "
+        "2\n[[step]]\ngrab = [12, 12, 12]\nby = [1.0, 0.0, 0.0]\n[[view]]\nimage = "
+        "\"f_%d.png\"\nsize = [20, 20]\noverlay = \"displacement\"\n" +
+            range);
+    return run({"run", m_folder / "f.toml", "-o", m_folder / "film", "--force"});
+  };
+  const std::string refused = film("");
+  EXPECT_NE(refused.find("overlay_range: found none beside displacements"), std::string::npos)
+      << refused;
+  EXPECT_EQ(film("overlay_range = [0, 2]\n"), "");
+}
+
 TEST_F(UnitOverlayOptions, WhatCannotBePaintedIsRefusedWithTheOption) {
   const auto expect = [&](const std::string& input, const std::vector<std::string>& more,
                           const std::string& words) {
@@ -240,7 +289,7 @@ TEST_F(UnitOverlayOptions, WhatCannotBePaintedIsRefusedWithTheOption) {
   expect("drag.vdb", {"--overlay", "det_f", "--overlay-range", "2,1"},
          "--overlay-range: found 2,1");
   expect("drag.vdb", {"--overlay-range", "1,2"}, "a range without an overlay");
-  expect("drag.vdb", {"--overlay", "det_f", "--no-inverse"}, "--overlay: found no inverse");
+  expect("ball.nhdr", {"--outline"}, "--outline: found a volume, not a body");
   expect("drag.vdb", {"--overlay", "det_f", "--lattice"}, "a lattice to draw");
   expect("drag.vdb", {"--outline", "--lattice"}, "a lattice to draw");
 }

@@ -164,3 +164,11 @@ TEST_F(UnitReplay, BadEventsNameTheirLineAndWhatIsExpected) {
   EXPECT_EQ(replay(journal(event("grab", "grab = [0, 0, 0]"))).exit_code, 3);
   EXPECT_EQ(run_line("run " + journal(kDrags) + " -o " + (m_folder / "out")).exit_code, 3);
 }
+
+TEST_F(UnitReplay, MarksOnTissueAreRefused) {
+  for (const char* mark : {"grid = 5", "arrows = 5", "overlay = \"displacement\""}) {
+    const Outcome refused = replay(journal(std::string(mark) + "\n" + kDrags));
+    EXPECT_EQ(refused.exit_code, 3) << mark;
+    EXPECT_NE(refused.err.find("marks on tissue"), std::string::npos) << refused.err;
+  }
+}

@@ -103,8 +103,9 @@ void LiveSession::set_view() {
   if (!m_scene.views.empty()) m_view = m_scene.views.back();
   m_view.image = m_view.image.empty() ? kNoPicture : m_view.image;
   if (m_view.slice || m_view.lattice || !m_view.meshes.empty() || !m_view.camera_keys.empty() ||
-      !m_view.path.empty() || m_view.marks.has_surfaces() || m_view.picture.is_series()) {
-    throw InputError({m_view.place, "view", "slices, a lattice, meshes, a path or a series",
+      !m_view.path.empty() || !m_view.marks.empty() || m_view.picture.is_series()) {
+    throw InputError({m_view.place, "view",
+                      "slices, a lattice, meshes, marks on tissue, a path or a series",
                       "one picture of the volume in space"});
   }
 }

@@ -145,7 +145,7 @@ class ViewDrawing {
     if (m_offset_range.hi == 0 && needs_longest) m_offset_range.hi = longest_offset_mm(subject);
     if (shows_arrows) m_view.picture.offset_max_mm = m_offset_range.hi;
     TissueMarks& marks = view.slice ? m_view.slice->marks : m_view.marks;
-    const bool colours_motion = marks.overlay == "displacement" && !marks.overlay_range;
+    const bool colours_motion = marks.shows_displacement() && !marks.overlay_range;
     marks = with_overlay_range(marks, colours_motion ? longest_offset_mm(subject) : 0);
     if (!view.lattice && !view.slice) m_renderer = make_renderer(subject, m_view);
     if (view.slice) {
@@ -258,11 +258,12 @@ class ViewDrawing {
     require(is_moved || !m_view.marks.arrows_mm || m_view.slice, "arrows", "nothing that has moved",
             "a deformed state or a warp");
     const TissueMarks& marks = m_view.slice ? m_view.slice->marks : m_view.marks;
-    require(is_moved || !marks.shows_motion_in_colour(), "overlay", "nothing that has moved",
+    const bool shows_motion = marks.shows_displacement() || marks.shows_det_f();
+    require(is_moved || !shows_motion, "overlay", "nothing that has moved",
             "a deformed state or a warp");
-    require(!solves || marks.overlay.empty() || m_view.slice, "overlay", "no inverse",
-            "inverse = true");
-    require(m_options.film == 0 || marks.overlay != "displacement" || marks.overlay_range,
+    require(!m_view.outline || m_subject.outlined != nullptr, "outline", "a volume, not a body",
+            "a deformed state");
+    require(m_options.film == 0 || !marks.shows_displacement() || marks.overlay_range,
             "overlay_range", "none beside displacements in a film", "mm, the same in all frames");
     const bool is_flat = m_view.lattice || m_view.slice;
     require(!is_flat || m_options.aux.empty(), "aux", "a lattice or slices to draw",

@@ -11,13 +11,6 @@ namespace supple::tools {
 
 namespace {
 
-/// det F of these is drawn in full blue and red.
-constexpr ScalarRange kVolumeRatios{0.5, 1.5};
-
-bool is_element(const BrickTopology* elements, const Vec3i& voxel) {
-  return elements == nullptr || elements->empty() || elements->is_active(voxel);
-}
-
 Vec3i nearest_voxel(const Vec3d& index) {
   return floor_voxel(index + Vec3d(0.5));
 }
@@ -44,7 +37,7 @@ std::optional<double> value_between(const Volume& volume, const PaintedBody& bod
     if (weight == 0 || !volume.density.bricks().is_active(voxel)) continue;
     const Vec3d of_body =
         body.geometry.index_from_world(volume.geometry.world_from_index(Vec3d(voxel)));
-    if (!is_element(body.elements, nearest_voxel(of_body))) continue;
+    if (!body.elements.is_active(nearest_voxel(of_body))) continue;
     sum += weight * volume.density.at(voxel);
     weights += weight;
   }
@@ -52,13 +45,9 @@ std::optional<double> value_between(const Volume& volume, const PaintedBody& bod
   return sum / weights;
 }
 
-}  // namespace
-
-namespace {
-
 std::string title_of(const TissueMarks& marks) {
-  if (marks.overlay == "displacement") return "moved (mm)";
-  if (marks.overlay == "det_f") return "det F";
+  if (marks.shows_displacement()) return "moved (mm)";
+  if (marks.shows_det_f()) return "det F";
   return std::filesystem::path(marks.overlay).stem().string();
 }
 
@@ -70,43 +59,39 @@ void add_overlay_legend(Annotations& annotations, const TissueMarks& marks, cons
   annotations.legend(paint.range, colour, title_of(marks), n, count);
 }
 
-RestPlaceAt rest_place_of(const OffsetField* offsets) {
-  if (offsets == nullptr) return nullptr;
-  return [offsets](const Vec3d& index, Vec3d& at_rest) {
+RestPlaceAt rest_place_of(const OffsetField& offsets) {
+  return [&offsets](const Vec3d& index, Vec3d& at_rest) {
     Vec3d offset;
-    if (!offsets->sample(index, offset)) return false;
+    if (!offsets.sample(index, offset)) return false;
     at_rest = index + offset;
     return true;
   };
 }
 
 TissueMarks with_overlay_range(TissueMarks marks, double longest_mm) {
-  if (marks.overlay.empty()) return marks;
-  if (!marks.overlay_range) {
-    ScalarRange range = kVolumeRatios;
-    if (marks.overlay == "displacement") range = {0, longest_mm > 0 ? longest_mm : 1};
-    if (marks.overlay_volume) {
-      const VolumeStatistics& found = marks.overlay_volume->statistics;
-      range = {found.min, found.max > found.min ? found.max : found.min + 1};
-      if (range.lo < 0 && range.hi > 0) {
-        range.hi = std::max(-range.lo, range.hi);
-        range.lo = -range.hi;
-      }
+  if (marks.overlay.empty() || marks.overlay_range) return marks;
+  ScalarRange range = kVolumeRatios;
+  if (marks.shows_displacement()) range = {0, longest_mm > 0 ? longest_mm : 1};
+  if (marks.overlay_volume) {
+    const VolumeStatistics& found = marks.overlay_volume->statistics;
+    range = {found.min, found.max > found.min ? found.max : found.min + 1};
+    if (range.lo < 0 && range.hi > 0) {
+      range.hi = std::max(-range.lo, range.hi);
+      range.lo = -range.hi;
     }
-    marks.overlay_range = NumberPair(range.lo, range.hi);
   }
+  marks.overlay_range = NumberPair(range.lo, range.hi);
   return marks;
 }
 
 ValuePaint overlay_paint(const TissueMarks& marks, const PaintedBody& body, PaintEdge edge) {
-  const RestPlaceAt& rest = body.rest_place;
-  const auto rest_place = [rest](const Vec3d& index, Vec3d& at_rest) {
+  const auto rest_place = [&rest = body.rest_place](const Vec3d& index, Vec3d& at_rest) {
     at_rest = index;
     return !rest || rest(index, at_rest);
   };
   ValuePaint paint;
   paint.range = {marks.overlay_range->first, marks.overlay_range->second};
-  const bool is_det_f = marks.overlay == "det_f";
+  const bool is_det_f = marks.shows_det_f();
   if (is_det_f || paint.range.lo == -paint.range.hi) paint.colours = ValueColours::about_middle;
   if (marks.overlay_volume) {
     const Volume& volume = *marks.overlay_volume;
@@ -122,9 +107,9 @@ ValuePaint overlay_paint(const TissueMarks& marks, const PaintedBody& body, Pain
   paint.value = [&body, rest_place, is_det_f, edge](const Vec3d& index) -> std::optional<double> {
     Vec3d at_rest;
     if (!rest_place(index, at_rest)) return std::nullopt;
-    const bool is_tissue =
-        is_element(body.elements, nearest_voxel(at_rest)) ||
-        (edge == PaintEdge::beside && is_beside_element(*body.elements, at_rest));
+    const bool is_tissue = edge == PaintEdge::halfway
+                               ? body.elements.is_active(nearest_voxel(at_rest))
+                               : is_beside_element(body.elements, at_rest);
     if (!is_tissue) return std::nullopt;
     if (!is_det_f) return body.geometry.world_vector_from_index(index - at_rest).length();
     const auto f = deformation_at(rest_place, index);

@@ -71,7 +71,7 @@ SliceStyle slice_style(const SliceSource& source, const SliceChoice& choice) {
   style.grid_mm = choice.marks.grid_mm.value_or(0);
   const bool is_outlined = choice.outline && source.rest != nullptr && !source.rest->empty();
   if (is_outlined) style.rest = source.rest;
-  style.rest_place = rest_place_of(source.offsets);
+  if (source.offsets != nullptr) style.rest_place = rest_place_of(*source.offsets);
   if (choice.marks.labels != nullptr) {
     const StoredLabels& labels = *choice.marks.labels;
     const ScaleValues to_number = scale_values_of(labels.type());
@@ -203,7 +203,7 @@ FloatImage draw_slices(const SliceSource& source, const SliceChoice& choice,
     throw InputError({"", field, "nothing that has moved", "a deformed state or a warp"});
   };
   require_motion(choice.marks.arrows_mm.has_value(), "arrows");
-  require_motion(choice.marks.shows_motion_in_colour(), "overlay");
+  require_motion(choice.marks.shows_displacement() || choice.marks.shows_det_f(), "overlay");
   std::vector<SlicePanel> panels = panels_of(source, choice);
   SliceStyle style = slice_style(source, choice);
   const PaintedBody painted{source.geometry, source.elements, style.rest_place};

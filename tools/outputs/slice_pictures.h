@@ -13,9 +13,9 @@ namespace supple::tools {
 struct SliceSource {
   const Geometry& geometry;
   const DensityGrid& density;
-  const BrickTopology* rest;                // outlined; null: nothing
-  const OffsetField* offsets;               // null: straight
-  const BrickTopology* elements = nullptr;  // that overlays are painted on; null: on all
+  const BrickTopology* rest;      // outlined; null: nothing
+  const OffsetField* offsets;     // null: straight
+  const BrickTopology& elements;  // that overlays are painted on
 };
 
 /// Of an effective choice. Throws InputError: a place outside the volume, arrows of a volume at

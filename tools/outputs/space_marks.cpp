@@ -97,36 +97,6 @@ void add_labels(const PosedVolume& subject, const SceneView& view, std::vector<S
   }
 }
 
-/// Where the tissue that is seen at a place was at rest.
-SeenRestPlace rest_place_of(const PosedVolume& subject) {
-  if (subject.offsets != nullptr) {
-    return [&offsets = *subject.offsets](const Vec3d& index, Vec3d& at_rest) {
-      Vec3d offset;
-      if (!offsets.sample(index, offset)) return false;
-      at_rest = index + offset;
-      return true;
-    };
-  }
-  if (subject.displacement == nullptr) {
-    return [](const Vec3d& index, Vec3d& at_rest) {
-      at_rest = index;
-      return true;
-    };
-  }
-  const auto forward =
-      std::make_shared<const ForwardOffsets>(*subject.displacement, &subject.elements);
-  return [forward](const Vec3d& index, Vec3d& at_rest) {
-    const Vec3i voxel(int(std::floor(index.x)), int(std::floor(index.y)), int(std::floor(index.z)));
-    const std::int32_t brick = forward->bricks().find(voxel);
-    PointwiseOffsets::Sample found;
-    at_rest = index;  // where nothing moves
-    if (brick < 0) return true;
-    if (!forward->sample(std::size_t(brick), index, found)) return false;
-    at_rest = index + found.offset;
-    return true;
-  };
-}
-
 /// Whether a surface is what a pixel shows.
 class SeenSurfaces {
  public:
@@ -156,6 +126,27 @@ class SeenSurfaces {
 };
 
 }  // namespace
+
+RestPlaceAt rest_place_of(const PosedVolume& subject) {
+  if (subject.offsets != nullptr) return rest_place_of(*subject.offsets);
+  if (subject.displacement == nullptr) {
+    return [](const Vec3d& index, Vec3d& at_rest) {
+      at_rest = index;
+      return true;
+    };
+  }
+  const auto forward =
+      std::make_shared<const ForwardOffsets>(*subject.displacement, &subject.elements);
+  return [forward](const Vec3d& index, Vec3d& at_rest) {
+    const std::int32_t brick = forward->bricks().find(floor_voxel(index));
+    PointwiseOffsets::Sample found;
+    at_rest = index;  // where nothing moves
+    if (brick < 0) return true;
+    if (!forward->sample(std::size_t(brick), index, found)) return false;
+    at_rest = index + found.offset;
+    return true;
+  };
+}
 
 std::vector<Surface> surfaces_of(const PosedVolume& subject, const SceneView& view) {
   for (const MeshChoice& mesh : view.meshes) {

@@ -12,6 +12,10 @@ namespace supple::tools {
 /// subject has no data for.
 std::vector<Surface> surfaces_of(const PosedVolume& subject, const SceneView& view);
 
+/// Where the tissue that is seen at a place was at rest, also where samples solve for themselves.
+/// Refers to the subject's data.
+RestPlaceAt rest_place_of(const PosedVolume& subject);
+
 /// Draws the grid on a picture with depths and normals, where no mesh is before the tissue.
 void draw_grid(FloatImage& picture, const PosedVolume& subject, const SceneView& view,
                const Camera& camera);

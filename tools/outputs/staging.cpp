@@ -153,15 +153,17 @@ Camera framed_camera(const PosedVolume& subject, const Renderer* renderer, const
 
 void decorate(FloatImage& picture, const PosedVolume& subject, const SceneView& view) {
   const Decoration& wanted = view.decoration;
-  const PaintedBody painted{subject.geometry, &subject.elements, rest_place_of(subject.offsets)};
+  const bool paints = !view.marks.overlay.empty();
+  const PaintedBody painted{subject.geometry, subject.elements,
+                            paints ? rest_place_of(subject) : RestPlaceAt()};
   std::optional<ValuePaint> paint;
-  if (!view.marks.overlay.empty()) {
+  if (paints) {
     paint = overlay_paint(view.marks, painted, PaintEdge::beside);
     paint_values(picture, camera_of(subject, view), *paint, subject.geometry);
   }
   draw_grid(picture, subject, view, camera_of(subject, view));
   if (view.outline) {
-    RestOutline(subject.elements, subject.geometry).draw(picture, camera_of(subject, view));
+    RestOutline(*subject.outlined, subject.geometry).draw(picture, camera_of(subject, view));
   }
   const Background behind =
       wanted.background.empty() ? Background() : parse_background(wanted.background);

@@ -139,7 +139,7 @@ FloatImage draw(const PosedVolume& subject, const Renderer* renderer, const Scen
                 RenderReport* report, Console& console) {
   if (view.slice) {
     return draw_slices(
-        {subject.geometry, subject.density, subject.outlined, subject.offsets, &subject.elements},
+        {subject.geometry, subject.density, subject.outlined, subject.offsets, subject.elements},
         *view.slice, view.decoration);
   }
   if (view.lattice && !view.clips.empty()) {

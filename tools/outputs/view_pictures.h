@@ -25,7 +25,7 @@ struct PosedVolume {
   const Displacement* displacement;         // u; null: at rest, or not known
   double grey_lo, grey_hi;                  // of the lattice
   int air_rings = 0;                        // see Renderer; 0 for a state, which keeps its shell
-  const BrickTopology* outlined = nullptr;  // in slices; null: nothing
+  const BrickTopology* outlined = nullptr;  // at rest; null: a plain volume
   const LinkCuts* cuts = nullptr;           // of the elements; null: none
   const BrickValues* labels = nullptr;      // of the elements; null: none
 };

@@ -21,11 +21,11 @@ struct TissueMarks {
   bool has_surfaces() const { return arrows_mm || labels != nullptr; }
   bool empty() const { return !grid_mm && !has_surfaces() && overlay.empty(); }
 
+  bool shows_displacement() const { return overlay == "displacement"; }
+  bool shows_det_f() const { return overlay == "det_f"; }
   bool names_overlay_file() const {
-    return !overlay.empty() && overlay != "displacement" && overlay != "det_f";
+    return !overlay.empty() && !shows_displacement() && !shows_det_f();
   }
-
-  bool shows_motion_in_colour() const { return !overlay.empty() && !names_overlay_file(); }
 
   /// Read by read_marks.
   std::shared_ptr<const StoredLabels> labels;

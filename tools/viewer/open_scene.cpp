@@ -186,7 +186,7 @@ SlicePane OpenScene::pane_of(int view, const PixelSize& size, const RestPlaceAt&
 /// Of displacements the largest, of energies nearly, rounded up, so that the legend holds still.
 ScalarRange OpenScene::overlay_range() {
   if (m_range) return *m_range;
-  m_range = ScalarRange{0.5, 1.5};
+  m_range = kVolumeRatios;
   if (m_settings.slices.overlay == FieldOverlay::displacement) {
     m_range = ScalarRange{0, rounded_up(picture().longest_mm())};
   } else if (m_settings.slices.overlay == FieldOverlay::energy) {

@@ -135,7 +135,7 @@ void save_slices(OpenScene& scene, const SaveRequest& request) {
   const OffsetField* offsets =
       deformed ? &scene.live().session().pose(&scene.progress()).offsets : nullptr;
   const SliceSource source{state.geometry, state.density, deformed ? &state.elements : nullptr,
-                           offsets};
+                           offsets, state.elements};
   write_png(request.path, to_image(draw_slices(source, choice, decoration)));
 }
 
