@@ -137,13 +137,15 @@ TEST(UnitOverlayPaint, ValuesAtAnEdgeAreThoseOfTheVoxelsThatHaveOne) {
 
 TEST(UnitOverlayPaint, ValuesOfBothSignsHaveTheirMiddleAtZero) {
   auto volume = std::make_shared<Volume>(*ramp(kBody));
-  volume->statistics.min = -2;
-  volume->statistics.max = 1;
   TissueMarks marks;
   marks.overlay = "pressure.nrrd";
   marks.overlay_volume = volume;
+  for (const auto& [least, most] : {NumberPair(-2, 1), NumberPair(-1, 2)}) {
+    volume->statistics.min = least;
+    volume->statistics.max = most;
+    EXPECT_EQ(*with_overlay_range(marks, 0).overlay_range, NumberPair(-2, 2));
+  }
   marks = with_overlay_range(marks, 0);
-  EXPECT_EQ(*marks.overlay_range, NumberPair(-2, 2));
   const PaintedBody body{kBody, volume->density.bricks(), nullptr};
   EXPECT_EQ(overlay_paint(marks, body, PaintEdge::halfway).colours, ValueColours::about_middle);
 }
