@@ -31,7 +31,7 @@ BrickTopology cube() {
 std::shared_ptr<const Volume> ramp(const Geometry& geometry) {
   auto volume = std::make_shared<Volume>();
   std::vector<Vec3i> voxels;
-  const Vec3i dims = geometry.dims();
+  const Vec3i& dims = geometry.dims();
   for (int k = 0; k < dims.z; ++k) {
     for (int j = 0; j < dims.y; ++j) {
       for (int i = 0; i < dims.x; ++i) {
