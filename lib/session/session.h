@@ -47,6 +47,8 @@ class Session {
   const Geometry& geometry() const { return m_state.geometry; }
   const Body& body() const { return m_body; }
   const MaterialTable& material() const { return m_material; }
+  /// Links that are cut, without those that rigid pieces hide in body().cuts.
+  const LinkCuts& cuts() const { return m_body.rigid.empty() ? m_body.cuts : m_state.cuts; }
   /// Check of the links when the session was opened. Links of the material that may fold, NaN
   /// voxels and the like have been warned of.
   const LinkCheck& links() const { return m_links; }

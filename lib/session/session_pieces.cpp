@@ -29,7 +29,7 @@ std::vector<Handle> Session::handles_of(const StepRequest& request,
   }
   const HandleSurroundings around = {m_body,
                                      m_state.density,
-                                     m_body.rigid.empty() ? m_body.cuts : m_state.cuts,
+                                     cuts(),
                                      taken,
                                      is_pushed ? HandleKind::push : HandleKind::two_sided,
                                      pieces.empty() ? nullptr : &pieces,

@@ -140,11 +140,10 @@ void Session::move(StepRecord& record, Progress* progress) {
   } else if (record.fem) {
     const std::vector<SlotSet> told =
         record.tells_reactions ? ledger.elements() : std::vector<SlotSet>();
-    const LinkCuts& cuts = m_body.rigid.empty() ? m_body.cuts : m_state.cuts;
     static const FemNodes none;
     const FemNodes& nodes = m_records.empty() ? none : m_records.back().equilibrium.nodes;
     record.equilibrium = move_by_fem(
-        *record.fem, {held(), cuts, m_state.density, m_state.labels, told, pieces, nodes}, handles,
+        *record.fem, {held(), cuts(), m_state.density, m_state.labels, told, pieces, nodes}, handles,
         progress);
     if (record.tells_reactions) record.reactions = ledger.name(record.equilibrium.reactions);
     m_pressure_kpa = 0;

@@ -50,7 +50,7 @@ void LiveBody::open(Interpolation interpolation) {
   m_renderer_follows = false;
   m_field.reset();
   m_cut_inversion.reset();
-  m_cuts = m_session.body().cuts;
+  m_cuts = m_session.cuts();
   m_is_cut_stale = true;
 }
 
@@ -63,11 +63,12 @@ bool LiveBody::follow() {
   const std::vector<std::int32_t> changed = m_moved->update(body.q);
   m_for_forward.insert(changed.begin(), changed.end());
   m_for_inverse.insert(changed.begin(), changed.end());
-  const bool is_cut = body.cuts != m_cuts;
+  const LinkCuts& cuts = m_session.cuts();
+  const bool is_cut = cuts != m_cuts;
   if (is_cut) {
-    if (body.cuts.count() < m_cuts.count()) m_cut_inversion.reset();
-    if (body.cuts.empty()) m_shown = Shown::nothing;
-    m_cuts = body.cuts;
+    if (cuts.count() < m_cuts.count()) m_cut_inversion.reset();
+    if (cuts.empty()) m_shown = Shown::nothing;
+    m_cuts = cuts;
   }
   m_is_cut_stale = m_is_cut_stale || is_cut || !changed.empty();
   return is_cut || !changed.empty();
@@ -126,8 +127,6 @@ const OffsetField& LiveBody::inverse() {
     if (!m_field) m_field = m_inversion->field();
     return *m_field;
   }
-  // A session alone knows what pieces hide of the cuts.
-  if (!m_session.body().rigid.empty()) return m_session.pose(&m_progress).offsets;
   if (m_is_cut_stale) update_cut_inverse();
   return m_cut_inversion->field();
 }

@@ -1,8 +1,7 @@
 // The body of a live session as rays read it: its displacement, and offsets from it that samples
 // solve for themselves or that an inverse holds, brought up to date where the body has moved.
 //
-// Cost: of the bricks that have changed since; with cut links of the whole displacement, with rigid
-// pieces of the whole inverse.
+// Cost: of the bricks that have changed since; with cut links of the whole displacement.
 #pragma once
 
 #include <memory>

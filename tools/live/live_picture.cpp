@@ -79,7 +79,7 @@ PosedVolume LivePicture::Impl::subject() const {
   const State& state = body.opened();
   return {
       state.geometry,  state.density,        state.elements, nullptr, &body.displacement(), 0, 1, 0,
-      &state.elements, &session.body().cuts, &state.labels};
+      &state.elements, &session.cuts(), &state.labels};
 }
 
 RenderSettings LivePicture::Impl::settings() const {
