@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,11 @@ struct RigidPiece {
   std::shared_ptr<const SlotSet> elements;
   Vec3d centre_index{0, 0, 0};  // mean of its elements at rest
   RigidPose pose;
+  /// While tissue has only shifted the piece: where it was before, and where its smallest motion is
+  /// to start (StepRequest::shift_pieces).
+  std::optional<RigidPose> shifted_from = {};
+
+  const RigidPose& motion_starts_at() const { return shifted_from ? *shifted_from : pose; }
 };
 
 struct RigidPieces {

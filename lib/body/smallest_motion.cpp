@@ -35,14 +35,21 @@ Vec6 joined(const Vec3d& a, const Vec3d& b) {
   return {a.x, a.y, a.z, b.x, b.y, b.z};
 }
 
-/// A piece in LPS mm about its present centre, and the motion that is sought.
+/// A piece in LPS mm about its centre where its motion starts, and the motion that is sought.
 class MotionSearch {
  public:
   MotionSearch(const Body& body, const RigidPiece& piece, const std::vector<ElementBounds>& bounds,
                double cube_mm)
       : m_body(body), m_piece(piece), m_bounds(bounds) {
-    Vec3d centre = piece.centre_index;
-    for (int c = 0; c < 3; ++c) centre[c] += double(piece.pose.shift_q[std::size_t(c)]) / kFixedOne;
+    m_piece.pose = piece.motion_starts_at();
+    Vec3d centre = m_piece.centre_index;
+    for (int c = 0; c < 3; ++c) {
+      centre[c] += double(m_piece.pose.shift_q[std::size_t(c)]) / kFixedOne;
+    }
+    const PoseOffsets offsets(body.geometry, m_piece);
+    for (const ElementBounds& element : bounds) {
+      m_starts.push_back(offsets(voxel_of(body.elements, element.slot)));
+    }
     m_motion.about_lps_mm = body.geometry.world_from_index(centre);
     for (const ElementBounds& element : bounds) m_arms.push_back(arm_of(element.slot));
     piece.elements->for_each([&](Slot slot) {
@@ -166,14 +173,15 @@ class MotionSearch {
     return true;
   }
 
-  /// How far the element may go from where it is, in voxels.
+  /// How far the element may go from where it starts, in voxels.
   std::pair<double, double> room(std::size_t n, std::size_t c) const {
     const ElementBounds& bounds = m_bounds[n];
-    const double now = m_body.q[c].at(bounds.slot);
-    const double low =
-        bounds.least[c] == -ElementBounds::kNone ? -HUGE_VAL : (bounds.least[c] - now) / kFixedOne;
+    const auto start = double(m_starts[n][c]);
+    const double low = bounds.least[c] == -ElementBounds::kNone
+                           ? -HUGE_VAL
+                           : (bounds.least[c] - start) / kFixedOne;
     const double high =
-        bounds.most[c] == ElementBounds::kNone ? HUGE_VAL : (bounds.most[c] - now) / kFixedOne;
+        bounds.most[c] == ElementBounds::kNone ? HUGE_VAL : (bounds.most[c] - start) / kFixedOne;
     const double margin = std::min(kRoundingVoxels, (high - low) / 2);
     return {low + margin, high - margin};
   }
@@ -190,7 +198,8 @@ class MotionSearch {
   }
 
   const Body& m_body;
-  const RigidPiece& m_piece;
+  RigidPiece m_piece;  // where its motion starts
+  std::vector<std::array<std::int64_t, 3>> m_starts;  // q of m_bounds, there
   const std::vector<ElementBounds>& m_bounds;
   std::vector<Vec3d> m_arms, m_turned;  // of m_bounds, from the centre, LPS mm
   std::array<Vec3d, 3> m_moments{Vec3d(0.0), Vec3d(0.0), Vec3d(0.0)};  // sum r r^T of all

@@ -26,7 +26,7 @@ struct ElementBounds {
   std::array<std::int32_t, 3> least, most;  // q, per coordinate
 };
 
-/// The pose that the smallest motion takes the piece to from where it is in the body; bounds, of
+/// The pose that the smallest motion takes the piece to from where its motion starts; bounds, of
 /// elements of the piece, hold for rounded offsets there. `cube_mm`: edge of each element as a
 /// cube, at least its voxel. Nothing where no motion meets the bounds.
 std::optional<RigidPose> smallest_pose(const Body& body, const RigidPiece& piece,

@@ -84,8 +84,9 @@ bool RelaxModel::step(const Progress*) {
   if (m_report.passes == 0) m_report.energy_before = m_relaxation->energy_before_pass();
   ++m_report.passes;
   m_report.converged = m_report.largest_step_voxels <= m_params.tolerance_voxels && forces_agree();
-  const double budget = m_params.budget_million * 1e6;
-  const bool is_spent = budget > 0 && m_work + m_relaxation->work() >= budget;
+  m_report.looked_at_million = (m_work + m_relaxation->work()) / 1e6;
+  const double budget = m_params.budget_million;
+  const bool is_spent = budget > 0 && m_report.looked_at_million >= budget;
   m_report.end = m_report.converged                  ? RelaxEnd::converged
                  : m_report.largest_step_voxels == 0 ? RelaxEnd::at_rest
                  : is_spent                          ? RelaxEnd::budget
@@ -95,7 +96,7 @@ bool RelaxModel::step(const Progress*) {
 
 double RelaxModel::part_done() const {
   if (m_params.budget_million <= 0) return 0;
-  return std::min(1.0, (m_work + m_relaxation->work()) / (m_params.budget_million * 1e6));
+  return std::min(1.0, m_report.looked_at_million / m_params.budget_million);
 }
 
 /// Whether the energy is as good as the least by the forces that are left.

@@ -25,6 +25,7 @@ struct RelaxReport {
   std::int64_t diagonal_links = 0;
   double diagonal_max_voxels = 0;
   int passes = 0;
+  double looked_at_million = 0;  // elements, in each pass and coordinate by itself
   /// The last pass moved nothing further than the tolerance, and the forces that are left put the
   /// energy within 1 % of the least, or within a millionth of the energy before. Where volume is
   /// conserved, the step alone decides.

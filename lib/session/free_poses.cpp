@@ -56,7 +56,7 @@ std::vector<Handle> FreePoses::with(const std::vector<Handle>& handles,
   return all;
 }
 
-/// In voxels, of any element along any axis.
+/// In voxels, of any element along any axis, from where it is.
 double FreePoses::longest_way(const RigidPiece& piece, const RigidPose& pose) const {
   RigidPiece moved = piece;
   moved.pose = pose;
@@ -71,12 +71,13 @@ double FreePoses::longest_way(const RigidPiece& piece, const RigidPose& pose) co
   return longest;
 }
 
+/// From where its motion starts.
 double FreePoses::shift_mm(const FreePose& free) const {
-  const RigidPose& now = m_body.rigid.list[free.piece].pose;
+  const RigidPose& start = m_body.rigid.list[free.piece].motion_starts_at();
   Vec3d shift;
   for (int c = 0; c < 3; ++c) {
     const auto n = std::size_t(c);
-    shift[c] = double(free.pose.shift_q[n] - now.shift_q[n]) / kFixedOne;
+    shift[c] = double(free.pose.shift_q[n] - start.shift_q[n]) / kFixedOne;
   }
   return m_body.geometry.world_vector_from_index(shift).length();
 }

@@ -82,6 +82,7 @@ nlohmann::ordered_json to_json(const StepRecord& record) {
     step["anchors"].push_back(nlohmann::ordered_json::parse(selection_json(selection)));
   }
   if (record.release) step["release"] = true;
+  if (record.shift_pieces) step["shift_pieces"] = true;
   if (record.material) step["material"] = material_to_toml(*record.material);
   if (record.ball) step["limits"] = "ball";
   if (record.tightened) step["limits"] = "tighten";

@@ -185,6 +185,7 @@ void Session::release_and_fix(const StepRequest& request) {
     m_state.anchor_selections.clear();
     m_holds = {};
     m_ledger.release();
+    forget_shifts();
   }
   const auto add = [](auto& list, const auto& item) {
     if (std::find(list.begin(), list.end(), item) == list.end()) list.push_back(item);

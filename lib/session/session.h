@@ -47,6 +47,8 @@ class Session {
   const Geometry& geometry() const { return m_state.geometry; }
   const Body& body() const { return m_body; }
   const MaterialTable& material() const { return m_material; }
+  /// Whether steps with StepRequest::shift_pieces have left pieces that are still to turn.
+  bool has_shifted_pieces() const;
   /// Links that are cut, without those that rigid pieces hide in body().cuts.
   const LinkCuts& cuts() const { return m_body.rigid.empty() ? m_body.cuts : m_state.cuts; }
   /// Check of the links when the session was opened. Links of the material that may fold, NaN
@@ -141,6 +143,9 @@ class Session {
                    StepRecord& record, Progress* progress);
   void move_free_pieces_too(const std::vector<Handle>& handles, StepRecord& record,
                             Progress* progress);
+  bool shift_pieces(const std::vector<Handle>& handles, StepRecord& record, Progress* progress);
+  void turn_shifted_pieces(StepRecord& record, Progress* progress);
+  void forget_shifts();
   std::vector<FreePose> free_pieces(const std::vector<Handle>& handles) const;
   void move_with(const std::vector<Handle>& handles, const std::vector<FreePose>& poses,
                  StepRecord& record, Progress* progress);

@@ -86,11 +86,13 @@ void Session::move_quasi_statically(const std::vector<Handle>& handles,
 
 void Session::solve(const std::vector<Handle>& handles, const std::vector<PieceMotion>& pieces,
                     StepRecord& record, Progress* progress) {
-  if (has_turns(pieces)) {
-    return solve_turns(handles, pieces, record, progress);
-  }
-  if (record.limits != Limits::ball) {
-    move_free_pieces_too(handles, record, progress);
+  if (has_turns(pieces) || record.limits != Limits::ball) {
+    if (has_turns(pieces)) {
+      solve_turns(handles, pieces, record, progress);
+    } else if (!record.shift_pieces || !shift_pieces(handles, record, progress)) {
+      move_free_pieces_too(handles, record, progress);
+    }
+    if (!record.shift_pieces) turn_shifted_pieces(record, progress);
     return;
   }
   record.ball = drag_ball(m_body, handles, m_anchors, m_holds, BallParams(), progress);
@@ -230,6 +232,51 @@ void Session::move_free_pieces_too(const std::vector<Handle>& handles, StepRecor
   move_with(allowed, poses, record, progress);
 }
 
+/// The whole drag; false, and nothing has moved, where shifts of free pieces do not allow it.
+bool Session::shift_pieces(const std::vector<Handle>& handles, StepRecord& record,
+                           Progress* progress) {
+  try {
+    if (!m_ecm->move_whole(handles, progress)) return false;
+  } catch (const InputError&) {
+    return false;  // a turn may still do
+  }
+  record.report = m_ecm->report();
+  for (const PieceShift& shift : record.report.shifted) {
+    RigidPiece& piece = m_body.rigid.list[shift.piece];
+    if (!piece.shifted_from) piece.shifted_from = piece.pose;
+  }
+  follow_shifts(m_body);
+  return true;
+}
+
+/// Pieces that are held by now stay where they are.
+void Session::turn_shifted_pieces(StepRecord& record, Progress* progress) {
+  if (!has_shifted_pieces()) return;
+  std::vector<FreePose> poses = free_pieces({});
+  poses.erase(std::remove_if(poses.begin(), poses.end(),
+                             [&](const FreePose& free) {
+                               return !m_body.rigid.list[free.piece].shifted_from;
+                             }),
+              poses.end());
+  const std::int64_t moved = record.report.moved;
+  if (!poses.empty()) {
+    FreePoses(m_body, *m_ecm, progress).shrink({}, poses);
+    move_with({}, poses, record, progress);
+  }
+  record.report.moved = std::max(moved, record.report.moved);
+  forget_shifts();
+}
+
+bool Session::has_shifted_pieces() const {
+  const std::vector<RigidPiece>& pieces = m_body.rigid.list;
+  return std::any_of(pieces.begin(), pieces.end(),
+                     [](const RigidPiece& piece) { return piece.shifted_from.has_value(); });
+}
+
+void Session::forget_shifts() {
+  for (RigidPiece& piece : m_body.rigid.list) piece.shifted_from.reset();
+}
+
 /// Pieces that nothing holds, where they are.
 std::vector<FreePose> Session::free_pieces(const std::vector<Handle>& handles) const {
   SlotSet held = anchored_elements(m_body, m_anchors, m_holds);
@@ -255,6 +302,7 @@ void Session::move_with(const std::vector<Handle>& handles, const std::vector<Fr
   for (const FreePose& moved : poses) {
     RigidPiece& piece = m_body.rigid.list[moved.piece];
     piece.pose = moved.pose;
+    piece.shifted_from.reset();
     m_holds.anchored.remove(*piece.elements);
   }
   follow_shifts(m_body);

@@ -137,6 +137,7 @@ void Session::move(StepRecord& record, Progress* progress) {
         move_by_springs(*record.springs, held_with_pieces(anchors), handles, told, progress);
     if (record.tells_reactions) record.reactions = ledger.name(record.sprung.reactions);
     m_pressure_kpa = 0;
+    forget_shifts();
   } else if (record.fem) {
     const std::vector<SlotSet> told =
         record.tells_reactions ? ledger.elements() : std::vector<SlotSet>();
@@ -147,6 +148,7 @@ void Session::move(StepRecord& record, Progress* progress) {
         progress);
     if (record.tells_reactions) record.reactions = ledger.name(record.equilibrium.reactions);
     m_pressure_kpa = 0;
+    forget_shifts();
   } else {
     move_quasi_statically(handles, pieces, record, progress);
     if (record.tells_reactions) {

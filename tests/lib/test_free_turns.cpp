@@ -136,6 +136,56 @@ TEST_F(UnitRod, HandlesThatNoShiftReconcilesTurnThePiece) {
   EXPECT_NE(error.find("further apart along axis j"), std::string::npos) << error;
 }
 
+TEST_F(UnitRod, ShiftedInManyDragsThenTurnsAsInASingleOne) {
+  Session whole(m_folder / "rod.nhdr", m_options);
+  whole.step(m_rod);
+  whole.step(pull({{{11, 1, 1}, {0, 3, 0}}}));
+  Session session(m_folder / "rod.nhdr", m_options);
+  session.step(m_rod);
+  const State before = session.state();
+  StepRequest part = pull({{{11, 1, 1}, {0, 0.75, 0}}});
+  part.shift_pieces = true;
+  for (int n = 0; n < 4; ++n) session.step(part);
+  EXPECT_EQ(angle_deg(session), 0);
+  EXPECT_NEAR(voxels(session, {3, 1, 1}, 1), 3 - 3 * kShear, 1e-3);
+  EXPECT_TRUE(session.has_shifted_pieces());
+  session.step({});
+  EXPECT_FALSE(session.has_shifted_pieces());
+  EXPECT_NEAR(angle_deg(session), angle_deg(whole), 0.01);
+  for (const int i : {3, 8, 11}) {
+    EXPECT_NEAR(voxels(session, {i, 1, 1}, 1), voxels(whole, {i, 1, 1}, 1), 1e-3);
+  }
+  EXPECT_EQ(check_links(session.body()).violated, 0);
+  for (int n = 0; n < 5; ++n) ASSERT_TRUE(session.undo());
+  EXPECT_EQ(session.state().q, before.q);
+  EXPECT_EQ(session.state().piece_texts, before.piece_texts);
+}
+
+TEST_F(UnitRod, LetGoOfAfterAShiftStaysWhereItIs) {
+  Session session(m_folder / "rod.nhdr", m_options);
+  session.step(m_rod);
+  StepRequest part = pull({{{11, 1, 1}, {0, 3, 0}}});
+  part.shift_pieces = true;
+  session.step(part);
+  const State shifted = session.state();
+  session.release();
+  EXPECT_FALSE(session.has_shifted_pieces());
+  EXPECT_EQ(session.state().q, shifted.q);
+}
+
+TEST_F(UnitRod, ADragThatShiftsDoNotAllowTurnsThePieceAllTheSame) {
+  Session whole(m_folder / "rod.nhdr", m_options), session(m_folder / "rod.nhdr", m_options);
+  StepRequest request = pull({{{11, 1, 1}, {0, 4, 0}}});
+  for (Session* each : {&whole, &session}) {
+    each->step(m_rod);
+    each->fix({{0, 1, 1}, {0, 1, 1}});
+    each->step(request);
+    request.shift_pieces = true;
+  }
+  EXPECT_GT(angle_deg(session), 1);
+  EXPECT_EQ(session.state().q, whole.state().q);
+}
+
 TEST_F(UnitRod, UndoTakesATurnBackBitForBit) {
   Session session(m_folder / "rod.nhdr", m_options);
   session.step(m_rod);

@@ -58,6 +58,12 @@ const std::string kDrags =
     event("drag", "to = [0.3, 9.9, 0.2]") + event("drag", "to = [0.2, 2.2, 0.9]") +
     event("release") + event("relax", "passes = 12");
 
+/// A bone in the ball, and a drag of tissue above one end that takes it along.
+const std::string kBoneDragged =
+    event("step", "rigid = [{ name = \"bone\", grab_box = [8, 11, 12, 15, 12, 13] }]") +
+    event("grab", "grab = [15, 11, 16]") + event("drag", "to = [0.5, 0.8, 1.5]") +
+    event("drag", "to = [0.9, 2.0, 3.5]") + event("drag", "to = [1.2, 2.6, 5.5]");
+
 /// Random events that change the body or not.
 std::string random_events(int count) {
   std::mt19937 random(7);
@@ -104,6 +110,57 @@ TEST_F(UnitReplay, AJournalTheSceneMadeFromItAndAnyNumberOfThreadsLeadToTheSameS
   const std::string other = journal(
       event("grab", "grab = [12, 12, 16]") + event("drag", "to = [0.7, 1.3, 0.1]"), "other.toml");
   EXPECT_EQ(replay(other, "--check " + (m_folder / "out/live.vdb")).exit_code, 1);
+}
+
+TEST_F(UnitReplay, PiecesShiftWhileTheyAreDraggedAndTurnAfterTheRelease) {
+  const std::string dragged = hash(journal(kBoneDragged));
+  const std::string file = journal(kBoneDragged + event("release") + event("relax", "passes = 7"));
+  const std::string end = hash(file, "--threads 2 --scene " + (m_folder / "batch.toml") +
+                                         " --journal " + (m_folder / "carried.toml"));
+  EXPECT_EQ(hash(file, "--threads 1"), end);
+  EXPECT_EQ(hash(m_folder / "carried.toml"), end);
+  EXPECT_EQ(hash(m_folder / "batch.toml"), end);
+  // The turn belongs to the stroke of the drags.
+  const std::string rest =
+      hash(journal(kBoneDragged.substr(0, kBoneDragged.find("[[event]]\nkind = \"grab\""))));
+  EXPECT_EQ(hash(journal(kBoneDragged + event("release") + event("undo", "all = true"))), rest);
+  EXPECT_EQ(hash(journal(kBoneDragged + event("release") + event("undo"))), dragged);
+  // All is let go of once they have turned.
+  const std::string turned = hash(journal(kBoneDragged + event("release")));
+  EXPECT_EQ(hash(journal(kBoneDragged + event("release", "all = true"))), turned);
+  EXPECT_NE(turned, dragged);
+}
+
+TEST_F(UnitReplay, SlicesOfARelaxationShareItsBudget) {
+  // About 35,000 looks at elements in each pass.
+  const std::string file =
+      journal(kDrags + event("relax", "passes = 500\nbudget = 0.25\nmethod = \"jacobi\""));
+  ASSERT_EQ(replay(file, "--journal " + (m_folder / "carried.toml")).exit_code, 0);
+  const std::string carried = read_text(m_folder / "carried.toml");
+  int slices = 0;
+  for (std::size_t at = carried.find("jacobi"); at != std::string::npos;
+       at = carried.find("jacobi", at + 1)) {
+    ++slices;
+  }
+  EXPECT_EQ(slices, 2) << carried;
+}
+
+TEST_F(UnitReplay, TheSettledPictureOfABodyWithPiecesIsThatOfRender) {
+  for (const std::string& cut :
+       {std::string(), event("cut",
+                             "plane = { corner = [12, -1, 14], edge1 = [0, 26, 0], edge2 = [0, 0, "
+                             "12], frame = \"voxel\" }")}) {
+    const std::string file = journal(kBoneDragged + cut + event("drag", "to = [2.4, 2.4, 6]"));
+    ASSERT_EQ(
+        replay(file, "--image " + (m_folder / "live.png") + " --state " + (m_folder / "live.vdb"))
+            .exit_code,
+        0);
+    ASSERT_EQ(run_line("render " + (m_folder / "live.vdb") + " --quiet --force --size 96,96 -o " +
+                       (m_folder / "batch.png"))
+                  .exit_code,
+              0);
+    EXPECT_EQ(read_png(m_folder / "live.png").rgba, read_png(m_folder / "batch.png").rgba) << cut;
+  }
 }
 
 TEST_F(UnitReplay, TheSettledPictureIsThatOfRender) {

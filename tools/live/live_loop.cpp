@@ -30,7 +30,7 @@ void LiveLoop::run(EventMailbox& mailbox) {
   m_leaves = false;
   while (!m_leaves) {
     poll(&m_console);
-    const bool is_idle = !m_has_work && m_live.pending() == 0 && m_picture.settled();
+    const bool is_idle = !m_has_work && !m_live.has_more() && m_picture.settled();
     if (auto posted = mailbox.take(is_idle)) {
       m_has_work = true;
       if (posted->task) {
@@ -38,8 +38,8 @@ void LiveLoop::run(EventMailbox& mailbox) {
       } else {
         show(posted->event, posted->posted);
       }
-    } else if (m_live.pending() > 0) {
-      relax_on();
+    } else if (m_live.has_more()) {
+      go_on();
     } else if (m_has_work) {
       m_has_work = m_watcher.work();
     } else if (!m_picture.settled()) {
@@ -71,13 +71,13 @@ void LiveLoop::show(const LiveEvent& event, std::chrono::steady_clock::time_poin
   draw(since_event);
 }
 
-void LiveLoop::relax_on() {
+void LiveLoop::go_on() {
   const Stopwatch since_event;
   m_watcher.begins();
   try {
-    m_live.relax_on(m_progress);
+    m_live.go_on(m_progress);
   } catch (const Error& error) {
-    m_live.stop_relaxing();
+    m_live.stop();
     if (m_console.cancelled() || !m_watcher.refused(LiveEvent(), error.what())) throw;
     return;
   }

@@ -59,7 +59,7 @@ class LiveLoop {
   /// One event, and its first pixels.
   void show(const LiveEvent& event, std::chrono::steady_clock::time_point posted);
   /// A slice of relaxation, and its first pixels.
-  void relax_on();
+  void go_on();
   /// One pass more; false when there is nothing left to do.
   bool refine();
   /// Another size or pose; the next run() draws it.

@@ -115,7 +115,7 @@ void LiveSession::carry_out(const LiveEvent& event, Progress* progress) {
     change_view(event);
     return record(event);
   }
-  m_pending = 0;
+  stop();
   switch (event.kind) {
     case EventKind::grab:
     case EventKind::push: {
@@ -177,6 +177,7 @@ void LiveSession::drag(const LiveEvent& event, Progress* progress) {
   step.handles = m_grab->step.handles;
   step.handles.front().by = by;
   step.no_relax = true;
+  step.shift_pieces = !m_session->body().rigid.empty();
   if (m_model) {
     step.springs = m_model->step.springs;
   } else {
@@ -187,6 +188,7 @@ void LiveSession::drag(const LiveEvent& event, Progress* progress) {
   handle["by"] = {by.x, by.y, by.z};
   if (step.handles.front().push) handle["push"] = true;
   nlohmann::ordered_json keys = {{"handles", {handle}}, {"no_relax", true}};
+  if (step.shift_pieces) keys["shift_pieces"] = true;
   if (m_model) {
     keys.update(nlohmann::ordered_json::parse(m_model->keys));
   } else if (m_limits != Limits::box) {
@@ -199,8 +201,8 @@ void LiveSession::drag(const LiveEvent& event, Progress* progress) {
   m_done.back().reached = m_reached;
 }
 
-/// Where the material asks for it tissue that was dragged then relaxes, in slices that are recorded
-/// as events of their own.
+/// Pieces that were dragged along then turn, and tissue relaxes where the material asks for it.
+/// Both are recorded as events of their own.
 void LiveSession::release(const LiveEvent& event, Progress* progress) {
   LiveEvent carried_out = event;
   const auto is_last_a_drag = [&] {
@@ -209,6 +211,9 @@ void LiveSession::release(const LiveEvent& event, Progress* progress) {
   const bool was_dragged = is_last_a_drag();
   while (event.restore && is_last_a_drag() && take_back()) {
   }
+  const bool lets_go = event.all || event.handle > 0 || event.anchor > 0;
+  const bool turns = m_session->has_shifted_pieces() && !event.restore;
+  if (turns && lets_go) turn_pieces(progress);
   if (event.all) {
     SceneStep step;
     step.place = event.place;
@@ -217,10 +222,10 @@ void LiveSession::release(const LiveEvent& event, Progress* progress) {
   }
   if (event.handle > 0 || event.anchor > 0) let_go_of_one(event, progress);
   m_grab.reset();
-  const bool lets_go = event.all || event.handle > 0 || event.anchor > 0;
   const bool relaxes = was_dragged && !event.restore && !lets_go && !event.no_relax &&
                        m_session->material().relaxes && !m_model && m_limits != Limits::ball;
-  carried_out.no_relax = event.no_relax || relaxes;
+  m_turns = turns && !lets_go && !event.no_relax;
+  carried_out.no_relax = event.no_relax || relaxes || m_turns;
   record(carried_out);
   if (!relaxes) return;
   LiveEvent relaxation;
@@ -263,13 +268,25 @@ void LiveSession::run(EventKind kind, const SceneStep& step, const std::string& 
                       Progress* progress) {
   run_step(*m_session, step, false, progress);
   m_undone.clear();
-  m_done.push_back({kind, stroke_of(kind), step, keys, m_reached, m_reached});
+  m_done.push_back({kind, stroke_of(kind, step), step, keys, m_reached, m_reached});
+}
+
+/// Where the drags left them, handles held. Belongs to the stroke of the drags.
+void LiveSession::turn_pieces(Progress* progress) {
+  LiveEvent event;
+  event.kind = EventKind::step;
+  event.step.turn_pieces = true;
+  event.keys = nlohmann::ordered_json({{"turn_pieces", true}}).dump();
+  m_turns = false;
+  run(event.kind, event.step, event.keys, progress);
+  record(event);
 }
 
 /// Of the next step. It follows from the events as a journal has them, in which a relaxation is as
 /// many as it had slices.
-int LiveSession::stroke_of(EventKind kind) {
+int LiveSession::stroke_of(EventKind kind, const SceneStep& step) {
   const bool follows_its_kind = !m_done.empty() && m_done.back().kind == kind;
+  if (step.turn_pieces && !m_done.empty()) return m_done.back().stroke;
   if (kind == EventKind::relax && follows_its_kind) return m_done.back().stroke;
   if (kind != EventKind::drag) return ++m_stroke;
   const bool goes_on = follows_its_kind && m_done.back().stroke == m_grab_stroke;
@@ -318,12 +335,23 @@ void LiveSession::relax(const LiveEvent& event, int passes, Progress* progress) 
       progress);
   const RelaxReport& done = m_session->records().back().relaxed;
   m_pending = done.end == RelaxEnd::passes ? passes - slice.step.relax->passes : 0;
-  m_relaxation = event;
   record(slice);
+  m_relaxation = event;
+  double& budget = m_relaxation->step.relax->budget_million;
+  if (budget <= 0) return;
+  budget -= done.looked_at_million;
+  keys["budget"] = budget;
+  m_relaxation->keys = keys.dump();
 }
 
-void LiveSession::relax_on(Progress* progress) {
+void LiveSession::go_on(Progress* progress) {
+  if (m_turns) return turn_pieces(progress);
   if (m_pending > 0) relax(*m_relaxation, std::exchange(m_pending, 0), progress);
+}
+
+void LiveSession::stop() {
+  m_pending = 0;
+  m_turns = false;
 }
 
 /// Of cameras, looks or clips in a row the last says it all.

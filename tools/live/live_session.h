@@ -1,6 +1,7 @@
 // A session that follows events: each that changes the body becomes a step of it, so that a batch
 // scene of these steps gives the same state, bit for bit, whatever time or threads they took.
-// Relaxation goes in slices between which new events may come. The view follows, too.
+// Free rigid pieces shift while they are dragged along and turn after the release. That, and
+// relaxation in slices, waits while new events come. The view follows, too.
 #pragma once
 
 #include <memory>
@@ -24,14 +25,16 @@ class LiveSession {
   /// Those of a journal; of a scene its steps, each as one event.
   const std::vector<LiveEvent>& events() const { return m_events; }
 
-  /// Does what the event says; of a relaxation its first passes, see pending(). Throws InputError
+  /// Does what the event says; of a relaxation its first passes, see has_more(). Throws InputError
   /// with the event's place, and Cancelled: nothing has changed then.
   void carry_out(const LiveEvent& event, Progress* progress = nullptr);
-  /// Passes of relaxation that are still to be done; any event but those of the view ends them.
-  int pending() const { return m_pending; }
-  /// The next of them.
-  void relax_on(Progress* progress = nullptr);
-  void stop_relaxing() { m_pending = 0; }
+  /// Whether pieces are still to turn, or tissue to relax; any event but those of the view ends it.
+  bool has_more() const { return m_turns || m_pending > 0; }
+  /// A slice of that.
+  void go_on(Progress* progress = nullptr);
+  void stop();
+  /// Passes of relaxation that are still to be done.
+  int passes_left() const { return m_pending; }
 
   Session& session() { return *m_session; }
   const Scene& scene() const { return m_scene; }
@@ -69,7 +72,8 @@ class LiveSession {
   void release(const LiveEvent& event, Progress* progress);
   void let_go_of_one(const LiveEvent& event, Progress* progress);
   void run(EventKind kind, const SceneStep& step, const std::string& keys, Progress* progress);
-  int stroke_of(EventKind kind);
+  void turn_pieces(Progress* progress);
+  int stroke_of(EventKind kind, const SceneStep& step);
   bool take_back();
   void take_back(bool whole_stroke);
   void do_again(bool whole_stroke, Progress* progress);
@@ -94,6 +98,7 @@ class LiveSession {
   std::vector<DoneStep> m_done, m_undone;
   std::optional<LiveEvent> m_relaxation;
   int m_pending = 0;
+  bool m_turns = false;  // pieces that were dragged along are to turn
 };
 
 }  // namespace supple::tools

@@ -66,7 +66,7 @@ void Replay::run_at_once() {
     LiveEvent event = events[n];
     event.merged = 0;  // those that it replaced are not in the journal
     m_loop.show(event, std::chrono::steady_clock::now());
-    while (m_live.pending() > 0) m_loop.relax_on();
+    while (m_live.has_more()) m_loop.go_on();
     const bool is_last = n + 1 == events.size();
     const bool pauses = is_last || events[n].kind == EventKind::release ||
                         events[n + 1].at_ms - events[n].at_ms >= kPauseMs;

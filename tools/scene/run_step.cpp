@@ -51,6 +51,7 @@ StepRequest request_of(const SceneStep& step, const Geometry& geometry, double t
   request.limits = step.limits;
   request.relax = step.relax;
   request.no_relax = step.no_relax;
+  request.shift_pieces = step.shift_pieces;
   request.springs = step.springs;
   request.material = step.material;
   if (step.fem) request.fem = fem_step(*step.fem, geometry);

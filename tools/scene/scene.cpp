@@ -127,6 +127,11 @@ SceneStep read_step(TomlTable& table, const LabelNames& names) {
   }
   step.release = settings.release;
   step.no_relax = settings.no_relax;
+  step.shift_pieces = settings.shift_pieces;
+  step.turn_pieces = settings.turn_pieces;
+  if (step.shift_pieces && step.turn_pieces) {
+    table.fail("turn_pieces", "turn_pieces beside shift_pieces", "one of them");
+  }
   step.limits = settings.limits;
   step.springs = read_model<SpringStep>(table, "springs", settings.model == StepModel::springs,
                                         read_spring_step);
@@ -148,7 +153,7 @@ SceneStep read_step(TomlTable& table, const LabelNames& names) {
   if (step.does_nothing()) {
     table.fail("", "a step that does nothing",
                "grab, handles, fix, fix_label, fix_points, cut, remove, rigid, retract, relax, "
-               "model, material, release "
+               "model, material, release, turn_pieces "
                "or limits");
   }
   return step;
@@ -268,7 +273,7 @@ bool SceneStep::does_nothing() const {
   return handles.empty() && fix.empty() && fix_points.empty() && !release && fix_labels.empty() &&
          anchors.empty() && cuts.empty() && remove.empty() && rigid.empty() &&
          rigid_seeds.empty() && retract.empty() && !rigid_density && !relax && !springs && !fem &&
-         !material && limits != Limits::tighten;
+         !material && !turn_pieces && limits != Limits::tighten;
 }
 
 bool SceneStep::is_animated() const {
@@ -337,6 +342,12 @@ Fields fields(StepSettings& settings) {
           .unit("mm")
           .at_least(0),
       Field("no_relax", settings.no_relax, "Leave drags unrelaxed, whatever the material asks for"),
+      Field("shift_pieces", settings.shift_pieces,
+            "Rigid pieces that nothing holds only shift with these drags, which is found sooner; "
+            "they turn in the next step of ECM without it")
+          .only_in_scenes(),
+      Field("turn_pieces", settings.turn_pieces, "Turn them now, with nothing else in the step")
+          .only_in_scenes(),
       Field("release", settings.release, "Let go of everything that is held or fixed"),
   };
 }

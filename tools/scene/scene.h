@@ -36,6 +36,7 @@ struct SceneStep {
   double joint_mm = 0;
   std::optional<RelaxParams> relax;
   bool no_relax = false;                  // even where the material asks for it
+  bool shift_pieces = false, turn_pieces = false;
   std::optional<SpringStep> springs;      // when model = "springs"
   std::optional<GivenFem> fem;            // when model = "fem"
   std::optional<MaterialTable> material;  // from now on
@@ -81,6 +82,7 @@ struct StepSettings {
   Limits limits = Limits::box;
   bool release = false;
   bool no_relax = false;
+  bool shift_pieces = false, turn_pieces = false;
   StepModel model = StepModel::ecm;
   std::optional<NumberPair> fix_density, rigid_density;
   double joint_mm = 0;

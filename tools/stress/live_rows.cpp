@@ -148,7 +148,7 @@ std::string replayed_hash(const std::string& journal, const std::string& folder,
   LiveSession again(TomlTable::parse(journal, folder + "/journal.toml"), &console);
   for (const LiveEvent& event : again.events()) {
     again.carry_out(event, &console);
-    again.stop_relaxing();
+    again.stop();
   }
   return hash_of(again.session().state());
 }
@@ -167,7 +167,7 @@ void run_live(const StressInput& input, const std::string& folder, Console& cons
     const std::string keys = operations.next();
     try {
       carry_out(live, event_of(keys, n), console, faults);
-      if (live.pending() > 0 && n % 2 == 0) live.relax_on(&console);
+      if (live.has_more() && n % 2 == 0) live.go_on(&console);
     } catch (const Cancelled&) {
       throw;
     } catch (const std::exception&) {

@@ -43,7 +43,7 @@ OpenScene::OpenScene(const TomlTable& root, double budget_ms, const ViewSettings
   m_settings.slices = default_slices(picture().opened());
   for (const LiveEvent& event : m_live.events()) {
     m_live.carry_out(event, &outlets.progress);
-    while (m_live.pending() > 0) m_live.relax_on(&outlets.progress);
+    while (m_live.has_more()) m_live.go_on(&outlets.progress);
   }
   m_stale = {0, 1, 1, 1};
 }

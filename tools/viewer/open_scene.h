@@ -40,7 +40,7 @@ class OpenScene final : public LoopWatcher {
   void see(const ViewSettings& settings, std::uint64_t number);
   /// The number of what was asked last.
   void seen(std::uint64_t number) { m_number = number; }
-  void stop_relaxing() { live().stop_relaxing(); }
+  void stop() { live().stop(); }
 
   LiveSession& live() { return m_live; }
   LivePicture& picture() { return m_loop.picture(); }

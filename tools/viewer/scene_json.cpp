@@ -260,7 +260,7 @@ Json OpenScene::description() {
   const char* const limits[] = {"box", "ball", "tighten"};
   scene["limits"] = limits[std::size_t(m_live.limits())];
   scene["model"] = m_live.has_springs() ? "springs" : "ecm";
-  scene["relaxing"] = m_live.pending();
+  scene["relaxing"] = m_live.passes_left();
   scene["relaxes"] = session.material().relaxes;
   scene["material"] = {{"name", m_live.scene().material_path},
                        {"fold_free", session.links().fold_free}};

@@ -249,7 +249,7 @@ void Viewer::take_cancel(int page, const PageMessage& message) {
   m_progress.cancel();
   m_mailbox.post([this] {
     if (!m_scene) return;
-    m_scene->stop_relaxing();
+    m_scene->stop();
     m_scene->tell_scene();
   });
   answer(page, message, true);
