@@ -9,6 +9,7 @@ template <class T>
 BrickChange<T>::BrickChange(const BrickArray<T>& before, const BrickArray<T>& after)
     : m_brick_count(before.brick_count()) {
   const std::size_t count = std::max(before.brick_count(), after.brick_count());
+  std::size_t stored = 0;
   for (std::size_t b = 0; b < count; ++b) {
     const T* was = before.brick(b);
     const T* is = after.brick(b);
@@ -18,6 +19,11 @@ BrickChange<T>::BrickChange(const BrickArray<T>& before, const BrickArray<T>& af
     if (is_kept) continue;
     m_bricks.push_back(std::uint32_t(b));
     m_is_stored.push_back(was != nullptr);
+    stored += was != nullptr ? 1 : 0;
+  }
+  m_values.reserve(stored * kBrickVoxels);
+  for (const std::uint32_t b : m_bricks) {
+    const T* was = before.brick(b);
     if (was != nullptr) m_values.insert(m_values.end(), was, was + kBrickVoxels);
   }
 }

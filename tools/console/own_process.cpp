@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include <malloc.h>
 #include <time.h>
 
 namespace supple::tools {
@@ -31,6 +32,10 @@ double rss_mb() {
 double peak_rss_mb() {
   // getrusage() would count what the parent held when it started this program.
   return status_mb("VmHWM:");
+}
+
+void return_free_memory() {
+  ::malloc_trim(0);
 }
 
 double processor_seconds() {

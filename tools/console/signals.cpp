@@ -1,6 +1,7 @@
 #include "tools/console/signals.h"
 
 #include <atomic>
+#include <cerrno>
 #include <csignal>
 #include <cstring>
 #include <deque>
@@ -17,7 +18,20 @@ namespace {
 constexpr int kGraceUs = 200000;     // for what unwinds by itself
 constexpr int kLookAgainUs = 20000;  // while files get their final names
 
-volatile std::sig_atomic_t g_signal = 0;
+/// Any thread may be the one that gets a signal, in the middle of anything.
+std::atomic<int> g_signal{0};
+static_assert(std::atomic<int>::is_always_lock_free);
+
+class KeptErrno {
+ public:
+  KeptErrno() = default;
+  ~KeptErrno() { errno = m_kept; }
+  KeptErrno(const KeptErrno&) = delete;
+  KeptErrno& operator=(const KeptErrno&) = delete;
+
+ private:
+  int m_kept = errno;
+};
 
 /// A chain that a handler may be reading only grows, and is never freed.
 struct ChainedRemains {
@@ -33,6 +47,7 @@ void call_after(int microseconds) {
 }
 
 void remember_signal(int number) {
+  const KeptErrno kept;
   g_signal = number;
   std::signal(number, SIG_DFL);
   call_after(kGraceUs);
@@ -44,6 +59,7 @@ void write_line(const char* text) {
 
 /// Calls nothing that a signal handler may not call.
 void end_in_handler(int) {
+  const KeptErrno kept;
   if (CommonCommit::is_under_way()) return call_after(kLookAgainUs);
   for (const ChainedRemains* last = g_last; last != nullptr; last = last->made_before) {
     last->what.remove();

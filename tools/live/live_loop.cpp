@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "tools/console/own_process.h"
+
 namespace supple::tools {
 
 LiveLoop::LiveLoop(LiveSession& live, const LiveFrame& frame, LoopWatcher& watcher,
@@ -113,6 +115,7 @@ bool LiveLoop::refine() {
   if (m_picture.refine()) return true;
   m_watcher.spent(LivePhase::refined, m_asked);
   m_watcher.settled(*m_picture.settled(), m_asked);
+  return_free_memory();
   m_has_work = true;
   return false;
 }

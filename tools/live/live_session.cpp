@@ -145,7 +145,7 @@ void LiveSession::carry_out(const LiveEvent& event, Progress* progress) {
       break;
     case EventKind::model:
       m_model.reset();
-      if (event.step.springs) m_model = event;
+      if (event.step.springs || event.step.fem) m_model = event;
       break;
     case EventKind::relax:
       return relax(event, event.step.relax->passes, progress);
@@ -177,8 +177,8 @@ void LiveSession::drag(const LiveEvent& event, Progress* progress) {
   step.handles = m_grab->step.handles;
   step.handles.front().by = by;
   step.no_relax = true;
-  step.shift_pieces = !m_session->body().rigid.empty();
-  if (m_model) {
+  step.shift_pieces = !m_session->body().rigid.empty() && model() != StepModel::springs;
+  if (model() == StepModel::springs) {
     step.springs = m_model->step.springs;
   } else {
     step.limits = m_limits;
@@ -189,7 +189,7 @@ void LiveSession::drag(const LiveEvent& event, Progress* progress) {
   if (step.handles.front().push) handle["push"] = true;
   nlohmann::ordered_json keys = {{"handles", {handle}}, {"no_relax", true}};
   if (step.shift_pieces) keys["shift_pieces"] = true;
-  if (m_model) {
+  if (step.springs) {
     keys.update(nlohmann::ordered_json::parse(m_model->keys));
   } else if (m_limits != Limits::box) {
     keys["limits"] = m_limits == Limits::ball ? "ball" : "tighten";
@@ -201,8 +201,8 @@ void LiveSession::drag(const LiveEvent& event, Progress* progress) {
   m_done.back().reached = m_reached;
 }
 
-/// Pieces that were dragged along then turn, and tissue relaxes where the material asks for it.
-/// Both are recorded as events of their own.
+/// Then finite elements take over, or pieces that were dragged along turn and tissue relaxes where
+/// the material asks for it. All are recorded as events of their own.
 void LiveSession::release(const LiveEvent& event, Progress* progress) {
   LiveEvent carried_out = event;
   const auto is_last_a_drag = [&] {
@@ -212,8 +212,9 @@ void LiveSession::release(const LiveEvent& event, Progress* progress) {
   while (event.restore && is_last_a_drag() && take_back()) {
   }
   const bool lets_go = event.all || event.handle > 0 || event.anchor > 0;
-  const bool turns = m_session->has_shifted_pieces() && !event.restore;
-  if (turns && lets_go) turn_pieces(progress);
+  const bool is_for_fem = was_dragged && model() == StepModel::fem;
+  const bool is_unsettled = !event.restore && (is_for_fem || m_session->has_shifted_pieces());
+  if (is_unsettled && lets_go) settle_drags(progress);
   if (event.all) {
     SceneStep step;
     step.place = event.place;
@@ -224,8 +225,8 @@ void LiveSession::release(const LiveEvent& event, Progress* progress) {
   m_grab.reset();
   const bool relaxes = was_dragged && !event.restore && !lets_go && !event.no_relax &&
                        m_session->material().relaxes && !m_model && m_limits != Limits::ball;
-  m_turns = turns && !lets_go && !event.no_relax;
-  carried_out.no_relax = event.no_relax || relaxes || m_turns;
+  m_is_unsettled = is_unsettled && !lets_go && !event.no_relax;
+  carried_out.no_relax = event.no_relax || relaxes || m_is_unsettled;
   record(carried_out);
   if (!relaxes) return;
   LiveEvent relaxation;
@@ -271,22 +272,30 @@ void LiveSession::run(EventKind kind, const SceneStep& step, const std::string& 
   m_done.push_back({kind, stroke_of(kind, step), step, keys, m_reached, m_reached});
 }
 
-/// Where the drags left them, handles held. Belongs to the stroke of the drags.
-void LiveSession::turn_pieces(Progress* progress) {
+/// Handles are held where the drags left them.
+void LiveSession::settle_drags(Progress* progress) {
   LiveEvent event;
   event.kind = EventKind::step;
-  event.step.turn_pieces = true;
-  event.keys = nlohmann::ordered_json({{"turn_pieces", true}}).dump();
-  m_turns = false;
+  if (model() == StepModel::fem) {
+    event.step.fem = m_model->step.fem;
+    event.keys = m_model->keys;
+  } else {
+    event.step.turn_pieces = true;
+    event.keys = nlohmann::ordered_json({{"turn_pieces", true}}).dump();
+  }
+  m_is_unsettled = false;
   run(event.kind, event.step, event.keys, progress);
   record(event);
 }
 
 /// Of the next step. It follows from the events as a journal has them, in which a relaxation is as
-/// many as it had slices.
+/// many as it had slices, and what settles drags is a step of its own.
 int LiveSession::stroke_of(EventKind kind, const SceneStep& step) {
   const bool follows_its_kind = !m_done.empty() && m_done.back().kind == kind;
-  if (step.turn_pieces && !m_done.empty()) return m_done.back().stroke;
+  const bool settles = step.turn_pieces || (step.fem && step.handles.empty());
+  if (settles && !m_done.empty() && m_done.back().kind == EventKind::drag) {
+    return m_done.back().stroke;
+  }
   if (kind == EventKind::relax && follows_its_kind) return m_done.back().stroke;
   if (kind != EventKind::drag) return ++m_stroke;
   const bool goes_on = follows_its_kind && m_done.back().stroke == m_grab_stroke;
@@ -345,13 +354,18 @@ void LiveSession::relax(const LiveEvent& event, int passes, Progress* progress) 
 }
 
 void LiveSession::go_on(Progress* progress) {
-  if (m_turns) return turn_pieces(progress);
+  if (m_is_unsettled) return settle_drags(progress);
   if (m_pending > 0) relax(*m_relaxation, std::exchange(m_pending, 0), progress);
 }
 
 void LiveSession::stop() {
   m_pending = 0;
-  m_turns = false;
+  m_is_unsettled = false;
+}
+
+StepModel LiveSession::model() const {
+  if (!m_model) return StepModel::ecm;
+  return m_model->step.fem ? StepModel::fem : StepModel::springs;
 }
 
 /// Of cameras, looks or clips in a row the last says it all.

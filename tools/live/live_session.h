@@ -1,7 +1,8 @@
 // A session that follows events: each that changes the body becomes a step of it, so that a batch
 // scene of these steps gives the same state, bit for bit, whatever time or threads they took.
-// Free rigid pieces shift while they are dragged along and turn after the release. That, and
-// relaxation in slices, waits while new events come. The view follows, too.
+// Free rigid pieces shift while they are dragged along and turn after the release, and finite
+// elements take over then. That, and relaxation in slices, waits while new events come. The view
+// follows, too.
 #pragma once
 
 #include <memory>
@@ -28,8 +29,9 @@ class LiveSession {
   /// Does what the event says; of a relaxation its first passes, see has_more(). Throws InputError
   /// with the event's place, and Cancelled: nothing has changed then.
   void carry_out(const LiveEvent& event, Progress* progress = nullptr);
-  /// Whether pieces are still to turn, or tissue to relax; any event but those of the view ends it.
-  bool has_more() const { return m_turns || m_pending > 0; }
+  /// Whether drags are still to be settled, by turns of pieces or finite elements, or tissue to
+  /// relax; any event but those of the view ends it.
+  bool has_more() const { return m_is_unsettled || m_pending > 0; }
   /// A slice of that.
   void go_on(Progress* progress = nullptr);
   void stop();
@@ -58,7 +60,7 @@ class LiveSession {
   const std::optional<LiveEvent>& grabbed() const { return m_grab; }
   const Vec3d& reached() const { return m_reached; }
   Limits limits() const { return m_limits; }
-  bool has_springs() const { return m_model.has_value(); }
+  StepModel model() const;
 
   /// What was carried out, as a file that replays to the same state.
   std::string journal() const;
@@ -72,7 +74,7 @@ class LiveSession {
   void release(const LiveEvent& event, Progress* progress);
   void let_go_of_one(const LiveEvent& event, Progress* progress);
   void run(EventKind kind, const SceneStep& step, const std::string& keys, Progress* progress);
-  void turn_pieces(Progress* progress);
+  void settle_drags(Progress* progress);
   int stroke_of(EventKind kind, const SceneStep& step);
   bool take_back();
   void take_back(bool whole_stroke);
@@ -91,14 +93,14 @@ class LiveSession {
   SceneView m_view;
   std::string m_view_keys, m_first_view_keys;  // JSON; the latter as opened
   std::optional<LiveEvent> m_grab;
-  std::optional<LiveEvent> m_model;     // of springs
+  std::optional<LiveEvent> m_model;     // of springs or finite elements
   int m_stroke = 0, m_grab_stroke = 0;  // the last number of all; of the drags since the grab
   Vec3d m_reached{0, 0, 0};             // by the handle that is grabbed, as `to` counts
   Limits m_limits = Limits::box;
   std::vector<DoneStep> m_done, m_undone;
   std::optional<LiveEvent> m_relaxation;
   int m_pending = 0;
-  bool m_turns = false;  // pieces that were dragged along are to turn
+  bool m_is_unsettled = false;
 };
 
 }  // namespace supple::tools

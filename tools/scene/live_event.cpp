@@ -9,7 +9,6 @@
 #include "tools/scene/cut_keys.h"
 #include "tools/scene/handle_keys.h"
 #include "tools/scene/json.h"
-#include "tools/scene/spring_keys.h"
 
 namespace supple::tools {
 
@@ -54,20 +53,14 @@ void read_grab(TomlTable& table, const LabelNames& names, LiveEvent& event) {
   handle.push = event.kind == EventKind::push;
 }
 
-void read_model(TomlTable& table, LiveEvent& event) {
+void read_model_event(TomlTable& table, const LabelNames& names, LiveEvent& event) {
   StepSettings settings;
   const Fields all = fields(settings);
-  table.require(table.string("model"), "model", "\"ecm\" or \"springs\"");
+  table.require(table.string("model"), "model", "\"ecm\", \"springs\" or \"fem\"");
   table.read({all.front()});
-  if (settings.model == StepModel::fem) {
-    table.fail("model", "fem", "\"ecm\" or \"springs\"; finite elements are a `step`");
-  }
-  const bool has_springs = settings.model == StepModel::springs;
-  auto springs = table.table("springs");
-  if (springs && !has_springs) {
-    table.fail("springs", "springs without its model", "model = \"springs\"");
-  }
-  if (has_springs) event.step.springs = springs ? read_spring_step(*springs) : SpringStep();
+  read_model(table, names, settings.model, event.step);
+  if (!event.step.fem || (!event.step.fem->step.modes && !event.step.fem->step.motion)) return;
+  table.fail("fem", "modes or a motion", "an equilibrium; these are a `step`");
 }
 
 /// The view's part that the event replaces; the rest of a view is read where it is drawn.
@@ -108,7 +101,7 @@ void read_keys(TomlTable& table, const LabelNames& names, LiveEvent& event) {
       event.step = read_step(table, names);
       return;
     case EventKind::model:
-      return read_model(table, event);
+      return read_model_event(table, names, event);
     case EventKind::material: {
       TomlTable material = table.require(table.table("material"), "material", "a table");
       event.step.material = read_material_choice(material, names);

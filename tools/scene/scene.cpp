@@ -32,10 +32,9 @@ RelaxParams read_relax(TomlTable& table) {
   return params;
 }
 
-/// The table of what moves the body, unless it is ECM; `read` of one that is left out gives the
-/// defaults.
+/// The table of a model; `read` of one that is left out gives the defaults.
 template <class Step, class Read>
-std::optional<Step> read_model(TomlTable& table, const std::string& name, bool is_chosen,
+std::optional<Step> read_own_keys(TomlTable& table, const std::string& name, bool is_chosen,
                                Read&& read) {
   auto own = table.table(name);
   if (!is_chosen) {
@@ -89,6 +88,13 @@ MaterialTable read_material_choice(TomlTable& table, const LabelNames& names, st
   return read_material(*file, names);
 }
 
+void read_model(TomlTable& table, const LabelNames& names, StepModel model, SceneStep& step) {
+  step.springs = read_own_keys<SpringStep>(table, "springs", model == StepModel::springs,
+                                           read_spring_step);
+  step.fem = read_own_keys<GivenFem>(table, "fem", model == StepModel::fem,
+                                     [&](TomlTable& fem) { return read_fem(fem, names); });
+}
+
 SceneStep read_step(TomlTable& table, const LabelNames& names) {
   SceneStep step;
   step.place = table.place();
@@ -133,10 +139,7 @@ SceneStep read_step(TomlTable& table, const LabelNames& names) {
     table.fail("turn_pieces", "turn_pieces beside shift_pieces", "one of them");
   }
   step.limits = settings.limits;
-  step.springs = read_model<SpringStep>(table, "springs", settings.model == StepModel::springs,
-                                        read_spring_step);
-  step.fem = read_model<GivenFem>(table, "fem", settings.model == StepModel::fem,
-                                  [&](TomlTable& fem) { return read_fem(fem, names); });
+  read_model(table, names, settings.model, step);
   for (TomlTable& cut : table.tables("cut")) step.cuts.push_back(read_cut(cut, names));
   for (TomlTable& patch : table.table_or_tables("retract")) {
     step.retract.push_back(read_retraction(patch));

@@ -105,6 +105,10 @@ Json options_of(const std::string& kind) {
     SpringStep step;
     return options_json(fields(step));
   }
+  if (kind == "fem") {
+    FemStep step;
+    return options_json(fields(step));
+  }
   if (kind == "save") {
     SaveRequest request;
     return options_json(fields(request));
@@ -113,7 +117,7 @@ Json options_of(const std::string& kind) {
     SliceSettings slices;
     return options_json(fields(slices));
   }
-  throw InputError({"options", "kind", "'" + kind + "'", "relax, springs, save or slices"});
+  throw InputError({"options", "kind", "'" + kind + "'", "relax, springs, fem, save or slices"});
 }
 
 Json presets_json() {

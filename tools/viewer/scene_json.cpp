@@ -69,6 +69,7 @@ Json volume_json(const Scene& scene, const State& state) {
 
 const char* text_of(EventKind kind, const SceneStep& step) {
   if (kind == EventKind::drag && step.springs) return "drag by springs";
+  if (kind == EventKind::step && step.fem) return "finite elements";
   return name_of(kind);
 }
 
@@ -259,7 +260,8 @@ Json OpenScene::description() {
   scene["redo"] = strokes_json(m_live.undone(), true);
   const char* const limits[] = {"box", "ball", "tighten"};
   scene["limits"] = limits[std::size_t(m_live.limits())];
-  scene["model"] = m_live.has_springs() ? "springs" : "ecm";
+  const char* const models[] = {"ecm", "springs", "fem"};
+  scene["model"] = models[std::size_t(m_live.model())];
   scene["relaxing"] = m_live.passes_left();
   scene["relaxes"] = session.material().relaxes;
   scene["material"] = {{"name", m_live.scene().material_path},

@@ -36,9 +36,11 @@ export class DeformPanel {
     try {
       this.relax = new OptionsForm(await this.session.ask('options', {kind: 'relax'}));
       this.relaxHome.replaceChildren(this.relax.root);
-      this.springs = new OptionsForm(await this.session.ask('options', {kind: 'springs'}), () => this.chooseModel('springs'));
-      this.springsHome.append(this.springs.root);
-    } catch { /* both then have their defaults */ }
+      for (const [model, home] of Object.entries(this.modelHomes)) {
+        this.models[model] = new OptionsForm(await this.session.ask('options', {kind: model}), () => this.chooseModel(model));
+        home.append(this.models[model].root);
+      }
+    } catch { /* all then have their defaults */ }
   }
 
   toolSection() {
@@ -69,23 +71,25 @@ export class DeformPanel {
   }
 
   modelSection() {
-    this.model = select([['ecm', 'ChainMail (ECM)'], ['springs', 'Springs']], 'ecm',
+    this.model = select([['ecm', 'ChainMail (ECM)'], ['springs', 'Springs'], ['fem', 'Finite elements, after a drag']], 'ecm',
                         (model) => this.chooseModel(model), {id: 'model'});
     this.limits = select(['box', 'ball', 'tighten'], 'box',
                          (limits) => this.session.event({kind: 'limits', limits}), {id: 'limits'});
     this.relaxHome = element('div');
-    this.springsHome = element('details', {hidden: true}, element('summary', {}, 'Springs'));
+    this.models = {};
+    const home = (title) => element('details', {hidden: true}, element('summary', {}, title));
+    this.modelHomes = {springs: home('Springs'), fem: home('Finite elements')};
     this.relaxButton = button('Relax (E)', () => this.startRelaxing(), {id: 'relax'});
     this.relaxStop = button('Stop', () => this.session.ask('cancel', true).catch(() => {}), {id: 'relax-stop', hidden: true});
     this.relaxState = element('p', {class: 'note', role: 'status'});
-    return section('Model and relaxation', true, field('Model', this.model), this.springsHome,
+    return section('Model and relaxation', true, field('Model', this.model), ...Object.values(this.modelHomes),
                    field('Limits of links', this.limits, null,
                      'box: each component of a link; ball: its length; tighten: box, and narrower across stretched links'), this.relaxHome, element('div', {class: 'row'}, this.relaxButton, this.relaxStop), this.relaxState);
   }
   chooseModel(model) {
-    if (this.springs && !this.springs.isValid()) return;
-    const springs = model === 'springs' ? {springs: this.springs?.values() ?? {}} : {};
-    this.session.event({kind: 'model', model, ...springs});
+    if (this.models[model] && !this.models[model].isValid()) return;
+    const own = model === 'ecm' ? {} : {[model]: this.models[model]?.values() ?? {}};
+    this.session.event({kind: 'model', model, ...own});
   }
   startRelaxing() {
     if (!this.session.scene || (this.relax && !this.relax.isValid())) return;
@@ -103,7 +107,7 @@ export class DeformPanel {
     for (const input of [this.model, this.limits, this.relaxButton]) input.disabled = !scene;
     if (scene) {
       this.model.value = scene.model ?? 'ecm';
-      this.springsHome.hidden = scene.model !== 'springs';
+      for (const [model, home] of Object.entries(this.modelHomes)) home.hidden = scene.model !== model;
       this.limits.value = scene.limits ?? 'box';
     }
     this.relaxStop.hidden = !scene?.relaxing;
