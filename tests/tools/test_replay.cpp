@@ -5,8 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include "lib/body/lattice.h"
 #include "raycast/pictures/image.h"
 #include "tests/support/program.h"
+#include "volumes/state/state.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -129,6 +131,45 @@ TEST_F(UnitReplay, PiecesShiftWhileTheyAreDraggedAndTurnAfterTheRelease) {
   const std::string turned = hash(journal(kBoneDragged + event("release")));
   EXPECT_EQ(hash(journal(kBoneDragged + event("release", "all = true"))), turned);
   EXPECT_NE(turned, dragged);
+}
+
+TEST_F(UnitReplay, FiniteElementsTakeOverAfterTheRelease) {
+  const std::string model = "model = \"fem\"\nfem = { tolerance = 1e-9 }";
+  const std::string drags =
+      event("model", model) + event("anchor", "grab_box = [4, 4, 2, 20, 20, 9]") +
+      event("grab", "grab = [12, 12, 16]") + event("drag", "to = [0.3, 0.5, 0.2]") +
+      event("drag", "to = [0.5, 1.25, 0.75]");
+  const std::string file = journal(drags + event("release"));
+  const std::string end =
+      hash(file, "--state " + (m_folder / "live.vdb") + " --scene " + (m_folder / "batch.toml") +
+                     " --journal " + (m_folder / "carried.toml"));
+  EXPECT_NE(hash(journal(drags)), end);
+  EXPECT_EQ(hash(m_folder / "carried.toml"), end);
+  EXPECT_EQ(hash(m_folder / "batch.toml"), end);
+  EXPECT_EQ(hash(journal(drags + event("release", "all = true"))), end);
+  // The equilibrium does not depend on the way there.
+  journal("[[step]]\nfix = [[4, 4, 2, 20, 20, 9]]\ngrab = [12, 12, 16]\nby = [0.5, 1.25, 0.75]\n" +
+              model + "\n[output]\nstate = \"whole.vdb\"\n",
+          "whole.toml");
+  ASSERT_EQ(
+      run_line("run " + (m_folder / "whole.toml") + " --quiet --force -o " + (m_folder / "out"))
+          .exit_code,
+      0);
+  const State live = read_state(m_folder / "live.vdb"),
+              whole = read_state(m_folder / "out/whole.vdb");
+  std::int32_t differs = 0, longest = 0;
+  for_each_element(whole.elements, [&](Slot slot) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::int32_t q = whole.q[c].at(slot);
+      differs = std::max(differs, std::abs(q - live.q[c].at(slot)));
+      longest = std::max(longest, std::abs(q));
+    }
+  });
+  EXPECT_LE(differs, 3);
+  EXPECT_GT(longest, 65536);
+  // It belongs to the stroke of the drags.
+  const std::string rest = hash(journal(drags.substr(0, drags.find("[[event]]\nkind = \"grab\""))));
+  EXPECT_EQ(hash(journal(drags + event("release") + event("undo", "all = true"))), rest);
 }
 
 TEST_F(UnitReplay, SlicesOfARelaxationShareItsBudget) {

@@ -182,6 +182,14 @@ def cuts_slices_and_settings(server, folder):
     scene = page.carried_out()
     expect((scene["limits"], scene["model"]) == ("tighten", "springs"), scene["model"])
     page.event("limits", limits="box")
+    page.event("model", model="fem", fem={"tolerance": 1e-4})
+    drag(page, mm=2.0, steps=2)
+    strokes = page.scene["undo"]
+    page.event("release")
+    page.until(lambda: page.scene["undo"][-1]["steps"] > strokes[-1]["steps"])
+    expect(len(page.scene["undo"]) == len(strokes), "finite elements belong to the stroke")
+    expect(page.scene["model"] == "fem", page.scene["model"])
+    page.event("undo", all=True)
     page.event("model", model="ecm")
     material = page.ask(material=True)
     material["max_length"] = [[0, 1.4], [1200, 1.4]]

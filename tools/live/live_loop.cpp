@@ -40,6 +40,8 @@ void LiveLoop::run(EventMailbox& mailbox) {
       } else {
         show(posted->event, posted->posted);
       }
+    } else if (m_has_work && m_live.is_unsettled()) {
+      m_has_work = m_watcher.work();
     } else if (m_live.has_more()) {
       go_on();
     } else if (m_has_work) {

@@ -32,6 +32,8 @@ class LiveSession {
   /// Whether drags are still to be settled, by turns of pieces or finite elements, or tissue to
   /// relax; any event but those of the view ends it.
   bool has_more() const { return m_is_unsettled || m_pending > 0; }
+  /// Whether the first of it settles drags, which may take long.
+  bool is_unsettled() const { return m_is_unsettled; }
   /// A slice of that.
   void go_on(Progress* progress = nullptr);
   void stop();

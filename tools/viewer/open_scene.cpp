@@ -94,6 +94,7 @@ void OpenScene::paint_overlay(FloatImage& seen, const Camera& camera) {
 void OpenScene::begins() {
   m_outlets.progress.begin();
   m_moves_view = false;
+  m_is_told = false;
   m_range_before = std::exchange(m_range, std::nullopt);
 }
 
@@ -101,7 +102,6 @@ void OpenScene::carried_out(const LiveEvent& event) {
   m_moves_view = event.is_of_view();
   if (m_moves_view) m_range = m_range_before;
   m_number = std::uint64_t(event.number);
-  m_is_told = false;
   m_outlets.progress.end();
 }
 
