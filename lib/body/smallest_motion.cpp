@@ -198,7 +198,7 @@ class MotionSearch {
   }
 
   const Body& m_body;
-  RigidPiece m_piece;  // where its motion starts
+  RigidPiece m_piece;                                 // where its motion starts
   std::vector<std::array<std::int64_t, 3>> m_starts;  // q of m_bounds, there
   const std::vector<ElementBounds>& m_bounds;
   std::vector<Vec3d> m_arms, m_turned;  // of m_bounds, from the centre, LPS mm

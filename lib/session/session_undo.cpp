@@ -96,6 +96,10 @@ void Session::keep(Before&& before) {
   }
 }
 
+std::size_t Session::undo_steps() const {
+  return m_undo.size();
+}
+
 bool Session::undo() {
   if (!m_keeps_undo)
     throw std::logic_error("undo() of a session without SessionOptions::keeps_undo");

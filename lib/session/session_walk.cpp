@@ -144,8 +144,8 @@ void Session::move(StepRecord& record, Progress* progress) {
     static const FemNodes none;
     const FemNodes& nodes = m_records.empty() ? none : m_records.back().equilibrium.nodes;
     record.equilibrium = move_by_fem(
-        *record.fem, {held(), cuts(), m_state.density, m_state.labels, told, pieces, nodes}, handles,
-        progress);
+        *record.fem, {held(), cuts(), m_state.density, m_state.labels, told, pieces, nodes},
+        handles, progress);
     if (record.tells_reactions) record.reactions = ledger.name(record.equilibrium.reactions);
     m_pressure_kpa = 0;
     forget_shifts();

@@ -133,6 +133,39 @@ TEST_F(UnitReplay, PiecesShiftWhileTheyAreDraggedAndTurnAfterTheRelease) {
   EXPECT_NE(turned, dragged);
 }
 
+TEST_F(UnitReplay, ACutThatIsTakenOutHasNeverBeenMade) {
+  const auto cut = [](int i) {
+    return event("cut",
+                 "plane = { corner = [" + std::to_string(i) +
+                     ", -1, 10], edge1 = [0, 26, 0], edge2 = [0, 0, 16], frame = \"voxel\" }");
+  };
+  const auto taken_out = [](int number) {
+    return event("release", "cut = " + std::to_string(number));
+  };
+  const std::string without = hash(journal(kDrags));
+  EXPECT_NE(hash(journal(cut(13) + kDrags)), without);
+  EXPECT_EQ(
+      hash(journal(cut(13) + kDrags + taken_out(1)),
+           "--journal " + (m_folder / "carried.toml") + " --scene " + (m_folder / "batch.toml")),
+      without);
+  EXPECT_EQ(hash(m_folder / "carried.toml"), without);
+  EXPECT_EQ(hash(m_folder / "batch.toml"), without);
+  const std::string first = hash(journal(cut(13) + kDrags));
+  EXPECT_EQ(hash(journal(cut(13) + cut(9) + kDrags + taken_out(2))), first);
+  EXPECT_NE(hash(journal(cut(13) + cut(9) + kDrags + taken_out(1))), first);
+  // Of a step that does more, what else it does stays.
+  const std::string both =
+      "plane = { corner = [13, -1, 10], edge1 = [0, 26, 0], edge2 = [0, 0, 16], frame = \"voxel\" "
+      "}";
+  EXPECT_EQ(hash(journal(event("step", "fix = [[4, 4, 2, 20, 20, 5]]\ncut = [{ " + both + " }]") +
+                         kDrags + taken_out(1))),
+            hash(journal(event("step", "fix = [[4, 4, 2, 20, 20, 5]]") + kDrags)));
+  const Outcome missing = replay(journal(cut(13) + taken_out(2)));
+  EXPECT_EQ(missing.exit_code, 3);
+  EXPECT_NE(missing.err.find("found 2, expected one of 1 that there are"), std::string::npos)
+      << missing.err;
+}
+
 TEST_F(UnitReplay, FiniteElementsTakeOverAfterTheRelease) {
   const std::string model = "model = \"fem\"\nfem = { tolerance = 1e-9 }";
   const std::string drags =

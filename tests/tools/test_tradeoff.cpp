@@ -8,7 +8,9 @@
 
 #include "tests/support/errors.h"
 #include "tests/support/program.h"
+#include "tools/scene/step_method.h"
 #include "tools/tradeoff/method_choice.h"
+#include "tools/tradeoff/shipped_choices.h"
 #include "tools/tradeoff/trade_curves.h"
 #include "tools/tradeoff/trade_row.h"
 #include "tools/tradeoff/trade_tables.h"
@@ -275,6 +277,40 @@ TEST_F(UnitTradeoff, ARunChoosesFromTheTableAndSaysWhat) {
   const Outcome roomy = run({"--budget", "10min"});
   EXPECT_NE(roomy.err.find("chose fem:"), std::string::npos) << roomy.err;
   EXPECT_EQ(run({"--budget", "0.001ms"}).exit_code, 3);
+}
+
+TEST_F(UnitTradeoff, WithoutATableARunChoosesFromWhatIsShipped) {
+  const std::vector<MethodChoice> small = shipped_choices(1000000, 2);
+  const std::vector<MethodChoice> large = shipped_choices(64000000, 10);
+  ASSERT_GE(small.size(), 6u);
+  ASSERT_EQ(small.size(), large.size());
+  for (std::size_t n = 0; n < small.size(); ++n) {
+    EXPECT_NO_THROW(parse_method(small[n].method));
+    EXPECT_DOUBLE_EQ(large[n].solve_s, 64 * small[n].solve_s);
+    EXPECT_DOUBLE_EQ(large[n].error_mm, 5 * small[n].error_mm);
+    if (n == 0) continue;
+    EXPECT_GE(small[n].solve_s, small[n - 1].solve_s);
+    EXPECT_LT(small[n].error_mm, small[n - 1].error_mm);
+  }
+  const auto run = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {
+        "run", m_folder / "scene.toml", "-o", m_folder / "c", "--json", "--force"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_supple(arguments);
+  };
+  const Outcome exact = run({"--error", "0.05mm"});
+  ASSERT_EQ(exact.exit_code, 0) << exact.err;
+  EXPECT_NE(exact.err.find("chose fem:0.1 from the shipped table"), std::string::npos) << exact.err;
+  const auto chosen = nlohmann::json::parse(exact.out)["chosen"];
+  EXPECT_LE(chosen["expected_error_p95_mm"], 0.05);
+  EXPECT_EQ(run({"--budget", "2ms"}).exit_code, 0);
+  EXPECT_EQ(run({"--budget", "0.0001ms"}).exit_code, 3);
+  write_text(m_folder / "still.toml",
+             "[volume]\npath = \"ball.nhdr\"\n[[step]]\nfix = [[9, 9, 9]]\n");
+  const Outcome still =
+      run_supple({"run", m_folder / "still.toml", "--budget", "1s", "-o", m_folder / "c"});
+  EXPECT_EQ(still.exit_code, 3);
+  EXPECT_NE(still.err.find("no handle that is shifted"), std::string::npos) << still.err;
 }
 
 TEST_F(UnitTradeoff, WhatCannotBeComparedIsSaidInOneLine) {

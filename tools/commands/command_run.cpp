@@ -1,4 +1,5 @@
 // supple run: everything that a scene file asks for.
+#include <algorithm>
 #include <cstdio>
 
 #include <nlohmann/json.hpp>
@@ -12,9 +13,13 @@
 #include "tools/plan/plan_text.h"
 #include "tools/plan/planned_run.h"
 #include "tools/scene/draw_method.h"
+#include "tools/scene/run_step.h"
 #include "tools/scene/step_method.h"
 #include "tools/tradeoff/method_choice.h"
 #include "tools/tradeoff/run_phases.h"
+#include "tools/tradeoff/shipped_choices.h"
+#include "volumes/io/open_volume.h"
+#include "volumes/state/state.h"
 
 namespace supple::tools {
 
@@ -31,22 +36,51 @@ struct RunSceneOptions {
   std::string budget, error, table;
 };
 
-/// A method from the table of `supple tradeoff`; none where neither a time nor an error is given.
-std::optional<MethodChoice> choose_method(const RunSceneOptions& options) {
+/// The longest way of a handle.
+double way_mm(const Scene& scene, const Geometry& geometry) {
+  double longest = 0;
+  for (const SceneStep& step : scene.steps) {
+    for (const Drag& drag : request_of(step, geometry).drags) {
+      longest = std::max(longest, drag.by_mm.length());
+    }
+  }
+  return longest;
+}
+
+/// Of the user's table; without one those that are shipped, for this size of volume and this way.
+std::vector<MethodChoice> known_choices(const RunSceneOptions& options, const Scene& scene) {
+  if (!options.table.empty()) {
+    const auto choices = choices_of(rows_from_csv(text_of_file(options.table), options.table));
+    if (choices.empty()) throw InputError({options.table, "", "no method", "rows that are ok"});
+    return choices;
+  }
+  const auto refuse = [&](const std::string& found) {
+    throw InputError({scene.file, options.budget.empty() ? "--error" : "--budget", found,
+                      "--table beside it, or a volume and handles that go some way"});
+  };
+  if (is_state_file(scene.volume_path)) refuse("a state");
+  const Geometry geometry = open_volume(scene.volume_path, scene.read)->header().geometry;
+  const double way = way_mm(scene, geometry);
+  if (way == 0) refuse("no handle that is shifted");
+  return shipped_choices(geometry.voxel_count(), way);
+}
+
+/// A method from a table; none where neither a time nor an error is given.
+std::optional<MethodChoice> choose_method(const RunSceneOptions& options, const Scene& scene) {
   if (options.budget.empty() && options.error.empty()) return std::nullopt;
-  const auto choices = choices_of(rows_from_csv(text_of_file(options.table), options.table));
-  if (choices.empty()) throw InputError({options.table, "", "no method", "rows that are ok"});
+  const std::vector<MethodChoice> choices = known_choices(options, scene);
+  const std::string& table = options.table.empty() ? scene.file : options.table;
   if (!options.budget.empty()) {
     const auto choice = most_exact_within(choices, seconds_of(options.budget, "budget"));
     if (choice) return choice;
     const MethodChoice& fastest = choices.front();
-    throw InputError({options.table, "--budget", options.budget,
+    throw InputError({table, "--budget", options.budget,
                       "at least " + number_text(fastest.solve_s) + "s, that of " + fastest.method});
   }
   const auto choice = fastest_to(choices, millimetres_of(options.error, "error"));
   if (choice) return choice;
   const auto best = most_exact_within(choices, choices.back().solve_s);
-  throw InputError({options.table, "--error", options.error,
+  throw InputError({table, "--error", options.error,
                     "at least " + number_text(best->error_mm) + "mm, that of " + best->method});
 }
 
@@ -125,10 +159,12 @@ OutputPlan files_of(const Scene& scene, const RunSceneOptions& options,
 
 int run_scene(const RunSceneOptions& options, const GlobalOptions& given, Console& console) {
   Scene scene = read_scene(options.scene);
-  const std::optional<MethodChoice> choice = choose_method(options);
+  const std::optional<MethodChoice> choice = choose_method(options, scene);
   if (choice) {
-    console.note("chose " + choice->method + ": expected are " + number_text(choice->solve_s) +
-                 " s to solve and an error of " + number_text(choice->error_mm) + " mm (p95)");
+    const char* const from = options.table.empty() ? " from the shipped table" : "";
+    console.note("chose " + choice->method + from + ": expected are " +
+                 number_text(choice->solve_s) + " s to solve and an error of " +
+                 number_text(choice->error_mm) + " mm (p95)");
     solve_by(scene, parse_method(choice->method));
   }
   if (!options.method.empty()) solve_by(scene, parse_method(options.method));
@@ -175,18 +211,16 @@ Command add_run(CLI::App& program) {
                 "Of a film, make the frames that are missing, as after an interruption");
   app->add_option("--frames", options->frames, "Of a film, make these frames alone, and no video")
       ->option_text("A:B");
-  CLI::Option* table =
-      app->add_option("--table", options->table,
-                      "Measured by supple tradeoff, which --budget and --error choose from")
-          ->option_text("DIR/runs.csv");
+  app->add_option("--table", options->table,
+                  "Measured by supple tradeoff, for --budget and --error to choose from (default: "
+                  "what is shipped)")
+      ->option_text("DIR/runs.csv");
   CLI::Option* budget =
       app->add_option("--budget", options->budget,
                       "The most exact method that solves within a time, such as 100ms")
-          ->needs(table)
           ->option_text("TIME");
   CLI::Option* error = app->add_option("--error", options->error,
                                        "The fastest method to an error, such as 0.5mm (p95)")
-                           ->needs(table)
                            ->excludes(budget)
                            ->option_text("LENGTH");
   app->add_option("--method", options->method,

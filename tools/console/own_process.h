@@ -15,8 +15,8 @@ double rss_mb();
 /// started it does not count.
 double peak_rss_mb();
 
-/// Pages of memory that is free go back to the system. What lives long, between large arrays that do
-/// not, else keeps more and more of them.
+/// Pages of memory that is free go back to the system. What lives long, between large arrays that
+/// do not, else keeps more and more of them.
 void return_free_memory();
 
 /// Processor time of all threads of the process so far.

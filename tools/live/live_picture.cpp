@@ -77,9 +77,8 @@ void LivePicture::Impl::show_exactly() {
 
 PosedVolume LivePicture::Impl::subject() const {
   const State& state = body.opened();
-  return {
-      state.geometry,  state.density,        state.elements, nullptr, &body.displacement(), 0, 1, 0,
-      &state.elements, &session.cuts(), &state.labels};
+  return {state.geometry,  state.density,   state.elements, nullptr, &body.displacement(), 0, 1, 0,
+          &state.elements, &session.cuts(), &state.labels};
 }
 
 RenderSettings LivePicture::Impl::settings() const {

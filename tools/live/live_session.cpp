@@ -41,6 +41,7 @@ nlohmann::ordered_json keys_of_event(const LiveEvent& event) {
   if (event.restore) json["restore"] = true;
   if (event.handle > 0) json["handle"] = event.handle;
   if (event.anchor > 0) json["anchor"] = event.anchor;
+  if (event.cut > 0) json["cut"] = event.cut;
   if (event.no_relax) json["no_relax"] = true;
   if (event.kind == EventKind::limits) {
     json["limits"] = std::vector<std::string>{"box", "ball", "tighten"}[std::size_t(event.limits)];
@@ -132,7 +133,9 @@ void LiveSession::carry_out(const LiveEvent& event, Progress* progress) {
       drag(event, progress);
       break;
     case EventKind::release:
-      return release(event, progress);
+      if (event.cut == 0) return release(event, progress);
+      take_out_cut(event, progress);
+      break;
     case EventKind::cut:
       run(event.kind, event.step,
           nlohmann::ordered_json({{"cut", {nlohmann::ordered_json::parse(event.keys)}}}).dump(),
@@ -263,6 +266,67 @@ void LiveSession::let_go_of_one(const LiveEvent& event, Progress* progress) {
   SceneStep step = step_that_keeps(parts, keys);
   step.place = event.place;
   run(event.kind, step, keys, progress);
+}
+
+void LiveSession::take_out_cut(const LiveEvent& event, Progress* progress) {
+  if (event.all || event.restore || event.handle > 0 || event.anchor > 0) {
+    throw InputError({event.place, "cut", "more than one thing to let go of", "cut alone"});
+  }
+  std::size_t cuts = 0, at = m_done.size(), place = 0;
+  for (std::size_t n = 0; n < m_done.size(); ++n) {
+    const std::size_t own = m_done[n].step.cuts.size();
+    if (at == m_done.size() && cuts + own >= std::size_t(event.cut)) {
+      at = n;
+      place = std::size_t(event.cut) - 1 - cuts;
+    }
+    cuts += own;
+  }
+  if (at == m_done.size()) {
+    throw InputError({event.place, "cut", std::to_string(event.cut),
+                      "one of " + std::to_string(cuts) + " that there are, from 1"});
+  }
+  const std::vector<DoneStep> before(m_done.begin() + std::ptrdiff_t(at), m_done.end());
+  if (m_session->undo_steps() < before.size()) {
+    throw InputError(
+        {event.place, "cut", std::to_string(before.size()) + " steps since it",
+         "at most the " + std::to_string(m_session->undo_steps()) + " that can be taken back"});
+  }
+  std::vector<DoneStep> steps = before;
+  DoneStep& cutting = steps.front();
+  cutting.step.cuts.erase(cutting.step.cuts.begin() + std::ptrdiff_t(place));
+  nlohmann::ordered_json keys = nlohmann::ordered_json::parse(cutting.keys);
+  keys["cut"].erase(place);
+  if (cutting.step.cuts.empty()) keys.erase("cut");
+  cutting.keys = keys.dump();
+  if (cutting.step.does_nothing()) steps.erase(steps.begin());
+  const auto take_back_to_it = [&] {
+    while (m_done.size() > at) take_back();
+    m_undone.clear();
+  };
+  take_back_to_it();
+  try {
+    make_again(std::move(steps), progress);
+  } catch (...) {
+    take_back_to_it();
+    make_again(before, nullptr);
+    throw;
+  }
+  m_grab.reset();
+}
+
+/// Handles may get further, or less far, than they did.
+void LiveSession::make_again(std::vector<DoneStep> steps, Progress* progress) {
+  for (DoneStep& done : steps) {
+    run_step(*m_session, done.step, false, progress);
+    if (done.kind == EventKind::drag) {
+      const bool goes_on = !m_done.empty() && m_done.back().stroke == done.stroke;
+      done.reached_before = goes_on ? m_reached : Vec3d(0);
+      const Vec3d by = done.step.handles.front().by.value_or(Vec3d(0));
+      done.reached = done.reached_before + by * m_session->records().back().report.fraction();
+      m_reached = done.reached;
+    }
+    m_done.push_back(std::move(done));
+  }
 }
 
 void LiveSession::run(EventKind kind, const SceneStep& step, const std::string& keys,

@@ -75,6 +75,8 @@ class LiveSession {
   void drag(const LiveEvent& event, Progress* progress);
   void release(const LiveEvent& event, Progress* progress);
   void let_go_of_one(const LiveEvent& event, Progress* progress);
+  void take_out_cut(const LiveEvent& event, Progress* progress);
+  void make_again(std::vector<DoneStep> steps, Progress* progress);
   void run(EventKind kind, const SceneStep& step, const std::string& keys, Progress* progress);
   void settle_drags(Progress* progress);
   int stroke_of(EventKind kind, const SceneStep& step);

@@ -32,8 +32,8 @@ Fields own_fields(LiveEvent& event) {
     const bool is_missing =
         (name == "to" && kind != EventKind::drag) || (name == "all" && !is_release && !is_back) ||
         (name == "restore" && !is_release) || (name == "handle" && !is_release) ||
-        (name == "anchor" && !is_release) || (name == "no_relax" && !is_release) ||
-        (name == "limits" && kind != EventKind::limits);
+        (name == "anchor" && !is_release) || (name == "cut" && !is_release) ||
+        (name == "no_relax" && !is_release) || (name == "limits" && kind != EventKind::limits);
     if (!is_missing) own.push_back(field);
   }
   return own;
@@ -166,6 +166,9 @@ Fields fields(LiveEvent& event) {
             "Of release: let go of this one alone, the first being 1; the others stay held")
           .at_least(0),
       Field("anchor", event.anchor, "Of release: likewise of what is fixed").at_least(0),
+      Field("cut", event.cut,
+            "Of release: take this cut out; the steps after it are made again without it")
+          .at_least(0),
       Field("no_relax", event.no_relax, "Of release: even where the material asks for it"),
       Field("limits", event.limits, {"box", "ball", "tighten"}, "Of limits: those of later drags"),
   };

@@ -42,7 +42,7 @@ struct LiveEvent {
   Vec3d to{0, 0, 0};
   bool all = false;
   bool restore = false, no_relax = false;
-  int handle = 0, anchor = 0;  // of release: the only one, from 1; 0: none
+  int handle = 0, anchor = 0, cut = 0;  // of release: the only one, from 1; 0: none
   Limits limits = Limits::box;
   std::string keys = "{}";  // JSON: those of the kind, as in scenes
   SceneStep step;           // what they say; of grab and push its one handle, which does not move

@@ -35,7 +35,7 @@ RelaxParams read_relax(TomlTable& table) {
 /// The table of a model; `read` of one that is left out gives the defaults.
 template <class Step, class Read>
 std::optional<Step> read_own_keys(TomlTable& table, const std::string& name, bool is_chosen,
-                               Read&& read) {
+                                  Read&& read) {
   auto own = table.table(name);
   if (!is_chosen) {
     if (own) {
@@ -89,8 +89,8 @@ MaterialTable read_material_choice(TomlTable& table, const LabelNames& names, st
 }
 
 void read_model(TomlTable& table, const LabelNames& names, StepModel model, SceneStep& step) {
-  step.springs = read_own_keys<SpringStep>(table, "springs", model == StepModel::springs,
-                                           read_spring_step);
+  step.springs =
+      read_own_keys<SpringStep>(table, "springs", model == StepModel::springs, read_spring_step);
   step.fem = read_own_keys<GivenFem>(table, "fem", model == StepModel::fem,
                                      [&](TomlTable& fem) { return read_fem(fem, names); });
 }

@@ -35,7 +35,7 @@ struct SceneStep {
   std::optional<NumberPair> rigid_density;
   double joint_mm = 0;
   std::optional<RelaxParams> relax;
-  bool no_relax = false;                  // even where the material asks for it
+  bool no_relax = false;  // even where the material asks for it
   bool shift_pieces = false, turn_pieces = false;
   std::optional<SpringStep> springs;      // when model = "springs"
   std::optional<GivenFem> fem;            // when model = "fem"

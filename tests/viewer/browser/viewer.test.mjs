@@ -321,6 +321,8 @@ step('clips and lists can be edited', async () => {
   await page.eval(`document.querySelector('[aria-label="Let go of handle 1"]').click()`);
   await view.until('the other handle stays', `$carriedOut >= $sent && $scene.handles.length === ${handles.length - 1}`);
   assert.deepEqual((await scene()).handles[0].event, handles[1].event);
+  await page.eval(`document.querySelector('[aria-label="Take out cut 1"]').click()`);
+  await view.until('the cut is taken out', '$carriedOut >= $sent && $scene.cuts.length === 0', 30);
   await view.settled(30);
   const plain = await view.picture();
   const choose = (overlay) => page.eval(`(() => { const list = document.getElementById('overlay'); list.value = '${overlay}';

@@ -118,7 +118,9 @@ export class DeformPanel {
              {class: 'link', title: 'Cross-hair there'}), this.removal('handle', i, handle.number)]);
     this.fill('anchors', scene?.anchors ?? [], (anchor, i) => [
       this.placed(selectionText(anchor), anchor.event), this.removal('anchor', i, anchor.number)]);
-    this.fill('cuts', scene?.cuts ?? [], (cut, i) => [`${i + 1}. ${cutText(cut)}`]);
+    this.fill('cuts', scene?.cuts ?? [], (cut, i) => [`${i + 1}. ${cutText(cut)}`,
+      iconButton('remove', `Take out cut ${i + 1}`, () => this.session.event({kind: 'release', cut: i + 1}),
+                 {title: 'The body is as if it had not been made; later steps are made again'})]);
     this.refreshHistory(scene);
   }
   fill(name, items, entry) {
