@@ -66,8 +66,8 @@ struct StepRequest {
   std::optional<SpringStep> springs;  // instead of both
   std::optional<FemStep> fem;         // likewise
   /// Free rigid pieces shift with the drag and do not turn, where that allows the whole drag; it is
-  /// found in a twentieth of the time. They turn in the next step of ECM without it, by the smallest
-  /// motion from where they were before all their shifts.
+  /// found in a twentieth of the time. They turn in the next step of ECM without it, by the
+  /// smallest motion from where they were before all their shifts.
   bool shift_pieces = false;
   bool tells_reactions = false;  // of the handles that are held, in the record
   /// From now on, for the elements that there are: `active` and `components` chose them when the
