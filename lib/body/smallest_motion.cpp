@@ -115,7 +115,7 @@ class MotionSearch {
       const auto row = std::size_t(a);
       lower[row][row] = m_count;
       for (int b = 0; b <= a; ++b) {
-        lower[3 + row][std::size_t(3 + b)] = (a == b ? trace : 0) - squares[row][b];
+        lower[3 + row][3 + std::size_t(b)] = (a == b ? trace : 0) - squares[row][b];
       }
     }
     if (!factorize(lower)) return false;

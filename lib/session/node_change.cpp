@@ -62,7 +62,9 @@ void NodeChange::take_back(Body& body) const {
     m_integers[std::size_t(a)].take_back(body.q[a]);
     m_fractions[std::size_t(a)].take_back(body.fraction[a]);
     m_velocities[std::size_t(a)].take_back(body.velocity_mm_s[a]);
-    for (int c = 0; c < 3; ++c) m_integers[std::size_t(3 + 3 * a + c)].take_back(body.rest[a][c]);
+    for (int c = 0; c < 3; ++c) {
+      m_integers[3 + 3 * std::size_t(a) + std::size_t(c)].take_back(body.rest[a][c]);
+    }
   }
 }
 

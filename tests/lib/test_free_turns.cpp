@@ -49,7 +49,7 @@ class UnitRod : public ::testing::Test {
   StepRequest m_rod;
 };
 
-StepRequest pull(std::vector<std::pair<Vec3i, Vec3d>> pulls) {
+StepRequest pull(const std::vector<std::pair<Vec3i, Vec3d>>& pulls) {
   StepRequest request;
   for (const auto& [at, by_mm] : pulls) request.drags.push_back({Region(at), by_mm});
   return request;

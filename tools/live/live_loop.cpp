@@ -40,9 +40,7 @@ void LiveLoop::run(EventMailbox& mailbox) {
       } else {
         show(posted->event, posted->posted);
       }
-    } else if (m_has_work && m_live.is_unsettled()) {
-      m_has_work = m_watcher.work();
-    } else if (m_live.has_more()) {
+    } else if (m_live.has_more() && !(m_has_work && m_live.is_unsettled())) {
       go_on();
     } else if (m_has_work) {
       m_has_work = m_watcher.work();
