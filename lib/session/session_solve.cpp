@@ -86,7 +86,7 @@ void Session::move_quasi_statically(const std::vector<Handle>& handles,
 
 void Session::solve(const std::vector<Handle>& handles, const std::vector<PieceMotion>& pieces,
                     StepRecord& record, Progress* progress) {
-  if (has_turns(pieces) || record.limits != Limits::ball) {
+  if (record.limits != Limits::ball) {
     if (has_turns(pieces)) {
       solve_turns(handles, pieces, record, progress);
     } else if (!record.shift_pieces || !shift_pieces(handles, record, progress)) {

@@ -164,6 +164,12 @@ TEST_F(UnitReplay, ACutThatIsTakenOutHasNeverBeenMade) {
   EXPECT_EQ(missing.exit_code, 3);
   EXPECT_NE(missing.err.find("found 2, expected one of 1 that there are"), std::string::npos)
       << missing.err;
+  for (const char* more : {"all = true", "handle = 1", "restore = true"}) {
+    const Outcome refused =
+        replay(journal(cut(13) + event("release", std::string("cut = 1\n") + more)));
+    EXPECT_EQ(refused.exit_code, 3) << more;
+    EXPECT_NE(refused.err.find("more than one thing"), std::string::npos) << refused.err;
+  }
 }
 
 TEST_F(UnitReplay, FiniteElementsTakeOverAfterTheRelease) {

@@ -40,6 +40,7 @@ void LiveLoop::run(EventMailbox& mailbox) {
       } else {
         show(posted->event, posted->posted);
       }
+      // Other work goes before what settles drags, which may take long.
     } else if (m_live.has_more() && !(m_has_work && m_live.is_unsettled())) {
       go_on();
     } else if (m_has_work) {

@@ -59,6 +59,15 @@ nlohmann::ordered_json relax_keys(RelaxParams params) {
   return keys;
 }
 
+void require_one_thing(const LiveEvent& event) {
+  const bool is_cut = event.cut > 0;
+  const char* const field = event.handle > 0 ? "handle" : event.anchor > 0 ? "anchor" : "cut";
+  const int things = int(event.all) + int(event.handle > 0) + int(event.anchor > 0) + int(is_cut);
+  if (things <= 1 && !(is_cut && event.restore)) return;
+  throw InputError(
+      {event.place, field, "more than one thing to let go of", "handle, anchor, cut or all"});
+}
+
 bool has_anchors(const State& state) {
   return !state.anchors.empty() || !state.anchor_labels.empty() || !state.anchor_selections.empty();
 }
@@ -133,6 +142,7 @@ void LiveSession::carry_out(const LiveEvent& event, Progress* progress) {
       drag(event, progress);
       break;
     case EventKind::release:
+      require_one_thing(event);
       if (event.cut == 0) return release(event, progress);
       take_out_cut(event, progress);
       break;
@@ -159,7 +169,7 @@ void LiveSession::carry_out(const LiveEvent& event, Progress* progress) {
       take_back(event.all);
       break;
     case EventKind::redo:
-      do_again(event.all, progress);
+      make_again(event.all, progress);
       break;
     default:
       run(event.kind, event.step, event.keys, progress);
@@ -217,14 +227,14 @@ void LiveSession::release(const LiveEvent& event, Progress* progress) {
   const bool lets_go = event.all || event.handle > 0 || event.anchor > 0;
   const bool is_for_fem = was_dragged && model() == StepModel::fem;
   const bool is_unsettled = !event.restore && (is_for_fem || m_session->has_shifted_pieces());
-  if (is_unsettled && lets_go) settle_drags(progress);
   if (event.all) {
+    if (is_unsettled) settle_drags(progress);
     SceneStep step;
     step.place = event.place;
     step.release = true;
     run(event.kind, step, nlohmann::ordered_json({{"release", true}}).dump(), progress);
   }
-  if (event.handle > 0 || event.anchor > 0) let_go_of_one(event, progress);
+  if (event.handle > 0 || event.anchor > 0) let_go_of_one(event, is_unsettled, progress);
   m_grab.reset();
   const bool relaxes = was_dragged && !event.restore && !lets_go && !event.no_relax &&
                        m_session->material().relaxes && !m_model && m_limits != Limits::ball;
@@ -243,16 +253,12 @@ void LiveSession::release(const LiveEvent& event, Progress* progress) {
 }
 
 /// A session lets go of everything; what stays is held and fixed again in the same step.
-void LiveSession::let_go_of_one(const LiveEvent& event, Progress* progress) {
+void LiveSession::let_go_of_one(const LiveEvent& event, bool settles, Progress* progress) {
   const bool is_handle = event.handle > 0;
   const char* const field = is_handle ? "handle" : "anchor";
   const int number = is_handle ? event.handle : event.anchor;
   HeldParts parts = held_parts(m_done);
   std::vector<HeldPart>& list = is_handle ? parts.handles : parts.anchors;
-  if (event.all || (is_handle && event.anchor > 0)) {
-    throw InputError(
-        {event.place, field, "more than one thing to let go of", "handle, anchor or all"});
-  }
   if (std::size_t(number) > list.size()) {
     throw InputError({event.place, field, std::to_string(number),
                       "one of " + std::to_string(list.size()) + " that there are, from 1"});
@@ -261,72 +267,12 @@ void LiveSession::let_go_of_one(const LiveEvent& event, Progress* progress) {
     throw InputError({event.place, field, "fixed labels, points or anchors of a state beside it",
                       "all, which lets go of everything"});
   }
+  if (settles) settle_drags(progress);
   list.erase(list.begin() + number - 1);
   std::string keys;
   SceneStep step = step_that_keeps(parts, keys);
   step.place = event.place;
   run(event.kind, step, keys, progress);
-}
-
-void LiveSession::take_out_cut(const LiveEvent& event, Progress* progress) {
-  if (event.all || event.restore || event.handle > 0 || event.anchor > 0) {
-    throw InputError({event.place, "cut", "more than one thing to let go of", "cut alone"});
-  }
-  std::size_t cuts = 0, at = m_done.size(), place = 0;
-  for (std::size_t n = 0; n < m_done.size(); ++n) {
-    const std::size_t own = m_done[n].step.cuts.size();
-    if (at == m_done.size() && cuts + own >= std::size_t(event.cut)) {
-      at = n;
-      place = std::size_t(event.cut) - 1 - cuts;
-    }
-    cuts += own;
-  }
-  if (at == m_done.size()) {
-    throw InputError({event.place, "cut", std::to_string(event.cut),
-                      "one of " + std::to_string(cuts) + " that there are, from 1"});
-  }
-  const std::vector<DoneStep> before(m_done.begin() + std::ptrdiff_t(at), m_done.end());
-  if (m_session->undo_steps() < before.size()) {
-    throw InputError(
-        {event.place, "cut", std::to_string(before.size()) + " steps since it",
-         "at most the " + std::to_string(m_session->undo_steps()) + " that can be taken back"});
-  }
-  std::vector<DoneStep> steps = before;
-  DoneStep& cutting = steps.front();
-  cutting.step.cuts.erase(cutting.step.cuts.begin() + std::ptrdiff_t(place));
-  nlohmann::ordered_json keys = nlohmann::ordered_json::parse(cutting.keys);
-  keys["cut"].erase(place);
-  if (cutting.step.cuts.empty()) keys.erase("cut");
-  cutting.keys = keys.dump();
-  if (cutting.step.does_nothing()) steps.erase(steps.begin());
-  const auto take_back_to_it = [&] {
-    while (m_done.size() > at) take_back();
-    m_undone.clear();
-  };
-  take_back_to_it();
-  try {
-    make_again(std::move(steps), progress);
-  } catch (...) {
-    take_back_to_it();
-    make_again(before, nullptr);
-    throw;
-  }
-  m_grab.reset();
-}
-
-/// Handles may get further, or less far, than they did.
-void LiveSession::make_again(std::vector<DoneStep> steps, Progress* progress) {
-  for (DoneStep& done : steps) {
-    run_step(*m_session, done.step, false, progress);
-    if (done.kind == EventKind::drag) {
-      const bool goes_on = !m_done.empty() && m_done.back().stroke == done.stroke;
-      done.reached_before = goes_on ? m_reached : Vec3d(0);
-      const Vec3d by = done.step.handles.front().by.value_or(Vec3d(0));
-      done.reached = done.reached_before + by * m_session->records().back().report.fraction();
-      m_reached = done.reached;
-    }
-    m_done.push_back(std::move(done));
-  }
 }
 
 void LiveSession::run(EventKind kind, const SceneStep& step, const std::string& keys,
@@ -350,49 +296,6 @@ void LiveSession::settle_drags(Progress* progress) {
   m_is_unsettled = false;
   run(event.kind, event.step, event.keys, progress);
   record(event);
-}
-
-/// Of the next step. It follows from the events as a journal has them, in which a relaxation is as
-/// many as it had slices, and what settles drags is a step of its own.
-int LiveSession::stroke_of(EventKind kind, const SceneStep& step) {
-  const bool follows_its_kind = !m_done.empty() && m_done.back().kind == kind;
-  const bool settles = step.turn_pieces || (step.fem && step.handles.empty());
-  if (settles && !m_done.empty() && m_done.back().kind == EventKind::drag) {
-    return m_done.back().stroke;
-  }
-  if (kind == EventKind::relax && follows_its_kind) return m_done.back().stroke;
-  if (kind != EventKind::drag) return ++m_stroke;
-  const bool goes_on = follows_its_kind && m_done.back().stroke == m_grab_stroke;
-  if (!goes_on) m_grab_stroke = ++m_stroke;
-  return m_grab_stroke;
-}
-
-/// One step; false where none is left.
-bool LiveSession::take_back() {
-  if (m_done.empty() || !m_session->undo()) return false;
-  m_reached = m_done.back().reached_before;
-  m_undone.push_back(std::move(m_done.back()));
-  m_done.pop_back();
-  return true;
-}
-
-void LiveSession::take_back(bool whole_stroke) {
-  if (!take_back()) return;
-  const int stroke = m_undone.back().stroke;
-  while (whole_stroke && !m_done.empty() && m_done.back().stroke == stroke && take_back()) {
-  }
-}
-
-void LiveSession::do_again(bool whole_stroke, Progress* progress) {
-  if (m_undone.empty()) return;
-  const int stroke = m_undone.back().stroke;
-  do {
-    DoneStep& done = m_undone.back();
-    run_step(*m_session, done.step, false, progress);
-    m_reached = done.reached;
-    m_done.push_back(std::move(done));
-    m_undone.pop_back();
-  } while (whole_stroke && !m_undone.empty() && m_undone.back().stroke == stroke);
 }
 
 void LiveSession::relax(const LiveEvent& event, int passes, Progress* progress) {

@@ -74,15 +74,15 @@ class LiveSession {
   void set_view();
   void drag(const LiveEvent& event, Progress* progress);
   void release(const LiveEvent& event, Progress* progress);
-  void let_go_of_one(const LiveEvent& event, Progress* progress);
+  void let_go_of_one(const LiveEvent& event, bool settles, Progress* progress);
   void take_out_cut(const LiveEvent& event, Progress* progress);
-  void make_again(std::vector<DoneStep> steps, Progress* progress);
   void run(EventKind kind, const SceneStep& step, const std::string& keys, Progress* progress);
   void settle_drags(Progress* progress);
   int stroke_of(EventKind kind, const SceneStep& step);
   bool take_back();
   void take_back(bool whole_stroke);
-  void do_again(bool whole_stroke, Progress* progress);
+  void make_again(const DoneStep& done, Progress* progress);
+  void make_again(bool whole_stroke, Progress* progress);
   void relax(const LiveEvent& event, int passes, Progress* progress);
   void record(const LiveEvent& event);
   void change_view(const LiveEvent& event);

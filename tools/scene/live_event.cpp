@@ -9,6 +9,7 @@
 #include "tools/scene/cut_keys.h"
 #include "tools/scene/handle_keys.h"
 #include "tools/scene/json.h"
+#include "tools/scene/model_keys.h"
 
 namespace supple::tools {
 

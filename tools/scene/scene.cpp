@@ -6,7 +6,7 @@
 #include "lib/material/toml_table.h"
 #include "tools/scene/cut_keys.h"
 #include "tools/scene/handle_keys.h"
-#include "tools/scene/spring_keys.h"
+#include "tools/scene/model_keys.h"
 #include "tools/scene/transfer_file.h"
 #include "volumes/base/error.h"
 #include "volumes/io/load/label_file.h"
@@ -30,27 +30,6 @@ RelaxParams read_relax(TomlTable& table) {
   }
   table.finish();
   return params;
-}
-
-/// The table of a model; `read` of one that is left out gives the defaults.
-template <class Step, class Read>
-std::optional<Step> read_own_keys(TomlTable& table, const std::string& name, bool is_chosen,
-                                  Read&& read) {
-  auto own = table.table(name);
-  if (!is_chosen) {
-    if (own) {
-      const std::vector<std::string> keys = own->keys();
-      own->fail(keys.empty() ? "" : keys.front(), name + " without its model",
-                "model = \"" + name + '"');
-    }
-    return std::nullopt;
-  }
-  for (const char* key : {"relax", "limits"}) {
-    if (table.has(key)) {
-      table.fail(key, std::string(key) + " beside " + name, "a step of its own for it");
-    }
-  }
-  return own ? read(*own) : Step();
 }
 
 /// What is removed and what is rigid.
@@ -86,13 +65,6 @@ MaterialTable read_material_choice(TomlTable& table, const LabelNames& names, st
   table.finish();
   if (path != nullptr) *path = *file;
   return read_material(*file, names);
-}
-
-void read_model(TomlTable& table, const LabelNames& names, StepModel model, SceneStep& step) {
-  step.springs =
-      read_own_keys<SpringStep>(table, "springs", model == StepModel::springs, read_spring_step);
-  step.fem = read_own_keys<GivenFem>(table, "fem", model == StepModel::fem,
-                                     [&](TomlTable& fem) { return read_fem(fem, names); });
 }
 
 SceneStep read_step(TomlTable& table, const LabelNames& names) {

@@ -93,9 +93,6 @@ Fields fields(StepSettings& settings);
 MaterialTable read_material_choice(TomlTable& table, const LabelNames& names,
                                    std::string* path = nullptr);
 
-/// What moves the body: `springs` or `fem` of the step, unless it is ECM.
-void read_model(TomlTable& table, const LabelNames& names, StepModel model, SceneStep& step);
-
 /// One of [[step]].
 SceneStep read_step(TomlTable& table, const LabelNames& names);
 
