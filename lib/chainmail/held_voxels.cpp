@@ -91,15 +91,17 @@ const Bound* find_bound(const std::vector<Bound>& bounds, Slot slot) {
 }
 
 /// A tool that is still there keeps its place and side; a new one begins at the elements, on the
-/// side that it moves away from.
+/// side that it moves away from. An edge always does: a bound that it left would hold elements back
+/// from a handle that turns round.
 void place_tool(const Body& body, const Holds& earlier, HeldHandle& handle) {
   for (std::size_t c = 0; c < 3; ++c) {
     std::size_t n = 0;
     handle.slots.for_each([&](Slot slot) {
       const std::int32_t by = handle.by(n++)[c];
-      if (const Bound* least = find_bound(earlier.at_least[c], slot)) {
+      const bool goes_on = !handle.source->is_edge;
+      if (const Bound* least = goes_on ? find_bound(earlier.at_least[c], slot) : nullptr) {
         handle.below[c].push_back({slot, least->value, by});
-      } else if (const Bound* most = find_bound(earlier.at_most[c], slot)) {
+      } else if (const Bound* most = goes_on ? find_bound(earlier.at_most[c], slot) : nullptr) {
         handle.above[c].push_back({slot, most->value, by});
       } else if (by != 0) {
         (by > 0 ? handle.below : handle.above)[c].push_back({slot, body.q[c].at(slot), by});

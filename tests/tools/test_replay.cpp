@@ -291,6 +291,58 @@ TEST_F(UnitReplay, EventsThatComeFasterThanTheyAreDoneAreMergedAndTheirJournalRe
   EXPECT_EQ(hash(journal_file), hash_now);
 }
 
+TEST_F(UnitReplay, AFilmShowsEventsAtTheirTimesAndPausesShortened) {
+  const std::string file = journal(event("grab", "at = 200\ngrab = [12, 12, 16]") +
+                                   event("drag", "at = 400\nto = [0, 1, 0]") +
+                                   event("drag", "at = 430\nto = [0, 2, 0]") +
+                                   event("drag", "at = 430\nto = [0, 4, 0]") +
+                                   event("drag", "at = 460\nto = [0, 5, 0]") +
+                                   event("drag", "at = 490\nto = [0, 7, 0]") +
+                                   event("release", "at = 5000"));
+  const Outcome run =
+      replay(file, "--fps 10 --film " + (m_folder / "f_%02d.png") + " --image " + (m_folder / "end.png"));
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  std::vector<int> changes;
+  std::string last;
+  int count = 0;
+  for (;; ++count) {
+    const std::string name = m_folder / ("f_" + std::string(count < 10 ? "0" : "") + std::to_string(count) + ".png");
+    if (!std::filesystem::exists(name)) break;
+    const std::string bytes = read_text(name);
+    if (bytes != last) changes.push_back(count);
+    last = bytes;
+  }
+  // Of the drags at 460 and 490 ms, in the film 100 later, the first falls between two pictures.
+  EXPECT_EQ(changes, (std::vector<int>{0, 4, 5, 6}));
+  EXPECT_EQ(count, 6 + 10 + 10);
+  EXPECT_EQ(read_png(m_folder / "end.png").rgba, read_png(m_folder / "f_25.png").rgba);
+  const Outcome twice = replay(file, "--fps 10 --speed 2 --film " + (m_folder / "g_%02d.png"));
+  ASSERT_EQ(twice.exit_code, 0) << twice.err;
+  EXPECT_TRUE(std::filesystem::exists(m_folder / "g_00.png"));
+  EXPECT_FALSE(std::filesystem::exists(m_folder / "g_25.png"));
+}
+
+TEST_F(UnitReplay, AFilmThatCannotBeIsRefusedBeforeItBegins) {
+  const std::string file = journal(kDrags);
+  write_text(m_folder / "h_003.png", "here");
+  for (const auto& [more, text] : std::vector<std::pair<std::string, std::string>>{
+           {"f.png", "a_%03d.png"}, {"f_%d.exr", ".mp4"}, {"f_%d.tiff", ".mp4"},
+           {"f_%d.png --fps 0", "0.1 to 240"}}) {
+    const Outcome run = replay(file, "--film " + m_folder / more);
+    EXPECT_EQ(run.exit_code, 3) << more << run.err;
+    EXPECT_NE(run.err.find(text), std::string::npos) << run.err;
+  }
+  const Outcome there = run_line("replay " + file + " --quiet --film " + m_folder / "h_%03d.png");
+  EXPECT_EQ(there.exit_code, 2);
+  EXPECT_NE(there.err.find("h_003.png"), std::string::npos) << there.err;
+  std::string pauses;
+  for (int n = 1; n <= 50; ++n) pauses += event("limits", "at = " + std::to_string(5000 * n));
+  const Outcome endless =
+      replay(journal(pauses, "slow.toml"), "--fps 240 --film " + m_folder / "k_%d.png");
+  EXPECT_EQ(endless.exit_code, 3);
+  EXPECT_NE(endless.err.find("at most 10000"), std::string::npos) << endless.err;
+}
+
 TEST_F(UnitReplay, BadEventsNameTheirLineAndWhatIsExpected) {
   const Outcome unknown = replay(journal(event("grab", "grabb = [1, 2, 3]")));
   EXPECT_EQ(unknown.exit_code, 3);

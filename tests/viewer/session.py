@@ -286,14 +286,21 @@ def files(server, folder):
             ("screenshot", "shot.png", {"size": [80, 60]}), ("slices", "slices.png", {}),
             ("screenshot", "axial.png", {"size": [80, 60], "view": "axial"}),
             ("warp", "warp.nrrd", {}), ("warp", "push.nii.gz", {"direction": "material"}),
-            ("volume", "moved.nrrd", {}), ("turntable", "turn.png", {"frames": 3, "size": [32, 32]})):
+            ("volume", "moved.nrrd", {}), ("turntable", "turn_%02d.png", {"frames": 3, "size": [32, 32]}),
+            ("film", "film_%04d.png", {"size": [32, 32], "frames_per_second": 5, "speed": 2})):
         told = page.ask(save={"what": what, "path": name, **more})
-        path = os.path.join(folder, name)
-        if what == "turntable":
-            path = os.path.join(folder, "turn_0002.png")
-        else:
-            expect(told["bytes"] == os.path.getsize(path), told)
-        expect(os.path.getsize(path) > 0, path)
+        start, _, end = name.partition("%")
+        files = [file for file in os.listdir(folder) if file == name or end and file.startswith(start)]
+        expect(told["bytes"] == sum(os.path.getsize(os.path.join(folder, file)) for file in files) > 0, told)
+        expect(what != "turntable" or len(files) == 3, files)
+        expect(what != "film" or 5 < len(files) < 100, files)
+    # The film ends with the picture that is seen.
+    subprocess.run([binary(), "replay", "journal.toml", "--quiet", "--image", "end.png", "--size", "32,32"],
+                   cwd=folder, check=True)
+    subprocess.run([binary(), "compare", "end.png", max(f for f in os.listdir(folder) if f.startswith("film_")),
+                    "--quiet", "--max-rmse", "0"], cwd=folder, check=True)
+    expect("a_%03d.png" in error_of(page.ask, save={"what": "film", "path": "film.png"}), "a number in the name")
+    expect("exists" in error_of(page.ask, save={"what": "film", "path": "film_%04d.png", "size": [32, 32]}), "exists")
     expect("exists" in error_of(page.ask, save={"what": "state", "path": "live.vdb"}), "exists")
     page.ask(save={"what": "state", "path": "live.vdb", "force": True})
     error_of(page.ask, save={"what": "state", "path": "live.png"})

@@ -10,6 +10,7 @@
 #include "tools/console/own_process.h"
 #include "tools/live/replay.h"
 #include "tools/outputs/output_plan.h"
+#include "tools/pictures/picture_writer.h"
 #include "volumes/base/atomic_file.h"
 
 namespace supple::tools {
@@ -17,7 +18,7 @@ namespace supple::tools {
 namespace {
 
 struct ReplayFiles {
-  std::string input, check, image, scene, journal, state;
+  std::string input, check, image, film, scene, journal, state;
   bool compares = false;
 };
 
@@ -79,9 +80,17 @@ int run_replay(const ReplayFiles& files, const ReplayOptions& options, const Glo
   for (const std::string& path : {files.scene, files.journal}) {
     if (!path.empty()) plan.add_like(path, files.input);
   }
+  std::optional<PictureSeries> film;
+  if (!files.film.empty()) film.emplace(files.film, options.frames_per_second, files.film);
+  Replay replay(TomlTable::read(files.input), options, console, console);
+  if (film) plan.add_files(film->files(replay.film_length()));
   console.claim(plan.files());
-  Replay replay(files.input, options, console);
-  replay.run(files.compares);
+  if (film) {
+    replay.film([&](const Image& image) { film->add(image); });
+    film->commit();
+  } else {
+    replay.run(files.compares);
+  }
   const double peak_mb = peak_rss_mb();
   Session& session = replay.live().session();
   const std::string hash = hash_of(session.state());
@@ -110,6 +119,7 @@ Command add_replay(CLI::App& program) {
       program, "replay", "Run the journal of a live session, or a scene as one, and tell its times",
       "  supple replay session.toml --json\n"
       "  supple replay session.toml --speed 1 --budget 50 --size 512,512\n"
+      "  supple replay session.toml --film session.mp4 --size 800,600\n"
       "  supple replay session.toml --check jaw.vdb --scene batch.toml --image jaw.png");
   auto files = std::make_shared<ReplayFiles>();
   auto options = std::make_shared<ReplayOptions>();
@@ -120,6 +130,9 @@ Command add_replay(CLI::App& program) {
   app->add_option("--check", files->check, "Fail unless the events lead to this state")
       ->option_text("STATE.vdb");
   app->add_option("--image", files->image, "The settled picture")->option_text("F.png");
+  app->add_option("--film", files->film,
+                  "All of it as pictures at the journal's times: a_%04d.png, .mp4, .webm or .avi")
+      ->option_text("F");
   app->add_option("--scene", files->scene, "The events as a scene for `supple run`")
       ->option_text("F.toml");
   app->add_option("--journal", files->journal, "What was carried out, to be replayed")

@@ -47,6 +47,16 @@ void EventMailbox::close() {
 std::optional<PostedEvent> EventMailbox::take(bool waits) {
   std::unique_lock lock(m_guard);
   if (waits) m_changed.wait(lock, [&] { return !m_waiting.empty() || m_is_closed; });
+  return take_first();
+}
+
+std::optional<PostedEvent> EventMailbox::take_until(std::chrono::steady_clock::time_point end) {
+  std::unique_lock lock(m_guard);
+  m_changed.wait_until(lock, end, [&] { return !m_waiting.empty() || m_is_closed; });
+  return take_first();
+}
+
+std::optional<PostedEvent> EventMailbox::take_first() {
   if (m_waiting.empty()) return std::nullopt;
   PostedEvent first = std::move(m_waiting.front());
   m_waiting.pop_front();

@@ -29,10 +29,14 @@ class EventMailbox {
   void close();
   /// The oldest; none where there is none now. `waits`: until there is one, or none comes any more.
   std::optional<PostedEvent> take(bool waits);
+  /// Waits, but not longer than until then.
+  std::optional<PostedEvent> take_until(std::chrono::steady_clock::time_point end);
   bool is_closed() const;
   std::size_t size() const;
 
  private:
+  std::optional<PostedEvent> take_first();
+
   mutable std::mutex m_guard;
   std::condition_variable m_changed;
   std::deque<PostedEvent> m_waiting;

@@ -6,6 +6,40 @@
 
 namespace supple::tools {
 
+namespace {
+
+using namespace std::chrono_literals;
+
+/// Slices that take less are not ended by events.
+constexpr auto kPatience = 100ms;
+/// Without events, before a slice begins again that gave way to one.
+constexpr auto kRest = 500ms;
+
+/// Of a slice: ends it when an event waits.
+class GivingWay final : public Progress {
+ public:
+  GivingWay(Progress* behind, const EventMailbox& mailbox) : m_behind(behind), m_mailbox(mailbox) {}
+
+  void stage(std::string_view name) override { supple::stage(m_behind, name); }
+  void update(double fraction) override {
+    if (m_behind != nullptr) m_behind->update(fraction);
+  }
+  void warn(const std::string& line) override { supple::warn(m_behind, line); }
+  void note(const std::string& line) override { supple::note(m_behind, line); }
+  void debug(const std::string& line) override { supple::debug(m_behind, line); }
+  bool cancelled() const override {
+    if (m_behind != nullptr && m_behind->cancelled()) return true;
+    return std::chrono::steady_clock::now() - m_begun > kPatience && m_mailbox.size() > 0;
+  }
+
+ private:
+  Progress* m_behind;
+  const EventMailbox& m_mailbox;
+  std::chrono::steady_clock::time_point m_begun = std::chrono::steady_clock::now();
+};
+
+}  // namespace
+
 LiveLoop::LiveLoop(LiveSession& live, const LiveFrame& frame, LoopWatcher& watcher,
                    Console& console, Progress* progress)
     : m_live(live),
@@ -32,17 +66,19 @@ void LiveLoop::run(EventMailbox& mailbox) {
   m_leaves = false;
   while (!m_leaves) {
     poll(&m_console);
-    const bool is_idle = !m_has_work && !m_live.has_more() && m_picture.settled();
-    if (auto posted = mailbox.take(is_idle)) {
+    const bool rests = m_gave_way && Clock::now() < m_rests_until && !mailbox.is_closed();
+    if (auto posted = take_from(mailbox, rests)) {
       m_has_work = true;
       if (posted->task) {
         posted->task();
       } else {
         show(posted->event, posted->posted);
       }
+      m_rests_until = Clock::now() + kRest;
       // Other work goes before what settles drags, which may take long.
-    } else if (m_live.has_more() && !(m_has_work && m_live.is_unsettled())) {
-      go_on();
+    } else if (m_live.has_more() && !rests && !(m_has_work && m_live.is_unsettled())) {
+      GivingWay progress(m_progress, mailbox);
+      m_gave_way = !go_on(&progress);
     } else if (m_has_work) {
       m_has_work = m_watcher.work();
     } else if (!m_picture.settled()) {
@@ -51,6 +87,13 @@ void LiveLoop::run(EventMailbox& mailbox) {
       return;
     }
   }
+}
+
+/// Waits for it while nothing else is to be done.
+std::optional<PostedEvent> LiveLoop::take_from(EventMailbox& mailbox, bool rests) const {
+  const bool is_idle = !m_has_work && m_picture.settled();
+  if (is_idle && rests && m_live.has_more()) return mailbox.take_until(m_rests_until);
+  return mailbox.take(is_idle && !m_live.has_more());
 }
 
 bool LiveLoop::carry_out(const LiveEvent& event) {
@@ -74,18 +117,26 @@ void LiveLoop::show(const LiveEvent& event, std::chrono::steady_clock::time_poin
   draw(since_event);
 }
 
-void LiveLoop::go_on() {
+bool LiveLoop::go_on(Progress* progress) {
   const Stopwatch since_event;
   m_watcher.begins();
   try {
-    m_live.go_on(m_progress);
+    m_live.go_on(progress);
   } catch (const Error& error) {
+    const bool is_cancelled =
+        m_console.cancelled() || (m_progress != nullptr && m_progress->cancelled());
+    if (!is_cancelled && dynamic_cast<const Cancelled*>(&error) != nullptr) {
+      m_watcher.went_on();
+      return false;
+    }
     m_live.stop();
     if (m_console.cancelled() || !m_watcher.refused(LiveEvent(), error.what())) throw;
-    return;
+    return true;
   }
+  m_watcher.went_on();
   m_watcher.spent(LivePhase::solve, since_event);
   draw(since_event);
+  return true;
 }
 
 void LiveLoop::set_frame(const LiveFrame& frame) {

@@ -1,6 +1,7 @@
 // The thread of a live session: it carries out the events of a mailbox one after the other, draws
-// what each leads to within a promised time, relaxes in slices between which new events come, and
-// refines the picture while nothing else is to be done. A replay runs one, and a viewer.
+// what each leads to within a promised time, settles drags and relaxes in slices which give way to
+// new events, and refines the picture while nothing else is to be done. A replay runs one, and a
+// viewer.
 #pragma once
 
 #include "raycast/pictures/image.h"
@@ -23,6 +24,8 @@ class LoopWatcher {
   /// Before an event or a slice of relaxation is carried out.
   virtual void begins() {}
   virtual void carried_out(const LiveEvent&) {}
+  /// A slice is done, or has given way to an event.
+  virtual void went_on() {}
   /// The event cannot be done, and nothing has changed. False: it ends the loop.
   virtual bool refused(const LiveEvent&, const std::string& /*why*/) { return false; }
   /// A first picture, which better ones follow.
@@ -58,8 +61,8 @@ class LiveLoop {
 
   /// One event, and its first pixels.
   void show(const LiveEvent& event, std::chrono::steady_clock::time_point posted);
-  /// A slice of relaxation, and its first pixels.
-  void go_on();
+  /// A slice of what is still to be done, and its first pixels.
+  void go_on() { go_on(m_progress); }
   /// One pass more; false when there is nothing left to do.
   bool refine();
   /// Another size or pose; the next run() draws it.
@@ -70,7 +73,11 @@ class LiveLoop {
 
  private:
   SceneView framed(SceneView view) const;
+  using Clock = std::chrono::steady_clock;
   bool carry_out(const LiveEvent& event);
+  /// False: it gave way, which `progress` asked for.
+  bool go_on(Progress* progress);
+  std::optional<PostedEvent> take_from(EventMailbox& mailbox, bool rests) const;
   void draw(const Stopwatch& since_event);
 
   LiveSession& m_live;
@@ -81,6 +88,8 @@ class LiveLoop {
   LivePicture m_picture;
   Stopwatch m_asked;  // since the event that the picture follows
   bool m_has_work = true, m_leaves = false;
+  bool m_gave_way = false;        // the slice that is next
+  Clock::time_point m_rests_until;  // before that begins again
 };
 
 }  // namespace supple::tools

@@ -293,8 +293,8 @@ void LiveSession::settle_drags(Progress* progress) {
     event.step.turn_pieces = true;
     event.keys = nlohmann::ordered_json({{"turn_pieces", true}}).dump();
   }
-  m_is_unsettled = false;
   run(event.kind, event.step, event.keys, progress);
+  m_is_unsettled = false;
   record(event);
 }
 
@@ -322,7 +322,7 @@ void LiveSession::relax(const LiveEvent& event, int passes, Progress* progress) 
 
 void LiveSession::go_on(Progress* progress) {
   if (m_is_unsettled) return settle_drags(progress);
-  if (m_pending > 0) relax(*m_relaxation, std::exchange(m_pending, 0), progress);
+  if (m_pending > 0) relax(*m_relaxation, m_pending, progress);
 }
 
 void LiveSession::stop() {

@@ -34,7 +34,7 @@ class LiveSession {
   bool has_more() const { return m_is_unsettled || m_pending > 0; }
   /// Whether the first of it settles drags, which may take long.
   bool is_unsettled() const { return m_is_unsettled; }
-  /// A slice of that.
+  /// A slice of that. Throws Cancelled: it is still to be done.
   void go_on(Progress* progress = nullptr);
   void stop();
   /// Passes of relaxation that are still to be done.

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <thread>
 
 #include "raycast/pictures/compare.h"
 #include "tools/live/event_mailbox.h"
+#include "tools/pictures/picture_options.h"
 #include "volumes/base/sha256.h"
 
 namespace supple::tools {
@@ -14,6 +16,8 @@ namespace {
 
 /// A pause of the hand after which the picture settles.
 constexpr double kPauseMs = 500;
+/// Longer pauses of a film are not, ms.
+constexpr double kLongestPauseMs = 1000;
 
 template <class T>
 void feed(Sha256& sha, const BrickArray<T>& values, std::size_t bricks) {
@@ -32,7 +36,28 @@ Fields fields(ReplayOptions& options) {
           .unit("ms")
           .at_least(0),
       Field("size", options.size, "Pixels").range(1, 16384),
+      Field("fps", options.frames_per_second, "Pictures a second of a film").range(0.1, 240),
   };
+}
+
+std::vector<int> film_frames(const std::vector<LiveEvent>& events, double frames_per_second,
+                             double speed) {
+  const double frame_ms = 1000 / frames_per_second;
+  double now = 0, latest = 0;  // in the film, in the journal
+  std::vector<double> since = {0};
+  for (const LiveEvent& event : events) {
+    const double pause = std::min((event.at_ms - latest) / speed, kLongestPauseMs);
+    now += pause > 0 ? pause : frame_ms;
+    latest = std::max(latest, event.at_ms);
+    since.push_back(now);
+  }
+  since.push_back(now + std::max(kLongestPauseMs, frame_ms));
+  const auto frames_before = [&](double ms) { return int(std::ceil(ms / frame_ms - 1e-9)); };
+  std::vector<int> frames;
+  for (std::size_t n = 0; n + 1 < since.size(); ++n) {
+    frames.push_back(frames_before(since[n + 1]) - frames_before(since[n]));
+  }
+  return frames;
 }
 
 double quantile(std::vector<double> values, double part) {
@@ -42,15 +67,16 @@ double quantile(std::vector<double> values, double part) {
   return values[std::size_t(std::max<std::ptrdiff_t>(rank, 0))];
 }
 
-Replay::Replay(const std::string& path, const ReplayOptions& options, Console& console)
+Replay::Replay(const TomlTable& root, const ReplayOptions& options, Console& console,
+               Progress& progress)
     : m_options(options),
-      m_console(console),
-      m_live(TomlTable::read(path), &console),
-      m_loop(m_live, {options.size, true, options.budget_ms}, *this, console) {}
+      m_progress(progress),
+      m_live(root, &progress),
+      m_loop(m_live, {options.size, true, options.budget_ms}, *this, console, &progress) {}
 
 void Replay::run(bool compares) {
   m_compares = compares;
-  stage(&m_console, "replaying");
+  stage(&m_progress, "replaying");
   m_loop.settle();
   if (m_options.speed > 0) {
     run_in_time();
@@ -62,7 +88,7 @@ void Replay::run(bool compares) {
 void Replay::run_at_once() {
   const std::vector<LiveEvent>& events = m_live.events();
   for (std::size_t n = 0; n < events.size(); ++n) {
-    poll(&m_console);
+    poll(&m_progress);
     LiveEvent event = events[n];
     event.merged = 0;  // those that it replaced are not in the journal
     m_loop.show(event, std::chrono::steady_clock::now());
@@ -72,6 +98,35 @@ void Replay::run_at_once() {
                         events[n + 1].at_ms - events[n].at_ms >= kPauseMs;
     while (pauses && m_loop.refine()) {
     }
+  }
+}
+
+std::vector<int> Replay::film_frames() const {
+  const double speed = m_options.speed > 0 ? m_options.speed : 1;
+  return tools::film_frames(m_live.events(), m_options.frames_per_second, speed);
+}
+
+int Replay::film_length() const {
+  const std::vector<int> frames = film_frames();
+  const auto length = std::accumulate(frames.begin(), frames.end(), std::int64_t(0));
+  if (length > kMostFrames) {
+    throw InputError({m_live.scene().file, "film", std::to_string(length) + " pictures",
+                      "at most " + std::to_string(kMostFrames) + ": a larger speed, a smaller fps"});
+  }
+  return int(length);
+}
+
+void Replay::film(const std::function<void(const Image&)>& add) {
+  stage(&m_progress, "film");
+  m_loop.settle();
+  const std::vector<int> frames = film_frames();
+  for (std::size_t n = 0; n < frames.size(); ++n) {
+    supple::report(&m_progress, double(n) / double(frames.size()));
+    if (n > 0) m_loop.show(m_live.events()[n - 1], std::chrono::steady_clock::now());
+    while (m_live.has_more()) m_loop.go_on();
+    if (frames[n] == 0) continue;
+    while (m_loop.refine()) poll(&m_progress);
+    for (int shown = 0; shown < frames[n]; ++shown) add(*settled());
   }
 }
 
@@ -87,7 +142,7 @@ void Replay::run_in_time() {
       posted.merged = 0;  // those that it replaced are not in the journal
       mailbox.post(std::move(posted));
       m_loop.interrupt();
-      if (m_console.cancelled()) break;
+      if (m_progress.cancelled()) break;
     }
     mailbox.close();
   });

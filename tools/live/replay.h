@@ -2,6 +2,7 @@
 // pixels, or at the pace at which they came.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -15,8 +16,15 @@ struct ReplayOptions {
   double speed = 0;       // of the journal's times; 0: each event when the last is done
   double budget_ms = 50;  // from event to first pixels; 0: as long as it takes
   PixelSize size{512, 512};
+  double frames_per_second = 25;  // of a film
 };
 Fields fields(ReplayOptions& options);
+
+/// How many pictures of a film show the body as it was opened, and what each event leads to. Events
+/// come at the journal's times, pauses of more than a second last one; of events between two
+/// pictures the last is seen, but those of one time have a picture each. The end stays for a second.
+std::vector<int> film_frames(const std::vector<LiveEvent>& events, double frames_per_second,
+                             double speed);
 
 /// Milliseconds of one phase, and of processor time, all threads together: that hardly depends on
 /// what else the machine does.
@@ -38,11 +46,16 @@ struct ReplayReport {
 
 class Replay final : public LoopWatcher {
  public:
-  /// Opens what the file describes.
-  Replay(const std::string& path, const ReplayOptions& options, Console& console);
+  /// Opens what the root of a journal or scene describes. Throws as LiveSession. `progress`: of what
+  /// takes long, which cancels it.
+  Replay(const TomlTable& root, const ReplayOptions& options, Console& console, Progress& progress);
 
   /// Carries out all events. `compares`: first pixels with what they become.
   void run(bool compares);
+  /// As many pictures as a film of the events has. Throws InputError for more than kMostFrames.
+  int film_length() const;
+  /// Carries out all events, one after the other, and hands on settled pictures as film_frames().
+  void film(const std::function<void(const Image&)>& add);
 
   LiveSession& live() { return m_live; }
   const ReplayReport& report() const { return m_report; }
@@ -57,8 +70,10 @@ class Replay final : public LoopWatcher {
   void drew(const Image& first, const LiveCost& cost, const Stopwatch& since_event) override;
   void settled(const Image& image, const Stopwatch& since_event) override;
 
+  std::vector<int> film_frames() const;
+
   const ReplayOptions m_options;
-  Console& m_console;
+  Progress& m_progress;
   LiveSession m_live;
   LiveLoop m_loop;
   ReplayReport m_report;

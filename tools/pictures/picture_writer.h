@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "raycast/pictures/colour_map.h"
 #include "tools/pictures/picture_options.h"
@@ -47,17 +48,39 @@ class PictureWriter {
       : m_files(files), m_image(std::move(image)), m_options(options) {}
 
   void write(const DrawnPicture& drawn);
+  /// Of a series of 8 bits with nothing beside it: its next picture, in a file of its own or in the
+  /// video.
+  void write(const Image& image, int frame, const std::string& configuration);
   /// After the last one; a video is complete then.
   void finish();
 
  private:
   void write_aux(const DrawnPicture& drawn, const std::string& image);
-  void add_to_video(const DrawnPicture& drawn);
+  void add_to_video(const Image& image, const std::string& configuration);
 
   PendingFiles& m_files;
   std::string m_image;
   PictureOptions m_options;
   std::unique_ptr<VideoEncoder> m_video;
+};
+
+/// Pictures of 8 bits as numbered PNG files or a video, which appear when all are made.
+class PictureSeries {
+ public:
+  /// `name` has a place for a number (`a_%03d.png`) or is that of a video. Throws as
+  /// check_picture_options, naming `place`.
+  PictureSeries(std::string name, double frames_per_second, const std::string& place);
+  /// The files that so many pictures become.
+  std::vector<std::string> files(int length) const;
+  void add(const Image& image);
+  void commit();
+
+ private:
+  PictureOptions m_options;
+  std::string m_name;
+  PendingFiles m_files;
+  PictureWriter m_writer;
+  int m_length = 0;
 };
 
 }  // namespace supple::tools

@@ -46,6 +46,7 @@ class OpenScene final : public LoopWatcher {
   LivePicture& picture() { return m_loop.picture(); }
   const ViewSettings& settings() const { return m_settings; }
   PageProgress& progress() { return m_outlets.progress; }
+  Console& console() { return m_outlets.console; }
 
   /// The message `scene`, but for `event`, which each page counts for itself.
   nlohmann::ordered_json description();
@@ -59,6 +60,7 @@ class OpenScene final : public LoopWatcher {
  private:
   void begins() override;
   void carried_out(const LiveEvent& event) override;
+  void went_on() override { m_outlets.progress.end(); }
   bool refused(const LiveEvent& event, const std::string& why) override;
   void drew(const Image& first, const LiveCost& cost, const Stopwatch& since_event) override;
   void settled(const Image& image, const Stopwatch& since_event) override;

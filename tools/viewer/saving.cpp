@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 
+#include "tools/live/replay.h"
 #include "tools/outputs/slice_pictures.h"
 #include "tools/outputs/view_pictures.h"
-#include "tools/pictures/video.h"
+#include "tools/pictures/picture_writer.h"
 #include "tools/scene/transfer_file.h"
 #include "volumes/base/atomic_file.h"
 #include "volumes/state/state_outputs.h"
@@ -35,7 +35,8 @@ const std::vector<SaveKind>& save_kinds() {
       {"slices", {".png"}},
       {"warp", {".nrrd", ".nhdr", ".mha", ".mhd", ".nii", ".nii.gz", ".h5", ".vdb"}},
       {"volume", {".nrrd", ".nhdr", ".mha", ".mhd", ".nii", ".nii.gz"}},
-      {"turntable", {".png", ".mp4"}}};
+      {"turntable", {".png", ".mp4", ".webm", ".avi"}},
+      {"film", {".png", ".mp4", ".webm", ".avi"}}};
   return kinds;
 }
 
@@ -75,51 +76,58 @@ Camera turned(const Camera& camera, double angle) {
   return next;
 }
 
-std::string frame_path(const std::string& path, int frame) {
-  char number[16];
-  std::snprintf(number, sizeof number, "_%04d", frame);
-  const fs::path whole(path);
-  return (whole.parent_path() / (whole.stem().string() + number + ".png")).string();
+bool is_series(const std::string& what) {
+  return what == "turntable" || what == "film";
 }
 
-void check_frames_free(const SaveRequest& request) {
-  if (request.force || ends_with(request.path, ".mp4")) return;
-  for (int n = 0; n < request.frames; ++n) {
-    const std::string path = frame_path(request.path, n);
+void require_free(const PictureSeries& series, int length, const SaveRequest& request) {
+  if (request.force) return;
+  for (const std::string& path : series.files(length)) {
     if (fs::exists(fs::symlink_status(path))) {
       throw InputError({path, "path", "a file that exists", "another name, or force"});
     }
   }
 }
 
-void save_turntable(OpenScene& scene, const SaveRequest& request) {
+void add_turntable(OpenScene& scene, const SaveRequest& request, PictureSeries& series) {
   constexpr double kTurn = 6.283185307179586;
   const Camera camera = *scene.picture().view().camera.camera;
   Progress& progress = scene.progress();
-  const bool is_video = ends_with(request.path, ".mp4");
-  check_frames_free(request);
-  if (is_video) require_video_encoder(request.path);
-  std::optional<AtomicFile> file;
-  std::optional<VideoEncoder> video;
-  if (is_video) {
-    file.emplace(request.path);
-    video.emplace(file->path(), request.path, request.size[0], request.size[1],
-                  request.frames_per_second, "");
-  }
   progress.stage("turntable");
   for (int n = 0; n < request.frames; ++n) {
     report(&progress, double(n) / request.frames);
-    const Image image =
-        scene.picture().shot(turned(camera, kTurn * n / request.frames), request.size, nullptr);
-    if (is_video) {
-      video->add(image);
-    } else {
-      write_png(frame_path(request.path, n), image);
-    }
+    series.add(
+        scene.picture().shot(turned(camera, kTurn * n / request.frames), request.size, nullptr));
   }
-  if (!is_video) return;
-  video->finish();
-  file->commit();
+}
+
+/// What was carried out so far, again from the beginning in a session of its own.
+Replay replay_of(OpenScene& scene, const SaveRequest& request) {
+  ReplayOptions options;
+  options.size = request.size;
+  options.speed = request.speed;
+  options.frames_per_second = request.frames_per_second;
+  return {TomlTable::parse(scene.live().journal(), "journal"), options, scene.console(),
+          scene.progress()};
+}
+
+/// Returns how large its files are.
+std::uintmax_t save_series(OpenScene& scene, const SaveRequest& request) {
+  PictureSeries series(request.path, request.frames_per_second, "save");
+  int length = request.frames;
+  if (request.what == "film") {
+    Replay replay = replay_of(scene, request);
+    length = replay.film_length();
+    require_free(series, length, request);
+    replay.film([&](const Image& image) { series.add(image); });
+  } else {
+    require_free(series, length, request);
+    add_turntable(scene, request, series);
+  }
+  series.commit();
+  std::uintmax_t bytes = 0;
+  for (const std::string& path : series.files(length)) bytes += fs::file_size(path);
+  return bytes;
 }
 
 void save_slices(OpenScene& scene, const SaveRequest& request) {
@@ -171,7 +179,6 @@ void write_what(OpenScene& scene, const SaveRequest& request) {
   if (what == "transfer") return write_text(request.path, to_toml(look_of(view)));
   if (what == "screenshot") return save_screenshot(scene, request);
   if (what == "slices") return save_slices(scene, request);
-  if (what == "turntable") return save_turntable(scene, request);
   save_dense(scene, request);
 }
 
@@ -187,7 +194,9 @@ Fields fields(SaveRequest& request) {
       Field("direction", request.direction, {"resample", "material"},
             "resample: out(x) = in(x + o(x)); material: voxel X moves to X + u(X)"),
       Field("frames", request.frames, "Pictures of a turn").range(1, 3600),
-      Field("frames_per_second", request.frames_per_second, "Of a video").range(1, 240),
+      Field("frames_per_second", request.frames_per_second, "Of a video, and of a film")
+          .range(1, 240),
+      Field("speed", request.speed, "Of a film, times that of the session").range(0.1, 100),
   };
 }
 
@@ -202,6 +211,7 @@ SaveRequest save_request(TomlTable& table, const Folders& folders) {
   request.path = folders.output(table.require(table.string("path"), "path", "a file's name"));
   table.finish();
   check_extension(table, request);
+  if (is_series(request.what)) PictureSeries(request.path, request.frames_per_second, "save");
   if (!request.force && fs::exists(fs::symlink_status(request.path))) {
     table.fail("path", request.path + " exists", "another name, or force");
   }
@@ -209,6 +219,9 @@ SaveRequest save_request(TomlTable& table, const Folders& folders) {
 }
 
 nlohmann::ordered_json save(OpenScene& scene, const SaveRequest& request) {
+  if (is_series(request.what)) {
+    return {{"path", request.path}, {"bytes", save_series(scene, request)}};
+  }
   write_what(scene, request);
   std::error_code error;
   const auto bytes = fs::file_size(request.path, error);

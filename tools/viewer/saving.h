@@ -16,7 +16,7 @@ struct SaveRequest {
   PixelSize size{1024, 1024};
   WarpDirection direction = WarpDirection::resample;
   int frames = 72;
-  double frames_per_second = 25;
+  double frames_per_second = 25, speed = 1;
 };
 /// But for `path` and `view`.
 Fields fields(SaveRequest& request);

@@ -10,12 +10,15 @@ export const kSaves = {
   journal: ['Save journal', 'journal', ['.toml']], camera: ['Save camera', 'camera', ['.toml']],
   transfer: ['Save transfer function', 'transfer', ['.toml']],
   screenshot: ['Save picture', 'picture', ['.png']], slices: ['Save slices', 'slices', ['.png']],
-  turntable: ['Save turntable', 'turn', ['.mp4', '_%04d.png']],
+  turntable: ['Save turntable', 'turn', ['.mp4', '.webm', '_%04d.png']],
+  film: ['Save film of the session', 'session', ['.mp4', '.webm', '_%04d.png']],
   warp: ['Export warp', 'warp', ['.nrrd', '.mha', '.nii.gz', '.h5', '.vdb']],
   volume: ['Export deformed volume', 'deformed', ['.nrrd', '.nii.gz', '.mha']]};
 
 /// Options of `save` that each kind has.
-const kOptions = {warp: ['direction'], turntable: ['frames', 'fps', 'frames_per_second', 'size'], screenshot: ['size']};
+const kPictures = ['screenshot', 'turntable', 'film'];
+const kOptions = {warp: ['direction'], turntable: ['frames', 'frames_per_second', 'size'],
+                  film: ['frames_per_second', 'speed', 'size'], screenshot: ['size']};
 
 const kFolder = 'supple.folder';
 
@@ -163,7 +166,7 @@ export class Files {
       const saved = await this.session.ask('save', {what, path: browser.path.replace(/\/$/, '') + '/' + file.value.trim(),
         force: force.querySelector('input').checked, ...form.values(),
         ...(what === 'screenshot' ? {view: this.view.name} : {}),
-        ...(what === 'screenshot' || what === 'turntable' ? {size: form.value('size')} : {})});
+        ...(kPictures.includes(what) ? {size: form.value('size')} : {})});
       this.app.say(`Saved ${saved.path}, ${bytesText(saved.bytes)}`);
       this.session.addLog({level: 'note', text: `saved ${saved.path}, ${bytesText(saved.bytes)}`});
     });
@@ -172,7 +175,7 @@ export class Files {
   async optionsOf(what) {
     if (!(what in kOptions)) return [];
     const all = await this.session.ask('options', {kind: 'save'}).catch(() => []);
-    const size = (what === 'turntable' ? this.app.view('3d') : this.view).size();
+    const size = (what === 'screenshot' ? this.view : this.app.view('3d')).size();
     return all.filter(({name}) => kOptions[what].includes(name))
       .map((option) => option.name === 'size' ? {...option, default: size} : option);
   }
