@@ -116,12 +116,6 @@ void LiveBody::show_rest() {
   m_shown = Shown::rest;
 }
 
-bool LiveBody::is_inverse_sooner(double forward_rays_ms, double inverse_rays_ms) const {
-  const double forward_ms = m_forward_brick.of(double(m_for_forward.size())) + forward_rays_ms;
-  const double inverse_ms = m_inverse_brick.of(double(m_for_inverse.size())) + inverse_rays_ms;
-  return !m_cuts.empty() || inverse_ms <= forward_ms;
-}
-
 const OffsetField& LiveBody::inverse() {
   if (m_cuts.empty()) {
     if (!m_field) m_field = m_inversion->field();

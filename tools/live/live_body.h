@@ -34,10 +34,11 @@ class LiveBody {
   void show_forward();
   void show_inverse(OffsetResolution resolution);
   void show_rest();
-  /// Whether bringing the inverse up to date, and rays through it, are likely to be sooner, with
-  /// the ms that rays would take either way. Always where links are cut: samples do not solve
-  /// across cuts.
-  bool is_inverse_sooner(double forward_rays_ms, double inverse_rays_ms) const;
+  /// What show_forward() and show_inverse() are likely to take, by what they took before.
+  double forward_ms() const { return m_forward_brick.of(double(m_for_forward.size())); }
+  double inverse_ms() const { return m_inverse_brick.of(double(m_for_inverse.size())); }
+  /// Samples do not solve across cuts.
+  bool needs_inverse() const { return !m_cuts.empty(); }
   bool shows_forward() const { return m_shown == Shown::forward; }
 
   const State& opened() const { return m_state; }  // its q and cuts are not kept up to date

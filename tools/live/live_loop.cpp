@@ -14,6 +14,9 @@ using namespace std::chrono_literals;
 constexpr auto kPatience = 100ms;
 /// Without events, before a slice begins again that gave way to one.
 constexpr auto kRest = 500ms;
+/// Without events, before a picture settles while something is grabbed: it may take an inverse, and
+/// the hand would wait for that.
+constexpr auto kStill = 150ms;
 
 /// Of a slice: ends it when an event waits.
 class GivingWay final : public Progress {
@@ -57,7 +60,7 @@ SceneView LiveLoop::framed(SceneView view) const {
 
 void LiveLoop::settle() {
   m_picture.follow();
-  m_picture.prepare();
+  m_picture.prepare(0);
   m_picture.first_pixels(0);
   while (m_picture.refine()) poll(&m_console);
 }
@@ -66,34 +69,38 @@ void LiveLoop::run(EventMailbox& mailbox) {
   m_leaves = false;
   while (!m_leaves) {
     poll(&m_console);
-    const bool rests = m_gave_way && Clock::now() < m_rests_until && !mailbox.is_closed();
-    if (auto posted = take_from(mailbox, rests)) {
+    const bool rests = m_gave_way && is_soon_after(kRest, mailbox);
+    const bool moves = m_live.grabbed() && is_soon_after(kStill, mailbox);
+    const bool may_go_on = m_live.has_more() && !rests;
+    const bool may_refine = !m_picture.settled() && !moves;
+    const bool waits = !m_has_work && !may_go_on && !may_refine;
+    const bool is_idle = !m_live.has_more() && m_picture.settled();
+    if (auto posted = waits && !is_idle ? mailbox.take_until(m_last_event + (moves ? kStill : kRest))
+                                        : mailbox.take(waits)) {
       m_has_work = true;
       if (posted->task) {
         posted->task();
       } else {
         show(posted->event, posted->posted);
       }
-      m_rests_until = Clock::now() + kRest;
+      m_last_event = Clock::now();
       // Other work goes before what settles drags, which may take long.
-    } else if (m_live.has_more() && !rests && !(m_has_work && m_live.is_unsettled())) {
+    } else if (may_go_on && !(m_has_work && m_live.is_unsettled())) {
       GivingWay progress(m_progress, mailbox);
       m_gave_way = !go_on(&progress);
     } else if (m_has_work) {
       m_has_work = m_watcher.work();
-    } else if (!m_picture.settled()) {
+    } else if (may_refine) {
       refine();
-    } else if (mailbox.is_closed()) {
+    } else if (mailbox.is_closed() && is_idle) {
       return;
     }
   }
 }
 
-/// Waits for it while nothing else is to be done.
-std::optional<PostedEvent> LiveLoop::take_from(EventMailbox& mailbox, bool rests) const {
-  const bool is_idle = !m_has_work && m_picture.settled();
-  if (is_idle && rests && m_live.has_more()) return mailbox.take_until(m_rests_until);
-  return mailbox.take(is_idle && !m_live.has_more());
+/// After an event or task; never once none can come any more.
+bool LiveLoop::is_soon_after(Clock::duration pause, const EventMailbox& mailbox) const {
+  return Clock::now() < m_last_event + pause && !mailbox.is_closed();
 }
 
 bool LiveLoop::carry_out(const LiveEvent& event) {
@@ -149,12 +156,12 @@ void LiveLoop::set_frame(const LiveFrame& frame) {
 void LiveLoop::draw(const Stopwatch& since_event) {
   const Stopwatch preparing;
   if (!m_picture.follow()) return;
-  m_picture.prepare();
+  const double budget = m_frame.budget_ms;
+  const auto left = [&] { return budget > 0 ? std::max(budget - since_event.ms(), 1e-3) : 0; };
+  m_picture.prepare(left());
   m_watcher.spent(LivePhase::prepare, preparing);
   const Stopwatch drawing;
-  const double budget = m_frame.budget_ms;
-  const Image first =
-      m_picture.first_pixels(budget > 0 ? std::max(budget - since_event.ms(), 1e-3) : 0);
+  const Image first = m_picture.first_pixels(left());
   m_watcher.spent(LivePhase::frame, drawing);
   m_watcher.spent(LivePhase::first_pixels, since_event);
   m_watcher.drew(first, m_picture.cost(), since_event);

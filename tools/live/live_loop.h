@@ -28,7 +28,7 @@ class LoopWatcher {
   virtual void went_on() {}
   /// The event cannot be done, and nothing has changed. False: it ends the loop.
   virtual bool refused(const LiveEvent&, const std::string& /*why*/) { return false; }
-  /// A first picture, which better ones follow.
+  /// A first picture, often smaller than it is to be shown, which better ones follow.
   virtual void drew(const Image&, const LiveCost&, const Stopwatch& /*since_event*/) {}
   virtual void settled(const Image&, const Stopwatch& /*since_event*/) {}
   /// Some other work, a short piece of it; false when there is none. Before pictures are refined.
@@ -77,7 +77,7 @@ class LiveLoop {
   bool carry_out(const LiveEvent& event);
   /// False: it gave way, which `progress` asked for.
   bool go_on(Progress* progress);
-  std::optional<PostedEvent> take_from(EventMailbox& mailbox, bool rests) const;
+  bool is_soon_after(Clock::duration pause, const EventMailbox& mailbox) const;
   void draw(const Stopwatch& since_event);
 
   LiveSession& m_live;
@@ -88,8 +88,8 @@ class LiveLoop {
   LivePicture m_picture;
   Stopwatch m_asked;  // since the event that the picture follows
   bool m_has_work = true, m_leaves = false;
-  bool m_gave_way = false;        // the slice that is next
-  Clock::time_point m_rests_until;  // before that begins again
+  bool m_gave_way = false;  // the slice that is next
+  Clock::time_point m_last_event;
 };
 
 }  // namespace supple::tools

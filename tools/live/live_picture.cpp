@@ -54,6 +54,8 @@ struct LivePicture::Impl {
   RenderSettings settings() const;
   void replace(std::unique_ptr<ProgressiveRender> next);
   void paint_and_decorate(FloatImage& picture, const Camera& seen_by, const SceneView& as) const;
+  double part_within(double rays_ms, const CostPer& pixel) const;
+  bool chooses_inverse(double budget_ms) const;
 
   Session& session;
   Console& console;
@@ -136,14 +138,29 @@ bool LivePicture::follow() {
   return true;
 }
 
-void LivePicture::prepare() {
+/// Of width and height.
+double LivePicture::Impl::part_within(double rays_ms, const CostPer& pixel) const {
+  const double pixels = double(view.size[0]) * view.size[1];
+  return std::clamp(std::sqrt(std::max(rays_ms, 0.0) / std::max(pixel.of(pixels), 1e-9)), kSmallest,
+                    1.0);
+}
+
+bool LivePicture::Impl::chooses_inverse(double budget_ms) const {
+  if (!view.deformed || body.needs_inverse()) return true;
+  const double forward_ms = body.forward_ms(), inverse_ms = body.inverse_ms();
+  const double left = kBudgetToAimAt * budget_ms - frame.of(1);
+  const double forward_part = budget_ms > 0 ? part_within(left - forward_ms, forward_pixel) : 1;
+  const double inverse_part = budget_ms > 0 ? part_within(left - inverse_ms, inverse_pixel) : 1;
+  if (forward_part != inverse_part) return inverse_part > forward_part;
+  const double pixels = forward_part * forward_part * view.size[0] * view.size[1];
+  return inverse_ms + inverse_pixel.of(pixels) <= forward_ms + forward_pixel.of(pixels);
+}
+
+void LivePicture::prepare(double budget_ms) {
   Impl& impl = *m_impl;
   const Stopwatch time;
   m_cost = {};
-  const double pixels = double(impl.view.size[0]) * impl.view.size[1] / 8;
-  m_cost.by_inverse =
-      !impl.view.deformed ||
-      impl.body.is_inverse_sooner(impl.forward_pixel.of(pixels), impl.inverse_pixel.of(pixels));
+  m_cost.by_inverse = impl.chooses_inverse(budget_ms);
   if (m_cost.by_inverse) {
     impl.show_exactly();
   } else {
@@ -155,18 +172,15 @@ void LivePicture::prepare() {
 Image LivePicture::first_pixels(double budget_ms) {
   Impl& impl = *m_impl;
   RenderSettings settings = impl.settings();
-  const double pixels = double(settings.width) * settings.height;
-  const int width = settings.width, height = settings.height;
   CostPer& pixel = m_cost.by_inverse ? impl.inverse_pixel : impl.forward_pixel;
   double part = 1;
   if (budget_ms > 0) {
-    const double left =
-        std::max(kBudgetToAimAt * budget_ms - impl.frame.of(1), kLeastPart * budget_ms);
-    part = std::clamp(std::sqrt(left / std::max(pixel.of(pixels), 1e-9)), kSmallest, 1.0);
+    const double left = kBudgetToAimAt * budget_ms - impl.frame.of(1);
+    part = impl.part_within(std::max(left, kLeastPart * budget_ms), pixel);
     settings.set_quality(Quality::draft);
   }
-  settings.width = std::max(1, int(std::lround(part * width)));
-  settings.height = std::max(1, int(std::lround(part * height)));
+  settings.width = std::max(1, int(std::lround(part * settings.width)));
+  settings.height = std::max(1, int(std::lround(part * settings.height)));
   settings.auxiliary = bool(impl.painter);
   const auto start = std::chrono::steady_clock::now();
   RenderReport report;
@@ -176,7 +190,7 @@ Image LivePicture::first_pixels(double budget_ms) {
   m_cost.height = settings.height;
   if (impl.painter) impl.painter(picture, impl.camera);
   if (impl.view.decoration.annotate.empty()) decorate(picture, impl.subject(), impl.view);
-  Image image = enlarged(to_image(picture), width, height);
+  Image image = to_image(picture);
   m_cost.march_ms = report.march_ms;
   m_cost.frame_ms = ms_since(start) - report.march_ms;
   impl.frame.add(m_cost.frame_ms, 1);

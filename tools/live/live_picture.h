@@ -39,10 +39,11 @@ class LivePicture {
   /// The body may have moved; whether it has, or the view is another.
   bool follow();
 
-  /// Makes what rays read: the inverse, or offsets that samples solve for, whichever is sooner.
-  void prepare();
-  /// After prepare(): a picture of the view's size within about `budget_ms` (0: however long it
-  /// takes), counted from here.
+  /// Makes what rays read: the inverse, or offsets that samples solve for, whichever leaves time for
+  /// more pixels in `budget_ms` (0: however long it takes), counted from here; where neither leaves
+  /// any, whichever is sooner.
+  void prepare(double budget_ms);
+  /// After prepare(): a picture within about `budget_ms`, of the view's size or smaller.
   Image first_pixels(double budget_ms);
   const LiveCost& cost() const { return m_cost; }
 

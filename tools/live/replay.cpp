@@ -173,11 +173,13 @@ void Replay::carried_out(const LiveEvent& event) {
 
 void Replay::drew(const Image& first, const LiveCost& cost, const Stopwatch&) {
   m_first = first;
-  m_report.least_part = std::min(m_report.least_part, double(cost.width) / first.width);
+  m_report.least_part = std::min(m_report.least_part, double(cost.width) / m_options.size[0]);
 }
 
 void Replay::settled(const Image& image, const Stopwatch&) {
-  if (m_compares) m_report.first_pixels_ssim.push_back(compare(m_first, image, true).ssim);
+  if (!m_compares) return;
+  const Image first = enlarged(m_first, image.width, image.height);
+  m_report.first_pixels_ssim.push_back(compare(first, image, true).ssim);
 }
 
 std::string hash_of(const State& state) {

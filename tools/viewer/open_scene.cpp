@@ -145,7 +145,7 @@ void OpenScene::settled(const Image& image, const Stopwatch& since_event) {
 /// Slices in haste while the picture moves, and exactly once it has settled.
 bool OpenScene::work() {
   if (!m_is_told && may_tell()) tell_scene();
-  return draw_next_pane() || !m_is_told;
+  return draw_next_pane();
 }
 
 bool OpenScene::draw_next_pane() {

@@ -33,19 +33,7 @@ Json clip_json(const ClipChoice& choice) {
   return json;
 }
 
-/// Least and largest density of the elements and their surroundings.
-std::pair<float, float> densities_of(const State& state) {
-  float lo = state.density.background(), hi = lo;
-  for (std::size_t b = 0; b < state.density.bricks().brick_count(); ++b) {
-    const auto [least, most] =
-        std::minmax_element(state.density.values(b), state.density.values(b) + kBrickVoxels);
-    lo = std::min(lo, *least);
-    hi = std::max(hi, *most);
-  }
-  return {lo, hi};
-}
-
-Json volume_json(const Scene& scene, const State& state) {
+Json volume_json(const Scene& scene, const State& state, const ScalarRange& densities) {
   const Geometry& geometry = state.geometry;
   const auto& axes = geometry.axes_mm();
   const Vec3d& origin = geometry.origin_lps_mm();
@@ -55,7 +43,6 @@ Json volume_json(const Scene& scene, const State& state) {
     affine.push_back(origin[row]);
   }
   for (const double last : {0., 0., 0., 1.}) affine.push_back(last);
-  const auto [lo, hi] = densities_of(state);
   const Vec3i& dims = geometry.dims();
   return {{"name", state.source_name},
           {"path", scene.volume_path},
@@ -63,7 +50,7 @@ Json volume_json(const Scene& scene, const State& state) {
           {"spacing", vector_json(geometry.spacing_mm())},
           {"affine", affine},
           {"hu", are_hounsfield_units(state.density.background())},
-          {"density", {lo, hi}},
+          {"density", {densities.lo, densities.hi}},
           {"elements", state.elements.active_count()}};
 }
 
@@ -161,6 +148,7 @@ Json anchors_json(const HeldParts& held) {
 Json cuts_json(const std::vector<LiveSession::DoneStep>& done) {
   Json cuts = Json::array();
   for (const LiveSession::DoneStep& step : done) {
+    if (step.step.cuts.empty()) continue;
     for (const Json& cut : Json::parse(step.keys).value("cut", Json::array())) {
       cuts.push_back({{"text", cut.begin().key()}, {"event", event_json("cut", cut)}});
     }
@@ -217,6 +205,21 @@ Json transfer_json(const TransferFunction& function) {
   return json;
 }
 
+/// Of the elements and their surroundings.
+const ScalarRange& OpenScene::densities() {
+  const DensityGrid& density = picture().opened().density;
+  if (m_densities) return *m_densities;
+  float lo = density.background(), hi = lo;
+  for (std::size_t b = 0; b < density.bricks().brick_count(); ++b) {
+    const auto [least, most] =
+        std::minmax_element(density.values(b), density.values(b) + kBrickVoxels);
+    lo = std::min(lo, *least);
+    hi = std::max(hi, *most);
+  }
+  m_densities = {lo, hi};
+  return *m_densities;
+}
+
 Json OpenScene::slices_json() {
   const SliceSettings& slices = m_settings.slices;
   Json json = supple::tools::slices_json(slices);
@@ -240,7 +243,7 @@ Json OpenScene::description() {
   Json clips = Json::array();
   for (const ClipChoice& clip : view.clips) clips.push_back(clip_json(clip));
   Json scene;
-  scene["volume"] = volume_json(m_live.scene(), state);
+  scene["volume"] = volume_json(m_live.scene(), state, densities());
   scene["view"] = {{"camera", camera_json(*view.camera.camera)},
                    {"preset", view.transfer ? "" : view.preset},
                    {"transfer", transfer_json(look_of(view))},

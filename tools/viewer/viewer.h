@@ -19,7 +19,7 @@ struct ViewerOptions {
   std::string input;     // a volume, state, scene or journal; empty: nothing yet
   std::string material;  // of a volume
   std::string preset;
-  double budget_ms = 50;
+  double budget_ms = 40;
   PixelSize size{512, 512};
 };
 

@@ -4,13 +4,15 @@
 //   node tests/viewer/browser/latency.mjs VOLUME|STATE|SCENE [options of supple view]
 //
 // with SUPPLE_EVENTS mouse moves of each kind (300), SUPPLE_PIXELS square for the view in space (512),
-// and SUPPLE_GRAB "x,y", where to grab in parts of the view (0.5,0.5). The other views are hidden but
+// SUPPLE_GRAB "x,y", where to grab in parts of the view (0.5,0.5), and SUPPLE_WAY pixels, the radius of
+// the circle along which it is dragged (20). The other views are hidden but
 // with SUPPLE_FOUR=1. One line of JSON for each kind.
 
 import {Chromium, sleep} from './chromium.mjs';
 import {Server, View} from './supple_view.mjs';
 
 const events = Number(process.env.SUPPLE_EVENTS ?? 300), pixels = Number(process.env.SUPPLE_PIXELS ?? 512);
+const way = Number(process.env.SUPPLE_WAY ?? 20);
 const place = (process.env.SUPPLE_GRAB ?? '0.5,0.5').split(',').map(Number);
 
 const server = await Server.start(...process.argv.slice(2));
@@ -46,7 +48,7 @@ try {
   await page.key('g');
   await view.until('there is tissue to grab', '$scene.grab', 20);
   const dragging = Date.now(), second = (await view.get('views'))['3d'].count;
-  await circle(20);
+  await circle(way);
   await report(view, 'drag', second, dragging);
   const released = Date.now();
   await page.key('Enter');

@@ -2,6 +2,7 @@
 // click. Moves are gathered and told once per frame of the screen.
 
 const kLongPressMs = 500, kStillPixels = 8, kDoubleTapMs = 350;
+const kFrameMs = 16;
 
 /// `handler`: press, drag, lift, pinch, longPress, doubleClick, wheel, hover, leave, lost. Places are CSS
 /// pixels in `target`.
@@ -13,6 +14,7 @@ export class Gestures {
     this.lastTap = 0;
     this.lastTouch = -Infinity;
     this.moves = null;
+    this.flushed = -Infinity;
     const on = (type, listener) => target.addEventListener(type, listener, {passive: false});
     on('pointerdown', (event) => this.down(event));
     on('pointermove', (event) => this.move(event));
@@ -129,7 +131,8 @@ export class Gestures {
     this.gather('wheel', this.place(event), steps, 0);
   }
 
-  /// Moves of one kind since the last frame add up; factors multiply.
+  /// Moves of one kind since the last frame add up, factors multiply; the first after a while goes
+  /// at once.
   gather(kind, place, dx = 0, dy = 0, factor = 1) {
     if (this.moves && this.moves.kind !== kind) this.flush();
     if (!this.moves) {
@@ -138,6 +141,7 @@ export class Gestures {
     }
     Object.assign(this.moves, {place, dx: this.moves.dx + dx, dy: this.moves.dy + dy,
                                factor: this.moves.factor * factor});
+    if (place.time - this.flushed > kFrameMs) this.flush();
   }
 
   flush() {
@@ -145,6 +149,7 @@ export class Gestures {
     cancelAnimationFrame(this.request);
     const {kind, place, dx, dy, factor, time} = this.moves;
     this.moves = null;
+    this.flushed = place.time;
     this.handler[kind]({...place, time, dx, dy, factor});
   }
 }
