@@ -291,6 +291,22 @@ TEST_F(UnitReplay, EventsThatComeFasterThanTheyAreDoneAreMergedAndTheirJournalRe
   EXPECT_EQ(hash(journal_file), hash_now);
 }
 
+TEST_F(UnitReplay, ASoftHandleInStiffTissueMayTurnRound) {
+  write_text(m_folder / "stiff.toml",
+             "domain = [0, 255]\nactive = [1, 255]\nmax_length = [[0, 1.02]]\n"
+             "min_length = [[0, 0.98]]\nshear = [[0, 0.02]]\n");
+  std::string drags = event("grab", "grab_ball = [12, 12, 12]\nradius = 2\nsoft = 5");
+  for (const double to : {1., 2., -1., -2., 0.5}) drags += event("drag", "to = " + vector_text({to, 0, to}));
+  const std::string file = journal("[material]\ntable = \"stiff.toml\"\n" + drags);
+  const Outcome run = replay(file, "--state " + (m_folder / "end.vdb"));
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const State end = read_state(m_folder / "end.vdb");
+  Slot middle;
+  ASSERT_TRUE(slot_of(end.elements, {12, 12, 12}, middle));
+  EXPECT_EQ(end.q[0].at(middle), 32768);
+  EXPECT_EQ(check_links(make_body(end, read_material(m_folder / "stiff.toml"))).violated, 0);
+}
+
 TEST_F(UnitReplay, AFilmShowsEventsAtTheirTimesAndPausesShortened) {
   const std::string file = journal(event("grab", "at = 200\ngrab = [12, 12, 16]") +
                                    event("drag", "at = 400\nto = [0, 1, 0]") +

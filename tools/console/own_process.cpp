@@ -23,6 +23,8 @@ double status_mb(const std::string& name) {
   return 0;
 }
 
+const double kLoadingSeconds = processor_seconds();
+
 }  // namespace
 
 double rss_mb() {
@@ -42,6 +44,10 @@ double processor_seconds() {
   timespec time{};
   ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
   return double(time.tv_sec) + 1e-9 * double(time.tv_nsec);
+}
+
+double loading_seconds() {
+  return kLoadingSeconds;
 }
 
 }  // namespace supple::tools

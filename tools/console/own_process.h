@@ -22,4 +22,7 @@ void return_free_memory();
 /// Processor time of all threads of the process so far.
 double processor_seconds();
 
+/// That which went into loading the program and its libraries, before main().
+double loading_seconds();
+
 }  // namespace supple::tools

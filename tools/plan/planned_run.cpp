@@ -44,7 +44,7 @@ ScenePlan plan_of(const Scene& scene, const SceneRun& run, Console& console) {
   for (const auto& [stage, seconds] : console.stage_seconds()) open_s += seconds;
   const double held_mb = rss_mb(), peak_mb = peak_rss_mb();
   const State state = run.opened();
-  return plan_scene(scene, {run.session(), state, open_s, held_mb, peak_mb},
+  return plan_scene(scene, {run.session(), state, loading_seconds(), open_s, held_mb, peak_mb},
                     read_costs(calibration_file()));
 }
 

@@ -21,6 +21,8 @@ constexpr double kFieldTableBytes = 108;  // of any brick of a field: masks, nei
 constexpr double kInvertBytes = 600;      // of any brick while it is inverted
 constexpr double kPixelBytes = 16 + 4 + 4, kAuxiliaryBytes = 28;
 constexpr double kGridBrickBytes = 6300;  // of a grid of vectors in a state
+constexpr double kPathBricks = 2;         // that a sampling path fills, of those of the volume
+constexpr double kPathWork = 3;           // of a voxel along a path, in those of an inversion
 
 // Code and libraries that come with the first picture, dense file, OpenVDB file and HDF5 file, and
 // what threads work with in an inversion and keep ready in a picture of a body that moves: measured
@@ -63,6 +65,8 @@ class ScenePlanner {
   std::string asks_for_displacement() const;
   std::string asks_for_inverse() const;
   void plan_view(const SceneView& view);
+  double bricks_on_path(const SceneView& view) const;
+  void plan_path(const SceneView& view, const std::string& stage);
   void plan_march(const SceneView& view, const std::string& stage, double pictures);
   void plan_outputs();
   void plan_dense(const std::string& name, const std::string& what, double value_bytes);
@@ -85,6 +89,8 @@ void ScenePlanner::plan_subject() {
   const double body_mb =
       m_subject.session == nullptr ? 0 : double(m_subject.session->body().bytes()) / kMegabyte;
   const Vec3i& dims = state.geometry.dims();
+  m_ledger.add({"start", "the program and its libraries", "every run", 0, 0,
+                m_subject.start_seconds});
   m_ledger.add({"open",
                 count_text(double(state.geometry.voxel_count()), "voxels in ") +
                     bricks_text(density_bricks()),
@@ -170,6 +176,20 @@ void ScenePlanner::plan_pose() {
   }
 }
 
+/// A path moves every brick, also the air that a picture of it reads.
+double ScenePlanner::bricks_on_path(const SceneView& view) const {
+  const bool is_sent = !view.path.empty() || (view.deformed && !m_scene.path.empty());
+  return is_sent ? kPathBricks * density_bricks() : 0;
+}
+
+void ScenePlanner::plan_path(const SceneView& view, const std::string& stage) {
+  const double bricks = bricks_on_path(view);
+  if (bricks == 0) return;
+  add(stage, "offsets of " + bricks_text(bricks), "the path", 0,
+      bricks * (2 * kBrickBytes12 + 2 * kFieldTableBytes),
+      view.picture.frame_count() * bricks * kBrickVoxels * kPathWork * m_costs.invert_voxel);
+}
+
 void ScenePlanner::plan_march(const SceneView& view, const std::string& stage, double pictures) {
   const State& state = m_subject.state;
   const double grey_lo = state.density.background();
@@ -181,10 +201,12 @@ void ScenePlanner::plan_march(const SceneView& view, const std::string& stage, d
   const double samples =
       samples_of(state.density, state.geometry, camera_of(at_rest, plain), look_of(view), settings);
   const double pixels = double(view.size[0]) * view.size[1];
-  const bool moves = view.deformed && m_moved_bricks > 0;
+  const double on_path = bricks_on_path(view);
+  const double moved = on_path > 0 ? on_path : view.deformed ? m_moved_bricks : 0;
   const double node_bytes = view.half_offsets ? kHalfNodeBytes : kNodeBytes;
-  const double bytes = density_bricks() * (kSourceBytes + kTableBytes) +
-                       (moves && view.inverse ? m_moved_bricks * node_bytes + kSlotsInAdvance : 0) +
+  const double field_bytes = on_path * (kBrickBytes12 + kFieldTableBytes);
+  const double bytes = density_bricks() * (kSourceBytes + kTableBytes) + field_bytes +
+                       (moved > 0 && view.inverse ? moved * node_bytes + kSlotsInAdvance : 0) +
                        pixels * (kPixelBytes + (settings.auxiliary ? kAuxiliaryBytes : 0));
   add(stage,
       count_text(pixels, "rays, ") + count_text(samples, "samples") +
@@ -199,6 +221,7 @@ void ScenePlanner::plan_view(const SceneView& given) {
   const State& state = m_subject.state;
   const SceneView view = effective_view(given, state.geometry, state.density.background());
   const std::string stage = "view " + view.image;
+  plan_path(view, stage);
   const double pictures = view.picture.frame_count();
   const double pixels =
       view.slice ? slice_pixels(*view.slice, state.geometry) : double(view.size[0]) * view.size[1];

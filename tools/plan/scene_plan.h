@@ -44,6 +44,7 @@ struct ScenePlan {
 struct PlanSubject {
   const Session* session = nullptr;  // null: nothing moves
   const State& state;                // of which density, elements and geometry are read
+  double start_seconds = 0;          // that loading the program took
   double open_seconds = 0;           // that opening took
   double held_mb = 0, peak_mb = 0;   // of the process, now and so far
 };
