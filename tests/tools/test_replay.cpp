@@ -5,7 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include "lib/body/body.h"
 #include "lib/body/lattice.h"
+#include "lib/material/material_file.h"
 #include "raycast/pictures/image.h"
 #include "tests/support/program.h"
 #include "volumes/state/state.h"
@@ -296,7 +298,8 @@ TEST_F(UnitReplay, ASoftHandleInStiffTissueMayTurnRound) {
              "domain = [0, 255]\nactive = [1, 255]\nmax_length = [[0, 1.02]]\n"
              "min_length = [[0, 0.98]]\nshear = [[0, 0.02]]\n");
   std::string drags = event("grab", "grab_ball = [12, 12, 12]\nradius = 2\nsoft = 5");
-  for (const double to : {1., 2., -1., -2., 0.5}) drags += event("drag", "to = " + vector_text({to, 0, to}));
+  for (const double to : {1., 2., -1., -2., 0.5})
+    drags += event("drag", "to = " + vector_text({to, 0, to}));
   const std::string file = journal("[material]\ntable = \"stiff.toml\"\n" + drags);
   const Outcome run = replay(file, "--state " + (m_folder / "end.vdb"));
   ASSERT_EQ(run.exit_code, 0) << run.err;
@@ -308,21 +311,19 @@ TEST_F(UnitReplay, ASoftHandleInStiffTissueMayTurnRound) {
 }
 
 TEST_F(UnitReplay, AFilmShowsEventsAtTheirTimesAndPausesShortened) {
-  const std::string file = journal(event("grab", "at = 200\ngrab = [12, 12, 16]") +
-                                   event("drag", "at = 400\nto = [0, 1, 0]") +
-                                   event("drag", "at = 430\nto = [0, 2, 0]") +
-                                   event("drag", "at = 430\nto = [0, 4, 0]") +
-                                   event("drag", "at = 460\nto = [0, 5, 0]") +
-                                   event("drag", "at = 490\nto = [0, 7, 0]") +
-                                   event("release", "at = 5000"));
-  const Outcome run =
-      replay(file, "--fps 10 --film " + (m_folder / "f_%02d.png") + " --image " + (m_folder / "end.png"));
+  const std::string file = journal(
+      event("grab", "at = 200\ngrab = [12, 12, 16]") + event("drag", "at = 400\nto = [0, 1, 0]") +
+      event("drag", "at = 430\nto = [0, 2, 0]") + event("drag", "at = 430\nto = [0, 4, 0]") +
+      event("drag", "at = 460\nto = [0, 5, 0]") + event("drag", "at = 490\nto = [0, 7, 0]") +
+      event("release", "at = 5000"));
+  const Outcome run = replay(file, "--fps 10 --film " + (m_folder / "f_%02d.png"));
   ASSERT_EQ(run.exit_code, 0) << run.err;
   std::vector<int> changes;
   std::string last;
   int count = 0;
   for (;; ++count) {
-    const std::string name = m_folder / ("f_" + std::string(count < 10 ? "0" : "") + std::to_string(count) + ".png");
+    const std::string name =
+        m_folder / ("f_" + std::string(count < 10 ? "0" : "") + std::to_string(count) + ".png");
     if (!std::filesystem::exists(name)) break;
     const std::string bytes = read_text(name);
     if (bytes != last) changes.push_back(count);
@@ -331,6 +332,7 @@ TEST_F(UnitReplay, AFilmShowsEventsAtTheirTimesAndPausesShortened) {
   // Of the drags at 460 and 490 ms, in the film 100 later, the first falls between two pictures.
   EXPECT_EQ(changes, (std::vector<int>{0, 4, 5, 6}));
   EXPECT_EQ(count, 6 + 10 + 10);
+  ASSERT_EQ(replay(file, "--image " + (m_folder / "end.png")).exit_code, 0);
   EXPECT_EQ(read_png(m_folder / "end.png").rgba, read_png(m_folder / "f_25.png").rgba);
   const Outcome twice = replay(file, "--fps 10 --speed 2 --film " + (m_folder / "g_%02d.png"));
   ASSERT_EQ(twice.exit_code, 0) << twice.err;
@@ -341,9 +343,11 @@ TEST_F(UnitReplay, AFilmShowsEventsAtTheirTimesAndPausesShortened) {
 TEST_F(UnitReplay, AFilmThatCannotBeIsRefusedBeforeItBegins) {
   const std::string file = journal(kDrags);
   write_text(m_folder / "h_003.png", "here");
-  for (const auto& [more, text] : std::vector<std::pair<std::string, std::string>>{
-           {"f.png", "a_%03d.png"}, {"f_%d.exr", ".mp4"}, {"f_%d.tiff", ".mp4"},
-           {"f_%d.png --fps 0", "0.1 to 240"}}) {
+  for (const auto& [more, text] :
+       std::vector<std::pair<std::string, std::string>>{{"f.png", "a_%03d.png"},
+                                                        {"f_%d.exr", ".mp4"},
+                                                        {"f_%d.tiff", ".mp4"},
+                                                        {"f_%d.png --fps 0", "0.1 to 240"}}) {
     const Outcome run = replay(file, "--film " + m_folder / more);
     EXPECT_EQ(run.exit_code, 3) << more << run.err;
     EXPECT_NE(run.err.find(text), std::string::npos) << run.err;

@@ -32,7 +32,7 @@ class Intruder final : public LoopWatcher {
     return true;
   }
 
-  int slices = 0;  // of finite elements
+  int slices = 0;       // of finite elements
   int done_before = 0;  // steps, when the last event was carried out
   std::string refusals;
 
@@ -47,18 +47,17 @@ class UnitLiveLoop : public ::testing::Test {
  protected:
   UnitLiveLoop() {
     write_ball(m_folder, "ball", 96);
-    m_live.emplace(TomlTable::parse("[volume]\npath = \"" + (m_folder / "ball.nhdr") + "\"", "ball"),
-                   nullptr);
+    m_live.emplace(
+        TomlTable::parse("[volume]\npath = \"" + (m_folder / "ball.nhdr") + "\"", "ball"), nullptr);
   }
 
   Intruder run_with(const std::string& intruder) {
     EventMailbox mailbox;
     Intruder watcher(*m_live, mailbox, intruder);
-    for (const char* keys :
-         {"kind = \"model\"\nmodel = \"fem\"\nfem = { tolerance = 1e-9 }",
-          "kind = \"anchor\"\ngrab_box = [16, 16, 4, 80, 80, 24]",
-          "kind = \"grab\"\ngrab = [48, 48, 68]", "kind = \"drag\"\nto = [0.5, 1.25, 0.75]",
-          "kind = \"release\""}) {
+    for (const char* keys : {"kind = \"model\"\nmodel = \"fem\"\nfem = { tolerance = 1e-9 }",
+                             "kind = \"anchor\"\ngrab_box = [16, 16, 4, 80, 80, 24]",
+                             "kind = \"grab\"\ngrab = [48, 48, 68]",
+                             "kind = \"drag\"\nto = [0.5, 1.25, 0.75]", "kind = \"release\""}) {
       mailbox.post(event(keys));
     }
     LiveLoop loop(*m_live, {{32, 32}, true, 50}, watcher, m_console);

@@ -39,9 +39,9 @@ class LivePicture {
   /// The body may have moved; whether it has, or the view is another.
   bool follow();
 
-  /// Makes what rays read: the inverse, or offsets that samples solve for, whichever leaves time for
-  /// more pixels in `budget_ms` (0: however long it takes), counted from here; where neither leaves
-  /// any, whichever is sooner.
+  /// Makes what rays read: the inverse, or offsets that samples solve for, whichever leaves time
+  /// for more pixels in `budget_ms` (0: however long it takes), counted from here; where neither
+  /// leaves any, whichever is sooner.
   void prepare(double budget_ms);
   /// After prepare(): a picture within about `budget_ms`, of the view's size or smaller.
   Image first_pixels(double budget_ms);

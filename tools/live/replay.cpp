@@ -110,8 +110,9 @@ int Replay::film_length() const {
   const std::vector<int> frames = film_frames();
   const auto length = std::accumulate(frames.begin(), frames.end(), std::int64_t(0));
   if (length > kMostFrames) {
-    throw InputError({m_live.scene().file, "film", std::to_string(length) + " pictures",
-                      "at most " + std::to_string(kMostFrames) + ": a larger speed, a smaller fps"});
+    throw InputError(
+        {m_live.scene().file, "film", std::to_string(length) + " pictures",
+         "at most " + std::to_string(kMostFrames) + ": a larger speed, a smaller fps"});
   }
   return int(length);
 }

@@ -22,7 +22,8 @@ Fields fields(ReplayOptions& options);
 
 /// How many pictures of a film show the body as it was opened, and what each event leads to. Events
 /// come at the journal's times, pauses of more than a second last one; of events between two
-/// pictures the last is seen, but those of one time have a picture each. The end stays for a second.
+/// pictures the last is seen, but those of one time have a picture each. The end stays for a
+/// second.
 std::vector<int> film_frames(const std::vector<LiveEvent>& events, double frames_per_second,
                              double speed);
 
@@ -46,8 +47,8 @@ struct ReplayReport {
 
 class Replay final : public LoopWatcher {
  public:
-  /// Opens what the root of a journal or scene describes. Throws as LiveSession. `progress`: of what
-  /// takes long, which cancels it.
+  /// Opens what the root of a journal or scene describes. Throws as LiveSession. `progress`: of
+  /// what takes long, which cancels it.
   Replay(const TomlTable& root, const ReplayOptions& options, Console& console, Progress& progress);
 
   /// Carries out all events. `compares`: first pixels with what they become.

@@ -1,6 +1,7 @@
 #include "tools/pictures/picture_writer.h"
 
 #include "raycast/drawings/value_images.h"
+#include "volumes/base/error.h"
 
 namespace supple::tools {
 

@@ -22,7 +22,9 @@ constexpr double kInvertBytes = 600;      // of any brick while it is inverted
 constexpr double kPixelBytes = 16 + 4 + 4, kAuxiliaryBytes = 28;
 constexpr double kGridBrickBytes = 6300;  // of a grid of vectors in a state
 constexpr double kPathBricks = 2;         // that a sampling path fills, of those of the volume
-constexpr double kPathWork = 3;           // of a voxel along a path, in those of an inversion
+constexpr double kCutNs = 350e3, kCutBytes = 35e3;  // of a brick that moves where links are cut
+constexpr double kCutSample = 4, kCubicSample = 4;  // in usual samples
+constexpr double kPathWork = 3;  // of a voxel along a path, in those of an inversion
 
 // Code and libraries that come with the first picture, dense file, OpenVDB file and HDF5 file, and
 // what threads work with in an inversion and keep ready in a picture of a body that moves: measured
@@ -65,6 +67,7 @@ class ScenePlanner {
   std::string asks_for_displacement() const;
   std::string asks_for_inverse() const;
   void plan_view(const SceneView& view);
+  bool is_cut() const;
   double bricks_on_path(const SceneView& view) const;
   void plan_path(const SceneView& view, const std::string& stage);
   void plan_march(const SceneView& view, const std::string& stage, double pictures);
@@ -89,8 +92,8 @@ void ScenePlanner::plan_subject() {
   const double body_mb =
       m_subject.session == nullptr ? 0 : double(m_subject.session->body().bytes()) / kMegabyte;
   const Vec3i& dims = state.geometry.dims();
-  m_ledger.add({"start", "the program and its libraries", "every run", 0, 0,
-                m_subject.start_seconds});
+  m_ledger.add(
+      {"start", "the program and its libraries", "every run", 0, 0, m_subject.start_seconds});
   m_ledger.add({"open",
                 count_text(double(state.geometry.voxel_count()), "voxels in ") +
                     bricks_text(density_bricks()),
@@ -148,6 +151,12 @@ std::string ScenePlanner::asks_for_inverse() const {
   return "";
 }
 
+/// A joint parts tissue, too.
+bool ScenePlanner::is_cut() const {
+  return std::any_of(m_scene.steps.begin(), m_scene.steps.end(),
+                     [](const SceneStep& step) { return !step.cuts.empty() || step.joint_mm > 0; });
+}
+
 void ScenePlanner::plan_pose() {
   if (m_subject.session == nullptr) return;
   const std::string reads_u = asks_for_displacement(), reads_o = asks_for_inverse();
@@ -168,10 +177,11 @@ void ScenePlanner::plan_pose() {
                                                 ? "no view and no output shows the body moved"
                                                 : "no view and no output reads it");
   } else {
+    const double cut = is_cut() ? m_moved_bricks : 0;
     add("pose", "offsets of " + bricks_text(m_moved_bricks), reads_o,
         m_moved_bricks * kBrickBytes12 + density_bricks() * kFieldTableBytes + once(kInvertCode),
-        density_bricks() * kInvertBytes,
-        frames() * (m_moved_bricks * kBrickVoxels * m_costs.invert_voxel +
+        density_bricks() * kInvertBytes + cut * kCutBytes,
+        frames() * (m_moved_bricks * kBrickVoxels * m_costs.invert_voxel + cut * kCutNs +
                     density_bricks() * m_costs.still_brick));
   }
 }
@@ -201,6 +211,9 @@ void ScenePlanner::plan_march(const SceneView& view, const std::string& stage, d
   const double samples =
       samples_of(state.density, state.geometry, camera_of(at_rest, plain), look_of(view), settings);
   const double pixels = double(view.size[0]) * view.size[1];
+  const bool is_cubic = view.sampling.interpolation == Interpolation::cubic;
+  const double sample_work =
+      std::max(is_cubic ? kCubicSample : 1.0, view.deformed && is_cut() ? kCutSample : 1.0);
   const double on_path = bricks_on_path(view);
   const double moved = on_path > 0 ? on_path : view.deformed ? m_moved_bricks : 0;
   const double node_bytes = view.half_offsets ? kHalfNodeBytes : kNodeBytes;
@@ -214,7 +227,7 @@ void ScenePlanner::plan_march(const SceneView& view, const std::string& stage, d
       view.deformed ? "a picture of the body moved" : "a picture of the body at rest",
       once(kPictureCode), bytes,
       density_bricks() * m_costs.source_brick +
-          pictures * (pixels * m_costs.ray + samples * m_costs.sample));
+          pictures * (pixels * m_costs.ray + samples * sample_work * m_costs.sample));
 }
 
 void ScenePlanner::plan_view(const SceneView& given) {

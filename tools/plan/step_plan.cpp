@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 
 #include "tools/plan/plan_ledger.h"
 #include "tools/scene/run_step.h"
@@ -12,13 +13,19 @@ namespace supple::tools {
 namespace {
 
 constexpr double kRelaxBytes = 18, kVolumeBytes = 25;  // per element that moves (docs/models)
-constexpr double kSpringBytes = 456, kSpringsOfElement = 12;
+constexpr double kPassesOfRing = 20;                   // that take a relaxation one brick further
+constexpr double kPieceNs = 400;                       // to find rigid pieces, per element
+constexpr double kSpringBytes = 456, kSpringsOfElement = 12, kSpringsInSlice = 4;
+constexpr double kMinimumSteps = 40;      // that a minimum of springs takes, of those that it may
 constexpr double kFemBytes = 103;         // per unknown
 constexpr double kMotionBytes = 170;      // more, with mass, damping and what moves
 constexpr double kNodesOfElement = 1.12;  // of a head; of one slice twice as many
-constexpr double kLinearIterations = 60, kNewtonSystems = 12;
-/// Of the iterations of an equilibrium, those of a step of time.
-constexpr double kMotionPart = 0.2;
+/// Of an equilibrium: of one tissue, and beside others that are ten times as stiff or more.
+constexpr double kEvenIterations = 30, kLinearIterations = 60;
+constexpr double kLargeContrast = 10;
+constexpr double kNewtonSystems = 8;
+/// Of the iterations of an equilibrium, those of a step of time; equilibria of a mode.
+constexpr double kMotionPart = 0.25, kModeSystems = 1.7;
 
 std::string axis_name(int coordinate) {
   return std::string(1, "ijk"[coordinate]);
@@ -56,17 +63,30 @@ std::optional<PlannedGrip> grip_of(const Drag& drag, const Session& session, con
   return grip;
 }
 
-/// With the bricks around, so many times.
-void grow(std::vector<std::uint8_t>& bricks, const BrickTopology& elements, int rings) {
-  for (int ring = 0; ring < rings; ++ring) {
-    const std::vector<std::uint8_t> before = bricks;
-    for (std::size_t b = 0; b < before.size(); ++b) {
-      for (int face = 0; before[b] == 0 && face < 6; ++face) {
-        const std::int32_t beside = elements.neighbour(b, face);
-        if (beside >= 0 && before[std::size_t(beside)] != 0) bricks[b] = 1;
-      }
+/// With the bricks around.
+void grow(std::vector<std::uint8_t>& bricks, const BrickTopology& elements) {
+  const std::vector<std::uint8_t> before = bricks;
+  for (std::size_t b = 0; b < before.size(); ++b) {
+    for (int face = 0; before[b] == 0 && face < 6; ++face) {
+      const std::int32_t beside = elements.neighbour(b, face);
+      if (beside >= 0 && before[std::size_t(beside)] != 0) bricks[b] = 1;
     }
   }
+}
+
+/// Of the stiffest tissue to the softest that the material may make.
+double contrast_of(const MaterialTable& material) {
+  double least = std::numeric_limits<double>::infinity(), most = 0;
+  const auto take = [&](const LimitTable& table) {
+    if (!table.stiffness) return;
+    for (const auto& [density, kpa] : table.stiffness->keys) {
+      least = std::min(least, kpa);
+      most = std::max(most, kpa);
+    }
+  };
+  take(material);
+  for (const auto& [label, table] : material.labels) take(table);
+  return most > 0 ? most / least : 1;
 }
 
 /// One step while its rows are made.
@@ -90,6 +110,8 @@ class StepPlan {
     m_ledger.add({m_stage, what, why, held_bytes / kMegabyte, brief_bytes / kMegabyte, ns * 1e-9});
   }
   void move_all(MovedBricks& moved, const std::string& why);
+  double grow(MovedBricks& moved, int coordinate) const;
+  void pieces();
   MovedBricks drag(const MovedBricks& before);
   void relax(MovedBricks& moved);
   void springs();
@@ -139,6 +161,25 @@ MovedBricks StepPlan::drag(const MovedBricks& before) {
   return moved;
 }
 
+/// The coordinate moves in the bricks around, too; its elements.
+double StepPlan::grow(MovedBricks& moved, int coordinate) const {
+  const BrickTopology& elements = m_session.body().elements;
+  auto& bricks = moved.bricks[std::size_t(coordinate)];
+  bricks.resize(elements.brick_count(), 0);
+  tools::grow(bricks, elements);
+  double count = 0;
+  for (std::size_t b = 0; b < bricks.size(); ++b) {
+    if (bricks[b] != 0) count += mask_count(elements.mask(b));
+  }
+  return moved.elements[std::size_t(coordinate)] = count;
+}
+
+void StepPlan::pieces() {
+  if (m_request.rigid.empty()) return;
+  add("rigid pieces among " + count_text(elements(), "elements"), "the step makes them", 0, 0,
+      elements() * kPieceNs);
+}
+
 void StepPlan::relax(MovedBricks& moved) {
   const bool is_default = !m_request.relax && !m_request.no_relax && !m_request.drags.empty() &&
                           m_request.limits != Limits::ball && m_session.material().relaxes;
@@ -150,23 +191,22 @@ void StepPlan::relax(MovedBricks& moved) {
   const RelaxParams params = m_request.relax ? *m_request.relax : tissue_relaxation();
   const bool conserves = params.bulk_modulus_kpa > 0 || params.poisson;
   double passes = params.passes, count = 0, bricks = 0;
-  for (int c = 0; c < 3; ++c) {
-    if (!moved.moves(c) && !conserves) continue;
-    auto& of = moved.bricks[std::size_t(c)];
-    of.resize(m_session.body().elements.brick_count(), 0);
-    grow(of, m_session.body().elements, std::min(64, 1 + int(passes) / 4));
-    double elements = 0;
-    for (std::size_t b = 0; b < of.size(); ++b) {
-      if (of[b] != 0) elements += mask_count(m_session.body().elements.mask(b));
+  for (int ring = 1; ring <= 64; ++ring) {
+    count = bricks = 0;
+    for (int c = 0; c < 3; ++c) {
+      if (!moved.moves(c) && !conserves) continue;
+      count += grow(moved, c);
+      bricks += double(moved.count(c));
     }
-    moved.elements[std::size_t(c)] = elements;
-    count += elements;
-    bricks += double(moved.count(c));
+    if (params.budget_million > 0 && count > 0) {
+      passes = std::min(double(params.passes), params.budget_million * 1e6 / count);
+    }
+    if (ring >= 1 + passes / kPassesOfRing) break;
   }
-  if (params.budget_million > 0 && count > 0) {
-    passes = std::min(passes, params.budget_million * 1e6 / count);
-  }
-  const double ns = conserves ? count / 3 * m_costs.volume_element : count * m_costs.relax_element;
+  const int links = m_session.material().links;
+  const double work = links == 26 ? 4 : links == 18 ? 2.5 : 1;  // of those of 6
+  const double ns =
+      conserves ? count / 3 * m_costs.volume_element : count * m_costs.relax_element * work;
   const double bytes = bricks * kBrickVoxels * (conserves ? kVolumeBytes : kRelaxBytes);
   add("stiffness and up to " + count_text(passes, "passes"),
       m_request.relax ? "the step asks for relaxation" : "the material relaxes what is dragged",
@@ -175,9 +215,12 @@ void StepPlan::relax(MovedBricks& moved) {
 
 void StepPlan::springs() {
   const SpringStep& springs = *m_request.springs;
-  const double steps = springs.is_motion() ? springs.motion_steps() : springs.most_steps;
-  const double count = elements() * kSpringsOfElement;
-  add(count_text(count, "springs") + ", " + count_text(steps, "steps"),
+  const double most = springs.is_motion() ? springs.motion_steps() : springs.most_steps;
+  const double steps = springs.is_motion() ? most : std::min(most, kMinimumSteps);
+  const bool is_slice = m_session.geometry().dims().z == 1;
+  const double count = elements() * (is_slice ? kSpringsInSlice : kSpringsOfElement);
+  add(count_text(count, "springs") + (springs.is_motion() ? ", " : ", some ") +
+          count_text(steps, "steps"),
       "the step moves the body by springs", 0, elements() * kSpringBytes,
       count * steps * m_costs.spring);
 }
@@ -188,12 +231,16 @@ void StepPlan::finite_elements() {
   const double unknowns = 3 * elements() * parts * (is_slice ? 2.1 : kNodesOfElement);
   const bool is_finite = m_request.fem->params.strain == StrainTheory::finite;
   const std::optional<MotionStep>& motion = m_request.fem->motion;
-  const double systems = is_finite ? kNewtonSystems : motion ? motion->steps() * kMotionPart : 1;
-  add(count_text(unknowns, "unknowns") + ", some " +
-          count_text(systems * kLinearIterations, "iterations"),
+  const double systems = m_request.fem->modes ? m_request.fem->modes->count * kModeSystems
+                         : is_finite          ? kNewtonSystems
+                         : motion             ? motion->steps() * kMotionPart
+                                              : 1;
+  const bool is_even = contrast_of(m_session.material()) < kLargeContrast;
+  const double iterations = systems * (is_even ? kEvenIterations : kLinearIterations);
+  add(count_text(unknowns, "unknowns") + ", some " + count_text(iterations, "iterations"),
       "the step moves the body by finite elements", 0,
       unknowns * (kFemBytes + (motion ? kMotionBytes : 0)),
-      unknowns * systems * kLinearIterations * m_costs.fem_unknown);
+      unknowns * iterations * m_costs.fem_unknown);
 }
 
 MovedBricks StepPlan::plan(const MovedBricks& before) {
@@ -207,6 +254,7 @@ MovedBricks StepPlan::plan(const MovedBricks& before) {
     }
     return moved;
   }
+  pieces();
   moved.add(drag(before));
   relax(moved);
   return moved;

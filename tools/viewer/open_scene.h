@@ -82,7 +82,7 @@ class OpenScene final : public LoopWatcher {
   /// Of each pane: 0 up to date, 1 to be drawn exactly, 2 to be drawn in haste and then exactly.
   std::array<int, kViewCount> m_stale{};
   std::optional<ScalarRange> m_range, m_range_before;
-  std::optional<ScalarRange> m_densities;  // once they were asked for
+  std::optional<ScalarRange> m_densities;     // once they were asked for
   std::optional<RestOutline> m_rest_outline;  // while it is drawn in space
   bool m_is_told = false;
   bool m_moves_view = false;  // the event changes how the body is looked at, not the body
