@@ -13,8 +13,9 @@ namespace supple::tools {
 namespace {
 
 constexpr double kRelaxBytes = 18, kVolumeBytes = 25;  // per element that moves (docs/models)
-constexpr double kPassesOfRing = 20;                   // that take a relaxation one brick further
-constexpr double kPieceNs = 400;                       // to find rigid pieces, per element
+// Passes that take a relaxation one brick further; a budget ends it while it still spreads.
+constexpr double kPassesOfRing = 4, kPassesOfRingInBudget = 20;
+constexpr double kPieceNs = 400;  // to find rigid pieces, per element
 constexpr double kSpringBytes = 456, kSpringsOfElement = 12, kSpringsInSlice = 4;
 constexpr double kMinimumSteps = 40;      // that a minimum of springs takes, of those that it may
 constexpr double kFemBytes = 103;         // per unknown
@@ -191,6 +192,7 @@ void StepPlan::relax(MovedBricks& moved) {
   const RelaxParams params = m_request.relax ? *m_request.relax : tissue_relaxation();
   const bool conserves = params.bulk_modulus_kpa > 0 || params.poisson;
   double passes = params.passes, count = 0, bricks = 0;
+  const double passes_of_ring = params.budget_million > 0 ? kPassesOfRingInBudget : kPassesOfRing;
   for (int ring = 1; ring <= 64; ++ring) {
     count = bricks = 0;
     for (int c = 0; c < 3; ++c) {
@@ -201,7 +203,7 @@ void StepPlan::relax(MovedBricks& moved) {
     if (params.budget_million > 0 && count > 0) {
       passes = std::min(double(params.passes), params.budget_million * 1e6 / count);
     }
-    if (ring >= 1 + passes / kPassesOfRing) break;
+    if (ring >= 1 + passes / passes_of_ring) break;
   }
   const int links = m_session.material().links;
   const double work = links == 26 ? 4 : links == 18 ? 2.5 : 1;  // of those of 6
