@@ -9,19 +9,22 @@ namespace supple {
 
 namespace {
 
-/// Which elements have a node, as 8 element + corner.
+/// Which elements with a matrix have a node, as 8 element + corner.
 struct ElementsAround {
   std::vector<std::int64_t> begin;
   std::vector<std::int64_t> corner;
 
-  explicit ElementsAround(const HexMesh& mesh) : begin(mesh.node_count() + 1, 0) {
-    for (const Corners& corners : mesh.corners) {
-      for (const NodeIndex node : corners) ++begin[node + 1];
+  ElementsAround(const HexMesh& mesh, const CellMatrices& matrices)
+      : begin(mesh.node_count() + 1, 0) {
+    for (std::size_t e = 0; e < mesh.corners.size(); ++e) {
+      if (!matrices.has(e)) continue;
+      for (const NodeIndex node : mesh.corners[e]) ++begin[node + 1];
     }
     for (NodeIndex n = 0; n < mesh.node_count(); ++n) begin[n + 1] += begin[n];
     corner.resize(begin.back());
     std::vector<std::int64_t> next(begin.begin(), begin.end() - 1);
     for (std::size_t e = 0; e < mesh.corners.size(); ++e) {
+      if (!matrices.has(e)) continue;
       for (int c = 0; c < 8; ++c) corner[next[mesh.corners[e][c]]++] = std::int64_t(8 * e + c);
     }
   }
@@ -83,7 +86,7 @@ std::size_t BlockMatrix<T>::bytes() const {
 
 template <class T>
 BlockMatrix<T> assemble(const HexMesh& mesh, const CellMatrices& matrices) {
-  const ElementsAround around(mesh);
+  const ElementsAround around(mesh, matrices);
   BlockMatrix<T> out;
   out.row_begin.assign(mesh.node_count() + 1, 0);
   for_all_rows(mesh.node_count(), [&](NodeIndex node) {

@@ -111,13 +111,21 @@ void for_all(std::size_t count, Visit&& visit) {
 
 CellMatrices CellMatrices::of_voxels(const HexMesh& voxels, const VoxelMaterial& material,
                                      const HeldBits& held) {
+  constexpr std::uint32_t kAllHeld = 0xffffff;
   CellMatrices out;
-  out.m_matrices.resize(voxels.corners.size());
+  std::vector<std::size_t> free;
+  for (const Corners& corners : voxels.corners) {
+    const bool is_free = held_corners(corners, held) != kAllHeld;
+    if (is_free) free.push_back(out.m_place.size());
+    out.m_place.push_back(is_free ? std::int32_t(free.size() - 1) : -1);
+  }
+  out.m_matrices.resize(free.size());
   const MatrixParts parts(material.matrix);
-  for_all(out.size(), [&](std::size_t e) {
-    out.m_matrices[e] = Matrix24{};
-    parts.add_to(out.m_matrices[e], material.moduli, material.classes[e]);
-    clear_rows(held_corners(voxels.corners[e], held), out.m_matrices[e]);
+  for_all(out.size(), [&](std::size_t n) {
+    const std::size_t e = free[n];
+    out.m_matrices[n] = Matrix24{};
+    parts.add_to(out.m_matrices[n], material.moduli, material.classes[e]);
+    clear_rows(held_corners(voxels.corners[e], held), out.m_matrices[n]);
   });
   return out;
 }

@@ -13,7 +13,8 @@ namespace supple {
 /// Matrices of the elements of one mesh.
 class CellMatrices {
  public:
-  /// Of voxels, without the rows and columns of held components.
+  /// Of voxels, without the rows and columns of held components. Voxels that are held as a whole
+  /// have none, so that a million of them cost nothing.
   static CellMatrices of_voxels(const HexMesh& voxels, const VoxelMaterial& material,
                                 const HeldBits& held);
   /// Of the cells of level 1.
@@ -25,11 +26,16 @@ class CellMatrices {
   /// Of the next coarser mesh.
   CellMatrices coarser(const HexMesh& mesh, const Coarsening& coarsening, std::int32_t count) const;
 
-  const Matrix24& operator[](std::size_t element) const { return m_matrices[element]; }
+  bool has(std::size_t element) const { return m_place.empty() || m_place[element] >= 0; }
+  /// Of an element that has one.
+  const Matrix24& operator[](std::size_t element) const {
+    return m_matrices[m_place.empty() ? element : std::size_t(m_place[element])];
+  }
   std::size_t size() const { return m_matrices.size(); }
   std::size_t bytes() const { return m_matrices.capacity() * sizeof(Matrix24); }
 
  private:
+  std::vector<std::int32_t> m_place;  // among the matrices, or -1; empty: every element has one
   std::vector<Matrix24> m_matrices;
 };
 

@@ -22,7 +22,7 @@ constexpr double kInvertBytes = 600;      // of any brick while it is inverted
 constexpr double kPixelBytes = 16 + 4 + 4, kAuxiliaryBytes = 28;
 constexpr double kGridBrickBytes = 6300;  // of a grid of vectors in a state
 constexpr double kPathBricks = 2;         // that a sampling path fills, of those of the volume
-constexpr double kCutNs = 350e3, kCutBytes = 35e3;  // of a brick that moves where links are cut
+constexpr double kCutNs = 350e3, kCutBytes = 60e3;  // of a brick that moves where links are cut
 constexpr double kCutSample = 4, kCubicSample = 4;  // in usual samples
 constexpr double kPathWork = 3;  // of a voxel along a path, in those of an inversion
 
