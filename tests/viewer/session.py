@@ -244,6 +244,16 @@ def looks_and_questions(server, folder):
     page.close()
 
 
+def moves_nothing(page):
+    """Events that draw nothing are told all the same, also right after another."""
+    page.event("grab", grab=[20, 30, 20])
+    for _ in range(3):
+        page.event("drag", to=[0, 0, 0])
+        page.carried_out()
+    page.event("release")
+    page.carried_out()
+
+
 def let_go_of_one(page):
     """Of two handles and two anchors one each; what is left stays where it is, in one step each."""
     page.event("anchor", grab_ball=[20, 20, 8], radius=4)
@@ -276,6 +286,7 @@ def let_go_of_one(page):
 def files(server, folder):
     page = begin(server)
     page.ask(size={"3d": [96, 96]})
+    moves_nothing(page)
     drag(page)
     page.event("release")
     let_go_of_one(page)

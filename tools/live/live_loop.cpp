@@ -74,7 +74,8 @@ void LiveLoop::run(EventMailbox& mailbox) {
     const bool may_go_on = m_live.has_more() && !rests;
     const bool may_refine = !m_picture.settled() && !moves;
     const bool waits = !m_has_work && !may_go_on && !may_refine;
-    const bool is_idle = !m_live.has_more() && m_picture.settled();
+    const bool is_idle =
+        !m_live.has_more() && m_picture.settled() && !m_watcher.has_later_work();
     if (auto posted = waits && !is_idle
                           ? mailbox.take_until(m_last_event + (moves ? kStill : kRest))
                           : mailbox.take(waits)) {
@@ -93,7 +94,9 @@ void LiveLoop::run(EventMailbox& mailbox) {
       m_has_work = m_watcher.work();
     } else if (may_refine) {
       refine();
-    } else if (mailbox.is_closed() && is_idle) {
+    } else if (!is_idle) {
+      m_has_work = m_watcher.has_later_work();
+    } else if (mailbox.is_closed()) {
       return;
     }
   }

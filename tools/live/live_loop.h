@@ -33,6 +33,8 @@ class LoopWatcher {
   virtual void settled(const Image&, const Stopwatch& /*since_event*/) {}
   /// Some other work, a short piece of it; false when there is none. Before pictures are refined.
   virtual bool work() { return false; }
+  /// There will be work a tenth of a second after the last event.
+  virtual bool has_later_work() const { return false; }
 };
 
 /// How a page wants to see it, whatever the events say.

@@ -65,6 +65,7 @@ class OpenScene final : public LoopWatcher {
   void drew(const Image& first, const LiveCost& cost, const Stopwatch& since_event) override;
   void settled(const Image& image, const Stopwatch& since_event) override;
   bool work() override;
+  bool has_later_work() const override { return !m_is_told; }
   bool draw_next_pane();
   bool may_tell() const;
   const ScalarRange& densities();
