@@ -74,8 +74,7 @@ void LiveLoop::run(EventMailbox& mailbox) {
     const bool may_go_on = m_live.has_more() && !rests;
     const bool may_refine = !m_picture.settled() && !moves;
     const bool waits = !m_has_work && !may_go_on && !may_refine;
-    const bool is_idle =
-        !m_live.has_more() && m_picture.settled() && !m_watcher.has_later_work();
+    const bool is_idle = !m_live.has_more() && m_picture.settled() && !m_watcher.has_later_work();
     if (auto posted = waits && !is_idle
                           ? mailbox.take_until(m_last_event + (moves ? kStill : kRest))
                           : mailbox.take(waits)) {

@@ -281,7 +281,13 @@ const std::vector<StressExtreme>& stress_extremes() {
        600,
        12000,
        {"picture"}},
-      {"operations-10000", "10,000 random operations", kOfSession, operations_10000, {}, true, 3600},
+      {"operations-10000",
+       "10,000 random operations",
+       kOfSession,
+       operations_10000,
+       {},
+       true,
+       3600},
   };
   return extremes;
 }
