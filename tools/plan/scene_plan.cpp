@@ -19,6 +19,7 @@ constexpr double kNodeBytes = 8748, kHalfNodeBytes = 1500;          // of a defo
 constexpr double kTableBytes = 90;        // of any brick in the tables of a renderer
 constexpr double kFieldTableBytes = 108;  // of any brick of a field: masks, neighbours, place
 constexpr double kInvertBytes = 600;      // of any brick while it is inverted
+constexpr double kStoreNs = 250;          // of a pixel that becomes a part of a PNG file
 constexpr double kPixelBytes = 16 + 4 + 4, kAuxiliaryBytes = 28;
 constexpr double kGridBrickBytes = 6300;  // of a grid of vectors in a state
 constexpr double kPathBricks = 2;         // that a sampling path fills, of those of the volume
@@ -227,7 +228,7 @@ void ScenePlanner::plan_march(const SceneView& view, const std::string& stage, d
       view.deformed ? "a picture of the body moved" : "a picture of the body at rest",
       once(kPictureCode), bytes,
       density_bricks() * m_costs.source_brick +
-          pictures * (pixels * m_costs.ray + samples * sample_work * m_costs.sample));
+          pictures * (pixels * (m_costs.ray + kStoreNs) + samples * sample_work * m_costs.sample));
 }
 
 void ScenePlanner::plan_view(const SceneView& given) {
@@ -240,7 +241,7 @@ void ScenePlanner::plan_view(const SceneView& given) {
       view.slice ? slice_pixels(*view.slice, state.geometry) : double(view.size[0]) * view.size[1];
   if (view.slice || view.lattice) {
     add(stage, count_text(pixels, "pixels"), view.slice ? "slices" : "a lattice",
-        once(kPictureCode), pixels * kPixelBytes, pictures * pixels * m_costs.ray);
+        once(kPictureCode), pixels * kPixelBytes, pictures * pixels * (m_costs.ray + kStoreNs));
     return;
   }
   plan_march(view, stage, pictures);
