@@ -59,3 +59,23 @@ export function difference(a, b) {
   });
   return {mean: sum / a.pixels.length, most, brightness: light / a.pixels.length};
 }
+
+/// What is left where squares of 8 x 8 pixels are one: how fonts draw a letter is gone, where it stands is not.
+export function coarse({width, height, pixels}) {
+  const side = 8, small = {width: Math.floor(width / side), height: Math.floor(height / side)};
+  small.pixels = new Uint8Array(small.width * small.height * 3);
+  for (let y = 0; y < small.height; ++y) for (let x = 0; x < small.width; ++x) for (let c = 0; c < 3; ++c) {
+    let sum = 0;
+    for (let n = 0; n < side * side; ++n) {
+      sum += pixels[3 * ((side * y + Math.floor(n / side)) * width + side * x + n % side) + c];
+    }
+    small.pixels[3 * (small.width * y + x) + c] = Math.round(sum / (side * side));
+  }
+  return small;
+}
+
+/// The part of all values that are further apart than `limit`, of 255.
+export function partBeyond(a, b, limit) {
+  if (a.width !== b.width || a.height !== b.height) return 1;
+  return a.pixels.reduce((sum, value, i) => sum + (Math.abs(value - b.pixels[i]) > limit), 0) / a.pixels.length;
+}

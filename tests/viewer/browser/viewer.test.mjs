@@ -2,10 +2,12 @@
 // the last restart, asserted on the page's state, on files that were written, and on pictures.
 
 import assert from 'node:assert/strict';
-import {existsSync, readFileSync} from 'node:fs';
+import {existsSync, readFileSync, writeFileSync} from 'node:fs';
+import {tmpdir} from 'node:os';
+import {join} from 'node:path';
 import {after, before, test} from 'node:test';
 import {Chromium, kChromium, sleep} from './chromium.mjs';
-import {difference, readPng} from './png.mjs';
+import {coarse, difference, partBeyond, readPng} from './png.mjs';
 import {Folder, kSupple, Server, supple, View} from './supple_view.mjs';
 import {cameraFrame} from '../../../tools/viewer/page/camera.js';
 import {distance, length, minus} from '../../../tools/viewer/page/vectors.js';
@@ -79,6 +81,23 @@ step('open: a volume is opened by the dialog, and four views show it', async () 
     const black = {...picture, pixels: new Uint8Array(picture.pixels.length)};
     assert.ok(difference(picture, black).mean > 5, `the view ${name} is black`);
   }
+});
+
+step('the page looks as it did, on a screen and on a phone', async () => {
+  for (const [name, width, height] of [['viewer_screen', 1280, 800], ['viewer_phone', 390, 844]]) {
+    await page.resize(width, height, 1);
+    await sleep(300);
+    await view.settled();
+    await sleep(300);
+    const seen = await page.picture(), file = new URL(`../../golden/reference/${name}.png`, import.meta.url);
+    if (process.env.SUPPLE_UPDATE_GOLDEN) writeFileSync(file, seen);
+    const part = partBeyond(coarse(readPng(seen)), coarse(readPng(readFileSync(file))), 24);
+    const kept = join(tmpdir(), `${name}.png`);
+    if (part > 0.01) writeFileSync(kept, seen);
+    assert.ok(part <= 0.01, `${(100 * part).toFixed(2)} % of ${name} differ, see ${kept}`);
+  }
+  await page.resize(kWindow.width, kWindow.height, 1);
+  await view.settled();
 });
 
 step('rotate: a drag turns the camera about its target, and the picture follows', async () => {
