@@ -213,9 +213,11 @@ void Marcher::composite_samples(std::int64_t first, std::int64_t last) {
     read(n, 1, count, batch);
     if (m_is_integrated) batch.visible = seen_between(batch, before);
     if (n < first) batch.visible &= ~1u;
-    if (batch.visible != 0 && m_needs_gradient) light(batch.visible, n);
+    if (batch.visible != 0 && m_needs_gradient) find_gradients(batch.visible);
+    std::uint32_t unlit = m_needs_gradient ? batch.visible : 0;
     for (std::uint32_t rest = batch.visible; rest != 0; rest &= rest - 1) {
       const int lane = __builtin_ctz(rest);
+      if (unlit >> lane & 1) unlit &= ~light(unlit, n);
       composite(lane, n + lane, lane > 0 ? density_of(batch, lane - 1) : before);
       if (opaque()) return;
     }
@@ -224,13 +226,25 @@ void Marcher::composite_samples(std::int64_t first, std::int64_t last) {
   }
 }
 
-/// How these lanes lie to the light; sample `first` is in lane 0.
-void Marcher::light(std::uint32_t lanes, std::int64_t first) {
+void Marcher::find_gradients(std::uint32_t lanes) {
   SampleBatch& batch = m_samples_between;
-  const RaySamples samples = samples_of(batch, first);
   const std::uint32_t fronts = m_is_integrated ? lanes >> 1 & batch.inside : 0;
   sample_gradients(m_context.tables, batch, lanes | fronts);
   if (m_is_integrated) average_gradients(lanes);
+}
+
+/// How the first of these lanes lie to the light; sample `first` is in lane 0. Returns which: all,
+/// or where faces have to be searched for lane by lane so few that most are seen before the ray is
+/// opaque.
+std::uint32_t Marcher::light(std::uint32_t lanes, std::int64_t first) {
+  constexpr int kFew = 4;
+  SampleBatch& batch = m_samples_between;
+  const RaySamples samples = samples_of(batch, first);
+  if (!m_context.settings.clips.empty() || ((batch.pointwise | batch.split) & lanes) != 0) {
+    std::uint32_t later = lanes;
+    for (int n = 0; n < kFew; ++n) later &= later - 1;
+    lanes &= ~later;
+  }
   if (m_context.settings.transform_gradient) {
     for (std::uint32_t rest = lanes & (batch.bent | batch.pointwise); rest != 0; rest &= rest - 1) {
       const int lane = __builtin_ctz(rest);
@@ -244,6 +258,7 @@ void Marcher::light(std::uint32_t lanes, std::int64_t first) {
   }
   find_faces(m_context, samples, m_view.towards_eye, lanes, m_lit);
   light_lanes(m_context.shading, m_view, m_context.gradient_columns, batch, lanes, m_lit);
+  return lanes;
 }
 
 /// To those of the middle of the way from the lane before; the last first, so that each finds the
@@ -343,6 +358,7 @@ bool Marcher::surface(SeenSurface& seen) {
   m_maximum = kNothingYet;  // or the sample would not be read again
   SampleBatch& batch = m_samples_between;
   read(m_surface, 1, 1, batch);
+  find_gradients(1);
   light(1, m_surface);
   const RaySamples samples = samples_of(batch, m_surface);
   const Vec3d offset = samples.read_at(0) - samples.seen_at(0);

@@ -58,7 +58,8 @@ class Marcher {
   static double part_to_surface(float before, float alpha);
   const LightReached& reach_at(double t, const Facing& facing);
   void find_maximum(std::int64_t first, std::int64_t last);
-  void light(std::uint32_t lanes, std::int64_t first);
+  void find_gradients(std::uint32_t lanes);
+  std::uint32_t light(std::uint32_t lanes, std::int64_t first);
   void average_gradients(std::uint32_t lanes);
   double time_of(std::int64_t n) const { return m_entry + double(n) * m_context.step_mm; }
   /// Sample `first` is in lane 0, first + stride in lane 1.

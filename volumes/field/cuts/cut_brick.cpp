@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "volumes/grid/cell.h"
 
@@ -21,6 +20,21 @@ bool is_in_slice(const Vec3d& X, const Vec3i& dims) {
     if (dims[a] == 1 && !(X[a] > -0.5 && X[a] <= 0.5)) return false;
   }
   return true;
+}
+
+/// Whether cells meet in a face that moved alike, with a corner that both have as their own.
+bool hold_together(const CutPiece& a, const CutPiece& b) {
+  const Vec3i step = b.cell - a.cell;
+  if (step.dot(step) != 1) return false;
+  const auto bits = std::size_t(4 * std::abs(step.x) + 2 * std::abs(step.y) + std::abs(step.z));
+  const bool is_above = step.x + step.y + step.z > 0;
+  bool share_own = false;
+  for (std::size_t n = 0; n < 8; ++n) {
+    if (((n & bits) != 0) != is_above) continue;
+    if (a.u[n] != b.u[n ^ bits]) return false;
+    share_own = share_own || (a.depth[n] > 0 && b.depth[n ^ bits] > 0);
+  }
+  return share_own;
 }
 
 /// Exactly that of the lattice where nothing bends.
@@ -58,27 +72,34 @@ void CutBrick::find_reaching() {
               [&](std::size_t part) { m_reaching[std::size_t(next[part]++)] = std::int32_t(p); });
   }
   m_single.resize(kCount);
+  // Mostly a part is reached by the same pieces as the one before.
+  const std::int32_t* before = m_reaching.data();
   for (std::size_t n = 0; n < kCount; ++n) {
-    m_single[n] = is_single(m_reaching.data() + m_begin[n], m_reaching.data() + m_begin[n + 1]);
+    const std::int32_t* begin = m_reaching.data() + m_begin[n];
+    const std::int32_t* end = m_reaching.data() + m_begin[n + 1];
+    m_single[n] =
+        n > 0 && std::equal(before, begin, begin, end) ? m_single[n - 1] : is_single(begin, end);
+    before = begin;
   }
 }
 
-/// Whole cells that hold together by faces and do not fold reach no place twice.
+/// Cells of one side that hold together by faces and do not fold reach no place twice.
 bool CutBrick::is_single(const std::int32_t* begin, const std::int32_t* end) const {
   constexpr int kMostPieces = 64;
   if (begin == end || end - begin > kMostPieces) return false;
-  Vec3i cells[kMostPieces];
+  const CutPiece* pieces[kMostPieces];
   int count = 0;
   for (const std::int32_t* number = begin; number != end; ++number) {
     const CutPiece& piece = m_pieces[std::size_t(*number)];
-    if (!piece.is_whole || piece.is_folded) return false;
-    cells[count++] = piece.cell;
+    const bool has_sides = std::any_of(
+        pieces, pieces + count, [&](const CutPiece* other) { return other->cell == piece.cell; });
+    if (piece.is_folded || has_sides) return false;
+    pieces[count++] = &piece;
   }
   int reached = 1;  // those before are joined to the first
   for (int n = 0; n < reached; ++n) {
     for (int other = reached; other < count; ++other) {
-      const Vec3i step = cells[other] - cells[n];
-      if (step.dot(step) == 1) std::swap(cells[other], cells[reached++]);
+      if (hold_together(*pieces[n], *pieces[other])) std::swap(pieces[other], pieces[reached++]);
     }
   }
   return reached == count;
@@ -107,7 +128,10 @@ void CutBrick::find_interpolated(const VectorBricks& offsets, const Vec3i& dims)
     }
     std::sort(reaching.begin(), reaching.end());
     reaching.erase(std::unique(reaching.begin(), reaching.end()), reaching.end());
-    bool is_interpolated = is_single(reaching.data(), reaching.data() + reaching.size());
+    bool is_interpolated = is_single(reaching.data(), reaching.data() + reaching.size()) &&
+                           std::all_of(reaching.begin(), reaching.end(), [&](std::int32_t piece) {
+                             return m_pieces[std::size_t(piece)].is_whole;
+                           });
     for (int n = 0; n < 8 && is_interpolated; ++n) {
       const Vec3i node = m_origin + local + cell_corner(n);
       Vec3f offset;
@@ -150,15 +174,32 @@ void CutBrick::for_found(const Vec3d& x, const Vec3i& dims, Visit&& visit) const
   }
 }
 
-int CutBrick::find(const Vec3d& x, const Vec3i& dims, Vec3d& offset, int guess) const {
-  if (guess >= 0 && m_single[part_of(x)]) {
-    const CutPiece& piece = m_pieces[std::size_t(guess)];
+/// Of a part whose places have one piece at most. Near the faces of cells nothing is told.
+std::optional<int> CutBrick::find_single(std::size_t part, const Vec3d& x, const Vec3i& dims,
+                                         Vec3d& offset, int guess) const {
+  // Candidate 0 is the guess.
+  const std::int32_t begin = m_begin[part] - (guess >= 0 ? 1 : 0);
+  for (std::int32_t n = begin; n < m_begin[part + 1]; ++n) {
+    const int number = n < m_begin[part] ? guess : m_reaching[std::size_t(n)];
     Vec3d local;
-    if (m_maps[std::size_t(guess)].solve(x, local) == PieceMap::Outcome::inside &&
-        is_in_slice(Vec3d(piece.cell) + local, dims)) {
-      offset = offset_of(piece, Vec3d(piece.cell) + local, x);
-      return guess;
-    }
+    const PieceMap::Outcome outcome = m_maps[std::size_t(number)].solve(x, local);
+    if (outcome == PieceMap::Outcome::outside) continue;
+    if (outcome != PieceMap::Outcome::inside) return std::nullopt;
+    const CutPiece& piece = m_pieces[std::size_t(number)];
+    if (piece.is_translated) local = x - Vec3d(piece.u[0]) - Vec3d(piece.cell);
+    const Vec3d X = Vec3d(piece.cell) + local;
+    if (!piece.is_own(local) || !is_in_slice(X, dims)) return -1;
+    offset = offset_of(piece, X, x);
+    return number;
+  }
+  return -1;
+}
+
+int CutBrick::find(const Vec3d& x, const Vec3i& dims, Vec3d& offset, int guess) const {
+  const std::size_t part = part_of(x);
+  if (m_single[part]) {
+    const std::optional<int> found = find_single(part, x, dims, offset, guess);
+    if (found) return *found;
   }
   int best = -1;
   double shortest = HUGE_VAL;  // length

@@ -3,6 +3,7 @@
 // µs per place in the piece that had the place before, where one piece alone can, else 0.15 µs.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "volumes/field/cuts/cut_piece.h"
@@ -37,6 +38,8 @@ class CutBrick {
   bool is_single(const std::int32_t* begin, const std::int32_t* end) const;
   bool bends_little(int cell, const VectorBricks& offsets, const Vec3i& dims) const;
   std::size_t part_of(const Vec3d& x) const;
+  std::optional<int> find_single(std::size_t part, const Vec3d& x, const Vec3i& dims, Vec3d& offset,
+                                 int guess) const;
   template <class Visit>
   void for_found(const Vec3d& x, const Vec3i& dims, Visit&& visit) const;
 
@@ -47,7 +50,8 @@ class CutBrick {
   static constexpr int kParts = 2, kPartDim = kParts * kBrickDim;
   std::vector<std::int32_t> m_begin;     // per part, where its pieces begin below; and the end
   std::vector<std::int32_t> m_reaching;  // numbers of pieces
-  std::vector<bool> m_single;  // parts whose places have one piece each: no side ends, none folds
+  std::vector<bool>
+      m_single;  // parts whose places have one piece each at most: of one side, none folds
   BrickMask m_interpolated{};
 };
 

@@ -169,19 +169,24 @@ void CutInversion::add_pieces(std::size_t source, CutBrick& brick) const {
   CutBox box;
   box.add(Vec3d(brick.origin()) - Vec3d(1e-3));
   box.add(Vec3d(brick.origin()) + Vec3d(kBrickDim + 1e-3));
-  const auto reaches = [&](const CutPiece& piece) {
+  const auto reaches = [&](const Vec3i& cell, const std::array<Vec3f, 8>& u) {
     for (int a = 0; a < 3; ++a) {
-      if (piece.cell[a] + double(piece.lo[a]) > box.hi[a]) return false;
-      if (piece.cell[a] + double(piece.hi[a]) < box.lo[a]) return false;
+      double lo = HUGE_VAL, hi = -HUGE_VAL;
+      for (int n = 0; n < 8; ++n) {
+        const double moved = cell[a] + (n >> (2 - a) & 1) + double(u[std::size_t(n)][a]);
+        lo = std::min(lo, moved);
+        hi = std::max(hi, moved);
+      }
+      if (lo > box.hi[a] || hi < box.lo[a]) return false;
     }
     return true;
   };
   for_each_active(cell_mask(m_u.topology, source), [&](int offset) {
     const Vec3i cell = m_u.topology.origin(source) + brick_local(offset);
     std::array<Vec3f, 8> u;
-    if (is_torn(cell) || !corners_of(cell, u)) return;
-    const CutPiece piece = whole_piece(cell, u);
-    if (reaches(piece)) brick.add(piece);
+    if (corners_of(cell, u) && reaches(cell, u) && !is_torn(cell)) {
+      brick.add(whole_piece(cell, u));
+    }
   });
 }
 

@@ -28,8 +28,9 @@ bool CutOffsets::sample(std::size_t b, const Vec3d& x, Sample& found) const {
   const int guess = found.piece - m_first_piece[b];
   const bool is_own = guess >= 0 && guess < int(brick.pieces().size());
   const int piece = brick.find(x, m_dims, found.offset, is_own ? guess : -1);
+  if (piece < 0) return false;
   found.piece = m_first_piece[b] + piece;
-  return piece >= 0;
+  return true;
 }
 
 bool CutOffsets::offset_of(int piece, const Vec3d& x, Vec3d& offset) const {
