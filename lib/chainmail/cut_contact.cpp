@@ -47,6 +47,18 @@ class KeptOffsets {
   bool m_links_known_valid;
 };
 
+/// Bounds that the body does not keep move to where it is.
+void loosen(const Body& body, Holds& holds) {
+  for (std::size_t c = 0; c < 3; ++c) {
+    for (Bound& bound : holds.at_least[c]) {
+      bound.value = std::min(bound.value, body.q[c].at(bound.slot));
+    }
+    for (Bound& bound : holds.at_most[c]) {
+      bound.value = std::max(bound.value, body.q[c].at(bound.slot));
+    }
+  }
+}
+
 /// Of attempt(parts, is_first) the first, which is all of it, or that of the largest part that a
 /// bisection finds to leave no overlap.
 template <class Attempt>
@@ -87,14 +99,24 @@ SidesReport CutContact::drag(const SlotSet& fixed, Holds& holds,
   });
 }
 
-SidesReport CutContact::go(const SlotSet& fixed, const Holds& held,
-                           const std::function<void()>& move, Progress* progress) {
+SidesReport CutContact::go(const SlotSet& fixed, Holds& holds, const std::function<void()>& move,
+                           Progress* progress) {
   const KeptOffsets start(m_body);
+  const std::vector<RigidPiece> pieces = m_body.rigid.list;
   move();
+  const bool has_turned =
+      !std::equal(pieces.begin(), pieces.end(), m_body.rigid.list.begin(),
+                  [](const auto& a, const auto& b) { return a.pose.turn == b.pose.turn; });
+  if (has_turned) return part(fixed, holds, progress);
   const KeptOffsets end(m_body);
+  const Holds at_end = holds;
   return largest_part([&](int parts, bool is_first) {
-    if (!is_first) end.restore_part(start, parts, m_body);
-    return part(fixed, held, progress);
+    if (!is_first) {
+      end.restore_part(start, parts, m_body);
+      holds = at_end;
+      loosen(m_body, holds);
+    }
+    return part(fixed, holds, progress);
   });
 }
 
@@ -113,6 +135,7 @@ SidesReport CutContact::part(const SlotSet& fixed, const Holds& held, Progress* 
   if (m_lips.empty()) return report;
   SlotSet anchored = held.anchored;
   anchored.add(fixed);
+  for (const RigidPiece& piece : m_body.rigid.list) anchored.add(*piece.elements);
   ContactProjection projection(m_body, anchored, held, progress);
   for (int round = 0; round <= kMostRounds; ++round) {
     report.left = 0;

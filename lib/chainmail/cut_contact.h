@@ -44,14 +44,15 @@ class CutContact {
   SidesReport drag(const SlotSet& fixed, Holds& holds, const std::function<void(int)>& move,
                    Progress* progress = nullptr);
 
-  /// The same for a move that keeps all limits and ends before or after its time, such as a
-  /// relaxation: of the way straight to where it ends the whole, or the largest n / kDragParts that
-  /// leaves room. Places on that way keep all limits, too, since these are convex.
-  SidesReport go(const SlotSet& fixed, const Holds& held, const std::function<void()>& move,
+  /// The same for a move that is made once: of the way straight to where it ends the whole, or the
+  /// largest n / kDragParts that leaves room. Places on that way keep all limits, too, since these
+  /// are convex. Rigid pieces that have turned would bend on it: then it is the whole. Bounds that
+  /// `holds` has after the move are those of the way's end, and end where the way does.
+  SidesReport go(const SlotSet& fixed, Holds& holds, const std::function<void()>& move,
                  Progress* progress = nullptr);
 
-  /// Takes overlapping lips apart. What is fixed or held stays, and all links keep their limits.
-  /// Where these leave no room some overlap is `left`.
+  /// Takes overlapping lips apart. What is fixed or held and rigid pieces stay, and all links keep
+  /// their limits. Where these leave no room some overlap is `left`.
   SidesReport part(const SlotSet& fixed, const Holds& held, Progress* progress = nullptr);
 
  private:

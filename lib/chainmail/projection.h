@@ -31,7 +31,7 @@ HeldBounds held_bounds(const Body& body, int coordinate, const SlotSet& anchored
 /// bricks that contacts push and no others: all else has the values that it had.
 class ContactProjection {
  public:
-  /// All outlive it. What is `anchored` stays. Rigid pieces are not known.
+  /// All outlive it. What is `anchored` stays; rigid pieces have to be.
   ContactProjection(Body& body, const SlotSet& anchored, const Holds& held,
                     Progress* progress = nullptr, Engine engine = Engine::automatic);
 

@@ -71,7 +71,8 @@ void Session::move_quasi_statically(const std::vector<Handle>& handles,
                       ", body " + std::to_string(m_body.bytes() >> 20) + " MiB");
   if (record.relax) {
     const int passes = record.relax->passes;
-    if (!contact) {
+    // Sides that what is held keeps pressed together are not taken apart on the way either.
+    if (!contact || record.contact.left > 0) {
       relax_body(passes, record, progress);
     } else {
       contact = contact_of(record);
@@ -103,13 +104,14 @@ void Session::solve(const std::vector<Handle>& handles, const std::vector<PieceM
   record.report.milliseconds = record.ball->milliseconds;
 }
 
-/// None where no cut can close, or nothing is to be kept apart. Beside rigid pieces every part of
-/// a drag that is tried solves the whole body: under ct-head an incision took minutes.
+/// None where no cut can close, or nothing is to be kept apart. Beside rigid pieces contact may
+/// take seconds, for which a hand that moves and slices of a relaxation do not wait.
 std::unique_ptr<CutContact> Session::contact_of(const StepRequest& request) {
-  if (!m_material.has_contact || request.limits == Limits::ball || !m_body.rigid.empty() ||
-      m_body.cuts.empty()) {
+  if (!m_material.has_contact || request.limits == Limits::ball || m_body.cuts.empty()) {
     return nullptr;
   }
+  const bool is_live = request.shift_pieces || request.drags.empty();
+  if (is_live && !m_body.rigid.empty()) return nullptr;
   auto contact = std::make_unique<CutContact>(m_body, m_body.cuts);
   return contact->empty() ? nullptr : std::move(contact);
 }
@@ -120,17 +122,24 @@ SlotSet Session::fixed_elements() const {
   return fixed;
 }
 
+/// Beside rigid pieces a drag takes long to solve. It is solved once, and a part of it is that part
+/// of the straight way.
 void Session::solve_in_contact(CutContact& contact, const std::vector<Handle>& handles,
                                const std::vector<PieceMotion>& pieces, StepRecord& record,
                                Progress* progress) {
   constexpr int kAll = CutContact::kDragParts;
-  const auto move = [&](int parts) {
-    m_ecm->move(parts == kAll ? handles : handles_of(record, pieces, double(parts) / kAll), 1,
-                progress);
-  };
-  record.contact = contact.drag(fixed_elements(), m_holds, move, progress);
-  follow_shifts(m_body);
-  record.report = m_ecm->report();
+  if (m_body.rigid.empty()) {
+    const auto move = [&](int parts) {
+      m_ecm->move(parts == kAll ? handles : handles_of(record, pieces, double(parts) / kAll), 1,
+                  progress);
+    };
+    record.contact = contact.drag(fixed_elements(), m_holds, move, progress);
+    record.report = m_ecm->report();
+  } else {
+    const auto move = [&] { solve(handles, pieces, record, progress); };
+    record.contact = contact.go(fixed_elements(), m_holds, move, progress);
+    follow_shifts(m_body);
+  }
   if (record.contact.parts == kAll) return;
   record.report.fraction_numerator *= record.contact.parts;
   record.report.fraction_denominator *= kAll;

@@ -312,7 +312,8 @@ TEST(PropertyCutContact, AWayThatHasNoRoomIsGoneInPartAndKeepsEveryLimit) {
   solver.drag({Handle(Region(floor), {kVoxel / 2, -kVoxel / 3, 4 * kVoxel + 17})}, {});
   ASSERT_EQ(check_links(moved).violated, 0);
   CutContact contact(body, body.cuts);
-  const SidesReport report = contact.go(held, {}, [&] { body.q = moved.q; });
+  Holds holds;
+  const SidesReport report = contact.go(held, holds, [&] { body.q = moved.q; });
   EXPECT_EQ(report.left, 0);
   EXPECT_GT(report.parts, 0);
   EXPECT_LT(report.parts, CutContact::kDragParts);

@@ -122,6 +122,59 @@ TEST_P(PropertySessionContact, LipsThatAreBothHeldStopTheDragWhereTheyMeet) {
   EXPECT_LT(session.body().offset({5, 11, 12}, 0), (1.2 + 1.0 / 64) * 65536);
 }
 
+TEST_P(PropertySessionContact, TissueOverRigidBoneDoesNotPassThroughItself) {
+  for (const double lean : {0.0, 0.5}) {
+    Session session(volume(), options("rigid = [150, 255]\n"));
+    session.cut(incision(4, 20, lean));
+    StepRequest push = pushed({3, 0.5, 0});
+    push.fix = {{{12, 0, 0}, {12, 0, 0}}};
+    const StepRecord& record = session.step(push);
+    ASSERT_FALSE(session.body().rigid.empty());
+    EXPECT_GT(record.contact.overlapping, 20);
+    EXPECT_EQ(record.contact.left, 0);
+    EXPECT_EQ(overlaps(session), 0) << lean;
+    EXPECT_EQ(check_links(session.body()).violated, 0);
+    EXPECT_GT(session.body().offset({13, 11, 15}, 0), 0);
+    EXPECT_EQ(session.body().offset({13, 11, 2}, 0), 0);  // bone
+  }
+}
+
+TEST_P(PropertySessionContact, OverRigidBoneHeldLipsStopTheDragOnItsStraightWay) {
+  Session session(volume(), options("rigid = [150, 255]\n"));
+  session.cut(incision(-1, 25));
+  StepRequest push = pushed({4, 0, 0}, {{0, 0, 10}, {10, 23, 16}});
+  push.fix = {{{13, 0, 10}, {23, 23, 17}}, {{12, 0, 0}, {12, 0, 0}}};
+  const StepRecord& record = session.step(push);
+  EXPECT_EQ(record.contact.left, 0);
+  EXPECT_LT(record.contact.parts, CutContact::kDragParts);
+  EXPECT_NEAR(session.body().offset({5, 11, 12}, 0) / 65536.0, 4 * record.report.fraction(), 1e-3);
+  EXPECT_EQ(overlaps(session), 0);
+  EXPECT_EQ(check_links(session.body()).violated, 0);
+  // A push that was stopped holds no further than it came.
+  StepRequest pull = pushed({-0.25, 0, 0}, {{18, 9, 6}, {20, 12, 7}});
+  EXPECT_NO_THROW(session.step(pull));
+}
+
+/// On the straight way the bone would bend: it goes the whole of it, and lips that find room part.
+TEST_P(PropertySessionContact, BoneThatTurnsKeepsItsShapeAndLipsPart) {
+  Session session(volume(), options("rigid = [150, 255]\n"));
+  session.cut(incision(4, 20));
+  StepRequest turn = pushed({0, 0, 0}, {{4, 4, 1}, {4, 4, 1}});
+  turn.drags[0].motion.angle_deg = 1;
+  turn.drags.push_back(pushed({2.2, 0.5, 0}).drags[0]);
+  const StepRecord& record = session.step(turn);
+  EXPECT_GT(record.contact.overlapping, 0);
+  EXPECT_EQ(record.contact.left, 0);
+  EXPECT_EQ(record.contact.parts, CutContact::kDragParts);
+  EXPECT_EQ(overlaps(session), 0);
+  EXPECT_EQ(check_links(session.body()).violated, 0);
+  const Body& body = session.body();
+  for (const Vec3i& voxel : {Vec3i(0, 0, 0), Vec3i(23, 23, 3), Vec3i(12, 20, 1)}) {
+    const auto by_pose = PoseOffsets(body.geometry, body.rigid.list[0])(voxel);
+    for (int c = 0; c < 3; ++c) EXPECT_EQ(body.offset(voxel, c), by_pose[std::size_t(c)]) << c;
+  }
+}
+
 TEST_P(PropertySessionContact, DoesNotDependOnThreadsAndIsTakenBack) {
   const auto moved_on = [&](int threads) {
     return on_threads(threads, [&] {
