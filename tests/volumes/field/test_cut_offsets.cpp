@@ -1,8 +1,10 @@
 // Bodies whose cuts have opened (cut_offsets.h): every place is known.
 #include <gtest/gtest.h>
 
+#include "tests/support/sanitized.h"
 #include "tests/volumes/field/offset_fixtures.h"
 #include "volumes/base/on_threads.h"
+#include "volumes/field/cuts/cut_inversion.h"
 #include "volumes/field/cuts/cut_offsets.h"
 #include "volumes/field/dense/resample.h"
 #include "volumes/field/displacement.h"
@@ -275,6 +277,56 @@ TEST(PropertyCutOffsets, AnIncisionOpensFromItsEndAndOnlyThere) {
       }
     }
   }
+}
+
+/// Around the end of a cut a cell with several sides, cells beside it and what is carried on beyond
+/// a side meet in one place; lips are open, closed and through each other.
+TEST(PropertyCutOffsets, TheFastWaysToAPieceFindWhatAllPiecesTell) {
+  const BrickTopology elements = box_topology({4, 4, 4}, {30, 23, 15});
+  const LinkCuts cuts = cuts_where(
+      elements, [](const Vec3i& low, int axis) { return axis == 0 && low.x == 15 && low.y > 11; });
+  std::mt19937 random(23);
+  int found = 0, empty = 0;
+  for (const double slope : {0.4, 0.15, -0.1}) {
+    const Displacement u = displacement_on(elements, [&](const Vec3i& v) {
+      const double opening = slope * std::max(0.0, v.y - 11.5);
+      const Vec3d bend(0, 0.4 * std::sin(0.5 * v.x), 0.3 * std::cos(0.4 * v.y));
+      return Vec3f(bend + Vec3d(v.x < 16 ? -opening : opening, 0, 0));
+    });
+    const Vec3i dims = u.geometry.dims();
+    const CutBody cut(u.u, elements, cuts, dims);
+    const std::vector<TornCell> torn = torn_cells(u.u, cut, kClosedCut);
+    const CutFaces faces(torn, cut, u.geometry, kClosedCut);
+    CutInversion inversion(u.u, torn, faces, elements, dims);
+    OffsetField field;
+    for (const CutBrick& brick : inversion.split_bricks(field, nullptr)) {
+      int guess = -1;
+      for (int n = 0; n < cases(2000); ++n) {
+        const Vec3d x = Vec3d(brick.origin()) + random_place(random, 0, 8);
+        double shortest = HUGE_VAL;
+        Content best = Content::air;
+        for (const CutPiece& piece : brick.pieces()) {
+          Vec3d X;
+          if (!piece.source_of(x, X) || piece.content_at(X) < best) continue;
+          if (piece.content_at(X) > best) shortest = HUGE_VAL;
+          best = piece.content_at(X);
+          shortest = std::min(shortest, (X - x).length());
+        }
+        Vec3d offset;
+        const int piece = brick.find(x, dims, offset, guess);
+        ASSERT_EQ(piece >= 0, shortest < HUGE_VAL) << slope << " " << x;
+        if (piece < 0) {
+          ++empty;
+          continue;
+        }
+        guess = piece;
+        ++found;
+        ASSERT_NEAR(offset.length(), shortest, 1e-3) << slope << " " << x;
+      }
+    }
+  }
+  EXPECT_GT(found, 1000);
+  EXPECT_GT(empty, 1000);
 }
 
 TEST(PropertyCutOffsets, SidesPushedThroughEachOtherAreCountedAndTheShortestOffsetWins) {

@@ -26,7 +26,8 @@ bool is_in_slice(const Vec3d& X, const Vec3i& dims) {
 bool hold_together(const CutPiece& a, const CutPiece& b) {
   const Vec3i step = b.cell - a.cell;
   if (step.dot(step) != 1) return false;
-  const auto bits = std::size_t(4 * std::abs(step.x) + 2 * std::abs(step.y) + std::abs(step.z));
+  const auto along = [&](int axis) { return std::size_t(step[axis] != 0); };
+  const std::size_t bits = 4 * along(0) + 2 * along(1) + along(2);
   const bool is_above = step.x + step.y + step.z > 0;
   bool share_own = false;
   for (std::size_t n = 0; n < 8; ++n) {
@@ -55,7 +56,8 @@ void CutBrick::find_reaching() {
     }
     for (int x = lo.x; x <= hi.x; ++x) {
       for (int y = lo.y; y <= hi.y; ++y) {
-        for (int z = lo.z; z <= hi.z; ++z) visit(std::size_t((x * kPartDim + y) * kPartDim + z));
+        const std::size_t row = (std::size_t(x) * kPartDim + std::size_t(y)) * kPartDim;
+        for (int z = lo.z; z <= hi.z; ++z) visit(row + std::size_t(z));
       }
     }
   };
