@@ -110,8 +110,8 @@ std::unique_ptr<CutContact> Session::contact_of(const StepRequest& request) {
   if (!m_material.has_contact || request.limits == Limits::ball || m_body.cuts.empty()) {
     return nullptr;
   }
-  const bool is_live = request.shift_pieces || request.drags.empty();
-  if (is_live && !m_body.rigid.empty()) return nullptr;
+  const bool may_wait = !request.shift_pieces && !request.drags.empty();
+  if (!may_wait && !m_body.rigid.empty()) return nullptr;
   auto contact = std::make_unique<CutContact>(m_body, m_body.cuts);
   return contact->empty() ? nullptr : std::move(contact);
 }

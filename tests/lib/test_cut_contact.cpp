@@ -313,7 +313,16 @@ TEST(PropertyCutContact, AWayThatHasNoRoomIsGoneInPartAndKeepsEveryLimit) {
   ASSERT_EQ(check_links(moved).violated, 0);
   CutContact contact(body, body.cuts);
   Holds holds;
-  const SidesReport report = contact.go(held, holds, [&] { body.q = moved.q; });
+  const SidesReport report = contact.go(held, holds, [&] {
+    body.q = moved.q;
+    for_each_element(body.elements, [&](Slot slot) {
+      holds.at_least[2].push_back({slot, body.q[2].at(slot)});
+      holds.at_most[0].push_back({slot, body.q[0].at(slot)});
+    });
+  });
+  // What holds the end of the way holds where the way ended.
+  for (const Bound& bound : holds.at_least[2]) ASSERT_LE(bound.value, body.q[2].at(bound.slot));
+  for (const Bound& bound : holds.at_most[0]) ASSERT_GE(bound.value, body.q[0].at(bound.slot));
   EXPECT_EQ(report.left, 0);
   EXPECT_GT(report.parts, 0);
   EXPECT_LT(report.parts, CutContact::kDragParts);

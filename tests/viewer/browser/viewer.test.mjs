@@ -97,6 +97,7 @@ step('the page looks as it did, on a screen and on a phone', async () => {
     assert.ok(part <= 0.01, `${(100 * part).toFixed(2)} % of ${name} differ, see ${kept}`);
   }
   await page.resize(kWindow.width, kWindow.height, 1);
+  await sleep(300);
   await view.settled();
 });
 

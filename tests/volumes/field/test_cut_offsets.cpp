@@ -283,15 +283,25 @@ TEST(PropertyCutOffsets, AnIncisionOpensFromItsEndAndOnlyThere) {
 /// a side meet in one place; lips are open, closed and through each other.
 TEST(PropertyCutOffsets, TheFastWaysToAPieceFindWhatAllPiecesTell) {
   const BrickTopology elements = box_topology({4, 4, 4}, {30, 23, 15});
-  const LinkCuts cuts = cuts_where(
-      elements, [](const Vec3i& low, int axis) { return axis == 0 && low.x == 15 && low.y > 11; });
+  // Oblique, from y = 11.5 up.
+  const auto is_left = [](const Vec3i& v) { return v.x + 0.6 * v.z < 21.1 + 0.3 * v.y - 4; };
+  const LinkCuts cuts = cuts_where(elements, [&](const Vec3i& low, int axis) {
+    Vec3i high = low;
+    ++high[axis];
+    return low.y > 11 && is_left(low) != is_left(high);
+  });
   std::mt19937 random(23);
   int found = 0, empty = 0;
-  for (const double slope : {0.4, 0.15, -0.1}) {
+  struct Case {
+    double slope, from, bend;  // without bend the sides move alike at the end of the cut
+  };
+  for (const Case& at :
+       {Case{0.4, 11.5, 1}, Case{0.1, 11.5, 1}, Case{0.03, 11.5, 1}, Case{-0.1, 11.5, 1},
+        Case{0.4, 12, 0}, Case{0.1, 12, 0}, Case{-0.2, 12, 0}}) {
     const Displacement u = displacement_on(elements, [&](const Vec3i& v) {
-      const double opening = slope * std::max(0.0, v.y - 11.5);
+      const double opening = at.slope * std::max(0.0, v.y - at.from);
       const Vec3d bend(0, 0.4 * std::sin(0.5 * v.x), 0.3 * std::cos(0.4 * v.y));
-      return Vec3f(bend + Vec3d(v.x < 16 ? -opening : opening, 0, 0));
+      return Vec3f(bend * at.bend + Vec3d(is_left(v) ? -opening : opening, 0, 0));
     });
     const Vec3i dims = u.geometry.dims();
     const CutBody cut(u.u, elements, cuts, dims);
@@ -301,8 +311,12 @@ TEST(PropertyCutOffsets, TheFastWaysToAPieceFindWhatAllPiecesTell) {
     OffsetField field;
     for (const CutBrick& brick : inversion.split_bricks(field, nullptr)) {
       int guess = -1;
-      for (int n = 0; n < cases(2000); ++n) {
-        const Vec3d x = Vec3d(brick.origin()) + random_place(random, 0, 8);
+      const int places = brick.pieces().empty() ? 0 : cases(2000);
+      for (int n = 0; n < places; ++n) {
+        Vec3d x = Vec3d(brick.origin()) + random_place(random, 0, 8);
+        const CutPiece& near = brick.pieces()[random() % brick.pieces().size()];
+        const Vec3d in_it = Vec3d(near.cell) + random_place(random, 0, 1) + Vec3d(near.u[n % 8]);
+        if (!near.is_whole && floor_voxel(in_it / 8.0) * 8 == brick.origin()) x = in_it;
         double shortest = HUGE_VAL;
         Content best = Content::air;
         for (const CutPiece& piece : brick.pieces()) {
@@ -314,14 +328,14 @@ TEST(PropertyCutOffsets, TheFastWaysToAPieceFindWhatAllPiecesTell) {
         }
         Vec3d offset;
         const int piece = brick.find(x, dims, offset, guess);
-        ASSERT_EQ(piece >= 0, shortest < HUGE_VAL) << slope << " " << x;
+        ASSERT_EQ(piece >= 0, shortest < HUGE_VAL) << at.slope << " " << x;
         if (piece < 0) {
           ++empty;
           continue;
         }
         guess = piece;
         ++found;
-        ASSERT_NEAR(offset.length(), shortest, 1e-3) << slope << " " << x;
+        ASSERT_NEAR(offset.length(), shortest, 1e-3) << at.slope << " " << x;
       }
     }
   }

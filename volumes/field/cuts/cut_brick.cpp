@@ -22,20 +22,17 @@ bool is_in_slice(const Vec3d& X, const Vec3i& dims) {
   return true;
 }
 
-/// Whether cells meet in a face that moved alike, with a corner that both have as their own.
+/// Whether cells meet in a face that moved alike.
 bool hold_together(const CutPiece& a, const CutPiece& b) {
   const Vec3i step = b.cell - a.cell;
   if (step.dot(step) != 1) return false;
   const auto along = [&](int axis) { return std::size_t(step[axis] != 0); };
   const std::size_t bits = 4 * along(0) + 2 * along(1) + along(2);
   const bool is_above = step.x + step.y + step.z > 0;
-  bool share_own = false;
   for (std::size_t n = 0; n < 8; ++n) {
-    if (((n & bits) != 0) != is_above) continue;
-    if (a.u[n] != b.u[n ^ bits]) return false;
-    share_own = share_own || (a.depth[n] > 0 && b.depth[n ^ bits] > 0);
+    if (((n & bits) != 0) == is_above && a.u[n] != b.u[n ^ bits]) return false;
   }
-  return share_own;
+  return true;
 }
 
 /// Exactly that of the lattice where nothing bends.
@@ -85,7 +82,7 @@ void CutBrick::find_reaching() {
   }
 }
 
-/// Cells of one side that hold together by faces and do not fold reach no place twice.
+/// Different cells that hold together by faces and do not fold reach no place twice.
 bool CutBrick::is_single(const std::int32_t* begin, const std::int32_t* end) const {
   constexpr int kMostPieces = 64;
   if (begin == end || end - begin > kMostPieces) return false;

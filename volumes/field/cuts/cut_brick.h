@@ -50,8 +50,7 @@ class CutBrick {
   static constexpr int kParts = 2, kPartDim = kParts * kBrickDim;
   std::vector<std::int32_t> m_begin;     // per part, where its pieces begin below; and the end
   std::vector<std::int32_t> m_reaching;  // numbers of pieces
-  std::vector<bool>
-      m_single;  // parts whose places have one piece each at most: of one side, none folds
+  std::vector<bool> m_single;            // parts whose places have at most one piece each
   BrickMask m_interpolated{};
 };
 
