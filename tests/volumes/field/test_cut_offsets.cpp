@@ -77,7 +77,7 @@ TEST(PropertyCutOffsets, AnExportOnTheSourceGridReadsWhatASampleReads) {
     for (int k = 0; k < dims.z; ++k) {
       slices(k, slice.data());
       for (int n = 0; n < dims.x * dims.y; ++n) {
-        const Vec3d x(n % dims.x, n / dims.x, k);
+        const Vec3d x(Vec3i(n % dims.x, n / dims.x, k));
         Vec3d o;
         const bool found = field.sample(x, o);
         const Vec3d place = x + field.geometry.index_vector_from_world(Vec3d(slice[n]));
