@@ -197,9 +197,9 @@ TEST_P(PropertySessionContact, BoneUnderPressedTissueKeepsItsShape) {
       EXPECT_EQ(record.contact.parts, CutContact::kDragParts);
       EXPECT_GT(record.contact.left, 0);
     } else {
+      EXPECT_LT(record.contact.parts, CutContact::kDragParts);
       EXPECT_EQ(record.contact.left, 0);
     }
-    EXPECT_EQ(record.contact.parts < CutContact::kDragParts, bone == Bone::fixed);
     const Body& body = session.body();
     ASSERT_EQ(body.rigid.list.size(), 1u);
     const PoseOffsets by_pose(body.geometry, body.rigid.list[0]);
