@@ -11,7 +11,7 @@
 namespace supple {
 
 struct Look {
-  std::string preset = "CT-Bone";                                        // a name of presets.h
+  std::string preset = "Bone";                                           // a name of presets.h
   std::string view = "anterior";                                         // a name of view_names()
   int width = RenderSettings().width, height = RenderSettings().height;  // pixels
   Quality quality = Quality::standard;

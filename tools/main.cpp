@@ -133,7 +133,7 @@ int run_program(int argc, char** argv) {
       "Examples:\n"
       "  supple info head.nii.gz\n"
       "  supple deform head.nhdr --material ct.toml --grab 128,211,12 --by 0,12,0 -o drag.vdb\n"
-      "  supple render drag.vdb --preset CT-Bone -o drag.png\n"
+      "  supple render drag.vdb --preset Bone -o drag.png\n"
       "Exit codes: 0 done, 1 failure or over a limit, 2 wrong command line or existing output,\n"
       "3 unusable value or file, 4 the system refuses (disk, permission, memory).");
   const Command commands[] = {

@@ -1,9 +1,8 @@
-// The presets of transfer_function.h. Names, and but for CT-Air, CT-Bone, CT-Muscle,
-// CT-Soft-Tissue, CT-X-ray, MR-Default and MR-MIP the looks, follow 3D Slicer's volume rendering
-// presets (Modules/Loadable/VolumeRendering/Resources/presets.xml; key points rounded), whose
-// opacities are per millimetre as well. Of those seven the tables are our own: their colours change
-// little across the densities of a surface, since where they do, samples at fixed steps meet the
-// ramp at varying depths and draw rings.
+// The presets of transfer_function.h. Those that begin with CT- or MR- are named as 3D Slicer's
+// volume rendering presets and look like them: their key points are those of its
+// Modules/Loadable/VolumeRendering/Resources/presets.xml, rounded, whose opacities are per
+// millimetre as well. Four have tables of our own: CT-Air and CT-X-ray; MR-Default, which has grey
+// brain; and MR-MIP, which is scaled to 8-bit MRI as MR-Default is.
 #pragma once
 
 #include "raycast/scene/transfer_function.h"
@@ -15,8 +14,8 @@ struct NamedPreset {
   TransferFunction (*make)();
 };
 
-/// In the order of their names.
 const std::vector<NamedPreset>& ct_presets();
 const std::vector<NamedPreset>& mr_presets();
+const std::vector<NamedPreset>& own_presets();
 
 }  // namespace supple

@@ -58,17 +58,11 @@ TransferFunction ct_air() {
   return f;
 }
 
+/// Muscle and skin dark red and translucent, bone pale.
 TransferFunction ct_bone() {
-  TransferFunction f;
-  f.name = "CT-Bone";
-  f.opacity = {{-1024, 0}, {180, 0}, {280, 0.15}, {420, 0.6}, {700, 0.85}, {3071, 0.9}};
-  f.colour = {{-1024, {0.86, 0.72, 0.56}},
-              {140, {0.86, 0.72, 0.56}},
-              {500, {0.92, 0.84, 0.69}},
-              {1200, {0.97, 0.93, 0.84}},
-              {3071, {1, 1, 1}}};
-  f.full_shading_gradient = 200;
-  f.ambient = 0.12, f.diffuse = 0.8, f.specular = 0.2, f.specular_power = 12;
+  TransferFunction f = glossy("CT-Bone");
+  f.opacity = {{-16, 0}, {641, 0.72}, {3071, 0.71}};
+  f.colour = {{-16, {0.73, 0.25, 0.3}}, {641, {0.91, 0.82, 0.55}}, {3071, {1, 1, 1}}};
   return f;
 }
 
@@ -213,17 +207,14 @@ TransferFunction ct_mip() {
   return f;
 }
 
+/// Fat and skin brown and translucent, muscle lighter, bone white.
 TransferFunction ct_muscle() {
-  TransferFunction f;
-  f.name = "CT-Muscle";
-  f.opacity = {{-1024, 0}, {-100, 0}, {20, 0.1}, {80, 0.28}, {220, 0.6}, {420, 0.85}, {3071, 0.85}};
-  f.colour = {{-1024, {0.70, 0.31, 0.23}},
-              {60, {0.72, 0.33, 0.24}},
-              {160, {0.86, 0.58, 0.42}},
-              {350, {0.95, 0.88, 0.76}},
-              {3071, {1, 1, 1}}};
-  f.full_shading_gradient = 60;
-  f.ambient = 0.15, f.diffuse = 0.88, f.specular = 0.2, f.specular_power = 10;
+  TransferFunction f = glossy("CT-Muscle");
+  f.opacity = {{-155, 0}, {218, 0.68}, {420, 0.83}, {3071, 0.8}};
+  f.colour = {{-155, {0.55, 0.25, 0.15}},
+              {218, {0.88, 0.6, 0.29}},
+              {420, {1, 0.94, 0.95}},
+              {3071, {0.83, 0.66, 1}}};
   return f;
 }
 
@@ -236,17 +227,12 @@ TransferFunction ct_pulmonary_arteries() {
   return f;
 }
 
+/// Opaque greys from fat to muscle, without light: faces of clips are slices in a soft tissue
+/// window.
 TransferFunction ct_soft_tissue() {
-  TransferFunction f;
-  f.name = "CT-Soft-Tissue";
-  f.opacity = {{-1024, 0}, {-300, 0}, {-160, 0.9}, {3071, 0.95}};
-  f.colour = {{-1024, {0.91, 0.72, 0.60}},
-              {0, {0.91, 0.72, 0.60}},
-              {150, {0.93, 0.76, 0.66}},
-              {400, {0.98, 0.92, 0.84}},
-              {3071, {1, 1, 1}}};
-  f.full_shading_gradient = 150;
-  f.ambient = 0.15, f.diffuse = 0.85, f.specular = 0.12, f.specular_power = 12;
+  TransferFunction f = unlit("CT-Soft-Tissue");
+  f.opacity = {{-167, 0}, {-160, 1}};
+  f.colour = {{-160, {0.06, 0.06, 0.06}}, {240, {1, 1, 1}}};
   return f;
 }
 

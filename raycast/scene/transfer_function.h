@@ -1,5 +1,5 @@
-// Density to colour and opacity, looked up after interpolation (post-classified), and the presets
-// named as in 3D Slicer.
+// Density to colour and opacity, looked up after interpolation (post-classified), and presets: our
+// own and those of 3D Slicer.
 #pragma once
 
 #include <array>
@@ -43,8 +43,8 @@ struct TransferFunction {
   void validate(const std::string& file) const;
 };
 
-/// "CT-Bone", "MR-Default" and the others of preset_names(). Throws InputError listing the names.
+/// "Bone", "CT-Bone" and the others of preset_names(). Throws InputError listing the names.
 TransferFunction preset(const std::string& name);
-std::vector<std::string> preset_names();
+std::vector<std::string> preset_names();  // sorted
 
 }  // namespace supple

@@ -64,9 +64,9 @@ def writers():
     yield ["apply", "state.vdb", "--labels", "volume.nrrd", "-o"], "out.nrrd"
     yield DEFORM, "out.vdb"
     yield ["render", "volume.nrrd", "--size", "300,300", "--quality", "draft", "--preset",
-           "CT-Bone", "-o"], "out.png"
+           "Bone", "-o"], "out.png"
     yield ["render", "volume.nrrd", "--size", "300,300", "--quality", "draft", "--preset",
-           "CT-Bone", "-o"], "out.exr"
+           "Bone", "-o"], "out.exr"
     yield ["slice", "volume.nrrd", "-o"], "out.png"
 
 

@@ -311,10 +311,10 @@ TEST(PropertyRenderCt, ZeroOffsetsGiveTheStraightPictureOfAHead) {
   const Volume head = load_volume(path);
   Renderer renderer(head.geometry, head.density);
   const Camera camera = default_camera(head.geometry, 1);
-  const Image straight = renderer.render(camera, preset("CT-Bone"), small_picture(200));
+  const Image straight = renderer.render(camera, preset("Bone"), small_picture(200));
   const OffsetField zero = zero_offsets(head.geometry, head.density.bricks());
   renderer.set_offsets(&zero);
-  EXPECT_EQ(straight.rgba, renderer.render(camera, preset("CT-Bone"), small_picture(200)).rgba);
+  EXPECT_EQ(straight.rgba, renderer.render(camera, preset("Bone"), small_picture(200)).rgba);
 }
 
 /// SSIM of `ct_head` by preset and quality, as docs/pictures.md has them.
@@ -329,8 +329,8 @@ std::map<std::string, double> documented_ssim() {
       if (line.rfind(start, 0) == 0 &&
           std::sscanf(line.c_str() + start.size(), " %lf | %lf | %lf |", &steps, &bone, &soft) ==
               3) {
-        found[std::string("CT-Bone ") + quality] = bone;
-        found[std::string("CT-Soft-Tissue ") + quality] = soft;
+        found[std::string("Bone ") + quality] = bone;
+        found[std::string("Skin ") + quality] = soft;
       }
     }
   }
@@ -348,7 +348,7 @@ TEST(ConvergenceRenderCt, QualitiesAreAsNearToTheReferenceAsTheTableSays) {
   const Volume head = load_volume(path);
   const Renderer renderer(head.geometry, head.density);
   const Camera camera = default_camera(head.geometry, 1);
-  for (const char* look : {"CT-Bone", "CT-Soft-Tissue"}) {
+  for (const char* look : {"Bone", "Skin"}) {
     RenderSettings settings = small_picture(350, 0.05);
     settings.stride = 1;
     settings.early_termination = 1;

@@ -60,16 +60,16 @@ class GoldenSwitches : public ::testing::Test {
 }  // namespace
 
 TEST_F(GoldenSwitches, NothingSwitchedOffGivesTheGoldenImages) {
-  expect_golden_within("shear_bone.png", "CT-Bone");
-  expect_golden_within("shear_skin.png", "CT-Soft-Tissue");
+  expect_golden_within("shear_bone.png", "Bone");
+  expect_golden_within("shear_skin.png", "Skin");
   m_settings.jitter = true;
-  expect_golden_within("shear_jitter.png", "CT-Soft-Tissue");
+  expect_golden_within("shear_jitter.png", "Skin");
 }
 
 TEST_F(GoldenSwitches, WithoutTheTransformOfGradientsTheyFail) {
   m_settings.transform_gradient = false;
-  expect_golden_fails("shear_bone.png", "CT-Bone");
-  expect_golden_fails("shear_skin.png", "CT-Soft-Tissue");
+  expect_golden_fails("shear_bone.png", "Bone");
+  expect_golden_fails("shear_skin.png", "Skin");
 }
 
 TEST_F(GoldenSwitches, WithoutTheExtensionIntoTheAirTheyFail) {
@@ -82,18 +82,18 @@ TEST_F(GoldenSwitches, WithoutTheExtensionIntoTheAirTheyFail) {
     });
   }
   show(cut_short);
-  expect_golden_fails("shear_bone.png", "CT-Bone");
-  expect_golden_fails("shear_skin.png", "CT-Soft-Tissue");
+  expect_golden_fails("shear_bone.png", "Bone");
+  expect_golden_fails("shear_skin.png", "Skin");
 }
 
 TEST_F(GoldenSwitches, WithoutJitterTheJitteredOneFails) {
-  expect_golden_fails("shear_jitter.png", "CT-Soft-Tissue");
+  expect_golden_fails("shear_jitter.png", "Skin");
 }
 
 TEST_F(GoldenSwitches, WithTheSignOfTheOffsetsFlippedTheyFail) {
   OffsetField offsets = invert(extended_displacement_of(m_state));
   for_each_stored(offsets.o.vectors, [](Vec3f& vector) { vector = -vector; });
   show(offsets);
-  expect_golden_fails("shear_bone.png", "CT-Bone");
-  expect_golden_fails("shear_skin.png", "CT-Soft-Tissue");
+  expect_golden_fails("shear_bone.png", "Bone");
+  expect_golden_fails("shear_skin.png", "Skin");
 }

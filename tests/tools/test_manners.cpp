@@ -55,10 +55,10 @@ TEST_F(UnitManners, MisspelledCommandsAndOptionsGetTheNearestName) {
   expect(deform({"--grap", "8,8,8", "--by", "1,0,0"}), 2, {"--grap", "did you mean '--grab'?"});
   expect(deform({"--treads=2", "--grab", "8,8,8"}), 2, {"--treads", "did you mean '--threads'?"});
   expect(run_supple({"info", "--zzzzzzzz", "a"}), 2, {"--zzzzzzzz", "supple info --help"});
-  expect(run_supple({"render", "a.nhdr", "--preset", "CT-Bonee", "-o", "a.png"}), 2,
-         {"--preset", "did you mean 'CT-Bone'?"});
+  expect(run_supple({"render", "a.nhdr", "--preset", "Bonee", "-o", "a.png"}), 2,
+         {"--preset", "did you mean 'Bone'?"});
   expect(run_supple({"render", "a.nhdr", "--view", "lft", "-o", "a.png"}), 2, {"--view", "left"});
-  expect(run_supple({"presets", "CT-Bonee"}), 2, {"did you mean 'CT-Bone'?"});
+  expect(run_supple({"presets", "Bonee"}), 2, {"did you mean 'Bone'?"});
 }
 
 TEST_F(UnitManners, NumbersApartAndMillimetresGetAHint) {
@@ -200,7 +200,7 @@ TEST_F(UnitManners, ANamedViewMayHaveAnAngleAndOtherWordsForItsSide) {
 TEST_F(UnitManners, WhatSlicesDoNotHaveIsRefusedBesideThem) {
   const std::string view = "[[view]]\nimage = \"a.png\"\nslice = { plane = \"axial\" }\n";
   for (const char* key : {"light = [{ direction = [0.0, -1.0, 0.0] }]", "shadows = true",
-                          "preset = \"CT-Bone\"", "clip_meshes = true", "offset_max = 3.0"}) {
+                          "preset = \"Bone\"", "clip_meshes = true", "offset_max = 3.0"}) {
     expect(run_scene(view + key + "\n"), 3, {"beside slice"});
   }
   expect(run_scene(view + "deformed = false\nafter_step = 0\n"), 0, {});

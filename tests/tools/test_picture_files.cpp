@@ -263,7 +263,7 @@ TEST_F(UnitPictureFiles, ABadViewIsNamedByFileAndLine) {
   for (const char* keys :
        {"bits = 9", "stereo = \"crossed\"", "slice = { plane = \"oblique\" }",
         "slice = { scale = 0 }", "slice = { window = [1] }", "slice = { at = [99, 0, 0] }",
-        "slice = { window = [5, 5] }", "slice = {}\npreset = \"CT-Bone\"", "turntable = 3",
+        "slice = { window = [5, 5] }", "slice = {}\npreset = \"Bone\"", "turntable = 3",
         "turntable = 0", "aux = [\"deep\"]"}) {
     EXPECT_NE(error_of(keys).find("scene.toml:"), std::string::npos) << keys;
   }

@@ -76,7 +76,7 @@ TEST_F(UnitScene, OutputsLeaveTheFolderOnlyWhereThatIsAllowed) {
 TEST_F(UnitScene, UnknownKeysNameLineAndSuggestion) {
   expect_refused(m_head + "[[step]]\ngrap = [8, 8, 8]\nby = [2.0, 0.0, 0.0]\n",
                  {"scene.toml:6", "grap", "'grab'"});
-  expect_refused(m_head + "[[view]]\nimage = \"a.png\"\npresett = \"CT-Bone\"\n",
+  expect_refused(m_head + "[[view]]\nimage = \"a.png\"\npresett = \"Bone\"\n",
                  {"scene.toml:7", "presett", "'preset'"});
   expect_refused(m_head + "[[view]]\nimge = \"a.png\"\n", {"scene.toml:6", "imge", "'image'"});
   expect_refused("[volume]\npth = \"ball.nhdr\"\n", {"scene.toml:2", "pth", "'path'"});

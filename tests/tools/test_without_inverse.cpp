@@ -20,7 +20,7 @@ class WithoutInverse : public testing::Test {
   Outcome render(const std::string& image, std::vector<std::string> more,
                  const std::string& state = "shear.vdb") const {
     const std::vector<std::string> head = {
-        "render", m_folder / state, "--view",  "left", "--preset",      "CT-Soft-Tissue",
+        "render", m_folder / state, "--view",  "left", "--preset",      "Skin",
         "--size", "160,160",        "--force", "-o",   m_folder / image};
     more.insert(more.begin(), head.begin(), head.end());
     return run_supple(more);
@@ -85,7 +85,7 @@ TEST_F(PropertyWithoutInverse, EveryPictureOfASeriesIsThatOfTheInverse) {
 
 TEST_F(UnitWithoutInverse, AViewOfASceneIsThePictureOfTheCommandLineAndSaysSo) {
   const Outcome scene = view(
-      "[[view]]\nimage = \"view.png\"\npreset = \"CT-Soft-Tissue\"\nsize = [160, 160]\n"
+      "[[view]]\nimage = \"view.png\"\npreset = \"Skin\"\nsize = [160, 160]\n"
       "camera = { view = \"left\" }\ninverse = false\n");
   ASSERT_EQ(scene.exit_code, 0) << scene.err;
   ASSERT_EQ(render("a.png", {"--no-inverse"}).exit_code, 0);
@@ -97,8 +97,7 @@ TEST_F(UnitWithoutInverse, AViewOfASceneIsThePictureOfTheCommandLineAndSaysSo) {
 }
 
 TEST_F(UnitWithoutInverse, ViewsWithAndWithoutInverseStandSideBySide) {
-  const std::string look =
-      "preset = \"CT-Soft-Tissue\"\nsize = [160, 160]\ncamera = { view = \"left\" }\n";
+  const std::string look = "preset = \"Skin\"\nsize = [160, 160]\ncamera = { view = \"left\" }\n";
   const std::string step = "[[step]]\nrelease = true\n";
   const Outcome scene = view(step + "[[view]]\nimage = \"1.png\"\nafter_step = 0\n" + look +
                              "inverse = false\n[[view]]\nimage = \"2.png\"\nafter_step = 0\n" +
@@ -118,7 +117,7 @@ TEST_F(PropertyWithoutInverse, HalfOfTheOffsetsGiveAlmostThePictureOfAll) {
   EXPECT_GE(ssim_of("half.png"), 0.99);
   EXPECT_NE(file("half.png").rgba, file("inverse_half.png").rgba);
   const Outcome scene = view(
-      "[[view]]\nimage = \"view.png\"\nhalf_offsets = true\npreset = \"CT-Soft-Tissue\"\n"
+      "[[view]]\nimage = \"view.png\"\nhalf_offsets = true\npreset = \"Skin\"\n"
       "size = [160, 160]\ncamera = { view = \"left\" }\n");
   ASSERT_EQ(scene.exit_code, 0) << scene.err;
   EXPECT_EQ(file("view.png").rgba, file("half.png").rgba);

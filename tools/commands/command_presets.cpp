@@ -15,7 +15,7 @@ Command add_presets(CLI::App& program) {
       program, "presets", "List transfer functions or materials, or print one as TOML for editing",
       "  supple presets\n"
       "  supple presets ct-head > my_head.toml\n"
-      "  supple presets CT-Bone > my_bone.toml");
+      "  supple presets Bone > my_bone.toml");
   app->add_option("name", *name, "Which to print")->option_text("NAME");
   app->add_flag("--materials", *materials, "List the materials of whole pictures instead");
   return {app, [name, materials](const GlobalOptions&, Console&) {

@@ -208,8 +208,8 @@ Command add_render(CLI::App& program) {
   CLI::App* app = add_subcommand(
       program, "render",
       "Render a volume, also through a warp, or a deformed state, without resampling",
-      "  supple render head.nhdr --preset CT-Bone -o head.png\n"
-      "  supple render drag.vdb --preset CT-Muscle --view left --size 800,600 -o skin.png\n"
+      "  supple render head.nhdr --preset Bone -o head.png\n"
+      "  supple render drag.vdb --preset Muscle --view left --size 800,600 -o skin.png\n"
       "  supple render head.nhdr --offsets warp.nrrd --camera side.toml -o warped.png");
   auto options = std::make_shared<RenderOptions>(*app);
   app->add_option("input", options->input, "A volume or a state")
@@ -223,7 +223,7 @@ Command add_render(CLI::App& program) {
       ->option_text("FIELD");
   app->add_option(
          "--preset", options->preset,
-         "One that `supple presets` lists (default: CT-Bone with HU, else MR-Default), or a file "
+         "One that `supple presets` lists (default: Bone with HU, else MR-Default), or a file "
          "as `supple presets NAME` prints")
       ->option_text("NAME|F.toml");
   app->add_option("--clip-plane", options->clip_planes,

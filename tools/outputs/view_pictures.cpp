@@ -100,7 +100,7 @@ SceneView effective_view(const SceneView& view, const Geometry& geometry, double
   SceneView effective = view;
   effective.lattice = view.lattice || geometry.dims().z == 1;
   if (view.preset.empty() && !view.transfer)
-    effective.preset = are_hounsfield_units(min_density) ? "CT-Bone" : "MR-Default";
+    effective.preset = are_hounsfield_units(min_density) ? "Bone" : "MR-Default";
   // An EXR is composited elsewhere.
   std::string& background = effective.decoration.background;
   const bool is_final = !effective.lattice && picture_kind(view.image) != PictureKind::exr;

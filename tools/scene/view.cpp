@@ -89,7 +89,7 @@ Fields fields(SceneView& view) {
           .only_in_scenes(),
       Field("preset", view.preset, "One that `supple presets` lists")
           .only_in_scenes()
-          .otherwise("CT-Bone with HU, else MR-Default"),
+          .otherwise("Bone with HU, else MR-Default"),
       Field("after_step", view.after_step, "Draw after this step; 0: before the first")
           .at_least(0)
           .for_slices()

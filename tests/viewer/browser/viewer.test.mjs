@@ -156,9 +156,9 @@ step('a settled picture is that of supple render', async () => {
 
 step('preset and transfer function change the look', async () => {
   const bone = await view.picture();
-  await page.eval(`(() => { const list = document.getElementById('preset'); list.value = 'CT-Soft-Tissue';
+  await page.eval(`(() => { const list = document.getElementById('preset'); list.value = 'Skin';
     list.dispatchEvent(new Event('change')); })()`);
-  await view.until('the preset is taken', '$scene.view.preset === "CT-Soft-Tissue"');
+  await view.until('the preset is taken', '$scene.view.preset === "Skin"');
   await view.settled();
   const skin = await view.picture();
   assert.ok(difference(bone, skin).mean > 2);
@@ -171,7 +171,7 @@ step('preset and transfer function change the look', async () => {
   await page.eval(`document.querySelector('.point.opacity[data-point="opacity:0"]').focus()`);
   await page.key('ArrowRight');
   await view.until('keys move points', `$scene.view.transfer.opacity[0][0] > ${now[0][0]}`);
-  await page.eval(`(() => { const list = document.getElementById('preset'); list.value = 'CT-Bone';
+  await page.eval(`(() => { const list = document.getElementById('preset'); list.value = 'Bone';
     list.dispatchEvent(new Event('change')); })()`);
   await view.settled();
   assert.ok(difference(bone, await view.picture()).mean < 0.1, 'the preset is back');

@@ -168,13 +168,13 @@ void Calibration::measure_pictures(const State& state) {
     settings.set_step(n == 0 ? 0.5 : 0.125);
     RenderReport report;
     ms[n] = least_ms(m_console,
-                     [&] { renderer->render_float(camera, preset("CT-Bone"), settings, &report); });
+                     [&] { renderer->render_float(camera, preset("Bone"), settings, &report); });
     samples[n] = double(report.samples);
   }
   m_costs.sample = per_unit(std::max(0.0, ms[1] - ms[0]), samples[1] - samples[0]);
   const double file_ms = least_ms(m_console, [&] {
     write_png(m_folder / "picture.png",
-              to_image(renderer->render_float(camera, preset("CT-Bone"), settings)));
+              to_image(renderer->render_float(camera, preset("Bone"), settings)));
   });
   // Beside the march: what a picture costs before it and after, its file included.
   const double rays_ms =

@@ -73,7 +73,7 @@ Camera peer_camera(const Geometry& geometry) {
 }
 
 TransferFunction peer_function() {
-  TransferFunction function = preset("CT-Bone");
+  TransferFunction function = preset("Bone");
   function.full_shading_gradient = 0;
   return function;
 }

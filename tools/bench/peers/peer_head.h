@@ -27,7 +27,7 @@ void write_peer_head(const std::string& path, const PeerHead& head);
 
 /// Of the head's box, from anterior.
 Camera peer_camera(const Geometry& geometry);
-/// CT-Bone without its fading of weak gradients, which VTK does not know.
+/// Bone without its fading of weak gradients, which VTK does not know.
 TransferFunction peer_function();
 /// 512 x 512 pixels, lit from the camera, or without shading.
 RenderSettings peer_settings(bool shaded);

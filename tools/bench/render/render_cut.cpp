@@ -123,7 +123,7 @@ std::vector<BenchRow> measure_cut(const Vec3i& size, int image_size,
     for (int n = 0; n < 3; ++n) {
       timed[std::size_t(n)].run = [&, n](Times& times) {
         times.ms.push_back(cpu_time_ms(
-            [&] { renderers[n].render(camera, preset("CT-Muscle"), settings, &reports[n]); }));
+            [&] { renderers[n].render(camera, preset("Muscle"), settings, &reports[n]); }));
       };
     }
     take_turns(timed, limits, before_run);

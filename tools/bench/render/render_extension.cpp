@@ -85,7 +85,7 @@ std::vector<BenchRow> measure_extension(const std::vector<ExtensionSide>& sides,
   const HalfSampledHead head(kCubeSize);
   const ExtendedHead body(head);
   const Camera camera = default_camera(body.geometry, 1);
-  const TransferFunction skin = preset("CT-Soft-Tissue");
+  const TransferFunction skin = preset("Skin");
   RenderSettings settings;
   settings.width = settings.height = kImageSize;
   const BrickTopology box = block_topology(kCubeSize, [](const Vec3i&) { return true; });

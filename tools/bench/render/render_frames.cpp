@@ -79,7 +79,7 @@ struct FrameBench::Impl {
   }
 
   Image draw(const Renderer& renderer, const std::string& setting, RenderReport& report) const {
-    return renderer.render(camera, preset("CT-Bone"), settings_of(setting, image_size), &report);
+    return renderer.render(camera, preset("Bone"), settings_of(setting, image_size), &report);
   }
 
   static constexpr int kRings = 2;

@@ -86,7 +86,7 @@ class SuppleViewer {
     follow({});
     const double prepare_ms = time_ms([&] { follow(m_state.q); });
     const double frame_ms = time_ms([&] {
-      m_renderer.render(peer_camera(m_state.geometry), preset("CT-Bone"), peer_settings(true));
+      m_renderer.render(peer_camera(m_state.geometry), preset("Bone"), peer_settings(true));
     });
     return result.add(prepare_ms, frame_ms, 0);
   }
@@ -194,8 +194,8 @@ double run_supple(const ShowSide& side, const DraggedFiles& files, ShowResult& r
   } else if (side.pipeline == kWithoutInverse) {
     arguments.emplace_back("--no-inverse");
   }
-  const std::vector<std::string> picture = {"--preset", "CT-Bone", "--size",
-                                            "512,512",  "-o",      files / "supple.png"};
+  const std::vector<std::string> picture = {"--preset", "Bone", "--size",
+                                            "512,512",  "-o",   files / "supple.png"};
   arguments.insert(arguments.end(), picture.begin(), picture.end());
   const ProcessCost cost = files.supple(arguments);
   result.peak_mbytes = std::max(result.peak_mbytes, cost.peak_mbytes.value_or(0));

@@ -54,7 +54,7 @@ struct UpdateScene {
     bricks.ms.push_back(time_ms([&] { renderer.update_offsets(touched, inversion.finder()); }));
   }
   Image draw(RenderReport& report) const {
-    return renderer.render(camera, preset("CT-Bone"), settings, &report);
+    return renderer.render(camera, preset("Bone"), settings, &report);
   }
 
   DraggedHead head;
@@ -121,7 +121,7 @@ std::vector<BenchRow> measure_render_update(const Vec3i& size, int image_size, s
   scene.head.follow();
   const OffsetField whole = invert(scene.head.displacement(), scene.head.params(), &cancel);
   judge.set_offsets(&whole);
-  const Image expected = judge.render(scene.camera, preset("CT-Bone"), scene.settings, &ignored);
+  const Image expected = judge.render(scene.camera, preset("Bone"), scene.settings, &ignored);
 
   std::vector<BenchRow> rows;
   for (const RenderUpdateSide& side : sides) {
