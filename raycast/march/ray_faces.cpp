@@ -3,9 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "volumes/grid/cell.h"
+
 namespace supple {
 
 namespace {
+
+// Faces of cuts are planes that were fitted: one may lie this far ahead of a sample behind it, in
+// voxels.
+constexpr double kAhead = 0.5;
 
 bool is_near_border(const RenderContext& context, const Vec3d& pos) {
   if (context.border == nullptr) return false;
@@ -58,22 +64,32 @@ class FaceSearch {
       axis[a] = 1;
       came_from[a] -= mm_ago * rate(ClipSpace::source, axis, pos);
     }
-    if (is_visible_at(came_from)) add(as_seen(ClipSpace::source, plane->normal, pos), mm_ago);
+    if (opacity_at(came_from) > 0) add(as_seen(ClipSpace::source, plane->normal, pos), mm_ago);
   }
 
-  /// By the nearest voxel of the volume.
-  bool is_visible_at(const Vec3d& pos) const {
-    Vec3i voxel;
+  /// Opacity of a place of the source, between its voxels.
+  float opacity_at(const Vec3d& place) const {
+    Vec3d pos;
     for (int a = 0; a < 3; ++a) {
-      voxel[a] = int(std::lround(std::clamp(pos[a], 0.0, m_context.geometry.dims()[a] - 1.0)));
+      pos[a] = std::clamp(place[a], 0.0, m_context.geometry.dims()[a] - 1.0);
     }
+    const Vec3i cell = floor_voxel(pos);
     const BrickTopology& where = m_context.source.topology();
-    const std::int32_t b = where.find(voxel);
-    if (b < 0) return false;
-    const std::int16_t code =
-        *m_context.source.node(std::size_t(b), voxel - where.origin(std::size_t(b)));
-    return code != SourceBricks::kVoid &&
-           m_context.classifier.may_be_visible({float(code), float(code)});
+    const std::int32_t b = where.find(cell);
+    if (b < 0) return 0;
+    const Vec3i local = cell - where.origin(std::size_t(b));
+    const Vec3d part = pos - Vec3d(cell);
+    double sum = 0, weights = 0;
+    for (int n = 0; n < 8; ++n) {
+      const Vec3i corner = cell_corner(n);
+      const std::int16_t code = *m_context.source.node(std::size_t(b), local + corner);
+      if (code == SourceBricks::kVoid) continue;
+      double weight = 1;
+      for (int a = 0; a < 3; ++a) weight *= corner[a] ? part[a] : 1 - part[a];
+      sum += weight * code;
+      weights += weight;
+    }
+    return weights > 0 ? m_context.classifier.classify(float(sum / weights))[3] : 0;
   }
 
   const IndexClip::Plane* face_of(const IndexClip& clip, const Vec3d& pos, double& mm_ago) const {
@@ -93,7 +109,8 @@ class FaceSearch {
   }
 
   /// A face counts where it cuts something that is seen, not where a ray came through its plane in
-  /// the air beside a lip. The tissue is taken as moved without turning since the ray crossed it.
+  /// the air beside a lip. The tissue is taken as moved without turning since the ray crossed
+  /// it.
   void add_piece(const Vec3d& seen_at, const Vec3d& read_at) {
     Vec3d normal;
     double depth_mm;
@@ -108,14 +125,15 @@ class FaceSearch {
     const double gain = normal.dot(direction());  // mm deeper per mm
     if (!(gain > 0)) return;
     const double mm_ago = depth_mm / gain;
-    if (share_of(mm_ago) > 0 && is_visible_at(read_at - direction() * mm_ago)) {
-      add(Vec3f(normal), mm_ago);
-    }
+    if (voxels_of(mm_ago) < -kAhead || share_of(mm_ago) == 0) return;
+    if (opacity_at(read_at - direction() * mm_ago) > 0) add(Vec3f(normal), mm_ago);
   }
 
+  double voxels_of(double mm) const {
+    return mm / m_context.step_mm * m_context.settings.step_voxels;
+  }
   float share_of(double mm_ago) const {
-    const double voxels = mm_ago / m_context.step_mm * m_context.settings.step_voxels;
-    return float(std::clamp(kFaceVoxels + 1 - voxels, 0.0, 1.0));
+    return float(std::clamp(kFaceVoxels + 1 - voxels_of(mm_ago), 0.0, 1.0));
   }
 
   /// `normal`: index space, of a face that the ray crossed some mm ago.

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/lib/cut_fixtures.h"
+#include "tests/support/sanitized.h"
 #include "volumes/field/cuts/cut_offsets.h"
 #include "volumes/grid/voxel_sets.h"
 
@@ -18,17 +19,24 @@ Vec3d middle() {
   return Vec3d(0.5 * (kSize - 1)) + Vec3d(0.13, -0.21, 0.32);
 }
 
-/// A block cut in two by a plane through its middle.
+Block whole_block() {
+  return homogeneous({kSize, kSize, kSize}, 2, 0.5, 1);
+}
+
+/// A block cut by a plane through its middle, in two or from `begin` along the plane.
 struct CutBlock {
-  Body body = body_of(homogeneous({kSize, kSize, kSize}, 2, 0.5, 1));
+  Body body;
   Vec3d normal, along1, along2;
 
-  explicit CutBlock(const Vec3d& direction) : normal(direction.normalized()) {
+  explicit CutBlock(const Vec3d& direction, const Block& block = whole_block(),
+                    double begin = -kSize)
+      : body(body_of(block)), normal(direction.normalized()) {
     along1 = normal.cross(std::abs(normal.z) < 0.5 ? Vec3d(0, 0, 1) : Vec3d(0, 1, 0)).normalized();
     along2 = normal.cross(along1);
     const Geometry& geometry = body.geometry;
-    cut(body, PlanePatch{geometry.world_from_index(middle() - (along1 + along2) * kSize),
-                         geometry.world_vector_from_index(along1 * (2.0 * kSize)),
+    const Vec3d corner = middle() + along1 * begin - along2 * kSize;
+    cut(body, PlanePatch{geometry.world_from_index(corner),
+                         geometry.world_vector_from_index(along1 * (kSize - begin)),
                          geometry.world_vector_from_index(along2 * (2.0 * kSize))});
   }
   bool is_upper(const Vec3d& X) const { return (X - middle()).dot(normal) > 0; }
@@ -109,7 +117,7 @@ TEST(PropertyCutLips, OfAnObliqueCutLieWithinATenthOfAVoxelOfThePlane) {
 }
 
 TEST(PropertyCutLips, OfASphereLieWithinATenthOfAVoxel) {
-  Body body = body_of(homogeneous({kSize, kSize, kSize}, 2, 0.5, 1));
+  Body body = body_of(whole_block());
   const double radius = 9.3;
   TriangleMesh sphere = unit_sphere(4);
   for (Vec3d& vertex : sphere.vertices_lps_mm) vertex = middle() + vertex * radius;
@@ -145,5 +153,54 @@ TEST(PropertyCutLips, OfASphereLieWithinATenthOfAVoxel) {
     const Vec3d moved = middle() + Vec3d(away);
     EXPECT_TRUE(offsets.sample(moved + direction * (radius - 0.1), o)) << direction;
     EXPECT_FALSE(offsets.sample(moved + direction * (radius + 0.1), o)) << direction;
+  }
+}
+
+/// A ball that is cut from its middle to one side, and held wide open up to the end of the cut.
+TEST(PropertyCutLips, HaveFacesUpToTheEndOfTheCut) {
+  Block ball = whole_block();
+  const auto depth_in_ball = [](const Vec3d& X) {
+    return 0.45 * kSize - (X - Vec3d(0.5 * (kSize - 1))).length();
+  };
+  for (std::size_t n = 0; n < ball.element.size(); ++n) {
+    ball.element[n] = depth_in_ball(Vec3d(ball.voxel(int(n)))) > 0;
+  }
+  std::mt19937 random(7);
+  for (const Vec3d& direction : {Vec3d(1, 0.3, 0.1), Vec3d(0.4, 1, 0.7), Vec3d(0.9, 0.2, -1)}) {
+    const CutBlock block(direction, ball, 0);
+    const auto along = [&](const Vec3d& X) { return (X - middle()).dot(block.along1); };
+    const auto above = [&](const Vec3d& X) { return (X - middle()).dot(block.normal); };
+    const OffsetField field = block.moved([&](bool upper, const Vec3d& X) {
+      const double side = along(X) > 0 ? (upper ? 1 : -1) : std::clamp(above(X) / 2, -1.0, 1.0);
+      const double wide = 0.8 * std::clamp((along(X) + 3) / 3, 0.0, 1.0);
+      return block.normal * (side * (wide + 0.12 * std::max(along(X), 0.0)));
+    });
+    int faces = 0, beyond = 0, ends = 0;
+    for (int n = 0; n < cases(200000); ++n) {
+      const Vec3d x = pick_vector(random, -2, kSize + 1);
+      const std::int32_t b = field.split->bricks().find(floor_voxel(x));
+      PointwiseOffsets::Sample found;
+      if (b < 0 || !field.split->sample(std::size_t(b), x, found)) continue;
+      const Vec3d X = x + found.offset;
+      if (depth_in_ball(X) < -1) continue;
+      Vec3d normal;
+      double depth_mm = HUGE_VAL;
+      const bool has_face = field.split->face(found.piece, x, X, normal, depth_mm);
+      const double depth = std::abs(above(X));
+      if (along(X) > 1.5 && depth < 1.5) {
+        ASSERT_TRUE(has_face) << X;
+        EXPECT_NEAR(depth_mm, depth, 0.1) << X;
+        ++faces;
+      } else if (along(X) < -2) {
+        EXPECT_FALSE(has_face) << X;
+        ++beyond;
+      } else if (along(X) < 0 && depth < 0.3) {
+        ends += has_face;
+      }
+    }
+    std::cout << faces << " faces, " << beyond << " beyond, " << ends << " at the end\n";
+    EXPECT_GT(faces, 1000);
+    EXPECT_GT(beyond, 1000);
+    EXPECT_GT(ends, 10);
   }
 }

@@ -5,6 +5,8 @@
 #include <map>
 #include <tuple>
 
+#include "volumes/grid/cell.h"
+
 namespace supple {
 
 namespace {
@@ -16,6 +18,11 @@ constexpr double kBeside = 1.5, kBesideWidth = 0.8;
 // What a corner of a torn cell is away from the face at least, where the face is in the middle of
 // links and where it is a surface, and at most, in voxels.
 constexpr double kLeast = 0.1, kLeastExact = 1e-3, kMost = 1.5, kMostExact = 2;
+// So near to a surface, in voxels, links that it does not cross are cut where shells of air meet,
+// and their middles tell nothing about its place.
+constexpr double kBesideSurface = 2.5;
+// A face ends this far beyond the torn cells, in voxels.
+constexpr double kBesideTorn = 0.25;
 // Deeper than the nearest by more than this, a point is one of another face.
 constexpr double kSameFace = 0.75;
 
@@ -50,24 +57,76 @@ void add_openings(const TornCell& cell, std::map<CutBody::Link, Vec3d, LinkLess>
 
 CutFaces::CutFaces(const std::vector<TornCell>& cells, const CutBody& body,
                    const Geometry& geometry, double closed) {
+  for (int a = 0; a < 3; ++a) m_axis_mm[a] = geometry.axes_mm()[std::size_t(a)].length();
   std::map<CutBody::Link, Vec3d, LinkLess> openings;
   for (const TornCell& cell : cells) add_openings(cell, openings);
   std::vector<std::pair<int, Vec3d>> links;  // axis, opening
-  for (const auto& [link, apart] : openings) {
+  const auto add = [&](const CutBody::Link& link, const Vec3d& apart, LinkCuts::Place place) {
     Point point;
     point.at = Vec3d(link.low);
-    const LinkCuts::Place place = body.place(link);
     point.at[link.axis] += LinkCuts::fraction_of(place);
     point.is_crossing = place != 0;
+    if (!point.is_crossing && is_beside_surface(point.at)) return;
     m_blocks[block_of(point.at)].push_back(int(m_points.size()));
     m_points.push_back(point);
     links.emplace_back(link.axis, apart);
+  };
+  for (const bool has_place : {true, false}) {
+    for (const auto& [link, apart] : openings) {
+      const LinkCuts::Place place = body.place(link);
+      if ((place != 0) == has_place) add(link, apart, place);
+    }
   }
   for (std::size_t n = 0; n < m_points.size(); ++n) {
     fit_plane(m_points[n], links[n].first, geometry);
     m_points[n].is_open = links[n].second.dot(m_points[n].across) > closed;
     if (m_points[n].is_open) list_seen(int(n));
   }
+  m_torn.resize(m_seen_at.size());
+  for (const TornCell& cell : cells) {
+    const std::int32_t brick = m_seen_bricks.find(cell.cell);
+    if (brick >= 0) mask_set(m_torn[std::size_t(brick)], brick_offset(cell.cell));
+  }
+}
+
+bool CutFaces::is_torn(const Vec3i& cell) const {
+  const std::int32_t brick = m_seen_bricks.find(cell);
+  return brick >= 0 && mask_test(m_torn[std::size_t(brick)], brick_offset(cell));
+}
+
+bool CutFaces::is_beside_torn(const Vec3d& X) const {
+  for (int n = 0; n < 8; ++n) {
+    const Vec3d step = Vec3d(cell_corner(n)) * 2.0 - Vec3d(1);
+    if (is_torn(floor_voxel(X + step * kBesideTorn))) return true;
+  }
+  return false;
+}
+
+std::uint8_t CutFaces::torn_beside(const Vec3i& cell) const {
+  std::uint8_t beside = 0;
+  for (int face = 0; face < 6; ++face) {
+    Vec3i next = cell;
+    next[face / 2] += face % 2 ? 1 : -1;
+    if (is_torn(next)) beside |= std::uint8_t(1 << face);
+  }
+  return beside;
+}
+
+CutFaces::Depth CutFaces::depth_of_end(const Vec3d& X, const Vec3i& cell,
+                                       std::uint8_t beside) const {
+  double nearest = HUGE_VAL, weights = 0;
+  Vec3d gradient(0);
+  for (int face = 0; face < 6; ++face) {
+    if (!(beside >> face & 1)) continue;
+    const int axis = face / 2;
+    const double local = X[axis] - cell[axis], voxels = face % 2 ? 1 - local : local;
+    const double weight = std::max(1 - voxels, 1e-3);
+    nearest = std::min(nearest, voxels * m_axis_mm[axis]);
+    gradient[axis] += weight * (face % 2 ? -1 : 1) * m_axis_mm[axis];
+    weights += weight;
+  }
+  if (gradient == Vec3d(0)) return {HUGE_VAL, Vec3d(0)};
+  return {nearest, gradient / weights};
 }
 
 /// In the cells that the cylinder of places that know the point touches, by their middles.
@@ -107,6 +166,15 @@ void CutFaces::for_near(const Vec3d& X, Visit&& visit) const {
   }
 }
 
+/// Whether a surface that is known crosses links beside a place.
+bool CutFaces::is_beside_surface(const Vec3d& X) const {
+  bool found = false;
+  for_near(X, [&](const Point& point) {
+    found = found || (point.is_crossing && (X - point.at).length() < kBesideSurface);
+  });
+  return found;
+}
+
 /// Least squares in mm; the normal points along the link.
 void CutFaces::fit_plane(Point& point, int axis, const Geometry& geometry) const {
   std::vector<Vec3d> near;
@@ -132,7 +200,15 @@ const CutFaces::Points* CutFaces::seen_from(const Vec3i& cell) const {
   return seen < 0 ? nullptr : &m_seen[std::size_t(seen)];
 }
 
-CutFaces::Depth CutFaces::depth(const Vec3d& X, const Vec3d& inside, const Points* points) const {
+CutFaces::Depth CutFaces::depth(const Vec3d& X, const Vec3d& inside, const Points* seen) const {
+  const Depth found = depth_beyond(X, inside, seen);
+  if (found.gradient == Vec3d(0)) return found;
+  const Vec3d foot = X - found.gradient * (found.mm / found.gradient.length2());
+  return is_beside_torn(foot) ? found : Depth{HUGE_VAL, Vec3d(0)};
+}
+
+CutFaces::Depth CutFaces::depth_beyond(const Vec3d& X, const Vec3d& inside,
+                                       const Points* points) const {
   struct Seen {
     const Point* point;
     double depth;  // voxels

@@ -29,12 +29,21 @@ class CutFaces {
   using Points = std::vector<int>;
   const Points* seen_from(const Vec3i& cell) const;
   /// Distance of X, index space at rest, from the nearest open face beside it, positive on the side
-  /// on which `inside` lies; infinite, without gradient, where none is within four voxels.
+  /// on which `inside` lies; infinite, without gradient, where none is within four voxels or X is
+  /// beyond the end of the cut.
   Depth depth(const Vec3d& X, const Vec3d& inside) const {
     return depth(X, inside, seen_from(floor_voxel(X)));
   }
   /// The same, from what seen_from() gives for the cell in which X lies.
   Depth depth(const Vec3d& X, const Vec3d& inside, const Points* seen) const;
+  /// The same beyond the end of the cut, too, as if the face went on.
+  Depth depth_beyond(const Vec3d& X, const Vec3d& inside, const Points* seen) const;
+
+  /// Torn cells beside one that is whole: bits 2 a and 2 a + 1, below and above along axis a.
+  std::uint8_t torn_beside(const Vec3i& cell) const;
+  /// Where a cut ends in a cell that is whole, that cell is the end of the gap: distance of X in it
+  /// from its faces towards the torn cells `beside`, of which the nearest counts most.
+  Depth depth_of_end(const Vec3d& X, const Vec3i& cell, std::uint8_t beside) const;
 
   /// At the corners of a torn cell, the distance in voxels from the face of one side; positive at
   /// its own corners and there alone.
@@ -48,6 +57,9 @@ class CutFaces {
     bool is_open = false;
     bool is_crossing = false;  // of a surface; otherwise the middle of a link
   };
+  bool is_beside_surface(const Vec3d& X) const;
+  bool is_torn(const Vec3i& cell) const;
+  bool is_beside_torn(const Vec3d& X) const;
   void fit_plane(Point& point, int axis, const Geometry& geometry) const;
   void list_seen(int point);
   struct Distance {
@@ -64,6 +76,8 @@ class CutFaces {
   BrickIndex m_seen_bricks;
   std::vector<std::array<std::int32_t, kBrickVoxels>> m_seen_at;
   std::vector<Points> m_seen;
+  std::vector<BrickMask> m_torn;  // cells of the same bricks
+  Vec3d m_axis_mm;
 };
 
 }  // namespace supple

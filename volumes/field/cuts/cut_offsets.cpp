@@ -3,7 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "volumes/grid/cell.h"
+
 namespace supple {
+
+// The surface of a cut may reach so far, in voxels, into cells that it leaves whole.
+constexpr double kGrazed = 0.25;
+// Before the end of a gap there is none of a piece so far away, in voxels.
+constexpr double kBeforeEnd = 0.1;
 
 CutOffsets::CutOffsets(std::vector<CutBrick> bricks, CutFaces faces, const Vec3i& dims)
     : m_cells(std::move(bricks)), m_faces(std::move(faces)), m_dims(dims) {
@@ -11,10 +18,27 @@ CutOffsets::CutOffsets(std::vector<CutBrick> bricks, CutFaces faces, const Vec3i
   for (const CutBrick& brick : m_cells) {
     m_first_piece.push_back(int(m_brick_of.size()));
     m_brick_of.insert(m_brick_of.end(), brick.pieces().size(), std::int32_t(origins.size()));
-    for (const CutPiece& piece : brick.pieces()) m_seen.push_back(m_faces.seen_from(piece.cell));
+    for (const CutPiece& piece : brick.pieces()) m_beside.push_back(beside(piece));
     origins.push_back(brick.origin());
   }
   set_bricks(std::move(origins));
+}
+
+CutOffsets::Beside CutOffsets::beside(const CutPiece& piece) const {
+  const CutFaces::Points* const seen = m_faces.seen_from(piece.cell);
+  if (seen == nullptr || !piece.is_whole) return {seen, 0};
+  const Vec3d middle = piece.middle();
+  const auto depth_at = [&](const Vec3d& X) {  // voxels
+    const CutFaces::Depth depth = m_faces.depth_beyond(X, middle, seen);
+    return depth.mm / depth.gradient.length();
+  };
+  if (!(depth_at(middle) < 1)) return {seen, 0};
+  for (int n = 0; n < 8; ++n) {
+    if (depth_at(Vec3d(piece.cell + cell_corner(n))) < -kGrazed) {
+      return {nullptr, m_faces.torn_beside(piece.cell)};
+    }
+  }
+  return {seen, 0};
 }
 
 CutOffsets::PieceOfBrick CutOffsets::piece_at(int piece) const {
@@ -68,16 +92,25 @@ Vec3d CutOffsets::pull_back(int number, const Vec3d& /*x*/, const Vec3d& y,
   return pulled_back(piece_at(number), y, gradient);
 }
 
-bool CutOffsets::face(int number, const Vec3d& /*x*/, const Vec3d& y, Vec3d& normal,
+bool CutOffsets::face(int number, const Vec3d& x, const Vec3d& y, Vec3d& normal,
                       double& depth_mm) const {
-  const CutFaces::Points* seen = m_seen[std::size_t(number)];
-  if (seen == nullptr) return false;
+  const Beside& beside = m_beside[std::size_t(number)];
+  if (beside.seen == nullptr && beside.torn == 0) return false;
   const PieceOfBrick of = piece_at(number);
-  const CutFaces::Depth depth = m_faces.depth(y, of.piece.middle(), seen);
+  const CutFaces::Depth depth = beside.seen != nullptr
+                                    ? m_faces.depth(y, of.piece.middle(), beside.seen)
+                                    : m_faces.depth_of_end(y, of.piece.cell, beside.torn);
   if (depth.gradient == Vec3d(0)) return false;
   normal = pulled_back(of, y, depth.gradient);
   depth_mm = depth.mm;
-  return true;
+  return beside.seen != nullptr ||
+         is_gap(x - normal * (depth.mm / normal.length2() + kBeforeEnd / normal.length()));
+}
+
+bool CutOffsets::is_gap(const Vec3d& x) const {
+  const std::int32_t b = bricks().find(floor_voxel(x));
+  Sample ignored;
+  return b >= 0 && !sample(std::size_t(b), x, ignored);
 }
 
 /// What is interpolated is whole.

@@ -84,13 +84,21 @@ class CutOffsets : public SplitOffsets {
     const PieceMap& map;
   };
   PieceOfBrick piece_at(int piece) const;
+  /// What a piece has beside it: the points of faces, or, of a whole cell in which a cut ends, torn
+  /// cells.
+  struct Beside {
+    const CutFaces::Points* seen;  // null: none
+    std::uint8_t torn;
+  };
+  Beside beside(const CutPiece& piece) const;
+  bool is_gap(const Vec3d& x) const;
   static Vec3d pulled_back(const PieceOfBrick& of, const Vec3d& y, const Vec3d& gradient);
 
   std::vector<CutBrick> m_cells;
   std::vector<int> m_first_piece;        // of every brick
   std::vector<std::int32_t> m_brick_of;  // of every piece
   CutFaces m_faces;
-  std::vector<const CutFaces::Points*> m_seen;  // from every piece
+  std::vector<Beside> m_beside;  // every piece
   Vec3i m_dims;
 };
 
