@@ -175,7 +175,7 @@ TEST(PropertyCutLips, HaveFacesUpToTheEndOfTheCut) {
       const double wide = 0.8 * std::clamp((along(X) + 3) / 3, 0.0, 1.0);
       return block.normal * (side * (wide + 0.12 * std::max(along(X), 0.0)));
     });
-    int faces = 0, beyond = 0, ends = 0;
+    int faces = 0, beyond = 0, ends = 0, in_tissue = 0;
     for (int n = 0; n < cases(200000); ++n) {
       const Vec3d x = pick_vector(random, -2, kSize + 1);
       const std::int32_t b = field.split->bricks().find(floor_voxel(x));
@@ -195,12 +195,19 @@ TEST(PropertyCutLips, HaveFacesUpToTheEndOfTheCut) {
         EXPECT_FALSE(has_face) << X;
         ++beyond;
       } else if (along(X) < 0 && depth < 0.3) {
-        ends += has_face;
+        if (!has_face) continue;
+        ++ends;
+        const Vec3d before = x - normal * (depth_mm / normal.length2() + 0.1 / normal.length());
+        const std::int32_t near = field.split->bricks().find(floor_voxel(before));
+        in_tissue +=
+            along(X) < -0.5 && near >= 0 && field.split->sample(std::size_t(near), before, found);
       }
     }
-    std::cout << faces << " faces, " << beyond << " beyond, " << ends << " at the end\n";
-    EXPECT_GT(faces, 1000);
-    EXPECT_GT(beyond, 1000);
-    EXPECT_GT(ends, 10);
+    std::cout << faces << " faces, " << beyond << " beyond, " << ends << " at the end, "
+              << in_tissue << " in tissue\n";
+    EXPECT_GT(faces, cases(1000));
+    EXPECT_GT(beyond, cases(1000));
+    EXPECT_GT(ends, cases(30));
+    EXPECT_LE(in_tissue, 3);
   }
 }
