@@ -207,7 +207,7 @@ TEST(PropertyCutLips, HaveFacesUpToTheEndOfTheCut) {
               << in_tissue << " in tissue\n";
     EXPECT_GT(faces, cases(1000));
     EXPECT_GT(beyond, cases(1000));
-    EXPECT_GT(ends, cases(30));
+    EXPECT_TRUE(kSanitized || ends > 30) << ends;
     EXPECT_LE(in_tissue, 3);
   }
 }

@@ -14,6 +14,7 @@
 #include <limits>
 
 #include "volumes/field/brick_nodes.h"
+#include "volumes/field/displacement.h"
 #include "volumes/field/inversion/displacement_range.h"
 #include "volumes/field/pointwise_offsets.h"
 
