@@ -38,11 +38,11 @@ struct RenderReport {
 /// offset bricks and Embree bounds of the deformed volume.
 class Renderer {
  public:
-  /// `density` is sampled where it is active and empty elsewhere; it is copied and need not
-  /// outlive the renderer. A volume as loaded leaves out the voxels at the file's minimum, which
-  /// are air, not void: `background_rings` > 0 (at most 8) samples the background in that many
-  /// rings around the active voxels, inside the box. Two rings give surfaces beside such air the
-  /// densities and gradients that a state keeps in its shell; none are wanted for a state.
+  /// `density` is sampled where it is active and empty elsewhere; the renderer shares it and copies
+  /// the bricks that rays read. A volume as loaded leaves out the voxels at the file's minimum,
+  /// which are air, not void: `background_rings` > 0 (at most 8) samples the background in that
+  /// many rings around the active voxels, inside the box. Two rings give surfaces beside such air
+  /// the densities and gradients that a state keeps in its shell; none are wanted for a state.
   /// `interpolation`: how densities between voxels are read; cubic ones, and their gradients,
   /// are smoother than voxels and the terraces of thick slices, and march about twice as long.
   Renderer(const Geometry& geometry, const DensityGrid& density, int background_rings = 0,

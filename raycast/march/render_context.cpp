@@ -130,6 +130,7 @@ void RenderContext::fill_tables() {
   tables.output_highest = needs_highest ? m_output_highest.data() : nullptr;
   tables.source = sources.lookup();
   tables.source.tables = m_source_entries.data();
+  tables.bricks = &source;
   tables.nodes = source.nodes();
   tables.offsets = output.offsets();
   tables.offset_dim = output.node_dim();

@@ -210,6 +210,16 @@ HWY_INLINE HWY_ATTR MI visible_lanes(const SamplingTables& tables, VF encoded, M
   return hn::And(between, hn::TestBit(word, bit));
 }
 
+HWY_INLINE HWY_ATTR void ensure_bricks(const SourceBricks& bricks, const std::int32_t* of_lane,
+                                       std::uint32_t lanes) {
+  std::int32_t last = -1;
+  for (std::uint32_t rest = lanes; rest != 0; rest &= rest - 1) {
+    const std::int32_t brick = of_lane[__builtin_ctz(rest)];
+    if (brick != last) bricks.ensure(std::size_t(brick));
+    last = brick;
+  }
+}
+
 /// Reads one vector of lanes, starting at lane `at`; `wanted` is relative to it.
 HWY_INLINE HWY_ATTR void sample_lanes(const SamplingTables& tables, const RayPiece& piece,
                                       FloatVector p, MI wanted, int at, SampleBatch& batch) {
@@ -267,6 +277,7 @@ HWY_INLINE HWY_ATTR void sample_lanes(const SamplingTables& tables, const RayPie
   hn::Store(p.z, kFloats, batch.pz + at);
 
   const std::uint32_t read = bits_of(reading);
+  ensure_bricks(*tables.bricks, batch.brick + at, read);
   std::uint32_t inside = 0, visible = 0;
   for (std::uint32_t rest = read; rest != 0;) {
     const NodeReader nodes(tables, batch.brick[at + __builtin_ctz(rest)], entry, node,

@@ -17,6 +17,8 @@
 
 namespace supple {
 
+class SourceBricks;
+
 /// The bricks of a frame as flat arrays.
 struct SamplingTables {
   static constexpr std::int32_t kSkip = -1;
@@ -30,10 +32,11 @@ struct SamplingTables {
   BrickLookup output, source;
   const float* output_highest = nullptr;  // largest code that an output brick can read, laid out
                                           // as output.tables; null where none is asked for
-  const std::int16_t* nodes = nullptr;    // SourceBricks
-  const float* offsets = nullptr;         // OffsetBricks
-  int offset_dim = 0;                     // OffsetBricks::node_dim
-  bool is_cubic = false;                  // SourceBricks::interpolation
+  const SourceBricks* bricks = nullptr;
+  const std::int16_t* nodes = nullptr;  // of them
+  const float* offsets = nullptr;       // OffsetBricks
+  int offset_dim = 0;                   // OffsetBricks::node_dim
+  bool is_cubic = false;                // SourceBricks::interpolation
 
   const PointwiseOffsets* pointwise = nullptr;
   // Of its bricks: slots of those that have cells in which offsets are interpolated, or -1, and

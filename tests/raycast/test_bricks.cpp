@@ -3,6 +3,7 @@
 #include <random>
 
 #include <gtest/gtest.h>
+#include <oneapi/tbb/parallel_for.h>
 
 #include "raycast/march/embree_bounds.h"
 #include "raycast/sample/classify.h"
@@ -63,6 +64,43 @@ TEST(UnitBricks, IntegerDataOfASixteenBitRangeAreExact) {
       const Vec3i voxel(n >> 8, (n >> 4) & 15, n & 15);
       ASSERT_EQ(bricks.density(*cell_at(bricks, voxel, Vec3f(0)).node), grid.at(voxel));
     }
+  }
+}
+
+TEST(UnitBricks, BricksAreFilledWhenTheyAreRead) {
+  const BrickTopology where = voxels_of({32, 32, 32}, everywhere);
+  const SourceBricks bricks(grid_of(where, [](const Vec3d& p) { return p.x + 100 * p.y; }));
+  const std::size_t before = bricks.bytes();
+  const std::size_t of_brick = SourceBricks::kBrickNodes * sizeof(std::int16_t);
+  tbb::parallel_for(0, 64, [&](int n) {
+    const Vec3i local(n & 7, n >> 3, 3);
+    EXPECT_EQ(*bricks.node(5, local),
+              std::int16_t(where.origin(5).x + local.x + 100 * (where.origin(5).y + local.y)));
+  });
+  EXPECT_EQ(bricks.bytes(), before + of_brick);
+  bricks.ensure(6);
+  bricks.ensure(5);
+  EXPECT_EQ(bricks.bytes(), before + 2 * of_brick);
+  for (const Interpolation cubic : {Interpolation::cubic, Interpolation::interpolating}) {
+    const SourceBricks all(grid_of(where, [](const Vec3d& p) { return p.x; }), cubic);
+    EXPECT_GE(all.bytes(), where.brick_count() * of_brick);
+  }
+}
+
+TEST(PropertyBricks, RangesAreThoseOfTheNodesThatCellsReach) {
+  std::mt19937 random(9);
+  const BrickTopology where =
+      voxels_of({40, 24, 24}, [&](const Vec3i&) { return random() % 16 != 0; });
+  const SourceBricks bricks(
+      grid_of(where, [&](const Vec3d&) { return double(random() % 5000) - 1024; }));
+  for (std::size_t b = 0; b < where.brick_count(); ++b) {
+    EncodedRange range;
+    for (int n = 0; n < 729; ++n) {
+      const std::int16_t code = *bricks.node(b, {n / 81, n / 9 % 9, n % 9});
+      if (code != SourceBricks::kVoid) range.add(float(code));
+    }
+    EXPECT_EQ(bricks.range(b).lo, range.lo) << where.origin(b);
+    EXPECT_EQ(bricks.range(b).hi, range.hi) << where.origin(b);
   }
 }
 

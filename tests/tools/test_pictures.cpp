@@ -37,7 +37,7 @@ TEST_F(UnitPictures, APrintedPresetGivesThePictureOfThePreset) {
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
     EXPECT_EQ(read_png(m_folder / "preset.png").rgba, read_png(m_folder / "file.png").rgba) << name;
   }
-  EXPECT_EQ(count, 26);
+  EXPECT_EQ(count, 29);
 }
 
 TEST_F(UnitPictures, ABadTransferFunctionNamesFileLineAndKey) {

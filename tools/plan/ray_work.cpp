@@ -26,6 +26,7 @@ class RayWork {
       : m_density(density), m_geometry(geometry), m_function(function), m_settings(settings) {
     const BrickTopology& bricks = density.bricks();
     m_seen.resize(bricks.brick_count());
+    m_is_read.resize(bricks.brick_count());
     for (std::size_t b = 0; b < bricks.brick_count(); ++b) {
       const auto [lo, hi] =
           std::minmax_element(density.values(b), density.values(b) + kBrickVoxels);
@@ -33,7 +34,7 @@ class RayWork {
     }
   }
 
-  double samples(const Ray& ray) const {
+  double samples(const Ray& ray) {
     const IndexRay along{m_geometry.index_from_world(ray.origin_lps_mm),
                          m_geometry.index_vector_from_world(ray.direction_lps)};
     const Vec3d half(0.5);
@@ -48,6 +49,7 @@ class RayWork {
       const Vec3i voxel = floor_voxel(along.at(t) + half);
       const std::int32_t b = m_density.bricks().find(voxel);
       if (b < 0 || m_seen[std::size_t(b)] == 0) continue;
+      m_is_read[std::size_t(b)] = 1;
       const double opacity =
           m_function.opacity_at(m_density.values(std::size_t(b))[brick_offset(voxel)]);
       samples += opacity > 0 ? per_step : per_step / m_settings.stride;
@@ -56,20 +58,23 @@ class RayWork {
     }
     return samples;
   }
+  double bricks_read() const {
+    return double(std::count(m_is_read.begin(), m_is_read.end(), std::uint8_t(1)));
+  }
 
  private:
   const DensityGrid& m_density;
   const Geometry& m_geometry;
   const TransferFunction& m_function;
   const RenderSettings& m_settings;
-  std::vector<std::uint8_t> m_seen;  // per brick
+  std::vector<std::uint8_t> m_seen, m_is_read;  // per brick
 };
 
 }  // namespace
 
-double samples_of(const DensityGrid& density, const Geometry& geometry, const Camera& camera,
-                  const TransferFunction& function, const RenderSettings& settings) {
-  const RayWork work(density, geometry, function, settings);
+PictureWork picture_work(const DensityGrid& density, const Geometry& geometry, const Camera& camera,
+                         const TransferFunction& function, const RenderSettings& settings) {
+  RayWork work(density, geometry, function, settings);
   const CameraRays rays(camera, settings.width, settings.height);
   const int longer = std::max(settings.width, settings.height);
   const int across = std::max(1, kRays * settings.width / longer);
@@ -81,7 +86,7 @@ double samples_of(const DensityGrid& density, const Geometry& geometry, const Ca
           rays.at((x + 0.5) * settings.width / across, (y + 0.5) * settings.height / down));
     }
   }
-  return samples / (double(across) * down) * settings.width * settings.height;
+  return {samples / (double(across) * down) * settings.width * settings.height, work.bricks_read()};
 }
 
 }  // namespace supple::tools

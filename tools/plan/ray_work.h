@@ -1,5 +1,5 @@
-// How many samples a picture reads, without drawing it: a few of its rays go through the volume at
-// rest, half a voxel at a time and with the nearest voxel's density.
+// How many samples a picture reads and in how many bricks, without drawing it: a few of its rays go
+// through the volume at rest, half a voxel at a time and with the nearest voxel's density.
 //
 // Deformation is not seen, and neither are clips, meshes and rays towards lights.
 // Cost: 50 ns per voxel on the way, 0.1 s at most for usual volumes.
@@ -13,8 +13,11 @@
 
 namespace supple::tools {
 
-/// Of all pixels.
-double samples_of(const DensityGrid& density, const Geometry& geometry, const Camera& camera,
-                  const TransferFunction& function, const RenderSettings& settings);
+struct PictureWork {
+  double samples = 0;  // of all pixels
+  double bricks = 0;   // in which any of those rays read
+};
+PictureWork picture_work(const DensityGrid& density, const Geometry& geometry, const Camera& camera,
+                         const TransferFunction& function, const RenderSettings& settings);
 
 }  // namespace supple::tools

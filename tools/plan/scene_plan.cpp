@@ -14,9 +14,9 @@ namespace supple::tools {
 
 namespace {
 
-constexpr double kSourceBytes = 2 * SourceBricks::kBrickNodes + 8;  // of a brick in pictures
-constexpr double kNodeBytes = 8748, kHalfNodeBytes = 1500;          // of a deformed one
-constexpr double kTableBytes = 90;        // of any brick in the tables of a renderer
+constexpr double kSourceBytes = 2 * SourceBricks::kBrickNodes;  // of a brick that rays read
+constexpr double kNodeBytes = 8748, kHalfNodeBytes = 1500;      // of a deformed one
+constexpr double kTableBytes = 107;       // of any brick in the tables of a renderer
 constexpr double kFieldTableBytes = 108;  // of any brick of a field: masks, neighbours, place
 constexpr double kInvertBytes = 600;      // of any brick while it is inverted
 constexpr double kStoreNs = 250;          // of a pixel that becomes a part of a PNG file
@@ -209,17 +209,19 @@ void ScenePlanner::plan_march(const SceneView& view, const std::string& stage, d
   RenderSettings settings = view_settings(view);
   SceneView plain = view;
   plain.fit.clear();
-  const double samples =
-      samples_of(state.density, state.geometry, camera_of(at_rest, plain), look_of(view), settings);
+  const PictureWork work = picture_work(state.density, state.geometry, camera_of(at_rest, plain),
+                                        look_of(view), settings);
+  const double samples = work.samples;
   const double pixels = double(view.size[0]) * view.size[1];
-  const bool is_cubic = view.sampling.interpolation == Interpolation::cubic;
+  const bool is_cubic = view.sampling.interpolation != Interpolation::linear;
   const double sample_work =
       std::max(is_cubic ? kCubicSample : 1.0, view.deformed && is_cut() ? kCutSample : 1.0);
   const double on_path = bricks_on_path(view);
   const double moved = on_path > 0 ? on_path : view.deformed ? m_moved_bricks : 0;
   const double node_bytes = view.half_offsets ? kHalfNodeBytes : kNodeBytes;
   const double field_bytes = on_path * (kBrickBytes12 + kFieldTableBytes);
-  const double bytes = density_bricks() * (kSourceBytes + kTableBytes) + field_bytes +
+  const double read = is_cubic ? density_bricks() : work.bricks;
+  const double bytes = read * kSourceBytes + density_bricks() * kTableBytes + field_bytes +
                        (moved > 0 && view.inverse ? moved * node_bytes + kSlotsInAdvance : 0) +
                        pixels * (kPixelBytes + (settings.auxiliary ? kAuxiliaryBytes : 0));
   add(stage,
