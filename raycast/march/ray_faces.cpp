@@ -109,8 +109,7 @@ class FaceSearch {
   }
 
   /// A face counts where it cuts something that is seen, not where a ray came through its plane in
-  /// the air beside a lip. The tissue is taken as moved without turning since the ray crossed
-  /// it.
+  /// the air beside a lip. The tissue is taken as moved without turning since the ray crossed it.
   void add_piece(const Vec3d& seen_at, const Vec3d& read_at) {
     Vec3d normal;
     double depth_mm;
