@@ -189,7 +189,9 @@ TEST(PropertyCutLips, HaveFacesUpToTheEndOfTheCut) {
       const double depth = std::abs(above(X));
       if (along(X) > 1.5 && depth < 1.5) {
         ASSERT_TRUE(has_face) << X;
-        EXPECT_NEAR(depth_mm, depth, 0.1) << X;
+        // At the rim sides go by voxels, so that one reaches a quarter beyond the plane.
+        EXPECT_NEAR(std::abs(depth_mm), depth, 0.1) << X;
+        EXPECT_GT(depth_mm, -0.3) << X;
         ++faces;
       } else if (along(X) < -2) {
         EXPECT_FALSE(has_face) << X;
