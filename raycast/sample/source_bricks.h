@@ -1,9 +1,9 @@
 // The source volume as the marcher reads it: int16 bricks of 8^3 cells with an apron, mirrored from
 // the leaves of the density grid (design.md section 5). Exact for integers that span at most 65534
 // values; other data are rounded to 1/65534 of their range. Bricks are filled when a ray first
-// reads them: what no ray reads costs neither time nor memory. A sample touches one brick, its
+// reads them: what no ray reads costs little. A sample touches one brick, its
 // central-difference gradient too.
-// Cost: per brick 3 µs and 40 bytes, per brick that is read 15 µs and 2.7 kB; cubic ones all.
+// Cost: per brick 3 µs and 0.3 kB, per brick that is read 15 µs and 2.7 kB; cubic ones all.
 #pragma once
 
 #include <array>
