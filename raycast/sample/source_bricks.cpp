@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <thread>
 
 #include <oneapi/tbb/parallel_for.h>
@@ -15,6 +16,32 @@ namespace supple {
 namespace {
 
 constexpr double kCodes = 32767;  // encoded values lie in -kCodes … kCodes
+
+using Lanes = float __attribute__((vector_size(32)));
+using LaneBits = std::int32_t __attribute__((vector_size(32)));
+constexpr LaneBits kLaneBit = {1, 2, 4, 8, 16, 32, 64, 128};
+
+/// Smallest and largest value of every lane; lo > hi: none.
+struct RowRange {
+  Lanes lo = Lanes{} + HUGE_VALF, hi = Lanes{} - HUGE_VALF;
+
+  void add(const Lanes& values, const LaneBits& counts) {
+    lo = (counts & (values < lo)) ? values : lo;
+    hi = (counts & (values > hi)) ? values : hi;
+  }
+};
+
+/// Whether the values that count are; floats from 2^23 on have no other.
+bool are_integers(const Lanes& values, const LaneBits& counts) {
+  constexpr float kAllIntegers = 8388608;
+  const LaneBits small = (values < kAllIntegers) & (values > -kAllIntegers);
+  const Lanes rounded = __builtin_convertvector(
+      __builtin_convertvector((small & counts) ? values : Lanes{}, LaneBits), Lanes);
+  const LaneBits others = counts & small & (rounded != values);
+  std::int32_t any = 0;
+  for (int z = 0; z < kBrickDim; ++z) any |= others[z];
+  return any == 0;
+}
 
 /// -1, 0 or 1: the brick beside this one that holds a local coordinate.
 int side_of(int local) {
@@ -73,23 +100,35 @@ SourceBricks::SourceBricks(const DensityGrid& density, const BrickTopology& wher
 }
 
 SourceBricks::Survey SourceBricks::survey(std::size_t b) const {
-  Survey found;
-  found.lo.fill(HUGE_VALF);
-  found.hi.fill(-HUGE_VALF);
-  for_each_active(m_topology.mask(b), [&](int offset) {
-    const float value = m_values[b] != nullptr ? m_values[b][offset] : m_density.background();
-    if (!std::isfinite(value)) return;
-    found.integers = found.integers && value == std::floor(value);
-    const Vec3i local = brick_local(offset);
-    const int lowest = (local.x == 0 ? 4 : 0) | (local.y == 0 ? 2 : 0) | (local.z == 0 ? 1 : 0);
-    found.lo[0] = std::min(found.lo[0], value);
-    found.hi[0] = std::max(found.hi[0], value);
-    for (std::size_t part = 1; lowest != 0 && part < 8; ++part) {
-      if ((int(part) & ~lowest) != 0) continue;
-      found.lo[part] = std::min(found.lo[part], value);
-      found.hi[part] = std::max(found.hi[part], value);
+  // Of all rows along z, those at x = 0, those at y = 0 and the one at both; a lane is a z.
+  std::array<RowRange, 4> rows;
+  bool integers = true;
+  const Lanes background = Lanes{} + m_density.background();
+  for (int x = 0; x < kBrickDim; ++x) {
+    for (int y = 0; y < kBrickDim; ++y) {
+      const auto bits = unsigned(m_topology.mask(b)[std::size_t(x)] >> (8 * y)) & 0xff;
+      if (bits == 0) continue;
+      Lanes values = background;
+      if (m_values[b] != nullptr) std::memcpy(&values, m_values[b] + 64 * x + 8 * y, sizeof values);
+      const LaneBits counts = (((LaneBits{} + int(bits)) & kLaneBit) != 0) & (values - values == 0);
+      integers = integers && are_integers(values, counts);
+      rows[0].add(values, counts);
+      if (x == 0) rows[1].add(values, counts);
+      if (y == 0) rows[2].add(values, counts);
+      if (x + y == 0) rows[3].add(values, counts);
     }
-  });
+  }
+  Survey found;
+  found.integers = integers;
+  for (std::size_t part = 0; part < 8; ++part) {
+    const RowRange& range = rows[(part & 4) / 4 + (part & 2)];
+    found.lo[part] = range.lo[0];
+    found.hi[part] = range.hi[0];
+    for (int z = 1; z < kBrickDim && (part & 1) == 0; ++z) {
+      found.lo[part] = std::min(found.lo[part], range.lo[z]);
+      found.hi[part] = std::max(found.hi[part], range.hi[z]);
+    }
+  }
   return found;
 }
 
@@ -117,16 +156,19 @@ void SourceBricks::choose_encoding(const std::vector<Survey>& surveys) {
 
 /// Cells reach by one node into the bricks above.
 EncodedRange SourceBricks::range_of(const std::vector<Survey>& surveys, std::size_t b) const {
-  EncodedRange range;
+  float lo = HUGE_VALF, hi = -HUGE_VALF;
   for (std::size_t part = 0; part < 8; ++part) {
     const Vec3i above = cell_corner(int(part)) * kBrickDim;
-    const std::int32_t from = m_topology.find(m_topology.origin(b) + above);
+    const std::int32_t from =
+        part == 0 ? std::int32_t(b) : m_topology.find(m_topology.origin(b) + above);
     if (from < 0) continue;
-    const Survey& found = surveys[std::size_t(from)];
-    if (found.lo[part] > found.hi[part]) continue;
-    range.add(float(encode(found.lo[part])));
-    range.add(float(encode(found.hi[part])));
+    lo = std::min(lo, surveys[std::size_t(from)].lo[part]);
+    hi = std::max(hi, surveys[std::size_t(from)].hi[part]);
   }
+  EncodedRange range;
+  if (lo > hi) return range;
+  range.add(float(encode(lo)));
+  range.add(float(encode(hi)));
   return range;
 }
 

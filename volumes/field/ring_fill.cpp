@@ -1,7 +1,7 @@
 #include "volumes/field/ring_fill.h"
 
 #include <algorithm>
-#include <tuple>
+#include <numeric>
 
 #include <tbb/parallel_for.h>
 
@@ -64,25 +64,21 @@ std::vector<std::int32_t> with_neighbours(const BrickTopology& topology,
   return result;
 }
 
-/// Drops what is not valid; brick order stays.
-VectorBricks compact(const BrickTopology& bricks, const std::vector<BrickMask>& valid,
-                     BrickVectors vectors, std::vector<std::uint8_t>* ring_of) {
-  bool is_all = true;
-  for (std::size_t b = 0; b < bricks.brick_count(); ++b) {
-    is_all = is_all && valid[b] == bricks.mask(b);
-  }
-  if (is_all) return {bricks, std::move(vectors)};
+/// Drops what is not valid; brick order stays. `valid_of(b)`: the valid voxels of brick b.
+template <class ValidOf>
+VectorBricks compact(const BrickTopology& bricks, const ValidOf& valid_of, BrickVectors vectors,
+                     std::vector<std::uint8_t>* ring_of) {
   std::vector<Vec3i> origins;
   std::vector<BrickMask> masks;
   std::vector<std::size_t> kept;
   for (std::size_t b = 0; b < bricks.brick_count(); ++b) {
-    if (!any_bit(valid[b])) continue;
+    if (!any_bit(valid_of(b))) continue;
     const std::size_t from = b * kBrickVoxels, to = origins.size() * kBrickVoxels;
     if (from != to && ring_of) {
       std::copy_n(ring_of->begin() + from, kBrickVoxels, ring_of->begin() + to);
     }
     origins.push_back(bricks.origin(b));
-    masks.push_back(valid[b]);
+    masks.push_back(valid_of(b));
     kept.push_back(b);
   }
   vectors.keep_only(kept);
@@ -116,38 +112,43 @@ VectorBricks fill_rings(const VectorBricks& seed, const BrickTopology& target, i
   const BrickTopology bricks = holds(target, seed.topology) ? target : unite(seed.topology, target);
   const std::size_t count = bricks.brick_count();
   BrickVectors vectors(count);
-  std::vector<BrickMask> valid(count, BrickMask{});
   if (ring_of) ring_of->assign(count * kBrickVoxels, 0);
-  std::vector<std::size_t> pending;  // bricks with wanted voxels
+  // Bricks with wanted voxels, and what is valid in them so far; all others are as in `bricks`.
+  std::vector<std::size_t> pending;
+  std::vector<BrickMask> valid;
+  std::vector<std::int32_t> number_of(count, -1);  // among the pending ones
   for (std::size_t b = 0; b < count; ++b) {
     const std::int32_t s = seed.topology.find(bricks.origin(b));
-    if (s >= 0) {
-      valid[b] = seed.topology.mask(s);
-      const Vec3f* const given = seed.vectors.brick(std::size_t(s));
-      if (given != nullptr) std::copy_n(given, kBrickVoxels, vectors.touch(b));
-    }
-    if (valid[b] != bricks.mask(b)) pending.push_back(b);
+    const Vec3f* const given = s < 0 ? nullptr : seed.vectors.brick(std::size_t(s));
+    if (given != nullptr) std::copy_n(given, kBrickVoxels, vectors.touch(b));
+    if (s >= 0 && seed.topology.mask(std::size_t(s)) == bricks.mask(b)) continue;
+    number_of[b] = std::int32_t(pending.size());
+    pending.push_back(b);
+    valid.push_back(s < 0 ? BrickMask{} : seed.topology.mask(std::size_t(s)));
   }
-  std::vector<Surroundings> around(pending.size());
-  tbb::parallel_for(std::size_t(0), pending.size(),
-                    [&](std::size_t n) { around[n] = surroundings_of(bricks, pending[n]); });
+  const auto mask_of = [&](std::int32_t b) -> const BrickMask& {
+    const std::int32_t number = number_of[std::size_t(b)];
+    return number < 0 ? bricks.mask(std::size_t(b)) : valid[std::size_t(number)];
+  };
 
   // Vectors of a ring are written beside the valid ones, which alone are read. Where no brick
   // around is stored the ring is of zeros, and its brick is not stored either.
   std::vector<BrickMask> ring(pending.size());
   std::vector<std::uint8_t> moves(pending.size());
-  const auto mask_of = [&](std::int32_t m) -> const BrickMask& { return valid[m]; };
-  for (int number = 1; number <= max_rings; ++number) {
-    tbb::parallel_for(std::size_t(0), pending.size(), [&](std::size_t n) {
-      const std::size_t b = pending[n];
-      ring[n] = next_ring(padded_rows<1>(around[n], mask_of), bricks.mask(b), valid[b]);
-      moves[n] = any_bit(ring[n]) && is_stored(vectors, around[n]);
+  std::vector<std::size_t> open(pending.size());  // numbers of those that still want voxels
+  std::iota(open.begin(), open.end(), std::size_t(0));
+  for (int number = 1; number <= max_rings && !open.empty(); ++number) {
+    tbb::parallel_for(std::size_t(0), open.size(), [&](std::size_t at) {
+      const std::size_t n = open[at], b = pending[n];
+      const Surroundings around = surroundings_of(bricks, b);
+      ring[n] = next_ring(padded_rows<1>(around, mask_of), bricks.mask(b), valid[n]);
+      moves[n] = any_bit(ring[n]) && is_stored(vectors, around);
     });
-    for (std::size_t n = 0; n < pending.size(); ++n) {
+    for (const std::size_t n : open) {
       if (moves[n]) vectors.touch(pending[n]);
     }
-    tbb::parallel_for(std::size_t(0), pending.size(), [&](std::size_t n) {
-      const std::size_t b = pending[n];
+    tbb::parallel_for(std::size_t(0), open.size(), [&](std::size_t at) {
+      const std::size_t n = open[at], b = pending[n];
       if (ring_of) {
         for_each_active(ring[n], [&](int offset) {
           (*ring_of)[b * kBrickVoxels + std::size_t(offset)] = std::uint8_t(std::min(number, 255));
@@ -155,19 +156,24 @@ VectorBricks fill_rings(const VectorBricks& seed, const BrickTopology& target, i
       }
       if (!moves[n]) return;
       Vec3f* const own = vectors.touch(b);
-      fill_ring(ring[n], number, fill, around[n], mask_of, vectors,
+      fill_ring(ring[n], number, fill, surroundings_of(bricks, b), mask_of, vectors,
                 [&](int offset, const Vec3f& v) { own[offset] = v; });
     });
     bool grown = false;
-    for (std::size_t n = 0; n < pending.size(); ++n) {
+    std::size_t left = 0;
+    for (const std::size_t n : open) {
       // Beside a brick that moves at its far side alone.
       if (moves[n] && are_zeros(vectors.brick(pending[n]))) vectors.release(pending[n]);
       grown = grown || any_bit(ring[n]);
-      for (int word = 0; word < 8; ++word) valid[pending[n]][word] |= ring[n][word];
+      for (int word = 0; word < 8; ++word) valid[n][word] |= ring[n][word];
+      if (valid[n] != bricks.mask(pending[n])) open[left++] = n;
     }
+    open.resize(left);
     if (!grown) break;
   }
-  return compact(bricks, valid, std::move(vectors), ring_of);
+  if (open.empty()) return {bricks, std::move(vectors)};
+  const auto valid_of = [&](std::size_t b) { return mask_of(std::int32_t(b)); };
+  return compact(bricks, valid_of, std::move(vectors), ring_of);
 }
 
 RingOrder::RingOrder(const BrickTopology& topology, const std::vector<std::uint8_t>& ring_of)

@@ -79,30 +79,39 @@ BrickTopology::BrickTopology(std::vector<Vec3i> origins, std::vector<BrickMask> 
   if (!std::is_sorted(sources.begin(), sources.end(), comes_first)) {
     tbb::parallel_sort(sources.begin(), sources.end(), comes_first);
   }
+  const auto bricks = std::make_shared<Bricks>();
   std::vector<Vec3i> sorted;
   sorted.reserve(sources.size());
-  m_masks.reserve(sources.size());
+  bricks->masks.reserve(sources.size());
   for (const Source& source : sources) {
     const BrickMask& mask = masks[source.place];
     sorted.push_back(source.origin);
-    m_masks.push_back(mask);
-    m_active_count += mask_count(mask);
+    bricks->masks.push_back(mask);
+    bricks->active_count += mask_count(mask);
     const IndexBox box = mask_bounds(mask);
-    m_active_bounds = join(m_active_bounds, {source.origin + box.lo, source.origin + box.hi});
+    bricks->active_bounds =
+        join(bricks->active_bounds, {source.origin + box.lo, source.origin + box.hi});
   }
-  m_index = BrickIndex(std::move(sorted));
-  m_neighbours.resize(m_index.count());
-  tbb::parallel_for(std::size_t(0), m_index.count(), [&](std::size_t b) {
+  bricks->index = BrickIndex(std::move(sorted));
+  const BrickIndex& index = bricks->index;
+  bricks->neighbours.resize(index.count());
+  tbb::parallel_for(std::size_t(0), index.count(), [&](std::size_t b) {
     for (int face = 0; face < 6; ++face) {
       const Vec3i step(kFaces[face][0], kFaces[face][1], kFaces[face][2]);
-      m_neighbours[b][face] = find(m_index.origin(b) + step);
+      bricks->neighbours[b][face] = index.find(index.origin(b) + step);
     }
   });
+  m_bricks = bricks;
+}
+
+const std::shared_ptr<const BrickTopology::Bricks>& BrickTopology::none() {
+  static const auto bricks = std::make_shared<const Bricks>();
+  return bricks;
 }
 
 std::size_t BrickTopology::bytes() const {
-  return m_index.bytes() + m_masks.capacity() * sizeof(BrickMask) +
-         m_neighbours.capacity() * sizeof(m_neighbours[0]);
+  return index().bytes() + m_bricks->masks.capacity() * sizeof(BrickMask) +
+         m_bricks->neighbours.capacity() * sizeof(m_bricks->neighbours[0]);
 }
 
 bool touches(const BrickTopology& topology, const Vec3d& pos) {

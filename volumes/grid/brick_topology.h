@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "volumes/grid/brick_index.h"
@@ -40,47 +41,57 @@ IndexBox mask_bounds(const BrickMask& mask);
 IndexBox join(const IndexBox& a, const IndexBox& b);
 
 /// Immutable list of bricks in ascending (x, y, z) order of their origins (x slowest), with
-/// active-voxel masks and face neighbours. Voxel coordinates may be negative.
+/// active-voxel masks and face neighbours. Voxel coordinates may be negative. Copies share it.
 class BrickTopology {
  public:
-  BrickTopology() = default;
+  BrickTopology() noexcept : m_bricks(none()) {}
+  /// What is moved from stays as it is.
+  BrickTopology(const BrickTopology&) = default;
+  BrickTopology& operator=(const BrickTopology&) = default;
 
   /// `origins` are multiples of 8 and unique; bricks are sorted, `masks` follow. Bricks with an
   /// empty mask are dropped.
   BrickTopology(std::vector<Vec3i> origins, std::vector<BrickMask> masks);
 
-  std::size_t brick_count() const { return m_index.count(); }
-  bool empty() const { return m_index.empty(); }
+  std::size_t brick_count() const { return m_bricks->index.count(); }
+  bool empty() const { return m_bricks->index.empty(); }
   /// Smallest voxel of brick b.
-  const Vec3i& origin(std::size_t b) const { return m_index.origin(b); }
-  const BrickMask& mask(std::size_t b) const { return m_masks[b]; }
+  const Vec3i& origin(std::size_t b) const { return m_bricks->index.origin(b); }
+  const BrickMask& mask(std::size_t b) const { return m_bricks->masks[b]; }
 
   /// Brick that holds the voxel, or -1.
-  std::int32_t find(const Vec3i& voxel) const { return m_index.find(voxel); }
+  std::int32_t find(const Vec3i& voxel) const { return m_bricks->index.find(voxel); }
   bool is_active(const Vec3i& voxel) const {
     const std::int32_t b = find(voxel);
-    return b >= 0 && mask_test(m_masks[b], brick_offset(voxel));
+    return b >= 0 && mask_test(mask(std::size_t(b)), brick_offset(voxel));
   }
   /// The bricks without their masks.
-  const BrickIndex& index() const { return m_index; }
+  const BrickIndex& index() const { return m_bricks->index; }
   /// Brick across a face, or -1. Faces: 0 -x, 1 +x, 2 -y, 3 +y, 4 -z, 5 +z.
-  std::int32_t neighbour(std::size_t b, int face) const { return m_neighbours[b][face]; }
+  std::int32_t neighbour(std::size_t b, int face) const { return m_bricks->neighbours[b][face]; }
 
-  std::int64_t active_count() const { return m_active_count; }
+  std::int64_t active_count() const { return m_bricks->active_count; }
   /// Smallest box of the active voxels; empty when there are none.
-  const IndexBox& active_bounds() const { return m_active_bounds; }
+  const IndexBox& active_bounds() const { return m_bricks->active_bounds; }
+  /// Of this list, however many copies share it.
   std::size_t bytes() const;
 
   bool operator==(const BrickTopology& other) const {
-    return m_index.origins() == other.m_index.origins() && m_masks == other.m_masks;
+    return m_bricks == other.m_bricks ||
+           (index().origins() == other.index().origins() && m_bricks->masks == other.m_bricks->masks);
   }
 
  private:
-  BrickIndex m_index;
-  std::vector<BrickMask> m_masks;
-  std::vector<std::array<std::int32_t, 6>> m_neighbours;
-  std::int64_t m_active_count = 0;
-  IndexBox m_active_bounds;
+  struct Bricks {
+    BrickIndex index;
+    std::vector<BrickMask> masks;
+    std::vector<std::array<std::int32_t, 6>> neighbours;
+    std::int64_t active_count = 0;
+    IndexBox active_bounds;
+  };
+  static const std::shared_ptr<const Bricks>& none();
+
+  std::shared_ptr<const Bricks> m_bricks;
 };
 
 /// Calls `visit(offset)` for every set bit, ascending.

@@ -97,6 +97,13 @@ void BrickArray<T>::keep_only(const std::vector<std::size_t>& kept) {
 }
 
 template <class T>
+void BrickArray<T>::place_at(const std::vector<std::size_t>& places, std::size_t brick_count) {
+  std::vector<T*> table(brick_count, nullptr);
+  for (std::size_t n = 0; n < places.size(); ++n) table[places[n]] = m_table[n];
+  m_table = std::move(table);
+}
+
+template <class T>
 void BrickArray<T>::resize(std::size_t brick_count) {
   for (std::size_t b = brick_count; b < m_table.size(); ++b) release(b);
   m_table.resize(brick_count, nullptr);

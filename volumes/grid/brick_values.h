@@ -82,6 +82,9 @@ class BrickArray {
   /// released.
   void keep_only(const std::vector<std::size_t>& kept);
 
+  /// The bricks are numbered anew: brick n becomes `places[n]`, each once, of so many.
+  void place_at(const std::vector<std::size_t>& places, std::size_t brick_count);
+
   /// Room for that many bricks; those beyond are released.
   void resize(std::size_t brick_count);
   /// Back to no bricks at all, and no memory.

@@ -22,7 +22,7 @@ ResidualHistogram residuals_of(const std::vector<float>& misses) {
   next = 0;
   const VectorBricks o = field_on(nodes, [&](const Vec3i&) { return Vec3f(misses[next++], 0, 0); });
   EXPECT_EQ(next, misses.size());
-  return measure_residuals(still, o, std::vector<BrickMask>(where.brick_count(), BrickMask{}));
+  return measure_residuals(still, o, FoldedCells());
 }
 
 TEST(UnitInversionCertificate, PercentilesAreThoseOfTheResiduals) {
@@ -58,9 +58,11 @@ TEST(UnitInversionCertificate, SourcesFarApartAreMeasuredOffFoldsAndUnknownOnesA
     const BrickTopology nodes = box_topology({2, 2, 2}, {3, 3, 3});
     const VectorBricks o =
         field_on(nodes, [&](const Vec3i& v) { return v == Vec3i(2) ? far : Vec3f(0.25f, 0, 0); });
-    std::vector<BrickMask> folds(where.brick_count(), BrickMask{});
+    FoldedCells folds;
     const Vec3i cell(62);
-    if (folded) mask_set(folds[std::size_t(where.find(cell))], brick_offset(cell));
+    BrickMask mask{};
+    mask_set(mask, brick_offset(cell));
+    if (folded) folds.add(where.find(cell), mask);
     return measure_residuals(u, o, folds).max();
   };
   EXPECT_NEAR(max_of(Vec3f(60), false), 0.5 * std::sqrt(3.0), 1e-6);

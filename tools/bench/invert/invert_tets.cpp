@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <oneapi/tbb/enumerable_thread_specific.h>
 #include <oneapi/tbb/parallel_for.h>
@@ -67,11 +68,14 @@ struct Worker {
 
 VectorBricks invert_by_tetrahedra(const VectorBricks& u) {
   const std::size_t count = u.topology.brick_count();
-  std::vector<BrickRanges> ranges(count);
-  std::vector<IndexBox> reach(count);
-  tbb::parallel_for(std::size_t(0), count, [&](std::size_t b) { ranges[b] = ranges_of(u, b); });
-  tbb::parallel_for(std::size_t(0), count,
-                    [&](std::size_t b) { reach[b] = reach_of(u.topology, ranges, b); });
+  std::vector<std::int32_t> all(count);
+  std::iota(all.begin(), all.end(), 0);
+  DisplacementRanges ranges;
+  ranges.update(u, all);
+  std::vector<BrickReach> reach(count);
+  tbb::parallel_for(std::size_t(0), count, [&](std::size_t b) {
+    reach[b] = {std::int32_t(b), ranges.reach(u.topology, b)};
+  });
   OffsetAccumulator accumulator(reachable_origins(u, reach));
   tbb::enumerable_thread_specific<Worker> workers;
   tbb::parallel_for(std::size_t(0), count, [&](std::size_t b) {
@@ -83,10 +87,10 @@ VectorBricks invert_by_tetrahedra(const VectorBricks& u) {
       const Vec3i cell = worker.cells.origin + brick_local(offset);
       for (const auto& path : kPaths) rasterise(corners, path, cell, worker.hits);
     });
-    if (is_torn(reach[b])) {
+    if (is_torn(reach[b].nodes)) {
       accumulator.merge(worker.hits);
     } else {
-      accumulator.merge(reach[b], worker.hits, worker.no_doubts);
+      accumulator.merge(reach[b].nodes, worker.hits, worker.no_doubts);
     }
   });
   return accumulator.finish();

@@ -69,6 +69,9 @@ OffsetField invert_cut(const Displacement& displacement, const CutElements& body
 }
 
 struct IncrementalCutInversion::Impl {
+  Impl(const CutElements& cut_body, const InvertParams& invert_params)
+      : body(cut_body), params(invert_params) {}
+
   CutElements body;
   InvertParams params;
   OffsetField field;
@@ -84,8 +87,7 @@ OffsetField IncrementalCutInversion::Impl::follow(const Displacement& part,
                                                   const Displacement& displacement,
                                                   const std::vector<std::int32_t>& changed,
                                                   Progress* progress) {
-  const Vec3i& dims = displacement.geometry.dims();
-  if (std::min({dims.x, dims.y, dims.z}) == 1) return invert(part, params, progress);
+  if (is_flat(displacement.geometry.dims())) return invert(part, params, progress);
   const BrickTopology& voxels = part.u.topology;
   if (!inversion || !has_same_bricks(whole, voxels)) {
     inversion = std::make_unique<IncrementalInversion>(part, params, progress);
@@ -106,7 +108,7 @@ OffsetField IncrementalCutInversion::Impl::follow(const Displacement& part,
 IncrementalCutInversion::IncrementalCutInversion(const Displacement& displacement,
                                                  const CutElements& body,
                                                  const InvertParams& params, Progress* progress)
-    : m_impl(std::make_unique<Impl>(Impl{body, params, {}, {}, nullptr})) {
+    : m_impl(std::make_unique<Impl>(body, params)) {
   update(displacement, {}, progress);
 }
 IncrementalCutInversion::~IncrementalCutInversion() = default;

@@ -88,7 +88,7 @@ BrickFindings BrickSolver::solve(const SourceCells& cells, const CellContents& c
   BrickFindings findings;
   findings.cells = mask_count(cells.mask);
   BrickMask rest = cells.mask;
-  const bool flat = std::min({m_dims.x, m_dims.y, m_dims.z}) == 1;
+  const bool flat = is_flat(m_dims);
   if (!flat && m_params.residual_tolerance_voxels >= kLaneTolerance) {
     rest = m_lanes.solve(cells, contents.tissue_cells(), m_params.residual_tolerance_voxels,
                          m_results, findings.min_det);

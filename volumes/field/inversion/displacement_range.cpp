@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <tbb/parallel_for.h>
+
 #include "volumes/base/error.h"
 #include "volumes/field/brick_nodes.h"
 #include "volumes/field/inversion/reachable_bricks.h"
@@ -47,7 +49,14 @@ std::int32_t upper_brick(const BrickTopology& bricks, std::size_t b, int n) {
   return bricks.find(bricks.origin(b) + cell_corner(n) * kBrickDim);
 }
 
-}  // namespace
+/// Whether some voxel of the mask is 0 along x where n & 4, along y where n & 2, z where n & 1.
+bool has_lowest(const BrickMask& mask, int n) {
+  constexpr std::uint64_t kAll = ~std::uint64_t(0);
+  const std::uint64_t rows = (n & 2 ? 0xff : kAll) & (n & 1 ? 0x0101010101010101 : kAll);
+  std::uint64_t any = 0;
+  for (std::size_t x = 0; x < (n & 4 ? 1 : mask.size()); ++x) any |= mask[x];
+  return (any & rows) != 0;
+}
 
 BrickRanges ranges_of(const VectorBricks& u, std::size_t b) {
   const BrickMask& mask = u.topology.mask(b);
@@ -77,17 +86,44 @@ BrickRanges ranges_of(const VectorBricks& u, std::size_t b) {
   return ranges;
 }
 
-IndexBox reach_of(const BrickTopology& bricks, const std::vector<BrickRanges>& ranges,
-                  std::size_t b) {
+}  // namespace
+
+void DisplacementRanges::update(const VectorBricks& u, const std::vector<std::int32_t>& bricks) {
+  m_slots.resize(u.topology.brick_count(), -1);
+  std::vector<std::int32_t> looked_at;
+  for (const std::int32_t b : bricks) {
+    std::int32_t& slot = m_slots[std::size_t(b)];
+    if (slot < 0 && u.vectors.brick(std::size_t(b)) == nullptr) continue;
+    if (slot < 0) {
+      slot = std::int32_t(m_ranges.size());
+      m_ranges.emplace_back();
+    }
+    looked_at.push_back(b);
+  }
+  tbb::parallel_for(std::size_t(0), looked_at.size(), [&](std::size_t n) {
+    const auto b = std::size_t(looked_at[n]);
+    m_ranges[std::size_t(m_slots[b])] = ranges_of(u, b);
+  });
+}
+
+VectorRange DisplacementRanges::range(const BrickTopology& bricks, std::int32_t b, int n) const {
+  const std::int32_t slot = m_slots[std::size_t(b)];
+  if (slot >= 0) return m_ranges[std::size_t(slot)][std::size_t(n)];
+  if (!has_lowest(bricks.mask(std::size_t(b)), n)) return {};
+  return {Vec3f(0), Vec3f(0)};
+}
+
+IndexBox DisplacementRanges::reach(const BrickTopology& bricks, std::size_t b) const {
   VectorRange moved;
   for (int n = 0; n < 8; ++n) {
     const std::int32_t upper = upper_brick(bricks, b, n);
-    if (upper < 0 || ranges[upper][n].empty()) continue;
-    const VectorRange& range = ranges[upper][n];
+    if (upper < 0) continue;
+    const VectorRange at_corner = range(bricks, upper, n);
+    if (at_corner.empty()) continue;
     for (int a = 0; a < 3; ++a) {
       const bool is_upper = (n >> (2 - a)) & 1;
-      moved.lo[a] = std::min(moved.lo[a], range.lo[a] + (is_upper ? kBrickDim : 0));
-      moved.hi[a] = std::max(moved.hi[a], range.hi[a] + (is_upper ? kBrickDim : kBrickDim - 1));
+      moved.lo[a] = std::min(moved.lo[a], at_corner.lo[a] + (is_upper ? kBrickDim : 0));
+      moved.hi[a] = std::max(moved.hi[a], at_corner.hi[a] + (is_upper ? kBrickDim : kBrickDim - 1));
     }
   }
   IndexBox reach;
@@ -101,12 +137,24 @@ IndexBox reach_of(const BrickTopology& bricks, const std::vector<BrickRanges>& r
   return reach;
 }
 
-bool is_still(const BrickTopology& bricks, const std::vector<BrickRanges>& ranges, std::size_t b) {
+bool DisplacementRanges::is_still(const BrickTopology& bricks, std::size_t b) const {
   for (int n = 0; n < 8; ++n) {
     const std::int32_t upper = upper_brick(bricks, b, n);
-    if (upper >= 0 && !ranges[upper][n].is_zero()) return false;
+    if (upper >= 0 && !range(bricks, upper, n).is_zero()) return false;
   }
   return true;
+}
+
+std::size_t DisplacementRanges::bytes() const {
+  return m_slots.capacity() * sizeof(std::int32_t) + m_ranges.capacity() * sizeof(BrickRanges);
+}
+
+std::vector<std::int32_t> bricks_that_move(const VectorBricks& u) {
+  std::vector<std::int32_t> stored;
+  for (std::size_t b = 0; b < u.topology.brick_count(); ++b) {
+    if (u.vectors.brick(b) != nullptr) stored.push_back(std::int32_t(b));
+  }
+  return with_lower_neighbours(u.topology, stored);
 }
 
 }  // namespace supple

@@ -57,7 +57,6 @@ struct InverseGradient {
 ForwardOffsets::ForwardOffsets(const Displacement& displacement, const BrickTopology* elements)
     : m_u(displacement.u),
       m_elements(elements),
-      m_ranges(m_u.topology.brick_count()),
       m_reach(m_u.topology.brick_count()),
       m_still(m_u.topology.brick_count()) {
   std::vector<std::int32_t> all(m_u.topology.brick_count());
@@ -71,14 +70,12 @@ void ForwardOffsets::update(const std::vector<std::int32_t>& changed) {
 }
 
 void ForwardOffsets::find_ranges(const std::vector<std::int32_t>& changed) {
-  tbb::parallel_for(std::size_t(0), changed.size(), [&](std::size_t n) {
-    m_ranges[changed[n]] = ranges_of(m_u, std::size_t(changed[n]));
-  });
+  m_ranges.update(m_u, changed);
   const std::vector<std::int32_t> touched = with_lower_neighbours(m_u.topology, changed);
   tbb::parallel_for(std::size_t(0), touched.size(), [&](std::size_t n) {
     const std::size_t b = std::size_t(touched[n]);
-    m_reach[b] = reach_of(m_u.topology, m_ranges, b);
-    m_still[b] = is_still(m_u.topology, m_ranges, b);
+    m_reach[b] = m_ranges.reach(m_u.topology, b);
+    m_still[b] = m_ranges.is_still(m_u.topology, b);
   });
 }
 
@@ -291,7 +288,7 @@ Vec3d ForwardOffsets::pull_back(int piece, const Vec3d& /*x*/, const Vec3d& y,
 
 std::size_t ForwardOffsets::bytes() const {
   return bricks().bytes() + m_reached.capacity() * sizeof(Reached) +
-         m_ranges.capacity() * (sizeof(BrickRanges) + sizeof(IndexBox) + 1);
+         m_ranges.bytes() + m_reach.capacity() * (sizeof(IndexBox) + 1);
 }
 
 }  // namespace supple

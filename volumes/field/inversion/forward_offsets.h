@@ -69,7 +69,7 @@ class ForwardOffsets final : public PointwiseOffsets {
 
   const VectorBricks& m_u;
   const BrickTopology* m_elements;
-  std::vector<BrickRanges> m_ranges;  // of its bricks
+  DisplacementRanges m_ranges;
   std::vector<IndexBox> m_reach;      // nodes that their cells reach
   std::vector<std::uint8_t> m_still;  // no corner of their cells moves
   std::vector<Reached> m_reached;     // of bricks()

@@ -4,11 +4,14 @@
 
 #include <algorithm>
 #include <numeric>
+#include <unordered_map>
 
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include "volumes/field/inversion/reachable_bricks.h"
+#include "volumes/field/inversion/resting_brick.h"
+#include "volumes/grid/cell.h"
 #include "volumes/grid/voxel_sets.h"
 
 namespace supple {
@@ -17,22 +20,23 @@ namespace {
 
 constexpr std::size_t kMaxListed = 1000;
 
-/// Parallel over bricks in chunks, with progress and cancellation between them.
+/// Parallel over all numbers in chunks, with progress and cancellation between them.
 template <class Body>
-void for_bricks(const std::vector<std::int32_t>& bricks, Progress* progress, Body&& body) {
+void for_numbers(const std::vector<std::size_t>& numbers, Progress* progress, Body&& body) {
   constexpr std::size_t kChunk = 4096;
-  const std::size_t count = bricks.size();
+  const std::size_t count = numbers.size();
   for (std::size_t start = 0; start < count; start += kChunk) {
     report(progress, double(start) / double(count));
     tbb::parallel_for(start, std::min(count, start + kChunk),
-                      [&](std::size_t n) { body(std::size_t(bricks[n])); });
+                      [&](std::size_t n) { body(numbers[n]); });
   }
 }
 
-std::vector<std::int32_t> all_bricks(std::size_t count) {
-  std::vector<std::int32_t> bricks(count);
-  std::iota(bricks.begin(), bricks.end(), 0);
-  return bricks;
+template <class Number>
+std::vector<Number> all_numbers(std::size_t count) {
+  std::vector<Number> numbers(count);
+  std::iota(numbers.begin(), numbers.end(), Number(0));
+  return numbers;
 }
 
 void add_origins(const IndexBox& reach, std::vector<Vec3i>& origins) {
@@ -57,58 +61,75 @@ struct Inversion::Worker {
 
 Inversion::Inversion(const Vec3i& dims, const InvertParams& params)
     : m_dims(dims), m_params(params) {
-  const bool is_slice = std::min({dims.x, dims.y, dims.z}) == 1;
-  if (is_slice && params.material != nullptr) m_slice = thickened(*params.material, dims);
+  if (is_flat(dims) && params.material != nullptr) m_slice = thickened(*params.material, dims);
 }
 
 CellContents Inversion::contents_of(const Vec3i& origin) const {
   return {m_slice.empty() ? m_params.material : &m_slice, origin};
 }
 
-/// Refuses values that have no place on the lattice, and finds how far these bricks move.
-void Inversion::classify(const VectorBricks& u, const std::vector<std::int32_t>& bricks) {
-  m_ranges.resize(u.topology.brick_count());
-  tbb::parallel_for(std::size_t(0), bricks.size(), [&](std::size_t n) {
-    m_ranges[bricks[n]] = ranges_of(u, std::size_t(bricks[n]));
-  });
+void Inversion::add_sources(const std::vector<std::int32_t>& bricks) {
+  for (const std::int32_t b : bricks) {
+    if (!rests(b)) continue;
+    m_source_of[std::size_t(b)] = std::int32_t(m_sources.size());
+    m_resting_cells[std::size_t(b)] = 0;
+    m_sources.push_back({b, {}});
+  }
 }
 
-/// Finds what the cells of these bricks reach.
+/// Finds what the cells of these bricks, which are sources, reach.
 void Inversion::place(const VectorBricks& u, const std::vector<std::int32_t>& bricks) {
-  const std::size_t count = u.topology.brick_count();
-  const bool flat = std::min({m_dims.x, m_dims.y, m_dims.z}) == 1;
-  m_reach.resize(count);
-  m_still.resize(count);
   tbb::parallel_for(std::size_t(0), bricks.size(), [&](std::size_t n) {
-    const std::size_t b = std::size_t(bricks[n]);
-    m_reach[b] = reach_of(u.topology, m_ranges, b);
-    m_still[b] = !flat && is_still(u.topology, m_ranges, b);
+    const auto b = std::size_t(bricks[n]);
+    Source& source = m_sources[std::size_t(m_source_of[b])];
+    source.reach = m_ranges.reach(u.topology, b);
+    source.is_still = !is_flat(m_dims) && m_ranges.is_still(u.topology, b);
   });
 }
 
-void Inversion::solve_brick(const VectorBricks& u, std::size_t b, OffsetAccumulator& accumulator,
-                            Worker& worker) {
+void Inversion::solve_source(const VectorBricks& u, Source& source, OffsetAccumulator& accumulator,
+                             Worker& worker) const {
+  const auto b = std::size_t(source.brick);
   const Vec3i& origin = u.topology.origin(b);
-  m_findings[b] = {};
-  m_folded[b] = {};
-  if (m_still[b]) {
+  source.findings = {};
+  source.folded = {};
+  if (source.is_still) {
     const BrickMask cells = cell_mask(u.topology, b);
-    m_findings[b].cells = mask_count(cells);
+    source.findings.cells = mask_count(cells);
     accumulator.merge_zeros(origin, cells, contents_of(origin));
     return;
   }
   if (!gather_cells(u, b, worker.cells)) return;
   const CellContents contents = contents_of(origin);
-  m_findings[b] = worker.solver.solve(worker.cells, contents, m_folded[b]);
+  source.findings = worker.solver.solve(worker.cells, contents, source.folded);
   CellResults& results = worker.solver.results();
   accumulator.merge_zeros(origin, results.still, contents);
-  if (is_torn(m_reach[b])) {
+  if (is_torn(source.reach)) {
     accumulator.merge(results.hits);
   } else {
     // Most doubtful nodes lie in the cell beside; those need no further thought.
-    accumulator.merge(m_reach[b], results.hits, results.doubts);
+    accumulator.merge(source.reach, results.hits, results.doubts);
   }
   worker.doubts.insert(worker.doubts.end(), results.doubts.begin(), results.doubts.end());
+}
+
+/// The zeros of resting cells with corners in the output bricks.
+void Inversion::merge_resting(const VectorBricks& u, OffsetAccumulator& accumulator) const {
+  const std::vector<Vec3i>& outputs = accumulator.bricks().index().origins();
+  std::vector<std::int32_t> beside;
+  for (const Vec3i& origin : outputs) {
+    for (int n = 0; n < 8; ++n) {
+      const std::int32_t b = u.topology.find(origin - cell_corner(n) * kBrickDim);
+      if (rests(b)) beside.push_back(b);
+    }
+  }
+  std::sort(beside.begin(), beside.end());
+  beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
+  tbb::parallel_for(std::size_t(0), beside.size(), [&](std::size_t n) {
+    const auto b = std::size_t(beside[n]);
+    const Vec3i& origin = u.topology.origin(b);
+    accumulator.merge_zeros(origin, cell_mask(u.topology, b), contents_of(origin));
+  });
 }
 
 /// Bisects the cells around nodes that are still without a solution, and lists those that are
@@ -138,11 +159,14 @@ void Inversion::settle(const VectorBricks& u, const std::vector<OpenNode>& doubt
   sort_unique(m_unresolved);
 }
 
-VectorBricks Inversion::solve_bricks(const VectorBricks& u, const std::vector<std::int32_t>& bricks,
-                                     OffsetAccumulator& accumulator, Progress* progress) {
+VectorBricks Inversion::solve_sources(const VectorBricks& u,
+                                      const std::vector<std::size_t>& sources,
+                                      OffsetAccumulator& accumulator, Progress* progress) {
   tbb::enumerable_thread_specific<Worker> workers([&] { return Worker(m_dims, m_params); });
-  for_bricks(bricks, progress,
-             [&](std::size_t b) { solve_brick(u, b, accumulator, workers.local()); });
+  for_numbers(sources, progress, [&](std::size_t n) {
+    solve_source(u, m_sources[n], accumulator, workers.local());
+  });
+  merge_resting(u, accumulator);
   // What the quick solves left open.
   std::vector<OpenNode> doubts;
   for (const Worker& part : workers) {
@@ -159,15 +183,71 @@ VectorBricks Inversion::solve_bricks(const VectorBricks& u, const std::vector<st
 }
 
 VectorBricks Inversion::solve(const VectorBricks& u, Progress* progress) {
-  const std::vector<std::int32_t> bricks = all_bricks(u.topology.brick_count());
+  const std::size_t count = u.topology.brick_count();
   m_unresolved.clear();
   m_overlaps.clear();
-  m_findings.assign(bricks.size(), {});
-  m_folded.assign(bricks.size(), {});
-  classify(u, bricks);
-  place(u, bricks);
-  OffsetAccumulator accumulator(reachable_origins(u, m_reach));
-  return solve_bricks(u, bricks, accumulator, progress);
+  m_sources.clear();
+  m_source_of.assign(count, -1);
+  m_resting_cells.assign(count, 0);
+  m_ranges = {};
+  // The copies of a slice count as moving, so that nothing comes from them.
+  const std::vector<std::int32_t> moving =
+      is_flat(m_dims) ? all_numbers<std::int32_t>(count) : bricks_that_move(u);
+  add_sources(moving);
+  m_ranges.update(u, moving);
+  place(u, moving);
+  std::vector<BrickReach> reaches;
+  for (const Source& source : m_sources) reaches.push_back({source.brick, source.reach});
+  OffsetAccumulator accumulator(reachable_origins(u, reaches));
+  VectorBricks moved =
+      solve_sources(u, all_numbers<std::size_t>(m_sources.size()), accumulator, progress);
+  return with_resting(u.topology, accumulator.bricks(), std::move(moved));
+}
+
+/// The bricks that moving ones reach, and the others of u. Counts the cells that rest.
+VectorBricks Inversion::with_resting(const BrickTopology& bricks, const BrickTopology& reached,
+                                     VectorBricks moved) {
+  const std::size_t count = bricks.brick_count();
+  tbb::enumerable_thread_specific<std::vector<std::pair<std::size_t, BrickMask>>> parts;
+  tbb::parallel_for(std::size_t(0), count, [&](std::size_t b) {
+    const RestingBrick brick(bricks, b, [&](std::int32_t lower) { return rests(lower); });
+    if (rests(std::int32_t(b))) m_resting_cells[b] = std::int16_t(brick.cells());
+    if (reached.find(bricks.origin(b)) >= 0) return;
+    const BrickMask nodes = brick.nodes();
+    if (nodes != bricks.mask(b)) parts.local().emplace_back(b, nodes);
+  });
+  std::unordered_map<std::size_t, BrickMask> differing;
+  for (const auto& part : parts) differing.insert(part.begin(), part.end());
+
+  // Mostly the bricks are those of u, which are shared then.
+  const auto is_of_u = [&](std::size_t n) {
+    const std::int32_t b = bricks.find(moved.topology.origin(n));
+    return b >= 0 && bricks.mask(std::size_t(b)) == moved.topology.mask(n);
+  };
+  bool is_same = differing.empty();
+  std::size_t replaced = 0;  // bricks of u among the reached ones
+  for (const Vec3i& origin : reached.index().origins()) replaced += bricks.find(origin) >= 0;
+  is_same = is_same && replaced == moved.topology.brick_count();
+  for (std::size_t n = 0; n < moved.topology.brick_count() && is_same; ++n) is_same = is_of_u(n);
+  BrickTopology all = bricks;
+  if (!is_same) {
+    std::vector<Vec3i> origins = moved.topology.index().origins();
+    std::vector<BrickMask> masks;
+    for (std::size_t n = 0; n < origins.size(); ++n) masks.push_back(moved.topology.mask(n));
+    for (std::size_t b = 0; b < count; ++b) {
+      if (reached.find(bricks.origin(b)) >= 0) continue;
+      origins.push_back(bricks.origin(b));
+      const auto found = differing.find(b);
+      masks.push_back(found == differing.end() ? bricks.mask(b) : found->second);
+    }
+    all = BrickTopology(std::move(origins), std::move(masks));
+  }
+  std::vector<std::size_t> places;
+  for (const Vec3i& origin : moved.topology.index().origins()) {
+    places.push_back(std::size_t(all.find(origin)));
+  }
+  moved.vectors.place_at(places, all.brick_count());
+  return {std::move(all), std::move(moved.vectors)};
 }
 
 bool Inversion::solve_changed(const VectorBricks& u, const std::vector<std::int32_t>& changed,
@@ -175,14 +255,20 @@ bool Inversion::solve_changed(const VectorBricks& u, const std::vector<std::int3
   // What the cells with a changed corner reached, and what they reach now.
   const std::vector<std::int32_t> affected = with_lower_neighbours(u.topology, changed);
   touched.clear();
+  for (const std::int32_t b : affected) {
+    const Vec3i& origin = u.topology.origin(std::size_t(b));
+    if (rests(b)) add_box(origin, origin + Vec3i(kBrickDim), touched);
+  }
+  add_sources(affected);
   for (int pass = 0; pass < 2; ++pass) {
     for (const std::int32_t b : affected) {
-      if (is_torn(m_reach[b])) return false;
-      add_origins(m_reach[b], touched);
+      const IndexBox& reach = m_sources[std::size_t(m_source_of[std::size_t(b)])].reach;
+      if (is_torn(reach)) return false;
+      add_origins(reach, touched);
     }
     sort_unique(touched);
     if (pass > 0) break;
-    classify(u, changed);
+    m_ranges.update(u, changed);
     place(u, affected);
   }
 
@@ -192,16 +278,27 @@ bool Inversion::solve_changed(const VectorBricks& u, const std::vector<std::int3
                      m_unresolved.end());
   for (const Vec3i& origin : touched) m_overlaps.erase(origin);
   OffsetAccumulator accumulator(touched);
-  std::vector<std::uint8_t> takes_part(u.topology.brick_count());
-  tbb::parallel_for(std::size_t(0), takes_part.size(),
-                    [&](std::size_t b) { takes_part[b] = accumulator.is_reached_by(m_reach[b]); });
-  for (const std::int32_t b : affected) takes_part[b] = 1;
-  std::vector<std::int32_t> bricks;
-  for (std::size_t b = 0; b < takes_part.size(); ++b) {
-    if (takes_part[b]) bricks.push_back(std::int32_t(b));
+  std::vector<std::uint8_t> takes_part(m_sources.size());
+  tbb::parallel_for(std::size_t(0), takes_part.size(), [&](std::size_t n) {
+    takes_part[n] = accumulator.is_reached_by(m_sources[n].reach);
+  });
+  for (const std::int32_t b : affected) {
+    takes_part[std::size_t(m_source_of[std::size_t(b)])] = 1;
   }
-  offsets = solve_bricks(u, bricks, accumulator, nullptr);
+  std::vector<std::size_t> sources;
+  for (std::size_t n = 0; n < takes_part.size(); ++n) {
+    if (takes_part[n]) sources.push_back(n);
+  }
+  offsets = solve_sources(u, sources, accumulator, nullptr);
   return true;
+}
+
+FoldedCells Inversion::folded() const {
+  FoldedCells folded;
+  for (const Source& source : m_sources) {
+    if (mask_count(source.folded) > 0) folded.add(source.brick, source.folded);
+  }
+  return folded;
 }
 
 BrickTopology Inversion::overlaps() const {
@@ -216,8 +313,9 @@ BrickTopology Inversion::overlaps() const {
 
 InversionCertificate Inversion::certificate() const {
   InversionCertificate certificate;
-  for (std::size_t b = 0; b < m_findings.size(); ++b) {
-    const BrickFindings& findings = m_findings[b];
+  for (const std::int16_t cells : m_resting_cells) certificate.cells += cells;
+  for (const Source& source : m_sources) {
+    const BrickFindings& findings = source.findings;
     certificate.cells += findings.cells;
     certificate.folded_cells += findings.folded_cells;
     certificate.folded_air_cells += findings.folded_air_cells;

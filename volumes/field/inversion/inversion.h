@@ -1,6 +1,9 @@
 // The inversion of one displacement after the other on the same source bricks: of all bricks at
 // once, or of those that a change touches. The contents of an output brick depend on the source
 // bricks that reach it and on nothing else, so both ways end with the same bits.
+//
+// It begins at the bricks that move. Where none of them reaches, offsets are 0 at the corners of
+// the complete cells, which masks tell. Cost there: 0.1 µs per brick, and 6 bytes.
 #pragma once
 
 #include <unordered_map>
@@ -8,6 +11,7 @@
 #include "volumes/field/inversion/brick_solver.h"
 #include "volumes/field/inversion/displacement_range.h"
 #include "volumes/field/inversion/offset_accumulator.h"
+#include "volumes/field/inversion/source_window.h"
 #include "volumes/grid/voxel_sets.h"
 
 namespace supple {
@@ -25,8 +29,8 @@ class Inversion {
   bool solve_changed(const VectorBricks& u, const std::vector<std::int32_t>& changed,
                      std::vector<Vec3i>& touched, VectorBricks& offsets);
 
-  /// Folded cells per brick of u.
-  const std::vector<BrickMask>& folded() const { return m_folded; }
+  /// Folded cells of u.
+  FoldedCells folded() const;
   /// Nodes that tissue from several places covers.
   BrickTopology overlaps() const;
   /// All but the residuals and the hidden elements.
@@ -34,28 +38,38 @@ class Inversion {
 
  private:
   struct Worker;
-  void classify(const VectorBricks& u, const std::vector<std::int32_t>& bricks);
+  /// A source brick with a corner that moves, or once did.
+  struct Source {
+    std::int32_t brick;
+    IndexBox reach;         // nodes that its cells reach
+    bool is_still = false;  // u = 0 at all corners of its cells
+    BrickFindings findings = {};
+    BrickMask folded = {};
+  };
+
+  void add_sources(const std::vector<std::int32_t>& bricks);
   void place(const VectorBricks& u, const std::vector<std::int32_t>& bricks);
-  VectorBricks solve_bricks(const VectorBricks& u, const std::vector<std::int32_t>& bricks,
-                            OffsetAccumulator& accumulator, Progress* progress);
-  void solve_brick(const VectorBricks& u, std::size_t b, OffsetAccumulator& accumulator,
-                   Worker& worker);
+  /// `sources`: by number.
+  VectorBricks solve_sources(const VectorBricks& u, const std::vector<std::size_t>& sources,
+                             OffsetAccumulator& accumulator, Progress* progress);
+  void solve_source(const VectorBricks& u, Source& source, OffsetAccumulator& accumulator,
+                    Worker& worker) const;
+  void merge_resting(const VectorBricks& u, OffsetAccumulator& accumulator) const;
   void settle(const VectorBricks& u, const std::vector<OpenNode>& doubts,
               OffsetAccumulator& accumulator);
-
+  bool rests(std::int32_t b) const { return b >= 0 && m_source_of[std::size_t(b)] < 0; }
+  VectorBricks with_resting(const BrickTopology& bricks, const BrickTopology& reached,
+                            VectorBricks moved);
   CellContents contents_of(const Vec3i& origin) const;
 
   const Vec3i m_dims;
   const InvertParams m_params;
   BrickTopology m_slice;  // of a volume of one slice, its elements, thickened
-  // Per source brick: how far its voxels move, the nodes that its cells reach, whether u = 0 at all
-  // corners of the cells, and the findings about them.
-  std::vector<BrickRanges> m_ranges;
-  std::vector<IndexBox> m_reach;
-  std::vector<std::uint8_t> m_still;
-  std::vector<BrickFindings> m_findings;
-  std::vector<BrickMask> m_folded;
-  std::vector<Vec3i> m_unresolved;                             // sorted
+  DisplacementRanges m_ranges;
+  std::vector<Source> m_sources;
+  std::vector<std::int32_t> m_source_of;      // per brick of u; -1: it rests
+  std::vector<std::int16_t> m_resting_cells;  // per brick of u; 0 where it is a source
+  std::vector<Vec3i> m_unresolved;            // sorted
   std::unordered_map<Vec3i, BrickMask, VoxelHash> m_overlaps;  // by output brick
 };
 

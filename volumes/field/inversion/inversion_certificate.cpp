@@ -10,8 +10,6 @@
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_reduce.h>
 
-#include "volumes/field/inversion/source_window.h"
-
 namespace supple {
 
 namespace {
@@ -28,17 +26,17 @@ bool sample_at_border(const VectorBricks& u, Vec3d pos, const Vec3f& offset, Vec
   return u.sample(pos, vector);
 }
 
-bool starts_in_folded_cell(const VectorBricks& u, const std::vector<BrickMask>& folded,
+bool starts_in_folded_cell(const VectorBricks& u, const FoldedCells& folded,
                            const Vec3d& pos) {
   const Vec3i cell(int(std::floor(pos.x)), int(std::floor(pos.y)), int(std::floor(pos.z)));
-  const std::int32_t b = u.topology.find(cell);
-  return b >= 0 && mask_test(folded[b], brick_offset(cell));
+  const BrickMask* const cells = folded.of(u.topology.find(cell));
+  return cells != nullptr && mask_test(*cells, brick_offset(cell));
 }
 
 /// Residuals of one output brick after the other, with the memory for it.
 class Probe {
  public:
-  Probe(const VectorBricks& u, const VectorBricks& o, const std::vector<BrickMask>& folded)
+  Probe(const VectorBricks& u, const VectorBricks& o, const FoldedCells& folded)
       : m_u(u), m_o(o), m_folded(folded) {}
 
   void measure_brick(std::size_t b, ResidualHistogram& histogram);
@@ -49,7 +47,7 @@ class Probe {
 
   const VectorBricks& m_u;
   const VectorBricks& m_o;
-  const std::vector<BrickMask>& m_folded;
+  const FoldedCells& m_folded;
   SourceWindow m_window;
   std::array<float, kBrickVoxels> m_residuals;
 };
@@ -91,12 +89,13 @@ bool Probe::measure_still(std::size_t b, ResidualHistogram& histogram) const {
     if ((nodes[word] & ~m_u.topology.mask(same)[word]) != 0) return false;
   }
   const Vec3f* u = m_u.vectors.brick_or_zero(std::size_t(same));
-  if (mask_count(m_folded[same]) == 0 && are_zeros(u)) {
+  const BrickMask* const folded = m_folded.of(same);
+  if (folded == nullptr && are_zeros(u)) {
     histogram.add_zeros(mask_count(nodes));
     return true;
   }
   for_each_active(nodes, [&](int offset) {
-    if (!mask_test(m_folded[same], offset)) histogram.add(u[offset].length());
+    if (folded == nullptr || !mask_test(*folded, offset)) histogram.add(u[offset].length());
   });
   return true;
 }
@@ -164,7 +163,7 @@ double ResidualHistogram::percentile(double part) const {
 }
 
 ResidualHistogram measure_residuals(const VectorBricks& u, const VectorBricks& o,
-                                    const std::vector<BrickMask>& folded,
+                                    const FoldedCells& folded,
                                     std::vector<BrickResiduals>* of_bricks) {
   if (of_bricks != nullptr) of_bricks->assign(o.topology.brick_count(), {});
   tbb::enumerable_thread_specific<Probe> probes([&] { return Probe(u, o, folded); });

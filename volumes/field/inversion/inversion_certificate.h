@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "volumes/field/vector_bricks.h"
+#include "volumes/field/inversion/source_window.h"
 
 namespace supple {
 
@@ -39,10 +39,10 @@ class ResidualHistogram {
   float m_max = 0;
 };
 
-/// Residuals over the nodes of `o` whose source cell is not in `folded` (cells per brick of u);
-/// `of_bricks`, where given, receives them brick by brick.
+/// Residuals over the nodes of `o` whose source cell is not folded; `of_bricks`, where given,
+/// receives them brick by brick.
 ResidualHistogram measure_residuals(const VectorBricks& u, const VectorBricks& o,
-                                    const std::vector<BrickMask>& folded,
+                                    const FoldedCells& folded,
                                     std::vector<BrickResiduals>* of_bricks = nullptr);
 
 }  // namespace supple

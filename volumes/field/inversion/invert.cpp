@@ -15,10 +15,6 @@ namespace supple {
 
 namespace {
 
-bool is_flat(const Vec3i& dims) {
-  return std::min({dims.x, dims.y, dims.z}) == 1;
-}
-
 void add_residuals(const ResidualHistogram& residuals, InversionCertificate& certificate) {
   certificate.residual_max = residuals.max();
   certificate.residual_p999 = residuals.percentile(0.999);

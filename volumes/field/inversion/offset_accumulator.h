@@ -42,6 +42,8 @@ class OffsetAccumulator {
   /// output bricks.
   void merge_zeros(const Vec3i& origin, const BrickMask& cells, const CellContents& contents);
 
+  /// The output bricks, marked by their lowest voxel.
+  const BrickTopology& bricks() const { return m_bricks; }
   /// True when a node of the box falls into an output brick.
   bool is_reached_by(const IndexBox& reach) const;
 

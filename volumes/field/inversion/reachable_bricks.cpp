@@ -61,12 +61,13 @@ IndexBox nodes_of(const CellCorners& corners, const Vec3i& cell) {
   return nodes;
 }
 
-std::vector<Vec3i> reachable_origins(const VectorBricks& u, const std::vector<IndexBox>& reaches) {
+std::vector<Vec3i> reachable_origins(const VectorBricks& u,
+                                     const std::vector<BrickReach>& reaches) {
   tbb::enumerable_thread_specific<std::vector<Vec3i>> parts;
-  tbb::parallel_for(std::size_t(0), u.topology.brick_count(), [&](std::size_t b) {
-    const IndexBox& reach = reaches[b];
+  tbb::parallel_for(std::size_t(0), reaches.size(), [&](std::size_t n) {
+    const IndexBox& reach = reaches[n].nodes;
     if (is_torn(reach)) {
-      add_bricks_of_cells(u, b, parts.local());
+      add_bricks_of_cells(u, std::size_t(reaches[n].brick), parts.local());
     } else if (!reach.empty()) {
       add_box(reach.lo, reach.hi, parts.local());
     }

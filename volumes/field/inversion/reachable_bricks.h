@@ -15,9 +15,14 @@ IndexBox nodes_of(const CellCorners& corners, const Vec3i& cell);
 /// True for the reach of a source brick that is spread over more than 64 bricks.
 bool is_torn(const IndexBox& reach);
 
-/// Sorted, unique origins of the output bricks that the cells of u can reach. `reaches`: nodes in
-/// reach of each source brick (displacement_range.h).
-std::vector<Vec3i> reachable_origins(const VectorBricks& u, const std::vector<IndexBox>& reaches);
+/// Nodes in reach of the cells of a source brick (displacement_range.h).
+struct BrickReach {
+  std::int32_t brick;
+  IndexBox nodes;
+};
+
+/// Sorted, unique origins of the output bricks that the cells of these bricks of u can reach.
+std::vector<Vec3i> reachable_origins(const VectorBricks& u, const std::vector<BrickReach>& reaches);
 
 /// The origins of all output bricks that hold a node of the box.
 void add_box(const Vec3i& lo, const Vec3i& hi, std::vector<Vec3i>& origins);

@@ -164,6 +164,10 @@ void corner_rows(const BrickMask& cells, std::uint16_t (&rows)[kCornerDim][kCorn
   }
 }
 
+bool is_flat(const Vec3i& dims) {
+  return std::min({dims.x, dims.y, dims.z}) == 1;
+}
+
 BrickTopology thickened(const BrickTopology& voxels, const Vec3i& dims) {
   BrickTopology result = voxels;
   for (int axis = 0; axis < 3; ++axis) {

@@ -43,6 +43,8 @@ BrickMask cell_mask(const BrickTopology& voxels, std::size_t b);
 /// Bits z = 0…8 of the corners (x, y) of the set cells.
 void corner_rows(const BrickMask& cells, std::uint16_t (&rows)[kCornerDim][kCornerDim]);
 
+/// Whether a volume has one slice along some axis.
+bool is_flat(const Vec3i& dims);
 /// A body of one slice along some axis has no cells: its slice is repeated below and above. Others
 /// come back as they are.
 VectorBricks thickened(const VectorBricks& u, const Vec3i& dims);

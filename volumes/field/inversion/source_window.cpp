@@ -50,7 +50,7 @@ bool SourceWindow::place(const BrickMask& nodes, const Vec3f* offsets) {
   return true;
 }
 
-bool SourceWindow::measure(const VectorBricks& u, const std::vector<BrickMask>& folded,
+bool SourceWindow::measure(const VectorBricks& u, const FoldedCells& folded,
                            const Vec3i& origin, const BrickMask& nodes, const Vec3f* offsets,
                            std::array<float, kBrickVoxels>& residuals) {
   if (!place(nodes, offsets)) return false;
@@ -67,10 +67,11 @@ bool SourceWindow::measure(const VectorBricks& u, const std::vector<BrickMask>& 
 }
 
 /// The part of one brick that lies in the window.
-void SourceWindow::copy_brick(const VectorBricks& u, const std::vector<BrickMask>& folded,
+void SourceWindow::copy_brick(const VectorBricks& u, const FoldedCells& folded,
                               const Vec3i& origin, const Vec3i& window) {
   const std::int32_t b = u.topology.find(origin);
   const Vec3f* const vectors = u.vectors.brick_or_zero(std::size_t(b));
+  const BrickMask* const folds_of_brick = folded.of(b);
   const Float4 shift = to_four(m_shift);
   Vec3i first, end;
   for (int a = 0; a < 3; ++a) {
@@ -82,7 +83,8 @@ void SourceWindow::copy_brick(const VectorBricks& u, const std::vector<BrickMask
       const Vec3i at = origin + Vec3i(x, y, first.z) - window;
       Entry* out = &m_entries[(std::size_t(at.x) * m_dims.y + at.y) * m_dims.z + at.z];
       const unsigned valid = b < 0 ? 0 : unsigned(u.topology.mask(b)[x] >> (8 * y)) & 0xff;
-      const unsigned folds = b < 0 || folded.empty() ? 0 : unsigned(folded[b][x] >> (8 * y)) & 0xff;
+      const unsigned folds =
+          folds_of_brick == nullptr ? 0 : unsigned((*folds_of_brick)[x] >> (8 * y)) & 0xff;
       const Vec3f* row = vectors + 64 * x + 8 * y;
       const bool is_last = x + y == 2 * (kBrickDim - 1);
       if (valid == 0xff && folds == 0 && !is_last) {

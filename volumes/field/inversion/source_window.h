@@ -4,11 +4,26 @@
 
 #include <array>
 #include <cstdint>
+#include <unordered_map>
 #include <vector>
 
 #include "volumes/field/vector_bricks.h"
 
 namespace supple {
+
+/// The folded cells of the bricks that have any, by number.
+class FoldedCells {
+ public:
+  void add(std::int32_t b, const BrickMask& cells) { m_cells.emplace(b, cells); }
+  /// Null: none of brick b.
+  const BrickMask* of(std::int32_t b) const {
+    const auto found = m_cells.find(b);
+    return found == m_cells.end() ? nullptr : &found->second;
+  }
+
+ private:
+  std::unordered_map<std::int32_t, BrickMask> m_cells;
+};
 
 class SourceWindow {
  public:
@@ -16,9 +31,9 @@ class SourceWindow {
   static constexpr float kFolded = -1, kUnknown = -2;
 
   /// |x + o + u(x + o) - x| in voxels at the given nodes x of the brick at `origin`, u trilinear,
-  /// to about 10^-6. `folded`: cells per brick of u. False, and nothing is measured, when the
-  /// sources are spread over more than 32^3 voxels.
-  bool measure(const VectorBricks& u, const std::vector<BrickMask>& folded, const Vec3i& origin,
+  /// to about 10^-6. `folded`: of u. False, and nothing is measured, when the sources are spread over
+  /// more than 32^3 voxels.
+  bool measure(const VectorBricks& u, const FoldedCells& folded, const Vec3i& origin,
                const BrickMask& nodes, const Vec3f* offsets,
                std::array<float, kBrickVoxels>& residuals);
 
@@ -28,7 +43,7 @@ class SourceWindow {
     float is_folded;  // 1: the cell that starts here is folded
   };
   bool place(const BrickMask& nodes, const Vec3f* offsets);
-  void copy_brick(const VectorBricks& u, const std::vector<BrickMask>& folded, const Vec3i& origin,
+  void copy_brick(const VectorBricks& u, const FoldedCells& folded, const Vec3i& origin,
                   const Vec3i& window);
   float residual(int node, const Vec3f& offset) const;
 
