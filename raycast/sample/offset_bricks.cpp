@@ -7,6 +7,7 @@
 
 #include <oneapi/tbb/parallel_for.h>
 
+#include "volumes/grid/cell.h"
 #include "volumes/grid/padded_rows.h"
 
 namespace supple {
@@ -89,7 +90,7 @@ OffsetBricks::OffsetBricks(const SourceBricks& source, const VectorBricks& offse
       m_node_spacing(node_spacing),
       m_offsets(kBrickDim / node_spacing + 1),
       m_pointwise(std::move(pointwise)) {
-  update(offsets.topology.index().origins(), finder_of(offsets));
+  take_over(offsets);
   if (m_pointwise != nullptr) mark_pointwise();
 }
 
@@ -108,8 +109,66 @@ void OffsetBricks::update(const std::vector<Vec3i>& changed, const VectorBrickFi
   std::vector<std::size_t> bricks;
   for (const Vec3i& origin : touched.origins()) bricks.push_back(add_brick(origin));
   gather(bricks, offsets);
+  join_valid();
+}
+
+void OffsetBricks::join_valid() {
   m_valid_bounds = {};
   for (const IndexBox& valid : m_valid) m_valid_bounds = join(m_valid_bounds, valid);
+}
+
+/// All offsets, at first: begins at the bricks that move. Elsewhere offsets are 0, and most bricks
+/// are identity bricks by their masks alone.
+void OffsetBricks::take_over(const VectorBricks& offsets) {
+  std::vector<Vec3i> moving;
+  for (std::size_t n = 0; n < offsets.topology.brick_count(); ++n) {
+    if (offsets.vectors.brick(n) != nullptr) moving.push_back(offsets.topology.origin(n));
+  }
+  const BrickIndex near = with_neighbours(moving);
+  const BrickTopology& source = m_source->topology();
+  m_index = source.index();
+  const std::size_t count = m_index.count();
+  m_states.assign(count, kEmpty);
+  m_beneath.resize(count);
+  std::iota(m_beneath.begin(), m_beneath.end(), 0);
+  m_ranges.resize(count);
+  m_valid.resize(count);
+  for (const Vec3i& origin : offsets.topology.index().origins()) add_brick(origin);
+  for (const Vec3i& origin : near.origins()) add_brick(origin);
+
+  const bool is_same = offsets.topology == source;
+  tbb::parallel_for(std::size_t(0), m_index.count(), [&](std::size_t b) {
+    if (near.find(m_index.origin(b)) >= 0) return;
+    if (!is_same && !is_covered(b, offsets.topology)) return;
+    m_states[b] = kIdentity;
+    m_ranges[b] = range_beneath(b);
+    const std::int32_t n = offsets.topology.find(m_index.origin(b));
+    const IndexBox box = mask_bounds(offsets.topology.mask(std::size_t(n)));
+    m_valid[b] = {m_index.origin(b) + box.lo, m_index.origin(b) + box.hi};
+  });
+  std::vector<std::size_t> rest;
+  for (std::size_t b = 0; b < m_states.size(); ++b) {
+    if (m_states[b] == kEmpty) rest.push_back(b);
+  }
+  gather(rest, finder_of(offsets));
+  join_valid();
+}
+
+/// Whether all voxels of the source that the cells of brick b touch are valid, and one of its own.
+bool OffsetBricks::is_covered(std::size_t b, const BrickTopology& valid) const {
+  for (int n = 0; n < 8; ++n) {
+    const Vec3i origin = m_index.origin(b) + cell_corner(n) * kBrickDim;
+    const std::int32_t source = m_source->topology().find(origin), given = valid.find(origin);
+    if (n == 0 && given < 0) return false;
+    if (source < 0) continue;
+    if (given < 0) return false;
+    const BrickMask &wanted = m_source->topology().mask(std::size_t(source)),
+                    &there = valid.mask(std::size_t(given));
+    for (std::size_t word = 0; word < wanted.size(); ++word) {
+      if ((wanted[word] & ~there[word]) != 0) return false;
+    }
+  }
+  return true;
 }
 
 void OffsetBricks::gather(const std::vector<std::size_t>& bricks,

@@ -77,6 +77,9 @@ class OffsetBricks {
 
   bool offset_at(const Vec3d& place, Vec3f& offset) const;
   std::size_t add_brick(const Vec3i& origin);
+  void take_over(const VectorBricks& offsets);
+  bool is_covered(std::size_t b, const BrickTopology& valid) const;
+  void join_valid();
   void gather(const std::vector<std::size_t>& bricks, const VectorBrickFinder& offsets);
   std::int32_t gather_brick(std::size_t b, const VectorBrickFinder& offsets);
   EncodedRange range_beneath(std::size_t b) const;

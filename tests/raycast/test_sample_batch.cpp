@@ -28,6 +28,7 @@ ExpectedSample expected_at(const SourceBricks& source, const OffsetBricks& outpu
   const std::int32_t out = output.find(voxel);
   if (out < 0) return result;
   if (!output.is_identity(out)) {
+    if (!output.is_deformed(out)) return result;
     const Vec3f within(p - Vec3d(voxel));
     const Vec3f offset = sample_offset(
         {output.node(out, voxel - output.index().origin(out)), within.x, within.y, within.z});

@@ -133,6 +133,9 @@ VectorBricks fill_rings(const VectorBricks& seed, const BrickTopology& target, i
 
   // Vectors of a ring are written beside the valid ones, which alone are read. Where no brick
   // around is stored the ring is of zeros, and its brick is not stored either.
+  std::vector<Surroundings> around(pending.size());
+  tbb::parallel_for(std::size_t(0), pending.size(),
+                    [&](std::size_t n) { around[n] = surroundings_of(bricks, pending[n]); });
   std::vector<BrickMask> ring(pending.size());
   std::vector<std::uint8_t> moves(pending.size());
   std::vector<std::size_t> open(pending.size());  // numbers of those that still want voxels
@@ -140,9 +143,8 @@ VectorBricks fill_rings(const VectorBricks& seed, const BrickTopology& target, i
   for (int number = 1; number <= max_rings && !open.empty(); ++number) {
     tbb::parallel_for(std::size_t(0), open.size(), [&](std::size_t at) {
       const std::size_t n = open[at], b = pending[n];
-      const Surroundings around = surroundings_of(bricks, b);
-      ring[n] = next_ring(padded_rows<1>(around, mask_of), bricks.mask(b), valid[n]);
-      moves[n] = any_bit(ring[n]) && is_stored(vectors, around);
+      ring[n] = next_ring(padded_rows<1>(around[n], mask_of), bricks.mask(b), valid[n]);
+      moves[n] = any_bit(ring[n]) && is_stored(vectors, around[n]);
     });
     for (const std::size_t n : open) {
       if (moves[n]) vectors.touch(pending[n]);
@@ -156,7 +158,7 @@ VectorBricks fill_rings(const VectorBricks& seed, const BrickTopology& target, i
       }
       if (!moves[n]) return;
       Vec3f* const own = vectors.touch(b);
-      fill_ring(ring[n], number, fill, surroundings_of(bricks, b), mask_of, vectors,
+      fill_ring(ring[n], number, fill, around[n], mask_of, vectors,
                 [&](int offset, const Vec3f& v) { own[offset] = v; });
     });
     bool grown = false;

@@ -77,8 +77,8 @@ class BrickTopology {
   std::size_t bytes() const;
 
   bool operator==(const BrickTopology& other) const {
-    return m_bricks == other.m_bricks ||
-           (index().origins() == other.index().origins() && m_bricks->masks == other.m_bricks->masks);
+    return m_bricks == other.m_bricks || (index().origins() == other.index().origins() &&
+                                          m_bricks->masks == other.m_bricks->masks);
   }
 
  private:

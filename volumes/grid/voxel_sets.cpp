@@ -68,11 +68,13 @@ BrickTopology subtract(const BrickTopology& a, const BrickTopology& b) {
   std::vector<Vec3i> origins;
   std::vector<BrickMask> masks;
   for (std::size_t n = 0; n < a.brick_count(); ++n) {
+    const std::int32_t other = b.find(a.origin(n));
+    if (other >= 0 && b.mask(std::size_t(other)) == a.mask(n)) continue;
     origins.push_back(a.origin(n));
     masks.push_back(a.mask(n));
-    const std::int32_t other = b.find(a.origin(n));
     if (other < 0) continue;
-    for (int word = 0; word < 8; ++word) masks.back()[word] &= ~b.mask(other)[word];
+    for (std::size_t word = 0; word < 8; ++word)
+      masks.back()[word] &= ~b.mask(std::size_t(other))[word];
   }
   return {std::move(origins), std::move(masks)};
 }

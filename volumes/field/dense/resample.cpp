@@ -206,7 +206,7 @@ std::optional<VectorBricks> sparse_offsets(const OffsetField& offsets,
                                            const BrickTopology& source) {
   if (offsets.split != nullptr) return std::nullopt;
   const Geometry& geometry = offsets.geometry;
-  const BrickTopology wanted = subtract(source, eroded(offsets.o.topology));
+  const BrickTopology wanted = subtract(source, offsets.o.topology);
   const VectorBricks left = nearest_void(source, wanted, geometry.dims(), geometry.spacing_mm());
   return in_millimetres(offsets.o, left, geometry);
 }

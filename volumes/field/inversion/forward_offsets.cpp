@@ -287,8 +287,8 @@ Vec3d ForwardOffsets::pull_back(int piece, const Vec3d& /*x*/, const Vec3d& y,
 }
 
 std::size_t ForwardOffsets::bytes() const {
-  return bricks().bytes() + m_reached.capacity() * sizeof(Reached) +
-         m_ranges.bytes() + m_reach.capacity() * (sizeof(IndexBox) + 1);
+  return bricks().bytes() + m_reached.capacity() * sizeof(Reached) + m_ranges.bytes() +
+         m_reach.capacity() * (sizeof(IndexBox) + 1);
 }
 
 }  // namespace supple

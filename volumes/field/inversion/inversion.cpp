@@ -163,9 +163,8 @@ VectorBricks Inversion::solve_sources(const VectorBricks& u,
                                       const std::vector<std::size_t>& sources,
                                       OffsetAccumulator& accumulator, Progress* progress) {
   tbb::enumerable_thread_specific<Worker> workers([&] { return Worker(m_dims, m_params); });
-  for_numbers(sources, progress, [&](std::size_t n) {
-    solve_source(u, m_sources[n], accumulator, workers.local());
-  });
+  for_numbers(sources, progress,
+              [&](std::size_t n) { solve_source(u, m_sources[n], accumulator, workers.local()); });
   merge_resting(u, accumulator);
   // What the quick solves left open.
   std::vector<OpenNode> doubts;

@@ -26,8 +26,7 @@ bool sample_at_border(const VectorBricks& u, Vec3d pos, const Vec3f& offset, Vec
   return u.sample(pos, vector);
 }
 
-bool starts_in_folded_cell(const VectorBricks& u, const FoldedCells& folded,
-                           const Vec3d& pos) {
+bool starts_in_folded_cell(const VectorBricks& u, const FoldedCells& folded, const Vec3d& pos) {
   const Vec3i cell(int(std::floor(pos.x)), int(std::floor(pos.y)), int(std::floor(pos.z)));
   const BrickMask* const cells = folded.of(u.topology.find(cell));
   return cells != nullptr && mask_test(*cells, brick_offset(cell));

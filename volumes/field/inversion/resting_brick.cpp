@@ -53,8 +53,7 @@ RestingBrick::RestingBrick(const BrickTopology& voxels, std::size_t b,
   for (int x = 0; x < kBrickDim; ++x) {
     m_nodes[std::size_t(x)] = 0;
     for (int y = 0; y < kBrickDim; ++y) {
-      const unsigned row =
-          cells[x][y] | cells[x + 1][y] | cells[x][y + 1] | cells[x + 1][y + 1];
+      const unsigned row = cells[x][y] | cells[x + 1][y] | cells[x][y + 1] | cells[x + 1][y + 1];
       m_nodes[std::size_t(x)] |= std::uint64_t((row | row >> 1) & 0xff) << (8 * y);
     }
   }

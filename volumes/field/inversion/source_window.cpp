@@ -50,8 +50,8 @@ bool SourceWindow::place(const BrickMask& nodes, const Vec3f* offsets) {
   return true;
 }
 
-bool SourceWindow::measure(const VectorBricks& u, const FoldedCells& folded,
-                           const Vec3i& origin, const BrickMask& nodes, const Vec3f* offsets,
+bool SourceWindow::measure(const VectorBricks& u, const FoldedCells& folded, const Vec3i& origin,
+                           const BrickMask& nodes, const Vec3f* offsets,
                            std::array<float, kBrickVoxels>& residuals) {
   if (!place(nodes, offsets)) return false;
   const Vec3i first = origin + Vec3i(m_shift) + m_lo, last = first + m_dims - Vec3i(1);
@@ -67,8 +67,8 @@ bool SourceWindow::measure(const VectorBricks& u, const FoldedCells& folded,
 }
 
 /// The part of one brick that lies in the window.
-void SourceWindow::copy_brick(const VectorBricks& u, const FoldedCells& folded,
-                              const Vec3i& origin, const Vec3i& window) {
+void SourceWindow::copy_brick(const VectorBricks& u, const FoldedCells& folded, const Vec3i& origin,
+                              const Vec3i& window) {
   const std::int32_t b = u.topology.find(origin);
   const Vec3f* const vectors = u.vectors.brick_or_zero(std::size_t(b));
   const BrickMask* const folds_of_brick = folded.of(b);

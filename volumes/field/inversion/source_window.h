@@ -31,8 +31,8 @@ class SourceWindow {
   static constexpr float kFolded = -1, kUnknown = -2;
 
   /// |x + o + u(x + o) - x| in voxels at the given nodes x of the brick at `origin`, u trilinear,
-  /// to about 10^-6. `folded`: of u. False, and nothing is measured, when the sources are spread over
-  /// more than 32^3 voxels.
+  /// to about 10^-6. `folded`: of u. False, and nothing is measured, when the sources are spread
+  /// over more than 32^3 voxels.
   bool measure(const VectorBricks& u, const FoldedCells& folded, const Vec3i& origin,
                const BrickMask& nodes, const Vec3f* offsets,
                std::array<float, kBrickVoxels>& residuals);

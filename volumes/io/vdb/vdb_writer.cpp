@@ -26,12 +26,11 @@ class VdbWriter : public DenseWriter {
   using Value = typename Grid::ValueType;
   using Leaf = typename Grid::TreeType::LeafNodeType;
 
-  VdbWriter(const std::string& path, const DenseImage& image) : m_file(path), m_image(image) {
-    m_slab.resize(slice_values() * kBrickDim);
-    m_numbers.resize(slice_values() * image.components);
-  }
+  VdbWriter(const std::string& path, const DenseImage& image) : m_file(path), m_image(image) {}
 
   void write_slice(const void* values) override {
+    m_slab.resize(slice_values() * kBrickDim);
+    m_numbers.resize(slice_values() * m_image.components);
     to_floats(static_cast<const char*>(values), &m_slab[slice_values() * m_depth]);
     ++m_depth;
     ++m_next_k;
@@ -63,9 +62,11 @@ class VdbWriter : public DenseWriter {
   }
 
  private:
+  /// Bricks in a row along i, each of one value.
   struct Uniform {
     Vec3i origin;
     Value value;
+    int count;
   };
   /// Values by their bits, so that -0 and NaN are told apart from others.
   struct LessBits {
@@ -134,13 +135,25 @@ class VdbWriter : public DenseWriter {
     const std::int32_t b = vectors.topology.find(origin);
     const Vec3f* const stored = vectors.vectors.brick(std::size_t(b));
     if (stored == nullptr) {
-      m_uniform.push_back({origin, Value(0)});
+      add_uniform(origin, Value(0));
       return;
     }
     take_values(origin, [&](int i, int j, int k) {
       const Vec3f& v = stored[(i << 6) | (j << 3) | k];
       return Value(v.x, v.y, v.z);
     });
+  }
+
+  void add_uniform(const Vec3i& origin, const Value& value) {
+    if (!m_uniform.empty()) {
+      Uniform& last = m_uniform.back();
+      const Vec3i next = last.origin + Vec3i(kBrickDim * last.count, 0, 0);
+      if (next == origin && same(last.value, value)) {
+        ++last.count;
+        return;
+      }
+    }
+    m_uniform.push_back({origin, value, 1});
   }
 
   /// `at(i, j, k)`: of the brick.
@@ -152,7 +165,7 @@ class VdbWriter : public DenseWriter {
       uniform = uniform && same(at(i, j, k), first);
     });
     if (uniform) {
-      m_uniform.push_back({origin, first});
+      add_uniform(origin, first);
       return;
     }
     auto leaf = std::make_unique<Leaf>(to_coord(origin), Value(0));
@@ -164,7 +177,7 @@ class VdbWriter : public DenseWriter {
 
   Value background() const {
     std::map<Value, std::size_t, LessBits> counts;
-    for (const Uniform& brick : m_uniform) ++counts[brick.value];
+    for (const Uniform& row : m_uniform) counts[row.value] += std::size_t(row.count);
     Value commonest(0);
     std::size_t most = 0;
     for (const auto& [value, count] : counts) {
@@ -178,13 +191,16 @@ class VdbWriter : public DenseWriter {
   openvdb::GridBase::Ptr make_grid() {
     const Value background_value = background();
     auto grid = supple::make_grid<Grid>(background_value);
-    for (const Uniform& brick : m_uniform) {
-      if (same(brick.value, background_value)) continue;
-      auto leaf = std::make_unique<Leaf>(to_coord(brick.origin), background_value);
-      for_each_voxel(brick.origin, [&](openvdb::Index offset, int, int, int) {
-        leaf->setValueOn(offset, brick.value);
-      });
-      grid->tree().addLeaf(leaf.release());
+    for (const Uniform& row : m_uniform) {
+      if (same(row.value, background_value)) continue;
+      for (int n = 0; n < row.count; ++n) {
+        const Vec3i origin = row.origin + Vec3i(kBrickDim * n, 0, 0);
+        auto leaf = std::make_unique<Leaf>(to_coord(origin), background_value);
+        for_each_voxel(origin, [&](openvdb::Index offset, int, int, int) {
+          leaf->setValueOn(offset, row.value);
+        });
+        grid->tree().addLeaf(leaf.release());
+      }
     }
     for (std::unique_ptr<Leaf>& leaf : m_leaves) {
       for (auto value = leaf->beginValueAll(); value; ++value) {
