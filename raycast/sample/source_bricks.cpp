@@ -24,23 +24,33 @@ constexpr LaneBits kLaneBit = {1, 2, 4, 8, 16, 32, 64, 128};
 /// Smallest and largest value of every lane; lo > hi: none.
 struct RowRange {
   Lanes lo = Lanes{} + HUGE_VALF, hi = Lanes{} - HUGE_VALF;
+  LaneBits others{};  // lanes with a value that is no integer
 
   void add(const Lanes& values, const LaneBits& counts) {
     lo = (counts & (values < lo)) ? values : lo;
     hi = (counts & (values > hi)) ? values : hi;
+    find_others(counts ? values : Lanes{});
+  }
+  void add(const Lanes& values) {
+    lo = values < lo ? values : lo;
+    hi = values > hi ? values : hi;
+    find_others(values);
+  }
+
+ private:
+  void find_others(const Lanes& values) {
+    // Floats from 2^23 on are all integers.
+    constexpr float kAllIntegers = 8388608;
+    const LaneBits fine = (values < kAllIntegers) & (values > -kAllIntegers);
+    const Lanes small = fine ? values : Lanes{};
+    others |= __builtin_convertvector(__builtin_convertvector(small, LaneBits), Lanes) != small;
   }
 };
 
-/// Whether the values that count are; floats from 2^23 on have no other.
-bool are_integers(const Lanes& values, const LaneBits& counts) {
-  constexpr float kAllIntegers = 8388608;
-  const LaneBits small = (values < kAllIntegers) & (values > -kAllIntegers);
-  const Lanes rounded = __builtin_convertvector(
-      __builtin_convertvector((small & counts) ? values : Lanes{}, LaneBits), Lanes);
-  const LaneBits others = counts & small & (rounded != values);
+bool any_of(const LaneBits& lanes) {
   std::int32_t any = 0;
-  for (int z = 0; z < kBrickDim; ++z) any |= others[z];
-  return any == 0;
+  for (int z = 0; z < kBrickDim; ++z) any |= lanes[z];
+  return any != 0;
 }
 
 /// -1, 0 or 1: the brick beside this one that holds a local coordinate.
@@ -70,56 +80,74 @@ SourceBricks::SourceBricks(const DensityGrid& density, const BrickTopology& wher
     : m_interpolation(interpolation),
       m_topology(where),
       m_density(density),
-      m_values(where.brick_count()),
       m_nodes(new std::int16_t[where.brick_count() * kBrickNodes]),
       m_states(new std::atomic<std::uint8_t>[where.brick_count()]()),
       m_ranges(where.brick_count()) {
   const std::size_t count = m_topology.brick_count();
-  for (std::size_t b = 0; b < count; ++b) {
-    const std::int32_t from = density.bricks().find(m_topology.origin(b));
-    if (from >= 0) m_values[b] = density.values(from);
-  }
   std::vector<float> coefficients;
+  if (interpolation != Interpolation::linear || !(where == density.bricks())) {
+    m_values.resize(count);
+    for (std::size_t b = 0; b < count; ++b) {
+      const std::int32_t from = density.bricks().find(m_topology.origin(b));
+      if (from >= 0) m_values[b] = density.values(std::size_t(from));
+    }
+  }
   if (interpolation == Interpolation::interpolating) {
     coefficients = b_spline_coefficients(m_topology, m_values, density.background());
     for (std::size_t b = 0; b < count; ++b) m_values[b] = &coefficients[b * kBrickVoxels];
   }
-  std::vector<Survey> surveys(count);
-  tbb::parallel_for(std::size_t(0), count, [&](std::size_t b) { surveys[b] = survey(b); });
-  choose_encoding(surveys);
-  // A cubic sample reads one node more on every side, of which the surveys do not tell.
-  const bool is_linear = interpolation == Interpolation::linear;
-  tbb::parallel_for(std::size_t(0), count, [&](std::size_t b) {
-    m_ranges[b] = is_linear ? range_of(surveys, b) : fill(b);
-    if (!is_linear) m_states[b] = kFilled;
-  });
+  find_ranges();
+  if (interpolation != Interpolation::linear) fill_all();
   for (const EncodedRange& range : m_ranges) m_range.add(range);
-  if (is_linear) return;
+}
+
+/// A cubic sample reads one node more on every side, of which the surveys do not tell.
+void SourceBricks::fill_all() {
+  tbb::parallel_for(std::size_t(0), m_ranges.size(), [&](std::size_t b) {
+    m_ranges[b] = fill(b);
+    m_states[b] = kFilled;
+  });
   m_values.clear();
   m_density = DensityGrid();
 }
 
 SourceBricks::Survey SourceBricks::survey(std::size_t b) const {
+  const BrickMask& mask = m_topology.mask(b);
+  const float* const stored = values(b);
   // Of all rows along z, those at x = 0, those at y = 0 and the one at both; a lane is a z.
   std::array<RowRange, 4> rows;
-  bool integers = true;
-  const Lanes background = Lanes{} + m_density.background();
-  for (int x = 0; x < kBrickDim; ++x) {
-    for (int y = 0; y < kBrickDim; ++y) {
-      const auto bits = unsigned(m_topology.mask(b)[std::size_t(x)] >> (8 * y)) & 0xff;
-      if (bits == 0) continue;
-      Lanes values = background;
-      if (m_values[b] != nullptr) std::memcpy(&values, m_values[b] + 64 * x + 8 * y, sizeof values);
-      const LaneBits counts = (((LaneBits{} + int(bits)) & kLaneBit) != 0) & (values - values == 0);
-      integers = integers && are_integers(values, counts);
-      rows[0].add(values, counts);
-      if (x == 0) rows[1].add(values, counts);
-      if (y == 0) rows[2].add(values, counts);
-      if (x + y == 0) rows[3].add(values, counts);
+  const auto add_rows = [&](const auto& add_row) {
+    rows = {};
+    for (int x = 0; x < kBrickDim; ++x) {
+      for (int y = 0; y < kBrickDim; ++y) add_row(x, y, rows[0]);
+      add_row(0, x, rows[1]);
+      add_row(x, 0, rows[2]);
     }
+    add_row(0, 0, rows[3]);
+  };
+  const auto row_at = [&](int x, int y) {
+    Lanes row = Lanes{} + m_density.background();
+    if (stored != nullptr) std::memcpy(&row, stored + 64 * x + 8 * y, sizeof row);
+    return row;
+  };
+  LaneBits is_odd{};  // not finite
+  const bool is_full = std::all_of(mask.begin(), mask.end(), [](auto word) { return ~word == 0; });
+  if (is_full) {
+    add_rows([&](int x, int y, RowRange& range) {
+      const Lanes row = row_at(x, y);
+      is_odd |= row - row != 0;
+      range.add(row);
+    });
+  }
+  if (!is_full || any_of(is_odd)) {
+    add_rows([&](int x, int y, RowRange& range) {
+      const auto bits = int(mask[std::size_t(x)] >> (8 * y)) & 0xff;
+      const Lanes row = row_at(x, y);
+      range.add(row, (((LaneBits{} + bits) & kLaneBit) != 0) & (row - row == 0));
+    });
   }
   Survey found;
-  found.integers = integers;
+  found.integers = !any_of(rows[0].others);
   for (std::size_t part = 0; part < 8; ++part) {
     const RowRange& range = rows[(part & 4) / 4 + (part & 2)];
     found.lo[part] = range.lo[0];
@@ -132,14 +160,54 @@ SourceBricks::Survey SourceBricks::survey(std::size_t b) const {
   return found;
 }
 
-void SourceBricks::choose_encoding(const std::vector<Survey>& surveys) {
+/// Densities that the cells of each brick reach, encoded. Cells reach by one node into the bricks
+/// above, so the surveys of two layers of bricks are enough at a time.
+void SourceBricks::find_ranges() {
+  const std::size_t count = m_topology.brick_count();
+  const auto end_of_layer = [&](std::size_t b) {
+    const std::size_t first = b;
+    while (b < count && m_topology.origin(b).x == m_topology.origin(first).x) ++b;
+    return b;
+  };
+  std::size_t begin = 0, end = 0;  // of the layer that waits for the one above it
+  std::vector<Survey> layer, above;
+  const auto find_range = [&](std::size_t b) {
+    float lo = HUGE_VALF, hi = -HUGE_VALF;
+    for (std::size_t part = 0; part < 8; ++part) {
+      const Vec3i step = cell_corner(int(part)) * kBrickDim;
+      const std::int32_t from =
+          part == 0 ? std::int32_t(b) : m_topology.find(m_topology.origin(b) + step);
+      if (from < 0) continue;
+      const auto n = std::size_t(from);
+      const Survey& found = n < end ? layer[n - begin] : above[n - end];
+      lo = std::min(lo, found.lo[part]);
+      hi = std::max(hi, found.hi[part]);
+    }
+    if (lo <= hi) m_ranges[b] = {lo, hi};
+  };
   double lo = HUGE_VAL, hi = -HUGE_VAL;
   bool integers = true;
-  for (const Survey& found : surveys) {
-    lo = std::min(lo, double(found.lo[0]));
-    hi = std::max(hi, double(found.hi[0]));
-    integers = integers && found.integers;
+  while (begin < count) {
+    const std::size_t above_end = end_of_layer(end);
+    above.resize(above_end - end);
+    tbb::parallel_for(end, above_end, [&](std::size_t b) { above[b - end] = survey(b); });
+    tbb::parallel_for(begin, end, find_range);
+    for (const Survey& found : above) {
+      lo = std::min(lo, double(found.lo[0]));
+      hi = std::max(hi, double(found.hi[0]));
+      integers = integers && found.integers;
+    }
+    begin = end;
+    end = above_end;
+    layer.swap(above);
   }
+  choose_encoding(lo, hi, integers);
+  for (EncodedRange& range : m_ranges) {
+    if (!range.empty()) range = {float(encode(range.lo)), float(encode(range.hi))};
+  }
+}
+
+void SourceBricks::choose_encoding(double lo, double hi, bool integers) {
   if (lo > hi) return;
   // Integers keep their values, whatever part of a volume is given, so that a state and its volume
   // read the same bits.
@@ -152,24 +220,6 @@ void SourceBricks::choose_encoding(const std::vector<Survey>& surveys) {
   const bool exact = integers && hi - lo <= 2 * kCodes - 1;
   m_offset = exact ? std::floor(middle) : middle;
   m_scale = exact || hi == lo ? 1.0 : (hi - lo) / (2 * kCodes);
-}
-
-/// Cells reach by one node into the bricks above.
-EncodedRange SourceBricks::range_of(const std::vector<Survey>& surveys, std::size_t b) const {
-  float lo = HUGE_VALF, hi = -HUGE_VALF;
-  for (std::size_t part = 0; part < 8; ++part) {
-    const Vec3i above = cell_corner(int(part)) * kBrickDim;
-    const std::int32_t from =
-        part == 0 ? std::int32_t(b) : m_topology.find(m_topology.origin(b) + above);
-    if (from < 0) continue;
-    lo = std::min(lo, surveys[std::size_t(from)].lo[part]);
-    hi = std::max(hi, surveys[std::size_t(from)].hi[part]);
-  }
-  EncodedRange range;
-  if (lo > hi) return range;
-  range.add(float(encode(lo)));
-  range.add(float(encode(hi)));
-  return range;
 }
 
 std::int16_t SourceBricks::encode(float density) const {
@@ -195,8 +245,8 @@ EncodedRange SourceBricks::fill(std::size_t b) const {
         const int offset = brick_offset({x, y, z});
         *out = kVoid;
         if (from < 0 || !mask_test(m_topology.mask(std::size_t(from)), offset)) continue;
-        const float* const values = m_values[std::size_t(from)];
-        *out = encode(values != nullptr ? values[offset] : m_density.background());
+        const float* const stored = values(std::size_t(from));
+        *out = encode(stored != nullptr ? stored[offset] : m_density.background());
         if (*out != kVoid) range.add(float(*out));
       }
     }

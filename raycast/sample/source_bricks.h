@@ -82,8 +82,13 @@ class SourceBricks {
     bool integers = true;
   };
   Survey survey(std::size_t b) const;
-  void choose_encoding(const std::vector<Survey>& surveys);
-  EncodedRange range_of(const std::vector<Survey>& surveys, std::size_t b) const;
+  /// The 512 densities under a brick; null: all are background.
+  const float* values(std::size_t b) const {
+    return m_values.empty() ? m_density.values(b) : m_values[b];
+  }
+  void find_ranges();
+  void fill_all();
+  void choose_encoding(double lo, double hi, bool integers);
   std::int16_t encode(float density) const;
   EncodedRange fill(std::size_t b) const;
   void fill_once(std::size_t b) const;
@@ -91,7 +96,7 @@ class SourceBricks {
   Interpolation m_interpolation;
   BrickTopology m_topology;
   DensityGrid m_density;                    // keeps the densities
-  std::vector<const float*> m_values;       // the 512 under each brick; null: all are background
+  std::vector<const float*> m_values;       // see values(); empty: those of m_density's bricks
   std::unique_ptr<std::int16_t[]> m_nodes;  // memory is taken where they are written
   std::unique_ptr<std::atomic<std::uint8_t>[]> m_states;
   std::vector<EncodedRange> m_ranges;

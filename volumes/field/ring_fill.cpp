@@ -18,14 +18,8 @@ bool any_bit(const BrickMask& mask) {
 
 /// Wanted voxels of one brick that touch a valid one.
 BrickMask next_ring(const PaddedRows<1>& padded, const BrickMask& wanted, const BrickMask& valid) {
-  BrickMask ring{};
-  for (int x = 0; x < kBrickDim; ++x) {
-    std::uint64_t word = 0;
-    for (int y = 0; y < kBrickDim; ++y) {
-      word |= std::uint64_t(padded.dilated_row(x, y) & 0xff) << (8 * y);
-    }
-    ring[x] = word & wanted[x] & ~valid[x];
-  }
+  BrickMask ring = padded.dilated();
+  for (std::size_t x = 0; x < ring.size(); ++x) ring[x] &= wanted[x] & ~valid[x];
   return ring;
 }
 

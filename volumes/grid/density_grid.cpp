@@ -37,29 +37,31 @@ DensityGrid::DensityGrid(std::shared_ptr<const Vdb> vdb) : m_vdb(std::move(vdb))
             [](const FloatLeaf* a, const FloatLeaf* b) { return a->origin() < b->origin(); });
   std::vector<Vec3i> origins;
   std::vector<BrickMask> masks;
-  m_values.reserve(leaves.size());
+  std::vector<const float*> values;
+  values.reserve(leaves.size());
   for (const FloatLeaf* leaf : leaves) {
     origins.push_back(to_vec(leaf->origin()));
     masks.push_back(to_mask(leaf->valueMask()));
-    m_values.push_back(leaf->buffer().data());
+    values.push_back(leaf->buffer().data());
   }
   m_bricks = BrickTopology(std::move(origins), std::move(masks));
+  m_values = std::make_shared<const std::vector<const float*>>(std::move(values));
 }
 
 DensityGrid::DensityGrid(std::shared_ptr<const Vdb> vdb, BrickTopology bricks,
                          std::vector<const float*> values)
     : m_vdb(std::move(vdb)),
       m_bricks(std::move(bricks)),
-      m_values(std::move(values)),
+      m_values(std::make_shared<const std::vector<const float*>>(std::move(values))),
       m_background(m_vdb->grid->tree().background()) {}
 
 float DensityGrid::at(const Vec3i& voxel) const {
   const std::int32_t b = m_bricks.find(voxel);
-  return b < 0 ? m_background : m_values[b][brick_offset(voxel)];
+  return b < 0 ? m_background : values(std::size_t(b))[brick_offset(voxel)];
 }
 
 std::size_t DensityGrid::bytes() const {
-  return m_vdb->grid->memUsage() + m_bricks.bytes() + m_values.capacity() * sizeof(float*);
+  return m_vdb->grid->memUsage() + m_bricks.bytes() + m_values->capacity() * sizeof(float*);
 }
 
 DensityGrid fill_density_grid(const BrickTopology& bricks,

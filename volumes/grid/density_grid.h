@@ -24,7 +24,7 @@ class DensityGrid {
   /// Active voxels of the grid.
   const BrickTopology& bricks() const { return m_bricks; }
   /// The 512 densities of brick b in brick order; inactive ones hold background().
-  const float* values(std::size_t b) const { return m_values[b]; }
+  const float* values(std::size_t b) const { return (*m_values)[b]; }
   /// Value of inactive voxels.
   float background() const { return m_background; }
   /// Density of one voxel, background() where inactive.
@@ -44,7 +44,7 @@ class DensityGrid {
 
   std::shared_ptr<const Vdb> m_vdb;
   BrickTopology m_bricks;
-  std::vector<const float*> m_values;
+  std::shared_ptr<const std::vector<const float*>> m_values;
   float m_background = 0;
 };
 

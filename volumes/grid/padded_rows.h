@@ -31,16 +31,24 @@ struct PaddedRows {
   /// `mask_at(n)`: pointer to the valid voxels of surrounding brick n, or null.
   template <class MaskAt>
   explicit PaddedRows(const MaskAt& mask_at) {
+    constexpr unsigned kAbove = (1u << kPad) - 1;
     for (int x = 0; x < kRows; ++x) {
-      for (int y = 0; y < kRows; ++y) {
-        const SurroundingVoxel voxel = surrounding_voxel({x - kPad, y - kPad, 0});
-        const auto row = [&](int dz) -> unsigned {
-          const BrickMask* mask = mask_at(voxel.brick + dz);
-          return mask == nullptr ? 0 : ((*mask)[voxel.offset >> 6] >> (voxel.offset & 63)) & 0xff;
+      const int layer = (x - kPad) & (kBrickDim - 1);
+      for (int side = 0; side < 3; ++side) {  // the bricks below, beside and above along y
+        const int first = surrounding_voxel({x - kPad, (side - 1) * kBrickDim, 0}).brick;
+        const auto word_of = [&](int n) {
+          const BrickMask* const mask = mask_at(n);
+          return mask == nullptr ? 0 : (*mask)[std::size_t(layer)];
         };
-        constexpr unsigned kAbove = (1u << kPad) - 1;
-        rows[x][y] = std::uint16_t(row(-1) >> (kBrickDim - kPad) | row(0) << kPad |
-                                   (row(1) & kAbove) << (kBrickDim + kPad));
+        const std::uint64_t below = word_of(first - 1), own = word_of(first),
+                            above = word_of(first + 1);
+        const int end = side == 0 ? kPad : side == 1 ? kPad + kBrickDim : kRows;
+        for (int y = side == 0 ? 0 : side == 1 ? kPad : kPad + kBrickDim; y < end; ++y) {
+          const int shift = 8 * ((y - kPad) & (kBrickDim - 1));
+          const auto row = [&](std::uint64_t word) { return unsigned(word >> shift) & 0xff; };
+          rows[x][y] = std::uint16_t(row(below) >> (kBrickDim - kPad) | row(own) << kPad |
+                                     (row(above) & kAbove) << (kBrickDim + kPad));
+        }
       }
     }
   }
@@ -61,6 +69,23 @@ struct PaddedRows {
     unsigned bits = 0;
     for (int n = 0; n < 9; ++n) bits |= rows[x + kPad + n / 3 - 1][y + kPad + n % 3 - 1];
     return ((bits | bits >> 1 | bits << 1) >> kPad) & kUpTo;
+  }
+  /// The brick's own voxels that are set or touch one that is.
+  BrickMask dilated() const {
+    BrickMask result{};
+    for (int x = 0; x < kBrickDim; ++x) {
+      std::uint16_t along_x[kRows];
+      for (int y = 0; y < kRows; ++y) {
+        along_x[y] = rows[x + kPad - 1][y] | rows[x + kPad][y] | rows[x + kPad + 1][y];
+      }
+      for (int y = 0; y < kBrickDim; ++y) {
+        const unsigned bits =
+            unsigned(along_x[y + kPad - 1] | along_x[y + kPad] | along_x[y + kPad + 1]);
+        const unsigned row = ((bits | bits >> 1 | bits << 1) >> kPad) & 0xff;
+        result[std::size_t(x)] |= std::uint64_t(row) << (8 * y);
+      }
+    }
+    return result;
   }
 
  private:
