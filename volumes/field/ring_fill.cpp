@@ -80,17 +80,38 @@ VectorBricks compact(const BrickTopology& bricks, const ValidOf& valid_of, Brick
   return {BrickTopology(std::move(origins), std::move(masks)), std::move(vectors)};
 }
 
-/// Whether every voxel of `part` is one of `whole`.
-bool holds(const BrickTopology& whole, const BrickTopology& part) {
-  for (std::size_t b = 0; b < part.brick_count(); ++b) {
-    const std::int32_t same = whole.find(part.origin(b));
-    if (same < 0) return false;
-    for (int word = 0; word < 8; ++word) {
-      if ((part.mask(b)[word] & ~whole.mask(std::size_t(same))[word]) != 0) return false;
-    }
+bool holds(const BrickMask& whole, const BrickMask& part) {
+  for (std::size_t word = 0; word < whole.size(); ++word) {
+    if ((part[word] & ~whole[word]) != 0) return false;
   }
   return true;
 }
+
+/// The bricks of a target with wanted voxels, and what is valid in them so far. Everywhere else all
+/// voxels of the target are.
+struct Pending {
+  std::vector<std::size_t> bricks;
+  std::vector<BrickMask> valid;
+  std::vector<std::int32_t> number_of;  // per brick of the target; -1: not pending
+
+  /// False when the target does not have all voxels of the seed.
+  bool find(const BrickTopology& seed, const BrickTopology& target) {
+    number_of.assign(target.brick_count(), -1);
+    std::size_t held = 0;
+    for (std::size_t b = 0; b < target.brick_count(); ++b) {
+      const std::int32_t s = seed.find(target.origin(b));
+      const BrickMask& wanted = target.mask(b);
+      const BrickMask given = s < 0 ? BrickMask{} : seed.mask(std::size_t(s));
+      held += s >= 0;
+      if (given == wanted) continue;
+      if (!holds(wanted, given)) return false;
+      number_of[b] = std::int32_t(bricks.size());
+      bricks.push_back(b);
+      valid.push_back(given);
+    }
+    return held == seed.brick_count();
+  }
+};
 
 /// Whether some of these bricks may hold a vector other than 0.
 bool is_stored(const BrickVectors& vectors, const Surroundings& bricks) {
@@ -102,26 +123,26 @@ bool is_stored(const BrickVectors& vectors, const Surroundings& bricks) {
 
 VectorBricks fill_rings(const VectorBricks& seed, const BrickTopology& target, int max_rings,
                         RingFill fill, std::vector<std::uint8_t>* ring_of) {
-  // Seed and target in one set of bricks.
-  const BrickTopology bricks = holds(target, seed.topology) ? target : unite(seed.topology, target);
+  BrickTopology bricks = target;
+  Pending wanted;
+  if (!wanted.find(seed.topology, bricks)) {
+    bricks = unite(seed.topology, target);
+    wanted = {};
+    wanted.find(seed.topology, bricks);
+  }
+  const std::vector<std::size_t>& pending = wanted.bricks;
+  std::vector<BrickMask>& valid = wanted.valid;
   const std::size_t count = bricks.brick_count();
   BrickVectors vectors(count);
   if (ring_of) ring_of->assign(count * kBrickVoxels, 0);
-  // Bricks with wanted voxels, and what is valid in them so far; all others are as in `bricks`.
-  std::vector<std::size_t> pending;
-  std::vector<BrickMask> valid;
-  std::vector<std::int32_t> number_of(count, -1);  // among the pending ones
-  for (std::size_t b = 0; b < count; ++b) {
-    const std::int32_t s = seed.topology.find(bricks.origin(b));
-    const Vec3f* const given = s < 0 ? nullptr : seed.vectors.brick(std::size_t(s));
-    if (given != nullptr) std::copy_n(given, kBrickVoxels, vectors.touch(b));
-    if (s >= 0 && seed.topology.mask(std::size_t(s)) == bricks.mask(b)) continue;
-    number_of[b] = std::int32_t(pending.size());
-    pending.push_back(b);
-    valid.push_back(s < 0 ? BrickMask{} : seed.topology.mask(std::size_t(s)));
+  for (std::size_t s = 0; s < seed.topology.brick_count(); ++s) {
+    const Vec3f* const given = seed.vectors.brick(s);
+    if (given == nullptr) continue;
+    const std::int32_t b = bricks.find(seed.topology.origin(s));
+    std::copy_n(given, kBrickVoxels, vectors.touch(std::size_t(b)));
   }
   const auto mask_of = [&](std::int32_t b) -> const BrickMask& {
-    const std::int32_t number = number_of[std::size_t(b)];
+    const std::int32_t number = wanted.number_of[std::size_t(b)];
     return number < 0 ? bricks.mask(std::size_t(b)) : valid[std::size_t(number)];
   };
 

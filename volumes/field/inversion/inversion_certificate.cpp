@@ -83,9 +83,9 @@ bool Probe::measure_still(std::size_t b, ResidualHistogram& histogram) const {
   if (!are_zeros(m_o.vectors.brick_or_zero(b))) return false;
   const std::int32_t same = m_u.topology.find(m_o.topology.origin(b));
   if (same < 0) return false;
-  const BrickMask& nodes = m_o.topology.mask(b);
-  for (int word = 0; word < 8; ++word) {
-    if ((nodes[word] & ~m_u.topology.mask(same)[word]) != 0) return false;
+  const BrickMask &nodes = m_o.topology.mask(b), &sources = m_u.topology.mask(std::size_t(same));
+  for (std::size_t word = 0; word < nodes.size() && &nodes != &sources; ++word) {
+    if ((nodes[word] & ~sources[word]) != 0) return false;
   }
   const Vec3f* u = m_u.vectors.brick_or_zero(std::size_t(same));
   const BrickMask* const folded = m_folded.of(same);
