@@ -211,10 +211,15 @@ std::int32_t OffsetBricks::gather_brick(std::size_t b, const VectorBrickFinder& 
   } else {
     float all[BrickNodes::kFloats];
     gather_nodes(offsets, m_source->topology(), true, origin, all, nodes);
-    if (!nodes.is_identity()) keep_every_second(all, out);
+    if (!is_straight(b, nodes)) keep_every_second(all, out);
   }
   m_ranges[b] = range_of(b, nodes);
-  return nodes.is_identity() ? kIdentity : nodes.empty() ? kEmpty : kDeformed;
+  return is_straight(b, nodes) ? kIdentity : nodes.empty() ? kEmpty : kDeformed;
+}
+
+/// Whether samples of brick b read where they are, or nothing.
+bool OffsetBricks::is_straight(std::size_t b, const BrickNodes& nodes) const {
+  return nodes.is_identity() || (nodes.is_zero && m_beneath[b] < 0);
 }
 
 EncodedRange OffsetBricks::range_beneath(std::size_t b) const {
@@ -222,7 +227,7 @@ EncodedRange OffsetBricks::range_beneath(std::size_t b) const {
 }
 
 EncodedRange OffsetBricks::range_of(std::size_t b, const BrickNodes& nodes) const {
-  if (nodes.is_identity()) return range_beneath(b);
+  if (is_straight(b, nodes)) return range_beneath(b);
   if (nodes.empty()) return {};
   const Vec3d guard(kReachGuard), lo(m_index.origin(b));
   return reached_range(*m_source, lo + Vec3d(nodes.lo) - guard,

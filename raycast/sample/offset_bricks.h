@@ -82,6 +82,7 @@ class OffsetBricks {
   void join_valid();
   void gather(const std::vector<std::size_t>& bricks, const VectorBrickFinder& offsets);
   std::int32_t gather_brick(std::size_t b, const VectorBrickFinder& offsets);
+  bool is_straight(std::size_t b, const BrickNodes& nodes) const;
   EncodedRange range_beneath(std::size_t b) const;
   EncodedRange range_of(std::size_t b, const BrickNodes& nodes) const;
   void mark_pointwise();

@@ -10,6 +10,8 @@
 #include "raycast/sample/offset_bricks.h"
 #include "tests/raycast/scenes.h"
 #include "tests/support/scalar_sampling.h"
+#include "volumes/grid/padded_rows.h"
+#include "volumes/grid/voxel_sets.h"
 
 namespace supple {
 namespace {
@@ -217,6 +219,12 @@ TEST(UnitBricks, AVacatedPlaceIsNotAnIdentityBrick) {
   const OffsetBricks bricks(source, offsets_of(reached, [](const Vec3d&) { return Vec3d(0); }));
   EXPECT_FALSE(bricks.is_identity(bricks.find({0, 0, 0})));
   EXPECT_TRUE(bricks.is_identity(bricks.find({8, 8, 8})));
+  // Cells of a brick touch the voxels above it, even across a gap.
+  const BrickTopology apart = voxels_of({16, 8, 8}, [](const Vec3i& v) { return v.x / 4 != 1; });
+  const SourceBricks parts(grid_of(apart, [](const Vec3d& p) { return p.y; }));
+  const BrickTopology lower = voxels_of({4, 8, 8}, everywhere);
+  const OffsetBricks left(parts, {lower, BrickVectors(lower.brick_count())});
+  EXPECT_FALSE(left.is_identity(left.find({0, 0, 0})));
 }
 
 /// What a sample could tell of a brick: nothing, no brick and one without densities are the same.
@@ -235,6 +243,37 @@ void expect_same_brick(const OffsetBricks& a, const OffsetBricks& b, const Vec3i
       std::memcmp(a.node(m, {0, 0, 0}), b.node(n, {0, 0, 0}), BrickNodes::kFloats * sizeof(float)),
       0)
       << origin;
+}
+
+TEST(PropertyBricks, OffsetsOfBricksThatRestNeedNotBeStored) {
+  std::mt19937 random(23);
+  for (int round = 0; round < 20; ++round) {
+    const int empty = int(random() % 7);  // a layer of bricks
+    const BrickTopology where = voxels_of(
+        {48, 32, 32}, [&](const Vec3i& v) { return v.x >> 3 != empty && random() % 300 != 0; });
+    const SourceBricks source(grid_of(where, [](const Vec3d& p) { return 7 * p.x + p.y * p.z; }));
+    // Places that nothing reaches, not even from beside, mostly where cells of the brick below have corners.
+    std::vector<Vec3i> left;
+    for (int n = round % 4; n > 0; --n) {
+      Vec3i middle(int(random() % 48), int(random() % 32), int(random() % 32));
+      middle[int(random() % 3)] &= ~7;
+      for (int m = 0; m < 27; ++m) left.push_back(middle + surrounding_step(m));
+    }
+    const BrickTopology reached = subtract(where, topology_of(left));
+    VectorBricks sparse{reached, BrickVectors(reached.brick_count())};
+    for (int moving = round % 3; moving > 0; --moving) {
+      sparse.vectors.touch(random() % reached.brick_count())[random() % 512] = Vec3f(2, -1, 0.5F);
+    }
+    VectorBricks all = sparse;
+    all.vectors.touch_all();
+    const OffsetBricks found(source, sparse), wanted(source, all);
+    EXPECT_EQ(found.deformed_count(), wanted.deformed_count());
+    EXPECT_EQ(found.valid_bounds().lo, wanted.valid_bounds().lo);
+    EXPECT_EQ(found.valid_bounds().hi, wanted.valid_bounds().hi);
+    for (int n = 0; n < 8 * 6 * 6; ++n) {
+      expect_same_brick(found, wanted, Vec3i(n / 36 - 1, n / 6 % 6 - 1, n % 6 - 1) * kBrickDim);
+    }
+  }
 }
 
 TEST(PropertyBricks, UpdatedBricksAreThoseOfTheChangedOffsets) {

@@ -80,21 +80,14 @@ VectorBricks compact(const BrickTopology& bricks, const ValidOf& valid_of, Brick
   return {BrickTopology(std::move(origins), std::move(masks)), std::move(vectors)};
 }
 
-bool holds(const BrickMask& whole, const BrickMask& part) {
-  for (std::size_t word = 0; word < whole.size(); ++word) {
-    if ((part[word] & ~whole[word]) != 0) return false;
-  }
-  return true;
-}
-
-/// The bricks of a target with wanted voxels, and what is valid in them so far. Everywhere else all
-/// voxels of the target are.
+/// The bricks of a target with wanted voxels, and what is valid in them so far, also beyond the
+/// target. Everywhere else it is the voxels of the target.
 struct Pending {
   std::vector<std::size_t> bricks;
   std::vector<BrickMask> valid;
   std::vector<std::int32_t> number_of;  // per brick of the target; -1: not pending
 
-  /// False when the target does not have all voxels of the seed.
+  /// False when the target does not have all bricks of the seed.
   bool find(const BrickTopology& seed, const BrickTopology& target) {
     number_of.assign(target.brick_count(), -1);
     std::size_t held = 0;
@@ -104,7 +97,6 @@ struct Pending {
       const BrickMask given = s < 0 ? BrickMask{} : seed.mask(std::size_t(s));
       held += s >= 0;
       if (given == wanted) continue;
-      if (!holds(wanted, given)) return false;
       number_of[b] = std::int32_t(bricks.size());
       bricks.push_back(b);
       valid.push_back(given);

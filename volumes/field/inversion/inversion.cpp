@@ -162,10 +162,10 @@ void Inversion::settle(const VectorBricks& u, const std::vector<OpenNode>& doubt
 VectorBricks Inversion::solve_sources(const VectorBricks& u,
                                       const std::vector<std::size_t>& sources,
                                       OffsetAccumulator& accumulator, Progress* progress) {
+  merge_resting(u, accumulator);  // first, so that fewer offsets are stored in vain
   tbb::enumerable_thread_specific<Worker> workers([&] { return Worker(m_dims, m_params); });
   for_numbers(sources, progress,
               [&](std::size_t n) { solve_source(u, m_sources[n], accumulator, workers.local()); });
-  merge_resting(u, accumulator);
   // What the quick solves left open.
   std::vector<OpenNode> doubts;
   for (const Worker& part : workers) {
