@@ -22,7 +22,7 @@ using LaneBits = std::int32_t __attribute__((vector_size(32)));
 constexpr LaneBits kLaneBit = {1, 2, 4, 8, 16, 32, 64, 128};
 
 /// Smallest and largest value of every lane; lo > hi: none.
-struct RowRange {
+struct LaneRange {
   Lanes lo = Lanes{} + HUGE_VALF, hi = Lanes{} - HUGE_VALF;
   LaneBits others{};  // lanes with a value that is no integer
 
@@ -115,7 +115,7 @@ SourceBricks::Survey SourceBricks::survey(std::size_t b) const {
   const BrickMask& mask = m_topology.mask(b);
   const float* const stored = values(b);
   // Of all rows along z, those at x = 0, those at y = 0 and the one at both; a lane is a z.
-  std::array<RowRange, 4> rows;
+  std::array<LaneRange, 4> rows;
   const auto add_rows = [&](const auto& add_row) {
     rows = {};
     for (int x = 0; x < kBrickDim; ++x) {
@@ -133,14 +133,14 @@ SourceBricks::Survey SourceBricks::survey(std::size_t b) const {
   LaneBits is_odd{};  // not finite
   const bool is_full = std::all_of(mask.begin(), mask.end(), [](auto word) { return ~word == 0; });
   if (is_full) {
-    add_rows([&](int x, int y, RowRange& range) {
+    add_rows([&](int x, int y, LaneRange& range) {
       const Lanes row = row_at(x, y);
       is_odd |= row - row != 0;
       range.add(row);
     });
   }
   if (!is_full || any_of(is_odd)) {
-    add_rows([&](int x, int y, RowRange& range) {
+    add_rows([&](int x, int y, LaneRange& range) {
       const auto bits = int(mask[std::size_t(x)] >> (8 * y)) & 0xff;
       const Lanes row = row_at(x, y);
       range.add(row, (((LaneBits{} + bits) & kLaneBit) != 0) & (row - row == 0));
@@ -149,7 +149,7 @@ SourceBricks::Survey SourceBricks::survey(std::size_t b) const {
   Survey found;
   found.integers = !any_of(rows[0].others);
   for (std::size_t part = 0; part < 8; ++part) {
-    const RowRange& range = rows[(part & 4) / 4 + (part & 2)];
+    const LaneRange& range = rows[(part & 4) / 4 + (part & 2)];
     found.lo[part] = range.lo[0];
     found.hi[part] = range.hi[0];
     for (int z = 1; z < kBrickDim && (part & 1) == 0; ++z) {

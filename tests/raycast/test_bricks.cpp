@@ -252,7 +252,7 @@ TEST(PropertyBricks, OffsetsOfBricksThatRestNeedNotBeStored) {
     const BrickTopology where = voxels_of(
         {48, 32, 32}, [&](const Vec3i& v) { return v.x >> 3 != empty && random() % 300 != 0; });
     const SourceBricks source(grid_of(where, [](const Vec3d& p) { return 7 * p.x + p.y * p.z; }));
-    // Places that nothing reaches, not even from beside, mostly where cells of the brick below have corners.
+    // Places that nothing reaches, mostly where cells of the brick below have corners.
     std::vector<Vec3i> left;
     for (int n = round % 4; n > 0; --n) {
       Vec3i middle(int(random() % 48), int(random() % 32), int(random() % 32));

@@ -16,9 +16,12 @@ namespace {
 
 constexpr double kSourceBytes = 2 * SourceBricks::kBrickNodes;  // of a brick that rays read
 constexpr double kNodeBytes = 8748, kHalfNodeBytes = 1500;      // of a deformed one
-constexpr double kTableBytes = 107;       // of any brick in the tables of a renderer
+constexpr double kTableBytes = 75;        // of any brick in the tables of a renderer
 constexpr double kFieldTableBytes = 108;  // of any brick of a field: masks, neighbours, place
-constexpr double kInvertBytes = 600;      // of any brick while it is inverted
+constexpr double kPlaceBytes = 8;         // the same of a field that shares those of the body
+constexpr double kExtendBytes = 50;       // of any brick while displacements are extended
+constexpr double kInvertBytes = 600;      // of a brick that moves while it is inverted
+constexpr double kRestBytes = 30;         // of any other then
 constexpr double kStoreNs = 250;          // of a pixel that becomes a part of a PNG file
 constexpr double kPixelBytes = 16 + 4 + 4, kAuxiliaryBytes = 28;
 constexpr double kGridBrickBytes = 6300;  // of a grid of vectors in a state
@@ -168,8 +171,8 @@ void ScenePlanner::plan_pose() {
     const double copied =
         double(m_moved.count(0) + m_moved.count(1) + m_moved.count(2)) * kBrickBytes4;
     add("pose", "displacement of " + bricks_text(m_moved_bricks), reads_u,
-        copied + m_moved_bricks * kBrickBytes12 + 3 * density_bricks() * kFieldTableBytes,
-        density_bricks() * kFieldTableBytes,
+        copied + m_moved_bricks * kBrickBytes12 + density_bricks() * kPlaceBytes,
+        density_bricks() * kExtendBytes,
         frames() * (m_moved_bricks * kBrickVoxels * m_costs.displacement_voxel +
                     density_bricks() * m_costs.still_brick));
   }
@@ -181,7 +184,7 @@ void ScenePlanner::plan_pose() {
     const double cut = is_cut() ? m_moved_bricks : 0;
     add("pose", "offsets of " + bricks_text(m_moved_bricks), reads_o,
         m_moved_bricks * kBrickBytes12 + density_bricks() * kFieldTableBytes + once(kInvertCode),
-        density_bricks() * kInvertBytes + cut * kCutBytes,
+        m_moved_bricks * kInvertBytes + density_bricks() * kRestBytes + cut * kCutBytes,
         frames() * (m_moved_bricks * kBrickVoxels * m_costs.invert_voxel + cut * kCutNs +
                     density_bricks() * m_costs.still_brick));
   }

@@ -21,10 +21,10 @@ struct UnitCosts {
   double fem_unknown = 190;           // per iteration
   double displacement_voxel = 12;     // of the bricks that move, extension included
   double invert_voxel = 55;           // of the bricks that move, certificate included
-  double source_brick = 900;          // sampling bricks of a picture
+  double source_brick = 360;          // sampling bricks of a picture
   double ray = 900;                   // set up, shaded and stored, per pixel
   double sample = 35;                 // read, classified, composited
-  double still_brick = 1200;          // of a body at rest, in all passes over its bricks
+  double still_brick = 570;           // of a body at rest, in all passes over its bricks
   double warp_voxel = 15;             // of a dense warp, made and written
   double state_brick = 14000;         // compressed and written
   double state_vector_brick = 50000;  // offsets of a state, likewise

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "volumes/grid/brick_index.h"
@@ -45,9 +46,14 @@ IndexBox join(const IndexBox& a, const IndexBox& b);
 class BrickTopology {
  public:
   BrickTopology() noexcept : m_bricks(none()) {}
-  /// What is moved from stays as it is.
   BrickTopology(const BrickTopology&) = default;
   BrickTopology& operator=(const BrickTopology&) = default;
+  /// What is moved from is empty.
+  BrickTopology(BrickTopology&& other) noexcept : m_bricks(std::exchange(other.m_bricks, none())) {}
+  BrickTopology& operator=(BrickTopology&& other) noexcept {
+    m_bricks = std::exchange(other.m_bricks, none());
+    return *this;
+  }
 
   /// `origins` are multiples of 8 and unique; bricks are sorted, `masks` follow. Bricks with an
   /// empty mask are dropped.

@@ -38,8 +38,8 @@ OffsetField invert(const Displacement& displacement, const InvertParams& params 
 /// An inversion that follows a displacement through local changes, such as drags: only the output
 /// bricks that changed cells reach, or reached before, are solved again, and every offset and the
 /// certificate have the bits that invert() would give them.
-/// Memory: 6 kB per output brick with an offset other than 0, 0.1 kB per any other, and 0.4 kB per
-/// source brick.
+/// Memory: 6 kB per output brick with an offset other than 0, 0.1 kB per any other, 0.4 kB per
+/// source brick that moved, and 6 bytes per any other.
 class IncrementalInversion {
  public:
   /// Inverts everything. Throws like invert(), and InputError for a volume of one slice.

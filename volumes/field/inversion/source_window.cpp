@@ -119,7 +119,7 @@ inline float SourceWindow::residual(int node, const Vec3f& offset) const {
   if (entry->is_folded > 0) return kFolded;
   const auto corner = [&](std::size_t step) {
     Float4 v;
-    std::memcpy(&v, entry + step, sizeof v);
+    std::memcpy(&v, &entry[step].u.x, sizeof v);
     return v;
   };
   const auto column = [&](std::size_t step) { return mix(corner(step), corner(step + 1), t[2]); };
