@@ -17,37 +17,38 @@ namespace {
 
 constexpr double kCodes = 32767;  // encoded values lie in -kCodes … kCodes
 
-using Lanes = float __attribute__((vector_size(32)));
-using LaneBits = std::int32_t __attribute__((vector_size(32)));
-constexpr LaneBits kLaneBit = {1, 2, 4, 8, 16, 32, 64, 128};
+using DensityRow = float __attribute__((vector_size(32)));
+using DensityBits = std::int32_t __attribute__((vector_size(32)));
+constexpr DensityBits kLaneBit = {1, 2, 4, 8, 16, 32, 64, 128};
 
 /// Smallest and largest value of every lane; lo > hi: none.
 struct LaneRange {
-  Lanes lo = Lanes{} + HUGE_VALF, hi = Lanes{} - HUGE_VALF;
-  LaneBits others{};  // lanes with a value that is no integer
+  DensityRow lo = DensityRow{} + HUGE_VALF, hi = DensityRow{} - HUGE_VALF;
+  DensityBits others{};  // lanes with a value that is no integer
 
-  void add(const Lanes& values, const LaneBits& counts) {
+  void add(const DensityRow& values, const DensityBits& counts) {
     lo = (counts & (values < lo)) ? values : lo;
     hi = (counts & (values > hi)) ? values : hi;
-    find_others(counts ? values : Lanes{});
+    find_others(counts ? values : DensityRow{});
   }
-  void add(const Lanes& values) {
+  void add(const DensityRow& values) {
     lo = values < lo ? values : lo;
     hi = values > hi ? values : hi;
     find_others(values);
   }
 
  private:
-  void find_others(const Lanes& values) {
+  void find_others(const DensityRow& values) {
     // Floats from 2^23 on are all integers.
     constexpr float kAllIntegers = 8388608;
-    const LaneBits fine = (values < kAllIntegers) & (values > -kAllIntegers);
-    const Lanes small = fine ? values : Lanes{};
-    others |= __builtin_convertvector(__builtin_convertvector(small, LaneBits), Lanes) != small;
+    const DensityBits fine = (values < kAllIntegers) & (values > -kAllIntegers);
+    const DensityRow small = fine ? values : DensityRow{};
+    others |=
+        __builtin_convertvector(__builtin_convertvector(small, DensityBits), DensityRow) != small;
   }
 };
 
-bool any_of(const LaneBits& lanes) {
+bool any_of(const DensityBits& lanes) {
   std::int32_t any = 0;
   for (int z = 0; z < kBrickDim; ++z) any |= lanes[z];
   return any != 0;
@@ -126,15 +127,15 @@ SourceBricks::Survey SourceBricks::survey(std::size_t b) const {
     add_row(0, 0, rows[3]);
   };
   const auto row_at = [&](int x, int y) {
-    Lanes row = Lanes{} + m_density.background();
+    DensityRow row = DensityRow{} + m_density.background();
     if (stored != nullptr) std::memcpy(&row, stored + 64 * x + 8 * y, sizeof row);
     return row;
   };
-  LaneBits is_odd{};  // not finite
+  DensityBits is_odd{};  // not finite
   const bool is_full = std::all_of(mask.begin(), mask.end(), [](auto word) { return ~word == 0; });
   if (is_full) {
     add_rows([&](int x, int y, LaneRange& range) {
-      const Lanes row = row_at(x, y);
+      const DensityRow row = row_at(x, y);
       is_odd |= row - row != 0;
       range.add(row);
     });
@@ -142,8 +143,8 @@ SourceBricks::Survey SourceBricks::survey(std::size_t b) const {
   if (!is_full || any_of(is_odd)) {
     add_rows([&](int x, int y, LaneRange& range) {
       const auto bits = int(mask[std::size_t(x)] >> (8 * y)) & 0xff;
-      const Lanes row = row_at(x, y);
-      range.add(row, (((LaneBits{} + bits) & kLaneBit) != 0) & (row - row == 0));
+      const DensityRow row = row_at(x, y);
+      range.add(row, (((DensityBits{} + bits) & kLaneBit) != 0) & (row - row == 0));
     });
   }
   Survey found;
