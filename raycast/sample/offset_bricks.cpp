@@ -9,6 +9,7 @@
 
 #include "volumes/grid/cell.h"
 #include "volumes/grid/padded_rows.h"
+#include "volumes/grid/voxel_sets.h"
 
 namespace supple {
 
@@ -162,11 +163,8 @@ bool OffsetBricks::is_covered(std::size_t b, const BrickTopology& valid) const {
     if (n == 0 && given < 0) return false;
     if (source < 0) continue;
     if (given < 0) return false;
-    const BrickMask &wanted = m_source->topology().mask(std::size_t(source)),
-                    &there = valid.mask(std::size_t(given));
-    for (std::size_t word = 0; word < wanted.size(); ++word) {
-      if ((wanted[word] & ~there[word]) != 0) return false;
-    }
+    const BrickMask& wanted = m_source->topology().mask(std::size_t(source));
+    if (!holds(valid.mask(std::size_t(given)), wanted)) return false;
   }
   return true;
 }

@@ -10,6 +10,7 @@
 
 #include "volumes/grid/b_spline.h"
 #include "volumes/grid/cell.h"
+#include "volumes/grid/voxel_sets.h"
 
 namespace supple {
 
@@ -132,15 +133,14 @@ SourceBricks::Survey SourceBricks::survey(std::size_t b) const {
     return row;
   };
   DensityBits is_odd{};  // not finite
-  const bool is_full = std::all_of(mask.begin(), mask.end(), [](auto word) { return ~word == 0; });
-  if (is_full) {
+  if (is_full(mask)) {
     add_rows([&](int x, int y, LaneRange& range) {
       const DensityRow row = row_at(x, y);
       is_odd |= row - row != 0;
       range.add(row);
     });
   }
-  if (!is_full || any_of(is_odd)) {
+  if (!is_full(mask) || any_of(is_odd)) {
     add_rows([&](int x, int y, LaneRange& range) {
       const auto bits = int(mask[std::size_t(x)] >> (8 * y)) & 0xff;
       const DensityRow row = row_at(x, y);
@@ -271,7 +271,7 @@ std::size_t SourceBricks::bytes() const {
   std::size_t filled = 0;
   for (std::size_t b = 0; b < count; ++b) filled += m_states[b] == kFilled;
   return m_topology.bytes() + filled * kBrickNodes * sizeof(std::int16_t) +
-         count * (sizeof(EncodedRange) + sizeof(const float*) + 1);
+         m_values.capacity() * sizeof(const float*) + count * (sizeof(EncodedRange) + 1);
 }
 
 }  // namespace supple

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "volumes/grid/padded_rows.h"
+#include "volumes/grid/voxel_sets.h"
 
 namespace supple {
 
@@ -74,12 +75,6 @@ class RowRange {
   Row m_lo, m_hi;
 };
 
-bool is_full(const BrickMask& mask) {
-  std::uint64_t all = ~std::uint64_t(0);
-  for (const std::uint64_t word : mask) all &= word;
-  return all == ~std::uint64_t(0);
-}
-
 /// Whether none of the brick's own vectors and its upper neighbours' is stored.
 bool are_at_rest(const ViewsAround& around) {
   for (int n = 0; n < 27; ++n) {
@@ -104,8 +99,8 @@ bool gather_inside(const ViewsAround& around, float* out, RowRange& range) {
       const Vec3f& last = around[start.brick + 1].vectors[start.offset];
       if (!range.add(&row->x) || !is_place(last)) return false;
       range.add(last);
-      std::memcpy(out, row, sizeof(float) * kRowFloats);
-      std::memcpy(out + kRowFloats, &last, sizeof last);
+      std::memcpy(out, &row->x, sizeof(float) * kRowFloats);
+      std::memcpy(out + kRowFloats, &last.x, sizeof last);
     }
   }
   return true;
@@ -124,7 +119,7 @@ void gather_beside_void(const ViewsAround& around, const BrickTopology& occupied
       std::fill(out, out + 3 * BrickNodes::kDim, kNone);
       unsigned rest = known;  // still to be gathered
       if ((given & kOwn) == kOwn && range.add(&around[start.brick].vectors[start.offset].x)) {
-        std::memcpy(out, &around[start.brick].vectors[start.offset], sizeof(float) * kRowFloats);
+        std::memcpy(out, &around[start.brick].vectors[start.offset].x, sizeof(float) * kRowFloats);
         rest &= ~kOwn;
       }
       for (; rest != 0; rest &= rest - 1) {
@@ -135,7 +130,7 @@ void gather_beside_void(const ViewsAround& around, const BrickTopology& occupied
                 : extrapolate<false>(valid, {x, y, z}, [&](int n) { return around[n].vectors; });
         if (is_place(v)) {
           range.add(v);
-          std::memcpy(out + 3 * z, &v, sizeof v);
+          std::memcpy(out + 3 * z, &v.x, sizeof v);
         } else {
           known &= ~(1u << z);
         }

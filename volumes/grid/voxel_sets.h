@@ -1,11 +1,23 @@
 // The algebra of voxel sets: brick topologies and lists of voxels.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "volumes/grid/brick_topology.h"
 
 namespace supple {
+
+/// Whether all voxels of a brick are set.
+inline bool is_full(const BrickMask& mask) {
+  return std::all_of(mask.begin(), mask.end(), [](std::uint64_t word) { return ~word == 0; });
+}
+/// Whether `whole` has all voxels of `part`.
+inline bool holds(const BrickMask& whole, const BrickMask& part) {
+  std::uint64_t missing = 0;
+  for (std::size_t word = 0; word < whole.size(); ++word) missing |= part[word] & ~whole[word];
+  return missing == 0;
+}
 
 /// For unordered sets and maps of voxels.
 struct VoxelHash {

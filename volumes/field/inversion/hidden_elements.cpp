@@ -10,6 +10,7 @@
 #include "volumes/field/inversion/source_window.h"
 #include "volumes/field/split_offsets.h"
 #include "volumes/grid/cell.h"
+#include "volumes/grid/voxel_sets.h"
 
 namespace supple {
 
@@ -67,9 +68,7 @@ class HiddenCount {
     if (m_field.split != nullptr) return false;
     const std::int32_t b = m_field.o.topology.find(origin);
     if (b < 0) return false;
-    for (int word = 0; word < 8; ++word) {
-      if ((elements[word] & ~m_field.o.topology.mask(b)[word]) != 0) return false;
-    }
+    if (!holds(m_field.o.topology.mask(std::size_t(b)), elements)) return false;
     const Vec3f* o = m_field.o.vectors.brick_or_zero(std::size_t(b));
     return are_zeros(u) && are_zeros(o);
   }

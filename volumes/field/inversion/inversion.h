@@ -25,7 +25,7 @@ class Inversion {
 
   /// The offsets in `touched`: the sorted output bricks that cells with a corner in one of the
   /// `changed` bricks of u reach, now or before. The topology of u is that of the last solve().
-  /// False, and nothing has happened, when a brick is torn: then all has to be solved.
+  /// False when a brick is torn: then all has to be solved.
   bool solve_changed(const VectorBricks& u, const std::vector<std::int32_t>& changed,
                      std::vector<Vec3i>& touched, VectorBricks& offsets);
 

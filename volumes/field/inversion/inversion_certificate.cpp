@@ -10,6 +10,8 @@
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_reduce.h>
 
+#include "volumes/grid/voxel_sets.h"
+
 namespace supple {
 
 namespace {
@@ -84,9 +86,7 @@ bool Probe::measure_still(std::size_t b, ResidualHistogram& histogram) const {
   const std::int32_t same = m_u.topology.find(m_o.topology.origin(b));
   if (same < 0) return false;
   const BrickMask &nodes = m_o.topology.mask(b), &sources = m_u.topology.mask(std::size_t(same));
-  for (std::size_t word = 0; word < nodes.size() && &nodes != &sources; ++word) {
-    if ((nodes[word] & ~sources[word]) != 0) return false;
-  }
+  if (&nodes != &sources && !holds(sources, nodes)) return false;
   const Vec3f* u = m_u.vectors.brick_or_zero(std::size_t(same));
   const BrickMask* const folded = m_folded.of(same);
   if (folded == nullptr && are_zeros(u)) {

@@ -1,19 +1,12 @@
 #include "volumes/field/inversion/resting_brick.h"
 
-#include <algorithm>
-
 #include "volumes/grid/cell.h"
 #include "volumes/grid/padded_rows.h"
+#include "volumes/grid/voxel_sets.h"
 
 namespace supple {
 
 namespace {
-
-constexpr std::uint64_t kAll = ~std::uint64_t(0);
-
-bool is_full(const BrickMask& mask) {
-  return std::all_of(mask.begin(), mask.end(), [](std::uint64_t word) { return word == kAll; });
-}
 
 /// Whether the brick's own voxels and all those above it are there.
 bool is_inside(const BrickTopology& voxels, std::size_t b) {
@@ -29,7 +22,7 @@ bool is_inside(const BrickTopology& voxels, std::size_t b) {
 
 RestingBrick::RestingBrick(const BrickTopology& voxels, std::size_t b,
                            const std::function<bool(std::int32_t)>& rests) {
-  m_nodes.fill(kAll);
+  m_nodes.fill(~std::uint64_t(0));
   if (rests(std::int32_t(b)) && is_inside(voxels, b)) return;
   const Surroundings around = surroundings_of(voxels, b);
   const PaddedRows<1> padded = padded_rows<1>(
