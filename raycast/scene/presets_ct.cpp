@@ -46,15 +46,11 @@ TransferFunction ct_aaa2() {
   return f;
 }
 
-/// Walls of airways and sinuses from the side of the air; the air around the body has one, too.
+/// Air, bright against the background; clips take away what lies around the body.
 TransferFunction ct_air() {
-  TransferFunction f;
-  f.name = "CT-Air";
-  f.opacity = {{-1024, 0.25}, {-700, 0.25}, {-450, 0}};
-  f.colour = {{-1024, {0.55, 0.72, 0.9}}, {-450, {0.8, 0.9, 1}}};
-  f.gradient_opacity = {{10, 0}, {80, 1}};
-  f.full_shading_gradient = 150;
-  f.ambient = 0.2, f.diffuse = 0.8, f.specular = 0.2, f.specular_power = 12;
+  TransferFunction f = glossy("CT-Air");
+  f.opacity = {{-3024, 0.71}, {-900, 0.72}, {-500, 0}};
+  f.colour = {{-3024, {1, 1, 1}}, {-900, {0.2, 1, 1}}, {-500, {0.3, 0.3, 1}}, {3071, {0, 0, 0}}};
   return f;
 }
 
@@ -236,14 +232,12 @@ TransferFunction ct_soft_tissue() {
   return f;
 }
 
-/// A radiograph: opacity in proportion to attenuation, white, without light.
+/// A radiograph: rays are dimmed by what is denser than air, white, without light.
 TransferFunction ct_x_ray() {
-  TransferFunction f;
-  f.name = "CT-X-ray";
-  f.opacity = {{-900, 0}, {0, 0.0022}, {200, 0.0035}, {1000, 0.012}, {3000, 0.03}};
-  f.colour = {{0, {1, 1, 1}}};
+  TransferFunction f = unlit("CT-X-ray");
+  f.opacity = {{-200, 0}, {1500, 0.05}};
+  f.colour = {{-200, {1, 1, 1}}};
   f.background = "black";
-  f.ambient = 1, f.diffuse = 0, f.specular = 0;
   return f;
 }
 

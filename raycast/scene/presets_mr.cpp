@@ -42,8 +42,8 @@ TransferFunction mr_mip() {
   f.name = "MR-MIP";
   f.blend = Blend::maximum;
   f.background = "black";
-  f.opacity = {{0, 0}, {20, 0}, {100, 1}, {1024, 1}};
-  f.colour = {{0, {0, 0, 0}}, {250, {1, 1, 1}}, {1024, {1, 1, 1}}};
+  f.opacity = {{98, 0}, {417, 1}};
+  f.colour = {{98, {1, 1, 1}}};
   return f;
 }
 

@@ -97,7 +97,7 @@ TEST(UnitTransferFunction, EveryPresetShowsWhatItIsNamedAfterAndNotAll) {
                         {"CT-X-ray", -1000, 600},
                         {"MR-Angio", 100, 250},
                         {"MR-Default", 0, 100},
-                        {"MR-MIP", 0, 100},
+                        {"MR-MIP", 0, 250},
                         {"MR-T2-Brain", 0, 200}};
   ASSERT_EQ(std::size(cases), preset_names().size());
   for (const Case& c : cases) {
