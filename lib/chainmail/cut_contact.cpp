@@ -60,18 +60,18 @@ void loosen(const Body& body, Holds& holds) {
 }
 
 /// Of attempt(parts, is_first) the first, which is all of it, or that of the largest part that a
-/// bisection finds to leave no overlap.
-template <class Attempt>
-SidesReport largest_part(Attempt&& attempt) {
+/// bisection finds to leave no overlap, as long as `may_go_on()`.
+template <class Attempt, class MayGoOn>
+SidesReport largest_part(Attempt&& attempt, MayGoOn&& may_go_on) {
   constexpr int kAll = CutContact::kDragParts;
   SidesReport report = attempt(kAll, true);
-  if (report.left == 0) return report;
+  if (report.left == 0 || !may_go_on()) return report;
   int done = 0, stopped = kAll, tried = kAll;
   const auto attempt_again = [&](int parts) {
     report = attempt(parts, false);
     report.parts = tried = parts;
   };
-  while (stopped - done > 1) {
+  while (stopped - done > 1 && may_go_on()) {
     attempt_again((done + stopped) / 2);
     (report.left == 0 ? done : stopped) = tried;
   }
@@ -81,7 +81,8 @@ SidesReport largest_part(Attempt&& attempt) {
 
 }  // namespace
 
-CutContact::CutContact(Body& body, const LinkCuts& cuts) : m_body(body), m_lips(body, cuts) {
+CutContact::CutContact(Body& body, const LinkCuts& cuts, ContactEffort effort)
+    : m_body(body), m_lips(body, cuts), m_effort(effort) {
   if (!m_lips.empty()) m_before = m_lips.points_before();
 }
 
@@ -89,14 +90,16 @@ SidesReport CutContact::drag(const SlotSet& fixed, Holds& holds,
                              const std::function<void(int)>& move, Progress* progress) {
   const KeptOffsets start(m_body);
   const Holds before = holds;
-  return largest_part([&](int parts, bool is_first) {
-    if (!is_first) {
-      start.restore(m_body);
-      holds = before;
-    }
-    move(parts);
-    return part(fixed, holds, progress);
-  });
+  return largest_part(
+      [&](int parts, bool is_first) {
+        if (!is_first) {
+          start.restore(m_body);
+          holds = before;
+        }
+        move(parts);
+        return part(fixed, holds, progress);
+      },
+      [&] { return may_go_on(); });
 }
 
 SidesReport CutContact::go(const SlotSet& fixed, Holds& holds, const std::function<void()>& move,
@@ -104,26 +107,37 @@ SidesReport CutContact::go(const SlotSet& fixed, Holds& holds, const std::functi
   const KeptOffsets start(m_body);
   const std::vector<RigidPiece> pieces = m_body.rigid.list;
   move();
-  const bool has_turned =
-      !std::equal(pieces.begin(), pieces.end(), m_body.rigid.list.begin(),
-                  [](const auto& a, const auto& b) { return a.pose.turn == b.pose.turn; });
-  if (has_turned) return part(fixed, holds, progress);
+  const bool may_be_shortened = std::equal(pieces.begin(), pieces.end(), m_body.rigid.list.begin(),
+                                           [&](const RigidPiece& a, const RigidPiece& b) {
+                                             if (m_effort == ContactEffort::live)
+                                               return a.pose == b.pose;
+                                             return a.pose.turn == b.pose.turn;
+                                           });
+  if (!may_be_shortened) return part(fixed, holds, progress);
   const KeptOffsets end(m_body);
   const Holds at_end = holds;
-  return largest_part([&](int parts, bool is_first) {
-    if (!is_first) {
-      end.restore_part(start, parts, m_body);
-      holds = at_end;
-      loosen(m_body, holds);
-    }
-    return part(fixed, holds, progress);
-  });
+  return largest_part(
+      [&](int parts, bool is_first) {
+        if (!is_first) {
+          end.restore_part(start, parts, m_body);
+          holds = at_end;
+          loosen(m_body, holds);
+        }
+        return part(fixed, holds, progress);
+      },
+      [&] { return may_go_on(); });
+}
+
+bool CutContact::may_go_on(std::int64_t more_bricks) const {
+  constexpr std::int64_t kMostLiveBricks = 8'000;
+  return m_effort == ContactEffort::full || m_changed_bricks + more_bricks < kMostLiveBricks;
 }
 
 /// The largest move in voxels; 0 where there is no room. Sides that are pressed give way further in
 /// the next round, so what is too far at once is done by halves.
 double CutContact::part_across(int c, ContactProjection& projection) const {
   for (const double part : {1.0, 0.5, 0.25, 0.0625}) {
+    if (!may_go_on(projection.changed_bricks())) break;
     const auto moved = projection.meet(c, m_lips.contacts(c, m_before, part).links);
     if (moved) return double(*moved) / kFixedOne;
   }
@@ -157,6 +171,7 @@ SidesReport CutContact::part(const SlotSet& fixed, const Holds& held, Progress* 
     }
     if (report.left == 0 || !has_moved) break;
   }
+  m_changed_bricks += projection.changed_bricks();
   return report;
 }
 

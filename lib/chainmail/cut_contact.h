@@ -9,6 +9,7 @@
 // one whose lips do not meet 2 us per cut link; lips that meet cost what they push.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 
 #include "lib/body/holds.h"
@@ -28,11 +29,15 @@ struct SidesReport {
   int parts = 1024;
 };
 
+/// live: at most about an eighth of a second, after which sides that overlap are left. Drags that
+/// move rigid pieces are whole.
+enum class ContactEffort { full, live };
+
 class CutContact {
  public:
   /// Remembers which parts of lips lie before each other: make it before the body moves. `cuts`:
   /// those of the body without the links that rigid pieces hide. Both outlive this.
-  CutContact(Body& body, const LinkCuts& cuts);
+  CutContact(Body& body, const LinkCuts& cuts, ContactEffort effort = ContactEffort::full);
 
   static constexpr int kDragParts = 1024;
 
@@ -56,11 +61,14 @@ class CutContact {
   SidesReport part(const SlotSet& fixed, const Holds& held, Progress* progress = nullptr);
 
  private:
+  bool may_go_on(std::int64_t more_bricks = 0) const;
   double part_across(int c, ContactProjection& projection) const;
 
   Body& m_body;
   CutLips m_lips;
   CutLips::Before m_before;
+  ContactEffort m_effort;
+  std::int64_t m_changed_bricks = 0;
 };
 
 }  // namespace supple

@@ -160,8 +160,13 @@ void CutLips::join_sheets(int axis) {
     return n;
   };
   const int u = first_other(axis), v = second_other(axis);
+  const auto nearest = [&](int n, int along, int step) {
+    return neighbour(axis, at, sheets.lips[std::size_t(n)], along, step);
+  };
+  // Of layers near each other, lips of one.
   const auto next = [&](int n, int along, int step) {
-    return n < 0 ? -1 : neighbour(axis, at, sheets.lips[std::size_t(n)], along, step);
+    const int other = n < 0 ? -1 : nearest(n, along, step);
+    return other >= 0 && nearest(other, along, -step) == n ? other : -1;
   };
   for (int n = 0; n < int(sheets.lips.size()); ++n) {
     for (const int other : {next(n, u, 1), next(n, v, 1)}) {
@@ -181,7 +186,26 @@ void CutLips::join_sheets(int axis) {
       }
     }
   }
-  for (int n = 0; n < int(sheets.lips.size()); ++n) sheets.lips[std::size_t(n)].sheet = root(n);
+  std::unordered_map<Vec3i, int, VoxelHash> layers;
+  const auto layers_of = [&](const Lip& lip) -> int& {
+    return layers[{lip.sheet, lip.low[u], lip.low[v]}];
+  };
+  for (int n = 0; n < int(sheets.lips.size()); ++n) {
+    Lip& lip = sheets.lips[std::size_t(n)];
+    lip.sheet = root(n);
+    ++layers_of(lip);
+  }
+  for (Lip& lip : sheets.lips) lip.is_layered = layers_of(lip) > 1;
+}
+
+/// Where a sheet has several layers, a lip faces what it lay on.
+bool CutLips::is_of_one_layer(const Sheets& sheets, std::size_t n, const Cell& cell) {
+  bool is_layered = sheets.lips[n].is_layered, is_own = false;
+  for (const int corner : cell.lips) {
+    is_layered = is_layered || sheets.lips[std::size_t(corner)].is_layered;
+    is_own = is_own || std::size_t(corner) == n;
+  }
+  return is_own || !is_layered;
 }
 
 Vec3d CutLips::displacement(Slot slot) const {
@@ -289,6 +313,7 @@ void CutLips::for_each_facing(int axis, Visit&& visit) const {
       const Lip& lip = sheets.lips[n];
       const Vec3d& point = at[std::size_t(side)][n];
       finder.for_each_at(lip.sheet, point, [&](std::size_t c, const std::array<double, 4>& w) {
+        if (!is_of_one_layer(sheets, n, sheets.cells[c])) return;
         double height = 0;
         Vec3d from(0);
         for (std::size_t k = 0; k < 4; ++k) {

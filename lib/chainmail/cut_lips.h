@@ -50,6 +50,7 @@ class CutLips {
     Vec3i low;
     double place;  // 0 to 1 along the link
     int sheet;
+    bool is_layered = false;  // another lip of the sheet lies before or behind it
   };
   /// Corners at (0, 0), (1, 0), (0, 1), (1, 1) along the other two axes: points of lips, or, where
   /// a lip ends, what is half a voxel beyond them.
@@ -72,6 +73,7 @@ class CutLips {
 
   using LipMap = std::unordered_map<Vec3i, int, VoxelHash>;  // by the voxel at the low end
 
+  static bool is_of_one_layer(const Sheets& sheets, std::size_t lip, const Cell& cell);
   static Cell rim_cell(int lip, int beside, int above, double u, double v);
   void join_sheets(int axis);
   int neighbour(int axis, const LipMap& at, const Lip& lip, int along, int step) const;

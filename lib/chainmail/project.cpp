@@ -44,13 +44,16 @@ bool meets(const BrickValues& values, const HeldBounds& bounds) {
                      [&](const Seed& seed) { return values.at(seed.slot) <= seed.value; });
 }
 
-/// Elements that are nearer to each other than a contact allows, and where they are to go.
+/// Elements that are nearer to each other than a contact allows, and where they are to go. `pushes`
+/// counts those of each contact.
 std::vector<Seed> pressed(const std::vector<ContactLink>& contacts, const BrickValues& values,
-                          Direction direction) {
+                          Direction direction, std::vector<int>& pushes) {
   std::vector<Seed> seeds;
-  for (const ContactLink& contact : contacts) {
+  for (std::size_t n = 0; n < contacts.size(); ++n) {
+    const ContactLink& contact = contacts[n];
     const std::int64_t below = values.at(contact.below), above = values.at(contact.above);
     if (above - below >= contact.least) continue;
+    ++pushes[n];
     if (direction == Direction::raise) {
       seeds.push_back({contact.above, std::int32_t(below + contact.least)});
     } else {
@@ -181,27 +184,31 @@ std::vector<Seed> ContactProjection::beyond_bounds(int c, Direction direction) c
   return seeds;
 }
 
-/// To the envelope of the seeds under links and contacts; false where that has no end.
+/// To the envelope of the `seeds`, or of what contacts push, under links and contacts; false where
+/// that has no end: a contact that pushes another time pushes, round about, itself.
 bool ContactProjection::move(int c, const std::vector<ContactLink>& contacts, Direction direction,
                              std::vector<Seed> seeds) {
-  constexpr int kMostTurns = 64;
+  constexpr int kMostPushes = 8;
   BrickValues& q = m_body.q[std::size_t(c)];
   const PropagationTask task{c, direction, q, &m_undo, m_progress};
-  for (int turn = 0; turn < kMostTurns; ++turn) {
+  std::vector<int> pushes(contacts.size(), 0);
+  if (seeds.empty()) seeds = pressed(contacts, q, direction, pushes);
+  while (!seeds.empty()) {
     m_propagator.run(task, seeds);
-    seeds = pressed(contacts, q, direction);
-    if (seeds.empty()) return true;
+    m_changed_bricks += std::int64_t(m_undo.bricks().size());
+    seeds = pressed(contacts, q, direction, pushes);
+    if (std::any_of(pushes.begin(), pushes.end(), [](int n) { return n > kMostPushes; })) {
+      return false;
+    }
   }
-  return false;
+  return true;
 }
 
 /// To min(L, B) or to max(U, A), from where q is.
 bool ContactProjection::reach(int c, const std::vector<ContactLink>& contacts,
                               Direction direction) {
   const bool rises = direction == Direction::raise;
-  if (!move(c, contacts, direction, pressed(contacts, m_body.q[std::size_t(c)], direction))) {
-    return false;
-  }
+  if (!move(c, contacts, direction, {})) return false;
   const std::vector<Seed> back = beyond_bounds(c, direction);
   return back.empty() || move(c, contacts, rises ? Direction::lower : Direction::raise, back);
 }

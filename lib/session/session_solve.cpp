@@ -104,15 +104,14 @@ void Session::solve(const std::vector<Handle>& handles, const std::vector<PieceM
   record.report.milliseconds = record.ball->milliseconds;
 }
 
-/// None where no cut can close, or nothing is to be kept apart. Beside rigid pieces contact may
-/// take seconds, for which a hand that moves and slices of a relaxation do not wait.
+/// None where no cut can close, or nothing is to be kept apart.
 std::unique_ptr<CutContact> Session::contact_of(const StepRequest& request) {
   if (!m_material.has_contact || request.limits == Limits::ball || m_body.cuts.empty()) {
     return nullptr;
   }
-  const bool may_wait = !request.shift_pieces && !request.drags.empty();
-  if (!may_wait && !m_body.rigid.empty()) return nullptr;
-  auto contact = std::make_unique<CutContact>(m_body, m_body.cuts);
+  const bool is_live = request.shift_pieces || request.drags.empty();
+  auto contact = std::make_unique<CutContact>(m_body, m_body.cuts,
+                                              is_live ? ContactEffort::live : ContactEffort::full);
   return contact->empty() ? nullptr : std::move(contact);
 }
 
@@ -128,7 +127,11 @@ void Session::solve_in_contact(CutContact& contact, const std::vector<Handle>& h
                                const std::vector<PieceMotion>& pieces, StepRecord& record,
                                Progress* progress) {
   constexpr int kAll = CutContact::kDragParts;
-  if (m_body.rigid.empty()) {
+  if (handles.empty()) {
+    solve(handles, pieces, record, progress);
+    record.contact = contact.part(fixed_elements(), m_holds, progress);
+    follow_shifts(m_body);
+  } else if (m_body.rigid.empty()) {
     const auto move = [&](int parts) {
       m_ecm->move(parts == kAll ? handles : handles_of(record, pieces, double(parts) / kAll), 1,
                   progress);

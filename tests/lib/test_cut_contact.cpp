@@ -390,3 +390,40 @@ TEST(PropertyCutContact, CutsThatEndAndSlicesAreKeptApartWithAnyLinks) {
   EXPECT_GT(met, int(cases(24)));
   EXPECT_EQ(left, 0);
 }
+
+TEST(PropertyCutContact, LipsOfAnyCutsLieBesideEachOtherAtRest) {
+  int layered = 0;
+  for (unsigned n = 0; n < cases(100); ++n) {
+    std::mt19937 random(300 + n);
+    Block block = random_block(random, {9, 8, 7});
+    cut_randomly(random, block);
+    Body body = body_of(block);
+    CutContact contact(body, body.cuts);
+    EXPECT_EQ(contact.part({}, {}).overlapping, 0) << n;
+    layered += !contact.empty();
+  }
+  EXPECT_GT(layered, cases(50));
+}
+
+TEST(PropertyCutContact, AStackOfSlicesIsPushedOnFromSliceToSlice) {
+  constexpr int kSlices = 12, kThick = 2;
+  Body body = body_of(homogeneous({6, 6, kSlices * kThick}, 1.2, 0.9, 0.25));
+  const Geometry& geometry = body.geometry;
+  for (int n = 1; n < kSlices; ++n) {
+    cut(body, PlanePatch{geometry.world_from_index({-1, -1, n * kThick - 0.5}),
+                         geometry.world_vector_from_index({8, 0, 0}),
+                         geometry.world_vector_from_index({0, 8, 0})});
+  }
+  CutContact contact(body, body.cuts);
+  Holds holds;
+  EcmSolver solver(body);
+  const SidesReport report = contact.drag({}, holds, [&](int parts) {
+    solver.drag({Handle(Vec3i(3, 3, 0), part_of({0, 0, 3 * kVoxel}, parts))}, {}, holds);
+  });
+  EXPECT_GT(report.overlapping, 0);
+  EXPECT_EQ(report.left, 0);
+  EXPECT_EQ(report.parts, CutContact::kDragParts);
+  EXPECT_GT(body.offset({3, 3, kSlices * kThick - 1}, 2), kVoxel);
+  EXPECT_EQ(check_links(body).violated, 0);
+  EXPECT_EQ(overlapped_voxels(body), 0);
+}

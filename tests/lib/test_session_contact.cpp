@@ -152,6 +152,61 @@ TEST_P(PropertySessionContact, OverRigidBoneHeldLipsStopTheDragOnItsStraightWay)
   EXPECT_EQ(check_links(session.body()).violated, 0);
 }
 
+TEST_P(PropertySessionContact, OverRigidBoneARelaxationAloneDoesNotPushTheLipsThroughEachOther) {
+  Session session(volume(), options("rigid = [150, 255]\n"));
+  session.cut(incision(4, 20));
+  StepRequest push = pushed({2.5, 0, 0});
+  push.fix = {{{12, 0, 0}, {12, 0, 0}}};
+  EXPECT_GT(session.step(push).contact.overlapping, 0);
+  StepRequest relax;
+  relax.relax = RelaxParams();
+  relax.relax->passes = 100;
+  const StepRecord& record = session.step(relax);
+  EXPECT_TRUE(record.contact.overlapping > 0 || record.contact.parts < CutContact::kDragParts);
+  EXPECT_EQ(record.contact.left, 0);
+  EXPECT_EQ(overlaps(session), 0);
+  EXPECT_EQ(check_links(session.body()).violated, 0);
+}
+
+TEST_P(PropertySessionContact, LiveDragsOverRigidBoneKeepTheLipsApart) {
+  Session session(volume(), options("rigid = [150, 255]\n"));
+  session.cut(incision(-1, 25));
+  StepRequest push = pushed({0.4, 0, 0}, {{0, 0, 10}, {10, 23, 16}});
+  push.fix = {{{13, 0, 10}, {23, 23, 17}}, {{12, 0, 0}, {12, 0, 0}}};
+  push.shift_pieces = true;
+  int stopped = 0;
+  for (int n = 0; n < 8; ++n) {
+    const StepRecord& record = session.step(push);
+    EXPECT_EQ(record.contact.left, 0) << n;
+    stopped += record.contact.parts < CutContact::kDragParts;
+    push.fix.clear();
+  }
+  EXPECT_GT(stopped, 0);
+  EXPECT_EQ(overlaps(session), 0);
+  EXPECT_EQ(check_links(session.body()).violated, 0);
+}
+
+/// A hand that leads a bone is not stopped by tissue: what overlap is left is told.
+TEST_P(PropertySessionContact, LiveDragsOfBoneAreWhole) {
+  Session session(volume(), options("rigid = [150, 255]\n"));
+  CutSurface off_bone;
+  off_bone.in_voxels = true;
+  off_bone.corner = {-1, -1, kBone - 0.5};
+  off_bone.edge1 = {26, 0, 0};
+  off_bone.edge2 = {0, 26, 0};
+  session.cut(off_bone);
+  StepRequest lift = pushed({0, 0, 3}, {{4, 4, 1}, {4, 4, 1}});
+  lift.fix = {{{0, 0, 5}, {23, 23, 16}}};
+  lift.shift_pieces = true;
+  const StepRecord& live = session.step(lift);
+  EXPECT_EQ(live.contact.parts, CutContact::kDragParts);
+  EXPECT_GT(live.contact.left, 0);
+  EXPECT_EQ(session.body().offset({4, 4, 1}, 2), 3 * 65536);
+  ASSERT_TRUE(session.undo());
+  lift.shift_pieces = false;
+  EXPECT_LT(session.step(lift).contact.parts, CutContact::kDragParts);
+}
+
 /// On the straight way the bone would bend: it goes the whole of it, and lips that find room part.
 TEST_P(PropertySessionContact, BoneThatTurnsKeepsItsShapeAndLipsPart) {
   Session session(volume(), options("rigid = [150, 255]\n"));
