@@ -43,6 +43,8 @@ Vec3d offset_of(const CutPiece& piece, const Vec3d& X, const Vec3d& x) {
 }  // namespace
 
 void CutBrick::find_reaching() {
+  m_pieces.shrink_to_fit();
+  m_maps.reserve(m_pieces.size());
   for (const CutPiece& piece : m_pieces) m_maps.emplace_back(piece);
   const auto for_parts = [&](const CutPiece& piece, auto&& visit) {
     const Vec3d at(piece.cell - m_origin);
