@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "lib/fem/coarse_elements.h"
 #include "lib/fem/conjugate_gradients.h"
 #include "lib/fem/fem_results.h"
 #include "lib/fem/hex_operator.h"
@@ -155,6 +156,9 @@ void FemParams::validate() const {
   require(tolerance > 0 && tolerance < 1, "tolerance", tolerance, "between 0 and 1");
   require(reaction_tolerance > 0, "reaction_tolerance", reaction_tolerance, "above 0");
   require(max_iterations > 0, "max_iterations", max_iterations, "at least 1");
+  require(doublings >= 0 && doublings <= kMostDoublings, "coarsen", doublings, "0 to 3");
+  require(doublings == 0 || strain == StrainTheory::linear, "coarsen", doublings,
+          "0 at finite strain");
   require(max_rotation_deg > 0, "max_rotation_deg", max_rotation_deg, "above 0");
   require(max_strain > 0, "max_strain", max_strain, "above 0");
 }
@@ -214,7 +218,9 @@ FemSolution FemModel::solve(const FemLoads& loads, const FemParams& params,
   }
   for (const std::uint8_t held : nodal.held) report.unknowns += 3 - __builtin_popcount(held);
   report.setup_ms = milliseconds_since(start);
-  if (params.strain == StrainTheory::linear) {
+  if (params.doublings > 0) {
+    solve_coarse(nodal, params, progress, out);
+  } else if (params.strain == StrainTheory::linear) {
     solve_linear(nodal, params, progress, out);
   } else {
     solve_finite(nodal, params, progress, out);
@@ -241,6 +247,42 @@ void FemModel::solve_linear(NodalLoads& loads, const FemParams& params, Progress
   report.bytes = m_parts->bytes() + multigrid.bytes() + solver.bytes();
   report.solve_ms = milliseconds_since(solve_start);
   if (!converged) throw NotConverged(report);
+  finish_linear(solver, loads, params, out);
+}
+
+void FemModel::solve_coarse(NodalLoads& loads, const FemParams& params, Progress* progress,
+                            FemSolution& out) const {
+  FemReport& report = out.report;
+  const int most = int(levels().meshes.size()) - 1;
+  require(params.doublings <= most, "coarsen", params.doublings,
+          ("at most " + std::to_string(most) + " for so few elements").c_str());
+  const auto start = std::chrono::steady_clock::now();
+  Multigrid multigrid(levels(), stiffness(), material(), loads.held, {}, progress,
+                      params.doublings);
+  const HexMesh& coarse = levels().meshes[std::size_t(params.doublings)];
+  report.elements = coarse.element_count();
+  report.nodes = coarse.node_count();
+  report.unknowns = 3 * report.nodes;
+  report.levels = multigrid.level_count() - params.doublings;
+  report.setup_ms += milliseconds_since(start);
+
+  stage(progress, "solving");
+  const auto solve_start = std::chrono::steady_clock::now();
+  CoarseElements solver(stiffness(), multigrid, params.doublings, loads,
+                        {params.tolerance, params.reaction_tolerance, params.max_iterations});
+  const bool converged = solver.run(progress);
+  report.iterations = solver.iterations();
+  note(solver.size(), report);
+  report.bytes = m_parts->bytes() + multigrid.bytes() + solver.bytes();
+  report.solve_ms = milliseconds_since(solve_start);
+  if (!converged) throw NotConverged(report);
+  finish_linear(solver, loads, params, out);
+}
+
+template <class Solver>
+void FemModel::finish_linear(Solver& solver, const NodalLoads& loads, const FemParams& params,
+                             FemSolution& out) const {
+  FemReport& report = out.report;
   balance(loads, solver.u(), solver.residual(), kLeastForce * solver.size().seen_mn, report);
   out.reactions = reactions_of(node_positions(mesh()), loads, solver.residual());
   const LargestMotion largest = largest_motion(mesh(), material(), solver.u());

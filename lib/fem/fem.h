@@ -35,6 +35,8 @@ namespace supple {
 class HexOperator;
 struct MeshLevels;
 
+constexpr int kMostDoublings = 3;
+
 /// Elastic constants per material class (Body::classes).
 struct ElasticTable {
   std::array<double, kLastClass + 1> young_kpa, poisson;
@@ -58,6 +60,8 @@ struct FemParams {
   double tolerance = 1e-6;
   double reaction_tolerance = 1e-5;
   int max_iterations = 400;  // of each linear system
+  /// Elements of 2^doublings voxels in each direction (coarse_elements.h); in linear theory.
+  int doublings = 0;
   LooseIslands loose = LooseIslands::hold;
   /// Bounds of linear theory; larger ones are flagged.
   double max_rotation_deg = 5;
@@ -76,7 +80,7 @@ struct FemReaction {
 };
 
 struct FemReport {
-  std::int64_t elements = 0, nodes = 0, unknowns = 0;
+  std::int64_t elements = 0, nodes = 0, unknowns = 0;  // of elements of several voxels, too
   int levels = 0;
   int iterations = 0;
   double residual_max = 0, residual_rms = 0;  // relative to the largest nodal force
@@ -147,6 +151,11 @@ class FemModel {
   struct Parts;
   void solve_linear(NodalLoads& loads, const FemParams& params, Progress* progress,
                     FemSolution& out) const;
+  void solve_coarse(NodalLoads& loads, const FemParams& params, Progress* progress,
+                    FemSolution& out) const;
+  template <class Solver>
+  void finish_linear(Solver& solver, const NodalLoads& loads, const FemParams& params,
+                     FemSolution& out) const;
   void solve_finite(NodalLoads& loads, const FemParams& params, Progress* progress,
                     FemSolution& out) const;
   std::unique_ptr<Parts> m_parts;

@@ -54,6 +54,10 @@ void Multigrid::Level::subtract(const float* x, float* y) const {
   }
 }
 
+void Multigrid::Level::make_room_for_steps() {
+  for (std::vector<float>* of : {&rest, &sum, &p, &q}) of->resize(unknowns());
+}
+
 void Multigrid::invert_diagonal(Level& level, const std::vector<float>& diagonal,
                                 const HeldBits* held) {
   level.inverse_diagonal.resize(diagonal.size());
@@ -124,7 +128,7 @@ double estimate_largest(const std::vector<float>& inverse_diagonal, Subtract&& s
 
 Multigrid::Multigrid(const MeshLevels& levels, const HexOperator& fine,
                      const VoxelMaterial& material, const HeldBits& held,
-                     const SmootherParams& params, Progress* progress)
+                     const SmootherParams& params, Progress* progress, int first)
     : m_params(params), m_levels(levels.coarsenings.size()) {
   const std::vector<HexMesh>& meshes = levels.meshes;
   std::optional<CellClasses> cells;
@@ -162,14 +166,13 @@ Multigrid::Multigrid(const MeshLevels& levels, const HexOperator& fine,
       level.matrix = assemble<float>(meshes[n], *matrices);
       invert_diagonal(level, level.matrix->diagonal(), nullptr);
     }
-    level.largest_eigenvalue = estimate_largest(
-        level.inverse_diagonal, [&](const float* x, float* y) { level.subtract(x, y); });
+    if (int(n) >= first) {
+      level.largest_eigenvalue = estimate_largest(
+          level.inverse_diagonal, [&](const float* x, float* y) { level.subtract(x, y); });
+    }
     if (n == 0) continue;
     for (std::vector<float>* of : {&level.r, &level.z}) of->resize(level.unknowns());
-    if (n < kKrylovLevel) continue;
-    for (std::vector<float>* of : {&level.rest, &level.sum, &level.p, &level.q}) {
-      of->resize(level.unknowns());
-    }
+    if (n >= kKrylovLevel || int(n) == first) level.make_room_for_steps();
   }
   m_coarsest.emplace(assemble<double>(meshes[coarsest], *matrices));
   m_coarsest_r.resize(3 * std::size_t(meshes[coarsest].node_count()));
@@ -200,9 +203,8 @@ void Multigrid::cycle_from(std::size_t number, float* r, float* z) {
   }
   Level& level = m_levels[number];
   smooth(level, true, r, z);
-  const bool next_is_last = number + 1 == m_levels.size();
-  float* coarse_r = next_is_last ? m_coarsest_r.data() : m_levels[number + 1].r.data();
-  float* coarse_z = next_is_last ? m_coarsest_z.data() : m_levels[number + 1].z.data();
+  float* coarse_r = forces_of(number + 1).data();
+  float* coarse_z = displacements_of(number + 1).data();
   level.transfer->restrict_to(r, level.inverse_diagonal.data(), coarse_r);
   solve_from(number + 1, coarse_r, coarse_z);
   level.transfer->prolong(coarse_z, level.inverse_diagonal.data(), level.d.data());
@@ -219,15 +221,23 @@ void Multigrid::solve_from(std::size_t number, float* r, float* z) {
     cycle_from(number, r, z);
     return;
   }
+  take_steps(number, number == kKrylovLevel ? kKrylovSteps : kDeeperKrylovSteps, 0, r, z);
+}
+
+/// z = K^-1 r by steps of flexible conjugate gradients, each with one cycle; how many they were.
+int Multigrid::take_steps(std::size_t number, int most_steps, double tolerance, float* r,
+                          float* z) {
   Level& level = m_levels[number];
   const std::size_t count = level.unknowns();
-  const int steps = number == kKrylovLevel ? kKrylovSteps : kDeeperKrylovSteps;
   float *rest = level.rest.data(), *sum = level.sum.data(), *p = level.p.data(),
         *q = level.q.data();
   std::copy_n(r, count, rest);
   std::fill_n(sum, count, 0.0f);
+  const double enough = tolerance > 0 ? tolerance * tolerance * dot(rest, rest, count) : 0;
   double p_q = 0;
-  for (int step = 0; step < steps; ++step) {
+  int step = 0;
+  for (; step < most_steps; ++step) {
+    if (tolerance > 0 && dot(rest, rest, count) <= enough) break;
     if (step > 0) std::copy_n(rest, count, r);
     cycle_from(number, r, z);
     // q = -K p.
@@ -248,6 +258,39 @@ void Multigrid::solve_from(std::size_t number, float* r, float* z) {
     });
   }
   std::copy_n(sum, count, z);
+  return step;
+}
+
+std::vector<float>& Multigrid::forces_of(std::size_t level) {
+  return level == m_levels.size() ? m_coarsest_r : m_levels[level].r;
+}
+std::vector<float>& Multigrid::displacements_of(std::size_t level) {
+  return level == m_levels.size() ? m_coarsest_z : m_levels[level].z;
+}
+
+const std::vector<float>& Multigrid::restrict_to(int level, const float* r) {
+  for (std::size_t n = 0; n < std::size_t(level); ++n) {
+    const float* from = n == 0 ? r : m_levels[n].r.data();
+    m_levels[n].transfer->restrict_to(from, m_levels[n].inverse_diagonal.data(),
+                                      forces_of(n + 1).data());
+  }
+  return forces_of(std::size_t(level));
+}
+
+int Multigrid::solve_at(int level, double tolerance, int most_steps) {
+  const auto number = std::size_t(level);
+  float *r = forces_of(number).data(), *z = displacements_of(number).data();
+  if (number < m_levels.size()) return take_steps(number, most_steps, tolerance, r, z);
+  m_coarsest->solve(r, z);
+  return 1;
+}
+
+void Multigrid::prolong_from(int level, float* z) {
+  for (auto n = std::size_t(level); n-- > 0;) {
+    float* to = n == 0 ? z : m_levels[n].z.data();
+    m_levels[n].transfer->prolong(displacements_of(n + 1).data(),
+                                  m_levels[n].inverse_diagonal.data(), to);
+  }
 }
 
 /// Chebyshev iteration for K z = r with the residual kept in r (Saad, Iterative methods for sparse

@@ -47,13 +47,22 @@ struct SmootherParams {
 
 class Multigrid {
  public:
-  /// `levels` and `material` must outlive this. `fine` is the operator of the voxels.
+  /// `levels` and `material` must outlive this. `fine` is the operator of the voxels. Levels below
+  /// `first` are not smoothed: for solve_at() of `first`, or a coarser one.
   Multigrid(const MeshLevels& levels, const HexOperator& fine, const VoxelMaterial& material,
-            const HeldBits& held, const SmootherParams& params, Progress* progress);
+            const HeldBits& held, const SmootherParams& params, Progress* progress, int first = 0);
 
   /// z = B r, r three values per node of the voxels; held components of r do not count, those of z
   /// are 0. `r` is used up.
   void cycle(float* r, float* z);
+
+  /// The equations of one level from 1 on, whose displacements are those that its mesh can have:
+  /// first the forces r of the voxels' nodes, of which it returns those of the level's nodes until
+  /// they are solved for; then steps of conjugate gradients, at most so many, until these forces
+  /// are `tolerance` of what they were; then the displacements z of the voxels' nodes.
+  const std::vector<float>& restrict_to(int level, const float* r);
+  int solve_at(int level, double tolerance, int most_steps);
+  void prolong_from(int level, float* z);
 
   int level_count() const { return int(m_levels.size()) + 1; }
   std::size_t bytes() const;
@@ -70,11 +79,15 @@ class Multigrid {
     std::vector<float> rest, sum, p, q;  // of the K-cycle
 
     void subtract(const float* x, float* y) const;
+    void make_room_for_steps();
     std::size_t unknowns() const { return inverse_diagonal.size(); }
   };
   void invert_diagonal(Level& level, const std::vector<float>& diagonal, const HeldBits* held);
   void cycle_from(std::size_t level, float* r, float* z);
   void solve_from(std::size_t level, float* r, float* z);
+  int take_steps(std::size_t level, int most_steps, double tolerance, float* r, float* z);
+  std::vector<float>& forces_of(std::size_t level);
+  std::vector<float>& displacements_of(std::size_t level);
   void smooth(Level& level, bool is_first, float* r, float* z) const;
 
   SmootherParams m_params;

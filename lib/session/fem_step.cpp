@@ -220,9 +220,6 @@ void move_in_time(const FemStep& step, const FemTask& task, const Solid& solid,
                   const std::vector<Handle>& handles, FemRecord& record, Progress* progress) {
   const MotionStep& motion = *step.motion;
   motion.validate();
-  if (step.params.strain == StrainTheory::finite) {
-    throw InputError({"", "strain", "finite beside a motion", "linear"});
-  }
   FemMotionParams params{solid.elastic,
                          solid.mass_density,
                          damping_of(step, solid),
@@ -285,6 +282,23 @@ const char* name_of(LoadKind kind) {
   return kNames[int(kind)];
 }
 
+std::optional<Problem> contradiction(const FemStep& step) {
+  const bool is_finite = step.params.strain == StrainTheory::finite;
+  if (step.motion && is_finite) return Problem{"", "strain", "finite beside a motion", "linear"};
+  const char* const beside = step.modes ? "modes" : step.motion ? "a motion" : nullptr;
+  if (step.halvings > 0 && beside != nullptr) {
+    return Problem{"", "refine", std::string("smaller elements beside ") + beside, "0"};
+  }
+  const char* const beside_large = beside != nullptr   ? beside
+                                   : is_finite         ? "finite strain"
+                                   : step.halvings > 0 ? "smaller ones"
+                                                       : nullptr;
+  if (step.params.doublings > 0 && beside_large != nullptr) {
+    return Problem{"", "coarsen", std::string("larger elements beside ") + beside_large, "0"};
+  }
+  return std::nullopt;
+}
+
 FemRecord move_by_fem(const FemStep& step, const FemTask& task, const std::vector<Handle>& handles,
                       Progress* progress) {
   const auto begin = std::chrono::steady_clock::now();
@@ -292,11 +306,7 @@ FemRecord move_by_fem(const FemStep& step, const FemTask& task, const std::vecto
   Body& body = task.held.body;
   const Solid solid = solid_of(step, task);
   FemRecord record;
-  if (step.halvings > 0 && (step.modes || step.motion)) {
-    throw InputError({"", "refine",
-                      std::string("smaller elements beside ") + (step.modes ? "modes" : "a motion"),
-                      "0"});
-  }
+  if (const auto problem = contradiction(step)) throw InputError(*problem);
   if (step.modes) {
     if (!handles.empty()) {
       throw InputError({"", "modes", "handles", "anchors alone, which stay at rest"});
@@ -343,6 +353,8 @@ Fields fields(FemStep& step) {
       Field("refine", step.halvings,
             "Elements of half a voxel's edge, 1, of a quarter, 2, an eighth, 3")
           .range(0, kMostHalvings),
+      Field("coarsen", params.doublings, "Elements of 2 voxels' edge, 1, of 4, 2, of 8, 3")
+          .range(0, kMostDoublings),
       Field("max_rotation", params.max_rotation_deg, "Larger turns of an element are warned of")
           .unit("degrees")
           .shown_as("DEG")

@@ -74,6 +74,9 @@ struct FemTask {
   const FemNodes& nodes;                   // of the step before
 };
 
+/// The key of a step that another one of it rules out; its file is empty.
+std::optional<Problem> contradiction(const FemStep& step);
+
 /// Moves the body. Warns of loose islands, of results beyond linear theory and of links beyond
 /// their limits. Throws InputError as VoxelFemModel and for loads without element, NotConverged,
 /// Cancelled; the body unchanged then.

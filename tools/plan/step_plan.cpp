@@ -23,6 +23,8 @@ constexpr double kMotionBytes = 170;      // more, with mass, damping and what m
 constexpr double kNodesOfElement = 1.12;  // of a head; of one slice twice as many
 /// Of an equilibrium: of one tissue, and beside others that are ten times as stiff or more.
 constexpr double kEvenIterations = 30, kLinearIterations = 60;
+/// Of larger elements, in iterations of the voxels.
+constexpr double kCoarseSetup = 8;
 constexpr double kLargeContrast = 10;
 constexpr double kNewtonSystems = 8;
 /// Of the iterations of an equilibrium, those of a step of time; equilibria of a mode.
@@ -238,7 +240,10 @@ void StepPlan::finite_elements() {
                          : motion             ? motion->steps() * kMotionPart
                                               : 1;
   const bool is_even = contrast_of(m_session.material()) < kLargeContrast;
-  const double iterations = systems * (is_even ? kEvenIterations : kLinearIterations);
+  double iterations = systems * (is_even ? kEvenIterations : kLinearIterations);
+  if (const int doublings = m_request.fem->params.doublings; doublings > 0) {
+    iterations = kCoarseSetup + iterations / std::pow(8, doublings);
+  }
   add(count_text(unknowns, "unknowns") + ", some " + count_text(iterations, "iterations"),
       "the step moves the body by finite elements", 0,
       unknowns * (kFemBytes + (motion ? kMotionBytes : 0)),

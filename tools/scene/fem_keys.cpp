@@ -43,14 +43,9 @@ GivenFem read_fem(TomlTable& table, const LabelNames& names) {
         step.watch.push_back(to_box(*motion, "watch", row).lo);
     }
     motion->finish();
-    if (given.step.params.strain == StrainTheory::finite) {
-      table.fail("strain", "finite beside a motion", "linear");
-    }
   }
-  if (given.step.halvings > 0 && (given.step.modes || given.step.motion)) {
-    table.fail("refine",
-               std::string("smaller elements beside ") + (given.step.modes ? "modes" : "a motion"),
-               "0");
+  if (const auto problem = contradiction(given.step)) {
+    table.fail(problem->field, problem->found, problem->expected);
   }
   table.finish();
   return given;

@@ -52,6 +52,17 @@ void by_fine_fem(SceneStep& step, double halvings) {
   step.fem->step.halvings = int(halvings);
 }
 
+/// The best that elements of several voxels can do; their own error is far larger.
+void by_coarse_fem(SceneStep& step, double doublings) {
+  constexpr double kCoarseTolerance = 1e-4;
+  by_fem(step, kCoarseTolerance);
+  step.fem->step.params.doublings = int(doublings);
+}
+
+bool is_by_fem(const MethodFamily& family) {
+  return family.solve == by_fem || family.solve == by_fine_fem || family.solve == by_coarse_fem;
+}
+
 const std::vector<double> kPasses = {1, 4, 16, 64, 256, 1024};
 
 }  // namespace
@@ -95,6 +106,15 @@ const std::vector<MethodFamily>& method_families() {
         {1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8}},
        0,
        by_fem},
+      {{"fem-coarse",
+        "elements of 2, 4, 8 voxels",
+        "doublings",
+        1,
+        kMostDoublings,
+        true,
+        {1, 2, 3}},
+       0,
+       by_coarse_fem},
       {{"fem-fine", "elements of parts of a voxel", "halvings", 1, kMostHalvings, true, {1}},
        0,
        by_fine_fem},
@@ -120,8 +140,7 @@ void require_common_loads(const SceneStep& step, const StepMethod& method) {
   const auto refuse = [&](const char* field, const char* found, const char* expected) {
     throw InputError({step.place, field, std::string(found) + " under " + method.name(), expected});
   };
-  const bool is_fem = method.family->solve == by_fem || method.family->solve == by_fine_fem;
-  if (step.fem && has_own_loads(*step.fem) && !is_fem) {
+  if (step.fem && has_own_loads(*step.fem) && !is_by_fem(*method.family)) {
     refuse("fem", "forces, pressures, swellings or gravity", "handles and anchors, or fem");
   }
   if (step.fem && step.fem->step.motion) refuse("motion", "a motion in time", "an equilibrium");

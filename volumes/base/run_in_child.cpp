@@ -12,6 +12,7 @@
 #include <fcntl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
+#include <tbb/task_arena.h>
 #include <unistd.h>
 
 namespace supple {
@@ -55,9 +56,11 @@ void limit(int resource, rlim_t most) {
 /// The child neither reports nor outlives its bounds: handlers of debuggers and sanitizers are for
 /// the parent's faults.
 void confine(const ChildBounds& bounds) {
-  for (const int signal : {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGINT, SIGTERM, SIGXCPU}) {
+  for (const int signal :
+       {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGINT, SIGTERM, SIGXCPU, SIGALRM}) {
     ::signal(signal, SIG_DFL);
   }
+  ::alarm(unsigned(bounds.seconds));
   const int nowhere = ::open("/dev/null", O_RDWR | O_CLOEXEC);
   ::dup2(nowhere, STDOUT_FILENO);
   ::dup2(nowhere, STDERR_FILENO);
@@ -136,11 +139,15 @@ void run_in_child(const Problem& about, const ChildBounds& bounds,
   if (!g_allowed) return;
   Pipe pipe;
   if (!pipe.open()) return;
+  // The child has none of oneTBB's threads, one of which may have held a lock. An arena without
+  // them, made before, asks for no lock.
+  tbb::task_arena alone(1);
+  alone.initialize();
   const pid_t child = ::fork();
   if (child < 0) return;
   if (child == 0) {
     confine(bounds);
-    ::_exit(run_child(pipe.ends[1], parse));
+    alone.execute([&] { ::_exit(run_child(pipe.ends[1], parse)); });
   }
   pipe.close(1);
   const std::string text = read_all(pipe.ends[0]);
@@ -154,9 +161,9 @@ void run_in_child(const Problem& about, const ChildBounds& bounds,
   if (WIFEXITED(status) && WEXITSTATUS(status) == kOutOfMemory) {
     problem.found = "damage that takes more than " + std::to_string(bounds.bytes >> 20) +
                     " MiB of memory to parse";
-  } else if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU) {
-    problem.found =
-        "damage that takes more than " + std::to_string(bounds.processor_seconds) + " s to parse";
+  } else if (WIFSIGNALED(status) && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGALRM)) {
+    const int seconds = WTERMSIG(status) == SIGXCPU ? bounds.processor_seconds : bounds.seconds;
+    problem.found = "damage that takes more than " + std::to_string(seconds) + " s to parse";
   } else {
     problem.found = "damage that the library does not survive";
   }

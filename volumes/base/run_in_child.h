@@ -11,6 +11,7 @@ namespace supple {
 struct ChildBounds {
   std::int64_t bytes;     // memory beyond that of the process
   int processor_seconds;  // of the trial
+  int seconds = 120;      // and by the clock
 };
 
 /// Whether run_in_child() may start processes. Off at first, since a host program with threads or a
@@ -22,8 +23,9 @@ void allow_child_processes(bool allowed);
 /// one, without effect on the caller but for the file. Throws the InputError that `parse` throws
 /// there; and an InputError, with file, field and expectation of `about`, where it ended by a
 /// signal, or reached the bounds. Returns when it ended well or by another exception, which the
-/// caller meets on repeating it, and where no process can be started. `parse` may use no other
-/// thread. Cost: a few milliseconds.
+/// caller meets on repeating it, and where no process can be started. `parse` has one thread, also
+/// where it runs loops of oneTBB, as trees of OpenVDB do when they are destroyed. Cost: a few
+/// milliseconds.
 void run_in_child(const Problem& about, const ChildBounds& bounds,
                   const std::function<void()>& parse);
 

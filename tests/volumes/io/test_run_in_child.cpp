@@ -1,9 +1,16 @@
 // A parser tried in a child process: what it does there, and what its caller is told.
+#include <atomic>
+#include <chrono>
 #include <csignal>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+#include <unistd.h>
 
+#include "tests/support/sanitized.h"
 #include "volumes/base/run_in_child.h"
 
 namespace supple::test {
@@ -71,6 +78,45 @@ TEST(FaultRunInChild, AnEndlessLoopIsStopped) {
     }
   });
   EXPECT_EQ(told.found, "damage that takes more than 1 s to parse");
+}
+
+TEST(FaultRunInChild, WaitingForeverIsStopped) {
+  ChildBounds bounds = kBounds;
+  bounds.seconds = 1;
+  const Problem told = problem_of(
+      [] {
+        for (;;) ::pause();
+      },
+      bounds);
+  EXPECT_EQ(told.found, "damage that takes more than 1 s to parse");
+}
+
+/// Threads of the caller that are about to fall asleep hold locks, for a moment: without an arena
+/// of its own about one child in 2,000 waits forever.
+TEST(UnitRunInChild, RunsParallelLoopsAlone) {
+  const tbb::global_control more(tbb::global_control::max_allowed_parallelism, 6);
+  ChildBounds bounds = kBounds;
+  bounds.seconds = 20;
+  std::atomic<int> sum{0};
+  const auto loop = [&] {
+    tbb::parallel_for(0, 64, [&](int n) {
+      for (int k = 0; k < 200; ++k) sum += n & 1;
+    });
+  };
+  for (int trial = 0; trial < cases(1000); ++trial) {
+    loop();
+    const auto now = std::chrono::steady_clock::now;
+    for (const auto start = now(); now() < start + std::chrono::microseconds(trial * 7 % 400);) {
+    }
+    const Problem told = problem_of(
+        [&] {
+          sum = 0;
+          loop();
+          if (sum != 32 * 200) throw InputError({"", "sum", std::to_string(sum.load()), "6400"});
+        },
+        bounds);
+    ASSERT_EQ(told.field, "") << trial << " " << told.found;
+  }
 }
 
 TEST(FaultRunInChild, EndlessAllocationIsStopped) {
