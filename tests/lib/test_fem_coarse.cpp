@@ -26,11 +26,13 @@ Eigen::MatrixXd interpolation(const MeshLevels& levels, int doublings) {
     Eigen::MatrixXd one = Eigen::MatrixXd::Zero(fine.node_count(), above.node_count());
     for (NodeIndex n = 0; n < fine.node_count(); ++n) {
       const int place = lies.node_place[std::size_t(n)];
-      const double at[3] = {place / 9 / 2.0, place / 3 % 3 / 2.0, place % 3 / 2.0};
+      const int halves[3] = {place / 9, place / 3 % 3, place % 3};
       const Corners& corners = above.corners[std::size_t(lies.node_parent[std::size_t(n)])];
       for (int c = 0; c < 8; ++c) {
         double weight = 1;
-        for (int a = 0; a < 3; ++a) weight *= (c >> (2 - a) & 1) != 0 ? at[a] : 1 - at[a];
+        for (int a = 0; a < 3; ++a) {
+          weight *= ((c >> (2 - a) & 1) != 0 ? halves[a] : 2 - halves[a]) / 2.0;
+        }
         one(n, corners[std::size_t(c)]) += weight;
       }
     }
