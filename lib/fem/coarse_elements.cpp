@@ -65,12 +65,14 @@ void CoarseElements::measure_residual() {
 bool CoarseElements::run(const Progress* progress) {
   const double tolerance = std::max(m_limits.tolerance, kRounding);
   for (;;) {
-    poll(progress);
     measure_residual();
     if (m_size.is_within(tolerance, m_limits.reaction_tolerance)) return true;
     if (m_iterations >= m_limits.max_iterations) return false;
     const double part = std::clamp(kMargin * tolerance / m_size.max, kLeastPart, kMostPart);
-    m_iterations += m_multigrid->solve_at(m_level, part, m_limits.max_iterations - m_iterations);
+    const int steps =
+        m_multigrid->solve_at(m_level, part, m_limits.max_iterations - m_iterations, progress);
+    if (steps == 0) return false;
+    m_iterations += steps;
     m_multigrid->prolong_from(m_level, m_single.data());
     for_ranges(m_u.size(), [&](std::size_t begin, std::size_t end) {
       for (std::size_t n = begin; n < end; ++n) m_u[n] += m_single[n] / m_scale;

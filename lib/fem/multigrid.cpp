@@ -225,8 +225,8 @@ void Multigrid::solve_from(std::size_t number, float* r, float* z) {
 }
 
 /// z = K^-1 r by steps of flexible conjugate gradients, each with one cycle; how many they were.
-int Multigrid::take_steps(std::size_t number, int most_steps, double tolerance, float* r,
-                          float* z) {
+int Multigrid::take_steps(std::size_t number, int most_steps, double tolerance, float* r, float* z,
+                          const Progress* progress) {
   Level& level = m_levels[number];
   const std::size_t count = level.unknowns();
   float *rest = level.rest.data(), *sum = level.sum.data(), *p = level.p.data(),
@@ -237,6 +237,7 @@ int Multigrid::take_steps(std::size_t number, int most_steps, double tolerance, 
   double p_q = 0;
   int step = 0;
   for (; step < most_steps; ++step) {
+    poll(progress);
     if (tolerance > 0 && dot(rest, rest, count) <= enough) break;
     if (step > 0) std::copy_n(rest, count, r);
     cycle_from(number, r, z);
@@ -277,10 +278,10 @@ const std::vector<float>& Multigrid::restrict_to(int level, const float* r) {
   return forces_of(std::size_t(level));
 }
 
-int Multigrid::solve_at(int level, double tolerance, int most_steps) {
+int Multigrid::solve_at(int level, double tolerance, int most_steps, const Progress* progress) {
   const auto number = std::size_t(level);
   float *r = forces_of(number).data(), *z = displacements_of(number).data();
-  if (number < m_levels.size()) return take_steps(number, most_steps, tolerance, r, z);
+  if (number < m_levels.size()) return take_steps(number, most_steps, tolerance, r, z, progress);
   m_coarsest->solve(r, z);
   return 1;
 }

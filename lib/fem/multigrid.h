@@ -59,9 +59,10 @@ class Multigrid {
   /// The equations of one level from 1 on, whose displacements are those that its mesh can have:
   /// first the forces r of the voxels' nodes, of which it returns those of the level's nodes until
   /// they are solved for; then steps of conjugate gradients, at most so many, until these forces
-  /// are `tolerance` of what they were; then the displacements z of the voxels' nodes.
+  /// are `tolerance` of what they were, and how many that took; then the displacements z of the
+  /// voxels' nodes. Throws Cancelled.
   const std::vector<float>& restrict_to(int level, const float* r);
-  int solve_at(int level, double tolerance, int most_steps);
+  int solve_at(int level, double tolerance, int most_steps, const Progress* progress);
   void prolong_from(int level, float* z);
 
   int level_count() const { return int(m_levels.size()) + 1; }
@@ -85,7 +86,8 @@ class Multigrid {
   void invert_diagonal(Level& level, const std::vector<float>& diagonal, const HeldBits* held);
   void cycle_from(std::size_t level, float* r, float* z);
   void solve_from(std::size_t level, float* r, float* z);
-  int take_steps(std::size_t level, int most_steps, double tolerance, float* r, float* z);
+  int take_steps(std::size_t level, int most_steps, double tolerance, float* r, float* z,
+                 const Progress* progress = nullptr);
   std::vector<float>& forces_of(std::size_t level);
   std::vector<float>& displacements_of(std::size_t level);
   void smooth(Level& level, bool is_first, float* r, float* z) const;
