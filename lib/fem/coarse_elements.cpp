@@ -37,11 +37,7 @@ std::size_t CoarseElements::bytes() const {
 
 /// r = f - K u, and its forces on the coarse nodes, scaled so that single precision has room.
 void CoarseElements::measure_residual() {
-  if (m_loads->force_mn.empty()) {
-    fill(m_r.data(), m_r.size(), 0.0);
-  } else {
-    std::copy(m_loads->force_mn.begin(), m_loads->force_mn.end(), m_r.begin());
-  }
+  set_to_forces(*m_loads, m_r);
   m_stiffness->subtract(m_u.data(), m_r.data());
   m_size = m_meter(m_r);
   m_scale = m_size.largest_mn > 0 ? 1 / m_size.largest_mn : 1;

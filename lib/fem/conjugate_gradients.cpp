@@ -31,11 +31,7 @@ std::size_t ConjugateGradients::bytes() const {
 
 /// r = f - K u.
 void ConjugateGradients::compute_residual() {
-  if (m_loads->force_mn.empty()) {
-    fill(m_r.data(), m_r.size(), 0.0);
-  } else {
-    std::copy(m_loads->force_mn.begin(), m_loads->force_mn.end(), m_r.begin());
-  }
+  set_to_forces(*m_loads, m_r);
   m_system->subtract(m_u.data(), m_r.data());
 }
 

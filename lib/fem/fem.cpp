@@ -237,17 +237,11 @@ void FemModel::solve_linear(NodalLoads& loads, const FemParams& params, Progress
   report.setup_ms += milliseconds_since(start);
 
   stage(progress, "solving");
-  const auto solve_start = std::chrono::steady_clock::now();
   StiffnessSystem system(m_parts->stiffness, multigrid);
   ConjugateGradients solver(system, loads,
                             {params.tolerance, params.reaction_tolerance, params.max_iterations});
-  const bool converged = solver.run(progress);
-  report.iterations = solver.iterations();
-  note(solver.size(), report);
   report.bytes = m_parts->bytes() + multigrid.bytes() + solver.bytes();
-  report.solve_ms = milliseconds_since(solve_start);
-  if (!converged) throw NotConverged(report);
-  finish_linear(solver, loads, params, out);
+  run_linear(solver, loads, params, progress, out);
 }
 
 void FemModel::solve_coarse(NodalLoads& loads, const FemParams& params, Progress* progress,
@@ -267,22 +261,22 @@ void FemModel::solve_coarse(NodalLoads& loads, const FemParams& params, Progress
   report.setup_ms += milliseconds_since(start);
 
   stage(progress, "solving");
-  const auto solve_start = std::chrono::steady_clock::now();
   CoarseElements solver(stiffness(), multigrid, params.doublings, loads,
                         {params.tolerance, params.reaction_tolerance, params.max_iterations});
-  const bool converged = solver.run(progress);
-  report.iterations = solver.iterations();
-  note(solver.size(), report);
   report.bytes = m_parts->bytes() + multigrid.bytes() + solver.bytes();
-  report.solve_ms = milliseconds_since(solve_start);
-  if (!converged) throw NotConverged(report);
-  finish_linear(solver, loads, params, out);
+  run_linear(solver, loads, params, progress, out);
 }
 
 template <class Solver>
-void FemModel::finish_linear(Solver& solver, const NodalLoads& loads, const FemParams& params,
-                             FemSolution& out) const {
+void FemModel::run_linear(Solver& solver, const NodalLoads& loads, const FemParams& params,
+                          const Progress* progress, FemSolution& out) const {
   FemReport& report = out.report;
+  const auto start = std::chrono::steady_clock::now();
+  const bool converged = solver.run(progress);
+  report.iterations = solver.iterations();
+  note(solver.size(), report);
+  report.solve_ms = milliseconds_since(start);
+  if (!converged) throw NotConverged(report);
   balance(loads, solver.u(), solver.residual(), kLeastForce * solver.size().seen_mn, report);
   out.reactions = reactions_of(node_positions(mesh()), loads, solver.residual());
   const LargestMotion largest = largest_motion(mesh(), material(), solver.u());

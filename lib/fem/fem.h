@@ -154,8 +154,8 @@ class FemModel {
   void solve_coarse(NodalLoads& loads, const FemParams& params, Progress* progress,
                     FemSolution& out) const;
   template <class Solver>
-  void finish_linear(Solver& solver, const NodalLoads& loads, const FemParams& params,
-                     FemSolution& out) const;
+  void run_linear(Solver& solver, const NodalLoads& loads, const FemParams& params,
+                  const Progress* progress, FemSolution& out) const;
   void solve_finite(NodalLoads& loads, const FemParams& params, Progress* progress,
                     FemSolution& out) const;
   std::unique_ptr<Parts> m_parts;

@@ -57,6 +57,14 @@ NodeNorms node_norms(const std::vector<double>& r, const HeldBits& held) {
 
 }  // namespace
 
+void set_to_forces(const NodalLoads& loads, std::vector<double>& r) {
+  if (loads.force_mn.empty()) {
+    fill(r.data(), r.size(), 0.0);
+  } else {
+    std::copy(loads.force_mn.begin(), loads.force_mn.end(), r.begin());
+  }
+}
+
 ResidualMeter::ResidualMeter(const NodalLoads& loads)
     : m_loads(&loads), m_reactions(loads.nodes_of.size(), Vec3d(0)) {
   if (loads.force_mn.empty()) return;

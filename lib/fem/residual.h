@@ -33,6 +33,9 @@ struct ResidualSize {
   }
 };
 
+/// r = f.
+void set_to_forces(const NodalLoads& loads, std::vector<double>& r);
+
 class ResidualMeter {
  public:
   /// `loads` must outlive this; its forces are those that act now.
