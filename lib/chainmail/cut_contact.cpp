@@ -1,6 +1,7 @@
 #include "lib/chainmail/cut_contact.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace supple {
 
@@ -81,9 +82,9 @@ SidesReport largest_part(Attempt&& attempt, MayGoOn&& may_go_on) {
 
 }  // namespace
 
-CutContact::CutContact(Body& body, const LinkCuts& cuts, ContactEffort effort)
-    : m_body(body), m_lips(body, cuts), m_effort(effort) {
-  if (!m_lips.empty()) m_before = m_lips.points_before();
+CutContact::CutContact(Body& body, std::shared_ptr<const CutLips> lips, ContactEffort effort)
+    : m_body(body), m_lips(std::move(lips)), m_effort(effort) {
+  if (!empty()) m_before = m_lips->points_before();
 }
 
 SidesReport CutContact::drag(const SlotSet& fixed, Holds& holds,
@@ -138,7 +139,7 @@ bool CutContact::may_go_on(std::int64_t more_bricks) const {
 double CutContact::part_across(int c, ContactProjection& projection) const {
   for (const double part : {1.0, 0.5, 0.25, 0.0625}) {
     if (!may_go_on(projection.changed_bricks())) break;
-    const auto moved = projection.meet(c, m_lips.contacts(c, m_before, part).links);
+    const auto moved = projection.meet(c, m_lips->contacts(c, m_before, part).links);
     if (moved) return double(*moved) / kFixedOne;
   }
   return 0;
@@ -146,7 +147,7 @@ double CutContact::part_across(int c, ContactProjection& projection) const {
 
 SidesReport CutContact::part(const SlotSet& fixed, const Holds& held, Progress* progress) {
   SidesReport report;
-  if (m_lips.empty()) return report;
+  if (empty()) return report;
   SlotSet anchored = held.anchored;
   anchored.add(fixed);
   for (const RigidPiece& piece : m_body.rigid.list) anchored.add(*piece.elements);
@@ -156,7 +157,7 @@ SidesReport CutContact::part(const SlotSet& fixed, const Holds& held, Progress* 
     report.left_voxels = 0;
     bool has_moved = false;
     for (int c = 0; c < 3; ++c) {
-      const CutLips::Contacts contacts = m_lips.contacts(c, m_before);
+      const CutLips::Contacts contacts = m_lips->contacts(c, m_before);
       if (contacts.overlapping == 0) continue;
       report.left += contacts.overlapping;
       report.left_voxels = std::max(report.left_voxels, contacts.deepest_voxels);

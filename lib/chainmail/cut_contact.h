@@ -11,6 +11,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 
 #include "lib/body/holds.h"
 #include "lib/chainmail/cut_lips.h"
@@ -35,13 +36,14 @@ enum class ContactEffort { full, live };
 
 class CutContact {
  public:
-  /// Remembers which parts of lips lie before each other: make it before the body moves. `cuts`:
-  /// those of the body without the links that rigid pieces hide. Both outlive this.
-  CutContact(Body& body, const LinkCuts& cuts, ContactEffort effort = ContactEffort::full);
+  /// Remembers which parts of lips lie before each other: make it before the body moves. `lips`:
+  /// of the body and its cuts without the links that rigid pieces hide. The body outlives this.
+  CutContact(Body& body, std::shared_ptr<const CutLips> lips,
+             ContactEffort effort = ContactEffort::full);
 
   static constexpr int kDragParts = 1024;
 
-  bool empty() const { return m_lips.empty(); }
+  bool empty() const { return m_lips->empty(); }
 
   /// Calls move(n), which drags by n / kDragParts of the whole, and takes lips apart: for the whole
   /// drag, or for the largest n that a bisection finds to leave room for both lips. `fixed` and
@@ -65,7 +67,7 @@ class CutContact {
   double part_across(int c, ContactProjection& projection) const;
 
   Body& m_body;
-  CutLips m_lips;
+  std::shared_ptr<const CutLips> m_lips;
   CutLips::Before m_before;
   ContactEffort m_effort;
   std::int64_t m_changed_bricks = 0;

@@ -95,7 +95,8 @@ bool weights_in(const std::array<double, 8>& corners, double x, double y,
 
 }  // namespace
 
-CutLips::CutLips(const Body& body, const LinkCuts& cuts) : m_body(body), m_cuts(cuts) {
+CutLips::CutLips(const Body& body, const LinkCuts& cuts)
+    : m_body(body), m_cuts(cuts), m_source{body.elements, cuts, body.rigid.number_of} {
   CutCounts counts;
   for_each_cut(body, cuts, [&](int axis, Slot low, Slot, LinkCuts::Place) {
     counts.add(voxel_of(body.elements, low), axis);
@@ -111,6 +112,11 @@ CutLips::CutLips(const Body& body, const LinkCuts& cuts) : m_body(body), m_cuts(
 
 bool CutLips::empty() const {
   return m_sheets[0].cells.empty() && m_sheets[1].cells.empty() && m_sheets[2].cells.empty();
+}
+
+bool CutLips::is_current() const {
+  return m_source.elements == m_body.elements && m_source.rigid == m_body.rigid.number_of &&
+         m_source.cuts == m_cuts;
 }
 
 /// The quarter of a cell at a lip's end, as far as half a voxel beyond it or to the next lip.

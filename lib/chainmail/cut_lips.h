@@ -15,6 +15,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <unordered_map>
 #include <vector>
 
@@ -30,6 +31,8 @@ class CutLips {
   CutLips(const Body& body, const LinkCuts& cuts);
 
   bool empty() const;
+  /// Whether the body has the elements, cut links and rigid pieces of which these were found.
+  bool is_current() const;
   /// The points of both lips across each axis that lie before the other lip, or beside it.
   using Before = std::array<std::array<std::vector<char>, 2>, 3>;
   Before points_before() const;
@@ -85,6 +88,12 @@ class CutLips {
 
   const Body& m_body;
   const LinkCuts& m_cuts;
+  struct Source {
+    BrickTopology elements;
+    LinkCuts cuts;
+    std::shared_ptr<const BrickValues> rigid;
+  };
+  Source m_source;
   std::array<Sheets, 3> m_sheets;
 };
 

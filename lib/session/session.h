@@ -167,7 +167,8 @@ class Session {
   DensitySource m_source;  // of a volume
   MaterialTable m_material;
   Body m_body;
-  std::unique_ptr<VoxelEcmModel> m_ecm;  // of m_body
+  std::unique_ptr<VoxelEcmModel> m_ecm;   // of m_body
+  std::shared_ptr<const CutLips> m_lips;  // of m_body as steps found them last; null: no cut yet
   LinkCheck m_links;
   std::vector<Region> m_anchors;  // the boxes, labels and selections that the state has fixed
   Holds m_holds;                  // elements that earlier steps dragged

@@ -110,7 +110,8 @@ std::unique_ptr<CutContact> Session::contact_of(const StepRequest& request) {
     return nullptr;
   }
   const bool is_live = request.shift_pieces || request.drags.empty();
-  auto contact = std::make_unique<CutContact>(m_body, m_body.cuts,
+  if (!m_lips || !m_lips->is_current()) m_lips = std::make_shared<CutLips>(m_body, m_body.cuts);
+  auto contact = std::make_unique<CutContact>(m_body, m_lips,
                                               is_live ? ContactEffort::live : ContactEffort::full);
   return contact->empty() ? nullptr : std::move(contact);
 }

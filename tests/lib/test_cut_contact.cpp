@@ -130,7 +130,7 @@ TEST(PropertyCutContact, AThousandRandomDragsOfClosedCutsLeaveNoPointBehindTheOt
       const Vec3i voxel(int(random() % kCube), int(random() % kCube),
                         1 + int(random() % (kCube - 1)));
       const std::array<std::int32_t, 3> by = random_move(random, 5);
-      CutContact contact(body, body.cuts);
+      CutContact contact(body, std::make_shared<CutLips>(body, body.cuts));
       Holds holds;
       const SidesReport report = contact.drag(fixed, holds, [&](int parts) {
         solver.drag({Handle(voxel, part_of(by, parts))}, anchors, holds);
@@ -207,13 +207,13 @@ TEST(PropertyCutContact, BothSidesGiveWayAlikeAndSlideFreely) {
   const Vec3i low(5, 5, 0), high(5, 5, kCube - 1);
   // Across the cut nothing follows a side that slides.
   {
-    CutContact contact(body, body.cuts);
+    CutContact contact(body, std::make_shared<CutLips>(body, body.cuts));
     drag(body, {Handle(low, {3 * kVoxel, 0, 0})}, {});
     const SidesReport slid = contact.part({}, {});
     EXPECT_LT(slid.max_move_voxels, 1.0 / 64);  // a film between them, so that no place is of both
     EXPECT_EQ(body.offset(high, 0), 0);
   }
-  CutContact contact(body, body.cuts);
+  CutContact contact(body, std::make_shared<CutLips>(body, body.cuts));
   Holds holds;
   EcmSolver solver(body);
   const SidesReport met = contact.drag({}, holds, [&](int parts) {
@@ -232,7 +232,7 @@ TEST(PropertyCutContact, WhatIsHeldOnBothSidesShortensTheDrag) {
   const std::vector<Region> anchors = {top};
   const SlotSet fixed = elements_of(body, anchors[0], "fix");
   const IndexBox bottom{{0, 0, 0}, {kCube - 1, kCube - 1, 3}};
-  CutContact contact(body, body.cuts);
+  CutContact contact(body, std::make_shared<CutLips>(body, body.cuts));
   Holds holds;
   EcmSolver solver(body);
   const SidesReport report = contact.drag(fixed, holds, [&](int parts) {
@@ -257,7 +257,7 @@ TEST(UnitCutContact, AStartThatOtherModelsLeftInvalidIsProjectedForEveryPartThat
   body.q[2].set(slot, -2 * kVoxel);
   body.links_known_valid = false;
   const std::vector<Region> anchors = {IndexBox{{0, 0, 6}, {kCube - 1, kCube - 1, kCube - 1}}};
-  CutContact contact(body, body.cuts);
+  CutContact contact(body, std::make_shared<CutLips>(body, body.cuts));
   Holds holds;
   EcmSolver solver(body);
   const SidesReport report =
@@ -282,12 +282,12 @@ TEST(PropertyCutContact, AfterARelaxationTooTheSidesAreApart) {
     {
       // The upper side is lifted and bent, so that it comes back as it relaxes.
       const Vec3i voxel(int(random() % kCube), int(random() % kCube), kCube - 1);
-      CutContact contact(body, body.cuts);
+      CutContact contact(body, std::make_shared<CutLips>(body, body.cuts));
       contact.drag(fixed, holds, [&](int parts) {
         solver.drag({Handle(voxel, part_of({0, kVoxel, -4 * kVoxel}, parts))}, anchors, holds);
       });
     }
-    CutContact contact(body, body.cuts);
+    CutContact contact(body, std::make_shared<CutLips>(body, body.cuts));
     RelaxParams params;
     params.passes = 200;
     const SidesReport report = contact.go(fixed, holds, [&] {
@@ -311,7 +311,7 @@ TEST(PropertyCutContact, AWayThatHasNoRoomIsGoneInPartAndKeepsEveryLimit) {
   EcmSolver solver(moved);
   solver.drag({Handle(Region(floor), {kVoxel / 2, -kVoxel / 3, 4 * kVoxel + 17})}, {});
   ASSERT_EQ(check_links(moved).violated, 0);
-  CutContact contact(body, body.cuts);
+  CutContact contact(body, std::make_shared<CutLips>(body, body.cuts));
   Holds holds;
   const SidesReport report = contact.go(held, holds, [&] {
     body.q = moved.q;
@@ -336,7 +336,7 @@ TEST(PropertyCutContact, LipsThatMeetMoveNothingFarAway) {
   cut(body, PlanePatch{geometry.world_from_index({-1, -1, 11.4}),
                        geometry.world_vector_from_index({66, 0, 0}),
                        geometry.world_vector_from_index({0, 26, 0})});
-  CutContact contact(body, body.cuts);
+  CutContact contact(body, std::make_shared<CutLips>(body, body.cuts));
   Holds holds;
   EcmSolver solver(body);
   const SidesReport report = contact.drag({}, holds, [&](int parts) {
@@ -371,7 +371,7 @@ TEST(PropertyCutContact, CutsThatEndAndSlicesAreKeptApartWithAnyLinks) {
       const Vec3i voxel(int(random() % 6), int(random() % 14), is_slice ? 0 : int(random() % 12));
       std::array<std::int32_t, 3> by = random_move(random, 4);
       if (is_slice) by[2] = 0;
-      CutContact contact(body, body.cuts);
+      CutContact contact(body, std::make_shared<CutLips>(body, body.cuts));
       Holds holds;
       const SidesReport report = contact.drag({}, holds, [&](int parts) {
         solver.drag({Handle(voxel, part_of(by, parts))}, {}, holds);
@@ -398,7 +398,7 @@ TEST(PropertyCutContact, LipsOfAnyCutsLieBesideEachOtherAtRest) {
     Block block = random_block(random, {9, 8, 7});
     cut_randomly(random, block);
     Body body = body_of(block);
-    CutContact contact(body, body.cuts);
+    CutContact contact(body, std::make_shared<CutLips>(body, body.cuts));
     EXPECT_EQ(contact.part({}, {}).overlapping, 0) << n;
     with_sheets += !contact.empty();
   }
@@ -414,7 +414,7 @@ TEST(PropertyCutContact, AStackOfSlicesIsPushedOnFromSliceToSlice) {
                          geometry.world_vector_from_index({8, 0, 0}),
                          geometry.world_vector_from_index({0, 8, 0})});
   }
-  CutContact contact(body, body.cuts);
+  CutContact contact(body, std::make_shared<CutLips>(body, body.cuts));
   Holds holds;
   EcmSolver solver(body);
   const SidesReport report = contact.drag({}, holds, [&](int parts) {

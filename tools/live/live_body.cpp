@@ -5,21 +5,6 @@
 
 namespace supple::tools {
 
-namespace {
-
-/// Of one topology, those whose vectors differ.
-std::vector<std::int32_t> differing_bricks(const Displacement& before, const Displacement& after) {
-  std::vector<std::int32_t> differing;
-  for (std::size_t b = 0; b < after.u.topology.brick_count(); ++b) {
-    const Vec3f* was = before.u.vectors.brick_or_zero(b);
-    const Vec3f* is = after.u.vectors.brick_or_zero(b);
-    if (was != is && !std::equal(is, is + kBrickVoxels, was)) differing.push_back(std::int32_t(b));
-  }
-  return differing;
-}
-
-}  // namespace
-
 LiveBody::LiveBody(Session& session, Interpolation interpolation, Progress& progress)
     : m_session(session), m_progress(progress), m_interpolation(interpolation) {
   open(interpolation);
@@ -126,18 +111,14 @@ const OffsetField& LiveBody::inverse() {
 }
 
 void LiveBody::update_cut_inverse() {
-  m_state.q = m_session.body().q;
-  m_state.cuts = m_cuts;
-  Displacement next = extended_displacement_of(m_state);
   if (m_cut_inversion) {
-    m_cut_inversion->update(next, differing_bricks(m_cut_displacement, next), &m_progress);
+    m_cut_inversion->update(displacement(), &m_progress);
   } else {
     InvertParams params;
     params.material = &m_state.elements;
     m_cut_inversion = std::make_unique<IncrementalCutInversion>(
-        next, CutElements{m_state.elements, m_cuts}, params, &m_progress);
+        displacement(), CutElements{m_state.elements, m_cuts}, params, &m_progress);
   }
-  m_cut_displacement = std::move(next);
   m_is_cut_stale = false;
 }
 

@@ -69,7 +69,6 @@ class LiveBody {
   std::optional<OffsetField> m_field;  // those of m_inversion, copied
   LinkCuts m_cuts;
   std::unique_ptr<IncrementalCutInversion> m_cut_inversion;  // of elements and m_cuts
-  Displacement m_cut_displacement;                           // that it follows
   bool m_is_cut_stale = true;
   CostPer m_forward_brick{0.02}, m_inverse_brick{0.08};
 };

@@ -64,6 +64,20 @@ BrickTopology unite(const BrickTopology& a, const BrickTopology& b) {
   return {std::move(origins), std::move(masks)};
 }
 
+BrickTopology intersect(const BrickTopology& a, const BrickTopology& b) {
+  std::vector<Vec3i> origins;
+  std::vector<BrickMask> masks;
+  for (std::size_t n = 0; n < a.brick_count(); ++n) {
+    const std::int32_t other = b.find(a.origin(n));
+    if (other < 0) continue;
+    origins.push_back(a.origin(n));
+    masks.push_back(a.mask(n));
+    for (std::size_t word = 0; word < 8; ++word)
+      masks.back()[word] &= b.mask(std::size_t(other))[word];
+  }
+  return {std::move(origins), std::move(masks)};
+}
+
 BrickTopology subtract(const BrickTopology& a, const BrickTopology& b) {
   std::vector<Vec3i> origins;
   std::vector<BrickMask> masks;

@@ -38,6 +38,9 @@ BrickTopology topology_of(const std::vector<Vec3i>& voxels);
 /// The sorted union of two topologies.
 BrickTopology unite(const BrickTopology& a, const BrickTopology& b);
 
+/// The voxels that are active in both.
+BrickTopology intersect(const BrickTopology& a, const BrickTopology& b);
+
 /// The active voxels of `a` that are not active in `b`.
 BrickTopology subtract(const BrickTopology& a, const BrickTopology& b);
 

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "volumes/grid/density_grid.h"
+#include "volumes/grid/voxel_sets.h"
 
 using namespace supple;
 
@@ -12,7 +13,7 @@ namespace {
 
 using Voxel = std::tuple<int, int, int>;
 
-BrickTopology topology_of(const std::set<Voxel>& voxels) {
+BrickTopology bricks_of(const std::set<Voxel>& voxels) {
   std::vector<Vec3i> origins;
   std::vector<BrickMask> masks;
   for (const auto& [i, j, k] : voxels) {
@@ -40,7 +41,7 @@ std::set<Voxel> random_voxels(std::mt19937& random, int count, int range) {
 }  // namespace
 
 TEST(UnitBrickTopology, VoxelsAreFoundAcrossNegativeCoordinatesAndRegions) {
-  const BrickTopology topology = topology_of({{-1, -1, -1}, {0, 0, 0}, {1000, -2000, 5}});
+  const BrickTopology topology = bricks_of({{-1, -1, -1}, {0, 0, 0}, {1000, -2000, 5}});
   EXPECT_EQ(topology.brick_count(), 3u);
   EXPECT_EQ(topology.active_count(), 3);
   EXPECT_TRUE(topology.is_active({-1, -1, -1}));
@@ -52,7 +53,7 @@ TEST(UnitBrickTopology, VoxelsAreFoundAcrossNegativeCoordinatesAndRegions) {
 }
 
 TEST(UnitBrickTopology, FaceNeighboursPointAtEachOther) {
-  const BrickTopology topology = topology_of({{7, 0, 0}, {8, 0, 0}});
+  const BrickTopology topology = bricks_of({{7, 0, 0}, {8, 0, 0}});
   EXPECT_EQ(topology.neighbour(0, 1), 1);
   EXPECT_EQ(topology.neighbour(1, 0), 0);
   EXPECT_EQ(topology.neighbour(0, 0), -1);
@@ -61,7 +62,7 @@ TEST(UnitBrickTopology, FaceNeighboursPointAtEachOther) {
 TEST(UnitBrickTopology, ComponentsConnectThroughFacesOnly) {
   // Two voxels that share an edge are two pieces; a row across a brick border is one.
   const BrickTopology topology =
-      topology_of({{0, 0, 0}, {1, 1, 0}, {6, 20, 3}, {7, 20, 3}, {8, 20, 3}});
+      bricks_of({{0, 0, 0}, {1, 1, 0}, {6, 20, 3}, {7, 20, 3}, {8, 20, 3}});
   EXPECT_EQ(largest_components(topology, 1).active_count(), 3);
   EXPECT_TRUE(largest_components(topology, 1).is_active({8, 20, 3}));
   EXPECT_EQ(largest_components(topology, 2).active_count(), 4);
@@ -81,13 +82,29 @@ TEST(PropertyBrickTopology, DilationEqualsTheBruteForceBoxNeighbourhood) {
         }
       }
     }
-    EXPECT_TRUE(dilate(topology_of(voxels), rings) == topology_of(expected)) << rings;
+    EXPECT_TRUE(dilate(bricks_of(voxels), rings) == bricks_of(expected)) << rings;
   }
+}
+
+TEST(PropertyBrickTopology, UnionsIntersectionsAndDifferencesAreThoseOfSets) {
+  std::mt19937 random(9);
+  const std::set<Voxel> one = random_voxels(random, 900, 9), other = random_voxels(random, 900, 9);
+  const BrickTopology a = bricks_of(one), b = bricks_of(other);
+  std::set<Voxel> both, any(one), only(one);
+  for (const Voxel& voxel : other) {
+    if (one.count(voxel) != 0) both.insert(voxel);
+    any.insert(voxel);
+    only.erase(voxel);
+  }
+  ASSERT_GT(both.size(), 50u);
+  EXPECT_TRUE(intersect(a, b) == bricks_of(both));
+  EXPECT_TRUE(unite(a, b) == bricks_of(any));
+  EXPECT_TRUE(subtract(a, b) == bricks_of(only));
 }
 
 TEST(PropertyBrickTopology, ADensityGridGivesBackTheValuesItWasMadeOf) {
   std::mt19937 random(8);
-  const BrickTopology topology = topology_of(random_voxels(random, 400, 40));
+  const BrickTopology topology = bricks_of(random_voxels(random, 400, 40));
   std::vector<float> values(topology.brick_count() * kBrickVoxels, -5.0f);
   std::uniform_real_distribution<float> density(0, 1);
   for (std::size_t b = 0; b < topology.brick_count(); ++b) {

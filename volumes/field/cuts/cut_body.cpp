@@ -72,7 +72,7 @@ struct MoveBox {
 
 CutBody::CutBody(const VectorBricks& u, const BrickTopology& elements, const LinkCuts& cuts,
                  const Vec3i& dims)
-    : m_u(u), m_elements(elements), m_dims(dims) {
+    : m_voxels(u.topology), m_elements(elements), m_dims(dims) {
   std::vector<Link> links;
   for (std::size_t b = 0; b < cuts.brick_end(); ++b) {
     const LinkCuts::BrickCuts* brick = cuts.brick(b);
@@ -89,7 +89,7 @@ CutBody::CutBody(const VectorBricks& u, const BrickTopology& elements, const Lin
     }
   }
   m_planes.fit();
-  cut_shell(links);
+  cut_shell(u, links);
   find_parted_cells();
 }
 
@@ -101,7 +101,7 @@ Vec3i CutBody::in_slice(Vec3i voxel) const {
 }
 
 bool CutBody::is_voxel(const Vec3i& voxel) const {
-  return m_u.topology.is_active(in_slice(voxel));
+  return m_voxels.is_active(in_slice(voxel));
 }
 
 void CutBody::mark(const Link& link, LinkCuts::Place place) {
@@ -118,21 +118,6 @@ bool CutBody::is_cut(const Vec3i& low, int axis) const {
 LinkCuts::Place CutBody::place(const Link& link) const {
   const auto found = m_cut.find(in_slice(link.low));
   return found == m_cut.end() ? LinkCuts::Place(0) : found->second.places[std::size_t(link.axis)];
-}
-
-int CutBody::ring(const Vec3i& voxel) const {
-  if (is_element(voxel)) return 0;
-  for (int n = 1; n <= kShellRings; ++n) {
-    for (int x = -n; x <= n; ++x) {
-      for (int y = -n; y <= n; ++y) {
-        for (int z = -n; z <= n; ++z) {
-          if (std::max({std::abs(x), std::abs(y), std::abs(z)}) < n) continue;
-          if (is_element(voxel + Vec3i(x, y, z))) return n;
-        }
-      }
-    }
-  }
-  return kShellRings + 1;
 }
 
 /// The voxel itself where none is in reach.
@@ -186,7 +171,7 @@ bool CutBody::joins(const IndexBox& box, const Vec3i& from, const Vec3i& to, boo
 
 /// Whether two elements are on different sides: parted by cuts in the smallest box around them in
 /// which tissue had joined them, or apart where none does.
-bool CutBody::separates(const Vec3i& a, const Vec3i& b) const {
+bool CutBody::separates(const VectorBricks& u, const Vec3i& a, const Vec3i& b) const {
   if (a == b || !is_element(a) || !is_element(b)) return false;
   IndexBox box{a, a};
   for (int axis = 0; axis < 3; ++axis) {
@@ -199,18 +184,18 @@ bool CutBody::separates(const Vec3i& a, const Vec3i& b) const {
     box.hi += Vec3i(1);
   }
   Vec3f of_a(0), of_b(0);
-  return m_u.at(a, of_a) && m_u.at(b, of_b) && (of_a - of_b).length() > kMovedApart;
+  return u.at(a, of_a) && u.at(b, of_b) && (of_a - of_b).length() > kMovedApart;
 }
 
 /// Voxels of the shell that touch elements which have moved apart.
-std::vector<Vec3i> CutBody::contested_voxels() const {
-  const BrickTopology& voxels = m_u.topology;
+std::vector<Vec3i> CutBody::contested_voxels(const VectorBricks& u) const {
+  const BrickTopology& voxels = m_voxels;
   std::vector<MoveBox> moves(voxels.brick_count());
   tbb::parallel_for(std::size_t(0), moves.size(), [&](std::size_t b) {
     const std::int32_t own = m_elements.find(voxels.origin(b));
     if (own < 0) return;
     for_each_active(m_elements.mask(std::size_t(own)),
-                    [&](int offset) { moves[b].add(m_u.vectors.brick_or_zero(b)[offset]); });
+                    [&](int offset) { moves[b].add(u.vectors.brick_or_zero(b)[offset]); });
   });
   std::vector<std::vector<Vec3i>> found(moves.size());
   tbb::parallel_for(std::size_t(0), moves.size(), [&](std::size_t b) {
@@ -225,7 +210,7 @@ std::vector<Vec3i> CutBody::contested_voxels() const {
       MoveBox touching;
       for_neighbours(voxel, [&](const Vec3i& beside) {
         Vec3f move;
-        if (is_element(beside) && m_u.at(in_slice(beside), move)) touching.add(move);
+        if (is_element(beside) && u.at(in_slice(beside), move)) touching.add(move);
       });
       if (touching.is_apart()) found[b].push_back(voxel);
     });
@@ -235,48 +220,49 @@ std::vector<Vec3i> CutBody::contested_voxels() const {
   return contested;
 }
 
-void CutBody::cut_shell(const std::vector<Link>& links) {
-  std::vector<Vec3i> shell;
-  const auto add = [&](const Vec3i& voxel) {
-    if (m_u.topology.is_active(voxel) && !m_elements.is_active(voxel)) shell.push_back(voxel);
-  };
-  for (const Vec3i& voxel : contested_voxels()) {
-    add(voxel);
-    for_neighbours(voxel, add);
-  }
-  for (const Link& link : links) {
-    for (int n = 0; n < 343; ++n) add(link.low + Vec3i(n / 49 - 3, n / 7 % 7 - 3, n % 7 - 3));
-  }
-  sort_unique(shell);
-  std::vector<Vec3i> voxels = shell;
-  for (const Vec3i& voxel : shell) {
-    for (int face = 0; face < 6; ++face) {
-      const Vec3i next = voxel + unit(face / 2) * (face % 2 ? 1 : -1);
-      if (m_u.topology.is_active(next)) voxels.push_back(next);
-    }
-  }
-  sort_unique(voxels);
-  std::vector<Owner> owners(voxels.size());
-  tbb::parallel_for(std::size_t(0), voxels.size(),
-                    [&](std::size_t n) { owners[n] = owner_of(voxels[n]); });
+/// Within three voxels of a cut link, and within one of a contested voxel.
+BrickTopology CutBody::shell_beside_cuts(const VectorBricks& u,
+                                         const std::vector<Link>& links) const {
+  std::vector<Vec3i> low;
+  for (const Link& link : links) low.push_back(link.low);
+  const BrickTopology near =
+      unite(dilate(topology_of(low), 3), dilate(topology_of(contested_voxels(u)), 1));
+  return subtract(intersect(near, m_voxels), m_elements);
+}
+
+void CutBody::cut_shell(const VectorBricks& u, const std::vector<Link>& links) {
+  const BrickTopology shell = shell_beside_cuts(u, links);
+  const BrickTopology around = intersect(dilate(shell, 1), m_voxels);
+  std::vector<std::vector<Owner>> owners(around.brick_count());
+  tbb::parallel_for(std::size_t(0), owners.size(), [&](std::size_t b) {
+    owners[b].resize(kBrickVoxels);
+    for_each_active(around.mask(b), [&](int offset) {
+      owners[b][std::size_t(offset)] = owner_of(around.origin(b) + brick_local(offset));
+    });
+  });
   const auto owner_at = [&](const Vec3i& voxel) -> const Owner& {
-    const auto found = std::lower_bound(voxels.begin(), voxels.end(), voxel, voxel_less);
-    return owners[std::size_t(found - voxels.begin())];
+    return owners[std::size_t(around.find(voxel))][std::size_t(brick_offset(voxel))];
   };
-  std::vector<std::pair<Link, LinkCuts::Place>> added;
-  for (const Vec3i& voxel : shell) {
-    for (int face = 0; face < 6; ++face) {
-      const Vec3i next = voxel + unit(face / 2) * (face % 2 ? 1 : -1);
-      if (!m_u.topology.is_active(next)) continue;
-      const Link link{face % 2 ? voxel : next, face / 2};
-      const Owner& low = owner_at(link.low);
-      const Owner& high = owner_at(face % 2 ? next : voxel);
-      if (separates(low.element, high.element)) {
-        added.emplace_back(link, place_between(low.side, high.side));
+  using Added = std::vector<std::pair<Link, LinkCuts::Place>>;
+  std::vector<Added> added(shell.brick_count());
+  tbb::parallel_for(std::size_t(0), added.size(), [&](std::size_t b) {
+    for_each_active(shell.mask(b), [&](int offset) {
+      const Vec3i voxel = shell.origin(b) + brick_local(offset);
+      for (int face = 0; face < 6; ++face) {
+        const Vec3i next = voxel + unit(face / 2) * (face % 2 ? 1 : -1);
+        if (!m_voxels.is_active(next)) continue;
+        const Link link{face % 2 ? voxel : next, face / 2};
+        const Owner& low = owner_at(link.low);
+        const Owner& high = owner_at(face % 2 ? next : voxel);
+        if (separates(u, low.element, high.element)) {
+          added[b].emplace_back(link, place_between(low.side, high.side));
+        }
       }
-    }
+    });
+  });
+  for (const Added& of_brick : added) {
+    for (const auto& [link, place] : of_brick) mark(link, place);
   }
-  for (const auto& [link, place] : added) mark(link, place);
 }
 
 /// Of an element beside the surface what its cut links say, since rounding has a say in planes.

@@ -36,22 +36,21 @@ class CutBody {
   };
 
   /// `u`: on elements and shell; those of elements count. `cuts`: links between elements, bricks as
-  /// in `elements`. Along an axis of `dims` with one slice, its copies below and above count as
-  /// voxels, too.
+  /// in `elements`, which outlives the body. Along an axis of `dims` with one slice, its copies
+  /// below and above count as voxels, too.
   CutBody(const VectorBricks& u, const BrickTopology& elements, const LinkCuts& cuts,
           const Vec3i& dims);
 
   bool is_cut(const Vec3i& low, int axis) const;
   /// Where the surface crosses a link that is cut; 0: unknown.
   LinkCuts::Place place(const Link& link) const;
+  const BrickTopology& elements() const { return m_elements; }
   bool is_element(const Vec3i& voxel) const { return m_elements.is_active(in_slice(voxel)); }
   /// Whether uncut links lead from one corner of a cell to another.
   bool connects(const Vec3i& from, const Vec3i& to) const;
   CellSides sides(const Vec3i& cell) const;
   /// Sorted; all corners are voxels, and they have several sides.
   const std::vector<Vec3i>& parted_cells() const { return m_parted; }
-  /// 0 for elements, 1 and 2 for the rings of the shell, 3 for all beyond.
-  int ring(const Vec3i& voxel) const;
 
  private:
   Vec3i in_slice(Vec3i voxel) const;
@@ -69,13 +68,14 @@ class CutBody {
   };
   Owner owner_of(const Vec3i& voxel) const;
   void join_around(const Vec3i& cell, CellSides& sides) const;
-  std::vector<Vec3i> contested_voxels() const;
-  void cut_shell(const std::vector<Link>& links);
+  std::vector<Vec3i> contested_voxels(const VectorBricks& u) const;
+  BrickTopology shell_beside_cuts(const VectorBricks& u, const std::vector<Link>& links) const;
+  void cut_shell(const VectorBricks& u, const std::vector<Link>& links);
   bool joins(const IndexBox& box, const Vec3i& from, const Vec3i& to, bool over_cuts) const;
-  bool separates(const Vec3i& a, const Vec3i& b) const;
+  bool separates(const VectorBricks& u, const Vec3i& a, const Vec3i& b) const;
   void find_parted_cells();
 
-  const VectorBricks& m_u;
+  BrickTopology m_voxels;  // elements and shell
   const BrickTopology& m_elements;
   Vec3i m_dims;
   std::unordered_map<Vec3i, CutAxes, VoxelHash> m_cut;

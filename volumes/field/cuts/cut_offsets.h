@@ -39,19 +39,19 @@ OffsetField invert_cut(const Displacement& displacement, const CutElements& body
 
 /// An inversion that follows a cut body through local changes, such as drags: what is whole is
 /// solved again only where the changes reach (IncrementalInversion), what cuts have torn is made
-/// anew. field() has the bits that invert_cut() would give it. Where cuts open or close the bricks
-/// around them count as changed. Memory: as IncrementalInversion, and the field.
+/// anew. field() has the bits that extend_past_cuts() and invert_cut() would give it. Where cuts
+/// open or close the bricks around them count as changed. Memory: as IncrementalInversion, the
+/// displacement and the field.
 class IncrementalCutInversion {
  public:
-  /// Inverts everything. Throws as invert_cut(). The cuts may grow between updates.
+  /// Inverts everything. `displacement`: extended as if nothing were cut (extend()). Throws as
+  /// invert_cut(). The cuts may grow between updates.
   IncrementalCutInversion(const Displacement& displacement, const CutElements& body,
                           const InvertParams& params = {}, Progress* progress = nullptr);
   ~IncrementalCutInversion();
 
-  /// `displacement` has the voxels of the last one; `changed` lists, each once, the bricks of its
-  /// topology whose vectors may differ. A volume of one slice is inverted as a whole.
-  void update(const Displacement& displacement, const std::vector<std::int32_t>& changed,
-              Progress* progress = nullptr);
+  /// `displacement` has the voxels of the last one. A volume of one slice is inverted as a whole.
+  void update(const Displacement& displacement, Progress* progress = nullptr);
 
   /// Valid until the next update.
   const OffsetField& field() const;

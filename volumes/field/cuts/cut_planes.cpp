@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <tbb/parallel_for.h>
+
 namespace supple {
 
 namespace {
@@ -57,15 +59,15 @@ void CutPlanes::add(const Vec3d& at, int axis) {
 }
 
 void CutPlanes::fit() {
-  std::vector<Vec3d> near;
-  for (Point& point : m_points) {
-    near.clear();
+  tbb::parallel_for(std::size_t(0), m_points.size(), [&](std::size_t n) {
+    Point& point = m_points[n];
+    std::vector<Vec3d> near;
     for_near(point.at, [&](const Point& other) {
       const Vec3d step = other.at - point.at;
       if (step.length() <= kPlaneFitRadius) near.push_back(step);
     });
     point.normal = plane_normal(near, point.normal);
-  }
+  });
 }
 
 template <class Visit>

@@ -21,17 +21,16 @@ namespace {
 
 /// Turns the offsets of what is whole, and those of u itself where nothing is torn, to those of a
 /// cut body. `invert_whole` is asked once.
-OffsetField invert_apart(const Displacement& displacement, const CutElements& body,
+OffsetField invert_apart(const Displacement& displacement, const CutBody& cut,
                          const std::function<OffsetField(const Displacement&)>& invert_whole,
                          Progress* progress) {
   const Vec3i& dims = displacement.geometry.dims();
   const VectorBricks u = thickened(displacement.u, dims);
-  const CutBody cut(displacement.u, body.elements, body.cuts, dims);
   const std::vector<TornCell> torn = torn_cells(u, cut, kClosedCut);
   if (torn.empty()) return invert_whole(displacement);
 
   CutFaces faces(torn, cut, displacement.geometry, kClosedCut);
-  CutInversion inversion(u, torn, faces, body.elements, dims);
+  CutInversion inversion(u, torn, faces, cut.elements(), dims);
   OffsetField field = invert_whole({displacement.geometry, inversion.whole_part()});
   std::vector<CutBrick> bricks = inversion.split_bricks(field, progress);
   field.o = inversion.joined(field.o, bricks);
@@ -40,13 +39,19 @@ OffsetField invert_apart(const Displacement& displacement, const CutElements& bo
   return field;
 }
 
-/// Bricks of `now` that differ from those of `before`, by number in `now`.
-std::vector<std::int32_t> remasked(const BrickTopology& before, const BrickTopology& now) {
-  std::vector<std::int32_t> bricks;
-  for (std::size_t b = 0; b < now.brick_count(); ++b) {
-    if (before.mask(b) != now.mask(b)) bricks.push_back(std::int32_t(b));
+/// Bricks, by number in `now`, that hold other voxels or vectors than those of `before`, which has
+/// the same bricks.
+std::vector<std::int32_t> differing_bricks(const VectorBricks& before, const VectorBricks& now) {
+  std::vector<std::int32_t> differing;
+  for (std::size_t b = 0; b < now.topology.brick_count(); ++b) {
+    const Vec3f* const was = before.vectors.brick_or_zero(b);
+    const Vec3f* const is = now.vectors.brick_or_zero(b);
+    const bool is_moved = was != is && !std::equal(is, is + kBrickVoxels, was);
+    if (is_moved || before.topology.mask(b) != now.topology.mask(b)) {
+      differing.push_back(std::int32_t(b));
+    }
   }
-  return bricks;
+  return differing;
 }
 
 bool has_same_bricks(const BrickTopology& a, const BrickTopology& b) {
@@ -65,7 +70,8 @@ OffsetField invert_cut(const Displacement& displacement, const CutElements& body
   const auto invert_whole = [&](const Displacement& whole) {
     return invert(whole, params, progress);
   };
-  return invert_apart(displacement, body, invert_whole, progress);
+  const CutBody cut(displacement.u, body.elements, body.cuts, displacement.geometry.dims());
+  return invert_apart(displacement, cut, invert_whole, progress);
 }
 
 struct IncrementalCutInversion::Impl {
@@ -75,33 +81,21 @@ struct IncrementalCutInversion::Impl {
   CutElements body;
   InvertParams params;
   OffsetField field;
-  BrickTopology whole;  // voxels of what the lattice holds
+  VectorBricks whole;  // what the lattice holds
   std::unique_ptr<IncrementalInversion> inversion;
 
-  /// Follows `part` of u, whose `changed` bricks differ from those of the last one in vectors.
-  OffsetField follow(const Displacement& part, const Displacement& displacement,
-                     const std::vector<std::int32_t>& changed, Progress* progress);
+  /// Follows `part` of u, which is whole.
+  OffsetField follow(const Displacement& part, Progress* progress);
 };
 
-OffsetField IncrementalCutInversion::Impl::follow(const Displacement& part,
-                                                  const Displacement& displacement,
-                                                  const std::vector<std::int32_t>& changed,
-                                                  Progress* progress) {
-  if (is_flat(displacement.geometry.dims())) return invert(part, params, progress);
-  const BrickTopology& voxels = part.u.topology;
-  if (!inversion || !has_same_bricks(whole, voxels)) {
+OffsetField IncrementalCutInversion::Impl::follow(const Displacement& part, Progress* progress) {
+  if (is_flat(part.geometry.dims())) return invert(part, params, progress);
+  if (!inversion || !has_same_bricks(whole.topology, part.u.topology)) {
     inversion = std::make_unique<IncrementalInversion>(part, params, progress);
   } else {
-    std::vector<std::int32_t> differing = remasked(whole, voxels);
-    for (const std::int32_t b : changed) {
-      const std::int32_t here = voxels.find(displacement.u.topology.origin(std::size_t(b)));
-      if (here >= 0) differing.push_back(here);
-    }
-    std::sort(differing.begin(), differing.end());
-    differing.erase(std::unique(differing.begin(), differing.end()), differing.end());
-    inversion->update(part, differing);
+    inversion->update(part, differing_bricks(whole, part.u));
   }
-  whole = voxels;
+  whole = part.u;
   return inversion->field();
 }
 
@@ -109,18 +103,21 @@ IncrementalCutInversion::IncrementalCutInversion(const Displacement& displacemen
                                                  const CutElements& body,
                                                  const InvertParams& params, Progress* progress)
     : m_impl(std::make_unique<Impl>(body, params)) {
-  update(displacement, {}, progress);
+  update(displacement, progress);
 }
 IncrementalCutInversion::~IncrementalCutInversion() = default;
 
-void IncrementalCutInversion::update(const Displacement& displacement,
-                                     const std::vector<std::int32_t>& changed, Progress* progress) {
-  const auto follow = [&](const Displacement& part) {
-    return m_impl->follow(part, displacement, changed, progress);
-  };
-  m_impl->field = m_impl->body.cuts.empty()
-                      ? follow(displacement)
-                      : invert_apart(displacement, m_impl->body, follow, progress);
+void IncrementalCutInversion::update(const Displacement& displacement, Progress* progress) {
+  const auto follow = [&](const Displacement& part) { return m_impl->follow(part, progress); };
+  const CutElements& body = m_impl->body;
+  if (body.cuts.empty()) {
+    m_impl->field = follow(displacement);
+    return;
+  }
+  const CutBody cut(displacement.u, body.elements, body.cuts, displacement.geometry.dims());
+  Displacement extended = displacement;
+  extend_beside_cuts(extended.u, cut);
+  m_impl->field = invert_apart(extended, cut, follow, progress);
 }
 
 const OffsetField& IncrementalCutInversion::field() const {
