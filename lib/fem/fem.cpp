@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "lib/fem/calculix.h"
 #include "lib/fem/coarse_elements.h"
 #include "lib/fem/conjugate_gradients.h"
 #include "lib/fem/fem_results.h"
@@ -159,6 +160,10 @@ void FemParams::validate() const {
   require(doublings >= 0 && doublings <= kMostDoublings, "coarsen", doublings, "0 to 3");
   require(doublings == 0 || strain == StrainTheory::linear, "coarsen", doublings,
           "0 at finite strain");
+  const bool is_plain = doublings == 0 && strain == StrainTheory::linear;
+  if (solver != EquationSolver::multigrid && !is_plain) {
+    throw InputError({"", "solver", "calculix at finite strain or with coarsen", "multigrid"});
+  }
   require(max_rotation_deg > 0, "max_rotation_deg", max_rotation_deg, "above 0");
   require(max_strain > 0, "max_strain", max_strain, "above 0");
 }
@@ -218,7 +223,9 @@ FemSolution FemModel::solve(const FemLoads& loads, const FemParams& params,
   }
   for (const std::uint8_t held : nodal.held) report.unknowns += 3 - __builtin_popcount(held);
   report.setup_ms = milliseconds_since(start);
-  if (params.doublings > 0) {
+  if (params.solver != EquationSolver::multigrid) {
+    solve_by_calculix(nodal, params, progress, out);
+  } else if (params.doublings > 0) {
     solve_coarse(nodal, params, progress, out);
   } else if (params.strain == StrainTheory::linear) {
     solve_linear(nodal, params, progress, out);
@@ -242,6 +249,14 @@ void FemModel::solve_linear(NodalLoads& loads, const FemParams& params, Progress
                             {params.tolerance, params.reaction_tolerance, params.max_iterations});
   report.bytes = m_parts->bytes() + multigrid.bytes() + solver.bytes();
   run_linear(solver, loads, params, progress, out);
+}
+
+void FemModel::solve_by_calculix(NodalLoads& loads, const FemParams& params, Progress* progress,
+                                 FemSolution& out) const {
+  stage(progress, "solving");
+  CalculixSolver solver(mesh(), material(), loads, params.solver);
+  run_linear(solver, loads, params, progress, out);
+  out.report.bytes = m_parts->bytes() + solver.bytes();
 }
 
 void FemModel::solve_coarse(NodalLoads& loads, const FemParams& params, Progress* progress,

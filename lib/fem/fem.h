@@ -52,6 +52,10 @@ enum class LooseIslands {
   refuse  // an error
 };
 
+/// Who solves the linear equations: the own multigrid, CalculiX's direct solver (SPOOLES), or its
+/// conjugate gradients with incomplete Cholesky factors.
+enum class EquationSolver { multigrid, calculix, calculix_iterative };
+
 struct FemParams {
   StrainTheory strain = StrainTheory::linear;
   /// Ends when the residual, largest and rms over nodes, is at most this part of the largest nodal
@@ -62,6 +66,8 @@ struct FemParams {
   int max_iterations = 400;  // of each linear system
   /// Elements of 2^doublings voxels in each direction (coarse_elements.h); in linear theory.
   int doublings = 0;
+  /// Others than the own one know linear theory and elements of a voxel.
+  EquationSolver solver = EquationSolver::multigrid;
   LooseIslands loose = LooseIslands::hold;
   /// Bounds of linear theory; larger ones are flagged.
   double max_rotation_deg = 5;
@@ -133,8 +139,8 @@ class FemModel {
   const HexMesh& mesh() const;
   const VoxelMaterial& material() const;
 
-  /// Throws InputError (a value out of range, loose islands that are refused), NotConverged,
-  /// Cancelled.
+  /// Throws InputError (a value out of range, loose islands that are refused, a solver that is not
+  /// installed), NotConverged, Error of another solver, Cancelled.
   FemSolution solve(const FemLoads& loads, const FemParams& params = {},
                     Progress* progress = nullptr) const;
 
@@ -151,6 +157,8 @@ class FemModel {
   struct Parts;
   void solve_linear(NodalLoads& loads, const FemParams& params, Progress* progress,
                     FemSolution& out) const;
+  void solve_by_calculix(NodalLoads& loads, const FemParams& params, Progress* progress,
+                         FemSolution& out) const;
   void solve_coarse(NodalLoads& loads, const FemParams& params, Progress* progress,
                     FemSolution& out) const;
   template <class Solver>

@@ -178,6 +178,13 @@ TEST_F(UnitFemScene, SmallerElementsStretchTheBarAlike) {
     EXPECT_EQ(refused.exit_code, 3);
     EXPECT_NE(refused.err.find("larger elements beside"), std::string::npos) << refused.err;
   }
+  for (const char* beside :
+       {"motion = { time = 1 }", "modes = { count = 1 }", "strain = \"finite\"", "coarsen = 1"}) {
+    const Outcome refused = run_supple(
+        {"run", scene("solver = \"calculix\", " + std::string(beside)), "-o", m_folder / ""});
+    EXPECT_EQ(refused.exit_code, 3);
+    EXPECT_NE(refused.err.find("solver"), std::string::npos) << refused.err;
+  }
 }
 
 TEST_F(UnitFemScene, AVolumeLiesWhereItsElementsAre) {

@@ -20,7 +20,7 @@ ChildEnd ended_with(int exit_code, const std::string& out, const std::string& co
   return end;
 }
 
-ChildEnd run_shell(const std::string& script, const ChildLimits& limits) {
+ChildEnd run_shell(const std::string& script, const ProgramLimits& limits) {
   return run_child("/bin/sh", {"-c", script}, limits, [] { return false; });
 }
 
@@ -59,6 +59,9 @@ TEST(UnitStressVerdict, ARefusalNeedsItsExitCodeAndItsText) {
 }
 
 TEST(UnitChildProcess, ACrashAHangAndTooMuchMemoryAreToldApart) {
+  EXPECT_EQ(run_program("supple-is-not-called-so", {}, "", {}, [] { return false; }).exit_code,
+            kNoSuchProgram);
+  EXPECT_EQ(run_program("pwd", {}, "/usr", {}, [] { return false; }).out, "/usr\n");
   const ChildEnd crash = run_shell("kill -SEGV $$", {});
   EXPECT_EQ(crash.exit_code, -1);
   EXPECT_EQ(crash.complaint, "ended by signal 11");

@@ -120,7 +120,7 @@ void print_results(const SceneRun& run, const Scene& scene, const RunSceneOption
     }
     if (run.certificate() != nullptr) json["certificate"] = to_json(*run.certificate());
     for (const auto& [name, seconds] : stages) json["stage_seconds"][name] = seconds;
-    json["peak_rss_mb"] = peak_rss_mb();
+    json["peak_rss_mb"] = std::max(peak_rss_mb(), peak_rss_of_children_mb());
     for (const std::string& name : scene.outputs()) {
       json["outputs"].push_back(path_in(options.folder, name));
     }

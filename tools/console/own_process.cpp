@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include <malloc.h>
+#include <sys/resource.h>
 #include <time.h>
 
 namespace supple::tools {
@@ -34,6 +35,12 @@ double rss_mb() {
 double peak_rss_mb() {
   // getrusage() would count what the parent held when it started this program.
   return status_mb("VmHWM:");
+}
+
+double peak_rss_of_children_mb() {
+  rusage usage{};
+  ::getrusage(RUSAGE_CHILDREN, &usage);
+  return double(usage.ru_maxrss) * 1024e-6;
 }
 
 void return_free_memory() {

@@ -15,6 +15,9 @@ double rss_mb();
 /// started it does not count.
 double peak_rss_mb();
 
+/// That of the programs which it has run, up to the present.
+double peak_rss_of_children_mb();
+
 /// Pages of memory that is free go back to the system. What lives long, between large arrays that
 /// do not, else keeps more and more of them.
 void return_free_memory();

@@ -59,8 +59,15 @@ void by_coarse_fem(SceneStep& step, double doublings) {
   step.fem->step.params.doublings = int(doublings);
 }
 
+/// The same elements, but for their dilatation, by another program.
+void by_calculix(SceneStep& step, double solver) {
+  by_fem(step, kFineTolerance);
+  step.fem->step.params.solver = EquationSolver(int(solver));
+}
+
 bool is_by_fem(const MethodFamily& family) {
-  return family.solve == by_fem || family.solve == by_fine_fem || family.solve == by_coarse_fem;
+  return family.solve == by_fem || family.solve == by_fine_fem || family.solve == by_coarse_fem ||
+         family.solve == by_calculix;
 }
 
 const std::vector<double> kPasses = {1, 4, 16, 64, 256, 1024};
@@ -118,6 +125,7 @@ const std::vector<MethodFamily>& method_families() {
       {{"fem-fine", "elements of parts of a voxel", "halvings", 1, kMostHalvings, true, {1}},
        0,
        by_fine_fem},
+      {{"calculix", "CalculiX: direct, iterative", "solver", 1, 2, true, {2, 1}}, 0, by_calculix},
   };
   return families;
 }

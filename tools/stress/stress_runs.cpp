@@ -1,13 +1,13 @@
 #include "tools/stress/stress_runs.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstdlib>
 #include <filesystem>
+#include <optional>
 
 #include <nlohmann/json.hpp>
 
 #include "tools/console/own_process.h"
+#include "volumes/base/scratch_folder.h"
 
 namespace supple::tools {
 
@@ -18,17 +18,8 @@ namespace {
 /// The folder that rows are kept in, or one that goes with the object.
 class RowFolders {
  public:
-  explicit RowFolders(const std::string& kept) : m_is_kept(!kept.empty()), m_root(kept) {
-    if (m_is_kept) return;
-    std::string name = (fs::temp_directory_path() / "supple-stress-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr) throw_open_error(name, errno);
-    m_root = name;
-  }
-  RowFolders(const RowFolders&) = delete;
-  RowFolders& operator=(const RowFolders&) = delete;
-  ~RowFolders() {
-    std::error_code ignored;
-    if (!m_is_kept) fs::remove_all(m_root, ignored);
+  explicit RowFolders(const std::string& kept) : m_root(kept) {
+    if (kept.empty()) m_root = m_scratch.emplace().path();
   }
 
   /// Empty.
@@ -40,11 +31,11 @@ class RowFolders {
   }
   void leave(const std::string& folder) const {
     std::error_code ignored;
-    if (!m_is_kept) fs::remove_all(folder, ignored);
+    if (m_scratch) fs::remove_all(folder, ignored);
   }
 
  private:
-  bool m_is_kept;
+  std::optional<ScratchFolder> m_scratch;
   fs::path m_root;
 };
 
@@ -61,8 +52,8 @@ std::vector<StressRow> run_stress(const StressOptions& options, Console& console
     const std::vector<std::string> arguments = {
         "stress", "--row",   cell.name(), "--keep",
         folder,   "--quiet", "--threads", std::to_string(options.threads)};
-    const ChildLimits limits{cell.extreme->limit_s * options.patience,
-                             cell.extreme->limit_mb * options.patience};
+    const ProgramLimits limits{cell.extreme->limit_s * options.patience,
+                               cell.extreme->limit_mb * options.patience};
     const ChildEnd end =
         run_child(own_program(), arguments, limits, [&] { return console.cancelled(); });
     rows.push_back({verdict_of(cell.refusal(), end), cell, end.wall_s, end.peak_mb});

@@ -46,17 +46,6 @@ std::vector<std::string> environment_with(const std::vector<std::string>& more) 
 
 }  // namespace
 
-ScratchFolder::ScratchFolder() {
-  std::string pattern = (std::filesystem::temp_directory_path() / "supple-XXXXXX").string();
-  if (::mkdtemp(pattern.data()) == nullptr) throw SystemError(pattern + ": cannot create");
-  m_path = pattern;
-}
-
-ScratchFolder::~ScratchFolder() {
-  std::error_code ignored;
-  std::filesystem::remove_all(m_path, ignored);
-}
-
 PeerProcess::PeerProcess(const std::vector<std::string>& arguments,
                          const std::vector<std::string>& environment)
     : m_name(std::filesystem::path(arguments.front()).filename()) {

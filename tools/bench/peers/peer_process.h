@@ -6,23 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "volumes/base/scratch_folder.h"
+
 namespace supple::tools {
-
-/// A folder of its own that goes when this does.
-class ScratchFolder {
- public:
-  /// Throws SystemError.
-  ScratchFolder();
-  ~ScratchFolder();
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-
-  const std::string& path() const { return m_path; }
-  std::string operator/(const std::string& name) const { return m_path + "/" + name; }
-
- private:
-  std::string m_path;
-};
 
 /// From its start to its end.
 struct ProcessCost {
