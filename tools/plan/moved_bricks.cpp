@@ -118,6 +118,7 @@ void MovedBricks::add_all(int coordinate, const BrickTopology& topology) {
 }
 
 void MovedBricks::add(const MovedBricks& other) {
+  split += other.split;
   for (std::size_t c = 0; c < 3; ++c) {
     elements[c] = std::max(elements[c], other.elements[c]);
     if (bricks[c].size() < other.bricks[c].size()) bricks[c].resize(other.bricks[c].size(), 0);

@@ -23,6 +23,7 @@ struct MovedBricks {
   std::array<std::vector<std::uint8_t>, 3>
       bricks;                               // per coordinate and brick of the body: 1, moves
   std::array<double, 3> elements{0, 0, 0};  // that move, per coordinate
+  double split = 0;                         // bricks beside cut links, or beside joints of bones
 
   std::int64_t count(int coordinate) const;
   /// Bricks that move in any coordinate.

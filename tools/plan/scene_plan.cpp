@@ -26,8 +26,8 @@ constexpr double kStoreNs = 250;          // of a pixel that becomes a part of a
 constexpr double kPixelBytes = 16 + 4 + 4, kAuxiliaryBytes = 28;
 constexpr double kGridBrickBytes = 6300;  // of a grid of vectors in a state
 constexpr double kPathBricks = 2;         // that a sampling path fills, of those of the volume
-constexpr double kCutNs = 350e3, kCutBytes = 60e3;  // of a brick that moves where links are cut
-constexpr double kCutSample = 4, kCubicSample = 4;  // in usual samples
+constexpr double kSplitNs = 3e6, kSplitBytes = 350e3;  // of a brick beside a cut
+constexpr double kCutSample = 4, kCubicSample = 4;     // in usual samples
 constexpr double kPathWork = 3;  // of a voxel along a path, in those of an inversion
 
 // Code and libraries that come with the first picture, dense file, OpenVDB file and HDF5 file, and
@@ -35,6 +35,7 @@ constexpr double kPathWork = 3;  // of a voxel along a path, in those of an inve
 // as the growth of a process that does nothing else (docs/economy.md).
 constexpr double kPictureCode = 3.5e6, kDenseCode = 5.5e6, kVdbCode = 10e6, kHdf5Code = 9e6;
 constexpr double kInvertCode = 6e6, kSlotsInAdvance = 4.5e6;
+constexpr double kInvertedBytes = 100e3, kSlotBytes = 20e3;  // of a brick that moves, at the most
 
 bool ends_with(const std::string& name, const std::string& end) {
   return name.size() >= end.size() && name.compare(name.size() - end.size(), end.size(), end) == 0;
@@ -181,12 +182,13 @@ void ScenePlanner::plan_pose() {
                                                 ? "no view and no output shows the body moved"
                                                 : "no view and no output reads it");
   } else {
-    const double cut = is_cut() ? m_moved_bricks : 0;
     add("pose", "offsets of " + bricks_text(m_moved_bricks), reads_o,
-        m_moved_bricks * kBrickBytes12 + density_bricks() * kFieldTableBytes + once(kInvertCode),
-        m_moved_bricks * kInvertBytes + density_bricks() * kRestBytes + cut * kCutBytes,
-        frames() * (m_moved_bricks * kBrickVoxels * m_costs.invert_voxel + cut * kCutNs +
-                    density_bricks() * m_costs.still_brick));
+        m_moved_bricks * kBrickBytes12 + density_bricks() * kFieldTableBytes +
+            m_moved.split * kSplitBytes +
+            once(std::min(kInvertCode, m_moved_bricks * kInvertedBytes)),
+        m_moved_bricks * kInvertBytes + density_bricks() * kRestBytes,
+        frames() * (m_moved_bricks * kBrickVoxels * m_costs.invert_voxel +
+                    m_moved.split * kSplitNs + density_bricks() * m_costs.still_brick));
   }
 }
 
@@ -225,7 +227,9 @@ void ScenePlanner::plan_march(const SceneView& view, const std::string& stage, d
   const double field_bytes = on_path * (kBrickBytes12 + kFieldTableBytes);
   const double read = is_cubic ? density_bricks() : work.bricks;
   const double bytes = read * kSourceBytes + density_bricks() * kTableBytes + field_bytes +
-                       (moved > 0 && view.inverse ? moved * node_bytes + kSlotsInAdvance : 0) +
+                       (moved > 0 && view.inverse
+                            ? moved * node_bytes + std::min(kSlotsInAdvance, moved * kSlotBytes)
+                            : 0) +
                        pixels * (kPixelBytes + (settings.auxiliary ? kAuxiliaryBytes : 0));
   add(stage,
       count_text(pixels, "rays, ") + count_text(samples, "samples") +

@@ -1,5 +1,6 @@
 // The rows of one step: the fields that it needs, and the model that moves the body.
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
@@ -7,14 +8,21 @@
 #include "tools/plan/plan_ledger.h"
 #include "tools/scene/run_step.h"
 #include "volumes/grid/labels.h"
+#include "volumes/grid/voxel_sets.h"
 
 namespace supple::tools {
 
 namespace {
 
 constexpr double kRelaxBytes = 18, kVolumeBytes = 25;  // per element that moves (docs/models)
+// Of bodies that no cache holds, in that of the small one of a calibration.
+constexpr double kBeyondCaches = 1.6;
 // Passes that take a relaxation one brick further; a budget ends it while it still spreads.
-constexpr double kPassesOfRing = 4, kPassesOfRingInBudget = 20;
+constexpr double kPassesOfRing = 4, kPassesOfRingInBudget = 6;
+/// Voxels from a cut link in which bricks are split (cut_inversion.cpp).
+constexpr int kSplitRings = 3;
+/// Of the bricks that move, those beside joints of bones.
+constexpr double kJointPart = 0.25;
 constexpr double kPieceNs = 400;  // to find rigid pieces, per element
 constexpr double kSpringBytes = 456, kSpringsOfElement = 12, kSpringsInSlice = 4;
 constexpr double kMinimumSteps = 40;      // that a minimum of springs takes, of those that it may
@@ -114,6 +122,7 @@ class StepPlan {
   }
   void move_all(MovedBricks& moved, const std::string& why);
   double grow(MovedBricks& moved, int coordinate) const;
+  void cuts(MovedBricks& moved);
   void pieces();
   MovedBricks drag(const MovedBricks& before);
   void relax(MovedBricks& moved);
@@ -177,6 +186,27 @@ double StepPlan::grow(MovedBricks& moved, int coordinate) const {
   return moved.elements[std::size_t(coordinate)] = count;
 }
 
+/// As the step will make them, in a copy of the body.
+void StepPlan::cuts(MovedBricks& moved) {
+  if (m_request.cuts.empty()) return;
+  Body body = m_session.body();
+  body.cuts = m_session.cuts();  // none inside of rigid pieces
+  const auto start = std::chrono::steady_clock::now();
+  const std::int64_t links = apply_cuts(body, m_state.labels, m_request.cuts, nullptr);
+  const std::chrono::duration<double, std::nano> took = std::chrono::steady_clock::now() - start;
+  add(count_text(double(links), "cut links"), "the step cuts", 0, 0, took.count());
+  std::vector<Vec3i> low;
+  for (std::size_t b = 0; b < body.cuts.brick_end(); ++b) {
+    const LinkCuts::BrickCuts* const cuts = body.cuts.brick(b);
+    for (int axis = 0; cuts != nullptr && axis < 3; ++axis) {
+      for_each_active((*cuts)[std::size_t(axis)], [&](int offset) {
+        low.push_back(body.elements.origin(b) + brick_local(offset));
+      });
+    }
+  }
+  moved.split += double(dilate(topology_of(low), kSplitRings).brick_count());
+}
+
 void StepPlan::pieces() {
   if (m_request.rigid.empty()) return;
   add("rigid pieces among " + count_text(elements(), "elements"), "the step makes them", 0, 0,
@@ -209,8 +239,8 @@ void StepPlan::relax(MovedBricks& moved) {
   }
   const int links = m_session.material().links;
   const double work = links == 26 ? 4 : links == 18 ? 2.5 : 1;  // of those of 6
-  const double ns =
-      conserves ? count / 3 * m_costs.volume_element : count * m_costs.relax_element * work;
+  const double ns = kBeyondCaches * (conserves ? count / 3 * m_costs.volume_element
+                                               : count * m_costs.relax_element * work);
   const double bytes = bricks * kBrickVoxels * (conserves ? kVolumeBytes : kRelaxBytes);
   add("stiffness and up to " + count_text(passes, "passes"),
       m_request.relax ? "the step asks for relaxation" : "the material relaxes what is dragged",
@@ -261,9 +291,11 @@ MovedBricks StepPlan::plan(const MovedBricks& before) {
     }
     return moved;
   }
+  cuts(moved);
   pieces();
   moved.add(drag(before));
   relax(moved);
+  if (m_request.rigid.joint_mm > 0) moved.split += kJointPart * double(moved.count());
   return moved;
 }
 
