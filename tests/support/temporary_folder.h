@@ -8,25 +8,16 @@
 
 #include <sys/resource.h>
 
+#include "volumes/base/scratch_folder.h"
+
 namespace supple::test {
 
-/// A new empty folder, removed with the object.
-class TemporaryFolder {
+class TemporaryFolder : public ScratchFolder {
  public:
-  TemporaryFolder();
-  ~TemporaryFolder();
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-
-  std::string operator/(const std::string& name) const { return (m_path / name).string(); }
-  std::string path() const { return m_path.string(); }
   /// Names of everything in it, sorted.
   std::vector<std::string> entries() const;
   /// Writes the bytes and returns the path.
   std::string write(const std::string& name, const std::string& bytes) const;
-
- private:
-  std::filesystem::path m_path;
 };
 
 /// A whole file; throws std::runtime_error where it cannot be opened.

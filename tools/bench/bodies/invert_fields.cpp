@@ -14,6 +14,7 @@
 #include "volumes/field/inversion/reachable_bricks.h"
 #include "volumes/field/procedural.h"
 #include "volumes/grid/cell.h"
+#include "volumes/grid/voxel_sets.h"
 
 namespace supple::tools {
 
@@ -124,20 +125,7 @@ std::int64_t missing_nodes(const VectorBricks& u, const VectorBricks& o) {
 }
 
 BrickTopology inner_nodes(const Displacement& displacement) {
-  const BrickTopology covered = invert(displacement).o.topology;
-  const BrickTopology& box = displacement.u.topology;
-  std::vector<Vec3i> origins;
-  std::vector<BrickMask> masks;
-  for (std::size_t b = 0; b < covered.brick_count(); ++b) {
-    const std::int32_t same = box.find(covered.origin(b));
-    if (same < 0) continue;
-    origins.push_back(covered.origin(b));
-    masks.push_back(covered.mask(b));
-    for (int word = 0; word < 8; ++word) {
-      masks.back()[word] &= box.mask(std::size_t(same))[word];
-    }
-  }
-  return BrickTopology(std::move(origins), std::move(masks));
+  return intersect(invert(displacement).o.topology, displacement.u.topology);
 }
 
 Judgement judge(const VectorBricks& u, const VectorBricks& o, const BrickTopology& nodes) {

@@ -153,7 +153,9 @@ bool CutBody::joins(const IndexBox& box, const Vec3i& from, const Vec3i& to, boo
   std::vector<Vec3i> reached;
   const auto reach = [&](const Vec3i& voxel) {
     const Vec3i at = voxel - box.lo;
-    auto is_known = is_reached[std::size_t((at.x * size.y + at.y) * size.z + at.z)];
+    auto is_known = is_reached[(std::size_t(at.x) * std::size_t(size.y) + std::size_t(at.y)) *
+                                   std::size_t(size.z) +
+                               std::size_t(at.z)];
     if (!is_known) reached.push_back(voxel);
     is_known = true;
   };
