@@ -108,6 +108,17 @@ TEST_P(PropertySessionContact, ARelaxationDoesNotPushTheLipsThroughEachOther) {
   }
 }
 
+TEST_P(PropertySessionContact, LipsOfALaterCutAreKeptApartToo) {
+  Session session(volume(), options(""));
+  CutSurface elsewhere = incision(4, 20);
+  elsewhere.corner.x = 18.5;
+  session.cut(elsewhere);
+  session.step(pushed({1, 0, 0}, {{16, 9, 12}, {17, 14, 16}}));
+  session.cut(incision(4, 20));
+  EXPECT_GT(session.step(pushed({4, 0.5, 0})).contact.overlapping, 20);
+  EXPECT_EQ(overlaps(session), 0);
+}
+
 TEST_P(PropertySessionContact, LipsThatAreBothHeldStopTheDragWhereTheyMeet) {
   Session session(volume(), options(""));
   session.cut(incision(-1, 25));
