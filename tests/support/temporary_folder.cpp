@@ -9,6 +9,8 @@
 
 namespace supple::test {
 
+TemporaryFolder::TemporaryFolder() = default;
+
 std::vector<std::string> TemporaryFolder::entries() const {
   std::vector<std::string> names;
   for (const auto& entry : std::filesystem::directory_iterator(path())) {

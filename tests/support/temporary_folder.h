@@ -14,6 +14,8 @@ namespace supple::test {
 
 class TemporaryFolder : public ScratchFolder {
  public:
+  TemporaryFolder();
+
   /// Names of everything in it, sorted.
   std::vector<std::string> entries() const;
   /// Writes the bytes and returns the path.
