@@ -18,7 +18,8 @@ namespace {
 using VoxelLaw = std::function<bool(const Vec3i&, int)>;
 
 /// Cuts the links (low end, axis) between elements that the law names.
-LinkCuts cuts_where(const BrickTopology& elements, const VoxelLaw& is_cut) {
+LinkCuts cuts_where(const BrickTopology& elements, const VoxelLaw& is_cut,
+                    LinkCuts::Place place = 0) {
   LinkCuts cuts;
   for (std::size_t b = 0; b < elements.brick_count(); ++b) {
     for_each_active(elements.mask(b), [&](int offset) {
@@ -26,7 +27,7 @@ LinkCuts cuts_where(const BrickTopology& elements, const VoxelLaw& is_cut) {
       for (int axis = 0; axis < 3; ++axis) {
         Vec3i high = low;
         ++high[axis];
-        if (elements.is_active(high) && is_cut(low, axis)) cuts.cut(b, offset, axis);
+        if (elements.is_active(high) && is_cut(low, axis)) cuts.cut(b, offset, axis, place);
       }
     });
   }
@@ -362,21 +363,46 @@ TEST(PropertyCutOffsets, SidesPushedThroughEachOtherAreCountedAndTheShortestOffs
 TEST(PropertyCutOffsets, TheShellGoesWithItsOwnSide) {
   const CutBlock block;
   const BrickTopology shell = dilate(block.elements, 2);
-  const Displacement u =
-      block.moved([](bool left, const Vec3d&) { return Vec3d(left ? -4 : 4, 0, 0); });
-  const Displacement extended = extend_past_cuts(u, shell, block.body);
+  for (const float by : {4.0f, 0.375f}) {
+    const Displacement u =
+        block.moved([by](bool left, const Vec3d&) { return Vec3d(left ? -by : by, 0, 0); });
+    const Displacement extended = extend_past_cuts(u, shell, block.body);
+    int checked = 0;
+    for_each_voxel(shell, [&](const Vec3i& v, std::size_t) {
+      Vec3f value;
+      ASSERT_TRUE(extended.u.at(v, value));
+      EXPECT_EQ(value, Vec3f(v.x < 14 ? -by : by, 0, 0)) << v;
+      ++checked;
+    });
+    EXPECT_EQ(checked, 24 * 20 * 20);
+    const OffsetField field = invert_cut(extended, block.body);
+    Vec3d o;
+    EXPECT_FALSE(field.sample({13.5, 20.5, 10}, o));
+    EXPECT_TRUE(field.sample({9.4, 20.5, 10}, o));
+  }
+}
+
+TEST(PropertyCutOffsets, TheShellOverAShorterSideGoesWithThatSide) {
+  // Beside the wall of the longer side, air is next to it and two voxels from its own side.
+  const BrickTopology elements =
+      subtract(box_topology({4, 4, 4}, {23, 19, 19}), box_topology({14, 17, 4}, {23, 19, 19}));
+  const LinkCuts cuts = cuts_where(
+      elements, [](const Vec3i& low, int axis) { return axis == 0 && low.x == 13; },
+      LinkCuts::place_of(0.5));
+  const Displacement u = displacement_on(
+      elements, [](const Vec3i& v) { return Vec3f(v.x < 14 ? -4.0f : 4.0f, 0, 0); });
+  const Displacement extended = extend_past_cuts(u, dilate(elements, 2), {elements, cuts});
   int checked = 0;
-  for_each_voxel(shell, [&](const Vec3i& v, std::size_t) {
-    Vec3f value;
-    ASSERT_TRUE(extended.u.at(v, value));
-    EXPECT_EQ(value, Vec3f(v.x < 14 ? -4.0f : 4.0f, 0, 0)) << v;
-    ++checked;
-  });
-  EXPECT_EQ(checked, 24 * 20 * 20);
-  const OffsetField field = invert_cut(extended, block.body);
-  Vec3d o;
-  EXPECT_FALSE(field.sample({13.5, 20.5, 10}, o));
-  EXPECT_TRUE(field.sample({9.4, 20.5, 10}, o));
+  for (int y = 17; y <= 18; ++y) {
+    for (int x = 14; x <= 16; ++x) {
+      for (int z = 6; z <= 17; ++z, ++checked) {
+        Vec3f value(0);
+        ASSERT_TRUE(extended.u.at({x, y, z}, value));
+        EXPECT_EQ(value, Vec3f(4, 0, 0)) << Vec3i(x, y, z);
+      }
+    }
+  }
+  EXPECT_EQ(checked, 72);
 }
 
 TEST(PropertyCutOffsets, NoTissueIsStretchedOverASlitOfAirThroughWhichACutGoes) {
