@@ -62,7 +62,15 @@ bool CalculixSolver::run(const Progress* progress) {
 void CalculixSolver::write_deck(const std::string& path) const {
   const TextFile file(std::fopen(path.c_str(), "w"));
   if (!file) throw SystemError(path + ": cannot create");
-  std::FILE* const out = file.get();
+  write_body(file.get());
+  write_step(file.get());
+  if (std::fflush(file.get()) != 0 || std::ferror(file.get()) != 0) {
+    throw SystemError(path + ": cannot write");
+  }
+}
+
+/// Nodes, elements by class, and their materials.
+void CalculixSolver::write_body(std::FILE* out) const {
   std::fputs("*NODE, NSET=ALL\n", out);
   const std::vector<Vec3d> positions = node_positions(m_mesh);
   for (std::size_t n = 0; n < positions.size(); ++n) {
@@ -96,6 +104,10 @@ void CalculixSolver::write_deck(const std::string& path) const {
     std::fputs("\n", out);
   }
   std::fputs(materials.c_str(), out);
+}
+
+/// What holds nodes, what acts on them, and what is to be printed.
+void CalculixSolver::write_step(std::FILE* out) const {
   const bool is_iterative = m_solver == EquationSolver::calculix_iterative;
   std::fprintf(out, "*STEP\n*STATIC%s\n*BOUNDARY\n",
                is_iterative ? ", SOLVER=ITERATIVE CHOLESKY" : "");
@@ -114,7 +126,6 @@ void CalculixSolver::write_deck(const std::string& path) const {
     std::fprintf(out, "%zu,%zu,%.12e\n", at / 3 + 1, at % 3 + 1, m_loads.force_mn[at]);
   }
   std::fputs("*NODE PRINT, NSET=ALL\nU,RF\n*END STEP\n", out);
-  if (std::ferror(out) != 0) throw SystemError(path + ": cannot write");
 }
 
 /// Two blocks with a line of three values per node: displacements, and the forces in the nodes.
@@ -141,6 +152,7 @@ void CalculixSolver::read_results(const std::string& path) {
   set_to_forces(m_loads, m_residual);
   for (std::size_t n = 0; n < wanted; ++n) m_residual[n] -= values[1][n];
   m_size = ResidualMeter(m_loads)(m_residual);
+  m_size.reaction_change = 0;  // of a single solution
 }
 
 }  // namespace supple

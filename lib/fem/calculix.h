@@ -4,6 +4,7 @@
 // of their own and go when it ends. It prints seven digits.
 #pragma once
 
+#include <cstdio>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,8 @@ class CalculixSolver {
 
  private:
   void write_deck(const std::string& path) const;
+  void write_body(std::FILE* out) const;
+  void write_step(std::FILE* out) const;
   void read_results(const std::string& path);
 
   const HexMesh& m_mesh;

@@ -257,6 +257,11 @@ void FemModel::solve_by_calculix(NodalLoads& loads, const FemParams& params, Pro
   CalculixSolver solver(mesh(), material(), loads, params.solver);
   run_linear(solver, loads, params, progress, out);
   out.report.bytes = m_parts->bytes() + solver.bytes();
+  if (out.report.residual_max <= params.tolerance) return;
+  warn(progress, "finite elements: CalculiX left forces of up to " +
+                     number_text(100 * out.report.residual_max) +
+                     " % of the largest on nodes, more than the tolerance of " +
+                     number_text(100 * params.tolerance) + " %");
 }
 
 void FemModel::solve_coarse(NodalLoads& loads, const FemParams& params, Progress* progress,

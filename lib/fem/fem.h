@@ -66,7 +66,8 @@ struct FemParams {
   int max_iterations = 400;  // of each linear system
   /// Elements of 2^doublings voxels in each direction (coarse_elements.h); in linear theory.
   int doublings = 0;
-  /// Others than the own one know linear theory and elements of a voxel.
+  /// Others than the own one know linear theory without `doublings`; what they leave on nodes
+  /// beyond `tolerance` is a warning.
   EquationSolver solver = EquationSolver::multigrid;
   LooseIslands loose = LooseIslands::hold;
   /// Bounds of linear theory; larger ones are flagged.
