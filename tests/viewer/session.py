@@ -134,8 +134,7 @@ def unread_pictures(server, folder):
     deaf.acknowledges = True
     deaf.send(ack=deaf.frames[0].number)
     deaf.send(ack=deaf.frames[1].number)
-    deaf.until(lambda: deaf.last().is_settled)
-    expect(deaf.last().picture == page.last().picture, "both see the same")
+    deaf.until(lambda: deaf.last().picture == page.last().picture)  # both see the same
     expect(deaf.scene["view"]["camera"] == page.scene["view"]["camera"], "and know the same")
     deaf.close()
     page.close()
