@@ -2,6 +2,7 @@
 // as long as the inversion of their contents.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -9,20 +10,27 @@
 
 namespace supple {
 
-/// An empty vector with room for `count` elements, whose pages are asked to be large. Nothing else
-/// changes where the system does not know them.
-template <class T>
-std::vector<T> reserve_in_huge_pages(std::size_t count) {
-  constexpr std::uintptr_t kHugePage = std::uintptr_t(1) << 21;
-  std::vector<T> vector;
-  vector.reserve(count);
+/// Asks that the pages of memory not yet touched be large. Nothing changes where the system does
+/// not know them.
+inline void ask_for_huge_pages(const void* memory, std::size_t bytes) {
 #ifdef MADV_HUGEPAGE
-  const auto begin = reinterpret_cast<std::uintptr_t>(vector.data());
+  constexpr std::uintptr_t kHugePage = std::uintptr_t(1) << 21;
+  const auto begin = reinterpret_cast<std::uintptr_t>(memory);
   const std::uintptr_t lo = (begin + kHugePage - 1) & ~(kHugePage - 1);
-  const std::uintptr_t hi = (begin + count * sizeof(T)) & ~(kHugePage - 1);
+  const std::uintptr_t hi = (begin + bytes) & ~(kHugePage - 1);
   // A hint: it may fail without harm.
   if (lo < hi) (void)::madvise(reinterpret_cast<void*>(lo), hi - lo, MADV_HUGEPAGE);
+#else
+  (void)memory, (void)bytes;
 #endif
+}
+
+/// An empty vector with room for `count` elements, in large pages.
+template <class T>
+std::vector<T> reserve_in_huge_pages(std::size_t count) {
+  std::vector<T> vector;
+  vector.reserve(count);
+  ask_for_huge_pages(vector.data(), count * sizeof(T));
   return vector;
 }
 

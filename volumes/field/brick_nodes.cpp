@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 
+#include "volumes/base/huge_pages.h"
 #include "volumes/grid/padded_rows.h"
 #include "volumes/grid/voxel_sets.h"
 
@@ -181,7 +182,12 @@ std::int32_t NodeSlots::take() {
 
 void NodeSlots::reserve(std::size_t more) {
   const std::size_t fresh = more > m_free.size() ? more - m_free.size() : 0;
-  m_floats.reserve((std::size_t(m_count) + fresh) * m_slot_floats + 1);
+  const std::size_t count = (std::size_t(m_count) + fresh) * m_slot_floats + 1;
+  if (m_floats.empty()) {
+    m_floats = reserve_in_huge_pages<float>(count);
+  } else {
+    m_floats.reserve(count);
+  }
 }
 
 NodeDerivatives derivatives_of(const Float4 (&c)[8], float x, float y, float z) {

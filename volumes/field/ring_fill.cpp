@@ -127,6 +127,7 @@ VectorBricks fill_rings(const VectorBricks& seed, const BrickTopology& target, i
   const std::size_t count = bricks.brick_count();
   BrickVectors vectors(count);
   if (ring_of) ring_of->assign(count * kBrickVoxels, 0);
+  vectors.reserve(seed.vectors.stored_bricks());
   for (std::size_t s = 0; s < seed.topology.brick_count(); ++s) {
     const Vec3f* const given = seed.vectors.brick(s);
     if (given == nullptr) continue;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "volumes/base/huge_pages.h"
+
 namespace supple {
 
 namespace {
@@ -12,6 +14,7 @@ constexpr std::size_t kMaxChunk = 64;
 
 template <class T>
 BrickArray<T>::BrickArray(const BrickArray& other) : BrickArray(other.brick_count()) {
+  reserve(other.stored_bricks());
   for (std::size_t b = 0; b < other.brick_count(); ++b) {
     if (other.m_table[b] != nullptr) std::copy_n(other.m_table[b], kBrickVoxels, touch(b));
   }
@@ -49,7 +52,8 @@ void BrickArray<T>::swap(BrickArray& other) noexcept {
 
 template <class T>
 T* BrickArray<T>::store(std::size_t b) {
-  if (m_free.empty()) add_chunk();
+  // Never more than are left to store.
+  if (m_free.empty()) add_chunk(std::min(kMaxChunk, m_table.size() - m_stored));
   T* const values = m_free.back();
   m_free.pop_back();
   std::fill_n(values, kBrickVoxels, T(0));
@@ -58,14 +62,14 @@ T* BrickArray<T>::store(std::size_t b) {
   return values;
 }
 
-/// Up to 64 bricks, never more than are left to store; handed out in ascending order.
+/// Handed out in ascending order.
 template <class T>
-void BrickArray<T>::add_chunk() {
-  const std::size_t count = std::min(kMaxChunk, m_table.size() - m_stored);
+void BrickArray<T>::add_chunk(std::size_t count) {
   // So that release() never allocates.
   const std::size_t wanted = m_chunk_bricks + count;
   if (m_free.capacity() < wanted) m_free.reserve(std::max(wanted, 2 * m_free.capacity()));
   m_chunks.push_back(std::unique_ptr<Brick[]>(new Brick[count]));
+  if (count > kMaxChunk) ask_for_huge_pages(m_chunks.back().get(), count * sizeof(Brick));
   m_chunk_bricks += count;
   for (std::size_t n = count; n > 0; --n) m_free.push_back(m_chunks.back()[n - 1].values);
 }
@@ -79,7 +83,13 @@ void BrickArray<T>::release(std::size_t b) {
 }
 
 template <class T>
+void BrickArray<T>::reserve(std::size_t more) {
+  if (more > m_free.size()) add_chunk(more - m_free.size());
+}
+
+template <class T>
 void BrickArray<T>::touch_all() {
+  reserve(brick_count() - m_stored);
   for (std::size_t b = 0; b < brick_count(); ++b) touch(b);
 }
 

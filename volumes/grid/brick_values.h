@@ -76,6 +76,8 @@ class BrickArray {
   /// The brick reads 0 again; its memory serves the next touch().
   void release(std::size_t b);
 
+  /// Memory for so many bricks more than are stored, at once and in large pages.
+  void reserve(std::size_t more);
   /// Every brick is stored from now on.
   void touch_all();
   /// The bricks are numbered anew: brick n is what `kept[n]` was, ascending; all others are
@@ -103,7 +105,7 @@ class BrickArray {
   };
 
   T* store(std::size_t b);
-  void add_chunk();
+  void add_chunk(std::size_t bricks);
 
   std::vector<T*> m_table;  // per brick; null: absent
   std::vector<std::unique_ptr<Brick[]>> m_chunks;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <tbb/parallel_for.h>
+
 #include "volumes/base/error.h"
 #include "volumes/base/text.h"
 #include "volumes/field/cuts/cut_offsets.h"
@@ -199,16 +201,22 @@ Displacement displacement_of(const State& state) {
   Displacement displacement{state.geometry, {state.elements, {}}};
   BrickVectors& vectors = displacement.u.vectors;
   vectors.resize(state.elements.brick_count());
-  for (int c = 0; c < 3; ++c) {
-    for (std::size_t b = 0; b < state.q[c].brick_count(); ++b) {
-      const std::int32_t* values = state.q[c].brick(b);
-      if (values == nullptr) continue;
-      Vec3f* const u = vectors.touch(b);
+  std::vector<std::size_t> moved;
+  for (std::size_t b = 0; b < state.elements.brick_count(); ++b) {
+    const auto is_stored = [&](const BrickValues& q) { return q.brick(b) != nullptr; };
+    if (std::any_of(state.q.begin(), state.q.end(), is_stored)) moved.push_back(b);
+  }
+  vectors.reserve(moved.size());
+  for (const std::size_t b : moved) vectors.touch(b);
+  tbb::parallel_for(std::size_t(0), moved.size(), [&](std::size_t n) {
+    Vec3f* const u = vectors.touch(moved[n]);
+    for (int c = 0; c < 3; ++c) {
+      const std::int32_t* const values = state.q[c].brick_or_zero(moved[n]);
       for (int offset = 0; offset < kBrickVoxels; ++offset) {
         u[offset][c] = float(values[offset] / kFixedOne);
       }
     }
-  }
+  });
   return displacement;
 }
 
