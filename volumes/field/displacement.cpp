@@ -1,14 +1,16 @@
 #include "volumes/field/displacement.h"
 
 #include <limits>
+#include <utility>
 
 #include "volumes/field/ring_fill.h"
 
 namespace supple {
 
-Displacement extend(const Displacement& displacement, const BrickTopology& target) {
+Displacement extend(Displacement displacement, const BrickTopology& target) {
   constexpr int kAllRings = std::numeric_limits<int>::max();
-  return {displacement.geometry, fill_rings(displacement.u, target, kAllRings, RingFill::linear)};
+  displacement.u = fill_rings(std::move(displacement.u), target, kAllRings, RingFill::linear);
+  return displacement;
 }
 
 }  // namespace supple

@@ -113,7 +113,7 @@ bool is_stored(const BrickVectors& vectors, const Surroundings& bricks) {
 
 }  // namespace
 
-VectorBricks fill_rings(const VectorBricks& seed, const BrickTopology& target, int max_rings,
+VectorBricks fill_rings(VectorBricks seed, const BrickTopology& target, int max_rings,
                         RingFill fill, std::vector<std::uint8_t>* ring_of) {
   BrickTopology bricks = target;
   Pending wanted;
@@ -125,15 +125,14 @@ VectorBricks fill_rings(const VectorBricks& seed, const BrickTopology& target, i
   const std::vector<std::size_t>& pending = wanted.bricks;
   std::vector<BrickMask>& valid = wanted.valid;
   const std::size_t count = bricks.brick_count();
-  BrickVectors vectors(count);
   if (ring_of) ring_of->assign(count * kBrickVoxels, 0);
-  vectors.reserve(seed.vectors.stored_bricks());
+  std::vector<std::size_t> places;
   for (std::size_t s = 0; s < seed.topology.brick_count(); ++s) {
-    const Vec3f* const given = seed.vectors.brick(s);
-    if (given == nullptr) continue;
-    const std::int32_t b = bricks.find(seed.topology.origin(s));
-    std::copy_n(given, kBrickVoxels, vectors.touch(std::size_t(b)));
+    places.push_back(std::size_t(bricks.find(seed.topology.origin(s))));
   }
+  BrickVectors vectors = std::move(seed.vectors);
+  vectors.resize(places.size());
+  vectors.place_at(places, count);
   const auto mask_of = [&](std::int32_t b) -> const BrickMask& {
     const std::int32_t number = wanted.number_of[std::size_t(b)];
     return number < 0 ? bricks.mask(std::size_t(b)) : valid[std::size_t(number)];

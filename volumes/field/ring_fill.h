@@ -25,7 +25,7 @@ enum class RingFill : int { means = 0, linear = 2 };
 /// `seed` extended onto the active voxels of `target` by at most `max_rings` rings. Voxels that no
 /// ring reaches stay invalid. `ring_of`, where given, receives the ring of every voxel of the
 /// result (0 on the seed), laid out like its vectors.
-VectorBricks fill_rings(const VectorBricks& seed, const BrickTopology& target, int max_rings,
+VectorBricks fill_rings(VectorBricks seed, const BrickTopology& target, int max_rings,
                         RingFill fill, std::vector<std::uint8_t>* ring_of = nullptr);
 
 /// In which order a field was filled: the voxels of every brick that were valid before a ring.

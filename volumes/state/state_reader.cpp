@@ -148,7 +148,7 @@ State read_state(const std::string& path, Progress* progress) {
   verify_vdb_seal(path, VdbKind::state);
   report(progress, 0.3);
   initialize_vdb();
-  const VdbContent content = read_vdb_grids(path, is_derived_grid);
+  const VdbContent content = read_vdb_grids(path, VdbTrust::sealed, is_derived_grid);
   report(progress, 0.8);
 
   const std::string format = text_of(content, "format", path);

@@ -28,7 +28,7 @@ struct CutElements {
 
 /// u on elements extended over `target` (elements and shell) as extend() does, but from either side
 /// of a cut on its own.
-Displacement extend_past_cuts(const Displacement& displacement, const BrickTopology& target,
+Displacement extend_past_cuts(Displacement displacement, const BrickTopology& target,
                               const CutElements& body);
 
 /// invert() for a body with cuts: `split` is set where they have opened. Without an open cut all is

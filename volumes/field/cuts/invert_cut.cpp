@@ -1,6 +1,7 @@
 // The inversion of cut bodies, at once or one after the other.
 #include <algorithm>
 #include <functional>
+#include <utility>
 
 #include "volumes/field/cuts/cut_inversion.h"
 #include "volumes/field/displacement.h"
@@ -8,12 +9,12 @@
 
 namespace supple {
 
-Displacement extend_past_cuts(const Displacement& displacement, const BrickTopology& target,
+Displacement extend_past_cuts(Displacement displacement, const BrickTopology& target,
                               const CutElements& body) {
-  Displacement extended = extend(displacement, target);
+  Displacement extended = extend(std::move(displacement), target);
   if (body.cuts.empty()) return extended;
   extend_beside_cuts(extended.u,
-                     CutBody(extended.u, body.elements, body.cuts, displacement.geometry.dims()));
+                     CutBody(extended.u, body.elements, body.cuts, extended.geometry.dims()));
   return extended;
 }
 

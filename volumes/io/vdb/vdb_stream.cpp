@@ -5,7 +5,6 @@
 
 #include <cerrno>
 #include <cstring>
-#include <filesystem>
 #include <fstream>
 
 #include <openvdb/io/Archive.h>
@@ -15,6 +14,8 @@
 
 #include "volumes/base/error.h"
 #include "volumes/base/require_memory.h"
+#include "volumes/io/bytes/input_file.h"
+#include "volumes/io/vdb/leaf_ranges.h"
 
 namespace supple {
 
@@ -27,7 +28,12 @@ constexpr std::int64_t kWorkingBytes = std::int64_t(64) << 20;
 /// The steps of io::Stream, grid by grid.
 class GridArchive : public openvdb::io::Archive {
  public:
-  VdbContent read(std::istream& in, const std::function<bool(const std::string&)>& stops) {
+  GridArchive(const InputFile& file, VdbTrust trust) : m_file(file), m_trust(trust) {}
+
+  VdbContent read(const std::function<bool(const std::string&)>& stops) {
+    FileBuffer buffer(m_file);
+    std::istream in(&buffer);
+    in.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
     readHeader(in);
     auto about = std::make_shared<openvdb::io::StreamMetadata>();
     openvdb::io::setStreamMetadataPtr(in, about, /*transfer=*/false);
@@ -40,11 +46,34 @@ class GridArchive : public openvdb::io::Archive {
       openvdb::io::GridDescriptor descriptor;
       const openvdb::GridBase::Ptr grid = descriptor.read(in);
       if (stops(descriptor.gridName())) break;
-      readGrid(grid, descriptor, in);
+      if (m_trust == VdbTrust::sealed) {
+        read_in_ranges(*grid, in, about);
+      } else {
+        readGrid(grid, descriptor, in);
+      }
       content.grids.push_back(grid);
     }
     return content;
   }
+
+ private:
+  /// What readGrid() does with a grid as Supple writes it, but for the leaves.
+  void read_in_ranges(openvdb::GridBase& grid, std::istream& in,
+                      openvdb::io::StreamMetadata::Ptr& of_file) {
+    readGridCompression(in);
+    auto of_grid = std::make_shared<openvdb::io::StreamMetadata>(*of_file);
+    of_grid->setHalfFloat(grid.saveFloatAsHalf());
+    openvdb::io::setStreamMetadataPtr(in, of_grid, /*transfer=*/false);
+    grid.readMeta(in);
+    openvdb::io::setGridClass(in, grid.getGridClass());
+    grid.readTransform(in);
+    grid.readTopology(in);
+    if (!read_leaf_ranges(grid, in, m_file)) grid.readBuffers(in);
+    openvdb::io::setStreamMetadataPtr(in, of_file, /*transfer=*/false);
+  }
+
+  const InputFile& m_file;
+  VdbTrust m_trust;
 };
 
 void write_throwing(const std::string& path, const openvdb::GridCPtrVec& grids,
@@ -76,13 +105,12 @@ void write_vdb_stream(const AtomicFile& file, const openvdb::GridCPtrVec& grids,
   }
 }
 
-VdbContent read_vdb_grids(const std::string& path,
+VdbContent read_vdb_grids(const std::string& path, VdbTrust trust,
                           const std::function<bool(const std::string& name)>& stops) {
   try {
-    std::ifstream in(path, std::ios::binary);
-    in.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
-    require_memory(kWorkingBytes + 4 * std::int64_t(std::filesystem::file_size(path)));
-    return GridArchive().read(in, stops);
+    const InputFile file(path);
+    require_memory(kWorkingBytes + 4 * file.size());
+    return GridArchive(file, trust).read(stops);
   } catch (const std::bad_alloc&) {
     throw SystemError(path + ": not enough memory");
   } catch (const std::exception& error) {

@@ -58,9 +58,13 @@ struct VdbContent {
   openvdb::MetaMap metadata;
 };
 
+/// Whether a seal vouches for the file, which is then decoded on all threads, or it may hold
+/// anything and is read from one end to the other.
+enum class VdbTrust { sealed, foreign };
+
 /// The grids before the first one whose name `stops`; those after it are not decoded.
 /// Throws InputError with OpenVDB's message clamped; SystemError: not enough memory.
-VdbContent read_vdb_grids(const std::string& path,
+VdbContent read_vdb_grids(const std::string& path, VdbTrust trust,
                           const std::function<bool(const std::string& name)>& stops);
 
 }  // namespace supple

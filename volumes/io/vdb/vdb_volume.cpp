@@ -136,8 +136,8 @@ std::unique_ptr<VolumeFile> open_grid(VolumeHeader header, const openvdb::GridBa
   return std::make_unique<VdbVolume<Grid>>(std::move(header), openvdb::gridPtrCast<Grid>(grid), lo);
 }
 
-VdbContent all_grids(const std::string& path) {
-  return read_vdb_grids(path, [](const std::string&) { return false; });
+VdbContent all_grids(const std::string& path, VdbTrust trust) {
+  return read_vdb_grids(path, trust, [](const std::string&) { return false; });
 }
 
 /// No checksum vouches for the lengths that such a file claims: OpenVDB allocates strings of 4 GiB,
@@ -149,12 +149,12 @@ VdbContent foreign_grids(const std::string& path) {
   const ChildBounds bounds{kLeast + std::min(256 * bytes, kMost), int(3 + bytes / kBytesPerSecond)};
   run_in_child({path, "grids", "", "intact OpenVDB grids"}, bounds, [&] {
     try {
-      all_grids(path);
+      all_grids(path, VdbTrust::foreign);
     } catch (const SystemError&) {  // out of memory
       throw std::bad_alloc();
     }
   });
-  return all_grids(path);
+  return all_grids(path, VdbTrust::foreign);
 }
 
 }  // namespace
@@ -167,7 +167,8 @@ std::unique_ptr<VolumeFile> open_vdb(const std::string& path) {
   }
   if (kind == VdbKind::volume) verify_vdb_seal(path, kind);
   initialize_vdb();
-  const VdbContent content = kind == VdbKind::volume ? all_grids(path) : foreign_grids(path);
+  const VdbContent content =
+      kind == VdbKind::volume ? all_grids(path, VdbTrust::sealed) : foreign_grids(path);
   const openvdb::GridBase::Ptr grid = choose_grid(content.grids, path);
 
   VolumeHeader header;
