@@ -183,11 +183,10 @@ std::int32_t NodeSlots::take() {
 void NodeSlots::reserve(std::size_t more) {
   const std::size_t fresh = more > m_free.size() ? more - m_free.size() : 0;
   const std::size_t count = (std::size_t(m_count) + fresh) * m_slot_floats + 1;
-  if (m_floats.empty()) {
-    m_floats = reserve_in_huge_pages<float>(count);
-  } else {
-    m_floats.reserve(count);
-  }
+  if (count <= m_floats.capacity()) return;
+  std::vector<float> larger = reserve_in_huge_pages<float>(count);
+  larger.insert(larger.end(), m_floats.begin(), m_floats.end());
+  m_floats.swap(larger);
 }
 
 NodeDerivatives derivatives_of(const Float4 (&c)[8], float x, float y, float z) {
