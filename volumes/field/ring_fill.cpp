@@ -86,16 +86,25 @@ struct Pending {
   std::vector<std::size_t> bricks;
   std::vector<BrickMask> valid;
   std::vector<std::int32_t> number_of;  // per brick of the target; -1: not pending
+  std::vector<std::size_t> places;      // of the bricks of the seed in the target
 
   /// False when the target does not have all bricks of the seed.
   bool find(const BrickTopology& seed, const BrickTopology& target) {
     number_of.assign(target.brick_count(), -1);
+    places.resize(seed.brick_count());
     std::size_t held = 0;
+    std::size_t next = 0;  // in the seed, after the brick found last: mostly the one looked for
     for (std::size_t b = 0; b < target.brick_count(); ++b) {
-      const std::int32_t s = seed.find(target.origin(b));
+      const Vec3i& origin = target.origin(b);
+      const bool is_next = next < seed.brick_count() && seed.origin(next) == origin;
+      const std::int32_t s = is_next ? std::int32_t(next) : seed.find(origin);
       const BrickMask& wanted = target.mask(b);
       const BrickMask given = s < 0 ? BrickMask{} : seed.mask(std::size_t(s));
-      held += s >= 0;
+      if (s >= 0) {
+        places[std::size_t(s)] = b;
+        next = std::size_t(s) + 1;
+        ++held;
+      }
       if (given == wanted) continue;
       number_of[b] = std::int32_t(bricks.size());
       bricks.push_back(b);
@@ -126,13 +135,9 @@ VectorBricks fill_rings(VectorBricks seed, const BrickTopology& target, int max_
   std::vector<BrickMask>& valid = wanted.valid;
   const std::size_t count = bricks.brick_count();
   if (ring_of) ring_of->assign(count * kBrickVoxels, 0);
-  std::vector<std::size_t> places;
-  for (std::size_t s = 0; s < seed.topology.brick_count(); ++s) {
-    places.push_back(std::size_t(bricks.find(seed.topology.origin(s))));
-  }
   BrickVectors vectors = std::move(seed.vectors);
-  vectors.resize(places.size());
-  vectors.place_at(places, count);
+  vectors.resize(seed.topology.brick_count());
+  vectors.place_at(wanted.places, count);
   const auto mask_of = [&](std::int32_t b) -> const BrickMask& {
     const std::int32_t number = wanted.number_of[std::size_t(b)];
     return number < 0 ? bricks.mask(std::size_t(b)) : valid[std::size_t(number)];

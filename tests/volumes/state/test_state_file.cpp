@@ -39,6 +39,22 @@ TEST(PropertyState, EqualStatesAreEqualFilesWhateverTheThreadCount) {
   }
 }
 
+/// Leaves are decoded 64 at a time (leaf_ranges.h).
+TEST(PropertyState, AStateOfManyBricksReadsTheSameOnAnyNumberOfThreads) {
+  const TemporaryFolder folder;
+  int large = 0;
+  for (int seed = 0; large < cases(10); ++seed) {
+    const State state = random_state(unsigned(seed), 56);
+    if (state.elements.brick_count() < 130) continue;
+    ++large;
+    write_state(folder / "a.vdb", state);
+    for (const int threads : {1, 4}) {
+      const State read = on_threads(threads, [&] { return read_state(folder / "a.vdb"); });
+      ASSERT_TRUE(same_state(read, state)) << "seed " << seed << ", threads " << threads;
+    }
+  }
+}
+
 TEST(PropertyState, AStateThatDiffersInOneBitIsAnotherFile) {
   const TemporaryFolder folder;
   State state = random_state(5);
