@@ -162,8 +162,9 @@ void run_live(const StressInput& input, const std::string& folder, Console& cons
   RandomOperations operations(input.dims);
   LiveFaults faults;
   double moved = 0;
+  console.stage("operations");
   for (int n = 0; n < input.operations; ++n) {
-    poll(&console);
+    report(&console, double(n) / input.operations);
     const std::string keys = operations.next();
     try {
       carry_out(live, event_of(keys, n), console, faults);

@@ -3,7 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
+#include "volumes/base/huge_pages.h"
 #include "volumes/io/bytes/text_header.h"
 #include "volumes/io/bytes/value_type.h"
 #include "volumes/io/format/formats.h"
@@ -28,15 +33,21 @@ std::optional<WarpDirection> parse_direction(const VolumeHeader& header) {
 /// One slice as floats in LPS; returns how many vectors are not finite.
 std::int64_t convert_slice(const VolumeHeader& header, const std::vector<char>& stored,
                            std::vector<double>& values, Vec3f* out) {
-  scale_values_of(header.type)(stored.data(), values.size(), header.slope, header.intercept,
-                               values.data());
+  constexpr std::size_t kGrain = 4096;
+  const auto scale_values = scale_values_of(header.type);
+  const std::size_t bytes = 3 * std::size_t(bytes_of(header.type));
   const Vec3d to_lps = header.vectors_in_ras ? Vec3d(-1, -1, 1) : Vec3d(1);
-  std::int64_t bad = 0;
-  for (std::size_t n = 0; n < values.size() / 3; ++n) {
-    out[n] = Vec3f(Vec3d(values[3 * n], values[3 * n + 1], values[3 * n + 2]) * to_lps);
-    bad += !(std::isfinite(out[n].x) && std::isfinite(out[n].y) && std::isfinite(out[n].z));
-  }
-  return bad;
+  const auto convert = [&](const tbb::blocked_range<std::size_t>& part, std::int64_t bad) {
+    scale_values(stored.data() + part.begin() * bytes, 3 * part.size(), header.slope,
+                 header.intercept, &values[3 * part.begin()]);
+    for (std::size_t n = part.begin(); n < part.end(); ++n) {
+      out[n] = Vec3f(Vec3d(values[3 * n], values[3 * n + 1], values[3 * n + 2]) * to_lps);
+      bad += !(std::isfinite(out[n].x) && std::isfinite(out[n].y) && std::isfinite(out[n].z));
+    }
+    return bad;
+  };
+  const tbb::blocked_range<std::size_t> whole(0, values.size() / 3, kGrain);
+  return tbb::parallel_reduce(whole, std::int64_t(0), convert, std::plus<std::int64_t>());
 }
 
 }  // namespace
@@ -58,6 +69,7 @@ Warp read_warp(const std::string& path, Progress* progress, const Geometry* grid
 
   const Vec3i& dims = header.geometry.dims();
   const std::size_t slice = std::size_t(dims.x) * dims.y;
+  warp.vectors = reserve_in_huge_pages<Vec3f>(slice * dims.z);
   warp.vectors.resize(slice * dims.z);
   std::vector<double> values(3 * slice);
   std::vector<char> stored(values.size() * bytes_of(header.type));

@@ -148,6 +148,26 @@ TEST(UnitWarp, BetweenItsNodesAWarpIsTrilinear) {
   EXPECT_EQ(o, Vec3f(1, 2, -4) * (0.25f * 0.5f * 0.75f));
 }
 
+TEST(UnitWarp, OnlyBricksThatMoveAreStored) {
+  // The grid begins two bricks and a half before the volume; vectors lead into it.
+  const Geometry source = unit_geometry({40, 24, 32});
+  const Geometry grid({64, 24, 32}, {-20, 0, 0}, source.axes_mm());
+  const Vec3i moved[] = {{3, 17, 30}, {39, 0, 8}};
+  const OffsetField field =
+      offsets_from_warp(make_warp(grid,
+                                  [&](const Vec3d& p) {
+                                    const bool moves = p == Vec3d(moved[0]) || p == Vec3d(moved[1]);
+                                    return moves ? Vec3d(0, 0.25, 0) : Vec3d(0);
+                                  }),
+                        source);
+  EXPECT_EQ(field.o.topology, box_topology({0, 0, 0}, {39, 23, 31}));
+  EXPECT_EQ(field.o.vectors.stored_bricks(), 2u);
+  for_each_voxel(field.o.topology, [&](const Vec3i& v, std::size_t slot) {
+    const bool moves = v == moved[0] || v == moved[1];
+    EXPECT_EQ(field.o.vectors.at(slot), Vec3f(0, moves ? 0.25F : 0, 0)) << v;
+  });
+}
+
 TEST(UnitWarp, VoxelsOutsideTheSourceBoxMayReadInsideIt) {
   const Geometry source = unit_geometry({8, 8, 8});
   const Geometry grid({24, 8, 8}, {-8, 0, 0}, source.axes_mm());

@@ -92,26 +92,42 @@ IndexBox spanned_bricks(const Warp& warp, const Geometry& source) {
   throw InputError({warp.path, "grid", found.str(), "a grid of about the volume's size"});
 }
 
-/// Voxels with an offset.
-BrickTopology find_valid(const WarpSampler& sampler, const IndexBox& bricks, Progress* progress) {
+/// Voxels with an offset, and the bricks in which some offset is not 0.
+struct Sampled {
+  BrickTopology valid;
+  std::vector<std::size_t> moving;
+};
+
+Sampled find_valid(const WarpSampler& sampler, const IndexBox& bricks, Progress* progress) {
   const Vec3i count = bricks.hi - bricks.lo + Vec3i(1);
   const std::size_t layer = std::size_t(count.y) * count.z;
   std::vector<Vec3i> origins(layer * count.x);
   std::vector<BrickMask> masks(layer * count.x, BrickMask{});
+  std::vector<std::uint8_t> moves(layer * count.x, 0);
   for (int x = 0; x < count.x; ++x) {
     report(progress, double(x) / count.x);
     tbb::parallel_for(std::size_t(0), layer, [&](std::size_t n) {
       const Vec3i step(x, int(n / count.z), int(n % count.z));
       const Vec3i origin = (bricks.lo + step) * kBrickDim;
       BrickMask& mask = masks[x * layer + n];
+      bool is_moving = false;
       Vec3f offset;
       for (int local = 0; local < kBrickVoxels; ++local) {
-        if (sampler.offset_at(origin + brick_local(local), offset)) mask_set(mask, local);
+        if (!sampler.offset_at(origin + brick_local(local), offset)) continue;
+        mask_set(mask, local);
+        is_moving = is_moving || offset != Vec3f(0);
       }
       origins[x * layer + n] = origin;
+      moves[x * layer + n] = std::uint8_t(is_moving);
     });
   }
-  return {std::move(origins), std::move(masks)};
+  Sampled sampled{BrickTopology(std::move(origins), std::move(masks)), {}};
+  for (std::size_t b = 0; b < sampled.valid.brick_count(); ++b) {
+    const Vec3i step = sampled.valid.origin(b) / kBrickDim - bricks.lo;
+    const std::size_t n = (std::size_t(step.x) * count.y + step.y) * count.z + step.z;
+    if (moves[n]) sampled.moving.push_back(b);
+  }
+  return sampled;
 }
 
 }  // namespace
@@ -125,12 +141,15 @@ OffsetField offsets_from_warp(const Warp& warp, const Geometry& source, Progress
   const WarpSampler sampler(warp, source);
   OffsetField field{source, {}, {}};
   VectorBricks& o = field.o;
-  o.topology = find_valid(sampler, spanned_bricks(warp, source), progress);
+  const Sampled sampled = find_valid(sampler, spanned_bricks(warp, source), progress);
+  o.topology = sampled.valid;
 
   // Sampled a second time rather than kept, so that no brick is in memory twice.
   o.vectors.resize(o.topology.brick_count());
-  o.vectors.touch_all();
-  tbb::parallel_for(std::size_t(0), o.topology.brick_count(), [&](std::size_t b) {
+  o.vectors.reserve(sampled.moving.size());
+  for (const std::size_t b : sampled.moving) o.vectors.touch(b);
+  tbb::parallel_for(std::size_t(0), sampled.moving.size(), [&](std::size_t n) {
+    const std::size_t b = sampled.moving[n];
     Vec3f* const vectors = o.vectors.touch(b);
     for_each_active(o.topology.mask(b), [&](int local) {
       sampler.offset_at(o.topology.origin(b) + brick_local(local), vectors[local]);
