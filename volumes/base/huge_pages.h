@@ -12,14 +12,14 @@ namespace supple {
 
 /// Asks that the pages of memory not yet touched be large. Nothing changes where the system does
 /// not know them.
-inline void ask_for_huge_pages(const void* memory, std::size_t bytes) {
+inline void ask_for_huge_pages(void* memory, std::size_t bytes) {
 #ifdef MADV_HUGEPAGE
-  constexpr std::uintptr_t kHugePage = std::uintptr_t(1) << 21;
-  const auto begin = reinterpret_cast<std::uintptr_t>(memory);
-  const std::uintptr_t lo = (begin + kHugePage - 1) & ~(kHugePage - 1);
-  const std::uintptr_t hi = (begin + bytes) & ~(kHugePage - 1);
+  constexpr std::size_t kHugePage = std::size_t(1) << 21;
+  const std::size_t before = -reinterpret_cast<std::uintptr_t>(memory) % kHugePage;
+  if (bytes < before + kHugePage) return;
+  const std::size_t whole = (bytes - before) / kHugePage * kHugePage;
   // A hint: it may fail without harm.
-  if (lo < hi) (void)::madvise(reinterpret_cast<void*>(lo), hi - lo, MADV_HUGEPAGE);
+  (void)::madvise(static_cast<char*>(memory) + before, whole, MADV_HUGEPAGE);
 #else
   (void)memory, (void)bytes;
 #endif

@@ -9,6 +9,7 @@
 #include <tbb/parallel_reduce.h>
 
 #include "volumes/base/huge_pages.h"
+#include "volumes/io/bytes/input_file.h"
 #include "volumes/io/bytes/text_header.h"
 #include "volumes/io/bytes/value_type.h"
 #include "volumes/io/format/formats.h"
