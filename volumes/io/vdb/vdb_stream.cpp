@@ -107,8 +107,8 @@ void write_vdb_stream(const AtomicFile& file, const openvdb::GridCPtrVec& grids,
 
 VdbContent read_vdb_grids(const std::string& path, VdbTrust trust,
                           const std::function<bool(const std::string& name)>& stops) {
+  const InputFile file(path);
   try {
-    const InputFile file(path);
     require_memory(kWorkingBytes + 4 * file.size());
     return GridArchive(file, trust).read(stops);
   } catch (const std::bad_alloc&) {

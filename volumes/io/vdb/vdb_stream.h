@@ -63,7 +63,8 @@ struct VdbContent {
 enum class VdbTrust { sealed, foreign };
 
 /// The grids before the first one whose name `stops`; those after it are not decoded.
-/// Throws InputError with OpenVDB's message clamped; SystemError: not enough memory.
+/// Throws InputError with OpenVDB's message clamped, or as InputFile does; SystemError: not enough
+/// memory.
 VdbContent read_vdb_grids(const std::string& path, VdbTrust trust,
                           const std::function<bool(const std::string& name)>& stops);
 
