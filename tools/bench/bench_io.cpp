@@ -9,7 +9,7 @@
 #include <unistd.h>
 
 #include "tools/bench/bodies/invert_fields.h"
-#include "tools/bench/peers/peer_process.h"
+#include "tools/peers/peer_process.h"
 #include "tools/bench/report/memory.h"
 #include "tools/bench/report/row_filter.h"
 #include "tools/bench/report/timing.h"

@@ -8,7 +8,6 @@
 #include "tools/outputs/film_record.h"
 #include "tools/outputs/scene_run.h"
 #include "tools/pictures/video.h"
-#include "tools/scene/run_step.h"
 
 namespace supple::tools {
 
@@ -25,9 +24,10 @@ InputError in_frame(int frame, const InputError& error) {
 /// Runs the steps once; their motion has a shape for every frame.
 int SceneRun::motion_frame(int frame) {
   for (; m_posed_steps < int(m_scene.steps.size()); ++m_posed_steps) {
-    run_step(*m_session, m_scene.steps[std::size_t(m_posed_steps)], m_tells_reactions, &m_console);
+    solve(std::size_t(m_posed_steps));
   }
   const int last = m_scene.film->frames - 1;
+  forget_pose();
   m_session->show_frame(std::clamp(frame, 0, last));
   return frame;
 }
@@ -38,10 +38,11 @@ int SceneRun::pose_frame(int frame) {
   if (m_scene.films_motion()) return motion_frame(frame);
   const std::size_t still = m_scene.still_steps();
   if (still == m_scene.steps.size()) return 0;
+  forget_pose();
   for (; m_posed_steps > 0; --m_posed_steps) m_session->undo();
   const double time = m_scene.film->time_of(frame);
   for (std::size_t n = still; n < m_scene.steps.size(); ++n) {
-    run_step(*m_session, m_scene.steps[n], m_tells_reactions, &m_console, time);
+    solve(n, time);
     ++m_posed_steps;
   }
   return frame;
@@ -87,7 +88,7 @@ void SceneRun::make_frame(int frame, std::vector<std::unique_ptr<FilmView>>& vie
 void SceneRun::run_film() {
   const std::size_t still = m_scene.films_motion() ? 0 : m_scene.still_steps();
   for (std::size_t n = 0; n < still; ++n) {
-    run_step(*m_session, m_scene.steps[n], m_tells_reactions, &m_console);
+    solve(n);
   }
   make_folders();
   write_film_record(m_scene, m_folder);

@@ -147,7 +147,8 @@ class ViewDrawing {
     TissueMarks& marks = view.slice ? m_view.slice->marks : m_view.marks;
     const bool colours_motion = marks.shows_displacement() && !marks.overlay_range;
     marks = with_overlay_range(marks, colours_motion ? longest_offset_mm(subject) : 0);
-    if (!view.lattice && !view.slice) m_renderer = make_renderer(subject, m_view);
+    const bool marches = !view.lattice && !view.slice && view.caster == Caster::supple;
+    if (marches) m_renderer = make_renderer(subject, m_view);
     if (view.slice) {
       m_view.slice = effective_slice(*m_view.slice, subject.geometry, subject.density);
     } else {

@@ -9,7 +9,6 @@
 #include "tools/outputs/element_volumes.h"
 #include "tools/outputs/film_record.h"
 #include "tools/outputs/output_plan.h"
-#include "tools/scene/run_step.h"
 #include "volumes/grid/brick_topology.h"
 #include "volumes/io/load/load.h"
 #include "volumes/io/open_volume.h"
@@ -205,13 +204,27 @@ void SceneRun::run() {
   if (m_scene.film) return run_film();
   draw_views(0);
   for (std::size_t n = 0; n < m_scene.steps.size(); ++n) {
-    run_step(*m_session, m_scene.steps[n], m_tells_reactions, &m_console);
+    solve(n);
     draw_views(int(n) + 1);
   }
   if (reads_inverse(m_scene)) seen(last_step());
   m_pictures.commit();
   make_folders();
   write_outputs(last_step(), 0);
+}
+
+/// Nothing reads what was of the body before.
+void SceneRun::solve(std::size_t n, double time) {
+  forget_pose();
+  run_step(*m_session, m_scene.steps[n], m_tells_reactions, &m_console, time);
+}
+
+/// The certificate stays, and of the state all but where its elements are.
+void SceneRun::forget_pose() {
+  take_deformed();
+  m_seen.reset();
+  m_state.q = {};
+  m_state_step = m_displaced_step = m_inverted_step = m_seen_step = -1;
 }
 
 void SceneRun::make_folders() const {
@@ -222,7 +235,7 @@ void SceneRun::make_folders() const {
 }
 
 const InversionCertificate* SceneRun::certificate() const {
-  return m_inverted_step >= 0 ? &m_deformed.offsets.certificate : nullptr;
+  return m_has_inverted ? &m_deformed.offsets.certificate : nullptr;
 }
 
 /// Whether anything reads the displacement of a state that does not move once it is inverted.
@@ -256,6 +269,7 @@ const Pose& SceneRun::deformed(int step) {
   if (m_inverted_step != step) {
     m_deformed.offsets = invert_displacement(m_state, m_deformed.displacement, &m_console);
     m_inverted_step = step;
+    m_has_inverted = true;
     if (!reads_displacement_later()) m_deformed.displacement.u = {};
   }
   return m_deformed;

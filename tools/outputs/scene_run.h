@@ -13,6 +13,7 @@
 #include "tools/outputs/scene_files.h"
 #include "tools/outputs/view_pictures.h"
 #include "tools/pictures/picture_writer.h"
+#include "tools/scene/run_step.h"
 #include "tools/scene/scene.h"
 
 namespace supple::tools {
@@ -55,6 +56,9 @@ class SceneRun {
   void open_volume_alone();
   int last_step() const { return int(m_scene.steps.size()); }
   std::string path_of(const std::string& name) const { return path_in(m_folder, name); }
+  /// Step n, at a frame's time.
+  void solve(std::size_t n, double time = kWholePaths);
+  void forget_pose();
   bool reads_displacement_later() const;
   void take_state(int step);
   const Displacement& displacement(int step);
@@ -91,6 +95,7 @@ class SceneRun {
   double m_grey_lo = 0, m_grey_hi = 1;
   bool m_is_volume = false;  // m_state holds no more than a geometry and densities
   bool m_has_warp = false;   // which m_deformed holds
+  bool m_has_inverted = false;
   Pose m_deformed;
   int m_state_step = -1, m_displaced_step = -1, m_inverted_step = -1, m_seen_step = -1;
   std::optional<Pose> m_seen;            // as the scene's path shows it

@@ -8,6 +8,7 @@
 #include "tools/outputs/reports.h"
 #include "tools/outputs/slice_pictures.h"
 #include "tools/outputs/space_marks.h"
+#include "tools/outputs/vtk_picture.h"
 #include "tools/scene/transfer_file.h"
 #include "volumes/base/version.h"
 #include "volumes/field/displacement.h"
@@ -90,6 +91,7 @@ void check_view(const SceneView& view) {
     view_settings(view).validate();
     check_picture_options(view.picture, view.image, view.place);
     check_inverse(view, view.path);
+    if (view.caster == Caster::vtk) check_vtk_view(view);
     check_decoration(view.decoration, view.slice.has_value());
   } catch (const InputError& error) {
     rethrow_at(view.place, error);
@@ -153,6 +155,7 @@ FloatImage draw(const PosedVolume& subject, const Renderer* renderer, const Scen
                       "a volume of several slices"});
   }
   if (view.lattice) return to_float(draw_body_lattice(subject, view));
+  if (view.caster == Caster::vtk) return draw_by_vtk(subject, view, console);
   RenderSettings settings = view_settings(view);
   settings.clips = resolve_clips(view.clips, subject.geometry);
   return renderer->render_float(camera_of(subject, view), look_of(view), settings, report,

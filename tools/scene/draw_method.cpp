@@ -18,6 +18,10 @@ void with_pre_integration(SceneView& view) {
   view.sampling.classification = Classification::pre_integrated;
 }
 
+void by_vtk(SceneView& view) {
+  view.caster = Caster::vtk;
+}
+
 }  // namespace
 
 const std::vector<DrawFamily>& draw_families() {
@@ -31,6 +35,7 @@ const std::vector<DrawFamily>& draw_families() {
       {{"draw-cubic", "inverse, cubic", knob, 0.01, 16, false, steps}, with_cubic},
       {{"draw-newton", "no inverse", knob, 0.01, 16, false, {4, 2, 1, 0.5, 0.25, 0.1}},
        with_newton},
+      {{"draw-vtk", "VTK, resampled", knob, 0.01, 16, false, steps}, by_vtk},
   };
   return families;
 }
@@ -48,6 +53,7 @@ void draw_by(Scene& scene, const DrawMethod& method) {
     if (!is_drawn_by_rays(view)) continue;
     view.inverse = true;
     view.half_offsets = false;
+    view.caster = Caster::supple;
     view.sampling = Sampling();
     view.sampling.step_voxels = method.knob;
     method.family->draw(view);

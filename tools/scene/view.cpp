@@ -117,6 +117,9 @@ Fields fields(SceneView& view) {
       Field("classification", sampling.classification, {"post", "pre-integrated"},
             "Colours at the samples, or of the way between two"),
       Field("jitter", sampling.jitter, "Fine noise instead of rings"),
+      Field("caster", view.caster, {"supple", "vtk"},
+            "Whose program casts the rays: vtk draws the resampled volume, to compare with")
+          .only_in_scenes(),
       Field("clip_meshes", view.clip_meshes, "Clips of the picture cut meshes, too"),
   };
   for (const Fields& more :

@@ -38,6 +38,9 @@ struct Sampling {
   void apply_to(RenderSettings& settings) const;
 };
 
+/// Whose program casts the rays of a picture.
+enum class Caster { supple, vtk };
+
 struct SceneView {
   std::string place;
   std::string image;
@@ -57,6 +60,7 @@ struct SceneView {
   bool outline = false;  // of the body at rest
   PixelSize size{RenderSettings().width, RenderSettings().height};
   Sampling sampling;
+  Caster caster = Caster::supple;
   bool deformed = true;
   bool inverse = true;        // false: each sample solves for itself where it reads the source
   bool half_offsets = false;  // every second one along each axis

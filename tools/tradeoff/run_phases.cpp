@@ -13,7 +13,8 @@ bool begins_with(const std::string& name, const char* words) {
 RunPhases phases_of(const std::vector<std::pair<std::string, double>>& stages) {
   RunPhases phases;
   for (const auto& [name, seconds] : stages) {
-    if (begins_with(name, "reading") || name == "building the body" || name == "labels") {
+    if (begins_with(name, "reading") || name == "building the body" || name == "labels" ||
+        name == "starting VTK") {
       phases.prepare_s += seconds;
     } else if (name == "inverting" || name == "sampling paths") {
       phases.invert_s += seconds;

@@ -10,7 +10,7 @@
 #include "raycast/render.h"
 #include "raycast/scene/presets.h"
 #include "tools/bench/bodies/ecm_bodies.h"
-#include "tools/bench/peers/peer_process.h"
+#include "tools/peers/peer_process.h"
 #include "tools/bench/report/timing.h"
 #include "tools/program_version.h"
 #include "volumes/io/load/load.h"

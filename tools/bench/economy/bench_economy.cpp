@@ -9,7 +9,7 @@
 #include "lib/material/material_file.h"
 #include "lib/session/session.h"
 #include "raycast/render.h"
-#include "tools/bench/peers/peer_process.h"
+#include "tools/peers/peer_process.h"
 #include "tools/bench/report/memory.h"
 #include "tools/bench/report/row_filter.h"
 #include "tools/bench/report/timing.h"

@@ -2,8 +2,8 @@
 
 #include <fstream>
 
-#include "tools/bench/peers/peer_process.h"
-#include "tools/bench/peers/vtk_programs.h"
+#include "tools/bench/peers/vtk_inverse.h"
+#include "tools/peers/peer_process.h"
 #include "volumes/base/error.h"
 
 namespace supple::tools {

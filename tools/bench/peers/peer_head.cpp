@@ -15,10 +15,6 @@ namespace {
 constexpr float kAir = -1000;  // HU
 constexpr Vec3i kPeerSize(kPeerHeadSize);
 
-nlohmann::json to_json(const Vec3d& v) {
-  return {v.x, v.y, v.z};
-}
-
 std::size_t index_of(const Vec3i& voxel) {
   return (std::size_t(voxel.z) * kPeerSize.y + std::size_t(voxel.y)) * kPeerSize.x +
          std::size_t(voxel.x);
@@ -86,29 +82,6 @@ RenderSettings peer_settings(bool shaded) {
   at_camera.direction = Vec3d(0, 0, 1);
   settings.lighting.lights = {at_camera};
   return settings;
-}
-
-nlohmann::json vtk_job(const std::string& volume, const Camera& camera,
-                       const TransferFunction& function, int threads) {
-  nlohmann::json opacity, colour;
-  for (const OpacityKey& key : function.opacity) opacity.push_back({key.density, key.opacity});
-  for (const ColourKey& key : function.colour) {
-    colour.push_back({key.density, nlohmann::json(key.rgb)});
-  }
-  return {{"volume", volume},
-          {"opacity", opacity},
-          {"colour", colour},
-          {"unit_distance_mm", function.unit_distance_mm},
-          {"ambient", function.ambient},
-          {"diffuse", function.diffuse},
-          {"specular", function.specular},
-          {"specular_power", function.specular_power},
-          {"position", to_json(camera.position_lps_mm)},
-          {"target", to_json(camera.target_lps_mm)},
-          {"up", to_json(camera.up_lps)},
-          {"fov", camera.vertical_fov_degrees},
-          {"size", {kPeerImageSize, kPeerImageSize}},
-          {"threads", threads}};
 }
 
 }  // namespace supple::tools

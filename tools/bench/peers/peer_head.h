@@ -4,8 +4,6 @@
 
 #include <string>
 
-#include <nlohmann/json.hpp>
-
 #include "raycast/render.h"
 #include "volumes/grid/density_grid.h"
 
@@ -31,9 +29,5 @@ Camera peer_camera(const Geometry& geometry);
 TransferFunction peer_function();
 /// 512 x 512 pixels, lit from the camera, or without shading.
 RenderSettings peer_settings(bool shaded);
-
-/// The same view as the job of vtk_frame.py.
-nlohmann::json vtk_job(const std::string& volume, const Camera& camera,
-                       const TransferFunction& function, int threads);
 
 }  // namespace supple::tools

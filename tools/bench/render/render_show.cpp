@@ -10,10 +10,10 @@
 
 #include "tools/bench/bodies/ecm_bodies.h"
 #include "tools/bench/peers/peer_head.h"
-#include "tools/bench/peers/peer_process.h"
-#include "tools/bench/peers/vtk_peer.h"
 #include "tools/bench/report/memory.h"
 #include "tools/console/own_process.h"
+#include "tools/peers/peer_process.h"
+#include "tools/peers/vtk_peer.h"
 #include "volumes/field/inversion/forward_offsets.h"
 #include "volumes/field/inversion/invert.h"
 #include "volumes/state/live_displacement.h"
@@ -136,7 +136,8 @@ class PeerPipeline {
   double run_processes(ShowResult& result) {
     PeerProcess itk(m_itk);
     const ProcessCost warp = itk.finish();
-    VtkPeer vtk(job(), m_display);
+    VtkPeer vtk(m_display);
+    vtk.open(job());
     VtkPicture picture = m_picture;
     picture.image = m_files / "vtk.png";
     vtk.draw(picture);
@@ -153,7 +154,8 @@ class PeerPipeline {
       m_itk_session->read_line();
       // Before VTK reads it: an answer comes after the warped volume is written.
       m_itk_session->ask("again");
-      m_vtk_session = std::make_unique<VtkPeer>(job(), m_display);
+      m_vtk_session = std::make_unique<VtkPeer>(m_display);
+      m_vtk_session->open(job());
       m_vtk_session->draw(m_picture);
     }
     const auto warp = nlohmann::json::parse(m_itk_session->ask("again"));
@@ -174,7 +176,8 @@ class PeerPipeline {
   }
 
   nlohmann::json job() const {
-    return vtk_job(m_itk[3], peer_camera(m_geometry), peer_function(), m_threads);
+    return vtk_job(m_itk[3], peer_camera(m_geometry), peer_function(), peer_settings(true),
+                   m_threads);
   }
 
   const DraggedFiles& m_files;

@@ -9,7 +9,7 @@
 
 #include "raycast/pictures/compare.h"
 #include "tools/bench/peers/peer_head.h"
-#include "tools/bench/peers/vtk_peer.h"
+#include "tools/peers/vtk_peer.h"
 
 namespace supple::tools {
 
@@ -95,8 +95,8 @@ class StraightView {
         m_smallest_mm(smallest(m_head.geometry.spacing_mm())),
         m_camera(peer_camera(m_head.geometry)),
         m_supple(m_head.geometry, m_head.density, kAirRings),
-        m_vtk(vtk_job(m_scratch / "head.mha", m_camera, peer_function(), threads), m_display),
-        m_cast(draw_vtk("1", false).cast) {}
+        m_vtk(m_display),
+        m_cast(open_vtk(threads)) {}
 
   FloatImage draw_supple(const std::string& setting, bool shaded, RenderReport* report) const {
     RenderSettings settings = peer_settings(shaded);
@@ -129,6 +129,11 @@ class StraightView {
     PeerHead head = make_peer_head();
     write_peer_head(m_scratch / "head.mha", head);
     return head;
+  }
+  PixelBox open_vtk(int threads) {
+    m_vtk.open(
+        vtk_job(m_scratch / "head.mha", m_camera, peer_function(), peer_settings(true), threads));
+    return draw_vtk("1", false).cast;
   }
   static double smallest(const Vec3d& v) { return std::min({v.x, v.y, v.z}); }
 

@@ -1,11 +1,12 @@
-// Programs of other people that a benchmark runs beside its own: they are found, started and asked
-// line by line, and their cost is taken from the system.
+// Programs of other people: they are found, started and asked line by line, and their cost is taken
+// from the system.
 #pragma once
 
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "volumes/base/progress.h"
 #include "volumes/base/scratch_folder.h"
 
 namespace supple::tools {
@@ -29,10 +30,11 @@ class PeerProcess {
   PeerProcess(const PeerProcess&) = delete;
   PeerProcess& operator=(const PeerProcess&) = delete;
 
-  /// The next line that it prints. Throws Error, with its last message, when it ends instead.
-  std::string read_line();
+  /// The next line that it prints. Throws Error, with its last message, when it ends instead, and
+  /// Cancelled when the progress says so.
+  std::string read_line(const Progress* progress = nullptr);
   /// Sends a line and returns the next one.
-  std::string ask(const std::string& line);
+  std::string ask(const std::string& line, const Progress* progress = nullptr);
   /// Ends its stdin and waits. Throws Error when it fails.
   ProcessCost finish();
 
@@ -60,8 +62,8 @@ class VirtualDisplay {
  public:
   /// True with Xvfb.
   static bool is_installed();
-  /// Throws Error when it does not come up.
-  VirtualDisplay();
+  /// For any number of programs, or one, with which it goes. Throws Error when it does not come up.
+  explicit VirtualDisplay(bool is_for_one = false);
 
   /// "DISPLAY=:N".
   const std::string& environment() const { return m_environment; }

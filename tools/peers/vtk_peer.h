@@ -4,9 +4,10 @@
 #include <memory>
 #include <string>
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
-#include "tools/bench/peers/peer_process.h"
+#include "raycast/render.h"
+#include "tools/peers/peer_process.h"
 
 namespace supple::tools {
 
@@ -34,17 +35,26 @@ class VtkPeer {
   /// Debian's VTK for Python, and Xvfb.
   static bool is_installed();
 
-  /// `job` as vtk_job() makes it. Reads the volume.
-  VtkPeer(const nlohmann::json& job, const VirtualDisplay& display);
+  /// Starts it. All throw Error when VTK fails, and Cancelled when `progress`, which outlives the
+  /// peer, says so.
+  explicit VtkPeer(const VirtualDisplay& display, const Progress* progress = nullptr);
 
-  /// Throws Error when VTK fails.
+  /// Reads the volume of a job as vtk_job() makes it.
+  void open(const nlohmann::json& job);
   VtkAnswer draw(const VtkPicture& picture);
   ProcessCost finish() { return m_process->finish(); }
 
  private:
-  int m_height;  // of the window
+  const Progress* m_progress;
+  int m_height = 0;  // of the window
   ScratchFolder m_scratch;
   std::unique_ptr<PeerProcess> m_process;
 };
+
+/// A view of the volume in a MetaImage file whose axes are those of the world, as VtkPeer draws it.
+/// Of the settings it takes the size and the lights. On black, unless it is transparent.
+nlohmann::json vtk_job(const std::string& volume, const Camera& camera,
+                       const TransferFunction& function, const RenderSettings& settings,
+                       int threads, bool is_transparent = false);
 
 }  // namespace supple::tools

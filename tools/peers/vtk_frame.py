@@ -1,11 +1,12 @@
-"""VTK's side of `supple bench render`: pictures by vtkFixedPointVolumeRayCastMapper.
+"""Pictures by vtkFixedPointVolumeRayCastMapper, for `caster = "vtk"` and `supple bench render`.
 
-Argument: a JSON file with the volume (MetaImage), camera, transfer function and size. Then, for
-every line {"step": mm, "shade": bool, "fresh": bool, "image": path or null} on stdin, draws one
-picture and prints {"frame_ms", "cast_ms", "cast_origin", "cast_size", "base_mbytes",
-"peak_mbytes"}. A fresh picture is the first one of a volume that has just changed. Rays are cast
-for the rectangle of cast_size pixels from cast_origin, which counts from the lower left corner.
-Draws into a window of its own on DISPLAY.
+Prints "ready" when VTK is there. The first line on stdin is the path of a JSON file with the volume
+(MetaImage), camera, lights, transfer function and size; the answer, "read". Then, for every line
+{"step": mm, "shade": bool, "fresh": bool, "image": path or null}, draws one picture and prints
+{"frame_ms", "cast_ms", "cast_origin", "cast_size", "base_mbytes", "peak_mbytes"}. A fresh picture is
+the first one of a volume that has just changed. Rays are cast for the rectangle of cast_size pixels
+from cast_origin, which counts from the lower left corner. Draws into a window of its own on DISPLAY;
+images are on black, or transparent where the job says so, with colours multiplied by their opacity.
 """
 import json
 import sys
@@ -55,23 +56,35 @@ def window_of(job, volume):
     camera.SetFocalPoint(job['target'])
     camera.SetViewUp(job['up'])
     camera.SetViewAngle(job['fov'])
+    if job['height'] is not None:
+        camera.ParallelProjectionOn()
+        camera.SetParallelScale(job['height'] / 2)
     renderer.ResetCameraClippingRange()
     renderer.AutomaticLightCreationOff()
-    light = vtkLight()
-    light.SetLightTypeToHeadlight()
-    light.SetAmbientColor(1, 1, 1)
-    renderer.AddLight(light)
+    for given in job['lights']:
+        light = vtkLight()
+        light.SetLightTypeToCameraLight() if given['of_camera'] else light.SetLightTypeToSceneLight()
+        light.SetPosition(given['direction'])
+        light.SetFocalPoint(0, 0, 0)
+        light.SetAmbientColor(1, 1, 1)
+        light.SetDiffuseColor(given['rgb'])
+        light.SetSpecularColor(given['rgb'])
+        light.SetIntensity(given['intensity'])
+        renderer.AddLight(light)
     window.SetOffScreenRendering(True)
+    if job['transparent']:
+        window.SetAlphaBitPlanes(True)
+        renderer.SetBackgroundAlpha(0)
     window.SetSize(job['size'])
     window.AddRenderer(renderer)
     return window
 
 
-def write_png(window, path):
+def write_png(window, path, has_alpha):
     picture = vtkWindowToImageFilter()
     picture.SetInput(window)
     picture.SetShouldRerender(False)
-    picture.SetInputBufferTypeToRGB()
+    picture.SetInputBufferTypeToRGBA() if has_alpha else picture.SetInputBufferTypeToRGB()
     writer = vtkPNGWriter()
     writer.SetFileName(path)
     writer.SetInputConnection(picture.GetOutputPort())
@@ -79,7 +92,8 @@ def write_png(window, path):
 
 
 def main():
-    with open(sys.argv[1]) as file:
+    print('ready', flush=True)
+    with open(sys.stdin.readline().rstrip('\n')) as file:
         job = json.load(file)
     base = mbytes('VmRSS')
     reader = vtkMetaImageReader()
@@ -97,6 +111,7 @@ def main():
     volume.SetMapper(mapper)
     volume.SetProperty(volume_property(job))
     window = window_of(job, volume)
+    print('read', flush=True)
     for line in sys.stdin:
         wanted = json.loads(line)
         mapper.SetSampleDistance(wanted['step'])
@@ -107,7 +122,7 @@ def main():
         window.Render()
         frame_ms = 1e3 * (time.perf_counter() - begin)
         if wanted['image']:
-            write_png(window, wanted['image'])
+            write_png(window, wanted['image'], job['transparent'])
         cast = mapper.GetRayCastImage()
         print(json.dumps({'frame_ms': frame_ms, 'cast_ms': 1e3 * mapper.GetTimeToDraw(),
                           'cast_origin': cast.GetImageOrigin(),

@@ -1,4 +1,4 @@
-#include "tools/bench/peers/peer_process.h"
+#include "tools/peers/peer_process.h"
 
 #include <chrono>
 #include <cstdlib>
@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include <fcntl.h>
+#include <poll.h>
 #include <signal.h>
 #include <spawn.h>
 #include <sys/resource.h>
@@ -14,7 +15,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "tools/bench/report/memory.h"
 #include "tools/console/own_process.h"
 #include "volumes/base/error.h"
 
@@ -61,7 +61,7 @@ PeerProcess::PeerProcess(const std::vector<std::string>& arguments,
   ::posix_spawn_file_actions_addopen(&actions, 2, (m_scratch / "stderr").c_str(),
                                      O_WRONLY | O_CREAT | O_TRUNC, 0600);
   std::vector<std::string> words = arguments, variables = environment_with(environment);
-  m_own_mbytes = double(resident_bytes()) / 1e6;
+  m_own_mbytes = rss_mb();
   m_start_ms = now_ms();
   pid_t pid = -1;
   const int failure = ::posix_spawn(&pid, words.front().c_str(), &actions, nullptr,
@@ -93,7 +93,8 @@ std::string PeerProcess::complaint() const {
   return m_name + ": " + (last.empty() ? "failed" : last);
 }
 
-std::string PeerProcess::read_line() {
+std::string PeerProcess::read_line(const Progress* progress) {
+  constexpr int kAskEvery_ms = 50;
   for (;;) {
     const std::size_t end = m_unread.find('\n');
     if (end != std::string::npos) {
@@ -101,6 +102,9 @@ std::string PeerProcess::read_line() {
       m_unread.erase(0, end + 1);
       return line;
     }
+    if (progress != nullptr && progress->cancelled()) throw Cancelled();
+    struct pollfd waiting = {m_socket, POLLIN, 0};
+    if (progress != nullptr && ::poll(&waiting, 1, kAskEvery_ms) <= 0) continue;
     char buffer[4096];
     const ssize_t count = ::read(m_socket, buffer, sizeof buffer);
     if (count < 0 && errno == EINTR) continue;
@@ -109,12 +113,12 @@ std::string PeerProcess::read_line() {
   }
 }
 
-std::string PeerProcess::ask(const std::string& line) {
+std::string PeerProcess::ask(const std::string& line, const Progress* progress) {
   const std::string text = line + "\n";
   if (::send(m_socket, text.data(), text.size(), MSG_NOSIGNAL) != ssize_t(text.size())) {
     throw Error(complaint());
   }
-  return read_line();
+  return read_line(progress);
 }
 
 ProcessCost PeerProcess::finish() {
@@ -152,8 +156,9 @@ bool VirtualDisplay::is_installed() {
   return std::filesystem::exists(kServer);
 }
 
-VirtualDisplay::VirtualDisplay()
-    : m_server({kServer, "-displayfd", "1", "-screen", "0", "1280x1024x24", "-nolisten", "tcp"}),
+VirtualDisplay::VirtualDisplay(bool is_for_one)
+    : m_server({kServer, "-displayfd", "1", "-screen", "0", "1280x1024x24", "-nolisten", "tcp",
+                is_for_one ? "-terminate" : "-noreset"}),
       m_environment("DISPLAY=:" + m_server.read_line()) {}
 
 }  // namespace supple::tools
