@@ -16,8 +16,7 @@ namespace supple {
 
 namespace {
 
-constexpr std::size_t kAhead = 2;  // bricks whose densities are asked for before they are read
-constexpr double kCodes = 32767;   // encoded values lie in -kCodes … kCodes
+constexpr double kCodes = 32767;  // encoded values lie in -kCodes … kCodes
 
 using DensityRow = float __attribute__((vector_size(32)));
 using DensityBits = std::int32_t __attribute__((vector_size(32)));
@@ -54,15 +53,6 @@ bool any_of(const DensityBits& lanes) {
   std::int32_t any = 0;
   for (int z = 0; z < kBrickDim; ++z) any |= lanes[z];
   return any != 0;
-}
-
-/// The densities of a brick on their way into the caches; null: none.
-void prefetch(const float* values) {
-  constexpr std::size_t kCacheLine = 64;
-  const char* const bytes = reinterpret_cast<const char*>(values);
-  for (std::size_t n = 0; values != nullptr && n < kBrickVoxels * sizeof(float); n += kCacheLine) {
-    __builtin_prefetch(bytes + n);
-  }
 }
 
 /// -1, 0 or 1: the brick beside this one that holds a local coordinate.
@@ -201,10 +191,7 @@ void SourceBricks::find_ranges() {
   while (begin < count) {
     const std::size_t above_end = end_of_layer(end);
     above.resize(above_end - end);
-    tbb::parallel_for(end, above_end, [&](std::size_t b) {
-      if (b + kAhead < above_end) prefetch(values(b + kAhead));
-      above[b - end] = survey(b);
-    });
+    tbb::parallel_for(end, above_end, [&](std::size_t b) { above[b - end] = survey(b); });
     tbb::parallel_for(begin, end, find_range);
     for (const Survey& found : above) {
       lo = std::min(lo, double(found.lo[0]));
