@@ -50,6 +50,7 @@ void Renderer::set_offsets(const OffsetField* offsets, OffsetResolution resoluti
     throw InputError({"", "offsets", "another geometry", "the geometry of the volume"});
   }
   m_impl->is_pointwise = false;
+  m_impl->lattice.reset();  // before another one takes memory
   m_impl->lattice = offsets == nullptr ? std::make_unique<OffsetBricks>(m_impl->source)
                                        : std::make_unique<OffsetBricks>(
                                              m_impl->source, offsets->o, offsets->split,

@@ -8,6 +8,7 @@
 
 #include <oneapi/tbb/parallel_for.h>
 
+#include "volumes/base/huge_pages.h"
 #include "volumes/grid/b_spline.h"
 #include "volumes/grid/cell.h"
 #include "volumes/grid/voxel_sets.h"
@@ -86,6 +87,7 @@ SourceBricks::SourceBricks(const DensityGrid& density, const BrickTopology& wher
       m_states(new std::atomic<std::uint8_t>[where.brick_count()]()),
       m_ranges(where.brick_count()) {
   const std::size_t count = m_topology.brick_count();
+  ask_for_small_pages(m_nodes.get(), count * kBrickNodes * sizeof(std::int16_t));
   std::vector<float> coefficients;
   if (interpolation != Interpolation::linear || !(where == density.bricks())) {
     m_values.resize(count);

@@ -49,7 +49,7 @@ double peak_rss_of_children_mb() {
 
 void keep_heap_in_large_pages() {
 #ifdef __GLIBC__
-  constexpr int kHeapBytes = 256 << 20, kLargestInHeap = 1 << 20;
+  constexpr int kHeapBytes = 256 << 20, kLargestInHeap = 32 << 20;
   // Growth by so much at a time is address space until it is touched.
   ::mallopt(M_TOP_PAD, kHeapBytes);
   ::mallopt(M_TRIM_THRESHOLD, 2 * kHeapBytes);

@@ -25,15 +25,18 @@ constexpr double kRestBytes = 30;         // of any other then
 constexpr double kStoreNs = 250;          // of a pixel that becomes a part of a PNG file
 constexpr double kPixelBytes = 16 + 4 + 4, kAuxiliaryBytes = 28;
 constexpr double kGridBrickBytes = 6300;  // of a grid of vectors in a state
-constexpr double kPathBricks = 2;         // that a sampling path fills, of those of the volume
+constexpr double kPathBricks = 2.4;       // that a sampling path fills, of those of the volume
 constexpr double kSplitNs = 3e6, kSplitBytes = 350e3;  // of a brick beside a cut
 constexpr double kCutSample = 4, kCubicSample = 4;     // in usual samples
+/// Frames of a film find the memory of those before them in pieces.
+constexpr double kScatteredPart = 0.5;
 constexpr double kPathWork = 3;  // of a voxel along a path, in those of an inversion
 
 // Code and libraries that come with the first picture, dense file, OpenVDB file and HDF5 file, and
 // what threads work with in an inversion and keep ready in a picture of a body that moves: measured
 // as the growth of a process that does nothing else (docs/economy.md).
 constexpr double kPictureCode = 3.5e6, kDenseCode = 5.5e6, kVdbCode = 10e6, kHdf5Code = 9e6;
+constexpr double kLegendCode = 7e6;  // of what draws legends and words, and writes EXR
 constexpr double kInvertCode = 6e6, kSlotsInAdvance = 4.5e6;
 constexpr double kInvertedBytes = 100e3, kSlotBytes = 20e3;  // of a brick that moves, at the most
 
@@ -171,8 +174,10 @@ void ScenePlanner::plan_pose() {
     // The state of the step is a copy of what moved.
     const double copied =
         double(m_moved.count(0) + m_moved.count(1) + m_moved.count(2)) * kBrickBytes4;
+    // A frame of a film is taken back, for which the session keeps what it changed.
+    const double of_frame = m_scene.film ? 2 * copied : 0;
     add("pose", "displacement of " + bricks_text(m_moved_bricks), reads_u,
-        copied + m_moved_bricks * kBrickBytes12 + density_bricks() * kPlaceBytes,
+        copied + of_frame + m_moved_bricks * kBrickBytes12 + density_bricks() * kPlaceBytes,
         density_bricks() * kExtendBytes,
         frames() * (m_moved_bricks * kBrickVoxels * m_costs.displacement_voxel +
                     density_bricks() * m_costs.still_brick));
@@ -225,17 +230,19 @@ void ScenePlanner::plan_march(const SceneView& view, const std::string& stage, d
   const double moved = on_path > 0 ? on_path : view.deformed ? m_moved_bricks : 0;
   const double node_bytes = view.half_offsets ? kHalfNodeBytes : kNodeBytes;
   const double field_bytes = on_path * (kBrickBytes12 + kFieldTableBytes);
-  const double read = is_cubic ? density_bricks() : work.bricks;
+  const bool turns = !view.camera_keys.empty() || view.picture.turntable > 0;
+  const double read = is_cubic || turns ? density_bricks() : work.bricks;
   const double bytes = read * kSourceBytes + density_bricks() * kTableBytes + field_bytes +
                        (moved > 0 && view.inverse
                             ? moved * node_bytes + std::min(kSlotsInAdvance, moved * kSlotBytes)
                             : 0) +
                        pixels * (kPixelBytes + (settings.auxiliary ? kAuxiliaryBytes : 0));
+  const double scattered = m_scene.film ? kScatteredPart : 0;
   add(stage,
       count_text(pixels, "rays, ") + count_text(samples, "samples") +
           (pictures > 1 ? ", " + count_text(pictures, "times") : ""),
       view.deformed ? "a picture of the body moved" : "a picture of the body at rest",
-      once(kPictureCode), bytes,
+      once(kPictureCode), bytes * (1 + scattered),
       density_bricks() * m_costs.source_brick +
           pictures * (pixels * (m_costs.ray + kStoreNs) + samples * sample_work * m_costs.sample));
 }
@@ -246,6 +253,11 @@ void ScenePlanner::plan_view(const SceneView& given) {
   const std::string stage = "view " + view.image;
   plan_path(view, stage);
   const double pictures = view.picture.frame_count();
+  const bool has_legend = view.picture.shows("offset") || !view.decoration.annotate.empty() ||
+                          !view.marks.overlay.empty() ||
+                          picture_kind(view.image) == PictureKind::exr;
+  if (has_legend)
+    add(stage, "legends and words", "the view asks for them", once(kLegendCode), 0, 0);
   const double pixels =
       view.slice ? slice_pixels(*view.slice, state.geometry) : double(view.size[0]) * view.size[1];
   if (view.slice || view.lattice) {

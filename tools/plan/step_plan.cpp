@@ -19,15 +19,16 @@ constexpr double kRelaxBytes = 18, kVolumeBytes = 25;  // per element that moves
 constexpr double kBeyondCaches = 1.6;
 // Passes that take a relaxation one brick further; a budget ends it while it still spreads.
 constexpr double kPassesOfRing = 4, kPassesOfRingInBudget = 6;
+/// A joint is parted on both sides, and its bricks fall into more pieces than those of a cut.
+constexpr double kJointSides = 2;
 /// Voxels from a cut link in which bricks are split (cut_inversion.cpp).
 constexpr int kSplitRings = 3;
-/// Of the bricks that move, those beside joints of bones.
-constexpr double kJointPart = 0.25;
 constexpr double kPieceNs = 400;  // to find rigid pieces, per element
 constexpr double kSpringBytes = 456, kSpringsOfElement = 12, kSpringsInSlice = 4;
 constexpr double kMinimumSteps = 40;      // that a minimum of springs takes, of those that it may
 constexpr double kFemBytes = 103;         // per unknown
 constexpr double kMotionBytes = 170;      // more, with mass, damping and what moves
+constexpr double kFrameBytes = 12;        // of a motion that a film shows, per element
 constexpr double kNodesOfElement = 1.12;  // of a head; of one slice twice as many
 /// Of an equilibrium: of one tissue, and beside others that are ten times as stiff or more.
 constexpr double kEvenIterations = 30, kLinearIterations = 60;
@@ -123,7 +124,7 @@ class StepPlan {
   void move_all(MovedBricks& moved, const std::string& why);
   double grow(MovedBricks& moved, int coordinate) const;
   void cuts(MovedBricks& moved);
-  void pieces();
+  void pieces(MovedBricks& moved);
   MovedBricks drag(const MovedBricks& before);
   void relax(MovedBricks& moved);
   void springs();
@@ -186,6 +187,19 @@ double StepPlan::grow(MovedBricks& moved, int coordinate) const {
   return moved.elements[std::size_t(coordinate)] = count;
 }
 
+/// Bricks in which tissue is parted, and so is inverted piece by piece.
+double bricks_beside(const LinkCuts& cuts, const BrickTopology& elements) {
+  std::vector<Vec3i> low;
+  for (std::size_t b = 0; b < cuts.brick_end(); ++b) {
+    const LinkCuts::BrickCuts* const of_brick = cuts.brick(b);
+    for (int axis = 0; of_brick != nullptr && axis < 3; ++axis) {
+      for_each_active((*of_brick)[std::size_t(axis)],
+                      [&](int offset) { low.push_back(elements.origin(b) + brick_local(offset)); });
+    }
+  }
+  return double(dilate(topology_of(low), kSplitRings).brick_count());
+}
+
 /// As the step will make them, in a copy of the body.
 void StepPlan::cuts(MovedBricks& moved) {
   if (m_request.cuts.empty()) return;
@@ -195,20 +209,18 @@ void StepPlan::cuts(MovedBricks& moved) {
   const std::int64_t links = apply_cuts(body, m_state.labels, m_request.cuts, nullptr);
   const std::chrono::duration<double, std::nano> took = std::chrono::steady_clock::now() - start;
   add(count_text(double(links), "cut links"), "the step cuts", 0, 0, took.count());
-  std::vector<Vec3i> low;
-  for (std::size_t b = 0; b < body.cuts.brick_end(); ++b) {
-    const LinkCuts::BrickCuts* const cuts = body.cuts.brick(b);
-    for (int axis = 0; cuts != nullptr && axis < 3; ++axis) {
-      for_each_active((*cuts)[std::size_t(axis)], [&](int offset) {
-        low.push_back(body.elements.origin(b) + brick_local(offset));
-      });
-    }
-  }
-  moved.split += double(dilate(topology_of(low), kSplitRings).brick_count());
+  moved.split += bricks_beside(body.cuts, body.elements);
 }
 
-void StepPlan::pieces() {
+/// Joints as the step will part them, in a copy of the body.
+void StepPlan::pieces(MovedBricks& moved) {
   if (m_request.rigid.empty()) return;
+  if (m_request.rigid.joint_mm > 0) {
+    Body body = m_session.body();
+    LinkCuts cuts = m_session.cuts();
+    make_pieces(body, cuts, m_request.rigid, m_state.density, m_state.labels, nullptr);
+    moved.split += kJointSides * bricks_beside(cuts, body.elements);
+  }
   add("rigid pieces among " + count_text(elements(), "elements"), "the step makes them", 0, 0,
       elements() * kPieceNs);
 }
@@ -274,8 +286,9 @@ void StepPlan::finite_elements() {
   if (const int doublings = m_request.fem->params.doublings; doublings > 0) {
     iterations = kCoarseSetup + iterations / std::pow(8, doublings);
   }
+  const double frames = motion ? double(motion->frame_times_s.size()) : 0;
   add(count_text(unknowns, "unknowns") + ", some " + count_text(iterations, "iterations"),
-      "the step moves the body by finite elements", 0,
+      "the step moves the body by finite elements", frames * elements() * kFrameBytes,
       unknowns * (kFemBytes + (motion ? kMotionBytes : 0)),
       unknowns * iterations * m_costs.fem_unknown);
 }
@@ -292,10 +305,9 @@ MovedBricks StepPlan::plan(const MovedBricks& before) {
     return moved;
   }
   cuts(moved);
-  pieces();
+  pieces(moved);
   moved.add(drag(before));
   relax(moved);
-  if (m_request.rigid.joint_mm > 0) moved.split += kJointPart * double(moved.count());
   return moved;
 }
 

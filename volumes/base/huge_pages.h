@@ -10,19 +10,23 @@
 
 namespace supple {
 
-/// Asks that the pages of memory not yet touched be large. Nothing changes where the system does
-/// not know them.
-inline void ask_for_huge_pages(void* memory, std::size_t bytes) {
-#ifdef MADV_HUGEPAGE
+/// A hint, which may fail without harm, for the whole pages of 2 MiB of memory not yet touched.
+inline void advise_huge_pages(void* memory, std::size_t bytes, int advice) {
   constexpr std::size_t kHugePage = std::size_t(1) << 21;
   const std::size_t before = -reinterpret_cast<std::uintptr_t>(memory) % kHugePage;
   if (bytes < before + kHugePage) return;
   const std::size_t whole = (bytes - before) / kHugePage * kHugePage;
-  // A hint: it may fail without harm.
-  (void)::madvise(static_cast<char*>(memory) + before, whole, MADV_HUGEPAGE);
-#else
-  (void)memory, (void)bytes;
-#endif
+  (void)::madvise(static_cast<char*>(memory) + before, whole, advice);
+}
+
+/// Asks that the pages be large.
+inline void ask_for_huge_pages(void* memory, std::size_t bytes) {
+  advise_huge_pages(memory, bytes, MADV_HUGEPAGE);
+}
+
+/// Asks that they be small, for an array of which little will be touched.
+inline void ask_for_small_pages(void* memory, std::size_t bytes) {
+  advise_huge_pages(memory, bytes, MADV_NOHUGEPAGE);
 }
 
 /// An empty vector with room for `count` elements, in large pages.
