@@ -36,6 +36,7 @@ constexpr double kPathWork = 3;  // of a voxel along a path, in those of an inve
 // what threads work with in an inversion and keep ready in a picture of a body that moves: measured
 // as the growth of a process that does nothing else (docs/economy.md).
 constexpr double kPictureCode = 3.5e6, kDenseCode = 5.5e6, kVdbCode = 10e6, kHdf5Code = 9e6;
+constexpr double kLargePageBytes = 3e6;
 constexpr double kLegendCode = 7e6;  // of what draws legends and words, and writes EXR
 constexpr double kInvertCode = 6e6, kSlotsInAdvance = 4.5e6;
 constexpr double kInvertedBytes = 100e3, kSlotBytes = 20e3;  // of a brick that moves, at the most
@@ -102,6 +103,7 @@ void ScenePlanner::plan_subject() {
   const Vec3i& dims = state.geometry.dims();
   m_ledger.add(
       {"start", "the program and its libraries", "every run", 0, 0, m_subject.start_seconds});
+  add("start", "what the heap takes in large pages", "every run", kLargePageBytes, 0, 0);
   m_ledger.add({"open",
                 count_text(double(state.geometry.voxel_count()), "voxels in ") +
                     bricks_text(density_bricks()),

@@ -14,17 +14,20 @@ namespace supple::tools {
 
 namespace {
 
+constexpr double kFractionBytes = 2, kFlowBytes = 4;   // kept, the second where tissue flows
 constexpr double kRelaxBytes = 18, kVolumeBytes = 25;  // per element that moves (docs/models)
 // Of bodies that no cache holds, in that of the small one of a calibration.
 constexpr double kBeyondCaches = 1.6;
 // Passes that take a relaxation one brick further; a budget ends it while it still spreads.
 constexpr double kPassesOfRing = 4, kPassesOfRingInBudget = 6;
-/// A joint is parted on both sides, and its bricks fall into more pieces than those of a cut.
-constexpr double kJointSides = 2;
+/// A joint is parted on both sides, and its bricks fall into more pieces than those of a cut: of
+/// the bricks that move, at least this part.
+constexpr double kJointSides = 2, kJointPart = 0.25;
 /// Voxels from a cut link in which bricks are split (cut_inversion.cpp).
 constexpr int kSplitRings = 3;
 constexpr double kPieceNs = 400;  // to find rigid pieces, per element
 constexpr double kSpringBytes = 456, kSpringsOfElement = 12, kSpringsInSlice = 4;
+constexpr double kContactWork = 2;        // of a step in which shapes press
 constexpr double kMinimumSteps = 40;      // that a minimum of springs takes, of those that it may
 constexpr double kFemBytes = 103;         // per unknown
 constexpr double kMotionBytes = 170;      // more, with mass, damping and what moves
@@ -124,7 +127,7 @@ class StepPlan {
   void move_all(MovedBricks& moved, const std::string& why);
   double grow(MovedBricks& moved, int coordinate) const;
   void cuts(MovedBricks& moved);
-  void pieces(MovedBricks& moved);
+  void pieces();
   MovedBricks drag(const MovedBricks& before);
   void relax(MovedBricks& moved);
   void springs();
@@ -136,6 +139,7 @@ class StepPlan {
   const UnitCosts& m_costs;
   PlanLedger& m_ledger;
   StepRequest m_request;
+  double m_beside_joints = 0;  // bricks, once the pieces are planned
 };
 
 void StepPlan::move_all(MovedBricks& moved, const std::string& why) {
@@ -213,13 +217,13 @@ void StepPlan::cuts(MovedBricks& moved) {
 }
 
 /// Joints as the step will part them, in a copy of the body.
-void StepPlan::pieces(MovedBricks& moved) {
+void StepPlan::pieces() {
   if (m_request.rigid.empty()) return;
   if (m_request.rigid.joint_mm > 0) {
     Body body = m_session.body();
     LinkCuts cuts = m_session.cuts();
     make_pieces(body, cuts, m_request.rigid, m_state.density, m_state.labels, nullptr);
-    moved.split += kJointSides * bricks_beside(cuts, body.elements);
+    m_beside_joints = kJointSides * bricks_beside(cuts, body.elements);
   }
   add("rigid pieces among " + count_text(elements(), "elements"), "the step makes them", 0, 0,
       elements() * kPieceNs);
@@ -249,6 +253,7 @@ void StepPlan::relax(MovedBricks& moved) {
     }
     if (ring >= 1 + passes / passes_of_ring) break;
   }
+  const bool is_plastic = m_session.material().yield_strain.has_value();
   const int links = m_session.material().links;
   const double work = links == 26 ? 4 : links == 18 ? 2.5 : 1;  // of those of 6
   const double ns = kBeyondCaches * (conserves ? count / 3 * m_costs.volume_element
@@ -256,7 +261,8 @@ void StepPlan::relax(MovedBricks& moved) {
   const double bytes = bricks * kBrickVoxels * (conserves ? kVolumeBytes : kRelaxBytes);
   add("stiffness and up to " + count_text(passes, "passes"),
       m_request.relax ? "the step asks for relaxation" : "the material relaxes what is dragged",
-      bricks * kBrickVoxels * 2, bytes, ns * passes);
+      bricks * kBrickVoxels * (is_plastic ? kFractionBytes + kFlowBytes : kFractionBytes), bytes,
+      ns * passes);
 }
 
 void StepPlan::springs() {
@@ -268,7 +274,7 @@ void StepPlan::springs() {
   add(count_text(count, "springs") + (springs.is_motion() ? ", " : ", some ") +
           count_text(steps, "steps"),
       "the step moves the body by springs", 0, elements() * kSpringBytes,
-      count * steps * m_costs.spring);
+      count * steps * m_costs.spring * (springs.contacts.empty() ? 1 : kContactWork));
 }
 
 void StepPlan::finite_elements() {
@@ -305,9 +311,12 @@ MovedBricks StepPlan::plan(const MovedBricks& before) {
     return moved;
   }
   cuts(moved);
-  pieces(moved);
+  pieces();
   moved.add(drag(before));
   relax(moved);
+  if (m_beside_joints > 0) {
+    moved.split += std::max(m_beside_joints, kJointPart * double(moved.count()));
+  }
   return moved;
 }
 
