@@ -131,11 +131,11 @@ FloatImage draw_by_vtk(const PosedVolume& subject, const SceneView& view, Consol
   if (!subject.geometry.is_orthogonal()) {
     throw InputError({view.place, "caster", "vtk and a sheared grid", "axes at right angles"});
   }
+  console.stage("starting VTK");
   if (!VtkPeer::is_installed()) {
     throw InputError({view.place, "caster", "vtk without its Python modules or Xvfb",
                       "python3-vtk9 and xvfb installed"});
   }
-  console.stage("starting VTK");
   const VirtualDisplay display(true);
   VtkPeer vtk(display, &console);
   console.stage("rendering");
