@@ -16,9 +16,9 @@ constexpr double kWidth = 780, kHeight = 520;
 constexpr double kLeft = 76, kTop = 34, kRight = 226, kBottom = 54;  // margins; legend on the right
 
 /// Told apart by most eyes (Okabe and Ito 2008), then darker ones of other hues.
-constexpr std::array<const char*, 12> kColours = {"#0072B2", "#56B4E9", "#D55E00", "#E69F00",
-                                                  "#CC79A7", "#009E73", "#7A5195", "#8C564B",
-                                                  "#5B8C00", "#B00020", "#222222", "#777777"};
+constexpr std::array<const char*, 16> kColours = {
+    "#0072B2", "#56B4E9", "#D55E00", "#E69F00", "#CC79A7", "#009E73", "#7A5195", "#8C564B",
+    "#5B8C00", "#B00020", "#222222", "#777777", "#00B3B3", "#E377C2", "#8C6D00", "#3B3BFF"};
 
 const char* colour_of(std::size_t curve) {
   return kColours[curve % kColours.size()];
