@@ -3,8 +3,6 @@
 #include <array>
 #include <fstream>
 
-#include <nlohmann/json.hpp>
-
 #include "tools/peers/vtk_frame.h"
 
 namespace supple::tools {
