@@ -9,11 +9,11 @@
 #include <unistd.h>
 
 #include "tools/bench/bodies/invert_fields.h"
-#include "tools/peers/peer_process.h"
 #include "tools/bench/report/memory.h"
 #include "tools/bench/report/row_filter.h"
 #include "tools/bench/report/timing.h"
 #include "tools/console/command.h"
+#include "tools/peers/peer_process.h"
 #include "volumes/field/dense/resample.h"
 #include "volumes/field/inversion/invert.h"
 #include "volumes/io/bytes/byte_source.h"

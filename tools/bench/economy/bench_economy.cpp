@@ -9,11 +9,11 @@
 #include "lib/material/material_file.h"
 #include "lib/session/session.h"
 #include "raycast/render.h"
-#include "tools/peers/peer_process.h"
 #include "tools/bench/report/memory.h"
 #include "tools/bench/report/row_filter.h"
 #include "tools/bench/report/timing.h"
 #include "tools/console/command.h"
+#include "tools/peers/peer_process.h"
 #include "volumes/io/volume_writer.h"
 #include "volumes/state/state_outputs.h"
 
