@@ -36,8 +36,8 @@ constexpr double kPathWork = 3;  // of a voxel along a path, in those of an inve
 // what threads work with in an inversion and keep ready in a picture of a body that moves: measured
 // as the growth of a process that does nothing else (docs/economy.md).
 constexpr double kPictureCode = 3.5e6, kDenseCode = 5.5e6, kVdbCode = 10e6, kHdf5Code = 9e6;
-constexpr double kLargePageBytes = 3e6;
-constexpr double kLegendCode = 7e6;  // of what draws legends and words, and writes EXR
+constexpr double kLargePageBytes = 3e6;  // of the heap, beside what is in use
+constexpr double kLegendCode = 7e6;      // of what draws legends and words, and writes EXR
 constexpr double kInvertCode = 6e6, kSlotsInAdvance = 4.5e6;
 constexpr double kInvertedBytes = 100e3, kSlotBytes = 20e3;  // of a brick that moves, at the most
 
