@@ -40,7 +40,8 @@ CalculixSolver::CalculixSolver(const HexMesh& mesh, const VoxelMaterial& materia
                                const NodalLoads& loads, EquationSolver solver)
     : m_mesh(mesh), m_material(material), m_loads(loads), m_solver(solver) {}
 
-bool CalculixSolver::run(const Progress* progress) {
+bool CalculixSolver::run(Progress* progress) {
+  stage(progress, "solving");
   const ScratchFolder folder;
   write_deck(folder / "body.inp");
   const ProgramEnd end = run_program("ccx", {"-i", "body"}, folder.path(), {}, [progress] {

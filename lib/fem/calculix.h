@@ -6,30 +6,20 @@
 
 #include <cstdio>
 #include <string>
-#include <vector>
 
 #include "lib/fem/fem.h"
-#include "lib/fem/residual.h"
+#include "lib/fem/peer_solver.h"
 
 namespace supple {
 
-class CalculixSolver {
+class CalculixSolver final : public PeerSolver {
  public:
   /// All must outlive this.
   CalculixSolver(const HexMesh& mesh, const VoxelMaterial& material, const NodalLoads& loads,
                  EquationSolver solver);
 
-  /// Always true. Throws InputError where `ccx` is not installed, Error with what it said where it
-  /// gives no result, Cancelled.
-  bool run(const Progress* progress);
-
-  int iterations() const { return 0; }
-  const ResidualSize& size() const { return m_size; }
-  const std::vector<double>& u() const { return m_u; }
-  std::vector<double> take_u() { return std::move(m_u); }
-  const std::vector<double>& residual() const { return m_residual; }
-  /// Of CalculiX, at its most.
-  std::size_t bytes() const { return m_bytes; }
+  /// Always true.
+  bool run(Progress* progress) override;
 
  private:
   void write_deck(const std::string& path) const;
@@ -41,9 +31,6 @@ class CalculixSolver {
   const VoxelMaterial& m_material;
   const NodalLoads& m_loads;
   EquationSolver m_solver;
-  std::vector<double> m_u, m_residual;
-  ResidualSize m_size;
-  std::size_t m_bytes = 0;
 };
 
 }  // namespace supple

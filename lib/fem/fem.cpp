@@ -6,6 +6,7 @@
 #include "lib/fem/calculix.h"
 #include "lib/fem/coarse_elements.h"
 #include "lib/fem/conjugate_gradients.h"
+#include "lib/fem/dolfinx.h"
 #include "lib/fem/fem_results.h"
 #include "lib/fem/hex_operator.h"
 #include "lib/fem/loose_islands.h"
@@ -162,7 +163,8 @@ void FemParams::validate() const {
           "0 at finite strain");
   const bool is_plain = doublings == 0 && strain == StrainTheory::linear;
   if (solver != EquationSolver::multigrid && !is_plain) {
-    throw InputError({"", "solver", "calculix at finite strain or with coarsen", "multigrid"});
+    throw InputError(
+        {"", "solver", "another program at finite strain or with coarsen", "multigrid"});
   }
   require(max_rotation_deg > 0, "max_rotation_deg", max_rotation_deg, "above 0");
   require(max_strain > 0, "max_strain", max_strain, "above 0");
@@ -224,7 +226,7 @@ FemSolution FemModel::solve(const FemLoads& loads, const FemParams& params,
   for (const std::uint8_t held : nodal.held) report.unknowns += 3 - __builtin_popcount(held);
   report.setup_ms = milliseconds_since(start);
   if (params.solver != EquationSolver::multigrid) {
-    solve_by_calculix(nodal, params, progress, out);
+    solve_by_peer(nodal, params, progress, out);
   } else if (params.doublings > 0) {
     solve_coarse(nodal, params, progress, out);
   } else if (params.strain == StrainTheory::linear) {
@@ -251,14 +253,23 @@ void FemModel::solve_linear(NodalLoads& loads, const FemParams& params, Progress
   run_linear(solver, loads, params, progress, out);
 }
 
-void FemModel::solve_by_calculix(NodalLoads& loads, const FemParams& params, Progress* progress,
-                                 FemSolution& out) const {
-  stage(progress, "solving");
-  CalculixSolver solver(mesh(), material(), loads, params.solver);
-  run_linear(solver, loads, params, progress, out);
-  out.report.bytes = m_parts->bytes() + solver.bytes();
+void FemModel::solve_by_peer(NodalLoads& loads, const FemParams& params, Progress* progress,
+                             FemSolution& out) const {
+  const bool is_dolfinx = params.solver == EquationSolver::dolfinx;
+  std::unique_ptr<PeerSolver> solver;
+  if (is_dolfinx) {
+    solver = std::make_unique<DolfinxSolver>(stiffness(), material(), loads, params.tolerance,
+                                             params.max_iterations);
+  } else {
+    solver = std::make_unique<CalculixSolver>(mesh(), material(), loads, params.solver);
+  }
+  run_linear(*solver, loads, params, progress, out);
+  out.report.bytes = m_parts->bytes() + solver->bytes();
+  out.report.setup_ms += solver->start_ms();
+  out.report.solve_ms -= solver->start_ms();
   if (out.report.residual_max <= params.tolerance) return;
-  warn(progress, "finite elements: CalculiX left forces of up to " +
+  const std::string name = is_dolfinx ? "DOLFINx" : "CalculiX";
+  warn(progress, "finite elements: " + name + " left forces of up to " +
                      number_text(100 * out.report.residual_max) +
                      " % of the largest on nodes, more than the tolerance of " +
                      number_text(100 * params.tolerance) + " %");
@@ -289,7 +300,7 @@ void FemModel::solve_coarse(NodalLoads& loads, const FemParams& params, Progress
 
 template <class Solver>
 void FemModel::run_linear(Solver& solver, const NodalLoads& loads, const FemParams& params,
-                          const Progress* progress, FemSolution& out) const {
+                          Progress* progress, FemSolution& out) const {
   FemReport& report = out.report;
   const auto start = std::chrono::steady_clock::now();
   const bool converged = solver.run(progress);

@@ -52,9 +52,9 @@ enum class LooseIslands {
   refuse  // an error
 };
 
-/// Who solves the linear equations: the own multigrid, CalculiX's direct solver (SPOOLES), or its
-/// conjugate gradients with incomplete Cholesky factors.
-enum class EquationSolver { multigrid, calculix, calculix_iterative };
+/// Who solves the linear equations: the own multigrid, CalculiX's direct solver (SPOOLES), its
+/// conjugate gradients with incomplete Cholesky factors, or DOLFINx with algebraic multigrid.
+enum class EquationSolver { multigrid, calculix, calculix_iterative, dolfinx };
 
 struct FemParams {
   StrainTheory strain = StrainTheory::linear;
@@ -158,13 +158,13 @@ class FemModel {
   struct Parts;
   void solve_linear(NodalLoads& loads, const FemParams& params, Progress* progress,
                     FemSolution& out) const;
-  void solve_by_calculix(NodalLoads& loads, const FemParams& params, Progress* progress,
-                         FemSolution& out) const;
+  void solve_by_peer(NodalLoads& loads, const FemParams& params, Progress* progress,
+                     FemSolution& out) const;
   void solve_coarse(NodalLoads& loads, const FemParams& params, Progress* progress,
                     FemSolution& out) const;
   template <class Solver>
   void run_linear(Solver& solver, const NodalLoads& loads, const FemParams& params,
-                  const Progress* progress, FemSolution& out) const;
+                  Progress* progress, FemSolution& out) const;
   void solve_finite(NodalLoads& loads, const FemParams& params, Progress* progress,
                     FemSolution& out) const;
   std::unique_ptr<Parts> m_parts;

@@ -290,7 +290,7 @@ std::optional<Problem> contradiction(const FemStep& step) {
     return Problem{"", "refine", std::string("smaller elements beside ") + beside, "0"};
   }
   if (step.params.solver != EquationSolver::multigrid && beside != nullptr) {
-    return Problem{"", "solver", std::string("calculix beside ") + beside, "multigrid"};
+    return Problem{"", "solver", std::string("another program beside ") + beside, "multigrid"};
   }
   const char* const beside_large = beside != nullptr   ? beside
                                    : is_finite         ? "finite strain"
@@ -351,8 +351,8 @@ Fields fields(FemStep& step) {
           .positive(),
       Field("max_iterations", params.max_iterations, "Of one linear system; more are an error")
           .range(1, 100000),
-      Field("solver", params.solver, {"multigrid", "calculix", "calculix-iterative"},
-            "Own solver, or the program ccx, which must be installed"),
+      Field("solver", params.solver, {"multigrid", "calculix", "calculix-iterative", "dolfinx"},
+            "Own solver, or another program, which must be installed: ccx, Python's dolfinx"),
       Field("loose", params.loose, {"hold", "refuse"},
             "What nothing holds: stays where it is at rest, or is an error"),
       Field("refine", step.halvings,

@@ -1,4 +1,5 @@
-// CalculiX solves the same hexahedra; skipped where calculix-ccx is not installed.
+// CalculiX and DOLFINx solve the same hexahedra; skipped where calculix-ccx or python3-dolfinx is
+// not installed.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -6,6 +7,7 @@
 #include <sstream>
 
 #include <gtest/gtest.h>
+#include <oneapi/tbb/global_control.h>
 
 #include "lib/fem/dynamics/modes.h"
 #include "lib/fem/dynamics/newmark.h"
@@ -31,7 +33,7 @@ struct JudgedBody {
   FemSolution solution;
   std::vector<double> force_mn;  // K(u)
 
-  JudgedBody(std::mt19937& random, StrainTheory strain)
+  JudgedBody(std::mt19937& random, StrainTheory strain, Dilatation dilatation = kAsC3d8)
       : body(random_fem_body(random, Vec3i(8, 7, 9))), elastic(ElasticTable::uniform(2, 0.3)) {
     for (std::uint8_t& of : body.classes) of = std::uint8_t(of % 2);
     elastic.young_kpa[1] = 60;
@@ -44,7 +46,7 @@ struct JudgedBody {
         body, [wave](const Vec3d& x) { return std::sin(wave.dot(x)) > 0.8; },
         [slope](const Vec3d& x) { return slope * x.x + Vec3d(0.2, 0, -0.1); }));
     loads.body_force = [slope](const Vec3d& x) { return slope * (1 + 0.1 * x.y); };
-    const FemModel model(body, elastic, kAsC3d8);
+    const FemModel model(body, elastic, dilatation);
     FemParams params;
     params.strain = strain;
     params.tolerance = 1e-9;
@@ -59,6 +61,15 @@ struct JudgedBody {
     nodal = nodal_loads(model.mesh(), model.material(), loads);
     hold_loose_islands(model.mesh(), true, nodal.held);
   }
+};
+
+class WarningsKept final : public Progress {
+ public:
+  std::vector<std::string> lines;
+  void stage(std::string_view) override {}
+  void update(double) override {}
+  bool cancelled() const override { return false; }
+  void warn(const std::string& line) override { lines.push_back(line); }
 };
 
 template <class... Values>
@@ -268,33 +279,78 @@ void compare(const JudgedBody& judged, const std::vector<std::vector<double>>& b
 
 }  // namespace
 
-TEST(InteropFem, CalculixFindsTheSameDisplacementsAndForcesOnTheSameHexahedra) {
-  if (!runs("command -v ccx")) GTEST_SKIP() << "calculix-ccx is not installed";
+namespace {
+
+/// Displacements, forces and energy of the judged body by another program, within `accuracy` of the
+/// largest.
+void expect_same(const JudgedBody& judged, const FemSolution& found, double accuracy) {
+  const std::vector<double>& u = judged.solution.u_mm;
+  double off_mm = 0;
+  ASSERT_EQ(found.u_mm.size(), u.size());
+  for (std::size_t at = 0; at < u.size(); ++at) {
+    off_mm = std::max(off_mm, std::abs(u[at] - found.u_mm[at]));
+  }
+  EXPECT_LT(off_mm, accuracy * largest_of(u));
+  EXPECT_LT(found.report.residual_max, accuracy);
+  const Vec3d off_n = found.reactions.front().force_n - judged.solution.reactions.front().force_n;
+  EXPECT_LT(off_n.length(), accuracy * largest_of(judged.force_mn));
+  EXPECT_NEAR(found.report.energy_mj, judged.solution.report.energy_mj,
+              accuracy * judged.solution.report.energy_mj);
+}
+
+/// Six bodies, on left- and right-handed grids, solved by another program.
+void judge_bodies(Dilatation dilatation, EquationSolver solver, double tolerance) {
   std::mt19937 random(21);
   bool has_left = false, has_right = false;
   for (int n = 0; n < 6; ++n) {
-    const JudgedBody judged(random, StrainTheory::linear);
+    const JudgedBody judged(random, StrainTheory::linear, dilatation);
     (judged.body.geometry.determinant() < 0 ? has_left : has_right) = true;
-    const FemModel model(judged.body, judged.elastic, kAsC3d8);
     FemParams params;
-    params.solver = EquationSolver::calculix;
-    const FemSolution found = model.solve(judged.loads, params);
-    constexpr double kAccuracy = 1e-6;
-    const std::vector<double>& u = judged.solution.u_mm;
-    double off_mm = 0;
-    ASSERT_EQ(found.u_mm.size(), u.size());
-    for (std::size_t at = 0; at < u.size(); ++at) {
-      off_mm = std::max(off_mm, std::abs(u[at] - found.u_mm[at]));
-    }
-    EXPECT_LT(off_mm, kAccuracy * largest_of(u));
-    EXPECT_LT(found.report.residual_max, kAccuracy);
-    const Vec3d wanted_n = judged.solution.reactions.front().force_n;
-    const Vec3d off_n = found.reactions.front().force_n - wanted_n;
-    EXPECT_LT(off_n.length(), kAccuracy * largest_of(judged.force_mn));
-    EXPECT_NEAR(found.report.energy_mj, judged.solution.report.energy_mj,
-                kAccuracy * judged.solution.report.energy_mj);
+    params.solver = solver;
+    params.tolerance = tolerance;
+    const FemModel model(judged.body, judged.elastic, dilatation);
+    expect_same(judged, model.solve(judged.loads, params), 1e-6);
   }
   EXPECT_TRUE(has_left && has_right);
+}
+
+bool has_dolfinx() {
+  return runs("/usr/bin/python3 -c 'import dolfinx'");
+}
+
+}  // namespace
+
+TEST(InteropFem, CalculixFindsTheSameDisplacementsAndForcesOnTheSameHexahedra) {
+  if (!runs("command -v ccx")) GTEST_SKIP() << "calculix-ccx is not installed";
+  judge_bodies(kAsC3d8, EquationSolver::calculix, FemParams().tolerance);
+}
+
+TEST(InteropFem, DolfinxFindsTheSameDisplacementsAndForcesOnTheSameHexahedra) {
+  if (!has_dolfinx()) GTEST_SKIP() << "python3-dolfinx is not installed";
+  judge_bodies(Dilatation::mean, EquationSolver::dolfinx, 1e-9);
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  judge_bodies(kAsC3d8, EquationSolver::dolfinx, 1e-9);
+}
+
+/// What it leaves on nodes is a warning; what it does not reach is an error with the numbers.
+TEST(InteropFem, DolfinxSaysHowFarItGot) {
+  if (!has_dolfinx()) GTEST_SKIP() << "python3-dolfinx is not installed";
+  std::mt19937 random(5);
+  const JudgedBody judged(random, StrainTheory::linear, Dilatation::mean);
+  const FemModel model(judged.body, judged.elastic);
+  FemParams params;
+  params.solver = EquationSolver::dolfinx;
+  params.tolerance = 1e-2;
+  WarningsKept warnings;
+  const FemReport report = model.solve(judged.loads, params, &warnings).report;
+  EXPECT_GT(report.iterations, 0);
+  EXPECT_GT(report.bytes, 1e6);
+  EXPECT_GT(report.residual_max, params.tolerance);
+  ASSERT_EQ(warnings.lines.size(), 1u);
+  EXPECT_NE(warnings.lines[0].find("DOLFINx left forces of up to"), std::string::npos);
+  params.tolerance = 1e-12;
+  params.max_iterations = 1;
+  EXPECT_THROW(model.solve(judged.loads, params), NotConverged);
 }
 
 TEST(InteropFem, CalculixsIterationsEndNearby) {
@@ -309,21 +365,28 @@ TEST(InteropFem, CalculixsIterationsEndNearby) {
   FemParams params;
   const FemSolution own = model.solve(loads, params);
   params.solver = EquationSolver::calculix_iterative;
-  const FemSolution found = model.solve(loads, params);
+  WarningsKept warnings;
+  const FemSolution found = model.solve(loads, params, &warnings);
+  EXPECT_GT(found.report.residual_max, params.tolerance);
+  ASSERT_EQ(warnings.lines.size(), 1u);
+  EXPECT_NE(warnings.lines[0].find("CalculiX left forces of up to"), std::string::npos);
   EXPECT_NEAR(found.report.energy_mj, own.report.energy_mj, 0.01 * own.report.energy_mj);
   EXPECT_LT((found.reactions[0].force_n - own.reactions[0].force_n).length(),
             0.01 * own.reactions[0].force_n.length());
 }
 
-TEST(InteropFem, CalculixIsMissedAndRefusedInOneLine) {
+TEST(InteropFem, OtherProgramsAreMissedAndRefusedInOneLine) {
   const Body body = fem_cube(3);
   const FemModel model(body, ElasticTable::uniform(10, 0.3));
   FemParams params;
-  params.solver = EquationSolver::calculix;
   const std::string path = std::getenv("PATH");
   ::setenv("PATH", "/nowhere", 1);
-  EXPECT_THROW(model.solve({}, params), InputError);
+  for (const EquationSolver solver : {EquationSolver::calculix, EquationSolver::dolfinx}) {
+    params.solver = solver;
+    EXPECT_THROW(model.solve({}, params), InputError);
+  }
   ::setenv("PATH", path.c_str(), 1);
+  params.solver = EquationSolver::calculix;
   params.strain = StrainTheory::finite;
   EXPECT_THROW(model.solve({}, params), InputError);
   params = {};

@@ -65,9 +65,15 @@ void by_calculix(SceneStep& step, double solver) {
   step.fem->step.params.solver = EquationSolver(int(solver));
 }
 
+/// The same elements by a library for any equations.
+void by_dolfinx(SceneStep& step, double tolerance) {
+  by_fem(step, tolerance);
+  step.fem->step.params.solver = EquationSolver::dolfinx;
+}
+
 bool is_by_fem(const MethodFamily& family) {
   return family.solve == by_fem || family.solve == by_fine_fem || family.solve == by_coarse_fem ||
-         family.solve == by_calculix;
+         family.solve == by_calculix || family.solve == by_dolfinx;
 }
 
 const std::vector<double> kPasses = {1, 4, 16, 64, 256, 1024};
@@ -126,6 +132,9 @@ const std::vector<MethodFamily>& method_families() {
        0,
        by_fine_fem},
       {{"calculix", "CalculiX: direct, iterative", "solver", 1, 2, true, {2, 1}}, 0, by_calculix},
+      {{"dolfinx", "DOLFINx with GAMG", "tolerance", 1e-12, 0.5, false, {1e-4, 1e-6}},
+       0,
+       by_dolfinx},
   };
   return families;
 }

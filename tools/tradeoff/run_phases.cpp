@@ -14,7 +14,7 @@ RunPhases phases_of(const std::vector<std::pair<std::string, double>>& stages) {
   RunPhases phases;
   for (const auto& [name, seconds] : stages) {
     if (begins_with(name, "reading") || name == "building the body" || name == "labels" ||
-        name == "starting VTK") {
+        begins_with(name, "starting ")) {
       phases.prepare_s += seconds;
     } else if (name == "inverting" || name == "sampling paths") {
       phases.invert_s += seconds;

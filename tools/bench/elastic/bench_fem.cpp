@@ -22,16 +22,18 @@ namespace {
 
 /// Far more than any row that converges needs.
 constexpr int kMostIterations = 1000;
-/// The memory that a solve is sure to stay below, per element.
-constexpr std::int64_t kBytesPerElement = 400;
+/// The memory that a solve is sure to stay below, per element: the own solver and others.
+constexpr std::int64_t kBytesPerElement = 400, kPeerBytesPerElement = 30000;
+constexpr const char* kSolverNames[] = {"multigrid", "calculix", "calculix-iterative", "dolfinx"};
 
 struct FemBenchRow {
   std::string kind;  // the row's `case`
   FemSubject subject;
   std::string precision;  // of operator rows
+  EquationSolver solver = EquationSolver::multigrid;
   int threads = 1;
 
-  /// operator/cube/size/precision/threads, solve/field/size/nu or
+  /// operator/cube/size/precision/threads, solve/field/size/nu, beside/field/size/solver or
   /// iterations/field/size/contrast/nu.
   std::string name() const {
     char numbers[64];
@@ -40,6 +42,8 @@ struct FemBenchRow {
     } else if (kind == "iterations") {
       std::snprintf(numbers, sizeof numbers, "%d/%g/%g", subject.size, subject.contrast,
                     subject.poisson);
+    } else if (kind == "beside") {
+      std::snprintf(numbers, sizeof numbers, "%d/%s", subject.size, kSolverNames[int(solver)]);
     } else if (subject.field == "head") {
       return kind + "/head";
     } else {
@@ -66,6 +70,22 @@ void plan_operators(bool quick, int threads, std::vector<FemBenchRow>& plan) {
         plan.back().precision = precision;
       }
     }
+  }
+}
+
+/// Other programs with the same equations, the own solver first.
+void plan_peers(int threads, std::vector<FemBenchRow>& plan) {
+  const auto add = [&](int size, EquationSolver solver) {
+    plan.push_back(row_of_body("beside", "cube", size, threads));
+    plan.back().solver = solver;
+  };
+  for (const EquationSolver solver :
+       {EquationSolver::multigrid, EquationSolver::dolfinx, EquationSolver::calculix_iterative,
+        EquationSolver::calculix}) {
+    add(32, solver);
+  }
+  for (const EquationSolver solver : {EquationSolver::multigrid, EquationSolver::dolfinx}) {
+    add(64, solver);
   }
 }
 
@@ -98,6 +118,7 @@ std::vector<FemBenchRow> plan_fem(const FemBenchOptions& options, const std::str
     plan.push_back(row_of_body("solve", "cube", 256, threads));
     plan.push_back(row_of_body("solve", "ball", 96, threads));
     if (!head.empty()) plan.push_back(row_of_body("solve", "head", 0, threads));
+    plan_peers(threads, plan);
   }
   plan_iterations(options.quick, threads, plan);
   plan.erase(std::remove_if(
@@ -171,10 +192,11 @@ struct TimedSolve {
   double ms = 0, cpu_ms = 0;
 };
 
-TimedSolve solve_once(const FemProblem& problem, Progress& cancel) {
+TimedSolve solve_once(const FemProblem& problem, EquationSolver solver, Progress& cancel) {
   TimedSolve solve;
   FemParams params;
   params.max_iterations = kMostIterations;
+  params.solver = solver;
   solve.cpu_ms = cpu_time_ms([&] {
     solve.ms = time_ms([&] {
       const FemModel model(problem.body, problem.elastic, Dilatation::mean, &cancel);
@@ -200,7 +222,7 @@ BenchRow measure_solve(const FemBenchRow& row, const FemBenchOptions& options,
   Times times, cpu;
   const PeakMemory peak;
   for (int round = 0; round < rounds; ++round) {
-    solve = solve_once(problem, cancel);
+    solve = solve_once(problem, row.solver, cancel);
     times.ms.push_back(solve.ms);
     cpu.ms.push_back(solve.cpu_ms);
   }
@@ -210,11 +232,13 @@ BenchRow measure_solve(const FemBenchRow& row, const FemBenchOptions& options,
   BenchRow fields = fem_fields(row, problem.body, report.unknowns);
   if (row.subject.field != "head") fields["poisson"] = row.subject.poisson;
   if (row.kind == "iterations") fields["contrast"] = row.subject.contrast;
-  fields["levels"] = report.levels;
+  if (row.kind == "beside") fields["solver"] = kSolverNames[int(row.solver)];
+  const bool is_own = row.solver == EquationSolver::multigrid;
+  if (is_own) fields["levels"] = report.levels;
   fields["iterations"] = report.iterations;
   fields["converged"] = solve.converged;
   fields["residual_max"] = report.residual_max;
-  fields["reaction_change"] = report.reaction_change;
+  if (is_own) fields["reaction_change"] = report.reaction_change;
   if (solve.converged) {
     fields["force_balance"] = report.force_balance;
     fields["energy_identity"] = report.energy_identity;
@@ -222,10 +246,10 @@ BenchRow measure_solve(const FemBenchRow& row, const FemBenchOptions& options,
   fields["setup_ms"] = times.ms.back() - report.solve_ms;
   fields["solve_ms"] = report.solve_ms;
   fields["munknowns_per_s"] = unknowns / 1e3 / times.median();
-  fields["munknowns_per_cpu_s"] = unknowns / 1e3 / cpu.median();
+  if (is_own) fields["munknowns_per_cpu_s"] = unknowns / 1e3 / cpu.median();
   fields["bytes_per_unknown"] = double(report.bytes) / unknowns;
   if (growth && !is_small) fields["peak_bytes_per_unknown"] = double(*growth) / unknowns;
-  fields["cpu_ms"] = cpu.median();
+  if (is_own) fields["cpu_ms"] = cpu.median();
   add_times(fields, times, row.threads);
   return fields;
 }
@@ -233,7 +257,9 @@ BenchRow measure_solve(const FemBenchRow& row, const FemBenchOptions& options,
 /// False, with a note, for a cube that the memory at hand does not hold.
 bool has_memory_for(const FemBenchRow& row, Console& console) {
   const std::int64_t size = row.subject.size;
-  if (size * size * size * kBytesPerElement <= available_bytes()) return true;
+  const std::int64_t each =
+      row.solver == EquationSolver::multigrid ? kBytesPerElement : kPeerBytesPerElement;
+  if (size * size * size * each <= available_bytes()) return true;
   console.note("not enough memory: row " + row.name() + " is left out");
   return false;
 }
@@ -256,7 +282,12 @@ BenchReport bench_fem(const FemBenchOptions& options, Console& console) {
     console.stage(first->name());
     if (first->kind != "operator") {
       if (has_memory_for(*first, console)) {
-        result.rows.push_back(measure_solve(*first, options, head, cancel));
+        try {
+          result.rows.push_back(measure_solve(*first, options, head, cancel));
+        } catch (const InputError& error) {
+          if (first->solver == EquationSolver::multigrid) throw;
+          console.note("row " + first->name() + " is left out: " + error.what());
+        }
       }
       ++first;
       continue;

@@ -1,0 +1,10 @@
+# supple_embed_python(PATH)
+# A program, PATH.py, becomes text of a header, generated/<folder>/PATH.h, by PATH.h.in.
+function(supple_embed_python path)
+  set(file ${CMAKE_CURRENT_SOURCE_DIR}/${path}.py)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${file})
+  get_filename_component(name ${path} NAME)
+  file(READ ${file} SUPPLE_${name}_py)
+  file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
+  configure_file(${path}.h.in ${PROJECT_BINARY_DIR}/generated/${folder}/${path}.h @ONLY)
+endfunction()
