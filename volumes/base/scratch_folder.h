@@ -5,7 +5,8 @@
 
 namespace supple {
 
-/// Goes, with all that is in it, when this does.
+/// Goes, with all that is in it, when this does; where its process is killed first, when the next
+/// one is made, at the earliest after a minute.
 class ScratchFolder {
  public:
   /// Throws SystemError.
@@ -19,6 +20,7 @@ class ScratchFolder {
 
  private:
   std::string m_path;
+  int m_lock = -1;  // held as long as the folder is in use
 };
 
 }  // namespace supple
