@@ -8,6 +8,7 @@
 
 #include "lib/body/node_offsets.h"
 #include "lib/relax/relaxation.h"
+#include "lib/session/fem/fem_solid.h"
 #include "lib/session/rigid_drag.h"
 #include "volumes/base/text.h"
 
@@ -17,66 +18,13 @@ namespace {
 
 /// Cosine of the widest angle between `facing` and the normal of a face.
 constexpr double kFacingCosine = 0.5;
-constexpr double kSecondsPerMillisecond = 1e-3;
-
-/// What the solver is to see of a body: no cuts inside of rigid pieces, whose elements have a class
-/// of their own.
-struct Solid {
-  std::optional<Body> body;  // where it is another than the session's
-  ElasticTable elastic;
-  MassDensities mass_density{};
-  std::array<double, kLastClass + 1> damping_s{};
-};
 
 double milliseconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
       .count();
 }
 
-/// A class that no element outside of the pieces has.
-std::uint8_t class_of_pieces(const Body& body) {
-  std::array<bool, kLastClass + 1> is_used{};
-  for_each_element(body.elements, [&](Slot slot) {
-    if (body.rigid.at(slot) < 0) is_used[body.classes[slot]] = true;
-  });
-  const auto free = std::find(is_used.rbegin(), is_used.rend(), false);
-  if (free == is_used.rend()) {
-    throw InputError({"", "rigid pieces", "tissue of all 256 material classes",
-                      "a domain that leaves one of them to the pieces"});
-  }
-  return std::uint8_t(is_used.rend() - free - 1);
-}
-
-Solid solid_of(const FemStep& step, const FemTask& task) {
-  const Body& body = task.held.body;
-  Solid solid;
-  solid.elastic = material_elasticity(body.material);
-  const MaterialClasses classes(body.material);
-  for (int c = 0; c <= kLastClass; ++c) {
-    solid.mass_density[std::size_t(c)] = classes.mass_density_of_class(c);
-    solid.damping_s[std::size_t(c)] =
-        classes.physics(c, c).rayleigh_beta_ms * kSecondsPerMillisecond;
-  }
-  if (body.rigid.empty()) return solid;
-  solid.body = body;
-  solid.body->cuts = task.cuts;
-  const std::uint8_t rigid = class_of_pieces(body);
-  double mass = 0;
-  std::size_t count = 0;
-  for (const RigidPiece& piece : body.rigid.list) {
-    piece.elements->for_each([&](Slot slot) {
-      mass += solid.mass_density[body.classes[slot]];
-      solid.body->classes[slot] = rigid;
-      ++count;
-    });
-  }
-  solid.mass_density[rigid] = mass / double(std::max<std::size_t>(count, 1));
-  solid.elastic.young_kpa[rigid] = step.rigid_young_kpa;
-  solid.elastic.poisson[rigid] = step.rigid_poisson;
-  return solid;
-}
-
-FemLoads loads_of(const FemStep& step, const FemTask& task, const Solid& solid) {
+FemLoads loads_of(const FemStep& step, const FemTask& task, const FemSolid& solid) {
   FemLoads loads;
   loads.gravity_m_s2 = step.gravity_m_s2;
   loads.mass_density = solid.mass_density;
@@ -165,7 +113,7 @@ void warn_of_result(const FemStep& step, const FemRecord& record, Progress* prog
 }
 
 /// Modes count from rest and with all that is held at rest; neither loads nor handles act.
-void find_modes(const FemStep& step, const FemTask& task, const Solid& solid, FemRecord& record,
+void find_modes(const FemStep& step, const FemTask& task, const FemSolid& solid, FemRecord& record,
                 Progress* progress) {
   Body& body = task.held.body;
   const FemModel model(solid.body ? *solid.body : body, solid.elastic, Dilatation::mean, progress);
@@ -186,7 +134,7 @@ void find_modes(const FemStep& step, const FemTask& task, const Solid& solid, Fe
   record.report.loose_elements = report.loose_elements;
 }
 
-void move_to_equilibrium(const FemStep& step, const FemTask& task, const Solid& solid,
+void move_to_equilibrium(const FemStep& step, const FemTask& task, const FemSolid& solid,
                          const std::vector<Handle>& handles, FemRecord& record,
                          Progress* progress) {
   VoxelFemModel model(task.held, solid.elastic, loads_of(step, task, solid), step.params,
@@ -209,14 +157,14 @@ void move_to_equilibrium(const FemStep& step, const FemTask& task, const Solid& 
 }
 
 /// Damping of the elements' material, and that of the step.
-RayleighDamping damping_of(const FemStep& step, const Solid& solid) {
+RayleighDamping damping_of(const FemStep& step, const FemSolid& solid) {
   RayleighDamping damping;
   damping.mass_per_s = step.motion->mass_damping_per_s;
   damping.stiffness_s = solid.damping_s;
   return damping;
 }
 
-void move_in_time(const FemStep& step, const FemTask& task, const Solid& solid,
+void move_in_time(const FemStep& step, const FemTask& task, const FemSolid& solid,
                   const std::vector<Handle>& handles, FemRecord& record, Progress* progress) {
   const MotionStep& motion = *step.motion;
   motion.validate();
@@ -307,7 +255,8 @@ FemRecord move_by_fem(const FemStep& step, const FemTask& task, const std::vecto
   const auto begin = std::chrono::steady_clock::now();
   stage(progress, "finite elements");
   Body& body = task.held.body;
-  const Solid solid = solid_of(step, task);
+  const FemSolid solid =
+      fem_solid(task.held.body, task.cuts, step.rigid_young_kpa, step.rigid_poisson);
   FemRecord record;
   if (const auto problem = contradiction(step)) throw InputError(*problem);
   if (step.modes) {

@@ -1,0 +1,72 @@
+#include "lib/session/fem/fem_solid.h"
+
+#include <algorithm>
+#include <map>
+#include <tuple>
+
+#include "lib/model/fem_model.h"
+
+namespace supple {
+
+namespace {
+
+constexpr double kSecondsPerMillisecond = 1e-3;
+
+/// A class that no element outside of the pieces has, if need be made free: its elements take
+/// another class that is the same to finite elements.
+std::uint8_t class_of_pieces(const Body& body, FemSolid& solid) {
+  std::array<bool, kLastClass + 1> is_used{};
+  for_each_element(body.elements, [&](Slot slot) {
+    if (body.rigid.at(slot) < 0) is_used[body.classes[slot]] = true;
+  });
+  const auto free = std::find(is_used.rbegin(), is_used.rend(), false);
+  if (free != is_used.rend()) return std::uint8_t(is_used.rend() - free - 1);
+  std::map<std::tuple<double, double, double, double>, std::uint8_t> known;
+  for (int c = 0; c <= kLastClass; ++c) {
+    const auto n = std::size_t(c);
+    const auto [same, is_new] =
+        known.try_emplace({solid.elastic.young_kpa[n], solid.elastic.poisson[n],
+                           solid.mass_density[n], solid.damping_s[n]},
+                          std::uint8_t(c));
+    if (is_new) continue;
+    for_each_element(body.elements, [&, first = same->second](Slot slot) {
+      if (solid.body->classes[slot] == c) solid.body->classes[slot] = first;
+    });
+    return std::uint8_t(c);
+  }
+  throw InputError({"", "rigid pieces", "tissue of 256 material classes that all differ",
+                    "a material that leaves one of them to the pieces"});
+}
+
+}  // namespace
+
+FemSolid fem_solid(const Body& body, const LinkCuts& cuts, double rigid_young_kpa,
+                   double rigid_poisson) {
+  FemSolid solid;
+  solid.elastic = material_elasticity(body.material);
+  const MaterialClasses classes(body.material);
+  for (int c = 0; c <= kLastClass; ++c) {
+    solid.mass_density[std::size_t(c)] = classes.mass_density_of_class(c);
+    solid.damping_s[std::size_t(c)] =
+        classes.physics(c, c).rayleigh_beta_ms * kSecondsPerMillisecond;
+  }
+  if (body.rigid.empty()) return solid;
+  solid.body = body;
+  solid.body->cuts = cuts;
+  const std::uint8_t rigid = class_of_pieces(body, solid);
+  double mass = 0;
+  std::size_t count = 0;
+  for (const RigidPiece& piece : body.rigid.list) {
+    piece.elements->for_each([&](Slot slot) {
+      mass += classes.mass_density_of_class(body.classes[slot]);
+      solid.body->classes[slot] = rigid;
+      ++count;
+    });
+  }
+  solid.mass_density[rigid] = mass / double(std::max<std::size_t>(count, 1));
+  solid.elastic.young_kpa[rigid] = rigid_young_kpa;
+  solid.elastic.poisson[rigid] = rigid_poisson;
+  return solid;
+}
+
+}  // namespace supple

@@ -1,0 +1,25 @@
+// What finite elements are to see of a body with its material and rigid pieces.
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "lib/fem/fem.h"
+
+namespace supple {
+
+/// Cuts inside of rigid pieces are whole, and their elements have a class of their own.
+struct FemSolid {
+  std::optional<Body> body;  // where it is another than the session's
+  ElasticTable elastic;
+  MassDensities mass_density{};
+  std::array<double, kLastClass + 1> damping_s{};
+};
+
+/// `cuts` are those of the body without what rigid pieces hide; Young's modulus and Poisson's ratio
+/// are those of the pieces. Throws InputError where tissue has 256 classes and no two of them have
+/// the same moduli, density and damping.
+FemSolid fem_solid(const Body& body, const LinkCuts& cuts, double rigid_young_kpa,
+                   double rigid_poisson);
+
+}  // namespace supple
