@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "lib/fem/fem.h"
+#include "lib/fem/fem_loads.h"
 
 namespace supple {
 
