@@ -24,13 +24,13 @@ std::uint8_t class_of_pieces(const Body& body, FemSolid& solid) {
   std::map<std::tuple<double, double, double, double>, std::uint8_t> known;
   for (int c = 0; c <= kLastClass; ++c) {
     const auto n = std::size_t(c);
-    const auto [same, is_new] =
-        known.try_emplace({solid.elastic.young_kpa[n], solid.elastic.poisson[n],
-                           solid.mass_density[n], solid.damping_s[n]},
-                          std::uint8_t(c));
-    if (is_new) continue;
-    for_each_element(body.elements, [&, first = same->second](Slot slot) {
-      if (solid.body->classes[slot] == c) solid.body->classes[slot] = first;
+    const std::tuple moduli{solid.elastic.young_kpa[n], solid.elastic.poisson[n],
+                            solid.mass_density[n], solid.damping_s[n]};
+    const auto known_as = known.try_emplace(moduli, std::uint8_t(c)).first;
+    const std::uint8_t twin = known_as->second;
+    if (twin == c) continue;
+    for_each_element(body.elements, [&](Slot slot) {
+      if (solid.body->classes[slot] == c) solid.body->classes[slot] = twin;
     });
     return std::uint8_t(c);
   }

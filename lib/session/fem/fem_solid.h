@@ -4,8 +4,8 @@
 #include <array>
 #include <optional>
 
+#include "lib/fem/dynamics/mass.h"
 #include "lib/fem/fem.h"
-#include "lib/fem/fem_loads.h"
 
 namespace supple {
 
