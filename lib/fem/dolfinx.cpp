@@ -29,7 +29,7 @@ void write_values(const std::string& path, const std::vector<T>& values) {
   if (!out.flush()) throw SystemError(path + ": cannot write");
 }
 
-/// The last line that begins at its margin: what Python says of an error.
+/// The last line with what Python or PETSc says of an error.
 std::string complaint_in(const std::string& text) {
   std::string last = "no message";
   for (std::size_t begin = 0; begin < text.size();) {

@@ -2,8 +2,8 @@
 
 solve.py FOLDER TOLERANCE ITERATIONS, in one process or several of MPI. The folder has nodes.f64
 (n x 3, mm), corners.i32 (e x 8, corners 4 di + 2 dj + dk), shear.f64 and bulk.f64 (e, kPa), held.u8
-(n, bit a: component a is held), held.f64 (n x 3, mm, where), forces.f64 (n x 3, mN, or empty), and a
-file `pointwise` where elements have no mean dilatation. It gets `started` once forms are compiled,
+(n, bit a: component a is held), held.f64 (n x 3, mm, where), forces.f64 (n x 3, mN, or empty), and
+a file `pointwise` where elements have no mean dilatation. It gets `started` once forms are compiled,
 and u.f64. Prints {"converged", "iterations", "peak_bytes", "assemble_s", "setup_s", "solve_s"};
 exit code 3: DOLFINx is not installed.
 """
@@ -94,7 +94,8 @@ def main():
         return values if width is None else values.reshape(-1, width)
 
     def part(values):
-        return values[comm.rank * len(values) // comm.size:(comm.rank + 1) * len(values) // comm.size]
+        first, last = (rank * len(values) // comm.size for rank in (comm.rank, comm.rank + 1))
+        return values[first:last]
 
     is_pointwise = (folder / 'pointwise').exists()
     compiled(mesh.create_unit_cube(comm, comm.size, 1, 1, mesh.CellType.hexahedron), is_pointwise)

@@ -322,6 +322,7 @@ Fields fields(FemStep& step) {
           .unit("kPa")
           .shown_as("KPA")
           .positive()
+          .otherwise("10000 times that of the stiffest tissue, at most 18600000")
           .recorded_as("rigid_stiffness_kpa"),
       Field("rigid_poisson", step.rigid_poisson, "Poisson's ratio of rigid pieces")
           .range(0, kLargestPoisson),

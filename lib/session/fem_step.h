@@ -35,8 +35,9 @@ struct FemLoad {
 struct FemStep {
   FemParams params;
   Vec3d gravity_m_s2{0, 0, 0};  // LPS
-  /// Of the elements of rigid pieces.
-  double rigid_young_kpa = 18.6e6, rigid_poisson = 0.3;
+  /// Of the elements of rigid pieces; none: as fem_solid() has it.
+  std::optional<double> rigid_young_kpa;
+  double rigid_poisson = 0.3;
   int halvings = 0;  // of the voxels' edges, for smaller elements
   std::vector<FemLoad> loads;
   std::vector<FemQuantity> wanted;   // whose values the record is to have

@@ -55,6 +55,19 @@ TEST(UnitFemSolid, APieceTakesAClassThatIsAnothersTwin) {
   EXPECT_EQ(check_moduli(half_rigid_block("[[0, 6], [200, 6], [255, 90]]")), 255u);
 }
 
+TEST(UnitFemSolid, PiecesAreSoMuchStifferThanTheStiffestTissueUpToBone) {
+  const auto young_of_piece = [](const std::string& stiffness) {
+    const Body body = half_rigid_block(stiffness);
+    const FemSolid solid = fem_solid(body, body.cuts, {}, kBonePoisson);
+    double young_kpa = 0;
+    body.rigid.list[0].elements->for_each(
+        [&](Slot slot) { young_kpa = solid.elastic.young_kpa[solid.body->classes[slot]]; });
+    return young_kpa;
+  };
+  EXPECT_DOUBLE_EQ(young_of_piece("[[0, 6], [200, 6], [255, 90]]"), kRigidContrast * 90);
+  EXPECT_DOUBLE_EQ(young_of_piece("[[0, 6], [200, 6], [255, 9000]]"), kCorticalBone_kpa);
+}
+
 TEST(UnitFemSolid, APieceIsRefusedWhereAllClassesDiffer) {
   const Body body = half_rigid_block("[[0, 6], [255, 90]]");
   EXPECT_THROW(fem_solid(body, body.cuts, kBoneKpa, kBonePoisson), InputError);

@@ -12,13 +12,29 @@ namespace {
 
 constexpr double kSecondsPerMillisecond = 1e-3;
 
-/// A class that no element outside of the pieces has, if need be made free: its elements take
-/// another class that is the same to finite elements.
-std::uint8_t class_of_pieces(const Body& body, FemSolid& solid) {
-  std::array<bool, kLastClass + 1> is_used{};
+using ClassSet = std::array<bool, kLastClass + 1>;
+
+/// Of the elements in no piece.
+ClassSet classes_of_tissue(const Body& body) {
+  ClassSet is_used{};
   for_each_element(body.elements, [&](Slot slot) {
     if (body.rigid.at(slot) < 0) is_used[body.classes[slot]] = true;
   });
+  return is_used;
+}
+
+double default_rigid_young_kpa(const ClassSet& of_tissue, const ElasticTable& elastic) {
+  double stiffest_kpa = 0;
+  for (std::size_t n = 0; n < of_tissue.size(); ++n) {
+    if (of_tissue[n]) stiffest_kpa = std::max(stiffest_kpa, elastic.young_kpa[n]);
+  }
+  return stiffest_kpa > 0 ? std::min(kRigidContrast * stiffest_kpa, kCorticalBone_kpa)
+                          : kCorticalBone_kpa;
+}
+
+/// A class that no element outside of the pieces has, if need be made free: its elements take
+/// another class that is the same to finite elements.
+std::uint8_t class_of_pieces(const Body& body, const ClassSet& is_used, FemSolid& solid) {
   const auto free = std::find(is_used.rbegin(), is_used.rend(), false);
   if (free != is_used.rend()) return std::uint8_t(is_used.rend() - free - 1);
   std::map<std::tuple<double, double, double, double>, std::uint8_t> known;
@@ -40,7 +56,7 @@ std::uint8_t class_of_pieces(const Body& body, FemSolid& solid) {
 
 }  // namespace
 
-FemSolid fem_solid(const Body& body, const LinkCuts& cuts, double rigid_young_kpa,
+FemSolid fem_solid(const Body& body, const LinkCuts& cuts, std::optional<double> rigid_young_kpa,
                    double rigid_poisson) {
   FemSolid solid;
   solid.elastic = material_elasticity(body.material);
@@ -53,7 +69,10 @@ FemSolid fem_solid(const Body& body, const LinkCuts& cuts, double rigid_young_kp
   if (body.rigid.empty()) return solid;
   solid.body = body;
   solid.body->cuts = cuts;
-  const std::uint8_t rigid = class_of_pieces(body, solid);
+  const ClassSet of_tissue = classes_of_tissue(body);
+  const double rigid_kpa =
+      rigid_young_kpa.value_or(default_rigid_young_kpa(of_tissue, solid.elastic));
+  const std::uint8_t rigid = class_of_pieces(body, of_tissue, solid);
   double mass = 0;
   std::size_t count = 0;
   for (const RigidPiece& piece : body.rigid.list) {
@@ -64,7 +83,7 @@ FemSolid fem_solid(const Body& body, const LinkCuts& cuts, double rigid_young_kp
     });
   }
   solid.mass_density[rigid] = mass / double(std::max<std::size_t>(count, 1));
-  solid.elastic.young_kpa[rigid] = rigid_young_kpa;
+  solid.elastic.young_kpa[rigid] = rigid_kpa;
   solid.elastic.poisson[rigid] = rigid_poisson;
   return solid;
 }

@@ -18,9 +18,13 @@ struct FemSolid {
 };
 
 /// `cuts` are those of the body without what rigid pieces hide; Young's modulus and Poisson's ratio
-/// are those of the pieces. Throws InputError where tissue has 256 classes and no two of them have
-/// the same moduli, density and damping.
-FemSolid fem_solid(const Body& body, const LinkCuts& cuts, double rigid_young_kpa,
+/// are those of the pieces. Without a modulus they are kRigidContrast times as stiff as the
+/// stiffest tissue, at most as stiff as cortical bone: an equation system is the harder to solve
+/// the stiffer they are, and what a piece bends is taken out of the result. Throws InputError where
+/// tissue has 256 classes and no two of them have the same moduli, density and damping.
+FemSolid fem_solid(const Body& body, const LinkCuts& cuts, std::optional<double> rigid_young_kpa,
                    double rigid_poisson);
+
+constexpr double kRigidContrast = 1e4, kCorticalBone_kpa = 18.6e6;
 
 }  // namespace supple
