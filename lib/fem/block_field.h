@@ -1,4 +1,4 @@
-// Values of one block's nodes in the order of its table (element_groups.h), one component after the
+// Values of one block's nodes in the order of its table (node_tables.h), one component after the
 // other, so that groups of elements read and write them as vectors; and the loop over all blocks in
 // which threads may add to nodes.
 #pragma once
@@ -18,8 +18,11 @@ namespace supple {
 template <class T>
 class BlockField {
  public:
-  explicit BlockField(const ElementGroups& groups)
-      : m_groups(groups), m_stride(groups.longest_table), m_values(3 * m_stride) {}
+  BlockField(const HexMesh& mesh, const ElementGroups& groups)
+      : m_tables(mesh.tables),
+        m_groups(groups),
+        m_stride(m_tables.longest()),
+        m_values(3 * m_stride) {}
 
   /// From a vector of all nodes, three values each.
   template <class X>
@@ -98,16 +101,9 @@ class BlockField {
   }
 
  private:
-  static constexpr int row_place(int row, int corner) {
-    return ((row >> 3) + (corner >> 2 & 1)) * 81 + ((row & 7) + (corner >> 1 & 1)) * 9 +
-           (corner & 1);
-  }
-  const NodeIndex* table(std::int32_t block) const {
-    return &m_groups.nodes[m_groups.table_begin[std::size_t(block)]];
-  }
-  std::size_t table_size(std::int32_t block) const {
-    return m_groups.table_begin[std::size_t(block) + 1] - m_groups.table_begin[std::size_t(block)];
-  }
+  static int row_place(int row, int corner) { return lattice_place(row << 3, corner); }
+  const NodeIndex* table(std::int32_t block) const { return m_tables.nodes(std::size_t(block)); }
+  std::size_t table_size(std::int32_t block) const { return m_tables.size(std::size_t(block)); }
   const std::uint8_t* sequences(std::int32_t block) const {
     return &m_groups.in_sequence[kLatticeRows * std::size_t(block)];
   }
@@ -127,6 +123,7 @@ class BlockField {
     }
   }
 
+  const NodeTables& m_tables;
   const ElementGroups& m_groups;
   std::size_t m_stride;
   std::vector<T> m_values;
@@ -139,7 +136,7 @@ void for_blocks_by_colour(const HexMesh& mesh, const ElementGroups& groups, Visi
   for (const std::vector<std::int32_t>& blocks : mesh.of_colour) {
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks.size(), 1),
                       [&](const tbb::blocked_range<std::size_t>& range) {
-                        Scratch scratch(groups);
+                        Scratch scratch(mesh, groups);
                         for (std::size_t n = range.begin(); n < range.end(); ++n) {
                           visit(blocks[n], scratch);
                         }

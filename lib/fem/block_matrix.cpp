@@ -16,16 +16,17 @@ struct ElementsAround {
 
   ElementsAround(const HexMesh& mesh, const CellMatrices& matrices)
       : begin(mesh.node_count() + 1, 0) {
-    for (std::size_t e = 0; e < mesh.corners.size(); ++e) {
-      if (!matrices.has(e)) continue;
-      for (const NodeIndex node : mesh.corners[e]) ++begin[node + 1];
+    for (std::int32_t e = 0; e < mesh.element_count(); ++e) {
+      if (!matrices.has(std::size_t(e))) continue;
+      for (const NodeIndex node : mesh.corners(e)) ++begin[node + 1];
     }
     for (NodeIndex n = 0; n < mesh.node_count(); ++n) begin[n + 1] += begin[n];
     corner.resize(begin.back());
     std::vector<std::int64_t> next(begin.begin(), begin.end() - 1);
-    for (std::size_t e = 0; e < mesh.corners.size(); ++e) {
-      if (!matrices.has(e)) continue;
-      for (int c = 0; c < 8; ++c) corner[next[mesh.corners[e][c]]++] = std::int64_t(8 * e + c);
+    for (std::int32_t e = 0; e < mesh.element_count(); ++e) {
+      if (!matrices.has(std::size_t(e))) continue;
+      const Corners corners = mesh.corners(e);
+      for (int c = 0; c < 8; ++c) corner[next[corners[c]]++] = 8 * std::int64_t(e) + c;
     }
   }
 };
@@ -43,7 +44,7 @@ void neighbours_of(const HexMesh& mesh, const ElementsAround& around, NodeIndex 
                    std::vector<NodeIndex>& out) {
   out.clear();
   for (std::int64_t n = around.begin[node]; n < around.begin[node + 1]; ++n) {
-    const Corners& corners = mesh.corners[around.corner[n] / 8];
+    const Corners corners = mesh.corners(std::int32_t(around.corner[n] / 8));
     out.insert(out.end(), corners.begin(), corners.end());
   }
   std::sort(out.begin(), out.end());
@@ -104,10 +105,10 @@ BlockMatrix<T> assemble(const HexMesh& mesh, const CellMatrices& matrices) {
     for (std::int64_t n = around.begin[node]; n < around.begin[node + 1]; ++n) {
       const std::int64_t element = around.corner[n] / 8;
       const int row = int(around.corner[n] % 8);
+      const Corners corners = mesh.corners(std::int32_t(element));
       for (int c = 0; c < 8; ++c) {
         const auto place =
-            std::lower_bound(columns.begin(), columns.end(), mesh.corners[element][c]) -
-            columns.begin();
+            std::lower_bound(columns.begin(), columns.end(), corners[c]) - columns.begin();
         for (int a = 0; a < 3; ++a) {
           for (int b = 0; b < 3; ++b) {
             sums[place][3 * a + b] += matrices[element][3 * row + a][3 * c + b];

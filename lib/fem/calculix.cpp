@@ -78,7 +78,7 @@ void CalculixSolver::write_body(std::FILE* out) const {
     const Vec3d& x = positions[n];
     std::fprintf(out, "%zu,%.12e,%.12e,%.12e\n", n + 1, x.x, x.y, x.z);
   }
-  std::vector<std::size_t> by_class(m_mesh.corners.size());
+  std::vector<std::size_t> by_class(m_mesh.offset.size());
   std::iota(by_class.begin(), by_class.end(), 0);
   const std::vector<std::uint8_t>& classes = m_material.classes;
   std::stable_sort(by_class.begin(), by_class.end(),
@@ -99,8 +99,9 @@ void CalculixSolver::write_body(std::FILE* out) const {
       materials += text;
     }
     std::fprintf(out, "%zu", n + 1);
+    const Corners corners = m_mesh.corners(std::int32_t(by_class[n]));
     for (const int corner : kCornerOrder) {
-      std::fprintf(out, ",%d", int(m_mesh.corners[by_class[n]][corner ^ mirror]) + 1);
+      std::fprintf(out, ",%d", int(corners[corner ^ mirror]) + 1);
     }
     std::fputs("\n", out);
   }

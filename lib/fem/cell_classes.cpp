@@ -43,7 +43,7 @@ CellClasses cell_classes(const HexMesh& voxels, const Coarsening& coarsening,
     const int child = (local.x & 1) * 4 + (local.y & 1) * 2 + (local.z & 1);
     out.of_child[cell][child] = alike[material.classes[e]];
     out.present[cell] = std::uint8_t(out.present[cell] | 1 << child);
-    const std::uint32_t bits = held_corners(voxels.corners[e], held);
+    const std::uint32_t bits = held_corners(voxels.corners(e), held);
     if (bits == 0) continue;
     if (out.constraint[cell] < 0) {
       out.constraint[cell] = std::int32_t(out.held.size());

@@ -114,8 +114,8 @@ CellMatrices CellMatrices::of_voxels(const HexMesh& voxels, const VoxelMaterial&
   constexpr std::uint32_t kAllHeld = 0xffffff;
   CellMatrices out;
   std::vector<std::size_t> free;
-  for (const Corners& corners : voxels.corners) {
-    const bool is_free = held_corners(corners, held) != kAllHeld;
+  for (std::int32_t e = 0; e < voxels.element_count(); ++e) {
+    const bool is_free = held_corners(voxels.corners(e), held) != kAllHeld;
     if (is_free) free.push_back(out.m_place.size());
     out.m_place.push_back(is_free ? std::int32_t(free.size() - 1) : -1);
   }
@@ -125,7 +125,7 @@ CellMatrices CellMatrices::of_voxels(const HexMesh& voxels, const VoxelMaterial&
     const std::size_t e = free[n];
     out.m_matrices[n] = Matrix24{};
     parts.add_to(out.m_matrices[n], material.moduli, material.classes[e]);
-    clear_rows(held_corners(voxels.corners[e], held), out.m_matrices[n]);
+    clear_rows(held_corners(voxels.corners(std::int32_t(e)), held), out.m_matrices[n]);
   });
   return out;
 }

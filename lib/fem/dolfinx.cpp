@@ -105,13 +105,15 @@ void DolfinxSolver::write_problem(const std::string& folder) const {
   const HexMesh& mesh = m_stiffness.mesh();
   const auto file = [&](const char* name) { return folder + "/" + name; };
   std::ofstream(file("solve.py")) << kDolfinxSolve;
+  std::vector<Corners> corners;
+  for (std::int32_t e = 0; e < mesh.element_count(); ++e) corners.push_back(mesh.corners(e));
   std::vector<double> shear, bulk;
   for (const std::uint8_t of : m_material.classes) {
     shear.push_back(m_material.moduli.shear[of]);
     bulk.push_back(m_material.moduli.bulk[of]);
   }
   write_values(file("nodes.f64"), node_positions(mesh));
-  write_values(file("corners.i32"), mesh.corners);
+  write_values(file("corners.i32"), corners);
   write_values(file("shear.f64"), shear);
   write_values(file("bulk.f64"), bulk);
   write_values(file("held.u8"), m_loads.held);

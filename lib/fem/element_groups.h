@@ -1,11 +1,11 @@
 // Elements of a mesh in groups of eight, which the kernels compute side by side.
 //
-// A block copies the values of its nodes into a table: 9^3 places of the lattice first, and behind
-// them the further nodes of places that have several. A group is a row of eight cells along k whose
-// elements are of one material and have the nodes of the lattice, so that its corners are read as
-// contiguous vectors; or eight elements of one kind of anywhere in the block with the places of
-// their corners listed. So one difficult cell does not make its whole row difficult.
-// Memory: 3 kB per block, 10 bytes per group.
+// The values of a block's nodes are copied in the order of its table (node_tables.h). A group is a
+// row of eight cells along k whose elements are of one material and have the nodes of the lattice,
+// so that its corners are read as contiguous vectors; or eight elements of one kind of anywhere in
+// the block with the places of their corners listed. So one difficult cell does not make its whole
+// row difficult.
+// Memory: 81 bytes per block, 12 per group, 128 more where its corners are listed.
 #pragma once
 
 #include <array>
@@ -17,8 +17,6 @@
 namespace supple {
 
 constexpr int kGroup = 8;
-constexpr int kLatticeNodes = 729;
-constexpr int kLatticeRows = 81;
 
 /// Elements that the kernels treat alike, least work first.
 enum class GroupKind : std::uint8_t {
@@ -39,15 +37,12 @@ constexpr std::uint8_t kListed = 255;
 struct ElementGroups {
   std::vector<ElementGroup> groups;
   std::vector<std::uint32_t> group_begin;  // per block, one more than blocks
-  std::vector<NodeIndex> nodes;            // of the blocks' tables; -1: none
-  std::vector<std::uint32_t> table_begin;  // per block, one more than blocks
   /// Per block and row of its lattice: whether the nodes are in sequence, without the first of the
   /// nine.
   std::vector<std::uint8_t> in_sequence;
   std::vector<std::uint16_t> corners;  // of listed groups: [corner][lane], places in the table
   /// The element of every lane, -1 where there is none; kept while data of the kinds are filled in.
   std::vector<std::int32_t> element;
-  std::size_t longest_table = 0;
 
   std::size_t bytes() const;
 };

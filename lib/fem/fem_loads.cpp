@@ -35,9 +35,10 @@ std::vector<NodeIndex> nodes_of_elements(const HexMesh& mesh, const SlotSet& ele
                                          const std::function<bool(const Vec3d&)>& where) {
   std::vector<NodeIndex> nodes;
   for_each_element(mesh, elements, [&](std::int32_t block, std::int32_t e) {
+    const Corners corners = mesh.corners_in(std::size_t(block), e);
     for (int c = 0; c < 8; ++c) {
       if (where && !where(corner_position(mesh, block, mesh.offset[e], c))) continue;
-      nodes.push_back(mesh.corners[e][c]);
+      nodes.push_back(corners[c]);
     }
   });
   std::sort(nodes.begin(), nodes.end());
@@ -55,8 +56,9 @@ void hold(const HexMesh& mesh, const HeldElements& held, NodalLoads& out) {
               nodes.end());
   if (held.displacement_mm) {
     for_each_element(mesh, held.elements, [&](std::int32_t block, std::int32_t e) {
+      const Corners corners = mesh.corners_in(std::size_t(block), e);
       for (int c = 0; c < 8; ++c) {
-        const NodeIndex node = mesh.corners[e][c];
+        const NodeIndex node = corners[c];
         if (!std::binary_search(nodes.begin(), nodes.end(), node)) continue;
         const Vec3d u = held.displacement_mm(corner_position(mesh, block, mesh.offset[e], c));
         require_finite(u, "displacement");
@@ -85,9 +87,11 @@ bool is_covered(const HexMesh& mesh, const BrickIndex& index, std::int32_t block
   if (there < 0) return false;
   const std::int32_t other = element_at(mesh, std::size_t(there), brick_offset(cell));
   if (other < 0) return false;
+  const Corners own = mesh.corners_in(std::size_t(block), e);
+  const Corners beside = mesh.corners_in(std::size_t(there), other);
   for (int c = 0; c < 8; ++c) {
     if (((c & kAxisBits[axis]) != 0) != is_high) continue;
-    if (mesh.corners[e][c] != mesh.corners[other][c ^ kAxisBits[axis]]) return false;
+    if (own[c] != beside[c ^ kAxisBits[axis]]) return false;
   }
   return true;
 }
@@ -97,6 +101,7 @@ void press_faces(const HexMesh& mesh, const PressureOnFaces& pressure, std::vect
   const std::array<Vec3d, 3> axes = mesh.geometry.axes_mm();
   const double hand = mesh.geometry.determinant() > 0 ? 1 : -1;
   for_each_element(mesh, pressure.elements, [&](std::int32_t block, std::int32_t e) {
+    const Corners corners = mesh.corners_in(std::size_t(block), e);
     for (int axis = 0; axis < 3; ++axis) {
       const Vec3d area = axes[(axis + 1) % 3].cross(axes[(axis + 2) % 3]) * hand;
       for (const bool is_high : {false, true}) {
@@ -109,7 +114,7 @@ void press_faces(const HexMesh& mesh, const PressureOnFaces& pressure, std::vect
         if (pressure.includes && !pressure.includes(centre, outward.normalized())) continue;
         for (int c = 0; c < 8; ++c) {
           if (((c & kAxisBits[axis]) != 0) != is_high) continue;
-          add_to_node(outward * (-pressure.pressure_kpa / 4), mesh.corners[e][c], force);
+          add_to_node(outward * (-pressure.pressure_kpa / 4), corners[c], force);
         }
       }
     }
@@ -119,9 +124,10 @@ void press_faces(const HexMesh& mesh, const PressureOnFaces& pressure, std::vect
 /// f = integral p div N: an isotropic stress -p that the stiffness has to balance.
 void press_inside(const HexMesh& mesh, const VoxelMaterial& material,
                   const PressureInElements& pressure, std::vector<double>& force) {
-  for_each_element(mesh, pressure.elements, [&](std::int32_t, std::int32_t e) {
+  for_each_element(mesh, pressure.elements, [&](std::int32_t block, std::int32_t e) {
+    const Corners corners = mesh.corners_in(std::size_t(block), e);
     for (int n = 0; n < 24; ++n) {
-      force[3 * std::size_t(mesh.corners[e][n / 3]) + n % 3] +=
+      force[3 * std::size_t(corners[n / 3]) + n % 3] +=
           pressure.pressure_kpa * material.matrix.volume_mm3 * material.matrix.gradient[n];
     }
   });
@@ -134,13 +140,14 @@ void add_volume_forces(const HexMesh& mesh, const VoxelMaterial& material, const
     for (std::int32_t e = mesh.element_begin[block]; e < mesh.element_begin[block + 1]; ++e) {
       const Vec3d weight =
           loads.gravity_m_s2 * (loads.mass_density[material.classes[e]] * share * kWeightMn);
+      const Corners corners = mesh.corners_in(block, e);
       for (int c = 0; c < 8; ++c) {
         Vec3d sum = weight;
         if (loads.body_force) {
           sum += loads.body_force(corner_position(mesh, std::int32_t(block), mesh.offset[e], c)) *
                  share;
         }
-        add_to_node(sum, mesh.corners[e][c], force);
+        add_to_node(sum, corners[c], force);
       }
     }
   }

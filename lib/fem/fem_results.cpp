@@ -44,8 +44,9 @@ namespace {
 Matrix9 centre_gradient(const HexMesh& voxels, const VoxelMaterial& material,
                         const std::vector<double>& u_mm, std::int32_t element) {
   Matrix9 gradient{};
+  const Corners corners = voxels.corners(element);
   for (std::size_t n = 0; n < 24; ++n) {
-    const double u = u_mm[3 * std::size_t(voxels.corners[element][n / 3]) + n % 3];
+    const double u = u_mm[3 * std::size_t(corners[n / 3]) + n % 3];
     for (std::size_t d = 0; d < 3; ++d) {
       gradient[3 * (n % 3) + d] += u * material.matrix.gradient[3 * (n / 3) + d];
     }
@@ -85,9 +86,8 @@ ElementState linear_state(const HexMesh& voxels, const VoxelMaterial& material,
   const double volumetric = (bulk - 2 * shear / 3) * out.volume_strain;
   for (int n = 0; n < 3; ++n) out.stress_kpa[n] += volumetric;
   double local[24], energy = 0;
-  for (int n = 0; n < 24; ++n) {
-    local[n] = u_mm[3 * std::size_t(voxels.corners[element][n / 3]) + n % 3];
-  }
+  const Corners corners = voxels.corners(element);
+  for (int n = 0; n < 24; ++n) local[n] = u_mm[3 * std::size_t(corners[n / 3]) + n % 3];
   for (int n = 0; n < 24; ++n) {
     double force = 0;
     for (int m = 0; m < 24; ++m) {
@@ -166,7 +166,7 @@ double value_of(const ElementState& state, FemQuantity quantity) {
 std::vector<float> element_values(const HexMesh& voxels, const VoxelMaterial& material,
                                   const std::vector<double>& u_mm, FemQuantity quantity,
                                   StrainTheory theory) {
-  std::vector<float> values(voxels.corners.size());
+  std::vector<float> values(voxels.offset.size());
   tbb::parallel_for(
       tbb::blocked_range<std::int32_t>(0, voxels.element_count(), 256),
       [&](const tbb::blocked_range<std::int32_t>& range) {
@@ -198,7 +198,7 @@ LargestMotion largest_motion(const HexMesh& voxels, const VoxelMaterial& materia
 Vec3d centre_displacement(const HexMesh& voxels, const std::vector<double>& u_mm,
                           std::int32_t element) {
   Vec3d sum(0);
-  for (const NodeIndex node : voxels.corners[element]) {
+  for (const NodeIndex node : voxels.corners(element)) {
     const double* u = &u_mm[3 * std::size_t(node)];
     sum += Vec3d(u[0], u[1], u[2]);
   }

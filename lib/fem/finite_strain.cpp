@@ -13,13 +13,15 @@ namespace supple {
 namespace {
 
 struct ForceFields {
-  explicit ForceFields(const ElementGroups& groups) : u(groups), force(groups) {}
+  ForceFields(const HexMesh& mesh, const ElementGroups& groups)
+      : u(mesh, groups), force(mesh, groups) {}
 
   BlockField<double> u, force;
 };
 
 struct TangentFields {
-  explicit TangentFields(const ElementGroups& groups) : u(groups), x(groups), force(groups) {}
+  TangentFields(const HexMesh& mesh, const ElementGroups& groups)
+      : u(mesh, groups), x(mesh, groups), force(mesh, groups) {}
 
   BlockField<double> u, x, force;
 };
@@ -134,8 +136,9 @@ ElementEnergy element_energy(const HexMesh& mesh, const VoxelMaterial& material,
   moduli.shear[0] = material.moduli.shear[of];
   moduli.bulk[0] = material.moduli.bulk[of];
   DoubleLanes x[24] = {}, modes[24], energy, smallest;
+  const Corners corners = mesh.corners(element);
   for (std::size_t n = 0; n < 24; ++n) {
-    x[n][0] = u_mm[3 * std::size_t(mesh.corners[std::size_t(element)][n / 3]) + n % 3];
+    x[n][0] = u_mm[3 * std::size_t(corners[n / 3]) + n % 3];
   }
   std::copy(x, x + 24, modes);
   to_modes(modes);
@@ -158,7 +161,7 @@ NodeTurns::NodeTurns(const HexMesh& mesh, const VoxelMaterial& material, const H
     tbb::parallel_for(std::size_t(0), blocks.size(), [&](std::size_t n) {
       const std::size_t block = std::size_t(blocks[n]);
       for (auto e = mesh.element_begin[block]; e < mesh.element_begin[block + 1]; ++e) {
-        const Corners& corners = mesh.corners[std::size_t(e)];
+        const Corners corners = mesh.corners_in(block, e);
         float gradient[9] = {};
         for (int c = 0; c < 8; ++c) {
           for (int a = 0; a < 3; ++a) {

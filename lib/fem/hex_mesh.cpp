@@ -14,7 +14,7 @@ constexpr int kAxisBit[3] = {4, 2, 1};
 /// One node per set of corners.
 void number_nodes(HexMesh& mesh, CornerSets& sets) {
   NodeIndex nodes = 0;
-  mesh.corners.resize(mesh.offset.size());
+  std::vector<Corners> corners(mesh.offset.size());
   for (std::size_t b = 0; b < mesh.block_count(); ++b) {
     mesh.node_begin.push_back(nodes);
     const auto for_all_corners = [&](auto&& visit) {
@@ -29,12 +29,13 @@ void number_nodes(HexMesh& mesh, CornerSets& sets) {
     for_all_corners([&](std::uint32_t corner, std::uint32_t first) {
       if (first == corner) own.add(mesh, corner);
     });
-    nodes = own.number(mesh, nodes);
+    nodes = own.number(corners, nodes);
     for_all_corners([&](std::uint32_t corner, std::uint32_t first) {
-      mesh.corners[corner / 8][corner % 8] = mesh.corners[first / 8][first % 8];
+      corners[corner / 8][corner % 8] = corners[first / 8][first % 8];
     });
   }
   mesh.node_begin.push_back(nodes);
+  mesh.set_corners(corners);
 }
 
 void add_block(HexMesh& mesh, const Vec3i& origin) {
@@ -46,21 +47,26 @@ void add_block(HexMesh& mesh, const Vec3i& origin) {
 }  // namespace
 
 void OwnNodes::add(const HexMesh& mesh, std::uint32_t corner) {
-  const Vec3i local = brick_local(mesh.offset[corner / 8]);
-  const int place = (local.x + (corner >> 2 & 1)) * 81 + (local.y + (corner >> 1 & 1)) * 9 +
-                    local.z + (corner & 1);
-  m_nodes.emplace_back(place, corner);
+  m_nodes.emplace_back(lattice_place(mesh.offset[corner / 8], int(corner % 8)), corner);
 }
 
-NodeIndex OwnNodes::number(HexMesh& mesh, NodeIndex first) {
+NodeIndex OwnNodes::number(std::vector<Corners>& corners, NodeIndex first) {
   std::sort(m_nodes.begin(), m_nodes.end());
-  for (const auto& [place, corner] : m_nodes) mesh.corners[corner / 8][corner % 8] = first++;
+  for (const auto& [place, corner] : m_nodes) corners[corner / 8][corner % 8] = first++;
   return first;
+}
+
+void HexMesh::set_corners(const std::vector<Corners>& corners) {
+  tables = NodeTables(element_begin, offset, corners);
+  for (std::int32_t e = 0, block = 0; e < element_count(); e += std::int32_t(kHintStep)) {
+    while (element_begin[std::size_t(block) + 1] <= e) ++block;
+    block_hint.push_back(block);
+  }
 }
 
 std::size_t HexMesh::bytes() const {
   return origin.capacity() * (sizeof(Vec3i) + 12) + offset.capacity() * sizeof(offset[0]) +
-         corners.capacity() * sizeof(corners[0]);
+         block_hint.capacity() * sizeof(block_hint[0]) + tables.bytes();
 }
 
 std::size_t Coarsening::bytes() const {
@@ -106,9 +112,10 @@ std::vector<Vec3d> node_positions(const HexMesh& mesh) {
   std::vector<Vec3d> positions(mesh.node_count());
   for (std::size_t b = 0; b < mesh.block_count(); ++b) {
     for (std::int32_t e = mesh.element_begin[b]; e < mesh.element_begin[b + 1]; ++e) {
+      const Corners corners = mesh.corners_in(b, e);
       for (int c = 0; c < 8; ++c) {
-        if (mesh.corners[e][c] < mesh.node_begin[b]) continue;
-        positions[mesh.corners[e][c]] = corner_position(mesh, std::int32_t(b), mesh.offset[e], c);
+        if (corners[c] < mesh.node_begin[b]) continue;
+        positions[corners[c]] = corner_position(mesh, std::int32_t(b), mesh.offset[e], c);
       }
     }
   }
@@ -117,7 +124,8 @@ std::vector<Vec3d> node_positions(const HexMesh& mesh) {
 
 Islands find_islands(const HexMesh& mesh) {
   CornerSets sets(mesh.node_count());
-  for (const Corners& corners : mesh.corners) {
+  for (std::int32_t e = 0; e < mesh.element_count(); ++e) {
+    const Corners corners = mesh.corners(e);
     for (int c = 1; c < 8; ++c) sets.join(corners[0], corners[c]);
   }
   Islands islands;
@@ -126,9 +134,9 @@ Islands find_islands(const HexMesh& mesh) {
     const std::uint32_t first = sets.find(n);
     islands.of_node[n] = first == std::uint32_t(n) ? islands.count++ : islands.of_node[first];
   }
-  islands.of_element.resize(mesh.corners.size());
-  for (std::size_t e = 0; e < mesh.corners.size(); ++e) {
-    islands.of_element[e] = islands.of_node[mesh.corners[e][0]];
+  islands.of_element.resize(mesh.offset.size());
+  for (std::int32_t e = 0; e < mesh.element_count(); ++e) {
+    islands.of_element[e] = islands.of_node[mesh.corners(e)[0]];
   }
   return islands;
 }
@@ -185,7 +193,7 @@ std::int32_t group_children(const HexMesh& fine, const std::int32_t* children, i
                             const std::uint8_t* places, std::int32_t next,
                             std::vector<std::int32_t>& parent) {
   // Nearly always all meet at the middle of the cell.
-  const auto at_middle = [&](int n) { return fine.corners[children[n]][7 - places[n]]; };
+  const auto at_middle = [&](int n) { return fine.corners(children[n])[7 - places[n]]; };
   bool meet = true;
   for (int n = 1; n < count; ++n) meet = meet && at_middle(n) == at_middle(0);
   if (meet) {
@@ -195,7 +203,7 @@ std::int32_t group_children(const HexMesh& fine, const std::int32_t* children, i
   CornerSets groups(count);
   for (int n = 1; n < count; ++n) {
     for (int m = 0; m < n; ++m) {
-      if (share_a_node(fine.corners[children[n]], fine.corners[children[m]])) groups.join(n, m);
+      if (share_a_node(fine.corners(children[n]), fine.corners(children[m]))) groups.join(n, m);
     }
   }
   for (int n = 0; n < count; ++n) {
@@ -231,8 +239,9 @@ void join_around_nodes(const HexMesh& fine, const std::vector<Vec3i>& coarse_cel
     for (std::int32_t e = fine.element_begin[block]; e < fine.element_begin[block + 1]; ++e) {
       const std::int32_t parent = coarsening.parent[e];
       const int place = place_in_parent(cell_of(fine, block, e));
+      const Corners corners = fine.corners_in(block, e);
       for (int c = 0; c < 8; ++c) {
-        const NodeIndex node = fine.corners[e][c];
+        const NodeIndex node = corners[c];
         const std::int32_t first = coarsening.node_parent[node];
         if (first < 0) {
           coarsening.node_parent[node] = parent;

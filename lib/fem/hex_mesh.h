@@ -14,14 +14,12 @@
 
 #include "lib/body/body.h"
 #include "lib/body/slot_set.h"
+#include "lib/fem/node_tables.h"
 
 namespace supple {
 
-using NodeIndex = std::int32_t;
 /// Corners of elements come as 32-bit numbers.
 constexpr std::int64_t kMostElements = std::int64_t(1) << 28;
-/// Nodes of a hexahedron at its corners 4 di + 2 dj + dk.
-using Corners = std::array<NodeIndex, 8>;
 
 struct HexMesh {
   Geometry geometry;  // of the voxels, also for coarser levels
@@ -35,8 +33,25 @@ struct HexMesh {
 
   // Per element: ascending cells within a block.
   std::vector<std::uint16_t> offset;  // of the cell in its block, as brick_offset()
-  std::vector<Corners> corners;
 
+  NodeTables tables;
+  std::vector<std::int32_t> block_hint;  // per 64 elements: the block of the first of them
+
+  /// Of an element, or of one that is known to lie in this block, which is found sooner.
+  Corners corners(std::int32_t element) const { return corners_in(block_of(element), element); }
+  Corners corners_in(std::size_t block, std::int32_t element) const {
+    return tables.corners(block, element, offset[std::size_t(element)]);
+  }
+  std::size_t block_of(std::int32_t element) const {
+    auto block = std::size_t(block_hint[std::size_t(element) / kHintStep]);
+    while (element_begin[block + 1] <= element) ++block;
+    return block;
+  }
+
+  /// Takes over the corners of all elements, once the other vectors are filled.
+  void set_corners(const std::vector<Corners>& corners);
+
+  static constexpr std::size_t kHintStep = 64;
   std::int32_t element_count() const { return std::int32_t(offset.size()); }
   NodeIndex node_count() const { return node_begin.empty() ? 0 : node_begin.back(); }
   std::size_t block_count() const { return origin.size(); }
@@ -49,8 +64,8 @@ class OwnNodes {
  public:
   /// `corner`: 8 element + corner of the first element that has the node.
   void add(const HexMesh& mesh, std::uint32_t corner);
-  /// Numbers them in mesh.corners from `first` on; returns the next free number.
-  NodeIndex number(HexMesh& mesh, NodeIndex first);
+  /// Numbers them in `corners` from `first` on; returns the next free number.
+  NodeIndex number(std::vector<Corners>& corners, NodeIndex first);
 
  private:
   std::vector<std::pair<int, std::uint32_t>> m_nodes;  // place on the lattice, corner

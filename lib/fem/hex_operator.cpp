@@ -224,7 +224,8 @@ namespace {
 
 template <class T>
 struct BlockProduct {
-  explicit BlockProduct(const ElementGroups& groups) : in(groups), out(groups) {}
+  BlockProduct(const HexMesh& mesh, const ElementGroups& groups)
+      : in(mesh, groups), out(mesh, groups) {}
 
   BlockField<T> in, out;
 };

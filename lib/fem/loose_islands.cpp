@@ -67,8 +67,9 @@ LooseCount hold_loose_islands(const HexMesh& voxels, bool holds, HeldBits& held)
   std::map<std::int32_t, RigidSight> sights;
   for (std::size_t block = 0; block < voxels.block_count(); ++block) {
     for (std::int32_t e = voxels.element_begin[block]; e < voxels.element_begin[block + 1]; ++e) {
+      const Corners corners = voxels.corners_in(block, e);
       for (int c = 0; c < 8; ++c) {
-        const NodeIndex node = voxels.corners[e][c];
+        const NodeIndex node = corners[c];
         // Once per node is enough; what a block met first is met here again at least once.
         if (held[node] == 0 || node < voxels.node_begin[block]) continue;
         see(corner_position(voxels, std::int32_t(block), voxels.offset[e], c), held[node],

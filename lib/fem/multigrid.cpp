@@ -63,7 +63,7 @@ void Multigrid::invert_diagonal(Level& level, const std::vector<float>& diagonal
   level.inverse_diagonal.resize(diagonal.size());
   for (std::size_t n = 0; n < diagonal.size(); ++n) {
     const bool is_held = held != nullptr && ((*held)[n / 3] >> n % 3 & 1) != 0;
-    level.inverse_diagonal[n] = is_held || diagonal[n] <= 0 ? 0 : 1 / diagonal[n];
+    level.inverse_diagonal[n] = ShortFloat(is_held || diagonal[n] <= 0 ? 0 : 1 / diagonal[n]);
   }
   level.d.resize(diagonal.size());
 }
@@ -75,9 +75,9 @@ namespace {
 /// power method is far too low after as many steps where eigenvalues are dense: a cube with nu =
 /// 0.45.
 template <class Subtract>
-double estimate_largest(const std::vector<float>& inverse_diagonal, Subtract&& subtract) {
+double estimate_largest(const std::vector<ShortFloat>& inverse_diagonal, Subtract&& subtract) {
   const std::size_t count = inverse_diagonal.size();
-  const float* inverse = inverse_diagonal.data();
+  const ShortFloat* inverse = inverse_diagonal.data();
   std::vector<float> x(count), before(count), y(count);
   std::uint32_t random = 1;
   for (std::size_t n = 0; n < count; ++n) {
@@ -182,8 +182,9 @@ Multigrid::Multigrid(const MeshLevels& levels, const HexOperator& fine,
 std::size_t Multigrid::bytes() const {
   std::size_t sum = m_coarsest->bytes();
   for (const Level& level : m_levels) {
-    for (const std::vector<float>* of : {&level.inverse_diagonal, &level.r, &level.z, &level.d,
-                                         &level.rest, &level.sum, &level.p, &level.q}) {
+    sum += level.inverse_diagonal.capacity() * sizeof(ShortFloat);
+    for (const std::vector<float>* of :
+         {&level.r, &level.z, &level.d, &level.rest, &level.sum, &level.p, &level.q}) {
       sum += of->capacity() * sizeof(float);
     }
     if (level.cells) sum += level.cells->bytes();
@@ -301,7 +302,7 @@ void Multigrid::smooth(Level& level, bool is_first, float* r, float* z) const {
   const double centre = (hi + lo) / 2, half = (hi - lo) / 2;
   double rho = half / centre;
   float keep = 0, step = float(1 / centre);
-  const float* inverse = level.inverse_diagonal.data();
+  const ShortFloat* inverse = level.inverse_diagonal.data();
   for (int n = 0; n < m_params.degree; ++n) {
     const bool starts = n == 0, overwrites = starts && is_first;
     for_ranges(level.unknowns(), [&](std::size_t begin, std::size_t end) {

@@ -23,6 +23,7 @@
 #include "lib/fem/cell_classes.h"
 #include "lib/fem/coarsest_solver.h"
 #include "lib/fem/hex_operator.h"
+#include "lib/fem/node_vectors.h"
 #include "lib/fem/transfer.h"
 #include "volumes/base/progress.h"
 
@@ -74,7 +75,7 @@ class Multigrid {
     std::optional<HexOperator> cells;          // level 1
     std::optional<BlockMatrix<float>> matrix;  // from level 2 on
     std::optional<Transfer> transfer;
-    std::vector<float> inverse_diagonal;
+    std::vector<ShortFloat> inverse_diagonal;  // of D; 0: held
     double largest_eigenvalue = 0;
     std::vector<float> r, z, d;          // r and z of level 0 are the caller's
     std::vector<float> rest, sum, p, q;  // of the K-cycle

@@ -35,48 +35,62 @@ const std::array<PlaceWeights, 27> kPlaceWeights = weights_of_places();
 
 }  // namespace
 
-void Transfer::prolong(const float* coarse, const float* inverse_diagonal, float* fine) const {
-  const auto work = [&](const tbb::blocked_range<NodeIndex>& range) {
-    for (NodeIndex n = range.begin(); n < range.end(); ++n) {
-      const PlaceWeights& weights = kPlaceWeights[m_coarsening->node_place[n]];
-      const Corners& corners = m_coarse->corners[m_coarsening->node_parent[n]];
-      float sum[3] = {0, 0, 0};
-      for (int w = 0; w < weights.count; ++w) {
-        const float* from = coarse + 3 * std::size_t(corners[weights.corner[w]]);
-        for (int a = 0; a < 3; ++a) sum[a] += weights.weight[w] * from[a];
-      }
-      for (int a = 0; a < 3; ++a) {
-        const std::size_t at = 3 * std::size_t(n) + a;
-        fine[at] = inverse_diagonal[at] == 0 ? 0 : sum[a];
-      }
-    }
-  };
-  tbb::parallel_for(tbb::blocked_range<NodeIndex>(0, m_fine->node_count(), 2048), work);
+/// Calls visit(node, weights, corners of the coarse element around it) for the nodes that a block
+/// of the fine mesh met first. The coarse elements around these lie in one block.
+template <class Visit>
+void Transfer::for_nodes_of_block(std::size_t block, Visit&& visit) const {
+  const NodeIndex begin = m_fine->node_begin[block], end = m_fine->node_begin[block + 1];
+  if (begin == end) return;
+  const std::vector<std::int32_t>& parent = m_coarsening->node_parent;
+  const std::size_t coarse_block = m_coarse->block_of(parent[begin]);
+  for (NodeIndex n = begin; n < end; ++n) {
+    visit(std::size_t(n), kPlaceWeights[m_coarsening->node_place[n]],
+          m_coarse->corners_in(coarse_block, parent[n]));
+  }
 }
 
-void Transfer::restrict_to(const float* fine, const float* inverse_diagonal, float* coarse) const {
+void Transfer::prolong(const float* coarse, const ShortFloat* inverse_diagonal, float* fine) const {
+  const auto prolong_to = [&](std::size_t n, const PlaceWeights& weights, const Corners& corners) {
+    float sum[3] = {0, 0, 0};
+    for (int w = 0; w < weights.count; ++w) {
+      const float* from = coarse + 3 * std::size_t(corners[weights.corner[w]]);
+      for (int a = 0; a < 3; ++a) sum[a] += weights.weight[w] * from[a];
+    }
+    for (int a = 0; a < 3; ++a) {
+      const std::size_t at = 3 * n + a;
+      fine[at] = inverse_diagonal[at] == 0 ? 0 : sum[a];
+    }
+  };
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, m_fine->block_count(), 1),
+                    [&](const tbb::blocked_range<std::size_t>& range) {
+                      for (std::size_t b = range.begin(); b < range.end(); ++b) {
+                        for_nodes_of_block(b, prolong_to);
+                      }
+                    });
+}
+
+void Transfer::restrict_to(const float* fine, const ShortFloat* inverse_diagonal,
+                           float* coarse) const {
   std::fill_n(coarse, 3 * std::size_t(m_coarse->node_count()), 0.0f);
-  // The coarse elements around the nodes that a block met first lie in that block.
+  const auto restrict_from = [&](std::size_t n, const PlaceWeights& weights,
+                                 const Corners& corners) {
+    float value[3];
+    for (int a = 0; a < 3; ++a) {
+      const std::size_t at = 3 * n + a;
+      value[a] = inverse_diagonal[at] == 0 ? 0 : fine[at];
+    }
+    for (int w = 0; w < weights.count; ++w) {
+      float* to = coarse + 3 * std::size_t(corners[weights.corner[w]]);
+      for (int a = 0; a < 3; ++a) to[a] += weights.weight[w] * value[a];
+    }
+  };
   for (const std::vector<std::int32_t>& blocks : m_fine->of_colour) {
-    const auto work = [&](const tbb::blocked_range<std::size_t>& range) {
-      for (std::size_t b = range.begin(); b < range.end(); ++b) {
-        for (NodeIndex n = m_fine->node_begin[blocks[b]]; n < m_fine->node_begin[blocks[b] + 1];
-             ++n) {
-          const PlaceWeights& weights = kPlaceWeights[m_coarsening->node_place[n]];
-          const Corners& corners = m_coarse->corners[m_coarsening->node_parent[n]];
-          float value[3];
-          for (int a = 0; a < 3; ++a) {
-            const std::size_t at = 3 * std::size_t(n) + a;
-            value[a] = inverse_diagonal[at] == 0 ? 0 : fine[at];
-          }
-          for (int w = 0; w < weights.count; ++w) {
-            float* to = coarse + 3 * std::size_t(corners[weights.corner[w]]);
-            for (int a = 0; a < 3; ++a) to[a] += weights.weight[w] * value[a];
-          }
-        }
-      }
-    };
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks.size(), 1), work);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks.size(), 1),
+                      [&](const tbb::blocked_range<std::size_t>& range) {
+                        for (std::size_t b = range.begin(); b < range.end(); ++b) {
+                          for_nodes_of_block(std::size_t(blocks[b]), restrict_from);
+                        }
+                      });
   }
 }
 

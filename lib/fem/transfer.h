@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "lib/fem/hex_mesh.h"
+#include "lib/fem/node_vectors.h"
 
 namespace supple {
 
@@ -16,11 +17,14 @@ class Transfer {
       : m_fine(&fine), m_coarse(&coarse), m_coarsening(&coarsening) {}
 
   /// fine = P coarse.
-  void prolong(const float* coarse, const float* inverse_diagonal, float* fine) const;
+  void prolong(const float* coarse, const ShortFloat* inverse_diagonal, float* fine) const;
   /// coarse = P^T fine.
-  void restrict_to(const float* fine, const float* inverse_diagonal, float* coarse) const;
+  void restrict_to(const float* fine, const ShortFloat* inverse_diagonal, float* coarse) const;
 
  private:
+  template <class Visit>
+  void for_nodes_of_block(std::size_t block, Visit&& visit) const;
+
   const HexMesh* m_fine;
   const HexMesh* m_coarse;
   const Coarsening* m_coarsening;

@@ -150,7 +150,7 @@ std::uint32_t referred(NodeIndex reference) {
 }  // namespace
 
 void number_voxel_nodes(const Body& body, HexMesh& mesh) {
-  mesh.corners.resize(mesh.offset.size());
+  std::vector<Corners> corners(mesh.offset.size());
   mesh.node_begin.assign(mesh.block_count() + 1, 0);
   for_all_blocks(mesh, [&](std::size_t b) {
     CornerVoxels around;
@@ -160,17 +160,17 @@ void number_voxel_nodes(const Body& body, HexMesh& mesh) {
       const int place = wide_place(brick_local(mesh.offset[e]));
       for (int c = 0; c < 8; ++c) {
         const std::uint32_t first = first_corner(around, place, c);
-        mesh.corners[e][c] = as_reference(first);
+        corners[e][c] = as_reference(first);
         if (first == 8 * std::uint32_t(e) + c) own.add(mesh, first);
       }
     }
-    mesh.node_begin[b + 1] = own.number(mesh, 0);
+    mesh.node_begin[b + 1] = own.number(corners, 0);
   });
   for (std::size_t b = 0; b < mesh.block_count(); ++b) mesh.node_begin[b + 1] += mesh.node_begin[b];
   const auto for_all_corners = [&](auto&& visit) {
     for_all_blocks(mesh, [&](std::size_t b) {
       for (std::int32_t e = mesh.element_begin[b]; e < mesh.element_begin[b + 1]; ++e) {
-        for (NodeIndex& node : mesh.corners[e]) visit(node, mesh.node_begin[b]);
+        for (NodeIndex& node : corners[e]) visit(node, mesh.node_begin[b]);
       }
     });
   };
@@ -179,8 +179,9 @@ void number_voxel_nodes(const Body& body, HexMesh& mesh) {
   });
   // Those referred to are numbers already and stay what they are.
   for_all_corners([&](NodeIndex& node, NodeIndex) {
-    if (node < 0) node = mesh.corners[referred(node) / 8][referred(node) % 8];
+    if (node < 0) node = corners[referred(node) / 8][referred(node) % 8];
   });
+  mesh.set_corners(corners);
 }
 
 }  // namespace supple

@@ -182,11 +182,10 @@ class ElementOfSlot {
     Slot slot;
     if (!slot_of(m_elements, voxel, slot)) return -1;
     const std::int32_t other = element_at(m_mesh, slot / kBrickVoxels, int(slot % kBrickVoxels));
-    const int bit = 4 >> axis, low = 0, high = bit;
-    return m_mesh.corners[std::size_t(e)][is_high ? high : low] ==
-                   m_mesh.corners[std::size_t(other)][is_high ? low : high]
-               ? other
-               : -1;
+    const std::size_t bit = 4u >> axis, own = is_high ? bit : 0;
+    const Corners corners = m_mesh.corners_in(std::size_t(block), e);
+    const Corners there = m_mesh.corners_in(slot / kBrickVoxels, other);
+    return corners[own] == there[own ^ bit] ? other : -1;
   }
 
  private:
@@ -277,12 +276,13 @@ std::vector<double> at_nodes(const HexMesh& mesh, const Body& body,
       const Vec3d& after = high < 0 ? own : of_element[std::size_t(high)];
       slopes[axis] = low < 0 && high < 0 ? Vec3d(0) : (after - before) / ((low >= 0) + (high >= 0));
     }
+    const Corners corners = mesh.corners_in(std::size_t(block), e);
     for (int corner = 0; corner < 8; ++corner) {
       Vec3d value = own;
       for (int axis = 0; axis < 3; ++axis) {
         value += slopes[axis] * ((corner >> (2 - axis) & 1) != 0 ? 0.5 : -0.5);
       }
-      const auto node = std::size_t(mesh.corners[std::size_t(e)][std::size_t(corner)]);
+      const auto node = std::size_t(corners[std::size_t(corner)]);
       for (int c = 0; c < 3; ++c) sums[3 * node + std::size_t(c)] += value[c];
       ++counts[node];
     }

@@ -91,7 +91,7 @@ Vec3d RefinedShape::at_centre(const HexMesh& mesh, const std::vector<double>& va
                               const Vec3i& voxel) const {
   // The last corner of the part before the middle.
   const std::int32_t e = element_of(mesh, voxel * m_parts + Vec3i(m_parts / 2 - 1));
-  const double* value = &values[3 * std::size_t(mesh.corners[std::size_t(e)][7])];
+  const double* value = &values[3 * std::size_t(mesh.corners(e)[7])];
   return {value[0], value[1], value[2]};
 }
 

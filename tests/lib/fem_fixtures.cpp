@@ -159,7 +159,7 @@ Eigen::SparseMatrix<double> assembled_stiffness(const Body& body, const HexMesh&
     std::int32_t element = mesh.element_begin[b];
     for_each_active(body.elements.mask(b), [&](int offset) {
       const Vec3i voxel = body.elements.origin(b) + brick_local(offset);
-      const Corners& corners = mesh.corners[element++];
+      const Corners corners = mesh.corners(element++);
       for (int c = 0; c < 8; ++c) {
         const Vec3i corner = voxel + Vec3i(c >> 2 & 1, c >> 1 & 1, c & 1);
         const Node node{corner.x, corner.y, corner.z, piece_around(body, corner, 7 - c)};
@@ -193,7 +193,8 @@ Eigen::MatrixXd assembled_mass(const FemModel& model, const MassDensities& densi
   const HexMesh& mesh = model.mesh();
   Eigen::MatrixXd mass = Eigen::MatrixXd::Zero(3 * mesh.node_count(), 3 * mesh.node_count());
   const double volume_mm3 = std::abs(mesh.geometry.determinant());
-  for (std::size_t e = 0; e < mesh.corners.size(); ++e) {
+  for (std::int32_t e = 0; e < mesh.element_count(); ++e) {
+    const Corners corners = mesh.corners(e);
     const double weight_kg = density[model.material().classes[e]] * 1e-9 * volume_mm3 / 8;
     for (int point = 0; point < 8; ++point) {
       double shape[8];
@@ -207,8 +208,7 @@ Eigen::MatrixXd assembled_mass(const FemModel& model, const MassDensities& densi
       for (int a = 0; a < 8; ++a) {
         for (int b = 0; b < 8; ++b) {
           for (int axis = 0; axis < 3; ++axis) {
-            mass(3 * mesh.corners[e][a] + axis, 3 * mesh.corners[e][b] + axis) +=
-                weight_kg * shape[a] * shape[b];
+            mass(3 * corners[a] + axis, 3 * corners[b] + axis) += weight_kg * shape[a] * shape[b];
           }
         }
       }

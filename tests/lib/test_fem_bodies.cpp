@@ -25,10 +25,11 @@ CornerMotion corner_motion(const HexMesh& mesh, const std::vector<double>& u_mm)
   for (std::size_t b = 0; b < mesh.block_count(); ++b) {
     for (std::int32_t e = mesh.element_begin[b]; e < mesh.element_begin[b + 1]; ++e) {
       const Vec3i voxel = mesh.origin[b] + brick_local(mesh.offset[std::size_t(e)]);
-      auto& corners = motion[{voxel.x, voxel.y, voxel.z}];
+      auto& of_corners = motion[{voxel.x, voxel.y, voxel.z}];
+      const Corners corners = mesh.corners_in(b, e);
       for (std::size_t c = 0; c < 8; ++c) {
-        const double* u = &u_mm[3 * std::size_t(mesh.corners[std::size_t(e)][c])];
-        corners[c] = Vec3d(u[0], u[1], u[2]);
+        const double* u = &u_mm[3 * std::size_t(corners[c])];
+        of_corners[c] = Vec3d(u[0], u[1], u[2]);
       }
     }
   }

@@ -107,12 +107,13 @@ class CalculixDeck {
     }
     for (int of = 0; of < 2; ++of) {
       print(m_elements, "*ELEMENT, TYPE=C3D8, ELSET=E%d_%d\n", m_bodies, of);
-      for (std::size_t e = 0; e < mesh.corners.size(); ++e) {
-        if (model.material().classes[e] != of) continue;
+      for (std::int32_t e = 0; e < mesh.element_count(); ++e) {
+        if (model.material().classes[std::size_t(e)] != of) continue;
+        const Corners corners = mesh.corners(e);
         print(m_elements, "%d", ++m_element_count);
         for (int c = 0; c < 8; ++c) {
           const int corner = kCornerOrder[c] ^ (is_left_handed ? 1 : 0);
-          print(m_elements, ", %d", number(std::size_t(mesh.corners[e][corner])));
+          print(m_elements, ", %d", number(std::size_t(corners[corner])));
         }
         m_elements += "\n";
       }

@@ -47,11 +47,11 @@ Eigen::SparseMatrix<double> prolongation(const HexMesh& fine, const HexMesh& coa
   for (NodeIndex n = 0; n < fine.node_count(); ++n) {
     const int place = coarsening.node_place[n];
     const auto weights = corner_weights({place / 9 / 2.0, place / 3 % 3 / 2.0, place % 3 / 2.0});
+    const Corners corners = coarse.corners(coarsening.node_parent[n]);
     for (int c = 0; c < 8; ++c) {
       for (int a = 0; a < 3; ++a) {
         if (weights[c] == 0 || (held[n] >> a & 1) != 0) continue;
-        entries.emplace_back(3 * n + a, 3 * coarse.corners[coarsening.node_parent[n]][c] + a,
-                             weights[c]);
+        entries.emplace_back(3 * n + a, 3 * corners[c] + a, weights[c]);
       }
     }
   }
@@ -220,14 +220,14 @@ TEST(PropertyFem, InterpolationIsOneFieldWhereverANodeIsSeenFrom) {
                                    (local.z & 1) + (c & 1)) /
                              2.0;
             const auto weights = corner_weights(at);
-            const NodeIndex node = mesh.corners[e][c];
+            const NodeIndex node = mesh.corners_in(b, e)[c];
             const int place = coarsening.node_place[node];
             const auto noted =
                 corner_weights({place / 9 / 2.0, place / 3 % 3 / 2.0, place % 3 / 2.0});
             double here = 0, there = 0;
             for (int w = 0; w < 8; ++w) {
-              here += weights[w] * value[coarse.corners[coarsening.parent[e]][w]];
-              there += noted[w] * value[coarse.corners[coarsening.node_parent[node]][w]];
+              here += weights[w] * value[coarse.corners(coarsening.parent[e])[w]];
+              there += noted[w] * value[coarse.corners(coarsening.node_parent[node])[w]];
             }
             ASSERT_NEAR(here, there, 1e-14);
           }
