@@ -219,8 +219,12 @@ const StepRecord& Session::step(const StepRequest& request, Progress* heard) {
     throw;
   }
   m_walk.reset();
-  if (earlier) keep(std::move(*earlier));
-  if (!m_records.empty()) m_records.back().equilibrium.nodes = {};
+  FemNodes handed_over;
+  if (!m_records.empty()) std::swap(handed_over, m_records.back().equilibrium.nodes);
+  if (earlier) {
+    earlier->handed_over = std::move(handed_over);
+    keep(std::move(*earlier));
+  }
   m_records.push_back(std::move(record));
   return m_records.back();
 }

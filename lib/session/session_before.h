@@ -31,6 +31,7 @@ struct Session::Before {
   HandleLedger ledger;
   double pressure_kpa;
   std::shared_ptr<const MaterialBefore> material;  // before it changes
+  FemNodes handed_over;                            // by the record of the step before
   /// Before elements are removed: all else of the state and the body.
   std::shared_ptr<std::pair<State, Body>> whole;
 

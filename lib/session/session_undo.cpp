@@ -22,7 +22,8 @@ std::size_t Session::Before::bytes() const {
     total += (holds.at_least[c].size() + holds.at_most[c].size()) * sizeof(Bound);
   }
   for (const SlotSet& held : ledger.elements()) total += bytes_of(held);
-  return total;
+  return total + (handed_over.u_mm.size() + handed_over.v_mm_s.size()) * sizeof(double) +
+         handed_over.elements_mm.size() * sizeof(Vec3d);
 }
 
 Session::Before Session::before(const StepRequest& request) const {
@@ -43,6 +44,7 @@ Session::Before Session::before(const StepRequest& request) const {
       request.material ? std::make_shared<const MaterialBefore>(MaterialBefore{
                              m_material, m_state.material_toml, m_body.classes, m_body.slacks})
                        : nullptr,
+      {},
       request.remove.empty() ? nullptr : std::make_shared<std::pair<State, Body>>(m_state, m_body)};
 }
 
@@ -105,9 +107,11 @@ bool Session::undo() {
     throw std::logic_error("undo() of a session without SessionOptions::keeps_undo");
   if (m_undo.empty()) return false;
   m_undo_bytes -= m_undo.back().bytes();
+  FemNodes handed_over = std::move(m_undo.back().handed_over);
   restore(std::move(m_undo.back()));
   m_undo.pop_back();
   m_records.pop_back();
+  if (!m_records.empty()) m_records.back().equilibrium.nodes = std::move(handed_over);
   m_pose.reset();
   return true;
 }

@@ -73,6 +73,29 @@ TEST_F(UnitSession, AfterAStepTakenBackTheNextOneIsAsIfItHadNotBeen) {
   EXPECT_EQ(straight.journal(), detour.journal());
 }
 
+TEST_F(UnitSession, AMotionAfterAStepTakenBackBeginsAtTheNodesOfFiniteElements) {
+  StepRequest pull;
+  pull.fix = {{{0, 0, 0}, {23, 23, 7}}};
+  pull.drags.push_back({kGrabbed, {0, 2, 0}});
+  pull.fem.emplace().keeps_nodes = true;
+  StepRequest swing;
+  swing.release = true;
+  swing.fix = pull.fix;
+  swing.fem.emplace().motion.emplace().time_s = 0.01;
+  swing.fem->motion->step_s = 2e-3;
+  const auto swung_after = [&](bool has_detour) {
+    Session session(m_ball, m_options);
+    session.step(pull);
+    if (has_detour) {
+      session.drag(kGrabbed, {0, 0, 1});
+      EXPECT_TRUE(session.undo());
+    }
+    session.step(swing);
+    return session.state().q;
+  };
+  EXPECT_EQ(swung_after(true), swung_after(false));
+}
+
 TEST_F(UnitSession, AStateIsContinuedWithItsJournalAndAnchors) {
   Session session(m_ball, m_options);
   session.fix({{4, 4, 8}, {20, 20, 9}});
