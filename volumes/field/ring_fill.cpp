@@ -5,6 +5,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include "volumes/grid/mask_steps.h"
 #include "volumes/grid/padded_rows.h"
 #include "volumes/grid/voxel_sets.h"
 
@@ -17,8 +18,9 @@ bool any_bit(const BrickMask& mask) {
 }
 
 /// Wanted voxels of one brick that touch a valid one.
-BrickMask next_ring(const PaddedRows<1>& padded, const BrickMask& wanted, const BrickMask& valid) {
-  BrickMask ring = padded.dilated();
+BrickMask next_ring(const std::array<BrickMask, 27>& around, const BrickMask& wanted,
+                    const BrickMask& valid) {
+  BrickMask ring = dilated(around);
   for (std::size_t x = 0; x < ring.size(); ++x) ring[x] &= wanted[x] & ~valid[x];
   return ring;
 }
@@ -155,7 +157,7 @@ VectorBricks fill_rings(VectorBricks seed, const BrickTopology& target, int max_
   for (int number = 1; number <= max_rings && !open.empty(); ++number) {
     tbb::parallel_for(std::size_t(0), open.size(), [&](std::size_t at) {
       const std::size_t n = open[at], b = pending[n];
-      ring[n] = next_ring(padded_rows<1>(around[n], mask_of), bricks.mask(b), valid[n]);
+      ring[n] = next_ring(masks_around(around[n], mask_of), bricks.mask(b), valid[n]);
       moves[n] = any_bit(ring[n]) && is_stored(vectors, around[n]);
     });
     for (const std::size_t n : open) {

@@ -3,63 +3,21 @@
 #include <stdexcept>
 
 #include "volumes/grid/brick_topology.h"
+#include "volumes/grid/mask_steps.h"
 
 namespace supple {
 
 namespace {
-
-// A word holds the (j, k) plane of one i: bit 8 j + k.
-constexpr std::uint64_t kFirstK = 0x0101010101010101u;
-constexpr std::uint64_t kLastK = kFirstK << 7;
-
-/// Moves every voxel one step up the axis and brings in the last plane of the brick below.
-BrickMask shifted_up(const BrickMask& mask, const BrickMask& below, int axis) {
-  BrickMask out;
-  for (int i = 0; i < kBrickDim; ++i) {
-    switch (axis) {
-      case 0:
-        out[i] = i > 0 ? mask[i - 1] : below[kBrickDim - 1];
-        break;
-      case 1:
-        out[i] = mask[i] << 8 | below[i] >> 56;
-        break;
-      default:
-        out[i] = (mask[i] & ~kLastK) << 1 | (below[i] & kLastK) >> 7;
-    }
-  }
-  return out;
-}
-
-BrickMask shifted_down(const BrickMask& mask, const BrickMask& above, int axis) {
-  BrickMask out;
-  for (int i = 0; i < kBrickDim; ++i) {
-    switch (axis) {
-      case 0:
-        out[i] = i < kBrickDim - 1 ? mask[i + 1] : above[0];
-        break;
-      case 1:
-        out[i] = mask[i] >> 8 | above[i] << 56;
-        break;
-      default:
-        out[i] = (mask[i] & ~kFirstK) >> 1 | (above[i] & kFirstK) << 7;
-    }
-  }
-  return out;
-}
-
-void unite(BrickMask& mask, const BrickMask& other) {
-  for (int word = 0; word < 8; ++word) mask[word] |= other[word];
-}
 
 /// The middle one of three bricks in a row after `rings` steps along their axis. Bricks further
 /// away do not reach it within a brick's length.
 BrickMask dilated(BrickMask below, BrickMask mask, BrickMask above, int axis, int rings) {
   for (int ring = 0; ring < rings; ++ring) {
     const BrickMask up = shifted_up(mask, below, axis), down = shifted_down(mask, above, axis);
-    unite(below, shifted_up(below, BrickMask{}, axis));
-    unite(above, shifted_down(above, BrickMask{}, axis));
-    unite(mask, up);
-    unite(mask, down);
+    add(shifted_up(below, BrickMask{}, axis), below);
+    add(shifted_down(above, BrickMask{}, axis), above);
+    add(up, mask);
+    add(down, mask);
   }
   return mask;
 }

@@ -58,34 +58,11 @@ struct PaddedRows {
   }
   /// Bits z of row (x, y), z from 0 on.
   unsigned row(int x, int y) const { return rows[x + kPad][y + kPad] >> kPad; }
-  /// Bits z, from 0 to 7 + kPad - 1, whose 27 neighbours are all set.
-  unsigned eroded_row(int x, int y) const {
-    unsigned bits = ~0u;
-    for (int n = 0; n < 9; ++n) bits &= rows[x + kPad + n / 3 - 1][y + kPad + n % 3 - 1];
-    return ((bits & bits >> 1 & bits << 1) >> kPad) & kUpTo;
-  }
   /// Bits z, from 0 to 7 + kPad - 1, that are set or touch one that is.
   unsigned dilated_row(int x, int y) const {
     unsigned bits = 0;
     for (int n = 0; n < 9; ++n) bits |= rows[x + kPad + n / 3 - 1][y + kPad + n % 3 - 1];
     return ((bits | bits >> 1 | bits << 1) >> kPad) & kUpTo;
-  }
-  /// The brick's own voxels that are set or touch one that is.
-  BrickMask dilated() const {
-    BrickMask result{};
-    for (int x = 0; x < kBrickDim; ++x) {
-      std::uint16_t along_x[kRows];
-      for (int y = 0; y < kRows; ++y) {
-        along_x[y] = rows[x + kPad - 1][y] | rows[x + kPad][y] | rows[x + kPad + 1][y];
-      }
-      for (int y = 0; y < kBrickDim; ++y) {
-        const unsigned bits =
-            unsigned(along_x[y + kPad - 1] | along_x[y + kPad] | along_x[y + kPad + 1]);
-        const unsigned row = ((bits | bits >> 1 | bits << 1) >> kPad) & 0xff;
-        result[std::size_t(x)] |= std::uint64_t(row) << (8 * y);
-      }
-    }
-    return result;
   }
 
  private:

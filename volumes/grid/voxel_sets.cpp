@@ -6,7 +6,7 @@
 
 #include <tbb/parallel_for.h>
 
-#include "volumes/grid/padded_rows.h"
+#include "volumes/grid/mask_steps.h"
 
 namespace supple {
 
@@ -98,14 +98,17 @@ BrickTopology eroded(const BrickTopology& topology) {
   std::vector<BrickMask> masks(topology.brick_count(), BrickMask{});
   tbb::parallel_for(std::size_t(0), topology.brick_count(), [&](std::size_t b) {
     origins[b] = topology.origin(b);
-    const PaddedRows<1> padded =
-        padded_rows<1>(surroundings_of(topology, b),
-                       [&](std::int32_t m) -> const BrickMask& { return topology.mask(m); });
-    for (int x = 0; x < kBrickDim; ++x) {
-      for (int y = 0; y < kBrickDim; ++y) {
-        masks[b][x] |= std::uint64_t(padded.eroded_row(x, y)) << (8 * y);
-      }
-    }
+    // What is eroded is what does not touch a voxel that is not active.
+    const auto absent = [](const BrickMask& mask) {
+      BrickMask out;
+      std::transform(mask.begin(), mask.end(), out.begin(), [](auto word) { return ~word; });
+      return out;
+    };
+    std::array<BrickMask, 27> around =
+        masks_around(surroundings_of(topology, b),
+                     [&](std::int32_t m) -> const BrickMask& { return topology.mask(m); });
+    std::transform(around.begin(), around.end(), around.begin(), absent);
+    masks[b] = absent(dilated(around));
   });
   return {std::move(origins), std::move(masks)};
 }

@@ -1,7 +1,7 @@
 #include "volumes/field/inversion/resting_brick.h"
 
 #include "volumes/grid/cell.h"
-#include "volumes/grid/padded_rows.h"
+#include "volumes/grid/mask_steps.h"
 #include "volumes/grid/voxel_sets.h"
 
 namespace supple {
@@ -25,31 +25,24 @@ RestingBrick::RestingBrick(const BrickTopology& voxels, std::size_t b,
   m_nodes.fill(~std::uint64_t(0));
   if (rests(std::int32_t(b)) && is_inside(voxels, b)) return;
   const Surroundings around = surroundings_of(voxels, b);
-  const PaddedRows<1> padded = padded_rows<1>(
+  const std::array<BrickMask, 27> masks = masks_around(
       around, [&](std::int32_t n) -> const BrickMask& { return voxels.mask(std::size_t(n)); });
-  // Complete cells that start at -1 … 7 along every axis: bit z + 1 of row (x + 1, y + 1).
-  unsigned cells[kBrickDim + 1][kBrickDim + 1];
-  m_cells = 0;
-  for (int x = 0; x <= kBrickDim; ++x) {
-    for (int y = 0; y <= kBrickDim; ++y) {
-      const unsigned row = padded.rows[x][y] & padded.rows[x + 1][y] & padded.rows[x][y + 1] &
-                           padded.rows[x + 1][y + 1];
-      cells[x][y] = row & row >> 1 & 0x1ff;
-      if (x > 0 && y > 0) m_cells += __builtin_popcount(cells[x][y] >> 1);
-      // Only those of bricks that rest count from here on; 13 is the middle of `around`.
-      const int side = 13 - (x == 0 ? 9 : 0) - (y == 0 ? 3 : 0);
-      const unsigned of_resting = (rests(around[std::size_t(side)]) ? 0x1feu : 0u) |
-                                  (rests(around[std::size_t(side - 1)]) ? 1u : 0u);
-      cells[x][y] &= of_resting;
+  // Of the brick and those below it, 13 being the middle of `around`.
+  std::array<BrickMask, 8> cells{};
+  for (int n = 0; n < 8; ++n) {
+    const Vec3i down = cell_corner(n);
+    const int lowest = 13 - 9 * down.x - 3 * down.y - down.z;
+    if (n > 0 && !rests(around[std::size_t(lowest)])) continue;
+    std::array<BrickMask, 8> corners;
+    for (int m = 0; m < 8; ++m) {
+      const Vec3i up = cell_corner(m);
+      corners[std::size_t(m)] = masks[std::size_t(lowest + 9 * up.x + 3 * up.y + up.z)];
     }
+    cells[std::size_t(n)] = cells_in(corners);
   }
-  for (int x = 0; x < kBrickDim; ++x) {
-    m_nodes[std::size_t(x)] = 0;
-    for (int y = 0; y < kBrickDim; ++y) {
-      const unsigned row = cells[x][y] | cells[x + 1][y] | cells[x][y + 1] | cells[x + 1][y + 1];
-      m_nodes[std::size_t(x)] |= std::uint64_t((row | row >> 1) & 0xff) << (8 * y);
-    }
-  }
+  m_cells = mask_count(cells[0]);
+  if (!rests(std::int32_t(b))) cells[0] = {};
+  m_nodes = corners_of(cells);
 }
 
 }  // namespace supple

@@ -6,6 +6,7 @@
 
 #include "volumes/field/ring_fill.h"
 #include "volumes/grid/cell.h"
+#include "volumes/grid/mask_steps.h"
 #include "volumes/grid/voxel_sets.h"
 
 namespace supple {
@@ -61,22 +62,10 @@ void voxel_rows(const BrickTopology& voxels, const std::array<std::int32_t, 8>& 
   }
 }
 
-/// The cells of which all corners are set.
-BrickMask cells_of(const CornerRows& rows) {
-  BrickMask mask{};
-  for (int x = 0; x < kBrickDim; ++x) {
-    for (int y = 0; y < kBrickDim; ++y) {
-      const unsigned row = rows[x][y] & rows[x + 1][y] & rows[x][y + 1] & rows[x + 1][y + 1];
-      mask[x] |= std::uint64_t(row & (row >> 1) & 0xff) << (8 * y);
-    }
-  }
-  return mask;
-}
-
 BrickMask cell_mask(const BrickTopology& voxels, const std::array<std::int32_t, 8>& bricks) {
-  CornerRows rows;
-  voxel_rows(voxels, bricks, rows);
-  return cells_of(rows);
+  std::array<BrickMask, 8> corners;
+  for (int n = 0; n < 8; ++n) corners[n] = bricks[n] < 0 ? BrickMask{} : voxels.mask(bricks[n]);
+  return cells_in(corners);
 }
 
 /// Copies of the voxels with coordinate 0 along `axis`, one below and one above.
@@ -201,10 +190,12 @@ VectorBricks thickened(const VectorBricks& u, const Vec3i& dims) {
 CellContents::CellContents(const BrickTopology* elements, const Vec3i& origin) {
   if (elements == nullptr) {
     for (auto& plane : m_rows) std::fill(std::begin(plane), std::end(plane), 0x1ff);
+    m_tissue.fill(~std::uint64_t(0));
   } else {
-    voxel_rows(*elements, upper_bricks(*elements, origin), m_rows);
+    const std::array<std::int32_t, 8> bricks = upper_bricks(*elements, origin);
+    voxel_rows(*elements, bricks, m_rows);
+    m_tissue = cell_mask(*elements, bricks);
   }
-  m_tissue = cells_of(m_rows);
   m_is_all_tissue = mask_count(m_tissue) == kBrickVoxels;
 }
 
