@@ -26,34 +26,46 @@ constexpr DensityBits kLaneBit = {1, 2, 4, 8, 16, 32, 64, 128};
 /// Smallest and largest value of every lane; lo > hi: none.
 struct LaneRange {
   DensityRow lo = DensityRow{} + HUGE_VALF, hi = DensityRow{} - HUGE_VALF;
-  DensityBits others{};  // lanes with a value that is no integer
 
-  void add(const DensityRow& values, const DensityBits& counts) {
-    lo = (counts & (values < lo)) ? values : lo;
-    hi = (counts & (values > hi)) ? values : hi;
-    find_others(counts ? values : DensityRow{});
-  }
   void add(const DensityRow& values) {
     lo = values < lo ? values : lo;
     hi = values > hi ? values : hi;
-    find_others(values);
   }
-
- private:
-  void find_others(const DensityRow& values) {
-    // Floats from 2^23 on are all integers.
-    constexpr float kAllIntegers = 8388608;
-    const DensityBits fine = (values < kAllIntegers) & (values > -kAllIntegers);
-    const DensityRow small = fine ? values : DensityRow{};
-    others |=
-        __builtin_convertvector(__builtin_convertvector(small, DensityBits), DensityRow) != small;
+  void add(const DensityRow& values, const DensityBits& counts) {
+    lo = (counts & (values < lo)) ? values : lo;
+    hi = (counts & (values > hi)) ? values : hi;
   }
+  DensityBits reaches(float limit) const { return (lo <= -limit) | (hi >= limit); }
 };
+
+/// The last place of small value + kUnits is that of 1.
+constexpr float kSmall = 4194304, kUnits = 3 * kSmall;
+
+/// Lanes with a value that is no integer; all are small or not finite.
+DensityBits have_fractions(const DensityRow& values) {
+  return (values + kUnits) - kUnits != values;
+}
+/// The same of any values.
+DensityBits have_fractions_anywhere(const DensityRow& values) {
+  const DensityBits is_small =
+      (values < 2 * kSmall) & (values > -2 * kSmall);  // others are integers
+  const DensityRow small = is_small ? values : DensityRow{};
+  return __builtin_convertvector(__builtin_convertvector(small, DensityBits), DensityRow) != small;
+}
 
 bool any_of(const DensityBits& lanes) {
   std::int32_t any = 0;
   for (int z = 0; z < kBrickDim; ++z) any |= lanes[z];
   return any != 0;
+}
+
+/// Bricks are surveyed one after the other, and mostly wait for memory.
+constexpr std::size_t kAhead = 1;
+void prefetch(const float* values) {
+  constexpr int kLine = 16;
+  for (int n = 0; values != nullptr && n < kBrickVoxels; n += kLine) {
+    __builtin_prefetch(values + n);
+  }
 }
 
 /// -1, 0 or 1: the brick beside this one that holds a local coordinate.
@@ -118,6 +130,7 @@ void SourceBricks::fill_all() {
 SourceBricks::Survey SourceBricks::survey(std::size_t b) const {
   const BrickMask& mask = m_topology.mask(b);
   const float* const stored = values(b);
+  if (b + kAhead < m_topology.brick_count()) prefetch(values(b + kAhead));
   // Of all rows along z, those at x = 0, those at y = 0 and the one at both; a lane is a z.
   std::array<LaneRange, 4> rows;
   const auto add_rows = [&](const auto& add_row) {
@@ -134,23 +147,27 @@ SourceBricks::Survey SourceBricks::survey(std::size_t b) const {
     if (stored != nullptr) std::memcpy(&row, stored + 64 * x + 8 * y, sizeof row);
     return row;
   };
-  DensityBits is_odd{};  // not finite
+  DensityBits is_odd{}, fractions{};  // not finite; no integers
   if (is_full(mask)) {
-    add_rows([&](int x, int y, LaneRange& range) {
-      const DensityRow row = row_at(x, y);
+    add_rows([&](int x, int y, LaneRange& range) { range.add(row_at(x, y)); });
+    for (int n = 0; n < kBrickDim * kBrickDim; ++n) {
+      const DensityRow row = row_at(n / kBrickDim, n % kBrickDim);
       is_odd |= row - row != 0;
-      range.add(row);
-    });
+      fractions |= have_fractions(row);
+    }
   }
-  if (!is_full(mask) || any_of(is_odd)) {
+  if (!is_full(mask) || any_of(is_odd) || any_of(rows[0].reaches(kSmall))) {
+    fractions = DensityBits{};
     add_rows([&](int x, int y, LaneRange& range) {
       const auto bits = int(mask[std::size_t(x)] >> (8 * y)) & 0xff;
       const DensityRow row = row_at(x, y);
-      range.add(row, (((DensityBits{} + bits) & kLaneBit) != 0) & (row - row == 0));
+      const DensityBits counts = (((DensityBits{} + bits) & kLaneBit) != 0) & (row - row == 0);
+      range.add(row, counts);
+      fractions |= counts & have_fractions_anywhere(row);
     });
   }
   Survey found;
-  found.integers = !any_of(rows[0].others);
+  found.integers = !any_of(fractions);
   for (std::size_t part = 0; part < 8; ++part) {
     const LaneRange& range = rows[(part & 4) / 4 + (part & 2)];
     found.lo[part] = range.lo[0];
