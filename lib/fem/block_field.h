@@ -36,7 +36,7 @@ class BlockField {
         ElementLanes<T> points[3];
         read_points<T>(global + 3 * std::size_t(nodes[first + 1]), points);
         for (int a = 0; a < 3; ++a) {
-          *reinterpret_cast<LanesAnywhere<T>*>(&m_values[a * m_stride + first + 1]) = points[a];
+          lanes_at(&m_values[a * m_stride + first + 1]) = points[a];
         }
         continue;
       }
@@ -56,7 +56,7 @@ class BlockField {
       add_one(nodes[first], first, sign, global);
       if (in_sequence[row] != 0) {
         const auto points = [&](int a) -> ElementLanes<T> {
-          return *reinterpret_cast<const LanesAnywhere<T>*>(&m_values[a * m_stride + first + 1]);
+          return lanes_at(&m_values[a * m_stride + first + 1]);
         };
         add_points<T>(points(0), points(1), points(2), sign,
                       global + 3 * std::size_t(nodes[first + 1]));
@@ -71,44 +71,74 @@ class BlockField {
 
   /// Corners of a group of elements, [3 corner + component].
   void read_corners(const ElementGroup& group, ElementLanes<T>* x) const {
+    if (group.row == kListed) {
+      for_listed(group,
+                 [&](std::size_t n, int lane, std::size_t place) { x[n][lane] = m_values[place]; });
+      return;
+    }
+    const T* first = &m_values[std::size_t(lattice_place(group.row << 3, 0))];
+#pragma GCC unroll 8
     for (int c = 0; c < 8; ++c) {
-      for (int a = 0; a < 3; ++a) {
-        const T* values = &m_values[a * m_stride];
-        if (group.row != kListed) {
-          x[3 * c + a] =
-              *reinterpret_cast<const LanesAnywhere<T>*>(values + row_place(group.row, c));
-          continue;
-        }
-        for (int lane = 0; lane < kGroup; ++lane) {
-          x[3 * c + a][lane] = values[listed(group, c, lane)];
-        }
-      }
+      for (int a = 0; a < 3; ++a) x[3 * c + a] = lanes_at(first + a * m_stride + kCornerStep[c]);
     }
   }
   void add_corners(const ElementGroup& group, const ElementLanes<T>* x) {
-    for (int c = 0; c < 8; ++c) {
+    if (group.row == kListed) {
+      for_listed(group, [&](std::size_t n, int lane, std::size_t place) {
+        m_values[place] += x[n][lane];
+      });
+      return;
+    }
+    // Both ends of the edges along k at once: what was just stored would be waited for, if it were
+    // read one place further.
+    T* first = &m_values[std::size_t(lattice_place(group.row << 3, 0))];
+#pragma GCC unroll 4
+    for (int c = 0; c < 8; c += 2) {
       for (int a = 0; a < 3; ++a) {
-        T* values = &m_values[a * m_stride];
-        if (group.row != kListed) {
-          *reinterpret_cast<LanesAnywhere<T>*>(values + row_place(group.row, c)) += x[3 * c + a];
-          continue;
-        }
-        for (int lane = 0; lane < kGroup; ++lane) {
-          values[listed(group, c, lane)] += x[3 * c + a][lane];
-        }
+        T* values = first + a * m_stride + kCornerStep[c];
+        const ElementLanes<T>&low = x[3 * c + a], &high = x[3 * c + 3 + a];
+        lanes_at(values) +=
+            low + __builtin_shufflevector(high, ElementLanes<T>{}, 8, 0, 1, 2, 3, 4, 5, 6);
+        values[kGroup] += high[kGroup - 1];
       }
     }
   }
 
  private:
-  static int row_place(int row, int corner) { return lattice_place(row << 3, corner); }
-  const NodeIndex* table(std::int32_t block) const { return m_tables.nodes(std::size_t(block)); }
-  std::size_t table_size(std::int32_t block) const { return m_tables.size(std::size_t(block)); }
+  /// From the lowest corner of an element of the lattice to the others.
+  static constexpr int kCornerStep[8] = {0,
+                                         1,
+                                         kLatticeDim,
+                                         kLatticeDim + 1,
+                                         kLatticeRows,
+                                         kLatticeRows + 1,
+                                         kLatticeRows + kLatticeDim,
+                                         kLatticeRows + kLatticeDim + 1};
+  static LanesAnywhere<T>& lanes_at(T* values) {
+    return *reinterpret_cast<LanesAnywhere<T>*>(values);
+  }
+  static const LanesAnywhere<T>& lanes_at(const T* values) {
+    return *reinterpret_cast<const LanesAnywhere<T>*>(values);
+  }
+  /// Calls visit(3 corner + component, lane, place among the values).
+  template <class Visit>
+  void for_listed(const ElementGroup& group, Visit&& visit) const {
+    const std::uint16_t* places = &m_groups.corners[group.corners];
+    for (int c = 0; c < 8; ++c) {
+      for (int lane = 0; lane < kGroup; ++lane, ++places) {
+        for (std::size_t a = 0; a < 3; ++a)
+          visit(3 * std::size_t(c) + a, lane, a * m_stride + *places);
+      }
+    }
+  }
+  const NodeIndex* table(std::int32_t block) const {
+    return m_tables.nodes(std::size_t(block));
+  }
+  std::size_t table_size(std::int32_t block) const {
+    return m_tables.size(std::size_t(block));
+  }
   const std::uint8_t* sequences(std::int32_t block) const {
     return &m_groups.in_sequence[kLatticeRows * std::size_t(block)];
-  }
-  std::uint16_t listed(const ElementGroup& group, int corner, int lane) const {
-    return m_groups.corners[group.corners + std::size_t(corner * kGroup + lane)];
   }
   template <class X>
   void load_one(NodeIndex node, std::size_t n, const X* global) {

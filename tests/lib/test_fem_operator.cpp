@@ -66,7 +66,7 @@ Eigen::SparseMatrix<double> as_matrix(const BlockMatrix<double>& from) {
     for (std::int64_t n = from.row_begin[row]; n < from.row_begin[row + 1]; ++n) {
       for (int ab = 0; ab < 9; ++ab) {
         entries.emplace_back(int(3 * row) + ab / 3, 3 * from.column[n] + ab % 3,
-                             from.blocks[n].value[ab / 3][ab % 3]);
+                             from.blocks[n].value[ab % 3][ab / 3]);
       }
     }
   }
