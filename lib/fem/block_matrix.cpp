@@ -75,7 +75,7 @@ void BlockMatrix<T>::subtract(const T* x, T* y) const {
     Four<T> sums[3] = {};
     for (std::int64_t n = row_begin[row]; n < row_begin[row + 1]; ++n) {
       const T* from = x + 3 * std::size_t(column[n]);
-      const T* value = &blocks[n].value[0][0];
+      const T* value = blocks[n].value;
       sums[0] += four_at(value) * from[0];
       sums[1] += four_at(value + 3) * from[1];
       sums[2] += __builtin_shufflevector(four_at(value + 5), Four<T>{}, 1, 2, 3, 0) * from[2];
@@ -91,7 +91,7 @@ std::vector<T> BlockMatrix<T>::diagonal() const {
   for (std::size_t row = 0; row < rows(); ++row) {
     for (std::int64_t n = row_begin[row]; n < row_begin[row + 1]; ++n) {
       if (std::size_t(column[n]) != row) continue;
-      for (int a = 0; a < 3; ++a) out[3 * row + a] = blocks[n].value[a][a];
+      for (int a = 0; a < 3; ++a) out[3 * row + a] = blocks[n].value[4 * a];
     }
   }
   return out;
@@ -136,7 +136,7 @@ BlockMatrix<T> assemble(const HexMesh& mesh, const CellMatrices& matrices) {
     for (std::size_t n = 0; n < columns.size(); ++n) {
       out.column[out.row_begin[node] + n] = columns[n];
       for (int ab = 0; ab < 9; ++ab) {
-        out.blocks[out.row_begin[node] + n].value[ab % 3][ab / 3] = T(sums[n][ab]);
+        out.blocks[out.row_begin[node] + n].value[3 * (ab % 3) + ab / 3] = T(sums[n][ab]);
       }
     }
   });

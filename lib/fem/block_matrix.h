@@ -14,7 +14,7 @@ namespace supple {
 template <class T>
 struct BlockMatrix {
   struct Block {
-    T value[3][3];  // column by column, which are read as vectors
+    T value[9];  // column by column, which are read as vectors
   };
   std::vector<std::int64_t> row_begin;
   std::vector<NodeIndex> column;

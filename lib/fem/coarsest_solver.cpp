@@ -46,7 +46,7 @@ CoarsestSolver::CoarsestSolver(const BlockMatrix<double>& matrix)
         for (int b = 0; b < 3; ++b) {
           const int i = factor.unknown_of[3 * row + a];
           const int j = factor.unknown_of[3 * std::size_t(matrix.column[n]) + b];
-          if (i >= j && j >= 0) entries.emplace_back(i, j, matrix.blocks[n].value[b][a]);
+          if (i >= j && j >= 0) entries.emplace_back(i, j, matrix.blocks[n].value[3 * b + a]);
         }
       }
     }

@@ -45,7 +45,7 @@ void NodeTables::add_block(std::int32_t first, std::int32_t end,
     m_places.push_back(places);
   }
   m_longest = std::max(m_longest, m_nodes.size() - begin);
-  m_begin.push_back(std::uint32_t(m_nodes.size()));
+  m_begin.push_back(m_nodes.size());
   m_listed_begin.push_back(std::uint32_t(m_listed.size()));
 }
 
@@ -58,10 +58,8 @@ const CornerPlaces* NodeTables::find_listed(std::size_t block, std::int32_t elem
 }
 
 std::size_t NodeTables::bytes() const {
-  return (m_nodes.capacity() + m_begin.capacity() + m_listed_begin.capacity() +
-          m_listed.capacity()) *
-             4 +
-         m_places.capacity() * sizeof(CornerPlaces);
+  return m_begin.capacity() * sizeof(std::size_t) + m_places.capacity() * sizeof(CornerPlaces) +
+         (m_nodes.capacity() + m_listed_begin.capacity() + m_listed.capacity()) * 4;
 }
 
 }  // namespace supple

@@ -67,7 +67,7 @@ class NodeTables {
   const CornerPlaces* find_listed(std::size_t block, std::int32_t element) const;
 
   std::vector<NodeIndex> m_nodes;
-  std::vector<std::uint32_t> m_begin{0};         // per block, one more than blocks
+  std::vector<std::size_t> m_begin{0};           // per block, one more than blocks
   std::vector<std::uint32_t> m_listed_begin{0};  // likewise
   std::vector<std::int32_t> m_listed;            // elements, ascending
   std::vector<CornerPlaces> m_places;            // of the listed elements

@@ -8,8 +8,7 @@
 
 namespace supple {
 
-/// Fills mesh.corners and mesh.node_begin of a mesh whose elements and blocks are those of the
-/// body.
+/// Sets the corners and fills node_begin of a mesh whose elements and blocks are those of the body.
 void number_voxel_nodes(const Body& body, HexMesh& mesh);
 
 }  // namespace supple

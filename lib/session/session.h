@@ -27,8 +27,9 @@ struct SessionOptions {
   /// Labels on the grid of the volume; empty: those of a state.
   std::string labels_path = {};
   ReadOptions read = {};
-  /// Keeps the data of undo(): after each step the bricks that it changed, as they were; all
-  /// together at most kMostUndoBytes. Beyond that the oldest steps cannot be undone.
+  /// Keeps the data of undo(): after each step the bricks that it changed, as they were, and nodes
+  /// of finite elements that it was handed; all together at most kMostUndoBytes. Beyond that the
+  /// oldest steps cannot be undone.
   bool keeps_undo = false;
 };
 

@@ -66,13 +66,23 @@ Eigen::SparseMatrix<double> as_matrix(const BlockMatrix<double>& from) {
     for (std::int64_t n = from.row_begin[row]; n < from.row_begin[row + 1]; ++n) {
       for (int ab = 0; ab < 9; ++ab) {
         entries.emplace_back(int(3 * row) + ab / 3, 3 * from.column[n] + ab % 3,
-                             from.blocks[n].value[ab % 3][ab / 3]);
+                             from.blocks[n].value[3 * (ab % 3) + ab / 3]);
       }
     }
   }
   Eigen::SparseMatrix<double> out(int(3 * from.rows()), int(3 * from.rows()));
   out.setFromTriplets(entries.begin(), entries.end());
   return out;
+}
+
+/// K x by BlockMatrix::subtract().
+template <class T>
+Eigen::VectorXd product(const BlockMatrix<T>& k, const Eigen::VectorXd& x) {
+  using Vector = Eigen::Matrix<T, Eigen::Dynamic, 1>;
+  const Vector from = x.cast<T>();
+  Vector sum = Vector::Zero(x.size());
+  k.subtract(from.data(), sum.data());
+  return -sum.template cast<double>();
 }
 
 }  // namespace
@@ -196,6 +206,12 @@ TEST(PropertyFem, CoarseOperatorsAreTheGalerkinProductsOfTheFineOne) {
         cells_mesh, to_large, cells, model.material(), large_mesh.element_count());
     const Eigen::SparseMatrix<double> made = as_matrix(assemble<double>(large_mesh, matrices));
     EXPECT_LT((made - k2).norm(), 1e-12 * k2.norm());
+    const Eigen::VectorXd x =
+        Eigen::VectorXd::NullaryExpr(k2.rows(), [&] { return pick(random, -1, 1); });
+    EXPECT_LT((product(assemble<double>(large_mesh, matrices), x) - k2 * x).norm(),
+              1e-12 * (k2 * x).norm());
+    EXPECT_LT((product(assemble<float>(large_mesh, matrices), x) - k2 * x).norm(),
+              1e-5 * (k2 * x).norm());
     const CellMatrices again = CellMatrices::of_cells(cells, model.material())
                                    .coarser(cells_mesh, to_large, large_mesh.element_count());
     EXPECT_LT((as_matrix(assemble<double>(large_mesh, again)) - k2).norm(), 1e-12 * k2.norm());

@@ -9,6 +9,7 @@
 
 #include "lib/fem/fem_results.h"
 #include "lib/fem/loose_islands.h"
+#include "lib/fem/node_vectors.h"
 #include "lib/fem/residual.h"
 #include "lib/model/fem_model.h"
 #include "tests/lib/fem_fixtures.h"
@@ -250,6 +251,15 @@ TEST(PropertyFem, IterationsStayFewForALargeCubeWhoseLargestEigenvaluesAreDense)
       elements_in(body, {{n / 2 - 1, n / 2 - 1, n - 1}, {n / 2, n / 2, n - 1}});
   loads.held.back().displacement_mm = [](const Vec3d&) { return Vec3d(0, 0, 1); };
   EXPECT_LE(FemModel(body, ElasticTable::uniform(1, 0.45)).solve(loads).report.iterations, 12);
+}
+
+TEST(UnitFem, AShortFloatHasEightBits) {
+  std::mt19937 random(12);
+  for (int n = 0; n < 1000; ++n) {
+    const auto value = float(std::pow(10, pick(random, -30, 30)));
+    EXPECT_NEAR(ShortFloat(value), value, value / 256);
+  }
+  for (const float value : {0.0F, 1.0F, 255.0F}) EXPECT_EQ(ShortFloat(value), value);
 }
 
 TEST(UnitFem, ASmoothResidualThatIsSmallAtEveryNodeIsNoBalance) {

@@ -1,5 +1,7 @@
 // Sampling bricks, offset bricks, classification, bounds: the parts of the marcher.
+#include <cmath>
 #include <cstring>
+#include <limits>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -65,6 +67,26 @@ TEST(UnitBricks, IntegerDataOfASixteenBitRangeAreExact) {
     for (int n = 0; n < 4096; ++n) {
       const Vec3i voxel(n >> 8, (n >> 4) & 15, n & 15);
       ASSERT_EQ(bricks.density(*cell_at(bricks, voxel, Vec3f(0)).node), grid.at(voxel));
+    }
+  }
+}
+
+TEST(UnitBricks, OneFractionAmongIntegersIsSeenWhateverTheirSize) {
+  for (const bool is_full : {true, false}) {
+    const BrickTopology where =
+        voxels_of({16, 16, 16}, [&](const Vec3i& v) { return is_full || v != Vec3i(3); });
+    // Up to 2^23, from which on all floats are integers; sums of integers above 2^22 are not exact.
+    for (const double base : {-8388592.0, -4194310.0, -20.0, 4194294.0, 8388592.0}) {
+      const auto scale_with = [&](double odd) {
+        return SourceBricks(
+                   grid_of(where,
+                           [&](const Vec3d& p) { return p == Vec3d(9, 4, 12) ? odd : base + p.x; }))
+            .scale();
+      };
+      EXPECT_EQ(scale_with(base), 1) << base;
+      EXPECT_NE(scale_with(base + 0.5), 1) << base;
+      EXPECT_EQ(scale_with(std::numeric_limits<double>::quiet_NaN()), 1) << base;
+      EXPECT_EQ(scale_with(HUGE_VAL), 1) << base;
     }
   }
 }

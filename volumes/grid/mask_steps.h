@@ -2,7 +2,6 @@
 // once: cells whose corners are set, the corners of cells, and what touches a set voxel.
 #pragma once
 
-#include "volumes/grid/cell.h"
 #include "volumes/grid/padded_rows.h"
 
 namespace supple {

@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include "volumes/grid/cell.h"
 #include "volumes/grid/density_grid.h"
+#include "volumes/grid/mask_steps.h"
 #include "volumes/grid/voxel_sets.h"
 
 using namespace supple;
@@ -27,6 +29,15 @@ BrickTopology bricks_of(const std::set<Voxel>& voxels) {
     mask_set(masks[b], brick_offset({i, j, k}));
   }
   return {origins, masks};
+}
+
+/// The voxels from -9 to 9 along each axis but for one in fifty.
+std::set<Voxel> cube_with_holes(std::mt19937& random) {
+  std::set<Voxel> voxels;
+  for (int n = 0; n < 19 * 19 * 19; ++n) {
+    if (random() % 50 != 0) voxels.insert({n / 361 - 9, n / 19 % 19 - 9, n % 19 - 9});
+  }
+  return voxels;
 }
 
 std::set<Voxel> random_voxels(std::mt19937& random, int count, int range) {
@@ -83,6 +94,55 @@ TEST(PropertyBrickTopology, DilationEqualsTheBruteForceBoxNeighbourhood) {
       }
     }
     EXPECT_TRUE(dilate(bricks_of(voxels), rings) == bricks_of(expected)) << rings;
+  }
+}
+
+TEST(PropertyBrickTopology, ErosionLeavesVoxelsWhoseNeighboursAreAllThere) {
+  std::mt19937 random(8);
+  const std::set<Voxel> voxels = cube_with_holes(random);
+  std::set<Voxel> expected;
+  for (const auto& [i, j, k] : voxels) {
+    bool is_inside = true;
+    for (int n = 0; n < 27; ++n) {
+      is_inside = is_inside && voxels.count({i + n / 9 - 1, j + n / 3 % 3 - 1, k + n % 3 - 1}) != 0;
+    }
+    if (is_inside) expected.insert({i, j, k});
+  }
+  ASSERT_GT(expected.size(), 500u);
+  EXPECT_TRUE(eroded(bricks_of(voxels)) == bricks_of(expected));
+}
+
+TEST(PropertyBrickTopology, CellsOfWholeBricksAndTheirCornersAreThoseOfSingleVoxels) {
+  std::mt19937 random(10);
+  const std::set<Voxel> voxels = cube_with_holes(random);
+  std::set<Voxel> cells, corners;
+  for (const auto& [i, j, k] : voxels) {
+    bool is_cell = true;
+    for (int n = 0; n < 8; ++n) {
+      is_cell = is_cell && voxels.count({i + (n >> 2), j + (n >> 1 & 1), k + (n & 1)}) != 0;
+    }
+    if (!is_cell) continue;
+    cells.insert({i, j, k});
+    for (int n = 0; n < 8; ++n) corners.insert({i + (n >> 2), j + (n >> 1 & 1), k + (n & 1)});
+  }
+  const BrickTopology of_voxels = bricks_of(voxels), of_cells = bricks_of(cells);
+  const auto masks_beside = [](const BrickTopology& bricks, const Vec3i& origin, int side) {
+    std::array<BrickMask, 8> masks{};
+    for (std::size_t n = 0; n < 8; ++n) {
+      const std::int32_t b = bricks.find(origin + cell_corner(int(n)) * kBrickDim * side);
+      if (b >= 0) masks[n] = bricks.mask(std::size_t(b));
+    }
+    return masks;
+  };
+  ASSERT_GT(cells.size(), 1000u);
+  for (std::size_t b = 0; b < of_cells.brick_count(); ++b) {
+    const Vec3i& origin = of_cells.origin(b);
+    EXPECT_EQ(cells_in(masks_beside(of_voxels, origin, 1)), of_cells.mask(b));
+  }
+  const BrickTopology of_corners = bricks_of(corners);
+  for (std::size_t b = 0; b < of_corners.brick_count(); ++b) {
+    const Vec3i& origin = of_corners.origin(b);
+    EXPECT_EQ(corners_of(masks_beside(of_cells, origin, -1)), of_corners.mask(b));
   }
 }
 
