@@ -21,8 +21,8 @@ struct PlaceWeights {
 std::array<PlaceWeights, 27> weights_of_places() {
   std::array<PlaceWeights, 27> all;
   for (int place = 0; place < 27; ++place) {
-    const std::array<double, 8> weights =
-        corner_weights({place / 9 / 2.0, place / 3 % 3 / 2.0, place % 3 / 2.0});
+    const Vec3d halves(Vec3i(place / 9, place / 3 % 3, place % 3));
+    const std::array<double, 8> weights = corner_weights(halves / 2.0);
     for (int c = 0; c < 8; ++c) {
       if (weights[c] == 0) continue;
       all[place].corner[all[place].count] = c;

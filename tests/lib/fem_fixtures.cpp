@@ -3,6 +3,7 @@
 #include <map>
 
 #include <Eigen/Dense>
+#include <gtest/gtest.h>
 
 namespace supple::test {
 

@@ -40,13 +40,19 @@ std::vector<double> at_nodes(const HexMesh& mesh, const std::function<Vec3d(cons
   return u;
 }
 
+/// Of the corners of a cell, at a place among its 27.
+std::array<double, 8> weights_at(int place) {
+  const Vec3d halves(Vec3i(place / 9, place / 3 % 3, place % 3));
+  return corner_weights(halves / 2.0);
+}
+
 /// Each node's weights on the coarser mesh, as a matrix; rows of held components are 0.
 Eigen::SparseMatrix<double> prolongation(const HexMesh& fine, const HexMesh& coarse,
                                          const Coarsening& coarsening, const HeldBits& held) {
   std::vector<Eigen::Triplet<double>> entries;
   for (NodeIndex n = 0; n < fine.node_count(); ++n) {
     const int place = coarsening.node_place[n];
-    const auto weights = corner_weights({place / 9 / 2.0, place / 3 % 3 / 2.0, place % 3 / 2.0});
+    const auto weights = weights_at(place);
     const Corners corners = coarse.corners(coarsening.node_parent[n]);
     for (int c = 0; c < 8; ++c) {
       for (int a = 0; a < 3; ++a) {
@@ -78,11 +84,11 @@ Eigen::SparseMatrix<double> as_matrix(const BlockMatrix<double>& from) {
 /// K x by BlockMatrix::subtract().
 template <class T>
 Eigen::VectorXd product(const BlockMatrix<T>& k, const Eigen::VectorXd& x) {
-  using Vector = Eigen::Matrix<T, Eigen::Dynamic, 1>;
-  const Vector from = x.cast<T>();
-  Vector sum = Vector::Zero(x.size());
+  const std::vector<T> from(x.begin(), x.end());
+  std::vector<T> sum(from.size(), 0);
   k.subtract(from.data(), sum.data());
-  return -sum.template cast<double>();
+  return -Eigen::Map<const Eigen::Matrix<T, Eigen::Dynamic, 1>>(sum.data(), x.size())
+              .template cast<double>();
 }
 
 }  // namespace
@@ -238,8 +244,7 @@ TEST(PropertyFem, InterpolationIsOneFieldWhereverANodeIsSeenFrom) {
             const auto weights = corner_weights(at);
             const NodeIndex node = mesh.corners_in(b, e)[c];
             const int place = coarsening.node_place[node];
-            const auto noted =
-                corner_weights({place / 9 / 2.0, place / 3 % 3 / 2.0, place % 3 / 2.0});
+            const auto noted = weights_at(place);
             double here = 0, there = 0;
             for (int w = 0; w < 8; ++w) {
               here += weights[w] * value[coarse.corners(coarsening.parent[e])[w]];

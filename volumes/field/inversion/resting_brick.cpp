@@ -36,7 +36,8 @@ RestingBrick::RestingBrick(const BrickTopology& voxels, std::size_t b,
     std::array<BrickMask, 8> corners;
     for (int m = 0; m < 8; ++m) {
       const Vec3i up = cell_corner(m);
-      corners[std::size_t(m)] = masks[std::size_t(lowest + 9 * up.x + 3 * up.y + up.z)];
+      const int above = lowest + 9 * up.x + 3 * up.y + up.z;
+      corners[std::size_t(m)] = masks[std::size_t(above)];
     }
     cells[std::size_t(n)] = cells_in(corners);
   }
