@@ -18,8 +18,7 @@ bool any_bit(const BrickMask& mask) {
 }
 
 /// Wanted voxels of one brick that touch a valid one.
-BrickMask next_ring(const std::array<BrickMask, 27>& around, const BrickMask& wanted,
-                    const BrickMask& valid) {
+BrickMask next_ring(const MasksAround& around, const BrickMask& wanted, const BrickMask& valid) {
   BrickMask ring = dilated(around);
   for (std::size_t x = 0; x < ring.size(); ++x) ring[x] &= wanted[x] & ~valid[x];
   return ring;

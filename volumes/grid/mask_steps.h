@@ -71,26 +71,35 @@ inline BrickMask corners_of(std::array<BrickMask, 8> of) {
   return of[0];
 }
 
-/// The voxels of a brick that are set or touch a set one; `around`: masks of the 27 bricks.
-inline BrickMask dilated(std::array<BrickMask, 27> around) {
-  int first = 0;
-  for (int axis = 2, step = 1; axis >= 0; --axis, step *= 3) {
-    first += step;  // in the middle along this axis and those before it
-    for (int n = first; n < 27; n += 3 * step) {
-      const BrickMask mask = around[n];
-      add(shifted_up(mask, around[n - step], axis), around[n]);
-      add(shifted_down(mask, around[n + step], axis), around[n]);
-    }
+/// Masks of the 27 bricks around a brick, an empty one where there is none.
+using MasksAround = std::array<const BrickMask*, 27>;
+
+/// The voxels of a brick that are set or touch a set one.
+inline BrickMask dilated(const MasksAround& around) {
+  const auto along = [](const BrickMask& below, const BrickMask& mask, const BrickMask& above,
+                        int axis) {
+    BrickMask out = mask;
+    add(shifted_up(mask, below, axis), out);
+    add(shifted_down(mask, above, axis), out);
+    return out;
+  };
+  std::array<BrickMask, 9> columns;
+  for (std::size_t n = 0; n < columns.size(); ++n) {
+    columns[n] = along(*around[3 * n], *around[3 * n + 1], *around[3 * n + 2], 2);
   }
-  return around[13];
+  std::array<BrickMask, 3> planes;
+  for (std::size_t n = 0; n < planes.size(); ++n) {
+    planes[n] = along(columns[3 * n], columns[3 * n + 1], columns[3 * n + 2], 1);
+  }
+  return along(planes[0], planes[1], planes[2], 0);
 }
 
-/// Masks of the 27 bricks around a brick, empty where there is none.
 template <class MaskOf>
-std::array<BrickMask, 27> masks_around(const Surroundings& around, MaskOf&& mask_of) {
-  std::array<BrickMask, 27> masks;
+MasksAround masks_around(const Surroundings& around, MaskOf&& mask_of) {
+  static constexpr BrickMask kNone{};
+  MasksAround masks;
   for (std::size_t n = 0; n < masks.size(); ++n) {
-    masks[n] = around[n] < 0 ? BrickMask{} : mask_of(around[n]);
+    masks[n] = around[n] < 0 ? &kNone : &mask_of(around[n]);
   }
   return masks;
 }

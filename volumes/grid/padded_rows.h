@@ -128,8 +128,17 @@ using Surroundings = std::array<std::int32_t, 27>;
 
 inline Surroundings surroundings_of(const BrickTopology& bricks, std::size_t b) {
   Surroundings around;
+  const Vec3i& origin = bricks.origin(b);
+  // Within a region of 16^3 bricks all are in one table (BrickLookup).
+  const auto is_inner = [](int voxel) { return (voxel >> 3 & 15) % 15 != 0; };
+  if (is_inner(origin.x) && is_inner(origin.y) && is_inner(origin.z)) {
+    const std::int32_t* own = bricks.index().lookup().tables + bricks.index().place(b);
+    for (int n = 0; n < 27; ++n)
+      around[n] = own[256 * (n / 9 - 1) + 16 * (n / 3 % 3 - 1) + n % 3 - 1];
+    return around;
+  }
   for (int n = 0; n < 27; ++n) {
-    around[n] = bricks.find(bricks.origin(b) + surrounding_step(n) * kBrickDim);
+    around[n] = bricks.find(origin + surrounding_step(n) * kBrickDim);
   }
   return around;
 }

@@ -104,10 +104,14 @@ BrickTopology eroded(const BrickTopology& topology) {
       std::transform(mask.begin(), mask.end(), out.begin(), [](auto word) { return ~word; });
       return out;
     };
-    std::array<BrickMask, 27> around =
+    MasksAround around =
         masks_around(surroundings_of(topology, b),
                      [&](std::int32_t m) -> const BrickMask& { return topology.mask(m); });
-    std::transform(around.begin(), around.end(), around.begin(), absent);
+    std::array<BrickMask, 27> others;
+    for (std::size_t n = 0; n < around.size(); ++n) {
+      others[n] = absent(*around[n]);
+      around[n] = &others[n];
+    }
     masks[b] = absent(dilated(around));
   });
   return {std::move(origins), std::move(masks)};

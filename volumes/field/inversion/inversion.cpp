@@ -208,8 +208,11 @@ VectorBricks Inversion::with_resting(const BrickTopology& bricks, const BrickTop
                                      VectorBricks moved) {
   const std::size_t count = bricks.brick_count();
   tbb::enumerable_thread_specific<std::vector<std::pair<std::size_t, BrickMask>>> parts;
+  std::vector<std::uint8_t> full(count);
+  tbb::parallel_for(std::size_t(0), count,
+                    [&](std::size_t b) { full[b] = is_full(bricks.mask(b)) ? 1 : 0; });
   tbb::parallel_for(std::size_t(0), count, [&](std::size_t b) {
-    const RestingBrick brick(bricks, b, [&](std::int32_t lower) { return rests(lower); });
+    const RestingBrick brick(bricks, full, b, [&](std::int32_t lower) { return rests(lower); });
     if (rests(std::int32_t(b))) m_resting_cells[b] = std::int16_t(brick.cells());
     if (reached.find(bricks.origin(b)) >= 0) return;
     const BrickMask nodes = brick.nodes();
