@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstring>
 #include <vector>
 
 #include <tbb/blocked_range.h>
@@ -36,7 +37,7 @@ class BlockField {
         ElementLanes<T> points[3];
         read_points<T>(global + 3 * std::size_t(nodes[first + 1]), points);
         for (int a = 0; a < 3; ++a) {
-          lanes_at(&m_values[a * m_stride + first + 1]) = points[a];
+          set_lanes(points[a], &m_values[a * m_stride + first + 1]);
         }
         continue;
       }
@@ -97,8 +98,9 @@ class BlockField {
       for (int a = 0; a < 3; ++a) {
         T* values = first + a * m_stride + kCornerStep[c];
         const ElementLanes<T>&low = x[3 * c + a], &high = x[3 * c + 3 + a];
-        lanes_at(values) +=
-            low + __builtin_shufflevector(high, ElementLanes<T>{}, 8, 0, 1, 2, 3, 4, 5, 6);
+        const ElementLanes<T> shifted =
+            __builtin_shufflevector(high, ElementLanes<T>{}, 8, 0, 1, 2, 3, 4, 5, 6);
+        set_lanes(lanes_at(values) + (low + shifted), values);
         values[kGroup] += high[kGroup - 1];
       }
     }
@@ -114,11 +116,13 @@ class BlockField {
                                          kLatticeRows + 1,
                                          kLatticeRows + kLatticeDim,
                                          kLatticeRows + kLatticeDim + 1};
-  static LanesAnywhere<T>& lanes_at(T* values) {
-    return *reinterpret_cast<LanesAnywhere<T>*>(values);
+  static ElementLanes<T> lanes_at(const T* values) {
+    ElementLanes<T> lanes;
+    std::memcpy(&lanes, values, sizeof lanes);
+    return lanes;
   }
-  static const LanesAnywhere<T>& lanes_at(const T* values) {
-    return *reinterpret_cast<const LanesAnywhere<T>*>(values);
+  static void set_lanes(const ElementLanes<T>& lanes, T* values) {
+    std::memcpy(values, &lanes, sizeof lanes);
   }
   /// Calls visit(3 corner + component, lane, place among the values).
   template <class Visit>
