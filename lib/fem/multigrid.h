@@ -23,7 +23,7 @@
 #include "lib/fem/cell_classes.h"
 #include "lib/fem/coarsest_solver.h"
 #include "lib/fem/hex_operator.h"
-#include "lib/fem/node_vectors.h"
+#include "lib/fem/short_float.h"
 #include "lib/fem/transfer.h"
 #include "volumes/base/progress.h"
 

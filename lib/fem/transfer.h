@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "lib/fem/hex_mesh.h"
-#include "lib/fem/node_vectors.h"
+#include "lib/fem/short_float.h"
 
 namespace supple {
 

@@ -9,8 +9,8 @@
 
 #include "lib/fem/fem_results.h"
 #include "lib/fem/loose_islands.h"
-#include "lib/fem/node_vectors.h"
 #include "lib/fem/residual.h"
+#include "lib/fem/short_float.h"
 #include "lib/model/fem_model.h"
 #include "tests/lib/fem_fixtures.h"
 #include "volumes/base/on_threads.h"
