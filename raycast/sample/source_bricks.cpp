@@ -38,7 +38,7 @@ struct LaneRange {
   DensityBits reaches(float limit) const { return (lo <= -limit) | (hi >= limit); }
 };
 
-/// The last place of small value + kUnits is that of 1.
+/// A value below kSmall and kUnits add up to a float whose last place is 1.
 constexpr float kSmall = 4194304, kUnits = 3 * kSmall;
 
 /// Lanes with a value that is no integer; all are small or not finite.
