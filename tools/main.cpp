@@ -3,11 +3,12 @@
 #include <atomic>
 #include <csignal>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <iterator>
 #include <map>
 #include <new>
+
+#include <sys/mman.h>
 
 #include "tools/build_facts.h"
 #include "tools/console/command.h"
@@ -52,19 +53,22 @@ int fail(int exit_code, const std::string& message) {
   return exit_code;
 }
 
-/// Given back when memory runs out, since destructors of libraries allocate, too.
+/// Addresses given back when memory runs out, since destructors of libraries allocate, too. They
+/// lie apart from the heap, so that threads and allocators of libraries find them.
+constexpr std::size_t kReserveBytes = std::size_t(32) << 20;
 std::atomic<void*> g_reserve{nullptr};  // threads may run out at the same time
 
 void release_reserve() {
-  std::free(g_reserve.exchange(nullptr));
+  if (void* const reserve = g_reserve.exchange(nullptr)) ::munmap(reserve, kReserveBytes);
   throw std::bad_alloc();
 }
 
 /// Throws std::bad_alloc. Untouched the reserve takes addresses only.
 void keep_reserve() {
-  constexpr std::size_t kReserveBytes = std::size_t(32) << 20;
-  g_reserve = std::malloc(kReserveBytes);
-  if (g_reserve == nullptr) throw std::bad_alloc();
+  void* const reserve = ::mmap(nullptr, kReserveBytes, PROT_READ | PROT_WRITE,
+                               MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (reserve == MAP_FAILED) throw std::bad_alloc();
+  g_reserve = reserve;
   std::set_new_handler(release_reserve);
 }
 

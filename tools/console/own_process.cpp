@@ -49,6 +49,8 @@ double peak_rss_of_children_mb() {
 
 void keep_heap_in_large_pages() {
 #ifdef __GLIBC__
+  rlimit addresses{};
+  if (::getrlimit(RLIMIT_AS, &addresses) != 0 || addresses.rlim_cur != RLIM_INFINITY) return;
   constexpr int kHeapBytes = 256 << 20, kLargestInHeap = 32 << 20;
   // Growth by so much at a time is address space until it is touched.
   ::mallopt(M_TOP_PAD, kHeapBytes);

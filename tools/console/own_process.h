@@ -19,7 +19,8 @@ double peak_rss_mb();
 double peak_rss_of_children_mb();
 
 /// What is allocated in small pieces lies in pages of 2 MiB from now on, where the system has them,
-/// up to 256 MiB of it: the first touch of small pages else takes a third of a run.
+/// up to 256 MiB of it: the first touch of small pages else takes a third of a run. Not under a
+/// limit of addresses, which the heap would use up ahead of its need.
 void keep_heap_in_large_pages();
 
 /// Pages of memory that is free go back to the system. What lives long, between large arrays that
