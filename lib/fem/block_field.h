@@ -163,11 +163,12 @@ class BlockField {
   std::vector<T> m_values;
 };
 
-/// Calls visit(block, scratch) for all blocks, colour by colour: blocks that are visited at the
+/// Calls visit(block, scratch) for these blocks, colour by colour: blocks that are visited at the
 /// same time share no node. Every range of blocks has a scratch of its own.
 template <class Scratch, class Visit>
-void for_blocks_by_colour(const HexMesh& mesh, const ElementGroups& groups, Visit&& visit) {
-  for (const std::vector<std::int32_t>& blocks : mesh.of_colour) {
+void for_blocks_by_colour(const HexMesh& mesh, const ElementGroups& groups,
+                          const BlocksByColour& of_colour, Visit&& visit) {
+  for (const std::vector<std::int32_t>& blocks : of_colour) {
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks.size(), 1),
                       [&](const tbb::blocked_range<std::size_t>& range) {
                         Scratch scratch(mesh, groups);

@@ -66,7 +66,7 @@ LaneModuli FiniteStrain::moduli_of(std::size_t group) const {
 StrainEnergy FiniteStrain::add_forces(const double* u, double* force) const {
   std::vector<StrainEnergy> of_block(m_mesh->block_count());
   for_blocks_by_colour<ForceFields>(
-      *m_mesh, m_groups, [&](std::int32_t block, ForceFields& fields) {
+      *m_mesh, m_groups, m_mesh->of_colour, [&](std::int32_t block, ForceFields& fields) {
         DoubleLanes x[24], energy, smallest;
         fields.u.load(block, u);
         fields.force.clear(block);
@@ -98,7 +98,7 @@ StrainEnergy FiniteStrain::add_forces(const double* u, double* force) const {
 template <class X>
 void FiniteStrain::accumulate_tangent(const double* u, const X* x, double* y, double sign) const {
   for_blocks_by_colour<TangentFields>(
-      *m_mesh, m_groups, [&](std::int32_t block, TangentFields& fields) {
+      *m_mesh, m_groups, m_mesh->of_colour, [&](std::int32_t block, TangentFields& fields) {
         DoubleLanes at[24], change[24];
         fields.u.load(block, u);
         fields.x.load(block, x);

@@ -21,6 +21,9 @@ namespace supple {
 /// Corners of elements come as 32-bit numbers.
 constexpr std::int64_t kMostElements = std::int64_t(1) << 28;
 
+/// Ascending blocks of each colour.
+using BlocksByColour = std::array<std::vector<std::int32_t>, 8>;
+
 struct HexMesh {
   Geometry geometry;  // of the voxels, also for coarser levels
   int level = 0;      // cells are 2^level voxels wide
@@ -29,7 +32,7 @@ struct HexMesh {
   std::vector<Vec3i> origin;                // smallest cell, a multiple of 8
   std::vector<std::int32_t> element_begin;  // one more than blocks
   std::vector<NodeIndex> node_begin;        // likewise: the nodes that its elements met first
-  std::array<std::vector<std::int32_t>, 8> of_colour;  // ascending blocks
+  BlocksByColour of_colour;
 
   // Per element: ascending cells within a block.
   std::vector<std::uint16_t> offset;  // of the cell in its block, as brick_offset()

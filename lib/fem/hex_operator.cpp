@@ -233,9 +233,10 @@ struct BlockProduct {
 }  // namespace
 
 template <class X, class T, class Compute>
-void HexOperator::for_each_group(const X* x, T* y, T sign, Compute&& compute) const {
+void HexOperator::for_each_group(const X* x, T* y, T sign, const BlocksByColour& of_colour,
+                                 Compute&& compute) const {
   for_blocks_by_colour<BlockProduct<T>>(
-      *m_mesh, m_groups, [&](std::int32_t block, BlockProduct<T>& product) {
+      *m_mesh, m_groups, of_colour, [&](std::int32_t block, BlockProduct<T>& product) {
         alignas(64) ElementLanes<T> corners[24];
         if (x != nullptr) product.in.load(block, x);
         product.out.clear(block);
@@ -250,19 +251,23 @@ void HexOperator::for_each_group(const X* x, T* y, T sign, Compute&& compute) co
 }
 
 template <class X, class T>
-void HexOperator::accumulate(const X* x, T* y, T sign) const {
-  for_each_group(x, y, sign, [this](const ElementGroup& group, ElementLanes<T>* corners) {
-    apply_group<T>(group, corners);
-  });
+void HexOperator::accumulate(const X* x, T* y, T sign, const BlocksByColour& of_colour) const {
+  for_each_group(x, y, sign, of_colour,
+                 [this](const ElementGroup& group, ElementLanes<T>* corners) {
+                   apply_group<T>(group, corners);
+                 });
 }
 
 template <class X, class T>
 void HexOperator::add(const X* x, T* y) const {
-  accumulate(x, y, T(1));
+  accumulate(x, y, T(1), m_mesh->of_colour);
 }
 template <class X, class T>
 void HexOperator::subtract(const X* x, T* y) const {
-  accumulate(x, y, T(-1));
+  accumulate(x, y, T(-1), m_mesh->of_colour);
+}
+void HexOperator::subtract(const float* x, float* y, const BlocksByColour& of_colour) const {
+  accumulate(x, y, -1.0F, of_colour);
 }
 template void HexOperator::add(const float*, float*) const;
 template void HexOperator::add(const double*, double*) const;
@@ -299,7 +304,7 @@ void HexOperator::group_diagonal(const ElementGroup& group, ElementLanes<float>*
 
 std::vector<float> HexOperator::diagonal() const {
   std::vector<float> diagonal(3 * std::size_t(m_mesh->node_count()), 0.0f);
-  for_each_group<float, float>(nullptr, diagonal.data(), 1.0f,
+  for_each_group<float, float>(nullptr, diagonal.data(), 1.0f, m_mesh->of_colour,
                                [this](const ElementGroup& group, ElementLanes<float>* corners) {
                                  group_diagonal(group, corners);
                                });

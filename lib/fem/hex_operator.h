@@ -31,6 +31,8 @@ class HexOperator {
   void add(const X* x, T* y) const;
   template <class X, class T>
   void subtract(const X* x, T* y) const;
+  /// The part of y -= K x of the elements of these blocks alone.
+  void subtract(const float* x, float* y, const BlocksByColour& of_colour) const;
 
   /// The diagonal of K.
   std::vector<float> diagonal() const;
@@ -40,7 +42,7 @@ class HexOperator {
 
  private:
   template <class X, class T>
-  void accumulate(const X* x, T* y, T sign) const;
+  void accumulate(const X* x, T* y, T sign, const BlocksByColour& of_colour) const;
   template <class T>
   void apply_group(const ElementGroup& group, ElementLanes<T>* x) const;
   template <class T>
@@ -49,7 +51,8 @@ class HexOperator {
   ChildLanes<T> children_of(const ElementGroup& group) const;
   void group_diagonal(const ElementGroup& group, ElementLanes<float>* out) const;
   template <class X, class T, class Compute>
-  void for_each_group(const X* x, T* y, T sign, Compute&& compute) const;
+  void for_each_group(const X* x, T* y, T sign, const BlocksByColour& of_colour,
+                      Compute&& compute) const;
 
   const HexMesh* m_mesh;
   const VoxelMaterial* m_material;

@@ -131,6 +131,10 @@ Multigrid::Multigrid(const MeshLevels& levels, const HexOperator& fine,
                      const SmootherParams& params, Progress* progress, int first)
     : m_params(params), m_levels(levels.coarsenings.size()) {
   const std::vector<HexMesh>& meshes = levels.meshes;
+  if (first == 0 && meshes.size() > 1) {
+    m_pieces.emplace(meshes[0], material, held);
+    if (m_pieces->count() == 0) m_pieces.reset();
+  }
   std::optional<CellClasses> cells;
   if (meshes.size() > 1) {
     cells =
@@ -180,7 +184,7 @@ Multigrid::Multigrid(const MeshLevels& levels, const HexOperator& fine,
 }
 
 std::size_t Multigrid::bytes() const {
-  std::size_t sum = m_coarsest->bytes();
+  std::size_t sum = m_coarsest->bytes() + (m_pieces ? m_pieces->bytes() : 0);
   for (const Level& level : m_levels) {
     sum += level.inverse_diagonal.capacity() * sizeof(ShortFloat);
     for (const std::vector<float>* of :
@@ -194,7 +198,24 @@ std::size_t Multigrid::bytes() const {
 }
 
 void Multigrid::cycle(float* r, float* z) {
+  if (!m_pieces) {
+    cycle_from(0, r, z);
+    return;
+  }
+  // B = Q + (I - Q K) M (I - K Q): the pieces by Q = Z E^-1 Z^T, and M, the levels.
+  Level& level = m_levels[0];
+  float* d = level.d.data();
+  m_pieces->take_forces(r);
+  m_pieces->solve();
+  fill(d, level.unknowns(), 0.0f);
+  m_pieces->add_motions(d);
+  level.fine->subtract(d, r, m_pieces->blocks());
   cycle_from(0, r, z);
+  m_pieces->clear(d);
+  level.fine->subtract(z, d, m_pieces->blocks());
+  m_pieces->add_forces(d);
+  m_pieces->solve();
+  m_pieces->add_motions(z);
 }
 
 void Multigrid::cycle_from(std::size_t number, float* r, float* z) {

@@ -24,6 +24,7 @@
 #include "lib/fem/coarsest_solver.h"
 #include "lib/fem/hex_operator.h"
 #include "lib/fem/short_float.h"
+#include "lib/fem/thin_pieces.h"
 #include "lib/fem/transfer.h"
 #include "volumes/base/progress.h"
 
@@ -94,6 +95,7 @@ class Multigrid {
   void smooth(Level& level, bool is_first, float* r, float* z) const;
 
   SmootherParams m_params;
+  std::optional<ThinPieces> m_pieces;
   std::vector<Level> m_levels;  // all but the coarsest
   std::optional<CoarsestSolver> m_coarsest;
   std::vector<float> m_coarsest_r, m_coarsest_z;

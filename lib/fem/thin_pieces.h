@@ -1,0 +1,69 @@
+// Rigid motions of the pieces of thin parts, a coarse space beside the levels of the cycle
+// (Nicolaides 1987; Mandel 1993, the balancing preconditioner; rigid bodies as in Jonsthovel, van
+// Gijzen, Vuik, Kasbergen and Scarpas 2009).
+//
+// A plate that is thinner than a coarse cell can neither bend nor turn there, and one motion that
+// no level knows costs conjugate gradients iteration after iteration: in a head the septum of the
+// nose takes half of them all. Here thin parts are cut into pieces of a few voxels, and each moves
+// by itself in six ways, so that a plate bends from piece to piece.
+//
+// Thin are elements in no cube of 6^3 elements of the body. Thin stiff parts among soft ones are
+// left out: pieces of them cost iterations instead.
+//
+// Cost: 20 bytes per node of thin parts, and the factors of E = Z^T K Z.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "lib/fem/cell_classes.h"
+#include "lib/fem/coarsest_solver.h"
+#include "lib/fem/hex_mesh.h"
+
+namespace supple {
+
+class ThinPieces {
+ public:
+  /// Throws Error when E cannot be factorised.
+  ThinPieces(const HexMesh& voxels, const VoxelMaterial& material, const HeldBits& held);
+
+  std::size_t count() const { return m_begin.size() - 1; }
+  /// Blocks that hold an element with a node of a piece, by colour.
+  const BlocksByColour& blocks() const { return m_blocks; }
+
+  /// Forces Z^T r of the pieces, three values of r per node; held ones do not count.
+  void take_forces(const float* r);
+  /// Adds those of r.
+  void add_forces(const float* r);
+  /// Motions E^-1 Z^T r of the forces taken.
+  void solve();
+  /// z += Z (motions).
+  void add_motions(float* z) const;
+  /// Zero at the nodes of pieces.
+  void clear(float* z) const;
+
+  std::size_t bytes() const;
+
+ private:
+  struct Member {
+    NodeIndex node;
+    Vec3f arm;  // from the middle of its piece, in parts of the width of a block
+    std::uint8_t held;
+  };
+  using PieceOfNode = std::vector<std::int32_t>;  // or -1
+
+  PieceOfNode gather(const HexMesh& voxels, const HeldBits& held);
+  void find_blocks(const HexMesh& voxels, const PieceOfNode& piece_of);
+  BlockMatrix<double> stiffness(const HexMesh& voxels, const VoxelMaterial& material,
+                                const PieceOfNode& piece_of) const;
+
+  std::vector<std::size_t> m_begin{0};  // per piece, one more than pieces
+  std::vector<Member> m_members;
+  BlocksByColour m_blocks;
+  std::optional<CoarsestSolver> m_solver;
+  std::vector<float> m_forces, m_motions;  // translation and turn of each piece
+};
+
+}  // namespace supple

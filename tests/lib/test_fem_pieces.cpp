@@ -1,0 +1,106 @@
+// Pieces of thin parts as a coarse space of the finite elements' cycle.
+#include <algorithm>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "lib/fem/fem.h"
+#include "lib/fem/multigrid.h"
+#include "lib/fem/thin_pieces.h"
+#include "tests/lib/fem_fixtures.h"
+
+using namespace supple;
+using namespace supple::test;
+
+namespace {
+
+/// A strip of a plate of one voxel that stands out from a wall into a room, as the septum of a
+/// nose.
+Body plate_in_a_room(int n) {
+  return fem_body(n, [n](const Vec3i& v) {
+    const int to_wall = std::min({v.x, v.y, n - 1 - v.x, n - 1 - v.y, v.z, n - 1 - v.z});
+    return to_wall < 6 || (v.z == n / 2 && v.y < 3 * n / 4 && std::abs(v.x - n / 2) < 4) ? 1 : -1;
+  });
+}
+
+/// Here and there, and an element of every island.
+HeldBits hold_some(std::mt19937& random, const HexMesh& mesh) {
+  HeldBits held(std::size_t(mesh.node_count()), 0);
+  for (std::uint8_t& bits : held) bits = random() % 30 == 0 ? std::uint8_t(random() % 8) : 0;
+  const Islands islands = find_islands(mesh);
+  std::vector<bool> is_held(std::size_t(islands.count), false);
+  for (std::int32_t e = 0; e < mesh.element_count(); ++e) {
+    const auto island = std::size_t(islands.of_element[std::size_t(e)]);
+    if (is_held[island]) continue;
+    is_held[island] = true;
+    for (const NodeIndex node : mesh.corners(e)) held[std::size_t(node)] = 7;
+  }
+  return held;
+}
+
+}  // namespace
+
+TEST(PropertyFemPieces, TheCycleGivesBackWhatPiecesCanDo) {
+  // B K z = z for motions z of the pieces, whatever the levels make of them.
+  std::mt19937 random(12);
+  int checked = 0;
+  for (int round = 0; round < 8; ++round) {
+    const Body body = round == 0 ? plate_in_a_room(24) : random_fem_body(random, Vec3i(26, 24, 22));
+    const FemModel model(body, random_elastic(random));
+    const HexMesh& mesh = model.mesh();
+    const HeldBits held = hold_some(random, mesh);
+    ThinPieces pieces(mesh, model.material(), held);
+    if (pieces.count() == 0) continue;
+    Multigrid multigrid(model.levels(), model.stiffness(), model.material(), held, {}, nullptr);
+    if (multigrid.level_count() == 1) continue;
+    ++checked;
+
+    const std::size_t unknowns = 3 * std::size_t(mesh.node_count());
+    std::vector<float> forces(unknowns), z(unknowns, 0), r(unknowns, 0), back(unknowns, 0);
+    for (float& force : forces) force = float(pick(random, -1, 1));
+    pieces.take_forces(forces.data());
+    pieces.solve();
+    pieces.add_motions(z.data());
+    model.stiffness().add(z.data(), r.data());
+    multigrid.cycle(r.data(), back.data());
+    double most = 0, error = 0;
+    for (std::size_t n = 0; n < unknowns; ++n) {
+      if ((held[n / 3] >> n % 3 & 1) != 0) {
+        EXPECT_EQ(z[n], 0);
+        continue;
+      }
+      most = std::max(most, std::abs(double(z[n])));
+      error = std::max(error, std::abs(double(back[n]) - z[n]));
+    }
+    EXPECT_GT(most, 0);
+    EXPECT_LT(error, 2e-3 * most) << "round " << round;
+  }
+  EXPECT_GE(checked, 4);
+}
+
+TEST(PropertyFemPieces, ThickBodiesHaveNone) {
+  const FemModel model(fem_cube(20), ElasticTable::uniform(6, 0.3));
+  const HeldBits none(std::size_t(model.mesh().node_count()), 0);
+  EXPECT_EQ(ThinPieces(model.mesh(), model.material(), none).count(), 0U);
+}
+
+TEST(PropertyFemPieces, ManyIslandsHaveNone) {
+  // Single voxels, 4,913 of them: motions of their own that no factorisation should carry.
+  const Body body = fem_body(
+      34, [](const Vec3i& v) { return v.x % 2 == 0 && v.y % 2 == 0 && v.z % 2 == 0 ? 1 : -1; });
+  const FemModel model(body, ElasticTable::uniform(6, 0.3));
+  const HeldBits none(std::size_t(model.mesh().node_count()), 0);
+  EXPECT_EQ(ThinPieces(model.mesh(), model.material(), none).count(), 0U);
+}
+
+TEST(PropertyFemPieces, AThinPlateCostsFewIterations) {
+  const Body body = plate_in_a_room(56);
+  const FemModel model(body, ElasticTable::uniform(6, 0.3));
+  FemLoads loads;
+  loads.held.push_back(hold_where(body, [](const Vec3d& at) { return at.y < 1; }));
+  const int middle = 56 / 2, tip = 3 * 56 / 4 - 1;
+  ForceOnElements& push = loads.forces.emplace_back();
+  push.elements = elements_in(body, {{middle - 4, tip, middle}, {middle + 3, tip, middle}});
+  push.force_n = {0, 0, 1e-6};
+  EXPECT_LE(model.solve(loads, {}).report.iterations, 22);  // 31 without pieces
+}
