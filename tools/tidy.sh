@@ -17,10 +17,11 @@ changed_sources() {
   git diff --name-only --diff-filter=d "$base" -- '*.cpp'
 }
 
-# Commands without unity files and precompiled headers; nothing of it is built.
+# Commands without unity files and precompiled headers; nothing of it is built but what sources include.
 mkdir -p build
 cmake -S . -B build/tidy -G Ninja -DCMAKE_BUILD_TYPE=Debug -DSUPPLE_UNITY=1 \
   -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON >build/tidy-configure.log
+cmake --build build/tidy --target supple_build_facts >>build/tidy-configure.log
 
 files=("$@") left_out=0
 if [ "${#files[@]}" -eq 0 ]; then
