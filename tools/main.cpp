@@ -185,6 +185,10 @@ int main(int argc, char** argv) {
   try {
     return supple::tools::run_program(argc, argv);
   } catch (const std::bad_alloc&) {
-    return supple::tools::fail(supple::tools::kSystem, "not enough memory");
+    std::fputs("supple: error: not enough memory\n", stderr);
+    return supple::tools::kSystem;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "supple: error: %s\n", error.what());
+    return supple::tools::kFailure;
   }
 }
