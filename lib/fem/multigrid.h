@@ -9,6 +9,8 @@
 // have no matrix (hex_operator.h), coarser ones have blocks per pair of nodes (block_matrix.h), the
 // coarsest is factorised (coarsest_solver.h).
 //
+// Thin parts, which no coarse cell can bend, have a coarse space of their own (thin_pieces.h).
+//
 // Smoother: Chebyshev polynomials of D^-1 K (Adams, Brezina, Hu and Tuminaro 2003), the same before
 // and after the coarse correction, so that the V-cycle is symmetric and positive definite; the
 // steps of conjugate gradients below make the whole nonlinear by a little. All needs nothing but K
@@ -55,7 +57,7 @@ class Multigrid {
             const HeldBits& held, const SmootherParams& params, Progress* progress, int first = 0);
 
   /// z = B r, r three values per node of the voxels; held components of r do not count, those of z
-  /// are 0. `r` is used up.
+  /// are 0. `r` is used up. What pieces of thin parts can do is exact: B K z = z for their motions.
   void cycle(float* r, float* z);
 
   /// The equations of one level from 1 on, whose displacements are those that its mesh can have:
