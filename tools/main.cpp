@@ -3,6 +3,7 @@
 #include <atomic>
 #include <csignal>
 #include <cstdio>
+#include <exception>
 #include <filesystem>
 #include <iterator>
 #include <map>
@@ -185,7 +186,7 @@ int main(int argc, char** argv) {
   try {
     return supple::tools::run_program(argc, argv);
   } catch (const std::bad_alloc&) {
-    std::fputs("supple: error: not enough memory\n", stderr);
+    std::fputs("supple: error: not enough memory\n", stderr);  // which allocates nothing
     return supple::tools::kSystem;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "supple: error: %s\n", error.what());

@@ -59,7 +59,7 @@ CoarsestSolver::CoarsestSolver(const BlockMatrix<double>& matrix)
     lower.diagonal() = own * (1 + shift);
     if (is_positive_definite(factor.ldlt.compute(lower))) return;
   }
-  throw Error("finite elements: the coarsest level is not positive definite");
+  throw Error("finite elements: a coarse matrix is not positive definite");
 }
 
 void CoarsestSolver::solve(const float* b, float* x) const {

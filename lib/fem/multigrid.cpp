@@ -132,7 +132,7 @@ Multigrid::Multigrid(const MeshLevels& levels, const HexOperator& fine,
     : m_params(params), m_levels(levels.coarsenings.size()) {
   const std::vector<HexMesh>& meshes = levels.meshes;
   if (first == 0 && meshes.size() > 1) {
-    m_pieces.emplace(meshes[0], material, held);
+    m_pieces.emplace(meshes[0], material, held, progress);
     if (m_pieces->count() == 0) m_pieces.reset();
   }
   std::optional<CellClasses> cells;

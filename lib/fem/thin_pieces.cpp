@@ -1,173 +1,23 @@
 #include "lib/fem/thin_pieces.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
+#include <utility>
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-#include "lib/fem/corner_sets.h"
-#include "volumes/grid/mask_steps.h"
+#include "lib/fem/block_matrix.h"
+#include "lib/fem/element_matrix.h"
 
 namespace supple {
 
 namespace {
 
-constexpr int kThinWidth = 6;  // elements
-/// Pieces lie in blocks of 4^3 elements or, where they are too many to factorise, larger ones.
-constexpr int kCubeBits = 2, kMostCubeBits = 10;
-constexpr std::size_t kMostPieces = 4000;
-constexpr std::uint8_t kAllHeld = 7;
-/// Those of fewer nodes join a neighbour, since some of their motions would be none.
-constexpr std::size_t kLeastNodes = 8;
-
 using Matrix6 = std::array<std::array<double, 6>, 6>;
 using PiecePair = std::pair<std::int32_t, std::int32_t>;
-
-/// Calls step(mask, that of the brick on this side of it, axis, new mask) for all bricks.
-template <class Step>
-void step_along(const BrickTopology& bricks, std::vector<BrickMask>& masks, int axis, int side,
-                Step&& step) {
-  static constexpr BrickMask kNone{};
-  std::vector<BrickMask> next = masks;
-  for (std::size_t b = 0; b < masks.size(); ++b) {
-    const std::int32_t beside = bricks.neighbour(b, 2 * axis + side);
-    step(masks[b], beside < 0 ? kNone : masks[std::size_t(beside)], axis, next[b]);
-  }
-  masks.swap(next);
-}
-
-/// Takes away all cubes of kThinWidth^3 set voxels: what is left is thin.
-void keep_thin(const BrickTopology& bricks, std::vector<BrickMask>& masks) {
-  std::vector<BrickMask> cubes = masks;
-  for (int n = 0; n < 3 * (kThinWidth - 1); ++n) {
-    step_along(bricks, cubes, n % 3, 1,
-               [](const BrickMask& mask, const BrickMask& above, int axis, BrickMask& out) {
-                 keep(shifted_down(mask, above, axis), out);
-               });
-  }
-  for (int n = 0; n < 3 * (kThinWidth - 1); ++n) {
-    step_along(bricks, cubes, n % 3, 0,
-               [](const BrickMask& mask, const BrickMask& below, int axis, BrickMask& out) {
-                 add(shifted_up(mask, below, axis), out);
-               });
-  }
-  for (std::size_t b = 0; b < masks.size(); ++b) {
-    for (std::size_t word = 0; word < masks[b].size(); ++word) masks[b][word] &= ~cubes[b][word];
-  }
-}
-
-/// The elements of thin parts, block by block.
-std::vector<BrickMask> thin_parts(const HexMesh& voxels) {
-  std::vector<BrickMask> masks(voxels.block_count());
-  for (std::size_t b = 0; b < voxels.block_count(); ++b) {
-    for (std::int32_t e = voxels.element_begin[b]; e < voxels.element_begin[b + 1]; ++e) {
-      mask_set(masks[b], voxels.offset[e]);
-    }
-  }
-  keep_thin(BrickTopology(voxels.origin, masks), masks);
-  return masks;
-}
-
-/// Pieces that are found block by block, and joined; none where they stay too many, as islands do.
-class PieceSets {
- public:
-  PieceSets(const HexMesh& voxels, const std::vector<BrickMask>& thin, const HeldBits& held)
-      : m_owner(std::size_t(voxels.node_count()), -1) {
-    for (std::size_t b = 0; b < voxels.block_count(); ++b) find(voxels, thin[b], held, b);
-    m_sets.emplace(m_place.size());
-    m_nodes.resize(m_place.size());
-    for (const std::int32_t piece : m_owner) {
-      if (piece >= 0) ++m_nodes[std::size_t(piece)];
-    }
-    join([&](std::uint32_t a, std::uint32_t b) {
-      return std::min(m_nodes[m_sets->find(a)], m_nodes[m_sets->find(b)]) < kLeastNodes;
-    });
-    for (int shift = kCubeBits + 1; number() > kMostPieces && shift < kMostCubeBits; ++shift) {
-      join([&](std::uint32_t a, std::uint32_t b) {
-        return shifted(m_place[a], shift) == shifted(m_place[b], shift);
-      });
-    }
-    if (m_count <= kMostPieces) return;
-    m_count = 0;
-    std::fill(m_owner.begin(), m_owner.end(), -1);
-  }
-
-  std::size_t count() const { return m_count; }
-  /// Per node the number of its piece, or -1.
-  std::vector<std::int32_t> take_numbers() {
-    for (std::int32_t& owner : m_owner) {
-      if (owner >= 0) owner = m_number[m_sets->find(std::uint32_t(owner))];
-    }
-    return std::move(m_owner);
-  }
-
- private:
-  static Vec3i shifted(const Vec3i& place, int shift) {
-    return {place.x >> shift, place.y >> shift, place.z >> shift};
-  }
-
-  /// Those of one block: elements of one cube of 2^kCubeBits that share nodes.
-  void find(const HexMesh& voxels, const BrickMask& thin, const HeldBits& held, std::size_t block) {
-    std::map<int, std::vector<std::int32_t>> of_cubes;
-    for (std::int32_t e = voxels.element_begin[block]; e < voxels.element_begin[block + 1]; ++e) {
-      if (!mask_test(thin, voxels.offset[e])) continue;
-      of_cubes[brick_offset(shifted(brick_local(voxels.offset[e]), kCubeBits))].push_back(e);
-    }
-    for (const auto& [cube, elements] : of_cubes) {
-      std::map<NodeIndex, std::uint32_t> first;  // the first element that has a node
-      CornerSets sets(elements.size());
-      for (std::uint32_t n = 0; n < elements.size(); ++n) {
-        for (const NodeIndex node : voxels.corners_in(block, elements[n])) {
-          sets.join(first.try_emplace(node, n).first->second, n);
-        }
-      }
-      std::map<std::uint32_t, std::int32_t> piece_of;
-      for (const auto& [node, n] : first) {
-        if (held[std::size_t(node)] == kAllHeld) continue;
-        const auto [piece, is_new] =
-            piece_of.try_emplace(sets.find(n), std::int32_t(m_place.size()));
-        if (is_new) {
-          m_place.push_back(voxels.origin[block] + brick_local(voxels.offset[elements[n]]));
-        }
-        std::int32_t& owner = m_owner[std::size_t(node)];
-        if (owner < 0) {
-          owner = piece->second;
-        } else {
-          m_links.push_back({owner, piece->second});
-        }
-      }
-    }
-  }
-
-  /// Joins the pieces that share a node and for which `belong(a, b)`.
-  template <class Belong>
-  void join(Belong&& belong) {
-    for (const auto& [one, other] : m_links) {
-      const auto a = std::uint32_t(one), b = std::uint32_t(other);
-      const std::uint32_t from = m_sets->find(a), to = m_sets->find(b);
-      if (from == to || !belong(a, b)) continue;
-      m_sets->join(from, to);
-      m_nodes[m_sets->find(from)] = m_nodes[from] + m_nodes[to];
-    }
-  }
-  std::size_t number() {
-    m_count = 0;
-    m_number.assign(m_place.size(), -1);
-    for (std::uint32_t n = 0; n < m_number.size(); ++n) {
-      if (m_sets->find(n) == n && m_nodes[n] > 0) m_number[n] = std::int32_t(m_count++);
-    }
-    return m_count;
-  }
-
-  std::vector<std::int32_t> m_owner;  // per node
-  std::vector<Vec3i> m_place;         // per piece a cell of it
-  std::vector<PiecePair> m_links;     // pieces that share a node
-  std::optional<CornerSets> m_sets;
-  std::vector<std::size_t> m_nodes;    // of each set
-  std::vector<std::int32_t> m_number;  // of each set
-  std::size_t m_count = 0;
-};
 
 /// The displacement of a node by a motion of its piece.
 Vec3f moved_by(const float* motion, const Vec3f& arm) {
@@ -244,6 +94,14 @@ BlockMatrix<double> as_blocks(const std::map<PiecePair, Matrix6>& sums, std::siz
   return out;
 }
 
+/// In mm from the first block to a corner of an element: world coordinates may be large.
+Vec3d way_to(const HexMesh& mesh, std::size_t block, int offset, int corner) {
+  const Vec3d cells(mesh.origin[block] - mesh.origin[0] + brick_local(offset) +
+                    Vec3i(corner >> 2 & 1, corner >> 1 & 1, corner & 1));
+  const auto& axes = mesh.geometry.axes_mm();
+  return axes[0] * cells.x + axes[1] * cells.y + axes[2] * cells.z;
+}
+
 template <class Visit>
 void for_pieces(std::size_t count, Visit&& visit) {
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 16),
@@ -254,19 +112,23 @@ void for_pieces(std::size_t count, Visit&& visit) {
 
 }  // namespace
 
-ThinPieces::ThinPieces(const HexMesh& voxels, const VoxelMaterial& material, const HeldBits& held) {
-  const PieceOfNode piece_of = gather(voxels, held);
-  if (count() == 0) return;
-  find_blocks(voxels, piece_of);
-  m_solver.emplace(stiffness(voxels, material, piece_of));
+ThinPieces::ThinPieces(const HexMesh& voxels, const VoxelMaterial& material, const HeldBits& held,
+                       const Progress* progress) {
+  const ThinParts parts = thin_parts(voxels, held, progress);
+  if (parts.count == 0) return;
+  gather(voxels, parts, held);
+  find_blocks(voxels, parts.piece_of);
+  poll(progress);
+  const BlockMatrix<double> matrix = stiffness(voxels, material, parts.piece_of);
+  poll(progress);
+  m_solver.emplace(matrix);
   m_forces.resize(6 * count());
   m_motions.resize(6 * count());
 }
 
-ThinPieces::PieceOfNode ThinPieces::gather(const HexMesh& voxels, const HeldBits& held) {
-  PieceSets sets(voxels, thin_parts(voxels), held);
-  m_begin.assign(sets.count() + 1, 0);
-  PieceOfNode piece_of = sets.take_numbers();
+void ThinPieces::gather(const HexMesh& voxels, const ThinParts& parts, const HeldBits& held) {
+  const PieceOfNode& piece_of = parts.piece_of;
+  m_begin.assign(parts.count + 1, 0);
   for (const std::int32_t piece : piece_of) {
     if (piece >= 0) ++m_begin[std::size_t(piece) + 1];
   }
@@ -283,8 +145,7 @@ ThinPieces::PieceOfNode ThinPieces::gather(const HexMesh& voxels, const HeldBits
         if (piece_of[node] < 0 || is_placed[node]) continue;
         is_placed[node] = true;
         m_members[next[std::size_t(piece_of[node])]++] = {
-            corners[c], Vec3f(corner_position(voxels, std::int32_t(b), voxels.offset[e], c)),
-            held[node]};
+            corners[c], Vec3f(way_to(voxels, b, voxels.offset[e], c)), held[node]};
       }
     }
   }
@@ -299,7 +160,6 @@ ThinPieces::PieceOfNode ThinPieces::gather(const HexMesh& voxels, const HeldBits
       m_members[n].arm = Vec3f((Vec3d(m_members[n].arm) - middle) / width);
     }
   }
-  return piece_of;
 }
 
 void ThinPieces::find_blocks(const HexMesh& voxels, const PieceOfNode& piece_of) {
@@ -405,7 +265,11 @@ void ThinPieces::add_motions(float* z) const {
 }
 
 void ThinPieces::clear(float* z) const {
-  for (const Member& member : m_members) std::fill_n(z + 3 * std::size_t(member.node), 3, 0.0F);
+  for_pieces(count(), [&](std::size_t piece) {
+    for (std::size_t n = m_begin[piece]; n < m_begin[piece + 1]; ++n) {
+      std::fill_n(z + 3 * std::size_t(m_members[n].node), 3, 0.0F);
+    }
+  });
 }
 
 std::size_t ThinPieces::bytes() const {

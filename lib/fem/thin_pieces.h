@@ -7,13 +7,12 @@
 // nose takes half of them all. Here thin parts are cut into pieces of a few voxels, and each moves
 // by itself in six ways, so that a plate bends from piece to piece.
 //
-// Thin are elements in no cube of 6^3 elements of the body. Thin stiff parts among soft ones are
-// left out: pieces of them cost iterations instead.
-//
-// Cost: 20 bytes per node of thin parts, and the factors of E = Z^T K Z.
+// Cost: 20 bytes per node of thin parts, and the factors of E = Z^T K Z. In a cycle two products
+// with K of the blocks that hold a piece, and two solutions with E. Some 12 bytes per node of the
+// mesh while the pieces are found.
 #pragma once
 
-#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -21,13 +20,17 @@
 #include "lib/fem/cell_classes.h"
 #include "lib/fem/coarsest_solver.h"
 #include "lib/fem/hex_mesh.h"
+#include "lib/fem/thin_parts.h"
+#include "volumes/base/progress.h"
+#include "volumes/base/vec.h"
 
 namespace supple {
 
 class ThinPieces {
  public:
-  /// Throws Error when E cannot be factorised.
-  ThinPieces(const HexMesh& voxels, const VoxelMaterial& material, const HeldBits& held);
+  /// Throws Cancelled, and Error when E cannot be factorised.
+  ThinPieces(const HexMesh& voxels, const VoxelMaterial& material, const HeldBits& held,
+             const Progress* progress);
 
   std::size_t count() const { return m_begin.size() - 1; }
   /// Blocks that hold an element with a node of a piece, by colour.
@@ -52,9 +55,9 @@ class ThinPieces {
     Vec3f arm;  // from the middle of its piece, in parts of the width of a block
     std::uint8_t held;
   };
-  using PieceOfNode = std::vector<std::int32_t>;  // or -1
+  using PieceOfNode = std::vector<std::int32_t>;  // piece per node, or -1
 
-  PieceOfNode gather(const HexMesh& voxels, const HeldBits& held);
+  void gather(const HexMesh& voxels, const ThinParts& parts, const HeldBits& held);
   void find_blocks(const HexMesh& voxels, const PieceOfNode& piece_of);
   BlockMatrix<double> stiffness(const HexMesh& voxels, const VoxelMaterial& material,
                                 const PieceOfNode& piece_of) const;

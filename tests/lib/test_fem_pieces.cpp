@@ -1,5 +1,6 @@
 // Pieces of thin parts as a coarse space of the finite elements' cycle.
 #include <algorithm>
+#include <cstdlib>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -49,7 +50,7 @@ TEST(PropertyFemPieces, TheCycleGivesBackWhatPiecesCanDo) {
     const FemModel model(body, random_elastic(random));
     const HexMesh& mesh = model.mesh();
     const HeldBits held = hold_some(random, mesh);
-    ThinPieces pieces(mesh, model.material(), held);
+    ThinPieces pieces(mesh, model.material(), held, nullptr);
     if (pieces.count() == 0) continue;
     Multigrid multigrid(model.levels(), model.stiffness(), model.material(), held, {}, nullptr);
     if (multigrid.level_count() == 1) continue;
@@ -81,7 +82,7 @@ TEST(PropertyFemPieces, TheCycleGivesBackWhatPiecesCanDo) {
 TEST(PropertyFemPieces, ThickBodiesHaveNone) {
   const FemModel model(fem_cube(20), ElasticTable::uniform(6, 0.3));
   const HeldBits none(std::size_t(model.mesh().node_count()), 0);
-  EXPECT_EQ(ThinPieces(model.mesh(), model.material(), none).count(), 0U);
+  EXPECT_EQ(ThinPieces(model.mesh(), model.material(), none, nullptr).count(), 0U);
 }
 
 TEST(PropertyFemPieces, ManyIslandsHaveNone) {
@@ -90,7 +91,42 @@ TEST(PropertyFemPieces, ManyIslandsHaveNone) {
       34, [](const Vec3i& v) { return v.x % 2 == 0 && v.y % 2 == 0 && v.z % 2 == 0 ? 1 : -1; });
   const FemModel model(body, ElasticTable::uniform(6, 0.3));
   const HeldBits none(std::size_t(model.mesh().node_count()), 0);
-  EXPECT_EQ(ThinPieces(model.mesh(), model.material(), none).count(), 0U);
+  EXPECT_EQ(ThinPieces(model.mesh(), model.material(), none, nullptr).count(), 0U);
+}
+
+TEST(PropertyFemPieces, OfALargePlateLargerCubesJoin) {
+  const int n = 240;
+  const Body body = fem_body(n, [](const Vec3i& v) { return v.z == 1 ? 1 : -1; });
+  const FemModel model(body, ElasticTable::uniform(6, 0.3));
+  const HeldBits none(std::size_t(model.mesh().node_count()), 0);
+  EXPECT_EQ(ThinPieces(model.mesh(), model.material(), none, nullptr).count(),
+            std::size_t(n / 16) * (n / 16));
+}
+
+TEST(PropertyFemPieces, TheCycleIsSymmetric) {
+  std::mt19937 random(13);
+  const FemModel model(plate_in_a_room(24), ElasticTable::uniform(6, 0.3));
+  const HeldBits held = hold_some(random, model.mesh());
+  Multigrid multigrid(model.levels(), model.stiffness(), model.material(), held, {}, nullptr);
+  const std::size_t unknowns = 3 * std::size_t(model.mesh().node_count());
+  std::vector<float> x(unknowns), y(unknowns), bx(unknowns), by(unknowns);
+  for (std::size_t n = 0; n < unknowns; ++n) {
+    const bool is_held = (held[n / 3] >> n % 3 & 1) != 0;
+    x[n] = is_held ? 0 : float(pick(random, -1, 1));
+    y[n] = is_held ? 0 : float(pick(random, -1, 1));
+  }
+  std::vector<float> used = x;
+  multigrid.cycle(used.data(), bx.data());
+  used = y;
+  multigrid.cycle(used.data(), by.data());
+  double y_bx = 0, x_by = 0, x_bx = 0;
+  for (std::size_t n = 0; n < unknowns; ++n) {
+    y_bx += double(y[n]) * bx[n];
+    x_by += double(x[n]) * by[n];
+    x_bx += double(x[n]) * bx[n];
+  }
+  EXPECT_GT(x_bx, 0);
+  EXPECT_NEAR(y_bx, x_by, 1e-3 * x_bx);
 }
 
 TEST(PropertyFemPieces, AThinPlateCostsFewIterations) {
