@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "lib/fem/conjugate_gradients.h"
+#include "lib/fem/fem_loads.h"
 #include "lib/fem/finite_strain.h"
-#include "lib/fem/load_path.h"
 #include "lib/fem/multigrid.h"
 #include "lib/fem/newton_report.h"
 

@@ -22,8 +22,6 @@ constexpr std::uint8_t kAllHeld = 7;  // of a node
 /// Pieces of fewer nodes join a neighbour or are none, since some of their motions would be none.
 constexpr std::size_t kLeastNodes = 8;
 
-using PiecePair = std::pair<std::int32_t, std::int32_t>;
-
 /// Calls step(mask, that of the brick on this side of it, axis, new mask) for all bricks.
 template <class Step>
 void step_along(const BrickTopology& bricks, std::vector<BrickMask>& masks, int axis, int side,
@@ -166,9 +164,9 @@ class PieceSets {
     return m_count;
   }
 
-  std::vector<std::int32_t> m_owner;  // per node
-  std::vector<Vec3i> m_place;         // per piece a cell of it
-  std::vector<PiecePair> m_links;     // pieces that share a node
+  std::vector<std::int32_t> m_owner;                           // per node
+  std::vector<Vec3i> m_place;                                  // per piece a cell of it
+  std::vector<std::pair<std::int32_t, std::int32_t>> m_links;  // pieces that share a node
   std::optional<CornerSets> m_sets;
   std::vector<std::size_t> m_nodes;    // of each set
   std::vector<std::int32_t> m_number;  // of each set

@@ -5,9 +5,9 @@
 #include <gtest/gtest.h>
 
 #include "lib/body/rigid_pieces.h"
+#include "lib/fem/fem_loads.h"
 #include "lib/fem/fem_results.h"
 #include "lib/fem/finite_strain.h"
-#include "lib/fem/load_path.h"
 #include "tests/lib/fem_fixtures.h"
 #include "volumes/base/on_threads.h"
 
