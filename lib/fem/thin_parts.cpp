@@ -18,7 +18,8 @@ constexpr int kThinWidth = 6;  // elements
 /// Pieces lie in cubes of 2^2 elements' width or, where they are too many to factorise, of 2^9.
 constexpr int kCubeBits = 2, kMostCubeBits = 9;
 constexpr std::size_t kMostPieces = 3000, kNodesOfPiece = 200;
-constexpr std::uint8_t kAllHeld = 7;  // of a node
+constexpr std::uint8_t kAllHeld = 7;                 // of a node
+constexpr std::uint32_t kAllCornersHeld = 0xffffff;  // of an element
 /// Pieces of fewer nodes join a neighbour or are none, since some of their motions would be none.
 constexpr std::size_t kLeastNodes = 8;
 
@@ -116,6 +117,7 @@ class PieceSets {
     std::map<int, std::vector<std::int32_t>> of_cubes;
     for (std::int32_t e = voxels.element_begin[block]; e < voxels.element_begin[block + 1]; ++e) {
       if (!mask_test(thin, voxels.offset[e])) continue;
+      if (held_corners(voxels.corners_in(block, e), held) == kAllCornersHeld) continue;
       of_cubes[brick_offset(shifted(brick_local(voxels.offset[e]), kCubeBits))].push_back(e);
     }
     for (const auto& [cube, elements] : of_cubes) {
