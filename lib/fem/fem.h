@@ -12,8 +12,8 @@
 // open and voxels that touch by an edge or corner alone are not joined. Forces are in mN inside
 // (kPa mm^2) and in N in reports.
 //
-// Solver: conjugate gradients in double precision, preconditioned by one geometric multigrid
-// V-cycle in single precision (multigrid.h). Results do not depend on the number of threads.
+// Solver: conjugate gradients in double precision, preconditioned by one geometric multigrid cycle
+// in single precision (multigrid.h). Results do not depend on the number of threads.
 #pragma once
 
 #include <array>
