@@ -6,6 +6,7 @@
 namespace supple {
 
 GroupKind CellClasses::kind(std::size_t cell) const {
+  if (present[cell] == 0) return GroupKind::held;
   if (constraint[cell] >= 0) return GroupKind::constrained;
   if (present[cell] != 0xff) return GroupKind::mixed;
   for (const std::uint8_t of : of_child[cell]) {
@@ -38,12 +39,13 @@ CellClasses cell_classes(const HexMesh& voxels, const Coarsening& coarsening,
   out.present.assign(cells, 0);
   out.constraint.assign(cells, -1);
   for (std::int32_t e = 0; e < voxels.element_count(); ++e) {
+    const std::uint32_t bits = held_corners(voxels.corners(e), held);
+    if (bits == kAllCornersHeld) continue;
     const std::int32_t cell = coarsening.parent[e];
     const Vec3i local = brick_local(voxels.offset[e]);
     const int child = (local.x & 1) * 4 + (local.y & 1) * 2 + (local.z & 1);
     out.of_child[cell][child] = alike[material.classes[e]];
     out.present[cell] = std::uint8_t(out.present[cell] | 1 << child);
-    const std::uint32_t bits = held_corners(voxels.corners(e), held);
     if (bits == 0) continue;
     if (out.constraint[cell] < 0) {
       out.constraint[cell] = std::int32_t(out.held.size());

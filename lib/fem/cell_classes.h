@@ -35,8 +35,10 @@ struct VoxelMaterial {
 
 /// Held components of a node: bit a for component a of LPS.
 using HeldBits = std::vector<std::uint8_t>;
+constexpr std::uint8_t kAllHeld = 7;
 
 /// Bits 3 corner + component of the held ones of an element.
+constexpr std::uint32_t kAllCornersHeld = 0xffffff;
 inline std::uint32_t held_corners(const Corners& corners, const HeldBits& held) {
   std::uint32_t bits = 0;
   for (int c = 0; c < 8; ++c) bits |= std::uint32_t(held[corners[c]]) << 3 * c;
@@ -45,7 +47,7 @@ inline std::uint32_t held_corners(const Corners& corners, const HeldBits& held) 
 
 struct CellClasses {
   std::vector<std::array<std::uint8_t, 8>> of_child;
-  std::vector<std::uint8_t> present;               // bit per child
+  std::vector<std::uint8_t> present;               // bit per child that is not held as a whole
   std::vector<std::int32_t> constraint;            // into `held`, or -1
   std::vector<std::array<std::uint32_t, 8>> held;  // per child, as held_corners()
 

@@ -111,11 +111,10 @@ void for_all(std::size_t count, Visit&& visit) {
 
 CellMatrices CellMatrices::of_voxels(const HexMesh& voxels, const VoxelMaterial& material,
                                      const HeldBits& held) {
-  constexpr std::uint32_t kAllHeld = 0xffffff;
   CellMatrices out;
   std::vector<std::size_t> free;
   for (std::int32_t e = 0; e < voxels.element_count(); ++e) {
-    const bool is_free = held_corners(voxels.corners(e), held) != kAllHeld;
+    const bool is_free = held_corners(voxels.corners(e), held) != kAllCornersHeld;
     if (is_free) free.push_back(out.m_place.size());
     out.m_place.push_back(is_free ? std::int32_t(free.size() - 1) : -1);
   }

@@ -15,6 +15,7 @@ struct BlockElements {
     in_row.fill(-1);
     listed.clear();
     for (std::int32_t e = mesh.element_begin[block]; e < mesh.element_begin[block + 1]; ++e) {
+      if (kinds[e] == GroupKind::held) continue;
       const int offset = mesh.offset[e];
       const CornerPlaces places = mesh.tables.places(block, e, offset);
       bool is_in_row = kinds[e] == GroupKind::alike && in_row[offset] < 0;

@@ -20,9 +20,10 @@ constexpr int kGroup = 8;
 
 /// Elements that the kernels treat alike, least work first.
 enum class GroupKind : std::uint8_t {
-  alike,       // one material: a voxel, or a cell with eight children of one class
-  mixed,       // children of several classes, or missing ones
-  constrained  // corners of children are held
+  alike,        // one material: a voxel, or a cell with eight children of one class
+  mixed,        // children of several classes, or missing ones
+  constrained,  // corners of children are held
+  held          // all of them are, and nothing is computed
 };
 
 struct ElementGroup {
@@ -44,6 +45,20 @@ struct ElementGroups {
   /// The element of every lane, -1 where there is none; kept while data of the kinds are filled in.
   std::vector<std::int32_t> element;
 
+  /// Whether test(place in the table of the block) for a corner of one of the group's elements.
+  template <class Test>
+  bool any_corner(const ElementGroup& group, Test&& test) const {
+    for (int lane = 0; lane < kGroup; ++lane) {
+      if ((group.present >> lane & 1) == 0) continue;
+      for (int c = 0; c < 8; ++c) {
+        const std::size_t place = group.row == kListed
+                                      ? corners[group.corners + std::size_t(kGroup * c + lane)]
+                                      : std::size_t(lattice_place((group.row << 3) + lane, c));
+        if (test(place)) return true;
+      }
+    }
+    return false;
+  }
   std::size_t bytes() const;
 };
 

@@ -1,5 +1,6 @@
 #include "lib/fem/hex_operator.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "lib/fem/block_field.h"
@@ -233,14 +234,16 @@ struct BlockProduct {
 }  // namespace
 
 template <class X, class T, class Compute>
-void HexOperator::for_each_group(const X* x, T* y, T sign, const BlocksByColour& of_colour,
+void HexOperator::for_each_group(const X* x, T* y, T sign, const GroupsAtNodes* groups,
                                  Compute&& compute) const {
   for_blocks_by_colour<BlockProduct<T>>(
-      *m_mesh, m_groups, of_colour, [&](std::int32_t block, BlockProduct<T>& product) {
+      *m_mesh, m_groups, groups == nullptr ? m_mesh->of_colour : groups->blocks,
+      [&](std::int32_t block, BlockProduct<T>& product) {
         alignas(64) ElementLanes<T> corners[24];
         if (x != nullptr) product.in.load(block, x);
         product.out.clear(block);
         for (auto g = m_groups.group_begin[block]; g < m_groups.group_begin[block + 1]; ++g) {
+          if (groups != nullptr && !groups->is_one[g]) continue;
           const ElementGroup& group = m_groups.groups[g];
           if (x != nullptr) product.in.read_corners(group, corners);
           compute(group, corners);
@@ -251,29 +254,60 @@ void HexOperator::for_each_group(const X* x, T* y, T sign, const BlocksByColour&
 }
 
 template <class X, class T>
-void HexOperator::accumulate(const X* x, T* y, T sign, const BlocksByColour& of_colour) const {
-  for_each_group(x, y, sign, of_colour,
-                 [this](const ElementGroup& group, ElementLanes<T>* corners) {
-                   apply_group<T>(group, corners);
-                 });
+void HexOperator::accumulate(const X* x, T* y, T sign) const {
+  for_each_group(x, y, sign, nullptr, [this](const ElementGroup& group, ElementLanes<T>* corners) {
+    apply_group<T>(group, corners);
+  });
 }
 
 template <class X, class T>
 void HexOperator::add(const X* x, T* y) const {
-  accumulate(x, y, T(1), m_mesh->of_colour);
+  accumulate(x, y, T(1));
 }
 template <class X, class T>
 void HexOperator::subtract(const X* x, T* y) const {
-  accumulate(x, y, T(-1), m_mesh->of_colour);
+  accumulate(x, y, T(-1));
 }
-void HexOperator::subtract(const float* x, float* y, const BlocksByColour& of_colour) const {
-  accumulate(x, y, -1.0F, of_colour);
+void HexOperator::subtract(const float* x, float* y, const GroupsAtNodes& groups) const {
+  for_each_group(x, y, -1.0F, &groups,
+                 [this](const ElementGroup& group, ElementLanes<float>* corners) {
+                   apply_group<float>(group, corners);
+                 });
 }
 template void HexOperator::add(const float*, float*) const;
 template void HexOperator::add(const double*, double*) const;
 template void HexOperator::add(const float*, double*) const;
 template void HexOperator::subtract(const float*, float*) const;
 template void HexOperator::subtract(const double*, double*) const;
+
+// ---- Parts of it
+
+std::size_t GroupsAtNodes::bytes() const {
+  std::size_t sum = is_one.capacity() / 8;
+  for (const std::vector<std::int32_t>& of_colour : blocks) sum += of_colour.capacity() * 4;
+  return sum;
+}
+
+GroupsAtNodes HexOperator::groups_at(const std::vector<bool>& is_node) const {
+  GroupsAtNodes out;
+  out.is_one.resize(m_groups.groups.size());
+  std::size_t count = 0;
+  for (std::size_t colour = 0; colour < out.blocks.size(); ++colour) {
+    for (const std::int32_t block : m_mesh->of_colour[colour]) {
+      const NodeIndex* nodes = m_mesh->tables.nodes(std::size_t(block));
+      const std::size_t before = count;
+      for (auto g = m_groups.group_begin[block]; g < m_groups.group_begin[block + 1]; ++g) {
+        out.is_one[g] = m_groups.any_corner(m_groups.groups[g], [&](std::size_t place) {
+          return nodes[place] >= 0 && is_node[std::size_t(nodes[place])];
+        });
+        if (out.is_one[g]) ++count;
+      }
+      if (count > before) out.blocks[colour].push_back(block);
+    }
+  }
+  out.share = double(count) / double(std::max<std::size_t>(1, out.is_one.size()));
+  return out;
+}
 
 // ---- The diagonal
 
@@ -304,7 +338,7 @@ void HexOperator::group_diagonal(const ElementGroup& group, ElementLanes<float>*
 
 std::vector<float> HexOperator::diagonal() const {
   std::vector<float> diagonal(3 * std::size_t(m_mesh->node_count()), 0.0f);
-  for_each_group<float, float>(nullptr, diagonal.data(), 1.0f, m_mesh->of_colour,
+  for_each_group<float, float>(nullptr, diagonal.data(), 1.0f, nullptr,
                                [this](const ElementGroup& group, ElementLanes<float>* corners) {
                                  group_diagonal(group, corners);
                                });

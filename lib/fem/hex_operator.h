@@ -19,6 +19,15 @@
 
 namespace supple {
 
+/// The groups of eight elements that hold one with a node of a set.
+struct GroupsAtNodes {
+  BlocksByColour blocks;     // that have such a group
+  std::vector<bool> is_one;  // per group of the operator
+  double share = 0;          // of all groups
+
+  std::size_t bytes() const;
+};
+
 class HexOperator {
  public:
   /// Of the voxel mesh. Both must outlive this.
@@ -31,8 +40,9 @@ class HexOperator {
   void add(const X* x, T* y) const;
   template <class X, class T>
   void subtract(const X* x, T* y) const;
-  /// The part of y -= K x of the elements of these blocks alone.
-  void subtract(const float* x, float* y, const BlocksByColour& of_colour) const;
+  GroupsAtNodes groups_at(const std::vector<bool>& is_node) const;
+  /// The part of y -= K x of these groups alone.
+  void subtract(const float* x, float* y, const GroupsAtNodes& groups) const;
 
   /// The diagonal of K.
   std::vector<float> diagonal() const;
@@ -42,7 +52,7 @@ class HexOperator {
 
  private:
   template <class X, class T>
-  void accumulate(const X* x, T* y, T sign, const BlocksByColour& of_colour) const;
+  void accumulate(const X* x, T* y, T sign) const;
   template <class T>
   void apply_group(const ElementGroup& group, ElementLanes<T>* x) const;
   template <class T>
@@ -50,8 +60,9 @@ class HexOperator {
   template <class T>
   ChildLanes<T> children_of(const ElementGroup& group) const;
   void group_diagonal(const ElementGroup& group, ElementLanes<float>* out) const;
+  /// Of all groups, or of these.
   template <class X, class T, class Compute>
-  void for_each_group(const X* x, T* y, T sign, const BlocksByColour& of_colour,
+  void for_each_group(const X* x, T* y, T sign, const GroupsAtNodes* groups,
                       Compute&& compute) const;
 
   const HexMesh* m_mesh;

@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Eigenvalues>
-
 #include "lib/fem/cell_matrices.h"
+#include "lib/fem/chebyshev.h"
 #include "lib/fem/node_vectors.h"
 
 namespace supple {
@@ -17,11 +16,12 @@ constexpr NodeIndex kCoarsestNodes = 600;
 /// Steps of conjugate gradients on the finest level of the K-cycle, and on those below it.
 constexpr std::size_t kKrylovLevel = 2;
 constexpr int kKrylovSteps = 4, kDeeperKrylovSteps = 2;
-constexpr int kLanczosSteps = 12;
-/// In the norm of D: what is left is rounding.
-constexpr double kLanczosEnd = 1e-5;
-/// Lanczos' values come from below.
-constexpr double kEigenvalueMargin = 1.1;
+/// Where a larger share of the elements is free, products are those of all.
+constexpr double kLeastShareOfAll = 0.95;
+/// Thin parts are smoothed further with as many steps as cost no more than so many products with K
+/// of the whole body, if these are as many as help.
+constexpr double kThinProducts = 4;
+constexpr int kMostThinSteps = 16, kLeastThinSteps = 4;
 
 }  // namespace
 
@@ -45,7 +45,9 @@ std::size_t MeshLevels::bytes() const {
 }
 
 void Multigrid::Level::subtract(const float* x, float* y) const {
-  if (fine != nullptr) {
+  if (free) {
+    fine->subtract(x, y, *free);
+  } else if (fine != nullptr) {
     fine->subtract(x, y);
   } else if (cells) {
     cells->subtract(x, y);
@@ -68,72 +70,21 @@ void Multigrid::invert_diagonal(Level& level, const std::vector<float>& diagonal
   level.d.resize(diagonal.size());
 }
 
-namespace {
-
-/// The largest eigenvalue of D^-1 K from above, nearly: that of the tridiagonal matrix of a few
-/// Lanczos steps in the inner product of D, from a vector without structure, and a margin. The
-/// power method is far too low after as many steps where eigenvalues are dense: a cube with nu =
-/// 0.45.
-template <class Subtract>
-double estimate_largest(const std::vector<ShortFloat>& inverse_diagonal, Subtract&& subtract) {
-  const std::size_t count = inverse_diagonal.size();
-  const ShortFloat* inverse = inverse_diagonal.data();
-  std::vector<float> x(count), before(count), y(count);
-  std::uint32_t random = 1;
-  for (std::size_t n = 0; n < count; ++n) {
-    random = random * 1664525u + 1013904223u;
-    x[n] = inverse[n] == 0 ? 0 : float(random >> 8) / float(1 << 24) - 0.5f;
-  }
-  const auto norm_in_d = [&](const std::vector<float>& v) {
-    return std::sqrt(sum_ranges(count, [&](std::size_t begin, std::size_t end) {
-      double sum = 0;
-      for (std::size_t n = begin; n < end; ++n) {
-        if (inverse[n] != 0) sum += double(v[n]) * double(v[n]) / double(inverse[n]);
-      }
-      return sum;
-    }));
-  };
-  Eigen::VectorXd diagonal(kLanczosSteps), beside(kLanczosSteps);
-  double scale = norm_in_d(x), last = 0;
-  int steps = 0;
-  for (; steps < kLanczosSteps && scale > (steps == 0 ? 0 : kLanczosEnd); ++steps) {
-    // y = -K x, x of norm 1.
-    for_ranges(count, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t n = begin; n < end; ++n) {
-        x[n] = float(x[n] / scale);
-        y[n] = 0;
-      }
-    });
-    subtract(x.data(), y.data());
-    const double own = -dot(x.data(), y.data(), count);
-    for_ranges(count, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t n = begin; n < end; ++n) {
-        const float next = float(-double(y[n]) * inverse[n] - own * x[n] - last * before[n]);
-        before[n] = x[n];
-        x[n] = next;
-      }
-    });
-    last = scale = norm_in_d(x);
-    diagonal[steps] = own;
-    beside[steps] = scale;
-  }
-  if (steps == 0) return 1;
-  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver;
-  solver.computeFromTridiagonal(diagonal.head(steps), beside.head(steps - 1),
-                                Eigen::EigenvaluesOnly);
-  return kEigenvalueMargin * solver.eigenvalues()[steps - 1];
-}
-
-}  // namespace
-
 Multigrid::Multigrid(const MeshLevels& levels, const HexOperator& fine,
                      const VoxelMaterial& material, const HeldBits& held,
                      const SmootherParams& params, Progress* progress, int first)
     : m_params(params), m_levels(levels.coarsenings.size()) {
   const std::vector<HexMesh>& meshes = levels.meshes;
   if (first == 0 && meshes.size() > 1) {
-    m_pieces.emplace(meshes[0], material, held, progress);
+    m_pieces.emplace(fine, material, held, progress);
     if (m_pieces->count() == 0) m_pieces.reset();
+  }
+  if (m_pieces) {
+    const double steps = kThinProducts / (2 * m_pieces->groups().share);
+    if (steps >= kLeastThinSteps) m_thin_steps = std::min(kMostThinSteps, int(steps));
+    for (std::vector<float>* of : {&m_thin_r, &m_thin_z}) {
+      of->resize(m_thin_steps > 0 ? 3 * m_pieces->node_count() : 0);
+    }
   }
   std::optional<CellClasses> cells;
   if (meshes.size() > 1) {
@@ -162,6 +113,10 @@ Multigrid::Multigrid(const MeshLevels& levels, const HexOperator& fine,
     level.transfer.emplace(meshes[n], meshes[n + 1], levels.coarsenings[n]);
     if (n == 0) {
       level.fine = &fine;
+      std::vector<bool> is_free(held.size());
+      for (std::size_t node = 0; node < held.size(); ++node) is_free[node] = held[node] != kAllHeld;
+      level.free = fine.groups_at(is_free);
+      if (level.free->share > kLeastShareOfAll) level.free.reset();
       invert_diagonal(level, fine.diagonal(), &held);
     } else if (n == 1) {
       level.cells.emplace(meshes[1], *cells, material);
@@ -184,13 +139,15 @@ Multigrid::Multigrid(const MeshLevels& levels, const HexOperator& fine,
 }
 
 std::size_t Multigrid::bytes() const {
-  std::size_t sum = m_coarsest->bytes() + (m_pieces ? m_pieces->bytes() : 0);
+  std::size_t sum = m_coarsest->bytes() + (m_pieces ? m_pieces->bytes() : 0) +
+                    (m_thin_r.capacity() + m_thin_z.capacity()) * sizeof(float);
   for (const Level& level : m_levels) {
     sum += level.inverse_diagonal.capacity() * sizeof(ShortFloat);
     for (const std::vector<float>* of :
          {&level.r, &level.z, &level.d, &level.rest, &level.sum, &level.p, &level.q}) {
       sum += of->capacity() * sizeof(float);
     }
+    if (level.free) sum += level.free->bytes();
     if (level.cells) sum += level.cells->bytes();
     if (level.matrix) sum += level.matrix->bytes();
   }
@@ -202,20 +159,41 @@ void Multigrid::cycle(float* r, float* z) {
     cycle_from(0, r, z);
     return;
   }
-  // B = Q + (I - Q K) M (I - K Q): the pieces by Q = Z E^-1 Z^T, and M, the levels.
+  // B = Q + (I - Q K) M (I - K Q): the pieces by Q = Z E^-1 Z^T, and M, the levels between further
+  // steps of thin parts.
   Level& level = m_levels[0];
   float* d = level.d.data();
   m_pieces->take_forces(r);
   m_pieces->solve();
   fill(d, level.unknowns(), 0.0f);
   m_pieces->add_motions(d);
-  level.fine->subtract(d, r, m_pieces->blocks());
-  cycle_from(0, r, z);
+  level.fine->subtract(d, r, m_pieces->groups());
+  if (m_thin_steps == 0) {
+    cycle_from(0, r, z);
+  } else {
+    m_pieces->clear(d);
+    smooth_thin(true, r);
+    for_thin([&](std::size_t thin, std::size_t n) { m_thin_r[thin] = r[n]; });
+    cycle_from(0, r, z);
+    for_thin([&](std::size_t thin, std::size_t n) { r[n] = m_thin_r[thin]; });
+    level.fine->subtract(z, r, m_pieces->groups());
+    fill(d, level.unknowns(), 0.0f);
+    smooth_thin(false, r);
+    for_thin([&](std::size_t thin, std::size_t n) { z[n] += m_thin_z[thin]; });
+  }
   m_pieces->clear(d);
-  level.fine->subtract(z, d, m_pieces->blocks());
+  level.fine->subtract(z, d, m_pieces->groups());
   m_pieces->add_forces(d);
   m_pieces->solve();
   m_pieces->add_motions(z);
+}
+
+/// Calls visit(place among the unknowns of thin parts, unknown).
+template <class Visit>
+void Multigrid::for_thin(Visit&& visit) const {
+  m_pieces->for_nodes([&](std::size_t thin, std::size_t node) {
+    for (std::size_t a = 0; a < 3; ++a) visit(3 * thin + a, 3 * node + a);
+  });
 }
 
 void Multigrid::cycle_from(std::size_t number, float* r, float* z) {
@@ -316,16 +294,13 @@ void Multigrid::prolong_from(int level, float* z) {
   }
 }
 
-/// Chebyshev iteration for K z = r with the residual kept in r (Saad, Iterative methods for sparse
-/// linear systems, algorithm 12.1). The last product is left out after the coarse correction.
+/// With the residual kept in r. The last product is left out after the coarse correction.
 void Multigrid::smooth(Level& level, bool is_first, float* r, float* z) const {
-  const double hi = level.largest_eigenvalue, lo = hi / m_params.range;
-  const double centre = (hi + lo) / 2, half = (hi - lo) / 2;
-  double rho = half / centre;
-  float keep = 0, step = float(1 / centre);
+  ChebyshevSteps chebyshev(level.largest_eigenvalue, m_params.range);
   const ShortFloat* inverse = level.inverse_diagonal.data();
-  for (int n = 0; n < m_params.degree; ++n) {
+  for (int n = 0; n < m_params.degree; ++n, chebyshev.advance()) {
     const bool starts = n == 0, overwrites = starts && is_first;
+    const float keep = chebyshev.keep(), step = chebyshev.step();
     for_ranges(level.unknowns(), [&](std::size_t begin, std::size_t end) {
       float* d = level.d.data();
       for (std::size_t i = begin; i < end; ++i) {
@@ -333,11 +308,25 @@ void Multigrid::smooth(Level& level, bool is_first, float* r, float* z) const {
         z[i] = overwrites ? d[i] : z[i] + d[i];
       }
     });
-    const double next = 1 / (2 * centre / half - rho);
-    keep = float(next * rho);
-    step = float(2 * next / half);
-    rho = next;
     if (is_first || n + 1 < m_params.degree) level.subtract(level.d.data(), r);
+  }
+}
+
+/// Of the unknowns of thin parts alone; d is 0, and m_thin_z goes on after the first time.
+void Multigrid::smooth_thin(bool is_first, float* r) {
+  Level& level = m_levels[0];
+  // A range as wide as the steps reach: plates bend the more softly the longer their waves.
+  ChebyshevSteps chebyshev(level.largest_eigenvalue, 4.0 * m_thin_steps * m_thin_steps);
+  const ShortFloat* inverse = level.inverse_diagonal.data();
+  float* d = level.d.data();
+  if (is_first) std::fill(m_thin_z.begin(), m_thin_z.end(), 0.0f);
+  for (int n = 0; n < m_thin_steps; ++n, chebyshev.advance()) {
+    const float keep = chebyshev.keep(), step = chebyshev.step();
+    for_thin([&](std::size_t thin, std::size_t i) {
+      d[i] = keep * d[i] + step * inverse[i] * r[i];
+      m_thin_z[thin] += d[i];
+    });
+    if (is_first || n + 1 < m_thin_steps) level.fine->subtract(d, r, m_pieces->groups());
   }
 }
 

@@ -9,10 +9,12 @@
 // have no matrix (hex_operator.h), coarser ones have blocks per pair of nodes (block_matrix.h), the
 // coarsest is factorised (coarsest_solver.h).
 //
-// Thin parts, which no coarse cell can bend, have a coarse space of their own (thin_pieces.h).
+// Thin parts, which no coarse cell can bend, have a coarse space of their own (thin_pieces.h), and
+// are smoothed further, before and after: what is left there after some iterations is nearly all
+// that is left of a head.
 //
-// Smoother: Chebyshev polynomials of D^-1 K (Adams, Brezina, Hu and Tuminaro 2003), the same before
-// and after the coarse correction, so that the V-cycle is symmetric and positive definite; the
+// Smoother: Chebyshev polynomials of D^-1 K (chebyshev.h), the same before and after the coarse
+// correction, so that the V-cycle is symmetric and positive definite; the
 // steps of conjugate gradients below make the whole nonlinear by a little. All needs nothing but K
 // x and sums in a fixed order, which makes it parallel with the same bits for any number of
 // threads.
@@ -75,6 +77,7 @@ class Multigrid {
  private:
   struct Level {
     const HexOperator* fine = nullptr;         // level 0
+    std::optional<GroupsAtNodes> free;         // of it, where many nodes are held
     std::optional<HexOperator> cells;          // level 1
     std::optional<BlockMatrix<float>> matrix;  // from level 2 on
     std::optional<Transfer> transfer;
@@ -95,10 +98,15 @@ class Multigrid {
   std::vector<float>& forces_of(std::size_t level);
   std::vector<float>& displacements_of(std::size_t level);
   void smooth(Level& level, bool is_first, float* r, float* z) const;
+  void smooth_thin(bool is_first, float* r);
+  template <class Visit>
+  void for_thin(Visit&& visit) const;
 
   SmootherParams m_params;
   std::optional<ThinPieces> m_pieces;
-  std::vector<Level> m_levels;  // all but the coarsest
+  int m_thin_steps = 0;
+  std::vector<float> m_thin_r, m_thin_z;  // of the unknowns of pieces
+  std::vector<Level> m_levels;            // all but the coarsest
   std::optional<CoarsestSolver> m_coarsest;
   std::vector<float> m_coarsest_r, m_coarsest_z;
 };

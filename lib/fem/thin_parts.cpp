@@ -18,8 +18,6 @@ constexpr int kThinWidth = 6;  // elements
 /// Pieces lie in cubes of 2^2 elements' width or, where they are too many to factorise, of 2^9.
 constexpr int kCubeBits = 2, kMostCubeBits = 9;
 constexpr std::size_t kMostPieces = 3000, kNodesOfPiece = 200;
-constexpr std::uint8_t kAllHeld = 7;                 // of a node
-constexpr std::uint32_t kAllCornersHeld = 0xffffff;  // of an element
 /// Pieces of fewer nodes join a neighbour or are none, since some of their motions would be none.
 constexpr std::size_t kLeastNodes = 8;
 

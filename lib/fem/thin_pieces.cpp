@@ -112,14 +112,17 @@ void for_pieces(std::size_t count, Visit&& visit) {
 
 }  // namespace
 
-ThinPieces::ThinPieces(const HexMesh& voxels, const VoxelMaterial& material, const HeldBits& held,
-                       const Progress* progress) {
+ThinPieces::ThinPieces(const HexOperator& stiffness, const VoxelMaterial& material,
+                       const HeldBits& held, const Progress* progress) {
+  const HexMesh& voxels = stiffness.mesh();
   const ThinParts parts = thin_parts(voxels, held, progress);
   if (parts.count == 0) return;
   gather(voxels, parts, held);
-  find_blocks(voxels, parts.piece_of);
+  std::vector<bool> is_thin(parts.piece_of.size());
+  for (std::size_t n = 0; n < is_thin.size(); ++n) is_thin[n] = parts.piece_of[n] >= 0;
+  m_groups = stiffness.groups_at(is_thin);
   poll(progress);
-  const BlockMatrix<double> matrix = stiffness(voxels, material, parts.piece_of);
+  const BlockMatrix<double> matrix = stiffness_of(voxels, material, parts.piece_of);
   poll(progress);
   m_solver.emplace(matrix);
   m_forces.resize(6 * count());
@@ -162,21 +165,8 @@ void ThinPieces::gather(const HexMesh& voxels, const ThinParts& parts, const Hel
   }
 }
 
-void ThinPieces::find_blocks(const HexMesh& voxels, const PieceOfNode& piece_of) {
-  for (std::size_t colour = 0; colour < m_blocks.size(); ++colour) {
-    for (const std::int32_t block : voxels.of_colour[colour]) {
-      const auto b = std::size_t(block);
-      const NodeIndex* nodes = voxels.tables.nodes(b);
-      const bool has_piece = std::any_of(nodes, nodes + voxels.tables.size(b), [&](NodeIndex node) {
-        return node >= 0 && piece_of[std::size_t(node)] >= 0;
-      });
-      if (has_piece) m_blocks[colour].push_back(block);
-    }
-  }
-}
-
-BlockMatrix<double> ThinPieces::stiffness(const HexMesh& voxels, const VoxelMaterial& material,
-                                          const PieceOfNode& piece_of) const {
+BlockMatrix<double> ThinPieces::stiffness_of(const HexMesh& voxels, const VoxelMaterial& material,
+                                             const PieceOfNode& piece_of) const {
   std::vector<const Member*> member_of(piece_of.size());
   for (const Member& member : m_members) member_of[std::size_t(member.node)] = &member;
   std::vector<std::map<PiecePair, Matrix6>> of_blocks(voxels.block_count());
@@ -210,7 +200,7 @@ BlockMatrix<double> ThinPieces::stiffness(const HexMesh& voxels, const VoxelMate
       add_element(k, pieces, z, of_blocks[b]);
     }
   };
-  for (const std::vector<std::int32_t>& blocks : m_blocks) {
+  for (const std::vector<std::int32_t>& blocks : m_groups.blocks) {
     tbb::parallel_for(std::size_t(0), blocks.size(),
                       [&](std::size_t n) { add_block(std::size_t(blocks[n])); });
   }
@@ -275,8 +265,7 @@ void ThinPieces::clear(float* z) const {
 std::size_t ThinPieces::bytes() const {
   std::size_t sum = m_members.capacity() * sizeof(Member) +
                     m_begin.capacity() * sizeof(std::size_t) +
-                    (m_forces.capacity() + m_motions.capacity()) * sizeof(float);
-  for (const std::vector<std::int32_t>& blocks : m_blocks) sum += blocks.capacity() * 4;
+                    (m_forces.capacity() + m_motions.capacity()) * sizeof(float) + m_groups.bytes();
   return sum + (m_solver ? m_solver->bytes() : 0);
 }
 

@@ -8,7 +8,7 @@
 // by itself in six ways, so that a plate bends from piece to piece.
 //
 // Cost: 20 bytes per node of thin parts, and the factors of E = Z^T K Z. In a cycle two products
-// with K of the blocks that hold a piece, and two solutions with E. Some 12 bytes per node of the
+// with K of the elements at pieces, and two solutions with E. Some 12 bytes per node of the
 // mesh while the pieces are found.
 #pragma once
 
@@ -17,9 +17,12 @@
 #include <optional>
 #include <vector>
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include "lib/fem/cell_classes.h"
 #include "lib/fem/coarsest_solver.h"
-#include "lib/fem/hex_mesh.h"
+#include "lib/fem/hex_operator.h"
 #include "lib/fem/thin_parts.h"
 #include "volumes/base/progress.h"
 #include "volumes/base/vec.h"
@@ -29,12 +32,23 @@ namespace supple {
 class ThinPieces {
  public:
   /// Throws Cancelled, and Error when E cannot be factorised.
-  ThinPieces(const HexMesh& voxels, const VoxelMaterial& material, const HeldBits& held,
+  ThinPieces(const HexOperator& stiffness, const VoxelMaterial& material, const HeldBits& held,
              const Progress* progress);
 
   std::size_t count() const { return m_begin.size() - 1; }
-  /// Blocks that hold an element with a node of a piece, by colour.
-  const BlocksByColour& blocks() const { return m_blocks; }
+  std::size_t node_count() const { return m_members.size(); }
+  /// All elements with a node of a piece, and some others.
+  const GroupsAtNodes& groups() const { return m_groups; }
+  /// Calls visit(place among the nodes of pieces, node), in any order.
+  template <class Visit>
+  void for_nodes(Visit&& visit) const {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, m_members.size(), 1024),
+                      [&](const tbb::blocked_range<std::size_t>& range) {
+                        for (std::size_t n = range.begin(); n < range.end(); ++n) {
+                          visit(n, std::size_t(m_members[n].node));
+                        }
+                      });
+  }
 
   /// Forces Z^T r of the pieces, three values of r per node; held ones do not count.
   void take_forces(const float* r);
@@ -58,13 +72,12 @@ class ThinPieces {
   using PieceOfNode = std::vector<std::int32_t>;  // piece per node, or -1
 
   void gather(const HexMesh& voxels, const ThinParts& parts, const HeldBits& held);
-  void find_blocks(const HexMesh& voxels, const PieceOfNode& piece_of);
-  BlockMatrix<double> stiffness(const HexMesh& voxels, const VoxelMaterial& material,
-                                const PieceOfNode& piece_of) const;
+  BlockMatrix<double> stiffness_of(const HexMesh& voxels, const VoxelMaterial& material,
+                                   const PieceOfNode& piece_of) const;
 
   std::vector<std::size_t> m_begin{0};  // per piece, one more than pieces
   std::vector<Member> m_members;
-  BlocksByColour m_blocks;
+  GroupsAtNodes m_groups;
   std::optional<CoarsestSolver> m_solver;
   std::vector<float> m_forces, m_motions;  // translation and turn of each piece
 };

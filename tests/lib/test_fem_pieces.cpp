@@ -50,7 +50,7 @@ TEST(PropertyFemPieces, TheCycleGivesBackWhatPiecesCanDo) {
     const FemModel model(body, random_elastic(random));
     const HexMesh& mesh = model.mesh();
     const HeldBits held = hold_some(random, mesh);
-    ThinPieces pieces(mesh, model.material(), held, nullptr);
+    ThinPieces pieces(model.stiffness(), model.material(), held, nullptr);
     if (pieces.count() == 0) continue;
     Multigrid multigrid(model.levels(), model.stiffness(), model.material(), held, {}, nullptr);
     if (multigrid.level_count() == 1) continue;
@@ -82,7 +82,7 @@ TEST(PropertyFemPieces, TheCycleGivesBackWhatPiecesCanDo) {
 TEST(PropertyFemPieces, ThickBodiesHaveNone) {
   const FemModel model(fem_cube(20), ElasticTable::uniform(6, 0.3));
   const HeldBits none(std::size_t(model.mesh().node_count()), 0);
-  EXPECT_EQ(ThinPieces(model.mesh(), model.material(), none, nullptr).count(), 0U);
+  EXPECT_EQ(ThinPieces(model.stiffness(), model.material(), none, nullptr).count(), 0U);
 }
 
 TEST(PropertyFemPieces, ManyIslandsHaveNone) {
@@ -91,7 +91,7 @@ TEST(PropertyFemPieces, ManyIslandsHaveNone) {
       34, [](const Vec3i& v) { return v.x % 2 == 0 && v.y % 2 == 0 && v.z % 2 == 0 ? 1 : -1; });
   const FemModel model(body, ElasticTable::uniform(6, 0.3));
   const HeldBits none(std::size_t(model.mesh().node_count()), 0);
-  EXPECT_EQ(ThinPieces(model.mesh(), model.material(), none, nullptr).count(), 0U);
+  EXPECT_EQ(ThinPieces(model.stiffness(), model.material(), none, nullptr).count(), 0U);
 }
 
 TEST(PropertyFemPieces, OfALargePlateLargerCubesJoin) {
@@ -99,7 +99,7 @@ TEST(PropertyFemPieces, OfALargePlateLargerCubesJoin) {
   const Body body = fem_body(n, [](const Vec3i& v) { return v.z == 1 ? 1 : -1; });
   const FemModel model(body, ElasticTable::uniform(6, 0.3));
   const HeldBits none(std::size_t(model.mesh().node_count()), 0);
-  EXPECT_EQ(ThinPieces(model.mesh(), model.material(), none, nullptr).count(),
+  EXPECT_EQ(ThinPieces(model.stiffness(), model.material(), none, nullptr).count(),
             std::size_t(n / 16) * (n / 16));
 }
 
@@ -108,7 +108,7 @@ TEST(PropertyFemPieces, TheCycleIsSymmetricToMotionsOfPieces) {
   std::mt19937 random(13);
   const FemModel model(plate_in_a_room(24), ElasticTable::uniform(6, 0.3));
   const HeldBits held = hold_some(random, model.mesh());
-  ThinPieces pieces(model.mesh(), model.material(), held, nullptr);
+  ThinPieces pieces(model.stiffness(), model.material(), held, nullptr);
   Multigrid multigrid(model.levels(), model.stiffness(), model.material(), held, {}, nullptr);
   const std::size_t unknowns = 3 * std::size_t(model.mesh().node_count());
   std::vector<float> x(unknowns, 0), z(unknowns, 0), kz(unknowns, 0), bx(unknowns);
