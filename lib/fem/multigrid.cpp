@@ -20,7 +20,7 @@ constexpr int kKrylovSteps = 4, kDeeperKrylovSteps = 2;
 constexpr double kLeastShareOfAll = 0.95;
 /// Thin parts are smoothed further with as many steps as cost no more than so many products with K
 /// of the whole body, if these are as many as help.
-constexpr double kThinProducts = 4;
+constexpr double kThinProducts = 3;
 constexpr int kMostThinSteps = 16, kLeastThinSteps = 4;
 
 }  // namespace

@@ -173,6 +173,7 @@ TEST(PropertyFem, OnlyTheRigidMotionsOfEachIslandHaveNoEnergy) {
 
 TEST(PropertyFem, CoarseOperatorsAreTheGalerkinProductsOfTheFineOne) {
   std::mt19937 random(5);
+  bool has_held_cells = false;
   for (int round = 0; round < 12; ++round) {
     // Uniform materials reach cells of eight children of one class.
     Body body = random_fem_body(random, Vec3i(22, 20, 24));
@@ -183,12 +184,19 @@ TEST(PropertyFem, CoarseOperatorsAreTheGalerkinProductsOfTheFineOne) {
     const HexMesh& voxels = model.mesh();
     HeldBits held(voxels.node_count(), 0);
     for (std::uint8_t& bits : held) bits = random() % 40 == 0 ? std::uint8_t(random() % 8) : 0;
+    const bool holds_parts = round % 2 == 1;
+    for (std::int32_t e = 0; holds_parts && e < voxels.element_count() / 2; ++e) {
+      for (const NodeIndex node : voxels.corners(e)) held[std::size_t(node)] = kAllHeld;
+    }
     Coarsening to_cells, to_large;
     const HexMesh cells_mesh = coarsen(voxels, to_cells);
     const HexMesh large_mesh = coarsen(cells_mesh, to_large);
     const CellClasses cells =
         cell_classes(voxels, to_cells, model.material(), held, cells_mesh.element_count());
     const HexOperator cells_operator(cells_mesh, cells, model.material());
+    for (std::size_t n = 0; n < cells.present.size(); ++n) {
+      has_held_cells = has_held_cells || cells.kind(n) == GroupKind::held;
+    }
 
     const Eigen::SparseMatrix<double> k = assembled_stiffness(body, voxels, elastic, dilatation);
     const Eigen::SparseMatrix<double> p = prolongation(voxels, cells_mesh, to_cells, held);
@@ -221,6 +229,35 @@ TEST(PropertyFem, CoarseOperatorsAreTheGalerkinProductsOfTheFineOne) {
     const CellMatrices again = CellMatrices::of_cells(cells, model.material())
                                    .coarser(cells_mesh, to_large, large_mesh.element_count());
     EXPECT_LT((as_matrix(assemble<double>(large_mesh, again)) - k2).norm(), 1e-12 * k2.norm());
+  }
+  EXPECT_TRUE(has_held_cells);
+}
+
+TEST(PropertyFem, GroupsAtNodesGiveTheForcesOfTheseNodes) {
+  std::mt19937 random(15);
+  for (int round = 0; round < 10; ++round) {
+    const Body body = random_fem_body(random, Vec3i(20, 18, 22));
+    const FemModel model(body, random_elastic(random));
+    const std::size_t nodes = std::size_t(model.mesh().node_count());
+    std::vector<bool> is_node(nodes);
+    const std::size_t first = random() % nodes;
+    for (std::size_t n = first; n < std::min(nodes, first + 40); ++n) is_node[n] = true;
+    const GroupsAtNodes groups = model.stiffness().groups_at(is_node);
+    EXPECT_GT(groups.share, 0);
+    EXPECT_LE(groups.share, 1);
+
+    std::vector<float> x(3 * nodes), all(3 * nodes, 0), part(3 * nodes, 0);
+    for (float& value : x) value = float(pick(random, -1, 1));
+    model.stiffness().subtract(x.data(), all.data());
+    model.stiffness().subtract(x.data(), part.data(), groups);
+    bool differs = false;
+    for (std::size_t n = 0; n < 3 * nodes; ++n) {
+      if (is_node[n / 3]) {
+        EXPECT_EQ(part[n], all[n]);
+      }
+      differs = differs || part[n] != all[n];
+    }
+    EXPECT_EQ(differs, groups.share < 1);
   }
 }
 
