@@ -1,6 +1,7 @@
 // Chebyshev iteration for K z = r with D^-1 K, D the diagonal of K, as a smoother (Saad, Iterative
 // methods for sparse linear systems, algorithm 12.1; Adams, Brezina, Hu and Tuminaro 2003):
-// d = keep d + step D^-1 r, z += d, r -= K d, over and over.
+// d = keep d + step D^-1 r, z += d, r -= K d, over and over; and an estimate of the largest
+// eigenvalue that it needs.
 #pragma once
 
 #include <cmath>

@@ -18,12 +18,12 @@ namespace supple {
 
 constexpr int kGroup = 8;
 
-/// Elements that the kernels treat alike, least work first.
+/// Elements that the kernels treat alike.
 enum class GroupKind : std::uint8_t {
   alike,        // one material: a voxel, or a cell with eight children of one class
-  mixed,        // children of several classes, or missing ones
+  mixed,        // children of several classes, or missing ones, or some held as a whole
   constrained,  // corners of children are held
-  held          // all of them are, and nothing is computed
+  held          // all of them are: in no group
 };
 
 struct ElementGroup {

@@ -239,6 +239,7 @@ void HexOperator::for_each_group(const X* x, T* y, T sign, const GroupsAtNodes* 
   for_blocks_by_colour<BlockProduct<T>>(
       *m_mesh, m_groups, groups == nullptr ? m_mesh->of_colour : groups->blocks,
       [&](std::int32_t block, BlockProduct<T>& product) {
+        if (m_groups.group_begin[block] == m_groups.group_begin[block + 1]) return;
         alignas(64) ElementLanes<T> corners[24];
         if (x != nullptr) product.in.load(block, x);
         product.out.clear(block);

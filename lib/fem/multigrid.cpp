@@ -1,6 +1,7 @@
 #include "lib/fem/multigrid.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "lib/fem/cell_matrices.h"
@@ -16,12 +17,56 @@ constexpr NodeIndex kCoarsestNodes = 600;
 /// Steps of conjugate gradients on the finest level of the K-cycle, and on those below it.
 constexpr std::size_t kKrylovLevel = 2;
 constexpr int kKrylovSteps = 4, kDeeperKrylovSteps = 2;
-/// Where a larger share of the elements is free, products are those of all.
-constexpr double kLeastShareOfAll = 0.95;
-/// Thin parts are smoothed further with as many steps as cost no more than so many products with K
-/// of the whole body, if these are as many as help.
-constexpr double kThinProducts = 3;
+/// Products leave out what is held where no larger share of the groups of elements is left.
+constexpr double kMostFreeShare = 0.95;
+/// Thin parts are smoothed further with as many steps as cost no more than so many products of the
+/// finest level, if these are as many as help.
+constexpr double kThinProducts = 4;
 constexpr int kMostThinSteps = 16, kLeastThinSteps = 4;
+/// The power method's values come from below.
+constexpr double kBoundMargin = 1.02;
+
+/// The largest eigenvalue of D^-1 K of an element by the power method.
+double element_eigenvalue(const VoxelMaterial& material, std::size_t of) {
+  constexpr int kSteps = 60;
+  const auto entry = [&](std::size_t n, std::size_t m) {
+    return material.moduli.shear[of] * material.matrix.shear[n][m] +
+           material.moduli.bulk[of] * material.matrix.bulk[n][m] +
+           material.moduli.inertia[of] * material.matrix.mass[n][m];
+  };
+  Matrix24 scaled;
+  std::array<double, 24> x;
+  for (std::size_t n = 0; n < 24; ++n) {
+    x[n] = std::sin(double(n * n));
+    for (std::size_t m = 0; m < 24; ++m) {
+      scaled[n][m] = entry(n, m) / std::sqrt(entry(n, n) * entry(m, m));
+    }
+  }
+  double value = 0;
+  for (int step = 0; step < kSteps; ++step) {
+    std::array<double, 24> y{};
+    double norm = 0;
+    for (std::size_t n = 0; n < 24; ++n) {
+      for (std::size_t m = 0; m < 24; ++m) y[n] += scaled[n][m] * x[m];
+      norm += y[n] * y[n];
+    }
+    value = std::sqrt(norm);
+    for (std::size_t n = 0; n < 24; ++n) x[n] = y[n] / value;
+  }
+  return value;
+}
+
+/// Above all eigenvalues of D^-1 K of any body of this material and of any part of it: the largest
+/// of single elements (x.K x is the sum of x.K_e x, and each at most lambda_e x.D_e x).
+double element_bound(const VoxelMaterial& material) {
+  std::array<bool, 256> occurs{};
+  for (const std::uint8_t of : material.classes) occurs[of] = true;
+  double bound = 0;
+  for (std::size_t of = 0; of < occurs.size(); ++of) {
+    if (occurs[of]) bound = std::max(bound, element_eigenvalue(material, of));
+  }
+  return kBoundMargin * bound;
+}
 
 }  // namespace
 
@@ -60,6 +105,24 @@ void Multigrid::Level::make_room_for_steps() {
   for (std::vector<float>* of : {&rest, &sum, &p, &q}) of->resize(unknowns());
 }
 
+void Multigrid::leave_out_held(const HeldBits& held) {
+  Level& level = m_levels[0];
+  std::vector<bool> is_free(held.size());
+  for (std::size_t node = 0; node < held.size(); ++node) is_free[node] = held[node] != kAllHeld;
+  level.free = level.fine->groups_at(is_free);
+  if (level.free->share > kMostFreeShare) level.free.reset();
+}
+
+void Multigrid::prepare_thin(const VoxelMaterial& material) {
+  const Level& level = m_levels[0];
+  const double share = m_pieces->groups().share / (level.free ? level.free->share : 1);
+  const double steps = kThinProducts / (2 * share);
+  if (steps < kLeastThinSteps) return;
+  m_thin_steps = std::min(kMostThinSteps, int(steps));
+  m_thin_eigenvalue = element_bound(material);
+  for (std::vector<float>* of : {&m_thin_r, &m_thin_z}) of->resize(3 * m_pieces->node_count());
+}
+
 void Multigrid::invert_diagonal(Level& level, const std::vector<float>& diagonal,
                                 const HeldBits* held) {
   level.inverse_diagonal.resize(diagonal.size());
@@ -78,13 +141,6 @@ Multigrid::Multigrid(const MeshLevels& levels, const HexOperator& fine,
   if (first == 0 && meshes.size() > 1) {
     m_pieces.emplace(fine, material, held, progress);
     if (m_pieces->count() == 0) m_pieces.reset();
-  }
-  if (m_pieces) {
-    const double steps = kThinProducts / (2 * m_pieces->groups().share);
-    if (steps >= kLeastThinSteps) m_thin_steps = std::min(kMostThinSteps, int(steps));
-    for (std::vector<float>* of : {&m_thin_r, &m_thin_z}) {
-      of->resize(m_thin_steps > 0 ? 3 * m_pieces->node_count() : 0);
-    }
   }
   std::optional<CellClasses> cells;
   if (meshes.size() > 1) {
@@ -113,10 +169,8 @@ Multigrid::Multigrid(const MeshLevels& levels, const HexOperator& fine,
     level.transfer.emplace(meshes[n], meshes[n + 1], levels.coarsenings[n]);
     if (n == 0) {
       level.fine = &fine;
-      std::vector<bool> is_free(held.size());
-      for (std::size_t node = 0; node < held.size(); ++node) is_free[node] = held[node] != kAllHeld;
-      level.free = fine.groups_at(is_free);
-      if (level.free->share > kLeastShareOfAll) level.free.reset();
+      if (first == 0) leave_out_held(held);
+      if (m_pieces) prepare_thin(material);
       invert_diagonal(level, fine.diagonal(), &held);
     } else if (n == 1) {
       level.cells.emplace(meshes[1], *cells, material);
@@ -312,11 +366,13 @@ void Multigrid::smooth(Level& level, bool is_first, float* r, float* z) const {
   }
 }
 
-/// Of the unknowns of thin parts alone; d is 0, and m_thin_z goes on after the first time.
+/// Of the unknowns of thin parts alone; d must be 0, and the second time adds to m_thin_z. So many
+/// steps magnify what lies above the largest eigenvalue, hence a bound of it instead of an
+/// estimate.
 void Multigrid::smooth_thin(bool is_first, float* r) {
   Level& level = m_levels[0];
   // A range as wide as the steps reach: plates bend the more softly the longer their waves.
-  ChebyshevSteps chebyshev(level.largest_eigenvalue, 4.0 * m_thin_steps * m_thin_steps);
+  ChebyshevSteps chebyshev(m_thin_eigenvalue, 4.0 * m_thin_steps * m_thin_steps);
   const ShortFloat* inverse = level.inverse_diagonal.data();
   float* d = level.d.data();
   if (is_first) std::fill(m_thin_z.begin(), m_thin_z.end(), 0.0f);

@@ -35,7 +35,7 @@ HeldBits hold_some(std::mt19937& random, const HexMesh& mesh) {
     const auto island = std::size_t(islands.of_element[std::size_t(e)]);
     if (is_held[island]) continue;
     is_held[island] = true;
-    for (const NodeIndex node : mesh.corners(e)) held[std::size_t(node)] = 7;
+    for (const NodeIndex node : mesh.corners(e)) held[std::size_t(node)] = kAllHeld;
   }
   return held;
 }
@@ -145,6 +145,9 @@ TEST(PropertyFemPieces, TheCycleIsSymmetricForForcesOnAPlate) {
   for (std::size_t node = 0; node < held.size(); ++node) {
     if (positions[node].x < 1) held[node] = kAllHeld;
   }
+  const ThinPieces pieces(model.stiffness(), model.material(), held, nullptr);
+  ASSERT_GT(pieces.count(), 0U);
+  ASSERT_LT(pieces.groups().share, 0.1) << "or there are no further steps";
   Multigrid multigrid(model.levels(), model.stiffness(), model.material(), held, {}, nullptr);
   ASSERT_LE(multigrid.level_count(), 3) << "steps of conjugate gradients are not linear";
   const std::size_t unknowns = 3 * positions.size();
@@ -175,4 +178,48 @@ TEST(PropertyFemPieces, AThinPlateCostsFewIterations) {
   push.force_n = {0, 0, 1e-6};
   // 31 without pieces, 20 without further steps.
   EXPECT_LE(model.solve(loads, {}).report.iterations, 16);
+}
+
+TEST(PropertyFemPieces, FurtherStepsConvergeWhateverThinPartsAreMadeOf) {
+  // A plate whose elements have larger eigenvalues of D^-1 K than the wall, of which an estimate
+  // by vectors of the whole body knows little.
+  for (const double poisson : {0.0, 0.45, 0.49}) {
+    const Body body = fem_body(40, [](const Vec3i& v) {
+      return v.x < 30 ? 0 : v.z == 10 && std::abs(v.y - 20) < 6 ? 1 : -1;
+    });
+    ElasticTable elastic = ElasticTable::uniform(6, 0.3);
+    elastic.poisson[1] = poisson;
+    const FemModel model(body, elastic);
+    FemLoads loads;
+    loads.held.push_back(hold_where(body, [](const Vec3d& at) { return at.x < 1; }));
+    ForceOnElements& push = loads.forces.emplace_back();
+    push.elements = elements_in(body, {{39, 15, 10}, {39, 25, 10}});
+    push.force_n = {0, 0, 1e-6};
+    EXPECT_LE(model.solve(loads, {}).report.iterations, 25) << "nu of the plate " << poisson;
+  }
+}
+
+TEST(PropertyFemPieces, WhatIsHeldAsAWholeIsLeftOut) {
+  // A linear displacement of two thirds of a body, and of its surface, is that of all of it.
+  const int n = 24;
+  const Body body = fem_body(n, [](const Vec3i&) { return 1; });
+  const auto linear = [](const Vec3d& at) { return Vec3d(0.01 * at.y, 0.02 * at.x, 0.01 * at.z); };
+  const FemModel model(body, ElasticTable::uniform(6, 0.3));
+  FemLoads loads;
+  const auto is_inside = [](double x) { return x > 1 && x < n - 2; };
+  loads.held.push_back(hold_where(
+      body,
+      [&](const Vec3d& at) {
+        return at.x < 2 * n / 3 || !is_inside(at.x) || !is_inside(at.y) || !is_inside(at.z);
+      },
+      linear));
+  const FemSolution solution = model.solve(loads, {});
+  EXPECT_LE(solution.report.iterations, 10);
+  const std::vector<Vec3d> positions = node_positions(model.mesh());
+  for (std::size_t node = 0; node < positions.size(); ++node) {
+    const Vec3d expected = linear(positions[node]);
+    for (int a = 0; a < 3; ++a) {
+      EXPECT_NEAR(solution.u_mm[3 * node + std::size_t(a)], expected[a], 1e-5);
+    }
+  }
 }
