@@ -4,6 +4,9 @@
 #include <array>
 #include <cmath>
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include "lib/fem/cell_matrices.h"
 #include "lib/fem/chebyshev.h"
 #include "lib/fem/node_vectors.h"
@@ -245,9 +248,14 @@ void Multigrid::cycle(float* r, float* z) {
 /// Calls visit(place among the unknowns of thin parts, unknown).
 template <class Visit>
 void Multigrid::for_thin(Visit&& visit) const {
-  m_pieces->for_nodes([&](std::size_t thin, std::size_t node) {
-    for (std::size_t a = 0; a < 3; ++a) visit(3 * thin + a, 3 * node + a);
-  });
+  constexpr std::size_t kGrain = 1024;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, m_pieces->node_count(), kGrain),
+                    [&](const tbb::blocked_range<std::size_t>& range) {
+                      for (std::size_t n = range.begin(); n < range.end(); ++n) {
+                        const std::size_t node = m_pieces->node(n);
+                        for (std::size_t a = 0; a < 3; ++a) visit(3 * n + a, 3 * node + a);
+                      }
+                    });
 }
 
 void Multigrid::cycle_from(std::size_t number, float* r, float* z) {

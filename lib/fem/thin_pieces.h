@@ -17,9 +17,6 @@
 #include <optional>
 #include <vector>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include "lib/fem/cell_classes.h"
 #include "lib/fem/coarsest_solver.h"
 #include "lib/fem/hex_operator.h"
@@ -39,16 +36,8 @@ class ThinPieces {
   std::size_t node_count() const { return m_members.size(); }
   /// All elements with a node of a piece, and some others.
   const GroupsAtNodes& groups() const { return m_groups; }
-  /// Calls visit(place among the nodes of pieces, node), in any order.
-  template <class Visit>
-  void for_nodes(Visit&& visit) const {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, m_members.size(), 1024),
-                      [&](const tbb::blocked_range<std::size_t>& range) {
-                        for (std::size_t n = range.begin(); n < range.end(); ++n) {
-                          visit(n, std::size_t(m_members[n].node));
-                        }
-                      });
-  }
+  /// The n-th node of pieces.
+  std::size_t node(std::size_t n) const { return std::size_t(m_members[n].node); }
 
   /// Forces Z^T r of the pieces, three values of r per node; held ones do not count.
   void take_forces(const float* r);
