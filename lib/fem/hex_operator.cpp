@@ -255,8 +255,8 @@ void HexOperator::for_each_group(const X* x, T* y, T sign, const GroupsAtNodes* 
 }
 
 template <class X, class T>
-void HexOperator::accumulate(const X* x, T* y, T sign) const {
-  for_each_group(x, y, sign, nullptr, [this](const ElementGroup& group, ElementLanes<T>* corners) {
+void HexOperator::accumulate(const X* x, T* y, T sign, const GroupsAtNodes* groups) const {
+  for_each_group(x, y, sign, groups, [this](const ElementGroup& group, ElementLanes<T>* corners) {
     apply_group<T>(group, corners);
   });
 }
@@ -270,10 +270,7 @@ void HexOperator::subtract(const X* x, T* y) const {
   accumulate(x, y, T(-1));
 }
 void HexOperator::subtract(const float* x, float* y, const GroupsAtNodes& groups) const {
-  for_each_group(x, y, -1.0F, &groups,
-                 [this](const ElementGroup& group, ElementLanes<float>* corners) {
-                   apply_group<float>(group, corners);
-                 });
+  accumulate(x, y, -1.0F, &groups);
 }
 template void HexOperator::add(const float*, float*) const;
 template void HexOperator::add(const double*, double*) const;

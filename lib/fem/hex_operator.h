@@ -52,7 +52,7 @@ class HexOperator {
 
  private:
   template <class X, class T>
-  void accumulate(const X* x, T* y, T sign) const;
+  void accumulate(const X* x, T* y, T sign, const GroupsAtNodes* groups = nullptr) const;
   template <class T>
   void apply_group(const ElementGroup& group, ElementLanes<T>* x) const;
   template <class T>

@@ -12,7 +12,7 @@
 // Thin parts, which no coarse cell can bend, have a coarse space of their own (thin_pieces.h), and
 // are smoothed further, before and after: what is left there after some iterations is nearly all
 // that is left of a head. That takes up to 32 products with K of their elements in a cycle, and 24
-// bytes per node of theirs. What is held as a whole costs the cycle nothing.
+// bytes per node of theirs. Products leave out groups of elements that are held as a whole.
 //
 // Smoother: Chebyshev polynomials of D^-1 K (chebyshev.h), the same before and after the coarse
 // correction, so that the V-cycle is symmetric and positive definite; the steps of conjugate
