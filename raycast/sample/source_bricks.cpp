@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <thread>
 
 #include <oneapi/tbb/parallel_for.h>
@@ -11,7 +10,6 @@
 #include "volumes/base/huge_pages.h"
 #include "volumes/grid/b_spline.h"
 #include "volumes/grid/cell.h"
-#include "volumes/grid/voxel_sets.h"
 
 namespace supple {
 
@@ -19,47 +17,7 @@ namespace {
 
 constexpr double kCodes = 32767;  // encoded values lie in -kCodes … kCodes
 
-using DensityRow = float __attribute__((vector_size(32)));
-using DensityBits = std::int32_t __attribute__((vector_size(32)));
-constexpr DensityBits kLaneBit = {1, 2, 4, 8, 16, 32, 64, 128};
-
-/// Smallest and largest value of every lane; lo > hi: none.
-struct LaneRange {
-  DensityRow lo = DensityRow{} + HUGE_VALF, hi = DensityRow{} - HUGE_VALF;
-
-  void add(const DensityRow& values) {
-    lo = values < lo ? values : lo;
-    hi = values > hi ? values : hi;
-  }
-  void add(const DensityRow& values, const DensityBits& counts) {
-    lo = (counts & (values < lo)) ? values : lo;
-    hi = (counts & (values > hi)) ? values : hi;
-  }
-  DensityBits reaches(float limit) const { return (lo <= -limit) | (hi >= limit); }
-};
-
-/// A value below kSmall and kUnits add up to a float whose last place is 1.
-constexpr float kSmall = 4194304, kUnits = 3 * kSmall;
-
-/// Lanes with a value that is no integer; all are small or not finite.
-DensityBits have_fractions(const DensityRow& values) {
-  return (values + kUnits) - kUnits != values;
-}
-/// The same of any values.
-DensityBits have_fractions_anywhere(const DensityRow& values) {
-  const DensityBits is_small =
-      (values < 2 * kSmall) & (values > -2 * kSmall);  // others are integers
-  const DensityRow small = is_small ? values : DensityRow{};
-  return __builtin_convertvector(__builtin_convertvector(small, DensityBits), DensityRow) != small;
-}
-
-bool any_of(const DensityBits& lanes) {
-  std::int32_t any = 0;
-  for (int z = 0; z < kBrickDim; ++z) any |= lanes[z];
-  return any != 0;
-}
-
-/// Bricks are surveyed one after the other, and mostly wait for memory.
+/// The extremes of bricks are found one after the other, and mostly wait for memory.
 constexpr std::size_t kAhead = 1;
 void prefetch(const float* values) {
   constexpr int kLine = 16;
@@ -117,7 +75,7 @@ SourceBricks::SourceBricks(const DensityGrid& density, const BrickTopology& wher
   for (const EncodedRange& range : m_ranges) m_range.add(range);
 }
 
-/// A cubic sample reads one node more on every side, of which the surveys do not tell.
+/// A cubic sample reads one node more on every side, of which the extremes do not tell.
 void SourceBricks::fill_all() {
   tbb::parallel_for(std::size_t(0), m_ranges.size(), [&](std::size_t b) {
     m_ranges[b] = fill(b);
@@ -127,104 +85,48 @@ void SourceBricks::fill_all() {
   m_density = DensityGrid();
 }
 
-SourceBricks::Survey SourceBricks::survey(std::size_t b) const {
-  const BrickMask& mask = m_topology.mask(b);
-  const float* const stored = values(b);
-  if (b + kAhead < m_topology.brick_count()) prefetch(values(b + kAhead));
-  // Of all rows along z, those at x = 0, those at y = 0 and the one at both; a lane is a z.
-  std::array<LaneRange, 4> rows;
-  const auto add_rows = [&](const auto& add_row) {
-    rows = {};
-    for (int x = 0; x < kBrickDim; ++x) {
-      for (int y = 0; y < kBrickDim; ++y) add_row(x, y, rows[0]);
-      add_row(0, x, rows[1]);
-      add_row(x, 0, rows[2]);
-    }
-    add_row(0, 0, rows[3]);
-  };
-  const auto row_at = [&](int x, int y) {
-    DensityRow row = DensityRow{} + m_density.background();
-    if (stored != nullptr) std::memcpy(&row, stored + 64 * x + 8 * y, sizeof row);
-    return row;
-  };
-  DensityBits is_odd{}, fractions{};  // not finite; no integers
-  if (is_full(mask)) {
-    add_rows([&](int x, int y, LaneRange& range) { range.add(row_at(x, y)); });
-    for (int n = 0; n < kBrickDim * kBrickDim; ++n) {
-      const DensityRow row = row_at(n / kBrickDim, n % kBrickDim);
-      is_odd |= row - row != 0;
-      fractions |= have_fractions(row);
-    }
-  }
-  if (!is_full(mask) || any_of(is_odd) || any_of(rows[0].reaches(kSmall))) {
-    fractions = DensityBits{};
-    add_rows([&](int x, int y, LaneRange& range) {
-      const auto bits = int(mask[std::size_t(x)] >> (8 * y)) & 0xff;
-      const DensityRow row = row_at(x, y);
-      const DensityBits counts = (((DensityBits{} + bits) & kLaneBit) != 0) & (row - row == 0);
-      range.add(row, counts);
-      fractions |= counts & have_fractions_anywhere(row);
-    });
-  }
-  Survey found;
-  found.integers = !any_of(fractions);
-  for (std::size_t part = 0; part < 8; ++part) {
-    const LaneRange& range = rows[(part & 4) / 4 + (part & 2)];
-    found.lo[part] = range.lo[0];
-    found.hi[part] = range.hi[0];
-    for (int z = 1; z < kBrickDim && (part & 1) == 0; ++z) {
-      found.lo[part] = std::min(found.lo[part], range.lo[z]);
-      found.hi[part] = std::max(found.hi[part], range.hi[z]);
-    }
-  }
-  return found;
+/// Of all bricks, whose densities are read for it.
+std::vector<BrickExtremes> SourceBricks::look_for_extremes() const {
+  std::vector<BrickExtremes> extremes(m_topology.brick_count());
+  const std::vector<float> background(kBrickVoxels, m_density.background());
+  tbb::parallel_for(std::size_t(0), extremes.size(), [&](std::size_t b) {
+    if (b + kAhead < extremes.size()) prefetch(values(b + kAhead));
+    const float* const stored = values(b);
+    extremes[b] = find_extremes(stored != nullptr ? stored : background.data(), m_topology.mask(b));
+  });
+  return extremes;
 }
 
 /// Densities that the cells of each brick reach, encoded. Cells reach by one node into the bricks
-/// above, so the surveys of two layers of bricks are enough at a time.
+/// above.
 void SourceBricks::find_ranges() {
+  std::vector<BrickExtremes> found;
+  const BrickExtremes* extremes = m_values.empty() ? m_density.extremes() : nullptr;
+  if (extremes == nullptr) {
+    found = look_for_extremes();
+    extremes = found.data();
+  }
   const std::size_t count = m_topology.brick_count();
-  const auto end_of_layer = [&](std::size_t b) {
-    const std::size_t first = b;
-    while (b < count && m_topology.origin(b).x == m_topology.origin(first).x) ++b;
-    return b;
-  };
-  std::size_t begin = 0, end = 0;  // of the layer that waits for the one above it
-  std::vector<Survey> layer, above;
-  const auto find_range = [&](std::size_t b) {
-    float lo = HUGE_VALF, hi = -HUGE_VALF;
-    for (std::size_t part = 0; part < 8; ++part) {
+  double lo = HUGE_VAL, hi = -HUGE_VAL;
+  bool integers = true;
+  for (std::size_t b = 0; b < count; ++b) {
+    lo = std::min(lo, double(extremes[b].lo[0]));
+    hi = std::max(hi, double(extremes[b].hi[0]));
+    integers = integers && extremes[b].integers;
+  }
+  choose_encoding(lo, hi, integers);
+  tbb::parallel_for(std::size_t(0), count, [&](std::size_t b) {
+    float least = HUGE_VALF, largest = -HUGE_VALF;
+    for (std::size_t part = 0; part < BrickExtremes::kParts; ++part) {
       const Vec3i step = cell_corner(int(part)) * kBrickDim;
       const std::int32_t from =
           part == 0 ? std::int32_t(b) : m_topology.find(m_topology.origin(b) + step);
       if (from < 0) continue;
-      const auto n = std::size_t(from);
-      const Survey& found = n < end ? layer[n - begin] : above[n - end];
-      lo = std::min(lo, found.lo[part]);
-      hi = std::max(hi, found.hi[part]);
+      least = std::min(least, extremes[from].lo[part]);
+      largest = std::max(largest, extremes[from].hi[part]);
     }
-    if (lo <= hi) m_ranges[b] = {lo, hi};
-  };
-  double lo = HUGE_VAL, hi = -HUGE_VAL;
-  bool integers = true;
-  while (begin < count) {
-    const std::size_t above_end = end_of_layer(end);
-    above.resize(above_end - end);
-    tbb::parallel_for(end, above_end, [&](std::size_t b) { above[b - end] = survey(b); });
-    tbb::parallel_for(begin, end, find_range);
-    for (const Survey& found : above) {
-      lo = std::min(lo, double(found.lo[0]));
-      hi = std::max(hi, double(found.hi[0]));
-      integers = integers && found.integers;
-    }
-    begin = end;
-    end = above_end;
-    layer.swap(above);
-  }
-  choose_encoding(lo, hi, integers);
-  for (EncodedRange& range : m_ranges) {
-    if (!range.empty()) range = {float(encode(range.lo)), float(encode(range.hi))};
-  }
+    if (least <= largest) m_ranges[b] = {float(encode(least)), float(encode(largest))};
+  });
 }
 
 void SourceBricks::choose_encoding(double lo, double hi, bool integers) {

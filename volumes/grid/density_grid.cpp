@@ -49,10 +49,11 @@ DensityGrid::DensityGrid(std::shared_ptr<const Vdb> vdb) : m_vdb(std::move(vdb))
 }
 
 DensityGrid::DensityGrid(std::shared_ptr<const Vdb> vdb, BrickTopology bricks,
-                         std::vector<const float*> values)
+                         std::vector<const float*> values, std::vector<BrickExtremes> extremes)
     : m_vdb(std::move(vdb)),
       m_bricks(std::move(bricks)),
       m_values(std::make_shared<const std::vector<const float*>>(std::move(values))),
+      m_extremes(std::make_shared<const std::vector<BrickExtremes>>(std::move(extremes))),
       m_background(m_vdb->grid->tree().background()) {}
 
 float DensityGrid::at(const Vec3i& voxel) const {
@@ -61,7 +62,9 @@ float DensityGrid::at(const Vec3i& voxel) const {
 }
 
 std::size_t DensityGrid::bytes() const {
-  return m_vdb->grid->memUsage() + m_bricks.bytes() + m_values->capacity() * sizeof(float*);
+  const std::size_t extremes = m_extremes == nullptr ? 0 : m_extremes->capacity();
+  return m_vdb->grid->memUsage() + m_bricks.bytes() + m_values->capacity() * sizeof(float*) +
+         extremes * sizeof(BrickExtremes);
 }
 
 DensityGrid fill_density_grid(const BrickTopology& bricks,
@@ -105,7 +108,7 @@ std::size_t density_grid_bytes(const BrickTopology& bricks) {
     return nodes.size();
   };
   return empty + leaf * bricks.brick_count() + lower * distinct(7) + upper * distinct(12) +
-         bricks.bytes() + bricks.brick_count() * sizeof(float*);
+         bricks.bytes() + bricks.brick_count() * (sizeof(float*) + sizeof(BrickExtremes));
 }
 
 DensityGrid restrict_to(const DensityGrid& grid, const BrickTopology& keep) {

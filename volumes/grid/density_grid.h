@@ -1,12 +1,13 @@
 // A sparse density grid: an openvdb::FloatGrid in index space behind a light face. Files that
 // create or edit the grid include "volumes/grid/density_grid_vdb.h"; all others see bricks.
-// Cost: 2 kB per occupied brick; nothing for empty space.
+// Cost: 2.1 kB per occupied brick; nothing for empty space.
 #pragma once
 
 #include <functional>
 #include <memory>
+#include <vector>
 
-#include "volumes/grid/brick_topology.h"
+#include "volumes/grid/brick_extremes.h"
 
 namespace supple {
 
@@ -25,6 +26,11 @@ class DensityGrid {
   const BrickTopology& bricks() const { return m_bricks; }
   /// The 512 densities of brick b in brick order; inactive ones hold background().
   const float* values(std::size_t b) const { return (*m_values)[b]; }
+  /// Extremes of the active densities of every brick; null in grids from files of OpenVDB, whose
+  /// densities nobody looked at.
+  const BrickExtremes* extremes() const {
+    return m_extremes == nullptr ? nullptr : m_extremes->data();
+  }
   /// Value of inactive voxels.
   float background() const { return m_background; }
   /// Density of one voxel, background() where inactive.
@@ -38,13 +44,14 @@ class DensityGrid {
   friend DensityGrid assemble_density_grid(BrickTopology bricks,
                                            const std::function<DensityLeaf(std::size_t b)>& take,
                                            float background);
-  /// Of a grid whose bricks are known, with their densities.
+  /// Of a grid whose bricks are known, with their densities and extremes.
   DensityGrid(std::shared_ptr<const Vdb> vdb, BrickTopology bricks,
-              std::vector<const float*> values);
+              std::vector<const float*> values, std::vector<BrickExtremes> extremes);
 
   std::shared_ptr<const Vdb> m_vdb;
   BrickTopology m_bricks;
   std::shared_ptr<const std::vector<const float*>> m_values;
+  std::shared_ptr<const std::vector<BrickExtremes>> m_extremes;  // null: unknown
   float m_background = 0;
 };
 

@@ -46,9 +46,12 @@ DensityGrid assemble_density_grid(BrickTopology bricks,
                                   float background) {
   std::vector<DensityLeaf> leaves(bricks.brick_count());
   std::vector<const float*> values(leaves.size());
+  std::vector<BrickExtremes> extremes(leaves.size());
   tbb::parallel_for(std::size_t(0), leaves.size(), [&](std::size_t b) {
     leaves[b] = take(b);
     activate(leaf_of(leaves[b].m_node.get()), bricks.mask(b), background);
+    if (!leaves[b].m_extremes) leaves[b].note_extremes(bricks.mask(b));
+    extremes[b] = *leaves[b].m_extremes;
     values[b] = leaves[b].values();
   });
   auto grid = make_grid<openvdb::FloatGrid>(background);
@@ -56,7 +59,7 @@ DensityGrid assemble_density_grid(BrickTopology bricks,
   auto accessor = grid->getAccessor();
   for (DensityLeaf& leaf : leaves) accessor.addLeaf(&leaf_of(leaf.m_node.release()));
   return DensityGrid(std::make_shared<DensityGrid::Vdb>(DensityGrid::Vdb{grid}), std::move(bricks),
-                     std::move(values));
+                     std::move(values), std::move(extremes));
 }
 
 }  // namespace supple

@@ -140,6 +140,26 @@ std::vector<char> brute_elements(const DenseFile& file, double lo, double hi, in
   return mask;
 }
 
+TEST(PropertyLoad, ExtremesOfBricksAreThoseOfTheirActiveVoxels) {
+  const auto expect_known = [](const DensityGrid& density, unsigned seed) {
+    ASSERT_NE(density.extremes(), nullptr);
+    for (std::size_t b = 0; b < density.bricks().brick_count(); ++b) {
+      const BrickExtremes expected = find_extremes(density.values(b), density.bricks().mask(b));
+      EXPECT_EQ(density.extremes()[b].lo, expected.lo) << seed;
+      EXPECT_EQ(density.extremes()[b].hi, expected.hi) << seed;
+      EXPECT_EQ(density.extremes()[b].integers, expected.integers) << seed;
+    }
+  };
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    DenseFile file = random_file(seed, 30);
+    expect_known(load_volume(file).density, seed);
+    file.rewind();
+    const auto elements = brute_elements(file, 20, 80, 1);
+    if (std::count(elements.begin(), elements.end(), char(1)) == 0) continue;
+    expect_known(load_elements(file, 20, 80, 1, int(seed % 3)).volume.density, seed);
+  }
+}
+
 /// True when the `count`-th and the next largest piece are of one size: either may be kept.
 bool is_tied(const DenseFile& file, double lo, double hi, int count) {
   const auto size_of = [&](int n) {

@@ -8,8 +8,10 @@ namespace supple {
 
 DensityGrid BrickStore::take_above(float background) {
   std::vector<BrickMask> masks(m_bricks.size());
-  tbb::parallel_for(std::size_t(0), m_bricks.size(),
-                    [&](std::size_t n) { masks[n] = m_bricks[n].above(background); });
+  tbb::parallel_for(std::size_t(0), m_bricks.size(), [&](std::size_t n) {
+    masks[n] = m_bricks[n].above(background);
+    m_bricks[n].note_extremes(masks[n]);
+  });
   return take_masked(std::move(masks), background);
 }
 
@@ -21,6 +23,7 @@ DensityGrid BrickStore::take_grid(const BrickTopology& where, float background) 
     if (wanted < 0) return;
     masks[n] = m_bricks[n].above(kLowest);
     for (int word = 0; word < 8; ++word) masks[n][word] &= where.mask(wanted)[word];
+    m_bricks[n].note_extremes(masks[n]);
   });
   return take_masked(std::move(masks), background);
 }
