@@ -31,7 +31,6 @@ constexpr double kContactWork = 2;        // of a step in which shapes press
 constexpr double kMinimumSteps = 40;      // that a minimum of springs takes, of those that it may
 constexpr double kFemBytes = 85;          // per unknown
 constexpr double kMotionBytes = 170;      // more, with mass, damping and what moves
-constexpr double kFrameBytes = 12;        // of a motion that a film shows, per element
 constexpr double kNodesOfElement = 1.12;  // of a head; of one slice twice as many
 /// Of an equilibrium: of one tissue, and beside others that are ten times as stiff or more.
 constexpr double kEvenIterations = 30, kLinearIterations = 60;
@@ -292,9 +291,8 @@ void StepPlan::finite_elements() {
   if (const int doublings = m_request.fem->params.doublings; doublings > 0) {
     iterations = kCoarseSetup + iterations / std::pow(8, doublings);
   }
-  const double frames = motion ? double(motion->frame_times_s.size()) : 0;
   add(count_text(unknowns, "unknowns") + ", some " + count_text(iterations, "iterations"),
-      "the step moves the body by finite elements", frames * elements() * kFrameBytes,
+      "the step moves the body by finite elements", 0,
       unknowns * (kFemBytes + (motion ? kMotionBytes : 0)),
       unknowns * iterations * m_costs.fem_unknown);
 }

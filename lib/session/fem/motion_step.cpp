@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "lib/body/node_offsets.h"
+#include "lib/session/fem/motion_frames.h"
 #include "volumes/base/text.h"
 
 namespace supple {
@@ -103,6 +104,7 @@ MotionRecord run_motion(const MotionStep& step, VoxelFemMotion& model, const Bod
   record.watched = step.watch;
   model.move(handles, step.ramp_steps(), progress);
   auto frame_time = step.frame_times_s.begin();
+  if (!step.frame_times_s.empty()) record.frames = std::make_shared<MotionFrames>();
   const auto take_sample = [&] {
     const std::vector<double>& u = model.motion().u_mm();
     MotionSample& sample = record.samples.emplace_back();
@@ -119,7 +121,7 @@ MotionRecord run_motion(const MotionStep& step, VoxelFemMotion& model, const Bod
     }
     for (; frame_time != step.frame_times_s.end(); ++frame_time) {
       if (*frame_time > sample.time_s + record.step_s / 2) break;
-      record.frames.push_back(centres(mesh, u));
+      record.frames->add(centres(mesh, u));
     }
   };
   take_sample();
@@ -130,8 +132,7 @@ MotionRecord run_motion(const MotionStep& step, VoxelFemMotion& model, const Bod
     take_sample();
   }
   for (; frame_time != step.frame_times_s.end(); ++frame_time) {
-    record.frames.push_back(record.frames.empty() ? centres(mesh, model.motion().u_mm())
-                                                  : record.frames.back());
+    record.frames->add(centres(mesh, model.motion().u_mm()));
   }
   record.energy_error = energy_error(record.samples);
   model.store();
@@ -139,7 +140,7 @@ MotionRecord run_motion(const MotionStep& step, VoxelFemMotion& model, const Bod
 }
 
 void take_frame(const MotionRecord& record, std::size_t frame, Body& body) {
-  const std::vector<Vec3f>& displacement = record.frames.at(frame);
+  const std::vector<Vec3f> displacement = record.frames->at(frame);
   NodeOffsets offsets(body);
   std::size_t element = 0;
   for_each_element(body.elements, [&](Slot slot) {

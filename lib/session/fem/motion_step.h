@@ -1,6 +1,7 @@
 // A motion in time in a step of finite elements, and what it was like.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +11,8 @@
 #include "volumes/base/fields.h"
 
 namespace supple {
+
+class MotionFrames;
 
 struct MotionStep {
   double time_s = 0;
@@ -44,13 +47,13 @@ struct MotionRecord {
   std::vector<MotionSample> samples;  // the start, and after each step
   /// Largest imbalance of energy, work and damping, relative to the largest sum of energies.
   double energy_error = 0;
-  LargestMotion largest;  // turn and strain of an element, at any time
-  /// Displacement of the elements' centres in mm, LPS, in the order of the bricks, per time.
-  std::vector<std::vector<Vec3f>> frames;
+  LargestMotion largest;                 // turn and strain of an element, at any time
+  std::shared_ptr<MotionFrames> frames;  // one per time that was asked for; null: none was
 };
 
 /// Begins the motion, goes through all its steps, and gives the body its end. Throws InputError:
-/// a watched voxel that is no element; else as VoxelFemMotion.
+/// a watched voxel that is no element; SystemError: no place for the frames; else as
+/// VoxelFemMotion.
 MotionRecord run_motion(const MotionStep& step, VoxelFemMotion& model, const Body& body,
                         const std::vector<Handle>& handles, const std::vector<SlotSet>& gripped,
                         Progress* progress);
