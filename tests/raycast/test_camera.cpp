@@ -1,9 +1,11 @@
 // Cameras: rays by hand, framing, and orientation in the patient's frame.
 #include <cmath>
+#include <random>
 
 #include <gtest/gtest.h>
 
 #include "raycast/scene/camera.h"
+#include "raycast/scene/view_volume.h"
 #include "volumes/base/error.h"
 
 namespace supple {
@@ -120,6 +122,70 @@ TEST(PropertyCamera, EveryNamedViewFramesTheBoxWithItsMargin) {
       }
     }
   }
+}
+
+/// A sheared, left-handed grid and a camera somewhere around it, of either kind.
+struct RandomView {
+  explicit RandomView(std::mt19937& random) {
+    std::uniform_real_distribution<double> unit(-1, 1);
+    const auto place = [&](double size) {
+      return Vec3d(unit(random), unit(random), unit(random)) * size;
+    };
+    camera.projection = unit(random) < 0 ? Projection::perspective : Projection::orthographic;
+    camera.position_lps_mm = place(60);
+    camera.target_lps_mm = place(30);
+    camera.vertical_fov_degrees = 40 + 30 * unit(random);
+    camera.height_mm = 30 + 20 * unit(random);
+    camera.window_shift = 0.5 * unit(random);
+    width = 60 + int(30 * unit(random));
+  }
+
+  const Geometry geometry{
+      {40, 30, 20}, {7, -3, 10}, {Vec3d(-0.9, 0.1, 0), {0, 1.1, 0.2}, {0.1, 0, 2.5}}};
+  Camera camera;
+  int width, height = 60;
+};
+
+TEST(PropertyViewVolume, APointIsSeenWhereItsPixelLiesInThePicture) {
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> coordinate(-10, 50);
+  int seen = 0, hidden = 0;
+  for (int n = 0; n < 200; ++n) {
+    const RandomView view(random);
+    const ViewVolume volume(view.camera, double(view.width) / view.height, view.geometry);
+    for (int m = 0; m < 50; ++m) {
+      const Vec3d place(coordinate(random), coordinate(random), coordinate(random));
+      double px = 0, py = 0;
+      const bool is_inside = project_to_pixel(view.camera, view.width, view.height,
+                                              view.geometry.world_from_index(place), px, py) &&
+                             px >= 0 && px <= view.width && py >= 0 && py <= view.height;
+      EXPECT_EQ(volume.meets(place, place), is_inside);
+      (is_inside ? seen : hidden) += 1;
+    }
+  }
+  EXPECT_GT(seen, 500);
+  EXPECT_GT(hidden, 500);
+}
+
+TEST(PropertyViewVolume, EveryBoxThatARayPassesThroughIsMet) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> coordinate(-10, 50), part(0, 1);
+  int left_out = 0;
+  for (int n = 0; n < 200; ++n) {
+    const RandomView view(random);
+    const ViewVolume volume(view.camera, double(view.width) / view.height, view.geometry);
+    for (int m = 0; m < 20; ++m) {
+      const Ray ray = camera_ray(view.camera, view.width, view.height, part(random) * view.width,
+                                 part(random) * view.height);
+      const Vec3d on_ray =
+          view.geometry.index_from_world(ray.origin_lps_mm + ray.direction_lps * 90 * part(random));
+      const Vec3d below(8 * part(random), 8 * part(random), 8 * part(random));
+      EXPECT_TRUE(volume.meets(on_ray - below, on_ray - below + Vec3d(8)));
+      const Vec3d corner(coordinate(random), coordinate(random), coordinate(random));
+      left_out += !volume.meets(corner, corner + Vec3d(8));
+    }
+  }
+  EXPECT_GT(left_out, 1000);
 }
 
 }  // namespace

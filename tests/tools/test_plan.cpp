@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "raycast/pictures/image.h"
 #include "tests/support/program.h"
 #include "tests/support/sanitized.h"
 
@@ -92,6 +93,34 @@ TEST_F(UnitPlan, AnExportOfDisplacementsAloneNeedsNoInverse) {
   const std::string output = "[output]\ndisplacements = [\"u.nrrd\"]\n";
   EXPECT_TRUE(says(plan(kPlannedStep + output).at("not"), "inverse (offsets)"));
   EXPECT_FALSE(has_stage(run(kPlannedStep + output), "inverting"));
+}
+
+TEST_F(UnitPlan, BricksThatNoCameraSeesAreNotInvertedAndThePictureStaysTheSame) {
+  write_ball(m_folder, "ball", 96);
+  const std::string step =
+      "[[step]]\ngrab_ball = [48, 30, 48]\nradius = 20\nby = [2.0, 3.0, 0.0]\n";
+  const std::string close =
+      "[[view]]\nimage = \"a.png\"\nsize = [120, 90]\npreset = \"MR-Default\"\n"
+      "camera = { position = [20.0, -200.0, 60.0], target = [25.0, 48.0, 60.0], up = [0.0, 0.0, "
+      "1.0], fov = 4.0 }\n";
+  const std::string export_too = "[output]\nstate = \"s.vdb\"\n";
+  const Json some = run(step + close, {"--plan"});
+  const Image picture = read_png(m_folder / "out/a.png");
+  const Json all = run(step + close + export_too, {"--plan"});
+  EXPECT_EQ(picture.rgba, read_png(m_folder / "out/a.png").rgba);
+  EXPECT_TRUE(says(some.at("plan").at("not"), "offsets of "));
+  EXPECT_FALSE(says(all.at("plan").at("not"), "offsets of "));
+  const auto cells = [](const Json& report) {
+    return report.at("certificate").at("cells").get<double>();
+  };
+  EXPECT_LT(cells(some), 0.9 * cells(all));
+  EXPECT_EQ(all.at("certificate").at("hidden_elements"), 0);
+  EXPECT_EQ(some.at("certificate").at("hidden_elements"), 0);
+  // Shadows come from beside the picture, and another view sees the rest.
+  const std::string other = "[[view]]\nimage = \"b.png\"\nsize = [64, 48]\n";
+  for (const std::string& more : {std::string("shadows = true\n"), other}) {
+    EXPECT_EQ(cells(run(step + close + more)), cells(all)) << more;
+  }
 }
 
 TEST_F(UnitPlan, WithoutPicturesNothingIsRendered) {

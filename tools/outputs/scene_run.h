@@ -1,6 +1,7 @@
 // The one stage that runs a scene, whether a file or the options of a command describe it.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -25,6 +26,14 @@ OutputPlan check_scene(const Scene& scene, const std::string& folder, const Glob
 
 /// Whether the steps and paths fit the volume. Throws InputError.
 void check_places(const Scene& scene, const Geometry& geometry);
+
+/// Whether an output reads where what is seen came from; displacements say where it went.
+bool reads_inverse(const Scene& scene);
+
+/// Whether a brick of offsets is wanted after a step, where its views see a part of the volume and
+/// nothing else reads offsets; null: all are.
+std::function<bool(const Vec3i& origin)> seen_bricks(const Scene& scene, int step,
+                                                     const Geometry& geometry);
 
 class SceneRun {
  public:

@@ -117,6 +117,19 @@ bool reads_displacement(const SceneView& view) {
          std::any_of(view.meshes.begin(), view.meshes.end(), deforms);
 }
 
+std::optional<ViewVolume> seen_of(const SceneView& view, const Geometry& geometry) {
+  const bool is_plain = view.path.empty() && view.fit.empty() && !view.half_offsets &&
+                        view.caster == Caster::supple && view.meshes.empty();
+  const bool is_single = !view.picture.is_series() && view.picture.film == 0 &&
+                         view.picture.stereo == StereoMode::none && view.picture.aux.empty();
+  const bool is_in_space = !view.lattice && !view.slice && geometry.dims().z > 1;
+  if (!is_plain || !is_single || !is_in_space || view.lighting.has_paths()) return {};
+  if (view.marks.arrows_mm || view.outline) return {};
+  const double aspect = double(view.size[0]) / view.size[1];
+  const Camera camera = resolve_camera(view.camera, geometry, aspect);
+  return ViewVolume(zoomed(camera, view.zoom), aspect, geometry);
+}
+
 std::unique_ptr<Renderer> make_renderer(const PosedVolume& subject, const SceneView& view) {
   auto renderer = std::make_unique<Renderer>(subject.geometry, subject.density, subject.air_rings,
                                              view.sampling.interpolation);

@@ -104,12 +104,13 @@ std::int64_t MovedBricks::count(int coordinate) const {
 std::int64_t MovedBricks::count() const {
   std::int64_t sum = 0;
   const std::size_t all = std::max({bricks[0].size(), bricks[1].size(), bricks[2].size()});
-  for (std::size_t b = 0; b < all; ++b) {
-    bool moves = false;
-    for (const auto& of : bricks) moves = moves || (b < of.size() && of[b] != 0);
-    sum += moves;
-  }
+  for (std::size_t b = 0; b < all; ++b) sum += moves_brick(b);
   return sum;
+}
+
+bool MovedBricks::moves_brick(std::size_t b) const {
+  return std::any_of(bricks.begin(), bricks.end(),
+                     [&](const auto& of) { return b < of.size() && of[b] != 0; });
 }
 
 void MovedBricks::add_all(int coordinate, const BrickTopology& topology) {

@@ -28,6 +28,8 @@ struct MovedBricks {
   std::int64_t count(int coordinate) const;
   /// Bricks that move in any coordinate.
   std::int64_t count() const;
+  /// Whether a brick moves in any coordinate.
+  bool moves_brick(std::size_t b) const;
   bool moves(int coordinate) const { return !bricks[std::size_t(coordinate)].empty(); }
   /// Every element moves in the coordinate.
   void add_all(int coordinate, const BrickTopology& elements);

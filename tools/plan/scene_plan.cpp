@@ -6,7 +6,7 @@
 #include <set>
 
 #include "raycast/sample/source_bricks.h"
-#include "tools/outputs/view_pictures.h"
+#include "tools/outputs/scene_run.h"
 #include "tools/plan/plan_ledger.h"
 #include "tools/plan/ray_work.h"
 
@@ -75,6 +75,7 @@ class ScenePlanner {
   void plan_pose();
   std::string asks_for_displacement() const;
   std::string asks_for_inverse() const;
+  double seen_part() const;
   void plan_view(const SceneView& view);
   bool is_cut() const;
   double bricks_on_path(const SceneView& view) const;
@@ -167,6 +168,18 @@ bool ScenePlanner::is_cut() const {
                      [](const SceneStep& step) { return !step.cuts.empty() || step.joint_mm > 0; });
 }
 
+/// Of the bricks that move, those in which the views of the last pose read offsets.
+double ScenePlanner::seen_part() const {
+  const auto is_seen = seen_bricks(m_scene, int(m_scene.steps.size()), m_subject.state.geometry);
+  const BrickTopology& elements = m_subject.state.elements;
+  if (!is_seen || m_moved.split > 0 || m_moved.count() == 0) return 1;
+  std::int64_t seen = 0;
+  for (std::size_t b = 0; b < elements.brick_count(); ++b) {
+    seen += m_moved.moves_brick(b) && is_seen(elements.origin(b));
+  }
+  return double(seen) / double(m_moved.count());
+}
+
 void ScenePlanner::plan_pose() {
   if (m_subject.session == nullptr) return;
   const std::string reads_u = asks_for_displacement(), reads_o = asks_for_inverse();
@@ -189,13 +202,17 @@ void ScenePlanner::plan_pose() {
                                                 ? "no view and no output shows the body moved"
                                                 : "no view and no output reads it");
   } else {
-    add("pose", "offsets of " + bricks_text(m_moved_bricks), reads_o,
-        m_moved_bricks * kBrickBytes12 + density_bricks() * kFieldTableBytes +
-            m_moved.split * kSplitBytes +
-            once(std::min(kInvertCode, m_moved_bricks * kInvertedBytes)),
-        m_moved_bricks * kInvertBytes + density_bricks() * kRestBytes,
-        frames() * (m_moved_bricks * kBrickVoxels * m_costs.invert_voxel +
-                    m_moved.split * kSplitNs + density_bricks() * m_costs.still_brick));
+    const double inverted = m_moved_bricks * seen_part();
+    if (inverted < m_moved_bricks) {
+      m_ledger.leave_out("offsets of " + bricks_text(m_moved_bricks - inverted),
+                         "no camera sees them");
+    }
+    add("pose", "offsets of " + bricks_text(inverted), reads_o,
+        inverted * kBrickBytes12 + density_bricks() * kFieldTableBytes +
+            m_moved.split * kSplitBytes + once(std::min(kInvertCode, inverted * kInvertedBytes)),
+        inverted * kInvertBytes + density_bricks() * kRestBytes,
+        frames() * (inverted * kBrickVoxels * m_costs.invert_voxel + m_moved.split * kSplitNs +
+                    density_bricks() * m_costs.still_brick));
   }
 }
 

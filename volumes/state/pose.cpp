@@ -35,11 +35,14 @@ void warn_of(const InversionCertificate& certificate, Progress* progress) {
 }  // namespace
 
 OffsetField invert_displacement(const State& state, const Displacement& extended,
-                                Progress* progress) {
+                                Progress* progress,
+                                const std::function<bool(const Vec3i& origin)>& wants) {
   InvertParams params;
   params.material = &state.elements;
+  if (state.cuts.empty()) params.wants = wants;
   OffsetField offsets = invert_cut(extended, {state.elements, state.cuts}, params, progress);
-  offsets.certificate.hidden_elements = count_hidden(extended, state.elements, offsets);
+  offsets.certificate.hidden_elements =
+      count_hidden(extended, state.elements, offsets, params.wants);
   warn_of(offsets.certificate, progress);
   return offsets;
 }

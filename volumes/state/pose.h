@@ -2,6 +2,8 @@
 // inverse, or each sample by itself.
 #pragma once
 
+#include <functional>
+
 #include "volumes/base/progress.h"
 #include "volumes/state/state.h"
 
@@ -14,8 +16,10 @@ struct Pose {
 };
 
 /// The inverse of a state's extended displacement; warns of folded cells and unresolved voxels.
+/// `wants`: the bricks in which offsets are wanted (InvertParams); of a body with cuts all are.
 OffsetField invert_displacement(const State& state, const Displacement& extended,
-                                Progress* progress = nullptr);
+                                Progress* progress = nullptr,
+                                const std::function<bool(const Vec3i& origin)>& wants = {});
 /// Both.
 Pose invert_state(const State& state, Progress* progress = nullptr);
 

@@ -239,6 +239,44 @@ TEST(PropertyInvert, DoesNotDependOnTheNumberOfThreads) {
   expect_equal(one, with_threads(5));
 }
 
+TEST(PropertyInvert, WantedBricksHoldWhatTheyWouldAmongAllAndOthersInReachNothing) {
+  std::mt19937 random(31);
+  const BrickTopology body = ball({44, 44, 44}, 28);
+  // One half of the ball moves, the other one is at rest.
+  Displacement moved = {unit_geometry({80, 80, 80}), {body, BrickVectors(body.brick_count())}};
+  for_each_voxel(body, [&](const Vec3i& v, std::size_t slot) {
+    if (v.x <= 44) return;
+    const float way = std::min(6.0F, 0.3F * float(v.x - 44));
+    moved.u.vectors.set(slot, Vec3f(0, way, 0) + random_vector(random, 0.3F));
+  });
+  InvertParams params;
+  params.wants = [](const Vec3i& origin) { return origin.y < 40; };
+  const OffsetField all = invert(moved), some = invert(moved, params);
+  int wanted = 0, left_out = 0, at_rest = 0;
+  for (std::size_t b = 0; b < all.o.topology.brick_count(); ++b) {
+    const Vec3i& origin = all.o.topology.origin(b);
+    const std::int32_t same = some.o.topology.find(origin);
+    const bool rests = origin.x < 24;
+    if (origin.x == 24 && !params.wants(origin)) continue;  // where bounds of reach may end
+    if (!rests && !params.wants(origin)) {
+      EXPECT_LT(same, 0);
+      ++left_out;
+      continue;
+    }
+    (rests ? at_rest : wanted) += 1;
+    ASSERT_GE(same, 0);
+    EXPECT_EQ(some.o.topology.mask(std::size_t(same)), all.o.topology.mask(b));
+    const Vec3f* const a = all.o.vectors.brick_or_zero(b);
+    EXPECT_TRUE(std::equal(a, a + kBrickVoxels, some.o.vectors.brick_or_zero(std::size_t(same))));
+  }
+  EXPECT_GT(wanted, 10);
+  EXPECT_GT(left_out, 10);
+  EXPECT_GT(at_rest, 5);
+  EXPECT_LT(some.certificate.folded_cells, all.certificate.folded_cells);
+  EXPECT_EQ(some.certificate.unresolved_voxels, 0);
+  EXPECT_LE(some.certificate.residual_max, 1e-4);
+}
+
 TEST(PropertyInvert, AFoldIsCountedAndTheSmallestOffsetWins) {
   // x(X) = X + u runs to 24, back to 12 and on: three sources for the nodes between.
   const auto moved = [](int x) {

@@ -42,7 +42,9 @@ bool sample_of_some(const VectorBricks& o, const Vec3d& x, Vec3d& offset) {
 /// Counts in one source brick after the other, with the memory for it.
 class HiddenCount {
  public:
-  HiddenCount(const VectorBricks& u, const OffsetField& field) : m_u(u), m_field(field) {}
+  HiddenCount(const VectorBricks& u, const OffsetField& field,
+              const std::function<bool(const Vec3i& origin)>& wants)
+      : m_u(u), m_field(field), m_wants(wants) {}
 
   /// `elements`: of the brick at `origin`.
   int count(const Vec3i& origin, const BrickMask& elements) {
@@ -73,8 +75,20 @@ class HiddenCount {
     return are_zeros(u) && are_zeros(o);
   }
 
+  /// Whether offsets are wanted at all nodes around a place.
+  bool is_wanted(const Vec3d& x) const {
+    if (!m_wants) return true;
+    const Vec3i low = floor_voxel(x);
+    for (int n = 0; n < 8; ++n) {
+      const Vec3i node = low + cell_corner(n);
+      if (!m_wants({node.x & ~7, node.y & ~7, node.z & ~7})) return false;
+    }
+    return true;
+  }
+
   bool is_hidden(const Vec3d& at, const Vec3d& moved) const {
     const Vec3d x = at + moved;
+    if (!is_wanted(x)) return false;
     Vec3d offset;
     const bool in_split =
         m_field.split != nullptr && m_field.split->bricks().find(floor_voxel(x)) >= 0;
@@ -85,6 +99,7 @@ class HiddenCount {
 
   const VectorBricks& m_u;
   const OffsetField& m_field;
+  const std::function<bool(const Vec3i& origin)>& m_wants;
   SourceWindow m_window;
   std::array<float, kBrickVoxels> m_distances;
 };
@@ -92,9 +107,10 @@ class HiddenCount {
 }  // namespace
 
 std::int64_t count_hidden(const Displacement& displacement, const BrickTopology& elements,
-                          const OffsetField& offsets) {
+                          const OffsetField& offsets,
+                          const std::function<bool(const Vec3i& origin)>& wants) {
   tbb::enumerable_thread_specific<HiddenCount> counts(
-      [&] { return HiddenCount(displacement.u, offsets); });
+      [&] { return HiddenCount(displacement.u, offsets, wants); });
   using Range = tbb::blocked_range<std::size_t>;
   return tbb::parallel_reduce(
       Range(0, elements.brick_count(), 16), std::int64_t(0),

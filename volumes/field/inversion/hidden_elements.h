@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 
 #include "volumes/field/displacement.h"
 #include "volumes/field/offset_field.h"
@@ -13,7 +14,10 @@ namespace supple {
 /// a voxel from X, or none is read. `displacement`: on all elements; `offsets`: its inverse. Where
 /// some of the nodes around X + u(X) hold no offset, the others count. Cost: about 10 ns per moved
 /// element, 50 ns where offsets are split, 1 ns per unmoved one.
+/// `wants`: the bricks in which there are offsets (invert.h); elements that went elsewhere do not
+/// count. Null: all.
 std::int64_t count_hidden(const Displacement& displacement, const BrickTopology& elements,
-                          const OffsetField& offsets);
+                          const OffsetField& offsets,
+                          const std::function<bool(const Vec3i& origin)>& wants = {});
 
 }  // namespace supple

@@ -197,14 +197,32 @@ VectorBricks Inversion::solve(const VectorBricks& u, Progress* progress) {
   place(u, moving);
   std::vector<BrickReach> reaches;
   for (const Source& source : m_sources) reaches.push_back({source.brick, source.reach});
-  OffsetAccumulator accumulator(reachable_origins(u, reaches));
-  VectorBricks moved =
-      solve_sources(u, all_numbers<std::size_t>(m_sources.size()), accumulator, progress);
-  return with_resting(u.topology, accumulator.bricks(), std::move(moved));
+  const std::vector<Vec3i> reached = reachable_origins(u, reaches);
+  OffsetAccumulator accumulator(wanted_of(reached));
+  VectorBricks moved = solve_sources(u, sources_reaching(accumulator), accumulator, progress);
+  return with_resting(u.topology, BrickIndex(reached), std::move(moved));
+}
+
+std::vector<Vec3i> Inversion::wanted_of(const std::vector<Vec3i>& origins) const {
+  if (!m_params.wants) return origins;
+  std::vector<Vec3i> wanted;
+  std::copy_if(origins.begin(), origins.end(), std::back_inserter(wanted), m_params.wants);
+  return wanted;
+}
+
+std::vector<std::size_t> Inversion::sources_reaching(const OffsetAccumulator& accumulator) const {
+  std::vector<std::size_t> sources = all_numbers<std::size_t>(m_sources.size());
+  if (!m_params.wants) return sources;
+  const auto reaches_none = [&](std::size_t n) {
+    const IndexBox& reach = m_sources[n].reach;
+    return !is_torn(reach) && !accumulator.is_reached_by(reach);
+  };
+  sources.erase(std::remove_if(sources.begin(), sources.end(), reaches_none), sources.end());
+  return sources;
 }
 
 /// The bricks that moving ones reach, and the others of u. Counts the cells that rest.
-VectorBricks Inversion::with_resting(const BrickTopology& bricks, const BrickTopology& reached,
+VectorBricks Inversion::with_resting(const BrickTopology& bricks, const BrickIndex& reached,
                                      VectorBricks moved) {
   const std::size_t count = bricks.brick_count();
   tbb::enumerable_thread_specific<std::vector<std::pair<std::size_t, BrickMask>>> parts;
@@ -228,7 +246,7 @@ VectorBricks Inversion::with_resting(const BrickTopology& bricks, const BrickTop
   };
   bool is_same = differing.empty();
   std::size_t replaced = 0;  // bricks of u among the reached ones
-  for (const Vec3i& origin : reached.index().origins()) replaced += bricks.find(origin) >= 0;
+  for (const Vec3i& origin : reached.origins()) replaced += bricks.find(origin) >= 0;
   is_same = is_same && replaced == moved.topology.brick_count();
   for (std::size_t n = 0; n < moved.topology.brick_count() && is_same; ++n) is_same = is_of_u(n);
   BrickTopology all = bricks;

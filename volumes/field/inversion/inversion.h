@@ -55,10 +55,13 @@ class Inversion {
   void solve_source(const VectorBricks& u, Source& source, OffsetAccumulator& accumulator,
                     Worker& worker) const;
   void merge_resting(const VectorBricks& u, OffsetAccumulator& accumulator) const;
+  /// Of the bricks in reach those that are wanted, and the sources that reach one of them.
+  std::vector<Vec3i> wanted_of(const std::vector<Vec3i>& origins) const;
+  std::vector<std::size_t> sources_reaching(const OffsetAccumulator& accumulator) const;
   void settle(const VectorBricks& u, const std::vector<OpenNode>& doubts,
               OffsetAccumulator& accumulator);
   bool rests(std::int32_t b) const { return b >= 0 && m_source_of[std::size_t(b)] < 0; }
-  VectorBricks with_resting(const BrickTopology& bricks, const BrickTopology& reached,
+  VectorBricks with_resting(const BrickTopology& bricks, const BrickIndex& reached,
                             VectorBricks moved);
   CellContents contents_of(const Vec3i& origin) const;
 

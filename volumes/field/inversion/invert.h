@@ -1,6 +1,7 @@
 // Inversion of a displacement to an offset field: x + o(x) + u(x + o(x)) = x.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -17,6 +18,10 @@ struct InvertParams {
   /// The elements: tissue, which hides the air that u carries along around it, and whose folds and
   /// overlaps are counted apart from those of air; null: everything is tissue.
   const BrickTopology* material = nullptr;
+  /// Whether offsets are wanted in the output brick whose smallest voxel this is; null: in all.
+  /// Unwanted bricks that moving ones reach hold none, and the certificate is that of the source
+  /// bricks which reach wanted ones. From any thread; for invert() alone.
+  std::function<bool(const Vec3i& origin)> wants;
 };
 
 /// Inverts the extended displacement; u is trilinear on the cells whose eight corners are valid.
