@@ -3,8 +3,8 @@
 // values; other data are rounded to 1/65534 of their range. Bricks are filled when a ray first
 // reads them: what no ray reads costs little. A sample touches one brick, its
 // central-difference gradient too.
-// Cost: per brick 0.1 µs, 0.5 where the grid does not know its extremes, and 0.1 kB, per brick that
-// is read 15 µs and 2.7 kB; cubic ones all.
+// Cost: per brick 0.25 µs, 0.5 where the grid does not know its extremes, and 0.1 kB, per brick
+// that is read 15 µs and 2.7 kB; cubic ones all.
 #pragma once
 
 #include <atomic>

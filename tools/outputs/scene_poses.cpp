@@ -99,7 +99,11 @@ std::function<bool(const Vec3i& origin)> seen_bricks(const Scene& scene, int ste
     if (!seen) return {};
     volumes.push_back(*seen);
   }
-  return [volumes](const Vec3i& origin) {
+  return [volumes, dims = geometry.dims()](const Vec3i& origin) {
+    // Where rays begin, what lies beyond the outer voxels counts, too.
+    for (int a = 0; a < 3; ++a) {
+      if (origin[a] < 0 || origin[a] + kBrickDim > dims[a]) return true;
+    }
     return std::any_of(volumes.begin(), volumes.end(), [&](const ViewVolume& seen) {
       return seen.meets(Vec3d(origin) - Vec3d(kBesidePicture),
                         Vec3d(origin) + Vec3d(kBrickDim + kBesidePicture));

@@ -124,7 +124,11 @@ std::optional<ViewVolume> seen_of(const SceneView& view, const Geometry& geometr
                          view.picture.stereo == StereoMode::none && view.picture.aux.empty();
   const bool is_in_space = !view.lattice && !view.slice && geometry.dims().z > 1;
   if (!is_plain || !is_single || !is_in_space || view.lighting.has_paths()) return {};
-  if (view.marks.arrows_mm || view.outline) return {};
+  const TissueMarks& marks = view.marks;
+  // Lines come from beside the picture, and a range that is not given from the longest offset of
+  // all.
+  if (marks.arrows_mm || marks.grid_mm || view.outline) return {};
+  if (marks.shows_displacement() && !marks.overlay_range) return {};
   const double aspect = double(view.size[0]) / view.size[1];
   const Camera camera = resolve_camera(view.camera, geometry, aspect);
   return ViewVolume(zoomed(camera, view.zoom), aspect, geometry);

@@ -75,7 +75,7 @@ class ScenePlanner {
   void plan_pose();
   std::string asks_for_displacement() const;
   std::string asks_for_inverse() const;
-  double seen_part() const;
+  double seen_part(int step) const;
   void plan_view(const SceneView& view);
   bool is_cut() const;
   double bricks_on_path(const SceneView& view) const;
@@ -93,6 +93,7 @@ class ScenePlanner {
   MovedBricks m_moved;
   std::set<double> m_loaded;
   double m_moved_bricks = 0;  // of fields: elements and the air around them
+  double m_inverted_bricks = 0;
 };
 
 /// Held already: a part of what the process holds now.
@@ -168,11 +169,12 @@ bool ScenePlanner::is_cut() const {
                      [](const SceneStep& step) { return !step.cuts.empty() || step.joint_mm > 0; });
 }
 
-/// Of the bricks that move, those in which the views of the last pose read offsets.
-double ScenePlanner::seen_part() const {
-  const auto is_seen = seen_bricks(m_scene, int(m_scene.steps.size()), m_subject.state.geometry);
+/// Of the bricks that move, those in which the views after a step read offsets.
+double ScenePlanner::seen_part(int step) const {
+  const auto is_seen = seen_bricks(m_scene, step, m_subject.state.geometry);
   const BrickTopology& elements = m_subject.state.elements;
-  if (!is_seen || m_moved.split > 0 || m_moved.count() == 0) return 1;
+  const bool is_cut = m_moved.split > 0 || !m_subject.state.cuts.empty();
+  if (!is_seen || is_cut || m_moved.count() == 0) return 1;
   std::int64_t seen = 0;
   for (std::size_t b = 0; b < elements.brick_count(); ++b) {
     seen += m_moved.moves_brick(b) && is_seen(elements.origin(b));
@@ -202,7 +204,12 @@ void ScenePlanner::plan_pose() {
                                                 ? "no view and no output shows the body moved"
                                                 : "no view and no output reads it");
   } else {
-    const double inverted = m_moved_bricks * seen_part();
+    double part = 0;
+    for (int step = 0; step <= int(m_scene.steps.size()); ++step) {
+      part = std::max(part, seen_part(step));
+    }
+    m_inverted_bricks = m_moved_bricks * part;
+    const double inverted = m_inverted_bricks;
     if (inverted < m_moved_bricks) {
       m_ledger.leave_out("offsets of " + bricks_text(m_moved_bricks - inverted),
                          "no camera sees them");
@@ -246,7 +253,7 @@ void ScenePlanner::plan_march(const SceneView& view, const std::string& stage, d
   const double sample_work =
       std::max(is_cubic ? kCubicSample : 1.0, view.deformed && is_cut() ? kCutSample : 1.0);
   const double on_path = bricks_on_path(view);
-  const double moved = on_path > 0 ? on_path : view.deformed ? m_moved_bricks : 0;
+  const double moved = on_path > 0 ? on_path : view.deformed ? m_inverted_bricks : 0;
   const double node_bytes = view.half_offsets ? kHalfNodeBytes : kNodeBytes;
   const double field_bytes = on_path * (kBrickBytes12 + kFieldTableBytes);
   const bool turns = !view.camera_keys.empty() || view.picture.turntable > 0;

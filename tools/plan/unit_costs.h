@@ -21,7 +21,7 @@ struct UnitCosts {
   double fem_unknown = 190;           // per iteration
   double displacement_voxel = 12;     // of the bricks that move, extension included
   double invert_voxel = 55;           // of the bricks that move, certificate included
-  double source_brick = 360;          // sampling bricks of a picture
+  double source_brick = 250;          // sampling bricks of a picture
   double ray = 900;                   // set up, shaded and stored, per pixel
   double sample = 35;                 // read, classified, composited
   double still_brick = 570;           // of a body at rest, in all passes over its bricks

@@ -15,6 +15,7 @@ std::string certificate_json(const InversionCertificate& certificate) {
                                  {"unresolved_voxels", certificate.unresolved_voxels},
                                  {"min_det", certificate.min_det}};
   if (certificate.hidden_elements >= 0) json["hidden_elements"] = certificate.hidden_elements;
+  if (certificate.of_part) json["of_part"] = true;
   return json.dump();
 }
 

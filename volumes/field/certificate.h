@@ -22,6 +22,7 @@ struct InversionCertificate {
   std::int64_t torn_cells = 0;  // cells that a cut has opened (cut_offsets.h)
   std::int64_t overlapped_voxels = 0;  // voxels that tissue from several places covers
   std::int64_t hidden_elements = -1;  // elements that are not seen where they went; -1: not counted
+  bool of_part = false;               // only some offsets were wanted, and all counts are of these
 };
 
 /// One line of JSON, without the list of unresolved voxels.

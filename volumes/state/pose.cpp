@@ -10,10 +10,12 @@ namespace supple {
 namespace {
 
 void warn_of(const InversionCertificate& certificate, Progress* progress) {
+  const std::string where = certificate.of_part ? " in what is seen" : "";
   const std::int64_t folded = certificate.folded_cells - certificate.folded_air_cells;
   if (folded > 0) {
-    warn(progress, with_count(folded, "cell") + " of material folded, smallest det F " +
-                       std::to_string(certificate.min_det) + "; ties go to the shortest offset");
+    warn(progress, with_count(folded, "cell") + " of material folded" + where +
+                       ", smallest det F " + std::to_string(certificate.min_det) +
+                       "; ties go to the shortest offset");
   }
   if (certificate.folded_air_cells > 0) {
     debug(progress, with_count(certificate.folded_air_cells, "cell") +

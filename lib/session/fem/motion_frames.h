@@ -1,5 +1,6 @@
-// The shapes that a body takes at times of its motion, in a file among the temporary ones: a film
-// of many frames takes no more memory than one of few. Cost: 12 bytes per element and frame there.
+// The shapes that a body takes at times of its motion, in a file among the temporary ones: where
+// these lie on a disk, a film of many frames takes no more memory than one of few. Cost: 12 bytes
+// per element and frame there.
 #pragma once
 
 #include <string>

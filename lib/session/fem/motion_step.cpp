@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <stdexcept>
 
 #include "lib/body/node_offsets.h"
 #include "lib/session/fem/motion_frames.h"
@@ -140,6 +141,7 @@ MotionRecord run_motion(const MotionStep& step, VoxelFemMotion& model, const Bod
 }
 
 void take_frame(const MotionRecord& record, std::size_t frame, Body& body) {
+  if (record.frames == nullptr) throw std::out_of_range("a motion without frames");
   const std::vector<Vec3f> displacement = record.frames->at(frame);
   NodeOffsets offsets(body);
   std::size_t element = 0;

@@ -7,6 +7,7 @@
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_reduce.h>
 
+#include "volumes/field/inversion/reachable_bricks.h"
 #include "volumes/field/inversion/source_window.h"
 #include "volumes/field/split_offsets.h"
 #include "volumes/grid/cell.h"
@@ -51,7 +52,7 @@ class HiddenCount {
     const std::int32_t b = m_u.topology.find(origin);
     if (b < 0) return mask_count(elements);
     const Vec3f* u = m_u.vectors.brick_or_zero(std::size_t(b));
-    if (is_still(origin, elements, u)) return 0;
+    if (is_still(origin, elements, u) || is_elsewhere(origin, elements, u)) return 0;
     // The equation of the inverse, with the fields in each other's place: |u + o(X + u)|.
     const bool measured = m_field.split == nullptr &&
                           m_window.measure(m_field.o, {}, origin, elements, u, m_distances);
@@ -73,6 +74,22 @@ class HiddenCount {
     if (!holds(m_field.o.topology.mask(std::size_t(b)), elements)) return false;
     const Vec3f* o = m_field.o.vectors.brick_or_zero(std::size_t(b));
     return are_zeros(u) && are_zeros(o);
+  }
+
+  /// Whether all elements went to where no offsets are wanted.
+  bool is_elsewhere(const Vec3i& origin, const BrickMask& elements, const Vec3f* u) const {
+    if (!m_wants) return false;
+    Vec3d lo(HUGE_VAL), hi(-HUGE_VAL);
+    for_each_active(elements, [&](int n) {
+      const Vec3d x = Vec3d(origin + brick_local(n)) + Vec3d(u[n]);
+      for (int a = 0; a < 3; ++a) {
+        lo[a] = std::min(lo[a], x[a]);
+        hi[a] = std::max(hi[a], x[a]);
+      }
+    });
+    std::vector<Vec3i> origins;
+    add_box(floor_voxel(lo), floor_voxel(hi) + Vec3i(1), origins);
+    return std::none_of(origins.begin(), origins.end(), m_wants);
   }
 
   /// Whether offsets are wanted at all nodes around a place.

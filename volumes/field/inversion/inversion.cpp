@@ -169,9 +169,11 @@ VectorBricks Inversion::solve_sources(const VectorBricks& u,
   // What the quick solves left open.
   std::vector<OpenNode> doubts;
   for (const Worker& part : workers) {
-    std::copy_if(
-        part.doubts.begin(), part.doubts.end(), std::back_inserter(doubts),
-        [&](const OpenNode& doubt) { return !accumulator.holds(doubt.node, doubt.content); });
+    std::copy_if(part.doubts.begin(), part.doubts.end(), std::back_inserter(doubts),
+                 [&](const OpenNode& doubt) {
+                   return accumulator.bricks().find(doubt.node) >= 0 &&
+                          !accumulator.holds(doubt.node, doubt.content);
+                 });
   }
   settle(u, doubts, accumulator);
   const BrickTopology overlaps = accumulator.overlaps();
@@ -198,7 +200,9 @@ VectorBricks Inversion::solve(const VectorBricks& u, Progress* progress) {
   std::vector<BrickReach> reaches;
   for (const Source& source : m_sources) reaches.push_back({source.brick, source.reach});
   const std::vector<Vec3i> reached = reachable_origins(u, reaches);
-  OffsetAccumulator accumulator(wanted_of(reached));
+  const std::vector<Vec3i> wanted = wanted_of(reached);
+  m_is_partial = wanted.size() < reached.size();
+  OffsetAccumulator accumulator(wanted);
   VectorBricks moved = solve_sources(u, sources_reaching(accumulator), accumulator, progress);
   return with_resting(u.topology, BrickIndex(reached), std::move(moved));
 }
@@ -333,6 +337,7 @@ BrickTopology Inversion::overlaps() const {
 
 InversionCertificate Inversion::certificate() const {
   InversionCertificate certificate;
+  certificate.of_part = m_is_partial;
   for (const std::int16_t cells : m_resting_cells) certificate.cells += cells;
   for (const Source& source : m_sources) {
     const BrickFindings& findings = source.findings;

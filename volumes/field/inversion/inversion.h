@@ -72,6 +72,7 @@ class Inversion {
   std::vector<Source> m_sources;
   std::vector<std::int32_t> m_source_of;      // per brick of u; -1: it rests
   std::vector<std::int16_t> m_resting_cells;  // per brick of u; 0 where it is a source
+  bool m_is_partial = false;                  // some bricks in reach were not wanted
   std::vector<Vec3i> m_unresolved;            // sorted
   std::unordered_map<Vec3i, BrickMask, VoxelHash> m_overlaps;  // by output brick
 };

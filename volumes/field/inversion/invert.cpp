@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <deque>
+#include <stdexcept>
 
 #include <tbb/parallel_for.h>
 
@@ -139,6 +140,7 @@ std::vector<Vec3i> IncrementalInversion::Impl::origins() const {
 IncrementalInversion::IncrementalInversion(const Displacement& displacement,
                                            const InvertParams& params, Progress* progress)
     : m_impl(std::make_unique<Impl>(displacement, params)) {
+  if (params.wants) throw std::logic_error("an incremental inversion of a part");
   if (is_flat(displacement.geometry.dims())) {
     throw InputError({"", "displacement", "a volume of one slice", "a volume with cells"});
   }

@@ -19,8 +19,8 @@ struct InvertParams {
   /// overlaps are counted apart from those of air; null: everything is tissue.
   const BrickTopology* material = nullptr;
   /// Whether offsets are wanted in the output brick whose smallest voxel this is; null: in all.
-  /// Unwanted bricks that moving ones reach hold none, and the certificate is that of the source
-  /// bricks which reach wanted ones. From any thread; for invert() alone.
+  /// Unwanted bricks that moving ones reach hold none, and the certificate leaves out source bricks
+  /// that reach no wanted one. From any thread; for invert() alone.
   std::function<bool(const Vec3i& origin)> wants;
 };
 
@@ -47,7 +47,8 @@ OffsetField invert(const Displacement& displacement, const InvertParams& params 
 /// source brick that moved, and 6 bytes per any other.
 class IncrementalInversion {
  public:
-  /// Inverts everything. Throws like invert(), and InputError for a volume of one slice.
+  /// Inverts everything. Throws like invert(), InputError for a volume of one slice, and
+  /// std::logic_error where not all is wanted.
   explicit IncrementalInversion(const Displacement& displacement, const InvertParams& params = {},
                                 Progress* progress = nullptr);
   ~IncrementalInversion();
