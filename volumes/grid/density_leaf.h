@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 
 #include "volumes/grid/density_grid.h"
 
@@ -24,7 +25,7 @@ class DensityLeaf {
   /// Notes the extremes of the voxels that will be active: in passing, while the densities are in
   /// cache. assemble_density_grid() finds those that nobody noted.
   void note_extremes(const BrickMask& active) {
-    m_extremes = std::make_unique<BrickExtremes>(find_extremes(values(), active));
+    m_extremes = find_extremes(values(), active);
   }
 
  private:
@@ -36,7 +37,7 @@ class DensityLeaf {
   };
 
   std::unique_ptr<void, Free> m_node;  // an openvdb::FloatTree::LeafNodeType
-  std::unique_ptr<BrickExtremes> m_extremes;
+  std::optional<BrickExtremes> m_extremes;
 };
 
 /// The grid of these bricks. `take(b)` hands over the leaf of each, once and from several threads;

@@ -1,6 +1,6 @@
 // The bricks of a slab, cut out by all threads. A brick is gathered into the memory in which the
 // grid will hold it; one of a single density is but a note of it. Cost: 2 kB per brick of several
-// densities, 48 bytes for all others.
+// densities, 112 bytes for all others.
 #pragma once
 
 #include <vector>
