@@ -113,9 +113,9 @@ class UnitSeenBricks : public UnitPlan {
 
 TEST_F(UnitSeenBricks, OthersAreNotInvertedAndThePictureStaysTheSame) {
   const Json some = run(m_step + m_close, {"--plan"});
-  const Image picture = read_png(m_folder / "out/a.png");
+  const supple::Image picture = supple::read_png(m_folder / "out/a.png");
   const Json all = run(m_step + m_close + m_export, {"--plan"});
-  EXPECT_EQ(picture.rgba, read_png(m_folder / "out/a.png").rgba);
+  EXPECT_EQ(picture.rgba, supple::read_png(m_folder / "out/a.png").rgba);
   EXPECT_TRUE(says(some.at("plan").at("not"), "offsets of "));
   EXPECT_FALSE(says(all.at("plan").at("not"), "offsets of "));
   EXPECT_LT(cells(some), 0.95 * cells(all));

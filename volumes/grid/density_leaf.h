@@ -24,9 +24,7 @@ class DensityLeaf {
   float* values() const;
   /// Notes the extremes of the voxels that will be active: in passing, while the densities are in
   /// cache. assemble_density_grid() finds those that nobody noted.
-  void note_extremes(const BrickMask& active) {
-    m_extremes = find_extremes(values(), active);
-  }
+  void note_extremes(const BrickMask& active) { m_extremes = find_extremes(values(), active); }
 
  private:
   friend DensityGrid assemble_density_grid(BrickTopology bricks,
