@@ -90,6 +90,8 @@ struct MaterialTable : LimitTable {
   std::optional<std::pair<double, double>> rigid;
   /// Drags of this tissue are relaxed unless a step says otherwise (tissue_relaxation()).
   bool relaxes = false;
+  /// Such relaxations keep the volume that Poisson's ratio says (RelaxParams::poisson). 6 links.
+  bool relaxes_by_poisson = false;
   /// Sides of a cut do not pass through each other (lib/chainmail/cut_contact.h).
   bool has_contact = true;
   /// The table is a preset without a domain: fitted_to() (lib/session/tissue.h) chooses the domain

@@ -41,6 +41,24 @@ Combine read_combine(TomlTable& table) {
   table.fail("combine", "\"" + name + "\"", "\"density\" or \"limits\"");
 }
 
+/// true, false or "poisson".
+void read_relax(TomlTable& table, MaterialTable& material) {
+  try {
+    material.relaxes = table.boolean("relax").value_or(material.relaxes);
+    material.relaxes_by_poisson = material.relaxes_by_poisson && !table.has("relax");
+  } catch (const InputError&) {
+    const std::string name = table.string("relax").value_or("");
+    if (name != "poisson") {
+      table.fail("relax", '"' + name + '"', "true, false or \"poisson\"");
+    }
+    material.relaxes = material.relaxes_by_poisson = true;
+  }
+  if (material.relaxes_by_poisson && material.links != 6) {
+    table.fail("relax", "\"poisson\" with " + std::to_string(material.links) + " links",
+               "6 links, or true");
+  }
+}
+
 int read_components(TomlTable& table) {
   if (!table.has("components")) return 0;
   try {
@@ -194,6 +212,7 @@ MaterialTable read_material_table(TomlTable& table, const LabelNames& names) {
     material.links = tissue->links;
     material.rigid = tissue->rigid;
     material.relaxes = tissue->relaxes;
+    material.relaxes_by_poisson = tissue->relaxes_by_poisson;
     material.has_contact = tissue->has_contact;
     material.fits_domain = tissue->fits_domain;
   } else {
@@ -210,7 +229,7 @@ MaterialTable read_material_table(TomlTable& table, const LabelNames& names) {
   if (table.has("components")) material.components = read_components(table);
   if (table.has("links")) material.links = read_links(table);
   if (table.has("rigid")) material.rigid = read_rigid(table);
-  material.relaxes = table.boolean("relax").value_or(material.relaxes);
+  read_relax(table, material);
   material.has_contact = table.boolean("contact").value_or(material.has_contact);
   if (auto labels = table.table("label")) read_labels(*labels, names, material);
   table.finish();
@@ -242,7 +261,9 @@ std::string material_to_toml(const MaterialTable& material) {
   }
   if (material.links != 6) text += "links = " + std::to_string(material.links) + "\n";
   if (material.rigid) append_range(text, "rigid", material.rigid->first, material.rigid->second);
-  if (material.relaxes) text += "relax = true\n";
+  if (material.relaxes) {
+    text += material.relaxes_by_poisson ? "relax = \"poisson\"\n" : "relax = true\n";
+  }
   if (!material.has_contact) text += "contact = false\n";
   for (const auto& [label, limits] : material.labels) {
     text += "\n[label." + std::to_string(label) + "]\n";

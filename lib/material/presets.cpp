@@ -80,6 +80,18 @@ poisson    = [[0, 0.48]]
 density    = [[0, 1040]]
 damping    = [[0, 10]]
 )"},
+      // "soft-tissue" as relaxation comes nearest to finite elements of it
+      // (docs/benchmarks/fit.md): with the volume of its Poisson's ratio, and limits that are out
+      // of the way.
+      {"elastic-tissue", R"(relax      = "poisson"
+max_length = [[0, 1.9]]
+min_length = [[0, 0.1]]
+shear      = [[0, 0.9]]
+stiffness  = [[0, 3.25]]
+poisson    = [[0, 0.48]]
+density    = [[0, 1060]]
+damping    = [[0, 10]]
+)"},
   };
   return presets;
 }

@@ -8,8 +8,8 @@
 //
 // Sources stand beside the values in presets.cpp and in docs/materials.md. Values found in the
 // literature differ by up to two decades (brain 2.1 to 250 kPa, thesis table 3.1), so these are
-// starting points. Nothing is plastic by preset. Tables of whole pictures are ct-head, ct-body and
-// mr-brain.
+// starting points. Nothing is plastic by preset. Tables of whole pictures are ct-head, ct-body,
+// mr-brain and elastic-tissue.
 #pragma once
 
 #include <string>
@@ -30,8 +30,8 @@ const std::vector<MaterialPreset>& material_presets();
 /// The names in quotes, separated by commas, for messages.
 std::string material_preset_names();
 
-/// Whole tables of a kind of picture, as TOML: "ct-head", "ct-body", "mr-brain". Densities of CT
-/// are in HU; bone moves as rigid pieces.
+/// Whole tables of a kind of picture, as TOML: "ct-head", "ct-body", "mr-brain", "elastic-tissue".
+/// Densities of CT are in HU; bone moves as rigid pieces.
 struct TissuePreset {
   const char* name;
   const char* table;

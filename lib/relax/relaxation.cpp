@@ -74,8 +74,9 @@ Fields fields(RelaxParams& params) {
   };
 }
 
-RelaxParams tissue_relaxation() {
+RelaxParams tissue_relaxation(bool poisson) {
   RelaxParams params;
+  params.poisson = poisson;
   params.passes = 5000;
   params.tolerance_voxels = 0.01;
   params.budget_million = 200;

@@ -69,7 +69,8 @@ struct RelaxParams {
 
 /// Relaxation after a drag in tissue whose material asks for it (MaterialTable::relaxes): until it
 /// has settled to a hundredth of a voxel, or its budget is spent.
-RelaxParams tissue_relaxation();
+/// `poisson`: as RelaxParams::poisson; MaterialTable::relaxes_by_poisson.
+RelaxParams tissue_relaxation(bool poisson = false);
 
 /// Of `relax = { … }` in a scene.
 Fields fields(RelaxParams& params);

@@ -96,7 +96,9 @@ void Session::run_step(StepRecord& record, Progress* progress) {
   if (has_new_elements) check(record);
   check_model_of_pieces(record);
   note_of_links(record, m_body.slacks.links(), progress);
-  if (is_relaxed_by_default(record)) record.relax = tissue_relaxation();
+  if (is_relaxed_by_default(record)) {
+    record.relax = tissue_relaxation(m_material.relaxes_by_poisson);
+  }
   if (record.relax && record.relax->poisson) {
     record.relax->poisson = false;  // the record has its value
     record.relax->bulk_modulus_kpa = poisson_bulk_modulus(m_body);

@@ -1,4 +1,6 @@
 // Volume conservation on the command line, in scenes and in states.
+#include <cmath>
+
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -85,6 +87,57 @@ TEST_F(UnitRelaxVolume, PoissonsRatioOfTheMaterialGivesTheModulus) {
   EXPECT_EQ(outcome.exit_code, 3);
   EXPECT_NE(outcome.err.find("relax.poisson: found method \"plain\""), std::string::npos)
       << outcome.err;
+}
+
+/// Root mean square of the distances between the elements of two states of one body, in voxels.
+double distance_between(const State& a, const State& b) {
+  const Displacement u = displacement_of(a), v = displacement_of(b);
+  double sum = 0;
+  for (std::size_t n = 0; n < a.elements.brick_count(); ++n) {
+    const Vec3f* const here = u.u.vectors.brick_or_zero(n);
+    const Vec3f* const there = v.u.vectors.brick_or_zero(n);
+    for_each_active(a.elements.mask(n),
+                    [&](int offset) { sum += double((here[offset] - there[offset]).length2()); });
+  }
+  return std::sqrt(sum / double(a.elements.active_count()));
+}
+
+TEST_F(UnitRelaxVolume, TheFittedPresetIsNearerToFiniteElementsThanItsSpringsAlone) {
+  write_text(m_folder / "springs.toml", "preset = \"elastic-tissue\"\nrelax = true\n");
+  const auto moved = [&](const std::string& material, const std::vector<std::string>& more) {
+    std::vector<std::string> words = {
+        "deform", m_folder / "ball.nhdr", "--material", material,   "--fix",  "8,0,0:11,11,11",
+        "--grab", "1,4,4:3,7,7",          "--by",       "-1.5,0,0", "--json", "--force",
+        "-o",     m_folder / "out.vdb"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome outcome = run_supple(words);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return outcome;
+  };
+  moved("elastic-tissue", {"--model", "fem"});
+  const State truth = read_state(m_folder / "out.vdb");
+  moved(m_folder / "springs.toml", {});
+  const double springs = distance_between(read_state(m_folder / "out.vdb"), truth);
+  const Outcome outcome = moved("elastic-tissue", {});
+  const State state = read_state(m_folder / "out.vdb");
+  EXPECT_LT(distance_between(state, truth), 0.6 * springs);
+  const auto relax = nlohmann::json::parse(outcome.out)["relax"];
+  EXPECT_NEAR(relax["bulk_modulus_kpa"], 3.25 / (1 - 2 * 0.48), 1e-9);
+  EXPECT_NE(state.material_toml.find("relax = \"poisson\""), std::string::npos);
+}
+
+TEST_F(FaultRelaxVolume, AMaterialIsRelaxedByPoissonsRatioWithSixLinksAlone) {
+  const auto refused = [&](const std::string& keys) {
+    write_text(m_folder / "soft.toml", "preset = \"elastic-tissue\"\n" + keys);
+    return deform({}).err;
+  };
+  EXPECT_NE(refused("links = 26\n")
+                .find("relax: found \"poisson\" with 26 links, expected 6 links, or true"),
+            std::string::npos);
+  EXPECT_NE(refused("relax = \"fully\"\n")
+                .find("relax: found \"fully\", expected true, false or \"poisson\""),
+            std::string::npos);
+  EXPECT_EQ(refused("links = 26\nrelax = true\n").find("error"), std::string::npos);
 }
 
 TEST_F(UnitRelaxVolume, WithoutItNeitherTheReportNorTheStateMentionsIt) {

@@ -246,9 +246,9 @@ Command add_probe(CLI::App& program) {
       ->required()
       ->allow_extra_args(false)
       ->option_text("PLACE");
-  app->add_option(
-         "--material", options->material,
-         "Look-up table, or ct-head, ct-body or mr-brain: also tells class and limits of links")
+  app->add_option("--material", options->material,
+                  "Look-up table, or a preset such as ct-head: also tells "
+                  "class and limits of links")
       ->option_text("M.toml|NAME");
   app->add_option("--labels", options->labels, "Label volume on the same grid")
       ->option_text("FILE");

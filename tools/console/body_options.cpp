@@ -71,7 +71,7 @@ void add_body_options(CLI::App& app, BodyOptions& options) {
       ->required()
       ->option_text("VOLUME|STATE.vdb");
   app.add_option("--material", options.material,
-                 "Look-up table of link limits, or ct-head, ct-body or mr-brain")
+                 "Look-up table of link limits, or a preset such as ct-head")
       ->option_text("M.toml|NAME");
   app.add_option(
          "--labels", options.labels,

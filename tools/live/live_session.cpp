@@ -246,7 +246,7 @@ void LiveSession::release(const LiveEvent& event, Progress* progress) {
   relaxation.kind = EventKind::relax;
   relaxation.place = event.place;
   relaxation.at_ms = event.at_ms;
-  relaxation.step.relax = tissue_relaxation();
+  relaxation.step.relax = tissue_relaxation(m_session->material().relaxes_by_poisson);
   relaxation.keys = relax_keys(*relaxation.step.relax).dump();
   m_relaxation = relaxation;
   m_pending = relaxation.step.relax->passes;

@@ -236,7 +236,9 @@ void StepPlan::relax(MovedBricks& moved) {
                        m_request.no_relax ? "no_relax = true" : "the step asks for none");
     return;
   }
-  const RelaxParams params = m_request.relax ? *m_request.relax : tissue_relaxation();
+  const RelaxParams params = m_request.relax
+                                 ? *m_request.relax
+                                 : tissue_relaxation(m_session.material().relaxes_by_poisson);
   const bool conserves = params.bulk_modulus_kpa > 0 || params.poisson;
   double passes = params.passes, count = 0, bricks = 0;
   const double passes_of_ring = params.budget_million > 0 ? kPassesOfRingInBudget : kPassesOfRing;
