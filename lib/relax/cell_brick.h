@@ -43,7 +43,8 @@ void for_each_cell(const CellRows& cells, Visit&& visit) {
 /// Of local coordinates from -1 to 8, in a brick that is there.
 inline Slot slot_around(const BricksAround& around, int i, int j, int k) {
   const auto side = [](int local) { return local < 0 ? 0 : local > 7 ? 2 : 1; };
-  const std::int32_t brick = around[std::size_t(9 * side(i) + 3 * side(j) + side(k))];
+  const int n = 9 * side(i) + 3 * side(j) + side(k);
+  const std::int32_t brick = around[std::size_t(n)];
   return Slot(brick) * kBrickVoxels + Slot(64 * (i & 7) + 8 * (j & 7) + (k & 7));
 }
 
