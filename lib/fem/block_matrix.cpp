@@ -128,7 +128,7 @@ BlockMatrix<T> assemble(const HexMesh& mesh, const CellMatrices& matrices) {
             std::lower_bound(columns.begin(), columns.end(), corners[c]) - columns.begin();
         for (int a = 0; a < 3; ++a) {
           for (int b = 0; b < 3; ++b) {
-            sums[place][3 * a + b] += matrices[element][3 * row + a][3 * c + b];
+            sums[place][3 * a + b] += matrices[element](3 * row + a, 3 * c + b);
           }
         }
       }

@@ -38,20 +38,23 @@ CellClasses cell_classes(const HexMesh& voxels, const Coarsening& coarsening,
   out.of_child.resize(cells);
   out.present.assign(cells, 0);
   out.constraint.assign(cells, -1);
-  for (std::int32_t e = 0; e < voxels.element_count(); ++e) {
-    const std::uint32_t bits = held_corners(voxels.corners(e), held);
-    if (bits == kAllCornersHeld) continue;
-    const std::int32_t cell = coarsening.parent[e];
+  const auto note = [&](std::size_t block, std::int32_t e) {
+    const std::uint32_t bits = held_corners(voxels.corners_in(block, e), held);
+    if (bits == kAllCornersHeld) return;
+    const std::int32_t cell = coarsening.parent_of(block, e);
     const Vec3i local = brick_local(voxels.offset[e]);
     const int child = (local.x & 1) * 4 + (local.y & 1) * 2 + (local.z & 1);
     out.of_child[cell][child] = alike[material.classes[e]];
     out.present[cell] = std::uint8_t(out.present[cell] | 1 << child);
-    if (bits == 0) continue;
+    if (bits == 0) return;
     if (out.constraint[cell] < 0) {
       out.constraint[cell] = std::int32_t(out.held.size());
       out.held.push_back({});
     }
     out.held[out.constraint[cell]][child] = bits;
+  };
+  for (std::size_t b = 0; b < voxels.block_count(); ++b) {
+    for (std::int32_t e = voxels.element_begin[b]; e < voxels.element_begin[b + 1]; ++e) note(b, e);
   }
   return out;
 }

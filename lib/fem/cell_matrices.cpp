@@ -1,5 +1,6 @@
 #include "lib/fem/cell_matrices.h"
 
+#include <algorithm>
 #include <vector>
 
 #include <tbb/blocked_range.h>
@@ -88,14 +89,19 @@ Matrix24 cell_matrix(const CellClasses& cells, std::size_t cell, const VoxelMate
 struct ChildLists {
   std::vector<std::int32_t> begin, child;
 
-  ChildLists(const Coarsening& coarsening, std::int32_t parents) : begin(parents + 1, 0) {
-    for (const std::int32_t parent : coarsening.parent) ++begin[parent + 1];
+  ChildLists(const HexMesh& mesh, const Coarsening& coarsening, std::int32_t parents)
+      : begin(parents + 1, 0), child(mesh.offset.size()) {
+    const auto for_each = [&](auto&& visit) {
+      for (std::size_t b = 0; b < mesh.block_count(); ++b) {
+        for (std::int32_t e = mesh.element_begin[b]; e < mesh.element_begin[b + 1]; ++e) {
+          visit(e, coarsening.parent_of(b, e));
+        }
+      }
+    };
+    for_each([&](std::int32_t, std::int32_t parent) { ++begin[parent + 1]; });
     for (std::int32_t n = 0; n < parents; ++n) begin[n + 1] += begin[n];
-    child.resize(coarsening.parent.size());
     std::vector<std::int32_t> next(begin.begin(), begin.end() - 1);
-    for (std::size_t e = 0; e < child.size(); ++e) {
-      child[next[coarsening.parent[e]]++] = std::int32_t(e);
-    }
+    for_each([&](std::int32_t e, std::int32_t parent) { child[next[parent]++] = e; });
   }
 };
 
@@ -108,6 +114,23 @@ void for_all(std::size_t count, Visit&& visit) {
 }
 
 }  // namespace
+
+SymmetricMatrix24::SymmetricMatrix24(const Matrix24& whole) {
+  double* to = m_upper.data();
+  for (std::size_t row = 0; row < 24; ++row) {
+    to = std::copy(whole[row].begin() + std::ptrdiff_t(row), whole[row].end(), to);
+  }
+}
+
+Matrix24 SymmetricMatrix24::whole() const {
+  Matrix24 out;
+  for (std::size_t row = 0; row < 24; ++row) {
+    for (std::size_t column = row; column < 24; ++column) {
+      out[row][column] = out[column][row] = m_upper[place(row, column)];
+    }
+  }
+  return out;
+}
 
 CellMatrices CellMatrices::of_voxels(const HexMesh& voxels, const VoxelMaterial& material,
                                      const HeldBits& held) {
@@ -122,9 +145,10 @@ CellMatrices CellMatrices::of_voxels(const HexMesh& voxels, const VoxelMaterial&
   const MatrixParts parts(material.matrix);
   for_all(out.size(), [&](std::size_t n) {
     const std::size_t e = free[n];
-    out.m_matrices[n] = Matrix24{};
-    parts.add_to(out.m_matrices[n], material.moduli, material.classes[e]);
-    clear_rows(held_corners(voxels.corners(std::int32_t(e)), held), out.m_matrices[n]);
+    Matrix24 matrix{};
+    parts.add_to(matrix, material.moduli, material.classes[e]);
+    clear_rows(held_corners(voxels.corners(std::int32_t(e)), held), matrix);
+    out.m_matrices[n] = SymmetricMatrix24(matrix);
   });
   return out;
 }
@@ -134,7 +158,7 @@ CellMatrices CellMatrices::of_cells(const CellClasses& cells, const VoxelMateria
   out.m_matrices.resize(cells.present.size());
   const ChildParts parts(material.matrix);
   for_all(out.size(), [&](std::size_t cell) {
-    out.m_matrices[cell] = cell_matrix(cells, cell, material, parts);
+    out.m_matrices[cell] = SymmetricMatrix24(cell_matrix(cells, cell, material, parts));
   });
   return out;
 }
@@ -153,10 +177,9 @@ CellMatrices CellMatrices::of_large_cells(const HexMesh& cells_mesh, const Coars
       alike[place].add(tables[place].emplace_back(part, int(place)));
     }
   }
-  const ChildLists lists(coarsening, count);
+  const ChildLists lists(cells_mesh, coarsening, count);
   for_all(out.size(), [&](std::size_t large) {
-    Matrix24& sum = out.m_matrices[large];
-    sum = Matrix24{};
+    Matrix24 sum{};
     for (std::int32_t n = lists.begin[large]; n < lists.begin[large + 1]; ++n) {
       const std::size_t cell = std::size_t(lists.child[n]);
       const std::size_t place = std::size_t(place_in_cell(cells_mesh.offset[cell]));
@@ -174,6 +197,7 @@ CellMatrices CellMatrices::of_large_cells(const HexMesh& cells_mesh, const Coars
         tables[place][child].add_to(sum, material.moduli, cells.of_child[cell][child]);
       }
     }
+    out.m_matrices[large] = SymmetricMatrix24(sum);
   });
   return out;
 }
@@ -182,14 +206,14 @@ CellMatrices CellMatrices::coarser(const HexMesh& mesh, const Coarsening& coarse
                                    std::int32_t count) const {
   CellMatrices out;
   out.m_matrices.resize(count);
-  const ChildLists lists(coarsening, count);
+  const ChildLists lists(mesh, coarsening, count);
   for_all(out.size(), [&](std::size_t large) {
-    Matrix24& sum = out.m_matrices[large];
-    sum = Matrix24{};
+    Matrix24 sum{};
     for (std::int32_t n = lists.begin[large]; n < lists.begin[large + 1]; ++n) {
       const std::size_t cell = std::size_t(lists.child[n]);
-      add_scaled(on_parent(m_matrices[cell], place_in_cell(mesh.offset[cell])), 1, sum);
+      add_scaled(on_parent(m_matrices[cell].whole(), place_in_cell(mesh.offset[cell])), 1, sum);
     }
+    out.m_matrices[large] = SymmetricMatrix24(sum);
   });
   return out;
 }

@@ -116,19 +116,28 @@ void balance(const NodalLoads& loads, const std::vector<double>& u, const std::v
 
 }  // namespace
 
-std::vector<FemReaction> reactions_of(const std::vector<Vec3d>& positions, const NodalLoads& loads,
-                                      const std::vector<double>& r) {
+std::vector<FemReaction> reactions_of(const HexMesh& mesh, const NodalLoads& loads,
+                                      const std::vector<double>& r,
+                                      const std::vector<double>* u_mm) {
   std::vector<FemReaction> out;
   for (const std::vector<NodeIndex>& nodes : loads.nodes_of) {
+    std::vector<Vec3d> positions = node_positions(mesh, nodes);
     FemReaction reaction;
     reaction.nodes = std::int64_t(nodes.size());
-    for (const NodeIndex n : nodes) reaction.centre_mm += positions[n];
+    for (std::size_t n = 0; n < nodes.size(); ++n) {
+      if (u_mm != nullptr) {
+        const double* u = &(*u_mm)[3 * std::size_t(nodes[n])];
+        positions[n] += Vec3d(u[0], u[1], u[2]);
+      }
+      reaction.centre_mm += positions[n];
+    }
     if (!nodes.empty()) reaction.centre_mm /= double(nodes.size());
-    for (const NodeIndex n : nodes) {
+    for (std::size_t n = 0; n < nodes.size(); ++n) {
       // The body pulls with r at what holds the node.
       Vec3d force(0);
       for (int a = 0; a < 3; ++a) {
-        if ((loads.held[n] >> a & 1) != 0) force[a] = r[3 * std::size_t(n) + a] * kNPerMn;
+        if ((loads.held[nodes[n]] >> a & 1) == 0) continue;
+        force[a] = r[3 * std::size_t(nodes[n]) + std::size_t(a)] * kNPerMn;
       }
       reaction.force_n += force;
       reaction.moment_nmm += (positions[n] - reaction.centre_mm).cross(force);
@@ -309,7 +318,7 @@ void FemModel::run_linear(Solver& solver, const NodalLoads& loads, const FemPara
   report.solve_ms = milliseconds_since(start);
   if (!converged) throw NotConverged(report);
   balance(loads, solver.u(), solver.residual(), kLeastForce * solver.size().seen_mn, report);
-  out.reactions = reactions_of(node_positions(mesh()), loads, solver.residual());
+  out.reactions = reactions_of(mesh(), loads, solver.residual());
   const LargestMotion largest = largest_motion(mesh(), material(), solver.u());
   report.largest_rotation_deg = largest.rotation_deg;
   report.largest_strain = largest.strain;
@@ -343,11 +352,7 @@ void FemModel::solve_finite(NodalLoads& loads, const FemParams& params, Progress
   if (!converged) throw NotConverged(report);
   balance(loads, solver.u(), solver.residual(), kLeastForce * solver.size().seen_mn, report);
   report.energy_mj = solver.report().energy_uj * kMjPerUj;
-  std::vector<Vec3d> positions = node_positions(mesh());
-  for (std::size_t n = 0; n < positions.size(); ++n) {
-    for (int a = 0; a < 3; ++a) positions[n][a] += solver.u()[3 * n + std::size_t(a)];
-  }
-  out.reactions = reactions_of(positions, loads, solver.residual());
+  out.reactions = reactions_of(mesh(), loads, solver.residual(), &solver.u());
   const LargestMotion largest =
       largest_motion(mesh(), material(), solver.u(), StrainTheory::finite);
   report.largest_rotation_deg = largest.rotation_deg;

@@ -114,9 +114,10 @@ struct FemSolution {
 };
 
 /// Of what each of loads.nodes_of holds, from r = f - K(u) (in motion less damping and inertia) at
-/// nodes of these positions.
-std::vector<FemReaction> reactions_of(const std::vector<Vec3d>& positions, const NodalLoads& loads,
-                                      const std::vector<double>& r);
+/// nodes that lie where they rest or, at finite strain, displaced by u.
+std::vector<FemReaction> reactions_of(const HexMesh& mesh, const NodalLoads& loads,
+                                      const std::vector<double>& r,
+                                      const std::vector<double>* u_mm = nullptr);
 
 /// The solver did not reach its tolerances; the message carries the numbers.
 class NotConverged : public Error {

@@ -80,8 +80,8 @@ NodalLoads nodal_loads(const HexMesh& voxels, const VoxelMaterial& material, con
 /// proportion; what is held goes along its rigid motion, so that a turn stays one on the way.
 class LoadPath {
  public:
-  /// Keeps the prescribed displacements of `loads`, and `loads` itself for the rest: it must
-  /// outlive this.
+  /// Keeps the prescribed displacements of `loads`, and `loads` itself for the rest, without
+  /// u_mm: it must outlive this.
   LoadPath(const HexMesh& voxels, const NodalLoads& loads);
 
   /// Writes the prescribed displacements at a part 0 ... 1 of the loads, and nothing else.
@@ -90,12 +90,11 @@ class LoadPath {
  private:
   struct Grip {
     const std::vector<NodeIndex>* nodes;
-    bool is_rigid;       // all three components are held
-    RigidMotion motion;  // nearest to the displacements
+    std::vector<Vec3d> rest_mm, end_mm;  // per node: where it rests, and its whole displacement
+    bool is_rigid;                       // all three components are held
+    RigidMotion motion;                  // nearest to the displacements
   };
   const NodalLoads* m_loads;
-  std::vector<double> m_end_mm;
-  std::vector<Vec3d> m_positions;
   std::vector<Grip> m_grips;
 };
 

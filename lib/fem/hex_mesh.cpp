@@ -70,7 +70,8 @@ std::size_t HexMesh::bytes() const {
 }
 
 std::size_t Coarsening::bytes() const {
-  return parent.capacity() * 4 + node_parent.capacity() * 4 + node_place.capacity();
+  return first_element.capacity() * 4 + parent.capacity() * 2 + node_parent.capacity() * 2 +
+         node_place.capacity();
 }
 
 HexMesh hex_mesh(const Body& body) {
@@ -108,15 +109,41 @@ Vec3d corner_position(const HexMesh& mesh, std::int32_t block, int offset, int c
                                          cell.z + (corner & 1) - 0.5});
 }
 
+namespace {
+
+/// Writes the rest positions of the nodes of a block from `first` on, which is that of its first.
+void put_node_positions(const HexMesh& mesh, std::size_t block, Vec3d* first) {
+  const NodeIndex begin = mesh.node_begin[block];
+  for (std::int32_t e = mesh.element_begin[block]; e < mesh.element_begin[block + 1]; ++e) {
+    const Corners corners = mesh.corners_in(block, e);
+    for (int c = 0; c < 8; ++c) {
+      if (corners[c] < begin) continue;
+      first[corners[c] - begin] =
+          corner_position(mesh, std::int32_t(block), mesh.offset[std::size_t(e)], c);
+    }
+  }
+}
+
+}  // namespace
+
 std::vector<Vec3d> node_positions(const HexMesh& mesh) {
   std::vector<Vec3d> positions(mesh.node_count());
   for (std::size_t b = 0; b < mesh.block_count(); ++b) {
-    for (std::int32_t e = mesh.element_begin[b]; e < mesh.element_begin[b + 1]; ++e) {
-      const Corners corners = mesh.corners_in(b, e);
-      for (int c = 0; c < 8; ++c) {
-        if (corners[c] < mesh.node_begin[b]) continue;
-        positions[corners[c]] = corner_position(mesh, std::int32_t(b), mesh.offset[e], c);
-      }
+    put_node_positions(mesh, b, positions.data() + mesh.node_begin[b]);
+  }
+  return positions;
+}
+
+std::vector<Vec3d> node_positions(const HexMesh& mesh, const std::vector<NodeIndex>& nodes) {
+  std::vector<Vec3d> positions, of_block;
+  positions.reserve(nodes.size());
+  for (auto node = nodes.begin(); node != nodes.end();) {
+    const auto end = std::upper_bound(mesh.node_begin.begin(), mesh.node_begin.end(), *node);
+    const NodeIndex begin = end[-1];
+    of_block.resize(std::size_t(*end - begin));
+    put_node_positions(mesh, std::size_t(end - mesh.node_begin.begin()) - 1, of_block.data());
+    for (; node != nodes.end() && *node < *end; ++node) {
+      positions.push_back(of_block[std::size_t(*node - begin)]);
     }
   }
   return positions;
@@ -230,22 +257,23 @@ void join_common_corners(std::int32_t a, const Vec3i& cell_a, std::int32_t b, co
 }
 
 /// Coarse elements around one node of the fine mesh share corners; each node notes the first.
-void join_around_nodes(const HexMesh& fine, const std::vector<Vec3i>& coarse_cells,
-                       Coarsening& coarsening, CornerSets& sets) {
-  coarsening.node_parent.assign(fine.node_count(), -1);
-  coarsening.node_place.resize(fine.node_count());
+void join_around_nodes(const HexMesh& fine, const std::vector<std::int32_t>& parents,
+                       const std::vector<Vec3i>& coarse_cells, std::vector<std::int32_t>& first_of,
+                       std::vector<std::uint8_t>& place_of, CornerSets& sets) {
+  first_of.assign(fine.node_count(), -1);
+  place_of.resize(fine.node_count());
   std::int32_t last_a = -1, last_b = -1;
   for (std::size_t block = 0; block < fine.block_count(); ++block) {
     for (std::int32_t e = fine.element_begin[block]; e < fine.element_begin[block + 1]; ++e) {
-      const std::int32_t parent = coarsening.parent[e];
+      const std::int32_t parent = parents[e];
       const int place = place_in_parent(cell_of(fine, block, e));
       const Corners corners = fine.corners_in(block, e);
       for (int c = 0; c < 8; ++c) {
         const NodeIndex node = corners[c];
-        const std::int32_t first = coarsening.node_parent[node];
+        const std::int32_t first = first_of[node];
         if (first < 0) {
-          coarsening.node_parent[node] = parent;
-          coarsening.node_place[node] =
+          first_of[node] = parent;
+          place_of[node] =
               std::uint8_t(9 * ((place >> 2 & 1) + (c >> 2 & 1)) +
                            3 * ((place >> 1 & 1) + (c >> 1 & 1)) + (place & 1) + (c & 1));
         } else if (first != parent && (first != last_a || parent != last_b)) {
@@ -256,6 +284,20 @@ void join_around_nodes(const HexMesh& fine, const std::vector<Vec3i>& coarse_cel
       }
     }
   }
+}
+
+/// Elements counted from the first of the coarse block, which has 512 cells of at most 8 each.
+template <class Begin>
+std::vector<std::uint16_t> in_blocks(const std::vector<std::int32_t>& elements,
+                                     const std::vector<Begin>& begin_of_block,
+                                     const std::vector<std::int32_t>& first_element) {
+  std::vector<std::uint16_t> out(elements.size());
+  for (std::size_t b = 0; b < first_element.size(); ++b) {
+    for (auto n = std::size_t(begin_of_block[b]); n < std::size_t(begin_of_block[b + 1]); ++n) {
+      out[n] = std::uint16_t(elements[n] - first_element[b]);
+    }
+  }
+  return out;
 }
 
 }  // namespace
@@ -279,7 +321,7 @@ HexMesh coarsen(const HexMesh& fine, Coarsening& coarsening) {
     children_of[block].push_back(std::int32_t(b));
   }
   // Elements: groups of children per cell.
-  coarsening.parent.resize(fine.offset.size());
+  std::vector<std::int32_t> parents(fine.offset.size());
   std::vector<Vec3i> cells;
   CellChildren children;
   std::vector<std::uint8_t> places;
@@ -294,9 +336,8 @@ HexMesh coarsen(const HexMesh& fine, Coarsening& coarsening) {
       for (std::int32_t n = begin; n < end; ++n) {
         places[n] = std::uint8_t(place_in_parent(brick_local(fine.offset[children.element[n]])));
       }
-      const std::int32_t next =
-          group_children(fine, &children.element[begin], end - begin, &places[begin],
-                         coarse.element_count(), coarsening.parent);
+      const std::int32_t next = group_children(fine, &children.element[begin], end - begin,
+                                               &places[begin], coarse.element_count(), parents);
       while (coarse.element_count() < next) {
         coarse.offset.push_back(std::uint16_t(cell));
         cells.push_back(coarse.origin[block] + brick_local(cell));
@@ -305,7 +346,16 @@ HexMesh coarsen(const HexMesh& fine, Coarsening& coarsening) {
   }
   coarse.element_begin.push_back(coarse.element_count());
   CornerSets sets(8 * coarse.offset.size());
-  join_around_nodes(fine, cells, coarsening, sets);
+  std::vector<std::int32_t> parents_of_nodes;
+  join_around_nodes(fine, parents, cells, parents_of_nodes, coarsening.node_place, sets);
+  coarsening.first_element.resize(fine.block_count());
+  for (std::size_t block = 0; block < coarse.block_count(); ++block) {
+    for (const std::int32_t b : children_of[block]) {
+      coarsening.first_element[std::size_t(b)] = coarse.element_begin[block];
+    }
+  }
+  coarsening.parent = in_blocks(parents, fine.element_begin, coarsening.first_element);
+  coarsening.node_parent = in_blocks(parents_of_nodes, fine.node_begin, coarsening.first_element);
   number_nodes(coarse, sets);
   return coarse;
 }

@@ -77,11 +77,21 @@ class OwnNodes {
 /// One element per voxel; block b is brick b of the body.
 HexMesh hex_mesh(const Body& body);
 
-/// How the elements and nodes of a mesh lie in those of the next coarser one.
+/// How the elements and nodes of a mesh lie in those of the next coarser one. Blocks lie in one
+/// coarse block each, and elements of it are counted from its first.
 struct Coarsening {
-  std::vector<std::int32_t> parent;       // element of the coarser mesh, per element
-  std::vector<std::int32_t> node_parent;  // per node: an element of the coarser mesh around it
-  std::vector<std::uint8_t> node_place;   // and where: 9 i + 3 j + k, in half edges, each 0 ... 2
+  std::vector<std::int32_t> first_element;  // per block of the finer mesh: of its coarse block
+  std::vector<std::uint16_t> parent;        // coarse element, per element
+  std::vector<std::uint16_t> node_parent;   // per node: a coarse element around it
+  std::vector<std::uint8_t> node_place;     // and where: 9 i + 3 j + k in half edges, each 0 ... 2
+
+  /// Of an element and of a node of a block, which is the one that owns it.
+  std::int32_t parent_of(std::size_t block, std::int32_t element) const {
+    return first_element[block] + parent[std::size_t(element)];
+  }
+  std::int32_t parent_of_node(std::size_t block, NodeIndex node) const {
+    return first_element[block] + node_parent[std::size_t(node)];
+  }
   std::size_t bytes() const;
 };
 
@@ -96,8 +106,9 @@ std::int32_t element_at(const HexMesh& mesh, std::size_t block, int offset);
 
 /// Rest position in LPS mm of a corner of an element of the voxel mesh.
 Vec3d corner_position(const HexMesh& mesh, std::int32_t block, int offset, int corner);
-/// Rest positions of all nodes.
+/// Rest positions of all nodes, or of these alone, which ascend.
 std::vector<Vec3d> node_positions(const HexMesh& mesh);
+std::vector<Vec3d> node_positions(const HexMesh& mesh, const std::vector<NodeIndex>& nodes);
 
 /// Connected pieces, numbered by their first element.
 struct Islands {

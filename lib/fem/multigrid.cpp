@@ -4,6 +4,10 @@
 #include <array>
 #include <cmath>
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 #include "lib/fem/cell_matrices.h"
 #include "lib/fem/chebyshev.h"
 #include "lib/fem/node_vectors.h"
@@ -23,6 +27,8 @@ constexpr double kMostFreeShare = 0.95;
 /// finest level, if these are as many as help.
 constexpr double kThinProducts = 4;
 constexpr int kMostThinSteps = 16, kLeastThinSteps = 4;
+/// What so many nodes' levels were made from goes back to the system before the solve.
+constexpr NodeIndex kManyNodes = 300000;
 /// The power method's values come from below, and the diagonal is rounded.
 constexpr double kBoundMargin = 1.02;
 
@@ -67,6 +73,13 @@ double element_bound(const VoxelMaterial& material) {
     if (occurs[of]) bound = std::max(bound, element_eigenvalue(material, of));
   }
   return kBoundMargin * bound;
+}
+
+/// Free pages of the heap, which a solve of many seconds would else keep beside its own.
+void return_free_pages() {
+#ifdef __GLIBC__
+  ::malloc_trim(0);
+#endif
 }
 
 }  // namespace
@@ -191,6 +204,8 @@ Multigrid::Multigrid(const MeshLevels& levels, const HexOperator& fine,
   m_coarsest.emplace(assemble<double>(meshes[coarsest], *matrices));
   m_coarsest_r.resize(3 * std::size_t(meshes[coarsest].node_count()));
   m_coarsest_z.resize(m_coarsest_r.size());
+  matrices.reset();
+  if (meshes[0].node_count() > kManyNodes) return_free_pages();
 }
 
 std::size_t Multigrid::bytes() const {

@@ -78,6 +78,7 @@ Newton::Newton(const HexMesh& voxels, const FiniteStrain& strain, const VoxelMat
       m_u(loads.u_mm.size(), 0.0),
       m_r(loads.u_mm.size(), 0.0),
       m_meter(loads) {
+  loads.u_mm = {};
   m_system_loads.held = loads.held;
   m_system_loads.force_mn.resize(m_u.size());
 }

@@ -41,11 +41,10 @@ template <class Visit>
 void Transfer::for_nodes_of_block(std::size_t block, Visit&& visit) const {
   const NodeIndex begin = m_fine->node_begin[block], end = m_fine->node_begin[block + 1];
   if (begin == end) return;
-  const std::vector<std::int32_t>& parent = m_coarsening->node_parent;
-  const std::size_t coarse_block = m_coarse->block_of(parent[begin]);
+  const std::size_t coarse_block = m_coarse->block_of(m_coarsening->parent_of_node(block, begin));
   for (NodeIndex n = begin; n < end; ++n) {
     visit(std::size_t(n), kPlaceWeights[m_coarsening->node_place[n]],
-          m_coarse->corners_in(coarse_block, parent[n]));
+          m_coarse->corners_in(coarse_block, m_coarsening->parent_of_node(block, n)));
   }
 }
 

@@ -103,9 +103,8 @@ std::vector<Reaction> VoxelFemMotion::reactions(const std::vector<Handle>& handl
 }
 
 std::vector<FemReaction> VoxelFemMotion::reactions(const std::vector<SlotSet>& elements) const {
-  return sums_over(
-      elements, m_grips,
-      reactions_of(node_positions(m_model.mesh()), m_newmark->loads(), m_newmark->reaction_mn()));
+  return sums_over(elements, m_grips,
+                   reactions_of(m_model.mesh(), m_newmark->loads(), m_newmark->reaction_mn()));
 }
 
 FemReaction VoxelFemMotion::anchor_reaction() const {

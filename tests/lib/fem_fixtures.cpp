@@ -1,5 +1,6 @@
 #include "tests/lib/fem_fixtures.h"
 
+#include <algorithm>
 #include <map>
 
 #include <Eigen/Dense>
@@ -236,6 +237,13 @@ MassDensities even_density(double kg_m3) {
   MassDensities density;
   density.fill(kg_m3);
   return density;
+}
+
+Corners corners_around(const HexMesh& fine, const HexMesh& coarse, const Coarsening& coarsening,
+                       NodeIndex node) {
+  const std::vector<NodeIndex>& begin = fine.node_begin;
+  const auto block = std::upper_bound(begin.begin(), begin.end(), node) - begin.begin() - 1;
+  return coarse.corners(coarsening.parent_of_node(std::size_t(block), node));
 }
 
 std::vector<double> orders_of(const std::vector<double>& errors) {

@@ -42,6 +42,10 @@ Eigen::MatrixXd assembled_mass(const FemModel& model, const MassDensities& densi
 /// Rows and columns of components that are not held.
 Eigen::MatrixXd free_part(const Eigen::MatrixXd& matrix, const HeldBits& held);
 
+/// Corners of the coarser mesh's element around a node.
+Corners corners_around(const HexMesh& fine, const HexMesh& coarse, const Coarsening& coarsening,
+                       NodeIndex node);
+
 MassDensities even_density(double kg_m3);
 
 /// Orders of errors whose steps are halved.

@@ -27,7 +27,7 @@ Eigen::MatrixXd interpolation(const MeshLevels& levels, int doublings) {
     for (NodeIndex n = 0; n < fine.node_count(); ++n) {
       const int place = lies.node_place[std::size_t(n)];
       const int halves[3] = {place / 9, place / 3 % 3, place % 3};
-      const Corners corners = above.corners(lies.node_parent[std::size_t(n)]);
+      const Corners corners = corners_around(fine, above, lies, n);
       for (int c = 0; c < 8; ++c) {
         double weight = 1;
         for (int a = 0; a < 3; ++a) {

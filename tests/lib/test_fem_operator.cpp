@@ -53,7 +53,7 @@ Eigen::SparseMatrix<double> prolongation(const HexMesh& fine, const HexMesh& coa
   for (NodeIndex n = 0; n < fine.node_count(); ++n) {
     const int place = coarsening.node_place[n];
     const auto weights = weights_at(place);
-    const Corners corners = coarse.corners(coarsening.node_parent[n]);
+    const Corners corners = corners_around(fine, coarse, coarsening, n);
     for (int c = 0; c < 8; ++c) {
       for (int a = 0; a < 3; ++a) {
         if (weights[c] == 0 || (held[n] >> a & 1) != 0) continue;
@@ -261,6 +261,23 @@ TEST(PropertyFem, GroupsAtNodesGiveTheForcesOfTheseNodes) {
   }
 }
 
+TEST(PropertyFem, PositionsOfSomeNodesAreThoseAmongAll) {
+  std::mt19937 random(7);
+  for (int round = 0; round < 20; ++round) {
+    const HexMesh mesh = hex_mesh(random_fem_body(random, Vec3i(20, 18, 22)));
+    const std::vector<Vec3d> all = node_positions(mesh);
+    std::vector<NodeIndex> some;
+    std::vector<Vec3d> expected;
+    for (NodeIndex n = 0; n < mesh.node_count(); ++n) {
+      if (random() % 5 != 0 && n + 1 != mesh.node_count()) continue;
+      some.push_back(n);
+      expected.push_back(all[std::size_t(n)]);
+    }
+    EXPECT_EQ(node_positions(mesh, some), expected);
+    EXPECT_TRUE(node_positions(mesh, {}).empty());
+  }
+}
+
 TEST(PropertyFem, InterpolationIsOneFieldWhereverANodeIsSeenFrom) {
   // Every element around a node would interpolate it alike: nodes stay joined on coarser levels.
   std::mt19937 random(6);
@@ -284,8 +301,8 @@ TEST(PropertyFem, InterpolationIsOneFieldWhereverANodeIsSeenFrom) {
             const auto noted = weights_at(place);
             double here = 0, there = 0;
             for (int w = 0; w < 8; ++w) {
-              here += weights[w] * value[coarse.corners(coarsening.parent[e])[w]];
-              there += noted[w] * value[coarse.corners(coarsening.node_parent[node])[w]];
+              here += weights[w] * value[coarse.corners(coarsening.parent_of(b, e))[w]];
+              there += noted[w] * value[corners_around(mesh, coarse, coarsening, node)[w]];
             }
             ASSERT_NEAR(here, there, 1e-14);
           }
