@@ -29,8 +29,8 @@ constexpr double kPieceNs = 400;  // to find rigid pieces, per element
 constexpr double kSpringBytes = 456, kSpringsOfElement = 12, kSpringsInSlice = 4;
 constexpr double kContactWork = 2;        // of a step in which shapes press
 constexpr double kMinimumSteps = 40;      // that a minimum of springs takes, of those that it may
-constexpr double kFemBytes = 85;          // per unknown
-constexpr double kMotionBytes = 170;      // more, with mass, damping and what moves
+constexpr double kFemBytes = 58;          // per unknown
+constexpr double kMotionBytes = 200;      // more, with mass, damping and what moves
 constexpr double kNodesOfElement = 1.12;  // of a head; of one slice twice as many
 /// Of an equilibrium: of one tissue, and beside others that are ten times as stiff or more.
 constexpr double kEvenIterations = 30, kLinearIterations = 60;
