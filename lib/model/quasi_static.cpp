@@ -12,9 +12,9 @@ std::vector<SlotSet> elements_of_handles(const Body& body, const std::vector<Han
 
 std::vector<Reaction> quasi_static_reactions(const HeldBody& held,
                                              const std::vector<SlotSet>& handles,
-                                             double bulk_modulus_kpa) {
+                                             const CellModuli& moduli) {
   const SlotSet anchored = anchored_elements(held.body, held.anchors, held.holds);
-  return reactions(held.body, handles, anchored, held.holds, bulk_modulus_kpa);
+  return reactions(held.body, handles, anchored, held.holds, moduli);
 }
 
 }  // namespace supple

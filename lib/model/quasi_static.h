@@ -13,10 +13,10 @@ constexpr double kJoulePerMicrojoule = 1e-6;
 /// In the order of the handles. Throws InputError for one without element.
 std::vector<SlotSet> elements_of_handles(const Body& body, const std::vector<Handle>& handles);
 
-/// Of the springs that relaxation knows, with the pressure of cells of that bulk modulus in kPa
+/// Of the springs that relaxation knows, with the pressure of cells of these moduli
 /// (lib/relax/reaction.h).
 std::vector<Reaction> quasi_static_reactions(const HeldBody& held,
                                              const std::vector<SlotSet>& handles,
-                                             double bulk_modulus_kpa);
+                                             const CellModuli& moduli);
 
 }  // namespace supple

@@ -12,23 +12,10 @@ const char* name_of(RelaxEnd end) {
   return kNames[std::size_t(end)];
 }
 
-double poisson_bulk_modulus(const Body& body) {
-  const MaterialClasses classes(body.material);
-  double sum_kpa = 0;
-  std::size_t count = 0;
-  for_each_element(body.elements, [&](Slot slot) {
-    if (body.rigid.at(slot) >= 0) return;
-    const int of = body.classes[slot];
-    sum_kpa += classes.physics(of, of).stiffness_kpa / (1 - 2 * classes.poisson_of_class(of));
-    ++count;
-  });
-  return std::min(sum_kpa / double(std::max<std::size_t>(count, 1)), kMaxBulkModulusKpa);
-}
-
 RelaxModel::RelaxModel(const HeldBody& held, const RelaxParams& params)
     : m_held(held), m_params(params), m_begin(std::chrono::steady_clock::now()) {
   params.validate();
-  if (params.poisson) m_params.bulk_modulus_kpa = poisson_bulk_modulus(held.body);
+  m_moduli = moduli_of(held.body, params);
   m_anchored = anchored_elements(held.body, held.anchors, held.holds);
   if (!held.body.links_known_valid) {
     const ProjectionReport projection = project(held.body, m_anchored, held.holds);
@@ -42,8 +29,9 @@ RelaxModel::RelaxModel(const HeldBody& held, const RelaxParams& params)
 RelaxModel::~RelaxModel() = default;
 
 void RelaxModel::begin() {
-  if (m_params.bulk_modulus_kpa > 0 && !m_report.volumes_before) {
+  if (m_params.conserves_volume() && !m_report.volumes_before) {
     m_report.volumes_before = cell_volumes(m_held.body);
+    m_report.bulk_modulus_kpa = m_moduli.kpa;
   }
   if (m_relaxation) m_work += m_relaxation->work();
   m_relaxation = std::make_unique<Relaxation>(m_held.body, m_anchored, m_held.holds, m_params);
@@ -56,7 +44,7 @@ void RelaxModel::put() {
 }
 
 bool RelaxModel::knows_all_links() const {
-  return spring_links(m_held.body, m_params.bulk_modulus_kpa) == m_held.body.slacks.links();
+  return spring_links(m_held.body, m_params.conserves_volume()) == m_held.body.slacks.links();
 }
 
 /// Where volume is conserved, springs and steps know axis links only: what diagonals do not allow
@@ -120,8 +108,7 @@ ModelEnergy RelaxModel::energy() {
 
 std::vector<Reaction> RelaxModel::reactions(const std::vector<Handle>& handles) {
   put();
-  return quasi_static_reactions(m_held, elements_of_handles(m_held.body, handles),
-                                m_params.bulk_modulus_kpa);
+  return quasi_static_reactions(m_held, elements_of_handles(m_held.body, handles), m_moduli);
 }
 
 void RelaxModel::store() {

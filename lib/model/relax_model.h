@@ -35,17 +35,11 @@ struct RelaxReport {
   double energy_before = 0, energy_after = 0;  // uJ (N/m * mm^2)
   double largest_step_voxels = 0;              // of the last pass
   std::int64_t yielded_links = 0;              // whose rest stretch followed
-  /// Where volume is conserved.
+  /// Where volume is conserved; the modulus is the mean of those that follow from the material.
+  double bulk_modulus_kpa = 0;
   std::optional<CellVolumes> volumes_before, volumes_after;
   double milliseconds = 0;  // from the model's making
 };
-
-/// The bulk modulus in kPa with which relaxation has Navier's equations inside of tissue: mean over
-/// the elements outside of rigid pieces of E / (1 - 2 nu). Springs alone minimise E |grad u|^2 / 2,
-/// whose equations lack the part (lambda + mu) grad div u of elasticity; with mu = E the cells add
-/// it, lambda + mu being mu / (1 - 2 nu). At free surfaces both energies differ
-/// (docs/models/relaxation.md).
-double poisson_bulk_modulus(const Body& body);
 
 class RelaxModel final : public Model<Handle> {
  public:
@@ -78,6 +72,7 @@ class RelaxModel final : public Model<Handle> {
 
   HeldBody m_held;
   RelaxParams m_params;
+  CellModuli m_moduli;
   SlotSet m_anchored;
   std::unique_ptr<Relaxation> m_relaxation;
   RelaxReport m_report;

@@ -49,7 +49,7 @@ ModelEnergy VoxelEcmModel::energy() {
 }
 
 std::vector<Reaction> VoxelEcmModel::reactions(const std::vector<Handle>& handles) {
-  return quasi_static_reactions(m_held, elements_of_handles(m_held.body, handles), 0);
+  return quasi_static_reactions(m_held, elements_of_handles(m_held.body, handles), {});
 }
 
 }  // namespace supple

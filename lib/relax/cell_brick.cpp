@@ -127,7 +127,7 @@ void fill_cells(const std::array<BrickArray<double>, 3>& offsets, const BricksAr
   }
   for (int i = -1; i < 8; ++i) {
     for (int j = -1; j < 8; ++j) {
-      double* row = out.alive + CellBrick::cell_row(i, j);
+      double* row = out.root_share + CellBrick::cell_row(i, j);
       const unsigned bits = cells.rows[i + 1][j + 1];
       for (int k = -1; k < 8; ++k) row[CellBrick::place(k)] = bits >> (k + 1) & 1;
       row[CellBrick::place(8)] = 0;

@@ -59,8 +59,11 @@ struct alignas(64) CellBrick {
   static constexpr int kPlace[2][3] = {{5, 0, 6}, {0, 6, 1}};
 
   double offsets[3][100 * kRowLength];  // per coordinate, 2^-32 voxel
-  double alive[81 * kRowLength];        // 1 for a cell, by its lowest corner, else 0
-  double excess[81 * kRowLength];       // volume beyond rest, (2^-32 voxel)^3
+  /// By the lowest corner of a cell, 0 where there is none: the root of its share of the bulk
+  /// modulus (cell_moduli.h), 1 where all are alike. Times the volume beyond rest it is `excess`,
+  /// (2^-32 voxel)^3, so that squares of excesses are energies.
+  double root_share[81 * kRowLength];
+  double excess[81 * kRowLength];
 
   /// First value of row (i, j), each from -1 to 8 for offsets and to 7 for cells.
   static constexpr int node_row(int i, int j) { return (10 * (i + 1) + j + 1) * kRowLength; }
@@ -69,7 +72,7 @@ struct alignas(64) CellBrick {
   static constexpr int place(int k) { return (k & 1) != 0 ? kFirstOdd + (k + 1) / 2 : k / 2; }
 };
 
-/// Offsets and `alive`; absent elements are at rest.
+/// Offsets and `root_share` of 1 per cell; absent elements are at rest.
 void fill_cells(const std::array<BrickArray<double>, 3>& offsets, const BricksAround& around,
                 const CellRows& cells, CellBrick& out);
 /// The offsets of the brick itself, 512 of coordinate c.

@@ -171,8 +171,8 @@ inline void ask_links(const CellBrick& brick, const BrickSprings& links, const L
   }
 }
 
-/// dV of the eight cells around four elements; cell 4 i + 2 j + k is the one on the upper side
-/// where i, j or k is 1. Zero for what is no cell.
+/// dV of the eight cells around four elements, each times its root_share; cell 4 i + 2 j + k is the
+/// one on the upper side where i, j or k is 1. Zero for what is no cell.
 inline void find_gradients(const CellBrick& brick, const CellRun& at, const int (&cells)[8],
                            Lane3 (&out)[8]) {
   Lane3 here;
@@ -205,7 +205,8 @@ inline void find_gradients(const CellBrick& brick, const CellRun& at, const int 
   for (int n = 0; n < 8; ++n) {
     const int i = n >> 2, j = n >> 1 & 1, k = n & 1;
     const bool is_right_handed = ((i + j + k) & 1) != 0;
-    const Lane factor = load(brick.alive + cells[n]) * (is_right_handed ? -1.0 / 12 : 1.0 / 12);
+    const Lane factor =
+        load(brick.root_share + cells[n]) * (is_right_handed ? -1.0 / 12 : 1.0 / 12);
     const Lane3 sum = faces[0][i][j] + faces[1][j][k] + faces[2][k][i];
     for (int c = 0; c < 3; ++c) out[n].c[c] = sum.c[c] * factor;
   }
@@ -303,7 +304,7 @@ void find_excess(CellBrick& brick) {
       constexpr int kEven = 0, kOdd = CellBrick::kFirstOdd;
       const auto find = [&](int low, int high) {
         store(brick.excess + cells + low,
-              load(brick.alive + cells + low) * excess_of(brick, nodes + low, nodes + high));
+              load(brick.root_share + cells + low) * excess_of(brick, nodes + low, nodes + high));
       };
       find(kEven, kOdd + 1);
       find(kOdd, kEven);

@@ -136,7 +136,8 @@ void add_springs(const Body& body, const LinkTable& table, std::size_t b,
 }
 
 /// Of the cells around: -dE/dx with E = kpa (V - V0)^2 / (2 V0).
-void add_cells(const Body& body, int c, double kpa, std::size_t b, BrickForces& forces) {
+void add_cells(const Body& body, int c, const CellModuli& moduli, std::size_t b,
+               BrickForces& forces) {
   const BricksAround around = bricks_around(body.elements, b);
   const bool moved = std::any_of(around.begin(), around.end(), [&](std::int32_t other) {
     return other >= 0 && std::any_of(body.q.begin(), body.q.end(), [&](const BrickValues& q) {
@@ -156,7 +157,8 @@ void add_cells(const Body& body, int c, double kpa, std::size_t b, BrickForces& 
         corners[n][d] = step[d] + body.q[std::size_t(d)].at(slots[n]) / kFixedOne;
       }
     }
-    const double pull = kpa * face_mm2 * (hexahedron_volume(corners) - 1);
+    const double pull = moduli.kpa * share_of_cell(body, moduli, slots) * face_mm2 *
+                        (hexahedron_volume(corners) - 1);
     for (std::size_t n = 0; n < 8; ++n) {
       if (slots[n] / kBrickVoxels != b) continue;
       forces[slots[n] % kBrickVoxels] -= pull * hexahedron_gradient(corners, int(n))[c];
@@ -181,15 +183,15 @@ struct Share {
 /// Per handle. Bricks are summed one by one, then together in their order: the same bits for any
 /// number of threads.
 std::vector<double> forces_mn(const Body& body, int c, const Bearers& bearers, std::size_t handles,
-                              double kpa) {
-  const LinkTable table(body, c, RigidLinks::absent, spring_links(body, kpa));
+                              const CellModuli& moduli) {
+  const LinkTable table(body, c, RigidLinks::absent, spring_links(body, moduli.any()));
   std::vector<std::vector<Share>> shares(body.elements.brick_count());
   in_parallel(shares.size(), [&](std::size_t b) {
     const std::int32_t* holder = bearers.holder.brick(b);
     if (holder == nullptr) return;
     BrickForces forces{};
     add_springs(body, table, b, holder, forces);
-    if (kpa > 0) add_cells(body, c, kpa, b, forces);
+    if (moduli.any()) add_cells(body, c, moduli, b, forces);
     for (std::size_t n = 0; n < kBrickVoxels; ++n) {
       if (forces[n] == 0 || holder[n] == 0 || std::size_t(holder[n]) > handles) continue;
       if (shares[b].empty() || shares[b].back().holder != holder[n]) {
@@ -208,18 +210,17 @@ std::vector<double> forces_mn(const Body& body, int c, const Bearers& bearers, s
 }  // namespace
 
 std::vector<Reaction> reactions(const Body& body, const std::vector<SlotSet>& handles,
-                                const SlotSet& fixed, const Holds& held, double bulk_modulus_kpa) {
-  check_bulk_modulus(bulk_modulus_kpa);
+                                const SlotSet& fixed, const Holds& held, const CellModuli& moduli) {
+  check_bulk_modulus(moduli.kpa);
   const bool any_moved =
       std::any_of(body.q.begin(), body.q.end(), [](const BrickValues& q) { return !q.empty(); });
-  const bool has_pressure = bulk_modulus_kpa > 0 && any_moved;
+  const bool has_pressure = moduli.any() && any_moved;
   std::vector<Vec3d> along_axes(handles.size(), Vec3d(0));  // mN
   std::vector<Reaction> result(handles.size());
   for (int c = 0; c < 3; ++c) {
     if (body.q[std::size_t(c)].empty() && !has_rest(body, c) && !has_pressure) continue;
     const Bearers bearers = find_bearers(body, c, handles, held_in(body, c, fixed, held));
-    const std::vector<double> forces =
-        forces_mn(body, c, bearers, handles.size(), bulk_modulus_kpa);
+    const std::vector<double> forces = forces_mn(body, c, bearers, handles.size(), moduli);
     for (std::size_t n = 0; n < handles.size(); ++n) {
       along_axes[n][c] = forces[n];
       result[n].taut[std::size_t(c)] = bearers.taut[n] != 0;

@@ -25,6 +25,7 @@
 #include "lib/body/holds.h"
 #include "lib/body/region.h"
 #include "lib/body/slot_set.h"
+#include "lib/relax/cell_moduli.h"
 
 namespace supple {
 
@@ -40,7 +41,7 @@ struct Reaction {
 /// One per handle. As for relaxation, elements of `fixed` and `held.still` are held, and those of
 /// push handles in the coordinates where they lie at their bound; elements that nobody holds there
 /// lean on others. An element of several handles counts for the first. Held elements of no handle
-/// are one more holder. Cells count with that bulk modulus, as in relaxation with it; 0: not. In a
+/// are one more holder. Cells count with these bulk moduli, as in relaxation with them. In a
 /// coordinate in which nothing moved or rests elsewhere (with cells: in any of the three) there is
 /// no force, and nothing is taut. Throws InputError: a bulk modulus out of range.
 ///
@@ -48,6 +49,6 @@ struct Reaction {
 /// taut to one; 2 kB per brick with any of these.
 std::vector<Reaction> reactions(const Body& body, const std::vector<SlotSet>& handles,
                                 const SlotSet& fixed, const Holds& held,
-                                double bulk_modulus_kpa = 0);
+                                const CellModuli& moduli = {});
 
 }  // namespace supple

@@ -39,8 +39,8 @@ bool conserves_volume(RelaxMethod method) {
   return method == RelaxMethod::red_black || method == RelaxMethod::accelerated;
 }
 
-int spring_links(const Body& body, double bulk_modulus_kpa) {
-  return bulk_modulus_kpa > 0 ? 6 : body.slacks.links();
+int spring_links(const Body& body, bool conserves_volume) {
+  return conserves_volume ? 6 : body.slacks.links();
 }
 
 Fields fields(RelaxParams& params) {
@@ -94,7 +94,7 @@ void RelaxParams::validate() const {
     throw InputError({"", "budget", number_text(budget_million), "0 or more million elements"});
   }
   check_bulk_modulus(bulk_modulus_kpa);
-  if ((bulk_modulus_kpa > 0 || poisson) && !conserves_volume(method)) {
+  if (conserves_volume() && !supple::conserves_volume(method)) {
     throw InputError(
         {"", "bulk_modulus", std::string("method ") + name_of(method), "red-black or accelerated"});
   }
@@ -111,7 +111,7 @@ Relaxation::Relaxation(Body& body, const SlotSet& fixed, const Holds& held,
     : m_body(body) {
   params.validate();
   require_no_yield(body);
-  if (params.bulk_modulus_kpa > 0) {
+  if (params.conserves_volume()) {
     m_volume = std::make_unique<VolumeRelaxation>(body, fixed, held, params);
     return;
   }

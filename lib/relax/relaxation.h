@@ -37,7 +37,7 @@ bool conserves_volume(RelaxMethod method);
 
 /// Links of a voxel that are springs, 6, 18 or 26: all that the body has, or those along the axes
 /// where volume is conserved.
-int spring_links(const Body& body, double bulk_modulus_kpa);
+int spring_links(const Body& body, bool conserves_volume);
 
 /// A bulk modulus beyond this is taken for a mistake: water has 2.2e6 kPa.
 constexpr double kMaxBulkModulusKpa = 1e9;
@@ -56,13 +56,14 @@ struct RelaxParams {
   /// Bulk modulus with which cells keep their rest volume (volume_relaxation.h); 0: they do not.
   /// Only with the methods red_black and accelerated.
   double bulk_modulus_kpa = 0;
-  /// That bulk modulus follows from the material instead (poisson_bulk_modulus).
+  /// Bulk moduli follow from the material instead (cell_moduli.h).
   bool poisson = false;
   /// Ends after the pass in which so many million elements were looked at, one by one in each pass
   /// and coordinate; 0: no limit. Work and not time, so that the result is the same on every
   /// machine. With a budget the forces are asked less often whether they agree.
   double budget_million = 0;
 
+  bool conserves_volume() const { return bulk_modulus_kpa > 0 || poisson; }
   /// Throws InputError: a value out of range.
   void validate() const;
 };

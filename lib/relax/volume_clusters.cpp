@@ -23,7 +23,7 @@ struct RigidPull {
 }  // namespace
 
 VolumeClusters::VolumeClusters(const Body& body, int coordinate, const Movable& elements,
-                               const Holds& held, double weight)
+                               const Holds& held, const CellModuli& moduli, double weight)
     : m_body(body),
       m_elements(elements),
       m_at_least(held.at_least[std::size_t(coordinate)]),
@@ -32,7 +32,7 @@ VolumeClusters::VolumeClusters(const Body& body, int coordinate, const Movable& 
       m_weight(weight) {
   const Clusters& rigid = elements.rigid;
   if (rigid.count() == 0) return;
-  find_cells_of_clusters();
+  find_cells_of_clusters(moduli);
   m_first_brick.push_back(0);
   for (std::size_t c = 0; c < rigid.count(); ++c) {
     std::vector<std::uint32_t> bricks;
@@ -51,7 +51,7 @@ VolumeClusters::VolumeClusters(const Body& body, int coordinate, const Movable& 
   }
 }
 
-void VolumeClusters::find_cells_of_clusters() {
+void VolumeClusters::find_cells_of_clusters(const CellModuli& moduli) {
   const Clusters& rigid = m_elements.rigid;
   const std::size_t bricks = m_body.elements.brick_count();
   BrickValues numbers(bricks);  // one more than the cluster's
@@ -75,6 +75,7 @@ void VolumeClusters::find_cells_of_clusters() {
         cell.corners[n] = slot_around(around, low.x + i, low.y + j, low.z + k);
         number[n] = numbers.at(cell.corners[n]);
       }
+      cell.share = float(share_of_cell(m_body, moduli, cell.corners));
       for (std::size_t n = 0; n < 8; ++n) {
         if (number[n] == 0 ||
             std::find(number.begin(), number.begin() + n, number[n]) != number.begin() + n) {
@@ -125,8 +126,9 @@ double VolumeClusters::step_of(std::size_t cluster,
           gradient += hexahedron_gradient(corners, corner)[int(m_coordinate)];
         }
       }
-      sums[sum].force -= m_weight * gradient * (hexahedron_volume(corners) - 1) * kFineVoxel;
-      sums[sum].stiffness += m_weight * gradient * gradient;
+      const double pull = m_weight * double(cell.share) * gradient;
+      sums[sum].force -= pull * (hexahedron_volume(corners) - 1) * kFineVoxel;
+      sums[sum].stiffness += pull * gradient;
     }
   });
   double of_cells = 0;

@@ -9,7 +9,7 @@
 #include "lib/body/body.h"
 #include "lib/body/holds.h"
 #include "lib/body/region.h"
-#include "lib/relax/cell_brick.h"
+#include "lib/relax/cell_moduli.h"
 #include "lib/relax/movable.h"
 
 namespace supple {
@@ -17,9 +17,9 @@ namespace supple {
 /// The clusters of one coordinate.
 class VolumeClusters {
  public:
-  /// `weight`: bulk modulus * rest volume / spacing^2 of the coordinate, N/m.
+  /// `weight`: moduli.kpa * rest volume / spacing^2 of the coordinate, N/m.
   VolumeClusters(const Body& body, int coordinate, const Movable& elements, const Holds& held,
-                 double weight);
+                 const CellModuli& moduli, double weight);
 
   /// Every cluster near a brick that is `due` steps, one after the other, each to where its links
   /// and cells balance (times `relaxation`), no further than limits and bounds allow. Marks the
@@ -31,9 +31,10 @@ class VolumeClusters {
  private:
   struct PartCell {
     std::array<Slot, 8> corners;
+    float share;           // share_of_cell()
     std::uint8_t members;  // bit per corner
   };
-  void find_cells_of_clusters();
+  void find_cells_of_clusters(const CellModuli& moduli);
   bool is_due(std::size_t cluster, const std::vector<char>& due) const;
   double step_of(std::size_t cluster, const std::array<BrickArray<double>, 3>& offsets,
                  double relaxation) const;

@@ -32,11 +32,12 @@ VolumeRelaxation::VolumeRelaxation(const Body& body, const SlotSet& anchored, co
       m_held(held),
       m_method(params.method),
       m_extent(largest_extent(body.elements)),
+      m_moduli(moduli_of(body, params)),
       m_due(body.elements.brick_count(), 0),
       m_changed(body.elements.brick_count(), 0),
       m_energies(body.elements.brick_count(), 0) {
   const Vec3d spacing = body.geometry.spacing_mm();
-  const double stiffness = params.bulk_modulus_kpa * spacing.x * spacing.y * spacing.z;
+  const double stiffness = m_moduli.kpa * spacing.x * spacing.y * spacing.z;
   m_cell_energy = stiffness / 2 / (kFineCell * kFineCell);
   m_coordinates.reserve(3);
   m_clusters.reserve(3);
@@ -46,7 +47,7 @@ VolumeRelaxation::VolumeRelaxation(const Body& body, const SlotSet& anchored, co
     m_coordinates.push_back({std::move(table), std::move(elements), spacing[c] / kFineVoxel});
     const double weight = stiffness / (spacing[c] * spacing[c]);
     m_weight[std::size_t(c)] = weight / (kFineCell * kFineCell) * (kFineVoxel * kFineVoxel);
-    m_clusters.emplace_back(body, c, m_coordinates.back().elements, held, weight);
+    m_clusters.emplace_back(body, c, m_coordinates.back().elements, held, m_moduli, weight);
     m_is_plastic = m_is_plastic || m_coordinates.back().table.has_yield() || has_rest(body, c);
 
     m_now[std::size_t(c)] = fine_offsets(body, m_coordinates.back().table, held);
@@ -81,6 +82,7 @@ void VolumeRelaxation::find_work() {
 void VolumeRelaxation::load(std::size_t brick, BrickData& data) const {
   const BricksAround around = bricks_around(m_body.elements, brick);
   fill_cells(m_now, around, find_cells(m_body, around), data.cells);
+  find_shares(m_body, m_moduli, around, data.cells);
   find_excess(data.cells);
   find_links(m_body, brick, m_coordinates[0].table.missing(), data.links);
   for (std::size_t c = 0; c < 3 && m_is_plastic; ++c) {

@@ -1,8 +1,8 @@
 // Relaxation that conserves volume (thesis section 4.2.4, first suggestion): to the springs of
 // relaxation.h comes the energy
 //   sum over cells of kappa (V - V0)^2 / (2 V0),
-// kappa a bulk modulus, V0 the rest volume of a cell. It couples the coordinates: pushed together
-// along one axis, tissue gives way across it.
+// kappa a bulk modulus (cell_moduli.h), V0 the rest volume of a cell. It couples the coordinates:
+// pushed together along one axis, tissue gives way across it.
 //
 // V is linear in each coordinate of each corner, so the energy is a parabola in each of them alone:
 // with a = dV/dx of the cells around an element,
@@ -20,6 +20,7 @@
 #include <memory>
 #include <vector>
 
+#include "lib/relax/cell_moduli.h"
 #include "lib/relax/cell_sweep.h"
 #include "lib/relax/relaxation.h"
 #include "lib/relax/volume_clusters.h"
@@ -29,7 +30,7 @@ namespace supple {
 class VolumeRelaxation {
  public:
   /// `anchored` stays where it is; `held` bounds elements. All outlive this. Of params, `method`
-  /// (red_black: no over-relaxation, or accelerated) and bulk_modulus_kpa > 0 count.
+  /// (red_black: no over-relaxation, or accelerated) and the bulk modulus or `poisson` count.
   VolumeRelaxation(const Body& body, const SlotSet& anchored, const Holds& held,
                    const RelaxParams& params);
 
@@ -64,6 +65,7 @@ class VolumeRelaxation {
   const Holds& m_held;
   RelaxMethod m_method;
   int m_extent;  // of the body, voxels
+  CellModuli m_moduli;
   bool m_is_plastic = false;
   double m_cell_energy;                     // uJ of a cell's excess squared, (2^-32 voxel)^6
   std::array<double, 3> m_weight;           // CellSweep::weight

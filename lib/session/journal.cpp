@@ -100,7 +100,7 @@ nlohmann::ordered_json to_json(const StepRecord& record) {
   if (record.relax) {
     step["relax"] = recorded(*record.relax);
     if (record.relax->bulk_modulus_kpa == 0) step["relax"].erase("bulk_modulus_kpa");
-    step["relax"].erase("poisson");  // which became a bulk modulus
+    if (!record.relax->poisson) step["relax"].erase("poisson");
     if (record.relax->budget_million == 0) step["relax"].erase("budget_million");
   }
   if (record.springs) {

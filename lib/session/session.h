@@ -174,7 +174,7 @@ class Session {
   std::vector<Region> m_anchors;  // the boxes, labels and selections that the state has fixed
   Holds m_holds;                  // elements that earlier steps dragged
   HandleLedger m_ledger;          // the handles that did
-  double m_pressure_kpa = 0;      // bulk modulus of the relaxation that the body rests under
+  CellModuli m_moduli;            // of the relaxation that the body rests under
   std::vector<StepRecord> m_records;
   std::vector<std::string> m_messages;
   bool m_keeps_undo;

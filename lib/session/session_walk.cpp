@@ -99,10 +99,6 @@ void Session::run_step(StepRecord& record, Progress* progress) {
   if (is_relaxed_by_default(record)) {
     record.relax = tissue_relaxation(m_material.relaxes_by_poisson);
   }
-  if (record.relax && record.relax->poisson) {
-    record.relax->poisson = false;  // the record has its value
-    record.relax->bulk_modulus_kpa = poisson_bulk_modulus(m_body);
-  }
   release_and_fix(record);
   if (poses_of(record.drags) > 1) {
     follow_ways(record, progress);
@@ -138,7 +134,7 @@ void Session::move(StepRecord& record, Progress* progress) {
     record.sprung =
         move_by_springs(*record.springs, held_with_pieces(anchors), handles, told, progress);
     if (record.tells_reactions) record.reactions = ledger.name(record.sprung.reactions);
-    m_pressure_kpa = 0;
+    m_moduli = {};
     forget_shifts();
   } else if (record.fem) {
     const std::vector<SlotSet> told =
@@ -149,13 +145,12 @@ void Session::move(StepRecord& record, Progress* progress) {
         *record.fem, {held(), cuts(), m_state.density, m_state.labels, told, pieces, nodes},
         handles, progress);
     if (record.tells_reactions) record.reactions = ledger.name(record.equilibrium.reactions);
-    m_pressure_kpa = 0;
+    m_moduli = {};
     forget_shifts();
   } else {
     move_quasi_statically(handles, pieces, record, progress);
     if (record.tells_reactions) {
-      record.reactions =
-          ledger.name(quasi_static_reactions(held(), ledger.elements(), m_pressure_kpa));
+      record.reactions = ledger.name(quasi_static_reactions(held(), ledger.elements(), m_moduli));
     }
   }
   m_ledger = std::move(ledger);

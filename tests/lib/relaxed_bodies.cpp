@@ -150,7 +150,8 @@ double spring_energy(const Body& body) {
   return sum;
 }
 
-double cell_energy(const Body& body, double kpa) {
+double cell_energy(const Body& body, std::optional<double> kpa) {
+  const MaterialClasses classes(body.material);
   const Vec3d h = body.geometry.spacing_mm();
   const double rest = h.x * h.y * h.z;
   double sum = 0;
@@ -158,7 +159,10 @@ double cell_energy(const Body& body, double kpa) {
     std::array<Slot, 8> slots;
     if (!corners_of(body, low, slots)) return;
     std::array<Vec3d, 8> corners;
+    double compliance = 0;
     for (std::size_t n = 0; n < 8; ++n) {
+      const int of = body.classes[slots[n]];
+      compliance += (1 - 2 * classes.poisson_of_class(of)) / classes.physics(of, of).stiffness_kpa;
       for (int c = 0; c < 3; ++c) {
         const double voxels =
             (int(n) >> (2 - c) & 1) + body.q[std::size_t(c)].at(slots[n]) / kFixedOne;
@@ -166,7 +170,7 @@ double cell_energy(const Body& body, double kpa) {
       }
     }
     const double excess = integrated_volume(corners) - rest;
-    sum += kpa / 2 * excess * excess / rest;
+    sum += kpa.value_or(8 / compliance) / 2 * excess * excess / rest;
   });
   return sum;
 }

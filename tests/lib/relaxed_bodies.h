@@ -1,6 +1,7 @@
 // Random bodies that were dragged, to be relaxed, and the energies of relaxation by definition.
 #pragma once
 
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -37,8 +38,9 @@ void expect_same_on_any_threads(const Dragged& dragged, const RelaxParams& param
 /// Of all links, from the stored offsets, in uJ; a spring beyond its yield stretch pulls no more.
 double spring_energy(const Body& body);
 
-/// Of all cells with that bulk modulus, in uJ: their volume by integration.
-double cell_energy(const Body& body, double kpa);
+/// Of all cells with that bulk modulus in kPa, in uJ: their volume by integration. Without one:
+/// with the harmonic mean of E / (1 - 2 nu) at their corners.
+double cell_energy(const Body& body, std::optional<double> kpa);
 
 /// Integral of the Jacobian over the trilinear cell; corner 4 i + 2 j + k is (i, j, k) steps from
 /// the lowest one.

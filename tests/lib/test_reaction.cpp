@@ -1,5 +1,6 @@
 // Forces on handles: springs in series and parallel by hand, and the slope of the energy.
 #include <cmath>
+#include <optional>
 
 #include <gtest/gtest.h>
 
@@ -289,9 +290,9 @@ TEST(PropertyReaction, AfterRelaxationTheForcesOfAllHoldersBalance) {
     const std::vector<SlotSet> holders = {slots_of(body, {11, 5, 4}), all_of_wall};
     Holds holds;
     drag(body, {{{11, 5, 4}, {kVoxel, -kVoxel / 2, 0}}}, {wall}, holds);
-    const auto dragged_only = reactions(body, holders, all_of_wall, holds, kpa);
+    const auto dragged_only = reactions(body, holders, all_of_wall, holds, {kpa, {}});
     relax(body, {wall}, holds, to_rest(kpa));
-    const auto found = reactions(body, holders, all_of_wall, holds, kpa);
+    const auto found = reactions(body, holders, all_of_wall, holds, {kpa, {}});
     for (int c = 0; c < 2; ++c) {
       const double force = force_mn(found[0], c);
       // Nothing had come to the wall before.
@@ -315,8 +316,13 @@ TEST(PropertyReaction, OfSpringsAndCellsItIsTheSlopeOfTheirEnergy) {
         wide_block({4 + n % 9, 5, 12}, [&](int, int, int) { return double(random() % 256); });
     if (n % 2 == 0) cut_randomly(random, block);
     if (n % 3 == 0) block.table.yield_strain = Curve{{{0, 0.1}}};
+    block.table.stiffness = Curve{{{0, 1}, {255, 6}}};
+    block.table.poisson = Curve{{{0, 0.49}, {255, 0.1}}};
     Body body = body_of(block);
-    const double kpa = n % 4 == 0 ? 0 : 40;
+    // None, after the material, or the same for all.
+    std::optional<double> kpa = 0;
+    if (n % 4 != 0) kpa = n % 4 == 2 ? std::nullopt : std::optional<double>(40);
+    const CellModuli moduli = kpa ? CellModuli{*kpa, {}} : moduli_by_poisson(body);
     for_each_element(body.elements, [&](Slot slot) {
       // Not all coordinates move in all bodies, and not all bricks.
       if (n % 4 == 1 && voxel_of(body.elements, slot).z < 8) return;
@@ -339,7 +345,7 @@ TEST(PropertyReaction, OfSpringsAndCellsItIsTheSlopeOfTheirEnergy) {
 
     const Vec3i lo = block.voxel(random_element(random, block));
     const SlotSet handle = slots_of(body, lo, lo + Vec3i(2, 1, int(random() % 9)));
-    const Reaction found = reactions(body, {handle}, handle, {}, kpa)[0];
+    const Reaction found = reactions(body, {handle}, handle, {}, moduli)[0];
     EXPECT_FALSE(any_taut(found));
     for (int c = 0; c < 3; ++c) {
       BrickValues& q = body.q[std::size_t(c)];
@@ -491,7 +497,7 @@ TEST(PropertyReaction, ABodyAtRestPullsAtNothing) {
     const SlotSet handle = slots_of(body, block.voxel(random_element(random, block)));
     const SlotSet anchor = slots_of(body, block.voxel(random_element(random, block)));
     for (const double kpa : {0.0, 10.0}) {
-      const Reaction found = reactions(body, {handle}, anchor, {handle, {}, {}}, kpa)[0];
+      const Reaction found = reactions(body, {handle}, anchor, {handle, {}, {}}, {kpa, {}})[0];
       EXPECT_EQ(found.force_n, Vec3d(0));
       EXPECT_FALSE(any_taut(found));
     }
@@ -521,7 +527,9 @@ TEST(PropertyReaction, TheResultDoesNotDependOnTheNumberOfThreads) {
     start.holds.anchored.for_each(
         [&](Slot slot) { handles.push_back(SlotSet(std::vector<Slot>{slot})); });
     const SlotSet anchored = anchored_elements(start.body, start.anchors, start.holds);
-    const auto found = [&] { return reactions(start.body, handles, anchored, start.holds, 20); };
+    const auto found = [&] {
+      return reactions(start.body, handles, anchored, start.holds, {20, {}});
+    };
     const auto one = on_threads(1, found), many = on_threads(4, found);
     for (std::size_t handle = 0; handle < handles.size(); ++handle) {
       EXPECT_EQ(one[handle].force_n, many[handle].force_n);
@@ -533,7 +541,7 @@ TEST(PropertyReaction, TheResultDoesNotDependOnTheNumberOfThreads) {
 TEST(UnitReaction, ABadBulkModulusIsAnError) {
   const Body body = body_of(wide_block({2, 1, 1}, [](int, int, int) { return 51.0; }));
   for (const double kpa : {-1.0, 2e9, std::nan("")}) {
-    const std::string message = input_error([&] { reactions(body, {}, {}, {}, kpa); });
+    const std::string message = input_error([&] { reactions(body, {}, {}, {}, {kpa, {}}); });
     EXPECT_NE(message.find("bulk_modulus"), std::string::npos) << message;
   }
 }

@@ -194,7 +194,8 @@ nlohmann::ordered_json to_json(const RelaxParams& params, const RelaxReport& rep
   }
   if (report.energy_excess) json["energy_excess_uj"] = *report.energy_excess;
   if (report.volumes_after) {
-    json["bulk_modulus_kpa"] = params.bulk_modulus_kpa;
+    json["bulk_modulus_kpa"] = report.bulk_modulus_kpa;
+    if (params.poisson) json["poisson"] = true;
     json["volumes_before"] = to_json(*report.volumes_before);
     json["volumes_after"] = to_json(*report.volumes_after);
   }

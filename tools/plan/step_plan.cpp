@@ -239,7 +239,7 @@ void StepPlan::relax(MovedBricks& moved) {
   const RelaxParams params = m_request.relax
                                  ? *m_request.relax
                                  : tissue_relaxation(m_session.material().relaxes_by_poisson);
-  const bool conserves = params.bulk_modulus_kpa > 0 || params.poisson;
+  const bool conserves = params.conserves_volume();
   double passes = params.passes, count = 0, bricks = 0;
   const double passes_of_ring = params.budget_million > 0 ? kPassesOfRingInBudget : kPassesOfRing;
   for (int ring = 1; ring <= 64; ++ring) {

@@ -19,11 +19,10 @@ namespace {
 RelaxParams read_relax(TomlTable& table) {
   RelaxParams params;
   table.read(fields(params));
-  const bool conserves = params.bulk_modulus_kpa > 0 || params.poisson;
   if (params.bulk_modulus_kpa > 0 && params.poisson) {
     table.fail("poisson", "poisson beside bulk_modulus", "one of them");
   }
-  if (conserves && !conserves_volume(params.method)) {
+  if (params.conserves_volume() && !conserves_volume(params.method)) {
     table.fail(params.poisson ? "poisson" : "bulk_modulus",
                std::string("method \"") + name_of(params.method) + "\"",
                "method \"red-black\" or \"accelerated\"");
