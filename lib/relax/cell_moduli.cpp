@@ -14,6 +14,39 @@ double share_of(double compliance, double corners) {
   return corners > 0 ? corners / compliance : 1;
 }
 
+/// Sums over the eight elements around each place where a cell may be, by its lowest corner from
+/// -1 to 7. Of places without a brick they say nothing.
+struct CornerSums {
+  double of[9][9][9];
+};
+
+template <class ValueOf>
+void sum_corners(const BricksAround& around, CornerSums& out, ValueOf&& value_of) {
+  double rows[10][10][9];  // sums of two along k
+  const auto side = [](int local) { return local < 0 ? 0 : local > 7 ? 2 : 1; };
+  for (int i = -1; i < 9; ++i) {
+    for (int j = -1; j < 9; ++j) {
+      const std::int32_t* bricks = &around[std::size_t(9 * side(i) + 3 * side(j))];
+      const auto first = [&](int n) {
+        return Slot(bricks[n]) * kBrickVoxels + Slot(64 * (i & 7) + 8 * (j & 7));
+      };
+      double values[10] = {};
+      if (bricks[0] >= 0) values[0] = value_of(first(0) + 7);
+      for (Slot k = 0; k < 8 && bricks[1] >= 0; ++k) values[k + 1] = value_of(first(1) + k);
+      if (bricks[2] >= 0) values[9] = value_of(first(2));
+      for (int k = 0; k < 9; ++k) rows[i + 1][j + 1][k] = values[k] + values[k + 1];
+    }
+  }
+  for (int i = 0; i < 9; ++i) {
+    for (int j = 0; j < 9; ++j) {
+      for (int k = 0; k < 9; ++k) {
+        out.of[i][j][k] =
+            (rows[i][j][k] + rows[i][j + 1][k]) + (rows[i + 1][j][k] + rows[i + 1][j + 1][k]);
+      }
+    }
+  }
+}
+
 }  // namespace
 
 CellModuli moduli_by_poisson(const Body& body) {
@@ -59,35 +92,28 @@ double share_of_cell(const Body& body, const CellModuli& moduli,
 void find_shares(const Body& body, const CellModuli& moduli, const BricksAround& around,
                  CellBrick& brick) {
   if (moduli.compliance.empty()) return;
-  // Of elements from -1 to 8, and whether they count.
-  double compliance[10][10][10], counts[10][10][10];
-  const auto side = [](int local) { return local < 0 ? 0 : local > 7 ? 2 : 1; };
-  for (int i = -1; i < 9; ++i) {
-    for (int j = -1; j < 9; ++j) {
-      for (int k = -1; k < 9; ++k) {
-        const std::int32_t there = around[std::size_t(9 * side(i) + 3 * side(j) + side(k))];
-        double &value = compliance[i + 1][j + 1][k + 1], &count = counts[i + 1][j + 1][k + 1];
-        value = count = 0;
-        if (there < 0) continue;
-        const Slot slot = slot_around(around, i, j, k);
-        if (body.rigid.at(slot) >= 0) continue;
-        value = moduli.compliance[body.classes[slot]];
-        count = 1;
-      }
-    }
-  }
-  const auto sum_of = [](const double(&values)[10][10][10], int i, int j, int k) {
-    double sum = 0;
-    for (int n = 0; n < 8; ++n) sum += values[i + (n >> 2)][j + (n >> 1 & 1)][k + (n & 1)];
-    return sum;
-  };
+  const double* of_class = moduli.compliance.data();
+  const bool has_pieces = body.rigid.number_of != nullptr;
+  const auto counts = [&](Slot slot) { return !has_pieces || body.rigid.at(slot) < 0; };
+  CornerSums compliance, corners;
+  sum_corners(around, compliance,
+              [&](Slot slot) { return counts(slot) ? of_class[body.classes[slot]] : 0; });
+  if (has_pieces) sum_corners(around, corners, [&](Slot slot) { return counts(slot) ? 1.0 : 0.0; });
+  // Cells side by side are mostly of one tissue.
+  double last_compliance = 0, last_corners = 0, last_root = 0;
   for (int i = 0; i < 9; ++i) {
     for (int j = 0; j < 9; ++j) {
       double* row = brick.root_share + CellBrick::cell_row(i - 1, j - 1);
       for (int k = 0; k < 9; ++k) {
         double& root = row[CellBrick::place(k - 1)];
         if (root == 0) continue;
-        root = std::sqrt(share_of(sum_of(compliance, i, j, k), sum_of(counts, i, j, k)));
+        const double own_corners = has_pieces ? corners.of[i][j][k] : 8;
+        if (compliance.of[i][j][k] != last_compliance || own_corners != last_corners) {
+          last_compliance = compliance.of[i][j][k];
+          last_corners = own_corners;
+          last_root = std::sqrt(share_of(last_compliance, last_corners));
+        }
+        root = last_root;
       }
     }
   }
