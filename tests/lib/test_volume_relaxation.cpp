@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "lib/body/lattice.h"
+#include "lib/relax/cell_moduli.h"
 #include "tests/lib/relaxed_bodies.h"
 #include "tests/support/sanitized.h"
 
@@ -226,6 +227,49 @@ TEST(PropertyVolumeRelaxation, ItEndsWhereTheEnergyIsLeast) {
   block.table.poisson = Curve{{{0, 0.45}, {9, 0.45}, {10, 0.2}}};
   expect_least_energy(block, 20);
   expect_least_energy(block, {});
+}
+
+TEST(PropertyVolumeRelaxation, CellsHaveTheHarmonicMeanOfTheModuliOutsideOfPieces) {
+  std::mt19937 random(13);
+  int cells_of_pieces = 0;
+  for (int n = 0; n < cases(20); ++n) {
+    Body body = dragged(random, {13, 18, 9}).body;
+    body.material.stiffness = Curve{{{0, 1}, {255, 50}}};
+    body.material.poisson = Curve{{{0, 0.1}, {255, 0.495}}};
+    BrickValues numbers(body.elements.brick_count());
+    for_each_element(body.elements, [&](Slot slot) {
+      if (n % 2 == 0 && random() % 3 == 0) numbers.set(slot, 1);
+    });
+    if (n % 2 == 0) body.rigid.number_of = std::make_shared<const BrickValues>(numbers);
+    const CellModuli moduli = moduli_by_poisson(body);
+    const MaterialClasses classes(body.material);
+    const BrickArray<double> at_rest(body.elements.brick_count());
+    for (std::size_t b = 0; b < body.elements.brick_count(); ++b) {
+      const BricksAround around = bricks_around(body.elements, b);
+      CellBrick brick;
+      fill_cells({at_rest, at_rest, at_rest}, around, find_cells(body, around), brick);
+      find_shares(body, moduli, around, brick);
+      for_each_cell(find_cells(body, around), [&](const Vec3i& low) {
+        double compliance = 0;
+        int count = 0;
+        for (int corner = 0; corner < 8; ++corner) {
+          const Slot slot = slot_around(around, low.x + (corner >> 2), low.y + (corner >> 1 & 1),
+                                        low.z + (corner & 1));
+          if (body.rigid.at(slot) >= 0) continue;
+          const int of = body.classes[slot];
+          compliance +=
+              (1 - 2 * classes.poisson_of_class(of)) / classes.physics(of, of).stiffness_kpa;
+          ++count;
+        }
+        cells_of_pieces += count < 8;
+        const double root =
+            brick.root_share[CellBrick::cell_row(low.x, low.y) + CellBrick::place(low.z)];
+        const double kpa = count > 0 ? count / compliance : moduli.kpa;
+        EXPECT_NEAR(moduli.kpa * root * root, kpa, 1e-9 * kpa);
+      });
+    }
+  }
+  EXPECT_GT(cells_of_pieces, cases(100));
 }
 
 TEST(PropertyVolumeRelaxation, ARigidPartMovesAsOneToWhereTheEnergyIsLeast) {
