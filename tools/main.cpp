@@ -14,9 +14,9 @@
 #include "tools/build_facts.h"
 #include "tools/console/command.h"
 #include "tools/console/help.h"
-#include "tools/console/own_process.h"
 #include "tools/console/signals.h"
 #include "tools/program_version.h"
+#include "volumes/base/heap_pages.h"
 #include "volumes/base/on_threads.h"
 #include "volumes/base/run_in_child.h"
 
@@ -182,7 +182,7 @@ int run_program(int argc, char** argv) {
 }  // namespace supple::tools
 
 int main(int argc, char** argv) {
-  supple::tools::keep_heap_in_large_pages();
+  supple::keep_heap_in_large_pages();
   try {
     return supple::tools::run_program(argc, argv);
   } catch (const std::bad_alloc&) {

@@ -214,6 +214,14 @@ LoadPath::LoadPath(const HexMesh& voxels, const NodalLoads& loads) : m_loads(&lo
   }
 }
 
+std::size_t LoadPath::bytes() const {
+  std::size_t sum = 0;
+  for (const Grip& grip : m_grips) {
+    sum += (grip.rest_mm.capacity() + grip.end_mm.capacity()) * sizeof(Vec3d);
+  }
+  return sum;
+}
+
 void LoadPath::prescribe(double part, std::vector<double>& u_mm) const {
   for (const Grip& grip : m_grips) {
     const RigidMotion on_the_way = grip.motion.part(part);

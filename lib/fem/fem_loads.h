@@ -86,6 +86,7 @@ class LoadPath {
 
   /// Writes the prescribed displacements at a part 0 ... 1 of the loads, and nothing else.
   void prescribe(double part, std::vector<double>& u_mm) const;
+  std::size_t bytes() const;
 
  private:
   struct Grip {

@@ -70,7 +70,7 @@ std::size_t HexMesh::bytes() const {
 }
 
 std::size_t Coarsening::bytes() const {
-  return first_element.capacity() * 4 + parent.capacity() * 2 + node_parent.capacity() * 2 +
+  return first_element.capacity() * 4 + parent.bytes() + node_parent.bytes() +
          node_place.capacity();
 }
 
@@ -286,21 +286,23 @@ void join_around_nodes(const HexMesh& fine, const std::vector<std::int32_t>& par
   }
 }
 
-/// Elements counted from the first of the coarse block, which has 512 cells of at most 8 each.
-template <class Begin>
-std::vector<std::uint16_t> in_blocks(const std::vector<std::int32_t>& elements,
-                                     const std::vector<Begin>& begin_of_block,
-                                     const std::vector<std::int32_t>& first_element) {
-  std::vector<std::uint16_t> out(elements.size());
-  for (std::size_t b = 0; b < first_element.size(); ++b) {
-    for (auto n = std::size_t(begin_of_block[b]); n < std::size_t(begin_of_block[b + 1]); ++n) {
-      out[n] = std::uint16_t(elements[n] - first_element[b]);
+}  // namespace
+
+Parents::Parents(std::vector<std::int32_t> parents, const std::vector<std::int32_t>& begin,
+                 const std::vector<std::int32_t>& first) {
+  m_near.reserve(parents.size());
+  for (std::size_t b = 0; b < first.size(); ++b) {
+    for (std::int32_t n = begin[b]; n < begin[b + 1]; ++n) {
+      const std::int32_t near = parents[std::size_t(n)] - first[b];
+      if (near > 0xffff) {
+        m_near = std::vector<std::uint16_t>();
+        m_far = std::move(parents);
+        return;
+      }
+      m_near.push_back(std::uint16_t(near));
     }
   }
-  return out;
 }
-
-}  // namespace
 
 HexMesh coarsen(const HexMesh& fine, Coarsening& coarsening) {
   HexMesh coarse;
@@ -354,8 +356,9 @@ HexMesh coarsen(const HexMesh& fine, Coarsening& coarsening) {
       coarsening.first_element[std::size_t(b)] = coarse.element_begin[block];
     }
   }
-  coarsening.parent = in_blocks(parents, fine.element_begin, coarsening.first_element);
-  coarsening.node_parent = in_blocks(parents_of_nodes, fine.node_begin, coarsening.first_element);
+  coarsening.parent = Parents(std::move(parents), fine.element_begin, coarsening.first_element);
+  coarsening.node_parent =
+      Parents(std::move(parents_of_nodes), fine.node_begin, coarsening.first_element);
   number_nodes(coarse, sets);
   return coarse;
 }

@@ -77,20 +77,39 @@ class OwnNodes {
 /// One element per voxel; block b is brick b of the body.
 HexMesh hex_mesh(const Body& body);
 
-/// How the elements and nodes of a mesh lie in those of the next coarser one. Blocks lie in one
-/// coarse block each, and elements of it are counted from its first.
+/// Coarse elements of the elements or nodes of a mesh. A block of the mesh lies in one coarse
+/// block, of which they are counted from the first: half the memory, unless one has more than
+/// 65536.
+class Parents {
+ public:
+  Parents() = default;
+  /// `begin`: of each block's elements or nodes; `first`: of each block, of its coarse block.
+  Parents(std::vector<std::int32_t> parents, const std::vector<std::int32_t>& begin,
+          const std::vector<std::int32_t>& first);
+
+  std::int32_t operator()(std::int32_t first, std::int32_t n) const {
+    return m_far.empty() ? first + m_near[std::size_t(n)] : m_far[std::size_t(n)];
+  }
+  std::size_t bytes() const { return m_near.capacity() * 2 + m_far.capacity() * 4; }
+
+ private:
+  std::vector<std::uint16_t> m_near;
+  std::vector<std::int32_t> m_far;
+};
+
+/// How the elements and nodes of a mesh lie in those of the next coarser one.
 struct Coarsening {
   std::vector<std::int32_t> first_element;  // per block of the finer mesh: of its coarse block
-  std::vector<std::uint16_t> parent;        // coarse element, per element
-  std::vector<std::uint16_t> node_parent;   // per node: a coarse element around it
+  Parents parent;                           // coarse element, per element
+  Parents node_parent;                      // per node: a coarse element around it
   std::vector<std::uint8_t> node_place;     // and where: 9 i + 3 j + k in half edges, each 0 ... 2
 
   /// Of an element and of a node of a block, which is the one that owns it.
   std::int32_t parent_of(std::size_t block, std::int32_t element) const {
-    return first_element[block] + parent[std::size_t(element)];
+    return parent(first_element[block], element);
   }
   std::int32_t parent_of_node(std::size_t block, NodeIndex node) const {
-    return first_element[block] + node_parent[std::size_t(node)];
+    return node_parent(first_element[block], node);
   }
   std::size_t bytes() const;
 };

@@ -4,13 +4,10 @@
 #include <array>
 #include <cmath>
 
-#ifdef __GLIBC__
-#include <malloc.h>
-#endif
-
 #include "lib/fem/cell_matrices.h"
 #include "lib/fem/chebyshev.h"
 #include "lib/fem/node_vectors.h"
+#include "volumes/base/heap_pages.h"
 
 namespace supple {
 
@@ -73,13 +70,6 @@ double element_bound(const VoxelMaterial& material) {
     if (occurs[of]) bound = std::max(bound, element_eigenvalue(material, of));
   }
   return kBoundMargin * bound;
-}
-
-/// Free pages of the heap, which a solve of many seconds would else keep beside its own.
-void return_free_pages() {
-#ifdef __GLIBC__
-  ::malloc_trim(0);
-#endif
 }
 
 }  // namespace
@@ -205,7 +195,7 @@ Multigrid::Multigrid(const MeshLevels& levels, const HexOperator& fine,
   m_coarsest_r.resize(3 * std::size_t(meshes[coarsest].node_count()));
   m_coarsest_z.resize(m_coarsest_r.size());
   matrices.reset();
-  if (meshes[0].node_count() > kManyNodes) return_free_pages();
+  if (meshes[0].node_count() > kManyNodes) return_free_memory();
 }
 
 std::size_t Multigrid::bytes() const {

@@ -78,7 +78,7 @@ Newton::Newton(const HexMesh& voxels, const FiniteStrain& strain, const VoxelMat
       m_u(loads.u_mm.size(), 0.0),
       m_r(loads.u_mm.size(), 0.0),
       m_meter(loads) {
-  loads.u_mm = {};
+  loads.u_mm = std::vector<double>();
   m_system_loads.held = loads.held;
   m_system_loads.force_mn.resize(m_u.size());
 }
@@ -103,9 +103,9 @@ std::vector<double> Newton::solve_tangent(const CgLimits& limits, Progress* prog
   found = solver.run(progress) || solver.iterations() > 0;
   m_report.cg_iterations += solver.iterations();
   m_meter.have_seen(solver.size().seen_mn);
-  // Five vectors here, and one that keeps the state before the step.
-  m_bytes = (5 + (m_whole_mn.empty() ? 0 : 1)) * m_u.size() * sizeof(double) + solver.bytes() +
-            turns.bytes();
+  // Two vectors here, one that keeps the state before the step, and all forces twice.
+  m_bytes = (3 + (m_whole_mn.empty() ? 0 : 2)) * m_u.size() * sizeof(double) + m_path.bytes() +
+            solver.bytes() + turns.bytes();
   return solver.take_u();
 }
 

@@ -34,7 +34,8 @@ void RelaxModel::begin() {
     m_report.bulk_modulus_kpa = m_moduli.kpa;
   }
   if (m_relaxation) m_work += m_relaxation->work();
-  m_relaxation = std::make_unique<Relaxation>(m_held.body, m_anchored, m_held.holds, m_params);
+  m_relaxation =
+      std::make_unique<Relaxation>(m_held.body, m_anchored, m_held.holds, m_params, m_moduli);
 }
 
 /// The offsets to the body.

@@ -100,7 +100,7 @@ void find_shares(const Body& body, const CellModuli& moduli, const BricksAround&
               [&](Slot slot) { return counts(slot) ? of_class[body.classes[slot]] : 0; });
   if (has_pieces) sum_corners(around, corners, [&](Slot slot) { return counts(slot) ? 1.0 : 0.0; });
   // Cells side by side are mostly of one tissue.
-  double last_compliance = 0, last_corners = 0, last_root = 0;
+  double last_compliance = 0, last_corners = 0, last_root = share_of(0, 0);
   for (int i = 0; i < 9; ++i) {
     for (int j = 0; j < 9; ++j) {
       double* row = brick.root_share + CellBrick::cell_row(i - 1, j - 1);

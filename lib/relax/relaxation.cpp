@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lib/relax/cell_moduli.h"
 #include "lib/relax/coordinate_relaxation.h"
 #include "lib/relax/volume_relaxation.h"
 
@@ -108,11 +109,15 @@ void check_bulk_modulus(double kpa) {
 
 Relaxation::Relaxation(Body& body, const SlotSet& fixed, const Holds& held,
                        const RelaxParams& params)
+    : Relaxation(body, fixed, held, params, moduli_of(body, params)) {}
+
+Relaxation::Relaxation(Body& body, const SlotSet& fixed, const Holds& held,
+                       const RelaxParams& params, const CellModuli& moduli)
     : m_body(body) {
   params.validate();
   require_no_yield(body);
-  if (params.conserves_volume()) {
-    m_volume = std::make_unique<VolumeRelaxation>(body, fixed, held, params);
+  if (moduli.any()) {
+    m_volume = std::make_unique<VolumeRelaxation>(body, fixed, held, params.method, moduli);
     return;
   }
   for (int c = 0; c < 3; ++c) {

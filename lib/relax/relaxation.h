@@ -76,6 +76,7 @@ RelaxParams tissue_relaxation(bool poisson = false);
 /// Of `relax = { … }` in a scene.
 Fields fields(RelaxParams& params);
 
+struct CellModuli;
 class CoordinateRelaxation;
 class VolumeRelaxation;
 
@@ -87,6 +88,9 @@ class Relaxation {
   /// were pushed to. The body is a valid one (for method plain any) and must not change while this
   /// lives. Throws InputError: params out of range, springs that yield in a body with diagonals.
   Relaxation(Body& body, const SlotSet& fixed, const Holds& held, const RelaxParams& params);
+  /// With the moduli of these parameters (moduli_of()), where they are known.
+  Relaxation(Body& body, const SlotSet& fixed, const Holds& held, const RelaxParams& params,
+             const CellModuli& moduli);
   ~Relaxation();
 
   /// One pass over all coordinates that have moved, or all where volume is conserved; the largest

@@ -27,12 +27,12 @@ struct VolumeRelaxation::BrickData {
 };
 
 VolumeRelaxation::VolumeRelaxation(const Body& body, const SlotSet& anchored, const Holds& held,
-                                   const RelaxParams& params)
+                                   RelaxMethod method, const CellModuli& moduli)
     : m_body(body),
       m_held(held),
-      m_method(params.method),
+      m_method(method),
       m_extent(largest_extent(body.elements)),
-      m_moduli(moduli_of(body, params)),
+      m_moduli(moduli),
       m_due(body.elements.brick_count(), 0),
       m_changed(body.elements.brick_count(), 0),
       m_energies(body.elements.brick_count(), 0) {

@@ -29,10 +29,10 @@ namespace supple {
 
 class VolumeRelaxation {
  public:
-  /// `anchored` stays where it is; `held` bounds elements. All outlive this. Of params, `method`
-  /// (red_black: no over-relaxation, or accelerated) and the bulk modulus or `poisson` count.
-  VolumeRelaxation(const Body& body, const SlotSet& anchored, const Holds& held,
-                   const RelaxParams& params);
+  /// `anchored` stays where it is; `held` bounds elements. All three outlive this. `method` is
+  /// red_black, without over-relaxation, or accelerated.
+  VolumeRelaxation(const Body& body, const SlotSet& anchored, const Holds& held, RelaxMethod method,
+                   const CellModuli& moduli);
 
   /// The largest step, in voxels.
   double pass();

@@ -174,7 +174,7 @@ class Session {
   std::vector<Region> m_anchors;  // the boxes, labels and selections that the state has fixed
   Holds m_holds;                  // elements that earlier steps dragged
   HandleLedger m_ledger;          // the handles that did
-  CellModuli m_moduli;            // of the relaxation that the body rests under
+  RelaxParams m_relaxed_by;       // of the relaxation that the body rests under, if any
   std::vector<StepRecord> m_records;
   std::vector<std::string> m_messages;
   bool m_keeps_undo;

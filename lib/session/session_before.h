@@ -29,7 +29,7 @@ struct Session::Before {
   std::vector<std::string> anchor_selections;
   Holds holds;
   HandleLedger ledger;
-  CellModuli moduli;
+  RelaxParams relaxed_by;
   std::shared_ptr<const MaterialBefore> material;  // before it changes
   FemNodes handed_over;                            // by the record of the step before
   /// Before elements are removed: all else of the state and the body.

@@ -64,7 +64,7 @@ void Session::move_quasi_statically(const std::vector<Handle>& handles,
     solve(handles, pieces, record, progress);
   }
   warn_of_solve(record, progress);
-  if (!handles.empty() || record.release) m_moduli = {};
+  if (!handles.empty() || record.release) m_relaxed_by = {};
   debug(progress, std::string("solve: ") + (record.ball ? "ball" : name_of(record.report.engine)) +
                       " engine, " + std::to_string(record.report.visited) +
                       " visits, longest queue " + std::to_string(record.report.max_queue) +
@@ -160,7 +160,7 @@ bool Session::is_relaxed_by_default(const StepRequest& request) const {
 
 void Session::relax_body(int passes, StepRecord& record, Progress* progress) {
   stage(progress, "relaxing");
-  m_moduli = moduli_of(m_body, *record.relax);
+  m_relaxed_by = *record.relax;
   std::vector<Region> anchors;
   RelaxModel model(held_with_pieces(anchors), *record.relax);
   run_model(model, passes, progress);

@@ -40,7 +40,7 @@ Session::Before Session::before(const StepRequest& request) const {
       m_state.anchor_selections,
       m_holds,
       m_ledger,
-      m_moduli,
+      m_relaxed_by,
       request.material ? std::make_shared<const MaterialBefore>(MaterialBefore{
                              m_material, m_state.material_toml, m_body.classes, m_body.slacks})
                        : nullptr,
@@ -79,7 +79,7 @@ void Session::restore(Before&& before) {
   m_state.anchor_selections = std::move(before.anchor_selections);
   m_holds = std::move(before.holds);
   m_ledger = std::move(before.ledger);
-  m_moduli = before.moduli;
+  m_relaxed_by = before.relaxed_by;
   find_anchors();
 }
 

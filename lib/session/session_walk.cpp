@@ -134,7 +134,7 @@ void Session::move(StepRecord& record, Progress* progress) {
     record.sprung =
         move_by_springs(*record.springs, held_with_pieces(anchors), handles, told, progress);
     if (record.tells_reactions) record.reactions = ledger.name(record.sprung.reactions);
-    m_moduli = {};
+    m_relaxed_by = {};
     forget_shifts();
   } else if (record.fem) {
     const std::vector<SlotSet> told =
@@ -145,12 +145,13 @@ void Session::move(StepRecord& record, Progress* progress) {
         *record.fem, {held(), cuts(), m_state.density, m_state.labels, told, pieces, nodes},
         handles, progress);
     if (record.tells_reactions) record.reactions = ledger.name(record.equilibrium.reactions);
-    m_moduli = {};
+    m_relaxed_by = {};
     forget_shifts();
   } else {
     move_quasi_statically(handles, pieces, record, progress);
     if (record.tells_reactions) {
-      record.reactions = ledger.name(quasi_static_reactions(held(), ledger.elements(), m_moduli));
+      record.reactions = ledger.name(
+          quasi_static_reactions(held(), ledger.elements(), moduli_of(m_body, m_relaxed_by)));
     }
   }
   m_ledger = std::move(ledger);

@@ -261,6 +261,18 @@ TEST(PropertyFem, GroupsAtNodesGiveTheForcesOfTheseNodes) {
   }
 }
 
+TEST(UnitFemMesh, ParentsAreThoseThatWereGivenHoweverManyABlockHas) {
+  for (const std::int32_t most : {0xffff, 0x10000}) {
+    // Two blocks of elements, in coarse blocks that begin at 0 and 70000.
+    const std::vector<std::int32_t> given = {3, most, 70001, 70000};
+    const Parents parents(given, {0, 2, 4}, {0, 70000});
+    for (std::int32_t n = 0; n < 4; ++n) {
+      EXPECT_EQ(parents(n < 2 ? 0 : 70000, n), given[std::size_t(n)]) << most;
+    }
+    EXPECT_EQ(parents.bytes(), most > 0xffff ? 16u : 8u);
+  }
+}
+
 TEST(PropertyFem, PositionsOfSomeNodesAreThoseAmongAll) {
   std::mt19937 random(7);
   for (int round = 0; round < 20; ++round) {

@@ -1,7 +1,10 @@
 // Sessions: the whole job without a window, its journal, and steps taken back.
 #include <gtest/gtest.h>
 
+#include "lib/relax/cell_moduli.h"
+#include "lib/relax/reaction.h"
 #include "lib/session/session.h"
+#include "tests/lib/test_bodies.h"
 #include "tests/support/program.h"
 
 using namespace supple;
@@ -36,6 +39,46 @@ class UnitSession : public ::testing::Test {
 const Vec3i kGrabbed(12, 12, 16);
 
 }  // namespace
+
+TEST_F(UnitSession, ForcesOfCellsFollowAMaterialThatChanges) {
+  std::string voxels;
+  for (int n = 0; n < 8 * 8 * 12; ++n) voxels += char(n % 8 < 4 ? 50 : 120);
+  write_text(m_folder / "block.raw", voxels);
+  write_text(m_folder / "block.nhdr",
+             "NRRD0004\ntype: uint8\ndimension: 3\nspace: left-posterior-superior\n"
+             "sizes: 8 8 12\nspace directions: (1,0,0) (0,1,0) (0,0,1)\n"
+             "space origin: (0,0,0)\nencoding: raw\ndata file: block.raw\n");
+  const auto material = [](const std::string& stiffness) {
+    return parse_material(
+        "domain = [0, 255]\nactive = [1, 255]\nmax_length = [[0, 3]]\n"
+        "min_length = [[0, 0.1]]\nshear = [[0, 2]]\npoisson = [[0, 0.45]]\n"
+        "stiffness = " +
+            stiffness + "\n",
+        "test");
+  };
+  m_options.material = material("[[80, 1], [90, 40]]");
+  Session session(m_folder / "block.nhdr", m_options);
+  StepRequest request;
+  request.fix.push_back({{0, 0, 0}, {7, 7, 0}});
+  request.drags.push_back({Region({0, 0, 11}, {7, 7, 11}), {0, 0, 1}});
+  request.relax = RelaxParams();
+  request.relax->poisson = true;
+  request.tells_reactions = true;
+  ASSERT_EQ(session.step(request).reactions.size(), 1u);
+  StepRequest change;
+  change.material = material("[[80, 40], [90, 1]]");
+  change.tells_reactions = true;
+  const StepRecord record = session.step(change);
+  ASSERT_EQ(record.reactions.size(), 1u);
+  const Body& body = session.body();
+  const SlotSet end = elements_of(body, Region({0, 0, 11}, {7, 7, 11}), "grab");
+  const Vec3d expected =
+      reactions(body, {end}, elements_of(body, Region({0, 0, 0}, {7, 7, 0}), "fix"), {end, {}, {}},
+                moduli_by_poisson(body))[0]
+          .force_n;
+  EXPECT_LT(expected.z, -0.01);
+  EXPECT_LT((record.reactions[0].reaction.force_n - expected).length(), 1e-9 * expected.length());
+}
 
 TEST_F(UnitSession, StepsTakenBackLeaveTheStateBitForBit) {
   Session session(m_ball, m_options);

@@ -18,15 +18,6 @@ double peak_rss_mb();
 /// That of the programs which it has run, up to the present.
 double peak_rss_of_children_mb();
 
-/// What is allocated in small pieces lies in pages of 2 MiB from now on, where the system has them,
-/// up to 256 MiB of it: the first touch of small pages else takes a third of a run. Not under a
-/// limit of addresses, which the heap would use up ahead of its need.
-void keep_heap_in_large_pages();
-
-/// Pages of memory that is free go back to the system. What lives long, between large arrays that
-/// do not, else keeps more and more of them.
-void return_free_memory();
-
 /// Processor time of all threads of the process so far.
 double processor_seconds();
 

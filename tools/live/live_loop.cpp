@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "tools/console/own_process.h"
+#include "volumes/base/heap_pages.h"
 
 namespace supple::tools {
 

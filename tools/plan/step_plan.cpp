@@ -30,10 +30,12 @@ constexpr double kSpringBytes = 456, kSpringsOfElement = 12, kSpringsInSlice = 4
 constexpr double kContactWork = 2;        // of a step in which shapes press
 constexpr double kMinimumSteps = 40;      // that a minimum of springs takes, of those that it may
 constexpr double kFemBytes = 58;          // per unknown
+constexpr double kFiniteBytes = 70;       // more, at finite strain
+constexpr double kModeBytes = 16;         // more, of every mode
 constexpr double kMotionBytes = 200;      // more, with mass, damping and what moves
 constexpr double kNodesOfElement = 1.12;  // of a head; of one slice twice as many
 /// Of an equilibrium: of one tissue, and beside others that are ten times as stiff or more.
-constexpr double kEvenIterations = 30, kLinearIterations = 60;
+constexpr double kEvenIterations = 20, kLinearIterations = 40;
 /// Of larger elements, in iterations of the voxels.
 constexpr double kCoarseSetup = 8;
 constexpr double kLargeContrast = 10;
@@ -293,9 +295,12 @@ void StepPlan::finite_elements() {
   if (const int doublings = m_request.fem->params.doublings; doublings > 0) {
     iterations = kCoarseSetup + iterations / std::pow(8, doublings);
   }
+  const double more = motion                 ? kMotionBytes
+                      : is_finite            ? kFiniteBytes
+                      : m_request.fem->modes ? kModeBytes * m_request.fem->modes->count
+                                             : 0;
   add(count_text(unknowns, "unknowns") + ", some " + count_text(iterations, "iterations"),
-      "the step moves the body by finite elements", 0,
-      unknowns * (kFemBytes + (motion ? kMotionBytes : 0)),
+      "the step moves the body by finite elements", 0, unknowns * (kFemBytes + more),
       unknowns * iterations * m_costs.fem_unknown);
 }
 
