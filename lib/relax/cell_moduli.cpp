@@ -23,10 +23,10 @@ struct CornerSums {
 template <class ValueOf>
 void sum_corners(const BricksAround& around, CornerSums& out, ValueOf&& value_of) {
   double rows[10][10][9];  // sums of two along k
-  const auto side = [](int local) { return local < 0 ? 0 : local > 7 ? 2 : 1; };
+  const auto side = [](int local) -> std::size_t { return local < 0 ? 0 : local > 7 ? 2 : 1; };
   for (int i = -1; i < 9; ++i) {
     for (int j = -1; j < 9; ++j) {
-      const std::int32_t* bricks = &around[std::size_t(9 * side(i) + 3 * side(j))];
+      const std::int32_t* bricks = &around[9 * side(i) + 3 * side(j)];
       const auto first = [&](int n) {
         return Slot(bricks[n]) * kBrickVoxels + Slot(64 * (i & 7) + 8 * (j & 7));
       };
