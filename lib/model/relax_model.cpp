@@ -29,7 +29,7 @@ RelaxModel::RelaxModel(const HeldBody& held, const RelaxParams& params)
 RelaxModel::~RelaxModel() = default;
 
 void RelaxModel::begin() {
-  if (m_params.conserves_volume() && !m_report.volumes_before) {
+  if (m_moduli.any() && !m_report.volumes_before) {
     m_report.volumes_before = cell_volumes(m_held.body);
     m_report.bulk_modulus_kpa = m_moduli.kpa;
   }
@@ -45,7 +45,7 @@ void RelaxModel::put() {
 }
 
 bool RelaxModel::knows_all_links() const {
-  return spring_links(m_held.body, m_params.conserves_volume()) == m_held.body.slacks.links();
+  return spring_links(m_held.body, m_moduli.any()) == m_held.body.slacks.links();
 }
 
 /// Where volume is conserved, springs and steps know axis links only: what diagonals do not allow

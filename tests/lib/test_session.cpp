@@ -65,20 +65,35 @@ TEST_F(UnitSession, ForcesOfCellsFollowAMaterialThatChanges) {
   request.relax = RelaxParams();
   request.relax->poisson = true;
   request.tells_reactions = true;
-  ASSERT_EQ(session.step(request).reactions.size(), 1u);
+  const StepRecord relaxed = session.step(request);
+  ASSERT_EQ(relaxed.reactions.size(), 1u);
   StepRequest change;
-  change.material = material("[[80, 40], [90, 1]]");
+  change.material = material("[[80, 20], [90, 1]]");
   change.tells_reactions = true;
   const StepRecord record = session.step(change);
   ASSERT_EQ(record.reactions.size(), 1u);
   const Body& body = session.body();
   const SlotSet end = elements_of(body, Region({0, 0, 11}, {7, 7, 11}), "grab");
+  const SlotSet fixed = elements_of(body, Region({0, 0, 0}, {7, 7, 0}), "fix");
   const Vec3d expected =
-      reactions(body, {end}, elements_of(body, Region({0, 0, 0}, {7, 7, 0}), "fix"), {end, {}, {}},
-                moduli_by_poisson(body))[0]
-          .force_n;
+      reactions(body, {end}, fixed, {end, {}, {}}, moduli_by_poisson(body))[0].force_n;
   EXPECT_LT(expected.z, -0.01);
   EXPECT_LT((record.reactions[0].reaction.force_n - expected).length(), 1e-9 * expected.length());
+
+  // A drag that is not relaxed has springs alone; taken back, cells press as they did.
+  ASSERT_TRUE(session.undo());
+  StepRequest drag;
+  drag.drags.push_back({Region({0, 0, 11}, {7, 7, 11}), {0, 0, 0.5}});
+  drag.tells_reactions = true;
+  const StepRecord dragged = session.step(drag);
+  const Vec3d of_springs = reactions(body, {end}, fixed, {end, {}, {}})[0].force_n;
+  EXPECT_LT((dragged.reactions[0].reaction.force_n - of_springs).length(),
+            1e-9 * of_springs.length());
+  ASSERT_TRUE(session.undo());
+  StepRequest nothing;
+  nothing.tells_reactions = true;
+  EXPECT_EQ(session.step(nothing).reactions[0].reaction.force_n,
+            relaxed.reactions[0].reaction.force_n);
 }
 
 TEST_F(UnitSession, StepsTakenBackLeaveTheStateBitForBit) {

@@ -32,6 +32,7 @@ constexpr double kMinimumSteps = 40;      // that a minimum of springs takes, of
 constexpr double kFemBytes = 58;          // per unknown
 constexpr double kFiniteBytes = 70;       // more, at finite strain
 constexpr double kModeBytes = 16;         // more, of every mode
+constexpr double kLanczosBytes = 8;       // more, of every vector that modes are found from
 constexpr double kMotionBytes = 200;      // more, with mass, damping and what moves
 constexpr double kNodesOfElement = 1.12;  // of a head; of one slice twice as many
 /// Of an equilibrium: of one tissue, and beside others that are ten times as stiff or more.
@@ -295,10 +296,14 @@ void StepPlan::finite_elements() {
   if (const int doublings = m_request.fem->params.doublings; doublings > 0) {
     iterations = kCoarseSetup + iterations / std::pow(8, doublings);
   }
-  const double more = motion                 ? kMotionBytes
-                      : is_finite            ? kFiniteBytes
-                      : m_request.fem->modes ? kModeBytes * m_request.fem->modes->count
-                                             : 0;
+  double more = 0;
+  if (const std::optional<ModeStep>& modes = m_request.fem->modes) {
+    more = kModeBytes * modes->count + kLanczosBytes * std::max(20, 2 * modes->count + 1);
+  } else if (motion) {
+    more = kMotionBytes;
+  } else if (is_finite) {
+    more = kFiniteBytes;
+  }
   add(count_text(unknowns, "unknowns") + ", some " + count_text(iterations, "iterations"),
       "the step moves the body by finite elements", 0, unknowns * (kFemBytes + more),
       unknowns * iterations * m_costs.fem_unknown);

@@ -5,6 +5,8 @@
 
 #include <malloc.h>
 
+#include "volumes/base/heap_pages.h"
+
 namespace supple::tools {
 
 namespace {
@@ -34,7 +36,7 @@ std::int64_t available_bytes() {
 }
 
 PeakMemory::PeakMemory() {
-  ::malloc_trim(0);
+  return_free_memory();
   std::ofstream reset("/proc/self/clear_refs");
   m_works = bool(reset << "5" << std::flush);
   m_before = resident_bytes();
