@@ -9,7 +9,8 @@ namespace supple {
 
 namespace {
 
-/// The mean of what counts, as a share of 1 over it.
+/// Of a cell, from the sum of compliances of those of its corners that count, and their number: the
+/// inverse of the mean; 1 where none counts.
 double share_of(double compliance, double corners) {
   return corners > 0 ? corners / compliance : 1;
 }
