@@ -11,6 +11,8 @@ namespace supple {
 
 namespace {
 
+constexpr double kLinearTolerance = 1e-8;
+
 double largest_of(const std::vector<Vec3d>& vectors) {
   double largest2 = 0;
   for (const Vec3d& v : vectors) largest2 = std::max(largest2, v.length2());
@@ -146,7 +148,7 @@ SpringStepReport ImplicitEuler::advance(double dt_s) {
       throw InputError({"", "implicit Euler", "a matrix that is not positive definite",
                         "masses and stiffnesses whose ratio a double can hold"});
     }
-    m_matrix.solve(m_step, progress());
+    m_matrix.solve(m_step, kLinearTolerance, progress());
     m_before = m_system.pos_mm;
     double part = 1, lower = phi;
     for (int halving = 0; halving <= kHalvings; ++halving, part /= 2) {

@@ -2,7 +2,8 @@
 // in the thesis (section 4.2.3, second method). Newton's method with the positive semidefinite
 // matrix of implicit steps, damped by a multiple of the masses that falls while steps succeed (an
 // implicit Euler step that forgets its velocity and grows), with a line search: every step lowers
-// the energy.
+// the energy. In solids its equations are solved by conjugate gradients to a hundredth only (inexact
+// Newton: R. Dembo, S. Eisenstat, T. Steihaug, SIAM J. Numer. Anal. 19, 1982).
 #pragma once
 
 #include <memory>
@@ -20,7 +21,7 @@ class Minimiser {
  public:
   /// Held nodes go to their targets, all velocities become 0. The system's nodes, springs and which
   /// nodes are held must not change meanwhile. Throws InputError as validate(system).
-  explicit Minimiser(SpringSystem& system, const Progress* progress = nullptr);
+  explicit Minimiser(SpringSystem& system);
   ~Minimiser();
 
   /// Lowers the energy. False where rounding leaves no descent: further steps change nothing.

@@ -11,12 +11,6 @@ constexpr std::size_t kMaxDirectRows = 20000;
 constexpr double kMaxProducts = 2e7;
 constexpr double kFixing = 1e6;  // of a pressed node along its normal, beside its own stiffness
 
-double dot(const std::vector<Vec3d>& a, const std::vector<Vec3d>& b) {
-  double sum = 0;
-  for (std::size_t n = 0; n < a.size(); ++n) sum += a[n].dot(b[n]);
-  return sum;
-}
-
 /// along * n n^T + across * (I - n n^T).
 SymmetricBlock spring_block(const Vec3d& n, double along, double across) {
   const double d = along - across;
@@ -65,9 +59,11 @@ int SpringMatrix::Pattern::coupling_of(int a, int b) const {
 
 SpringMatrix::SpringMatrix(const SpringSystem& system, const std::vector<char>& is_held)
     : m_pattern(analyse(system, is_held)) {
-  if (m_pattern.node_of_row.size() > kMaxDirectRows) return;
-  m_factors.emplace(int(m_pattern.node_of_row.size()), m_pattern.couplings);
-  if (m_factors->products() > kMaxProducts) m_factors.reset();
+  const std::size_t rows = m_pattern.node_of_row.size();
+  if (rows <= kMaxDirectRows) m_factors.emplace(int(rows), m_pattern.couplings);
+  if (m_factors && m_factors->products() <= kMaxProducts) return;
+  m_factors.reset();
+  m_gradients.emplace(int(rows), m_pattern.couplings);
 }
 
 void SpringMatrix::add_block(const SpringRows& place, const SymmetricBlock& block) {
@@ -140,20 +136,16 @@ bool SpringMatrix::factorise(const SpringSystem& system, double mass_factor, dou
     add(m_diagonal[row], spring_block(node.normal, kFixing * (own[0] + own[1] + own[2]), 0), 1);
   }
   if (m_factors) return m_factors->factorise(m_diagonal, m_coupling);
-  m_inverse_diagonal.resize(m_diagonal.size());
-  for (std::size_t row = 0; row < m_diagonal.size(); ++row) {
-    if (!invert(m_diagonal[row], m_inverse_diagonal[row])) return false;
-  }
-  return true;
+  return m_gradients->prepare(m_diagonal, m_coupling);
 }
 
-void SpringMatrix::solve(std::vector<Vec3d>& x, const Progress* progress) {
+void SpringMatrix::solve(std::vector<Vec3d>& x, double tolerance, const Progress* progress) {
   m_rows.resize(m_pattern.node_of_row.size());
   for (std::size_t row = 0; row < m_rows.size(); ++row) m_rows[row] = x[m_pattern.node_of_row[row]];
   if (m_factors) {
     m_factors->solve(m_rows);
   } else {
-    solve_by_gradients(progress);
+    m_gradients->solve(m_rows, tolerance, progress);
   }
   std::fill(x.begin(), x.end(), Vec3d(0.0));
   for (std::size_t row = 0; row < m_rows.size(); ++row) x[m_pattern.node_of_row[row]] = m_rows[row];
@@ -191,46 +183,9 @@ void SpringMatrix::take_back(std::vector<SlidingNode>& sliding) const {
   }
 }
 
-void SpringMatrix::multiply(const std::vector<Vec3d>& x, std::vector<Vec3d>& product) const {
-  for (std::size_t row = 0; row < x.size(); ++row) product[row] = times(m_diagonal[row], x[row]);
-  for (std::size_t n = 0; n < m_coupling.size(); ++n) {
-    const auto [a, b] = m_pattern.couplings[n];
-    product[a] += times(m_coupling[n], x[b]);
-    product[b] += times(m_coupling[n], x[a]);
-  }
-}
-
-void SpringMatrix::solve_by_gradients(const Progress* progress) {
-  constexpr int kMaxSteps = 3000;
-  constexpr double kTolerance = 1e-8;
-  const std::size_t rows = m_rows.size();
-  std::vector<Vec3d> x(rows, Vec3d(0.0)), residual = m_rows, z(rows), direction, product(rows);
-  const auto precondition = [&] {
-    for (std::size_t n = 0; n < rows; ++n) z[n] = times(m_inverse_diagonal[n], residual[n]);
-  };
-  precondition();
-  direction = z;
-  double rz = dot(residual, z);
-  const double enough = kTolerance * kTolerance * dot(residual, residual);
-  for (int step = 0; step < kMaxSteps && dot(residual, residual) > enough; ++step) {
-    poll(progress);
-    multiply(direction, product);
-    const double length = rz / dot(direction, product);
-    for (std::size_t n = 0; n < rows; ++n) {
-      x[n] += direction[n] * length;
-      residual[n] -= product[n] * length;
-    }
-    precondition();
-    const double next_rz = dot(residual, z);
-    for (std::size_t n = 0; n < rows; ++n) direction[n] = z[n] + direction[n] * (next_rz / rz);
-    rz = next_rz;
-  }
-  m_rows = std::move(x);
-}
-
 std::size_t SpringMatrix::bytes() const {
-  const std::size_t blocks = m_diagonal.size() + m_coupling.size() + m_inverse_diagonal.size();
-  return (m_factors ? m_factors->bytes() : 0) + blocks * sizeof(SymmetricBlock);
+  return (m_factors ? m_factors->bytes() : 0) + (m_gradients ? m_gradients->bytes() : 0) +
+         (m_diagonal.size() + m_coupling.size()) * sizeof(SymmetricBlock);
 }
 
 }  // namespace supple

@@ -3,13 +3,14 @@
 // as 0 (Choi and Ko, Stable but responsive cloth, 2002). An awake barrier counts by an upper bound.
 //
 // Surfaces and chains are solved by their factors. In solids the factors fill up (a cube of 16^3
-// nodes takes 2.8 s): beyond 2 10^7 products of blocks, or 20,000 nodes, conjugate gradients with
-// the blocks of the diagonal as preconditioner take over.
+// nodes takes 2.8 s): beyond 2 10^7 products of blocks, or 20,000 nodes, conjugate gradients take
+// over.
 #pragma once
 
 #include <optional>
 #include <vector>
 
+#include "lib/springs/block_gradients.h"
 #include "lib/springs/block_ldlt.h"
 #include "lib/springs/spring_system.h"
 #include "volumes/base/progress.h"
@@ -39,10 +40,9 @@ class SpringMatrix {
   bool factorise(const SpringSystem& system, double mass_factor, double damping_factor,
                  const std::vector<Vec3d>& damping_pos,
                  const std::vector<PressedNode>& pressed = {});
-  /// A x = b for the free nodes, in place; 0 for held ones. Conjugate gradients end at 10^-8 of
-  /// |b|, or after 3,000 steps with the iterate at hand, which goes downhill in any case. They
-  /// throw Cancelled.
-  void solve(std::vector<Vec3d>& x, const Progress* progress = nullptr);
+  /// A x = b for the free nodes, in place; 0 for held ones. Conjugate gradients end at `tolerance`
+  /// times |b| (BlockGradients::solve) and throw Cancelled.
+  void solve(std::vector<Vec3d>& x, double tolerance, const Progress* progress = nullptr);
 
   /// Coulomb's law after assemble(): the ways back y along the surfaces that minimise
   /// y A y / 2 + sum of friction |slip + y|, all other nodes at rest. Sweeps node by node.
@@ -69,12 +69,11 @@ class SpringMatrix {
 
   void add_block(const SpringRows& place, const SymmetricBlock& block);
   void add_barrier(const SpringSystem& system);
-  void multiply(const std::vector<Vec3d>& x, std::vector<Vec3d>& product) const;
-  void solve_by_gradients(const Progress* progress);
 
   Pattern m_pattern;
   std::optional<BlockLdlt> m_factors;
-  std::vector<SymmetricBlock> m_diagonal, m_coupling, m_inverse_diagonal;
+  std::optional<BlockGradients> m_gradients;  // where there are no factors
+  std::vector<SymmetricBlock> m_diagonal, m_coupling;
   std::vector<Vec3d> m_rows;
 };
 

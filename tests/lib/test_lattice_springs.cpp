@@ -272,7 +272,7 @@ TEST(PropertyLatticeSprings, SolidsTooLargeForFactorsAreSolvedByGradientsToTheSa
     std::vector<char> is_held(springs.system.node_count(), 0);
     for (const HeldNode& held : springs.system.held) is_held[held.node] = 1;
     EXPECT_EQ(SpringMatrix(springs.system, is_held).is_direct(), size < 12);
-    const MinimiseReport report = minimise(springs.system);
+    const MinimiseReport report = minimise(springs.system, {1e-4, 500});
     EXPECT_TRUE(report.converged) << size;
     // The held layer carries the weight of all others.
     std::vector<Vec3d> force;

@@ -2,8 +2,11 @@
 #include <cmath>
 
 #include <gtest/gtest.h>
+#include <oneapi/tbb/global_control.h>
 
+#include "lib/springs/block_gradients.h"
 #include "lib/springs/block_ldlt.h"
+#include "lib/springs/lattice_springs.h"
 #include "lib/springs/mesh_springs.h"
 #include "lib/springs/minimise.h"
 #include "tests/lib/spring_fixtures.h"
@@ -24,16 +27,11 @@ double catenary_parameter(double length, double distance) {
   return (lo + hi) / 2;
 }
 
-}  // namespace
-
-TEST(UnitBlockLdlt, ItsSolutionSatisfiesTheEquations) {
-  std::mt19937 random(2);
-  for (int run = 0; run < 30; ++run) {
-    const int rows = 1 + int(random() % 25);
-    std::vector<std::array<int, 2>> couplings;
-    std::vector<SymmetricBlock> diagonal(rows, {9, 9, 9, 1, 2, -1}), coupling;
+/// A random symmetric matrix, positive definite by its diagonal.
+struct BlockMatrix {
+  BlockMatrix(int rows, std::mt19937& random) : diagonal(rows, {9, 9, 9, 1, 2, -1}) {
     for (int a = 0; a < rows; ++a) {
-      for (int b = a + 1; b < rows; ++b) {
+      for (int b = a + 1; b < std::min(rows, a + 25); ++b) {
         if (random() % 4 != 0) continue;
         couplings.push_back(random() % 2 == 0 ? std::array<int, 2>{a, b}
                                               : std::array<int, 2>{b, a});
@@ -42,22 +40,87 @@ TEST(UnitBlockLdlt, ItsSolutionSatisfiesTheEquations) {
         coupling.push_back(block);
       }
     }
-    BlockLdlt factors(rows, couplings);
-    ASSERT_TRUE(factors.factorise(diagonal, coupling));
-    std::vector<Vec3d> x(rows), right(rows), product(rows);
-    for (Vec3d& v : right) v = Vec3d(double(random() % 100), double(random() % 100), -7);
-    x = right;
-    factors.solve(x);
-    for (int n = 0; n < rows; ++n) product[n] = times(diagonal[n], x[n]);
+  }
+  std::vector<Vec3d> operator*(const std::vector<Vec3d>& x) const {
+    std::vector<Vec3d> product(x.size());
+    for (std::size_t n = 0; n < x.size(); ++n) product[n] = times(diagonal[n], x[n]);
     for (std::size_t n = 0; n < couplings.size(); ++n) {
       const auto [a, b] = couplings[n];
       product[a] += times(coupling[n], x[b]);
       product[b] += times(coupling[n], x[a]);
     }
-    for (int n = 0; n < rows; ++n) ASSERT_LT((product[n] - right[n]).length(), 1e-9);
+    return product;
+  }
+
+  std::vector<SymmetricBlock> diagonal, coupling;
+  std::vector<std::array<int, 2>> couplings;
+};
+
+std::vector<Vec3d> random_vectors(int count, std::mt19937& random) {
+  std::vector<Vec3d> vectors(count);
+  for (Vec3d& v : vectors) v = Vec3d(double(random() % 100), double(random() % 100), -7);
+  return vectors;
+}
+
+double distance(const std::vector<Vec3d>& a, const std::vector<Vec3d>& b) {
+  double sum = 0;
+  for (std::size_t n = 0; n < a.size(); ++n) sum += (a[n] - b[n]).length2();
+  return std::sqrt(sum);
+}
+
+/// A cube of lattice springs whose ends are 1.2 times as far apart; its factors would fill up.
+SpringSystem stretched_cube() {
+  constexpr int kDim = 16;
+  LatticeSprings springs = make_springs(body_of(soft_block({kDim, kDim, kDim})), LatticeSpringParams());
+  for (std::size_t n = 0; n < springs.system.node_count(); ++n) {
+    const double x = springs.system.pos_mm[n].x;
+    if (x == 0 || x == kDim - 1) hold(springs.system, int(n));
+    if (x == kDim - 1) drive(springs.system, int(n), springs.system.pos_mm[n] * Vec3d(1.2, 1, 1));
+  }
+  return springs.system;
+}
+
+}  // namespace
+
+TEST(UnitBlockLdlt, ItsSolutionSatisfiesTheEquations) {
+  std::mt19937 random(2);
+  for (int run = 0; run < 30; ++run) {
+    const int rows = 1 + int(random() % 25);
+    BlockMatrix matrix(rows, random);
+    BlockLdlt factors(rows, matrix.couplings);
+    ASSERT_TRUE(factors.factorise(matrix.diagonal, matrix.coupling));
+    const std::vector<Vec3d> right = random_vectors(rows, random);
+    std::vector<Vec3d> x = right;
+    factors.solve(x);
+    ASSERT_LT(distance(matrix * x, right), 1e-8);
     // With a negative eigenvalue it says so.
-    diagonal[rows / 2][run % 3] = -1;
-    EXPECT_FALSE(factors.factorise(diagonal, coupling));
+    matrix.diagonal[rows / 2][run % 3] = -1;
+    EXPECT_FALSE(factors.factorise(matrix.diagonal, matrix.coupling));
+  }
+}
+
+TEST(UnitBlockGradients, ItsSolutionIsAsNearAsAskedForWithAnyNumberOfThreads) {
+  std::mt19937 random(3);
+  for (const int rows : {1, 25, 5000}) {
+    BlockMatrix matrix(rows, random);
+    BlockGradients gradients(rows, matrix.couplings);
+    ASSERT_TRUE(gradients.prepare(matrix.diagonal, matrix.coupling));
+    const std::vector<Vec3d> right = random_vectors(rows, random);
+    const double size = distance(right, std::vector<Vec3d>(right.size(), Vec3d(0.0)));
+    double last = 1;
+    for (const double tolerance : {1e-1, 1e-10}) {
+      std::vector<Vec3d> x = right, alone = right;
+      gradients.solve(x, tolerance, nullptr);
+      const double rest = distance(matrix * x, right) / size;
+      EXPECT_LE(rest, tolerance * 1.01);
+      EXPECT_LE(rest, last);
+      last = rest;
+      const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
+      gradients.solve(alone, tolerance, nullptr);
+      EXPECT_EQ(x, alone);
+    }
+    matrix.diagonal[rows / 2][1] = -1;
+    EXPECT_FALSE(gradients.prepare(matrix.diagonal, matrix.coupling));
   }
 }
 
@@ -125,4 +188,22 @@ TEST(PropertyMinimise, WhatIsInterruptedHasLessEnergyThanBefore) {
   EXPECT_EQ(report.steps, 2);
   EXPECT_FALSE(report.converged);
   EXPECT_LT(report.after.total_j(), report.before.total_j());
+}
+
+TEST(PropertyMinimise, ASolidTooLargeForFactorsComesToRestWithAnyNumberOfThreads) {
+  SpringSystem system = stretched_cube(), alone = system;
+  const MinimiseReport report = minimise(system);
+  EXPECT_TRUE(report.converged) << report.residual_mn << " after " << report.steps;
+  EXPECT_LT(report.steps, 40);
+  std::vector<Vec3d> force;
+  forces_mn(system, force, Damping::without);
+  std::vector<char> is_held(system.node_count(), 0);
+  for (const HeldNode& held : system.held) is_held[held.node] = 1;
+  for (std::size_t n = 0; n < force.size(); ++n) {
+    if (is_held[n]) continue;
+    ASSERT_LE(force[n].length(), 1e-3);
+  }
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
+  minimise(alone);
+  EXPECT_EQ(system.pos_mm, alone.pos_mm);
 }
