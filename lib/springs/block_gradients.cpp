@@ -9,7 +9,8 @@ namespace supple {
 
 namespace {
 
-constexpr std::size_t kChunk = 1024;  // rows
+constexpr std::size_t kChunk = 1024;         // rows
+constexpr std::size_t kParallelChunks = 16;  // from which on waking threads pays
 
 }  // namespace
 
@@ -41,14 +42,21 @@ bool BlockGradients::prepare(const std::vector<SymmetricBlock>& diagonal,
 
 /// Of what `of_row` returns for each row.
 template <class OfRow>
-double BlockGradients::sum(const OfRow& of_row) const {
+BlockGradients::Sums BlockGradients::sum(const OfRow& of_row) const {
   const std::size_t rows = m_first.size() - 1, chunks = (rows + kChunk - 1) / kChunk;
-  std::vector<double> of_chunk(chunks, 0);
-  tbb::parallel_for(std::size_t(0), chunks, [&](std::size_t chunk) {
+  std::vector<Sums> of_chunk(chunks, Sums{});
+  const auto sum_chunk = [&](std::size_t chunk) {
     const std::size_t end = std::min(rows, (chunk + 1) * kChunk);
-    for (std::size_t row = chunk * kChunk; row < end; ++row) of_chunk[chunk] += of_row(row);
-  });
-  return std::accumulate(of_chunk.begin(), of_chunk.end(), 0.0);
+    Sums sums{};
+    for (std::size_t row = chunk * kChunk; row < end; ++row) sums = sums + of_row(row);
+    of_chunk[chunk] = sums;
+  };
+  if (chunks < kParallelChunks) {
+    for (std::size_t chunk = 0; chunk < chunks; ++chunk) sum_chunk(chunk);
+  } else {
+    tbb::parallel_for(std::size_t(0), chunks, sum_chunk);
+  }
+  return std::accumulate(of_chunk.begin(), of_chunk.end(), Sums{});
 }
 
 Vec3d BlockGradients::product(const std::vector<Vec3d>& x, std::size_t row) const {
@@ -66,34 +74,31 @@ void BlockGradients::solve(std::vector<Vec3d>& b, double tolerance,
   const std::size_t rows = b.size();
   std::vector<Vec3d> x(rows, Vec3d(0.0)), z(rows), direction(rows, Vec3d(0.0)), product_of(rows);
   std::vector<Vec3d>& residual = b;
-  double rz = 0, square = 0;
   const auto precondition = [&](std::size_t row) {
     z[row] = times(m_inverse_diagonal[row], residual[row]);
-    return residual[row].dot(z[row]);
+    return Sums{residual[row].length2(), residual[row].dot(z[row])};
   };
-  rz = sum(precondition);
-  square = sum([&](std::size_t row) { return residual[row].length2(); });
-  const double enough = tolerance * tolerance * square;
+  Sums left = sum(precondition);
+  const double enough = tolerance * tolerance * left.first;
   double part = 0;  // of the last direction
-  for (int step = 0; step < kMaxSteps && square > enough; ++step) {
+  for (int step = 0; step < kMaxSteps && left.first > enough; ++step) {
     poll(progress);
     sum([&](std::size_t row) {
       direction[row] = z[row] + direction[row] * part;
-      return 0.0;
+      return Sums{};
     });
-    const double curvature = sum([&](std::size_t row) {
+    const Sums curvature = sum([&](std::size_t row) {
       product_of[row] = product(direction, row);
-      return direction[row].dot(product_of[row]);
+      return Sums{direction[row].dot(product_of[row]), 0};
     });
-    const double length = rz / curvature;
-    square = sum([&](std::size_t row) {
+    const double length = left.second / curvature.first;
+    const Sums next = sum([&](std::size_t row) {
       x[row] += direction[row] * length;
       residual[row] -= product_of[row] * length;
-      return residual[row].length2();
+      return precondition(row);
     });
-    const double next_rz = sum(precondition);
-    part = next_rz / rz;
-    rz = next_rz;
+    part = next.second / left.second;
+    left = next;
   }
   b = std::move(x);
 }

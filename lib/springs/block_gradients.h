@@ -32,8 +32,12 @@ class BlockGradients {
   struct Entry {
     int row, coupling;
   };
+  struct Sums {
+    double first = 0, second = 0;
+    Sums operator+(const Sums& other) const { return {first + other.first, second + other.second}; }
+  };
   template <class OfRow>
-  double sum(const OfRow& of_row) const;
+  Sums sum(const OfRow& of_row) const;
   Vec3d product(const std::vector<Vec3d>& x, std::size_t row) const;
 
   std::vector<int> m_first;      // entry of each row; one more at the end

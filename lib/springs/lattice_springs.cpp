@@ -51,6 +51,8 @@ class Builder {
 
   void add_springs(const Progress* progress) {
     constexpr std::size_t kElementsPerPoll = 65536;
+    m_cell_nodes.reserve(m_result.slots.size());
+    m_result.system.springs.reserve(m_result.slots.size() * most_springs());
     for (std::size_t n = 0; n < m_result.slots.size(); ++n) {
       if (n % kElementsPerPoll == 0) poll(progress);
       const Slot slot = m_result.slots[n];
@@ -111,6 +113,13 @@ class Builder {
     const Vec3d across = (rest_of(slot, other) + rest_of(next, other)) * 0.5;
     add(slot, corner, along + across, m_params.shear_n_m);
     add(next, side, along - across, m_params.shear_n_m);
+  }
+
+  /// Of an element, those to elements below it left out.
+  std::size_t most_springs() const {
+    constexpr std::size_t kLinks = 3, kDiagonals = 6, kBends = 3;
+    return (m_params.structural_n_m > 0 ? kLinks : 0) + (m_params.shear_n_m > 0 ? kDiagonals : 0) +
+           (m_params.bending_n_m > 0 ? kBends : 0);
   }
 
   void add(Slot a, Slot b, const Vec3d& between, double stiffness) {

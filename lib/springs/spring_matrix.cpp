@@ -37,17 +37,20 @@ SpringMatrix::Pattern SpringMatrix::analyse(const SpringSystem& system,
     pattern.row_of_node[n] = int(pattern.node_of_row.size());
     pattern.node_of_row.push_back(int(n));
   }
+  pattern.couplings.reserve(system.springs.size());
   for (const Spring& s : system.springs) {
     const int a = pattern.row_of_node[s.a], b = pattern.row_of_node[s.b];
-    pattern.places.push_back({a, b, -1});
     if (a >= 0 && b >= 0) pattern.couplings.push_back(pair_of(a, b));
   }
   auto& couplings = pattern.couplings;
   std::sort(couplings.begin(), couplings.end());
   couplings.erase(std::unique(couplings.begin(), couplings.end()), couplings.end());
-  for (SpringRows& place : pattern.places) {
-    if (place.a < 0 || place.b < 0) continue;
-    place.coupling = pattern.coupling_of(place.a, place.b);
+  couplings.shrink_to_fit();
+  pattern.coupling_of_spring.assign(system.springs.size(), -1);
+  for (std::size_t n = 0; n < system.springs.size(); ++n) {
+    const Spring& s = system.springs[n];
+    const int a = pattern.row_of_node[s.a], b = pattern.row_of_node[s.b];
+    if (a >= 0 && b >= 0) pattern.coupling_of_spring[n] = pattern.coupling_of(a, b);
   }
   return pattern;
 }
@@ -109,7 +112,8 @@ void SpringMatrix::assemble(const SpringSystem& system, double mass_factor, doub
   m_coupling.assign(m_pattern.couplings.size(), SymmetricBlock{});
   for (std::size_t n = 0; n < system.springs.size(); ++n) {
     const Spring& s = system.springs[n];
-    const SpringRows& place = m_pattern.places[n];
+    const SpringRows place = {m_pattern.row_of_node[s.a], m_pattern.row_of_node[s.b],
+                              m_pattern.coupling_of_spring[n]};
     if (place.a < 0 && place.b < 0) continue;
     const Vec3d x = system.pos_mm[s.b] - system.pos_mm[s.a];
     const double length = std::sqrt(x.length2());

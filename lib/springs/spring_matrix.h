@@ -59,8 +59,8 @@ class SpringMatrix {
   struct Pattern {
     std::vector<int> row_of_node;
     std::vector<int> node_of_row;
-    std::vector<SpringRows> places;  // per spring
     std::vector<std::array<int, 2>> couplings;
+    std::vector<int> coupling_of_spring;  // -1: none
 
     /// Of two rows; -1: none.
     int coupling_of(int a, int b) const;

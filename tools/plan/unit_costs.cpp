@@ -21,7 +21,7 @@ Fields fields(UnitCosts& costs) {
       cost("ecm_element", costs.ecm_element, "An element that ECM moves, per coordinate"),
       cost("relax_element", costs.relax_element, "An element, per pass and coordinate"),
       cost("volume_element", costs.volume_element, "The same where cells keep their volume"),
-      cost("spring", costs.spring, "A spring, per step"),
+      cost("spring", costs.spring, "A spring, per step of the first two to a minimum"),
       cost("fem_unknown", costs.fem_unknown, "An unknown of finite elements, per iteration"),
       cost("displacement_voxel", costs.displacement_voxel, "A voxel of bricks that move"),
       cost("invert_voxel", costs.invert_voxel, "A voxel of bricks that move, inverted"),

@@ -17,7 +17,7 @@ struct UnitCosts {
   double ecm_element = 20;            // moved, per coordinate
   double relax_element = 16;          // per pass and coordinate
   double volume_element = 90;         // per pass, where cells keep their volume
-  double spring = 2000;               // per step, of a minimum or implicit
+  double spring = 750;                // per step, of the first two to a minimum
   double fem_unknown = 190;           // per iteration
   double displacement_voxel = 12;     // of the bricks that move, extension included
   double invert_voxel = 55;           // of the bricks that move, certificate included

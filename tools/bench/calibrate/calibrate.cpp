@@ -26,7 +26,7 @@ namespace {
 
 constexpr int kRounds = 3;
 constexpr double kNanosecondsPerMs = 1e6;
-constexpr int kRelaxPasses = 8, kSpringSteps = 8;
+constexpr int kRelaxPasses = 8, kSpringSteps = 2;
 constexpr int kPictureSize = 256;
 
 /// Wall time, or processor time where that is less: on a busy machine, of one thread.
@@ -218,9 +218,13 @@ void Calibration::measure_motion() {
     const double ms = effort_ms([&] { record = session.step(request); });
     return std::pair(ms, record);
   };
-  const auto [springs_ms, by_springs] = step(false);
-  const SpringRecord& springs = by_springs.sprung;
-  m_costs.spring = per_unit(springs_ms, double(springs.springs) * springs.steps);
+  double springs_ms = HUGE_VAL, spring_steps = 0;
+  for (int round = 0; round < kRounds; ++round) {
+    const auto [ms, record] = step(false);
+    springs_ms = std::min(springs_ms, ms);
+    spring_steps = double(record.sprung.springs) * record.sprung.steps;
+  }
+  m_costs.spring = per_unit(springs_ms, spring_steps);
   const auto [fem_ms, by_fem] = step(true);
   const FemReport& fem = by_fem.equilibrium.report;
   m_costs.fem_unknown = per_unit(fem_ms, double(fem.unknowns) * std::max(1, fem.iterations));
