@@ -11,7 +11,8 @@ namespace supple {
 
 namespace {
 
-constexpr double kLinearTolerance = 1e-8;
+// What conjugate gradients leave of the forces of each Newton step.
+constexpr double kLinearTolerance = 1e-4;
 
 double largest_of(const std::vector<Vec3d>& vectors) {
   double largest2 = 0;

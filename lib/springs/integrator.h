@@ -9,7 +9,7 @@
 // | ProjectiveDynamics | any dt              | momentum; damps    | back-solves            |
 //
 // All are of order 1 and end a step with pos = start + dt * velocity. Everything runs on one thread
-// in a fixed order: results are the same bits whatever the number of threads.
+// in a fixed order, but for CG: results are the same bits whatever the number of threads.
 #pragma once
 
 #include <vector>

@@ -11,8 +11,8 @@ namespace supple {
 
 namespace {
 
-// What conjugate gradients leave of the forces. A tighter solution lowers the energy no further, and
-// takes up to twenty times as long.
+// What conjugate gradients leave of the forces. With 1e-4 as many steps lead to
+// the minimum, and take three to five times as long.
 constexpr double kInexact = 1e-2;
 
 /// Energy in microjoules with gravity against `from`, so that its differences keep their digits.
@@ -56,8 +56,7 @@ double highest_eigenvalue(const SpringSystem& system, const std::vector<char>& i
 
 }  // namespace
 
-Minimiser::Minimiser(SpringSystem& system)
-    : m_system(system), m_is_held(system.node_count(), 0) {
+Minimiser::Minimiser(SpringSystem& system) : m_system(system), m_is_held(system.node_count(), 0) {
   validate(system);
   for (const HeldNode& held : system.held) {
     m_is_held[held.node] = 1;

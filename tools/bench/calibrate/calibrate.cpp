@@ -220,6 +220,7 @@ void Calibration::measure_motion() {
   };
   double springs_ms = HUGE_VAL, spring_steps = 0;
   for (int round = 0; round < kRounds; ++round) {
+    if (m_console.cancelled()) throw Cancelled();
     const auto [ms, record] = step(false);
     springs_ms = std::min(springs_ms, ms);
     spring_steps = double(record.sprung.springs) * record.sprung.steps;
