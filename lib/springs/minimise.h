@@ -2,8 +2,8 @@
 // in the thesis (section 4.2.3, second method). Newton's method with the positive semidefinite
 // matrix of implicit steps, damped by a multiple of the masses that falls while steps succeed (an
 // implicit Euler step that forgets its velocity and grows), with a line search: every step lowers
-// the energy. In solids its equations are solved by conjugate gradients to a hundredth only (inexact
-// Newton: R. Dembo, S. Eisenstat, T. Steihaug, SIAM J. Numer. Anal. 19, 1982).
+// the energy. In solids its equations are solved by conjugate gradients to a hundredth only
+// (inexact Newton: R. Dembo, S. Eisenstat, T. Steihaug, SIAM J. Numer. Anal. 19, 1982).
 #pragma once
 
 #include <memory>
