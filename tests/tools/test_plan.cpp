@@ -171,6 +171,24 @@ TEST_F(UnitPlan, ARunThatWasPlannedSaysWhatCameOfIt) {
   EXPECT_LT(ratio, 1.5);
 }
 
+TEST_F(UnitPlan, SpringsOfASolidHoldWhatWasPlanned) {
+  write_ball(m_folder, "ball", 64);
+  const Json report =
+      run("[[step]]\ngrab = [32, 32, 32]\nby = [0.0, 3.0, 0.0]\nmodel = \"springs\"\n"
+          "springs = { minimise = true, steps = 1 }\n" +
+              kPlannedView,
+          {"--plan"});
+  for (const char* axis : {"i", "j", "k"}) {
+    EXPECT_TRUE(says(report.at("plan").at("rows"), std::string("coordinate ") + axis));
+  }
+  if (kSanitized) return;  // shadow memory is in no plan
+  const Json& outcome = report.at("outcome");
+  const double ratio =
+      outcome.at("peak_mb").get<double>() / outcome.at("was_peak_mb").get<double>();
+  EXPECT_GT(ratio, 0.85);
+  EXPECT_LT(ratio, 1.2);
+}
+
 TEST_F(UnitPlan, OptionsOfCommandsArePlannedAsScenesOfOneStep) {
   const Json deform = json_of({"deform", m_folder / "ball.nhdr", "--grab", "12,12,12", "--by",
                                "0,3,0", "-o", m_folder / "s.vdb", "--dry-run", "--json"});
