@@ -11,8 +11,8 @@ namespace supple {
 
 namespace {
 
-// What conjugate gradients leave of the forces. With 1e-4 as many steps lead to
-// the minimum, and take three to five times as long.
+// What conjugate gradients leave of the forces. With 1e-4 as many steps lead to the minimum
+// and take three to five times as long.
 constexpr double kInexact = 1e-2;
 
 /// Energy in microjoules with gravity against `from`, so that its differences keep their digits.
