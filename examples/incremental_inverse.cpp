@@ -26,7 +26,7 @@ int main(int argc, char** argv) try {
   // [incremental]
 
   const supple::OffsetField anew = supple::invert(live.displacement());
-  const bool is_same = inverse.field().o.vectors == anew.o.vectors;
+  const bool is_same = inverse.field(live.displacement()).o.vectors == anew.o.vectors;
   std::printf("the same bits as an inversion anew: %s\n", is_same ? "yes" : "no");
   return is_same ? 0 : 1;
 } catch (const supple::Error& error) {

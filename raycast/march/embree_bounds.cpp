@@ -18,7 +18,8 @@ using ClusterBox = std::pair<Vec3d, Vec3d>;  // lowest and highest corner
 /// What one traversal collects; Embree hands the context to the callback.
 struct CollectContext {
   RTCIntersectContext base;
-  const IndexRay* ray;
+  Vec3d origin;
+  Vec3d per_voxel;  // mm along the ray per voxel along each axis; infinite across it
   Interval within;
   std::vector<Interval>* out;
 };
@@ -30,12 +31,25 @@ void box_bounds(const RTCBoundsFunctionArguments* args) {
   b.upper_x = float(box.second.x), b.upper_y = float(box.second.y), b.upper_z = float(box.second.z);
 }
 
+/// The part of the ray in a box, empty where it misses: as clip_to_box(), without a division per
+/// side.
+Interval part_in(const ClusterBox& box, const CollectContext& ray) {
+  Interval part = ray.within;
+  for (int a = 0; a < 3; ++a) {
+    const double t0 = (box.first[a] - ray.origin[a]) * ray.per_voxel[a];
+    const double t1 = (box.second[a] - ray.origin[a]) * ray.per_voxel[a];
+    part.begin = std::max(part.begin, std::min(t0, t1));
+    part.end = std::min(part.end, std::max(t0, t1));
+  }
+  return part;
+}
+
 /// Notes the interval and reports no hit, so that the traversal goes on to the end.
 void collect(const RTCIntersectFunctionNArguments* args) {
   if (args->valid[0] == 0) return;
   auto* context = reinterpret_cast<CollectContext*>(args->context);
   const ClusterBox& box = static_cast<const ClusterBox*>(args->geometryUserPtr)[args->primID];
-  const Interval hit = clip_to_box(*context->ray, box.first, box.second, context->within);
+  const Interval hit = part_in(box, *context);
   if (hit.begin <= hit.end) context->out->push_back(hit);
 }
 
@@ -108,7 +122,8 @@ void VisibleBounds::intervals(const IndexRay& ray, Interval within,
   if (m_impl->boxes.empty()) return;
   CollectContext context;
   rtcInitIntersectContext(&context.base);
-  context.ray = &ray;
+  context.origin = ray.origin;
+  for (int a = 0; a < 3; ++a) context.per_voxel[a] = 1 / ray.direction[a];
   context.within = within;
   context.out = &out;
 

@@ -205,10 +205,10 @@ std::int32_t OffsetBricks::gather_brick(std::size_t b, const VectorBrickFinder& 
   BrickNodes nodes;
   float* out = m_offsets.at(m_states[b]);
   if (m_node_spacing == 1) {
-    gather_nodes(offsets, m_source->topology(), true, origin, out, nodes);
+    gather_nodes(offsets, m_source->topology(), origin, out, nodes);
   } else {
     float all[BrickNodes::kFloats];
-    gather_nodes(offsets, m_source->topology(), true, origin, all, nodes);
+    gather_nodes(offsets, m_source->topology(), origin, all, nodes);
     if (!is_straight(b, nodes)) keep_every_second(all, out);
   }
   m_ranges[b] = range_of(b, nodes);

@@ -42,7 +42,7 @@ TEST(PropertyLiveOffsets, UpdatedBricksGiveThePictureOfAllOffsetsSetAnew) {
   Renderer live(scene.geometry, scene.density), anew(scene.geometry, scene.density);
   Displacement u = scene.displaced(shear_warp(kMiddle, 0));
   IncrementalInversion inversion(u);
-  const OffsetField at_rest = inversion.field();
+  const OffsetField at_rest = inversion.field(u);
   live.set_offsets(&at_rest);
   const Image rest = scene.draw(live);
   for (int step = 0; step < 3; ++step) {

@@ -103,7 +103,7 @@ void LiveBody::show_rest() {
 
 const OffsetField& LiveBody::inverse() {
   if (m_cuts.empty()) {
-    if (!m_field) m_field = m_inversion->field();
+    if (!m_field) m_field = m_inversion->field(displacement());
     return *m_field;
   }
   if (m_is_cut_stale) update_cut_inverse();

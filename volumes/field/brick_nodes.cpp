@@ -15,6 +15,7 @@ namespace {
 
 constexpr float kMaxVectorVoxels = 1 << 20;
 constexpr int kRowFloats = 3 * kBrickDim;
+constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
 Float4 mix(const Float4& a, const Float4& b, float t) {
   return a + t * (b - a);
@@ -33,139 +34,191 @@ unsigned occupied_row(const BrickTopology& occupied, const Vec3i& origin, int x,
   return row(0) | (row(kBrickDim) & 1) << kBrickDim;
 }
 
-/// Smallest and largest values of rows of eight vectors, component by component.
-class RowRange {
+bool is_place(const float* v) {
+  return std::abs(v[0]) + std::abs(v[1]) + std::abs(v[2]) < kMaxVectorVoxels;
+}
+
+/// Smallest and largest vectors of gathered nodes, and how many components are not numbers.
+class NodeRange {
  public:
-  RowRange() {
-    m_lo.fill(HUGE_VALF);
-    m_hi.fill(-HUGE_VALF);
+  explicit NodeRange(const float* nodes) {
+    // Three registers hold eight nodes, component by component.
+    constexpr int kRow = 3 * kFloats8, kRows = BrickNodes::kFloats / kRow;
+    Floats8 lo[3], hi[3];
+    Ints8 missing{};
+    for (int k = 0; k < 3; ++k) {
+      lo[k] = Floats8{} + HUGE_VALF;
+      hi[k] = -lo[k];
+    }
+    for (int row = 0; row < kRows; ++row) {
+      for (int k = 0; k < 3; ++k) {
+        Floats8 v;
+        std::memcpy(&v, nodes + row * kRow + k * kFloats8, sizeof v);
+        // False for what is not a number.
+        lo[k] = v < lo[k] ? v : lo[k];
+        hi[k] = v > hi[k] ? v : hi[k];
+        missing -= v != v;
+      }
+    }
+    for (int n = 0; n < kRow; ++n) {
+      add(n % 3, lo[n / kFloats8][n % kFloats8], hi[n / kFloats8][n % kFloats8]);
+    }
+    for (int n = 0; n < kFloats8; ++n) m_missing += missing[n];
+    for (int n = kRows * kRow; n < BrickNodes::kFloats; ++n) {
+      add(n % 3, nodes[n], nodes[n]);
+      m_missing += nodes[n] != nodes[n];
+    }
   }
-  /// False, and nothing has happened, when a value is not a place on the lattice.
-  bool add(const float* row) {
-    bool is_good = true;
-    for (int n = 0; n < kRowFloats; ++n) is_good &= std::abs(row[n]) < kMaxVectorVoxels / 3;
-    if (!is_good) return false;
-    for (int n = 0; n < kRowFloats; ++n) {
-      m_lo[n] = row[n] < m_lo[n] ? row[n] : m_lo[n];
-      m_hi[n] = row[n] > m_hi[n] ? row[n] : m_hi[n];
+
+  const Vec3f& lo() const { return m_lo; }
+  const Vec3f& hi() const { return m_hi; }
+  int missing() const { return m_missing; }
+  /// Whether all vectors lead somewhere, for certain.
+  bool are_places() const {
+    for (int a = 0; a < 3; ++a) {
+      if (m_lo[a] <= -kMaxVectorVoxels / 3 || m_hi[a] >= kMaxVectorVoxels / 3) return false;
     }
     return true;
   }
-  void add(const Vec3f& v) {
-    for (int a = 0; a < 3; ++a) {
-      m_lo[a] = std::min(m_lo[a], v[a]);
-      m_hi[a] = std::max(m_hi[a], v[a]);
-    }
-  }
-  Vec3f lo() const {
-    return fold(m_lo, [](float a, float b) { return std::min(a, b); });
-  }
-  Vec3f hi() const {
-    return fold(m_hi, [](float a, float b) { return std::max(a, b); });
-  }
 
  private:
-  using Row = std::array<float, kRowFloats>;
-  template <class Choose>
-  static Vec3f fold(const Row& row, Choose choose) {
-    Vec3f result(row[0], row[1], row[2]);
-    for (int n = 3; n < kRowFloats; ++n) result[n % 3] = choose(result[n % 3], row[n]);
-    return result;
+  static constexpr int kFloats8 = 8;
+  using Floats8 = float __attribute__((vector_size(4 * kFloats8)));
+  using Ints8 = std::int32_t __attribute__((vector_size(4 * kFloats8)));
+
+  void add(int a, float lo, float hi) {
+    m_lo[a] = lo < m_lo[a] ? lo : m_lo[a];
+    m_hi[a] = hi > m_hi[a] ? hi : m_hi[a];
   }
 
-  Row m_lo, m_hi;
+  Vec3f m_lo{HUGE_VALF, HUGE_VALF, HUGE_VALF}, m_hi{-HUGE_VALF, -HUGE_VALF, -HUGE_VALF};
+  int m_missing = 0;
 };
 
-/// Whether none of the brick's own vectors and its upper neighbours' is stored.
-bool are_at_rest(const ViewsAround& around) {
+bool is_upper(const Vec3i& step) {
+  return std::min({step.x, step.y, step.z}) >= 0;
+}
+
+/// Whether all nodes of a brick are given: its own and its upper neighbours' voxels.
+bool are_all_given(const ViewsAround& around) {
   for (int n = 0; n < 27; ++n) {
-    const Vec3i step = surrounding_step(n);
-    if (std::min({step.x, step.y, step.z}) < 0) continue;
-    if (around[n].vectors != kZeroBrickOf<Vec3f>) return false;
+    if (!is_upper(surrounding_step(n))) continue;
+    if (around[n].mask == nullptr || !is_full(*around[n].mask)) return false;
   }
   return true;
 }
 
-bool is_place(const Vec3f& v) {
-  return std::abs(v.x) + std::abs(v.y) + std::abs(v.z) < kMaxVectorVoxels;
-}
-
-/// All nodes of a brick whose own and whose neighbours' voxels are given; false when one of them is
-/// not a place on the lattice.
-bool gather_inside(const ViewsAround& around, float* out, RowRange& range) {
-  for (int x = 0; x < BrickNodes::kDim; ++x) {
-    for (int y = 0; y < BrickNodes::kDim; ++y, out += 3 * BrickNodes::kDim) {
-      const SurroundingVoxel start = surrounding_voxel({x, y, 0});
-      const Vec3f* row = &around[start.brick].vectors[start.offset];
-      const Vec3f& last = around[start.brick + 1].vectors[start.offset];
-      if (!range.add(&row->x) || !is_place(last)) return false;
-      range.add(last);
-      std::memcpy(out, &row->x, sizeof(float) * kRowFloats);
-      std::memcpy(out + kRowFloats, &last.x, sizeof last);
-    }
+/// Whether no brick that nodes are gathered from is stored: where all are given, upper ones alone.
+bool are_at_rest(const ViewsAround& around, bool all_given) {
+  for (int n = 0; n < 27; ++n) {
+    if (all_given && !is_upper(surrounding_step(n))) continue;
+    if (around[n].mask != nullptr && around[n].vectors != kZeroBrickOf<Vec3f>) return false;
   }
   return true;
 }
 
-void gather_beside_void(const ViewsAround& around, const BrickTopology& occupied, bool extrapolated,
-                        const Vec3i& origin, float* out, RowRange& range, bool& is_void) {
-  constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
-  constexpr unsigned kAll = (1u << BrickNodes::kDim) - 1, kOwn = (1u << kBrickDim) - 1;
-  const PaddedRows<2> valid([&](int n) { return around[n].mask; });
+/// Bits z of the nodes of every row along z that there are.
+using NodeRows = std::array<std::uint16_t, BrickNodes::kDim * BrickNodes::kDim>;
+constexpr unsigned kWholeRow = (1u << BrickNodes::kDim) - 1;
+
+/// All nodes of a brick in which all are given.
+void gather_inside(const ViewsAround& around, float* out) {
   for (int x = 0; x < BrickNodes::kDim; ++x) {
     for (int y = 0; y < BrickNodes::kDim; ++y, out += 3 * BrickNodes::kDim) {
       const SurroundingVoxel start = surrounding_voxel({x, y, 0});
-      const unsigned given = valid.row(x, y) & kAll;
-      unsigned known = extrapolated && given != kAll ? valid.dilated_row(x, y) : given;
-      std::fill(out, out + 3 * BrickNodes::kDim, kNone);
-      unsigned rest = known;  // still to be gathered
-      if ((given & kOwn) == kOwn && range.add(&around[start.brick].vectors[start.offset].x)) {
-        std::memcpy(out, &around[start.brick].vectors[start.offset].x, sizeof(float) * kRowFloats);
-        rest &= ~kOwn;
-      }
-      for (; rest != 0; rest &= rest - 1) {
-        const int z = __builtin_ctz(rest);
-        const Vec3f v =
-            given >> z & 1
-                ? around[start.brick + (z >> 3)].vectors[start.offset + (z & 7)]
-                : extrapolate<false>(valid, {x, y, z}, [&](int n) { return around[n].vectors; });
-        if (is_place(v)) {
-          range.add(v);
-          std::memcpy(out + 3 * z, &v.x, sizeof v);
-        } else {
-          known &= ~(1u << z);
-        }
-      }
-      if (known != kAll && is_void) {
-        is_void = (occupied_row(occupied, origin, x, y) & ~known) == 0;
-      }
+      std::memcpy(out, &around[start.brick].vectors[start.offset], sizeof(float) * kRowFloats);
+      std::memcpy(out + kRowFloats, &around[start.brick + 1].vectors[start.offset], sizeof(Vec3f));
     }
   }
+}
+
+/// Nodes that are given, and those beside them.
+NodeRows rows_beside_void(const PaddedRows<2>& valid) {
+  NodeRows rows;
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    const int x = int(row) / BrickNodes::kDim, y = int(row) % BrickNodes::kDim;
+    const unsigned given = valid.row(x, y) & kWholeRow;
+    rows[row] = std::uint16_t(given == kWholeRow ? given : valid.dilated_row(x, y));
+  }
+  return rows;
+}
+
+void gather_beside_void(const ViewsAround& around, const PaddedRows<2>& valid, const NodeRows& rows,
+                        float* out) {
+  constexpr unsigned kOwn = (1u << kBrickDim) - 1;
+  std::fill_n(out, BrickNodes::kFloats, kNone);
+  for (std::size_t row = 0; row < rows.size(); ++row, out += 3 * BrickNodes::kDim) {
+    const int x = int(row) / BrickNodes::kDim, y = int(row) % BrickNodes::kDim;
+    const SurroundingVoxel start = surrounding_voxel({x, y, 0});
+    const unsigned given = valid.row(x, y) & kWholeRow;
+    unsigned rest = rows[row];  // still to be gathered
+    if ((given & kOwn) == kOwn) {
+      std::memcpy(out, &around[start.brick].vectors[start.offset], sizeof(float) * kRowFloats);
+      rest &= ~kOwn;
+    }
+    for (; rest != 0; rest &= rest - 1) {
+      const int z = __builtin_ctz(rest);
+      const Vec3f v =
+          given >> z & 1
+              ? around[start.brick + (z >> 3)].vectors[start.offset + (z & 7)]
+              : extrapolate<false>(valid, {x, y, z}, [&](int n) { return around[n].vectors; });
+      std::memcpy(out + 3 * z, &v.x, sizeof v);
+    }
+  }
+}
+
+/// Takes out the nodes that are no place on the lattice.
+void drop_far_nodes(float* out, NodeRows& rows) {
+  for (std::uint16_t& row : rows) {
+    for (int z = 0; z < BrickNodes::kDim; ++z, out += 3) {
+      if (is_place(out)) continue;
+      std::fill_n(out, 3, kNone);
+      row &= std::uint16_t(~(1u << z));
+    }
+  }
+}
+
+int count_nodes(const NodeRows& rows) {
+  int count = 0;
+  for (const std::uint16_t row : rows) count += __builtin_popcount(row);
+  return count;
+}
+
+/// Whether no voxel that is occupied lacks a node.
+bool lie_in_void(const NodeRows& rows, const BrickTopology& occupied, const Vec3i& origin) {
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    const unsigned missing = ~unsigned(rows[row]) & kWholeRow;
+    const int x = int(row) / BrickNodes::kDim, y = int(row) % BrickNodes::kDim;
+    if (missing != 0 && (occupied_row(occupied, origin, x, y) & missing) != 0) return false;
+  }
+  return true;
 }
 
 }  // namespace
 
-void gather_nodes(const VectorBrickFinder& field, const BrickTopology& occupied, bool extrapolated,
+void gather_nodes(const VectorBrickFinder& field, const BrickTopology& occupied,
                   const Vec3i& origin, float* out, BrickNodes& nodes) {
   ViewsAround around;
-  bool is_inside = true;  // all nodes are given
-  for (int n = 0; n < 27; ++n) {
-    const Vec3i step = surrounding_step(n);
-    const bool is_upper = std::min({step.x, step.y, step.z}) >= 0;
-    if (!is_upper && !extrapolated) continue;
-    around[n] = field(origin + step * kBrickDim);
-    if (is_upper) is_inside = is_inside && around[n].mask != nullptr && is_full(*around[n].mask);
+  for (int n = 0; n < 27; ++n) around[n] = field(origin + surrounding_step(n) * kBrickDim);
+  const bool all_given = are_all_given(around), at_rest = are_at_rest(around, all_given);
+  nodes = {};
+  NodeRows rows;
+  if (all_given) {
+    if (at_rest) return;
+    rows.fill(kWholeRow);
+    gather_inside(around, out);
+  } else {
+    const PaddedRows<2> valid([&](int n) { return around[n].mask; });
+    rows = rows_beside_void(valid);
+    nodes.is_void = lie_in_void(rows, occupied, origin);
+    if (at_rest && nodes.is_void) return;
+    gather_beside_void(around, valid, rows, out);
   }
-  nodes.is_void = true;
-  if (is_inside && are_at_rest(around)) {
-    nodes.lo = nodes.hi = Vec3f(0);
-    nodes.is_zero = true;
-    return;
-  }
-  RowRange range;
-  if (!is_inside || !gather_inside(around, out, range)) {
-    range = RowRange();
-    gather_beside_void(around, occupied, extrapolated, origin, out, range, nodes.is_void);
+  NodeRange range(out);
+  if (!range.are_places() || range.missing() != BrickNodes::kFloats - 3 * count_nodes(rows)) {
+    drop_far_nodes(out, rows);
+    nodes.is_void = lie_in_void(rows, occupied, origin);
+    range = NodeRange(out);
   }
   nodes.lo = range.lo();
   nodes.hi = range.hi();

@@ -14,9 +14,9 @@ struct BrickNodes {
   static constexpr int kStepX = 3 * kDim * kDim, kStepY = 3 * kDim, kStepZ = 3;  // in floats
   static constexpr int kFloats = 3 * kDim * kDim * kDim;
 
-  bool is_zero = true;  // every vector there is
-  bool is_void = true;  // wherever there is none
-  Vec3f lo, hi;         // smallest and largest vectors; lo > hi without any
+  bool is_zero = true;             // every vector there is
+  bool is_void = true;             // wherever there is none
+  Vec3f lo{0, 0, 0}, hi{0, 0, 0};  // smallest and largest vectors; lo > hi without any
 
   bool empty() const { return lo.x > hi.x; }
   /// A cell that has no vector may be read without one only if it is void.
@@ -24,11 +24,11 @@ struct BrickNodes {
 };
 
 /// Writes the nodes of the brick at `origin`, kFloats of them, x slowest, not a number where there
-/// is none. With `extrapolated` a ring of them is added around the valid ones, as
-/// extrapolate_into_bricks() does. `occupied`: voxels that are not void. Vectors that are not
-/// finite or lead nowhere (2^20 voxels) count as none. Of a brick in which all nodes are there and
-/// none is stored, nothing is written.
-void gather_nodes(const VectorBrickFinder& field, const BrickTopology& occupied, bool extrapolated,
+/// is none. A ring of them is added around the valid ones, as extrapolate_into_bricks() does.
+/// `occupied`: voxels that are not void. Vectors that are not finite or lead nowhere (2^20 voxels)
+/// count as none. Of a brick that is_identity() since no vector around it is stored, nothing is
+/// written.
+void gather_nodes(const VectorBrickFinder& field, const BrickTopology& occupied,
                   const Vec3i& origin, float* out, BrickNodes& nodes);
 
 /// Gathered nodes of many bricks, `dim` along every axis, in slots that come and go.

@@ -27,7 +27,7 @@ TEST(UnitOffsetMemory, AnIncrementalInversionTakesWhatIsDocumented) {
   const IncrementalInversion inversion(displacement);
   const double taken = double(heap_in_use() - before);
   const double sources = double(displacement.u.topology.brick_count());
-  const double outputs = double(inversion.field().o.topology.brick_count());
+  const double outputs = double(inversion.field(displacement).o.topology.brick_count());
   EXPECT_NEAR(taken / (6600 * outputs + 400 * sources), 1, 0.05);
 }
 

@@ -108,7 +108,7 @@ TEST(PropertyRestingBricks, FollowedThroughChangesTheyGiveTheSameBits) {
         }
       }
       inversion.update(u, changed);
-      expect_equal(inversion.field(), invert({u.geometry, with_all_stored(u.u)}));
+      expect_equal(inversion.field(u), invert({u.geometry, with_all_stored(u.u)}));
     }
   }
 }

@@ -62,9 +62,10 @@ std::vector<BenchRow> measure_update(const Vec3i& size, std::int64_t wanted,
                                     std::size_t(count));
     const InvertUpdateTimes times = drag_again_and_again(head, inversion, events, cancel);
     if (rows.empty()) {
-      require_equal(inversion.field(), invert(head.displacement(), head.params(), &cancel));
+      require_equal(inversion.field(head.displacement()),
+                    invert(head.displacement(), head.params(), &cancel));
     }
-    const InversionCertificate certificate = inversion.certificate();
+    const InversionCertificate certificate = inversion.certificate(head.displacement());
     BenchRow row = {{"case", "update"},
                     {"method", "newton"},
                     {"field", "head_phantom"},

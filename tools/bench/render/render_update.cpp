@@ -38,7 +38,7 @@ struct UpdateScene {
         renderer(head.body().geometry, density_of(size, head.shell())),
         camera(default_camera(head.body().geometry, 1)) {
     settings.width = settings.height = image_size;
-    const OffsetField at_rest = inversion.field();
+    const OffsetField at_rest = inversion.field(head.displacement());
     renderer.set_offsets(&at_rest);
   }
 

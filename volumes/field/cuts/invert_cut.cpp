@@ -97,7 +97,7 @@ OffsetField IncrementalCutInversion::Impl::follow(const Displacement& part, Prog
     inversion->update(part, differing_bricks(whole, part.u));
   }
   whole = part.u;
-  return inversion->field();
+  return inversion->field(part);
 }
 
 IncrementalCutInversion::IncrementalCutInversion(const Displacement& displacement,

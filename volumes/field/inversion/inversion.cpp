@@ -39,8 +39,14 @@ std::vector<Number> all_numbers(std::size_t count) {
   return numbers;
 }
 
-void add_origins(const IndexBox& reach, std::vector<Vec3i>& origins) {
-  if (!reach.empty()) add_box(reach.lo, reach.hi, origins);
+/// Adds the output bricks that hold a node of the box.
+void add_bricks(const IndexBox& nodes, BrickIndex& bricks) {
+  if (nodes.empty()) return;
+  for (int x = nodes.lo.x & ~7; x <= nodes.hi.x; x += kBrickDim) {
+    for (int y = nodes.lo.y & ~7; y <= nodes.hi.y; y += kBrickDim) {
+      for (int z = nodes.lo.z & ~7; z <= nodes.hi.z; z += kBrickDim) bricks.add({x, y, z});
+    }
+  }
 }
 
 bool is_in_brick_of(const std::vector<Vec3i>& origins, const Vec3i& node) {
@@ -278,23 +284,26 @@ bool Inversion::solve_changed(const VectorBricks& u, const std::vector<std::int3
                               std::vector<Vec3i>& touched, VectorBricks& offsets) {
   // What the cells with a changed corner reached, and what they reach now.
   const std::vector<std::int32_t> affected = with_lower_neighbours(u.topology, changed);
-  touched.clear();
-  for (const std::int32_t b : affected) {
-    const Vec3i& origin = u.topology.origin(std::size_t(b));
-    if (rests(b)) add_box(origin, origin + Vec3i(kBrickDim), touched);
-  }
-  add_sources(affected);
-  for (int pass = 0; pass < 2; ++pass) {
+  BrickIndex reached;
+  const auto add_reached = [&] {
     for (const std::int32_t b : affected) {
       const IndexBox& reach = m_sources[std::size_t(m_source_of[std::size_t(b)])].reach;
       if (is_torn(reach)) return false;
-      add_origins(reach, touched);
+      add_bricks(reach, reached);
     }
-    sort_unique(touched);
-    if (pass > 0) break;
-    m_ranges.update(u, changed);
-    place(u, affected);
+    return true;
+  };
+  for (const std::int32_t b : affected) {
+    const Vec3i& origin = u.topology.origin(std::size_t(b));
+    if (rests(b)) add_bricks({origin, origin + Vec3i(kBrickDim)}, reached);
   }
+  add_sources(affected);
+  if (!add_reached()) return false;
+  m_ranges.update(u, changed);
+  place(u, affected);
+  if (!add_reached()) return false;
+  touched = reached.origins();
+  std::sort(touched.begin(), touched.end(), voxel_less);
 
   // Every brick that reaches them takes part, changed or not.
   const auto is_touched = [&](const Vec3i& node) { return is_in_brick_of(touched, node); };

@@ -8,6 +8,7 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
 #include "volumes/grid/voxel_sets.h"
@@ -37,17 +38,17 @@ bool starts_in_folded_cell(const VectorBricks& u, const FoldedCells& folded, con
 /// Residuals of one output brick after the other, with the memory for it.
 class Probe {
  public:
-  Probe(const VectorBricks& u, const VectorBricks& o, const FoldedCells& folded)
-      : m_u(u), m_o(o), m_folded(folded) {}
+  Probe(const VectorBricks& u, const FoldedCells& folded) : m_u(u), m_folded(folded) {}
 
-  void measure_brick(std::size_t b, ResidualHistogram& histogram);
+  void measure_brick(const Vec3i& origin, const VectorBrickView& offsets,
+                     ResidualHistogram& histogram);
 
  private:
-  bool measure_still(std::size_t b, ResidualHistogram& histogram) const;
+  bool measure_still(const Vec3i& origin, const VectorBrickView& offsets,
+                     ResidualHistogram& histogram) const;
   void measure_far(const Vec3d& pos, const Vec3f& offset, ResidualHistogram& histogram) const;
 
   const VectorBricks& m_u;
-  const VectorBricks& m_o;
   const FoldedCells& m_folded;
   SourceWindow m_window;
   std::array<float, kBrickVoxels> m_residuals;
@@ -62,11 +63,11 @@ void Probe::measure_far(const Vec3d& pos, const Vec3f& offset, ResidualHistogram
                       : std::numeric_limits<float>::infinity());
 }
 
-void Probe::measure_brick(std::size_t b, ResidualHistogram& histogram) {
-  if (measure_still(b, histogram)) return;
-  const Vec3i& origin = m_o.topology.origin(b);
-  const Vec3f* vectors = m_o.vectors.brick_or_zero(b);
-  const BrickMask& nodes = m_o.topology.mask(b);
+void Probe::measure_brick(const Vec3i& origin, const VectorBrickView& offsets,
+                          ResidualHistogram& histogram) {
+  if (measure_still(origin, offsets, histogram)) return;
+  const Vec3f* const vectors = offsets.vectors;
+  const BrickMask& nodes = *offsets.mask;
   const bool measured = m_window.measure(m_u, m_folded, origin, nodes, vectors, m_residuals);
   for_each_active(nodes, [&](int offset) {
     const float residual = measured ? m_residuals[offset] : SourceWindow::kUnknown;
@@ -81,11 +82,12 @@ void Probe::measure_brick(std::size_t b, ResidualHistogram& histogram) {
 
 /// Where no offset is other than 0, u at the voxel itself is the residual. False elsewhere, or when
 /// such a voxel is no source.
-bool Probe::measure_still(std::size_t b, ResidualHistogram& histogram) const {
-  if (!are_zeros(m_o.vectors.brick_or_zero(b))) return false;
-  const std::int32_t same = m_u.topology.find(m_o.topology.origin(b));
+bool Probe::measure_still(const Vec3i& origin, const VectorBrickView& offsets,
+                          ResidualHistogram& histogram) const {
+  if (!are_zeros(offsets.vectors)) return false;
+  const std::int32_t same = m_u.topology.find(origin);
   if (same < 0) return false;
-  const BrickMask &nodes = m_o.topology.mask(b), &sources = m_u.topology.mask(std::size_t(same));
+  const BrickMask &nodes = *offsets.mask, &sources = m_u.topology.mask(std::size_t(same));
   if (&nodes != &sources && !holds(sources, nodes)) return false;
   const Vec3f* u = m_u.vectors.brick_or_zero(std::size_t(same));
   const BrickMask* const folded = m_folded.of(same);
@@ -162,24 +164,16 @@ double ResidualHistogram::percentile(double part) const {
 }
 
 ResidualHistogram measure_residuals(const VectorBricks& u, const VectorBricks& o,
-                                    const FoldedCells& folded,
-                                    std::vector<BrickResiduals>* of_bricks) {
-  if (of_bricks != nullptr) of_bricks->assign(o.topology.brick_count(), {});
-  tbb::enumerable_thread_specific<Probe> probes([&] { return Probe(u, o, folded); });
+                                    const FoldedCells& folded) {
+  tbb::enumerable_thread_specific<Probe> probes([&] { return Probe(u, folded); });
   using Range = tbb::blocked_range<std::size_t>;
   return tbb::parallel_reduce(
       Range(0, o.topology.brick_count(), 16), ResidualHistogram{},
       [&](const Range& range, ResidualHistogram part) {
         Probe& probe = probes.local();
         for (std::size_t b = range.begin(); b < range.end(); ++b) {
-          if (of_bricks == nullptr) {
-            probe.measure_brick(b, part);
-            continue;
-          }
-          ResidualHistogram single;
-          probe.measure_brick(b, single);
-          (*of_bricks)[b] = single.of_one_brick();
-          part.add((*of_bricks)[b]);
+          probe.measure_brick(o.topology.origin(b),
+                              {&o.topology.mask(b), o.vectors.brick_or_zero(b)}, part);
         }
         return part;
       },
@@ -187,6 +181,19 @@ ResidualHistogram measure_residuals(const VectorBricks& u, const VectorBricks& o
         a.join(b);
         return a;
       });
+}
+
+std::vector<BrickResiduals> measure_bricks(const VectorBricks& u, const std::vector<Vec3i>& origins,
+                                           const VectorBrickFinder& offsets,
+                                           const FoldedCells& folded) {
+  std::vector<BrickResiduals> residuals(origins.size());
+  tbb::enumerable_thread_specific<Probe> probes([&] { return Probe(u, folded); });
+  tbb::parallel_for(std::size_t(0), origins.size(), [&](std::size_t n) {
+    ResidualHistogram histogram;
+    probes.local().measure_brick(origins[n], offsets(origins[n]), histogram);
+    residuals[n] = histogram.of_one_brick();
+  });
+  return residuals;
 }
 
 }  // namespace supple

@@ -39,10 +39,13 @@ class ResidualHistogram {
   float m_max = 0;
 };
 
-/// Residuals over the nodes of `o` whose source cell is not folded; `of_bricks`, where given,
-/// receives them brick by brick.
+/// Residuals over the nodes of `o` whose source cell is not folded.
 ResidualHistogram measure_residuals(const VectorBricks& u, const VectorBricks& o,
-                                    const FoldedCells& folded,
-                                    std::vector<BrickResiduals>* of_bricks = nullptr);
+                                    const FoldedCells& folded);
+
+/// The same brick by brick, of the bricks at `origins`, all of which `offsets` finds.
+std::vector<BrickResiduals> measure_bricks(const VectorBricks& u, const std::vector<Vec3i>& origins,
+                                           const VectorBrickFinder& offsets,
+                                           const FoldedCells& folded);
 
 }  // namespace supple

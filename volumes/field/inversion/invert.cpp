@@ -44,7 +44,8 @@ OffsetField invert(const Displacement& displacement, const InvertParams& params,
 struct IncrementalInversion::Impl {
   struct Brick {
     BrickMask mask;
-    BrickResiduals residuals;
+    bool is_measured = false;
+    BrickResiduals residuals;    // where it is measured
     std::vector<Vec3f> vectors;  // empty: none other than 0
   };
 
@@ -54,10 +55,11 @@ struct IncrementalInversion::Impl {
         inversion(geometry.dims(), params) {}
 
   void solve_all(const Displacement& displacement, Progress* progress);
-  void replace(const std::vector<Vec3i>& touched, const VectorBricks& u,
-               const VectorBricks& offsets);
-  void take_over(const VectorBricks& offsets, const std::vector<BrickResiduals>& of_bricks);
+  void replace(const std::vector<Vec3i>& touched, const VectorBricks& offsets);
+  void take_over(const VectorBricks& offsets);
   void give_up(Brick*& brick);
+  void measure(const VectorBricks& u);
+  VectorBrickView find(const Vec3i& origin) const;
   /// Ascending.
   std::vector<Vec3i> origins() const;
 
@@ -68,26 +70,23 @@ struct IncrementalInversion::Impl {
   std::vector<Brick*> bricks;  // null: holds none
   std::deque<Brick> memory;
   std::vector<Brick*> free;
-  ResidualHistogram residuals;
+  ResidualHistogram residuals;  // of the bricks that are measured
 };
 
 void IncrementalInversion::Impl::solve_all(const Displacement& displacement, Progress* progress) {
   for (Brick*& brick : bricks) give_up(brick);
-  const VectorBricks offsets = inversion.solve(displacement.u, progress);
-  std::vector<BrickResiduals> of_bricks;
-  residuals = measure_residuals(displacement.u, offsets, inversion.folded(), &of_bricks);
-  take_over(offsets, of_bricks);
+  take_over(inversion.solve(displacement.u, progress));
 }
 
 void IncrementalInversion::Impl::give_up(Brick*& brick) {
   if (brick == nullptr) return;
+  if (brick->is_measured) residuals.remove(brick->residuals);
   brick->vectors = {};
   free.push_back(brick);
   brick = nullptr;
 }
 
-void IncrementalInversion::Impl::take_over(const VectorBricks& offsets,
-                                           const std::vector<BrickResiduals>& of_bricks) {
+void IncrementalInversion::Impl::take_over(const VectorBricks& offsets) {
   const std::size_t count = offsets.topology.brick_count();
   std::vector<Brick*> taken(count);
   for (std::size_t b = 0; b < count; ++b) {
@@ -103,29 +102,48 @@ void IncrementalInversion::Impl::take_over(const VectorBricks& offsets,
   }
   tbb::parallel_for(std::size_t(0), count, [&](std::size_t b) {
     taken[b]->mask = offsets.topology.mask(b);
-    taken[b]->residuals = of_bricks[b];
+    taken[b]->is_measured = false;
     const Vec3f* const vectors = offsets.vectors.brick(b);
     if (vectors != nullptr) taken[b]->vectors.assign(vectors, vectors + kBrickVoxels);
   });
 }
 
 /// The touched bricks make way for those that were solved anew, which may be fewer or more.
-void IncrementalInversion::Impl::replace(const std::vector<Vec3i>& touched, const VectorBricks& u,
+void IncrementalInversion::Impl::replace(const std::vector<Vec3i>& touched,
                                          const VectorBricks& offsets) {
-  std::vector<BrickResiduals> of_bricks;
-  residuals.join(measure_residuals(u, offsets, inversion.folded(), &of_bricks));
   for (const Vec3i& origin : touched) {
     const std::int32_t n = index.find(origin);
-    if (n < 0 || bricks[n] == nullptr) continue;
-    residuals.remove(bricks[n]->residuals);
-    give_up(bricks[n]);
+    if (n >= 0) give_up(bricks[std::size_t(n)]);
   }
-  take_over(offsets, of_bricks);
+  take_over(offsets);
+}
+
+/// The residuals of all bricks that were solved since they were last asked for.
+void IncrementalInversion::Impl::measure(const VectorBricks& u) {
+  std::vector<Vec3i> fresh;
+  for (std::size_t n = 0; n < bricks.size(); ++n) {
+    if (bricks[n] != nullptr && !bricks[n]->is_measured) fresh.push_back(index.origin(n));
+  }
+  std::vector<BrickResiduals> of_bricks = measure_bricks(
+      u, fresh, [this](const Vec3i& origin) { return find(origin); }, inversion.folded());
+  for (std::size_t n = 0; n < fresh.size(); ++n) {
+    Brick& brick = *bricks[std::size_t(index.find(fresh[n]))];
+    brick.residuals = std::move(of_bricks[n]);
+    brick.is_measured = true;
+    residuals.add(brick.residuals);
+  }
   float max = 0;
   for (const Brick* brick : bricks) {
     if (brick != nullptr) max = std::max(max, brick->residuals.max);
   }
   residuals.set_max(max);
+}
+
+VectorBrickView IncrementalInversion::Impl::find(const Vec3i& origin) const {
+  const std::int32_t n = index.find(origin);
+  if (n < 0 || bricks[std::size_t(n)] == nullptr) return {};
+  const Brick& brick = *bricks[std::size_t(n)];
+  return {&brick.mask, brick.vectors.empty() ? kZeroBrickOf<Vec3f> : brick.vectors.data()};
 }
 
 std::vector<Vec3i> IncrementalInversion::Impl::origins() const {
@@ -154,7 +172,7 @@ std::vector<Vec3i> IncrementalInversion::update(const Displacement& displacement
   std::vector<Vec3i> touched;
   VectorBricks offsets;
   if (m_impl->inversion.solve_changed(displacement.u, changed, touched, offsets)) {
-    m_impl->replace(touched, displacement.u, offsets);
+    m_impl->replace(touched, offsets);
     return touched;
   }
   touched = m_impl->origins();
@@ -164,29 +182,25 @@ std::vector<Vec3i> IncrementalInversion::update(const Displacement& displacement
   return touched;
 }
 
-InversionCertificate IncrementalInversion::certificate() const {
+InversionCertificate IncrementalInversion::certificate(const Displacement& displacement) const {
+  m_impl->measure(displacement.u);
   InversionCertificate certificate = m_impl->inversion.certificate();
   add_residuals(m_impl->residuals, certificate);
   return certificate;
 }
 
 VectorBrickFinder IncrementalInversion::finder() const {
-  return [impl = m_impl.get()](const Vec3i& origin) -> VectorBrickView {
-    const std::int32_t n = impl->index.find(origin);
-    if (n < 0 || impl->bricks[n] == nullptr) return {};
-    const std::vector<Vec3f>& vectors = impl->bricks[n]->vectors;
-    return {&impl->bricks[n]->mask, vectors.empty() ? kZeroBrickOf<Vec3f> : vectors.data()};
-  };
+  return [impl = m_impl.get()](const Vec3i& origin) { return impl->find(origin); };
 }
 
-OffsetField IncrementalInversion::field() const {
+OffsetField IncrementalInversion::field(const Displacement& displacement) const {
   const std::vector<Vec3i> origins = m_impl->origins();
   const VectorBrickFinder find = finder();
   std::vector<BrickMask> masks;
   for (const Vec3i& origin : origins) masks.push_back(*find(origin).mask);
   OffsetField field{m_impl->geometry,
                     {BrickTopology(origins, std::move(masks)), {}},
-                    certificate(),
+                    certificate(displacement),
                     nullptr,
                     m_impl->inversion.overlaps()};
   field.o.vectors.resize(origins.size());

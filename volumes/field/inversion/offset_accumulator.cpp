@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <tuple>
 
+#include <tbb/parallel_for.h>
+
 #include "volumes/grid/cell.h"
 
 namespace supple {
@@ -84,9 +86,9 @@ inline void OffsetAccumulator::put(std::int32_t b, int offset, const Vec3f& o) {
 
 inline void OffsetAccumulator::take(std::int32_t b, const NodeSolution& hit) {
   const int offset = brick_offset(hit.node);
-  const Vec3f o = m_vectors.brick_or_zero(std::size_t(b))[offset];
   Taken& taken = m_taken[b];
   if (mask_test(taken.any, offset)) {
+    const Vec3f o = m_vectors.brick_or_zero(std::size_t(b))[offset];
     const bool is_less = !has_taken(b, offset, hit.content);
     const bool is_more =
         hit.content < Content::tissue && has_taken(b, offset, Content(int(hit.content) + 1));
@@ -215,17 +217,22 @@ bool OffsetAccumulator::holds(const Vec3i& node, Content content) {
 }
 
 BrickTopology OffsetAccumulator::overlaps() const {
-  std::vector<Vec3i> origins;
-  std::vector<BrickMask> masks;
-  for (std::size_t b = 0; b < m_losers.size(); ++b) {
-    BrickMask mask{};
+  std::vector<BrickMask> of_brick(m_losers.size());
+  tbb::parallel_for(std::size_t(0), m_losers.size(), [&](std::size_t b) {
+    of_brick[b] = {};
     for (const Loser& loser : m_losers[b]) {
       const Vec3f& o = m_vectors.brick_or_zero(b)[loser.offset];
-      if (length_squared(loser.o - o) > kSamePlace * kSamePlace) mask_set(mask, loser.offset);
+      if (length_squared(loser.o - o) > kSamePlace * kSamePlace) {
+        mask_set(of_brick[b], loser.offset);
+      }
     }
-    if (mask_count(mask) == 0) continue;
+  });
+  std::vector<Vec3i> origins;
+  std::vector<BrickMask> masks;
+  for (std::size_t b = 0; b < of_brick.size(); ++b) {
+    if (mask_count(of_brick[b]) == 0) continue;
     origins.push_back(m_bricks.origin(b));
-    masks.push_back(mask);
+    masks.push_back(of_brick[b]);
   }
   return {std::move(origins), std::move(masks)};
 }
