@@ -249,6 +249,23 @@ TEST(UnitBricks, AVacatedPlaceIsNotAnIdentityBrick) {
   EXPECT_FALSE(left.is_identity(left.find({0, 0, 0})));
 }
 
+TEST(UnitBricks, VectorsThatLeadNowhereCountAsNone) {
+  const BrickTopology where = voxels_of({16, 16, 16}, everywhere);
+  const SourceBricks source(grid_of(where, [](const Vec3d& p) { return p.y; }));
+  constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+  // The second leads somewhere, though its longest component is beyond a third of what does.
+  for (const auto& [vector, leads] :
+       {std::pair(Vec3f(0, 3e6F, 0), false), std::pair(Vec3f(0, 5e5F, 0), true),
+        std::pair(Vec3f(kNaN, 0, 0), false)}) {
+    VectorBricks offsets = offsets_of(where, [](const Vec3d&) { return Vec3d(1, 0, 0); });
+    offsets.vectors.touch(std::size_t(where.find({0, 0, 0})))[brick_offset(Vec3i(3))] = vector;
+    const OffsetBricks bricks(source, offsets);
+    const float* const node = bricks.node(std::size_t(bricks.find({0, 0, 0})), Vec3i(3));
+    EXPECT_EQ(std::isnan(node[0]) && std::isnan(node[1]) && std::isnan(node[2]), !leads);
+    EXPECT_EQ(node[3], 1);  // the next along z
+  }
+}
+
 /// What a sample could tell of a brick: nothing, no brick and one without densities are the same.
 void expect_same_brick(const OffsetBricks& a, const OffsetBricks& b, const Vec3i& origin) {
   const std::int32_t m = a.find(origin), n = b.find(origin);
