@@ -32,7 +32,8 @@ void box_bounds(const RTCBoundsFunctionArguments* args) {
 }
 
 /// The part of the ray in a box, empty where it misses: as clip_to_box(), without a division per
-/// side.
+/// side. In a side of the box, along it, 0 * infinity is not a number and may count as a miss;
+/// boxes are kGrowth larger than what is seen.
 Interval part_in(const ClusterBox& box, const CollectContext& ray) {
   Interval part = ray.within;
   for (int a = 0; a < 3; ++a) {

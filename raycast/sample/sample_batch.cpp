@@ -1,6 +1,5 @@
 #include "raycast/sample/sample_batch.h"
 
-#include "raycast/sample/offset_bricks.h"
 #include "raycast/sample/source_bricks.h"
 
 #undef HWY_TARGET_INCLUDE

@@ -15,6 +15,15 @@ namespace supple {
 namespace HWY_NAMESPACE {
 namespace {
 
+/// Number of a brick's node; `step_x` … in nodes.
+HWY_INLINE HWY_ATTR VI node_of(const IntVector& voxel, int step_x, int step_y, int step_z) {
+  const VI low = ints(7);
+  return hn::Add(
+      hn::Mul(hn::And(voxel.x, low), ints(step_x)),
+      hn::Add(hn::Mul(hn::And(voxel.y, low), ints(step_y)),
+              step_z == 1 ? hn::And(voxel.z, low) : hn::Mul(hn::And(voxel.z, low), ints(step_z))));
+}
+
 /// Two neighbours along z.
 struct NodePair {
   VI low, high;

@@ -8,23 +8,14 @@
 
 #include <cstring>
 
-#include "raycast/sample/lanes-inl.h"
-#include "raycast/sample/offset_bricks.h"
 #include "raycast/sample/sample_batch.h"
+#include "raycast/sample/sample_nodes-inl.h"
+#include "volumes/field/brick_nodes.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace supple {
 namespace HWY_NAMESPACE {
 namespace {
-
-/// Number of a brick's node; `step_x` … in nodes.
-HWY_INLINE HWY_ATTR VI node_of(const IntVector& voxel, int step_x, int step_y, int step_z) {
-  const VI low = ints(7);
-  return hn::Add(
-      hn::Mul(hn::And(voxel.x, low), ints(step_x)),
-      hn::Add(hn::Mul(hn::And(voxel.y, low), ints(step_y)),
-              step_z == 1 ? hn::And(voxel.z, low) : hn::Mul(hn::And(voxel.z, low), ints(step_z))));
-}
 
 HWY_INLINE HWY_ATTR Float4 load4(const float* from) {
   Float4 value;

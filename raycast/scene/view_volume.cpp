@@ -14,10 +14,24 @@ ViewVolume::ViewVolume(const Camera& camera, double aspect, const Geometry& geom
   const auto side = [&](const Vec3d& inwards, double least) {
     return is_parallel ? Plane{inwards, least} : Plane{inwards - frame.forward * least, 0};
   };
-  m_planes = {Plane{frame.forward, 0}, side(frame.right, left), side(-frame.right, -right),
-              side(frame.up, -half), side(-frame.up, -half)};
-  const Vec3d origin = geometry.world_from_index(Vec3d(0)) - camera.position_lps_mm;
-  for (Plane& plane : m_planes) {
+  m_planes =
+      in_index_frame({Plane{frame.forward, 0}, side(frame.right, left), side(-frame.right, -right),
+                      side(frame.up, -half), side(-frame.up, -half)},
+                     camera.position_lps_mm, geometry);
+}
+
+ViewVolume::ViewVolume(const Geometry& slice, double thickness_mm, const Geometry& geometry) {
+  const Vec3d normal = slice.direction()[2];
+  m_planes = in_index_frame({Plane{normal, -thickness_mm / 2}, Plane{-normal, -thickness_mm / 2}},
+                            slice.world_from_index(Vec3d(0)), geometry);
+}
+
+/// Of planes in LPS, relative to a place.
+std::vector<ViewVolume::Plane> ViewVolume::in_index_frame(std::vector<Plane> planes,
+                                                          const Vec3d& from_lps_mm,
+                                                          const Geometry& geometry) {
+  const Vec3d origin = geometry.world_from_index(Vec3d(0)) - from_lps_mm;
+  for (Plane& plane : planes) {
     plane.least -= plane.normal.dot(origin);
     Vec3d normal;
     for (int a = 0; a < 3; ++a) {
@@ -27,6 +41,7 @@ ViewVolume::ViewVolume(const Camera& camera, double aspect, const Geometry& geom
     }
     plane.normal = normal;
   }
+  return planes;
 }
 
 bool ViewVolume::meets(const Vec3d& lo, const Vec3d& hi) const {

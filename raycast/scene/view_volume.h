@@ -1,30 +1,34 @@
-// What a camera can see of the lattice: work that a picture needs there alone ends at its edges.
+// What a picture shows of the lattice: work that it needs there alone ends at its edges.
 #pragma once
 
-#include <array>
+#include <vector>
 
 #include "raycast/scene/camera.h"
 
 namespace supple {
 
-/// The pyramid, or of an orthographic camera the box, of all rays of a picture.
 class ViewVolume {
  public:
-  /// `aspect`: width over height of the picture.
+  /// The pyramid, or of an orthographic camera the box, of all rays of a picture. `aspect`: width
+  /// over height of the picture.
   ViewVolume(const Camera& camera, double aspect, const Geometry& geometry);
+  /// What lies within half of a thickness of the plane of a slice's grid, on both sides.
+  ViewVolume(const Geometry& slice, double thickness_mm, const Geometry& geometry);
 
-  /// Whether a ray may pass through a box of the index frame. True for all boxes that one passes
-  /// through, and for some near the edges of the pyramid.
+  /// Whether a box of the index frame may be seen. True for all boxes that a ray passes through,
+  /// and for some near the edges of the pyramid.
   bool meets(const Vec3d& lo, const Vec3d& hi) const;
 
  private:
-  /// Of the index frame: what is seen has normal * p >= least.
+  /// What is seen has normal * p >= least.
   struct Plane {
     Vec3d normal;
     double least;
   };
+  static std::vector<Plane> in_index_frame(std::vector<Plane> planes, const Vec3d& from_lps_mm,
+                                           const Geometry& geometry);
 
-  std::array<Plane, 5> m_planes;  // before the camera, and its four sides
+  std::vector<Plane> m_planes;  // of the index frame
 };
 
 }  // namespace supple

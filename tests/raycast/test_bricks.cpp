@@ -261,8 +261,17 @@ TEST(UnitBricks, VectorsThatLeadNowhereCountAsNone) {
     offsets.vectors.touch(std::size_t(where.find({0, 0, 0})))[brick_offset(Vec3i(3))] = vector;
     const OffsetBricks bricks(source, offsets);
     const float* const node = bricks.node(std::size_t(bricks.find({0, 0, 0})), Vec3i(3));
-    EXPECT_EQ(std::isnan(node[0]) && std::isnan(node[1]) && std::isnan(node[2]), !leads);
-    EXPECT_EQ(node[3], 1);  // the next along z
+    EXPECT_EQ(std::isnan(node[0]) && std::isnan(node[1]) && std::isnan(node[2]), !leads) << vector;
+    EXPECT_EQ(node[3], 1) << vector;  // the next along z
+  }
+  // Nor is a brick with such a place at rest, inside and beside void.
+  const BrickTopology part = voxels_of({16, 16, 16}, [](const Vec3i& v) { return v.x < 12; });
+  const SourceBricks cut(grid_of(part, [](const Vec3d& p) { return p.y; }));
+  for (const Vec3i& voxel : {Vec3i(3), Vec3i(11, 3, 3)}) {
+    VectorBricks still = offsets_of(part, [](const Vec3d&) { return Vec3d(0); });
+    still.vectors.touch(std::size_t(part.find(voxel)))[brick_offset(voxel)] = Vec3f(0, kNaN, 0);
+    const OffsetBricks bricks(cut, still);
+    EXPECT_FALSE(bricks.is_identity(std::size_t(bricks.find(voxel)))) << voxel;
   }
 }
 
@@ -336,6 +345,9 @@ TEST(PropertyBricks, UpdatedBricksAreThoseOfTheChangedOffsets) {
       before.at(voxel, old);
       return box.contains(voxel) ? Vec3d(0.5 * (step % 3), 0, -0.25) : Vec3d(old);
     });
+    for (std::size_t b = 0; step % 2 && b < offsets.topology.brick_count(); ++b) {
+      if (are_zeros(offsets.vectors.brick_or_zero(b))) offsets.vectors.release(b);
+    }
     std::vector<Vec3i> changed;
     for (int n = 0; n < 125; ++n) {
       const Vec3i origin = Vec3i(n / 25, n / 5 % 5, n % 5) * kBrickDim;
@@ -390,8 +402,9 @@ TEST(PropertyBricks, IntervalsCoverEveryPlaceInsideAVisibleBrick) {
   std::uniform_real_distribution<double> coordinate(-20, 84), unit(-1, 1);
   std::vector<Interval> intervals;
   for (int n = 0; n < 500; ++n) {
-    const IndexRay ray{{coordinate(random), coordinate(random), -4000},
-                       {0.02 * unit(random), 0.02 * unit(random), n % 2 ? 1.0 : 1.3}};
+    const IndexRay ray{
+        {coordinate(random), coordinate(random), -4000},
+        {0.02 * unit(random) * (n % 3), 0.02 * unit(random) * (n % 4 / 2), n % 2 ? 1.0 : 1.3}};
     const Interval span = clip_to_box(ray, Vec3d(-1), Vec3d(64), {0, HUGE_VAL});
     if (span.begin > span.end) continue;
     bounds.intervals(ray, span, intervals);

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "raycast/drawings/slice_grid.h"
 #include "raycast/scene/camera.h"
 #include "raycast/scene/view_volume.h"
 #include "volumes/base/error.h"
@@ -165,6 +166,28 @@ TEST(PropertyViewVolume, APointIsSeenWhereItsPixelLiesInThePicture) {
   }
   EXPECT_GT(seen, 500);
   EXPECT_GT(hidden, 500);
+}
+
+TEST(PropertyViewVolume, ASliceShowsWhatLiesWithinHalfOfItsThickness) {
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> coordinate(-10, 50), part(0.1, 1);
+  int seen = 0;
+  for (int n = 0; n < 200; ++n) {
+    const Geometry geometry = RandomView(random).geometry;
+    const Vec3d normal(part(random), -part(random), part(random));
+    const Vec3d through(30 * part(random), 20 * part(random), 15 * part(random));
+    const double thickness_mm = 20 * part(random);
+    const Geometry slice = slice_grid(geometry, oblique_axes(normal, {}), through, 1);
+    const ViewVolume volume(slice, thickness_mm, geometry);
+    for (int m = 0; m < 50; ++m) {
+      const Vec3d place(coordinate(random), coordinate(random), coordinate(random));
+      const Vec3d from = geometry.world_from_index(place) - geometry.world_from_index(through);
+      const bool is_within = std::abs(from.dot(normal.normalized())) <= thickness_mm / 2;
+      EXPECT_EQ(volume.meets(place, place), is_within);
+      seen += is_within;
+    }
+  }
+  EXPECT_GT(seen, 500);
 }
 
 TEST(PropertyViewVolume, EveryBoxThatARayPassesThroughIsMet) {

@@ -124,11 +124,28 @@ TEST_F(UnitSeenBricks, OthersAreNotInvertedAndThePictureStaysTheSame) {
   EXPECT_EQ(some.at("certificate").at("hidden_elements"), 0);
 }
 
+TEST_F(UnitSeenBricks, OfSlicesAndPairsOfEyesTooThePictureStaysTheSame) {
+  const std::string slice = "[[view]]\nimage = \"a.png\"\nslice = { at = [50, 28, 46], ";
+  const std::string marks = "overlay = \"displacement\", overlay_range = [0, 4]";
+  for (const std::string& view : {slice + "plane = \"axial\", " + marks + " }\n",
+                                  slice + "plane = \"axial\", arrows = 7, overlay = \"det_f\" }\n",
+                                  slice + "normal = [0.3, 0.2, 1.0], thickness = 12, grid = 8 }\n",
+                                  slice + "plane = \"coronal\", lightbox = [2, 1], every = 6 }\n",
+                                  m_close + "stereo = \"side-by-side\"\n"}) {
+    const double some = cells(run(m_step + view));
+    const supple::Image picture = supple::read_png(m_folder / "out/a.png");
+    const double all = cells(run(m_step + view + m_export));
+    EXPECT_EQ(picture.rgba, supple::read_png(m_folder / "out/a.png").rgba) << view;
+    EXPECT_LT(some, 0.95 * all) << view;
+  }
+}
+
 TEST_F(UnitSeenBricks, ViewsThatReadOffsetsBesideTheirPictureInvertAll) {
   const double all = cells(run(m_step + m_close + m_export));
   const std::string other = "[[view]]\nimage = \"b.png\"\nsize = [64, 48]\n";
   for (const std::string& more :
-       {std::string("shadows = true\n"), std::string("overlay = \"displacement\"\n"), other}) {
+       {std::string("shadows = true\n"), std::string("overlay = \"displacement\"\n"), other,
+        std::string("[[view]]\nimage = \"s.png\"\nslice = { overlay = \"displacement\" }\n")}) {
     EXPECT_EQ(cells(run(m_step + m_close + more)), all) << more;
   }
   const std::string with_range = "overlay = \"displacement\"\noverlay_range = [0, 4]\n";

@@ -103,7 +103,7 @@ void LiveBody::show_rest() {
 
 const OffsetField& LiveBody::inverse() {
   if (m_cuts.empty()) {
-    if (!m_field) m_field = m_inversion->field(displacement());
+    if (!m_field) m_field = m_inversion->offsets();
     return *m_field;
   }
   if (m_is_cut_stale) update_cut_inverse();

@@ -12,8 +12,9 @@ namespace {
 /// Voxels of air around the densities above the minimum that a surface needs.
 constexpr int kAirRings = 2;
 /// Voxels beside a picture whose offsets may be read: those around the border of tissue come from
-/// up to a brick away, gradients from the next cell.
-constexpr double kBesidePicture = 2 * kBrickDim;
+/// up to a brick away, gradients from the next cell. Slices read those of their own cells, and of
+/// the next ones for det F.
+constexpr double kBesidePicture = 2 * kBrickDim, kBesideSlice = 3;
 
 /// Elements that lie beyond the outer voxel faces.
 std::int64_t count_outside_box(const State& state, const Displacement& displacement) {
@@ -92,21 +93,26 @@ std::function<bool(const Vec3i& origin)> seen_bricks(const Scene& scene, int ste
   if (scene.film || !scene.path.empty()) return {};
   const int last = int(scene.steps.size());
   if (step == last && reads_inverse(scene)) return {};
-  std::vector<ViewVolume> volumes;
+  struct Seen {
+    ViewVolume volume;
+    Vec3d beside;
+  };
+  std::vector<Seen> parts;
   for (const SceneView& view : scene.views) {
     if (view.after_step.value_or(last) != step || !view.deformed || !view.inverse) continue;
-    const std::optional<ViewVolume> seen = seen_of(view, geometry);
+    const auto seen = seen_of(view, geometry);
     if (!seen) return {};
-    volumes.push_back(*seen);
+    const Vec3d beside(view.slice ? kBesideSlice : kBesidePicture);
+    for (const ViewVolume& volume : *seen) parts.push_back({volume, beside});
   }
-  return [volumes, dims = geometry.dims()](const Vec3i& origin) {
+  return [parts, dims = geometry.dims()](const Vec3i& origin) {
     // Where rays begin, what lies beyond the outer voxels counts, too.
     for (int a = 0; a < 3; ++a) {
       if (origin[a] < 0 || origin[a] + kBrickDim > dims[a]) return true;
     }
-    return std::any_of(volumes.begin(), volumes.end(), [&](const ViewVolume& seen) {
-      return seen.meets(Vec3d(origin) - Vec3d(kBesidePicture),
-                        Vec3d(origin) + Vec3d(kBrickDim + kBesidePicture));
+    return std::any_of(parts.begin(), parts.end(), [&](const Seen& seen) {
+      return seen.volume.meets(Vec3d(origin) - seen.beside,
+                               Vec3d(origin) + Vec3d(kBrickDim) + seen.beside);
     });
   };
 }

@@ -86,8 +86,7 @@ SliceStyle slice_style(const SliceSource& source, const SliceChoice& choice) {
   return style;
 }
 
-std::vector<SlicePanel> panels_of(const SliceSource& source, const SliceChoice& choice) {
-  const Geometry& geometry = source.geometry;
+std::vector<SlicePanel> panels_of(const SliceChoice& choice, const Geometry& geometry) {
   const Vec3d spacing = geometry.spacing_mm();
   const double pixel_mm = std::min({spacing.x, spacing.y, spacing.z}) / choice.scale;
   std::vector<SlicePanel> panels;
@@ -196,6 +195,14 @@ double common_letter_height(const std::vector<SlicePanel>& panels) {
 
 }  // namespace
 
+std::vector<ViewVolume> seen_of(const SliceChoice& choice, const Geometry& geometry) {
+  std::vector<ViewVolume> volumes;
+  for (const SlicePanel& panel : panels_of(placed_slice(choice, geometry), geometry)) {
+    volumes.emplace_back(panel.grid, choice.thickness_mm, geometry);
+  }
+  return volumes;
+}
+
 FloatImage draw_slices(const SliceSource& source, const SliceChoice& choice,
                        const Decoration& decoration) {
   const auto require_motion = [&](bool shows_motion, const char* field) {
@@ -204,7 +211,7 @@ FloatImage draw_slices(const SliceSource& source, const SliceChoice& choice,
   };
   require_motion(choice.marks.arrows_mm.has_value(), "arrows");
   require_motion(choice.marks.shows_displacement() || choice.marks.shows_det_f(), "overlay");
-  std::vector<SlicePanel> panels = panels_of(source, choice);
+  std::vector<SlicePanel> panels = panels_of(choice, source.geometry);
   SliceStyle style = slice_style(source, choice);
   const PaintedBody painted{source.geometry, source.elements, style.rest_place};
   std::optional<ValuePaint> paint;

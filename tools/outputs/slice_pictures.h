@@ -2,7 +2,10 @@
 // them.
 #pragma once
 
+#include <vector>
+
 #include "raycast/pictures/float_image.h"
+#include "raycast/scene/view_volume.h"
 #include "tools/pictures/decoration.h"
 #include "tools/scene/slice_view.h"
 #include "volumes/field/offset_field.h"
@@ -17,6 +20,9 @@ struct SliceSource {
   const OffsetField* offsets;     // null: straight
   const BrickTopology& elements;  // that overlays are painted on
 };
+
+/// What each slice of a choice shows of the volume. Throws InputError: a place outside of it.
+std::vector<ViewVolume> seen_of(const SliceChoice& choice, const Geometry& geometry);
 
 /// Of an effective choice. Throws InputError: a place outside the volume, arrows of a volume at
 /// rest.

@@ -5,11 +5,13 @@
 #include <nlohmann/json.hpp>
 
 #include "raycast/drawings/lattice.h"
+#include "raycast/scene/stereo.h"
 #include "tools/outputs/reports.h"
 #include "tools/outputs/slice_pictures.h"
 #include "tools/outputs/space_marks.h"
 #include "tools/outputs/vtk_picture.h"
 #include "tools/scene/transfer_file.h"
+#include "volumes/base/error.h"
 #include "volumes/base/version.h"
 #include "volumes/field/displacement.h"
 #include "volumes/field/inversion/forward_offsets.h"
@@ -117,21 +119,35 @@ bool reads_displacement(const SceneView& view) {
          std::any_of(view.meshes.begin(), view.meshes.end(), deforms);
 }
 
-std::optional<ViewVolume> seen_of(const SceneView& view, const Geometry& geometry) {
-  const bool is_plain = view.path.empty() && view.fit.empty() && !view.half_offsets &&
-                        view.caster == Caster::supple && view.meshes.empty();
-  const bool is_single = !view.picture.is_series() && view.picture.film == 0 &&
-                         view.picture.stereo == StereoMode::none && view.picture.aux.empty();
-  const bool is_in_space = !view.lattice && !view.slice && geometry.dims().z > 1;
-  if (!is_plain || !is_single || !is_in_space || view.lighting.has_paths()) return {};
-  const TissueMarks& marks = view.marks;
-  // Lines come from beside the picture, and a range that is not given from the longest offset of
-  // all.
-  if (marks.arrows_mm || marks.grid_mm || view.outline) return {};
-  if (marks.shows_displacement() && !marks.overlay_range) return {};
+namespace {
+
+/// Of one picture or two in space.
+std::vector<ViewVolume> seen_by_eyes(const SceneView& view, const Geometry& geometry) {
   const double aspect = double(view.size[0]) / view.size[1];
-  const Camera camera = resolve_camera(view.camera, geometry, aspect);
-  return ViewVolume(zoomed(camera, view.zoom), aspect, geometry);
+  const Camera camera = zoomed(resolve_camera(view.camera, geometry, aspect), view.zoom);
+  if (view.picture.stereo == StereoMode::none) return {ViewVolume(camera, aspect, geometry)};
+  const StereoCameras eyes = stereo_cameras(camera, view.picture.eye_separation_mm);
+  return {ViewVolume(eyes.left, aspect, geometry), ViewVolume(eyes.right, aspect, geometry)};
+}
+
+}  // namespace
+
+std::optional<std::vector<ViewVolume>> seen_of(const SceneView& view, const Geometry& geometry) {
+  const bool is_single = view.path.empty() && !view.picture.is_series() && view.picture.aux.empty();
+  if (!is_single || view.lattice || geometry.dims().z == 1) return {};
+  const TissueMarks& marks = view.slice ? view.slice->marks : view.marks;
+  // A range that is not given comes from the longest offset of all.
+  if (marks.shows_displacement() && !marks.overlay_range) return {};
+  const bool is_plain = view.fit.empty() && !view.half_offsets && view.caster == Caster::supple &&
+                        view.meshes.empty() && !view.lighting.has_paths();
+  // Lines in space come from beside the picture.
+  const bool has_lines = marks.arrows_mm || marks.grid_mm || view.outline;
+  if (!view.slice && (!is_plain || has_lines)) return {};
+  try {
+    return view.slice ? seen_of(*view.slice, geometry) : seen_by_eyes(view, geometry);
+  } catch (const InputError&) {
+    return {};  // whoever draws it is told, with the place of the view
+  }
 }
 
 std::unique_ptr<Renderer> make_renderer(const PosedVolume& subject, const SceneView& view) {

@@ -46,9 +46,9 @@ void check_view(const SceneView& view);
 SceneView effective_view(const SceneView& view, const Geometry& geometry, double min_density);
 /// Whether pictures of the view read the displacement beside the offsets, or the offsets alone.
 bool reads_displacement(const SceneView& view);
-/// What the camera of a view sees, where its picture reads offsets there alone; nothing where it
-/// reads them all, as shadows do from beside the picture.
-std::optional<ViewVolume> seen_of(const SceneView& view, const Geometry& geometry);
+/// What the eyes of a view, or its slices, see, where its picture reads offsets there alone;
+/// nothing where it reads them all, as shadows do from beside the picture.
+std::optional<std::vector<ViewVolume>> seen_of(const SceneView& view, const Geometry& geometry);
 /// A renderer of the subject in its pose.
 std::unique_ptr<Renderer> make_renderer(const PosedVolume& subject, const SceneView& view);
 /// Moves a renderer of the same volume, and the view's meshes, to where the subject is. Without

@@ -212,7 +212,7 @@ void ScenePlanner::plan_pose() {
     const double inverted = m_inverted_bricks;
     if (inverted < m_moved_bricks) {
       m_ledger.leave_out("offsets of " + bricks_text(m_moved_bricks - inverted),
-                         "no camera sees them");
+                         "no picture shows them");
     }
     add("pose", "offsets of " + bricks_text(inverted), reads_o,
         inverted * kBrickBytes12 + density_bricks() * kFieldTableBytes +

@@ -30,12 +30,17 @@ std::pair<double, double> default_window(const DensityGrid& density) {
 
 }  // namespace
 
+SliceChoice placed_slice(const SliceChoice& choice, const Geometry& geometry) {
+  SliceChoice placed = choice;
+  if (!choice.at) placed.at = Vec3d((geometry.dims() - Vec3i(1)) / 2);
+  if (choice.count() > 1 && choice.plane == "all") placed.plane = "axial";
+  return placed;
+}
+
 SliceChoice effective_slice(const SliceChoice& choice, const Geometry& geometry,
                             const DensityGrid& density) {
-  SliceChoice effective = choice;
-  if (!choice.at) effective.at = Vec3d((geometry.dims() - Vec3i(1)) / 2);
+  SliceChoice effective = placed_slice(choice, geometry);
   if (!choice.window) effective.window = default_window(density);
-  if (choice.count() > 1 && choice.plane == "all") effective.plane = "axial";
   SliceStyle style;
   std::tie(style.grey_lo, style.grey_hi) = *effective.window;
   style.validate();

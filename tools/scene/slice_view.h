@@ -32,6 +32,8 @@ struct SliceChoice {
   int count() const { return lightbox[0] * lightbox[1]; }
 };
 
+/// The choice with its place and planes decided.
+SliceChoice placed_slice(const SliceChoice& choice, const Geometry& geometry);
 /// The choice with everything decided that was left open. Throws InputError: a bad window.
 SliceChoice effective_slice(const SliceChoice& choice, const Geometry& geometry,
                             const DensityGrid& density);

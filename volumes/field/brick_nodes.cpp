@@ -222,8 +222,8 @@ void gather_nodes(const VectorBrickFinder& field, const BrickTopology& occupied,
   }
   nodes.lo = range.lo();
   nodes.hi = range.hi();
-  const Vec3f none(0, 0, 0);
-  nodes.is_zero = nodes.empty() || (nodes.lo == none && nodes.hi == none);
+  const Vec3f zero(0, 0, 0);
+  nodes.is_zero = nodes.empty() || (nodes.lo == zero && nodes.hi == zero);
 }
 
 std::int32_t NodeSlots::take() {

@@ -14,9 +14,10 @@ struct BrickNodes {
   static constexpr int kStepX = 3 * kDim * kDim, kStepY = 3 * kDim, kStepZ = 3;  // in floats
   static constexpr int kFloats = 3 * kDim * kDim * kDim;
 
-  bool is_zero = true;             // every vector there is
-  bool is_void = true;             // wherever there is none
-  Vec3f lo{0, 0, 0}, hi{0, 0, 0};  // smallest and largest vectors; lo > hi without any
+  bool is_zero = true;  // every vector there is
+  bool is_void = true;  // wherever there is none
+  /// Smallest and largest vectors; lo > hi without any, but where it is_identity().
+  Vec3f lo{0, 0, 0}, hi{0, 0, 0};
 
   bool empty() const { return lo.x > hi.x; }
   /// A cell that has no vector may be read without one only if it is void.

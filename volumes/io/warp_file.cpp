@@ -8,7 +8,6 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 
-#include "volumes/base/huge_pages.h"
 #include "volumes/io/bytes/input_file.h"
 #include "volumes/io/bytes/text_header.h"
 #include "volumes/io/bytes/value_type.h"
@@ -70,14 +69,15 @@ Warp read_warp(const std::string& path, Progress* progress, const Geometry* grid
 
   const Vec3i& dims = header.geometry.dims();
   const std::size_t slice = std::size_t(dims.x) * dims.y;
-  warp.vectors = reserve_in_huge_pages<Vec3f>(slice * dims.z);
-  warp.vectors.resize(slice * dims.z);
+  warp.vectors = WarpVectors(slice * dims.z);
+  std::vector<Vec3f> vectors(slice);
   std::vector<double> values(3 * slice);
   std::vector<char> stored(values.size() * bytes_of(header.type));
   std::int64_t bad = 0;
   for (int k = 0; k < dims.z; ++k) {
     file->read_slice(stored.data());
-    bad += convert_slice(header, stored, values, &warp.vectors[slice * k]);
+    bad += convert_slice(header, stored, values, vectors.data());
+    warp.vectors.put(slice * k, vectors.data(), slice);
     report(progress, double(k + 1) / dims.z);
   }
   if (bad > 0) {
@@ -98,7 +98,8 @@ TransformChain read_transform(const std::string& path, Progress* progress, const
   }
   TransformChain chain;
   chain.grid = warp.geometry;
-  std::vector<Vec3d> vectors(warp.vectors.begin(), warp.vectors.end());
+  std::vector<Vec3d> vectors(warp.vectors.size());
+  for (std::size_t n = 0; n < vectors.size(); ++n) vectors[n] = Vec3d(warp.vectors[n]);
   chain.links.push_back({field_map(warp.geometry, std::move(vectors)), false});
   return chain;
 }

@@ -46,16 +46,16 @@ inline Geometry oblique_geometry(const Vec3i& dims, const Vec3d& origin, const V
 /// Vectors by LPS places.
 inline Warp warp_of(const Geometry& geometry, const std::optional<WarpDirection>& direction,
                     const std::function<Vec3d(const Vec3d&)>& vector) {
-  Warp warp{"w.nrrd", geometry, direction, {}};
+  std::vector<Vec3f> vectors;
   const Vec3i& dims = geometry.dims();
   for (int k = 0; k < dims.z; ++k) {
     for (int j = 0; j < dims.y; ++j) {
       for (int i = 0; i < dims.x; ++i) {
-        warp.vectors.push_back(Vec3f(vector(geometry.world_from_index(Vec3d(i, j, k)))));
+        vectors.push_back(Vec3f(vector(geometry.world_from_index(Vec3d(i, j, k)))));
       }
     }
   }
-  return warp;
+  return {"w.nrrd", geometry, direction, vectors};
 }
 
 }  // namespace supple::test

@@ -91,6 +91,7 @@ TEST(PropertyIncrementalInversion, TornMaterialIsSolvedAsAWhole) {
   const BrickTopology where = box_topology(Vec3i(0), Vec3i(23));
   Displacement displacement = displacement_on(where, [](const Vec3i&) { return Vec3f(0); });
   IncrementalInversion inversion(displacement);
+  inversion.certificate(displacement);
   const auto changed =
       change_ball(displacement.u, Vec3d(12), 2, [](const Vec3i&) { return Vec3f(45, 5, 30); });
   inversion.update(displacement, changed);

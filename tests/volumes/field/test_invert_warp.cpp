@@ -41,7 +41,7 @@ TEST(UnitInvertWarp, AShiftIsUndoneAndWhatItLeavesUncoveredIsCounted) {
   const Geometry grid({40, 36, 30}, {5, -3, 2}, {Vec3d(0, 0.5, 0), {-2, 0, 0}, {0, 0, 4}});
   Warp warp = warp_of(grid, WarpDirection::resample, smooth);
   const Vec3d shift = grid.world_vector_from_index({2, 0, 0});
-  std::fill(warp.vectors.begin(), warp.vectors.end(), Vec3f(shift));
+  warp.vectors = std::vector<Vec3f>(warp.vectors.size(), Vec3f(shift));
   const OffsetField inverse = invert(displacement_of_warp(warp));
   Vec3f offset;
   ASSERT_TRUE(inverse.o.at({20, 7, 9}, offset));

@@ -25,6 +25,7 @@ TEST(UnitOffsetMemory, AnIncrementalInversionTakesWhatIsDocumented) {
   const Displacement displacement = moved_block();
   const std::int64_t before = heap_in_use();
   const IncrementalInversion inversion(displacement);
+  inversion.certificate(displacement);
   const double taken = double(heap_in_use() - before);
   const double sources = double(displacement.u.topology.brick_count());
   const double outputs = double(inversion.field(displacement).o.topology.brick_count());

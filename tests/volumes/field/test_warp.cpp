@@ -13,15 +13,7 @@ using namespace supple::test;
 namespace {
 
 Warp make_warp(const Geometry& grid, const std::function<Vec3d(const Vec3d&)>& vector_at_mm) {
-  Warp warp{"w.nrrd", grid, {}, {}};
-  for (int k = 0; k < grid.dims().z; ++k) {
-    for (int j = 0; j < grid.dims().y; ++j) {
-      for (int i = 0; i < grid.dims().x; ++i) {
-        warp.vectors.emplace_back(vector_at_mm(grid.world_from_index(Vec3d(i, j, k))));
-      }
-    }
-  }
-  return warp;
+  return warp_of(grid, {}, vector_at_mm);
 }
 
 Warp constant_warp(const Geometry& grid, const Vec3d& vector_mm) {
@@ -35,16 +27,40 @@ Vec3d linear_vector(const Vec3d& p) {
 
 }  // namespace
 
+TEST(UnitWarp, VectorsTakeMemoryWhereSomeAreOtherThanZero) {
+  WarpVectors vectors(4000000);
+  std::vector<Vec3f> expected(vectors.size()), part(700, Vec3f(1, 2, 3));
+  // Over the end of a run, over that, and zeros over a part of both.
+  for (const auto& [first, value] : {std::pair(300u, Vec3f(1, 2, 3)),
+                                     {900u, Vec3f(4, 0, 0)},
+                                     {500u, Vec3f(0)},
+                                     {3000000u, Vec3f(0)}}) {
+    std::fill(part.begin(), part.end(), value);
+    vectors.put(first, part.data(), part.size());
+    std::copy(part.begin(), part.end(), expected.begin() + first);
+  }
+  EXPECT_EQ(vectors.all(), expected);
+  EXPECT_EQ(vectors[1599], Vec3f(4, 0, 0));
+  EXPECT_LT(vectors.bytes(), 1000000u);
+  EXPECT_TRUE(vectors == WarpVectors(expected));
+  vectors.put(2000, part.data(), 1);
+  EXPECT_TRUE(vectors == WarpVectors(expected));
+  vectors.put(2000, &expected[1300], 1);
+  EXPECT_FALSE(vectors == WarpVectors(expected));
+}
+
 TEST(UnitWarp, OnTheSameGridEveryVectorComesBackExactly) {
   const Geometry grid({21, 9, 10}, {3, -7, 11}, {Vec3d(0, 0.5, 0), {-2, 0, 0}, {0, 0, 4}});
   std::mt19937 random(5);
   Warp warp = constant_warp(grid, Vec3d(0));
-  for (Vec3f& vector : warp.vectors) vector = random_vector(random, 0.25f);
+  std::vector<Vec3f> vectors(warp.vectors.size());
+  for (Vec3f& vector : vectors) vector = random_vector(random, 0.25f);
+  warp.vectors = vectors;
   const OffsetField field = offsets_from_warp(warp, grid);
   EXPECT_EQ(field.geometry, grid);
   EXPECT_EQ(field.o.topology, box_topology(Vec3i(0), grid.dims() - Vec3i(1)));
   for_each_voxel(field.o.topology, [&](const Vec3i& v, std::size_t slot) {
-    const Vec3f& mm = warp.vectors[(std::size_t(v.z) * 9 + v.y) * 21 + v.x];
+    const Vec3f mm = warp.vectors[(std::size_t(v.z) * 9 + v.y) * 21 + v.x];
     EXPECT_EQ(field.o.vectors.at(slot), Vec3f(mm.y * 2, mm.x / -2, mm.z / 4));
   });
 }
@@ -65,8 +81,11 @@ TEST(PropertyWarp, AnExportedFieldReadsBackOnItsOwnGridAndOnAMarginGrid) {
   const Geometry wide = with_margin(grid, 6);
   const auto slices = dense_offsets(offsets, where, wide, VoidMode::outside);
   Warp warp = constant_warp(wide, Vec3d(0));
-  const std::size_t slice = std::size_t(wide.dims().x) * wide.dims().y;
-  for (int k = 0; k < wide.dims().z; ++k) slices(k, &warp.vectors[slice * k]);
+  std::vector<Vec3f> slice(std::size_t(wide.dims().x) * wide.dims().y);
+  for (int k = 0; k < wide.dims().z; ++k) {
+    slices(k, slice.data());
+    warp.vectors.put(slice.size() * k, slice.data(), slice.size());
+  }
   const OffsetField back = offsets_from_warp(warp, grid);
   // Exports by `outside` leave o = 0 where the grid is already far outside the box.
   for_each_voxel(back.o.topology, [&](const Vec3i& v, std::size_t slot) {
@@ -86,10 +105,11 @@ TEST(PropertyWarp, VectorsInMillimetresComeBackToTheBitAtPowersOfTwoAndToTheLast
     const Geometry grid(dims, {3, -7, 11},
                         {Vec3d(0, -spacing.x, 0), {spacing.y, 0, 0}, {0, 0, spacing.z}});
     const OffsetField offsets{grid, o, {}};
-    Warp warp{"w.nrrd", grid, WarpDirection::resample, std::vector<Vec3f>(16 * 16 * 16)};
+    std::vector<Vec3f> vectors(16 * 16 * 16);
     const auto slices = dense_offsets(offsets, where, grid, VoidMode::outside);
-    for (int k = 0; k < dims.z; ++k) slices(k, &warp.vectors[std::size_t(k) * 16 * 16]);
-    const OffsetField back = offsets_from_warp(warp, grid);
+    for (int k = 0; k < dims.z; ++k) slices(k, &vectors[std::size_t(k) * 16 * 16]);
+    const OffsetField back =
+        offsets_from_warp({"w.nrrd", grid, WarpDirection::resample, vectors}, grid);
     int same = 0, compared = 0;
     for_each_voxel(back.o.topology, [&](const Vec3i& v, std::size_t slot) {
       Vec3f expected;
@@ -140,7 +160,8 @@ TEST(UnitWarp, BetweenItsNodesAWarpIsTrilinear) {
   const Geometry source = unit_geometry({9, 9, 9});
   Warp warp = constant_warp(Geometry({2, 2, 2}, {0, 0, 0}, {Vec3d(4, 0, 0), {0, 2, 0}, {0, 0, 8}}),
                             Vec3d(0));
-  warp.vectors[7] = {1, 2, -4};  // of corner (1, 1, 1)
+  const Vec3f corner(1, 2, -4);  // (1, 1, 1)
+  warp.vectors.put(7, &corner, 1);
   const OffsetField field = offsets_from_warp(warp, source);
   EXPECT_EQ(field.o.topology, box_topology({0, 0, 0}, {4, 2, 8}));
   Vec3f o;

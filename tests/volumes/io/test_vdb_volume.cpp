@@ -112,7 +112,8 @@ TEST(UnitVdbVolume, AWarpKeepsVectorsDirectionAndCertificate) {
   const Warp warp = read_warp(folder / "w.vdb");
   EXPECT_TRUE(warp.geometry == kOblique);
   EXPECT_EQ(warp.direction, WarpDirection::material);
-  EXPECT_EQ(std::memcmp(warp.vectors.data(), values.data(), values.size() * sizeof(float)), 0);
+  const std::vector<Vec3f> vectors = warp.vectors.all();
+  EXPECT_EQ(std::memcmp(vectors.data(), values.data(), values.size() * sizeof(float)), 0);
 }
 
 TEST(UnitVdbVolume, EqualVolumesAreEqualFiles) {

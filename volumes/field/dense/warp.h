@@ -4,9 +4,9 @@
 
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "volumes/base/progress.h"
+#include "volumes/field/dense/warp_vectors.h"
 #include "volumes/field/offset_field.h"
 #include "volumes/geometry/geometry.h"
 
@@ -14,12 +14,12 @@ namespace supple {
 
 enum class WarpDirection { resample, material };
 
-/// Vectors in mm along the axes of LPS on a grid of its own. Memory: 12 bytes per grid point.
+/// Vectors in mm along the axes of LPS on a grid of its own.
 struct Warp {
   std::string path;  // for messages
   Geometry geometry;
   std::optional<WarpDirection> direction;  // none: the file does not say
-  std::vector<Vec3f> vectors;              // i fastest
+  WarpVectors vectors;                     // i fastest
 };
 
 /// The offsets of a resample-direction warp on the lattice of `source`, for any two grids: a voxel

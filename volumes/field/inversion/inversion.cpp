@@ -39,21 +39,6 @@ std::vector<Number> all_numbers(std::size_t count) {
   return numbers;
 }
 
-/// Adds the output bricks that hold a node of the box.
-void add_bricks(const IndexBox& nodes, BrickIndex& bricks) {
-  if (nodes.empty()) return;
-  for (int x = nodes.lo.x & ~7; x <= nodes.hi.x; x += kBrickDim) {
-    for (int y = nodes.lo.y & ~7; y <= nodes.hi.y; y += kBrickDim) {
-      for (int z = nodes.lo.z & ~7; z <= nodes.hi.z; z += kBrickDim) bricks.add({x, y, z});
-    }
-  }
-}
-
-bool is_in_brick_of(const std::vector<Vec3i>& origins, const Vec3i& node) {
-  const Vec3i origin(node.x & ~7, node.y & ~7, node.z & ~7);
-  return std::binary_search(origins.begin(), origins.end(), origin, voxel_less);
-}
-
 }  // namespace
 
 /// What one thread works with.
@@ -285,17 +270,18 @@ bool Inversion::solve_changed(const VectorBricks& u, const std::vector<std::int3
   // What the cells with a changed corner reached, and what they reach now.
   const std::vector<std::int32_t> affected = with_lower_neighbours(u.topology, changed);
   BrickIndex reached;
+  const auto add = [&](const Vec3i& origin) { reached.add(origin); };
   const auto add_reached = [&] {
     for (const std::int32_t b : affected) {
       const IndexBox& reach = m_sources[std::size_t(m_source_of[std::size_t(b)])].reach;
       if (is_torn(reach)) return false;
-      add_bricks(reach, reached);
+      if (!reach.empty()) for_bricks_of(reach.lo, reach.hi, add);
     }
     return true;
   };
   for (const std::int32_t b : affected) {
     const Vec3i& origin = u.topology.origin(std::size_t(b));
-    if (rests(b)) add_bricks({origin, origin + Vec3i(kBrickDim)}, reached);
+    if (rests(b)) for_bricks_of(origin, origin + Vec3i(kBrickDim), add);
   }
   add_sources(affected);
   if (!add_reached()) return false;
@@ -306,7 +292,7 @@ bool Inversion::solve_changed(const VectorBricks& u, const std::vector<std::int3
   std::sort(touched.begin(), touched.end(), voxel_less);
 
   // Every brick that reaches them takes part, changed or not.
-  const auto is_touched = [&](const Vec3i& node) { return is_in_brick_of(touched, node); };
+  const auto is_touched = [&](const Vec3i& node) { return reached.find(node) >= 0; };
   m_unresolved.erase(std::remove_if(m_unresolved.begin(), m_unresolved.end(), is_touched),
                      m_unresolved.end());
   for (const Vec3i& origin : touched) m_overlaps.erase(origin);

@@ -81,6 +81,7 @@ void IncrementalInversion::Impl::solve_all(const Displacement& displacement, Pro
 void IncrementalInversion::Impl::give_up(Brick*& brick) {
   if (brick == nullptr) return;
   if (brick->is_measured) residuals.remove(brick->residuals);
+  brick->is_measured = false;
   brick->vectors = {};
   free.push_back(brick);
   brick = nullptr;
@@ -102,7 +103,6 @@ void IncrementalInversion::Impl::take_over(const VectorBricks& offsets) {
   }
   tbb::parallel_for(std::size_t(0), count, [&](std::size_t b) {
     taken[b]->mask = offsets.topology.mask(b);
-    taken[b]->is_measured = false;
     const Vec3f* const vectors = offsets.vectors.brick(b);
     if (vectors != nullptr) taken[b]->vectors.assign(vectors, vectors + kBrickVoxels);
   });
@@ -120,14 +120,18 @@ void IncrementalInversion::Impl::replace(const std::vector<Vec3i>& touched,
 
 /// The residuals of all bricks that were solved since they were last asked for.
 void IncrementalInversion::Impl::measure(const VectorBricks& u) {
-  std::vector<Vec3i> fresh;
+  std::vector<std::size_t> fresh;
+  std::vector<Vec3i> fresh_origins;
   for (std::size_t n = 0; n < bricks.size(); ++n) {
-    if (bricks[n] != nullptr && !bricks[n]->is_measured) fresh.push_back(index.origin(n));
+    if (bricks[n] == nullptr || bricks[n]->is_measured) continue;
+    fresh.push_back(n);
+    fresh_origins.push_back(index.origin(n));
   }
+  const FoldedCells folded = fresh.empty() ? FoldedCells() : inversion.folded();
   std::vector<BrickResiduals> of_bricks = measure_bricks(
-      u, fresh, [this](const Vec3i& origin) { return find(origin); }, inversion.folded());
+      u, fresh_origins, [this](const Vec3i& origin) { return find(origin); }, folded);
   for (std::size_t n = 0; n < fresh.size(); ++n) {
-    Brick& brick = *bricks[std::size_t(index.find(fresh[n]))];
+    Brick& brick = *bricks[fresh[n]];
     brick.residuals = std::move(of_bricks[n]);
     brick.is_measured = true;
     residuals.add(brick.residuals);
@@ -193,22 +197,27 @@ VectorBrickFinder IncrementalInversion::finder() const {
   return [impl = m_impl.get()](const Vec3i& origin) { return impl->find(origin); };
 }
 
-OffsetField IncrementalInversion::field(const Displacement& displacement) const {
+OffsetField IncrementalInversion::offsets() const {
   const std::vector<Vec3i> origins = m_impl->origins();
-  const VectorBrickFinder find = finder();
   std::vector<BrickMask> masks;
-  for (const Vec3i& origin : origins) masks.push_back(*find(origin).mask);
+  for (const Vec3i& origin : origins) masks.push_back(*m_impl->find(origin).mask);
   OffsetField field{m_impl->geometry,
                     {BrickTopology(origins, std::move(masks)), {}},
-                    certificate(displacement),
+                    {},
                     nullptr,
                     m_impl->inversion.overlaps()};
   field.o.vectors.resize(origins.size());
   for (std::size_t n = 0; n < origins.size(); ++n) {
-    const Vec3f* const vectors = find(origins[n]).vectors;
+    const Vec3f* const vectors = m_impl->find(origins[n]).vectors;
     if (vectors == kZeroBrickOf<Vec3f>) continue;
     std::copy_n(vectors, kBrickVoxels, field.o.vectors.touch(n));
   }
+  return field;
+}
+
+OffsetField IncrementalInversion::field(const Displacement& displacement) const {
+  OffsetField field = offsets();
+  field.certificate = certificate(displacement);
   return field;
 }
 

@@ -61,11 +61,14 @@ class IncrementalInversion {
 
   /// The offsets as they lie here, until the next update.
   VectorBrickFinder finder() const;
-  /// Measures the residuals of what was solved since it was last asked for, a third of the time
-  /// that solving it took. `displacement`: of the last update. Not from two threads at once; nor
-  /// field().
+  /// Everything, copied, without a certificate.
+  OffsetField offsets() const;
+  /// Measures the residuals of what was solved since they were last asked for, a third of the time
+  /// that solving it took. `displacement`: of the last update, or of the construction; with another
+  /// one residuals are wrong until those bricks are solved again. One thread at a time may ask for
+  /// this or for field().
   InversionCertificate certificate(const Displacement& displacement) const;
-  /// Everything, copied.
+  /// offsets() with certificate().
   OffsetField field(const Displacement& displacement) const;
 
  private:

@@ -219,7 +219,6 @@ bool OffsetAccumulator::holds(const Vec3i& node, Content content) {
 BrickTopology OffsetAccumulator::overlaps() const {
   std::vector<BrickMask> of_brick(m_losers.size());
   tbb::parallel_for(std::size_t(0), m_losers.size(), [&](std::size_t b) {
-    of_brick[b] = {};
     for (const Loser& loser : m_losers[b]) {
       const Vec3f& o = m_vectors.brick_or_zero(b)[loser.offset];
       if (length_squared(loser.o - o) > kSamePlace * kSamePlace) {

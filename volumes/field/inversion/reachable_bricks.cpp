@@ -81,14 +81,6 @@ std::vector<Vec3i> reachable_origins(const VectorBricks& u,
   return origins;
 }
 
-void add_box(const Vec3i& lo, const Vec3i& hi, std::vector<Vec3i>& origins) {
-  for (int x = lo.x & ~7; x <= hi.x; x += kBrickDim) {
-    for (int y = lo.y & ~7; y <= hi.y; y += kBrickDim) {
-      for (int z = lo.z & ~7; z <= hi.z; z += kBrickDim) origins.push_back({x, y, z});
-    }
-  }
-}
-
 bool is_torn(const IndexBox& reach) {
   const Vec3d extent = Vec3d(reach.hi) - Vec3d(reach.lo) + Vec3d(1);
   return !reach.empty() && extent.x * extent.y * extent.z > kLargeBox;

@@ -24,8 +24,19 @@ struct BrickReach {
 /// Sorted, unique origins of the output bricks that the cells of these bricks of u can reach.
 std::vector<Vec3i> reachable_origins(const VectorBricks& u, const std::vector<BrickReach>& reaches);
 
-/// The origins of all output bricks that hold a node of the box.
-void add_box(const Vec3i& lo, const Vec3i& hi, std::vector<Vec3i>& origins);
+/// Calls `visit(origin)` for every brick that holds a voxel of lo … hi, ascending.
+template <class Visit>
+void for_bricks_of(const Vec3i& lo, const Vec3i& hi, Visit&& visit) {
+  for (int x = lo.x & ~7; x <= hi.x; x += kBrickDim) {
+    for (int y = lo.y & ~7; y <= hi.y; y += kBrickDim) {
+      for (int z = lo.z & ~7; z <= hi.z; z += kBrickDim) visit(Vec3i(x, y, z));
+    }
+  }
+}
+/// The origins of all bricks that hold a voxel of lo … hi.
+inline void add_box(const Vec3i& lo, const Vec3i& hi, std::vector<Vec3i>& origins) {
+  for_bricks_of(lo, hi, [&](const Vec3i& origin) { origins.push_back(origin); });
+}
 
 /// The bricks, and those below them whose cells have corners in them; ascending.
 std::vector<std::int32_t> with_lower_neighbours(const BrickTopology& topology,

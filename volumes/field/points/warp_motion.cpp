@@ -168,7 +168,8 @@ class AgainstWarp final : public PointMotion {
 
  private:
   static const Warp& require_near(const Warp& warp) {
-    for (const Vec3f& v : warp.vectors) {
+    for (std::size_t n = 0; n < warp.vectors.size(); ++n) {
+      const Vec3f v = warp.vectors[n];
       const Vec3d u = warp.geometry.index_vector_from_world(Vec3d(v));
       if (std::max({std::abs(u.x), std::abs(u.y), std::abs(u.z)}) <= kLongest) continue;
       throw InputError({warp.path, "vectors", "one of " + number_text(Vec3d(v).length()) + " mm",
