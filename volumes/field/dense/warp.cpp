@@ -26,7 +26,8 @@ class WarpSampler {
   bool offset_at(const Vec3i& voxel, Vec3f& offset) const {
     Vec3d vector_mm;
     if (!sample(m_positions.at(voxel.x, voxel.y, voxel.z), vector_mm)) return false;
-    const Vec3d o = m_source.index_vector_from_world(vector_mm);
+    const bool is_still = vector_mm == Vec3d(0);
+    const Vec3d o = is_still ? Vec3d(0) : m_source.index_vector_from_world(vector_mm);
     for (int a = 0; a < 3; ++a) {
       const double target = voxel[a] + o[a];
       if (!(target > -1 && target < m_source.dims()[a])) return false;
@@ -47,13 +48,20 @@ class WarpSampler {
       weight[1][a] = pos[a] - lo[a];
       weight[0][a] = 1 - weight[1][a];
     }
+    const auto at = [&](int x, int y, int z) {
+      const std::size_t row = (std::size_t(lo.z) + z) * dims.y + lo.y + y;
+      return Vec3d(m_warp.vectors[row * dims.x + lo.x + x]);
+    };
+    if (weight[1] == Vec3d(0)) {
+      vector = at(0, 0, 0);
+      return true;
+    }
     vector = Vec3d(0);
     for (int corner = 0; corner < 8; ++corner) {
       const int x = corner & 1, y = (corner >> 1) & 1, z = corner >> 2;
       const double w = weight[x].x * weight[y].y * weight[z].z;
       if (w == 0) continue;
-      const std::size_t row = (std::size_t(lo.z) + z) * dims.y + lo.y + y;
-      vector += Vec3d(m_warp.vectors[row * dims.x + lo.x + x]) * w;
+      vector += at(x, y, z) * w;
     }
     return true;
   }

@@ -1,6 +1,7 @@
 #include "volumes/field/dense/warp_vectors.h"
 
 #include <algorithm>
+#include <cstring>
 
 namespace supple {
 
@@ -22,8 +23,7 @@ void WarpVectors::put(std::size_t first, const Vec3f* vectors, std::size_t count
     const std::size_t run = (first + done) / kBrickVoxels, at = (first + done) % kBrickVoxels;
     const std::size_t part = std::min(count - done, std::size_t(kBrickVoxels) - at);
     const Vec3f* const from = vectors + done;
-    const bool is_still =
-        std::all_of(from, from + part, [](const Vec3f& v) { return v == Vec3f(0); });
+    const bool is_still = std::memcmp(from, kZeroBrickOf<Vec3f>, part * sizeof(Vec3f)) == 0;
     if (!is_still || m_runs.brick(run) != nullptr) std::copy_n(from, part, m_runs.touch(run) + at);
     done += part;
   }
