@@ -402,9 +402,9 @@ TEST(PropertyBricks, IntervalsCoverEveryPlaceInsideAVisibleBrick) {
   std::uniform_real_distribution<double> coordinate(-20, 84), unit(-1, 1);
   std::vector<Interval> intervals;
   for (int n = 0; n < 500; ++n) {
-    const IndexRay ray{
-        {coordinate(random), coordinate(random), -4000},
-        {0.02 * unit(random) * (n % 3), 0.02 * unit(random) * (n % 4 / 2), n % 2 ? 1.0 : 1.3}};
+    const IndexRay ray{{coordinate(random), coordinate(random), -4000},
+                       {0.02 * unit(random) * (n % 3), 0.02 * unit(random) * (n % 4 < 2 ? 0 : 1),
+                        n % 2 ? 1.0 : 1.3}};
     const Interval span = clip_to_box(ray, Vec3d(-1), Vec3d(64), {0, HUGE_VAL});
     if (span.begin > span.end) continue;
     bounds.intervals(ray, span, intervals);

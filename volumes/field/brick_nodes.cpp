@@ -126,8 +126,9 @@ void gather_inside(const ViewsAround& around, float* out) {
   for (int x = 0; x < BrickNodes::kDim; ++x) {
     for (int y = 0; y < BrickNodes::kDim; ++y, out += 3 * BrickNodes::kDim) {
       const SurroundingVoxel start = surrounding_voxel({x, y, 0});
-      std::memcpy(out, &around[start.brick].vectors[start.offset], sizeof(float) * kRowFloats);
-      std::memcpy(out + kRowFloats, &around[start.brick + 1].vectors[start.offset], sizeof(Vec3f));
+      std::memcpy(out, &around[start.brick].vectors[start.offset].x, sizeof(float) * kRowFloats);
+      std::memcpy(out + kRowFloats, &around[start.brick + 1].vectors[start.offset].x,
+                  sizeof(Vec3f));
     }
   }
 }
@@ -153,7 +154,7 @@ void gather_beside_void(const ViewsAround& around, const PaddedRows<2>& valid, c
     const unsigned given = valid.row(x, y) & kWholeRow;
     unsigned rest = rows[row];  // still to be gathered
     if ((given & kOwn) == kOwn) {
-      std::memcpy(out, &around[start.brick].vectors[start.offset], sizeof(float) * kRowFloats);
+      std::memcpy(out, &around[start.brick].vectors[start.offset].x, sizeof(float) * kRowFloats);
       rest &= ~kOwn;
     }
     for (; rest != 0; rest &= rest - 1) {

@@ -3,6 +3,7 @@
 
 #include "tests/volumes/field/offset_fixtures.h"
 #include "volumes/field/cuts/cut_offsets.h"
+#include "volumes/field/inversion/deformed_cell.h"
 #include "volumes/field/inversion/forward_offsets.h"
 #include "volumes/field/inversion/hidden_elements.h"
 #include "volumes/field/inversion/invert.h"

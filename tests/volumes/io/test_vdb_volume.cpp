@@ -43,7 +43,7 @@ DenseImage scalars(ValueType type) {
 template <class Value>
 std::string block_of_noise(Value surrounding) {
   std::mt19937 random(7);
-  const Vec3i dims = kOblique.dims();
+  const Vec3i& dims = kOblique.dims();
   std::vector<Value> values;
   for (int k = 0; k < dims.z; ++k) {
     for (int j = 0; j < dims.y; ++j) {
