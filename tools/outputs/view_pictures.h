@@ -46,7 +46,7 @@ void check_view(const SceneView& view);
 SceneView effective_view(const SceneView& view, const Geometry& geometry, double min_density);
 /// Whether pictures of the view read the displacement beside the offsets, or the offsets alone.
 bool reads_displacement(const SceneView& view);
-/// What the eyes of a view, or its slices, see, where its picture reads offsets there alone;
+/// What the cameras or the slices of a view show, where its picture reads offsets there alone;
 /// nothing where it reads them all, as shadows do from beside the picture.
 std::optional<std::vector<ViewVolume>> seen_of(const SceneView& view, const Geometry& geometry);
 /// A renderer of the subject in its pose.

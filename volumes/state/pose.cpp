@@ -23,14 +23,17 @@ void warn_of(const InversionCertificate& certificate, Progress* progress) {
   }
   if (certificate.overlapped_voxels > 0) {
     warn(progress, with_count(certificate.overlapped_voxels, "voxel") +
-                       " covered by tissue from several places; the shortest offset is shown");
+                       " covered by tissue from several places" + where +
+                       "; the shortest offset is shown");
   }
   if (certificate.hidden_elements > 0) {
     warn(progress, with_count(certificate.hidden_elements, "element") +
-                       " cannot be seen where they went, as other tissue is shown there");
+                       " cannot be seen where they went, as other tissue is shown there" +
+                       (certificate.of_part ? "; what is not seen was not looked at" : ""));
   }
   if (certificate.unresolved_voxels > 0) {
-    warn(progress, with_count(certificate.unresolved_voxels, "voxel") + " could not be inverted");
+    warn(progress,
+         with_count(certificate.unresolved_voxels, "voxel") + " could not be inverted" + where);
   }
 }
 
