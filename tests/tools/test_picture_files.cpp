@@ -1,6 +1,8 @@
 // What pictures become: kinds of files, pictures beside the main one, stereo, cameras, series.
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -287,6 +289,24 @@ TEST_F(FaultPictureFiles, AFullDiskLeavesNoPictureOfASeriesAndNoFolder) {
              "turntable = 3\nsize = [64, 64]\n");
   EXPECT_EQ(run_supple({"run", m_folder / "scene.toml", "-o", m_folder.path()}, full).exit_code, 4);
   std::filesystem::remove(m_folder / "scene.toml");
+  EXPECT_EQ(m_folder.entries(), m_before);
+}
+
+TEST_F(FaultPictureFiles, CtrlCWhileAnEncoderStartsLeavesNothing) {
+  // Begins to write when the program that it works for is gone.
+  const supple::test::TemporaryFolder programs;
+  write_text(
+      programs / "ffmpeg",
+      "#!/bin/sh\n: > \"$0.started\"\nsleep 1\nfor name; do :; done\necho late > \"$name\"\n");
+  std::filesystem::permissions(programs / "ffmpeg", std::filesystem::perms::owner_all);
+  RunOptions options;
+  options.interrupt_at_file = programs / "ffmpeg.started";
+  const Outcome outcome = run_program(
+      {"/usr/bin/env", "PATH=" + (programs / "") + ":/usr/bin:/bin", std::getenv("SUPPLE_BINARY"),
+       "render", m_folder / "ball.nhdr", "--turntable", "5000", "-o", m_folder / "a.mp4"},
+      options);
+  EXPECT_EQ(outcome.exit_code, 128 + SIGINT) << outcome.err;
+  std::this_thread::sleep_for(std::chrono::milliseconds(1200));
   EXPECT_EQ(m_folder.entries(), m_before);
 }
 

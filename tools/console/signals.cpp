@@ -1,5 +1,6 @@
 #include "tools/console/signals.h"
 
+#include <array>
 #include <atomic>
 #include <cerrno>
 #include <csignal>
@@ -7,6 +8,7 @@
 #include <deque>
 
 #include <sys/time.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "volumes/base/atomic_file.h"
@@ -40,6 +42,18 @@ struct ChainedRemains {
 };
 std::atomic<const ChainedRemains*> g_last{nullptr};
 
+/// Those that write for us; 0: a free place. More than these are not ended.
+std::array<std::atomic<pid_t>, 64> g_processes{};
+static_assert(std::atomic<pid_t>::is_always_lock_free);
+
+/// Changes a place that holds one number to another.
+void replace_process(pid_t from, pid_t to) {
+  for (std::atomic<pid_t>& process : g_processes) {
+    pid_t expected = from;
+    if (process.compare_exchange_strong(expected, to)) return;
+  }
+}
+
 void call_after(int microseconds) {
   itimerval once = {};
   once.it_value.tv_usec = microseconds;
@@ -61,6 +75,12 @@ void write_line(const char* text) {
 void end_in_handler(int) {
   const KeptErrno kept;
   if (CommonCommit::is_under_way()) return call_after(kLookAgainUs);
+  for (const std::atomic<pid_t>& process : g_processes) {
+    const pid_t child = process;
+    if (child <= 0) continue;
+    ::kill(child, SIGKILL);
+    ::waitpid(child, nullptr, 0);
+  }
   for (const ChainedRemains* last = g_last; last != nullptr; last = last->made_before) {
     last->what.remove();
   }
@@ -90,6 +110,14 @@ void remove_at_signal(const std::vector<Remains>& remains) {
 
 void keep_at_signal() {
   g_last = nullptr;
+}
+
+void end_at_signal(pid_t process) {
+  replace_process(0, process);
+}
+
+void spare_at_signal(pid_t process) {
+  replace_process(process, 0);
 }
 
 int end_by_signal() {

@@ -5,6 +5,8 @@
 
 #include <vector>
 
+#include <sys/types.h>
+
 #include "volumes/base/reserved_names.h"
 
 namespace supple::tools {
@@ -18,6 +20,11 @@ int pending_signal();
 void remove_at_signal(const std::vector<Remains>& remains);
 /// Forgets them all.
 void keep_at_signal();
+/// Adds a process of ours that writes such a file, which is ended before files are removed: it
+/// could make its file anew. From any thread.
+void end_at_signal(pid_t process);
+/// Forgets it, once it has ended and before its number is free for others.
+void spare_at_signal(pid_t process);
 /// Ends as the pending signal would have ended the process, so that shells see the interruption.
 int end_by_signal();
 

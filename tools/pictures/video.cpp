@@ -13,6 +13,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "tools/console/signals.h"
 #include "volumes/base/error.h"
 
 extern char** environ;
@@ -121,6 +122,7 @@ VideoEncoder::VideoEncoder(const std::string& path, std::string shown_as, int wi
     ::close(m_pipe);
     throw SystemError(m_shown_as + ": the program ffmpeg could not be started");
   }
+  end_at_signal(m_process);
 }
 
 VideoEncoder::~VideoEncoder() {
@@ -145,6 +147,11 @@ void VideoEncoder::finish() {
 
 int VideoEncoder::wait_for_end() {
   ::close(m_pipe);
+  // Its number stays its own until it is spared.
+  siginfo_t ended;
+  while (::waitid(P_PID, id_t(m_process), &ended, WEXITED | WNOWAIT) < 0 && errno == EINTR) {
+  }
+  spare_at_signal(m_process);
   int status = 0;
   while (::waitpid(m_process, &status, 0) < 0 && errno == EINTR) {
   }
