@@ -16,8 +16,6 @@
 #include "tools/console/signals.h"
 #include "volumes/base/error.h"
 
-extern char** environ;
-
 namespace supple::tools {
 
 namespace {

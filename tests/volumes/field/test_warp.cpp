@@ -39,6 +39,7 @@ TEST(UnitWarp, VectorsTakeMemoryWhereSomeAreOtherThanZero) {
     vectors.put(first, part.data(), part.size());
     std::copy(part.begin(), part.end(), expected.begin() + first);
   }
+  vectors.put(1000000, &expected[1000000], 400000);
   EXPECT_EQ(vectors.all(), expected);
   EXPECT_EQ(vectors[1599], Vec3f(4, 0, 0));
   EXPECT_LT(vectors.bytes(), 1000000u);
