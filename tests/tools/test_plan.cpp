@@ -127,11 +127,12 @@ TEST_F(UnitSeenBricks, OthersAreNotInvertedAndThePictureStaysTheSame) {
 TEST_F(UnitSeenBricks, OfSlicesAndPairsOfEyesTooThePictureStaysTheSame) {
   const std::string slice = "[[view]]\nimage = \"a.png\"\nslice = { at = [50, 28, 46], ";
   const std::string marks = "overlay = \"displacement\", overlay_range = [0, 4]";
-  for (const std::string& view : {slice + "plane = \"axial\", " + marks + " }\n",
-                                  slice + "plane = \"axial\", arrows = 7, overlay = \"det_f\" }\n",
-                                  slice + "normal = [0.3, 0.2, 1.0], thickness = 12, grid = 8 }\n",
-                                  slice + "plane = \"coronal\", lightbox = [2, 1], every = 6 }\n",
-                                  m_close + "stereo = \"side-by-side\"\n"}) {
+  for (const std::string& view :
+       {slice + "plane = \"axial\", " + marks + " }\n",
+        slice + "plane = \"axial\", arrows = 7, overlay = \"det_f\" }\n",
+        slice + "normal = [0.3, 0.2, 1.0], thickness = 12, grid = 8 }\n",
+        slice + "plane = \"coronal\", lightbox = [2, 1], every = 6 }\n",
+        m_close + "stereo = \"side-by-side\"\neye_separation = 150.0\n"}) {
     const double some = cells(run(m_step + view));
     const supple::Image picture = supple::read_png(m_folder / "out/a.png");
     const double all = cells(run(m_step + view + m_export));
