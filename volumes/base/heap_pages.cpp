@@ -38,7 +38,10 @@ void ask_for_large_pages() {
 void keep_heap_in_large_pages() {
 #ifdef __GLIBC__
   rlimit addresses{};
-  if (::getrlimit(RLIMIT_AS, &addresses) != 0 || addresses.rlim_cur != RLIM_INFINITY) return;
+  if (::getrlimit(RLIMIT_AS, &addresses) != 0 || addresses.rlim_cur != RLIM_INFINITY) {
+    ::mallopt(M_ARENA_MAX, 1);
+    return;
+  }
   g_keeps_large_pages = true;
   ask_for_large_pages();
 #endif
