@@ -1,6 +1,7 @@
 #include "lib/material/toml_string.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cstddef>
 
 #include "volumes/base/fields.h"
@@ -51,6 +52,12 @@ std::string toml_string(const std::string& bytes) {
     at += std::max<std::size_t>(length, 1);
   }
   return json_string(text);
+}
+
+std::string toml_key(const std::string& bytes) {
+  const auto is_bare = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '-'; };
+  const bool all = !bytes.empty() && std::all_of(bytes.begin(), bytes.end(), is_bare);
+  return all ? bytes : toml_string(bytes);
 }
 
 std::string bytes_of_toml_string(const std::string& text) {

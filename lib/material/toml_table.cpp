@@ -20,12 +20,41 @@ namespace supple {
 
 namespace {
 
+constexpr std::size_t kLongestText = 60;
+
+/// Adds the node to the line until the line is too long to be shown. Lists and tables are written
+/// here because the library's way to find whether they fit on a line is undefined for numbers
+/// below 1 and for infinite ones (`toml_formatter_count_inline_columns`).
+void add_text(std::string& line, const toml::node& node) {
+  if (line.size() > kLongestText) return;
+  if (const toml::array* list = node.as_array()) {
+    line += '[';
+    for (std::size_t i = 0; i < list->size() && line.size() <= kLongestText; ++i) {
+      if (i > 0) line += ", ";
+      add_text(line, (*list)[i]);
+    }
+    line += ']';
+  } else if (const toml::table* table = node.as_table()) {
+    line += '{';
+    for (const auto& [key, value] : *table) {
+      if (line.size() > kLongestText) break;
+      line += line.back() == '{' ? " " : ", ";
+      line += toml_key(std::string(key.str())) + " = ";
+      add_text(line, value);
+    }
+    line += line.back() == '{' ? "}" : " }";
+  } else {
+    std::ostringstream text;
+    node.visit([&text](const auto& value) { text << value; });
+    line += text.str();
+  }
+}
+
 std::string text_of(const toml::node& node) {
-  std::ostringstream text;
-  node.visit([&text](const auto& value) { text << value; });
-  std::string line = text.str();
+  std::string line;
+  add_text(line, node);
   std::replace(line.begin(), line.end(), '\n', ' ');
-  if (line.size() > 60) line = line.substr(0, 57) + "...";
+  if (line.size() > kLongestText) line = line.substr(0, kLongestText - 3) + "...";
   return line;
 }
 

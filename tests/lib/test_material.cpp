@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "lib/material/material.h"
+#include "lib/material/toml_table.h"
 #include "tests/lib/test_bodies.h"
 
 using namespace supple;
@@ -138,6 +139,25 @@ TEST(UnitMaterial, EveryErrorNamesTableKeyPointValueAndExpectation) {
             "m.toml: active: found [300, 255], expected lower <= upper, finite");
   EXPECT_EQ(message([](MaterialTable& t) { t.components = -1; }),
             "m.toml: components: found -1, expected 0 (all) or a count >= 1");
+}
+
+// Numbers below 1 and infinite ones: the library's own text of a list is undefined for them.
+TEST(UnitMaterial, AnErrorShowsAListOrATableOnOneLine) {
+  const auto found = [](const std::string& value) {
+    TomlTable table = TomlTable::parse("key = " + value, "m.toml");
+    try {
+      table.string("key");
+    } catch (const InputError& error) {
+      return error.problem().found;
+    }
+    return std::string("no error");
+  };
+  EXPECT_EQ(found("[0.25, -inf, [1, [], true]]"), "[0.25, -inf, [1, [], true]]");
+  EXPECT_EQ(found("{a = 0.5, \"b c\" = {}}"), "{ a = 0.5, \"b c\" = {} }");
+  const std::string longest = found("[" + std::string(100000, ' ') +
+                                    "11111111, 22222222, 33333333, "
+                                    "44444444, 55555555, 66666666, 77777777]");
+  EXPECT_EQ(longest, "[11111111, 22222222, 33333333, 44444444, 55555555, 666666...");
 }
 
 TEST(UnitMaterial, KeyPointsThatShareAClassAreWarnedOf) {

@@ -1,8 +1,5 @@
 #include "tools/scene/live_event.h"
 
-#include <algorithm>
-#include <cctype>
-
 #include <nlohmann/json.hpp>
 
 #include "lib/material/toml_string.h"
@@ -115,13 +112,6 @@ void read_keys(TomlTable& table, const LabelNames& names, LiveEvent& event) {
     default:
       return;
   }
-}
-
-/// Quoted where it is no bare key.
-std::string toml_key(const std::string& key) {
-  const auto is_bare = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '-'; };
-  const bool all = !key.empty() && std::all_of(key.begin(), key.end(), is_bare);
-  return all ? key : toml_string(key);
 }
 
 void write_inline(const Json& value, std::string& text) {
