@@ -1,5 +1,8 @@
 #include "raycast/progressive.h"
 
+#include <algorithm>
+
+#include "raycast/march/changed_pixels.h"
 #include "raycast/march/march_pixels.h"
 
 namespace supple {
@@ -7,6 +10,19 @@ namespace supple {
 namespace {
 
 constexpr int kFirstSpacing = 8;
+
+/// A colour, and what else both pictures tell of the pixel.
+void copy_pixel(const FloatImage& from, std::size_t pixel, FloatImage& to) {
+  const auto copy = [pixel](const std::vector<float>& values, std::size_t count,
+                            std::vector<float>& out) {
+    if (out.empty()) return;
+    std::copy_n(&values[count * pixel], count, &out[count * pixel]);
+  };
+  copy(from.rgba, 4, to.rgba);
+  copy(from.depth_mm, 1, to.depth_mm);
+  copy(from.normal_lps, 3, to.normal_lps);
+  copy(from.offset_mm, 1, to.offset_mm);
+}
 
 class Cancellation final : public Progress {
  public:
@@ -19,13 +35,25 @@ class Cancellation final : public Progress {
   const std::atomic<bool>& m_flag;
 };
 
-/// Every value taken from the pixel at the corner of its square; `count` values per pixel.
-void repeat(std::vector<float>& values, int width, int spacing, std::size_t count) {
+/// Values of pixels that are not there taken from the one at the corner of their square; `count`
+/// values per pixel.
+void repeat(const PixelMarks& marks, std::vector<float>& values, int width, int spacing,
+            std::size_t count) {
   for (std::size_t n = 0; n < values.size() / count; ++n) {
+    if (!marks.is_there.empty() && marks.is_there[n]) continue;
     const std::size_t x = n % width, y = n / width;
     const std::size_t from = (y - y % spacing) * width + x - x % spacing;
     for (std::size_t c = 0; c < count; ++c) values[count * n + c] = values[count * from + c];
   }
+}
+
+/// The first spacing at which this many of all pixels take no longer than all do at kFirstSpacing.
+int first_spacing(std::int64_t changed, std::int64_t all) {
+  int spacing = kFirstSpacing;
+  while (spacing > 1 && changed * kFirstSpacing * kFirstSpacing * 4 <= all * spacing * spacing) {
+    spacing /= 2;
+  }
+  return spacing;
 }
 
 }  // namespace
@@ -33,19 +61,61 @@ void repeat(std::vector<float>& values, int width, int spacing, std::size_t coun
 ProgressiveRender::ProgressiveRender(const Renderer& renderer, const Camera& camera,
                                      const TransferFunction& transfer_function,
                                      const RenderSettings& settings)
-    : m_camera(camera),
+    : m_renderer(renderer),
+      m_version(renderer.version()),
+      m_camera(camera),
       m_context(renderer.prepare(camera, transfer_function, settings)),
-      m_picture(settings.width, settings.height, settings.auxiliary) {}
+      m_picture(settings.width, settings.height, settings.auxiliary),
+      m_marks(std::make_unique<PixelMarks>()),
+      m_changed_pixels(std::int64_t(m_picture.pixel_count())),
+      m_first_spacing(kFirstSpacing) {
+  m_marks->opaque_from_mm.resize(m_picture.pixel_count());
+}
 
 ProgressiveRender::~ProgressiveRender() = default;
 
+std::unique_ptr<ProgressiveRender> ProgressiveRender::follow() const {
+  auto next = std::make_unique<ProgressiveRender>(m_renderer, m_camera, m_context->function,
+                                                  m_context->settings);
+  next->take_over(*this);
+  return next;
+}
+
+void ProgressiveRender::take_over(const ProgressiveRender& before) {
+  const RenderContext& was = *before.m_context;
+  if (!before.finished() || !before.m_version || m_context->medium != nullptr ||
+      m_context->box_lo != was.box_lo || m_context->box_hi != was.box_hi) {
+    return;
+  }
+  std::optional<std::vector<std::size_t>> changed = m_renderer.changed_since(*before.m_version);
+  if (!changed) return;
+  const auto shows_nothing = [&](std::size_t b) {
+    return !m_context->output_visible[b] &&
+           !(b < was.output_visible.size() && was.output_visible[b]);
+  };
+  changed->erase(std::remove_if(changed->begin(), changed->end(), shows_nothing), changed->end());
+
+  *m_marks = *before.m_marks;
+  m_marks->is_there =
+      unchanged_pixels(*m_context, m_camera, *changed, before.m_marks->opaque_from_mm);
+  m_changed_pixels = 0;
+  for (std::size_t n = 0; n < m_marks->is_there.size(); ++n) {
+    if (!m_marks->is_there[n]) {
+      ++m_changed_pixels;
+    } else {
+      copy_pixel(before.m_picture, n, m_picture);
+    }
+  }
+  m_first_spacing = first_spacing(m_changed_pixels, std::int64_t(m_picture.pixel_count()));
+}
+
 bool ProgressiveRender::refine() {
   if (finished()) return false;
-  const int spacing = m_spacing == 0 ? kFirstSpacing : m_spacing / 2;
+  const int spacing = m_spacing == 0 ? m_first_spacing : m_spacing / 2;
   Cancellation progress(m_cancelled);
   try {
-    m_samples +=
-        march_pixels(*m_context, m_camera, {spacing, m_spacing != 0}, m_picture, &progress);
+    m_samples += march_pixels(*m_context, m_camera, {spacing, m_spacing != 0}, m_picture, &progress,
+                              m_marks.get());
   } catch (const Cancelled&) {
     return false;
   }
@@ -56,10 +126,10 @@ bool ProgressiveRender::refine() {
 FloatImage ProgressiveRender::picture() const {
   FloatImage picture = m_picture;
   if (m_spacing <= 1) return picture;
-  repeat(picture.rgba, picture.width, m_spacing, 4);
-  repeat(picture.depth_mm, picture.width, m_spacing, 1);
-  repeat(picture.normal_lps, picture.width, m_spacing, 3);
-  repeat(picture.offset_mm, picture.width, m_spacing, 1);
+  repeat(*m_marks, picture.rgba, picture.width, m_spacing, 4);
+  repeat(*m_marks, picture.depth_mm, picture.width, m_spacing, 1);
+  repeat(*m_marks, picture.normal_lps, picture.width, m_spacing, 3);
+  repeat(*m_marks, picture.offset_mm, picture.width, m_spacing, 1);
   return picture;
 }
 

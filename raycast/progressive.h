@@ -1,14 +1,18 @@
 // A picture that is coarse first: every eighth pixel of every eighth row, then every fourth,
 // second, and all. Each pixel is marched once, so that the last picture is that of Renderer, bit
-// for bit, and takes as long; the first takes 1/64 of that.
+// for bit, and takes as long; the first takes 1/64 of that. A picture that follows another one of
+// the same view marches only pixels that changed offsets may have altered.
 #pragma once
 
 #include <atomic>
 #include <memory>
+#include <optional>
 
 #include "raycast/render.h"
 
 namespace supple {
+
+struct PixelMarks;
 
 class ProgressiveRender {
  public:
@@ -16,6 +20,12 @@ class ProgressiveRender {
   /// Renderer does.
   ProgressiveRender(const Renderer& renderer, const Camera& camera,
                     const TransferFunction& transfer_function, const RenderSettings& settings);
+  /// The same view of the renderer's offsets as they are now, which may have changed since. Of a
+  /// finished picture it takes over the pixels whose rays read nothing that update_offsets changed
+  /// (none where lights are followed to their sources, or a drag moved tissue out of the box that
+  /// rays enter); its first pass takes at most 1/64 of the time of a picture, too, and may be the
+  /// last.
+  std::unique_ptr<ProgressiveRender> follow() const;
   ~ProgressiveRender();
   ProgressiveRender(const ProgressiveRender&) = delete;
   ProgressiveRender& operator=(const ProgressiveRender&) = delete;
@@ -25,6 +35,8 @@ class ProgressiveRender {
   /// From any thread and for good: a running refine() returns after at most 16 pixels per thread.
   void cancel() { m_cancelled = true; }
 
+  /// Pixels that were to be marched when it was begun.
+  std::int64_t changed_pixels() const { return m_changed_pixels; }
   /// Spacing of the pixels that are there: 8, 4, 2 or 1; 0 before the first pass.
   int spacing() const { return m_spacing; }
   bool finished() const { return m_spacing == 1; }
@@ -34,10 +46,16 @@ class ProgressiveRender {
   FloatImage picture() const;
 
  private:
+  void take_over(const ProgressiveRender& before);
+
+  const Renderer& m_renderer;
+  std::optional<std::uint64_t> m_version;  // Renderer::version
   Camera m_camera;
   std::unique_ptr<RenderContext> m_context;
   FloatImage m_picture;
-  int m_spacing = 0;
+  std::unique_ptr<PixelMarks> m_marks;
+  std::int64_t m_changed_pixels = 0;
+  int m_first_spacing, m_spacing = 0;
   std::int64_t m_samples = 0;
   std::atomic<bool> m_cancelled{false};
 };

@@ -37,6 +37,10 @@ struct Renderer::Impl {
   std::unique_ptr<OffsetBricks> lattice, pointwise;
   bool is_pointwise = false;
   std::unique_ptr<SurfaceScene> surfaces;
+
+  std::uint64_t version = 0;                // counts changes of `lattice` and `surfaces`
+  std::uint64_t all_changed = 0;            // the last one of more than some bricks
+  std::vector<std::uint64_t> last_changed;  // per brick of `lattice`; at first none
 };
 
 Renderer::Renderer(const Geometry& geometry, const DensityGrid& density, int background_rings,
@@ -55,6 +59,8 @@ void Renderer::set_offsets(const OffsetField* offsets, OffsetResolution resoluti
                                        : std::make_unique<OffsetBricks>(
                                              m_impl->source, offsets->o, offsets->split,
                                              resolution == OffsetResolution::half ? 2 : 1);
+  m_impl->all_changed = ++m_impl->version;
+  m_impl->last_changed = {};
 }
 
 void Renderer::update_offsets(const std::vector<Vec3i>& changed, const VectorBrickFinder& offsets) {
@@ -62,7 +68,10 @@ void Renderer::update_offsets(const std::vector<Vec3i>& changed, const VectorBri
     throw InputError({"", "offsets", "offsets that jump", "offsets set without a cut"});
   }
   m_impl->is_pointwise = false;
-  m_impl->lattice->update(changed, offsets);
+  const std::vector<std::size_t> bricks = m_impl->lattice->update(changed, offsets);
+  ++m_impl->version;
+  m_impl->last_changed.resize(m_impl->lattice->brick_count());
+  for (const std::size_t b : bricks) m_impl->last_changed[b] = m_impl->version;
 }
 
 void Renderer::set_pointwise_offsets(std::shared_ptr<const PointwiseOffsets> offsets) {
@@ -76,6 +85,7 @@ void Renderer::set_pointwise_offsets(std::shared_ptr<const PointwiseOffsets> off
 void Renderer::set_surfaces(const std::vector<Surface>& surfaces) {
   for (const Surface& surface : surfaces) surface.validate("");
   m_impl->surfaces = std::make_unique<SurfaceScene>(surfaces);
+  m_impl->all_changed = ++m_impl->version;
 }
 
 std::unique_ptr<RenderContext> Renderer::prepare(const Camera& camera,
@@ -91,6 +101,20 @@ std::unique_ptr<RenderContext> Renderer::prepare(const Camera& camera,
   }
   return std::make_unique<RenderContext>(m_impl->geometry, m_impl->source, m_impl->output(), camera,
                                          function, settings, m_impl->surfaces.get());
+}
+
+std::optional<std::uint64_t> Renderer::version() const {
+  if (m_impl->is_pointwise || m_impl->lattice->pointwise() != nullptr) return std::nullopt;
+  return m_impl->version;
+}
+
+std::optional<std::vector<std::size_t>> Renderer::changed_since(std::uint64_t version) const {
+  if (!this->version() || m_impl->all_changed > version) return std::nullopt;
+  std::vector<std::size_t> bricks;
+  for (std::size_t b = 0; b < m_impl->last_changed.size(); ++b) {
+    if (m_impl->last_changed[b] > version) bricks.push_back(b);
+  }
+  return bricks;
 }
 
 FloatImage Renderer::render_float(const Camera& camera, const TransferFunction& transfer_function,

@@ -48,18 +48,25 @@ Float4 exposed(Float4 colour, float factor) {
 /// One pixel of a picture, marched.
 class PixelMarch {
  public:
-  PixelMarch(const RenderContext& context, const Camera& camera, FloatImage& picture)
+  PixelMarch(const RenderContext& context, const Camera& camera, FloatImage& picture,
+             PixelMarks* marks)
       : m_marcher(context),
         m_jitter(context.settings.jitter),
         m_light(float(std::exp2(context.settings.lighting.exposure_stops))),
         m_rays(camera, picture.width, picture.height),
         m_forward(camera_frame(camera).forward),
-        m_picture(picture) {}
+        m_picture(picture),
+        m_marks(marks) {}
+
+  bool is_there(int x, int y) const {
+    return m_marks != nullptr && !m_marks->is_there.empty() && m_marks->is_there[number(x, y)];
+  }
 
   void march(int x, int y) {
     const Ray ray = m_rays.at(x + 0.5, y + 0.5);
     const Float4 sum = exposed(m_marcher.march(ray, m_jitter ? blue_noise(x, y) : 0), m_light);
-    const std::size_t n = std::size_t(y) * m_picture.width + x;
+    const std::size_t n = number(x, y);
+    if (m_marks != nullptr) m_marks->opaque_from_mm[n] = float(m_marcher.opaque_from());
     for (std::size_t c = 0; c < 4; ++c) m_picture.rgba[4 * n + c] = sum[c];
     SeenSurface seen;
     if (!m_picture.has_auxiliary() || !m_marcher.surface(seen)) return;
@@ -71,18 +78,22 @@ class PixelMarch {
   std::int64_t samples() const { return m_marcher.samples(); }
 
  private:
+  std::size_t number(int x, int y) const { return std::size_t(y) * m_picture.width + x; }
+
   Marcher m_marcher;
   bool m_jitter;
   float m_light;  // factor of exposure
   CameraRays m_rays;
   Vec3d m_forward;
   FloatImage& m_picture;
+  PixelMarks* m_marks;
 };
 
 }  // namespace
 
 std::int64_t march_pixels(const RenderContext& context, const Camera& camera,
-                          const PixelLattice& lattice, FloatImage& picture, Progress* progress) {
+                          const PixelLattice& lattice, FloatImage& picture, Progress* progress,
+                          PixelMarks* marks) {
   const int spacing = lattice.spacing;
   const int columns = (picture.width + spacing - 1) / spacing;
   const int rows = (picture.height + spacing - 1) / spacing;
@@ -92,11 +103,12 @@ std::int64_t march_pixels(const RenderContext& context, const Camera& camera,
   tbb::parallel_for(
       all,
       [&](const tbb::blocked_range2d<int>& tile) {
-        PixelMarch march(context, camera, picture);
+        PixelMarch march(context, camera, picture, marks);
         for (int y = tile.rows().begin(); y < tile.rows().end(); ++y) {
           for (int x = tile.cols().begin(); x < tile.cols().end(); ++x) {
             const bool is_there = lattice.has_coarser && x % 2 == 0 && y % 2 == 0;
-            if (!is_there) march.march(x * spacing, y * spacing);
+            if (is_there || march.is_there(x * spacing, y * spacing)) continue;
+            march.march(x * spacing, y * spacing);
           }
           shared.done(tile.cols().size());
         }

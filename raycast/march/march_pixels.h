@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "raycast/march/marcher.h"
 #include "raycast/pictures/float_image.h"
@@ -16,9 +17,17 @@ struct PixelLattice {
   bool has_coarser = false;
 };
 
-/// Writes these pixels of `picture`, auxiliary channels included where it has them. Returns the
-/// samples read. Throws Cancelled after at most one row of 16 pixels per thread.
+/// Of a picture that another one may begin with; per pixel.
+struct PixelMarks {
+  std::vector<std::uint8_t> is_there;  // not to be marched; empty: all are
+  std::vector<float> opaque_from_mm;   // Marcher::opaque_from
+};
+
+/// Writes these pixels of `picture`, auxiliary channels included where it has them, and where
+/// their rays became opaque. Returns the samples read. Throws Cancelled after at most one row of 16
+/// pixels per thread.
 std::int64_t march_pixels(const RenderContext& context, const Camera& camera,
-                          const PixelLattice& lattice, FloatImage& picture, Progress* progress);
+                          const PixelLattice& lattice, FloatImage& picture, Progress* progress,
+                          PixelMarks* marks = nullptr);
 
 }  // namespace supple

@@ -43,6 +43,7 @@ Float4 Marcher::march(const Ray& ray, float shift) {
   m_view = m_context.shading.view(ray);
   m_sum = Float4{0, 0, 0, 0};
   m_surface = m_surface_crossing = -1;
+  m_opaque_from = kEndless;
   if (m_paths != nullptr) m_paths->begin_ray();
   m_clips.begin_ray(m_context.deformed_clips, m_ray);
   m_crossings.begin_ray(m_context.surfaces, ray,
@@ -219,7 +220,11 @@ void Marcher::composite_samples(std::int64_t first, std::int64_t last) {
       const int lane = __builtin_ctz(rest);
       if (unlit >> lane & 1) unlit &= ~light(unlit, n);
       composite(lane, n + lane, lane > 0 ? density_of(batch, lane - 1) : before);
-      if (opaque()) return;
+      if (opaque()) {
+        // The end of the sample's block was read, too.
+        m_opaque_from = time_of(n + lane + m_context.settings.stride);
+        return;
+      }
     }
     before = density_of(batch, count - 1);
     n += count;

@@ -40,6 +40,9 @@ class Marcher {
   /// Surface that the last ray met; false when its opacity stayed below one half. Reads its sample
   /// again.
   bool surface(SeenSurface& seen);
+  /// Where along the last ray, in mm, it had become opaque: nothing behind could have changed its
+  /// colour. Endless where it did not.
+  double opaque_from() const { return m_opaque_from; }
   /// Samples read from the source so far.
   std::int64_t samples() const { return m_samples; }
 
@@ -80,6 +83,7 @@ class Marcher {
   Ray m_world_ray;
   IndexRay m_ray;
   double m_entry = 0;
+  double m_opaque_from = kEndless;
   std::int64_t m_last_sample = -1;
   RayClips m_clips;
   RayCrossings m_crossings;

@@ -105,12 +105,21 @@ std::size_t OffsetBricks::add_brick(const Vec3i& origin) {
   return b;
 }
 
-void OffsetBricks::update(const std::vector<Vec3i>& changed, const VectorBrickFinder& offsets) {
+std::vector<std::size_t> OffsetBricks::update(const std::vector<Vec3i>& changed,
+                                              const VectorBrickFinder& offsets) {
   const BrickIndex touched = with_neighbours(changed);
   std::vector<std::size_t> bricks;
   for (const Vec3i& origin : touched.origins()) bricks.push_back(add_brick(origin));
+  std::vector<std::int32_t> before;
+  for (const std::size_t b : bricks) before.push_back(m_states[b]);
   gather(bricks, offsets);
   join_valid();
+  std::vector<std::size_t> others;
+  for (std::size_t n = 0; n < bricks.size(); ++n) {
+    const bool stays = before[n] < kDeformed && before[n] == m_states[bricks[n]];
+    if (!stays) others.push_back(bricks[n]);
+  }
+  return others;
 }
 
 void OffsetBricks::join_valid() {

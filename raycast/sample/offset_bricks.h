@@ -27,7 +27,9 @@ class OffsetBricks {
   /// Follows a change of the offsets: those in the bricks at these origins (unique) are now those
   /// that `offsets` finds, and may be gone; all others are unchanged. The bricks are then those
   /// that the changed offsets would have given, but for pointwise ones, of which there may be none.
-  void update(const std::vector<Vec3i>& changed, const VectorBrickFinder& offsets);
+  /// Returns the bricks that may read other densities than before.
+  std::vector<std::size_t> update(const std::vector<Vec3i>& changed,
+                                  const VectorBrickFinder& offsets);
   /// Replaces the pointwise offsets of bricks that are otherwise straight; null: none.
   void set_pointwise(std::shared_ptr<const PointwiseOffsets> pointwise);
 

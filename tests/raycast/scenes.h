@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstring>
 #include <functional>
 
 #include "raycast/render.h"
@@ -94,6 +95,11 @@ inline Camera front_camera(double height_mm) {
   camera.position_lps_mm = {0, -200, 0};
   camera.height_mm = height_mm;
   return camera;
+}
+
+/// Also where both are not a number.
+inline bool same_bits(const std::vector<float>& a, const std::vector<float>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
 }
 
 inline RenderSettings small_picture(int size, double step_voxels = 0.5) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "raycast/pictures/compare.h"
+#include "raycast/progressive.h"
 #include "tests/raycast/scenes.h"
 #include "volumes/base/error.h"
 #include "volumes/field/displacement.h"
@@ -37,32 +38,189 @@ struct LiveScene {
   Camera camera;
 };
 
-TEST(PropertyLiveOffsets, UpdatedBricksGiveThePictureOfAllOffsetsSetAnew) {
-  const LiveScene scene;
-  Renderer live(scene.geometry, scene.density), anew(scene.geometry, scene.density);
-  Displacement u = scene.displaced(shear_warp(kMiddle, 0));
-  IncrementalInversion inversion(u);
-  const OffsetField at_rest = inversion.field(u);
-  live.set_offsets(&at_rest);
-  const Image rest = scene.draw(live);
-  for (int step = 0; step < 3; ++step) {
-    // There, elsewhere, and back to rest.
-    const Vec3d middle = kMiddle + Vec3d(4, 0, step == 0 ? 8 : -8);
-    const Displacement moved = scene.displaced(bump_warp(middle, 14, step == 2 ? 0 : 6));
+/// The body at rest, and what a renderer follows it with.
+class FollowedBody {
+ public:
+  explicit FollowedBody(const LiveScene& scene, Interpolation interpolation = Interpolation::linear)
+      : renderer(scene.geometry, scene.density, 0, interpolation),
+        m_scene(scene),
+        m_u(scene.displaced(shear_warp(kMiddle, 0))),
+        m_inversion(m_u) {
+    const OffsetField at_rest = m_inversion.offsets();
+    renderer.set_offsets(&at_rest);
+  }
+  void move(const AnalyticWarp& warp) {
+    const Displacement moved = m_scene.displaced(warp);
     std::vector<std::int32_t> changed;
-    for (std::size_t b = 0; b < u.u.topology.brick_count(); ++b) {
+    for (std::size_t b = 0; b < m_u.u.topology.brick_count(); ++b) {
       const auto brick = [&](const Displacement& d) { return d.u.vectors.brick_or_zero(b); };
-      if (!std::equal(brick(u), brick(u) + kBrickVoxels, brick(moved))) changed.push_back(int(b));
+      if (!std::equal(brick(m_u), brick(m_u) + kBrickVoxels, brick(moved))) {
+        changed.push_back(int(b));
+      }
     }
     ASSERT_FALSE(changed.empty());
-    live.update_offsets(inversion.update(moved, changed), inversion.finder());
-    u = moved;
-    const OffsetField offsets = invert(moved);
+    renderer.update_offsets(m_inversion.update(moved, changed), m_inversion.finder());
+    m_u = moved;
+  }
+  OffsetField offsets() const { return invert(m_u); }
+
+  Renderer renderer;
+
+ private:
+  const LiveScene& m_scene;
+  Displacement m_u;
+  IncrementalInversion m_inversion;
+};
+
+/// There, elsewhere, and back to rest.
+AnalyticWarp warp_of_step(int step) {
+  return bump_warp(kMiddle + Vec3d(4, 0, step == 0 ? 8 : -8), 14, step == 2 ? 0 : 6);
+}
+
+TEST(PropertyLiveOffsets, UpdatedBricksGiveThePictureOfAllOffsetsSetAnew) {
+  const LiveScene scene;
+  FollowedBody live(scene);
+  Renderer anew(scene.geometry, scene.density);
+  const Image rest = scene.draw(live.renderer);
+  for (int step = 0; step < 3; ++step) {
+    live.move(warp_of_step(step));
+    const OffsetField offsets = live.offsets();
     anew.set_offsets(&offsets);
-    const Image picture = scene.draw(live);
+    const Image picture = scene.draw(live.renderer);
     EXPECT_EQ(picture.rgba, scene.draw(anew).rgba);
     EXPECT_EQ(picture.rgba == rest.rgba, step == 2);
   }
+}
+
+std::unique_ptr<ProgressiveRender> refined(std::unique_ptr<ProgressiveRender> picture) {
+  while (picture->refine()) {
+  }
+  return picture;
+}
+
+/// A way to look at the body.
+struct FollowedView {
+  const char* name;
+  std::function<void(const LiveScene&, Camera&, TransferFunction&, RenderSettings&)> change;
+  Interpolation interpolation = Interpolation::linear;
+  bool keeps_pixels = true;  // a drag is seen in a part of the picture
+  bool has_shadows = false;
+};
+
+std::vector<FollowedView> followed_views() {
+  return {{"as it is", [](auto&, auto&, auto&, auto&) {}},
+          {"parallel", [](auto&, Camera& camera, auto&, auto&) { camera = front_camera(96); }},
+          {"from within",
+           [](auto& scene, Camera& camera, auto&, auto&) {
+             camera.position_lps_mm = scene.geometry.world_from_index(kMiddle + Vec3d(-30, 0, 6));
+           },
+           Interpolation::linear, false},
+          {"cubic", [](auto&, auto&, auto&, auto&) {}, Interpolation::cubic},
+          {"every step",
+           [](auto&, auto&, auto&, RenderSettings& settings) {
+             settings.stride = 1;
+             settings.jitter = true;
+           }},
+          {"along the way",
+           [](auto&, auto&, auto&, RenderSettings& settings) {
+             settings.classification = Classification::pre_integrated;
+           }},
+          {"fog",
+           [](auto&, auto&, TransferFunction& function, auto&) { function = fog_function(0.02); }},
+          {"maximum", [](auto&, auto&, TransferFunction& function,
+                         auto&) { function.blend = Blend::maximum; }},
+          {"cut open",
+           [](auto& scene, auto&, auto&, RenderSettings& settings) {
+             settings.clips = {{box_region(scene.geometry, Vec3d(0, 45, 0), Vec3d(95)),
+                                ClipKeep::inside, ClipSpace::deformed}};
+           }},
+          {"shadows",
+           [](auto&, auto&, auto&, RenderSettings& settings) { settings.lighting.shadows = true; },
+           Interpolation::linear, false, true}};
+}
+
+TEST(PropertyLiveOffsets, AFollowedPictureHasTheBitsOfAWholeOneAndMarchesLess) {
+  const LiveScene scene;
+  for (const FollowedView& view : followed_views()) {
+    SCOPED_TRACE(view.name);
+    FollowedBody live(scene, view.interpolation);
+    Camera camera = scene.camera;
+    TransferFunction function = surface_function();
+    RenderSettings settings = small_picture(90, 1.0 / 3);
+    settings.auxiliary = true;
+    view.change(scene, camera, function, settings);
+    auto picture =
+        refined(std::make_unique<ProgressiveRender>(live.renderer, camera, function, settings));
+    EXPECT_EQ(picture->changed_pixels(), 90 * 90);
+    for (int step = 0; step < 3; ++step) {
+      live.move(warp_of_step(step));
+      picture = refined(picture->follow());
+      const FloatImage followed = picture->picture();
+      const FloatImage whole = live.renderer.render_float(camera, function, settings);
+      EXPECT_TRUE(same_bits(followed.rgba, whole.rgba));
+      EXPECT_TRUE(same_bits(followed.depth_mm, whole.depth_mm));
+      EXPECT_TRUE(same_bits(followed.normal_lps, whole.normal_lps));
+      EXPECT_TRUE(same_bits(followed.offset_mm, whole.offset_mm));
+      EXPECT_GT(picture->changed_pixels(), 0);
+      EXPECT_EQ(picture->changed_pixels() < 90 * 90, view.keeps_pixels);
+    }
+    picture = refined(picture->follow());
+    EXPECT_EQ(picture->changed_pixels() == 0, !view.has_shadows);
+  }
+}
+
+/// Within 6 voxels of the place.
+AnalyticWarp small_dent(const Vec3d& center) {
+  AnalyticWarp warp;
+  warp.displacement_voxels = [center](const Vec3d& place) {
+    const Vec3d from = place - center;
+    const double part = std::max(1 - from.dot(from) / 36, 0.0);
+    return Vec3d(0, 2 * part * part, 0);
+  };
+  return warp;
+}
+
+// Beside the body, and at its edge, rays pass through without becoming opaque.
+TEST(PropertyLiveOffsets, WhatMovesBehindAnOpaqueSurfaceIsNotMarchedAgain) {
+  const LiveScene scene;
+  const auto changed_from = [&](const std::string& side) {
+    FollowedBody live(scene);
+    const Camera camera = zoomed(default_camera(scene.geometry, 1, side), 3);
+    auto picture = refined(std::make_unique<ProgressiveRender>(
+        live.renderer, camera, surface_function(), small_picture(120, 1.0 / 3)));
+    const FloatImage rest = picture->picture();
+    live.move(small_dent(kMiddle - Vec3d(15, 0, 0)));
+    picture = refined(picture->follow());
+    EXPECT_EQ(same_bits(picture->picture().rgba, rest.rgba), side == "left");
+    return picture->changed_pixels();
+  };
+  const std::int64_t hidden = changed_from("left"), seen = changed_from("right");
+  EXPECT_LT(3 * hidden, seen) << hidden;
+}
+
+// Samples of all rays lie elsewhere then; and of offsets set anew nothing is known.
+TEST(PropertyLiveOffsets, WhereTheBoxOfRaysOrAllOffsetsChangeEveryPixelIsMarched) {
+  const LiveScene scene;
+  FollowedBody live(scene);
+  const RenderSettings settings = small_picture(64);
+  auto picture = refined(std::make_unique<ProgressiveRender>(live.renderer, scene.camera,
+                                                             surface_function(), settings));
+  live.move(bump_warp(kMiddle, 14, 60));
+  picture = refined(picture->follow());
+  EXPECT_EQ(picture->changed_pixels(), 64 * 64);
+  const auto expect_whole = [&] {
+    const FloatImage whole = live.renderer.render_float(scene.camera, surface_function(), settings);
+    EXPECT_TRUE(same_bits(picture->picture().rgba, whole.rgba));
+  };
+  expect_whole();
+  live.renderer.set_offsets(nullptr);
+  EXPECT_EQ(picture->follow()->changed_pixels(), 64 * 64);
+  picture = refined(picture->follow());
+  expect_whole();
+  live.renderer.set_surfaces({});
+  EXPECT_EQ(picture->follow()->changed_pixels(), 64 * 64);
+  // An unfinished picture has no pixels to take over.
+  EXPECT_EQ(picture->follow()->follow()->changed_pixels(), 64 * 64);
 }
 
 TEST(PropertyLiveOffsets, WithoutAnInverseThePictureIsAlmostTheSame) {

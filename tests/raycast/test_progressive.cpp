@@ -19,11 +19,6 @@ class PropertyProgressive : public testing::Test {
   const Camera m_camera = default_camera(m_geometry, 1);
 };
 
-/// Not-a-number where it is the same.
-bool same_bits(const std::vector<float>& a, const std::vector<float>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
-}
-
 TEST_F(PropertyProgressive, TheLastPictureIsThatOfOnePassAndNoPixelIsMarchedTwice) {
   RenderSettings settings = small_picture(50);
   settings.height = 37;

@@ -17,6 +17,7 @@ std::vector<std::int32_t> LiveBody::take(Changed& changed) {
 
 void LiveBody::open(Interpolation interpolation) {
   m_interpolation = interpolation;
+  ++m_opened_count;
   m_renderer.reset();
   m_inversion.reset();
   m_forward.reset();

@@ -27,6 +27,8 @@ class LiveBody {
 
   /// All that depends on which voxels are elements.
   void open(Interpolation interpolation);
+  /// How often it was opened: each time it has another renderer.
+  int opened_count() const { return m_opened_count; }
   /// Takes over what the session has done since; whether that is anything.
   bool follow();
 
@@ -36,7 +38,9 @@ class LiveBody {
   void show_rest();
   /// What show_forward() and show_inverse() are likely to take, by what they took before.
   double forward_ms() const { return m_forward_brick.of(double(m_for_forward.size())); }
-  double inverse_ms() const { return m_inverse_brick.of(double(m_for_inverse.size())); }
+  double inverse_ms() const { return m_inverse_brick.of(double(changed_bricks())); }
+  /// That show_inverse() has not taken over.
+  std::size_t changed_bricks() const { return m_for_inverse.size(); }
   /// Samples do not solve across cuts.
   bool needs_inverse() const { return !m_cuts.empty(); }
   bool shows_forward() const { return m_shown == Shown::forward; }
@@ -58,6 +62,7 @@ class LiveBody {
   Progress& m_progress;
   Interpolation m_interpolation;
   State m_state;
+  int m_opened_count = 0;
   std::unique_ptr<LiveDisplacement> m_moved;
   std::shared_ptr<ForwardOffsets> m_forward;
   std::unique_ptr<IncrementalInversion> m_inversion;

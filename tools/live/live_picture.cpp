@@ -53,6 +53,10 @@ struct LivePicture::Impl {
   PosedVolume subject() const;
   RenderSettings settings() const;
   void replace(std::unique_ptr<ProgressiveRender> next);
+  void keep_finished();
+  std::unique_ptr<ProgressiveRender> begin();
+  std::optional<FloatImage> followed(double left_ms, LiveCost& cost);
+  FloatImage drafted(double left_ms, LiveCost& cost);
   void paint_and_decorate(FloatImage& picture, const Camera& seen_by, const SceneView& as) const;
   double part_within(double rays_ms, const CostPer& pixel) const;
   bool chooses_inverse(double budget_ms) const;
@@ -66,7 +70,11 @@ struct LivePicture::Impl {
   bool is_new = true;
   std::mutex guard;  // of what interrupt() reaches from another thread
   std::unique_ptr<ProgressiveRender> progressive;
+  std::unique_ptr<ProgressiveRender> finished;  // the last one of this view, to be followed
+  int opened_count = 0;                         // of the body, when that was begun
   CostPer forward_pixel{5e-4}, inverse_pixel{4e-4}, frame{8};
+  CostPer followed_pixel{1e-3}, followed_brick{2e-2};  // of a finished picture
+  double bricks_to_follow = 0;
 };
 
 void LivePicture::Impl::show_exactly() {
@@ -101,6 +109,60 @@ void LivePicture::Impl::replace(std::unique_ptr<ProgressiveRender> next) {
   progressive = std::move(next);
 }
 
+/// Before another picture is begun.
+void LivePicture::Impl::keep_finished() {
+  const std::lock_guard lock(guard);
+  if (progressive && progressive->finished()) finished = std::move(progressive);
+  progressive.reset();
+}
+
+/// The picture at rest, of the offsets as they are.
+std::unique_ptr<ProgressiveRender> LivePicture::Impl::begin() {
+  if (finished && opened_count == body.opened_count()) return finished->follow();
+  finished.reset();
+  opened_count = body.opened_count();
+  return std::make_unique<ProgressiveRender>(body.renderer(), camera, look_of(view), settings());
+}
+
+/// The picture at rest, where enough of the last one stays that this takes no longer than
+/// `left_ms`.
+std::optional<FloatImage> LivePicture::Impl::followed(double left_ms, LiveCost& cost) {
+  if (!finished) return std::nullopt;
+  const auto start = std::chrono::steady_clock::now();
+  std::unique_ptr<ProgressiveRender> next = begin();
+  const double pixels = double(next->changed_pixels());
+  const bool is_late = followed_pixel.of(pixels) > left_ms - ms_since(start);
+  if (!is_late) {
+    while (next->refine()) {
+    }
+    cost.march_ms = ms_since(start);
+    followed_pixel.add(cost.march_ms, pixels);
+    followed_brick.add(cost.march_ms, bricks_to_follow);
+  }
+  const ProgressiveRender& begun = *next;
+  replace(std::move(next));
+  if (is_late) return std::nullopt;
+  return begun.picture();
+}
+
+/// A picture at draft quality, as large as `left_ms` allows; endless: as it will be at rest.
+FloatImage LivePicture::Impl::drafted(double left_ms, LiveCost& cost) {
+  RenderSettings drafts = settings();
+  CostPer& pixel = cost.by_inverse ? inverse_pixel : forward_pixel;
+  if (left_ms < kEndless) {
+    const double part = part_within(left_ms, pixel);
+    drafts.set_quality(Quality::draft);
+    drafts.width = std::max(1, int(std::lround(part * drafts.width)));
+    drafts.height = std::max(1, int(std::lround(part * drafts.height)));
+  }
+  drafts.auxiliary = bool(painter);
+  RenderReport report;
+  FloatImage picture = body.renderer().render_float(camera, look_of(view), drafts, &report);
+  cost.march_ms = report.march_ms;
+  pixel.add(cost.march_ms, double(drafts.width) * drafts.height);
+  return picture;
+}
+
 LivePicture::LivePicture(Session& session, const SceneView& view, Console& console)
     : m_impl(std::make_unique<Impl>(session, view, console)) {
   look(view);
@@ -121,18 +183,22 @@ void LivePicture::look(const SceneView& view) {
   impl.view.camera.camera = impl.camera;
   impl.view.fit.clear();
   impl.view.zoom = 1;
+  impl.replace({});
+  impl.finished.reset();
   impl.is_new = true;
 }
 
 void LivePicture::paint_with(Painter painter) {
   m_impl->painter = std::move(painter);
+  m_impl->replace({});
+  m_impl->finished.reset();
   m_impl->is_new = true;
 }
 
 bool LivePicture::follow() {
   if (m_impl->body.follow()) m_impl->is_new = true;
   if (!m_impl->is_new) return false;
-  m_impl->replace({});
+  m_impl->keep_finished();
   m_settled.reset();
   m_impl->is_new = false;
   return true;
@@ -149,6 +215,8 @@ bool LivePicture::Impl::chooses_inverse(double budget_ms) const {
   if (!view.deformed || body.needs_inverse()) return true;
   const double forward_ms = body.forward_ms(), inverse_ms = body.inverse_ms();
   const double left = kBudgetToAimAt * budget_ms - frame.of(1);
+  if (finished && inverse_ms + followed_brick.of(double(body.changed_bricks())) <= left)
+    return true;
   const double forward_part = budget_ms > 0 ? part_within(left - forward_ms, forward_pixel) : 1;
   const double inverse_part = budget_ms > 0 ? part_within(left - inverse_ms, inverse_pixel) : 1;
   if (forward_part != inverse_part) return inverse_part > forward_part;
@@ -160,6 +228,7 @@ void LivePicture::prepare(double budget_ms) {
   Impl& impl = *m_impl;
   const Stopwatch time;
   m_cost = {};
+  impl.bricks_to_follow = double(impl.body.changed_bricks());
   m_cost.by_inverse = impl.chooses_inverse(budget_ms);
   if (m_cost.by_inverse) {
     impl.show_exactly();
@@ -171,30 +240,21 @@ void LivePicture::prepare(double budget_ms) {
 
 Image LivePicture::first_pixels(double budget_ms) {
   Impl& impl = *m_impl;
-  RenderSettings settings = impl.settings();
-  CostPer& pixel = m_cost.by_inverse ? impl.inverse_pixel : impl.forward_pixel;
-  double part = 1;
-  if (budget_ms > 0) {
-    const double left = kBudgetToAimAt * budget_ms - impl.frame.of(1);
-    part = impl.part_within(std::max(left, kLeastPart * budget_ms), pixel);
-    settings.set_quality(Quality::draft);
-  }
-  settings.width = std::max(1, int(std::lround(part * settings.width)));
-  settings.height = std::max(1, int(std::lround(part * settings.height)));
-  settings.auxiliary = bool(impl.painter);
   const auto start = std::chrono::steady_clock::now();
-  RenderReport report;
-  FloatImage picture =
-      impl.body.renderer().render_float(impl.camera, look_of(impl.view), settings, &report);
-  m_cost.width = settings.width;
-  m_cost.height = settings.height;
-  if (impl.painter) impl.painter(picture, impl.camera);
-  if (impl.view.decoration.annotate.empty()) decorate(picture, impl.subject(), impl.view);
-  Image image = to_image(picture);
-  m_cost.march_ms = report.march_ms;
-  m_cost.frame_ms = ms_since(start) - report.march_ms;
+  const double left = kBudgetToAimAt * budget_ms - impl.frame.of(1);
+  std::optional<FloatImage> picture;
+  if (m_cost.by_inverse) picture = impl.followed(budget_ms > 0 ? left : kEndless, m_cost);
+  if (!picture) {
+    const double least = kLeastPart * budget_ms;
+    picture = impl.drafted(budget_ms > 0 ? std::max(left, least) : kEndless, m_cost);
+  }
+  m_cost.width = picture->width;
+  m_cost.height = picture->height;
+  if (impl.painter) impl.painter(*picture, impl.camera);
+  if (impl.view.decoration.annotate.empty()) decorate(*picture, impl.subject(), impl.view);
+  Image image = to_image(*picture);
+  m_cost.frame_ms = ms_since(start) - m_cost.march_ms;
   impl.frame.add(m_cost.frame_ms, 1);
-  pixel.add(m_cost.march_ms, double(settings.width) * settings.height);
   return image;
 }
 
@@ -203,11 +263,10 @@ bool LivePicture::refine() {
   if (m_settled) return false;
   if (!impl.progressive) {
     impl.show_exactly();
-    impl.replace(std::make_unique<ProgressiveRender>(impl.body.renderer(), impl.camera,
-                                                     look_of(impl.view), impl.settings()));
+    impl.replace(impl.begin());
     return true;
   }
-  const bool was_interrupted = !impl.progressive->refine();
+  const bool was_interrupted = !impl.progressive->finished() && !impl.progressive->refine();
   if (was_interrupted) impl.replace({});
   if (was_interrupted || !impl.progressive->finished()) return true;
   FloatImage picture = impl.progressive->picture();

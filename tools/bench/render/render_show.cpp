@@ -8,6 +8,7 @@
 
 #include <oneapi/tbb/global_control.h>
 
+#include "raycast/progressive.h"
 #include "tools/bench/bodies/ecm_bodies.h"
 #include "tools/bench/peers/peer_head.h"
 #include "tools/bench/report/memory.h"
@@ -84,16 +85,25 @@ class SuppleViewer {
 
   double show_drag(ShowResult& result) {
     follow({});
+    refine();
     const double prepare_ms = time_ms([&] { follow(m_state.q); });
-    const double frame_ms = time_ms([&] {
-      m_renderer.render(peer_camera(m_state.geometry), preset("Bone"), peer_settings(true));
-    });
+    const double frame_ms = time_ms([&] { refine(); });
     return result.add(prepare_ms, frame_ms, 0);
   }
   /// Above what was held before; of the whole process.
   double peak_mbytes() const { return double(m_memory.growth().value_or(0)) / 1e6; }
 
  private:
+  /// The whole picture of what is shown now.
+  void refine() {
+    m_picture = m_picture != nullptr
+                    ? m_picture->follow()
+                    : std::make_unique<ProgressiveRender>(m_renderer, peer_camera(m_state.geometry),
+                                                          preset("Bone"), peer_settings(true));
+    while (m_picture->refine()) {
+    }
+    to_image(m_picture->picture());
+  }
   InvertParams params() const {
     InvertParams params;
     params.material = &m_state.elements;
@@ -113,6 +123,7 @@ class SuppleViewer {
   PeakMemory m_memory;  // before anything is held
   State m_state;
   Renderer m_renderer;
+  std::unique_ptr<ProgressiveRender> m_picture;
   LiveDisplacement m_live;
   std::unique_ptr<IncrementalInversion> m_inversion;
   std::shared_ptr<ForwardOffsets> m_forward;
