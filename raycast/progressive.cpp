@@ -81,14 +81,18 @@ std::unique_ptr<ProgressiveRender> ProgressiveRender::follow() const {
   return next;
 }
 
+/// Since it was begun; null: everything may have changed.
+std::optional<std::vector<std::size_t>> ProgressiveRender::changed_bricks() const {
+  return m_version ? m_renderer.changed_since(*m_version) : std::nullopt;
+}
+
 void ProgressiveRender::take_over(const ProgressiveRender& before) {
   const RenderContext& was = *before.m_context;
-  if (!before.finished() || !before.m_version || m_context->medium != nullptr ||
+  if (!before.may_be_followed() || m_context->medium != nullptr ||
       m_context->box_lo != was.box_lo || m_context->box_hi != was.box_hi) {
     return;
   }
-  std::optional<std::vector<std::size_t>> changed = m_renderer.changed_since(*before.m_version);
-  if (!changed) return;
+  std::optional<std::vector<std::size_t>> changed = before.changed_bricks();
   const auto shows_nothing = [&](std::size_t b) {
     return !m_context->output_visible[b] &&
            !(b < was.output_visible.size() && was.output_visible[b]);

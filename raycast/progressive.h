@@ -7,6 +7,7 @@
 #include <atomic>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "raycast/render.h"
 
@@ -26,6 +27,8 @@ class ProgressiveRender {
   /// rays enter); its first pass takes at most 1/64 of the time of a picture, too, and may be the
   /// last.
   std::unique_ptr<ProgressiveRender> follow() const;
+  /// False where follow() would take over nothing, as all offsets were set since.
+  bool may_be_followed() const { return finished() && changed_bricks().has_value(); }
   ~ProgressiveRender();
   ProgressiveRender(const ProgressiveRender&) = delete;
   ProgressiveRender& operator=(const ProgressiveRender&) = delete;
@@ -46,6 +49,7 @@ class ProgressiveRender {
   FloatImage picture() const;
 
  private:
+  std::optional<std::vector<std::size_t>> changed_bricks() const;
   void take_over(const ProgressiveRender& before);
 
   const Renderer& m_renderer;

@@ -65,6 +65,7 @@ class UnitLiveLoop : public ::testing::Test {
     loop.run(mailbox);
     return watcher;
   }
+  void carry_out(const std::string& keys) { m_live->carry_out(event(keys), nullptr); }
   bool is_solved() const { return m_live->done().back().step.fem.has_value(); }
 
   TemporaryFolder m_folder;
@@ -87,6 +88,46 @@ TEST_F(UnitLiveLoop, FiniteElementsGiveWayToAnEventOfTheBodyForGood) {
   EXPECT_EQ(m_live->done().size(), 1U);
   EXPECT_EQ(m_live->undone().size(), 1U);
   EXPECT_EQ(seen.refusals, "");
+}
+
+Image settled(LivePicture& picture) {
+  while (picture.refine()) {
+  }
+  return *picture.settled();
+}
+
+/// As it is seen within a budget that leaves time for all of it.
+Image first_of(LivePicture& picture) {
+  constexpr double kBudgetMs = 1e6;
+  EXPECT_TRUE(picture.follow());
+  picture.prepare(kBudgetMs);
+  return picture.first_pixels(kBudgetMs);
+}
+
+TEST_F(UnitLiveLoop, ADragAfterASettledPictureIsSeenAtOnceAsItSettles) {
+  SceneView view = m_live->view();
+  view.size = {64, 64};
+  LivePicture picture(m_live->session(), view, m_console);
+  const Image first = first_of(picture);  // a draft
+  const Image rest = settled(picture);
+  EXPECT_NE(first.rgba, rest.rgba);
+
+  carry_out("kind = \"grab\"\ngrab = [48, 48, 80]");
+  for (const char* drag : {"kind = \"drag\"\nto = [0, 0, 6]", "kind = \"drag\"\nto = [0, 6, 8]"}) {
+    carry_out(drag);
+    const Image dragged = first_of(picture);
+    EXPECT_NE(dragged.rgba, rest.rgba);
+    EXPECT_EQ(dragged.rgba, settled(picture).rgba);
+    LivePicture other(m_live->session(), view, m_console);
+    EXPECT_EQ(dragged.rgba, settled(other).rgba);
+  }
+  // Another view is begun anew.
+  view.camera.camera = zoomed(picture.view().camera.camera.value(), 2);
+  picture.look(view);
+  const Image near = first_of(picture);
+  EXPECT_NE(near.rgba, settled(picture).rgba);
+  LivePicture other(m_live->session(), view, m_console);
+  EXPECT_EQ(picture.settled()->rgba, settled(other).rgba);
 }
 
 }  // namespace

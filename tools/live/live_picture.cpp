@@ -21,6 +21,8 @@ namespace {
 constexpr double kSmallest = 1.0 / 8;    // of width and height, of a picture in a hurry
 constexpr double kLeastPart = 0.25;      // of the budget that rays have in any case
 constexpr double kBudgetToAimAt = 0.85;  // what is left covers what varies
+constexpr double kMostFollowed = 0.5;    // of all pixels
+constexpr int kCoarsest = 2;             // spacing of pixels in a picture that follows another one
 
 /// Two pixels in a row and the part of the later one, in 256ths.
 struct Between {
@@ -53,6 +55,7 @@ struct LivePicture::Impl {
   PosedVolume subject() const;
   RenderSettings settings() const;
   void replace(std::unique_ptr<ProgressiveRender> next);
+  void drop_pictures();
   void keep_finished();
   std::unique_ptr<ProgressiveRender> begin();
   std::optional<FloatImage> followed(double left_ms, LiveCost& cost);
@@ -71,7 +74,6 @@ struct LivePicture::Impl {
   std::mutex guard;  // of what interrupt() reaches from another thread
   std::unique_ptr<ProgressiveRender> progressive;
   std::unique_ptr<ProgressiveRender> finished;  // the last one of this view, to be followed
-  int opened_count = 0;                         // of the body, when that was begun
   CostPer forward_pixel{5e-4}, inverse_pixel{4e-4}, frame{8};
   CostPer followed_pixel{1e-3}, followed_brick{2e-2};  // of a finished picture
   double bricks_to_follow = 0;
@@ -109,6 +111,12 @@ void LivePicture::Impl::replace(std::unique_ptr<ProgressiveRender> next) {
   progressive = std::move(next);
 }
 
+/// Where another view or another renderer is shown.
+void LivePicture::Impl::drop_pictures() {
+  replace({});
+  finished.reset();
+}
+
 /// Before another picture is begun.
 void LivePicture::Impl::keep_finished() {
   const std::lock_guard lock(guard);
@@ -118,26 +126,28 @@ void LivePicture::Impl::keep_finished() {
 
 /// The picture at rest, of the offsets as they are.
 std::unique_ptr<ProgressiveRender> LivePicture::Impl::begin() {
-  if (finished && opened_count == body.opened_count()) return finished->follow();
-  finished.reset();
-  opened_count = body.opened_count();
+  if (finished && finished->may_be_followed()) return finished->follow();
   return std::make_unique<ProgressiveRender>(body.renderer(), camera, look_of(view), settings());
 }
 
-/// The picture at rest, where enough of the last one stays that this takes no longer than
-/// `left_ms`.
+/// The picture at rest, or with every kCoarsest-th pixel of those that have changed since the last
+/// one, where that takes no longer than `left_ms`.
 std::optional<FloatImage> LivePicture::Impl::followed(double left_ms, LiveCost& cost) {
-  if (!finished) return std::nullopt;
+  if (!finished || !finished->may_be_followed()) return std::nullopt;
   const auto start = std::chrono::steady_clock::now();
   std::unique_ptr<ProgressiveRender> next = begin();
   const double pixels = double(next->changed_pixels());
-  const bool is_late = followed_pixel.of(pixels) > left_ms - ms_since(start);
+  const double part_in_time = (left_ms - ms_since(start)) / followed_pixel.of(pixels);
+  const int spacing = part_in_time >= 1 ? 1 : kCoarsest;
+  // Where most of it has changed, a smaller picture is smoother.
+  const bool is_most = pixels > kMostFollowed * view.size[0] * view.size[1];
+  const bool is_late = part_in_time * spacing * spacing < 1 || (is_most && spacing > 1);
+  while (!is_late && next->spacing() != spacing && next->refine()) {
+  }
   if (!is_late) {
-    while (next->refine()) {
-    }
     cost.march_ms = ms_since(start);
-    followed_pixel.add(cost.march_ms, pixels);
-    followed_brick.add(cost.march_ms, bricks_to_follow);
+    followed_pixel.add(cost.march_ms, pixels / (next->spacing() * next->spacing()));
+    followed_brick.add(followed_pixel.of(pixels), bricks_to_follow);
   }
   const ProgressiveRender& begun = *next;
   replace(std::move(next));
@@ -183,20 +193,20 @@ void LivePicture::look(const SceneView& view) {
   impl.view.camera.camera = impl.camera;
   impl.view.fit.clear();
   impl.view.zoom = 1;
-  impl.replace({});
-  impl.finished.reset();
+  impl.drop_pictures();
   impl.is_new = true;
 }
 
 void LivePicture::paint_with(Painter painter) {
   m_impl->painter = std::move(painter);
-  m_impl->replace({});
-  m_impl->finished.reset();
+  m_impl->drop_pictures();
   m_impl->is_new = true;
 }
 
 bool LivePicture::follow() {
+  const int opened_count = m_impl->body.opened_count();
   if (m_impl->body.follow()) m_impl->is_new = true;
+  if (m_impl->body.opened_count() != opened_count) m_impl->drop_pictures();
   if (!m_impl->is_new) return false;
   m_impl->keep_finished();
   m_settled.reset();
@@ -215,8 +225,8 @@ bool LivePicture::Impl::chooses_inverse(double budget_ms) const {
   if (!view.deformed || body.needs_inverse()) return true;
   const double forward_ms = body.forward_ms(), inverse_ms = body.inverse_ms();
   const double left = kBudgetToAimAt * budget_ms - frame.of(1);
-  if (finished && inverse_ms + followed_brick.of(double(body.changed_bricks())) <= left)
-    return true;
+  const double followed_ms = followed_brick.of(double(body.changed_bricks()));
+  if (finished && inverse_ms + followed_ms / (kCoarsest * kCoarsest) <= left) return true;
   const double forward_part = budget_ms > 0 ? part_within(left - forward_ms, forward_pixel) : 1;
   const double inverse_part = budget_ms > 0 ? part_within(left - inverse_ms, inverse_pixel) : 1;
   if (forward_part != inverse_part) return inverse_part > forward_part;
