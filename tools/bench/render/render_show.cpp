@@ -25,6 +25,7 @@ namespace supple::tools {
 namespace {
 
 const std::string kWithoutInverse = "supple-no-inverse";
+const std::string kLocal = "session-local";
 
 /// What one side came to; medians are taken of the times.
 struct ShowResult {
@@ -44,11 +45,12 @@ struct ShowResult {
 /// the program itself, as a user would.
 class DraggedFiles {
  public:
-  explicit DraggedFiles(int threads) : m_threads(std::to_string(threads)) {
+  DraggedFiles(int by_mm, int threads) : m_threads(std::to_string(threads)) {
     write_peer_head(volume(), make_peer_head());
     std::ofstream(m_scratch / "material.toml") << kHeadMaterial;
     supple({"deform", volume(), "--material", m_scratch / "material.toml", "--grab", "128,44,28",
-            "--by", "0,-12,0", "--fix", "20,105,142:235,235,253", "-o", state()});
+            "--by", "0,-" + std::to_string(by_mm) + ",0", "--fix", "20,105,142:235,235,253", "-o",
+            state()});
     supple({"export", state(), "-o", warp()});
   }
 
@@ -289,7 +291,8 @@ std::vector<ShowSide> show_sides(int threads) {
   return {{"process", "supple", threads},      {"process", kWithoutInverse, threads},
           {"process", "supple-warp", threads}, {"process", "itk+vtk", threads},
           {"session", "supple", threads},      {"session", kWithoutInverse, threads},
-          {"session", "itk+vtk", threads}};
+          {"session", "itk+vtk", threads},     {kLocal, "supple", threads},
+          {kLocal, kWithoutInverse, threads},  {kLocal, "itk+vtk", threads}};
 }
 
 std::string show_row_name(const ShowSide& side) {
@@ -309,14 +312,15 @@ std::vector<BenchRow> measure_show(const std::vector<ShowSide>& wanted, const Ro
   const int threads = sides.front().threads;
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   std::size_t(threads));
-  const DraggedFiles files(threads);
   std::vector<BenchRow> rows;
   // Processes first: while this program holds a volume, their memory could not be told.
-  for (const std::string mode : {"process", "session"}) {
+  for (const std::string& mode : {std::string("process"), std::string("session"), kLocal}) {
     std::vector<ShowSide> of_mode;
     for (const ShowSide& side : sides) {
       if (side.mode == mode) of_mode.push_back(side);
     }
+    if (of_mode.empty()) continue;
+    const DraggedFiles files(mode == kLocal ? 3 : 12, threads);
     for (BenchRow& row : measure_mode(of_mode, files, limits, before_run)) {
       rows.push_back(std::move(row));
     }

@@ -15,7 +15,7 @@ namespace supple::tools {
 /// One way to the picture.
 struct ShowSide {
   /// process: programs that start, read files and write a picture; session: a viewer that holds
-  /// the volume, after a drag.
+  /// the volume, after a drag; session-local: after one of 3 mm in place of 12.
   std::string mode;
   /// supple: of a drag's state; supple-no-inverse: the same, samples solving for themselves;
   /// supple-warp: `supple render --offsets` of ITK's own inputs; itk+vtk.
