@@ -5,6 +5,7 @@
 #include "raycast/pictures/image.h"
 #include "tests/support/program.h"
 #include "tests/support/sanitized.h"
+#include "tools/outputs/view_pictures.h"
 
 using namespace supple::test;
 
@@ -139,6 +140,32 @@ TEST_F(UnitSeenBricks, OfSlicesAndPairsOfEyesTooThePictureStaysTheSame) {
     EXPECT_EQ(picture.rgba, supple::read_png(m_folder / "out/a.png").rgba) << view;
     EXPECT_LT(some, 0.95 * all) << view;
   }
+}
+
+// Before the plane in which the cameras' windows meet the eyes see different places.
+TEST_F(UnitSeenBricks, EachEyeSeesPlacesThatTheOtherDoesNot) {
+  const supple::Geometry geometry({64, 64, 64}, supple::Vec3d(0),
+                                  {supple::Vec3d(1, 0, 0), {0, 1, 0}, {0, 0, 1}});
+  supple::tools::SceneView view;
+  supple::Camera camera;
+  camera.position_lps_mm = {32, -468, 32};
+  camera.target_lps_mm = {32, 132, 32};
+  camera.vertical_fov_degrees = 4;
+  view.camera.camera = camera;
+  view.size = {64, 64};
+  view.picture.stereo = supple::tools::StereoMode::side_by_side;
+  view.picture.eye_separation_mm = 150;
+  const auto seen = supple::tools::seen_of(view, geometry);
+  ASSERT_TRUE(seen.has_value());
+  ASSERT_EQ(seen->size(), 2U);
+  // At j = 32, five sixths of the way, the middles of the windows are 12.5 mm to either side.
+  const auto is_seen = [&](int eye, double i) {
+    return (*seen)[eye].meets({i, 31, 31}, {i + 1, 32, 32});
+  };
+  EXPECT_TRUE(is_seen(0, 4));
+  EXPECT_FALSE(is_seen(1, 4));
+  EXPECT_TRUE(is_seen(1, 59));
+  EXPECT_FALSE(is_seen(0, 59));
 }
 
 TEST_F(UnitSeenBricks, ViewsThatReadOffsetsBesideTheirPictureInvertAll) {
