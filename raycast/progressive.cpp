@@ -64,6 +64,8 @@ ProgressiveRender::ProgressiveRender(const Renderer& renderer, const Camera& cam
     : m_renderer(renderer),
       m_version(renderer.version()),
       m_camera(camera),
+      m_function(transfer_function),
+      m_settings(settings),
       m_context(renderer.prepare(camera, transfer_function, settings)),
       m_picture(settings.width, settings.height, settings.auxiliary),
       m_marks(std::make_unique<PixelMarks>()),
@@ -75,8 +77,7 @@ ProgressiveRender::ProgressiveRender(const Renderer& renderer, const Camera& cam
 ProgressiveRender::~ProgressiveRender() = default;
 
 std::unique_ptr<ProgressiveRender> ProgressiveRender::follow() const {
-  auto next = std::make_unique<ProgressiveRender>(m_renderer, m_camera, m_context->function,
-                                                  m_context->settings);
+  auto next = std::make_unique<ProgressiveRender>(m_renderer, m_camera, m_function, m_settings);
   next->take_over(*this);
   return next;
 }
@@ -86,16 +87,23 @@ std::optional<std::vector<std::size_t>> ProgressiveRender::changed_bricks() cons
   return m_version ? m_renderer.changed_since(*m_version) : std::nullopt;
 }
 
+bool ProgressiveRender::may_be_followed() const {
+  return finished() && !m_followed.has_paths && changed_bricks().has_value();
+}
+
+int ProgressiveRender::next_spacing() const {
+  return m_spacing == 0 ? m_first_spacing : std::max(m_spacing / 2, 1);
+}
+
 void ProgressiveRender::take_over(const ProgressiveRender& before) {
-  const RenderContext& was = *before.m_context;
-  if (!before.may_be_followed() || m_context->medium != nullptr ||
-      m_context->box_lo != was.box_lo || m_context->box_hi != was.box_hi) {
+  const Followed& was = before.m_followed;
+  if (!before.may_be_followed() || m_context->box_lo != was.box_lo ||
+      m_context->box_hi != was.box_hi) {
     return;
   }
   std::optional<std::vector<std::size_t>> changed = before.changed_bricks();
   const auto shows_nothing = [&](std::size_t b) {
-    return !m_context->output_visible[b] &&
-           !(b < was.output_visible.size() && was.output_visible[b]);
+    return !m_context->output_visible[b] && !(b < was.visible.size() && was.visible[b]);
   };
   changed->erase(std::remove_if(changed->begin(), changed->end(), shows_nothing), changed->end());
 
@@ -115,7 +123,7 @@ void ProgressiveRender::take_over(const ProgressiveRender& before) {
 
 bool ProgressiveRender::refine() {
   if (finished()) return false;
-  const int spacing = m_spacing == 0 ? m_first_spacing : m_spacing / 2;
+  const int spacing = next_spacing();
   Cancellation progress(m_cancelled);
   try {
     m_samples += march_pixels(*m_context, m_camera, {spacing, m_spacing != 0}, m_picture, &progress,
@@ -124,6 +132,11 @@ bool ProgressiveRender::refine() {
     return false;
   }
   m_spacing = spacing;
+  if (finished()) {
+    m_followed = {std::move(m_context->output_visible), m_context->box_lo, m_context->box_hi,
+                  m_context->medium != nullptr};
+    m_context.reset();
+  }
   return true;
 }
 

@@ -17,18 +17,18 @@ struct PixelMarks;
 
 class ProgressiveRender {
  public:
-  /// The renderer must outlive the object and keep its offsets and surfaces. Throws InputError as
-  /// Renderer does.
+  /// The renderer must outlive the object, and keep its offsets and surfaces until the picture is
+  /// finished. Throws InputError as Renderer does.
   ProgressiveRender(const Renderer& renderer, const Camera& camera,
                     const TransferFunction& transfer_function, const RenderSettings& settings);
   /// The same view of the renderer's offsets as they are now, which may have changed since. Of a
-  /// finished picture it takes over the pixels whose rays read nothing that update_offsets changed
-  /// (none where lights are followed to their sources, or a drag moved tissue out of the box that
-  /// rays enter); its first pass takes at most 1/64 of the time of a picture, too, and may be the
-  /// last.
+  /// finished picture it takes over the pixels whose rays read nothing that update_offsets changed;
+  /// none where the box that rays enter has changed. Its first pass has at most 1/64 of a picture's
+  /// pixels, too, and may be the last.
   std::unique_ptr<ProgressiveRender> follow() const;
-  /// False where follow() would take over nothing, as all offsets were set since.
-  bool may_be_followed() const { return finished() && changed_bricks().has_value(); }
+  /// False where follow() takes over nothing: the picture is not finished, light is followed to its
+  /// sources, or all offsets or the surfaces were set since.
+  bool may_be_followed() const;
   ~ProgressiveRender();
   ProgressiveRender(const ProgressiveRender&) = delete;
   ProgressiveRender& operator=(const ProgressiveRender&) = delete;
@@ -40,6 +40,8 @@ class ProgressiveRender {
 
   /// Pixels that were to be marched when it was begun.
   std::int64_t changed_pixels() const { return m_changed_pixels; }
+  /// Spacing of the next pass; 1 when it is the last one or there is none.
+  int next_spacing() const;
   /// Spacing of the pixels that are there: 8, 4, 2 or 1; 0 before the first pass.
   int spacing() const { return m_spacing; }
   bool finished() const { return m_spacing == 1; }
@@ -52,10 +54,20 @@ class ProgressiveRender {
   std::optional<std::vector<std::size_t>> changed_bricks() const;
   void take_over(const ProgressiveRender& before);
 
+  /// What a finished picture keeps of its context.
+  struct Followed {
+    std::vector<std::uint8_t> visible;  // per brick
+    Vec3d box_lo, box_hi;
+    bool has_paths = false;
+  };
+
   const Renderer& m_renderer;
   std::optional<std::uint64_t> m_version;  // Renderer::version
   Camera m_camera;
-  std::unique_ptr<RenderContext> m_context;
+  TransferFunction m_function;
+  RenderSettings m_settings;
+  std::unique_ptr<RenderContext> m_context;  // null: finished
+  Followed m_followed;
   FloatImage m_picture;
   std::unique_ptr<PixelMarks> m_marks;
   std::int64_t m_changed_pixels = 0;

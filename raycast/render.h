@@ -85,9 +85,9 @@ class Renderer {
   /// Data that all rays of the picture share; throws InputError for a bad argument.
   std::unique_ptr<RenderContext> prepare(const Camera& camera, const TransferFunction& function,
                                          const RenderSettings& settings) const;
-  /// Number of the offsets and surfaces that are shown; null: of pointwise offsets.
+  /// Counts changes of the offsets and surfaces that are shown; null: of pointwise offsets.
   std::optional<std::uint64_t> version() const;
-  /// Bricks whose offsets have changed since that version, of those shown; null: other things have.
+  /// Bricks of the offsets that may have changed since that version; null: everything may have.
   std::optional<std::vector<std::size_t>> changed_since(std::uint64_t version) const;
 
   struct Impl;

@@ -29,6 +29,8 @@ class NearestBricks {
   NearestBricks(const RenderContext& context, const Camera& camera)
       : m_geometry(context.geometry),
         m_camera(camera),
+        m_forward(camera_frame(camera).forward),
+        m_pixels(camera, context.settings.width, context.settings.height),
         m_width(context.settings.width),
         m_height(context.settings.height),
         m_columns(tiles(m_width)),
@@ -39,21 +41,23 @@ class NearestBricks {
     const Vec3d hi = Vec3d(origin) + Vec3d(kBrickDim + kGuard);
     const Vec3d middle = m_geometry.world_from_index((lo + hi) * 0.5);
     const Vec3d towards = middle - m_camera.position_lps_mm;
-    const double distance = m_camera.projection == Projection::orthographic
-                                ? towards.dot(camera_frame(m_camera).forward)
-                                : towards.length();
+    const double distance =
+        m_camera.projection == Projection::orthographic ? towards.dot(m_forward) : towards.length();
     double radius = 0;
+    int in_front = 0;
     PixelBox seen{kEndless, -kEndless, kEndless, -kEndless};
     for (int n = 0; n < 8; ++n) {
       const Vec3d corner = m_geometry.world_from_index(
           {n & 1 ? hi.x : lo.x, n & 2 ? hi.y : lo.y, n & 4 ? hi.z : lo.z});
       radius = std::max(radius, (corner - middle).length());
       double x, y;
-      const bool is_in_front = project_to_pixel(m_camera, m_width, m_height, corner, x, y);
-      seen.add(is_in_front ? x : 0, is_in_front ? y : 0);
-      if (!is_in_front) seen.add(m_width, m_height);  // the brick may be seen anywhere
+      if (!m_pixels.at(corner, x, y)) continue;
+      seen.add(x, y);
+      ++in_front;
     }
-    mark(seen, float(distance - radius));
+    if (in_front == 0) return;
+    if (in_front < 8) seen = {0, double(m_width), 0, double(m_height)};  // it may be seen anywhere
+    mark(seen, std::nextafter(float(distance - radius), -float(kEndless)));
   }
 
   float nearest(int x, int y) const {
@@ -81,6 +85,8 @@ class NearestBricks {
 
   const Geometry& m_geometry;
   const Camera& m_camera;
+  Vec3d m_forward;
+  CameraPixels m_pixels;
   int m_width, m_height;  // pixels
   int m_columns;          // tiles
   std::vector<float> m_nearest;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <mutex>
 
 #include <oneapi/tbb/blocked_range2d.h>
@@ -45,6 +46,10 @@ Float4 exposed(Float4 colour, float factor) {
   return colour;
 }
 
+float rounded_up(double value) {
+  return std::nextafter(float(value), std::numeric_limits<float>::infinity());
+}
+
 /// One pixel of a picture, marched.
 class PixelMarch {
  public:
@@ -66,7 +71,7 @@ class PixelMarch {
     const Ray ray = m_rays.at(x + 0.5, y + 0.5);
     const Float4 sum = exposed(m_marcher.march(ray, m_jitter ? blue_noise(x, y) : 0), m_light);
     const std::size_t n = number(x, y);
-    if (m_marks != nullptr) m_marks->opaque_from_mm[n] = float(m_marcher.opaque_from());
+    if (m_marks != nullptr) m_marks->opaque_from_mm[n] = rounded_up(m_marcher.opaque_from());
     for (std::size_t c = 0; c < 4; ++c) m_picture.rgba[4 * n + c] = sum[c];
     SeenSurface seen;
     if (!m_picture.has_auxiliary() || !m_marcher.surface(seen)) return;

@@ -205,16 +205,22 @@ std::uint32_t Marcher::seen_between(const SampleBatch& batch, float before) cons
 
 void Marcher::composite_samples(std::int64_t first, std::int64_t last) {
   last = std::min(last, m_last_sample);
-  // One sample ahead, for the way from it to the first.
-  const std::int64_t begin = m_is_integrated && first > 0 ? first - 1 : first;
-  float before = kNoDensity;
   SampleBatch& batch = m_samples_between;
-  for (std::int64_t n = begin; n <= last;) {
+  for (std::int64_t next = first; next <= last;) {
+    // The sample before, from which the way to the first leads, in the same batch where it can be.
+    const bool has_before = m_is_integrated && next > 0;
+    const bool is_with_it = has_before && next % kPieceSamples != 0;
+    float before = kNoDensity;
+    if (has_before && !is_with_it) {
+      read(next - 1, 1, 1, m_before);
+      before = density_of(m_before, 0);
+    }
+    const std::int64_t n = is_with_it ? next - 1 : next;
     const int count = count_in_piece(n, 1, last);
     read(n, 1, count, batch);
     if (m_is_integrated) batch.visible = seen_between(batch, before);
-    if (n < first) batch.visible &= ~1u;
-    if (batch.visible != 0 && m_needs_gradient) find_gradients(batch.visible);
+    if (is_with_it) batch.visible &= ~1u;
+    if (batch.visible != 0 && m_needs_gradient) find_gradients(batch.visible, before == before);
     std::uint32_t unlit = m_needs_gradient ? batch.visible : 0;
     for (std::uint32_t rest = batch.visible; rest != 0; rest &= rest - 1) {
       const int lane = __builtin_ctz(rest);
@@ -226,16 +232,21 @@ void Marcher::composite_samples(std::int64_t first, std::int64_t last) {
         return;
       }
     }
-    before = density_of(batch, count - 1);
-    n += count;
+    next = n + count;
   }
 }
 
-void Marcher::find_gradients(std::uint32_t lanes) {
+/// `has_before`: the sample before lane 0 is in m_before.
+void Marcher::find_gradients(std::uint32_t lanes, bool has_before) {
   SampleBatch& batch = m_samples_between;
   const std::uint32_t fronts = m_is_integrated ? lanes >> 1 & batch.inside : 0;
   sample_gradients(m_context.tables, batch, lanes | fronts);
   if (m_is_integrated) average_gradients(lanes);
+  if (!has_before || !(lanes & 1)) return;
+  sample_gradients(m_context.tables, m_before, 1);
+  batch.gx[0] = (batch.gx[0] + m_before.gx[0]) / 2;
+  batch.gy[0] = (batch.gy[0] + m_before.gy[0]) / 2;
+  batch.gz[0] = (batch.gz[0] + m_before.gz[0]) / 2;
 }
 
 /// How the first of these lanes lie to the light; sample `first` is in lane 0. Returns which: all,
@@ -363,7 +374,7 @@ bool Marcher::surface(SeenSurface& seen) {
   m_maximum = kNothingYet;  // or the sample would not be read again
   SampleBatch& batch = m_samples_between;
   read(m_surface, 1, 1, batch);
-  find_gradients(1);
+  find_gradients(1, false);
   light(1, m_surface);
   const RaySamples samples = samples_of(batch, m_surface);
   const Vec3d offset = samples.read_at(0) - samples.seen_at(0);

@@ -61,7 +61,7 @@ class Marcher {
   static double part_to_surface(float before, float alpha);
   const LightReached& reach_at(double t, const Facing& facing);
   void find_maximum(std::int64_t first, std::int64_t last);
-  void find_gradients(std::uint32_t lanes);
+  void find_gradients(std::uint32_t lanes, bool has_before);
   std::uint32_t light(std::uint32_t lanes, std::int64_t first);
   void average_gradients(std::uint32_t lanes);
   double time_of(std::int64_t n) const { return m_entry + double(n) * m_context.step_mm; }
@@ -95,7 +95,7 @@ class Marcher {
   Float4 m_sum{0, 0, 0, 0};
   std::int64_t m_piece_number = -1;
   RayPiece m_piece;
-  SampleBatch m_ends, m_samples_between;
+  SampleBatch m_ends, m_samples_between, m_before;
   LitLanes m_lit;  // of the samples between
 };
 

@@ -37,6 +37,12 @@ const NamedView& find_view(const std::string& name) {
   throw InputError({"", "camera view", name, "one of " + known});
 }
 
+/// Of the picture: mm, or of a perspective one at unit distance.
+double half_height(const Camera& camera) {
+  return camera.projection == Projection::orthographic ? camera.height_mm / 2
+                                                       : half_height_at_unit_distance(camera);
+}
+
 }  // namespace
 
 void Camera::validate(const std::string& file) const {
@@ -90,9 +96,7 @@ CameraFrame camera_frame(const Camera& camera) {
 CameraRays::CameraRays(const Camera& camera, int width, int height)
     : m_camera(camera),
       m_frame(camera_frame(camera)),
-      m_half_height(camera.projection == Projection::orthographic
-                        ? camera.height_mm / 2
-                        : half_height_at_unit_distance(camera)),
+      m_half_height(half_height(camera)),
       m_width(width),
       m_height(height) {}
 
@@ -110,18 +114,27 @@ Ray camera_ray(const Camera& camera, int width, int height, double px, double py
   return CameraRays(camera, width, height).at(px, py);
 }
 
+CameraPixels::CameraPixels(const Camera& camera, int width, int height)
+    : m_camera(camera),
+      m_frame(camera_frame(camera)),
+      m_half_height(half_height(camera)),
+      m_width(width),
+      m_height(height) {}
+
+bool CameraPixels::at(const Vec3d& world_mm, double& px, double& py) const {
+  const Vec3d p = world_mm - m_camera.position_lps_mm;
+  const double depth = p.dot(m_frame.forward);
+  if (!(depth > 0)) return false;
+  const bool is_parallel = m_camera.projection == Projection::orthographic;
+  const double half = is_parallel ? m_half_height : depth * m_half_height;
+  px = ((p.dot(m_frame.right) / half - m_camera.window_shift) * m_height + m_width) / 2;
+  py = (m_height - p.dot(m_frame.up) / half * m_height) / 2;
+  return true;
+}
+
 bool project_to_pixel(const Camera& camera, int width, int height, const Vec3d& world_mm,
                       double& px, double& py) {
-  const CameraFrame frame = camera_frame(camera);
-  const Vec3d p = world_mm - camera.position_lps_mm;
-  const double depth = p.dot(frame.forward);
-  if (!(depth > 0)) return false;
-  const double half = camera.projection == Projection::orthographic
-                          ? camera.height_mm / 2
-                          : depth * half_height_at_unit_distance(camera);
-  px = ((p.dot(frame.right) / half - camera.window_shift) * height + width) / 2;
-  py = (height - p.dot(frame.up) / half * height) / 2;
-  return true;
+  return CameraPixels(camera, width, height).at(world_mm, px, py);
 }
 
 Camera default_camera(const Geometry& geometry, double aspect, const std::string& view_name,

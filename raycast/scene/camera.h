@@ -67,7 +67,21 @@ class CameraRays {
 /// One ray of CameraRays.
 Ray camera_ray(const Camera& camera, int width, int height, double px, double py);
 
-/// World position to pixel coordinates; false when behind the camera.
+/// The places of one picture's pixels.
+class CameraPixels {
+ public:
+  CameraPixels(const Camera& camera, int width, int height);
+  /// World position to pixel coordinates; false when behind the camera.
+  bool at(const Vec3d& world_mm, double& px, double& py) const;
+
+ private:
+  Camera m_camera;
+  CameraFrame m_frame;
+  double m_half_height;      // of the picture: mm, or of a perspective one at unit distance
+  double m_width, m_height;  // pixels
+};
+
+/// One place of CameraPixels.
 bool project_to_pixel(const Camera& camera, int width, int height, const Vec3d& world_mm,
                       double& px, double& py);
 

@@ -108,9 +108,15 @@ TEST(PropertyRender, SkippingEmptySpaceDoesNotChangeThePicture) {
   for (const OffsetField* offsets : {static_cast<const OffsetField*>(nullptr), &bump}) {
     renderer.set_offsets(offsets);
     for (const std::string& view : some_views()) {
-      for (const int stride : {1, 3, 4}) {
-        RenderSettings with = small_picture(80), without = with;
-        with.stride = without.stride = stride;
+      for (const auto& [stride, classification] : {std::pair(1, Classification::post),
+                                                   {3, Classification::post},
+                                                   {4, Classification::post},
+                                                   {1, Classification::pre_integrated},
+                                                   {3, Classification::pre_integrated}}) {
+        RenderSettings with = small_picture(80);
+        with.stride = stride;
+        with.classification = classification;
+        RenderSettings without = with;
         without.skip_empty_space = false;
         RenderReport a, b;
         const Camera camera = default_camera(geometry, 1, view);

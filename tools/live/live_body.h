@@ -27,6 +27,7 @@ class LiveBody {
 
   /// All that depends on which voxels are elements.
   void open(Interpolation interpolation);
+  Interpolation interpolation() const { return m_interpolation; }
   /// How often it was opened: each time it has another renderer.
   int opened_count() const { return m_opened_count; }
   /// Takes over what the session has done since; whether that is anything.

@@ -56,6 +56,7 @@ struct LivePicture::Impl {
   RenderSettings settings() const;
   void replace(std::unique_ptr<ProgressiveRender> next);
   void drop_pictures();
+  bool can_follow() const;
   void keep_finished();
   std::unique_ptr<ProgressiveRender> begin();
   std::optional<FloatImage> followed(double left_ms, LiveCost& cost);
@@ -75,8 +76,8 @@ struct LivePicture::Impl {
   std::unique_ptr<ProgressiveRender> progressive;
   std::unique_ptr<ProgressiveRender> finished;  // the last one of this view, to be followed
   CostPer forward_pixel{5e-4}, inverse_pixel{4e-4}, frame{8};
-  CostPer followed_pixel{1e-3}, followed_brick{2e-2};  // of a finished picture
-  double bricks_to_follow = 0;
+  CostPer follow_start{5}, followed_pixel{1e-3};
+  double last_changed = 0;  // pixels, since `finished`; 0: it was not followed yet
 };
 
 void LivePicture::Impl::show_exactly() {
@@ -120,13 +121,20 @@ void LivePicture::Impl::drop_pictures() {
 /// Before another picture is begun.
 void LivePicture::Impl::keep_finished() {
   const std::lock_guard lock(guard);
-  if (progressive && progressive->finished()) finished = std::move(progressive);
+  if (progressive && progressive->finished()) {
+    finished = std::move(progressive);
+    last_changed = 0;
+  }
   progressive.reset();
 }
 
 /// The picture at rest, of the offsets as they are.
 std::unique_ptr<ProgressiveRender> LivePicture::Impl::begin() {
-  if (finished && finished->may_be_followed()) return finished->follow();
+  if (finished && finished->may_be_followed()) {
+    auto next = finished->follow();
+    last_changed = double(next->changed_pixels());
+    return next;
+  }
   return std::make_unique<ProgressiveRender>(body.renderer(), camera, look_of(view), settings());
 }
 
@@ -134,25 +142,28 @@ std::unique_ptr<ProgressiveRender> LivePicture::Impl::begin() {
 /// one, where that takes no longer than `left_ms`.
 std::optional<FloatImage> LivePicture::Impl::followed(double left_ms, LiveCost& cost) {
   if (!finished || !finished->may_be_followed()) return std::nullopt;
-  const auto start = std::chrono::steady_clock::now();
-  std::unique_ptr<ProgressiveRender> next = begin();
-  const double pixels = double(next->changed_pixels());
-  const double part_in_time = (left_ms - ms_since(start)) / followed_pixel.of(pixels);
-  const int spacing = part_in_time >= 1 ? 1 : kCoarsest;
+  const Stopwatch beginning;
+  std::unique_ptr<ProgressiveRender> begun = begin();
+  ProgressiveRender& next = *begun;
+  const double begin_ms = beginning.ms();
+  follow_start.add(begin_ms, 1);
+  const double pixels = double(next.changed_pixels());
+  const auto takes = [&](int spacing) { return followed_pixel.of(pixels / (spacing * spacing)); };
+  int spacing = 1;
+  if (takes(1) > left_ms - begin_ms) spacing = std::min(kCoarsest, next.next_spacing());
   // Where most of it has changed, a smaller picture is smoother.
-  const bool is_most = pixels > kMostFollowed * view.size[0] * view.size[1];
-  const bool is_late = part_in_time * spacing * spacing < 1 || (is_most && spacing > 1);
-  while (!is_late && next->spacing() != spacing && next->refine()) {
-  }
+  const bool is_rough = spacing > 1 && pixels > kMostFollowed * view.size[0] * view.size[1];
+  const bool is_late = is_rough || takes(spacing) > left_ms - begin_ms;
+  const Stopwatch marching;
+  while (!is_late && next.spacing() != spacing) next.refine();
   if (!is_late) {
-    cost.march_ms = ms_since(start);
-    followed_pixel.add(cost.march_ms, pixels / (next->spacing() * next->spacing()));
-    followed_brick.add(followed_pixel.of(pixels), bricks_to_follow);
+    cost.march_ms = marching.ms();
+    cost.spacing = spacing;
+    followed_pixel.add(cost.march_ms, pixels / (spacing * spacing));
   }
-  const ProgressiveRender& begun = *next;
-  replace(std::move(next));
+  replace(std::move(begun));  // from here on it may be interrupted
   if (is_late) return std::nullopt;
-  return begun.picture();
+  return next.picture();
 }
 
 /// A picture at draft quality, as large as `left_ms` allows; endless: as it will be at rest.
@@ -183,18 +194,18 @@ LivePicture::~LivePicture() = default;
 void LivePicture::look(const SceneView& view) {
   Impl& impl = *m_impl;
   check_view(view);
-  const Interpolation before = impl.view.sampling.interpolation;
-  const State& state = impl.body.opened();
-  impl.view = effective_view(view, state.geometry, state.density.background());
-  if (impl.view.sampling.interpolation != before) {
-    impl.body.open(impl.view.sampling.interpolation);
-  }
-  impl.camera = framed_camera(impl.subject(), &impl.body.renderer(), impl.view, impl.console);
-  impl.view.camera.camera = impl.camera;
-  impl.view.fit.clear();
-  impl.view.zoom = 1;
   impl.drop_pictures();
   impl.is_new = true;
+  const State& state = impl.body.opened();
+  SceneView next = effective_view(view, state.geometry, state.density.background());
+  if (next.sampling.interpolation != impl.body.interpolation()) {
+    impl.body.open(next.sampling.interpolation);
+  }
+  impl.camera = framed_camera(impl.subject(), &impl.body.renderer(), next, impl.console);
+  next.camera.camera = impl.camera;
+  next.fit.clear();
+  next.zoom = 1;
+  impl.view = next;
 }
 
 void LivePicture::paint_with(Painter painter) {
@@ -205,6 +216,10 @@ void LivePicture::paint_with(Painter painter) {
 
 bool LivePicture::follow() {
   const int opened_count = m_impl->body.opened_count();
+  // Where the last look was refused, the view is that of before.
+  if (m_impl->body.interpolation() != m_impl->view.sampling.interpolation) {
+    m_impl->body.open(m_impl->view.sampling.interpolation);
+  }
   if (m_impl->body.follow()) m_impl->is_new = true;
   if (m_impl->body.opened_count() != opened_count) m_impl->drop_pictures();
   if (!m_impl->is_new) return false;
@@ -221,12 +236,20 @@ double LivePicture::Impl::part_within(double rays_ms, const CostPer& pixel) cons
                     1.0);
 }
 
+/// Whether changes of the inverse are told to the renderer, and the light of a pixel by its ray.
+bool LivePicture::Impl::can_follow() const {
+  return !view.half_offsets && !view.lighting.has_paths();
+}
+
 bool LivePicture::Impl::chooses_inverse(double budget_ms) const {
   if (!view.deformed || body.needs_inverse()) return true;
   const double forward_ms = body.forward_ms(), inverse_ms = body.inverse_ms();
   const double left = kBudgetToAimAt * budget_ms - frame.of(1);
-  const double followed_ms = followed_brick.of(double(body.changed_bricks()));
-  if (finished && inverse_ms + followed_ms / (kCoarsest * kCoarsest) <= left) return true;
+  if (finished && can_follow()) {
+    const double followed_ms =
+        follow_start.of(1) + followed_pixel.of(last_changed / (kCoarsest * kCoarsest));
+    if (inverse_ms + followed_ms <= left) return true;
+  }
   const double forward_part = budget_ms > 0 ? part_within(left - forward_ms, forward_pixel) : 1;
   const double inverse_part = budget_ms > 0 ? part_within(left - inverse_ms, inverse_pixel) : 1;
   if (forward_part != inverse_part) return inverse_part > forward_part;
@@ -238,7 +261,6 @@ void LivePicture::prepare(double budget_ms) {
   Impl& impl = *m_impl;
   const Stopwatch time;
   m_cost = {};
-  impl.bricks_to_follow = double(impl.body.changed_bricks());
   m_cost.by_inverse = impl.chooses_inverse(budget_ms);
   if (m_cost.by_inverse) {
     impl.show_exactly();
@@ -251,20 +273,20 @@ void LivePicture::prepare(double budget_ms) {
 Image LivePicture::first_pixels(double budget_ms) {
   Impl& impl = *m_impl;
   const auto start = std::chrono::steady_clock::now();
-  const double left = kBudgetToAimAt * budget_ms - impl.frame.of(1);
+  const double least = kLeastPart * budget_ms;
+  double left = std::max(kBudgetToAimAt * budget_ms - impl.frame.of(1), least);
+  if (budget_ms <= 0) left = kEndless;
   std::optional<FloatImage> picture;
-  if (m_cost.by_inverse) picture = impl.followed(budget_ms > 0 ? left : kEndless, m_cost);
-  if (!picture) {
-    const double least = kLeastPart * budget_ms;
-    picture = impl.drafted(budget_ms > 0 ? std::max(left, least) : kEndless, m_cost);
-  }
-  m_cost.width = picture->width;
-  m_cost.height = picture->height;
+  if (m_cost.by_inverse) picture = impl.followed(left, m_cost);
+  const double begin_ms = picture ? 0 : ms_since(start);
+  if (!picture) picture = impl.drafted(std::max(left - begin_ms, least), m_cost);
+  m_cost.width = (picture->width + m_cost.spacing - 1) / m_cost.spacing;
+  m_cost.height = (picture->height + m_cost.spacing - 1) / m_cost.spacing;
   if (impl.painter) impl.painter(*picture, impl.camera);
   if (impl.view.decoration.annotate.empty()) decorate(*picture, impl.subject(), impl.view);
   Image image = to_image(*picture);
   m_cost.frame_ms = ms_since(start) - m_cost.march_ms;
-  impl.frame.add(m_cost.frame_ms, 1);
+  impl.frame.add(m_cost.frame_ms - begin_ms, 1);
   return image;
 }
 

@@ -1,4 +1,5 @@
-// Pictures of a live session. While it moves: a small picture at once, whose size follows from what
+// Pictures of a live session. While it moves: the picture at rest, where little of the last one has
+// changed, or a small picture, whose size follows from what
 // the last ones cost, so that a promised time is met; samples solve for themselves or the inverse
 // is brought up to date, whichever is likely to be sooner. At rest: the picture of `supple render`,
 // bit for bit, in passes between which events may come.
@@ -21,7 +22,8 @@ struct LiveCost {
   double prepare_ms = 0;      // from the solver's offsets to what rays read
   double frame_ms = 0;        // what a frame takes whatever its size
   double march_ms = 0;        // what grows with it
-  int width = 0, height = 0;  // that were marched
+  int width = 0, height = 0;  // that were marched, or as far apart in what has changed
+  int spacing = 1;            // of these pixels
   bool by_inverse = false;
 };
 
