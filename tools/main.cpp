@@ -117,7 +117,8 @@ int run_command(const Command& command, const GlobalOptions& options) {
   } catch (const std::bad_alloc&) {
     return fail(kSystem, command.app->get_name() + ": not enough memory");
   } catch (const std::filesystem::filesystem_error& error) {
-    return fail(kSystem, error.what());
+    const std::string place = error.path1().string();
+    return fail(kSystem, (place.empty() ? "" : place + ": ") + error.code().message());
   } catch (const std::exception& error) {
     // TBB says so of a thread whose stack finds no room.
     if (std::string(error.what()).find("pthread_create") != std::string::npos) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -43,6 +44,9 @@ void add_text(std::string& line, const toml::node& node) {
       add_text(line, value);
     }
     line += line.back() == '{' ? "}" : " }";
+  } else if (const toml::value<double>* number = node.as_floating_point()) {
+    char shortest[32];  // that reads as the same number
+    line.append(shortest, std::to_chars(std::begin(shortest), std::end(shortest), **number).ptr);
   } else {
     std::ostringstream text;
     node.visit([&text](const auto& value) { text << value; });
@@ -225,7 +229,7 @@ void TomlTable::read_field(const Field& field, const std::string& key) {
   if (auto* value = std::get_if<PixelSize*>(&target)) {
     const auto pixels = numbers(key);
     if (pixels->size() != 2 || !is_integer((*pixels)[0]) || !is_integer((*pixels)[1])) {
-      fail(key, "another list", "two integers [width, height]");
+      fail(key, text_of(*m_table->get(key)), "two integers [width, height]");
     }
     for (int a = 0; a < 2; ++a) (**value)[a] = int(checked((*pixels)[a]));
   }

@@ -1,4 +1,5 @@
 // Live sessions: events, journals, batch scenes of them, undo, and pictures in a budget.
+#include <algorithm>
 #include <iterator>
 #include <random>
 #include <sstream>
@@ -371,6 +372,23 @@ TEST_F(UnitReplay, BadEventsNameTheirLineAndWhatIsExpected) {
   EXPECT_EQ(nothing.exit_code, 3);
   EXPECT_NE(nothing.err.find("grab or push before it"), std::string::npos) << nothing.err;
   EXPECT_EQ(replay(journal(event("grab", "grab = [0, 0, 0]"))).exit_code, 3);
+  const std::string grab = event("grab", "grab = [12, 12, 16]");
+  for (const auto& [bad, text] : std::vector<std::pair<std::string, std::string>>{
+           {event("camera", "camera = { view = \"lft\" }"), ": view.camera.view: found \"lft\""},
+           {event("look", "preset = 0.1"), ": view.preset: found 0.1, expected a string"},
+           {event("look", "preset = \"Skn\""), ": preset: found Skn"},
+           {event("drag", "to = [0, 1e9, 0]"), ": displacement along axis j: found 1e+09 mm"}}) {
+    const std::string file = journal(grab + bad, "bad.toml");
+    const std::string whole = read_text(file);
+    const auto line = std::count(whole.begin(), whole.begin() + whole.rfind("[[event]]"), '\n') + 1;
+    const Outcome refused = replay(file);
+    EXPECT_EQ(refused.exit_code, 3) << bad;
+    EXPECT_NE(refused.err.find(file + ":" + std::to_string(line) + text), std::string::npos)
+        << refused.err;
+  }
+  const Outcome both = replay(journal("[[step]]\ngrab = [12, 12, 16]\nby = [0, 1, 0]\n" + grab));
+  EXPECT_EQ(both.exit_code, 3);
+  EXPECT_NE(both.err.find("a step beside events"), std::string::npos) << both.err;
   EXPECT_EQ(run_line("run " + journal(kDrags) + " -o " + (m_folder / "out")).exit_code, 3);
 }
 

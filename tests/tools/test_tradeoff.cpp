@@ -277,6 +277,13 @@ TEST_F(UnitTradeoff, ARunChoosesFromTheTableAndSaysWhat) {
   const Outcome roomy = run({"--budget", "10min"});
   EXPECT_NE(roomy.err.find("chose fem:"), std::string::npos) << roomy.err;
   EXPECT_EQ(run({"--budget", "0.001ms"}).exit_code, 3);
+  const Outcome alone = run({});
+  EXPECT_EQ(alone.exit_code, 3);
+  EXPECT_NE(alone.err.find("--budget or --error beside it"), std::string::npos) << alone.err;
+  std::filesystem::remove(m_folder / "out/runs.csv");
+  const Outcome missing = run({"--budget", "10min"});
+  EXPECT_EQ(missing.exit_code, 3);
+  EXPECT_NE(missing.err.find("found no such file"), std::string::npos) << missing.err;
 }
 
 TEST_F(UnitTradeoff, WithoutATableARunChoosesFromWhatIsShipped) {

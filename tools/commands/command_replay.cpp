@@ -73,6 +73,9 @@ void write_toml(const std::string& path, const std::string& text) {
 
 int run_replay(const ReplayFiles& files, const ReplayOptions& options, const GlobalOptions& global,
                Console& console) {
+  if (!files.film.empty() && files.compares) {
+    throw InputError({"", "--ssim", "a film", "--ssim without --film, whose pictures are settled"});
+  }
   OutputPlan plan(global, false);
   plan.protect(files.input);
   if (!files.image.empty()) plan.add_image(files.image);
@@ -102,6 +105,7 @@ int run_replay(const ReplayFiles& files, const ReplayOptions& options, const Glo
     nlohmann::ordered_json json = replay_json(replay.report());
     json["peak_rss_mb"] = peak_mb;
     json["state"] = hash;
+    json["outputs"] = plan.files();
     std::printf("%s\n", json.dump(2).c_str());
   } else if (!global.quiet) {
     print_replay(replay.report(), hash, peak_mb);

@@ -1,6 +1,8 @@
 // supple run: everything that a scene file asks for.
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
+#include <fstream>
 
 #include <nlohmann/json.hpp>
 
@@ -18,6 +20,7 @@
 #include "tools/tradeoff/method_choice.h"
 #include "tools/tradeoff/run_phases.h"
 #include "tools/tradeoff/shipped_choices.h"
+#include "volumes/base/regular_file.h"
 #include "volumes/io/open_volume.h"
 #include "volumes/state/state.h"
 
@@ -50,6 +53,8 @@ double way_mm(const Scene& scene, const Geometry& geometry) {
 /// Of the user's table; without one those that are shipped, for this size of volume and this way.
 std::vector<MethodChoice> known_choices(const RunSceneOptions& options, const Scene& scene) {
   if (!options.table.empty()) {
+    require_regular_file(options.table);
+    if (!std::ifstream(options.table)) throw_open_error(options.table, errno);
     const auto choices = choices_of(rows_from_csv(text_of_file(options.table), options.table));
     if (choices.empty()) throw InputError({options.table, "", "no method", "rows that are ok"});
     return choices;
@@ -67,21 +72,31 @@ std::vector<MethodChoice> known_choices(const RunSceneOptions& options, const Sc
 
 /// A method from a table; none where neither a time nor an error is given.
 std::optional<MethodChoice> choose_method(const RunSceneOptions& options, const Scene& scene) {
-  if (options.budget.empty() && options.error.empty()) return std::nullopt;
+  if (options.budget.empty() && options.error.empty()) {
+    if (options.table.empty()) return std::nullopt;
+    throw InputError(
+        {options.table, "--table", "neither a time nor an error", "--budget or --error beside it"});
+  }
   const std::vector<MethodChoice> choices = known_choices(options, scene);
   const std::string& table = options.table.empty() ? scene.file : options.table;
+  const std::string which =
+      options.table.empty()
+          ? " in the shipped table; supple tradeoff makes one of yours, for --table"
+          : "";
   if (!options.budget.empty()) {
     const auto choice = most_exact_within(choices, seconds_of(options.budget, "budget"));
     if (choice) return choice;
     const MethodChoice& fastest = choices.front();
-    throw InputError({table, "--budget", options.budget,
-                      "at least " + number_text(fastest.solve_s) + "s, that of " + fastest.method});
+    throw InputError(
+        {table, "--budget", options.budget,
+         "at least " + number_text(fastest.solve_s) + "s, that of " + fastest.method + which});
   }
   const auto choice = fastest_to(choices, millimetres_of(options.error, "error"));
   if (choice) return choice;
   const auto best = most_exact_within(choices, choices.back().solve_s);
-  throw InputError({table, "--error", options.error,
-                    "at least " + number_text(best->error_mm) + "mm, that of " + best->method});
+  throw InputError(
+      {table, "--error", options.error,
+       "at least " + number_text(best->error_mm) + "mm, that of " + best->method + which});
 }
 
 nlohmann::ordered_json choice_json(const MethodChoice& choice, double solve_s) {

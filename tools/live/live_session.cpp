@@ -100,6 +100,10 @@ void LiveSession::read_events(const TomlTable& whole) {
   for (TomlTable& table : root.tables("event")) {
     m_events.push_back(read_event(table, m_scene.label_names));
   }
+  if (!m_events.empty() && !m_scene.steps.empty()) {
+    throw InputError({m_scene.steps.front().place, "step", "a step beside events",
+                      "events of a journal, or steps of a scene"});
+  }
   for (std::size_t n = 0; n < m_scene.steps.size(); ++n) {
     LiveEvent event;
     event.place = m_scene.steps[n].place;
@@ -121,6 +125,14 @@ void LiveSession::set_view() {
 }
 
 void LiveSession::carry_out(const LiveEvent& event, Progress* progress) {
+  try {
+    act_on(event, progress);
+  } catch (const InputError& error) {
+    rethrow_at(event.place, error);
+  }
+}
+
+void LiveSession::act_on(const LiveEvent& event, Progress* progress) {
   if (event.is_of_view()) {
     change_view(event);
     return record(event);
@@ -350,10 +362,19 @@ void LiveSession::change_view(const LiveEvent& event) {
   }
   keys.update(nlohmann::ordered_json::parse(event.keys));
   const std::string text = toml_document(nlohmann::ordered_json({{"view", keys}}).dump());
+  // Files of the view lie beside the journal; the lines of this text are nobody's.
   TomlTable root = TomlTable::parse(text, event.place);
   TomlTable table = *root.table("view");
-  SceneView view = read_view(table, 0);
-  check_view(view);
+  SceneView view;
+  try {
+    view = read_view(table, 0);
+    check_view(view);
+  } catch (const InputError& error) {
+    Problem problem = error.problem();
+    const bool is_of_text = problem.file.rfind(event.place + ":", 0) == 0;
+    if (is_of_text) problem.file = event.place;
+    throw InputError(problem);
+  }
   view.size = m_view.size;
   m_view = std::move(view);
   m_view_keys = keys.dump();

@@ -19,8 +19,8 @@ constexpr int kSlicePasses = 5;
 
 class LiveSession {
  public:
-  /// Opens what the root of a journal or a scene describes; its events and steps are left to
-  /// events(). Throws InputError as read_scene and Session.
+  /// Opens what the root of a journal or a scene describes; its events or steps are left to
+  /// events(). Throws InputError as read_scene and Session, and where it has both.
   LiveSession(const TomlTable& root, Progress* progress);
 
   /// Those of a journal; of a scene its steps, each as one event.
@@ -72,6 +72,7 @@ class LiveSession {
  private:
   void read_events(const TomlTable& root);
   void set_view();
+  void act_on(const LiveEvent& event, Progress* progress);
   void drag(const LiveEvent& event, Progress* progress);
   void release(const LiveEvent& event, Progress* progress);
   void let_go_of_one(const LiveEvent& event, bool settles, Progress* progress);

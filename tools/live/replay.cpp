@@ -136,9 +136,11 @@ void Replay::run_in_time() {
   std::thread hand([&] {
     const auto start = std::chrono::steady_clock::now();
     for (const LiveEvent& event : m_live.events()) {
-      std::this_thread::sleep_until(
-          start + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-                      std::chrono::duration<double, std::milli>(event.at_ms / m_options.speed)));
+      constexpr double kLatestMs = 1e12;  // what a clock can hold
+      const double at_ms = std::min(event.at_ms / m_options.speed, kLatestMs);
+      std::this_thread::sleep_until(start +
+                                    std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+                                        std::chrono::duration<double, std::milli>(at_ms)));
       LiveEvent posted = event;
       posted.merged = 0;  // those that it replaced are not in the journal
       mailbox.post(std::move(posted));
