@@ -13,7 +13,7 @@ constexpr int kMarkedTile = 8;  // pixels
 constexpr double kGuard = 1.5;  // voxels around a brick: a smooth derivative reads one beyond it
 constexpr double kPixelGuard = 1;
 
-struct PixelBox {
+struct SeenBox {
   double left, right, top, bottom;
   void add(double x, double y) {
     left = std::min(left, x);
@@ -30,7 +30,7 @@ class NearestBricks {
       : m_geometry(context.geometry),
         m_camera(camera),
         m_forward(camera_frame(camera).forward),
-        m_pixels(camera, context.settings.width, context.settings.height),
+        m_rays(camera, context.settings.width, context.settings.height),
         m_width(context.settings.width),
         m_height(context.settings.height),
         m_columns(tiles(m_width)),
@@ -45,13 +45,13 @@ class NearestBricks {
         m_camera.projection == Projection::orthographic ? towards.dot(m_forward) : towards.length();
     double radius = 0;
     int in_front = 0;
-    PixelBox seen{kEndless, -kEndless, kEndless, -kEndless};
+    SeenBox seen{kEndless, -kEndless, kEndless, -kEndless};
     for (int n = 0; n < 8; ++n) {
       const Vec3d corner = m_geometry.world_from_index(
           {n & 1 ? hi.x : lo.x, n & 2 ? hi.y : lo.y, n & 4 ? hi.z : lo.z});
       radius = std::max(radius, (corner - middle).length());
       double x, y;
-      if (!m_pixels.at(corner, x, y)) continue;
+      if (!m_rays.pixel_of(corner, x, y)) continue;
       seen.add(x, y);
       ++in_front;
     }
@@ -71,7 +71,7 @@ class NearestBricks {
     return int(std::clamp(pixel, 0.0, double(pixels - 1))) / kMarkedTile;
   }
 
-  void mark(const PixelBox& seen, float distance) {
+  void mark(const SeenBox& seen, float distance) {
     const double left = seen.left - kPixelGuard, right = seen.right + kPixelGuard;
     const double top = seen.top - kPixelGuard, bottom = seen.bottom + kPixelGuard;
     if (right < 0 || bottom < 0 || left > m_width || top > m_height) return;
@@ -86,7 +86,7 @@ class NearestBricks {
   const Geometry& m_geometry;
   const Camera& m_camera;
   Vec3d m_forward;
-  CameraPixels m_pixels;
+  CameraRays m_rays;
   int m_width, m_height;  // pixels
   int m_columns;          // tiles
   std::vector<float> m_nearest;

@@ -114,14 +114,7 @@ Ray camera_ray(const Camera& camera, int width, int height, double px, double py
   return CameraRays(camera, width, height).at(px, py);
 }
 
-CameraPixels::CameraPixels(const Camera& camera, int width, int height)
-    : m_camera(camera),
-      m_frame(camera_frame(camera)),
-      m_half_height(half_height(camera)),
-      m_width(width),
-      m_height(height) {}
-
-bool CameraPixels::at(const Vec3d& world_mm, double& px, double& py) const {
+bool CameraRays::pixel_of(const Vec3d& world_mm, double& px, double& py) const {
   const Vec3d p = world_mm - m_camera.position_lps_mm;
   const double depth = p.dot(m_frame.forward);
   if (!(depth > 0)) return false;
@@ -134,7 +127,7 @@ bool CameraPixels::at(const Vec3d& world_mm, double& px, double& py) const {
 
 bool project_to_pixel(const Camera& camera, int width, int height, const Vec3d& world_mm,
                       double& px, double& py) {
-  return CameraPixels(camera, width, height).at(world_mm, px, py);
+  return CameraRays(camera, width, height).pixel_of(world_mm, px, py);
 }
 
 Camera default_camera(const Geometry& geometry, double aspect, const std::string& view_name,

@@ -49,13 +49,15 @@ double half_height_at_unit_distance(const Camera& camera);
 /// the same place.
 Camera zoomed(const Camera& camera, double factor);
 
-/// The rays of one picture.
+/// The rays of one picture, from its pixels and back.
 class CameraRays {
  public:
   CameraRays(const Camera& camera, int width, int height);
   /// Ray through pixel coordinates (px, py), centres at +0.5, row 0 at the top. Orthographic rays
   /// start on the plane through the camera's position; places behind it are not seen.
   Ray at(double px, double py) const;
+  /// World position to pixel coordinates; false when behind the camera.
+  bool pixel_of(const Vec3d& world_mm, double& px, double& py) const;
 
  private:
   Camera m_camera;
@@ -67,21 +69,7 @@ class CameraRays {
 /// One ray of CameraRays.
 Ray camera_ray(const Camera& camera, int width, int height, double px, double py);
 
-/// The places of one picture's pixels.
-class CameraPixels {
- public:
-  CameraPixels(const Camera& camera, int width, int height);
-  /// World position to pixel coordinates; false when behind the camera.
-  bool at(const Vec3d& world_mm, double& px, double& py) const;
-
- private:
-  Camera m_camera;
-  CameraFrame m_frame;
-  double m_half_height;      // of the picture: mm, or of a perspective one at unit distance
-  double m_width, m_height;  // pixels
-};
-
-/// One place of CameraPixels.
+/// One place of CameraRays.
 bool project_to_pixel(const Camera& camera, int width, int height, const Vec3d& world_mm,
                       double& px, double& py);
 
