@@ -94,11 +94,7 @@ std::unique_ptr<RenderContext> Renderer::prepare(const Camera& camera,
   camera.validate("");
   function.validate("");
   settings.validate();
-  if (settings.classification == Classification::pre_integrated &&
-      !function.gradient_opacity.empty()) {
-    throw InputError({"", "classification", "pre-integrated with gradient opacity",
-                      "post, or a transfer function without gradient opacity"});
-  }
+  settings.validate_with(function);
   return std::make_unique<RenderContext>(m_impl->geometry, m_impl->source, m_impl->output(), camera,
                                          function, settings, m_impl->surfaces.get());
 }

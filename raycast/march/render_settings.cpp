@@ -44,4 +44,10 @@ void RenderSettings::validate() const {
   lighting.validate("");
 }
 
+void RenderSettings::validate_with(const TransferFunction& function) const {
+  if (classification == Classification::post || function.gradient_opacity.empty()) return;
+  throw InputError({"", "classification", "pre-integrated with gradient opacity",
+                    "post, or a transfer function without gradient opacity"});
+}
+
 }  // namespace supple

@@ -6,6 +6,7 @@
 
 #include "raycast/march/shading.h"
 #include "raycast/scene/clip.h"
+#include "raycast/scene/transfer_function.h"
 
 namespace supple {
 
@@ -50,6 +51,9 @@ struct RenderSettings {
   /// Throws InputError: sizes < 1 or > 16384, step outside 0.01…16, stride outside 1…16,
   /// early_termination outside (0, 1], a bad clip or light.
   void validate() const;
+  /// With the function that it is drawn by. Throws InputError: gradient opacity along the way
+  /// between samples.
+  void validate_with(const TransferFunction& function) const;
 };
 
 }  // namespace supple

@@ -386,6 +386,16 @@ TEST_F(UnitReplay, BadEventsNameTheirLineAndWhatIsExpected) {
     EXPECT_NE(refused.err.find(file + ":" + std::to_string(line) + text), std::string::npos)
         << refused.err;
   }
+  // Before it is carried out, or every event after it would be refused, too.
+  write_text(m_folder / "edges.toml",
+             "opacity = [[0, 0], [255, 1]]\ncolour = [[0, 1, 1, 1]]\n"
+             "gradient_opacity = [[0, 0], [60, 1]]\n");
+  const Outcome along = replay(journal("classification = \"pre-integrated\"\n" +
+                                       event("look", "transfer = \"edges.toml\"")));
+  EXPECT_EQ(along.exit_code, 3);
+  EXPECT_NE(along.err.find("journal.toml:7: classification: found pre-integrated with gradient"),
+            std::string::npos)
+      << along.err;
   const Outcome both = replay(journal("[[step]]\ngrab = [12, 12, 16]\nby = [0, 1, 0]\n" + grab));
   EXPECT_EQ(both.exit_code, 3);
   EXPECT_NE(both.err.find("a step beside events"), std::string::npos) << both.err;

@@ -25,15 +25,19 @@ bool has_extension(const std::string& path, const char* extension) {
   return std::filesystem::path(path).extension() == extension;
 }
 
-void check_outputs(const std::vector<std::string>& outputs, const GlobalOptions& global) {
+/// Before the first row.
+void claim_outputs(const std::vector<std::string>& outputs, const GlobalOptions& global,
+                   Console& console) {
+  OutputPlan plan(global);
   for (const std::string& path : outputs) {
     if (!has_extension(path, ".md") && !has_extension(path, ".csv")) {
-      throw UsageError(to_line({path, "--output", "another extension", ".md or .csv"}));
-    }
-    if (std::filesystem::exists(path) && !global.force) {
-      throw UsageError(path + ": exists; use --force to overwrite it");
+      const std::string extension = std::filesystem::path(path).extension().string();
+      throw UsageError(to_line(
+          {path, "--output", extension.empty() ? "no extension" : extension, ".md or .csv"}));
     }
   }
+  plan.add_files(outputs);
+  console.claim(plan.files());
 }
 
 /// For one that runs all: measured values alone, on stdout.
@@ -51,7 +55,7 @@ void print_end(const std::vector<StressRow>& rows, std::size_t disagreeing) {
 }
 
 int run_all(const StressCommand& given, const GlobalOptions& global, Console& console) {
-  check_outputs(given.outputs, global);
+  claim_outputs(given.outputs, global, console);
   StressOptions options = given.options;
   options.threads = global.threads;
   const bool prints = !global.json && !global.quiet;

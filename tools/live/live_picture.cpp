@@ -57,6 +57,9 @@ struct LivePicture::Impl {
   void replace(std::unique_ptr<ProgressiveRender> next);
   void drop_pictures();
   bool can_follow() const;
+  bool is_most(double pixels) const;
+  void add_followed(double march_ms, double pixels);
+  bool refine();
   void keep_finished();
   std::unique_ptr<ProgressiveRender> begin();
   std::optional<FloatImage> followed(double left_ms, LiveCost& cost);
@@ -78,6 +81,7 @@ struct LivePicture::Impl {
   CostPer forward_pixel{5e-4}, inverse_pixel{4e-4}, frame{8};
   CostPer follow_start{5}, followed_pixel{1e-3};
   double last_changed = 0;  // pixels, since `finished`; 0: it was not followed yet
+  double begin_ms = 0;      // of a picture that follows another one, since the last event
 };
 
 void LivePicture::Impl::show_exactly() {
@@ -131,8 +135,11 @@ void LivePicture::Impl::keep_finished() {
 /// The picture at rest, of the offsets as they are.
 std::unique_ptr<ProgressiveRender> LivePicture::Impl::begin() {
   if (finished && finished->may_be_followed()) {
+    const Stopwatch time;
     auto next = finished->follow();
     last_changed = double(next->changed_pixels());
+    begin_ms = time.ms();
+    follow_start.add(begin_ms, 1);
     return next;
   }
   return std::make_unique<ProgressiveRender>(body.renderer(), camera, look_of(view), settings());
@@ -142,24 +149,21 @@ std::unique_ptr<ProgressiveRender> LivePicture::Impl::begin() {
 /// one, where that takes no longer than `left_ms`.
 std::optional<FloatImage> LivePicture::Impl::followed(double left_ms, LiveCost& cost) {
   if (!finished || !finished->may_be_followed()) return std::nullopt;
-  const Stopwatch beginning;
   std::unique_ptr<ProgressiveRender> begun = begin();
   ProgressiveRender& next = *begun;
-  const double begin_ms = beginning.ms();
-  follow_start.add(begin_ms, 1);
   const double pixels = double(next.changed_pixels());
   const auto takes = [&](int spacing) { return followed_pixel.of(pixels / (spacing * spacing)); };
   int spacing = 1;
   if (takes(1) > left_ms - begin_ms) spacing = std::min(kCoarsest, next.next_spacing());
   // Where most of it has changed, a smaller picture is smoother.
-  const bool is_rough = spacing > 1 && pixels > kMostFollowed * view.size[0] * view.size[1];
+  const bool is_rough = spacing > 1 && is_most(pixels);
   const bool is_late = is_rough || takes(spacing) > left_ms - begin_ms;
   const Stopwatch marching;
   while (!is_late && next.spacing() != spacing) next.refine();
   if (!is_late) {
     cost.march_ms = marching.ms();
     cost.spacing = spacing;
-    followed_pixel.add(cost.march_ms, pixels / (spacing * spacing));
+    add_followed(cost.march_ms, pixels / (spacing * spacing));
   }
   replace(std::move(begun));  // from here on it may be interrupted
   if (is_late) return std::nullopt;
@@ -201,7 +205,13 @@ void LivePicture::look(const SceneView& view) {
   if (next.sampling.interpolation != impl.body.interpolation()) {
     impl.body.open(next.sampling.interpolation);
   }
-  impl.camera = framed_camera(impl.subject(), &impl.body.renderer(), next, impl.console);
+  try {
+    impl.camera = framed_camera(impl.subject(), &impl.body.renderer(), next, impl.console);
+  } catch (...) {
+    const Interpolation before = impl.view.sampling.interpolation;
+    if (before != impl.body.interpolation()) impl.body.open(before);
+    throw;
+  }
   next.camera.camera = impl.camera;
   next.fit.clear();
   next.zoom = 1;
@@ -216,10 +226,6 @@ void LivePicture::paint_with(Painter painter) {
 
 bool LivePicture::follow() {
   const int opened_count = m_impl->body.opened_count();
-  // Where the last look was refused, the view is that of before.
-  if (m_impl->body.interpolation() != m_impl->view.sampling.interpolation) {
-    m_impl->body.open(m_impl->view.sampling.interpolation);
-  }
   if (m_impl->body.follow()) m_impl->is_new = true;
   if (m_impl->body.opened_count() != opened_count) m_impl->drop_pictures();
   if (!m_impl->is_new) return false;
@@ -236,6 +242,16 @@ double LivePicture::Impl::part_within(double rays_ms, const CostPer& pixel) cons
                     1.0);
 }
 
+bool LivePicture::Impl::is_most(double pixels) const {
+  return pixels > kMostFollowed * view.size[0] * view.size[1];
+}
+
+/// Of a few pixels most is what a pass takes in any case.
+void LivePicture::Impl::add_followed(double march_ms, double pixels) {
+  constexpr double kMany = 1000;
+  if (pixels >= kMany) followed_pixel.add(march_ms, pixels);
+}
+
 /// Whether changes of the inverse are told to the renderer, and the light of a pixel by its ray.
 bool LivePicture::Impl::can_follow() const {
   return !view.half_offsets && !view.lighting.has_paths();
@@ -246,8 +262,9 @@ bool LivePicture::Impl::chooses_inverse(double budget_ms) const {
   const double forward_ms = body.forward_ms(), inverse_ms = body.inverse_ms();
   const double left = kBudgetToAimAt * budget_ms - frame.of(1);
   if (finished && can_follow()) {
+    const int spacing = is_most(last_changed) ? 1 : kCoarsest;
     const double followed_ms =
-        follow_start.of(1) + followed_pixel.of(last_changed / (kCoarsest * kCoarsest));
+        follow_start.of(1) + followed_pixel.of(last_changed / (spacing * spacing));
     if (inverse_ms + followed_ms <= left) return true;
   }
   const double forward_part = budget_ms > 0 ? part_within(left - forward_ms, forward_pixel) : 1;
@@ -273,21 +290,33 @@ void LivePicture::prepare(double budget_ms) {
 Image LivePicture::first_pixels(double budget_ms) {
   Impl& impl = *m_impl;
   const auto start = std::chrono::steady_clock::now();
+  impl.begin_ms = 0;
   const double least = kLeastPart * budget_ms;
   double left = std::max(kBudgetToAimAt * budget_ms - impl.frame.of(1), least);
   if (budget_ms <= 0) left = kEndless;
   std::optional<FloatImage> picture;
   if (m_cost.by_inverse) picture = impl.followed(left, m_cost);
-  const double begin_ms = picture ? 0 : ms_since(start);
-  if (!picture) picture = impl.drafted(std::max(left - begin_ms, least), m_cost);
+  if (!picture) picture = impl.drafted(std::max(left - impl.begin_ms, least), m_cost);
   m_cost.width = (picture->width + m_cost.spacing - 1) / m_cost.spacing;
   m_cost.height = (picture->height + m_cost.spacing - 1) / m_cost.spacing;
   if (impl.painter) impl.painter(*picture, impl.camera);
   if (impl.view.decoration.annotate.empty()) decorate(*picture, impl.subject(), impl.view);
   Image image = to_image(*picture);
   m_cost.frame_ms = ms_since(start) - m_cost.march_ms;
-  impl.frame.add(m_cost.frame_ms - begin_ms, 1);
+  impl.frame.add(m_cost.frame_ms - impl.begin_ms, 1);
   return image;
+}
+
+/// One pass; false where it was interrupted.
+bool LivePicture::Impl::refine() {
+  const bool is_first = progressive->spacing() == 0;
+  const Stopwatch time;
+  if (!progressive->refine()) return false;
+  const double pixels = double(progressive->changed_pixels());
+  const double part = (is_first ? 1.0 : 0.75) / (progressive->spacing() * progressive->spacing());
+  const bool follows = pixels < double(view.size[0]) * view.size[1];
+  if (follows) add_followed(time.ms(), part * pixels);
+  return true;
 }
 
 bool LivePicture::refine() {
@@ -298,7 +327,7 @@ bool LivePicture::refine() {
     impl.replace(impl.begin());
     return true;
   }
-  const bool was_interrupted = !impl.progressive->finished() && !impl.progressive->refine();
+  const bool was_interrupted = !impl.progressive->finished() && !impl.refine();
   if (was_interrupted) impl.replace({});
   if (was_interrupted || !impl.progressive->finished()) return true;
   FloatImage picture = impl.progressive->picture();

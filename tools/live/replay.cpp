@@ -1,6 +1,7 @@
 #include "tools/live/replay.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <numeric>
 #include <thread>
@@ -133,25 +134,33 @@ void Replay::film(const std::function<void(const Image&)>& add) {
 
 void Replay::run_in_time() {
   EventMailbox mailbox;
+  std::atomic<bool> ends{false};
   std::thread hand([&] {
     const auto start = std::chrono::steady_clock::now();
     for (const LiveEvent& event : m_live.events()) {
       constexpr double kLatestMs = 1e12;  // what a clock can hold
       const double at_ms = std::min(event.at_ms / m_options.speed, kLatestMs);
-      std::this_thread::sleep_until(start +
-                                    std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-                                        std::chrono::duration<double, std::milli>(at_ms)));
+      const auto due = start + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+                                   std::chrono::duration<double, std::milli>(at_ms));
+      const auto waits = [&] {
+        return !ends && !m_progress.cancelled() && std::chrono::steady_clock::now() < due;
+      };
+      while (waits()) {
+        const auto soon = std::chrono::steady_clock::now() + std::chrono::milliseconds(50);
+        std::this_thread::sleep_until(std::min(due, soon));
+      }
       LiveEvent posted = event;
       posted.merged = 0;  // those that it replaced are not in the journal
       mailbox.post(std::move(posted));
       m_loop.interrupt();
-      if (m_progress.cancelled()) break;
+      if (ends || m_progress.cancelled()) break;
     }
     mailbox.close();
   });
   try {
     m_loop.run(mailbox);
   } catch (...) {
+    ends = true;
     hand.join();
     throw;
   }

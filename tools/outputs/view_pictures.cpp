@@ -91,6 +91,7 @@ void check_view(const SceneView& view) {
   try {
     if (!view.preset.empty()) preset(view.preset);
     view_settings(view).validate();
+    if (view.transfer || !view.preset.empty()) view_settings(view).validate_with(look_of(view));
     check_picture_options(view.picture, view.image, view.place);
     check_inverse(view, view.path);
     if (view.caster == Caster::vtk) check_vtk_view(view);

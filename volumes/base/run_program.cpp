@@ -23,6 +23,7 @@ namespace supple {
 namespace {
 
 constexpr int kLookEveryMs = 50;
+constexpr int kLooksToTidy = 10;  // before a program that does not end is killed
 
 struct ReadEnd {
   int file = -1;
@@ -66,7 +67,13 @@ class RunningChild {
   RunningChild& operator=(const RunningChild&) = delete;
   ~RunningChild() {
     if (m_pid < 0) return;
-    ::kill(m_pid, SIGKILL);
+    ::kill(m_pid, SIGTERM);  // it may have files to remove
+    for (int looks = 0; looks < kLooksToTidy && m_pid > 0; ++looks) {
+      if (::waitpid(m_pid, nullptr, WNOHANG) == m_pid) m_pid = -1;
+      if (m_pid > 0) ::usleep(1000 * kLookEveryMs);
+    }
+    if (m_pid < 0) return;
+    end();
     wait();
   }
 

@@ -29,8 +29,9 @@ constexpr int kNoSuchProgram = 127;
 
 /// Runs a program, which is looked for on the PATH unless its name has a slash, in `folder` (empty:
 /// the present one) until it ends, or ends it at its limits, or when `cancelled` says so, which is
-/// asked every 50 ms; throws Cancelled then. It never outlives this process. Throws SystemError
-/// where no process can be started.
+/// asked every 50 ms; throws Cancelled then, when the program has removed its files or half a
+/// second has passed. It never outlives this process. Throws SystemError where no process can be
+/// started.
 ProgramEnd run_program(const std::string& program, const std::vector<std::string>& arguments,
                        const std::string& folder, const ProgramLimits& limits,
                        const std::function<bool()>& cancelled);
