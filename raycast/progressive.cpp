@@ -107,7 +107,7 @@ void ProgressiveRender::take_over(const ProgressiveRender& before) {
   };
   changed->erase(std::remove_if(changed->begin(), changed->end(), shows_nothing), changed->end());
 
-  *m_marks = *before.m_marks;
+  m_marks->opaque_from_mm = before.m_marks->opaque_from_mm;
   m_marks->is_there =
       unchanged_pixels(*m_context, m_camera, *changed, before.m_marks->opaque_from_mm);
   m_changed_pixels = 0;

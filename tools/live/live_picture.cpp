@@ -6,7 +6,6 @@
 #include <mutex>
 
 #include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
 #include "raycast/progressive.h"
@@ -23,21 +22,6 @@ constexpr double kLeastPart = 0.25;      // of the budget that rays have in any 
 constexpr double kBudgetToAimAt = 0.85;  // what is left covers what varies
 constexpr double kMostFollowed = 0.5;    // of all pixels
 constexpr int kCoarsest = 2;             // spacing of pixels in a picture that follows another one
-
-/// Two pixels in a row and the part of the later one, in 256ths.
-struct Between {
-  int low, high, part;
-};
-
-std::vector<Between> places_between(int to, int from) {
-  std::vector<Between> places;
-  for (int n = 0; n < to; ++n) {
-    const double place = std::clamp((n + 0.5) * from / to - 0.5, 0.0, double(from - 1));
-    places.push_back({int(place), std::min(int(place) + 1, from - 1),
-                      int(std::lround(256 * (place - std::floor(place))))});
-  }
-  return places;
-}
 
 }  // namespace
 
@@ -402,29 +386,6 @@ LivePicture::Memory LivePicture::memory() const {
   const std::size_t voxels = impl.body.opened().density.bricks().brick_count() * kBrickVoxels;
   const std::size_t moved = impl.body.displacement().u.vectors.bytes();
   return {voxels * sizeof(float), moved, impl.body.forward().bytes()};
-}
-
-Image enlarged(const Image& image, int width, int height) {
-  if (image.width == width && image.height == height) return image;
-  Image large(width, height);
-  large.has_alpha = image.has_alpha;
-  const std::vector<Between> across = places_between(width, image.width);
-  const std::vector<Between> down = places_between(height, image.height);
-  tbb::parallel_for(0, height, [&](int y) {
-    const std::uint8_t* upper = &image.rgba[std::size_t(down[y].low) * image.width * 4];
-    const std::uint8_t* lower = &image.rgba[std::size_t(down[y].high) * image.width * 4];
-    std::uint8_t* out = &large.rgba[std::size_t(y) * width * 4];
-    const int v = down[y].part;
-    for (const Between& x : across) {
-      const int u = x.part;
-      for (int c = 0; c < 4; ++c) {
-        const int top = upper[4 * x.low + c] * (256 - u) + upper[4 * x.high + c] * u;
-        const int bottom = lower[4 * x.low + c] * (256 - u) + lower[4 * x.high + c] * u;
-        *out++ = std::uint8_t((top * (256 - v) + bottom * v + (1 << 15)) >> 16);
-      }
-    }
-  });
-  return large;
 }
 
 }  // namespace supple::tools

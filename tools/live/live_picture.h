@@ -83,7 +83,4 @@ class LivePicture {
   std::optional<Image> m_settled;
 };
 
-/// Stretched to that size, linear between pixels.
-Image enlarged(const Image& image, int width, int height);
-
 }  // namespace supple::tools

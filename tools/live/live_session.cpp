@@ -128,7 +128,10 @@ void LiveSession::carry_out(const LiveEvent& event, Progress* progress) {
   try {
     act_on(event, progress);
   } catch (const InputError& error) {
-    rethrow_at(event.place, error);
+    Problem problem = error.problem();
+    const bool is_of_view_text = problem.file.rfind(event.place + ":", 0) == 0;
+    if (problem.file.empty() || is_of_view_text) problem.file = event.place;
+    throw InputError(problem);
   }
 }
 
@@ -362,19 +365,11 @@ void LiveSession::change_view(const LiveEvent& event) {
   }
   keys.update(nlohmann::ordered_json::parse(event.keys));
   const std::string text = toml_document(nlohmann::ordered_json({{"view", keys}}).dump());
-  // Files of the view lie beside the journal; the lines of this text are nobody's.
+  // Files of the view lie beside the journal; carry_out() names the event, not a line of this text.
   TomlTable root = TomlTable::parse(text, event.place);
   TomlTable table = *root.table("view");
-  SceneView view;
-  try {
-    view = read_view(table, 0);
-    check_view(view);
-  } catch (const InputError& error) {
-    Problem problem = error.problem();
-    const bool is_of_text = problem.file.rfind(event.place + ":", 0) == 0;
-    if (is_of_text) problem.file = event.place;
-    throw InputError(problem);
-  }
+  SceneView view = read_view(table, 0);
+  check_view(view);
   view.size = m_view.size;
   m_view = std::move(view);
   m_view_keys = keys.dump();

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "raycast/pictures/compare.h"
+#include "tools/live/enlarged.h"
 #include "tools/live/event_mailbox.h"
 #include "tools/pictures/picture_options.h"
 #include "volumes/base/sha256.h"

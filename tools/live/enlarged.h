@@ -1,0 +1,11 @@
+// Small pictures at the size of the view.
+#pragma once
+
+#include "raycast/pictures/image.h"
+
+namespace supple::tools {
+
+/// Stretched to that size, linear between pixels.
+Image enlarged(const Image& image, int width, int height);
+
+}  // namespace supple::tools
