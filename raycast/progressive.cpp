@@ -121,12 +121,12 @@ void ProgressiveRender::take_over(const ProgressiveRender& before) {
   m_first_spacing = first_spacing(m_changed_pixels, std::int64_t(m_picture.pixel_count()));
 }
 
-bool ProgressiveRender::refine() {
+bool ProgressiveRender::refine_to(int spacing) {
   if (finished()) return false;
-  const int spacing = next_spacing();
+  spacing = std::min(spacing, next_spacing());
   Cancellation progress(m_cancelled);
   try {
-    m_samples += march_pixels(*m_context, m_camera, {spacing, m_spacing != 0}, m_picture, &progress,
+    m_samples += march_pixels(*m_context, m_camera, {spacing, m_spacing}, m_picture, &progress,
                               m_marks.get());
   } catch (const Cancelled&) {
     return false;

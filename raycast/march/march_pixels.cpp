@@ -109,11 +109,10 @@ std::int64_t march_pixels(const RenderContext& context, const Camera& camera,
       all,
       [&](const tbb::blocked_range2d<int>& tile) {
         PixelMarch march(context, camera, picture, marks);
-        for (int y = tile.rows().begin(); y < tile.rows().end(); ++y) {
-          for (int x = tile.cols().begin(); x < tile.cols().end(); ++x) {
-            const bool is_there = lattice.has_coarser && x % 2 == 0 && y % 2 == 0;
-            if (is_there || march.is_there(x * spacing, y * spacing)) continue;
-            march.march(x * spacing, y * spacing);
+        for (int row = tile.rows().begin(); row < tile.rows().end(); ++row) {
+          for (int column = tile.cols().begin(); column < tile.cols().end(); ++column) {
+            const int x = column * spacing, y = row * spacing;
+            if (!lattice.has(x, y) && !march.is_there(x, y)) march.march(x, y);
           }
           shared.done(tile.cols().size());
         }

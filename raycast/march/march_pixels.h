@@ -10,11 +10,13 @@
 
 namespace supple {
 
-/// Pixels whose column and row are multiples of `spacing`; without those of twice the spacing when
-/// they are there already. 1 is the whole picture.
+/// Pixels whose column and row are multiples of `spacing`, without those that are there already:
+/// multiples of `coarser`, or none where it is 0. 1 is the whole picture.
 struct PixelLattice {
   int spacing = 1;
-  bool has_coarser = false;
+  int coarser = 0;
+
+  bool has(int x, int y) const { return coarser > 0 && x % coarser == 0 && y % coarser == 0; }
 };
 
 /// Of a picture that another one may begin with; per pixel.

@@ -49,6 +49,22 @@ TEST_F(PropertyProgressive, TheLastPictureIsThatOfOnePassAndNoPixelIsMarchedTwic
   EXPECT_TRUE(same_bits(render.picture().offset_mm, whole.offset_mm));
 }
 
+TEST_F(PropertyProgressive, PassesMayBeSkippedAndNoPixelIsMarchedTwice) {
+  RenderSettings settings = small_picture(50);
+  settings.height = 37;
+  RenderReport report;
+  const FloatImage whole = m_renderer.render_float(m_camera, surface_function(), settings, &report);
+  for (const int first : {8, 4, 2, 1}) {
+    ProgressiveRender render(m_renderer, m_camera, surface_function(), settings);
+    ASSERT_TRUE(render.refine_to(first));
+    EXPECT_EQ(render.spacing(), first);
+    EXPECT_EQ(render.refine_to(1), first > 1);
+    EXPECT_TRUE(render.finished());
+    EXPECT_EQ(render.samples(), report.samples);
+    EXPECT_TRUE(same_bits(render.picture().rgba, whole.rgba));
+  }
+}
+
 TEST_F(PropertyProgressive, CancellingFromAnotherThreadEndsAPassAndKeepsTheLastPicture) {
   // The whole picture would take several seconds.
   const RenderSettings settings = small_picture(1024, 0.05);

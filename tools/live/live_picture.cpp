@@ -143,7 +143,7 @@ std::optional<FloatImage> LivePicture::Impl::followed(double left_ms, LiveCost& 
   const bool is_rough = spacing > 1 && is_most(pixels);
   const bool is_late = is_rough || takes(spacing) > left_ms - begin_ms;
   const Stopwatch marching;
-  while (!is_late && next.spacing() != spacing) next.refine();
+  if (!is_late) next.refine_to(spacing);
   if (!is_late) {
     cost.march_ms = marching.ms();
     cost.spacing = spacing;
@@ -291,15 +291,15 @@ Image LivePicture::first_pixels(double budget_ms) {
   return image;
 }
 
-/// One pass; false where it was interrupted.
+/// The pixels that are missing; false where it was interrupted.
 bool LivePicture::Impl::refine() {
-  const bool is_first = progressive->spacing() == 0;
+  const int spacing = progressive->spacing();
+  const double there = spacing > 0 ? 1.0 / (spacing * spacing) : 0;
   const Stopwatch time;
-  if (!progressive->refine()) return false;
+  if (!progressive->refine_to(1)) return false;
   const double pixels = double(progressive->changed_pixels());
-  const double part = (is_first ? 1.0 : 0.75) / (progressive->spacing() * progressive->spacing());
   const bool follows = pixels < double(view.size[0]) * view.size[1];
-  if (follows) add_followed(time.ms(), part * pixels);
+  if (follows) add_followed(time.ms(), (1 - there) * pixels);
   return true;
 }
 
@@ -311,9 +311,10 @@ bool LivePicture::refine() {
     impl.replace(impl.begin());
     return true;
   }
-  const bool was_interrupted = !impl.progressive->finished() && !impl.refine();
-  if (was_interrupted) impl.replace({});
-  if (was_interrupted || !impl.progressive->finished()) return true;
+  if (!impl.progressive->finished() && !impl.refine()) {
+    impl.replace({});
+    return true;
+  }
   FloatImage picture = impl.progressive->picture();
   impl.paint_and_decorate(picture, impl.camera, impl.view);
   m_settled = to_image(picture);

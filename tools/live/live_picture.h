@@ -49,7 +49,7 @@ class LivePicture {
   Image first_pixels(double budget_ms);
   const LiveCost& cost() const { return m_cost; }
 
-  /// One pass more; false when the picture is settled.
+  /// A step towards the settled picture: what it reads, then its pixels; false when it is settled.
   bool refine();
   /// From another thread: refine() returns soon.
   void interrupt();

@@ -102,8 +102,7 @@ class SuppleViewer {
                     ? m_picture->follow()
                     : std::make_unique<ProgressiveRender>(m_renderer, peer_camera(m_state.geometry),
                                                           preset("Bone"), peer_settings(true));
-    while (m_picture->refine()) {
-    }
+    m_picture->refine_to(1);
     to_image(m_picture->picture());
   }
   InvertParams params() const {
