@@ -1,60 +1,24 @@
 #include "lib/relax/clusters.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "lib/relax/grouped.h"
+#include "lib/relax/in_parallel.h"
 
 namespace supple {
 
 namespace {
 
-/// Disjoint sets of slots; a set's root is its smallest slot. Slots that were never joined cost
-/// nothing where their brick has no joined one.
-class SlotForest {
- public:
-  explicit SlotForest(std::size_t bricks) : m_parent(bricks) {}
-
-  bool has_joined(std::size_t brick) const { return m_parent.brick(brick) != nullptr; }
-  bool is_joined(Slot slot) const { return m_parent.at(slot) != 0; }
-  /// Of a joined slot.
-  Slot root(Slot slot) {
-    Slot parent = parent_of(slot);
-    while (parent != slot) {
-      const Slot above = parent_of(parent);
-      set(slot, above);
-      slot = above;
-      parent = parent_of(slot);
-    }
-    return slot;
-  }
-  void join(Slot a, Slot b) {
-    if (!is_joined(a)) set(a, a);
-    if (!is_joined(b)) set(b, b);
-    a = root(a);
-    b = root(b);
-    set(std::max(a, b), std::min(a, b));
-  }
-
- private:
-  // One more than the parent, so that 0 stands for none.
-  Slot parent_of(Slot slot) const { return Slot(m_parent.at(slot)) - 1; }
-  void set(Slot slot, Slot parent) { m_parent.set(slot, std::int32_t(parent + 1)); }
-
-  BrickValues m_parent;
-};
-
-constexpr std::uint32_t kNone = ~std::uint32_t(0);
-
-/// Which cluster a slot is in.
-class ClusterNumbers {
- public:
-  explicit ClusterNumbers(std::size_t bricks) : m_numbers(bricks) {}
-  std::uint32_t operator[](Slot slot) const { return std::uint32_t(m_numbers.at(slot)) - 1; }
-  void set(Slot slot, std::uint32_t number) { m_numbers.set(slot, std::int32_t(number + 1)); }
-
- private:
-  BrickValues m_numbers;
-};
+/// Calls `visit(slot)` for every joined element of a brick, ascending.
+template <class Visit>
+void for_each_joined(const SlotForest& forest, const BrickTopology& elements, std::uint32_t brick,
+                     Visit&& visit) {
+  for_each_active(elements.mask(brick), [&](int offset) {
+    const Slot slot = Slot(brick * kBrickVoxels) + Slot(offset);
+    if (forest.is_joined(slot)) visit(slot);
+  });
+}
 
 }  // namespace
 
@@ -63,50 +27,110 @@ std::size_t Clusters::bytes() const {
          (first.capacity() + first_link.capacity()) * sizeof(std::uint32_t);
 }
 
+GrowingClusters::GrowingClusters(const Body& body, const LinkTable& table, Joins joins)
+    : m_body(body),
+      m_table(table),
+      m_joins(std::move(joins)),
+      m_forest(body.elements.brick_count()),
+      m_outer(body.elements.brick_count()) {}
+
+void GrowingClusters::join(Slot a, Slot b) {
+  for (const Slot slot : {a, b}) {
+    if (m_forest.is_joined(slot)) continue;
+    const std::uint32_t brick = slot / kBrickVoxels;
+    if (!m_forest.has_joined(brick)) m_bricks.push_back(brick);
+    mask_set(m_outer[brick], int(slot % kBrickVoxels));
+    m_forest.set_root(slot, slot);
+  }
+  m_forest.join(a, b);
+}
+
+void GrowingClusters::add(const std::vector<std::uint32_t>& bricks) {
+  for (const std::uint32_t b : bricks) {
+    for_each_link(m_body, m_table.links(), b, [&](int kind, Slot low, Slot high) {
+      if (m_joins(kind, low, high)) join(low, high);
+    });
+  }
+}
+
+/// Gives every joined element one more than the number of its cluster. Returns how many there are.
+std::uint32_t GrowingClusters::number(BrickValues& numbers) {
+  const BrickTopology& elements = m_body.elements;
+  std::vector<std::vector<Slot>> roots_of(m_bricks.size());
+  in_parallel(m_bricks.size(), [&](std::size_t n) {
+    for_each_joined(m_forest, elements, m_bricks[n], [&](Slot slot) {
+      if (m_forest.is_root(slot)) roots_of[n].push_back(slot);
+    });
+  });
+  std::vector<Slot> roots;
+  for (std::size_t n = 0; n < m_bricks.size(); ++n) {
+    numbers.touch(m_bricks[n]);
+    for (const Slot root : roots_of[n]) {
+      roots.push_back(root);
+      numbers.set(root, std::int32_t(roots.size()));
+    }
+  }
+  in_parallel(m_bricks.size(), [&](std::size_t n) {
+    for_each_joined(m_forest, elements, m_bricks[n], [&](Slot slot) {
+      if (m_forest.is_root(slot)) return;
+      numbers.touch(m_bricks[n])[slot % kBrickVoxels] = numbers.at(m_forest.root(slot));
+    });
+  });
+  in_parallel(m_bricks.size(), [&](std::size_t n) {
+    for_each_joined(m_forest, elements, m_bricks[n], [&](Slot slot) {
+      m_forest.set_root(slot, roots[std::size_t(numbers.at(slot)) - 1]);
+    });
+  });
+  return std::uint32_t(roots.size());
+}
+
+/// Of the elements of a brick. One without any is left alone from now on, as clusters never part.
+GrowingClusters::LinksOut GrowingClusters::links_out(std::uint32_t brick,
+                                                     const BrickValues& numbers) {
+  LinksOut links;
+  BrickMask outer{};
+  for_each_active(m_outer[brick], [&](int offset) {
+    const Slot slot = Slot(brick * kBrickVoxels) + Slot(offset);
+    const std::int32_t own = numbers.at(slot);
+    const std::size_t before = links.size();
+    for_each_neighbour(m_body, m_table.links(), slot, [&](int kind, bool upwards, Slot other) {
+      const std::int32_t beside = numbers.at(other);
+      if (beside == own) return;
+      const LinkValues& values = m_table.values(kind, m_body.classes[slot], m_body.classes[other]);
+      const std::int32_t rest =
+          rest_of_link(m_body, kind, m_table.coordinate(), upwards ? slot : other);
+      links.push_back({std::uint32_t(own - 1),
+                       {slot, other, values, upwards ? rest : -rest, upwards, beside != 0}});
+    });
+    if (links.size() > before) mask_set(outer, offset);
+  });
+  m_outer[brick] = outer;
+  return links;
+}
+
+Clusters GrowingClusters::find() {
+  std::sort(m_bricks.begin(), m_bricks.end());
+  BrickValues numbers(m_body.elements.brick_count());
+  const std::uint32_t count = number(numbers);
+  std::vector<ClusteredItems<Slot>> members(m_bricks.size());
+  std::vector<LinksOut> boundary(m_bricks.size());
+  in_parallel(m_bricks.size(), [&](std::size_t n) {
+    for_each_joined(m_forest, m_body.elements, m_bricks[n], [&](Slot slot) {
+      members[n].push_back({std::uint32_t(numbers.at(slot) - 1), slot});
+    });
+    boundary[n] = links_out(m_bricks[n], numbers);
+  });
+  Clusters clusters;
+  group_by_cluster(std::move(members), count, clusters.members, clusters.first);
+  group_by_cluster(std::move(boundary), count, clusters.boundary, clusters.first_link);
+  return clusters;
+}
+
 Clusters find_clusters(const Body& body, const LinkTable& table,
                        const std::vector<std::uint32_t>& bricks, const Joins& joins) {
-  const BrickTopology& elements = body.elements;
-  SlotForest forest(elements.brick_count());
-  for (const std::uint32_t b : bricks) {
-    for_each_link(body, table.links(), b, [&](int kind, Slot low, Slot high) {
-      if (joins(kind, low, high)) forest.join(low, high);
-    });
-  }
-
-  // A root comes before the other members of its cluster, as it is the smallest slot.
-  ClusterNumbers numbers(elements.brick_count());
-  std::vector<std::pair<std::uint32_t, Slot>> members;
-  std::uint32_t count = 0;
-  for (std::size_t b = 0; b < elements.brick_count(); ++b) {
-    if (!forest.has_joined(b)) continue;
-    for_each_active(elements.mask(b), [&](int offset) {
-      const Slot slot = Slot(b * kBrickVoxels) + Slot(offset);
-      if (!forest.is_joined(slot)) return;
-      const Slot root = forest.root(slot);
-      if (root == slot) numbers.set(slot, count++);
-      numbers.set(slot, numbers[root]);
-      members.push_back({numbers[slot], slot});
-    });
-  }
-  Clusters clusters;
-  group_by_cluster(members, count, clusters.members, clusters.first);
-
-  std::vector<std::pair<std::uint32_t, Clusters::Boundary>> boundary;
-  for (const auto& member : members) {
-    const std::uint32_t cluster = member.first;
-    const Slot slot = member.second;
-    for_each_neighbour(body, table.links(), slot, [&](int kind, bool upwards, Slot other) {
-      if (numbers[other] == cluster) return;
-      const LinkValues& values = table.values(kind, body.classes[slot], body.classes[other]);
-      const std::int32_t rest =
-          rest_of_link(body, kind, table.coordinate(), upwards ? slot : other);
-      boundary.push_back(
-          {cluster,
-           {slot, other, values, upwards ? rest : -rest, upwards, numbers[other] != kNone}});
-    });
-  }
-  group_by_cluster(boundary, count, clusters.boundary, clusters.first_link);
-  return clusters;
+  GrowingClusters growing(body, table, joins);
+  growing.add(bricks);
+  return growing.find();
 }
 
 }  // namespace supple

@@ -6,11 +6,13 @@
 
 #include <cstdint>
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include "lib/body/body.h"
 #include "lib/body/lattice.h"
 #include "lib/relax/link_table.h"
+#include "lib/relax/slot_forest.h"
 
 namespace supple {
 
@@ -36,9 +38,34 @@ struct Clusters {
 /// Whether the link of this kind from `low` to `high` joins both.
 using Joins = std::function<bool(int kind, Slot low, Slot high)>;
 
-/// The clusters of at least two elements that joined links of the given bricks (ascending) make,
-/// links of the kinds that the table knows;
-/// numbered by their smallest slots, so that nothing depends on the order of the links.
+/// Clusters of a part of a body that becomes larger and larger: every link is judged once, and
+/// elements in the midst of a cluster are left alone.
+class GrowingClusters {
+ public:
+  GrowingClusters(const Body& body, const LinkTable& table, Joins joins);
+
+  /// With the links of these bricks (ascending, each given once).
+  void add(const std::vector<std::uint32_t>& bricks);
+  /// Those of at least two elements that joined links make, links of the kinds that the table
+  /// knows; numbered by their smallest slots, so that nothing depends on the order of the links.
+  Clusters find();
+
+ private:
+  using LinksOut = std::vector<std::pair<std::uint32_t, Clusters::Boundary>>;  // with clusters
+
+  void join(Slot a, Slot b);
+  std::uint32_t number(BrickValues& numbers);
+  LinksOut links_out(std::uint32_t brick, const BrickValues& numbers);
+
+  const Body& m_body;
+  const LinkTable& m_table;
+  Joins m_joins;
+  SlotForest m_forest;
+  std::vector<BrickMask> m_outer;       // elements with links out of their clusters, or others
+  std::vector<std::uint32_t> m_bricks;  // with joined elements, ascending once they are found
+};
+
+/// The clusters of these bricks (ascending) alone.
 Clusters find_clusters(const Body& body, const LinkTable& table,
                        const std::vector<std::uint32_t>& bricks, const Joins& joins);
 

@@ -7,7 +7,6 @@
 #include "lib/relax/excess_energy.h"
 #include "lib/relax/fine_offsets.h"
 #include "lib/relax/in_parallel.h"
-#include "lib/relax/stiff_clusters.h"
 
 namespace supple {
 
@@ -50,7 +49,8 @@ CoordinateRelaxation::CoordinateRelaxation(const Body& body, int coordinate,
       m_in_turns(has_diagonals() && takes_turns(method)),
       m_changed(body.elements.brick_count(), 0),
       m_is_tight(body.elements.brick_count(), 0),
-      m_energies(body.elements.brick_count(), 0) {
+      m_energies(body.elements.brick_count(), 0),
+      m_stiff(body, m_table, m_elements) {
   for (std::size_t b = 0; b < m_now.brick_count(); ++b) {
     const double* values = m_now.brick(b);
     if (values == nullptr) continue;
@@ -193,14 +193,12 @@ std::vector<std::uint32_t> CoordinateRelaxation::stored_bricks() const {
   return bricks;
 }
 
-/// Steps stiff parts as one, the widest first; they are found anew as the relaxation spreads.
+/// Steps stiff parts as one, the widest first.
 double CoordinateRelaxation::sweep_stiff_clusters() {
-  if (m_now.stored_bricks() != m_stiff_bricks) {
-    m_stiff_bricks = m_now.stored_bricks();
-    m_stiff = find_stiff_clusters(m_body, m_table, m_elements, stored_bricks());
-  }
   double largest = 0;
-  for (const Clusters& level : m_stiff) largest = std::max(largest, sweep_clusters(level, 1));
+  for (const Clusters& level : m_stiff.of(stored_bricks())) {
+    largest = std::max(largest, sweep_clusters(level, 1));
+  }
   return largest;
 }
 

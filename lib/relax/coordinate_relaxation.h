@@ -9,6 +9,7 @@
 #include "lib/relax/diagonal_sweep.h"
 #include "lib/relax/movable.h"
 #include "lib/relax/relaxation.h"
+#include "lib/relax/stiff_clusters.h"
 #include "lib/relax/sweep_kernel.h"
 
 namespace supple {
@@ -69,8 +70,7 @@ class CoordinateRelaxation {
   std::vector<char> m_changed;        // per brick, in this pass
   std::vector<char> m_is_tight;       // per brick: a link was at its limit in the last sweep
   std::vector<double> m_energies;     // per brick
-  std::vector<Clusters> m_stiff;      // of the bricks that were stored when they were found
-  std::size_t m_stiff_bricks = 0;
+  StiffClusters m_stiff;
   double m_energy = 0;
   int m_passes = 0;
 };

@@ -1,6 +1,7 @@
 #include "lib/relax/stiff_clusters.h"
 
 #include <algorithm>
+#include <iterator>
 
 namespace supple {
 
@@ -14,30 +15,48 @@ Joins joined_from(const Body& body, const LinkTable& table, const Movable& eleme
   };
 }
 
+void StiffnessRange::add(double stiffness_n_m) {
+  if (stiffness_n_m == 0) return;
+  least = least == 0 ? stiffness_n_m : std::min(least, stiffness_n_m);
+  most = std::max(most, stiffness_n_m);
+}
+
 StiffnessRange stiffness_range(const Body& body, const LinkTable& table,
                                const std::vector<std::uint32_t>& bricks) {
   StiffnessRange range;
   for (const std::uint32_t b : bricks) {
     for_each_link(body.elements, body.cuts, b, [&](int axis, Slot low, Slot high) {
-      const double k = table.values(axis, body.classes[low], body.classes[high]).stiffness;
-      if (k == 0) return;
-      range.least = range.least == 0 ? k : std::min(range.least, k);
-      range.most = std::max(range.most, k);
+      range.add(table.values(axis, body.classes[low], body.classes[high]).stiffness);
     });
   }
   return range;
 }
 
-std::vector<Clusters> find_stiff_clusters(const Body& body, const LinkTable& table,
-                                          const Movable& elements,
-                                          const std::vector<std::uint32_t>& bricks) {
-  std::vector<Clusters> levels;
-  const StiffnessRange range = stiffness_range(body, table, bricks);
-  if (range.least == 0) return levels;
-  for (double k = kStiffRatio * range.least; k <= range.most; k *= kStiffRatio) {
-    levels.push_back(find_clusters(body, table, bricks, joined_from(body, table, elements, k)));
+StiffClusters::StiffClusters(const Body& body, const LinkTable& table, const Movable& elements)
+    : m_body(body), m_table(table), m_elements(elements) {}
+
+const std::vector<Clusters>& StiffClusters::of(const std::vector<std::uint32_t>& bricks) {
+  std::vector<std::uint32_t> fresh;
+  std::set_difference(bricks.begin(), bricks.end(), m_bricks.begin(), m_bricks.end(),
+                      std::back_inserter(fresh));
+  if (fresh.empty()) return m_found;
+  m_bricks = bricks;
+  const StiffnessRange of_fresh = stiffness_range(m_body, m_table, fresh);
+  const double least = m_range.least;
+  m_range.add(of_fresh.least);
+  m_range.add(of_fresh.most);
+  if (m_range.least != least) m_levels.clear();
+  for (GrowingClusters& level : m_levels) level.add(fresh);
+  const std::size_t known = m_levels.size();
+  double k = kStiffRatio * m_range.least;
+  for (std::size_t level = 0; k > 0 && k <= m_range.most; ++level, k *= kStiffRatio) {
+    if (level < known) continue;
+    m_levels.emplace_back(m_body, m_table, joined_from(m_body, m_table, m_elements, k));
+    m_levels.back().add(bricks);
   }
-  return levels;
+  m_found.clear();
+  for (GrowingClusters& level : m_levels) m_found.push_back(level.find());
+  return m_found;
 }
 
 }  // namespace supple

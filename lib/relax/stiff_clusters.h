@@ -21,14 +21,29 @@ Joins joined_from(const Body& body, const LinkTable& table, const Movable& eleme
 /// Softest and stiffest axis link of these bricks, in N/m; 0 and 0 without links.
 struct StiffnessRange {
   double least = 0, most = 0;
+  void add(double stiffness_n_m);
 };
 StiffnessRange stiffness_range(const Body& body, const LinkTable& table,
                                const std::vector<std::uint32_t>& bricks);
 
-/// One set for each factor of kStiffRatio above the softest link, the softest first; none where all
-/// links are about as stiff.
-std::vector<Clusters> find_stiff_clusters(const Body& body, const LinkTable& table,
-                                          const Movable& elements,
-                                          const std::vector<std::uint32_t>& bricks);
+/// Of a part of a body that becomes larger and larger, as a relaxation spreads.
+class StiffClusters {
+ public:
+  /// All must outlive this.
+  StiffClusters(const Body& body, const LinkTable& table, const Movable& elements);
+
+  /// `bricks`: ascending, those of the last time among them. One set for each factor of kStiffRatio
+  /// above the softest link, the softest first; none where all links are about as stiff.
+  const std::vector<Clusters>& of(const std::vector<std::uint32_t>& bricks);
+
+ private:
+  const Body& m_body;
+  const LinkTable& m_table;
+  const Movable& m_elements;
+  std::vector<std::uint32_t> m_bricks;
+  StiffnessRange m_range;
+  std::vector<GrowingClusters> m_levels;
+  std::vector<Clusters> m_found;
+};
 
 }  // namespace supple

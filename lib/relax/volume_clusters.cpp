@@ -60,7 +60,7 @@ void VolumeClusters::find_cells_of_clusters(const CellModuli& moduli) {
       numbers.set(rigid.members[n], std::int32_t(c + 1));
     }
   }
-  std::vector<std::pair<std::uint32_t, PartCell>> found;
+  ClusteredItems<PartCell> found;
   for (std::size_t b = 0; b < bricks; ++b) {
     const BricksAround around = bricks_around(m_body.elements, b);
     const bool has_members = std::any_of(around.begin(), around.end(), [&](std::int32_t other) {
@@ -89,7 +89,7 @@ void VolumeClusters::find_cells_of_clusters(const CellModuli& moduli) {
       }
     });
   }
-  group_by_cluster(found, rigid.count(), m_cells, m_first_cell);
+  group_by_cluster<PartCell>({std::move(found)}, rigid.count(), m_cells, m_first_cell);
 }
 
 bool VolumeClusters::is_due(std::size_t cluster, const std::vector<char>& due) const {

@@ -28,8 +28,8 @@ double catenary_parameter(double length, double distance) {
 }
 
 /// A random symmetric matrix, positive definite by its diagonal.
-struct BlockMatrix {
-  BlockMatrix(int rows, std::mt19937& random) : diagonal(rows, {9, 9, 9, 1, 2, -1}) {
+struct RandomBlocks {
+  RandomBlocks(int rows, std::mt19937& random) : diagonal(rows, {9, 9, 9, 1, 2, -1}) {
     for (int a = 0; a < rows; ++a) {
       for (int b = a + 1; b < std::min(rows, a + 25); ++b) {
         if (random() % 4 != 0) continue;
@@ -87,7 +87,7 @@ TEST(UnitBlockLdlt, ItsSolutionSatisfiesTheEquations) {
   std::mt19937 random(2);
   for (int run = 0; run < 30; ++run) {
     const int rows = 1 + int(random() % 25);
-    BlockMatrix matrix(rows, random);
+    RandomBlocks matrix(rows, random);
     BlockLdlt factors(rows, matrix.couplings);
     ASSERT_TRUE(factors.factorise(matrix.diagonal, matrix.coupling));
     const std::vector<Vec3d> right = random_vectors(rows, random);
@@ -103,7 +103,7 @@ TEST(UnitBlockLdlt, ItsSolutionSatisfiesTheEquations) {
 TEST(UnitBlockGradients, ItsSolutionIsAsNearAsAskedForWithAnyNumberOfThreads) {
   std::mt19937 random(3);
   for (const int rows : {1, 25, 20000}) {
-    BlockMatrix matrix(rows, random);
+    RandomBlocks matrix(rows, random);
     BlockGradients gradients(rows, matrix.couplings);
     ASSERT_TRUE(gradients.prepare(matrix.diagonal, matrix.coupling));
     const std::vector<Vec3d> right = random_vectors(rows, random);

@@ -21,7 +21,6 @@
 #include "tools/tradeoff/run_phases.h"
 #include "tools/tradeoff/shipped_choices.h"
 #include "volumes/base/regular_file.h"
-#include "volumes/io/open_volume.h"
 #include "volumes/state/state.h"
 
 namespace supple::tools {
@@ -50,8 +49,9 @@ double way_mm(const Scene& scene, const Geometry& geometry) {
   return longest;
 }
 
-/// Of the user's table; without one those that are shipped, for this size of volume and this way.
-std::vector<MethodChoice> known_choices(const RunSceneOptions& options, const Scene& scene) {
+/// Of the user's table; without one those that are shipped, for this scene and this machine.
+std::vector<MethodChoice> known_choices(const RunSceneOptions& options, const Scene& scene,
+                                        Console& console) {
   if (!options.table.empty()) {
     require_regular_file(options.table);
     if (!std::ifstream(options.table)) throw_open_error(options.table, errno);
@@ -61,28 +61,31 @@ std::vector<MethodChoice> known_choices(const RunSceneOptions& options, const Sc
   }
   const auto refuse = [&](const std::string& found) {
     throw InputError({scene.file, options.budget.empty() ? "--error" : "--budget", found,
-                      "--table beside it, or a volume and handles that go some way"});
+                      "--table beside it, or handles that go some way"});
   };
-  if (is_state_file(scene.volume_path)) refuse("a state");
-  const Geometry geometry = open_volume(scene.volume_path, scene.read)->header().geometry;
-  const double way = way_mm(scene, geometry);
+  const SceneRun opened(scene, options.folder, false, console);
+  const double way = opened.session() ? way_mm(scene, opened.session()->geometry()) : 0;
   if (way == 0) refuse("no handle that is shifted");
-  return shipped_choices(geometry.voxel_count(), way);
+  return shipped_choices(way, [&](const std::string& method) {
+    Scene solved = scene;
+    solve_by(solved, parse_method(method));
+    return planned_solve_s(solved, opened);
+  });
 }
 
 /// A method from a table; none where neither a time nor an error is given.
-std::optional<MethodChoice> choose_method(const RunSceneOptions& options, const Scene& scene) {
+std::optional<MethodChoice> choose_method(const RunSceneOptions& options, const Scene& scene,
+                                          Console& console) {
   if (options.budget.empty() && options.error.empty()) {
     if (options.table.empty()) return std::nullopt;
     throw InputError(
         {options.table, "--table", "neither a time nor an error", "--budget or --error beside it"});
   }
-  const std::vector<MethodChoice> choices = known_choices(options, scene);
+  const std::vector<MethodChoice> choices = known_choices(options, scene, console);
   const std::string& table = options.table.empty() ? scene.file : options.table;
   const std::string which =
-      options.table.empty()
-          ? " in the shipped table; supple tradeoff makes one of yours, for --table"
-          : "";
+      options.table.empty() ? " by its plan; supple tradeoff makes a table of yours, for --table"
+                            : "";
   if (!options.budget.empty()) {
     const auto choice = most_exact_within(choices, seconds_of(options.budget, "budget"));
     if (choice) return choice;
@@ -174,9 +177,9 @@ OutputPlan files_of(const Scene& scene, const RunSceneOptions& options,
 
 int run_scene(const RunSceneOptions& options, const GlobalOptions& given, Console& console) {
   Scene scene = read_scene(options.scene);
-  const std::optional<MethodChoice> choice = choose_method(options, scene);
+  const std::optional<MethodChoice> choice = choose_method(options, scene, console);
   if (choice) {
-    const char* const from = options.table.empty() ? " from the shipped table" : "";
+    const char* const from = options.table.empty() ? " by plans of the scene" : "";
     console.note("chose " + choice->method + from + ": expected are " +
                  number_text(choice->solve_s) + " s to solve and an error of " +
                  number_text(choice->error_mm) + " mm (p95)");
@@ -228,7 +231,7 @@ Command add_run(CLI::App& program) {
       ->option_text("A:B");
   app->add_option("--table", options->table,
                   "Measured by supple tradeoff, for --budget and --error to choose from (default: "
-                  "what is shipped)")
+                  "plans of the scene, and errors that are shipped)")
       ->option_text("DIR/runs.csv");
   CLI::Option* budget =
       app->add_option("--budget", options->budget,

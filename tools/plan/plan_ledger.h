@@ -31,8 +31,9 @@ std::string bricks_text(double count);
 /// "12.3 million elements".
 std::string count_text(double count, const std::string& what);
 
-/// The rows of a step, and what it moves.
-MovedBricks plan_step(const SceneStep& step, int number, const Session& session, const State& state,
-                      const MovedBricks& before, const UnitCosts& costs, PlanLedger& ledger);
+/// The rows of a step, and what it moves. `links`: per element, of the scene's material.
+MovedBricks plan_step(const SceneStep& step, int number, int links, const Session& session,
+                      const State& state, const MovedBricks& before, const UnitCosts& costs,
+                      PlanLedger& ledger);
 
 }  // namespace supple::tools

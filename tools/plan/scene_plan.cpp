@@ -127,8 +127,12 @@ void ScenePlanner::plan_subject() {
 
 void ScenePlanner::plan_steps() {
   if (m_subject.session == nullptr) return;
+  // A method may have chosen other links since the session was opened.
+  int links = m_scene.material ? m_scene.material->links : m_subject.session->material().links;
   for (std::size_t n = 0; n < m_scene.steps.size(); ++n) {
-    m_moved = plan_step(m_scene.steps[n], int(n) + 1, *m_subject.session, m_subject.state, m_moved,
+    const SceneStep& step = m_scene.steps[n];
+    if (step.material) links = step.material->links;
+    m_moved = plan_step(step, int(n) + 1, links, *m_subject.session, m_subject.state, m_moved,
                         m_costs, m_ledger);
   }
   const double still = element_bricks() - double(m_moved.count());

@@ -114,9 +114,10 @@ double contrast_of(const MaterialTable& material) {
 /// One step while its rows are made.
 class StepPlan {
  public:
-  StepPlan(const SceneStep& step, int number, const Session& session, const State& state,
+  StepPlan(const SceneStep& step, int number, int links, const Session& session, const State& state,
            const UnitCosts& costs, PlanLedger& ledger)
       : m_stage("step " + std::to_string(number)),
+        m_links(links),
         m_session(session),
         m_state(state),
         m_costs(costs),
@@ -141,6 +142,7 @@ class StepPlan {
   void finite_elements();
 
   std::string m_stage;
+  int m_links;
   const Session& m_session;
   const State& m_state;
   const UnitCosts& m_costs;
@@ -263,8 +265,7 @@ void StepPlan::relax(MovedBricks& moved) {
     if (ring >= 1 + passes / passes_of_ring) break;
   }
   const bool is_plastic = m_session.material().yield_strain.has_value();
-  const int links = m_session.material().links;
-  const double work = links == 26 ? 4 : links == 18 ? 2.5 : 1;  // of those of 6
+  const double work = m_links == 26 ? 4 : m_links == 18 ? 2.5 : 1;  // of those of 6
   const double ns = kBeyondCaches * (conserves ? count / 3 * m_costs.volume_element
                                                : count * m_costs.relax_element * work);
   const double bytes = bricks * kBrickVoxels * (conserves ? kVolumeBytes : kRelaxBytes);
@@ -344,9 +345,10 @@ MovedBricks StepPlan::plan(const MovedBricks& before) {
 
 }  // namespace
 
-MovedBricks plan_step(const SceneStep& step, int number, const Session& session, const State& state,
-                      const MovedBricks& before, const UnitCosts& costs, PlanLedger& ledger) {
-  return StepPlan(step, number, session, state, costs, ledger).plan(before);
+MovedBricks plan_step(const SceneStep& step, int number, int links, const Session& session,
+                      const State& state, const MovedBricks& before, const UnitCosts& costs,
+                      PlanLedger& ledger) {
+  return StepPlan(step, number, links, session, state, costs, ledger).plan(before);
 }
 
 }  // namespace supple::tools

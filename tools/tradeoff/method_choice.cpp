@@ -28,9 +28,13 @@ std::vector<MethodChoice> choices_of(const std::vector<TradeRow>& rows) {
   for (const auto& [name, choice] : by_name) {
     if (scenes_of[name] == scenes) choices.push_back(choice);
   }
+  sort_by_time(choices);
+  return choices;
+}
+
+void sort_by_time(std::vector<MethodChoice>& choices) {
   std::stable_sort(choices.begin(), choices.end(),
                    [](const auto& a, const auto& b) { return a.solve_s < b.solve_s; });
-  return choices;
 }
 
 std::optional<MethodChoice> most_exact_within(const std::vector<MethodChoice>& choices,

@@ -18,6 +18,9 @@ struct MethodChoice {
 /// Neither drawings nor held-out loads count.
 std::vector<MethodChoice> choices_of(const std::vector<TradeRow>& rows);
 
+/// Ascending; of equal ones the order stays.
+void sort_by_time(std::vector<MethodChoice>& choices);
+
 /// None where the fastest takes longer; of equal errors the faster.
 std::optional<MethodChoice> most_exact_within(const std::vector<MethodChoice>& choices,
                                               double solve_s);
