@@ -62,7 +62,7 @@ Found flooded(const Body& body, const LinkTable& table, const std::set<std::uint
         }
       });
     }
-    all.push_back({{members.begin(), members.end()}, std::move(links)});
+    all.push_back({{members.begin(), members.end()}, links});
   }
   return all;
 }

@@ -73,6 +73,7 @@ void SceneRun::take_state(int step) {
 /// them.
 const Displacement& SceneRun::displacement(int step) {
   if (m_displaced_step != step) {
+    m_console.stage(kDisplacementStage);
     take_state(step);
     m_deformed.displacement = extended_displacement_of(m_state);
     warn_of_lost_sight(m_state, m_deformed.displacement, m_console);

@@ -24,6 +24,9 @@ namespace supple::tools {
 /// file. Throws UsageError or InputError.
 OutputPlan check_scene(const Scene& scene, const std::string& folder, const GlobalOptions& global);
 
+/// What elements moved by, carried into the air around them.
+constexpr const char* kDisplacementStage = "displacement";
+
 /// Whether the steps and paths fit the volume. Throws InputError.
 void check_places(const Scene& scene, const Geometry& geometry);
 

@@ -16,8 +16,13 @@ namespace {
 
 constexpr double kFractionBytes = 2, kFlowBytes = 4;   // kept, the second where tissue flows
 constexpr double kRelaxBytes = 18, kVolumeBytes = 25;  // per element that moves (docs/models)
-// Of bodies that no cache holds, in that of the small one of a calibration.
-constexpr double kBeyondCaches = 1.6;
+// Of bodies that no cache holds, in that of the small one of a calibration: of relaxation, where
+// cells keep their volume, and of finite elements.
+constexpr double kBeyondCaches = 1.6, kVolumeBeyondCaches = 2.6, kFemBeyondCaches = 2;
+constexpr double kRelaxStartNs = 80;  // per element of the body
+/// Of making an element of the body, the check of its 6 links after a drag; how many times as long
+/// that takes where links are cut.
+constexpr double kCheckPart = 0.6, kCutCheck = 10;
 // Passes that take a relaxation one brick further; a budget ends it while it still spreads.
 constexpr double kPassesOfRing = 4, kPassesOfRingInBudget = 6;
 /// A joint is parted on both sides, and its bricks fall into more pieces than those of a cut: of
@@ -25,7 +30,7 @@ constexpr double kPassesOfRing = 4, kPassesOfRingInBudget = 6;
 constexpr double kJointSides = 2, kJointPart = 0.25;
 /// Voxels from a cut link in which bricks are split (cut_inversion.cpp).
 constexpr int kSplitRings = 3;
-constexpr double kPieceNs = 400;  // to find rigid pieces, per element
+constexpr double kPieceNs = 700;  // to find rigid pieces, per element
 /// Per element: of the springs with their cells, and of their matrix beside them; of both in one
 /// slice.
 constexpr double kSpringBytes = 670, kSpringMatrixBytes = 410, kSpringBytesInSlice = 456;
@@ -40,14 +45,14 @@ constexpr double kModeBytes = 16;         // more, of every mode
 constexpr double kLanczosBytes = 8;       // more, of every vector that modes are found from
 constexpr double kMotionBytes = 200;      // more, with mass, damping and what moves
 constexpr double kNodesOfElement = 1.12;  // of a head; of one slice twice as many
-/// Of an equilibrium: of one tissue, and beside others that are ten times as stiff or more.
-constexpr double kEvenIterations = 20, kLinearIterations = 40;
-/// Of larger elements, in iterations of the voxels.
-constexpr double kCoarseSetup = 8;
-constexpr double kLargeContrast = 10;
-constexpr double kNewtonSystems = 8;
+/// Of an equilibrium, for every decade of the residual: usually, and beside rigid pieces or tissue
+/// that many times as stiff.
+constexpr double kIterations = 5, kHardIterations = 13, kLargeContrast = 1000;
+/// Of elements that are twice as large, in those of voxels.
+constexpr double kCoarsePart = 0.25;
+constexpr double kNewtonSystems = 5;
 /// Of the iterations of an equilibrium, those of a step of time; equilibria of a mode.
-constexpr double kMotionPart = 0.25, kModeSystems = 1.7;
+constexpr double kMotionPart = 0.13, kModeSystems = 1.1;
 
 std::string axis_name(int coordinate) {
   return std::string(1, "ijk"[coordinate]);
@@ -139,6 +144,7 @@ class StepPlan {
   MovedBricks drag(const MovedBricks& before);
   void relax(MovedBricks& moved);
   void springs();
+  double fixed() const;
   void finite_elements();
 
   std::string m_stage;
@@ -183,6 +189,11 @@ MovedBricks StepPlan::drag(const MovedBricks& before) {
             count_text(count, "elements"),
         "Enhanced ChainMail: a handle moves along it", std::max(0.0, bricks - known) * kBrickBytes4,
         bricks * kBrickBytes4, count * m_costs.ecm_element);
+  }
+  if (!grips.empty()) {
+    const bool is_cut = !m_request.cuts.empty() || !m_session.cuts().empty();
+    add(count_text(elements() * m_links / 2, "links"), "are checked after a drag", 0, 0,
+        elements() * m_links / 6 * kCheckPart * (is_cut ? kCutCheck : 1) * m_costs.body_element);
   }
   return moved;
 }
@@ -266,13 +277,13 @@ void StepPlan::relax(MovedBricks& moved) {
   }
   const bool is_plastic = m_session.material().yield_strain.has_value();
   const double work = m_links == 26 ? 4 : m_links == 18 ? 2.5 : 1;  // of those of 6
-  const double ns = kBeyondCaches * (conserves ? count / 3 * m_costs.volume_element
-                                               : count * m_costs.relax_element * work);
+  const double ns = conserves ? kVolumeBeyondCaches * count / 3 * m_costs.volume_element
+                              : kBeyondCaches * count * m_costs.relax_element * work;
   const double bytes = bricks * kBrickVoxels * (conserves ? kVolumeBytes : kRelaxBytes);
   add("stiffness and up to " + count_text(passes, "passes"),
       m_request.relax ? "the step asks for relaxation" : "the material relaxes what is dragged",
       bricks * kBrickVoxels * (is_plastic ? kFractionBytes + kFlowBytes : kFractionBytes), bytes,
-      ns * passes);
+      ns * passes + elements() * kRelaxStartNs);
 }
 
 void StepPlan::springs() {
@@ -294,21 +305,32 @@ void StepPlan::springs() {
       count * (kSpringStart + steps * work) * m_costs.spring);
 }
 
+/// Elements of the fixed boxes.
+double StepPlan::fixed() const {
+  double count = 0;
+  for (const IndexBox& box : m_request.fix) {
+    count += double(elements_of(m_session.body(), Region(box), "fix").size());
+  }
+  return count;
+}
+
 void StepPlan::finite_elements() {
   const bool is_slice = m_session.geometry().dims().z == 1;
   const double parts = std::pow(8, m_request.fem->halvings);
-  const double unknowns = 3 * elements() * parts * (is_slice ? 2.1 : kNodesOfElement);
-  const bool is_finite = m_request.fem->params.strain == StrainTheory::finite;
+  const double all = 3 * elements() * parts * (is_slice ? 2.1 : kNodesOfElement);
+  const double unknowns = all * std::max(0.0, 1 - fixed() / elements());
+  const FemParams& params = m_request.fem->params;
+  const bool is_finite = params.strain == StrainTheory::finite;
   const std::optional<MotionStep>& motion = m_request.fem->motion;
   const double systems = m_request.fem->modes ? m_request.fem->modes->count * kModeSystems
                          : is_finite          ? kNewtonSystems
                          : motion             ? motion->steps() * kMotionPart
                                               : 1;
-  const bool is_even = contrast_of(m_session.material()) < kLargeContrast;
-  double iterations = systems * (is_even ? kEvenIterations : kLinearIterations);
-  if (const int doublings = m_request.fem->params.doublings; doublings > 0) {
-    iterations = kCoarseSetup + iterations / std::pow(8, doublings);
-  }
+  const bool is_hard =
+      !m_request.rigid.empty() || contrast_of(m_session.material()) >= kLargeContrast;
+  const double decades = std::max(1.0, -std::log10(params.tolerance));
+  const double iterations = systems * decades * (is_hard ? kHardIterations : kIterations) *
+                            std::pow(kCoarsePart, params.doublings);
   double more = 0;
   if (const std::optional<ModeStep>& modes = m_request.fem->modes) {
     more = kModeBytes * modes->count + kLanczosBytes * std::max(20, 2 * modes->count + 1);
@@ -318,8 +340,8 @@ void StepPlan::finite_elements() {
     more = kFiniteBytes;
   }
   add(count_text(unknowns, "unknowns") + ", some " + count_text(iterations, "iterations"),
-      "the step moves the body by finite elements", 0, unknowns * (kFemBytes + more),
-      unknowns * iterations * m_costs.fem_unknown);
+      "the step moves the body by finite elements", 0, all * (kFemBytes + more),
+      fem_work(unknowns, iterations) * kFemBeyondCaches * m_costs.fem_unknown);
 }
 
 MovedBricks StepPlan::plan(const MovedBricks& before) {

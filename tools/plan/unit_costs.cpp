@@ -22,7 +22,8 @@ Fields fields(UnitCosts& costs) {
       cost("relax_element", costs.relax_element, "An element, per pass and coordinate"),
       cost("volume_element", costs.volume_element, "The same where cells keep their volume"),
       cost("spring", costs.spring, "A spring, per step of the first two to a minimum"),
-      cost("fem_unknown", costs.fem_unknown, "An unknown of finite elements, per iteration"),
+      cost("fem_unknown", costs.fem_unknown,
+           "An unknown of finite elements, per iteration in a large body"),
       cost("displacement_voxel", costs.displacement_voxel, "A voxel of bricks that move"),
       cost("invert_voxel", costs.invert_voxel, "A voxel of bricks that move, inverted"),
       cost("source_brick", costs.source_brick, "A brick of the volume as pictures read it"),
@@ -34,6 +35,11 @@ Fields fields(UnitCosts& costs) {
       cost("state_vector_brick", costs.state_vector_brick, "The same with offsets"),
       Field("measured", costs.measured, "When, and by which program"),
   };
+}
+
+double fem_work(double unknowns, double iterations) {
+  constexpr double kSetup = 5, kSmallest = 18000;
+  return (unknowns + kSmallest) * (iterations + kSetup);
 }
 
 std::string calibration_file() {

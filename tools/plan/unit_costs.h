@@ -13,12 +13,12 @@ namespace supple::tools {
 /// AVX-512), as docs/benchmarks.md has them.
 struct UnitCosts {
   double read_voxel = 6;              // of the file's box: read, compared, put into bricks
-  double body_element = 40;           // its class, and the check of its links
+  double body_element = 25;           // its class, and the check of its links
   double ecm_element = 20;            // moved, per coordinate
-  double relax_element = 16;          // per pass and coordinate
-  double volume_element = 90;         // per pass, where cells keep their volume
+  double relax_element = 9;           // per pass and coordinate
+  double volume_element = 45;         // per pass, where cells keep their volume
   double spring = 750;                // per step, of the first two to a minimum
-  double fem_unknown = 190;           // per iteration
+  double fem_unknown = 60;            // per unit of fem_work
   double displacement_voxel = 12;     // of the bricks that move, extension included
   double invert_voxel = 55;           // of the bricks that move, certificate included
   double source_brick = 250;          // sampling bricks of a picture
@@ -32,6 +32,10 @@ struct UnitCosts {
   std::string measured;  // when and where; empty: as shipped
 };
 Fields fields(UnitCosts& costs);
+
+/// Of an equilibrium: setting up the levels is as much as some iterations, and every iteration
+/// takes a little in bodies of any size.
+double fem_work(double unknowns, double iterations);
 
 /// $XDG_CACHE_HOME/supple/calibration.toml, or that below ~/.cache; empty where neither is known.
 std::string calibration_file();

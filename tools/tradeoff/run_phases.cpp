@@ -1,5 +1,7 @@
 #include "tools/tradeoff/run_phases.h"
 
+#include "tools/outputs/scene_run.h"
+
 namespace supple::tools {
 
 namespace {
@@ -16,7 +18,7 @@ RunPhases phases_of(const std::vector<std::pair<std::string, double>>& stages) {
     if (begins_with(name, "reading") || name == "building the body" || name == "labels" ||
         begins_with(name, "starting ")) {
       phases.prepare_s += seconds;
-    } else if (name == "inverting" || name == "sampling paths") {
+    } else if (name == kDisplacementStage || name == "inverting" || name == "sampling paths") {
       phases.invert_s += seconds;
     } else if (name == "rendering") {
       phases.render_s += seconds;

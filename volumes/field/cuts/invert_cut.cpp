@@ -68,6 +68,7 @@ bool has_same_bricks(const BrickTopology& a, const BrickTopology& b) {
 OffsetField invert_cut(const Displacement& displacement, const CutElements& body,
                        const InvertParams& params, Progress* progress) {
   if (body.cuts.empty()) return invert(displacement, params, progress);
+  if (progress != nullptr) progress->stage("inverting");
   const auto invert_whole = [&](const Displacement& whole) {
     return invert(whole, params, progress);
   };
