@@ -28,8 +28,8 @@ class SlotForest {
     b = shortened(b);
     set_root(std::max(a, b), std::min(a, b));
   }
-  /// Of a slot, itself or another one of its set; it is joined from now on. Threads may do so together in bricks with joined slots, while none
-  /// asks for roots.
+  /// Of a slot, itself or another one of its set; it is joined from now on. Threads may do so
+  /// together in bricks with joined slots, while none asks for roots.
   void set_root(Slot slot, Slot root) {
     m_parent.touch(slot / kBrickVoxels)[slot % kBrickVoxels] = std::int32_t(root + 1);
   }
