@@ -126,6 +126,11 @@ Clusters GrowingClusters::find() {
   return clusters;
 }
 
+std::size_t GrowingClusters::bytes() const {
+  return m_forest.bytes() + m_outer.capacity() * sizeof(BrickMask) +
+         m_bricks.capacity() * sizeof(std::uint32_t);
+}
+
 Clusters find_clusters(const Body& body, const LinkTable& table,
                        const std::vector<std::uint32_t>& bricks, const Joins& joins) {
   GrowingClusters growing(body, table, joins);

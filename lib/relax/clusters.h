@@ -42,6 +42,7 @@ using Joins = std::function<bool(int kind, Slot low, Slot high)>;
 /// elements in the midst of a cluster are left alone.
 class GrowingClusters {
  public:
+  /// Body, table and what `joins` refers to must outlive this.
   GrowingClusters(const Body& body, const LinkTable& table, Joins joins);
 
   /// With the links of these bricks (ascending, each given once).
@@ -49,6 +50,7 @@ class GrowingClusters {
   /// Those of at least two elements that joined links make, links of the kinds that the table
   /// knows; numbered by their smallest slots, so that nothing depends on the order of the links.
   Clusters find();
+  std::size_t bytes() const;
 
  private:
   using LinksOut = std::vector<std::pair<std::uint32_t, Clusters::Boundary>>;  // with clusters

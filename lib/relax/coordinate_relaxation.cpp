@@ -282,7 +282,7 @@ void CoordinateRelaxation::store(Body& body) const {
 }
 
 std::size_t CoordinateRelaxation::bytes() const {
-  return m_now.bytes() + m_next.bytes() + m_table.bytes() + m_elements.bytes() +
+  return m_now.bytes() + m_next.bytes() + m_table.bytes() + m_elements.bytes() + m_stiff.bytes() +
          m_work.capacity() * sizeof(m_work[0]) + m_changed.capacity() + m_is_tight.capacity() +
          m_energies.capacity() * sizeof(double);
 }

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
 
 #include "lib/body/lattice.h"
 #include "volumes/grid/brick_values.h"
@@ -33,6 +35,8 @@ class SlotForest {
   void set_root(Slot slot, Slot root) {
     m_parent.touch(slot / kBrickVoxels)[slot % kBrickVoxels] = std::int32_t(root + 1);
   }
+
+  std::size_t bytes() const { return m_parent.bytes(); }
 
  private:
   // One more than the parent, so that 0 stands for none.

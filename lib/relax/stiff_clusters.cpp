@@ -59,4 +59,11 @@ const std::vector<Clusters>& StiffClusters::of(const std::vector<std::uint32_t>&
   return m_found;
 }
 
+std::size_t StiffClusters::bytes() const {
+  std::size_t total = m_bricks.capacity() * sizeof(std::uint32_t);
+  for (const GrowingClusters& level : m_levels) total += level.bytes();
+  for (const Clusters& level : m_found) total += level.bytes();
+  return total;
+}
+
 }  // namespace supple

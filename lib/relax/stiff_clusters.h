@@ -35,6 +35,7 @@ class StiffClusters {
   /// `bricks`: ascending, those of the last time among them. One set for each factor of kStiffRatio
   /// above the softest link, the softest first; none where all links are about as stiff.
   const std::vector<Clusters>& of(const std::vector<std::uint32_t>& bricks);
+  std::size_t bytes() const;
 
  private:
   const Body& m_body;

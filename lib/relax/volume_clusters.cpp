@@ -60,7 +60,7 @@ void VolumeClusters::find_cells_of_clusters(const CellModuli& moduli) {
       numbers.set(rigid.members[n], std::int32_t(c + 1));
     }
   }
-  ClusteredItems<PartCell> found;
+  std::vector<ClusteredItems<PartCell>> found(1);
   for (std::size_t b = 0; b < bricks; ++b) {
     const BricksAround around = bricks_around(m_body.elements, b);
     const bool has_members = std::any_of(around.begin(), around.end(), [&](std::int32_t other) {
@@ -85,11 +85,11 @@ void VolumeClusters::find_cells_of_clusters(const CellModuli& moduli) {
         for (std::size_t m = n; m < 8; ++m) members |= unsigned(number[m] == number[n]) << m;
         if (members == 0xff) continue;
         cell.members = std::uint8_t(members);
-        found.push_back({std::uint32_t(number[n] - 1), cell});
+        found.front().push_back({std::uint32_t(number[n] - 1), cell});
       }
     });
   }
-  group_by_cluster<PartCell>({std::move(found)}, rigid.count(), m_cells, m_first_cell);
+  group_by_cluster(std::move(found), rigid.count(), m_cells, m_first_cell);
 }
 
 bool VolumeClusters::is_due(std::size_t cluster, const std::vector<char>& due) const {

@@ -1,9 +1,12 @@
 // Elements that step together, against a search by definition.
 #include <algorithm>
+#include <array>
 #include <map>
 #include <queue>
+#include <random>
 #include <set>
 #include <tuple>
+#include <vector>
 
 #include <gtest/gtest.h>
 

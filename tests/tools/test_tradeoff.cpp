@@ -287,17 +287,11 @@ TEST_F(UnitTradeoff, ARunChoosesFromTheTableAndSaysWhat) {
 }
 
 TEST_F(UnitTradeoff, WithoutATableARunChoosesFromWhatIsShipped) {
-  const auto time_of = [](const std::string& method) { return method == "fem:0.1" ? 0.5 : 1.5; };
-  const std::vector<MethodChoice> near = shipped_choices(2, time_of);
-  const std::vector<MethodChoice> far = shipped_choices(10, time_of);
-  ASSERT_GE(near.size(), 5u);
-  ASSERT_EQ(near.size(), far.size());
-  for (std::size_t n = 0; n < near.size(); ++n) {
-    EXPECT_NO_THROW(parse_method(near[n].method));
-    EXPECT_EQ(near[n].solve_s, time_of(near[n].method));
-    EXPECT_DOUBLE_EQ(far[n].error_mm, 5 * near[n].error_mm);
+  ASSERT_GE(shipped_methods().size(), 5u);
+  for (const std::string& method : shipped_methods()) {
+    EXPECT_NO_THROW(parse_method(method));
+    EXPECT_DOUBLE_EQ(shipped_error_mm(method, 10), 5 * shipped_error_mm(method, 2));
   }
-  EXPECT_EQ(near.front().method, "fem:0.1");
   const auto run = [&](const std::vector<std::string>& more) {
     std::vector<std::string> arguments = {
         "run", m_folder / "scene.toml", "-o", m_folder / "c", "--json", "--force"};
@@ -317,6 +311,33 @@ TEST_F(UnitTradeoff, WithoutATableARunChoosesFromWhatIsShipped) {
       run_supple({"run", m_folder / "still.toml", "--budget", "1s", "-o", m_folder / "c"});
   EXPECT_EQ(still.exit_code, 3);
   EXPECT_NE(still.err.find("no handle that is shifted"), std::string::npos) << still.err;
+}
+
+TEST_F(UnitTradeoff, PlansChooseAmongTheMethodsThatTakeTheScene) {
+  ASSERT_EQ(run_supple({"run", m_folder / "scene.toml", "-o", m_folder / "c", "--force", "--state",
+                        "ball.vdb"})
+                .exit_code,
+            0);
+  write_text(m_folder / "on.toml",
+             "[volume]
+path = "c/ball.vdb"
+[[step]]
+release = true
+grab = [12, 12, 12]
+"
+             "by = [1, 0, 0]
+");
+  const auto run_on = [&](const std::string& budget) {
+    return run_supple({"run", m_folder / "on.toml", "--budget", budget, "-o", m_folder / "d"});
+  };
+  const Outcome of_state = run_on("10min");
+  EXPECT_EQ(of_state.exit_code, 0) << of_state.err;
+  EXPECT_NE(of_state.err.find("chose fem:0.01 by plans"), std::string::npos) << of_state.err;
+  const Outcome brief = run_on("0.001ms");
+  EXPECT_EQ(brief.exit_code, 3);
+  EXPECT_NE(brief.err.find("that of fem:0.1 by its plan"), std::string::npos) << brief.err;
+  const Outcome wrong = run_on("soon");
+  EXPECT_NE(wrong.err.find("a time such as 100ms"), std::string::npos) << wrong.err;
 }
 
 TEST_F(UnitTradeoff, WhatCannotBeComparedIsSaidInOneLine) {

@@ -1,14 +1,12 @@
 // supple run: everything that a scene file asks for.
 #include <algorithm>
-#include <cerrno>
 #include <cstdio>
-#include <fstream>
 
 #include <nlohmann/json.hpp>
 
+#include "tools/console/cancel_only.h"
 #include "tools/console/command.h"
 #include "tools/console/own_process.h"
-#include "tools/console/text_file.h"
 #include "tools/outputs/film_record.h"
 #include "tools/outputs/reports.h"
 #include "tools/outputs/scene_run.h"
@@ -17,10 +15,8 @@
 #include "tools/scene/draw_method.h"
 #include "tools/scene/run_step.h"
 #include "tools/scene/step_method.h"
-#include "tools/tradeoff/method_choice.h"
+#include "tools/tradeoff/chosen_method.h"
 #include "tools/tradeoff/run_phases.h"
-#include "tools/tradeoff/shipped_choices.h"
-#include "volumes/base/regular_file.h"
 #include "volumes/state/state.h"
 
 namespace supple::tools {
@@ -35,72 +31,8 @@ struct RunSceneOptions {
   bool resume = false;
   std::string frames;
   std::string method, drawing, state;
-  std::string budget, error, table;
+  MethodWanted wanted;
 };
-
-/// The longest way of a handle.
-double way_mm(const Scene& scene, const Geometry& geometry) {
-  double longest = 0;
-  for (const SceneStep& step : scene.steps) {
-    for (const Drag& drag : request_of(step, geometry).drags) {
-      longest = std::max(longest, drag.by_mm.length());
-    }
-  }
-  return longest;
-}
-
-/// Of the user's table; without one those that are shipped, for this scene and this machine.
-std::vector<MethodChoice> known_choices(const RunSceneOptions& options, const Scene& scene,
-                                        Console& console) {
-  if (!options.table.empty()) {
-    require_regular_file(options.table);
-    if (!std::ifstream(options.table)) throw_open_error(options.table, errno);
-    const auto choices = choices_of(rows_from_csv(text_of_file(options.table), options.table));
-    if (choices.empty()) throw InputError({options.table, "", "no method", "rows that are ok"});
-    return choices;
-  }
-  const auto refuse = [&](const std::string& found) {
-    throw InputError({scene.file, options.budget.empty() ? "--error" : "--budget", found,
-                      "--table beside it, or handles that go some way"});
-  };
-  const SceneRun opened(scene, options.folder, false, console);
-  const double way = opened.session() ? way_mm(scene, opened.session()->geometry()) : 0;
-  if (way == 0) refuse("no handle that is shifted");
-  return shipped_choices(way, [&](const std::string& method) {
-    Scene solved = scene;
-    solve_by(solved, parse_method(method));
-    return planned_solve_s(solved, opened);
-  });
-}
-
-/// A method from a table; none where neither a time nor an error is given.
-std::optional<MethodChoice> choose_method(const RunSceneOptions& options, const Scene& scene,
-                                          Console& console) {
-  if (options.budget.empty() && options.error.empty()) {
-    if (options.table.empty()) return std::nullopt;
-    throw InputError(
-        {options.table, "--table", "neither a time nor an error", "--budget or --error beside it"});
-  }
-  const std::vector<MethodChoice> choices = known_choices(options, scene, console);
-  const std::string& table = options.table.empty() ? scene.file : options.table;
-  const std::string which =
-      options.table.empty() ? " by its plan; supple tradeoff makes a table of yours, for --table"
-                            : "";
-  if (!options.budget.empty()) {
-    const auto choice = most_exact_within(choices, seconds_of(options.budget, "budget"));
-    if (choice) return choice;
-    const MethodChoice& fastest = choices.front();
-    throw InputError(
-        {table, "--budget", options.budget,
-         "at least " + number_text(fastest.solve_s) + "s, that of " + fastest.method + which});
-  }
-  const auto choice = fastest_to(choices, millimetres_of(options.error, "error"));
-  if (choice) return choice;
-  const auto best = most_exact_within(choices, choices.back().solve_s);
-  throw InputError(
-      {table, "--error", options.error,
-       "at least " + number_text(best->error_mm) + "mm, that of " + best->method + which});
-}
 
 nlohmann::ordered_json choice_json(const MethodChoice& choice, double solve_s) {
   return {{"method", choice.method},
@@ -177,14 +109,6 @@ OutputPlan files_of(const Scene& scene, const RunSceneOptions& options,
 
 int run_scene(const RunSceneOptions& options, const GlobalOptions& given, Console& console) {
   Scene scene = read_scene(options.scene);
-  const std::optional<MethodChoice> choice = choose_method(options, scene, console);
-  if (choice) {
-    const char* const from = options.table.empty() ? " by plans of the scene" : "";
-    console.note("chose " + choice->method + from + ": expected are " +
-                 number_text(choice->solve_s) + " s to solve and an error of " +
-                 number_text(choice->error_mm) + " mm (p95)");
-    solve_by(scene, parse_method(choice->method));
-  }
   if (!options.method.empty()) solve_by(scene, parse_method(options.method));
   if (!options.drawing.empty()) draw_by(scene, parse_drawing(options.drawing));
   if (!options.state.empty()) scene.output.state = options.state;
@@ -192,6 +116,17 @@ int run_scene(const RunSceneOptions& options, const GlobalOptions& given, Consol
   choose_frames(scene, options, global);
   if (!options.allow_outside) require_inside(scene, options.folder);
   const OutputPlan plan = files_of(scene, options, global);
+  const double unchosen_s = processor_seconds();
+  CancelOnly progress(console);  // the run opens the volume once more, and tells
+  const std::optional<MethodChoice> choice = choose_method(options.wanted, scene, progress);
+  const double choosing_s = processor_seconds() - unchosen_s;
+  if (choice) {
+    const char* const from = options.wanted.table.empty() ? " by plans of the scene" : "";
+    console.note("chose " + choice->method + from + ": expected are " +
+                 number_text(choice->solve_s) + " s to solve and an error of " +
+                 number_text(choice->error_mm) + " mm (p95)");
+    solve_by(scene, parse_method(choice->method));
+  }
   if (options.dry_run) return tell_plan(scene, options.folder, global, console);
   if (scene.film && scene.film->frames_to_make.empty() && !scene.film->makes_videos) {
     console.note("all frames are there");
@@ -206,7 +141,7 @@ int run_scene(const RunSceneOptions& options, const GlobalOptions& given, Consol
     std::printf("%s", to_text(*scene_plan).c_str());
     std::fflush(stdout);
   }
-  const double planning_s = processor_seconds() - opened_s;
+  const double planning_s = choosing_s + processor_seconds() - opened_s;
   run.run();
   print_results(run, scene, options, choice, scene_plan, planning_s, global, console);
   return kOk;
@@ -229,15 +164,15 @@ Command add_run(CLI::App& program) {
                 "Of a film, make the frames that are missing, as after an interruption");
   app->add_option("--frames", options->frames, "Of a film, make these frames alone, and no video")
       ->option_text("A:B");
-  app->add_option("--table", options->table,
+  app->add_option("--table", options->wanted.table,
                   "Measured by supple tradeoff, for --budget and --error to choose from (default: "
                   "plans of the scene, and errors that are shipped)")
       ->option_text("DIR/runs.csv");
   CLI::Option* budget =
-      app->add_option("--budget", options->budget,
+      app->add_option("--budget", options->wanted.budget,
                       "The most exact method that solves within a time, such as 100ms")
           ->option_text("TIME");
-  CLI::Option* error = app->add_option("--error", options->error,
+  CLI::Option* error = app->add_option("--error", options->wanted.error,
                                        "The fastest method to an error, such as 0.5mm (p95)")
                            ->excludes(budget)
                            ->option_text("LENGTH");

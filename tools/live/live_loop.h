@@ -65,7 +65,7 @@ class LiveLoop {
   void show(const LiveEvent& event, std::chrono::steady_clock::time_point posted);
   /// A slice of what is still to be done, and its first pixels.
   void go_on() { go_on(m_progress); }
-  /// One pass more; false when there is nothing left to do.
+  /// A step towards the settled picture; false when there is nothing left to do.
   bool refine();
   /// Another size or pose; the next run() draws it.
   void set_frame(const LiveFrame& frame);

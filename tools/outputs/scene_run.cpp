@@ -84,6 +84,11 @@ void check_places(const Scene& scene, const Geometry& geometry) {
   for (const SceneView& view : scene.views) to_path(view.path, geometry);
 }
 
+SessionOptions session_options(const Scene& scene) {
+  const bool is_animated = scene.film && scene.still_steps() < scene.steps.size();
+  return {scene.material, scene.labels_path, scene.read, is_animated};
+}
+
 SceneRun::SceneRun(const Scene& scene, const std::string& folder, bool tells_reactions,
                    Console& console)
     : m_scene(scene),
@@ -100,9 +105,8 @@ SceneRun::~SceneRun() = default;
 void SceneRun::open() {
   if (needs_body(m_scene)) {
     require_no_warp(m_scene, "a body that moves by itself");
-    const bool is_animated = m_scene.film && m_scene.still_steps() < m_scene.steps.size();
-    const SessionOptions options{m_scene.material, m_scene.labels_path, m_scene.read, is_animated};
-    m_session = std::make_unique<Session>(m_scene.volume_path, options, &m_console);
+    m_session =
+        std::make_unique<Session>(m_scene.volume_path, session_options(m_scene), &m_console);
     m_state.geometry = m_session->geometry();
     m_grey_lo = m_session->body().material.domain_lo;
     m_grey_hi = m_session->body().material.domain_hi;

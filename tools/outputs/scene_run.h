@@ -24,7 +24,7 @@ namespace supple::tools {
 /// file. Throws UsageError or InputError.
 OutputPlan check_scene(const Scene& scene, const std::string& folder, const GlobalOptions& global);
 
-/// What elements moved by, carried into the air around them.
+/// Stage in which displacements of elements are extended into the air around them.
 constexpr const char* kDisplacementStage = "displacement";
 
 /// Whether the steps and paths fit the volume. Throws InputError.
@@ -37,6 +37,9 @@ bool reads_inverse(const Scene& scene);
 /// nothing else reads offsets; null: all are.
 std::function<bool(const Vec3i& origin)> seen_bricks(const Scene& scene, int step,
                                                      const Geometry& geometry);
+
+/// How the body of a scene is opened.
+SessionOptions session_options(const Scene& scene);
 
 class SceneRun {
  public:

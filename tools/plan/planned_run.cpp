@@ -48,12 +48,12 @@ ScenePlan plan_of(const Scene& scene, const SceneRun& run, Console& console) {
                     read_costs(calibration_file()));
 }
 
-double planned_solve_s(const Scene& scene, const SceneRun& run) {
+double planned_solve_s(const Scene& scene, const Session& session) {
   Scene solved = scene;
   solved.views.clear();
   solved.output = {};
-  const State state = run.opened();
-  const ScenePlan plan = plan_scene(solved, {run.session(), state}, read_costs(calibration_file()));
+  const State state = session.state();
+  const ScenePlan plan = plan_scene(solved, {&session, state}, read_costs(calibration_file()));
   double seconds = 0;
   for (const PlanRow& row : plan.rows) {
     if (row.stage.rfind("step ", 0) == 0) seconds += row.seconds;

@@ -15,8 +15,9 @@ namespace supple::tools {
 /// With the costs of the user's calibration. Throws InputError where that is damaged.
 ScenePlan plan_of(const Scene& scene, const SceneRun& run, Console& console);
 
-/// Seconds that the steps take, of this scene or another one of the same volume.
-double planned_solve_s(const Scene& scene, const SceneRun& run);
+/// Seconds that the steps of a scene take in the session of its volume, which has taken none of
+/// them. Throws InputError where the calibration is damaged.
+double planned_solve_s(const Scene& scene, const Session& session);
 
 /// The scene's volume, steps with the places of handles, and outputs.
 nlohmann::ordered_json scene_json(const Scene& scene, const std::string& folder,

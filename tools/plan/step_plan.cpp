@@ -326,8 +326,8 @@ void StepPlan::finite_elements() {
                          : is_finite          ? kNewtonSystems
                          : motion             ? motion->steps() * kMotionPart
                                               : 1;
-  const bool is_hard =
-      !m_request.rigid.empty() || contrast_of(m_session.material()) >= kLargeContrast;
+  const bool is_hard = !m_request.rigid.empty() || !m_session.body().rigid.empty() ||
+                       contrast_of(m_session.material()) >= kLargeContrast;
   const double decades = std::max(1.0, -std::log10(params.tolerance));
   const double iterations = systems * decades * (is_hard ? kHardIterations : kIterations) *
                             std::pow(kCoarsePart, params.doublings);
@@ -346,6 +346,8 @@ void StepPlan::finite_elements() {
 
 MovedBricks StepPlan::plan(const MovedBricks& before) {
   MovedBricks moved = before;
+  cuts(moved);
+  pieces();
   if (m_request.springs || m_request.fem) {
     move_all(moved, m_request.fem ? "finite elements move every node" : "springs move every node");
     if (m_request.fem) {
@@ -353,12 +355,10 @@ MovedBricks StepPlan::plan(const MovedBricks& before) {
     } else {
       springs();
     }
-    return moved;
+  } else {
+    moved.add(drag(before));
+    relax(moved);
   }
-  cuts(moved);
-  pieces();
-  moved.add(drag(before));
-  relax(moved);
   if (m_beside_joints > 0) {
     moved.split += std::max(m_beside_joints, kJointPart * double(moved.count()));
   }

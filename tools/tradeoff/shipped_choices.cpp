@@ -1,32 +1,28 @@
 #include "tools/tradeoff/shipped_choices.h"
 
-#include <algorithm>
+#include <map>
 
 namespace supple::tools {
 
 namespace {
 
-struct ShippedMethod {
-  const char* name;
-  double error_part;  // of the way of the handle
-};
-
-/// Of docs/tradeoff.md#without-a-table; what another one beats in time and error is left out.
-constexpr ShippedMethod kMethods[] = {
+/// Parts of the way of the handle, of docs/tradeoff.md#without-a-table; what another one beats in
+/// time and error is left out.
+const std::map<std::string, double> kErrorParts = {
     {"ecm:26", 0.95},  {"relax-6:16", 0.59}, {"relax-6:64", 0.27},
     {"fem:0.1", 0.06}, {"fem:0.01", 0.01},
 };
 
 }  // namespace
 
-std::vector<MethodChoice> shipped_choices(
-    double way_mm, const std::function<double(const std::string& method)>& solve_s) {
-  std::vector<MethodChoice> choices;
-  for (const ShippedMethod& method : kMethods) {
-    choices.push_back({method.name, solve_s(method.name), method.error_part * way_mm});
-  }
-  sort_by_time(choices);
-  return choices;
+std::vector<std::string> shipped_methods() {
+  std::vector<std::string> methods;
+  for (const auto& [method, part] : kErrorParts) methods.push_back(method);
+  return methods;
+}
+
+double shipped_error_mm(const std::string& method, double way_mm) {
+  return kErrorParts.at(method) * way_mm;
 }
 
 }  // namespace supple::tools

@@ -129,6 +129,7 @@ void Calibration::measure_relaxation(const Session& session) {
     params.bulk_modulus_kpa = conserves ? 100 : 0;
     double least = HUGE_VAL;
     for (int round = 0; round < kRounds; ++round) {
+      if (m_console.cancelled()) throw Cancelled();
       Body body = session.body();
       Relaxation relaxation(body, {}, {}, params);
       const double ms = effort_ms([&] {

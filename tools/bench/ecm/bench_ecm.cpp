@@ -6,8 +6,8 @@
 
 #include "tools/bench/bodies/ecm_bodies.h"
 #include "tools/bench/ecm/ecm_cases.h"
-#include "tools/bench/report/cancel_only.h"
 #include "tools/bench/report/memory.h"
+#include "tools/console/cancel_only.h"
 #include "tools/console/command.h"
 
 namespace supple::tools {

@@ -10,10 +10,10 @@
 #include "lib/fem/hex_operator.h"
 #include "tools/bench/bodies/ecm_bodies.h"
 #include "tools/bench/elastic/fem_problems.h"
-#include "tools/bench/report/cancel_only.h"
 #include "tools/bench/report/memory.h"
 #include "tools/bench/report/row_filter.h"
 #include "tools/bench/report/timing.h"
+#include "tools/console/cancel_only.h"
 #include "tools/console/command.h"
 
 namespace supple::tools {

@@ -9,9 +9,9 @@
 #include "lib/model/fem_model.h"
 #include "lib/model/relax_model.h"
 #include "tools/bench/bodies/ecm_bodies.h"
-#include "tools/bench/report/cancel_only.h"
 #include "tools/bench/report/row_filter.h"
 #include "tools/bench/report/timing.h"
+#include "tools/console/cancel_only.h"
 #include "tools/console/command.h"
 
 namespace supple::tools {

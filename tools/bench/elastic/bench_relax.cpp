@@ -8,7 +8,7 @@
 
 #include "tools/bench/bodies/ecm_bodies.h"
 #include "tools/bench/elastic/relax_cases.h"
-#include "tools/bench/report/cancel_only.h"
+#include "tools/console/cancel_only.h"
 #include "tools/console/command.h"
 
 namespace supple::tools {

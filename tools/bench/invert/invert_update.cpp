@@ -3,8 +3,8 @@
 #include <oneapi/tbb/global_control.h>
 
 #include "tools/bench/bodies/dragged_head.h"
-#include "tools/bench/report/cancel_only.h"
 #include "tools/bench/report/timing.h"
+#include "tools/console/cancel_only.h"
 
 namespace supple::tools {
 

@@ -9,8 +9,8 @@
 #include "tools/bench/bodies/block_topology.h"
 #include "tools/bench/bodies/dragged_head.h"
 #include "tools/bench/bodies/half_sampled_head.h"
-#include "tools/bench/report/cancel_only.h"
 #include "tools/bench/report/timing.h"
+#include "tools/console/cancel_only.h"
 #include "volumes/field/inversion/forward_offsets.h"
 
 namespace supple::tools {

@@ -1,4 +1,4 @@
-// Ctrl-C while an engine is timed.
+// Ctrl-C during work that nobody is told of.
 #pragma once
 
 #include "tools/console/console.h"
@@ -6,7 +6,7 @@
 
 namespace supple::tools {
 
-/// Stops an engine but prints nothing while it is timed.
+/// Stops an engine but prints nothing, for example while it is timed.
 class CancelOnly final : public Progress {
  public:
   explicit CancelOnly(const Console& console) : m_console(console) {}
