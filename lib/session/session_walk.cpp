@@ -150,6 +150,7 @@ void Session::move(StepRecord& record, Progress* progress) {
   } else {
     move_quasi_statically(handles, pieces, record, progress);
     if (record.tells_reactions) {
+      stage(progress, "forces on handles");
       record.reactions = ledger.name(
           quasi_static_reactions(held(), ledger.elements(), moduli_of(m_body, m_relaxed_by)));
     }

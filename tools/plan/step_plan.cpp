@@ -20,9 +20,6 @@ constexpr double kRelaxBytes = 18, kVolumeBytes = 25;  // per element that moves
 // cells keep their volume, and of finite elements.
 constexpr double kBeyondCaches = 1.6, kVolumeBeyondCaches = 2.6, kFemBeyondCaches = 2;
 constexpr double kRelaxStartNs = 80;  // per element of the body
-/// Of making an element of the body, the check of its 6 links after a drag; how many times as long
-/// that takes where links are cut.
-constexpr double kCheckPart = 0.6, kCutCheck = 10;
 // Passes that take a relaxation one brick further; a budget ends it while it still spreads.
 constexpr double kPassesOfRing = 4, kPassesOfRingInBudget = 6;
 /// A joint is parted on both sides, and its bricks fall into more pieces than those of a cut: of
@@ -185,15 +182,11 @@ MovedBricks StepPlan::drag(const MovedBricks& before) {
     }
     const double bricks = double(moved.count(c)), known = double(before.count(c));
     const double count = moved.elements[std::size_t(c)];
+    const double work = m_links == 26 ? 5 : m_links == 18 ? 3 : 1;  // of that with 6 links
     add("coordinate " + axis_name(c) + " of " + bricks_text(bricks) + ", " +
             count_text(count, "elements"),
         "Enhanced ChainMail: a handle moves along it", std::max(0.0, bricks - known) * kBrickBytes4,
-        bricks * kBrickBytes4, count * m_costs.ecm_element);
-  }
-  if (!grips.empty()) {
-    const bool is_cut = !m_request.cuts.empty() || !m_session.cuts().empty();
-    add(count_text(elements() * m_links / 2, "links"), "are checked after a drag", 0, 0,
-        elements() * m_links / 6 * kCheckPart * (is_cut ? kCutCheck : 1) * m_costs.body_element);
+        bricks * kBrickBytes4, count * work * m_costs.ecm_element);
   }
   return moved;
 }

@@ -22,7 +22,8 @@ RunPhases phases_of(const std::vector<std::pair<std::string, double>>& stages) {
       phases.invert_s += seconds;
     } else if (name == "rendering") {
       phases.render_s += seconds;
-    } else if (!begins_with(name, "writing") && name != "offsets" && name != "compressing") {
+    } else if (!begins_with(name, "writing") && name != "offsets" && name != "compressing" &&
+               name != "forces on handles") {
       phases.solve_s += seconds;  // models have stages of their own
     }
   }

@@ -12,7 +12,7 @@ struct RunPhases {
 };
 
 /// Seconds of each stage by name, as Console::stage_seconds() and `stage_seconds` of `supple run
-/// --json` give them. Writing counts for no phase.
+/// --json` give them. Writing counts for no phase, nor do the forces that only a report tells.
 RunPhases phases_of(const std::vector<std::pair<std::string, double>>& stages);
 
 }  // namespace supple::tools
