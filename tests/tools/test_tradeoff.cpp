@@ -319,14 +319,8 @@ TEST_F(UnitTradeoff, PlansChooseAmongTheMethodsThatTakeTheScene) {
                 .exit_code,
             0);
   write_text(m_folder / "on.toml",
-             "[volume]
-path = "c/ball.vdb"
-[[step]]
-release = true
-grab = [12, 12, 12]
-"
-             "by = [1, 0, 0]
-");
+             "[volume]\npath = \"c/ball.vdb\"\n[[step]]\nrelease = true\ngrab = [5, 5, 5]\n"
+             "by = [1, 0, 0]\n");
   const auto run_on = [&](const std::string& budget) {
     return run_supple({"run", m_folder / "on.toml", "--budget", budget, "-o", m_folder / "d"});
   };
