@@ -77,6 +77,23 @@ TEST_F(UnitPlan, RelaxationIsPlannedWhereAStepAsksForIt) {
   EXPECT_GT(seconds, 0);
 }
 
+TEST_F(UnitPlan, FiniteElementsTakeAsLongAsToleranceAndFixedBoxesAsk) {
+  const auto row = [&](const std::string& keys) {
+    const Json rows =
+        plan("[[step]]\ngrab = [12, 12, 12]\nby = [0.0, 1.0, 0.0]\n" + keys).at("rows");
+    for (const Json& found : rows) {
+      if (found.at("what").get<std::string>().find("unknowns") != std::string::npos) return found;
+    }
+    return Json();
+  };
+  const std::string loose = "model = \"fem\"\nfem = { tolerance = 0.1 }\n";
+  const Json quick = row(loose), exact = row("model = \"fem\"\nfem = { tolerance = 1e-8 }\n"),
+             held = row(loose + "fix = [[0, 0, 0, 24, 9, 24]]\n");
+  EXPECT_LT(quick.at("seconds"), exact.at("seconds"));
+  EXPECT_LT(held.at("seconds"), quick.at("seconds"));
+  EXPECT_EQ(quick.at("brief_mb"), exact.at("brief_mb"));
+}
+
 TEST_F(UnitPlan, WithoutExportAndDeformedViewsNothingIsInverted) {
   const std::string at_rest = kPlannedView + "deformed = false\n",
                     solving = kPlannedView + "inverse = false\n";

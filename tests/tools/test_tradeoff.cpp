@@ -10,6 +10,7 @@
 #include "tests/support/program.h"
 #include "tools/scene/step_method.h"
 #include "tools/tradeoff/method_choice.h"
+#include "tools/tradeoff/run_phases.h"
 #include "tools/tradeoff/shipped_choices.h"
 #include "tools/tradeoff/trade_curves.h"
 #include "tools/tradeoff/trade_row.h"
@@ -311,6 +312,21 @@ TEST_F(UnitTradeoff, WithoutATableARunChoosesFromWhatIsShipped) {
       run_supple({"run", m_folder / "still.toml", "--budget", "1s", "-o", m_folder / "c"});
   EXPECT_EQ(still.exit_code, 3);
   EXPECT_NE(still.err.find("no handle that is shifted"), std::string::npos) << still.err;
+}
+
+TEST(UnitTradePhases, SolvingIsWhatMovesTheBodyAlone) {
+  const RunPhases phases = phases_of({{"reading", 1},
+                                      {"solving", 2},
+                                      {"relaxing", 4},
+                                      {"forces on handles", 8},
+                                      {"displacement", 16},
+                                      {"inverting", 32},
+                                      {"rendering", 64},
+                                      {"writing", 128}});
+  EXPECT_EQ(phases.prepare_s, 1);
+  EXPECT_EQ(phases.solve_s, 6);
+  EXPECT_EQ(phases.invert_s, 48);
+  EXPECT_EQ(phases.render_s, 64);
 }
 
 TEST_F(UnitTradeoff, PlansChooseAmongTheMethodsThatTakeTheScene) {
