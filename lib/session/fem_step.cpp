@@ -10,6 +10,7 @@
 #include "lib/relax/relaxation.h"
 #include "lib/session/fem/fem_solid.h"
 #include "lib/session/rigid_drag.h"
+#include "lib/session/step_warnings.h"
 #include "volumes/base/text.h"
 
 namespace supple {
@@ -269,6 +270,7 @@ FemRecord move_by_fem(const FemStep& step, const FemTask& task, const std::vecto
     warn_of_result(step, record, progress);
     return record;
   }
+  const std::vector<RigidPiece> before = body.rigid.list;
   if (step.motion) {
     move_in_time(step, task, solid, handles, record, progress);
   } else {
@@ -277,6 +279,7 @@ FemRecord move_by_fem(const FemStep& step, const FemTask& task, const std::vecto
   if (!body.rigid.empty()) {
     set_poses(body, task.pieces, 1);
     fit_pieces(body, record);
+    warn_of_moved_pieces(body, before, task.pieces, progress);
   }
   record.links = check_links(body);
   body.links_known_valid = record.links.violated == 0;

@@ -185,8 +185,8 @@ void add_part(Body& body, const ChosenPart& part, const DensityGrid& density,
 }
 
 /// Between pieces of seeds, and around those of parts.
-void cut_joint_spaces_of(const Body& body, LinkCuts& cuts, const RigidRequest& request) {
-  if (request.joint_mm <= 0) return;
+std::int64_t cut_joint_spaces_of(const Body& body, LinkCuts& cuts, const RigidRequest& request) {
+  if (request.joint_mm <= 0) return 0;
   const std::size_t pieces = body.rigid.list.size();
   const std::size_t first_part = pieces - std::min(pieces, request.parts.size());
   std::vector<char> has_seed(pieces, 0);
@@ -196,16 +196,17 @@ void cut_joint_spaces_of(const Body& body, LinkCuts& cuts, const RigidRequest& r
       has_seed[std::size_t(body.rigid.at(slot))] = 1;
     }
   }
-  cut_joint_spaces(body, cuts, request.joint_mm, [&](std::size_t piece, std::size_t other) {
+  return cut_joint_spaces(body, cuts, request.joint_mm, [&](std::size_t piece, std::size_t other) {
     return std::max(piece, other) >= first_part || (has_seed[piece] && has_seed[other]);
   });
 }
 
 }  // namespace
 
-void make_pieces(Body& body, LinkCuts& cuts, const RigidRequest& request,
-                 const DensityGrid& density, const BrickValues& labels, Progress* progress) {
-  if (request.empty()) return;
+std::int64_t make_pieces(Body& body, LinkCuts& cuts, const RigidRequest& request,
+                         const DensityGrid& density, const BrickValues& labels,
+                         Progress* progress) {
+  if (request.empty()) return 0;
   stage(progress, "finding rigid pieces");
   RigidPieces earlier = body.rigid;
   std::array<BrickValues, 3> q = body.q;
@@ -218,9 +219,10 @@ void make_pieces(Body& body, LinkCuts& cuts, const RigidRequest& request,
     body.q = std::move(q);
     throw;
   }
-  cut_joints(body, cuts);
-  cut_joint_spaces_of(body, cuts, request);
+  const std::int64_t between = cut_joints(body, cuts);
+  const std::int64_t cut = between + cut_joint_spaces_of(body, cuts, request);
   body.cuts = cuts_with_pieces(body, cuts);
+  return cut;
 }
 
 void part_pieces(Body& body, const LinkCuts& cuts, const std::vector<std::int64_t>& inside_before) {

@@ -27,9 +27,9 @@ constexpr std::size_t kLeastPiece = 8;
 /// Makes pieces, in the order of RigidRequest, and cuts the links between them in `cuts`, which are
 /// those of the body without the links that its pieces hide. New pieces of elements that have moved
 /// take the pose nearest to where they are. Throws InputError, the body unchanged: a part without
-/// element, a seed that is in no piece.
-void make_pieces(Body& body, LinkCuts& cuts, const RigidRequest& request,
-                 const DensityGrid& density, const BrickValues& labels, Progress* progress);
+/// element, a seed that is in no piece. Returns the links that it cut.
+std::int64_t make_pieces(Body& body, LinkCuts& cuts, const RigidRequest& request,
+                         const DensityGrid& density, const BrickValues& labels, Progress* progress);
 
 /// Parts the pieces that cuts have gone through since `inside_before` (cut_links_inside) was
 /// counted: each connected part is a piece, of the same pose.

@@ -92,7 +92,8 @@ void Session::prepare_body(StepRecord& record, Progress* progress) {
   if (!record.remove.empty()) remove_parts(record, progress);
   if (!record.rigid.empty()) {
     if (m_body.rigid.empty()) m_state.cuts = m_body.cuts;
-    make_pieces(m_body, m_state.cuts, record.rigid, m_state.density, m_state.labels, progress);
+    record.cut_links +=
+        make_pieces(m_body, m_state.cuts, record.rigid, m_state.density, m_state.labels, progress);
     find_anchors();
   }
   m_links.fold_free = m_links.fold_free && m_body.cuts.empty();

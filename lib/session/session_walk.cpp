@@ -52,6 +52,10 @@ std::vector<Drag> drags_at(std::vector<Drag> drags, std::size_t pose) {
   return drags;
 }
 
+bool has_anchors(const StepRequest& request) {
+  return !request.fix.empty() || !request.fix_labels.empty() || !request.fix_selections.empty();
+}
+
 /// Of all poses so far.
 void add(const EcmReport& report, EcmReport& whole) {
   if (report.fraction() < whole.fraction()) {
@@ -100,6 +104,13 @@ void Session::run_step(StepRecord& record, Progress* progress) {
     record.relax = tissue_relaxation(m_material.relaxes_by_poisson);
   }
   release_and_fix(record);
+  if (has_anchors(record)) {
+    SlotSet grabbed;
+    for (const Region& region : regions_of(record)) {
+      grabbed.add(elements_of(m_body, region, "grab"));
+    }
+    warn_of_missed_pieces(m_body, anchored_elements(m_body, m_anchors, m_holds), grabbed, progress);
+  }
   if (poses_of(record.drags) > 1) {
     follow_ways(record, progress);
   } else {

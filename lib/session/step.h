@@ -78,7 +78,7 @@ struct StepRequest {
 /// Results of a step. For drags with a way the report of the drag covers all poses: its fraction is
 /// the smallest, its moved elements are the most. All other members are those of the last pose.
 struct StepRecord : StepRequest {
-  std::int64_t cut_links = 0;             // that the cuts removed
+  std::int64_t cut_links = 0;             // that cuts and joints removed
   std::int64_t removed = 0;               // elements
   EcmReport report;                       // of ball limits: the common members
   std::optional<BallReport> ball;         // when the step was solved under ball limits

@@ -1,13 +1,21 @@
 #include "lib/session/step_warnings.h"
 
+#include <algorithm>
 #include <cstdio>
+#include <limits>
 #include <string>
 
+#include "volumes/base/error.h"
 #include "volumes/base/text.h"
 
 namespace supple {
 
 namespace {
+
+/// An anchor nearer to a rigid piece than this was probably meant to hold it.
+constexpr double kBesideMm = 10;
+/// Free pieces that finite elements move further than this are told of.
+constexpr double kToldMm = 0.1;
 
 std::string four_digits(double value) {
   char text[32];
@@ -26,6 +34,21 @@ void warn_of_projection(std::int64_t links, double max_voxels, std::int64_t held
                      "; it was projected, largest move " + four_digits(max_voxels) + " voxels");
 }
 
+/// The largest way of any element between two poses, in mm.
+double longest_way_mm(const Body& body, RigidPiece piece, const RigidPose& from) {
+  const PoseOffsets now(body.geometry, piece);
+  piece.pose = from;
+  const PoseOffsets before(body.geometry, piece);
+  double longest = 0;
+  piece.elements->for_each([&](Slot slot) {
+    const Vec3i voxel = voxel_of(body.elements, slot);
+    const auto to = now(voxel), at = before(voxel);
+    const Vec3d way = Vec3d(double(to[0] - at[0]), double(to[1] - at[1]), double(to[2] - at[2]));
+    longest = std::max(longest, body.geometry.world_vector_from_index(way / kFixedOne).length());
+  });
+  return longest;
+}
+
 }  // namespace
 
 void note_of_links(const StepRequest& request, int links, Progress* progress) {
@@ -34,6 +57,73 @@ void note_of_links(const StepRequest& request, int links, Progress* progress) {
   note(progress, std::string(is_ball ? "ball limits know" : "springs have") +
                      " links of their own; links = " + std::to_string(links) +
                      " of the material counts in other steps");
+}
+
+void warn_of_missed_pieces(const Body& body, const SlotSet& held, const SlotSet& grabbed,
+                           Progress* progress) {
+  if (held.empty() || body.rigid.empty()) return;
+  IndexBox anchors{Vec3i(std::numeric_limits<int>::max()), Vec3i(std::numeric_limits<int>::min())};
+  held.for_each([&](Slot slot) {
+    const Vec3i voxel = voxel_of(body.elements, slot);
+    for (int a = 0; a < 3; ++a) {
+      anchors.lo[a] = std::min(anchors.lo[a], voxel[a]);
+      anchors.hi[a] = std::max(anchors.hi[a], voxel[a]);
+    }
+  });
+  const RigidPiece* missed = nullptr;
+  double least_mm = kBesideMm;
+  Vec3i nearest;
+  for (const RigidPiece& piece : body.rigid.list) {
+    Slot common;
+    if (piece.elements->first_common(held, common)) return;
+    if (piece.elements->first_common(grabbed, common)) continue;
+    piece.elements->for_each([&](Slot slot) {
+      const Vec3i voxel = voxel_of(body.elements, slot);
+      Vec3d way;
+      for (int a = 0; a < 3; ++a) {
+        way[a] = voxel[a] - std::clamp(voxel[a], anchors.lo[a], anchors.hi[a]);
+      }
+      const double mm = body.geometry.world_vector_from_index(way).length();
+      if (mm >= least_mm) return;
+      least_mm = mm;
+      nearest = voxel;
+      missed = &piece;
+    });
+  }
+  if (missed == nullptr) return;
+  warn(progress, "fix: no rigid piece is held, for no anchor is one of its voxels; voxel " +
+                     to_text(nearest) + " of rigid " + missed->name + " is " +
+                     four_digits(least_mm) + " mm from the anchors");
+}
+
+void warn_of_moved_pieces(const Body& body, const std::vector<RigidPiece>& before,
+                          const std::vector<PieceMotion>& grabbed, Progress* progress) {
+  std::int64_t moved = 0;
+  std::size_t largest = 0, most_elements = 0;
+  double way_mm = 0;
+  for (std::size_t n = 0; n < before.size(); ++n) {
+    const RigidPiece& piece = body.rigid.list[n];
+    const bool is_grabbed =
+        std::any_of(grabbed.begin(), grabbed.end(),
+                    [&](const PieceMotion& motion) { return motion.piece == n; });
+    if (is_grabbed || piece.pose == before[n].pose) continue;
+    const double way = longest_way_mm(body, piece, before[n].pose);
+    if (way < kToldMm) continue;
+    ++moved;
+    const std::size_t elements = piece.elements->size();
+    if (elements <= most_elements) continue;
+    most_elements = elements;
+    largest = n;
+    way_mm = way;
+  }
+  if (moved == 0) return;
+  const RigidPiece& piece = body.rigid.list[largest];
+  const Turn turn = piece.pose.turn * before[largest].pose.turn.inverse();
+  warn(progress, "finite elements moved " + with_count(moved, "free rigid piece") +
+                     ", the largest of them, " + piece.name + ", by up to " + number_text(way_mm) +
+                     " mm and by a turn of " + number_text(turn.angle_deg()) +
+                     " degrees; an anchor on one of its voxels, such as " +
+                     to_text(voxel_of(body.elements, piece.elements->first())) + ", holds it");
 }
 
 void warn_of_report(const EcmReport& report, Progress* progress) {

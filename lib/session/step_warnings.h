@@ -1,13 +1,20 @@
 // Warnings about a step: projections, stopped drags, limits that are left broken.
 #pragma once
 
-#include "lib/session/step.h"
+#include "lib/session/rigid_drag.h"
 #include "volumes/base/progress.h"
 
 namespace supple {
 
 /// Of a step whose model does not use the material's diagonal links.
 void note_of_links(const StepRequest& request, int links, Progress* progress);
+/// Where no rigid piece is among the `held` elements although an anchor lies beside a piece that is
+/// not `grabbed`: names the piece and its voxel nearest to the anchors.
+void warn_of_missed_pieces(const Body& body, const SlotSet& held, const SlotSet& grabbed,
+                           Progress* progress);
+/// Tells how far finite elements moved pieces that neither handles nor anchors hold.
+void warn_of_moved_pieces(const Body& body, const std::vector<RigidPiece>& before,
+                          const std::vector<PieceMotion>& grabbed, Progress* progress);
 void warn_of_report(const EcmReport& report, Progress* progress);
 void warn_of_report(const SidesReport& report, Progress* progress);
 void warn_of_report(const BallReport& report, Progress* progress);

@@ -181,7 +181,7 @@ void print_deform(const Session& session, const SceneStep& step,
   if (!step.remove.empty()) {
     std::printf("removed         %lld elements\n", static_cast<long long>(record.removed));
   }
-  if (!step.cuts.empty()) {
+  if (!step.cuts.empty() || record.cut_links > 0) {
     std::printf("cut links       %lld\n", static_cast<long long>(record.cut_links));
   }
   if (record.springs) {

@@ -67,6 +67,8 @@ void print_results(const SceneRun& run, const Scene& scene, const RunSceneOption
       for (const StepRecord& record : run.session()->records()) {
         json["steps"].push_back(to_json(record));
       }
+      const RigidPieces& pieces = run.session()->body().rigid;
+      if (!pieces.empty()) json["rigid_pieces"] = to_json(pieces);
     }
     if (run.certificate() != nullptr) json["certificate"] = to_json(*run.certificate());
     for (const auto& [name, seconds] : stages) json["stage_seconds"][name] = seconds;
