@@ -1,4 +1,7 @@
-// The thread of a live session: what follows a release gives way to events, and is done after them.
+// The thread of a live session: what follows a release gives way to events that may move the body,
+// and answers those that only look from within.
+#include <thread>
+
 #include <gtest/gtest.h>
 
 #include "tests/support/program.h"
@@ -73,12 +76,128 @@ class UnitLiveLoop : public ::testing::Test {
   std::optional<LiveSession> m_live;
 };
 
-TEST_F(UnitLiveLoop, FiniteElementsGiveWayToACameraAndComeAfterIt) {
+TEST_F(UnitLiveLoop, ACameraIsCarriedOutWithinFiniteElements) {
   const Intruder seen = run_with("kind = \"camera\"\ncamera = { view = \"left\" }");
   EXPECT_EQ(seen.done_before, 2);  // the anchor and the drag
-  EXPECT_EQ(seen.slices, 2);
+  EXPECT_EQ(seen.slices, 1);
   EXPECT_TRUE(is_solved());
   EXPECT_EQ(seen.refusals, "");
+}
+
+const char* const kCameras[] = {"kind = \"camera\"\ncamera = { view = \"left\" }",
+                                "kind = \"camera\"\ncamera = { view = \"right\" }"};
+
+/// A hand that turns the camera and changes the size of the view as long as the body settles.
+class Restless final : public LoopWatcher {
+ public:
+  Restless(LiveSession& live, EventMailbox& mailbox) : m_live(live), m_mailbox(mailbox) {}
+  ~Restless() override { rest(); }
+
+  void begins() override {
+    ++slices;
+    if (m_live.has_more() && !m_hand.joinable()) m_hand = std::thread([this] { turn(); });
+  }
+  void went_on() override {
+    if (m_live.has_more()) return;
+    rest();
+    m_mailbox.close();
+  }
+  void drew(const Image&, const LiveCost&, const Stopwatch&) override { ++pictures; }
+  bool refused(const LiveEvent&, const std::string& why) override {
+    refusals += why;
+    return true;
+  }
+
+  LiveLoop* loop = nullptr;
+  int slices = 0, pictures = 0;
+  std::string refusals;
+  std::atomic<bool> is_tired{false};  // it gave up
+
+ private:
+  void turn() {
+    const auto start = std::chrono::steady_clock::now();
+    for (int n = 0; !m_rests; ++n) {
+      m_mailbox.post(event(kCameras[n % 2]));
+      m_mailbox.post([this, n] { loop->set_frame({{32 + n % 2, 32}, true, 50}); }, TaskKind::looks);
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      if (std::chrono::steady_clock::now() - start < std::chrono::seconds(30)) continue;
+      is_tired = true;
+      return m_mailbox.close();
+    }
+  }
+  void rest() {
+    m_rests = true;
+    if (m_hand.joinable()) m_hand.join();
+  }
+
+  LiveSession& m_live;
+  EventMailbox& m_mailbox;
+  std::atomic<bool> m_rests{false};
+  std::thread m_hand;
+};
+
+TEST_F(UnitLiveLoop, FiniteElementsEndThoughCamerasAndSizesKeepComing) {
+  EventMailbox mailbox;
+  Restless watcher(*m_live, mailbox);
+  for (const char* keys : {"kind = \"model\"\nmodel = \"fem\"\nfem = { tolerance = 1e-7 }",
+                           "kind = \"anchor\"\ngrab_box = [16, 16, 4, 80, 80, 24]",
+                           "kind = \"grab\"\ngrab = [48, 48, 68]",
+                           "kind = \"drag\"\nto = [0.5, 1.25, 0.75]", "kind = \"release\""}) {
+    mailbox.post(event(keys));
+  }
+  LiveLoop loop(*m_live, {{32, 32}, true, 50}, watcher, m_console);
+  watcher.loop = &loop;
+  loop.run(mailbox);
+  EXPECT_FALSE(watcher.is_tired);
+  EXPECT_TRUE(is_solved());
+  EXPECT_GT(watcher.pictures, 3);  // within the one slice, too
+  EXPECT_EQ(watcher.slices, 6);    // five events and one slice
+  EXPECT_EQ(watcher.refusals, "");
+}
+
+TEST_F(UnitLiveLoop, RelaxationEndsThoughEveryCameraIsFollowedByAnother) {
+  EventMailbox mailbox;
+  struct Turning final : LoopWatcher {
+    Turning(LiveSession& live_, EventMailbox& mailbox_) : live(live_), mailbox(mailbox_) {}
+    void carried_out(const LiveEvent& done) override {
+      if (!live.has_more()) return;
+      cameras += done.is_of_view() ? 1 : 0;
+      if (cameras < 10000) mailbox.post(event(kCameras[cameras % 2]));
+    }
+    void went_on() override {
+      if (!live.has_more()) mailbox.close();
+    }
+    LiveSession& live;
+    EventMailbox& mailbox;
+    int cameras = 0;
+  } watcher(*m_live, mailbox);
+  for (const char* keys :
+       {"kind = \"grab\"\ngrab = [48, 48, 68]", "kind = \"drag\"\nto = [0, 3, 3]",
+        "kind = \"release\"", "kind = \"relax\"\npasses = 40"}) {
+    mailbox.post(event(keys));
+  }
+  LiveLoop loop(*m_live, {{32, 32}, true, 50}, watcher, m_console);
+  loop.run(mailbox);
+  EXPECT_FALSE(m_live->has_more());
+  EXPECT_GT(watcher.cameras, 3);
+  EXPECT_LT(watcher.cameras, 1000);
+}
+
+TEST(UnitEventMailbox, WhatLooksIsTakenPastWhatReadsAndNotPastWhatMoves) {
+  EventMailbox mailbox;
+  mailbox.post([] {}, TaskKind::reads);
+  mailbox.post(event(kCameras[0]));
+  EXPECT_FALSE(mailbox.moves_wait());
+  mailbox.post(event("kind = \"undo\""));
+  mailbox.post(event(kCameras[1]));
+  EXPECT_TRUE(mailbox.moves_wait());
+  ASSERT_TRUE(mailbox.take_look());
+  EXPECT_FALSE(mailbox.take_look());
+  EXPECT_EQ(mailbox.take(false)->kind, TaskKind::reads);
+  EXPECT_FALSE(mailbox.take_look());
+  EXPECT_EQ(mailbox.take(false)->event.kind, EventKind::undo);
+  EXPECT_FALSE(mailbox.moves_wait());
+  EXPECT_TRUE(mailbox.take_look());
 }
 
 TEST_F(UnitLiveLoop, FiniteElementsGiveWayToAnEventOfTheBodyForGood) {

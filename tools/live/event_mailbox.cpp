@@ -1,5 +1,6 @@
 #include "tools/live/event_mailbox.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace supple::tools {
@@ -20,18 +21,22 @@ void EventMailbox::post(LiveEvent event) {
     const std::lock_guard lock(m_guard);
     if (!m_waiting.empty() && replaces(event, m_waiting.back())) {
       event.merged += m_waiting.back().event.merged + 1;
-      m_waiting.back() = {std::move(event), {}, now};
+      m_waiting.back().event = std::move(event);
+      m_waiting.back().posted = now;
     } else {
-      m_waiting.push_back({std::move(event), {}, now});
+      const TaskKind kind = event.is_of_view() ? TaskKind::looks : TaskKind::moves;
+      m_moves += kind == TaskKind::moves ? 1 : 0;
+      m_waiting.push_back({std::move(event), {}, now, kind});
     }
   }
   m_changed.notify_one();
 }
 
-void EventMailbox::post(std::function<void()> task) {
+void EventMailbox::post(std::function<void()> task, TaskKind kind) {
   {
     const std::lock_guard lock(m_guard);
-    m_waiting.push_back({LiveEvent(), std::move(task), std::chrono::steady_clock::now()});
+    m_moves += kind == TaskKind::moves ? 1 : 0;
+    m_waiting.push_back({LiveEvent(), std::move(task), std::chrono::steady_clock::now(), kind});
   }
   m_changed.notify_one();
 }
@@ -58,19 +63,28 @@ std::optional<PostedEvent> EventMailbox::take_until(std::chrono::steady_clock::t
 
 std::optional<PostedEvent> EventMailbox::take_first() {
   if (m_waiting.empty()) return std::nullopt;
-  PostedEvent first = std::move(m_waiting.front());
-  m_waiting.pop_front();
-  return first;
+  return take_at(m_waiting.begin());
+}
+
+std::optional<PostedEvent> EventMailbox::take_look() {
+  const std::lock_guard lock(m_guard);
+  const auto found =
+      std::find_if(m_waiting.begin(), m_waiting.end(),
+                   [](const PostedEvent& posted) { return posted.kind != TaskKind::reads; });
+  if (found == m_waiting.end() || found->kind == TaskKind::moves) return std::nullopt;
+  return take_at(found);
+}
+
+std::optional<PostedEvent> EventMailbox::take_at(std::deque<PostedEvent>::iterator at) {
+  PostedEvent taken = std::move(*at);
+  m_waiting.erase(at);
+  m_moves -= taken.kind == TaskKind::moves ? 1 : 0;
+  return taken;
 }
 
 bool EventMailbox::is_closed() const {
   const std::lock_guard lock(m_guard);
   return m_is_closed;
-}
-
-std::size_t EventMailbox::size() const {
-  const std::lock_guard lock(m_guard);
-  return m_waiting.size();
 }
 
 }  // namespace supple::tools

@@ -48,6 +48,7 @@ class LiveBody {
 
   const State& opened() const { return m_state; }  // its q and cuts are not kept up to date
   const Displacement& displacement() const { return m_moved->displacement(); }
+  const LinkCuts& cuts() const { return m_cuts; }  // as they were followed last
   const Renderer& renderer() const { return *m_renderer; }
   const ForwardOffsets& forward() const { return *m_forward; }
   /// The inverse as show_inverse() has left it.

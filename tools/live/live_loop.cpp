@@ -1,6 +1,9 @@
 #include "tools/live/live_loop.h"
 
 #include <algorithm>
+#include <thread>
+
+#include <tbb/task_arena.h>
 
 #include "volumes/base/heap_pages.h"
 
@@ -12,36 +15,66 @@ using namespace std::chrono_literals;
 
 /// Slices that take less are not ended by events.
 constexpr auto kPatience = 100ms;
+/// Slices that take less leave slices of volumes and better pictures for later.
+constexpr auto kShort = 400ms;
 /// Without events, before a slice begins again that gave way to one.
 constexpr auto kRest = 500ms;
 /// Without events, before a picture settles while something is grabbed: it may take an inverse, and
 /// the hand would wait for that.
 constexpr auto kStill = 150ms;
 
-/// Of a slice: ends it when an event waits.
-class GivingWay final : public Progress {
- public:
-  GivingWay(Progress* behind, const EventMailbox& mailbox) : m_behind(behind), m_mailbox(mailbox) {}
+}  // namespace
 
-  void stage(std::string_view name) override { supple::stage(m_behind, name); }
-  void update(double fraction) override {
-    if (m_behind != nullptr) m_behind->update(fraction);
+/// Progress of a slice. It ends where something waits that may move the body; what only looks is
+/// answered from within, on the thread of the loop, for at most half of the time.
+class LiveLoop::GivingWay final : public Progress {
+ public:
+  GivingWay(LiveLoop& loop, EventMailbox& mailbox) : m_loop(loop), m_mailbox(mailbox) {
+    loop.m_is_moving = true;
   }
-  void warn(const std::string& line) override { supple::warn(m_behind, line); }
-  void note(const std::string& line) override { supple::note(m_behind, line); }
-  void debug(const std::string& line) override { supple::debug(m_behind, line); }
+  ~GivingWay() override { m_loop.m_is_moving = false; }
+  GivingWay(const GivingWay&) = delete;
+  GivingWay& operator=(const GivingWay&) = delete;
+
+  void stage(std::string_view name) override { supple::stage(m_loop.m_progress, name); }
+  void update(double fraction) override {
+    if (m_loop.m_progress != nullptr) m_loop.m_progress->update(fraction);
+  }
+  void warn(const std::string& line) override { supple::warn(m_loop.m_progress, line); }
+  void note(const std::string& line) override { supple::note(m_loop.m_progress, line); }
+  void debug(const std::string& line) override { supple::debug(m_loop.m_progress, line); }
   bool cancelled() const override {
-    if (m_behind != nullptr && m_behind->cancelled()) return true;
-    return std::chrono::steady_clock::now() - m_begun > kPatience && m_mailbox.size() > 0;
+    if (m_loop.m_progress != nullptr && m_loop.m_progress->cancelled()) return true;
+    if (std::this_thread::get_id() == m_thread) look();
+    return m_failed || (Clock::now() - m_begun > kPatience && m_mailbox.moves_wait());
   }
 
  private:
-  Progress* m_behind;
-  const EventMailbox& m_mailbox;
-  std::chrono::steady_clock::time_point m_begun = std::chrono::steady_clock::now();
+  void look() const;
+
+  LiveLoop& m_loop;
+  EventMailbox& m_mailbox;
+  std::thread::id m_thread = std::this_thread::get_id();
+  Clock::time_point m_begun = Clock::now();
+  mutable Clock::time_point m_next = m_begun;  // not before, and never while it looks
+  mutable std::atomic<bool> m_failed{false};
 };
 
-}  // namespace
+/// The solver may be within a parallel loop, of which nothing else must be begun here.
+void LiveLoop::GivingWay::look() const {
+  const auto begun = Clock::now();
+  if (begun < m_next || m_failed) return;
+  m_next = Clock::time_point::max();
+  try {
+    tbb::this_task_arena::isolate(
+        [&] { m_loop.look_meanwhile(m_mailbox, begun - m_begun > kShort); });
+  } catch (...) {
+    m_loop.m_failure = std::current_exception();
+    m_failed = true;
+  }
+  const auto now = Clock::now();
+  m_next = now + (now - begun);
+}
 
 LiveLoop::LiveLoop(LiveSession& live, const LiveFrame& frame, LoopWatcher& watcher,
                    Console& console, Progress* progress)
@@ -73,22 +106,21 @@ void LiveLoop::run(EventMailbox& mailbox) {
     const bool moves = m_live.grabbed() && is_soon_after(kStill, mailbox);
     const bool may_go_on = m_live.has_more() && !rests;
     const bool may_refine = !m_picture.settled() && !moves;
+    const bool has_turn = may_go_on && m_looked && !mailbox.moves_wait();
     const bool waits = !m_has_work && !may_go_on && !may_refine;
     const bool is_idle = !m_live.has_more() && m_picture.settled() && !m_watcher.has_later_work();
-    if (auto posted = waits && !is_idle
-                          ? mailbox.take_until(m_last_event + (moves ? kStill : kRest))
-                          : mailbox.take(waits)) {
-      m_has_work = true;
-      if (posted->task) {
-        posted->task();
-      } else {
-        show(posted->event, posted->posted);
-      }
-      m_last_event = Clock::now();
+    std::optional<PostedEvent> posted;
+    if (!has_turn) {
+      posted = waits && !is_idle ? mailbox.take_until(m_last_event + (moves ? kStill : kRest))
+                                 : mailbox.take(waits);
+    }
+    if (posted) {
+      m_looked = posted->kind == TaskKind::looks;
+      do_posted(*posted);
       // Other work goes before what settles drags, which may take long.
-    } else if (may_go_on && !(m_has_work && m_live.is_unsettled())) {
-      GivingWay progress(m_progress, mailbox);
-      m_gave_way = !go_on(&progress);
+    } else if (may_go_on && (has_turn || !(m_has_work && m_live.is_unsettled()))) {
+      m_looked = false;
+      m_gave_way = !go_on(&mailbox);
     } else if (m_has_work) {
       m_has_work = m_watcher.work();
     } else if (may_refine) {
@@ -101,13 +133,35 @@ void LiveLoop::run(EventMailbox& mailbox) {
   }
 }
 
+void LiveLoop::do_posted(const PostedEvent& posted) {
+  m_has_work = true;
+  if (posted.task) {
+    posted.task();
+  } else {
+    show(posted.event, posted.posted);
+  }
+  m_last_event = Clock::now();
+}
+
+/// A piece of what leaves the body alone, while that is being moved; `all`: other work and better
+/// pictures, too.
+void LiveLoop::look_meanwhile(EventMailbox& mailbox, bool all) {
+  if (const auto posted = mailbox.take_look()) {
+    do_posted(*posted);
+  } else if (all && m_has_work) {
+    m_has_work = m_watcher.work();
+  } else if (all && !mailbox.moves_wait()) {
+    refine();
+  }
+}
+
 /// After an event or task; never once none can come any more.
 bool LiveLoop::is_soon_after(Clock::duration pause, const EventMailbox& mailbox) const {
   return Clock::now() < m_last_event + pause && !mailbox.is_closed();
 }
 
 bool LiveLoop::carry_out(const LiveEvent& event) {
-  m_watcher.begins();
+  if (!event.is_of_view()) m_watcher.begins();
   try {
     m_live.carry_out(event, m_progress);
     if (event.is_of_view()) m_picture.look(framed(m_live.view()));
@@ -127,12 +181,13 @@ void LiveLoop::show(const LiveEvent& event, std::chrono::steady_clock::time_poin
   draw(since_event);
 }
 
-bool LiveLoop::go_on(Progress* progress) {
+bool LiveLoop::go_on(EventMailbox* mailbox) {
   const Stopwatch since_event;
   m_watcher.begins();
   try {
-    m_live.go_on(progress);
+    go_on_in_slice(mailbox);
   } catch (const Error& error) {
+    if (m_failure) std::rethrow_exception(std::exchange(m_failure, nullptr));
     const bool is_cancelled =
         m_console.cancelled() || (m_progress != nullptr && m_progress->cancelled());
     if (!is_cancelled && dynamic_cast<const Cancelled*>(&error) != nullptr) {
@@ -155,12 +210,19 @@ void LiveLoop::set_frame(const LiveFrame& frame) {
   draw(Stopwatch());
 }
 
-/// Nothing where nothing has changed.
+void LiveLoop::go_on_in_slice(EventMailbox* mailbox) {
+  if (mailbox == nullptr) return m_live.go_on(m_progress);
+  GivingWay progress(*this, *mailbox);
+  m_live.go_on(&progress);
+}
+
+/// Nothing where nothing has changed. Time that passed in a slice is not at the picture's expense.
 void LiveLoop::draw(const Stopwatch& since_event) {
   const Stopwatch preparing;
-  if (!m_picture.follow()) return;
+  if (!(m_is_moving ? m_picture.follow_view() : m_picture.follow())) return;
   const double budget = m_frame.budget_ms;
-  const auto left = [&] { return budget > 0 ? std::max(budget - since_event.ms(), 1e-3) : 0; };
+  const Stopwatch& since = m_is_moving ? preparing : since_event;
+  const auto left = [&] { return budget > 0 ? std::max(budget - since.ms(), 1e-3) : 0; };
   m_picture.prepare(left());
   m_watcher.spent(LivePhase::prepare, preparing);
   const Stopwatch drawing;

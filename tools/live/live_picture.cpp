@@ -78,8 +78,8 @@ void LivePicture::Impl::show_exactly() {
 
 PosedVolume LivePicture::Impl::subject() const {
   const State& state = body.opened();
-  return {state.geometry,  state.density,   state.elements, nullptr, &body.displacement(), 0, 1, 0,
-          &state.elements, &session.cuts(), &state.labels};
+  return {state.geometry,  state.density, state.elements, nullptr, &body.displacement(), 0, 1, 0,
+          &state.elements, &body.cuts(),  &state.labels};
 }
 
 RenderSettings LivePicture::Impl::settings() const {
@@ -212,6 +212,10 @@ bool LivePicture::follow() {
   const int opened_count = m_impl->body.opened_count();
   if (m_impl->body.follow()) m_impl->is_new = true;
   if (m_impl->body.opened_count() != opened_count) m_impl->drop_pictures();
+  return follow_view();
+}
+
+bool LivePicture::follow_view() {
   if (!m_impl->is_new) return false;
   m_impl->keep_finished();
   m_settled.reset();

@@ -40,6 +40,8 @@ class LivePicture {
   void paint_with(Painter painter);
   /// The body may have moved; whether it has, or the view is another.
   bool follow();
+  /// While the body is being moved: it is seen as it was followed last.
+  bool follow_view();
 
   /// Makes what rays read: the inverse, or offsets that samples solve for, whichever leaves time
   /// for more pixels in `budget_ms` (0: however long it takes), counted from here; where neither

@@ -95,13 +95,25 @@ void OpenScene::begins() {
   m_outlets.progress.begin();
   m_moves_view = false;
   m_is_told = false;
-  m_range_before = std::exchange(m_range, std::nullopt);
+  m_is_moving = true;
+  m_range.reset();
 }
 
 void OpenScene::carried_out(const LiveEvent& event) {
   m_moves_view = event.is_of_view();
-  if (m_moves_view) m_range = m_range_before;
+  m_is_told = false;
   m_number = std::uint64_t(event.number);
+  if (!m_moves_view) ends();
+}
+
+void OpenScene::went_on() {
+  m_moves_view = false;
+  m_is_told = false;
+  ends();
+}
+
+void OpenScene::ends() {
+  m_is_moving = false;
   m_outlets.progress.end();
 }
 
@@ -109,7 +121,7 @@ bool OpenScene::refused(const LiveEvent& event, const std::string& why) {
   m_number = std::max(m_number, std::uint64_t(event.number));
   m_outlets.pages.tell_refused(m_number, why);
   m_is_told = false;
-  m_outlets.progress.end();
+  if (!event.is_of_view()) ends();
   return true;
 }
 

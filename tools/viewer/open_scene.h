@@ -48,7 +48,8 @@ class OpenScene final : public LoopWatcher {
   PageProgress& progress() { return m_outlets.progress; }
   Console& console() { return m_outlets.console; }
 
-  /// The message `scene`, but for `event`, which each page counts for itself.
+  /// The message `scene`, but for `event`, which each page counts for itself. While the body is
+  /// being moved, it is described as it was.
   nlohmann::ordered_json description();
   nlohmann::ordered_json slices_json();
   void tell_scene();
@@ -60,7 +61,8 @@ class OpenScene final : public LoopWatcher {
  private:
   void begins() override;
   void carried_out(const LiveEvent& event) override;
-  void went_on() override { m_outlets.progress.end(); }
+  void went_on() override;
+  void ends();
   bool refused(const LiveEvent& event, const std::string& why) override;
   void drew(const Image& first, const LiveCost& cost, const Stopwatch& since_event) override;
   void settled(const Image& image, const Stopwatch& since_event) override;
@@ -69,6 +71,7 @@ class OpenScene final : public LoopWatcher {
   bool draw_next_pane();
   bool may_tell() const;
   const ScalarRange& densities();
+  nlohmann::ordered_json body_description();
   bool has_overlay() const { return m_settings.slices.overlay != FieldOverlay::none; }
   void choose_painter();
   void paint_overlay(FloatImage& seen, const Camera& camera);
@@ -82,10 +85,12 @@ class OpenScene final : public LoopWatcher {
   double m_budget_ms;
   /// Of each pane: 0 up to date, 1 to be drawn exactly, 2 to be drawn in haste and then exactly.
   std::array<int, kViewCount> m_stale{};
-  std::optional<ScalarRange> m_range, m_range_before;
+  std::optional<ScalarRange> m_range;
   std::optional<ScalarRange> m_densities;     // once they were asked for
   std::optional<RestOutline> m_rest_outline;  // while it is drawn in space
+  nlohmann::ordered_json m_body_told;         // of description(), as it was before the body moved
   bool m_is_told = false;
+  bool m_is_moving = false;
   bool m_moves_view = false;  // the event changes how the body is looked at, not the body
   std::chrono::steady_clock::time_point m_told;
 };

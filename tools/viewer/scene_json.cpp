@@ -236,20 +236,26 @@ Json OpenScene::slices_json() {
 }
 
 Json OpenScene::description() {
-  const State& state = picture().opened();
+  if (!m_is_moving) m_body_told = body_description();
   const SceneView& view = picture().view();
-  const Session& session = m_live.session();
-  const HeldParts held = held_parts(m_live.done());
   Json clips = Json::array();
   for (const ClipChoice& clip : view.clips) clips.push_back(clip_json(clip));
-  Json scene;
-  scene["volume"] = volume_json(m_live.scene(), state, densities());
+  Json scene = m_body_told;
   scene["view"] = {{"camera", camera_json(*view.camera.camera)},
                    {"preset", view.transfer ? "" : view.preset},
                    {"transfer", transfer_json(look_of(view))},
                    {"clips", clips}};
   scene["slices"] = slices_json();
   scene["deformed"] = m_settings.deformed;
+  return scene;
+}
+
+Json OpenScene::body_description() {
+  const State& state = picture().opened();
+  const Session& session = m_live.session();
+  const HeldParts held = held_parts(m_live.done());
+  Json scene;
+  scene["volume"] = volume_json(m_live.scene(), state, densities());
   scene["grab"] = nullptr;
   if (const auto& grab = m_live.grabbed()) {
     Json event = {{"kind", name_of(grab->kind)}};
@@ -266,6 +272,7 @@ Json OpenScene::description() {
   const char* const models[] = {"ecm", "springs", "fem"};
   scene["model"] = models[std::size_t(m_live.model())];
   scene["relaxing"] = m_live.passes_left();
+  scene["settling"] = m_live.has_more();
   scene["relaxes"] = session.material().relaxes;
   scene["material"] = {{"name", m_live.scene().material_path},
                        {"fold_free", session.links().fold_free}};

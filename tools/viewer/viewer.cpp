@@ -252,6 +252,7 @@ void Viewer::take_cancel(int page, const PageMessage& message) {
     m_scene->stop();
     m_scene->tell_scene();
   });
+  interrupt();
   answer(page, message, true);
 }
 
@@ -261,15 +262,18 @@ void Viewer::interrupt() {
 }
 
 void Viewer::answer_later(int page, const PageMessage& message, const Question& work) {
-  m_mailbox.post([this, page, message, work] {
-    m_progress.begin();
-    try {
-      answer(page, message, work(opened()));
-    } catch (const std::exception& error) {
-      answer_error(page, message, error.what());
-    }
-    m_progress.end();
-  });
+  const bool reads_body = message.verb == "save";  // and may take long
+  m_mailbox.post(
+      [this, page, message, work, reads_body] {
+        if (reads_body) m_progress.begin();
+        try {
+          answer(page, message, work(opened()));
+        } catch (const std::exception& error) {
+          answer_error(page, message, error.what());
+        }
+        if (reads_body) m_progress.end();
+      },
+      reads_body ? TaskKind::reads : TaskKind::looks);
   interrupt();
 }
 
@@ -328,6 +332,18 @@ void Viewer::take_slices(const PageMessage& message) {
   m_settings.slices = slices;
 }
 
+void Viewer::see() {
+  ViewSettings settings;
+  std::uint64_t last = 0;
+  {
+    const std::lock_guard lock(m_guard);
+    m_is_view_posted = false;
+    settings = m_settings;
+    last = m_view_number;
+  }
+  if (m_scene) m_scene->see(settings, last);
+}
+
 /// Of wishes that follow each other before the session looks only the last counts.
 void Viewer::see_soon(int page, const PageMessage& message) {
   const std::uint64_t number = take_number(page, message);
@@ -338,17 +354,7 @@ void Viewer::see_soon(int page, const PageMessage& message) {
     is_posted = std::exchange(m_is_view_posted, true);
   }
   if (!is_posted) {
-    m_mailbox.post([this] {
-      ViewSettings settings;
-      std::uint64_t last = 0;
-      {
-        const std::lock_guard lock(m_guard);
-        m_is_view_posted = false;
-        settings = m_settings;
-        last = m_view_number;
-      }
-      if (m_scene) m_scene->see(settings, last);
-    });
+    m_mailbox.post([this] { see(); }, TaskKind::looks);
     interrupt();
   }
   ViewSettings now;

@@ -60,6 +60,7 @@ class Viewer {
   void take_wish(const PageMessage& message);
   void take_size(const PageMessage& message);
   void take_slices(const PageMessage& message);
+  void see();
   void see_soon(int page, const PageMessage& message);
   void interrupt();
   std::uint64_t take_number(int page, const PageMessage& message);

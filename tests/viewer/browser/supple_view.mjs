@@ -67,7 +67,7 @@ export class View {
 
   /// All that was sent is carried out, and the pictures of all views are settled ones of it.
   async settled(seconds = 20) {
-    await this.until('all is carried out', '$state === "connected" && $scene && $carriedOut >= $sent && !$scene.relaxing', seconds);
+    await this.until('all is carried out', '$state === "connected" && $scene && $carriedOut >= $sent && !$scene.settling', seconds);
     // Slices are drawn exactly after the picture in space has settled; of four views one slice is seen, or only one view.
     const n = await this.get('barrier()');
     const slice = await this.page.eval(`['axial', 'coronal', 'sagittal'].find((name) => document.querySelector('#view-' + name + ' .picture').clientWidth > 0)`);
