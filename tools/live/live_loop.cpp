@@ -117,8 +117,8 @@ void LiveLoop::run(EventMailbox& mailbox) {
     if (posted) {
       m_looked = posted->kind == TaskKind::looks;
       do_posted(*posted);
-      // Other work goes before what settles drags, which may take long.
-    } else if (may_go_on && (has_turn || !(m_has_work && m_live.is_unsettled()))) {
+      // Other work goes before slices, which may take long.
+    } else if (may_go_on && (has_turn || !m_has_work)) {
       m_looked = false;
       m_gave_way = !go_on(&mailbox);
     } else if (m_has_work) {
