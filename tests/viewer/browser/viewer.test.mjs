@@ -427,6 +427,42 @@ step('nothing is clipped or lies over another at any size of the window', async 
   await view.settled();
 });
 
+step('nothing moves when a bar, a button or a message comes', async () => {
+  for (const [width, height] of [[1280, 800], [2560, 1440], [390, 844], [640, 400]]) {
+    await page.resize(width, height, 1);
+    await sleep(150);
+    const moved = await page.eval(`(() => {
+      const boxes = () => JSON.stringify([...document.querySelectorAll('.picture')].map((e) => e.getBoundingClientRect()));
+      const before = boxes(), moved = [];
+      const shown = (id, text) => {
+        const at = document.getElementById(id), was = [at.hidden, at.querySelector('span')?.textContent];
+        at.hidden = false;
+        if (at.querySelector('span')) at.querySelector('span').textContent = text;
+        if (boxes() !== before) moved.push(id);
+        [at.hidden] = was;
+        if (at.querySelector('span')) at.querySelector('span').textContent = was[1];
+      };
+      for (const text of ['', 'a long line of what is being done, and for how long it is likely to go on like this']) {
+        for (const id of ['progress', 'banner', 'relax-stop']) shown(id, text);
+        const say = document.getElementById('say'), said = say.textContent;
+        say.textContent = text.repeat(4);
+        if (boxes() !== before) moved.push('say');
+        say.textContent = said;
+        const button = document.getElementById('deformed'), name = button.textContent;
+        for (const other of ['At rest', 'Deformed']) {
+          button.textContent = other;
+          if (boxes() !== before) moved.push(other);
+        }
+        button.textContent = name;
+      }
+      return moved;
+    })()`);
+    assert.deepEqual(moved, [], `at ${width} × ${height}`);
+  }
+  await page.resize(kWindow.width, kWindow.height, 1);
+  await view.settled();
+});
+
 step('a page that is loaded again finds its session', async () => {
   const before = await scene(), {session} = await view.get('hello');
   await page.reload();
