@@ -146,6 +146,8 @@ Fields fields(GivenMotion& given) {
           .unit("mm")
           .at_least(0),
       Field("push", given.push, "Moves tissue ahead of it along each axis, and never back"),
+      Field("spare_fixed", given.spares_fixed,
+            "Leaves out elements that are fixed, and rigid pieces that anchors hold"),
   };
 }
 
@@ -249,6 +251,7 @@ std::vector<Drag> to_drags(const GivenHandle& given, const Geometry& geometry, d
   if (needs_selection(given)) drag.selection = to_selection(given, geometry);
   drag.motion = motion_of(given, geometry);
   drag.soft_mm = given.soft_mm;
+  drag.spares_fixed = given.spares_fixed;
   if (given.is_animated()) {
     const DragPose pose = pose_of(path_of(given, geometry).at(time), drag.motion);
     drag.by_mm = pose.by_mm;

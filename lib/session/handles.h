@@ -49,6 +49,7 @@ struct GivenMotion {
   std::optional<Vec3d> scale_axes;  // per axis of the frame
   double soft_mm = 0;
   bool push = false;
+  bool spares_fixed = false;
 };
 Fields fields(GivenMotion& given);
 

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "lib/material/material_file.h"
+#include "lib/session/drag_handles.h"
 #include "lib/session/journal.h"
 #include "lib/session/session_before.h"
 #include "lib/session/session_walk.h"
@@ -147,8 +148,26 @@ Region Session::region_of_label(std::int32_t label, const std::string& role) con
 }
 
 Region Session::region_of(const Drag& drag) const {
-  if (drag.selection) return supple::region_of(*drag.selection, m_body, m_state.density, "grab");
-  return drag.label != 0 ? region_of_label(drag.label, "grab") : drag.region;
+  Region region = drag.region;
+  if (drag.selection) {
+    region = supple::region_of(*drag.selection, m_body, m_state.density, "grab");
+  } else if (drag.label != 0) {
+    region = region_of_label(drag.label, "grab");
+  }
+  return drag.spares_fixed && !m_anchors.empty() ? without_fixed(region) : region;
+}
+
+Region Session::without_fixed(const Region& region) const {
+  SlotSet free = elements_of(m_body, region, "grab");
+  const SlotSet fixed = fixed_elements();
+  Slot slot;
+  if (!free.first_common(fixed, slot)) return region;
+  free.remove(fixed);
+  if (free.empty()) {
+    throw InputError({"", "grab " + region.name(), "fixed elements alone",
+                      "elements that no anchor holds; an anchor that is released lets go of them"});
+  }
+  return supple::region_of(free, m_body.elements, region.name());
 }
 
 void Session::check(const StepRequest& request) const {

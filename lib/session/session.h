@@ -117,6 +117,7 @@ class Session {
   void open_labels(const std::string& path, Progress* progress);
   void warn_of_material(Progress* progress) const;
   Region region_of(const Drag& drag) const;
+  Region without_fixed(const Region& region) const;
   std::vector<Region> regions_of(const StepRequest& request) const;
   Region region_of_label(std::int32_t label, const std::string& role) const;
   void release_and_fix(const StepRequest& request);

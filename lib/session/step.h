@@ -37,6 +37,7 @@ struct Drag {
   std::optional<Selection> selection = {};  // grabbed instead of the region
   HandleMotion motion = {};
   double soft_mm = 0;  // width of an edge around a selected box or ball, which follows in part
+  bool spares_fixed = false;  // leaves out what anchors hold, whole rigid pieces too
   /// Poses to pass through before the motion above; as many in every drag of a step that has any.
   std::vector<DragPose> way = {};
 };

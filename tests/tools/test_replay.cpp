@@ -136,6 +136,39 @@ TEST_F(UnitReplay, PiecesShiftWhileTheyAreDraggedAndTurnAfterTheRelease) {
   EXPECT_NE(turned, dragged);
 }
 
+TEST_F(UnitReplay, AGrabThatSparesWhatIsFixedTakesWhatLiesBesideIt) {
+  const std::string bone =
+      event("step", "rigid = [{ name = \"bone\", grab_box = [8, 11, 12, 15, 12, 13] }]") +
+      event("anchor", "rigid_at = [9, 11, 12]");
+  const std::string drag = event("drag", "to = [0.3, 0.2, 0.5]");
+  const auto ball = [](const std::string& more) {
+    return event("grab", "grab_ball = [12, 11, 14]\nradius = 2\nsoft = 2\n" + more);
+  };
+  const Outcome refused = replay(journal(bone + ball("") + drag));
+  EXPECT_EQ(refused.exit_code, 3);
+  EXPECT_NE(refused.err.find("in both"), std::string::npos) << refused.err;
+  const std::string end =
+      hash(journal(bone + ball("spare_fixed = true") + drag),
+           "--scene " + (m_folder / "batch.toml") + " --journal " + (m_folder / "carried.toml") +
+               " --state " + (m_folder / "live.vdb"));
+  EXPECT_EQ(hash(m_folder / "carried.toml"), end);
+  EXPECT_EQ(hash(m_folder / "batch.toml"), end);
+  EXPECT_NE(hash(journal(bone)), end);
+  const State live = read_state(m_folder / "live.vdb");
+  Slot slot;
+  for (const Vec3i& voxel : {Vec3i(8, 11, 12), Vec3i(12, 11, 13), Vec3i(15, 12, 13)}) {
+    ASSERT_TRUE(slot_of(live.elements, voxel, slot));
+    for (const BrickValues& q : live.q) EXPECT_EQ(q.at(slot), 0);
+  }
+  ASSERT_TRUE(slot_of(live.elements, Vec3i(12, 11, 14), slot));
+  EXPECT_NE(live.q[2].at(slot), 0);
+  // A grab of fixed elements alone says so.
+  const Outcome none =
+      replay(journal(bone + event("grab", "grab = [9, 11, 12]\nspare_fixed = true")));
+  EXPECT_EQ(none.exit_code, 3);
+  EXPECT_NE(none.err.find("fixed elements alone"), std::string::npos) << none.err;
+}
+
 TEST_F(UnitReplay, ACutThatIsTakenOutHasNeverBeenMade) {
   const auto cut = [](int i) {
     return event("cut",

@@ -11,7 +11,7 @@ namespace {
 /// Of a handle's or a step's keys those that say what it takes hold of.
 std::string selection_keys(const Json& all) {
   std::vector<std::string> names = {"grab",       "grab_box", "at_mm", "points",
-                                    "grab_label", "soft",     "push"};
+                                    "grab_label", "soft",     "push",  "spare_fixed"};
   GivenSelection selection;
   for (const Field& field : fields(selection)) names.push_back(field.name());
   Json keys = Json::object();
@@ -42,6 +42,7 @@ HeldPart handle_of(const GivenHandle& moved, const Json& keys) {
   part.given.by = Vec3d(0);
   part.given.soft_mm = moved.soft_mm;
   part.given.push = moved.push;
+  part.given.spares_fixed = moved.spares_fixed;
   part.keys = selection_keys(keys);
   return part;
 }

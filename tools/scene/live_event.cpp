@@ -48,6 +48,7 @@ void read_grab(TomlTable& table, const LabelNames& names, LiveEvent& event) {
   GivenHandle& handle = event.step.handles.emplace_back();
   static_cast<GivenSelection&>(handle) = read_anchor(table, names);
   handle.soft_mm = table.number("soft").value_or(0);
+  handle.spares_fixed = table.boolean("spare_fixed").value_or(false);
   handle.push = event.kind == EventKind::push;
 }
 

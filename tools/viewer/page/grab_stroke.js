@@ -51,9 +51,9 @@ export class GrabStroke {
     const {voxel} = this.pick;
     const kind = this.app.settings.push ? 'push' : 'grab';
     const {soft} = this.app.settings;
-    this.events.push(this.session.event(this.radius > 0
-      ? {kind, grab_ball: voxel, radius: this.radius, ...(soft > 0 ? {soft} : {})}
-      : {kind, grab: voxel, ...(soft > 0 ? {soft} : {})}));
+    const place = this.radius > 0 ? {grab_ball: voxel, radius: this.radius} : {grab: voxel};
+    // Beside an anchor the handle takes what the anchor does not hold.
+    this.events.push(this.session.event({kind, ...place, ...(soft > 0 ? {soft} : {}), spare_fixed: true}));
     this.tell();
   }
 
