@@ -367,6 +367,53 @@ def reconnection(server, folder):
     again.close()
 
 
+def bone_is_fixed(folder):
+    """The largest bone of a volume is fixed by an event of the journal, once; handles take what is
+    beside it."""
+    with open(os.path.join(folder, "ball.nrrd"), "rb") as file:
+        volume = bytearray(file.read())
+    values = len(volume) - 2 * 40 ** 3
+    for i, j, k in ((i, j, k) for i in (28, 29) for j in (19, 20) for k in (19, 20)):
+        at = values + 2 * (i + 40 * (j + 40 * k))
+        volume[at:at + 2] = (1200).to_bytes(2, "little")
+    with open(os.path.join(folder, "bones.nrrd"), "wb") as file:
+        file.write(volume)
+    with open(os.path.join(folder, "bones.toml"), "w") as file:
+        file.write("domain = [0, 1300]\nactive = [1, 1300]\nmax_length = [[0, 1.5]]\n"
+                   "min_length = [[0, 0.6]]\nshear = [[0, 0.29]]\nrigid = [1100, 1300]\n")
+    server = Server("bones.nrrd", "--material", "bones.toml", "--size", "96,96", folder=folder)
+    page = begin(server)
+    expect([stroke["text"] for stroke in page.scene["undo"]] == ["anchor"], page.scene["undo"])
+    [anchor] = page.scene["anchors"]
+    expect(sum((at - 19.5) ** 2 for at in anchor["event"]["rigid_at"]) <= 16, anchor)
+    page.event("grab", grab_ball=[20, 16, 20], radius=3)
+    page.event("drag", to=[0.4, 0, 0])
+    page.until(lambda: page.logs and page.logs[-1].get("n") == page.n)
+    expect("in both" in page.logs[-1]["text"], page.logs[-1])
+    page.event("grab", grab_ball=[20, 16, 20], radius=3, spare_fixed=True)
+    page.event("drag", to=[0.4, 0, 0])
+    page.event("release")
+    scene = page.carried_out()
+    expect(scene["moved"] > 0 and scene["fraction"] > 0, scene["fraction"])
+    for what, name in (("state", "held.vdb"), ("journal", "held_journal.toml"), ("scene", "held.toml")):
+        page.ask(save={"what": what, "path": name})
+    for name in ("held_journal.toml", "held.toml"):
+        run = subprocess.run([binary(), "replay", name, "--quiet", "--check", "held.vdb", "--size", "32,32"],
+                             cwd=folder)
+        expect(run.returncode == 0, f"{name} leads to the state")
+    page.event("release", anchor=1)
+    expect(page.carried_out()["anchors"] == [], "let go of")
+    page.close()
+    server.stop()
+    for name, strokes in (("held_journal.toml", ["anchor", "drag"]), ("held.toml", ["step", "step"]),
+                          ("held.vdb", [])):
+        server = Server(name, "--size", "96,96", folder=folder)
+        page = begin(server)
+        expect([stroke["text"] for stroke in page.scene["undo"]] == strokes, (name, page.scene["undo"]))
+        page.close()
+        server.stop()
+
+
 def ends(folder):
     """Ctrl-C, the last page gone, a port that is taken, and a kill in mid-drag."""
     server = Server("ball.nrrd", "--size", "96,96", folder=folder)
@@ -420,8 +467,9 @@ def main():
                 begun = time.monotonic()
                 part(server, folder)
                 print(f"{part.__name__}: {time.monotonic() - begun:.1f} s", flush=True)
-        ends(folder)
-        print("ends")
+        for part in (bone_is_fixed, ends):
+            part(folder)
+            print(part.__name__)
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tools/live/first_anchor.h"
 #include "tools/outputs/view_pictures.h"
 #include "tools/pictures/jpeg.h"
 
@@ -45,6 +46,7 @@ OpenScene::OpenScene(const TomlTable& root, double budget_ms, const ViewSettings
     m_live.carry_out(event, &outlets.progress);
     while (m_live.has_more()) m_live.go_on(&outlets.progress);
   }
+  if (const auto anchor = first_anchor(m_live)) m_live.carry_out(*anchor, &outlets.progress);
   m_stale = {0, 1, 1, 1};
 }
 
