@@ -162,17 +162,30 @@ void BlockPropagator::run(const PropagationTask& task, const std::vector<Seed>& 
   Level first = 0;
   for (const Seed& seed : seeds) first = std::max(first, level_of(seed.value, task.direction));
   start(task, first, bucket_shift);
-  for (const Seed& seed : seeds) {
-    const Level level = level_of(seed.value, task.direction);
-    const Level present = level_of(task.values.at(seed.slot), task.direction);
-    const std::size_t brick = seed.slot / kBrickVoxels;
-    if (level > present) {
-      if (task.undo != nullptr) task.undo->before_change(brick, task.values);
-      task.values.set(seed.slot, seed.value);
-    }
-    if (level >= present) wait(brick, level, seeded());
-  }
+  set_seeds(task, seeds);
   drain(task, counts);
+}
+
+/// Neighbouring seeds of one brick are set together.
+void BlockPropagator::set_seeds(const PropagationTask& task, const std::vector<Seed>& seeds) {
+  for (std::size_t n = 0; n < seeds.size();) {
+    const std::size_t brick = seeds[n].slot / kBrickVoxels;
+    const std::int32_t* present = task.values.brick_or_zero(brick);
+    std::int32_t* values = nullptr;  // the same, once one of them changes
+    Level largest = 0;
+    for (; n < seeds.size() && seeds[n].slot / kBrickVoxels == brick; ++n) {
+      const Seed& seed = seeds[n];
+      const Level level = level_of(seed.value, task.direction);
+      const Level before = level_of(present[seed.slot % kBrickVoxels], task.direction);
+      if (level > before && values == nullptr) {
+        if (task.undo != nullptr) task.undo->before_change(brick, task.values);
+        present = values = task.values.touch(brick);
+      }
+      if (level > before) values[seed.slot % kBrickVoxels] = seed.value;
+      if (level >= before) largest = std::max(largest, level);
+    }
+    if (largest > 0) wait(brick, largest, seeded());
+  }
 }
 
 void BlockPropagator::close(const PropagationTask& task, int bucket_shift,

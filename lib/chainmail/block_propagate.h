@@ -47,6 +47,7 @@ class BlockPropagator {
   const LinkCosts& costs_of(const PropagationTask& task);
   void find_neighbours();
   void start(const PropagationTask& task, Level first, int bucket_shift);
+  void set_seeds(const PropagationTask& task, const std::vector<Seed>& seeds);
   void wait(std::size_t brick, Level level, int entrance);
   void drain(const PropagationTask& task, PropagationCounts& counts);
   void forget_waiting();

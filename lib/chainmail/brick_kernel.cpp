@@ -93,6 +93,10 @@ class ByteTable {
 /// Plain loads beat the gather instructions.
 void gather_costs(const CostRow& row, const std::uint16_t* __restrict index, int count,
                   Level* __restrict out) {
+  if (row.is_uniform) {
+    std::fill(out, out + count, row.levels.front());
+    return;
+  }
 #ifdef __AVX512VBMI__
   if (!row.bytes.empty()) {
     const ByteTable table(row.bytes);

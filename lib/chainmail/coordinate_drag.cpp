@@ -78,7 +78,7 @@ void CoordinateDrag::propagate(Direction direction, const std::vector<Seed>& see
     return saved != nullptr ? saved : m_values.brick_or_zero(brick);
   };
   for (;;) {
-    const std::vector<Seed> more = m_pieces.lagging(m_values, before, direction, m_undo.bricks());
+    const std::vector<Seed> more = m_pieces.lagging(m_values, before, direction);
     if (more.empty()) return;
     run(direction, more);
   }

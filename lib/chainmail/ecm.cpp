@@ -3,8 +3,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <memory>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
 
 #include "lib/chainmail/coordinate_drag.h"
 #include "lib/chainmail/held_voxels.h"
@@ -53,8 +57,7 @@ std::int64_t count_moved(const CoordinateDrags& drags) {
     bricks.erase(std::unique(bricks.begin(), bricks.end()), bricks.end());
   }
 
-  std::int64_t moved = 0;
-  for (const std::size_t brick : bricks) {
+  const auto moved_in = [&](std::size_t brick) {
     std::int32_t changes[kBrickVoxels] = {};
     for (const auto& drag : drags) {
       const std::int32_t* before = drag->undo().saved_of(brick);
@@ -62,9 +65,16 @@ std::int64_t count_moved(const CoordinateDrags& drags) {
       const std::int32_t* now = drag->values().brick_or_zero(brick);
       for (int n = 0; n < kBrickVoxels; ++n) changes[n] |= before[n] ^ now[n];
     }
-    moved += kBrickVoxels - std::count(changes, changes + kBrickVoxels, 0);
-  }
-  return moved;
+    return kBrickVoxels - std::count(changes, changes + kBrickVoxels, 0);
+  };
+  using Range = tbb::blocked_range<std::size_t>;
+  return tbb::parallel_reduce(
+      Range(0, bricks.size(), 64), std::int64_t(0),
+      [&](const Range& range, std::int64_t moved) {
+        for (std::size_t n = range.begin(); n < range.end(); ++n) moved += moved_in(bricks[n]);
+        return moved;
+      },
+      std::plus<>());
 }
 
 std::vector<PieceShift> shifted_pieces(const FreePieces& pieces, const CoordinateDrags& drags) {
@@ -181,26 +191,33 @@ EcmReport EcmSolver::drag(const std::vector<Handle>& handles, const std::vector<
 
 EcmReport EcmSolver::drag(const std::vector<Handle>& handles, const std::vector<Region>& anchors,
                           Holds& holds, Progress* progress) {
-  return run(handles, anchors, holds, Extent::part, false, progress);
+  return run(handles, anchors, holds, Extent::part, Shifts::allowed, progress);
 }
 
 EcmReport EcmSolver::drag_whole(const std::vector<Handle>& handles,
                                 const std::vector<Region>& anchors, Holds& holds,
                                 Progress* progress) {
-  return run(handles, anchors, holds, Extent::whole, false, progress);
+  return run(handles, anchors, holds, Extent::whole, Shifts::allowed, progress);
 }
 
 EcmReport EcmSolver::drag_unless_pieces_shift(const std::vector<Handle>& handles,
                                               const std::vector<Region>& anchors, Holds& holds,
                                               bool whole, Progress* progress) {
-  return run(handles, anchors, holds, whole ? Extent::whole : Extent::part, true, progress);
+  return run(handles, anchors, holds, whole ? Extent::whole : Extent::part, Shifts::never,
+             progress);
+}
+
+EcmReport EcmSolver::drag_whole_or_unshifted(const std::vector<Handle>& handles,
+                                             const std::vector<Region>& anchors, Holds& holds,
+                                             Progress* progress) {
+  return run(handles, anchors, holds, Extent::part, Shifts::in_whole, progress);
 }
 
 EcmReport EcmSolver::try_whole(const std::vector<Handle>& handles,
                                const std::vector<Region>& anchors, const Holds& holds,
                                Progress* progress) {
   Holds same = holds;
-  return run(handles, anchors, same, Extent::tried, false, progress);
+  return run(handles, anchors, same, Extent::tried, Shifts::allowed, progress);
 }
 
 std::vector<std::vector<ElementBounds>> EcmSolver::bounds_of(
@@ -232,8 +249,7 @@ const FixedElements& EcmSolver::fixed(const std::vector<Region>& anchors) {
 }
 
 EcmReport EcmSolver::run(const std::vector<Handle>& handles, const std::vector<Region>& anchors,
-                         Holds& holds, Extent extent, bool unless_pieces_shift,
-                         Progress* progress) {
+                         Holds& holds, Extent extent, Shifts shifts, Progress* progress) {
   const auto begin = std::chrono::steady_clock::now();
   EcmReport result;
   result.engine = engine();
@@ -255,7 +271,9 @@ EcmReport EcmSolver::run(const std::vector<Handle>& handles, const std::vector<R
   result.fraction_numerator = fraction.numerator;
   result.fraction_denominator = fraction.denominator;
   result.shifted = shifted_pieces(pieces, drags);
-  if (unless_pieces_shift && !result.shifted.empty()) return result;
+  const bool may_shift =
+      shifts == Shifts::allowed || (shifts == Shifts::in_whole && fraction.is_whole());
+  if (!may_shift && !result.shifted.empty()) return result;
   if (extent == Extent::tried || (extent == Extent::whole && !fraction.is_whole())) return result;
   result.moved = count_moved(drags);
   Holds next = holds_after(held, fraction);

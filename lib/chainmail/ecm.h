@@ -125,6 +125,13 @@ class EcmSolver {
                                      const std::vector<Region>& anchors, Holds& holds, bool whole,
                                      Progress* progress = nullptr);
 
+  /// The whole drag with shifts of free pieces, or the part that anchors allow where that shifts
+  /// none. Otherwise nothing moves: anchors stop a part of the drag that shifts the pieces of the
+  /// report.
+  EcmReport drag_whole_or_unshifted(const std::vector<Handle>& handles,
+                                    const std::vector<Region>& anchors, Holds& holds,
+                                    Progress* progress = nullptr);
+
   /// The report that drag_whole() would give; the body stays. Throws as drag() does.
   EcmReport try_whole(const std::vector<Handle>& handles, const std::vector<Region>& anchors,
                       const Holds& holds, Progress* progress = nullptr);
@@ -151,8 +158,10 @@ class EcmSolver {
  private:
   /// part: as far as anchors allow; whole: all or nothing; tried: nothing, but the report.
   enum class Extent { part, whole, tried };
+  /// Whether free pieces may shift: in the whole drag alone, where anchors stop nothing.
+  enum class Shifts { allowed, in_whole, never };
   EcmReport run(const std::vector<Handle>& handles, const std::vector<Region>& anchors,
-                Holds& holds, Extent extent, bool unless_pieces_shift, Progress* progress);
+                Holds& holds, Extent extent, Shifts shifts, Progress* progress);
   FreePieces free_pieces(const HeldVoxels& held) const;
   const FixedElements& fixed(const std::vector<Region>& anchors);
 

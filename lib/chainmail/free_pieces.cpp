@@ -1,11 +1,15 @@
 #include "lib/chainmail/free_pieces.h"
 
 #include <algorithm>
-#include <map>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
 
 namespace supple {
 
 namespace {
+
+constexpr std::size_t kBricksPerTask = 64;
 
 bool holds_all(const SlotSet& set, const SlotSet& part) {
   return std::all_of(part.bricks().begin(), part.bricks().end(), [&](const SlotSet::Brick& entry) {
@@ -26,38 +30,46 @@ FreePieces::FreePieces(const Body& body, const std::vector<const SlotSet*>& held
       return holds_all(*set, *piece.elements);
     });
     m_is_free.push_back(!is_held);
-    m_sizes.push_back(is_held ? 0 : piece.elements->size());
     m_count += !is_held;
   }
 }
 
+FreePieces::Reach FreePieces::reach_of(const SlotSet& elements, const BrickValues& now,
+                                       const Before& before) const {
+  using Range = tbb::blocked_range<std::size_t>;
+  const std::vector<SlotSet::Brick>& bricks = elements.bricks();
+  return tbb::parallel_reduce(
+      Range(0, bricks.size(), kBricksPerTask), Reach(),
+      [&](const Range& range, Reach reach) {
+        for (std::size_t n = range.begin(); n < range.end(); ++n) {
+          const std::int32_t* from = before(bricks[n].brick);
+          const std::int32_t* to = now.brick_or_zero(bricks[n].brick);
+          if (from == to) {
+            reach.add(0);
+            continue;
+          }
+          for_each_active(bricks[n].mask,
+                          [&](int offset) { reach.add(std::int64_t(to[offset]) - from[offset]); });
+        }
+        return reach;
+      },
+      [](Reach a, const Reach& b) {
+        a.least = std::min(a.least, b.least);
+        a.most = std::max(a.most, b.most);
+        return a;
+      });
+}
+
 std::vector<Seed> FreePieces::lagging(const BrickValues& now, const Before& before,
-                                      Direction direction,
-                                      const std::vector<std::size_t>& bricks) const {
-  const BrickValues& number_of = *m_body->rigid.number_of;
-  std::map<std::size_t, Reach> reached;
-  for (const std::size_t b : bricks) {
-    const std::int32_t* numbers = number_of.brick(b);
-    if (numbers == nullptr) continue;
-    const std::int32_t* from = before(b);
-    const std::int32_t* to = now.brick_or_zero(b);
-    for_each_active(m_body->elements.mask(b), [&](int offset) {
-      if (numbers[offset] == 0) return;
-      const auto piece = std::size_t(numbers[offset] - 1);
-      if (m_is_free[piece] == 0) return;
-      const std::int64_t way = std::int64_t(to[offset]) - from[offset];
-      Reach& reach = reached[piece];
-      if (reach.elements++ == 0) reach.least = reach.most = way;
-      reach.least = std::min(reach.least, way);
-      reach.most = std::max(reach.most, way);
-    });
-  }
+                                      Direction direction) const {
   std::vector<Seed> seeds;
-  for (const auto& [piece, reach] : reached) {
-    const bool is_complete = reach.least == 0 || reach.elements == m_sizes[piece];
-    if (reach.least == reach.most && is_complete) continue;
+  for (std::size_t piece = 0; piece < m_is_free.size(); ++piece) {
+    if (m_is_free[piece] == 0) continue;
+    const SlotSet& elements = *m_body->rigid.list[piece].elements;
+    const Reach reach = reach_of(elements, now, before);
+    if (reach.least == reach.most) continue;
     const std::int64_t way = direction == Direction::raise ? reach.most : reach.least;
-    for (const SlotSet::Brick& entry : m_body->rigid.list[piece].elements->bricks()) {
+    for (const SlotSet::Brick& entry : elements.bricks()) {
       const std::int32_t* from = before(entry.brick);
       const std::int32_t* to = now.brick_or_zero(entry.brick);
       for_each_active(entry.mask, [&](int offset) {
@@ -89,14 +101,6 @@ SlotSet FreePieces::elements() const {
     bricks.insert(bricks.end(), own.begin(), own.end());
   }
   return SlotSet(std::move(bricks));
-}
-
-std::vector<std::size_t> FreePieces::bricks() const {
-  std::vector<std::size_t> bricks;
-  for (std::size_t b = 0; b < m_body->elements.brick_count(); ++b) {
-    if (m_body->rigid.number_of->brick(b) != nullptr) bricks.push_back(b);
-  }
-  return bricks;
 }
 
 }  // namespace supple

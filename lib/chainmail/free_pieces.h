@@ -6,6 +6,8 @@
 // The result is exact, the same bits whatever the order.
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
 #include <functional>
 #include <vector>
 
@@ -25,25 +27,29 @@ class FreePieces {
   /// Shift of each piece by a run, from `before` to `now`; 0 for pieces that are left out.
   std::vector<std::int32_t> shifts(const BrickValues& now, const UndoLog& before) const;
 
-  /// The offsets of a brick before the run.
+  /// The offsets of a brick before the run; where it has not touched the brick, the present ones.
+  /// Called from several threads.
   using Before = std::function<const std::int32_t*(std::size_t brick)>;
-  /// Targets of elements that lag behind their piece. `bricks`: all that may have changed.
-  std::vector<Seed> lagging(const BrickValues& now, const Before& before, Direction direction,
-                            const std::vector<std::size_t>& bricks) const;
+  /// Targets of elements that lag behind their piece.
+  std::vector<Seed> lagging(const BrickValues& now, const Before& before,
+                            Direction direction) const;
   /// Of all pieces that were not left out.
   SlotSet elements() const;
-  /// The bricks with elements of any piece.
-  std::vector<std::size_t> bricks() const;
 
  private:
+  /// How far the elements of a piece went.
   struct Reach {
-    std::int64_t least = 0, most = 0;
-    std::size_t elements = 0;  // looked at
+    std::int64_t least = INT64_MAX, most = INT64_MIN;
+
+    void add(std::int64_t way) {
+      least = std::min(least, way);
+      most = std::max(most, way);
+    }
   };
+  Reach reach_of(const SlotSet& elements, const BrickValues& now, const Before& before) const;
 
   const Body* m_body = nullptr;
   std::vector<char> m_is_free;  // per piece
-  std::vector<std::size_t> m_sizes;
   std::size_t m_count = 0;
 };
 

@@ -1,5 +1,7 @@
 #include "lib/chainmail/link_costs.h"
 
+#include <algorithm>
+
 namespace supple {
 
 namespace {
@@ -26,6 +28,8 @@ CostRow costs_of(const std::int32_t* slacks, std::size_t count) {
     row.levels[n] = slacks[n] >= kUnlimitedSlack ? kNoLink : Level(slacks[n]);
   }
   row.bytes = bytes_of(row.levels);
+  row.is_uniform = std::all_of(row.levels.begin(), row.levels.end(),
+                               [&](Level level) { return level == row.levels.front(); });
   return row;
 }
 

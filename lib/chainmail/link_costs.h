@@ -31,6 +31,7 @@ struct CostRow {
   /// The same as 512 low and 512 high bytes, for table look-ups in vector registers: where there
   /// are no more entries and every cost is below 2^16 - 1, which stands for kNoLink.
   std::vector<std::uint8_t> bytes;
+  bool is_uniform = false;  // every link costs the same, as where the limits are constant
 
   bool operator==(const CostRow& other) const { return levels == other.levels; }
 };

@@ -86,8 +86,7 @@ class Envelopes {
         m_coordinate(coordinate),
         m_propagator(propagator),
         m_progress(progress),
-        m_pieces(pieces),
-        m_of_pieces(pieces.empty() ? std::vector<std::size_t>() : pieces.bricks()) {}
+        m_pieces(pieces) {}
 
   /// That of all elements, or of the seeds.
   void move(Direction direction, BrickValues& moved, const std::vector<Seed>* seeds) {
@@ -101,7 +100,7 @@ class Envelopes {
     if (m_pieces.empty()) return;
     const auto before = [&](std::size_t brick) { return m_values.brick_or_zero(brick); };
     for (;;) {
-      const std::vector<Seed> more = m_pieces.lagging(moved, before, direction, m_of_pieces);
+      const std::vector<Seed> more = m_pieces.lagging(moved, before, direction);
       if (more.empty()) return;
       m_propagator.run(task, more);
     }
@@ -113,7 +112,6 @@ class Envelopes {
   Propagator& m_propagator;
   Progress* m_progress;
   const FreePieces& m_pieces;
-  const std::vector<std::size_t> m_of_pieces;
 };
 
 }  // namespace

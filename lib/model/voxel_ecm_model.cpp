@@ -24,6 +24,12 @@ bool VoxelEcmModel::move_unless_pieces_shift(const std::vector<Handle>& handles,
   return m_report.shifted.empty();
 }
 
+bool VoxelEcmModel::move_whole_or_unshifted(const std::vector<Handle>& handles,
+                                            Progress* progress) {
+  m_report = m_solver.drag_whole_or_unshifted(handles, m_held.anchors, m_held.holds, progress);
+  return m_report.fraction_numerator == m_report.fraction_denominator || m_report.shifted.empty();
+}
+
 bool VoxelEcmModel::allows(const std::vector<Handle>& handles, Progress* progress) {
   try {
     m_report = m_solver.try_whole(handles, m_held.anchors, m_held.holds, progress);

@@ -17,6 +17,8 @@ class VoxelEcmModel final : public Model<Handle> {
   bool move_whole(const std::vector<Handle>& handles, Progress* progress);
   /// move(), or move_whole(), unless free pieces would shift: false then, and report() says which.
   bool move_unless_pieces_shift(const std::vector<Handle>& handles, bool whole, Progress* progress);
+  /// EcmSolver::drag_whole_or_unshifted(); whether anything was done.
+  bool move_whole_or_unshifted(const std::vector<Handle>& handles, Progress* progress);
   /// Whether anchors and other handles allow the whole drag, which is not done.
   bool allows(const std::vector<Handle>& handles, Progress* progress);
   /// EcmSolver::bounds_of()

@@ -245,11 +245,12 @@ void Session::move_free_pieces_too(const std::vector<Handle>& handles, StepRecor
   move_with(allowed, poses, record, progress);
 }
 
-/// The whole drag; false, and nothing has moved, where shifts of free pieces do not allow it.
+/// The whole drag, or the part that anchors allow where that shifts no piece. Otherwise false, and
+/// nothing has moved: smallest motions may get further.
 bool Session::shift_pieces(const std::vector<Handle>& handles, StepRecord& record,
                            Progress* progress) {
   try {
-    if (!m_ecm->move_whole(handles, progress)) return false;
+    if (!m_ecm->move_whole_or_unshifted(handles, progress)) return false;
   } catch (const InputError&) {
     return false;  // a turn may still do
   }
