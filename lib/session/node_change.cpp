@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <cstring>
+#include <optional>
+#include <utility>
+
+#include <tbb/parallel_for.h>
 
 namespace supple {
 
@@ -42,19 +46,67 @@ void BrickChange<T>::take_back(BrickArray<T>& values) const {
   }
 }
 
+template <class T>
+void BrickChange<T>::take_over(const BrickArray<T>& now, BrickArray<T>& values) const {
+  values.resize(std::max(values.brick_count(), now.brick_count()));
+  for (const std::uint32_t b : m_bricks) {
+    if (now.brick(b) != nullptr) {
+      std::copy_n(now.brick(b), kBrickVoxels, values.touch(b));
+    } else {
+      values.release(b);
+    }
+  }
+}
+
 template class BrickChange<std::int16_t>;
 template class BrickChange<std::int32_t>;
 template class BrickChange<double>;
 
+namespace {
+
+template <class T>
+using BeforeAfter = std::pair<const BrickArray<T>*, const BrickArray<T>*>;
+
+template <class T>
+std::vector<BrickChange<T>> changes_of(const std::vector<BeforeAfter<T>>& arrays) {
+  std::vector<std::optional<BrickChange<T>>> found(arrays.size());
+  tbb::parallel_for(std::size_t(0), arrays.size(),
+                    [&](std::size_t n) { found[n].emplace(*arrays[n].first, *arrays[n].second); });
+  std::vector<BrickChange<T>> changes;
+  for (auto& change : found) changes.push_back(std::move(*change));
+  return changes;
+}
+
+}  // namespace
+
 NodeChange::NodeChange(const StepNodes& before, const Body& after) {
-  for (int a = 0; a < 3; ++a) {
-    m_integers.emplace_back(before.q[a], after.q[a]);
-    m_fractions.emplace_back(before.fraction[a], after.fraction[a]);
-    m_velocities.emplace_back(before.velocity_mm_s[a], after.velocity_mm_s[a]);
+  std::vector<BeforeAfter<std::int32_t>> integers;
+  std::vector<BeforeAfter<std::int16_t>> fractions;
+  std::vector<BeforeAfter<double>> velocities;
+  for (std::size_t a = 0; a < 3; ++a) {
+    integers.emplace_back(&before.q[a], &after.q[a]);
+    fractions.emplace_back(&before.fraction[a], &after.fraction[a]);
+    velocities.emplace_back(&before.velocity_mm_s[a], &after.velocity_mm_s[a]);
   }
-  for (int a = 0; a < 3; ++a) {
-    for (int c = 0; c < 3; ++c) m_integers.emplace_back(before.rest[a][c], after.rest[a][c]);
+  for (std::size_t a = 0; a < 3; ++a) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      integers.emplace_back(&before.rest[a][c], &after.rest[a][c]);
+    }
   }
+  m_integers = changes_of(integers);
+  m_fractions = changes_of(fractions);
+  m_velocities = changes_of(velocities);
+}
+
+void StepNodes::follow(const Body& body, const NodeChange& change) {
+  tbb::parallel_for(std::size_t(0), std::size_t(3), [&](std::size_t a) {
+    change.m_integers[a].take_over(body.q[a], q[a]);
+    change.m_fractions[a].take_over(body.fraction[a], fraction[a]);
+    change.m_velocities[a].take_over(body.velocity_mm_s[a], velocity_mm_s[a]);
+    for (std::size_t c = 0; c < 3; ++c) {
+      change.m_integers[3 + 3 * a + c].take_over(body.rest[a][c], rest[a][c]);
+    }
+  });
 }
 
 void NodeChange::take_back(Body& body) const {

@@ -17,6 +17,8 @@ class BrickChange {
   BrickChange(const BrickArray<T>& before, const BrickArray<T>& after);
   /// `values` are those after the change.
   void take_back(BrickArray<T>& values) const;
+  /// The bricks of the change become as they are in `now`.
+  void take_over(const BrickArray<T>& now, BrickArray<T>& values) const;
   std::size_t bytes() const { return m_values.size() * sizeof(T) + m_bricks.size() * 5; }
 
  private:
@@ -26,10 +28,14 @@ class BrickChange {
   std::vector<T> m_values;                // of those that were
 };
 
-/// All that models leave in nodes.
+class NodeChange;
+
+/// All that models leave in nodes, a copy that follows the body.
 struct StepNodes {
   explicit StepNodes(const Body& body)
       : q(body.q), fraction(body.fraction), rest(body.rest), velocity_mm_s(body.velocity_mm_s) {}
+  /// Takes over what has changed in the body since; nothing else has.
+  void follow(const Body& body, const NodeChange& change);
 
   std::array<BrickValues, 3> q;
   std::array<BrickArray<std::int16_t>, 3> fraction;
@@ -45,6 +51,8 @@ class NodeChange {
   std::size_t bytes() const;
 
  private:
+  friend StepNodes;
+
   std::vector<BrickChange<std::int32_t>> m_integers;  // q, then rest
   std::vector<BrickChange<std::int16_t>> m_fractions;
   std::vector<BrickChange<double>> m_velocities;

@@ -35,6 +35,8 @@ struct SessionOptions {
 
 constexpr std::size_t kMostUndoBytes = std::size_t(512) << 20;
 
+struct StepNodes;
+
 class Session {
  public:
   /// Opens a volume (elements at rest) or a state (continued). Throws InputError for what cannot be
@@ -160,7 +162,7 @@ class Session {
   void move(StepRecord& record, Progress* progress);
   void follow_ways(StepRecord& record, Progress* progress);
   std::vector<PieceMotion> motions_of(const StepRequest& request) const;
-  Before before(const StepRequest& request) const;
+  Before before(const StepRequest& request);
   void restore(Before&& before);
   void keep(Before&& before);
   HeldBody held() { return {m_body, m_anchors, m_holds}; }
@@ -179,7 +181,8 @@ class Session {
   std::vector<StepRecord> m_records;
   std::vector<std::string> m_messages;
   bool m_keeps_undo;
-  std::deque<Before> m_undo;  // one for each step that can be taken back
+  std::deque<Before> m_undo;                  // one for each step that can be taken back
+  std::unique_ptr<StepNodes> m_nodes_before;  // those of m_body between steps; null: of no step yet
   std::size_t m_undo_bytes = 0;
   std::unique_ptr<Walk> m_walk;  // while drags follow ways
   std::optional<Pose> m_pose;

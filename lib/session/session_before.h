@@ -18,8 +18,7 @@ struct MaterialBefore {
 };
 
 struct Session::Before {
-  std::optional<StepNodes> nodes;            // until the step is done
-  std::optional<NodeChange> change;          // from then on
+  std::optional<NodeChange> change;          // once the step is done
   std::optional<LinkCuts> cuts, state_cuts;  // once the step is done, where it changed them
   RigidPieces rigid;
   bool links_known_valid;

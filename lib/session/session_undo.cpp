@@ -26,9 +26,9 @@ std::size_t Session::Before::bytes() const {
          handed_over.elements_mm.size() * sizeof(Vec3d);
 }
 
-Session::Before Session::before(const StepRequest& request) const {
+Session::Before Session::before(const StepRequest& request) {
+  if (!m_nodes_before) m_nodes_before = std::make_unique<StepNodes>(m_body);
   return {
-      StepNodes(m_body),
       std::nullopt,
       m_body.cuts,
       m_state.cuts,
@@ -53,13 +53,12 @@ void Session::restore(Before&& before) {
     m_state = std::move(before.whole->first);
     m_body = std::move(before.whole->second);
     m_ecm = std::make_unique<VoxelEcmModel>(held());
+    m_nodes_before.reset();
   } else if (before.change) {
     before.change->take_back(m_body);
+    m_nodes_before->follow(m_body, *before.change);
   } else {
-    m_body.q = std::move(before.nodes->q);
-    m_body.fraction = std::move(before.nodes->fraction);
-    m_body.rest = std::move(before.nodes->rest);
-    m_body.velocity_mm_s = std::move(before.nodes->velocity_mm_s);
+    NodeChange(*m_nodes_before, m_body).take_back(m_body);
   }
   if (before.material) {
     m_material = before.material->material;
@@ -86,8 +85,12 @@ void Session::restore(Before&& before) {
 /// The step is done: only what it changed is kept, and of the oldest steps nothing where all take
 /// too much.
 void Session::keep(Before&& before) {
-  if (!before.whole) before.change.emplace(*before.nodes, m_body);
-  before.nodes.reset();
+  if (before.whole) {
+    m_nodes_before.reset();
+  } else {
+    before.change.emplace(*m_nodes_before, m_body);
+    m_nodes_before->follow(m_body, *before.change);
+  }
   if (!before.whole && *before.cuts == m_body.cuts) before.cuts.reset();
   if (!before.whole && *before.state_cuts == m_state.cuts) before.state_cuts.reset();
   m_undo_bytes += before.bytes();
