@@ -9,9 +9,9 @@ namespace supple {
 
 namespace {
 
-// Faces of cuts are planes that were fitted: one may lie this far ahead of a sample behind it, in
-// voxels.
-constexpr double kAhead = 0.5;
+// Faces of cuts are planes that were fitted: a sample of the piece may lie this far before one, in
+// voxels; and so far before one nothing of the piece is left.
+constexpr double kAhead = 0.5, kBefore = 0.25;
 
 bool is_near_border(const RenderContext& context, const Vec3d& pos) {
   if (context.border == nullptr) return false;
@@ -109,23 +109,49 @@ class FaceSearch {
   }
 
   /// A face counts where it cuts something that is seen, not where a ray came through its plane in
-  /// the air beside a lip. The tissue is taken as moved without turning since the ray crossed it.
+  /// the air beside a lip, nor where other tissue lies against it. The tissue is taken as moved
+  /// without turning since the ray crossed it.
   void add_piece(const Vec3d& seen_at, const Vec3d& read_at) {
     Vec3d normal;
     double depth_mm;
-    const std::int32_t piece = m_samples.batch.piece[m_lane];
-    const PointwiseOffsets& pieces = *m_context.output.pointwise();
-    if (m_samples.batch.split >> m_lane & 1) {
-      if (!pieces.face_in_source(read_at, normal, depth_mm)) return;
-      normal = Vec3d(as_seen(ClipSpace::source, normal, read_at));
-    } else if (!pieces.face(piece, seen_at, read_at, normal, depth_mm)) {
-      return;
-    }
+    if (!face_of_piece(seen_at, read_at, normal, depth_mm)) return;
     const double gain = normal.dot(direction());  // mm deeper per mm
     if (!(gain > 0)) return;
-    const double mm_ago = depth_mm / gain;
-    if (voxels_of(mm_ago) < -kAhead || share_of(mm_ago) == 0) return;
-    if (opacity_at(read_at - direction() * mm_ago) > 0) add(Vec3f(normal), mm_ago);
+    const double voxels = depth_mm / normal.length();
+    if (voxels < -kAhead) return;
+    const double mm_ago = std::max(depth_mm, 0.0) / gain;
+    if (share_of(mm_ago) <= m_face.share) return;
+    const float cut = opacity_at(read_at - direction() * mm_ago);
+    if (!(cut > 0)) return;
+    const Vec3d before = seen_at - normal * ((voxels + kBefore) / normal.length());
+    const float covered = std::min(opacity_of_others(before, normal) / cut, 1.0f);
+    add(Vec3f(normal), mm_ago, 1 - covered);
+  }
+
+  bool face_of_piece(const Vec3d& seen_at, const Vec3d& read_at, Vec3d& normal,
+                     double& depth_mm) const {
+    const PointwiseOffsets& pieces = *m_context.output.pointwise();
+    const bool is_interpolated = m_samples.batch.split >> m_lane & 1;
+    const std::int32_t piece = is_interpolated ? -1 : m_samples.batch.piece[m_lane];
+    if (pieces.face_in_source(piece, read_at, normal, depth_mm)) {
+      normal = Vec3d(as_seen(ClipSpace::source, normal, read_at));
+      return true;
+    }
+    return !is_interpolated && pieces.face(piece, seen_at, read_at, normal, depth_mm);
+  }
+
+  /// Opacity of a place before a face, unless it lies behind the same face.
+  float opacity_of_others(const Vec3d& place, const Vec3d& normal) const {
+    const PointwiseOffsets& pieces = *m_context.output.pointwise();
+    const std::int32_t brick = pieces.bricks().find(floor_voxel(place));
+    PointwiseOffsets::Sample found;
+    if (brick < 0 || !pieces.sample(std::size_t(brick), place, found)) return 0;
+    const Vec3d read_at = place + found.offset;
+    Vec3d own;
+    double depth_mm;
+    const bool has_face = pieces.face(found.piece, place, read_at, own, depth_mm);
+    const bool is_same = has_face && own.dot(normal) > 0.5 * own.length() * normal.length();
+    return is_same ? 0 : opacity_at(read_at);
   }
 
   double voxels_of(double mm) const {
@@ -135,9 +161,9 @@ class FaceSearch {
     return float(std::clamp(kFaceVoxels + 1 - voxels_of(mm_ago), 0.0, 1.0));
   }
 
-  /// `normal`: index space, of a face that the ray crossed some mm ago.
-  void add(const Vec3f& normal, double mm_ago) {
-    const float share = share_of(mm_ago);
+  /// `normal`: index space, of a face that the ray crossed some mm ago; `part` of it is bare.
+  void add(const Vec3f& normal, double mm_ago, float part = 1) {
+    const float share = part * share_of(mm_ago);
     if (share <= m_face.share) return;
     m_face.normal = m_context.to_world(normal).normalized();
     if (m_face.normal.dot(m_towards_eye) < 0) m_face.normal = -m_face.normal;

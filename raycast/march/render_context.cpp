@@ -68,15 +68,20 @@ Vec3f RenderContext::to_world(const Vec3f& g) const {
 
 Vec3f RenderContext::pull_back(const SampleBatch& batch, int lane, const Vec3d& x, const Vec3d& y,
                                const Vec3f& gradient) const {
-  if (batch.pointwise >> lane & 1) {
+  const bool is_smooth = source.interpolation() != Interpolation::linear;
+  const bool is_pointwise = batch.pointwise >> lane & 1;
+  if (is_smooth && (is_pointwise || (batch.split >> lane & 1))) {
+    const std::int32_t piece = is_pointwise ? batch.piece[lane] : output.piece_at(x);
+    if (piece >= 0) {
+      return Vec3f(output.pointwise()->pull_back_smoothly(piece, x, y, Vec3d(gradient)));
+    }
+  }
+  if (is_pointwise) {
     return Vec3f(output.pointwise()->pull_back(batch.piece[lane], x, y, Vec3d(gradient)));
   }
   if (!(batch.bent >> lane & 1)) return gradient;
   Vec3f pulled;
-  if (source.interpolation() != Interpolation::linear &&
-      output.pull_back_smoothly(x, gradient, pulled)) {
-    return pulled;
-  }
+  if (is_smooth && output.pull_back_smoothly(x, gradient, pulled)) return pulled;
   const float* node = tables.offsets + std::int64_t(batch.offset_node[lane]) * 3;
   return pull_back_gradient(
       {node, batch.ox[lane], batch.oy[lane], batch.oz[lane], tables.offset_dim}, gradient);

@@ -287,12 +287,24 @@ void OffsetBricks::mark_pointwise() {
 }
 
 /// False where it is void or pointwise.
+int OffsetBricks::piece_at(const Vec3d& place) const {
+  const std::int32_t b = m_pointwise->bricks().find(floor_voxel(place));
+  PointwiseOffsets::Sample found;
+  return b >= 0 && m_pointwise->sample(std::size_t(b), place, found) ? found.piece : -1;
+}
+
 bool OffsetBricks::offset_at(const Vec3d& place, Vec3f& offset) const {
   const Vec3i voxel(int(std::floor(place.x)), int(std::floor(place.y)), int(std::floor(place.z)));
   const std::int32_t b = find(voxel);
   if (b < 0) return false;
   if (is_identity(std::size_t(b))) {
     offset = Vec3f(0.0F);
+    return true;
+  }
+  if (is_pointwise(std::size_t(b))) {
+    PointwiseOffsets::Sample found;
+    if (!m_pointwise->sample(pointwise_brick(std::size_t(b)), place, found)) return false;
+    offset = Vec3f(found.offset);
     return true;
   }
   if (!is_deformed(std::size_t(b))) return false;

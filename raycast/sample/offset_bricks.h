@@ -41,6 +41,8 @@ class OffsetBricks {
   bool is_pointwise(std::size_t b) const { return m_states[b] <= kPointwise; }
   /// Null: there are no pointwise bricks.
   const PointwiseOffsets* pointwise() const { return m_pointwise.get(); }
+  /// The piece of theirs that lies at a place of a pointwise brick, or -1.
+  int piece_at(const Vec3d& place) const;
   /// Which of their bricks a pointwise brick is.
   std::size_t pointwise_brick(std::size_t b) const { return std::size_t(kPointwise - m_states[b]); }
   /// Of each pointwise brick: its place among offsets(), or -1, and its cells in which these are
@@ -63,7 +65,7 @@ class OffsetBricks {
   }
   /// (I + grad o)^T g at a place of the index frame, with differences of the trilinear offset half
   /// a cell to both sides: derivatives that do not jump where cells meet, for about six times the
-  /// cost of pull_back_gradient(). False where some of it is void or pointwise.
+  /// cost of pull_back_gradient(). Not beside a jump. False where some of it is void.
   bool pull_back_smoothly(const Vec3d& place, const Vec3f& gradient, Vec3f& pulled) const;
   /// Encoded densities that samples in brick b can read, wherever their offsets lead.
   const EncodedRange& range(std::size_t b) const { return m_ranges[b]; }

@@ -29,16 +29,22 @@ class PointwiseOffsets {
   /// (I + grad o)^T g of a sample found at x in this piece, which reads the source at y.
   virtual Vec3d pull_back(int piece, const Vec3d& x, const Vec3d& y,
                           const Vec3d& gradient) const = 0;
+  /// The same with differences over half a voxel to both sides, on the piece's side of all jumps:
+  /// derivatives that do not jump where pieces meet, for six more samples.
+  Vec3d pull_back_smoothly(int piece, const Vec3d& x, const Vec3d& y, const Vec3d& gradient) const;
   /// The face behind which a sample found at x in this piece lies, which reads the source at y: its
   /// normal, into the piece, in mm per voxel, and the distance to it in mm, as in the body before
   /// it was split. False: none is known.
   virtual bool face(int piece, const Vec3d& x, const Vec3d& y, Vec3d& normal,
                     double& depth_mm) const;
 
-  /// The same of a sample in such a cell; its normal in the source, in mm per voxel.
-  virtual bool face_in_source(const Vec3d& y, Vec3d& normal, double& depth_mm) const;
+  /// The same with the normal of the face in the source, in mm per voxel, where it is known there;
+  /// piece -1: of a sample in a cell that is interpolated.
+  virtual bool face_in_source(int piece, const Vec3d& y, Vec3d& normal, double& depth_mm) const;
 
  protected:
+  /// The offset at a place within a voxel of a piece, on its side of all jumps. False: none.
+  virtual bool offset_beside(int piece, const Vec3d& place, Vec3d& offset) const;
   /// All voxels of the bricks at these sorted origins.
   void set_bricks(std::vector<Vec3i> origins);
 

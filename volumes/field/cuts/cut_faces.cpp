@@ -79,7 +79,7 @@ CutFaces::CutFaces(const std::vector<TornCell>& cells, const CutBody& body,
   }
   for (std::size_t n = 0; n < m_points.size(); ++n) {
     fit_plane(m_points[n], links[n].first, geometry);
-    m_points[n].is_open = links[n].second.dot(m_points[n].across) > closed;
+    m_points[n].is_open = links[n].second.length() > closed;
     if (m_points[n].is_open) list_seen(int(n));
   }
   m_torn.resize(m_seen_at.size());

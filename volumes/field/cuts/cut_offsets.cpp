@@ -9,8 +9,6 @@ namespace supple {
 
 // The surface of a cut may reach so far, in voxels, into cells that it leaves whole.
 constexpr double kGrazed = 0.25;
-// Before the end of a gap there is none of a piece so far away, in voxels.
-constexpr double kBeforeEnd = 0.1;
 
 CutOffsets::CutOffsets(std::vector<CutBrick> bricks, CutFaces faces, const Vec3i& dims)
     : m_cells(std::move(bricks)), m_faces(std::move(faces)), m_dims(dims) {
@@ -92,33 +90,39 @@ Vec3d CutOffsets::pull_back(int number, const Vec3d& /*x*/, const Vec3d& y,
   return pulled_back(piece_at(number), y, gradient);
 }
 
-bool CutOffsets::face(int number, const Vec3d& x, const Vec3d& y, Vec3d& normal,
+bool CutOffsets::offset_beside(int number, const Vec3d& place, Vec3d& offset) const {
+  const std::int32_t b = bricks().find(floor_voxel(place));
+  Sample found;
+  found.piece = number;
+  if (b >= 0 && sample(std::size_t(b), place, found) &&
+      piece_at(number).piece.is_joined_to(piece_at(found.piece).piece)) {
+    offset = found.offset;
+    return true;
+  }
+  return offset_of(number, place, offset);
+}
+
+bool CutOffsets::face(int number, const Vec3d& /*x*/, const Vec3d& y, Vec3d& normal,
                       double& depth_mm) const {
-  const Beside& beside = m_beside[std::size_t(number)];
-  if (beside.seen == nullptr && beside.torn == 0) return false;
-  const PieceOfBrick of = piece_at(number);
-  const CutFaces::Depth depth = beside.seen != nullptr
-                                    ? m_faces.depth(y, of.piece.middle(), beside.seen)
-                                    : m_faces.depth_of_end(y, of.piece.cell, beside.torn);
-  if (depth.gradient == Vec3d(0)) return false;
-  normal = pulled_back(of, y, depth.gradient);
-  depth_mm = depth.mm;
-  return beside.seen != nullptr ||
-         is_gap(x - normal * (depth.mm / normal.length2() + kBeforeEnd / normal.length()));
+  if (!face_in_source(number, y, normal, depth_mm)) return false;
+  normal = pulled_back(piece_at(number), y, normal);
+  return true;
 }
 
-bool CutOffsets::is_gap(const Vec3d& x) const {
-  const std::int32_t b = bricks().find(floor_voxel(x));
-  Sample ignored;
-  return b >= 0 && !sample(std::size_t(b), x, ignored);
-}
-
-/// What is interpolated is whole.
-bool CutOffsets::face_in_source(const Vec3d& y, Vec3d& normal, double& depth_mm) const {
-  const Vec3i cell = floor_voxel(y);
-  const CutFaces::Points* seen = m_faces.seen_from(cell);
-  if (seen == nullptr) return false;
-  const CutFaces::Depth depth = m_faces.depth(y, Vec3d(cell) + Vec3d(0.5), seen);
+bool CutOffsets::face_in_source(int number, const Vec3d& y, Vec3d& normal, double& depth_mm) const {
+  CutFaces::Depth depth{HUGE_VAL, Vec3d(0)};
+  if (number < 0) {  // what is interpolated is whole
+    const Vec3i cell = floor_voxel(y);
+    depth = m_faces.depth(y, Vec3d(cell) + Vec3d(0.5), m_faces.seen_from(cell));
+  } else {
+    const CutPiece& piece = piece_at(number).piece;
+    const Beside& beside = m_beside[std::size_t(number)];
+    if (beside.seen != nullptr) {
+      depth = m_faces.depth(y, piece.middle(), beside.seen);
+    } else if (beside.torn != 0) {
+      depth = m_faces.depth_of_end(y, piece.cell, beside.torn);
+    }
+  }
   normal = depth.gradient;
   depth_mm = depth.mm;
   return normal != Vec3d(0);

@@ -74,9 +74,12 @@ class CutOffsets : public SplitOffsets {
   Vec3d pull_back(int piece, const Vec3d& x, const Vec3d& y, const Vec3d& gradient) const override;
   bool face(int piece, const Vec3d& x, const Vec3d& y, Vec3d& normal,
             double& depth_mm) const override;
-  bool face_in_source(const Vec3d& y, Vec3d& normal, double& depth_mm) const override;
+  bool face_in_source(int piece, const Vec3d& y, Vec3d& normal, double& depth_mm) const override;
   const BrickMask* interpolated(std::size_t b) const override { return &m_cells[b].interpolated(); }
   void source_box(std::size_t b, Vec3d& lo, Vec3d& hi) const override;
+
+ protected:
+  bool offset_beside(int piece, const Vec3d& place, Vec3d& offset) const override;
 
  private:
   struct PieceOfBrick {
@@ -91,7 +94,6 @@ class CutOffsets : public SplitOffsets {
     std::uint8_t torn;
   };
   Beside beside(const CutPiece& piece) const;
-  bool is_gap(const Vec3d& x) const;
   static Vec3d pulled_back(const PieceOfBrick& of, const Vec3d& y, const Vec3d& gradient);
 
   std::vector<CutBrick> m_cells;

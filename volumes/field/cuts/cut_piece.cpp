@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "volumes/field/inversion/deformed_cell.h"
+#include "volumes/grid/cell.h"
 
 namespace supple {
 
@@ -155,6 +156,19 @@ Vec3d CutPiece::pull_back(const Vec3d& X, const Vec3d& gradient) const {
   return (yz * gradient.x + columns[2].cross(columns[0]) * gradient.y +
           columns[0].cross(columns[1]) * gradient.z) /
          volume;
+}
+
+bool CutPiece::is_joined_to(const CutPiece& other) const {
+  const Vec3i step = other.cell - cell;
+  if (std::max({std::abs(step.x), std::abs(step.y), std::abs(step.z)}) > 1) return false;
+  for (int n = 0; n < kCellCorners; ++n) {
+    const Vec3i corner = cell_corner(n) - step;  // of the other
+    if (std::min({corner.x, corner.y, corner.z}) < 0) continue;
+    if (std::max({corner.x, corner.y, corner.z}) > 1) continue;
+    const int same = 4 * corner.x + 2 * corner.y + corner.z;
+    if (u[std::size_t(n)] != other.u[std::size_t(same)]) return false;
+  }
+  return true;
 }
 
 Content CutPiece::content_at(const Vec3d& X) const {

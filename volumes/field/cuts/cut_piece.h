@@ -32,6 +32,8 @@ struct CutPiece {
   bool has(const Vec3d& x, const Vec3d& offset) const;
   /// (dX/dx)^T g of a place X of the piece or beyond it; g itself where the piece is flat there.
   Vec3d pull_back(const Vec3d& X, const Vec3d& gradient) const;
+  /// Whether both are of cells that touch, and have moved alike where they do: one side.
+  bool is_joined_to(const CutPiece& other) const;
   /// What lies at a place X of the piece.
   Content content_at(const Vec3d& X) const;
   /// |X + u(X) - x|.
