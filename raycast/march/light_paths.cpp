@@ -65,6 +65,11 @@ LightMedium::LightMedium(const RenderContext& context_) : context(context_) {
     const double opacity = std::min(f.opacity_at(context.source.density(code)), kMostOpaque);
     m_extinction[n] = float(-std::log1p(-opacity) / f.unit_distance_mm);
   }
+  const double apart_mm = context.settings.lighting.volume_mm;
+  if (apart_mm > 0) {
+    volume = std::make_unique<LightVolume>(context.geometry, context.box_lo, context.box_hi,
+                                           apart_mm, int(lights.size()));
+  }
 }
 
 float LightMedium::with_gradient(float extinction, float gradient_per_mm) const {
@@ -98,6 +103,11 @@ const LightReached& LightPaths::reach_of_sample(double t_mm, const Vec3d& pos_lp
   const Vec3d step = m_context.geometry.index_vector_from_world(Vec3d(before)).normalized();
   const Vec3d pos_index = m_context.geometry.index_from_world(pos_lps_mm);
   const PathStart place{pos_index + step * kVolumeBias, pos_lps_mm, facing};
+  if (m_medium.volume != nullptr) {
+    m_reach = interpolated(place);
+    m_shadows_until = m_openness_until = t_mm + kShadowReuse * m_medium.voxel_mm;
+    return m_reach;
+  }
   if (shadows_are_due) {
     find_shadows(place, m_reach);
     m_shadows_until = t_mm + kShadowReuse * m_medium.voxel_mm;
@@ -107,6 +117,36 @@ const LightReached& LightPaths::reach_of_sample(double t_mm, const Vec3d& pos_lp
     m_openness_until = t_mm + kOpennessReuse * m_medium.voxel_mm;
   }
   return m_reach;
+}
+
+LightReached LightPaths::interpolated(const PathStart& place) {
+  const Lighting& lighting = m_context.settings.lighting;
+  const LightVolume::Light light = m_medium.volume->at(
+      place.volume_start, [this](const Vec3d& node) { return light_of_node(node); });
+  LightReached reached;
+  if (lighting.shadows) std::copy(light.lights.begin(), light.lights.end(), reached.lights.begin());
+  if (lighting.occlusion_radius_mm > 0) reached.openness = light.openness(place.facing);
+  return reached;
+}
+
+/// Faces all around, without a bias.
+LightVolume::Light LightPaths::light_of_node(const Vec3d& node) {
+  const Lighting& lighting = m_context.settings.lighting;
+  const PathStart place{node, m_context.geometry.world_from_index(node), {}};
+  LightVolume::Light light;
+  PathSamples own;
+  own.count = 1;
+  own.t[0] = 0;
+  find_extinctions({node, Vec3d(0)}, own);
+  light.clear = std::exp(-own.extinction[0] * float(m_medium.volume->spacing_mm()));
+  for (std::size_t n = 0; lighting.shadows && n < m_medium.lights.size(); ++n) {
+    light.lights[n] = transmittance(place, m_medium.lights[n]);
+  }
+  if (lighting.occlusion_radius_mm == 0) return light;
+  for (const LightMedium::Direction& direction : m_medium.around) {
+    light.add_around(direction.world, ambient_along(place, direction), 1.0f / kDirections);
+  }
+  return light;
 }
 
 LightReached LightPaths::reach_of_surface(const SurfacePoint& point) {

@@ -18,8 +18,10 @@
 // mm.
 #pragma once
 
+#include <memory>
 #include <vector>
 
+#include "raycast/march/light_volume.h"
 #include "raycast/march/marcher.h"
 
 namespace supple {
@@ -41,7 +43,8 @@ class LightMedium {
 
   const RenderContext& context;
   std::vector<Direction> lights, around;
-  double voxel_mm;  // smallest spacing
+  double voxel_mm;                            // smallest spacing
+  std::unique_ptr<const LightVolume> volume;  // null: each sample has paths of its own
 
  private:
   float m_lo = 0, m_entries_per_code = 0;
@@ -68,6 +71,8 @@ class LightPaths {
     Vec3d surface_start;  // LPS mm: paths through surfaces
     Facing facing;
   };
+  LightReached interpolated(const PathStart& place);
+  LightVolume::Light light_of_node(const Vec3d& node);
   void find_shadows(const PathStart& place, LightReached& light_reached);
   float transmittance(const PathStart& place, const LightMedium::Direction& towards);
   float openness(const PathStart& place);

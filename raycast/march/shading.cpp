@@ -44,6 +44,8 @@ void Lighting::validate(const std::string& file) const {
   for (const Light& light : lights) light.validate(file);
   require(occlusion_radius_mm >= 0 && occlusion_radius_mm <= 1000, file, "ambient_occlusion",
           occlusion_radius_mm, "a radius of 0 to 1000 mm");
+  require(volume_mm >= 0 && volume_mm <= 1000, file, "light_volume", volume_mm,
+          "a spacing of 0 to 1000 mm");
   require(std::abs(exposure_stops) <= 20, file, "exposure", exposure_stops, "-20 to 20 stops");
 }
 

@@ -36,10 +36,13 @@ struct Lighting {
   bool shadows = false;       // of the volume and the meshes on both
   double occlusion_radius_mm = 0;  // of ambient occlusion; 0: none
   double exposure_stops = 0;       // all that is drawn, in 2^stops times as much light
+  /// Shadows and occlusion are interpolated on a lattice so many mm apart; 0: each sample has its
+  /// own.
+  double volume_mm = 0;
 
   bool has_paths() const { return shadows || occlusion_radius_mm > 0; }
-  /// Throws InputError: more than kMaxLights, a bad light, an occlusion radius outside 0…1000, an
-  /// exposure outside -20…20.
+  /// Throws InputError: more than kMaxLights, a bad light, an occlusion radius outside 0…1000, a
+  /// lattice of light outside 0…1000, an exposure outside -20…20.
   void validate(const std::string& file) const;
 };
 

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "raycast/march/light_volume.h"
 #include "raycast/pictures/compare.h"
 #include "tests/raycast/scenes.h"
 #include "volumes/base/on_threads.h"
@@ -327,6 +328,65 @@ TEST(PropertyShadow, NeitherThreadsNorSkippingChangeThePicture) {
   settings.skip_empty_space = false;
   EXPECT_EQ(many.rgba, render().rgba);
   EXPECT_EQ(many.rgba, on_threads(1, render).rgba);
+}
+
+TEST(UnitLightVolume, ASurfaceGetsTheMeanOfTheLightBeforeItWeightedByTheCosine) {
+  constexpr int kMany = 4000;
+  LightVolume::Light all, half;
+  for (int n = 0; n < kMany; ++n) {
+    const double z = 1 - (2 * n + 1.0) / kMany, radius = std::sqrt(1 - z * z), turn = 2.4 * n;
+    const Vec3f from(float(radius * std::cos(turn)), float(radius * std::sin(turn)), float(z));
+    all.add_around(from, 1, 1.0f / kMany);
+    half.add_around(from, z > 0 ? 1 : 0, 1.0f / kMany);
+  }
+  for (const Vec3f& normal : {Vec3f(0, 0, 1), Vec3f(1, 0, 0), Vec3f(0, -0.6f, 0.8f)}) {
+    EXPECT_NEAR(all.openness({normal, 1}), 1, 1e-2);
+    EXPECT_NEAR(half.openness({normal, 1}), (1 + normal.z) / 2, 1e-2) << normal;
+    EXPECT_NEAR(half.openness({normal, 0}), 0.5, 1e-2);
+  }
+}
+
+TEST(PropertyLightVolume, TranslucentTissueIsLitAsByPathsOfItsOwn) {
+  const Geometry geometry = cube_geometry(kLitSize);
+  const Renderer renderer(geometry, whole(lobed_body(Vec3d(23.5), 16)));
+  TransferFunction f = surface_function();
+  f.opacity = {{200, 0}, {400, 0.06}, {800, 0.04}, {950, 0.3}};
+  RenderSettings settings = small_picture(64);
+  settings.lighting.shadows = true;
+  settings.lighting.occlusion_radius_mm = 8;
+  settings.lighting.lights = {far_light({0.3, -1, 1}), far_light({-1, -0.4, 0.2}, 0.4)};
+  const Camera camera = default_camera(geometry, 1);
+  const FloatImage exact = renderer.render_float(camera, f, settings);
+  double before = 1;
+  for (const double spacing : {4.0, 2.0}) {
+    settings.lighting.volume_mm = spacing;
+    const FloatImage picture = renderer.render_float(camera, f, settings);
+    double sum = 0, largest = 0;
+    for (std::size_t n = 0; n < exact.rgba.size(); ++n) {
+      const double off = std::abs(double(picture.rgba[n]) - exact.rgba[n]);
+      sum += off, largest = std::max(largest, off);
+    }
+    const double mean = sum / double(exact.rgba.size());
+    EXPECT_LT(mean, 0.001 * spacing) << spacing;
+    EXPECT_LT(largest, 0.01 + 0.025 * spacing) << spacing;
+    EXPECT_LT(mean, before) << spacing;
+    before = mean;
+  }
+}
+
+TEST(PropertyLightVolume, NeitherThreadsNorSkippingChangeThePicture) {
+  const Geometry geometry = cube_geometry(kLitSize);
+  const Renderer renderer(geometry, whole(lobed_body(Vec3d(23.5), 14)));
+  RenderSettings settings = small_picture(64);
+  settings.lighting.shadows = true;
+  settings.lighting.occlusion_radius_mm = 5;
+  settings.lighting.volume_mm = 3;
+  const Camera camera = default_camera(geometry, 1);
+  const auto render = [&] { return renderer.render(camera, fog_function(0.05), settings); };
+  const Image many = on_threads(5, render);
+  EXPECT_EQ(many.rgba, on_threads(1, render).rgba);
+  settings.skip_empty_space = false;
+  EXPECT_EQ(many.rgba, render().rgba);
 }
 
 }  // namespace
