@@ -24,22 +24,26 @@ struct SidesReport {
   std::int64_t overlapping = 0;  // points of lips that were behind the other lip
   double deepest_voxels = 0;     // of these
   double max_move_voxels = 0;    // that took them apart
-  std::int64_t left = 0;         // points that still are behind it
+  std::int64_t left = 0;         // points that still are too deep behind it
   double left_voxels = 0;        // the deepest of these
   /// Of the drag, in 1/kDragParts, which what is held on both sides leaves room for.
   int parts = 1024;
+  /// Bones have moved and left no room: what is left was pressed between them.
+  bool is_crushed = false;
 };
 
-/// live: at most about an eighth of a second, after which sides that overlap are left. Drags that
-/// move rigid pieces are whole.
+/// live: at most about an eighth of a second, after which sides that overlap are left.
 enum class ContactEffort { full, live };
 
 class CutContact {
  public:
-  /// Remembers which parts of lips lie before each other: make it before the body moves. `lips`:
-  /// of the body and its cuts without the links that rigid pieces hide. The body outlives this.
+  /// Remembers which parts of lips lie before each other: make it before the body moves, or give
+  /// what another one remembered. `lips`: of the body and its cuts without the links that rigid
+  /// pieces hide. The body outlives this.
   CutContact(Body& body, std::shared_ptr<const CutLips> lips,
-             ContactEffort effort = ContactEffort::full);
+             ContactEffort effort = ContactEffort::full,
+             std::shared_ptr<const CutLips::Before> before = nullptr);
+  const std::shared_ptr<const CutLips::Before>& before() const { return m_before; }
 
   static constexpr int kDragParts = 1024;
 
@@ -53,8 +57,9 @@ class CutContact {
 
   /// The same for a move that is made once: of the way straight to where it ends the whole, or the
   /// largest n / kDragParts that leaves room. Places on that way keep all limits, too, since these
-  /// are convex. Rigid pieces that have turned would bend on it: then it is the whole. Bounds that
-  /// `holds` has after the move are those of the way's end, and end where the way does.
+  /// are convex. Tissue does not stop rigid pieces: where any has moved it is the whole, and tissue
+  /// between them is crushed. Bounds that `holds` has after the move are those of the way's end,
+  /// and end where the way does.
   SidesReport go(const SlotSet& fixed, Holds& holds, const std::function<void()>& move,
                  Progress* progress = nullptr);
 
@@ -68,7 +73,7 @@ class CutContact {
 
   Body& m_body;
   std::shared_ptr<const CutLips> m_lips;
-  CutLips::Before m_before;
+  std::shared_ptr<const CutLips::Before> m_before;
   ContactEffort m_effort;
   std::int64_t m_changed_bricks = 0;
 };

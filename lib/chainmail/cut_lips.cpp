@@ -360,6 +360,7 @@ CutLips::Contacts CutLips::contacts(int axis, const Before& before, double part)
     const double wanted = facing.slid > kSlid ? kApart : 0;
     if (facing.gap < wanted - kApart / 2) {
       ++contacts.overlapping;
+      contacts.too_deep += facing.gap < -kLipOverlap;
       contacts.deepest_voxels = std::max(contacts.deepest_voxels, wanted - facing.gap);
     }
     const double way = wanted - facing.gap;

@@ -25,6 +25,10 @@
 
 namespace supple {
 
+/// Lips that lie in each other by no more than this, in voxels, are parted where there is room, and
+/// stop nothing.
+constexpr double kLipOverlap = 0.1;
+
 class CutLips {
  public:
   /// Of the cut links between elements that are not both of rigid pieces. Both outlive this.
@@ -40,6 +44,7 @@ class CutLips {
   struct Contacts {
     std::vector<ContactLink> links;
     std::int64_t overlapping = 0;  // points that lie behind the other lip
+    std::int64_t too_deep = 0;     // of these, by more than kLipOverlap
     double deepest_voxels = 0;
   };
   /// Contacts across one axis in the present state. Points more than two voxels behind a lip count

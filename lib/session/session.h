@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "lib/body/piece_contact.h"
 #include "lib/model/relax_model.h"
 #include "lib/model/voxel_ecm_model.h"
 #include "lib/session/free_poses.h"
@@ -31,6 +32,13 @@ struct SessionOptions {
   /// of finite elements that it was handed; all together at most kMostUndoBytes. Beyond that the
   /// oldest steps cannot be undone.
   bool keeps_undo = false;
+};
+
+/// Where a drag takes rigid pieces, with the part of it that anchors and bones leave.
+struct PieceReach {
+  std::vector<RigidPose> poses;  // of all pieces in Body::rigid
+  double part = 1;
+  std::optional<BoneStop> bones;
 };
 
 constexpr std::size_t kMostUndoBytes = std::size_t(512) << 20;
@@ -113,6 +121,7 @@ class Session {
 
  private:
   struct Before;
+  struct StepStart;
   struct Walk;
   void choose_material(const std::string& path, const SessionOptions& options, Progress* progress);
   void open_volume_file(const std::string& path, const ReadOptions& read, Progress* progress);
@@ -140,10 +149,26 @@ class Session {
   void tighten_body(StepRecord& record, Progress* progress);
   void solve(const std::vector<Handle>& handles, const std::vector<PieceMotion>& pieces,
              StepRecord& record, Progress* progress);
+  void solve_freely(const std::vector<Handle>& handles, const std::vector<PieceMotion>& pieces,
+                    StepRecord& record, Progress* progress);
+  bool keeps_bones_apart(const StepRequest& request) const;
+  PieceWay way_of_pieces(const std::vector<RigidPiece>& start, const std::vector<RigidPose>& end,
+                         const std::vector<PieceMotion>& turns) const;
+  std::optional<BoneStop> first_bone_stop(const std::vector<RigidPiece>& start,
+                                          const std::vector<RigidPose>& end,
+                                          std::vector<PieceMotion> motions, double part);
+  PieceReach reach_of_pieces(const StepRequest& request, const std::vector<PieceMotion>& pieces,
+                             Progress* progress);
+  void go_to_part(double part, const std::vector<Handle>& handles,
+                  const std::vector<PieceMotion>& pieces, const StepStart& start,
+                  StepRecord& record, Progress* progress);
   void solve_in_contact(CutContact& contact, const std::vector<Handle>& handles,
                         const std::vector<PieceMotion>& pieces, StepRecord& record,
                         Progress* progress);
   std::unique_ptr<CutContact> contact_of(const StepRequest& request);
+  std::int64_t solve_part(std::int64_t parts, const std::vector<Handle>& handles,
+                          const std::vector<PieceMotion>& pieces, const StepStart& start,
+                          StepRecord& record, Progress* progress);
   SlotSet fixed_elements() const;
   void solve_turns(const std::vector<Handle>& handles, const std::vector<PieceMotion>& pieces,
                    StepRecord& record, Progress* progress);
@@ -172,7 +197,9 @@ class Session {
   MaterialTable m_material;
   Body m_body;
   std::unique_ptr<VoxelEcmModel> m_ecm;   // of m_body
+  PieceContact m_bones;                   // shapes of the pieces that have come near each other
   std::shared_ptr<const CutLips> m_lips;  // of m_body as steps found them last; null: no cut yet
+  std::shared_ptr<const CutLips::Before> m_lips_before;  // of a hand that leads a bone
   LinkCheck m_links;
   std::vector<Region> m_anchors;  // the boxes, labels and selections that the state has fixed
   Holds m_holds;                  // elements that earlier steps dragged

@@ -37,17 +37,13 @@ bool has_turns(const std::vector<PieceMotion>& pieces) {
                      [](const PieceMotion& piece) { return piece.motion.turns(); });
 }
 
-void warn_of_solve(const StepRecord& record, Progress* progress) {
-  if (record.ball) return warn_of_report(*record.ball, progress);
-  warn_of_report(record.report, progress);
-}
-
 /// What the sides did after the relaxation, to what they did before.
 void add(const SidesReport& later, SidesReport& report) {
   report.overlapping += later.overlapping;
   report.deepest_voxels = std::max(report.deepest_voxels, later.deepest_voxels);
   report.max_move_voxels = std::max(report.max_move_voxels, later.max_move_voxels);
   report.left = later.left;
+  report.is_crushed = report.is_crushed && later.left > 0;
   report.left_voxels = later.left_voxels;
 }
 
@@ -57,13 +53,18 @@ void Session::move_quasi_statically(const std::vector<Handle>& handles,
                                     const std::vector<PieceMotion>& pieces, StepRecord& record,
                                     Progress* progress) {
   stage(progress, "solving");
-  std::unique_ptr<CutContact> contact = contact_of(record);
+  // While a hand leads a bone its tissue waits: it is crushed where the bone comes to rest.
+  const bool leads_bone = record.shift_pieces && !pieces.empty();
+  std::unique_ptr<CutContact> contact;
+  if (!leads_bone || !m_lips_before) contact = contact_of(record);
+  if (leads_bone && contact) m_lips_before = contact->before();
+  if (leads_bone) contact.reset();
+  if (!leads_bone) m_lips_before.reset();
   if (contact) {
     solve_in_contact(*contact, handles, pieces, record, progress);
   } else {
     solve(handles, pieces, record, progress);
   }
-  warn_of_solve(record, progress);
   if (!handles.empty() || record.release) m_relaxed_by = {};
   debug(progress, std::string("solve: ") + (record.ball ? "ball" : name_of(record.report.engine)) +
                       " engine, " + std::to_string(record.report.visited) +
@@ -81,12 +82,14 @@ void Session::move_quasi_statically(const std::vector<Handle>& handles,
       follow_shifts(m_body);
     }
   }
+  if (record.bones) warn_of_stop(*record.bones, record.report, progress);
   warn_of_report(record.contact, progress);
   if (record.limits == Limits::tighten) tighten_body(record, progress);
 }
 
-void Session::solve(const std::vector<Handle>& handles, const std::vector<PieceMotion>& pieces,
-                    StepRecord& record, Progress* progress) {
+void Session::solve_freely(const std::vector<Handle>& handles,
+                           const std::vector<PieceMotion>& pieces, StepRecord& record,
+                           Progress* progress) {
   if (record.limits != Limits::ball) {
     if (has_turns(pieces)) {
       solve_turns(handles, pieces, record, progress);
@@ -102,55 +105,6 @@ void Session::solve(const std::vector<Handle>& handles, const std::vector<PieceM
   record.report.visited = record.ball->moves;
   record.report.max_queue = record.ball->max_queue;
   record.report.milliseconds = record.ball->milliseconds;
-}
-
-/// None where no cut can close, or nothing is to be kept apart.
-std::unique_ptr<CutContact> Session::contact_of(const StepRequest& request) {
-  if (!m_material.has_contact || request.limits == Limits::ball || m_body.cuts.empty()) {
-    return nullptr;
-  }
-  const bool is_live = request.shift_pieces || request.drags.empty();
-  if (!m_lips || !m_lips->is_current()) m_lips = std::make_shared<CutLips>(m_body, m_body.cuts);
-  auto contact = std::make_unique<CutContact>(m_body, m_lips,
-                                              is_live ? ContactEffort::live : ContactEffort::full);
-  return contact->empty() ? nullptr : std::move(contact);
-}
-
-SlotSet Session::fixed_elements() const {
-  SlotSet fixed;
-  for (const Region& region : m_anchors) fixed.add(elements_of(m_body, region, "fix"));
-  return fixed;
-}
-
-/// Beside rigid pieces a drag takes long to solve. It is solved once, and a part of it is that part
-/// of the straight way.
-void Session::solve_in_contact(CutContact& contact, const std::vector<Handle>& handles,
-                               const std::vector<PieceMotion>& pieces, StepRecord& record,
-                               Progress* progress) {
-  constexpr int kAll = CutContact::kDragParts;
-  if (handles.empty()) {
-    solve(handles, pieces, record, progress);
-    record.contact = contact.part(fixed_elements(), m_holds, progress);
-    follow_shifts(m_body);
-  } else if (m_body.rigid.empty()) {
-    const auto move = [&](int parts) {
-      m_ecm->move(parts == kAll ? handles : handles_of(record, pieces, double(parts) / kAll), 1,
-                  progress);
-    };
-    record.contact = contact.drag(fixed_elements(), m_holds, move, progress);
-    record.report = m_ecm->report();
-  } else {
-    const auto move = [&] { solve(handles, pieces, record, progress); };
-    record.contact = contact.go(fixed_elements(), m_holds, move, progress);
-    follow_shifts(m_body);
-  }
-  if (record.contact.parts == kAll) return;
-  record.report.fraction_numerator *= record.contact.parts;
-  record.report.fraction_denominator *= kAll;
-  const std::int64_t common =
-      std::gcd(record.report.fraction_numerator, record.report.fraction_denominator);
-  record.report.fraction_numerator /= common;
-  record.report.fraction_denominator /= common;
 }
 
 bool Session::is_relaxed_by_default(const StepRequest& request) const {

@@ -49,6 +49,7 @@ Session::Before Session::before(const StepRequest& request) {
 }
 
 void Session::restore(Before&& before) {
+  m_lips_before.reset();
   if (before.whole) {
     m_state = std::move(before.whole->first);
     m_body = std::move(before.whole->second);

@@ -204,6 +204,7 @@ void Session::follow_ways(StepRecord& record, Progress* progress) {
     PoseProgress told(progress, lines);
     record.drags = drags_at(drags, pose);
     record.tells_reactions = tells_reactions && pose + 1 == poses;
+    record.bones.reset();
     try {
       move(record, &told);
     } catch (const InputError& error) {

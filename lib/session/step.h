@@ -76,6 +76,14 @@ struct StepRequest {
   std::optional<MaterialTable> material;
 };
 
+/// Two rigid pieces that met and stopped a step.
+struct BoneStop {
+  double part = 1;           // of the way that was left to them
+  std::string piece, other;  // their names
+  Vec3i voxel{0, 0, 0};      // of `piece` at rest, which meets `other`
+  double way_mm = 0;         // of that voxel before `other`
+};
+
 /// Results of a step. For drags with a way the report of the drag covers all poses: its fraction is
 /// the smallest, its moved elements are the most. All other members are those of the last pose.
 struct StepRecord : StepRequest {
@@ -83,6 +91,7 @@ struct StepRecord : StepRequest {
   std::int64_t removed = 0;               // elements
   EcmReport report;                       // of ball limits: the common members
   std::optional<BallReport> ball;         // when the step was solved under ball limits
+  std::optional<BoneStop> bones;          // where pieces met
   SidesReport contact;                    // of the sides of cuts, after drag and relaxation
   RelaxReport relaxed;                    // when the step relaxes
   SpringRecord sprung;                    // when springs move it

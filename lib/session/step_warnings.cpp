@@ -136,11 +136,23 @@ void warn_of_report(const EcmReport& report, Progress* progress) {
   }
 }
 
+void warn_of_stop(const BoneStop& stop, const EcmReport& report, Progress* progress) {
+  warn(progress, "bone stopped the drag at " + four_digits(100 * report.fraction()) + " %: after " +
+                     four_digits(stop.way_mm) + " mm voxel " + to_text(stop.voxel) + " of rigid " +
+                     stop.piece + " meets rigid " + stop.other +
+                     "; another way, a gap between them (remove) or contact = false in the "
+                     "material goes on");
+}
+
 void warn_of_report(const SidesReport& report, Progress* progress) {
   if (report.parts < CutContact::kDragParts) {
     warn(progress, "the sides of a cut stopped the drag: both are held where they meet");
   }
-  if (report.left > 0) {
+  if (report.is_crushed) {
+    note(progress, "tissue that has no room beside bone is crushed: sides of cuts overlap at " +
+                       with_count(report.left, "point") + ", by up to " +
+                       four_digits(report.left_voxels) + " voxels");
+  } else if (report.left > 0) {
     warn(progress, "the sides of a cut overlap by up to " + four_digits(report.left_voxels) +
                        " voxels: what is held leaves no room");
   }

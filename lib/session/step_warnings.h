@@ -16,6 +16,7 @@ void warn_of_missed_pieces(const Body& body, const SlotSet& held, const SlotSet&
 void warn_of_moved_pieces(const Body& body, const std::vector<RigidPiece>& before,
                           const std::vector<PieceMotion>& grabbed, Progress* progress);
 void warn_of_report(const EcmReport& report, Progress* progress);
+void warn_of_stop(const BoneStop& stop, const EcmReport& report, Progress* progress);
 void warn_of_report(const SidesReport& report, Progress* progress);
 void warn_of_report(const BallReport& report, Progress* progress);
 void warn_of_report(const TightenReport& report, Progress* progress);

@@ -27,7 +27,7 @@ struct DeformOptions {
   BodyOptions body;
   std::string output;
   std::vector<std::string> grabs, bys, contacts, retractions, elements;
-  bool push = false, dry_run = false;
+  bool push = false, no_contact = false, dry_run = false;
 };
 
 /// Every --grab takes the next --by, except those that say how they move: tables with a motion, and
@@ -76,6 +76,7 @@ Scene to_scene(DeformOptions& options) {
   if (options.output.empty()) throw UsageError("--output: found nothing, expected STATE.vdb");
   SceneOptions& given = options.scene;
   set_body(options.body, given);
+  if (options.no_contact) given.set("material", "contact", "false", "--no-contact");
   const std::string handles = handle_tables(options);
   if (!options.grabs.empty()) given.set("step", "handles", handles, "--grab");
   std::string retractions;
@@ -283,6 +284,8 @@ Command add_deform(CLI::App& program) {
                   "Stress or strain as a volume, such as von_mises; repeatable")
       ->allow_extra_args(false)
       ->option_text("QUANTITY=FILE");
+  app->add_flag("--no-contact", options->no_contact,
+                "Bones and the sides of cuts pass through each other");
   app->add_flag("--dry-run", options->dry_run,
                 "Print what would be held and computed, and why; write nothing");
   app->add_option("-o,--output", options->output, "State file to write")

@@ -208,7 +208,16 @@ nlohmann::ordered_json to_json(const SidesReport& report) {
           {"max_move_voxels", report.max_move_voxels},
           {"left", report.left},
           {"left_voxels", report.left_voxels},
+          {"crushed", report.is_crushed},
           {"part_of_drag", double(report.parts) / CutContact::kDragParts}};
+}
+
+nlohmann::ordered_json to_json(const BoneStop& stop) {
+  return {{"part_of_way", stop.part},
+          {"piece", stop.piece},
+          {"other", stop.other},
+          {"voxel", {stop.voxel.x, stop.voxel.y, stop.voxel.z}},
+          {"way_mm", stop.way_mm}};
 }
 
 nlohmann::ordered_json to_json(const TightenReport& report) {
@@ -344,6 +353,7 @@ nlohmann::ordered_json to_json(const StepRecord& record) {
   nlohmann::ordered_json json = record.ball ? to_json(*record.ball, record.cut_links)
                                             : to_json(record.report, record.cut_links);
   if (record.removed > 0) json["removed"] = record.removed;
+  if (record.bones) json["bones"] = to_json(*record.bones);
   if (record.contact.overlapping > 0) json["contact"] = to_json(record.contact);
   if (record.relax) json["relax"] = to_json(*record.relax, record.relaxed);
   if (record.tightened) {

@@ -1,0 +1,257 @@
+// The part of a session that keeps apart what meets: rigid pieces on their way, then the sides of
+// cuts.
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+#include "lib/body/kept_offsets.h"
+#include "lib/session/drag_handles.h"
+#include "lib/session/session.h"
+#include "lib/session/step_warnings.h"
+
+namespace supple {
+
+struct Session::StepStart {
+  KeptOffsets offsets;
+  Holds holds;
+  std::vector<RigidPiece> pieces;
+};
+
+namespace {
+
+/// Of the way, where limits forbid what pieces leave free.
+constexpr int kHalvings = 8;
+
+void multiply(EcmReport& report, std::int64_t parts, std::int64_t all) {
+  const std::int64_t common = std::gcd(parts, all);
+  report.fraction_numerator *= parts / common;
+  report.fraction_denominator *= all / common;
+  const std::int64_t both = std::gcd(report.fraction_numerator, report.fraction_denominator);
+  report.fraction_numerator /= both;
+  report.fraction_denominator /= both;
+}
+
+/// The pose after that part of the way of a piece: a handle's turn, or straight on.
+RigidPose pose_at(const RigidPiece& start, const RigidPose& end, const RigidMotion* turn,
+                  double part, const Geometry& geometry) {
+  if (part == 0) return start.pose;
+  if (part == 1) return end;
+  if (turn != nullptr && turn->turns()) return moved_by(turn->part(part), start, geometry);
+  RigidPose pose;
+  pose.turn = start.pose.turn == end.turn ? end.turn : between(start.pose.turn, end.turn, part);
+  for (std::size_t c = 0; c < 3; ++c) {
+    pose.shift_q[c] =
+        start.pose.shift_q[c] +
+        std::int64_t(std::floor(double(end.shift_q[c] - start.pose.shift_q[c]) * part));
+  }
+  return pose;
+}
+
+std::vector<RigidPose> poses_of(const std::vector<RigidPiece>& pieces) {
+  std::vector<RigidPose> poses;
+  for (const RigidPiece& piece : pieces) poses.push_back(piece.pose);
+  return poses;
+}
+
+}  // namespace
+
+bool Session::keeps_bones_apart(const StepRequest& request) const {
+  return m_material.has_contact && request.limits != Limits::ball && m_body.rigid.list.size() > 1;
+}
+
+/// The way of each piece, from `start` to `end`; grabbed ones turn by their `turns`.
+PieceWay Session::way_of_pieces(const std::vector<RigidPiece>& start,
+                                const std::vector<RigidPose>& end,
+                                const std::vector<PieceMotion>& turns) const {
+  return [&](std::size_t piece, double part) {
+    const auto turn = std::find_if(turns.begin(), turns.end(),
+                                   [&](const auto& motion) { return motion.piece == piece; });
+    return pose_at(start[piece], end[piece], turn == turns.end() ? nullptr : &turn->motion, part,
+                   m_body.geometry);
+  };
+}
+
+/// Where pieces meet first on their ways from `start`.
+std::optional<BoneStop> Session::first_bone_stop(const std::vector<RigidPiece>& start,
+                                                 const std::vector<RigidPose>& end,
+                                                 std::vector<PieceMotion> motions, double part) {
+  motions.erase(std::remove_if(motions.begin(), motions.end(),
+                               [](const auto& motion) { return !motion.motion.turns(); }),
+                motions.end());
+  for (PieceMotion& motion : motions) motion.motion = motion.motion.part(part);
+  const PieceStop stop = m_bones.first_stop(m_body, way_of_pieces(start, end, motions));
+  if (stop.piece < 0) return std::nullopt;
+  return BoneStop{stop.part, start[std::size_t(stop.piece)].name,
+                  start[std::size_t(stop.other)].name, stop.voxel, stop.way_mm};
+}
+
+/// Solves once. Where pieces meet on the way from where they were to where that takes them, all
+/// goes the part of the way that they leave free.
+void Session::solve(const std::vector<Handle>& handles, const std::vector<PieceMotion>& pieces,
+                    StepRecord& record, Progress* progress) {
+  std::optional<StepStart> start;
+  if (keeps_bones_apart(record)) {
+    start.emplace(StepStart{KeptOffsets(m_body), m_holds, m_body.rigid.list});
+  }
+  solve_freely(handles, pieces, record, progress);
+  if (record.ball) return warn_of_report(*record.ball, progress);
+  warn_of_report(record.report, progress);
+  if (!start) return;
+  record.bones =
+      first_bone_stop(start->pieces, poses_of(m_body.rigid.list), pieces, record.report.fraction());
+  if (!record.bones) return;
+  const double part = record.bones->part;
+  if (handles.empty()) record.bones.reset();  // smallest motions of free pieces: no drag is stopped
+  go_to_part(part, handles, pieces, *start, record, progress);
+}
+
+/// The poses that models without contact are to hold pieces at: grabbed ones where the handles take
+/// them, whatever limits of tissue say, free ones where ChainMail does, as far as bones leave that
+/// way free. The body stays.
+PieceReach Session::reach_of_pieces(const StepRequest& request,
+                                    const std::vector<PieceMotion>& pieces, Progress* progress) {
+  StepRecord trial;
+  static_cast<StepRequest&>(trial) = request;
+  trial.fem.reset();
+  const StepStart start{KeptOffsets(m_body), m_holds, m_body.rigid.list};
+  const auto go_back = [&] {
+    start.offsets.restore(m_body);
+    m_holds = start.holds;
+    m_body.rigid.list = start.pieces;
+  };
+  try {
+    solve_freely(handles_of(trial, pieces, 1), pieces, trial, progress);
+  } catch (...) {
+    go_back();
+    throw;
+  }
+  PieceReach reach{poses_of(m_body.rigid.list), 1, std::nullopt};
+  go_back();
+  for (const PieceMotion& motion : pieces) {
+    reach.poses[motion.piece] =
+        moved_by(motion.motion, m_body.rigid.list[motion.piece], m_body.geometry);
+  }
+  if (!keeps_bones_apart(request)) return reach;
+  reach.bones = first_bone_stop(start.pieces, reach.poses, pieces, 1);
+  if (!reach.bones) return reach;
+  reach.part = reach.bones->part;
+  const PieceWay way = way_of_pieces(start.pieces, reach.poses, pieces);
+  std::vector<RigidPose> reached;
+  for (std::size_t n = 0; n < reach.poses.size(); ++n) reached.push_back(way(n, reach.part));
+  reach.poses = std::move(reached);
+  return reach;
+}
+
+/// Straight ways are gone back. Pieces that turned would bend on them.
+void Session::go_to_part(double part, const std::vector<Handle>& handles,
+                         const std::vector<PieceMotion>& pieces, const StepStart& start,
+                         StepRecord& record, Progress* progress) {
+  auto parts = std::int64_t(std::floor(part * double(kWayParts)));
+  bool has_turned = false;
+  for (std::size_t n = 0; n < start.pieces.size(); ++n) {
+    has_turned = has_turned || !(m_body.rigid.list[n].pose.turn == start.pieces[n].pose.turn);
+  }
+  if (has_turned) {
+    parts = solve_part(parts, handles, pieces, start, record, progress);
+  } else {
+    KeptOffsets(m_body).restore_part(start.offsets, parts, m_body);
+    loosen(m_body, m_holds);
+    for (std::size_t n = 0; n < start.pieces.size(); ++n) {
+      m_body.rigid.list[n].pose = start.pieces[n].pose;
+    }
+  }
+  follow_shifts(m_body);
+  if (!handles.empty()) multiply(record.report, parts, kWayParts);
+}
+
+/// Solves anew with all pieces at that part of their ways, or at less where limits of tissue forbid
+/// that. Returns the part.
+std::int64_t Session::solve_part(std::int64_t parts, const std::vector<Handle>& handles,
+                                 const std::vector<PieceMotion>& pieces, const StepStart& start,
+                                 StepRecord& record, Progress* progress) {
+  const std::vector<RigidPiece> end = m_body.rigid.list;
+  start.offsets.restore(m_body);
+  m_holds = start.holds;
+  m_body.rigid.list = start.pieces;
+  const double done = record.report.fraction();
+  const auto handles_at = [&](double so_far) {
+    return handles.empty() ? handles : handles_of(record, pieces, done * so_far);
+  };
+  const auto poses_at = [&](double so_far) {
+    std::vector<FreePose> poses;
+    for (std::size_t n = 0; n < end.size(); ++n) {
+      const bool is_grabbed = std::any_of(pieces.begin(), pieces.end(),
+                                          [&](const auto& motion) { return motion.piece == n; });
+      if (is_grabbed || end[n].pose == start.pieces[n].pose) continue;
+      poses.push_back({n, pose_at(start.pieces[n], end[n].pose, nullptr, so_far, m_body.geometry)});
+    }
+    return poses;
+  };
+  const FreePoses free(m_body, *m_ecm, progress);
+  const auto allows = [&](std::int64_t tried) {
+    const double so_far = double(tried) / double(kWayParts);
+    return m_ecm->allows(free.with(handles_at(so_far), poses_at(so_far)), progress);
+  };
+  if (!allows(parts)) {
+    std::int64_t stopped = parts;
+    parts = 0;
+    for (int n = 0; n < kHalvings && stopped - parts > 1; ++n) {
+      const std::int64_t tried = (parts + stopped) / 2;
+      (allows(tried) ? parts : stopped) = tried;
+    }
+  }
+  const double so_far = double(parts) / double(kWayParts);
+  move_with(handles_at(so_far), poses_at(so_far), record, progress);
+  set_poses(m_body, pieces, done * so_far);
+  return parts;
+}
+
+/// None where no cut can close, or nothing is to be kept apart.
+std::unique_ptr<CutContact> Session::contact_of(const StepRequest& request) {
+  if (!m_material.has_contact || request.limits == Limits::ball || m_body.cuts.empty()) {
+    return nullptr;
+  }
+  const bool is_live = request.shift_pieces || request.drags.empty();
+  if (!m_lips || !m_lips->is_current()) {
+    m_lips = std::make_shared<CutLips>(m_body, m_body.cuts);
+    m_lips_before.reset();
+  }
+  auto contact = std::make_unique<CutContact>(
+      m_body, m_lips, is_live ? ContactEffort::live : ContactEffort::full, m_lips_before);
+  return contact->empty() ? nullptr : std::move(contact);
+}
+
+SlotSet Session::fixed_elements() const {
+  SlotSet fixed;
+  for (const Region& region : m_anchors) fixed.add(elements_of(m_body, region, "fix"));
+  return fixed;
+}
+
+/// Beside rigid pieces a drag takes long to solve. It is solved once, and a part of it is that part
+/// of the straight way.
+void Session::solve_in_contact(CutContact& contact, const std::vector<Handle>& handles,
+                               const std::vector<PieceMotion>& pieces, StepRecord& record,
+                               Progress* progress) {
+  constexpr int kAll = CutContact::kDragParts;
+  if (handles.empty()) {
+    solve(handles, pieces, record, progress);
+    record.contact = contact.part(fixed_elements(), m_holds, progress);
+    follow_shifts(m_body);
+  } else if (m_body.rigid.empty()) {
+    const auto move = [&](int parts) {
+      m_ecm->move(parts == kAll ? handles : handles_of(record, pieces, double(parts) / kAll), 1,
+                  progress);
+    };
+    record.contact = contact.drag(fixed_elements(), m_holds, move, progress);
+    record.report = m_ecm->report();
+    warn_of_report(record.report, progress);
+  } else {
+    const auto move = [&] { solve(handles, pieces, record, progress); };
+    record.contact = contact.go(fixed_elements(), m_holds, move, progress);
+    follow_shifts(m_body);
+  }
+  multiply(record.report, record.contact.parts, kAll);
+}
+
+}  // namespace supple

@@ -1,0 +1,161 @@
+// Contact of rigid pieces through whole sessions, judged by an oracle of its own: every voxel of a
+// piece, where the offsets of the body put it, among the voxels of the other pieces.
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "lib/body/piece_contact.h"
+#include "lib/body/piece_overlap.h"
+#include "lib/session/session.h"
+#include "tests/lib/bone_fixtures.h"
+#include "tests/support/program.h"
+
+using namespace supple;
+using namespace supple::test;
+
+namespace {
+
+/// The way that a drag of `by` has gone, mm.
+double way_done(const StepRecord& record) {
+  return record.drags[0].by_mm.length() * record.report.fraction();
+}
+
+bool says(const Session& session, const std::string& part) {
+  for (const std::string& line : session.messages()) {
+    if (line.find(part) != std::string::npos) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+TEST(PropertyBoneContact, AWayNeverShrinksWithTheWayAsked) {
+  const TemporaryFolder folder;
+  for (const bool has_third_bone : {false, true}) {
+    const std::string path = write_wavy_joint(folder, has_third_bone);
+    double before = 0;
+    for (const double asked : {0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0}) {
+      Session session(path, bone_options());
+      const StepRecord& record = session.step(wavy_drag({0, asked, 0}));
+      const double done = way_done(record);
+      EXPECT_GE(done, before - 1e-4) << asked;
+      EXPECT_LT(deepest_overlap(session.body()), kShiftedOverlap + 1e-3) << asked;
+      EXPECT_EQ(record.bones.has_value(), done < asked - 1e-9) << asked;
+      EXPECT_EQ(says(session, "bone stopped the drag"), record.bones.has_value());
+      before = done;
+    }
+    // The gap of the joint, a voxel and some of its wave, is used.
+    EXPECT_GT(before, 1.5);
+    EXPECT_LT(before, 3);
+  }
+}
+
+TEST(PropertyBoneContact, OpeningAJointIsNeverStopped) {
+  const TemporaryFolder folder;
+  const std::string path = write_wavy_joint(folder, true);
+  for (const Vec3d& by : {Vec3d(0.04, 0, 0), Vec3d(1, 0, 0), Vec3d(3, 0, 0), Vec3d(3, 0.5, 0.5)}) {
+    Session session(path, bone_options());
+    const StepRecord& record = session.step(wavy_drag(by));
+    EXPECT_FALSE(record.bones.has_value()) << by.x;
+    EXPECT_DOUBLE_EQ(record.report.fraction(), 1) << by.x;
+  }
+}
+
+TEST(PropertyBoneContact, LiveDragsReachAsFarAsOneOfAll) {
+  const TemporaryFolder folder;
+  const std::string path = write_wavy_joint(folder, false);
+  Session whole(path, bone_options());
+  const double reach = way_done(whole.step(wavy_drag({0, 4, 0})));
+  ASSERT_LT(reach, 3);
+  Session live(path, bone_options());
+  StepRequest part = wavy_drag({0, 0.15, 0});
+  part.shift_pieces = true;
+  double done = 0;
+  for (int n = 0; n < 25; ++n) {
+    done += way_done(live.step(part));
+    part.rigid = {};
+    part.fix.clear();
+  }
+  EXPECT_NEAR(done, reach, 2.0 / 256);
+  EXPECT_LT(deepest_overlap(live.body()), kShiftedOverlap + 1e-3);
+}
+
+TEST(PropertyBoneContact, BonesThatLieInEachOtherMayPartAgain) {
+  const TemporaryFolder folder;
+  const std::string path = write_wavy_joint(folder, false);
+  SessionOptions options = bone_options();
+  options.material->has_contact = false;
+  Session passing(path, options);
+  passing.step(wavy_drag({0, 4, 0}));
+  const double deep = deepest_overlap(passing.body());
+  ASSERT_GT(deep, 0.5);
+  const std::string state = folder / "deep.vdb";
+  passing.write_state(state);
+  Session session(state, bone_options());
+  StepRequest back = wavy_drag({0, -4, 0});
+  back.rigid = {};
+  back.fix.clear();
+  EXPECT_FALSE(session.step(back).bones.has_value());
+  EXPECT_LT(deepest_overlap(session.body()), kShiftedOverlap);
+}
+
+/// The upper jaw of the scan, parted as docs/scenes/head_upper_jaw.toml parts it, in a crop.
+class PropertyJawContact : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const std::string head = public_volume("ct_head.nhdr");
+    if (head.empty()) GTEST_SKIP() << "no head CT (tools/fetch_ct_head.sh)";
+    m_path = write_jaw_crop(public_volume("ct_head.raw"), m_folder);
+  }
+
+  TemporaryFolder m_folder;
+  std::string m_path;
+};
+
+TEST_F(PropertyJawContact, TwentyRandomDragsLeaveNoBoneInAnotherOrAreShortened) {
+  Session session(m_path, bone_options());
+  session.step(jaw_step());
+  const double at_rest = deepest_overlap(session.body());
+  std::mt19937 random(50);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  int opening = 0, opened = 0, stopped = 0;
+  for (int n = 0; n < 20; ++n) {
+    // Walls of the box that parts the jaw are above, behind and beside it: down and forward is
+    // away.
+    const bool opens = n % 2 == 0, turns = n % 4 == 3;
+    Vec3d by(6 * uniform(random), 6 * uniform(random), 6 * uniform(random));
+    if (opens) by = Vec3d(0, std::abs(by.y), -std::abs(by.z));
+    StepRequest drag = jaw_drag(by);
+    if (turns) {
+      drag.drags[0].motion.angle_deg = 5 * uniform(random);
+      drag.drags[0].motion.axis_lps = {uniform(random), uniform(random), uniform(random)};
+    }
+    const StepRecord& record = session.step(drag);
+    EXPECT_LE(deepest_overlap(session.body()) - at_rest,
+              (turns ? kTurnedOverlap : kShiftedOverlap) + 1e-3)
+        << n << ": " << by.x << ", " << by.y << ", " << by.z;
+    opening += opens;
+    opened += opens && !record.bones;
+    stopped += record.bones.has_value();
+    EXPECT_EQ(check_links(session.body()).violated, 0) << n;
+    ASSERT_TRUE(session.undo());
+  }
+  EXPECT_GT(stopped, 3);
+  EXPECT_GE(opened, 0.9 * opening) << opening;
+  std::printf("%d of 20 stopped, %d of %d that open whole\n", stopped, opened, opening);
+}
+
+TEST_F(PropertyJawContact, WaysOfTheJawNeverShrinkWithTheWayAsked) {
+  Session session(m_path, bone_options());
+  session.step(jaw_step());
+  for (const Vec3d& direction : {Vec3d(0, 1, 0), Vec3d(0, 0, 1), Vec3d(0.3, 0.8, 0.5)}) {
+    double before = 0;
+    for (const double asked : {1.0, 2.0, 4.0, 8.0}) {
+      const double done = way_done(session.step(jaw_drag(direction * asked)));
+      EXPECT_GE(done, before - 1e-3) << direction.x << " " << direction.y << " " << asked;
+      before = done;
+      ASSERT_TRUE(session.undo());
+    }
+  }
+}
