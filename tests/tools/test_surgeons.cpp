@@ -1,0 +1,186 @@
+// What docs/five_commands.md promises surgeons: its first command and the scenes that it names do
+// what their sentences say, on the head CT. Pictures are left out.
+#include <cctype>
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/program.h"
+
+using namespace supple;
+using namespace supple::test;
+
+namespace {
+
+using Json = nlohmann::json;
+
+/// mm per voxel of the head CT.
+constexpr double kSpacing[3] = {0.957031, 0.957031, 1.5};
+
+std::string page(const std::string& name) {
+  const char* source = std::getenv("SUPPLE_SOURCE_DIR");
+  return read_text(std::string(source != nullptr ? source : ".") + "/docs/" + name);
+}
+
+/// The words of the command of a page that begins so, as a shell has them.
+std::vector<std::string> command_of(const std::string& text, const std::string& beginning) {
+  const std::size_t begin = text.find("\n" + beginning);
+  if (begin == std::string::npos) return {};
+  std::vector<std::string> words(1);
+  bool is_quoted = false;
+  for (std::size_t n = begin + 1; n < text.size(); ++n) {
+    if (text[n] == '\'') {
+      is_quoted = !is_quoted;
+    } else if (text[n] == '\\' && text[n + 1] == '\n') {
+      ++n;
+    } else if (!is_quoted && text[n] == '\n') {
+      break;
+    } else if (is_quoted || text[n] != ' ') {
+      words.back() += text[n];
+    } else if (!words.back().empty()) {
+      words.emplace_back();
+    }
+  }
+  return words;
+}
+
+/// A scene without its views, with the scan of this machine and one state.
+std::string reduced(std::string scene, const std::string& head) {
+  const std::size_t views = scene.find("[[view]]"), output = scene.find("[output]");
+  scene.erase(std::min(views, output));
+  const std::string path = "\"../../build/data/ct_head.nhdr\"";
+  scene.replace(scene.find(path), path.size(), "\"" + head + "\"");
+  // Relaxation moves no bone. It takes most of the time.
+  const std::string material = "[material]\n";
+  if (scene.find("model") == std::string::npos) {
+    scene.insert(scene.find(material) + material.size(), "relax = false\n");
+  }
+  return scene + "[output]\nstate = \"state.vdb\"\n";
+}
+
+/// The way of a piece in mm along an axis.
+double way_mm(const Json& piece, int axis) {
+  return piece.at("shift_voxels").at(std::size_t(axis)).get<double>() * kSpacing[axis];
+}
+
+const Json& largest_of(const Json& pieces) {
+  std::size_t largest = 0;
+  for (std::size_t n = 1; n < pieces.size(); ++n) {
+    if (pieces[n].at("elements") > pieces[largest].at("elements")) largest = n;
+  }
+  return pieces[largest];
+}
+
+const Json* named(const Json& pieces, const std::string& part) {
+  for (const Json& piece : pieces) {
+    if (piece.at("name").get<std::string>().find(part) != std::string::npos) return &piece;
+  }
+  return nullptr;
+}
+
+void expect_at_rest(const Json& piece) {
+  for (int axis = 0; axis < 3; ++axis) EXPECT_EQ(way_mm(piece, axis), 0) << axis;
+  EXPECT_EQ(piece.at("turn_degrees"), 0);
+}
+
+class InteropSurgeons : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    m_head = public_volume("ct_head.nhdr");
+    if (m_head.empty()) GTEST_SKIP() << "no head CT (tools/fetch_ct_head.sh)";
+  }
+
+  Json run_scene_of(const std::string& name) {
+    write_text(m_folder / "scene.toml", reduced(page("scenes/" + name), m_head));
+    m_outcome = run_supple({"run", m_folder / "scene.toml", "-o", m_folder / "out", "--json"});
+    EXPECT_EQ(m_outcome.exit_code, 0) << m_outcome.err;
+    return m_outcome.exit_code == 0 ? Json::parse(m_outcome.out) : Json();
+  }
+
+  /// What no scene may say.
+  void expect_nothing_lost(const Json& json, int most_folds) {
+    const Json& certificate = json.at("certificate");
+    EXPECT_LE(
+        certificate.at("folded_cells").get<int>() - certificate.at("folded_air_cells").get<int>(),
+        most_folds);
+    EXPECT_EQ(certificate.at("unresolved_voxels"), 0);
+    for (const char* said :
+         {"no rigid piece is held", "bone stopped", "sides of a cut overlap", "free rigid piece"}) {
+      EXPECT_EQ(m_outcome.err.find(said), std::string::npos) << m_outcome.err;
+    }
+  }
+
+  std::string m_head;
+  TemporaryFolder m_folder;
+  Outcome m_outcome;
+};
+
+}  // namespace
+
+TEST_F(InteropSurgeons, TheFirstCommandAdvancesTheUpperJawByEightMillimetres) {
+  std::vector<std::string> words = command_of(page("five_commands.md"), "supple deform head.nhdr");
+  ASSERT_FALSE(words.empty());
+  words.erase(words.begin());
+  bool has_model = false;
+  for (std::string& word : words) {
+    if (word == "head.nhdr") word = m_head;
+    if (word == "advanced.vdb") word = m_folder / word;
+    has_model = has_model || word == "--model";
+  }
+  words.push_back("--json");
+  if (!has_model) words.push_back("--no-relax");
+  m_outcome = run_supple(words);
+  ASSERT_EQ(m_outcome.exit_code, 0) << m_outcome.err;
+  const Json json = Json::parse(m_outcome.out);
+  const Json* jaw = named(json.at("rigid_pieces"), "jaw");
+  ASSERT_NE(jaw, nullptr);
+  EXPECT_NEAR(way_mm(*jaw, 1), 8, 0.08);
+  EXPECT_EQ(jaw->at("turn_degrees"), 0);
+  expect_at_rest(largest_of(json.at("rigid_pieces")));
+  expect_nothing_lost(json, 20'000);
+}
+
+TEST_F(InteropSurgeons, TheSceneOfTheUpperJawAdvancesIt) {
+  const Json json = run_scene_of("head_upper_jaw.toml");
+  ASSERT_FALSE(json.is_null());
+  const Json* jaw = named(json.at("rigid_pieces"), "upper jaw");
+  ASSERT_NE(jaw, nullptr);
+  EXPECT_NEAR(way_mm(*jaw, 1), 8, 0.08);
+  expect_at_rest(largest_of(json.at("rigid_pieces")));
+  expect_nothing_lost(json, 20'000);
+}
+
+TEST_F(InteropSurgeons, TheSceneOfTheJawOpensItByFifteenDegrees) {
+  const Json json = run_scene_of("head_jaw.toml");
+  ASSERT_FALSE(json.is_null());
+  int opened = 0;
+  for (const char* ramus : {"83,150,4", "175,150,4"}) {
+    const Json* piece = named(json.at("rigid_pieces"), ramus);
+    ASSERT_NE(piece, nullptr) << ramus;
+    EXPECT_NEAR(piece->at("turn_degrees").get<double>(), 15, 0.05);
+    // Condyle and coronoid are part of the ramus: it reaches above the joint.
+    EXPECT_GT(piece->at("elements"), 4'000);
+    ++opened;
+  }
+  EXPECT_EQ(opened, 2);
+  expect_at_rest(largest_of(json.at("rigid_pieces")));
+  expect_nothing_lost(json, 20'000);
+}
+
+TEST_F(InteropSurgeons, CheekAndNoseMoveTissueAloneAndTheWholeWay) {
+  for (const char* scene : {"head_cheek_pressed.toml", "head_nose.toml"}) {
+    const Json json = run_scene_of(scene);
+    ASSERT_FALSE(json.is_null());
+    expect_at_rest(largest_of(json.at("rigid_pieces")));
+    const Json& step = json.at("steps")[0];
+    EXPECT_EQ(step.value("fraction", 1.0), 1) << scene;
+    expect_nothing_lost(json, 20'000);
+  }
+}
+
+TEST_F(InteropSurgeons, TheFlapIsGone) {
+  const Json json = run_scene_of("head_flap.toml");
+  ASSERT_FALSE(json.is_null());
+  EXPECT_GT(json.at("steps")[0].at("removed"), 1'000);
+}
