@@ -183,6 +183,9 @@ void operations_300(StressInput&) {}
 void operations_10000(StressInput& input) {
   input.operations = 10000;
 }
+void drags_200(StressInput& input) {
+  input.operations = 200;
+}
 
 }  // namespace
 
@@ -288,6 +291,14 @@ const std::vector<StressExtreme>& stress_extremes() {
        {},
        true,
        3600},
+      {"head-bones",
+       "200 random drags of the upper jaw of `ct_head`",
+       kOfBones,
+       drags_200,
+       {},
+       true,
+       3600,
+       4000},
   };
   return extremes;
 }

@@ -21,7 +21,8 @@ enum StressPart : unsigned {
   kOfSteps = 16,     // of time
   kOfView = 32,      // size, camera
   kOfTransfer = 64,  // colours and opacities
-  kOfSession = 128   // its operations
+  kOfSession = 128,  // its operations
+  kOfBones = 256     // of a head CT
 };
 
 struct StressModel {
