@@ -200,6 +200,22 @@ TEST(UnitEventMailbox, WhatLooksIsTakenPastWhatReadsAndNotPastWhatMoves) {
   EXPECT_TRUE(mailbox.take_look());
 }
 
+TEST(UnitEventMailbox, EventsThatMoveAreGivenUpAndAllElseStays) {
+  EventMailbox mailbox;
+  mailbox.post([] {});
+  mailbox.post(event("kind = \"undo\""));
+  mailbox.post(event(kCameras[0]));
+  mailbox.post(event("kind = \"release\""));
+  const std::vector<LiveEvent> dropped = mailbox.drop_moves();
+  ASSERT_EQ(dropped.size(), 2U);
+  EXPECT_EQ(dropped[0].kind, EventKind::undo);
+  EXPECT_EQ(dropped[1].kind, EventKind::release);
+  EXPECT_TRUE(mailbox.moves_wait());  // the task
+  EXPECT_TRUE(mailbox.take(false)->task);
+  EXPECT_FALSE(mailbox.moves_wait());
+  EXPECT_EQ(mailbox.take(false)->event.kind, EventKind::camera);
+}
+
 TEST_F(UnitLiveLoop, FiniteElementsGiveWayToAnEventOfTheBodyForGood) {
   const Intruder seen = run_with("kind = \"undo\"");
   EXPECT_EQ(seen.slices, 1);

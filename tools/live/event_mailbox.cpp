@@ -82,6 +82,22 @@ std::optional<PostedEvent> EventMailbox::take_at(std::deque<PostedEvent>::iterat
   return taken;
 }
 
+std::vector<LiveEvent> EventMailbox::drop_moves() {
+  const std::lock_guard lock(m_guard);
+  std::vector<LiveEvent> dropped;
+  std::deque<PostedEvent> left;
+  for (PostedEvent& posted : m_waiting) {
+    if (posted.task || posted.kind != TaskKind::moves) {
+      left.push_back(std::move(posted));
+    } else {
+      dropped.push_back(std::move(posted.event));
+      --m_moves;
+    }
+  }
+  m_waiting = std::move(left);
+  return dropped;
+}
+
 bool EventMailbox::is_closed() const {
   const std::lock_guard lock(m_guard);
   return m_is_closed;

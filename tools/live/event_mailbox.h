@@ -14,6 +14,7 @@
 #include <functional>
 #include <mutex>
 #include <optional>
+#include <vector>
 
 #include "tools/scene/live_event.h"
 
@@ -42,6 +43,8 @@ class EventMailbox {
   std::optional<PostedEvent> take_until(std::chrono::steady_clock::time_point end);
   /// The oldest that only looks, past what reads the body, but not past what moves it.
   std::optional<PostedEvent> take_look();
+  /// Takes the events out that wait and may move the body; tasks and what only looks stay.
+  std::vector<LiveEvent> drop_moves();
   /// Whether something waits that may move the body.
   bool moves_wait() const { return m_moves > 0; }
   bool is_closed() const;

@@ -72,6 +72,15 @@ void OpenScene::see(const ViewSettings& settings, std::uint64_t number) {
   if (is_other_picture) m_loop.set_frame(frame_for(m_settings, m_budget_ms));
 }
 
+void OpenScene::stop(const std::vector<LiveEvent>& given_up) {
+  m_live.stop();
+  for (LiveEvent event : given_up) {
+    if (event.kind != EventKind::release || !m_live.grabbed()) continue;
+    event.no_relax = true;
+    m_live.carry_out(event);
+  }
+}
+
 /// Over the picture in space, as long as an overlay or the outline is asked for there.
 void OpenScene::choose_painter() {
   const bool paints = has_overlay() && m_settings.slices.overlay_in_space;

@@ -41,7 +41,9 @@ class OpenScene final : public LoopWatcher {
   void see(const ViewSettings& settings, std::uint64_t number);
   /// The number of what was asked last.
   void seen(std::uint64_t number) { m_number = number; }
-  void stop() { live().stop(); }
+  /// Ends what settles. Where a release is among the events that were given up, what is grabbed is
+  /// let go of where it has got to, or goes back if that restores.
+  void stop(const std::vector<LiveEvent>& given_up);
 
   LiveSession& live() { return m_live; }
   LivePicture& picture() { return m_loop.picture(); }

@@ -1,5 +1,7 @@
 #include "tools/viewer/page_progress.h"
 
+#include <cmath>
+
 #include <nlohmann/json.hpp>
 
 namespace supple::tools {
@@ -19,7 +21,7 @@ void PageProgress::begin() {
   m_is_cancelled = false;
   m_is_running = true;
   m_stage = "working";
-  m_begun = m_told = std::chrono::steady_clock::now();
+  m_begun = m_entered = m_told = std::chrono::steady_clock::now();
 }
 
 void PageProgress::end() {
@@ -31,6 +33,7 @@ void PageProgress::end() {
 
 void PageProgress::stage(std::string_view name) {
   m_stage = name;
+  m_entered = std::chrono::steady_clock::now();
   m_behind.stage(name);
 }
 
@@ -40,7 +43,10 @@ void PageProgress::update(double fraction) {
   if (now - m_begun < kQuiet || now - m_told < kTellEvery) return;
   m_told = now;
   m_is_told = true;
-  m_pages.tell_all(nlohmann::json{{"progress", {{"what", m_stage}, {"part", fraction}}}}.dump());
+  const std::chrono::duration<double, std::milli> since = now - m_entered;
+  m_pages.tell_all(nlohmann::json{
+      {"progress", {{"what", m_stage}, {"part", fraction}, {"ms", std::floor(since.count())}}}}
+                       .dump());
 }
 
 bool PageProgress::cancelled() const {

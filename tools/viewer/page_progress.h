@@ -37,7 +37,7 @@ class PageProgress final : public Progress {
   Pages& m_pages;
   Progress& m_behind;
   std::string m_stage;
-  std::chrono::steady_clock::time_point m_begun, m_told;
+  std::chrono::steady_clock::time_point m_begun, m_entered, m_told;  // the work, its stage
   bool m_is_told = false;
   std::atomic<bool> m_is_running{false}, m_is_cancelled{false};
 };

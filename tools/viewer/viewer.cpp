@@ -245,11 +245,18 @@ void Viewer::take_open(int page, const PageMessage& message) {
   interrupt();
 }
 
+/// What waits goes, too.
 void Viewer::take_cancel(int page, const PageMessage& message) {
+  const std::vector<LiveEvent> dropped = m_mailbox.drop_moves();
   m_progress.cancel();
-  m_mailbox.post([this] {
+  const std::uint64_t number = take_number(page, message);
+  m_mailbox.post([this, dropped, number] {
+    for (const LiveEvent& event : dropped) {
+      m_pages.tell_refused(std::uint64_t(event.number), "cancelled before it had begun");
+    }
     if (!m_scene) return;
-    m_scene->stop();
+    m_scene->stop(dropped);
+    m_scene->seen(number);
     m_scene->tell_scene();
   });
   interrupt();

@@ -21,6 +21,7 @@ export class Session {
     this.state = 'connecting';  // connected, lost, ended
     this.lastSent = 0;
     this.lastCarriedOut = 0;
+    this.waitsSince = 0;  // for the next event to be carried out
     this.counts = {frames: 0, stale: 0, connections: 0, restarts: 0};
     this.latencies = new Latencies();
     this.timedView = '3d';  // whose pictures end an event's time
@@ -42,9 +43,23 @@ export class Session {
     for (const listener of this.listeners.get(topic) ?? []) listener(value);
   }
 
+  carriedOut(n) {
+    if (n > this.lastCarriedOut) this.waitsSince = performance.now();
+    this.lastCarriedOut = Math.max(this.lastCarriedOut, n);
+  }
+  sent(n) {
+    if (this.lastSent <= this.lastCarriedOut) this.waitsSince = performance.now();
+    this.lastSent = n;
+  }
+  /// For how long nothing has come of what was sent.
+  waitsMs() {
+    const waits = this.state === 'connected' && this.lastSent > this.lastCarriedOut;
+    return waits ? performance.now() - this.waitsSince : 0;
+  }
+
   /// An event that the server does not take has been dealt with.
   refused(n, text) {
-    this.lastCarriedOut = Math.max(this.lastCarriedOut, n);
+    this.carriedOut(n);
     this.addLog({level: 'error', text, n});
   }
 
@@ -90,7 +105,7 @@ export class Session {
   sceneChanged(scene) {
     const before = this.scene;
     this.scene = scene;
-    if (scene) this.lastCarriedOut = Math.max(this.lastCarriedOut, scene.event ?? 0);
+    if (scene) this.carriedOut(scene.event ?? 0);
     this.adoptCamera();
     const other = JSON.stringify(scene?.volume ?? null) !== JSON.stringify(before?.volume ?? null);
     if (other) {
@@ -118,7 +133,7 @@ export class Session {
   event(event, time = performance.now()) {
     const n = this.connection.post('event', event);
     if (!n) return 0;
-    this.lastSent = n;
+    this.sent(n);
     if (kSeen.includes(event.kind)) this.latencies.sent(n, time);
     return n;
   }
@@ -126,7 +141,7 @@ export class Session {
   /// The same, with an answer as soon as it is queued.
   askEvent(event) {
     const answer = this.connection.ask('event', event);
-    this.lastSent = this.connection.n;
+    this.sent(this.connection.n);
     return answer;
   }
 
