@@ -10,6 +10,7 @@ namespace supple {
 namespace {
 
 constexpr double kPaintShare = 0.55;  // of the colour, over what is seen
+constexpr double kFadingPart = 0.1;   // of the range, beside the value that is clear
 constexpr double kHalfStep = 0.5;     // voxels, of a difference
 constexpr double kFlat = 1e-6;        // a gradient of less is none
 
@@ -40,6 +41,11 @@ Rgb ValuePaint::colour(double of) const {
   return value_colour(colours, std::clamp((of - range.lo) / (range.hi - range.lo), 0., 1.));
 }
 
+double ValuePaint::share(double of) const {
+  if (!clear) return kPaintShare;
+  return kPaintShare * std::min(1., std::abs(of - *clear) / (kFadingPart * (range.hi - range.lo)));
+}
+
 void paint_values(Image& slice, const Geometry& grid, const ValuePaint& paint,
                   const Geometry& geometry) {
   tbb::parallel_for(0, slice.height, [&](int y) {
@@ -50,9 +56,9 @@ void paint_values(Image& slice, const Geometry& grid, const ValuePaint& paint,
           paint.value(geometry.index_from_world(grid.world_from_index(Vec3d(x, y, 0))));
       if (!value) continue;
       const Rgb colour = paint.colour(*value);
+      const double share = paint.share(*value);
       for (std::size_t c = 0; c < 3; ++c) {
-        pixel[c] =
-            std::uint8_t(std::lround((1 - kPaintShare) * pixel[c] + kPaintShare * 255 * colour[c]));
+        pixel[c] = std::uint8_t(std::lround((1 - share) * pixel[c] + share * 255 * colour[c]));
       }
     }
   });
@@ -73,10 +79,11 @@ void paint_values(FloatImage& picture, const Camera& camera, const ValuePaint& p
       const auto value = paint.value(geometry.index_from_world(place));
       if (!value) continue;
       const Rgb colour = paint.colour(*value);
+      const double share = paint.share(*value);
       float* pixel = &picture.rgba[4 * n];
       const double light = std::max({pixel[0], pixel[1], pixel[2]});
       for (std::size_t c = 0; c < 3; ++c) {
-        pixel[c] = float((1 - kPaintShare) * pixel[c] + kPaintShare * light * colour[c]);
+        pixel[c] = float((1 - share) * pixel[c] + share * light * colour[c]);
       }
     }
   });

@@ -32,9 +32,13 @@ struct ValuePaint {
   ValueAt value;
   ScalarRange range;
   ValueColours colours = ValueColours::ascending;
+  /// The value of what is as it was: nothing is painted there, and little beside it.
+  std::optional<double> clear = {};
 
   /// Of a value in the range or beyond it.
   Rgb colour(double of) const;
+  /// Share of the colour in what is seen.
+  double share(double of) const;
 };
 
 /// Paints over the opaque pixels of a slice whose pixels lie on `grid`; a slab by its middle.

@@ -55,3 +55,16 @@ TEST(UnitOverlay, AStretchAndAShearHaveTheEnergyOfASaintVenantKirchhoffSolid) {
               kLambda / 2 * std::pow(g * g / 2, 2) + kMu * (g * g / 2 + std::pow(g * g / 2, 2)),
               1e-12);
 }
+
+TEST(UnitOverlay, NothingIsPaintedWhereNothingHasChanged) {
+  const auto paint = [](ScalarRange range, std::optional<double> clear) {
+    return ValuePaint{{}, range, ValueColours::ascending, clear};
+  };
+  const ValuePaint ratio = paint(kVolumeRatios, 1);
+  EXPECT_EQ(ratio.share(1), 0);
+  EXPECT_GT(ratio.share(1.02), 0);
+  EXPECT_LT(ratio.share(1.02), ratio.share(0.9));
+  EXPECT_EQ(ratio.share(0.9), ratio.share(0.5));
+  EXPECT_EQ(paint({0, 10}, 0).share(0), 0);
+  EXPECT_EQ(paint({0, 10}, 0).share(1), paint({0, 10}, {}).share(0));
+}

@@ -79,7 +79,8 @@ std::optional<double> OverlayField::at(const Vec3d& index) const {
 }
 
 ValuePaint OverlayField::paint(const ScalarRange& range) const {
-  return {[this](const Vec3d& index) { return at(index); }, range, colours_of(m_overlay)};
+  const double at_rest = m_overlay == FieldOverlay::det_f ? 1 : 0;
+  return {[this](const Vec3d& index) { return at(index); }, range, colours_of(m_overlay), at_rest};
 }
 
 double most_energy_kpa(const Session& session, const Displacement& moved) {

@@ -31,7 +31,8 @@ class OverlayField {
                const RestPlaceAt& rest);
   /// None where no tissue is seen.
   std::optional<double> at(const Vec3d& index) const;
-  /// What at() says, in the colours of the overlay. Refers to this.
+  /// What at() says, in the colours of the overlay; clear where nothing is displaced, strained or
+  /// changed in volume. Refers to this.
   ValuePaint paint(const ScalarRange& range) const;
 
  private:
