@@ -150,6 +150,7 @@ void LiveSession::act_on(const LiveEvent& event, Progress* progress) {
       check_step(*m_session, asked);
       m_grab = event;
       m_reached = Vec3d(0);
+      m_led.reset();
       m_grab_stroke = ++m_stroke;
       break;
     }
@@ -224,7 +225,9 @@ void LiveSession::drag(const LiveEvent& event, Progress* progress) {
   }
   const Vec3d before = m_reached;
   run(event.kind, step, keys.dump(), progress);
-  m_reached = before + by * m_session->records().back().report.fraction();
+  const StepRecord& record = m_session->records().back();
+  m_reached = before + by * record.report.fraction();
+  m_led = {event.to, m_reached, record.contact.parts < CutContact::kDragParts};
   m_done.back().reached_before = before;
   m_done.back().reached = m_reached;
 }

@@ -61,6 +61,13 @@ class LiveSession {
   /// What is grabbed, and how far it has come, as `to` counts.
   const std::optional<LiveEvent>& grabbed() const { return m_grab; }
   const Vec3d& reached() const { return m_reached; }
+  /// Where the last drag was to lead what is or was grabbed last, and where it led it; counted as
+  /// `to`.
+  struct LedDrag {
+    Vec3d asked{0, 0, 0}, reached{0, 0, 0};
+    bool by_cut = false;  // the sides of a cut stopped it
+  };
+  const std::optional<LedDrag>& led() const { return m_led; }
   Limits limits() const { return m_limits; }
   StepModel model() const;
 
@@ -101,6 +108,7 @@ class LiveSession {
   std::optional<LiveEvent> m_model;     // of springs or finite elements
   int m_stroke = 0, m_grab_stroke = 0;  // the last number of all; of the drags since the grab
   Vec3d m_reached{0, 0, 0};             // by the handle that is grabbed, as `to` counts
+  std::optional<LedDrag> m_led;
   Limits m_limits = Limits::box;
   std::vector<DoneStep> m_done, m_undone;
   std::optional<LiveEvent> m_relaxation;

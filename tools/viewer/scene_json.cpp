@@ -1,5 +1,6 @@
 // The message `scene`: all that the page's panels show.
 #include <algorithm>
+#include <cmath>
 
 #include "tools/live/held_parts.h"
 #include "tools/outputs/reports.h"
@@ -60,26 +61,6 @@ const char* text_of(EventKind kind, const SceneStep& step) {
   return name_of(kind);
 }
 
-/// Strokes of steps, with how many each has.
-Json strokes_json(const std::vector<LiveSession::DoneStep>& steps, bool from_end) {
-  Json strokes = Json::array();
-  int last = -1;
-  const auto add = [&](const LiveSession::DoneStep& done) {
-    if (done.stroke == last) {
-      strokes.back()["steps"] = strokes.back()["steps"].get<int>() + 1;
-    } else {
-      strokes.push_back({{"text", text_of(done.kind, done.step)}, {"steps", 1}});
-    }
-    last = done.stroke;
-  };
-  if (from_end) {
-    std::for_each(steps.rbegin(), steps.rend(), add);
-  } else {
-    std::for_each(steps.begin(), steps.end(), add);
-  }
-  return strokes;
-}
-
 /// A selection's keys in few words.
 std::string words_of(const Json& keys) {
   for (const char* key : {"grab", "grab_box", "grab_ball", "grab_label", "grab_density", "at_mm",
@@ -92,6 +73,67 @@ std::string words_of(const Json& keys) {
   return "a part of the body";
 }
 
+/// Where a handle or anchor is, in few words.
+std::string place_of(const Json& keys) {
+  for (const char* key : {"grab", "grab_ball"}) {
+    if (!keys.contains(key) || keys[key].size() != 3) continue;
+    std::string words = "at ";
+    for (const Json& index : keys[key]) words += (words.size() > 3 ? ", " : "") + index.dump();
+    return words;
+  }
+  return words_of(keys);
+}
+
+/// How far a step went, and where.
+std::string detail_of(const LiveSession::DoneStep& done) {
+  const Json keys = Json::parse(done.keys);
+  if (done.kind == EventKind::drag && keys.contains("handles")) {
+    const double mm = std::round(10 * done.reached.length()) / 10;
+    return number_text(mm) + " mm " + place_of(keys["handles"][0]);
+  }
+  if (done.kind == EventKind::anchor) return place_of(keys["anchors"][0]);
+  return "";
+}
+
+/// Strokes of steps, with how many each has; of a drag the last step says how far it went.
+Json strokes_json(const std::vector<LiveSession::DoneStep>& steps, bool from_end) {
+  Json strokes = Json::array();
+  int last = -1;
+  const LiveSession::DoneStep* told = nullptr;
+  const auto tell = [&] {
+    if (told == nullptr) return;
+    if (const std::string detail = detail_of(*told); !detail.empty()) {
+      strokes.back()["detail"] = detail;
+    }
+  };
+  const auto add = [&](const LiveSession::DoneStep& done) {
+    if (done.stroke == last) {
+      strokes.back()["steps"] = strokes.back()["steps"].get<int>() + 1;
+      if (done.kind == told->kind) told = &done;
+    } else {
+      tell();
+      strokes.push_back({{"text", text_of(done.kind, done.step)}, {"steps", 1}});
+      told = &done;
+    }
+    last = done.stroke;
+  };
+  if (from_end) {
+    std::for_each(steps.rbegin(), steps.rend(), add);
+  } else {
+    std::for_each(steps.begin(), steps.end(), add);
+  }
+  tell();
+  return strokes;
+}
+
+Json drag_json(const LiveSession::LedDrag& led) {
+  constexpr double kWholeMm = 1e-3;
+  const bool is_whole = (led.asked - led.reached).length() < kWholeMm;
+  Json json = {{"asked", vector_json(led.asked)}, {"reached", vector_json(led.reached)}};
+  json["stopped_by"] = is_whole ? Json(nullptr) : Json(led.by_cut ? "cut" : "held");
+  return json;
+}
+
 /// Keys of an event from those of a step's entry.
 Json event_json(const char* kind, Json keys) {
   for (const char* key : {"by", "by_mm_lps", "push"}) keys.erase(key);
@@ -100,20 +142,30 @@ Json event_json(const char* kind, Json keys) {
   return event;
 }
 
-Json handle_json(const Json& keys, const Vec3d& rest_index, const State& state,
-                 const Displacement& moved) {
-  const Geometry& geometry = state.geometry;
+/// Where a place of the body at rest is now, in LPS mm.
+Vec3d place_now(const Vec3d& rest_index, const State& state, const Displacement& moved) {
   Vec3d u(0);
   if (!moved.u.sample(rest_index, u)) u = Vec3d(0);
-  return {{"text", words_of(keys)},
-          {"voxel", vector_json(rest_index)},
-          {"lps", vector_json(geometry.world_from_index(rest_index + u))},
-          {"rest_lps", vector_json(geometry.world_from_index(rest_index))},
-          {"event", event_json("grab", keys)}};
+  return state.geometry.world_from_index(rest_index + u);
 }
 
-/// The middle of a voxel, box or ball; nothing of other selections.
+Json held_json(const char* kind, const Json& keys) {
+  return {{"text", words_of(keys)}, {"event", event_json(kind, keys)}};
+}
+
+/// Where what is held was and is.
+void add_places(Json& json, const Vec3d& rest_index, const State& state,
+                const Displacement& moved) {
+  json["voxel"] = vector_json(rest_index);
+  json["lps"] = vector_json(place_now(rest_index, state, moved));
+  json["rest_lps"] = vector_json(state.geometry.world_from_index(rest_index));
+}
+
+/// The middle of a voxel, box or ball, or the place of a piece; nothing of other selections.
 std::optional<Vec3d> middle_of(const GivenSelection& given, const Geometry& geometry) {
+  for (const auto& place : {given.piece_at, given.rigid_at}) {
+    if (place) return index_of(*place, given.frame, geometry);
+  }
   if (given.at_lps_mm) return geometry.index_from_world(*given.at_lps_mm);
   if (given.ball) return index_of(*given.ball, given.frame, geometry);
   if (!given.corners) return std::nullopt;
@@ -128,29 +180,59 @@ Json handles_json(const HeldParts& held, const State& state, const Displacement&
   for (std::size_t n = 0; n < held.handles.size(); ++n) {
     const auto middle = middle_of(held.handles[n].given, state.geometry);
     if (!middle) continue;
-    handles.push_back(handle_json(Json::parse(held.handles[n].keys), *middle, state, moved));
-    handles.back()["number"] = n + 1;
+    Json& handle = handles.emplace_back(held_json("grab", Json::parse(held.handles[n].keys)));
+    add_places(handle, *middle, state, moved);
+    handle["number"] = n + 1;
   }
   return handles;
 }
 
-Json anchors_json(const HeldParts& held) {
+Json anchors_json(const HeldParts& held, const State& state, const Displacement& moved) {
   Json anchors = Json::array();
   for (const HeldPart& part : held.anchors) {
-    const Json keys = Json::parse(part.keys);
-    anchors.push_back({{"text", words_of(keys)},
-                       {"event", event_json("anchor", keys)},
-                       {"number", anchors.size() + 1}});
+    Json& anchor = anchors.emplace_back(held_json("anchor", Json::parse(part.keys)));
+    const auto middle = middle_of(part.given, state.geometry);
+    if (middle) add_places(anchor, *middle, state, moved);
+    anchor["number"] = anchors.size();
   }
   return anchors;
 }
 
-Json cuts_json(const std::vector<LiveSession::DoneStep>& done) {
+/// What is swept along a curve or over a patch, to be drawn: the line where the body is now, and
+/// how far it goes to either side. Nothing of meshes and labels.
+Json sheet_json(const CutSurface& cut, const State& state, const Displacement& moved) {
+  if (cut.mesh || cut.label != 0) return nullptr;
+  const Geometry& geometry = state.geometry;
+  const auto vector_of = [&](const Vec3d& v) {
+    return cut.in_voxels ? geometry.world_vector_from_index(v) : v;
+  };
+  std::vector<Vec3d> line = {cut.corner, cut.corner + cut.edge1};
+  Vec3d down = vector_of(cut.edge2), up(0);
+  if (cut.curve) {
+    line = cut.curve->points;
+    const Vec3d along = vector_of(cut.curve->direction);
+    down = along * (cut.curve->depth_mm / along.length());
+    up = along * (-cut.curve->above_mm / along.length());
+  }
+  Json places = Json::array();
+  for (const Vec3d& point : line) {
+    const Vec3d index = cut.in_voxels ? point : geometry.index_from_world(point);
+    places.push_back(vector_json(place_now(index, state, moved)));
+  }
+  return {{"line", places}, {"down", vector_json(down)}, {"up", vector_json(up)}};
+}
+
+Json cuts_json(const std::vector<LiveSession::DoneStep>& done, const State& state,
+               const Displacement& moved) {
   Json cuts = Json::array();
   for (const LiveSession::DoneStep& step : done) {
     if (step.step.cuts.empty()) continue;
-    for (const Json& cut : Json::parse(step.keys).value("cut", Json::array())) {
-      cuts.push_back({{"text", cut.begin().key()}, {"event", event_json("cut", cut)}});
+    const Json all = Json::parse(step.keys).value("cut", Json::array());
+    for (std::size_t n = 0; n < all.size(); ++n) {
+      Json& cut = cuts.emplace_back(
+          Json{{"text", all[n].begin().key()}, {"event", event_json("cut", all[n])}});
+      cut["sheet"] =
+          n < step.step.cuts.size() ? sheet_json(step.step.cuts[n], state, moved) : Json(nullptr);
     }
   }
   return cuts;
@@ -262,9 +344,10 @@ Json OpenScene::body_description() {
     event.update(Json::parse(grab->keys));
     scene["grab"] = {{"event", event}, {"reached", vector_json(m_live.reached())}};
   }
+  if (const auto& led = m_live.led()) scene["drag"] = drag_json(*led);
   scene["handles"] = handles_json(held, state, picture().displacement());
-  scene["anchors"] = anchors_json(held);
-  scene["cuts"] = cuts_json(m_live.done());
+  scene["anchors"] = anchors_json(held, state, picture().displacement());
+  scene["cuts"] = cuts_json(m_live.done(), state, picture().displacement());
   scene["undo"] = strokes_json(m_live.done(), false);
   scene["redo"] = strokes_json(m_live.undone(), true);
   const char* const limits[] = {"box", "ball", "tighten"};

@@ -1,7 +1,7 @@
 // The keys of docs/viewer.md from the table that the page itself reads; `--write` renews them.
 
 import {readFileSync, writeFileSync} from 'node:fs';
-import {kBindings, kGestures, shownKey} from '../../../tools/viewer/page/bindings.js';
+import {kBindings, kGestures, shownKeys} from '../../../tools/viewer/page/bindings.js';
 
 const kPage = new URL('../../../docs/viewer.md', import.meta.url);
 const kBegin = '<!-- keys of the viewer: node tests/viewer/browser/keys_table.mjs --write -->\n';
@@ -10,7 +10,7 @@ const kEnd = '<!-- end of the keys -->\n';
 export function keysTable() {
   const groups = [...new Set(kBindings.map(({group}) => group))];
   const tables = groups.map((group) => `| ${group} | |\n|---|---|\n` + kBindings.filter((b) => b.group === group)
-    .map(({keys, text}) => `| ${keys.map((key) => '`' + shownKey(key) + '`').join(' ')} | ${text} |\n`).join(''));
+    .map((binding) => `| ${shownKeys(binding).map((key) => '`' + key + '`').join(' ')} | ${binding.text} |\n`).join(''));
   return [...tables, '| Mouse and touch | |\n|---|---|\n' + kGestures.map(([what, text]) => `| ${what} | ${text} |\n`).join('')].join('\n');
 }
 

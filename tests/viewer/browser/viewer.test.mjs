@@ -66,10 +66,12 @@ step('open: a volume is opened by the dialog, and four views show it', async () 
   await view.until('the page is connected', 'window.supple && $state === "connected"');
   assert.equal(await page.eval(`document.getElementById('welcome').hidden`), false);
   await page.key('Control+o');
-  await page.until('the folders are listed', `document.querySelector('dialog[open] .folder')`);
-  await view.goTo(folder.path);
+  // The only folder that may be used is open at once.
+  await page.until('its files are listed', `document.querySelector('dialog[open] [data-name="head.nhdr"]')`);
+  await page.until('materials are listed', `document.querySelectorAll('#open-material option').length > 3`);
   await page.clickOn('[data-name="head.nhdr"]');
-  await page.eval(`document.querySelector('dialog[open] input[type=text]').value = ${JSON.stringify(folder.at('soft.toml'))}`);
+  await page.eval(`(() => { const list = document.getElementById('open-material'); list.value = 'table'; list.dispatchEvent(new Event('change'));
+    document.getElementById('material-path').value = ${JSON.stringify(folder.at('soft.toml'))}; })()`);
   await page.clickOn('dialog[open] button[type=submit]');
   await view.until('the volume is open', '$scene && $scene.volume', 30);
   await page.until('the dialog is gone', `!document.querySelector('dialog[open]')`);
@@ -249,6 +251,69 @@ step('Esc restores, X keeps to an axis, the wheel changes the handle', async () 
   assert.equal(handles.at(-1).event.radius, (await view.get('settings')).radius);
 });
 
+const said = () => page.eval(`document.getElementById('say').textContent`);
+const kept = async () => {
+  await page.key('Enter');
+  await view.until('it is kept', '!$scene.grab && $tool === "none" && $carriedOut >= $sent');
+};
+
+step('a stroke owns its keys whatever had the focus, and numbers count as typed', async () => {
+  await page.key('Shift+a');
+  await view.until('nothing is held', '$scene.handles.length === 0 && $carriedOut >= $sent');
+  const before = await steps();
+  const [x, y] = await view.middle();
+  await page.clickOn('#tab-deform');
+  await page.eval(`(() => { const field = document.getElementById('setting-radius'); field.focus(); field.select(); })()`);
+  await page.type('8');
+  await page.move(x - 20, y - 20);
+  await page.key('g');
+  await view.until('the handle is there', '$scene.grab');
+  for (const key of ['x', '5']) await page.key(key);
+  await page.until('the number is shown', `/5▏mm to the left/.test(document.getElementById('say').textContent)`);
+  await kept();
+  const {handles, drag} = await scene();
+  assert.equal(handles.at(-1).event.radius, 8);
+  assert.deepEqual([drag.reached.map(Math.abs), drag.stopped_by], [[5, 0, 0], null]);
+  await page.key('Control+z');
+  await view.until('it is taken back', `$carriedOut >= $sent && $scene.undo.reduce((sum, {steps}) => sum + steps, 0) === ${before}`);
+  assert.match(await said(), /^Taken back: drag 5 mm at \d+, \d+, \d+/);
+
+  const limits = await page.eval(`(() => { const list = document.getElementById('limits'); list.focus(); return list.value; })()`);
+  await page.key('g');
+  await view.until('the handle is there', '$scene.grab');
+  for (const key of ['z', '2', '.', '5', 'Backspace', '2', '-']) await page.key(key);
+  await page.until('the number is shown', `/-2.2▏mm to the feet/.test(document.getElementById('say').textContent)`);
+  await kept();
+  assert.deepEqual((await scene()).drag.reached.map(Math.abs), [0, 0, 2.2]);
+  await page.key('Control+z');
+  await view.until('it is taken back', `$carriedOut >= $sent && $scene.undo.reduce((sum, {steps}) => sum + steps, 0) === ${before}`);
+  await page.eval(`document.getElementById('limits').focus()`);
+  await page.key('g');
+  await view.until('the handle is there', '$scene.grab');
+  for (const key of ['ArrowRight', 'ArrowDown', 'Escape']) await page.key(key);
+  await view.until('Esc restores', `$tool === "none" && !$scene.grab && $carriedOut >= $sent`);
+  assert.deepEqual([await steps(), await page.eval(`document.getElementById('limits').value`)], [before, limits]);
+  await page.eval(`(() => { const field = document.getElementById('setting-radius'); field.value = 5; field.dispatchEvent(new Event('input')); })()`);
+});
+
+step('the line says what was asked for and reached, and who stopped it', async () => {
+  const before = await steps();
+  const [x, y] = await view.middle();
+  await page.move(x + 20, y);
+  await page.key('a');
+  await view.until('tissue is fixed', '$scene.anchors.length === 1');
+  await page.until('the anchor is drawn', `document.querySelector('#view-3d .marks .anchor')`);
+  await grab([x - 20, y], [-90, 0]);
+  await page.until('it is told while it is held', `/ of .* mm, .*anchor 1 at .* stops it/.test(document.getElementById('say').textContent)`);
+  await kept();
+  assert.match(await said(), /^Kept: [\d.]+ of [\d.]+ mm, .*anchor 1 at [\d, ]+,? stops it; [\d,]+ elements moved/);
+  while (await view.get('scene.handles.length') < 2 || await steps() > before) {
+    await page.key('Control+z');
+    await view.until('it is taken back', '$carriedOut >= $sent');
+  }
+  await view.settled();
+});
+
 step('anchor, relax and cut', async () => {
   const [x, y] = await view.middle();
   await page.move(x, y - 60);
@@ -261,6 +326,8 @@ step('anchor, relax and cut', async () => {
   await page.key('k');
   await page.drag([x - 40, y + 30], [x + 40, y + 32], {steps: 10});
   await view.until('it is cut', '$scene.cuts.length === 1', 20);
+  await page.until('the cut is drawn in space and in slices', `['3d', 'axial', 'coronal', 'sagittal'].filter((name) =>
+    document.querySelector('#view-' + name + ' .marks .cut-made')).length >= 2 && document.querySelector('#view-3d .marks .cut-made.deep')`);
   await view.settled(30);
   assert.deepEqual((await view.undoTexts()).slice(-3), ['anchor', 'relax', 'cut']);
   const {event} = (await scene()).cuts[0];
@@ -395,6 +462,29 @@ step('everything that can be used has a name for screen readers', async () => {
   const used = nodes.filter((node) => !node.ignored && roles.includes(node.role?.value));
   assert.ok(used.length > 40);
   assert.deepEqual(used.filter((node) => !node.name?.value).map((node) => node.role.value), []);
+});
+
+step('arrows in the list of files are heard, and Enter twice opens', async () => {
+  await page.key('Control+o');
+  await page.until('the files are listed', `document.querySelector('dialog[open] [data-name="head.nhdr"]')`);
+  assert.equal(await page.eval(`document.activeElement.getAttribute('role')`), 'listbox');
+  await page.key('ArrowDown');
+  const active = await page.eval(`document.getElementById(document.activeElement.getAttribute('aria-activedescendant'))?.textContent`);
+  assert.ok(active, 'the listbox names its active option');
+  assert.equal(await page.eval(`[...document.querySelectorAll('dialog[open] button')].find((b) => b.textContent === 'Up').getAttribute('aria-label')`), null);
+  await page.key('Escape');
+  await page.until('the dialog is gone', `!document.querySelector('dialog[open]')`);
+});
+
+step('targets have 24 pixels, and the page a heading and landmarks', async () => {
+  for (const tab of ['look', 'deform', 'scene']) {
+    await page.clickOn('#tab-' + tab);
+    const small = await page.eval(`[...document.querySelectorAll('button, select, input, summary')].filter((e) => e.checkVisibility())
+      .map((e) => [e.closest('.check') ?? e, e]).map(([e, own]) => [e.getBoundingClientRect(), own])
+      .filter(([b]) => b.width > 1 && (b.width < 23.9 || b.height < 23.9)).map(([b, e]) => [e.getAttribute('aria-label') || e.textContent || e.id, b.width, b.height])`);
+    assert.deepEqual(small, [], 'targets below 24 pixels');
+  }
+  assert.deepEqual(await page.eval(`[document.querySelectorAll('h1').length, document.querySelectorAll('body > :not(header, main, footer, dialog, noscript, script, [role=alert])').length]`), [1, 0]);
 });
 
 step('nothing is clipped or lies over another at any size of the window', async () => {

@@ -2,7 +2,7 @@
 // They are 3D Slicer's, with F3D's and Blender's where Slicer has none.
 
 /// `keys` are KeyboardEvent.key with the modifiers in front; `code:` names a place on the keyboard.
-/// `where` says in which views they hold.
+/// `where` says in which views they hold, `shown` stands for `keys` in lists.
 export const kBindings = [
   {group: 'Deform', action: 'grab', keys: ['g'], where: 'any', text: 'Grab the tissue under the pointer and move it in the plane of the view'},
   {group: 'Deform', action: 'axis-x', keys: ['x'], where: 'grab', text: 'While grabbing: only to the patient’s left and right'},
@@ -12,8 +12,10 @@ export const kBindings = [
   {group: 'Deform', action: 'nudge-right', keys: ['ArrowRight'], where: 'grab', text: 'While grabbing: to the right of the picture'},
   {group: 'Deform', action: 'nudge-up', keys: ['ArrowUp'], where: 'grab', text: 'While grabbing: up in the picture'},
   {group: 'Deform', action: 'nudge-down', keys: ['ArrowDown'], where: 'grab', text: 'While grabbing: down in the picture'},
-  {group: 'Deform', action: 'larger', keys: ['PageUp', '+'], where: 'grab', text: 'While grabbing: a larger handle (also the wheel)'},
-  {group: 'Deform', action: 'smaller', keys: ['PageDown', '-'], where: 'grab', text: 'While grabbing: a smaller handle'},
+  {group: 'Deform', action: 'larger', keys: ['PageUp', ']'], where: 'grab', text: 'While grabbing: a larger handle (also the wheel)'},
+  {group: 'Deform', action: 'smaller', keys: ['PageDown', '['], where: 'grab', text: 'While grabbing: a smaller handle'},
+  {group: 'Deform', action: 'type', keys: ['0', '1', '2', '3', '4', '5', '6', '7', '8', '9', '.', ',', '-', 'Backspace'], where: 'grab',
+   shown: ['0 … 9', '.', '-', 'Backspace'], text: 'While grabbing: so many mm along the axis, or the way that was led: G X 5 Enter'},
   {group: 'Deform', action: 'keep', keys: ['Enter'], where: 'tool', text: 'Keep what was moved; end the line of a cut'},
   {group: 'Deform', action: 'cancel', keys: ['Escape'], where: 'tool', text: 'Cancel, and restore what was'},
   {group: 'Deform', action: 'anchor', keys: ['a'], where: 'any', text: 'Fix the tissue under the pointer, within the radius of a handle'},
@@ -113,6 +115,9 @@ export function actionOf(event, scopes) {
 
 const kShown = {' ': 'Space', ArrowLeft: '←', ArrowRight: '→', ArrowUp: '↑', ArrowDown: '↓',
                 Escape: 'Esc', PageUp: 'Page up', PageDown: 'Page down'};
+
+/// The keys of a binding as lists show them.
+export const shownKeys = ({keys, shown}) => [...new Set((shown ?? keys).map(shownKey))];
 
 /// A key as the help writes it.
 export function shownKey(key) {

@@ -3,9 +3,12 @@
 
 import {alongAxis} from './camera.js';
 import {short, svg} from './elements.js';
-import {add, length, times} from './vectors.js';
+import {stopper} from './stopper.js';
+import {add, length, normalized, times} from './vectors.js';
 
 const kAxes = {'axis-x': [1, 0, 0], 'axis-y': [0, 1, 0], 'axis-z': [0, 0, 1]};
+/// Of positive and negative amounts along them.
+const kWays = {'axis-x': ['left', 'right'], 'axis-y': ['back', 'front'], 'axis-z': ['head', 'feet']};
 const kNudges = {'nudge-left': [-1, 0], 'nudge-right': [1, 0], 'nudge-up': [0, 1], 'nudge-down': [0, -1]};
 const kSizes = [0, 1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 20, 25, 30, 40, 50, 75, 100];
 
@@ -15,6 +18,17 @@ export function nextSize(radius, steps) {
   return [...kSizes].reverse().find((size) => size < radius) ?? radius;
 }
 
+/// What the last drag asked for and reached, and who stopped it.
+function wayText(session, voxel) {
+  const {scene: {drag}, geometry} = session;
+  const [asked, reached] = [drag.asked, drag.reached].map((mm) => short(length(geometry.lpsOfGrid(mm)), 3));
+  return drag.stopped_by ? `${reached} of ${asked} mm, ${stopper(session, voxel)} it` : `${reached} mm`;
+}
+function madeText(session, voxel) {
+  const {drag, moved} = session.scene ?? {};
+  return drag ? `${wayText(session, voxel)}; ${(moved ?? 0).toLocaleString('en')} elements moved` : 'nothing was moved';
+}
+
 export class GrabStroke {
   constructor(tools, view, place) {
     Object.assign(this, {tools, view, app: tools.app, session: tools.app.session});
@@ -22,6 +36,7 @@ export class GrabStroke {
     this.at = this.start;
     this.radius = this.app.settings.radius;
     this.axis = null;
+    this.typed = '';          // an amount in mm
     this.nudged = [0, 0, 0];  // LPS mm, by keys
     this.to = [0, 0, 0];      // mm along the grid axes
     this.events = [];
@@ -39,7 +54,7 @@ export class GrabStroke {
       }
       this.pick = hit;
       this.hold();
-      if (this.at !== this.start) this.follow();
+      this.follow();
       if (this.isKept) this.keep();
     } catch (error) {
       this.app.say(error.message);
@@ -79,6 +94,8 @@ export class GrabStroke {
     const onGrid = add(times(this.pick.right, dx), times(this.pick.down, dy));
     let shift = add(geometry.lpsOfGrid(onGrid), this.nudged);
     if (this.axis) shift = alongAxis(this.view.directions(), shift, kAxes[this.axis]);
+    const amount = this.amount();
+    if (amount !== null) shift = times(this.wayOf(shift), amount);
     const to = geometry.gridOfLps(shift).map((mm) => Math.round(mm * 1e4) / 1e4);
     if (to.every((mm, a) => mm === this.to[a])) return;
     this.to = to;
@@ -87,11 +104,36 @@ export class GrabStroke {
     this.tell();
   }
 
+  /// What was typed, in mm; null: nothing that is a number yet.
+  amount() {
+    const typed = this.typed.replace(',', '.');
+    return /\d/.test(typed) ? Number(typed) : null;
+  }
+  /// Along the axis; without one the way that was led, or to the right of the picture.
+  wayOf(shift) {
+    if (this.axis) return kAxes[this.axis];
+    return length(shift) > 1e-6 ? normalized(shift) : this.view.directions().right;
+  }
+  /// A sign goes to the front, and away when it comes again.
+  type(key) {
+    if (key === 'Backspace') this.typed = this.typed.slice(0, -1);
+    else if (key === '-') this.typed = this.typed.startsWith('-') ? this.typed.slice(1) : '-' + this.typed;
+    else if (/\d/.test(key) || !/[.,]/.test(this.typed)) this.typed += key;
+    this.follow();
+    this.tell();
+  }
+
+  /// How far it was led, and how far it came.
   tell() {
-    const {geometry} = this.session;
+    if (!this.pick) return;
+    const {scene} = this.session;
+    const isKnown = scene?.drag && this.session.lastCarriedOut >= this.events.at(-1);
+    const far = isKnown ? wayText(this.session, this.pick.voxel) : `${short(length(this.session.geometry.lpsOfGrid(this.to)), 3)} mm`;
     const axis = this.axis ? ` along ${{'axis-x': 'left–right', 'axis-y': 'anterior–posterior', 'axis-z': 'superior–inferior'}[this.axis]}` : '';
-    this.app.say(`Grabbed ${this.pick.voxel.join(', ')}: ${short(length(geometry.lpsOfGrid(this.to)), 3)} mm${axis}; ` +
-                 `handle ${this.radius} mm. Enter keeps, Esc restores, X Y Z constrain, wheel: size`);
+    const way = this.axis && this.amount() ? ` to the ${kWays[this.axis][this.amount() < 0 ? 1 : 0]}` : axis;
+    const led = this.typed ? `${this.typed}▏mm${way}${isKnown ? ', ' + far : ''}` : far + axis;
+    this.app.say(`Grabbed ${this.pick.voxel.join(', ')}: ${led}; handle ${this.radius} mm. ` +
+                 'Enter keeps, Esc restores, X Y Z and a number constrain, wheel: size');
     this.view.refresh();
   }
 
@@ -112,8 +154,10 @@ export class GrabStroke {
     if (length(this.to) > 0) this.events.push(this.session.event({kind: 'drag', to: this.to}));
   }
 
-  act(action, {shiftKey}) {
-    if (action in kAxes) {
+  act(action, {shiftKey, key}) {
+    if (action === 'type') {
+      this.type(key);
+    } else if (action in kAxes) {
       this.axis = this.axis === action ? null : action;
       this.follow();
       if (this.pick) this.tell();
@@ -134,8 +178,9 @@ export class GrabStroke {
   keep() {
     this.isKept = true;
     if (!this.pick) return;  // as soon as it is known what was grabbed
-    this.session.event({kind: 'release'});
-    this.app.say('Kept. Ctrl+Z takes it back');
+    const n = this.session.event({kind: 'release'});
+    if (n) this.app.sayWhenDone(n, () => `Kept: ${madeText(this.session, this.pick.voxel)}. Ctrl+Z takes it back`);
+    else this.app.say('The connection is lost: nothing was kept');
     this.end();
   }
   cancel() {
@@ -147,6 +192,7 @@ export class GrabStroke {
     this.isOver = true;
     this.tools.ended(this);
   }
+  sceneChanged() { this.tell(); }
   failed({n, text}) {
     if (!this.events.includes(n)) return;
     this.app.say(text);

@@ -1,6 +1,6 @@
 // Keys to actions, and the list of all bindings.
 
-import {actionOf, kBindings, kGestures, shownKey} from './bindings.js';
+import {actionOf, kBindings, kGestures, shownKeys} from './bindings.js';
 import {button, element} from './elements.js';
 
 const kWithin = ['Enter', ' ', 'ArrowLeft', 'ArrowRight', 'ArrowUp', 'ArrowDown', 'PageUp', 'PageDown', 'Home', 'End'];
@@ -22,10 +22,16 @@ function isForControl(event, isOverView) {
   return Boolean(control) && kWithin.includes(key) && (!isOverView || target.matches(':focus-visible'));
 }
 
+/// Keys that write in a field.
+const isTyping = ({key, target, ctrlKey, metaKey}) => target.matches?.('input[type=text], input[type=number], textarea') &&
+  !ctrlKey && !metaKey && (key.length === 1 || ['Backspace', 'Delete', 'Tab', 'Home', 'End'].includes(key));
+
+/// A stroke has taken the focus when it began, and owns the keys until it ends, but for what is written in a
+/// field that was chosen since.
 export function listenToKeys(app) {
   document.addEventListener('keydown', (event) => {
     if (document.querySelector('dialog[open]') || event.defaultPrevented) return;
-    if (isForControl(event, app.hovered !== null)) return;
+    if (app.tools.stroke ? isTyping(event) : isForControl(event, app.hovered !== null)) return;
     const view = app.viewForTools();
     const own = document.activeElement?.closest?.('.view') || app.hovered ? [view.name === '3d' ? 'space' : 'slice'] : [];
     const action = actionOf(event, [...app.tools.scopes, ...own, 'any']);
@@ -36,8 +42,8 @@ export function listenToKeys(app) {
 export class Help {
   constructor() {
     const groups = [...new Set(kBindings.map(({group}) => group))];
-    const rows = (group) => kBindings.filter((b) => b.group === group).map(({keys, text}) => element('tr', {},
-      element('td', {}, ...keys.flatMap((key, i) => [i ? ' ' : '', element('kbd', {}, shownKey(key))])), element('td', {}, text)));
+    const rows = (group) => kBindings.filter((b) => b.group === group).map((binding) => element('tr', {},
+      element('td', {}, ...shownKeys(binding).flatMap((key, i) => [i ? ' ' : '', element('kbd', {}, key)])), element('td', {}, binding.text)));
     const table = (title, body) => element('table', {}, element('caption', {}, title), element('tbody', {}, ...body));
     this.dialog = element('dialog', {class: 'dialog help', 'aria-label': 'Keys, mouse and touch'},
       element('div', {class: 'row'}, element('h2', {}, 'Keys, mouse and touch'), button('Close', () => this.dialog.close(), {class: 'end'})),

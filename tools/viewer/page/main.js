@@ -8,8 +8,9 @@ import {Session} from './session.js';
 import {Tools} from './tools.js';
 import {Toolbar} from './toolbar.js';
 import {Help, listenToKeys} from './keyboard.js';
+import {ProgressBar} from './progress.js';
 import {Files} from './panels/file_dialogs.js';
-import {DeformPanel} from './panels/deform_panel.js';
+import {DeformPanel, strokeText} from './panels/deform_panel.js';
 import {LookPanel} from './panels/look_panel.js';
 import {MaterialPanel} from './panels/material_panel.js';
 import {ScenePanel} from './panels/scene_panel.js';
@@ -31,6 +32,7 @@ class App {
     this.active = this.view('3d');
     this.hovered = null;
     this.files = new Files(this);
+    this.progress = new ProgressBar(this.session);
     this.help = new Help();
     const panel = (id) => document.getElementById(id);
     new LookPanel(this, panel('panel-look'));
@@ -41,7 +43,12 @@ class App {
     this.toolbar = new Toolbar(this);
     listenToKeys(this);
     this.session.on('connection', (state) => this.connectionChanged(state));
-    this.session.on('scene', () => this.toolbar.refresh());
+    this.session.on('scene', () => {
+      this.toolbar.refresh();
+      this.sayAwaited();
+    });
+    this.session.on('opened', (scene) => this.showNotice(scene?.notice));
+    document.getElementById('notice-close').addEventListener('click', () => this.showNotice());
     this.session.on('slices', () => this.refreshViews());
     this.session.on('log', ({level, text}) => level === 'error' && this.say(text));
     window.addEventListener('focus', () => this.sizesChanged());
@@ -62,7 +69,31 @@ class App {
   }
   refreshViews() { for (const view of this.views) view.refresh(); }
 
-  say(text) { document.getElementById('say').textContent = text; }
+  say(text) {
+    this.awaited = null;
+    document.getElementById('say').textContent = text;
+  }
+  /// `text()` once the event `n` is carried out, unless something else is said before.
+  sayWhenDone(n, text) {
+    this.awaited = {n, text};
+  }
+  sayAwaited() {
+    if (this.awaited && this.session.lastCarriedOut >= this.awaited.n) this.say(this.awaited.text());
+  }
+  /// Takes a stroke back or makes one again, and says which.
+  step(kind, event) {
+    const {session} = this;
+    if (!session.scene) return;
+    const stroke = session.scene[kind]?.at(kind === 'undo' ? -1 : 0);  // the one that is next
+    const [done, nothing] = kind === 'undo' ? ['Taken back', 'Nothing is left to take back'] : ['Made again', 'Nothing is left to make again'];
+    const n = session.event({kind, all: true}, event.timeStamp);
+    if (n) this.sayWhenDone(n, () => stroke ? `${done}: ${strokeText(stroke)}` : nothing);
+  }
+  /// What was assumed when the volume was opened, until it is closed.
+  showNotice(text = '') {
+    document.getElementById('notice').hidden = !text;
+    document.getElementById('notice-text').textContent = text;
+  }
   onSettings(listener) { this.settingListeners.push(listener); }
   settingsChanged() { for (const listener of this.settingListeners) listener(); }
   toolChanged() {
@@ -127,7 +158,7 @@ class App {
       if (session.scene) session.event({kind, ...more}, event.timeStamp);
     };
     const actions = {
-      'undo': () => changes('undo', {all: true}), 'redo': () => changes('redo', {all: true}),
+      'undo': () => this.step('undo', event), 'redo': () => this.step('redo', event),
       'relax': () => document.getElementById('relax').click(),
       'let-go': () => changes('release', {all: true}),
       'grab': () => this.tools.start('grab'), 'anchor': () => this.tools.start('anchor'),

@@ -2,6 +2,7 @@
 // tool draws. They are made anew from the scene, for the camera or plane of the picture that is seen.
 
 import {heightAtTarget, kSides, sideLetters} from './camera.js';
+import {anchorMarks, cutMarks} from './cut_marks.js';
 import {svg, short} from './elements.js';
 import {scaleBar} from './geometry.js';
 import {distance, dot, minus, times} from './vectors.js';
@@ -17,7 +18,7 @@ export function drawMarks(view) {
   const scene = view.session.scene;
   const all = [];
   if (scene && view.frame && view.directions()) {
-    all.push(...letters(view), ...bar(view), ...crosshair(view), ...handles(view), ...measures(view),
+    all.push(...letters(view), ...bar(view), ...crosshair(view), ...cutMarks(view), ...anchorMarks(view, (lps, mm) => isNear(view, lps, mm)), ...handles(view), ...measures(view),
              ...view.app.tools.marks(view));
     all.push(...legend(view));
     if (view.name === '3d') all.push(cube(view));
@@ -65,8 +66,9 @@ function crosshair(view) {
           line('cross ' + level, [0, y], [x - gap, y]), line('cross ' + level, [x + gap, y], [w, y])];
 }
 
-function isNear(view, lps) {
-  return view.name === '3d' || view.distanceOf(lps) <= Math.max(...view.session.geometry.spacing);
+/// Within `mm` of a slice, or a voxel.
+function isNear(view, lps, mm = 0) {
+  return view.name === '3d' || view.distanceOf(lps) <= Math.max(mm, ...view.session.geometry.spacing);
 }
 
 function handles(view) {

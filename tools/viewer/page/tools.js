@@ -22,6 +22,7 @@ export class Tools {
       this.measures = [];
       this.select('none');
     });
+    app.session.on('scene', () => this.stroke?.sceneChanged?.());
     app.session.on('connection', () => this.stroke?.connectionChanged?.());
     app.session.on('log', (line) => {
       if (line.level === 'error' && line.n) this.stroke?.failed?.(line);
@@ -43,13 +44,16 @@ export class Tools {
     const view = this.app.viewForTools();
     if (name === 'anchor') return this.anchorAt(view, view.placeForKeys());
     if (name === 'grab') return this.grabAt(view, view.placeForKeys());
+    view.picture.focus({preventScroll: true});
     this.select(this.name === name ? 'none' : name, true);
     const told = {cut: 'Cut: draw a line, or click point by point and press Enter', measure: 'Measure: drag, or click twice'};
     if (this.name === name && told[name]) this.app.say(told[name]);
   }
 
+  /// Fields tell their values when they lose the focus, before the stroke asks for them.
   grabAt(view, place) {
     this.stroke?.cancel();
+    view.picture.focus({preventScroll: true});
     this.begin(new GrabStroke(this, view, place));
   }
   begin(stroke) {
@@ -125,7 +129,9 @@ export class Tools {
 
   /// Actions of keys while a stroke is under way.
   act(action, event) {
+    const hasEnded = action === 'cancel' && this.app.progress.cancel();
     if (!this.stroke) {
+      if (hasEnded) return true;
       if (action === 'cancel' && this.name !== 'none') {
         this.select('none');
         return true;
@@ -139,7 +145,7 @@ export class Tools {
   }
   get scopes() {
     if (this.stroke instanceof GrabStroke) return ['grab', 'tool'];
-    return this.stroke || this.name !== 'none' ? ['tool'] : [];
+    return this.stroke || this.name !== 'none' || this.app.progress.isBusy ? ['tool'] : [];
   }
 
   marks(view) {

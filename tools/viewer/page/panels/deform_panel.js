@@ -17,6 +17,11 @@ function cutText({text, event}) {
   return curve ? `line of ${curve.points?.length ?? 0} points, ${curve.depth} mm deep` : text;
 }
 
+/// A stroke of the history: what, how far and where, in how many steps.
+export function strokeText({text, detail, steps}) {
+  return text + (detail ? ` ${detail}` : '') + (steps > 1 ? ` (${steps} steps)` : '');
+}
+
 export class DeformPanel {
   constructor(app, root) {
     Object.assign(this, {app, session: app.session, lists: {}});
@@ -47,6 +52,12 @@ export class DeformPanel {
     const {settings} = this.app;
     const setting = (name, least) => {
       const input = number(settings[name], (value) => { settings[name] = value; }, {min: least, id: 'setting-' + name});
+      // What is typed counts at once: a key over a view may begin a stroke.
+      input.addEventListener('input', () => {
+        if (input.value === '' || !input.checkValidity()) return;
+        settings[name] = input.valueAsNumber;
+        this.app.refreshViews();
+      });
       return input;
     };
     this.radius = setting('radius', 0);
@@ -110,8 +121,8 @@ export class DeformPanel {
       for (const [model, home] of Object.entries(this.modelHomes)) home.hidden = scene.model !== model;
       this.limits.value = scene.limits ?? 'box';
     }
-    this.relaxStop.hidden = !scene?.relaxing;
-    this.relaxState.textContent = !scene ? '' : scene.relaxing ? `Relaxing: ${scene.relaxing} passes to do`
+    this.relaxStop.hidden = !scene?.settling;
+    this.relaxState.textContent = !scene ? '' : scene.relaxing ? `Relaxing: ${scene.relaxing} passes to do at most` : scene.settling ? 'The drag settles'
       : scene.relaxes ? 'The material relaxes every drag after its release' : '';
     this.fill('handles', scene?.handles ?? [], (handle, i) => [
       button(`${i + 1}. ${selectionText(handle)}`, () => this.app.slices.setCursor(this.session.geometry.indexOfLps(handle.lps)),
@@ -153,12 +164,11 @@ export class DeformPanel {
     const key = JSON.stringify([undo, redo]);
     if (key === this.historyKey) return;
     this.historyKey = key;
-    const text = ({text, steps}) => steps > 1 ? `${text} (${steps} steps)` : text;
     const step = (kind, count) => () => { for (let i = 0; i < count; ++i) this.session.event({kind, all: true}); };
     this.history.replaceChildren(
-      ...undo.map((entry, i) => element('li', {}, button(text(entry), step('undo', undo.length - 1 - i),
+      ...undo.map((entry, i) => element('li', {}, button(strokeText(entry), step('undo', undo.length - 1 - i),
         {class: 'link', title: 'Go back to after this'}))),
-      ...[...redo].reverse().map((entry, i) => element('li', {class: 'undone'}, button(text(entry), step('redo', i + 1),
+      ...redo.map((entry, i) => element('li', {class: 'undone'}, button(strokeText(entry), step('redo', i + 1),
         {class: 'link', title: 'Make it again'}))));
     if (!undo.length && !redo.length) this.history.append(element('li', {class: 'none'}, 'Nothing was done yet'));
     if (undo.length) this.history.prepend(element('li', {}, button('As it was opened', step('undo', undo.length), {class: 'link'})));

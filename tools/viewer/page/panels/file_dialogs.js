@@ -1,7 +1,7 @@
 // Dialogs that open and save: folders of the server's machine, limited to those of its command line,
-// options in the words of the command line's help, progress and cancel.
+// options in the words of the command line's help.
 
-import {button, bytesText, checkbox, element, field, select} from '../elements.js';
+import {button, bytesText, checkbox, choose, element, field, select} from '../elements.js';
 import {OptionsForm} from './options_form.js';
 
 /// What can be saved: title, name without a better one, extensions.
@@ -21,13 +21,14 @@ const kOptions = {warp: ['direction'], turntable: ['frames', 'frames_per_second'
                   film: ['frames_per_second', 'speed', 'size'], screenshot: ['size']};
 
 const kFolder = 'supple.folder';
+const kByVolume = ['', 'by the volume'], kOwnTable = ['table', 'a table of my own…'];
 
 class Browser {
-  /// A folder's list; `chosen(file, isDouble)` for files.
-  constructor(session, chosen, wanted) {
-    Object.assign(this, {session, chosen, wanted, path: ''});
+  /// A folder's list; `chosen(file, isDouble)` for files, `moved()` in another folder.
+  constructor(session, chosen, wanted, moved = () => {}) {
+    Object.assign(this, {session, chosen, wanted, moved, path: ''});
     this.where = element('output', {class: 'path'});
-    this.up = button('Up', () => this.go(this.parent ?? ''), {'aria-label': 'To the folder above'});
+    this.up = button('Up', () => this.go(this.parent ?? ''), {title: 'To the folder above'});
     this.roots = button('Folders', () => this.go(''), {title: 'The folders that may be used'});
     this.entries = element('ul', {class: 'files', role: 'listbox', tabindex: 0, 'aria-label': 'Files'});
     this.error = element('p', {class: 'error', role: 'alert'});
@@ -35,14 +36,28 @@ class Browser {
     this.root = element('div', {class: 'browser'}, element('div', {class: 'row'}, this.up, this.roots, this.where), this.entries, this.error);
   }
 
-  async go(path) {
+  /// The folder of last time, that of what is open, or the first that may be used.
+  async begin() {
+    const last = sessionStorage.getItem(kFolder);
+    const opened = this.session.scene?.volume.path?.replace(/[^/]*$/, '');
+    const {folders} = await this.session.ask('list', {path: ''}).catch(() => ({}));
+    for (const path of [last, opened, folders?.[0]].filter(Boolean)) {
+      await this.go(path, false);
+      if (this.path) return;
+    }
+    await this.go('');
+  }
+  /// `tells`: of a folder that cannot be listed.
+  async go(path, tells = true) {
     try {
       const listed = await this.session.ask('list', {path});
       Object.assign(this, {path: listed.path ?? path, parent: listed.parent});
       this.error.textContent = '';
       this.fill(listed);
       if (this.path) sessionStorage.setItem(kFolder, this.path);
+      this.moved(listed);
     } catch (error) {
+      if (!tells) return;
       if (path !== '') await this.go('');
       this.error.textContent = error.message;
     }
@@ -50,14 +65,16 @@ class Browser {
   fill({folders, files}) {
     this.where.textContent = this.path || 'Folders that may be used';
     this.up.disabled = !this.path;
+    let entries = 0;
     const entry = (cls, text, note, open, file) => element('li', {
-      role: 'option', class: cls, 'aria-selected': 'false', 'data-name': text,
+      role: 'option', id: `file-${entries++}`, class: cls, 'aria-selected': 'false', 'data-name': text,
       onclick: () => this.pick(text, file, open), ondblclick: () => file && this.chosen(file, true)},
       element('span', {}, text), element('span', {class: 'note'}, note));
     const into = (name) => () => this.go(this.path ? this.path.replace(/\/$/, '') + '/' + name : name);
     this.entries.replaceChildren(
       ...(folders ?? []).map((name) => entry('folder', name, 'folder', into(name))),
       ...(files ?? []).map((file) => entry('file ' + file.kind + (this.wanted(file) ? '' : ' other'), file.name, bytesText(file.bytes), null, file)));
+    this.entries.removeAttribute('aria-activedescendant');
     if (!this.entries.children.length) this.entries.append(element('li', {class: 'none'}, 'Empty'));
   }
   pick(name, file, open) {
@@ -71,14 +88,16 @@ class Browser {
     if (event.key === 'Backspace' && this.path) return this.go(this.parent ?? '');
     if (event.key === 'Enter' && at >= 0) {
       event.preventDefault();
-      return all[at].click();
+      const isAgain = all[at].getAttribute('aria-selected') === 'true';
+      return isAgain ? all[at].dispatchEvent(new MouseEvent('dblclick')) : all[at].click();
     }
-    const step = {ArrowDown: 1, ArrowUp: -1}[event.key];
+    const step = {ArrowDown: 1, ArrowUp: -1, Home: -all.length, End: all.length}[event.key];
     if (!step || !all.length) return;
     event.preventDefault();
     all[at]?.classList.remove('at');
     const next = all[Math.min(all.length - 1, Math.max(0, at + step))] ?? all[0];
     next.classList.add('at');
+    this.entries.setAttribute('aria-activedescendant', next.id);
     next.scrollIntoView({block: 'nearest'});
   }
 }
@@ -88,19 +107,6 @@ export class Files {
     Object.assign(this, {app, session: app.session});
     this.dialog = element('dialog', {class: 'dialog', 'aria-labelledby': 'dialog-title'});
     document.body.append(this.dialog);
-    this.bar = document.getElementById('progress');
-    this.session.on('progress', () => this.showProgress());
-    document.getElementById('progress-cancel').addEventListener('click', () => this.session.ask('cancel', true).catch(() => {}));
-  }
-
-  showProgress() {
-    const {progress} = this.session;
-    this.bar.hidden = !progress;
-    if (!progress) return;
-    document.getElementById('progress-what').textContent = progress.what;
-    const meter = document.getElementById('progress-part');
-    if (Number.isFinite(progress.part)) meter.value = progress.part;
-    else meter.removeAttribute('value');
   }
 
   /// A dialog with a browser; `accept` gives an error's text to stay open.
@@ -125,25 +131,45 @@ export class Files {
     this.dialog.replaceChildren(form);
     this.dialog.showModal();
     (this.dialog.querySelector('#save-name') ?? browser.entries).focus();
-    return browser.go(sessionStorage.getItem(kFolder) ?? '');
+    return browser.begin();
   }
 
   open() {
-    let chosen = null;
+    let chosen = null, isWhole = false;
     const isWanted = ({kind}) => kind !== 'other';
+    const series = button('The whole folder, a DICOM series', () => {
+      isWhole = true;
+      this.dialog.querySelector('form').requestSubmit();
+    }, {id: 'open-folder'});
     const browser = new Browser(this.session, (file, isDouble) => {
       chosen = file;
       if (isDouble) this.dialog.querySelector('form').requestSubmit();
-    }, isWanted);
-    const material = element('input', {type: 'text', placeholder: 'by the volume', list: 'material-presets'});
-    return this.show('Open a volume, state or scene', browser, [field('Material', material, null,
-      'A preset (supple presets --materials) or the path of a table; none: by the volume')], 'Open', async () => {
-      if (!chosen) throw new Error('Choose a file first');
-      const name = material.value.trim();
-      await this.session.ask('open', {path: browser.path.replace(/\/$/, '') + '/' + chosen.name,
-                                      ...(name ? {material: name} : {})});
-      this.app.say(`${chosen.name} is open`);
+    }, isWanted, ({files}) => {
+      chosen = null;
+      series.hidden = !(files ?? []).some(({name}) => /\.dcm$|^[^.]+$/i.test(name));
     });
+    const material = this.materialChoice();
+    return this.show('Open a volume, state or scene', browser, [series, ...material.fields], 'Open', async () => {
+      const file = isWhole ? '' : chosen?.name;
+      isWhole = false;
+      if (file === undefined) throw new Error('Choose a file first');
+      const name = material.value();
+      await this.session.ask('open', {path: browser.path.replace(/\/$/, '') + (file && '/' + file), ...(name ? {material: name} : {})});
+      this.app.say(`${file || browser.path} is open`);
+    });
+  }
+  /// A list of what the volume may be made of, the presets of whole pictures first; a table in a file by its path.
+  materialChoice() {
+    const path = element('input', {type: 'text', id: 'material-path', placeholder: 'a path of a .toml'});
+    const row = field('Table', path);
+    row.hidden = true;
+    const list = select([kByVolume, kOwnTable], '', (chosen) => { row.hidden = chosen !== kOwnTable[0]; }, {id: 'open-material'});
+    const note = element('p', {class: 'note'}, 'Air, tissue and bone differ by their material. States and scenes bring their own.');
+    this.session.ask('materials', true).then((presets) => {
+      const was = list.value;
+      choose(list, [kByVolume, ...presets.map(({name, about}) => [name, about ? `${name}: ${about}` : name]), kOwnTable], was);
+    }, () => {});
+    return {fields: [field('Material', list), row, note], value: () => list.value === kOwnTable[0] ? path.value.trim() : list.value};
   }
 
   async save(what) {

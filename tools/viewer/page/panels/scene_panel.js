@@ -15,7 +15,8 @@ export class ScenePanel {
     this.probed = element('dl', {class: 'facts'});
     this.memory = element('tbody');
     this.memorySum = element('tfoot');
-    this.logList = element('ol', {class: 'log', role: 'log', tabindex: 0, 'aria-label': 'Log'});
+    this.logList = element('ol', {class: 'log'});
+    this.logBox = element('div', {class: 'log-box', role: 'log', tabindex: 0, 'aria-label': 'Log'}, this.logList);
     this.cursor = ['i', 'j', 'k'].map((name, a) => number('', (value) => {
       const cursor = [...app.slices.now.cursor];
       cursor[a] = value;
@@ -25,7 +26,7 @@ export class ScenePanel {
                 section('Cross-hair', true, field('Voxel', element('span', {class: 'three'}, ...this.cursor)), this.probed),
                 section('Memory', true, element('table', {class: 'memory'}, element('thead', {}, element('tr', {},
                   element('th', {scope: 'col'}, 'Held'), element('th', {scope: 'col'}, 'Size'))), this.memory, this.memorySum)),
-                section('Log', true, this.logList));
+                section('Log', true, this.logBox));
     this.session.on('scene', (scene) => this.refresh(scene));
     this.session.on('slices', () => this.refreshCursor());
     this.session.on('log', () => this.refreshLog());
@@ -79,9 +80,9 @@ export class ScenePanel {
   }
 
   refreshLog() {
-    const atEnd = this.logList.scrollTop + this.logList.clientHeight >= this.logList.scrollHeight - 8;
+    const atEnd = this.logBox.scrollTop + this.logBox.clientHeight >= this.logBox.scrollHeight - 8;
     this.logList.replaceChildren(...this.session.log.map(({level, text, time, times}) => element('li', {class: level},
       element('time', {}, time.toTimeString().slice(0, 8)), element('span', {class: 'level'}, level), text + (times ? ` (${times}×)` : ''))));
-    if (atEnd) this.logList.scrollTop = this.logList.scrollHeight;
+    if (atEnd) this.logBox.scrollTop = this.logBox.scrollHeight;
   }
 }
