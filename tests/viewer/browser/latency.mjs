@@ -3,7 +3,8 @@
 //
 //   node tests/viewer/browser/latency.mjs VOLUME|STATE|SCENE [options of supple view]
 //
-// with SUPPLE_EVENTS mouse moves of each kind (300), SUPPLE_PIXELS square for the view in space (512),
+// Rotates and drags in a square view in space of each of SUPPLE_PIXELS pixels ("512,1024"), then at the first of them
+// beside each of SUPPLE_CUTS cuts (1) of 80 pixels above the handle. SUPPLE_EVENTS mouse moves of each kind (300),
 // SUPPLE_GRAB "x,y", where to grab in parts of the view (0.5,0.5), and SUPPLE_WAY pixels, the radius of
 // the circle along which it is dragged (20). The other views are hidden but
 // with SUPPLE_FOUR=1. One line of JSON for each kind.
@@ -11,8 +12,9 @@
 import {Chromium, sleep} from './chromium.mjs';
 import {Server, View} from './supple_view.mjs';
 
-const events = Number(process.env.SUPPLE_EVENTS ?? 300), pixels = Number(process.env.SUPPLE_PIXELS ?? 512);
-const way = Number(process.env.SUPPLE_WAY ?? 20);
+const events = Number(process.env.SUPPLE_EVENTS ?? 300), way = Number(process.env.SUPPLE_WAY ?? 20);
+const sizes = (process.env.SUPPLE_PIXELS ?? '512,1024').split(',').map(Number);
+const cuts = Number(process.env.SUPPLE_CUTS ?? 1);
 const place = (process.env.SUPPLE_GRAB ?? '0.5,0.5').split(',').map(Number);
 
 const server = await Server.start(...process.argv.slice(2));
@@ -22,46 +24,76 @@ try {
   const view = new View(page);
   await view.until('the volume is open', 'window.supple && $scene && $views["3d"].count', 120);
   if (!process.env.SUPPLE_FOUR) await page.doubleClick(...await view.middle());
-  await fitted(page, view);
-  await view.settled(60);
-  await page.eval('supple.latency(true)');
-  const box = await page.box('#view-3d .picture');
-  const [x, y] = [box.x + box.width * place[0], box.y + box.height * place[1]];
-  await page.move(x, y);
-  await page.press(x, y);
-  const circle = async (radius, more) => {
-    for (let i = 1; i <= events; ++i) {
-      const angle = i / 40 * 2 * Math.PI;
-      await page.move(x + radius * Math.sin(angle), y + radius * (1 - Math.cos(angle)), more);
-      await sleep(16);
-    }
-  };
-  const rotating = Date.now();
-  const first = (await view.get('views'))['3d'].count;
-  await circle(60, {button: 'left', buttons: 1});
-  await report(view, 'rotate', first, rotating);
-  await page.release(x, y);
-  await page.key('1');
-  await view.settled(60);
-  await page.eval('supple.latency(true)');
-  await page.move(x, y);
-  await page.key('g');
-  await view.until('there is tissue to grab', '$scene.grab', 20);
-  const dragging = Date.now(), second = (await view.get('views'))['3d'].count;
-  await circle(way);
-  await report(view, 'drag', second, dragging);
-  const released = Date.now();
-  await page.key('Enter');
-  await view.settled(120);
-  console.log(JSON.stringify({kind: 'settled after release', ms: Date.now() - released,
-                              relaxed: await view.get('scene.relaxes'), moved: await view.get('scene.moved')}));
+  for (const pixels of sizes) {
+    await fitted(page, view, pixels);
+    await rotate(page, view);
+    await drag(page, view, 'drag');
+    await page.key('Control+z');
+    await view.settled(300);
+  }
+  if (cuts > 0) await fitted(page, view, sizes[0]);
+  for (let n = 1; n <= cuts; ++n) {
+    const [x, y] = await at(page, 0, -0.12 - 0.04 * n);
+    await page.move(x, y);
+    await page.key('k');
+    await page.drag([x - 40, y], [x + 40, y], {steps: 10});
+    await view.until('it is cut', `$scene.cuts.length === ${n}`, 60);
+    await view.settled(300);
+    await drag(page, view, n > 1 ? `drag beside ${n} cuts` : 'drag beside a cut');
+    await page.key('Control+z');
+    await view.settled(300);
+  }
 } finally {
   await browser.stop();
   await server.stop();
 }
 
+/// Parts of the view in space from where it is grabbed, as a place on the page.
+async function at(page, across = 0, down = 0) {
+  const box = await page.box('#view-3d .picture');
+  return [box.x + box.width * (place[0] + across), box.y + box.height * (place[1] + down)];
+}
+async function circle(page, [x, y], radius, more) {
+  for (let i = 1; i <= events; ++i) {
+    const angle = i / 40 * 2 * Math.PI;
+    await page.move(x + radius * Math.sin(angle), y + radius * (1 - Math.cos(angle)), more);
+    await sleep(16);
+  }
+}
+const pictures = async (view) => (await view.get('views'))['3d'].count;
+
+async function rotate(page, view) {
+  await view.settled(60);
+  const from = await at(page);
+  await page.move(...from);
+  await page.eval('supple.latency(true)');
+  await page.press(...from);
+  const since = Date.now(), first = await pictures(view);
+  await circle(page, from, 60, {button: 'left', buttons: 1});
+  await report(view, 'rotate', first, since);
+  await page.release(...from);
+  await page.key('1');
+  await view.settled(60);
+}
+
+async function drag(page, view, kind) {
+  const from = await at(page);
+  await page.move(...from);
+  await page.key('g');
+  await view.until('there is tissue to grab', '$scene.grab', 60);
+  await page.eval('supple.latency(true)');
+  const since = Date.now(), first = await pictures(view);
+  await circle(page, from, way);
+  await report(view, kind, first, since);
+  const released = Date.now();
+  await page.key('Enter');
+  await view.settled(300);
+  console.log(JSON.stringify({kind: 'settled after release', ms: Date.now() - released,
+                              relaxed: await view.get('scene.relaxes'), moved: await view.get('scene.moved')}));
+}
+
 /// A window in which the view in space has the wanted pixels.
-async function fitted(page, view) {
+async function fitted(page, view, pixels) {
   for (let tries = 0; tries < 3; ++tries) {
     const {width, height} = await page.box('#view-3d .picture');
     const [w, h] = await page.eval('[innerWidth, innerHeight]');
