@@ -227,7 +227,9 @@ void LiveSession::drag(const LiveEvent& event, Progress* progress) {
   run(event.kind, step, keys.dump(), progress);
   const StepRecord& record = m_session->records().back();
   m_reached = before + by * record.report.fraction();
-  m_led = {event.to, m_reached, record.contact.parts < CutContact::kDragParts};
+  const std::int64_t moved = m_led ? m_led->moved : 0;
+  m_led = {event.to, m_reached, record.contact.parts < CutContact::kDragParts,
+           std::max(moved, record.report.moved)};
   m_done.back().reached_before = before;
   m_done.back().reached = m_reached;
 }

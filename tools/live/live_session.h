@@ -65,7 +65,8 @@ class LiveSession {
   /// `to`.
   struct LedDrag {
     Vec3d asked{0, 0, 0}, reached{0, 0, 0};
-    bool by_cut = false;  // the sides of a cut stopped it
+    bool by_cut = false;     // the sides of a cut stopped it
+    std::int64_t moved = 0;  // elements, at most by one drag since the grab
   };
   const std::optional<LedDrag>& led() const { return m_led; }
   Limits limits() const { return m_limits; }

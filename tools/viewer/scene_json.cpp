@@ -1,6 +1,5 @@
 // The message `scene`: all that the page's panels show.
 #include <algorithm>
-#include <cmath>
 
 #include "tools/live/held_parts.h"
 #include "tools/outputs/reports.h"
@@ -61,6 +60,26 @@ const char* text_of(EventKind kind, const SceneStep& step) {
   return name_of(kind);
 }
 
+/// Strokes of steps, with how many each has.
+Json strokes_json(const std::vector<LiveSession::DoneStep>& steps, bool from_end) {
+  Json strokes = Json::array();
+  int last = -1;
+  const auto add = [&](const LiveSession::DoneStep& done) {
+    if (done.stroke == last) {
+      strokes.back()["steps"] = strokes.back()["steps"].get<int>() + 1;
+    } else {
+      strokes.push_back({{"text", text_of(done.kind, done.step)}, {"steps", 1}});
+    }
+    last = done.stroke;
+  };
+  if (from_end) {
+    std::for_each(steps.rbegin(), steps.rend(), add);
+  } else {
+    std::for_each(steps.begin(), steps.end(), add);
+  }
+  return strokes;
+}
+
 /// A selection's keys in few words.
 std::string words_of(const Json& keys) {
   for (const char* key : {"grab", "grab_box", "grab_ball", "grab_label", "grab_density", "at_mm",
@@ -73,63 +92,12 @@ std::string words_of(const Json& keys) {
   return "a part of the body";
 }
 
-/// Where a handle or anchor is, in few words.
-std::string place_of(const Json& keys) {
-  for (const char* key : {"grab", "grab_ball"}) {
-    if (!keys.contains(key) || keys[key].size() != 3) continue;
-    std::string words = "at ";
-    for (const Json& index : keys[key]) words += (words.size() > 3 ? ", " : "") + index.dump();
-    return words;
-  }
-  return words_of(keys);
-}
-
-/// How far a step went, and where.
-std::string detail_of(const LiveSession::DoneStep& done) {
-  const Json keys = Json::parse(done.keys);
-  if (done.kind == EventKind::drag && keys.contains("handles")) {
-    const double mm = std::round(10 * done.reached.length()) / 10;
-    return number_text(mm) + " mm " + place_of(keys["handles"][0]);
-  }
-  if (done.kind == EventKind::anchor) return place_of(keys["anchors"][0]);
-  return "";
-}
-
-/// Strokes of steps, with how many each has; of a drag the last step says how far it went.
-Json strokes_json(const std::vector<LiveSession::DoneStep>& steps, bool from_end) {
-  Json strokes = Json::array();
-  int last = -1;
-  const LiveSession::DoneStep* told = nullptr;
-  const auto tell = [&] {
-    if (told == nullptr) return;
-    if (const std::string detail = detail_of(*told); !detail.empty()) {
-      strokes.back()["detail"] = detail;
-    }
-  };
-  const auto add = [&](const LiveSession::DoneStep& done) {
-    if (done.stroke == last) {
-      strokes.back()["steps"] = strokes.back()["steps"].get<int>() + 1;
-      if (done.kind == told->kind) told = &done;
-    } else {
-      tell();
-      strokes.push_back({{"text", text_of(done.kind, done.step)}, {"steps", 1}});
-      told = &done;
-    }
-    last = done.stroke;
-  };
-  if (from_end) {
-    std::for_each(steps.rbegin(), steps.rend(), add);
-  } else {
-    std::for_each(steps.begin(), steps.end(), add);
-  }
-  tell();
-  return strokes;
-}
-
 Json drag_json(const LiveSession::LedDrag& led) {
   constexpr double kWholeMm = 1e-3;
   const bool is_whole = (led.asked - led.reached).length() < kWholeMm;
-  Json json = {{"asked", vector_json(led.asked)}, {"reached", vector_json(led.reached)}};
+  Json json = {{"asked", vector_json(led.asked)},
+               {"reached", vector_json(led.reached)},
+               {"moved", led.moved}};
   json["stopped_by"] = is_whole ? Json(nullptr) : Json(led.by_cut ? "cut" : "held");
   return json;
 }

@@ -3,8 +3,11 @@
 import assert from 'node:assert/strict';
 import {test} from 'node:test';
 import {actionOf, kBindings, namesOf} from '../../../tools/viewer/page/bindings.js';
+import {crossings} from '../../../tools/viewer/page/cut_marks.js';
 import {FrameGate, Latencies, parseFrame} from '../../../tools/viewer/page/frames.js';
+import {Geometry} from '../../../tools/viewer/page/geometry.js';
 import {Session} from '../../../tools/viewer/page/session.js';
+import {stopper} from '../../../tools/viewer/page/stopper.js';
 import * as transfers from '../../../tools/viewer/page/transfer.js';
 
 function frameBytes({event = 7, frame = 9, view = 1, format = 1, settled = 1, plane = [1, 2, 3, 4, 5, 6, 7, 8, 9], picture = [42]}) {
@@ -221,6 +224,42 @@ test('the own camera leads until the scene has it', () => {
   socket.say(sceneOf(sent, [0, -50, 0]));
   socket.say(sceneOf(sent, [7, 7, 7]));
   assert.deepEqual(session.camera().position, [7, 7, 7], 'another page turned it');
+});
+
+test('a page waits for what it has sent, from then or from the last that came of it', () => {
+  FakeSocket.all = [];
+  const session = new Session('ws://x/socket', 't', FakeSocket);
+  const [socket] = FakeSocket.all;
+  socket.open();
+  socket.say({hello: {session: 'one'}});
+  socket.say(sceneOf(0, [0, -100, 0]));
+  assert.equal(session.waitsMs(), 0);
+  const n = session.event({kind: 'undo'});
+  session.event({kind: 'undo'});
+  session.waitsSince -= 5000;
+  assert.ok(session.waitsMs() >= 5000);
+  socket.say(sceneOf(n, [0, -100, 0]));
+  assert.ok(session.waitsMs() < 5000 && session.lastSent > n);
+  socket.say(sceneOf(n + 1, [0, -100, 0]));
+  assert.equal(session.waitsMs(), 0);
+});
+
+test('who stops a drag is the nearest of what is held, or a cut', () => {
+  const geometry = new Geometry({affine: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1], dims: [9, 9, 9], spacing: [1, 1, 1]});
+  const held = (x, more = {}) => ({voxel: [x, 0, 0], rest_lps: [x, 0, 0], event: more});
+  const scene = {drag: {stopped_by: 'held'}, anchors: [held(9), held(6, {radius: 2})], handles: [held(0), held(-5)]};
+  assert.equal(stopper({scene, geometry}, [0, 0, 0]), 'what is held, nearest anchor 2 at 6, 0, 0, stops');
+  assert.equal(stopper({scene: {...scene, anchors: []}, geometry}, [0, 0, 0]), 'handle 2 at -5, 0, 0 stops');
+  assert.equal(stopper({scene: {...scene, anchors: [], handles: []}, geometry}, [0, 0, 0]), 'what is held stops');
+  assert.equal(stopper({scene: {...scene, drag: {stopped_by: 'cut'}}, geometry}, [0, 0, 0]), 'the sides of a cut stop');
+});
+
+test('a swept line crosses a plane where it does', () => {
+  const sheet = {line: [[0, 0, 0], [4, 0, 0]], down: [0, 0, -3], up: [0, 0, 1]};
+  const across = crossings(sheet, ([x]) => x - 1);
+  assert.deepEqual([across.length, Math.min(...across.flat().map(([, , z]) => z)), Math.max(...across.flat().map(([, , z]) => z))], [2, -3, 1]);
+  assert.ok(across.flat().every(([x, y]) => Math.abs(x - 1) < 1e-9 && y === 0));
+  assert.deepEqual(crossings(sheet, ([x]) => x - 5), []);
 });
 
 test('docs/viewer.md lists the keys as they are', async () => {

@@ -25,8 +25,8 @@ function wayText(session, voxel) {
   return drag.stopped_by ? `${reached} of ${asked} mm, ${stopper(session, voxel)} it` : `${reached} mm`;
 }
 function madeText(session, voxel) {
-  const {drag, moved} = session.scene ?? {};
-  return drag ? `${wayText(session, voxel)}; ${(moved ?? 0).toLocaleString('en')} elements moved` : 'nothing was moved';
+  const drag = session.scene?.drag;
+  return drag ? `${wayText(session, voxel)}; ${(drag.moved ?? 0).toLocaleString('en')} elements moved` : 'nothing was moved';
 }
 
 export class GrabStroke {

@@ -47,7 +47,7 @@ class App {
       this.toolbar.refresh();
       this.sayAwaited();
     });
-    this.session.on('opened', (scene) => this.showNotice(scene?.notice));
+    this.session.on('opened', (scene) => this.showNotice(scene?.assumed));
     document.getElementById('notice-close').addEventListener('click', () => this.showNotice());
     this.session.on('slices', () => this.refreshViews());
     this.session.on('log', ({level, text}) => level === 'error' && this.say(text));

@@ -72,7 +72,7 @@ export class Toolbar {
   }
 
   makeTools(group) {
-    this.tools = kTools.map(([name, title, key]) => iconButton(name, title, () => this.app.tools.select(name), {
+    this.tools = kTools.map(([name, title, key]) => iconButton(name, title, () => this.app.tools.choose(name), {
       'data-tool': name, 'aria-pressed': 'false', title: key ? `${title} (${key})` : title,
       'aria-keyshortcuts': key || null}));
     group.append(...this.tools);

@@ -9,6 +9,11 @@ export const kTools = [
   ['none', 'Turn and cross-hair', ''], ['grab', 'Grab', 'G'], ['anchor', 'Anchor', 'A'], ['cut', 'Cut', 'K'],
   ['measure', 'Measure', 'M'], ['window-level', 'Window and level', 'W']];
 
+const kHints = {
+  none: 'Left drag turns, in slices it leads the cross-hair', grab: 'Grab: drag the tissue', anchor: 'Anchor: click the tissue that is to stay',
+  cut: 'Cut: draw a line, or click point by point and press Enter', measure: 'Measure: drag, or click twice',
+  'window-level': 'Window and level: drag over a slice'};
+
 const kStrokes = {grab: GrabStroke, cut: CutStroke, measure: MeasureStroke};
 
 export class Tools {
@@ -36,7 +41,12 @@ export class Tools {
     this.once = once;
     this.app.toolChanged();
   }
-  toggle(name) { this.select(this.name === name ? 'none' : name); }
+  /// The same by a person, who is told what to do with it.
+  choose(name, once = false) {
+    this.select(name, once);
+    this.app.say(kHints[name]);
+  }
+  toggle(name) { this.choose(this.name === name ? 'none' : name); }
 
   /// A key: acts at once where the pointer or the cross-hair is.
   start(name) {
@@ -45,9 +55,7 @@ export class Tools {
     if (name === 'anchor') return this.anchorAt(view, view.placeForKeys());
     if (name === 'grab') return this.grabAt(view, view.placeForKeys());
     view.picture.focus({preventScroll: true});
-    this.select(this.name === name ? 'none' : name, true);
-    const told = {cut: 'Cut: draw a line, or click point by point and press Enter', measure: 'Measure: drag, or click twice'};
-    if (this.name === name && told[name]) this.app.say(told[name]);
+    this.choose(this.name === name ? 'none' : name, true);
   }
 
   /// Fields tell their values when they lose the focus, before the stroke asks for them.

@@ -17,10 +17,8 @@ function cutText({text, event}) {
   return curve ? `line of ${curve.points?.length ?? 0} points, ${curve.depth} mm deep` : text;
 }
 
-/// A stroke of the history: what, how far and where, in how many steps.
-export function strokeText({text, detail, steps}) {
-  return text + (detail ? ` ${detail}` : '') + (steps > 1 ? ` (${steps} steps)` : '');
-}
+/// A stroke of the history.
+export const strokeText = ({text, steps}) => steps > 1 ? `${text} (${steps} steps)` : text;
 
 export class DeformPanel {
   constructor(app, root) {
