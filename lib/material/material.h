@@ -97,6 +97,9 @@ struct MaterialTable : LimitTable {
   /// The table is a preset without a domain: fitted_to() (lib/session/tissue.h) chooses the domain
   /// by the volume, and the active densities with it unless they were given.
   bool fits_domain = false, fits_active = false;
+  /// `active = "foreground"`: where densities are not HU, those brighter than the background of the
+  /// volume, which fitted_to() finds; their largest piece unless `components` is given.
+  bool finds_foreground = false;
   /// Tables of labels (volumes/grid/labels.h), which replace the common one there.
   std::map<std::int32_t, LimitTable> labels;
 

@@ -34,6 +34,23 @@ void read_range(TomlTable& table, const std::string& key, double& lo, double& hi
   hi = (*values)[1];
 }
 
+/// [LO, HI] or "foreground"; a preset's choice where the table has none.
+void read_active(TomlTable& table, const MaterialTable* tissue, MaterialTable& material) {
+  material.active_lo = material.domain_lo;
+  material.active_hi = material.domain_hi;
+  if (table.is_string("active")) {
+    const std::string name = *table.string("active");
+    if (name != "foreground") table.fail("active", '"' + name + '"', "[LO, HI] or \"foreground\"");
+    material.finds_foreground = true;
+  } else {
+    read_range(table, "active", material.active_lo, material.active_hi);
+    material.finds_foreground =
+        tissue != nullptr && tissue->finds_foreground && !table.has("active");
+  }
+  material.fits_active =
+      material.fits_domain && (material.finds_foreground || !table.has("active"));
+}
+
 Combine read_combine(TomlTable& table) {
   const std::string name = table.string("combine").value_or("density");
   if (name == "density") return Combine::density;
@@ -208,7 +225,7 @@ MaterialTable read_material_table(TomlTable& table, const LabelNames& names) {
   if (tissue) {
     material.domain_lo = tissue->domain_lo;
     material.domain_hi = tissue->domain_hi;
-    material.components = tissue->components;
+    material.components = tissue->finds_foreground ? 0 : tissue->components;
     material.links = tissue->links;
     material.rigid = tissue->rigid;
     material.relaxes = tissue->relaxes;
@@ -220,13 +237,14 @@ MaterialTable read_material_table(TomlTable& table, const LabelNames& names) {
   }
   read_range(table, "domain", material.domain_lo, material.domain_hi);
   material.fits_domain = material.fits_domain && !table.has("domain");
-  material.fits_active = material.fits_domain && !table.has("active");
-  material.active_lo = material.domain_lo;
-  material.active_hi = material.domain_hi;
-  read_range(table, "active", material.active_lo, material.active_hi);
+  read_active(table, tissue ? &*tissue : nullptr, material);
   read_curves(table, material, tissue ? &*tissue : nullptr);
   material.combine = read_combine(table);
-  if (table.has("components")) material.components = read_components(table);
+  if (table.has("components")) {
+    material.components = read_components(table);
+  } else if (material.finds_foreground) {
+    material.components = 1;
+  }
   if (table.has("links")) material.links = read_links(table);
   if (table.has("rigid")) material.rigid = read_rigid(table);
   read_relax(table, material);
@@ -253,7 +271,11 @@ MaterialTable read_material(const std::string& path, const LabelNames& names) {
 std::string material_to_toml(const MaterialTable& material) {
   std::string text;
   append_range(text, "domain", material.domain_lo, material.domain_hi);
-  append_range(text, "active", material.active_lo, material.active_hi);
+  if (material.finds_foreground) {
+    text += "active = \"foreground\"\n";
+  } else {
+    append_range(text, "active", material.active_lo, material.active_hi);
+  }
   append_limits(text, material);
   if (material.combine == Combine::limits) text += "combine = \"limits\"\n";
   if (material.components > 0) {

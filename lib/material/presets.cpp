@@ -70,7 +70,8 @@ poisson    = [[-300, 0.48]]
 density    = [[-300, 950], [-50, 950], [50, 1060], [300, 1060], [1500, 1920]]
 damping    = [[-300, 10]]
 )"},
-      {"mr-brain", R"(links      = 26
+      {"mr-brain", R"(active     = "foreground"
+links      = 26
 relax      = true
 max_length = [[0, 1.3]]
 min_length = [[0, 0.7]]

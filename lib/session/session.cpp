@@ -58,7 +58,9 @@ Session::Session(const std::string& path, const SessionOptions& options, Progres
       m_material = parse_material(m_state.material_toml, path + " material");
     }
   } else {
-    if (!options.material || m_material.fits_domain) choose_material(path, options, progress);
+    if (!options.material || m_material.fits_domain || m_material.finds_foreground) {
+      choose_material(path, options, progress);
+    }
     open_volume_file(path, options.read, progress);
   }
   if (!options.labels_path.empty()) open_labels(options.labels_path, progress);
@@ -88,6 +90,7 @@ void Session::choose_material(const std::string& path, const SessionOptions& opt
   if (options.material) {
     const bool fits_active = m_material.fits_active;
     m_material = fitted_to(m_material, statistics);
+    if (m_material.finds_foreground) return find_foreground(path, options, statistics, progress);
     if (fits_active && !m_material.fits_active && !are_hounsfield_units(statistics.min)) {
       warn(progress, "material: densities from " + number_text(statistics.min) + " to " +
                          number_text(statistics.max) +
@@ -100,6 +103,20 @@ void Session::choose_material(const std::string& path, const SessionOptions& opt
   m_material = homogeneous_material(statistics.min, statistics.max);
   warn(progress, "no material given: every voxel above " + number_text(statistics.min) +
                      " is tissue of one kind (stretch 1.2, compression 0.8, shear 0.3)");
+}
+
+void Session::find_foreground(const std::string& path, const SessionOptions& options,
+                              const VolumeStatistics& statistics, Progress* progress) {
+  m_material.finds_foreground = !are_hounsfield_units(statistics.min);
+  if (!m_material.finds_foreground) return;
+  constexpr int kBins = 4096;
+  m_material =
+      with_foreground(m_material, statistics,
+                      histogram(*open_volume(path, options.read), statistics, kBins, progress));
+  note(progress, "material: densities of " + number_text(m_material.active_lo) +
+                     " and more are tissue, brighter than the background (of " +
+                     number_text(statistics.min) + " to " + number_text(statistics.max) + ")" +
+                     (m_material.components == 1 ? ", their largest connected part" : ""));
 }
 
 void Session::open_volume_file(const std::string& path, const ReadOptions& read,

@@ -16,6 +16,7 @@
 #include "lib/session/handle_places.h"
 #include "lib/session/rigid_drag.h"
 #include "lib/session/step.h"
+#include "volumes/grid/volume.h"
 #include "volumes/io/format/volume_file.h"
 #include "volumes/state/pose.h"
 #include "volumes/state/state.h"
@@ -124,6 +125,8 @@ class Session {
   struct StepStart;
   struct Walk;
   void choose_material(const std::string& path, const SessionOptions& options, Progress* progress);
+  void find_foreground(const std::string& path, const SessionOptions& options,
+                       const VolumeStatistics& statistics, Progress* progress);
   void open_volume_file(const std::string& path, const ReadOptions& read, Progress* progress);
   void open_labels(const std::string& path, Progress* progress);
   void warn_of_material(Progress* progress) const;

@@ -70,6 +70,7 @@ void Session::change_material(const MaterialTable& material, Progress* progress)
     throw InputError({"", "domain", "none", "the densities that the curves span, [LO, HI]"});
   }
   m_material = material;
+  m_material.finds_foreground = false;
   m_material.active_lo = m_body.material.active_lo;
   m_material.active_hi = m_body.material.active_hi;
   m_material.components = m_body.material.components;

@@ -14,7 +14,46 @@ namespace {
 /// In the order of tissue_ranges().
 enum Counted { in_domain, tissue_hu, tissue_hu_in_domain };
 
+/// Threshold of the first `bins` that parts them best: the largest variance between both parts; -1
+/// where all values lie in one bin.
+int otsu_threshold(const std::vector<std::int64_t>& counts, int bins) {
+  double all = 0, all_sum = 0;
+  for (int n = 0; n < bins; ++n) {
+    all += double(counts[std::size_t(n)]);
+    all_sum += n * double(counts[std::size_t(n)]);
+  }
+  int best = -1;
+  double most = 0, below = 0, below_sum = 0;
+  for (int n = 0; n + 1 < bins; ++n) {
+    below += double(counts[std::size_t(n)]);
+    below_sum += n * double(counts[std::size_t(n)]);
+    if (below == 0 || below == all) continue;
+    const double between = all_sum / all * below - below_sum;
+    const double variance = between * between / (below * (all - below));
+    if (variance <= most * (1 + 1e-12)) continue;
+    most = variance;
+    best = n;
+  }
+  return best;
+}
+
 }  // namespace
+
+int last_bin_of_background(const std::vector<std::int64_t>& counts) {
+  const int dark = otsu_threshold(counts, int(counts.size()));
+  const int air = otsu_threshold(counts, dark + 1);
+  return air >= 0 ? air : dark;
+}
+
+MaterialTable with_foreground(MaterialTable material, const VolumeStatistics& statistics,
+                              const std::vector<std::int64_t>& counts) {
+  const double width = (statistics.max - statistics.min) / double(counts.size());
+  const double threshold = statistics.min + width * (last_bin_of_background(counts) + 1);
+  material.active_lo = threshold;
+  material.active_hi = std::max(material.domain_hi, statistics.max);
+  material.fits_active = material.finds_foreground = false;
+  return material;
+}
 
 MaterialTable fitted_to(MaterialTable material, const VolumeStatistics& statistics) {
   const bool is_hu = are_hounsfield_units(statistics.min);

@@ -19,6 +19,19 @@ constexpr double kTissueHu = -300;
 /// the least. All other tables as they are.
 MaterialTable fitted_to(MaterialTable material, const VolumeStatistics& statistics);
 
+/// Where the background of a picture ends, as a bin of its histogram, the last one of it: Otsu's
+/// threshold between dark and bright, and within the dark part once more, between air and what is
+/// dark in tissue, such as bone and liquor in MRI.
+///
+/// Source: N. Otsu, A threshold selection method from gray-level histograms, IEEE Trans. Systems,
+/// Man and Cybernetics 9, 62-66, 1979. Cost: two passes over the bins.
+int last_bin_of_background(const std::vector<std::int64_t>& counts);
+
+/// Elements of a table with `finds_foreground`, whose volume is not in HU, by that histogram, whose
+/// bins are as wide as each other from the least density to the largest.
+MaterialTable with_foreground(MaterialTable material, const VolumeStatistics& statistics,
+                              const std::vector<std::int64_t>& counts);
+
 /// Ranges of densities that warning_of_domain() needs to have counted.
 std::vector<CountedRange> tissue_ranges(const MaterialTable& material);
 

@@ -2,6 +2,7 @@
 // depends on which bricks hold a voxel above the minimum, and the largest density of every brick
 // tells that once the minimum is known. Cost: one slab, and 4 bytes per brick of the box.
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "volumes/io/load/load.h"
@@ -60,6 +61,23 @@ VolumeDigest digest_volume(VolumeFile& file, Progress* progress) {
       bricks_above(maxima, file.header().geometry.dims(), float(digest.statistics.min));
   digest.sparse_bytes = std::int64_t(density_grid_bytes(occupied));
   return digest;
+}
+
+std::vector<std::int64_t> histogram(VolumeFile& file, const VolumeStatistics& statistics, int bins,
+                                    Progress* progress) {
+  SlabReader reader(file, progress);
+  Slab slab;
+  std::vector<std::int64_t> counts(std::size_t(bins), 0);
+  const double range = statistics.max - statistics.min;
+  const double scale = range > 0 ? bins / range : 0;
+  while (reader.next(slab)) {
+    for (const float value : slab.values) {
+      if (std::isnan(value)) continue;
+      const int bin = int((double(value) - statistics.min) * scale);
+      ++counts[std::size_t(std::clamp(bin, 0, bins - 1))];
+    }
+  }
+  return counts;
 }
 
 }  // namespace supple

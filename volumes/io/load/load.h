@@ -19,6 +19,10 @@ struct VolumeDigest {
 };
 VolumeDigest digest_volume(VolumeFile& file, Progress* progress = nullptr);
 
+/// Densities in bins of equal width from the least to the largest, which one pass has found before.
+std::vector<std::int64_t> histogram(VolumeFile& file, const VolumeStatistics& statistics, int bins,
+                                    Progress* progress = nullptr);
+
 /// Every voxel above the file's minimum becomes active; background is the minimum. NaN, infinity
 /// and values that overflow a float are void (statistics.nan_count). Comparisons are those of
 /// floats.
