@@ -71,7 +71,7 @@ bool is_integer(double value) {
 TomlTable TomlTable::parse(const std::string& text, const std::string& source) {
   try {
     return {std::make_shared<const toml::table>(toml::parse(text, source)),
-            std::make_shared<File>(File{source, {}, {}}), ""};
+            std::make_shared<File>(File{source, {}, {}, {}, {}}), ""};
   } catch (const toml::parse_error& error) {
     throw InputError({source + ":" + std::to_string(error.source().begin.line),
                       "not TOML: " + std::string(error.description()), "", ""});
@@ -255,7 +255,7 @@ std::optional<std::string> TomlTable::string(const std::string& key) {
 
 std::optional<std::string> TomlTable::path(const std::string& key) {
   const auto text = string(key);
-  return text ? std::optional<std::string>(from_folder(*text)) : std::nullopt;
+  return text ? std::optional<std::string>(input(key, *text)) : std::nullopt;
 }
 
 bool TomlTable::is_string(const std::string& key) {
@@ -269,9 +269,22 @@ bool TomlTable::is_list_of_strings(const std::string& key) {
   return list != nullptr && !list->empty() && list->front().is_string();
 }
 
-std::string TomlTable::from_folder(const std::string& path) const {
-  if (std::filesystem::path(path).is_absolute()) return path;
-  return (std::filesystem::path(file()).parent_path() / path).string();
+std::string TomlTable::input(const std::string& key, const std::string& path) {
+  namespace fs = std::filesystem;
+  const bool is_absolute = fs::path(path).is_absolute();
+  std::string found = is_absolute ? path : (fs::path(file()).parent_path() / path).string();
+  if (m_file_data->admits) m_file_data->admits(found);
+  std::error_code error;
+  if (fs::exists(found, error)) {
+    m_file_data->inputs[{key, path}] = fs::absolute(found).lexically_normal().string();
+  }
+  return found;
+}
+
+TomlTable TomlTable::named_file(const std::string& key) {
+  TomlTable named = read(require(path(key), key, "the path of a file"));
+  named.admit_inputs(admits());
+  return named;
 }
 
 std::vector<std::string> TomlTable::paths(const std::string& key) {
@@ -282,7 +295,7 @@ std::vector<std::string> TomlTable::paths(const std::string& key) {
   } else {
     paths = *strings(key);
   }
-  for (std::string& path : paths) path = from_folder(path);
+  for (std::string& path : paths) path = input(key, path);
   return paths;
 }
 

@@ -3,6 +3,7 @@
 // with "file:line", the key, what was found and what is expected.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -43,6 +44,13 @@ class TomlTable {
   std::string present_name(const std::string& key, const std::string& former);
   /// Keys that were read by their former names, of the whole file: one line each.
   const std::vector<std::string>& warnings() const { return m_file_data->warnings; }
+  /// Asks before any input that the file names is read, also by files that it names in turn; what
+  /// it throws refuses the input.
+  using Admits = std::function<void(const std::string& path)>;
+  void admit_inputs(Admits admits) { m_file_data->admits = std::move(admits); }
+  const Admits& admits() const { return m_file_data->admits; }
+  /// The root of the file that the key names.
+  TomlTable named_file(const std::string& key);
   /// Adds those of a file that this one names.
   void take_warnings(const TomlTable& other);
 
@@ -83,6 +91,9 @@ class TomlTable {
   std::vector<TomlTable> tables(const std::string& key);
   /// The same for one table or an array of them.
   std::vector<TomlTable> table_or_tables(const std::string& key);
+  /// The files that path() and paths() have given so far: by key and text the absolute path.
+  using Inputs = std::map<std::pair<std::string, std::string>, std::string>;
+  const Inputs& inputs() const { return m_file_data->inputs; }
   /// All of it, as one line of JSON.
   std::string json() const;
 
@@ -105,6 +116,8 @@ class TomlTable {
     std::string path;
     std::map<std::string, std::string> options;
     std::vector<std::string> warnings;
+    Inputs inputs;
+    Admits admits;
   };
   TomlTable(std::shared_ptr<const toml::table> table, std::shared_ptr<File> file, std::string name);
   const toml::node* find(const std::string& key);
@@ -112,7 +125,7 @@ class TomlTable {
   double number_of(const toml::node& node, const std::string& key, const std::string& expected);
   /// Full name in a file, whatever option stands for it.
   std::string own_name(const std::string& key) const;
-  std::string from_folder(const std::string& path) const;
+  std::string input(const std::string& key, const std::string& path);
   void read_field(const Field& field, const std::string& key);
 
   std::shared_ptr<const toml::table> m_table;  // keeps the whole file

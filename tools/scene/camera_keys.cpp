@@ -125,7 +125,7 @@ Fields fields(CameraKey& key) {
 }
 
 CameraChoice read_camera_choice(TomlTable& view) {
-  if (view.is_string("camera")) return read_camera(TomlTable::read(*view.path("camera")));
+  if (view.is_string("camera")) return read_camera(view.named_file("camera"));
   if (const auto camera = view.table("camera")) return read_camera(*camera);
   return {};
 }

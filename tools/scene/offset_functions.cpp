@@ -268,7 +268,7 @@ std::vector<OffsetFunction> read_functions(TomlTable& table, const std::string& 
 std::vector<OffsetFunction> read_path(TomlTable& table) {
   const std::string key = table.present_name("path", "offset");
   if (table.is_string(key)) {
-    TomlTable file = TomlTable::read(*table.path(key));
+    TomlTable file = table.named_file(key);
     std::vector<OffsetFunction> functions =
         read_functions(file, file.present_name("path", "offset"));
     if (functions.empty()) file.fail_missing("path", "a table with a function, or a list of them");
