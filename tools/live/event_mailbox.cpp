@@ -9,7 +9,8 @@ namespace {
 
 bool replaces(const LiveEvent& later, const PostedEvent& posted) {
   const LiveEvent& earlier = posted.event;
-  if (posted.task || later.kind != earlier.kind) return false;
+  const bool is_alike = later.kind == earlier.kind && later.page == earlier.page;
+  if (posted.task || !is_alike) return false;
   return later.kind == EventKind::drag || later.is_of_view();
 }
 

@@ -1,7 +1,7 @@
 // Events on their way to the thread that carries them out. What that has not begun is merged with
-// what follows: of several places of a drag, cameras, looks or clips in a row only the last is
-// left, and says how many it replaced. So the queue never grows behind a hand. Tasks keep their
-// place among the events.
+// what follows: of several places of a drag, cameras, looks or clips of one page in a row only the
+// last is left, and says how many it replaced. So the queue never grows behind a hand. Tasks keep
+// their place among the events.
 //
 // Who moves the body for long asks here whether something waits that may move it, and takes what
 // only looks at it meanwhile.

@@ -30,8 +30,8 @@ bool LiveSession::take_back() {
   return true;
 }
 
-void LiveSession::take_back(bool whole_stroke) {
-  if (!take_back()) return;
+void LiveSession::take_back(bool whole_stroke, bool looks) {
+  if ((looks && take_look_back()) || !take_back()) return;
   const int stroke = m_undone.back().stroke;
   while (whole_stroke && !m_done.empty() && m_done.back().stroke == stroke && take_back()) {
   }
@@ -45,8 +45,8 @@ void LiveSession::make_again(const DoneStep& done, Progress* progress) {
   m_done.push_back(done);
 }
 
-void LiveSession::make_again(bool whole_stroke, Progress* progress) {
-  if (m_undone.empty()) return;
+void LiveSession::make_again(bool whole_stroke, bool looks, Progress* progress) {
+  if ((looks && make_look_again()) || m_undone.empty()) return;
   const int stroke = m_undone.back().stroke;
   do {
     make_again(m_undone.back(), progress);

@@ -164,7 +164,7 @@ bool LiveLoop::carry_out(const LiveEvent& event) {
   if (!event.is_of_view()) m_watcher.begins();
   try {
     m_live.carry_out(event, m_progress);
-    if (event.is_of_view()) m_picture.look(framed(m_live.view()));
+    if (event.is_of_view() || event.looks) m_picture.look(framed(m_live.view()));
     return true;
   } catch (const Error& error) {
     if (m_console.cancelled() || !m_watcher.refused(event, error.what())) throw;

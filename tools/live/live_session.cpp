@@ -6,49 +6,12 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/live/held_parts.h"
-#include "tools/outputs/view_pictures.h"
+#include "tools/live/live_record.h"
 #include "tools/scene/run_step.h"
 
 namespace supple::tools {
 
 namespace {
-
-constexpr const char* kNoPicture = "live.png";  // a view in a file names one
-
-std::string absolute(const std::string& path) {
-  return std::filesystem::absolute(path).lexically_normal().string();
-}
-
-/// The tables of the file that say what is opened.
-nlohmann::ordered_json head_of(const TomlTable& root, const Scene& scene) {
-  const nlohmann::ordered_json file = nlohmann::ordered_json::parse(root.json());
-  nlohmann::ordered_json head = nlohmann::ordered_json::object();
-  head["volume"] = file["volume"];
-  head["volume"]["path"] = absolute(scene.volume_path);
-  if (file.contains("labels")) head["labels"] = {{"path", absolute(scene.labels_path)}};
-  if (file.contains("material")) {
-    head["material"] = file["material"];
-    if (!scene.material_path.empty()) head["material"]["table"] = absolute(scene.material_path);
-  }
-  return head;
-}
-
-nlohmann::ordered_json keys_of_event(const LiveEvent& event) {
-  nlohmann::ordered_json json = {{"kind", name_of(event.kind)}, {"at", event.at_ms}};
-  if (event.merged > 0) json["merged"] = event.merged;
-  if (event.kind == EventKind::drag) json["to"] = {event.to.x, event.to.y, event.to.z};
-  if (event.all) json["all"] = true;
-  if (event.restore) json["restore"] = true;
-  if (event.handle > 0) json["handle"] = event.handle;
-  if (event.anchor > 0) json["anchor"] = event.anchor;
-  if (event.cut > 0) json["cut"] = event.cut;
-  if (event.no_relax) json["no_relax"] = true;
-  if (event.kind == EventKind::limits) {
-    json["limits"] = std::vector<std::string>{"box", "ball", "tighten"}[std::size_t(event.limits)];
-  }
-  json.update(nlohmann::ordered_json::parse(event.keys));
-  return json;
-}
 
 /// As in a scene, not as records name them.
 nlohmann::ordered_json relax_keys(RelaxParams params) {
@@ -79,6 +42,8 @@ LiveSession::LiveSession(const TomlTable& root, Progress* progress) : m_scene(re
   if (!m_scene.warp_path.empty() || !m_scene.path.empty() || m_scene.film) {
     throw InputError({m_scene.file, "", "a warp, path or film", "a body that events move"});
   }
+  read_head(root);
+  choose_view(root, progress);
   read_events(root);
   const SessionOptions options{m_scene.material, m_scene.labels_path, m_scene.read, true};
   m_session = std::make_unique<Session>(m_scene.volume_path, options, progress);
@@ -87,19 +52,15 @@ LiveSession::LiveSession(const TomlTable& root, Progress* progress) : m_scene(re
   }
   const bool is_state = std::filesystem::path(m_scene.volume_path).extension() == ".vdb";
   m_is_state_anchored = is_state && has_anchors(m_session->state());
-  set_view();
 }
 
 void LiveSession::read_events(const TomlTable& whole) {
   TomlTable root = whole;
-  m_head = head_of(root, m_scene).dump();
-  const nlohmann::ordered_json file = nlohmann::ordered_json::parse(root.json());
-  m_view_keys = file.contains("view") ? file["view"][file["view"].size() - 1].dump()
-                                      : nlohmann::ordered_json({{"image", kNoPicture}}).dump();
-  m_first_view_keys = m_view_keys;
   for (TomlTable& table : root.tables("event")) {
     m_events.push_back(read_event(table, m_scene.label_names));
   }
+  for (LiveEvent& event : m_events) event.keys = with_absolute_paths(event.keys, root).dump();
+  const nlohmann::ordered_json file = with_absolute_paths(root.json(), root);
   if (!m_events.empty() && !m_scene.steps.empty()) {
     throw InputError({m_scene.steps.front().place, "step", "a step beside events",
                       "events of a journal, or steps of a scene"});
@@ -110,17 +71,6 @@ void LiveSession::read_events(const TomlTable& whole) {
     event.step = m_scene.steps[n];
     event.keys = file["step"][n].dump();
     m_events.push_back(std::move(event));
-  }
-}
-
-void LiveSession::set_view() {
-  if (!m_scene.views.empty()) m_view = m_scene.views.back();
-  m_view.image = m_view.image.empty() ? kNoPicture : m_view.image;
-  if (m_view.slice || m_view.lattice || !m_view.meshes.empty() || !m_view.camera_keys.empty() ||
-      !m_view.path.empty() || !m_view.marks.empty() || m_view.picture.is_series()) {
-    throw InputError({m_view.place, "view",
-                      "slices, a lattice, meshes, marks on tissue, a path or a series",
-                      "one picture of the volume in space"});
   }
 }
 
@@ -135,10 +85,22 @@ void LiveSession::carry_out(const LiveEvent& event, Progress* progress) {
   }
 }
 
+/// A hand that holds something is one page's; what no page holds is anybody's to go on with.
+void LiveSession::require_own_grab(const LiveEvent& event) {
+  const bool is_of_hand = event.kind == EventKind::grab || event.kind == EventKind::push ||
+                          event.kind == EventKind::drag || event.kind == EventKind::release;
+  if (!m_grab || !is_of_hand || event.page == 0) return;
+  if (m_grab->page == 0) m_grab->page = event.page;
+  if (m_grab->page == event.page) return;
+  throw InputError({event.place, name_of(event.kind), "a handle that another page holds",
+                    "it when that page has let go"});
+}
+
 void LiveSession::act_on(const LiveEvent& event, Progress* progress) {
+  require_own_grab(event);
   if (event.is_of_view()) {
     change_view(event);
-    return record(event);
+    return;
   }
   stop();
   switch (event.kind) {
@@ -182,10 +144,10 @@ void LiveSession::act_on(const LiveEvent& event, Progress* progress) {
       m_limits = event.limits;
       break;
     case EventKind::undo:
-      take_back(event.all);
+      take_back(event.all, event.looks);
       break;
     case EventKind::redo:
-      make_again(event.all, progress);
+      make_again(event.all, event.looks, progress);
       break;
     default:
       run(event.kind, event.step, event.keys, progress);
@@ -299,7 +261,8 @@ void LiveSession::run(EventKind kind, const SceneStep& step, const std::string& 
                       Progress* progress) {
   run_step(*m_session, step, false, progress);
   m_undone.clear();
-  m_done.push_back({kind, stroke_of(kind, step), step, keys, m_reached, m_reached});
+  m_undone_looks.clear();
+  m_done.push_back({kind, stroke_of(kind, step), ++m_order, step, keys, m_reached, m_reached});
 }
 
 /// Handles are held where the drags left them.
@@ -353,51 +316,6 @@ void LiveSession::stop() {
 StepModel LiveSession::model() const {
   if (!m_model) return StepModel::ecm;
   return m_model->step.fem ? StepModel::fem : StepModel::springs;
-}
-
-/// Of cameras, looks or clips in a row the last says it all.
-void LiveSession::record(const LiveEvent& event) {
-  if (event.is_of_view() && event.kind == m_last_recorded) m_carried_out.pop_back();
-  m_carried_out.push_back(keys_of_event(event).dump());
-  m_last_recorded = event.kind;
-}
-
-void LiveSession::change_view(const LiveEvent& event) {
-  nlohmann::ordered_json keys = nlohmann::ordered_json::parse(m_view_keys);
-  if (event.kind == EventKind::look) {
-    keys.erase("preset");
-    keys.erase("transfer");
-  }
-  keys.update(nlohmann::ordered_json::parse(event.keys));
-  const std::string text = toml_document(nlohmann::ordered_json({{"view", keys}}).dump());
-  // Files of the view lie beside the journal; carry_out() names the event, not a line of this text.
-  TomlTable root = TomlTable::parse(text, event.place);
-  TomlTable table = *root.table("view");
-  SceneView view = read_view(table, 0);
-  check_view(view);
-  view.size = m_view.size;
-  m_view = std::move(view);
-  m_view_keys = keys.dump();
-}
-
-std::string LiveSession::journal() const {
-  nlohmann::ordered_json json = nlohmann::ordered_json::parse(m_head);
-  json["view"].push_back(nlohmann::ordered_json::parse(m_first_view_keys));
-  for (const std::string& event : m_carried_out) {
-    json["event"].push_back(nlohmann::ordered_json::parse(event));
-  }
-  return toml_document(json.dump());
-}
-
-std::string LiveSession::batch_scene() const {
-  nlohmann::ordered_json json = nlohmann::ordered_json::parse(m_head);
-  for (const DoneStep& done : m_done)
-    json["step"].push_back(nlohmann::ordered_json::parse(done.keys));
-  nlohmann::ordered_json view = nlohmann::ordered_json::parse(m_view_keys);
-  view["size"] = m_view.size;
-  json["view"].push_back(view);
-  json["output"] = {{"state", "live.vdb"}};
-  return toml_document(json.dump());
 }
 
 }  // namespace supple::tools

@@ -5,6 +5,7 @@
 // follows, too.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -45,11 +46,17 @@ class LiveSession {
   /// As the events so far ask for it.
   const SceneView& view() const { return m_view; }
 
+  /// Gets every event that is carried out from now on, as JSON of the keys that a journal has; one
+  /// that replaces the last says all that that one did.
+  using Recorder = std::function<void(const std::string& keys, bool replaces_last)>;
+  void record_with(Recorder recorder) { m_recorder = std::move(recorder); }
+
   /// A step of the session, and where its handle had been before. Steps of one stroke, drags
   /// since a grab or slices of relaxation in a row, are undone together where that is asked for.
   struct DoneStep {
     EventKind kind;
     int stroke;
+    int order;  // among steps, looks and clips
     SceneStep step;
     std::string keys;  // JSON, of a [[step]]
     Vec3d reached_before;
@@ -58,6 +65,15 @@ class LiveSession {
   const std::vector<DoneStep>& done() const { return m_done; }
   /// The last is redone first.
   const std::vector<DoneStep>& undone() const { return m_undone; }
+  /// A look or clips, and what they replaced: JSON of that part of the view.
+  struct DoneLook {
+    EventKind kind;
+    int order;
+    double at_ms;
+    std::string before, after;
+  };
+  const std::vector<DoneLook>& looks() const { return m_looks; }
+  const std::vector<DoneLook>& undone_looks() const { return m_undone_looks; }
   /// What is grabbed, and how far it has come, as `to` counts.
   const std::optional<LiveEvent>& grabbed() const { return m_grab; }
   const Vec3d& reached() const { return m_reached; }
@@ -78,8 +94,10 @@ class LiveSession {
   std::string batch_scene() const;
 
  private:
+  void read_head(const TomlTable& root);
   void read_events(const TomlTable& root);
-  void set_view();
+  void choose_view(const TomlTable& root, Progress* progress);
+  void require_own_grab(const LiveEvent& event);
   void act_on(const LiveEvent& event, Progress* progress);
   void drag(const LiveEvent& event, Progress* progress);
   void release(const LiveEvent& event, Progress* progress);
@@ -89,18 +107,23 @@ class LiveSession {
   void settle_drags(Progress* progress);
   int stroke_of(EventKind kind, const SceneStep& step);
   bool take_back();
-  void take_back(bool whole_stroke);
+  void take_back(bool whole_stroke, bool looks);
   void make_again(const DoneStep& done, Progress* progress);
-  void make_again(bool whole_stroke, Progress* progress);
+  void make_again(bool whole_stroke, bool looks, Progress* progress);
   void relax(const LiveEvent& event, int passes, Progress* progress);
-  void record(const LiveEvent& event);
+  void record(const LiveEvent& event, bool replaces_last = false);
   void change_view(const LiveEvent& event);
+  void set_part_of_view(EventKind kind, const std::string& part, const std::string& place);
+  bool take_look_back();
+  bool make_look_again();
 
   Scene m_scene;
-  std::string m_head;  // JSON: the file without steps, events and outputs, paths absolute
+  TomlTable::Admits m_admits;  // asks before files are read that events name
+  std::string m_head;          // JSON: the file without steps, events and outputs, paths absolute
   std::vector<LiveEvent> m_events;
   std::vector<std::string> m_carried_out;  // JSON
   EventKind m_last_recorded = EventKind::step;
+  Recorder m_recorder;
   std::unique_ptr<Session> m_session;
   bool m_is_state_anchored = false;  // the opened state fixes elements
   SceneView m_view;
@@ -112,6 +135,8 @@ class LiveSession {
   std::optional<LedDrag> m_led;
   Limits m_limits = Limits::box;
   std::vector<DoneStep> m_done, m_undone;
+  std::vector<DoneLook> m_looks, m_undone_looks;
+  int m_order = 0;  // of the last step, look or clips
   std::optional<LiveEvent> m_relaxation;
   int m_pending = 0;
   bool m_is_unsettled = false;

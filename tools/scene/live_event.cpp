@@ -29,9 +29,10 @@ Fields own_fields(LiveEvent& event) {
     const std::string& name = field.name();
     const bool is_missing =
         (name == "to" && kind != EventKind::drag) || (name == "all" && !is_release && !is_back) ||
-        (name == "restore" && !is_release) || (name == "handle" && !is_release) ||
-        (name == "anchor" && !is_release) || (name == "cut" && !is_release) ||
-        (name == "no_relax" && !is_release) || (name == "limits" && kind != EventKind::limits);
+        (name == "looks" && !is_back) || (name == "restore" && !is_release) ||
+        (name == "handle" && !is_release) || (name == "anchor" && !is_release) ||
+        (name == "cut" && !is_release) || (name == "no_relax" && !is_release) ||
+        (name == "limits" && kind != EventKind::limits);
     if (!is_missing) own.push_back(field);
   }
   return own;
@@ -153,6 +154,9 @@ Fields fields(LiveEvent& event) {
       Field("all", event.all,
             "Of release: let go of everything that is held or fixed; of undo and redo: all drags "
             "since one grab, or all of a relaxation"),
+      Field("looks", event.looks,
+            "Of undo and redo: looks and clips count as steps, too; those of a kind that follow "
+            "each other within a second are one"),
       Field("restore", event.restore, "Of release: take the drags since the grab back"),
       Field("handle", event.handle,
             "Of release: let go of this one alone, the first being 1; the others stay held")

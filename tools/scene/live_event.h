@@ -12,7 +12,8 @@ namespace supple::tools {
 /// grab and push name a handle; drag says where it is now, counted from where it was grabbed, in
 /// the directions of a scene's `by`; release ends that, the handle stays held unless everything is
 /// let go. cut, anchor, relax, material and step are those of a scene. model chooses what moves the
-/// body in later drags. undo and redo count events that changed the body. camera, look and clip
+/// body in later drags. undo and redo count events that changed the body, and
+/// looks and clips where `looks` asks for it. camera, look and clip
 /// replace that part of the view.
 enum class EventKind {
   grab,
@@ -39,8 +40,9 @@ struct LiveEvent {
   double at_ms = 0;         // since the session was opened
   int merged = 0;           // earlier events that this one replaced before they had begun
   std::int64_t number = 0;  // of who posts it, in no file
+  int page = 0;             // the page that posts it, in no file; 0: none
   Vec3d to{0, 0, 0};
-  bool all = false;
+  bool all = false, looks = false;
   bool restore = false, no_relax = false;
   int handle = 0, anchor = 0, cut = 0;  // of release: the only one, from 1; 0: none
   Limits limits = Limits::box;
