@@ -188,6 +188,13 @@ def attacks(server, folder):
         "reading a camera file in an event": lambda: error_of(
             server, event={"kind": "camera", "camera": outside}),
         "a scene whose volume lies outside": lambda: error_of(server, open={"path": "escape.toml"}),
+        "a scene whose look lies outside": lambda: error_of(server, open={"path": "escape_look.toml"}),
+        "a journal whose look lies outside": lambda: error_of(server, open={"path": "escape_event.toml"}),
+        "a name with a line break": lambda: error_of(
+            server, save={"what": "journal", "path": "a\nb.toml"}),
+        "a name with a control character": lambda: error_of(
+            server, save={"what": "journal", "path": "a\x7fb.toml"}),
+        "going on with nothing": lambda: error_of(server, go_on=True),
         "a message of 1 GB": lambda: closes(server, lambda page: page.socket.sendall(huge), 1009),
         "a message of 2 MB": lambda: closes(server, raw_message("[" + "1," * (1 << 20) + "1]"), 1009),
         "10^5 messages a second": lambda: closes(server, flood, 1008),
@@ -254,14 +261,19 @@ def main():
             os.symlink(folder + "-outside", folder + "/folder-link")
             with open(folder + "/escape.toml", "w") as scene:
                 scene.write('[volume]\npath = "/etc/passwd"\n')
+            for name, table in (("look", '[[view]]\nimage = "a.png"\n'),
+                                ("event", '[[event]]\nkind = "look"\n')):
+                with open(f"{folder}/escape_{name}.toml", "w") as scene:
+                    scene.write(f'[volume]\npath = "ball.nrrd"\n{table}transfer = "link.toml"\n')
             run_all(folder)
+            assert not any(name.startswith("a") for name in os.listdir(folder)), os.listdir(folder)
         finally:
             os.remove(folder + "-outside/secret.toml")
             os.rmdir(folder + "-outside")
 
 
 def run_all(folder):
-    with Server("ball.nrrd", "--size", "96,96", folder=folder) as server:
+    with Server("ball.nrrd", "--material", "uniform", "--size", "96,96", folder=folder) as server:
         witness = Witness(server)
         before = server.memory_mb()
         failures = 0

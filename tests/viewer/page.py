@@ -16,6 +16,8 @@ import time
 VIEWS = ("3d", "axial", "coronal", "sagittal")
 # Events that change pictures.
 DRAWN = ("drag", "camera", "look", "clip", "undo", "redo", "relax", "cut", "material")
+# Journals of the sessions of this process.
+STATE = tempfile.TemporaryDirectory(prefix="supple-state-")
 TEXT, BINARY, CLOSE, PING, PONG = 1, 2, 8, 9, 10
 
 
@@ -46,9 +48,11 @@ def write_ball(path, size=40, radius=15):
 class Server:
     """`supple view` on a free port."""
 
-    def __init__(self, *arguments, folder=None):
+    def __init__(self, *arguments, folder=None, state=None, before=None):
+        environment = {**os.environ, "XDG_STATE_HOME": state or STATE.name}
         self.process = subprocess.Popen(
-            [binary(), "view", *arguments, "--no-browser", "--json"], cwd=folder,
+            [binary(), "view", *arguments, "--no-browser", "--json"], cwd=folder, env=environment,
+            preexec_fn=before,
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         line = self.process.stdout.readline()
         if not line:
@@ -103,14 +107,14 @@ class Closed(Exception):
         self.code = code
 
 
-def handshake(port, token, **headers):
+def handshake(port, token, target="/socket", **headers):
     """The bytes of a request for the socket; None leaves a header out."""
     fields = {"Host": f"127.0.0.1:{port}", "Upgrade": "websocket", "Connection": "Upgrade",
               "Sec-WebSocket-Key": base64.b64encode(os.urandom(16)).decode(),
               "Sec-WebSocket-Version": "13", "Sec-WebSocket-Protocol": f"supple.{token}"}
     fields.update({name.replace("_", "-"): value for name, value in headers.items()})
     lines = [f"{name}: {value}" for name, value in fields.items() if value is not None]
-    return ("GET /socket HTTP/1.1\r\n" + "\r\n".join(lines) + "\r\n\r\n").encode()
+    return (f"GET {target} HTTP/1.1\r\n" + "\r\n".join(lines) + "\r\n\r\n").encode()
 
 
 class Page:
@@ -242,6 +246,10 @@ class Page:
         if "error" in answer:
             raise RuntimeError(answer["error"])
         return answer["ok"]
+
+    def hello_now(self):
+        self.until(lambda: self.hello is not None)
+        return self.hello
 
     def event(self, kind, **keys):
         return self.ask(event={"kind": kind, **keys})

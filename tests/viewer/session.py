@@ -69,7 +69,9 @@ def drags_and_undo(server, folder):
     page.ask(size={"3d": [96, 96]})
     page.settle()
     hit = drag(page)
-    expect(page.scene["undo"][-1]["text"] == "drag", page.scene["undo"])
+    expect(page.scene["undo"][-1]["kind"] == "drag", page.scene["undo"])
+    expect(page.scene["undo"][-1]["text"] == "drag 1.0 mm at " + ", ".join(map(str, hit["voxel"])),
+           page.scene["undo"])
     expect(abs(page.scene["grab"]["reached"][0] - 1) < 1e-3, page.scene["grab"])
     page.event("release")
     page.settle()
@@ -149,13 +151,14 @@ def cuts_slices_and_settings(server, folder):
     page.event("release")
     scene = page.carried_out()
     expect(len(scene["anchors"]) == 1 and len(scene["cuts"]) == 1, scene["anchors"])
-    expect([stroke["text"] for stroke in scene["undo"]] == ["anchor", "cut", "drag"], scene["undo"])
+    expect([stroke["kind"] for stroke in scene["undo"]] == ["anchor", "cut", "drag"], scene["undo"])
     page.event("release", cut=1)
     scene = page.carried_out()
     expect(scene["cuts"] == [], scene["cuts"])
-    expect([stroke["text"] for stroke in scene["undo"]] == ["anchor", "drag"], scene["undo"])
+    expect([stroke["kind"] for stroke in scene["undo"]] == ["anchor", "drag"], scene["undo"])
     page.event("relax", passes=12)
-    page.until(lambda: page.scene["undo"][-1] == {"text": "relax", "steps": 3})
+    page.until(lambda: page.scene["undo"][-1] ==
+               {"text": "relaxation, 12 passes", "kind": "relax", "steps": 3})
     slices = page.ask(slices={"cursor": [20, 12, 20], "overlay": "displacement"})
     expect(slices["cursor"] == [20, 12, 20] and slices["window"] > 0, slices)
     coloured = page.settle(view="axial")
@@ -220,6 +223,7 @@ def looks_and_questions(server, folder):
     page.event("clip", clip=[{"box": [0, 0, 0, 20, 40, 40]}])
     expect(len(page.carried_out()["view"]["clips"]) == 1, page.scene["view"]["clips"])
     page.event("clip", clip=[])
+    looks_are_taken_back(page, own)
     histogram = page.ask(histogram={"bins": 64})
     expect(sum(histogram["counts"]) == page.scene["volume"]["elements"], histogram)
     expect({"name", "help", "type"} <= set(page.ask(options={"kind": "relax"})[0]), "options")
@@ -241,6 +245,38 @@ def looks_and_questions(server, folder):
     page.until(lambda: page.logs and page.logs[-1].get("n") == page.n)
     expect("grab" in page.logs[-1]["text"], page.logs[-1])
     page.close()
+
+
+def looks_are_taken_back(page, own):
+    """In their order among the steps of the body, where that is asked for."""
+    def last(name):
+        return page.carried_out()[name][-1]["text"]
+
+    page.carried_out()
+    before = page.scene["undo"]
+    time.sleep(1.1)  # those of a kind within a second are one
+    page.event("look", preset="CT-Bone")
+    time.sleep(1.1)
+    page.event("look", preset="MR-Angio")
+    page.event("anchor", grab=[20, 30, 20])
+    page.event("clip", clip=[{"box": [0, 0, 0, 20, 40, 40]}])
+    expect(last("undo") == "1 clip", page.scene["undo"])
+    expect([step["text"] for step in page.scene["undo"][len(before):]] ==
+           ["look CT-Bone", "look MR-Angio", "anchor at 20, 30, 20", "1 clip"], page.scene["undo"])
+    page.event("undo", all=True)
+    expect(last("undo") == "1 clip" and page.scene["anchors"] == [], "only the body, unless asked for")
+    page.event("redo", all=True)
+    for preset, clips in (("MR-Angio", 0), ("MR-Angio", 0), ("CT-Bone", 0)):
+        page.event("undo", all=True, looks=True)
+        view = page.carried_out()["view"]
+        expect((view["preset"], len(view["clips"])) == (preset, clips), view)
+    expect(page.scene["redo"][0]["text"] == "look MR-Angio", page.scene["redo"])
+    expect(page.scene["anchors"] == [], "taken back between the looks")
+    page.event("redo", all=True, looks=True)
+    expect(page.carried_out()["view"]["preset"] == "MR-Angio", page.scene["view"]["preset"])
+    for _ in range(3):
+        page.event("undo", all=True, looks=True)
+    expect(len(page.carried_out()["undo"]) < len(before), page.scene["undo"])
 
 
 def moves_nothing(page):
@@ -272,7 +308,8 @@ def let_go_of_one(page):
     scene = page.carried_out()
     expect([h["event"] for h in scene["handles"]] == [before["handles"][1]["event"]], scene["handles"])
     expect(scene["handles"][0]["lps"] == before["handles"][1]["lps"], "it has not moved")
-    expect([stroke["text"] for stroke in scene["undo"]][-2:] == ["release", "release"], scene["undo"])
+    expect([stroke["kind"] for stroke in scene["undo"]][-2:] == ["release", "release"], scene["undo"])
+    expect(scene["undo"][-1]["text"] == "let go of one, 2 stay", scene["undo"])
     page.event("undo", all=True)
     expect(page.carried_out()["handles"] == before["handles"], "taken back")
     page.event("redo", all=True)
@@ -341,7 +378,7 @@ def files(server, folder):
     error_of(page.ask, open={"path": "shot.png"})
     error_of(page.ask, open={"path": "missing.nrrd"})
     surface(page)
-    page.ask(open={"path": "ball.nrrd"})
+    page.ask(open={"path": "ball.nrrd", "material": "uniform"})
     page.until(lambda: page.scene and page.scene["volume"]["path"].endswith("ball.nrrd"))
     page.close()
 
@@ -353,15 +390,15 @@ def reconnection(server, folder):
     page.event("grab", grab=hit["voxel"])
     page.event("drag", to=[0.7, 0, 0])
     page.carried_out()
-    session = page.hello["session"]
+    session, steps = page.hello["session"], len(page.scene["undo"])
     page.socket.close()  # in mid-drag
     again = begin(server)
     expect(again.hello["session"] == session, "the same session")
-    expect(abs(again.scene["grab"]["reached"][0] - 0.7) < 1e-3, again.scene["grab"])
+    again.until(lambda: again.scene["grab"] is None)  # as Esc does
+    expect(len(again.scene["undo"]) == steps - 1, again.scene["undo"])
     again.until(lambda: again.last() is not None)
-    again.event("drag", to=[0.9, 0, 0])
-    again.event("release")
-    expect(again.carried_out()["grab"] is None, "released")
+    again.event("redo", all=True)
+    expect(len(again.carried_out()["undo"]) == steps, "and nothing is lost")
     again.event("undo", all=True)
     again.carried_out()
     again.close()
@@ -383,7 +420,7 @@ def bone_is_fixed(folder):
                    "min_length = [[0, 0.6]]\nshear = [[0, 0.29]]\nrigid = [1100, 1300]\n")
     server = Server("bones.nrrd", "--material", "bones.toml", "--size", "96,96", folder=folder)
     page = begin(server)
-    expect([stroke["text"] for stroke in page.scene["undo"]] == ["anchor"], page.scene["undo"])
+    expect([stroke["kind"] for stroke in page.scene["undo"]] == ["anchor"], page.scene["undo"])
     [anchor] = page.scene["anchors"]
     expect(sum((at - 19.5) ** 2 for at in anchor["event"]["rigid_at"]) <= 16, anchor)
     page.event("grab", grab_ball=[20, 16, 20], radius=3)
@@ -409,14 +446,51 @@ def bone_is_fixed(folder):
                           ("held.vdb", [])):
         server = Server(name, "--size", "96,96", folder=folder)
         page = begin(server)
-        expect([stroke["text"] for stroke in page.scene["undo"]] == strokes, (name, page.scene["undo"]))
+        expect([stroke["kind"] for stroke in page.scene["undo"]] == strokes, (name, page.scene["undo"]))
         page.close()
         server.stop()
 
 
+def one_hand(server, folder):
+    """What one page holds no other page drags, releases or takes; its other events go on."""
+    first, second = begin(server), begin(server)
+    first.ask(size={"3d": [96, 96]})
+    hit = surface(first)
+    first.event("grab", grab=hit["voxel"])
+    first.event("drag", to=[0.5, 0, 0])
+    first.carried_out()
+    for keys in ({"kind": "drag", "to": [3, 0, 0]}, {"kind": "release"}, {"kind": "release", "all": True},
+                 {"kind": "release", "restore": True}, {"kind": "grab", "grab": [20, 30, 20]},
+                 {"kind": "push", "grab": [20, 30, 20]}):
+        second.ask(event=keys)
+        second.until(lambda: second.logs and second.logs[-1].get("n") == second.n)
+        expect("another page" in second.logs[-1]["text"], second.logs[-1])
+    second.event("camera", camera={"view": "left"})
+    second.event("anchor", grab=[20, 30, 20])
+    expect(len(second.carried_out()["anchors"]) == 1, "other events are carried out")
+    expect(second.scene["grab"]["event"]["grab"] == hit["voxel"], second.scene["grab"])
+    first.carried_out()
+    expect(abs(first.scene["grab"]["reached"][0] - 0.5) < 1e-3, first.scene["grab"])
+    expect(not any("another page" in log["text"] for log in first.logs), "who asked is told, no other")
+    # Drags of both that wait side by side are not merged.
+    for step in range(50):
+        first.send(event={"kind": "drag", "to": [0.5 + 0.01 * step, 0, 0]})
+        second.send(event={"kind": "drag", "to": [5, 5, 5]})
+    first.event("release")
+    second.event("grab", grab=[20, 30, 20])
+    first.carried_out()
+    expect(max(abs(mm) for mm in first.scene["handles"][-1]["lps"]) < 60, first.scene["handles"])
+    second.event("undo", all=True)
+    second.event("undo", all=True)
+    second.event("release", restore=True)
+    second.carried_out()
+    first.close()
+    second.close()
+
+
 def ends(folder):
     """Ctrl-C, the last page gone, a port that is taken, and a kill in mid-drag."""
-    server = Server("ball.nrrd", "--size", "96,96", folder=folder)
+    server = Server("ball.nrrd", "--material", "uniform", "--size", "96,96", folder=folder)
     page = begin(server)
     drag(page)
     page.send(event={"kind": "relax", "passes": 1000})
@@ -428,12 +502,12 @@ def ends(folder):
     except Closed:
         raise AssertionError("no good-bye")
 
-    server = Server("ball.nrrd", "--grace", "0.5", folder=folder)
+    server = Server("ball.nrrd", "--material", "uniform", "--grace", "0.5", folder=folder)
     begin(server).close()
     server.process.wait(20)
     expect(server.stop()[0] == 0, "a session whose last page is gone ends by itself")
 
-    server = Server("ball.nrrd", "--token", "token.txt", "--size", "96,96", folder=folder)
+    server = Server("ball.nrrd", "--material", "uniform", "--token", "token.txt", "--size", "96,96", folder=folder)
     page = begin(server)
     hit = surface(page)
     page.event("grab", grab=hit["voxel"])
@@ -444,7 +518,7 @@ def ends(folder):
     port, token = server.port, server.token
     server.process.kill()
     server.stop()
-    again = Server("ball.nrrd", "--token", "token.txt", "--port", str(port), folder=folder)
+    again = Server("ball.nrrd", "--material", "uniform", "--token", "token.txt", "--port", str(port), folder=folder)
     expect(again.token == token, "the token outlives the server")
     page = begin(again)
     expect(page.scene["undo"] == [], "a new session")
@@ -453,7 +527,7 @@ def ends(folder):
     empty = Server(folder=folder)
     page = Page(empty.port, empty.token)
     expect("nothing" in error_of(page.event, "undo"), "nothing is open")
-    page.ask(open={"path": "ball.nrrd"})
+    page.ask(open={"path": "ball.nrrd", "material": "uniform"})
     page.until(lambda: page.scene is not None)
     page.settle(event=0)
     empty.stop()
@@ -461,9 +535,9 @@ def ends(folder):
 
 def main():
     with ball_folder() as folder:
-        with Server("ball.nrrd", "--size", "96,96", folder=folder) as server:
+        with Server("ball.nrrd", "--material", "uniform", "--size", "96,96", folder=folder) as server:
             for part in (pictures_and_scene, drags_and_undo, latest_wins, unread_pictures,
-                         cuts_slices_and_settings, looks_and_questions, reconnection, files):
+                         cuts_slices_and_settings, looks_and_questions, reconnection, one_hand, files):
                 begun = time.monotonic()
                 part(server, folder)
                 print(f"{part.__name__}: {time.monotonic() - begun:.1f} s", flush=True)

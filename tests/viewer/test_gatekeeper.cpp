@@ -46,6 +46,56 @@ TEST(UnitGatekeeper, AnOriginIsThePagesOrNone) {
   }
 }
 
+TEST(UnitGatekeeper, OtherOriginsAndAddressesAreOwnWhereTheyAreGiven) {
+  const Gatekeeper gate(8080, kToken, {"https://hub.example", "http://localhost:9000"}, "10.0.0.7");
+  for (const char* own : {"hub.example", "localhost:9000", "10.0.0.7:8080", "127.0.0.1:8080"}) {
+    EXPECT_TRUE(gate.is_own_host(own)) << own;
+  }
+  for (const char* own : {"https://hub.example", "http://localhost:9000", "http://10.0.0.7:8080",
+                          "http://localhost:8080"}) {
+    EXPECT_TRUE(gate.is_own_origin(own)) << own;
+  }
+  for (const char* foreign :
+       {"http://hub.example", "https://hub.example:8080", "null", "https://evil.hub.example",
+        "https://hub.example.evil.org", "https://localhost:9000", "http://10.0.0.8:8080"}) {
+    EXPECT_FALSE(gate.is_own_origin(foreign)) << foreign;
+  }
+  EXPECT_FALSE(gate.is_own_host("hub.example:8080"));
+  EXPECT_FALSE(gate.is_own_host("localhost:9001"));
+}
+
+TEST(UnitGatekeeper, ARefusalSaysWhatWasFoundAndWhichOptionHelps) {
+  const Gatekeeper gate(8080, kToken);
+  const std::string forwarded = gate.refusal("localhost:9000", "");
+  for (const char* words : {"host found:    localhost:9000\n", "127.0.0.1:8080",
+                            "--origin http://localhost:9000\n", "--base-path"}) {
+    EXPECT_NE(forwarded.find(words), std::string::npos) << forwarded;
+  }
+  const std::string proxied = gate.refusal("localhost:8080", "https://hub.example");
+  EXPECT_NE(proxied.find("--origin https://hub.example\n"), std::string::npos) << proxied;
+  for (const std::string& odd : {std::string("a b"), std::string("x\x01"), std::string(200, 'x')}) {
+    const std::string text = gate.refusal(odd, odd);
+    EXPECT_EQ(text.find(odd), std::string::npos);
+    EXPECT_EQ(text.find(kToken), std::string::npos);
+  }
+}
+
+TEST(UnitGatekeeper, OriginsAndBasePathsArePlain) {
+  EXPECT_EQ(plain_origin("https://hub.example/"), "https://hub.example");
+  EXPECT_EQ(plain_origin("https://hub.example:443"), "https://hub.example");
+  EXPECT_EQ(plain_origin("http://localhost:9000"), "http://localhost:9000");
+  for (const char* wrong :
+       {"", "hub.example", "ftp://hub.example", "https://", "https://HUB.example",
+        "https://hub.example/path", "https://user@hub.example", "https://a b"}) {
+    EXPECT_THROW(plain_origin(wrong), InputError) << wrong;
+  }
+  EXPECT_EQ(plain_base_path("/user/me/proxy/8080"), "/user/me/proxy/8080/");
+  EXPECT_EQ(plain_base_path("/"), "/");
+  for (const char* wrong : {"", "proxy", "//evil.example", "/a b/", "/a\n", "/a?b"}) {
+    EXPECT_THROW(plain_base_path(wrong), InputError) << wrong;
+  }
+}
+
 TEST(UnitGatekeeper, TheTokenMustBeThereWhole) {
   const Gatekeeper gate(1, kToken);
   EXPECT_TRUE(gate.has_token("supple." + kToken));

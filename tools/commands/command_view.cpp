@@ -23,7 +23,7 @@ struct ViewCommand {
   ServerOptions server;
   std::vector<std::string> folders;
   std::string token_file;
-  bool no_browser = false;
+  bool no_browser = false, no_journal = false;
 };
 
 Fields fields(ViewCommand& command) {
@@ -104,10 +104,17 @@ int run_view(ViewCommand command, const GlobalOptions& global, Console& console)
   const Folders folders(folders_of(command));
   command.server.token =
       command.token_file.empty() ? make_token() : token_of_file(command.token_file);
+  if (!command.no_journal) command.viewer.sessions = folder_of_kept_sessions();
+  for (std::string& origin : command.server.origins) origin = plain_origin(origin);
+  command.server.base_path = plain_base_path(command.server.base_path);
   Server server(command.server);
+  if (!command.server.listen.empty()) {
+    note(&console, "listening on " + command.server.listen +
+                       ": whoever reaches it and has the token of the address has the session; "
+                       "nothing is encrypted");
+  }
   Viewer viewer(command.viewer, folders, console);
-  const std::string address =
-      "http://127.0.0.1:" + std::to_string(server.port()) + "/#" + command.server.token;
+  const std::string address = server.address();
   console.clear_line();
   tell_address(address, server.port(), global);
   std::optional<Doorway> doorway;
@@ -134,7 +141,8 @@ Command add_view(CLI::App& program) {
                   "A volume, a state, a scene or a journal; without one the page opens it")
       ->option_text("VOLUME|STATE|SCENE");
   app->add_option("--material", command->viewer.material,
-                  "Of a volume: a table, or one that `supple presets --materials` lists")
+                  "Of a volume: a table, or one that `supple presets --materials` lists; uniform: "
+                  "all above the least density is one tissue (the preset that fits the densities)")
       ->option_text("M.toml|NAME");
   app->add_option("--preset", command->viewer.preset, "Look to begin with")->option_text("NAME");
   app->add_option("--folder", command->folders,
@@ -143,10 +151,27 @@ Command add_view(CLI::App& program) {
       ->option_text("DIR")
       ->allow_extra_args(false);
   add_field_options(*app, fields(*command));
+  app->add_flag("--go-on", command->viewer.go_on,
+                "Go on where the last session of the input ended that left something unsaved; "
+                "without an input, the last one of all in the folders");
+  app->add_flag("--no-journal", command->no_journal,
+                "Keep no journal of the session on disk (docs/viewer.md)");
   app->add_flag("--no-browser", command->no_browser, "Print the address, open no browser");
   app->add_option("--token", command->token_file,
                   "Keep the address's token in this file, so that pages outlive a restart")
       ->option_text("FILE");
+  app->add_option(
+         "--listen", command->server.listen,
+         "Address to listen on instead of this machine's own, such as 0.0.0.0 in a container")
+      ->option_text("ADDRESS");
+  app->add_option("--origin", command->server.origins,
+                  "What the address in the browser begins with behind a proxy or another forwarded "
+                  "port, such as http://localhost:9000; may be repeated")
+      ->option_text("ORIGIN")
+      ->allow_extra_args(false);
+  app->add_option("--base-path", command->server.base_path,
+                  "Path below which a proxy shows the page, such as /user/me/proxy/8080/")
+      ->option_text("PATH");
   app->add_option("--page", command->server.page_folder,
                   "Serve the page from this folder, while one works on it")
       ->option_text("DIR");

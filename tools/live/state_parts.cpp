@@ -2,7 +2,10 @@
 
 #include <algorithm>
 
+#include "tools/scene/cut_keys.h"
 #include "tools/scene/json.h"
+#include "tools/scene/live_event.h"
+#include "volumes/base/error.h"
 
 namespace supple::tools {
 
@@ -14,23 +17,34 @@ void rename_key(Json& json, const char* from, const char* to) {
   json.erase(from);
 }
 
+void require_numbers(const Json& value) {
+  if (!value.is_array()) return void(value.get<double>());
+  for (const Json& number : value) number.get<double>();
+}
+
 /// Of a recorded drag what it took hold of.
 Json handle_of(const Json& drag) {
   Json keys = Json::object();
   for (const char* key : {"grab", "grab_box", "grab_ball", "radius", "grab_label", "grab_density",
                           "rigid_at", "piece_at"}) {
-    if (drag.contains(key)) keys[key] = drag[key];
+    if (!drag.contains(key)) continue;
+    require_numbers(drag[key]);
+    keys[key] = drag[key];
   }
   if (drag.contains("soft_mm")) keys["soft"] = drag["soft_mm"];
   return keys;
 }
 
-Json cut_of(Json cut) {
-  if (!cut.contains("curve")) return cut;
-  rename_key(cut["curve"], "depth_mm", "depth");
-  rename_key(cut["curve"], "above_mm", "above");
-  cut["curve"].erase("file");
-  return cut;
+StateParts::Cut cut_of(Json cut) {
+  if (cut.contains("curve")) {
+    rename_key(cut["curve"], "depth_mm", "depth");
+    rename_key(cut["curve"], "above_mm", "above");
+    cut["curve"].erase("file");
+  } else if (!cut.contains("plane")) {
+    return {cut, std::nullopt};
+  }
+  TomlTable root = TomlTable::parse(toml_document(Json{{"cut", {cut}}}.dump()), "state");
+  return {cut, read_cut(root.tables("cut").front(), {})};
 }
 
 void add_step(const Json& step, StateParts& parts) {
@@ -64,8 +78,13 @@ StateParts parts_of(const State& state) {
   add_anchors(state, parts);
   const Json record = Json::parse(state.configuration, nullptr, false);
   if (!record.is_object() || !record.contains("steps")) return parts;
-  for (const Json& step : record["steps"]) {
-    if (step.is_object()) add_step(step, parts);
+  const StateParts anchors = parts;
+  try {
+    for (const Json& step : record["steps"]) add_step(step, parts);
+  } catch (const Json::exception&) {
+    return anchors;
+  } catch (const InputError&) {
+    return anchors;
   }
   return parts;
 }

@@ -1,10 +1,12 @@
 // What a state that is continued has held, fixed and cut, as its file records it.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
+#include "lib/session/cut_surface.h"
 #include "volumes/state/state.h"
 
 namespace supple::tools {
@@ -12,8 +14,14 @@ namespace supple::tools {
 /// Keys as events have them. Anchors hold and cuts are open; handles, each once, say where the
 /// tissue was led by, but nothing holds it there any more.
 struct StateParts {
-  std::vector<nlohmann::ordered_json> handles, anchors, cuts;
+  struct Cut {
+    nlohmann::ordered_json keys;
+    std::optional<CutSurface> surface;  // of a patch or a curve
+  };
+  std::vector<nlohmann::ordered_json> handles, anchors;
+  std::vector<Cut> cuts;
 };
+/// A record of another form than this program writes gives no handles and cuts.
 StateParts parts_of(const State& state);
 
 }  // namespace supple::tools

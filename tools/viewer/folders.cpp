@@ -31,8 +31,8 @@ Folders::Folders(const std::vector<std::string>& roots) {
 }
 
 std::string Folders::absolute(const std::string& path) const {
-  const bool is_plain =
-      std::none_of(path.begin(), path.end(), [](char c) { return c >= 0 && c < ' '; });
+  const bool is_plain = std::none_of(path.begin(), path.end(),
+                                     [](char c) { return (c >= 0 && c < ' ') || c == 127; });
   if (!is_plain || path.empty() || path.size() > 4096) refuse(path.substr(0, 100));
   return fs::path(path).is_absolute() ? path : m_roots.front() + "/" + path;
 }
@@ -48,6 +48,12 @@ std::string Folders::input(const std::string& path) const {
   const std::string resolved = fs::canonical(absolute(path), error).string();
   if (error || !is_within(resolved)) refuse(path);
   return resolved;
+}
+
+bool Folders::holds(const std::string& path) const {
+  std::error_code error;
+  const std::string resolved = fs::canonical(path, error).string();
+  return !error && is_within(resolved);
 }
 
 std::string Folders::output(const std::string& path) const {

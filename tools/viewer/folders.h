@@ -18,6 +18,9 @@ class Folders {
   /// A file to be written: not a link, and its folder is there. Throws InputError.
   std::string output(const std::string& path) const;
 
+  /// Whether a file that is there lies within.
+  bool holds(const std::string& path) const;
+
   const std::vector<std::string>& roots() const { return m_roots; }
 
  private:

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cerrno>
 #include <fstream>
 
@@ -17,7 +18,8 @@ namespace supple::tools {
 namespace {
 
 constexpr std::size_t kTokenBytes = 16;
-constexpr std::array<std::string_view, 3> kHosts = {"localhost", "127.0.0.1", "[::1]"};
+constexpr std::array<const char*, 3> kLoopback = {"localhost", "127.0.0.1", "[::1]"};
+constexpr std::size_t kLongestShown = 100;
 
 bool is_token(const std::string& text) {
   return text.size() == 2 * kTokenBytes &&
@@ -30,22 +32,91 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
+std::string host_of(const std::string& origin) {
+  return origin.substr(origin.find("://") + 3);
+}
+
+/// What a request says, for a text that people read.
+std::string shown(const std::string& text) {
+  const bool is_plain =
+      std::all_of(text.begin(), text.end(), [](char c) { return c > ' ' && c < 127; });
+  if (text.empty()) return "none";
+  return is_plain && text.size() <= kLongestShown ? text : "something else";
+}
+
 }  // namespace
 
-Gatekeeper::Gatekeeper(int port, std::string token)
-    : m_port(std::to_string(port)), m_token(std::move(token)), m_protocol("supple." + m_token) {}
+Gatekeeper::Gatekeeper(int port, std::string token, std::vector<std::string> origins,
+                       const std::string& listen)
+    : m_origins(std::move(origins)), m_token(std::move(token)), m_protocol("supple." + m_token) {
+  for (const std::string& origin : m_origins) m_hosts.push_back(host_of(origin));
+  const auto add = [&](const std::string& name) {
+    m_hosts.push_back(name + ":" + std::to_string(port));
+    m_origins.push_back("http://" + m_hosts.back());
+  };
+  for (const char* name : kLoopback) add(name);
+  if (!listen.empty()) add(listen.find(':') == std::string::npos ? listen : "[" + listen + "]");
+}
 
 bool Gatekeeper::is_own_host(std::string_view host) const {
-  return std::any_of(kHosts.begin(), kHosts.end(), [&](std::string_view name) {
-    return host == std::string(name) + ":" + m_port;
-  });
+  return std::find(m_hosts.begin(), m_hosts.end(), host) != m_hosts.end();
 }
 
 bool Gatekeeper::is_own_origin(std::string_view origin) const {
-  constexpr std::string_view kScheme = "http://";
-  if (origin.empty()) return true;
-  if (origin.substr(0, kScheme.size()) != kScheme) return false;
-  return is_own_host(origin.substr(kScheme.size()));
+  return origin.empty() || std::find(m_origins.begin(), m_origins.end(), origin) != m_origins.end();
+}
+
+std::string Gatekeeper::refusal(const std::string& host, const std::string& origin) const {
+  std::string expected;
+  for (const std::string& own : m_hosts) expected += (expected.empty() ? "" : ", ") + own;
+  const std::string came_from = origin.empty() || origin == "null" ? "http://" + host : origin;
+  std::string text =
+      "supple view does not answer under this address.\n\nhost found:    " + shown(host) + "\n" +
+      (is_own_origin(origin) ? "" : "origin found:  " + shown(origin) + "\n") +
+      "host expected: " + expected +
+      "\n\nOther pages in your browser cannot use the program this way. If you came "
+      "through a forwarded port\nor a proxy that you trust, start it with\n\n  "
+      "supple view --origin ";
+  text += shown(came_from) == came_from ? came_from : "ORIGIN";
+  return text +
+         "\n\nand with --base-path PATH where the proxy shows it below a path "
+         "(docs/viewer.md, \"From another machine\").\n";
+}
+
+std::string plain_origin(const std::string& text) {
+  const auto fail = [&]() {
+    throw InputError({"", "--origin", "'" + text + "'",
+                      "what the address in the browser begins with, such as https://hub.example or "
+                      "http://localhost:9000"});
+  };
+  std::string origin = text;
+  if (!origin.empty() && origin.back() == '/') origin.pop_back();
+  const std::size_t scheme = origin.find("://");
+  if (scheme == std::string::npos) fail();
+  const std::string name = origin.substr(0, scheme), host = host_of(origin);
+  const bool is_known = name == "http" || name == "https";
+  const bool is_host = !host.empty() && host.find_first_not_of(
+                                            "abcdefghijklmnopqrstuvwxyz0123456789"
+                                            "-._:[]") == std::string::npos;
+  if (!is_known || !is_host) fail();
+  const std::string own_port = name == "http" ? ":80" : ":443";
+  const bool has_own_port =
+      origin.size() > own_port.size() &&
+      origin.compare(origin.size() - own_port.size(), own_port.size(), own_port) == 0;
+  return has_own_port ? origin.substr(0, origin.size() - own_port.size()) : origin;
+}
+
+std::string plain_base_path(const std::string& text) {
+  const bool is_plain = !text.empty() && text.front() == '/' &&
+                        text.find("//") == std::string::npos &&
+                        std::all_of(text.begin(), text.end(), [](char c) {
+                          return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+                                 std::string_view("/-._~@").find(c) != std::string_view::npos;
+                        });
+  if (!is_plain) {
+    throw InputError({"", "--base-path", "'" + text + "'", "a path such as /user/me/proxy/8080/"});
+  }
+  return text.back() == '/' ? text : text + "/";
 }
 
 bool Gatekeeper::has_token(std::string_view protocols) const {

@@ -5,18 +5,24 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace supple::tools {
 
 class Gatekeeper {
  public:
-  /// `token`: as make_token() gives it.
-  Gatekeeper(int port, std::string token);
+  /// `token`: as make_token() gives it. `origins`: others under which a proxy or a forwarded port
+  /// shows the page, as plain_origin() gives them. `listen`: an address beside those of the
+  /// loopback; empty: none.
+  Gatekeeper(int port, std::string token, std::vector<std::string> origins = {},
+             const std::string& listen = "");
 
-  /// localhost, 127.0.0.1 or [::1] with the port.
+  /// localhost, 127.0.0.1 or [::1] with the port, or the host of another origin.
   bool is_own_host(std::string_view host) const;
   /// No Origin, as programs have none, or that of the page.
   bool is_own_origin(std::string_view origin) const;
+  /// Text for a request with another host or origin: found, expected, and the option that helps.
+  std::string refusal(const std::string& host, const std::string& origin) const;
   /// Of the header Sec-WebSocket-Protocol: names the protocol with the token. Takes as long
   /// whatever of it is right.
   bool has_token(std::string_view protocols) const;
@@ -25,8 +31,15 @@ class Gatekeeper {
   const std::string& token() const { return m_token; }
 
  private:
-  std::string m_port, m_token, m_protocol;
+  std::vector<std::string> m_hosts, m_origins;
+  std::string m_token, m_protocol;
 };
+
+/// An origin as browsers send it: "https://hub.example", "http://localhost:9000"; without a port
+/// that is the scheme's own. Throws InputError.
+std::string plain_origin(const std::string& text);
+/// A path that begins and ends with "/". Throws InputError.
+std::string plain_base_path(const std::string& text);
 
 /// 128 random bits of the system, as 32 hexadecimal digits. Throws SystemError.
 std::string make_token();

@@ -42,6 +42,7 @@ OpenScene::OpenScene(const TomlTable& root, double budget_ms, const ViewSettings
       m_loop(m_live, frame_for(settings, budget_ms), *this, outlets.console, &outlets.progress),
       m_budget_ms(budget_ms) {
   m_settings.slices = default_slices(picture().opened());
+  m_state_parts = parts_of(picture().opened());
   for (const LiveEvent& event : m_live.events()) {
     m_live.carry_out(event, &outlets.progress);
     while (m_live.has_more()) m_live.go_on(&outlets.progress);
@@ -54,6 +55,24 @@ void OpenScene::run(EventMailbox& mailbox) {
   m_loop.set_frame(frame_for(m_settings, m_budget_ms));
   tell_scene();
   m_loop.run(mailbox);
+}
+
+void OpenScene::keep(std::unique_ptr<KeptJournal> journal) {
+  m_kept = std::move(journal);
+  m_live.record_with([this](const std::string& keys, bool replaces_last) {
+    m_kept->add(keys, replaces_last, [this] { return m_live.journal(); });
+  });
+}
+
+void OpenScene::page_left(int page, double at_ms) {
+  if (!m_live.grabbed() || m_live.grabbed()->page != page) return;
+  LiveEvent event;
+  event.kind = EventKind::release;
+  event.restore = true;
+  event.page = page;
+  event.number = std::int64_t(m_number);
+  event.at_ms = at_ms;
+  m_loop.show(event, std::chrono::steady_clock::now());
 }
 
 void OpenScene::see(const ViewSettings& settings, std::uint64_t number) {

@@ -9,7 +9,9 @@
 
 #include "raycast/drawings/rest_outline.h"
 #include "tools/live/live_loop.h"
+#include "tools/live/state_parts.h"
 #include "tools/viewer/frame_encoder.h"
+#include "tools/viewer/kept_sessions.h"
 #include "tools/viewer/page_progress.h"
 #include "tools/viewer/view_settings.h"
 
@@ -44,6 +46,16 @@ class OpenScene final : public LoopWatcher {
   /// Ends what settles. Where a release is among the events that were given up, what is grabbed is
   /// let go of where it has got to, or goes back if that restores.
   void stop(const std::vector<LiveEvent>& given_up);
+  /// Writes what is carried out from now on into a journal on disk.
+  void keep(std::unique_ptr<KeptJournal> journal);
+  /// What was assumed when it was opened, which the pages tell.
+  void assume(const std::string& text) { m_assumed = text; }
+  /// A file holds all that was done.
+  void saved() {
+    if (m_kept) m_kept->saved();
+  }
+  /// A page is gone; what it held is restored, as Esc does.
+  void page_left(int page, double at_ms);
 
   LiveSession& live() { return m_live; }
   LivePicture& picture() { return m_loop.picture(); }
@@ -84,6 +96,9 @@ class OpenScene final : public LoopWatcher {
   ViewSettings m_settings;
   LiveSession m_live;
   LiveLoop m_loop;
+  std::unique_ptr<KeptJournal> m_kept;
+  std::string m_assumed;
+  std::optional<StateParts> m_state_parts;  // of a state that was opened
   std::uint64_t m_number = 0;
   double m_budget_ms;
   /// Of each pane: 0 up to date, 1 to be drawn exactly, 2 to be drawn in haste and then exactly.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 
 #include "tools/scene/json.h"
 
@@ -9,9 +10,9 @@ namespace supple::tools {
 
 namespace {
 
-constexpr std::array<const char*, 15> kVerbs = {
-    "event",  "size", "slices",  "deformed",  "pick",     "list",    "open",     "save",
-    "cancel", "ack",  "presets", "histogram", "material", "options", "materials"};
+constexpr std::array<const char*, 16> kVerbs = {
+    "event",  "size",  "slices", "deformed", "pick",      "list",     "open",    "save",
+    "cancel", "go_on", "ack",    "presets",  "histogram", "material", "options", "materials"};
 
 bool is_verb(const std::string& key) {
   return std::find(kVerbs.begin(), kVerbs.end(), key) != kVerbs.end();
@@ -81,6 +82,8 @@ LiveEvent event_of(const PageMessage& message, const LabelNames& names, const Fo
   PageMessage checked = message;
   check_texts(checked.value, "", folders);
   TomlTable table = table_of(checked);
+  table.admit_inputs(
+      [&folders](const std::string& path) { folders.input(std::filesystem::absolute(path)); });
   return read_event(table, names);
 }
 

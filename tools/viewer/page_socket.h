@@ -23,6 +23,7 @@ struct ServedViewer {
   Viewer& viewer;
   const Gatekeeper& gatekeeper;
   const std::string& page_folder;
+  const std::string& base_path;
 };
 
 /// Answers the request, whose token has been checked. The socket lives as long as its connection,

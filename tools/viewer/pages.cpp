@@ -102,14 +102,17 @@ std::shared_ptr<const std::string> Pages::scene_for(const Page& page) const {
 }
 
 void Pages::tell_refused(std::uint64_t number, const std::string& why) {
+  nlohmann::ordered_json log = {{"level", "error"}, {"text", why}};
   const std::lock_guard lock(m_guard);
   for (auto& [id, page] : m_pages) {
-    nlohmann::ordered_json log = {{"level", "error"}, {"text", why}};
     for (const auto& [noted, n] : page.numbers) {
-      if (noted == number) log["n"] = n;
+      if (noted != number) continue;
+      log["n"] = n;
+      return page.outlet->send_text(std::make_shared<const std::string>(text_of({{"log", log}})));
     }
-    page.outlet->send_text(std::make_shared<const std::string>(text_of({{"log", log}})));
   }
+  const auto text = std::make_shared<const std::string>(text_of({{"log", log}}));
+  for (auto& [id, page] : m_pages) page.outlet->send_text(text);
 }
 
 std::string Pages::text_of(const nlohmann::ordered_json& json) {

@@ -47,7 +47,7 @@ class Pages {
   void tell_all(const std::string& text);
   /// A description of the scene as the session's `number` left it, with each page's n of that.
   void tell_scene(const nlohmann::ordered_json& scene, std::uint64_t number);
-  /// The message with that number could not be done.
+  /// The message with that number could not be done: for the page that sent it, else for all.
   void tell_refused(std::uint64_t number, const std::string& why);
   /// Left out where a newer one of the view has been published.
   void publish(FrameMessage frame);

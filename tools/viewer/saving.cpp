@@ -219,10 +219,13 @@ SaveRequest save_request(TomlTable& table, const Folders& folders) {
 }
 
 nlohmann::ordered_json save(OpenScene& scene, const SaveRequest& request) {
+  const bool holds_all =
+      request.what == "state" || request.what == "scene" || request.what == "journal";
   if (is_series(request.what)) {
     return {{"path", request.path}, {"bytes", save_series(scene, request)}};
   }
   write_what(scene, request);
+  if (holds_all) scene.saved();
   std::error_code error;
   const auto bytes = fs::file_size(request.path, error);
   return {{"path", request.path}, {"bytes", error ? 0 : bytes}};

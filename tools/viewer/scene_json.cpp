@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "tools/live/held_parts.h"
+#include "tools/live/step_texts.h"
 #include "tools/outputs/reports.h"
 #include "tools/outputs/view_pictures.h"
 #include "tools/scene/json.h"
@@ -54,30 +55,12 @@ Json volume_json(const Scene& scene, const State& state, const ScalarRange& dens
           {"elements", state.elements.active_count()}};
 }
 
-const char* text_of(EventKind kind, const SceneStep& step) {
-  if (kind == EventKind::drag && step.springs) return "drag by springs";
-  if (kind == EventKind::step && step.fem) return "finite elements";
-  return name_of(kind);
-}
-
-/// Strokes of steps, with how many each has.
-Json strokes_json(const std::vector<LiveSession::DoneStep>& steps, bool from_end) {
-  Json strokes = Json::array();
-  int last = -1;
-  const auto add = [&](const LiveSession::DoneStep& done) {
-    if (done.stroke == last) {
-      strokes.back()["steps"] = strokes.back()["steps"].get<int>() + 1;
-    } else {
-      strokes.push_back({{"text", text_of(done.kind, done.step)}, {"steps", 1}});
-    }
-    last = done.stroke;
-  };
-  if (from_end) {
-    std::for_each(steps.rbegin(), steps.rend(), add);
-  } else {
-    std::for_each(steps.begin(), steps.end(), add);
+Json history_json(const std::vector<History::Entry>& entries) {
+  Json list = Json::array();
+  for (const History::Entry& entry : entries) {
+    list.push_back({{"text", entry.text}, {"kind", entry.kind}, {"steps", entry.steps}});
   }
-  return strokes;
+  return list;
 }
 
 /// A selection's keys in few words.
@@ -142,9 +125,26 @@ std::optional<Vec3d> middle_of(const GivenSelection& given, const Geometry& geom
          2;
 }
 
-/// Numbered as a release counts them. Handles without a middle are not listed.
-Json handles_json(const HeldParts& held, const State& state, const Displacement& moved) {
+/// The middle of what the keys of an entry name, as of an event.
+std::optional<Vec3d> middle_of(const Json& keys) {
+  for (const char* key : {"grab", "grab_ball", "grab_box"}) {
+    if (!keys.contains(key) || !keys[key].is_array()) continue;
+    const std::vector<double> v = keys[key].get<std::vector<double>>();
+    if (v.size() == 3) return Vec3d(v[0], v[1], v[2]);
+    if (v.size() == 6) return Vec3d(v[0] + v[3], v[1] + v[4], v[2] + v[5]) / 2;
+  }
+  return std::nullopt;
+}
+
+/// Numbered as a release counts them; those of the state that was opened have no number. Handles
+/// without a middle are not listed.
+Json handles_json(const HeldParts& held, const StateParts& of_state, const State& state,
+                  const Displacement& moved) {
   Json handles = Json::array();
+  for (const Json& keys : of_state.handles) {
+    const auto middle = middle_of(keys);
+    if (middle) add_places(handles.emplace_back(held_json("grab", keys)), *middle, state, moved);
+  }
   for (std::size_t n = 0; n < held.handles.size(); ++n) {
     const auto middle = middle_of(held.handles[n].given, state.geometry);
     if (!middle) continue;
@@ -155,13 +155,20 @@ Json handles_json(const HeldParts& held, const State& state, const Displacement&
   return handles;
 }
 
-Json anchors_json(const HeldParts& held, const State& state, const Displacement& moved) {
+Json anchors_json(const HeldParts& held, const StateParts& of_state, const State& state,
+                  const Displacement& moved) {
   Json anchors = Json::array();
-  for (const HeldPart& part : held.anchors) {
+  for (const Json& keys : of_state.anchors) {
+    Json& anchor = anchors.emplace_back(held_json("anchor", keys));
+    const auto middle = middle_of(keys);
+    if (middle) add_places(anchor, *middle, state, moved);
+  }
+  for (std::size_t n = 0; n < held.anchors.size(); ++n) {
+    const HeldPart& part = held.anchors[n];
     Json& anchor = anchors.emplace_back(held_json("anchor", Json::parse(part.keys)));
     const auto middle = middle_of(part.given, state.geometry);
     if (middle) add_places(anchor, *middle, state, moved);
-    anchor["number"] = anchors.size();
+    anchor["number"] = n + 1;
   }
   return anchors;
 }
@@ -190,17 +197,27 @@ Json sheet_json(const CutSurface& cut, const State& state, const Displacement& m
   return {{"line", places}, {"down", vector_json(down)}, {"up", vector_json(up)}};
 }
 
-Json cuts_json(const std::vector<LiveSession::DoneStep>& done, const State& state,
-               const Displacement& moved) {
+Json cut_json(const Json& keys, const CutSurface* surface, const State& state,
+              const Displacement& moved) {
+  return {{"text", keys.begin().key()},
+          {"event", event_json("cut", keys)},
+          {"sheet", surface == nullptr ? Json(nullptr) : sheet_json(*surface, state, moved)}};
+}
+
+Json cuts_json(const std::vector<LiveSession::DoneStep>& done, const StateParts& of_state,
+               const State& state, const Displacement& moved) {
   Json cuts = Json::array();
+  for (const StateParts::Cut& cut : of_state.cuts) {
+    cuts.push_back(cut_json(cut.keys, cut.surface ? &*cut.surface : nullptr, state, moved));
+  }
+  std::size_t number = 0;
   for (const LiveSession::DoneStep& step : done) {
     if (step.step.cuts.empty()) continue;
     const Json all = Json::parse(step.keys).value("cut", Json::array());
     for (std::size_t n = 0; n < all.size(); ++n) {
-      Json& cut = cuts.emplace_back(
-          Json{{"text", all[n].begin().key()}, {"event", event_json("cut", all[n])}});
-      cut["sheet"] =
-          n < step.step.cuts.size() ? sheet_json(step.step.cuts[n], state, moved) : Json(nullptr);
+      const std::vector<CutSurface>& surfaces = step.step.cuts;
+      cuts.push_back(cut_json(all[n], n < surfaces.size() ? &surfaces[n] : nullptr, state, moved));
+      cuts.back()["number"] = ++number;
     }
   }
   return cuts;
@@ -304,20 +321,35 @@ Json OpenScene::body_description() {
   const State& state = picture().opened();
   const Session& session = m_live.session();
   const HeldParts held = held_parts(m_live.done());
+  // A release lets go of what the state has held; its cuts stay.
+  const std::vector<LiveSession::DoneStep>& done = m_live.done();
+  const bool was_released =
+      std::any_of(done.begin(), done.end(),
+                  [](const LiveSession::DoneStep& step) { return step.step.release; });
+  const StateParts of_state = was_released ? StateParts() : *m_state_parts;
   Json scene;
   scene["volume"] = volume_json(m_live.scene(), state, densities());
+  if (!m_assumed.empty()) {
+    const Vec3i& dims = state.geometry.dims();
+    scene["assumed"] = m_assumed + ": " + std::to_string(state.elements.active_count()) + " of " +
+                       std::to_string(std::int64_t(dims.x) * dims.y * dims.z) +
+                       " voxels are tissue";
+  }
   scene["grab"] = nullptr;
   if (const auto& grab = m_live.grabbed()) {
     Json event = {{"kind", name_of(grab->kind)}};
     event.update(Json::parse(grab->keys));
-    scene["grab"] = {{"event", event}, {"reached", vector_json(m_live.reached())}};
+    scene["grab"] = {
+        {"event", event}, {"reached", vector_json(m_live.reached())}, {"page", grab->page}};
   }
   if (const auto& led = m_live.led()) scene["drag"] = drag_json(*led);
-  scene["handles"] = handles_json(held, state, picture().displacement());
-  scene["anchors"] = anchors_json(held, state, picture().displacement());
-  scene["cuts"] = cuts_json(m_live.done(), state, picture().displacement());
-  scene["undo"] = strokes_json(m_live.done(), false);
-  scene["redo"] = strokes_json(m_live.undone(), true);
+  const Displacement& moved = picture().displacement();
+  scene["handles"] = handles_json(held, of_state, state, moved);
+  scene["anchors"] = anchors_json(held, of_state, state, moved);
+  scene["cuts"] = cuts_json(m_live.done(), *m_state_parts, state, moved);
+  const History history = history_of(m_live);
+  scene["undo"] = history_json(history.done);
+  scene["redo"] = history_json(history.undone);
   const char* const limits[] = {"box", "ball", "tighten"};
   scene["limits"] = limits[std::size_t(m_live.limits())];
   const char* const models[] = {"ecm", "springs", "fem"};

@@ -66,9 +66,15 @@ class Visitor final : public std::enable_shared_from_this<Visitor> {
         !gatekeeper.is_own_host(std::string(request[http::field::host])) ||
         !is_own(http::field::origin,
                 [&](const std::string& origin) { return gatekeeper.is_own_origin(origin); })) {
-      return send(http::status::forbidden, "text/plain", "not from this page\n", false);
+      return send(http::status::forbidden, "text/plain",
+                  gatekeeper.refusal(std::string(request[http::field::host]),
+                                     std::string(request[http::field::origin])),
+                  false);
     }
-    const std::string target(request.target());
+    m_location =
+        std::string(request.target()) + "/" == m_served.base_path ? m_served.base_path : "";
+    if (!m_location.empty()) return send(http::status::permanent_redirect, "text/plain", "", true);
+    const std::string target = below_base(std::string(request.target()));
     if (target == "/socket") return upgrade();
     const bool is_head = request.method() == http::verb::head;
     if (!is_head && request.method() != http::verb::get) {
@@ -77,6 +83,12 @@ class Visitor final : public std::enable_shared_from_this<Visitor> {
     const std::optional<PageFile> file = page_file(target, m_served.page_folder);
     if (!file) return send(http::status::not_found, "text/plain", "no such file\n", true);
     send(http::status::ok, file->type, file->bytes, true);
+  }
+
+  /// A proxy may leave the base path before the target or take it away.
+  std::string below_base(const std::string& target) const {
+    const std::string& base = m_served.base_path;
+    return target.rfind(base, 0) == 0 ? target.substr(base.size() - 1) : target;
   }
 
   void upgrade() {
@@ -100,6 +112,7 @@ class Visitor final : public std::enable_shared_from_this<Visitor> {
     m_response.version(11);
     m_response.set(http::field::content_type, type);
     m_response.set(http::field::cache_control, "no-store");
+    if (!m_location.empty()) m_response.set(http::field::location, m_location);
     m_response.set("Content-Security-Policy",
                    "default-src 'none'; script-src 'self'; style-src 'self'; "
                    "img-src 'self' blob: data:; connect-src 'self'; base-uri 'none'; "
@@ -124,11 +137,21 @@ class Visitor final : public std::enable_shared_from_this<Visitor> {
 
   beast::tcp_stream m_stream;
   const ServedViewer& m_served;
+  std::string m_location;  // beside a redirection: the page's relative addresses need its "/"
   beast::flat_buffer m_buffer{kMostHeaderBytes};
   std::optional<http::request_parser<http::empty_body>> m_parser;
   http::response<http::string_body> m_response;
   std::optional<http::response_serializer<http::string_body>> m_serializer;
 };
+
+asio::ip::address address_to_listen_on(const std::string& text) {
+  if (text.empty()) return asio::ip::address_v4::loopback();
+  Error_code error;
+  const asio::ip::address address = asio::ip::make_address(text, error);
+  if (!error) return address;
+  throw InputError({"", "--listen", "'" + text + "'",
+                    "an address of this machine, such as 0.0.0.0 for all of them"});
+}
 
 Tcp::acceptor listener(asio::io_context& context, const Tcp::endpoint& endpoint) {
   Tcp::acceptor acceptor(context);
@@ -151,7 +174,7 @@ struct Server::Impl {
 
   const ServerOptions options;
   asio::io_context context{1};
-  std::optional<Tcp::acceptor> v4, v6;
+  std::optional<Tcp::acceptor> first, v6;
   asio::steady_timer timer;
   std::optional<Gatekeeper> gatekeeper;
   std::optional<ServedViewer> served;
@@ -162,26 +185,41 @@ struct Server::Impl {
 };
 
 Server::Server(const ServerOptions& options) : m_impl(std::make_unique<Impl>(options)) {
+  const asio::ip::address address = address_to_listen_on(options.listen);
   try {
     const auto port = static_cast<unsigned short>(options.port);
-    m_impl->v4 = listener(m_impl->context, {asio::ip::address_v4::loopback(), port});
+    m_impl->first = listener(m_impl->context, {address, port});
   } catch (const boost::system::system_error& error) {
-    throw SystemError("port " + std::to_string(options.port) +
-                      ": cannot listen on 127.0.0.1: " + error.code().message());
+    throw SystemError("port " + std::to_string(options.port) + ": cannot listen on " +
+                      address.to_string() + ": " + error.code().message());
   }
+  const bool is_named = !options.listen.empty() && !address.is_unspecified();
+  m_impl->gatekeeper.emplace(port(), options.token, options.origins,
+                             is_named ? address.to_string() : "");
+  if (!options.listen.empty()) return;
   try {
     m_impl->v6 = listener(m_impl->context,
                           {asio::ip::address_v6::loopback(), static_cast<unsigned short>(port())});
   } catch (const boost::system::system_error&) {
     m_impl->v6.reset();  // a system without it, or another program's port there
   }
-  m_impl->gatekeeper.emplace(port(), options.token);
 }
 
 Server::~Server() = default;
 
 int Server::port() const {
-  return m_impl->v4->local_endpoint().port();
+  return m_impl->first->local_endpoint().port();
+}
+
+std::string Server::address() const {
+  const ServerOptions& options = m_impl->options;
+  const asio::ip::address own = m_impl->first->local_endpoint().address();
+  const std::string name = own.is_unspecified() ? "127.0.0.1" : own.to_string();
+  std::string origin = "http://" +
+                       (own.is_v6() && !own.is_unspecified() ? "[" + name + "]" : name) + ":" +
+                       std::to_string(port());
+  if (!options.origins.empty()) origin = options.origins.front();
+  return origin + options.base_path + "#" + options.token;
 }
 
 void Server::Impl::accept(Tcp::acceptor& acceptor) {
@@ -227,9 +265,10 @@ void Server::Impl::look() {
 
 void Server::run(Viewer& viewer, const std::function<bool()>& stops) {
   Impl& impl = *m_impl;
-  impl.served.emplace(ServedViewer{viewer, *impl.gatekeeper, impl.options.page_folder});
+  impl.served.emplace(
+      ServedViewer{viewer, *impl.gatekeeper, impl.options.page_folder, impl.options.base_path});
   impl.stops = stops;
-  impl.accept(*impl.v4);
+  impl.accept(*impl.first);
   if (impl.v6) impl.accept(*impl.v6);
   impl.look();
   impl.context.run();

@@ -1,8 +1,8 @@
-// HTTP and WebSocket on the loopback: serves the page, lets in who has the token (gatekeeper.h),
-// and passes messages on to the viewer. Whoever misbehaves loses his own connection: requests of
-// more than 8 kB or slower than ten seconds, messages of more than 1 MiB, more than 400 a second,
-// or that are none; of connections that have not opened a socket at most 64 are kept, the oldest
-// goes.
+// HTTP and WebSocket, on the loopback unless told otherwise: serves the page, lets in who has the
+// token (gatekeeper.h), and passes messages on to the viewer. Whoever misbehaves loses his own
+// connection: requests of more than 8 kB or slower than ten seconds, messages of more than 1 MiB,
+// more than 400 a second, or that are none; of connections that have not opened a socket at most 64
+// are kept, the oldest goes.
 //
 // One thread, that of run(). The only file that knows Boost.
 #pragma once
@@ -10,6 +10,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "tools/viewer/viewer.h"
 
@@ -20,15 +21,21 @@ struct ServerOptions {
   double grace_s = 60;  // that the session outlives its last page; 0: for ever
   std::string page_folder;
   std::string token;
+  std::string listen;                // an address instead of the loopback's; empty: those
+  std::string base_path = "/";       // before the paths of the page, where a proxy leaves it there
+  std::vector<std::string> origins;  // other ones of the page, as plain_origin() has them
 };
 
 class Server {
  public:
-  /// Listens on 127.0.0.1, and on ::1 where there is one. Throws SystemError: the port is taken.
+  /// Listens on 127.0.0.1, and on ::1 where there is one, or where it is told to. Throws
+  /// SystemError: the port is taken; InputError for what is no address.
   explicit Server(const ServerOptions& options);
   ~Server();
 
   int port() const;
+  /// Of the page, with the token.
+  std::string address() const;
   /// Until `stops` says so, the viewer has ended, or the last page has been gone for long. Asked
   /// twenty times a second.
   void run(Viewer& viewer, const std::function<bool()>& stops);

@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
-#include "lib/material/presets.h"
 #include "tools/scene/json.h"
 #include "tools/viewer/gatekeeper.h"
 #include "tools/viewer/page_queries.h"
@@ -17,17 +15,6 @@ namespace supple::tools {
 namespace {
 
 constexpr int kLargestSide = 4096;  // of a view, pixels
-
-std::string absolute_path(const std::string& path) {
-  return std::filesystem::absolute(path).lexically_normal().string();
-}
-
-/// Those that the scene names lie within the folders.
-void require_within(const Scene& scene, const Folders& folders) {
-  for (const std::string& path : {scene.volume_path, scene.labels_path, scene.material_path}) {
-    if (!path.empty()) folders.input(path);
-  }
-}
 
 /// What is asked of the open scene, its value read and checked.
 std::function<Json(OpenScene&)> question_of(const PageMessage& message, const Folders& folders) {
@@ -57,20 +44,6 @@ PixelSize size_of(TomlTable& table, const char* view, const PixelSize& before) {
 
 }  // namespace
 
-TomlTable scene_of_file(const std::string& path, const std::string& material,
-                        const std::string& preset) {
-  if (std::filesystem::path(path).extension() == ".toml") return TomlTable::read(path);
-  Json json = {{"volume", {{"path", absolute_path(path)}}}};
-  if (find_tissue_preset(material) != nullptr) {
-    json["material"]["preset"] = material;
-  } else if (!material.empty()) {
-    json["material"]["table"] = absolute_path(material);
-  }
-  json["view"].push_back({{"image", "live.png"}});
-  if (!preset.empty()) json["view"][0]["preset"] = preset;
-  return TomlTable::parse(toml_document(json.dump()), path);
-}
-
 Viewer::Viewer(const ViewerOptions& options, const Folders& folders, Console& console)
     : m_options(options),
       m_folders(folders),
@@ -79,10 +52,7 @@ Viewer::Viewer(const ViewerOptions& options, const Folders& folders, Console& co
       m_encoder(m_pages),
       m_progress(m_pages, console) {
   m_settings.sizes[0] = options.size;
-  if (!options.input.empty()) {
-    open(options.input, options.material, options.preset);
-    m_scene = std::move(m_next);
-  }
+  begin();
   m_thread = std::thread([this] { run(); });
 }
 
@@ -134,43 +104,35 @@ void Viewer::run() {
   m_has_ended = true;
 }
 
-/// On the session's thread, or before there is one. The scene so far stays where this one fails.
-void Viewer::open(const std::string& path, const std::string& material, const std::string& preset) {
-  m_progress.begin();
-  const TomlTable root = scene_of_file(path, material, preset);
-  ViewSettings settings;
-  {
-    const std::lock_guard lock(m_guard);
-    settings = m_settings;
-  }
-  settings.deformed = true;
-  m_next = std::make_unique<OpenScene>(root, m_options.budget_ms, settings,
-                                       SceneOutlets{m_pages, m_encoder, m_progress, m_console});
-  m_progress.end();
-  m_pages.forget_frames();
-  const std::lock_guard lock(m_guard);
-  m_settings = m_next->settings();
-  m_next->seen(m_next_number - 1);  // pictures of it are newer than all that was asked before
-  m_label_names = m_next->live().scene().label_names;
-  m_has_scene = true;
-}
-
 OpenScene& Viewer::opened() {
   if (!m_scene) throw InputError({"", "open", "nothing", "an open volume"});
   return *m_scene;
 }
 
 int Viewer::join(std::shared_ptr<PageOutlet> page) {
-  const Json hello = {{"version", kVersion},
-                      {"session", m_session_id},
-                      {"pages", m_pages.count() + 1},
-                      {"budget_ms", m_options.budget_ms},
-                      {"threads", std::thread::hardware_concurrency()}};
+  Json hello = {{"version", kVersion},
+                {"session", m_session_id},
+                {"pages", m_pages.count() + 1},
+                {"budget_ms", m_options.budget_ms},
+                {"threads", std::thread::hardware_concurrency()}};
+  {
+    const std::lock_guard lock(m_guard);
+    if (m_left) hello["left"] = {{"text", text_of(*m_left)}, {"unsaved", m_left->unsaved}};
+  }
   return m_pages.join(std::move(page), Pages::text_of({{"hello", hello}}));
 }
 
+/// What the page holds is let go of when all is done that it has asked for.
 void Viewer::leave(int page) {
   m_pages.leave(page);
+  m_mailbox.post([this, page] {
+    if (m_scene) m_scene->page_left(page, now_ms());
+  });
+  interrupt();
+}
+
+double Viewer::now_ms() const {
+  return std::floor(ms_since(m_start));
 }
 
 void Viewer::answer(int page, const PageMessage& message, const Json& ok) {
@@ -197,6 +159,7 @@ void Viewer::dispatch(int page, const PageMessage& message) {
   if (verb == "event") return take_event(page, message);
   if (verb == "ack") return take_ack(page, message);
   if (verb == "open") return take_open(page, message);
+  if (verb == "go_on") return take_go_on(page, message);
   if (verb == "cancel") return take_cancel(page, message);
   if (verb == "size" || verb == "slices" || verb == "deformed") {
     take_wish(message);
@@ -221,28 +184,6 @@ void Viewer::take_wish(const PageMessage& message) {
   }
   const std::lock_guard lock(m_guard);
   m_settings.deformed = message.value.get<bool>();
-}
-
-void Viewer::take_open(int page, const PageMessage& message) {
-  TomlTable table = table_of(message);
-  const std::string path = m_folders.input(table.require(table.string("path"), "path", "a file"));
-  std::string material = table.string("material").value_or("");
-  const bool is_file = !material.empty() && find_tissue_preset(material) == nullptr;
-  if (is_file) material = m_folders.input(material);
-  const std::string preset = table.string("preset").value_or("");
-  table.finish();
-  m_mailbox.post([this, page, message, path, material, preset] {
-    try {
-      require_within(read_scene(scene_of_file(path, material, preset)), m_folders);
-      open(path, material, preset);
-      if (m_scene) m_scene->leave();
-      answer(page, message, true);
-    } catch (const std::exception& error) {
-      m_progress.end();
-      answer_error(page, message, error.what());
-    }
-  });
-  interrupt();
 }
 
 /// What waits goes, too.
@@ -303,7 +244,8 @@ void Viewer::take_event(int page, const PageMessage& message) {
     names = m_label_names;
   }
   LiveEvent event = event_of(message, names, m_folders);
-  event.at_ms = std::floor(ms_since(m_start));
+  event.at_ms = now_ms();
+  event.page = page;
   event.number = std::int64_t(take_number(page, message));
   m_mailbox.post(std::move(event));
   interrupt();

@@ -11,21 +11,20 @@
 #include <thread>
 
 #include "tools/viewer/open_scene.h"
+#include "tools/viewer/opened_file.h"
 #include "tools/viewer/page_message.h"
 
 namespace supple::tools {
 
 struct ViewerOptions {
   std::string input;     // a volume, state, scene or journal; empty: nothing yet
-  std::string material;  // of a volume
+  std::string material;  // of a volume; empty: one that fits its densities
   std::string preset;
   double budget_ms = 40;
   PixelSize size{512, 512};
+  std::string sessions;  // folder of the journals that are kept; empty: none
+  bool go_on = false;    // where the last session of the input ended
 };
-
-/// A scene of the file, as text: of a scene or journal itself. Throws InputError.
-TomlTable scene_of_file(const std::string& path, const std::string& material,
-                        const std::string& preset);
 
 class Viewer {
  public:
@@ -48,6 +47,7 @@ class Viewer {
   void join_thread();
 
  private:
+  void begin();
   void run();
   void answer(int page, const PageMessage& message, const nlohmann::ordered_json& ok);
   void answer_error(int page, const PageMessage& message, const std::string& why);
@@ -55,6 +55,7 @@ class Viewer {
   void take_event(int page, const PageMessage& message);
   void take_ack(int page, const PageMessage& message);
   void take_open(int page, const PageMessage& message);
+  void take_go_on(int page, const PageMessage& message);
   void take_cancel(int page, const PageMessage& message);
   /// How the pages want to see it.
   void take_wish(const PageMessage& message);
@@ -67,7 +68,10 @@ class Viewer {
   using Question = std::function<nlohmann::ordered_json(OpenScene&)>;
   /// Runs on the session's thread, and answers with what it returns.
   void answer_later(int page, const PageMessage& message, const Question& work);
-  void open(const std::string& path, const std::string& material, const std::string& preset);
+  void open(const OpenedFile& file, const std::string& input, const std::string& replaces = "");
+  void open_later(int page, const PageMessage& message, const std::function<void()>& opens);
+  void go_on_with(const LeftSession& left, bool is_own_input);
+  double now_ms() const;
   OpenScene& opened();
 
   const ViewerOptions m_options;
@@ -84,6 +88,7 @@ class Viewer {
   ViewSettings m_settings;
   LabelNames m_label_names;
   bool m_has_scene = false, m_is_view_posted = false;
+  std::optional<LeftSession> m_left;  // which the pages are asked about
   std::uint64_t m_next_number = 1, m_view_number = 0;
   OpenScene* m_interruptible = nullptr;
 

@@ -8,6 +8,9 @@ import {sleep} from './chromium.mjs';
 import {readPng} from './png.mjs';
 
 export const kSupple = process.env.SUPPLE_BINARY ?? 'build/release/bin/supple';
+/// Journals of the sessions of this process.
+const kState = mkdtempSync(join(tmpdir(), 'supple-state-'));
+process.on('exit', () => rmSync(kState, {recursive: true, force: true}));
 const kExamples = join(dirname(kSupple), 'supple-examples');
 
 /// A command's output; fails where it fails.
@@ -30,7 +33,8 @@ export class Server {
   static async start(...options) {
     // While one works on the page: SUPPLE_PAGE=tools/viewer/page serves it as it is in the tree.
     const page = process.env.SUPPLE_PAGE ? ['--page', process.env.SUPPLE_PAGE] : [];
-    const child = spawn(kSupple, ['view', '--no-browser', ...page, ...options], {stdio: ['ignore', 'pipe', 'pipe']});
+    const child = spawn(kSupple, ['view', '--no-browser', ...page, ...options], {stdio: ['ignore', 'pipe', 'pipe'],
+      env: {...process.env, XDG_STATE_HOME: process.env.XDG_STATE_HOME ?? kState}});
     const server = new Server(child);
     await server.started;
     return server;
@@ -82,7 +86,7 @@ export class View {
     return readPng(Buffer.from(data.split(',')[1], 'base64'));
   }
   middle(name = '3d') { return this.page.middle(`#view-${name} .picture`); }
-  undoTexts() { return this.page.eval('supple.scene.undo.map(({text}) => text)'); }
+  undoTexts() { return this.page.eval('supple.scene.undo.map(({kind}) => kind)'); }
 
   /// Saves by the menu and its dialog, as a person does.
   async save(what, name, {folder, force = false, options = {}} = {}) {

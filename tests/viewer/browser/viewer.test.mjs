@@ -349,7 +349,7 @@ step('anchor, relax and cut', async () => {
   await page.key('a');
   await view.until('tissue is fixed', '$scene.anchors.length === 1');
   await page.key('e');
-  await view.until('it relaxes', '$scene.undo.some(({text}) => text === "relax")', 30);
+  await view.until('it relaxes', '$scene.undo.some(({kind}) => kind === "relax")', 30);
   await view.settled(30);
   await page.move(x, y);
   await page.key('k');

@@ -184,8 +184,8 @@ export class GrabStroke {
     this.end();
   }
   cancel() {
-    if (this.pick) this.session.event({kind: 'release', restore: true});
-    if (!this.isOver) this.app.say('Restored');
+    const isSent = !this.pick || this.session.event({kind: 'release', restore: true}) > 0;
+    if (!this.isOver) this.app.say(isSent ? 'Restored' : kNotKept);
     this.end();
   }
   end() {

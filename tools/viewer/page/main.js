@@ -16,12 +16,14 @@ import {MaterialPanel} from './panels/material_panel.js';
 import {ScenePanel} from './panels/scene_panel.js';
 import {exposed} from './exposed.js';
 import {nextSize} from './grab_stroke.js';
+import {LeftSession} from './left_session.js';
 
 class App {
   constructor() {
     const token = location.hash.slice(1);
-    const scheme = location.protocol === 'https:' ? 'wss:' : 'ws:';
-    this.session = new Session(`${scheme}//${location.host}/socket`, token);
+    const socket = new URL('socket', location.href);  // beside the page, wherever a proxy shows it
+    socket.protocol = location.protocol === 'https:' ? 'wss:' : 'ws:';
+    this.session = new Session(socket.href, token);
     this.settings = {radius: 5, soft: 5, push: false, cutDepth: 20, cutAbove: 5, crosshair: true};
     this.settingListeners = [];
     this.slices = new Slices(this.session);
@@ -41,6 +43,7 @@ class App {
     new ScenePanel(this, panel('panel-scene'));
     makeTabs(document.querySelector('#panel [role=tablist]'));
     this.toolbar = new Toolbar(this);
+    new LeftSession(this);
     listenToKeys(this);
     this.session.on('connection', (state) => this.connectionChanged(state));
     this.session.on('scene', () => {
@@ -86,7 +89,7 @@ class App {
     if (!session.scene) return;
     const stroke = session.scene[kind]?.at(kind === 'undo' ? -1 : 0);  // the one that is next
     const [done, nothing] = kind === 'undo' ? ['Taken back', 'Nothing is left to take back'] : ['Made again', 'Nothing is left to make again'];
-    const n = session.event({kind, all: true}, event.timeStamp);
+    const n = session.event({kind, all: true, looks: true}, event.timeStamp);
     if (n) this.sayWhenDone(n, () => stroke ? `${done}: ${strokeText(stroke)}` : nothing);
   }
   /// What was assumed when the volume was opened, until it is closed.
@@ -141,7 +144,7 @@ class App {
     }
     text.textContent = 'The connection to the program is lost. Trying again…';
     try {
-      const answer = await fetch('/', {method: 'HEAD', cache: 'no-store'});
+      const answer = await fetch('./', {method: 'HEAD', cache: 'no-store'});
       if (answer.ok && !this.session.connection.isOpen) {
         text.textContent = 'The program answers but refuses this page. If it was started again, open the address that it printed.';
       }

@@ -124,12 +124,12 @@ export class DeformPanel {
       : scene.relaxes ? 'The material relaxes every drag after its release' : '';
     this.fill('handles', scene?.handles ?? [], (handle, i) => [
       button(`${i + 1}. ${selectionText(handle)}`, () => this.app.slices.setCursor(this.session.geometry.indexOfLps(handle.lps)),
-             {class: 'link', title: 'Cross-hair there'}), this.removal('handle', i, handle.number)]);
+             {class: 'link', title: 'Cross-hair there'}), handle.number ? this.removal('handle', i, handle.number) : null].filter(Boolean));
     this.fill('anchors', scene?.anchors ?? [], (anchor, i) => [
-      this.placed(selectionText(anchor), anchor.event), this.removal('anchor', i, anchor.number)]);
+      this.placed(selectionText(anchor), anchor.event), anchor.number ? this.removal('anchor', i, anchor.number) : null].filter(Boolean));
     this.fill('cuts', scene?.cuts ?? [], (cut, i) => [`${i + 1}. ${cutText(cut)}`,
-      iconButton('remove', `Take out cut ${i + 1}`, () => this.session.event({kind: 'release', cut: i + 1}),
-                 {title: 'The body is as if it had not been made; later steps are made again'})]);
+      cut.number ? iconButton('remove', `Take out cut ${i + 1}`, () => this.session.event({kind: 'release', cut: cut.number}),
+                              {title: 'The body is as if it had not been made; later steps are made again'}) : null].filter(Boolean));
     this.refreshHistory(scene);
   }
   fill(name, items, entry) {
@@ -162,7 +162,7 @@ export class DeformPanel {
     const key = JSON.stringify([undo, redo]);
     if (key === this.historyKey) return;
     this.historyKey = key;
-    const step = (kind, count) => () => { for (let i = 0; i < count; ++i) this.session.event({kind, all: true}); };
+    const step = (kind, count) => () => { for (let i = 0; i < count; ++i) this.session.event({kind, all: true, looks: true}); };
     this.history.replaceChildren(
       ...undo.map((entry, i) => element('li', {}, button(strokeText(entry), step('undo', undo.length - 1 - i),
         {class: 'link', title: 'Go back to after this'}))),

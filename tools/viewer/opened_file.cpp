@@ -1,0 +1,76 @@
+#include "tools/viewer/opened_file.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "lib/material/presets.h"
+#include "tools/scene/json.h"
+#include "tools/scene/live_event.h"
+#include "volumes/base/text.h"
+#include "volumes/io/load/load.h"
+#include "volumes/io/open_volume.h"
+#include "volumes/state/state.h"
+
+namespace supple::tools {
+
+namespace {
+
+/// Heads are scanned within 220 to 300 mm, trunks within 350 and more.
+constexpr double kWidestHeadMm = 320;
+
+std::string absolute_path(const std::string& path) {
+  return std::filesystem::absolute(path).lexically_normal().string();
+}
+
+struct AssumedMaterial {
+  const char* preset;
+  std::string text;
+};
+
+AssumedMaterial assumed_material(const std::string& path, Progress* progress) {
+  const auto file = open_volume(path, {});
+  const VolumeStatistics statistics = digest_volume(*file, progress).statistics;
+  if (!are_hounsfield_units(statistics.min)) {
+    return {"mr-brain",
+            "no material is given and densities are not HU: mr-brain is assumed; what is darker "
+            "than the threshold between background and tissue is left out, and so is all but the "
+            "largest connected part"};
+  }
+  const Geometry& geometry = file->header().geometry;
+  const Vec3d spacing = geometry.spacing_mm();
+  const double width = std::max(geometry.dims().x * spacing.x, geometry.dims().y * spacing.y);
+  const char* preset = width > kWidestHeadMm ? "ct-body" : "ct-head";
+  return {preset, std::string("no material is given and densities are HU, ") +
+                      std::to_string(int(std::lround(width))) + " mm wide: " + preset +
+                      " is assumed; air below -300 HU is left out, and so is all but the largest "
+                      "connected part, such as the headrest; bone is rigid"};
+}
+
+}  // namespace
+
+OpenedFile opened_file(const std::string& path, const std::string& material,
+                       const std::string& preset, Progress* progress) {
+  if (std::filesystem::path(path).extension() == ".toml") return {TomlTable::read(path), ""};
+  std::string assumed;
+  Json json = {{"volume", {{"path", absolute_path(path)}}}};
+  if (find_tissue_preset(material) != nullptr) {
+    json["material"]["preset"] = material;
+  } else if (material.empty() && !is_state_file(path)) {
+    const AssumedMaterial found = assumed_material(path, progress);
+    json["material"]["preset"] = found.preset;
+    assumed = found.text;
+  } else if (!material.empty() && material != kUniform) {
+    json["material"]["table"] = absolute_path(material);
+  }
+  json["view"].push_back({{"image", "live.png"}});
+  if (!preset.empty()) json["view"][0]["preset"] = preset;
+  return {TomlTable::parse(toml_document(json.dump()), path), assumed};
+}
+
+void require_within(TomlTable& root, const Folders& folders) {
+  root.admit_inputs([folders](const std::string& path) {
+    folders.input(std::filesystem::absolute(path).string());
+  });
+}
+
+}  // namespace supple::tools

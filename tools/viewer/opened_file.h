@@ -1,0 +1,30 @@
+// A file that is opened in the viewer, as the root of a scene; and the material that is assumed for
+// a volume for which none is given.
+#pragma once
+
+#include <string>
+
+#include "lib/material/toml_table.h"
+#include "tools/viewer/folders.h"
+#include "volumes/base/progress.h"
+
+namespace supple::tools {
+
+/// As a material: all voxels above the least density are tissue of one kind.
+constexpr const char* kUniform = "uniform";
+
+struct OpenedFile {
+  TomlTable root;
+  std::string assumed;  // what was assumed for want of a material, one line; empty: nothing
+};
+
+/// A scene or journal is its own root. Of a volume the material is one that is given (a preset, the
+/// path of a table, or kUniform), else the preset that fits its densities. Throws InputError.
+OpenedFile opened_file(const std::string& path, const std::string& material,
+                       const std::string& preset, Progress* progress);
+
+/// Whatever file the root names from now on, itself or by a file that it names, must lie within the
+/// folders.
+void require_within(TomlTable& root, const Folders& folders);
+
+}  // namespace supple::tools

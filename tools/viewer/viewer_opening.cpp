@@ -1,0 +1,112 @@
+// How a viewer opens: what its options name, files that pages name, and sessions that were left.
+#include <filesystem>
+
+#include "lib/material/presets.h"
+#include "tools/scene/json.h"
+#include "tools/viewer/viewer.h"
+
+namespace supple::tools {
+
+namespace {
+
+std::string real_path(const std::string& path) {
+  std::error_code error;
+  const std::filesystem::path real = std::filesystem::canonical(path, error);
+  return error ? std::filesystem::absolute(path).string() : real.string();
+}
+
+}  // namespace
+
+/// Before there is a session's thread.
+void Viewer::begin() {
+  const std::string input = m_options.input.empty() ? "" : real_path(m_options.input);
+  m_left = left_session(m_options.sessions, input, m_folders);
+  if (m_options.go_on && !m_left) {
+    throw InputError({m_options.input, "--go-on", "no session that was left with something unsaved",
+                      "one in " + (m_options.sessions.empty() ? "a folder" : m_options.sessions)});
+  }
+  if (m_options.go_on) {
+    go_on_with(*std::exchange(m_left, std::nullopt), true);
+  } else if (!m_options.input.empty()) {
+    open(opened_file(m_options.input, m_options.material, m_options.preset, &m_progress), input);
+  }
+  m_scene = std::move(m_next);
+  if (m_left) note(&m_console, text_of(*m_left) + "; --go-on goes on with it");
+}
+
+/// On the session's thread, or before there is one. The scene so far stays where this one fails.
+void Viewer::open(const OpenedFile& file, const std::string& input, const std::string& replaces) {
+  m_progress.begin();
+  ViewSettings settings;
+  {
+    const std::lock_guard lock(m_guard);
+    settings = m_settings;
+  }
+  settings.deformed = true;
+  m_next = std::make_unique<OpenScene>(file.root, m_options.budget_ms, settings,
+                                       SceneOutlets{m_pages, m_encoder, m_progress, m_console});
+  m_next->assume(file.assumed);
+  m_next->keep(
+      std::make_unique<KeptJournal>(m_options.sessions, input, replaces,
+                                    [this](const std::string& line) { m_progress.warn(line); }));
+  m_progress.end();
+  m_pages.forget_frames();
+  const std::lock_guard lock(m_guard);
+  m_settings = m_next->settings();
+  m_next->seen(m_next_number - 1);  // pictures of it are newer than all that was asked before
+  m_label_names = m_next->live().scene().label_names;
+  m_has_scene = true;
+}
+
+void Viewer::take_open(int page, const PageMessage& message) {
+  TomlTable table = table_of(message);
+  const std::string path = m_folders.input(table.require(table.string("path"), "path", "a file"));
+  std::string material = table.string("material").value_or("");
+  const bool is_file =
+      !material.empty() && material != kUniform && find_tissue_preset(material) == nullptr;
+  if (is_file) material = m_folders.input(material);
+  const std::string preset = table.string("preset").value_or("");
+  table.finish();
+  open_later(page, message, [this, path, material, preset] {
+    m_progress.begin();
+    OpenedFile file = opened_file(path, material, preset, &m_progress);
+    require_within(file.root, m_folders);
+    open(file, path);
+  });
+}
+
+/// On the session's thread; what is open stays where it fails.
+void Viewer::open_later(int page, const PageMessage& message, const std::function<void()>& opens) {
+  m_mailbox.post([this, page, message, opens] {
+    try {
+      opens();
+      if (m_scene) m_scene->leave();
+      answer(page, message, true);
+    } catch (const std::exception& error) {
+      m_progress.end();
+      answer_error(page, message, error.what());
+    }
+  });
+  interrupt();
+}
+
+void Viewer::go_on_with(const LeftSession& left, bool is_own_input) {
+  OpenedFile file{TomlTable::parse(journal_of(left), left.path), ""};
+  if (!is_own_input) require_within(file.root, m_folders);
+  open(file, left.input, left.path);
+}
+
+/// True: the session that was left is opened; false: nobody is asked about it any more.
+void Viewer::take_go_on(int page, const PageMessage& message) {
+  if (!message.value.is_boolean()) throw InputError({"go_on", "", "no truth value", "true, false"});
+  std::optional<LeftSession> left;
+  {
+    const std::lock_guard lock(m_guard);
+    left = std::exchange(m_left, std::nullopt);
+  }
+  if (!message.value.get<bool>()) return answer(page, message, true);
+  if (!left) throw InputError({"go_on", "", "no session that was left", "one that hello tells of"});
+  open_later(page, message, [this, left] { go_on_with(*left, !m_options.input.empty()); });
+}
+
+}  // namespace supple::tools
