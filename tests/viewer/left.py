@@ -207,7 +207,7 @@ def takes_nothing(folder):
         page.event("grab", grab=[20, 30, 20])
         for step in range(100):
             page.event("drag", to=[0.005 * step, 0, 0])
-        page.carried_out()
+            page.carried_out()
         expect(len(warned(page)) == 1, page.logs)
         expect(abs(page.scene["grab"]["reached"][0] - 0.005 * 99) < 1e-3, page.scene["grab"])
         events = tomllib.loads(read(only_journal(state)).decode())["event"]

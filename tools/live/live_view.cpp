@@ -54,22 +54,20 @@ const SceneView* shown_view(const Scene& scene) {
 /// Other views are left to `supple run`.
 void LiveSession::choose_view(const TomlTable& root, Progress* progress) {
   const std::vector<SceneView>& views = m_scene.views;
-  m_view_keys = Json({{"image", kNoPicture}}).dump();
-  if (!views.empty()) {
-    const SceneView* shown = shown_view(m_scene);
-    if (shown == nullptr) {
-      throw InputError({views.back().place, "view",
-                        "slices, a lattice, meshes, marks on tissue, a path or a series",
-                        "one picture of the volume in space"});
-    }
-    m_view = *shown;
+  const SceneView* shown = shown_view(m_scene);
+  if (shown != nullptr) {
     const auto number = std::size_t(shown - views.data());
+    m_view = *shown;
     m_view_keys = with_absolute_paths(root.json(), root)["view"][number].dump();
     if (views.size() > 1) {
       note(progress, "of " + std::to_string(views.size()) + " views number " +
                          std::to_string(number + 1) +
                          " is shown, of the volume in space: " + m_view.image);
     }
+  } else {
+    m_view_keys = Json({{"image", kNoPicture}}).dump();
+    if (!views.empty())
+      note(progress, "no view draws the volume in space: a look of its own is shown");
   }
   m_first_view_keys = m_view_keys;
   if (m_view.image.empty()) m_view.image = kNoPicture;

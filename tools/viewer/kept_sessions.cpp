@@ -238,7 +238,10 @@ void KeptJournal::begin(const std::function<std::string()>& journal) {
   m_next_try = now + kTryAgainSeconds;
   if (!make_folder()) return fail("cannot be made", errno);
   prune(m_folder);
-  const std::string events = journal();
+  std::string events = journal();
+  // What the file that was opened says, and what opening did, nobody loses.
+  const std::size_t first = std::min(events.rfind(kEvent), events.size());
+  if (m_replaces.empty()) events.insert(first, std::string("\n") + kSaved);
   TomlTable root = TomlTable::parse(events, "journal");
   const std::string volume = root.table("volume")->string("path").value_or("");
   const std::string name = m_folder + "/" + plain_name(volume) + local_time(now, "-%Y%m%d-%H%M%S-");

@@ -36,6 +36,15 @@ void check_texts(Json& value, const std::string& key, const Folders& folders) {
   }
 }
 
+bool has_control_characters(const Json& value) {
+  if (value.is_string()) {
+    const std::string& text = value.get_ref<const std::string&>();
+    return std::any_of(text.begin(), text.end(),
+                       [](char c) { return (c >= 0 && c < ' ') || c == 127; });
+  }
+  return value.is_structured() && std::any_of(value.begin(), value.end(), has_control_characters);
+}
+
 }  // namespace
 
 PageMessage parse_page_message(std::string_view text) {
@@ -73,6 +82,9 @@ PageMessage parse_page_message(std::string_view text) {
 TomlTable table_of(const PageMessage& message) {
   if (!message.value.is_object()) {
     throw InputError({message.verb, "", "no object", "an object of keys"});
+  }
+  if (has_control_characters(message.value)) {
+    throw InputError({message.verb, "", "control characters", "texts and names without them"});
   }
   TomlTable root = TomlTable::parse(toml_document(Json{{message.verb, message.value}}.dump()), "");
   return *root.table(message.verb);
