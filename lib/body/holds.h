@@ -13,6 +13,9 @@ namespace supple {
 struct Bound {
   Slot slot;
   std::int32_t value;
+  /// The soft edge of a handle left it: a place that the element was asked to, not a tool beside
+  /// it.
+  bool asks = false;
 };
 
 /// Elements of one body that the handles of earlier drags still hold. Those of two-sided handles

@@ -317,18 +317,11 @@ class BallDrag {
   BallReport m_report;
 };
 
-void refuse_push(const std::vector<Handle>& handles, const Holds& holds) {
+void refuse_push(const std::vector<Handle>& handles) {
   for (const Handle& handle : handles) {
     if (handle.kind != HandleKind::push) continue;
     throw InputError({"", "grab " + handle.region.name(), "a push handle",
                       "a two-sided handle, as ball limits know no other"});
-  }
-  for (const auto* side : {&holds.at_least, &holds.at_most}) {
-    for (const std::vector<Bound>& bounds : *side) {
-      if (bounds.empty()) continue;
-      throw InputError({"", "held handles", "a push handle of an earlier drag",
-                        "its release before a drag with ball limits"});
-    }
   }
 }
 
@@ -355,9 +348,10 @@ BallReport drag_ball(Body& body, const std::vector<Handle>& handles,
                      Progress* progress) {
   const auto begin = std::chrono::steady_clock::now();
   params.validate();
-  refuse_push(handles, holds);
+  refuse_push(handles);
   const FixedElements fixed = fix(body, anchors);
-  const HeldVoxels held = hold(body, handles, fixed, holds);
+  HeldVoxels held = hold(body, handles, fixed, holds);
+  held.rest = without_sides(held.rest, "held handles");
   Holds next = held.rest;
   next.anchored.add(held.grabbed);
 

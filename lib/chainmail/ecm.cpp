@@ -132,11 +132,11 @@ CoordinateDrags solve(Body& body, HeldVoxels& held, const FreePieces& pieces,
 
 /// The places that a push handle came to; one that was withdrawn beyond the range asks nothing
 /// more.
-void add_bounds(const std::vector<ToolPlace>& places, const Fraction& fraction,
+void add_bounds(const std::vector<ToolPlace>& places, const Fraction& fraction, bool asks,
                 std::vector<Bound>& bounds) {
   for (const ToolPlace& place : places) {
     const std::int32_t value = place.value + fraction.scale(place.by);
-    bounds.push_back({place.slot, std::clamp(value, -kMaxOffset, kMaxOffset)});
+    bounds.push_back({place.slot, std::clamp(value, -kMaxOffset, kMaxOffset), asks});
   }
 }
 
@@ -150,8 +150,9 @@ Holds holds_after(const HeldVoxels& held, const Fraction& fraction) {
       continue;
     }
     for (std::size_t c = 0; c < 3; ++c) {
-      add_bounds(handle.below[c], fraction, holds.at_least[c]);
-      add_bounds(handle.above[c], fraction, holds.at_most[c]);
+      const bool asks = handle.source->is_edge;
+      add_bounds(handle.below[c], fraction, asks, holds.at_least[c]);
+      add_bounds(handle.above[c], fraction, asks, holds.at_most[c]);
     }
   }
   holds.anchored = SlotSet(std::move(anchored));

@@ -164,4 +164,20 @@ HeldVoxels hold(const Body& body, const std::vector<Handle>& handles, const Fixe
   return held;
 }
 
+Holds without_sides(const Holds& holds, const std::string& field) {
+  for (const auto* side : {&holds.at_least, &holds.at_most}) {
+    for (const std::vector<Bound>& bounds : *side) {
+      if (std::all_of(bounds.begin(), bounds.end(),
+                      [](const Bound& bound) { return bound.asks; })) {
+        continue;
+      }
+      throw InputError({"", field, "a push handle of an earlier drag, still held",
+                        "its release before, or a handle that holds"});
+    }
+  }
+  Holds kept;
+  kept.anchored = holds.anchored;
+  return kept;
+}
+
 }  // namespace supple

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <string>
 #include <vector>
 
 #include "lib/chainmail/ecm.h"
@@ -58,5 +59,10 @@ FixedElements fix(const Body& body, const std::vector<Region>& regions);
 /// of the grabbed elements and the bounds.
 HeldVoxels hold(const Body& body, const std::vector<Handle>& handles, const FixedElements& fixed,
                 const Holds& holds);
+
+/// The part of earlier holds that a model without sides obeys, that of two-sided handles: soft
+/// edges only asked, and are let go. Throws InputError, with `field`, for a tool that is still
+/// held.
+Holds without_sides(const Holds& holds, const std::string& field);
 
 }  // namespace supple

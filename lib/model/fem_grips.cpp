@@ -109,13 +109,6 @@ class CornerField {
 };
 
 void require_two_sided(const HeldVoxels& found) {
-  for (const auto* bounds : {&found.rest.at_least, &found.rest.at_most}) {
-    for (const std::vector<Bound>& of_coordinate : *bounds) {
-      if (of_coordinate.empty()) continue;
-      throw InputError({"", "finite elements", "a push handle of an earlier drag, still held",
-                        "its release, or a handle that holds"});
-    }
-  }
   for (const HeldHandle& handle : found.handles) {
     if (!handle.is_push()) continue;
     throw InputError({"", "finite elements", "a push handle", "handles that hold what they grab"});
@@ -204,9 +197,10 @@ void for_each_of_mesh(const HexMesh& mesh, Visit&& visit) {
 
 }  // namespace
 
-std::vector<FemGrip> fem_grips(const Body& body, const HeldVoxels& found,
+std::vector<FemGrip> fem_grips(const Body& body, HeldVoxels& found,
                                const std::vector<SlotSet>& told) {
   require_two_sided(found);
+  found.rest = without_sides(found.rest, "finite elements");
   std::vector<FemGrip> grips;
   const auto add_handles = [&](bool edges) {
     for (const HeldHandle& handle : found.handles) {

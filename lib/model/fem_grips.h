@@ -24,9 +24,10 @@ struct FemGrip {
 };
 
 /// Handles, anchors, edges of handles, then what earlier moves left held: a corner of several obeys
-/// the first. What of the last lies in a set of `told` is a grip of its own. Throws InputError for
+/// the first. What of the last lies in a set of `told` is a grip of its own. Soft edges that
+/// earlier drags left are let go in `found`: where they go is the material's. Throws InputError for
 /// push handles, of this drag or still held: neither statics nor dynamics know sides.
-std::vector<FemGrip> fem_grips(const Body& body, const HeldVoxels& found,
+std::vector<FemGrip> fem_grips(const Body& body, HeldVoxels& found,
                                const std::vector<SlotSet>& told);
 
 /// With the corners where the grip's elements are to be, or where they are; trilinear between them.

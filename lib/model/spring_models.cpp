@@ -39,14 +39,7 @@ void VoxelSpringModel::move(const std::vector<Handle>& handles, int steps, Progr
   const Body& body = m_held.body;
   const FixedElements fixed = fix(body, m_held.anchors);
   const HeldVoxels found = hold(body, handles, fixed, m_held.holds);
-  for (const auto* bounds : {&found.rest.at_least, &found.rest.at_most}) {
-    for (const std::vector<Bound>& of_coordinate : *bounds) {
-      if (of_coordinate.empty()) continue;
-      throw_push("a push handle of an earlier drag, still held",
-                 "its release, or a handle that holds");
-    }
-  }
-  Holds holds = found.rest;
+  Holds holds = without_sides(found.rest, "springs");
   std::vector<DrivenNodes> driven;
   for (const HeldHandle& handle : found.handles) {
     if (handle.is_push()) throw_push("a push handle", "handles that hold what they grab");

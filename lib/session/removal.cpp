@@ -105,7 +105,8 @@ std::vector<Bound> moved_bounds(const BrickTopology& from, const BrickTopology& 
   std::vector<Bound> moved;
   for (const Bound& bound : bounds) {
     Slot slot;
-    if (slot_of(to, voxel_of(from, bound.slot), slot)) moved.push_back({slot, bound.value});
+    if (slot_of(to, voxel_of(from, bound.slot), slot))
+      moved.push_back({slot, bound.value, bound.asks});
   }
   return moved;
 }

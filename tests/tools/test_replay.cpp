@@ -344,6 +344,39 @@ TEST_F(UnitReplay, ASoftHandleInStiffTissueMayTurnRound) {
   EXPECT_EQ(check_links(make_body(end, read_material(m_folder / "stiff.toml"))).violated, 0);
 }
 
+TEST_F(UnitReplay, ModelsWithoutSidesTakeASoftHandleAndRefuseATool) {
+  const std::string held = event("anchor", "grab_box = [4, 4, 8, 20, 20, 9]");
+  const auto grabbed = [](const std::string& kind) {
+    return event(kind, "grab_ball = [12, 12, 16]\nradius = 2" +
+                           std::string(kind == "grab" ? "\nsoft = 5" : "")) +
+           event("drag", "to = [0.5, 1, 0.5]") + event("release");
+  };
+  const std::string by_fem = held + event("model", "model = \"fem\"");
+  const std::string file = journal(by_fem + grabbed("grab") + grabbed("grab"));
+  const std::string once = hash(file, "--threads 1 --scene " + (m_folder / "batch.toml") +
+                                          " --state " + (m_folder / "end.vdb"));
+  EXPECT_EQ(once.size(), 64u);
+  EXPECT_EQ(hash(m_folder / "batch.toml", "--threads 2"), once);
+  const State end = read_state(m_folder / "end.vdb");
+  Slot middle;
+  ASSERT_TRUE(slot_of(end.elements, {12, 12, 16}, middle));
+  EXPECT_EQ(end.q[1].at(middle), 2 * kFixedOne);
+
+  const Outcome tool = replay(journal(by_fem + grabbed("push")));
+  EXPECT_EQ(tool.exit_code, 3);
+  EXPECT_NE(tool.err.find("push handle of an earlier drag"), std::string::npos) << tool.err;
+
+  const std::string soft = held + grabbed("grab");
+  const std::string again =
+      event("grab", "grab = [12, 16, 14]") + event("drag", "to = [0, 0.2, 0]");
+  for (const char* other :
+       {"model = \"springs\"\nsprings = { time = 0.01 }", "limits = \"ball\""}) {
+    const std::string kind = std::string(other).substr(0, 6) == "limits" ? "limits" : "model";
+    const Outcome run = replay(journal(soft + event(kind, other) + again));
+    EXPECT_EQ(run.exit_code, 0) << other << run.err;
+  }
+}
+
 TEST_F(UnitReplay, AFilmShowsEventsAtTheirTimesAndPausesShortened) {
   const std::string file = journal(
       event("grab", "at = 200\ngrab = [12, 12, 16]") + event("drag", "at = 400\nto = [0, 1, 0]") +
